@@ -1,0 +1,13 @@
+# The core: URDF and poses in, pairs out. Links no ROS library (test_core_links_no_ros holds it so).
+add_library(collision_pairs SHARED
+  src/core/aabb.cpp
+  src/core/narrow_phase.cpp
+  src/core/pair_filter.cpp
+  src/core/shape.cpp
+  src/core/sweep_and_prune.cpp
+)
+target_include_directories(collision_pairs PUBLIC
+  $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:include>
+  PRIVATE ${PROJECT_SOURCE_DIR}/src/core)
+target_link_libraries(collision_pairs PUBLIC Eigen3::Eigen PRIVATE fcl Threads::Threads)
+collision_pairs_warnings(collision_pairs)

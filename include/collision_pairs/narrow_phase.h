@@ -1,0 +1,72 @@
+// How far apart two shapes are, or how deep in each other.
+#pragma once
+
+#include <limits>
+#include <memory>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include "collision_pairs/shape.h"
+
+namespace collision_pairs {
+
+/// What a PairDistance's number is worth.
+enum class Certainty {
+  EXACT,     ///< the distance itself, to the accuracy that the table of pairs states
+  BEYOND,    ///< further apart than was asked; `distance` is a lower bound of the distance
+  BOUND,     ///< in contact for certain; |distance| is an upper bound of the depth
+  DEGRADED,  ///< the first method failed; `distance` is a lower bound of the signed distance
+};
+
+/// The answer for shapes A and B, measured and expressed in A's frame.
+struct PairDistance {
+  double distance = std::numeric_limits<double>::infinity();  ///< metres; <= 0 touches, -depth
+  Eigen::Vector3d p_ACa = Eigen::Vector3d::Zero();            ///< witness point on A
+  Eigen::Vector3d p_ACb = Eigen::Vector3d::Zero();            ///< witness point on B
+  Eigen::Vector3d nhat_AB_A = Eigen::Vector3d::UnitZ();       ///< unit normal, from A to B
+  Certainty certainty = Certainty::EXACT;
+  /// Witness points and normal are meaningless when BEYOND.
+  bool touches() const { return distance <= 0.0; }
+};
+
+/// A shape with everything that a query needs and that is worth keeping (hull, tree of bounding
+/// volumes, …). Immutable, so all threads share it.
+class PreparedShape {
+ public:
+  virtual ~PreparedShape() = default;
+  const Shape& shape() const { return shape_; }
+
+ protected:
+  explicit PreparedShape(Shape shape) : shape_(std::move(shape)) {}
+
+ private:
+  Shape shape_;
+};
+
+/// Throws std::invalid_argument that names the defect (see validateShape).
+/// Cost: O(1), for Convex and Mesh O(n log n).
+std::shared_ptr<const PreparedShape> prepareShape(const Shape& shape);
+
+/// Answers pairs of shapes. Holds scratch memory only: one per thread.
+class NarrowPhase {
+ public:
+  NarrowPhase();
+  ~NarrowPhase();
+  NarrowPhase(NarrowPhase&&) noexcept;
+  NarrowPhase& operator=(NarrowPhase&&) noexcept;
+
+  /// Do the two solids have a point in common? Never throws.
+  bool touches(const PreparedShape& A, const PreparedShape& B, const Eigen::Isometry3d& X_AB);
+
+  /// Signed distance, witness points and normal. What is further apart than max_distance (metres,
+  /// >= 0, may be infinite) is not computed to the end and comes back as BEYOND. Never throws.
+  PairDistance distance(const PreparedShape& A, const PreparedShape& B,
+                        const Eigen::Isometry3d& X_AB, double max_distance);
+
+ private:
+  struct Scratch;
+  std::unique_ptr<Scratch> scratch_;
+};
+
+}  // namespace collision_pairs
