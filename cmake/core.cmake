@@ -1,13 +1,23 @@
 # The core: URDF and poses in, pairs out. Links no ROS library (test_core_links_no_ros holds it so).
 add_library(collision_pairs SHARED
   src/core/aabb.cpp
+  src/core/collision_detector.cpp
+  src/core/collision_report.cpp
+  src/core/collision_scene.cpp
+  src/core/enclosure.cpp
   src/core/narrow_phase.cpp
   src/core/pair_filter.cpp
+  src/core/robot_model.cpp
   src/core/shape.cpp
+  src/core/srdf.cpp
   src/core/sweep_and_prune.cpp
+  src/core/urdf_checks.cpp
+  src/core/urdf_reader.cpp
+  src/core/xml_file.cpp
 )
 target_include_directories(collision_pairs PUBLIC
   $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:include>
   PRIVATE ${PROJECT_SOURCE_DIR}/src/core)
-target_link_libraries(collision_pairs PUBLIC Eigen3::Eigen PRIVATE fcl Threads::Threads)
+target_link_libraries(collision_pairs PUBLIC Eigen3::Eigen PRIVATE
+  fcl ${URDFDOM_LIBRARIES} tinyxml2::tinyxml2 qhullcpp qhull_r Threads::Threads)
 collision_pairs_warnings(collision_pairs)

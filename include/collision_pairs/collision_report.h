@@ -1,0 +1,82 @@
+// What a check answers.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "collision_pairs/aabb.h"
+#include "collision_pairs/narrow_phase.h"
+#include "collision_pairs/sweep_and_prune.h"
+
+namespace collision_pairs {
+
+/// Which geometry decides: a ladder on which each rung encloses the next, so that a cheaper one
+/// reports every contact that a dearer one reports, and its distance is a lower bound.
+enum class Fidelity {
+  AABB,    ///< the axis-aligned boxes of the broad phase
+  OBB,     ///< a box about each element, turned with it
+  CONVEX,  ///< the convex hull of each element
+  MESH     ///< the elements as they are
+};
+
+const char* fidelityName(Fidelity fidelity);
+/// Throws InputError that lists the known names.
+Fidelity parseFidelity(const std::string& name);
+
+enum class PairState {
+  NEAR,       ///< apart, and no further than the alarm distance
+  CONTACT,    ///< touching or penetrating
+  UNRESOLVED  ///< not settled; `distance` is a lower bound of the signed distance
+};
+
+/// Closest (or deepest) points of two elements, measured and expressed in the world frame W.
+struct Contact {
+  Eigen::Vector3d p_WFirst;   ///< on the element of the first model
+  Eigen::Vector3d p_WSecond;  ///< on the element of the second model
+  Eigen::Vector3d nhat_W;     ///< unit normal, from the first to the second model
+  double depth;               ///< metres; minus the distance where the two are apart
+  BoxPair elements;           ///< element of the first model, element of the second
+};
+
+/// Two models, first < second by id and by name.
+struct PairReport {
+  std::uint32_t first;
+  std::uint32_t second;
+  PairState state;
+  double distance;  ///< metres, signed: the smallest of all its element pairs
+  Fidelity fidelity;
+  Certainty certainty;
+  std::uint32_t first_contact;  ///< its contacts are a range of CollisionReport::contacts,
+  std::uint32_t nb_contacts;    ///< one for each pair of elements in reach
+};
+
+/// Seconds spent in each stage.
+struct StageTimes {
+  double boxes = 0.0;
+  double broad_phase = 0.0;
+  double narrow_phase = 0.0;
+  double total = 0.0;
+};
+
+/// Owned by the detector that filled it and valid until its next check; copy what must stay.
+struct CollisionReport {
+  /// Some pair touches, or could not be shown not to (UNRESOLVED).
+  bool in_collision = false;
+  /// Smallest signed distance of all allowed pairs, where it is at most the alarm distance or was
+  /// asked for; otherwise the alarm distance, of which it is then known to be no less.
+  double min_distance = 0.0;
+  bool min_distance_is_bound = true;
+  std::vector<PairReport> pairs;        ///< sorted by (first, second)
+  std::vector<Contact> contacts;        ///< in the order of `pairs`
+  std::vector<BoxPair> candidates;      ///< the investigated pairs of elements, sorted: nb_pairs
+  std::vector<Aabb> boxes;              ///< one an element, in W; not valid() where it has no pose
+  std::vector<std::uint32_t> left_out;  ///< models without a usable pose
+  std::uint32_t nb_boxes = 0;           ///< boxes rebuilt or standing in this cycle
+  std::uint32_t nb_degraded = 0;        ///< element pairs that the first method could not settle
+  StageTimes times;
+};
+
+}  // namespace collision_pairs

@@ -1,0 +1,137 @@
+// A robot as its URDF describes it, reduced to what a collision check needs: links with their
+// collision elements, the joints between them, and forward kinematics.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "collision_pairs/shape.h"
+
+namespace collision_pairs {
+
+/// Fetches the mesh that a URDF names. `scale` is applied to the vertices, per axis, and may
+/// mirror. Throws InputError.
+using MeshLoader = std::function<std::shared_ptr<const TriangleMesh>(const std::string& uri,
+                                                                     const Eigen::Vector3d& scale)>;
+
+/// One <collision> of a link.
+struct Element {
+  Shape shape;
+  Eigen::Isometry3d X_LE;  ///< pose of the shape's frame E in the link frame L
+};
+
+struct Link {
+  std::string name;
+  int parent_joint = -1;  ///< -1 for the root
+  std::vector<Element> elements;
+  bool has_geometry = false;  ///< has a <collision>, also one that could not be used
+  int body = -1;              ///< the rigid body it belongs to
+  Eigen::Isometry3d X_BL;     ///< pose of the link in that body's frame
+};
+
+enum class JointType { FIXED, REVOLUTE, CONTINUOUS, PRISMATIC, FLOATING, PLANAR };
+
+struct Joint {
+  struct Mimic {
+    int joint;
+    double multiplier;
+    double offset;
+  };
+  std::string name;
+  JointType type = JointType::FIXED;
+  int parent_link = -1;
+  int child_link = -1;
+  Eigen::Isometry3d X_PJ = Eigen::Isometry3d::Identity();  ///< joint frame in the parent link
+  Eigen::Vector3d axis = Eigen::Vector3d::UnitX();         ///< unit, in the joint frame
+  double lower = 0.0;                                      ///< rad or m; both 0: no limits
+  double upper = 0.0;
+  std::optional<Mimic> mimic;
+
+  /// Moves with one number: what a joint state can name.
+  bool hasPosition() const {
+    return type == JointType::REVOLUTE || type == JointType::CONTINUOUS ||
+           type == JointType::PRISMATIC;
+  }
+  bool hasLimits() const { return type == JointType::REVOLUTE || type == JointType::PRISMATIC; }
+
+  /// Pose of the child link in the joint frame at `position` (rad or m). Identity for joints
+  /// without a position.
+  Eigen::Isometry3d motion(double position) const;
+};
+
+/// A <collision> that is not in the model although the URDF has it.
+struct BrokenElement {
+  std::string link;
+  std::string reason;
+};
+
+/// Links that no joint can move against each other. Its frame is that of its first link, the one
+/// whose parent joint moves (or the root).
+struct Body {
+  int link = -1;
+  int joint = -1;   ///< the moving joint above it, -1 for the root's body
+  int parent = -1;  ///< the body above that joint, -1 for the root's body
+  /// Pose of that joint's frame in the parent body's frame.
+  Eigen::Isometry3d X_PJ = Eigen::Isometry3d::Identity();
+};
+
+/// Immutable. Links, joints and bodies are numbered from the root outwards: a parent always comes
+/// before its children.
+class RobotModel {
+ public:
+  /// Reads a URDF. Only links, joints and <collision> are looked at; whatever else it says cannot
+  /// make it fail. Throws InputError with the line of the XML.
+  ///
+  /// A <collision> whose mesh cannot be used makes it throw too, unless `broken` is given: then the
+  /// element is left out, and its link and the reason are added there. The caller has to pass them
+  /// on with every answer, because that link is no longer wholly checked.
+  static std::shared_ptr<const RobotModel> fromUrdf(const std::string& xml,
+                                                    const MeshLoader& load_mesh,
+                                                    std::vector<BrokenElement>* broken = nullptr);
+
+  const std::string& name() const { return name_; }
+  const std::vector<Link>& links() const { return links_; }
+  const std::vector<Joint>& joints() const { return joints_; }
+  const std::vector<Body>& bodies() const { return bodies_; }
+
+  /// -1 if there is none of that name.
+  int findLink(const std::string& name) const;
+  int findJoint(const std::string& name) const;
+
+  /// Pairs (first < second) of links with geometry of which one hangs from the other, directly or
+  /// through links without geometry only.
+  std::vector<std::pair<int, int>> adjacentLinks() const;
+
+  /// Every joint at zero, or at the limit nearer to zero where zero is out of bounds; joints that
+  /// mimic follow. One entry a joint (those without a position: 0).
+  std::vector<double> zeroPositions() const;
+
+  /// Overwrites the positions of all joints that mimic another.
+  void applyMimics(std::vector<double>& positions) const;
+
+  /// Pose of each body in the frame of the root link, by `positions` (one entry a joint, mimics
+  /// applied). Floating and planar joints stand at identity. O(bodies).
+  void forwardKinematics(const std::vector<double>& positions,
+                         std::vector<Eigen::Isometry3d>& X_RB) const;
+
+ private:
+  friend class UrdfReader;
+  RobotModel() = default;
+  void indexNames();
+  void groupIntoBodies();
+
+  std::string name_;
+  std::vector<Link> links_;
+  std::vector<Joint> joints_;
+  std::vector<Body> bodies_;
+  std::unordered_map<std::string, int> link_ids_;
+  std::unordered_map<std::string, int> joint_ids_;
+};
+
+}  // namespace collision_pairs

@@ -1,0 +1,30 @@
+// What an SRDF says about collisions. Groups and states in it are not read here.
+#pragma once
+
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace collision_pairs {
+
+struct Srdf {
+  using LinkPair = std::pair<std::string, std::string>;  ///< first < second
+
+  std::vector<std::string> disabled_links;  ///< disable_default_collisions
+  std::vector<LinkPair> enabled_pairs;      ///< enable_collisions
+  std::vector<LinkPair> disabled_pairs;     ///< disable_collisions
+
+  /// Throws InputError with the line. Repeated pairs and a link paired with itself are common in
+  /// generated files and are passed over.
+  static Srdf fromXml(const std::string& xml);
+
+  /// In MoveIt's order: links switched off by default, then pairs switched on again, then pairs
+  /// switched off. O(pairs).
+  std::set<LinkPair> switchedOff(const std::vector<std::string>& links) const;
+
+  /// Names that none of `links` has, sorted: for a warning.
+  std::vector<std::string> unknownLinks(const std::vector<std::string>& links) const;
+};
+
+}  // namespace collision_pairs

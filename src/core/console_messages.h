@@ -1,0 +1,39 @@
+// Libraries of the ROS world (urdfdom, geometric_shapes) say what went wrong to console_bridge
+// only.
+#pragma once
+
+#include <mutex>
+#include <string>
+
+#include <console_bridge/console.h>
+
+namespace collision_pairs {
+
+/// While it lives, console_bridge's errors are kept here instead of being printed, so that they
+/// can become part of our own message. The lock is there because console_bridge has one handler
+/// for the whole process.
+class ConsoleMessages : public console_bridge::OutputHandler {
+ public:
+  ConsoleMessages() : lock_(mutex()) { console_bridge::useOutputHandler(this); }
+  ~ConsoleMessages() override { console_bridge::restorePreviousOutputHandler(); }
+  ConsoleMessages(const ConsoleMessages&) = delete;
+  ConsoleMessages& operator=(const ConsoleMessages&) = delete;
+
+  void log(const std::string& text, console_bridge::LogLevel level, const char*, int) override {
+    if (level >= console_bridge::CONSOLE_BRIDGE_LOG_ERROR && first_error_.empty()) {
+      first_error_ = text;
+    }
+  }
+  /// Empty if there was none.
+  const std::string& firstError() const { return first_error_; }
+
+ private:
+  static std::mutex& mutex() {
+    static std::mutex instance;
+    return instance;
+  }
+  std::lock_guard<std::mutex> lock_;
+  std::string first_error_;
+};
+
+}  // namespace collision_pairs

@@ -1,0 +1,28 @@
+// Cheaper shapes that enclose an element: the rungs of the fidelity ladder.
+#pragma once
+
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "collision_pairs/shape.h"
+
+namespace collision_pairs {
+
+/// The vertices that are corners of the convex hull, by qhull; all vertices where they are too few
+/// or too flat for a hull. Points that qhull takes for corners no longer, because they are within
+/// its rounding of a face, lie outside the hull of the rest by at most hullMargin().
+std::shared_ptr<const TriangleMesh> hullVertices(const TriangleMesh& mesh);
+
+/// Metres by which the hull must be grown to enclose `mesh` in exact arithmetic.
+double hullMargin(const TriangleMesh& mesh);
+
+/// A box that encloses the shape tightly, and its pose in the shape's frame E. For vertices: the
+/// smallest of the boxes that have one axis along the frame or along a principal axis of the
+/// vertices, each turned about that axis so that its cross section is least (rotating calipers,
+/// Toussaint 1983, by trying each edge of the planar hull). Grown by its rounding.
+std::pair<Box, Eigen::Isometry3d> enclosingBox(const Shape& shape);
+
+}  // namespace collision_pairs

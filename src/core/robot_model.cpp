@@ -1,0 +1,108 @@
+#include "collision_pairs/robot_model.h"
+
+#include <algorithm>
+
+namespace collision_pairs {
+
+using Eigen::Isometry3d;
+
+Isometry3d Joint::motion(double position) const {
+  Isometry3d X = Isometry3d::Identity();
+  if (type == JointType::PRISMATIC) {
+    X.translation() = position * axis;
+  } else if (hasPosition()) {
+    X.linear() = Eigen::AngleAxisd(position, axis).toRotationMatrix();
+  }
+  return X;
+}
+
+void RobotModel::indexNames() {
+  for (std::size_t i = 0; i < links_.size(); ++i) link_ids_[links_[i].name] = static_cast<int>(i);
+  for (std::size_t i = 0; i < joints_.size(); ++i) {
+    joint_ids_[joints_[i].name] = static_cast<int>(i);
+  }
+}
+
+void RobotModel::groupIntoBodies() {
+  bodies_.clear();
+  for (std::size_t i = 0; i < links_.size(); ++i) {
+    Link& link = links_[i];
+    const int joint_id = link.parent_joint;
+    if (joint_id >= 0 && joints_[joint_id].type == JointType::FIXED) {
+      const Link& parent = links_[joints_[joint_id].parent_link];
+      link.body = parent.body;
+      link.X_BL = parent.X_BL * joints_[joint_id].X_PJ;
+      continue;
+    }
+    Body body;
+    body.link = static_cast<int>(i);
+    if (joint_id >= 0) {
+      const Link& parent = links_[joints_[joint_id].parent_link];
+      body.joint = joint_id;
+      body.parent = parent.body;
+      body.X_PJ = parent.X_BL * joints_[joint_id].X_PJ;
+    }
+    link.body = static_cast<int>(bodies_.size());
+    link.X_BL = Isometry3d::Identity();
+    bodies_.push_back(body);
+  }
+}
+
+int RobotModel::findLink(const std::string& name) const {
+  const auto found = link_ids_.find(name);
+  return found == link_ids_.end() ? -1 : found->second;
+}
+
+int RobotModel::findJoint(const std::string& name) const {
+  const auto found = joint_ids_.find(name);
+  return found == joint_ids_.end() ? -1 : found->second;
+}
+
+std::vector<std::pair<int, int>> RobotModel::adjacentLinks() const {
+  std::vector<std::pair<int, int>> pairs;
+  for (std::size_t i = 0; i < links_.size(); ++i) {
+    if (!links_[i].has_geometry) continue;
+    int ancestor = static_cast<int>(i);
+    do {
+      const int joint = links_[ancestor].parent_joint;
+      ancestor = joint < 0 ? -1 : joints_[joint].parent_link;
+    } while (ancestor >= 0 && !links_[ancestor].has_geometry);
+    if (ancestor >= 0) pairs.emplace_back(ancestor, static_cast<int>(i));
+  }
+  return pairs;
+}
+
+std::vector<double> RobotModel::zeroPositions() const {
+  std::vector<double> positions(joints_.size(), 0.0);
+  for (std::size_t i = 0; i < joints_.size(); ++i) {
+    if (joints_[i].hasLimits()) {
+      positions[i] = std::clamp(0.0, joints_[i].lower, joints_[i].upper);
+    }
+  }
+  applyMimics(positions);
+  return positions;
+}
+
+void RobotModel::applyMimics(std::vector<double>& positions) const {
+  // A chain of mimics is followed to the joint that leads it; the reader refuses cycles.
+  const std::function<double(int)> position = [&](int joint) -> double {
+    const auto& mimic = joints_[joint].mimic;
+    return mimic ? mimic->multiplier * position(mimic->joint) + mimic->offset : positions[joint];
+  };
+  for (std::size_t i = 0; i < joints_.size(); ++i) {
+    if (joints_[i].mimic) positions[i] = position(static_cast<int>(i));
+  }
+}
+
+void RobotModel::forwardKinematics(const std::vector<double>& positions,
+                                   std::vector<Isometry3d>& X_RB) const {
+  X_RB.resize(bodies_.size());
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    const Body& body = bodies_[i];
+    X_RB[i] = body.joint < 0 ? Isometry3d::Identity()
+                             : X_RB[body.parent] * body.X_PJ *
+                                   joints_[body.joint].motion(positions[body.joint]);
+  }
+}
+
+}  // namespace collision_pairs

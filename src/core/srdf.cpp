@@ -1,0 +1,70 @@
+#include "collision_pairs/srdf.h"
+
+#include <algorithm>
+
+#include "xml_file.h"
+
+namespace collision_pairs {
+namespace {
+
+const std::string WHAT = "SRDF";
+
+Srdf::LinkPair ordered(const std::string& a, const std::string& b) {
+  return a < b ? Srdf::LinkPair(a, b) : Srdf::LinkPair(b, a);
+}
+
+std::vector<Srdf::LinkPair> readPairs(const tinyxml2::XMLElement& robot, const char* tag) {
+  std::vector<Srdf::LinkPair> pairs;
+  for (auto* element = robot.FirstChildElement(tag); element;
+       element = element->NextSiblingElement(tag)) {
+    const std::string first = requiredAttribute(*element, "link1", WHAT);
+    const std::string second = requiredAttribute(*element, "link2", WHAT);
+    if (first != second) pairs.push_back(ordered(first, second));
+  }
+  return pairs;
+}
+
+}  // namespace
+
+Srdf Srdf::fromXml(const std::string& xml) {
+  tinyxml2::XMLDocument document;
+  const tinyxml2::XMLElement* robot = parseXml(document, xml, "robot", WHAT);
+  Srdf srdf;
+  srdf.disabled_pairs = readPairs(*robot, "disable_collisions");
+  srdf.enabled_pairs = readPairs(*robot, "enable_collisions");
+  for (auto* element = robot->FirstChildElement("disable_default_collisions"); element;
+       element = element->NextSiblingElement("disable_default_collisions")) {
+    srdf.disabled_links.push_back(requiredAttribute(*element, "link", WHAT));
+  }
+  return srdf;
+}
+
+std::set<Srdf::LinkPair> Srdf::switchedOff(const std::vector<std::string>& links) const {
+  std::set<LinkPair> off;
+  for (const std::string& disabled : disabled_links) {
+    for (const std::string& other : links) {
+      if (other != disabled) off.insert(ordered(disabled, other));
+    }
+  }
+  for (const LinkPair& pair : enabled_pairs) off.erase(pair);
+  off.insert(disabled_pairs.begin(), disabled_pairs.end());
+  return off;
+}
+
+std::vector<std::string> Srdf::unknownLinks(const std::vector<std::string>& links) const {
+  const std::set<std::string> known(links.begin(), links.end());
+  std::set<std::string> unknown;
+  const auto note = [&](const std::string& link) {
+    if (known.count(link) == 0) unknown.insert(link);
+  };
+  for (const auto* pairs : {&enabled_pairs, &disabled_pairs}) {
+    for (const LinkPair& pair : *pairs) {
+      note(pair.first);
+      note(pair.second);
+    }
+  }
+  std::for_each(disabled_links.begin(), disabled_links.end(), note);
+  return {unknown.begin(), unknown.end()};
+}
+
+}  // namespace collision_pairs

@@ -1,0 +1,285 @@
+#include "urdf_checks.h"
+
+#include <array>
+#include <map>
+#include <set>
+
+#include "collision_pairs/input_error.h"
+#include "xml_file.h"
+
+namespace collision_pairs {
+namespace {
+
+using tinyxml2::XMLElement;
+
+const std::string WHAT = "URDF";
+
+[[noreturn]] void fail(const XMLElement& element, const std::string& message) {
+  failAt(element, WHAT, message);
+}
+
+std::string quoted(const std::string& text) { return "'" + text + "'"; }
+
+/// Everything read while walking the file once.
+struct Tree {
+  std::map<std::string, const XMLElement*> links;
+  std::map<std::string, const XMLElement*> joints;
+  std::map<std::string, std::string> parent_of;    // link by child link
+  std::map<std::string, const XMLElement*> above;  // joint by child link
+  std::map<std::string, std::string> mimic_of;     // joint by mimicking joint
+};
+
+double checkNumber(const XMLElement& element, const char* attribute, const std::string& owner) {
+  const std::string text = requiredAttribute(element, attribute, WHAT + ": " + owner);
+  double value = 0.0;
+  if (!parseNumber(text, value)) {
+    fail(element, owner + ": " + attribute + " " + quoted(text) + " is not a finite number");
+  }
+  return value;
+}
+
+void checkSize(const XMLElement& element, const char* attribute, const std::string& owner) {
+  if (checkNumber(element, attribute, owner) < 0.0) {
+    fail(element,
+         owner + ": " + attribute + " " + quoted(element.Attribute(attribute)) + " is negative");
+  }
+}
+
+Eigen::Vector3d checkVector(const XMLElement& element, const char* attribute,
+                            const std::string& owner) {
+  const std::string text = requiredAttribute(element, attribute, WHAT + ": " + owner);
+  Eigen::Vector3d value;
+  if (!parseVector3(text, value)) {
+    fail(element, owner + ": " + attribute + " " + quoted(text) + " must be three finite numbers");
+  }
+  return value;
+}
+
+void checkOrigin(const XMLElement& parent, const std::string& owner) {
+  const XMLElement* origin = parent.FirstChildElement("origin");
+  if (origin == nullptr) return;
+  for (const char* attribute : {"xyz", "rpy"}) {
+    if (origin->Attribute(attribute)) checkVector(*origin, attribute, owner + ": origin");
+  }
+}
+
+void checkMesh(const XMLElement& mesh, const std::string& owner) {
+  requiredAttribute(mesh, "filename", WHAT + ": " + owner);
+  if (mesh.Attribute("scale") && (checkVector(mesh, "scale", owner).array() == 0.0).any()) {
+    fail(mesh, owner + ": scale " + quoted(mesh.Attribute("scale")) + " flattens the mesh");
+  }
+}
+
+void checkGeometry(const XMLElement& collision, const std::string& owner) {
+  const XMLElement* geometry = collision.FirstChildElement("geometry");
+  if (geometry == nullptr) fail(collision, owner + ": <collision> without <geometry>");
+  const XMLElement* shape = geometry->FirstChildElement();
+  if (shape == nullptr) fail(*geometry, owner + ": <geometry> is empty");
+  if (shape->NextSiblingElement()) fail(*geometry, owner + ": more than one shape in <geometry>");
+  const std::string kind = shape->Name();
+  if (kind == "box") {
+    if ((checkVector(*shape, "size", owner + ": box").array() < 0.0).any()) {
+      fail(*shape, owner + ": box size " + quoted(shape->Attribute("size")) + " is negative");
+    }
+  } else if (kind == "sphere") {
+    checkSize(*shape, "radius", owner + ": sphere");
+  } else if (kind == "cylinder") {
+    checkSize(*shape, "radius", owner + ": cylinder");
+    checkSize(*shape, "length", owner + ": cylinder");
+  } else if (kind == "mesh") {
+    checkMesh(*shape, owner + ": mesh");
+  } else {
+    fail(*shape,
+         owner + ": unknown shape <" + kind + ">; box, sphere, cylinder and mesh are known");
+  }
+}
+
+void readLink(const XMLElement& element, Tree& tree) {
+  const std::string name = requiredAttribute(element, "name", WHAT);
+  if (!tree.links.emplace(name, &element).second) fail(element, "a second link " + quoted(name));
+  for (auto* collision = element.FirstChildElement("collision"); collision;
+       collision = collision->NextSiblingElement("collision")) {
+    checkGeometry(*collision, "link " + quoted(name));
+    checkOrigin(*collision, "link " + quoted(name));
+  }
+}
+
+void checkLimits(const XMLElement& joint, const std::string& owner) {
+  const XMLElement* limit = joint.FirstChildElement("limit");
+  if (limit == nullptr) fail(joint, owner + " has no <limit>");
+  const double lower = limit->Attribute("lower") ? checkNumber(*limit, "lower", owner) : 0.0;
+  const double upper = limit->Attribute("upper") ? checkNumber(*limit, "upper", owner) : 0.0;
+  if (lower > upper) fail(*limit, owner + ": its lower limit is above its upper limit");
+}
+
+void checkMotion(const XMLElement& joint, const std::string& type, const std::string& owner) {
+  static const std::set<std::string> TYPES = {"fixed",     "revolute", "continuous",
+                                              "prismatic", "floating", "planar"};
+  if (TYPES.count(type) == 0) fail(joint, owner + ": unknown joint type " + quoted(type));
+  if (type == "revolute" || type == "prismatic") checkLimits(joint, owner);
+  const XMLElement* axis = joint.FirstChildElement("axis");
+  if (axis && type != "fixed" && type != "floating" &&
+      checkVector(*axis, "xyz", owner + ": axis").isZero(0.0)) {
+    fail(*axis, owner + ": its axis is zero");
+  }
+}
+
+void readMimic(const XMLElement& joint, const std::string& name, const std::string& type,
+               Tree& tree) {
+  const XMLElement* mimic = joint.FirstChildElement("mimic");
+  if (mimic == nullptr) return;
+  const std::string owner = "joint " + quoted(name) + ": mimic";
+  if (type != "revolute" && type != "continuous" && type != "prismatic") {
+    fail(*mimic, owner + ": a " + type + " joint has no position that could follow");
+  }
+  tree.mimic_of[name] = requiredAttribute(*mimic, "joint", WHAT + ": " + owner);
+  for (const char* attribute : {"multiplier", "offset"}) {
+    if (mimic->Attribute(attribute)) checkNumber(*mimic, attribute, owner);
+  }
+}
+
+void readJoint(const XMLElement& element, Tree& tree) {
+  const std::string name = requiredAttribute(element, "name", WHAT);
+  const std::string owner = "joint " + quoted(name);
+  if (!tree.joints.emplace(name, &element).second) fail(element, "a second " + owner);
+  const std::string type = requiredAttribute(element, "type", WHAT + ": " + owner);
+  std::array<std::string, 2> ends;
+  const std::array<const char*, 2> tags = {"parent", "child"};
+  for (int i = 0; i < 2; ++i) {
+    const XMLElement* end = element.FirstChildElement(tags[i]);
+    if (end == nullptr) fail(element, owner + " has no <" + tags[i] + ">");
+    ends[i] = requiredAttribute(*end, "link", WHAT + ": " + owner);
+  }
+  if (!tree.parent_of.emplace(ends[1], ends[0]).second) {
+    fail(element, "link " + quoted(ends[1]) + " has two parents, joints " +
+                      quoted(tree.above[ends[1]]->Attribute("name")) + " and " + quoted(name));
+  }
+  tree.above[ends[1]] = &element;
+  checkOrigin(element, owner);
+  checkMotion(element, type, owner);
+  readMimic(element, name, type, tree);
+}
+
+void checkEndsExist(const Tree& tree) {
+  for (const auto& [child, joint] : tree.above) {
+    for (const std::string& link : {child, tree.parent_of.at(child)}) {
+      if (tree.links.count(link) == 0) {
+        fail(*joint, "joint " + quoted(joint->Attribute("name")) + " names link " + quoted(link) +
+                         ", which does not exist");
+      }
+    }
+  }
+}
+
+void checkOneRoot(const Tree& tree, const XMLElement& robot) {
+  std::string root;
+  for (const auto& [name, element] : tree.links) {
+    if (tree.parent_of.count(name)) continue;
+    if (!root.empty()) {
+      fail(*element,
+           "two root links, " + quoted(root) + " and " + quoted(name) + "; join one to the other");
+    }
+    root = name;
+  }
+  if (root.empty()) fail(robot, "no root link: the links form a cycle");
+}
+
+// With one root and one parent a link, what does not lead up to the root is on, or below, a cycle.
+void checkNoCycle(const Tree& tree) {
+  std::set<std::string> reaches_root;
+  for (const auto& [name, element] : tree.links) {
+    std::set<std::string> path;
+    std::string link = name;
+    while (reaches_root.count(link) == 0) {
+      if (!path.insert(link).second) {
+        fail(*element, "link " + quoted(name) + " is part of, or hangs on, a cycle of links");
+      }
+      const auto parent = tree.parent_of.find(link);
+      if (parent == tree.parent_of.end()) break;
+      link = parent->second;
+    }
+    reaches_root.merge(path);
+  }
+}
+
+void checkMimics(const Tree& tree) {
+  static const std::set<std::string> MOVING = {"revolute", "continuous", "prismatic"};
+  for (const auto& [joint, first_leader] : tree.mimic_of) {
+    const XMLElement& element = *tree.joints.at(joint);
+    std::string leader = first_leader;
+    for (std::size_t steps = 0;; ++steps) {
+      const auto found = tree.joints.find(leader);
+      if (found == tree.joints.end()) {
+        fail(element,
+             "joint " + quoted(joint) + " mimics " + quoted(leader) + ", which does not exist");
+      }
+      if (MOVING.count(found->second->Attribute("type")) == 0) {
+        fail(element,
+             "joint " + quoted(joint) + " mimics " + quoted(leader) + ", which has no position");
+      }
+      const auto next = tree.mimic_of.find(leader);
+      if (next == tree.mimic_of.end()) break;
+      if (steps > tree.mimic_of.size()) {
+        fail(element, "joint " + quoted(joint) + " mimics itself through a cycle");
+      }
+      leader = next->second;
+    }
+  }
+}
+
+void keepOnly(XMLElement& parent, const std::set<std::string>& names) {
+  for (XMLElement* child = parent.FirstChildElement(); child;) {
+    XMLElement* next = child->NextSiblingElement();
+    if (names.count(child->Name()) == 0) parent.DeleteChild(child);
+    child = next;
+  }
+}
+
+// urdfdom insists on attributes of <limit> that no collision check reads.
+void completeLimit(XMLElement& joint) {
+  XMLElement* limit = joint.FirstChildElement("limit");
+  if (limit == nullptr) return;
+  limit->SetAttribute("effort", "0");
+  limit->SetAttribute("velocity", "0");
+}
+
+void reduce(XMLElement& robot) {
+  keepOnly(robot, {"link", "joint"});
+  robot.DeleteAttribute("version");
+  for (XMLElement* child = robot.FirstChildElement(); child; child = child->NextSiblingElement()) {
+    if (child->Name() == std::string("link")) {
+      keepOnly(*child, {"collision"});
+    } else {
+      keepOnly(*child, {"origin", "parent", "child", "axis", "limit", "mimic"});
+      completeLimit(*child);
+    }
+  }
+}
+
+}  // namespace
+
+std::string checkedUrdf(const std::string& xml) {
+  tinyxml2::XMLDocument document;
+  XMLElement* robot = parseXml(document, xml, "robot", WHAT);
+  requiredAttribute(*robot, "name", WHAT);
+  Tree tree;
+  for (auto* link = robot->FirstChildElement("link"); link;
+       link = link->NextSiblingElement("link")) {
+    readLink(*link, tree);
+  }
+  if (tree.links.empty()) fail(*robot, "the robot has no <link>");
+  for (auto* joint = robot->FirstChildElement("joint"); joint;
+       joint = joint->NextSiblingElement("joint")) {
+    readJoint(*joint, tree);
+  }
+  checkEndsExist(tree);
+  checkOneRoot(tree, *robot);
+  checkNoCycle(tree);
+  checkMimics(tree);
+  reduce(*robot);
+  tinyxml2::XMLPrinter printer;
+  document.Print(&printer);
+  return printer.CStr();
+}
+
+}  // namespace collision_pairs

@@ -1,0 +1,15 @@
+// What must hold of a URDF before it is handed to urdfdom.
+#pragma once
+
+#include <string>
+
+namespace collision_pairs {
+
+/// Checks everything that a collision check will rely on: names, the tree of links, numbers and
+/// geometry. Returns the URDF reduced to links, their <collision>s and joints, so that what
+/// nobody here reads (visuals, inertias, plugins, …) cannot fail in urdfdom either.
+/// urdfdom alone accepts a loop of links beside the root, and reports numbers without their line.
+/// Throws InputError with the line.
+std::string checkedUrdf(const std::string& xml);
+
+}  // namespace collision_pairs

@@ -1,0 +1,155 @@
+// urdfdom's model to ours. The one file that knows urdfdom.
+#include <urdf_model/model.h>
+#include <urdf_parser/urdf_parser.h>
+
+#include "collision_pairs/input_error.h"
+#include "collision_pairs/robot_model.h"
+#include "console_messages.h"
+#include "urdf_checks.h"
+
+namespace collision_pairs {
+namespace {
+
+using Eigen::Isometry3d;
+
+Isometry3d toIsometry(const urdf::Pose& pose) {
+  Isometry3d X = Isometry3d::Identity();
+  X.translation() = Eigen::Vector3d(pose.position.x, pose.position.y, pose.position.z);
+  X.linear() =
+      Eigen::Quaterniond(pose.rotation.w, pose.rotation.x, pose.rotation.y, pose.rotation.z)
+          .normalized()
+          .toRotationMatrix();
+  return X;
+}
+
+Eigen::Vector3d toVector(const urdf::Vector3& v) { return {v.x, v.y, v.z}; }
+
+JointType toJointType(int type) {
+  switch (type) {
+    case urdf::Joint::REVOLUTE:
+      return JointType::REVOLUTE;
+    case urdf::Joint::CONTINUOUS:
+      return JointType::CONTINUOUS;
+    case urdf::Joint::PRISMATIC:
+      return JointType::PRISMATIC;
+    case urdf::Joint::FLOATING:
+      return JointType::FLOATING;
+    case urdf::Joint::PLANAR:
+      return JointType::PLANAR;
+    default:
+      return JointType::FIXED;
+  }
+}
+
+urdf::ModelInterfaceSharedPtr parseWithUrdfdom(const std::string& xml) {
+  ConsoleMessages messages;
+  urdf::ModelInterfaceSharedPtr model;
+  std::string reason;
+  try {
+    model = urdf::parseURDF(xml);
+  } catch (const std::exception& error) {
+    reason = error.what();
+  }
+  if (!model) throw InputError("URDF: " + (reason.empty() ? messages.firstError() : reason));
+  return model;
+}
+
+}  // namespace
+
+class UrdfReader {
+ public:
+  UrdfReader(const urdf::ModelInterface& source, const MeshLoader& load_mesh,
+             std::vector<BrokenElement>* broken)
+      : source_(source), load_mesh_(load_mesh), broken_(broken) {}
+
+  std::shared_ptr<const RobotModel> read() {
+    model_.reset(new RobotModel);
+    model_->name_ = source_.getName();
+    addLink(*source_.getRoot());
+    // Parents first; no recursion, so that a chain of any length is read.
+    for (std::size_t i = 0; i < model_->links_.size(); ++i) {
+      for (const auto& joint : source_.getLink(model_->links_[i].name)->child_joints) {
+        addJoint(*joint, static_cast<int>(i));
+      }
+    }
+    model_->indexNames();
+    addMimics();
+    model_->groupIntoBodies();
+    return model_;
+  }
+
+ private:
+  void addLink(const urdf::Link& source) {
+    Link link;
+    link.name = source.name;
+    link.has_geometry = !source.collision_array.empty();
+    for (const auto& collision : source.collision_array) {
+      try {
+        link.elements.push_back({toShape(*collision->geometry), toIsometry(collision->origin)});
+      } catch (const std::exception& error) {
+        if (!broken_) throw InputError("URDF: link '" + source.name + "': " + error.what());
+        broken_->push_back({source.name, error.what()});
+      }
+    }
+    model_->links_.push_back(std::move(link));
+  }
+
+  void addJoint(const urdf::Joint& source, int parent) {
+    Joint joint;
+    joint.name = source.name;
+    joint.type = toJointType(source.type);
+    joint.parent_link = parent;
+    joint.child_link = static_cast<int>(model_->links_.size());
+    joint.X_PJ = toIsometry(source.parent_to_joint_origin_transform);
+    const Eigen::Vector3d axis = toVector(source.axis);
+    if (!axis.isZero(0.0)) joint.axis = axis.normalized();
+    if (source.limits) {
+      joint.lower = source.limits->lower;
+      joint.upper = source.limits->upper;
+    }
+    addLink(*source_.getLink(source.child_link_name));
+    model_->links_.back().parent_joint = static_cast<int>(model_->joints_.size());
+    model_->joints_.push_back(std::move(joint));
+  }
+
+  void addMimics() {
+    for (Joint& joint : model_->joints_) {
+      const auto& mimic = source_.getJoint(joint.name)->mimic;
+      if (!mimic) continue;
+      joint.mimic =
+          Joint::Mimic{model_->findJoint(mimic->joint_name), mimic->multiplier, mimic->offset};
+    }
+  }
+
+  Shape toShape(const urdf::Geometry& geometry) const {
+    const Shape shape = convert(geometry);
+    validateShape(shape);
+    return shape;
+  }
+
+  Shape convert(const urdf::Geometry& geometry) const {
+    if (const auto* box = dynamic_cast<const urdf::Box*>(&geometry)) return Box{toVector(box->dim)};
+    if (const auto* sphere = dynamic_cast<const urdf::Sphere*>(&geometry)) {
+      return Sphere{sphere->radius};
+    }
+    if (const auto* cylinder = dynamic_cast<const urdf::Cylinder*>(&geometry)) {
+      return Cylinder{cylinder->radius, cylinder->length};
+    }
+    const auto& mesh = dynamic_cast<const urdf::Mesh&>(geometry);
+    return Mesh{load_mesh_(mesh.filename, toVector(mesh.scale))};
+  }
+
+  const urdf::ModelInterface& source_;
+  const MeshLoader& load_mesh_;
+  std::vector<BrokenElement>* broken_;
+  std::shared_ptr<RobotModel> model_;
+};
+
+std::shared_ptr<const RobotModel> RobotModel::fromUrdf(const std::string& xml,
+                                                       const MeshLoader& load_mesh,
+                                                       std::vector<BrokenElement>* broken) {
+  const auto source = parseWithUrdfdom(checkedUrdf(xml));
+  return UrdfReader(*source, load_mesh, broken).read();
+}
+
+}  // namespace collision_pairs

@@ -1,0 +1,70 @@
+#include "xml_file.h"
+
+#include <charconv>
+#include <cmath>
+#include <sstream>
+
+#include "collision_pairs/input_error.h"
+
+namespace collision_pairs {
+
+tinyxml2::XMLElement* parseXml(tinyxml2::XMLDocument& document, const std::string& xml,
+                               const std::string& root, const std::string& what) {
+  if (xml.find_first_not_of(" \t\r\n") == std::string::npos) {
+    throw InputError(what + ": it is empty; a <" + root + "> element is needed");
+  }
+  if (xml.find('\0') != std::string::npos) throw InputError(what + ": it holds a NUL byte");
+  if (document.Parse(xml.c_str(), xml.size()) != tinyxml2::XML_SUCCESS) {
+    const bool too_deep = document.ErrorID() == tinyxml2::XML_ELEMENT_DEPTH_EXCEEDED;
+    throw InputError(what + " line " + std::to_string(document.ErrorLineNum()) +
+                     (too_deep
+                          ? ": elements are nested too deeply"
+                          : ": not well-formed XML (" + std::string(document.ErrorName()) + ")"));
+  }
+  tinyxml2::XMLElement* element = document.FirstChildElement();
+  if (element == nullptr) throw InputError(what + ": no <" + root + "> element");
+  if (root != element->Name()) {
+    failAt(
+        *element, what,
+        "the root element is <" + std::string(element->Name()) + ">, but must be <" + root + ">");
+  }
+  if (const auto* second = element->NextSiblingElement()) {
+    failAt(*second, what, "a second root element <" + std::string(second->Name()) + ">");
+  }
+  return element;
+}
+
+void failAt(const tinyxml2::XMLElement& element, const std::string& what,
+            const std::string& message) {
+  throw InputError(what + " line " + std::to_string(element.GetLineNum()) + ": " + message);
+}
+
+std::string requiredAttribute(const tinyxml2::XMLElement& element, const char* attribute,
+                              const std::string& what) {
+  const char* value = element.Attribute(attribute);
+  if (value == nullptr || *value == '\0') {
+    failAt(element, what, "<" + std::string(element.Name()) + "> has no " + attribute);
+  }
+  return value;
+}
+
+bool parseNumber(const std::string& text, double& value) {
+  const char* begin = text.data();
+  const char* end = begin + text.size();
+  while (begin != end && std::isspace(static_cast<unsigned char>(*begin))) ++begin;
+  while (begin != end && std::isspace(static_cast<unsigned char>(end[-1]))) --end;
+  if (begin != end && *begin == '+' && begin + 1 != end && begin[1] != '-') ++begin;
+  const auto [rest, error] = std::from_chars(begin, end, value);
+  return error == std::errc() && rest == end && std::isfinite(value);
+}
+
+bool parseVector3(const std::string& text, Eigen::Vector3d& value) {
+  std::istringstream words(text);
+  std::string word;
+  for (int i = 0; i < 3; ++i) {
+    if (!(words >> word) || !parseNumber(word, value[i])) return false;
+  }
+  return !(words >> word);
+}
+
+}  // namespace collision_pairs

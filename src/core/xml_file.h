@@ -1,0 +1,29 @@
+// An XML text with the checks that every reader of one needs, and errors that name the line.
+#pragma once
+
+#include <string>
+
+#include <Eigen/Core>
+#include <tinyxml2.h>
+
+namespace collision_pairs {
+
+/// Parses `xml` into `document` and returns its only root element, which must be `root`. Nesting
+/// is bounded by tinyxml2 and entities are not expanded, so hostile input costs nothing. Throws
+/// InputError; `what` ("URDF") begins the message.
+tinyxml2::XMLElement* parseXml(tinyxml2::XMLDocument& document, const std::string& xml,
+                               const std::string& root, const std::string& what);
+
+/// "URDF line 12: " in front of a message.
+[[noreturn]] void failAt(const tinyxml2::XMLElement& element, const std::string& what,
+                         const std::string& message);
+
+/// The attribute, which must be there and not be empty.
+std::string requiredAttribute(const tinyxml2::XMLElement& element, const char* attribute,
+                              const std::string& what);
+
+/// The whole text as finite numbers; false if it is anything else. Independent of the locale.
+bool parseNumber(const std::string& text, double& value);
+bool parseVector3(const std::string& text, Eigen::Vector3d& value);
+
+}  // namespace collision_pairs

@@ -1,0 +1,25 @@
+// Recorded joint states: a header of joint names, a row a state.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "collision_pairs/robot_model.h"
+
+namespace collision_pairs {
+
+struct JointStates {
+  /// A row a state: RobotModel::joints() long, mimics applied.
+  std::vector<std::vector<double>> positions;
+  /// Moving joints without a column, which stand at zero (or their nearer limit).
+  std::vector<std::string> joints_at_zero;
+};
+
+/// Columns may come in any order; a column of a mimicking joint is accepted where it agrees with
+/// its leader to 1e-6. Windows line ends, a byte order mark and blank lines at the end are
+/// accepted. Throws InputError with the line (and `name` of the file) for an unknown, fixed,
+/// unpositioned or repeated joint, a field that is missing, too many, or not a finite number.
+JointStates readJointStates(const std::string& csv, const RobotModel& robot,
+                            const std::string& name);
+
+}  // namespace collision_pairs

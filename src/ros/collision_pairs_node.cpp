@@ -1,0 +1,265 @@
+#include "collision_pairs_node.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <std_msgs/Bool.h>
+#include <visualization_msgs/MarkerArray.h>
+
+#include "collision_pairs/input_error.h"
+#include "conversions.h"
+#include "joint_query.h"
+#include "markers.h"
+
+namespace collision_pairs {
+namespace {
+
+constexpr double LOAD_PERIOD = 2.0;    // s between attempts to find a robot_description
+constexpr double OLD_TRANSFORM = 1.0;  // s: older transforms are worth a warning
+constexpr double WARN_PERIOD = 5.0;    // s between repeated warnings on the log
+
+std::string withoutLeadingSlash(const std::string& frame) {
+  return !frame.empty() && frame.front() == '/' ? frame.substr(1) : frame;
+}
+
+bool anyKnown(const BodyPoses& poses) {
+  return poses.known.empty() ||
+         std::any_of(poses.known.begin(), poses.known.end(), [](char known) { return known; });
+}
+
+double secondsSince(const ros::WallTime& start) { return (ros::WallTime::now() - start).toSec(); }
+
+}  // namespace
+
+CollisionPairsNode::CollisionPairsNode(ros::NodeHandle node, ros::NodeHandle private_node)
+    : node_(node),
+      private_node_(private_node),
+      parameters_(NodeParameters::read(private_node)),
+      tf_listener_(tf_buffer_),
+      diagnostics_(node, private_node),
+      query_spinner_(1, &query_queue_) {
+  pairs_publisher_ = private_node_.advertise<CollisionPairs>("collision_pairs", 1);
+  in_collision_publisher_ = private_node_.advertise<std_msgs::Bool>("in_collision", 1);
+  markers_publisher_ = private_node_.advertise<visualization_msgs::MarkerArray>("markers", 1);
+  reset_service_ = private_node_.advertiseService("reset", &CollisionPairsNode::onReset, this);
+
+  ros::NodeHandle query_node(private_node_);
+  query_node.setCallbackQueue(&query_queue_);
+  check_service_ =
+      query_node.advertiseService("check_collisions", &CollisionPairsNode::onCheck, this);
+
+  diagnostics_.setHardwareID("none");
+  diagnostics_.add("collision check", [this](auto& status) { diagnose(status); });
+  diagnostics_timer_ = node_.createWallTimer(ros::WallDuration(1.0),
+                                             [this](const auto&) { diagnostics_.force_update(); });
+
+  timer_ = node_.createWallTimer(ros::WallDuration(1.0 / parameters_.rate),
+                                 [this](const ros::WallTimerEvent&) { cycle(); });
+  reconfigure_server_ =
+      std::make_unique<dynamic_reconfigure::Server<CollisionPairsConfig>>(private_node_);
+  reconfigure_server_->setCallback(
+      [this](CollisionPairsConfig& config, std::uint32_t) { reconfigure(config); });
+  query_spinner_.start();
+}
+
+bool CollisionPairsNode::loadScene(std::string& problem) {
+  try {
+    auto active = std::make_shared<ActiveScene>();
+    active->loaded = collision_pairs::loadScene(private_node_);
+    active->frame = withoutLeadingSlash(parameters_.fixed_frame);
+    const CollisionScene& scene = *active->loaded.scene;
+    if (active->frame.empty()) active->frame = scene.robot().links().front().name;
+    active->tf_poses = std::make_unique<TfPoses>(tf_buffer_, scene, active->frame);
+    const std::lock_guard<std::mutex> lock(mutex_);
+    scene_ = std::move(active);
+    return true;
+  } catch (const std::exception& error) {
+    problem = error.what();
+    return false;
+  }
+}
+
+CollisionPairsNode::ActiveScenePtr CollisionPairsNode::activeScene() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return scene_;
+}
+
+CheckSettings CollisionPairsNode::settings() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return parameters_.check;
+}
+
+void CollisionPairsNode::cycle() {
+  try {
+    const ros::WallTime start = ros::WallTime::now();
+    ActiveScenePtr scene = activeScene();
+    if (!scene) {
+      if (start < next_load_) return;
+      next_load_ = start + ros::WallDuration(LOAD_PERIOD);
+      if (!loadScene(health_.problem)) {
+        ROS_ERROR_STREAM_THROTTLE(WARN_PERIOD, health_.problem);
+        return;
+      }
+      scene = activeScene();
+    }
+    if (scene != reported_scene_) {
+      detector_ = std::make_unique<CollisionDetector>(scene->loaded.scene);
+      reported_scene_ = scene;
+    }
+    const StampedPoses stamped = scene->tf_poses->latest(parameters_.max_transform_age);
+    const double transform_time = secondsSince(start);
+    // What only static transforms describe is as good now as ever.
+    const ros::Time stamp = stamped.stamp.isZero() ? ros::Time::now() : stamped.stamp;
+    detector_->detect(stamped.poses, settings());
+    publish(*scene, stamped, stamp, transform_time);
+    health_.cycle_time = secondsSince(start);
+    if (health_.cycle_time > 1.0 / parameters_.rate) ++health_.overruns;
+  } catch (const std::exception& error) {
+    health_.problem = std::string("the cycle failed: ") + error.what();
+    ROS_ERROR_STREAM_THROTTLE(WARN_PERIOD, health_.problem);
+  }
+}
+
+void CollisionPairsNode::publish(const ActiveScene& scene, const StampedPoses& stamped,
+                                 const ros::Time& stamp, double transform_time) {
+  CollisionPairs message = toMessage(detector_->report(), *scene.loaded.scene, settings(),
+                                     scene.frame, stamp, scene.loaded.broken_links);
+  message.time_transforms = transform_time;
+  message.time_total += transform_time;
+  pairs_publisher_.publish(message);
+  std_msgs::Bool verdict;
+  verdict.data = message.in_collision;
+  in_collision_publisher_.publish(verdict);
+  reported_stamp_ = stamp;
+  publishMarkers();
+  noteHealth(message, stamped.problem);
+}
+
+void CollisionPairsNode::publishMarkers() {
+  if (!reported_scene_ || markers_publisher_.getNumSubscribers() == 0) return;
+  markers_publisher_.publish(toMarkers(detector_->report(),
+                                       parameters_.show_only_investigated_boxes,
+                                       reported_scene_->frame, reported_stamp_));
+}
+
+void CollisionPairsNode::noteHealth(const CollisionPairs& message, const std::string& problem) {
+  if (!problem.empty())
+    ROS_WARN_STREAM_THROTTLE(WARN_PERIOD, "left out, no transform: " << problem);
+  health_.problem.clear();
+  health_.transform_age = (ros::Time::now() - message.header.stamp).toSec();
+  health_.left_out = message.left_out;
+  health_.nb_boxes = message.nb_boxes;
+  health_.nb_pairs = message.nb_pairs;
+  health_.nb_degraded = message.nb_degraded;
+  health_.nb_unresolved = static_cast<std::uint32_t>(
+      std::count_if(message.pairs.begin(), message.pairs.end(),
+                    [](const CollisionPair& p) { return p.state == CollisionPair::UNRESOLVED; }));
+  ++health_.cycles;
+}
+
+void CollisionPairsNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) const {
+  using diagnostic_msgs::DiagnosticStatus;
+  if (!health_.problem.empty()) {
+    status.summary(DiagnosticStatus::ERROR, health_.problem);
+    return;
+  }
+  status.summary(DiagnosticStatus::OK, "checking");
+  if (health_.transform_age > OLD_TRANSFORM) {
+    status.mergeSummary(DiagnosticStatus::WARN, "the transforms are old");
+  }
+  if (!health_.left_out.empty()) status.mergeSummary(DiagnosticStatus::WARN, "links are left out");
+  if (health_.nb_unresolved > 0) status.mergeSummary(DiagnosticStatus::WARN, "unresolved pairs");
+  std::string left_out;
+  for (const std::string& link : health_.left_out) left_out += link + " ";
+  status.add("transform age [s]", health_.transform_age);
+  status.add("cycle time [s]", health_.cycle_time);
+  status.add("cycles", health_.cycles);
+  status.add("overruns", health_.overruns);
+  status.add("links left out", left_out);
+  status.add("nb_boxes", health_.nb_boxes);
+  status.add("nb_pairs", health_.nb_pairs);
+  status.add("degraded pairs", health_.nb_degraded);
+  status.add("unresolved pairs", health_.nb_unresolved);
+}
+
+void CollisionPairsNode::reconfigure(CollisionPairsConfig& config) {
+  try {
+    if (!std::isfinite(config.alarm_distance)) throw InputError("alarm_distance is not finite");
+    if (!std::isfinite(config.rate)) throw InputError("rate is not finite");
+    const Fidelity fidelity = parseFidelity(config.fidelity);
+    const std::lock_guard<std::mutex> lock(mutex_);
+    parameters_.check.alarm_distance = config.alarm_distance;
+    parameters_.check.fidelity = fidelity;
+    parameters_.rate = config.rate;
+    parameters_.show_only_investigated_boxes = config.show_only_investigated_boxes;
+  } catch (const InputError& error) {
+    ROS_ERROR_STREAM("reconfigure: " << error.what() << "; nothing is changed");
+    config.alarm_distance = parameters_.check.alarm_distance;
+    config.fidelity = fidelityName(parameters_.check.fidelity);
+    config.rate = parameters_.rate;
+    config.show_only_investigated_boxes = parameters_.show_only_investigated_boxes;
+    return;
+  }
+  timer_.setPeriod(ros::WallDuration(parameters_.rate > 0.0 ? 1.0 / parameters_.rate : 1.0));
+  publishMarkers();  // boxes that are to be hidden go at once
+}
+
+bool CollisionPairsNode::onCheck(CheckCollisions::Request& request,
+                                 CheckCollisions::Response& response) {
+  try {
+    check(request, response);
+    response.success = true;
+  } catch (const std::exception& error) {
+    response.success = false;
+    response.message = error.what();
+  }
+  return true;  // false would hide the message from the caller
+}
+
+void CollisionPairsNode::check(const CheckCollisions::Request& request,
+                               CheckCollisions::Response& response) {
+  const ActiveScenePtr scene = activeScene();
+  if (!scene) throw InputError("there is no robot yet; see the node's log and diagnostics");
+  CheckSettings settings = this->settings();
+  if (!std::isfinite(request.alarm_distance)) throw InputError("alarm_distance is not finite");
+  if (request.alarm_distance != 0.0)
+    settings.alarm_distance = std::max(0.0, request.alarm_distance);
+  if (!request.fidelity.empty()) settings.fidelity = parseFidelity(request.fidelity);
+
+  const ros::WallTime start = ros::WallTime::now();
+  StampedPoses stamped = request.stamp.isZero()
+                             ? scene->tf_poses->latest(parameters_.max_transform_age)
+                             : scene->tf_poses->at(request.stamp);
+  if (!request.joint_state.name.empty() || !request.joint_state.position.empty()) {
+    HypotheticalPoses hypothetical = posesFor(request.joint_state, *scene->loaded.scene, tf_buffer_,
+                                              scene->frame, stamped.stamp);
+    stamped.poses = std::move(hypothetical.poses);
+    stamped.problem.clear();
+    response.joints_from_tf = std::move(hypothetical.joints_from_tf);
+    response.joints_at_zero = std::move(hypothetical.joints_at_zero);
+  }
+  if (!anyKnown(stamped.poses)) throw InputError("no transform is known: " + stamped.problem);
+  const double transform_time = secondsSince(start);
+
+  if (!query_detector_ || &query_detector_->scene() != scene->loaded.scene.get()) {
+    query_detector_ = std::make_unique<CollisionDetector>(scene->loaded.scene);
+  }
+  const CollisionReport& report = query_detector_->detect(stamped.poses, settings);
+  const ros::Time stamp = stamped.stamp.isZero() ? ros::Time::now() : stamped.stamp;
+  response.result = toMessage(report, *scene->loaded.scene, settings, scene->frame, stamp,
+                              scene->loaded.broken_links);
+  response.result.time_transforms = transform_time;
+  response.result.time_total += transform_time;
+  if (!stamped.problem.empty()) response.message = "left out, no transform: " + stamped.problem;
+}
+
+bool CollisionPairsNode::onReset(std_srvs::Trigger::Request&,
+                                 std_srvs::Trigger::Response& response) {
+  std::string problem;
+  response.success = loadScene(problem);
+  response.message =
+      response.success ? "the robot was read anew" : "the old scene stays: " + problem;
+  return true;
+}
+
+}  // namespace collision_pairs

@@ -1,0 +1,87 @@
+#include "parameters.h"
+
+#include <cmath>
+
+#include <ros/console.h>
+
+#include "collision_pairs/input_error.h"
+
+namespace collision_pairs {
+namespace {
+
+constexpr double MAX_RATE = 1e4;  // Hz: as in cfg/CollisionPairs.cfg
+
+/// Reads numbers and words, and replaces what is wrong by what `value` holds.
+class Reader {
+ public:
+  explicit Reader(const ros::NodeHandle& node) : node_(node) {}
+
+  void number(const std::string& name, double lowest, double highest, double& value) const {
+    XmlRpc::XmlRpcValue given;
+    if (!node_.getParam(name, given)) return;
+    double found = NAN;
+    if (given.getType() == XmlRpc::XmlRpcValue::TypeDouble) found = static_cast<double&>(given);
+    if (given.getType() == XmlRpc::XmlRpcValue::TypeInt) found = static_cast<int&>(given);
+    if (std::isfinite(found) && found >= lowest && found <= highest) {
+      value = found;
+      return;
+    }
+    replace(name, given.toXml(),
+            "must be a number from " + std::to_string(lowest) + " to " + std::to_string(highest),
+            value);
+  }
+
+  void flag(const std::string& name, bool& value) const {
+    XmlRpc::XmlRpcValue given;
+    if (!node_.getParam(name, given)) return;
+    if (given.getType() == XmlRpc::XmlRpcValue::TypeBoolean) {
+      value = static_cast<bool&>(given);
+    } else {
+      replace(name, given.toXml(), "must be true or false", value);
+    }
+  }
+
+  void word(const std::string& name, std::string& value) const {
+    XmlRpc::XmlRpcValue given;
+    if (!node_.getParam(name, given)) return;
+    if (given.getType() == XmlRpc::XmlRpcValue::TypeString) {
+      value = static_cast<std::string&>(given);
+    } else {
+      replace(name, given.toXml(), "must be text", value);
+    }
+  }
+
+  template <typename T>
+  void replace(const std::string& name, const std::string& given, const std::string& rule,
+               const T& value) const {
+    ROS_ERROR_STREAM("parameter " << node_.resolveName(name) << " is " << given << ", but " << rule
+                                  << "; going on with " << value);
+    node_.setParam(name, value);
+  }
+
+ private:
+  const ros::NodeHandle& node_;
+};
+
+}  // namespace
+
+NodeParameters NodeParameters::read(const ros::NodeHandle& private_node) {
+  NodeParameters parameters;
+  const Reader reader(private_node);
+  reader.number("alarm_distance", 0.0, 1e6, parameters.check.alarm_distance);
+  reader.number("rate", 0.1, MAX_RATE, parameters.rate);
+  reader.number("max_transform_age", 0.0, 1e9, parameters.max_transform_age);
+  reader.flag("show_only_investigated_boxes", parameters.show_only_investigated_boxes);
+  reader.word("fixed_frame", parameters.fixed_frame);
+  std::string fidelity = fidelityName(parameters.check.fidelity);
+  reader.word("fidelity", fidelity);
+  try {
+    parameters.check.fidelity = parseFidelity(fidelity);
+  } catch (const InputError& error) {
+    reader.replace("fidelity", "'" + fidelity + "'", "must be aabb, obb, convex or mesh",
+                   std::string(fidelityName(parameters.check.fidelity)));
+  }
+  return parameters;
+}
+
+}  // namespace collision_pairs

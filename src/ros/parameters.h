@@ -1,0 +1,31 @@
+// The node's parameters: meaning, unit and default in one place; read once at the start.
+#pragma once
+
+#include <string>
+
+#include <ros/node_handle.h>
+
+#include "collision_pairs/collision_detector.h"
+
+namespace collision_pairs {
+
+struct NodeParameters {
+  /// ~alarm_distance [m] and ~fidelity. The default is the core's. May change while running.
+  CheckSettings check;
+  /// ~rate [Hz]: cycles per second, by the wall clock. May change while running.
+  double rate = 50.0;
+  /// ~show_only_investigated_boxes: no markers for boxes that no candidate pair involves. May
+  /// change while running.
+  bool show_only_investigated_boxes = false;
+  /// ~fixed_frame: the frame of the reports. Empty: the robot's root link.
+  std::string fixed_frame;
+  /// ~max_transform_age [s]: a link whose newest transform is older than the newest of all links by
+  /// more than this is left out (and listed), instead of holding the others back.
+  double max_transform_age = 1.0;
+
+  /// A value that cannot be used is named in an error on the log, and the default is taken and
+  /// written back, so that the parameter server shows what is in force.
+  static NodeParameters read(const ros::NodeHandle& private_node);
+};
+
+}  // namespace collision_pairs

@@ -1,0 +1,57 @@
+// Poses of a scene's bodies from TF, all of one instant.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <ros/time.h>
+#include <tf2/buffer_core.h>
+
+#include "collision_pairs/body_poses.h"
+#include "collision_pairs/collision_scene.h"
+
+namespace collision_pairs {
+
+struct StampedPoses {
+  BodyPoses poses;
+  /// The instant of all of them; 0 if nothing that is known ever moves (static transforms only).
+  ros::Time stamp;
+  /// For the first body without a pose: why. Empty if all are known.
+  std::string problem;
+};
+
+/// Reads a tf2 buffer; keeps nothing. What TF does not know is never identity: it stays unknown.
+class TfPoses {
+ public:
+  /// `frame` is the report's frame W. Both references must outlive this object.
+  TfPoses(const tf2::BufferCore& buffer, const CollisionScene& scene, std::string frame);
+
+  /// The newest instant for which all bodies are known, leaving out those that are older than the
+  /// newest by more than max_age [s].
+  StampedPoses latest(double max_age) const;
+
+  /// At the given instant (0: of static transforms only).
+  StampedPoses at(const ros::Time& stamp) const;
+
+ private:
+  /// A link to look up, and the body's pose in its frame.
+  struct Source {
+    std::string link;
+    Eigen::Isometry3d X_LB;
+  };
+
+  /// The stamp of the newest transform, false if there is none.
+  bool newestStamp(const std::vector<Source>& sources, ros::Time& stamp) const;
+  bool lookUp(const std::vector<Source>& sources, const ros::Time& stamp, Eigen::Isometry3d& X_WB,
+              std::string* problem) const;
+
+  const tf2::BufferCore& buffer_;
+  std::string frame_;
+  /// By body: its first link, then the others with geometry, for when TF lacks the first.
+  std::vector<std::vector<Source>> sources_;
+};
+
+/// False if the rotation is not one (NaN, or a quaternion whose length is not 1 within 1e-3).
+bool toIsometry(const geometry_msgs::Transform& transform, Eigen::Isometry3d& X);
+
+}  // namespace collision_pairs

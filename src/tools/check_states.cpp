@@ -1,0 +1,142 @@
+// check_states: recorded joint states in, a verdict for each out. Needs no roscore.
+#include <cstdio>
+#include <iostream>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+#include "collision_pairs/collision_detector.h"
+#include "collision_pairs/input_error.h"
+#include "joint_states_csv.h"
+#include "mesh_loader.h"
+#include "text_files.h"
+#include "tool_errors.h"
+
+namespace collision_pairs {
+namespace {
+
+struct Options {
+  std::string robot, states, srdf, world, out;
+  std::string fidelity = "mesh";
+  double alarm_distance = 0.0;
+  bool min_distance = false;
+};
+
+void declare(CLI::App& app, Options& options) {
+  app.add_option("robot", options.robot, "the robot's URDF")->required()->type_name("ROBOT.urdf");
+  app.add_option("--states", options.states, "header = joint names, a row a state")
+      ->required()
+      ->type_name("STATES.csv");
+  app.add_option("--srdf", options.srdf, "switches off its pairs")->type_name("ROBOT.srdf");
+  app.add_option("--world", options.world, "a URDF that stands still, its root at the robot's root")
+      ->type_name("WORLD.urdf");
+  app.add_option("--fidelity", options.fidelity, "aabb, obb, convex or mesh")
+      ->capture_default_str();
+  app.add_option("--alarm-distance", options.alarm_distance,
+                 "boxes closer than this are investigated")
+      ->type_name("METRES")
+      ->capture_default_str();
+  app.add_flag("--min-distance", options.min_distance, "find the smallest signed distance");
+  app.add_option("--out", options.out, "where to write (default: standard output)")
+      ->type_name("OUT.csv");
+}
+
+std::shared_ptr<const RobotModel> readRobot(const std::string& path, const MeshLoader& load_mesh) {
+  const std::string xml = readTextFile(path);
+  try {
+    return RobotModel::fromUrdf(xml, load_mesh);
+  } catch (const InputError& error) {
+    throw InputError(path + ": " + error.what());
+  }
+}
+
+std::optional<Srdf> readSrdf(const std::string& path, const RobotModel& robot) {
+  if (path.empty()) return std::nullopt;
+  std::vector<std::string> links;
+  for (const Link& link : robot.links()) links.push_back(link.name);
+  const std::string xml = readTextFile(path);
+  try {
+    const Srdf srdf = Srdf::fromXml(xml);
+    const auto unknown = srdf.unknownLinks(links);
+    if (!unknown.empty()) warn(path + ": not links of the robot, passed over: " + joined(unknown));
+    return srdf;
+  } catch (const InputError& error) {
+    throw InputError(path + ": " + error.what());
+  }
+}
+
+CheckSettings settingsFrom(const Options& options) {
+  CheckSettings settings;
+  settings.fidelity = parseFidelity(options.fidelity);
+  if (!(options.alarm_distance >= 0.0) || !std::isfinite(options.alarm_distance)) {
+    throw InputError("--alarm-distance must be a finite number of metres, 0 or more");
+  }
+  settings.alarm_distance = options.alarm_distance;
+  settings.min_distance = options.min_distance;
+  return settings;
+}
+
+std::string contactPairs(const CollisionReport& report, const CollisionScene& scene) {
+  std::string text;
+  for (const PairReport& pair : report.pairs) {
+    if (pair.state == PairState::NEAR) continue;
+    if (!text.empty()) text += ';';
+    text += scene.models()[pair.first].name + '|' + scene.models()[pair.second].name;
+  }
+  return text;
+}
+
+void writeRow(std::ostream& out, std::size_t state, const CollisionReport& report,
+              const CollisionScene& scene, bool with_distance) {
+  char number[64] = "";
+  if (with_distance && !report.min_distance_is_bound) {
+    std::snprintf(number, sizeof number, "%.17g", report.min_distance);
+  }
+  out << state << ',' << (report.in_collision ? 1 : 0) << ',' << contactPairs(report, scene) << ','
+      << number << ',' << report.candidates.size() << ',';
+  std::snprintf(number, sizeof number, "%.1f", 1e6 * report.times.total);
+  out << number << '\n';
+}
+
+void checkAll(const Options& options) {
+  const CheckSettings settings = settingsFrom(options);
+  const MeshLoader load_mesh = makeMeshLoader();
+  const auto robot = readRobot(options.robot, load_mesh);
+  const auto srdf = readSrdf(options.srdf, *robot);
+  const auto world = options.world.empty() ? nullptr : readRobot(options.world, load_mesh);
+  const JointStates states = readJointStates(readTextFile(options.states), *robot, options.states);
+  if (!states.joints_at_zero.empty()) {
+    warn("joints without a column stand at zero: " + joined(states.joints_at_zero));
+  }
+  const auto scene = CollisionScene::build(robot, srdf, world);
+  CollisionDetector detector(scene);
+  BodyPoses poses;
+  poses.resize(scene->bodies().size());
+  std::vector<Eigen::Isometry3d> X_RB;
+  writeTextFile(options.out, [&](std::ostream& out) {
+    out << "state,in_collision,pairs,min_distance,nb_pairs,microseconds\n";
+    for (std::size_t i = 0; i < states.positions.size(); ++i) {
+      robot->forwardKinematics(states.positions[i], X_RB);
+      scene->gatherPoses(X_RB, poses);
+      const CollisionReport& report = detector.detect(poses, settings);
+      if (!report.left_out.empty()) {
+        throw InputError("state " + std::to_string(i) + ": link '" +
+                         scene->models()[report.left_out.front()].name +
+                         "' is too large or too far away for a finite box");
+      }
+      writeRow(out, i, report, *scene, options.min_distance);
+    }
+  });
+}
+
+}  // namespace
+}  // namespace collision_pairs
+
+int main(int argc, char** argv) {
+  collision_pairs::Options options;
+  CLI::App app("Checks recorded joint states of a robot for collisions.", "check_states");
+  collision_pairs::declare(app, options);
+  return collision_pairs::runTool(app, argc, argv, [&] { collision_pairs::checkAll(options); });
+}
