@@ -242,11 +242,12 @@ void CollisionDetector::searchMinimum(const BodyPoses& poses) {
     all.max = all.max.cwiseMax(box.max);
   }
   const double extent = (all.max - all.min).norm();
-  double reach = settings_.alarm_distance;
-  if (best == INF) reach = std::max(2.0 * reach, extent / 64.0);
-  while (best > reach || (best == INF && std::isfinite(reach))) {
-    by_gap_.clear();
+  double swept = settings_.alarm_distance;  // nothing nearer than this is still unknown
+  for (double reach = std::max(2.0 * swept, extent / 64.0); best > swept && swept <= extent;
+       reach = std::max(4.0 * reach, std::numeric_limits<double>::min())) {
     sweep(reach, reached_);
+    swept = reach;
+    by_gap_.clear();
     for (const BoxPair& pair : reached_) {
       by_gap_.emplace_back(squaredGap(report_.boxes[pair.first], report_.boxes[pair.second]), pair);
     }
@@ -255,8 +256,6 @@ void CollisionDetector::searchMinimum(const BodyPoses& poses) {
       if (squared_gap > std::max(best, 0.0) * best) break;
       best = std::min(best, measure(byModel(pair), poses, best).distance);
     }
-    if (reach > extent) break;
-    reach = std::max(4.0 * reach, std::numeric_limits<double>::min());
   }
   report_.min_distance = best;
   report_.min_distance_is_bound = best == INF;
