@@ -6,3 +6,5 @@ install(TARGETS collision_pairs_node check_states
   RUNTIME DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
 install(DIRECTORY include/collision_pairs/ DESTINATION ${CATKIN_PACKAGE_INCLUDE_DESTINATION})
 install(DIRECTORY launch config DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION})
+catkin_install_python(PROGRAMS scripts/move_demo_robot scripts/print_collision_pairs
+  DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})

@@ -1,5 +1,7 @@
 # One executable a module: test/test_<module>.cpp.
-enable_testing()
+if(NOT BUILD_TESTING)
+  return()
+endif()
 find_package(GTest REQUIRED)
 
 function(collision_pairs_test name)

@@ -1,0 +1,70 @@
+# What scripts/demo and scripts/test share: packages, build, environment. To be sourced.
+# Supported: Debian 12 with its own ROS packages (in /usr). On Ubuntu 20.04 with /opt/ros/noetic
+# build the package in a catkin workspace instead; rosdep knows its dependencies.
+
+PROJECT="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
+BUILD="${COLLISION_PAIRS_BUILD:-$PROJECT/build}"
+export PATH="/usr/bin:/bin:/usr/sbin:/sbin:$PATH"  # ROS needs the system's Python
+
+say() { printf '== %s\n' "$*"; }
+die() { printf 'error: %s\n' "$*" >&2; exit 1; }
+
+# missing_packages FILE...: those of the lists that are not installed.
+missing_packages() {
+  local package
+  sed -e 's/#.*//' "$@" | awk 'NF {print $1}' | sort -u | while read -r package; do
+    dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null | grep -qx installed || echo "$package"
+  done
+}
+
+install_packages() {
+  local missing as_root=()
+  missing="$(missing_packages "$@")"
+  [ -z "$missing" ] && return
+  . /etc/os-release
+  [ "${ID:-}" = debian ] && [ "${VERSION_ID:-0}" -ge 12 ] ||
+    die "these scripts install packages on Debian 12 only, and this is ${PRETTY_NAME:-unknown}; install what package.xml names and build in a catkin workspace"
+  if [ "$(id -u)" != 0 ]; then
+    command -v sudo >/dev/null || die "packages are missing and there is no sudo; run as root: apt-get install $(echo $missing)"
+    as_root=(sudo)
+  fi
+  say "installing $(echo "$missing" | wc -l) packages and what they need (the first time a minute or two)"
+  "${as_root[@]}" apt-get update -qq
+  "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends \
+    -o Dpkg::Use-Pty=0 $missing | awk 'NR % 100 == 0 {printf "   %d steps\n", NR; fflush()}'
+  missing="$(missing_packages "$@")"
+  [ -z "$missing" ] || die "could not be installed: $(echo $missing)"
+}
+
+build() {
+  local log="$BUILD/build.log"
+  mkdir -p "$BUILD"
+  say "building (the first time some minutes; log in $log)"
+  cmake -S "$PROJECT" -B "$BUILD" "$@" >"$log" 2>&1 || { tail -20 "$log"; die "cmake failed"; }
+  cmake --build "$BUILD" -j"$(nproc)" 2>&1 | tee -a "$log" |
+    awk '/^\[ *[0-9]+%\] Built target (collision|test|check)/ {print "   " $0; fflush()}'
+  [ "${PIPESTATUS[0]}" = 0 ] || { grep -E -A5 'error|Error' "$log" | head -40; die "the build failed"; }
+}
+
+# The environment of the built package: what `source devel/setup.bash` gives, on Debian too.
+ros_environment() {
+  set +u
+  . "$BUILD/devel/setup.sh"
+  set -u
+  export ROS_PACKAGE_PATH="$PROJECT${ROS_PACKAGE_PATH:+:$ROS_PACKAGE_PATH}:/usr/share"
+}
+
+# A TCP port that nobody listens on, beginning with the one given.
+free_port() {
+  /usr/bin/python3 - "$1" <<'PY'
+import socket, sys
+for port in range(int(sys.argv[1]), 65536):
+    with socket.socket() as probe:
+        try:
+            probe.bind(("", port))
+        except OSError:
+            continue
+    print(port)
+    break
+PY
+}
