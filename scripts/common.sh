@@ -42,8 +42,8 @@ build() {
   say "building (the first time some minutes; log in $log)"
   cmake -S "$PROJECT" -B "$BUILD" "$@" >"$log" 2>&1 || { tail -20 "$log"; die "cmake failed"; }
   cmake --build "$BUILD" -j"$(nproc)" 2>&1 | tee -a "$log" |
-    awk '/^\[ *[0-9]+%\] Built target (collision|test|check)/ {print "   " $0; fflush()}'
-  [ "${PIPESTATUS[0]}" = 0 ] || { grep -E -A5 'error|Error' "$log" | head -40; die "the build failed"; }
+    awk '/^\[ *[0-9]+%\] Built target (collision|test|check)/ {print "   " $0; fflush()}' ||
+    { grep -E -A5 'error|Error' "$log" | head -40; die "the build failed"; }
 }
 
 # The environment of the built package: what `source devel/setup.bash` gives, on Debian too.

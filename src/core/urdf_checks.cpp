@@ -30,7 +30,7 @@ struct Tree {
 };
 
 double checkNumber(const XMLElement& element, const char* attribute, const std::string& owner) {
-  const std::string text = requiredAttribute(element, attribute, WHAT + ": " + owner);
+  const std::string text = requiredAttribute(element, attribute, WHAT, owner + ": ");
   double value = 0.0;
   if (!parseNumber(text, value)) {
     fail(element, owner + ": " + attribute + " " + quoted(text) + " is not a finite number");
@@ -47,7 +47,7 @@ void checkSize(const XMLElement& element, const char* attribute, const std::stri
 
 Eigen::Vector3d checkVector(const XMLElement& element, const char* attribute,
                             const std::string& owner) {
-  const std::string text = requiredAttribute(element, attribute, WHAT + ": " + owner);
+  const std::string text = requiredAttribute(element, attribute, WHAT, owner + ": ");
   Eigen::Vector3d value;
   if (!parseVector3(text, value)) {
     fail(element, owner + ": " + attribute + " " + quoted(text) + " must be three finite numbers");
@@ -64,7 +64,7 @@ void checkOrigin(const XMLElement& parent, const std::string& owner) {
 }
 
 void checkMesh(const XMLElement& mesh, const std::string& owner) {
-  requiredAttribute(mesh, "filename", WHAT + ": " + owner);
+  requiredAttribute(mesh, "filename", WHAT, owner + ": ");
   if (mesh.Attribute("scale") && (checkVector(mesh, "scale", owner).array() == 0.0).any()) {
     fail(mesh, owner + ": scale " + quoted(mesh.Attribute("scale")) + " flattens the mesh");
   }
@@ -132,7 +132,7 @@ void readMimic(const XMLElement& joint, const std::string& name, const std::stri
   if (type != "revolute" && type != "continuous" && type != "prismatic") {
     fail(*mimic, owner + ": a " + type + " joint has no position that could follow");
   }
-  tree.mimic_of[name] = requiredAttribute(*mimic, "joint", WHAT + ": " + owner);
+  tree.mimic_of[name] = requiredAttribute(*mimic, "joint", WHAT, owner + ": ");
   for (const char* attribute : {"multiplier", "offset"}) {
     if (mimic->Attribute(attribute)) checkNumber(*mimic, attribute, owner);
   }
@@ -142,13 +142,13 @@ void readJoint(const XMLElement& element, Tree& tree) {
   const std::string name = requiredAttribute(element, "name", WHAT);
   const std::string owner = "joint " + quoted(name);
   if (!tree.joints.emplace(name, &element).second) fail(element, "a second " + owner);
-  const std::string type = requiredAttribute(element, "type", WHAT + ": " + owner);
+  const std::string type = requiredAttribute(element, "type", WHAT, owner + ": ");
   std::array<std::string, 2> ends;
   const std::array<const char*, 2> tags = {"parent", "child"};
   for (int i = 0; i < 2; ++i) {
     const XMLElement* end = element.FirstChildElement(tags[i]);
     if (end == nullptr) fail(element, owner + " has no <" + tags[i] + ">");
-    ends[i] = requiredAttribute(*end, "link", WHAT + ": " + owner);
+    ends[i] = requiredAttribute(*end, "link", WHAT, owner + ": ");
   }
   if (!tree.parent_of.emplace(ends[1], ends[0]).second) {
     fail(element, "link " + quoted(ends[1]) + " has two parents, joints " +

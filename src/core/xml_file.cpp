@@ -40,10 +40,10 @@ void failAt(const tinyxml2::XMLElement& element, const std::string& what,
 }
 
 std::string requiredAttribute(const tinyxml2::XMLElement& element, const char* attribute,
-                              const std::string& what) {
+                              const std::string& what, const std::string& owner) {
   const char* value = element.Attribute(attribute);
   if (value == nullptr || *value == '\0') {
-    failAt(element, what, "<" + std::string(element.Name()) + "> has no " + attribute);
+    failAt(element, what, owner + "<" + std::string(element.Name()) + "> has no " + attribute);
   }
   return value;
 }

@@ -18,9 +18,9 @@ tinyxml2::XMLElement* parseXml(tinyxml2::XMLDocument& document, const std::strin
 [[noreturn]] void failAt(const tinyxml2::XMLElement& element, const std::string& what,
                          const std::string& message);
 
-/// The attribute, which must be there and not be empty.
+/// The attribute, which must be there and not be empty. `owner` ("link 'arm': ") begins the message.
 std::string requiredAttribute(const tinyxml2::XMLElement& element, const char* attribute,
-                              const std::string& what);
+                              const std::string& what, const std::string& owner = "");
 
 /// The whole text as finite numbers; false if it is anything else. Independent of the locale.
 bool parseNumber(const std::string& text, double& value);

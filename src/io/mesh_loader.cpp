@@ -5,7 +5,7 @@
 #include <tuple>
 
 #include <geometric_shapes/mesh_operations.h>
-#include <ros/package.h>
+#include <rospack/rospack.h>
 
 #include "collision_pairs/input_error.h"
 #include "console_messages.h"
@@ -49,12 +49,22 @@ class Loader {
     const std::size_t slash = uri.find('/', PACKAGE.size());
     if (slash == std::string::npos) fail(uri, "it names a package but no file");
     const std::string package = uri.substr(PACKAGE.size(), slash - PACKAGE.size());
-    auto [known, is_new] = packages_.try_emplace(package);
-    if (is_new) known->second = ros::package::getPath(package);
-    if (known->second.empty()) {
-      fail(uri, "package '" + package + "' is not on ROS_PACKAGE_PATH");
+    const std::string folder = findPackage(package);
+    if (folder.empty()) fail(uri, "package '" + package + "' is not on ROS_PACKAGE_PATH");
+    return fs::path(folder) / uri.substr(slash + 1);
+  }
+
+  // rospack itself, and not ros::package::getPath, which prints two lines about what it misses.
+  std::string findPackage(const std::string& package) {
+    if (!rospack_) {
+      rospack_ = std::make_unique<rospack::Rospack>();
+      rospack_->setQuiet(true);
+      std::vector<std::string> folders;
+      rospack_->getSearchPathFromEnv(folders);
+      rospack_->crawl(folders, false);
     }
-    return fs::path(known->second) / uri.substr(slash + 1);
+    std::string folder;
+    return rospack_->find(package, folder) ? folder : "";
   }
 
   static std::unique_ptr<shapes::Mesh> read(const std::string& uri, const fs::path& path) {
@@ -90,11 +100,16 @@ class Loader {
 
   std::map<std::tuple<std::string, double, double, double>, std::shared_ptr<const TriangleMesh>>
       meshes_;
-  std::map<std::string, std::string> packages_;
+  std::unique_ptr<rospack::Rospack> rospack_;
 };
 
 }  // namespace
 
-MeshLoader makeMeshLoader() { return Loader(); }
+MeshLoader makeMeshLoader() {
+  const auto loader = std::make_shared<Loader>();
+  return [loader](const std::string& uri, const Eigen::Vector3d& scale) {
+    return (*loader)(uri, scale);
+  };
+}
 
 }  // namespace collision_pairs

@@ -1,0 +1,54 @@
+"""The walls of the house: which room may know which library."""
+import os
+import re
+import subprocess
+
+from conftest import PROJECT, TOOLS
+
+LIBRARY = os.path.join(os.path.dirname(TOOLS), "libcollision_pairs.so")
+
+
+def included_in(folder):
+    """(file, what it includes) for every source file below a folder of the project."""
+    for path, _, names in os.walk(os.path.join(PROJECT, folder)):
+        for name in names:
+            if name.endswith((".h", ".cpp")):
+                file = os.path.join(path, name)
+                for line in open(file):
+                    found = re.match(r'\s*#include\s*[<"]([^>"]+)[>"]', line)
+                    if found:
+                        yield os.path.relpath(file, PROJECT), found.group(1)
+
+
+def test_the_core_links_no_ros_library():
+    needed = subprocess.run(["readelf", "-d", LIBRARY], check=True, stdout=subprocess.PIPE, text=True).stdout
+    libraries = re.findall(r"\(NEEDED\).*\[(.*?)\]", needed)
+    assert any(name.startswith("libfcl") for name in libraries)
+    ros = re.compile(r"lib(ros|tf2?|geometric_shapes|resource_retriever|urdf\.|cpp_common|xmlrpcpp|rostime|dynamic_)")
+    assert [name for name in libraries if ros.match(name)] == []
+
+
+def test_the_core_includes_no_ros_header():
+    ros = re.compile(r"(ros|tf2?|tf2_ros|.*_msgs|std_srvs|geometric_shapes|diagnostic_updater|dynamic_reconfigure)/")
+    assert [pair for folder in ("include", "src/core") for pair in included_in(folder) if ros.match(pair[1])] == []
+
+
+def test_public_headers_include_std_eigen_and_themselves_only():
+    own = re.compile(r"(collision_pairs|Eigen)/|[a-z_0-9]+$")
+    assert [pair for pair in included_in("include") if not own.match(pair[1])] == []
+
+
+def test_one_file_knows_fcl():
+    files = {file for folder in ("include", "src") for file, what in included_in(folder) if what.startswith("fcl/")}
+    assert len(files) == 1, files
+
+
+def test_rooms_know_only_the_rooms_below():
+    below = {"src/core": set(), "src/io": {"src/core"}, "src/tools": {"src/io", "src/core"},
+             "src/ros": {"src/io", "src/core"}}
+    headers = {room: {n for n in os.listdir(os.path.join(PROJECT, room)) if n.endswith(".h")} for room in below}
+    for room, allowed in below.items():
+        for file, what in included_in(room):
+            for other in headers:
+                if what in headers[other] and what not in headers[room]:
+                    assert other in allowed, "%s includes %s of %s" % (file, what, other)

@@ -1,0 +1,149 @@
+"""check_states as a user meets it: what it prints, what it refuses, what it leaves behind."""
+import csv
+import os
+import stat
+
+import pytest
+from conftest import DEMO
+
+URDF = os.path.join(DEMO, "demo_robot.urdf")
+SRDF = os.path.join(DEMO, "demo_robot.srdf")
+HEADER = ["state", "in_collision", "pairs", "min_distance", "nb_pairs", "microseconds"]
+
+
+@pytest.fixture
+def states(tmp_path):
+    path = tmp_path / "states.csv"
+    path.write_text("shoulder_pan,shoulder_lift,elbow_flex,wrist_flex,wrist_roll\n"
+                    "0,-0.3,1.2,0.9,0\n0.3,1.1,0.6,-0.1,1.35\n")
+    return path
+
+
+def rows_of(path):
+    with open(path) as lines:
+        return list(csv.DictReader(lines))
+
+
+def test_verdicts_pairs_and_distance_are_written(run_tool, states, tmp_path):
+    out = tmp_path / "out.csv"
+    done = run_tool("check_states", URDF, "--srdf", SRDF, "--states", states, "--out", out,
+                    "--min-distance")
+    assert done.returncode == 0, done.stderr
+    rows = rows_of(out)
+    assert list(rows[0]) == HEADER
+    assert [row["in_collision"] for row in rows] == ["0", "1"]
+    assert rows[0]["pairs"] == "" and float(rows[0]["min_distance"]) > 0
+    assert "arch|wrist_ball" in rows[1]["pairs"].split(";")
+    assert float(rows[1]["min_distance"]) < 0
+    assert "gripper" in done.stderr and "zero" in done.stderr
+
+
+def test_min_distance_is_empty_unless_asked_for(run_tool, states):
+    done = run_tool("check_states", URDF, "--srdf", SRDF, "--states", states)
+    assert done.stdout.splitlines()[1].split(",")[3] == ""
+
+
+def test_without_srdf_neighbours_are_not_checked(run_tool, states):
+    done = run_tool("check_states", URDF, "--states", states)
+    assert done.returncode == 0
+    assert "arm_base|shoulder" not in done.stdout
+
+
+@pytest.mark.parametrize("fidelity", ["aabb", "obb", "convex", "mesh"])
+def test_a_cheaper_rung_misses_no_contact(run_tool, states, fidelity):
+    exact = run_tool("check_states", URDF, "--srdf", SRDF, "--states", states).stdout.splitlines()
+    rung = run_tool("check_states", URDF, "--srdf", SRDF, "--states", states, "--fidelity",
+                    fidelity).stdout.splitlines()
+    for line, cheap in zip(exact[1:], rung[1:]):
+        assert set(filter(None, line.split(",")[2].split(";"))) <= set(cheap.split(",")[2].split(";"))
+
+
+def test_a_world_stands_at_the_robots_root(run_tool, states, tmp_path):
+    world = tmp_path / "world.urdf"
+    world.write_text("<robot name='w'><link name='wall'><collision><origin xyz='0 0 1.4'/><geometry>"
+                     "<box size='9 9 0.1'/></geometry></collision></link></robot>")
+    done = run_tool("check_states", URDF, "--srdf", SRDF, "--states", states, "--world", world,
+                    "--min-distance")
+    assert "upper_arm|wall" in done.stdout or "forearm|wall" in done.stdout or "elbow|wall" in done.stdout
+    clash = tmp_path / "clash.urdf"
+    clash.write_text(world.read_text().replace("'wall'", "'table'"))
+    done = run_tool("check_states", URDF, "--states", states, "--world", clash)
+    assert done.returncode == 2 and "table" in done.stderr
+
+
+def broken_inputs():
+    box = "<collision><geometry><box size='1 1 1'/></geometry></collision>"
+    mesh = "<robot name='r'><link name='a'><collision><geometry><mesh filename='%s'/></geometry></collision></link></robot>"
+    return {
+        "urdf_empty": ("urdf", b"", "empty"),
+        "urdf_not_xml": ("urdf", b"\x00\xff\xfe garbage", "NUL"),
+        "urdf_truncated": ("urdf", open(URDF, "rb").read()[:2000], "not well-formed"),
+        "urdf_deep": ("urdf", b"<robot name='r'>" + b"<a>" * 200000, "nested too deeply"),
+        "urdf_two_roots": ("urdf", b"<robot name='r'><link name='a'/><link name='b'/></robot>", "two root links"),
+        "urdf_negative": ("urdf", ("<robot name='r'><link name='a'>%s</link></robot>" % box.replace("1 1 1", "1 -1 1")).encode(), "negative"),
+        "urdf_no_mesh": ("urdf", (mesh % "package://collision_pairs/none.stl").encode(), "none.stl"),
+        "urdf_no_package": ("urdf", (mesh % "package://no_such_package/x.stl").encode(), "no_such_package"),
+        "urdf_mesh_is_text": ("urdf", (mesh % ("file://" + URDF)).encode(), "demo_robot.urdf"),
+        "srdf_truncated": ("srdf", b"<robot name='r'><disable_collisions", "SRDF line 1"),
+        "srdf_half_a_pair": ("srdf", b"<robot name='r'><disable_collisions link1='a'/></robot>", "link2"),
+        "states_unknown": ("states", b"elbow_joint\n1\n", "elbow_joint"),
+        "states_fixed": ("states", b"table_joint\n1\n", "table_joint"),
+        "states_text": ("states", b"shoulder_pan\nfast\n", "fast"),
+        "states_nan": ("states", b"shoulder_pan\nnan\n", "nan"),
+        "states_short": ("states", b"shoulder_pan,elbow_flex\n1\n", "line 2"),
+        "states_late": ("states", b"shoulder_pan\n" + b"1\n" * 1000 + b"x\n", "line 1002"),
+        "states_empty": ("states", b"", "no header"),
+        "world_broken": ("world", b"<robot name='w'><link/></robot>", "world"),
+    }
+
+
+@pytest.mark.parametrize("name", broken_inputs())
+def test_wrong_input_is_one_line_and_exit_code_2(run_tool, states, tmp_path, name):
+    which, content, says = broken_inputs()[name]
+    path = tmp_path / ("bad_" + which)
+    path.write_bytes(content)
+    files = {"urdf": URDF, "srdf": SRDF, "states": states, "world": None, which: path}
+    out = tmp_path / "out.csv"
+    arguments = [files["urdf"], "--srdf", files["srdf"], "--states", files["states"], "--out", out]
+    if files["world"]:
+        arguments += ["--world", files["world"]]
+    done = run_tool("check_states", *arguments)
+    assert done.returncode == 2
+    errors = [line for line in done.stderr.splitlines() if not line.startswith("warning: ")]
+    assert len(errors) == 1 and says in errors[0] and "bad_" + which in errors[0], done.stderr
+    assert not out.exists() and not list(tmp_path.glob("out*"))
+
+
+@pytest.mark.parametrize("arguments, says", [
+    (["--states", "none.csv"], "none.csv"), ([], "--states"), (["--states", "x", "--speed", "3"], "--speed"),
+    (["--states", "x", "--fidelity", "exact"], "exact"), (["--states", "x", "--alarm-distance", "-1"], "alarm"),
+    (["--states", "x", "--alarm-distance", "nan"], "alarm"), (["--states", "x", "--alarm-distance", "far"], "alarm"),
+])
+def test_wrong_options_are_one_line_and_exit_code_2(run_tool, arguments, says):
+    done = run_tool("check_states", URDF, *arguments)
+    assert done.returncode == 2 and says in done.stderr and len(done.stderr.splitlines()) == 1
+
+
+def test_windows_line_ends_and_byte_order_marks_are_accepted(run_tool, states, tmp_path):
+    plain = run_tool("check_states", URDF, "--srdf", SRDF, "--states", states).stdout
+    windows = tmp_path / "windows.csv"
+    windows.write_bytes(b"\xef\xbb\xbf" + states.read_bytes().replace(b"\n", b"\r\n") + b"\r\n\r\n")
+    urdf = tmp_path / "bom.urdf"
+    urdf.write_bytes(b"\xef\xbb\xbf" + open(URDF, "rb").read().replace(b"\n", b"\r\n"))
+    srdf = tmp_path / "bom.srdf"
+    srdf.write_bytes(b"\xef\xbb\xbf" + open(SRDF, "rb").read())
+    done = run_tool("check_states", urdf, "--srdf", srdf, "--states", windows)
+    assert done.returncode == 0, done.stderr
+    strip = lambda text: [line.rsplit(",", 1)[0] for line in text.splitlines()]
+    assert strip(done.stdout) == strip(plain)
+
+
+def test_a_folder_that_cannot_be_written_is_named(run_tool, states, tmp_path):
+    done = run_tool("check_states", URDF, "--states", states, "--out", tmp_path / "none" / "out.csv")
+    assert done.returncode == 2 and "out.csv" in done.stderr
+
+
+def test_a_pipe_is_written_in_place(run_tool, states):
+    done = run_tool("check_states", URDF, "--states", states, "--out", "/dev/stdout")
+    assert done.returncode == 0 and done.stdout.startswith("state,")
+    assert stat.S_ISLNK(os.lstat("/dev/stdout").st_mode)

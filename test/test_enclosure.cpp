@@ -1,0 +1,65 @@
+#include <gtest/gtest.h>
+
+#include "enclosure.h"
+#include "random_inputs.h"
+
+namespace collision_pairs {
+namespace {
+
+TriangleMesh randomPoints(RandomInputs& random, int count, const Eigen::Vector3d& scale) {
+  TriangleMesh mesh;
+  const Eigen::Isometry3d X = random.pose(2.0);
+  for (int i = 0; i < count; ++i) {
+    mesh.vertices.push_back(X * random.vector(-1.0, 1.0).cwiseProduct(scale));
+  }
+  return mesh;
+}
+
+TEST(Enclosure, BoxHoldsEveryVertexAndIsNoLargerThanTheAlignedBox) {
+  RandomInputs random;
+  for (int round = 0; round < 100; ++round) {
+    const Eigen::Vector3d scale(1.0, random.uniform(0.0, 1.0), random.integer(0, 3) ? 0.3 : 0.0);
+    const TriangleMesh mesh = randomPoints(random, random.integer(1, 60), scale);
+    const auto [box, X_EO] = enclosingBox(Convex{std::make_shared<TriangleMesh>(mesh)});
+    Eigen::Vector3d lower = mesh.vertices[0], upper = lower;
+    for (const Eigen::Vector3d& p_E : mesh.vertices) {
+      const Eigen::Vector3d p_O = X_EO.inverse() * p_E;
+      EXPECT_TRUE((p_O.cwiseAbs().array() <= 0.5 * box.size.array() + 1e-15).all());
+      lower = lower.cwiseMin(p_E);
+      upper = upper.cwiseMax(p_E);
+    }
+    EXPECT_LE(box.size.prod(), (upper - lower).prod() * (1.0 + 1e-9) + 1e-12);
+  }
+}
+
+TEST(Enclosure, BoxOfATurnedBoxIsThatBox) {
+  RandomInputs random;
+  TriangleMesh mesh;
+  const Eigen::Matrix3d R = random.rotation().toRotationMatrix();
+  for (int corner = 0; corner < 8; ++corner) {
+    mesh.vertices.push_back(
+        R * Eigen::Vector3d(corner & 1 ? 1 : -1, corner & 2 ? 2 : -2, corner & 4 ? 4 : -4));
+  }
+  const auto [box, X_EO] = enclosingBox(Convex{std::make_shared<TriangleMesh>(mesh)});
+  EXPECT_NEAR(box.size.prod(), 2.0 * 4.0 * 8.0, 1e-9);
+}
+
+TEST(Enclosure, HullVerticesReachAsFarAsAllVerticesInEveryDirection) {
+  RandomInputs random;
+  for (int round = 0; round < 50; ++round) {
+    const TriangleMesh mesh =
+        randomPoints(random, random.integer(1, 200), {1.0, 1.0, random.integer(0, 2) * 0.5});
+    const auto hull = hullVertices(mesh);
+    EXPECT_LE(hull->vertices.size(), mesh.vertices.size());
+    for (int i = 0; i < 100; ++i) {
+      const Eigen::Vector3d direction = random.rotation() * Eigen::Vector3d::UnitX();
+      double all = -1e9, kept = -1e9;
+      for (const auto& v : mesh.vertices) all = std::max(all, direction.dot(v));
+      for (const auto& v : hull->vertices) kept = std::max(kept, direction.dot(v));
+      EXPECT_LE(all - kept, hullMargin(mesh));
+    }
+  }
+}
+
+}  // namespace
+}  // namespace collision_pairs

@@ -1,0 +1,129 @@
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "collision_pairs/aabb.h"
+#include "collision_pairs/input_error.h"
+#include "mesh_loader.h"
+
+namespace collision_pairs {
+namespace {
+
+namespace fs = std::filesystem;
+
+const Eigen::Vector3d ONE = Eigen::Vector3d::Ones();
+
+class MeshLoaderTest : public testing::Test {
+ protected:
+  void SetUp() override { fs::create_directories(folder_); }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  std::string file(const std::string& name, const std::string& content) const {
+    std::ofstream(folder_ / name, std::ios::binary) << content;
+    return "file://" + (folder_ / name).string();
+  }
+  std::string refusal(const std::string& uri) {
+    try {
+      validateShape(Mesh{load_(uri, ONE)});
+    } catch (const std::exception& error) {
+      return error.what();
+    }
+    return "accepted";
+  }
+
+  fs::path folder_ = fs::temp_directory_path() / ("mesh_loader_" + std::to_string(::getpid()));
+  MeshLoader load_ = makeMeshLoader();
+};
+
+std::string binaryStl(const std::vector<std::array<float, 9>>& triangles) {
+  std::string stl(80, ' ');
+  const auto append = [&](const auto& value) {
+    stl.append(reinterpret_cast<const char*>(&value), sizeof value);
+  };
+  append(static_cast<std::uint32_t>(triangles.size()));
+  for (const auto& corners : triangles) {
+    for (int i = 0; i < 3; ++i) append(0.0f);
+    for (const float c : corners) append(c);
+    append(static_cast<std::uint16_t>(0));
+  }
+  return stl;
+}
+
+const std::array<float, 9> TRIANGLE = {0, 0, 0, 1, 0, 0, 0, 2, 0};
+
+TEST_F(MeshLoaderTest, ScaleAppliesToEachAxisAndMayMirror) {
+  const auto mesh = load_(file("t.stl", binaryStl({TRIANGLE})), {-1.0, 0.5, 1.0});
+  const Aabb box = computeAabb(Mesh{mesh}, Eigen::Isometry3d::Identity());
+  EXPECT_TRUE(box.min.isApprox(Eigen::Vector3d(-1, 0, 0), 1e-12));
+  EXPECT_TRUE((box.max - Eigen::Vector3d(0, 1, 0)).isZero(1e-12));
+}
+
+TEST_F(MeshLoaderTest, ReadsPackageUrisAndObj) {
+  const auto arch = load_("package://collision_pairs/config/demo/meshes/arch.obj", ONE);
+  const Aabb box = computeAabb(Mesh{arch}, Eigen::Isometry3d::Identity());
+  EXPECT_TRUE(box.min.isApprox(Eigen::Vector3d(-0.18, -0.03, 0.0), 1e-6));
+  EXPECT_TRUE(box.max.isApprox(Eigen::Vector3d(0.18, 0.03, 0.34), 1e-6));
+}
+
+TEST_F(MeshLoaderTest, ColladaIsTakenAsItIsWhateverItsUpAxis) {
+  const auto collada = [&](const std::string& name, const std::string& up) {
+    return file(
+        name,
+        "<?xml version='1.0'?><COLLADA xmlns='http://www.collada.org/2005/11/COLLADASchema' "
+        "version='1.4.1'><asset><up_axis>" +
+            up +
+            "</up_axis></asset><library_geometries>"
+            "<geometry id='g'><mesh><source id='p'><float_array id='a' count='9'>0 0 0 1 0 0 0 0 3"
+            "</float_array><technique_common><accessor source='#a' count='3' stride='3'>"
+            "<param name='X' type='float'/><param name='Y' type='float'/><param name='Z' "
+            "type='float'/></accessor></technique_common></source><vertices id='v'><input "
+            "semantic='POSITION' source='#p'/></vertices><triangles count='1'><input "
+            "semantic='VERTEX' source='#v' offset='0'/><p>0 1 2</p></triangles></mesh></geometry>"
+            "</library_geometries><library_visual_scenes><visual_scene id='s'><node id='n'>"
+            "<instance_geometry url='#g'/></node></visual_scene></library_visual_scenes>"
+            "<scene><instance_visual_scene url='#s'/></scene></COLLADA>");
+  };
+  for (const char* up : {"Y_UP", "Z_UP"}) {
+    const auto mesh = load_(collada(std::string(up) + ".dae", up), ONE);
+    const Aabb box = computeAabb(Mesh{mesh}, Eigen::Isometry3d::Identity());
+    EXPECT_TRUE(box.max.isApprox(Eigen::Vector3d(1, 0, 3), 1e-6))
+        << up << " " << box.max.transpose();
+  }
+}
+
+TEST_F(MeshLoaderTest, WhatIsNoMeshIsRefusedByUri) {
+  EXPECT_THAT(refusal("file:///nowhere/x.stl"),
+              testing::HasSubstr("there is no file /nowhere/x.stl"));
+  EXPECT_THAT(refusal("package://no_such_package/x.stl"), testing::HasSubstr("'no_such_package'"));
+  EXPECT_THAT(refusal("package://collision_pairs"), testing::HasSubstr("no file"));
+  EXPECT_THAT(refusal("package://collision_pairs/none.stl"),
+              testing::HasSubstr("there is no file"));
+  EXPECT_THAT(refusal("http://127.0.0.1/x.stl"), testing::HasSubstr("only package:// and file://"));
+  EXPECT_THAT(refusal("x.stl"), testing::HasSubstr("only package:// and file://"));
+  EXPECT_THAT(refusal("file:///dev/zero"), testing::HasSubstr("is not a file"));
+  EXPECT_THAT(refusal("file://" + folder_.string()), testing::HasSubstr("is not a file"));
+  EXPECT_THAT(refusal(file("empty.stl", "")), testing::HasSubstr("empty"));
+  EXPECT_THAT(refusal(file("text.stl", "this is no mesh at all")), testing::HasSubstr("text.stl"));
+  EXPECT_NE(refusal(file("text.stl", "this is no mesh at all")), "accepted");
+}
+
+TEST_F(MeshLoaderTest, TruncatedOrNanMeshesAreRefused) {
+  const std::string whole = binaryStl(std::vector<std::array<float, 9>>(10, TRIANGLE));
+  EXPECT_NE(refusal(file("cut.stl", whole.substr(0, whole.size() - 30))), "accepted");
+  EXPECT_NE(refusal(file("header.stl", whole.substr(0, 83))), "accepted");
+  EXPECT_NE(refusal(file("none.stl", binaryStl({}))), "accepted");
+  auto broken = TRIANGLE;
+  broken[4] = NAN;
+  EXPECT_NE(refusal(file("nan.stl", binaryStl({TRIANGLE, broken}))), "accepted");
+  broken[4] = INFINITY;
+  EXPECT_NE(refusal(file("inf.stl", binaryStl({TRIANGLE, broken}))), "accepted");
+  EXPECT_NE(refusal(file("cut.obj", "v 0 0 0\nv 1 0")), "accepted");
+  EXPECT_NE(refusal(file("cut.dae", "<COLLADA><library_geometries>")), "accepted");
+}
+
+}  // namespace
+}  // namespace collision_pairs

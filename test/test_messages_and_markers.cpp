@@ -1,0 +1,110 @@
+#include <cmath>
+#include <map>
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "conversions.h"
+#include "demo_scene.h"
+#include "markers.h"
+
+namespace collision_pairs {
+namespace {
+
+using visualization_msgs::Marker;
+using visualization_msgs::MarkerArray;
+
+/// Boxes a and b in contact, c near b, d far away.
+class Report : public testing::Test {
+ protected:
+  Report()
+      : scene_(CollisionScene::build(robotFrom(slidingBoxes(4)), std::nullopt, nullptr)),
+        detector_(scene_) {
+    settings_.alarm_distance = 0.2;
+    BodyPoses poses;
+    poses.resize(scene_->bodies().size());
+    const double x[] = {0.0, 0.9, 2.0, 9.0};
+    for (int i = 0; i < 4; ++i) {
+      poses.X_WB[scene_->models()[i].body].translation().x() = x[i];
+    }
+    detector_.detect(poses, settings_);
+  }
+
+  MarkerArray markers(bool only_investigated) const {
+    return toMarkers(detector_.report(), only_investigated, "world", ros::Time(7));
+  }
+
+  static std::map<std::string, int> countByNamespace(const MarkerArray& array) {
+    std::map<std::string, int> count;
+    for (const Marker& marker : array.markers) {
+      if (marker.action == Marker::ADD) ++count[marker.ns];
+    }
+    return count;
+  }
+
+  std::shared_ptr<const CollisionScene> scene_;
+  CollisionDetector detector_;
+  CheckSettings settings_;
+};
+
+TEST_F(Report, AsAMessageSaysEveryPairWithItsState) {
+  const CollisionPairs message = toMessage(detector_.report(), *scene_, settings_, "world",
+                                           ros::Time(7), {"z_broken", "a_broken"});
+  EXPECT_EQ(message.header.frame_id, "world");
+  EXPECT_EQ(message.header.stamp, ros::Time(7));
+  EXPECT_TRUE(message.in_collision);
+  EXPECT_EQ(message.nb_boxes, 4u);
+  EXPECT_EQ(message.nb_pairs, 2u);
+  EXPECT_EQ(message.fidelity, "mesh");
+  ASSERT_EQ(message.pairs.size(), 2u);
+  EXPECT_EQ(message.pairs[0].first_link, "a");
+  EXPECT_EQ(message.pairs[0].second_link, "b");
+  EXPECT_EQ(message.pairs[0].state, CollisionPair::CONTACT);
+  EXPECT_EQ(message.pairs[1].state, CollisionPair::NEAR);
+  ASSERT_EQ(message.pairs[1].contacts.size(), 1u);
+  EXPECT_NEAR(message.pairs[1].contacts[0].depth, -message.pairs[1].distance, 1e-15);
+  EXPECT_NEAR(message.pairs[1].contacts[0].normal.x, 1.0, 1e-9);
+  EXPECT_EQ(message.left_out, (std::vector<std::string>{"a_broken", "z_broken"}));
+}
+
+TEST_F(Report, MarkersTellTheThreeKindsOfBoxesApart) {
+  const auto count = countByNamespace(markers(false));
+  EXPECT_EQ(count.at("boxes_in_contact"), 2);
+  EXPECT_EQ(count.at("investigated_boxes"), 1);
+  EXPECT_EQ(count.at("other_boxes"), 1);
+  EXPECT_EQ(count.at("normals"), 1);
+  std::set<std::tuple<float, float, float>> colours;
+  for (const Marker& marker : markers(false).markers) {
+    if (marker.type != Marker::CUBE || marker.action != Marker::ADD) continue;
+    colours.insert({marker.color.r, marker.color.g, marker.color.b});
+  }
+  EXPECT_EQ(colours.size(), 3u);
+}
+
+TEST_F(Report, OtherBoxesAreHiddenOnRequest) {
+  const auto count = countByNamespace(markers(true));
+  EXPECT_EQ(count.count("other_boxes"), 0u);
+  EXPECT_EQ(count.at("boxes_in_contact"), 2);
+  EXPECT_EQ(count.at("investigated_boxes"), 1);
+}
+
+TEST_F(Report, MarkersClearWhatWasThereAndAreDrawable) {
+  const MarkerArray array = markers(false);
+  EXPECT_EQ(array.markers.front().action, Marker::DELETEALL);
+  std::set<std::pair<std::string, int>> ids;
+  for (std::size_t i = 1; i < array.markers.size(); ++i) {
+    const Marker& marker = array.markers[i];
+    EXPECT_TRUE(ids.insert({marker.ns, marker.id}).second) << marker.ns << marker.id;
+    EXPECT_EQ(marker.pose.orientation.w, 1.0);
+    EXPECT_GT(marker.scale.x, 0.0);
+    EXPECT_GT(marker.color.a, 0.0f);
+    EXPECT_EQ(marker.header.frame_id, "world");
+    if (marker.type == Marker::CUBE) {
+      EXPECT_GT(marker.scale.y, 0.0);
+      EXPECT_GT(marker.scale.z, 0.0);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace collision_pairs

@@ -1,0 +1,72 @@
+// The defaults are said in the core, in the YAML, in the .cfg and in the README: all must agree.
+#include <fstream>
+#include <map>
+#include <sstream>
+
+#include <collision_pairs/CollisionPairsConfig.h>
+#include <gtest/gtest.h>
+
+#include "parameters.h"
+
+namespace collision_pairs {
+namespace {
+
+std::map<std::string, std::string> yamlDefaults() {
+  std::map<std::string, std::string> values;
+  std::ifstream file(std::string(PROJECT_SOURCE_DIR) + "/config/collision_pairs_node.yaml");
+  std::string line;
+  while (std::getline(file, line)) {
+    const std::size_t colon = line.find(": ");
+    if (line.empty() || line[0] == '#' || colon == std::string::npos) continue;
+    values[line.substr(0, colon)] = line.substr(colon + 2);
+  }
+  return values;
+}
+
+/// The default column of the README's parameter table: | `~name` | type | unit | default | effect |
+std::map<std::string, std::string> readmeDefaults() {
+  std::map<std::string, std::string> values;
+  std::ifstream file(std::string(PROJECT_SOURCE_DIR) + "/README.md");
+  std::string line;
+  while (std::getline(file, line)) {
+    if (line.rfind("| `~", 0) != 0) continue;
+    std::istringstream cells(line.substr(1));
+    std::vector<std::string> row;
+    for (std::string cell; std::getline(cells, cell, '|');) {
+      cell.erase(0, cell.find_first_not_of(" `~"));
+      cell.erase(cell.find_last_not_of(" `") + 1);
+      row.push_back(cell);
+    }
+    if (row.size() >= 5) values.emplace(row[0], row[3]);
+  }
+  return values;
+}
+
+class Defaults : public testing::TestWithParam<std::map<std::string, std::string> (*)()> {};
+
+TEST_P(Defaults, AreThoseOfTheCode) {
+  const NodeParameters code;
+  const auto text = GetParam()();
+  EXPECT_EQ(std::stod(text.at("alarm_distance")), code.check.alarm_distance);
+  EXPECT_EQ(text.at("fidelity"), fidelityName(code.check.fidelity));
+  EXPECT_EQ(std::stod(text.at("rate")), code.rate);
+  EXPECT_EQ(text.at("show_only_investigated_boxes"),
+            code.show_only_investigated_boxes ? "true" : "false");
+  EXPECT_EQ(std::stod(text.at("max_transform_age")), code.max_transform_age);
+  EXPECT_TRUE(text.count("fixed_frame"));
+}
+
+INSTANTIATE_TEST_SUITE_P(Yaml, Defaults, testing::Values(&yamlDefaults));
+INSTANTIATE_TEST_SUITE_P(Readme, Defaults, testing::Values(&readmeDefaults));
+
+TEST(Defaults, OfDynamicReconfigureAreThoseOfTheCode) {
+  const NodeParameters code;
+  const auto config = CollisionPairsConfig::__getDefault__();
+  EXPECT_EQ(config.alarm_distance, code.check.alarm_distance);
+  EXPECT_EQ(config.fidelity, fidelityName(code.check.fidelity));
+  EXPECT_EQ(config.rate, code.rate);
+  EXPECT_EQ(config.show_only_investigated_boxes, code.show_only_investigated_boxes);
+}
+
+}  // namespace
+}  // namespace collision_pairs

@@ -1,0 +1,130 @@
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "collision_pairs/robot_model.h"
+#include "demo_scene.h"
+#include "random_inputs.h"
+
+namespace collision_pairs {
+namespace {
+
+using Pairs = std::vector<std::pair<std::string, std::string>>;
+
+Pairs adjacentNames(const RobotModel& robot) {
+  Pairs names;
+  for (const auto& [a, b] : robot.adjacentLinks()) {
+    names.push_back(std::minmax(robot.links()[a].name, robot.links()[b].name));
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+Eigen::Isometry3d linkPose(const RobotModel& robot, const std::string& name,
+                           const std::vector<double>& positions) {
+  std::vector<Eigen::Isometry3d> X_RB;
+  robot.forwardKinematics(positions, X_RB);
+  const Link& link = robot.links()[robot.findLink(name)];
+  return X_RB[link.body] * link.X_BL;
+}
+
+TEST(RobotModel, LinksOnFixedJointsAreOneBody) {
+  const auto robot = robotFrom(boxLink("base", 1) + boxLink("lid", 1) + boxLink("arm", 1) +
+                               boxLink("tool", 1) + joint("j1", "fixed", "base", "lid", "0 0 1") +
+                               joint("j2", "revolute", "lid", "arm", "0 0 2") +
+                               joint("j3", "fixed", "arm", "tool", "3 0 0"));
+  EXPECT_EQ(robot->bodies().size(), 2u);
+  EXPECT_EQ(robot->links()[robot->findLink("tool")].body,
+            robot->links()[robot->findLink("arm")].body);
+  EXPECT_TRUE(linkPose(*robot, "tool", robot->zeroPositions())
+                  .translation()
+                  .isApprox(Eigen::Vector3d(3, 0, 3), 1e-15));
+}
+
+TEST(RobotModel, ForwardKinematicsOfAPlanarArmIsTheTextbooks) {
+  const std::string about_z = "<axis xyz='0 0 2'/><limit lower='-3' upper='3'/>";
+  const auto robot =
+      robotFrom(emptyLink("base") + boxLink("upper", 1) + boxLink("lower", 1) + boxLink("hand", 1) +
+                joint("a", "revolute", "base", "upper", "0 0 0", about_z) +
+                joint("b", "revolute", "upper", "lower", "0.7 0 0", about_z) +
+                joint("c", "prismatic", "lower", "hand", "0.4 0 0",
+                      "<axis xyz='1 0 0'/><limit lower='0' upper='1'/>"));
+  RandomInputs random;
+  for (int i = 0; i < 100; ++i) {
+    std::vector<double> q = robot->zeroPositions();
+    const double a = q[robot->findJoint("a")] = random.uniform(-3, 3);
+    const double b = q[robot->findJoint("b")] = random.uniform(-3, 3);
+    const double c = q[robot->findJoint("c")] = random.uniform(0, 1);
+    const Eigen::Vector3d expected(0.7 * std::cos(a) + (0.4 + c) * std::cos(a + b),
+                                   0.7 * std::sin(a) + (0.4 + c) * std::sin(a + b), 0.0);
+    EXPECT_LT((linkPose(*robot, "hand", q).translation() - expected).norm(), 1e-15);
+  }
+}
+
+TEST(RobotModel, ZeroIsTheNearerLimitWhereZeroIsOutOfBounds) {
+  const auto robot =
+      robotFrom(emptyLink("a") + emptyLink("b") + emptyLink("c") + emptyLink("d") +
+                joint("above", "revolute", "a", "b", "0 0 0", "<limit lower='0.5' upper='1'/>") +
+                joint("below", "revolute", "b", "c", "0 0 0", "<limit lower='-2' upper='-0.25'/>") +
+                joint("free", "continuous", "c", "d", "0 0 0", ""));
+  const auto q = robot->zeroPositions();
+  EXPECT_EQ(q[robot->findJoint("above")], 0.5);
+  EXPECT_EQ(q[robot->findJoint("below")], -0.25);
+  EXPECT_EQ(q[robot->findJoint("free")], 0.0);
+}
+
+TEST(RobotModel, MimicsFollowThroughChains) {
+  const std::string limit = "<limit lower='-9' upper='9'/>";
+  const auto robot = robotFrom(emptyLink("a") + emptyLink("b") + emptyLink("c") + emptyLink("d") +
+                               joint("first", "revolute", "a", "b", "0 0 0",
+                                     limit + "<mimic joint='second' multiplier='2' offset='1'/>") +
+                               joint("second", "revolute", "b", "c", "0 0 0",
+                                     limit + "<mimic joint='third' multiplier='-1'/>") +
+                               joint("third", "revolute", "c", "d", "0 0 0", limit));
+  std::vector<double> q(3, 0.0);
+  q[robot->findJoint("third")] = 0.5;
+  robot->applyMimics(q);
+  EXPECT_EQ(q[robot->findJoint("second")], -0.5);
+  EXPECT_EQ(q[robot->findJoint("first")], 0.0);
+}
+
+TEST(RobotModel, NeighboursAreJoinedThroughLinksWithoutGeometryToo) {
+  const auto robot =
+      robotFrom(boxLink("a", 1) + emptyLink("between") + boxLink("b", 1) + boxLink("c", 1) +
+                joint("j1", "revolute", "a", "between") + joint("j2", "revolute", "between", "b") +
+                joint("j3", "revolute", "b", "c"));
+  EXPECT_EQ(adjacentNames(*robot), (Pairs{{"a", "b"}, {"b", "c"}}));
+}
+
+TEST(RobotModel, TwoArmsOnOneEmptyFrameAreNotNeighbours) {
+  const auto robot = robotFrom(emptyLink("frame") + boxLink("left", 1) + boxLink("right", 1) +
+                               joint("j1", "revolute", "frame", "left") +
+                               joint("j2", "revolute", "frame", "right"));
+  EXPECT_TRUE(robot->adjacentLinks().empty());
+}
+
+TEST(RobotModel, ALinkWhoseMeshIsBrokenStillHasGeometry) {
+  std::vector<BrokenElement> broken;
+  const auto robot = RobotModel::fromUrdf("<robot name='r'>" + boxLink("a", 1) +
+                                              linkWith("b", "<mesh filename='file:///none.stl'/>") +
+                                              boxLink("c", 1) + joint("j1", "revolute", "a", "b") +
+                                              joint("j2", "revolute", "b", "c") + "</robot>",
+                                          noMeshes, &broken);
+  ASSERT_EQ(broken.size(), 1u);
+  EXPECT_EQ(broken[0].link, "b");
+  EXPECT_EQ(adjacentNames(*robot), (Pairs{{"a", "b"}, {"b", "c"}}));
+}
+
+TEST(RobotModel, AChainOfTenThousandLinksIsRead) {
+  std::string xml = emptyLink("l0");
+  for (int i = 1; i <= 10000; ++i) {
+    const std::string n = std::to_string(i);
+    xml += emptyLink("l" + n) +
+           joint("j" + n, "continuous", "l" + std::to_string(i - 1), "l" + n, "0 0 1", "");
+  }
+  const auto robot = robotFrom(xml);
+  EXPECT_NEAR(linkPose(*robot, "l10000", robot->zeroPositions()).translation().z(), 10000.0, 1e-9);
+}
+
+}  // namespace
+}  // namespace collision_pairs

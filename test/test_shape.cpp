@@ -1,0 +1,55 @@
+#include <cmath>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "collision_pairs/shape.h"
+
+namespace collision_pairs {
+namespace {
+
+std::string refusal(const Shape& shape) {
+  try {
+    validateShape(shape);
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "";
+}
+
+std::shared_ptr<TriangleMesh> triangle() {
+  auto mesh = std::make_shared<TriangleMesh>();
+  mesh->vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  mesh->triangles = {{0, 1, 2}};
+  mesh->name = "one.stl";
+  return mesh;
+}
+
+TEST(Shape, OfNoSizeIsAccepted) {
+  EXPECT_EQ(refusal(Box{{0, 1, 2}}), "");
+  EXPECT_EQ(refusal(Cylinder{0, 0}), "");
+  EXPECT_EQ(refusal(Mesh{triangle()}), "");
+}
+
+TEST(Shape, NegativeOrNotFiniteIsRefusedByName) {
+  EXPECT_THAT(refusal(Box{{-1, 1, 1}}), testing::HasSubstr("box"));
+  EXPECT_THAT(refusal(Sphere{NAN}), testing::HasSubstr("radius"));
+  EXPECT_THAT(refusal(Cylinder{1, INFINITY}), testing::HasSubstr("length"));
+  EXPECT_THAT(refusal(Capsule{-0.1, 1}), testing::HasSubstr("capsule"));
+}
+
+TEST(Shape, MeshNamesItsBadVertexOrTriangle) {
+  auto broken = triangle();
+  broken->vertices[1].y() = NAN;
+  EXPECT_THAT(refusal(Mesh{broken}), testing::HasSubstr("'one.stl': vertex 1"));
+  broken = triangle();
+  broken->triangles[0][2] = 7;
+  EXPECT_THAT(refusal(Mesh{broken}), testing::HasSubstr("triangle 0 refers to vertex 7"));
+  broken = triangle();
+  broken->triangles.clear();
+  EXPECT_THAT(refusal(Mesh{broken}), testing::HasSubstr("no triangle"));
+  EXPECT_THAT(refusal(Convex{std::make_shared<TriangleMesh>()}), testing::HasSubstr("no vertex"));
+}
+
+}  // namespace
+}  // namespace collision_pairs

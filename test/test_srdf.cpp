@@ -1,0 +1,54 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "collision_pairs/input_error.h"
+#include "collision_pairs/srdf.h"
+
+namespace collision_pairs {
+namespace {
+
+using Pairs = std::set<Srdf::LinkPair>;
+const std::vector<std::string> LINKS = {"a", "b", "c", "d"};
+
+Srdf parsed(const std::string& inner) {
+  return Srdf::fromXml("<robot name='r'>" + inner + "</robot>");
+}
+
+TEST(Srdf, DisabledPairsAreOrderedAndRepeatsDoNotMatter) {
+  const Srdf srdf = parsed(
+      "<disable_collisions link1='c' link2='a'/><disable_collisions link1='a' link2='c'/>"
+      "<disable_collisions link1='b' link2='b'/>");
+  EXPECT_EQ(srdf.switchedOff(LINKS), (Pairs{{"a", "c"}}));
+}
+
+TEST(Srdf, FollowsMoveItsOrderOfDefaultEnableDisable) {
+  const Srdf srdf = parsed(
+      "<disable_collisions link1='a' link2='c'/>"
+      "<enable_collisions link1='a' link2='b'/><enable_collisions link1='c' link2='a'/>"
+      "<disable_default_collisions link='a'/>");
+  EXPECT_EQ(srdf.switchedOff(LINKS), (Pairs{{"a", "c"}, {"a", "d"}}));
+}
+
+TEST(Srdf, UnknownLinksAreListedOnce) {
+  const Srdf srdf =
+      parsed("<disable_collisions link1='a' link2='x'/><disable_collisions link1='x' link2='y'/>");
+  EXPECT_EQ(srdf.unknownLinks(LINKS), (std::vector<std::string>{"x", "y"}));
+}
+
+TEST(Srdf, BrokenTextIsRefusedWithItsLine) {
+  const auto refusal = [](const std::string& xml) -> std::string {
+    try {
+      Srdf::fromXml(xml);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "accepted";
+  };
+  EXPECT_THAT(refusal("<robot name='r'>\n<disable_collisions link1='a'/></robot>"),
+              testing::HasSubstr("SRDF line 2: <disable_collisions> has no link2"));
+  EXPECT_THAT(refusal("<robot"), testing::HasSubstr("not well-formed"));
+  EXPECT_THAT(refusal(""), testing::HasSubstr("empty"));
+}
+
+}  // namespace
+}  // namespace collision_pairs
