@@ -1,13 +1,24 @@
 # The core: URDF and poses in, pairs out. Links no ROS library (test_core_links_no_ros holds it so).
 add_library(collision_pairs SHARED
   src/core/aabb.cpp
+  src/core/closed_forms.cpp
+  src/core/convex_distance.cpp
+  src/core/convex_hull.cpp
+  src/core/fcl_backend.cpp
+  src/core/mesh_query.cpp
+  src/core/mesh_solid.cpp
   src/core/narrow_phase.cpp
   src/core/pair_filter.cpp
+  src/core/prepared_shape.cpp
+  src/core/replay.cpp
   src/core/shape.cpp
   src/core/sweep_and_prune.cpp
+  src/core/triangle_distance.cpp
+  src/core/triangle_tree.cpp
+  src/core/winding_number.cpp
 )
 target_include_directories(collision_pairs PUBLIC
   $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:include>
   PRIVATE ${PROJECT_SOURCE_DIR}/src/core)
-target_link_libraries(collision_pairs PUBLIC Eigen3::Eigen PRIVATE fcl Threads::Threads)
+target_link_libraries(collision_pairs PUBLIC Eigen3::Eigen PRIVATE fcl qhull_r Threads::Threads)
 collision_pairs_warnings(collision_pairs)
