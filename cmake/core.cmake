@@ -1,18 +1,29 @@
-# The core: URDF and poses in, pairs out. Links no ROS library (test_core_links_no_ros holds it so).
+# The core: URDF and poses in, pairs out. Links no ROS library (test_architecture holds it so).
 add_library(collision_pairs SHARED
   src/core/aabb.cpp
+  src/core/closed_forms.cpp
   src/core/collision_detector.cpp
   src/core/collision_report.cpp
   src/core/collision_scene.cpp
+  src/core/convex_distance.cpp
+  src/core/convex_hull.cpp
   src/core/enclosure.cpp
+  src/core/fcl_backend.cpp
+  src/core/mesh_query.cpp
+  src/core/mesh_solid.cpp
   src/core/narrow_phase.cpp
   src/core/pair_filter.cpp
+  src/core/prepared_shape.cpp
+  src/core/replay.cpp
   src/core/robot_model.cpp
   src/core/shape.cpp
   src/core/srdf.cpp
   src/core/sweep_and_prune.cpp
+  src/core/triangle_distance.cpp
+  src/core/triangle_tree.cpp
   src/core/urdf_checks.cpp
   src/core/urdf_reader.cpp
+  src/core/winding_number.cpp
   src/core/xml_file.cpp
 )
 target_include_directories(collision_pairs PUBLIC

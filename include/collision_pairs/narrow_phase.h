@@ -1,8 +1,11 @@
 // How far apart two shapes are, or how deep in each other.
 #pragma once
 
+#include <cstdint>
+#include <functional>
 #include <limits>
 #include <memory>
+#include <string>
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
@@ -48,7 +51,15 @@ class PreparedShape {
 /// Cost: O(1), for Convex and Mesh O(n log n).
 std::shared_ptr<const PreparedShape> prepareShape(const Shape& shape);
 
+/// Is given the inputs of each degraded pair, as text that readReplay() turns back into the very
+/// same numbers.
+using DegradedSink = std::function<void(const std::string& replay)>;
+
 /// Answers pairs of shapes. Holds scratch memory only: one per thread.
+///
+/// Poses: the rotation in X_AB may be off by rounding or by a quaternion that is not quite
+/// normalised; up to 1e-3 (largest entry of R^T R - I) it is made orthonormal, and anything worse,
+/// like a number that is not finite, gives a DEGRADED contact whose distance is a true lower bound.
 class NarrowPhase {
  public:
   NarrowPhase();
@@ -63,6 +74,11 @@ class NarrowPhase {
   /// >= 0, may be infinite) is not computed to the end and comes back as BEYOND. Never throws.
   PairDistance distance(const PreparedShape& A, const PreparedShape& B,
                         const Eigen::Isometry3d& X_AB, double max_distance);
+
+  /// Calls of touches() and distance() so far that ended DEGRADED.
+  std::uint64_t numDegraded() const;
+  /// Called once for each such call, from within it; what the sink throws is swallowed.
+  void onDegraded(DegradedSink sink);
 
  private:
   struct Scratch;

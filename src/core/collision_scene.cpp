@@ -141,7 +141,7 @@ class SceneBuilder {
       classes[i] = candidates_[i].is_static ? 0 : next++;
     }
     PairFilter filter(classes);
-    filter.setClassPair(0, 0, false);
+    if (!candidates_.empty()) filter.setClassPair(0, 0, false);
     for (std::size_t i = 0; i < candidates_.size(); ++i) {
       if (candidates_[i].is_static) continue;
       for (std::size_t j = i + 1; j < candidates_.size(); ++j) {

@@ -1,55 +1,216 @@
+// The table of who answers which pair of shapes.
+//
+//   pair                                   yes or no            signed distance
+//   half-space, anything                   lowest point         the same
+//   sphere, primitive                      closed form          the same
+//   capsule, capsule                       closed form          the same
+//   box, box                               separating axes      GJK, EPA
+//   convex, convex (all others)            GJK                  GJK, EPA
+//   mesh, convex                           triangles, inside    triangles; depth: hulls by EPA
+//   mesh, mesh                             FCL's tree, inside   triangles; depth: hulls by EPA
+//
+// "convex" is every primitive, every Convex and every mesh that is convex.
 #include "collision_pairs/narrow_phase.h"
 
-#include <fcl/geometry/bvh/BVH_model.h>
-#include <fcl/geometry/geometric_shape_to_BVH_model.h>
-#include <fcl/narrowphase/collision.h>
-#include <fcl/narrowphase/distance.h>
+#include <cmath>
+#include <exception>
+
+#include "closed_forms.h"
+#include "convex_distance.h"
+#include "mesh_query.h"
+#include "replay.h"
 
 namespace collision_pairs {
 namespace {
 
-using Bvh = fcl::BVHModel<fcl::OBBRSSd>;
+using Eigen::Isometry3d;
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
 
-struct FclShape : PreparedShape {
-  explicit FclShape(const Shape& shape) : PreparedShape(shape) {}
-  std::shared_ptr<fcl::CollisionGeometryd> geometry;
-};
+constexpr double ORTHONORMAL = 1e-14;  // rotations better than this are taken as they are
+constexpr double MENDABLE = 1e-3;      // and worse than this are refused
+constexpr double NORMAL_FROM_TRIANGLES_BELOW = 1e-4;  // of the triangles' size
 
-std::shared_ptr<fcl::CollisionGeometryd> toBvh(const TriangleMesh& mesh) {
-  auto bvh = std::make_shared<Bvh>();
-  bvh->beginModel(static_cast<int>(mesh.triangles.size()), static_cast<int>(mesh.vertices.size()));
-  std::vector<fcl::Triangle> triangles;
-  triangles.reserve(mesh.triangles.size());
-  for (const auto& t : mesh.triangles) triangles.emplace_back(t[0], t[1], t[2]);
-  bvh->addSubModel(mesh.vertices, triangles);
-  bvh->endModel();
-  return bvh;
+// False if X has no meaning as a pose. A step of Newton's iteration for the polar decomposition
+// squares the error each time.
+bool mendPose(Isometry3d& X) {
+  if (!X.matrix().allFinite()) return false;
+  for (int i = 0; i < 4; ++i) {
+    const Matrix3d excess = X.linear().transpose() * X.linear() - Matrix3d::Identity();
+    const double error = excess.cwiseAbs().maxCoeff();
+    if (error > MENDABLE) return false;
+    if (error <= ORTHONORMAL) break;
+    X.linear() = X.linear() * (Matrix3d::Identity() - 0.5 * excess);
+  }
+  return X.linear().determinant() > 0.0;
 }
 
-struct ToFcl {
-  using Result = std::shared_ptr<fcl::CollisionGeometryd>;
-  Result operator()(const Box& box) const {
-    auto bvh = std::make_shared<Bvh>();
-    fcl::generateBVHModel(*bvh, fcl::Boxd(box.size), fcl::Transform3d::Identity());
-    return bvh;
+PairDistance convexPair(const Prepared& A, const Prepared& B, const Isometry3d& X_AB,
+                        double max_distance) {
+  if (!hasClosedForm(A.core, B.core)) return convexDistance(A.core, B.core, X_AB, max_distance);
+  PairDistance result = closedForm(A.core, B.core, X_AB);
+  if (result.distance > max_distance) result.certainty = Certainty::BEYOND;
+  return result;
+}
+
+PairDistance halfSpaceWith(const Prepared& A, const Prepared& B, const Isometry3d& X_AB) {
+  if (A.isHalfSpace() && B.isHalfSpace()) return halfSpacePair(X_AB);
+  if (A.isHalfSpace()) return halfSpaceDistance(B.core, X_AB);
+  return exchanged(halfSpaceDistance(A.core, X_AB.inverse(Eigen::Isometry)), X_AB);
+}
+
+bool convexTouch(const Prepared& A, const Prepared& B, const Isometry3d& X_AB,
+                 PairDistance& result) {
+  if (hasClosedForm(A.core, B.core)) return closedForm(A.core, B.core, X_AB).touches();
+  using Kind = ConvexCore::Kind;
+  if (A.core.kind == Kind::BOX && B.core.kind == Kind::BOX) {
+    return boxesTouch(A.core.half, B.core.half, X_AB);
   }
-  Result operator()(const Sphere& s) const { return std::make_shared<fcl::Sphered>(s.radius); }
-  Result operator()(const Cylinder& c) const {
-    return std::make_shared<fcl::Cylinderd>(c.radius, c.length);
-  }
-  Result operator()(const Capsule& c) const {
-    return std::make_shared<fcl::Capsuled>(c.radius, c.length);
-  }
-  Result operator()(const HalfSpace&) const {
-    return std::make_shared<fcl::Halfspaced>(Eigen::Vector3d::UnitZ(), 0.0);
-  }
-  Result operator()(const Convex& convex) const { return toBvh(*convex.mesh); }
-  Result operator()(const Mesh& mesh) const { return toBvh(*mesh.mesh); }
-};
+  result = convexGap(A.core, B.core, X_AB, 0.0);
+  return result.touches();
+}
+
+// Is the convex B, whose surface does not meet A's, inside A?
+bool meshHoldsConvex(const PreparedMesh& A, const Prepared& B, const Isometry3d& X_AB) {
+  return A.solid.holds(X_AB * B.core.center);
+}
+
+double scaleOf(const Prepared& shape) { return shape.core.extent + shape.core.radius; }
 
 }  // namespace
 
-struct NarrowPhase::Scratch {};
+struct NarrowPhase::Scratch {
+  MeshQuery query;
+  std::uint64_t num_degraded = 0;
+  DegradedSink sink;
+
+  bool surfacesTouch(const PreparedMesh& A, const PreparedMesh& B, const Isometry3d& X_AB) {
+    const FclAnswer answer = fclSurfacesMeet(A.fcl, B.fcl, X_AB);
+    if (answer.settled && !answer.meet) return false;
+    if (answer.settled && answer.triangle_a >= 0 && answer.triangle_b >= 0) {
+      ClosestPoints best{1e-300};
+      Triangle t = triangleOf(*B.triangles, static_cast<std::uint32_t>(answer.triangle_b));
+      t = Triangle(X_AB * t.v[0], X_AB * t.v[1], X_AB * t.v[2]);
+      const auto index = static_cast<std::uint32_t>(answer.triangle_a);
+      if (improveByTriangles(triangleOf(*A.triangles, index), t, best)) return true;
+    }
+    return !query.meshMesh(A, B, X_AB, 0.0).beyond;
+  }
+
+  bool touches(const Prepared& A, const Prepared& B, const Isometry3d& X_AB, PairDistance& result) {
+    if (A.isHalfSpace() || B.isHalfSpace()) return halfSpaceWith(A, B, X_AB).touches();
+    if (!A.mesh && !B.mesh) return convexTouch(A, B, X_AB, result);
+    const Isometry3d X_BA = X_AB.inverse(Eigen::Isometry);
+    if (A.mesh && B.mesh) {
+      if (squaredBoxGap(A.box, B.box, X_AB.linear(), X_AB.translation()) > 0.0) return false;
+      return surfacesTouch(*A.mesh, *B.mesh, X_AB) ||
+             MeshQuery::meshHoldsMesh(*A.mesh, *B.mesh, X_AB) ||
+             MeshQuery::meshHoldsMesh(*B.mesh, *A.mesh, X_BA);
+    }
+    const Prepared& M = A.mesh ? A : B;
+    const Prepared& C = A.mesh ? B : A;
+    const Isometry3d& X_MC = A.mesh ? X_AB : X_BA;
+    return !query.meshConvex(*M.mesh, C, X_MC, 0.0).beyond || meshHoldsConvex(*M.mesh, C, X_MC);
+  }
+
+  // The shortest translation that separates the hulls: an upper bound of the depth.
+  static PairDistance hullDepth(const Prepared& A, const Prepared& B, const Isometry3d& X_AB) {
+    PairDistance result = convexPair(A, B, X_AB, std::numeric_limits<double>::infinity());
+    if (result.distance > 0.0) result.distance = 0.0;
+    if (result.certainty == Certainty::EXACT) result.certainty = Certainty::BOUND;
+    return result;
+  }
+
+  // Surfaces that nearly touch have lost the direction between their closest points: ask the two
+  // triangles, or the triangle and the convex shape.
+  static void setNormal(const SurfaceGap& gap, const ConvexCore& a, const ConvexCore& b,
+                        const Isometry3d& X_AB, PairDistance& result) {
+    result.distance = gap.distance;
+    result.p_ACa = gap.p_ACa;
+    result.p_ACb = gap.p_ACb;
+    if (gap.distance > NORMAL_FROM_TRIANGLES_BELOW * (a.extent + b.extent + b.radius)) {
+      result.nhat_AB_A = (gap.p_ACb - gap.p_ACa).normalized();
+      return;
+    }
+    result.nhat_AB_A =
+        convexDistance(a, b, X_AB, std::numeric_limits<double>::infinity()).nhat_AB_A;
+  }
+
+  PairDistance meshMesh(const Prepared& A, const Prepared& B, const Isometry3d& X_AB,
+                        double max_distance) {
+    const SurfaceGap gap = query.meshMesh(*A.mesh, *B.mesh, X_AB, max_distance);
+    const bool apart = gap.beyond || gap.distance > 0.0;
+    if (!apart || MeshQuery::meshHoldsMesh(*A.mesh, *B.mesh, X_AB) ||
+        MeshQuery::meshHoldsMesh(*B.mesh, *A.mesh, X_AB.inverse(Eigen::Isometry))) {
+      return hullDepth(A, B, X_AB);
+    }
+    PairDistance result;
+    if (gap.beyond) {
+      result.distance = gap.distance;
+      result.certainty = Certainty::BEYOND;
+      return result;
+    }
+    const Triangle a = triangleOf(*A.mesh->triangles, gap.triangle_a);
+    const Triangle b = triangleOf(*B.mesh->triangles, gap.triangle_b);
+    setNormal(gap, triangleCore(a), triangleCore(b), X_AB, result);
+    return result;
+  }
+
+  PairDistance meshConvex(const Prepared& A, const Prepared& B, const Isometry3d& X_AB,
+                          double max_distance) {
+    const SurfaceGap gap = query.meshConvex(*A.mesh, B, X_AB, max_distance);
+    const bool apart = gap.beyond || gap.distance > 0.0;
+    if (!apart || meshHoldsConvex(*A.mesh, B, X_AB)) return hullDepth(A, B, X_AB);
+    PairDistance result;
+    if (gap.beyond) {
+      result.distance = gap.distance;
+      result.certainty = Certainty::BEYOND;
+      return result;
+    }
+    const Triangle a = triangleOf(*A.mesh->triangles, gap.triangle_a);
+    setNormal(gap, triangleCore(a), B.core, X_AB, result);
+    return result;
+  }
+
+  PairDistance distance(const Prepared& A, const Prepared& B, const Isometry3d& X_AB,
+                        double max_distance) {
+    if (A.isHalfSpace() || B.isHalfSpace()) {
+      PairDistance result = halfSpaceWith(A, B, X_AB);
+      if (result.distance > max_distance) result.certainty = Certainty::BEYOND;
+      return result;
+    }
+    if (A.mesh && B.mesh) return meshMesh(A, B, X_AB, max_distance);
+    if (A.mesh) return meshConvex(A, B, X_AB, max_distance);
+    if (!B.mesh) return convexPair(A, B, X_AB, max_distance);
+    const Isometry3d X_BA = X_AB.inverse(Eigen::Isometry);
+    return exchanged(meshConvex(B, A, X_BA, max_distance), X_AB);
+  }
+
+  void report(const Prepared& A, const Prepared& B, const Isometry3d& X_AB, double max_distance) {
+    ++num_degraded;
+    if (!sink) return;
+    try {
+      sink(writeReplay({A.shape(), B.shape(), X_AB, max_distance}));
+    } catch (const std::exception&) {
+      return;  // a report that fails must not cost the answer
+    }
+  }
+};
+
+namespace {
+
+// All that can be said without a pose: the shapes may be as deep in each other as they are large.
+PairDistance worstCase(const Prepared& A, const Prepared& B) {
+  PairDistance result;
+  const bool unbounded = A.isHalfSpace() || B.isHalfSpace();
+  result.distance =
+      unbounded ? -std::numeric_limits<double>::infinity() : -2.0 * (scaleOf(A) + scaleOf(B));
+  result.certainty = Certainty::DEGRADED;
+  return result;
+}
+
+}  // namespace
+
 NarrowPhase::NarrowPhase() : scratch_(std::make_unique<Scratch>()) {}
 NarrowPhase::~NarrowPhase() = default;
 NarrowPhase::NarrowPhase(NarrowPhase&&) noexcept = default;
@@ -57,41 +218,33 @@ NarrowPhase& NarrowPhase::operator=(NarrowPhase&&) noexcept = default;
 
 std::shared_ptr<const PreparedShape> prepareShape(const Shape& shape) {
   validateShape(shape);
-  auto prepared = std::make_shared<FclShape>(shape);
-  prepared->geometry = std::visit(ToFcl{}, shape);
-  return prepared;
+  return std::make_shared<Prepared>(shape);
 }
 
-bool NarrowPhase::touches(const PreparedShape& A, const PreparedShape& B,
-                          const Eigen::Isometry3d& X_AB) {
-  return distance(A, B, X_AB, 0.0).touches();
+bool NarrowPhase::touches(const PreparedShape& A, const PreparedShape& B, const Isometry3d& X_AB) {
+  const auto& a = static_cast<const Prepared&>(A);
+  const auto& b = static_cast<const Prepared&>(B);
+  Isometry3d X = X_AB;
+  PairDistance detail;
+  detail = mendPose(X) ? detail : worstCase(a, b);
+  const bool answer = detail.certainty == Certainty::DEGRADED || scratch_->touches(a, b, X, detail);
+  if (detail.certainty == Certainty::DEGRADED) scratch_->report(a, b, X_AB, 0.0);
+  return answer;
 }
 
 PairDistance NarrowPhase::distance(const PreparedShape& A, const PreparedShape& B,
-                                   const Eigen::Isometry3d& X_AB, double max_distance) {
-  const auto* a = static_cast<const FclShape&>(A).geometry.get();
-  const auto* b = static_cast<const FclShape&>(B).geometry.get();
-  const fcl::Transform3d identity = fcl::Transform3d::Identity();
-  const fcl::Transform3d X_AB_fcl(X_AB.matrix());
-  PairDistance result;
-  fcl::CollisionRequestd ask_contact(1, true);
-  fcl::CollisionResultd contact;
-  if (fcl::collide(a, identity, b, X_AB_fcl, ask_contact, contact) > 0) {
-    result.distance = -std::abs(contact.getContact(0).penetration_depth);
-    result.p_ACa = result.p_ACb = contact.getContact(0).pos;
-    result.certainty = Certainty::BOUND;
-    return result;
-  }
-  fcl::DistanceRequestd ask_distance(true);
-  fcl::DistanceResultd found;
-  if (max_distance < 1e300) found.min_distance = max_distance;
-  fcl::distance(a, identity, b, X_AB_fcl, ask_distance, found);
-  result.distance = found.min_distance;
-  result.p_ACa = found.nearest_points[0];
-  result.p_ACb = found.nearest_points[1];
-  if (result.distance >= max_distance) result.certainty = Certainty::BEYOND;
-  result.nhat_AB_A = (result.p_ACb - result.p_ACa).normalized();
+                                   const Isometry3d& X_AB, double max_distance) {
+  const auto& a = static_cast<const Prepared&>(A);
+  const auto& b = static_cast<const Prepared&>(B);
+  Isometry3d X = X_AB;
+  const PairDistance result =
+      mendPose(X) ? scratch_->distance(a, b, X, max_distance) : worstCase(a, b);
+  if (result.certainty == Certainty::DEGRADED) scratch_->report(a, b, X_AB, max_distance);
   return result;
 }
+
+std::uint64_t NarrowPhase::numDegraded() const { return scratch_->num_degraded; }
+
+void NarrowPhase::onDegraded(DegradedSink sink) { scratch_->sink = std::move(sink); }
 
 }  // namespace collision_pairs

@@ -1,0 +1,125 @@
+// Convex solids as GJK and EPA see them: a core given by its support function, grown by a radius.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+namespace collision_pairs {
+
+/// The hull's vertices and, for each, the vertices it shares an edge with: neighbours of vertex i
+/// are neighbours[first_neighbour[i]] to neighbours[first_neighbour[i + 1] - 1]. With no
+/// neighbours given the support function looks at all vertices.
+struct ConvexPoints {
+  std::vector<Eigen::Vector3d> vertices;
+  std::vector<std::uint32_t> first_neighbour;
+  std::vector<std::uint32_t> neighbours;
+};
+
+/// All points within `radius` of a core. Rounding is kept apart from the core so that a sphere is
+/// a point and a capsule a segment, for which GJK is exact after a few steps. Metres, in the
+/// shape's own frame. Refers to its points, does not own them.
+struct ConvexCore {
+  enum class Kind { POINT, SEGMENT, BOX, CYLINDER, POINTS };
+
+  Kind kind = Kind::POINT;
+  Eigen::Vector3d half = Eigen::Vector3d::Zero();    ///< half extents along x, y, z
+  double radius = 0.0;                               ///< rounding radius
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();  ///< a point inside
+  double extent = 0.0;  ///< no point of the core is further from the centre
+  const Eigen::Vector3d* points = nullptr;
+  int num_points = 0;
+  const ConvexPoints* edges = nullptr;  ///< for climbing along edges; may be null
+
+  /// Curved cores have no last vertex for GJK and EPA to end on.
+  bool curved() const { return kind == Kind::CYLINDER; }
+};
+
+template <class T>
+using Vec3 = Eigen::Matrix<T, 3, 1>;
+template <class T>
+using Mat3 = Eigen::Matrix<T, 3, 3>;
+
+/// Index of the vertex furthest along d. `hint` is the vertex to start from, and becomes the
+/// answer. Cost: O(vertices) without edges, about O(sqrt(vertices)) with.
+template <class T>
+int furthestPoint(const ConvexCore& core, const Vec3<T>& d, int& hint) {
+  const auto along = [&](int i) { return core.points[i].template cast<T>().dot(d); };
+  int best = hint < core.num_points ? hint : 0;
+  T best_dot = along(best);
+  if (core.edges == nullptr || core.edges->neighbours.empty()) {
+    for (int i = 0; i < core.num_points; ++i) {
+      const T dot = along(i);
+      if (dot > best_dot) best = i, best_dot = dot;
+    }
+    return hint = best;
+  }
+  for (int from = -1; from != best;) {
+    from = best;
+    const std::uint32_t end = core.edges->first_neighbour[from + 1];
+    for (std::uint32_t k = core.edges->first_neighbour[from]; k < end; ++k) {
+      const int i = static_cast<int>(core.edges->neighbours[k]);
+      const T dot = along(i);
+      if (dot > best_dot) best = i, best_dot = dot;
+    }
+  }
+  return hint = best;
+}
+
+/// A point of the core furthest along d, which need not be of unit length; in the core's frame.
+template <class T>
+Vec3<T> support(const ConvexCore& core, const Vec3<T>& d, int& hint) {
+  using Kind = ConvexCore::Kind;
+  const auto signedHalf = [&](int i) { return d[i] < T(0) ? T(-core.half[i]) : T(core.half[i]); };
+  switch (core.kind) {
+    case Kind::POINT:
+      return Vec3<T>::Zero();
+    case Kind::SEGMENT:
+      return Vec3<T>(T(0), T(0), signedHalf(2));
+    case Kind::BOX:
+      return Vec3<T>(signedHalf(0), signedHalf(1), signedHalf(2));
+    case Kind::CYLINDER: {
+      using std::sqrt;
+      const T length = sqrt(d[0] * d[0] + d[1] * d[1]);
+      const T scale = length > T(0) ? T(core.half[0]) / length : T(0);
+      return Vec3<T>(scale * d[0], scale * d[1], signedHalf(2));
+    }
+    case Kind::POINTS:
+      return core.points[furthestPoint<T>(core, d, hint)].template cast<T>();
+  }
+  return Vec3<T>::Zero();
+}
+
+/// A vertex w = a - b of the Minkowski difference A - B, all in A's frame.
+template <class T>
+struct DifferencePoint {
+  Vec3<T> w, a, b;
+};
+
+/// The Minkowski difference of two cores, A's frame: it holds the origin where they overlap.
+template <class T>
+struct Difference {
+  Difference(const ConvexCore& core_a, const ConvexCore& core_b, const Eigen::Isometry3d& X_AB)
+      : A(core_a), B(core_b), R_AB(X_AB.linear().cast<T>()), p_AB(X_AB.translation().cast<T>()) {}
+
+  DifferencePoint<T> furthest(const Vec3<T>& d) {
+    DifferencePoint<T> point;
+    point.a = support<T>(A, d, hint_a);
+    point.b = R_AB * support<T>(B, Vec3<T>(-(R_AB.transpose() * d)), hint_b) + p_AB;
+    point.w = point.a - point.b;
+    return point;
+  }
+
+  const ConvexCore& A;
+  const ConvexCore& B;
+  Mat3<T> R_AB;
+  Vec3<T> p_AB;
+  int hint_a = 0;
+  int hint_b = 0;
+};
+
+}  // namespace collision_pairs

@@ -1,0 +1,144 @@
+#include "convex_distance.h"
+
+#include "epa.h"
+
+namespace collision_pairs {
+namespace {
+
+// What the certified interval of a distance must close to, relative to the largest coordinate of
+// the Minkowski difference, to be called exact.
+constexpr double DISTANCE_TOLERANCE = 1e-10;
+constexpr double DEPTH_TOLERANCE = 1e-12;
+constexpr double CURVED_DEPTH_TOLERANCE = 1e-9;
+constexpr double EXACT_DEPTH = 1e-6;
+
+// A closest point this near the origin has lost too many digits to give a direction.
+constexpr double NORMAL_FROM_FEATURE_BELOW = 1e-4;
+
+// Puts the cores' witness points and depth or distance on the rounded surfaces.
+void finish(const ConvexCore& A, const ConvexCore& B, double core_distance,
+            const Eigen::Vector3d& a, const Eigen::Vector3d& b, PairDistance& result) {
+  const Eigen::Vector3d& n = result.nhat_AB_A;
+  result.distance = core_distance - A.radius - B.radius;
+  result.p_ACa = a + A.radius * n;
+  result.p_ACb = b - B.radius * n;
+}
+
+// The best unit direction from A to B: v itself, or, where v is short, the normal of the face of
+// A - B it lies on. The better of the two is the one whose support plane is further out.
+template <class T>
+Vec3<T> bestNormal(Difference<T>& difference, const GjkResult<T>& found) {
+  Vec3<T> normal = -found.v.normalized();
+  if (!(found.v.norm() < T(NORMAL_FROM_FEATURE_BELOW) * found.magnitude)) return normal;
+  const auto height = [&](const Vec3<T>& n) { return -difference.furthest(n).w.dot(n); };
+  T best = height(normal);
+  const auto offer = [&](const Vec3<T>& n) {
+    const T h = height(n);
+    if (h > best) best = h, normal = n;
+  };
+  offer(found.normal);
+  const auto& v = found.simplex.vertex;
+  if (found.simplex.size == 3) {
+    const Vec3<T> face = (v[1].w - v[0].w).cross(v[2].w - v[0].w);
+    if (face.norm() > T(0)) {
+      offer(face.normalized());
+      offer(-face.normalized());
+    }
+  }
+  return normal;
+}
+
+template <class T>
+void fillApart(const ConvexCore& A, const ConvexCore& B, Difference<T>& difference,
+               const GjkResult<T>& found, PairDistance& result) {
+  result.nhat_AB_A = bestNormal(difference, found).template cast<double>();
+  const Vec3<T> a = found.simplex.combine(&DifferencePoint<T>::a);
+  const Vec3<T> b = found.simplex.combine(&DifferencePoint<T>::b);
+  finish(A, B, static_cast<double>(found.v.norm()), a.template cast<double>(),
+         b.template cast<double>(), result);
+  result.certainty = Certainty::EXACT;
+}
+
+template <class T>
+bool fillOverlap(const ConvexCore& A, const ConvexCore& B, Difference<T>& difference,
+                 const GjkResult<T>& found, PairDistance& result) {
+  const bool curved = A.curved() || B.curved();
+  const T relative = curved ? T(CURVED_DEPTH_TOLERANCE) : T(DEPTH_TOLERANCE);
+  Epa<T> epa(difference, found.simplex, found.magnitude);
+  const EpaResult<T> depth = epa.run(relative * found.magnitude);
+  result.nhat_AB_A = depth.normal.template cast<double>();
+  // Centred on the face's own two points, so that they are exactly one depth apart.
+  const T upper = std::max(depth.upper, T(0));
+  const Vec3<T> middle = (depth.a + depth.b) / T(2);
+  const Vec3<T> half = depth.normal * (upper / T(2));
+  finish(A, B, -static_cast<double>(upper), Vec3<T>(middle + half).template cast<double>(),
+         Vec3<T>(middle - half).template cast<double>(), result);
+  const bool closed = upper - depth.lower <= T(EXACT_DEPTH) * found.magnitude;
+  result.certainty = closed ? Certainty::EXACT : Certainty::BOUND;
+  return closed || curved;
+}
+
+enum class Depth { MEASURED, IGNORED };
+
+// True if settled in this scalar type.
+template <class T>
+bool solve(const ConvexCore& A, const ConvexCore& B, const Eigen::Isometry3d& X_AB,
+           double max_distance, Depth depth, PairDistance& result) {
+  Difference<T> difference(A, B, X_AB);
+  const T radii = T(A.radius) + T(B.radius);
+  const Vec3<T> start = (A.center - X_AB * B.center).template cast<T>();
+  GjkResult<T> found = gjk<T>(difference, T(max_distance) + radii, start);
+  if (found.end == GjkEnd::BEYOND) {
+    result.distance = static_cast<double>(found.lower - radii);
+    result.certainty = Certainty::BEYOND;
+    return true;
+  }
+  if (found.end == GjkEnd::OVERLAP && depth == Depth::MEASURED) {
+    return fillOverlap(A, B, difference, found, result);
+  }
+  if (found.end == GjkEnd::OVERLAP) {
+    result.distance = -static_cast<double>(radii);
+    result.p_ACa = result.p_ACb =
+        found.simplex.combine(&DifferencePoint<T>::a).template cast<double>();
+    return true;
+  }
+  fillApart(A, B, difference, found, result);
+  if (found.end == GjkEnd::APART) return true;
+  if (found.v.norm() - found.lower <= T(DISTANCE_TOLERANCE) * found.magnitude) return true;
+  result.distance = static_cast<double>(found.lower - radii);
+  result.certainty = Certainty::DEGRADED;
+  return false;
+}
+
+PairDistance solveTwice(const ConvexCore& A, const ConvexCore& B, const Eigen::Isometry3d& X_AB,
+                        double max_distance, Depth depth) {
+  PairDistance result;
+  const double gap = ballDistance(A, B, X_AB);
+  if (gap > max_distance) {
+    result.distance = gap;
+    result.certainty = Certainty::BEYOND;
+    return result;
+  }
+  if (solve<double>(A, B, X_AB, max_distance, depth, result)) return result;
+  PairDistance second;
+  const bool settled = solve<long double>(A, B, X_AB, max_distance, depth, second);
+  return settled || second.distance > result.distance ? second : result;
+}
+
+}  // namespace
+
+double ballDistance(const ConvexCore& A, const ConvexCore& B, const Eigen::Isometry3d& X_AB) {
+  return (X_AB * B.center - A.center).norm() - A.extent - B.extent - A.radius - B.radius;
+}
+
+PairDistance convexDistance(const ConvexCore& A, const ConvexCore& B, const Eigen::Isometry3d& X_AB,
+                            double max_distance) {
+  return solveTwice(A, B, X_AB, max_distance, Depth::MEASURED);
+}
+
+PairDistance convexGap(const ConvexCore& A, const ConvexCore& B, const Eigen::Isometry3d& X_AB,
+                       double max_distance) {
+  return solveTwice(A, B, X_AB, max_distance, Depth::IGNORED);
+}
+
+}  // namespace collision_pairs

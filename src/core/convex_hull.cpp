@@ -1,0 +1,135 @@
+#include "convex_hull.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <memory>
+#include <set>
+
+extern "C" {
+#include <libqhull_r/qhull_ra.h>
+}
+
+namespace collision_pairs {
+namespace {
+
+// Looking at all vertices is faster than climbing along edges up to about this many.
+constexpr std::size_t CLIMB_ABOVE = 48;
+
+bool lexicographicallyLess(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  return std::lexicographical_compare(a.data(), a.data() + 3, b.data(), b.data() + 3);
+}
+
+std::vector<Eigen::Vector3d> withoutDuplicates(std::vector<Eigen::Vector3d> points) {
+  std::sort(points.begin(), points.end(), lexicographicallyLess);
+  points.erase(std::unique(points.begin(), points.end()), points.end());
+  return points;
+}
+
+// Owns Qhull's state; its messages go nowhere.
+class Qhull {
+ public:
+  Qhull() : state_(std::make_unique<qhT>()), silence_(std::fopen("/dev/null", "w")) {
+    qh_zero(state_.get(), silence_);
+  }
+  ~Qhull() {
+    qh_freeqhull(state_.get(), !qh_ALL);
+    int left = 0, total = 0;
+    qh_memfreeshort(state_.get(), &left, &total);
+    if (silence_ != nullptr) std::fclose(silence_);
+  }
+  Qhull(const Qhull&) = delete;
+  Qhull& operator=(const Qhull&) = delete;
+
+  bool run(std::vector<Eigen::Vector3d>& points) {
+    char command[] = "qhull Qt";
+    return silence_ != nullptr &&
+           qh_new_qhull(state_.get(), 3, static_cast<int>(points.size()), points.front().data(),
+                        False, command, silence_, silence_) == 0;
+  }
+  qhT* state() { return state_.get(); }
+
+ private:
+  std::unique_ptr<qhT> state_;
+  std::FILE* silence_;
+};
+
+// Corners of the triangulated facets, as indices into the points Qhull was given.
+std::vector<std::array<int, 3>> triangles(Qhull& qhull) {
+  std::vector<std::array<int, 3>> result;
+  qhT* qh = qhull.state();
+  for (facetT* facet = qh->facet_list; facet != nullptr && facet->next != nullptr;
+       facet = facet->next) {
+    std::array<int, 3> corner{};
+    int count = 0;
+    for (int i = 0; i < qh_setsize(qh, facet->vertices); ++i) {
+      const auto* vertex = static_cast<vertexT*>(facet->vertices->e[i].p);
+      if (count < 3) corner[count] = qh_pointid(qh, vertex->point);
+      ++count;
+    }
+    if (count == 3) result.push_back(corner);
+  }
+  return result;
+}
+
+// Volume of the solid that the triangles bound, whatever their orientation: they see the centre.
+double volumeAround(const Eigen::Vector3d& center, const std::vector<Eigen::Vector3d>& points,
+                    const std::vector<std::array<int, 3>>& faces) {
+  double volume = 0.0;
+  for (const auto& f : faces) {
+    const Eigen::Vector3d a = points[f[0]] - center, b = points[f[1]] - center;
+    volume += std::abs(a.cross(b).dot(points[f[2]] - center)) / 6.0;
+  }
+  return volume;
+}
+
+void buildEdges(const std::vector<std::array<int, 3>>& faces, std::size_t num_vertices,
+                const std::vector<int>& new_id, ConvexPoints& hull) {
+  std::set<std::pair<int, int>> edges;
+  for (const auto& f : faces) {
+    for (int k = 0; k < 3; ++k) {
+      const int i = new_id[f[k]], j = new_id[f[(k + 1) % 3]];
+      edges.insert({i, j});
+      edges.insert({j, i});
+    }
+  }
+  hull.first_neighbour.assign(num_vertices + 1, 0);
+  for (const auto& edge : edges) {
+    hull.neighbours.push_back(static_cast<std::uint32_t>(edge.second));
+    ++hull.first_neighbour[edge.first + 1];
+  }
+  for (std::size_t i = 0; i < num_vertices; ++i) {
+    hull.first_neighbour[i + 1] += hull.first_neighbour[i];
+  }
+}
+
+}  // namespace
+
+ConvexHull convexHull(const std::vector<Eigen::Vector3d>& points) {
+  ConvexHull hull;
+  std::vector<Eigen::Vector3d> unique = withoutDuplicates(points);
+  Qhull qhull;
+  const bool solved = unique.size() >= 4 && qhull.run(unique);
+  const auto faces = solved ? triangles(qhull) : std::vector<std::array<int, 3>>{};
+  if (faces.empty()) {
+    hull.points.vertices = std::move(unique);
+    return hull;
+  }
+  std::vector<int> new_id(unique.size(), -1);
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();
+  for (const auto& f : faces) {
+    for (const int i : f) {
+      if (new_id[i] >= 0) continue;
+      new_id[i] = static_cast<int>(hull.points.vertices.size());
+      hull.points.vertices.push_back(unique[i]);
+      center += unique[i];
+    }
+  }
+  center /= static_cast<double>(hull.points.vertices.size());
+  hull.volume = volumeAround(center, unique, faces);
+  if (hull.points.vertices.size() > CLIMB_ABOVE) {
+    buildEdges(faces, hull.points.vertices.size(), new_id, hull.points);
+  }
+  return hull;
+}
+
+}  // namespace collision_pairs

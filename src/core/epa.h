@@ -1,0 +1,199 @@
+// Penetration depth of two overlapping convex cores by EPA, with a certified interval.
+//
+// van den Bergen, "Proximity queries and penetration depth computation on 3D game objects" (2001):
+// a polytope inside A - B is grown at the face closest to the origin. Deviation: every support
+// plane met on the way is an upper bound of the depth and the closest face a lower bound; the
+// answer is the best plane, whatever becomes of the polytope. So rounding, flat differences and
+// the iteration limit make the interval wider, and never the answer wrong.
+#pragma once
+
+#include "gjk.h"
+
+namespace collision_pairs {
+
+template <class T>
+struct EpaResult {
+  T upper = std::numeric_limits<T>::infinity();  ///< depth along `normal`, hence >= the depth
+  T lower = T(0);                                ///< no translation shorter than this separates
+  Vec3<T> normal = Vec3<T>::UnitZ();             ///< unit, A to B
+  Vec3<T> a = Vec3<T>::Zero();                   ///< deepest point of A, in A's frame
+  Vec3<T> b = Vec3<T>::Zero();                   ///< deepest point of B, in A's frame
+};
+
+/// Grows one polytope and forgets it. Fixed storage, nothing on the heap.
+/// Cost: about F support evaluations and F^2 plane tests for F faces; F is 10 to 40 for
+/// polytopes, and up to MAX_VERTICES for curved cores, on which it converges geometrically.
+template <class T>
+class Epa {
+ public:
+  Epa(Difference<T>& difference, const Simplex<T>& simplex, T magnitude)
+      : difference_(difference), magnitude_(magnitude) {
+    for (int i = 0; i < simplex.size; ++i) point_[num_points_++] = simplex.vertex[i];
+  }
+
+  /// Until upper - lower <= tolerance (metres), or no progress can be made.
+  EpaResult<T> run(T tolerance) {
+    if (!growToTetrahedron()) return best_;
+    tolerance = std::max(tolerance, roundingError());
+    while (num_points_ < MAX_VERTICES) {
+      const int closest = closestFace();
+      if (closest < 0) break;
+      const Face face = face_[closest];
+      best_.lower = std::max(T(0), face.distance);
+      const DifferencePoint<T> next = difference_.furthest(face.normal);
+      offerPlane(face.normal, next, &face);
+      if (best_.upper - best_.lower <= tolerance) break;
+      if (next.w.dot(face.normal) - face.distance <= roundingError()) break;
+      if (!grow(closest, next)) break;
+    }
+    return best_;
+  }
+
+ private:
+  static constexpr int MAX_VERTICES = 160;
+  static constexpr int MAX_FACES = 2 * MAX_VERTICES + 64;
+
+  struct Face {
+    int id[3];
+    Vec3<T> normal;  // unit, outwards; zero if the face has no area
+    T distance;      // of its plane from the origin
+  };
+
+  T roundingError() const { return T(8) * std::numeric_limits<T>::epsilon() * magnitude_; }
+
+  // A support plane bounds the depth from above. Its witness points are those of the origin's
+  // projection on the face, where there is one.
+  void offerPlane(const Vec3<T>& normal, const DifferencePoint<T>& furthest, const Face* face) {
+    const T height = furthest.w.dot(normal);
+    if (!(height < best_.upper)) return;
+    best_.upper = height;
+    best_.normal = normal;
+    best_.a = furthest.a;
+    best_.b = furthest.b;
+    if (face == nullptr) return;
+    Simplex<T> simplex;
+    simplex.size = 3;
+    for (int i = 0; i < 3; ++i) simplex.vertex[i] = point_[face->id[i]];
+    reduceToClosest(simplex);
+    best_.a = simplex.combine(&DifferencePoint<T>::a);
+    best_.b = simplex.combine(&DifferencePoint<T>::b);
+  }
+
+  // Adds the furthest point along +-d if it is further from the first point than rounding. What
+  // is flat along d has its depth there: the smaller of its two support heights.
+  bool addAlong(const Vec3<T>& d) {
+    const Vec3<T> n = d.normalized();
+    const DifferencePoint<T> up = difference_.furthest(n);
+    const DifferencePoint<T> down = difference_.furthest(Vec3<T>(-n));
+    magnitude_ = std::max({magnitude_, up.w.norm(), down.w.norm()});
+    const T height_up = (up.w - point_[0].w).dot(n);
+    const T height_down = (point_[0].w - down.w).dot(n);
+    offerPlane(n, up, nullptr);
+    offerPlane(Vec3<T>(-n), down, nullptr);
+    if (std::max(height_up, height_down) <= roundingError()) return false;
+    point_[num_points_++] = height_up >= height_down ? up : down;
+    return true;
+  }
+
+  // Four points that are not in one plane, from the simplex that GJK ended with.
+  bool growToTetrahedron() {
+    if (num_points_ == 4 && tetrahedronIsFlat()) num_points_ = 3;
+    if (num_points_ == 3 && areaNormal().norm() <= roundingError() * magnitude_) num_points_ = 2;
+    if (num_points_ == 2 && (point_[1].w - point_[0].w).norm() <= roundingError()) num_points_ = 1;
+    if (num_points_ == 0) point_[num_points_++] = difference_.furthest(Vec3<T>::UnitX());
+    for (int axis = 0; num_points_ == 1 && axis < 3; ++axis) addAlong(Vec3<T>::Unit(axis));
+    if (num_points_ == 2) {
+      const Vec3<T> edge = (point_[1].w - point_[0].w).normalized();
+      const Vec3<T> side = edge.unitOrthogonal();
+      if (!addAlong(side)) addAlong(edge.cross(side));
+    }
+    if (num_points_ == 3) addAlong(areaNormal());
+    if (num_points_ < 4) return false;
+    makeTetrahedron();
+    return true;
+  }
+
+  Vec3<T> areaNormal() const {
+    return (point_[1].w - point_[0].w).cross(point_[2].w - point_[0].w);
+  }
+
+  bool tetrahedronIsFlat() const {
+    const Vec3<T> n = areaNormal();
+    return std::abs(n.dot(point_[3].w - point_[0].w)) <= T(16) * roundingError() * n.norm();
+  }
+
+  void makeTetrahedron() {
+    const bool flip = areaNormal().dot(point_[3].w - point_[0].w) > T(0);
+    const int faces[4][3] = {{0, 1, 2}, {0, 3, 1}, {0, 2, 3}, {1, 3, 2}};
+    num_faces_ = 0;
+    for (const auto& f : faces) addFace(f[0], flip ? f[2] : f[1], flip ? f[1] : f[2]);
+  }
+
+  void addFace(int i, int j, int k) {
+    Face face{{i, j, k}, Vec3<T>::Zero(), std::numeric_limits<T>::infinity()};
+    const Vec3<T>& p = point_[i].w;
+    const Vec3<T> normal = (point_[j].w - p).cross(point_[k].w - p);
+    const T area = normal.norm();
+    if (area > roundingError() * roundingError()) {
+      face.normal = normal / area;
+      face.distance = p.dot(face.normal);
+    }
+    face_[num_faces_++] = face;
+  }
+
+  int closestFace() const {
+    int closest = -1;
+    T distance = std::numeric_limits<T>::infinity();
+    for (int i = 0; i < num_faces_; ++i) {
+      if (face_[i].distance < distance) closest = i, distance = face_[i].distance;
+    }
+    return closest;
+  }
+
+  // Replaces the faces that see `next` by a fan from it to their border. False if rounding has
+  // made the visible part something other than a disc.
+  bool grow(int closest, const DifferencePoint<T>& next) {
+    const int tip = num_points_;
+    point_[num_points_++] = next;
+    magnitude_ = std::max(magnitude_, next.w.norm());
+    num_border_ = 0;
+    for (int i = num_faces_ - 1; i >= 0; --i) {
+      const Face& face = face_[i];
+      const bool sees = i == closest || face.normal.dot(next.w) - face.distance > roundingError();
+      if (!sees) continue;
+      for (int k = 0; k < 3; ++k) {
+        if (!toggleBorder(face.id[k], face.id[(k + 1) % 3])) return false;
+      }
+      face_[i] = face_[--num_faces_];
+    }
+    if (num_faces_ + num_border_ > MAX_FACES) return false;
+    for (int i = 0; i < num_border_; ++i) addFace(border_[i][0], border_[i][1], tip);
+    return num_border_ >= 3;
+  }
+
+  // An edge that two visible faces share is not on the border.
+  bool toggleBorder(int from, int to) {
+    for (int i = 0; i < num_border_; ++i) {
+      if (border_[i][0] == to && border_[i][1] == from) {
+        border_[i] = border_[--num_border_];
+        return true;
+      }
+      if (border_[i][0] == from && border_[i][1] == to) return false;
+    }
+    if (num_border_ == MAX_FACES) return false;
+    border_[num_border_++] = {from, to};
+    return true;
+  }
+
+  Difference<T>& difference_;
+  T magnitude_;
+  EpaResult<T> best_;
+  std::array<DifferencePoint<T>, MAX_VERTICES + 4> point_;
+  std::array<Face, MAX_FACES> face_;
+  std::array<std::array<int, 2>, MAX_FACES> border_;
+  int num_points_ = 0;
+  int num_faces_ = 0;
+  int num_border_ = 0;
+};
+
+}  // namespace collision_pairs

@@ -1,0 +1,51 @@
+// Distance and contact between meshes, and between a mesh and a convex shape: surfaces by their
+// trees of oriented boxes, insides by winding numbers.
+#pragma once
+
+#include <limits>
+#include <vector>
+
+#include "prepared_shape.h"
+#include "triangle_distance.h"
+
+namespace collision_pairs {
+
+/// The closest points of two surfaces, in the first one's frame.
+struct SurfaceGap {
+  double distance = std::numeric_limits<double>::infinity();  ///< 0 if they meet
+  bool beyond = true;  ///< nothing within the limit; `distance` is a lower bound
+  Eigen::Vector3d p_ACa = Eigen::Vector3d::Zero();
+  Eigen::Vector3d p_ACb = Eigen::Vector3d::Zero();
+  std::uint32_t triangle_a = 0;
+  std::uint32_t triangle_b = 0;
+};
+
+/// Walks pairs of boxes nearest first. Holds the memory for that walk only.
+class MeshQuery {
+ public:
+  /// Distance of the surfaces of two meshes. What is further apart than max_distance (metres) is
+  /// cut off. Cost: O(log n) far apart, up to O(n) for large parallel surfaces.
+  SurfaceGap meshMesh(const PreparedMesh& A, const PreparedMesh& B, const Eigen::Isometry3d& X_AB,
+                      double max_distance);
+
+  /// Distance of the surface of mesh A and the solid B. Stops at the first triangle that meets B.
+  SurfaceGap meshConvex(const PreparedMesh& A, const Prepared& B, const Eigen::Isometry3d& X_AB,
+                        double max_distance);
+
+  /// Is a part of B, or all of it, inside A? For surfaces that do not meet.
+  static bool meshHoldsMesh(const PreparedMesh& A, const PreparedMesh& B,
+                            const Eigen::Isometry3d& X_AB);
+
+ private:
+  struct Entry {
+    std::uint32_t a, b;
+    double squared_gap;
+  };
+  std::vector<Entry> stack_;
+};
+
+/// The triangle with that index, and a triangle as a convex shape (refers to its corners).
+Triangle triangleOf(const TriangleMesh& mesh, std::uint32_t index);
+ConvexCore triangleCore(const Triangle& triangle);
+
+}  // namespace collision_pairs

@@ -1,0 +1,98 @@
+#include "prepared_shape.h"
+
+#include <algorithm>
+
+#include "mesh_solid.h"
+
+namespace collision_pairs {
+namespace {
+
+using Eigen::Vector3d;
+
+// How much less than its hull a convex mesh may hold, relative.
+constexpr double CONVEX_VOLUME_TOLERANCE = 1e-9;
+
+ConvexCore solidCore(ConvexCore::Kind kind, const Vector3d& half, double radius) {
+  ConvexCore core;
+  core.kind = kind;
+  core.half = half;
+  core.radius = radius;
+  core.extent = half.norm();
+  if (kind == ConvexCore::Kind::CYLINDER) core.extent = std::hypot(half[0], half[2]);
+  return core;
+}
+
+ConvexCore hullCore(const ConvexHull& hull) {
+  ConvexCore core;
+  core.kind = ConvexCore::Kind::POINTS;
+  core.points = hull.points.vertices.data();
+  core.num_points = static_cast<int>(hull.points.vertices.size());
+  core.edges = &hull.points;
+  Vector3d low = core.points[0], high = low;
+  for (const Vector3d& p : hull.points.vertices) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  core.center = 0.5 * (low + high);
+  core.half = 0.5 * (high - low);
+  for (const Vector3d& p : hull.points.vertices) {
+    core.extent = std::max(core.extent, (p - core.center).norm());
+  }
+  return core;
+}
+
+std::unique_ptr<PreparedMesh> prepareMesh(const Mesh& shape, double hull_volume) {
+  MeshSolid solid = findSolid(*shape.mesh);
+  if (solid.locally_convex && solid.volume > 0.0 &&
+      std::abs(solid.volume - hull_volume) <= CONVEX_VOLUME_TOLERANCE * hull_volume) {
+    return nullptr;
+  }
+  auto mesh = std::make_unique<PreparedMesh>();
+  mesh->triangles = shape.mesh;
+  mesh->tree = TriangleTree(*shape.mesh);
+  mesh->solid = WindingNumber(shape.mesh->vertices, std::move(solid.outward));
+  mesh->part_points = std::move(solid.part_points);
+  mesh->fcl = FclMesh(*shape.mesh);
+  return mesh;
+}
+
+struct MakeCore {
+  using Kind = ConvexCore::Kind;
+  ConvexCore operator()(const Box& box) const { return solidCore(Kind::BOX, box.size / 2.0, 0.0); }
+  ConvexCore operator()(const Sphere& sphere) const {
+    return solidCore(Kind::POINT, Vector3d::Zero(), sphere.radius);
+  }
+  ConvexCore operator()(const Cylinder& c) const {
+    return solidCore(Kind::CYLINDER, {c.radius, c.radius, c.length / 2.0}, 0.0);
+  }
+  ConvexCore operator()(const Capsule& c) const {
+    return solidCore(Kind::SEGMENT, {0.0, 0.0, c.length / 2.0}, c.radius);
+  }
+  ConvexCore operator()(const HalfSpace&) const { return {}; }
+  ConvexCore operator()(const Convex& convex) const {
+    hull = convexHull(convex.mesh->vertices);
+    return hullCore(hull);
+  }
+  ConvexCore operator()(const Mesh& shape) const {
+    std::vector<Vector3d> corners;
+    corners.reserve(3 * shape.mesh->triangles.size());
+    for (const auto& t : shape.mesh->triangles) {
+      for (const std::uint32_t vertex : t) corners.push_back(shape.mesh->vertices[vertex]);
+    }
+    hull = convexHull(corners);
+    mesh = prepareMesh(shape, hull.volume);
+    return hullCore(hull);
+  }
+  ConvexHull& hull;
+  std::unique_ptr<const PreparedMesh>& mesh;
+};
+
+}  // namespace
+
+Prepared::Prepared(const Shape& the_shape) : PreparedShape(the_shape) {
+  core = std::visit(MakeCore{hull, mesh}, the_shape);
+  box.center = core.center;
+  box.half = core.half.array() + core.radius;
+}
+
+}  // namespace collision_pairs

@@ -1,0 +1,147 @@
+// The point of a simplex that is closest to the origin.
+//
+// Montanari, Petrinic, Barbieri, "Improving the GJK algorithm for faster and more reliable
+// distance queries between convex objects" (2017): barycentric coordinates from signed volumes of
+// projections on the best conditioned axis or plane. Deviation: where a volume is zero every
+// face is tried, so that flat simplices give a right answer too.
+#pragma once
+
+#include "convex_core.h"
+
+namespace collision_pairs {
+
+/// One to four vertices of A - B and the barycentric coordinates of the closest point.
+template <class T>
+struct Simplex {
+  std::array<DifferencePoint<T>, 4> vertex;
+  std::array<T, 4> lambda{};
+  int size = 0;
+
+  template <class Member>
+  Vec3<T> combine(Member member) const {
+    Vec3<T> sum = Vec3<T>::Zero();
+    for (int i = 0; i < size; ++i) sum += lambda[i] * (vertex[i].*member);
+    return sum;
+  }
+  Vec3<T> closest() const { return combine(&DifferencePoint<T>::w); }
+};
+
+namespace simplex_detail {
+
+template <class T>
+bool sameSign(T a, T b) {
+  return (a > T(0) && b > T(0)) || (a < T(0) && b < T(0));
+}
+
+/// Coordinates of the closest point of the segment w0 w1.
+template <class T>
+std::array<T, 4> closestOnSegment(const Vec3<T>& w0, const Vec3<T>& w1) {
+  const Vec3<T> edge = w1 - w0;
+  const T squared = edge.squaredNorm();
+  if (!(squared > T(0))) return {T(1), T(0)};
+  const T t = -w0.dot(edge) / squared;
+  if (t <= T(0)) return {T(1), T(0)};
+  if (t >= T(1)) return {T(0), T(1)};
+  return {T(1) - t, t};
+}
+
+template <class T, std::size_t N>
+Vec3<T> at(const std::array<T, 4>& lambda, const std::array<Vec3<T>, N>& w) {
+  Vec3<T> sum = Vec3<T>::Zero();
+  for (std::size_t i = 0; i < N; ++i) sum += lambda[i] * w[i];
+  return sum;
+}
+
+template <class T>
+std::array<T, 4> closestOnTriangle(const std::array<Vec3<T>, 3>& w) {
+  // The longest two edges give the most accurate normal, and with it the projection.
+  const Vec3<T> normal = (w[1] - w[0]).cross(w[2] - w[0]);
+  const T squared = normal.squaredNorm();
+  std::array<T, 3> area{};
+  T total(0);
+  if (squared > T(0)) {
+    const Vec3<T> foot = normal * (w[0].dot(normal) / squared);
+    int drop;
+    normal.cwiseAbs().maxCoeff(&drop);
+    const int x = (drop + 1) % 3, y = (drop + 2) % 3;
+    for (int i = 0; i < 3; ++i) {
+      const Vec3<T> p = w[(i + 1) % 3] - foot, q = w[(i + 2) % 3] - foot;
+      area[i] = p[x] * q[y] - p[y] * q[x];
+    }
+    total = normal[drop];
+    if (sameSign(total, area[0]) && sameSign(total, area[1]) && sameSign(total, area[2])) {
+      const T sum = area[0] + area[1] + area[2];
+      return {area[0] / sum, area[1] / sum, area[2] / sum};
+    }
+  }
+  std::array<T, 4> best{};
+  T best_squared(-1);
+  for (int i = 0; i < 3; ++i) {
+    if (sameSign(total, area[i])) continue;
+    const int j = (i + 1) % 3, k = (i + 2) % 3;
+    const std::array<T, 4> edge = closestOnSegment(w[j], w[k]);
+    const T distance = (edge[0] * w[j] + edge[1] * w[k]).squaredNorm();
+    if (best_squared < T(0) || distance < best_squared) {
+      best_squared = distance;
+      best = {};
+      best[j] = edge[0];
+      best[k] = edge[1];
+    }
+  }
+  return best;
+}
+
+template <class T>
+std::array<T, 4> closestOnTetrahedron(const std::array<Vec3<T>, 4>& w) {
+  // volume[i]: of the tetrahedron in which the origin stands in for vertex i.
+  const std::array<T, 4> volume{w[1].dot(w[2].cross(w[3])), -w[0].dot(w[2].cross(w[3])),
+                                w[0].dot(w[1].cross(w[3])), -w[0].dot(w[1].cross(w[2]))};
+  const T total = volume[0] + volume[1] + volume[2] + volume[3];
+  bool inside = true;
+  for (const T v : volume) inside = inside && sameSign(total, v);
+  if (inside) {
+    return {volume[0] / total, volume[1] / total, volume[2] / total, volume[3] / total};
+  }
+  std::array<T, 4> best{};
+  T best_squared(-1);
+  for (int i = 0; i < 4; ++i) {
+    if (sameSign(total, volume[i])) continue;
+    const std::array<int, 3> id{(i + 1) % 4, (i + 2) % 4, (i + 3) % 4};
+    const std::array<Vec3<T>, 3> face{w[id[0]], w[id[1]], w[id[2]]};
+    const std::array<T, 4> on_face = closestOnTriangle(face);
+    const T distance = at(on_face, face).squaredNorm();
+    if (best_squared < T(0) || distance < best_squared) {
+      best_squared = distance;
+      best = {};
+      for (int k = 0; k < 3; ++k) best[id[k]] = on_face[k];
+    }
+  }
+  return best;
+}
+
+}  // namespace simplex_detail
+
+/// Sets the barycentric coordinates of the point closest to the origin, and drops the vertices
+/// that it does not need. Four vertices stay only if the origin is inside.
+template <class T>
+void reduceToClosest(Simplex<T>& simplex) {
+  using namespace simplex_detail;
+  const auto& v = simplex.vertex;
+  std::array<T, 4> lambda{T(1)};
+  if (simplex.size == 2) lambda = closestOnSegment(v[0].w, v[1].w);
+  if (simplex.size == 3) {
+    lambda = closestOnTriangle(std::array<Vec3<T>, 3>{v[0].w, v[1].w, v[2].w});
+  }
+  if (simplex.size == 4) {
+    lambda = closestOnTetrahedron(std::array<Vec3<T>, 4>{v[0].w, v[1].w, v[2].w, v[3].w});
+  }
+  int kept = 0;
+  for (int i = 0; i < simplex.size; ++i) {
+    if (!(lambda[i] > T(0))) continue;
+    if (kept != i) simplex.vertex[kept] = simplex.vertex[i];
+    simplex.lambda[kept++] = lambda[i];
+  }
+  simplex.size = kept;
+}
+
+}  // namespace collision_pairs

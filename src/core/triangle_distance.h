@@ -1,0 +1,34 @@
+// Distance between points and triangles, in one frame, metres. Triangles may have no area.
+#pragma once
+
+#include <array>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+namespace collision_pairs {
+
+/// A triangle with its unit normal (zero if it has no area), taken from its two shortest edges
+/// because that is the most accurate.
+struct Triangle {
+  Triangle(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c);
+  std::array<Eigen::Vector3d, 3> v;
+  Eigen::Vector3d normal;
+};
+
+/// The closest points found so far; improved by the functions below.
+struct ClosestPoints {
+  double squared;  ///< of the distance
+  Eigen::Vector3d on_a = Eigen::Vector3d::Zero();
+  Eigen::Vector3d on_b = Eigen::Vector3d::Zero();
+};
+
+/// The point of the triangle that is closest to p.
+Eigen::Vector3d closestOnTriangle(const Triangle& triangle, const Eigen::Vector3d& p);
+
+/// True, with `best` replaced, if the triangles are closer to each other than best.squared; 0 if
+/// they meet. Errors are a few units in the last place of the largest coordinate difference.
+/// Cost: about 0.2 us; some 30 ns where the plane of one shows that the other is too far.
+bool improveByTriangles(const Triangle& a, const Triangle& b, ClosestPoints& best);
+
+}  // namespace collision_pairs

@@ -1,0 +1,146 @@
+#include "triangle_tree.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include <Eigen/Eigenvalues>
+
+namespace collision_pairs {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+double squaredExcess(const Vector3d& apart, const Vector3d& reach) {
+  return (apart.cwiseAbs() - reach).cwiseMax(0.0).squaredNorm();
+}
+
+}  // namespace
+
+double squaredBoxGap(const OrientedBox& a, const OrientedBox& b, const Matrix3d& R,
+                     const Vector3d& p) {
+  const Matrix3d R_ab = a.R.transpose() * (R * b.R);
+  const Vector3d t = a.R.transpose() * (R * b.center + p - a.center);
+  const Matrix3d reach = R_ab.cwiseAbs();
+  const double along_a = squaredExcess(t, a.half + reach * b.half);
+  const double along_b = squaredExcess(R_ab.transpose() * t, b.half + reach.transpose() * a.half);
+  return std::max(along_a, along_b);
+}
+
+struct TriangleTree::Builder {
+  explicit Builder(const TriangleMesh& the_mesh) : mesh(the_mesh), order(mesh.triangles.size()) {
+    std::iota(order.begin(), order.end(), 0);
+    centroid.reserve(order.size());
+    for (const auto& t : mesh.triangles) {
+      centroid.push_back((corner(t[0]) + corner(t[1]) + corner(t[2])) / 3.0);
+    }
+  }
+
+  const Vector3d& corner(std::uint32_t vertex) const { return mesh.vertices[vertex]; }
+
+  // Second moments of area about the mean, by the exact formula for a triangle; of the corners
+  // where there is no area.
+  Matrix3d axes(std::uint32_t begin, std::uint32_t end) const {
+    double total = 0.0;
+    Vector3d mean = Vector3d::Zero();
+    Matrix3d second = Matrix3d::Zero();
+    const Vector3d origin = centroid[order[begin]];
+    for (const bool by_area : {true, false}) {
+      for (std::uint32_t i = begin; i < end; ++i) {
+        const auto& t = mesh.triangles[order[i]];
+        const Vector3d a = corner(t[0]) - origin, b = corner(t[1]) - origin,
+                       c = corner(t[2]) - origin, g = centroid[order[i]] - origin;
+        const double weight = by_area ? (b - a).cross(c - a).norm() : 1.0;
+        total += weight;
+        mean += weight * g;
+        second +=
+            weight / 12.0 *
+            (9.0 * g * g.transpose() + a * a.transpose() + b * b.transpose() + c * c.transpose());
+      }
+      if (total > 0.0) break;
+    }
+    mean /= total;
+    const Matrix3d covariance = second / total - mean * mean.transpose();
+    const double scale = covariance.cwiseAbs().maxCoeff();
+    if (!(scale > 0.0)) return Matrix3d::Identity();
+    Eigen::SelfAdjointEigenSolver<Matrix3d> solver;
+    solver.computeDirect(Matrix3d(covariance / scale));
+    Matrix3d R = solver.eigenvectors();
+    // computeDirect is fast and now and then loses orthogonality: made good here.
+    R.col(2).normalize();
+    R.col(1) = (R.col(1) - R.col(2).dot(R.col(1)) * R.col(2));
+    const double length = R.col(1).norm();
+    R.col(1) = length > 0.5 ? Vector3d(R.col(1) / length) : R.col(2).unitOrthogonal();
+    R.col(0) = R.col(1).cross(R.col(2));
+    return R.allFinite() ? R : Matrix3d(Matrix3d::Identity());
+  }
+
+  OrientedBox box(std::uint32_t begin, std::uint32_t end) const {
+    OrientedBox result;
+    result.R = axes(begin, end);
+    const Vector3d origin = centroid[order[begin]];
+    Vector3d low = Vector3d::Zero(), high = low;
+    double largest = origin.cwiseAbs().maxCoeff();
+    for (std::uint32_t i = begin; i < end; ++i) {
+      for (const std::uint32_t vertex : mesh.triangles[order[i]]) {
+        const Vector3d p = result.R.transpose() * (corner(vertex) - origin);
+        low = low.cwiseMin(p);
+        high = high.cwiseMax(p);
+      }
+    }
+    largest = std::max(largest, (high - low).maxCoeff());
+    result.center = origin + result.R * (0.5 * (low + high));
+    result.half = (0.5 * (high - low)).array() + 4e-15 * largest;
+    return result;
+  }
+
+  std::uint32_t split(const OrientedBox& whole, std::uint32_t begin, std::uint32_t end) {
+    int axis;
+    whole.half.maxCoeff(&axis);
+    const Vector3d direction = whole.R.col(axis);
+    double mean = 0.0;
+    for (std::uint32_t i = begin; i < end; ++i) mean += direction.dot(centroid[order[i]]);
+    mean /= end - begin;
+    const auto below = [&](std::uint32_t t) { return direction.dot(centroid[t]) < mean; };
+    const auto middle = std::partition(order.begin() + begin, order.begin() + end, below);
+    const auto cut = static_cast<std::uint32_t>(middle - order.begin());
+    // A lopsided cut would make the tree deep; equal centroids leave no cut at all.
+    const std::uint32_t least = std::max(1U, (end - begin) / 8);
+    if (cut >= begin + least && cut + least <= end) return cut;
+    const std::uint32_t half = begin + (end - begin) / 2;
+    std::nth_element(order.begin() + begin, order.begin() + half, order.begin() + end,
+                     [&](std::uint32_t s, std::uint32_t t) {
+                       return direction.dot(centroid[s]) < direction.dot(centroid[t]);
+                     });
+    return half;
+  }
+
+  void build(std::uint32_t index, std::uint32_t begin, std::uint32_t end) {
+    const OrientedBox whole = box(begin, end);
+    if (end - begin == 1) {
+      nodes[index] = {whole, order[begin], true};
+      return;
+    }
+    const auto child = static_cast<std::uint32_t>(nodes.size());
+    nodes.resize(nodes.size() + 2);
+    nodes[index] = {whole, child, false};
+    const std::uint32_t cut = split(whole, begin, end);
+    build(child, begin, cut);
+    build(child + 1, cut, end);
+  }
+
+  const TriangleMesh& mesh;
+  std::vector<std::uint32_t> order;
+  std::vector<Vector3d> centroid;
+  std::vector<Node> nodes;
+};
+
+TriangleTree::TriangleTree(const TriangleMesh& mesh) {
+  Builder builder(mesh);
+  builder.nodes.reserve(2 * mesh.triangles.size());
+  builder.nodes.resize(1);
+  builder.build(0, 0, static_cast<std::uint32_t>(mesh.triangles.size()));
+  nodes_ = std::move(builder.nodes);
+}
+
+}  // namespace collision_pairs
