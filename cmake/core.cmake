@@ -30,5 +30,5 @@ target_include_directories(collision_pairs PUBLIC
   $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:include>
   PRIVATE ${PROJECT_SOURCE_DIR}/src/core)
 target_link_libraries(collision_pairs PUBLIC Eigen3::Eigen PRIVATE
-  fcl ${URDFDOM_LIBRARIES} tinyxml2::tinyxml2 qhullcpp qhull_r Threads::Threads)
+  fcl ${URDFDOM_LIBRARIES} tinyxml2::tinyxml2 qhull_r Threads::Threads)
 collision_pairs_warnings(collision_pairs)

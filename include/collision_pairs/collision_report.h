@@ -17,7 +17,7 @@ namespace collision_pairs {
 /// reports every contact that a dearer one reports, and its distance is a lower bound.
 enum class Fidelity {
   AABB,    ///< the axis-aligned boxes of the broad phase
-  OBB,     ///< a box about each element, turned with it
+  OBB,     ///< a box about each element, turned with it, and the axis-aligned box as well
   CONVEX,  ///< the convex hull of each element
   MESH     ///< the elements as they are
 };

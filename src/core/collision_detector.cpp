@@ -184,7 +184,13 @@ PairDistance CollisionDetector::measure(const BoxPair& pair, const BodyPoses& po
   found.p_ACa = X_WA * found.p_ACa;
   found.p_ACb = X_WA * found.p_ACb;
   found.nhat_AB_A = X_WA.linear() * found.nhat_AB_A;
-  return found;
+  // The tight axis-aligned box need not enclose the turned one. Both enclose the element, so the
+  // better bound of the two counts, and this rung never says less than the one below.
+  const bool boxes_say_more =
+      settings_.fidelity == Fidelity::OBB &&
+      squaredGap(report_.boxes[pair.first], report_.boxes[pair.second]) >
+          std::max(found.distance, 0.0) * std::max(found.distance, 0.0);
+  return boxes_say_more ? measureBoxes(pair) : found;
 }
 
 PairDistance CollisionDetector::measureBoxes(const BoxPair& pair) const {

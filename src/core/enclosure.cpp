@@ -6,8 +6,8 @@
 #include <limits>
 
 #include <Eigen/Eigenvalues>
-#include <libqhullcpp/Qhull.h>
-#include <libqhullcpp/QhullVertexSet.h>
+
+#include "convex_hull.h"
 
 namespace collision_pairs {
 namespace {
@@ -151,15 +151,7 @@ double hullMargin(const TriangleMesh& mesh) { return 64.0 * EPSILON * reachOf(me
 std::shared_ptr<const TriangleMesh> hullVertices(const TriangleMesh& mesh) {
   auto hull = std::make_shared<TriangleMesh>();
   hull->name = mesh.name;
-  try {
-    orgQhull::Qhull qhull("", 3, static_cast<int>(mesh.vertices.size()),
-                          mesh.vertices.front().data(), "Qt");
-    for (const orgQhull::QhullVertex& vertex : qhull.vertexList()) {
-      hull->vertices.push_back(mesh.vertices[vertex.point().id()]);
-    }
-  } catch (const orgQhull::QhullError&) {  // too few or too flat
-    hull->vertices = mesh.vertices;
-  }
+  hull->vertices = convexHull(mesh.vertices).points.vertices;
   return hull;
 }
 

@@ -11,9 +11,9 @@
 
 namespace collision_pairs {
 
-/// The vertices that are corners of the convex hull, by qhull; all vertices where they are too few
-/// or too flat for a hull. Points that qhull takes for corners no longer, because they are within
-/// its rounding of a face, lie outside the hull of the rest by at most hullMargin().
+/// The vertices that are corners of the convex hull (convexHull()), without triangles. Points that
+/// qhull takes for corners no longer, because they are within its rounding of a face, lie outside
+/// the hull of the rest by at most hullMargin().
 std::shared_ptr<const TriangleMesh> hullVertices(const TriangleMesh& mesh);
 
 /// Metres by which the hull must be grown to enclose `mesh` in exact arithmetic.
