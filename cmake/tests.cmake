@@ -47,3 +47,7 @@ function(collision_pairs_rostest name)
   add_test(NAME rostest_${name} COMMAND rostest ${PROJECT_SOURCE_DIR}/test/ros/${name}.test)
   set_tests_properties(rostest_${name} PROPERTIES RUN_SERIAL TRUE TIMEOUT 180)
 endfunction()
+
+collision_pairs_rostest(node)
+collision_pairs_rostest(boxes)
+collision_pairs_rostest(bad_input)

@@ -22,11 +22,6 @@ std::string withoutLeadingSlash(const std::string& frame) {
   return !frame.empty() && frame.front() == '/' ? frame.substr(1) : frame;
 }
 
-bool anyKnown(const BodyPoses& poses) {
-  return poses.known.empty() ||
-         std::any_of(poses.known.begin(), poses.known.end(), [](char known) { return known; });
-}
-
 double secondsSince(const ros::WallTime& start) { return (ros::WallTime::now() - start).toSec(); }
 
 }  // namespace
@@ -237,8 +232,9 @@ void CollisionPairsNode::check(const CheckCollisions::Request& request,
     stamped.problem.clear();
     response.joints_from_tf = std::move(hypothetical.joints_from_tf);
     response.joints_at_zero = std::move(hypothetical.joints_at_zero);
+  } else if (stamped.nb_asked > 0 && stamped.nb_found == 0) {
+    throw InputError("no transform is known: " + stamped.problem);
   }
-  if (!anyKnown(stamped.poses)) throw InputError("no transform is known: " + stamped.problem);
   const double transform_time = secondsSince(start);
 
   if (!query_detector_ || &query_detector_->scene() != scene->loaded.scene.get()) {

@@ -35,6 +35,11 @@ TfPoses::TfPoses(const tf2::BufferCore& buffer, const CollisionScene& scene, std
   }
 }
 
+bool TfPoses::isFrame(const std::vector<Source>& sources) const {
+  return std::any_of(sources.begin(), sources.end(),
+                     [&](const Source& source) { return source.link == frame_; });
+}
+
 bool TfPoses::newestStamp(const std::vector<Source>& sources, ros::Time& stamp) const {
   for (const Source& source : sources) {
     if (source.link == frame_) return true;  // where it is by definition, at any instant
@@ -101,7 +106,11 @@ StampedPoses TfPoses::at(const ros::Time& stamp) const {
   result.stamp = stamp;
   result.poses.resize(sources_.size());
   for (std::size_t i = 0; i < sources_.size(); ++i) {
-    result.poses.known[i] = lookUp(sources_[i], stamp, result.poses.X_WB[i], &result.problem);
+    const bool known = lookUp(sources_[i], stamp, result.poses.X_WB[i], &result.problem);
+    result.poses.known[i] = known;
+    if (isFrame(sources_[i])) continue;
+    ++result.nb_asked;
+    if (known) ++result.nb_found;
   }
   return result;
 }

@@ -16,6 +16,9 @@ struct StampedPoses {
   BodyPoses poses;
   /// The instant of all of them; 0 if nothing that is known ever moves (static transforms only).
   ros::Time stamp;
+  /// Bodies that TF was asked for (all but one that is the frame itself), and those that it knew.
+  std::size_t nb_asked = 0;
+  std::size_t nb_found = 0;
   /// For the first body without a pose: why. Empty if all are known.
   std::string problem;
 };
@@ -40,6 +43,7 @@ class TfPoses {
     Eigen::Isometry3d X_LB;
   };
 
+  bool isFrame(const std::vector<Source>& sources) const;
   /// The stamp of the newest transform, false if there is none.
   bool newestStamp(const std::vector<Source>& sources, ros::Time& stamp) const;
   bool lookUp(const std::vector<Source>& sources, const ros::Time& stamp, Eigen::Isometry3d& X_WB,

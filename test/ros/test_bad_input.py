@@ -1,0 +1,103 @@
+#!/usr/bin/python3
+"""What is wrong is named, what is right is still checked, and no node ends."""
+import os
+import sys
+import unittest
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+
+import rospy
+import rostest
+from diagnostic_msgs.msg import DiagnosticArray
+from std_srvs.srv import Trigger
+from tf2_msgs.msg import TFMessage
+
+from node_client import PATIENCE, NodeClient, publish_transform
+
+NAN = float("nan")
+
+
+class BadInputTest(unittest.TestCase):
+    def diagnosis_of(self, node):
+        found = []
+
+        def keep(message):
+            found.extend(s for s in message.status if s.name.startswith(node.strip("/")))
+        subscriber = rospy.Subscriber("/diagnostics", DiagnosticArray, keep)
+        end = rospy.get_time() + PATIENCE
+        while rospy.get_time() < end and not found:
+            rospy.sleep(0.1)
+        subscriber.unregister()
+        return found[-1]
+
+    def test_no_description_is_said_and_one_that_comes_later_is_taken(self):
+        node = NodeClient("/no_description/node")
+        reply = node.check()
+        self.assertFalse(reply.success)
+        self.assertIn("no robot", reply.message)
+        status = self.diagnosis_of("no_description/node")
+        self.assertEqual(status.level, 2)
+        rospy.set_param("/no_description/robot_description",
+                        "<robot name='late'><link name='a'><collision><geometry><sphere radius='1'/>"
+                        "</geometry></collision></link></robot>")
+        self.assertIsNotNone(node.next(node.reports))
+
+    def test_malformed_description_is_named_and_mended_by_a_reset(self):
+        node = NodeClient("/malformed/node")
+        self.assertFalse(node.check().success)
+        status = self.diagnosis_of("malformed/node")
+        self.assertEqual(status.level, 2)
+        self.assertIn("/malformed/robot_description", status.message)
+        reset = rospy.ServiceProxy("/malformed/node/reset", Trigger)
+        self.assertIn("not well-formed", reset().message)
+        rospy.set_param("/malformed/robot_description", "<robot name='r'><link name='a'/></robot>")
+        self.assertTrue(reset().success)
+        self.assertIsNotNone(node.next(node.reports))
+
+    def test_a_link_with_a_broken_mesh_is_left_out_by_name_and_the_others_are_checked(self):
+        node = NodeClient("/broken_mesh/node")
+        report = node.next(node.reports)
+        self.assertEqual(report.left_out, ["broken", "text"])
+        self.assertEqual([(p.first_link, p.second_link) for p in report.pairs], [("other", "whole")])
+        self.assertEqual(node.check().result.left_out, ["broken", "text"])
+
+    def test_parameters_that_cannot_be_used_give_way_to_defaults(self):
+        node = NodeClient("/bad_parameters/node")
+        report = node.next(node.reports)
+        self.assertEqual((report.alarm_distance, report.fidelity), (0.05, "mesh"))
+        self.assertEqual(rospy.get_param("/bad_parameters/node/alarm_distance"), 0.05)
+        self.assertEqual(rospy.get_param("/bad_parameters/node/rate"), 50.0)
+
+    def test_transforms_that_are_none_or_old_leave_their_links_out(self):
+        node = NodeClient("/bad_transforms/node")
+        self.assertEqual(node.next(node.reports).left_out, ["a", "b", "c"])
+        self.assertIn("no transform", node.check().message)
+        publisher = rospy.Publisher("/tf", TFMessage, queue_size=10)
+
+        def publish(_):
+            publish_transform(publisher, "root", "a")
+            publish_transform(publisher, "root", "b", xyzw=(NAN, 0, 0, 1))
+            publish_transform(publisher, "root", "c", xyzw=(0, 0, 0, 0))
+        timer = rospy.Timer(rospy.Duration(0.05), publish)
+        report = node.next(node.reports, lambda r: "a" not in r.left_out)
+        self.assertEqual(report.left_out, ["b", "c"])
+        self.assertEqual(report.nb_boxes, 1)
+        timer.shutdown()
+        mended = rospy.Timer(rospy.Duration(0.05), lambda _: [
+            publish_transform(publisher, "root", link, (x, 0, 0)) for link, x in (("a", 0), ("b", 0.5), ("c", 5))])
+        report = node.next(node.reports, lambda r: not r.left_out)
+        self.assertEqual([(p.first_link, p.second_link) for p in report.pairs], [("a", "b")])
+        mended.shutdown()
+
+        # A link that falls silent does not hold the others back.
+        speaking = rospy.Timer(rospy.Duration(0.05), lambda _: [
+            publish_transform(publisher, "root", link) for link in ("a", "b")])
+        report = node.next(node.reports, lambda r: r.left_out == ["c"])
+        self.assertIsNotNone(report)
+        self.assertLess((rospy.Time.now() - report.header.stamp).to_sec(), 0.5)
+        speaking.shutdown()
+
+
+if __name__ == "__main__":
+    rospy.init_node("test_bad_input")
+    rostest.rosrun("collision_pairs", "bad_input", BadInputTest)

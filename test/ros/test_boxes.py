@@ -1,0 +1,59 @@
+#!/usr/bin/python3
+"""Markers and reports against brute force over the published boxes; a robot without geometry."""
+import itertools
+import os
+import sys
+import unittest
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+
+import rospy
+import rostest
+
+from node_client import JointPublisher, NodeClient, boxes_by_namespace, gap
+
+ALARM = 0.25
+
+
+class BoxesTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.robot = JointPublisher(["slide_a", "slide_b", "slide_c"])
+        cls.node = NodeClient("/boxes")
+
+    def test_markers_carry_as_many_investigated_boxes_as_nb_pairs_involves(self):
+        for x, expected_pairs in (([0, 3, 6], 0), ([0, 1.2, 6], 1), ([0, 1.2, 2.4], 2), ([0, 0.5, 0.9], 3)):
+            since = self.robot.hold(x)
+            report = self.node.report_since(since, lambda r: not r.left_out)
+            array = self.node.next(self.node.marker_arrays,
+                                   lambda a: a.markers and a.markers[0].header.stamp > since)
+            kinds = boxes_by_namespace(array)
+            boxes = {i: box for kind in kinds.values() for i, box in kind.items()}
+            self.assertEqual(len(boxes), 3)
+            close = [(i, j) for i, j in itertools.combinations(boxes, 2) if gap(boxes[i], boxes[j]) <= ALARM]
+            self.assertEqual(len(close), expected_pairs)
+            self.assertEqual(report.nb_pairs, expected_pairs)
+            shown = set(kinds.get("investigated_boxes", {})) | set(kinds.get("boxes_in_contact", {}))
+            self.assertEqual(shown, {i for pair in close for i in pair})
+
+    def test_every_cycle_is_published_also_when_nothing_is_close(self):
+        self.robot.hold([0, 3, 6])
+        before = len(self.node.reports)
+        rospy.sleep(2.0)
+        self.assertGreater(len(self.node.reports) - before, 50)
+        self.assertEqual(self.node.reports[-1].pairs, [])
+        self.assertTrue(self.node.reports[-1].min_distance_is_bound)
+        self.assertAlmostEqual(self.node.reports[-1].min_distance, ALARM)
+
+    def test_a_robot_without_geometry_publishes_empty_reports(self):
+        empty = NodeClient("/empty/node")
+        report = empty.next(empty.reports)
+        self.assertIsNotNone(report)
+        self.assertEqual((report.nb_boxes, report.nb_pairs, report.pairs, report.left_out), (0, 0, [], []))
+        self.assertFalse(report.in_collision)
+        self.assertTrue(empty.check().success)
+
+
+if __name__ == "__main__":
+    rospy.init_node("test_boxes")
+    rostest.rosrun("collision_pairs", "boxes", BoxesTest)

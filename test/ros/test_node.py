@@ -1,0 +1,184 @@
+#!/usr/bin/python3
+"""The node beside a real roscore, robot_state_publisher and TF: the demo robot in chosen postures."""
+import os
+import sys
+import unittest
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+
+import rospy
+import rostest
+from diagnostic_msgs.msg import DiagnosticArray
+from dynamic_reconfigure.client import Client
+from sensor_msgs.msg import JointState
+from std_srvs.srv import Trigger
+
+from collision_pairs.msg import CollisionPair
+from collision_pairs.srv import CheckCollisionsRequest
+from node_client import JointPublisher, NodeClient, boxes_by_namespace
+
+JOINTS = ["shoulder_pan", "shoulder_lift", "upper_arm_roll", "elbow_flex", "forearm_roll",
+          "wrist_flex", "wrist_roll", "gripper"]
+FREE = [0, -0.3, 0, 1.2, 0, 0.9, 0, 0.02]
+NEAR = [0.84, 0.75, 0, 0.75, 0, 0.4, 0, 0.02]
+CONTACT = [0.3, 1.1, 0, 0.6, 0, -0.1, 1.35, 0]
+POSTURES = {"free": FREE, "near": NEAR, "contact": CONTACT}
+
+
+class NodeTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.robot = JointPublisher(JOINTS)
+        cls.node = NodeClient("/collision_pairs_node")
+
+    def report_in(self, posture):
+        since = self.robot.hold(posture)
+        report = self.node.report_since(since, lambda r: not r.left_out)
+        self.assertIsNotNone(report, "no report of a posture")
+        return report
+
+    def assert_same_pairs(self, one, other):
+        """TF interpolates, so the last digits of a pose differ from look-up to look-up."""
+        names_and_states = [[(p.first_link, p.second_link, p.state) for p in report.pairs] for report in (one, other)]
+        self.assertEqual(*names_and_states)
+        for a, b in zip(one.pairs, other.pairs):
+            self.assertAlmostEqual(a.distance, b.distance, places=9)
+
+    def request(self, **fields):
+        return self.node.check(CheckCollisionsRequest(**fields))
+
+    def test_postures_are_free_near_and_in_contact(self):
+        self.assertEqual(len(self.report_in(FREE).pairs), 0)
+        near = self.report_in(NEAR)
+        self.assertEqual([pair.state for pair in near.pairs], [CollisionPair.NEAR])
+        self.assertEqual((near.pairs[0].first_link, near.pairs[0].second_link), ("forearm", "post"))
+        contact = self.report_in(CONTACT)
+        self.assertTrue(contact.in_collision)
+        self.assertIn(("arch", "wrist_ball"), [(p.first_link, p.second_link) for p in contact.pairs])
+        self.assertLess(contact.min_distance, 0.0)
+
+    def test_topic_and_service_agree_on_every_stamp(self):
+        for posture in POSTURES.values():
+            report = self.report_in(posture)
+            reply = self.request(stamp=report.header.stamp)
+            self.assertTrue(reply.success, reply.message)
+            self.assertEqual(reply.result.header.stamp, report.header.stamp)
+            self.assert_same_pairs(reply.result, report)
+            self.assertEqual(reply.result.nb_pairs, report.nb_pairs)
+            self.assertEqual(reply.result.in_collision, report.in_collision)
+
+    def test_bool_follows_the_report(self):
+        for posture in (FREE, CONTACT):
+            report = self.report_in(posture)
+            verdict = self.node.next(self.node.verdicts)
+            self.assertEqual(verdict.data, report.in_collision)
+
+    def test_a_past_stamp_is_answered_for_that_instant(self):
+        past = self.report_in(CONTACT)
+        self.report_in(FREE)
+        reply = self.request(stamp=past.header.stamp)
+        self.assertTrue(reply.success, reply.message)
+        self.assert_same_pairs(reply.result, past)
+
+    def test_a_hypothetical_state_is_what_the_robot_would_be_in_and_does_not_move_it(self):
+        self.report_in(FREE)
+        reply = self.request(joint_state=JointState(name=JOINTS, position=CONTACT))
+        self.assertTrue(reply.success, reply.message)
+        self.assertEqual(reply.joints_from_tf, [])
+        self.assertFalse(self.node.next(self.node.reports).in_collision)
+        real = self.report_in(CONTACT)
+        self.assert_same_pairs(reply.result, real)
+
+    def test_joints_not_named_stay_where_tf_has_them(self):
+        self.report_in(CONTACT)
+        reply = self.request(joint_state=JointState(name=["shoulder_pan"], position=[CONTACT[0]]))
+        self.assertTrue(reply.success, reply.message)
+        self.assertEqual(set(reply.joints_from_tf) | {"shoulder_pan"}, set(JOINTS) | {"gripper_mirror"})
+        self.assertEqual(reply.joints_at_zero, [])
+        self.assertTrue(reply.result.in_collision)
+
+    def test_a_mimicking_joint_follows_its_leader(self):
+        self.report_in(FREE)
+        closed = self.request(joint_state=JointState(name=["gripper"], position=[0.0]))
+        both = self.request(joint_state=JointState(name=["gripper", "gripper_mirror"], position=[0.0, 0.0]))
+        self.assertTrue(both.success, both.message)
+        self.assertNotIn("gripper_mirror", closed.joints_from_tf)
+        torn = self.request(joint_state=JointState(name=["gripper", "gripper_mirror"], position=[0.0, 0.02]))
+        self.assertFalse(torn.success)
+        self.assertIn("gripper_mirror", torn.message)
+
+    def test_settings_of_a_request_are_its_own(self):
+        self.report_in(NEAR)
+        self.assertEqual(len(self.request(alarm_distance=-1.0).result.pairs), 0)
+        wide = self.request(alarm_distance=0.5)
+        self.assertEqual(wide.result.alarm_distance, 0.5)
+        self.assertGreater(len(wide.result.pairs), 3)
+        cheap = self.request(fidelity="aabb", alarm_distance=0.5)
+        self.assertEqual(cheap.result.fidelity, "aabb")
+        self.assertLessEqual(cheap.result.min_distance, wide.result.min_distance)
+        self.assertAlmostEqual(self.node.next(self.node.reports).alarm_distance, 0.03)
+
+    def test_wrong_requests_are_refused_by_name_and_the_cycle_goes_on(self):
+        self.report_in(FREE)
+        nan = float("nan")
+        cases = {
+            "elbow_joint": dict(joint_state=JointState(name=["elbow_joint"], position=[0.0])),
+            "arm_base_joint": dict(joint_state=JointState(name=["arm_base_joint"], position=[0.0])),
+            "not finite": dict(joint_state=JointState(name=["shoulder_pan"], position=[nan])),
+            "positions": dict(joint_state=JointState(name=["shoulder_pan"], position=[])),
+            "twice": dict(joint_state=JointState(name=["gripper", "gripper"], position=[0.0, 0.0])),
+            "exact": dict(fidelity="exact"),
+            "alarm_distance": dict(alarm_distance=nan),
+            "extrapolation": dict(stamp=rospy.Time.now() + rospy.Duration(100)),
+        }
+        for says, fields in cases.items():
+            reply = self.request(**fields)
+            self.assertFalse(reply.success, says)
+            self.assertIn(says, reply.message)
+        self.assertIsNotNone(self.node.next(self.node.reports))
+
+    def test_markers_show_the_boxes_and_hide_the_others_at_once(self):
+        client = Client("/collision_pairs_node", timeout=20)
+        self.report_in(CONTACT)
+        for hide in (True, False):
+            client.update_configuration({"show_only_investigated_boxes": hide})
+            published = len(self.node.marker_arrays)
+            array = self.node.next(self.node.marker_arrays,
+                                   lambda a: ("other_boxes" in boxes_by_namespace(a)) != hide)
+            self.assertIn("boxes_in_contact", boxes_by_namespace(array))
+            # What was under way when the answer came may still arrive.
+            self.assertLess(self.node.marker_arrays.index(array) - published, 3)
+
+    def test_alarm_distance_changes_while_running(self):
+        client = Client("/collision_pairs_node", timeout=20)
+        self.report_in(NEAR)
+        try:
+            client.update_configuration({"alarm_distance": 0.3})
+            report = self.node.next(self.node.reports, lambda r: r.alarm_distance == 0.3)
+            self.assertGreater(len(report.pairs), 1)
+            client.update_configuration({"fidelity": "nonsense"})
+            self.assertEqual(self.node.next(self.node.reports).fidelity, "mesh")
+        finally:
+            client.update_configuration({"alarm_distance": 0.03, "fidelity": "mesh"})
+
+    def test_reset_reads_the_robot_anew(self):
+        self.report_in(FREE)
+        reply = rospy.ServiceProxy("/collision_pairs_node/reset", Trigger)()
+        self.assertTrue(reply.success, reply.message)
+        self.report_in(CONTACT)
+
+    def test_diagnostics_tell_the_health_of_the_node(self):
+        statuses = []
+        rospy.Subscriber("/diagnostics", DiagnosticArray, lambda m: statuses.extend(m.status))
+        self.report_in(FREE)
+        end = rospy.get_time() + 10
+        while rospy.get_time() < end and not statuses:
+            rospy.sleep(0.1)
+        values = {value.key: value.value for value in statuses[-1].values}
+        self.assertEqual(statuses[-1].level, 0, statuses[-1].message)
+        self.assertEqual(int(values["nb_boxes"]), 22)
+
+
+if __name__ == "__main__":
+    rospy.init_node("test_node")
+    rostest.rosrun("collision_pairs", "node", NodeTest)
