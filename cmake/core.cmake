@@ -13,6 +13,7 @@ add_library(collision_pairs SHARED
   src/core/mesh_solid.cpp
   src/core/narrow_phase.cpp
   src/core/pair_filter.cpp
+  src/core/pair_ladder.cpp
   src/core/prepared_shape.cpp
   src/core/replay.cpp
   src/core/robot_model.cpp

@@ -8,10 +8,11 @@
 #include "collision_pairs/body_poses.h"
 #include "collision_pairs/collision_report.h"
 #include "collision_pairs/collision_scene.h"
-#include "collision_pairs/narrow_phase.h"
 #include "collision_pairs/sweep_and_prune.h"
 
 namespace collision_pairs {
+
+class PairLadder;
 
 struct CheckSettings {
   /// Metres, >= 0. Pairs up to this far apart are reported as near. 0: contacts only. Larger
@@ -21,6 +22,9 @@ struct CheckSettings {
   Fidelity fidelity = Fidelity::MESH;
   /// Find the smallest distance of all pairs even where it is beyond the alarm distance.
   bool min_distance = false;
+  /// Only in_collision is asked for: ends at the first contact, which is then the only pair in the
+  /// report, without points and depth. The alarm distance counts as 0.
+  bool verdict_only = false;
 };
 
 /// Runs the check. Holds scratch memory only: the answer depends on (scene, poses, settings)
@@ -36,6 +40,9 @@ struct CheckSettings {
 class CollisionDetector {
  public:
   explicit CollisionDetector(std::shared_ptr<const CollisionScene> scene);
+  ~CollisionDetector();
+  CollisionDetector(CollisionDetector&&) noexcept;
+  CollisionDetector& operator=(CollisionDetector&&) noexcept;
 
   /// Throws InputError for an alarm distance that is negative or not a number, or if `poses` does
   /// not fit the scene.
@@ -58,26 +65,27 @@ class CollisionDetector {
 
  private:
   void checkInput(const BodyPoses& poses, const CheckSettings& settings) const;
+  const CollisionReport& run(const BodyPoses& poses);
+  void prepareStaticElements();
   void rebuildBoxes(const BodyPoses& poses);
   /// The pairs of elements whose boxes are no further apart than `reach`, sorted.
   void sweep(double reach, std::vector<BoxPair>& candidates);
-  void runNarrowPhase(const BodyPoses& poses);
-  void searchMinimum(const BodyPoses& poses);
+  void findFirstContact();
+  void measureCandidates();
+  void searchMinimum();
+  void measureNearestFirst(const std::vector<BoxPair>& pairs, double& best);
   void assembleReport();
-  const CollisionReport& run(const BodyPoses& poses);
 
   /// The elements of `pair`, first the one of the model with the smaller id.
   BoxPair byModel(const BoxPair& pair) const;
-  /// In W; `pair` as byModel() gives it.
-  PairDistance measure(const BoxPair& pair, const BodyPoses& poses, double max_distance);
-  PairDistance measureBoxes(const BoxPair& pair) const;
-  void record(const BoxPair& pair, const PairDistance& found);
+  void record(const BoxPair& pair, const PairDistance& found, Fidelity rung);
 
   std::shared_ptr<const CollisionScene> scene_;
   CheckSettings settings_;
   SweepAndPrune sweep_;
-  NarrowPhase narrow_phase_;
+  std::unique_ptr<PairLadder> ladder_;
   CollisionReport report_;
+  std::vector<Eigen::Isometry3d> X_WE_;  // one an element
 
   BodyPoses begun_poses_;
   std::vector<std::pair<std::uint32_t, std::uint32_t>> added_pairs_;

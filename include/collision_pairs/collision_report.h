@@ -1,6 +1,7 @@
 // What a check answers.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -75,7 +76,9 @@ struct CollisionReport {
   std::vector<Aabb> boxes;              ///< one an element, in W; not valid() where it has no pose
   std::vector<std::uint32_t> left_out;  ///< models without a usable pose
   std::uint32_t nb_boxes = 0;           ///< boxes rebuilt or standing in this cycle
-  std::uint32_t nb_degraded = 0;        ///< element pairs that the first method could not settle
+  /// Investigated pairs by the rung (Fidelity) that settled them.
+  std::array<std::uint32_t, 4> nb_settled = {0, 0, 0, 0};
+  std::uint32_t nb_degraded = 0;  ///< element pairs that the first method could not settle
   StageTimes times;
 };
 

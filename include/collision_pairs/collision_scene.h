@@ -24,25 +24,27 @@ struct CollisionModel {
   std::uint32_t nb_elements;
 };
 
-/// A shape at a pose in its body's frame; the element as one rung of the ladder sees it.
+/// The element as one rung of the ladder sees it.
 struct Rung {
   std::shared_ptr<const PreparedShape> shape;
-  Eigen::Isometry3d X_BE;
+  Eigen::Isometry3d X_ER;  ///< pose of that shape in the element's frame; identity but for OBB
   /// Metres by which the shape must be grown to enclose the next rung in exact arithmetic.
   double margin;
 };
 
 struct SceneElement {
   std::uint32_t model;
-  int body;  ///< as in CollisionModel; -1: X_BE is the pose in W
+  int body;                ///< as in CollisionModel
+  Eigen::Isometry3d X_BE;  ///< pose in its body's frame; in W if it never moves
   /// By Fidelity; AABB has none of its own. Shared where rungs are the same shape.
   std::array<Rung, 4> rungs;
   const Rung& rung(Fidelity fidelity) const { return rungs[static_cast<int>(fidelity)]; }
+  bool convex;  ///< the hull is the element itself
   /// What its axis-aligned box is made of: encloses the element when grown by the margin, metres.
   Shape bounds;
   double bounds_margin = 0.0;
-  /// Its box in W, where its body stands at X_WB.
-  Aabb boxAt(const Eigen::Isometry3d& X_WB) const;
+  /// Its box in W, where it stands at X_WE.
+  Aabb boxAt(const Eigen::Isometry3d& X_WE) const;
 };
 
 /// A rigid body of the robot whose pose the detector wants.
@@ -64,6 +66,10 @@ class CollisionScene {
   static std::shared_ptr<const CollisionScene> build(std::shared_ptr<const RobotModel> robot,
                                                      const std::optional<Srdf>& srdf,
                                                      std::shared_ptr<const RobotModel> world);
+
+  /// The robot against the world only, not against itself.
+  static std::shared_ptr<const CollisionScene> buildAgainstWorldOnly(
+      std::shared_ptr<const RobotModel> robot, std::shared_ptr<const RobotModel> world);
 
   const RobotModel& robot() const { return *robot_; }
   const std::vector<CollisionModel>& models() const { return models_; }

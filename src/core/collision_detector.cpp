@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "collision_pairs/input_error.h"
+#include "pair_ladder.h"
 
 namespace collision_pairs {
 namespace {
@@ -47,10 +48,15 @@ Aabb noBox() { return {Vector3d::Constant(INF), Vector3d::Constant(-INF)}; }
 }  // namespace
 
 CollisionDetector::CollisionDetector(std::shared_ptr<const CollisionScene> scene)
-    : scene_(std::move(scene)) {}
+    : scene_(std::move(scene)), ladder_(std::make_unique<PairLadder>()) {}
+
+CollisionDetector::~CollisionDetector() = default;
+CollisionDetector::CollisionDetector(CollisionDetector&&) noexcept = default;
+CollisionDetector& CollisionDetector::operator=(CollisionDetector&&) noexcept = default;
 
 void CollisionDetector::setScene(std::shared_ptr<const CollisionScene> scene) {
   scene_ = std::move(scene);
+  X_WE_.clear();
 }
 
 void CollisionDetector::reset() { *this = CollisionDetector(std::move(scene_)); }
@@ -59,6 +65,7 @@ const CollisionReport& CollisionDetector::detect(const BodyPoses& poses,
                                                  const CheckSettings& settings) {
   checkInput(poses, settings);
   settings_ = settings;
+  if (settings.verdict_only) settings_.alarm_distance = 0.0;
   only_added_pairs_ = false;
   return run(poses);
 }
@@ -66,6 +73,7 @@ const CollisionReport& CollisionDetector::detect(const BodyPoses& poses,
 void CollisionDetector::beginNarrowPhase(const BodyPoses& poses, const CheckSettings& settings) {
   checkInput(poses, settings);
   settings_ = settings;
+  if (settings.verdict_only) settings_.alarm_distance = 0.0;
   begun_poses_ = poses;
   added_pairs_.clear();
   only_added_pairs_ = true;
@@ -99,8 +107,15 @@ const CollisionReport& CollisionDetector::run(const BodyPoses& poses) {
   clock.split(report_.times.boxes);
   sweep(settings_.alarm_distance, report_.candidates);  // axis, sort, sweep
   clock.split(report_.times.broad_phase);
-  runNarrowPhase(poses);  // contacts and near pairs among the candidates
-  if (settings_.min_distance) searchMinimum(poses);
+  found_.clear();
+  found_contacts_.clear();
+  ladder_->begin(*scene_, X_WE_, report_.boxes);
+  if (settings_.verdict_only) {
+    findFirstContact();
+  } else {
+    measureCandidates();  // contacts and near pairs among the candidates
+  }
+  if (settings_.min_distance) searchMinimum();
   clock.split(report_.times.narrow_phase);
   assembleReport();  // one entry for each pair of models
   whole.split(report_.times.total);
@@ -109,21 +124,28 @@ const CollisionReport& CollisionDetector::run(const BodyPoses& poses) {
 
 void CollisionDetector::rebuildBoxes(const BodyPoses& poses) {
   const auto& elements = scene_->elements();
-  report_.boxes.resize(elements.size());
+  if (X_WE_.size() != elements.size()) prepareStaticElements();
   report_.left_out.clear();
   report_.nb_boxes = scene_->nbStaticElements();
-  for (std::uint32_t i = 0; i < scene_->nbStaticElements(); ++i) {
-    report_.boxes[i] = scene_->staticBoxes().box(i);
-  }
   for (std::size_t i = scene_->nbStaticElements(); i < elements.size(); ++i) {
     const SceneElement& element = elements[i];
-    report_.boxes[i] =
-        poses.known[element.body] ? element.boxAt(poses.X_WB[element.body]) : noBox();
+    X_WE_[i] = poses.X_WB[element.body] * element.X_BE;
+    report_.boxes[i] = poses.known[element.body] ? element.boxAt(X_WE_[i]) : noBox();
     if (report_.boxes[i].valid()) {
       ++report_.nb_boxes;
     } else if (report_.left_out.empty() || report_.left_out.back() != element.model) {
       report_.left_out.push_back(element.model);
     }
+  }
+}
+
+void CollisionDetector::prepareStaticElements() {
+  const auto& elements = scene_->elements();
+  X_WE_.resize(elements.size());
+  report_.boxes.resize(elements.size());
+  for (std::uint32_t i = 0; i < scene_->nbStaticElements(); ++i) {
+    X_WE_[i] = elements[i].X_BE;
+    report_.boxes[i] = scene_->staticBoxes().box(i);
   }
 }
 
@@ -144,16 +166,31 @@ void CollisionDetector::sweep(double reach, std::vector<BoxPair>& candidates) {
                    candidates.end());
 }
 
-void CollisionDetector::runNarrowPhase(const BodyPoses& poses) {
-  found_.clear();
-  found_contacts_.clear();
+void CollisionDetector::findFirstContact() {
   report_.nb_degraded = 0;
+  report_.nb_settled = {};
   for (const BoxPair& candidate : report_.candidates) {
     const BoxPair pair = byModel(candidate);
-    const PairDistance found = measure(pair, poses, settings_.alarm_distance);
+    if (!ladder_->touches(pair, settings_.fidelity)) continue;
+    PairDistance contact;
+    contact.distance = 0.0;
+    contact.certainty = Certainty::BOUND;
+    record(pair, contact, settings_.fidelity);
+    found_.back().nb_contacts = 0;
+    return;
+  }
+}
+
+void CollisionDetector::measureCandidates() {
+  report_.nb_degraded = 0;
+  report_.nb_settled = {};
+  for (const BoxPair& candidate : report_.candidates) {
+    const BoxPair pair = byModel(candidate);
+    const auto [found, rung] = ladder_->climb(pair, settings_.fidelity, settings_.alarm_distance);
+    ++report_.nb_settled[static_cast<int>(rung)];
     if (found.certainty == Certainty::DEGRADED) ++report_.nb_degraded;
     if (found.distance <= settings_.alarm_distance && found.certainty != Certainty::BEYOND) {
-      record(pair, found);
+      record(pair, found, rung);
     }
   }
 }
@@ -165,61 +202,7 @@ BoxPair CollisionDetector::byModel(const BoxPair& pair) const {
              : BoxPair{pair.second, pair.first};
 }
 
-PairDistance CollisionDetector::measure(const BoxPair& pair, const BodyPoses& poses,
-                                        double max_distance) {
-  if (settings_.fidelity == Fidelity::AABB) return measureBoxes(pair);
-  const auto pose = [&](const SceneElement& element, const Rung& rung) {
-    return element.body < 0 ? rung.X_BE : poses.X_WB[element.body] * rung.X_BE;
-  };
-  const SceneElement& first = scene_->elements()[pair.first];
-  const SceneElement& second = scene_->elements()[pair.second];
-  const Rung& a = first.rung(settings_.fidelity);
-  const Rung& b = second.rung(settings_.fidelity);
-  const Isometry3d X_WA = pose(first, a);
-  // Relative first: far from the origin the difference is exact where the poses are not.
-  const Isometry3d X_AB = X_WA.inverse() * pose(second, b);
-  const double margin = a.margin + b.margin;
-  PairDistance found = narrow_phase_.distance(*a.shape, *b.shape, X_AB, max_distance + margin);
-  found.distance -= margin;
-  found.p_ACa = X_WA * found.p_ACa;
-  found.p_ACb = X_WA * found.p_ACb;
-  found.nhat_AB_A = X_WA.linear() * found.nhat_AB_A;
-  // The tight axis-aligned box need not enclose the turned one. Both enclose the element, so the
-  // better bound of the two counts, and this rung never says less than the one below.
-  const bool boxes_say_more =
-      settings_.fidelity == Fidelity::OBB &&
-      squaredGap(report_.boxes[pair.first], report_.boxes[pair.second]) >
-          std::max(found.distance, 0.0) * std::max(found.distance, 0.0);
-  return boxes_say_more ? measureBoxes(pair) : found;
-}
-
-PairDistance CollisionDetector::measureBoxes(const BoxPair& pair) const {
-  const Aabb& a = report_.boxes[pair.first];
-  const Aabb& b = report_.boxes[pair.second];
-  const Vector3d gap = (b.min - a.max).cwiseMax(a.min - b.max);
-  PairDistance found;
-  int axis = 0;
-  const double widest = gap.maxCoeff(&axis);
-  // Witness points: the nearest points of the two boxes, mid-way where they overlap.
-  const Vector3d lower = a.min.cwiseMax(b.min), upper = a.max.cwiseMin(b.max);
-  const Vector3d middle = 0.5 * (lower + upper);
-  found.p_ACa = middle.cwiseMax(a.min).cwiseMin(a.max);
-  found.p_ACb = middle.cwiseMax(b.min).cwiseMin(b.max);
-  const bool b_is_above = a.center()[axis] <= b.center()[axis];
-  if (widest > 0.0) {
-    found.distance = std::sqrt(squaredGap(a, b));
-    found.nhat_AB_A = (found.p_ACb - found.p_ACa) / found.distance;
-  } else {  // the least translation along an axis that takes them apart
-    const double sign = b_is_above ? 1.0 : -1.0;
-    found.distance = widest;
-    found.nhat_AB_A = sign * Vector3d::Unit(axis);
-    found.p_ACa[axis] = b_is_above ? a.max[axis] : a.min[axis];
-    found.p_ACb[axis] = b_is_above ? b.min[axis] : b.max[axis];
-  }
-  return found;
-}
-
-void CollisionDetector::record(const BoxPair& pair, const PairDistance& found) {
+void CollisionDetector::record(const BoxPair& pair, const PairDistance& found, Fidelity rung) {
   const auto& elements = scene_->elements();
   PairReport entry;
   entry.first = elements[pair.first].model;
@@ -228,7 +211,7 @@ void CollisionDetector::record(const BoxPair& pair, const PairDistance& found) {
                 : found.certainty == Certainty::DEGRADED ? PairState::UNRESOLVED
                                                          : PairState::CONTACT;
   entry.distance = found.distance;
-  entry.fidelity = settings_.fidelity;
+  entry.fidelity = rung;
   entry.certainty = found.certainty;
   entry.first_contact = 0;
   entry.nb_contacts = 1;
@@ -238,7 +221,7 @@ void CollisionDetector::record(const BoxPair& pair, const PairDistance& found) {
 
 // The sweep at a reach that grows until it holds the nearest pair: what it does not hold is
 // further than the reach. Pairs are taken by the gap of their boxes, so that most end at once.
-void CollisionDetector::searchMinimum(const BodyPoses& poses) {
+void CollisionDetector::searchMinimum() {
   double best = INF;
   for (const PairReport& entry : found_) best = std::min(best, entry.distance);
   Aabb all = noBox();
@@ -253,18 +236,22 @@ void CollisionDetector::searchMinimum(const BodyPoses& poses) {
        reach = std::max(4.0 * reach, std::numeric_limits<double>::min())) {
     sweep(reach, reached_);
     swept = reach;
-    by_gap_.clear();
-    for (const BoxPair& pair : reached_) {
-      by_gap_.emplace_back(squaredGap(report_.boxes[pair.first], report_.boxes[pair.second]), pair);
-    }
-    std::sort(by_gap_.begin(), by_gap_.end());
-    for (const auto& [squared_gap, pair] : by_gap_) {
-      if (squared_gap > std::max(best, 0.0) * best) break;
-      best = std::min(best, measure(byModel(pair), poses, best).distance);
-    }
+    measureNearestFirst(reached_, best);
   }
   report_.min_distance = best;
   report_.min_distance_is_bound = best == INF;
+}
+
+void CollisionDetector::measureNearestFirst(const std::vector<BoxPair>& pairs, double& best) {
+  by_gap_.clear();
+  for (const BoxPair& pair : pairs) {
+    by_gap_.emplace_back(squaredGap(report_.boxes[pair.first], report_.boxes[pair.second]), pair);
+  }
+  std::sort(by_gap_.begin(), by_gap_.end());
+  for (const auto& [squared_gap, pair] : by_gap_) {
+    if (squared_gap > std::max(best, 0.0) * best) break;
+    best = std::min(best, ladder_->climb(byModel(pair), settings_.fidelity, best).found.distance);
+  }
 }
 
 void CollisionDetector::assembleReport() {

@@ -19,20 +19,25 @@ struct Candidate {
 };
 
 SceneElement makeElement(const Element& element, const Eigen::Isometry3d& X_BL) {
+  const Eigen::Isometry3d identity = Eigen::Isometry3d::Identity();
   SceneElement made;
-  const Eigen::Isometry3d X_BE = X_BL * element.X_LE;
-  const auto [box, X_EO] = enclosingBox(element.shape);
-  const Rung exact{prepareShape(element.shape), X_BE, 0.0};
-  Rung convex = exact;
+  made.X_BE = X_BL * element.X_LE;
   made.bounds = element.shape;
+  const Rung exact{prepareShape(element.shape), identity, 0.0};
+  Rung convex = exact;
+  made.convex = true;
   if (const auto* mesh = std::get_if<Mesh>(&element.shape)) {
     const Convex hull{hullVertices(*mesh->mesh)};
-    convex = {prepareShape(hull), X_BE, hullMargin(*mesh->mesh)};
+    convex = {prepareShape(hull), identity, hullMargin(*mesh->mesh)};
+    made.convex = false;
     made.bounds = hull;
     made.bounds_margin = convex.margin;
   }
-  const bool unbounded = std::holds_alternative<HalfSpace>(element.shape);
-  const Rung obb = unbounded ? exact : Rung{prepareShape(box), X_BE * X_EO, convex.margin};
+  Rung obb = exact;
+  if (!std::holds_alternative<HalfSpace>(element.shape)) {
+    const auto [box, X_EO] = enclosingBox(made.bounds);
+    obb = {prepareShape(box), X_EO, convex.margin};
+  }
   made.rungs = {obb, obb, convex, exact};
   return made;
 }
@@ -47,7 +52,8 @@ class SceneBuilder {
   }
 
   std::shared_ptr<const CollisionScene> build(const std::optional<Srdf>& srdf,
-                                              const RobotModel* world) {
+                                              const RobotModel* world, bool check_self) {
+    check_self_ = check_self;
     collect(*scene_->robot_, false);
     if (world) collect(*world, true);
     std::sort(candidates_.begin(), candidates_.end(),
@@ -96,6 +102,7 @@ class SceneBuilder {
   }
 
   bool switchedOff(const Candidate& a, const Candidate& b) const {
+    if (!check_self_) return true;
     return switched_off_.count({nameOf(a), nameOf(b)}) > 0;  // candidates are sorted by name
   }
 
@@ -162,7 +169,7 @@ class SceneBuilder {
     std::vector<Aabb> boxes;
     std::vector<std::uint32_t> models;
     for (const SceneElement& element : scene_->elements_) {
-      boxes.push_back(element.boxAt(Eigen::Isometry3d::Identity()));
+      boxes.push_back(element.boxAt(element.X_BE));
       models.push_back(element.model);
     }
     scene_->static_boxes_ = StaticBoxes(std::move(boxes), std::move(models));
@@ -188,16 +195,22 @@ class SceneBuilder {
   std::unique_ptr<CollisionScene> scene_;
   std::vector<Candidate> candidates_;
   std::set<Srdf::LinkPair> switched_off_;
+  bool check_self_ = true;
 };
 
 std::shared_ptr<const CollisionScene> CollisionScene::build(
     std::shared_ptr<const RobotModel> robot, const std::optional<Srdf>& srdf,
     std::shared_ptr<const RobotModel> world) {
-  return SceneBuilder(std::move(robot)).build(srdf, world.get());
+  return SceneBuilder(std::move(robot)).build(srdf, world.get(), true);
 }
 
-Aabb SceneElement::boxAt(const Eigen::Isometry3d& X_WB) const {
-  Aabb box = computeAabb(bounds, X_WB * rung(Fidelity::MESH).X_BE);
+std::shared_ptr<const CollisionScene> CollisionScene::buildAgainstWorldOnly(
+    std::shared_ptr<const RobotModel> robot, std::shared_ptr<const RobotModel> world) {
+  return SceneBuilder(std::move(robot)).build(std::nullopt, world.get(), false);
+}
+
+Aabb SceneElement::boxAt(const Eigen::Isometry3d& X_WE) const {
+  Aabb box = computeAabb(bounds, X_WE);
   box.min.array() -= bounds_margin;
   box.max.array() += bounds_margin;
   return box;

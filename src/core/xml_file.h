@@ -18,7 +18,8 @@ tinyxml2::XMLElement* parseXml(tinyxml2::XMLDocument& document, const std::strin
 [[noreturn]] void failAt(const tinyxml2::XMLElement& element, const std::string& what,
                          const std::string& message);
 
-/// The attribute, which must be there and not be empty. `owner` ("link 'arm': ") begins the message.
+/// The attribute, which must be there and not be empty. `owner` ("link 'arm': ") begins the
+/// message.
 std::string requiredAttribute(const tinyxml2::XMLElement& element, const char* attribute,
                               const std::string& what, const std::string& owner = "");
 

@@ -1,0 +1,53 @@
+// Measures one pair of elements at one rung of the fidelity ladder, or climbs until it is settled.
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "collision_pairs/aabb.h"
+#include "collision_pairs/collision_scene.h"
+#include "collision_pairs/narrow_phase.h"
+
+namespace collision_pairs {
+
+/// Knows where the elements stand in this cycle; everything it answers is in the world frame W.
+/// A pair is given as (element of the first model, element of the second).
+class PairLadder {
+ public:
+  struct Answer {
+    PairDistance found;  ///< p_ACa, p_ACb and nhat_AB_A measured and expressed in W
+    Fidelity rung;       ///< the geometry that it is the answer of
+  };
+
+  /// All must live until the last question of the cycle. X_WE: one pose an element.
+  void begin(const CollisionScene& scene, const std::vector<Eigen::Isometry3d>& X_WE,
+             const std::vector<Aabb>& boxes);
+
+  /// At exactly this rung. What is further apart than max_distance comes back as BEYOND.
+  Answer measure(const BoxPair& pair, Fidelity rung, double max_distance);
+
+  /// As measure() at rung `top`, but ends at the first rung that shows the pair further apart than
+  /// max_distance: that rung encloses `top`, so the answer is the same. A pair of boxes costs tens
+  /// of nanoseconds, one of hulls about a microsecond, one of meshes up to a hundred.
+  Answer climb(const BoxPair& pair, Fidelity top, double max_distance);
+
+  /// Do the two meet at rung `top`?
+  bool touches(const BoxPair& pair, Fidelity top);
+
+ private:
+  Eigen::Isometry3d relativePose(const BoxPair& pair) const;
+  Answer measureAt(const BoxPair& pair, const Eigen::Isometry3d& X_AB, Fidelity rung,
+                   double max_distance);
+  Answer measureBoxes(const BoxPair& pair) const;
+  /// A lower bound of the distance of the two turned boxes; 0 does not mean that they meet.
+  double turnedBoxGap(const BoxPair& pair, const Eigen::Isometry3d& X_AB) const;
+  bool isConvex(const BoxPair& pair) const;
+
+  const CollisionScene* scene_ = nullptr;
+  const std::vector<Eigen::Isometry3d>* X_WE_ = nullptr;
+  const std::vector<Aabb>* boxes_ = nullptr;
+  NarrowPhase narrow_phase_;
+};
+
+}  // namespace collision_pairs

@@ -1,0 +1,26 @@
+// Real robots with recorded states and worlds, from the folder that COLLISION_PAIRS_SHARED names.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "collision_pairs/robot_model.h"
+#include "collision_pairs/srdf.h"
+
+namespace collision_pairs {
+
+struct BenchmarkRobot {
+  std::string name;
+  std::shared_ptr<const RobotModel> robot;
+  std::shared_ptr<const RobotModel> world;
+  Srdf srdf;
+  /// Forward kinematics of each state: poses of RobotModel::bodies() in the root link's frame.
+  std::vector<std::vector<Eigen::Isometry3d>> states;
+};
+
+/// panda, ur5 and pr2; empty, with a message on standard error, where the data are not there.
+const std::vector<BenchmarkRobot>& benchmarkRobots();
+
+}  // namespace collision_pairs

@@ -1,0 +1,109 @@
+// The whole check against MoveIt's loop, on real robots in recorded states; forward kinematics is
+// not counted. BM_<Who>/<robot>/<query>; the counters median_us and p99_us are over the states,
+// each state's time being the least of its repetitions, so that what the machine does besides is
+// left out.
+//
+//   COLLISION_PAIRS_SHARED=DATA detector_benchmark --benchmark_format=json
+#include <algorithm>
+#include <chrono>
+#include <functional>
+#include <limits>
+
+#include <benchmark/benchmark.h>
+
+#include "benchmark_robots.h"
+#include "collision_pairs/collision_detector.h"
+#include "moveit_loop.h"
+
+namespace collision_pairs {
+namespace {
+
+constexpr int PASSES = 5;
+const char* const QUERIES[] = {"self", "self_contacts", "self_distance", "world", "world_distance"};
+
+using Check = std::function<double(std::size_t state)>;
+
+double quantile(std::vector<double> values, double share) {
+  std::sort(values.begin(), values.end());
+  return values[std::min(values.size() - 1, static_cast<std::size_t>(share * values.size()))];
+}
+
+void run(benchmark::State& state, std::size_t nb_states, const Check& check) {
+  std::vector<double> least(nb_states, std::numeric_limits<double>::infinity());
+  double sum = 0.0;
+  for (auto _ : state) {
+    for (int pass = 0; pass < PASSES; ++pass) {
+      for (std::size_t i = 0; i < nb_states; ++i) {
+        const auto start = std::chrono::steady_clock::now();
+        const double answer = check(i);
+        const std::chrono::duration<double, std::micro> took =
+            std::chrono::steady_clock::now() - start;
+        benchmark::DoNotOptimize(sum += answer);
+        least[i] = std::min(least[i], took.count());
+      }
+    }
+  }
+  state.counters["median_us"] = quantile(least, 0.5);
+  state.counters["p99_us"] = quantile(least, 0.99);
+}
+
+Check ofMoveItLoop(const BenchmarkRobot& robot, const std::string& query) {
+  const auto loop = std::make_shared<MoveItLoop>(robot);
+  const auto& states = robot.states;
+  if (query == "self") return [=, &states](std::size_t i) { return loop->selfCollides(states[i]); };
+  if (query == "self_contacts") {
+    return
+        [=, &states](std::size_t i) { return static_cast<double>(loop->selfContacts(states[i])); };
+  }
+  if (query == "self_distance") {
+    return [=, &states](std::size_t i) { return loop->selfDistance(states[i]); };
+  }
+  if (query == "world") return [=, &states](std::size_t i) { return loop->collides(states[i]); };
+  return [=, &states](std::size_t i) { return loop->worldDistance(states[i]); };
+}
+
+Check ofCollisionPairs(const BenchmarkRobot& robot, const std::string& query) {
+  const bool with_world = query == "world" || query == "world_distance";
+  const auto scene =
+      query == "world_distance"
+          ? CollisionScene::buildAgainstWorldOnly(robot.robot, robot.world)
+          : CollisionScene::build(robot.robot, robot.srdf, with_world ? robot.world : nullptr);
+  const auto detector = std::make_shared<CollisionDetector>(scene);
+  auto poses = std::make_shared<std::vector<BodyPoses>>(robot.states.size());
+  for (std::size_t i = 0; i < robot.states.size(); ++i) {
+    scene->gatherPoses(robot.states[i], (*poses)[i]);
+  }
+  CheckSettings settings;
+  settings.alarm_distance = 0.0;
+  settings.min_distance = query == "self_distance" || query == "world_distance";
+  settings.verdict_only = query == "self" || query == "world";
+  return [=](std::size_t i) { return detector->detect((*poses)[i], settings).min_distance; };
+}
+
+void registerAll() {
+  for (const BenchmarkRobot& robot : benchmarkRobots()) {
+    for (const std::string query : QUERIES) {
+      for (const auto& [who, make] : {std::pair{"CollisionPairs", &ofCollisionPairs},
+                                      std::pair{"MoveItLoop", &ofMoveItLoop}}) {
+        const std::string name = std::string("BM_") + who + "/" + robot.name + "/" + query;
+        benchmark::RegisterBenchmark(name.c_str(),
+                                     [&robot, query, make = make](auto& state) {
+                                       run(state, robot.states.size(), make(robot, query));
+                                     })
+            ->Unit(benchmark::kMillisecond)
+            ->Iterations(1);
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace collision_pairs
+
+int main(int argc, char** argv) {
+  benchmark::Initialize(&argc, argv);
+  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
+  collision_pairs::registerAll();
+  benchmark::RunSpecifiedBenchmarks();
+  return 0;
+}
