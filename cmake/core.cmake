@@ -9,6 +9,7 @@ add_library(collision_pairs SHARED
   src/core/convex_hull.cpp
   src/core/enclosure.cpp
   src/core/fcl_backend.cpp
+  src/core/mesh_bounds.cpp
   src/core/mesh_query.cpp
   src/core/mesh_solid.cpp
   src/core/narrow_phase.cpp
@@ -24,6 +25,7 @@ add_library(collision_pairs SHARED
   src/core/triangle_tree.cpp
   src/core/urdf_checks.cpp
   src/core/urdf_reader.cpp
+  src/core/vertex_extent.cpp
   src/core/winding_number.cpp
   src/core/xml_file.cpp
 )

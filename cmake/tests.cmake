@@ -28,6 +28,7 @@ collision_pairs_test(srdf)
 collision_pairs_test(sweep_and_prune)
 collision_pairs_test(text_files collision_pairs_io)
 collision_pairs_test(urdf_errors)
+collision_pairs_test(vertex_extent)
 
 function(collision_pairs_pytest name)
   add_test(NAME ${name}

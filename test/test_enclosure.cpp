@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "enclosure.h"
+#include "mesh_bounds.h"
 #include "random_inputs.h"
 
 namespace collision_pairs {
@@ -42,6 +43,46 @@ TEST(Enclosure, BoxOfATurnedBoxIsThatBox) {
   }
   const auto [box, X_EO] = enclosingBox(Convex{std::make_shared<TriangleMesh>(mesh)});
   EXPECT_NEAR(box.size.prod(), 2.0 * 4.0 * 8.0, 1e-9);
+}
+
+TEST(Enclosure, FewerPointsGrownByTheirMarginReachAsFar) {
+  RandomInputs random;
+  for (int round = 0; round < 30; ++round) {
+    TriangleMesh ball;
+    for (int i = 0; i < 400; ++i)
+      ball.vertices.push_back(random.rotation() * Eigen::Vector3d(1, 0, 0));
+    const double tolerance = random.uniform(1e-3, 1e-1);
+    const FewerPoints fewer = fewerPoints(ball.vertices, tolerance);
+    EXPECT_LE(fewer.margin, tolerance + 1e-12);
+    EXPECT_LT(fewer.points.size(), tolerance > 0.05 ? 200u : 401u);
+    for (int i = 0; i < 200; ++i) {
+      const Eigen::Vector3d direction = random.rotation() * Eigen::Vector3d::UnitX();
+      double all = -1e9, kept = -1e9;
+      for (const auto& v : ball.vertices) all = std::max(all, direction.dot(v));
+      for (const auto& v : fewer.points) kept = std::max(kept, direction.dot(v));
+      EXPECT_LE(all, kept + fewer.margin);
+    }
+  }
+}
+
+TEST(Enclosure, BoxOfAMeshHoldsItAndIsTightToATenthOfAPerMille) {
+  RandomInputs random;
+  for (int round = 0; round < 100; ++round) {
+    const TriangleMesh mesh = randomPoints(random, random.integer(1, 300), {1.0, 0.5, 0.2});
+    const MeshBounds bounds(hullVertices(mesh)->vertices, hullMargin(mesh));
+    const Eigen::Isometry3d X_WE = random.pose(10.0);
+    const Aabb box = bounds.boxAt(X_WE);
+    Eigen::Vector3d lower = X_WE * mesh.vertices[0], upper = lower;
+    for (const auto& v : mesh.vertices) {
+      lower = lower.cwiseMin(X_WE * v);
+      upper = upper.cwiseMax(X_WE * v);
+    }
+    EXPECT_TRUE((box.min.array() <= lower.array()).all() &&
+                (box.max.array() >= upper.array()).all());
+    const double slack = 1e-4 * 2.5 + 1e-12;  // the largest extent of a mesh here is below 2.5
+    EXPECT_LE((lower - box.min).maxCoeff(), slack);
+    EXPECT_LE((box.max - upper).maxCoeff(), slack);
+  }
 }
 
 TEST(Enclosure, HullVerticesReachAsFarAsAllVerticesInEveryDirection) {

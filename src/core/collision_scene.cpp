@@ -6,6 +6,7 @@
 
 #include "collision_pairs/input_error.h"
 #include "enclosure.h"
+#include "mesh_bounds.h"
 
 namespace collision_pairs {
 namespace {
@@ -22,20 +23,20 @@ SceneElement makeElement(const Element& element, const Eigen::Isometry3d& X_BL) 
   const Eigen::Isometry3d identity = Eigen::Isometry3d::Identity();
   SceneElement made;
   made.X_BE = X_BL * element.X_LE;
-  made.bounds = element.shape;
   const Rung exact{prepareShape(element.shape), identity, 0.0};
   Rung convex = exact;
+  Shape hull = element.shape;
   made.convex = true;
   if (const auto* mesh = std::get_if<Mesh>(&element.shape)) {
-    const Convex hull{hullVertices(*mesh->mesh)};
+    const auto corners = hullVertices(*mesh->mesh);
+    hull = Convex{corners};
     convex = {prepareShape(hull), identity, hullMargin(*mesh->mesh)};
     made.convex = false;
-    made.bounds = hull;
-    made.bounds_margin = convex.margin;
+    made.mesh_bounds = std::make_shared<MeshBounds>(corners->vertices, convex.margin);
   }
   Rung obb = exact;
   if (!std::holds_alternative<HalfSpace>(element.shape)) {
-    const auto [box, X_EO] = enclosingBox(made.bounds);
+    const auto [box, X_EO] = enclosingBox(hull);
     obb = {prepareShape(box), X_EO, convex.margin};
   }
   made.rungs = {obb, obb, convex, exact};
@@ -210,10 +211,8 @@ std::shared_ptr<const CollisionScene> CollisionScene::buildAgainstWorldOnly(
 }
 
 Aabb SceneElement::boxAt(const Eigen::Isometry3d& X_WE) const {
-  Aabb box = computeAabb(bounds, X_WE);
-  box.min.array() -= bounds_margin;
-  box.max.array() += bounds_margin;
-  return box;
+  return mesh_bounds ? mesh_bounds->boxAt(X_WE)
+                     : computeAabb(rung(Fidelity::MESH).shape->shape(), X_WE);
 }
 
 void CollisionScene::gatherPoses(const std::vector<Eigen::Isometry3d>& X_RB,

@@ -4,9 +4,11 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include <Eigen/Eigenvalues>
 
+#include "convex_distance.h"
 #include "convex_hull.h"
 
 namespace collision_pairs {
@@ -153,6 +155,54 @@ std::shared_ptr<const TriangleMesh> hullVertices(const TriangleMesh& mesh) {
   hull->name = mesh.name;
   hull->vertices = convexHull(mesh.vertices).points.vertices;
   return hull;
+}
+
+namespace {
+
+// Indices of `points`, first those that are outermost along 26 directions, then the others from the
+// outside in: so that early points make a hull that later ones seldom leave.
+std::vector<std::size_t> outermostFirst(const std::vector<Vector3d>& points) {
+  std::vector<std::size_t> order(points.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  Vector3d mean = Vector3d::Zero();
+  for (const Vector3d& p : points) mean += p / static_cast<double>(points.size());
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return (points[a] - mean).squaredNorm() > (points[b] - mean).squaredNorm();
+  });
+  std::vector<std::size_t> first;
+  for (int i = 0; i < 27; ++i) {
+    const Vector3d direction(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1);
+    if (direction.isZero()) continue;
+    first.push_back(
+        *std::max_element(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+          return direction.dot(points[a]) < direction.dot(points[b]);
+        }));
+  }
+  first.insert(first.end(), order.begin(), order.end());
+  return first;
+}
+
+}  // namespace
+
+FewerPoints fewerPoints(const std::vector<Vector3d>& points, double tolerance) {
+  FewerPoints fewer;
+  fewer.margin = tolerance + 64.0 * EPSILON * reachOf(points);
+  ConvexCore taken, point;
+  taken.kind = ConvexCore::Kind::POINTS;
+  Isometry3d X = Isometry3d::Identity();
+  for (const std::size_t i : outermostFirst(points)) {
+    if (!fewer.points.empty()) {
+      taken.points = fewer.points.data();
+      taken.num_points = static_cast<int>(fewer.points.size());
+      taken.center = fewer.points.front();
+      taken.extent = std::max(taken.extent, (points[i] - taken.center).norm());
+      X.translation() = points[i];
+      const PairDistance gap = convexGap(taken, point, X, tolerance);
+      if (gap.certainty == Certainty::EXACT && gap.distance <= tolerance) continue;
+    }
+    fewer.points.push_back(points[i]);
+  }
+  return fewer;
 }
 
 std::pair<Box, Isometry3d> enclosingBox(const Shape& shape) {

@@ -19,6 +19,16 @@ std::shared_ptr<const TriangleMesh> hullVertices(const TriangleMesh& mesh);
 /// Metres by which the hull must be grown to enclose `mesh` in exact arithmetic.
 double hullMargin(const TriangleMesh& mesh);
 
+/// Points whose hull encloses `points` when it is grown by `margin` (metres; at least `tolerance`,
+/// and no more than that and rounding). Far fewer than the corners of a hull with round edges:
+/// every point that the hull of those before it misses by more than `tolerance` is taken, the
+/// outermost ones first. Cost: one GJK query a point.
+struct FewerPoints {
+  std::vector<Eigen::Vector3d> points;
+  double margin = 0.0;
+};
+FewerPoints fewerPoints(const std::vector<Eigen::Vector3d>& points, double tolerance);
+
 /// A box that encloses the shape tightly, and its pose in the shape's frame E. For vertices: the
 /// smallest of the boxes that have one axis along the frame or along a principal axis of the
 /// vertices, each turned about that axis so that its cross section is least (rotating calipers,
