@@ -12,4 +12,7 @@ function(collision_pairs_test name)
 endfunction()
 
 collision_pairs_test(aabb)
+collision_pairs_test(sweep_allocations)
 collision_pairs_test(sweep_and_prune)
+collision_pairs_test(sweep_exactness)
+collision_pairs_test(sweep_kernel)

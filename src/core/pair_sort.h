@@ -1,0 +1,15 @@
+// Sorts pairs of ids by (first, second).
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "collision_pairs/sweep_and_prune.h"
+
+namespace collision_pairs {
+
+/// Radix sort by the first id, then by the second within the few pairs that share it. All ids
+/// are below `nb_ids`. O(pairs); `scratch` lends memory and its contents are lost.
+void sortPairs(std::vector<BoxPair>* pairs, std::size_t nb_ids, std::vector<BoxPair>* scratch);
+
+}  // namespace collision_pairs

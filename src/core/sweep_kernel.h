@@ -1,0 +1,70 @@
+// The innermost loops, for each instruction set, and the choice among them at run time.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace collision_pairs {
+
+// A record's tag: the index of its box, and for each axis one bit that says "not the first copy":
+// the box begins in a cell before this one.
+constexpr std::uint32_t ID_BITS = 29;
+constexpr std::uint32_t ID_MASK = (1u << ID_BITS) - 1u;
+inline constexpr std::uint32_t laterCopy(int axis) { return 1u << (ID_BITS + axis); }
+
+/// Every packed array is readable this far behind its end, and holds NaN sides there, which
+/// overlap nothing.
+constexpr std::size_t PADDING = 16;
+
+/// On a candidate's second id: float could not decide, look at the true boxes.
+constexpr std::uint32_t UNSURE = 1u << 31;
+
+/// Structure of arrays over n records.
+struct PackedBoxes {
+  const float* lo[3];
+  const float* hi[3];
+  const std::uint32_t* tag;
+  const std::uint32_t* model;
+};
+
+/// A growing list of pairs of ids. `grow` makes room for at least `room` more; it is a pointer so
+/// that no code of the C++ library is compiled for an instruction set that may be missing.
+struct Candidates {
+  std::uint32_t* first = nullptr;
+  std::uint32_t* second = nullptr;
+  std::size_t count = 0;
+  std::size_t capacity = 0;
+  void* owner = nullptr;
+  void (*grow)(Candidates* self, std::size_t room) = nullptr;
+};
+
+/// Nodes of a tree over packed boxes: level 0 is the boxes, box i of level k + 1 encloses boxes
+/// 16 i … 16 i + 15 of level k, and the last level has at most 16.
+constexpr int MAX_LEVELS = 8;
+constexpr std::uint32_t FAN_OUT = 16;
+struct TreeView {
+  PackedBoxes level[MAX_LEVELS];
+  int nb_levels = 0;
+};
+
+/// One instruction set's code.
+struct SweepKernel {
+  const char* name;
+
+  /// Tests box i against boxes i + 1 … row_end[i] - 1 (a few beyond may be looked at) on all
+  /// three axes, closed; writes (id i, id j) of those of two models that overlap and that no
+  /// earlier cell reports. `unsure` (0 or UNSURE) is put on every pair; where it is 0, UNSURE
+  /// marks those that just touch.
+  void (*sweep)(const PackedBoxes& boxes, const std::uint32_t* row_end, std::uint32_t nb_rows,
+                std::uint32_t unsure, Candidates* out);
+
+  /// Tests each of the packed boxes against the tree and writes (id of the box, id in the tree).
+  void (*query)(const TreeView& tree, const PackedBoxes& boxes, std::uint32_t nb_boxes,
+                std::uint32_t unsure, Candidates* out);
+};
+
+/// What this machine can run, the best one first and the scalar one last.
+const std::vector<const SweepKernel*>& sweepKernels();
+
+}  // namespace collision_pairs

@@ -1,0 +1,132 @@
+// The loops of a kernel, written once over `Lanes`: the few vector operations of an instruction
+// set. Include it from one file per instruction set, with Lanes in an unnamed namespace.
+#pragma once
+
+#include "sweep_kernel.h"
+
+namespace collision_pairs {
+
+/// Box i of the packed ones, on all lanes.
+template <class Lanes>
+struct OneBox {
+  typename Lanes::Floats lo[3], hi[3];
+  typename Lanes::Ints later, model;
+
+  OneBox(const PackedBoxes& boxes, std::size_t i)
+      : later(Lanes::setInt(boxes.tag[i] & ~ID_MASK)), model(Lanes::setInt(boxes.model[i])) {
+    for (int k = 0; k < 3; ++k) {
+      lo[k] = Lanes::setFloat(boxes.lo[k][i]);
+      hi[k] = Lanes::setFloat(boxes.hi[k][i]);
+    }
+  }
+};
+
+template <class Lanes>
+struct Meeting {
+  typename Lanes::Mask closed, open;
+};
+
+/// Which of the boxes from j on overlap `box`: touching counts as closed, not as open.
+template <class Lanes>
+inline Meeting<Lanes> meet(const OneBox<Lanes>& box, const PackedBoxes& boxes, std::size_t j) {
+  Meeting<Lanes> m{Lanes::none(), Lanes::none()};
+  for (int k = 0; k < 3; ++k) {
+    const auto lo = Lanes::load(boxes.lo[k] + j);
+    const auto hi = Lanes::load(boxes.hi[k] + j);
+    const auto closed =
+        Lanes::both(Lanes::lessEqual(lo, box.hi[k]), Lanes::lessEqual(box.lo[k], hi));
+    const auto open = Lanes::both(Lanes::less(lo, box.hi[k]), Lanes::less(box.lo[k], hi));
+    m.closed = k == 0 ? closed : Lanes::both(m.closed, closed);
+    m.open = k == 0 ? open : Lanes::both(m.open, open);
+  }
+  return m;
+}
+
+/// Writes the pairs of the set lanes one by one, for instruction sets that cannot compress.
+template <class Lanes>
+inline std::size_t appendOneByOne(std::uint32_t closed, std::uint32_t open, std::uint32_t id,
+                                  const std::uint32_t* tags, std::uint32_t unsure,
+                                  std::uint32_t* first, std::uint32_t* second) {
+  std::size_t count = 0;
+  for (; closed != 0; closed &= closed - 1) {
+    const int lane = __builtin_ctz(closed);
+    first[count] = id;
+    second[count] = (tags[lane] & ID_MASK) | ((~open >> lane & 1u) * UNSURE) | unsure;
+    ++count;
+  }
+  return count;
+}
+
+template <class Lanes>
+void sweepRows(const PackedBoxes& boxes, const std::uint32_t* row_end, std::uint32_t nb_rows,
+               std::uint32_t unsure, Candidates* out) {
+  for (std::uint32_t i = 0; i < nb_rows; ++i) {
+    const std::uint32_t end = row_end[i];
+    if (i + 1 >= end) continue;
+    const std::size_t room = end - i + PADDING;
+    if (out->capacity - out->count < room) out->grow(out, room);
+    const OneBox<Lanes> box(boxes, i);
+    const std::uint32_t id = boxes.tag[i] & ID_MASK;
+    std::size_t count = out->count;
+    for (std::size_t j = i + 1; j < end; j += Lanes::COUNT) {
+      Meeting<Lanes> m = meet(box, boxes, j);
+      m.closed = Lanes::both(m.closed, Lanes::noCommonBits(box.later, boxes.tag + j));
+      m.closed = Lanes::both(m.closed, Lanes::differ(box.model, boxes.model + j));
+      count += Lanes::append(m.closed, m.open, id, boxes.tag + j, unsure, out->first + count,
+                             out->second + count);
+    }
+    out->count = count;
+  }
+}
+
+/// The 16 boxes of a node against one box, as bits.
+template <class Lanes>
+inline std::uint32_t meetNode(const OneBox<Lanes>& box, const PackedBoxes& level, std::size_t j) {
+  std::uint32_t bits = 0;
+  for (std::size_t k = 0; k < FAN_OUT; k += Lanes::COUNT) {
+    bits |= Lanes::bits(meet(box, level, j + k).closed) << k;
+  }
+  return bits;
+}
+
+template <class Lanes>
+inline void meetLeaf(const OneBox<Lanes>& box, std::uint32_t id, const PackedBoxes& boxes,
+                     std::size_t j, std::uint32_t unsure, Candidates* out) {
+  if (out->capacity - out->count < 2 * FAN_OUT) out->grow(out, 2 * FAN_OUT);
+  for (std::size_t k = j; k < j + FAN_OUT; k += Lanes::COUNT) {
+    Meeting<Lanes> m = meet(box, boxes, k);
+    m.closed = Lanes::both(m.closed, Lanes::differ(box.model, boxes.model + k));
+    out->count += Lanes::append(m.closed, m.open, id, boxes.tag + k, unsure,
+                                out->first + out->count, out->second + out->count);
+  }
+}
+
+template <class Lanes>
+void queryTree(const TreeView& tree, const PackedBoxes& boxes, std::uint32_t nb_boxes,
+               std::uint32_t unsure, Candidates* out) {
+  // Level and first box of the nodes still to be seen; each level leaves at most 16 behind.
+  struct Node {
+    std::uint32_t level, begin;
+  };
+  Node stack[MAX_LEVELS * FAN_OUT];
+  for (std::uint32_t i = 0; i < nb_boxes; ++i) {
+    const OneBox<Lanes> box(boxes, i);
+    const std::uint32_t id = boxes.tag[i] & ID_MASK;
+    int nb_open = 0;
+    stack[nb_open++] = {static_cast<std::uint32_t>(tree.nb_levels - 1), 0};
+    while (nb_open > 0) {
+      const Node node = stack[--nb_open];
+      if (node.level == 0) {
+        meetLeaf(box, id, tree.level[0], node.begin, unsure, out);
+        continue;
+      }
+      std::uint32_t bits = meetNode(box, tree.level[node.level], node.begin);
+      for (; bits != 0; bits &= bits - 1) {
+        const auto child = node.begin + static_cast<std::uint32_t>(__builtin_ctz(bits));
+        stack[nb_open++] = {node.level - 1, child * FAN_OUT};
+      }
+    }
+  }
+}
+
+}  // namespace collision_pairs
