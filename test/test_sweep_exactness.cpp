@@ -68,8 +68,8 @@ TEST(SweepExactness, SidesAUnitInTheLastPlaceApartAreDecidedRightly) {
     const Vector3d middle = random.vector(-1.0, 1.0) * std::pow(10.0, random.integer(-6, 8));
     scene.add({middle, middle + random.vector(0.0, 1.0)});
     while (scene.boxes.size() < 50) {
-      const Aabb& other =
-          scene.boxes[static_cast<std::size_t>(random.integer(0, static_cast<int>(scene.boxes.size()) - 1))];
+      const Aabb& other = scene.boxes[static_cast<std::size_t>(
+          random.integer(0, static_cast<int>(scene.boxes.size()) - 1))];
       Aabb box;
       for (int k = 0; k < 3; ++k) {
         const double gap = random.integer(0, 2) == 0 ? scene.alarm_distance
