@@ -48,7 +48,7 @@ TEST(SweepKernel, EachInstructionSetFindsWhatTheDefinitionSays) {
     packed.resize(count);
     for (std::uint32_t i = 0; i < count; ++i) {
       records.push_back(randomRecord(&random, i));
-      packed.set(i, records[i]);
+      packed.writer()(i, records[i]);
     }
     IdPairs expected;
     for (std::uint32_t i = 0; i < count; ++i) {

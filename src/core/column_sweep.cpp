@@ -99,21 +99,24 @@ bool ColumnSweep::cut(const Record* records, std::size_t count, double tests_per
 std::size_t ColumnSweep::sort(const Record* records, std::size_t count, int axis) {
   const Bins bins = chooseBins(records, count, axis);
   bins_.assign(bins.count + 1, 0);
-  for (std::size_t i = 0; i < count; ++i) ++bins_[bins(records[i].lo[axis]) + 1];
-  for (std::uint32_t b = 0; b < bins.count; ++b) bins_[b + 1] += bins_[b];
+  std::uint32_t* const places = bins_.data();
+  for (std::size_t i = 0; i < count; ++i) ++places[bins(records[i].lo[axis]) + 1];
+  for (std::uint32_t b = 0; b < bins.count; ++b) places[b + 1] += places[b];
 
   packed_.resize(count);
+  const PackedStorage::Writer write = packed_.writer();
   if (row_end_.size() < count) row_end_.resize(count + count / 2);
+  std::uint32_t* const row_end = row_end_.data();
   // Placing moves each bin's entry from its begin to its end.
   for (std::size_t i = 0; i < count; ++i) {
-    const std::uint32_t place = bins_[bins(records[i].lo[axis])]++;
-    packed_.set(place, records[i]);
-    row_end_[place] = bins(records[i].hi[axis]);
+    const std::uint32_t place = places[bins(records[i].lo[axis])]++;
+    write(place, records[i]);
+    row_end[place] = bins(records[i].hi[axis]);
   }
   std::size_t tests = 0;
   for (std::uint32_t i = 0; i < count; ++i) {
-    row_end_[i] = bins_[row_end_[i]];
-    tests += row_end_[i] - i;
+    row_end[i] = places[row_end[i]];
+    tests += row_end[i] - i;
   }
   return tests;
 }

@@ -22,16 +22,29 @@ class PackedStorage {
       ints_.resize(2 * stride_);
     }
     constexpr float NOWHERE = std::numeric_limits<float>::quiet_NaN();
-    for (std::size_t i = n; i < n + PADDING; ++i) set(i, {{NOWHERE, 0, 0}, 0, {NOWHERE, 0, 0}, 0});
-  }
-  void set(std::size_t i, const Record& record) {
-    float* f = floats_.data() + i;
-    for (std::size_t k = 0; k < 3; ++k) {
-      f[k * stride_] = record.lo[k];
-      f[(k + 3) * stride_] = record.hi[k];
+    for (std::size_t i = n; i < n + PADDING; ++i) {
+      writer()(i, {{NOWHERE, 0, 0}, 0, {NOWHERE, 0, 0}, 0});
     }
-    ints_[i] = record.tag;
-    ints_[stride_ + i] = record.model;
+  }
+  /// Where the records' parts go. A copy of it in a local need not be loaded after each store.
+  struct Writer {
+    float *lo0, *lo1, *lo2, *hi0, *hi1, *hi2;
+    std::uint32_t *tag, *model;
+    void operator()(std::size_t i, const Record& record) const {
+      lo0[i] = record.lo[0];
+      lo1[i] = record.lo[1];
+      lo2[i] = record.lo[2];
+      hi0[i] = record.hi[0];
+      hi1[i] = record.hi[1];
+      hi2[i] = record.hi[2];
+      tag[i] = record.tag;
+      model[i] = record.model;
+    }
+  };
+  Writer writer() {
+    float* f = floats_.data();
+    const std::size_t s = stride_;
+    return {f, f + s, f + 2 * s, f + 3 * s, f + 4 * s, f + 5 * s, ints_.data(), ints_.data() + s};
   }
   PackedBoxes view() const {
     const float* f = floats_.data();

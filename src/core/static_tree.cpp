@@ -66,7 +66,7 @@ std::vector<Record> enclose(const std::vector<Record>& boxes) {
 PackedStorage pack(const std::vector<Record>& records) {
   PackedStorage packed;
   packed.resize(records.size());
-  for (std::size_t i = 0; i < records.size(); ++i) packed.set(i, records[i]);
+  for (std::size_t i = 0; i < records.size(); ++i) packed.writer()(i, records[i]);
   return packed;
 }
 

@@ -111,8 +111,9 @@ void SweepAndPrune::Engine::meetStatic(const std::vector<Aabb>& boxes,
                                        std::vector<BoxPair>* pairs) {
   const Narrower grow{fixed->tree_->origin(), axisReach(alarm_distance)};
   packed.resize(boxes.size());
+  const PackedStorage::Writer write = packed.writer();
   for (std::uint32_t i = 0; i < boxes.size(); ++i) {
-    packed.set(i, grow.record(boxes[i], i, rules.models[i]));
+    write(i, grow.record(boxes[i], i, rules.models[i]));
   }
   Candidates* found = candidates.clear();
   kernel->query(fixed->tree_->view(), packed.view(), static_cast<std::uint32_t>(boxes.size()),
@@ -126,9 +127,10 @@ void SweepAndPrune::Engine::sweepPacked(const std::vector<Aabb>& boxes,
   const auto count = static_cast<std::uint32_t>(boxes.size());
   narrower = {sceneOrigin(boxes), 0.5 * axisReach(alarm_distance)};
   packed.resize(count);
+  const PackedStorage::Writer write = packed.writer();
   row_end.assign(count, count);
   for (std::uint32_t i = 0; i < count; ++i) {
-    packed.set(i, narrower.record(boxes[i], i, rules.models[i]));
+    write(i, narrower.record(boxes[i], i, rules.models[i]));
   }
   Candidates* found = candidates.clear();
   kernel->sweep(packed.view(), row_end.data(), count, unsure, found);

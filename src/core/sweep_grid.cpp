@@ -1,6 +1,7 @@
 #include "sweep_grid.h"
 
 #include <cmath>
+#include <cstring>
 
 namespace collision_pairs {
 namespace {
@@ -10,39 +11,62 @@ constexpr double TESTS_IN_A_COLUMN = 16.0;
 // More cells than this at once, and the places that records are written to no longer fit the
 // caches of addresses.
 constexpr double MOST_CELLS = 4096.0;
+// On one axis: what a CellSpan can hold.
+constexpr double MOST_CELLS_ON_AN_AXIS = 1000.0;
 
-// The cells that a box reaches into, per axis.
-struct CellRange {
-  std::uint32_t first[3], last[3];
-  CellRange(const SweepGrid& grid, const Record& record) {
-    for (int k = 0; k < 3; ++k) {
-      first[k] = grid.cell(record.lo[k], k);
-      last[k] = grid.cell(record.hi[k], k);
-    }
+// Four lanes of the compiler's base target; the fourth holds a record's tag or model and is not
+// used.
+typedef float Floats4 __attribute__((vector_size(16)));
+typedef std::int32_t Ints4 __attribute__((vector_size(16)));
+
+// The map from coordinates to cells, with the grid's numbers at hand.
+class CellMap {
+ public:
+  explicit CellMap(const SweepGrid& grid)
+      : base_{grid.base[0], grid.base[1], grid.base[2], 0.0f},
+        scale_{grid.scale[0], grid.scale[1], grid.scale[2], 0.0f},
+        last_{lastCell(grid, 0), lastCell(grid, 1), lastCell(grid, 2), 0.0f},
+        row_(grid.cells[0]),
+        layer_(grid.cells[0] * grid.cells[1]) {}
+
+  CellSpan span(const Record& record) const {
+    const Ints4 first = cells(record.lo);
+    const Ints4 more = cells(record.hi) - first;
+    return {unsign(first[0]) + unsign(first[1]) * row_ + unsign(first[2]) * layer_,
+            unsign(more[0]) | unsign(more[1]) << 10 | unsign(more[2]) << 20};
   }
-  bool single() const {
-    return ((first[0] ^ last[0]) | (first[1] ^ last[1]) | (first[2] ^ last[2])) == 0;
+
+ private:
+  static float lastCell(const SweepGrid& grid, int axis) {
+    return static_cast<float>(grid.cells[axis] - 1);
   }
+  static std::uint32_t unsign(std::int32_t x) { return static_cast<std::uint32_t>(x); }
+  Ints4 cells(const float* corner) const {
+    Floats4 x;
+    std::memcpy(&x, corner, sizeof x);
+    x = (x - base_) * scale_;
+    x = x > 0.0f ? x : Floats4{};  // what is not a number, too
+    x = x < last_ ? x : last_;
+    return __builtin_convertvector(x, Ints4);
+  }
+  Floats4 base_, scale_, last_;
+  std::uint32_t row_, layer_;
 };
 
-// Calls use(cell, later) with the number of each cell of the range, and the tag bits of a copy
-// that is not the first.
+// Calls use(cell, later) with the number of each cell of a span, and the tag bits of a copy that
+// is not the first.
 template <class Use>
-void forEachCell(const SweepGrid& grid, const CellRange& range, Use use) {
-  for (std::uint32_t z = range.first[2]; z <= range.last[2]; ++z) {
-    const std::uint32_t later_z = z != range.first[2] ? laterCopy(2) : 0;
-    for (std::uint32_t y = range.first[1]; y <= range.last[1]; ++y) {
-      const std::uint32_t later_y = y != range.first[1] ? laterCopy(1) : 0;
-      const std::uint32_t row = (z * grid.cells[1] + y) * grid.cells[0];
-      for (std::uint32_t x = range.first[0]; x <= range.last[0]; ++x) {
-        use(row + x, later_z | later_y | (x != range.first[0] ? laterCopy(0) : 0));
+void forEachCell(const SweepGrid& grid, CellSpan span, Use use) {
+  constexpr std::uint32_t MASK = 1023;
+  for (std::uint32_t z = 0; z <= span.more >> 20; ++z) {
+    for (std::uint32_t y = 0; y <= (span.more >> 10 & MASK); ++y) {
+      const std::uint32_t row = span.first + (z * grid.cells[1] + y) * grid.cells[0];
+      const std::uint32_t later = (z ? laterCopy(2) : 0) | (y ? laterCopy(1) : 0);
+      for (std::uint32_t x = 0; x <= (span.more & MASK); ++x) {
+        use(row + x, later | (x ? laterCopy(0) : 0));
       }
     }
   }
-}
-
-std::uint32_t cellOf(const SweepGrid& grid, const CellRange& range) {
-  return (range.first[2] * grid.cells[1] + range.first[1]) * grid.cells[0] + range.first[0];
 }
 
 // How many cells fit along an axis if none is narrower than three mean boxes.
@@ -50,7 +74,8 @@ double mostCells(const Spread& spread, int axis) {
   constexpr double NARROWEST = 3.0;
   const double narrowest = NARROWEST * spread.size[axis];
   if (spread.range(axis) <= narrowest) return 1.0;
-  return narrowest > 0.0 ? std::min(spread.range(axis) / narrowest, MOST_CELLS) : MOST_CELLS;
+  return narrowest > 0.0 ? std::min(spread.range(axis) / narrowest, MOST_CELLS_ON_AN_AXIS)
+                         : MOST_CELLS_ON_AN_AXIS;
 }
 
 void setCells(SweepGrid* grid, const Spread& spread, int axis, double cells) {
@@ -111,19 +136,22 @@ bool GridLevel::fill(const SweepGrid& grid, const Record* records, std::size_t n
 
 std::size_t GridLevel::count(const Record* records, std::size_t n) {
   starts_.assign(grid_.nbCells() + 1, 0);
-  std::uint32_t* counts = starts_.data();
+  if (spans_.size() < n) spans_.resize(n + n / 4);
+  const CellMap map(grid_);
+  std::uint32_t* const counts = starts_.data();
   std::size_t copies = 0;
   for (std::size_t i = 0; i < n; ++i) {
-    const CellRange range(grid_, records[i]);
-    if (range.single()) {
-      ++counts[cellOf(grid_, range)];
+    const CellSpan span = map.span(records[i]);
+    spans_[i] = span;
+    ++counts[span.first];
+    ++copies;
+    if (span.more == 0) continue;
+    --counts[span.first];
+    --copies;
+    forEachCell(grid_, span, [&](std::uint32_t cell, std::uint32_t) {
+      ++counts[cell];
       ++copies;
-    } else {
-      forEachCell(grid_, range, [&](std::uint32_t cell, std::uint32_t) {
-        ++counts[cell];
-        ++copies;
-      });
-    }
+    });
   }
   return copies;
 }
@@ -137,17 +165,18 @@ void GridLevel::place(const Record* records, std::size_t n, std::size_t nb_copie
   }
   next_.assign(starts_.begin(), starts_.end() - 1);
   if (records_.size() < nb_copies) records_.resize(nb_copies + nb_copies / 4);
+  std::uint32_t* const next = next_.data();
+  Record* const copies = records_.data();
   for (std::size_t i = 0; i < n; ++i) {
-    const CellRange range(grid_, records[i]);
-    if (range.single()) {
-      records_[next_[cellOf(grid_, range)]++] = records[i];
-    } else {
-      forEachCell(grid_, range, [&](std::uint32_t cell, std::uint32_t later) {
-        Record& copy = records_[next_[cell]++];
-        copy = records[i];
-        copy.tag |= later;
-      });
-    }
+    const CellSpan span = spans_[i];
+    copies[next[span.first]++] = records[i];
+    if (span.more == 0) continue;
+    --next[span.first];
+    forEachCell(grid_, span, [&](std::uint32_t cell, std::uint32_t later) {
+      Record& copy = copies[next[cell]++];
+      copy = records[i];
+      copy.tag |= later;
+    });
   }
 }
 

@@ -18,11 +18,6 @@ struct SweepGrid {
   std::uint32_t cells[3] = {1, 1, 1};
 
   std::uint32_t nbCells() const { return cells[0] * cells[1] * cells[2]; }
-  std::uint32_t cell(float x, int axis) const {
-    const float last = static_cast<float>(cells[axis] - 1);
-    return static_cast<std::uint32_t>(
-        std::min(std::max(0.0f, (x - base[axis]) * scale[axis]), last));
-  }
 };
 
 /// Columns along `axis` so wide that a sweep in one of them tests a box against about one SIMD
@@ -34,6 +29,13 @@ SweepGrid chooseGrid(const Spread& spread, int axis, std::size_t count, double t
 
 /// Half as many cells each way.
 SweepGrid coarser(SweepGrid grid);
+
+/// The cells that a box reaches into: the number of the first, and how many more per axis (10
+/// bits each, axis 0 lowest).
+struct CellSpan {
+  std::uint32_t first;
+  std::uint32_t more;
+};
 
 /// Records sorted into the cells of a grid, copied where they reach into several. Keeps its
 /// memory.
@@ -54,6 +56,7 @@ class GridLevel {
   SweepGrid grid_;
   std::vector<std::uint32_t> starts_;  // counts first
   std::vector<std::uint32_t> next_;
+  std::vector<CellSpan> spans_;
   std::vector<Record> records_;
 };
 

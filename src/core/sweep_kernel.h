@@ -56,11 +56,11 @@ struct SweepKernel {
   /// three axes, closed; writes (id i, id j) of those of two models that overlap and that no
   /// earlier cell reports. `unsure` (0 or UNSURE) is put on every pair; where it is 0, UNSURE
   /// marks those that just touch.
-  void (*sweep)(const PackedBoxes& boxes, const std::uint32_t* row_end, std::uint32_t nb_rows,
+  void (*sweep)(PackedBoxes boxes, const std::uint32_t* row_end, std::uint32_t nb_rows,
                 std::uint32_t unsure, Candidates* out);
 
   /// Tests each of the packed boxes against the tree and writes (id of the box, id in the tree).
-  void (*query)(const TreeView& tree, const PackedBoxes& boxes, std::uint32_t nb_boxes,
+  void (*query)(const TreeView& tree, PackedBoxes boxes, std::uint32_t nb_boxes,
                 std::uint32_t unsure, Candidates* out);
 };
 

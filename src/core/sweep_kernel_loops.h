@@ -57,8 +57,10 @@ inline std::size_t appendOneByOne(std::uint32_t closed, std::uint32_t open, std:
   return count;
 }
 
+// The boxes come by value: vector stores may alias anything, and what is in a local of this
+// function does not have to be loaded again after each.
 template <class Lanes>
-void sweepRows(const PackedBoxes& boxes, const std::uint32_t* row_end, std::uint32_t nb_rows,
+void sweepRows(PackedBoxes boxes, const std::uint32_t* row_end, std::uint32_t nb_rows,
                std::uint32_t unsure, Candidates* out) {
   for (std::uint32_t i = 0; i < nb_rows; ++i) {
     const std::uint32_t end = row_end[i];
@@ -67,15 +69,17 @@ void sweepRows(const PackedBoxes& boxes, const std::uint32_t* row_end, std::uint
     if (out->capacity - out->count < room) out->grow(out, room);
     const OneBox<Lanes> box(boxes, i);
     const std::uint32_t id = boxes.tag[i] & ID_MASK;
-    std::size_t count = out->count;
+    std::uint32_t* first = out->first + out->count;
+    std::uint32_t* second = out->second + out->count;
+    std::size_t found = 0;
     for (std::size_t j = i + 1; j < end; j += Lanes::COUNT) {
       Meeting<Lanes> m = meet(box, boxes, j);
       m.closed = Lanes::both(m.closed, Lanes::noCommonBits(box.later, boxes.tag + j));
       m.closed = Lanes::both(m.closed, Lanes::differ(box.model, boxes.model + j));
-      count += Lanes::append(m.closed, m.open, id, boxes.tag + j, unsure, out->first + count,
-                             out->second + count);
+      found +=
+          Lanes::append(m.closed, m.open, id, boxes.tag + j, unsure, first + found, second + found);
     }
-    out->count = count;
+    out->count += found;
   }
 }
 
@@ -102,7 +106,7 @@ inline void meetLeaf(const OneBox<Lanes>& box, std::uint32_t id, const PackedBox
 }
 
 template <class Lanes>
-void queryTree(const TreeView& tree, const PackedBoxes& boxes, std::uint32_t nb_boxes,
+void queryTree(const TreeView& tree, PackedBoxes boxes, std::uint32_t nb_boxes,
                std::uint32_t unsure, Candidates* out) {
   // Level and first box of the nodes still to be seen; each level leaves at most 16 behind.
   struct Node {
