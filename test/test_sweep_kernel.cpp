@@ -1,4 +1,6 @@
-#include <algorithm>
+#include <iostream>
+#include <limits>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -18,7 +20,7 @@ Record randomRecord(RandomInputs* random, std::uint32_t id) {
     record.lo[k] = static_cast<float>(random->integer(0, 9));
     record.hi[k] = record.lo[k] + static_cast<float>(random->integer(0, 4));
   }
-  if (random->integer(0, 20) == 0) record.hi[0] = std::numeric_limits<float>::infinity();
+  if (random->integer(0, 20) == 0) record.hi[0] = std::numeric_limits<float>::max();
   record.tag = id;
   for (int k = 0; k < 3; ++k) {
     if (random->integer(0, 3) == 0) record.tag |= laterCopy(k);

@@ -21,22 +21,22 @@ class PackedStorage {
       floats_.resize(6 * stride_);
       ints_.resize(2 * stride_);
     }
-    constexpr float NOWHERE = std::numeric_limits<float>::quiet_NaN();
+    constexpr float INF = std::numeric_limits<float>::infinity();
     for (std::size_t i = n; i < n + PADDING; ++i) {
-      writer()(i, {{NOWHERE, 0, 0}, 0, {NOWHERE, 0, 0}, 0});
+      writer()(i, {{INF, INF, INF}, 0, {-INF, -INF, -INF}, 0});
     }
   }
   /// Where the records' parts go. A copy of it in a local need not be loaded after each store.
   struct Writer {
-    float *lo0, *lo1, *lo2, *hi0, *hi1, *hi2;
+    float *lo0, *lo1, *lo2, *minus_hi0, *minus_hi1, *minus_hi2;
     std::uint32_t *tag, *model;
     void operator()(std::size_t i, const Record& record) const {
       lo0[i] = record.lo[0];
       lo1[i] = record.lo[1];
       lo2[i] = record.lo[2];
-      hi0[i] = record.hi[0];
-      hi1[i] = record.hi[1];
-      hi2[i] = record.hi[2];
+      minus_hi0[i] = -record.hi[0];
+      minus_hi1[i] = -record.hi[1];
+      minus_hi2[i] = -record.hi[2];
       tag[i] = record.tag;
       model[i] = record.model;
     }

@@ -13,7 +13,6 @@ int widestAxis(const Record* begin, const Record* end) {
   for (const Record* r = begin; r != end; ++r) {
     for (int k = 0; k < 3; ++k) {
       const float center = 0.5f * r->lo[k] + 0.5f * r->hi[k];
-      if (!(center - center == 0.0f)) continue;  // not finite: a half-space
       low[k] = std::min(low[k], center);
       high[k] = std::max(high[k], center);
     }
@@ -25,16 +24,10 @@ int widestAxis(const Record* begin, const Record* end) {
   return widest;
 }
 
-// A total order even for boxes without end: comparing lo and then hi never meets a NaN.
 struct AlongAxis {
   int k;
-  float key(const Record& r) const {
-    const float center = 0.5f * r.lo[k] + 0.5f * r.hi[k];
-    return center - center == 0.0f ? center : r.lo[k];
-  }
-  bool operator()(const Record& a, const Record& b) const {
-    return key(a) != key(b) ? key(a) < key(b) : a.tag < b.tag;
-  }
+  float center(const Record& r) const { return 0.5f * r.lo[k] + 0.5f * r.hi[k]; }
+  bool operator()(const Record& a, const Record& b) const { return center(a) < center(b); }
 };
 
 void orderAsTree(Record* begin, Record* end) {
@@ -87,11 +80,11 @@ Eigen::Vector3d sceneOrigin(const std::vector<Aabb>& boxes) {
 }
 
 StaticTree::StaticTree(std::vector<Aabb> boxes, std::vector<std::uint32_t> models)
-    : boxes_(std::move(boxes)), models_(std::move(models)) {
-  narrower_.origin = sceneOrigin(boxes_);
+    : boxes_(std::move(boxes)), models_(std::move(models)), origin_(sceneOrigin(boxes_)) {
+  const Narrower narrow(origin_, 0.0);
   std::vector<Record> records;
   for (std::uint32_t i = 0; i < boxes_.size(); ++i) {
-    records.push_back(narrower_.record(boxes_[i], i, models_[i]));
+    records.push_back(narrow.record(boxes_[i], i, models_[i]));
   }
   orderAsTree(records.data(), records.data() + records.size());
   levels_.push_back(pack(records));

@@ -19,13 +19,13 @@ class StaticTree {
 
   const Aabb& box(std::uint32_t id) const { return boxes_[id]; }
   std::uint32_t model(std::uint32_t id) const { return models_[id]; }
-  const Eigen::Vector3d& origin() const { return narrower_.origin; }
+  const Eigen::Vector3d& origin() const { return origin_; }
   TreeView view() const;
 
  private:
   std::vector<Aabb> boxes_;
   std::vector<std::uint32_t> models_;
-  Narrower narrower_;
+  Eigen::Vector3d origin_;
   std::vector<PackedStorage> levels_;
 };
 

@@ -35,7 +35,6 @@ struct SweepAndPrune::Engine {
   // Without an alarm distance, strict overlap in float says enough; with one it is the Euclidean
   // gap that counts, and each candidate is looked at in double.
   std::uint32_t unsure = 0;
-  Narrower narrower;
   int axis = -1;  // not asked for yet
 
   std::vector<Record> records;
@@ -109,7 +108,7 @@ int SweepAndPrune::axis() const {
 // Each moving box against the tree of static ones, grown by the whole reach.
 void SweepAndPrune::Engine::meetStatic(const std::vector<Aabb>& boxes,
                                        std::vector<BoxPair>* pairs) {
-  const Narrower grow{fixed->tree_->origin(), axisReach(alarm_distance)};
+  const Narrower grow(fixed->tree_->origin(), axisReach(alarm_distance));
   packed.resize(boxes.size());
   const PackedStorage::Writer write = packed.writer();
   for (std::uint32_t i = 0; i < boxes.size(); ++i) {
@@ -118,19 +117,19 @@ void SweepAndPrune::Engine::meetStatic(const std::vector<Aabb>& boxes,
   Candidates* found = candidates.clear();
   kernel->query(fixed->tree_->view(), packed.view(), static_cast<std::uint32_t>(boxes.size()),
                 unsure, found);
-  appendStaticPairs(*found, rules, *fixed, pairs);
+  appendStaticPairs(*found, rules, *fixed->tree_, pairs);
 }
 
 // Few boxes: each against all that follow. Rows in the order of ids give sorted pairs.
 void SweepAndPrune::Engine::sweepPacked(const std::vector<Aabb>& boxes,
                                         std::vector<BoxPair>* pairs) {
   const auto count = static_cast<std::uint32_t>(boxes.size());
-  narrower = {sceneOrigin(boxes), 0.5 * axisReach(alarm_distance)};
+  const Narrower narrow(sceneOrigin(boxes), 0.5 * axisReach(alarm_distance));
   packed.resize(count);
   const PackedStorage::Writer write = packed.writer();
   row_end.assign(count, count);
   for (std::uint32_t i = 0; i < count; ++i) {
-    write(i, narrower.record(boxes[i], i, rules.models[i]));
+    write(i, narrow.record(boxes[i], i, rules.models[i]));
   }
   Candidates* found = candidates.clear();
   kernel->sweep(packed.view(), row_end.data(), count, unsure, found);
@@ -140,10 +139,10 @@ void SweepAndPrune::Engine::sweepPacked(const std::vector<Aabb>& boxes,
 // Many boxes: narrow them, cut them into columns, sort and sweep each column.
 void SweepAndPrune::Engine::sweepColumns(const std::vector<Aabb>& boxes,
                                          std::vector<BoxPair>* pairs) {
-  narrower = {sceneOrigin(boxes), 0.5 * axisReach(alarm_distance)};
+  const Narrower narrow(sceneOrigin(boxes), 0.5 * axisReach(alarm_distance));
   records.clear();
   for (std::uint32_t i = 0; i < boxes.size(); ++i) {
-    const Record record = narrower.record(boxes[i], i, rules.models[i]);
+    const Record record = narrow.record(boxes[i], i, rules.models[i]);
     if (record.lo[0] <= record.hi[0]) records.push_back(record);
   }
   while (static_cast<int>(sweepers.size()) < std::max(1, tuning.threads)) {
@@ -183,7 +182,7 @@ void SweepAndPrune::Engine::shareCells() {
 }
 
 Spread SweepAndPrune::Engine::spreadOf(const std::vector<Aabb>& boxes) const {
-  const Narrower narrow{sceneOrigin(boxes), 0.0};
+  const Narrower narrow(sceneOrigin(boxes), 0.0);
   const std::size_t used = std::min(boxes.size(), SAMPLE);
   return measureSpread(
       [&](std::size_t i) { return narrow.record(boxes[i * boxes.size() / used], 0, 0); }, used);

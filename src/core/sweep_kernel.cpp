@@ -14,12 +14,12 @@ struct ScalarLanes {
   using Ints = std::uint32_t;
   using Mask = std::uint32_t;
 
-  static Floats load(const float* p) { return *p; }
   static Floats setFloat(float x) { return x; }
   static Ints setInt(std::uint32_t x) { return x; }
-  static Mask none() { return 0; }
-  static Mask lessEqual(Floats a, Floats b) { return a <= b; }
-  static Mask less(Floats a, Floats b) { return a < b; }
+  static Floats add(Floats a, const float* b) { return a + *b; }
+  static Floats larger(Floats a, Floats b) { return a < b ? b : a; }
+  static Mask notPositive(Floats a) { return a <= 0.0f; }
+  static Mask negative(Floats a) { return a < 0.0f; }
   static Mask both(Mask a, Mask b) { return a & b; }
   static Mask noCommonBits(Ints a, const std::uint32_t* b) { return (a & *b) == 0; }
   static Mask differ(Ints a, const std::uint32_t* b) { return a != *b; }
@@ -52,9 +52,10 @@ struct FourLanes {
     const auto y = static_cast<std::int32_t>(x);
     return Ints{y, y, y, y};
   }
-  static Mask none() { return setInt(0); }
-  static Mask lessEqual(Floats a, Floats b) { return a <= b; }
-  static Mask less(Floats a, Floats b) { return a < b; }
+  static Floats add(Floats a, const float* b) { return a + load(b); }
+  static Floats larger(Floats a, Floats b) { return a < b ? b : a; }
+  static Mask notPositive(Floats a) { return a <= 0.0f; }
+  static Mask negative(Floats a) { return a < 0.0f; }
   static Mask both(Mask a, Mask b) { return a & b; }
   static Mask noCommonBits(Ints a, const std::uint32_t* b) { return (a & loadInts(b)) == 0; }
   static Mask differ(Ints a, const std::uint32_t* b) { return a != loadInts(b); }

@@ -13,17 +13,20 @@ constexpr std::uint32_t ID_BITS = 29;
 constexpr std::uint32_t ID_MASK = (1u << ID_BITS) - 1u;
 inline constexpr std::uint32_t laterCopy(int axis) { return 1u << (ID_BITS + axis); }
 
-/// Every packed array is readable this far behind its end, and holds NaN sides there, which
-/// overlap nothing.
+/// Every packed array is readable this far behind its end, and holds boxes there that
+/// overlap nothing finite.
 constexpr std::size_t PADDING = 16;
 
 /// On a candidate's second id: float could not decide, look at the true boxes.
 constexpr std::uint32_t UNSURE = 1u << 31;
 
-/// Structure of arrays over n records.
+/// Structure of arrays over n records. Upper sides are negated, so that a sum tells how far apart
+/// two sides are: lo(a) + minus_hi(b) <= 0 on all axes, both ways round, is overlap. The sign of
+/// a sum of floats is right whatever is rounded, and if a processor is set to flush denormals to
+/// zero a pair becomes one that just touches, which is looked at again in double.
 struct PackedBoxes {
   const float* lo[3];
-  const float* hi[3];
+  const float* minus_hi[3];
   const std::uint32_t* tag;
   const std::uint32_t* model;
 };

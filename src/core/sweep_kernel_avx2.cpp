@@ -12,15 +12,15 @@ struct Avx2Lanes {
   using Ints = __m256i;
   using Mask = __m256;
 
-  static Floats load(const float* p) { return _mm256_loadu_ps(p); }
   static Ints loadInts(const std::uint32_t* p) {
     return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(p));
   }
   static Floats setFloat(float x) { return _mm256_set1_ps(x); }
   static Ints setInt(std::uint32_t x) { return _mm256_set1_epi32(static_cast<int>(x)); }
-  static Mask none() { return _mm256_setzero_ps(); }
-  static Mask lessEqual(Floats a, Floats b) { return _mm256_cmp_ps(a, b, _CMP_LE_OQ); }
-  static Mask less(Floats a, Floats b) { return _mm256_cmp_ps(a, b, _CMP_LT_OQ); }
+  static Floats add(Floats a, const float* b) { return _mm256_add_ps(a, _mm256_loadu_ps(b)); }
+  static Floats larger(Floats a, Floats b) { return _mm256_max_ps(a, b); }
+  static Mask notPositive(Floats a) { return _mm256_cmp_ps(a, _mm256_setzero_ps(), _CMP_LE_OQ); }
+  static Mask negative(Floats a) { return _mm256_cmp_ps(a, _mm256_setzero_ps(), _CMP_LT_OQ); }
   static Mask both(Mask a, Mask b) { return _mm256_and_ps(a, b); }
   static Mask noCommonBits(Ints a, const std::uint32_t* b) {
     const Ints common = _mm256_and_si256(a, loadInts(b));

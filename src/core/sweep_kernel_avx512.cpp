@@ -12,12 +12,14 @@ struct Avx512Lanes {
   using Ints = __m512i;
   using Mask = __mmask16;
 
-  static Floats load(const float* p) { return _mm512_loadu_ps(p); }
   static Floats setFloat(float x) { return _mm512_set1_ps(x); }
   static Ints setInt(std::uint32_t x) { return _mm512_set1_epi32(static_cast<int>(x)); }
-  static Mask none() { return 0; }
-  static Mask lessEqual(Floats a, Floats b) { return _mm512_cmp_ps_mask(a, b, _CMP_LE_OQ); }
-  static Mask less(Floats a, Floats b) { return _mm512_cmp_ps_mask(a, b, _CMP_LT_OQ); }
+  static Floats add(Floats a, const float* b) { return _mm512_add_ps(a, _mm512_loadu_ps(b)); }
+  static Floats larger(Floats a, Floats b) { return _mm512_max_ps(a, b); }
+  static Mask notPositive(Floats a) {
+    return _mm512_cmp_ps_mask(a, _mm512_setzero_ps(), _CMP_LE_OQ);
+  }
+  static Mask negative(Floats a) { return _mm512_cmp_ps_mask(a, _mm512_setzero_ps(), _CMP_LT_OQ); }
   static Mask both(Mask a, Mask b) { return static_cast<Mask>(a & b); }
   static Mask noCommonBits(Ints a, const std::uint32_t* b) {
     return _mm512_testn_epi32_mask(a, _mm512_loadu_si512(b));

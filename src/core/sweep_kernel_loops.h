@@ -9,37 +9,29 @@ namespace collision_pairs {
 /// Box i of the packed ones, on all lanes.
 template <class Lanes>
 struct OneBox {
-  typename Lanes::Floats lo[3], hi[3];
+  typename Lanes::Floats lo[3], minus_hi[3];
   typename Lanes::Ints later, model;
 
   OneBox(const PackedBoxes& boxes, std::size_t i)
       : later(Lanes::setInt(boxes.tag[i] & ~ID_MASK)), model(Lanes::setInt(boxes.model[i])) {
     for (int k = 0; k < 3; ++k) {
       lo[k] = Lanes::setFloat(boxes.lo[k][i]);
-      hi[k] = Lanes::setFloat(boxes.hi[k][i]);
+      minus_hi[k] = Lanes::setFloat(boxes.minus_hi[k][i]);
     }
   }
 };
 
+/// How far apart `box` and those from j on are on the axis on which they are furthest apart;
+/// negative where they overlap.
 template <class Lanes>
-struct Meeting {
-  typename Lanes::Mask closed, open;
-};
-
-/// Which of the boxes from j on overlap `box`: touching counts as closed, not as open.
-template <class Lanes>
-inline Meeting<Lanes> meet(const OneBox<Lanes>& box, const PackedBoxes& boxes, std::size_t j) {
-  Meeting<Lanes> m{Lanes::none(), Lanes::none()};
+inline typename Lanes::Floats apart(const OneBox<Lanes>& box, const PackedBoxes& boxes,
+                                    std::size_t j) {
+  typename Lanes::Floats axis[3];
   for (int k = 0; k < 3; ++k) {
-    const auto lo = Lanes::load(boxes.lo[k] + j);
-    const auto hi = Lanes::load(boxes.hi[k] + j);
-    const auto closed =
-        Lanes::both(Lanes::lessEqual(lo, box.hi[k]), Lanes::lessEqual(box.lo[k], hi));
-    const auto open = Lanes::both(Lanes::less(lo, box.hi[k]), Lanes::less(box.lo[k], hi));
-    m.closed = k == 0 ? closed : Lanes::both(m.closed, closed);
-    m.open = k == 0 ? open : Lanes::both(m.open, open);
+    axis[k] = Lanes::larger(Lanes::add(box.minus_hi[k], boxes.lo[k] + j),
+                            Lanes::add(box.lo[k], boxes.minus_hi[k] + j));
   }
-  return m;
+  return Lanes::larger(Lanes::larger(axis[0], axis[1]), axis[2]);
 }
 
 /// Writes the pairs of the set lanes one by one, for instruction sets that cannot compress.
@@ -73,11 +65,12 @@ void sweepRows(PackedBoxes boxes, const std::uint32_t* row_end, std::uint32_t nb
     std::uint32_t* second = out->second + out->count;
     std::size_t found = 0;
     for (std::size_t j = i + 1; j < end; j += Lanes::COUNT) {
-      Meeting<Lanes> m = meet(box, boxes, j);
-      m.closed = Lanes::both(m.closed, Lanes::noCommonBits(box.later, boxes.tag + j));
-      m.closed = Lanes::both(m.closed, Lanes::differ(box.model, boxes.model + j));
-      found +=
-          Lanes::append(m.closed, m.open, id, boxes.tag + j, unsure, first + found, second + found);
+      const auto gap = apart(box, boxes, j);
+      const auto fresh = Lanes::noCommonBits(box.later, boxes.tag + j);
+      const auto strange = Lanes::differ(box.model, boxes.model + j);
+      const auto hit = Lanes::both(Lanes::both(fresh, strange), Lanes::notPositive(gap));
+      found += Lanes::append(hit, Lanes::negative(gap), id, boxes.tag + j, unsure, first + found,
+                             second + found);
     }
     out->count += found;
   }
@@ -88,7 +81,7 @@ template <class Lanes>
 inline std::uint32_t meetNode(const OneBox<Lanes>& box, const PackedBoxes& level, std::size_t j) {
   std::uint32_t bits = 0;
   for (std::size_t k = 0; k < FAN_OUT; k += Lanes::COUNT) {
-    bits |= Lanes::bits(meet(box, level, j + k).closed) << k;
+    bits |= Lanes::bits(Lanes::notPositive(apart(box, level, j + k))) << k;
   }
   return bits;
 }
@@ -98,9 +91,10 @@ inline void meetLeaf(const OneBox<Lanes>& box, std::uint32_t id, const PackedBox
                      std::size_t j, std::uint32_t unsure, Candidates* out) {
   if (out->capacity - out->count < 2 * FAN_OUT) out->grow(out, 2 * FAN_OUT);
   for (std::size_t k = j; k < j + FAN_OUT; k += Lanes::COUNT) {
-    Meeting<Lanes> m = meet(box, boxes, k);
-    m.closed = Lanes::both(m.closed, Lanes::differ(box.model, boxes.model + k));
-    out->count += Lanes::append(m.closed, m.open, id, boxes.tag + k, unsure,
+    const auto gap = apart(box, boxes, k);
+    const auto hit =
+        Lanes::both(Lanes::notPositive(gap), Lanes::differ(box.model, boxes.model + k));
+    out->count += Lanes::append(hit, Lanes::negative(gap), id, boxes.tag + k, unsure,
                                 out->first + out->count, out->second + out->count);
   }
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 
 #include <Eigen/Core>
 
@@ -24,19 +25,28 @@ struct Record {
 /// add up, at any distance from the origin; a far one costs sharpness only. The other way round,
 /// lo(b) < hi(a) says b.min - reach < a.max; for an alarm distance of 0, whose reach of 1e-160 m
 /// is far below what float tells apart, it says b.min <= a.max.
-struct Narrower {
-  Eigen::Vector3d origin = Eigen::Vector3d::Zero();
-  double grow = 0.0;  // metres, to each side
+class Narrower {
+ public:
+  /// Grows each box by `growth` metres to each side.
+  Narrower(const Eigen::Vector3d& origin, double growth) : origin_(origin), growth_(growth) {}
 
-  float lo(const Aabb& box, int k) const {
-    return static_cast<float>((box.min[k] - grow) - origin[k]);
-  }
-  float hi(const Aabb& box, int k) const {
-    return static_cast<float>((box.max[k] + grow) - origin[k]);
-  }
   Record record(const Aabb& box, std::uint32_t tag, std::uint32_t model) const {
     return {{lo(box, 0), lo(box, 1), lo(box, 2)}, tag, {hi(box, 0), hi(box, 1), hi(box, 2)}, model};
   }
+
+ private:
+  float lo(const Aabb& box, int k) const { return narrow((box.min[k] - growth_) - origin_[k]); }
+  float hi(const Aabb& box, int k) const { return narrow((box.max[k] + growth_) - origin_[k]); }
+  // Clamped, as the kernels count on finite sides; NaN (a refused box) stays NaN.
+  static float narrow(double x) {
+    constexpr double LIMIT = std::numeric_limits<float>::max();
+    x = x < -LIMIT ? -LIMIT : x;
+    x = x > LIMIT ? LIMIT : x;
+    return static_cast<float>(x);
+  }
+
+  Eigen::Vector3d origin_;
+  double growth_;
 };
 
 /// How far apart on one axis two boxes may be, metres, if squaredReach() may still accept them:
