@@ -150,11 +150,13 @@ class SweepAndPrune {
 
   static bool isSound(const Aabb& box) {
     constexpr double LARGEST = std::numeric_limits<double>::max();
-    bool sound = true;
+    int sound = 1;  // without branches
     for (int k = 0; k < 3; ++k) {
-      sound &= (box.min[k] >= -LARGEST) & (box.min[k] <= box.max[k]) & (box.max[k] <= LARGEST);
+      sound &= box.min[k] >= -LARGEST;
+      sound &= box.min[k] <= box.max[k];
+      sound &= box.max[k] <= LARGEST;
     }
-    return sound;
+    return sound != 0;
   }
   void refuse(std::uint32_t id);
 

@@ -24,7 +24,7 @@ struct Bins {
 // The range of the middle of a small sample, a little widened: one box far off must not push
 // all others into one bin.
 Bins chooseBins(const Record* records, std::size_t count, int axis) {
-  constexpr std::size_t PROBES = 32;
+  constexpr std::size_t PROBES = 16;
   constexpr std::size_t TAIL = PROBES / 10;
   Bins bins;
   bins.count = static_cast<std::uint32_t>(count / 2 + 1);

@@ -23,7 +23,7 @@ class PackedStorage {
     }
     constexpr float INF = std::numeric_limits<float>::infinity();
     for (std::size_t i = n; i < n + PADDING; ++i) {
-      writer()(i, {{INF, INF, INF}, 0, {-INF, -INF, -INF}, 0});
+      writer()(i, {{INF, INF, INF}, {-INF, -INF, -INF}, 0, 0});
     }
   }
   /// Where the records' parts go. A copy of it in a local need not be loaded after each store.

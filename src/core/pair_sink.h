@@ -56,7 +56,8 @@ inline void appendMovingPairs(const Candidates& candidates, const PairRules& rul
     const Aabb& box(std::uint32_t id) const { return rules.boxes[id]; }
     std::uint32_t model(std::uint32_t id) const { return rules.models[id]; }
     BoxPair pair(std::uint32_t a, std::uint32_t b) const {
-      return {rules.nb_static + std::min(a, b), rules.nb_static + std::max(a, b)};
+      const std::uint32_t swap = (a ^ b) & (0u - static_cast<std::uint32_t>(b < a));  // no branch
+      return {rules.nb_static + (a ^ swap), rules.nb_static + (b ^ swap)};
     }
   };
   appendPairs(candidates, rules, Moving{rules}, pairs);

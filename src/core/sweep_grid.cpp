@@ -14,8 +14,8 @@ constexpr double MOST_CELLS = 4096.0;
 // On one axis: what a CellSpan can hold.
 constexpr double MOST_CELLS_ON_AN_AXIS = 1000.0;
 
-// Four lanes of the compiler's base target; the fourth holds a record's tag or model and is not
-// used.
+// Four lanes of the compiler's base target; the fourth holds whatever follows a corner and is
+// not used.
 typedef float Floats4 __attribute__((vector_size(16)));
 typedef std::int32_t Ints4 __attribute__((vector_size(16)));
 

@@ -1,7 +1,9 @@
 // The small form of a box that is sorted and swept, and the map that makes it.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <limits>
 
 #include <Eigen/Core>
@@ -14,8 +16,8 @@ namespace collision_pairs {
 /// A box in single precision, relative to the cycle's origin and grown by half the reach.
 struct Record {
   float lo[3];
-  std::uint32_t tag;
   float hi[3];
+  std::uint32_t tag;
   std::uint32_t model;
 };
 
@@ -28,25 +30,36 @@ struct Record {
 class Narrower {
  public:
   /// Grows each box by `growth` metres to each side.
-  Narrower(const Eigen::Vector3d& origin, double growth) : origin_(origin), growth_(growth) {}
+  Narrower(const Eigen::Vector3d& origin, double growth)
+      : grow_{{-growth, -growth}, {-growth, growth}, {growth, growth}},
+        origin_{{origin[0], origin[1]}, {origin[2], origin[0]}, {origin[1], origin[2]}} {}
 
   Record record(const Aabb& box, std::uint32_t tag, std::uint32_t model) const {
-    return {{lo(box, 0), lo(box, 1), lo(box, 2)}, tag, {hi(box, 0), hi(box, 1), hi(box, 2)}, model};
+    static_assert(sizeof(Aabb) == 3 * sizeof(Doubles2) && offsetof(Record, hi) == 12,
+                  "min and max, lo and hi follow one another");
+    // Clamped, as the kernels count on finite sides; NaN (a refused box) stays NaN.
+    const Doubles2 limit = {std::numeric_limits<float>::max(), std::numeric_limits<float>::max()};
+    const char* from = reinterpret_cast<const char*>(&box);
+    Record record;
+    char* to = reinterpret_cast<char*>(&record);
+    for (std::size_t i = 0; i < 3; ++i) {
+      Doubles2 sides;
+      std::memcpy(&sides, from + i * sizeof sides, sizeof sides);
+      sides = (sides + grow_[i]) - origin_[i];
+      sides = sides < -limit ? -limit : sides;
+      sides = sides > limit ? limit : sides;
+      const Floats2 narrow = __builtin_convertvector(sides, Floats2);
+      std::memcpy(to + i * sizeof narrow, &narrow, sizeof narrow);
+    }
+    record.tag = tag;
+    record.model = model;
+    return record;
   }
 
  private:
-  float lo(const Aabb& box, int k) const { return narrow((box.min[k] - growth_) - origin_[k]); }
-  float hi(const Aabb& box, int k) const { return narrow((box.max[k] + growth_) - origin_[k]); }
-  // Clamped, as the kernels count on finite sides; NaN (a refused box) stays NaN.
-  static float narrow(double x) {
-    constexpr double LIMIT = std::numeric_limits<float>::max();
-    x = x < -LIMIT ? -LIMIT : x;
-    x = x > LIMIT ? LIMIT : x;
-    return static_cast<float>(x);
-  }
-
-  Eigen::Vector3d origin_;
-  double growth_;
+  typedef double Doubles2 __attribute__((vector_size(16)));
+  typedef float Floats2 __attribute__((vector_size(8)));
+  Doubles2 grow_[3], origin_[3];
 };
 
 /// How far apart on one axis two boxes may be, metres, if squaredReach() may still accept them:
