@@ -12,6 +12,7 @@ add_library(collision_pairs SHARED
   src/core/sweep_axis.cpp
   src/core/sweep_grid.cpp
   src/core/sweep_kernel.cpp
+  src/core/sweep_record.cpp
 )
 include(cmake/sweep_kernels.cmake)
 target_include_directories(collision_pairs PUBLIC

@@ -84,7 +84,7 @@ bool ColumnSweep::cut(const Record* records, std::size_t count, double tests_per
   const int axis = chooseAxis(tuning_, spread);
   if (tests_per_box == 0.0) tests_per_box = static_cast<double>(count) * spread.crowd(axis);
   const SweepGrid grid = chooseGrid(spread, axis, count, tests_per_box, tuning_.column_size);
-  while (levels_.size() <= depth) levels_.push_back(std::make_unique<GridLevel>());
+  while (levels_.size() <= depth) levels_.push_back(std::make_unique<GridLevel>(kernel_));
   GridLevel& level = *levels_[depth];
   if (!level.fill(grid, records, count)) return false;
   for (std::uint32_t cell = 0; cell < level.nbCells(); ++cell) {

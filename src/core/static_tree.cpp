@@ -65,27 +65,11 @@ PackedStorage pack(const std::vector<Record>& records) {
 
 }  // namespace
 
-Eigen::Vector3d sceneOrigin(const std::vector<Aabb>& boxes) {
-  if (boxes.empty()) return Eigen::Vector3d::Zero();
-  const Eigen::Vector3d a = boxes.front().center();
-  const Eigen::Vector3d b = boxes[boxes.size() / 2].center();
-  const Eigen::Vector3d c = boxes.back().center();
-  Eigen::Vector3d origin;
-  for (int k = 0; k < 3; ++k) {
-    const double median = std::max(std::min(a[k], b[k]), std::min(std::max(a[k], b[k]), c[k]));
-    // NaN (a refused box) or the midst of a half-space tells nothing.
-    origin[k] = median > -1e150 && median < 1e150 ? median : 0.0;
-  }
-  return origin;
-}
-
 StaticTree::StaticTree(std::vector<Aabb> boxes, std::vector<std::uint32_t> models)
     : boxes_(std::move(boxes)), models_(std::move(models)), origin_(sceneOrigin(boxes_)) {
-  const Narrower narrow(origin_, 0.0);
-  std::vector<Record> records;
-  for (std::uint32_t i = 0; i < boxes_.size(); ++i) {
-    records.push_back(narrow.record(boxes_[i], i, models_[i]));
-  }
+  std::vector<Record> records(boxes_.size());
+  narrowBoxes(*sweepKernels().front(), makeNarrowMap(origin_, 0.0), boxes_, models_.data(),
+              records.data());
   orderAsTree(records.data(), records.data() + records.size());
   levels_.push_back(pack(records));
   while (records.size() > FAN_OUT) {

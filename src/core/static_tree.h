@@ -29,8 +29,4 @@ class StaticTree {
   std::vector<PackedStorage> levels_;
 };
 
-/// The median, axis by axis, of the centres of the first, the middle and the last box: in the
-/// midst of the scene even if one of them is a half-space or far off.
-Eigen::Vector3d sceneOrigin(const std::vector<Aabb>& boxes);
-
 }  // namespace collision_pairs

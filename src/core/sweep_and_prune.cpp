@@ -1,6 +1,9 @@
 #include "collision_pairs/sweep_and_prune.h"
 
+#include <algorithm>
 #include <atomic>
+#include <cstring>
+#include <limits>
 #include <stdexcept>
 #include <string>
 #include <thread>
@@ -23,7 +26,10 @@ struct SweepAndPrune::Engine {
 
   void meetStatic(const std::vector<Aabb>& boxes, std::vector<BoxPair>* pairs);
   void sweepPacked(const std::vector<Aabb>& boxes, std::vector<BoxPair>* pairs);
-  void sweepColumns(const std::vector<Aabb>& boxes, std::vector<BoxPair>* pairs);
+  void sweepColumns(const std::vector<Aabb>& boxes, const std::vector<std::uint32_t>& refused,
+                    std::vector<BoxPair>* pairs);
+  void narrow(const std::vector<Aabb>& boxes, const NarrowMap& map);
+  void pack(const std::vector<Aabb>& boxes, const NarrowMap& map);
   void shareCells();
   Spread spreadOf(const std::vector<Aabb>& boxes) const;
 
@@ -41,7 +47,7 @@ struct SweepAndPrune::Engine {
   PackedStorage packed;
   CandidateStorage candidates;
   std::vector<std::uint32_t> row_end;
-  GridLevel columns;
+  GridLevel columns{kernel};
   std::vector<std::unique_ptr<ColumnSweep>> sweepers;  // one for each thread
   std::vector<BoxPair> scratch;
 };
@@ -92,7 +98,7 @@ const std::vector<BoxPair>& SweepAndPrune::end() {
   if (few) {
     engine.sweepPacked(boxes_, &pairs_);
   } else {
-    engine.sweepColumns(boxes_, &pairs_);
+    engine.sweepColumns(boxes_, refused_, &pairs_);
     sortPairs(&pairs_, nb_static_ + boxes_.size(), &engine.scratch);
   }
   return pairs_;
@@ -105,15 +111,23 @@ int SweepAndPrune::axis() const {
   return engine_->axis;
 }
 
+// The boxes as packed records.
+void SweepAndPrune::Engine::pack(const std::vector<Aabb>& boxes, const NarrowMap& map) {
+  narrow(boxes, map);
+  packed.resize(boxes.size());
+  const PackedStorage::Writer write = packed.writer();
+  for (std::size_t i = 0; i < boxes.size(); ++i) write(i, records[i]);
+}
+
+void SweepAndPrune::Engine::narrow(const std::vector<Aabb>& boxes, const NarrowMap& map) {
+  if (records.size() < boxes.size()) records.resize(boxes.size() + boxes.size() / 4);
+  narrowBoxes(*kernel, map, boxes, rules.models, records.data());
+}
+
 // Each moving box against the tree of static ones, grown by the whole reach.
 void SweepAndPrune::Engine::meetStatic(const std::vector<Aabb>& boxes,
                                        std::vector<BoxPair>* pairs) {
-  const Narrower grow(fixed->tree_->origin(), axisReach(alarm_distance));
-  packed.resize(boxes.size());
-  const PackedStorage::Writer write = packed.writer();
-  for (std::uint32_t i = 0; i < boxes.size(); ++i) {
-    write(i, grow.record(boxes[i], i, rules.models[i]));
-  }
+  pack(boxes, makeNarrowMap(fixed->tree_->origin(), axisReach(alarm_distance)));
   Candidates* found = candidates.clear();
   kernel->query(fixed->tree_->view(), packed.view(), static_cast<std::uint32_t>(boxes.size()),
                 unsure, found);
@@ -124,13 +138,8 @@ void SweepAndPrune::Engine::meetStatic(const std::vector<Aabb>& boxes,
 void SweepAndPrune::Engine::sweepPacked(const std::vector<Aabb>& boxes,
                                         std::vector<BoxPair>* pairs) {
   const auto count = static_cast<std::uint32_t>(boxes.size());
-  const Narrower narrow(sceneOrigin(boxes), 0.5 * axisReach(alarm_distance));
-  packed.resize(count);
-  const PackedStorage::Writer write = packed.writer();
+  pack(boxes, makeNarrowMap(sceneOrigin(boxes), 0.5 * axisReach(alarm_distance)));
   row_end.assign(count, count);
-  for (std::uint32_t i = 0; i < count; ++i) {
-    write(i, narrow.record(boxes[i], i, rules.models[i]));
-  }
   Candidates* found = candidates.clear();
   kernel->sweep(packed.view(), row_end.data(), count, unsure, found);
   appendMovingPairs(*found, rules, pairs);
@@ -138,28 +147,29 @@ void SweepAndPrune::Engine::sweepPacked(const std::vector<Aabb>& boxes,
 
 // Many boxes: narrow them, cut them into columns, sort and sweep each column.
 void SweepAndPrune::Engine::sweepColumns(const std::vector<Aabb>& boxes,
+                                         const std::vector<std::uint32_t>& refused,
                                          std::vector<BoxPair>* pairs) {
-  const Narrower narrow(sceneOrigin(boxes), 0.5 * axisReach(alarm_distance));
-  records.clear();
-  for (std::uint32_t i = 0; i < boxes.size(); ++i) {
-    const Record record = narrow.record(boxes[i], i, rules.models[i]);
-    if (record.lo[0] <= record.hi[0]) records.push_back(record);
+  narrow(boxes, makeNarrowMap(sceneOrigin(boxes), 0.5 * axisReach(alarm_distance)));
+  // To a corner where they are in nobody's way; the test on the true boxes drops them.
+  constexpr float FAR = std::numeric_limits<float>::max();
+  for (const std::uint32_t id : refused) {
+    const std::uint32_t i = id - rules.nb_static;
+    records[i] = {{FAR, FAR, FAR}, {FAR, FAR, FAR}, i, rules.models[i]};
   }
   while (static_cast<int>(sweepers.size()) < std::max(1, tuning.threads)) {
     sweepers.push_back(std::make_unique<ColumnSweep>(kernel));
   }
   for (auto& sweeper : sweepers) sweeper->begin(tuning, rules, unsure);
 
-  const Spread spread = sampleSpread(records.data(), records.size(), SAMPLE);
+  const std::size_t count = boxes.size();
+  const Spread spread = sampleSpread(records.data(), count, SAMPLE);
   axis = chooseAxis(tuning, spread);
-  const double tests_per_box = static_cast<double>(records.size()) * spread.crowd(axis);
-  const bool large = records.size() > tuning.column_size;
-  if (large &&
-      columns.fill(chooseGrid(spread, axis, records.size(), tests_per_box, tuning.column_size),
-                   records.data(), records.size())) {
+  const double tests_per_box = static_cast<double>(count) * spread.crowd(axis);
+  const SweepGrid grid = chooseGrid(spread, axis, count, tests_per_box, tuning.column_size);
+  if (count > tuning.column_size && columns.fill(grid, records.data(), count)) {
     shareCells();
   } else {
-    sweepers[0]->sweep(records.data(), records.size(), axis, 1);
+    sweepers[0]->sweep(records.data(), count, axis, 1);
   }
   for (auto& sweeper : sweepers) {
     pairs->insert(pairs->end(), sweeper->pairs().begin(), sweeper->pairs().end());
@@ -182,10 +192,18 @@ void SweepAndPrune::Engine::shareCells() {
 }
 
 Spread SweepAndPrune::Engine::spreadOf(const std::vector<Aabb>& boxes) const {
-  const Narrower narrow(sceneOrigin(boxes), 0.0);
+  const NarrowMap map = makeNarrowMap(sceneOrigin(boxes), 0.0);
   const std::size_t used = std::min(boxes.size(), SAMPLE);
   return measureSpread(
-      [&](std::size_t i) { return narrow.record(boxes[i * boxes.size() / used], 0, 0); }, used);
+      [&](std::size_t i) {
+        double padded[8] = {};
+        std::memcpy(padded, &boxes[i * boxes.size() / used], sizeof(Aabb));
+        const std::uint32_t model = 0;
+        Record record;
+        kernel->narrow(map, padded, &model, 0, 1, &record);
+        return record;
+      },
+      used);
 }
 
 }  // namespace collision_pairs

@@ -1,7 +1,6 @@
 #include "sweep_grid.h"
 
 #include <cmath>
-#include <cstring>
 
 namespace collision_pairs {
 namespace {
@@ -14,44 +13,17 @@ constexpr double MOST_CELLS = 4096.0;
 // On one axis: what a CellSpan can hold.
 constexpr double MOST_CELLS_ON_AN_AXIS = 1000.0;
 
-// Four lanes of the compiler's base target; the fourth holds whatever follows a corner and is
-// not used.
-typedef float Floats4 __attribute__((vector_size(16)));
-typedef std::int32_t Ints4 __attribute__((vector_size(16)));
-
-// The map from coordinates to cells, with the grid's numbers at hand.
-class CellMap {
- public:
-  explicit CellMap(const SweepGrid& grid)
-      : base_{grid.base[0], grid.base[1], grid.base[2], 0.0f},
-        scale_{grid.scale[0], grid.scale[1], grid.scale[2], 0.0f},
-        last_{lastCell(grid, 0), lastCell(grid, 1), lastCell(grid, 2), 0.0f},
-        row_(grid.cells[0]),
-        layer_(grid.cells[0] * grid.cells[1]) {}
-
-  CellSpan span(const Record& record) const {
-    const Ints4 first = cells(record.lo);
-    const Ints4 more = cells(record.hi) - first;
-    return {unsign(first[0]) + unsign(first[1]) * row_ + unsign(first[2]) * layer_,
-            unsign(more[0]) | unsign(more[1]) << 10 | unsign(more[2]) << 20};
+CellMap makeCellMap(const SweepGrid& grid) {
+  CellMap map{};
+  for (int side = 0; side < 6; ++side) {
+    map.base[side] = grid.base[side % 3];
+    map.scale[side] = grid.scale[side % 3];
+    map.last[side] = static_cast<float>(grid.cells[side % 3] - 1);
   }
-
- private:
-  static float lastCell(const SweepGrid& grid, int axis) {
-    return static_cast<float>(grid.cells[axis] - 1);
-  }
-  static std::uint32_t unsign(std::int32_t x) { return static_cast<std::uint32_t>(x); }
-  Ints4 cells(const float* corner) const {
-    Floats4 x;
-    std::memcpy(&x, corner, sizeof x);
-    x = (x - base_) * scale_;
-    x = x > 0.0f ? x : Floats4{};  // what is not a number, too
-    x = x < last_ ? x : last_;
-    return __builtin_convertvector(x, Ints4);
-  }
-  Floats4 base_, scale_, last_;
-  std::uint32_t row_, layer_;
-};
+  map.row = grid.cells[0];
+  map.layer = grid.cells[0] * grid.cells[1];
+  return map;
+}
 
 // Calls use(cell, later) with the number of each cell of a span, and the tag bits of a copy that
 // is not the first.
@@ -137,12 +109,11 @@ bool GridLevel::fill(const SweepGrid& grid, const Record* records, std::size_t n
 std::size_t GridLevel::count(const Record* records, std::size_t n) {
   starts_.assign(grid_.nbCells() + 1, 0);
   if (spans_.size() < n) spans_.resize(n + n / 4);
-  const CellMap map(grid_);
+  kernel_->span(makeCellMap(grid_), records, n, spans_.data());
   std::uint32_t* const counts = starts_.data();
   std::size_t copies = 0;
   for (std::size_t i = 0; i < n; ++i) {
-    const CellSpan span = map.span(records[i]);
-    spans_[i] = span;
+    const CellSpan span = spans_[i];
     ++counts[span.first];
     ++copies;
     if (span.more == 0) continue;

@@ -30,17 +30,12 @@ SweepGrid chooseGrid(const Spread& spread, int axis, std::size_t count, double t
 /// Half as many cells each way.
 SweepGrid coarser(SweepGrid grid);
 
-/// The cells that a box reaches into: the number of the first, and how many more per axis (10
-/// bits each, axis 0 lowest).
-struct CellSpan {
-  std::uint32_t first;
-  std::uint32_t more;
-};
-
 /// Records sorted into the cells of a grid, copied where they reach into several. Keeps its
 /// memory.
 class GridLevel {
  public:
+  explicit GridLevel(const SweepKernel* kernel) : kernel_(kernel) {}
+
   /// False, and nothing is to be read, where cutting does not pay: one cell, or so many copies
   /// that the grid was made coarser until one cell was left.
   bool fill(const SweepGrid& grid, const Record* records, std::size_t n);
@@ -53,6 +48,7 @@ class GridLevel {
   std::size_t count(const Record* records, std::size_t n);
   void place(const Record* records, std::size_t n, std::size_t nb_copies);
 
+  const SweepKernel* kernel_;
   SweepGrid grid_;
   std::vector<std::uint32_t> starts_;  // counts first
   std::vector<std::uint32_t> next_;

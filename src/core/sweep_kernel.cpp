@@ -71,8 +71,10 @@ struct FourLanes {
   }
 };
 
-const SweepKernel SCALAR_KERNEL = {"scalar", sweepRows<ScalarLanes>, queryTree<ScalarLanes>};
-const SweepKernel FOUR_LANES_KERNEL = {"four lanes", sweepRows<FourLanes>, queryTree<FourLanes>};
+const SweepKernel SCALAR_KERNEL = {"scalar", sweepRows<ScalarLanes>, queryTree<ScalarLanes>,
+                                   narrowRows<ScalarLanes>, spanRows<ScalarLanes>};
+const SweepKernel FOUR_LANES_KERNEL = {"four lanes", sweepRows<FourLanes>, queryTree<FourLanes>,
+                                       narrowRows<FourLanes>, spanRows<FourLanes>};
 
 }  // namespace
 

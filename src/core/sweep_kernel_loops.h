@@ -127,4 +127,52 @@ void queryTree(const TreeView& tree, PackedBoxes boxes, std::uint32_t nb_boxes,
   }
 }
 
+// Eight lanes in the compiler's own terms: one, two or four registers.
+typedef double Doubles8 __attribute__((vector_size(64)));
+typedef float Floats8 __attribute__((vector_size(32)));
+typedef std::int32_t Ints8 __attribute__((vector_size(32)));
+
+template <class Lanes>
+void narrowRows(const NarrowMap& map, const double* boxes, const std::uint32_t* models,
+                std::uint32_t first_tag, std::uint32_t nb_boxes, Record* out) {
+  constexpr double MAX = 3.4028234663852886e38;  // the largest float
+  const Doubles8 most = {MAX, MAX, MAX, MAX, MAX, MAX, MAX, MAX};
+  Doubles8 grow, origin;
+  __builtin_memcpy(&grow, map.grow, sizeof grow);
+  __builtin_memcpy(&origin, map.origin, sizeof origin);
+  for (std::uint32_t i = 0; i < nb_boxes; ++i) {
+    Doubles8 sides;
+    __builtin_memcpy(&sides, boxes + 6 * std::size_t{i}, sizeof sides);
+    sides = (sides + grow) - origin;
+    sides = sides < -most ? -most : sides;
+    sides = sides > most ? most : sides;
+    const Floats8 narrow = __builtin_convertvector(sides, Floats8);
+    __builtin_memcpy(static_cast<void*>(out + i), &narrow, sizeof narrow);
+    out[i].tag = first_tag + i;
+    out[i].model = models[i];
+  }
+}
+
+template <class Lanes>
+void spanRows(const CellMap& map, const Record* records, std::size_t nb_records, CellSpan* out) {
+  Floats8 base, scale, last;
+  __builtin_memcpy(&base, map.base, sizeof base);
+  __builtin_memcpy(&scale, map.scale, sizeof scale);
+  __builtin_memcpy(&last, map.last, sizeof last);
+  const std::uint32_t row = map.row;
+  const std::uint32_t layer = map.layer;
+  for (std::size_t i = 0; i < nb_records; ++i) {
+    Floats8 x;
+    __builtin_memcpy(&x, records + i, sizeof x);
+    x = (x - base) * scale;
+    x = x > 0.0f ? x : Floats8{};
+    x = x < last ? x : last;
+    const Ints8 signed_cell = __builtin_convertvector(x, Ints8);
+    std::uint32_t cell[8];
+    __builtin_memcpy(cell, &signed_cell, sizeof cell);
+    out[i].first = cell[0] + cell[1] * row + cell[2] * layer;
+    out[i].more = (cell[3] - cell[0]) | (cell[4] - cell[1]) << 10 | (cell[5] - cell[2]) << 20;
+  }
+}
+
 }  // namespace collision_pairs
