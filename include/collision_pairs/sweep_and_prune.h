@@ -66,11 +66,11 @@ class StaticBoxes {
 struct SweepTuning {
   /// Up to this many moving boxes each is tested against each, packed, with nothing sorted:
   /// for few boxes that is quicker than any order. It must be at most 2^29.
-  std::uint32_t packed_up_to = 192;
+  std::uint32_t packed_up_to = 160;
   /// A sweep over more boxes than this is cut into columns first.
   std::uint32_t column_size = 2048;
   /// A sweep that would test a box against more than this many others on average is cut too.
-  std::uint32_t tests_per_box = 64;
+  std::uint32_t tests_per_box = 48;
   /// The axis to sweep along: 0, 1, 2, or -1 to choose it from the boxes.
   int axis = -1;
   /// Threads that share the columns of one cycle. They are started for the cycle (and that

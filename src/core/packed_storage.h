@@ -21,10 +21,9 @@ class PackedStorage {
       floats_.resize(6 * stride_);
       ints_.resize(2 * stride_);
     }
+    // Lower sides and negated upper sides without end, so that the sum with any other is too.
     constexpr float INF = std::numeric_limits<float>::infinity();
-    for (std::size_t i = n; i < n + PADDING; ++i) {
-      writer()(i, {{INF, INF, INF}, {-INF, -INF, -INF}, 0, 0});
-    }
+    for (std::size_t k = 0; k < 6; ++k) std::fill_n(floats_.data() + k * stride_ + n, PADDING, INF);
   }
   /// Where the records' parts go. A copy of it in a local need not be loaded after each store.
   struct Writer {

@@ -8,8 +8,9 @@
 
 namespace collision_pairs {
 
-/// Radix sort by the first id, then by the second within the few pairs that share it. All ids
-/// are below `nb_ids`. O(pairs); `scratch` lends memory and its contents are lost.
+/// Radix sort, least significant digit first: by the second ids and then by the first. All ids
+/// are below `nb_ids`. O(pairs), without a branch that depends on them; `scratch` lends memory
+/// and its contents are lost.
 void sortPairs(std::vector<BoxPair>* pairs, std::size_t nb_ids, std::vector<BoxPair>* scratch);
 
 }  // namespace collision_pairs

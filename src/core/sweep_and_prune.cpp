@@ -94,12 +94,13 @@ const std::vector<BoxPair>& SweepAndPrune::end() {
   // Static ids come first, so these pairs, once sorted, stand before all others.
   if (nb_static_ > 0) engine.meetStatic(boxes_, &pairs_);
   const bool few = boxes_.size() <= engine.tuning.packed_up_to;
-  if (nb_static_ > 0 && few) sortPairs(&pairs_, nb_static_, &engine.scratch);
+  const std::size_t nb_ids = nb_static_ + boxes_.size();
   if (few) {
+    if (nb_static_ > 0) sortPairs(&pairs_, nb_ids, &engine.scratch);
     engine.sweepPacked(boxes_, &pairs_);
   } else {
     engine.sweepColumns(boxes_, refused_, &pairs_);
-    sortPairs(&pairs_, nb_static_ + boxes_.size(), &engine.scratch);
+    sortPairs(&pairs_, nb_ids, &engine.scratch);
   }
   return pairs_;
 }
@@ -166,7 +167,8 @@ void SweepAndPrune::Engine::sweepColumns(const std::vector<Aabb>& boxes,
   axis = chooseAxis(tuning, spread);
   const double tests_per_box = static_cast<double>(count) * spread.crowd(axis);
   const SweepGrid grid = chooseGrid(spread, axis, count, tests_per_box, tuning.column_size);
-  if (count > tuning.column_size && columns.fill(grid, records.data(), count)) {
+  const bool long_sweep = count > tuning.column_size || tests_per_box > tuning.tests_per_box;
+  if (long_sweep && columns.fill(grid, records.data(), count)) {
     shareCells();
   } else {
     sweepers[0]->sweep(records.data(), count, axis, 1);
