@@ -5,6 +5,7 @@ add_library(collision_pairs SHARED
   src/core/collision_detector.cpp
   src/core/collision_report.cpp
   src/core/collision_scene.cpp
+  src/core/column_sweep.cpp
   src/core/convex_distance.cpp
   src/core/convex_hull.cpp
   src/core/enclosure.cpp
@@ -15,12 +16,19 @@ add_library(collision_pairs SHARED
   src/core/narrow_phase.cpp
   src/core/pair_filter.cpp
   src/core/pair_ladder.cpp
+  src/core/pair_sort.cpp
   src/core/prepared_shape.cpp
   src/core/replay.cpp
   src/core/robot_model.cpp
   src/core/shape.cpp
   src/core/srdf.cpp
+  src/core/static_boxes.cpp
+  src/core/static_tree.cpp
   src/core/sweep_and_prune.cpp
+  src/core/sweep_axis.cpp
+  src/core/sweep_grid.cpp
+  src/core/sweep_kernel.cpp
+  src/core/sweep_record.cpp
   src/core/triangle_distance.cpp
   src/core/triangle_tree.cpp
   src/core/urdf_checks.cpp
@@ -29,6 +37,7 @@ add_library(collision_pairs SHARED
   src/core/winding_number.cpp
   src/core/xml_file.cpp
 )
+include(cmake/kernels.cmake)
 target_include_directories(collision_pairs PUBLIC
   $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:include>
   PRIVATE ${PROJECT_SOURCE_DIR}/src/core)

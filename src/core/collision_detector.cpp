@@ -16,6 +16,7 @@ using Eigen::Isometry3d;
 using Eigen::Vector3d;
 
 constexpr double INF = std::numeric_limits<double>::infinity();
+constexpr double MAX_REACH = 1e150;  // metres: the square of what is swept must be finite
 
 /// Adds the time since it was made, or since its last split(), to one stage.
 class StageClock {
@@ -89,9 +90,9 @@ const CollisionReport& CollisionDetector::endNarrowPhase() {
 }
 
 void CollisionDetector::checkInput(const BodyPoses& poses, const CheckSettings& settings) const {
-  if (!(settings.alarm_distance >= 0.0)) {
+  if (!(settings.alarm_distance >= 0.0 && settings.alarm_distance <= MAX_REACH)) {
     throw InputError("the alarm distance is " + std::to_string(settings.alarm_distance) +
-                     ", but must be 0 or more metres");
+                     ", but must be 0 or more metres, and finite");
   }
   const std::size_t expected = scene_->bodies().size();
   if (poses.X_WB.size() != expected || poses.known.size() != expected) {
@@ -230,10 +231,11 @@ void CollisionDetector::searchMinimum() {
     all.min = all.min.cwiseMin(box.min);
     all.max = all.max.cwiseMax(box.max);
   }
-  const double extent = (all.max - all.min).norm();
+  // The empty scene and half-spaces have none that is finite.
+  const double extent = all.valid() ? std::min((all.max - all.min).norm(), MAX_REACH) : 0.0;
   double swept = settings_.alarm_distance;  // nothing nearer than this is still unknown
-  for (double reach = std::max(2.0 * swept, extent / 64.0); best > swept && swept <= extent;
-       reach = std::max(4.0 * reach, std::numeric_limits<double>::min())) {
+  for (double reach = std::max(2.0 * swept, extent / 64.0); best > swept && swept < extent;
+       reach = std::min(std::max(4.0 * reach, 1e-300), MAX_REACH)) {
     sweep(reach, reached_);
     swept = reach;
     measureNearestFirst(reached_, best);

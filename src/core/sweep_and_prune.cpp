@@ -1,83 +1,211 @@
 #include "collision_pairs/sweep_and_prune.h"
 
 #include <algorithm>
-#include <numeric>
+#include <atomic>
+#include <cstring>
+#include <limits>
 #include <stdexcept>
+#include <string>
+#include <thread>
+
+#include "column_sweep.h"
+#include "pair_sort.h"
+#include "static_tree.h"
 
 namespace collision_pairs {
 namespace {
 
-// The axis on which the boxes' centres vary most. Two passes: the textbook E[x^2] - E[x]^2
-// cancels far from the origin.
-int axisOfGreatestVariance(const std::vector<Aabb>& boxes) {
-  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-  for (const Aabb& box : boxes) mean += box.center() / static_cast<double>(boxes.size());
-  Eigen::Vector3d variance = Eigen::Vector3d::Zero();
-  for (const Aabb& box : boxes) variance += (box.center() - mean).cwiseAbs2();
-  int axis = 0;
-  variance.maxCoeff(&axis);
-  return axis;
-}
+constexpr std::size_t SAMPLE = 1000;
+constexpr double MAX_ALARM = 1e150;
 
 }  // namespace
 
-StaticBoxes::StaticBoxes(std::vector<Aabb> boxes, std::vector<std::uint32_t> models)
-    : boxes_(std::move(boxes)), models_(std::move(models)) {
-  for (std::size_t i = 0; i < boxes_.size(); ++i) {
-    if (!boxes_[i].valid()) {
-      throw std::invalid_argument("static box " + std::to_string(i) + " is inverted or not finite");
-    }
-  }
-}
+// What a cycle needs besides its boxes. All of it is memory; nothing in it outlives a cycle.
+struct SweepAndPrune::Engine {
+  explicit Engine(const SweepTuning& chosen) : tuning(chosen) {}
+
+  void meetStatic(const std::vector<Aabb>& boxes, std::vector<BoxPair>* pairs);
+  void sweepPacked(const std::vector<Aabb>& boxes, std::vector<BoxPair>* pairs);
+  void sweepColumns(const std::vector<Aabb>& boxes, const std::vector<std::uint32_t>& refused,
+                    std::vector<BoxPair>* pairs);
+  void narrow(const std::vector<Aabb>& boxes, const NarrowMap& map);
+  void pack(const std::vector<Aabb>& boxes, const NarrowMap& map);
+  void shareCells();
+  Spread spreadOf(const std::vector<Aabb>& boxes) const;
+
+  SweepTuning tuning;
+  const SweepKernel* kernel = sweepKernels().front();
+  double alarm_distance = 0.0;
+  const StaticBoxes* fixed = nullptr;
+  PairRules rules;
+  // Without an alarm distance, strict overlap in float says enough; with one it is the Euclidean
+  // gap that counts, and each candidate is looked at in double.
+  std::uint32_t unsure = 0;
+  int axis = -1;  // not asked for yet
+
+  std::vector<Record> records;
+  PackedStorage packed;
+  CandidateStorage candidates;
+  std::vector<std::uint32_t> row_end;
+  GridLevel columns{kernel};
+  std::vector<std::unique_ptr<ColumnSweep>> sweepers;  // one for each thread
+  std::vector<BoxPair> scratch;
+};
+
+SweepAndPrune::SweepAndPrune(const SweepTuning& tuning)
+    : engine_(std::make_unique<Engine>(tuning)) {}
+SweepAndPrune::~SweepAndPrune() = default;
+SweepAndPrune::SweepAndPrune(SweepAndPrune&&) noexcept = default;
+SweepAndPrune& SweepAndPrune::operator=(SweepAndPrune&&) noexcept = default;
 
 void SweepAndPrune::begin(double alarm_distance, const StaticBoxes* static_boxes,
                           const PairFilter* filter) {
-  alarm_distance_ = alarm_distance;
-  static_boxes_ = static_boxes;
-  filter_ = filter;
+  if (!(alarm_distance >= 0.0 && alarm_distance <= MAX_ALARM)) {
+    throw std::invalid_argument("alarm distance " + std::to_string(alarm_distance) +
+                                " m: it must be 0 or more, and at most 1e150");
+  }
+  nb_static_ = static_boxes ? static_boxes->size() : 0;
   boxes_.clear();
   models_.clear();
   pairs_.clear();
   refused_.clear();
-  if (static_boxes == nullptr) return;
-  for (std::uint32_t i = 0; i < static_boxes->size(); ++i)
-    add(static_boxes->box(i), static_boxes->model(i));
+  engine_->alarm_distance = alarm_distance;
+  engine_->fixed = static_boxes;
+  engine_->rules.filter = filter;
+  engine_->axis = -1;
 }
 
-std::uint32_t SweepAndPrune::add(const Aabb& box, std::uint32_t model) {
-  const auto id = static_cast<std::uint32_t>(boxes_.size());
-  boxes_.push_back(box);
-  models_.push_back(model);
-  if (!box.valid()) refused_.push_back(id);
-  return id;
+void SweepAndPrune::refuse(std::uint32_t id) {
+  boxes_.back().min.setConstant(std::numeric_limits<double>::quiet_NaN());
+  boxes_.back().max = boxes_.back().min;
+  refused_.push_back(id);
 }
 
 const std::vector<BoxPair>& SweepAndPrune::end() {
-  order_.clear();
-  for (std::uint32_t i = 0; i < boxes_.size(); ++i) {
-    if (boxes_[i].valid()) order_.push_back(i);
+  if (nb_static_ + boxes_.size() > ID_MASK) throw std::length_error("2^29 boxes or more");
+  Engine& engine = *engine_;
+  engine.rules.boxes = boxes_.data();
+  engine.rules.models = models_.data();
+  engine.rules.nb_static = static_cast<std::uint32_t>(nb_static_);
+  engine.rules.squared_reach = squaredReach(engine.alarm_distance);
+  engine.unsure = engine.alarm_distance > 0.0 ? UNSURE : 0;
+  pairs_.clear();
+
+  // Static ids come first, so these pairs, once sorted, stand before all others.
+  if (nb_static_ > 0) engine.meetStatic(boxes_, &pairs_);
+  const bool few = boxes_.size() <= engine.tuning.packed_up_to;
+  const std::size_t nb_ids = nb_static_ + boxes_.size();
+  if (few) {
+    if (nb_static_ > 0) sortPairs(&pairs_, nb_ids, &engine.scratch);
+    engine.sweepPacked(boxes_, &pairs_);
+  } else {
+    engine.sweepColumns(boxes_, refused_, &pairs_);
+    sortPairs(&pairs_, nb_ids, &engine.scratch);
   }
-  axis_ = axisOfGreatestVariance(boxes_);
-  std::sort(order_.begin(), order_.end(), [&](std::uint32_t a, std::uint32_t b) {
-    return boxes_[a].min[axis_] < boxes_[b].min[axis_];
-  });
-  const std::uint32_t nb_static = static_boxes_ ? static_boxes_->size() : 0;
-  const double squared_alarm = alarm_distance_ * alarm_distance_;
-  for (std::size_t i = 0; i < order_.size(); ++i) {
-    const std::uint32_t a = order_[i];
-    for (std::size_t j = i + 1; j < order_.size(); ++j) {
-      const std::uint32_t b = order_[j];
-      if (boxes_[b].min[axis_] - boxes_[a].max[axis_] > alarm_distance_) break;
-      if (a < nb_static && b < nb_static) continue;
-      if (models_[a] == models_[b]) continue;
-      if (filter_ && !filter_->allowed(models_[a], models_[b])) continue;
-      if (squaredGap(boxes_[a], boxes_[b]) <= squared_alarm) {
-        pairs_.push_back({std::min(a, b), std::max(a, b)});
-      }
-    }
-  }
-  std::sort(pairs_.begin(), pairs_.end());
   return pairs_;
+}
+
+int SweepAndPrune::axis() const {
+  if (engine_->axis < 0) {
+    engine_->axis = chooseAxis(engine_->tuning, engine_->spreadOf(boxes_));
+  }
+  return engine_->axis;
+}
+
+// The boxes as packed records.
+void SweepAndPrune::Engine::pack(const std::vector<Aabb>& boxes, const NarrowMap& map) {
+  narrow(boxes, map);
+  packed.resize(boxes.size());
+  const PackedStorage::Writer write = packed.writer();
+  for (std::size_t i = 0; i < boxes.size(); ++i) write(i, records[i]);
+}
+
+void SweepAndPrune::Engine::narrow(const std::vector<Aabb>& boxes, const NarrowMap& map) {
+  if (records.size() < boxes.size()) records.resize(boxes.size() + boxes.size() / 4);
+  narrowBoxes(*kernel, map, boxes, rules.models, records.data());
+}
+
+// Each moving box against the tree of static ones, grown by the whole reach.
+void SweepAndPrune::Engine::meetStatic(const std::vector<Aabb>& boxes,
+                                       std::vector<BoxPair>* pairs) {
+  pack(boxes, makeNarrowMap(fixed->tree_->origin(), axisReach(alarm_distance)));
+  Candidates* found = candidates.clear();
+  kernel->query(fixed->tree_->view(), packed.view(), static_cast<std::uint32_t>(boxes.size()),
+                unsure, found);
+  appendStaticPairs(*found, rules, *fixed->tree_, pairs);
+}
+
+// Few boxes: each against all that follow. Rows in the order of ids give sorted pairs.
+void SweepAndPrune::Engine::sweepPacked(const std::vector<Aabb>& boxes,
+                                        std::vector<BoxPair>* pairs) {
+  const auto count = static_cast<std::uint32_t>(boxes.size());
+  pack(boxes, makeNarrowMap(sceneOrigin(boxes), 0.5 * axisReach(alarm_distance)));
+  row_end.assign(count, count);
+  Candidates* found = candidates.clear();
+  kernel->sweep(packed.view(), row_end.data(), count, unsure, found);
+  appendMovingPairs(*found, rules, pairs);
+}
+
+// Many boxes: narrow them, cut them into columns, sort and sweep each column.
+void SweepAndPrune::Engine::sweepColumns(const std::vector<Aabb>& boxes,
+                                         const std::vector<std::uint32_t>& refused,
+                                         std::vector<BoxPair>* pairs) {
+  narrow(boxes, makeNarrowMap(sceneOrigin(boxes), 0.5 * axisReach(alarm_distance)));
+  // To a corner where they are in nobody's way; the test on the true boxes drops them.
+  constexpr float FAR = std::numeric_limits<float>::max();
+  for (const std::uint32_t id : refused) {
+    const std::uint32_t i = id - rules.nb_static;
+    records[i] = {{FAR, FAR, FAR}, {FAR, FAR, FAR}, i, rules.models[i]};
+  }
+  while (static_cast<int>(sweepers.size()) < std::max(1, tuning.threads)) {
+    sweepers.push_back(std::make_unique<ColumnSweep>(kernel));
+  }
+  for (auto& sweeper : sweepers) sweeper->begin(tuning, rules, unsure);
+
+  const std::size_t count = boxes.size();
+  const Spread spread = sampleSpread(records.data(), count, SAMPLE);
+  axis = chooseAxis(tuning, spread);
+  const double tests_per_box = static_cast<double>(count) * spread.crowd(axis);
+  const SweepGrid grid = chooseGrid(spread, axis, count, tests_per_box, tuning.column_size);
+  const bool long_sweep = count > tuning.column_size || tests_per_box > tuning.tests_per_box;
+  if (long_sweep && columns.fill(grid, records.data(), count)) {
+    shareCells();
+  } else {
+    sweepers[0]->sweep(records.data(), count, axis, 1);
+  }
+  for (auto& sweeper : sweepers) {
+    pairs->insert(pairs->end(), sweeper->pairs().begin(), sweeper->pairs().end());
+  }
+}
+
+// Threads take the next column that is left. Who sweeps which does not matter: the pairs are
+// sorted afterwards.
+void SweepAndPrune::Engine::shareCells() {
+  std::atomic<std::uint32_t> next_cell{0};
+  const auto work = [&](ColumnSweep* sweeper) {
+    for (std::uint32_t cell = next_cell++; cell < columns.nbCells(); cell = next_cell++) {
+      sweeper->sweep(columns.cellBegin(cell), columns.cellSize(cell), axis, 1);
+    }
+  };
+  std::vector<std::thread> threads;
+  for (std::size_t i = 1; i < sweepers.size(); ++i) threads.emplace_back(work, sweepers[i].get());
+  work(sweepers[0].get());
+  for (std::thread& thread : threads) thread.join();
+}
+
+Spread SweepAndPrune::Engine::spreadOf(const std::vector<Aabb>& boxes) const {
+  const NarrowMap map = makeNarrowMap(sceneOrigin(boxes), 0.0);
+  const std::size_t used = std::min(boxes.size(), SAMPLE);
+  return measureSpread(
+      [&](std::size_t i) {
+        double padded[8] = {};
+        std::memcpy(padded, &boxes[i * boxes.size() / used], sizeof(Aabb));
+        const std::uint32_t model = 0;
+        Record record;
+        kernel->narrow(map, padded, &model, 0, 1, &record);
+        return record;
+      },
+      used);
 }
 
 }  // namespace collision_pairs

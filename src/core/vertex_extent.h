@@ -5,13 +5,13 @@
 
 #include <Eigen/Core>
 
+#include "vertex_extent_loop.h"
+
 namespace collision_pairs {
 
-/// Points as structure of arrays, in blocks of LANES, the last block filled up with its last point.
+/// Points as structure of arrays, in blocks, the last block filled up with the last point.
 class PackedPoints {
  public:
-  static constexpr std::size_t LANES = 4;
-
   PackedPoints() = default;
   explicit PackedPoints(const std::vector<Eigen::Vector3d>& points);
 
@@ -19,16 +19,8 @@ class PackedPoints {
   /// one point. Not finite where R is not. Cost: about 1 ns a point with AVX2, chosen at run time.
   void extent(const Eigen::Matrix3d& R, Eigen::Vector3d& lower, Eigen::Vector3d& upper) const;
 
-  bool empty() const { return blocks_.empty(); }
-
  private:
-  struct alignas(LANES * sizeof(double)) Block {
-    double xyz[3][LANES];
-  };
-  static void extentOf(const Block* blocks, std::size_t count, const double* R, double* lower,
-                       double* upper);
-
-  std::vector<Block> blocks_;
+  std::vector<PointBlock> blocks_;
 };
 
 }  // namespace collision_pairs

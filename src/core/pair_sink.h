@@ -1,0 +1,79 @@
+// The last step of the sweep: from candidates to the pairs that are reported.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <vector>
+
+#include "collision_pairs/sweep_and_prune.h"
+#include "static_tree.h"
+#include "sweep_kernel.h"
+#include "sweep_record.h"
+
+namespace collision_pairs {
+
+/// What a cycle's candidates are judged by.
+struct PairRules {
+  const Aabb* boxes = nullptr;
+  const std::uint32_t* models = nullptr;
+  const PairFilter* filter = nullptr;  // null: everything is allowed
+  double squared_reach = 0.0;
+  std::uint32_t nb_static = 0;  // ids of moving boxes go on from here
+
+  bool allowed(std::uint32_t model_a, std::uint32_t model_b) const {
+    return filter == nullptr || filter->allowed(model_a, model_b);
+  }
+};
+
+/// Appends the candidates whose boxes are close enough and whose models are allowed to meet.
+/// `second` knows the boxes, models and ids behind the second ids. Each pair is written and then
+/// kept or not, so that there is no branch that is hard to foretell.
+template <class Second>
+void appendPairs(const Candidates& candidates, const PairRules& rules, const Second& second,
+                 std::vector<BoxPair>* pairs) {
+  std::size_t kept = pairs->size();
+  pairs->resize(kept + candidates.count);
+  BoxPair* const out = pairs->data();
+  for (std::size_t k = 0; k < candidates.count; ++k) {
+    const std::uint32_t a = candidates.first[k];
+    const std::uint32_t b = candidates.second[k] & ID_MASK;
+    out[kept] = second.pair(a, b);
+    bool keep = true;
+    if (candidates.second[k] & UNSURE) {
+      keep = squaredGap(rules.boxes[a], second.box(b)) <= rules.squared_reach;
+    }
+    if (rules.filter) keep = keep && rules.filter->allowed(rules.models[a], second.model(b));
+    kept += keep;
+  }
+  pairs->resize(kept);
+}
+
+/// Candidates of two moving boxes.
+inline void appendMovingPairs(const Candidates& candidates, const PairRules& rules,
+                              std::vector<BoxPair>* pairs) {
+  struct Moving {
+    const PairRules& rules;
+    const Aabb& box(std::uint32_t id) const { return rules.boxes[id]; }
+    std::uint32_t model(std::uint32_t id) const { return rules.models[id]; }
+    BoxPair pair(std::uint32_t a, std::uint32_t b) const {
+      const std::uint32_t swap = (a ^ b) & (0u - static_cast<std::uint32_t>(b < a));  // no branch
+      return {rules.nb_static + (a ^ swap), rules.nb_static + (b ^ swap)};
+    }
+  };
+  appendPairs(candidates, rules, Moving{rules}, pairs);
+}
+
+/// Candidates whose first is a moving box and whose second is a static one.
+inline void appendStaticPairs(const Candidates& candidates, const PairRules& rules,
+                              const StaticTree& fixed, std::vector<BoxPair>* pairs) {
+  struct Static {
+    const PairRules& rules;
+    const StaticTree& fixed;
+    const Aabb& box(std::uint32_t id) const { return fixed.box(id); }
+    std::uint32_t model(std::uint32_t id) const { return fixed.model(id); }
+    BoxPair pair(std::uint32_t a, std::uint32_t b) const { return {b, rules.nb_static + a}; }
+  };
+  appendPairs(candidates, rules, Static{rules, fixed}, pairs);
+}
+
+}  // namespace collision_pairs

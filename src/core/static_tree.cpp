@@ -1,0 +1,87 @@
+#include "static_tree.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace collision_pairs {
+namespace {
+
+int widestAxis(const Record* begin, const Record* end) {
+  float low[3], high[3];
+  std::fill(low, low + 3, std::numeric_limits<float>::infinity());
+  std::fill(high, high + 3, -std::numeric_limits<float>::infinity());
+  for (const Record* r = begin; r != end; ++r) {
+    for (int k = 0; k < 3; ++k) {
+      const float center = 0.5f * r->lo[k] + 0.5f * r->hi[k];
+      low[k] = std::min(low[k], center);
+      high[k] = std::max(high[k], center);
+    }
+  }
+  int widest = 0;
+  for (int k = 1; k < 3; ++k) {
+    if (high[k] - low[k] > high[widest] - low[widest]) widest = k;
+  }
+  return widest;
+}
+
+struct AlongAxis {
+  int k;
+  float center(const Record& r) const { return 0.5f * r.lo[k] + 0.5f * r.hi[k]; }
+  bool operator()(const Record& a, const Record& b) const { return center(a) < center(b); }
+};
+
+void orderAsTree(Record* begin, Record* end) {
+  const std::ptrdiff_t size = end - begin;
+  if (size <= static_cast<std::ptrdiff_t>(FAN_OUT)) return;
+  std::ptrdiff_t half = FAN_OUT;
+  while (2 * half < size) half *= 2;
+  std::nth_element(begin, begin + half, end, AlongAxis{widestAxis(begin, end)});
+  orderAsTree(begin, begin + half);
+  orderAsTree(begin + half, end);
+}
+
+// The boxes that enclose each 16 of the given ones.
+std::vector<Record> enclose(const std::vector<Record>& boxes) {
+  std::vector<Record> nodes;
+  for (std::size_t i = 0; i < boxes.size(); i += FAN_OUT) {
+    Record node = boxes[i];
+    for (std::size_t j = i; j < std::min<std::size_t>(i + FAN_OUT, boxes.size()); ++j) {
+      for (int k = 0; k < 3; ++k) {
+        node.lo[k] = std::min(node.lo[k], boxes[j].lo[k]);
+        node.hi[k] = std::max(node.hi[k], boxes[j].hi[k]);
+      }
+    }
+    nodes.push_back(node);
+  }
+  return nodes;
+}
+
+PackedStorage pack(const std::vector<Record>& records) {
+  PackedStorage packed;
+  packed.resize(records.size());
+  for (std::size_t i = 0; i < records.size(); ++i) packed.writer()(i, records[i]);
+  return packed;
+}
+
+}  // namespace
+
+StaticTree::StaticTree(std::vector<Aabb> boxes, std::vector<std::uint32_t> models)
+    : boxes_(std::move(boxes)), models_(std::move(models)), origin_(sceneOrigin(boxes_)) {
+  std::vector<Record> records(boxes_.size());
+  narrowBoxes(*sweepKernels().front(), makeNarrowMap(origin_, 0.0), boxes_, models_.data(),
+              records.data());
+  orderAsTree(records.data(), records.data() + records.size());
+  levels_.push_back(pack(records));
+  while (records.size() > FAN_OUT) {
+    records = enclose(records);
+    levels_.push_back(pack(records));
+  }
+}
+
+TreeView StaticTree::view() const {
+  TreeView view;
+  for (const PackedStorage& level : levels_) view.level[view.nb_levels++] = level.view();
+  return view;
+}
+
+}  // namespace collision_pairs

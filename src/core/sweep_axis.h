@@ -1,0 +1,70 @@
+// How a set of boxes is spread along each axis, and the axis to sweep along.
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+
+#include "sweep_record.h"
+
+namespace collision_pairs {
+
+/// Of the boxes' centres: mean and standard deviation; of the boxes: mean size. Metres, per axis,
+/// relative to the origin of the records. Boxes that reach further than 1e15 m on an axis
+/// (half-spaces) are left out of that axis.
+struct Spread {
+  double mean[3] = {0, 0, 0};
+  double deviation[3] = {0, 0, 0};
+  double size[3] = {0, 0, 0};
+
+  /// The range that the centres fill if they are spread evenly: sqrt(12) deviations.
+  double range(int axis) const { return 3.4641016151377544 * deviation[axis]; }
+  /// The share of the boxes that one box meets on this axis alone, about.
+  double crowd(int axis) const {
+    const double all = range(axis) + size[axis];
+    return all > 0.0 ? size[axis] / all : 1.0;
+  }
+};
+
+/// Two passes, so that nothing cancels far from the origin. `get(i)` gives the i-th record.
+template <class Get>
+Spread measureSpread(Get get, std::size_t count) {
+  constexpr float FAR_AWAY = 1e15f;
+  Spread spread;
+  double used[3] = {0, 0, 0};
+  const auto counts = [](const Record& r, int k) {
+    return r.lo[k] > -FAR_AWAY && r.hi[k] < FAR_AWAY;
+  };
+  for (std::size_t i = 0; i < count; ++i) {
+    const Record record = get(i);
+    for (int k = 0; k < 3; ++k) {
+      if (!counts(record, k)) continue;
+      used[k] += 1.0;
+      spread.mean[k] += 0.5 * (double{record.lo[k]} + record.hi[k]);
+      spread.size[k] += double{record.hi[k]} - record.lo[k];
+    }
+  }
+  for (int k = 0; k < 3; ++k) {
+    if (used[k] == 0.0) continue;
+    spread.mean[k] /= used[k];
+    spread.size[k] /= used[k];
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    const Record record = get(i);
+    for (int k = 0; k < 3; ++k) {
+      if (!counts(record, k)) continue;
+      const double off = 0.5 * (double{record.lo[k]} + record.hi[k]) - spread.mean[k];
+      spread.deviation[k] += off * off;
+    }
+  }
+  for (int k = 0; k < 3; ++k) {
+    if (used[k] > 0.0) spread.deviation[k] = std::sqrt(spread.deviation[k] / used[k]);
+  }
+  return spread;
+}
+
+/// The axis of greatest variance, except where the boxes are so long on it that each meets a
+/// third of the others (parallel rods) and another axis prunes three times better. Costs a few
+/// comparisons.
+int sweepAxis(const Spread& spread);
+
+}  // namespace collision_pairs

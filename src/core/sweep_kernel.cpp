@@ -1,0 +1,104 @@
+// The kernels every machine can run, and the choice among all of them.
+#include "sweep_kernel.h"
+
+#include <cstring>
+
+#include "sweep_kernel_loops.h"
+
+namespace collision_pairs {
+namespace {
+
+struct ScalarLanes {
+  static constexpr std::size_t COUNT = 1;
+  using Floats = float;
+  using Ints = std::uint32_t;
+  using Mask = std::uint32_t;
+
+  static Floats setFloat(float x) { return x; }
+  static Ints setInt(std::uint32_t x) { return x; }
+  static Floats add(Floats a, const float* b) { return a + *b; }
+  static Floats larger(Floats a, Floats b) { return a < b ? b : a; }
+  static Mask notPositive(Floats a) { return a <= 0.0f; }
+  static Mask negative(Floats a) { return a < 0.0f; }
+  static Mask both(Mask a, Mask b) { return a & b; }
+  static Mask noCommonBits(Ints a, const std::uint32_t* b) { return (a & *b) == 0; }
+  static Mask differ(Ints a, const std::uint32_t* b) { return a != *b; }
+  static std::uint32_t bits(Mask m) { return m; }
+  static std::size_t append(Mask closed, Mask open, std::uint32_t id, const std::uint32_t* tags,
+                            std::uint32_t unsure, std::uint32_t* first, std::uint32_t* second) {
+    return appendOneByOne<ScalarLanes>(closed, open, id, tags, unsure, first, second);
+  }
+};
+
+// Four lanes of whatever the compiler's base target has: SSE2 on any x86-64, NEON on arm64.
+struct FourLanes {
+  static constexpr std::size_t COUNT = 4;
+  typedef float Floats __attribute__((vector_size(16)));
+  typedef std::int32_t Ints __attribute__((vector_size(16)));
+  using Mask = Ints;
+
+  static Floats load(const float* p) {
+    Floats v;
+    std::memcpy(&v, p, sizeof v);
+    return v;
+  }
+  static Ints loadInts(const std::uint32_t* p) {
+    Ints v;
+    std::memcpy(&v, p, sizeof v);
+    return v;
+  }
+  static Floats setFloat(float x) { return Floats{x, x, x, x}; }
+  static Ints setInt(std::uint32_t x) {
+    const auto y = static_cast<std::int32_t>(x);
+    return Ints{y, y, y, y};
+  }
+  static Floats add(Floats a, const float* b) { return a + load(b); }
+  static Floats larger(Floats a, Floats b) { return a < b ? b : a; }
+  static Mask notPositive(Floats a) { return a <= 0.0f; }
+  static Mask negative(Floats a) { return a < 0.0f; }
+  static Mask both(Mask a, Mask b) { return a & b; }
+  static Mask noCommonBits(Ints a, const std::uint32_t* b) { return (a & loadInts(b)) == 0; }
+  static Mask differ(Ints a, const std::uint32_t* b) { return a != loadInts(b); }
+  static std::uint32_t bits(Mask m) {
+    std::uint64_t half[2];
+    std::memcpy(half, &m, sizeof half);
+    const std::uint64_t two = (half[0] & 0x0000000200000001u) | (half[1] & 0x0000000800000004u);
+    return static_cast<std::uint32_t>(two | two >> 32);
+  }
+  static std::size_t append(Mask closed, Mask open, std::uint32_t id, const std::uint32_t* tags,
+                            std::uint32_t unsure, std::uint32_t* first, std::uint32_t* second) {
+    return appendOneByOne<FourLanes>(bits(closed), bits(open), id, tags, unsure, first, second);
+  }
+};
+
+const SweepKernel SCALAR_KERNEL = {"scalar", sweepRows<ScalarLanes>, queryTree<ScalarLanes>,
+                                   narrowRows<ScalarLanes>, spanRows<ScalarLanes>};
+const SweepKernel FOUR_LANES_KERNEL = {"four lanes", sweepRows<FourLanes>, queryTree<FourLanes>,
+                                       narrowRows<FourLanes>, spanRows<FourLanes>};
+
+}  // namespace
+
+#ifdef COLLISION_PAIRS_X86_KERNELS
+extern const SweepKernel AVX2_KERNEL;
+extern const SweepKernel AVX512_KERNEL;
+#endif
+
+const std::vector<const SweepKernel*>& sweepKernels() {
+  static const std::vector<const SweepKernel*> KERNELS = [] {
+    std::vector<const SweepKernel*> kernels;
+#ifdef COLLISION_PAIRS_X86_KERNELS
+    // VBMI2 is not used. It tells Ice Lake and Zen 4 and later from the first processors with
+    // AVX-512, which slow down as a whole while they use it.
+    if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vbmi2")) {
+      kernels.push_back(&AVX512_KERNEL);
+    }
+    if (__builtin_cpu_supports("avx2")) kernels.push_back(&AVX2_KERNEL);
+#endif
+    kernels.push_back(&FOUR_LANES_KERNEL);
+    kernels.push_back(&SCALAR_KERNEL);
+    return kernels;
+  }();
+  return KERNELS;
+}
+
+}  // namespace collision_pairs

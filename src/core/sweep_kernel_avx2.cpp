@@ -1,0 +1,47 @@
+// 8 lanes. Compiled for AVX2; entered only where the machine has it.
+#include <immintrin.h>
+
+#include "sweep_kernel_loops.h"
+
+namespace collision_pairs {
+namespace {
+
+struct Avx2Lanes {
+  static constexpr std::size_t COUNT = 8;
+  using Floats = __m256;
+  using Ints = __m256i;
+  using Mask = __m256;
+
+  static Ints loadInts(const std::uint32_t* p) {
+    return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(p));
+  }
+  static Floats setFloat(float x) { return _mm256_set1_ps(x); }
+  static Ints setInt(std::uint32_t x) { return _mm256_set1_epi32(static_cast<int>(x)); }
+  static Floats add(Floats a, const float* b) { return _mm256_add_ps(a, _mm256_loadu_ps(b)); }
+  static Floats larger(Floats a, Floats b) { return _mm256_max_ps(a, b); }
+  static Mask notPositive(Floats a) { return _mm256_cmp_ps(a, _mm256_setzero_ps(), _CMP_LE_OQ); }
+  static Mask negative(Floats a) { return _mm256_cmp_ps(a, _mm256_setzero_ps(), _CMP_LT_OQ); }
+  static Mask both(Mask a, Mask b) { return _mm256_and_ps(a, b); }
+  static Mask noCommonBits(Ints a, const std::uint32_t* b) {
+    const Ints common = _mm256_and_si256(a, loadInts(b));
+    return _mm256_castsi256_ps(_mm256_cmpeq_epi32(common, _mm256_setzero_si256()));
+  }
+  static Mask differ(Ints a, const std::uint32_t* b) {
+    const Ints same = _mm256_cmpeq_epi32(a, loadInts(b));
+    return _mm256_castsi256_ps(_mm256_xor_si256(same, _mm256_set1_epi32(-1)));
+  }
+  static std::uint32_t bits(Mask m) { return static_cast<std::uint32_t>(_mm256_movemask_ps(m)); }
+
+  static std::size_t append(Mask closed, Mask open, std::uint32_t id, const std::uint32_t* tags,
+                            std::uint32_t unsure, std::uint32_t* first, std::uint32_t* second) {
+    return appendOneByOne<Avx2Lanes>(bits(closed), bits(open), id, tags, unsure, first, second);
+  }
+};
+
+}  // namespace
+
+extern const SweepKernel AVX2_KERNEL;
+const SweepKernel AVX2_KERNEL = {"avx2", sweepRows<Avx2Lanes>, queryTree<Avx2Lanes>,
+                                 narrowRows<Avx2Lanes>, spanRows<Avx2Lanes>};
+
+}  // namespace collision_pairs

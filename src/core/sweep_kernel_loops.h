@@ -1,0 +1,178 @@
+// The loops of a kernel, written once over `Lanes`: the few vector operations of an instruction
+// set. Include it from one file per instruction set, with Lanes in an unnamed namespace.
+#pragma once
+
+#include "sweep_kernel.h"
+
+namespace collision_pairs {
+
+/// Box i of the packed ones, on all lanes.
+template <class Lanes>
+struct OneBox {
+  typename Lanes::Floats lo[3], minus_hi[3];
+  typename Lanes::Ints later, model;
+
+  OneBox(const PackedBoxes& boxes, std::size_t i)
+      : later(Lanes::setInt(boxes.tag[i] & ~ID_MASK)), model(Lanes::setInt(boxes.model[i])) {
+    for (int k = 0; k < 3; ++k) {
+      lo[k] = Lanes::setFloat(boxes.lo[k][i]);
+      minus_hi[k] = Lanes::setFloat(boxes.minus_hi[k][i]);
+    }
+  }
+};
+
+/// How far apart `box` and those from j on are on the axis on which they are furthest apart;
+/// negative where they overlap.
+template <class Lanes>
+inline typename Lanes::Floats apart(const OneBox<Lanes>& box, const PackedBoxes& boxes,
+                                    std::size_t j) {
+  typename Lanes::Floats axis[3];
+  for (int k = 0; k < 3; ++k) {
+    axis[k] = Lanes::larger(Lanes::add(box.minus_hi[k], boxes.lo[k] + j),
+                            Lanes::add(box.lo[k], boxes.minus_hi[k] + j));
+  }
+  return Lanes::larger(Lanes::larger(axis[0], axis[1]), axis[2]);
+}
+
+/// Writes the pairs of the set lanes one by one, for instruction sets that cannot compress.
+template <class Lanes>
+inline std::size_t appendOneByOne(std::uint32_t closed, std::uint32_t open, std::uint32_t id,
+                                  const std::uint32_t* tags, std::uint32_t unsure,
+                                  std::uint32_t* first, std::uint32_t* second) {
+  std::size_t count = 0;
+  for (; closed != 0; closed &= closed - 1) {
+    const int lane = __builtin_ctz(closed);
+    first[count] = id;
+    second[count] = (tags[lane] & ID_MASK) | ((~open >> lane & 1u) * UNSURE) | unsure;
+    ++count;
+  }
+  return count;
+}
+
+// The boxes come by value: vector stores may alias anything, and what is in a local of this
+// function does not have to be loaded again after each.
+template <class Lanes>
+void sweepRows(PackedBoxes boxes, const std::uint32_t* row_end, std::uint32_t nb_rows,
+               std::uint32_t unsure, Candidates* out) {
+  for (std::uint32_t i = 0; i < nb_rows; ++i) {
+    const std::uint32_t end = row_end[i];
+    if (i + 1 >= end) continue;
+    const std::size_t room = end - i + PADDING;
+    if (out->capacity - out->count < room) out->grow(out, room);
+    const OneBox<Lanes> box(boxes, i);
+    const std::uint32_t id = boxes.tag[i] & ID_MASK;
+    std::uint32_t* first = out->first + out->count;
+    std::uint32_t* second = out->second + out->count;
+    std::size_t found = 0;
+    for (std::size_t j = i + 1; j < end; j += Lanes::COUNT) {
+      const auto gap = apart(box, boxes, j);
+      const auto fresh = Lanes::noCommonBits(box.later, boxes.tag + j);
+      const auto strange = Lanes::differ(box.model, boxes.model + j);
+      const auto hit = Lanes::both(Lanes::both(fresh, strange), Lanes::notPositive(gap));
+      found += Lanes::append(hit, Lanes::negative(gap), id, boxes.tag + j, unsure, first + found,
+                             second + found);
+    }
+    out->count += found;
+  }
+}
+
+/// The 16 boxes of a node against one box, as bits.
+template <class Lanes>
+inline std::uint32_t meetNode(const OneBox<Lanes>& box, const PackedBoxes& level, std::size_t j) {
+  std::uint32_t bits = 0;
+  for (std::size_t k = 0; k < FAN_OUT; k += Lanes::COUNT) {
+    bits |= Lanes::bits(Lanes::notPositive(apart(box, level, j + k))) << k;
+  }
+  return bits;
+}
+
+template <class Lanes>
+inline void meetLeaf(const OneBox<Lanes>& box, std::uint32_t id, const PackedBoxes& boxes,
+                     std::size_t j, std::uint32_t unsure, Candidates* out) {
+  if (out->capacity - out->count < 2 * FAN_OUT) out->grow(out, 2 * FAN_OUT);
+  for (std::size_t k = j; k < j + FAN_OUT; k += Lanes::COUNT) {
+    const auto gap = apart(box, boxes, k);
+    const auto hit =
+        Lanes::both(Lanes::notPositive(gap), Lanes::differ(box.model, boxes.model + k));
+    out->count += Lanes::append(hit, Lanes::negative(gap), id, boxes.tag + k, unsure,
+                                out->first + out->count, out->second + out->count);
+  }
+}
+
+template <class Lanes>
+void queryTree(const TreeView& tree, PackedBoxes boxes, std::uint32_t nb_boxes,
+               std::uint32_t unsure, Candidates* out) {
+  // Level and first box of the nodes still to be seen; each level leaves at most 16 behind.
+  struct Node {
+    std::uint32_t level, begin;
+  };
+  Node stack[MAX_LEVELS * FAN_OUT];
+  for (std::uint32_t i = 0; i < nb_boxes; ++i) {
+    const OneBox<Lanes> box(boxes, i);
+    const std::uint32_t id = boxes.tag[i] & ID_MASK;
+    int nb_open = 0;
+    stack[nb_open++] = {static_cast<std::uint32_t>(tree.nb_levels - 1), 0};
+    while (nb_open > 0) {
+      const Node node = stack[--nb_open];
+      if (node.level == 0) {
+        meetLeaf(box, id, tree.level[0], node.begin, unsure, out);
+        continue;
+      }
+      std::uint32_t bits = meetNode(box, tree.level[node.level], node.begin);
+      for (; bits != 0; bits &= bits - 1) {
+        const auto child = node.begin + static_cast<std::uint32_t>(__builtin_ctz(bits));
+        stack[nb_open++] = {node.level - 1, child * FAN_OUT};
+      }
+    }
+  }
+}
+
+// Eight lanes in the compiler's own terms: one, two or four registers.
+typedef double Doubles8 __attribute__((vector_size(64)));
+typedef float Floats8 __attribute__((vector_size(32)));
+typedef std::int32_t Ints8 __attribute__((vector_size(32)));
+
+template <class Lanes>
+void narrowRows(const NarrowMap& map, const double* boxes, const std::uint32_t* models,
+                std::uint32_t first_tag, std::uint32_t nb_boxes, Record* out) {
+  constexpr double MAX = 3.4028234663852886e38;  // the largest float
+  const Doubles8 most = {MAX, MAX, MAX, MAX, MAX, MAX, MAX, MAX};
+  Doubles8 grow, origin;
+  __builtin_memcpy(&grow, map.grow, sizeof grow);
+  __builtin_memcpy(&origin, map.origin, sizeof origin);
+  for (std::uint32_t i = 0; i < nb_boxes; ++i) {
+    Doubles8 sides;
+    __builtin_memcpy(&sides, boxes + 6 * std::size_t{i}, sizeof sides);
+    sides = (sides + grow) - origin;
+    sides = sides < -most ? -most : sides;
+    sides = sides > most ? most : sides;
+    const Floats8 narrow = __builtin_convertvector(sides, Floats8);
+    __builtin_memcpy(static_cast<void*>(out + i), &narrow, sizeof narrow);
+    out[i].tag = first_tag + i;
+    out[i].model = models[i];
+  }
+}
+
+template <class Lanes>
+void spanRows(const CellMap& map, const Record* records, std::size_t nb_records, CellSpan* out) {
+  Floats8 base, scale, last;
+  __builtin_memcpy(&base, map.base, sizeof base);
+  __builtin_memcpy(&scale, map.scale, sizeof scale);
+  __builtin_memcpy(&last, map.last, sizeof last);
+  const std::uint32_t row = map.row;
+  const std::uint32_t layer = map.layer;
+  for (std::size_t i = 0; i < nb_records; ++i) {
+    Floats8 x;
+    __builtin_memcpy(&x, records + i, sizeof x);
+    x = (x - base) * scale;
+    x = x > 0.0f ? x : Floats8{};
+    x = x < last ? x : last;
+    const Ints8 signed_cell = __builtin_convertvector(x, Ints8);
+    std::uint32_t cell[8];
+    __builtin_memcpy(cell, &signed_cell, sizeof cell);
+    out[i].first = cell[0] + cell[1] * row + cell[2] * layer;
+    out[i].more = (cell[3] - cell[0]) | (cell[4] - cell[1]) << 10 | (cell[5] - cell[2]) << 20;
+  }
+}
+
+}  // namespace collision_pairs

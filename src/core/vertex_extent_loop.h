@@ -1,0 +1,49 @@
+// The loop of PackedPoints::extent, for any width of the compiler's generic vectors. Includes
+// nothing of the C++ library, so that a file compiled for newer processors leaves no code of theirs
+// in a shared function.
+#pragma once
+
+namespace collision_pairs {
+
+constexpr int POINT_LANES = 4;
+
+struct alignas(POINT_LANES * sizeof(double)) PointBlock {
+  double xyz[3][POINT_LANES];
+};
+
+/// R is column-major. `count` is at least 1.
+using ExtentLoop = void (*)(const PointBlock* blocks, unsigned long count, const double* R,
+                            double* lower, double* upper);
+
+/// `Lanes` holds `WIDTH` doubles, 2 or 4.
+template <class Lanes, int WIDTH>
+void extentLoop(const PointBlock* blocks, unsigned long count, const double* R, double* lower,
+                double* upper) {
+  Lanes low[3], high[3];
+  const auto along = [R](const PointBlock& block, int part, int row) {
+    const auto load = [&](int axis) {
+      return *reinterpret_cast<const Lanes*>(block.xyz[axis] + part * WIDTH);
+    };
+    return R[row] * load(0) + R[row + 3] * load(1) + R[row + 6] * load(2);
+  };
+  for (int row = 0; row < 3; ++row) low[row] = high[row] = along(blocks[0], 0, row);
+  for (unsigned long i = 0; i < count; ++i) {
+    for (int part = 0; part < POINT_LANES / WIDTH; ++part) {
+      for (int row = 0; row < 3; ++row) {
+        const Lanes reach = along(blocks[i], part, row);
+        low[row] = reach < low[row] ? reach : low[row];
+        high[row] = reach > high[row] ? reach : high[row];
+      }
+    }
+  }
+  for (int row = 0; row < 3; ++row) {
+    lower[row] = low[row][0];
+    upper[row] = high[row][0];
+    for (int lane = 1; lane < WIDTH; ++lane) {
+      if (low[row][lane] < lower[row]) lower[row] = low[row][lane];
+      if (high[row][lane] > upper[row]) upper[row] = high[row][lane];
+    }
+  }
+}
+
+}  // namespace collision_pairs

@@ -1,0 +1,64 @@
+// What the broad phase has to find, by looking at every pair.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "collision_pairs/sweep_and_prune.h"
+
+namespace collision_pairs {
+
+/// One cycle's input. Box i belongs to models[i]; the first `nb_static` boxes stand still.
+struct BroadPhaseScene {
+  std::vector<Aabb> boxes;
+  std::vector<std::uint32_t> models;
+  std::size_t nb_static = 0;
+  double alarm_distance = 0.0;
+  const PairFilter* filter = nullptr;
+
+  void add(const Aabb& box) {
+    models.push_back(static_cast<std::uint32_t>(boxes.size()));
+    boxes.push_back(box);
+  }
+};
+
+inline std::vector<BoxPair> pairsByBruteForce(const BroadPhaseScene& scene) {
+  std::vector<BoxPair> pairs;
+  for (std::uint32_t i = 0; i < scene.boxes.size(); ++i) {
+    for (std::uint32_t j = i + 1; j < scene.boxes.size(); ++j) {
+      if (j < scene.nb_static || scene.models[i] == scene.models[j]) continue;
+      if (!scene.boxes[i].valid() || !scene.boxes[j].valid()) continue;
+      if (scene.filter && !scene.filter->allowed(scene.models[i], scene.models[j])) continue;
+      const double gap = squaredGap(scene.boxes[i], scene.boxes[j]);
+      if (gap <= squaredReach(scene.alarm_distance)) pairs.push_back({i, j});
+    }
+  }
+  return pairs;
+}
+
+/// One cycle; the static boxes must be valid.
+inline std::vector<BoxPair> pairsBySweep(const BroadPhaseScene& scene, SweepAndPrune* sweep) {
+  const auto nb_static = static_cast<std::ptrdiff_t>(scene.nb_static);
+  const StaticBoxes fixed({scene.boxes.begin(), scene.boxes.begin() + nb_static},
+                          {scene.models.begin(), scene.models.begin() + nb_static});
+  sweep->begin(scene.alarm_distance, &fixed, scene.filter);
+  for (std::size_t i = scene.nb_static; i < scene.boxes.size(); ++i) {
+    sweep->add(scene.boxes[i], scene.models[i]);
+  }
+  return sweep->end();
+}
+
+/// Tunings that take every path through the sweep even with few boxes.
+inline std::vector<SweepTuning> allPaths() {
+  SweepTuning packed;
+  SweepTuning one_sweep;
+  one_sweep.packed_up_to = 0;
+  SweepTuning columns = one_sweep;
+  columns.column_size = 8;
+  columns.tests_per_box = 2;
+  SweepTuning threads = columns;
+  threads.threads = 3;
+  return {packed, one_sweep, columns, threads};
+}
+
+}  // namespace collision_pairs

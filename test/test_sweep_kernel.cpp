@@ -1,0 +1,132 @@
+#include <algorithm>
+#include <cmath>
+#include <iostream>
+#include <limits>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "packed_storage.h"
+#include "random_inputs.h"
+#include "sweep_kernel.h"
+
+namespace collision_pairs {
+namespace {
+
+using IdPairs = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
+
+// Few distinct values, so that sides often coincide; some boxes without end.
+Record randomRecord(RandomInputs* random, std::uint32_t id) {
+  Record record;
+  for (int k = 0; k < 3; ++k) {
+    record.lo[k] = static_cast<float>(random->integer(0, 9));
+    record.hi[k] = record.lo[k] + static_cast<float>(random->integer(0, 4));
+  }
+  if (random->integer(0, 20) == 0) record.hi[0] = std::numeric_limits<float>::max();
+  record.tag = id;
+  for (int k = 0; k < 3; ++k) {
+    if (random->integer(0, 3) == 0) record.tag |= laterCopy(k);
+  }
+  record.model = static_cast<std::uint32_t>(random->integer(0, 5));
+  return record;
+}
+
+IdPairs sweepBy(const SweepKernel& kernel, const PackedBoxes& boxes, std::uint32_t count,
+                std::uint32_t unsure) {
+  const std::vector<std::uint32_t> row_end(count, count);
+  CandidateStorage storage;
+  Candidates* found = storage.clear();
+  kernel.sweep(boxes, row_end.data(), count, unsure, found);
+  IdPairs pairs;
+  for (std::size_t i = 0; i < found->count; ++i)
+    pairs.push_back({found->first[i], found->second[i]});
+  return pairs;
+}
+
+TEST(SweepKernel, EachInstructionSetFindsWhatTheDefinitionSays) {
+  RandomInputs random;
+  for (int round = 0; round < 100; ++round) {
+    std::vector<Record> records;
+    PackedStorage packed;
+    const auto count = static_cast<std::uint32_t>(random.integer(0, 90));
+    packed.resize(count);
+    for (std::uint32_t i = 0; i < count; ++i) {
+      records.push_back(randomRecord(&random, i));
+      packed.writer()(i, records[i]);
+    }
+    IdPairs expected;
+    for (std::uint32_t i = 0; i < count; ++i) {
+      for (std::uint32_t j = i + 1; j < count; ++j) {
+        const Record& a = records[i];
+        const Record& b = records[j];
+        bool closed = a.model != b.model && (a.tag & b.tag & ~ID_MASK) == 0;
+        bool open = true;
+        for (int k = 0; k < 3; ++k) {
+          closed = closed && a.lo[k] <= b.hi[k] && b.lo[k] <= a.hi[k];
+          open = open && a.lo[k] < b.hi[k] && b.lo[k] < a.hi[k];
+        }
+        if (closed) expected.push_back({i, open ? j : j | UNSURE});
+      }
+    }
+    for (const SweepKernel* kernel : sweepKernels()) {
+      EXPECT_EQ(sweepBy(*kernel, packed.view(), count, 0), expected) << kernel->name;
+      for (const auto& pair : sweepBy(*kernel, packed.view(), count, UNSURE)) {
+        EXPECT_TRUE(pair.second & UNSURE) << kernel->name;
+      }
+    }
+  }
+}
+
+TEST(SweepKernel, EachInstructionSetNarrowsAndFindsCellsAlike) {
+  RandomInputs random;
+  std::vector<Aabb> boxes;
+  std::vector<std::uint32_t> models;
+  for (std::uint32_t i = 0; i < 100; ++i) {
+    const Eigen::Vector3d corner = random.vector(-1.0, 1.0) * std::pow(10.0, random.integer(-3, 3));
+    boxes.push_back({corner, corner + random.vector(0.0, 10.0)});
+    models.push_back(i % 7);
+  }
+  constexpr double LARGEST = std::numeric_limits<double>::max();
+  boxes[50] = {Eigen::Vector3d::Constant(-LARGEST), Eigen::Vector3d::Constant(LARGEST)};
+  const NarrowMap narrow = makeNarrowMap(Eigen::Vector3d(0.1, 0.2, 0.3), 0.01);
+  const CellMap cells = {
+      {-9, -9, -9, -9, -9, -9}, {1, 2, 3, 1, 2, 3}, {20, 30, 40, 20, 30, 40}, 21, 21 * 31};
+  for (const SweepKernel* kernel : sweepKernels()) {
+    std::vector<Record> records(boxes.size());
+    narrowBoxes(*kernel, narrow, boxes, models.data(), records.data());
+    std::vector<CellSpan> spans(boxes.size());
+    kernel->span(cells, records.data(), records.size(), spans.data());
+    for (std::uint32_t i = 0; i < boxes.size(); ++i) {
+      EXPECT_EQ(records[i].tag, i);
+      EXPECT_EQ(records[i].model, i % 7);
+      std::uint32_t first[3], last[3];
+      for (int k = 0; k < 3; ++k) {
+        const float origin_shift[] = {0.1f, 0.2f, 0.3f};
+        if (i != 50) {
+          EXPECT_NEAR(records[i].lo[k], boxes[i].min[k] - 0.01 - origin_shift[k], 1e-3);
+          EXPECT_NEAR(records[i].hi[k], boxes[i].max[k] + 0.01 - origin_shift[k], 1e-3);
+        }
+        const auto cell = [&](float x) {
+          const float scaled = (x - cells.base[k]) * cells.scale[k];
+          return static_cast<std::uint32_t>(std::clamp(scaled, 0.0f, cells.last[k]));
+        };
+        first[k] = cell(records[i].lo[k]);
+        last[k] = cell(records[i].hi[k]);
+      }
+      EXPECT_EQ(spans[i].first, first[0] + 21 * first[1] + 21 * 31 * first[2]) << kernel->name;
+      EXPECT_EQ(spans[i].more,
+                (last[0] - first[0]) | (last[1] - first[1]) << 10 | (last[2] - first[2]) << 20)
+          << kernel->name;
+    }
+  }
+}
+
+TEST(SweepKernel, ThisMachineCanRunAtLeastTheScalarOne) {
+  std::cout << "kernels:";
+  for (const SweepKernel* kernel : sweepKernels()) std::cout << " [" << kernel->name << "]";
+  std::cout << "\n";
+  EXPECT_STREQ(sweepKernels().back()->name, "scalar");
+}
+
+}  // namespace
+}  // namespace collision_pairs
