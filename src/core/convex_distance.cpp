@@ -24,26 +24,35 @@ void finish(const ConvexCore& A, const ConvexCore& B, double core_distance,
   result.p_ACb = b - B.radius * n;
 }
 
-// The best unit direction from A to B: v itself, or, where v is short, the normal of the face of
-// A - B it lies on. The better of the two is the one whose support plane is further out.
+// The best unit direction from A to B: v itself, or, where v is short and its direction rounding,
+// the normal of the edge or face of A - B it lies on, or of the polytope around a touching point.
+// The best is the one whose support plane is furthest out.
 template <class T>
 Vec3<T> bestNormal(Difference<T>& difference, const GjkResult<T>& found) {
   Vec3<T> normal = -found.v.normalized();
-  if (!(found.v.norm() < T(NORMAL_FROM_FEATURE_BELOW) * found.magnitude)) return normal;
+  const T distance = found.v.norm();
+  if (!(distance < T(NORMAL_FROM_FEATURE_BELOW) * found.magnitude)) return normal;
   const auto height = [&](const Vec3<T>& n) { return -difference.furthest(n).w.dot(n); };
   T best = height(normal);
   const auto offer = [&](const Vec3<T>& n) {
-    const T h = height(n);
+    const T h = n.norm() > T(0.5) ? height(n) : best;
     if (h > best) best = h, normal = n;
   };
   offer(found.normal);
   const auto& v = found.simplex.vertex;
+  if (found.simplex.size == 2) {
+    const Vec3<T> edge = (v[1].w - v[0].w).normalized();
+    offer((normal - normal.dot(edge) * edge).normalized());
+  }
   if (found.simplex.size == 3) {
-    const Vec3<T> face = (v[1].w - v[0].w).cross(v[2].w - v[0].w);
-    if (face.norm() > T(0)) {
-      offer(face.normalized());
-      offer(-face.normalized());
-    }
+    const Vec3<T> face = (v[1].w - v[0].w).cross(v[2].w - v[0].w).normalized();
+    offer(face);
+    offer(-face);
+  }
+  const T rounding = T(64) * std::numeric_limits<T>::epsilon() * found.magnitude;
+  if (best < distance - rounding) {
+    Epa<T> epa(difference, found.simplex, found.magnitude);
+    offer(epa.run(T(0)).normal);
   }
   return normal;
 }
@@ -67,15 +76,17 @@ bool fillOverlap(const ConvexCore& A, const ConvexCore& B, Difference<T>& differ
   Epa<T> epa(difference, found.simplex, found.magnitude);
   const EpaResult<T> depth = epa.run(relative * found.magnitude);
   result.nhat_AB_A = depth.normal.template cast<double>();
+  const T rounding = T(64) * std::numeric_limits<T>::epsilon() * found.magnitude;
+  const bool refuted = depth.upper < -rounding;  // a plane lies between: it was no overlap
   // Centred on the face's own two points, so that they are exactly one depth apart.
-  const T upper = std::max(depth.upper, T(0));
+  const T upper = refuted ? depth.upper : std::max(depth.upper, T(0));
   const Vec3<T> middle = (depth.a + depth.b) / T(2);
   const Vec3<T> half = depth.normal * (upper / T(2));
   finish(A, B, -static_cast<double>(upper), Vec3<T>(middle + half).template cast<double>(),
          Vec3<T>(middle - half).template cast<double>(), result);
-  const bool closed = upper - depth.lower <= T(EXACT_DEPTH) * found.magnitude;
+  const bool closed = std::abs(upper - depth.lower) <= T(EXACT_DEPTH) * found.magnitude;
   result.certainty = closed ? Certainty::EXACT : Certainty::BOUND;
-  return closed || curved;
+  return !refuted && (closed || curved);
 }
 
 enum class Depth { MEASURED, IGNORED };
@@ -93,7 +104,9 @@ bool solve(const ConvexCore& A, const ConvexCore& B, const Eigen::Isometry3d& X_
     result.certainty = Certainty::BEYOND;
     return true;
   }
-  if (found.end == GjkEnd::OVERLAP && depth == Depth::MEASURED) {
+  // Round shapes make slivers, on which "inside" is a matter of rounding: EPA tells.
+  const bool measure = depth == Depth::MEASURED || A.curved() || B.curved();
+  if (found.end == GjkEnd::OVERLAP && measure) {
     return fillOverlap(A, B, difference, found, result);
   }
   if (found.end == GjkEnd::OVERLAP) {
