@@ -8,12 +8,17 @@ namespace {
 // What the certified interval of a distance must close to, relative to the largest coordinate of
 // the Minkowski difference, to be called exact.
 constexpr double DISTANCE_TOLERANCE = 1e-10;
+constexpr double CURVED_DISTANCE_TOLERANCE = 1e-8;
 constexpr double DEPTH_TOLERANCE = 1e-12;
 constexpr double CURVED_DEPTH_TOLERANCE = 1e-9;
 constexpr double EXACT_DEPTH = 1e-6;
 
 // A closest point this near the origin has lost too many digits to give a direction.
 constexpr double NORMAL_FROM_FEATURE_BELOW = 1e-4;
+
+double distanceTolerance(const ConvexCore& A, const ConvexCore& B) {
+  return A.curved() || B.curved() ? CURVED_DISTANCE_TOLERANCE : DISTANCE_TOLERANCE;
+}
 
 // Puts the cores' witness points and depth or distance on the rounded surfaces.
 void finish(const ConvexCore& A, const ConvexCore& B, double core_distance,
@@ -84,9 +89,15 @@ bool fillOverlap(const ConvexCore& A, const ConvexCore& B, Difference<T>& differ
   const Vec3<T> half = depth.normal * (upper / T(2));
   finish(A, B, -static_cast<double>(upper), Vec3<T>(middle + half).template cast<double>(),
          Vec3<T>(middle - half).template cast<double>(), result);
-  const bool closed = std::abs(upper - depth.lower) <= T(EXACT_DEPTH) * found.magnitude;
+  if (refuted) {
+    const bool met =
+        (depth.a - depth.b).norm() + upper <= distanceTolerance(A, B) * found.magnitude;
+    result.certainty = met ? Certainty::EXACT : Certainty::DEGRADED;
+    return met;
+  }
+  const bool closed = upper - depth.lower <= T(EXACT_DEPTH) * found.magnitude;
   result.certainty = closed ? Certainty::EXACT : Certainty::BOUND;
-  return !refuted && (closed || curved);
+  return closed || curved;
 }
 
 enum class Depth { MEASURED, IGNORED };
@@ -117,8 +128,13 @@ bool solve(const ConvexCore& A, const ConvexCore& B, const Eigen::Isometry3d& X_
   }
   fillApart(A, B, difference, found, result);
   if (found.end == GjkEnd::APART) return true;
-  if (found.v.norm() - found.lower <= T(DISTANCE_TOLERANCE) * found.magnitude) return true;
-  result.distance = static_cast<double>(found.lower - radii);
+  if (found.v.norm() - found.lower <= distanceTolerance(A, B) * found.magnitude) return true;
+  // Stalled between slivers: the polytope's faces find the plane that GJK's rounding hides.
+  const EpaResult<T> planes = Epa<T>(difference, found.simplex, found.magnitude).run(T(0));
+  const T lower = std::max(found.lower, -planes.upper);
+  if (lower > found.lower) result.nhat_AB_A = planes.normal.template cast<double>();
+  if (found.v.norm() - lower <= distanceTolerance(A, B) * found.magnitude) return true;
+  result.distance = static_cast<double>(lower - radii);
   result.certainty = Certainty::DEGRADED;
   return false;
 }

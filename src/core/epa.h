@@ -34,7 +34,6 @@ class Epa {
   /// Until upper - lower <= tolerance (metres), or no progress can be made.
   EpaResult<T> run(T tolerance) {
     if (!growToTetrahedron()) return best_;
-    tolerance = std::max(tolerance, roundingError());
     while (num_points_ < MAX_VERTICES) {
       const int closest = closestFace();
       if (closest < 0) break;
@@ -42,9 +41,15 @@ class Epa {
       best_.lower = std::max(T(0), face.distance);
       const DifferencePoint<T> next = difference_.furthest(face.normal);
       offerPlane(face.normal, next);
-      if (best_.upper - face.distance <= tolerance) break;
+      // Near touching the interval must shrink with the depth, or it could not tell the sign.
+      const T wanted = std::min(tolerance, T(0.01) * std::abs(best_.upper));
+      if (best_.upper - face.distance <= std::max(wanted, roundingError())) break;
       if (next.w.dot(face.normal) - face.distance <= roundingError()) break;
-      if (!grow(closest, next)) break;
+      if (!grow(closest, next)) {
+        face_[0] = face;  // what is left is no polytope: the last sound face has the witnesses
+        num_faces_ = 1;
+        break;
+      }
     }
     setWitnesses();
     return best_;

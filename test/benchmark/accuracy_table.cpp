@@ -21,24 +21,27 @@ struct Column {
 };
 
 struct Row {
-  int wrong = 0, not_exact = 0;
-  Column distance, witness, normal;
+  int wrong = 0, degraded = 0;
+  Column distance, depth, witness, normal;
 };
 
-Row measure(RandomInputs& random, const std::string& kind_a, const std::string& kind_b,
-            Separation separation, int poses) {
+Row measure(RandomInputs& random, const std::string& kind_a, const std::string& kind_b, int poses) {
   Row row;
   NarrowPhase narrow_phase;
+  constexpr std::array<Separation, 5> SEPARATIONS{Separation::APART, Separation::NEAR,
+                                                  Separation::SLIGHT, Separation::DEEP,
+                                                  Separation::TWO_MILLIMETRES};
   for (int i = 0; i < poses; ++i) {
     const Shape a = randomShape(random, kind_a), b = randomShape(random, kind_b);
     const auto A = prepareShape(a), B = prepareShape(b);
-    const Eigen::Isometry3d X_AB = randomPose(random, narrow_phase, *A, *B, separation);
+    const Eigen::Isometry3d X_AB =
+        randomPose(random, narrow_phase, *A, *B, SEPARATIONS[static_cast<std::size_t>(i) % 5]);
     const PairDistance result =
         narrow_phase.distance(*A, *B, X_AB, std::numeric_limits<double>::infinity());
     const AnswerError error = judge(oracleBody(a), oracleBody(b), X_AB, result, BAND);
     row.wrong += error.wrong_verdict;
-    row.not_exact += result.certainty != Certainty::EXACT;
-    row.distance.values.push_back(error.distance);
+    row.degraded += result.certainty == Certainty::DEGRADED;
+    (result.touches() ? row.depth : row.distance).values.push_back(error.distance);
     row.witness.values.push_back(error.witness);
     row.normal.values.push_back(error.normal);
   }
@@ -48,26 +51,27 @@ Row measure(RandomInputs& random, const std::string& kind_a, const std::string& 
 void printTable(int poses, std::ostream& csv) {
   RandomInputs random;
   const std::vector<std::string> kinds{"box", "sphere", "cylinder", "capsule", "convex"};
-  csv << "first,second,separation,poses,wrong_verdicts,not_exact,distance_worst,distance_p999,"
-         "witness_worst,witness_p999,normal_worst,normal_p999\n";
+  csv << "first,second,poses,wrong_verdicts,degraded,quantity,worst,p999\n";
   std::printf(
-      "| pair | separation | wrong yes/no | not exact | distance or depth | witness points "
-      "| normal |\n|---|---|---|---|---|---|---|\n");
+      "| pair | wrong yes/no | degraded | distance | depth | witness points | normal |\n"
+      "|---|---|---|---|---|---|---|\n");
   for (std::size_t i = 0; i < kinds.size(); ++i) {
     for (std::size_t j = i; j < kinds.size(); ++j) {
-      for (const Separation separation : {Separation::APART, Separation::NEAR, Separation::SLIGHT,
-                                          Separation::DEEP, Separation::TWO_MILLIMETRES}) {
-        Row row = measure(random, kinds[i], kinds[j], separation, poses);
-        std::printf("| %s-%s | %s | %d | %d | %.1e / %.1e | %.1e / %.1e | %.1e / %.1e |\n",
-                    kinds[i].c_str(), kinds[j].c_str(), name(separation), row.wrong, row.not_exact,
-                    row.distance.worst(), row.distance.at(0.999), row.witness.worst(),
-                    row.witness.at(0.999), row.normal.worst(), row.normal.at(0.999));
-        std::fflush(stdout);
-        csv << kinds[i] << ',' << kinds[j] << ',' << name(separation) << ',' << poses << ','
-            << row.wrong << ',' << row.not_exact << ',' << row.distance.worst() << ','
-            << row.distance.at(0.999) << ',' << row.witness.worst() << ',' << row.witness.at(0.999)
-            << ',' << row.normal.worst() << ',' << row.normal.at(0.999) << '\n';
+      Row row = measure(random, kinds[i], kinds[j], poses);
+      std::printf("| %s-%s | %d | %d |", kinds[i].c_str(), kinds[j].c_str(), row.wrong,
+                  row.degraded);
+      const std::array<std::pair<const char*, Column*>, 4> columns{{{"distance", &row.distance},
+                                                                    {"depth", &row.depth},
+                                                                    {"witness", &row.witness},
+                                                                    {"normal", &row.normal}}};
+      for (const auto& [quantity, column] : columns) {
+        std::printf(" %.1e / %.1e |", column->worst(), column->at(0.999));
+        csv << kinds[i] << ',' << kinds[j] << ',' << poses << ',' << row.wrong << ','
+            << row.degraded << ',' << quantity << ',' << column->worst() << ',' << column->at(0.999)
+            << '\n';
       }
+      std::printf("\n");
+      std::fflush(stdout);
     }
   }
 }
