@@ -2,3 +2,6 @@
 collision_pairs_test(closed_forms)
 collision_pairs_test(convex_distance)
 collision_pairs_test(fcl_regressions)
+collision_pairs_test(mesh_query gmp mpfr)
+collision_pairs_test(narrow_phase)
+collision_pairs_test(narrow_phase_extremes)

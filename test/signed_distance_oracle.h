@@ -49,19 +49,22 @@ struct OracleBody {
 /// Faces and edges of a hull by trying all triples of its (few) vertices.
 inline void enumerateFaces(OracleBody& body) {
   const auto& v = body.vertices;
+  double size = 0.0;
+  for (const Eigen::Vector3d& p : v) size = std::max(size, (p - v[0]).norm());
+  const double flat = 1e-13 * size;
   for (std::size_t i = 0; i < v.size(); ++i) {
     for (std::size_t j = i + 1; j < v.size(); ++j) {
       for (std::size_t k = j + 1; k < v.size(); ++k) {
         Eigen::Vector3d n = (v[j] - v[i]).cross(v[k] - v[i]);
-        if (n.norm() < 1e-12) continue;
+        if (n.norm() < 1e-12 * size * size) continue;
         n.normalize();
         double low = 0.0, high = 0.0;
         for (const Eigen::Vector3d& p : v) {
           low = std::min(low, n.dot(p - v[i]));
           high = std::max(high, n.dot(p - v[i]));
         }
-        if (high > 1e-13 && low < -1e-13) continue;
-        body.normals.push_back(high > 1e-13 ? Eigen::Vector3d(-n) : n);
+        if (high > flat && low < -flat) continue;
+        body.normals.push_back(high > flat ? Eigen::Vector3d(-n) : n);
         for (const auto& e : {v[j] - v[i], v[k] - v[j], v[i] - v[k]}) {
           body.edges.push_back(e.normalized());
         }
@@ -187,7 +190,7 @@ class DepthSearch {
     for (const auto& a : A_.edges) {
       for (const auto& b : B_.edges) tryBoth(a.cross(X_AB_.linear() * b));
     }
-    tryBoth(X_AB_.translation());
+    if (!X_AB_.translation().isZero(0.0)) tryBoth(X_AB_.translation().stableNormalized());
   }
   void tryCircles() {
     for (const auto& e : A_.edges) tryCircle(e);
@@ -203,7 +206,6 @@ class DepthSearch {
     for (int i = 0; i < SAMPLES; ++i) h[i] = on(i * step);
     for (int i = 0; i < SAMPLES; ++i) {
       if (h[i] > h[(i + 1) % SAMPLES] || h[i] > h[(i + SAMPLES - 1) % SAMPLES]) continue;
-      if (h[i] > best_ + 0.2L * std::abs(best_) + 0.1L) continue;
       double low = (i - 1) * step, high = (i + 1) * step;
       for (int k = 0; k < 70; ++k) {
         const double s = low + 0.381966 * (high - low), t = high - 0.381966 * (high - low);
@@ -226,7 +228,9 @@ class DepthSearch {
                       starts.end(), [](const auto& x, const auto& y) { return x.first < y.first; });
     for (std::size_t i = 0; i < kept; ++i) descendFrom(starts[i].second, starts[i].first);
   }
+  // A gain counts from a hundredth of the step squared, in units of the bodies' size.
   void descendFrom(Eigen::Vector3d n, L h) {
+    const L size = reach<L>(A_, {0.6L, 0.6L, 0.6L}) + reach<L>(B_, {0.6L, 0.6L, 0.6L});
     int moves_left = 300;
     for (double step = 0.2; step > 1e-8 && moves_left > 0;) {
       const Eigen::Vector3d u = n.unitOrthogonal(), v = n.cross(u);
@@ -235,7 +239,7 @@ class DepthSearch {
         const double t = k * M_PI / 4.0 + 1e3 * step;  // turned each time: kinks have no axes
         const Eigen::Vector3d next = (n + step * (std::cos(t) * u + std::sin(t) * v)).normalized();
         const L found = at(next);
-        if (found >= h - 1e-2L * step * step) continue;  // else it creeps along a kink
+        if (found >= h - 1e-2L * step * step * size) continue;  // else it creeps along a kink
         h = found;
         n = next;
         moved = true;

@@ -13,6 +13,11 @@ constexpr double DEPTH_TOLERANCE = 1e-12;
 constexpr double CURVED_DEPTH_TOLERANCE = 1e-9;
 constexpr double EXACT_DEPTH = 1e-6;
 
+// Witness points of a depth further than this from one depth apart are sought again, with the
+// shapes this far apart; both relative as above.
+constexpr double WITNESS_TOLERANCE = 1e-10;
+constexpr double WITNESS_SHIFT = 0.01;
+
 // A closest point this near the origin has lost too many digits to give a direction.
 constexpr double NORMAL_FROM_FEATURE_BELOW = 1e-4;
 
@@ -73,13 +78,34 @@ void fillApart(const ConvexCore& A, const ConvexCore& B, Difference<T>& differen
   result.certainty = Certainty::EXACT;
 }
 
+// Witness points that are not one depth apart along the normal come from a polytope that is still
+// coarse. Moved apart along the normal the same two points are the closest ones, which GJK finds.
+template <class T>
+void mendWitnesses(const Difference<T>& difference, T magnitude, EpaResult<T>& depth) {
+  const auto residual = [&](const Vec3<T>& a, const Vec3<T>& b) {
+    return (a - b - depth.upper * depth.normal).norm();
+  };
+  const T found = residual(depth.a, depth.b);
+  if (found <= T(WITNESS_TOLERANCE) * magnitude) return;
+  Difference<T> apart = difference;
+  const Vec3<T> shift = depth.normal * (depth.upper + T(WITNESS_SHIFT) * magnitude);
+  apart.p_AB += shift;
+  const GjkResult<T> closest =
+      gjk<T>(apart, std::numeric_limits<T>::infinity(), Vec3<T>(-depth.normal));
+  if (closest.end != GjkEnd::APART && closest.end != GjkEnd::STALLED) return;
+  const Vec3<T> a = closest.simplex.combine(&DifferencePoint<T>::a);
+  const Vec3<T> b = closest.simplex.combine(&DifferencePoint<T>::b) - shift;
+  if (residual(a, b) < found) depth.a = a, depth.b = b;
+}
+
 template <class T>
 bool fillOverlap(const ConvexCore& A, const ConvexCore& B, Difference<T>& difference,
                  const GjkResult<T>& found, PairDistance& result) {
   const bool curved = A.curved() || B.curved();
   const T relative = curved ? T(CURVED_DEPTH_TOLERANCE) : T(DEPTH_TOLERANCE);
   Epa<T> epa(difference, found.simplex, found.magnitude);
-  const EpaResult<T> depth = epa.run(relative * found.magnitude);
+  EpaResult<T> depth = epa.run(relative * found.magnitude);
+  mendWitnesses(difference, found.magnitude, depth);
   result.nhat_AB_A = depth.normal.template cast<double>();
   const T rounding = T(64) * std::numeric_limits<T>::epsilon() * found.magnitude;
   const bool refuted = depth.upper < -rounding;  // a plane lies between: it was no overlap
@@ -111,7 +137,10 @@ bool solve(const ConvexCore& A, const ConvexCore& B, const Eigen::Isometry3d& X_
   const Vec3<T> start = (A.center - X_AB * B.center).template cast<T>();
   GjkResult<T> found = gjk<T>(difference, T(max_distance) + radii, start);
   if (found.end == GjkEnd::BEYOND) {
-    result.distance = static_cast<double>(found.lower - radii);
+    // Rounding must not make it the limit itself: 0 would read as a touch.
+    result.distance =
+        std::max(static_cast<double>(found.lower - radii),
+                 std::nextafter(max_distance, std::numeric_limits<double>::infinity()));
     result.certainty = Certainty::BEYOND;
     return true;
   }
@@ -127,13 +156,17 @@ bool solve(const ConvexCore& A, const ConvexCore& B, const Eigen::Isometry3d& X_
     return true;
   }
   fillApart(A, B, difference, found, result);
-  if (found.end == GjkEnd::APART) return true;
-  if (found.v.norm() - found.lower <= distanceTolerance(A, B) * found.magnitude) return true;
-  // Stalled between slivers: the polytope's faces find the plane that GJK's rounding hides.
+  const T tolerance = distanceTolerance(A, B) * found.magnitude;
+  const bool sure = found.end == GjkEnd::APART || found.lower > T(0);
+  if (sure && found.v.norm() - found.lower <= tolerance) return true;
+  // Stalled between slivers: the polytope's faces find the plane that GJK's rounding hides. Where
+  // none lies between the shapes, and they are this close, they touch.
   const EpaResult<T> planes = Epa<T>(difference, found.simplex, found.magnitude).run(T(0));
   const T lower = std::max(found.lower, -planes.upper);
+  const bool close = found.v.norm() - lower <= tolerance;
+  if (close && lower <= T(0)) return fillOverlap(A, B, difference, found, result);
   if (lower > found.lower) result.nhat_AB_A = planes.normal.template cast<double>();
-  if (found.v.norm() - lower <= distanceTolerance(A, B) * found.magnitude) return true;
+  if (close) return true;
   result.distance = static_cast<double>(lower - radii);
   result.certainty = Certainty::DEGRADED;
   return false;
