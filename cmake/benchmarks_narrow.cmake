@@ -1,7 +1,9 @@
 # Programs that measure the narrow phase. Their short versions are held by the tests.
 if(COLLISION_PAIRS_BENCHMARKS)
-  add_executable(accuracy_table test/benchmark/accuracy_table.cpp)
-  target_link_libraries(accuracy_table PRIVATE collision_pairs)
-  target_include_directories(accuracy_table PRIVATE test)
-  collision_pairs_warnings(accuracy_table)
+  foreach(program accuracy_table accuracy_scale)
+    add_executable(${program} test/benchmark/${program}.cpp)
+    target_link_libraries(${program} PRIVATE collision_pairs)
+    target_include_directories(${program} PRIVATE test)
+    collision_pairs_warnings(${program})
+  endforeach()
 endif()
