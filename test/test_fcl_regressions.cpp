@@ -57,6 +57,32 @@ TEST(FclRegressions, Issue319RegressionCylinderAgainstAPost) {
   holdTruth(Cylinder{0.05, 0.06}, X_WA, Box{{0.025, 0.35, 1.845}}, X_WB_POST, 1e-9);
 }
 
+TEST(FclRegressions, Issue390RegressionTiltedCylinderAgainstAPost) {
+  const Eigen::Isometry3d X_WA =
+      pose({-0.97313010759279283679, -0.12202804064972551379, 0.19526123781136842106,
+            0.87472781461138560122, 0.20950801135757171623, -0.11745920593569325607,
+            0.97072639199619581429, -0.4038687881347159947, -0.095520609678929752073,
+            0.98555187191549953329, 0.13986894183635001365, 1.5871328698116491385});
+  holdTruth(Cylinder{0.05, 0.06}, X_WA, Box{{0.025, 0.35, 1.845}}, X_WB_POST, 1e-9);
+}
+
+TEST(FclRegressions, Issue529RegressionThinCylindersMeetingRimToRim) {
+  const double c_a = 0.070736898150081176095, s_a = 0.99749500812791291882;
+  const double c_b = 0.070736898153116234411, s_b = 0.99749500812769764657;
+  const Eigen::Isometry3d X_WA =
+      pose({c_a, 0, -s_a, 0.24874750406395645941, 0, 1, 0, 0, s_a, 0, c_a, -0.5 * c_a});
+  const Eigen::Isometry3d X_WB =
+      pose({c_b, 0, s_b, -0.24874750406384882329, 0, 1, 0, 0, -s_b, 0, c_b, -0.5 * c_b});
+  holdTruth(Cylinder{0.01, 1.0}, X_WA, Cylinder{0.01, 1.0}, X_WB, 1e-8);
+}
+
+TEST(FclRegressions, Issue275RegressionWitnessPointsOfSpheres) {
+  const PairDistance result = holdTruth(Sphere{20}, at(0, 0, 0), Sphere{10}, at(0, 40, 0), 1e-13);
+  EXPECT_DOUBLE_EQ(result.distance, 10.0);
+  EXPECT_EQ(result.p_ACa, Eigen::Vector3d(0, 20, 0));
+  EXPECT_EQ(result.p_ACb, Eigen::Vector3d(0, 30, 0));
+}
+
 TEST(FclRegressions, Issue375RegressionCylinderStandingOnABoxHasANormal) {
   const Eigen::Isometry3d X_WA = pose({0, -1, 0, -0.25, 1, 0, 0, 0, 0, 0, 1, 0});
   const PairDistance result =
