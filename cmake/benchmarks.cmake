@@ -20,3 +20,18 @@ target_include_directories(broad_phase_benchmark SYSTEM PRIVATE ${BULLET_INCLUDE
 target_link_libraries(broad_phase_benchmark PRIVATE broad_phase_references benchmark::benchmark
                                                     CGAL::CGAL fcl BulletCollision LinearMath)
 collision_pairs_warnings(broad_phase_benchmark)
+
+# Programs that measure the narrow phase. Their short versions are held by the tests.
+foreach(program accuracy_table accuracy_scale)
+  add_executable(${program} test/benchmark/${program}.cpp)
+  target_link_libraries(${program} PRIVATE collision_pairs)
+  target_include_directories(${program} PRIVATE test)
+  collision_pairs_warnings(${program})
+endforeach()
+
+# The whole check, beside a loop like MoveIt's.
+add_executable(detector_benchmark test/benchmark/benchmark_robots.cpp
+  test/benchmark/detector_benchmark.cpp test/benchmark/moveit_loop.cpp)
+target_link_libraries(detector_benchmark PRIVATE collision_pairs_io fcl benchmark::benchmark)
+target_include_directories(detector_benchmark PRIVATE src/core)
+collision_pairs_warnings(detector_benchmark)

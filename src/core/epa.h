@@ -34,18 +34,24 @@ class Epa {
   /// Until upper - lower <= tolerance (metres), or no progress can be made.
   EpaResult<T> run(T tolerance) {
     if (!growToTetrahedron()) return best_;
-    tolerance = std::max(tolerance, roundingError());
     while (num_points_ < MAX_VERTICES) {
       const int closest = closestFace();
       if (closest < 0) break;
       const Face face = face_[closest];
       best_.lower = std::max(T(0), face.distance);
       const DifferencePoint<T> next = difference_.furthest(face.normal);
-      offerPlane(face.normal, next, &face);
-      if (best_.upper - best_.lower <= tolerance) break;
+      offerPlane(face.normal, next);
+      // Near touching the interval must shrink with the depth, or it could not tell the sign.
+      const T wanted = std::min(tolerance, T(0.01) * std::abs(best_.upper));
+      if (best_.upper - face.distance <= std::max(wanted, roundingError())) break;
       if (next.w.dot(face.normal) - face.distance <= roundingError()) break;
-      if (!grow(closest, next)) break;
+      if (!grow(closest, next)) {
+        face_[0] = face;  // what is left is no polytope: the last sound face has the witnesses
+        num_faces_ = 1;
+        break;
+      }
     }
+    setWitnesses();
     return best_;
   }
 
@@ -61,22 +67,33 @@ class Epa {
 
   T roundingError() const { return T(8) * std::numeric_limits<T>::epsilon() * magnitude_; }
 
-  // A support plane bounds the depth from above. Its witness points are those of the origin's
-  // projection on the face, where there is one.
-  void offerPlane(const Vec3<T>& normal, const DifferencePoint<T>& furthest, const Face* face) {
+  // A support plane bounds the depth from above.
+  void offerPlane(const Vec3<T>& normal, const DifferencePoint<T>& furthest) {
     const T height = furthest.w.dot(normal);
     if (!(height < best_.upper)) return;
     best_.upper = height;
     best_.normal = normal;
     best_.a = furthest.a;
     best_.b = furthest.b;
-    if (face == nullptr) return;
-    Simplex<T> simplex;
-    simplex.size = 3;
-    for (int i = 0; i < 3; ++i) simplex.vertex[i] = point_[face->id[i]];
-    reduceToClosest(simplex);
-    best_.a = simplex.combine(&DifferencePoint<T>::a);
-    best_.b = simplex.combine(&DifferencePoint<T>::b);
+  }
+
+  // The point of the polytope's surface closest to the origin: of several faces in one plane the
+  // one that the origin is over.
+  void setWitnesses() {
+    T closest = std::numeric_limits<T>::infinity();
+    const T limit = best_.upper + roundingError();
+    for (int i = 0; i < num_faces_; ++i) {
+      if (!(face_[i].distance <= limit)) continue;
+      Simplex<T> simplex;
+      simplex.size = 3;
+      for (int k = 0; k < 3; ++k) simplex.vertex[k] = point_[face_[i].id[k]];
+      reduceToClosest(simplex);
+      const T squared = simplex.closest().squaredNorm();
+      if (!(squared < closest)) continue;
+      closest = squared;
+      best_.a = simplex.combine(&DifferencePoint<T>::a);
+      best_.b = simplex.combine(&DifferencePoint<T>::b);
+    }
   }
 
   // Adds the furthest point along +-d if it is further from the first point than rounding. What
@@ -88,8 +105,8 @@ class Epa {
     magnitude_ = std::max({magnitude_, up.w.norm(), down.w.norm()});
     const T height_up = (up.w - point_[0].w).dot(n);
     const T height_down = (point_[0].w - down.w).dot(n);
-    offerPlane(n, up, nullptr);
-    offerPlane(Vec3<T>(-n), down, nullptr);
+    offerPlane(n, up);
+    offerPlane(Vec3<T>(-n), down);
     if (std::max(height_up, height_down) <= roundingError()) return false;
     point_[num_points_++] = height_up >= height_down ? up : down;
     return true;

@@ -57,6 +57,9 @@ GjkResult<T> gjk(Difference<T>& difference, T stop_above, Vec3<T> v) {
     if (simplex.size == 0) return simplex = before, result;
     v = simplex.closest();
     if (simplex.size == 4 || v.norm() <= T(4) * epsilon * result.magnitude) {
+      // A sliver of a tetrahedron may seem to hold an origin that a plane has shown to be outside.
+      const bool refuted = result.lower > T(8) * epsilon * result.magnitude;
+      if (refuted) return simplex = before, result;
       result.v = v;
       return result.end = GjkEnd::OVERLAP, result;
     }

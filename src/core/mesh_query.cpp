@@ -78,7 +78,7 @@ SurfaceGap MeshQuery::meshMesh(const PreparedMesh& A, const PreparedMesh& B, con
   SurfaceGap gap;
   gap.distance = std::sqrt(boxGap(0, 0));
   if (gap.distance > max_distance) return gap;
-  gap.distance = max_distance;
+  gap.distance = std::nextafter(max_distance, std::numeric_limits<double>::infinity());
   // Found strictly below the limit: so that a gap equal to the limit is found too, one ulp more.
   ClosestPoints best{square(std::max(max_distance, meet)) * (1.0 + 1e-15)};
   stack_.clear();
@@ -144,7 +144,9 @@ SurfaceGap MeshQuery::meshConvex(const PreparedMesh& A, const Prepared& B, const
     if (far.squared_gap <= square(gap.distance)) stack_.push_back(far);
     if (near.squared_gap <= square(gap.distance)) stack_.push_back(near);
   }
-  if (gap.beyond) gap.distance = max_distance;
+  if (gap.beyond) {
+    gap.distance = std::nextafter(max_distance, std::numeric_limits<double>::infinity());
+  }
   if (!gap.beyond && gap.distance <= meet) gap.distance = 0.0;
   return gap;
 }

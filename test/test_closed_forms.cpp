@@ -1,0 +1,98 @@
+#include <gtest/gtest.h>
+
+#include "closed_forms.h"
+#include "random_inputs.h"
+
+namespace collision_pairs {
+namespace {
+
+constexpr double INF = std::numeric_limits<double>::infinity();
+
+PairDistance distanceOf(const Shape& a, const Shape& b, const Eigen::Isometry3d& X_AB) {
+  NarrowPhase narrow_phase;
+  return narrow_phase.distance(*prepareShape(a), *prepareShape(b), X_AB, INF);
+}
+
+Eigen::Isometry3d at(double x, double y, double z) {
+  Eigen::Isometry3d X = Eigen::Isometry3d::Identity();
+  X.translation() = Eigen::Vector3d(x, y, z);
+  return X;
+}
+
+TEST(ClosedForms, SpheresThatTouchExactlyHaveANormal) {
+  const PairDistance result = distanceOf(Sphere{0.25}, Sphere{0.5}, at(0.0, 0.75, 0.0));
+  EXPECT_EQ(result.distance, 0.0);
+  EXPECT_TRUE(result.touches());
+  EXPECT_EQ(result.nhat_AB_A, Eigen::Vector3d(0.0, 1.0, 0.0));
+}
+
+TEST(ClosedForms, ConcentricSpheresSeparateByBothRadii) {
+  const PairDistance result = distanceOf(Sphere{0.25}, Sphere{0.5}, at(0.0, 0.0, 0.0));
+  EXPECT_EQ(result.distance, -0.75);
+  EXPECT_EQ(result.nhat_AB_A.norm(), 1.0);
+}
+
+TEST(ClosedForms, SphereOnABoxCornerIsMeasuredFromTheCorner) {
+  const PairDistance result = distanceOf(Box{{2.0, 2.0, 2.0}}, Sphere{0.5}, at(4.0, 5.0, 1.0));
+  EXPECT_DOUBLE_EQ(result.distance, 4.5);
+  EXPECT_EQ(result.p_ACa, Eigen::Vector3d(1.0, 1.0, 1.0));
+}
+
+TEST(ClosedForms, SphereInABoxLeavesByTheNearestFace) {
+  const PairDistance result = distanceOf(Box{{2.0, 4.0, 6.0}}, Sphere{0.1}, at(-0.7, 0.2, 0.3));
+  EXPECT_DOUBLE_EQ(result.distance, -0.4);
+  EXPECT_EQ(result.nhat_AB_A, Eigen::Vector3d(-1.0, 0.0, 0.0));
+}
+
+TEST(ClosedForms, SphereOverACylindersRimIsMeasuredFromTheRim) {
+  const PairDistance result = distanceOf(Cylinder{1.0, 2.0}, Sphere{0.5}, at(0.0, 4.0, 5.0));
+  EXPECT_DOUBLE_EQ(result.distance, 4.5);
+}
+
+TEST(ClosedForms, CrossedCapsulesHaveTheNormalAcrossBothAxes) {
+  Eigen::Isometry3d X_AB = Eigen::Isometry3d::Identity();
+  X_AB.linear() = Eigen::AngleAxisd(M_PI / 2, Eigen::Vector3d::UnitX()).toRotationMatrix();
+  const PairDistance result = distanceOf(Capsule{0.1, 1.0}, Capsule{0.2, 1.0}, X_AB);
+  EXPECT_NEAR(result.distance, -0.3, 1e-16);
+  EXPECT_NEAR(std::abs(result.nhat_AB_A[0]), 1.0, 1e-15);
+}
+
+TEST(ClosedForms, ParallelAndOverlappingCapsulesAgree) {
+  EXPECT_DOUBLE_EQ(distanceOf(Capsule{0.1, 1.0}, Capsule{0.2, 1.0}, at(0.5, 0.0, 0.3)).distance,
+                   0.2);
+  const PairDistance same = distanceOf(Capsule{0.1, 1.0}, Capsule{0.1, 1.0}, at(0.0, 0.0, 0.0));
+  EXPECT_DOUBLE_EQ(same.distance, -0.2);
+  EXPECT_DOUBLE_EQ(same.nhat_AB_A.norm(), 1.0);
+}
+
+TEST(ClosedForms, EveryShapeStandsOnTheFloorByItsLowestPoint) {
+  const PairDistance box = distanceOf(HalfSpace{}, Box{{1.0, 1.0, 1.0}}, at(3.0, 4.0, 0.75));
+  EXPECT_EQ(box.distance, 0.25);
+  EXPECT_EQ(box.nhat_AB_A, Eigen::Vector3d(0.0, 0.0, 1.0));
+  EXPECT_EQ(distanceOf(HalfSpace{}, Sphere{1.0}, at(0.0, 0.0, 1.0)).distance, 0.0);
+  EXPECT_EQ(distanceOf(HalfSpace{}, Cylinder{1.0, 1.0}, at(0.0, 0.0, 0.25)).distance, -0.25);
+  EXPECT_EQ(distanceOf(Capsule{1.0, 1.0}, HalfSpace{}, at(0.0, 0.0, -2.0)).distance, 0.5);
+}
+
+TEST(ClosedForms, HalfSpacesMeetUnlessTheyFaceEachOther) {
+  Eigen::Isometry3d X_AB = at(0.0, 0.0, 2.0);
+  EXPECT_TRUE(distanceOf(HalfSpace{}, HalfSpace{}, X_AB).touches());
+  X_AB.linear() = Eigen::Vector3d(1.0, -1.0, -1.0).asDiagonal();
+  EXPECT_EQ(distanceOf(HalfSpace{}, HalfSpace{}, X_AB).distance, 2.0);
+}
+
+TEST(ClosedForms, SeparatingAxesAgreeWithTheSignedDistanceOfBoxes) {
+  RandomInputs random;
+  NarrowPhase narrow_phase;
+  for (int i = 0; i < 20000; ++i) {
+    const auto A = prepareShape(Box{random.vector(0.0, 1.0)});
+    const auto B = prepareShape(Box{random.vector(0.0, 1.0)});
+    const Eigen::Isometry3d X_AB = random.pose(0.8);
+    const double distance = narrow_phase.distance(*A, *B, X_AB, INF).distance;
+    if (std::abs(distance) < 1e-14) continue;
+    ASSERT_EQ(narrow_phase.touches(*A, *B, X_AB), distance <= 0.0) << i << " " << distance;
+  }
+}
+
+}  // namespace
+}  // namespace collision_pairs

@@ -1,0 +1,92 @@
+// The accuracy table in short, against an oracle that shares nothing with the code under test.
+#include <gtest/gtest.h>
+
+#include "benchmark/accuracy_rows.h"
+#include "convex_distance.h"
+#include "convex_hull.h"
+#include "random_inputs.h"
+
+namespace collision_pairs {
+namespace {
+
+constexpr double INF = std::numeric_limits<double>::infinity();
+constexpr double SIZE = 0.2;
+
+bool hasFormula(const std::string& a, const std::string& b) {
+  if (a == "cylinder" || b == "cylinder") return a == "sphere" || b == "sphere";
+  return true;
+}
+
+void holdRow(const std::string& kind_a, const std::string& kind_b, int poses) {
+  SCOPED_TRACE(kind_a + "-" + kind_b);
+  RandomInputs random;
+  NarrowPhase narrow_phase;
+  const double tolerance = hasFormula(kind_a, kind_b) ? 1e-9 * SIZE : 1e-6;
+  for (const Separation separation : {Separation::APART, Separation::NEAR, Separation::SLIGHT,
+                                      Separation::DEEP, Separation::TWO_MILLIMETRES}) {
+    for (int i = 0; i < poses; ++i) {
+      const Shape a = randomShape(random, kind_a), b = randomShape(random, kind_b);
+      const auto A = prepareShape(a), B = prepareShape(b);
+      const Eigen::Isometry3d X_AB = randomPose(random, narrow_phase, *A, *B, separation);
+      const PairDistance result = narrow_phase.distance(*A, *B, X_AB, INF);
+      const AnswerError error = judge(oracleBody(a), oracleBody(b), X_AB, result, 1e-9 * SIZE);
+      ASSERT_FALSE(error.wrong_verdict) << name(separation) << " pose " << i;
+      ASSERT_LE(error.distance, tolerance) << name(separation) << " pose " << i;
+      ASSERT_LE(error.normal, tolerance) << name(separation) << " pose " << i;
+      ASSERT_LE(error.witness, 1e-4 * SIZE) << name(separation) << " pose " << i;
+      ASSERT_NEAR(result.nhat_AB_A.norm(), 1.0, 1e-12);
+      ASSERT_NE(result.certainty, Certainty::DEGRADED);
+    }
+  }
+}
+
+TEST(ConvexDistance, BoxesAreRightToRounding) { holdRow("box", "box", 60); }
+TEST(ConvexDistance, BoxAndSphereAreRightToRounding) { holdRow("box", "sphere", 20); }
+TEST(ConvexDistance, BoxAndCapsuleAreRightToRounding) { holdRow("box", "capsule", 20); }
+TEST(ConvexDistance, BoxAndCylinderMeetTheGoal) { holdRow("box", "cylinder", 20); }
+TEST(ConvexDistance, BoxAndConvexAreRightToRounding) { holdRow("box", "convex", 20); }
+TEST(ConvexDistance, SphereAndCylinderAreRightToRounding) { holdRow("sphere", "cylinder", 20); }
+TEST(ConvexDistance, SphereAndConvexAreRightToRounding) { holdRow("sphere", "convex", 20); }
+TEST(ConvexDistance, CylindersMeetTheGoal) { holdRow("cylinder", "cylinder", 20); }
+TEST(ConvexDistance, CylinderAndCapsuleMeetTheGoal) { holdRow("cylinder", "capsule", 20); }
+TEST(ConvexDistance, CylinderAndConvexMeetTheGoal) { holdRow("cylinder", "convex", 20); }
+TEST(ConvexDistance, CapsulesAreRightToRounding) { holdRow("capsule", "capsule", 20); }
+TEST(ConvexDistance, CapsuleAndConvexAreRightToRounding) { holdRow("capsule", "convex", 20); }
+TEST(ConvexDistance, ConvexesAreRightToRounding) { holdRow("convex", "convex", 20); }
+
+TEST(ConvexDistance, StopsWhenALowerBoundExceedsTheLimit) {
+  NarrowPhase narrow_phase;
+  const auto A = prepareShape(Box{{0.2, 0.2, 0.2}}), B = prepareShape(Cylinder{0.1, 0.2});
+  Eigen::Isometry3d X_AB = Eigen::Isometry3d::Identity();
+  X_AB.translation() = Eigen::Vector3d(0.5, 0.0, 0.0);
+  const PairDistance result = narrow_phase.distance(*A, *B, X_AB, 0.1);
+  EXPECT_EQ(result.certainty, Certainty::BEYOND);
+  EXPECT_GT(result.distance, 0.1);
+  EXPECT_LE(result.distance, 0.3);
+  EXPECT_EQ(narrow_phase.distance(*A, *B, X_AB, 0.31).certainty, Certainty::EXACT);
+}
+
+TEST(ConvexHullOfManyPoints, ClimbsToTheSameSupportPointAsLookingAtAll) {
+  RandomInputs random;
+  std::vector<Eigen::Vector3d> points;
+  for (int i = 0; i < 2000; ++i) {
+    points.push_back(random.uniform(0.5, 1.0) * (random.rotation() * Eigen::Vector3d::UnitX()));
+  }
+  const ConvexHull hull = convexHull(points);
+  ASSERT_FALSE(hull.points.neighbours.empty());
+  ConvexCore core;
+  core.kind = ConvexCore::Kind::POINTS;
+  core.points = hull.points.vertices.data();
+  core.num_points = static_cast<int>(hull.points.vertices.size());
+  core.edges = &hull.points;
+  for (int i = 0; i < 2000; ++i) {
+    const Eigen::Vector3d d = random.rotation() * Eigen::Vector3d::UnitX();
+    double best = -INF;
+    for (const Eigen::Vector3d& p : points) best = std::max(best, p.dot(d));
+    int hint = random.integer(0, core.num_points - 1);
+    ASSERT_NEAR(support<double>(core, d, hint).dot(d), best, 1e-15);
+  }
+}
+
+}  // namespace
+}  // namespace collision_pairs

@@ -1,0 +1,229 @@
+#include <CGAL/Exact_predicates_exact_constructions_kernel.h>
+#include <CGAL/Triangle_3.h>
+#include <gtest/gtest.h>
+
+#include "mesh_query.h"
+#include "mesh_solid.h"
+#include "random_inputs.h"
+#include "signed_distance_oracle.h"
+#include "test_shapes.h"
+
+namespace collision_pairs {
+namespace {
+
+using Eigen::Isometry3d;
+using Eigen::Vector3d;
+constexpr double INF = std::numeric_limits<double>::infinity();
+
+Isometry3d at(double x, double y, double z) {
+  Isometry3d X = Isometry3d::Identity();
+  X.translation() = Vector3d(x, y, z);
+  return X;
+}
+
+bool touch(const Shape& a, const Shape& b, const Isometry3d& X_AB) {
+  NarrowPhase narrow_phase;
+  const auto A = prepareShape(a), B = prepareShape(b);
+  const bool answer = narrow_phase.touches(*A, *B, X_AB);
+  EXPECT_EQ(narrow_phase.touches(*B, *A, X_AB.inverse()), answer);
+  EXPECT_EQ(narrow_phase.distance(*A, *B, X_AB, INF).touches(), answer);
+  EXPECT_EQ(narrow_phase.distance(*A, *B, X_AB, 0.0).touches(), answer);
+  return answer;
+}
+
+bool holds(const TriangleMesh& mesh, const Vector3d& p) {
+  return WindingNumber(mesh.vertices, findSolid(mesh).outward).holds(p);
+}
+
+TEST(TriangleDistance, MeetsExactlyWhereCgalsExactKernelSaysSo) {
+  using Kernel = CGAL::Exact_predicates_exact_constructions_kernel;
+  RandomInputs random;
+  int met = 0;
+  for (int i = 0; i < 20000; ++i) {
+    std::array<Vector3d, 6> p;
+    std::array<Kernel::Point_3, 6> q;
+    for (std::size_t k = 0; k < 6;
+         ++k) {  // a small grid: many touch, share corners, lie in a plane
+      p[k] = Vector3d(random.integer(0, 4), random.integer(0, 4), random.integer(0, 2));
+      q[k] = Kernel::Point_3(p[k][0], p[k][1], p[k][2]);
+    }
+    const Kernel::Triangle_3 s(q[0], q[1], q[2]), t(q[3], q[4], q[5]);
+    if (s.is_degenerate() || t.is_degenerate()) continue;
+    ClosestPoints best{INF};
+    improveByTriangles(Triangle(p[0], p[1], p[2]), Triangle(p[3], p[4], p[5]), best);
+    const double exact = CGAL::to_double(CGAL::squared_distance(s, t));
+    ASSERT_NEAR(std::sqrt(best.squared), std::sqrt(exact), 4e-15) << i;
+    met += exact == 0.0;
+  }
+  EXPECT_GT(met, 1000);
+}
+
+TEST(TriangleDistance, TrianglesWithoutAreaAreSegmentsAndPoints) {
+  const Triangle segment({0, 0, 0}, {1, 0, 0}, {2, 0, 0}), point({3, 4, 0}, {3, 4, 0}, {3, 4, 0});
+  ClosestPoints best{INF};
+  ASSERT_TRUE(improveByTriangles(segment, point, best));
+  EXPECT_DOUBLE_EQ(best.squared, 17.0);
+}
+
+TEST(MeshSolid, AHalfTurnedInsideOutMeshStillHoldsItsInside) {
+  TriangleMesh mesh = boxMesh({1, 1, 1});
+  for (std::size_t i = 0; i < mesh.triangles.size(); i += 2) {
+    std::swap(mesh.triangles[i][0], mesh.triangles[i][1]);
+  }
+  EXPECT_TRUE(holds(mesh, {0.5, 0.2, -0.3}));
+  EXPECT_TRUE(holds(insideOut(mesh), {0.5, 0.2, -0.3}));
+  EXPECT_FALSE(holds(mesh, {1.5, 0.2, -0.3}));
+}
+
+TEST(MeshSolid, RepeatedTrianglesAndUnsharedVerticesChangeNothing) {
+  TriangleMesh soup;
+  const TriangleMesh box = boxMesh({1, 1, 1});
+  for (const auto& t : box.triangles) {
+    for (const bool turned : {false, true}) {
+      const auto n = static_cast<std::uint32_t>(soup.vertices.size());
+      for (const std::uint32_t i : t) soup.vertices.push_back(box.vertices[i]);
+      soup.triangles.push_back({n, n + 1 + turned, n + 2 - turned});
+    }
+  }
+  EXPECT_TRUE(holds(soup, {0.0, 0.0, 0.9}));
+  EXPECT_FALSE(holds(soup, {0.0, 0.0, 1.1}));
+}
+
+TEST(MeshSolid, AnOpenSheetEnclosesNothing) {
+  TriangleMesh bowl = boxMesh({1, 1, 1});
+  bowl.triangles.resize(10);
+  EXPECT_FALSE(holds(bowl, {-0.5, 0.0, 0.0}));
+  EXPECT_FALSE(touch(meshShape(bowl), Sphere{0.1}, at(-0.5, 0.0, 0.0)));
+}
+
+TEST(MeshSolid, ATornSeamStillCountsAsClosed) {
+  TriangleMesh mesh = bumpyBall(40, 1.0);
+  mesh.triangles.erase(mesh.triangles.begin() + 700);
+  EXPECT_TRUE(holds(mesh, {0.0, 0.1, 0.2}));
+  EXPECT_TRUE(touch(meshShape(mesh), meshShape(LShape().mesh()), at(0.0, 0.0, 0.0)));
+}
+
+TEST(MeshSolid, BodiesThatOverlapInOneMeshDoNotCancel) {
+  const TriangleMesh mesh =
+      joined(boxMesh({1, 1, 1}), insideOut(movedBy(boxMesh({1, 1, 1}), {0.5, 0, 0})));
+  EXPECT_TRUE(holds(mesh, {0.2, 0.0, 0.0}));
+}
+
+TEST(MeshQuery, AMeshInsideAnotherIsAContactEitherWay) {
+  const Shape outer = meshShape(bumpyBall(16, 1.0)), inner = meshShape(LShape().mesh());
+  EXPECT_TRUE(touch(outer, inner, at(0.1, 0.0, 0.0)));
+  EXPECT_TRUE(touch(inner, outer, at(0.1, 0.0, 0.0)));
+  EXPECT_FALSE(touch(outer, inner, at(2.0, 0.0, 0.0)));
+}
+
+TEST(MeshQuery, APartOfAMeshInsideAnotherIsAContact) {
+  const Shape outer = meshShape(bumpyBall(16, 1.0));
+  const Shape two =
+      meshShape(joined(movedBy(boxMesh({0.1, 0.1, 0.1}), {9, 0, 0}), boxMesh({0.1, 0.1, 0.1})));
+  EXPECT_TRUE(touch(outer, two, at(0.0, 0.0, 0.0)));
+  EXPECT_TRUE(touch(outer, two, at(-9.0, 0.0, 0.0)));
+  EXPECT_FALSE(touch(outer, two, at(-4.5, 0.0, 0.0)));
+}
+
+TEST(MeshQuery, PrimitivesInsideAMeshAreContacts) {
+  const Shape ball = meshShape(bumpyBall(16, 1.0));
+  for (const Shape& small : {Shape(Box{{0.1, 0.1, 0.1}}), Shape(Sphere{0.1}),
+                             Shape(Cylinder{0.1, 0.1}), Shape(Capsule{0.1, 0.1})}) {
+    EXPECT_TRUE(touch(ball, small, at(0.3, 0.0, 0.0))) << shapeName(small);
+    EXPECT_FALSE(touch(ball, small, at(3.0, 0.0, 0.0))) << shapeName(small);
+  }
+}
+
+// An L is the union of two boxes, so its distance is the smaller of theirs.
+TEST(MeshQuery, DistanceOfAnLToAnyConvexIsThatOfItsNearerPiece) {
+  RandomInputs random;
+  NarrowPhase narrow_phase;
+  const LShape l;
+  const auto L = prepareShape(meshShape(l.mesh()));
+  const auto hull = std::make_shared<TriangleMesh>(boxMesh({0.1, 0.05, 0.15}));
+  for (const Shape& shape :
+       {Shape(Box{{0.1, 0.2, 0.3}}), Shape(Sphere{0.1}), Shape(Cylinder{0.1, 0.2}),
+        Shape(Capsule{0.1, 0.2}), Shape(Convex{hull}), meshShape(*hull)}) {
+    const auto B = prepareShape(shape);
+    for (int i = 0; i < 500; ++i) {
+      const Isometry3d X_LB = random.pose(0.5);
+      double expected = INF;
+      for (int k = 0; k < 2; ++k) {
+        const auto piece = prepareShape(Box{2.0 * l.piece_halves[k]});
+        Isometry3d X_PB = X_LB;
+        X_PB.translation() -= l.piece_centers[k];
+        expected = std::min(expected, narrow_phase.distance(*piece, *B, X_PB, INF).distance);
+      }
+      const PairDistance result = narrow_phase.distance(*L, *B, X_LB, INF);
+      ASSERT_EQ(result.touches(), expected <= 0.0) << shapeName(shape) << " pose " << i;
+      ASSERT_EQ(narrow_phase.touches(*L, *B, X_LB), expected <= 0.0) << shapeName(shape);
+      if (result.touches()) {
+        ASSERT_LE(result.distance, expected + 1e-9);  // the depth's accuracy for cylinders
+        ASSERT_EQ(result.certainty, Certainty::BOUND);
+        continue;
+      }
+      ASSERT_NEAR(result.distance, expected, 1e-10) << shapeName(shape) << " pose " << i;
+      ASSERT_NEAR((result.p_ACb - result.p_ACa).norm(), result.distance, 1e-12);
+      ASSERT_NEAR(result.nhat_AB_A.norm(), 1.0, 1e-12);
+    }
+  }
+}
+
+TEST(MeshQuery, DistanceOfMeshesIsThatOfTheirClosestTriangles) {
+  RandomInputs random;
+  NarrowPhase narrow_phase;
+  const TriangleMesh m = bumpyBall(8, 0.2), n = LShape().mesh();
+  const auto M = prepareShape(meshShape(m)), N = prepareShape(meshShape(n));
+  for (int i = 0; i < 200; ++i) {
+    const Isometry3d X = random.pose(0.5);
+    ClosestPoints best{INF};
+    for (std::uint32_t s = 0; s < m.triangles.size(); ++s) {
+      for (std::uint32_t t = 0; t < n.triangles.size(); ++t) {
+        const Triangle u = triangleOf(n, t);
+        improveByTriangles(triangleOf(m, s), Triangle(X * u.v[0], X * u.v[1], X * u.v[2]), best);
+      }
+    }
+    const PairDistance result = narrow_phase.distance(*M, *N, X, INF);
+    if (best.squared > 0.0 && !result.touches()) {
+      ASSERT_NEAR(result.distance, std::sqrt(best.squared), 1e-14);
+      const PairDistance cut = narrow_phase.distance(*M, *N, X, 0.5 * result.distance);
+      ASSERT_EQ(cut.certainty, Certainty::BEYOND);
+      ASSERT_LE(cut.distance, result.distance);
+    } else {
+      ASSERT_TRUE(result.touches());
+    }
+    ASSERT_EQ(narrow_phase.touches(*M, *N, X), result.touches());
+  }
+}
+
+TEST(MeshQuery, TheDepthOfMeshesIsABoundThatSeparates) {
+  RandomInputs random;
+  NarrowPhase narrow_phase;
+  const auto M = prepareShape(meshShape(bumpyBall(8, 0.2)));
+  const auto N = prepareShape(meshShape(LShape().mesh()));
+  for (int i = 0; i < 200; ++i) {
+    Isometry3d X = random.pose(0.1);
+    const PairDistance result = narrow_phase.distance(*M, *N, X, INF);
+    ASSERT_TRUE(result.touches());
+    ASSERT_EQ(result.certainty, Certainty::BOUND);
+    X.translation() += (1e-9 - result.distance) * result.nhat_AB_A;
+    ASSERT_FALSE(narrow_phase.touches(*M, *N, X)) << i;
+  }
+}
+
+TEST(MeshQuery, AConvexMeshIsAnsweredExactlyAsItsHull) {
+  RandomInputs random;
+  NarrowPhase narrow_phase;
+  const auto box = prepareShape(Box{{0.2, 0.4, 0.6}});
+  const auto mesh = prepareShape(meshShape(insideOut(boxMesh({0.1, 0.2, 0.3}))));
+  const auto other = prepareShape(Box{{0.3, 0.3, 0.3}});
+  for (int i = 0; i < 500; ++i) {
+    const Isometry3d X = random.pose(0.5);
+    const PairDistance result = narrow_phase.distance(*mesh, *other, X, INF);
+    ASSERT_NEAR(result.distance, narrow_phase.distance(*box, *other, X, INF).distance, 1e-14);
+    ASSERT_EQ(result.certainty, Certainty::EXACT);
+  }
+}
+
+}  // namespace
+}  // namespace collision_pairs

@@ -1,0 +1,165 @@
+#include <sstream>
+
+#include <gtest/gtest.h>
+
+#include "collision_pairs/narrow_phase.h"
+#include "random_inputs.h"
+#include "replay.h"
+#include "test_shapes.h"
+
+namespace collision_pairs {
+namespace {
+
+using Eigen::Isometry3d;
+using Eigen::Vector3d;
+constexpr double INF = std::numeric_limits<double>::infinity();
+
+std::vector<Shape> everyShape() {
+  const auto hull = std::make_shared<TriangleMesh>(bumpyBall(6, 0.15));
+  return {Box{{0.1, 0.2, 0.3}}, Sphere{0.15}, Cylinder{0.1, 0.2},        Capsule{0.1, 0.2},
+          HalfSpace{},          Convex{hull}, meshShape(LShape().mesh())};
+}
+
+// For every pair of shapes at random poses.
+template <class Check>
+void forEveryPair(int poses, Check check) {
+  RandomInputs random;
+  NarrowPhase narrow_phase;
+  for (const Shape& a : everyShape()) {
+    for (const Shape& b : everyShape()) {
+      SCOPED_TRACE(std::string(shapeName(a)) + "-" + shapeName(b));
+      const auto A = prepareShape(a), B = prepareShape(b);
+      for (int i = 0; i < poses; ++i) check(narrow_phase, random, *A, *B, random.pose(0.4));
+    }
+  }
+}
+
+bool bothHalfSpaces(const PreparedShape& A, const PreparedShape& B) {
+  return std::holds_alternative<HalfSpace>(A.shape()) &&
+         std::holds_alternative<HalfSpace>(B.shape());
+}
+
+TEST(NarrowPhase, YesOrNoIsTheSignOfTheDistance) {
+  forEveryPair(100, [](NarrowPhase& narrow_phase, RandomInputs&, const PreparedShape& A,
+                       const PreparedShape& B, const Isometry3d& X_AB) {
+    ASSERT_EQ(narrow_phase.touches(A, B, X_AB), narrow_phase.distance(A, B, X_AB, INF).touches());
+  });
+}
+
+TEST(NarrowPhase, TheAnswerDoesNotDependOnTheOrderOfTheShapes) {
+  forEveryPair(50, [](NarrowPhase& narrow_phase, RandomInputs&, const PreparedShape& A,
+                      const PreparedShape& B, const Isometry3d& X_AB) {
+    if (bothHalfSpaces(A, B)) return;
+    const double there = narrow_phase.distance(A, B, X_AB, INF).distance;
+    const double back = narrow_phase.distance(B, A, X_AB.inverse(), INF).distance;
+    ASSERT_NEAR(there, back, 1e-9);
+  });
+}
+
+TEST(NarrowPhase, WitnessPointsAreOneDistanceApartAlongTheNormal) {
+  forEveryPair(50, [](NarrowPhase& narrow_phase, RandomInputs&, const PreparedShape& A,
+                      const PreparedShape& B, const Isometry3d& X_AB) {
+    if (bothHalfSpaces(A, B)) return;
+    const PairDistance result = narrow_phase.distance(A, B, X_AB, INF);
+    const Vector3d apart = result.p_ACb - result.p_ACa;
+    ASSERT_NEAR(result.nhat_AB_A.norm(), 1.0, 1e-12);
+    ASSERT_NEAR(apart.dot(result.nhat_AB_A), result.distance, 1e-6);
+    ASSERT_NEAR(apart.norm(), std::abs(result.distance), 1e-6);
+    ASSERT_TRUE(apart.allFinite());
+    ASSERT_NE(result.certainty, Certainty::DEGRADED);
+  });
+}
+
+TEST(NarrowPhase, MovingAlongTheNormalByTheDepthSeparates) {
+  forEveryPair(50, [](NarrowPhase& narrow_phase, RandomInputs&, const PreparedShape& A,
+                      const PreparedShape& B, const Isometry3d& X_AB) {
+    if (bothHalfSpaces(A, B)) return;
+    const PairDistance result = narrow_phase.distance(A, B, X_AB, INF);
+    if (!result.touches()) return;
+    Isometry3d moved = X_AB;
+    moved.translation() += (1e-8 - result.distance) * result.nhat_AB_A;
+    ASSERT_FALSE(narrow_phase.touches(A, B, moved)) << result.distance;
+  });
+}
+
+TEST(NarrowPhase, WhatIsBeyondTheLimitIsALowerBound) {
+  forEveryPair(50, [](NarrowPhase& narrow_phase, RandomInputs& random, const PreparedShape& A,
+                      const PreparedShape& B, const Isometry3d& X_AB) {
+    const double limit = random.uniform(0.0, 0.4);
+    const PairDistance full = narrow_phase.distance(A, B, X_AB, INF);
+    const PairDistance cut = narrow_phase.distance(A, B, X_AB, limit);
+    if (full.distance > limit + 1e-9) {
+      ASSERT_EQ(cut.certainty, Certainty::BEYOND);
+      ASSERT_LE(cut.distance, full.distance + 1e-12);
+      ASSERT_GE(cut.distance, limit);
+    } else if (full.distance < limit - 1e-9 && !bothHalfSpaces(A, B)) {
+      ASSERT_NE(cut.certainty, Certainty::BEYOND);
+      ASSERT_NEAR(cut.distance, full.distance, 1e-9);
+    }
+  });
+}
+
+TEST(NarrowPhase, APoseThatIsNoPoseIsADegradedContactThatCanBeReplayed) {
+  NarrowPhase narrow_phase;
+  std::vector<std::string> records;
+  narrow_phase.onDegraded([&](const std::string& record) { records.push_back(record); });
+  const auto A = prepareShape(Box{{0.1, 0.2, 0.3}});
+  const auto B = prepareShape(meshShape(LShape().mesh()));
+  Isometry3d X_AB = Isometry3d::Identity();
+  X_AB.translation() = Vector3d(0.1 / 3.0, 2.0, std::nan(""));
+  const PairDistance result = narrow_phase.distance(*A, *B, X_AB, 0.7);
+  EXPECT_EQ(result.certainty, Certainty::DEGRADED);
+  EXPECT_TRUE(result.touches());
+  EXPECT_TRUE(narrow_phase.touches(*A, *B, X_AB));
+  EXPECT_EQ(narrow_phase.numDegraded(), 2U);
+  ASSERT_EQ(records.size(), 2U);
+  std::istringstream in(records[0]);
+  const Replay replay = readReplay(in);
+  EXPECT_EQ(std::get<Box>(replay.A).size, Vector3d(0.1, 0.2, 0.3));
+  EXPECT_EQ(std::get<Mesh>(replay.B).mesh->vertices, LShape().mesh().vertices);
+  EXPECT_EQ(std::get<Mesh>(replay.B).mesh->triangles, LShape().mesh().triangles);
+  EXPECT_EQ(replay.X_AB.translation()[0], 0.1 / 3.0);
+  EXPECT_EQ(replay.max_distance, 0.7);
+}
+
+TEST(NarrowPhase, EveryShapeSurvivesReplayToTheBit) {
+  for (const Shape& shape : everyShape()) {
+    const Replay replay{shape, shape, Isometry3d::Identity(), INF};
+    std::istringstream in(writeReplay(replay));
+    EXPECT_EQ(writeReplay(readReplay(in)), writeReplay(replay)) << shapeName(shape);
+  }
+  std::istringstream broken("collision_pairs_replay 1\nbox 0x1p-1 zwei");
+  EXPECT_THROW(readReplay(broken), std::runtime_error);
+}
+
+TEST(NarrowPhase, ASinkThatThrowsDoesNotCostTheAnswer) {
+  NarrowPhase narrow_phase;
+  narrow_phase.onDegraded([](const std::string&) { throw std::runtime_error("disk full"); });
+  Isometry3d X_AB = Isometry3d::Identity();
+  X_AB.linear() *= 2.0;
+  const auto A = prepareShape(Sphere{1.0});
+  EXPECT_TRUE(narrow_phase.touches(*A, *A, X_AB));
+}
+
+TEST(NarrowPhase, AQuaternionThatIsNotQuiteNormalisedIsMended) {
+  RandomInputs random;
+  NarrowPhase narrow_phase;
+  const auto A = prepareShape(Box{{0.1, 0.2, 0.3}}), B = prepareShape(Cylinder{0.1, 0.2});
+  for (int i = 0; i < 200; ++i) {
+    const Isometry3d X_AB = random.pose(0.5);
+    Isometry3d off = X_AB;
+    off.linear() *= 1.0 + random.uniform(-1e-4, 1e-4);
+    ASSERT_NEAR(narrow_phase.distance(*A, *B, off, INF).distance,
+                narrow_phase.distance(*A, *B, X_AB, INF).distance, 1e-9);
+  }
+  EXPECT_EQ(narrow_phase.numDegraded(), 0U);
+}
+
+TEST(NarrowPhase, DefectiveShapesAreRefusedByName) {
+  EXPECT_THROW(prepareShape(Sphere{-1.0}), std::invalid_argument);
+  EXPECT_THROW(prepareShape(Box{{1.0, std::nan(""), 1.0}}), std::invalid_argument);
+  EXPECT_THROW(prepareShape(Mesh{std::make_shared<TriangleMesh>()}), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace collision_pairs
