@@ -36,7 +36,7 @@ FclAnswer fclSurfacesMeet(const FclMesh& A, const FclMesh& B, const Eigen::Isome
   FclAnswer answer;
   if (A.empty() || B.empty()) return answer;
   try {
-    const fcl::CollisionRequestd request(1, true);
+    const fcl::CollisionRequestd request(1, false);
     fcl::CollisionResultd result;
     fcl::collide(&A.impl_->model, fcl::Transform3d::Identity(), &B.impl_->model,
                  fcl::Transform3d(X_AB.matrix()), request, result);

@@ -7,7 +7,8 @@
 //   box, box                               separating axes      GJK, EPA
 //   convex, convex (all others)            GJK                  GJK, EPA
 //   mesh, convex                           triangles, inside    triangles; depth: hulls by EPA
-//   mesh, mesh                             FCL's tree, inside   triangles; depth: hulls by EPA
+//   mesh, mesh                             FCL's tree (or       triangles; depth: hulls by EPA
+//                                          ours), inside
 //
 // "convex" is every primitive, every Convex and every mesh that is convex.
 #include "collision_pairs/narrow_phase.h"
@@ -83,9 +84,13 @@ struct NarrowPhase::Scratch {
   MeshQuery query;
   std::uint64_t num_degraded = 0;
   DegradedSink sink;
+  MeshContacts mesh_contacts = MeshContacts::FCL;
 
+  // FCL's "no" is taken; its "yes" is confirmed on the triangles that it names, because its
+  // triangle test has no axis for some that are degenerate. Where it throws, our own tree answers.
   bool surfacesTouch(const PreparedMesh& A, const PreparedMesh& B, const Isometry3d& X_AB) {
-    const FclAnswer answer = fclSurfacesMeet(A.fcl, B.fcl, X_AB);
+    FclAnswer answer;
+    if (mesh_contacts == MeshContacts::FCL) answer = fclSurfacesMeet(A.fcl, B.fcl, X_AB);
     if (answer.settled && !answer.meet) return false;
     if (answer.settled && answer.triangle_a >= 0 && answer.triangle_b >= 0) {
       ClosestPoints best{1e-300};
@@ -242,6 +247,8 @@ PairDistance NarrowPhase::distance(const PreparedShape& A, const PreparedShape& 
   if (result.certainty == Certainty::DEGRADED) scratch_->report(a, b, X_AB, max_distance);
   return result;
 }
+
+void NarrowPhase::setMeshContacts(MeshContacts who) { scratch_->mesh_contacts = who; }
 
 std::uint64_t NarrowPhase::numDegraded() const { return scratch_->num_degraded; }
 
