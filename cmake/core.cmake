@@ -2,6 +2,7 @@
 add_library(collision_pairs SHARED
   src/core/aabb.cpp
   src/core/closed_forms.cpp
+  src/core/closest_on_mesh.cpp
   src/core/collision_detector.cpp
   src/core/collision_report.cpp
   src/core/collision_scene.cpp
@@ -10,6 +11,7 @@ add_library(collision_pairs SHARED
   src/core/convex_hull.cpp
   src/core/enclosure.cpp
   src/core/fcl_backend.cpp
+  src/core/hull_bounds.cpp
   src/core/mesh_bounds.cpp
   src/core/mesh_query.cpp
   src/core/mesh_solid.cpp

@@ -41,7 +41,6 @@ struct SceneElement {
   /// By Fidelity; AABB has none of its own. Shared where rungs are the same shape.
   std::array<Rung, 4> rungs;
   const Rung& rung(Fidelity fidelity) const { return rungs[static_cast<int>(fidelity)]; }
-  bool convex;  ///< the hull is the element itself
   /// Its box in W, where it stands at X_WE. Of a mesh: tight to 1e-4 of the mesh's size, on the
   /// outside, because a few outermost vertices grown by that cost a fifth of all of them.
   Aabb boxAt(const Eigen::Isometry3d& X_WE) const;

@@ -29,6 +29,7 @@ struct PairDistance {
   Eigen::Vector3d p_ACb = Eigen::Vector3d::Zero();            ///< witness point on B
   Eigen::Vector3d nhat_AB_A = Eigen::Vector3d::UnitZ();       ///< unit normal, from A to B
   Certainty certainty = Certainty::EXACT;
+  bool by_hulls = false;  ///< of a mesh that is not convex: its triangles were not needed
   /// Witness points and normal are meaningless when BEYOND.
   bool touches() const { return distance <= 0.0; }
 };

@@ -26,12 +26,10 @@ SceneElement makeElement(const Element& element, const Eigen::Isometry3d& X_BL) 
   const Rung exact{prepareShape(element.shape), identity, 0.0};
   Rung convex = exact;
   Shape hull = element.shape;
-  made.convex = true;
   if (const auto* mesh = std::get_if<Mesh>(&element.shape)) {
     const auto corners = hullVertices(*mesh->mesh);
     hull = Convex{corners};
     convex = {prepareShape(hull), identity, hullMargin(*mesh->mesh)};
-    made.convex = false;
     made.mesh_bounds = std::make_shared<MeshBounds>(corners->vertices, convex.margin);
   }
   Rung obb = exact;

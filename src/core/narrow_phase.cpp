@@ -6,6 +6,7 @@
 //   capsule, capsule                       closed form          the same
 //   box, box                               separating axes      GJK, EPA
 //   convex, convex (all others)            GJK                  GJK, EPA
+//   mesh, anything                         first: do the hulls miss each other? settle it?
 //   mesh, convex                           triangles, inside    triangles; depth: hulls by EPA
 //   mesh, mesh                             FCL's tree (or       triangles; depth: hulls by EPA
 //                                          ours), inside
@@ -18,6 +19,7 @@
 
 #include "closed_forms.h"
 #include "convex_distance.h"
+#include "hull_bounds.h"
 #include "mesh_query.h"
 #include "replay.h"
 
@@ -105,6 +107,7 @@ struct NarrowPhase::Scratch {
   bool touches(const Prepared& A, const Prepared& B, const Isometry3d& X_AB, PairDistance& result) {
     if (A.isHalfSpace() || B.isHalfSpace()) return halfSpaceWith(A, B, X_AB).touches();
     if (!A.mesh && !B.mesh) return convexTouch(A, B, X_AB, result);
+    if (hullsMiss(A, B, X_AB)) return false;
     const Isometry3d X_BA = X_AB.inverse(Eigen::Isometry);
     if (A.mesh && B.mesh) {
       if (squaredBoxGap(A.box, B.box, X_AB.linear(), X_AB.translation()) > 0.0) return false;
@@ -141,12 +144,16 @@ struct NarrowPhase::Scratch {
         convexDistance(a, b, X_AB, std::numeric_limits<double>::infinity()).nhat_AB_A;
   }
 
+  // `hulls_meet`: one may hold the other, or a part of it.
   PairDistance meshMesh(const Prepared& A, const Prepared& B, const Isometry3d& X_AB,
-                        double max_distance) {
+                        double max_distance, bool hulls_meet) {
     const SurfaceGap gap = query.meshMesh(*A.mesh, *B.mesh, X_AB, max_distance);
     const bool apart = gap.beyond || gap.distance > 0.0;
-    if (!apart || MeshQuery::meshHoldsMesh(*A.mesh, *B.mesh, X_AB) ||
-        MeshQuery::meshHoldsMesh(*B.mesh, *A.mesh, X_AB.inverse(Eigen::Isometry))) {
+    const auto oneHoldsTheOther = [&] {
+      return MeshQuery::meshHoldsMesh(*A.mesh, *B.mesh, X_AB) ||
+             MeshQuery::meshHoldsMesh(*B.mesh, *A.mesh, X_AB.inverse(Eigen::Isometry));
+    };
+    if (!apart || (hulls_meet && oneHoldsTheOther())) {
       return hullDepth(A, B, X_AB);
     }
     PairDistance result;
@@ -162,10 +169,10 @@ struct NarrowPhase::Scratch {
   }
 
   PairDistance meshConvex(const Prepared& A, const Prepared& B, const Isometry3d& X_AB,
-                          double max_distance) {
+                          double max_distance, bool hulls_meet) {
     const SurfaceGap gap = query.meshConvex(*A.mesh, B, X_AB, max_distance);
     const bool apart = gap.beyond || gap.distance > 0.0;
-    if (!apart || meshHoldsConvex(*A.mesh, B, X_AB)) return hullDepth(A, B, X_AB);
+    if (!apart || (hulls_meet && meshHoldsConvex(*A.mesh, B, X_AB))) return hullDepth(A, B, X_AB);
     PairDistance result;
     if (gap.beyond) {
       result.distance = gap.distance;
@@ -184,11 +191,20 @@ struct NarrowPhase::Scratch {
       if (result.distance > max_distance) result.certainty = Certainty::BEYOND;
       return result;
     }
-    if (A.mesh && B.mesh) return meshMesh(A, B, X_AB, max_distance);
-    if (A.mesh) return meshConvex(A, B, X_AB, max_distance);
-    if (!B.mesh) return convexPair(A, B, X_AB, max_distance);
+    if (!A.mesh && !B.mesh) return convexPair(A, B, X_AB, max_distance);
+    HullBounds bounds = boundsFromHulls(A, B, X_AB, max_distance);
+    using Outcome = HullBounds::Outcome;
+    if (bounds.outcome == Outcome::BEYOND || bounds.outcome == Outcome::SETTLED) {
+      bounds.hulls.by_hulls = true;
+      return bounds.hulls;
+    }
+    const bool hulls_meet = bounds.outcome == Outcome::OPEN;
+    // A little more than the bound, which rounding may have put below the distance itself.
+    if (!hulls_meet) max_distance = std::min(max_distance, bounds.upper * (1.0 + 1e-12));
+    if (A.mesh && B.mesh) return meshMesh(A, B, X_AB, max_distance, hulls_meet);
+    if (A.mesh) return meshConvex(A, B, X_AB, max_distance, hulls_meet);
     const Isometry3d X_BA = X_AB.inverse(Eigen::Isometry);
-    return exchanged(meshConvex(B, A, X_BA, max_distance), X_AB);
+    return exchanged(meshConvex(B, A, X_BA, max_distance, hulls_meet), X_AB);
   }
 
   void report(const Prepared& A, const Prepared& B, const Isometry3d& X_AB, double max_distance) {

@@ -42,28 +42,18 @@ PairLadder::Answer PairLadder::climb(const BoxPair& pair, Fidelity top, double m
   const Isometry3d X_AB = relativePose(pair);
   const double gap = turnedBoxGap(pair, X_AB);
   if (gap > max_distance) return {beyond(gap), Fidelity::OBB};
-  if (top == Fidelity::MESH && !isConvex(pair)) {
-    const Answer hulls = measureAt(pair, X_AB, Fidelity::CONVEX, max_distance);
-    if (hulls.found.certainty == Certainty::BEYOND) return hulls;
-  }
-  return measureAt(pair, X_AB, top, max_distance);
+  Answer answer = measureAt(pair, X_AB, top, max_distance);
+  if (answer.found.by_hulls) answer.rung = Fidelity::CONVEX;
+  return answer;
 }
 
 bool PairLadder::touches(const BoxPair& pair, Fidelity top) {
   if (top != Fidelity::MESH) return climb(pair, top, 0.0).found.touches();
   const Isometry3d X_AB = relativePose(pair);
   if (turnedBoxGap(pair, X_AB) > 0.0) return false;
-  const SceneElement& a = scene_->elements()[pair.first];
-  const SceneElement& b = scene_->elements()[pair.second];
-  const auto meetAt = [&](Fidelity rung) {
-    return narrow_phase_.touches(*a.rung(rung).shape, *b.rung(rung).shape, X_AB);
-  };
-  // Hulls that miss each other by less than their margin are left to the meshes.
-  if (!isConvex(pair) &&
-      measureAt(pair, X_AB, Fidelity::CONVEX, 0.0).found.certainty == Certainty::BEYOND) {
-    return false;
-  }
-  return meetAt(Fidelity::MESH);
+  const auto& elements = scene_->elements();
+  return narrow_phase_.touches(*elements[pair.first].rung(top).shape,
+                               *elements[pair.second].rung(top).shape, X_AB);
 }
 
 PairLadder::Answer PairLadder::measureAt(const BoxPair& pair, const Isometry3d& X_AB, Fidelity rung,
@@ -120,10 +110,6 @@ double PairLadder::turnedBoxGap(const BoxPair& pair, const Isometry3d& X_AB) con
       static_cast<const Prepared&>(*scene_->elements()[pair.second].rung(Fidelity::MESH).shape);
   if (a.isHalfSpace() || b.isHalfSpace()) return 0.0;
   return std::sqrt(squaredBoxGap(a.box, b.box, X_AB.linear(), X_AB.translation()));
-}
-
-bool PairLadder::isConvex(const BoxPair& pair) const {
-  return scene_->elements()[pair.first].convex && scene_->elements()[pair.second].convex;
 }
 
 }  // namespace collision_pairs

@@ -42,7 +42,6 @@ class PairLadder {
   Answer measureBoxes(const BoxPair& pair) const;
   /// A lower bound of the distance of the two turned boxes; 0 does not mean that they meet.
   double turnedBoxGap(const BoxPair& pair, const Eigen::Isometry3d& X_AB) const;
-  bool isConvex(const BoxPair& pair) const;
 
   const CollisionScene* scene_ = nullptr;
   const std::vector<Eigen::Isometry3d>* X_WE_ = nullptr;

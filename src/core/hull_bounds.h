@@ -1,0 +1,35 @@
+// What the hulls of two solids say about their distance: a lower bound, and often all of it.
+#pragma once
+
+#include <Eigen/Geometry>
+
+#include "collision_pairs/narrow_phase.h"
+#include "prepared_shape.h"
+
+namespace collision_pairs {
+
+/// The hull holds the solid, so the distance of the hulls is a lower bound of that of the solids.
+/// And where both closest points of the hulls are points of the solids themselves, it is the
+/// distance: links are mostly round on the outside, and few pairs need their triangles.
+struct HullBounds {
+  enum class Outcome {
+    BEYOND,   ///< further apart than asked; `hulls` holds the lower bound
+    SETTLED,  ///< `hulls` is the answer
+    APART,    ///< the solids do not meet, and are no further apart than `upper`
+    OPEN      ///< the hulls meet, or nearly: nothing is known
+  };
+  Outcome outcome = Outcome::OPEN;
+  PairDistance hulls;
+  double upper = 0.0;  ///< metres; the distance of two points of the solids
+};
+
+/// At least one of the two is a mesh that is not convex; neither is a half-space.
+/// Cost: one GJK query, and for each mesh the point of its surface nearest to the closest point:
+/// one to three microseconds.
+HullBounds boundsFromHulls(const Prepared& A, const Prepared& B, const Eigen::Isometry3d& X_AB,
+                           double max_distance);
+
+/// Do even the hulls miss each other?
+bool hullsMiss(const Prepared& A, const Prepared& B, const Eigen::Isometry3d& X_AB);
+
+}  // namespace collision_pairs
