@@ -86,7 +86,7 @@ struct NarrowPhase::Scratch {
   MeshQuery query;
   std::uint64_t num_degraded = 0;
   DegradedSink sink;
-  MeshContacts mesh_contacts = MeshContacts::FCL;
+  MeshContacts mesh_contacts = MeshContacts::OWN_TREE;
 
   // FCL's "no" is taken; its "yes" is confirmed on the triangles that it names, because its
   // triangle test has no axis for some that are degenerate. Where it throws, our own tree answers.
@@ -144,6 +144,15 @@ struct NarrowPhase::Scratch {
         convexDistance(a, b, X_AB, std::numeric_limits<double>::infinity()).nhat_AB_A;
   }
 
+  static PairDistance ofHulls(const SurfaceGap& gap) {
+    PairDistance result;
+    result.distance = gap.distance;
+    result.p_ACa = gap.p_ACa;
+    result.p_ACb = gap.p_ACb;
+    result.nhat_AB_A = gap.nhat_AB_A;
+    return result;
+  }
+
   // `hulls_meet`: one may hold the other, or a part of it.
   PairDistance meshMesh(const Prepared& A, const Prepared& B, const Isometry3d& X_AB,
                         double max_distance, bool hulls_meet) {
@@ -162,6 +171,7 @@ struct NarrowPhase::Scratch {
       result.certainty = Certainty::BEYOND;
       return result;
     }
+    if (gap.by_hulls) return ofHulls(gap);
     const Triangle a = triangleOf(*A.mesh->triangles, gap.triangle_a);
     const Triangle b = triangleOf(*B.mesh->triangles, gap.triangle_b);
     setNormal(gap, triangleCore(a), triangleCore(b), X_AB, result);
@@ -179,6 +189,7 @@ struct NarrowPhase::Scratch {
       result.certainty = Certainty::BEYOND;
       return result;
     }
+    if (gap.by_hulls) return ofHulls(gap);
     const Triangle a = triangleOf(*A.mesh->triangles, gap.triangle_a);
     setNormal(gap, triangleCore(a), B.core, X_AB, result);
     return result;
