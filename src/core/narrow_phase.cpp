@@ -92,7 +92,7 @@ struct NarrowPhase::Scratch {
   // triangle test has no axis for some that are degenerate. Where it throws, our own tree answers.
   bool surfacesTouch(const PreparedMesh& A, const PreparedMesh& B, const Isometry3d& X_AB) {
     FclAnswer answer;
-    if (mesh_contacts == MeshContacts::FCL) answer = fclSurfacesMeet(A.fcl, B.fcl, X_AB);
+    if (mesh_contacts == MeshContacts::FCL) answer = fclSurfacesMeet(A.fcl(), B.fcl(), X_AB);
     if (answer.settled && !answer.meet) return false;
     if (answer.settled && answer.triangle_a >= 0 && answer.triangle_b >= 0) {
       ClosestPoints best{1e-300};
