@@ -51,6 +51,7 @@ endfunction()
 
 collision_pairs_pytest(architecture)
 collision_pairs_pytest(check_states)
+collision_pairs_pytest(install)
 collision_pairs_pytest(reference)
 
 # Each under a master of its own: rostest takes a free port.
