@@ -156,6 +156,10 @@ struct NarrowPhase::Scratch {
   // `hulls_meet`: one may hold the other, or a part of it.
   PairDistance meshMesh(const Prepared& A, const Prepared& B, const Isometry3d& X_AB,
                         double max_distance, bool hulls_meet) {
+    // Contact first: it is found by splitting boxes, much sooner than by measuring.
+    if (hulls_meet && !query.meshMesh(*A.mesh, *B.mesh, X_AB, 0.0).beyond) {
+      return hullDepth(A, B, X_AB);
+    }
     const SurfaceGap gap = query.meshMesh(*A.mesh, *B.mesh, X_AB, max_distance);
     const bool apart = gap.beyond || gap.distance > 0.0;
     const auto oneHoldsTheOther = [&] {
@@ -180,6 +184,9 @@ struct NarrowPhase::Scratch {
 
   PairDistance meshConvex(const Prepared& A, const Prepared& B, const Isometry3d& X_AB,
                           double max_distance, bool hulls_meet) {
+    if (hulls_meet && !query.meshConvex(*A.mesh, B, X_AB, 0.0).beyond) {
+      return hullDepth(A, B, X_AB);
+    }
     const SurfaceGap gap = query.meshConvex(*A.mesh, B, X_AB, max_distance);
     const bool apart = gap.beyond || gap.distance > 0.0;
     if (!apart || (hulls_meet && meshHoldsConvex(*A.mesh, B, X_AB))) return hullDepth(A, B, X_AB);
