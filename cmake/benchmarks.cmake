@@ -35,3 +35,8 @@ add_executable(detector_benchmark test/benchmark/benchmark_robots.cpp
 target_link_libraries(detector_benchmark PRIVATE collision_pairs_io fcl benchmark::benchmark)
 target_include_directories(detector_benchmark PRIVATE src/core)
 collision_pairs_warnings(detector_benchmark)
+
+# The node's services, beside an empty one; started by scripts/measure_service.
+add_executable(service_benchmark test/benchmark/service_benchmark.cpp)
+target_link_libraries(service_benchmark PRIVATE collision_pairs_ros)
+collision_pairs_warnings(service_benchmark)
