@@ -48,7 +48,7 @@ class CollisionPairsNode {
     double cycle_time = 0.0;
     std::vector<std::string> left_out;
     std::uint32_t nb_boxes = 0, nb_pairs = 0, nb_degraded = 0, nb_unresolved = 0;
-    std::uint64_t cycles = 0, overruns = 0;
+    std::uint64_t cycles = 0, overruns = 0, out_of_time = 0;
   };
 
   bool loadScene(std::string& problem);
