@@ -12,17 +12,20 @@ add_library(collision_pairs SHARED
   src/core/convex_hull.cpp
   src/core/enclosure.cpp
   src/core/fcl_backend.cpp
+  src/core/found_pairs.cpp
   src/core/hull_bounds.cpp
   src/core/mesh_bounds.cpp
   src/core/mesh_query.cpp
   src/core/mesh_solid.cpp
   src/core/narrow_phase.cpp
+  src/core/nearest_name.cpp
   src/core/pair_filter.cpp
   src/core/pair_ladder.cpp
   src/core/pair_sort.cpp
   src/core/prepared_shape.cpp
   src/core/replay.cpp
   src/core/robot_model.cpp
+  src/core/scene_element.cpp
   src/core/shape.cpp
   src/core/srdf.cpp
   src/core/static_boxes.cpp
@@ -32,6 +35,7 @@ add_library(collision_pairs SHARED
   src/core/sweep_grid.cpp
   src/core/sweep_kernel.cpp
   src/core/sweep_record.cpp
+  src/core/timed_climb.cpp
   src/core/triangle_distance.cpp
   src/core/triangle_tree.cpp
   src/core/urdf_checks.cpp

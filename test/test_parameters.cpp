@@ -49,6 +49,10 @@ TEST_P(Defaults, AreThoseOfTheCode) {
   const auto text = GetParam()();
   EXPECT_EQ(std::stod(text.at("alarm_distance")), code.check.alarm_distance);
   EXPECT_EQ(text.at("fidelity"), fidelityName(code.check.fidelity));
+  EXPECT_EQ(std::stod(text.at("time_budget")), code.check.time_budget);
+  EXPECT_EQ(std::stoi(text.at("max_hull_vertices")), code.scene.max_hull_vertices);
+  EXPECT_EQ(text.at("link_fidelity"), "{}");
+  EXPECT_TRUE(code.scene.link_fidelity.empty());
   EXPECT_EQ(std::stod(text.at("rate")), code.rate);
   EXPECT_EQ(text.at("show_only_investigated_boxes"),
             code.show_only_investigated_boxes ? "true" : "false");
@@ -64,6 +68,7 @@ TEST(Defaults, OfDynamicReconfigureAreThoseOfTheCode) {
   const auto config = CollisionPairsConfig::__getDefault__();
   EXPECT_EQ(config.alarm_distance, code.check.alarm_distance);
   EXPECT_EQ(config.fidelity, fidelityName(code.check.fidelity));
+  EXPECT_EQ(config.time_budget, code.check.time_budget);
   EXPECT_EQ(config.rate, code.rate);
   EXPECT_EQ(config.show_only_investigated_boxes, code.show_only_investigated_boxes);
 }

@@ -1,6 +1,7 @@
 // One check: poses in, report out.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -12,7 +13,10 @@
 
 namespace collision_pairs {
 
+class Deadline;
+class FoundPairs;
 class PairLadder;
+class TimedClimb;
 
 struct CheckSettings {
   /// Metres, >= 0. Pairs up to this far apart are reported as near. 0: contacts only. Larger
@@ -25,6 +29,11 @@ struct CheckSettings {
   /// Only in_collision is asked for: ends at the first contact, which is then the only pair in the
   /// report, without points and depth. The alarm distance counts as 0.
   bool verdict_only = false;
+  /// Seconds, >= 0, for the whole check; 0: no limit. Boxes are always rebuilt, swept and compared;
+  /// the most suspicious pairs then climb the ladder until the time is spent, and the narrow query
+  /// that is running then is finished. What is left is reported as UNRESOLVED, with its lower
+  /// bound and the rung that this is of: no pair is left out.
+  double time_budget = 0.0;
 };
 
 /// Runs the check. Holds scratch memory only: the answer depends on (scene, poses, settings)
@@ -44,8 +53,8 @@ class CollisionDetector {
   CollisionDetector(CollisionDetector&&) noexcept;
   CollisionDetector& operator=(CollisionDetector&&) noexcept;
 
-  /// Throws InputError for an alarm distance that is negative or not a number, or if `poses` does
-  /// not fit the scene.
+  /// Throws InputError for an alarm distance or a time budget that is negative or not a number, or
+  /// if `poses` does not fit the scene.
   const CollisionReport& detect(const BodyPoses& poses, const CheckSettings& settings);
 
   void beginNarrowPhase(const BodyPoses& poses, const CheckSettings& settings);
@@ -63,6 +72,10 @@ class CollisionDetector {
   /// Forgets a begun check and gives the scratch memory back.
   void reset();
 
+  /// What the time budget is measured by: seconds that never go back. For tests; the default is
+  /// std::chrono::steady_clock.
+  void setClock(std::function<double()> clock);
+
  private:
   void checkInput(const BodyPoses& poses, const CheckSettings& settings) const;
   const CollisionReport& run(const BodyPoses& poses);
@@ -70,20 +83,23 @@ class CollisionDetector {
   void rebuildBoxes(const BodyPoses& poses);
   /// The pairs of elements whose boxes are no further apart than `reach`, sorted.
   void sweep(double reach, std::vector<BoxPair>& candidates);
+  void beginPairs();
   void findFirstContact();
   void measureCandidates();
-  void searchMinimum();
-  void measureNearestFirst(const std::vector<BoxPair>& pairs, double& best);
-  void assembleReport();
-
-  /// The elements of `pair`, first the one of the model with the smaller id.
-  BoxPair byModel(const BoxPair& pair) const;
-  void record(const BoxPair& pair, const PairDistance& found, Fidelity rung);
+  void measureInTime(const Deadline& deadline);
+  void take(const BoxPair& pair, const PairDistance& found, Fidelity rung);
+  void searchMinimum(const Deadline& deadline);
+  /// False where the time was spent first; nothing that is left is then nearer than `known`.
+  bool measureNearestFirst(const std::vector<BoxPair>& pairs, const Deadline& deadline,
+                           double& best, double& known);
 
   std::shared_ptr<const CollisionScene> scene_;
   CheckSettings settings_;
   SweepAndPrune sweep_;
   std::unique_ptr<PairLadder> ladder_;
+  std::unique_ptr<TimedClimb> timed_climb_;
+  std::unique_ptr<FoundPairs> found_;
+  std::function<double()> clock_;
   CollisionReport report_;
   std::vector<Eigen::Isometry3d> X_WE_;  // one an element
 
@@ -91,9 +107,6 @@ class CollisionDetector {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> added_pairs_;
   bool only_added_pairs_ = false;
 
-  std::vector<PairReport> found_;        // one an element pair, until they are put together
-  std::vector<Contact> found_contacts_;  // beside found_
-  std::vector<std::uint32_t> order_;
   std::vector<BoxPair> reached_;
   std::vector<std::pair<double, BoxPair>> by_gap_;
 };

@@ -9,31 +9,21 @@
 #include <Eigen/Core>
 
 #include "collision_pairs/aabb.h"
+#include "collision_pairs/fidelity.h"
 #include "collision_pairs/narrow_phase.h"
 #include "collision_pairs/sweep_and_prune.h"
 
 namespace collision_pairs {
 
-/// Which geometry decides: a ladder on which each rung encloses the next, so that a cheaper one
-/// reports every contact that a dearer one reports, and its distance is a lower bound.
-enum class Fidelity {
-  AABB,    ///< the axis-aligned boxes of the broad phase
-  OBB,     ///< a box about each element, turned with it, and the axis-aligned box as well
-  CONVEX,  ///< the convex hull of each element
-  MESH     ///< the elements as they are
-};
-
-const char* fidelityName(Fidelity fidelity);
-/// Throws InputError that lists the known names.
-Fidelity parseFidelity(const std::string& name);
-
 enum class PairState {
   NEAR,       ///< apart, and no further than the alarm distance
   CONTACT,    ///< touching or penetrating
-  UNRESOLVED  ///< not settled; `distance` is a lower bound of the signed distance
+  UNRESOLVED  ///< not settled; `distance` is a lower bound of the signed distance, so that the two
+              ///< are known to be apart where it is positive
 };
 
-/// Closest (or deepest) points of two elements, measured and expressed in the world frame W.
+/// Closest (or deepest) points of two elements, measured and expressed in the world frame W. They
+/// are points of the geometry that decided: where the time was spent, of the boxes.
 struct Contact {
   Eigen::Vector3d p_WFirst;   ///< on the element of the first model
   Eigen::Vector3d p_WSecond;  ///< on the element of the second model
@@ -64,10 +54,11 @@ struct StageTimes {
 
 /// Owned by the detector that filled it and valid until its next check; copy what must stay.
 struct CollisionReport {
-  /// Some pair touches, or could not be shown not to (UNRESOLVED).
+  /// Some pair touches, or could not be shown not to (UNRESOLVED, its lower bound not positive).
   bool in_collision = false;
   /// Smallest signed distance of all allowed pairs, where it is at most the alarm distance or was
-  /// asked for; otherwise the alarm distance, of which it is then known to be no less.
+  /// asked for; otherwise (`…_is_bound`) what it is known to be no less than: the alarm distance,
+  /// or where the time was spent the least of the lower bounds.
   double min_distance = 0.0;
   bool min_distance_is_bound = true;
   std::vector<PairReport> pairs;        ///< sorted by (first, second)
@@ -78,6 +69,9 @@ struct CollisionReport {
   std::uint32_t nb_boxes = 0;           ///< boxes rebuilt or standing in this cycle
   /// Investigated pairs by the rung (Fidelity) that settled them.
   std::array<std::uint32_t, 4> nb_settled = {0, 0, 0, 0};
+  /// Investigated pairs that the time budget left UNRESOLVED; with nb_settled, all of them.
+  std::uint32_t nb_unresolved = 0;
+  bool budget_spent = false;      ///< the time ended before everything was settled
   std::uint32_t nb_degraded = 0;  ///< element pairs that the first method could not settle
   StageTimes times;
 };

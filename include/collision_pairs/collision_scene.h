@@ -11,6 +11,7 @@
 #include "collision_pairs/collision_report.h"
 #include "collision_pairs/pair_filter.h"
 #include "collision_pairs/robot_model.h"
+#include "collision_pairs/scene_settings.h"
 #include "collision_pairs/srdf.h"
 #include "collision_pairs/sweep_and_prune.h"
 
@@ -31,20 +32,29 @@ struct Rung {
   std::shared_ptr<const PreparedShape> shape;
   Eigen::Isometry3d X_ER;  ///< pose of that shape in the element's frame; identity but for OBB
   /// Metres by which the shape must be grown to enclose the next rung in exact arithmetic.
-  double margin;
+  double margin = 0.0;
+  /// The shape sticks out of the next by design, so that a cheaper rung may be the better bound.
+  bool loose = false;
 };
 
 struct SceneElement {
   std::uint32_t model;
   int body;                ///< as in CollisionModel
   Eigen::Isometry3d X_BE;  ///< pose in its body's frame; in W if it never moves
-  /// By Fidelity; AABB has none of its own. Shared where rungs are the same shape.
+  /// The dearest geometry that its link may be checked with.
+  Fidelity dearest = Fidelity::MESH;
+  /// By Fidelity; AABB has none of its own. Shared where rungs are the same shape; without one
+  /// where no allowed pair asks for it.
   std::array<Rung, 4> rungs;
   const Rung& rung(Fidelity fidelity) const { return rungs[static_cast<int>(fidelity)]; }
   /// Its box in W, where it stands at X_WE. Of a mesh: tight to 1e-4 of the mesh's size, on the
   /// outside, because a few outermost vertices grown by that cost a fifth of all of them.
   Aabb boxAt(const Eigen::Isometry3d& X_WE) const;
   std::shared_ptr<const MeshBounds> mesh_bounds;  ///< null for a primitive
+  /// A box along the axes of E that encloses the element, rounding included: its centre and half
+  /// its size, in E. Infinite for a half-space.
+  Eigen::Vector3d box_center, box_half;
+  Shape shape;  ///< the element as it is
 };
 
 /// A rigid body of the robot whose pose the detector wants.
@@ -62,14 +72,17 @@ class CollisionScene {
   /// robot's root link, with its joints at zero. Pairs within the world are not checked. With an
   /// SRDF every pair of links of the robot is checked that it does not switch off; without one,
   /// links that hang together are not (RobotModel::adjacentLinks). Throws InputError if a link of
-  /// the world has the name of one of the robot.
+  /// the world has the name of one of the robot, or if the settings name a link that is in neither
+  /// (the error says which one is meant, perhaps).
   static std::shared_ptr<const CollisionScene> build(std::shared_ptr<const RobotModel> robot,
                                                      const std::optional<Srdf>& srdf,
-                                                     std::shared_ptr<const RobotModel> world);
+                                                     std::shared_ptr<const RobotModel> world,
+                                                     const SceneSettings& settings = {});
 
   /// The robot against the world only, not against itself.
   static std::shared_ptr<const CollisionScene> buildAgainstWorldOnly(
-      std::shared_ptr<const RobotModel> robot, std::shared_ptr<const RobotModel> world);
+      std::shared_ptr<const RobotModel> robot, std::shared_ptr<const RobotModel> world,
+      const SceneSettings& settings = {});
 
   const RobotModel& robot() const { return *robot_; }
   const std::vector<CollisionModel>& models() const { return models_; }

@@ -16,10 +16,11 @@ namespace collision_pairs {
 
 /// What a PairDistance's number is worth.
 enum class Certainty {
-  EXACT,     ///< the distance itself, to the accuracy that the table of pairs states
-  BEYOND,    ///< further apart than was asked; `distance` is a lower bound of the distance
-  BOUND,     ///< in contact for certain; |distance| is an upper bound of the depth
-  DEGRADED,  ///< the first method failed; `distance` is a lower bound of the signed distance
+  EXACT,       ///< the distance itself, to the accuracy that the table of pairs states
+  BEYOND,      ///< further apart than was asked; `distance` is a lower bound of the distance
+  BOUND,       ///< in contact for certain; |distance| is an upper bound of the depth
+  DEGRADED,    ///< the first method failed; `distance` is a lower bound of the signed distance
+  UNFINISHED,  ///< never from here: a check's time was spent; `distance` is a lower bound as well
 };
 
 /// The answer for shapes A and B, measured and expressed in A's frame.

@@ -4,10 +4,12 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
 #include "collision_pairs/input_error.h"
+#include "deadline.h"
+#include "found_pairs.h"
 #include "pair_ladder.h"
+#include "timed_climb.h"
 
 namespace collision_pairs {
 namespace {
@@ -31,17 +33,8 @@ class StageClock {
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
 
-/// Another pair of elements of the same two models.
-void mergeInto(PairReport& pair, const PairReport& other) {
-  const auto weight = [](PairState state) {
-    return state == PairState::CONTACT ? 2 : state == PairState::UNRESOLVED ? 1 : 0;
-  };
-  if (weight(other.state) > weight(pair.state)) pair.state = other.state;
-  ++pair.nb_contacts;
-  if (other.distance >= pair.distance) return;
-  pair.distance = other.distance;
-  pair.certainty = other.certainty;
-  pair.fidelity = other.fidelity;
+double steadySeconds() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
 Aabb noBox() { return {Vector3d::Constant(INF), Vector3d::Constant(-INF)}; }
@@ -49,7 +42,11 @@ Aabb noBox() { return {Vector3d::Constant(INF), Vector3d::Constant(-INF)}; }
 }  // namespace
 
 CollisionDetector::CollisionDetector(std::shared_ptr<const CollisionScene> scene)
-    : scene_(std::move(scene)), ladder_(std::make_unique<PairLadder>()) {}
+    : scene_(std::move(scene)),
+      ladder_(std::make_unique<PairLadder>()),
+      timed_climb_(std::make_unique<TimedClimb>()),
+      found_(std::make_unique<FoundPairs>()),
+      clock_(&steadySeconds) {}
 
 CollisionDetector::~CollisionDetector() = default;
 CollisionDetector::CollisionDetector(CollisionDetector&&) noexcept = default;
@@ -60,7 +57,13 @@ void CollisionDetector::setScene(std::shared_ptr<const CollisionScene> scene) {
   X_WE_.clear();
 }
 
-void CollisionDetector::reset() { *this = CollisionDetector(std::move(scene_)); }
+void CollisionDetector::reset() {
+  std::function<double()> clock = std::move(clock_);
+  *this = CollisionDetector(std::move(scene_));
+  clock_ = std::move(clock);
+}
+
+void CollisionDetector::setClock(std::function<double()> clock) { clock_ = std::move(clock); }
 
 const CollisionReport& CollisionDetector::detect(const BodyPoses& poses,
                                                  const CheckSettings& settings) {
@@ -94,6 +97,10 @@ void CollisionDetector::checkInput(const BodyPoses& poses, const CheckSettings& 
     throw InputError("the alarm distance is " + std::to_string(settings.alarm_distance) +
                      ", but must be 0 or more metres, and finite");
   }
+  if (!(settings.time_budget >= 0.0)) {
+    throw InputError("the time budget is " + std::to_string(settings.time_budget) +
+                     ", but must be 0 or more seconds");
+  }
   const std::size_t expected = scene_->bodies().size();
   if (poses.X_WB.size() != expected || poses.known.size() != expected) {
     throw InputError("poses of " + std::to_string(poses.X_WB.size()) +
@@ -103,24 +110,36 @@ void CollisionDetector::checkInput(const BodyPoses& poses, const CheckSettings& 
 
 const CollisionReport& CollisionDetector::run(const BodyPoses& poses) {
   StageClock clock, whole;
-  report_.times = {};
+  const Deadline deadline(clock_, settings_.time_budget);
+  beginPairs();
   rebuildBoxes(poses);  // tight boxes of every element at its pose
   clock.split(report_.times.boxes);
   sweep(settings_.alarm_distance, report_.candidates);  // axis, sort, sweep
   clock.split(report_.times.broad_phase);
-  found_.clear();
-  found_contacts_.clear();
-  ladder_->begin(*scene_, X_WE_, report_.boxes);
-  if (settings_.verdict_only) {
+  if (deadline.isSet()) {
+    measureInTime(deadline);  // the most suspicious candidates first
+  } else if (settings_.verdict_only) {
     findFirstContact();
   } else {
     measureCandidates();  // contacts and near pairs among the candidates
   }
-  if (settings_.min_distance) searchMinimum();
+  if (settings_.min_distance) searchMinimum(deadline);
   clock.split(report_.times.narrow_phase);
-  assembleReport();  // one entry for each pair of models
+  found_->assemble(!settings_.verdict_only, report_);  // one entry for each pair of models
   whole.split(report_.times.total);
   return report_;
+}
+
+void CollisionDetector::beginPairs() {
+  found_->clear();
+  report_.times = {};
+  report_.nb_degraded = 0;
+  report_.nb_unresolved = 0;
+  report_.nb_settled = {};
+  report_.budget_spent = false;
+  report_.min_distance = settings_.alarm_distance;
+  report_.min_distance_is_bound = true;
+  ladder_->begin(*scene_, X_WE_, report_.boxes);
 }
 
 void CollisionDetector::rebuildBoxes(const BodyPoses& poses) {
@@ -159,7 +178,7 @@ void CollisionDetector::sweep(double reach, std::vector<BoxPair>& candidates) {
   candidates = sweep_.end();
   if (!only_added_pairs_) return;
   const auto was_not_added = [&](const BoxPair& pair) {
-    const BoxPair ab = byModel(pair);
+    const BoxPair ab = ladder_->byModel(pair);
     return !std::binary_search(added_pairs_.begin(), added_pairs_.end(),
                                std::make_pair(elements[ab.first].model, elements[ab.second].model));
   };
@@ -168,63 +187,47 @@ void CollisionDetector::sweep(double reach, std::vector<BoxPair>& candidates) {
 }
 
 void CollisionDetector::findFirstContact() {
-  report_.nb_degraded = 0;
-  report_.nb_settled = {};
   for (const BoxPair& candidate : report_.candidates) {
-    const BoxPair pair = byModel(candidate);
+    const BoxPair pair = ladder_->byModel(candidate);
     if (!ladder_->touches(pair, settings_.fidelity)) continue;
     PairDistance contact;
     contact.distance = 0.0;
     contact.certainty = Certainty::BOUND;
-    record(pair, contact, settings_.fidelity);
-    found_.back().nb_contacts = 0;
+    found_->add(*scene_, pair, contact, ladder_->rungOf(pair, settings_.fidelity));
     return;
   }
 }
 
 void CollisionDetector::measureCandidates() {
-  report_.nb_degraded = 0;
-  report_.nb_settled = {};
   for (const BoxPair& candidate : report_.candidates) {
-    const BoxPair pair = byModel(candidate);
+    const BoxPair pair = ladder_->byModel(candidate);
     const auto [found, rung] = ladder_->climb(pair, settings_.fidelity, settings_.alarm_distance);
-    ++report_.nb_settled[static_cast<int>(rung)];
-    if (found.certainty == Certainty::DEGRADED) ++report_.nb_degraded;
-    if (found.distance <= settings_.alarm_distance && found.certainty != Certainty::BEYOND) {
-      record(pair, found, rung);
-    }
+    take(pair, found, rung);
   }
 }
 
-BoxPair CollisionDetector::byModel(const BoxPair& pair) const {
-  const auto& elements = scene_->elements();
-  return elements[pair.first].model < elements[pair.second].model
-             ? pair
-             : BoxPair{pair.second, pair.first};
+void CollisionDetector::measureInTime(const Deadline& deadline) {
+  const auto& results = timed_climb_->run(report_.candidates, settings_, deadline, *ladder_);
+  for (const auto& [pair, answer] : results) take(pair, answer.found, answer.rung);
+  report_.budget_spent = report_.nb_unresolved > 0;
 }
 
-void CollisionDetector::record(const BoxPair& pair, const PairDistance& found, Fidelity rung) {
-  const auto& elements = scene_->elements();
-  PairReport entry;
-  entry.first = elements[pair.first].model;
-  entry.second = elements[pair.second].model;
-  entry.state = !found.touches()                         ? PairState::NEAR
-                : found.certainty == Certainty::DEGRADED ? PairState::UNRESOLVED
-                                                         : PairState::CONTACT;
-  entry.distance = found.distance;
-  entry.fidelity = rung;
-  entry.certainty = found.certainty;
-  entry.first_contact = 0;
-  entry.nb_contacts = 1;
-  found_.push_back(entry);
-  found_contacts_.push_back({found.p_ACa, found.p_ACb, found.nhat_AB_A, -found.distance, pair});
+void CollisionDetector::take(const BoxPair& pair, const PairDistance& found, Fidelity rung) {
+  if (found.certainty == Certainty::UNFINISHED) {
+    ++report_.nb_unresolved;
+  } else {
+    ++report_.nb_settled[static_cast<int>(rung)];
+  }
+  if (found.certainty == Certainty::DEGRADED) ++report_.nb_degraded;
+  if (found.distance <= settings_.alarm_distance && found.certainty != Certainty::BEYOND) {
+    found_->add(*scene_, pair, found, rung);
+  }
 }
 
 // The sweep at a reach that grows until it holds the nearest pair: what it does not hold is
 // further than the reach. Pairs are taken by the gap of their boxes, so that most end at once.
-void CollisionDetector::searchMinimum() {
-  double best = INF;
-  for (const PairReport& entry : found_) best = std::min(best, entry.distance);
+void CollisionDetector::searchMinimum(const Deadline& deadline) {
+  double best = found_->minDistance();
   Aabb all = noBox();
   for (const Aabb& box : report_.boxes) {
     if (!box.valid()) continue;
@@ -233,18 +236,24 @@ void CollisionDetector::searchMinimum() {
   }
   // The empty scene and half-spaces have none that is finite.
   const double extent = all.valid() ? std::min((all.max - all.min).norm(), MAX_REACH) : 0.0;
-  double swept = settings_.alarm_distance;  // nothing nearer than this is still unknown
-  for (double reach = std::max(2.0 * swept, extent / 64.0); best > swept && swept < extent;
+  double known = settings_.alarm_distance;  // nothing nearer than this is still unknown
+  bool in_time = true;
+  for (double reach = std::max(2.0 * known, extent / 64.0); best > known && known < extent;
        reach = std::min(std::max(4.0 * reach, 1e-300), MAX_REACH)) {
+    in_time = !deadline.spent();
+    if (!in_time) break;
     sweep(reach, reached_);
-    swept = reach;
-    measureNearestFirst(reached_, best);
+    in_time = measureNearestFirst(reached_, deadline, best, known);
+    if (!in_time) break;
+    known = reach;
   }
-  report_.min_distance = best;
-  report_.min_distance_is_bound = best == INF;
+  report_.budget_spent |= !in_time;
+  report_.min_distance = in_time ? best : std::min(best, known);
+  report_.min_distance_is_bound = report_.min_distance == INF || (!in_time && known < best);
 }
 
-void CollisionDetector::measureNearestFirst(const std::vector<BoxPair>& pairs, double& best) {
+bool CollisionDetector::measureNearestFirst(const std::vector<BoxPair>& pairs,
+                                            const Deadline& deadline, double& best, double& known) {
   by_gap_.clear();
   for (const BoxPair& pair : pairs) {
     by_gap_.emplace_back(squaredGap(report_.boxes[pair.first], report_.boxes[pair.second]), pair);
@@ -252,43 +261,14 @@ void CollisionDetector::measureNearestFirst(const std::vector<BoxPair>& pairs, d
   std::sort(by_gap_.begin(), by_gap_.end());
   for (const auto& [squared_gap, pair] : by_gap_) {
     if (squared_gap > std::max(best, 0.0) * best) break;
-    best = std::min(best, ladder_->climb(byModel(pair), settings_.fidelity, best).found.distance);
-  }
-}
-
-void CollisionDetector::assembleReport() {
-  order_.resize(found_.size());
-  std::iota(order_.begin(), order_.end(), 0u);
-  const auto key = [&](std::uint32_t i) {
-    return std::make_tuple(found_[i].first, found_[i].second, found_contacts_[i].elements.first,
-                           found_contacts_[i].elements.second);
-  };
-  std::sort(order_.begin(), order_.end(),
-            [&](std::uint32_t i, std::uint32_t j) { return key(i) < key(j); });
-  report_.pairs.clear();
-  report_.contacts.clear();
-  for (const std::uint32_t i : order_) {
-    const PairReport& found = found_[i];
-    auto& pairs = report_.pairs;
-    if (pairs.empty() || pairs.back().first != found.first || pairs.back().second != found.second) {
-      pairs.push_back(found);
-      pairs.back().first_contact = static_cast<std::uint32_t>(report_.contacts.size());
-    } else {
-      mergeInto(pairs.back(), found);
+    if (deadline.spent()) {
+      known = std::max(known, std::sqrt(squared_gap));
+      return false;
     }
-    report_.contacts.push_back(found_contacts_[i]);
+    const auto found = ladder_->climb(ladder_->byModel(pair), settings_.fidelity, best).found;
+    best = std::min(best, found.distance);
   }
-  report_.in_collision = false;
-  if (!settings_.min_distance) {
-    report_.min_distance = settings_.alarm_distance;
-    report_.min_distance_is_bound = true;
-  }
-  for (const PairReport& pair : report_.pairs) {
-    report_.in_collision |= pair.state != PairState::NEAR;
-    if (pair.distance > report_.min_distance) continue;
-    report_.min_distance = pair.distance;
-    report_.min_distance_is_bound = false;
-  }
+  return true;
 }
 
 }  // namespace collision_pairs

@@ -5,8 +5,8 @@
 #include <set>
 
 #include "collision_pairs/input_error.h"
-#include "enclosure.h"
-#include "mesh_bounds.h"
+#include "nearest_name.h"
+#include "scene_element.h"
 
 namespace collision_pairs {
 namespace {
@@ -16,37 +16,24 @@ struct Candidate {
   const RobotModel* source;
   int link;
   bool is_static;
-  bool needed;  // in some allowed pair
+  bool needed = false;  // in some allowed pair
+  Fidelity dearest = Fidelity::MESH;
+  Fidelity needed_fidelity = Fidelity::AABB;  // the dearest of its allowed pairs
 };
 
-SceneElement makeElement(const Element& element, const Eigen::Isometry3d& X_BL) {
-  const Eigen::Isometry3d identity = Eigen::Isometry3d::Identity();
-  SceneElement made;
-  made.X_BE = X_BL * element.X_LE;
-  const Rung exact{prepareShape(element.shape), identity, 0.0};
-  Rung convex = exact;
-  Shape hull = element.shape;
-  if (const auto* mesh = std::get_if<Mesh>(&element.shape)) {
-    const auto corners = hullVertices(*mesh->mesh);
-    hull = Convex{corners};
-    convex = {prepareShape(hull), identity, hullMargin(*mesh->mesh)};
-    made.mesh_bounds = std::make_shared<MeshBounds>(corners->vertices, convex.margin);
-  }
-  Rung obb = exact;
-  if (!std::holds_alternative<HalfSpace>(element.shape)) {
-    const auto [box, X_EO] = enclosingBox(hull);
-    obb = {prepareShape(box), X_EO, convex.margin};
-  }
-  made.rungs = {obb, obb, convex, exact};
-  return made;
-}
+Fidelity cheaper(Fidelity a, Fidelity b) { return std::min(a, b); }
 
 }  // namespace
 
 /// Fills a scene step by step; what it holds besides is needed only while building.
 class SceneBuilder {
  public:
-  explicit SceneBuilder(std::shared_ptr<const RobotModel> robot) : scene_(new CollisionScene) {
+  SceneBuilder(std::shared_ptr<const RobotModel> robot, const SceneSettings& settings)
+      : scene_(new CollisionScene), settings_(settings) {
+    if (settings.max_hull_vertices != 0 && settings.max_hull_vertices < 4) {
+      throw InputError("max_hull_vertices is " + std::to_string(settings.max_hull_vertices) +
+                       ", but must be 4 or more, or 0 for exact hulls");
+    }
     scene_->robot_ = std::move(robot);
   }
 
@@ -58,6 +45,7 @@ class SceneBuilder {
     std::sort(candidates_.begin(), candidates_.end(),
               [](const Candidate& a, const Candidate& b) { return nameOf(a) < nameOf(b); });
     refuseEqualNames();
+    refuseUnknownLinks(world);
     switched_off_ = srdf ? srdf->switchedOff(robotLinkNames()) : adjacentNames();
     dropUnneeded();
     addModels();
@@ -72,7 +60,11 @@ class SceneBuilder {
   void collect(const RobotModel& source, bool is_static) {
     for (std::size_t i = 0; i < source.links().size(); ++i) {
       if (source.links()[i].elements.empty()) continue;
-      candidates_.push_back({&source, static_cast<int>(i), is_static, false});
+      candidates_.push_back({&source, static_cast<int>(i), is_static});
+      const auto own = settings_.link_fidelity.find(nameOf(candidates_.back()));
+      candidates_.back().dearest = own == settings_.link_fidelity.end()
+                                       ? settings_.fidelity
+                                       : cheaper(own->second, settings_.fidelity);
     }
   }
 
@@ -82,6 +74,18 @@ class SceneBuilder {
         throw InputError("link '" + nameOf(candidates_[i]) +
                          "' is in the robot and in the world; rename one of them");
       }
+    }
+  }
+
+  void refuseUnknownLinks(const RobotModel* world) const {
+    std::vector<std::string> names = robotLinkNames();
+    if (world) {
+      for (const Link& link : world->links()) names.push_back(link.name);
+    }
+    for (const auto& [name, fidelity] : settings_.link_fidelity) {
+      if (std::find(names.begin(), names.end(), name) != names.end()) continue;
+      throw InputError("link_fidelity names '" + name + "', which is no link of robot '" +
+                       scene_->robot_->name() + "'; is '" + nearestName(name, names) + "' meant?");
     }
   }
 
@@ -111,10 +115,14 @@ class SceneBuilder {
     for (std::size_t i = 0; i < candidates_.size(); ++i) {
       for (std::size_t j = i + 1; j < candidates_.size(); ++j) {
         Candidate &a = candidates_[i], &b = candidates_[j];
-        if (a.needed && b.needed) continue;
-        if (a.is_static && b.is_static) continue;
+        const Fidelity fidelity = cheaper(a.dearest, b.dearest);
+        const bool nothing_new =
+            a.needed && b.needed && fidelity <= a.needed_fidelity && fidelity <= b.needed_fidelity;
+        if (nothing_new || (a.is_static && b.is_static)) continue;
         if (a.is_static == b.is_static && switchedOff(a, b)) continue;
         a.needed = b.needed = true;
+        a.needed_fidelity = std::max(a.needed_fidelity, fidelity);
+        b.needed_fidelity = std::max(b.needed_fidelity, fidelity);
       }
     }
     candidates_.erase(std::remove_if(candidates_.begin(), candidates_.end(),
@@ -184,33 +192,35 @@ class SceneBuilder {
       model.first_element = static_cast<std::uint32_t>(scene_->elements_.size());
       model.nb_elements = static_cast<std::uint32_t>(link.elements.size());
       for (const Element& element : link.elements) {
-        scene_->elements_.push_back(makeElement(element, X_BL));
-        scene_->elements_.back().model = m;
-        scene_->elements_.back().body = model.body;
+        scene_->elements_.push_back(makeElement(element.shape, candidates_[m].needed_fidelity,
+                                                settings_.max_hull_vertices));
+        SceneElement& made = scene_->elements_.back();
+        made.model = m;
+        made.body = model.body;
+        made.X_BE = X_BL * element.X_LE;
+        made.dearest = candidates_[m].dearest;
       }
     }
   }
 
   std::unique_ptr<CollisionScene> scene_;
+  const SceneSettings& settings_;
   std::vector<Candidate> candidates_;
   std::set<Srdf::LinkPair> switched_off_;
   bool check_self_ = true;
 };
 
-std::shared_ptr<const CollisionScene> CollisionScene::build(
-    std::shared_ptr<const RobotModel> robot, const std::optional<Srdf>& srdf,
-    std::shared_ptr<const RobotModel> world) {
-  return SceneBuilder(std::move(robot)).build(srdf, world.get(), true);
+std::shared_ptr<const CollisionScene> CollisionScene::build(std::shared_ptr<const RobotModel> robot,
+                                                            const std::optional<Srdf>& srdf,
+                                                            std::shared_ptr<const RobotModel> world,
+                                                            const SceneSettings& settings) {
+  return SceneBuilder(std::move(robot), settings).build(srdf, world.get(), true);
 }
 
 std::shared_ptr<const CollisionScene> CollisionScene::buildAgainstWorldOnly(
-    std::shared_ptr<const RobotModel> robot, std::shared_ptr<const RobotModel> world) {
-  return SceneBuilder(std::move(robot)).build(std::nullopt, world.get(), false);
-}
-
-Aabb SceneElement::boxAt(const Eigen::Isometry3d& X_WE) const {
-  return mesh_bounds ? mesh_bounds->boxAt(X_WE)
-                     : computeAabb(rung(Fidelity::MESH).shape->shape(), X_WE);
+    std::shared_ptr<const RobotModel> robot, std::shared_ptr<const RobotModel> world,
+    const SceneSettings& settings) {
+  return SceneBuilder(std::move(robot), settings).build(std::nullopt, world.get(), false);
 }
 
 void CollisionScene::gatherPoses(const std::vector<Eigen::Isometry3d>& X_RB,

@@ -205,6 +205,21 @@ FewerPoints fewerPoints(const std::vector<Vector3d>& points, double tolerance) {
   return fewer;
 }
 
+FewerPoints atMostPoints(const std::vector<Vector3d>& points, std::size_t max_points) {
+  if (points.size() <= max_points) return {points, 0.0};
+  constexpr int HALVINGS = 20;
+  double lower = 1e-6 * reachOf(points), upper = 4.0 * reachOf(points);  // upper: one point does
+  FewerPoints best = fewerPoints(points, upper);
+  for (int i = 0; i < HALVINGS; ++i) {
+    const double middle = std::sqrt(lower * upper);
+    FewerPoints fewer = fewerPoints(points, middle);
+    const bool few_enough = fewer.points.size() <= max_points;
+    (few_enough ? upper : lower) = middle;
+    if (few_enough) best = std::move(fewer);
+  }
+  return best;
+}
+
 std::pair<Box, Isometry3d> enclosingBox(const Shape& shape) {
   return std::visit(BoxVisitor{}, shape);
 }

@@ -2,14 +2,26 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
+#include "convex_distance.h"
 #include "prepared_shape.h"
 
 namespace collision_pairs {
 namespace {
 
 using Eigen::Isometry3d;
+using Eigen::Matrix3d;
 using Eigen::Vector3d;
+
+constexpr double ROUNDING = 64.0 * std::numeric_limits<double>::epsilon();
+
+const Prepared& preparedOf(const Rung& rung) { return static_cast<const Prepared&>(*rung.shape); }
+
+// How far `apart` is outside of `reach`, less the rounding of what `apart` was computed from.
+double squaredExcess(const Vector3d& apart, const Vector3d& reach) {
+  return (apart.cwiseAbs() * (1.0 - ROUNDING) - reach).cwiseMax(0.0).squaredNorm();
+}
 
 PairDistance beyond(double lower_bound) {
   PairDistance answer;
@@ -37,7 +49,27 @@ PairLadder::Answer PairLadder::measure(const BoxPair& pair, Fidelity rung, doubl
   return measureAt(pair, relativePose(pair), rung, max_distance);
 }
 
+Fidelity PairLadder::rungOf(const BoxPair& pair, Fidelity top) const {
+  const auto& elements = scene_->elements();
+  return std::min({top, elements[pair.first].dearest, elements[pair.second].dearest});
+}
+
+bool PairLadder::needsTriangles(const BoxPair& pair, Fidelity top) const {
+  if (rungOf(pair, top) != Fidelity::MESH) return false;
+  const Prepared& a = preparedOf(scene_->elements()[pair.first].rung(Fidelity::MESH));
+  const Prepared& b = preparedOf(scene_->elements()[pair.second].rung(Fidelity::MESH));
+  return (a.mesh || b.mesh) && !a.isHalfSpace() && !b.isHalfSpace();
+}
+
+BoxPair PairLadder::byModel(const BoxPair& pair) const {
+  const auto& elements = scene_->elements();
+  return elements[pair.first].model < elements[pair.second].model
+             ? pair
+             : BoxPair{pair.second, pair.first};
+}
+
 PairLadder::Answer PairLadder::climb(const BoxPair& pair, Fidelity top, double max_distance) {
+  top = rungOf(pair, top);
   if (top == Fidelity::AABB) return measureBoxes(pair);
   const Isometry3d X_AB = relativePose(pair);
   const double gap = turnedBoxGap(pair, X_AB);
@@ -48,6 +80,7 @@ PairLadder::Answer PairLadder::climb(const BoxPair& pair, Fidelity top, double m
 }
 
 bool PairLadder::touches(const BoxPair& pair, Fidelity top) {
+  top = rungOf(pair, top);
   if (top != Fidelity::MESH) return climb(pair, top, 0.0).found.touches();
   const Isometry3d X_AB = relativePose(pair);
   if (turnedBoxGap(pair, X_AB) > 0.0) return false;
@@ -71,11 +104,48 @@ PairLadder::Answer PairLadder::measureAt(const BoxPair& pair, const Isometry3d& 
   found.p_ACa = X_WA * found.p_ACa;
   found.p_ACb = X_WA * found.p_ACb;
   found.nhat_AB_A = X_WA.linear() * found.nhat_AB_A;
-  if (rung != Fidelity::OBB) return answer;
-  // The tight axis-aligned box need not enclose the turned one. Both enclose the element, so the
-  // better bound of the two counts, and this rung never says less than the one below.
-  const double boxes = std::sqrt(squaredGap((*boxes_)[pair.first], (*boxes_)[pair.second]));
-  return boxes > std::max(found.distance, 0.0) ? Answer{measureBoxes(pair).found, rung} : answer;
+  if (!a.loose && !b.loose) return answer;
+  found.p_ACa += a.margin * found.nhat_AB_A;  // onto the grown shapes
+  found.p_ACb -= b.margin * found.nhat_AB_A;
+  // The tight axis-aligned box need not enclose the turned one, or a simplified hull. All enclose
+  // the element, so the better bound counts, and this rung never says less than the cheapest.
+  const Answer boxes = measureBoxes(pair);
+  return boxes.found.distance > found.distance ? Answer{boxes.found, rung} : answer;
+}
+
+PairLadder::Answer PairLadder::boundOfAlignedBoxes(const BoxPair& pair, double max_distance) const {
+  Answer bound = measureBoxes(pair);
+  const bool is_beyond = bound.found.distance > max_distance;
+  bound.found.certainty = is_beyond ? Certainty::BEYOND : Certainty::UNFINISHED;
+  return bound;
+}
+
+PairLadder::Answer PairLadder::boundOfBoxes(const BoxPair& pair, double max_distance) const {
+  Answer bound = boundOfAlignedBoxes(pair, max_distance);
+  const double gap = turnedBoxGap(pair, relativePose(pair));
+  if (gap > max_distance) return {beyond(gap), Fidelity::OBB};
+  if (gap <= std::max(bound.found.distance, 0.0)) return bound;
+  bound.found.distance = gap;
+  bound.rung = Fidelity::OBB;
+  return bound;
+}
+
+PairLadder::Answer PairLadder::boundOfHulls(const BoxPair& pair, const Answer& known,
+                                            double max_distance) const {
+  const Prepared& a = preparedOf(scene_->elements()[pair.first].rung(Fidelity::MESH));
+  const Prepared& b = preparedOf(scene_->elements()[pair.second].rung(Fidelity::MESH));
+  const double rounding =
+      ROUNDING * (a.core.extent + a.core.center.norm() + b.core.extent + b.core.center.norm());
+  const PairDistance gap = convexGap(a.core, b.core, relativePose(pair), max_distance + rounding);
+  const double distance = gap.distance - rounding;
+  if (gap.certainty == Certainty::DEGRADED || distance <= std::max(known.found.distance, 0.0)) {
+    return known;
+  }
+  if (distance > max_distance) return {beyond(distance), Fidelity::CONVEX};
+  Answer bound = known;
+  bound.found.distance = distance;
+  bound.rung = Fidelity::CONVEX;
+  return bound;
 }
 
 PairLadder::Answer PairLadder::measureBoxes(const BoxPair& pair) const {
@@ -104,12 +174,16 @@ PairLadder::Answer PairLadder::measureBoxes(const BoxPair& pair) const {
 }
 
 double PairLadder::turnedBoxGap(const BoxPair& pair, const Isometry3d& X_AB) const {
-  const auto& a =
-      static_cast<const Prepared&>(*scene_->elements()[pair.first].rung(Fidelity::MESH).shape);
-  const auto& b =
-      static_cast<const Prepared&>(*scene_->elements()[pair.second].rung(Fidelity::MESH).shape);
-  if (a.isHalfSpace() || b.isHalfSpace()) return 0.0;
-  return std::sqrt(squaredBoxGap(a.box, b.box, X_AB.linear(), X_AB.translation()));
+  const SceneElement& a = scene_->elements()[pair.first];
+  const SceneElement& b = scene_->elements()[pair.second];
+  if (std::isinf(a.box_half[0]) || std::isinf(b.box_half[0])) return 0.0;
+  const Matrix3d R = X_AB.linear();
+  const Matrix3d reach = R.cwiseAbs();
+  const Vector3d t = X_AB * b.box_center - a.box_center;
+  const double along_a = squaredExcess(t, a.box_half + reach * b.box_half);
+  const double along_b =
+      squaredExcess(R.transpose() * t, b.box_half + reach.transpose() * a.box_half);
+  return std::sqrt(std::max(along_a, along_b));
 }
 
 }  // namespace collision_pairs

@@ -63,7 +63,7 @@ CollisionPairsNode::CollisionPairsNode(ros::NodeHandle node, ros::NodeHandle pri
 bool CollisionPairsNode::loadScene(std::string& problem) {
   try {
     auto active = std::make_shared<ActiveScene>();
-    active->loaded = collision_pairs::loadScene(private_node_);
+    active->loaded = collision_pairs::loadScene(private_node_, parameters_.scene);
     active->frame = withoutLeadingSlash(parameters_.fixed_frame);
     const CollisionScene& scene = *active->loaded.scene;
     if (active->frame.empty()) active->frame = scene.robot().links().front().name;
@@ -149,6 +149,7 @@ void CollisionPairsNode::noteHealth(const CollisionPairs& message, const std::st
   health_.nb_boxes = message.nb_boxes;
   health_.nb_pairs = message.nb_pairs;
   health_.nb_degraded = message.nb_degraded;
+  if (message.budget_spent) ++health_.out_of_time;
   health_.nb_unresolved = static_cast<std::uint32_t>(
       std::count_if(message.pairs.begin(), message.pairs.end(),
                     [](const CollisionPair& p) { return p.state == CollisionPair::UNRESOLVED; }));
@@ -173,6 +174,7 @@ void CollisionPairsNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& s
   status.add("cycle time [s]", health_.cycle_time);
   status.add("cycles", health_.cycles);
   status.add("overruns", health_.overruns);
+  status.add("cycles out of time", health_.out_of_time);
   status.add("links left out", left_out);
   status.add("nb_boxes", health_.nb_boxes);
   status.add("nb_pairs", health_.nb_pairs);
@@ -183,17 +185,20 @@ void CollisionPairsNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& s
 void CollisionPairsNode::reconfigure(CollisionPairsConfig& config) {
   try {
     if (!std::isfinite(config.alarm_distance)) throw InputError("alarm_distance is not finite");
+    if (!std::isfinite(config.time_budget)) throw InputError("time_budget is not finite");
     if (!std::isfinite(config.rate)) throw InputError("rate is not finite");
     const Fidelity fidelity = parseFidelity(config.fidelity);
     const std::lock_guard<std::mutex> lock(mutex_);
     parameters_.check.alarm_distance = config.alarm_distance;
     parameters_.check.fidelity = fidelity;
+    parameters_.check.time_budget = config.time_budget;
     parameters_.rate = config.rate;
     parameters_.show_only_investigated_boxes = config.show_only_investigated_boxes;
   } catch (const InputError& error) {
     ROS_ERROR_STREAM("reconfigure: " << error.what() << "; nothing is changed");
     config.alarm_distance = parameters_.check.alarm_distance;
     config.fidelity = fidelityName(parameters_.check.fidelity);
+    config.time_budget = parameters_.check.time_budget;
     config.rate = parameters_.rate;
     config.show_only_investigated_boxes = parameters_.show_only_investigated_boxes;
     return;
@@ -218,7 +223,8 @@ void CollisionPairsNode::check(const CheckCollisions::Request& request,
                                CheckCollisions::Response& response) {
   const ActiveScenePtr scene = activeScene();
   if (!scene) throw InputError("there is no robot yet; see the node's log and diagnostics");
-  const CheckSettings settings = settingsFor(request.alarm_distance, request.fidelity);
+  const CheckSettings settings =
+      settingsFor(request.alarm_distance, request.fidelity, request.time_budget);
   const ros::WallTime start = ros::WallTime::now();
   StampedPoses stamped = posesAt(*scene, request.stamp);
   if (!request.joint_state.name.empty() || !request.joint_state.position.empty()) {
@@ -245,11 +251,13 @@ void CollisionPairsNode::check(const CheckCollisions::Request& request,
   if (!stamped.problem.empty()) response.message = "left out, no transform: " + stamped.problem;
 }
 
-CheckSettings CollisionPairsNode::settingsFor(double alarm_distance,
-                                              const std::string& fidelity) const {
+CheckSettings CollisionPairsNode::settingsFor(double alarm_distance, const std::string& fidelity,
+                                              double time_budget) const {
   CheckSettings settings = this->settings();
   if (!std::isfinite(alarm_distance)) throw InputError("alarm_distance is not finite");
   if (alarm_distance != 0.0) settings.alarm_distance = std::max(0.0, alarm_distance);
+  if (!std::isfinite(time_budget)) throw InputError("time_budget is not finite");
+  if (time_budget != 0.0) settings.time_budget = std::max(0.0, time_budget);
   if (!fidelity.empty()) settings.fidelity = parseFidelity(fidelity);
   return settings;
 }
@@ -270,7 +278,8 @@ bool CollisionPairsNode::onCheckTrajectory(CheckTrajectory::Request& request,
     const ros::Time stamp = posesAt(*scene, request.stamp).stamp;
     const JointQuery query(request.trajectory.joint_names, *scene->loaded.scene, tf_buffer_,
                            scene->frame, stamp);
-    checkTrajectory(request, query, settingsFor(request.alarm_distance, request.fidelity),
+    checkTrajectory(request, query,
+                    settingsFor(request.alarm_distance, request.fidelity, request.time_budget),
                     scene->loaded.broken_links, scene->frame, stamp, *batch_, response);
     response.success = true;
   } catch (const std::exception& error) {

@@ -49,7 +49,7 @@ class CollisionPairsNode {
     double cycle_time = 0.0;
     std::vector<std::string> left_out;
     std::uint32_t nb_boxes = 0, nb_pairs = 0, nb_degraded = 0, nb_unresolved = 0;
-    std::uint64_t cycles = 0, overruns = 0;
+    std::uint64_t cycles = 0, overruns = 0, out_of_time = 0;
   };
 
   bool loadScene(std::string& problem);
@@ -68,7 +68,8 @@ class CollisionPairsNode {
   void check(const CheckCollisions::Request& request, CheckCollisions::Response& response);
   bool onCheckTrajectory(CheckTrajectory::Request& request, CheckTrajectory::Response& response);
   /// The node's settings with what a request says instead. Throws InputError.
-  CheckSettings settingsFor(double alarm_distance, const std::string& fidelity) const;
+  CheckSettings settingsFor(double alarm_distance, const std::string& fidelity,
+                            double time_budget) const;
   StampedPoses posesAt(const ActiveScene& scene, const ros::Time& stamp) const;
   bool onReset(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
 

@@ -98,6 +98,10 @@ CollisionPairs toMessage(const CollisionReport& report, const CollisionScene& sc
   message.left_out.erase(std::unique(message.left_out.begin(), message.left_out.end()),
                          message.left_out.end());
   message.nb_degraded = report.nb_degraded;
+  std::copy(report.nb_settled.begin(), report.nb_settled.end(), message.nb_settled.begin());
+  message.nb_unresolved = report.nb_unresolved;
+  message.budget_spent = report.budget_spent;
+  message.time_budget = settings.time_budget;
   message.time_boxes = report.times.boxes;
   message.time_broad_phase = report.times.broad_phase;
   message.time_narrow_phase = report.times.narrow_phase;

@@ -1,6 +1,8 @@
 #include "parameters.h"
 
 #include <cmath>
+#include <map>
+#include <sstream>
 
 #include <ros/console.h>
 
@@ -31,6 +33,27 @@ class Reader {
             value);
   }
 
+  /// A map from names to fidelities; an entry that is none is named and dropped.
+  void fidelities(const std::string& name, std::map<std::string, Fidelity>& value) const {
+    XmlRpc::XmlRpcValue given;
+    if (!node_.getParam(name, given)) return;
+    if (given.getType() != XmlRpc::XmlRpcValue::TypeStruct) {
+      complain(name, given.toXml(),
+               "must be a map from links to aabb, obb, convex or mesh; passed over");
+      return;
+    }
+    for (auto& [link, fidelity] : given) {
+      const bool is_text = fidelity.getType() == XmlRpc::XmlRpcValue::TypeString;
+      const std::string word = is_text ? static_cast<std::string&>(fidelity) : fidelity.toXml();
+      try {
+        value[link] = parseFidelity(word);
+      } catch (const InputError& error) {
+        complain(name + "/" + link, "'" + word + "'",
+                 "must be aabb, obb, convex or mesh; the link is checked as the others");
+      }
+    }
+  }
+
   void flag(const std::string& name, bool& value) const {
     XmlRpc::XmlRpcValue given;
     if (!node_.getParam(name, given)) return;
@@ -51,11 +74,17 @@ class Reader {
     }
   }
 
+  void complain(const std::string& name, const std::string& given, const std::string& rule) const {
+    ROS_ERROR_STREAM("parameter " << node_.resolveName(name) << " is " << given << ", but "
+                                  << rule);
+  }
+
   template <typename T>
   void replace(const std::string& name, const std::string& given, const std::string& rule,
                const T& value) const {
-    ROS_ERROR_STREAM("parameter " << node_.resolveName(name) << " is " << given << ", but " << rule
-                                  << "; going on with " << value);
+    std::ostringstream mend;
+    mend << rule << "; going on with " << value;
+    complain(name, given, mend.str());
     node_.setParam(name, value);
   }
 
@@ -69,6 +98,11 @@ NodeParameters NodeParameters::read(const ros::NodeHandle& private_node) {
   NodeParameters parameters;
   const Reader reader(private_node);
   reader.number("alarm_distance", 0.0, 1e6, parameters.check.alarm_distance);
+  reader.number("time_budget", 0.0, 1e6, parameters.check.time_budget);
+  reader.fidelities("link_fidelity", parameters.scene.link_fidelity);
+  double max_hull_vertices = parameters.scene.max_hull_vertices;
+  reader.number("max_hull_vertices", 0.0, 1e6, max_hull_vertices);
+  parameters.scene.max_hull_vertices = static_cast<int>(max_hull_vertices);
   reader.number("rate", 0.1, MAX_RATE, parameters.rate);
   reader.number("max_transform_age", 0.0, 1e9, parameters.max_transform_age);
   reader.flag("show_only_investigated_boxes", parameters.show_only_investigated_boxes);

@@ -10,8 +10,12 @@
 namespace collision_pairs {
 
 struct NodeParameters {
-  /// ~alarm_distance [m] and ~fidelity. The default is the core's. May change while running.
+  /// ~alarm_distance [m], ~fidelity and ~time_budget [s]. The default is the core's. May change
+  /// while running.
   CheckSettings check;
+  /// ~link_fidelity and ~max_hull_vertices. Every rung is prepared, because a request may ask for
+  /// more than the node does.
+  SceneSettings scene;
   /// ~rate [Hz]: cycles per second, by the wall clock. May change while running.
   double rate = 50.0;
   /// ~show_only_investigated_boxes: no markers for boxes that no candidate pair involves. May

@@ -35,7 +35,7 @@ std::optional<Srdf> loadSrdf(const ros::NodeHandle& node, const RobotModel& robo
 
 }  // namespace
 
-LoadedScene loadScene(const ros::NodeHandle& private_node) {
+LoadedScene loadScene(const ros::NodeHandle& private_node, const SceneSettings& settings) {
   std::string key, xml;
   if (!findText(private_node, "robot_description", key, xml)) {
     throw InputError(
@@ -57,7 +57,7 @@ LoadedScene loadScene(const ros::NodeHandle& private_node) {
   std::sort(loaded.broken_links.begin(), loaded.broken_links.end());
   loaded.broken_links.erase(std::unique(loaded.broken_links.begin(), loaded.broken_links.end()),
                             loaded.broken_links.end());
-  loaded.scene = CollisionScene::build(robot, loadSrdf(private_node, *robot), nullptr);
+  loaded.scene = CollisionScene::build(robot, loadSrdf(private_node, *robot), nullptr, settings);
   ROS_INFO_STREAM("robot '" << robot->name() << "': " << loaded.scene->models().size()
                             << " links with geometry to check, " << loaded.scene->elements().size()
                             << " elements, " << loaded.scene->bodies().size() << " moving bodies");

@@ -21,6 +21,8 @@ struct Options {
   std::string robot, states, srdf, world, out;
   std::string fidelity = "mesh";
   double alarm_distance = 0.0;
+  double time_budget = 0.0;  // µs
+  int max_hull_vertices = 0;
   bool min_distance = false;
   unsigned threads = 0;
 };
@@ -38,6 +40,14 @@ void declare(CLI::App& app, Options& options) {
   app.add_option("--alarm-distance", options.alarm_distance,
                  "boxes closer than this are investigated")
       ->type_name("METRES")
+      ->capture_default_str();
+  app.add_option("--time-budget", options.time_budget,
+                 "what a state may take; pairs that it leaves open count as they are bounded")
+      ->type_name("MICROSECONDS")
+      ->capture_default_str();
+  app.add_option("--max-hull-vertices", options.max_hull_vertices,
+                 "of the hulls of --fidelity convex; 0: exact")
+      ->type_name("COUNT")
       ->capture_default_str();
   app.add_flag("--min-distance", options.min_distance, "find the smallest signed distance");
   app.add_option("--threads", options.threads,
@@ -78,6 +88,10 @@ CheckSettings settingsFrom(const Options& options) {
     throw InputError("--alarm-distance must be a finite number of metres, 0 or more");
   }
   settings.alarm_distance = options.alarm_distance;
+  if (!(options.time_budget >= 0.0)) {
+    throw InputError("--time-budget must be a number of microseconds, 0 or more");
+  }
+  settings.time_budget = 1e-6 * options.time_budget;
   settings.min_distance = options.min_distance;
   return settings;
 }
@@ -85,7 +99,7 @@ CheckSettings settingsFrom(const Options& options) {
 std::string contactPairs(const CollisionReport& report, const CollisionScene& scene) {
   std::string text;
   for (const PairReport& pair : report.pairs) {
-    if (pair.state == PairState::NEAR) continue;
+    if (pair.distance > 0.0) continue;  // near, or unresolved and known to be apart
     if (!text.empty()) text += ';';
     text += scene.models()[pair.first].name + '|' + scene.models()[pair.second].name;
   }
@@ -141,7 +155,10 @@ void checkAll(const Options& options) {
   if (!states.joints_at_zero.empty()) {
     warn("joints without a column stand at zero: " + joined(states.joints_at_zero));
   }
-  const auto scene = CollisionScene::build(robot, srdf, world);
+  SceneSettings scene_settings;
+  scene_settings.fidelity = settings.fidelity;
+  scene_settings.max_hull_vertices = options.max_hull_vertices;
+  const auto scene = CollisionScene::build(robot, srdf, world, scene_settings);
   const std::vector<std::string> rows = check(states, scene, settings, options.threads);
   writeTextFile(options.out, [&](std::ostream& out) {
     out << "state,in_collision,pairs,min_distance,nb_pairs,microseconds\n";

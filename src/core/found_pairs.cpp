@@ -1,0 +1,99 @@
+#include "found_pairs.h"
+
+#include <algorithm>
+#include <limits>
+#include <numeric>
+#include <tuple>
+
+namespace collision_pairs {
+namespace {
+
+PairState stateOf(const PairDistance& found) {
+  if (found.certainty == Certainty::UNFINISHED) return PairState::UNRESOLVED;
+  if (!found.touches()) return PairState::NEAR;
+  return found.certainty == Certainty::DEGRADED ? PairState::UNRESOLVED : PairState::CONTACT;
+}
+
+/// Another pair of elements of the same two models.
+void mergeInto(PairReport& pair, const PairReport& other) {
+  const auto weight = [](PairState state) {
+    return state == PairState::CONTACT ? 2 : state == PairState::UNRESOLVED ? 1 : 0;
+  };
+  if (weight(other.state) > weight(pair.state)) pair.state = other.state;
+  ++pair.nb_contacts;
+  if (other.distance >= pair.distance) return;
+  pair.distance = other.distance;
+  pair.certainty = other.certainty;
+  pair.fidelity = other.fidelity;
+}
+
+// A lower bound that is positive shows that the two are apart.
+bool mayTouch(const PairReport& pair) {
+  return pair.state == PairState::CONTACT ||
+         (pair.state == PairState::UNRESOLVED && pair.distance <= 0.0);
+}
+
+}  // namespace
+
+void FoundPairs::clear() {
+  pairs_.clear();
+  contacts_.clear();
+}
+
+void FoundPairs::add(const CollisionScene& scene, const BoxPair& pair, const PairDistance& found,
+                     Fidelity rung) {
+  PairReport entry;
+  entry.first = scene.elements()[pair.first].model;
+  entry.second = scene.elements()[pair.second].model;
+  entry.state = stateOf(found);
+  entry.distance = found.distance;
+  entry.fidelity = rung;
+  entry.certainty = found.certainty;
+  entry.first_contact = 0;
+  entry.nb_contacts = 1;
+  pairs_.push_back(entry);
+  contacts_.push_back({found.p_ACa, found.p_ACb, found.nhat_AB_A, -found.distance, pair});
+}
+
+double FoundPairs::minDistance() const {
+  double least = std::numeric_limits<double>::infinity();
+  for (const PairReport& pair : pairs_) least = std::min(least, pair.distance);
+  return least;
+}
+
+void FoundPairs::sortByModels() {
+  order_.resize(pairs_.size());
+  std::iota(order_.begin(), order_.end(), 0u);
+  const auto key = [&](std::uint32_t i) {
+    return std::make_tuple(pairs_[i].first, pairs_[i].second, contacts_[i].elements.first,
+                           contacts_[i].elements.second);
+  };
+  std::sort(order_.begin(), order_.end(),
+            [&](std::uint32_t i, std::uint32_t j) { return key(i) < key(j); });
+}
+
+void FoundPairs::assemble(bool with_contacts, CollisionReport& report) {
+  sortByModels();
+  auto& pairs = report.pairs;
+  pairs.clear();
+  report.contacts.clear();
+  for (const std::uint32_t i : order_) {
+    const PairReport& found = pairs_[i];
+    if (pairs.empty() || pairs.back().first != found.first || pairs.back().second != found.second) {
+      pairs.push_back(found);
+      pairs.back().first_contact = static_cast<std::uint32_t>(report.contacts.size());
+    } else {
+      mergeInto(pairs.back(), found);
+    }
+    if (with_contacts) report.contacts.push_back(contacts_[i]);
+  }
+  report.in_collision = std::any_of(pairs.begin(), pairs.end(), &mayTouch);
+  for (PairReport& pair : pairs) {
+    if (!with_contacts) pair.nb_contacts = 0;
+    if (pair.distance > report.min_distance) continue;
+    report.min_distance = pair.distance;
+    report.min_distance_is_bound = pair.certainty == Certainty::UNFINISHED;
+  }
+}
+
+}  // namespace collision_pairs

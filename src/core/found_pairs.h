@@ -1,0 +1,36 @@
+// From pairs of elements to one entry for each pair of models.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "collision_pairs/collision_report.h"
+#include "collision_pairs/collision_scene.h"
+
+namespace collision_pairs {
+
+/// Collects what a check found, in any order, and puts it into the report, sorted.
+class FoundPairs {
+ public:
+  void clear();
+
+  /// `pair`: elements, by model. Points and normal of `found` in W.
+  void add(const CollisionScene& scene, const BoxPair& pair, const PairDistance& found,
+           Fidelity rung);
+
+  /// Metres; infinite if nothing was found.
+  double minDistance() const;
+
+  /// Fills in pairs, contacts (if they are wanted) and in_collision, and lowers min_distance to
+  /// what was found. O(n log n).
+  void assemble(bool with_contacts, CollisionReport& report);
+
+ private:
+  void sortByModels();
+
+  std::vector<PairReport> pairs_;  // one an element pair
+  std::vector<Contact> contacts_;  // beside pairs_
+  std::vector<std::uint32_t> order_;
+};
+
+}  // namespace collision_pairs

@@ -1,0 +1,94 @@
+#include "scene_element.h"
+
+#include <limits>
+
+#include "enclosure.h"
+#include "mesh_bounds.h"
+
+namespace collision_pairs {
+namespace {
+
+using Eigen::Isometry3d;
+using Eigen::Vector3d;
+
+constexpr double ROUNDING = 64.0 * std::numeric_limits<double>::epsilon();
+
+/// The hull of an element, which encloses it when grown by `margin`.
+struct Hull {
+  Shape shape;
+  double margin = 0.0;
+  bool simplified = false;
+};
+
+Hull simplifiedHull(const std::vector<Vector3d>& corners, double margin, int max_vertices) {
+  if (max_vertices == 0 || corners.size() <= static_cast<std::size_t>(max_vertices)) {
+    auto all = std::make_shared<TriangleMesh>();
+    all->vertices = corners;
+    return {Convex{all}, margin, false};
+  }
+  FewerPoints fewer = atMostPoints(corners, static_cast<std::size_t>(max_vertices));
+  auto kept = std::make_shared<TriangleMesh>();
+  kept->vertices = std::move(fewer.points);
+  return {Convex{kept}, margin + fewer.margin, true};
+}
+
+void setBox(const Vector3d& lower, const Vector3d& upper, double margin, SceneElement& element) {
+  element.box_center = 0.5 * (lower + upper);
+  element.box_half = 0.5 * (upper - lower);
+  const double rounding = ROUNDING * (element.box_center + element.box_half).cwiseAbs().sum();
+  element.box_half.array() += margin + rounding;
+}
+
+/// Sets what all rungs need: the boxes.
+Hull boundMesh(const Mesh& mesh, int max_hull_vertices, SceneElement& element) {
+  const auto corners = hullVertices(*mesh.mesh);
+  const double margin = hullMargin(*mesh.mesh);
+  element.mesh_bounds = std::make_shared<MeshBounds>(corners->vertices, margin);
+  Vector3d lower = corners->vertices.front(), upper = lower;
+  for (const Vector3d& p : corners->vertices) {
+    lower = lower.cwiseMin(p);
+    upper = upper.cwiseMax(p);
+  }
+  setBox(lower, upper, margin, element);
+  return simplifiedHull(corners->vertices, margin, max_hull_vertices);
+}
+
+Hull boundPrimitive(const Shape& shape, SceneElement& element) {
+  const Aabb box = computeAabb(shape, Isometry3d::Identity());
+  setBox(box.min, box.max, 0.0, element);
+  if (std::holds_alternative<HalfSpace>(shape)) {
+    element.box_center.setZero();
+    element.box_half.setConstant(std::numeric_limits<double>::infinity());
+  }
+  return {shape};
+}
+
+}  // namespace
+
+SceneElement makeElement(const Shape& shape, Fidelity needed, int max_hull_vertices) {
+  validateShape(shape);
+  const Isometry3d identity = Isometry3d::Identity();
+  SceneElement made;
+  made.shape = shape;
+  const auto* mesh = std::get_if<Mesh>(&shape);
+  const Hull hull = mesh ? boundMesh(*mesh, max_hull_vertices, made) : boundPrimitive(shape, made);
+  Rung exact, convex, obb;
+  if (needed == Fidelity::MESH || !mesh) exact = {prepareShape(shape), identity};
+  if (needed >= Fidelity::CONVEX) {
+    convex = mesh ? Rung{prepareShape(hull.shape), identity, hull.margin, hull.simplified} : exact;
+  }
+  if (std::holds_alternative<HalfSpace>(shape)) {
+    obb = exact;
+  } else if (needed >= Fidelity::OBB) {
+    const auto [box, X_EO] = enclosingBox(hull.shape);
+    obb = {prepareShape(box), X_EO, hull.margin, true};
+  }
+  made.rungs = {Rung{}, obb, convex, exact};
+  return made;
+}
+
+Aabb SceneElement::boxAt(const Isometry3d& X_WE) const {
+  return mesh_bounds ? mesh_bounds->boxAt(X_WE) : computeAabb(shape, X_WE);
+}
+
+}  // namespace collision_pairs

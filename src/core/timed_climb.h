@@ -1,0 +1,46 @@
+// Settles as many pairs as a deadline allows, the most suspicious ones first.
+#pragma once
+
+#include <vector>
+
+#include "collision_pairs/collision_detector.h"
+#include "deadline.h"
+#include "pair_ladder.h"
+
+namespace collision_pairs {
+
+/// All pairs are bounded by their boxes. Then come two rounds, each by the lower bounds that are
+/// known by then, the smallest first: hulls where triangles would be needed, and everything else
+/// to its end; then the triangles. The deadline is looked at before each step of each pair, so it
+/// is overrun by one narrow query at most; boxes are compared after it too, about 10 ns a pair.
+///
+/// Never leaves a pair out, and keeps nothing from one call to the next but memory.
+class TimedClimb {
+ public:
+  /// What `answer.found.certainty` calls UNFINISHED is a lower bound; all else is settled.
+  struct Result {
+    BoxPair pair;  ///< by model
+    PairLadder::Answer answer;
+  };
+
+  /// One for each candidate, in no particular order, valid until the next call. With
+  /// settings.verdict_only it ends at the first contact, which is then the only result.
+  const std::vector<Result>& run(const std::vector<BoxPair>& candidates,
+                                 const CheckSettings& settings, const Deadline& deadline,
+                                 PairLadder& ladder);
+
+ private:
+  enum class Round { HULLS, ALL };
+
+  void boundByBoxes(const std::vector<BoxPair>& candidates, const Deadline& deadline);
+  void climb(Round round, const Deadline& deadline);
+  PairLadder::Answer step(const Result& open, Round round);
+  PairLadder::Answer verdict(const BoxPair& pair);
+  void sortOut(const Result& result);
+
+  const CheckSettings* settings_ = nullptr;
+  PairLadder* ladder_ = nullptr;
+  std::vector<Result> open_, still_open_, results_;
+};
+
+}  // namespace collision_pairs

@@ -1,0 +1,269 @@
+// What a cheaper geometry costs in accuracy and saves in time, and what a time budget buys.
+//
+//   COLLISION_PAIRS_SHARED=DATA trade_off RUNGS.csv BUDGETS.csv
+//
+// A state's time is the least of its repetitions, forward kinematics not counted. All rows are of
+// the detector at its default alarm distance, but for "mesh": every candidate straight at its
+// triangles, without a cheaper geometry asked first ("adaptive" is what ~fidelity mesh does).
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <fstream>
+#include <iostream>
+#include <limits>
+#include <map>
+
+#include "collision_pairs/collision_detector.h"
+#include "demo_motion.h"
+#include "pair_ladder.h"
+
+namespace collision_pairs {
+namespace {
+
+constexpr int PASSES = 7, BUDGET_PASSES = 20;
+constexpr double ALL_NEAR = 0.5;  // m: within this the exact distances of all pairs are known
+constexpr double SLACK = 200e-6;  // s: what a check may take beyond its budget and a narrow query
+
+using Microseconds = std::chrono::duration<double, std::micro>;
+using Distances = std::map<std::pair<std::uint32_t, std::uint32_t>, double>;
+
+double quantile(std::vector<double> values, double share) {
+  if (values.empty()) return 0.0;
+  std::sort(values.begin(), values.end());
+  return values[std::min(values.size() - 1,
+                         static_cast<std::size_t>(share * static_cast<double>(values.size())))];
+}
+
+/// A robot in all its states, with a scene and what it is asked.
+struct Question {
+  const BenchmarkRobot& robot;
+  std::string name;  ///< self, world (and self), self_distance, world_distance
+  std::vector<BodyPoses> poses;
+
+  bool withWorld() const { return name.rfind("world", 0) == 0; }
+  bool ofDistance() const { return name.find("distance") != std::string::npos; }
+  std::shared_ptr<const CollisionScene> scene(int max_hull_vertices) const {
+    SceneSettings settings;
+    settings.max_hull_vertices = max_hull_vertices;
+    return CollisionScene::build(robot.robot, robot.srdf, withWorld() ? robot.world : nullptr,
+                                 settings);
+  }
+  CheckSettings settings(Fidelity fidelity) const {
+    CheckSettings settings;
+    settings.fidelity = fidelity;
+    settings.min_distance = ofDistance();
+    if (ofDistance()) settings.alarm_distance = 0.0;
+    return settings;
+  }
+};
+
+Question ask(const BenchmarkRobot& robot, const std::string& name) {
+  Question question{robot, name, {}};
+  const auto scene = question.scene(0);
+  for (const auto& X_RB : robot.states) {
+    question.poses.emplace_back();
+    scene->gatherPoses(X_RB, question.poses.back());
+  }
+  return question;
+}
+
+/// What is exact of each state.
+struct Truth {
+  bool in_collision;
+  double min_distance;
+  Distances distances;
+};
+
+Distances distancesOf(const CollisionReport& report) {
+  Distances distances;
+  for (const PairReport& pair : report.pairs) {
+    distances[{pair.first, pair.second}] = pair.distance;
+  }
+  return distances;
+}
+
+std::vector<Truth> truthOf(const Question& question) {
+  CollisionDetector detector(question.scene(0));
+  CheckSettings settings;
+  settings.alarm_distance = ALL_NEAR;
+  settings.min_distance = true;
+  std::vector<Truth> truth;
+  for (const BodyPoses& poses : question.poses) {
+    const CollisionReport& report = detector.detect(poses, settings);
+    truth.push_back({report.in_collision, report.min_distance, distancesOf(report)});
+  }
+  return truth;
+}
+
+struct Row {
+  std::vector<double> least, errors;
+  int false_alarms = 0, misses = 0;
+
+  void time(std::size_t state, double microseconds) {
+    least[state] = std::min(least[state], microseconds);
+  }
+  /// Errors are of distances between bodies that are apart: by how much nearer they are said to
+  /// be.
+  void judge(const CollisionReport& report, const Truth& truth, bool of_distance) {
+    false_alarms += report.in_collision && !truth.in_collision ? 1 : 0;
+    misses += truth.in_collision && !report.in_collision ? 1 : 0;
+    if (of_distance) {
+      if (truth.min_distance > 0.0) addError(truth.min_distance, report.min_distance);
+      return;
+    }
+    for (const auto& [pair, distance] : distancesOf(report)) {
+      const auto exact = truth.distances.find(pair);
+      const double known = exact == truth.distances.end() ? ALL_NEAR : exact->second;
+      if (known > 0.0) addError(known, distance);
+    }
+  }
+  void addError(double exact, double said) {
+    errors.push_back(std::abs(exact - std::max(said, 0.0)));
+  }
+};
+
+Row measure(const Question& question, const std::vector<Truth>& truth, Fidelity fidelity,
+            int max_hull_vertices) {
+  CollisionDetector detector(question.scene(max_hull_vertices));
+  const CheckSettings settings = question.settings(fidelity);
+  Row row;
+  row.least.assign(question.poses.size(), std::numeric_limits<double>::infinity());
+  for (int pass = 0; pass < PASSES; ++pass) {
+    for (std::size_t i = 0; i < question.poses.size(); ++i) {
+      const auto start = std::chrono::steady_clock::now();
+      const CollisionReport& report = detector.detect(question.poses[i], settings);
+      row.time(i, Microseconds(std::chrono::steady_clock::now() - start).count());
+      if (pass == 0) row.judge(report, truth[i], question.ofDistance());
+    }
+  }
+  return row;
+}
+
+/// The time of the candidates' triangles comes in place of the detector's narrow phase.
+Row measureStraight(const Question& question, const std::vector<Truth>& truth) {
+  Row row = measure(question, truth, Fidelity::MESH, 0);
+  std::fill(row.least.begin(), row.least.end(), std::numeric_limits<double>::infinity());
+  const auto scene = question.scene(0);
+  CollisionDetector detector(scene);
+  const CheckSettings settings = question.settings(Fidelity::AABB);
+  PairLadder ladder;
+  std::vector<Eigen::Isometry3d> X_WE(scene->elements().size());
+  for (int pass = 0; pass < PASSES; ++pass) {
+    for (std::size_t i = 0; i < question.poses.size(); ++i) {
+      const CollisionReport& report = detector.detect(question.poses[i], settings);
+      for (std::size_t e = 0; e < X_WE.size(); ++e) {
+        const SceneElement& element = scene->elements()[e];
+        X_WE[e] =
+            element.body < 0 ? element.X_BE : question.poses[i].X_WB[element.body] * element.X_BE;
+      }
+      ladder.begin(*scene, X_WE, report.boxes);
+      const auto start = std::chrono::steady_clock::now();
+      for (const BoxPair& pair : report.candidates) {
+        ladder.measure(ladder.byModel(pair), Fidelity::MESH, settings.alarm_distance);
+      }
+      const double narrow = Microseconds(std::chrono::steady_clock::now() - start).count();
+      row.time(i, 1e6 * (report.times.total - report.times.narrow_phase) + narrow);
+    }
+  }
+  return row;
+}
+
+void write(std::ostream& out, const Question& question, const std::string& rung, const Row& row) {
+  const auto count = static_cast<double>(row.least.size());
+  out << question.robot.name << ',' << question.name << ',' << rung << ','
+      << quantile(row.least, 0.5) << ',' << quantile(row.least, 0.99) << ','
+      << row.false_alarms / count << ',' << row.misses / count << ',' << quantile(row.errors, 0.5)
+      << ',' << quantile(row.errors, 1.0) << std::endl;
+}
+
+void writeRungs(const BenchmarkRobot& robot, std::ostream& out) {
+  for (const std::string name : {"self", "world", "self_distance", "world_distance"}) {
+    const Question question = ask(robot, name);
+    if (question.withWorld() && !robot.world) continue;
+    const std::vector<Truth> truth = truthOf(question);
+    write(out, question, "aabb", measure(question, truth, Fidelity::AABB, 0));
+    write(out, question, "obb", measure(question, truth, Fidelity::OBB, 0));
+    for (const int vertices : {8, 16, 32, 64}) {
+      write(out, question, "convex" + std::to_string(vertices),
+            measure(question, truth, Fidelity::CONVEX, vertices));
+    }
+    write(out, question, "convex", measure(question, truth, Fidelity::CONVEX, 0));
+    write(out, question, "adaptive", measure(question, truth, Fidelity::MESH, 0));
+    if (!question.ofDistance()) write(out, question, "mesh", measureStraight(question, truth));
+  }
+}
+
+/// The longest that a narrow query takes in any state, the least of its repetitions.
+double longestNarrowQuery(const Question& question) {
+  const auto scene = question.scene(0);
+  CollisionDetector detector(scene);
+  CheckSettings settings = question.settings(Fidelity::MESH);
+  double longest = 0.0;
+  for (const BodyPoses& poses : question.poses) {
+    double least = std::numeric_limits<double>::infinity();
+    for (int pass = 0; pass < PASSES; ++pass) {
+      const CollisionReport& report = detector.detect(poses, settings);
+      least = std::min(least, 1e6 * report.times.narrow_phase);
+    }
+    longest = std::max(longest, least);
+  }
+  return longest;
+}
+
+void writeBudget(const Question& question, const std::vector<Truth>& truth, double microseconds,
+                 std::ostream& out) {
+  CollisionDetector detector(question.scene(0));
+  CheckSettings settings = question.settings(Fidelity::MESH);
+  settings.time_budget = 1e-6 * microseconds;
+  int resolved = 0, false_alarms = 0, misses = 0, late = 0, count = 0;
+  double open_pairs = 0.0;
+  std::vector<double> took;
+  for (int pass = 0; pass < BUDGET_PASSES; ++pass) {
+    for (std::size_t i = 0; i < question.poses.size(); ++i, ++count) {
+      const auto start = std::chrono::steady_clock::now();
+      const CollisionReport& report = detector.detect(question.poses[i], settings);
+      took.push_back(Microseconds(std::chrono::steady_clock::now() - start).count());
+      resolved += report.budget_spent ? 0 : 1;
+      open_pairs += report.nb_unresolved;
+      false_alarms += report.in_collision && !truth[i].in_collision ? 1 : 0;
+      misses += truth[i].in_collision && !report.in_collision ? 1 : 0;
+      late += took.back() > microseconds + 1e6 * SLACK ? 1 : 0;
+    }
+  }
+  const double all = count;
+  out << microseconds << ',' << resolved / all << ',' << open_pairs / all << ','
+      << false_alarms / all << ',' << misses / all << ',' << late / all << ','
+      << quantile(took, 0.5) << ',' << quantile(took, 0.99) << ',' << quantile(took, 0.999)
+      << std::endl;
+}
+
+void writeBudgets(const BenchmarkRobot& robot, std::ostream& out) {
+  const Question question = ask(robot, "world");
+  const std::vector<Truth> truth = truthOf(question);
+  std::cerr << "longest narrow phase of a state: " << longestNarrowQuery(question) << " us\n";
+  for (const double microseconds : {20.0, 50.0, 100.0, 500.0}) {
+    writeBudget(question, truth, microseconds, out);
+  }
+}
+
+}  // namespace
+}  // namespace collision_pairs
+
+int main(int argc, char** argv) {
+  using namespace collision_pairs;
+  if (argc != 3) {
+    std::cerr << "usage: trade_off RUNGS.csv BUDGETS.csv\n";
+    return 2;
+  }
+  std::ofstream rungs(argv[1]), budgets(argv[2]);
+  rungs << "robot,query,rung,median_us,p99_us,false_alarm_share,miss_share,error_median,"
+           "error_max\n";
+  budgets << "budget_us,resolved_share,unresolved_pairs_mean,false_alarm_share,miss_share,"
+             "late_share,median_us,p99_us,p999_us\n";
+  writeRungs(demoRobot(), rungs);
+  for (const BenchmarkRobot& robot : benchmarkRobots()) {
+    writeRungs(robot, rungs);
+    if (robot.name == "pr2") writeBudgets(robot, budgets);
+  }
+  return rungs && budgets ? 0 : 1;
+}

@@ -1,0 +1,122 @@
+// Each rung encloses the next: contacts are kept, distances are lower bounds.
+#include <map>
+
+#include <gtest/gtest.h>
+
+#include "benchmark/benchmark_robots.h"
+#include "collision_pairs/collision_detector.h"
+#include "mixed_robot.h"
+
+namespace collision_pairs {
+namespace {
+
+using Distances = std::map<std::pair<std::uint32_t, std::uint32_t>, double>;
+
+/// What docs/accuracy.md grants a distance and a depth of shapes with cylinders among them.
+constexpr double DISTANCE_ACCURACY = 1e-8, DEPTH_ACCURACY = 1e-7;
+
+/// Checks one scene, whose hulls may be simplified, at every rung.
+class Ladder {
+ public:
+  explicit Ladder(std::shared_ptr<const CollisionScene> scene) : detector_(std::move(scene)) {}
+
+  Distances distances(const BodyPoses& poses, Fidelity fidelity, double alarm_distance) {
+    CheckSettings settings;
+    settings.fidelity = fidelity;
+    settings.alarm_distance = alarm_distance;
+    Distances found;
+    for (const PairReport& pair : detector_.detect(poses, settings).pairs) {
+      found[{pair.first, pair.second}] = pair.distance;
+    }
+    return found;
+  }
+
+  /// From `dearer`, the meshes' answer, down; returns the number of pairs that were compared.
+  std::size_t expectNested(const BodyPoses& poses, double alarm_distance) {
+    Distances dearer = distances(poses, Fidelity::MESH, alarm_distance);
+    const std::size_t count = dearer.size();
+    for (const Fidelity rung : {Fidelity::CONVEX, Fidelity::OBB, Fidelity::AABB}) {
+      const Distances cheaper = distances(poses, rung, alarm_distance);
+      expectEncloses(cheaper, dearer, fidelityName(rung));
+      dearer = cheaper;
+    }
+    return count;
+  }
+
+  void expectEncloses(const Distances& cheaper, const Distances& dearer, const char* rung) {
+    for (const auto& [pair, distance] : dearer) {
+      const auto found = cheaper.find(pair);
+      const std::string names = detector_.scene().models()[pair.first].name + "|" +
+                                detector_.scene().models()[pair.second].name;
+      ASSERT_TRUE(found != cheaper.end()) << names << " at " << rung;
+      if (distance <= 0.0) {
+        EXPECT_LE(found->second, 0.0) << names << " at " << rung;
+      }
+      EXPECT_LE(found->second, distance + (distance > 0.0 ? DISTANCE_ACCURACY : DEPTH_ACCURACY))
+          << names << " at " << rung;
+    }
+  }
+
+ private:
+  CollisionDetector detector_;
+};
+
+std::shared_ptr<const CollisionScene> sceneWithHulls(int max_hull_vertices) {
+  SceneSettings settings;
+  settings.max_hull_vertices = max_hull_vertices;
+  return CollisionScene::build(mixedRobot(2), std::nullopt, nullptr, settings);
+}
+
+class NestingOfRandomPairs : public testing::TestWithParam<int> {};
+
+TEST_P(NestingOfRandomPairs, KeepsContactsAndBoundsDistances) {
+  RandomInputs random;
+  const auto scene = sceneWithHulls(GetParam());
+  Ladder ladder(scene);
+  BodyPoses poses;
+  poses.resize(scene->bodies().size());
+  std::size_t compared = 0;
+  while (compared < 100000) {
+    throwAbout(random, random.uniform(0.2, 1.5), poses);
+    compared += ladder.expectNested(poses, 10.0);
+    ladder.expectNested(poses, 0.0);
+    if (testing::Test::HasFailure()) return;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(ExactHulls, NestingOfRandomPairs, testing::Values(0));
+INSTANTIATE_TEST_SUITE_P(SimplifiedHulls, NestingOfRandomPairs, testing::Values(8, 24));
+
+TEST(FidelityLadder, SimplifiedHullsEncloseTheExactOnes) {
+  RandomInputs random;
+  const auto exact = sceneWithHulls(0), simplified = sceneWithHulls(12);
+  Ladder exact_ladder(exact), simplified_ladder(simplified);
+  BodyPoses poses;
+  poses.resize(exact->bodies().size());
+  for (int round = 0; round < 100; ++round) {
+    throwAbout(random, 0.8, poses);
+    exact_ladder.expectEncloses(simplified_ladder.distances(poses, Fidelity::CONVEX, 10.0),
+                                exact_ladder.distances(poses, Fidelity::CONVEX, 10.0), "convex");
+  }
+}
+
+TEST(FidelityLadder, IsNestedInAllReferenceStates) {
+  if (benchmarkRobots().empty()) GTEST_SKIP() << "COLLISION_PAIRS_SHARED names no data";
+  for (const BenchmarkRobot& robot : benchmarkRobots()) {
+    for (const int max_hull_vertices : {0, 32}) {
+      SceneSettings settings;
+      settings.max_hull_vertices = max_hull_vertices;
+      const auto scene = CollisionScene::build(robot.robot, robot.srdf, robot.world, settings);
+      Ladder ladder(scene);
+      BodyPoses poses;
+      for (const auto& X_RB : robot.states) {
+        scene->gatherPoses(X_RB, poses);
+        ladder.expectNested(poses, 0.05);
+        ladder.expectNested(poses, 0.0);
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace collision_pairs
