@@ -156,3 +156,23 @@ def test_a_pipe_is_written_in_place(run_tool, states):
     done = run_tool("check_states", URDF, "--states", states, "--out", "/dev/stdout")
     assert done.returncode == 0 and done.stdout.startswith("state,")
     assert stat.S_ISLNK(os.lstat("/dev/stdout").st_mode)
+
+
+def test_a_state_without_time_is_in_collision_unless_its_boxes_are_apart(run_tool, states, tmp_path):
+    out = tmp_path / "out.csv"
+    done = run_tool("check_states", URDF, "--srdf", SRDF, "--states", states, "--out", out,
+                    "--time-budget", "0.001", "--min-distance")
+    assert done.returncode == 0, done.stderr
+    hurried = rows_of(out)
+    run_tool("check_states", URDF, "--srdf", SRDF, "--states", states, "--out", out)
+    for fast, exact in zip(hurried, rows_of(out)):
+        assert fast["in_collision"] >= exact["in_collision"]
+        assert set(exact["pairs"].split(";")) - {""} <= set(fast["pairs"].split(";"))
+        assert fast["min_distance"] == ""
+
+
+@pytest.mark.parametrize("option, value", [("--time-budget", "-1"), ("--max-hull-vertices", "3")])
+def test_a_trade_that_is_none_is_refused(run_tool, states, option, value):
+    done = run_tool("check_states", URDF, "--states", states, option, value)
+    assert done.returncode == 2
+    assert option.strip("-").replace("-", "_") in done.stderr.replace("-", "_")

@@ -65,6 +65,23 @@ TEST(Enclosure, FewerPointsGrownByTheirMarginReachAsFar) {
   }
 }
 
+TEST(Enclosure, AtMostSoManyPointsGrownByTheirMarginReachAsFar) {
+  RandomInputs random;
+  for (const std::size_t count : {1u, 4u, 8u, 16u, 64u, 500u}) {
+    std::vector<Eigen::Vector3d> ball;
+    for (int i = 0; i < 300; ++i) ball.push_back(random.rotation() * Eigen::Vector3d(1, 0, 0));
+    const FewerPoints fewer = atMostPoints(ball, count);
+    EXPECT_LE(fewer.points.size(), count);
+    for (int i = 0; i < 200; ++i) {
+      const Eigen::Vector3d direction = random.rotation() * Eigen::Vector3d::UnitX();
+      double all = -1e9, kept = -1e9;
+      for (const auto& v : ball) all = std::max(all, direction.dot(v));
+      for (const auto& v : fewer.points) kept = std::max(kept, direction.dot(v));
+      EXPECT_LE(all, kept + fewer.margin);
+    }
+  }
+}
+
 TEST(Enclosure, BoxOfAMeshHoldsItAndIsTightToATenthOfAPerMille) {
   RandomInputs random;
   for (int round = 0; round < 100; ++round) {

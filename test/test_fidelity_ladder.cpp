@@ -87,6 +87,21 @@ TEST_P(NestingOfRandomPairs, KeepsContactsAndBoundsDistances) {
 INSTANTIATE_TEST_SUITE_P(ExactHulls, NestingOfRandomPairs, testing::Values(0));
 INSTANTIATE_TEST_SUITE_P(SimplifiedHulls, NestingOfRandomPairs, testing::Values(8, 24));
 
+TEST(FidelityLadder, IsNestedAMillionMetresFromTheOrigin) {
+  RandomInputs random;
+  const auto scene = sceneWithHulls(0);
+  Ladder ladder(scene);
+  BodyPoses poses;
+  poses.resize(scene->bodies().size());
+  const Eigen::Vector3d far(1e6, -1e6, 1e6);
+  for (int round = 0; round < 200; ++round) {
+    throwAbout(random, 0.8, poses);
+    for (Eigen::Isometry3d& X_WB : poses.X_WB) X_WB.pretranslate(far);
+    ladder.expectNested(poses, 10.0);
+    ladder.expectNested(poses, 0.0);
+  }
+}
+
 TEST(FidelityLadder, SimplifiedHullsEncloseTheExactOnes) {
   RandomInputs random;
   const auto exact = sceneWithHulls(0), simplified = sceneWithHulls(12);

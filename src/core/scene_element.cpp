@@ -35,7 +35,7 @@ Hull simplifiedHull(const std::vector<Vector3d>& corners, double margin, int max
 void setBox(const Vector3d& lower, const Vector3d& upper, double margin, SceneElement& element) {
   element.box_center = 0.5 * (lower + upper);
   element.box_half = 0.5 * (upper - lower);
-  const double rounding = ROUNDING * (element.box_center + element.box_half).cwiseAbs().sum();
+  const double rounding = ROUNDING * (element.box_center.cwiseAbs() + element.box_half).sum();
   element.box_half.array() += margin + rounding;
 }
 

@@ -12,6 +12,7 @@
 #include <iostream>
 #include <limits>
 #include <map>
+#include <numeric>
 
 #include "collision_pairs/collision_detector.h"
 #include "demo_motion.h"
@@ -139,30 +140,56 @@ Row measure(const Question& question, const std::vector<Truth>& truth, Fidelity 
   return row;
 }
 
+/// The detector's candidates, each straight at its triangles.
+class StraightToMesh {
+ public:
+  explicit StraightToMesh(const Question& question)
+      : settings_(question.settings(Fidelity::AABB)),
+        scene_(question.scene(0)),
+        detector_(scene_),
+        X_WE_(scene_->elements().size()) {}
+
+  /// Boxes and sweep, without the queries: µs.
+  double begin(const BodyPoses& poses) {
+    const CollisionReport& report = detector_.detect(poses, settings_);
+    for (std::size_t i = 0; i < X_WE_.size(); ++i) {
+      const SceneElement& element = scene_->elements()[i];
+      X_WE_[i] = element.body < 0 ? element.X_BE : poses.X_WB[element.body] * element.X_BE;
+    }
+    ladder_.begin(*scene_, X_WE_, report.boxes);
+    return 1e6 * (report.times.total - report.times.narrow_phase);
+  }
+
+  /// µs of each query.
+  const std::vector<double>& queries() {
+    took_.clear();
+    for (const BoxPair& pair : detector_.report().candidates) {
+      const auto start = std::chrono::steady_clock::now();
+      ladder_.measure(ladder_.byModel(pair), Fidelity::MESH, settings_.alarm_distance);
+      took_.push_back(Microseconds(std::chrono::steady_clock::now() - start).count());
+    }
+    return took_;
+  }
+
+ private:
+  CheckSettings settings_;
+  std::shared_ptr<const CollisionScene> scene_;
+  CollisionDetector detector_;
+  PairLadder ladder_;
+  std::vector<Eigen::Isometry3d> X_WE_;
+  std::vector<double> took_;
+};
+
 /// The time of the candidates' triangles comes in place of the detector's narrow phase.
 Row measureStraight(const Question& question, const std::vector<Truth>& truth) {
   Row row = measure(question, truth, Fidelity::MESH, 0);
   std::fill(row.least.begin(), row.least.end(), std::numeric_limits<double>::infinity());
-  const auto scene = question.scene(0);
-  CollisionDetector detector(scene);
-  const CheckSettings settings = question.settings(Fidelity::AABB);
-  PairLadder ladder;
-  std::vector<Eigen::Isometry3d> X_WE(scene->elements().size());
+  StraightToMesh straight(question);
   for (int pass = 0; pass < PASSES; ++pass) {
     for (std::size_t i = 0; i < question.poses.size(); ++i) {
-      const CollisionReport& report = detector.detect(question.poses[i], settings);
-      for (std::size_t e = 0; e < X_WE.size(); ++e) {
-        const SceneElement& element = scene->elements()[e];
-        X_WE[e] =
-            element.body < 0 ? element.X_BE : question.poses[i].X_WB[element.body] * element.X_BE;
-      }
-      ladder.begin(*scene, X_WE, report.boxes);
-      const auto start = std::chrono::steady_clock::now();
-      for (const BoxPair& pair : report.candidates) {
-        ladder.measure(ladder.byModel(pair), Fidelity::MESH, settings.alarm_distance);
-      }
-      const double narrow = Microseconds(std::chrono::steady_clock::now() - start).count();
-      row.time(i, 1e6 * (report.times.total - report.times.narrow_phase) + narrow);
+      const double boxes = straight.begin(question.poses[i]);
+      const auto& queries = straight.queries();
+      row.time(i, std::accumulate(queries.begin(), queries.end(), boxes));
     }
   }
   return row;
@@ -183,7 +210,7 @@ void writeRungs(const BenchmarkRobot& robot, std::ostream& out) {
     const std::vector<Truth> truth = truthOf(question);
     write(out, question, "aabb", measure(question, truth, Fidelity::AABB, 0));
     write(out, question, "obb", measure(question, truth, Fidelity::OBB, 0));
-    for (const int vertices : {8, 16, 32, 64}) {
+    for (const int vertices : {16, 32, 64}) {
       write(out, question, "convex" + std::to_string(vertices),
             measure(question, truth, Fidelity::CONVEX, vertices));
     }
@@ -193,25 +220,25 @@ void writeRungs(const BenchmarkRobot& robot, std::ostream& out) {
   }
 }
 
-/// The longest that a narrow query takes in any state, the least of its repetitions.
-double longestNarrowQuery(const Question& question) {
-  const auto scene = question.scene(0);
-  CollisionDetector detector(scene);
-  CheckSettings settings = question.settings(Fidelity::MESH);
-  double longest = 0.0;
+/// By state: µs of its longest narrow query, the least of its repetitions.
+std::vector<double> longestQueries(const Question& question) {
+  StraightToMesh straight(question);
+  std::vector<double> longest;
   for (const BodyPoses& poses : question.poses) {
+    straight.begin(poses);
     double least = std::numeric_limits<double>::infinity();
     for (int pass = 0; pass < PASSES; ++pass) {
-      const CollisionReport& report = detector.detect(poses, settings);
-      least = std::min(least, 1e6 * report.times.narrow_phase);
+      double of_pass = 0.0;
+      for (const double took : straight.queries()) of_pass = std::max(of_pass, took);
+      least = std::min(least, of_pass);
     }
-    longest = std::max(longest, least);
+    longest.push_back(least);
   }
   return longest;
 }
 
-void writeBudget(const Question& question, const std::vector<Truth>& truth, double microseconds,
-                 std::ostream& out) {
+void writeBudget(const Question& question, const std::vector<Truth>& truth,
+                 const std::vector<double>& longest_query, double microseconds, std::ostream& out) {
   CollisionDetector detector(question.scene(0));
   CheckSettings settings = question.settings(Fidelity::MESH);
   settings.time_budget = 1e-6 * microseconds;
@@ -227,7 +254,7 @@ void writeBudget(const Question& question, const std::vector<Truth>& truth, doub
       open_pairs += report.nb_unresolved;
       false_alarms += report.in_collision && !truth[i].in_collision ? 1 : 0;
       misses += truth[i].in_collision && !report.in_collision ? 1 : 0;
-      late += took.back() > microseconds + 1e6 * SLACK ? 1 : 0;
+      late += took.back() > microseconds + 1e6 * SLACK + longest_query[i] ? 1 : 0;
     }
   }
   const double all = count;
@@ -240,9 +267,9 @@ void writeBudget(const Question& question, const std::vector<Truth>& truth, doub
 void writeBudgets(const BenchmarkRobot& robot, std::ostream& out) {
   const Question question = ask(robot, "world");
   const std::vector<Truth> truth = truthOf(question);
-  std::cerr << "longest narrow phase of a state: " << longestNarrowQuery(question) << " us\n";
+  const std::vector<double> longest_query = longestQueries(question);
   for (const double microseconds : {20.0, 50.0, 100.0, 500.0}) {
-    writeBudget(question, truth, microseconds, out);
+    writeBudget(question, truth, longest_query, microseconds, out);
   }
 }
 

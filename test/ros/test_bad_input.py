@@ -68,6 +68,18 @@ class BadInputTest(unittest.TestCase):
         self.assertEqual(rospy.get_param("/bad_parameters/node/alarm_distance"), 0.05)
         self.assertEqual(rospy.get_param("/bad_parameters/node/rate"), 50.0)
 
+    def test_a_fidelity_for_a_link_that_is_none_is_named_with_the_one_that_is_meant(self):
+        status = self.diagnosis_of("unknown_link/node")
+        self.assertEqual(status.level, 2)
+        self.assertIn("'aa'", status.message)
+        self.assertIn("'a' meant", status.message)
+
+    def test_a_fidelity_that_is_none_is_dropped_and_the_others_stay(self):
+        node = NodeClient("/bad_fidelity/node")
+        self.assertIsNotNone(node.next(node.reports))
+        self.assertEqual(rospy.get_param("/bad_fidelity/node/max_hull_vertices"), 0)
+        self.assertEqual(rospy.get_param("/bad_fidelity/node/time_budget"), 0.0)
+
     def test_transforms_that_are_none_or_old_leave_their_links_out(self):
         node = NodeClient("/bad_transforms/node")
         self.assertEqual(node.next(node.reports).left_out, ["a", "b", "c"])

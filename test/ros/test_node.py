@@ -138,6 +138,23 @@ class NodeTest(unittest.TestCase):
         self.assertLessEqual(cheap.result.min_distance, wide.result.min_distance)
         self.assertAlmostEqual(self.node.next(self.node.reports).alarm_distance, 0.03)
 
+    def test_a_request_without_time_is_answered_by_bounds(self):
+        exact = self.report_in(CONTACT)
+        reply = self.request(time_budget=1e-9)
+        self.assertTrue(reply.success, reply.message)
+        result = reply.result
+        self.assertTrue(result.budget_spent and result.in_collision)
+        self.assertEqual(result.time_budget, 1e-9)
+        self.assertEqual(result.nb_unresolved, result.nb_pairs)
+        self.assertEqual(sum(result.nb_settled), 0)
+        bounds = {(p.first_link, p.second_link): p for p in result.pairs}
+        for pair in exact.pairs:
+            bound = bounds[(pair.first_link, pair.second_link)]
+            self.assertEqual((bound.state, bound.fidelity), (CollisionPair.UNRESOLVED, "aabb"))
+            self.assertLessEqual(bound.distance, pair.distance + 1e-6)
+        self.assertEqual(exact.nb_unresolved, 0)
+        self.assertEqual(sum(exact.nb_settled), exact.nb_pairs)
+
     def test_wrong_requests_are_refused_by_name_and_the_cycle_goes_on(self):
         self.report_in(FREE)
         nan = float("nan")
