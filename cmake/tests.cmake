@@ -27,6 +27,7 @@ collision_pairs_test(shape)
 collision_pairs_test(srdf)
 collision_pairs_test(sweep_and_prune)
 collision_pairs_test(text_files collision_pairs_io)
+collision_pairs_test(transform_tracks collision_pairs_io ${catkin_LIBRARIES})
 collision_pairs_test(urdf_errors)
 
 function(collision_pairs_pytest name)
@@ -39,6 +40,7 @@ function(collision_pairs_pytest name)
 endfunction()
 
 collision_pairs_pytest(architecture)
+collision_pairs_pytest(check_bag)
 collision_pairs_pytest(check_states)
 collision_pairs_pytest(reference)
 
