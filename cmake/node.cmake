@@ -1,5 +1,6 @@
 # The node. Its parts are a library, so that tests can call the pure ones without a master.
 add_library(collision_pairs_ros STATIC
+  src/ros/clock_watch.cpp
   src/ros/collision_pairs_node.cpp
   src/ros/joint_query.cpp
   src/ros/parameters.cpp
