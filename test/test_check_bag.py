@@ -2,6 +2,9 @@
 import csv
 import os
 import random
+import re
+import shutil
+import subprocess
 
 import pytest
 import rosbag
@@ -313,3 +316,41 @@ def test_reports_and_markers_are_recorded_at_the_stamps_of_the_table(check, tmp_
         assert row["distances"].count("=") == len(report.pairs)
         assert ("boxes_in_contact" in {marker.ns for marker in array.markers}) == report.in_collision
     assert not list(tmp_path.glob("*.part*"))
+
+
+@pytest.fixture
+def page(run_tool, tmp_path):
+    folder = tmp_path / "report"
+    done = run_tool("check_bag", DEMO_BAG, "--report", folder)
+    assert done.returncode == 0, done.stderr
+    assert [path.name for path in folder.iterdir()] == ["index.html"]
+    return folder / "index.html"
+
+
+def test_the_page_needs_no_other_file_and_names_the_closest_pair(page):
+    text = page.read_text()
+    assert set(re.findall(r'(?:src|href)="([^,"]*)', text)) <= {"data:image/png;base64", "data:"}
+    assert "http" not in re.sub(r'base64,[^"]*', "", text)
+    assert text.count("<img") == 2 and "ball – right_finger" in text
+
+
+def test_a_browser_opens_the_page_without_a_word_on_its_console(page, tmp_path):
+    browser = shutil.which("chromium")
+    if not browser:
+        pytest.skip("no chromium")
+    done = subprocess.run([browser, "--headless", "--no-sandbox", "--disable-gpu", "--enable-logging=stderr",
+                           "--user-data-dir=%s" % (tmp_path / "profile"), "--dump-dom", page.as_uri()],
+                          timeout=120, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    assert "What nearly touched" in done.stdout
+    assert "CONSOLE" not in done.stderr
+
+
+def test_a_page_is_made_of_merged_parts_and_of_bags_without_anything_near(run_tool, make_bag, tmp_path):
+    bag = make_bag("a.bag", "--rate", "3")
+    parts = run_parts(run_tool, tmp_path, 2, bag)
+    done = run_tool("merge_bag_checks", *parts, "--report", tmp_path / "merged")
+    assert done.returncode == 0 and not done.stdout.startswith("bag,"), done.stderr
+    done = run_tool("check_bag", bag, "--report", tmp_path / "whole")
+    assert (tmp_path / "merged/index.html").read_text() == (tmp_path / "whole/index.html").read_text()
+    done = run_tool("check_bag", bag, "--alarm-distance", "0", "--report", tmp_path / "zero")
+    assert done.returncode == 0, done.stderr
