@@ -8,5 +8,5 @@ install(DIRECTORY include/collision_pairs/ DESTINATION ${CATKIN_PACKAGE_INCLUDE_
 install(DIRECTORY launch config DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION})
 catkin_install_python(PROGRAMS scripts/move_demo_robot scripts/plot_bag_report
                       scripts/print_bag_robot scripts/print_collision_pairs
-                      scripts/replay_state_publisher
+                      scripts/replay_transforms
   DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})

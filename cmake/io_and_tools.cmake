@@ -16,7 +16,7 @@ add_library(collision_pairs_io SHARED
 )
 target_include_directories(collision_pairs_io PUBLIC ${PROJECT_SOURCE_DIR}/src/io
                                               PRIVATE ${PROJECT_SOURCE_DIR}/src/core)
-target_include_directories(collision_pairs_io SYSTEM PUBLIC ${catkin_INCLUDE_DIRS})
+target_include_directories(collision_pairs_io SYSTEM PRIVATE ${catkin_INCLUDE_DIRS})
 target_link_libraries(collision_pairs_io PUBLIC collision_pairs
                       PRIVATE ${catkin_LIBRARIES} BZip2::BZip2 ${ROSLZ4_LIBRARY})
 collision_pairs_warnings(collision_pairs_io)

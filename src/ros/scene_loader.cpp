@@ -19,7 +19,8 @@ bool findText(const ros::NodeHandle& node, const std::string& name, std::string&
 
 std::optional<Srdf> loadSrdf(const ros::NodeHandle& node, const RobotModel& robot) {
   std::string key, xml;
-  // Empty counts as none: a launch file cannot set a parameter only where a command finds something.
+  // Empty counts as none: a launch file cannot set a parameter only where a command finds
+  // something.
   if (!findText(node, "robot_description_semantic", key, xml) || xml.empty()) return std::nullopt;
   std::vector<std::string> links;
   for (const Link& link : robot.links()) links.push_back(link.name);
