@@ -202,6 +202,17 @@ def test_over_a_gap_nothing_is_assumed_and_it_is_said(check, make_bag, tmp_path)
     assert not any("forearm" in row["left_out"].split(";") for row in rows)
 
 
+def test_a_clock_that_goes_back_within_a_bag_is_said(check, tmp_path):
+    bag = tmp_path / "twice.bag"
+    with rosbag.Bag(DEMO_BAG) as source, rosbag.Bag(str(bag), "w") as target:
+        for later in (0, 100):
+            for topic, message, stamp in source.read_messages():
+                target.write(topic, message, stamp + rospy.Duration(later))
+    rows, said = check(bag)
+    assert "1 times its clock goes back" in said
+    assert "clock" not in check(DEMO_BAG)[1]
+
+
 def test_time_in_contact_is_counted_from_stamp_to_stamp(check, tmp_path):
     bag = tmp_path / "boxes.bag"
     urdf = tmp_path / "boxes.urdf"

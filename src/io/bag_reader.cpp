@@ -16,6 +16,8 @@
 namespace collision_pairs {
 namespace {
 
+constexpr StampNs CLOCK_WENT_BACK = 5000000000;  // 5 s: publishers differ by less
+
 std::string lastPart(const std::string& topic) { return topic.substr(topic.rfind('/') + 1); }
 
 template <class Message>
@@ -58,6 +60,7 @@ class Collector {
     if (contents_.nb_messages > 0) contents_.duration = (last_ - first_).toSec();
     note(nb_garbled_, "messages that do not fit their type");
     note(nb_unusable_, "transforms and joint positions that are not finite or no rotation");
+    note(nb_jumps_, "times its clock goes back; what overlaps is mixed, so split the bag there");
     return std::move(contents_);
   }
 
@@ -74,8 +77,17 @@ class Collector {
     return static_cast<StampNs>((stamp.isZero() ? raw.received : stamp).toNSec());
   }
 
+  void watchClock(StampNs stamp) {
+    if (stamp < newest_ - CLOCK_WENT_BACK)
+      ++nb_jumps_;
+    else if (stamp < newest_)
+      return;
+    newest_ = stamp;
+  }
+
   void takeTransforms(const RawMessage& raw, bool is_static) {
     for (const auto& transform : read<tf2_msgs::TFMessage>(raw).transforms) {
+      if (!is_static) watchClock(stampOf(transform.header.stamp, raw));
       const auto& p = transform.transform.translation;
       const auto& q = transform.transform.rotation;
       const bool usable = contents_.transforms.add(
@@ -88,6 +100,7 @@ class Collector {
   void takeJoints(const RawMessage& raw) {
     const auto message = read<sensor_msgs::JointState>(raw);
     const StampNs stamp = stampOf(message.header.stamp, raw);
+    watchClock(stamp);
     JointTracks& tracks = contents_.joints[raw.topic];
     const std::size_t count = std::min(message.name.size(), message.position.size());
     for (std::size_t i = 0; i < count; ++i) {
@@ -105,7 +118,8 @@ class Collector {
 
   BagContents contents_;
   ros::Time first_, last_;
-  std::size_t nb_garbled_ = 0, nb_unusable_ = 0;
+  StampNs newest_ = 0;
+  std::size_t nb_garbled_ = 0, nb_unusable_ = 0, nb_jumps_ = 0;
 };
 
 /// For formats that only rosbag_storage knows.
