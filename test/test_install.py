@@ -75,8 +75,8 @@ def test_a_program_compiles_against_the_installed_headers_without_ros(installed,
 
 
 @pytest.mark.parametrize("name", sorted(n for n in os.listdir(os.path.join(PROJECT, "launch")) if n.endswith(".launch")))
-def test_launch_files_are_sound(name):
+def test_launch_files_are_sound(tmp_path, name):
     checker = "/usr/share/roslaunch/scripts/roslaunch-check"
-    done = subprocess.run(["/usr/bin/python3", checker, os.path.join(PROJECT, "launch", name)],
-                          stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    done = subprocess.run(["/usr/bin/python3", checker, "-i", os.path.join(PROJECT, "launch", name)],
+                          env=dict(os.environ, ROS_TEST_RESULTS_DIR=str(tmp_path)), stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
     assert done.returncode == 0, done.stdout
