@@ -14,6 +14,7 @@ add_library(collision_pairs SHARED
   src/core/fcl_backend.cpp
   src/core/found_pairs.cpp
   src/core/hull_bounds.cpp
+  src/core/in_parallel.cpp
   src/core/mesh_bounds.cpp
   src/core/mesh_query.cpp
   src/core/mesh_solid.cpp

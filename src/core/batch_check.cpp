@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <atomic>
-#include <exception>
-#include <mutex>
 #include <thread>
+
+#include "in_parallel.h"
 
 namespace collision_pairs {
 namespace {
@@ -21,10 +21,9 @@ BatchCheck::BatchCheck(std::shared_ptr<const CollisionScene> scene, unsigned thr
 
 void BatchCheck::run(std::size_t count, const CheckSettings& settings, const Pose& pose,
                      const Take& take) {
+  // Each thread of the loop is one detector, which takes blocks of states until none are left.
   std::atomic<std::size_t> next{0};
-  std::mutex mutex;
-  std::exception_ptr failure;
-  const auto work = [&](CollisionDetector& detector) {
+  const auto takeBlocks = [&](std::size_t thread) {
     BodyPoses poses;
     poses.resize(scene_->bodies().size());
     try {
@@ -32,23 +31,15 @@ void BatchCheck::run(std::size_t count, const CheckSettings& settings, const Pos
            begin = next.fetch_add(BLOCK)) {
         for (std::size_t i = begin; i < std::min(begin + BLOCK, count); ++i) {
           pose(i, poses);
-          take(i, detector.detect(poses, settings));
+          take(i, detectors_[thread].detect(poses, settings));
         }
       }
     } catch (...) {
-      next = count;
-      const std::lock_guard<std::mutex> lock(mutex);
-      if (!failure) failure = std::current_exception();
+      next = count;  // the others end too
+      throw;
     }
   };
-  const std::size_t nb_threads = std::min(detectors_.size(), (count + BLOCK - 1) / BLOCK);
-  std::vector<std::thread> others;
-  for (std::size_t i = 1; i < nb_threads; ++i) {
-    others.emplace_back([&work, this, i] { work(detectors_[i]); });
-  }
-  work(detectors_[0]);
-  for (std::thread& other : others) other.join();
-  if (failure) std::rethrow_exception(failure);
+  inParallel(std::min(detectors_.size(), (count + BLOCK - 1) / BLOCK), takeBlocks);
 }
 
 }  // namespace collision_pairs

@@ -29,7 +29,7 @@ Fidelity cheaper(Fidelity a, Fidelity b) { return std::min(a, b); }
 class SceneBuilder {
  public:
   SceneBuilder(std::shared_ptr<const RobotModel> robot, const SceneSettings& settings)
-      : scene_(new CollisionScene), settings_(settings) {
+      : scene_(new CollisionScene), settings_(settings), maker_(settings.max_hull_vertices) {
     if (settings.max_hull_vertices != 0 && settings.max_hull_vertices < 4) {
       throw InputError("max_hull_vertices is " + std::to_string(settings.max_hull_vertices) +
                        ", but must be 4 or more, or 0 for exact hulls");
@@ -172,6 +172,7 @@ class SceneBuilder {
   void addElements(const RobotModel* world) {
     std::vector<Eigen::Isometry3d> X_RB;
     if (world) world->forwardKinematics(world->zeroPositions(), X_RB);
+    prepareElements();
     addElementsOf(true, X_RB);
     std::vector<Aabb> boxes;
     std::vector<std::uint32_t> models;
@@ -183,6 +184,16 @@ class SceneBuilder {
     addElementsOf(false, {});
   }
 
+  void prepareElements() {
+    std::vector<std::pair<const Shape*, Fidelity>> wanted;
+    for (const Candidate& c : candidates_) {
+      for (const Element& element : c.source->links()[c.link].elements) {
+        wanted.emplace_back(&element.shape, c.needed_fidelity);
+      }
+    }
+    maker_.prepare(wanted);
+  }
+
   void addElementsOf(bool is_static, const std::vector<Eigen::Isometry3d>& X_RB) {
     for (std::uint32_t m = 0; m < candidates_.size(); ++m) {
       if (candidates_[m].is_static != is_static) continue;
@@ -192,8 +203,7 @@ class SceneBuilder {
       model.first_element = static_cast<std::uint32_t>(scene_->elements_.size());
       model.nb_elements = static_cast<std::uint32_t>(link.elements.size());
       for (const Element& element : link.elements) {
-        scene_->elements_.push_back(makeElement(element.shape, candidates_[m].needed_fidelity,
-                                                settings_.max_hull_vertices));
+        scene_->elements_.push_back(maker_.make(element.shape, candidates_[m].needed_fidelity));
         SceneElement& made = scene_->elements_.back();
         made.model = m;
         made.body = model.body;
@@ -205,6 +215,7 @@ class SceneBuilder {
 
   std::unique_ptr<CollisionScene> scene_;
   const SceneSettings& settings_;
+  ElementMaker maker_;
   std::vector<Candidate> candidates_;
   std::set<Srdf::LinkPair> switched_off_;
   bool check_self_ = true;

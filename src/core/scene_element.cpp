@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "enclosure.h"
+#include "in_parallel.h"
 #include "mesh_bounds.h"
 
 namespace collision_pairs {
@@ -85,6 +86,29 @@ SceneElement makeElement(const Shape& shape, Fidelity needed, int max_hull_verti
   }
   made.rungs = {Rung{}, obb, convex, exact};
   return made;
+}
+
+void ElementMaker::prepare(const std::vector<std::pair<const Shape*, Fidelity>>& wanted) {
+  std::vector<std::pair<const Shape*, SceneElement*>> open;
+  for (const auto& [shape, needed] : wanted) {
+    const auto* mesh = std::get_if<Mesh>(shape);
+    if (mesh == nullptr) continue;
+    const auto [slot, is_new] = of_meshes_.try_emplace(Key(mesh->mesh.get(), needed));
+    if (is_new) open.emplace_back(shape, &slot->second);
+    slot->second.dearest = needed;
+  }
+  inParallel(open.size(), [&](std::size_t i) {
+    const Fidelity needed = open[i].second->dearest;
+    *open[i].second = makeElement(*open[i].first, needed, max_hull_vertices_);
+  });
+}
+
+SceneElement ElementMaker::make(const Shape& shape, Fidelity needed) {
+  if (const auto* mesh = std::get_if<Mesh>(&shape)) {
+    const auto found = of_meshes_.find(Key(mesh->mesh.get(), needed));
+    if (found != of_meshes_.end()) return found->second;
+  }
+  return makeElement(shape, needed, max_hull_vertices_);
 }
 
 Aabb SceneElement::boxAt(const Isometry3d& X_WE) const {
