@@ -43,3 +43,8 @@ target_link_libraries(trade_off PRIVATE collision_pairs_io)
 target_include_directories(trade_off PRIVATE src/core)
 target_compile_definitions(trade_off PRIVATE PROJECT_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
 collision_pairs_warnings(trade_off)
+
+# The node's services, beside an empty one; started by scripts/measure_service.
+add_executable(service_benchmark test/benchmark/service_benchmark.cpp)
+target_link_libraries(service_benchmark PRIVATE collision_pairs_ros)
+collision_pairs_warnings(service_benchmark)

@@ -1,6 +1,7 @@
 # The core: URDF and poses in, pairs out. Links no ROS library (test_architecture holds it so).
 add_library(collision_pairs SHARED
   src/core/aabb.cpp
+  src/core/batch_check.cpp
   src/core/closed_forms.cpp
   src/core/closest_on_mesh.cpp
   src/core/collision_detector.cpp

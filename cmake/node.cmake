@@ -7,6 +7,7 @@ add_library(collision_pairs_ros STATIC
   src/ros/parameters.cpp
   src/ros/scene_loader.cpp
   src/ros/tf_poses.cpp
+  src/ros/trajectory_check.cpp
 )
 target_include_directories(collision_pairs_ros PUBLIC ${PROJECT_SOURCE_DIR}/src/ros)
 target_include_directories(collision_pairs_ros SYSTEM PUBLIC ${catkin_INCLUDE_DIRS})

@@ -15,6 +15,7 @@ function(collision_pairs_test name)
 endfunction()
 
 collision_pairs_test(aabb)
+collision_pairs_test(batch_check)
 collision_pairs_test(closed_forms)
 collision_pairs_test(collision_detector)
 collision_pairs_test(convex_distance)
@@ -22,6 +23,7 @@ collision_pairs_test(enclosure)
 collision_pairs_test(fcl_regressions)
 collision_pairs_test(fidelity_ladder collision_pairs_io)
 target_sources(test_fidelity_ladder PRIVATE test/benchmark/benchmark_robots.cpp)
+collision_pairs_test(hull_bounds)
 collision_pairs_test(joint_states_csv collision_pairs_io)
 collision_pairs_test(mesh_loader collision_pairs_io)
 collision_pairs_test(mesh_query gmp mpfr)
@@ -54,6 +56,7 @@ endfunction()
 
 collision_pairs_pytest(architecture)
 collision_pairs_pytest(check_states)
+collision_pairs_pytest(install)
 collision_pairs_pytest(reference)
 
 # Each under a master of its own: rostest takes a free port.

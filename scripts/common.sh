@@ -48,10 +48,11 @@ build() {
 
 # The environment of the built package: what `source devel/setup.bash` gives, on Debian too.
 ros_environment() {
+  local given="${ROS_PACKAGE_PATH:-}"  # setup.sh forgets it
   set +u
   . "$BUILD/devel/setup.sh"
   set -u
-  export ROS_PACKAGE_PATH="$PROJECT${ROS_PACKAGE_PATH:+:$ROS_PACKAGE_PATH}:/usr/share"
+  export ROS_PACKAGE_PATH="$PROJECT${given:+:$given}${ROS_PACKAGE_PATH:+:$ROS_PACKAGE_PATH}:/usr/share"
 }
 
 # A TCP port that nobody listens on, beginning with the one given.

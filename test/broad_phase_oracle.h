@@ -50,15 +50,17 @@ inline std::vector<BoxPair> pairsBySweep(const BroadPhaseScene& scene, SweepAndP
 
 /// Tunings that take every path through the sweep even with few boxes.
 inline std::vector<SweepTuning> allPaths() {
+  SweepTuning usual;
   SweepTuning packed;
-  SweepTuning one_sweep;
+  packed.direct_up_to = 0;
+  SweepTuning one_sweep = packed;
   one_sweep.packed_up_to = 0;
   SweepTuning columns = one_sweep;
   columns.column_size = 8;
   columns.tests_per_box = 2;
   SweepTuning threads = columns;
   threads.threads = 3;
-  return {packed, one_sweep, columns, threads};
+  return {usual, packed, one_sweep, columns, threads};
 }
 
 }  // namespace collision_pairs

@@ -71,6 +71,15 @@ def test_a_world_stands_at_the_robots_root(run_tool, states, tmp_path):
     assert done.returncode == 2 and "table" in done.stderr
 
 
+def test_any_number_of_threads_gives_the_same_output(run_tool, tmp_path):
+    states = tmp_path / "many.csv"
+    states.write_text("shoulder_pan,shoulder_lift\n" + "".join("%.3f,%.3f\n" % (i * 0.01 - 2, i * 0.003) for i in range(400)))
+    outputs = [[line.rsplit(",", 1)[0] for line in
+                run_tool("check_states", URDF, "--srdf", SRDF, "--states", states, "--min-distance", "--threads",
+                         threads).stdout.splitlines()] for threads in (1, 2, 5, 0)]
+    assert len(outputs[0]) == 401 and all(output == outputs[0] for output in outputs)
+
+
 def broken_inputs():
     box = "<collision><geometry><box size='1 1 1'/></geometry></collision>"
     mesh = "<robot name='r'><link name='a'><collision><geometry><mesh filename='%s'/></geometry></collision></link></robot>"

@@ -64,6 +64,8 @@ class StaticBoxes {
 
 /// How the work is done. None of it changes the pairs, only the time.
 struct SweepTuning {
+  /// Up to this many pairs of boxes are tested in double right away.
+  std::uint32_t direct_up_to = 60;
   /// Up to this many moving boxes each is tested against each, packed, with nothing sorted:
   /// for few boxes that is quicker than any order. It must be at most 2^29.
   std::uint32_t packed_up_to = 160;
@@ -161,7 +163,7 @@ class SweepAndPrune {
   void refuse(std::uint32_t id);
 
   std::size_t nb_static_ = 0;
-  std::vector<Aabb> boxes_;  // of the moving ones only; NaN where refused
+  std::vector<Aabb> boxes_;  // of the moving ones only; inside out and without end where refused
   std::vector<std::uint32_t> models_;
   std::vector<BoxPair> pairs_;
   std::vector<std::uint32_t> refused_;

@@ -11,7 +11,8 @@ using Eigen::Vector3d;
 
 class Search {
  public:
-  Search(const PreparedMesh& mesh, const Vector3d& point) : mesh_(mesh), point_(point) {}
+  Search(const PreparedMesh& mesh, const Vector3d& point, double limit)
+      : mesh_(mesh), point_(point), squared_(limit * limit) {}
 
   // The tree is balanced to one in eight, so the recursion is about 5 log2(n) deep at most.
   void visit(std::uint32_t index) {
@@ -28,6 +29,7 @@ class Search {
   }
 
   const Vector3d& found() const { return found_; }
+  bool any() const { return any_; }
 
  private:
   double squaredGap(std::uint32_t index) const {
@@ -41,20 +43,29 @@ class Search {
     if (squared >= squared_) return;
     squared_ = squared;
     found_ = candidate;
+    any_ = true;
   }
 
   const PreparedMesh& mesh_;
   const Vector3d& point_;
-  double squared_ = std::numeric_limits<double>::infinity();
+  double squared_;
   Vector3d found_ = Vector3d::Zero();
+  bool any_ = false;
 };
 
 }  // namespace
 
 Vector3d closestOnMesh(const PreparedMesh& mesh, const Vector3d& point) {
-  Search search(mesh, point);
+  Search search(mesh, point, std::numeric_limits<double>::infinity());
   search.visit(0);
   return search.found();
+}
+
+bool isOnMesh(const PreparedMesh& mesh, std::uint32_t root, const Vector3d& point,
+              double tolerance) {
+  Search search(mesh, point, tolerance);
+  search.visit(root);
+  return search.any();
 }
 
 }  // namespace collision_pairs

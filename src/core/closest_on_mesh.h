@@ -11,4 +11,9 @@ namespace collision_pairs {
 /// from a round one; allocates nothing.
 Eigen::Vector3d closestOnMesh(const PreparedMesh& mesh, const Eigen::Vector3d& point);
 
+/// Is the point within `tolerance` of the part of the surface that is below node `root` of the
+/// tree?
+bool isOnMesh(const PreparedMesh& mesh, std::uint32_t root, const Eigen::Vector3d& point,
+              double tolerance);
+
 }  // namespace collision_pairs

@@ -16,6 +16,8 @@ struct SurfaceGap {
   bool beyond = true;  ///< nothing within the limit; `distance` is a lower bound
   Eigen::Vector3d p_ACa = Eigen::Vector3d::Zero();
   Eigen::Vector3d p_ACb = Eigen::Vector3d::Zero();
+  bool by_hulls = false;  ///< of two patches: then there is a normal instead of two triangles
+  Eigen::Vector3d nhat_AB_A = Eigen::Vector3d::Zero();
   std::uint32_t triangle_a = 0;
   std::uint32_t triangle_b = 0;
 };

@@ -86,13 +86,13 @@ struct NarrowPhase::Scratch {
   MeshQuery query;
   std::uint64_t num_degraded = 0;
   DegradedSink sink;
-  MeshContacts mesh_contacts = MeshContacts::FCL;
+  MeshContacts mesh_contacts = MeshContacts::OWN_TREE;
 
   // FCL's "no" is taken; its "yes" is confirmed on the triangles that it names, because its
   // triangle test has no axis for some that are degenerate. Where it throws, our own tree answers.
   bool surfacesTouch(const PreparedMesh& A, const PreparedMesh& B, const Isometry3d& X_AB) {
     FclAnswer answer;
-    if (mesh_contacts == MeshContacts::FCL) answer = fclSurfacesMeet(A.fcl, B.fcl, X_AB);
+    if (mesh_contacts == MeshContacts::FCL) answer = fclSurfacesMeet(A.fcl(), B.fcl(), X_AB);
     if (answer.settled && !answer.meet) return false;
     if (answer.settled && answer.triangle_a >= 0 && answer.triangle_b >= 0) {
       ClosestPoints best{1e-300};
@@ -144,9 +144,22 @@ struct NarrowPhase::Scratch {
         convexDistance(a, b, X_AB, std::numeric_limits<double>::infinity()).nhat_AB_A;
   }
 
+  static PairDistance ofHulls(const SurfaceGap& gap) {
+    PairDistance result;
+    result.distance = gap.distance;
+    result.p_ACa = gap.p_ACa;
+    result.p_ACb = gap.p_ACb;
+    result.nhat_AB_A = gap.nhat_AB_A;
+    return result;
+  }
+
   // `hulls_meet`: one may hold the other, or a part of it.
   PairDistance meshMesh(const Prepared& A, const Prepared& B, const Isometry3d& X_AB,
                         double max_distance, bool hulls_meet) {
+    // Contact first: it is found by splitting boxes, much sooner than by measuring.
+    if (hulls_meet && !query.meshMesh(*A.mesh, *B.mesh, X_AB, 0.0).beyond) {
+      return hullDepth(A, B, X_AB);
+    }
     const SurfaceGap gap = query.meshMesh(*A.mesh, *B.mesh, X_AB, max_distance);
     const bool apart = gap.beyond || gap.distance > 0.0;
     const auto oneHoldsTheOther = [&] {
@@ -162,6 +175,7 @@ struct NarrowPhase::Scratch {
       result.certainty = Certainty::BEYOND;
       return result;
     }
+    if (gap.by_hulls) return ofHulls(gap);
     const Triangle a = triangleOf(*A.mesh->triangles, gap.triangle_a);
     const Triangle b = triangleOf(*B.mesh->triangles, gap.triangle_b);
     setNormal(gap, triangleCore(a), triangleCore(b), X_AB, result);
@@ -170,6 +184,9 @@ struct NarrowPhase::Scratch {
 
   PairDistance meshConvex(const Prepared& A, const Prepared& B, const Isometry3d& X_AB,
                           double max_distance, bool hulls_meet) {
+    if (hulls_meet && !query.meshConvex(*A.mesh, B, X_AB, 0.0).beyond) {
+      return hullDepth(A, B, X_AB);
+    }
     const SurfaceGap gap = query.meshConvex(*A.mesh, B, X_AB, max_distance);
     const bool apart = gap.beyond || gap.distance > 0.0;
     if (!apart || (hulls_meet && meshHoldsConvex(*A.mesh, B, X_AB))) return hullDepth(A, B, X_AB);
@@ -179,6 +196,7 @@ struct NarrowPhase::Scratch {
       result.certainty = Certainty::BEYOND;
       return result;
     }
+    if (gap.by_hulls) return ofHulls(gap);
     const Triangle a = triangleOf(*A.mesh->triangles, gap.triangle_a);
     setNormal(gap, triangleCore(a), B.core, X_AB, result);
     return result;

@@ -52,8 +52,18 @@ std::unique_ptr<PreparedMesh> prepareMesh(const Mesh& shape, double hull_volume)
   mesh->tree = TriangleTree(*shape.mesh);
   mesh->solid = WindingNumber(shape.mesh->vertices, std::move(solid.outward));
   mesh->part_points = std::move(solid.part_points);
-  mesh->fcl = FclMesh(*shape.mesh);
   return mesh;
+}
+
+// The vertices that triangles use, each once.
+std::vector<Vector3d> cornersOf(const TriangleMesh& mesh) {
+  std::vector<char> used(mesh.vertices.size(), 0);
+  for (const auto& t : mesh.triangles) used[t[0]] = used[t[1]] = used[t[2]] = 1;
+  std::vector<Vector3d> corners;
+  for (std::size_t i = 0; i < used.size(); ++i) {
+    if (used[i]) corners.push_back(mesh.vertices[i]);
+  }
+  return corners;
 }
 
 struct MakeCore {
@@ -74,12 +84,7 @@ struct MakeCore {
     return hullCore(hull);
   }
   ConvexCore operator()(const Mesh& shape) const {
-    std::vector<Vector3d> corners;
-    corners.reserve(3 * shape.mesh->triangles.size());
-    for (const auto& t : shape.mesh->triangles) {
-      for (const std::uint32_t vertex : t) corners.push_back(shape.mesh->vertices[vertex]);
-    }
-    hull = convexHull(corners);
+    hull = convexHull(cornersOf(*shape.mesh));
     mesh = prepareMesh(shape, hull.volume);
     return hullCore(hull);
   }
@@ -88,6 +93,11 @@ struct MakeCore {
 };
 
 }  // namespace
+
+const FclMesh& PreparedMesh::fcl() const {
+  std::call_once(fcl_is_built_, [this] { fcl_ = FclMesh(*triangles); });
+  return fcl_;
+}
 
 Prepared::Prepared(const Shape& the_shape) : PreparedShape(the_shape) {
   core = std::visit(MakeCore{hull, mesh}, the_shape);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <mutex>
 
 #include "collision_pairs/narrow_phase.h"
 #include "convex_core.h"
@@ -18,7 +19,13 @@ struct PreparedMesh {
   TriangleTree tree;
   WindingNumber solid;                       ///< the parts that enclose space
   std::vector<Eigen::Vector3d> part_points;  ///< a point of each part
-  FclMesh fcl;
+
+  /// FCL's tree, built when it is first asked for: most never are.
+  const FclMesh& fcl() const;
+
+ private:
+  mutable std::once_flag fcl_is_built_;
+  mutable FclMesh fcl_;
 };
 
 /// Every shape but the half-space has a convex core: itself, or of a mesh its hull. A mesh that is

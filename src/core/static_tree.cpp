@@ -80,6 +80,7 @@ StaticTree::StaticTree(std::vector<Aabb> boxes, std::vector<std::uint32_t> model
 
 TreeView StaticTree::view() const {
   TreeView view;
+  view.nb_boxes = static_cast<std::uint32_t>(boxes_.size());
   for (const PackedStorage& level : levels_) view.level[view.nb_levels++] = level.view();
   return view;
 }

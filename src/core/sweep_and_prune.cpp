@@ -24,6 +24,7 @@ constexpr double MAX_ALARM = 1e150;
 struct SweepAndPrune::Engine {
   explicit Engine(const SweepTuning& chosen) : tuning(chosen) {}
 
+  void testDirectly(const std::vector<Aabb>& boxes, std::vector<BoxPair>* pairs) const;
   void meetStatic(const std::vector<Aabb>& boxes, std::vector<BoxPair>* pairs);
   void sweepPacked(const std::vector<Aabb>& boxes, std::vector<BoxPair>* pairs);
   void sweepColumns(const std::vector<Aabb>& boxes, const std::vector<std::uint32_t>& refused,
@@ -76,8 +77,9 @@ void SweepAndPrune::begin(double alarm_distance, const StaticBoxes* static_boxes
 }
 
 void SweepAndPrune::refuse(std::uint32_t id) {
-  boxes_.back().min.setConstant(std::numeric_limits<double>::quiet_NaN());
-  boxes_.back().max = boxes_.back().min;
+  // Endlessly far from every other box, and no NaN.
+  boxes_.back().min.setConstant(std::numeric_limits<double>::infinity());
+  boxes_.back().max.setConstant(-std::numeric_limits<double>::infinity());
   refused_.push_back(id);
 }
 
@@ -90,6 +92,11 @@ const std::vector<BoxPair>& SweepAndPrune::end() {
   engine.rules.squared_reach = squaredReach(engine.alarm_distance);
   engine.unsure = engine.alarm_distance > 0.0 ? UNSURE : 0;
   pairs_.clear();
+  const std::size_t nb_tests = boxes_.size() * (boxes_.size() / 2 + nb_static_);
+  if (nb_tests <= engine.tuning.direct_up_to) {
+    engine.testDirectly(boxes_, &pairs_);
+    return pairs_;
+  }
 
   // Static ids come first, so these pairs, once sorted, stand before all others.
   if (nb_static_ > 0) engine.meetStatic(boxes_, &pairs_);
@@ -110,6 +117,27 @@ int SweepAndPrune::axis() const {
     engine_->axis = chooseAxis(engine_->tuning, engine_->spreadOf(boxes_));
   }
   return engine_->axis;
+}
+
+// A handful of boxes: preparing anything would take longer. In the order of the pairs.
+void SweepAndPrune::Engine::testDirectly(const std::vector<Aabb>& boxes,
+                                         std::vector<BoxPair>* pairs) const {
+  const auto count = static_cast<std::uint32_t>(boxes.size());
+  const auto meet = [&](const Aabb& box, std::uint32_t model, std::uint32_t id, std::uint32_t j) {
+    if (!(squaredGap(box, boxes[j]) <= rules.squared_reach)) return;
+    if (model == rules.models[j] || !rules.allowed(model, rules.models[j])) return;
+    pairs->push_back({id, rules.nb_static + j});
+  };
+  for (std::uint32_t i = 0; i < rules.nb_static; ++i) {
+    for (std::uint32_t j = 0; j < count; ++j) {
+      meet(fixed->tree_->box(i), fixed->tree_->model(i), i, j);
+    }
+  }
+  for (std::uint32_t i = 0; i < count; ++i) {
+    for (std::uint32_t j = i + 1; j < count; ++j) {
+      meet(boxes[i], rules.models[i], rules.nb_static + i, j);
+    }
+  }
 }
 
 // The boxes as packed records.

@@ -32,7 +32,7 @@ Spread measureSpread(Get get, std::size_t count) {
   Spread spread;
   double used[3] = {0, 0, 0};
   const auto counts = [](const Record& r, int k) {
-    return r.lo[k] > -FAR_AWAY && r.hi[k] < FAR_AWAY;
+    return r.lo[k] > -FAR_AWAY && r.hi[k] < FAR_AWAY && r.lo[k] <= r.hi[k];
   };
   for (std::size_t i = 0; i < count; ++i) {
     const Record record = get(i);

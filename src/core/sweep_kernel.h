@@ -87,7 +87,10 @@ constexpr std::uint32_t FAN_OUT = 16;
 struct TreeView {
   PackedBoxes level[MAX_LEVELS];
   int nb_levels = 0;
+  std::uint32_t nb_boxes = 0;
 };
+/// Up to this many boxes are all looked at: walking a tree costs a mispredicted branch a node.
+constexpr std::uint32_t SCAN_UP_TO = 512;
 
 /// One instruction set's code.
 struct SweepKernel {

@@ -94,6 +94,7 @@ inline void meetLeaf(const OneBox<Lanes>& box, std::uint32_t id, const PackedBox
     const auto gap = apart(box, boxes, k);
     const auto hit =
         Lanes::both(Lanes::notPositive(gap), Lanes::differ(box.model, boxes.model + k));
+    if (Lanes::bits(hit) == 0) continue;  // as it is for most leaves
     out->count += Lanes::append(hit, Lanes::negative(gap), id, boxes.tag + k, unsure,
                                 out->first + out->count, out->second + out->count);
   }
@@ -110,6 +111,12 @@ void queryTree(const TreeView& tree, PackedBoxes boxes, std::uint32_t nb_boxes,
   for (std::uint32_t i = 0; i < nb_boxes; ++i) {
     const OneBox<Lanes> box(boxes, i);
     const std::uint32_t id = boxes.tag[i] & ID_MASK;
+    if (tree.nb_boxes <= SCAN_UP_TO) {
+      for (std::uint32_t j = 0; j < tree.nb_boxes; j += FAN_OUT) {
+        meetLeaf(box, id, tree.level[0], j, unsure, out);
+      }
+      continue;
+    }
     int nb_open = 0;
     stack[nb_open++] = {static_cast<std::uint32_t>(tree.nb_levels - 1), 0};
     while (nb_open > 0) {

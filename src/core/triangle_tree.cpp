@@ -115,32 +115,71 @@ struct TriangleTree::Builder {
     return half;
   }
 
-  void build(std::uint32_t index, std::uint32_t begin, std::uint32_t end) {
+  // `patched`: a node above is the root of a patch.
+  void build(std::uint32_t index, std::uint32_t begin, std::uint32_t end, bool patched) {
     const OrientedBox whole = box(begin, end);
+    std::uint32_t patch = NO_PATCH;
+    if (!patched && end - begin <= PATCH_TRIANGLES) patch = addPatch(begin, end);
+    patched |= patch != NO_PATCH;
     if (end - begin == 1) {
-      nodes[index] = {whole, order[begin], true};
+      nodes[index] = {whole, order[begin], true, patch, false};
       return;
     }
     const auto child = static_cast<std::uint32_t>(nodes.size());
     nodes.resize(nodes.size() + 2);
-    nodes[index] = {whole, child, false};
+    nodes[index] = {whole, child, false, patch, !patched};
     const std::uint32_t cut = split(whole, begin, end);
-    build(child, begin, cut);
-    build(child + 1, cut, end);
+    build(child, begin, cut, patched);
+    build(child + 1, cut, end, patched);
+  }
+
+  std::uint32_t addPatch(std::uint32_t begin, std::uint32_t end) {
+    std::vector<std::uint32_t> corners;
+    for (std::uint32_t i = begin; i < end; ++i) {
+      const auto& t = mesh.triangles[order[i]];
+      corners.insert(corners.end(), t.begin(), t.end());
+    }
+    std::sort(corners.begin(), corners.end());
+    corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
+    Patch patch{static_cast<std::uint32_t>(patch_points.size()),
+                static_cast<std::uint32_t>(corners.size()), Vector3d::Zero(), 0.0};
+    const auto count = static_cast<double>(corners.size());
+    for (const std::uint32_t vertex : corners) patch.center += corner(vertex) / count;
+    for (const std::uint32_t vertex : corners) {
+      patch_points.push_back(corner(vertex));
+      patch.extent = std::max(patch.extent, (corner(vertex) - patch.center).norm());
+    }
+    patches.push_back(patch);
+    return static_cast<std::uint32_t>(patches.size()) - 1;
   }
 
   const TriangleMesh& mesh;
   std::vector<std::uint32_t> order;
   std::vector<Vector3d> centroid;
   std::vector<Node> nodes;
+  std::vector<Patch> patches;
+  std::vector<Vector3d> patch_points;
 };
 
 TriangleTree::TriangleTree(const TriangleMesh& mesh) {
   Builder builder(mesh);
   builder.nodes.reserve(2 * mesh.triangles.size());
   builder.nodes.resize(1);
-  builder.build(0, 0, static_cast<std::uint32_t>(mesh.triangles.size()));
+  builder.build(0, 0, static_cast<std::uint32_t>(mesh.triangles.size()), false);
   nodes_ = std::move(builder.nodes);
+  patches_ = std::move(builder.patches);
+  patch_points_ = std::move(builder.patch_points);
+}
+
+ConvexCore TriangleTree::patchCore(std::uint32_t index) const {
+  const Patch& patch = patches_[index];
+  ConvexCore core;
+  core.kind = ConvexCore::Kind::POINTS;
+  core.points = &patch_points_[patch.first_point];
+  core.num_points = static_cast<int>(patch.nb_points);
+  core.center = patch.center;
+  core.extent = patch.extent;
+  return core;
 }
 
 }  // namespace collision_pairs

@@ -9,6 +9,7 @@
 #include <Eigen/Geometry>
 
 #include "collision_pairs/shape.h"
+#include "convex_core.h"
 
 namespace collision_pairs {
 
@@ -29,12 +30,22 @@ double squaredBoxGap(const OrientedBox& a, const OrientedBox& b, const Eigen::Ma
 
 /// Gottschalk, Lin, Manocha, "OBBTree" (1996): boxes along the principal axes of the triangles'
 /// area, split at the mean of the centroids along the longest axis. One triangle per leaf.
+///
+/// Some nodes are the roots of patches: the largest ones of at most PATCH_TRIANGLES triangles. The
+/// convex hull of a patch is close to its surface where the mesh is smooth, so it bounds a
+/// distance far better than a box, and often is it.
 class TriangleTree {
  public:
+  static constexpr std::uint32_t PATCH_TRIANGLES = 32;
+  static constexpr std::uint32_t NO_PATCH = 0xffffffff;
+
   struct Node {
     OrientedBox box;      // grown by a few units in the last place
     std::uint32_t child;  // the first of two that stand side by side; of a leaf: the triangle
     bool leaf;
+    std::uint32_t patch = NO_PATCH;
+    bool above_patches = false;
+    bool isPatch() const { return patch != NO_PATCH; }
   };
 
   TriangleTree() = default;
@@ -44,9 +55,20 @@ class TriangleTree {
   const Node& node(std::uint32_t i) const { return nodes_[i]; }
   bool empty() const { return nodes_.empty(); }
 
+  /// The corners of a patch, as a convex shape that refers to them.
+  ConvexCore patchCore(std::uint32_t patch) const;
+
  private:
   struct Builder;
+  struct Patch {
+    std::uint32_t first_point;
+    std::uint32_t nb_points;
+    Eigen::Vector3d center;
+    double extent;
+  };
   std::vector<Node> nodes_;  // the root is node 0
+  std::vector<Patch> patches_;
+  std::vector<Eigen::Vector3d> patch_points_;
 };
 
 }  // namespace collision_pairs

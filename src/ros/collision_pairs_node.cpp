@@ -10,6 +10,7 @@
 #include "conversions.h"
 #include "joint_query.h"
 #include "markers.h"
+#include "trajectory_check.h"
 
 namespace collision_pairs {
 namespace {
@@ -42,6 +43,8 @@ CollisionPairsNode::CollisionPairsNode(ros::NodeHandle node, ros::NodeHandle pri
   query_node.setCallbackQueue(&query_queue_);
   check_service_ =
       query_node.advertiseService("check_collisions", &CollisionPairsNode::onCheck, this);
+  trajectory_service_ =
+      query_node.advertiseService("check_trajectory", &CollisionPairsNode::onCheckTrajectory, this);
 
   diagnostics_.setHardwareID("none");
   diagnostics_.add("collision check", [this](auto& status) { diagnose(status); });
@@ -220,25 +223,17 @@ void CollisionPairsNode::check(const CheckCollisions::Request& request,
                                CheckCollisions::Response& response) {
   const ActiveScenePtr scene = activeScene();
   if (!scene) throw InputError("there is no robot yet; see the node's log and diagnostics");
-  CheckSettings settings = this->settings();
-  if (!std::isfinite(request.alarm_distance)) throw InputError("alarm_distance is not finite");
-  if (request.alarm_distance != 0.0)
-    settings.alarm_distance = std::max(0.0, request.alarm_distance);
-  if (!std::isfinite(request.time_budget)) throw InputError("time_budget is not finite");
-  if (request.time_budget != 0.0) settings.time_budget = std::max(0.0, request.time_budget);
-  if (!request.fidelity.empty()) settings.fidelity = parseFidelity(request.fidelity);
-
+  const CheckSettings settings =
+      settingsFor(request.alarm_distance, request.fidelity, request.time_budget);
   const ros::WallTime start = ros::WallTime::now();
-  StampedPoses stamped = request.stamp.isZero()
-                             ? scene->tf_poses->latest(parameters_.max_transform_age)
-                             : scene->tf_poses->at(request.stamp);
+  StampedPoses stamped = posesAt(*scene, request.stamp);
   if (!request.joint_state.name.empty() || !request.joint_state.position.empty()) {
-    HypotheticalPoses hypothetical = posesFor(request.joint_state, *scene->loaded.scene, tf_buffer_,
-                                              scene->frame, stamped.stamp);
-    stamped.poses = std::move(hypothetical.poses);
+    const JointQuery query(request.joint_state.name, *scene->loaded.scene, tf_buffer_, scene->frame,
+                           stamped.stamp);
+    query.posesAt(request.joint_state.position, stamped.poses);
     stamped.problem.clear();
-    response.joints_from_tf = std::move(hypothetical.joints_from_tf);
-    response.joints_at_zero = std::move(hypothetical.joints_at_zero);
+    response.joints_from_tf = query.jointsFromTf();
+    response.joints_at_zero = query.jointsAtZero();
   } else if (stamped.nb_asked > 0 && stamped.nb_found == 0) {
     throw InputError("no transform is known: " + stamped.problem);
   }
@@ -254,6 +249,44 @@ void CollisionPairsNode::check(const CheckCollisions::Request& request,
   response.result.time_transforms = transform_time;
   response.result.time_total += transform_time;
   if (!stamped.problem.empty()) response.message = "left out, no transform: " + stamped.problem;
+}
+
+CheckSettings CollisionPairsNode::settingsFor(double alarm_distance, const std::string& fidelity,
+                                              double time_budget) const {
+  CheckSettings settings = this->settings();
+  if (!std::isfinite(alarm_distance)) throw InputError("alarm_distance is not finite");
+  if (alarm_distance != 0.0) settings.alarm_distance = std::max(0.0, alarm_distance);
+  if (!std::isfinite(time_budget)) throw InputError("time_budget is not finite");
+  if (time_budget != 0.0) settings.time_budget = std::max(0.0, time_budget);
+  if (!fidelity.empty()) settings.fidelity = parseFidelity(fidelity);
+  return settings;
+}
+
+StampedPoses CollisionPairsNode::posesAt(const ActiveScene& scene, const ros::Time& stamp) const {
+  return stamp.isZero() ? scene.tf_poses->latest(parameters_.max_transform_age)
+                        : scene.tf_poses->at(stamp);
+}
+
+bool CollisionPairsNode::onCheckTrajectory(CheckTrajectory::Request& request,
+                                           CheckTrajectory::Response& response) {
+  try {
+    const ActiveScenePtr scene = activeScene();
+    if (!scene) throw InputError("there is no robot yet; see the node's log and diagnostics");
+    if (!batch_ || &batch_->scene() != scene->loaded.scene.get()) {
+      batch_ = std::make_unique<BatchCheck>(scene->loaded.scene);
+    }
+    const ros::Time stamp = posesAt(*scene, request.stamp).stamp;
+    const JointQuery query(request.trajectory.joint_names, *scene->loaded.scene, tf_buffer_,
+                           scene->frame, stamp);
+    checkTrajectory(request, query,
+                    settingsFor(request.alarm_distance, request.fidelity, request.time_budget),
+                    scene->loaded.broken_links, scene->frame, stamp, *batch_, response);
+    response.success = true;
+  } catch (const std::exception& error) {
+    response = CheckTrajectory::Response();
+    response.message = error.what();
+  }
+  return true;
 }
 
 bool CollisionPairsNode::onReset(std_srvs::Trigger::Request&,

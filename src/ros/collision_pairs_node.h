@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <collision_pairs/CheckCollisions.h>
+#include <collision_pairs/CheckTrajectory.h>
 #include <collision_pairs/CollisionPairs.h>
 #include <collision_pairs/CollisionPairsConfig.h>
 #include <diagnostic_updater/diagnostic_updater.h>
@@ -18,7 +19,7 @@
 #include <tf2_ros/buffer.h>
 #include <tf2_ros/transform_listener.h>
 
-#include "collision_pairs/collision_detector.h"
+#include "collision_pairs/batch_check.h"
 #include "parameters.h"
 #include "scene_loader.h"
 #include "tf_poses.h"
@@ -65,6 +66,11 @@ class CollisionPairsNode {
   void reconfigure(CollisionPairsConfig& config);
   bool onCheck(CheckCollisions::Request& request, CheckCollisions::Response& response);
   void check(const CheckCollisions::Request& request, CheckCollisions::Response& response);
+  bool onCheckTrajectory(CheckTrajectory::Request& request, CheckTrajectory::Response& response);
+  /// The node's settings with what a request says instead. Throws InputError.
+  CheckSettings settingsFor(double alarm_distance, const std::string& fidelity,
+                            double time_budget) const;
+  StampedPoses posesAt(const ActiveScene& scene, const ros::Time& stamp) const;
   bool onReset(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
 
   ros::NodeHandle node_;
@@ -86,6 +92,7 @@ class CollisionPairsNode {
 
   // Of the service's thread alone.
   std::unique_ptr<CollisionDetector> query_detector_;
+  std::unique_ptr<BatchCheck> batch_;
 
   ros::Publisher pairs_publisher_;
   ros::Publisher in_collision_publisher_;
@@ -93,6 +100,7 @@ class CollisionPairsNode {
   ros::ServiceServer reset_service_;
   ros::CallbackQueue query_queue_;
   ros::ServiceServer check_service_;
+  ros::ServiceServer trajectory_service_;
   ros::WallTimer timer_;
   std::unique_ptr<dynamic_reconfigure::Server<CollisionPairsConfig>> reconfigure_server_;
   diagnostic_updater::Updater diagnostics_;

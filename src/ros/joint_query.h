@@ -5,7 +5,6 @@
 #include <vector>
 
 #include <ros/time.h>
-#include <sensor_msgs/JointState.h>
 #include <tf2/buffer_core.h>
 
 #include "collision_pairs/body_poses.h"
@@ -13,19 +12,45 @@
 
 namespace collision_pairs {
 
-struct HypotheticalPoses {
-  BodyPoses poses;
-  std::vector<std::string> joints_from_tf;  ///< moving joints not named, left where TF has them
-  std::vector<std::string> joints_at_zero;  ///< … and those TF does not know: at zero
-};
+/// Forward kinematics for named joints: joints that mimic follow, joints not named stay where TF
+/// has them at a stamp, or else at zero (or their nearer limit). The root link stands where TF has
+/// it. TF is asked once, when it is made; after that it may be used from several threads.
+class JointQuery {
+ public:
+  /// `frame` is that of the poses. Throws InputError that names the joint for one that is unknown,
+  /// repeated or without a position to set, or that mimics one that is not named; and if TF does
+  /// not know the root link.
+  JointQuery(const std::vector<std::string>& names, const CollisionScene& scene,
+             const tf2::BufferCore& buffer, const std::string& frame, const ros::Time& stamp);
 
-/// Forward kinematics from `joint_state`, in `frame`: joints that mimic follow, joints not named
-/// stay where TF has them at `stamp`, or else at zero (or their nearer limit). The root link
-/// stands where TF has it in `frame`.
-/// Throws InputError that names the joint for one that is unknown, fixed, repeated, without a
-/// finite position, or at odds with the joint it mimics; and if TF does not know the root link.
-HypotheticalPoses posesFor(const sensor_msgs::JointState& joint_state, const CollisionScene& scene,
-                           const tf2::BufferCore& buffer, const std::string& frame,
-                           const ros::Time& stamp);
+  /// One position for each name. Throws InputError that names the joint for one that is not finite
+  /// or at odds with the joint it mimics, or if there are too few or too many.
+  void posesAt(const std::vector<double>& positions, BodyPoses& poses) const;
+
+  /// Moving joints not named, left where TF has them; and those that TF does not know: at zero.
+  const std::vector<std::string>& jointsFromTf() const { return joints_from_tf_; }
+  const std::vector<std::string>& jointsAtZero() const { return joints_at_zero_; }
+
+ private:
+  /// Where a body's joint gets its position from.
+  struct Source {
+    int name = -1;  ///< index of the leading joint among the names; -1: X_PB is the pose
+    double multiplier = 1.0;
+    double offset = 0.0;
+    Eigen::Isometry3d X_PB;  ///< pose of the body in its parent's frame
+  };
+
+  void readNames(const std::vector<std::string>& names);
+  /// Follows mimics: the name that leads the joint, or none.
+  Source leaderOf(int joint) const;
+  void refuseLoneMimics() const;
+
+  const CollisionScene& scene_;
+  std::vector<int> joint_of_name_;
+  std::vector<int> name_of_joint_;  // -1: not named
+  std::vector<Source> sources_;     // one a body; that of the root holds its pose in the frame
+  std::vector<std::string> joints_from_tf_;
+  std::vector<std::string> joints_at_zero_;
+};
 
 }  // namespace collision_pairs

@@ -33,6 +33,7 @@ TfPoses::TfPoses(const tf2::BufferCore& buffer, const CollisionScene& scene, std
     }
     sources_.push_back(std::move(sources));
   }
+  expected_ = std::vector<std::atomic<bool>>(sources_.size());
 }
 
 bool TfPoses::isFrame(const std::vector<Source>& sources) const {
@@ -40,77 +41,92 @@ bool TfPoses::isFrame(const std::vector<Source>& sources) const {
                      [&](const Source& source) { return source.link == frame_; });
 }
 
-bool TfPoses::newestStamp(const std::vector<Source>& sources, ros::Time& stamp) const {
-  for (const Source& source : sources) {
-    if (source.link == frame_) return true;  // where it is by definition, at any instant
-    if (!buffer_.canTransform(frame_, source.link, ros::Time(0))) continue;
-    try {
-      stamp = buffer_.lookupTransform(frame_, source.link, ros::Time(0)).header.stamp;
-      return true;
-    } catch (const tf2::TransformException&) {
-      // It went between the two calls: as good as never known.
-    }
+TfPoses::Found TfPoses::lookUpLink(const Source& source, const ros::Time& stamp, bool expected,
+                                   std::string* problem) const {
+  Found found;
+  if (source.link == frame_) {  // where it is by definition, at any instant
+    found.known = true;
+    found.X_WB = source.X_LB;
+    return found;
   }
-  return false;
+  std::string error;
+  try {
+    if (expected || buffer_.canTransform(frame_, source.link, stamp, &error)) {
+      const auto transform = buffer_.lookupTransform(frame_, source.link, stamp);
+      Isometry3d X_WL;
+      found.known = toIsometry(transform.transform, X_WL);
+      found.stamp = transform.header.stamp;
+      if (found.known) {
+        found.X_WB = X_WL * source.X_LB;
+      } else {
+        error = "its transform is not finite";
+      }
+    }
+  } catch (const tf2::TransformException& exception) {
+    error = exception.what();
+  }
+  if (!found.known && problem->empty()) *problem = "link '" + source.link + "': " + error;
+  return found;
 }
 
-bool TfPoses::lookUp(const std::vector<Source>& sources, const ros::Time& stamp, Isometry3d& X_WB,
-                     std::string* problem) const {
+TfPoses::Found TfPoses::lookUp(std::size_t body, const ros::Time& stamp,
+                               std::string* problem) const {
   std::string why;
-  for (const Source& source : sources) {
-    if (source.link == frame_) {
-      X_WB = source.X_LB;
-      return true;
+  bool expected = expected_[body];
+  for (const Source& source : sources_[body]) {
+    const Found found = lookUpLink(source, stamp, expected, &why);
+    if (found.known) {
+      expected_[body] = true;
+      return found;
     }
-    std::string error;
-    if (!buffer_.canTransform(frame_, source.link, stamp, &error)) {
-      if (why.empty()) why = "link '" + source.link + "': " + error;
-      continue;
-    }
-    try {
-      Isometry3d X_WL;
-      if (toIsometry(buffer_.lookupTransform(frame_, source.link, stamp).transform, X_WL)) {
-        X_WB = X_WL * source.X_LB;
-        return true;
-      }
-      why = "link '" + source.link + "': its transform is not finite";
-    } catch (const tf2::TransformException& exception) {
-      if (why.empty()) why = "link '" + source.link + "': " + exception.what();
-    }
+    expected = false;
   }
+  expected_[body] = false;
   if (problem->empty()) *problem = why;
-  return false;
+  return {};
 }
 
 StampedPoses TfPoses::latest(double max_age) const {
-  std::vector<ros::Time> stamps(sources_.size());
-  std::vector<char> known(sources_.size());
+  std::vector<Found> found(sources_.size());
+  std::string problem;
   ros::Time newest;
-  for (std::size_t i = 0; i < sources_.size(); ++i) {
-    known[i] = newestStamp(sources_[i], stamps[i]);
-    if (known[i]) newest = std::max(newest, stamps[i]);
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    found[i] = lookUp(i, ros::Time(0), &problem);
+    if (found[i].known) newest = std::max(newest, found[i].stamp);
   }
   // Static transforms have the stamp 0 and are good at any instant.
   ros::Time common = newest;
-  for (std::size_t i = 0; i < sources_.size(); ++i) {
-    const bool is_static = stamps[i].isZero();
-    if (known[i] && !is_static && (newest - stamps[i]).toSec() <= max_age) {
-      common = std::min(common, stamps[i]);
-    }
+  for (const Found& body : found) {
+    if (!body.known || body.stamp.isZero()) continue;
+    if ((newest - body.stamp).toSec() <= max_age) common = std::min(common, body.stamp);
   }
-  return at(common);
+  // Most robots publish all joints with one stamp: then that was all.
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    const bool is_there = found[i].stamp.isZero() || found[i].stamp == common;
+    if (found[i].known && !is_there) found[i] = lookUp(i, common, &problem);
+  }
+  return gather(found, common, std::move(problem));
 }
 
 StampedPoses TfPoses::at(const ros::Time& stamp) const {
+  std::vector<Found> found(sources_.size());
+  std::string problem;
+  for (std::size_t i = 0; i < found.size(); ++i) found[i] = lookUp(i, stamp, &problem);
+  return gather(found, stamp, std::move(problem));
+}
+
+StampedPoses TfPoses::gather(const std::vector<Found>& found, const ros::Time& stamp,
+                             std::string problem) const {
   StampedPoses result;
   result.stamp = stamp;
-  result.poses.resize(sources_.size());
-  for (std::size_t i = 0; i < sources_.size(); ++i) {
-    const bool known = lookUp(sources_[i], stamp, result.poses.X_WB[i], &result.problem);
-    result.poses.known[i] = known;
+  result.problem = std::move(problem);
+  result.poses.resize(found.size());
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    result.poses.known[i] = found[i].known;
+    if (found[i].known) result.poses.X_WB[i] = found[i].X_WB;
     if (isFrame(sources_[i])) continue;
     ++result.nb_asked;
-    if (known) ++result.nb_found;
+    if (found[i].known) ++result.nb_found;
   }
   return result;
 }

@@ -1,6 +1,7 @@
 // Poses of a scene's bodies from TF, all of one instant.
 #pragma once
 
+#include <atomic>
 #include <string>
 #include <vector>
 
@@ -23,7 +24,7 @@ struct StampedPoses {
   std::string problem;
 };
 
-/// Reads a tf2 buffer; keeps nothing. What TF does not know is never identity: it stays unknown.
+/// Reads a tf2 buffer; keeps no pose. What TF does not know is never identity: it stays unknown.
 class TfPoses {
  public:
   /// `frame` is the report's frame W. Both references must outlive this object.
@@ -43,16 +44,28 @@ class TfPoses {
     Eigen::Isometry3d X_LB;
   };
 
+  /// What one look-up said: the pose in W, and the instant that it is of.
+  struct Found {
+    bool known = false;
+    Eigen::Isometry3d X_WB;
+    ros::Time stamp;  ///< 0: of static transforms only, or the frame itself
+  };
+
   bool isFrame(const std::vector<Source>& sources) const;
-  /// The stamp of the newest transform, false if there is none.
-  bool newestStamp(const std::vector<Source>& sources, ros::Time& stamp) const;
-  bool lookUp(const std::vector<Source>& sources, const ros::Time& stamp, Eigen::Isometry3d& X_WB,
-              std::string* problem) const;
+  /// `stamp` 0: the newest. The first failure is written to `problem` if that is empty.
+  Found lookUp(std::size_t body, const ros::Time& stamp, std::string* problem) const;
+  Found lookUpLink(const Source& source, const ros::Time& stamp, bool expected,
+                   std::string* problem) const;
+  StampedPoses gather(const std::vector<Found>& found, const ros::Time& stamp,
+                      std::string problem) const;
 
   const tf2::BufferCore& buffer_;
   std::string frame_;
   /// By body: its first link, then the others with geometry, for when TF lacks the first.
   std::vector<std::vector<Source>> sources_;
+  /// By body: whether TF knew it last time. A hint only: asking first is twice the work, but an
+  /// exception is a hundred times.
+  mutable std::vector<std::atomic<bool>> expected_;
 };
 
 /// False if the rotation is not one (NaN, or a quaternion whose length is not 1 within 1e-3).

@@ -7,7 +7,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "collision_pairs/collision_detector.h"
+#include "collision_pairs/batch_check.h"
 #include "collision_pairs/input_error.h"
 #include "joint_states_csv.h"
 #include "mesh_loader.h"
@@ -24,6 +24,7 @@ struct Options {
   double time_budget = 0.0;  // µs
   int max_hull_vertices = 0;
   bool min_distance = false;
+  unsigned threads = 0;
 };
 
 void declare(CLI::App& app, Options& options) {
@@ -49,6 +50,9 @@ void declare(CLI::App& app, Options& options) {
       ->type_name("COUNT")
       ->capture_default_str();
   app.add_flag("--min-distance", options.min_distance, "find the smallest signed distance");
+  app.add_option("--threads", options.threads,
+                 "0: as many as the machine has; the output is the same")
+      ->capture_default_str();
   app.add_option("--out", options.out, "where to write (default: standard output)")
       ->type_name("OUT.csv");
 }
@@ -102,16 +106,43 @@ std::string contactPairs(const CollisionReport& report, const CollisionScene& sc
   return text;
 }
 
-void writeRow(std::ostream& out, std::size_t state, const CollisionReport& report,
-              const CollisionScene& scene, bool with_distance) {
-  char number[64] = "";
+std::string rowOf(std::size_t state, const CollisionReport& report, const CollisionScene& scene,
+                  bool with_distance) {
+  char distance[64] = "", microseconds[64];
   if (with_distance && !report.min_distance_is_bound) {
-    std::snprintf(number, sizeof number, "%.17g", report.min_distance);
+    std::snprintf(distance, sizeof distance, "%.17g", report.min_distance);
   }
-  out << state << ',' << (report.in_collision ? 1 : 0) << ',' << contactPairs(report, scene) << ','
-      << number << ',' << report.candidates.size() << ',';
-  std::snprintf(number, sizeof number, "%.1f", 1e6 * report.times.total);
-  out << number << '\n';
+  std::snprintf(microseconds, sizeof microseconds, "%.1f", 1e6 * report.times.total);
+  return std::to_string(state) + (report.in_collision ? ",1," : ",0,") +
+         contactPairs(report, scene) + ',' + distance + ',' +
+         std::to_string(report.candidates.size()) + ',' + microseconds + '\n';
+}
+
+void refuseLeftOut(std::size_t state, const CollisionReport& report, const CollisionScene& scene) {
+  if (report.left_out.empty()) return;
+  throw InputError("state " + std::to_string(state) + ": link '" +
+                   scene.models()[report.left_out.front()].name +
+                   "' is too large or too far away for a finite box");
+}
+
+/// A row a state, in order.
+std::vector<std::string> check(const JointStates& states,
+                               const std::shared_ptr<const CollisionScene>& scene,
+                               const CheckSettings& settings, unsigned threads) {
+  std::vector<std::string> rows(states.positions.size());
+  BatchCheck batch(scene, threads);
+  batch.run(
+      rows.size(), settings,
+      [&](std::size_t i, BodyPoses& poses) {
+        thread_local std::vector<Eigen::Isometry3d> X_RB;
+        scene->robot().forwardKinematics(states.positions[i], X_RB);
+        scene->gatherPoses(X_RB, poses);
+      },
+      [&](std::size_t i, const CollisionReport& report) {
+        refuseLeftOut(i, report, *scene);
+        rows[i] = rowOf(i, report, *scene, settings.min_distance);
+      });
+  return rows;
 }
 
 void checkAll(const Options& options) {
@@ -128,23 +159,10 @@ void checkAll(const Options& options) {
   scene_settings.fidelity = settings.fidelity;
   scene_settings.max_hull_vertices = options.max_hull_vertices;
   const auto scene = CollisionScene::build(robot, srdf, world, scene_settings);
-  CollisionDetector detector(scene);
-  BodyPoses poses;
-  poses.resize(scene->bodies().size());
-  std::vector<Eigen::Isometry3d> X_RB;
+  const std::vector<std::string> rows = check(states, scene, settings, options.threads);
   writeTextFile(options.out, [&](std::ostream& out) {
     out << "state,in_collision,pairs,min_distance,nb_pairs,microseconds\n";
-    for (std::size_t i = 0; i < states.positions.size(); ++i) {
-      robot->forwardKinematics(states.positions[i], X_RB);
-      scene->gatherPoses(X_RB, poses);
-      const CollisionReport& report = detector.detect(poses, settings);
-      if (!report.left_out.empty()) {
-        throw InputError("state " + std::to_string(i) + ": link '" +
-                         scene->models()[report.left_out.front()].name +
-                         "' is too large or too far away for a finite box");
-      }
-      writeRow(out, i, report, *scene, options.min_distance);
-    }
+    for (const std::string& row : rows) out << row;
   });
 }
 

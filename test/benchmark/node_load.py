@@ -58,6 +58,7 @@ def postures(path):
 def measure(options, node_pid):
     import rospy
     from collision_pairs.msg import CollisionPairs
+    from diagnostic_msgs.msg import DiagnosticArray
     from sensor_msgs.msg import JointState
 
     rospy.init_node("node_load")
@@ -76,7 +77,15 @@ def measure(options, node_pid):
         publisher.publish(JointState(name=names, position=[x + share * (y - x) for x, y in zip(a, b)],
                                      header=rospy.Header(stamp=rospy.Time.now())))
 
-    rospy.Subscriber("collision_pairs_node/collision_pairs", CollisionPairs, on_report, tcp_nodelay=True)
+    health = {}
+
+    def on_diagnostics(message):
+        for status in message.status:
+            health.update((value.key, value.value) for value in status.values)
+
+    rospy.Subscriber("collision_pairs_node/collision_pairs", CollisionPairs, on_report, tcp_nodelay=True,
+                     queue_size=1)
+    rospy.Subscriber("/diagnostics", DiagnosticArray, on_diagnostics)
     rospy.Timer(rospy.Duration(1.0 / options.rate), on_timer)
     time.sleep(5)  # until everything is loaded and the caches are full
     del ages[:], cycles[:], lookups[:]
@@ -89,6 +98,7 @@ def measure(options, node_pid):
           (1e6 * quantile(cycles, 0.5), 1e6 * quantile(cycles, 0.99), 1e6 * quantile(lookups, 0.5)))
     print("age of a report   median %.1f ms, p99 %.1f ms" %
           (1e3 * quantile(ages, 0.5), 1e3 * quantile(ages, 0.99)))
+    print("overruns          %s of %s cycles" % (health.get("overruns"), health.get("cycles")))
     print("peak memory       %.0f MiB" % peak_memory_mib(node_pid))
 
 

@@ -13,6 +13,7 @@ namespace collision_pairs {
 namespace {
 
 constexpr std::size_t MOST_BOXES = 96;
+constexpr std::size_t MANY_STATIC = 600;
 
 class Bytes {
  public:
@@ -39,6 +40,21 @@ void mend(Aabb* box) {
   if (!box->valid()) *box = {Eigen::Vector3d::Zero(), Eigen::Vector3d::Ones()};
 }
 
+// So many static boxes that they are asked by their tree, which few are not: copies of those given.
+void repeatStatic(BroadPhaseScene* scene) {
+  if (scene->nb_static == 0) return;
+  const std::size_t given = scene->nb_static;
+  std::vector<Aabb> boxes;
+  std::vector<std::uint32_t> models;
+  for (std::size_t i = 0; i < MANY_STATIC; ++i) {
+    boxes.push_back(scene->boxes[i % given]);
+    models.push_back(scene->models[i % given]);
+  }
+  scene->boxes.insert(scene->boxes.begin(), boxes.begin(), boxes.end());
+  scene->models.insert(scene->models.begin(), models.begin(), models.end());
+  scene->nb_static += MANY_STATIC;
+}
+
 BroadPhaseScene readScene(const std::uint8_t* data, std::size_t size, PairFilter* filter) {
   BroadPhaseScene scene;
   Bytes bytes(data, size);
@@ -55,6 +71,7 @@ BroadPhaseScene readScene(const std::uint8_t* data, std::size_t size, PairFilter
   }
   scene.nb_static = std::min<std::size_t>(nb_static, scene.boxes.size());
   for (std::size_t i = 0; i < scene.nb_static; ++i) mend(&scene.boxes[i]);
+  if (flags & 8) repeatStatic(&scene);
   return scene;
 }
 

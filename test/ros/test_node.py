@@ -12,9 +12,10 @@ from diagnostic_msgs.msg import DiagnosticArray
 from dynamic_reconfigure.client import Client
 from sensor_msgs.msg import JointState
 from std_srvs.srv import Trigger
+from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 from collision_pairs.msg import CollisionPair
-from collision_pairs.srv import CheckCollisionsRequest
+from collision_pairs.srv import CheckCollisionsRequest, CheckTrajectory
 from node_client import JointPublisher, NodeClient, boxes_by_namespace
 
 JOINTS = ["shoulder_pan", "shoulder_lift", "upper_arm_roll", "elbow_flex", "forearm_roll",
@@ -106,6 +107,25 @@ class NodeTest(unittest.TestCase):
         torn = self.request(joint_state=JointState(name=["gripper", "gripper_mirror"], position=[0.0, 0.02]))
         self.assertFalse(torn.success)
         self.assertIn("gripper_mirror", torn.message)
+
+    def test_a_trajectory_is_answered_as_its_points_one_by_one(self):
+        self.report_in(FREE)
+        check = rospy.ServiceProxy("/collision_pairs_node/check_trajectory", CheckTrajectory)
+        points = [[a + (b - a) * i / 40.0 for a, b in zip(FREE, CONTACT)] for i in range(41)]
+        trajectory = JointTrajectory(joint_names=JOINTS, points=[JointTrajectoryPoint(positions=p) for p in points])
+        reply = check(trajectory=trajectory, want_reports=True)
+        self.assertTrue(reply.success, reply.message)
+        self.assertEqual((reply.in_collision[0], reply.in_collision[-1]), (False, True))
+        for i, point in enumerate(points):
+            single = self.request(joint_state=JointState(name=JOINTS, position=point)).result
+            self.assertEqual(reply.in_collision[i], single.in_collision)
+            self.assertAlmostEqual(reply.min_distance[i], single.min_distance, places=12)
+            self.assert_same_pairs(reply.reports[i], single)
+        trajectory.points[7].positions = points[7][:-1]
+        refused = check(trajectory=trajectory)
+        self.assertFalse(refused.success)
+        self.assertIn("point 7", refused.message)
+        self.assertEqual(len(refused.in_collision), 0)
 
     def test_settings_of_a_request_are_its_own(self):
         self.report_in(NEAR)
