@@ -36,6 +36,11 @@ target_link_libraries(detector_benchmark PRIVATE collision_pairs_io fcl benchmar
 target_include_directories(detector_benchmark PRIVATE src/core)
 collision_pairs_warnings(detector_benchmark)
 
+# The node's services, beside an empty one; started by scripts/measure_service.
+add_executable(service_benchmark test/benchmark/service_benchmark.cpp)
+target_link_libraries(service_benchmark PRIVATE collision_pairs_ros)
+collision_pairs_warnings(service_benchmark)
+
 # What a cheaper geometry and a time budget cost and save; scripts/measure_trade_off draws it.
 add_executable(trade_off test/benchmark/benchmark_robots.cpp test/benchmark/demo_motion.cpp
   test/benchmark/trade_off.cpp)
@@ -43,8 +48,3 @@ target_link_libraries(trade_off PRIVATE collision_pairs_io)
 target_include_directories(trade_off PRIVATE src/core)
 target_compile_definitions(trade_off PRIVATE PROJECT_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
 collision_pairs_warnings(trade_off)
-
-# The node's services, beside an empty one; started by scripts/measure_service.
-add_executable(service_benchmark test/benchmark/service_benchmark.cpp)
-target_link_libraries(service_benchmark PRIVATE collision_pairs_ros)
-collision_pairs_warnings(service_benchmark)

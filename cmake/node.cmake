@@ -1,9 +1,8 @@
 # The node. Its parts are a library, so that tests can call the pure ones without a master.
 add_library(collision_pairs_ros STATIC
+  src/ros/clock_watch.cpp
   src/ros/collision_pairs_node.cpp
-  src/ros/conversions.cpp
   src/ros/joint_query.cpp
-  src/ros/markers.cpp
   src/ros/parameters.cpp
   src/ros/scene_loader.cpp
   src/ros/tf_poses.cpp
@@ -11,7 +10,7 @@ add_library(collision_pairs_ros STATIC
 )
 target_include_directories(collision_pairs_ros PUBLIC ${PROJECT_SOURCE_DIR}/src/ros)
 target_include_directories(collision_pairs_ros SYSTEM PUBLIC ${catkin_INCLUDE_DIRS})
-target_link_libraries(collision_pairs_ros PUBLIC collision_pairs_io ${catkin_LIBRARIES})
+target_link_libraries(collision_pairs_ros PUBLIC collision_pairs_io collision_pairs_messages ${catkin_LIBRARIES})
 collision_pairs_warnings(collision_pairs_ros)
 add_dependencies(collision_pairs_ros ${PROJECT_NAME}_gencfg ${PROJECT_NAME}_generate_messages_cpp
                  ${catkin_EXPORTED_TARGETS})

@@ -7,6 +7,7 @@ import pytest
 PROJECT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 TOOLS = os.environ.get("COLLISION_PAIRS_TOOLS", os.path.join(PROJECT, "build/devel/lib/collision_pairs"))
 DEMO = os.path.join(PROJECT, "config/demo")
+SYSTEM_PATH = "/usr/bin:/bin:" + os.environ.get("PATH", "")  # another Python may come first in PATH
 
 
 @pytest.fixture
@@ -14,9 +15,20 @@ def run_tool():
     """Runs a tool of the package; returns the finished process."""
     def run(name, *arguments, packages=PROJECT):
         return subprocess.run([os.path.join(TOOLS, name), *map(str, arguments)], timeout=120,
-                              env=dict(os.environ, ROS_PACKAGE_PATH=packages + ":/usr/share"),
+                              env=dict(os.environ, ROS_PACKAGE_PATH=packages + ":/usr/share",
+                                       PATH=SYSTEM_PATH),
                               stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     return run
+
+
+@pytest.fixture
+def make_bag(tmp_path):
+    """Makes a bag of the demo robot, by the script that makes the demo's; returns its path."""
+    def make(name, *options):
+        path = tmp_path / name
+        subprocess.run([os.path.join(DEMO, "make_bag"), str(path), *options], check=True, timeout=120)
+        return path
+    return make
 
 
 @pytest.fixture

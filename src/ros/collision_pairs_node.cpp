@@ -104,7 +104,7 @@ void CollisionPairsNode::cycle() {
       detector_ = std::make_unique<CollisionDetector>(scene->loaded.scene);
       reported_scene_ = scene;
     }
-    const StampedPoses stamped = scene->tf_poses->latest(parameters_.max_transform_age);
+    const StampedPoses stamped = freshPoses(*scene->tf_poses);
     const double transform_time = secondsSince(start);
     // What only static transforms describe is as good now as ever.
     const ros::Time stamp = stamped.stamp.isZero() ? ros::Time::now() : stamped.stamp;
@@ -116,6 +116,19 @@ void CollisionPairsNode::cycle() {
     health_.problem = std::string("the cycle failed: ") + error.what();
     ROS_ERROR_STREAM_THROTTLE(WARN_PERIOD, health_.problem);
   }
+}
+
+StampedPoses CollisionPairsNode::freshPoses(const TfPoses& tf_poses) {
+  const ros::Time now = ros::Time::now();
+  const ros::WallTime wall_now = ros::WallTime::now();
+  if (clock_watch_.wentBack(now, wall_now)) {
+    ROS_INFO_STREAM("the clock went back to " << now << " s: starting afresh");
+    tf_buffer_.clear();  // static transforms stay
+  }
+  StampedPoses stamped = tf_poses.latest(parameters_.max_transform_age);
+  if (!clock_watch_.isLeftOver(stamped.stamp, now, wall_now)) return stamped;
+  tf_buffer_.clear();
+  return tf_poses.latest(parameters_.max_transform_age);
 }
 
 void CollisionPairsNode::publish(const ActiveScene& scene, const StampedPoses& stamped,
@@ -175,6 +188,7 @@ void CollisionPairsNode::diagnose(diagnostic_updater::DiagnosticStatusWrapper& s
   status.add("cycles", health_.cycles);
   status.add("overruns", health_.overruns);
   status.add("cycles out of time", health_.out_of_time);
+  status.add("times the clock went back", clock_watch_.nbJumps());
   status.add("links left out", left_out);
   status.add("nb_boxes", health_.nb_boxes);
   status.add("nb_pairs", health_.nb_pairs);

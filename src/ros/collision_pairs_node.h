@@ -19,6 +19,7 @@
 #include <tf2_ros/buffer.h>
 #include <tf2_ros/transform_listener.h>
 
+#include "clock_watch.h"
 #include "collision_pairs/batch_check.h"
 #include "parameters.h"
 #include "scene_loader.h"
@@ -57,6 +58,8 @@ class CollisionPairsNode {
   CheckSettings settings() const;
 
   void cycle();
+  /// The newest poses that are of this pass of the clock.
+  StampedPoses freshPoses(const TfPoses& tf_poses);
   void publish(const ActiveScene& scene, const StampedPoses& stamped, const ros::Time& stamp,
                double transform_time);
   void publishMarkers();
@@ -88,6 +91,7 @@ class CollisionPairsNode {
   ActiveScenePtr reported_scene_;
   ros::Time reported_stamp_;
   ros::WallTime next_load_;
+  ClockWatch clock_watch_;
   Health health_;
 
   // Of the service's thread alone.

@@ -19,7 +19,9 @@ bool findText(const ros::NodeHandle& node, const std::string& name, std::string&
 
 std::optional<Srdf> loadSrdf(const ros::NodeHandle& node, const RobotModel& robot) {
   std::string key, xml;
-  if (!findText(node, "robot_description_semantic", key, xml)) return std::nullopt;
+  // Empty counts as none: a launch file cannot set a parameter only where a command finds
+  // something.
+  if (!findText(node, "robot_description_semantic", key, xml) || xml.empty()) return std::nullopt;
   std::vector<std::string> links;
   for (const Link& link : robot.links()) links.push_back(link.name);
   try {

@@ -11,6 +11,7 @@
 #include "collision_pairs/input_error.h"
 #include "joint_states_csv.h"
 #include "mesh_loader.h"
+#include "robot_files.h"
 #include "text_files.h"
 #include "tool_errors.h"
 
@@ -55,30 +56,6 @@ void declare(CLI::App& app, Options& options) {
       ->capture_default_str();
   app.add_option("--out", options.out, "where to write (default: standard output)")
       ->type_name("OUT.csv");
-}
-
-std::shared_ptr<const RobotModel> readRobot(const std::string& path, const MeshLoader& load_mesh) {
-  const std::string xml = readTextFile(path);
-  try {
-    return RobotModel::fromUrdf(xml, load_mesh);
-  } catch (const InputError& error) {
-    throw InputError(path + ": " + error.what());
-  }
-}
-
-std::optional<Srdf> readSrdf(const std::string& path, const RobotModel& robot) {
-  if (path.empty()) return std::nullopt;
-  std::vector<std::string> links;
-  for (const Link& link : robot.links()) links.push_back(link.name);
-  const std::string xml = readTextFile(path);
-  try {
-    const Srdf srdf = Srdf::fromXml(xml);
-    const auto unknown = srdf.unknownLinks(links);
-    if (!unknown.empty()) warn(path + ": not links of the robot, passed over: " + joined(unknown));
-    return srdf;
-  } catch (const InputError& error) {
-    throw InputError(path + ": " + error.what());
-  }
 }
 
 CheckSettings settingsFrom(const Options& options) {

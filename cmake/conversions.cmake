@@ -1,0 +1,11 @@
+# A report as ROS messages: pure functions that node and tools share.
+add_library(collision_pairs_messages STATIC
+  src/messages/conversions.cpp
+  src/messages/markers.cpp
+)
+target_include_directories(collision_pairs_messages PUBLIC ${PROJECT_SOURCE_DIR}/src/messages)
+target_include_directories(collision_pairs_messages SYSTEM PUBLIC ${catkin_INCLUDE_DIRS})
+target_link_libraries(collision_pairs_messages PUBLIC collision_pairs ${catkin_LIBRARIES})
+collision_pairs_warnings(collision_pairs_messages)
+add_dependencies(collision_pairs_messages ${PROJECT_NAME}_generate_messages_cpp
+                 ${catkin_EXPORTED_TARGETS})

@@ -1,0 +1,50 @@
+// From what a bag says to where the bodies of a robot stood.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "bag_reader.h"
+#include "collision_pairs/body_poses.h"
+#include "collision_pairs/collision_scene.h"
+
+namespace collision_pairs {
+
+struct BagPosesOptions {
+  /// What the bag puts before this robot's names: frames P/link, joints P/joint or the topic
+  /// P/joint_states. Empty: nothing.
+  std::string prefix;
+  /// Seconds, > 0. Between two samples further apart than this nothing is known. The default is the
+  /// node's max_transform_age.
+  double max_gap = 1.0;
+};
+
+/// Poses of a scene's bodies at the instants at which the bag has something to say about them.
+class BagPoses {
+ public:
+  virtual ~BagPoses() = default;
+
+  /// Sorted, each once: the stamps of all samples that move a body of the robot.
+  const std::vector<StampNs>& stamps() const { return stamps_; }
+  /// In the frame of the robot's root link. A body of which nothing is known at that instant stays
+  /// unknown. O(bodies * log samples).
+  virtual void at(StampNs stamp, BodyPoses& poses) const = 0;
+  /// Where the poses come from: "TF" or "joint states of TOPIC".
+  const std::string& source() const { return source_; }
+  /// What had to be assumed or is missing, a sentence each.
+  const std::vector<std::string>& notes() const { return notes_; }
+
+ protected:
+  std::vector<StampNs> stamps_;
+  std::string source_;
+  std::vector<std::string> notes_;
+};
+
+/// By TF where it knows as many bodies of the robot as the joint states do, else by forward
+/// kinematics. Both references must outlive the result. Throws InputError, with what to do about it
+/// (a prefix, say), if the bag knows none.
+std::unique_ptr<const BagPoses> makeBagPoses(const BagContents& bag, const CollisionScene& scene,
+                                             const BagPosesOptions& options);
+
+}  // namespace collision_pairs

@@ -1,0 +1,126 @@
+#include "bag_poses_from_joints.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace collision_pairs {
+namespace {
+
+/// How many joints of the robot a topic names when `prefix` stands before their names.
+std::size_t nbNamed(const JointTracks& tracks, const RobotModel& robot, const std::string& prefix) {
+  return static_cast<std::size_t>(
+      std::count_if(robot.joints().begin(), robot.joints().end(),
+                    [&](const Joint& joint) { return tracks.has(prefix + joint.name); }));
+}
+
+/// The topic, and what stands before the joints' names in it.
+struct Choice {
+  const std::string* topic = nullptr;
+  const JointTracks* tracks = nullptr;
+  std::string prefix;
+  std::size_t nb_named = 0;
+};
+
+void offer(Choice& best, const std::string& topic, const JointTracks& tracks,
+           const RobotModel& robot, const std::string& prefix) {
+  const std::size_t count = nbNamed(tracks, robot, prefix);
+  if (count > best.nb_named) best = {&topic, &tracks, prefix, count};
+}
+
+Choice choose(const BagContents& bag, const RobotModel& robot, std::string prefix) {
+  while (!prefix.empty() && prefix.front() == '/') prefix.erase(0, 1);
+  while (!prefix.empty() && prefix.back() == '/') prefix.pop_back();
+  Choice best;
+  for (const auto& [topic, tracks] : bag.joints) {
+    const bool is_own =
+        topic == "/" + prefix + "/joint_states" || topic == prefix + "/joint_states";
+    const bool is_common = topic == "/joint_states" || topic == "joint_states";
+    // Without a prefix, a namespace tells one robot from another: only the one without is plain.
+    if (prefix.empty() ? is_common || bag.joints.size() == 1 : is_own) {
+      offer(best, topic, tracks, robot, "");
+    }
+    if (prefix.empty()) continue;
+    offer(best, topic, tracks, robot, prefix + "/");
+    offer(best, topic, tracks, robot, prefix);
+  }
+  return best;
+}
+
+}  // namespace
+
+BagPosesFromJoints::BagPosesFromJoints(const BagContents& bag, const CollisionScene& scene,
+                                       const BagPosesOptions& options)
+    : scene_(scene),
+      max_gap_(std::llround(1e9 * options.max_gap)),
+      tracks_(scene.robot().joints().size(), nullptr),
+      zero_(scene.robot().zeroPositions()) {
+  const Choice choice = choose(bag, scene.robot(), options.prefix);
+  if (!choice.tracks) return;
+  source_ = "joint states of " + *choice.topic;
+  chooseTracks(*choice.tracks, choice.prefix);
+  countKnown();
+  collectStamps();
+}
+
+void BagPosesFromJoints::chooseTracks(const JointTracks& tracks, const std::string& prefix) {
+  const auto& joints = scene_.robot().joints();
+  std::string at_zero;
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    if (!joints[i].hasPosition() || joints[i].mimic) continue;
+    const auto found = tracks.tracks().find(prefix + joints[i].name);
+    if (found != tracks.tracks().end())
+      tracks_[i] = &found->second;
+    else
+      at_zero += (at_zero.empty() ? "" : ", ") + joints[i].name;
+  }
+  if (!at_zero.empty()) notes_.push_back("joints that it does not name stand at zero: " + at_zero);
+}
+
+void BagPosesFromJoints::countKnown() {
+  const auto& bodies = scene_.robot().bodies();
+  for (const SceneBody& scene_body : scene_.bodies()) {
+    int body = scene_body.body;
+    while (bodies[body].joint >= 0 && !tracks_[bodies[body].joint]) body = bodies[body].parent;
+    if (bodies[body].joint >= 0) ++nb_known_;
+  }
+}
+
+void BagPosesFromJoints::collectStamps() {
+  for (const Samples* samples : tracks_) {
+    if (!samples) continue;
+    for (const auto& sample : *samples) stamps_.push_back(sample.stamp);
+  }
+  std::sort(stamps_.begin(), stamps_.end());
+  stamps_.erase(std::unique(stamps_.begin(), stamps_.end()), stamps_.end());
+}
+
+void BagPosesFromJoints::at(StampNs stamp, BodyPoses& poses) const {
+  const RobotModel& robot = scene_.robot();
+  const auto& joints = robot.joints();
+  std::vector<double> positions = zero_;
+  std::vector<char> joint_known(joints.size(), 1);
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    if (!tracks_[i]) continue;
+    joint_known[i] = JointTracks::lookUp(*tracks_[i], stamp, max_gap_,
+                                         joints[i].type == JointType::CONTINUOUS, positions[i]);
+  }
+  robot.applyMimics(positions);
+  std::vector<Eigen::Isometry3d> X_RB;
+  robot.forwardKinematics(positions, X_RB);
+  poses.resize(scene_.bodies().size());
+  scene_.gatherPoses(X_RB, poses);
+
+  std::vector<char> body_known(robot.bodies().size(), 1);
+  for (std::size_t b = 0; b < robot.bodies().size(); ++b) {
+    const Body& body = robot.bodies()[b];
+    if (body.joint < 0) continue;
+    int driver = body.joint;
+    while (joints[driver].mimic) driver = joints[driver].mimic->joint;
+    body_known[b] = body_known[body.parent] && joint_known[driver];
+  }
+  for (std::size_t i = 0; i < poses.known.size(); ++i) {
+    poses.known[i] = body_known[scene_.bodies()[i].body];
+  }
+}
+
+}  // namespace collision_pairs

@@ -1,0 +1,171 @@
+#include "bag_reader.h"
+
+#include <algorithm>
+#include <filesystem>
+
+#include <ros/serialization.h>
+#include <rosbag/bag.h>
+#include <rosbag/view.h>
+#include <sensor_msgs/JointState.h>
+#include <std_msgs/String.h>
+#include <tf2_msgs/TFMessage.h>
+
+#include "bag_records.h"
+#include "collision_pairs/input_error.h"
+
+namespace collision_pairs {
+namespace {
+
+constexpr StampNs CLOCK_WENT_BACK = 5000000000;  // 5 s: publishers differ by less
+
+std::string lastPart(const std::string& topic) { return topic.substr(topic.rfind('/') + 1); }
+
+template <class Message>
+bool isType(const std::string& md5sum) {
+  return md5sum == ros::message_traits::MD5Sum<Message>::value();
+}
+
+bool isWanted(const std::string& topic, const std::string& md5sum) {
+  const std::string name = lastPart(topic);
+  if (name == "tf" || name == "tf_static") return isType<tf2_msgs::TFMessage>(md5sum);
+  if (name == "joint_states") return isType<sensor_msgs::JointState>(md5sum);
+  return isType<std_msgs::String>(md5sum) &&
+         (name == "robot_description" || name == "robot_description_semantic");
+}
+
+class Collector {
+ public:
+  void take(const RawMessage& raw) {
+    if (!isWanted(raw.topic, raw.md5sum)) return;
+    const std::string name = lastPart(raw.topic);
+    try {
+      if (name == "joint_states")
+        takeJoints(raw);
+      else if (name == "tf" || name == "tf_static")
+        takeTransforms(raw, name == "tf_static");
+      else
+        takeText(raw, name == "robot_description" ? contents_.urdfs : contents_.srdfs);
+    } catch (const ros::Exception&) {  // its length fields point beyond its end
+      ++nb_garbled_;
+      return;
+    }
+    first_ = contents_.nb_messages == 0 ? raw.received : std::min(first_, raw.received);
+    last_ = std::max(last_, raw.received);
+    ++contents_.nb_messages;
+  }
+
+  BagContents finish() {
+    contents_.transforms.finish();
+    for (auto& [topic, tracks] : contents_.joints) tracks.finish();
+    if (contents_.nb_messages > 0) contents_.duration = (last_ - first_).toSec();
+    note(nb_garbled_, "messages that do not fit their type");
+    note(nb_unusable_, "transforms and joint positions that are not finite or no rotation");
+    note(nb_jumps_, "times its clock goes back; what overlaps is mixed, so split the bag there");
+    return std::move(contents_);
+  }
+
+ private:
+  template <class Message>
+  static Message read(const RawMessage& raw) {
+    Message message;
+    ros::serialization::IStream stream(raw.data, raw.size);
+    ros::serialization::deserialize(stream, message);
+    return message;
+  }
+
+  static StampNs stampOf(const ros::Time& stamp, const RawMessage& raw) {
+    return static_cast<StampNs>((stamp.isZero() ? raw.received : stamp).toNSec());
+  }
+
+  void watchClock(StampNs stamp) {
+    if (stamp < newest_ - CLOCK_WENT_BACK)
+      ++nb_jumps_;
+    else if (stamp < newest_)
+      return;
+    newest_ = stamp;
+  }
+
+  void takeTransforms(const RawMessage& raw, bool is_static) {
+    for (const auto& transform : read<tf2_msgs::TFMessage>(raw).transforms) {
+      if (!is_static) watchClock(stampOf(transform.header.stamp, raw));
+      const auto& p = transform.transform.translation;
+      const auto& q = transform.transform.rotation;
+      const bool usable = contents_.transforms.add(
+          transform.header.frame_id, transform.child_frame_id, stampOf(transform.header.stamp, raw),
+          Eigen::Vector3d(p.x, p.y, p.z), Eigen::Quaterniond(q.w, q.x, q.y, q.z), is_static);
+      if (!usable) ++nb_unusable_;
+    }
+  }
+
+  void takeJoints(const RawMessage& raw) {
+    const auto message = read<sensor_msgs::JointState>(raw);
+    const StampNs stamp = stampOf(message.header.stamp, raw);
+    watchClock(stamp);
+    JointTracks& tracks = contents_.joints[raw.topic];
+    const std::size_t count = std::min(message.name.size(), message.position.size());
+    for (std::size_t i = 0; i < count; ++i) {
+      if (!tracks.add(message.name[i], stamp, message.position[i])) ++nb_unusable_;
+    }
+  }
+
+  static void takeText(const RawMessage& raw, std::map<std::string, std::string>& texts) {
+    texts[raw.topic] = read<std_msgs::String>(raw).data;
+  }
+
+  void note(std::size_t count, const std::string& what) {
+    if (count > 0) contents_.losses.push_back(std::to_string(count) + " " + what);
+  }
+
+  BagContents contents_;
+  ros::Time first_, last_;
+  StampNs newest_ = 0;
+  std::size_t nb_garbled_ = 0, nb_unusable_ = 0, nb_jumps_ = 0;
+};
+
+/// For formats that only rosbag_storage knows.
+void readByLibrary(const std::string& path, Collector& collector) {
+  rosbag::Bag bag(path, rosbag::bagmode::Read);
+  rosbag::View view(bag, [](const rosbag::ConnectionInfo* connection) {
+    return isWanted(connection->topic, connection->md5sum);
+  });
+  std::vector<std::uint8_t> buffer;
+  for (const rosbag::MessageInstance& message : view) {
+    buffer.resize(message.size());
+    ros::serialization::OStream stream(buffer.data(), static_cast<std::uint32_t>(buffer.size()));
+    message.write(stream);
+    collector.take({message.getTopic(), message.getMD5Sum(), message.getTime(), buffer.data(),
+                    static_cast<std::uint32_t>(buffer.size())});
+  }
+}
+
+void checkIsFile(const std::string& path) {
+  std::error_code error;
+  if (!std::filesystem::exists(path, error)) throw InputError(path + ": there is no such file");
+  if (!std::filesystem::is_regular_file(path, error)) throw InputError(path + ": is not a file");
+}
+
+}  // namespace
+
+BagContents readBag(const std::string& path) {
+  checkIsFile(path);
+  Collector collector;
+  std::vector<std::string> losses;
+  try {
+    const auto take = [&](const RawMessage& message) { collector.take(message); };
+    if (hasPlainRecords(path))
+      losses = readBagRecords(path, take);
+    else
+      readByLibrary(path, collector);
+  } catch (const ros::Exception& problem) {
+    throw InputError(path + ": " + problem.what());
+  }
+  BagContents contents = collector.finish();
+  contents.losses.insert(contents.losses.begin(), losses.begin(), losses.end());
+  if (contents.nb_messages == 0) {
+    throw InputError(path + ": no transforms and no joint states in " +
+                     (losses.empty() ? "it" : "what could be read: " + contents.losses.back()));
+  }
+  return contents;
+}
+
+}  // namespace collision_pairs

@@ -1,0 +1,33 @@
+// What a bag says about a robot: transforms, joint positions, descriptions.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "joint_tracks.h"
+#include "transform_tracks.h"
+
+namespace collision_pairs {
+
+struct BagContents {
+  TransformTracks transforms;                 ///< of all topics named tf and tf_static
+  std::map<std::string, JointTracks> joints;  ///< by topic: those named joint_states
+  std::map<std::string, std::string> urdfs;   ///< by topic: those named robot_description
+  std::map<std::string, std::string> srdfs;   ///< … and robot_description_semantic
+  double duration = 0.0;                      ///< seconds between the first and last message read
+  std::size_t nb_messages = 0;                ///< of these topics
+  std::vector<std::string> losses;            ///< what could not be read, a sentence each
+};
+
+/// Reads a bag whole; messages of other topics are passed over. Topics are known by the last part
+/// of their name and by the type: tf2_msgs/TFMessage and the older tf/tfMessage (the same on the
+/// wire), sensor_msgs/JointState, std_msgs/String. A joint state or transform without a stamp has
+/// the time at which it was recorded. None, bz2 and lz4 compression.
+///
+/// A bag without an index, cut off or with damaged chunks is read as far as it goes
+/// (readBagRecords), and `losses` says what is missing. Throws InputError if it is no bag, or
+/// nothing of a robot can be read.
+BagContents readBag(const std::string& path);
+
+}  // namespace collision_pairs

@@ -1,0 +1,218 @@
+#include "bag_records.h"
+
+#include <algorithm>
+#include <cstring>
+#include <fstream>
+#include <map>
+#include <optional>
+
+#include "bag_chunk.h"
+#include "collision_pairs/input_error.h"
+
+namespace collision_pairs {
+namespace {
+
+const std::string ANY_MAGIC = "#ROS";  // older formats begin with #ROSLOG or #ROSRECORD
+const std::string MAGIC = "#ROSBAG V2.0\n";
+constexpr std::uint32_t LONGEST_HEADER = 1 << 20;  // bytes; rosbag writes some hundred
+
+enum Op { MESSAGE = 2, BAG_HEADER = 3, CHUNK = 5, CONNECTION = 7 };
+
+using Fields = std::map<std::string, std::string>;
+
+std::uint32_t toNumber(const char* bytes) {
+  std::uint32_t number;
+  std::memcpy(&number, bytes, sizeof number);  // bags are little-endian, as all that ROS runs on
+  return number;
+}
+
+/// "name=value" after a length, again and again. Empty if it is not that.
+Fields parseFields(const char* at, std::size_t size) {
+  Fields fields;
+  for (std::size_t begin = 0; begin + 4 <= size;) {
+    const std::uint32_t length = toNumber(at + begin);
+    begin += 4;
+    if (length > size - begin) return {};
+    const std::string field(at + begin, length);
+    const std::size_t equals = field.find('=');
+    if (equals == std::string::npos) return {};
+    fields[field.substr(0, equals)] = field.substr(equals + 1);
+    begin += length;
+  }
+  return fields;
+}
+
+std::uint32_t numberIn(const Fields& fields, const std::string& name, std::size_t offset = 0) {
+  const auto found = fields.find(name);
+  return found == fields.end() || found->second.size() < offset + 4
+             ? 0
+             : toNumber(found->second.data() + offset);
+}
+
+int opOf(const Fields& fields) {
+  const auto op = fields.find("op");
+  return op == fields.end() || op->second.size() != 1 ? -1 : op->second[0];
+}
+
+struct Connection {
+  std::string topic, md5sum;
+};
+
+class RecordReader {
+ public:
+  RecordReader(const std::string& path, const RawMessageVisitor& visit)
+      : path_(path), file_(path, std::ios::binary), visit_(visit) {}
+
+  std::vector<std::string> run() {
+    std::string magic(MAGIC.size(), ' ');
+    if (!file_.read(magic.data(), static_cast<std::streamsize>(magic.size())) || magic != MAGIC) {
+      throw InputError(path_ + ": is no bag of format 2.0");
+    }
+    while (file_.peek() != std::char_traits<char>::eof() && readRecord()) {
+    }
+    return std::move(losses_);
+  }
+
+ private:
+  bool readRecord() {
+    const auto place = static_cast<std::uint64_t>(file_.tellg());
+    const std::optional<std::string> header = readBlock(LONGEST_HEADER);
+    const Fields fields = header ? parseFields(header->data(), header->size()) : Fields();
+    if (fields.empty()) return lose("nothing could be read after byte " + std::to_string(place));
+    std::uint32_t size = 0;
+    std::string data;
+    const bool whole = readSize(size) && readData(size, data);
+    take(fields, data, place);
+    if (!whole)
+      lose("the file is cut off within the record that begins at byte " + std::to_string(place));
+    return whole;
+  }
+
+  void take(const Fields& fields, std::string& data, std::uint64_t place) {
+    switch (opOf(fields)) {
+      case CHUNK:
+        takeChunk(fields, data, place);
+        break;
+      case CONNECTION:
+        takeConnection(fields, data.data(), data.size());
+        break;
+      case BAG_HEADER:
+        if (numberIn(fields, "index_pos") == 0 && numberIn(fields, "index_pos", 4) == 0) {
+          lose("it has no index: its recorder was stopped before it could close it");
+        }
+        break;
+      default:  // indices, of which none is needed
+        break;
+    }
+  }
+
+  void takeChunk(const Fields& fields, const std::string& data, std::uint64_t place) {
+    const auto compression = fields.find("compression");
+    std::string content;
+    const bool whole = decompressChunk(compression == fields.end() ? "none" : compression->second,
+                                       data, numberIn(fields, "size"), content);
+    const bool understood = readRecordsIn(content);
+    if (whole && understood) return;
+    lose("the end of the chunk at byte " + std::to_string(place) + " (of its " +
+         std::to_string(numberIn(fields, "size")) + " bytes " + std::to_string(content.size()) +
+         " were read)");
+  }
+
+  bool readRecordsIn(std::string& content) {
+    std::size_t at = 0;
+    const auto left = [&] { return content.size() - at; };
+    while (left() > 0) {
+      if (left() < 4 || toNumber(&content[at]) > left() - 4) return false;
+      const std::uint32_t header_size = toNumber(&content[at]);
+      const Fields fields = parseFields(&content[at + 4], header_size);
+      at += 4 + header_size;
+      if (left() < 4 || toNumber(&content[at]) > left() - 4) return false;
+      const std::uint32_t size = toNumber(&content[at]);
+      at += 4;
+      if (opOf(fields) == CONNECTION) takeConnection(fields, &content[at], size);
+      if (opOf(fields) == MESSAGE) takeMessage(fields, &content[at], size);
+      at += size;
+    }
+    return true;
+  }
+
+  void takeConnection(const Fields& fields, const char* data, std::size_t size) {
+    Fields header = parseFields(data, size);
+    const auto topic = fields.find("topic");
+    if (topic == fields.end()) return;
+    connections_[numberIn(fields, "conn")] = {topic->second, header["md5sum"]};
+  }
+
+  void takeMessage(const Fields& fields, char* data, std::uint32_t size) {
+    const auto connection = connections_.find(numberIn(fields, "conn"));
+    if (connection == connections_.end()) return;
+    visit_({connection->second.topic, connection->second.md5sum,
+            ros::Time(numberIn(fields, "time"), numberIn(fields, "time", 4)),
+            reinterpret_cast<std::uint8_t*>(data), size});
+  }
+
+  bool readSize(std::uint32_t& size) {
+    char bytes[4];
+    if (!file_.read(bytes, sizeof bytes)) return false;
+    size = toNumber(bytes);
+    return true;
+  }
+
+  /// What there is of it; false if that is not all. Grows as it reads: a damaged size must not
+  /// make it ask for gigabytes.
+  bool readData(std::uint32_t size, std::string& data) {
+    constexpr std::size_t STEP = 1 << 20;
+    while (data.size() < size && file_) {
+      const std::size_t begin = data.size();
+      data.resize(begin + std::min<std::size_t>(STEP, size - begin));
+      file_.read(&data[begin], static_cast<std::streamsize>(data.size() - begin));
+      data.resize(begin + static_cast<std::size_t>(file_.gcount()));
+    }
+    return data.size() == size;
+  }
+
+  std::optional<std::string> readBlock(std::uint32_t longest) {
+    std::uint32_t size = 0;
+    std::string data;
+    if (!readSize(size) || size > longest || !readData(size, data)) return std::nullopt;
+    return data;
+  }
+
+  bool lose(const std::string& what) {
+    losses_.push_back(what);
+    return false;
+  }
+
+  const std::string& path_;
+  std::ifstream file_;
+  const RawMessageVisitor& visit_;
+  std::map<std::uint32_t, Connection> connections_;
+  std::vector<std::string> losses_;
+};
+
+}  // namespace
+
+bool hasPlainRecords(const std::string& path) {
+  constexpr std::size_t ENOUGH = 4096;  // bytes: the bag's header record is padded to that
+  std::ifstream file(path, std::ios::binary);
+  std::string beginning(ENOUGH, '\0');
+  file.read(&beginning[0], ENOUGH);
+  beginning.resize(static_cast<std::size_t>(file.gcount()));
+  if (beginning.compare(0, ANY_MAGIC.size(), ANY_MAGIC) != 0) {
+    throw InputError(path + ": is no bag");
+  }
+  if (beginning.compare(0, MAGIC.size(), MAGIC) != 0) return false;
+  const std::size_t place = MAGIC.size();
+  if (beginning.size() < place + 4) return true;
+  const std::size_t size = std::min<std::size_t>(toNumber(&beginning[place]), ENOUGH);
+  const Fields fields =
+      parseFields(&beginning[place + 4], std::min(size, beginning.size() - place - 4));
+  const auto encryptor = fields.find("encryptor");
+  return encryptor == fields.end() || encryptor->second.empty();
+}
+
+std::vector<std::string> readBagRecords(const std::string& path, const RawMessageVisitor& visit) {
+  return RecordReader(path, visit).run();
+}
+
+}  // namespace collision_pairs

@@ -1,0 +1,132 @@
+#include "bag_table.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cstdio>
+
+#include "collision_pairs/input_error.h"
+
+namespace collision_pairs {
+namespace {
+
+constexpr StampNs NS_PER_SECOND = 1000000000;
+
+std::string toText(double number) {
+  char text[64];
+  std::snprintf(text, sizeof text, "%.17g", number);
+  return text;
+}
+
+std::vector<std::string> split(const std::string& text, char separator) {
+  std::vector<std::string> parts;
+  if (text.empty()) return parts;
+  for (std::size_t begin = 0;;) {
+    const std::size_t end = text.find(separator, begin);
+    parts.push_back(text.substr(begin, end - begin));
+    if (end == std::string::npos) return parts;
+    begin = end + 1;
+  }
+}
+
+template <class Items, class ToText>
+std::string joinedBy(const Items& items, const ToText& text_of) {
+  std::string text;
+  for (const auto& item : items) {
+    const std::string word = text_of(item);
+    if (word.empty()) continue;
+    if (!text.empty()) text += ';';
+    text += word;
+  }
+  return text;
+}
+
+class LineReader {
+ public:
+  LineReader(const std::string& name, std::size_t line)
+      : place_(name + " line " + std::to_string(line)) {}
+
+  BagRow read(const std::string& line) const {
+    const std::vector<std::string> fields = split(line, ',');
+    if (fields.size() != 9) fail("it has " + std::to_string(fields.size()) + " fields, not 9");
+    BagRow row;
+    row.bag = fields[0];
+    row.state = number<std::uint64_t>(fields[1]);
+    row.stamp = stamp(fields[2]);
+    if (!fields[5].empty()) row.min_distance = number<double>(fields[5]);
+    row.nb_pairs = number<std::uint64_t>(fields[6]);
+    const std::vector<std::string> contacts = split(fields[4], ';');
+    for (const std::string& pair : split(fields[7], ';'))
+      row.pairs.push_back(bagPair(pair, contacts));
+    row.left_out = split(fields[8], ';');
+    return row;
+  }
+
+ private:
+  [[noreturn]] void fail(const std::string& why) const { throw InputError(place_ + ": " + why); }
+
+  template <class Number>
+  Number number(const std::string& text) const {
+    Number value{};
+    const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc() || rest != text.data() + text.size())
+      fail("'" + text + "' is no number");
+    return value;
+  }
+
+  StampNs stamp(const std::string& text) const {
+    const std::size_t point = text.find('.');
+    if (point == std::string::npos || text.size() - point != 10) fail("'" + text + "' is no stamp");
+    return number<StampNs>(text.substr(0, point)) * NS_PER_SECOND +
+           number<StampNs>(text.substr(point + 1));
+  }
+
+  BagPair bagPair(const std::string& text, const std::vector<std::string>& contacts) const {
+    const std::size_t equals = text.rfind('=');
+    if (equals == std::string::npos) fail("'" + text + "' is no distance of a pair");
+    const std::string links = text.substr(0, equals);
+    return {links, number<double>(text.substr(equals + 1)),
+            std::count(contacts.begin(), contacts.end(), links) > 0};
+  }
+
+  std::string place_;
+};
+
+}  // namespace
+
+const char* const BAG_TABLE_HEADER =
+    "bag,state,stamp,in_collision,pairs,min_distance,nb_pairs,distances,left_out";
+const char* const BAG_TABLE_END = "# end";
+
+bool BagRow::inCollision() const {
+  return std::any_of(pairs.begin(), pairs.end(), [](const BagPair& p) { return p.in_contact; });
+}
+
+std::string toLine(const BagRow& row) {
+  char stamp[40];
+  std::snprintf(stamp, sizeof stamp, "%lld.%09lld",
+                static_cast<long long>(row.stamp / NS_PER_SECOND),
+                static_cast<long long>(row.stamp % NS_PER_SECOND));
+  const std::string contacts =
+      joinedBy(row.pairs, [](const BagPair& p) { return p.in_contact ? p.links : ""; });
+  const std::string distances =
+      joinedBy(row.pairs, [](const BagPair& p) { return p.links + '=' + toText(p.distance); });
+  return row.bag + ',' + std::to_string(row.state) + ',' + stamp + ',' +
+         (row.inCollision() ? '1' : '0') + ',' + contacts + ',' +
+         (row.min_distance ? toText(*row.min_distance) : "") + ',' + std::to_string(row.nb_pairs) +
+         ',' + distances + ',' +
+         joinedBy(row.left_out, [](const std::string& link) { return link; });
+}
+
+BagRow parseLine(const std::string& line, const std::string& name, std::size_t line_number) {
+  return LineReader(name, line_number).read(line);
+}
+
+std::string partLine(const Shard& shard) {
+  return "# part " + std::to_string(shard.index + 1) + "/" + std::to_string(shard.count);
+}
+
+std::string bagLine(const std::string& bag, std::uint64_t nb_rows) {
+  return "# bag " + bag + ' ' + std::to_string(nb_rows);
+}
+
+}  // namespace collision_pairs

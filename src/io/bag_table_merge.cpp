@@ -1,0 +1,125 @@
+#include <algorithm>
+#include <cstdio>
+#include <fstream>
+#include <memory>
+
+#include "bag_table.h"
+#include "collision_pairs/input_error.h"
+
+namespace collision_pairs {
+namespace {
+
+/// One file, line by line.
+class Table {
+ public:
+  explicit Table(const std::string& path) : path_(path), file_(path, std::ios::binary) {
+    if (!file_) throw InputError(path_ + ": cannot be opened");
+    std::string header;
+    if (!next(header) || header != BAG_TABLE_HEADER) fail("is no table of check_bag");
+    is_part_ = file_.peek() == '#';
+    if (!is_part_) return;
+    std::string line;
+    next(line);
+    unsigned long long index = 0, count = 0;
+    char rest = 0;
+    if (std::sscanf(line.c_str(), "# part %llu/%llu%c", &index, &count, &rest) != 2 || index < 1 ||
+        index > count) {
+      fail("'" + line + "' does not say which part it is");
+    }
+    shard_ = {index - 1, count};
+  }
+
+  bool next(std::string& line) {
+    if (!std::getline(file_, line)) return false;
+    ++line_number_;
+    return true;
+  }
+  std::string expect() {
+    std::string line;
+    if (!next(line)) fail("it ends too early; its process was perhaps stopped");
+    return line;
+  }
+  BagRow parse(const std::string& line) const { return parseLine(line, path_, line_number_); }
+  [[noreturn]] void fail(const std::string& why) const {
+    throw InputError(path_ + (line_number_ > 1 ? " line " + std::to_string(line_number_) : "") +
+                     ": " + why);
+  }
+  bool isPart() const { return is_part_; }
+  const Shard& shard() const { return shard_; }
+
+ private:
+  std::string path_;
+  std::ifstream file_;
+  std::size_t line_number_ = 0;
+  bool is_part_ = false;
+  Shard shard_;
+};
+
+using Tables = std::vector<std::unique_ptr<Table>>;
+
+/// Sorted, each part there once.
+void checkComplete(Tables& parts) {
+  std::sort(parts.begin(), parts.end(),
+            [](const auto& a, const auto& b) { return a->shard().index < b->shard().index; });
+  const std::uint64_t count = parts.front()->shard().count;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    if (parts[i]->shard().count != count) parts[i]->fail("is a part of another run");
+    if (parts[i]->shard().index > i) {
+      throw InputError("part " + std::to_string(i + 1) + "/" + std::to_string(count) +
+                       " is missing");
+    }
+    if (parts[i]->shard().index < i) parts[i]->fail("this part is there twice");
+  }
+  if (parts.size() != count) {
+    throw InputError("part " + std::to_string(parts.size() + 1) + "/" + std::to_string(count) +
+                     " is missing");
+  }
+}
+
+/// Takes the same line from all parts.
+std::string nextCommonLine(Tables& parts) {
+  const std::string line = parts.front()->expect();
+  for (std::size_t i = 1; i < parts.size(); ++i) {
+    if (parts[i]->expect() != line)
+      parts[i]->fail("is a part of another run (expected '" + line + "')");
+  }
+  return line;
+}
+
+void mergeParts(Tables& parts, const BagLineVisitor& visit) {
+  checkComplete(parts);
+  std::size_t bag = 0;
+  for (std::string line = nextCommonLine(parts); line != BAG_TABLE_END;
+       line = nextCommonLine(parts), ++bag) {
+    const std::size_t space = line.rfind(' ');
+    if (line.compare(0, 6, "# bag ") != 0 || space <= 6)
+      parts.front()->fail("'" + line + "' is no bag");
+    const std::string name = line.substr(6, space - 6);
+    const std::uint64_t nb_rows = std::stoull(line.substr(space + 1));
+    for (std::uint64_t state = 0; state < nb_rows; ++state) {
+      Table& part = *parts[(state + bag) % parts.size()];
+      const std::string row_line = part.expect();
+      const BagRow row = part.parse(row_line);
+      if (row.bag != name || row.state != state)
+        part.fail("state " + std::to_string(state) + " is missing");
+      visit(row_line, row);
+    }
+  }
+}
+
+}  // namespace
+
+void mergeBagTables(const std::vector<std::string>& paths, const BagLineVisitor& visit) {
+  Tables tables;
+  for (const std::string& path : paths) tables.push_back(std::make_unique<Table>(path));
+  const auto is_part = [](const auto& table) { return table->isPart(); };
+  const auto nb_parts = std::count_if(tables.begin(), tables.end(), is_part);
+  if (nb_parts == static_cast<std::ptrdiff_t>(tables.size())) return mergeParts(tables, visit);
+  if (nb_parts > 0)
+    throw InputError("parts of a run and whole tables are mixed; merge the parts first");
+  for (auto& table : tables) {
+    for (std::string line; table->next(line);) visit(line, table->parse(line));
+  }
+}
+
+}  // namespace collision_pairs

@@ -1,0 +1,29 @@
+// Where the rows of a table go: file or standard output, page, summary.
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "bag_summary.h"
+#include "bag_table.h"
+
+namespace collision_pairs {
+
+struct BagOutputOptions {
+  std::string out;     ///< empty: standard output, unless there is a report or `quiet`
+  std::string report;  ///< folder; empty: none
+  bool quiet = false;  ///< no table on standard output
+  double alarm_distance = 0.05;
+  double max_gap = 1.0;
+};
+
+/// Takes a line as it goes to the table, and its row (null for comment lines of parts).
+using BagLineSink = std::function<void(const std::string& line, const BagRow* row)>;
+
+/// Runs `produce`, which hands it all lines but the header; then, if that went well, puts the table
+/// in its place, makes the page, and prints the summary: to standard output, or to standard error
+/// where the table is there.
+void writeBagOutputs(const BagOutputOptions& options,
+                     const std::function<void(const BagLineSink&)>& produce);
+
+}  // namespace collision_pairs

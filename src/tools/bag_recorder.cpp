@@ -1,0 +1,56 @@
+#include "bag_recorder.h"
+
+#include <filesystem>
+
+#include <std_msgs/Bool.h>
+#include <unistd.h>
+
+#include "collision_pairs/input_error.h"
+#include "conversions.h"
+#include "markers.h"
+
+namespace collision_pairs {
+namespace {
+
+const std::string NODE = "/collision_pairs_node/";
+
+}  // namespace
+
+BagRecorder::BagRecorder(const std::string& path)
+    : path_(path), part_(path + ".part" + std::to_string(::getpid())) {
+  try {
+    bag_.open(part_, rosbag::bagmode::Write);
+  } catch (const rosbag::BagException&) {
+    throw InputError(path_ + ": cannot be written");
+  }
+  bag_.setCompression(rosbag::compression::LZ4);
+}
+
+BagRecorder::~BagRecorder() {
+  if (part_.empty()) return;
+  std::error_code error;
+  std::filesystem::remove(part_, error);  // what is still written to it has no name any more
+}
+
+void BagRecorder::write(const CollisionReport& report, const CollisionScene& scene,
+                        const CheckSettings& settings, const std::string& frame, StampNs stamp) {
+  ros::Time time;
+  time.fromNSec(static_cast<std::uint64_t>(stamp));
+  std_msgs::Bool verdict;
+  verdict.data = report.in_collision;
+  try {
+    bag_.write(NODE + "collision_pairs", time, toMessage(report, scene, settings, frame, time, {}));
+    bag_.write(NODE + "in_collision", time, verdict);
+    bag_.write(NODE + "markers", time, toMarkers(report, false, frame, time));
+  } catch (const rosbag::BagException& error) {
+    throw InputError(path_ + ": " + error.what());
+  }
+}
+
+void BagRecorder::finish() {
+  bag_.close();
+  std::filesystem::rename(part_, path_);
+  part_.clear();
+}
+
+}  // namespace collision_pairs

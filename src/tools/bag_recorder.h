@@ -1,0 +1,35 @@
+// Reports and markers as a bag, to be played beside the one that was checked.
+#pragma once
+
+#include <string>
+
+#include <rosbag/bag.h>
+
+#include "collision_pairs/collision_detector.h"
+#include "transform_tracks.h"
+
+namespace collision_pairs {
+
+/// Writes what the node would have published, on the node's topics, at the stamps of the poses.
+/// Through a temporary file beside `path` that takes its name only in finish(): whatever goes
+/// wrong, no part of a bag stands under the final name.
+class BagRecorder {
+ public:
+  /// Throws InputError if it cannot be written.
+  explicit BagRecorder(const std::string& path);
+  ~BagRecorder();
+  BagRecorder(const BagRecorder&) = delete;
+  BagRecorder& operator=(const BagRecorder&) = delete;
+
+  /// `frame` is the frame of the root link as the checked bag calls it.
+  void write(const CollisionReport& report, const CollisionScene& scene,
+             const CheckSettings& settings, const std::string& frame, StampNs stamp);
+  void finish();
+
+ private:
+  std::string path_;
+  std::string part_;
+  rosbag::Bag bag_;
+};
+
+}  // namespace collision_pairs

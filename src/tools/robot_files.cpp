@@ -1,0 +1,43 @@
+#include "robot_files.h"
+
+#include <vector>
+
+#include "collision_pairs/input_error.h"
+#include "text_files.h"
+#include "tool_errors.h"
+
+namespace collision_pairs {
+
+std::shared_ptr<const RobotModel> robotFromText(const std::string& urdf, const std::string& origin,
+                                                const MeshLoader& load_mesh) {
+  try {
+    return RobotModel::fromUrdf(urdf, load_mesh);
+  } catch (const InputError& error) {
+    throw InputError(origin + ": " + error.what());
+  }
+}
+
+Srdf srdfFromText(const std::string& text, const std::string& origin, const RobotModel& robot) {
+  std::vector<std::string> links;
+  for (const Link& link : robot.links()) links.push_back(link.name);
+  try {
+    const Srdf srdf = Srdf::fromXml(text);
+    const auto unknown = srdf.unknownLinks(links);
+    if (!unknown.empty())
+      warn(origin + ": not links of the robot, passed over: " + joined(unknown));
+    return srdf;
+  } catch (const InputError& error) {
+    throw InputError(origin + ": " + error.what());
+  }
+}
+
+std::shared_ptr<const RobotModel> readRobot(const std::string& path, const MeshLoader& load_mesh) {
+  return robotFromText(readTextFile(path), path, load_mesh);
+}
+
+std::optional<Srdf> readSrdf(const std::string& path, const RobotModel& robot) {
+  if (path.empty()) return std::nullopt;
+  return srdfFromText(readTextFile(path), path, robot);
+}
+
+}  // namespace collision_pairs

@@ -1,0 +1,93 @@
+#!/usr/bin/python3
+"""The node under a simulated clock that goes back, as when a bag is played in a loop."""
+import os
+import sys
+import time
+import unittest
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+
+import rospy
+import rostest
+from collision_pairs.msg import CollisionPairs
+from geometry_msgs.msg import TransformStamped
+from rosgraph_msgs.msg import Clock
+from tf2_msgs.msg import TFMessage
+
+PATIENCE = 10.0  # s of wall time
+STEP = 0.02      # s, of either time
+
+
+class ClockJumpsTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.clock = rospy.Publisher("/clock", Clock, queue_size=10)
+        cls.tf = rospy.Publisher("/tf", TFMessage, queue_size=100)
+        cls.reports = []
+        rospy.Subscriber("/node/collision_pairs", CollisionPairs, cls.reports.append, queue_size=100)
+        end = time.time() + PATIENCE
+        while time.time() < end and not (cls.clock.get_num_connections() > 0 and cls.tf.get_num_connections() > 0):
+            time.sleep(0.05)
+
+    def publish(self, stamp, x):
+        message = TFMessage()
+        for i, name in enumerate("abc"):
+            transform = TransformStamped()
+            transform.header.stamp = rospy.Time.from_sec(stamp)
+            transform.header.frame_id, transform.child_frame_id = "root", name
+            transform.transform.translation.x = x * i
+            transform.transform.rotation.w = 1.0
+            message.transforms.append(transform)
+        self.tf.publish(message)
+
+    def play(self, begin, end, x):
+        now = begin
+        while now < end:
+            self.clock.publish(Clock(rospy.Time.from_sec(now)))
+            self.publish(now, x)
+            time.sleep(STEP)
+            now += STEP
+
+    def newest(self):
+        return self.reports[-1]
+
+    def test_reports_follow_the_clock_back(self):
+        self.play(100.0, 102.0, 5.0)
+        self.assertGreater(self.newest().header.stamp.to_sec(), 101.5)
+        self.play(50.0, 52.0, 0.5)
+        report = self.newest()
+        self.assertAlmostEqual(report.header.stamp.to_sec(), 52.0, delta=0.5)
+        self.assertTrue(report.in_collision)
+
+    def test_a_transform_that_comes_late_from_before_the_jump_does_not_hold_it(self):
+        """Of two publishers one is a little slower: its last words arrive after the clock went back."""
+        self.play(100.0, 102.0, 5.0)
+        self.play(50.0, 50.2, 0.5)
+        self.publish(101.99, 5.0)
+        self.play(50.2, 52.0, 0.5)
+        report = self.newest()
+        self.assertAlmostEqual(report.header.stamp.to_sec(), 52.0, delta=0.5)
+        self.assertTrue(report.in_collision)
+        self.assertEqual(report.left_out, [])
+
+    def test_reports_follow_the_clock_forward(self):
+        self.play(50.0, 51.0, 5.0)
+        self.play(500.0, 501.0, 0.5)
+        report = self.newest()
+        self.assertAlmostEqual(report.header.stamp.to_sec(), 501.0, delta=0.5)
+        self.assertTrue(report.in_collision)
+
+    def test_after_a_jump_back_nothing_old_is_reported_as_new(self):
+        """The clock goes back and no transform comes yet: the links are left out, not at old places."""
+        self.play(100.0, 101.0, 0.5)
+        for i in range(25):
+            self.clock.publish(Clock(rospy.Time.from_sec(50.0 + STEP * i)))
+            time.sleep(STEP)
+        report = self.newest()
+        self.assertEqual(sorted(report.left_out), ["a", "b", "c"])
+        self.assertFalse(report.in_collision)
+
+
+if __name__ == "__main__":
+    rospy.init_node("test_clock_jumps", disable_rostime=True)
+    rostest.rosrun("collision_pairs", "clock_jumps", ClockJumpsTest)

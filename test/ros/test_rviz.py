@@ -1,0 +1,98 @@
+#!/usr/bin/python3
+"""rviz, on a screen of its own, shows our configuration without a complaint: topics, frames, robot."""
+import os
+import shutil
+import subprocess
+import sys
+import time
+import unittest
+
+import rostest
+
+CONFIG = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../config/collision_pairs.rviz")
+PATIENCE = 60.0  # s
+
+
+def all_properties(display):
+    """Every line below a display in rviz's tree, as (name, value)."""
+    for i in range(display.numChildren()):
+        child = display.childAt(i)
+        yield child.getName(), str(child.getValue())
+        yield from all_properties(child)
+
+
+def what_is_shown(group):
+    """{display: names of what it has}: rviz calls a display without a robot or a topic "Ok" too."""
+    displays = [group.getDisplayAt(i) for i in range(group.numDisplays())]
+    return {display.getName(): {name for name, _ in all_properties(display)} for display in displays}
+
+
+def statuses(group):
+    """{display: "Ok", "Warn" or "Error"}, from the lines that rviz calls "Status: …"."""
+    found = {}
+    for i in range(group.numDisplays()):
+        display = group.getDisplayAt(i)
+        for name, _ in all_properties(display):
+            if name.startswith("Status: "):
+                found[display.getName()] = name[len("Status: "):]
+    for name, _ in all_properties(group):
+        if name.startswith("Global Status: "):
+            found["Global Status"] = name[len("Global Status: "):]
+    return found
+
+
+class Screen:
+    """An X server without a screen, on a display that is free."""
+
+    def __init__(self):
+        reading, writing = os.pipe()
+        self._process = subprocess.Popen(["Xvfb", "-displayfd", str(writing), "-screen", "0", "1024x768x24"],
+                                         pass_fds=[writing], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        os.close(writing)
+        with os.fdopen(reading) as answer:
+            self.name = ":" + answer.readline().strip()
+
+    def close(self):
+        self._process.terminate()
+        self._process.wait()
+
+
+@unittest.skipUnless(shutil.which("Xvfb"), "no Xvfb")
+class RvizTest(unittest.TestCase):
+    def test_no_display_raises_an_error_status(self):
+        screen = Screen()
+        os.environ.update(DISPLAY=screen.name, LIBGL_ALWAYS_SOFTWARE="1", QT_QPA_PLATFORM="xcb")
+        try:
+            found, shown = self.show()
+        finally:
+            screen.close()
+        self.assertEqual(found, {"Global Status": "Ok", "Grid": "Ok", "Robot": "Ok", "Collision pairs": "Ok"})
+        self.assertIn("forearm", shown["Robot"])
+        self.assertIn("investigated_boxes", shown["Collision pairs"])
+
+    def show(self):
+        from python_qt_binding.QtWidgets import QApplication
+        from rviz import bindings as rviz
+        application = QApplication(sys.argv[:1])
+        reader = rviz.YamlConfigReader()
+        config = rviz.Config()
+        reader.readFile(config, CONFIG)
+        frame = rviz.VisualizationFrame()
+        frame.setSplashPath("")
+        frame.initialize()
+        frame.load(config)
+        frame.show()
+        group = frame.getManager().getRootDisplayGroup()
+        end = time.time() + PATIENCE
+        # The first moments are without transforms; an error that lasts is one.
+        while time.time() < end:
+            application.processEvents()
+            time.sleep(0.02)
+            found = statuses(group)
+            if len(found) == 4 and set(found.values()) == {"Ok"} and time.time() > end - PATIENCE + 10:
+                break
+        return found, what_is_shown(group)
+
+
+if __name__ == "__main__":
+    rostest.rosrun("collision_pairs", "rviz", RvizTest)

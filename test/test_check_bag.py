@@ -1,0 +1,367 @@
+"""check_bag as a user meets it: verdicts, damaged bags, several robots, parts, errors."""
+import csv
+import os
+import random
+import re
+import shutil
+import subprocess
+
+import pytest
+import rosbag
+import rospy
+from conftest import DEMO
+from geometry_msgs.msg import TransformStamped
+from sensor_msgs.msg import JointState
+from tf2_msgs.msg import TFMessage
+
+DEMO_BAG = os.path.join(DEMO, "demo.bag")
+ROBOT = ["--urdf", os.path.join(DEMO, "demo_robot.urdf"), "--srdf", os.path.join(DEMO, "demo_robot.srdf")]
+HEADER = ["bag", "state", "stamp", "in_collision", "pairs", "min_distance", "nb_pairs", "distances", "left_out"]
+
+
+class OldMessage(TFMessage):
+    """tf's message before tf2: the same on the wire."""
+    _type = "tf/tfMessage"
+
+
+def rows_of(path):
+    with open(path) as lines:
+        return list(csv.DictReader(lines))
+
+
+@pytest.fixture
+def check(run_tool, tmp_path):
+    """Runs check_bag; the rows it wrote and what it said."""
+    def run(*arguments):
+        out = tmp_path / "out.csv"
+        done = run_tool("check_bag", *arguments, "--out", out)
+        assert done.returncode == 0, done.stderr
+        return rows_of(out), done.stdout + done.stderr
+    return run
+
+
+def without_name(rows):
+    return [{key: value for key, value in row.items() if key != "bag"} for row in rows]
+
+
+def verdicts(rows):
+    return [(row["stamp"], row["pairs"]) for row in rows]
+
+
+def test_a_row_a_stamp_with_the_robot_that_the_bag_names(check):
+    rows, summary = check(DEMO_BAG)
+    assert list(rows[0]) == HEADER
+    with rosbag.Bag(DEMO_BAG) as bag:
+        stamps = [message.header.stamp for _, message, _ in bag.read_messages("/joint_states")]
+    assert [row["stamp"] for row in rows] == ["%d.%09d" % (s.secs, s.nsecs) for s in stamps]
+    assert [row["state"] for row in rows] == [str(i) for i in range(len(stamps))]
+    assert {row["in_collision"] for row in rows} == {"0", "1"}
+    assert not any(row["left_out"] for row in rows)
+    assert "in contact" in summary and "closest" in summary and "no gap" in summary
+
+
+@pytest.mark.parametrize("source", ["joints", "tf"])
+def test_transforms_and_joint_states_give_what_check_states_gives(run_tool, check, make_bag, tmp_path, source):
+    bag = make_bag("one.bag", "--without", "tf" if source == "joints" else "joints")
+    with rosbag.Bag(DEMO_BAG) as recorded:
+        messages = [message for _, message, _ in recorded.read_messages("/joint_states")]
+    states = tmp_path / "states.csv"
+    states.write_text("\n".join([",".join(messages[0].name)] +
+                                [",".join(map(repr, m.position)) for m in messages]) + "\n")
+    out = tmp_path / "states_out.csv"
+    done = run_tool("check_states", ROBOT[1], *ROBOT[2:], "--states", states, "--out", out, "--min-distance",
+                    "--alarm-distance", "0.05")
+    assert done.returncode == 0, done.stderr
+    rows, _ = check(bag, "--min-distance")
+    expected = rows_of(out)
+    assert len(rows) == len(expected)
+    for found, truth in zip(rows, expected):
+        assert found["pairs"] == truth["pairs"]
+        assert abs(float(found["min_distance"]) - float(truth["min_distance"])) < 1e-9
+
+
+def test_distances_name_every_pair_in_reach_and_agree_with_the_verdict(check):
+    rows, _ = check(DEMO_BAG, "--alarm-distance", "0.2")
+    for row in rows:
+        distances = dict(pair.rsplit("=", 1) for pair in filter(None, row["distances"].split(";")))
+        contacts = set(filter(None, row["pairs"].split(";")))
+        assert contacts == {pair for pair, distance in distances.items() if float(distance) <= 0}
+        assert row["in_collision"] == ("1" if contacts else "0")
+        assert min(map(float, distances.values())) == float(row["min_distance"])
+
+
+@pytest.mark.parametrize("compression", ["none", "bz2", "lz4"])
+def test_compressed_bags_are_read(check, make_bag, compression):
+    rows, _ = check(make_bag("c.bag", "--compression", compression))
+    assert without_name(rows) == without_name(check(DEMO_BAG)[0])
+
+
+@pytest.mark.parametrize("compression", ["none", "bz2", "lz4"])
+def test_of_a_truncated_bag_the_front_is_read_and_the_loss_is_said(check, make_bag, compression):
+    bag = make_bag("t.bag", "--compression", compression, "--rate", "200")
+    whole, _ = check(bag)
+    content = bag.read_bytes()
+    # Within the messages, long before the index.
+    bag.write_bytes(content[:len(content) * 2 // 3])
+    rows, said = check(bag)
+    assert 0 < len(rows) < len(whole)
+    assert rows[:-1] == whole[:len(rows) - 1]  # the last may lack what was recorded after it
+    assert "cut off" in said
+
+
+def test_an_unindexed_bag_is_read_whole_and_said_to_be_unindexed(check, make_bag):
+    bag = make_bag("u.bag")
+    whole, _ = check(bag)
+    content = bytearray(bag.read_bytes())
+    place = content.index(b"index_pos=") + len(b"index_pos=")
+    content[place:place + 8] = bytes(8)  # as in the file of a recorder that was killed
+    bag.write_bytes(content)
+    rows, said = check(bag)
+    assert rows == whole and "index" in said
+
+
+def test_a_damaged_chunk_loses_its_own_messages_only(check, make_bag):
+    bag = make_bag("d.bag", "--compression", "bz2", "--rate", "800")
+    whole, _ = check(bag)
+    content = bytearray(bag.read_bytes())
+    chunk = content.index(b"op=\x05", content.index(b"op=\x05") + 1)  # the second chunk
+    content[chunk + 4000:chunk + 4200] = bytes(200)
+    bag.write_bytes(content)
+    rows, said = check(bag)
+    assert "the end of the chunk" in said
+    assert len(whole) // 4 < len(rows) < len(whole)
+    assert rows[0] == whole[0] and rows[-1]["stamp"] == whole[-1]["stamp"]
+
+
+def test_garbage_is_survived_at_any_place(run_tool, make_bag, tmp_path):
+    """Whatever is overwritten, the tool ends with 0 or 2 and never hangs or crashes."""
+    bag = make_bag("g.bag", "--compression", "none", "--rate", "5")
+    content = bag.read_bytes()
+    random.seed(7)
+    for _ in range(60):
+        broken = bytearray(content)
+        for _ in range(random.randint(1, 4)):
+            place = random.randrange(len(broken))
+            broken[place:place + 8] = bytes(random.randrange(256) for _ in range(8))
+        bag.write_bytes(broken[:random.choice([len(broken), random.randrange(len(broken))])])
+        done = run_tool("check_bag", bag, *ROBOT, "--out", tmp_path / "out.csv")
+        assert done.returncode in (0, 2), done
+
+
+def test_old_tf_messages_and_leading_slashes_are_read(check, tmp_path, make_bag):
+    old = tmp_path / "old.bag"
+    with rosbag.Bag(DEMO_BAG) as source, rosbag.Bag(str(old), "w") as target:
+        for topic, message, stamp in source.read_messages(["/tf", "/tf_static"]):
+            for transform in message.transforms:
+                transform.header.frame_id = "/" + transform.header.frame_id
+                transform.child_frame_id = "/" + transform.child_frame_id
+            # Fixed frames come once only here, and not as static: within bodies they are not needed.
+            target.write("/tf", OldMessage(message.transforms), stamp)
+    rows, _ = check(old, *ROBOT)
+    assert verdicts(rows) == verdicts(check(DEMO_BAG)[0])
+
+
+def test_of_several_robots_the_prefix_chooses_one(run_tool, check, make_bag, tmp_path):
+    left, right = make_bag("left.bag", "--prefix", "left"), make_bag("right.bag", "--prefix", "right",
+                                                                     "--seconds-per-posture", "0.3")
+    both = tmp_path / "both.bag"
+    with rosbag.Bag(str(both), "w") as target:
+        for bag in (left, right):
+            with rosbag.Bag(str(bag)) as source:
+                for topic, message, stamp in source.read_messages():
+                    if "description" not in topic:
+                        target.write(topic, message, stamp)
+    for name, alone in (("left", left), ("right", right)):
+        rows, _ = check(both, "--prefix", name, *ROBOT)
+        assert without_name(rows) == without_name(check(alone, "--prefix", name)[0])
+    done = run_tool("check_bag", both, *ROBOT)
+    assert done.returncode == 2 and "--prefix left or right" in done.stderr
+
+
+def test_joints_of_a_namespace_are_found_by_prefix(check, make_bag):
+    rows, _ = check(make_bag("p.bag", "--prefix", "left", "--without", "tf"), "--prefix", "left")
+    assert verdicts(rows) == verdicts(check(DEMO_BAG)[0])
+
+
+def test_over_a_gap_nothing_is_assumed_and_it_is_said(check, make_bag, tmp_path):
+    bag = tmp_path / "gap.bag"
+    with rosbag.Bag(DEMO_BAG) as source, rosbag.Bag(str(bag), "w") as target:
+        for topic, message, stamp in source.read_messages():
+            if not (topic == "/tf" and 1003.0 < stamp.to_sec() < 1005.0):
+                target.write(topic, message, stamp)
+        for i in range(50):  # a joint further out goes on moving
+            transform = TransformStamped()
+            transform.header.stamp = rospy.Time.from_sec(1003.02 + 0.04 * i)
+            transform.header.frame_id, transform.child_frame_id = "wrist", "wrist_ball"
+            transform.transform.rotation.w = 1.0
+            target.write("/tf", TFMessage([transform]), transform.header.stamp)
+    rows, _ = check(bag)
+    inside = [row for row in rows if 1003.01 < float(row["stamp"]) < 1004.99]
+    assert inside and all("forearm" in row["left_out"].split(";") for row in inside)
+    rows, said = check(bag, "--max-gap", "3")
+    assert not any("forearm" in row["left_out"].split(";") for row in rows)
+
+
+def test_a_clock_that_goes_back_within_a_bag_is_said(check, tmp_path):
+    bag = tmp_path / "twice.bag"
+    with rosbag.Bag(DEMO_BAG) as source, rosbag.Bag(str(bag), "w") as target:
+        for later in (0, 100):
+            for topic, message, stamp in source.read_messages():
+                target.write(topic, message, stamp + rospy.Duration(later))
+    rows, said = check(bag)
+    assert "1 times its clock goes back" in said
+    assert "clock" not in check(DEMO_BAG)[1]
+
+
+def test_time_in_contact_is_counted_from_stamp_to_stamp(check, tmp_path):
+    bag = tmp_path / "boxes.bag"
+    urdf = tmp_path / "boxes.urdf"
+    box = "<link name='%s'><collision><geometry><box size='1 1 1'/></geometry></collision></link>"
+    urdf.write_text("<robot name='r'><link name='root'/>" + box % "a" + box % "b" + "".join(
+        "<joint name='slide_%s' type='prismatic'><parent link='root'/><child link='%s'/><axis xyz='1 0 0'/>"
+        "<limit lower='-9' upper='9' effort='1' velocity='1'/></joint>" % (n, n) for n in "ab") + "</robot>")
+    #            s:  0    1    2     3      4    7
+    seen = [(0, 3), (1, 0.9), (2, 0.9), (3, 1.02), (4, 3), (7, 0.5), (8, 0.25)]
+    with rosbag.Bag(str(bag), "w") as target:
+        for seconds, x in seen:
+            message = JointState(name=["slide_a", "slide_b"], position=[0, x])
+            message.header.stamp = rospy.Time(100 + seconds)
+            target.write("/joint_states", message, message.header.stamp)
+    rows, summary = check(bag, "--urdf", urdf)
+    assert [row["pairs"] for row in rows] == ["", "a|b", "a|b", "", "", "a|b", "a|b"]
+    assert "in contact        3.000 s, 4 stamps" in summary
+    assert "in alarm only     1.000 s" in summary
+    assert "-0.7500 m at +8.000 s  a|b" in summary
+    assert "3.000 s after +4.000 s" in summary
+
+
+def run_parts(run_tool, tmp_path, count, *arguments):
+    parts = [tmp_path / ("part%d.csv" % i) for i in range(1, count + 1)]
+    for i, part in enumerate(parts, 1):
+        done = run_tool("check_bag", *arguments, "--shard", "%d/%d" % (i, count), "--out", part)
+        assert done.returncode == 0, done.stderr
+    return parts
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 7])
+def test_parts_merge_to_the_bytes_of_one_run(run_tool, make_bag, tmp_path, count):
+    bags = [DEMO_BAG, make_bag("second.bag", "--rate", "1.5"), make_bag("third.bag", "--rate", "3")]
+    whole, merged = tmp_path / "whole.csv", tmp_path / "merged.csv"
+    one = run_tool("check_bag", *bags, "--out", whole)
+    parts = run_parts(run_tool, tmp_path, count, *bags)
+    done = run_tool("merge_bag_checks", *reversed(parts), "--out", merged)
+    assert done.returncode == 0, done.stderr
+    assert merged.read_bytes() == whole.read_bytes()
+    assert done.stdout == one.stdout
+
+
+def test_tables_of_single_bags_merge_to_the_bytes_of_one_run(run_tool, make_bag, tmp_path):
+    bags = [make_bag("a.bag", "--rate", "3"), make_bag("b.bag", "--rate", "2")]
+    tables = [tmp_path / "a.csv", tmp_path / "b.csv"]
+    for bag, table in zip(bags, tables):
+        run_tool("check_bag", bag, "--out", table)
+    run_tool("check_bag", *bags, "--out", tmp_path / "whole.csv")
+    run_tool("merge_bag_checks", *tables, "--out", tmp_path / "merged.csv")
+    assert (tmp_path / "merged.csv").read_bytes() == (tmp_path / "whole.csv").read_bytes()
+
+
+def test_a_merge_that_is_not_complete_is_refused(run_tool, make_bag, tmp_path):
+    bag = make_bag("a.bag", "--rate", "3")
+    one, two, three = run_parts(run_tool, tmp_path, 3, bag)
+    other = tmp_path / "other"
+    other.mkdir()
+    stranger = run_parts(run_tool, other, 3, make_bag("b.bag", "--rate", "2"))[2]
+    cut = tmp_path / "cut.csv"
+    cut.write_bytes(three.read_bytes()[:-200])
+    whole = tmp_path / "whole.csv"
+    run_tool("check_bag", bag, "--out", whole)
+    merged = tmp_path / "merged.csv"
+    for tables, says in (((one, two), "3/3 is missing"), ((one, three), "2/3 is missing"), ((one, one, two), "twice"),
+                         ((one, two, stranger), "another run"), ((one, two, cut), "cut.csv"),
+                         ((one, whole), "mixed"), ((one, two, bag), "a.bag"), ((tmp_path / "none",), "none")):
+        done = run_tool("merge_bag_checks", *tables, "--out", merged)
+        assert done.returncode == 2 and says in done.stderr and len(done.stderr.splitlines()) == 1, done.stderr
+        assert not merged.exists()
+
+
+@pytest.mark.parametrize("arguments, says", [
+    (["none.bag"], "none.bag"), ([DEMO], "demo"), ([ROBOT[1]], "demo_robot.urdf"), ([], "bags"),
+    ([DEMO_BAG, "--urdf", "none.urdf"], "none.urdf"), ([DEMO_BAG, "--srdf", "none.srdf"], "none.srdf"),
+    ([DEMO_BAG, "--fidelity", "exact"], "exact"), ([DEMO_BAG, "--alarm-distance", "-1"], "alarm"),
+    ([DEMO_BAG, "--alarm-distance", "nan"], "alarm"), ([DEMO_BAG, "--max-gap", "0"], "max-gap"),
+    ([DEMO_BAG, "--shard", "0/2"], "0/2"), ([DEMO_BAG, "--shard", "3/2"], "3/2"), ([DEMO_BAG, "--shard", "1"], "--shard"),
+    ([DEMO_BAG, "--shard", "-1/2"], "--shard"), ([DEMO_BAG, "--shard", "1/2", "--record", "x.bag"], "--record"),
+    ([DEMO_BAG, "--prefix", "left"], "robot"), ([DEMO_BAG, "--speed", "3"], "--speed"),
+    ([DEMO_BAG, "--record", "/none/x.bag"], "/none/x.bag"), ([DEMO_BAG, "--report", "/dev/null/x"], "/dev/null/x"),
+])
+def test_wrong_input_is_one_line_exit_code_2_and_no_file(run_tool, tmp_path, arguments, says):
+    done = run_tool("check_bag", *arguments, "--out", tmp_path / "out.csv")
+    errors = [line for line in done.stderr.splitlines() if not line.startswith("warning: ")]
+    assert done.returncode == 2 and len(errors) == 1 and says in errors[0], done.stderr
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_bag_without_a_robot_asks_for_one(run_tool, make_bag):
+    done = run_tool("check_bag", make_bag("r.bag", "--without", "robot"))
+    assert done.returncode == 2 and "--urdf" in done.stderr
+
+
+def test_without_out_the_table_is_on_standard_output_and_nothing_else(run_tool):
+    done = run_tool("check_bag", DEMO_BAG)
+    lines = done.stdout.splitlines()
+    assert lines[0].split(",") == HEADER and all(line.startswith(DEMO_BAG) for line in lines[1:])
+    assert "closest" in done.stderr
+
+
+def test_reports_and_markers_are_recorded_at_the_stamps_of_the_table(check, tmp_path):
+    recorded = tmp_path / "recorded.bag"
+    rows, _ = check(DEMO_BAG, "--record", recorded)
+    with rosbag.Bag(str(recorded)) as bag:
+        reports = [message for _, message, _ in bag.read_messages("/collision_pairs_node/collision_pairs")]
+        markers = [message for _, message, _ in bag.read_messages("/collision_pairs_node/markers")]
+    assert len(reports) == len(markers) == len(rows)
+    for row, report, array in zip(rows, reports, markers):
+        assert row["stamp"] == "%d.%09d" % (report.header.stamp.secs, report.header.stamp.nsecs)
+        assert report.header.frame_id == "world"
+        assert report.in_collision == (row["in_collision"] == "1")
+        assert row["distances"].count("=") == len(report.pairs)
+        assert ("boxes_in_contact" in {marker.ns for marker in array.markers}) == report.in_collision
+    assert not list(tmp_path.glob("*.part*"))
+
+
+@pytest.fixture
+def page(run_tool, tmp_path):
+    folder = tmp_path / "report"
+    done = run_tool("check_bag", DEMO_BAG, "--report", folder)
+    assert done.returncode == 0, done.stderr
+    assert [path.name for path in folder.iterdir()] == ["index.html"]
+    return folder / "index.html"
+
+
+def test_the_page_needs_no_other_file_and_names_the_closest_pair(page):
+    text = page.read_text()
+    assert set(re.findall(r'(?:src|href)="([^,"]*)', text)) <= {"data:image/png;base64", "data:"}
+    assert "http" not in re.sub(r'base64,[^"]*', "", text)
+    assert text.count("<img") == 2 and "ball – right_finger" in text
+
+
+def test_a_browser_opens_the_page_without_a_word_on_its_console(page, tmp_path):
+    browser = shutil.which("chromium")
+    if not browser:
+        pytest.skip("no chromium")
+    done = subprocess.run([browser, "--headless", "--no-sandbox", "--disable-gpu", "--enable-logging=stderr",
+                           "--user-data-dir=%s" % (tmp_path / "profile"), "--dump-dom", page.as_uri()],
+                          timeout=120, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    assert "What nearly touched" in done.stdout
+    assert "CONSOLE" not in done.stderr
+
+
+def test_a_page_is_made_of_merged_parts_and_of_bags_without_anything_near(run_tool, make_bag, tmp_path):
+    bag = make_bag("a.bag", "--rate", "3")
+    parts = run_parts(run_tool, tmp_path, 2, bag)
+    done = run_tool("merge_bag_checks", *parts, "--report", tmp_path / "merged")
+    assert done.returncode == 0 and not done.stdout.startswith("bag,"), done.stderr
+    done = run_tool("check_bag", bag, "--report", tmp_path / "whole")
+    assert (tmp_path / "merged/index.html").read_text() == (tmp_path / "whole/index.html").read_text()
+    done = run_tool("check_bag", bag, "--alarm-distance", "0", "--report", tmp_path / "zero")
+    assert done.returncode == 0, done.stderr
