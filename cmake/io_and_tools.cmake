@@ -11,6 +11,7 @@ add_library(collision_pairs_io SHARED
   src/io/joint_states_csv.cpp
   src/io/joint_tracks.cpp
   src/io/mesh_loader.cpp
+  src/io/message_bounds.cpp
   src/io/text_files.cpp
   src/io/transform_tracks.cpp
 )

@@ -148,6 +148,18 @@ def test_garbage_is_survived_at_any_place(run_tool, make_bag, tmp_path):
         assert done.returncode in (0, 2), done
 
 
+def test_a_message_that_claims_more_than_it_has_is_passed_over_and_said(check, make_bag):
+    bag = make_bag("c.bag", "--compression", "none", "--without", "tf")
+    whole, _ = check(bag)
+    content = bytearray(bag.read_bytes())
+    names = (8).to_bytes(4, "little") + len("shoulder_pan").to_bytes(4, "little") + b"shoulder_pan"
+    place = content.index(names, content.index(names) + 1)  # the second joint state
+    content[place:place + 4] = b"\xff\xff\xff\x7f"
+    bag.write_bytes(content)
+    rows, said = check(bag)
+    assert len(rows) == len(whole) - 1 and "1 messages that do not fit their type" in said
+
+
 def test_old_tf_messages_and_leading_slashes_are_read(check, tmp_path, make_bag):
     old = tmp_path / "old.bag"
     with rosbag.Bag(DEMO_BAG) as source, rosbag.Bag(str(old), "w") as target:

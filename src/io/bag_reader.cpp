@@ -12,6 +12,7 @@
 
 #include "bag_records.h"
 #include "collision_pairs/input_error.h"
+#include "message_bounds.h"
 
 namespace collision_pairs {
 namespace {
@@ -38,6 +39,13 @@ class Collector {
   void take(const RawMessage& raw) {
     if (!isWanted(raw.topic, raw.md5sum)) return;
     const std::string name = lastPart(raw.topic);
+    const bool fits = name == "joint_states"                ? jointStateFits(raw.data, raw.size)
+                      : name == "tf" || name == "tf_static" ? tfMessageFits(raw.data, raw.size)
+                                                            : true;
+    if (!fits) {
+      ++nb_garbled_;
+      return;
+    }
     try {
       if (name == "joint_states")
         takeJoints(raw);
@@ -49,15 +57,12 @@ class Collector {
       ++nb_garbled_;
       return;
     }
-    first_ = contents_.nb_messages == 0 ? raw.received : std::min(first_, raw.received);
-    last_ = std::max(last_, raw.received);
     ++contents_.nb_messages;
   }
 
   BagContents finish() {
     contents_.transforms.finish();
     for (auto& [topic, tracks] : contents_.joints) tracks.finish();
-    if (contents_.nb_messages > 0) contents_.duration = (last_ - first_).toSec();
     note(nb_garbled_, "messages that do not fit their type");
     note(nb_unusable_, "transforms and joint positions that are not finite or no rotation");
     note(nb_jumps_, "times its clock goes back; what overlaps is mixed, so split the bag there");
@@ -74,7 +79,7 @@ class Collector {
   }
 
   static StampNs stampOf(const ros::Time& stamp, const RawMessage& raw) {
-    return static_cast<StampNs>((stamp.isZero() ? raw.received : stamp).toNSec());
+    return stamp.isZero() ? raw.received : static_cast<StampNs>(stamp.toNSec());
   }
 
   void watchClock(StampNs stamp) {
@@ -117,7 +122,6 @@ class Collector {
   }
 
   BagContents contents_;
-  ros::Time first_, last_;
   StampNs newest_ = 0;
   std::size_t nb_garbled_ = 0, nb_unusable_ = 0, nb_jumps_ = 0;
 };
@@ -133,7 +137,8 @@ void readByLibrary(const std::string& path, Collector& collector) {
     buffer.resize(message.size());
     ros::serialization::OStream stream(buffer.data(), static_cast<std::uint32_t>(buffer.size()));
     message.write(stream);
-    collector.take({message.getTopic(), message.getMD5Sum(), message.getTime(), buffer.data(),
+    collector.take({message.getTopic(), message.getMD5Sum(),
+                    static_cast<StampNs>(message.getTime().toNSec()), buffer.data(),
                     static_cast<std::uint32_t>(buffer.size())});
   }
 }

@@ -15,7 +15,6 @@ struct BagContents {
   std::map<std::string, JointTracks> joints;  ///< by topic: those named joint_states
   std::map<std::string, std::string> urdfs;   ///< by topic: those named robot_description
   std::map<std::string, std::string> srdfs;   ///< … and robot_description_semantic
-  double duration = 0.0;                      ///< seconds between the first and last message read
   std::size_t nb_messages = 0;                ///< of these topics
   std::vector<std::string> losses;            ///< what could not be read, a sentence each
 };

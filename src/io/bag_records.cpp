@@ -147,7 +147,7 @@ class RecordReader {
     const auto connection = connections_.find(numberIn(fields, "conn"));
     if (connection == connections_.end()) return;
     visit_({connection->second.topic, connection->second.md5sum,
-            ros::Time(numberIn(fields, "time"), numberIn(fields, "time", 4)),
+            std::int64_t{numberIn(fields, "time")} * 1000000000 + numberIn(fields, "time", 4),
             reinterpret_cast<std::uint8_t*>(data), size});
   }
 

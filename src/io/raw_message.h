@@ -5,15 +5,13 @@
 #include <functional>
 #include <string>
 
-#include <ros/time.h>
-
 namespace collision_pairs {
 
 /// Valid during the call that hands it over.
 struct RawMessage {
   const std::string& topic;
   const std::string& md5sum;
-  ros::Time received;
+  std::int64_t received;  ///< nanoseconds since the epoch
   std::uint8_t* data;
   std::uint32_t size;
 };
