@@ -56,6 +56,7 @@ function(collision_pairs_pytest name)
 endfunction()
 
 collision_pairs_pytest(architecture)
+collision_pairs_pytest(bag_outputs)
 collision_pairs_pytest(check_bag)
 collision_pairs_pytest(check_states)
 collision_pairs_pytest(install)

@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 """A bag that is played in a loop: every pass gives the same reports, and the table's."""
 import os
+import re
 import sys
 import time
 import unittest
@@ -19,11 +20,13 @@ TIMES = ("time_transforms", "time_boxes", "time_broad_phase", "time_narrow_phase
 
 
 def content(report):
-    """All of it but how long it took and its number."""
+    """All of it but how long it took and its number: what is no decimal fraction, and what is."""
     for name in TIMES:
         setattr(report, name, 0.0)
     report.header.seq = 0
-    return str(report)
+    number = r"-?\d+\.\d+(?:e[+-]?\d+)?|-?\d+e[+-]?\d+"
+    text = str(report)
+    return re.sub(number, "#", text), tuple(map(float, re.findall(number, text)))
 
 
 class Passes:
@@ -49,7 +52,7 @@ class Passes:
         if stamp < self._newest:
             self.reports.append({})
         self._newest = stamp
-        self.reports[-1].setdefault(stamp.to_nsec(), set()).add(content(report))
+        self.reports[-1].setdefault(stamp.to_nsec(), []).append(content(report))
 
 
 class ReplayTest(unittest.TestCase):
@@ -67,8 +70,13 @@ class ReplayTest(unittest.TestCase):
         common = set(self.first) & set(self.second)
         self.assertGreater(len(common), 0.8 * len(self.stamps))
         for stamp in common:
-            self.assertEqual(self.first[stamp], self.second[stamp])
-            self.assertEqual(len(self.second[stamp]), 1)
+            text, numbers = self.first[stamp][0]
+            for other_text, other_numbers in self.first[stamp][1:] + self.second[stamp]:
+                self.assertEqual(text, other_text)
+                # tf2 interpolates also at a stamp that it has: the last digit depends on whether
+                # the next transform is there already.
+                for a, b in zip(numbers, other_numbers):
+                    self.assertAlmostEqual(a, b, places=12)
 
     def test_reports_are_of_the_stamps_of_the_bag_and_of_no_others(self):
         for reports in (self.first, self.second):
@@ -79,8 +87,8 @@ class ReplayTest(unittest.TestCase):
         self.assertGreater(len(self.second), 0.9 * len(self.stamps))
 
     def test_contacts_are_seen(self):
-        self.assertTrue(any("in_collision: True" in text for texts in self.second.values() for text in texts))
-        self.assertTrue(any("in_collision: False" in text for texts in self.second.values() for text in texts))
+        self.assertTrue(any("in_collision: True" in text for reports in self.second.values() for text, _ in reports))
+        self.assertTrue(any("in_collision: False" in text for reports in self.second.values() for text, _ in reports))
 
 
 if __name__ == "__main__":
