@@ -4,6 +4,7 @@ add_library(collision_pairs_ros STATIC
   src/ros/collision_pairs_node.cpp
   src/ros/joint_query.cpp
   src/ros/parameters.cpp
+  src/ros/query_service.cpp
   src/ros/scene_loader.cpp
   src/ros/tf_poses.cpp
   src/ros/trajectory_check.cpp

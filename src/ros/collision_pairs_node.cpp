@@ -8,9 +8,7 @@
 
 #include "collision_pairs/input_error.h"
 #include "conversions.h"
-#include "joint_query.h"
 #include "markers.h"
-#include "trajectory_check.h"
 
 namespace collision_pairs {
 namespace {
@@ -33,18 +31,11 @@ CollisionPairsNode::CollisionPairsNode(ros::NodeHandle node, ros::NodeHandle pri
       parameters_(NodeParameters::read(private_node)),
       tf_listener_(tf_buffer_),
       diagnostics_(node, private_node),
-      query_spinner_(1, &query_queue_) {
+      queries_(private_node, tf_buffer_, [this] { return situation(); }) {
   pairs_publisher_ = private_node_.advertise<CollisionPairs>("collision_pairs", 1);
   in_collision_publisher_ = private_node_.advertise<std_msgs::Bool>("in_collision", 1);
   markers_publisher_ = private_node_.advertise<visualization_msgs::MarkerArray>("markers", 1);
   reset_service_ = private_node_.advertiseService("reset", &CollisionPairsNode::onReset, this);
-
-  ros::NodeHandle query_node(private_node_);
-  query_node.setCallbackQueue(&query_queue_);
-  check_service_ =
-      query_node.advertiseService("check_collisions", &CollisionPairsNode::onCheck, this);
-  trajectory_service_ =
-      query_node.advertiseService("check_trajectory", &CollisionPairsNode::onCheckTrajectory, this);
 
   diagnostics_.setHardwareID("none");
   diagnostics_.add("collision check", [this](auto& status) { diagnose(status); });
@@ -57,7 +48,6 @@ CollisionPairsNode::CollisionPairsNode(ros::NodeHandle node, ros::NodeHandle pri
       std::make_unique<dynamic_reconfigure::Server<CollisionPairsConfig>>(private_node_);
   reconfigure_server_->setCallback(
       [this](CollisionPairsConfig& config, std::uint32_t) { reconfigure(config); });
-  query_spinner_.start();
 }
 
 bool CollisionPairsNode::loadScene(std::string& problem) {
@@ -77,7 +67,7 @@ bool CollisionPairsNode::loadScene(std::string& problem) {
   }
 }
 
-CollisionPairsNode::ActiveScenePtr CollisionPairsNode::activeScene() const {
+ActiveScenePtr CollisionPairsNode::activeScene() const {
   const std::lock_guard<std::mutex> lock(mutex_);
   return scene_;
 }
@@ -85,6 +75,11 @@ CollisionPairsNode::ActiveScenePtr CollisionPairsNode::activeScene() const {
 CheckSettings CollisionPairsNode::settings() const {
   const std::lock_guard<std::mutex> lock(mutex_);
   return parameters_.check;
+}
+
+QueryService::Situation CollisionPairsNode::situation() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return {scene_, parameters_.check, parameters_.max_transform_age};
 }
 
 void CollisionPairsNode::cycle() {
@@ -219,88 +214,6 @@ void CollisionPairsNode::reconfigure(CollisionPairsConfig& config) {
   }
   timer_.setPeriod(ros::WallDuration(parameters_.rate > 0.0 ? 1.0 / parameters_.rate : 1.0));
   publishMarkers();  // boxes that are to be hidden go at once
-}
-
-bool CollisionPairsNode::onCheck(CheckCollisions::Request& request,
-                                 CheckCollisions::Response& response) {
-  try {
-    check(request, response);
-    response.success = true;
-  } catch (const std::exception& error) {
-    response.success = false;
-    response.message = error.what();
-  }
-  return true;  // false would hide the message from the caller
-}
-
-void CollisionPairsNode::check(const CheckCollisions::Request& request,
-                               CheckCollisions::Response& response) {
-  const ActiveScenePtr scene = activeScene();
-  if (!scene) throw InputError("there is no robot yet; see the node's log and diagnostics");
-  const CheckSettings settings =
-      settingsFor(request.alarm_distance, request.fidelity, request.time_budget);
-  const ros::WallTime start = ros::WallTime::now();
-  StampedPoses stamped = posesAt(*scene, request.stamp);
-  if (!request.joint_state.name.empty() || !request.joint_state.position.empty()) {
-    const JointQuery query(request.joint_state.name, *scene->loaded.scene, tf_buffer_, scene->frame,
-                           stamped.stamp);
-    query.posesAt(request.joint_state.position, stamped.poses);
-    stamped.problem.clear();
-    response.joints_from_tf = query.jointsFromTf();
-    response.joints_at_zero = query.jointsAtZero();
-  } else if (stamped.nb_asked > 0 && stamped.nb_found == 0) {
-    throw InputError("no transform is known: " + stamped.problem);
-  }
-  const double transform_time = secondsSince(start);
-
-  if (!query_detector_ || &query_detector_->scene() != scene->loaded.scene.get()) {
-    query_detector_ = std::make_unique<CollisionDetector>(scene->loaded.scene);
-  }
-  const CollisionReport& report = query_detector_->detect(stamped.poses, settings);
-  const ros::Time stamp = stamped.stamp.isZero() ? ros::Time::now() : stamped.stamp;
-  response.result = toMessage(report, *scene->loaded.scene, settings, scene->frame, stamp,
-                              scene->loaded.broken_links);
-  response.result.time_transforms = transform_time;
-  response.result.time_total += transform_time;
-  if (!stamped.problem.empty()) response.message = "left out, no transform: " + stamped.problem;
-}
-
-CheckSettings CollisionPairsNode::settingsFor(double alarm_distance, const std::string& fidelity,
-                                              double time_budget) const {
-  CheckSettings settings = this->settings();
-  if (!std::isfinite(alarm_distance)) throw InputError("alarm_distance is not finite");
-  if (alarm_distance != 0.0) settings.alarm_distance = std::max(0.0, alarm_distance);
-  if (!std::isfinite(time_budget)) throw InputError("time_budget is not finite");
-  if (time_budget != 0.0) settings.time_budget = std::max(0.0, time_budget);
-  if (!fidelity.empty()) settings.fidelity = parseFidelity(fidelity);
-  return settings;
-}
-
-StampedPoses CollisionPairsNode::posesAt(const ActiveScene& scene, const ros::Time& stamp) const {
-  return stamp.isZero() ? scene.tf_poses->latest(parameters_.max_transform_age)
-                        : scene.tf_poses->at(stamp);
-}
-
-bool CollisionPairsNode::onCheckTrajectory(CheckTrajectory::Request& request,
-                                           CheckTrajectory::Response& response) {
-  try {
-    const ActiveScenePtr scene = activeScene();
-    if (!scene) throw InputError("there is no robot yet; see the node's log and diagnostics");
-    if (!batch_ || &batch_->scene() != scene->loaded.scene.get()) {
-      batch_ = std::make_unique<BatchCheck>(scene->loaded.scene);
-    }
-    const ros::Time stamp = posesAt(*scene, request.stamp).stamp;
-    const JointQuery query(request.trajectory.joint_names, *scene->loaded.scene, tf_buffer_,
-                           scene->frame, stamp);
-    checkTrajectory(request, query,
-                    settingsFor(request.alarm_distance, request.fidelity, request.time_budget),
-                    scene->loaded.broken_links, scene->frame, stamp, *batch_, response);
-    response.success = true;
-  } catch (const std::exception& error) {
-    response = CheckTrajectory::Response();
-    response.message = error.what();
-  }
-  return true;
 }
 
 bool CollisionPairsNode::onReset(std_srvs::Trigger::Request&,

@@ -1,4 +1,4 @@
-// The node: a cycle on a timer, a service beside it.
+// The node: a cycle on a timer.
 #pragma once
 
 #include <memory>
@@ -6,43 +6,30 @@
 #include <string>
 #include <vector>
 
-#include <collision_pairs/CheckCollisions.h>
-#include <collision_pairs/CheckTrajectory.h>
 #include <collision_pairs/CollisionPairs.h>
 #include <collision_pairs/CollisionPairsConfig.h>
 #include <diagnostic_updater/diagnostic_updater.h>
 #include <dynamic_reconfigure/server.h>
-#include <ros/callback_queue.h>
 #include <ros/ros.h>
-#include <ros/spinner.h>
 #include <std_srvs/Trigger.h>
 #include <tf2_ros/buffer.h>
 #include <tf2_ros/transform_listener.h>
 
+#include "active_scene.h"
 #include "clock_watch.h"
-#include "collision_pairs/batch_check.h"
+#include "collision_pairs/collision_detector.h"
 #include "parameters.h"
-#include "scene_loader.h"
-#include "tf_poses.h"
+#include "query_service.h"
 
 namespace collision_pairs {
 
-/// Publishes a report each cycle, and answers queries on a thread and with a detector of their
-/// own, so that a query never disturbs the cycle. While there is no scene (no robot_description,
-/// or one that cannot be read) it says so, and looks for one every few seconds.
+/// Publishes a report each cycle, beside a QueryService. While there is no scene (no
+/// robot_description, or one that cannot be read) it says so, and looks for one every few seconds.
 class CollisionPairsNode {
  public:
   CollisionPairsNode(ros::NodeHandle node, ros::NodeHandle private_node);
 
  private:
-  /// A scene with what the node knows of it. Replaced as a whole; whoever holds one may go on.
-  struct ActiveScene {
-    LoadedScene loaded;
-    std::string frame;
-    std::unique_ptr<TfPoses> tf_poses;
-  };
-  using ActiveScenePtr = std::shared_ptr<const ActiveScene>;
-
   /// Health of the last cycles, for the diagnostics.
   struct Health {
     std::string problem = "no cycle yet";
@@ -56,6 +43,7 @@ class CollisionPairsNode {
   bool loadScene(std::string& problem);
   ActiveScenePtr activeScene() const;
   CheckSettings settings() const;
+  QueryService::Situation situation() const;
 
   void cycle();
   /// The newest poses that are of this pass of the clock.
@@ -67,13 +55,6 @@ class CollisionPairsNode {
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) const;
 
   void reconfigure(CollisionPairsConfig& config);
-  bool onCheck(CheckCollisions::Request& request, CheckCollisions::Response& response);
-  void check(const CheckCollisions::Request& request, CheckCollisions::Response& response);
-  bool onCheckTrajectory(CheckTrajectory::Request& request, CheckTrajectory::Response& response);
-  /// The node's settings with what a request says instead. Throws InputError.
-  CheckSettings settingsFor(double alarm_distance, const std::string& fidelity,
-                            double time_budget) const;
-  StampedPoses posesAt(const ActiveScene& scene, const ros::Time& stamp) const;
   bool onReset(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
 
   ros::NodeHandle node_;
@@ -94,22 +75,15 @@ class CollisionPairsNode {
   ClockWatch clock_watch_;
   Health health_;
 
-  // Of the service's thread alone.
-  std::unique_ptr<CollisionDetector> query_detector_;
-  std::unique_ptr<BatchCheck> batch_;
-
   ros::Publisher pairs_publisher_;
   ros::Publisher in_collision_publisher_;
   ros::Publisher markers_publisher_;
   ros::ServiceServer reset_service_;
-  ros::CallbackQueue query_queue_;
-  ros::ServiceServer check_service_;
-  ros::ServiceServer trajectory_service_;
   ros::WallTimer timer_;
   std::unique_ptr<dynamic_reconfigure::Server<CollisionPairsConfig>> reconfigure_server_;
   diagnostic_updater::Updater diagnostics_;
   ros::WallTimer diagnostics_timer_;
-  ros::AsyncSpinner query_spinner_;  // last: stops before what it calls into goes
+  QueryService queries_;  // last: ends before what it asks goes
 };
 
 }  // namespace collision_pairs

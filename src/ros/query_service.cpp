@@ -1,0 +1,115 @@
+#include "query_service.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "collision_pairs/input_error.h"
+#include "conversions.h"
+#include "joint_query.h"
+#include "trajectory_check.h"
+
+namespace collision_pairs {
+namespace {
+
+/// The node's settings with what a request says instead.
+template <class Request>
+CheckSettings settingsFor(const Request& request, CheckSettings settings) {
+  if (!std::isfinite(request.alarm_distance)) throw InputError("alarm_distance is not finite");
+  if (request.alarm_distance != 0.0) {
+    settings.alarm_distance = std::max(0.0, request.alarm_distance);
+  }
+  if (!std::isfinite(request.time_budget)) throw InputError("time_budget is not finite");
+  if (request.time_budget != 0.0) settings.time_budget = std::max(0.0, request.time_budget);
+  if (!request.fidelity.empty()) settings.fidelity = parseFidelity(request.fidelity);
+  return settings;
+}
+
+StampedPoses posesAt(const QueryService::Situation& now, const ros::Time& stamp) {
+  return stamp.isZero() ? now.scene->tf_poses->latest(now.max_transform_age)
+                        : now.scene->tf_poses->at(stamp);
+}
+
+}  // namespace
+
+QueryService::QueryService(const ros::NodeHandle& private_node, const tf2::BufferCore& tf_buffer,
+                           std::function<Situation()> situation)
+    : tf_buffer_(tf_buffer), situation_(std::move(situation)), spinner_(1, &queue_) {
+  ros::NodeHandle node(private_node);
+  node.setCallbackQueue(&queue_);
+  check_server_ = node.advertiseService("check_collisions", &QueryService::onCheck, this);
+  trajectory_server_ =
+      node.advertiseService("check_trajectory", &QueryService::onCheckTrajectory, this);
+  spinner_.start();
+}
+
+QueryService::Situation QueryService::now() const {
+  Situation situation = situation_();
+  if (!situation.scene) {
+    throw InputError("there is no robot yet; see the node's log and diagnostics");
+  }
+  return situation;
+}
+
+bool QueryService::onCheck(CheckCollisions::Request& request, CheckCollisions::Response& response) {
+  try {
+    check(request, response);
+    response.success = true;
+  } catch (const std::exception& error) {
+    response.success = false;
+    response.message = error.what();
+  }
+  return true;  // false would hide the message from the caller
+}
+
+void QueryService::check(const CheckCollisions::Request& request,
+                         CheckCollisions::Response& response) {
+  const Situation now = this->now();
+  const ActiveScene& active = *now.scene;
+  const auto& scene = active.loaded.scene;
+  const CheckSettings settings = settingsFor(request, now.settings);
+  const ros::WallTime start = ros::WallTime::now();
+  StampedPoses stamped = posesAt(now, request.stamp);
+  if (!request.joint_state.name.empty() || !request.joint_state.position.empty()) {
+    const JointQuery query(request.joint_state.name, *scene, tf_buffer_, active.frame,
+                           stamped.stamp);
+    query.posesAt(request.joint_state.position, stamped.poses);
+    stamped.problem.clear();
+    response.joints_from_tf = query.jointsFromTf();
+    response.joints_at_zero = query.jointsAtZero();
+  } else if (stamped.nb_asked > 0 && stamped.nb_found == 0) {
+    throw InputError("no transform is known: " + stamped.problem);
+  }
+  const double transform_time = (ros::WallTime::now() - start).toSec();
+
+  if (!detector_ || &detector_->scene() != scene.get()) {
+    detector_ = std::make_unique<CollisionDetector>(scene);
+  }
+  const CollisionReport& report = detector_->detect(stamped.poses, settings);
+  const ros::Time stamp = stamped.stamp.isZero() ? ros::Time::now() : stamped.stamp;
+  response.result =
+      toMessage(report, *scene, settings, active.frame, stamp, active.loaded.broken_links);
+  response.result.time_transforms = transform_time;
+  response.result.time_total += transform_time;
+  if (!stamped.problem.empty()) response.message = "left out, no transform: " + stamped.problem;
+}
+
+bool QueryService::onCheckTrajectory(CheckTrajectory::Request& request,
+                                     CheckTrajectory::Response& response) {
+  try {
+    const Situation now = this->now();
+    const ActiveScene& active = *now.scene;
+    const auto& scene = active.loaded.scene;
+    if (!batch_ || &batch_->scene() != scene.get()) batch_ = std::make_unique<BatchCheck>(scene);
+    const ros::Time stamp = posesAt(now, request.stamp).stamp;
+    const JointQuery query(request.trajectory.joint_names, *scene, tf_buffer_, active.frame, stamp);
+    checkTrajectory(request, query, settingsFor(request, now.settings), active.loaded.broken_links,
+                    active.frame, stamp, *batch_, response);
+    response.success = true;
+  } catch (const std::exception& error) {
+    response = CheckTrajectory::Response();
+    response.message = error.what();
+  }
+  return true;
+}
+
+}  // namespace collision_pairs
