@@ -1,3 +1,8 @@
+#include <algorithm>
+#include <mutex>
+#include <numeric>
+#include <set>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -40,6 +45,27 @@ TEST(SceneSettings, ALinksFidelityIsThatOfAllItsPairs) {
   for (const PairReport& pair : detector.detect(poses, check).pairs) {
     EXPECT_EQ(pair.fidelity, Fidelity::AABB);
   }
+}
+
+TEST(SceneSettings, ProgressCountsEachMeshOnceHoweverManyLinksHaveIt) {
+  std::mutex mutex;
+  std::vector<std::size_t> steps, totals;
+  SceneSettings settings;
+  settings.progress = [&](std::size_t done, std::size_t total) {
+    const std::lock_guard<std::mutex> lock(mutex);
+    steps.push_back(done);
+    totals.push_back(total);
+  };
+  std::set<const TriangleMesh*> meshes;
+  const auto scene = mixedScene(settings);
+  for (const SceneElement& element : scene->elements()) {
+    if (const auto* mesh = std::get_if<Mesh>(&element.shape)) meshes.insert(mesh->mesh.get());
+  }
+  std::sort(steps.begin(), steps.end());
+  std::vector<std::size_t> expected(meshes.size());
+  std::iota(expected.begin(), expected.end(), std::size_t{1});
+  EXPECT_EQ(steps, expected);
+  EXPECT_EQ(totals, std::vector<std::size_t>(meshes.size(), meshes.size()));
 }
 
 TEST(SceneSettings, RungsThatNoPairAsksForAreNotPrepared) {

@@ -1,6 +1,8 @@
 // What a scene prepares for its checks.
 #pragma once
 
+#include <cstddef>
+#include <functional>
 #include <map>
 #include <string>
 
@@ -19,6 +21,8 @@ struct SceneSettings {
   /// Hulls of the `convex` rung have at most this many vertices and are grown so that they still
   /// enclose; >= 4, or 0: exact hulls. Fewer are faster and stick out further.
   int max_hull_vertices = 0;
+  /// Called, from several threads, whenever one more of `total` meshes is prepared. May be empty.
+  std::function<void(std::size_t done, std::size_t total)> progress;
 };
 
 }  // namespace collision_pairs

@@ -191,7 +191,7 @@ class SceneBuilder {
         wanted.emplace_back(&element.shape, c.needed_fidelity);
       }
     }
-    maker_.prepare(wanted);
+    maker_.prepare(wanted, settings_.progress);
   }
 
   void addElementsOf(bool is_static, const std::vector<Eigen::Isometry3d>& X_RB) {

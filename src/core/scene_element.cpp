@@ -1,5 +1,6 @@
 #include "scene_element.h"
 
+#include <atomic>
 #include <limits>
 
 #include "enclosure.h"
@@ -88,7 +89,8 @@ SceneElement makeElement(const Shape& shape, Fidelity needed, int max_hull_verti
   return made;
 }
 
-void ElementMaker::prepare(const std::vector<std::pair<const Shape*, Fidelity>>& wanted) {
+void ElementMaker::prepare(const std::vector<std::pair<const Shape*, Fidelity>>& wanted,
+                           const std::function<void(std::size_t, std::size_t)>& progress) {
   std::vector<std::pair<const Shape*, SceneElement*>> open;
   for (const auto& [shape, needed] : wanted) {
     const auto* mesh = std::get_if<Mesh>(shape);
@@ -97,9 +99,12 @@ void ElementMaker::prepare(const std::vector<std::pair<const Shape*, Fidelity>>&
     if (is_new) open.emplace_back(shape, &slot->second);
     slot->second.dearest = needed;
   }
+  std::atomic<std::size_t> done{0};
   inParallel(open.size(), [&](std::size_t i) {
     const Fidelity needed = open[i].second->dearest;
     *open[i].second = makeElement(*open[i].first, needed, max_hull_vertices_);
+    const std::size_t now_done = ++done;
+    if (progress) progress(now_done, open.size());
   });
 }
 

@@ -1,6 +1,7 @@
 // Prepares an element's rungs of the fidelity ladder.
 #pragma once
 
+#include <functional>
 #include <map>
 #include <utility>
 #include <vector>
@@ -21,8 +22,9 @@ class ElementMaker {
  public:
   explicit ElementMaker(int max_hull_vertices) : max_hull_vertices_(max_hull_vertices) {}
 
-  /// What make() is going to be asked for.
-  void prepare(const std::vector<std::pair<const Shape*, Fidelity>>& wanted);
+  /// What make() is going to be asked for. `progress` as in SceneSettings.
+  void prepare(const std::vector<std::pair<const Shape*, Fidelity>>& wanted,
+               const std::function<void(std::size_t, std::size_t)>& progress);
 
   SceneElement make(const Shape& shape, Fidelity needed);
 

@@ -37,7 +37,8 @@ std::optional<Srdf> loadSrdf(const ros::NodeHandle& node, const RobotModel& robo
 
 }  // namespace
 
-LoadedScene loadScene(const ros::NodeHandle& private_node, const SceneSettings& settings) {
+LoadedScene loadScene(const ros::NodeHandle& private_node, SceneSettings settings) {
+  const ros::WallTime start = ros::WallTime::now();
   std::string key, xml;
   if (!findText(private_node, "robot_description", key, xml)) {
     throw InputError(
@@ -59,10 +60,17 @@ LoadedScene loadScene(const ros::NodeHandle& private_node, const SceneSettings& 
   std::sort(loaded.broken_links.begin(), loaded.broken_links.end());
   loaded.broken_links.erase(std::unique(loaded.broken_links.begin(), loaded.broken_links.end()),
                             loaded.broken_links.end());
+  // Nothing is said of what is ready within a second.
+  settings.progress = [start](std::size_t done, std::size_t total) {
+    if ((ros::WallTime::now() - start).toSec() < 1.0) return;
+    ROS_INFO_STREAM_THROTTLE(1.0, "prepared " << done << " of " << total << " meshes");
+  };
   loaded.scene = CollisionScene::build(robot, loadSrdf(private_node, *robot), nullptr, settings);
   ROS_INFO_STREAM("robot '" << robot->name() << "': " << loaded.scene->models().size()
                             << " links with geometry to check, " << loaded.scene->elements().size()
-                            << " elements, " << loaded.scene->bodies().size() << " moving bodies");
+                            << " elements, " << loaded.scene->bodies().size()
+                            << " moving bodies, ready after "
+                            << (ros::WallTime::now() - start).toSec() << " s");
   return loaded;
 }
 

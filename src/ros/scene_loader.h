@@ -20,6 +20,6 @@ struct LoadedScene {
 /// Reads robot_description and robot_description_semantic (both searched for from the node's
 /// private namespace upwards) and builds the scene. Broken meshes and unknown links of the SRDF go
 /// to the log by name. Throws InputError where there is no scene to build.
-LoadedScene loadScene(const ros::NodeHandle& private_node, const SceneSettings& settings);
+LoadedScene loadScene(const ros::NodeHandle& private_node, SceneSettings settings);
 
 }  // namespace collision_pairs
