@@ -39,15 +39,29 @@ CollisionPairsNode::CollisionPairsNode(ros::NodeHandle node, ros::NodeHandle pri
 
   diagnostics_.setHardwareID("none");
   diagnostics_.add("collision check", [this](auto& status) { diagnose(status); });
-  diagnostics_timer_ = node_.createWallTimer(ros::WallDuration(1.0),
-                                             [this](const auto&) { diagnostics_.force_update(); });
-
-  timer_ = node_.createWallTimer(ros::WallDuration(1.0 / parameters_.rate),
-                                 [this](const ros::WallTimerEvent&) { cycle(); });
   reconfigure_server_ =
       std::make_unique<dynamic_reconfigure::Server<CollisionPairsConfig>>(private_node_);
   reconfigure_server_->setCallback(
       [this](CollisionPairsConfig& config, std::uint32_t) { reconfigure(config); });
+}
+
+// A loop of our own, and no ROS timers: nothing but this thread decides when a cycle is due.
+void CollisionPairsNode::run() {
+  ros::SteadyTime next_diagnosis;
+  while (ros::ok()) {
+    const ros::WallDuration wait = std::min(next_cycle_, next_diagnosis) - ros::SteadyTime::now();
+    ros::getGlobalCallbackQueue()->callAvailable(std::max(wait, ros::WallDuration(0.0)));
+    const ros::SteadyTime now = ros::SteadyTime::now();
+    if (now >= next_cycle_) {
+      cycle();
+      // Cycles that were missed are not made up for.
+      next_cycle_ = std::max(next_cycle_ + ros::WallDuration(1.0 / parameters_.rate), now);
+    }
+    if (now >= next_diagnosis) {
+      diagnostics_.force_update();
+      next_diagnosis = now + ros::WallDuration(1.0);
+    }
+  }
 }
 
 bool CollisionPairsNode::loadScene(std::string& problem) {
@@ -212,8 +226,8 @@ void CollisionPairsNode::reconfigure(CollisionPairsConfig& config) {
     config.show_only_investigated_boxes = parameters_.show_only_investigated_boxes;
     return;
   }
-  timer_.setPeriod(ros::WallDuration(parameters_.rate > 0.0 ? 1.0 / parameters_.rate : 1.0));
-  publishMarkers();  // boxes that are to be hidden go at once
+  next_cycle_ = ros::SteadyTime::now();  // the rate, too, is another from now on
+  publishMarkers();                      // boxes that are to be hidden go at once
 }
 
 bool CollisionPairsNode::onReset(std_srvs::Trigger::Request&,

@@ -1,4 +1,4 @@
-// The node: a cycle on a timer.
+// The node: a cycle, again and again.
 #pragma once
 
 #include <memory>
@@ -10,6 +10,7 @@
 #include <collision_pairs/CollisionPairsConfig.h>
 #include <diagnostic_updater/diagnostic_updater.h>
 #include <dynamic_reconfigure/server.h>
+#include <ros/callback_queue.h>
 #include <ros/ros.h>
 #include <std_srvs/Trigger.h>
 #include <tf2_ros/buffer.h>
@@ -28,6 +29,9 @@ namespace collision_pairs {
 class CollisionPairsNode {
  public:
   CollisionPairsNode(ros::NodeHandle node, ros::NodeHandle private_node);
+
+  /// Runs cycles, and the callbacks of the global queue between them, until ROS shuts down.
+  void run();
 
  private:
   /// Health of the last cycles, for the diagnostics.
@@ -71,6 +75,7 @@ class CollisionPairsNode {
   std::unique_ptr<CollisionDetector> detector_;
   ActiveScenePtr reported_scene_;
   ros::Time reported_stamp_;
+  ros::SteadyTime next_cycle_;
   ros::WallTime next_load_;
   ClockWatch clock_watch_;
   Health health_;
@@ -79,10 +84,8 @@ class CollisionPairsNode {
   ros::Publisher in_collision_publisher_;
   ros::Publisher markers_publisher_;
   ros::ServiceServer reset_service_;
-  ros::WallTimer timer_;
   std::unique_ptr<dynamic_reconfigure::Server<CollisionPairsConfig>> reconfigure_server_;
   diagnostic_updater::Updater diagnostics_;
-  ros::WallTimer diagnostics_timer_;
   QueryService queries_;  // last: ends before what it asks goes
 };
 
