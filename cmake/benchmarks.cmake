@@ -22,7 +22,7 @@ target_link_libraries(broad_phase_benchmark PRIVATE broad_phase_references bench
 collision_pairs_warnings(broad_phase_benchmark)
 
 # Programs that measure the narrow phase. Their short versions are held by the tests.
-foreach(program accuracy_table accuracy_scale)
+foreach(program accuracy_table accuracy_scale accuracy_solids)
   add_executable(${program} test/benchmark/${program}.cpp)
   target_link_libraries(${program} PRIVATE collision_pairs)
   target_include_directories(${program} PRIVATE test)
