@@ -144,9 +144,14 @@ struct NarrowPhase::Scratch {
         convexDistance(a, b, X_AB, std::numeric_limits<double>::infinity()).nhat_AB_A;
   }
 
-  static PairDistance ofHulls(const SurfaceGap& gap) {
+  // The answer where no triangles are named: too far apart, or two patches by their hulls.
+  static PairDistance withoutTriangles(const SurfaceGap& gap) {
     PairDistance result;
     result.distance = gap.distance;
+    if (gap.beyond) {
+      result.certainty = Certainty::BEYOND;
+      return result;
+    }
     result.p_ACa = gap.p_ACa;
     result.p_ACb = gap.p_ACb;
     result.nhat_AB_A = gap.nhat_AB_A;
@@ -169,13 +174,8 @@ struct NarrowPhase::Scratch {
     if (!apart || (hulls_meet && oneHoldsTheOther())) {
       return hullDepth(A, B, X_AB);
     }
+    if (gap.beyond || gap.by_hulls) return withoutTriangles(gap);
     PairDistance result;
-    if (gap.beyond) {
-      result.distance = gap.distance;
-      result.certainty = Certainty::BEYOND;
-      return result;
-    }
-    if (gap.by_hulls) return ofHulls(gap);
     const Triangle a = triangleOf(*A.mesh->triangles, gap.triangle_a);
     const Triangle b = triangleOf(*B.mesh->triangles, gap.triangle_b);
     setNormal(gap, triangleCore(a), triangleCore(b), X_AB, result);
@@ -190,13 +190,8 @@ struct NarrowPhase::Scratch {
     const SurfaceGap gap = query.meshConvex(*A.mesh, B, X_AB, max_distance);
     const bool apart = gap.beyond || gap.distance > 0.0;
     if (!apart || (hulls_meet && meshHoldsConvex(*A.mesh, B, X_AB))) return hullDepth(A, B, X_AB);
+    if (gap.beyond || gap.by_hulls) return withoutTriangles(gap);
     PairDistance result;
-    if (gap.beyond) {
-      result.distance = gap.distance;
-      result.certainty = Certainty::BEYOND;
-      return result;
-    }
-    if (gap.by_hulls) return ofHulls(gap);
     const Triangle a = triangleOf(*A.mesh->triangles, gap.triangle_a);
     setNormal(gap, triangleCore(a), B.core, X_AB, result);
     return result;
