@@ -1,7 +1,10 @@
 # A report as ROS messages: pure functions that node and tools share.
 add_library(collision_pairs_messages STATIC
   src/messages/conversions.cpp
+  src/messages/geometry_conversions.cpp
   src/messages/markers.cpp
+  src/messages/object_conversions.cpp
+  src/messages/scene_markers.cpp
 )
 target_include_directories(collision_pairs_messages PUBLIC ${PROJECT_SOURCE_DIR}/src/messages)
 target_include_directories(collision_pairs_messages SYSTEM PUBLIC ${catkin_INCLUDE_DIRS})

@@ -15,6 +15,7 @@ add_library(collision_pairs SHARED
   src/core/found_pairs.cpp
   src/core/hull_bounds.cpp
   src/core/in_parallel.cpp
+  src/core/link_group.cpp
   src/core/mesh_bounds.cpp
   src/core/mesh_query.cpp
   src/core/mesh_solid.cpp
@@ -22,11 +23,16 @@ add_library(collision_pairs SHARED
   src/core/nearest_name.cpp
   src/core/pair_filter.cpp
   src/core/pair_ladder.cpp
+  src/core/pair_policy.cpp
+  src/core/pair_rules.cpp
   src/core/pair_sort.cpp
   src/core/prepared_shape.cpp
   src/core/replay.cpp
   src/core/robot_model.cpp
+  src/core/scene_description.cpp
   src/core/scene_element.cpp
+  src/core/scene_members.cpp
+  src/core/settings_check.cpp
   src/core/shape.cpp
   src/core/srdf.cpp
   src/core/static_boxes.cpp

@@ -12,13 +12,15 @@ add_library(collision_pairs_io SHARED
   src/io/joint_tracks.cpp
   src/io/mesh_loader.cpp
   src/io/message_bounds.cpp
+  src/io/robot_source.cpp
+  src/io/scene_config.cpp
   src/io/text_files.cpp
   src/io/transform_tracks.cpp
 )
 target_include_directories(collision_pairs_io PUBLIC ${PROJECT_SOURCE_DIR}/src/io
                                               PRIVATE ${PROJECT_SOURCE_DIR}/src/core)
 target_include_directories(collision_pairs_io SYSTEM PRIVATE ${catkin_INCLUDE_DIRS})
-target_link_libraries(collision_pairs_io PUBLIC collision_pairs
+target_link_libraries(collision_pairs_io PUBLIC collision_pairs yaml-cpp
                       PRIVATE ${catkin_LIBRARIES} BZip2::BZip2 ${ROSLZ4_LIBRARY})
 collision_pairs_warnings(collision_pairs_io)
 

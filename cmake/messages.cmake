@@ -1,10 +1,11 @@
-add_message_files(FILES CollisionPair.msg CollisionPairs.msg ContactPoint.msg)
-add_service_files(FILES CheckCollisions.srv CheckTrajectory.srv)
-generate_messages(DEPENDENCIES geometry_msgs sensor_msgs std_msgs trajectory_msgs)
+add_message_files(FILES CollisionPair.msg CollisionPairs.msg ContactPoint.msg SceneChange.msg
+                  SceneObject.msg)
+add_service_files(FILES CheckCollisions.srv CheckTrajectory.srv UpdateScene.srv)
+generate_messages(DEPENDENCIES geometry_msgs sensor_msgs shape_msgs std_msgs trajectory_msgs)
 generate_dynamic_reconfigure_options(cfg/CollisionPairs.cfg)
 
 catkin_package(
   INCLUDE_DIRS include
   LIBRARIES collision_pairs
-  CATKIN_DEPENDS geometry_msgs message_runtime sensor_msgs std_msgs trajectory_msgs
+  CATKIN_DEPENDS geometry_msgs message_runtime sensor_msgs shape_msgs std_msgs trajectory_msgs
   DEPENDS EIGEN3)

@@ -6,10 +6,15 @@ add_library(collision_pairs_ros STATIC
   src/ros/parameters.cpp
   src/ros/query_service.cpp
   src/ros/scene_loader.cpp
+  src/ros/scene_store.cpp
+  src/ros/scene_updates.cpp
   src/ros/tf_poses.cpp
   src/ros/trajectory_check.cpp
+  src/ros/update_service.cpp
+  src/ros/yaml_parameters.cpp
 )
-target_include_directories(collision_pairs_ros PUBLIC ${PROJECT_SOURCE_DIR}/src/ros)
+target_include_directories(collision_pairs_ros PUBLIC ${PROJECT_SOURCE_DIR}/src/ros
+                                               PRIVATE ${PROJECT_SOURCE_DIR}/src/core)
 target_include_directories(collision_pairs_ros SYSTEM PUBLIC ${catkin_INCLUDE_DIRS})
 target_link_libraries(collision_pairs_ros PUBLIC collision_pairs_io collision_pairs_messages ${catkin_LIBRARIES})
 collision_pairs_warnings(collision_pairs_ros)

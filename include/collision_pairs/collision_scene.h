@@ -2,22 +2,25 @@
 #pragma once
 
 #include <array>
+#include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "collision_pairs/body_poses.h"
 #include "collision_pairs/collision_report.h"
 #include "collision_pairs/pair_filter.h"
 #include "collision_pairs/robot_model.h"
-#include "collision_pairs/scene_settings.h"
+#include "collision_pairs/scene_description.h"
 #include "collision_pairs/srdf.h"
 #include "collision_pairs/sweep_and_prune.h"
 
 namespace collision_pairs {
 
-/// A link with geometry that is in at least one allowed pair.
+/// A link with geometry, or an object, that is in at least one allowed pair.
 struct CollisionModel {
   std::string name;
   int body;  ///< index of its pose in the detector's input, -1 if it never moves
@@ -47,8 +50,12 @@ struct SceneElement {
   /// where no allowed pair asks for it.
   std::array<Rung, 4> rungs;
   const Rung& rung(Fidelity fidelity) const { return rungs[static_cast<int>(fidelity)]; }
-  /// Its box in W, where it stands at X_WE. Of a mesh: tight to 1e-4 of the mesh's size, on the
-  /// outside, because a few outermost vertices grown by that cost a fifth of all of them.
+  /// Metres that it keeps to everything; and the same, or half of the most that one of its pairs
+  /// wants instead, by which its box grows.
+  double padding = 0.0, box_padding = 0.0;
+  /// Its box in W, where it stands at X_WE, grown by box_padding. Of a mesh: tight to 1e-4 of the
+  /// mesh's size, on the outside, because a few outermost vertices grown by that cost a fifth of
+  /// all of them.
   Aabb boxAt(const Eigen::Isometry3d& X_WE) const;
   std::shared_ptr<const MeshBounds> mesh_bounds;  ///< null for a primitive
   /// A box along the axes of E that encloses the element, rounding included: its centre and half
@@ -57,10 +64,24 @@ struct SceneElement {
   Shape shape;  ///< the element as it is
 };
 
-/// A rigid body of the robot whose pose the detector wants.
+/// A rigid body of a robot whose pose the detector wants.
 struct SceneBody {
   int body;  ///< in RobotModel::bodies()
   std::string link;
+};
+
+class ElementMaker;
+
+/// What was prepared for one scene, so that the next one, which differs in a few objects, need not
+/// prepare it again; what the last sixteen did not ask for is forgotten. For one thread at a time.
+class SceneCache {
+ public:
+  SceneCache();
+  ~SceneCache();
+
+ private:
+  friend class SceneBuilder;
+  std::unique_ptr<ElementMaker> maker_;
 };
 
 /// An immutable snapshot, shared by all threads: it is replaced as a whole when something changes.
@@ -68,12 +89,20 @@ struct SceneBody {
 /// that never move come first.
 class CollisionScene {
  public:
-  /// `robot` is checked against itself and against `world` (may be null), whose root stands at the
-  /// robot's root link, with its joints at zero. Pairs within the world are not checked. With an
-  /// SRDF every pair of links of the robot is checked that it does not switch off; without one,
-  /// links that hang together are not (RobotModel::adjacentLinks). Throws InputError if a link of
-  /// the world has the name of one of the robot, or if the settings name a link that is in neither
-  /// (the error says which one is meant, perhaps).
+  /// Robots are checked against themselves, each other, the world and the objects; pairs that stand
+  /// still are not. Throws InputError if two have the same name, or if anything in the description
+  /// names a link that is nowhere (the error says which one is meant, perhaps).
+  /// Cost: meshes that `cache` does not have are prepared, which takes most of it; then about
+  /// 2 µs an element.
+  static std::shared_ptr<const CollisionScene> build(const SceneDescription& description,
+                                                     SceneCache* cache = nullptr);
+
+  /// The names of the models that such a scene has. Looks at no mesh, so that a caller can learn
+  /// which links' meshes are worth loading: elements of the others need not be there.
+  static std::set<std::string> neededModels(const SceneDescription& description);
+
+  /// One robot, checked against itself and against `world` (may be null), whose root stands at the
+  /// robot's root link.
   static std::shared_ptr<const CollisionScene> build(std::shared_ptr<const RobotModel> robot,
                                                      const std::optional<Srdf>& srdf,
                                                      std::shared_ptr<const RobotModel> world,
@@ -84,11 +113,17 @@ class CollisionScene {
       std::shared_ptr<const RobotModel> robot, std::shared_ptr<const RobotModel> world,
       const SceneSettings& settings = {});
 
+  /// The robot, or several in one.
   const RobotModel& robot() const { return *robot_; }
   const std::vector<CollisionModel>& models() const { return models_; }
   const std::vector<SceneElement>& elements() const { return elements_; }
   const std::vector<SceneBody>& bodies() const { return bodies_; }
   const PairFilter& filter() const { return filter_; }
+  /// Metres that two elements keep apart.
+  double padding(std::uint32_t element_a, std::uint32_t element_b) const {
+    const SceneElement &a = elements_[element_a], &b = elements_[element_b];
+    return pair_padding_.empty() ? a.padding + b.padding : paddingOfPair(a, b);
+  }
   const StaticBoxes& staticBoxes() const { return static_boxes_; }
   std::uint32_t nbStaticElements() const {
     return static_cast<std::uint32_t>(static_boxes_.size());
@@ -104,11 +139,15 @@ class CollisionScene {
   friend class SceneBuilder;
   CollisionScene() = default;
 
+  double paddingOfPair(const SceneElement& a, const SceneElement& b) const;
+
   std::shared_ptr<const RobotModel> robot_;
   std::vector<CollisionModel> models_;
   std::vector<SceneElement> elements_;
   std::vector<SceneBody> bodies_;
   PairFilter filter_;
+  /// By classes of the filter, the smaller first: where it is not the sum of the two.
+  std::map<std::pair<std::uint32_t, std::uint32_t>, double> pair_padding_;
   StaticBoxes static_boxes_;
 };
 

@@ -77,7 +77,7 @@ struct Body {
   int link = -1;
   int joint = -1;   ///< the moving joint above it, -1 for the root's body
   int parent = -1;  ///< the body above that joint, -1 for the root's body
-  /// Pose of that joint's frame in the parent body's frame.
+  /// Pose of that joint's frame in the parent body's frame; of a root's body, in W.
   Eigen::Isometry3d X_PJ = Eigen::Isometry3d::Identity();
 };
 
@@ -94,6 +94,21 @@ class RobotModel {
   static std::shared_ptr<const RobotModel> fromUrdf(const std::string& xml,
                                                     const MeshLoader& load_mesh,
                                                     std::vector<BrokenElement>* broken = nullptr);
+
+  /// A copy in which each link has the elements that `elements` says, which is called once a link.
+  std::shared_ptr<const RobotModel> withElements(
+      const std::function<std::vector<Element>(const Link&)>& elements) const;
+
+  /// One of several.
+  struct Placed {
+    std::shared_ptr<const RobotModel> model;
+    std::string prefix;  ///< "left" makes link "elbow" "left/elbow"; joints likewise
+    /// Where its root stands; forwardKinematics() puts it there.
+    Eigen::Isometry3d X_WR = Eigen::Isometry3d::Identity();
+  };
+  /// All in one, side by side, each with a root of its own: what else takes one robot takes
+  /// several so. Throws InputError if two links or joints have the same name then.
+  static std::shared_ptr<const RobotModel> merge(const std::vector<Placed>& robots);
 
   const std::string& name() const { return name_; }
   const std::vector<Link>& links() const { return links_; }
@@ -115,14 +130,15 @@ class RobotModel {
   /// Overwrites the positions of all joints that mimic another.
   void applyMimics(std::vector<double>& positions) const;
 
-  /// Pose of each body in the frame of the root link, by `positions` (one entry a joint, mimics
-  /// applied). Floating and planar joints stand at identity. O(bodies).
+  /// Pose of each body in the frame of the root link (of several robots: in W), by `positions` (one
+  /// entry a joint, mimics applied). Floating and planar joints stand at identity. O(bodies).
   void forwardKinematics(const std::vector<double>& positions,
                          std::vector<Eigen::Isometry3d>& X_RB) const;
 
  private:
   friend class UrdfReader;
   RobotModel() = default;
+  void append(const Placed& robot);
   void indexNames();
   void groupIntoBodies();
 

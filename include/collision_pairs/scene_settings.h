@@ -5,8 +5,10 @@
 #include <functional>
 #include <map>
 #include <string>
+#include <vector>
 
 #include "collision_pairs/fidelity.h"
+#include "collision_pairs/pair_rules.h"
 
 namespace collision_pairs {
 
@@ -21,6 +23,24 @@ struct SceneSettings {
   /// Hulls of the `convex` rung have at most this many vertices and are grown so that they still
   /// enclose; >= 4, or 0: exact hulls. Fewer are faster and stick out further.
   int max_hull_vertices = 0;
+
+  /// Applied in this order after the SRDF, so that the last that matches a pair decides it. Pairs
+  /// that can never meet another way (both stand still, one link and what is attached to it) stay
+  /// out whatever they say.
+  std::vector<PairRule> pair_rules;
+  /// Links that are not in the scene at all.
+  std::vector<NamePattern> ignored_links;
+
+  /// Metres, >= 0: a distance that a link of a robot keeps to everything. The distance of a pair
+  /// is that of its two shapes, less both paddings: it is in contact where it is closer than that.
+  /// The shapes themselves are not changed, so the same distance is kept in every direction.
+  double padding = 0.0;
+  std::map<std::string, double> link_padding;  ///< for single links, by name, instead of `padding`
+  std::vector<PairPadding> pair_padding;       ///< for pairs, instead of the sum; the last decides
+  /// Links whose cylinders are replaced by capsules of the same radius and axis, which enclose
+  /// them: rounder and cheaper, longer by a radius at either end.
+  std::vector<NamePattern> cylinder_as_capsule;
+
   /// Called, from several threads, whenever one more of `total` meshes is prepared. May be empty.
   std::function<void(std::size_t done, std::size_t total)> progress;
 };

@@ -1,4 +1,4 @@
-// What an SRDF says about collisions. Groups and states in it are not read here.
+// What an SRDF says that matters to a collision check. Named states in it are not read.
 #pragma once
 
 #include <set>
@@ -14,6 +14,20 @@ struct Srdf {
   std::vector<std::string> disabled_links;  ///< disable_default_collisions
   std::vector<LinkPair> enabled_pairs;      ///< enable_collisions
   std::vector<LinkPair> disabled_pairs;     ///< disable_collisions
+
+  /// What a <group> lists; nothing of it need exist.
+  struct Group {
+    std::string name;
+    std::vector<std::string> links, joints, subgroups;
+    std::vector<std::pair<std::string, std::string>> chains;  ///< base link, tip link
+  };
+  struct VirtualJoint {
+    std::string name, child_link;
+  };
+  std::vector<Group> groups;
+  std::vector<VirtualJoint> virtual_joints;
+  /// Joints that nobody drives. They move as TF says, so their links are checked like all others.
+  std::vector<std::string> passive_joints;
 
   /// Throws InputError with the line. Repeated pairs and a link paired with itself are common in
   /// generated files and are passed over.

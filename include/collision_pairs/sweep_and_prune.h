@@ -55,10 +55,13 @@ class StaticBoxes {
   std::size_t size() const { return nb_boxes_; }
   const Aabb& box(std::uint32_t id) const;
   std::uint32_t model(std::uint32_t id) const;
+  /// The box about all; none (an inverted one) where there are none.
+  const Aabb& bounds() const { return bounds_; }
 
  private:
   friend class SweepAndPrune;
   std::size_t nb_boxes_ = 0;
+  Aabb bounds_ = noBox();
   std::shared_ptr<const StaticTree> tree_;
 };
 

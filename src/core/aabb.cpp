@@ -61,7 +61,14 @@ struct AabbVisitor {
   }
   Aabb operator()(const HalfSpace&) const {
     const double everywhere = std::numeric_limits<double>::max();
-    return {Vector3d::Constant(-everywhere), Vector3d::Constant(everywhere)};
+    Aabb box{Vector3d::Constant(-everywhere), Vector3d::Constant(everywhere)};
+    const Vector3d normal = X_WE.linear().col(2);
+    for (int k = 0; k < 3; ++k) {
+      const double p = X_WE.translation()[k];
+      if (normal == Vector3d::Unit(k)) box.max[k] = p + ROUNDING * std::abs(p);
+      if (normal == -Vector3d::Unit(k)) box.min[k] = p - ROUNDING * std::abs(p);
+    }
+    return box;
   }
   Aabb operator()(const Convex& convex) const { return aroundVertices(*convex.mesh, X_WE); }
   Aabb operator()(const Mesh& mesh) const { return aroundVertices(*mesh.mesh, X_WE); }

@@ -37,8 +37,6 @@ double steadySeconds() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-Aabb noBox() { return {Vector3d::Constant(INF), Vector3d::Constant(-INF)}; }
-
 }  // namespace
 
 CollisionDetector::CollisionDetector(std::shared_ptr<const CollisionScene> scene)
@@ -228,11 +226,9 @@ void CollisionDetector::take(const BoxPair& pair, const PairDistance& found, Fid
 // further than the reach. Pairs are taken by the gap of their boxes, so that most end at once.
 void CollisionDetector::searchMinimum(const Deadline& deadline) {
   double best = found_->minDistance();
-  Aabb all = noBox();
-  for (const Aabb& box : report_.boxes) {
-    if (!box.valid()) continue;
-    all.min = all.min.cwiseMin(box.min);
-    all.max = all.max.cwiseMax(box.max);
+  Aabb all = scene_->staticBoxes().bounds();
+  for (std::size_t i = scene_->nbStaticElements(); i < report_.boxes.size(); ++i) {
+    if (report_.boxes[i].valid()) all = enclosing(all, report_.boxes[i]);
   }
   // The empty scene and half-spaces have none that is finite.
   const double extent = all.valid() ? std::min((all.max - all.min).norm(), MAX_REACH) : 0.0;

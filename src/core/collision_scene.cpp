@@ -1,179 +1,141 @@
 #include "collision_pairs/collision_scene.h"
 
 #include <algorithm>
-#include <numeric>
-#include <set>
+#include <map>
 
-#include "collision_pairs/input_error.h"
-#include "nearest_name.h"
+#include "pair_policy.h"
 #include "scene_element.h"
+#include "scene_members.h"
 
 namespace collision_pairs {
 namespace {
 
-/// A link on its way into the scene.
-struct Candidate {
-  const RobotModel* source;
-  int link;
-  bool is_static;
-  bool needed = false;  // in some allowed pair
-  Fidelity dearest = Fidelity::MESH;
-  Fidelity needed_fidelity = Fidelity::AABB;  // the dearest of its allowed pairs
-};
+using ClassPair = std::pair<std::uint32_t, std::uint32_t>;
 
-Fidelity cheaper(Fidelity a, Fidelity b) { return std::min(a, b); }
+/// Members that are treated alike: one that moves has a class of its own, while all objects of a
+/// large world may share one, so that what is said of pairs stays small.
+struct MemberClass {
+  std::size_t example;                        // one of its members
+  bool needed = false;                        // in some allowed pair
+  Fidelity needed_fidelity = Fidelity::AABB;  // the dearest of its allowed pairs
+  double half_padding = 0.0;  // half of the most that some pair wants instead of the sum
+};
 
 }  // namespace
 
 /// Fills a scene step by step; what it holds besides is needed only while building.
 class SceneBuilder {
  public:
-  SceneBuilder(std::shared_ptr<const RobotModel> robot, const SceneSettings& settings)
-      : scene_(new CollisionScene), settings_(settings), maker_(settings.max_hull_vertices) {
-    if (settings.max_hull_vertices != 0 && settings.max_hull_vertices < 4) {
-      throw InputError("max_hull_vertices is " + std::to_string(settings.max_hull_vertices) +
-                       ", but must be 4 or more, or 0 for exact hulls");
-    }
-    scene_->robot_ = std::move(robot);
+  SceneBuilder(const SceneDescription& description)
+      : scene_(new CollisionScene), description_(description) {
+    scene_->robot_ = mergedRobot(description);
+    members_ = sceneMembers(description, *scene_->robot_);
+    classify();
   }
 
-  std::shared_ptr<const CollisionScene> build(const std::optional<Srdf>& srdf,
-                                              const RobotModel* world, bool check_self) {
-    check_self_ = check_self;
-    collect(*scene_->robot_, false);
-    if (world) collect(*world, true);
-    std::sort(candidates_.begin(), candidates_.end(),
-              [](const Candidate& a, const Candidate& b) { return nameOf(a) < nameOf(b); });
-    refuseEqualNames();
-    refuseUnknownLinks(world);
-    switched_off_ = srdf ? srdf->switchedOff(robotLinkNames()) : adjacentNames();
+  std::shared_ptr<const CollisionScene> build(SceneCache& cache) {
+    maker_ = cache.maker_.get();
     dropUnneeded();
     addModels();
-    scene_->filter_ = makeFilter();
-    addElements(world);
+    setFilter();
+    prepareElements();
+    addElements();
     return std::move(scene_);
   }
 
+  std::set<std::string> neededNames() const {
+    std::set<std::string> names;
+    for (std::size_t i = 0; i < members_.size(); ++i) {
+      if (classes_[class_of_[i]].needed) names.insert(members_[i].name);
+    }
+    return names;
+  }
+
  private:
-  static const std::string& nameOf(const Candidate& c) { return c.source->links()[c.link].name; }
-
-  void collect(const RobotModel& source, bool is_static) {
-    for (std::size_t i = 0; i < source.links().size(); ++i) {
-      if (source.links()[i].elements.empty()) continue;
-      candidates_.push_back({&source, static_cast<int>(i), is_static});
-      const auto own = settings_.link_fidelity.find(nameOf(candidates_.back()));
-      candidates_.back().dearest = own == settings_.link_fidelity.end()
-                                       ? settings_.fidelity
-                                       : cheaper(own->second, settings_.fidelity);
-    }
-  }
-
-  void refuseEqualNames() const {
-    for (std::size_t i = 1; i < candidates_.size(); ++i) {
-      if (nameOf(candidates_[i - 1]) == nameOf(candidates_[i])) {
-        throw InputError("link '" + nameOf(candidates_[i]) +
-                         "' is in the robot and in the world; rename one of them");
+  void classify() {
+    const PairPolicy policy(description_, members_);
+    std::map<std::string, std::uint32_t> standing;
+    for (std::size_t i = 0; i < members_.size(); ++i) {
+      auto next = static_cast<std::uint32_t>(classes_.size());
+      if (members_[i].isStatic()) {
+        next = standing.try_emplace(policy.signature(i), next).first->second;
       }
+      if (next == classes_.size()) classes_.push_back({i});
+      class_of_.push_back(next);
+    }
+    for (std::uint32_t a = 0; a < classes_.size(); ++a) {
+      for (std::uint32_t b = a + 1; b < classes_.size(); ++b) noteClassPair(policy, a, b);
     }
   }
 
-  void refuseUnknownLinks(const RobotModel* world) const {
-    std::vector<std::string> names = robotLinkNames();
-    if (world) {
-      for (const Link& link : world->links()) names.push_back(link.name);
+  void noteClassPair(const PairPolicy& policy, std::uint32_t a, std::uint32_t b) {
+    MemberClass &first = classes_[a], &second = classes_[b];
+    if (!policy.allowed(first.example, second.example)) {
+      forbidden_.emplace_back(a, b);
+      return;
     }
-    for (const auto& [name, fidelity] : settings_.link_fidelity) {
-      if (std::find(names.begin(), names.end(), name) != names.end()) continue;
-      throw InputError("link_fidelity names '" + name + "', which is no link of robot '" +
-                       scene_->robot_->name() + "'; is '" + nearestName(name, names) + "' meant?");
+    const Fidelity fidelity =
+        std::min(members_[first.example].dearest, members_[second.example].dearest);
+    const auto padding = policy.padding(first.example, second.example);
+    if (padding) scene_->pair_padding_[{a, b}] = *padding;
+    for (MemberClass* one : {&first, &second}) {
+      one->needed = true;
+      one->needed_fidelity = std::max(one->needed_fidelity, fidelity);
+      one->half_padding = std::max(one->half_padding, 0.5 * padding.value_or(0.0));
     }
   }
 
-  std::vector<std::string> robotLinkNames() const {
-    std::vector<std::string> names;
-    for (const Link& link : scene_->robot_->links()) names.push_back(link.name);
-    return names;
-  }
-
-  std::set<Srdf::LinkPair> adjacentNames() const {
-    std::set<Srdf::LinkPair> names;
-    const auto& links = scene_->robot_->links();
-    for (const auto& [a, b] : scene_->robot_->adjacentLinks()) {
-      names.insert(std::minmax(links[a].name, links[b].name));
-    }
-    return names;
-  }
-
-  bool switchedOff(const Candidate& a, const Candidate& b) const {
-    if (!check_self_) return true;
-    return switched_off_.count({nameOf(a), nameOf(b)}) > 0;  // candidates are sorted by name
-  }
-
-  // A link in no allowed pair gets no box, no tree and no transform. The robot against a world is
-  // always allowed.
+  // What is in no allowed pair gets no box, no tree and no transform.
   void dropUnneeded() {
-    for (std::size_t i = 0; i < candidates_.size(); ++i) {
-      for (std::size_t j = i + 1; j < candidates_.size(); ++j) {
-        Candidate &a = candidates_[i], &b = candidates_[j];
-        const Fidelity fidelity = cheaper(a.dearest, b.dearest);
-        const bool nothing_new =
-            a.needed && b.needed && fidelity <= a.needed_fidelity && fidelity <= b.needed_fidelity;
-        if (nothing_new || (a.is_static && b.is_static)) continue;
-        if (a.is_static == b.is_static && switchedOff(a, b)) continue;
-        a.needed = b.needed = true;
-        a.needed_fidelity = std::max(a.needed_fidelity, fidelity);
-        b.needed_fidelity = std::max(b.needed_fidelity, fidelity);
-      }
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < members_.size(); ++i) {
+      if (!classes_[class_of_[i]].needed) continue;
+      members_[kept] = members_[i];
+      class_of_[kept++] = class_of_[i];
     }
-    candidates_.erase(std::remove_if(candidates_.begin(), candidates_.end(),
-                                     [](const Candidate& c) { return !c.needed; }),
-                      candidates_.end());
+    members_.resize(kept);
+    class_of_.resize(kept);
   }
 
   int sceneBody(int body) {
-    const auto& bodies = scene_->bodies_;
+    auto& bodies = scene_->bodies_;
     const auto found = std::find_if(bodies.begin(), bodies.end(),
                                     [&](const SceneBody& b) { return b.body == body; });
     if (found != bodies.end()) return static_cast<int>(found - bodies.begin());
     const int link = scene_->robot_->bodies()[body].link;
-    scene_->bodies_.push_back({body, scene_->robot_->links()[link].name});
+    bodies.push_back({body, scene_->robot_->links()[link].name});
     return static_cast<int>(bodies.size()) - 1;
   }
 
   void addModels() {
-    for (const Candidate& c : candidates_) {
-      const int body = c.is_static ? -1 : sceneBody(c.source->links()[c.link].body);
-      scene_->models_.push_back({nameOf(c), body, 0, 0});
+    for (const SceneMember& member : members_) {
+      const int body = member.isStatic() ? -1 : sceneBody(member.body);
+      scene_->models_.push_back({member.name, body, 0, 0});
     }
   }
 
-  // Every link of the robot is a class of its own; the world is one class.
-  PairFilter makeFilter() const {
-    std::vector<std::uint32_t> classes(candidates_.size());
-    std::uint32_t next = 1;
-    for (std::size_t i = 0; i < candidates_.size(); ++i) {
-      classes[i] = candidates_[i].is_static ? 0 : next++;
+  void setFilter() {
+    scene_->filter_ = PairFilter(class_of_);
+    const std::size_t nb_classes = scene_->filter_.nbClasses();
+    for (std::uint32_t c = 0; c < nb_classes; ++c) scene_->filter_.setClassPair(c, c, false);
+    for (const auto& [a, b] : forbidden_) {
+      if (b < nb_classes) scene_->filter_.setClassPair(a, b, false);
     }
-    PairFilter filter(classes);
-    if (!candidates_.empty()) filter.setClassPair(0, 0, false);
-    for (std::size_t i = 0; i < candidates_.size(); ++i) {
-      if (candidates_[i].is_static) continue;
-      for (std::size_t j = i + 1; j < candidates_.size(); ++j) {
-        if (candidates_[j].is_static) continue;
-        if (switchedOff(candidates_[i], candidates_[j])) {
-          filter.setClassPair(classes[i], classes[j], false);
-        }
+  }
+
+  void prepareElements() {
+    std::vector<std::pair<const Shape*, Fidelity>> wanted;
+    for (std::size_t m = 0; m < members_.size(); ++m) {
+      for (const Element& element : *members_[m].elements) {
+        wanted.emplace_back(&element.shape, classes_[class_of_[m]].needed_fidelity);
       }
     }
-    return filter;
+    maker_->prepare(wanted, description_.settings);
   }
 
   // Static ones first, so that their ids are those of StaticBoxes.
-  void addElements(const RobotModel* world) {
-    std::vector<Eigen::Isometry3d> X_RB;
-    if (world) world->forwardKinematics(world->zeroPositions(), X_RB);
-    prepareElements();
-    addElementsOf(true, X_RB);
+  void addElements() {
+    addElementsOf(true);
     std::vector<Aabb> boxes;
     std::vector<std::uint32_t> models;
     for (const SceneElement& element : scene_->elements_) {
@@ -181,63 +143,91 @@ class SceneBuilder {
       models.push_back(element.model);
     }
     scene_->static_boxes_ = StaticBoxes(std::move(boxes), std::move(models));
-    addElementsOf(false, {});
+    addElementsOf(false);
   }
 
-  void prepareElements() {
-    std::vector<std::pair<const Shape*, Fidelity>> wanted;
-    for (const Candidate& c : candidates_) {
-      for (const Element& element : c.source->links()[c.link].elements) {
-        wanted.emplace_back(&element.shape, c.needed_fidelity);
-      }
-    }
-    maker_.prepare(wanted, settings_.progress);
-  }
-
-  void addElementsOf(bool is_static, const std::vector<Eigen::Isometry3d>& X_RB) {
-    for (std::uint32_t m = 0; m < candidates_.size(); ++m) {
-      if (candidates_[m].is_static != is_static) continue;
-      const Link& link = candidates_[m].source->links()[candidates_[m].link];
-      const Eigen::Isometry3d X_BL = is_static ? X_RB[link.body] * link.X_BL : link.X_BL;
+  void addElementsOf(bool is_static) {
+    for (std::uint32_t m = 0; m < members_.size(); ++m) {
+      const SceneMember& member = members_[m];
+      if (member.isStatic() != is_static) continue;
       CollisionModel& model = scene_->models_[m];
       model.first_element = static_cast<std::uint32_t>(scene_->elements_.size());
-      model.nb_elements = static_cast<std::uint32_t>(link.elements.size());
-      for (const Element& element : link.elements) {
-        scene_->elements_.push_back(maker_.make(element.shape, candidates_[m].needed_fidelity));
-        SceneElement& made = scene_->elements_.back();
-        made.model = m;
-        made.body = model.body;
-        made.X_BE = X_BL * element.X_LE;
-        made.dearest = candidates_[m].dearest;
+      model.nb_elements = static_cast<std::uint32_t>(member.elements->size());
+      for (const Element& element : *member.elements) {
+        scene_->elements_.push_back(makeElement(member, element, classes_[class_of_[m]]));
+        scene_->elements_.back().model = m;
+        scene_->elements_.back().body = model.body;
       }
     }
+  }
+
+  SceneElement makeElement(const SceneMember& member, const Element& element,
+                           const MemberClass& its_class) {
+    Shape shape = element.shape;
+    const auto* cylinder = std::get_if<Cylinder>(&shape);
+    if (cylinder && member.cylinder_as_capsule) shape = Capsule{cylinder->radius, cylinder->length};
+    SceneElement made = maker_->make(shape, its_class.needed_fidelity);
+    made.X_BE = member.X_BM * element.X_LE;
+    made.dearest = member.dearest;
+    made.padding = member.padding;
+    made.box_padding = std::max(member.padding, its_class.half_padding);
+    return made;
   }
 
   std::unique_ptr<CollisionScene> scene_;
-  const SceneSettings& settings_;
-  ElementMaker maker_;
-  std::vector<Candidate> candidates_;
-  std::set<Srdf::LinkPair> switched_off_;
-  bool check_self_ = true;
+  const SceneDescription& description_;
+  ElementMaker* maker_ = nullptr;
+  std::vector<SceneMember> members_;
+  std::vector<std::uint32_t> class_of_;  // by member
+  std::vector<MemberClass> classes_;
+  std::vector<ClassPair> forbidden_;
 };
+
+SceneCache::SceneCache() : maker_(std::make_unique<ElementMaker>()) {}
+SceneCache::~SceneCache() = default;
+
+std::shared_ptr<const CollisionScene> CollisionScene::build(const SceneDescription& description,
+                                                            SceneCache* cache) {
+  SceneCache of_this_scene;
+  return SceneBuilder(description).build(cache ? *cache : of_this_scene);
+}
+
+std::set<std::string> CollisionScene::neededModels(const SceneDescription& description) {
+  return SceneBuilder(description).neededNames();
+}
 
 std::shared_ptr<const CollisionScene> CollisionScene::build(std::shared_ptr<const RobotModel> robot,
                                                             const std::optional<Srdf>& srdf,
                                                             std::shared_ptr<const RobotModel> world,
                                                             const SceneSettings& settings) {
-  return SceneBuilder(std::move(robot), settings).build(srdf, world.get(), true);
+  SceneDescription description;
+  description.robots.push_back({std::move(robot), srdf, ""});
+  description.world = std::move(world);
+  description.settings = settings;
+  return build(description);
 }
 
 std::shared_ptr<const CollisionScene> CollisionScene::buildAgainstWorldOnly(
     std::shared_ptr<const RobotModel> robot, std::shared_ptr<const RobotModel> world,
     const SceneSettings& settings) {
-  return SceneBuilder(std::move(robot), settings).build(std::nullopt, world.get(), false);
+  SceneDescription description;
+  description.robots.push_back({std::move(robot), std::nullopt, ""});
+  description.world = std::move(world);
+  description.settings = settings;
+  description.check_self = false;
+  return build(description);
 }
 
 void CollisionScene::gatherPoses(const std::vector<Eigen::Isometry3d>& X_RB,
                                  BodyPoses& poses) const {
   poses.resize(bodies_.size());
   for (std::size_t i = 0; i < bodies_.size(); ++i) poses.X_WB[i] = X_RB[bodies_[i].body];
+}
+
+double CollisionScene::paddingOfPair(const SceneElement& a, const SceneElement& b) const {
+  const auto found =
+      pair_padding_.find(std::minmax(filter_.classOf(a.model), filter_.classOf(b.model)));
+  return found == pair_padding_.end() ? a.padding + b.padding : found->second;
 }
 
 int CollisionScene::findModel(const std::string& name) const {

@@ -84,6 +84,9 @@ bool PairLadder::touches(const BoxPair& pair, Fidelity top) {
   if (top != Fidelity::MESH) return climb(pair, top, 0.0).found.touches();
   const Isometry3d X_AB = relativePose(pair);
   if (turnedBoxGap(pair, X_AB) > 0.0) return false;
+  if (scene_->padding(pair.first, pair.second) > 0.0) {
+    return measureAt(pair, X_AB, top, 0.0).found.touches();
+  }
   const auto& elements = scene_->elements();
   return narrow_phase_.touches(*elements[pair.first].rung(top).shape,
                                *elements[pair.second].rung(top).shape, X_AB);
@@ -93,7 +96,8 @@ PairLadder::Answer PairLadder::measureAt(const BoxPair& pair, const Isometry3d& 
                                          double max_distance) {
   const Rung& a = scene_->elements()[pair.first].rung(rung);
   const Rung& b = scene_->elements()[pair.second].rung(rung);
-  const double margin = a.margin + b.margin;
+  const double padding = scene_->padding(pair.first, pair.second);
+  const double margin = a.margin + b.margin + padding;
   const Isometry3d X = rung == Fidelity::OBB ? a.X_ER.inverse() * X_AB * b.X_ER : X_AB;
   Answer answer{narrow_phase_.distance(*a.shape, *b.shape, X, max_distance + margin), rung};
   PairDistance& found = answer.found;
@@ -104,6 +108,10 @@ PairLadder::Answer PairLadder::measureAt(const BoxPair& pair, const Isometry3d& 
   found.p_ACa = X_WA * found.p_ACa;
   found.p_ACb = X_WA * found.p_ACb;
   found.nhat_AB_A = X_WA.linear() * found.nhat_AB_A;
+  if (padding > 0.0) {  // from the shapes to half the distance that they keep
+    found.p_ACa += 0.5 * padding * found.nhat_AB_A;
+    found.p_ACb -= 0.5 * padding * found.nhat_AB_A;
+  }
   if (!a.loose && !b.loose) return answer;
   found.p_ACa += a.margin * found.nhat_AB_A;  // onto the grown shapes
   found.p_ACb -= b.margin * found.nhat_AB_A;
@@ -136,8 +144,9 @@ PairLadder::Answer PairLadder::boundOfHulls(const BoxPair& pair, const Answer& k
   const Prepared& b = preparedOf(scene_->elements()[pair.second].rung(Fidelity::MESH));
   const double rounding =
       ROUNDING * (a.core.extent + a.core.center.norm() + b.core.extent + b.core.center.norm());
-  const PairDistance gap = convexGap(a.core, b.core, relativePose(pair), max_distance + rounding);
-  const double distance = gap.distance - rounding;
+  const double margin = rounding + scene_->padding(pair.first, pair.second);
+  const PairDistance gap = convexGap(a.core, b.core, relativePose(pair), max_distance + margin);
+  const double distance = gap.distance - margin;
   if (gap.certainty == Certainty::DEGRADED || distance <= std::max(known.found.distance, 0.0)) {
     return known;
   }
@@ -176,14 +185,15 @@ PairLadder::Answer PairLadder::measureBoxes(const BoxPair& pair) const {
 double PairLadder::turnedBoxGap(const BoxPair& pair, const Isometry3d& X_AB) const {
   const SceneElement& a = scene_->elements()[pair.first];
   const SceneElement& b = scene_->elements()[pair.second];
-  if (std::isinf(a.box_half[0]) || std::isinf(b.box_half[0])) return 0.0;
+  const double padding = scene_->padding(pair.first, pair.second);
+  if (std::isinf(a.box_half[0]) || std::isinf(b.box_half[0])) return -padding;
   const Matrix3d R = X_AB.linear();
   const Matrix3d reach = R.cwiseAbs();
   const Vector3d t = X_AB * b.box_center - a.box_center;
   const double along_a = squaredExcess(t, a.box_half + reach * b.box_half);
   const double along_b =
       squaredExcess(R.transpose() * t, b.box_half + reach.transpose() * a.box_half);
-  return std::sqrt(std::max(along_a, along_b));
+  return std::sqrt(std::max(along_a, along_b)) - padding;
 }
 
 }  // namespace collision_pairs

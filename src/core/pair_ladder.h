@@ -55,7 +55,8 @@ class PairLadder {
   Answer measureAt(const BoxPair& pair, const Eigen::Isometry3d& X_AB, Fidelity rung,
                    double max_distance);
   Answer measureBoxes(const BoxPair& pair) const;
-  /// A lower bound of the distance of the two turned boxes; 0 does not mean that they meet.
+  /// A lower bound of the distance of the two turned boxes, less the padding; 0 or less does not
+  /// mean that they meet.
   double turnedBoxGap(const BoxPair& pair, const Eigen::Isometry3d& X_AB) const;
 
   const CollisionScene* scene_ = nullptr;

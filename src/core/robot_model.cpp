@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "collision_pairs/input_error.h"
+
 namespace collision_pairs {
 
 using Eigen::Isometry3d;
@@ -46,6 +48,48 @@ void RobotModel::groupIntoBodies() {
     link.X_BL = Isometry3d::Identity();
     bodies_.push_back(body);
   }
+}
+
+std::shared_ptr<const RobotModel> RobotModel::withElements(
+    const std::function<std::vector<Element>(const Link&)>& elements) const {
+  std::shared_ptr<RobotModel> copy(new RobotModel(*this));
+  for (Link& link : copy->links_) link.elements = elements(link);
+  return copy;
+}
+
+std::shared_ptr<const RobotModel> RobotModel::merge(const std::vector<Placed>& robots) {
+  std::shared_ptr<RobotModel> all(new RobotModel);
+  for (const Placed& robot : robots) all->append(robot);
+  all->indexNames();
+  if (all->link_ids_.size() < all->links_.size() || all->joint_ids_.size() < all->joints_.size()) {
+    throw InputError("robots '" + all->name_ +
+                     "' have links or joints of the same name; give each a prefix of its own");
+  }
+  all->groupIntoBodies();
+  std::size_t root = 0;
+  for (Body& body : all->bodies_) {
+    if (body.joint < 0) body.X_PJ = robots[root++].X_WR;
+  }
+  return all;
+}
+
+void RobotModel::append(const Placed& robot) {
+  const std::string prefix = robot.prefix.empty() ? "" : robot.prefix + "/";
+  const int first_link = static_cast<int>(links_.size());
+  const int first_joint = static_cast<int>(joints_.size());
+  for (Link link : robot.model->links_) {
+    link.name = prefix + link.name;
+    if (link.parent_joint >= 0) link.parent_joint += first_joint;
+    links_.push_back(std::move(link));
+  }
+  for (Joint joint : robot.model->joints_) {
+    joint.name = prefix + joint.name;
+    joint.parent_link += first_link;
+    joint.child_link += first_link;
+    if (joint.mimic) joint.mimic->joint += first_joint;
+    joints_.push_back(std::move(joint));
+  }
+  name_ += (name_.empty() ? "" : "', '") + prefix + robot.model->name_;
 }
 
 int RobotModel::findLink(const std::string& name) const {
@@ -99,7 +143,7 @@ void RobotModel::forwardKinematics(const std::vector<double>& positions,
   X_RB.resize(bodies_.size());
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     const Body& body = bodies_[i];
-    X_RB[i] = body.joint < 0 ? Isometry3d::Identity()
+    X_RB[i] = body.joint < 0 ? body.X_PJ
                              : X_RB[body.parent] * body.X_PJ *
                                    joints_[body.joint].motion(positions[body.joint]);
   }

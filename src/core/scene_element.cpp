@@ -14,6 +14,7 @@ using Eigen::Isometry3d;
 using Eigen::Vector3d;
 
 constexpr double ROUNDING = 64.0 * std::numeric_limits<double>::epsilon();
+constexpr std::uint64_t KEPT_ROUNDS = 16;  // a mesh that so many scenes did not have is forgotten
 
 /// The hull of an element, which encloses it when grown by `margin`.
 struct Hull {
@@ -90,34 +91,50 @@ SceneElement makeElement(const Shape& shape, Fidelity needed, int max_hull_verti
 }
 
 void ElementMaker::prepare(const std::vector<std::pair<const Shape*, Fidelity>>& wanted,
-                           const std::function<void(std::size_t, std::size_t)>& progress) {
-  std::vector<std::pair<const Shape*, SceneElement*>> open;
+                           const SceneSettings& settings) {
+  ++round_;
+  max_hull_vertices_ = settings.max_hull_vertices;
+  std::vector<std::tuple<const Shape*, Fidelity, SceneElement*>> open;
   for (const auto& [shape, needed] : wanted) {
     const auto* mesh = std::get_if<Mesh>(shape);
     if (mesh == nullptr) continue;
-    const auto [slot, is_new] = of_meshes_.try_emplace(Key(mesh->mesh.get(), needed));
-    if (is_new) open.emplace_back(shape, &slot->second);
-    slot->second.dearest = needed;
+    const auto [slot, is_new] =
+        of_meshes_.try_emplace(Key(mesh->mesh.get(), needed, max_hull_vertices_));
+    slot->second.last_round = round_;
+    if (is_new) open.emplace_back(shape, needed, &slot->second.element);
   }
   std::atomic<std::size_t> done{0};
-  inParallel(open.size(), [&](std::size_t i) {
-    const Fidelity needed = open[i].second->dearest;
-    *open[i].second = makeElement(*open[i].first, needed, max_hull_vertices_);
-    const std::size_t now_done = ++done;
-    if (progress) progress(now_done, open.size());
-  });
+  try {
+    inParallel(open.size(), [&](std::size_t i) {
+      const auto& [shape, needed, element] = open[i];
+      *element = makeElement(*shape, needed, max_hull_vertices_);
+      const std::size_t now_done = ++done;
+      if (settings.progress) settings.progress(now_done, open.size());
+    });
+  } catch (...) {
+    of_meshes_.clear();  // some are not made
+    throw;
+  }
+  for (auto i = of_meshes_.begin(); i != of_meshes_.end();) {
+    i = i->second.last_round + KEPT_ROUNDS < round_ ? of_meshes_.erase(i) : std::next(i);
+  }
 }
 
-SceneElement ElementMaker::make(const Shape& shape, Fidelity needed) {
+SceneElement ElementMaker::make(const Shape& shape, Fidelity needed) const {
   if (const auto* mesh = std::get_if<Mesh>(&shape)) {
-    const auto found = of_meshes_.find(Key(mesh->mesh.get(), needed));
-    if (found != of_meshes_.end()) return found->second;
+    const auto found = of_meshes_.find(Key(mesh->mesh.get(), needed, max_hull_vertices_));
+    if (found != of_meshes_.end()) return found->second.element;
   }
   return makeElement(shape, needed, max_hull_vertices_);
 }
 
 Aabb SceneElement::boxAt(const Isometry3d& X_WE) const {
-  return mesh_bounds ? mesh_bounds->boxAt(X_WE) : computeAabb(shape, X_WE);
+  Aabb box = mesh_bounds ? mesh_bounds->boxAt(X_WE) : computeAabb(shape, X_WE);
+  if (box_padding > 0.0) {
+    box.min.array() -= box_padding * (1.0 + ROUNDING);
+    box.max.array() += box_padding * (1.0 + ROUNDING);
+  }
+  return box;
 }
 
 }  // namespace collision_pairs

@@ -1,8 +1,9 @@
 // Prepares an element's rungs of the fidelity ladder.
 #pragma once
 
-#include <functional>
+#include <cstdint>
 #include <map>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -16,23 +17,28 @@ namespace collision_pairs {
 /// Cost: a convex hull for a mesh; a tree of its triangles too where MESH is needed.
 SceneElement makeElement(const Shape& shape, Fidelity needed, int max_hull_vertices);
 
-/// Makes the elements of a scene. A mesh is prepared once, however many links have it, and meshes
-/// are prepared on all cores.
+/// Makes the elements of scenes. A mesh is prepared once, however many links and scenes have it,
+/// and meshes are prepared on all cores.
 class ElementMaker {
  public:
-  explicit ElementMaker(int max_hull_vertices) : max_hull_vertices_(max_hull_vertices) {}
-
-  /// What make() is going to be asked for. `progress` as in SceneSettings.
+  /// What make() is going to be asked for until the next call.
   void prepare(const std::vector<std::pair<const Shape*, Fidelity>>& wanted,
-               const std::function<void(std::size_t, std::size_t)>& progress);
+               const SceneSettings& settings);
 
-  SceneElement make(const Shape& shape, Fidelity needed);
+  SceneElement make(const Shape& shape, Fidelity needed) const;
 
  private:
-  using Key = std::pair<const TriangleMesh*, Fidelity>;
+  using Key = std::tuple<const TriangleMesh*, Fidelity, int>;  // with max_hull_vertices
 
-  int max_hull_vertices_;
-  std::map<Key, SceneElement> of_meshes_;
+  /// Holds its mesh, so that no other can come to lie at the same address.
+  struct Prepared {
+    SceneElement element;
+    std::uint64_t last_round = 0;
+  };
+
+  int max_hull_vertices_ = 0;
+  std::uint64_t round_ = 0;
+  std::map<Key, Prepared> of_meshes_;
 };
 
 }  // namespace collision_pairs

@@ -24,6 +24,44 @@ std::vector<Srdf::LinkPair> readPairs(const tinyxml2::XMLElement& robot, const c
   return pairs;
 }
 
+std::vector<std::string> readNames(const tinyxml2::XMLElement& parent, const char* tag) {
+  std::vector<std::string> names;
+  for (auto* element = parent.FirstChildElement(tag); element;
+       element = element->NextSiblingElement(tag)) {
+    names.push_back(requiredAttribute(*element, "name", WHAT));
+  }
+  return names;
+}
+
+std::vector<Srdf::Group> readGroups(const tinyxml2::XMLElement& robot) {
+  std::vector<Srdf::Group> groups;
+  for (auto* element = robot.FirstChildElement("group"); element;
+       element = element->NextSiblingElement("group")) {
+    Srdf::Group group;
+    group.name = requiredAttribute(*element, "name", WHAT);
+    group.links = readNames(*element, "link");
+    group.joints = readNames(*element, "joint");
+    group.subgroups = readNames(*element, "group");
+    for (auto* chain = element->FirstChildElement("chain"); chain;
+         chain = chain->NextSiblingElement("chain")) {
+      group.chains.emplace_back(requiredAttribute(*chain, "base_link", WHAT),
+                                requiredAttribute(*chain, "tip_link", WHAT));
+    }
+    groups.push_back(std::move(group));
+  }
+  return groups;
+}
+
+std::vector<Srdf::VirtualJoint> readVirtualJoints(const tinyxml2::XMLElement& robot) {
+  std::vector<Srdf::VirtualJoint> joints;
+  for (auto* element = robot.FirstChildElement("virtual_joint"); element;
+       element = element->NextSiblingElement("virtual_joint")) {
+    joints.push_back({requiredAttribute(*element, "name", WHAT),
+                      requiredAttribute(*element, "child_link", WHAT)});
+  }
+  return joints;
+}
+
 }  // namespace
 
 Srdf Srdf::fromXml(const std::string& xml) {
@@ -36,6 +74,9 @@ Srdf Srdf::fromXml(const std::string& xml) {
        element = element->NextSiblingElement("disable_default_collisions")) {
     srdf.disabled_links.push_back(requiredAttribute(*element, "link", WHAT));
   }
+  srdf.groups = readGroups(*robot);
+  srdf.virtual_joints = readVirtualJoints(*robot);
+  srdf.passive_joints = readNames(*robot, "passive_joint");
   return srdf;
 }
 

@@ -17,6 +17,7 @@ StaticBoxes::StaticBoxes(std::vector<Aabb> boxes, std::vector<std::uint32_t> mod
     if (!boxes[i].valid()) {
       throw std::invalid_argument("static box " + std::to_string(i) + " is inverted or not finite");
     }
+    bounds_ = enclosing(bounds_, boxes[i]);
   }
   tree_ = std::make_shared<const StaticTree>(std::move(boxes), std::move(models));
 }

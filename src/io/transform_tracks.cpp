@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "frame_names.h"
+
 namespace collision_pairs {
 namespace {
 
@@ -11,10 +13,6 @@ using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
 constexpr int DEEPEST_TREE = 1000;  // steps; tf2's limit, for frames in a ring
-
-std::string withoutLeadingSlash(const std::string& name) {
-  return !name.empty() && name.front() == '/' ? name.substr(1) : name;
-}
 
 Isometry3d toPose(const Vector3d& p, const Quaterniond& R) {
   Isometry3d X = Isometry3d::Identity();

@@ -2,24 +2,10 @@
 
 #include <algorithm>
 
+#include "geometry_conversions.h"
+
 namespace collision_pairs {
 namespace {
-
-geometry_msgs::Point toPoint(const Eigen::Vector3d& v) {
-  geometry_msgs::Point point;
-  point.x = v.x();
-  point.y = v.y();
-  point.z = v.z();
-  return point;
-}
-
-geometry_msgs::Vector3 toVector3(const Eigen::Vector3d& v) {
-  geometry_msgs::Vector3 vector;
-  vector.x = v.x();
-  vector.y = v.y();
-  vector.z = v.z();
-  return vector;
-}
 
 std::uint8_t toState(PairState state) {
   switch (state) {

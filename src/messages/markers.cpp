@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <vector>
 
+#include "geometry_conversions.h"
+#include "marker_style.h"
+
 namespace collision_pairs {
 namespace {
 
@@ -11,15 +14,6 @@ using visualization_msgs::Marker;
 using visualization_msgs::MarkerArray;
 
 enum class BoxKind { OTHER, INVESTIGATED, IN_CONTACT };
-
-std_msgs::ColorRGBA color(float r, float g, float b, float a) {
-  std_msgs::ColorRGBA rgba;
-  rgba.r = r;
-  rgba.g = g;
-  rgba.b = b;
-  rgba.a = a;
-  return rgba;
-}
 
 struct BoxStyle {
   const char* ns;
@@ -37,23 +31,11 @@ BoxStyle styleOf(BoxKind kind) {
   }
 }
 
-geometry_msgs::Point toPoint(const Vector3d& v) {
-  geometry_msgs::Point point;
-  point.x = v.x();
-  point.y = v.y();
-  point.z = v.z();
-  return point;
-}
-
 class MarkerWriter {
  public:
   MarkerWriter(std::string frame, const ros::Time& stamp)
       : frame_(std::move(frame)), stamp_(stamp) {
-    Marker clear;
-    clear.header.frame_id = frame_;
-    clear.header.stamp = stamp_;
-    clear.action = Marker::DELETEALL;
-    array_.markers.push_back(clear);
+    array_.markers.push_back(clearAll(frame_, stamp_));
   }
 
   void addBox(const Aabb& box, BoxKind kind, std::uint32_t id) {
@@ -107,6 +89,10 @@ class MarkerWriter {
   MarkerArray array_;
 };
 
+bool isBounded(const Aabb& box) {  // a half-space is not
+  return box.min.minCoeff() > -1e100 && box.max.maxCoeff() < 1e100;
+}
+
 std::vector<BoxKind> kindsOf(const CollisionReport& report) {
   std::vector<BoxKind> kinds(report.boxes.size(), BoxKind::OTHER);
   for (const BoxPair& pair : report.candidates) {
@@ -123,11 +109,28 @@ std::vector<BoxKind> kindsOf(const CollisionReport& report) {
 double contactSize(const CollisionReport& report) {
   std::vector<double> sizes;
   for (const Aabb& box : report.boxes) {
-    if (box.valid()) sizes.push_back((box.max - box.min).norm());
+    if (box.valid() && isBounded(box)) sizes.push_back((box.max - box.min).norm());
   }
   if (sizes.empty()) return 0.01;
   std::nth_element(sizes.begin(), sizes.begin() + sizes.size() / 2, sizes.end());
   return std::max(1e-4, 0.05 * sizes[sizes.size() / 2]);
+}
+
+/// What half-spaces are cut to: twice as far as all that is bounded.
+Aabb shownSpace(const CollisionReport& report) {
+  Aabb space = noBox();
+  for (const Aabb& box : report.boxes) {
+    if (box.valid() && isBounded(box)) space = enclosing(space, box);
+  }
+  if (!space.valid()) space = {Vector3d::Constant(-1.0), Vector3d::Constant(1.0)};
+  const Vector3d size = space.max - space.min;
+  return {space.min - 0.5 * size, space.max + 0.5 * size};
+}
+
+Aabb cutTo(const Aabb& space, Aabb box) {
+  box.min = box.min.cwiseMax(space.min).cwiseMin(space.max);
+  box.max = box.max.cwiseMin(space.max).cwiseMax(box.min);
+  return box;
 }
 
 }  // namespace
@@ -136,10 +139,12 @@ MarkerArray toMarkers(const CollisionReport& report, bool only_investigated,
                       const std::string& frame, const ros::Time& stamp) {
   MarkerWriter writer(frame, stamp);
   const std::vector<BoxKind> kinds = kindsOf(report);
+  const Aabb space = shownSpace(report);
   for (std::uint32_t i = 0; i < report.boxes.size(); ++i) {
     if (!report.boxes[i].valid()) continue;
     if (only_investigated && kinds[i] == BoxKind::OTHER) continue;
-    writer.addBox(report.boxes[i], kinds[i], i);
+    const Aabb& box = report.boxes[i];
+    writer.addBox(isBounded(box) ? box : cutTo(space, box), kinds[i], i);
   }
   const double size = contactSize(report);
   for (std::uint32_t i = 0; i < report.contacts.size(); ++i) {

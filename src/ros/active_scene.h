@@ -3,15 +3,18 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
-#include "scene_loader.h"
+#include "collision_pairs/collision_scene.h"
 #include "tf_poses.h"
 
 namespace collision_pairs {
 
 /// A scene with what the node knows of it. Replaced as a whole; whoever holds one may go on.
 struct ActiveScene {
-  LoadedScene loaded;
+  std::shared_ptr<const CollisionScene> scene;
+  /// Links with geometry that could not be read: listed as left out in every report.
+  std::vector<std::string> broken_links;
   std::string frame;  ///< of reports and markers
   std::unique_ptr<TfPoses> tf_poses;
 };

@@ -9,6 +9,7 @@
 #include "collision_pairs/input_error.h"
 #include "conversions.h"
 #include "markers.h"
+#include "scene_markers.h"
 
 namespace collision_pairs {
 namespace {
@@ -16,10 +17,6 @@ namespace {
 constexpr double LOAD_PERIOD = 2.0;    // s between attempts to find a robot_description
 constexpr double OLD_TRANSFORM = 1.0;  // s: older transforms are worth a warning
 constexpr double WARN_PERIOD = 5.0;    // s between repeated warnings on the log
-
-std::string withoutLeadingSlash(const std::string& frame) {
-  return !frame.empty() && frame.front() == '/' ? frame.substr(1) : frame;
-}
 
 double secondsSince(const ros::WallTime& start) { return (ros::WallTime::now() - start).toSec(); }
 
@@ -30,11 +27,15 @@ CollisionPairsNode::CollisionPairsNode(ros::NodeHandle node, ros::NodeHandle pri
       private_node_(private_node),
       parameters_(NodeParameters::read(private_node)),
       tf_listener_(tf_buffer_),
+      scenes_(private_node, tf_buffer_, parameters_),
       diagnostics_(node, private_node),
-      queries_(private_node, tf_buffer_, [this] { return situation(); }) {
+      updates_(private_node, scenes_),
+      queries_(private_node, tf_buffer_, scenes_, [this] { return queryDefaults(); }) {
   pairs_publisher_ = private_node_.advertise<CollisionPairs>("collision_pairs", 1);
   in_collision_publisher_ = private_node_.advertise<std_msgs::Bool>("in_collision", 1);
   markers_publisher_ = private_node_.advertise<visualization_msgs::MarkerArray>("markers", 1);
+  scene_publisher_ = private_node_.advertise<visualization_msgs::MarkerArray>(
+      "scene_markers", 1, [this](const ros::SingleSubscriberPublisher&) { shown_scene_.reset(); });
   reset_service_ = private_node_.advertiseService("reset", &CollisionPairsNode::onReset, this);
 
   diagnostics_.setHardwareID("none");
@@ -66,14 +67,7 @@ void CollisionPairsNode::run() {
 
 bool CollisionPairsNode::loadScene(std::string& problem) {
   try {
-    auto active = std::make_shared<ActiveScene>();
-    active->loaded = collision_pairs::loadScene(private_node_, parameters_.scene);
-    active->frame = withoutLeadingSlash(parameters_.fixed_frame);
-    const CollisionScene& scene = *active->loaded.scene;
-    if (active->frame.empty()) active->frame = scene.robot().links().front().name;
-    active->tf_poses = std::make_unique<TfPoses>(tf_buffer_, scene, active->frame);
-    const std::lock_guard<std::mutex> lock(mutex_);
-    scene_ = std::move(active);
+    scenes_.load();
     return true;
   } catch (const std::exception& error) {
     problem = error.what();
@@ -81,25 +75,20 @@ bool CollisionPairsNode::loadScene(std::string& problem) {
   }
 }
 
-ActiveScenePtr CollisionPairsNode::activeScene() const {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  return scene_;
-}
-
 CheckSettings CollisionPairsNode::settings() const {
   const std::lock_guard<std::mutex> lock(mutex_);
   return parameters_.check;
 }
 
-QueryService::Situation CollisionPairsNode::situation() const {
+QueryService::Defaults CollisionPairsNode::queryDefaults() const {
   const std::lock_guard<std::mutex> lock(mutex_);
-  return {scene_, parameters_.check, parameters_.max_transform_age};
+  return {parameters_.check, parameters_.max_transform_age};
 }
 
 void CollisionPairsNode::cycle() {
   try {
     const ros::WallTime start = ros::WallTime::now();
-    ActiveScenePtr scene = activeScene();
+    ActiveScenePtr scene = scenes_.active();
     if (!scene) {
       if (start < next_load_) return;
       next_load_ = start + ros::WallDuration(LOAD_PERIOD);
@@ -107,10 +96,10 @@ void CollisionPairsNode::cycle() {
         ROS_ERROR_STREAM_THROTTLE(WARN_PERIOD, health_.problem);
         return;
       }
-      scene = activeScene();
+      scene = scenes_.active();
     }
     if (scene != reported_scene_) {
-      detector_ = std::make_unique<CollisionDetector>(scene->loaded.scene);
+      detector_ = std::make_unique<CollisionDetector>(scene->scene);
       reported_scene_ = scene;
     }
     const StampedPoses stamped = freshPoses(*scene->tf_poses);
@@ -119,6 +108,7 @@ void CollisionPairsNode::cycle() {
     const ros::Time stamp = stamped.stamp.isZero() ? ros::Time::now() : stamped.stamp;
     detector_->detect(stamped.poses, settings());
     publish(*scene, stamped, stamp, transform_time);
+    publishSceneMarkers();
     health_.cycle_time = secondsSince(start);
     if (health_.cycle_time > 1.0 / parameters_.rate) ++health_.overruns;
   } catch (const std::exception& error) {
@@ -142,8 +132,8 @@ StampedPoses CollisionPairsNode::freshPoses(const TfPoses& tf_poses) {
 
 void CollisionPairsNode::publish(const ActiveScene& scene, const StampedPoses& stamped,
                                  const ros::Time& stamp, double transform_time) {
-  CollisionPairs message = toMessage(detector_->report(), *scene.loaded.scene, settings(),
-                                     scene.frame, stamp, scene.loaded.broken_links);
+  CollisionPairs message = toMessage(detector_->report(), *scene.scene, settings(), scene.frame,
+                                     stamp, scene.broken_links);
   message.time_transforms = transform_time;
   message.time_total += transform_time;
   pairs_publisher_.publish(message);
@@ -160,6 +150,14 @@ void CollisionPairsNode::publishMarkers() {
   markers_publisher_.publish(toMarkers(detector_->report(),
                                        parameters_.show_only_investigated_boxes,
                                        reported_scene_->frame, reported_stamp_));
+}
+
+// Only when the scene is another, or somebody new looks at it: nothing in it moves but with TF.
+void CollisionPairsNode::publishSceneMarkers() {
+  if (shown_scene_ == reported_scene_ || scene_publisher_.getNumSubscribers() == 0) return;
+  shown_scene_ = reported_scene_;
+  scene_publisher_.publish(
+      toSceneMarkers(*shown_scene_->scene, settings().fidelity, shown_scene_->frame));
 }
 
 void CollisionPairsNode::noteHealth(const CollisionPairs& message, const std::string& problem) {

@@ -16,11 +16,12 @@
 #include <tf2_ros/buffer.h>
 #include <tf2_ros/transform_listener.h>
 
-#include "active_scene.h"
 #include "clock_watch.h"
 #include "collision_pairs/collision_detector.h"
 #include "parameters.h"
 #include "query_service.h"
+#include "scene_store.h"
+#include "update_service.h"
 
 namespace collision_pairs {
 
@@ -45,9 +46,8 @@ class CollisionPairsNode {
   };
 
   bool loadScene(std::string& problem);
-  ActiveScenePtr activeScene() const;
   CheckSettings settings() const;
-  QueryService::Situation situation() const;
+  QueryService::Defaults queryDefaults() const;
 
   void cycle();
   /// The newest poses that are of this pass of the clock.
@@ -55,6 +55,7 @@ class CollisionPairsNode {
   void publish(const ActiveScene& scene, const StampedPoses& stamped, const ros::Time& stamp,
                double transform_time);
   void publishMarkers();
+  void publishSceneMarkers();
   void noteHealth(const CollisionPairs& message, const std::string& problem);
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) const;
 
@@ -68,8 +69,8 @@ class CollisionPairsNode {
   tf2_ros::Buffer tf_buffer_;
   tf2_ros::TransformListener tf_listener_;
 
-  mutable std::mutex mutex_;  // guards scene_ and parameters_
-  ActiveScenePtr scene_;
+  mutable std::mutex mutex_;  // guards parameters_
+  SceneStore scenes_;
 
   // Of the cycle's thread alone.
   std::unique_ptr<CollisionDetector> detector_;
@@ -83,10 +84,14 @@ class CollisionPairsNode {
   ros::Publisher pairs_publisher_;
   ros::Publisher in_collision_publisher_;
   ros::Publisher markers_publisher_;
+  ros::Publisher scene_publisher_;
+  ActiveScenePtr shown_scene_;  // by the markers of the scene
   ros::ServiceServer reset_service_;
   std::unique_ptr<dynamic_reconfigure::Server<CollisionPairsConfig>> reconfigure_server_;
   diagnostic_updater::Updater diagnostics_;
-  QueryService queries_;  // last: ends before what it asks goes
+  // Last: they end before what they ask goes.
+  UpdateService updates_;
+  QueryService queries_;
 };
 
 }  // namespace collision_pairs

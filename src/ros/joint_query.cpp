@@ -6,7 +6,7 @@
 #include <tf2/exceptions.h>
 
 #include "collision_pairs/input_error.h"
-#include "tf_poses.h"
+#include "geometry_conversions.h"
 
 namespace collision_pairs {
 namespace {

@@ -7,6 +7,8 @@
 #include <ros/console.h>
 
 #include "collision_pairs/input_error.h"
+#include "frame_names.h"
+#include "yaml_parameters.h"
 
 namespace collision_pairs {
 namespace {
@@ -93,6 +95,35 @@ class Reader {
 };
 
 }  // namespace
+
+std::vector<RobotParameters> readRobots(const ros::NodeHandle& private_node) {
+  const std::string rule =
+      " is not a list of {description: parameter, semantic: parameter, prefix: name}, of which the "
+      "second may be missing";
+  const std::string key = private_node.resolveName("robots");
+  const YAML::Node given = yamlParameters(private_node, {"robots"})["robots"];
+  if (!given || given.size() == 0) return {RobotParameters()};
+  if (!given.IsSequence()) throw InputError("parameter " + key + rule);
+  std::vector<RobotParameters> robots;
+  for (const YAML::Node& entry : given) {
+    if (!entry.IsMap()) throw InputError("parameter " + key + rule);
+    RobotParameters robot;
+    robot.semantic.clear();
+    for (const auto& field : entry) {
+      const std::string name = field.first.Scalar();
+      std::string* value = name == "description" ? &robot.description
+                           : name == "semantic"  ? &robot.semantic
+                           : name == "prefix"    ? &robot.prefix
+                                                 : nullptr;
+      if (!value || !field.second.IsScalar()) throw InputError("parameter " + key + rule);
+      *value = field.second.Scalar();
+    }
+    while (!robot.prefix.empty() && robot.prefix.back() == '/') robot.prefix.pop_back();
+    robot.prefix = withoutLeadingSlash(robot.prefix);
+    robots.push_back(robot);
+  }
+  return robots;
+}
 
 NodeParameters NodeParameters::read(const ros::NodeHandle& private_node) {
   NodeParameters parameters;

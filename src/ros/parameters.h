@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include <ros/node_handle.h>
 
@@ -9,12 +10,22 @@
 
 namespace collision_pairs {
 
+/// One of ~robots: the names of the parameters with its URDF and SRDF, and its TF prefix.
+struct RobotParameters {
+  std::string description = "robot_description";
+  std::string semantic = "robot_description_semantic";
+  std::string prefix;
+};
+
+/// ~robots, or the one robot whose parameters have the usual names. Throws InputError.
+std::vector<RobotParameters> readRobots(const ros::NodeHandle& private_node);
+
 struct NodeParameters {
   /// ~alarm_distance [m], ~fidelity and ~time_budget [s]. The default is the core's. May change
   /// while running.
   CheckSettings check;
-  /// ~link_fidelity and ~max_hull_vertices. Every rung is prepared, because a request may ask for
-  /// more than the node does.
+  /// ~link_fidelity and ~max_hull_vertices; the rest is read with the robot (sceneConfigKeys).
+  /// Every rung is prepared, because a request may ask for more than the node does.
   SceneSettings scene;
   /// ~rate [Hz]: cycles per second, by the wall clock. May change while running.
   double rate = 50.0;

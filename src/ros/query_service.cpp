@@ -24,30 +24,29 @@ CheckSettings settingsFor(const Request& request, CheckSettings settings) {
   return settings;
 }
 
-StampedPoses posesAt(const QueryService::Situation& now, const ros::Time& stamp) {
-  return stamp.isZero() ? now.scene->tf_poses->latest(now.max_transform_age)
-                        : now.scene->tf_poses->at(stamp);
+/// Throws InputError while there is no scene.
+template <class Request>
+ActiveScenePtr sceneFor(const Request& request, SceneStore& scenes) {
+  ActiveScenePtr scene = scenes.restrictedTo({request.group, request.links});
+  if (!scene) throw InputError("there is no robot yet; see the node's log and diagnostics");
+  return scene;
+}
+
+StampedPoses posesAt(const ActiveScene& scene, const ros::Time& stamp, double max_transform_age) {
+  return stamp.isZero() ? scene.tf_poses->latest(max_transform_age) : scene.tf_poses->at(stamp);
 }
 
 }  // namespace
 
 QueryService::QueryService(const ros::NodeHandle& private_node, const tf2::BufferCore& tf_buffer,
-                           std::function<Situation()> situation)
-    : tf_buffer_(tf_buffer), situation_(std::move(situation)), spinner_(1, &queue_) {
+                           SceneStore& scenes, std::function<Defaults()> defaults)
+    : tf_buffer_(tf_buffer), scenes_(scenes), defaults_(std::move(defaults)), spinner_(1, &queue_) {
   ros::NodeHandle node(private_node);
   node.setCallbackQueue(&queue_);
   check_server_ = node.advertiseService("check_collisions", &QueryService::onCheck, this);
   trajectory_server_ =
       node.advertiseService("check_trajectory", &QueryService::onCheckTrajectory, this);
   spinner_.start();
-}
-
-QueryService::Situation QueryService::now() const {
-  Situation situation = situation_();
-  if (!situation.scene) {
-    throw InputError("there is no robot yet; see the node's log and diagnostics");
-  }
-  return situation;
 }
 
 bool QueryService::onCheck(CheckCollisions::Request& request, CheckCollisions::Response& response) {
@@ -63,12 +62,13 @@ bool QueryService::onCheck(CheckCollisions::Request& request, CheckCollisions::R
 
 void QueryService::check(const CheckCollisions::Request& request,
                          CheckCollisions::Response& response) {
-  const Situation now = this->now();
-  const ActiveScene& active = *now.scene;
-  const auto& scene = active.loaded.scene;
-  const CheckSettings settings = settingsFor(request, now.settings);
+  const Defaults defaults = defaults_();
+  const ActiveScenePtr active_scene = sceneFor(request, scenes_);
+  const ActiveScene& active = *active_scene;
+  const auto& scene = active.scene;
+  const CheckSettings settings = settingsFor(request, defaults.settings);
   const ros::WallTime start = ros::WallTime::now();
-  StampedPoses stamped = posesAt(now, request.stamp);
+  StampedPoses stamped = posesAt(active, request.stamp, defaults.max_transform_age);
   if (!request.joint_state.name.empty() || !request.joint_state.position.empty()) {
     const JointQuery query(request.joint_state.name, *scene, tf_buffer_, active.frame,
                            stamped.stamp);
@@ -86,8 +86,7 @@ void QueryService::check(const CheckCollisions::Request& request,
   }
   const CollisionReport& report = detector_->detect(stamped.poses, settings);
   const ros::Time stamp = stamped.stamp.isZero() ? ros::Time::now() : stamped.stamp;
-  response.result =
-      toMessage(report, *scene, settings, active.frame, stamp, active.loaded.broken_links);
+  response.result = toMessage(report, *scene, settings, active.frame, stamp, active.broken_links);
   response.result.time_transforms = transform_time;
   response.result.time_total += transform_time;
   if (!stamped.problem.empty()) response.message = "left out, no transform: " + stamped.problem;
@@ -96,13 +95,14 @@ void QueryService::check(const CheckCollisions::Request& request,
 bool QueryService::onCheckTrajectory(CheckTrajectory::Request& request,
                                      CheckTrajectory::Response& response) {
   try {
-    const Situation now = this->now();
-    const ActiveScene& active = *now.scene;
-    const auto& scene = active.loaded.scene;
+    const Defaults defaults = defaults_();
+    const ActiveScenePtr active_scene = sceneFor(request, scenes_);
+    const ActiveScene& active = *active_scene;
+    const auto& scene = active.scene;
     if (!batch_ || &batch_->scene() != scene.get()) batch_ = std::make_unique<BatchCheck>(scene);
-    const ros::Time stamp = posesAt(now, request.stamp).stamp;
+    const ros::Time stamp = posesAt(active, request.stamp, defaults.max_transform_age).stamp;
     const JointQuery query(request.trajectory.joint_names, *scene, tf_buffer_, active.frame, stamp);
-    checkTrajectory(request, query, settingsFor(request, now.settings), active.loaded.broken_links,
+    checkTrajectory(request, query, settingsFor(request, defaults.settings), active.broken_links,
                     active.frame, stamp, *batch_, response);
     response.success = true;
   } catch (const std::exception& error) {

@@ -13,8 +13,8 @@
 #include <ros/spinner.h>
 #include <tf2/buffer_core.h>
 
-#include "active_scene.h"
 #include "collision_pairs/batch_check.h"
+#include "scene_store.h"
 
 namespace collision_pairs {
 
@@ -22,26 +22,24 @@ namespace collision_pairs {
 /// What is wrong with a request is said in its reply.
 class QueryService {
  public:
-  /// What is in force when a request comes.
-  struct Situation {
-    ActiveScenePtr scene;  ///< null while there is none
+  /// What the node does, unless a request says something else.
+  struct Defaults {
     CheckSettings settings;
     double max_transform_age;  ///< seconds
   };
 
-  /// `situation` is called from the service's thread.
+  /// `defaults` is called from the service's thread; the references must outlive this object.
   QueryService(const ros::NodeHandle& private_node, const tf2::BufferCore& tf_buffer,
-               std::function<Situation()> situation);
+               SceneStore& scenes, std::function<Defaults()> defaults);
 
  private:
-  /// Throws InputError while there is no scene.
-  Situation now() const;
   bool onCheck(CheckCollisions::Request& request, CheckCollisions::Response& response);
   void check(const CheckCollisions::Request& request, CheckCollisions::Response& response);
   bool onCheckTrajectory(CheckTrajectory::Request& request, CheckTrajectory::Response& response);
 
   const tf2::BufferCore& tf_buffer_;
-  std::function<Situation()> situation_;
+  SceneStore& scenes_;
+  std::function<Defaults()> defaults_;
   std::unique_ptr<CollisionDetector> detector_;
   std::unique_ptr<BatchCheck> batch_;
   ros::CallbackQueue queue_;

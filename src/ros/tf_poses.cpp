@@ -6,20 +6,11 @@
 #include <geometry_msgs/TransformStamped.h>
 #include <tf2/exceptions.h>
 
+#include "geometry_conversions.h"
+
 namespace collision_pairs {
 
 using Eigen::Isometry3d;
-
-bool toIsometry(const geometry_msgs::Transform& transform, Isometry3d& X) {
-  const auto& q = transform.rotation;
-  const auto& t = transform.translation;
-  const Eigen::Quaterniond rotation(q.w, q.x, q.y, q.z);
-  if (!(std::abs(rotation.norm() - 1.0) < 1e-3)) return false;  // NaN is caught here too
-  X = Isometry3d::Identity();
-  X.linear() = rotation.normalized().toRotationMatrix();
-  X.translation() = Eigen::Vector3d(t.x, t.y, t.z);
-  return X.translation().allFinite();
-}
 
 TfPoses::TfPoses(const tf2::BufferCore& buffer, const CollisionScene& scene, std::string frame)
     : buffer_(buffer), frame_(std::move(frame)) {

@@ -68,7 +68,4 @@ class TfPoses {
   mutable std::vector<std::atomic<bool>> expected_;
 };
 
-/// False if the rotation is not one (NaN, or a quaternion whose length is not 1 within 1e-3).
-bool toIsometry(const geometry_msgs::Transform& transform, Eigen::Isometry3d& X);
-
 }  // namespace collision_pairs

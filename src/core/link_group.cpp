@@ -1,0 +1,92 @@
+#include "link_group.h"
+
+#include <algorithm>
+#include <set>
+
+#include "collision_pairs/input_error.h"
+#include "nearest_name.h"
+
+namespace collision_pairs {
+namespace {
+
+class GroupReader {
+ public:
+  GroupReader(const Srdf& srdf, const RobotModel& robot)
+      : srdf_(srdf), robot_(robot), moves_(robot.links().size(), 0) {}
+
+  // Subgroups may name each other in a circle.
+  void add(const std::string& name) {
+    if (!seen_.insert(name).second) return;
+    const Srdf::Group& group = find(name);
+    for (const std::string& link : group.links) addLink(link);
+    for (const std::string& joint : group.joints) addJoint(joint);
+    for (const auto& [base, tip] : group.chains) addChain(base, tip);
+    for (const std::string& subgroup : group.subgroups) add(subgroup);
+  }
+
+  // Links are numbered from the root outwards.
+  std::vector<int> moved() {
+    std::vector<int> moved;
+    for (std::size_t i = 0; i < moves_.size(); ++i) {
+      const int joint = robot_.links()[i].parent_joint;
+      if (joint >= 0 && moves_[robot_.joints()[joint].parent_link]) moves_[i] = 1;
+      if (moves_[i]) moved.push_back(static_cast<int>(i));
+    }
+    return moved;
+  }
+
+ private:
+  const Srdf::Group& find(const std::string& name) const {
+    std::vector<std::string> names;
+    for (const Srdf::Group& group : srdf_.groups) {
+      if (group.name == name) return group;
+      names.push_back(group.name);
+    }
+    std::string error = "there is no group '" + name + "' in the SRDF of robot '" + robot_.name();
+    error += names.empty() ? "', which has none at all"
+                           : "'; is '" + nearestName(name, names) + "' meant?";
+    throw InputError(error);
+  }
+
+  void addLink(const std::string& name) {
+    const int link = robot_.findLink(name);
+    if (link >= 0) moves_[link] = 1;
+  }
+
+  void addJoint(const std::string& name) {
+    const int joint = robot_.findJoint(name);
+    if (joint >= 0) moves_[robot_.joints()[joint].child_link] = 1;
+    for (const Srdf::VirtualJoint& virtual_joint : srdf_.virtual_joints) {
+      if (virtual_joint.name == name) addLink(virtual_joint.child_link);
+    }
+  }
+
+  // The joints from the base to the tip: the base itself does not move by them.
+  void addChain(const std::string& base, const std::string& tip) {
+    const int stop = robot_.findLink(base);
+    for (int link = robot_.findLink(tip); link >= 0 && link != stop;) {
+      moves_[link] = 1;
+      const int joint = robot_.links()[link].parent_joint;
+      link = joint < 0 ? -1 : robot_.joints()[joint].parent_link;
+    }
+  }
+
+  const Srdf& srdf_;
+  const RobotModel& robot_;
+  std::vector<char> moves_;  // by link
+  std::set<std::string> seen_;
+};
+
+}  // namespace
+
+std::vector<int> linksMovedBy(const Srdf& srdf, const RobotModel& robot, const std::string& group) {
+  GroupReader reader(srdf, robot);
+  reader.add(group);
+  std::vector<int> moved = reader.moved();
+  if (moved.empty()) {
+    throw InputError("group '" + group + "' moves no link of robot '" + robot.name() + "'");
+  }
+  return moved;
+}
+
+}  // namespace collision_pairs

@@ -1,0 +1,152 @@
+#include "pair_policy.h"
+
+#include <algorithm>
+
+#include "collision_pairs/input_error.h"
+#include "link_group.h"
+
+namespace collision_pairs {
+namespace {
+
+std::string withPrefix(const std::string& prefix, const std::string& name) {
+  return prefix.empty() ? name : prefix + "/" + name;
+}
+
+bool contains(const std::vector<std::string>& names, const std::string& name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+/// Does `a` say that it may touch `b`?
+bool mayTouch(const SceneMember& a, const SceneMember& b) {
+  if (!a.object) return false;
+  return contains(a.object->touch_links, b.name) || a.object->attached_link == b.name;
+}
+
+}  // namespace
+
+PairPolicy::PairPolicy(const SceneDescription& description, const std::vector<SceneMember>& members)
+    : description_(description), members_(members) {
+  readSwitchedOff();
+  for (const PairRule& rule : description.settings.pair_rules) {
+    rules_.push_back(meant(rule.first, rule.second));
+  }
+  for (const PairPadding& pair : description.settings.pair_padding) {
+    paddings_.push_back(meant(pair.first, pair.second));
+  }
+  for (const RigidObject& object : description.objects) {
+    touched_.insert(object.touch_links.begin(), object.touch_links.end());
+  }
+  if (!description.restriction.empty()) readRestriction();
+}
+
+PairPolicy::Meant PairPolicy::meant(const NamePattern& first, const NamePattern& second) const {
+  Meant meant;
+  for (const SceneMember& member : members_) {
+    meant.first.push_back(matches(first, member.name));
+    meant.second.push_back(matches(second, member.name));
+  }
+  return meant;
+}
+
+void PairPolicy::readSwitchedOff() {
+  for (const SceneRobot& robot : description_.robots) {
+    const auto& links = robot.model->links();
+    std::set<Srdf::LinkPair> off;
+    if (robot.srdf) {
+      std::vector<std::string> names;
+      for (const Link& link : links) names.push_back(link.name);
+      off = robot.srdf->switchedOff(names);
+    } else {
+      for (const auto& [a, b] : robot.model->adjacentLinks()) {
+        off.insert(std::minmax(links[a].name, links[b].name));
+      }
+    }
+    for (const auto& [a, b] : off) {  // a common prefix does not change their order
+      switched_off_.emplace(withPrefix(robot.prefix, a), withPrefix(robot.prefix, b));
+    }
+  }
+}
+
+void PairPolicy::readRestriction() {
+  const Restriction& restriction = description_.restriction;
+  std::set<std::string> names;
+  if (!restriction.group.empty()) addGroup(restriction.group, names);
+  for (const SceneMember& member : members_) {
+    for (const NamePattern& pattern : restriction.names) {
+      if (matches(pattern, member.name)) names.insert(member.name);
+    }
+  }
+  for (const SceneMember& member : members_) {
+    restricted_.push_back(names.count(member.name) > 0 ||
+                          (member.object && names.count(member.object->attached_link) > 0));
+  }
+}
+
+void PairPolicy::addGroup(const std::string& name, std::set<std::string>& names) const {
+  const SceneRobot* owner = nullptr;
+  for (const SceneRobot& robot : description_.robots) {
+    const bool is_meant = name.rfind(withPrefix(robot.prefix, ""), 0) == 0;
+    if (!is_meant || (owner && robot.prefix.size() < owner->prefix.size())) continue;
+    owner = &robot;
+  }
+  if (!owner) {
+    throw InputError("group '" + name + "' is of no robot; it must begin with the prefix of one");
+  }
+  if (!owner->srdf) {
+    throw InputError("group '" + name + "' is asked for, but robot '" + owner->model->name() +
+                     "' has no SRDF");
+  }
+  const std::string prefix = withPrefix(owner->prefix, "");
+  for (const int link : linksMovedBy(*owner->srdf, *owner->model, name.substr(prefix.size()))) {
+    names.insert(prefix + owner->model->links()[link].name);
+  }
+}
+
+bool PairPolicy::neverMeet(const SceneMember& a, const SceneMember& b) const {
+  if (a.isStatic() && b.isStatic()) return true;
+  if (mayTouch(a, b) || mayTouch(b, a)) return true;
+  return a.object && b.object && a.body == b.body;
+}
+
+bool PairPolicy::allowedBySrdf(const SceneMember& a, const SceneMember& b) const {
+  if (a.robot < 0 || b.robot < 0) return true;
+  const auto ordered =
+      a.name < b.name ? Srdf::LinkPair(a.name, b.name) : Srdf::LinkPair(b.name, a.name);
+  return description_.check_self && switched_off_.count(ordered) == 0;
+}
+
+bool PairPolicy::allowed(std::size_t a, std::size_t b) const {
+  if (neverMeet(members_[a], members_[b])) return false;
+  if (!restricted_.empty() && !restricted_[a] && !restricted_[b]) return false;
+  for (std::size_t i = rules_.size(); i-- > 0;) {
+    if (!rules_[i].both(a, b)) continue;
+    return description_.settings.pair_rules[i].verdict == PairRule::Verdict::ALLOW;
+  }
+  return allowedBySrdf(members_[a], members_[b]);
+}
+
+std::optional<double> PairPolicy::padding(std::size_t a, std::size_t b) const {
+  for (std::size_t i = paddings_.size(); i-- > 0;) {
+    if (paddings_[i].both(a, b)) return description_.settings.pair_padding[i].metres;
+  }
+  return std::nullopt;
+}
+
+std::string PairPolicy::signature(std::size_t member) const {
+  const SceneMember& m = members_[member];
+  std::string text(1, static_cast<char>(m.dearest));
+  for (const auto* all : {&rules_, &paddings_}) {
+    for (const Meant& one : *all) {
+      text += one.first[member] ? '1' : '0';
+      text += one.second[member] ? '1' : '0';
+    }
+  }
+  if (!restricted_.empty()) text += restricted_[member] ? 'r' : '-';
+  if (touched_.count(m.name) > 0) text += " " + m.name;
+  if (m.object) {
+    for (const std::string& link : m.object->touch_links) text += " " + link;
+  }
+  return text;
+}
+
+}  // namespace collision_pairs

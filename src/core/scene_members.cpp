@@ -1,0 +1,118 @@
+#include "scene_members.h"
+
+#include <algorithm>
+
+#include "settings_check.h"
+
+namespace collision_pairs {
+namespace {
+
+using Eigen::Isometry3d;
+
+bool matchesAny(const std::vector<NamePattern>& patterns, const std::string& name) {
+  return std::any_of(patterns.begin(), patterns.end(),
+                     [&](const NamePattern& pattern) { return matches(pattern, name); });
+}
+
+class MemberCollector {
+ public:
+  MemberCollector(const SceneDescription& description, const RobotModel& merged)
+      : description_(description), settings_(description.settings), merged_(merged) {}
+
+  std::vector<SceneMember> collect() {
+    addRobots();
+    if (description_.world) addWorld(*description_.world);
+    for (const RigidObject& object : description_.objects) addObject(object);
+    std::sort(members_.begin(), members_.end(),
+              [](const SceneMember& a, const SceneMember& b) { return a.name < b.name; });
+    return std::move(members_);
+  }
+
+ private:
+  // The links of the merged model come robot by robot.
+  void addRobots() {
+    std::size_t i = 0;
+    for (std::size_t robot = 0; robot < description_.robots.size(); ++robot) {
+      const std::size_t end = i + description_.robots[robot].model->links().size();
+      for (; i < end; ++i) {
+        const Link& link = merged_.links()[i];
+        if (SceneMember* member = addLink(link)) {
+          member->robot = static_cast<int>(robot);
+          member->body = link.body;
+          member->X_BM = link.X_BL;
+          const auto own = settings_.link_padding.find(link.name);
+          member->padding = own == settings_.link_padding.end() ? settings_.padding : own->second;
+        }
+      }
+    }
+  }
+
+  void addWorld(const RobotModel& world) {
+    std::vector<Isometry3d> X_WB;
+    world.forwardKinematics(world.zeroPositions(), X_WB);
+    for (const Link& link : world.links()) {
+      if (SceneMember* member = addLink(link)) {
+        member->X_BM = X_WB[link.body] * link.X_BL;
+        const auto own = settings_.link_padding.find(link.name);
+        if (own != settings_.link_padding.end()) member->padding = own->second;
+      }
+    }
+  }
+
+  /// Null if the link cannot be in a pair.
+  SceneMember* addLink(const Link& link) {
+    if (link.elements.empty() || matchesAny(settings_.ignored_links, link.name)) return nullptr;
+    SceneMember& member = add(link.name, link.elements);
+    member.cylinder_as_capsule = matchesAny(settings_.cylinder_as_capsule, link.name);
+    return &member;
+  }
+
+  void addObject(const RigidObject& object) {
+    SceneMember& member = add(object.name, object.elements);
+    member.object = &object;
+    member.padding = object.padding;
+    member.X_BM = object.X_PO;
+    if (object.attached_link.empty()) return;
+    const Link& link = merged_.links()[merged_.findLink(object.attached_link)];
+    member.body = link.body;
+    member.X_BM = link.X_BL * object.X_PO;
+  }
+
+  SceneMember& add(const std::string& name, const std::vector<Element>& elements) {
+    SceneMember member;
+    member.name = name;
+    member.elements = &elements;
+    const auto own = settings_.link_fidelity.find(name);
+    member.dearest = own == settings_.link_fidelity.end()
+                         ? settings_.fidelity
+                         : std::min(own->second, settings_.fidelity);
+    members_.push_back(std::move(member));
+    return members_.back();
+  }
+
+  const SceneDescription& description_;
+  const SceneSettings& settings_;
+  const RobotModel& merged_;
+  std::vector<SceneMember> members_;
+};
+
+}  // namespace
+
+std::shared_ptr<const RobotModel> mergedRobot(const SceneDescription& description) {
+  const auto& robots = description.robots;
+  const bool is_as_it_is = robots.size() == 1 && robots[0].prefix.empty() &&
+                           robots[0].X_WR.isApprox(Isometry3d::Identity(), 0.0);
+  if (is_as_it_is) return robots[0].model;
+  std::vector<RobotModel::Placed> placed;
+  for (const SceneRobot& robot : robots) placed.push_back({robot.model, robot.prefix, robot.X_WR});
+  return RobotModel::merge(placed);
+}
+
+std::vector<SceneMember> sceneMembers(const SceneDescription& description,
+                                      const RobotModel& merged) {
+  checkNames(description, merged);
+  checkSizes(description);
+  return MemberCollector(description, merged).collect();
+}
+
+}  // namespace collision_pairs

@@ -1,0 +1,207 @@
+#include "scene_config.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <map>
+#include <sstream>
+
+#include "collision_pairs/input_error.h"
+#include "nearest_name.h"
+#include "text_files.h"
+
+namespace collision_pairs {
+namespace {
+
+std::string shown(const YAML::Node& node) {
+  YAML::Emitter out;
+  out << YAML::Flow << node;
+  return out.c_str();
+}
+
+[[noreturn]] void refuse(const std::string& key, const YAML::Node& value, const std::string& rule) {
+  throw InputError(key + " is " + shown(value) + ", but must be " + rule);
+}
+
+std::string text(const std::string& key, const YAML::Node& value, const std::string& rule) {
+  if (!value.IsScalar()) refuse(key, value, rule);
+  return value.Scalar();
+}
+
+double number(const std::string& key, const YAML::Node& value, const std::string& rule) {
+  double found = NAN;
+  if (!value.IsScalar() || !YAML::convert<double>::decode(value, found) || !std::isfinite(found)) {
+    refuse(key, value, rule);
+  }
+  return found;
+}
+
+double metres(const std::string& key, const YAML::Node& value) {
+  const std::string rule = "0 or more metres";
+  const double found = number(key, value, rule);
+  if (found < 0.0) refuse(key, value, rule);
+  return found;
+}
+
+std::vector<std::string> names(const std::string& key, const YAML::Node& value) {
+  const std::string rule = "a list of names or patterns, such as [elbow, \"left_*\"]";
+  if (!value.IsSequence()) refuse(key, value, rule);
+  std::vector<std::string> found;
+  for (const YAML::Node& entry : value) found.push_back(text(key, entry, rule));
+  return found;
+}
+
+std::pair<std::string, std::string> twoNames(const std::string& key, const YAML::Node& value) {
+  const auto found = names(key, value);
+  if (found.size() != 2) refuse(key, value, "two names or patterns, such as [\"left_*\", base]");
+  return {found[0], found[1]};
+}
+
+/// Calls `read` with each key and value of a map.
+void forEntries(const std::string& key, const YAML::Node& value, const std::string& rule,
+                const std::function<void(const std::string&, const YAML::Node&)>& read) {
+  if (!value.IsMap()) refuse(key, value, rule);
+  for (const auto& entry : value) read(text(key, entry.first, rule), entry.second);
+}
+
+void readLinkFidelity(const YAML::Node& value, SceneConfig& config) {
+  forEntries("link_fidelity", value, "a map from links to aabb, obb, convex or mesh",
+             [&](const std::string& link, const YAML::Node& word) {
+               const std::string key = "link_fidelity/" + link;
+               const std::string rule = "aabb, obb, convex or mesh";
+               try {
+                 config.settings.link_fidelity[link] = parseFidelity(text(key, word, rule));
+               } catch (const InputError&) {
+                 refuse(key, word, rule);
+               }
+             });
+}
+
+void readLinkPadding(const YAML::Node& value, SceneConfig& config) {
+  forEntries("link_padding", value, "a map from links to metres",
+             [&](const std::string& link, const YAML::Node& size) {
+               config.settings.link_padding[link] = metres("link_padding/" + link, size);
+             });
+}
+
+void readPairPadding(const YAML::Node& value, SceneConfig& config) {
+  const std::string rule = "a list of {pair: [first, second], padding: metres}";
+  if (!value.IsSequence()) refuse("pair_padding", value, rule);
+  for (const YAML::Node& entry : value) {
+    if (!entry.IsMap() || entry.size() != 2 || !entry["pair"] || !entry["padding"]) {
+      refuse("pair_padding", entry, rule);
+    }
+    const auto [first, second] = twoNames("pair_padding", entry["pair"]);
+    const double size = metres("pair_padding", entry["padding"]);
+    config.settings.pair_padding.push_back({first, second, size});
+  }
+}
+
+void readPairRules(const YAML::Node& value, SceneConfig& config) {
+  const std::string rule = "a list of {allow: [first, second]} and {deny: [first, second]}";
+  if (!value.IsSequence()) refuse("pair_rules", value, rule);
+  for (const YAML::Node& entry : value) {
+    if (!entry.IsMap() || entry.size() != 1) refuse("pair_rules", entry, rule);
+    const std::string word = entry.begin()->first.Scalar();
+    if (word != "allow" && word != "deny") refuse("pair_rules", entry, rule);
+    const auto [first, second] = twoNames("pair_rules", entry.begin()->second);
+    config.settings.pair_rules.push_back(
+        {word == "allow" ? PairRule::Verdict::ALLOW : PairRule::Verdict::DENY, first, second});
+  }
+}
+
+void readFloor(const YAML::Node& value, SceneConfig& config) {
+  const std::string rule = "{height: metres, touch_links: [names]}, or {} for none";
+  double height = NAN;
+  std::vector<std::string> touch_links;
+  forEntries("floor", value, rule, [&](const std::string& key, const YAML::Node& entry) {
+    if (key == "height") {
+      height = number("floor/height", entry, "a number of metres");
+    } else if (key == "touch_links") {
+      touch_links = names("floor/touch_links", entry);
+    } else {
+      refuse("floor", value, rule);
+    }
+  });
+  if (value.size() == 0) return;
+  if (std::isnan(height)) refuse("floor", value, rule);
+  config.floor = floorAt(height, touch_links);
+}
+
+void readMaxHullVertices(const YAML::Node& value, SceneConfig& config) {
+  const std::string rule = "4 or more, or 0 for exact hulls";
+  const double count = number("max_hull_vertices", value, rule);
+  const bool fits = count == 0.0 || (count >= 4.0 && count <= 1e6);
+  if (!fits || count != std::floor(count)) refuse("max_hull_vertices", value, rule);
+  config.settings.max_hull_vertices = static_cast<int>(count);
+}
+
+using Reader = std::function<void(const YAML::Node&, SceneConfig&)>;
+
+const std::map<std::string, Reader>& readers() {
+  static const std::map<std::string, Reader> ALL = {
+      {"max_hull_vertices", readMaxHullVertices},
+      {"link_fidelity", readLinkFidelity},
+      {"link_padding", readLinkPadding},
+      {"pair_padding", readPairPadding},
+      {"pair_rules", readPairRules},
+      {"floor", readFloor},
+      {"padding", [](const auto& v, auto& c) { c.settings.padding = metres("padding", v); }},
+      {"ignored_links",
+       [](const auto& v, auto& c) { c.settings.ignored_links = names("ignored_links", v); }},
+      {"cylinder_as_capsule",
+       [](const auto& v, auto& c) {
+         c.settings.cylinder_as_capsule = names("cylinder_as_capsule", v);
+       }},
+      {"group",
+       [](const auto& v, auto& c) { c.restriction.group = text("group", v, "a group's name"); }},
+      {"links", [](const auto& v, auto& c) { c.restriction.names = names("links", v); }},
+  };
+  return ALL;
+}
+
+}  // namespace
+
+const std::vector<std::string>& sceneConfigKeys() {
+  static const std::vector<std::string> KEYS = [] {
+    std::vector<std::string> keys;
+    for (const auto& entry : readers()) keys.push_back(entry.first);
+    return keys;
+  }();
+  return KEYS;
+}
+
+SceneConfig readSceneConfig(const YAML::Node& map) {
+  SceneConfig config;
+  for (const auto& [key, read] : readers()) {
+    if (const YAML::Node value = map[key]) read(value, config);
+  }
+  return config;
+}
+
+SceneConfig readSceneConfigFile(const std::string& path,
+                                const std::vector<std::string>& other_keys) {
+  YAML::Node map;
+  try {
+    map = YAML::Load(readTextFile(path));
+  } catch (const YAML::Exception& error) {
+    throw InputError(path + ": " + error.what());
+  }
+  if (map.IsNull()) return {};
+  if (!map.IsMap()) throw InputError(path + ": must be a map of settings, such as padding: 0.01");
+  std::vector<std::string> known = sceneConfigKeys();
+  known.insert(known.end(), other_keys.begin(), other_keys.end());
+  for (const auto& entry : map) {
+    const std::string key = entry.first.Scalar();
+    if (std::find(known.begin(), known.end(), key) != known.end()) continue;
+    throw InputError(path + ": '" + key + "' is no setting; is '" + nearestName(key, known) +
+                     "' meant?");
+  }
+  try {
+    return readSceneConfig(map);
+  } catch (const InputError& error) {
+    throw InputError(path + ": " + error.what());
+  }
+}
+
+}  // namespace collision_pairs

@@ -1,0 +1,33 @@
+// The part of the node's parameters that says what is in a scene; tools read the same from a file.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <yaml-cpp/yaml.h>
+
+#include "collision_pairs/scene_description.h"
+
+namespace collision_pairs {
+
+struct SceneConfig {
+  SceneSettings settings;
+  Restriction restriction;
+  std::optional<RigidObject> floor;
+};
+
+/// The keys that readSceneConfig() knows.
+const std::vector<std::string>& sceneConfigKeys();
+
+/// From a map with any of sceneConfigKeys(); other keys are passed over. Throws InputError that
+/// names the key, what it is and what it must be: a filter that is half understood would leave
+/// pairs out unseen. Whether its links exist is for the scene to say.
+SceneConfig readSceneConfig(const YAML::Node& map);
+
+/// The same from a YAML file, for example the one that the node's parameters are loaded from. A key
+/// that is neither of these nor another parameter of the node (`other_keys`) is refused.
+SceneConfig readSceneConfigFile(const std::string& path,
+                                const std::vector<std::string>& other_keys);
+
+}  // namespace collision_pairs

@@ -1,0 +1,24 @@
+// Points, vectors and poses as ROS messages, and back. Pure functions.
+#pragma once
+
+#include <Eigen/Geometry>
+#include <geometry_msgs/Point.h>
+#include <geometry_msgs/Pose.h>
+#include <geometry_msgs/Transform.h>
+#include <geometry_msgs/Vector3.h>
+
+namespace collision_pairs {
+
+geometry_msgs::Point toPoint(const Eigen::Vector3d& v);
+geometry_msgs::Vector3 toVector3(const Eigen::Vector3d& v);
+geometry_msgs::Pose toPose(const Eigen::Isometry3d& X);
+Eigen::Vector3d toVector(const geometry_msgs::Point& point);
+
+/// False if it is not finite, or its quaternion is not of length 1 within 1e-3: what nobody filled
+/// in (0 0 0 0) is no pose, and never identity.
+bool toIsometry(const Eigen::Vector3d& position, const geometry_msgs::Quaternion& orientation,
+                Eigen::Isometry3d& X);
+bool toIsometry(const geometry_msgs::Pose& pose, Eigen::Isometry3d& X);
+bool toIsometry(const geometry_msgs::Transform& transform, Eigen::Isometry3d& X);
+
+}  // namespace collision_pairs

@@ -1,0 +1,154 @@
+#include "object_conversions.h"
+
+#include <cmath>
+#include <functional>
+
+#include "collision_pairs/input_error.h"
+#include "geometry_conversions.h"
+
+namespace collision_pairs {
+namespace {
+
+using Eigen::Isometry3d;
+using Eigen::Vector3d;
+using shape_msgs::SolidPrimitive;
+
+constexpr double PI = 3.14159265358979323846;
+constexpr int CONE_SIDES = 64;
+
+std::vector<double> sizesOf(const SolidPrimitive& primitive, const char* shape,
+                            const std::vector<const char*>& meaning) {
+  if (primitive.dimensions.size() == meaning.size()) {
+    return {primitive.dimensions.begin(), primitive.dimensions.end()};
+  }
+  std::string rule;
+  for (const char* size : meaning) rule += (rule.empty() ? "" : ", ") + std::string(size);
+  throw InputError(std::string("a ") + shape + " has " +
+                   std::to_string(primitive.dimensions.size()) + " dimensions, but wants " +
+                   std::to_string(meaning.size()) + ": " + rule);
+}
+
+// Its sides touch the cone from outside, so that the pyramid encloses it. Apex at +z.
+Shape pyramidAround(double height, double radius) {
+  auto mesh = std::make_shared<TriangleMesh>();
+  mesh->name = "cone";
+  const double outer = radius / std::cos(PI / CONE_SIDES);
+  for (int i = 0; i < CONE_SIDES; ++i) {
+    const double angle = 2.0 * PI * i / CONE_SIDES;
+    mesh->vertices.emplace_back(outer * std::cos(angle), outer * std::sin(angle), -0.5 * height);
+  }
+  mesh->vertices.emplace_back(0.0, 0.0, 0.5 * height);
+  return Convex{mesh};
+}
+
+Shape toShape(const SolidPrimitive& primitive) {
+  switch (primitive.type) {
+    case SolidPrimitive::BOX: {
+      const auto d = sizesOf(primitive, "box", {"x", "y", "z"});
+      return Box{{d[0], d[1], d[2]}};
+    }
+    case SolidPrimitive::SPHERE:
+      return Sphere{sizesOf(primitive, "sphere", {"radius"})[0]};
+    case SolidPrimitive::CYLINDER: {
+      const auto d = sizesOf(primitive, "cylinder", {"height", "radius"});
+      return Cylinder{d[SolidPrimitive::CYLINDER_RADIUS], d[SolidPrimitive::CYLINDER_HEIGHT]};
+    }
+    case SolidPrimitive::CONE: {
+      const auto d = sizesOf(primitive, "cone", {"height", "radius"});
+      if (!(d[0] >= 0.0 && d[1] >= 0.0)) throw InputError("a cone has a size below 0");
+      return pyramidAround(d[SolidPrimitive::CONE_HEIGHT], d[SolidPrimitive::CONE_RADIUS]);
+    }
+    default:
+      throw InputError("type " + std::to_string(primitive.type) +
+                       " is none: BOX 1, SPHERE 2, CYLINDER 3 or CONE 4");
+  }
+}
+
+Shape toShape(const shape_msgs::Mesh& message) {
+  auto mesh = std::make_shared<TriangleMesh>();
+  mesh->name = "mesh of a message";
+  for (const auto& vertex : message.vertices) mesh->vertices.push_back(toVector(vertex));
+  for (const auto& triangle : message.triangles) {
+    const auto& v = triangle.vertex_indices;
+    mesh->triangles.push_back({v[0], v[1], v[2]});
+  }
+  return Mesh{mesh};
+}
+
+/// The pose in the object's frame of the half-space whose top is a x + b y + c z + d = 0.
+Isometry3d poseOfPlane(const shape_msgs::Plane& plane) {
+  const Vector3d normal(plane.coef[0], plane.coef[1], plane.coef[2]);
+  const double length = normal.norm();
+  if (!(length > 0.0) || !std::isfinite(length) || !std::isfinite(plane.coef[3])) {
+    throw InputError("its coefficients are no plane: a, b, c must be a direction, d finite");
+  }
+  Isometry3d X = Isometry3d::Identity();
+  X.linear() = Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), normal).toRotationMatrix();
+  X.translation() = -plane.coef[3] / (length * length) * normal;
+  return X;
+}
+
+class ObjectReader {
+ public:
+  /// `part` makes the element, without the pose that the message gives it.
+  template <class Parts, class Part>
+  void add(const Parts& parts, const std::vector<geometry_msgs::Pose>& poses, const char* field,
+           const Part& part) {
+    const std::string name(field);
+    if (!poses.empty() && poses.size() != parts.size()) {
+      throw InputError(name + " has " + std::to_string(parts.size()) + " entries, but " +
+                       std::to_string(poses.size()) + " poses; give one each, or none");
+    }
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+      try {
+        Element element = part(parts[i]);
+        validateShape(element.shape);
+        if (!poses.empty()) element.X_LE = poseOf(poses[i]) * element.X_LE;
+        elements_.push_back(std::move(element));
+      } catch (const std::exception& error) {
+        throw InputError(name + "[" + std::to_string(i) + "]: " + error.what());
+      }
+    }
+  }
+
+  std::vector<Element> take() { return std::move(elements_); }
+
+ private:
+  static Isometry3d poseOf(const geometry_msgs::Pose& pose) {
+    Isometry3d X;
+    if (!toIsometry(pose, X)) {
+      throw InputError("its pose is none: a finite position and a quaternion of length 1");
+    }
+    return X;
+  }
+
+  std::vector<Element> elements_;
+};
+
+}  // namespace
+
+RigidObject toObject(const SceneObject& message, const MeshLoader& load_mesh) {
+  ObjectReader reader;
+  const auto at_origin = [](Shape shape) {
+    return Element{std::move(shape), Isometry3d::Identity()};
+  };
+  reader.add(message.primitives, message.primitive_poses, "primitives",
+             [&](const SolidPrimitive& primitive) { return at_origin(toShape(primitive)); });
+  reader.add(message.meshes, message.mesh_poses, "meshes",
+             [&](const shape_msgs::Mesh& mesh) { return at_origin(toShape(mesh)); });
+  reader.add(
+      message.mesh_resources, message.mesh_resource_poses, "mesh_resources",
+      [&](const std::string& uri) { return at_origin(Mesh{load_mesh(uri, Vector3d::Ones())}); });
+  reader.add(message.planes, message.plane_poses, "planes", [](const shape_msgs::Plane& plane) {
+    return Element{HalfSpace{}, poseOfPlane(plane)};
+  });
+  RigidObject object;
+  object.name = message.name;
+  object.elements = reader.take();
+  object.attached_link = message.attached_link;
+  object.touch_links = message.touch_links;
+  object.padding = message.padding;
+  return object;
+}
+
+}  // namespace collision_pairs

@@ -1,0 +1,133 @@
+#include "scene_markers.h"
+
+#include <algorithm>
+
+#include <geometric_shapes/bodies.h>
+#include <geometric_shapes/shapes.h>
+
+#include "geometry_conversions.h"
+#include "marker_style.h"
+
+namespace collision_pairs {
+namespace {
+
+using Eigen::Isometry3d;
+using Eigen::Vector3d;
+using visualization_msgs::Marker;
+using visualization_msgs::MarkerArray;
+
+constexpr std::size_t MOST_ELEMENTS = 10000;
+constexpr double SQUARE_OF_HALF_SPACE = 10.0;  // m
+
+std::vector<Vector3d> cornersOfTriangles(const TriangleMesh& mesh) {
+  std::vector<Vector3d> corners;
+  for (const auto& triangle : mesh.triangles) {
+    for (const std::uint32_t vertex : triangle) corners.push_back(mesh.vertices[vertex]);
+  }
+  return corners;
+}
+
+std::vector<Vector3d> cornersOfHull(const TriangleMesh& mesh) {
+  shapes::Mesh points(static_cast<unsigned>(mesh.vertices.size()), 0);
+  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+    Eigen::Map<Vector3d>(points.vertices + 3 * i) = mesh.vertices[i];
+  }
+  const bodies::ConvexMesh hull(&points);
+  std::vector<Vector3d> corners;
+  for (const unsigned vertex : hull.getTriangles()) {
+    corners.push_back(hull.getVertices()[vertex]);
+  }
+  return corners;
+}
+
+/// Draws one element, in the frame of its body.
+class ElementDrawer {
+ public:
+  ElementDrawer(MarkerArray& array, Marker pattern, const Isometry3d& X_BE)
+      : array_(array), pattern_(std::move(pattern)), X_BE_(X_BE) {}
+
+  void operator()(const Box& box) { solid(Marker::CUBE, box.size, X_BE_); }
+  void operator()(const Sphere& sphere) {
+    solid(Marker::SPHERE, Vector3d::Constant(2.0 * sphere.radius), X_BE_);
+  }
+  void operator()(const Cylinder& cylinder) {
+    const double width = 2.0 * cylinder.radius;
+    solid(Marker::CYLINDER, {width, width, cylinder.length}, X_BE_);
+  }
+  void operator()(const Capsule& capsule) {
+    (*this)(Cylinder{capsule.radius, capsule.length});
+    for (const double end : {-0.5, 0.5}) {
+      Isometry3d X = X_BE_;
+      X.translation() += X.linear() * Vector3d(0.0, 0.0, end * capsule.length);
+      solid(Marker::SPHERE, Vector3d::Constant(2.0 * capsule.radius), X);
+    }
+  }
+  void operator()(const HalfSpace&) {
+    const double depth = 1e-3;
+    Isometry3d X = X_BE_;
+    X.translation() -= X.linear() * Vector3d(0.0, 0.0, 0.5 * depth);
+    solid(Marker::CUBE, {SQUARE_OF_HALF_SPACE, SQUARE_OF_HALF_SPACE, depth}, X);
+  }
+  void operator()(const Convex& convex) { triangles(cornersOfHull(*convex.mesh)); }
+  void operator()(const Mesh& mesh) { triangles(cornersOfTriangles(*mesh.mesh)); }
+
+ private:
+  void solid(int type, const Vector3d& size, const Isometry3d& X_BS) {
+    Marker& marker = add(type, X_BS);
+    // rviz shows nothing where an edge has no length.
+    marker.scale = toVector3(size.cwiseMax(1e-6));
+  }
+
+  void triangles(const std::vector<Vector3d>& corners) {
+    if (corners.empty()) return;  // rviz complains
+    Marker& marker = add(Marker::TRIANGLE_LIST, X_BE_);
+    marker.scale = toVector3(Vector3d::Ones());
+    for (const Vector3d& corner : corners) marker.points.push_back(toPoint(corner));
+  }
+
+  Marker& add(int type, const Isometry3d& X) {
+    array_.markers.push_back(pattern_);
+    Marker& marker = array_.markers.back();
+    marker.id = static_cast<int>(array_.markers.size());
+    marker.type = type;
+    marker.pose = toPose(X);
+    return marker;
+  }
+
+  MarkerArray& array_;
+  Marker pattern_;
+  Isometry3d X_BE_;
+};
+
+void draw(const SceneElement& element, Fidelity fidelity, Marker pattern, MarkerArray& array) {
+  const Rung& rung = element.rung(std::max(Fidelity::OBB, std::min(fidelity, element.dearest)));
+  // A rung that no pair of this element asks for was not prepared.
+  const Isometry3d X_BS = rung.shape ? element.X_BE * rung.X_ER : element.X_BE;
+  ElementDrawer drawer(array, std::move(pattern), X_BS);
+  std::visit(drawer, rung.shape ? rung.shape->shape() : element.shape);
+}
+
+}  // namespace
+
+MarkerArray toSceneMarkers(const CollisionScene& scene, Fidelity fidelity,
+                           const std::string& world_frame) {
+  MarkerArray array;
+  array.markers.push_back(clearAll(world_frame, ros::Time(0)));
+  const std::uint32_t nb_standing = scene.nbStaticElements();
+  const auto nb_elements = static_cast<std::uint32_t>(scene.elements().size());
+  const std::size_t nb_drawn = std::min<std::size_t>(nb_elements, MOST_ELEMENTS);
+  for (std::size_t n = 0; n < nb_drawn; ++n) {
+    const SceneElement& element = scene.elements()[(n + nb_standing) % nb_elements];
+    Marker pattern;
+    pattern.action = Marker::ADD;
+    pattern.header.frame_id = element.body < 0 ? world_frame : scene.bodies()[element.body].link;
+    pattern.ns = element.body < 0 ? "standing" : "moving";
+    pattern.frame_locked = element.body >= 0;
+    pattern.color =
+        element.body < 0 ? color(0.35f, 0.60f, 0.40f, 0.6f) : color(0.25f, 0.45f, 0.80f, 0.6f);
+    draw(element, fidelity, std::move(pattern), array);
+  }
+  return array;
+}
+
+}  // namespace collision_pairs

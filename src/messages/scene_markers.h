@@ -1,0 +1,20 @@
+// The scene as it is modelled, for rviz. Pure functions.
+#pragma once
+
+#include <string>
+
+#include <visualization_msgs/MarkerArray.h>
+
+#include "collision_pairs/collision_scene.h"
+
+namespace collision_pairs {
+
+/// The shapes that a check at this fidelity compares: what the URDF says, hulls, turned boxes (also
+/// for aabb, whose boxes are those of toMarkers()), capsules in place of cylinders; a half-space is
+/// a square. Padding is not drawn. In two namespaces: "moving" (links and attached objects, locked
+/// to the frame of their link, so that rviz moves them) and "standing". At most 10,000 elements,
+/// the moving ones first. The array begins with DELETEALL.
+visualization_msgs::MarkerArray toSceneMarkers(const CollisionScene& scene, Fidelity fidelity,
+                                               const std::string& world_frame);
+
+}  // namespace collision_pairs

@@ -1,0 +1,127 @@
+#include "scene_store.h"
+
+#include <algorithm>
+#include <functional>
+
+#include <geometry_msgs/TransformStamped.h>
+#include <ros/console.h>
+#include <tf2/exceptions.h>
+
+#include "collision_pairs/input_error.h"
+#include "frame_names.h"
+#include "geometry_conversions.h"
+#include "mesh_loader.h"
+
+namespace collision_pairs {
+namespace {
+
+constexpr std::size_t KEPT_RESTRICTIONS = 8;
+
+Eigen::Isometry3d lookUp(const tf2::BufferCore& buffer, const std::string& target,
+                         const std::string& source, const ros::Time& stamp) {
+  std::string why;
+  try {
+    Eigen::Isometry3d X;
+    if (toIsometry(buffer.lookupTransform(target, source, stamp).transform, X)) return X;
+    why = "it is not finite";
+  } catch (const tf2::TransformException& error) {
+    why = error.what();
+  }
+  throw InputError("TF does not know '" + source + "' in '" + target + "': " + why);
+}
+
+/// Nothing is said of what is ready within a second.
+std::function<void(std::size_t, std::size_t)> progressOnLog(const ros::WallTime& start) {
+  return [start](std::size_t done, std::size_t total) {
+    if ((ros::WallTime::now() - start).toSec() < 1.0) return;
+    ROS_INFO_STREAM_THROTTLE(1.0, "prepared " << done << " of " << total << " meshes");
+  };
+}
+
+}  // namespace
+
+SceneStore::SceneStore(const ros::NodeHandle& private_node, const tf2::BufferCore& tf_buffer,
+                       const NodeParameters& parameters)
+    : private_node_(private_node),
+      tf_buffer_(tf_buffer),
+      settings_(parameters.scene),
+      fixed_frame_(withoutLeadingSlash(parameters.fixed_frame)),
+      load_mesh_(makeMeshLoader()) {}
+
+ActiveScenePtr SceneStore::active() const {
+  const std::lock_guard<std::mutex> lock(reading_);
+  return scene_;
+}
+
+void SceneStore::replace(ActiveScenePtr scene) {
+  restricted_.clear();
+  const std::lock_guard<std::mutex> lock(reading_);
+  scene_ = std::move(scene);
+}
+
+void SceneStore::load() {
+  const std::lock_guard<std::mutex> lock(building_);
+  const ros::WallTime start = ros::WallTime::now();
+  SceneSources sources = readSceneSources(private_node_, settings_);
+  ActiveScenePtr active = build(sources, objects_, {});
+  const CollisionScene& scene = *active->scene;
+  ROS_INFO_STREAM("robot '" << scene.robot().name() << "': " << scene.models().size()
+                            << " links with geometry to check, " << scene.elements().size()
+                            << " elements, " << scene.bodies().size()
+                            << " moving bodies, ready after "
+                            << (ros::WallTime::now() - start).toSec() << " s");
+  sources_ = std::move(sources);
+  replace(std::move(active));
+}
+
+std::vector<SceneObject> SceneStore::update(const std::vector<SceneChange>& changes) {
+  const std::lock_guard<std::mutex> lock(building_);
+  if (!scene_) throw InputError("there is no robot yet; see the node's log and diagnostics");
+  const std::string frame = scene_->frame;
+  if (changes.empty()) return listed(objects_, frame);
+  const auto look_up = [&](const std::string& target, const std::string& source,
+                           const ros::Time& stamp) {
+    return lookUp(tf_buffer_, target, source, stamp);
+  };
+  SceneObjects objects = changedObjects(objects_, changes, {frame, look_up, load_mesh_});
+  replace(build(sources_, objects, {}));
+  objects_ = std::move(objects);
+  return listed(objects_, frame);
+}
+
+std::vector<SceneObject> SceneStore::list() {
+  const std::lock_guard<std::mutex> lock(building_);
+  return listed(objects_, scene_ ? scene_->frame : fixed_frame_);
+}
+
+ActiveScenePtr SceneStore::restrictedTo(const Restriction& restriction) {
+  if (restriction.empty()) return active();
+  const std::lock_guard<std::mutex> lock(building_);
+  if (!scene_) return nullptr;
+  const auto known = std::find_if(restricted_.begin(), restricted_.end(),
+                                  [&](const auto& kept) { return kept.first == restriction; });
+  if (known != restricted_.end()) {
+    std::rotate(known, known + 1, restricted_.end());
+    return restricted_.back().second;
+  }
+  restricted_.emplace_back(restriction, build(sources_, objects_, restriction));
+  if (restricted_.size() > KEPT_RESTRICTIONS) restricted_.erase(restricted_.begin());
+  return restricted_.back().second;
+}
+
+ActiveScenePtr SceneStore::build(SceneSources& sources, const SceneObjects& objects,
+                                 const Restriction& restriction) {
+  auto active = std::make_shared<ActiveScene>();
+  std::vector<RigidObject> present;
+  for (const auto& entry : objects) present.push_back(entry.second.object);
+  SceneDescription description =
+      describeScene(sources, std::move(present), restriction, active->broken_links);
+  description.settings.progress = progressOnLog(ros::WallTime::now());
+  active->scene = CollisionScene::build(description, &cache_);
+  const CollisionScene& scene = *active->scene;
+  active->frame = fixed_frame_.empty() ? scene.robot().links().front().name : fixed_frame_;
+  active->tf_poses = std::make_unique<TfPoses>(tf_buffer_, scene, active->frame);
+  return active;
+}
+
+}  // namespace collision_pairs

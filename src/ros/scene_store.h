@@ -1,0 +1,65 @@
+// Holds the active scene, and replaces it.
+#pragma once
+
+#include <mutex>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <ros/node_handle.h>
+#include <tf2/buffer_core.h>
+
+#include "active_scene.h"
+#include "parameters.h"
+#include "scene_loader.h"
+#include "scene_updates.h"
+
+namespace collision_pairs {
+
+/// May be used from several threads: whoever asks for the scene never waits for one that is being
+/// built. What throws changes nothing.
+class SceneStore {
+ public:
+  /// The buffer must outlive it.
+  SceneStore(const ros::NodeHandle& private_node, const tf2::BufferCore& tf_buffer,
+             const NodeParameters& parameters);
+
+  /// Null while there is none.
+  ActiveScenePtr active() const;
+
+  /// Reads the parameters anew; the objects stay. Throws InputError.
+  void load();
+
+  /// Applies the changes and returns what there is then. Throws InputError.
+  std::vector<SceneObject> update(const std::vector<SceneChange>& changes);
+
+  /// The objects as they are.
+  std::vector<SceneObject> list();
+
+  /// The active scene with these pairs instead of those that the parameters restrict it to; with
+  /// an empty restriction, as it is. The last few are kept. Null while there is none. Throws
+  /// InputError.
+  ActiveScenePtr restrictedTo(const Restriction& restriction);
+
+ private:
+  ActiveScenePtr build(SceneSources& sources, const SceneObjects& objects,
+                       const Restriction& restriction);
+  void replace(ActiveScenePtr scene);
+
+  ros::NodeHandle private_node_;
+  const tf2::BufferCore& tf_buffer_;
+  const SceneSettings settings_;
+  const std::string fixed_frame_;
+
+  std::mutex building_;  // guards all but scene_
+  SceneCache cache_;
+  SceneSources sources_;
+  SceneObjects objects_;
+  MeshLoader load_mesh_;
+  std::vector<std::pair<Restriction, ActiveScenePtr>> restricted_;  // of scene_; the newest last
+
+  mutable std::mutex reading_;  // guards scene_
+  ActiveScenePtr scene_;
+};
+
+}  // namespace collision_pairs

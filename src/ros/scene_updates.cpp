@@ -1,0 +1,132 @@
+#include "scene_updates.h"
+
+#include "collision_pairs/input_error.h"
+#include "frame_names.h"
+#include "geometry_conversions.h"
+#include "nearest_name.h"
+#include "object_conversions.h"
+
+namespace collision_pairs {
+namespace {
+
+using Eigen::Isometry3d;
+
+class Updater {
+ public:
+  Updater(SceneObjects& objects, const UpdateContext& context)
+      : objects_(objects), context_(context) {}
+
+  void apply(const SceneChange& change) {
+    switch (change.operation) {
+      case SceneChange::ADD:
+        return add(change.object);
+      case SceneChange::MOVE:
+        return move(change.object);
+      case SceneChange::REMOVE:
+        objects_.erase(known(change.object.name).message.name);
+        return;
+      case SceneChange::ATTACH:
+        return attach(change.object);
+      case SceneChange::DETACH:
+        return hangOn("", change.object.header.stamp, known(change.object.name));
+      case SceneChange::CLEAR:
+        return objects_.clear();
+      default:
+        throw InputError("operation " + std::to_string(change.operation) +
+                         " is none: ADD 0, MOVE 1, REMOVE 2, ATTACH 3, DETACH 4 or CLEAR 5");
+    }
+  }
+
+ private:
+  StoredObject& known(const std::string& name) {
+    const auto found = objects_.find(name);
+    if (found != objects_.end()) return found->second;
+    std::vector<std::string> names;
+    for (const auto& entry : objects_) names.push_back(entry.first);
+    throw InputError("there is no such object" +
+                     (names.empty() ? std::string("; the scene has none")
+                                    : "; is '" + nearestName(name, names) + "' meant?"));
+  }
+
+  void add(const SceneObject& message) {
+    if (message.name.empty()) throw InputError("it has no name");
+    StoredObject stored{message, toObject(message, context_.load_mesh)};
+    stored.object.X_PO = poseOf(message, parentFrame(stored.object));
+    objects_[message.name] = std::move(stored);
+  }
+
+  void move(const SceneObject& message) {
+    StoredObject& stored = known(message.name);
+    stored.object.X_PO = poseOf(message, parentFrame(stored.object));
+  }
+
+  void attach(const SceneObject& message) {
+    StoredObject& stored = known(message.name);
+    if (message.attached_link.empty()) throw InputError("attached_link is empty");
+    hangOn(message.attached_link, message.header.stamp, stored);
+    stored.object.touch_links = message.touch_links;
+  }
+
+  // It stays where it is.
+  void hangOn(const std::string& link, const ros::Time& stamp, StoredObject& stored) {
+    RigidObject& object = stored.object;
+    if (object.attached_link.empty() && link.empty()) throw InputError("it is not attached");
+    const std::string before = parentFrame(object);
+    object.attached_link = link;
+    object.X_PO = pose(parentFrame(object), before, stamp) * object.X_PO;
+  }
+
+  const std::string& parentFrame(const RigidObject& object) const {
+    return object.attached_link.empty() ? context_.world_frame : object.attached_link;
+  }
+
+  Isometry3d poseOf(const SceneObject& message, const std::string& parent) const {
+    Isometry3d X_FO;
+    if (!toIsometry(message.pose, X_FO)) {
+      throw InputError("its pose is none: a finite position and a quaternion of length 1");
+    }
+    const std::string frame = withoutLeadingSlash(message.header.frame_id);
+    return pose(parent, frame.empty() ? context_.world_frame : frame, message.header.stamp) * X_FO;
+  }
+
+  Isometry3d pose(const std::string& target, const std::string& source,
+                  const ros::Time& stamp) const {
+    return target == source ? Isometry3d::Identity() : context_.look_up(target, source, stamp);
+  }
+
+  SceneObjects& objects_;
+  const UpdateContext& context_;
+};
+
+}  // namespace
+
+SceneObjects changedObjects(SceneObjects objects, const std::vector<SceneChange>& changes,
+                            const UpdateContext& context) {
+  Updater updater(objects, context);
+  for (std::size_t i = 0; i < changes.size(); ++i) {
+    try {
+      updater.apply(changes[i]);
+    } catch (const InputError& error) {
+      throw InputError("changes[" + std::to_string(i) + "], object '" + changes[i].object.name +
+                       "': " + error.what());
+    }
+  }
+  return objects;
+}
+
+std::vector<SceneObject> listed(const SceneObjects& objects, const std::string& world_frame) {
+  std::vector<SceneObject> list;
+  for (const auto& [name, stored] : objects) {
+    const RigidObject& object = stored.object;
+    SceneObject message = stored.message;
+    message.header = std_msgs::Header();
+    message.header.frame_id = object.attached_link.empty() ? world_frame : object.attached_link;
+    message.pose = toPose(object.X_PO);
+    message.attached_link = object.attached_link;
+    message.touch_links = object.touch_links;
+    list.push_back(std::move(message));
+  }
+  return list;
+}
+
+}  // namespace collision_pairs

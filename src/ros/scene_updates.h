@@ -1,0 +1,42 @@
+// What update_scene does to the objects of the scene: pure functions over messages.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+#include <collision_pairs/SceneChange.h>
+#include <collision_pairs/SceneObject.h>
+#include <ros/time.h>
+
+#include "collision_pairs/scene_description.h"
+
+namespace collision_pairs {
+
+/// By name: as it was given, and as the core has it.
+struct StoredObject {
+  SceneObject message;
+  RigidObject object;
+};
+using SceneObjects = std::map<std::string, StoredObject>;
+
+/// What a change needs to know of the world.
+struct UpdateContext {
+  std::string world_frame;  ///< of the reports
+  /// Pose of `source` in `target` at the stamp (0: the latest). Throws InputError if it is unknown.
+  std::function<Eigen::Isometry3d(const std::string& target, const std::string& source,
+                                  const ros::Time& stamp)>
+      look_up;
+  MeshLoader load_mesh;
+};
+
+/// The objects after all changes, in their order. Throws InputError that says which change is
+/// wrong, and how; whether links exist is for the scene to say.
+SceneObjects changedObjects(SceneObjects objects, const std::vector<SceneChange>& changes,
+                            const UpdateContext& context);
+
+/// As the reply lists them.
+std::vector<SceneObject> listed(const SceneObjects& objects, const std::string& world_frame);
+
+}  // namespace collision_pairs

@@ -1,0 +1,29 @@
+// The service update_scene.
+#pragma once
+
+#include <collision_pairs/UpdateScene.h>
+#include <ros/callback_queue.h>
+#include <ros/node_handle.h>
+#include <ros/service_server.h>
+#include <ros/spinner.h>
+
+#include "scene_store.h"
+
+namespace collision_pairs {
+
+/// Answers on a thread of its own: a large mesh that is prepared holds up neither the cycle nor the
+/// queries. What is wrong with a request is said in its reply.
+class UpdateService {
+ public:
+  UpdateService(const ros::NodeHandle& private_node, SceneStore& scenes);
+
+ private:
+  bool onUpdate(UpdateScene::Request& request, UpdateScene::Response& response);
+
+  SceneStore& scenes_;
+  ros::CallbackQueue queue_;
+  ros::ServiceServer server_;
+  ros::AsyncSpinner spinner_;  // last: stops before what it calls into goes
+};
+
+}  // namespace collision_pairs
