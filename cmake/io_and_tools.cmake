@@ -14,6 +14,7 @@ add_library(collision_pairs_io SHARED
   src/io/message_bounds.cpp
   src/io/robot_source.cpp
   src/io/scene_config.cpp
+  src/io/scene_sources.cpp
   src/io/text_files.cpp
   src/io/transform_tracks.cpp
 )
@@ -32,8 +33,9 @@ function(collision_pairs_tool name)
 endfunction()
 
 set(bag_outputs src/tools/bag_outputs.cpp src/tools/bag_report.cpp src/tools/bag_summary.cpp)
-collision_pairs_tool(check_states src/tools/robot_files.cpp)
+collision_pairs_tool(check_states src/tools/robot_files.cpp src/tools/scene_options.cpp)
 collision_pairs_tool(check_bag src/tools/bag_recorder.cpp src/tools/bag_scenes.cpp
-                     src/tools/progress_bar.cpp src/tools/robot_files.cpp ${bag_outputs})
+                     src/tools/progress_bar.cpp src/tools/robot_files.cpp
+                     src/tools/scene_options.cpp ${bag_outputs})
 target_link_libraries(check_bag PRIVATE collision_pairs_messages)
 collision_pairs_tool(merge_bag_checks ${bag_outputs})

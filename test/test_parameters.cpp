@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "parameters.h"
+#include "scene_config.h"
 
 namespace collision_pairs {
 namespace {
@@ -53,11 +54,23 @@ TEST_P(Defaults, AreThoseOfTheCode) {
   EXPECT_EQ(std::stoi(text.at("max_hull_vertices")), code.scene.max_hull_vertices);
   EXPECT_EQ(text.at("link_fidelity"), "{}");
   EXPECT_TRUE(code.scene.link_fidelity.empty());
+  EXPECT_EQ(std::stod(text.at("padding")), code.scene.padding);
   EXPECT_EQ(std::stod(text.at("rate")), code.rate);
   EXPECT_EQ(text.at("show_only_investigated_boxes"),
             code.show_only_investigated_boxes ? "true" : "false");
   EXPECT_EQ(std::stod(text.at("max_transform_age")), code.max_transform_age);
   EXPECT_TRUE(text.count("fixed_frame"));
+}
+
+// All of these are empty by default: of what the texts say, only that is in them.
+TEST_P(Defaults, HoldEverythingThatASceneIsMadeOf) {
+  const auto text = GetParam()();
+  const std::map<std::string, std::string> by_kind = {
+      {"pair_rules", "[]"},   {"links", "[]"},        {"ignored_links", "[]"},
+      {"pair_padding", "[]"}, {"link_padding", "{}"}, {"cylinder_as_capsule", "[]"},
+      {"floor", "{}"},        {"robots", "[]"},       {"group", "\"\""}};
+  for (const auto& [key, empty] : by_kind) EXPECT_EQ(text.at(key), empty) << key;
+  for (const std::string& key : sceneConfigKeys()) EXPECT_EQ(text.count(key), 1u) << key;
 }
 
 INSTANTIATE_TEST_SUITE_P(Yaml, Defaults, testing::Values(&yamlDefaults));

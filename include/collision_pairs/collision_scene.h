@@ -26,6 +26,7 @@ struct CollisionModel {
   int body;  ///< index of its pose in the detector's input, -1 if it never moves
   std::uint32_t first_element;
   std::uint32_t nb_elements;
+  bool is_object = false;  ///< not a link
 };
 
 struct MeshBounds;

@@ -110,7 +110,7 @@ class SceneBuilder {
   void addModels() {
     for (const SceneMember& member : members_) {
       const int body = member.isStatic() ? -1 : sceneBody(member.body);
-      scene_->models_.push_back({member.name, body, 0, 0});
+      scene_->models_.push_back({member.name, body, 0, 0, member.object != nullptr});
     }
   }
 

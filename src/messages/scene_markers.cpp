@@ -99,6 +99,32 @@ class ElementDrawer {
   Isometry3d X_BE_;
 };
 
+enum class Kind { LINK, ATTACHED, STANDING };
+
+Kind kindOf(const CollisionScene& scene, const SceneElement& element) {
+  if (element.body < 0) return Kind::STANDING;
+  return scene.models()[element.model].is_object ? Kind::ATTACHED : Kind::LINK;
+}
+
+Marker patternFor(Kind kind) {
+  Marker pattern;
+  pattern.action = Marker::ADD;
+  switch (kind) {
+    case Kind::LINK:
+      pattern.ns = "links";
+      pattern.color = color(0.25f, 0.45f, 0.80f, 0.5f);
+      break;
+    case Kind::ATTACHED:
+      pattern.ns = "attached_objects";
+      pattern.color = color(0.60f, 0.30f, 0.70f, 0.9f);
+      break;
+    case Kind::STANDING:
+      pattern.ns = "standing";
+      pattern.color = color(0.35f, 0.60f, 0.40f, 0.6f);
+  }
+  return pattern;
+}
+
 void draw(const SceneElement& element, Fidelity fidelity, Marker pattern, MarkerArray& array) {
   const Rung& rung = element.rung(std::max(Fidelity::OBB, std::min(fidelity, element.dearest)));
   // A rung that no pair of this element asks for was not prepared.
@@ -118,13 +144,9 @@ MarkerArray toSceneMarkers(const CollisionScene& scene, Fidelity fidelity,
   const std::size_t nb_drawn = std::min<std::size_t>(nb_elements, MOST_ELEMENTS);
   for (std::size_t n = 0; n < nb_drawn; ++n) {
     const SceneElement& element = scene.elements()[(n + nb_standing) % nb_elements];
-    Marker pattern;
-    pattern.action = Marker::ADD;
+    Marker pattern = patternFor(kindOf(scene, element));
     pattern.header.frame_id = element.body < 0 ? world_frame : scene.bodies()[element.body].link;
-    pattern.ns = element.body < 0 ? "standing" : "moving";
     pattern.frame_locked = element.body >= 0;
-    pattern.color =
-        element.body < 0 ? color(0.35f, 0.60f, 0.40f, 0.6f) : color(0.25f, 0.45f, 0.80f, 0.6f);
     draw(element, fidelity, std::move(pattern), array);
   }
   return array;

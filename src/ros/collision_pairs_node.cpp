@@ -17,6 +17,9 @@ namespace {
 constexpr double LOAD_PERIOD = 2.0;    // s between attempts to find a robot_description
 constexpr double OLD_TRANSFORM = 1.0;  // s: older transforms are worth a warning
 constexpr double WARN_PERIOD = 5.0;    // s between repeated warnings on the log
+// s that rviz has to learn the frames: it would mark what comes before as an error, and never again
+// look at it.
+constexpr double SUBSCRIBER_WARM_UP = 1.0;
 
 double secondsSince(const ros::WallTime& start) { return (ros::WallTime::now() - start).toSec(); }
 
@@ -35,7 +38,10 @@ CollisionPairsNode::CollisionPairsNode(ros::NodeHandle node, ros::NodeHandle pri
   in_collision_publisher_ = private_node_.advertise<std_msgs::Bool>("in_collision", 1);
   markers_publisher_ = private_node_.advertise<visualization_msgs::MarkerArray>("markers", 1);
   scene_publisher_ = private_node_.advertise<visualization_msgs::MarkerArray>(
-      "scene_markers", 1, [this](const ros::SingleSubscriberPublisher&) { shown_scene_.reset(); });
+      "scene_markers", 1, [this](const ros::SingleSubscriberPublisher&) {
+        shown_scene_.reset();
+        show_scene_from_ = ros::SteadyTime::now() + ros::WallDuration(SUBSCRIBER_WARM_UP);
+      });
   reset_service_ = private_node_.advertiseService("reset", &CollisionPairsNode::onReset, this);
 
   diagnostics_.setHardwareID("none");
@@ -108,7 +114,7 @@ void CollisionPairsNode::cycle() {
     const ros::Time stamp = stamped.stamp.isZero() ? ros::Time::now() : stamped.stamp;
     detector_->detect(stamped.poses, settings());
     publish(*scene, stamped, stamp, transform_time);
-    publishSceneMarkers();
+    publishSceneMarkers(stamped.nb_found);
     health_.cycle_time = secondsSince(start);
     if (health_.cycle_time > 1.0 / parameters_.rate) ++health_.overruns;
   } catch (const std::exception& error) {
@@ -152,10 +158,14 @@ void CollisionPairsNode::publishMarkers() {
                                        reported_scene_->frame, reported_stamp_));
 }
 
-// Only when the scene is another, or somebody new looks at it: nothing in it moves but with TF.
-void CollisionPairsNode::publishSceneMarkers() {
-  if (shown_scene_ == reported_scene_ || scene_publisher_.getNumSubscribers() == 0) return;
+// Only when the scene is another, somebody new looks at it, or TF has come to know more of it: rviz
+// moves what moves.
+void CollisionPairsNode::publishSceneMarkers(std::size_t nb_known) {
+  if (shown_scene_ == reported_scene_ && nb_shown_ == nb_known) return;
+  if (scene_publisher_.getNumSubscribers() == 0) return;
+  if (ros::SteadyTime::now() < show_scene_from_) return;
   shown_scene_ = reported_scene_;
+  nb_shown_ = nb_known;
   scene_publisher_.publish(
       toSceneMarkers(*shown_scene_->scene, settings().fidelity, shown_scene_->frame));
 }

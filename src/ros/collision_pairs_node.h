@@ -55,7 +55,7 @@ class CollisionPairsNode {
   void publish(const ActiveScene& scene, const StampedPoses& stamped, const ros::Time& stamp,
                double transform_time);
   void publishMarkers();
-  void publishSceneMarkers();
+  void publishSceneMarkers(std::size_t nb_known);
   void noteHealth(const CollisionPairs& message, const std::string& problem);
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) const;
 
@@ -86,6 +86,8 @@ class CollisionPairsNode {
   ros::Publisher markers_publisher_;
   ros::Publisher scene_publisher_;
   ActiveScenePtr shown_scene_;  // by the markers of the scene
+  std::size_t nb_shown_ = 0;    // bodies with a pose then
+  ros::SteadyTime show_scene_from_;
   ros::ServiceServer reset_service_;
   std::unique_ptr<dynamic_reconfigure::Server<CollisionPairsConfig>> reconfigure_server_;
   diagnostic_updater::Updater diagnostics_;

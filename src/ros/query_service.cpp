@@ -11,6 +11,8 @@
 namespace collision_pairs {
 namespace {
 
+constexpr std::size_t KEPT_DETECTORS = 2;
+
 /// The node's settings with what a request says instead.
 template <class Request>
 CheckSettings settingsFor(const Request& request, CheckSettings settings) {
@@ -49,6 +51,19 @@ QueryService::QueryService(const ros::NodeHandle& private_node, const tf2::Buffe
   spinner_.start();
 }
 
+CollisionDetector& QueryService::detectorFor(const std::shared_ptr<const CollisionScene>& scene) {
+  const auto known =
+      std::find_if(detectors_.begin(), detectors_.end(),
+                   [&](const auto& detector) { return &detector->scene() == scene.get(); });
+  if (known != detectors_.end()) {
+    std::rotate(known, known + 1, detectors_.end());
+  } else {
+    if (detectors_.size() == KEPT_DETECTORS) detectors_.erase(detectors_.begin());
+    detectors_.push_back(std::make_unique<CollisionDetector>(scene));
+  }
+  return *detectors_.back();
+}
+
 bool QueryService::onCheck(CheckCollisions::Request& request, CheckCollisions::Response& response) {
   try {
     check(request, response);
@@ -81,10 +96,7 @@ void QueryService::check(const CheckCollisions::Request& request,
   }
   const double transform_time = (ros::WallTime::now() - start).toSec();
 
-  if (!detector_ || &detector_->scene() != scene.get()) {
-    detector_ = std::make_unique<CollisionDetector>(scene);
-  }
-  const CollisionReport& report = detector_->detect(stamped.poses, settings);
+  const CollisionReport& report = detectorFor(scene).detect(stamped.poses, settings);
   const ros::Time stamp = stamped.stamp.isZero() ? ros::Time::now() : stamped.stamp;
   response.result = toMessage(report, *scene, settings, active.frame, stamp, active.broken_links);
   response.result.time_transforms = transform_time;

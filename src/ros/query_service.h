@@ -3,7 +3,7 @@
 
 #include <functional>
 #include <memory>
-#include <string>
+#include <vector>
 
 #include <collision_pairs/CheckCollisions.h>
 #include <collision_pairs/CheckTrajectory.h>
@@ -33,6 +33,8 @@ class QueryService {
                SceneStore& scenes, std::function<Defaults()> defaults);
 
  private:
+  /// Of the last few scenes: requests may take turns with restrictions.
+  CollisionDetector& detectorFor(const std::shared_ptr<const CollisionScene>& scene);
   bool onCheck(CheckCollisions::Request& request, CheckCollisions::Response& response);
   void check(const CheckCollisions::Request& request, CheckCollisions::Response& response);
   bool onCheckTrajectory(CheckTrajectory::Request& request, CheckTrajectory::Response& response);
@@ -40,7 +42,7 @@ class QueryService {
   const tf2::BufferCore& tf_buffer_;
   SceneStore& scenes_;
   std::function<Defaults()> defaults_;
-  std::unique_ptr<CollisionDetector> detector_;
+  std::vector<std::unique_ptr<CollisionDetector>> detectors_;  // the last used is the last
   std::unique_ptr<BatchCheck> batch_;
   ros::CallbackQueue queue_;
   ros::ServiceServer check_server_;

@@ -1,11 +1,7 @@
 #include "scene_loader.h"
 
-#include <algorithm>
-#include <set>
-
 #include <ros/console.h>
 
-#include "collision_pairs/collision_scene.h"
 #include "collision_pairs/input_error.h"
 #include "mesh_loader.h"
 #include "parameters.h"
@@ -66,23 +62,6 @@ std::unique_ptr<RobotSource> loadEnvironment(const ros::NodeHandle& node,
   return fromParameter(key, [&] { return std::make_unique<RobotSource>(xml, load_mesh); });
 }
 
-/// Loads what is needed of one source, and notes what is broken.
-std::shared_ptr<const RobotModel> loadGeometry(RobotSource& source, const std::string& prefix,
-                                               const std::set<std::string>& needed,
-                                               std::vector<std::string>& broken_links) {
-  const std::string before = prefix.empty() ? "" : prefix + "/";
-  const std::size_t nb_known = source.broken().size();
-  const auto model = source.withGeometryOf(
-      [&](const std::string& link) { return needed.count(before + link) > 0; });
-  for (std::size_t i = 0; i < source.broken().size(); ++i) {
-    const BrokenElement& element = source.broken()[i];
-    broken_links.push_back(before + element.link);
-    if (i < nb_known) continue;
-    ROS_ERROR_STREAM("link '" << broken_links.back() << "' is left out: " << element.reason);
-  }
-  return model;
-}
-
 }  // namespace
 
 SceneSources readSceneSources(const ros::NodeHandle& private_node, const SceneSettings& settings) {
@@ -91,7 +70,7 @@ SceneSources readSceneSources(const ros::NodeHandle& private_node, const SceneSe
   for (const RobotParameters& robot : readRobots(private_node)) {
     sources.robots.push_back(loadRobot(private_node, robot, load_mesh));
   }
-  sources.environment = loadEnvironment(private_node, load_mesh);
+  sources.world = loadEnvironment(private_node, load_mesh);
   YAML::Node parameters = yamlParameters(private_node, sceneConfigKeys());
   for (const char* read_elsewhere : {"link_fidelity", "max_hull_vertices"}) {
     parameters.remove(read_elsewhere);
@@ -101,32 +80,6 @@ SceneSources readSceneSources(const ros::NodeHandle& private_node, const SceneSe
   sources.config.settings.link_fidelity = settings.link_fidelity;
   sources.config.settings.max_hull_vertices = settings.max_hull_vertices;
   return sources;
-}
-
-SceneDescription describeScene(SceneSources& sources, std::vector<RigidObject> objects,
-                               const Restriction& restriction,
-                               std::vector<std::string>& broken_links) {
-  SceneDescription description;
-  for (const SceneSources::Robot& robot : sources.robots) {
-    description.robots.push_back({robot.source->skeleton(), robot.srdf, robot.prefix});
-  }
-  if (sources.environment) description.world = sources.environment->skeleton();
-  description.objects = std::move(objects);
-  if (sources.config.floor) description.objects.push_back(*sources.config.floor);
-  description.restriction = restriction.empty() ? sources.config.restriction : restriction;
-  description.settings = sources.config.settings;
-
-  const std::set<std::string> needed = CollisionScene::neededModels(description);
-  for (std::size_t i = 0; i < sources.robots.size(); ++i) {
-    SceneSources::Robot& robot = sources.robots[i];
-    description.robots[i].model = loadGeometry(*robot.source, robot.prefix, needed, broken_links);
-  }
-  if (sources.environment) {
-    description.world = loadGeometry(*sources.environment, "", needed, broken_links);
-  }
-  std::sort(broken_links.begin(), broken_links.end());
-  broken_links.erase(std::unique(broken_links.begin(), broken_links.end()), broken_links.end());
-  return description;
 }
 
 }  // namespace collision_pairs

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <set>
 
 #include <geometry_msgs/TransformStamped.h>
 #include <ros/console.h>
@@ -72,6 +73,7 @@ void SceneStore::replace(ActiveScenePtr scene) {
 void SceneStore::load() {
   const std::lock_guard<std::mutex> lock(building_);
   const ros::WallTime start = ros::WallTime::now();
+  told_.clear();
   SceneSources sources = readSceneSources(private_node_, settings_);
   ActiveScenePtr active = build(sources, objects_, {});
   const CollisionScene& scene = *active->scene;
@@ -120,13 +122,24 @@ ActiveScenePtr SceneStore::restrictedTo(const Restriction& restriction) {
   return restricted_.back().second;
 }
 
+std::vector<std::string> SceneStore::linksOf(const std::vector<BrokenElement>& broken) {
+  std::set<std::string> links;
+  for (const BrokenElement& element : broken) {
+    links.insert(element.link);
+    if (!told_.insert(element.link + element.reason).second) continue;
+    ROS_ERROR_STREAM("link '" << element.link << "' is left out: " << element.reason);
+  }
+  return {links.begin(), links.end()};
+}
+
 ActiveScenePtr SceneStore::build(SceneSources& sources, const SceneObjects& objects,
                                  const Restriction& restriction) {
   auto active = std::make_shared<ActiveScene>();
   std::vector<RigidObject> present;
   for (const auto& entry : objects) present.push_back(entry.second.object);
-  SceneDescription description =
-      describeScene(sources, std::move(present), restriction, active->broken_links);
+  std::vector<BrokenElement> broken;
+  SceneDescription description = describeScene(sources, std::move(present), restriction, broken);
+  active->broken_links = linksOf(broken);
   description.settings.progress = progressOnLog(ros::WallTime::now());
   active->scene = CollisionScene::build(description, &cache_);
   const CollisionScene& scene = *active->scene;

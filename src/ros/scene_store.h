@@ -2,6 +2,7 @@
 #pragma once
 
 #include <mutex>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -44,6 +45,8 @@ class SceneStore {
  private:
   ActiveScenePtr build(SceneSources& sources, const SceneObjects& objects,
                        const Restriction& restriction);
+  /// Their links, sorted; each goes to the log once.
+  std::vector<std::string> linksOf(const std::vector<BrokenElement>& broken);
   void replace(ActiveScenePtr scene);
 
   ros::NodeHandle private_node_;
@@ -56,6 +59,7 @@ class SceneStore {
   SceneSources sources_;
   SceneObjects objects_;
   MeshLoader load_mesh_;
+  std::set<std::string> told_;  // what is broken, since the last load()
   std::vector<std::pair<Restriction, ActiveScenePtr>> restricted_;  // of scene_; the newest last
 
   mutable std::mutex reading_;  // guards scene_

@@ -1,23 +1,16 @@
 #include "bag_scenes.h"
 
 #include <map>
-#include <optional>
 
 #include "collision_pairs/input_error.h"
-#include "mesh_loader.h"
-#include "robot_files.h"
 #include "text_files.h"
 
 namespace collision_pairs {
 namespace {
 
-struct Text {
-  std::string origin, content;
-};
-
 /// Of a file, or else the bag's only one; empty if there is neither.
-Text chooseText(const std::string& path, const std::map<std::string, std::string>& in_bag,
-                const std::string& option) {
+TextFrom chooseText(const std::string& path, const std::map<std::string, std::string>& in_bag,
+                    const std::string& option) {
   if (!path.empty()) return {path, readTextFile(path)};
   if (in_bag.empty()) return {};
   if (in_bag.size() > 1) {
@@ -30,14 +23,11 @@ Text chooseText(const std::string& path, const std::map<std::string, std::string
 }  // namespace
 
 std::shared_ptr<const CollisionScene> BagScenes::sceneFor(const BagContents& bag) {
-  const Text urdf = chooseText(urdf_path_, bag.urdfs, "--urdf");
+  const TextFrom urdf = chooseText(urdf_path_, bag.urdfs, "--urdf");
   if (urdf.origin.empty()) throw InputError("there is no robot_description in it; give --urdf");
-  const Text srdf = chooseText(srdf_path_, bag.srdfs, "--srdf");
+  const TextFrom srdf = chooseText(srdf_path_, bag.srdfs, "--srdf");
   if (scene_ && urdf.content == urdf_ && srdf.content == srdf_) return scene_;
-  const auto robot = robotFromText(urdf.content, urdf.origin, makeMeshLoader());
-  std::optional<Srdf> switched_off;
-  if (!srdf.origin.empty()) switched_off = srdfFromText(srdf.content, srdf.origin, *robot);
-  scene_ = CollisionScene::build(robot, switched_off, nullptr);
+  scene_ = buildScene(urdf, srdf, options_, Fidelity::MESH, 0);
   urdf_ = urdf.content;
   srdf_ = srdf.content;
   return scene_;

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "bag_reader.h"
-#include "collision_pairs/collision_scene.h"
+#include "scene_options.h"
 
 namespace collision_pairs {
 
@@ -14,14 +14,17 @@ namespace collision_pairs {
 class BagScenes {
  public:
   /// Empty paths: from the bag.
-  BagScenes(std::string urdf_path, std::string srdf_path)
-      : urdf_path_(std::move(urdf_path)), srdf_path_(std::move(srdf_path)) {}
+  BagScenes(std::string urdf_path, std::string srdf_path, SceneOptions options)
+      : urdf_path_(std::move(urdf_path)),
+        srdf_path_(std::move(srdf_path)),
+        options_(std::move(options)) {}
 
   /// Throws InputError, also if there is no robot or more than one to choose from.
   std::shared_ptr<const CollisionScene> sceneFor(const BagContents& bag);
 
  private:
   std::string urdf_path_, srdf_path_;
+  SceneOptions options_;
   std::string urdf_, srdf_;  ///< what scene_ was made of
   std::shared_ptr<const CollisionScene> scene_;
 };

@@ -25,6 +25,7 @@ struct Options {
   std::string urdf, srdf, record, shard_text;
   std::string fidelity = "mesh";
   bool min_distance = false;
+  SceneOptions scene;
   BagPosesOptions poses;
   BagOutputOptions output;
   // Made of the above.
@@ -38,6 +39,7 @@ void declare(CLI::App& app, Options& options) {
       ->type_name("ROBOT.urdf");
   app.add_option("--srdf", options.srdf, "switches off its pairs (default: in the bag, if there)")
       ->type_name("ROBOT.srdf");
+  declareScene(app, options.scene);
   app.add_option("--prefix", options.poses.prefix, "what the bag puts before this robot's names");
   app.add_option("--fidelity", options.fidelity, "aabb, obb, convex or mesh")
       ->capture_default_str();
@@ -115,7 +117,10 @@ BagRow toRow(const CollisionReport& report, const CollisionScene& scene) {
 class BagChecker {
  public:
   BagChecker(const Options& options, const BagLineSink& sink, BagRecorder* recorder)
-      : options_(options), sink_(sink), recorder_(recorder), scenes_(options.urdf, options.srdf) {}
+      : options_(options),
+        sink_(sink),
+        recorder_(recorder),
+        scenes_(options.urdf, options.srdf, options.scene) {}
 
   void check(std::size_t number) {
     const std::string& path = options_.bags[number];

@@ -10,8 +10,7 @@
 #include "collision_pairs/batch_check.h"
 #include "collision_pairs/input_error.h"
 #include "joint_states_csv.h"
-#include "mesh_loader.h"
-#include "robot_files.h"
+#include "scene_options.h"
 #include "text_files.h"
 #include "tool_errors.h"
 
@@ -19,7 +18,8 @@ namespace collision_pairs {
 namespace {
 
 struct Options {
-  std::string robot, states, srdf, world, out;
+  std::string robot, states, srdf, out;
+  SceneOptions scene;
   std::string fidelity = "mesh";
   double alarm_distance = 0.0;
   double time_budget = 0.0;  // µs
@@ -34,8 +34,7 @@ void declare(CLI::App& app, Options& options) {
       ->required()
       ->type_name("STATES.csv");
   app.add_option("--srdf", options.srdf, "switches off its pairs")->type_name("ROBOT.srdf");
-  app.add_option("--world", options.world, "a URDF that stands still, its root at the robot's root")
-      ->type_name("WORLD.urdf");
+  declareScene(app, options.scene);
   app.add_option("--fidelity", options.fidelity, "aabb, obb, convex or mesh")
       ->capture_default_str();
   app.add_option("--alarm-distance", options.alarm_distance,
@@ -47,7 +46,7 @@ void declare(CLI::App& app, Options& options) {
       ->type_name("MICROSECONDS")
       ->capture_default_str();
   app.add_option("--max-hull-vertices", options.max_hull_vertices,
-                 "of the hulls of --fidelity convex; 0: exact")
+                 "of the hulls of --fidelity convex; 0: as the settings say")
       ->type_name("COUNT")
       ->capture_default_str();
   app.add_flag("--min-distance", options.min_distance, "find the smallest signed distance");
@@ -124,18 +123,15 @@ std::vector<std::string> check(const JointStates& states,
 
 void checkAll(const Options& options) {
   const CheckSettings settings = settingsFrom(options);
-  const MeshLoader load_mesh = makeMeshLoader();
-  const auto robot = readRobot(options.robot, load_mesh);
-  const auto srdf = readSrdf(options.srdf, *robot);
-  const auto world = options.world.empty() ? nullptr : readRobot(options.world, load_mesh);
-  const JointStates states = readJointStates(readTextFile(options.states), *robot, options.states);
+  TextFrom srdf;
+  if (!options.srdf.empty()) srdf = {options.srdf, readTextFile(options.srdf)};
+  const auto scene = buildScene({options.robot, readTextFile(options.robot)}, srdf, options.scene,
+                                settings.fidelity, options.max_hull_vertices);
+  const JointStates states =
+      readJointStates(readTextFile(options.states), scene->robot(), options.states);
   if (!states.joints_at_zero.empty()) {
     warn("joints without a column stand at zero: " + joined(states.joints_at_zero));
   }
-  SceneSettings scene_settings;
-  scene_settings.fidelity = settings.fidelity;
-  scene_settings.max_hull_vertices = options.max_hull_vertices;
-  const auto scene = CollisionScene::build(robot, srdf, world, scene_settings);
   const std::vector<std::string> rows = check(states, scene, settings, options.threads);
   writeTextFile(options.out, [&](std::ostream& out) {
     out << "state,in_collision,pairs,min_distance,nb_pairs,microseconds\n";

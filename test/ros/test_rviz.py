@@ -66,9 +66,11 @@ class RvizTest(unittest.TestCase):
             found, shown = self.show()
         finally:
             screen.close()
-        self.assertEqual(found, {"Global Status": "Ok", "Grid": "Ok", "Robot": "Ok", "Collision pairs": "Ok"})
+        self.assertEqual(found, {"Global Status": "Ok", "Grid": "Ok", "Robot": "Ok", "Collision pairs": "Ok",
+                                 "Scene": "Ok"})
         self.assertIn("forearm", shown["Robot"])
         self.assertIn("investigated_boxes", shown["Collision pairs"])
+        self.assertIn("links", shown["Scene"])
 
     def show(self):
         from python_qt_binding.QtWidgets import QApplication

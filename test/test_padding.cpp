@@ -1,0 +1,202 @@
+// Padding is a distance: what it does to a pair, the plain scene says.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "collision_pairs/collision_detector.h"
+#include "collision_pairs/input_error.h"
+#include "mixed_robot.h"
+
+namespace collision_pairs {
+namespace {
+
+using testing::HasSubstr;
+
+SceneDescription mixedDescription() {
+  SceneDescription description;
+  description.robots.push_back({mixedRobot(2), std::nullopt, ""});
+  return description;
+}
+
+using Distances = std::map<std::pair<std::string, std::string>, PairReport>;
+
+Distances distances(const CollisionScene& scene, const CollisionReport& report) {
+  Distances found;
+  for (const PairReport& pair : report.pairs) {
+    found[{scene.models()[pair.first].name, scene.models()[pair.second].name}] = pair;
+  }
+  return found;
+}
+
+class Padding : public testing::Test {
+ protected:
+  Distances check(const SceneDescription& description, const BodyPoses& poses,
+                  double alarm_distance, Fidelity fidelity = Fidelity::MESH) {
+    const auto scene = CollisionScene::build(description);
+    CollisionDetector detector(scene);
+    CheckSettings settings;
+    settings.alarm_distance = alarm_distance;
+    settings.fidelity = fidelity;
+    report_ = detector.detect(poses, settings);
+    return distances(*scene, report_);
+  }
+
+  BodyPoses randomPoses(const SceneDescription& description) {
+    BodyPoses poses;
+    poses.resize(CollisionScene::build(description)->bodies().size());
+    throwAbout(random_, 0.7, poses);
+    return poses;
+  }
+
+  RandomInputs random_;
+  CollisionReport report_;
+};
+
+TEST_F(Padding, TakesItsSumFromTheDistanceOfEachPair) {
+  const double padding = 0.05, alarm = 0.1;
+  const SceneDescription plain = mixedDescription();
+  SceneDescription padded = plain;
+  padded.settings.padding = padding;
+  padded.settings.link_padding = {{"c", 0.02}, {"e", 0.0}};
+  const auto of = [&](const std::string& link) {
+    const auto own = padded.settings.link_padding.find(link);
+    return own == padded.settings.link_padding.end() ? padding : own->second;
+  };
+  int nb_apart = 0;
+  for (int round = 0; round < 40; ++round) {
+    const BodyPoses poses = randomPoses(plain);
+    const Distances with = check(padded, poses, alarm);
+    const Distances without = check(plain, poses, alarm + 2 * padding);
+    for (const auto& [names, pair] : without) {
+      const double expected = pair.distance - of(names.first) - of(names.second);
+      const auto found = with.find(names);
+      ASSERT_EQ(found != with.end(), expected <= alarm) << names.first << "|" << names.second;
+      if (found == with.end()) continue;
+      EXPECT_NEAR(found->second.distance, expected, 1e-9) << names.first << "|" << names.second;
+      EXPECT_EQ(found->second.state, expected <= 0.0 ? PairState::CONTACT : PairState::NEAR);
+      nb_apart += pair.distance > 0.0;
+    }
+    for (const auto& entry : with) ASSERT_EQ(without.count(entry.first), 1u);
+  }
+  EXPECT_GT(nb_apart, 100);
+}
+
+TEST_F(Padding, WitnessPointsAreApartByTheDistanceAlongTheNormal) {
+  SceneDescription padded = mixedDescription();
+  padded.settings.padding = 0.03;
+  for (int round = 0; round < 20; ++round) {
+    check(padded, randomPoses(padded), 0.2);
+    for (const Contact& contact : report_.contacts) {
+      const double along = contact.nhat_W.dot(contact.p_WSecond - contact.p_WFirst);
+      EXPECT_NEAR(along, -contact.depth, 1e-6);
+    }
+  }
+}
+
+TEST_F(Padding, OfAPairStandsForTheSumAndTheLastThatMatchesCounts) {
+  SceneDescription padded = mixedDescription();
+  padded.settings.padding = 0.04;
+  padded.settings.pair_padding = {{"*", "z", 0.3}, {"z", "a", 0.0}};
+  const SceneDescription plain = mixedDescription();
+  for (int round = 0; round < 20; ++round) {
+    const BodyPoses poses = randomPoses(plain);
+    const Distances with = check(padded, poses, 0.0);
+    for (const auto& [names, pair] : check(plain, poses, 0.4)) {
+      const bool has_z = names.second == "z";
+      const double padding = !has_z ? 0.08 : names.first == "a" ? 0.0 : 0.3;
+      EXPECT_EQ(with.count(names), pair.distance <= padding ? 1u : 0u)
+          << names.first << "|" << names.second << " at " << pair.distance;
+    }
+  }
+}
+
+TEST_F(Padding, KeepsEveryCheaperRungASafeBound) {
+  SceneDescription padded = mixedDescription();
+  padded.settings.padding = 0.03;
+  padded.settings.pair_padding = {{"a", "*", 0.01}, {"d", "*", 0.1}};
+  for (int round = 0; round < 20; ++round) {
+    const BodyPoses poses = randomPoses(padded);
+    Distances dearer = check(padded, poses, 0.05, Fidelity::MESH);
+    for (const Fidelity fidelity : {Fidelity::CONVEX, Fidelity::OBB, Fidelity::AABB}) {
+      const Distances cheaper = check(padded, poses, 0.05, fidelity);
+      for (const auto& [names, pair] : dearer) {
+        ASSERT_EQ(cheaper.count(names), 1u) << names.first << "|" << names.second;
+        if (pair.certainty != Certainty::EXACT && pair.distance < 0.0) continue;  // a depth's bound
+        EXPECT_LE(cheaper.at(names).distance, pair.distance + 1e-9);
+      }
+      dearer = cheaper;
+    }
+  }
+}
+
+TEST_F(Padding, IsInVerdictsMinimaAndBoundsInTime) {
+  SceneDescription padded = mixedDescription();
+  padded.settings.padding = 0.02;
+  const auto scene = CollisionScene::build(padded);
+  CollisionDetector detector(scene);
+  for (int round = 0; round < 40; ++round) {
+    BodyPoses poses;
+    poses.resize(scene->bodies().size());
+    throwAbout(random_, 2.5, poses);
+    CheckSettings settings;
+    settings.alarm_distance = 10.0;
+    const CollisionReport all = detector.detect(poses, settings);
+    settings.alarm_distance = 0.0;
+    settings.min_distance = true;
+    EXPECT_NEAR(detector.detect(poses, settings).min_distance, all.min_distance, 1e-9);
+    settings.min_distance = false;
+    settings.verdict_only = true;
+    EXPECT_EQ(detector.detect(poses, settings).in_collision, all.in_collision);
+    settings.verdict_only = false;
+    settings.alarm_distance = 10.0;
+    settings.time_budget = 1e-9;
+    const CollisionReport hurried = detector.detect(poses, settings);
+    ASSERT_EQ(hurried.pairs.size(), all.pairs.size());
+    for (std::size_t i = 0; i < all.pairs.size(); ++i) {
+      EXPECT_LE(hurried.pairs[i].distance, all.pairs[i].distance + 1e-9);
+    }
+  }
+}
+
+TEST_F(Padding, BelowZeroOrNotANumberIsRefused) {
+  const auto refusal = [](const SceneSettings& settings) -> std::string {
+    SceneDescription description = mixedDescription();
+    description.settings = settings;
+    try {
+      CollisionScene::build(description);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "accepted";
+  };
+  SceneSettings settings;
+  settings.padding = -0.01;
+  EXPECT_THAT(refusal(settings), HasSubstr("padding is -0.01"));
+  settings = {};
+  settings.link_padding["c"] = std::nan("");
+  EXPECT_THAT(refusal(settings), HasSubstr("link_padding of 'c'"));
+  settings = {};
+  settings.link_padding["cc"] = 0.1;
+  EXPECT_THAT(refusal(settings), HasSubstr("'c' meant?"));
+  settings = {};
+  settings.pair_padding = {{"a", "b", INFINITY}};
+  EXPECT_THAT(refusal(settings), HasSubstr("pair_padding of 'a' and 'b'"));
+}
+
+TEST(CylinderAsCapsule, EnclosesTheCylinderAndIsForTheNamedLinksOnly) {
+  SceneDescription description = mixedDescription();
+  description.settings.cylinder_as_capsule = {"b"};
+  const auto scene = CollisionScene::build(description);
+  const auto shapeOf = [&](const std::string& link) {
+    const auto& model = scene->models()[static_cast<std::size_t>(scene->findModel(link))];
+    return scene->elements()[model.first_element].shape;
+  };
+  const Shape of_b = shapeOf("b");
+  const auto* capsule = std::get_if<Capsule>(&of_b);
+  ASSERT_NE(capsule, nullptr);
+  EXPECT_EQ(capsule->radius, 0.1);
+  EXPECT_EQ(capsule->length, 0.3);
+  EXPECT_TRUE(std::holds_alternative<Cylinder>(shapeOf("j")));
+}
+
+}  // namespace
+}  // namespace collision_pairs

@@ -1,0 +1,311 @@
+// Which pairs a scene looks at: every rule by itself, then all of them against a plain reading.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "collision_pairs/collision_scene.h"
+#include "collision_pairs/input_error.h"
+#include "demo_scene.h"
+#include "random_inputs.h"
+
+namespace collision_pairs {
+namespace {
+
+using Names = std::set<std::pair<std::string, std::string>>;
+using testing::HasSubstr;
+using Verdict = PairRule::Verdict;
+
+Names allowedPairs(const CollisionScene& scene) {
+  Names names;
+  for (std::uint32_t a = 0; a < scene.models().size(); ++a) {
+    for (std::uint32_t b = a + 1; b < scene.models().size(); ++b) {
+      if (scene.filter().allowed(a, b)) {
+        names.emplace(scene.models()[a].name, scene.models()[b].name);
+      }
+    }
+  }
+  return names;
+}
+
+Names allowedPairs(const SceneDescription& description) {
+  return allowedPairs(*CollisionScene::build(description));
+}
+
+RigidObject ball(const std::string& name, const std::string& attached_link = "",
+                 std::vector<std::string> touch_links = {}) {
+  RigidObject object;
+  object.name = name;
+  object.elements.push_back({Sphere{0.1}, Eigen::Isometry3d::Identity()});
+  object.attached_link = attached_link;
+  object.touch_links = std::move(touch_links);
+  return object;
+}
+
+/// shoulder - elbow - wrist - {finger_1, finger_2}, and a head beside them, on revolute joints.
+std::shared_ptr<const RobotModel> arm() {
+  const auto hinge = [](const std::string& parent, const std::string& child) {
+    return joint("to_" + child, "continuous", parent, child, "0 0 1", "<axis xyz='0 1 0'/>");
+  };
+  return robotFrom(boxLink("base", 1) + boxLink("shoulder", 1) + boxLink("elbow", 1) +
+                   boxLink("wrist", 1) + boxLink("finger_1", 1) + boxLink("finger_2", 1) +
+                   boxLink("head", 1) + hinge("base", "shoulder") + hinge("shoulder", "elbow") +
+                   hinge("elbow", "wrist") + hinge("wrist", "finger_1") +
+                   hinge("wrist", "finger_2") + hinge("base", "head"));
+}
+
+SceneDescription armScene(const std::string& srdf) {
+  SceneDescription description;
+  description.robots.push_back({arm(), Srdf::fromXml("<robot name='r'>" + srdf + "</robot>"), ""});
+  return description;
+}
+
+std::string refusal(const SceneDescription& description) {
+  try {
+    CollisionScene::build(description);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+TEST(NamePatterns, AreThoseOfTheShell) {
+  EXPECT_TRUE(matches("left_*", "left_elbow"));
+  EXPECT_TRUE(matches("*", "left/elbow"));
+  EXPECT_TRUE(matches("finger_?", "finger_1"));
+  EXPECT_TRUE(matches("finger_[12]", "finger_2"));
+  EXPECT_FALSE(matches("finger_?", "finger_12"));
+  EXPECT_FALSE(matches("elbow", "elbow_2"));
+  EXPECT_TRUE(isPattern("a*"));
+  EXPECT_FALSE(isPattern("a-b.c/d"));
+}
+
+TEST(PairRules, DenyTakesPairsOutInEitherOrderOfNames) {
+  SceneDescription description = armScene("");
+  const std::size_t before = allowedPairs(description).size();
+  description.settings.pair_rules = {{Verdict::DENY, "head", "finger_*"}};
+  const Names denied = allowedPairs(description);
+  description.settings.pair_rules = {{Verdict::DENY, "finger_*", "head"}};
+  EXPECT_EQ(allowedPairs(description), denied);
+  EXPECT_EQ(denied.size(), before - 2);
+  EXPECT_EQ(denied.count({"finger_1", "head"}), 0u);
+}
+
+TEST(PairRules, AllowBringsBackWhatTheSrdfSwitchesOff) {
+  SceneDescription description = armScene(
+      "<disable_default_collisions link='head'/>"
+      "<disable_collisions link1='elbow' link2='base'/>");
+  EXPECT_EQ(allowedPairs(description).count({"base", "head"}), 0u);
+  description.settings.pair_rules = {{Verdict::ALLOW, "head", "*"}};
+  EXPECT_EQ(allowedPairs(description).count({"base", "head"}), 1u);
+  EXPECT_EQ(allowedPairs(description).count({"base", "elbow"}), 0u);
+}
+
+TEST(PairRules, TheLastThatMatchesDecides) {
+  SceneDescription description = armScene("");
+  description.settings.pair_rules = {{Verdict::DENY, "*", "*"},
+                                     {Verdict::ALLOW, "head", "finger_*"},
+                                     {Verdict::DENY, "finger_2", "*"}};
+  EXPECT_EQ(allowedPairs(description), (Names{{"finger_1", "head"}}));
+}
+
+TEST(PairRules, HoldForObjectsThatComeLater) {
+  SceneDescription description = armScene("");
+  description.settings.pair_rules = {{Verdict::DENY, "crate_*", "finger_*"}};
+  description.objects = {ball("crate_7"), ball("table")};
+  const Names names = allowedPairs(description);
+  EXPECT_EQ(names.count({"crate_7", "finger_1"}), 0u);
+  EXPECT_EQ(names.count({"crate_7", "elbow"}), 1u);
+  EXPECT_EQ(names.count({"finger_1", "table"}), 1u);
+}
+
+TEST(PairRules, AnUnknownNameIsRefusedWithTheNearestOne) {
+  const auto withRule = [](const std::string& name) {
+    SceneDescription description = armScene("");
+    description.settings.pair_rules = {{Verdict::DENY, name, "head"}};
+    return description;
+  };
+  EXPECT_THAT(refusal(withRule("elbo")),
+              HasSubstr("pair_rules names 'elbo', which is no link of robot"));
+  EXPECT_THAT(refusal(withRule("elbo")), HasSubstr("'elbow' meant?"));
+  EXPECT_EQ(refusal(withRule("elbo*")), "accepted");
+}
+
+TEST(Ignore, TakesALinkOutAltogether) {
+  SceneDescription description = armScene("");
+  description.settings.ignored_links = {"finger_*"};
+  EXPECT_EQ(CollisionScene::build(description)->findModel("finger_1"), -1);
+  description.settings.ignored_links = {"hed"};
+  EXPECT_THAT(refusal(description), HasSubstr("'head' meant?"));
+}
+
+class Groups : public testing::TestWithParam<std::pair<const char*, std::set<std::string>>> {};
+
+// Of the pairs that are left, one link at least is in what the group moves.
+TEST_P(Groups, MoveTheLinksBelowTheirJoints) {
+  const auto& [inner, moved] = GetParam();
+  SceneDescription description = armScene(
+      "<virtual_joint name='world_joint' type='planar' parent_frame='odom' "
+      "child_link='base'/>"
+      "<group name='other'><joint name='to_wrist'/></group>"
+      "<group name='g'>" +
+      std::string(inner) + "</group>");
+  const Names all = allowedPairs(description);
+  description.restriction.group = "g";
+  Names expected;
+  for (const auto& pair : all) {
+    if (moved.count(pair.first) || moved.count(pair.second)) expected.insert(pair);
+  }
+  EXPECT_EQ(allowedPairs(description), expected);
+}
+
+const std::set<std::string> HAND = {"wrist", "finger_1", "finger_2"};
+INSTANTIATE_TEST_SUITE_P(
+    AsInMoveIt, Groups,
+    testing::Values(std::make_pair("<joint name='to_wrist'/>", HAND),
+                    std::make_pair("<link name='wrist'/>", HAND),
+                    std::make_pair("<chain base_link='elbow' tip_link='wrist'/>", HAND),
+                    std::make_pair("<chain base_link='wrist' tip_link='finger_2'/>",
+                                   std::set<std::string>{"finger_2"}),
+                    std::make_pair("<group name='other'/>", HAND),
+                    std::make_pair("<group name='g'/><group name='other'/>", HAND),
+                    std::make_pair("<joint name='to_head'/><link name='finger_1'/>",
+                                   std::set<std::string>{"head", "finger_1"}),
+                    std::make_pair("<joint name='world_joint'/>",
+                                   std::set<std::string>{"base", "shoulder", "elbow", "wrist",
+                                                         "finger_1", "finger_2", "head"}),
+                    std::make_pair("<joint name='nowhere'/><link name='head'/>",
+                                   std::set<std::string>{"head"})));
+
+TEST(Restriction, NamesAnUnknownGroupOrLinkWithTheNearest) {
+  SceneDescription description = armScene(
+      "<group name='arm'><link name='elbow'/></group>"
+      "<group name='empty'/>");
+  description.restriction.group = "amr";
+  EXPECT_THAT(refusal(description), HasSubstr("no group 'amr'"));
+  EXPECT_THAT(refusal(description), HasSubstr("'arm' meant?"));
+  description.restriction.group = "empty";
+  EXPECT_THAT(refusal(description), HasSubstr("moves no link"));
+  description.restriction = {"", {"hand"}};
+  EXPECT_THAT(refusal(description), HasSubstr("'head' meant?"));
+  description.robots[0].srdf.reset();
+  description.restriction = {"arm", {}};
+  EXPECT_THAT(refusal(description), HasSubstr("has no SRDF"));
+}
+
+TEST(Restriction, TakesWhatHangsOnItsLinksAlong) {
+  SceneDescription description = armScene("");
+  description.objects = {ball("tool", "wrist"), ball("table")};
+  description.restriction.names = {"wrist"};
+  const Names names = allowedPairs(description);
+  EXPECT_EQ(names.count({"table", "tool"}), 1u);
+  EXPECT_EQ(names.count({"head", "tool"}), 1u);
+  EXPECT_EQ(names.count({"head", "table"}), 0u);
+}
+
+TEST(PassiveJoints, AreCheckedAsAllOthers) {
+  EXPECT_EQ(allowedPairs(armScene("<passive_joint name='to_head'/>")), allowedPairs(armScene("")));
+}
+
+TEST(AttachedObjects, AreCheckedAgainstAllButTheirLinkAndWhatTheyMayTouch) {
+  SceneDescription description = armScene("<disable_default_collisions link='wrist'/>");
+  description.objects = {ball("tool", "wrist", {"finger_1", "box"}), ball("box"), ball("table"),
+                         ball("sensor", "wrist"), ball("hat", "head")};
+  const Names names = allowedPairs(description);
+  for (const char* partner : {"wrist", "finger_1", "box", "sensor"}) {
+    EXPECT_EQ(names.count(std::minmax(std::string("tool"), std::string(partner))), 0u) << partner;
+  }
+  for (const char* partner : {"finger_2", "elbow", "base", "table", "hat"}) {
+    EXPECT_EQ(names.count(std::minmax(std::string("tool"), std::string(partner))), 1u) << partner;
+  }
+}
+
+/// The same, read as plainly as it can be written.
+bool plainlyAllowed(const SceneDescription& description, const std::string& a,
+                    const std::string& b) {
+  const auto objectNamed = [&](const std::string& name) -> const RigidObject* {
+    for (const RigidObject& object : description.objects) {
+      if (object.name == name) return &object;
+    }
+    return nullptr;
+  };
+  const RigidObject *of_a = objectNamed(a), *of_b = objectNamed(b);
+  const auto stands = [](const RigidObject* object) {
+    return object && object->attached_link.empty();
+  };
+  if (stands(of_a) && stands(of_b)) return false;
+  if (of_a && of_b && of_a->attached_link == of_b->attached_link) return false;
+  const auto touches = [](const RigidObject* object, const std::string& other) {
+    if (!object) return false;
+    const auto& links = object->touch_links;
+    return object->attached_link == other ||
+           std::find(links.begin(), links.end(), other) != links.end();
+  };
+  if (touches(of_a, b) || touches(of_b, a)) return false;
+  bool allowed = true;
+  if (!of_a && !of_b) {
+    const Srdf& srdf = *description.robots[0].srdf;
+    const auto has = [&](const std::vector<Srdf::LinkPair>& pairs) {
+      const Srdf::LinkPair pair = std::minmax(a, b);
+      return std::find(pairs.begin(), pairs.end(), pair) != pairs.end();
+    };
+    for (const std::string& link : srdf.disabled_links) {
+      if (link == a || link == b) allowed = false;
+    }
+    if (has(srdf.enabled_pairs)) allowed = true;
+    if (has(srdf.disabled_pairs)) allowed = false;
+  }
+  for (const PairRule& rule : description.settings.pair_rules) {
+    if ((matches(rule.first, a) && matches(rule.second, b)) ||
+        (matches(rule.first, b) && matches(rule.second, a))) {
+      allowed = rule.verdict == Verdict::ALLOW;
+    }
+  }
+  return allowed;
+}
+
+TEST(PairRules, AllTogetherAreAsTheyReadPairByPair) {
+  RandomInputs random;
+  const std::vector<std::string> links = {"base",     "shoulder", "elbow", "wrist",
+                                          "finger_1", "finger_2", "head"};
+  const std::vector<std::string> objects = {"crate_1", "crate_2", "table", "tool", "hat"};
+  const std::vector<std::string> patterns = {"*",     "finger_*", "crate_*", "head",
+                                             "elbow", "t*",       "?at",     "base"};
+  const auto anyOf = [&](const std::vector<std::string>& names) {
+    return names[static_cast<std::size_t>(random.integer(0, static_cast<int>(names.size()) - 1))];
+  };
+  std::size_t nb_allowed = 0, nb_pairs = 0;
+  for (int round = 0; round < 200; ++round) {
+    SceneDescription description = armScene("");
+    Srdf& srdf = *description.robots[0].srdf;
+    for (int i = random.integer(0, 2); i > 0; --i) srdf.disabled_links.push_back(anyOf(links));
+    for (int i = random.integer(0, 6); i > 0; --i) {
+      srdf.disabled_pairs.push_back(std::minmax(anyOf(links), anyOf(links)));
+      srdf.enabled_pairs.push_back(std::minmax(anyOf(links), anyOf(links)));
+    }
+    for (const std::string& name : objects) {
+      RigidObject object = ball(name, random.integer(0, 1) ? anyOf(links) : "");
+      if (random.integer(0, 1)) object.touch_links = {anyOf(links), anyOf(objects)};
+      description.objects.push_back(object);
+    }
+    for (int i = random.integer(0, 4); i > 0; --i) {
+      description.settings.pair_rules.push_back(
+          {random.integer(0, 1) ? Verdict::ALLOW : Verdict::DENY, anyOf(patterns),
+           anyOf(patterns)});
+    }
+    std::set<std::string> names(links.begin(), links.end());
+    names.insert(objects.begin(), objects.end());
+    Names expected;
+    for (const std::string& a : names) {
+      for (const std::string& b : names) {
+        if (a < b && plainlyAllowed(description, a, b)) expected.emplace(a, b);
+      }
+    }
+    ASSERT_EQ(allowedPairs(description), expected) << "round " << round;
+    nb_allowed += expected.size();
+    nb_pairs += names.size() * (names.size() - 1) / 2;
+  }
+  EXPECT_GT(nb_allowed, nb_pairs / 10);
+  EXPECT_LT(nb_allowed, nb_pairs * 9 / 10);
+}
+
+}  // namespace
+}  // namespace collision_pairs

@@ -1,0 +1,199 @@
+// Objects, several robots, and what a scene prepares of them.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "collision_pairs/collision_detector.h"
+#include "collision_pairs/input_error.h"
+#include "demo_scene.h"
+#include "mixed_robot.h"
+
+namespace collision_pairs {
+namespace {
+
+using Eigen::Isometry3d;
+using Eigen::Vector3d;
+using testing::HasSubstr;
+
+Isometry3d at(double x, double y, double z) {
+  Isometry3d X = Isometry3d::Identity();
+  X.translation() = Vector3d(x, y, z);
+  return X;
+}
+
+RigidObject cube(const std::string& name, const Isometry3d& X_PO,
+                 const std::string& attached_link = "") {
+  RigidObject object;
+  object.name = name;
+  object.elements.push_back({Box{Vector3d::Ones()}, Isometry3d::Identity()});
+  object.X_PO = X_PO;
+  object.attached_link = attached_link;
+  return object;
+}
+
+/// Unit cubes a and b on sliders along x.
+SceneDescription twoSliders() {
+  SceneDescription description;
+  description.robots.push_back({robotFrom(slidingBoxes(2)), std::nullopt, ""});
+  return description;
+}
+
+std::string refusal(const SceneDescription& description) {
+  try {
+    CollisionScene::build(description);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+std::set<std::string> contacts(const CollisionScene& scene, const BodyPoses& poses) {
+  std::shared_ptr<const CollisionScene> shared(&scene, [](const CollisionScene*) {});
+  CollisionDetector detector(shared);
+  CheckSettings settings;
+  settings.alarm_distance = 0.0;
+  std::set<std::string> names;
+  for (const PairReport& pair : detector.detect(poses, settings).pairs) {
+    names.insert(scene.models()[pair.first].name + "|" + scene.models()[pair.second].name);
+  }
+  return names;
+}
+
+BodyPoses placed(const CollisionScene& scene, const std::map<std::string, Isometry3d>& X_WL) {
+  BodyPoses poses;
+  poses.resize(scene.bodies().size());
+  for (std::size_t i = 0; i < scene.bodies().size(); ++i) {
+    poses.X_WB[i] = X_WL.at(scene.bodies()[i].link);
+  }
+  return poses;
+}
+
+TEST(SceneObjects, StandWhereTheyAreOrMoveWithTheirLink) {
+  SceneDescription description = twoSliders();
+  description.objects = {cube("pillar", at(5, 0, 0)), cube("load", at(0, 0, 1.5), "a"),
+                         cube("shelf", at(5, 0, 1.5))};
+  const auto scene = CollisionScene::build(description);
+  EXPECT_EQ(scene->nbStaticElements(), 2u);
+  EXPECT_EQ(contacts(*scene, placed(*scene, {{"a", at(0, 0, 0)}, {"b", at(9, 0, 0)}})),
+            std::set<std::string>{});
+  EXPECT_EQ(contacts(*scene, placed(*scene, {{"a", at(4.5, 0, 0)}, {"b", at(9, 0, 0)}})),
+            (std::set<std::string>{"a|pillar", "load|shelf"}));
+}
+
+TEST(SceneObjects, AFloorMeetsWhatReachesBelowItAndNothingElse) {
+  SceneDescription description = twoSliders();
+  description.objects = {floorAt(-0.25, {"b"})};
+  const auto scene = CollisionScene::build(description);
+  EXPECT_EQ(contacts(*scene, placed(*scene, {{"a", at(0, 0, 0)}, {"b", at(3, 0, 0)}})),
+            std::set<std::string>{"a|floor"});
+  EXPECT_EQ(contacts(*scene, placed(*scene, {{"a", at(0, 0, 0.3)}, {"b", at(3, 0, 0)}})),
+            std::set<std::string>{});
+}
+
+TEST(SceneObjects, ALevelFloorIsNoCandidateOfWhatIsAboveIt) {
+  SceneDescription description = twoSliders();
+  description.objects = {floorAt(-2.0, {})};
+  CollisionDetector detector(CollisionScene::build(description));
+  BodyPoses poses;
+  poses.resize(2);
+  poses.X_WB[1] = at(3, 0, 0);
+  EXPECT_TRUE(detector.detect(poses, CheckSettings()).candidates.empty());
+}
+
+TEST(SceneObjects, WhatIsWrongWithOneIsNamed) {
+  SceneDescription description = twoSliders();
+  description.objects = {cube("a", at(0, 0, 0))};
+  EXPECT_THAT(refusal(description), HasSubstr("object 'a' has the name of a link"));
+  description.objects = {cube("load", at(0, 0, 0), "bb")};
+  EXPECT_THAT(refusal(description), HasSubstr("hangs on 'bb', which is no link"));
+  EXPECT_THAT(refusal(description), HasSubstr("'b' meant?"));
+  description.objects = {cube("load", at(0, 0, 0))};
+  description.objects[0].touch_links = {"aa"};
+  EXPECT_THAT(refusal(description), HasSubstr("'a' meant?"));
+  description.objects[0].touch_links.clear();
+  description.objects[0].padding = -0.1;
+  EXPECT_THAT(refusal(description), HasSubstr("padding of object 'load'"));
+  description.objects[0].padding = 0.0;
+  description.objects[0].elements.clear();
+  EXPECT_THAT(refusal(description), HasSubstr("object 'load' has no shape"));
+}
+
+TEST(Scene, WithACacheIsTheSameAndPreparesOnlyWhatIsNew) {
+  SceneDescription description;
+  description.robots.push_back({mixedRobot(), std::nullopt, ""});
+  std::atomic<int> prepared{0};
+  description.settings.progress = [&](std::size_t, std::size_t) { ++prepared; };
+  SceneCache cache;
+  const auto first = CollisionScene::build(description, &cache);
+  EXPECT_GT(prepared, 0);
+  prepared = 0;
+  description.objects = {cube("pillar", at(0.1, 0, 0))};
+  const auto second = CollisionScene::build(description, &cache);
+  EXPECT_EQ(prepared, 0);
+  const auto anew = CollisionScene::build(description);
+  RandomInputs random;
+  BodyPoses poses;
+  poses.resize(second->bodies().size());
+  throwAbout(random, 0.5, poses);
+  EXPECT_EQ(contacts(*second, poses), contacts(*anew, poses));
+  EXPECT_FALSE(contacts(*second, poses).empty());
+}
+
+TEST(Scene, SaysWhichModelsItNeedsBeforeAnyGeometryIsThere) {
+  SceneDescription description;
+  description.robots.push_back(
+      {mixedRobot(),
+       Srdf::fromXml("<robot name='r'><disable_default_collisions link='a'/>"
+                     "<disable_default_collisions link='b'/></robot>"),
+       ""});
+  std::set<std::string> needed = CollisionScene::neededModels(description);
+  EXPECT_EQ(needed.count("a"), 0u);
+  EXPECT_EQ(needed.count("c"), 1u);
+  description.objects = {cube("pillar", at(0, 0, 0))};  // everything can meet that
+  needed = CollisionScene::neededModels(description);
+  EXPECT_EQ(needed.count("a"), 1u);
+  EXPECT_EQ(needed.count("pillar"), 1u);
+  EXPECT_EQ(needed.size(), CollisionScene::build(description)->models().size());
+}
+
+TEST(SeveralRobots, KeepTheirOwnSrdfAndMeetEachOther) {
+  SceneDescription description;
+  const auto robot = robotFrom(slidingBoxes(2));
+  const Srdf nothing_with_b =
+      Srdf::fromXml("<robot name='r'><disable_collisions link1='a' link2='b'/></robot>");
+  description.robots.push_back({robot, nothing_with_b, "left", at(0, 0, 0)});
+  description.robots.push_back({robot, Srdf{}, "right", at(0, 0.5, 0)});
+  const auto scene = CollisionScene::build(description);
+  std::vector<Isometry3d> X_WB;
+  scene->robot().forwardKinematics(scene->robot().zeroPositions(), X_WB);
+  BodyPoses poses;
+  scene->gatherPoses(X_WB, poses);
+  EXPECT_EQ(contacts(*scene, poses),
+            (std::set<std::string>{"left/a|right/a", "left/a|right/b", "left/b|right/a",
+                                   "left/b|right/b", "right/a|right/b"}));
+  EXPECT_GE(scene->robot().findJoint("left/" + robot->joints().front().name), 0);
+}
+
+TEST(SeveralRobots, OfOneNameAreRefused) {
+  SceneDescription description = twoSliders();
+  description.robots.push_back(description.robots[0]);
+  EXPECT_THAT(refusal(description), HasSubstr("give each a prefix of its own"));
+}
+
+TEST(SeveralRobots, MergedMoveAsEachAlone) {
+  const auto robot = mixedRobot();
+  const Isometry3d X_WR = at(1, 2, 3) * Eigen::AngleAxisd(0.7, Vector3d::UnitX());
+  const auto both = RobotModel::merge({{robot, "", Isometry3d::Identity()}, {robot, "two", X_WR}});
+  std::vector<Isometry3d> alone, merged;
+  robot->forwardKinematics(robot->zeroPositions(), alone);
+  both->forwardKinematics(both->zeroPositions(), merged);
+  ASSERT_EQ(merged.size(), 2 * alone.size());
+  for (std::size_t i = 0; i < alone.size(); ++i) {
+    EXPECT_TRUE(merged[i].isApprox(alone[i], 1e-15));
+    EXPECT_TRUE(merged[alone.size() + i].isApprox(X_WR * alone[i], 1e-15));
+  }
+  const Link& link = both->links()[both->findLink("two/z")];
+  EXPECT_EQ(both->links()[both->joints()[link.parent_joint].parent_link].name, "two/root");
+}
+
+}  // namespace
+}  // namespace collision_pairs
