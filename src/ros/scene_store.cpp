@@ -12,6 +12,7 @@
 #include "frame_names.h"
 #include "geometry_conversions.h"
 #include "mesh_loader.h"
+#include "nearest_name.h"
 
 namespace collision_pairs {
 namespace {
@@ -29,6 +30,15 @@ Eigen::Isometry3d lookUp(const tf2::BufferCore& buffer, const std::string& targe
     why = error.what();
   }
   throw InputError("TF does not know '" + source + "' in '" + target + "': " + why);
+}
+
+/// TF may know frames that are no links, and says nothing of a slip of the pen.
+void requireLink(const RobotModel& robot, const std::string& name) {
+  if (robot.findLink(name) >= 0) return;
+  std::vector<std::string> links;
+  for (const Link& link : robot.links()) links.push_back(link.name);
+  throw InputError("'" + name + "' is no link that it could hang on; is '" +
+                   nearestName(name, links) + "' meant?");
 }
 
 /// Nothing is said of what is ready within a second.
@@ -83,6 +93,7 @@ std::vector<SceneObject> SceneStore::update(const std::vector<SceneChange>& chan
   if (changes.empty()) return listed(objects_, frame);
   const auto look_up = [&](const std::string& target, const std::string& source,
                            const ros::Time& stamp) {
+    if (target != frame) requireLink(scene_->scene->robot(), target);
     return lookUp(tf_buffer_, target, source, stamp);
   };
   SceneObjects objects = changedObjects(objects_, changes, {frame, look_up, load_mesh_});

@@ -3,6 +3,7 @@ import threading
 
 import rospy
 import tf2_msgs.msg
+from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import TransformStamped
 from std_msgs.msg import Bool
 from visualization_msgs.msg import Marker, MarkerArray
@@ -48,13 +49,27 @@ class NodeClient:
         return self.next(self.reports, lambda r: r.header.stamp > stamp and condition(r))
 
 
+def diagnosis_of(node):
+    """The next status that a node gives of itself; `node` without a leading slash."""
+    found = []
+
+    def keep(message):
+        found.extend(status for status in message.status if status.name.startswith(node))
+    subscriber = rospy.Subscriber("/diagnostics", DiagnosticArray, keep)
+    end = rospy.get_time() + PATIENCE
+    while rospy.get_time() < end and not found:
+        rospy.sleep(0.1)
+    subscriber.unregister()
+    return found[-1]
+
+
 class JointPublisher:
     """Keeps publishing one posture until it is given another."""
 
-    def __init__(self, names, rate=50.0):
+    def __init__(self, names, rate=50.0, topic="joint_states"):
         from sensor_msgs.msg import JointState
         self._message = JointState(name=names, position=[0.0] * len(names))
-        self._publisher = rospy.Publisher("joint_states", JointState, queue_size=1)
+        self._publisher = rospy.Publisher(topic, JointState, queue_size=1)
         self._timer = rospy.Timer(rospy.Duration(1.0 / rate), self._publish)
 
     def _publish(self, _):

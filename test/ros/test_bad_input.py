@@ -8,34 +8,21 @@ sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 
 import rospy
 import rostest
-from diagnostic_msgs.msg import DiagnosticArray
 from std_srvs.srv import Trigger
 from tf2_msgs.msg import TFMessage
 
-from node_client import PATIENCE, NodeClient, publish_transform
+from node_client import NodeClient, diagnosis_of, publish_transform
 
 NAN = float("nan")
 
 
 class BadInputTest(unittest.TestCase):
-    def diagnosis_of(self, node):
-        found = []
-
-        def keep(message):
-            found.extend(s for s in message.status if s.name.startswith(node.strip("/")))
-        subscriber = rospy.Subscriber("/diagnostics", DiagnosticArray, keep)
-        end = rospy.get_time() + PATIENCE
-        while rospy.get_time() < end and not found:
-            rospy.sleep(0.1)
-        subscriber.unregister()
-        return found[-1]
-
     def test_no_description_is_said_and_one_that_comes_later_is_taken(self):
         node = NodeClient("/no_description/node")
         reply = node.check()
         self.assertFalse(reply.success)
         self.assertIn("no robot", reply.message)
-        status = self.diagnosis_of("no_description/node")
+        status = diagnosis_of("no_description/node")
         self.assertEqual(status.level, 2)
         rospy.set_param("/no_description/robot_description",
                         "<robot name='late'><link name='a'><collision><geometry><sphere radius='1'/>"
@@ -45,7 +32,7 @@ class BadInputTest(unittest.TestCase):
     def test_malformed_description_is_named_and_mended_by_a_reset(self):
         node = NodeClient("/malformed/node")
         self.assertFalse(node.check().success)
-        status = self.diagnosis_of("malformed/node")
+        status = diagnosis_of("malformed/node")
         self.assertEqual(status.level, 2)
         self.assertIn("/malformed/robot_description", status.message)
         reset = rospy.ServiceProxy("/malformed/node/reset", Trigger)
@@ -69,7 +56,7 @@ class BadInputTest(unittest.TestCase):
         self.assertEqual(rospy.get_param("/bad_parameters/node/rate"), 50.0)
 
     def test_a_fidelity_for_a_link_that_is_none_is_named_with_the_one_that_is_meant(self):
-        status = self.diagnosis_of("unknown_link/node")
+        status = diagnosis_of("unknown_link/node")
         self.assertEqual(status.level, 2)
         self.assertIn("'aa'", status.message)
         self.assertIn("'a' meant", status.message)

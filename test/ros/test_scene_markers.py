@@ -1,0 +1,120 @@
+#!/usr/bin/python3
+"""The scene as it is modelled, drawn when somebody comes to look and when it changes, and not in between."""
+import os
+import subprocess
+import sys
+import unittest
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+
+import rospy
+import rostest
+from visualization_msgs.msg import Marker, MarkerArray
+
+from node_client import PATIENCE, JointPublisher, NodeClient
+from scene_client import SceneClient, add, add_box, attach, box, clear, cone, cylinder, plane, sphere, tetrahedron
+
+
+class Viewer:
+    """Looks at the markers from now on."""
+
+    def __init__(self):
+        self.arrays = []
+        self._subscriber = rospy.Subscriber("/node/scene_markers", MarkerArray, self.arrays.append)
+
+    def wait_for(self, nb_arrays):
+        end = rospy.get_time() + PATIENCE
+        while rospy.get_time() < end and len(self.arrays) < nb_arrays:
+            rospy.sleep(0.01)
+        return self.arrays[nb_arrays - 1]
+
+    def close(self):
+        self._subscriber.unregister()
+
+
+def drawn(array):
+    """[(namespace, frame, type, scale)] of what is drawn."""
+    return sorted((m.ns, m.header.frame_id, m.type, tuple(round(s, 9) for s in (m.scale.x, m.scale.y, m.scale.z)))
+                  for m in array.markers if m.action == Marker.ADD)
+
+
+# In a process of its own, for subscribers of one process share a connection.
+COUNT_MARKERS = """
+import rospy
+from visualization_msgs.msg import MarkerArray
+rospy.init_node("late_viewer")
+print(len(rospy.wait_for_message("/node/scene_markers", MarkerArray, %g).markers))
+""" % PATIENCE
+
+UNIT = (1.0, 1.0, 1.0)
+LINKS = [("moving", link, Marker.CUBE, UNIT) for link in "abc"]
+
+
+class SceneMarkersTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.robot = JointPublisher(["slide_a", "slide_b", "slide_c"])
+        cls.node = NodeClient("/node")
+        cls.scene = SceneClient("/node")
+
+    def setUp(self):
+        since = self.robot.hold([0, 3, 6])
+        self.scene.apply(clear())
+        self.assertIsNotNone(self.node.report_since(since, lambda r: not r.left_out))
+        self.viewer = Viewer()
+
+    def tearDown(self):
+        self.viewer.close()
+
+    def test_everyone_who_comes_late_sees_the_scene(self):
+        self.assertEqual(drawn(self.viewer.wait_for(1)), LINKS)
+        rospy.sleep(0.5)
+        self.assertEqual(len(self.viewer.arrays), 1)
+        late = subprocess.run([sys.executable, "-c", COUNT_MARKERS], check=True, stdout=subprocess.PIPE, text=True)
+        self.assertEqual(int(late.stdout), 1 + len(LINKS))  # what clears the old ones, too
+
+    def test_a_change_is_drawn_once_in_place_of_what_was_there(self):
+        self.viewer.wait_for(1)
+        self.scene.apply(add_box("box", (0, 0, 3), size=(0.1, 0.2, 0.3)))
+        array = self.viewer.wait_for(2)
+        self.assertEqual(array.markers[0].action, Marker.DELETEALL)
+        self.assertEqual(drawn(array), LINKS + [("standing", "root", Marker.CUBE, (0.1, 0.2, 0.3))])
+        self.assertEqual(len({(m.ns, m.id) for m in array.markers[1:]}), 4)
+        self.scene.apply(clear())
+        self.assertEqual(drawn(self.viewer.wait_for(3)), LINKS)
+        rospy.sleep(0.5)
+        self.assertEqual(len(self.viewer.arrays), 3)
+
+    def test_every_shape_is_drawn_as_what_it_is(self):
+        self.viewer.wait_for(1)
+        for part, expected in ((dict(primitives=[box(1, 2, 3)]), (Marker.CUBE, (1, 2, 3))),
+                               (dict(primitives=[sphere(0.5)]), (Marker.SPHERE, UNIT)),
+                               (dict(primitives=[cylinder(3, 0.5)]), (Marker.CYLINDER, (1, 1, 3))),
+                               (dict(primitives=[cone(1, 0.5)]), (Marker.TRIANGLE_LIST, UNIT)),
+                               (dict(meshes=[tetrahedron(1)]), (Marker.TRIANGLE_LIST, UNIT)),
+                               (dict(planes=[plane(0, 0, 1, 5)]), (Marker.CUBE, (10, 10, 0.001)))):
+            nb_seen = len(self.viewer.arrays)
+            self.scene.apply(clear(), add("it", (0, 5, 0), **part))
+            array = self.viewer.wait_for(nb_seen + 1)
+            self.assertEqual([m[2:] for m in drawn(array) if m[0] == "standing"], [expected])
+
+    def test_a_mesh_is_drawn_by_its_triangles_where_it_stands(self):
+        self.viewer.wait_for(1)
+        self.scene.apply(add("mesh", (1, 5, 2), meshes=[tetrahedron(0.25)]))
+        mesh = [m for m in self.viewer.wait_for(2).markers if m.ns == "standing"][0]
+        self.assertEqual((mesh.pose.position.x, mesh.pose.position.y, mesh.pose.position.z), (1, 5, 2))
+        self.assertEqual(len(mesh.points), 12)
+        self.assertEqual({(p.x, p.y, p.z) for p in mesh.points},
+                         {(0, 0, 0), (0.25, 0, 0), (0, 0.25, 0), (0, 0, 0.25)})
+
+    def test_what_is_attached_is_drawn_in_its_links_frame_and_moves_with_it(self):
+        self.viewer.wait_for(1)
+        self.scene.apply(add_box("held", (3.5, 0, 2)), attach("held", "b"))
+        held = [m for m in self.viewer.wait_for(2).markers if m.scale.x == 0.2][0]
+        self.assertEqual((held.ns, held.header.frame_id, held.frame_locked), ("moving", "b", True))
+        self.assertAlmostEqual(held.pose.position.x, 0.5, places=9)
+
+
+if __name__ == "__main__":
+    rospy.init_node("test_scene_markers")
+    rostest.rosrun("collision_pairs", "scene_markers", SceneMarkersTest)
