@@ -64,6 +64,7 @@ collision_pairs_pytest(architecture)
 collision_pairs_pytest(bag_outputs)
 collision_pairs_pytest(check_bag)
 collision_pairs_pytest(check_states)
+collision_pairs_pytest(generate_srdf)
 collision_pairs_pytest(install)
 collision_pairs_pytest(reference)
 

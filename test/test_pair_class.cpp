@@ -11,6 +11,7 @@ PairEvidence seen(std::uint64_t contacts, std::uint64_t trials) {
   evidence.contacts = contacts;
   evidence.trials = trials;
   evidence.nearest = contacts > 0 ? 0.0 : 0.02;
+  evidence.touches_at_zero = trials > 0 && contacts == trials;
   return evidence;
 }
 
@@ -40,6 +41,14 @@ TEST_F(Classes, AContactThatASearchFoundCounts) {
   PairEvidence evidence = seen(0, enough_);
   evidence.found_state = {0.5};
   EXPECT_EQ(classify(evidence, rules_), PairClass::SOMETIMES);
+}
+
+TEST_F(Classes, TheZeroStateCountsAsWell) {
+  PairEvidence at_zero_only = seen(0, enough_), but_at_zero = seen(enough_, enough_);
+  at_zero_only.touches_at_zero = true;
+  but_at_zero.touches_at_zero = false;
+  EXPECT_EQ(classify(at_zero_only, rules_), PairClass::SOMETIMES);
+  EXPECT_EQ(classify(but_at_zero, rules_), PairClass::SOMETIMES);
 }
 
 TEST_F(Classes, AdjacentComesBeforeEverything) {

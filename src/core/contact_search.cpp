@@ -47,8 +47,9 @@ class Search {
     best_distance_ = std::numeric_limits<double>::infinity();
     for (int i = 0; i < STARTS; ++i) {
       tried_ = best_;
-      for (const int joint : joints_)
+      for (const int joint : joints_) {
         tried_[joint] = sampler_.ranges()[joint].at(random_.uniform());
+      }
       keepIfNearer();
     }
   }
@@ -95,9 +96,10 @@ void searchContacts(const std::shared_ptr<const CollisionScene>& scene, const Jo
   onThreads(settings.threads, pairs.size(), [&]() {
     return [&, search = Search(scene, sampler)](std::uint64_t i) mutable {
       PairEvidence& pair = pairs[i];
-      const bool wanted = !pair.adjacent && !pair.rigid && pair.contacts == 0;
-      if (wanted)
+      const bool touches = pair.contacts > 0 || pair.touches_at_zero;
+      if (!pair.adjacent && !pair.rigid && !touches) {
         search.run(sampler.stream(settings.first_free_state + i), settings.searches, pair);
+      }
       const std::lock_guard<std::mutex> lock(mutex);
       ++done;
       if (settings.progress) settings.progress(done);

@@ -34,8 +34,8 @@ double lowerBound(const PairEvidence& e, double confidence) {
 
 PairClass classify(const PairEvidence& e, const ClassRules& rules) {
   if (e.adjacent) return PairClass::ADJACENT;
-  const bool always = e.trials > 0 && e.contacts == e.trials;
-  const bool never = e.contacts == 0 && e.found_state.empty();
+  const bool always = e.trials > 0 && e.contacts == e.trials && e.touches_at_zero;
+  const bool never = e.contacts == 0 && e.found_state.empty() && !e.touches_at_zero;
   if (!always && !never) return PairClass::SOMETIMES;
   // Of the state that was never seen: contact, or being apart.
   const double doubt = e.rigid ? 0.0 : upperContactProbability(0, e.trials, rules.confidence);

@@ -19,9 +19,9 @@ struct ClassRules {
 
 enum class PairClass {
   ADJACENT,   ///< hang together
-  ALWAYS,     ///< in contact in every state, asked often enough
-  NEVER,      ///< in none, asked often enough, and none was found by search
-  SOMETIMES,  ///< in contact in some states, also if only a search found one
+  ALWAYS,     ///< in contact in every state, with joints at zero too; asked often enough
+  NEVER,      ///< in none, nor with joints at zero, nor in a search; asked often enough
+  SOMETIMES,  ///< in contact in some state, random or not
   NEAR,       ///< would be NEVER, but came too near
   UNPROVEN    ///< would be ALWAYS or NEVER, but was asked too rarely
 };
