@@ -25,6 +25,7 @@ add_library(collision_pairs SHARED
   src/core/mesh_solid.cpp
   src/core/narrow_phase.cpp
   src/core/nearest_name.cpp
+  src/core/number_text.cpp
   src/core/pair_class.cpp
   src/core/pair_filter.cpp
   src/core/pair_ladder.cpp
