@@ -76,6 +76,7 @@ TEST_F(Sampler, DrawsJointsIndependently) {
 TEST_F(Sampler, AppliesMimicsAndLeavesStandingWhatHasNoRange) {
   std::vector<double> q;
   sampler_.draw(5, q);
+  EXPECT_EQ(sampler_.ranges()[robot_->findJoint("follow")].upper, 0.0);  // not by itself
   EXPECT_DOUBLE_EQ(q[robot_->findJoint("follow")], 1.0 - 2.0 * q[robot_->findJoint("turn")]);
   for (const char* joint : {"stiff", "free", "endless"})
     EXPECT_EQ(q[robot_->findJoint(joint)], 0.0);

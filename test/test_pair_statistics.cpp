@@ -58,19 +58,23 @@ TEST_F(Counting, CountsAreThoseOfACheckOfEachState) {
   BodyPoses poses;
   CheckSettings contacts_only;
   contacts_only.alarm_distance = 0.0;
-  std::uint64_t expected = 0;
+  std::uint64_t expected = 0, first_contact = samples;
   for (std::uint64_t i = 0; i < samples; ++i) {
     sampler.draw(i, positions);
     robot_->forwardKinematics(positions, X_RB);
     scene_->gatherPoses(X_RB, poses);
     for (const PairReport& pair : detector.detect(poses, contacts_only).pairs) {
-      expected += scene_->models()[pair.first].name == "a" &&
-                  scene_->models()[pair.second].name == "b" && pair.distance <= 0.0;
+      if (scene_->models()[pair.first].name != "a") continue;
+      if (scene_->models()[pair.second].name != "b" || pair.distance > 0.0) continue;
+      ++expected;
+      first_contact = std::min(first_contact, i);
     }
   }
   const PairEvidence ab = find(count(samples, 0), *scene_, "a", "b");
   EXPECT_EQ(ab.trials, samples);
   EXPECT_EQ(ab.contacts, expected);
+  EXPECT_EQ(ab.nearest, 0.0);
+  EXPECT_EQ(ab.nearest_state, first_contact);
   // Two points on [0, 10] are no further than 1 apart with probability 0.19: six deviations.
   EXPECT_NEAR(static_cast<double>(ab.contacts), 0.19 * 3000, 130);
 }
@@ -109,10 +113,10 @@ TEST_F(Counting, TouchingAtZeroIsToldApartFromTouchingInRandomStates) {
 TEST_F(Counting, NearestIsAtMostAHundredthTooLarge) {
   // The lid is 3 beside the rail in y and turns about its middle, 0.25 √2 wide at most.
   const JointSampler sampler(robot_, 3);
-  const PairEvidence b_lid = find(count(MEASURED_STATES, 0), *scene_, "b", "lid");
+  const PairEvidence b_lid = find(count(200, 0), *scene_, "b", "lid");
   std::vector<double> positions;
   double nearest = 1e9;
-  for (std::uint64_t i = 0; i < MEASURED_STATES; ++i) {
+  for (std::uint64_t i = 0; i < 200; ++i) {
     sampler.draw(i, positions);
     const double along =
         std::abs(positions[robot_->findJoint("rail_a")] - positions[robot_->findJoint("rail_b")]);
@@ -136,34 +140,34 @@ TEST_F(Counting, ALinkWithoutAFiniteBoxIsRefused) {
 
 /// Two small balls, each on the end of a crank of length 1; the cranks' axes are 2.0005 apart, so
 /// they meet only where both point at each other within about a degree.
-std::string cranks(double apart) {
+std::string cranks(double apart, const std::string& joint_a = "continuous",
+                   const std::string& limit_a = "") {
   const std::string ball = "<sphere radius='0.0005'/>";
   return emptyLink("root") + emptyLink("arm_a") + emptyLink("arm_b") + linkWith("a", ball) +
          linkWith("b", ball) +
-         joint("crank_a", "continuous", "root", "arm_a", "0 0 0", "<axis xyz='0 0 1'/>") +
+         joint("crank_a", joint_a, "root", "arm_a", "0 0 0", "<axis xyz='0 0 1'/>" + limit_a) +
          joint("crank_b", "continuous", "root", "arm_b", std::to_string(apart) + " 0 0",
                "<axis xyz='0 0 1'/>") +
          joint("fix_a", "fixed", "arm_a", "a", "1 0 0", "") +
          joint("fix_b", "fixed", "arm_b", "b", "1 0 0", "");
 }
 
-PairEvidence searchedPair(double apart, unsigned threads,
-                          std::shared_ptr<const RobotModel>* robot) {
-  *robot = robotFrom(cranks(apart));
-  const auto scene = everyPairOf(*robot);
-  const JointSampler sampler(*robot, 1);
+PairEvidence searchedPair(const std::string& links, unsigned searches = 10, unsigned threads = 0) {
+  const auto robot = robotFrom(links);
+  const auto scene = everyPairOf(robot);
+  const JointSampler sampler(robot, 1);
   auto pairs = countContacts(scene, sampler, {500, threads, {}});
   EXPECT_EQ(find(pairs, *scene, "a", "b").contacts, 0u);
-  searchContacts(scene, sampler, {10, 500, threads, {}}, pairs);
+  searchContacts(scene, sampler, {searches, 500, threads, {}}, pairs);
   return find(pairs, *scene, "a", "b");
 }
 
 TEST(Search, FindsAContactThatRandomStatesMiss) {
-  std::shared_ptr<const RobotModel> robot;
-  const PairEvidence found = searchedPair(2.0005, 0, &robot);
+  const PairEvidence found = searchedPair(cranks(2.0005));
   ASSERT_FALSE(found.found_state.empty());
   EXPECT_EQ(found.nearest, 0.0);
   // The balls' centres, by hand.
+  const auto robot = robotFrom(cranks(2.0005));
   const double a = found.found_state[robot->findJoint("crank_a")];
   const double b = found.found_state[robot->findJoint("crank_b")];
   const double dx = 2.0005 + std::cos(b) - std::cos(a), dy = std::sin(b) - std::sin(a);
@@ -171,17 +175,30 @@ TEST(Search, FindsAContactThatRandomStatesMiss) {
 }
 
 TEST(Search, ComesCloseToTheLeastDistanceWhereThereIsNoContact) {
-  std::shared_ptr<const RobotModel> robot;
-  const PairEvidence found = searchedPair(2.1, 0, &robot);
+  const PairEvidence found = searchedPair(cranks(2.1));
   EXPECT_TRUE(found.found_state.empty());
   EXPECT_GE(found.nearest, 0.099 - 1e-9);
   EXPECT_LE(found.nearest, 0.0991);
 }
 
+TEST(Search, StaysWithinTheLimitsOfTheJoints) {
+  const PairEvidence found =
+      searchedPair(cranks(2.0005, "revolute", "<limit lower='0.5' upper='3'/>"));
+  EXPECT_TRUE(found.found_state.empty());
+  // Ball a is at best at 0.5 rad, the circle of ball b is around (2.0005, 0).
+  const double dx = 2.0005 - std::cos(0.5), dy = std::sin(0.5);
+  EXPECT_NEAR(found.nearest, std::hypot(dx, dy) - 1.0 - 0.001, 1e-3);
+}
+
+TEST(Search, MoreSearchesAreNeverWorse) {
+  for (const double apart : {2.002, 2.01, 2.05, 2.1, 2.2, 2.4}) {
+    EXPECT_LE(searchedPair(cranks(apart), 6).nearest, searchedPair(cranks(apart), 1).nearest);
+    EXPECT_LE(searchedPair(cranks(apart), 7).nearest, searchedPair(cranks(apart), 6).nearest);
+  }
+}
+
 TEST(Search, NumberOfThreadsMakesNoDifference) {
-  std::shared_ptr<const RobotModel> robot;
-  const PairEvidence one = searchedPair(2.1, 1, &robot), two = searchedPair(2.1, 2, &robot);
-  EXPECT_EQ(one.nearest, two.nearest);
+  EXPECT_EQ(searchedPair(cranks(2.1), 10, 1).nearest, searchedPair(cranks(2.1), 10, 2).nearest);
 }
 
 }  // namespace

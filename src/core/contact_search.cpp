@@ -11,9 +11,10 @@
 namespace collision_pairs {
 namespace {
 
-constexpr int STEPS = 200;          // of a search; by then they are too small to matter
-constexpr int STARTS = 100;         // states of which a search takes the nearest to begin with
-constexpr double FIRST_STEP = 0.1;  // of a joint's range
+constexpr int STEPS = 200;           // by then they are too small to matter
+constexpr double WORTHWHILE = 0.99;  // what they have to win for as many more
+constexpr int STARTS = 100;          // states of which a search takes the nearest to begin with
+constexpr double FIRST_STEP = 0.1;   // of a joint's range
 constexpr double GROWTH = 1.5;
 const double SHRINKAGE = std::pow(GROWTH, -0.25);  // one success in five keeps the size
 
@@ -55,6 +56,14 @@ class Search {
   }
 
   void descend() {
+    double before;
+    do {
+      before = best_distance_;
+      takeSteps();
+    } while (best_distance_ < WORTHWHILE * before);
+  }
+
+  void takeSteps() {
     double step = FIRST_STEP;
     for (int i = 0; i < STEPS && best_distance_ > 0.0; ++i) {
       tried_ = best_;

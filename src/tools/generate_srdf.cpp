@@ -26,7 +26,7 @@ namespace {
 struct Options {
   std::string robot, srdf, out, report;
   std::uint64_t samples = 50000, seed = 1;
-  unsigned searches = 10, threads = 0;
+  unsigned searches = 20, threads = 0;
   ClassRules rules;
   bool disable_default = false;
 };
