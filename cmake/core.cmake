@@ -8,24 +8,32 @@ add_library(collision_pairs SHARED
   src/core/collision_report.cpp
   src/core/collision_scene.cpp
   src/core/column_sweep.cpp
+  src/core/contact_probability.cpp
+  src/core/contact_search.cpp
   src/core/convex_distance.cpp
   src/core/convex_hull.cpp
   src/core/enclosure.cpp
   src/core/fcl_backend.cpp
   src/core/found_pairs.cpp
+  src/core/generated_srdf.cpp
   src/core/hull_bounds.cpp
   src/core/in_parallel.cpp
   src/core/link_group.cpp
+  src/core/joint_sampler.cpp
   src/core/mesh_bounds.cpp
   src/core/mesh_query.cpp
   src/core/mesh_solid.cpp
   src/core/narrow_phase.cpp
   src/core/nearest_name.cpp
+  src/core/number_text.cpp
+  src/core/pair_class.cpp
   src/core/pair_filter.cpp
   src/core/pair_ladder.cpp
   src/core/pair_policy.cpp
   src/core/pair_rules.cpp
+  src/core/pair_probe.cpp
   src/core/pair_sort.cpp
+  src/core/pair_statistics.cpp
   src/core/prepared_shape.cpp
   src/core/replay.cpp
   src/core/robot_model.cpp
@@ -56,5 +64,5 @@ target_include_directories(collision_pairs PUBLIC
   $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:include>
   PRIVATE ${PROJECT_SOURCE_DIR}/src/core)
 target_link_libraries(collision_pairs PUBLIC Eigen3::Eigen PRIVATE
-  fcl ${URDFDOM_LIBRARIES} tinyxml2::tinyxml2 qhull_r Threads::Threads)
+  Boost::headers fcl ${URDFDOM_LIBRARIES} tinyxml2::tinyxml2 qhull_r Threads::Threads)
 collision_pairs_warnings(collision_pairs)

@@ -38,4 +38,8 @@ collision_pairs_tool(check_bag src/tools/bag_recorder.cpp src/tools/bag_scenes.c
                      src/tools/progress_bar.cpp src/tools/robot_files.cpp
                      src/tools/scene_options.cpp ${bag_outputs})
 target_link_libraries(check_bag PRIVATE collision_pairs_messages)
+collision_pairs_tool(generate_srdf src/tools/pair_table.cpp src/tools/pair_verdicts.cpp
+                     src/tools/progress_bar.cpp src/tools/robot_files.cpp
+                     src/tools/verdict_texts.cpp)
+target_include_directories(generate_srdf PRIVATE src/core)
 collision_pairs_tool(merge_bag_checks ${bag_outputs})

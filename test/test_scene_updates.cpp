@@ -220,6 +220,15 @@ TEST_F(Changes, TheListSaysWhereEachIs) {
   EXPECT_TRUE(objects_.empty());
 }
 
+TEST_F(Changes, WhatIsRemovedIsInNobodysTouchLinks) {
+  SceneObject lid = boxObject("lid", poseAt(0, 0, 1));
+  lid.touch_links = {"pot", "hand"};
+  apply(SceneChange::ADD, lid);
+  apply(SceneChange::ADD, boxObject("pot", poseAt(0, 0, 0)));
+  apply(SceneChange::REMOVE, boxObject("pot", poseAt(0, 0, 0)));
+  EXPECT_EQ(stored("lid").touch_links, (std::vector<std::string>{"hand"}));
+}
+
 TEST_F(Changes, WhatIsWrongIsNamedAndNothingIsChanged) {
   apply(SceneChange::ADD, boxObject("crate", poseAt(0, 0, 0)));
   SceneObject object = boxObject("crat", poseAt(0, 0, 0));

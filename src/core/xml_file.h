@@ -3,7 +3,6 @@
 
 #include <string>
 
-#include <Eigen/Core>
 #include <tinyxml2.h>
 
 namespace collision_pairs {
@@ -22,9 +21,5 @@ tinyxml2::XMLElement* parseXml(tinyxml2::XMLDocument& document, const std::strin
 /// message.
 std::string requiredAttribute(const tinyxml2::XMLElement& element, const char* attribute,
                               const std::string& what, const std::string& owner = "");
-
-/// The whole text as finite numbers; false if it is anything else. Independent of the locale.
-bool parseNumber(const std::string& text, double& value);
-bool parseVector3(const std::string& text, Eigen::Vector3d& value);
 
 }  // namespace collision_pairs

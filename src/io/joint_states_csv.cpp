@@ -1,11 +1,11 @@
 #include "joint_states_csv.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <sstream>
 
 #include "collision_pairs/input_error.h"
+#include "number_text.h"
 
 namespace collision_pairs {
 namespace {
@@ -30,12 +30,6 @@ std::vector<std::string> fieldsOf(const std::string& line) {
     if (comma == std::string::npos) return fields;
     begin = comma + 1;
   }
-}
-
-bool parseFinite(std::string text, double& value) {
-  if (text.size() > 1 && text[0] == '+' && text[1] != '-') text.erase(0, 1);
-  const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  return error == std::errc() && rest == text.data() + text.size() && std::isfinite(value);
 }
 
 class Reader {
@@ -97,7 +91,7 @@ class Reader {
     }
     std::vector<double> given = zero_;
     for (std::size_t i = 0; i < fields.size(); ++i) {
-      if (!parseFinite(fields[i], given[joint_of_[i]])) {
+      if (!parseNumber(fields[i], given[joint_of_[i]])) {
         fail("joint '" + robot_.joints()[joint_of_[i]].name + "': '" + fields[i] +
              "' is not a finite number");
       }

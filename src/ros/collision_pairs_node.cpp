@@ -161,7 +161,7 @@ void CollisionPairsNode::publishMarkers() {
 // Only when the scene is another, somebody new looks at it, or TF has come to know more of it: rviz
 // moves what moves.
 void CollisionPairsNode::publishSceneMarkers(std::size_t nb_known) {
-  if (shown_scene_ == reported_scene_ && nb_shown_ == nb_known) return;
+  if (shown_scene_ == reported_scene_ && nb_known <= nb_shown_) return;
   if (scene_publisher_.getNumSubscribers() == 0) return;
   if (ros::SteadyTime::now() < show_scene_from_) return;
   shown_scene_ = reported_scene_;

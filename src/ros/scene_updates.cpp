@@ -1,5 +1,7 @@
 #include "scene_updates.h"
 
+#include <algorithm>
+
 #include "collision_pairs/input_error.h"
 #include "frame_names.h"
 #include "geometry_conversions.h"
@@ -23,8 +25,7 @@ class Updater {
       case SceneChange::MOVE:
         return move(change.object);
       case SceneChange::REMOVE:
-        objects_.erase(known(change.object.name).message.name);
-        return;
+        return remove(change.object.name);
       case SceneChange::ATTACH:
         return attach(change.object);
       case SceneChange::DETACH:
@@ -58,6 +59,16 @@ class Updater {
   void move(const SceneObject& message) {
     StoredObject& stored = known(message.name);
     stored.object.X_PO = poseOf(message, parentFrame(stored.object));
+  }
+
+  // What may touch it may touch nothing of that name from now on.
+  void remove(const std::string& name) {
+    known(name);
+    objects_.erase(name);
+    for (auto& entry : objects_) {
+      auto& links = entry.second.object.touch_links;
+      links.erase(std::remove(links.begin(), links.end(), name), links.end());
+    }
   }
 
   void attach(const SceneObject& message) {

@@ -91,7 +91,7 @@ class RvizTest(unittest.TestCase):
             application.processEvents()
             time.sleep(0.02)
             found = statuses(group)
-            if len(found) == 4 and set(found.values()) == {"Ok"} and time.time() > end - PATIENCE + 10:
+            if len(found) == 5 and set(found.values()) == {"Ok"} and time.time() > end - PATIENCE + 10:
                 break
         return found, what_is_shown(group)
 

@@ -47,7 +47,7 @@ print(len(rospy.wait_for_message("/node/scene_markers", MarkerArray, %g).markers
 """ % PATIENCE
 
 UNIT = (1.0, 1.0, 1.0)
-LINKS = [("moving", link, Marker.CUBE, UNIT) for link in "abc"]
+LINKS = [("links", link, Marker.CUBE, UNIT) for link in "abc"]
 
 
 class SceneMarkersTest(unittest.TestCase):
@@ -111,7 +111,7 @@ class SceneMarkersTest(unittest.TestCase):
         self.viewer.wait_for(1)
         self.scene.apply(add_box("held", (3.5, 0, 2)), attach("held", "b"))
         held = [m for m in self.viewer.wait_for(2).markers if m.scale.x == 0.2][0]
-        self.assertEqual((held.ns, held.header.frame_id, held.frame_locked), ("moving", "b", True))
+        self.assertEqual((held.ns, held.header.frame_id, held.frame_locked), ("attached_objects", "b", True))
         self.assertAlmostEqual(held.pose.position.x, 0.5, places=9)
 
 

@@ -1,0 +1,84 @@
+#include "joint_sampler.h"
+
+#include <algorithm>
+#include <iterator>
+#include <set>
+
+namespace collision_pairs {
+namespace {
+
+constexpr double PI = 3.14159265358979323846;
+
+std::uint64_t mixed(std::uint64_t z) {
+  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+  z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+  return z ^ (z >> 31);
+}
+
+JointSampler::Range rangeOf(const Joint& joint) {
+  if (!joint.hasPosition() || joint.mimic) return {};
+  const bool limited = joint.hasLimits() && (joint.lower != 0.0 || joint.upper != 0.0);
+  if (limited) return {joint.lower, joint.upper};
+  if (joint.type == JointType::PRISMATIC) return {};
+  return {-PI, PI};
+}
+
+std::set<int> jointsAbove(const RobotModel& robot, int body) {
+  std::set<int> joints;
+  for (; robot.bodies()[body].joint >= 0; body = robot.bodies()[body].parent) {
+    joints.insert(robot.bodies()[body].joint);
+  }
+  return joints;
+}
+
+}  // namespace
+
+RandomStream::RandomStream(std::uint64_t seed, std::uint64_t index)
+    : state_(mixed(mixed(seed) + index)) {}
+
+double RandomStream::uniform() {
+  state_ += 0x9e3779b97f4a7c15u;
+  return static_cast<double>(mixed(state_) >> 11) * 0x1p-53;
+}
+
+JointSampler::JointSampler(std::shared_ptr<const RobotModel> robot, std::uint64_t seed)
+    : robot_(std::move(robot)), seed_(seed) {
+  for (const Joint& joint : robot_->joints()) ranges_.push_back(rangeOf(joint));
+}
+
+void JointSampler::draw(std::uint64_t index, std::vector<double>& positions) const {
+  RandomStream random = stream(index);
+  positions.assign(ranges_.size(), 0.0);
+  for (std::size_t i = 0; i < ranges_.size(); ++i) {
+    const bool moves = ranges_[i].lower < ranges_[i].upper;
+    positions[i] = moves ? ranges_[i].at(random.uniform()) : ranges_[i].lower;
+  }
+  robot_->applyMimics(positions);
+}
+
+std::vector<int> JointSampler::jointsBetween(int body_a, int body_b) const {
+  const std::set<int> above_a = jointsAbove(*robot_, body_a);
+  const std::set<int> above_b = jointsAbove(*robot_, body_b);
+  std::vector<int> between;
+  std::set_symmetric_difference(above_a.begin(), above_a.end(), above_b.begin(), above_b.end(),
+                                std::back_inserter(between));
+  std::set<int> moving;
+  for (int joint : between) {
+    while (robot_->joints()[joint].mimic) joint = robot_->joints()[joint].mimic->joint;
+    if (ranges_[joint].lower < ranges_[joint].upper) moving.insert(joint);
+  }
+  return {moving.begin(), moving.end()};
+}
+
+std::vector<std::string> JointSampler::standingJoints() const {
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < ranges_.size(); ++i) {
+    const Joint& joint = robot_->joints()[i];
+    const bool moves = joint.type != JointType::FIXED && !joint.mimic;
+    const bool has_range = ranges_[i].lower != 0.0 || ranges_[i].upper != 0.0;
+    if (moves && !has_range) names.push_back(joint.name);
+  }
+  return names;
+}
+
+}  // namespace collision_pairs

@@ -1,0 +1,124 @@
+#include "pair_statistics.h"
+
+#include <algorithm>
+#include <mutex>
+#include <set>
+
+#include "on_threads.h"
+#include "pair_probe.h"
+
+namespace collision_pairs {
+namespace {
+
+// Found distances limit later queries within a block only, so that they are the same to the last
+// digit whichever thread takes which block.
+constexpr std::uint64_t BLOCK = 256;
+// What is nearer by less is not worth a query to its end: links that turn about each other's axis
+// are at nearly the same distance in every state.
+constexpr double WORTHWHILE = 0.99;
+
+std::vector<PairEvidence> allowedPairs(const CollisionScene& scene) {
+  const auto& links = scene.robot().links();
+  std::set<std::pair<int, int>> adjacent;
+  for (const auto& [a, b] : scene.robot().adjacentLinks()) {
+    adjacent.insert(std::minmax(scene.findModel(links[a].name), scene.findModel(links[b].name)));
+  }
+  std::vector<PairEvidence> pairs;
+  const auto& models = scene.models();
+  for (std::uint32_t a = 0; a < models.size(); ++a) {
+    for (std::uint32_t b = a + 1; b < models.size(); ++b) {
+      if (!scene.filter().allowed(a, b)) continue;
+      PairEvidence pair;
+      pair.first = a;
+      pair.second = b;
+      pair.adjacent = adjacent.count({static_cast<int>(a), static_cast<int>(b)}) > 0;
+      pair.rigid = models[a].body == models[b].body;
+      pairs.push_back(pair);
+    }
+  }
+  return pairs;
+}
+
+void noteZeroState(const CollisionScene& scene, PairProbe& probe,
+                   std::vector<PairEvidence>& pairs) {
+  probe.place(scene.robot().zeroPositions());
+  for (PairEvidence& pair : pairs) {
+    pair.touches_at_zero = probe.touches(pair.first, pair.second);
+  }
+}
+
+void askPair(std::uint64_t state, PairProbe& probe, PairEvidence& pair) {
+  ++pair.trials;
+  double distance = pair.nearest;
+  if (probe.touches(pair.first, pair.second)) {
+    ++pair.contacts;
+    distance = 0.0;
+  } else if (state < MEASURED_STATES && !pair.adjacent && pair.nearest > 0.0) {
+    distance = probe.distance(pair.first, pair.second, WORTHWHILE * pair.nearest);
+    if (distance >= WORTHWHILE * pair.nearest) return;
+  }
+  if (distance >= pair.nearest) return;
+  pair.nearest = distance;
+  pair.nearest_state = state;
+}
+
+bool isAsked(const PairEvidence& pair, std::uint64_t state) {
+  if (pair.rigid) return state == 0;
+  return !pair.adjacent || state < MEASURED_STATES;
+}
+
+/// The states begin … end - 1, added to `pairs`.
+void countBlock(std::uint64_t begin, std::uint64_t end, const JointSampler& sampler,
+                PairProbe& probe, std::vector<PairEvidence>& pairs) {
+  std::vector<double> positions;
+  for (std::uint64_t state = begin; state < end; ++state) {
+    sampler.draw(state, positions);
+    probe.place(positions);
+    for (PairEvidence& pair : pairs) {
+      if (isAsked(pair, state)) askPair(state, probe, pair);
+    }
+  }
+}
+
+/// Blocks may come in any order.
+void merge(const std::vector<PairEvidence>& block, std::vector<PairEvidence>& all) {
+  const auto nearness = [](const PairEvidence& p) {
+    return std::make_pair(p.nearest, p.nearest_state);
+  };
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    all[i].trials += block[i].trials;
+    all[i].contacts += block[i].contacts;
+    if (nearness(block[i]) < nearness(all[i])) {
+      std::tie(all[i].nearest, all[i].nearest_state) = nearness(block[i]);
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<PairEvidence> countContacts(const std::shared_ptr<const CollisionScene>& scene,
+                                        const JointSampler& sampler,
+                                        const SamplingSettings& settings) {
+  const std::vector<PairEvidence> start = allowedPairs(*scene);
+  std::vector<PairEvidence> all = start;
+  PairProbe zero_probe(scene);
+  noteZeroState(*scene, zero_probe, all);
+  const std::uint64_t nb_blocks = settings.samples / BLOCK + (settings.samples % BLOCK > 0);
+  std::uint64_t done = 0;
+  std::mutex mutex;
+  onThreads(settings.threads, nb_blocks, [&]() {
+    return [&, probe = PairProbe(scene), block = start](std::uint64_t number) mutable {
+      const std::uint64_t begin = number * BLOCK;
+      const std::uint64_t end = begin + std::min(BLOCK, settings.samples - begin);
+      block = start;
+      countBlock(begin, end, sampler, probe, block);
+      const std::lock_guard<std::mutex> lock(mutex);
+      merge(block, all);
+      done += end - begin;
+      if (settings.progress) settings.progress(done);
+    };
+  });
+  return all;
+}
+
+}  // namespace collision_pairs

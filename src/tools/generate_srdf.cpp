@@ -1,0 +1,153 @@
+// generate_srdf: a URDF in, an SRDF out that switches off the pairs of links that need no check.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <iostream>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+#include "collision_pairs/input_error.h"
+#include "contact_search.h"
+#include "mesh_loader.h"
+#include "pair_table.h"
+#include "pair_verdicts.h"
+#include "progress_bar.h"
+#include "robot_files.h"
+#include "text_files.h"
+#include "tool_errors.h"
+#include "verdict_texts.h"
+
+namespace collision_pairs {
+namespace {
+
+struct Options {
+  std::string robot, srdf, out, report;
+  std::uint64_t samples = 50000, seed = 1;
+  unsigned searches = 10, threads = 0;
+  ClassRules rules;
+  bool disable_default = false;
+};
+
+void declare(CLI::App& app, Options& options) {
+  app.add_option("robot", options.robot, "the robot's URDF")->required()->type_name("ROBOT.urdf");
+  app.add_option("--srdf", options.srdf, "is kept, and what it does not decide is added")
+      ->type_name("GIVEN.srdf");
+  app.add_option("--samples", options.samples, "random joint states")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app.add_option("--seed", options.seed, "of the random states")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  app.add_option("--threads", options.threads,
+                 "0: as many as the machine has; the output is the same")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  app.add_option("--confidence", options.rules.confidence, "of each bound, between 0 and 1")
+      ->capture_default_str();
+  app.add_option("--max-probability", options.rules.max_probability,
+                 "never: the bound on the probability of contact is at most this")
+      ->capture_default_str();
+  app.add_option("--clearance", options.rules.clearance,
+                 "pairs that come as near as this stay checked")
+      ->type_name("METRES")
+      ->capture_default_str();
+  app.add_option("--searches", options.searches,
+                 "for a contact of each pair that random states show none of")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  app.add_flag("--disable-default", options.disable_default,
+               "switch off pairs that touch with all joints at zero, although not always");
+  app.add_option("--out", options.out, "where to write (default: standard output)")
+      ->type_name("OUT.srdf");
+  app.add_option("--report", options.report, "a table of all pairs")->type_name("PAIRS.csv");
+}
+
+void refuseWrong(const Options& options) {
+  const auto isShare = [](double value) { return value > 0.0 && value < 1.0; };
+  if (!isShare(options.rules.confidence)) {
+    throw InputError("--confidence must lie between 0 and 1, like 0.99");
+  }
+  if (!isShare(options.rules.max_probability)) {
+    throw InputError("--max-probability must lie between 0 and 1, like 1e-4");
+  }
+  if (!(options.rules.clearance >= 0.0) || !std::isfinite(options.rules.clearance)) {
+    throw InputError("--clearance must be a finite number of metres, 0 or more");
+  }
+}
+
+std::vector<PairEvidence> gather(const Options& options,
+                                 const std::shared_ptr<const CollisionScene>& scene,
+                                 const JointSampler& sampler) {
+  std::vector<PairEvidence> evidence;
+  {
+    ProgressBar bar("random states", options.samples);
+    const auto show = [&](std::uint64_t done) { bar.show(done); };
+    evidence = countContacts(scene, sampler, {options.samples, options.threads, show});
+  }
+  ProgressBar bar("search", evidence.size());
+  const auto show = [&](std::uint64_t done) { bar.show(done); };
+  searchContacts(scene, sampler, {options.searches, options.samples, options.threads, show},
+                 evidence);
+  return evidence;
+}
+
+/// What a line's numbers mean, above the first of them.
+SrdfLine headerOf(const Options& options) {
+  char text[256];
+  std::snprintf(text, sizeof text,
+                "generate_srdf: %llu random states, seed %llu, %u searches; bounds at "
+                "confidence %g, never and always up to probability %g, clearance %g m",
+                static_cast<unsigned long long>(options.samples),
+                static_cast<unsigned long long>(options.seed), options.searches,
+                options.rules.confidence, options.rules.max_probability, options.rules.clearance);
+  return {text, "", "", ""};
+}
+
+/// None if there is no pair to add to a given SRDF: a second run leaves what the first one wrote.
+std::vector<SrdfLine> linesFor(const std::vector<PairVerdict>& verdicts, bool is_given,
+                               const Options& options) {
+  const bool adds_a_pair = std::any_of(verdicts.begin(), verdicts.end(),
+                                       [](const PairVerdict& v) { return !v.reason.empty(); });
+  if (is_given && !adds_a_pair) return {};
+  std::vector<SrdfLine> lines = srdfLines(verdicts, options.rules);
+  lines.insert(lines.begin(), headerOf(options));
+  return lines;
+}
+
+void generate(const Options& options) {
+  refuseWrong(options);
+  const auto robot = readRobot(options.robot, makeMeshLoader());
+  const std::string given_text = options.srdf.empty() ? "" : readTextFile(options.srdf);
+  const auto given = readSrdf(options.srdf, *robot);
+  const auto scene = CollisionScene::build(robot, Srdf{}, nullptr);  // every pair
+  const JointSampler sampler(robot, options.seed);
+  if (!sampler.standingJoints().empty()) {
+    warn("joints without a range to draw from stand at zero: " + joined(sampler.standingJoints()));
+  }
+  const auto evidence = gather(options, scene, sampler);
+  const auto verdicts = decide(evidence, *scene, given, options.rules, options.disable_default);
+  const std::vector<SrdfLine> lines = linesFor(verdicts, given.has_value(), options);
+  const std::string srdf = srdfWithLines(given_text, robot->name(), lines);
+  if (!options.report.empty()) {
+    writeTextFile(options.report, [&](std::ostream& out) {
+      writePairTable(verdicts, *scene, sampler, options.rules, out);
+    });
+  }
+  writeTextFile(options.out, [&](std::ostream& out) { out << srdf; });
+  warnOf(verdicts, options.rules);
+  std::cerr << "seed " << options.seed << ", " << summaryOf(verdicts) << '\n';
+}
+
+}  // namespace
+}  // namespace collision_pairs
+
+int main(int argc, char** argv) {
+  collision_pairs::Options options;
+  CLI::App app("Finds the pairs of links that need no collision check, and says why.",
+               "generate_srdf");
+  collision_pairs::declare(app, options);
+  return collision_pairs::runTool(app, argc, argv, [&] { collision_pairs::generate(options); });
+}

@@ -1,0 +1,150 @@
+#include "verdict_texts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <functional>
+#include <map>
+
+#include "contact_probability.h"
+#include "tool_errors.h"
+
+namespace collision_pairs {
+namespace {
+
+constexpr std::size_t MAX_NAMED = 10;  // pairs in a warning: more are in the table
+
+/// Three digits, rounded up: for an upper bound.
+std::string roundedUp(double bound) {
+  const double digit = std::pow(10.0, std::floor(std::log10(bound)) - 2.0);
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g", digit * std::ceil(bound / digit * (1.0 - 1e-12)));
+  return text;
+}
+
+std::string millimetres(double metres) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.1f mm", 1e3 * metres);
+  return text;
+}
+
+std::string nameOf(const PairVerdict& v) { return v.first_link + '|' + v.second_link; }
+
+std::string countOf(const PairEvidence& e) {
+  return std::to_string(e.contacts) + " of " + std::to_string(e.trials);
+}
+
+std::string evidenceText(const PairEvidence& e, const ClassRules& rules) {
+  if (e.rigid) return std::string("on one rigid body: ") + (e.contacts ? "in contact" : "apart");
+  const std::string text = "in contact in " + countOf(e) + " states; probability ";
+  if (e.contacts > 0 && e.contacts == e.trials) {
+    const double apart = upperContactProbability(0, e.trials, rules.confidence);
+    return text + "of being apart below " + roundedUp(apart);
+  }
+  const std::string bound = "below " + roundedUp(upperBound(e, rules.confidence));
+  if (e.contacts > 0 || e.adjacent) return text + bound;
+  return text + bound + "; nearest found " + millimetres(e.nearest);
+}
+
+/// Why a pair stays checked that was never seen in contact in random states, or always; empty for
+/// all others.
+std::string whyChecked(const PairVerdict& v, const ClassRules& rules) {
+  const PairEvidence& e = v.evidence;
+  const std::string seen = "in contact in " + countOf(e) + " states, ";
+  if (v.pair_class == PairClass::UNPROVEN) {
+    return seen + "which are too few; " +
+           std::to_string(trialsNeeded(rules.max_probability, rules.confidence)) + " are needed";
+  }
+  if (v.pair_class == PairClass::NEAR) {
+    return seen + "but came as near as " + millimetres(e.nearest);
+  }
+  if (e.contacts == e.trials) return seen + "but apart with all joints at zero";
+  if (e.contacts > 0) return "";
+  return seen + (e.touches_at_zero ? "but in contact with all joints at zero"
+                                   : "but a search found a contact");
+}
+
+/// One warning that names the pairs concerned, if there are any: those most often in contact.
+void warnOfPairs(const std::vector<PairVerdict>& verdicts, const std::string& what,
+                 const std::function<bool(const PairVerdict&)>& concerned) {
+  std::vector<const PairVerdict*> pairs;
+  for (const PairVerdict& v : verdicts) {
+    if (concerned(v)) pairs.push_back(&v);
+  }
+  if (pairs.empty()) return;
+  std::stable_sort(pairs.begin(), pairs.end(), [](const PairVerdict* a, const PairVerdict* b) {
+    return a->evidence.contacts > b->evidence.contacts;
+  });
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < std::min(pairs.size(), MAX_NAMED); ++i) {
+    names.push_back(nameOf(*pairs[i]) + " (" + countOf(pairs[i]->evidence) + ')');
+  }
+  if (pairs.size() > MAX_NAMED) {
+    names.push_back("and " + std::to_string(pairs.size() - MAX_NAMED) + " more");
+  }
+  warn(std::to_string(pairs.size()) + (pairs.size() == 1 ? " pair " : " pairs ") + what + ": " +
+       joined(names));
+}
+
+}  // namespace
+
+std::vector<SrdfLine> srdfLines(const std::vector<PairVerdict>& verdicts, const ClassRules& rules) {
+  std::vector<SrdfLine> lines;
+  for (const PairVerdict& v : verdicts) {
+    if (!v.reason.empty()) {
+      lines.push_back({evidenceText(v.evidence, rules), v.first_link, v.second_link, v.reason});
+      continue;
+    }
+    const std::string why = v.given == Given::NOTHING ? whyChecked(v, rules) : "";
+    if (!why.empty()) lines.push_back({"checked: " + nameOf(v) + ": " + why, "", "", ""});
+  }
+  return lines;
+}
+
+void warnOf(const std::vector<PairVerdict>& verdicts, const ClassRules& rules) {
+  const auto isOpen = [](const PairVerdict& v) {
+    return v.given == Given::NOTHING && v.reason.empty();
+  };
+  warnOfPairs(
+      verdicts,
+      "stay checked because the states are too few to say never or always; --samples " +
+          std::to_string(trialsNeeded(rules.max_probability, rules.confidence)) +
+          " are needed for --max-probability " + roundedUp(rules.max_probability),
+      [&](const PairVerdict& v) { return isOpen(v) && v.pair_class == PairClass::UNPROVEN; });
+  warnOfPairs(verdicts,
+              "stay checked although they touch with all joints at zero, because in other states "
+              "they do not (--disable-default switches them off)",
+              [&](const PairVerdict& v) {
+                return isOpen(v) && v.pair_class == PairClass::SOMETIMES &&
+                       v.evidence.touches_at_zero;
+              });
+  warnOfPairs(verdicts,
+              "that the given SRDF switches off are in contact in some states; they stay off",
+              [](const PairVerdict& v) {
+                return v.given == Given::SWITCHED_OFF && v.pair_class == PairClass::SOMETIMES;
+              });
+}
+
+std::string summaryOf(const std::vector<PairVerdict>& verdicts) {
+  std::map<std::string, std::size_t> added;
+  std::size_t given_off = 0, checked = 0, found_by_search = 0;
+  for (const PairVerdict& v : verdicts) {
+    if (!v.reason.empty()) {
+      ++added[v.reason];
+    } else if (v.given == Given::SWITCHED_OFF) {
+      ++given_off;
+    } else {
+      ++checked;
+      found_by_search += !v.evidence.found_state.empty();
+    }
+  }
+  std::string text = std::to_string(verdicts.size()) + " pairs:";
+  for (const auto& [reason, count] : added) {
+    text += ' ' + std::to_string(count) + ' ' + reason + ',';
+  }
+  if (given_off > 0) text += ' ' + std::to_string(given_off) + " switched off as given,";
+  return text + ' ' + std::to_string(checked) + " stay checked, of which " +
+         std::to_string(found_by_search) + " were found in contact by search only";
+}
+
+}  // namespace collision_pairs

@@ -1,0 +1,188 @@
+#include <algorithm>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "collision_pairs/collision_detector.h"
+#include "contact_search.h"
+#include "demo_scene.h"
+#include "pair_statistics.h"
+
+namespace collision_pairs {
+namespace {
+
+std::shared_ptr<const CollisionScene> everyPairOf(const std::shared_ptr<const RobotModel>& robot) {
+  return CollisionScene::build(robot, Srdf{}, nullptr);
+}
+
+PairEvidence find(const std::vector<PairEvidence>& pairs, const CollisionScene& scene,
+                  const std::string& first, const std::string& second) {
+  for (const PairEvidence& pair : pairs) {
+    if (scene.models()[pair.first].name == first && scene.models()[pair.second].name == second) {
+      return pair;
+    }
+  }
+  ADD_FAILURE() << "no pair " << first << '|' << second;
+  return {};
+}
+
+/// Boxes on rails along x with room for contacts, a shelf fixed to the first, a lid that turns on
+/// it.
+std::string railsAndLid() {
+  const auto rail = [](const std::string& child, const std::string& upper) {
+    return joint("rail_" + child, "prismatic", "root", child, "0 0 0",
+                 "<axis xyz='1 0 0'/><limit lower='0' upper='" + upper + "'/>");
+  };
+  return emptyLink("root") + boxLink("a", 1.0) + rail("a", "10") + boxLink("b", 1.0) +
+         rail("b", "10") + boxLink("shelf", 1.0) +
+         joint("screws", "fixed", "a", "shelf", "0 0 1.5", "") + boxLink("lid", 0.5) +
+         joint("hinge", "continuous", "a", "lid", "0 3 0", "<axis xyz='0 0 1'/>");
+}
+
+class Counting : public testing::Test {
+ protected:
+  std::vector<PairEvidence> count(std::uint64_t samples, unsigned threads) const {
+    return countContacts(scene_, JointSampler(robot_, 3), {samples, threads, {}});
+  }
+
+  std::shared_ptr<const RobotModel> robot_ = robotFrom(railsAndLid());
+  std::shared_ptr<const CollisionScene> scene_ = everyPairOf(robot_);
+};
+
+TEST_F(Counting, CountsAreThoseOfACheckOfEachState) {
+  const std::uint64_t samples = 3000;
+  const JointSampler sampler(robot_, 3);
+  CollisionDetector detector(scene_);
+  std::vector<double> positions;
+  std::vector<Eigen::Isometry3d> X_RB;
+  BodyPoses poses;
+  CheckSettings contacts_only;
+  contacts_only.alarm_distance = 0.0;
+  std::uint64_t expected = 0;
+  for (std::uint64_t i = 0; i < samples; ++i) {
+    sampler.draw(i, positions);
+    robot_->forwardKinematics(positions, X_RB);
+    scene_->gatherPoses(X_RB, poses);
+    for (const PairReport& pair : detector.detect(poses, contacts_only).pairs) {
+      expected += scene_->models()[pair.first].name == "a" &&
+                  scene_->models()[pair.second].name == "b" && pair.distance <= 0.0;
+    }
+  }
+  const PairEvidence ab = find(count(samples, 0), *scene_, "a", "b");
+  EXPECT_EQ(ab.trials, samples);
+  EXPECT_EQ(ab.contacts, expected);
+  // Two points on [0, 10] are no further than 1 apart with probability 0.19: six deviations.
+  EXPECT_NEAR(static_cast<double>(ab.contacts), 0.19 * 3000, 130);
+}
+
+TEST_F(Counting, NumberOfThreadsMakesNoDifference) {
+  const auto one = count(5000, 1);
+  for (const unsigned threads : {2u, 7u, 0u}) {
+    const auto many = count(5000, threads);
+    ASSERT_EQ(many.size(), one.size());
+    for (std::size_t i = 0; i < one.size(); ++i) {
+      EXPECT_EQ(many[i].contacts, one[i].contacts);
+      EXPECT_EQ(many[i].trials, one[i].trials);
+      EXPECT_EQ(many[i].nearest, one[i].nearest);
+      EXPECT_EQ(many[i].nearest_state, one[i].nearest_state);
+    }
+  }
+}
+
+TEST_F(Counting, RigidAndAdjacentPairsAreKnownAsSuch) {
+  const auto pairs = count(3000, 0);
+  const PairEvidence rigid = find(pairs, *scene_, "a", "shelf");
+  EXPECT_TRUE(rigid.rigid && rigid.adjacent);
+  EXPECT_EQ(rigid.trials, 1u);
+  const PairEvidence hinged = find(pairs, *scene_, "a", "lid");
+  EXPECT_TRUE(hinged.adjacent && !hinged.rigid);
+  EXPECT_EQ(hinged.trials, MEASURED_STATES);
+  EXPECT_FALSE(find(pairs, *scene_, "lid", "shelf").adjacent);
+}
+
+TEST_F(Counting, TouchingAtZeroIsToldApartFromTouchingInRandomStates) {
+  const auto pairs = count(1, 1);
+  EXPECT_TRUE(find(pairs, *scene_, "a", "b").touches_at_zero);
+  EXPECT_FALSE(find(pairs, *scene_, "b", "lid").touches_at_zero);
+}
+
+TEST_F(Counting, NearestIsAtMostAHundredthTooLarge) {
+  // The lid is 3 beside the rail in y and turns about its middle, 0.25 √2 wide at most.
+  const JointSampler sampler(robot_, 3);
+  const PairEvidence b_lid = find(count(MEASURED_STATES, 0), *scene_, "b", "lid");
+  std::vector<double> positions;
+  double nearest = 1e9;
+  for (std::uint64_t i = 0; i < MEASURED_STATES; ++i) {
+    sampler.draw(i, positions);
+    const double along =
+        std::abs(positions[robot_->findJoint("rail_a")] - positions[robot_->findJoint("rail_b")]);
+    const double turn = positions[robot_->findJoint("hinge")];
+    const double reach = 0.25 * (std::abs(std::cos(turn)) + std::abs(std::sin(turn)));
+    // Beside each other, only y counts: b ends at 0.5.
+    if (along < 0.5) nearest = std::min(nearest, 3.0 - 0.5 - reach);
+  }
+  EXPECT_LE(b_lid.nearest, nearest / 0.99);
+  EXPECT_GE(b_lid.nearest, 3.0 - 0.5 - 0.25 * std::sqrt(2.0) - 1e-9);
+  EXPECT_EQ(b_lid.contacts, 0u);
+}
+
+TEST_F(Counting, ALinkWithoutAFiniteBoxIsRefused) {
+  const auto far = robotFrom(
+      emptyLink("root") + boxLink("a", 1.0) + boxLink("b", 1.0) +
+      joint("j", "prismatic", "root", "a", "0 0 0", "<limit lower='1e308' upper='1.7e308'/>") +
+      joint("k", "prismatic", "a", "b", "0 0 0", "<limit lower='1e308' upper='1.7e308'/>"));
+  EXPECT_THROW(countContacts(everyPairOf(far), JointSampler(far, 1), {10, 2, {}}), InputError);
+}
+
+/// Two small balls, each on the end of a crank of length 1; the cranks' axes are 2.0005 apart, so
+/// they meet only where both point at each other within about a degree.
+std::string cranks(double apart) {
+  const std::string ball = "<sphere radius='0.0005'/>";
+  return emptyLink("root") + emptyLink("arm_a") + emptyLink("arm_b") + linkWith("a", ball) +
+         linkWith("b", ball) +
+         joint("crank_a", "continuous", "root", "arm_a", "0 0 0", "<axis xyz='0 0 1'/>") +
+         joint("crank_b", "continuous", "root", "arm_b", std::to_string(apart) + " 0 0",
+               "<axis xyz='0 0 1'/>") +
+         joint("fix_a", "fixed", "arm_a", "a", "1 0 0", "") +
+         joint("fix_b", "fixed", "arm_b", "b", "1 0 0", "");
+}
+
+PairEvidence searchedPair(double apart, unsigned threads,
+                          std::shared_ptr<const RobotModel>* robot) {
+  *robot = robotFrom(cranks(apart));
+  const auto scene = everyPairOf(*robot);
+  const JointSampler sampler(*robot, 1);
+  auto pairs = countContacts(scene, sampler, {500, threads, {}});
+  EXPECT_EQ(find(pairs, *scene, "a", "b").contacts, 0u);
+  searchContacts(scene, sampler, {10, 500, threads, {}}, pairs);
+  return find(pairs, *scene, "a", "b");
+}
+
+TEST(Search, FindsAContactThatRandomStatesMiss) {
+  std::shared_ptr<const RobotModel> robot;
+  const PairEvidence found = searchedPair(2.0005, 0, &robot);
+  ASSERT_FALSE(found.found_state.empty());
+  EXPECT_EQ(found.nearest, 0.0);
+  // The balls' centres, by hand.
+  const double a = found.found_state[robot->findJoint("crank_a")];
+  const double b = found.found_state[robot->findJoint("crank_b")];
+  const double dx = 2.0005 + std::cos(b) - std::cos(a), dy = std::sin(b) - std::sin(a);
+  EXPECT_LE(std::hypot(dx, dy), 0.001 + 1e-12);
+}
+
+TEST(Search, ComesCloseToTheLeastDistanceWhereThereIsNoContact) {
+  std::shared_ptr<const RobotModel> robot;
+  const PairEvidence found = searchedPair(2.1, 0, &robot);
+  EXPECT_TRUE(found.found_state.empty());
+  EXPECT_GE(found.nearest, 0.099 - 1e-9);
+  EXPECT_LE(found.nearest, 0.0991);
+}
+
+TEST(Search, NumberOfThreadsMakesNoDifference) {
+  std::shared_ptr<const RobotModel> robot;
+  const PairEvidence one = searchedPair(2.1, 1, &robot), two = searchedPair(2.1, 2, &robot);
+  EXPECT_EQ(one.nearest, two.nearest);
+}
+
+}  // namespace
+}  // namespace collision_pairs
