@@ -48,3 +48,13 @@ target_link_libraries(trade_off PRIVATE collision_pairs_io)
 target_include_directories(trade_off PRIVATE src/core)
 target_compile_definitions(trade_off PRIVATE PROJECT_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
 collision_pairs_warnings(trade_off)
+
+# What a scene costs that models more or less; scripts/measure_scene_cost writes docs/scenes.md.
+add_executable(scene_cost test/benchmark/benchmark_robots.cpp test/benchmark/scene_cases.cpp
+  test/benchmark/scene_cost.cpp)
+target_link_libraries(scene_cost PRIVATE collision_pairs_io)
+target_include_directories(scene_cost PRIVATE src/core)
+collision_pairs_warnings(scene_cost)
+add_executable(update_benchmark test/benchmark/update_benchmark.cpp)
+target_link_libraries(update_benchmark PRIVATE collision_pairs_ros)
+collision_pairs_warnings(update_benchmark)

@@ -8,6 +8,7 @@
 
 #include "packed_storage.h"
 #include "random_inputs.h"
+#include "static_tree.h"
 #include "sweep_kernel.h"
 
 namespace collision_pairs {
@@ -75,6 +76,92 @@ TEST(SweepKernel, EachInstructionSetFindsWhatTheDefinitionSays) {
       }
     }
   }
+}
+
+/// Boxes with corners at whole numbers, so that sides often coincide, and every hundredth without
+/// end on one side.
+struct WholeBoxes {
+  std::vector<Aabb> boxes;
+  std::vector<std::uint32_t> models;
+
+  void add(const Eigen::Vector3d& around, double spread, RandomInputs* random) {
+    const Eigen::Vector3d corner = (around + random->vector(-spread, spread)).array().round();
+    boxes.push_back({corner, corner + Eigen::Vector3d::Constant(random->integer(0, 3))});
+    if (random->integer(0, 99) == 0) boxes.back().max.z() = 1e300;
+    models.push_back(static_cast<std::uint32_t>(random->integer(0, 5)));
+  }
+
+  std::vector<Record> narrow(const Eigen::Vector3d& origin) const {
+    std::vector<Record> records(boxes.size());
+    narrowBoxes(*sweepKernels().back(), makeNarrowMap(origin, 0.0), boxes, models.data(),
+                records.data());
+    return records;
+  }
+};
+
+IdPairs queryBy(const SweepKernel& kernel, const StaticTree& tree,
+                const std::vector<Record>& asked) {
+  PackedStorage packed;
+  packed.resize(asked.size());
+  for (std::size_t i = 0; i < asked.size(); ++i) packed.writer()(i, asked[i]);
+  CandidateStorage storage;
+  Candidates* found = storage.clear();
+  kernel.query(tree.view(), packed.view(), static_cast<std::uint32_t>(asked.size()), 0, found);
+  IdPairs pairs;
+  for (std::size_t i = 0; i < found->count; ++i)
+    pairs.push_back({found->first[i], found->second[i]});
+  std::sort(pairs.begin(), pairs.end());
+  return pairs;
+}
+
+IdPairs bruteForce(const std::vector<Record>& asked, const std::vector<Record>& standing) {
+  IdPairs pairs;
+  for (const Record& a : asked) {
+    for (const Record& b : standing) {
+      bool closed = a.model != b.model, open = true;
+      for (int k = 0; k < 3; ++k) {
+        closed = closed && a.lo[k] <= b.hi[k] && b.lo[k] <= a.hi[k];
+        open = open && a.lo[k] < b.hi[k] && b.lo[k] < a.hi[k];
+      }
+      if (closed) pairs.push_back({a.tag, open ? b.tag : b.tag | UNSURE});
+    }
+  }
+  std::sort(pairs.begin(), pairs.end());
+  return pairs;
+}
+
+// Places of all sizes: together the boxes meet no leaf of the tree, few or most.
+std::size_t compareQueries(int nb_standing, RandomInputs* random) {
+  WholeBoxes standing;
+  for (int i = 0; i < nb_standing; ++i) standing.add(Eigen::Vector3d::Zero(), 20.0, random);
+  const StaticTree tree(standing.boxes, standing.models);
+  const std::vector<Record> records = standing.narrow(tree.origin());
+  std::size_t nb_pairs = 0;
+  for (const int nb_asked : {0, 1, 3, 4, 50}) {
+    for (const double spread : {1.0, 5.0, 30.0}) {
+      WholeBoxes asked;
+      const Eigen::Vector3d around = random->vector(-25.0, 25.0);
+      for (int i = 0; i < nb_asked; ++i) asked.add(around, spread, random);
+      const std::vector<Record> moving = asked.narrow(tree.origin());
+      const IdPairs expected = bruteForce(moving, records);
+      nb_pairs += expected.size();
+      for (const SweepKernel* kernel : sweepKernels()) {
+        EXPECT_EQ(queryBy(*kernel, tree, moving), expected)
+            << kernel->name << ", " << nb_asked << " boxes within " << spread << " among "
+            << nb_standing;
+      }
+    }
+  }
+  return nb_pairs;
+}
+
+TEST(SweepKernel, EachInstructionSetFindsInATreeWhatTheDefinitionSays) {
+  RandomInputs random;
+  std::size_t nb_pairs = 0;
+  for (int round = 0; round < 20; ++round) {
+    for (const int count : {1, 40, 600, 5000}) nb_pairs += compareQueries(count, &random);
+  }
+  EXPECT_GT(nb_pairs, 1000u);
 }
 
 TEST(SweepKernel, EachInstructionSetNarrowsAndFindsCellsAlike) {

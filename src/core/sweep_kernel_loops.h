@@ -19,6 +19,22 @@ struct OneBox {
       minus_hi[k] = Lanes::setFloat(boxes.minus_hi[k][i]);
     }
   }
+
+  /// The box around the first nb_boxes, for meetNode() alone: of no model. It meets whatever one of
+  /// them meets, because a float sum grows with what is added.
+  static OneBox around(const PackedBoxes& boxes, std::uint32_t nb_boxes) {
+    OneBox all(boxes, 0);
+    for (int k = 0; k < 3; ++k) {
+      float lo = boxes.lo[k][0], minus_hi = boxes.minus_hi[k][0];
+      for (std::uint32_t i = 1; i < nb_boxes; ++i) {
+        lo = boxes.lo[k][i] < lo ? boxes.lo[k][i] : lo;
+        minus_hi = boxes.minus_hi[k][i] < minus_hi ? boxes.minus_hi[k][i] : minus_hi;
+      }
+      all.lo[k] = Lanes::setFloat(lo);
+      all.minus_hi[k] = Lanes::setFloat(minus_hi);
+    }
+    return all;
+  }
 };
 
 /// How far apart `box` and those from j on are on the axis on which they are furthest apart;
@@ -100,36 +116,74 @@ inline void meetLeaf(const OneBox<Lanes>& box, std::uint32_t id, const PackedBox
   }
 }
 
-template <class Lanes>
-void queryTree(const TreeView& tree, PackedBoxes boxes, std::uint32_t nb_boxes,
-               std::uint32_t unsure, Candidates* out) {
+/// Calls see(first box) for each leaf that may hold a box that meets this one, until it says false;
+/// says whether that never was.
+template <class Lanes, class See>
+inline bool walkLeaves(const OneBox<Lanes>& box, const TreeView& tree, const See& see) {
+  if (tree.nb_boxes <= SCAN_UP_TO) {
+    for (std::uint32_t j = 0; j < tree.nb_boxes; j += FAN_OUT) {
+      if (!see(j)) return false;
+    }
+    return true;
+  }
   // Level and first box of the nodes still to be seen; each level leaves at most 16 behind.
   struct Node {
     std::uint32_t level, begin;
   };
   Node stack[MAX_LEVELS * FAN_OUT];
-  for (std::uint32_t i = 0; i < nb_boxes; ++i) {
-    const OneBox<Lanes> box(boxes, i);
-    const std::uint32_t id = boxes.tag[i] & ID_MASK;
-    if (tree.nb_boxes <= SCAN_UP_TO) {
-      for (std::uint32_t j = 0; j < tree.nb_boxes; j += FAN_OUT) {
-        meetLeaf(box, id, tree.level[0], j, unsure, out);
-      }
+  int nb_open = 0;
+  stack[nb_open++] = {static_cast<std::uint32_t>(tree.nb_levels - 1), 0};
+  while (nb_open > 0) {
+    const Node node = stack[--nb_open];
+    if (node.level == 0) {
+      if (!see(node.begin)) return false;
       continue;
     }
-    int nb_open = 0;
-    stack[nb_open++] = {static_cast<std::uint32_t>(tree.nb_levels - 1), 0};
-    while (nb_open > 0) {
-      const Node node = stack[--nb_open];
-      if (node.level == 0) {
-        meetLeaf(box, id, tree.level[0], node.begin, unsure, out);
-        continue;
-      }
-      std::uint32_t bits = meetNode(box, tree.level[node.level], node.begin);
-      for (; bits != 0; bits &= bits - 1) {
-        const auto child = node.begin + static_cast<std::uint32_t>(__builtin_ctz(bits));
-        stack[nb_open++] = {node.level - 1, child * FAN_OUT};
-      }
+    std::uint32_t bits = meetNode(box, tree.level[node.level], node.begin);
+    for (; bits != 0; bits &= bits - 1) {
+      const auto child = node.begin + static_cast<std::uint32_t>(__builtin_ctz(bits));
+      stack[nb_open++] = {node.level - 1, child * FAN_OUT};
+    }
+  }
+  return true;
+}
+
+/// The leaves that hold a box that meets the one around all boxes, if they are few.
+template <class Lanes>
+struct CommonLeaves {
+  std::uint32_t begin[SCAN_UP_TO / FAN_OUT];
+  std::uint32_t count = 0;
+  bool are_few = false;
+
+  void find(const OneBox<Lanes>& around_all, const TreeView& tree) {
+    are_few = walkLeaves(around_all, tree, [&](std::uint32_t leaf) {
+      if (meetNode(around_all, tree.level[0], leaf) == 0) return true;
+      if (count == SCAN_UP_TO / FAN_OUT) return false;
+      begin[count++] = leaf;
+      return true;
+    });
+  }
+};
+
+// The boxes of a query are those of a robot: together they reach few of what stands in a large
+// world, and one walk for all of them finds out.
+template <class Lanes>
+void queryTree(const TreeView& tree, PackedBoxes boxes, std::uint32_t nb_boxes,
+               std::uint32_t unsure, Candidates* out) {
+  constexpr std::uint32_t ONE_BY_ONE = 3;  // for so few a walk in common is one too many
+  CommonLeaves<Lanes> common;
+  if (nb_boxes > ONE_BY_ONE) common.find(OneBox<Lanes>::around(boxes, nb_boxes), tree);
+  if (common.are_few && common.count == 0) return;
+  for (std::uint32_t i = 0; i < nb_boxes; ++i) {
+    const OneBox<Lanes> box(boxes, i);
+    const auto meet = [&, id = boxes.tag[i] & ID_MASK](std::uint32_t leaf) {
+      meetLeaf(box, id, tree.level[0], leaf, unsure, out);
+      return true;
+    };
+    if (common.are_few) {
+      for (std::uint32_t l = 0; l < common.count; ++l) meet(common.begin[l]);
+    } else {
+      walkLeaves(box, tree, meet);
     }
   }
 }

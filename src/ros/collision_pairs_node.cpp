@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <std_msgs/Bool.h>
 #include <visualization_msgs/MarkerArray.h>
@@ -39,7 +40,7 @@ CollisionPairsNode::CollisionPairsNode(ros::NodeHandle node, ros::NodeHandle pri
   markers_publisher_ = private_node_.advertise<visualization_msgs::MarkerArray>("markers", 1);
   scene_publisher_ = private_node_.advertise<visualization_msgs::MarkerArray>(
       "scene_markers", 1, [this](const ros::SingleSubscriberPublisher&) {
-        shown_scene_.reset();
+        updates_.release(std::exchange(shown_scene_, nullptr));
         show_scene_from_ = ros::SteadyTime::now() + ros::WallDuration(SUBSCRIBER_WARM_UP);
       });
   reset_service_ = private_node_.advertiseService("reset", &CollisionPairsNode::onReset, this);
@@ -104,10 +105,7 @@ void CollisionPairsNode::cycle() {
       }
       scene = scenes_.active();
     }
-    if (scene != reported_scene_) {
-      detector_ = std::make_unique<CollisionDetector>(scene->scene);
-      reported_scene_ = scene;
-    }
+    if (scene != reported_scene_) takeScene(scene);
     const StampedPoses stamped = freshPoses(*scene->tf_poses);
     const double transform_time = secondsSince(start);
     // What only static transforms describe is as good now as ever.
@@ -121,6 +119,12 @@ void CollisionPairsNode::cycle() {
     health_.problem = std::string("the cycle failed: ") + error.what();
     ROS_ERROR_STREAM_THROTTLE(WARN_PERIOD, health_.problem);
   }
+}
+
+void CollisionPairsNode::takeScene(const ActiveScenePtr& scene) {
+  auto detector = std::make_unique<CollisionDetector>(scene->scene);
+  updates_.release(std::exchange(detector_, std::move(detector)));
+  updates_.release(std::exchange(reported_scene_, scene));
 }
 
 StampedPoses CollisionPairsNode::freshPoses(const TfPoses& tf_poses) {
@@ -164,7 +168,7 @@ void CollisionPairsNode::publishSceneMarkers(std::size_t nb_known) {
   if (shown_scene_ == reported_scene_ && nb_known <= nb_shown_) return;
   if (scene_publisher_.getNumSubscribers() == 0) return;
   if (ros::SteadyTime::now() < show_scene_from_) return;
-  shown_scene_ = reported_scene_;
+  updates_.release(std::exchange(shown_scene_, reported_scene_));
   nb_shown_ = nb_known;
   scene_publisher_.publish(
       toSceneMarkers(*shown_scene_->scene, settings().fidelity, shown_scene_->frame));

@@ -50,6 +50,7 @@ class CollisionPairsNode {
   QueryService::Defaults queryDefaults() const;
 
   void cycle();
+  void takeScene(const ActiveScenePtr& scene);
   /// The newest poses that are of this pass of the clock.
   StampedPoses freshPoses(const TfPoses& tf_poses);
   void publish(const ActiveScene& scene, const StampedPoses& stamped, const ros::Time& stamp,

@@ -1,8 +1,26 @@
 #include "update_service.h"
 
 #include <exception>
+#include <utility>
+
+#include <boost/make_shared.hpp>
 
 namespace collision_pairs {
+namespace {
+
+class Release : public ros::CallbackInterface {
+ public:
+  explicit Release(std::shared_ptr<const void> what) : what_(std::move(what)) {}
+  CallResult call() override {
+    what_.reset();
+    return Success;
+  }
+
+ private:
+  std::shared_ptr<const void> what_;
+};
+
+}  // namespace
 
 UpdateService::UpdateService(const ros::NodeHandle& private_node, SceneStore& scenes)
     : scenes_(scenes), spinner_(1, &queue_) {
@@ -10,6 +28,10 @@ UpdateService::UpdateService(const ros::NodeHandle& private_node, SceneStore& sc
   node.setCallbackQueue(&queue_);
   server_ = node.advertiseService("update_scene", &UpdateService::onUpdate, this);
   spinner_.start();
+}
+
+void UpdateService::release(std::shared_ptr<const void> what) {
+  if (what) queue_.addCallback(boost::make_shared<Release>(std::move(what)));
 }
 
 bool UpdateService::onUpdate(UpdateScene::Request& request, UpdateScene::Response& response) {

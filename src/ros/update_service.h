@@ -1,6 +1,8 @@
 // The service update_scene.
 #pragma once
 
+#include <memory>
+
 #include <collision_pairs/UpdateScene.h>
 #include <ros/callback_queue.h>
 #include <ros/node_handle.h>
@@ -16,6 +18,9 @@ namespace collision_pairs {
 class UpdateService {
  public:
   UpdateService(const ros::NodeHandle& private_node, SceneStore& scenes);
+
+  /// Lets go of it on the service's thread: to free a large scene takes longer than a cycle may.
+  void release(std::shared_ptr<const void> what);
 
  private:
   bool onUpdate(UpdateScene::Request& request, UpdateScene::Response& response);
