@@ -2,6 +2,7 @@
 add_library(collision_pairs SHARED
   src/core/aabb.cpp
   src/core/batch_check.cpp
+  src/core/box_gap.cpp
   src/core/closed_forms.cpp
   src/core/closest_on_mesh.cpp
   src/core/collision_detector.cpp

@@ -16,6 +16,7 @@ endfunction()
 
 collision_pairs_test(aabb)
 collision_pairs_test(batch_check)
+collision_pairs_test(box_gap)
 collision_pairs_test(closed_forms)
 collision_pairs_test(collision_detector)
 collision_pairs_test(convex_distance)

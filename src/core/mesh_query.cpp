@@ -121,21 +121,35 @@ ConvexCore triangleCore(const Triangle& t) {
   return core;
 }
 
+void MeshQuery::pushNearestLast(const Entry& parent, bool of_a, const TriangleTree::Node& split,
+                                const FourGaps& gaps, double limit) {
+  const std::size_t first = stack_.size();
+  for (std::uint32_t i = 0; i < split.nb_children; ++i) {
+    if (gaps.of[i] > limit) continue;
+    const std::uint32_t child = split.children + i;
+    const Entry entry =
+        of_a ? Entry{child, parent.b, gaps.of[i]} : Entry{parent.a, child, gaps.of[i]};
+    std::size_t place = stack_.size();
+    stack_.push_back(entry);
+    for (; place > first && stack_[place - 1].squared_gap < entry.squared_gap; --place) {
+      stack_[place] = stack_[place - 1];
+    }
+    stack_[place] = entry;
+  }
+}
+
 SurfaceGap MeshQuery::meshMesh(const PreparedMesh& A, const PreparedMesh& B, const Isometry3d& X_AB,
                                double max_distance) {
-  const Matrix3d R = X_AB.linear();
-  const Vector3d p = X_AB.translation();
-  const auto boxGap = [&](std::uint32_t a, std::uint32_t b) {
-    return squaredBoxGap(A.tree.node(a).box, B.tree.node(b).box, R, p);
-  };
-  const double meet = MEET_TOLERANCE * magnitude(A.tree.node(0).box, B.tree.node(0).box, X_AB);
+  const Isometry3d X_BA = X_AB.inverse(Eigen::Isometry);
+  const OrientedBox box_a = A.tree.box(0), box_b = B.tree.box(0);
+  const double meet = MEET_TOLERANCE * magnitude(box_a, box_b, X_AB);
   SurfaceGap gap;
-  gap.distance = std::sqrt(boxGap(0, 0));
+  gap.distance = std::sqrt(squaredBoxGap(box_a, box_b.movedBy(X_AB)));
   if (gap.distance > max_distance) return gap;
   gap.distance = std::nextafter(max_distance, std::numeric_limits<double>::infinity());
   // Found strictly below the limit: so that a gap equal to the limit is found too, one ulp more.
   ClosestPoints best{square(std::max(max_distance, meet)) * (1.0 + 1e-15)};
-  const bool by_patches = worthHulls(A.tree.node(0).box, B.tree.node(0).box, max_distance);
+  const bool by_patches = worthHulls(box_a, box_b, max_distance);
   stack_.clear();
   stack_.push_back({0, 0, 0.0});
   while (!stack_.empty()) {
@@ -144,14 +158,14 @@ SurfaceGap MeshQuery::meshMesh(const PreparedMesh& A, const PreparedMesh& B, con
     if (entry.squared_gap > best.squared) continue;
     const TriangleTree::Node& a = A.tree.node(entry.a);
     const TriangleTree::Node& b = B.tree.node(entry.b);
-    if (a.leaf && b.leaf) {
-      const Triangle t = triangleOf(*A.triangles, a.child);
-      const Triangle u = moved(triangleOf(*B.triangles, b.child), X_AB);
+    if (a.isLeaf() && b.isLeaf()) {
+      const Triangle t = triangleOf(*A.triangles, a.children);
+      const Triangle u = moved(triangleOf(*B.triangles, b.children), X_AB);
       if (!improveByTriangles(t, u, best)) continue;
       gap.beyond = false;
       gap.by_hulls = false;
-      gap.triangle_a = a.child;
-      gap.triangle_b = b.child;
+      gap.triangle_a = a.children;
+      gap.triangle_b = b.children;
       if (best.squared <= square(meet)) break;
       continue;
     }
@@ -162,14 +176,11 @@ SurfaceGap MeshQuery::meshMesh(const PreparedMesh& A, const PreparedMesh& B, con
     // Down to the patches on both sides first: between two patches their hulls may decide.
     const bool split_a = by_patches && a.above_patches != b.above_patches
                              ? a.above_patches
-                             : !a.leaf && (b.leaf || a.box.size() >= b.box.size());
-    Entry near = split_a ? Entry{a.child, entry.b, 0.0} : Entry{entry.a, b.child, 0.0};
-    Entry far = split_a ? Entry{a.child + 1, entry.b, 0.0} : Entry{entry.a, b.child + 1, 0.0};
-    near.squared_gap = boxGap(near.a, near.b);
-    far.squared_gap = boxGap(far.a, far.b);
-    if (far.squared_gap < near.squared_gap) std::swap(near, far);
-    if (far.squared_gap <= best.squared) stack_.push_back(far);
-    if (near.squared_gap <= best.squared) stack_.push_back(near);
+                             : !a.isLeaf() && (b.isLeaf() || a.size >= b.size);
+    const FourGaps gaps =
+        split_a ? squaredBoxGaps(A.tree.childBoxes(a), B.tree.box(entry.b).movedBy(X_AB))
+                : squaredBoxGaps(B.tree.childBoxes(b), A.tree.box(entry.a).movedBy(X_BA));
+    pushNearestLast(entry, split_a, split_a ? a : b, gaps, best.squared);
   }
   if (gap.beyond) return gap;
   gap.distance = best.squared <= square(meet) ? 0.0 : std::sqrt(best.squared);
@@ -180,17 +191,13 @@ SurfaceGap MeshQuery::meshMesh(const PreparedMesh& A, const PreparedMesh& B, con
 
 SurfaceGap MeshQuery::meshConvex(const PreparedMesh& A, const Prepared& B, const Isometry3d& X_AB,
                                  double max_distance) {
-  const Matrix3d R = X_AB.linear();
-  const Vector3d p = X_AB.translation();
-  const auto boxGap = [&](std::uint32_t a) {
-    return squaredBoxGap(A.tree.node(a).box, B.box, R, p);
-  };
-  const double meet = MEET_TOLERANCE * magnitude(A.tree.node(0).box, B.box, X_AB);
+  const OrientedBox box_a = A.tree.box(0), box_b = B.box.movedBy(X_AB);
+  const double meet = MEET_TOLERANCE * magnitude(box_a, B.box, X_AB);
   SurfaceGap gap;
-  gap.distance = std::sqrt(boxGap(0));
+  gap.distance = std::sqrt(squaredBoxGap(box_a, box_b));
   if (gap.distance > max_distance) return gap;
   gap.distance = std::max(max_distance, meet) * (1.0 + 1e-15);
-  const bool by_patches = worthHulls(A.tree.node(0).box, B.box, max_distance);
+  const bool by_patches = worthHulls(box_a, box_b, max_distance);
   stack_.clear();
   stack_.push_back({0, 0, 0.0});
   while (!stack_.empty()) {
@@ -198,16 +205,14 @@ SurfaceGap MeshQuery::meshConvex(const PreparedMesh& A, const Prepared& B, const
     stack_.pop_back();
     if (entry.squared_gap > square(gap.distance)) continue;
     const TriangleTree::Node& a = A.tree.node(entry.a);
-    if (a.leaf) {
-      improveByConvex(triangleOf(*A.triangles, a.child), B.core, X_AB, gap, a.child);
+    if (a.isLeaf()) {
+      improveByConvex(triangleOf(*A.triangles, a.children), B.core, X_AB, gap, a.children);
       if (!gap.beyond && gap.distance <= meet) break;
       continue;
     }
     if (by_patches && a.isPatch() && comparePatch(A, entry.a, B.core, X_AB, gap)) continue;
-    Entry near{a.child, 0, boxGap(a.child)}, far{a.child + 1, 0, boxGap(a.child + 1)};
-    if (far.squared_gap < near.squared_gap) std::swap(near, far);
-    if (far.squared_gap <= square(gap.distance)) stack_.push_back(far);
-    if (near.squared_gap <= square(gap.distance)) stack_.push_back(near);
+    const FourGaps gaps = squaredBoxGaps(A.tree.childBoxes(a), box_b);
+    pushNearestLast(entry, true, a, gaps, square(gap.distance));
   }
   if (gap.beyond) {
     gap.distance = std::nextafter(max_distance, std::numeric_limits<double>::infinity());

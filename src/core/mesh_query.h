@@ -43,6 +43,11 @@ class MeshQuery {
     std::uint32_t a, b;
     double squared_gap;
   };
+  // Children of the node that was split, A's if `of_a`, each with the parent's other node; none
+  // whose gap is above the limit.
+  void pushNearestLast(const Entry& parent, bool of_a, const TriangleTree::Node& split,
+                       const FourGaps& gaps, double limit);
+
   std::vector<Entry> stack_;
 };
 

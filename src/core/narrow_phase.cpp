@@ -110,7 +110,7 @@ struct NarrowPhase::Scratch {
     if (hullsMiss(A, B, X_AB)) return false;
     const Isometry3d X_BA = X_AB.inverse(Eigen::Isometry);
     if (A.mesh && B.mesh) {
-      if (squaredBoxGap(A.box, B.box, X_AB.linear(), X_AB.translation()) > 0.0) return false;
+      if (squaredBoxGap(A.box, B.box.movedBy(X_AB)) > 0.0) return false;
       return surfacesTouch(*A.mesh, *B.mesh, X_AB) ||
              MeshQuery::meshHoldsMesh(*A.mesh, *B.mesh, X_AB) ||
              MeshQuery::meshHoldsMesh(*B.mesh, *A.mesh, X_BA);

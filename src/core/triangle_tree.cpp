@@ -11,21 +11,7 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-double squaredExcess(const Vector3d& apart, const Vector3d& reach) {
-  return (apart.cwiseAbs() - reach).cwiseMax(0.0).squaredNorm();
-}
-
 }  // namespace
-
-double squaredBoxGap(const OrientedBox& a, const OrientedBox& b, const Matrix3d& R,
-                     const Vector3d& p) {
-  const Matrix3d R_ab = a.R.transpose() * (R * b.R);
-  const Vector3d t = a.R.transpose() * (R * b.center + p - a.center);
-  const Matrix3d reach = R_ab.cwiseAbs();
-  const double along_a = squaredExcess(t, a.half + reach * b.half);
-  const double along_b = squaredExcess(R_ab.transpose() * t, b.half + reach.transpose() * a.half);
-  return std::max(along_a, along_b);
-}
 
 struct TriangleTree::Builder {
   explicit Builder(const TriangleMesh& the_mesh) : mesh(the_mesh), order(mesh.triangles.size()) {
@@ -115,22 +101,55 @@ struct TriangleTree::Builder {
     return half;
   }
 
-  // `patched`: a node above is the root of a patch.
-  void build(std::uint32_t index, std::uint32_t begin, std::uint32_t end, bool patched) {
-    const OrientedBox whole = box(begin, end);
-    std::uint32_t patch = NO_PATCH;
-    if (!patched && end - begin <= PATCH_TRIANGLES) patch = addPatch(begin, end);
-    patched |= patch != NO_PATCH;
-    if (end - begin == 1) {
-      nodes[index] = {whole, order[begin], true, patch, false};
-      return;
+  struct Part {
+    Part(const Builder& builder, std::uint32_t the_begin, std::uint32_t the_end)
+        : box(builder.box(the_begin, the_end)), begin(the_begin), end(the_end) {}
+    std::uint32_t size() const { return end - begin; }
+    OrientedBox box;
+    std::uint32_t begin, end;
+  };
+
+  // The root of a patch must be a node. `patched`: it, or a node above it, is the root of a patch.
+  static bool isPatchRoot(const Part& part, bool patched) {
+    return !patched && part.size() <= PATCH_TRIANGLES;
+  }
+
+  std::vector<Part> halves(const Part& part) {
+    const std::uint32_t cut = split(part.box, part.begin, part.end);
+    return {Part(*this, part.begin, cut), Part(*this, cut, part.end)};
+  }
+
+  std::vector<Part> quarters(const Part& part, bool patched) {
+    std::vector<Part> parts;
+    for (const Part& half : halves(part)) {
+      const bool whole = half.size() == 1 || isPatchRoot(half, patched);
+      const std::vector<Part> pieces = whole ? std::vector<Part>{half} : halves(half);
+      parts.insert(parts.end(), pieces.begin(), pieces.end());
     }
-    const auto child = static_cast<std::uint32_t>(nodes.size());
-    nodes.resize(nodes.size() + 2);
-    nodes[index] = {whole, child, false, patch, !patched};
-    const std::uint32_t cut = split(whole, begin, end);
-    build(child, begin, cut, patched);
-    build(child + 1, cut, end, patched);
+    return parts;
+  }
+
+  // `patched`: a node above is the root of a patch.
+  void build(std::uint32_t index, const Part& whole, bool patched) {
+    setLane(whole.box, static_cast<int>(index % BOX_LANES), blocks[index / BOX_LANES]);
+    const bool is_patch = isPatchRoot(whole, patched);
+    patched |= is_patch;
+    Node node{whole.box.size(), order[whole.begin], NO_PATCH, 0, !patched};
+    if (is_patch) node.patch = addPatch(whole.begin, whole.end);
+    if (whole.size() > 1) {
+      const std::vector<Part> parts = quarters(whole, patched);
+      node.children = addBlock();
+      node.nb_children = static_cast<std::uint8_t>(parts.size());
+      for (std::uint32_t i = 0; i < parts.size(); ++i) build(node.children + i, parts[i], patched);
+    }
+    nodes[index] = node;
+  }
+
+  std::uint32_t addBlock() {
+    const auto first = static_cast<std::uint32_t>(nodes.size());
+    nodes.resize(nodes.size() + BOX_LANES);
+    blocks.emplace_back();
+    return first;
   }
 
   std::uint32_t addPatch(std::uint32_t begin, std::uint32_t end) {
@@ -157,16 +176,17 @@ struct TriangleTree::Builder {
   std::vector<std::uint32_t> order;
   std::vector<Vector3d> centroid;
   std::vector<Node> nodes;
+  std::vector<BoxBlock> blocks;
   std::vector<Patch> patches;
   std::vector<Vector3d> patch_points;
 };
 
 TriangleTree::TriangleTree(const TriangleMesh& mesh) {
   Builder builder(mesh);
-  builder.nodes.reserve(2 * mesh.triangles.size());
-  builder.nodes.resize(1);
-  builder.build(0, 0, static_cast<std::uint32_t>(mesh.triangles.size()), false);
+  const auto nb_triangles = static_cast<std::uint32_t>(mesh.triangles.size());
+  builder.build(builder.addBlock(), Builder::Part(builder, 0, nb_triangles), false);
   nodes_ = std::move(builder.nodes);
+  blocks_ = std::move(builder.blocks);
   patches_ = std::move(builder.patches);
   patch_points_ = std::move(builder.patch_points);
 }
