@@ -14,6 +14,7 @@ add_library(collision_pairs SHARED
   src/core/enclosure.cpp
   src/core/fcl_backend.cpp
   src/core/found_pairs.cpp
+  src/core/furthest_point.cpp
   src/core/hull_bounds.cpp
   src/core/in_parallel.cpp
   src/core/mesh_bounds.cpp
@@ -32,6 +33,7 @@ add_library(collision_pairs SHARED
   src/core/srdf.cpp
   src/core/static_boxes.cpp
   src/core/static_tree.cpp
+  src/core/slab_bounds.cpp
   src/core/sweep_and_prune.cpp
   src/core/sweep_axis.cpp
   src/core/sweep_grid.cpp

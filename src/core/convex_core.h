@@ -1,13 +1,17 @@
 // Convex solids as GJK and EPA see them: a core given by its support function, grown by a radius.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <type_traits>
 #include <vector>
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+
+#include "furthest_point.h"
 
 namespace collision_pairs {
 
@@ -34,6 +38,7 @@ struct ConvexCore {
   const Eigen::Vector3d* points = nullptr;
   int num_points = 0;
   const ConvexPoints* edges = nullptr;  ///< for climbing along edges; may be null
+  const PointBlock* blocks = nullptr;   ///< the points once more, to look at them all; may be null
 
   /// Curved cores have no last vertex for GJK and EPA to end on.
   bool curved() const { return kind == Kind::CYLINDER; }
@@ -49,6 +54,14 @@ using Mat3 = Eigen::Matrix<T, 3, 3>;
 template <class T>
 int furthestPoint(const ConvexCore& core, const Vec3<T>& d, int& hint) {
   const auto along = [&](int i) { return core.points[i].template cast<T>().dot(d); };
+  if constexpr (std::is_same_v<T, double>) {
+    if (core.blocks != nullptr) {
+      const auto nb_points = static_cast<std::size_t>(core.num_points);
+      const std::size_t nb_blocks = (nb_points + POINT_LANES - 1) / POINT_LANES;
+      const std::size_t found = furthestInBlocks(core.blocks, nb_blocks, d).index;
+      return hint = static_cast<int>(std::min(found, nb_points - 1));
+    }
+  }
   int best = hint < core.num_points ? hint : 0;
   T best_dot = along(best);
   if (core.edges == nullptr || core.edges->neighbours.empty()) {

@@ -127,8 +127,9 @@ void MeshQuery::pushNearestLast(const Entry& parent, bool of_a, const TriangleTr
   for (std::uint32_t i = 0; i < split.nb_children; ++i) {
     if (gaps.of[i] > limit) continue;
     const std::uint32_t child = split.children + i;
-    const Entry entry =
-        of_a ? Entry{child, parent.b, gaps.of[i]} : Entry{parent.a, child, gaps.of[i]};
+    Entry entry = of_a ? Entry{child, parent.b, gaps.of[i]} : Entry{parent.a, child, gaps.of[i]};
+    entry.squared_gap = std::max(entry.squared_gap, slabs_.squaredGap(entry.a, entry.b));
+    if (entry.squared_gap > limit) continue;
     std::size_t place = stack_.size();
     stack_.push_back(entry);
     for (; place > first && stack_[place - 1].squared_gap < entry.squared_gap; --place) {
@@ -139,7 +140,7 @@ void MeshQuery::pushNearestLast(const Entry& parent, bool of_a, const TriangleTr
 }
 
 SurfaceGap MeshQuery::meshMesh(const PreparedMesh& A, const PreparedMesh& B, const Isometry3d& X_AB,
-                               double max_distance) {
+                               double max_distance, const Vector3d* nhat_AB_A) {
   const Isometry3d X_BA = X_AB.inverse(Eigen::Isometry);
   const OrientedBox box_a = A.tree.box(0), box_b = B.tree.box(0);
   const double meet = MEET_TOLERANCE * magnitude(box_a, box_b, X_AB);
@@ -150,6 +151,8 @@ SurfaceGap MeshQuery::meshMesh(const PreparedMesh& A, const PreparedMesh& B, con
   // Found strictly below the limit: so that a gap equal to the limit is found too, one ulp more.
   ClosestPoints best{square(std::max(max_distance, meet)) * (1.0 + 1e-15)};
   const bool by_patches = worthHulls(box_a, box_b, max_distance);
+  slabs_.clear();
+  if (by_patches && nhat_AB_A != nullptr) slabs_.set(A, B, X_AB, *nhat_AB_A);
   stack_.clear();
   stack_.push_back({0, 0, 0.0});
   while (!stack_.empty()) {
@@ -198,6 +201,7 @@ SurfaceGap MeshQuery::meshConvex(const PreparedMesh& A, const Prepared& B, const
   if (gap.distance > max_distance) return gap;
   gap.distance = std::max(max_distance, meet) * (1.0 + 1e-15);
   const bool by_patches = worthHulls(box_a, box_b, max_distance);
+  slabs_.clear();
   stack_.clear();
   stack_.push_back({0, 0, 0.0});
   while (!stack_.empty()) {

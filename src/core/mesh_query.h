@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "prepared_shape.h"
+#include "slab_bounds.h"
 #include "triangle_distance.h"
 
 namespace collision_pairs {
@@ -26,9 +27,10 @@ struct SurfaceGap {
 class MeshQuery {
  public:
   /// Distance of the surfaces of two meshes. What is further apart than max_distance (metres) is
-  /// cut off. Cost: O(log n) far apart, up to O(n) for large parallel surfaces.
+  /// cut off. nhat_AB_A, if given, is the normal between the hulls: it makes the search shorter and
+  /// does not change the answer. Cost: O(log n) far apart, up to O(n) for large parallel surfaces.
   SurfaceGap meshMesh(const PreparedMesh& A, const PreparedMesh& B, const Eigen::Isometry3d& X_AB,
-                      double max_distance);
+                      double max_distance, const Eigen::Vector3d* nhat_AB_A = nullptr);
 
   /// Distance of the surface of mesh A and the solid B. Stops at the first triangle that meets B.
   SurfaceGap meshConvex(const PreparedMesh& A, const Prepared& B, const Eigen::Isometry3d& X_AB,
@@ -48,6 +50,7 @@ class MeshQuery {
   void pushNearestLast(const Entry& parent, bool of_a, const TriangleTree::Node& split,
                        const FourGaps& gaps, double limit);
 
+  SlabBounds slabs_;
   std::vector<Entry> stack_;
 };
 

@@ -158,14 +158,15 @@ struct NarrowPhase::Scratch {
     return result;
   }
 
-  // `hulls_meet`: one may hold the other, or a part of it.
+  // `nhat_AB_A`: between the hulls; null if they meet, for then one may hold the other, or a part.
   PairDistance meshMesh(const Prepared& A, const Prepared& B, const Isometry3d& X_AB,
-                        double max_distance, bool hulls_meet) {
+                        double max_distance, const Vector3d* nhat_AB_A) {
+    const bool hulls_meet = nhat_AB_A == nullptr;
     // Contact first: it is found by splitting boxes, much sooner than by measuring.
     if (hulls_meet && !query.meshMesh(*A.mesh, *B.mesh, X_AB, 0.0).beyond) {
       return hullDepth(A, B, X_AB);
     }
-    const SurfaceGap gap = query.meshMesh(*A.mesh, *B.mesh, X_AB, max_distance);
+    const SurfaceGap gap = query.meshMesh(*A.mesh, *B.mesh, X_AB, max_distance, nhat_AB_A);
     const bool apart = gap.beyond || gap.distance > 0.0;
     const auto oneHoldsTheOther = [&] {
       return MeshQuery::meshHoldsMesh(*A.mesh, *B.mesh, X_AB) ||
@@ -214,7 +215,9 @@ struct NarrowPhase::Scratch {
     const bool hulls_meet = bounds.outcome == Outcome::OPEN;
     // A little more than the bound, which rounding may have put below the distance itself.
     if (!hulls_meet) max_distance = std::min(max_distance, bounds.upper * (1.0 + 1e-12));
-    if (A.mesh && B.mesh) return meshMesh(A, B, X_AB, max_distance, hulls_meet);
+    if (A.mesh && B.mesh) {
+      return meshMesh(A, B, X_AB, max_distance, hulls_meet ? nullptr : &bounds.hulls.nhat_AB_A);
+    }
     if (A.mesh) return meshConvex(A, B, X_AB, max_distance, hulls_meet);
     const Isometry3d X_BA = X_AB.inverse(Eigen::Isometry);
     return exchanged(meshConvex(B, A, X_BA, max_distance, hulls_meet), X_AB);

@@ -1,6 +1,7 @@
 #include "triangle_tree.h"
 
 #include <algorithm>
+#include <limits>
 #include <numeric>
 
 #include <Eigen/Eigenvalues>
@@ -109,40 +110,53 @@ struct TriangleTree::Builder {
     std::uint32_t begin, end;
   };
 
-  // The root of a patch must be a node. `patched`: it, or a node above it, is the root of a patch.
-  static bool isPatchRoot(const Part& part, bool patched) {
-    return !patched && part.size() <= PATCH_TRIANGLES;
-  }
-
   std::vector<Part> halves(const Part& part) {
     const std::uint32_t cut = split(part.box, part.begin, part.end);
     return {Part(*this, part.begin, cut), Part(*this, cut, part.end)};
   }
 
-  std::vector<Part> quarters(const Part& part, bool patched) {
+  std::vector<Part> quarters(const Part& part, std::uint32_t enough) {
     std::vector<Part> parts;
     for (const Part& half : halves(part)) {
-      const bool whole = half.size() == 1 || isPatchRoot(half, patched);
-      const std::vector<Part> pieces = whole ? std::vector<Part>{half} : halves(half);
+      const std::vector<Part> pieces = half.size() <= enough ? std::vector{half} : halves(half);
       parts.insert(parts.end(), pieces.begin(), pieces.end());
     }
     return parts;
   }
 
-  // `patched`: a node above is the root of a patch.
-  void build(std::uint32_t index, const Part& whole, bool patched) {
+  struct Root {
+    std::uint32_t index;
+    Part part;
+  };
+
+  // Splits down to parts of at most `enough` triangles, which are appended to `ends`.
+  void grow(const Root& root, std::uint32_t enough, std::vector<Root>& ends) {
+    const auto& [index, whole] = root;
     setLane(whole.box, static_cast<int>(index % BOX_LANES), blocks[index / BOX_LANES]);
-    const bool is_patch = isPatchRoot(whole, patched);
-    patched |= is_patch;
-    Node node{whole.box.size(), order[whole.begin], NO_PATCH, 0, !patched};
-    if (is_patch) node.patch = addPatch(whole.begin, whole.end);
-    if (whole.size() > 1) {
-      const std::vector<Part> parts = quarters(whole, patched);
-      node.children = addBlock();
-      node.nb_children = static_cast<std::uint8_t>(parts.size());
-      for (std::uint32_t i = 0; i < parts.size(); ++i) build(node.children + i, parts[i], patched);
+    nodes[index].size = whole.box.size();
+    nodes[index].children = order[whole.begin];
+    if (whole.size() <= enough) {
+      ends.push_back(root);
+      return;
     }
-    nodes[index] = node;
+    const std::vector<Part> parts = quarters(whole, enough);
+    const std::uint32_t first = addBlock();
+    nodes[index].children = first;
+    nodes[index].nb_children = static_cast<std::uint8_t>(parts.size());
+    for (std::uint32_t i = 0; i < parts.size(); ++i) grow({first + i, parts[i]}, enough, ends);
+  }
+
+  // The nodes above the patches come first, so that they are near each other in memory.
+  void build() {
+    const auto nb_triangles = static_cast<std::uint32_t>(mesh.triangles.size());
+    std::vector<Root> patch_roots, leaves;
+    grow({addBlock(), Part(*this, 0, nb_triangles)}, PATCH_TRIANGLES, patch_roots);
+    nb_upper = nodes.size();
+    for (Node& node : nodes) node.above_patches = !node.isLeaf();
+    for (const Root& root : patch_roots) {
+      nodes[root.index].patch = addPatch(root.part.begin, root.part.end);
+      grow(root, 1, leaves);
+    }
   }
 
   std::uint32_t addBlock() {
@@ -161,13 +175,21 @@ struct TriangleTree::Builder {
     std::sort(corners.begin(), corners.end());
     corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
     Patch patch{static_cast<std::uint32_t>(patch_points.size()),
-                static_cast<std::uint32_t>(corners.size()), Vector3d::Zero(), 0.0};
+                static_cast<std::uint32_t>(corners.size()),
+                static_cast<std::uint32_t>(patch_blocks.size()),
+                0,
+                Vector3d::Zero(),
+                0.0};
     const auto count = static_cast<double>(corners.size());
     for (const std::uint32_t vertex : corners) patch.center += corner(vertex) / count;
+    std::vector<Vector3d> points;
     for (const std::uint32_t vertex : corners) {
-      patch_points.push_back(corner(vertex));
+      points.push_back(corner(vertex));
       patch.extent = std::max(patch.extent, (corner(vertex) - patch.center).norm());
     }
+    patch_points.insert(patch_points.end(), points.begin(), points.end());
+    appendBlocks(points, patch_blocks);
+    patch.nb_blocks = static_cast<std::uint32_t>(patch_blocks.size()) - patch.first_block;
     patches.push_back(patch);
     return static_cast<std::uint32_t>(patches.size()) - 1;
   }
@@ -179,16 +201,19 @@ struct TriangleTree::Builder {
   std::vector<BoxBlock> blocks;
   std::vector<Patch> patches;
   std::vector<Vector3d> patch_points;
+  std::vector<PointBlock> patch_blocks;
+  std::size_t nb_upper = 0;
 };
 
 TriangleTree::TriangleTree(const TriangleMesh& mesh) {
   Builder builder(mesh);
-  const auto nb_triangles = static_cast<std::uint32_t>(mesh.triangles.size());
-  builder.build(builder.addBlock(), Builder::Part(builder, 0, nb_triangles), false);
+  builder.build();
   nodes_ = std::move(builder.nodes);
   blocks_ = std::move(builder.blocks);
   patches_ = std::move(builder.patches);
   patch_points_ = std::move(builder.patch_points);
+  patch_blocks_ = std::move(builder.patch_blocks);
+  nb_upper_ = builder.nb_upper;
 }
 
 ConvexCore TriangleTree::patchCore(std::uint32_t index) const {
@@ -197,9 +222,26 @@ ConvexCore TriangleTree::patchCore(std::uint32_t index) const {
   core.kind = ConvexCore::Kind::POINTS;
   core.points = &patch_points_[patch.first_point];
   core.num_points = static_cast<int>(patch.nb_points);
+  core.blocks = &patch_blocks_[patch.first_block];
   core.center = patch.center;
   core.extent = patch.extent;
   return core;
+}
+
+void TriangleTree::reaches(const Vector3d& direction, std::vector<double>& reach) const {
+  reach.assign(nb_upper_, -std::numeric_limits<double>::infinity());
+  for (std::size_t i = nb_upper_; i-- > 0;) {  // children have larger indices than their parents
+    const Node& node = nodes_[i];
+    if (node.isPatch()) {
+      const Patch& patch = patches_[node.patch];
+      reach[i] =
+          furthestInBlocks(&patch_blocks_[patch.first_block], patch.nb_blocks, direction).height;
+    } else {
+      for (std::uint32_t k = 0; k < node.nb_children; ++k) {
+        reach[i] = std::max(reach[i], reach[node.children + k]);
+      }
+    }
+  }
 }
 
 }  // namespace collision_pairs

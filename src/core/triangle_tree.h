@@ -27,11 +27,11 @@ class TriangleTree {
   static constexpr std::uint32_t NO_PATCH = 0xffffffff;
 
   struct Node {
-    double size;             // the largest half extent of its box
-    std::uint32_t children;  // the first of them; of a leaf: the triangle
-    std::uint32_t patch;
-    std::uint8_t nb_children;  // 0: a leaf
-    bool above_patches;
+    double size = 0.0;           // the largest half extent of its box
+    std::uint32_t children = 0;  // the first of them; of a leaf: the triangle
+    std::uint32_t patch = NO_PATCH;
+    std::uint8_t nb_children = 0;  // 0: a leaf
+    bool above_patches = false;
     bool isLeaf() const { return nb_children == 0; }
     bool isPatch() const { return patch != NO_PATCH; }
   };
@@ -52,11 +52,15 @@ class TriangleTree {
   /// The corners of a patch, as a convex shape that refers to them.
   ConvexCore patchCore(std::uint32_t patch) const;
 
+  /// For each node above the patches and each patch, by its index: how far the triangles below it
+  /// reach along the direction. Nodes below patches have larger indices. Cost: about 10 ns a patch.
+  void reaches(const Eigen::Vector3d& direction, std::vector<double>& reach) const;
+
  private:
   struct Builder;
   struct Patch {
-    std::uint32_t first_point;
-    std::uint32_t nb_points;
+    std::uint32_t first_point, nb_points;
+    std::uint32_t first_block, nb_blocks;
     Eigen::Vector3d center;
     double extent;
   };
@@ -64,6 +68,8 @@ class TriangleTree {
   std::vector<BoxBlock> blocks_;  // the boxes of the nodes
   std::vector<Patch> patches_;
   std::vector<Eigen::Vector3d> patch_points_;
+  std::vector<PointBlock> patch_blocks_;  // the same points
+  std::size_t nb_upper_ = 0;              // nodes above the patches, and patches: they come first
 };
 
 }  // namespace collision_pairs

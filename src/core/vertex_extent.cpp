@@ -1,6 +1,6 @@
 #include "vertex_extent.h"
 
-#include <algorithm>
+#include "furthest_point.h"
 
 namespace collision_pairs {
 
@@ -21,14 +21,8 @@ ExtentLoop bestLoop() {
 
 }  // namespace
 
-PackedPoints::PackedPoints(const std::vector<Eigen::Vector3d>& points)
-    : blocks_((points.size() + POINT_LANES - 1) / POINT_LANES) {
-  for (std::size_t i = 0; i < blocks_.size() * POINT_LANES; ++i) {
-    const Eigen::Vector3d& point = points[std::min(i, points.size() - 1)];
-    for (int axis = 0; axis < 3; ++axis) {
-      blocks_[i / POINT_LANES].xyz[axis][i % POINT_LANES] = point[axis];
-    }
-  }
+PackedPoints::PackedPoints(const std::vector<Eigen::Vector3d>& points) {
+  appendBlocks(points, blocks_);
 }
 
 void PackedPoints::extent(const Eigen::Matrix3d& R, Eigen::Vector3d& lower,

@@ -3,13 +3,9 @@
 // in a shared function.
 #pragma once
 
+#include "point_block.h"
+
 namespace collision_pairs {
-
-constexpr int POINT_LANES = 4;
-
-struct alignas(POINT_LANES * sizeof(double)) PointBlock {
-  double xyz[3][POINT_LANES];
-};
 
 /// R is column-major. `count` is at least 1.
 using ExtentLoop = void (*)(const PointBlock* blocks, unsigned long count, const double* R,
