@@ -44,7 +44,7 @@ void improveByConvex(const Triangle& t, const ConvexCore& B, const Isometry3d& X
     gap.p_ACb =
         distance > 0.0 ? Vector3d(center - B.radius / distance * (center - closest)) : center;
   } else {
-    const PairDistance found = convexGap(triangleCore(t), B, X_AB, gap.distance);
+    const PairDistance found = convexGap(cornersCore(t.v), B, X_AB, gap.distance);
     if (found.certainty == Certainty::BEYOND || found.distance >= gap.distance) return;
     gap.distance = found.distance;
     gap.p_ACa = found.p_ACa;
@@ -59,25 +59,58 @@ double roundingOf(const ConvexCore& a, const ConvexCore& b) {
   return PATCH_ROUNDING * (a.extent + a.center.norm() + b.extent + b.center.norm() + b.radius);
 }
 
-// Two patches by their hulls. True if that settles them: too far apart to matter, or the hulls'
-// closest points are points of both surfaces.
-bool comparePatches(const PreparedMesh& A, std::uint32_t a, const PreparedMesh& B, std::uint32_t b,
-                    const Isometry3d& X_AB, ClosestPoints& best, SurfaceGap& gap) {
-  const ConvexCore core_a = A.tree.patchCore(A.tree.node(a).patch);
-  const ConvexCore core_b = B.tree.patchCore(B.tree.node(b).patch);
+// A patch by the corners of it, a triangle by its own; `corners` holds these.
+ConvexCore pieceCore(const PreparedMesh& mesh, const TriangleTree::Node& node, Corners& corners) {
+  if (node.isPatch()) return mesh.tree.patchCore(node.patch);
+  const auto& t = mesh.triangles->triangles[node.children];
+  for (int k = 0; k < 3; ++k) corners[k] = mesh.triangles->vertices[t[k]];
+  return cornersCore(corners);
+}
+
+// What is known of two patches, or of a triangle and a patch, by their hulls.
+enum class Compared {
+  SETTLED,     // too far apart to matter, or the hulls' closest points are on both surfaces
+  NOT_ON_A,    // the closest point of A's hull is not on its surface
+  NOT_ON_B,    // that of B's is not
+  HULLS_TOUCH  // or nearly
+};
+
+Compared comparePieces(const PreparedMesh& A, std::uint32_t a, const PreparedMesh& B,
+                       std::uint32_t b, const Isometry3d& X_AB, const Isometry3d& X_BA,
+                       ClosestPoints& best, SurfaceGap& gap) {
+  Corners corners_a, corners_b;
+  const ConvexCore core_a = pieceCore(A, A.tree.node(a), corners_a);
+  const ConvexCore core_b = pieceCore(B, B.tree.node(b), corners_b);
   const PairDistance hulls = convexGap(core_a, core_b, X_AB, std::sqrt(best.squared));
-  if (hulls.certainty == Certainty::BEYOND) return true;
+  if (hulls.certainty == Certainty::BEYOND) return Compared::SETTLED;
   const double rounding = roundingOf(core_a, core_b);
-  if (hulls.certainty != Certainty::EXACT || hulls.distance <= rounding) return false;
-  if (!isOnMesh(A, a, hulls.p_ACa, rounding)) return false;
-  if (!isOnMesh(B, b, X_AB.inverse(Eigen::Isometry) * hulls.p_ACb, rounding)) return false;
-  if (square(hulls.distance) >= best.squared) return true;
+  if (hulls.certainty != Certainty::EXACT || hulls.distance <= rounding) {
+    return Compared::HULLS_TOUCH;
+  }
+  if (!isOnMesh(A, a, hulls.p_ACa, rounding)) return Compared::NOT_ON_A;
+  if (!isOnMesh(B, b, X_BA * hulls.p_ACb, rounding)) return Compared::NOT_ON_B;
+  if (square(hulls.distance) >= best.squared) return Compared::SETTLED;
   best = {square(hulls.distance), hulls.p_ACa, hulls.p_ACb};
   gap.beyond = false;
   gap.by_hulls = true;
   gap.nhat_AB_A = hulls.nhat_AB_A;
-  return true;
+  return Compared::SETTLED;
 }
+
+// Which of two nodes to split that are not both leaves: down to the patches on both sides first,
+// for between two patches their hulls may decide; then the one whose hull is not its surface, down
+// to its triangles, while the other one's hull may still be; else the larger.
+bool splitsA(const TriangleTree::Node& a, const TriangleTree::Node& b, bool by_patches,
+             Compared compared) {
+  if (a.isLeaf() || b.isLeaf()) return b.isLeaf();
+  if (by_patches && a.above_patches != b.above_patches) return a.above_patches;
+  if (compared == Compared::NOT_ON_A) return true;
+  if (compared == Compared::NOT_ON_B) return false;
+  if (by_patches && a.isPatch() != b.isPatch()) return b.isPatch();
+  return a.size >= b.size;
+}
+
+bool isPiece(const TriangleTree::Node& node) { return node.isPatch() || node.isLeaf(); }
 
 // Where contact is all that is of interest, boxes that overlap are split until triangles meet:
 // the hulls of patches would say little.
@@ -111,13 +144,13 @@ Triangle triangleOf(const TriangleMesh& mesh, std::uint32_t index) {
   return {mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]};
 }
 
-ConvexCore triangleCore(const Triangle& t) {
+ConvexCore cornersCore(const Corners& corners) {
   ConvexCore core;
   core.kind = ConvexCore::Kind::POINTS;
-  core.points = t.v.data();
+  core.points = corners.data();
   core.num_points = 3;
-  core.center = (t.v[0] + t.v[1] + t.v[2]) / 3.0;
-  for (const Vector3d& v : t.v) core.extent = std::max(core.extent, (v - core.center).norm());
+  core.center = (corners[0] + corners[1] + corners[2]) / 3.0;
+  for (const Vector3d& v : corners) core.extent = std::max(core.extent, (v - core.center).norm());
   return core;
 }
 
@@ -172,14 +205,12 @@ SurfaceGap MeshQuery::meshMesh(const PreparedMesh& A, const PreparedMesh& B, con
       if (best.squared <= square(meet)) break;
       continue;
     }
-    if (by_patches && a.isPatch() && b.isPatch() &&
-        comparePatches(A, entry.a, B, entry.b, X_AB, best, gap)) {
-      continue;
+    Compared compared = Compared::HULLS_TOUCH;
+    if (by_patches && isPiece(a) && isPiece(b)) {
+      compared = comparePieces(A, entry.a, B, entry.b, X_AB, X_BA, best, gap);
+      if (compared == Compared::SETTLED) continue;
     }
-    // Down to the patches on both sides first: between two patches their hulls may decide.
-    const bool split_a = by_patches && a.above_patches != b.above_patches
-                             ? a.above_patches
-                             : !a.isLeaf() && (b.isLeaf() || a.size >= b.size);
+    const bool split_a = splitsA(a, b, by_patches, compared);
     const FourGaps gaps =
         split_a ? squaredBoxGaps(A.tree.childBoxes(a), B.tree.box(entry.b).movedBy(X_AB))
                 : squaredBoxGaps(B.tree.childBoxes(b), A.tree.box(entry.a).movedBy(X_BA));

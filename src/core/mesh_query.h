@@ -2,6 +2,7 @@
 // trees of oriented boxes, insides by winding numbers.
 #pragma once
 
+#include <array>
 #include <limits>
 #include <vector>
 
@@ -54,8 +55,9 @@ class MeshQuery {
   std::vector<Entry> stack_;
 };
 
-/// The triangle with that index, and a triangle as a convex shape (refers to its corners).
+/// The triangle with that index, and a triangle as a convex shape that refers to its corners.
 Triangle triangleOf(const TriangleMesh& mesh, std::uint32_t index);
-ConvexCore triangleCore(const Triangle& triangle);
+using Corners = std::array<Eigen::Vector3d, 3>;
+ConvexCore cornersCore(const Corners& corners);
 
 }  // namespace collision_pairs

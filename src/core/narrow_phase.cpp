@@ -179,7 +179,7 @@ struct NarrowPhase::Scratch {
     PairDistance result;
     const Triangle a = triangleOf(*A.mesh->triangles, gap.triangle_a);
     const Triangle b = triangleOf(*B.mesh->triangles, gap.triangle_b);
-    setNormal(gap, triangleCore(a), triangleCore(b), X_AB, result);
+    setNormal(gap, cornersCore(a.v), cornersCore(b.v), X_AB, result);
     return result;
   }
 
@@ -194,7 +194,7 @@ struct NarrowPhase::Scratch {
     if (gap.beyond || gap.by_hulls) return withoutTriangles(gap);
     PairDistance result;
     const Triangle a = triangleOf(*A.mesh->triangles, gap.triangle_a);
-    setNormal(gap, triangleCore(a), B.core, X_AB, result);
+    setNormal(gap, cornersCore(a.v), B.core, X_AB, result);
     return result;
   }
 
