@@ -39,8 +39,9 @@ TEST(FurthestPoint, AlongNoDirectionIsStillAPoint) {
   std::vector<PointBlock> blocks;
   appendBlocks({Vector3d(1, 2, 3), Vector3d(4, 5, 6)}, blocks);
   const Vector3d nan = Vector3d::Constant(std::nan(""));
-  EXPECT_LT(furthestInBlocks(blocks.data(), blocks.size(), nan).index, 4U);
-  EXPECT_LT(furthestInBlocks(blocks.data(), blocks.size(), Vector3d::Zero()).index, 4U);
+  EXPECT_LT(furthestInBlocks(blocks.data(), blocks.size(), nan).index, std::size_t{POINT_LANES});
+  EXPECT_LT(furthestInBlocks(blocks.data(), blocks.size(), Vector3d::Zero()).index,
+            std::size_t{POINT_LANES});
 }
 
 }  // namespace

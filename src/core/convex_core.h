@@ -63,7 +63,9 @@ int climb(const ConvexPoints& hull, const Vec3<T>& d, int best) {
     for (std::uint32_t k = hull.first_neighbour[from]; k < end; ++k) {
       const int i = static_cast<int>(hull.neighbours[k]);
       const T dot = along(i);
-      if (dot > best_dot) best = i, best_dot = dot;
+      const bool further = dot > best_dot;  // as selections: branches would be guessed wrong
+      best = further ? i : best;
+      best_dot = further ? dot : best_dot;
     }
   }
   return best;

@@ -12,7 +12,7 @@ extern "C" {
 namespace collision_pairs {
 namespace {
 
-// Looking at all vertices, four at a time, is as fast as climbing up to about this many.
+// Looking at all vertices, some at a time, is as fast as climbing up to about this many.
 constexpr std::size_t CLIMB_ABOVE = 48;
 
 bool lexicographicallyLess(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {

@@ -33,10 +33,12 @@ unsigned long furthestPointLoop(const PointBlock* blocks, unsigned long count,
     }
   }
   int lane = 0;
-  for (int other = 1; other < WIDTH; ++other) {
-    if (best[other] > best[lane]) lane = other;
+  double most = best[0];
+  for (int other = 1; other < WIDTH; ++other) {  // as selections: branches would be guessed wrong
+    lane = best[other] > most ? other : lane;
+    most = best[other] > most ? best[other] : most;
   }
-  *height = best[lane];
+  *height = most;
   return static_cast<unsigned long>(found[lane]) * WIDTH + static_cast<unsigned long>(lane);
 }
 

@@ -4,7 +4,7 @@
 
 namespace collision_pairs {
 
-constexpr int POINT_LANES = 4;
+constexpr int POINT_LANES = 8;  // of the widest processors: a block fits all
 
 struct alignas(POINT_LANES * sizeof(double)) PointBlock {
   double xyz[3][POINT_LANES];
