@@ -30,6 +30,7 @@ add_library(collision_pairs SHARED
   src/core/robot_model.cpp
   src/core/scene_element.cpp
   src/core/shape.cpp
+  src/core/solid_angle.cpp
   src/core/srdf.cpp
   src/core/static_boxes.cpp
   src/core/static_tree.cpp

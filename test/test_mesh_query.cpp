@@ -196,6 +196,30 @@ TEST(MeshQuery, DistanceOfMeshesIsThatOfTheirClosestTriangles) {
   }
 }
 
+TEST(MeshQuery, SurfacesMeetWhereTwoOfTheirTrianglesDo) {
+  RandomInputs random;
+  const TriangleMesh m = bumpyBall(8, 0.2), n = LShape().mesh();
+  const auto M = prepareShape(meshShape(m)), N = prepareShape(meshShape(n));
+  const PreparedMesh& A = *static_cast<const Prepared&>(*M).mesh;
+  const PreparedMesh& B = *static_cast<const Prepared&>(*N).mesh;
+  MeshQuery query;
+  int met = 0;
+  for (int i = 0; i < 300; ++i) {
+    const Isometry3d X = random.pose(0.25);
+    ClosestPoints best{INF};
+    for (std::uint32_t s = 0; s < m.triangles.size(); ++s) {
+      for (std::uint32_t t = 0; t < n.triangles.size(); ++t) {
+        const Triangle u = triangleOf(n, t);
+        improveByTriangles(triangleOf(m, s), Triangle(X * u.v[0], X * u.v[1], X * u.v[2]), best);
+      }
+    }
+    ASSERT_EQ(query.surfacesMeet(A, B, X), best.squared == 0.0) << i;
+    met += best.squared == 0.0;
+  }
+  EXPECT_GT(met, 50);
+  EXPECT_LT(met, 250);
+}
+
 TEST(MeshQuery, FclAndOurOwnTreeGiveTheSameVerdicts) {
   RandomInputs random;
   NarrowPhase by_fcl, by_own_tree;

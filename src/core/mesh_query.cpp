@@ -223,6 +223,49 @@ SurfaceGap MeshQuery::meshMesh(const PreparedMesh& A, const PreparedMesh& B, con
   return gap;
 }
 
+// Children are written to the stack whether they overlap or not, and kept by moving its end: a
+// branch for each would be guessed wrong half of the time.
+void MeshQuery::pushOverlaps(const NodePair& parent, bool of_a, const TriangleTree::Node& split,
+                             const FourGaps& gaps, double limit) {
+  if (overlaps_.size() < nb_overlaps_ + BOX_LANES) overlaps_.resize(2 * overlaps_.size() + 64);
+  for (std::uint32_t i = 0; i < BOX_LANES; ++i) {
+    NodePair& place = overlaps_[nb_overlaps_];
+    place.a = of_a ? split.children + i : parent.a;
+    place.b = of_a ? parent.b : split.children + i;
+    nb_overlaps_ += static_cast<std::size_t>((i < split.nb_children) & (gaps.of[i] <= limit));
+  }
+}
+
+// Boxes that overlap say nothing about which of them hold triangles that meet, so they are not put
+// in order, nor are hulls asked.
+bool MeshQuery::surfacesMeet(const PreparedMesh& A, const PreparedMesh& B, const Isometry3d& X_AB) {
+  const Isometry3d X_BA = X_AB.inverse(Eigen::Isometry);
+  const OrientedBox box_a = A.tree.box(0), box_b = B.tree.box(0);
+  if (squaredBoxGap(box_a, box_b.movedBy(X_AB)) > 0.0) return false;
+  const double limit = square(MEET_TOLERANCE * magnitude(box_a, box_b, X_AB));
+  ClosestPoints best{limit * (1.0 + 1e-15)};
+  overlaps_.resize(std::max<std::size_t>(overlaps_.size(), 1));
+  overlaps_[0] = {0, 0};
+  nb_overlaps_ = 1;
+  while (nb_overlaps_ > 0) {
+    const NodePair pair = overlaps_[--nb_overlaps_];
+    const TriangleTree::Node& a = A.tree.node(pair.a);
+    const TriangleTree::Node& b = B.tree.node(pair.b);
+    if (a.isLeaf() && b.isLeaf()) {
+      const Triangle t = triangleOf(*A.triangles, a.children);
+      const Triangle u = moved(triangleOf(*B.triangles, b.children), X_AB);
+      if (improveByTriangles(t, u, best)) return true;
+      continue;
+    }
+    const bool split_a = !a.isLeaf() && (b.isLeaf() || a.size >= b.size);
+    const FourGaps gaps =
+        split_a ? squaredBoxGaps(A.tree.childBoxes(a), B.tree.box(pair.b).movedBy(X_AB))
+                : squaredBoxGaps(B.tree.childBoxes(b), A.tree.box(pair.a).movedBy(X_BA));
+    pushOverlaps(pair, split_a, split_a ? a : b, gaps, limit);
+  }
+  return false;
+}
+
 SurfaceGap MeshQuery::meshConvex(const PreparedMesh& A, const Prepared& B, const Isometry3d& X_AB,
                                  double max_distance) {
   const OrientedBox box_a = A.tree.box(0), box_b = B.box.movedBy(X_AB);

@@ -33,6 +33,10 @@ class MeshQuery {
   SurfaceGap meshMesh(const PreparedMesh& A, const PreparedMesh& B, const Eigen::Isometry3d& X_AB,
                       double max_distance, const Eigen::Vector3d* nhat_AB_A = nullptr);
 
+  /// Do the surfaces of two meshes meet? Cost: O(log n) where their boxes miss each other or the
+  /// first triangles tried meet, up to O(n) for surfaces that nest.
+  bool surfacesMeet(const PreparedMesh& A, const PreparedMesh& B, const Eigen::Isometry3d& X_AB);
+
   /// Distance of the surface of mesh A and the solid B. Stops at the first triangle that meets B.
   SurfaceGap meshConvex(const PreparedMesh& A, const Prepared& B, const Eigen::Isometry3d& X_AB,
                         double max_distance);
@@ -53,6 +57,15 @@ class MeshQuery {
 
   SlabBounds slabs_;
   std::vector<Entry> stack_;
+
+  struct NodePair {
+    std::uint32_t a, b;
+  };
+  void pushOverlaps(const NodePair& parent, bool of_a, const TriangleTree::Node& split,
+                    const FourGaps& gaps, double limit);
+
+  std::vector<NodePair> overlaps_;
+  std::size_t nb_overlaps_ = 0;
 };
 
 /// The triangle with that index, and a triangle as a convex shape that refers to its corners.

@@ -101,7 +101,7 @@ struct NarrowPhase::Scratch {
       const auto index = static_cast<std::uint32_t>(answer.triangle_a);
       if (improveByTriangles(triangleOf(*A.triangles, index), t, best)) return true;
     }
-    return !query.meshMesh(A, B, X_AB, 0.0).beyond;
+    return query.surfacesMeet(A, B, X_AB);
   }
 
   bool touches(const Prepared& A, const Prepared& B, const Isometry3d& X_AB, PairDistance& result) {
@@ -163,7 +163,7 @@ struct NarrowPhase::Scratch {
                         double max_distance, const Vector3d* nhat_AB_A) {
     const bool hulls_meet = nhat_AB_A == nullptr;
     // Contact first: it is found by splitting boxes, much sooner than by measuring.
-    if (hulls_meet && !query.meshMesh(*A.mesh, *B.mesh, X_AB, 0.0).beyond) {
+    if (hulls_meet && query.surfacesMeet(*A.mesh, *B.mesh, X_AB)) {
       return hullDepth(A, B, X_AB);
     }
     const SurfaceGap gap = query.meshMesh(*A.mesh, *B.mesh, X_AB, max_distance, nhat_AB_A);
