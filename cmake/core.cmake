@@ -9,6 +9,7 @@ add_library(collision_pairs SHARED
   src/core/collision_report.cpp
   src/core/collision_scene.cpp
   src/core/column_sweep.cpp
+  src/core/contact_search.cpp
   src/core/convex_distance.cpp
   src/core/convex_hull.cpp
   src/core/enclosure.cpp
@@ -18,6 +19,7 @@ add_library(collision_pairs SHARED
   src/core/hull_bounds.cpp
   src/core/in_parallel.cpp
   src/core/mesh_bounds.cpp
+  src/core/mesh_insides.cpp
   src/core/mesh_query.cpp
   src/core/mesh_solid.cpp
   src/core/narrow_phase.cpp
@@ -25,6 +27,7 @@ add_library(collision_pairs SHARED
   src/core/pair_filter.cpp
   src/core/pair_ladder.cpp
   src/core/pair_sort.cpp
+  src/core/patch_hulls.cpp
   src/core/prepared_shape.cpp
   src/core/replay.cpp
   src/core/robot_model.cpp

@@ -2,6 +2,7 @@
 #include <CGAL/Triangle_3.h>
 #include <gtest/gtest.h>
 
+#include "contact_search.h"
 #include "mesh_query.h"
 #include "mesh_solid.h"
 #include "random_inputs.h"
@@ -63,6 +64,25 @@ TEST(TriangleDistance, TrianglesWithoutAreaAreSegmentsAndPoints) {
   ClosestPoints best{INF};
   ASSERT_TRUE(improveByTriangles(segment, point, best));
   EXPECT_DOUBLE_EQ(best.squared, 17.0);
+}
+
+TEST(TriangleDistance, APlaneKeepsApartOnlyWhatIsApart) {
+  RandomInputs random;
+  int apart = 0;
+  for (int i = 0; i < 20000; ++i) {
+    Corners a, b;
+    for (Corners* t : {&a, &b}) {  // a small grid: many touch, lie in a plane or have no area
+      for (Vector3d& v : *t)
+        v = Vector3d(random.integer(0, 4), random.integer(0, 4), random.integer(0, 2));
+    }
+    const double limit = random.integer(0, 3);
+    if (!planeKeepsApart(a, b, limit)) continue;
+    ClosestPoints best{INF};
+    improveByTriangles(Triangle(a), Triangle(b), best);
+    ASSERT_GT(best.squared, limit) << i;
+    ++apart;
+  }
+  EXPECT_GT(apart, 1000);
 }
 
 TEST(MeshSolid, AHalfTurnedInsideOutMeshStillHoldsItsInside) {
@@ -202,7 +222,7 @@ TEST(MeshQuery, SurfacesMeetWhereTwoOfTheirTrianglesDo) {
   const auto M = prepareShape(meshShape(m)), N = prepareShape(meshShape(n));
   const PreparedMesh& A = *static_cast<const Prepared&>(*M).mesh;
   const PreparedMesh& B = *static_cast<const Prepared&>(*N).mesh;
-  MeshQuery query;
+  ContactSearch search;
   int met = 0;
   for (int i = 0; i < 300; ++i) {
     const Isometry3d X = random.pose(0.25);
@@ -213,7 +233,7 @@ TEST(MeshQuery, SurfacesMeetWhereTwoOfTheirTrianglesDo) {
         improveByTriangles(triangleOf(m, s), Triangle(X * u.v[0], X * u.v[1], X * u.v[2]), best);
       }
     }
-    ASSERT_EQ(query.surfacesMeet(A, B, X), best.squared == 0.0) << i;
+    ASSERT_EQ(search.surfacesMeet(A, B, X), best.squared == 0.0) << i;
     met += best.squared == 0.0;
   }
   EXPECT_GT(met, 50);

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "mesh_query.h"
+#include "patch_hulls.h"
 
 namespace collision_pairs {
 namespace {

@@ -32,4 +32,7 @@ HullBounds boundsFromHulls(const Prepared& A, const Prepared& B, const Eigen::Is
 /// Do even the hulls miss each other?
 bool hullsMiss(const Prepared& A, const Prepared& B, const Eigen::Isometry3d& X_AB);
 
+/// Is the point outside of the hull for certain?
+bool hullMisses(const Prepared& A, const Eigen::Vector3d& p_AQ);
+
 }  // namespace collision_pairs

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "closest_on_mesh.h"
+#include "contact_search.h"
 #include "convex_distance.h"
 
 namespace collision_pairs {
@@ -13,23 +13,7 @@ using Eigen::Isometry3d;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-// Surfaces this close, relative to the coordinates they were computed from, meet: what is left is
-// rounding.
-constexpr double MEET_TOLERANCE = 4e-16;
-
-// Closest points of hulls this close to a surface, relative to the coordinates, are on it.
-constexpr double PATCH_ROUNDING = 64.0 * std::numeric_limits<double>::epsilon();
-
 double square(double x) { return x * x; }
-
-Triangle moved(const Triangle& t, const Isometry3d& X) {
-  return {X * t.v[0], X * t.v[1], X * t.v[2]};
-}
-
-double magnitude(const OrientedBox& a, const OrientedBox& b, const Isometry3d& X_AB) {
-  return a.center.cwiseAbs().maxCoeff() + a.size() + b.center.cwiseAbs().maxCoeff() + b.size() +
-         X_AB.translation().cwiseAbs().maxCoeff();
-}
 
 // Improves `gap` by one triangle of A against the solid B.
 void improveByConvex(const Triangle& t, const ConvexCore& B, const Isometry3d& X_AB,
@@ -55,57 +39,15 @@ void improveByConvex(const Triangle& t, const ConvexCore& B, const Isometry3d& X
   gap.by_hulls = false;
 }
 
-double roundingOf(const ConvexCore& a, const ConvexCore& b) {
-  return PATCH_ROUNDING * (a.extent + a.center.norm() + b.extent + b.center.norm() + b.radius);
-}
-
-// A patch by the corners of it, a triangle by its own; `corners` holds these.
-ConvexCore pieceCore(const PreparedMesh& mesh, const TriangleTree::Node& node, Corners& corners) {
-  if (node.isPatch()) return mesh.tree.patchCore(node.patch);
-  const auto& t = mesh.triangles->triangles[node.children];
-  for (int k = 0; k < 3; ++k) corners[k] = mesh.triangles->vertices[t[k]];
-  return cornersCore(corners);
-}
-
-// What is known of two patches, or of a triangle and a patch, by their hulls.
-enum class Compared {
-  SETTLED,     // too far apart to matter, or the hulls' closest points are on both surfaces
-  NOT_ON_A,    // the closest point of A's hull is not on its surface
-  NOT_ON_B,    // that of B's is not
-  HULLS_TOUCH  // or nearly
-};
-
-Compared comparePieces(const PreparedMesh& A, std::uint32_t a, const PreparedMesh& B,
-                       std::uint32_t b, const Isometry3d& X_AB, const Isometry3d& X_BA,
-                       ClosestPoints& best, SurfaceGap& gap) {
-  Corners corners_a, corners_b;
-  const ConvexCore core_a = pieceCore(A, A.tree.node(a), corners_a);
-  const ConvexCore core_b = pieceCore(B, B.tree.node(b), corners_b);
-  const PairDistance hulls = convexGap(core_a, core_b, X_AB, std::sqrt(best.squared));
-  if (hulls.certainty == Certainty::BEYOND) return Compared::SETTLED;
-  const double rounding = roundingOf(core_a, core_b);
-  if (hulls.certainty != Certainty::EXACT || hulls.distance <= rounding) {
-    return Compared::HULLS_TOUCH;
-  }
-  if (!isOnMesh(A, a, hulls.p_ACa, rounding)) return Compared::NOT_ON_A;
-  if (!isOnMesh(B, b, X_BA * hulls.p_ACb, rounding)) return Compared::NOT_ON_B;
-  if (square(hulls.distance) >= best.squared) return Compared::SETTLED;
-  best = {square(hulls.distance), hulls.p_ACa, hulls.p_ACb};
-  gap.beyond = false;
-  gap.by_hulls = true;
-  gap.nhat_AB_A = hulls.nhat_AB_A;
-  return Compared::SETTLED;
-}
-
 // Which of two nodes to split that are not both leaves: down to the patches on both sides first,
 // for between two patches their hulls may decide; then the one whose hull is not its surface, down
 // to its triangles, while the other one's hull may still be; else the larger.
 bool splitsA(const TriangleTree::Node& a, const TriangleTree::Node& b, bool by_patches,
-             Compared compared) {
+             PatchOutcome outcome) {
   if (a.isLeaf() || b.isLeaf()) return b.isLeaf();
   if (by_patches && a.above_patches != b.above_patches) return a.above_patches;
-  if (compared == Compared::NOT_ON_A) return true;
-  if (compared == Compared::NOT_ON_B) return false;
+  if (outcome == PatchOutcome::NOT_ON_A) return true;
+  if (outcome == PatchOutcome::NOT_ON_B) return false;
   if (by_patches && a.isPatch() != b.isPatch()) return b.isPatch();
   return a.size >= b.size;
 }
@@ -118,41 +60,7 @@ bool worthHulls(const OrientedBox& a, const OrientedBox& b, double max_distance)
   return max_distance > 0.01 * std::min(a.size(), b.size());
 }
 
-// The same for a patch and a convex solid.
-bool comparePatch(const PreparedMesh& A, std::uint32_t a, const ConvexCore& B,
-                  const Isometry3d& X_AB, SurfaceGap& gap) {
-  const ConvexCore core = A.tree.patchCore(A.tree.node(a).patch);
-  const PairDistance hulls = convexGap(core, B, X_AB, gap.distance);
-  if (hulls.certainty == Certainty::BEYOND) return true;
-  const double rounding = roundingOf(core, B);
-  if (hulls.certainty != Certainty::EXACT || hulls.distance <= rounding) return false;
-  if (!isOnMesh(A, a, hulls.p_ACa, rounding)) return false;
-  if (hulls.distance >= gap.distance) return true;
-  gap.distance = hulls.distance;
-  gap.p_ACa = hulls.p_ACa;
-  gap.p_ACb = hulls.p_ACb;
-  gap.nhat_AB_A = hulls.nhat_AB_A;
-  gap.beyond = false;
-  gap.by_hulls = true;
-  return true;
-}
-
 }  // namespace
-
-Triangle triangleOf(const TriangleMesh& mesh, std::uint32_t index) {
-  const auto& t = mesh.triangles[index];
-  return {mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]};
-}
-
-ConvexCore cornersCore(const Corners& corners) {
-  ConvexCore core;
-  core.kind = ConvexCore::Kind::POINTS;
-  core.points = corners.data();
-  core.num_points = 3;
-  core.center = (corners[0] + corners[1] + corners[2]) / 3.0;
-  for (const Vector3d& v : corners) core.extent = std::max(core.extent, (v - core.center).norm());
-  return core;
-}
 
 void MeshQuery::pushNearestLast(const Entry& parent, bool of_a, const TriangleTree::Node& split,
                                 const FourGaps& gaps, double limit) {
@@ -176,7 +84,7 @@ SurfaceGap MeshQuery::meshMesh(const PreparedMesh& A, const PreparedMesh& B, con
                                double max_distance, const Vector3d* nhat_AB_A) {
   const Isometry3d X_BA = X_AB.inverse(Eigen::Isometry);
   const OrientedBox box_a = A.tree.box(0), box_b = B.tree.box(0);
-  const double meet = MEET_TOLERANCE * magnitude(box_a, box_b, X_AB);
+  const double meet = meetDistance(box_a, box_b, X_AB);
   SurfaceGap gap;
   gap.distance = std::sqrt(squaredBoxGap(box_a, box_b.movedBy(X_AB)));
   if (gap.distance > max_distance) return gap;
@@ -196,7 +104,7 @@ SurfaceGap MeshQuery::meshMesh(const PreparedMesh& A, const PreparedMesh& B, con
     const TriangleTree::Node& b = B.tree.node(entry.b);
     if (a.isLeaf() && b.isLeaf()) {
       const Triangle t = triangleOf(*A.triangles, a.children);
-      const Triangle u = moved(triangleOf(*B.triangles, b.children), X_AB);
+      const Triangle u(moved(cornersOf(*B.triangles, b.children), X_AB));
       if (!improveByTriangles(t, u, best)) continue;
       gap.beyond = false;
       gap.by_hulls = false;
@@ -205,12 +113,12 @@ SurfaceGap MeshQuery::meshMesh(const PreparedMesh& A, const PreparedMesh& B, con
       if (best.squared <= square(meet)) break;
       continue;
     }
-    Compared compared = Compared::HULLS_TOUCH;
+    PatchOutcome outcome = PatchOutcome::HULLS_TOUCH;
     if (by_patches && isPiece(a) && isPiece(b)) {
-      compared = comparePieces(A, entry.a, B, entry.b, X_AB, X_BA, best, gap);
-      if (compared == Compared::SETTLED) continue;
+      outcome = comparePatches(A, entry.a, B, entry.b, X_AB, X_BA, best, gap);
+      if (outcome == PatchOutcome::SETTLED) continue;
     }
-    const bool split_a = splitsA(a, b, by_patches, compared);
+    const bool split_a = splitsA(a, b, by_patches, outcome);
     const FourGaps gaps =
         split_a ? squaredBoxGaps(A.tree.childBoxes(a), B.tree.box(entry.b).movedBy(X_AB))
                 : squaredBoxGaps(B.tree.childBoxes(b), A.tree.box(entry.a).movedBy(X_BA));
@@ -223,53 +131,10 @@ SurfaceGap MeshQuery::meshMesh(const PreparedMesh& A, const PreparedMesh& B, con
   return gap;
 }
 
-// Children are written to the stack whether they overlap or not, and kept by moving its end: a
-// branch for each would be guessed wrong half of the time.
-void MeshQuery::pushOverlaps(const NodePair& parent, bool of_a, const TriangleTree::Node& split,
-                             const FourGaps& gaps, double limit) {
-  if (overlaps_.size() < nb_overlaps_ + BOX_LANES) overlaps_.resize(2 * overlaps_.size() + 64);
-  for (std::uint32_t i = 0; i < BOX_LANES; ++i) {
-    NodePair& place = overlaps_[nb_overlaps_];
-    place.a = of_a ? split.children + i : parent.a;
-    place.b = of_a ? parent.b : split.children + i;
-    nb_overlaps_ += static_cast<std::size_t>((i < split.nb_children) & (gaps.of[i] <= limit));
-  }
-}
-
-// Boxes that overlap say nothing about which of them hold triangles that meet, so they are not put
-// in order, nor are hulls asked.
-bool MeshQuery::surfacesMeet(const PreparedMesh& A, const PreparedMesh& B, const Isometry3d& X_AB) {
-  const Isometry3d X_BA = X_AB.inverse(Eigen::Isometry);
-  const OrientedBox box_a = A.tree.box(0), box_b = B.tree.box(0);
-  if (squaredBoxGap(box_a, box_b.movedBy(X_AB)) > 0.0) return false;
-  const double limit = square(MEET_TOLERANCE * magnitude(box_a, box_b, X_AB));
-  ClosestPoints best{limit * (1.0 + 1e-15)};
-  overlaps_.resize(std::max<std::size_t>(overlaps_.size(), 1));
-  overlaps_[0] = {0, 0};
-  nb_overlaps_ = 1;
-  while (nb_overlaps_ > 0) {
-    const NodePair pair = overlaps_[--nb_overlaps_];
-    const TriangleTree::Node& a = A.tree.node(pair.a);
-    const TriangleTree::Node& b = B.tree.node(pair.b);
-    if (a.isLeaf() && b.isLeaf()) {
-      const Triangle t = triangleOf(*A.triangles, a.children);
-      const Triangle u = moved(triangleOf(*B.triangles, b.children), X_AB);
-      if (improveByTriangles(t, u, best)) return true;
-      continue;
-    }
-    const bool split_a = !a.isLeaf() && (b.isLeaf() || a.size >= b.size);
-    const FourGaps gaps =
-        split_a ? squaredBoxGaps(A.tree.childBoxes(a), B.tree.box(pair.b).movedBy(X_AB))
-                : squaredBoxGaps(B.tree.childBoxes(b), A.tree.box(pair.a).movedBy(X_BA));
-    pushOverlaps(pair, split_a, split_a ? a : b, gaps, limit);
-  }
-  return false;
-}
-
 SurfaceGap MeshQuery::meshConvex(const PreparedMesh& A, const Prepared& B, const Isometry3d& X_AB,
                                  double max_distance) {
   const OrientedBox box_a = A.tree.box(0), box_b = B.box.movedBy(X_AB);
-  const double meet = MEET_TOLERANCE * magnitude(box_a, B.box, X_AB);
+  const double meet = meetDistance(box_a, B.box, X_AB);
   SurfaceGap gap;
   gap.distance = std::sqrt(squaredBoxGap(box_a, box_b));
   if (gap.distance > max_distance) return gap;
@@ -288,7 +153,10 @@ SurfaceGap MeshQuery::meshConvex(const PreparedMesh& A, const Prepared& B, const
       if (!gap.beyond && gap.distance <= meet) break;
       continue;
     }
-    if (by_patches && a.isPatch() && comparePatch(A, entry.a, B.core, X_AB, gap)) continue;
+    if (by_patches && a.isPatch() &&
+        comparePatch(A, entry.a, B.core, X_AB, gap) == PatchOutcome::SETTLED) {
+      continue;
+    }
     const FourGaps gaps = squaredBoxGaps(A.tree.childBoxes(a), box_b);
     pushNearestLast(entry, true, a, gaps, square(gap.distance));
   }
@@ -297,13 +165,6 @@ SurfaceGap MeshQuery::meshConvex(const PreparedMesh& A, const Prepared& B, const
   }
   if (!gap.beyond && gap.distance <= meet) gap.distance = 0.0;
   return gap;
-}
-
-bool MeshQuery::meshHoldsMesh(const PreparedMesh& A, const PreparedMesh& B,
-                              const Isometry3d& X_AB) {
-  if (A.solid.empty()) return false;
-  return std::any_of(B.part_points.begin(), B.part_points.end(),
-                     [&](const Vector3d& p_BQ) { return A.solid.holds(X_AB * p_BQ); });
 }
 
 }  // namespace collision_pairs

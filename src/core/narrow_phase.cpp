@@ -18,8 +18,10 @@
 #include <exception>
 
 #include "closed_forms.h"
+#include "contact_search.h"
 #include "convex_distance.h"
 #include "hull_bounds.h"
+#include "mesh_insides.h"
 #include "mesh_query.h"
 #include "replay.h"
 
@@ -73,17 +75,13 @@ bool convexTouch(const Prepared& A, const Prepared& B, const Isometry3d& X_AB,
   return result.touches();
 }
 
-// Is the convex B, whose surface does not meet A's, inside A?
-bool meshHoldsConvex(const PreparedMesh& A, const Prepared& B, const Isometry3d& X_AB) {
-  return A.solid.holds(X_AB * B.core.center);
-}
-
 double scaleOf(const Prepared& shape) { return shape.core.extent + shape.core.radius; }
 
 }  // namespace
 
 struct NarrowPhase::Scratch {
   MeshQuery query;
+  ContactSearch contacts;
   std::uint64_t num_degraded = 0;
   DegradedSink sink;
   MeshContacts mesh_contacts = MeshContacts::OWN_TREE;
@@ -101,7 +99,7 @@ struct NarrowPhase::Scratch {
       const auto index = static_cast<std::uint32_t>(answer.triangle_a);
       if (improveByTriangles(triangleOf(*A.triangles, index), t, best)) return true;
     }
-    return query.surfacesMeet(A, B, X_AB);
+    return contacts.surfacesMeet(A, B, X_AB);
   }
 
   bool touches(const Prepared& A, const Prepared& B, const Isometry3d& X_AB, PairDistance& result) {
@@ -111,14 +109,13 @@ struct NarrowPhase::Scratch {
     const Isometry3d X_BA = X_AB.inverse(Eigen::Isometry);
     if (A.mesh && B.mesh) {
       if (squaredBoxGap(A.box, B.box.movedBy(X_AB)) > 0.0) return false;
-      return surfacesTouch(*A.mesh, *B.mesh, X_AB) ||
-             MeshQuery::meshHoldsMesh(*A.mesh, *B.mesh, X_AB) ||
-             MeshQuery::meshHoldsMesh(*B.mesh, *A.mesh, X_BA);
+      return surfacesTouch(*A.mesh, *B.mesh, X_AB) || meshHoldsMesh(A, B, X_AB) ||
+             meshHoldsMesh(B, A, X_BA);
     }
     const Prepared& M = A.mesh ? A : B;
     const Prepared& C = A.mesh ? B : A;
     const Isometry3d& X_MC = A.mesh ? X_AB : X_BA;
-    return !query.meshConvex(*M.mesh, C, X_MC, 0.0).beyond || meshHoldsConvex(*M.mesh, C, X_MC);
+    return !query.meshConvex(*M.mesh, C, X_MC, 0.0).beyond || meshHoldsConvex(M, C, X_MC);
   }
 
   // The shortest translation that separates the hulls: an upper bound of the depth.
@@ -158,19 +155,27 @@ struct NarrowPhase::Scratch {
     return result;
   }
 
+  // What is left to say of surfaces that do not meet where contacts are all that is asked for.
+  static SurfaceGap noContact() {
+    SurfaceGap gap;
+    gap.distance = std::numeric_limits<double>::denorm_min();
+    return gap;
+  }
+
   // `nhat_AB_A`: between the hulls; null if they meet, for then one may hold the other, or a part.
   PairDistance meshMesh(const Prepared& A, const Prepared& B, const Isometry3d& X_AB,
                         double max_distance, const Vector3d* nhat_AB_A) {
     const bool hulls_meet = nhat_AB_A == nullptr;
     // Contact first: it is found by splitting boxes, much sooner than by measuring.
-    if (hulls_meet && query.surfacesMeet(*A.mesh, *B.mesh, X_AB)) {
+    if (hulls_meet && contacts.surfacesMeet(*A.mesh, *B.mesh, X_AB)) {
       return hullDepth(A, B, X_AB);
     }
-    const SurfaceGap gap = query.meshMesh(*A.mesh, *B.mesh, X_AB, max_distance, nhat_AB_A);
+    const SurfaceGap gap = hulls_meet && max_distance == 0.0
+                               ? noContact()
+                               : query.meshMesh(*A.mesh, *B.mesh, X_AB, max_distance, nhat_AB_A);
     const bool apart = gap.beyond || gap.distance > 0.0;
     const auto oneHoldsTheOther = [&] {
-      return MeshQuery::meshHoldsMesh(*A.mesh, *B.mesh, X_AB) ||
-             MeshQuery::meshHoldsMesh(*B.mesh, *A.mesh, X_AB.inverse(Eigen::Isometry));
+      return meshHoldsMesh(A, B, X_AB) || meshHoldsMesh(B, A, X_AB.inverse(Eigen::Isometry));
     };
     if (!apart || (hulls_meet && oneHoldsTheOther())) {
       return hullDepth(A, B, X_AB);
@@ -188,9 +193,11 @@ struct NarrowPhase::Scratch {
     if (hulls_meet && !query.meshConvex(*A.mesh, B, X_AB, 0.0).beyond) {
       return hullDepth(A, B, X_AB);
     }
-    const SurfaceGap gap = query.meshConvex(*A.mesh, B, X_AB, max_distance);
+    const SurfaceGap gap = hulls_meet && max_distance == 0.0
+                               ? noContact()
+                               : query.meshConvex(*A.mesh, B, X_AB, max_distance);
     const bool apart = gap.beyond || gap.distance > 0.0;
-    if (!apart || (hulls_meet && meshHoldsConvex(*A.mesh, B, X_AB))) return hullDepth(A, B, X_AB);
+    if (!apart || (hulls_meet && meshHoldsConvex(A, B, X_AB))) return hullDepth(A, B, X_AB);
     if (gap.beyond || gap.by_hulls) return withoutTriangles(gap);
     PairDistance result;
     const Triangle a = triangleOf(*A.mesh->triangles, gap.triangle_a);
