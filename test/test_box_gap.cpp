@@ -68,6 +68,27 @@ TEST(BoxGap, IsTheLargerOfTheGapsToTheOthersCorners) {
   EXPECT_GT(apart, 1000);
 }
 
+TEST(BoxGap, OfAMovedBoxIsThatOfTheBoxWhereItIsMovedTo) {
+  RandomInputs random;
+  for (int round = 0; round < 500; ++round) {
+    std::array<OrientedBox, BOX_LANES> boxes, others;
+    for (OrientedBox& box : boxes) box = randomBox(random, 2.0);
+    for (OrientedBox& box : others) box = randomBox(random, 2.0);
+    const BoxBlock block = blockOf(boxes), other = blockOf(others);
+    const Eigen::Isometry3d X = random.pose(2.0);
+    for (int lane = 0; lane < BOX_LANES; ++lane) {
+      const FourGaps best = squaredBoxGaps(block, other, lane, X);
+      FourGaps plain;
+      PlainLoop::movedBox(block, other, lane, X.data(), plain.of);
+      for (int i = 0; i < BOX_LANES; ++i) {
+        const double expected = squaredBoxGap(boxes[i], others[lane].movedBy(X));
+        ASSERT_NEAR(best.of[i], expected, 1e-13);
+        ASSERT_NEAR(plain.of[i], expected, 1e-13);
+      }
+    }
+  }
+}
+
 TEST(BoxGap, OfAPointIsTheDistanceToItsNearestPointInTheBox) {
   RandomInputs random;
   for (int round = 0; round < 2000; ++round) {

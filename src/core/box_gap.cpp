@@ -63,6 +63,13 @@ FourGaps squaredBoxGaps(const BoxBlock& block, const OrientedBox& box) {
   return squared;
 }
 
+FourGaps squaredBoxGaps(const BoxBlock& block, const BoxBlock& other, int lane,
+                        const Eigen::Isometry3d& X) {
+  FourGaps squared;
+  loops().moved_box(block, other, lane, X.data(), squared.of);
+  return squared;
+}
+
 FourGaps squaredPointGaps(const BoxBlock& block, const Vector3d& point) {
   FourGaps squared;
   loops().point(block, point.data(), squared.of);

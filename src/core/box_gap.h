@@ -37,6 +37,9 @@ struct alignas(BOX_LANES * sizeof(double)) FourGaps {
 /// squaredBoxGap() of each box of the block and `box`. Cost: about 15 ns for all four with AVX2,
 /// which is chosen at run time.
 FourGaps squaredBoxGaps(const BoxBlock& block, const OrientedBox& box);
+/// The same for the box in a lane of another block, moved by X.
+FourGaps squaredBoxGaps(const BoxBlock& block, const BoxBlock& other, int lane,
+                        const Eigen::Isometry3d& X);
 /// The squared distances of a point from the boxes.
 FourGaps squaredPointGaps(const BoxBlock& block, const Eigen::Vector3d& point);
 

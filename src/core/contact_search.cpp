@@ -59,9 +59,8 @@ bool ContactSearch::surfacesMeet(const PreparedMesh& A, const PreparedMesh& B,
       continue;
     }
     const bool split_a = !a.isLeaf() && (b.isLeaf() || a.size >= b.size);
-    const FourGaps gaps =
-        split_a ? squaredBoxGaps(A.tree.childBoxes(a), B.tree.box(pair.b).movedBy(X_AB))
-                : squaredBoxGaps(B.tree.childBoxes(b), A.tree.box(pair.a).movedBy(X_BA));
+    const FourGaps gaps = split_a ? A.tree.squaredGaps(a, B.tree, pair.b, X_AB)
+                                  : B.tree.squaredGaps(b, A.tree, pair.a, X_BA);
     push(pair, split_a, split_a ? a : b, gaps, limit);
   }
   return false;

@@ -119,9 +119,8 @@ SurfaceGap MeshQuery::meshMesh(const PreparedMesh& A, const PreparedMesh& B, con
       if (outcome == PatchOutcome::SETTLED) continue;
     }
     const bool split_a = splitsA(a, b, by_patches, outcome);
-    const FourGaps gaps =
-        split_a ? squaredBoxGaps(A.tree.childBoxes(a), B.tree.box(entry.b).movedBy(X_AB))
-                : squaredBoxGaps(B.tree.childBoxes(b), A.tree.box(entry.a).movedBy(X_BA));
+    const FourGaps gaps = split_a ? A.tree.squaredGaps(a, B.tree, entry.b, X_AB)
+                                  : B.tree.squaredGaps(b, A.tree, entry.a, X_BA);
     pushNearestLast(entry, split_a, split_a ? a : b, gaps, best.squared);
   }
   if (gap.beyond) return gap;

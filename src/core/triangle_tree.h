@@ -47,6 +47,12 @@ class TriangleTree {
   }
   /// The boxes of all children of a node that is no leaf.
   const BoxBlock& childBoxes(const Node& node) const { return blocks_[node.children / BOX_LANES]; }
+  /// squaredBoxGap() of each child of a node of this tree and node `i` of another, moved by X.
+  FourGaps squaredGaps(const Node& node, const TriangleTree& other, std::uint32_t i,
+                       const Eigen::Isometry3d& X) const {
+    return squaredBoxGaps(childBoxes(node), other.blocks_[i / BOX_LANES],
+                          static_cast<int>(i % BOX_LANES), X);
+  }
   bool empty() const { return nodes_.empty(); }
 
   /// The corners of a patch, as a convex shape that refers to them.
