@@ -3,7 +3,6 @@
 #include <limits>
 
 #include "closest_on_mesh.h"
-#include "convex_distance.h"
 
 namespace collision_pairs {
 namespace {
@@ -42,7 +41,7 @@ HullBounds boundsFromHulls(const Prepared& A, const Prepared& B, const Isometry3
   using Outcome = HullBounds::Outcome;
   const double rounding = roundingOf(A.core, B.core);
   HullBounds bounds;
-  bounds.hulls = convexGap(A.core, B.core, X_AB, max_distance + rounding);
+  bounds.hulls = convexGap(A.core, B.core, X_AB, max_distance + rounding, &bounds.overlap);
   if (bounds.hulls.certainty == Certainty::BEYOND) {
     bounds.outcome = Outcome::BEYOND;
     bounds.hulls.distance -= rounding;

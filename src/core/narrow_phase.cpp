@@ -119,8 +119,11 @@ struct NarrowPhase::Scratch {
   }
 
   // The shortest translation that separates the hulls: an upper bound of the depth.
-  static PairDistance hullDepth(const Prepared& A, const Prepared& B, const Isometry3d& X_AB) {
-    PairDistance result = convexPair(A, B, X_AB, std::numeric_limits<double>::infinity());
+  static PairDistance hullDepth(const Prepared& A, const Prepared& B, const Isometry3d& X_AB,
+                                const CoreOverlap& overlap) {
+    PairDistance result = overlap.found()
+                              ? convexDepth(A.core, B.core, X_AB, overlap)
+                              : convexPair(A, B, X_AB, std::numeric_limits<double>::infinity());
     if (result.distance > 0.0) result.distance = 0.0;
     if (result.certainty == Certainty::EXACT) result.certainty = Certainty::BOUND;
     return result;
@@ -162,13 +165,14 @@ struct NarrowPhase::Scratch {
     return gap;
   }
 
-  // `nhat_AB_A`: between the hulls; null if they meet, for then one may hold the other, or a part.
+  // Where the hulls meet, one solid may hold the other, or a part of it.
   PairDistance meshMesh(const Prepared& A, const Prepared& B, const Isometry3d& X_AB,
-                        double max_distance, const Vector3d* nhat_AB_A) {
-    const bool hulls_meet = nhat_AB_A == nullptr;
+                        double max_distance, const HullBounds& bounds) {
+    const bool hulls_meet = bounds.outcome == HullBounds::Outcome::OPEN;
+    const Vector3d* nhat_AB_A = hulls_meet ? nullptr : &bounds.hulls.nhat_AB_A;
     // Contact first: it is found by splitting boxes, much sooner than by measuring.
     if (hulls_meet && contacts.surfacesMeet(*A.mesh, *B.mesh, X_AB)) {
-      return hullDepth(A, B, X_AB);
+      return hullDepth(A, B, X_AB, bounds.overlap);
     }
     const SurfaceGap gap = hulls_meet && max_distance == 0.0
                                ? noContact()
@@ -178,7 +182,7 @@ struct NarrowPhase::Scratch {
       return meshHoldsMesh(A, B, X_AB) || meshHoldsMesh(B, A, X_AB.inverse(Eigen::Isometry));
     };
     if (!apart || (hulls_meet && oneHoldsTheOther())) {
-      return hullDepth(A, B, X_AB);
+      return hullDepth(A, B, X_AB, bounds.overlap);
     }
     if (gap.beyond || gap.by_hulls) return withoutTriangles(gap);
     PairDistance result;
@@ -189,15 +193,18 @@ struct NarrowPhase::Scratch {
   }
 
   PairDistance meshConvex(const Prepared& A, const Prepared& B, const Isometry3d& X_AB,
-                          double max_distance, bool hulls_meet) {
+                          double max_distance, const HullBounds& bounds) {
+    const bool hulls_meet = bounds.outcome == HullBounds::Outcome::OPEN;
     if (hulls_meet && !query.meshConvex(*A.mesh, B, X_AB, 0.0).beyond) {
-      return hullDepth(A, B, X_AB);
+      return hullDepth(A, B, X_AB, bounds.overlap);
     }
     const SurfaceGap gap = hulls_meet && max_distance == 0.0
                                ? noContact()
                                : query.meshConvex(*A.mesh, B, X_AB, max_distance);
     const bool apart = gap.beyond || gap.distance > 0.0;
-    if (!apart || (hulls_meet && meshHoldsConvex(A, B, X_AB))) return hullDepth(A, B, X_AB);
+    if (!apart || (hulls_meet && meshHoldsConvex(A, B, X_AB))) {
+      return hullDepth(A, B, X_AB, bounds.overlap);
+    }
     if (gap.beyond || gap.by_hulls) return withoutTriangles(gap);
     PairDistance result;
     const Triangle a = triangleOf(*A.mesh->triangles, gap.triangle_a);
@@ -219,15 +226,15 @@ struct NarrowPhase::Scratch {
       bounds.hulls.by_hulls = true;
       return bounds.hulls;
     }
-    const bool hulls_meet = bounds.outcome == Outcome::OPEN;
     // A little more than the bound, which rounding may have put below the distance itself.
-    if (!hulls_meet) max_distance = std::min(max_distance, bounds.upper * (1.0 + 1e-12));
-    if (A.mesh && B.mesh) {
-      return meshMesh(A, B, X_AB, max_distance, hulls_meet ? nullptr : &bounds.hulls.nhat_AB_A);
+    if (bounds.outcome == Outcome::APART) {
+      max_distance = std::min(max_distance, bounds.upper * (1.0 + 1e-12));
     }
-    if (A.mesh) return meshConvex(A, B, X_AB, max_distance, hulls_meet);
+    if (A.mesh && B.mesh) return meshMesh(A, B, X_AB, max_distance, bounds);
+    if (A.mesh) return meshConvex(A, B, X_AB, max_distance, bounds);
+    bounds.overlap = {};  // of A - B, where the mesh comes first below
     const Isometry3d X_BA = X_AB.inverse(Eigen::Isometry);
-    return exchanged(meshConvex(B, A, X_BA, max_distance, hulls_meet), X_AB);
+    return exchanged(meshConvex(B, A, X_BA, max_distance, bounds), X_AB);
   }
 
   void report(const Prepared& A, const Prepared& B, const Isometry3d& X_AB, double max_distance) {
