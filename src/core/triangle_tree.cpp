@@ -129,14 +129,14 @@ struct TriangleTree::Builder {
     Part part;
   };
 
-  // Splits down to parts of at most `enough` triangles, which are appended to `ends`.
-  void grow(const Root& root, std::uint32_t enough, std::vector<Root>& ends) {
+  // Splits down to parts of at most `enough` triangles, which are appended to `ends` if it is given.
+  void grow(const Root& root, std::uint32_t enough, std::vector<Root>* ends) {
     const auto& [index, whole] = root;
     setLane(whole.box, static_cast<int>(index % BOX_LANES), blocks[index / BOX_LANES]);
     nodes[index].size = whole.box.size();
     nodes[index].children = order[whole.begin];
     if (whole.size() <= enough) {
-      ends.push_back(root);
+      if (ends != nullptr) ends->push_back(root);
       return;
     }
     const std::vector<Part> parts = quarters(whole, enough);
@@ -149,14 +149,23 @@ struct TriangleTree::Builder {
   // The nodes above the patches come first, so that they are near each other in memory.
   void build() {
     const auto nb_triangles = static_cast<std::uint32_t>(mesh.triangles.size());
-    std::vector<Root> patch_roots, leaves;
-    grow({addBlock(), Part(*this, 0, nb_triangles)}, PATCH_TRIANGLES, patch_roots);
+    std::vector<Root> patch_roots;
+    reserve(nb_triangles);
+    grow({addBlock(), Part(*this, 0, nb_triangles)}, PATCH_TRIANGLES, &patch_roots);
     nb_upper = nodes.size();
     for (Node& node : nodes) node.above_patches = !node.isLeaf();
     for (const Root& root : patch_roots) {
       nodes[root.index].patch = addPatch(root.part.begin, root.part.end);
-      grow(root, 1, leaves);
+      grow(root, 1, nullptr);
     }
+  }
+
+  // About what is used: half a block and one point a triangle. What is not costs no memory.
+  void reserve(std::size_t nb_triangles) {
+    blocks.reserve(nb_triangles * 3 / 5 + 1);
+    nodes.reserve(BOX_LANES * blocks.capacity());
+    patch_points.reserve(nb_triangles);
+    patch_blocks.reserve(nb_triangles / 6 + 1);
   }
 
   std::uint32_t addBlock() {
