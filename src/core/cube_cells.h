@@ -8,7 +8,7 @@
 namespace collision_pairs {
 
 /// Each face of a cube around the origin is cut into CUBE_CELLS squared cells; a direction belongs
-/// to the cell it pierces. Directions in one cell are at most 20 degrees apart.
+/// to the cell it pierces. Directions in one cell are at most 21 degrees apart.
 constexpr int CUBE_CELLS = 8;
 constexpr int NUM_CUBE_CELLS = 6 * CUBE_CELLS * CUBE_CELLS;
 
