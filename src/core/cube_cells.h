@@ -20,7 +20,7 @@ int cubeCell(const Eigen::Matrix<T, 3, 1>& d) {
   if (abs(d[2]) > abs(d[axis])) axis = 2;
   const T largest = abs(d[axis]);
   const auto slot = [&](int other) {
-    const T along = (d[other] / largest + T(1)) * T(CUBE_CELLS / 2);
+    const T along = (d[other] / largest + T(1)) * T(0.5 * CUBE_CELLS);
     if (!(along > T(0))) return 0;  // not a number, too
     return along < T(CUBE_CELLS) ? static_cast<int>(along) : CUBE_CELLS - 1;
   };
@@ -31,7 +31,7 @@ int cubeCell(const Eigen::Matrix<T, 3, 1>& d) {
 /// The direction through the middle of a cell; not of unit length.
 inline Eigen::Vector3d cubeCellCenter(int cell) {
   const int face = cell / (CUBE_CELLS * CUBE_CELLS);
-  const auto middle = [](int slot) { return (slot + 0.5) / (CUBE_CELLS / 2) - 1.0; };
+  const auto middle = [](int slot) { return (slot + 0.5) / (0.5 * CUBE_CELLS) - 1.0; };
   Eigen::Vector3d d;
   d[face / 2] = face % 2 == 0 ? 1.0 : -1.0;
   d[(face / 2 + 1) % 3] = middle(cell / CUBE_CELLS % CUBE_CELLS);

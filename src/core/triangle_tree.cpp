@@ -129,7 +129,8 @@ struct TriangleTree::Builder {
     Part part;
   };
 
-  // Splits down to parts of at most `enough` triangles, which are appended to `ends` if it is given.
+  // Splits down to parts of at most `enough` triangles, which are appended to `ends` if it is
+  // given.
   void grow(const Root& root, std::uint32_t enough, std::vector<Root>* ends) {
     const auto& [index, whole] = root;
     setLane(whole.box, static_cast<int>(index % BOX_LANES), blocks[index / BOX_LANES]);
