@@ -9,7 +9,7 @@ add_library(collision_pairs SHARED
   src/core/collision_report.cpp
   src/core/collision_scene.cpp
   src/core/column_sweep.cpp
-  src/core/contact_search.cpp
+  src/core/surface_contact.cpp
   src/core/convex_distance.cpp
   src/core/convex_hull.cpp
   src/core/enclosure.cpp

@@ -2,7 +2,7 @@
 #include <CGAL/Triangle_3.h>
 #include <gtest/gtest.h>
 
-#include "contact_search.h"
+#include "surface_contact.h"
 #include "mesh_query.h"
 #include "mesh_solid.h"
 #include "random_inputs.h"
@@ -222,7 +222,7 @@ TEST(MeshQuery, SurfacesMeetWhereTwoOfTheirTrianglesDo) {
   const auto M = prepareShape(meshShape(m)), N = prepareShape(meshShape(n));
   const PreparedMesh& A = *static_cast<const Prepared&>(*M).mesh;
   const PreparedMesh& B = *static_cast<const Prepared&>(*N).mesh;
-  ContactSearch search;
+  SurfaceContact search;
   int met = 0;
   for (int i = 0; i < 300; ++i) {
     const Isometry3d X = random.pose(0.25);

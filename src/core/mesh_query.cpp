@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "contact_search.h"
+#include "surface_contact.h"
 #include "convex_distance.h"
 
 namespace collision_pairs {

@@ -18,7 +18,7 @@
 #include <exception>
 
 #include "closed_forms.h"
-#include "contact_search.h"
+#include "surface_contact.h"
 #include "convex_distance.h"
 #include "hull_bounds.h"
 #include "mesh_insides.h"
@@ -81,7 +81,7 @@ double scaleOf(const Prepared& shape) { return shape.core.extent + shape.core.ra
 
 struct NarrowPhase::Scratch {
   MeshQuery query;
-  ContactSearch contacts;
+  SurfaceContact contacts;
   std::uint64_t num_degraded = 0;
   DegradedSink sink;
   MeshContacts mesh_contacts = MeshContacts::OWN_TREE;

@@ -13,7 +13,7 @@ double meetDistance(const OrientedBox& a, const OrientedBox& b, const Eigen::Iso
 
 /// Splits pairs of boxes that overlap until two triangles meet. Tells no distance. Holds the memory
 /// for that walk only.
-class ContactSearch {
+class SurfaceContact {
  public:
   /// Cost: O(log n) where the boxes miss each other or the first triangles tried meet, up to O(n)
   /// for surfaces that nest.
