@@ -2,6 +2,7 @@
 add_library(collision_pairs SHARED
   src/core/aabb.cpp
   src/core/batch_check.cpp
+  src/core/box_gap.cpp
   src/core/closed_forms.cpp
   src/core/closest_on_mesh.cpp
   src/core/collision_detector.cpp
@@ -15,12 +16,14 @@ add_library(collision_pairs SHARED
   src/core/enclosure.cpp
   src/core/fcl_backend.cpp
   src/core/found_pairs.cpp
+  src/core/furthest_point.cpp
   src/core/generated_srdf.cpp
   src/core/hull_bounds.cpp
   src/core/in_parallel.cpp
-  src/core/link_group.cpp
   src/core/joint_sampler.cpp
+  src/core/link_group.cpp
   src/core/mesh_bounds.cpp
+  src/core/mesh_insides.cpp
   src/core/mesh_query.cpp
   src/core/mesh_solid.cpp
   src/core/narrow_phase.cpp
@@ -30,10 +33,11 @@ add_library(collision_pairs SHARED
   src/core/pair_filter.cpp
   src/core/pair_ladder.cpp
   src/core/pair_policy.cpp
-  src/core/pair_rules.cpp
   src/core/pair_probe.cpp
+  src/core/pair_rules.cpp
   src/core/pair_sort.cpp
   src/core/pair_statistics.cpp
+  src/core/patch_hulls.cpp
   src/core/prepared_shape.cpp
   src/core/replay.cpp
   src/core/robot_model.cpp
@@ -42,9 +46,12 @@ add_library(collision_pairs SHARED
   src/core/scene_members.cpp
   src/core/settings_check.cpp
   src/core/shape.cpp
+  src/core/slab_bounds.cpp
+  src/core/solid_angle.cpp
   src/core/srdf.cpp
   src/core/static_boxes.cpp
   src/core/static_tree.cpp
+  src/core/surface_contact.cpp
   src/core/sweep_and_prune.cpp
   src/core/sweep_axis.cpp
   src/core/sweep_grid.cpp

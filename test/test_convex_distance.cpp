@@ -66,6 +66,63 @@ TEST(ConvexDistance, StopsWhenALowerBoundExceedsTheLimit) {
   EXPECT_EQ(narrow_phase.distance(*A, *B, X_AB, 0.31).certainty, Certainty::EXACT);
 }
 
+TEST(ConvexDistance, DepthFromAnOverlapIsTheDepth) {
+  RandomInputs random;
+  const auto randomHull = [&] {
+    std::vector<Eigen::Vector3d> points(60);
+    for (auto& p : points) p = random.vector(-0.1, 0.1);
+    return convexHull(points);
+  };
+  const auto coreOf = [](const ConvexHull& hull) {
+    ConvexCore core;
+    core.kind = ConvexCore::Kind::POINTS;
+    core.points = hull.points.vertices.data();
+    core.num_points = static_cast<int>(hull.points.vertices.size());
+    core.extent = 0.2;
+    return core;
+  };
+  int overlaps = 0;
+  for (int i = 0; i < 300; ++i) {
+    const ConvexHull a = randomHull(), b = randomHull();
+    const ConvexCore A = coreOf(a), B = coreOf(b);
+    const Eigen::Isometry3d X_AB = random.pose(0.15);
+    CoreOverlap overlap;
+    const PairDistance gap = convexGap(A, B, X_AB, INF, &overlap);
+    const PairDistance whole = convexDistance(A, B, X_AB, INF);
+    ASSERT_EQ(overlap.found(), gap.touches());
+    if (!overlap.found()) continue;
+    const PairDistance depth = convexDepth(A, B, X_AB, overlap);
+    ASSERT_NEAR(depth.distance, whole.distance, 1e-15);
+    ASSERT_TRUE(depth.nhat_AB_A.isApprox(whole.nhat_AB_A, 1e-12));
+    ++overlaps;
+  }
+  EXPECT_GT(overlaps, 50);
+}
+
+TEST(CubeCells, ADirectionIsNearTheCentreOfItsCell) {
+  RandomInputs random;
+  for (int i = 0; i < 20000; ++i) {
+    const Eigen::Vector3d d =
+        random.uniform(1e-9, 1e9) * (random.rotation() * Eigen::Vector3d::UnitX());
+    const int cell = cubeCell<double>(d);
+    ASSERT_GE(cell, 0);
+    ASSERT_LT(cell, NUM_CUBE_CELLS);
+    ASSERT_GT(d.normalized().dot(cubeCellCenter(cell).normalized()), std::cos(0.18));
+  }
+}
+
+TEST(CubeCells, WhatIsNoDirectionHasACellToo) {
+  const double nan = std::nan("");
+  for (const double x : {0.0, 1e-320, 1.0, INF, nan}) {
+    for (const double y : {0.0, -1e-320, 1.0, -INF, nan}) {
+      for (const double z : {0.0, 1e-320, -1.0, INF, nan}) {
+        const int cell = cubeCell<double>({x, y, z});
+        EXPECT_TRUE(cell >= 0 && cell < NUM_CUBE_CELLS) << x << ' ' << y << ' ' << z;
+      }
+    }
+  }
+}
+
 TEST(ConvexHullOfManyPoints, ClimbsToTheSameSupportPointAsLookingAtAll) {
   RandomInputs random;
   std::vector<Eigen::Vector3d> points;
@@ -83,8 +140,7 @@ TEST(ConvexHullOfManyPoints, ClimbsToTheSameSupportPointAsLookingAtAll) {
     const Eigen::Vector3d d = random.rotation() * Eigen::Vector3d::UnitX();
     double best = -INF;
     for (const Eigen::Vector3d& p : points) best = std::max(best, p.dot(d));
-    int hint = random.integer(0, core.num_points - 1);
-    ASSERT_NEAR(support<double>(core, d, hint).dot(d), best, 1e-15);
+    ASSERT_NEAR(support<double>(core, d).dot(d), best, 1e-15);
   }
 }
 

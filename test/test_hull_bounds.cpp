@@ -105,6 +105,23 @@ TEST(HullBounds, HoldTheDistanceOfTheSurfacesBetweenThem) {
   EXPECT_GT(open, 10);
 }
 
+TEST(HullBounds, AHullMissesNoPointInItAndAllBeyondItsReach) {
+  RandomInputs random;
+  const auto mesh = bumpyBall(random, 10);
+  const auto shape = prepareShape(Mesh{mesh});
+  const auto anyVertex = [&] {
+    return mesh->vertices[random.integer(0, static_cast<int>(mesh->vertices.size()) - 1)];
+  };
+  for (int i = 0; i < 2000; ++i) {
+    const double s = random.uniform(0.0, 1.0), t = random.uniform(0.0, 1.0);
+    const Vector3d inside =
+        s * anyVertex() + (1.0 - s) * (t * anyVertex() + (1.0 - t) * anyVertex());
+    ASSERT_FALSE(hullMisses(asPrepared(shape), inside));
+    const Vector3d outside = random.uniform(1.001, 3.0) * random.vector(-1.0, 1.0).normalized();
+    ASSERT_TRUE(hullMisses(asPrepared(shape), outside));
+  }
+}
+
 TEST(HullBounds, NarrowPhaseOfBumpyBodiesIsThatOfAllTriangles) {
   RandomInputs random;
   const auto a = bumpyBall(random, 16), b = bumpyBall(random, 14);

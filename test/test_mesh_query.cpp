@@ -2,6 +2,7 @@
 #include <CGAL/Triangle_3.h>
 #include <gtest/gtest.h>
 
+#include "surface_contact.h"
 #include "mesh_query.h"
 #include "mesh_solid.h"
 #include "random_inputs.h"
@@ -63,6 +64,25 @@ TEST(TriangleDistance, TrianglesWithoutAreaAreSegmentsAndPoints) {
   ClosestPoints best{INF};
   ASSERT_TRUE(improveByTriangles(segment, point, best));
   EXPECT_DOUBLE_EQ(best.squared, 17.0);
+}
+
+TEST(TriangleDistance, APlaneKeepsApartOnlyWhatIsApart) {
+  RandomInputs random;
+  int apart = 0;
+  for (int i = 0; i < 20000; ++i) {
+    Corners a, b;
+    for (Corners* t : {&a, &b}) {  // a small grid: many touch, lie in a plane or have no area
+      for (Vector3d& v : *t)
+        v = Vector3d(random.integer(0, 4), random.integer(0, 4), random.integer(0, 2));
+    }
+    const double limit = random.integer(0, 3);
+    if (!planeKeepsApart(a, b, limit)) continue;
+    ClosestPoints best{INF};
+    improveByTriangles(Triangle(a), Triangle(b), best);
+    ASSERT_GT(best.squared, limit) << i;
+    ++apart;
+  }
+  EXPECT_GT(apart, 1000);
 }
 
 TEST(MeshSolid, AHalfTurnedInsideOutMeshStillHoldsItsInside) {
@@ -194,6 +214,30 @@ TEST(MeshQuery, DistanceOfMeshesIsThatOfTheirClosestTriangles) {
     }
     ASSERT_EQ(narrow_phase.touches(*M, *N, X), result.touches());
   }
+}
+
+TEST(MeshQuery, SurfacesMeetWhereTwoOfTheirTrianglesDo) {
+  RandomInputs random;
+  const TriangleMesh m = bumpyBall(8, 0.2), n = LShape().mesh();
+  const auto M = prepareShape(meshShape(m)), N = prepareShape(meshShape(n));
+  const PreparedMesh& A = *static_cast<const Prepared&>(*M).mesh;
+  const PreparedMesh& B = *static_cast<const Prepared&>(*N).mesh;
+  SurfaceContact search;
+  int met = 0;
+  for (int i = 0; i < 300; ++i) {
+    const Isometry3d X = random.pose(0.25);
+    ClosestPoints best{INF};
+    for (std::uint32_t s = 0; s < m.triangles.size(); ++s) {
+      for (std::uint32_t t = 0; t < n.triangles.size(); ++t) {
+        const Triangle u = triangleOf(n, t);
+        improveByTriangles(triangleOf(m, s), Triangle(X * u.v[0], X * u.v[1], X * u.v[2]), best);
+      }
+    }
+    ASSERT_EQ(search.surfacesMeet(A, B, X), best.squared == 0.0) << i;
+    met += best.squared == 0.0;
+  }
+  EXPECT_GT(met, 50);
+  EXPECT_LT(met, 250);
 }
 
 TEST(MeshQuery, FclAndOurOwnTreeGiveTheSameVerdicts) {

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include "furthest_point.h"
 #include "random_inputs.h"
 #include "vertex_extent.h"
 
@@ -17,10 +18,18 @@ TEST(VertexExtent, IsThatOfThePointsOneByOne) {
       lower = lower.cwiseMin(R * p);
       upper = upper.cwiseMax(R * p);
     }
-    PackedPoints(points).extent(R, found_lower, found_upper);
-    // Fused and separate multiplications differ in the last place.
-    EXPECT_LE((found_lower - lower).cwiseAbs().maxCoeff(), 5e-15);
-    EXPECT_LE((found_upper - upper).cwiseAbs().maxCoeff(), 5e-15);
+    std::vector<PointBlock> blocks;
+    appendBlocks(points, blocks);
+    for (const ExtentLoop loop : extentLoops()) {
+      loop(blocks.data(), blocks.size(), R.data(), found_lower.data(), found_upper.data());
+      // Fused and separate multiplications differ in the last place.
+      EXPECT_LE((found_lower - lower).cwiseAbs().maxCoeff(), 5e-15);
+      EXPECT_LE((found_upper - upper).cwiseAbs().maxCoeff(), 5e-15);
+    }
+    Eigen::Vector3d packed_lower, packed_upper;
+    PackedPoints(points).extent(R, packed_lower, packed_upper);
+    EXPECT_LE((packed_lower - lower).cwiseAbs().maxCoeff(), 5e-15);
+    EXPECT_LE((packed_upper - upper).cwiseAbs().maxCoeff(), 5e-15);
   }
 }
 

@@ -142,9 +142,8 @@ PairDistance closedForm(const ConvexCore& A, const ConvexCore& B, const Isometry
 }
 
 PairDistance halfSpaceDistance(const ConvexCore& B, const Isometry3d& X_AB) {
-  int hint = 0;
   const Vector3d down_B = -X_AB.linear().row(2).transpose();
-  const Vector3d lowest = X_AB * support<double>(B, down_B, hint);
+  const Vector3d lowest = X_AB * support<double>(B, down_B);
   PairDistance result;
   result.distance = lowest[2] - B.radius;
   result.nhat_AB_A = Vector3d::UnitZ();

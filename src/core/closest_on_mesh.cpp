@@ -1,8 +1,9 @@
 #include "closest_on_mesh.h"
 
+#include <algorithm>
 #include <limits>
 
-#include "mesh_query.h"
+#include "patch_hulls.h"
 
 namespace collision_pairs {
 namespace {
@@ -14,30 +15,26 @@ class Search {
   Search(const PreparedMesh& mesh, const Vector3d& point, double limit)
       : mesh_(mesh), point_(point), squared_(limit * limit) {}
 
-  // The tree is balanced to one in eight, so the recursion is about 5 log2(n) deep at most.
+  // The tree is balanced to one in eight, so the recursion is about 3 log2(n) deep at most.
   void visit(std::uint32_t index) {
     const TriangleTree::Node& node = mesh_.tree.node(index);
-    if (node.leaf) {
-      take(closestOnTriangle(triangleOf(*mesh_.triangles, node.child), point_));
+    if (node.isLeaf()) {
+      take(closestOnTriangle(triangleOf(*mesh_.triangles, node.children), point_));
       return;
     }
-    const double first = squaredGap(node.child), second = squaredGap(node.child + 1);
-    const std::uint32_t nearer = node.child + (second < first ? 1 : 0);
-    const std::uint32_t further = node.child + (second < first ? 0 : 1);
-    if (std::min(first, second) < squared_) visit(nearer);
-    if (std::max(first, second) < squared_) visit(further);
+    FourGaps gaps = squaredPointGaps(mesh_.tree.childBoxes(node), point_);
+    for (int visited = 0; visited < node.nb_children; ++visited) {  // the nearest first
+      const auto nearest = std::min_element(gaps.of, gaps.of + node.nb_children);
+      if (!(*nearest < squared_)) return;
+      *nearest = std::numeric_limits<double>::infinity();
+      visit(node.children + static_cast<std::uint32_t>(nearest - gaps.of));
+    }
   }
 
   const Vector3d& found() const { return found_; }
   bool any() const { return any_; }
 
  private:
-  double squaredGap(std::uint32_t index) const {
-    const OrientedBox& box = mesh_.tree.node(index).box;
-    const Vector3d local = box.R.transpose() * (point_ - box.center);
-    return (local.cwiseAbs() - box.half).cwiseMax(0.0).squaredNorm();
-  }
-
   void take(const Vector3d& candidate) {
     const double squared = (candidate - point_).squaredNorm();
     if (squared >= squared_) return;

@@ -1,13 +1,18 @@
 // Convex solids as GJK and EPA see them: a core given by its support function, grown by a radius.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <type_traits>
 #include <vector>
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+
+#include "cube_cells.h"
+#include "furthest_point.h"
 
 namespace collision_pairs {
 
@@ -18,6 +23,8 @@ struct ConvexPoints {
   std::vector<Eigen::Vector3d> vertices;
   std::vector<std::uint32_t> first_neighbour;
   std::vector<std::uint32_t> neighbours;
+  std::vector<std::uint32_t> start;  ///< for each cubeCell() the vertex furthest along its centre
+  std::vector<PointBlock> blocks;    ///< instead of neighbours, of a few vertices: the same points
 };
 
 /// All points within `radius` of a core. Rounding is kept apart from the core so that a sphere is
@@ -34,6 +41,7 @@ struct ConvexCore {
   const Eigen::Vector3d* points = nullptr;
   int num_points = 0;
   const ConvexPoints* edges = nullptr;  ///< for climbing along edges; may be null
+  const PointBlock* blocks = nullptr;   ///< the points once more, to look at them all; may be null
 
   /// Curved cores have no last vertex for GJK and EPA to end on.
   bool curved() const { return kind == Kind::CYLINDER; }
@@ -44,35 +52,52 @@ using Vec3 = Eigen::Matrix<T, 3, 1>;
 template <class T>
 using Mat3 = Eigen::Matrix<T, 3, 3>;
 
-/// Index of the vertex furthest along d. `hint` is the vertex to start from, and becomes the
-/// answer. Cost: O(vertices) without edges, about O(sqrt(vertices)) with.
+/// From vertex `best` along edges to the one furthest along d.
 template <class T>
-int furthestPoint(const ConvexCore& core, const Vec3<T>& d, int& hint) {
-  const auto along = [&](int i) { return core.points[i].template cast<T>().dot(d); };
-  int best = hint < core.num_points ? hint : 0;
+int climb(const ConvexPoints& hull, const Vec3<T>& d, int best) {
+  const auto along = [&](int i) { return hull.vertices[i].template cast<T>().dot(d); };
   T best_dot = along(best);
-  if (core.edges == nullptr || core.edges->neighbours.empty()) {
-    for (int i = 0; i < core.num_points; ++i) {
-      const T dot = along(i);
-      if (dot > best_dot) best = i, best_dot = dot;
-    }
-    return hint = best;
-  }
   for (int from = -1; from != best;) {
     from = best;
-    const std::uint32_t end = core.edges->first_neighbour[from + 1];
-    for (std::uint32_t k = core.edges->first_neighbour[from]; k < end; ++k) {
-      const int i = static_cast<int>(core.edges->neighbours[k]);
+    const std::uint32_t end = hull.first_neighbour[from + 1];
+    for (std::uint32_t k = hull.first_neighbour[from]; k < end; ++k) {
+      const int i = static_cast<int>(hull.neighbours[k]);
       const T dot = along(i);
-      if (dot > best_dot) best = i, best_dot = dot;
+      const bool further = dot > best_dot;  // as selections: branches would be guessed wrong
+      best = further ? i : best;
+      best_dot = further ? dot : best_dot;
     }
   }
-  return hint = best;
+  return best;
+}
+
+/// Index of the vertex furthest along d. Cost: a few vertices with edges, else all of them.
+template <class T>
+int furthestPoint(const ConvexCore& core, const Vec3<T>& d) {
+  if (core.edges != nullptr && !core.edges->neighbours.empty()) {
+    return climb<T>(*core.edges, d, static_cast<int>(core.edges->start[cubeCell<T>(d)]));
+  }
+  if constexpr (std::is_same_v<T, double>) {
+    if (core.blocks != nullptr) {
+      const auto nb_points = static_cast<std::size_t>(core.num_points);
+      const std::size_t nb_blocks = (nb_points + POINT_LANES - 1) / POINT_LANES;
+      const std::size_t found = furthestInBlocks(core.blocks, nb_blocks, d).index;
+      return static_cast<int>(std::min(found, nb_points - 1));
+    }
+  }
+  const auto along = [&](int i) { return core.points[i].template cast<T>().dot(d); };
+  int best = 0;
+  T best_dot = along(best);
+  for (int i = 1; i < core.num_points; ++i) {
+    const T dot = along(i);
+    if (dot > best_dot) best = i, best_dot = dot;
+  }
+  return best;
 }
 
 /// A point of the core furthest along d, which need not be of unit length; in the core's frame.
 template <class T>
-Vec3<T> support(const ConvexCore& core, const Vec3<T>& d, int& hint) {
+Vec3<T> support(const ConvexCore& core, const Vec3<T>& d) {
   using Kind = ConvexCore::Kind;
   const auto signedHalf = [&](int i) { return d[i] < T(0) ? T(-core.half[i]) : T(core.half[i]); };
   switch (core.kind) {
@@ -89,7 +114,7 @@ Vec3<T> support(const ConvexCore& core, const Vec3<T>& d, int& hint) {
       return Vec3<T>(scale * d[0], scale * d[1], signedHalf(2));
     }
     case Kind::POINTS:
-      return core.points[furthestPoint<T>(core, d, hint)].template cast<T>();
+      return core.points[furthestPoint<T>(core, d)].template cast<T>();
   }
   return Vec3<T>::Zero();
 }
@@ -108,8 +133,8 @@ struct Difference {
 
   DifferencePoint<T> furthest(const Vec3<T>& d) {
     DifferencePoint<T> point;
-    point.a = support<T>(A, d, hint_a);
-    point.b = R_AB * support<T>(B, Vec3<T>(-(R_AB.transpose() * d)), hint_b) + p_AB;
+    point.a = support<T>(A, d);
+    point.b = R_AB * support<T>(B, Vec3<T>(-(R_AB.transpose() * d))) + p_AB;
     point.w = point.a - point.b;
     return point;
   }
@@ -118,8 +143,6 @@ struct Difference {
   const ConvexCore& B;
   Mat3<T> R_AB;
   Vec3<T> p_AB;
-  int hint_a = 0;
-  int hint_b = 0;
 };
 
 }  // namespace collision_pairs

@@ -1,5 +1,7 @@
 #include "convex_distance.h"
 
+#include <type_traits>
+
 #include "epa.h"
 
 namespace collision_pairs {
@@ -100,14 +102,14 @@ void mendWitnesses(const Difference<T>& difference, T magnitude, EpaResult<T>& d
 
 template <class T>
 bool fillOverlap(const ConvexCore& A, const ConvexCore& B, Difference<T>& difference,
-                 const GjkResult<T>& found, PairDistance& result) {
+                 const Simplex<T>& simplex, T magnitude, PairDistance& result) {
   const bool curved = A.curved() || B.curved();
   const T relative = curved ? T(CURVED_DEPTH_TOLERANCE) : T(DEPTH_TOLERANCE);
-  Epa<T> epa(difference, found.simplex, found.magnitude);
-  EpaResult<T> depth = epa.run(relative * found.magnitude);
-  mendWitnesses(difference, found.magnitude, depth);
+  Epa<T> epa(difference, simplex, magnitude);
+  EpaResult<T> depth = epa.run(relative * magnitude);
+  mendWitnesses(difference, magnitude, depth);
   result.nhat_AB_A = depth.normal.template cast<double>();
-  const T rounding = T(64) * std::numeric_limits<T>::epsilon() * found.magnitude;
+  const T rounding = T(64) * std::numeric_limits<T>::epsilon() * magnitude;
   const bool refuted = depth.upper < -rounding;  // a plane lies between: it was no overlap
   // Centred on the face's own two points, so that they are exactly one depth apart.
   const T upper = refuted ? depth.upper : std::max(depth.upper, T(0));
@@ -116,12 +118,11 @@ bool fillOverlap(const ConvexCore& A, const ConvexCore& B, Difference<T>& differ
   finish(A, B, -static_cast<double>(upper), Vec3<T>(middle + half).template cast<double>(),
          Vec3<T>(middle - half).template cast<double>(), result);
   if (refuted) {
-    const bool met =
-        (depth.a - depth.b).norm() + upper <= distanceTolerance(A, B) * found.magnitude;
+    const bool met = (depth.a - depth.b).norm() + upper <= distanceTolerance(A, B) * magnitude;
     result.certainty = met ? Certainty::EXACT : Certainty::DEGRADED;
     return met;
   }
-  const bool closed = upper - depth.lower <= T(EXACT_DEPTH) * found.magnitude;
+  const bool closed = upper - depth.lower <= T(EXACT_DEPTH) * magnitude;
   result.certainty = closed ? Certainty::EXACT : Certainty::BOUND;
   return closed || curved;
 }
@@ -131,7 +132,7 @@ enum class Depth { MEASURED, IGNORED };
 // True if settled in this scalar type.
 template <class T>
 bool solve(const ConvexCore& A, const ConvexCore& B, const Eigen::Isometry3d& X_AB,
-           double max_distance, Depth depth, PairDistance& result) {
+           double max_distance, Depth depth, PairDistance& result, CoreOverlap* overlap = nullptr) {
   Difference<T> difference(A, B, X_AB);
   const T radii = T(A.radius) + T(B.radius);
   const Vec3<T> start = (A.center - X_AB * B.center).template cast<T>();
@@ -147,12 +148,15 @@ bool solve(const ConvexCore& A, const ConvexCore& B, const Eigen::Isometry3d& X_
   // Round shapes make slivers, on which "inside" is a matter of rounding: EPA tells.
   const bool measure = depth == Depth::MEASURED || A.curved() || B.curved();
   if (found.end == GjkEnd::OVERLAP && measure) {
-    return fillOverlap(A, B, difference, found, result);
+    return fillOverlap(A, B, difference, found.simplex, found.magnitude, result);
   }
   if (found.end == GjkEnd::OVERLAP) {
     result.distance = -static_cast<double>(radii);
     result.p_ACa = result.p_ACb =
         found.simplex.combine(&DifferencePoint<T>::a).template cast<double>();
+    if constexpr (std::is_same_v<T, double>) {
+      if (overlap != nullptr) *overlap = {found.simplex, found.magnitude};
+    }
     return true;
   }
   fillApart(A, B, difference, found, result);
@@ -164,7 +168,8 @@ bool solve(const ConvexCore& A, const ConvexCore& B, const Eigen::Isometry3d& X_
   const EpaResult<T> planes = Epa<T>(difference, found.simplex, found.magnitude).run(T(0));
   const T lower = std::max(found.lower, -planes.upper);
   const bool close = found.v.norm() - lower <= tolerance;
-  if (close && lower <= T(0)) return fillOverlap(A, B, difference, found, result);
+  if (close && lower <= T(0))
+    return fillOverlap(A, B, difference, found.simplex, found.magnitude, result);
   if (lower > found.lower) result.nhat_AB_A = planes.normal.template cast<double>();
   if (close) return true;
   result.distance = static_cast<double>(lower - radii);
@@ -173,7 +178,7 @@ bool solve(const ConvexCore& A, const ConvexCore& B, const Eigen::Isometry3d& X_
 }
 
 PairDistance solveTwice(const ConvexCore& A, const ConvexCore& B, const Eigen::Isometry3d& X_AB,
-                        double max_distance, Depth depth) {
+                        double max_distance, Depth depth, CoreOverlap* overlap = nullptr) {
   PairDistance result;
   const double gap = ballDistance(A, B, X_AB);
   if (gap > max_distance) {
@@ -181,7 +186,7 @@ PairDistance solveTwice(const ConvexCore& A, const ConvexCore& B, const Eigen::I
     result.certainty = Certainty::BEYOND;
     return result;
   }
-  if (solve<double>(A, B, X_AB, max_distance, depth, result)) return result;
+  if (solve<double>(A, B, X_AB, max_distance, depth, result, overlap)) return result;
   PairDistance second;
   const bool settled = solve<long double>(A, B, X_AB, max_distance, depth, second);
   return settled || second.distance > result.distance ? second : result;
@@ -199,8 +204,16 @@ PairDistance convexDistance(const ConvexCore& A, const ConvexCore& B, const Eige
 }
 
 PairDistance convexGap(const ConvexCore& A, const ConvexCore& B, const Eigen::Isometry3d& X_AB,
-                       double max_distance) {
-  return solveTwice(A, B, X_AB, max_distance, Depth::IGNORED);
+                       double max_distance, CoreOverlap* overlap) {
+  return solveTwice(A, B, X_AB, max_distance, Depth::IGNORED, overlap);
+}
+
+PairDistance convexDepth(const ConvexCore& A, const ConvexCore& B, const Eigen::Isometry3d& X_AB,
+                         const CoreOverlap& overlap) {
+  Difference<double> difference(A, B, X_AB);
+  PairDistance result;
+  if (fillOverlap(A, B, difference, overlap.simplex, overlap.magnitude, result)) return result;
+  return convexDistance(A, B, X_AB, std::numeric_limits<double>::infinity());
 }
 
 }  // namespace collision_pairs

@@ -12,7 +12,7 @@ extern "C" {
 namespace collision_pairs {
 namespace {
 
-// Looking at all vertices is faster than climbing along edges up to about this many.
+// Looking at all vertices, some at a time, is as fast as climbing up to about this many.
 constexpr std::size_t CLIMB_ABOVE = 48;
 
 bool lexicographicallyLess(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
@@ -102,6 +102,15 @@ void buildEdges(const std::vector<std::array<int, 3>>& faces, std::size_t num_ve
   }
 }
 
+// Each search starts where the one of the cell before it ended.
+void buildStartVertices(ConvexPoints& hull) {
+  int vertex = 0;
+  for (int cell = 0; cell < NUM_CUBE_CELLS; ++cell) {
+    vertex = climb<double>(hull, cubeCellCenter(cell), vertex);
+    hull.start.push_back(static_cast<std::uint32_t>(vertex));
+  }
+}
+
 }  // namespace
 
 ConvexHull convexHull(const std::vector<Eigen::Vector3d>& points) {
@@ -128,6 +137,9 @@ ConvexHull convexHull(const std::vector<Eigen::Vector3d>& points) {
   hull.volume = volumeAround(center, unique, faces);
   if (hull.points.vertices.size() > CLIMB_ABOVE) {
     buildEdges(faces, hull.points.vertices.size(), new_id, hull.points);
+    buildStartVertices(hull.points);
+  } else {
+    appendBlocks(hull.points.vertices, hull.points.blocks);
   }
   return hull;
 }

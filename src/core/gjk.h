@@ -38,11 +38,15 @@ GjkResult<T> gjk(Difference<T>& difference, T stop_above, Vec3<T> v) {
   const T epsilon = std::numeric_limits<T>::epsilon();
   GjkResult<T> result;
   Simplex<T>& simplex = result.simplex;
-  if (!(v.squaredNorm() > T(0))) v = Vec3<T>::UnitX();
+  T length = v.norm();
+  if (!(length > T(0))) v = Vec3<T>::UnitX(), length = T(1);
   T norm = std::numeric_limits<T>::infinity();
   for (int i = 0; i < MAX_ITERATIONS; ++i) {
-    const Vec3<T> direction = v.normalized();
-    const DifferencePoint<T> next = difference.furthest(Vec3<T>(-direction));
+    const Vec3<T> direction = v / length;
+    // Behind the vertices of the simplex, which is left as it was wherever the search ends early.
+    const int size = simplex.size + 1;
+    DifferencePoint<T>& next = simplex.vertex[simplex.size];
+    next = difference.furthest(Vec3<T>(-direction));
     const T bound = next.w.dot(direction);
     result.magnitude = std::max(result.magnitude, next.w.norm());
     if (i == 0 || bound > result.lower) result.normal = -direction;
@@ -51,20 +55,27 @@ GjkResult<T> gjk(Difference<T>& difference, T stop_above, Vec3<T> v) {
     if (norm - result.lower <= T(4) * epsilon * result.magnitude) {
       return result.end = GjkEnd::APART, result;
     }
-    const Simplex<T> before = simplex;
-    simplex.vertex[simplex.size++] = next;
-    reduceToClosest(simplex);
-    if (simplex.size == 0) return simplex = before, result;
-    v = simplex.closest();
-    if (simplex.size == 4 || v.norm() <= T(4) * epsilon * result.magnitude) {
+    const std::array<T, 4> lambda = closestCoordinates(simplex.vertex, size);
+    v.setZero();
+    int nb_positive = 0;
+    for (int k = 0; k < size; ++k) {
+      if (!(lambda[k] > T(0))) continue;
+      v += lambda[k] * simplex.vertex[k].w;
+      ++nb_positive;
+    }
+    if (nb_positive == 0) return result;
+    length = v.norm();
+    if (nb_positive == 4 || length <= T(4) * epsilon * result.magnitude) {
       // A sliver of a tetrahedron may seem to hold an origin that a plane has shown to be outside.
       const bool refuted = result.lower > T(8) * epsilon * result.magnitude;
-      if (refuted) return simplex = before, result;
+      if (refuted) return result;
+      reduceTo(lambda, size, simplex);
       result.v = v;
       return result.end = GjkEnd::OVERLAP, result;
     }
-    if (!(v.norm() < norm)) return simplex = before, result;  // rounding: no progress left
-    norm = v.norm();
+    if (!(length < norm)) return result;  // rounding: no progress left
+    reduceTo(lambda, size, simplex);
+    norm = length;
     result.v = v;
   }
   return result;

@@ -3,7 +3,6 @@
 #include <limits>
 
 #include "closest_on_mesh.h"
-#include "convex_distance.h"
 
 namespace collision_pairs {
 namespace {
@@ -15,24 +14,34 @@ constexpr double ROUNDING = 64.0 * std::numeric_limits<double>::epsilon();
 
 // By how much qhull's rounding may leave a vertex outside its hull, and a closest point beside the
 // surface that it is on.
-double roundingOf(const Prepared& A, const Prepared& B) {
-  return ROUNDING * (A.core.extent + A.core.center.norm() + B.core.extent + B.core.center.norm());
+double roundingOf(const ConvexCore& a, const ConvexCore& b) {
+  return ROUNDING * (a.extent + a.center.norm() + b.extent + b.center.norm());
+}
+
+bool coresMiss(const ConvexCore& a, const ConvexCore& b, const Isometry3d& X_AB) {
+  const double rounding = roundingOf(a, b);
+  const PairDistance gap = convexGap(a, b, X_AB, rounding);
+  return gap.certainty != Certainty::DEGRADED && gap.distance > rounding;
 }
 
 }  // namespace
 
 bool hullsMiss(const Prepared& A, const Prepared& B, const Isometry3d& X_AB) {
-  const double rounding = roundingOf(A, B);
-  const PairDistance gap = convexGap(A.core, B.core, X_AB, rounding);
-  return gap.certainty != Certainty::DEGRADED && gap.distance > rounding;
+  return coresMiss(A.core, B.core, X_AB);
+}
+
+bool hullMisses(const Prepared& A, const Vector3d& p_AQ) {
+  Isometry3d X_AQ = Isometry3d::Identity();
+  X_AQ.translation() = p_AQ;
+  return coresMiss(A.core, ConvexCore{}, X_AQ);
 }
 
 HullBounds boundsFromHulls(const Prepared& A, const Prepared& B, const Isometry3d& X_AB,
                            double max_distance) {
   using Outcome = HullBounds::Outcome;
-  const double rounding = roundingOf(A, B);
+  const double rounding = roundingOf(A.core, B.core);
   HullBounds bounds;
-  bounds.hulls = convexGap(A.core, B.core, X_AB, max_distance + rounding);
+  bounds.hulls = convexGap(A.core, B.core, X_AB, max_distance + rounding, &bounds.overlap);
   if (bounds.hulls.certainty == Certainty::BEYOND) {
     bounds.outcome = Outcome::BEYOND;
     bounds.hulls.distance -= rounding;

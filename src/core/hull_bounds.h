@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 
 #include "collision_pairs/narrow_phase.h"
+#include "convex_distance.h"
 #include "prepared_shape.h"
 
 namespace collision_pairs {
@@ -20,7 +21,8 @@ struct HullBounds {
   };
   Outcome outcome = Outcome::OPEN;
   PairDistance hulls;
-  double upper = 0.0;  ///< metres; the distance of two points of the solids
+  double upper = 0.0;   ///< metres; the distance of two points of the solids
+  CoreOverlap overlap;  ///< of the hulls, where they meet
 };
 
 /// At least one of the two is a mesh that is not convex; neither is a half-space.
@@ -31,5 +33,8 @@ HullBounds boundsFromHulls(const Prepared& A, const Prepared& B, const Eigen::Is
 
 /// Do even the hulls miss each other?
 bool hullsMiss(const Prepared& A, const Prepared& B, const Eigen::Isometry3d& X_AB);
+
+/// Is the point outside of the hull for certain?
+bool hullMisses(const Prepared& A, const Eigen::Vector3d& p_AQ);
 
 }  // namespace collision_pairs

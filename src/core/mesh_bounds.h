@@ -16,7 +16,7 @@ struct MeshBounds {
   /// `corners` of the mesh's hull, which encloses the mesh when grown by `margin` (metres).
   MeshBounds(const std::vector<Eigen::Vector3d>& corners, double margin);
 
-  /// Cost: about 1 ns a point that is left.
+  /// Cost: less than 1 ns a point that is left.
   Aabb boxAt(const Eigen::Isometry3d& X_WE) const;
 
   Eigen::Vector3d center;  ///< what the points are relative to, in E

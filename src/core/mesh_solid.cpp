@@ -235,14 +235,4 @@ MeshSolid findSolid(const TriangleMesh& mesh) {
   return solid;
 }
 
-double solidAngle(const Eigen::Vector3d& p, const Eigen::Vector3d& a, const Eigen::Vector3d& b,
-                  const Eigen::Vector3d& c) {
-  constexpr double TWO_PI = 6.283185307179586;
-  const Eigen::Vector3d x = a - p, y = b - p, z = c - p;
-  const double nx = x.norm(), ny = y.norm(), nz = z.norm();
-  const double volume = x.dot(y.cross(z));
-  const double below = nx * ny * nz + x.dot(y) * nz + y.dot(z) * nx + z.dot(x) * ny;
-  return std::atan2(volume, below) / TWO_PI;
-}
-
 }  // namespace collision_pairs

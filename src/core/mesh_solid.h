@@ -29,10 +29,4 @@ struct MeshSolid {
 /// Cost: O(n log n).
 MeshSolid findSolid(const TriangleMesh& mesh);
 
-/// Signed solid angle of the triangle abc seen from p, as a fraction of the full sphere: summed
-/// over a closed surface that faces outwards it is 1 inside and 0 outside.
-/// van Oosterom, Strackee, "The solid angle of a plane triangle" (1983).
-double solidAngle(const Eigen::Vector3d& p, const Eigen::Vector3d& a, const Eigen::Vector3d& b,
-                  const Eigen::Vector3d& c);
-
 }  // namespace collision_pairs

@@ -18,8 +18,10 @@
 #include <exception>
 
 #include "closed_forms.h"
+#include "surface_contact.h"
 #include "convex_distance.h"
 #include "hull_bounds.h"
+#include "mesh_insides.h"
 #include "mesh_query.h"
 #include "replay.h"
 
@@ -73,17 +75,13 @@ bool convexTouch(const Prepared& A, const Prepared& B, const Isometry3d& X_AB,
   return result.touches();
 }
 
-// Is the convex B, whose surface does not meet A's, inside A?
-bool meshHoldsConvex(const PreparedMesh& A, const Prepared& B, const Isometry3d& X_AB) {
-  return A.solid.holds(X_AB * B.core.center);
-}
-
 double scaleOf(const Prepared& shape) { return shape.core.extent + shape.core.radius; }
 
 }  // namespace
 
 struct NarrowPhase::Scratch {
   MeshQuery query;
+  SurfaceContact contacts;
   std::uint64_t num_degraded = 0;
   DegradedSink sink;
   MeshContacts mesh_contacts = MeshContacts::OWN_TREE;
@@ -101,7 +99,7 @@ struct NarrowPhase::Scratch {
       const auto index = static_cast<std::uint32_t>(answer.triangle_a);
       if (improveByTriangles(triangleOf(*A.triangles, index), t, best)) return true;
     }
-    return !query.meshMesh(A, B, X_AB, 0.0).beyond;
+    return contacts.surfacesMeet(A, B, X_AB);
   }
 
   bool touches(const Prepared& A, const Prepared& B, const Isometry3d& X_AB, PairDistance& result) {
@@ -110,20 +108,22 @@ struct NarrowPhase::Scratch {
     if (hullsMiss(A, B, X_AB)) return false;
     const Isometry3d X_BA = X_AB.inverse(Eigen::Isometry);
     if (A.mesh && B.mesh) {
-      if (squaredBoxGap(A.box, B.box, X_AB.linear(), X_AB.translation()) > 0.0) return false;
-      return surfacesTouch(*A.mesh, *B.mesh, X_AB) ||
-             MeshQuery::meshHoldsMesh(*A.mesh, *B.mesh, X_AB) ||
-             MeshQuery::meshHoldsMesh(*B.mesh, *A.mesh, X_BA);
+      if (squaredBoxGap(A.box, B.box.movedBy(X_AB)) > 0.0) return false;
+      return surfacesTouch(*A.mesh, *B.mesh, X_AB) || meshHoldsMesh(A, B, X_AB) ||
+             meshHoldsMesh(B, A, X_BA);
     }
     const Prepared& M = A.mesh ? A : B;
     const Prepared& C = A.mesh ? B : A;
     const Isometry3d& X_MC = A.mesh ? X_AB : X_BA;
-    return !query.meshConvex(*M.mesh, C, X_MC, 0.0).beyond || meshHoldsConvex(*M.mesh, C, X_MC);
+    return !query.meshConvex(*M.mesh, C, X_MC, 0.0).beyond || meshHoldsConvex(M, C, X_MC);
   }
 
   // The shortest translation that separates the hulls: an upper bound of the depth.
-  static PairDistance hullDepth(const Prepared& A, const Prepared& B, const Isometry3d& X_AB) {
-    PairDistance result = convexPair(A, B, X_AB, std::numeric_limits<double>::infinity());
+  static PairDistance hullDepth(const Prepared& A, const Prepared& B, const Isometry3d& X_AB,
+                                const CoreOverlap& overlap) {
+    PairDistance result = overlap.found()
+                              ? convexDepth(A.core, B.core, X_AB, overlap)
+                              : convexPair(A, B, X_AB, std::numeric_limits<double>::infinity());
     if (result.distance > 0.0) result.distance = 0.0;
     if (result.certainty == Certainty::EXACT) result.certainty = Certainty::BOUND;
     return result;
@@ -158,42 +158,57 @@ struct NarrowPhase::Scratch {
     return result;
   }
 
-  // `hulls_meet`: one may hold the other, or a part of it.
+  // What is left to say of surfaces that do not meet where contacts are all that is asked for.
+  static SurfaceGap noContact() {
+    SurfaceGap gap;
+    gap.distance = std::numeric_limits<double>::denorm_min();
+    return gap;
+  }
+
+  // Where the hulls meet, one solid may hold the other, or a part of it.
   PairDistance meshMesh(const Prepared& A, const Prepared& B, const Isometry3d& X_AB,
-                        double max_distance, bool hulls_meet) {
+                        double max_distance, const HullBounds& bounds) {
+    const bool hulls_meet = bounds.outcome == HullBounds::Outcome::OPEN;
+    const Vector3d* nhat_AB_A = hulls_meet ? nullptr : &bounds.hulls.nhat_AB_A;
     // Contact first: it is found by splitting boxes, much sooner than by measuring.
-    if (hulls_meet && !query.meshMesh(*A.mesh, *B.mesh, X_AB, 0.0).beyond) {
-      return hullDepth(A, B, X_AB);
+    if (hulls_meet && contacts.surfacesMeet(*A.mesh, *B.mesh, X_AB)) {
+      return hullDepth(A, B, X_AB, bounds.overlap);
     }
-    const SurfaceGap gap = query.meshMesh(*A.mesh, *B.mesh, X_AB, max_distance);
+    const SurfaceGap gap = hulls_meet && max_distance == 0.0
+                               ? noContact()
+                               : query.meshMesh(*A.mesh, *B.mesh, X_AB, max_distance, nhat_AB_A);
     const bool apart = gap.beyond || gap.distance > 0.0;
     const auto oneHoldsTheOther = [&] {
-      return MeshQuery::meshHoldsMesh(*A.mesh, *B.mesh, X_AB) ||
-             MeshQuery::meshHoldsMesh(*B.mesh, *A.mesh, X_AB.inverse(Eigen::Isometry));
+      return meshHoldsMesh(A, B, X_AB) || meshHoldsMesh(B, A, X_AB.inverse(Eigen::Isometry));
     };
     if (!apart || (hulls_meet && oneHoldsTheOther())) {
-      return hullDepth(A, B, X_AB);
+      return hullDepth(A, B, X_AB, bounds.overlap);
     }
     if (gap.beyond || gap.by_hulls) return withoutTriangles(gap);
     PairDistance result;
     const Triangle a = triangleOf(*A.mesh->triangles, gap.triangle_a);
     const Triangle b = triangleOf(*B.mesh->triangles, gap.triangle_b);
-    setNormal(gap, triangleCore(a), triangleCore(b), X_AB, result);
+    setNormal(gap, cornersCore(a.v), cornersCore(b.v), X_AB, result);
     return result;
   }
 
   PairDistance meshConvex(const Prepared& A, const Prepared& B, const Isometry3d& X_AB,
-                          double max_distance, bool hulls_meet) {
+                          double max_distance, const HullBounds& bounds) {
+    const bool hulls_meet = bounds.outcome == HullBounds::Outcome::OPEN;
     if (hulls_meet && !query.meshConvex(*A.mesh, B, X_AB, 0.0).beyond) {
-      return hullDepth(A, B, X_AB);
+      return hullDepth(A, B, X_AB, bounds.overlap);
     }
-    const SurfaceGap gap = query.meshConvex(*A.mesh, B, X_AB, max_distance);
+    const SurfaceGap gap = hulls_meet && max_distance == 0.0
+                               ? noContact()
+                               : query.meshConvex(*A.mesh, B, X_AB, max_distance);
     const bool apart = gap.beyond || gap.distance > 0.0;
-    if (!apart || (hulls_meet && meshHoldsConvex(*A.mesh, B, X_AB))) return hullDepth(A, B, X_AB);
+    if (!apart || (hulls_meet && meshHoldsConvex(A, B, X_AB))) {
+      return hullDepth(A, B, X_AB, bounds.overlap);
+    }
     if (gap.beyond || gap.by_hulls) return withoutTriangles(gap);
     PairDistance result;
     const Triangle a = triangleOf(*A.mesh->triangles, gap.triangle_a);
-    setNormal(gap, triangleCore(a), B.core, X_AB, result);
+    setNormal(gap, cornersCore(a.v), B.core, X_AB, result);
     return result;
   }
 
@@ -211,13 +226,15 @@ struct NarrowPhase::Scratch {
       bounds.hulls.by_hulls = true;
       return bounds.hulls;
     }
-    const bool hulls_meet = bounds.outcome == Outcome::OPEN;
     // A little more than the bound, which rounding may have put below the distance itself.
-    if (!hulls_meet) max_distance = std::min(max_distance, bounds.upper * (1.0 + 1e-12));
-    if (A.mesh && B.mesh) return meshMesh(A, B, X_AB, max_distance, hulls_meet);
-    if (A.mesh) return meshConvex(A, B, X_AB, max_distance, hulls_meet);
+    if (bounds.outcome == Outcome::APART) {
+      max_distance = std::min(max_distance, bounds.upper * (1.0 + 1e-12));
+    }
+    if (A.mesh && B.mesh) return meshMesh(A, B, X_AB, max_distance, bounds);
+    if (A.mesh) return meshConvex(A, B, X_AB, max_distance, bounds);
+    bounds.overlap = {};  // of A - B, where the mesh comes first below
     const Isometry3d X_BA = X_AB.inverse(Eigen::Isometry);
-    return exchanged(meshConvex(B, A, X_BA, max_distance, hulls_meet), X_AB);
+    return exchanged(meshConvex(B, A, X_BA, max_distance, bounds), X_AB);
   }
 
   void report(const Prepared& A, const Prepared& B, const Isometry3d& X_AB, double max_distance) {

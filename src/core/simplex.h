@@ -33,6 +33,13 @@ bool sameSign(T a, T b) {
   return (a > T(0) && b > T(0)) || (a < T(0) && b < T(0));
 }
 
+template <class T>
+int largestAxis(const Vec3<T>& d) {
+  using std::abs;
+  const int axis = abs(d[1]) > abs(d[0]) ? 1 : 0;
+  return abs(d[2]) > abs(d[axis]) ? 2 : axis;
+}
+
 /// Coordinates of the closest point of the segment w0 w1.
 template <class T>
 std::array<T, 4> closestOnSegment(const Vec3<T>& w0, const Vec3<T>& w1) {
@@ -61,8 +68,7 @@ std::array<T, 4> closestOnTriangle(const std::array<Vec3<T>, 3>& w) {
   T total(0);
   if (squared > T(0)) {
     const Vec3<T> foot = normal * (w[0].dot(normal) / squared);
-    int drop;
-    normal.cwiseAbs().maxCoeff(&drop);
+    const int drop = largestAxis(normal);
     const int x = (drop + 1) % 3, y = (drop + 2) % 3;
     for (int i = 0; i < 3; ++i) {
       const Vec3<T> p = w[(i + 1) % 3] - foot, q = w[(i + 2) % 3] - foot;
@@ -121,27 +127,36 @@ std::array<T, 4> closestOnTetrahedron(const std::array<Vec3<T>, 4>& w) {
 
 }  // namespace simplex_detail
 
-/// Sets the barycentric coordinates of the point closest to the origin, and drops the vertices
-/// that it does not need. Four vertices stay only if the origin is inside.
+/// Barycentric coordinates of the point closest to the origin, of the first `size` vertices. Four
+/// are positive only if the origin is inside; none if rounding left no answer.
 template <class T>
-void reduceToClosest(Simplex<T>& simplex) {
+std::array<T, 4> closestCoordinates(const std::array<DifferencePoint<T>, 4>& v, int size) {
   using namespace simplex_detail;
-  const auto& v = simplex.vertex;
-  std::array<T, 4> lambda{T(1)};
-  if (simplex.size == 2) lambda = closestOnSegment(v[0].w, v[1].w);
-  if (simplex.size == 3) {
-    lambda = closestOnTriangle(std::array<Vec3<T>, 3>{v[0].w, v[1].w, v[2].w});
+  if (size == 4) {
+    return closestOnTetrahedron(std::array<Vec3<T>, 4>{v[0].w, v[1].w, v[2].w, v[3].w});
   }
-  if (simplex.size == 4) {
-    lambda = closestOnTetrahedron(std::array<Vec3<T>, 4>{v[0].w, v[1].w, v[2].w, v[3].w});
-  }
+  if (size == 3) return closestOnTriangle(std::array<Vec3<T>, 3>{v[0].w, v[1].w, v[2].w});
+  if (size == 2) return closestOnSegment(v[0].w, v[1].w);
+  return {T(1)};
+}
+
+/// Drops the vertices whose coordinate is not positive.
+template <class T>
+void reduceTo(const std::array<T, 4>& lambda, int size, Simplex<T>& simplex) {
   int kept = 0;
-  for (int i = 0; i < simplex.size; ++i) {
+  for (int i = 0; i < size; ++i) {
     if (!(lambda[i] > T(0))) continue;
     if (kept != i) simplex.vertex[kept] = simplex.vertex[i];
     simplex.lambda[kept++] = lambda[i];
   }
   simplex.size = kept;
+}
+
+/// Sets the coordinates of the point closest to the origin, and drops the vertices that it does
+/// not need.
+template <class T>
+void reduceToClosest(Simplex<T>& simplex) {
+  reduceTo(closestCoordinates(simplex.vertex, simplex.size), simplex.size, simplex);
 }
 
 }  // namespace collision_pairs

@@ -2,11 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace collision_pairs {
 namespace {
 
 using Eigen::Vector3d;
+
+// Far above what rounding does to a height, relative to what it is computed from; squared.
+constexpr double PLANE_ROUNDING = 1e-18;
 
 Vector3d closestOnSegment(const Vector3d& a, const Vector3d& b, const Vector3d& p) {
   const Vector3d edge = b - a;
@@ -120,6 +124,21 @@ Vector3d closestOnTriangle(const Triangle& triangle, const Vector3d& p) {
   }
   if (squared >= 0.0) return closest;
   return p - triangle.normal.dot(p - v[0]) * triangle.normal;
+}
+
+bool planeKeepsApart(const Corners& a, const Corners& b, double squared_limit) {
+  const Vector3d first = a[1] - a[0], second = a[2] - a[0], normal = first.cross(second);
+  double low = std::numeric_limits<double>::infinity(), high = -low, squared_reach = 0.0;
+  for (const Vector3d& corner : b) {
+    const Vector3d r = corner - a[0];
+    low = std::min(low, normal.dot(r));
+    high = std::max(high, normal.dot(r));
+    squared_reach = std::max(squared_reach, r.squaredNorm());
+  }
+  const double apart = std::max(low, -high);
+  // Of the edges' lengths rather than the normal's: a sliver's normal is mostly rounding.
+  const double scale = first.squaredNorm() * second.squaredNorm();
+  return apart > 0.0 && apart * apart > scale * (PLANE_ROUNDING * squared_reach + squared_limit);
 }
 
 bool improveByTriangles(const Triangle& a, const Triangle& b, ClosestPoints& best) {

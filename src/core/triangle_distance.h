@@ -8,11 +8,14 @@
 
 namespace collision_pairs {
 
+using Corners = std::array<Eigen::Vector3d, 3>;
+
 /// A triangle with its unit normal (zero if it has no area), taken from its two shortest edges
 /// because that is the most accurate.
 struct Triangle {
   Triangle(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c);
-  std::array<Eigen::Vector3d, 3> v;
+  explicit Triangle(const Corners& corners) : Triangle(corners[0], corners[1], corners[2]) {}
+  Corners v;
   Eigen::Vector3d normal;
 };
 
@@ -25,6 +28,10 @@ struct ClosestPoints {
 
 /// The point of the triangle that is closest to p.
 Eigen::Vector3d closestOnTriangle(const Triangle& triangle, const Eigen::Vector3d& p);
+
+/// Is b on one side of the plane of a, for certain and further from it than `limit` (squared)?
+/// False says nothing. Cost: about 5 ns, without the root and the divisions of a normal.
+bool planeKeepsApart(const Corners& a, const Corners& b, double squared_limit);
 
 /// True, with `best` replaced, if the triangles are closer to each other than best.squared; 0 if
 /// they meet. Errors are a few units in the last place of the largest coordinate difference.

@@ -1,6 +1,7 @@
 #include "triangle_tree.h"
 
 #include <algorithm>
+#include <limits>
 #include <numeric>
 
 #include <Eigen/Eigenvalues>
@@ -11,21 +12,7 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-double squaredExcess(const Vector3d& apart, const Vector3d& reach) {
-  return (apart.cwiseAbs() - reach).cwiseMax(0.0).squaredNorm();
-}
-
 }  // namespace
-
-double squaredBoxGap(const OrientedBox& a, const OrientedBox& b, const Matrix3d& R,
-                     const Vector3d& p) {
-  const Matrix3d R_ab = a.R.transpose() * (R * b.R);
-  const Vector3d t = a.R.transpose() * (R * b.center + p - a.center);
-  const Matrix3d reach = R_ab.cwiseAbs();
-  const double along_a = squaredExcess(t, a.half + reach * b.half);
-  const double along_b = squaredExcess(R_ab.transpose() * t, b.half + reach.transpose() * a.half);
-  return std::max(along_a, along_b);
-}
 
 struct TriangleTree::Builder {
   explicit Builder(const TriangleMesh& the_mesh) : mesh(the_mesh), order(mesh.triangles.size()) {
@@ -115,22 +102,78 @@ struct TriangleTree::Builder {
     return half;
   }
 
-  // `patched`: a node above is the root of a patch.
-  void build(std::uint32_t index, std::uint32_t begin, std::uint32_t end, bool patched) {
-    const OrientedBox whole = box(begin, end);
-    std::uint32_t patch = NO_PATCH;
-    if (!patched && end - begin <= PATCH_TRIANGLES) patch = addPatch(begin, end);
-    patched |= patch != NO_PATCH;
-    if (end - begin == 1) {
-      nodes[index] = {whole, order[begin], true, patch, false};
+  struct Part {
+    Part(const Builder& builder, std::uint32_t the_begin, std::uint32_t the_end)
+        : box(builder.box(the_begin, the_end)), begin(the_begin), end(the_end) {}
+    std::uint32_t size() const { return end - begin; }
+    OrientedBox box;
+    std::uint32_t begin, end;
+  };
+
+  std::vector<Part> halves(const Part& part) {
+    const std::uint32_t cut = split(part.box, part.begin, part.end);
+    return {Part(*this, part.begin, cut), Part(*this, cut, part.end)};
+  }
+
+  std::vector<Part> quarters(const Part& part, std::uint32_t enough) {
+    std::vector<Part> parts;
+    for (const Part& half : halves(part)) {
+      const std::vector<Part> pieces = half.size() <= enough ? std::vector{half} : halves(half);
+      parts.insert(parts.end(), pieces.begin(), pieces.end());
+    }
+    return parts;
+  }
+
+  struct Root {
+    std::uint32_t index;
+    Part part;
+  };
+
+  // Splits down to parts of at most `enough` triangles, which are appended to `ends` if it is
+  // given.
+  void grow(const Root& root, std::uint32_t enough, std::vector<Root>* ends) {
+    const auto& [index, whole] = root;
+    setLane(whole.box, static_cast<int>(index % BOX_LANES), blocks[index / BOX_LANES]);
+    nodes[index].size = whole.box.size();
+    nodes[index].children = order[whole.begin];
+    if (whole.size() <= enough) {
+      if (ends != nullptr) ends->push_back(root);
       return;
     }
-    const auto child = static_cast<std::uint32_t>(nodes.size());
-    nodes.resize(nodes.size() + 2);
-    nodes[index] = {whole, child, false, patch, !patched};
-    const std::uint32_t cut = split(whole, begin, end);
-    build(child, begin, cut, patched);
-    build(child + 1, cut, end, patched);
+    const std::vector<Part> parts = quarters(whole, enough);
+    const std::uint32_t first = addBlock();
+    nodes[index].children = first;
+    nodes[index].nb_children = static_cast<std::uint8_t>(parts.size());
+    for (std::uint32_t i = 0; i < parts.size(); ++i) grow({first + i, parts[i]}, enough, ends);
+  }
+
+  // The nodes above the patches come first, so that they are near each other in memory.
+  void build() {
+    const auto nb_triangles = static_cast<std::uint32_t>(mesh.triangles.size());
+    std::vector<Root> patch_roots;
+    reserve(nb_triangles);
+    grow({addBlock(), Part(*this, 0, nb_triangles)}, PATCH_TRIANGLES, &patch_roots);
+    nb_upper = nodes.size();
+    for (Node& node : nodes) node.above_patches = !node.isLeaf();
+    for (const Root& root : patch_roots) {
+      nodes[root.index].patch = addPatch(root.part.begin, root.part.end);
+      grow(root, 1, nullptr);
+    }
+  }
+
+  // About what is used: half a block and one point a triangle. What is not costs no memory.
+  void reserve(std::size_t nb_triangles) {
+    blocks.reserve(nb_triangles * 3 / 5 + 1);
+    nodes.reserve(BOX_LANES * blocks.capacity());
+    patch_points.reserve(nb_triangles);
+    patch_blocks.reserve(nb_triangles / 6 + 1);
+  }
+
+  std::uint32_t addBlock() {
+    const auto first = static_cast<std::uint32_t>(nodes.size());
+    nodes.resize(nodes.size() + BOX_LANES);
+    blocks.emplace_back();
+    return first;
   }
 
   std::uint32_t addPatch(std::uint32_t begin, std::uint32_t end) {
@@ -142,13 +185,21 @@ struct TriangleTree::Builder {
     std::sort(corners.begin(), corners.end());
     corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
     Patch patch{static_cast<std::uint32_t>(patch_points.size()),
-                static_cast<std::uint32_t>(corners.size()), Vector3d::Zero(), 0.0};
+                static_cast<std::uint32_t>(corners.size()),
+                static_cast<std::uint32_t>(patch_blocks.size()),
+                0,
+                Vector3d::Zero(),
+                0.0};
     const auto count = static_cast<double>(corners.size());
     for (const std::uint32_t vertex : corners) patch.center += corner(vertex) / count;
+    std::vector<Vector3d> points;
     for (const std::uint32_t vertex : corners) {
-      patch_points.push_back(corner(vertex));
+      points.push_back(corner(vertex));
       patch.extent = std::max(patch.extent, (corner(vertex) - patch.center).norm());
     }
+    patch_points.insert(patch_points.end(), points.begin(), points.end());
+    appendBlocks(points, patch_blocks);
+    patch.nb_blocks = static_cast<std::uint32_t>(patch_blocks.size()) - patch.first_block;
     patches.push_back(patch);
     return static_cast<std::uint32_t>(patches.size()) - 1;
   }
@@ -157,18 +208,22 @@ struct TriangleTree::Builder {
   std::vector<std::uint32_t> order;
   std::vector<Vector3d> centroid;
   std::vector<Node> nodes;
+  std::vector<BoxBlock> blocks;
   std::vector<Patch> patches;
   std::vector<Vector3d> patch_points;
+  std::vector<PointBlock> patch_blocks;
+  std::size_t nb_upper = 0;
 };
 
 TriangleTree::TriangleTree(const TriangleMesh& mesh) {
   Builder builder(mesh);
-  builder.nodes.reserve(2 * mesh.triangles.size());
-  builder.nodes.resize(1);
-  builder.build(0, 0, static_cast<std::uint32_t>(mesh.triangles.size()), false);
+  builder.build();
   nodes_ = std::move(builder.nodes);
+  blocks_ = std::move(builder.blocks);
   patches_ = std::move(builder.patches);
   patch_points_ = std::move(builder.patch_points);
+  patch_blocks_ = std::move(builder.patch_blocks);
+  nb_upper_ = builder.nb_upper;
 }
 
 ConvexCore TriangleTree::patchCore(std::uint32_t index) const {
@@ -177,9 +232,26 @@ ConvexCore TriangleTree::patchCore(std::uint32_t index) const {
   core.kind = ConvexCore::Kind::POINTS;
   core.points = &patch_points_[patch.first_point];
   core.num_points = static_cast<int>(patch.nb_points);
+  core.blocks = &patch_blocks_[patch.first_block];
   core.center = patch.center;
   core.extent = patch.extent;
   return core;
+}
+
+void TriangleTree::reaches(const Vector3d& direction, std::vector<double>& reach) const {
+  reach.assign(nb_upper_, -std::numeric_limits<double>::infinity());
+  for (std::size_t i = nb_upper_; i-- > 0;) {  // children have larger indices than their parents
+    const Node& node = nodes_[i];
+    if (node.isPatch()) {
+      const Patch& patch = patches_[node.patch];
+      reach[i] =
+          furthestInBlocks(&patch_blocks_[patch.first_block], patch.nb_blocks, direction).height;
+    } else {
+      for (std::uint32_t k = 0; k < node.nb_children; ++k) {
+        reach[i] = std::max(reach[i], reach[node.children + k]);
+      }
+    }
+  }
 }
 
 }  // namespace collision_pairs

@@ -3,19 +3,15 @@
 // in a shared function.
 #pragma once
 
+#include "point_block.h"
+
 namespace collision_pairs {
-
-constexpr int POINT_LANES = 4;
-
-struct alignas(POINT_LANES * sizeof(double)) PointBlock {
-  double xyz[3][POINT_LANES];
-};
 
 /// R is column-major. `count` is at least 1.
 using ExtentLoop = void (*)(const PointBlock* blocks, unsigned long count, const double* R,
                             double* lower, double* upper);
 
-/// `Lanes` holds `WIDTH` doubles, 2 or 4.
+/// `Lanes` holds `WIDTH` doubles, 2, 4 or 8.
 template <class Lanes, int WIDTH>
 void extentLoop(const PointBlock* blocks, unsigned long count, const double* R, double* lower,
                 double* upper) {
@@ -36,13 +32,14 @@ void extentLoop(const PointBlock* blocks, unsigned long count, const double* R, 
       }
     }
   }
-  for (int row = 0; row < 3; ++row) {
-    lower[row] = low[row][0];
-    upper[row] = high[row][0];
+  for (int row = 0; row < 3; ++row) {  // as selections: branches would be guessed wrong
+    double least = low[row][0], most = high[row][0];
     for (int lane = 1; lane < WIDTH; ++lane) {
-      if (low[row][lane] < lower[row]) lower[row] = low[row][lane];
-      if (high[row][lane] > upper[row]) upper[row] = high[row][lane];
+      least = low[row][lane] < least ? low[row][lane] : least;
+      most = high[row][lane] > most ? high[row][lane] : most;
     }
+    lower[row] = least;
+    upper[row] = most;
   }
 }
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mesh_solid.h"
+#include "solid_angle.h"
 
 namespace collision_pairs {
 namespace {
@@ -73,11 +73,11 @@ void WindingNumber::build(std::uint32_t begin, std::uint32_t end) {
 
 double WindingNumber::exact(const Eigen::Vector3d& p_MQ, std::uint32_t begin,
                             std::uint32_t end) const {
-  double sum = 0.0;
+  SolidAngleSum sum(p_MQ);
   for (std::uint32_t i = begin; i < end; ++i) {
-    sum += solidAngle(p_MQ, corners_[i][0], corners_[i][1], corners_[i][2]);
+    sum.add(corners_[i][0], corners_[i][1], corners_[i][2]);
   }
-  return sum;
+  return sum.total();
 }
 
 bool WindingNumber::holds(const Eigen::Vector3d& p_MQ) const {

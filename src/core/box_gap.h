@@ -1,0 +1,46 @@
+// Oriented boxes, alone and four at a time, and lower bounds of how far apart they are.
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include "box_gap_loop.h"
+
+namespace collision_pairs {
+
+/// A box with its own axes: centre and axes (the columns of R) in the frame of its owner.
+struct OrientedBox {
+  Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();
+  Eigen::Vector3d half = Eigen::Vector3d::Zero();
+
+  double size() const { return half.maxCoeff(); }
+  OrientedBox movedBy(const Eigen::Isometry3d& X) const {
+    return {X.linear() * R, X * center, half};
+  }
+};
+
+/// Square of a lower bound of the distance of two boxes in one frame: the larger of the distances
+/// between each box and the other's enclosing box along its axes. 0 does not mean that they meet.
+/// Cost: about 20 ns.
+double squaredBoxGap(const OrientedBox& a, const OrientedBox& b);
+
+/// The lanes of a block, one by one.
+OrientedBox boxInLane(const BoxBlock& block, int lane);
+void setLane(const OrientedBox& box, int lane, BoxBlock& block);
+
+/// One number for each box of a block; any number for lanes that hold no box.
+struct alignas(BOX_LANES * sizeof(double)) FourGaps {
+  double of[BOX_LANES];
+};
+
+/// squaredBoxGap() of each box of the block and `box`. Cost: about 11 ns for all four with AVX2,
+/// which is chosen at run time.
+FourGaps squaredBoxGaps(const BoxBlock& block, const OrientedBox& box);
+/// The same for the box in a lane of another block, moved by X. Cost: 5 ns more.
+FourGaps squaredBoxGaps(const BoxBlock& block, const BoxBlock& other, int lane,
+                        const Eigen::Isometry3d& X);
+/// The squared distances of a point from the boxes.
+FourGaps squaredPointGaps(const BoxBlock& block, const Eigen::Vector3d& point);
+
+}  // namespace collision_pairs

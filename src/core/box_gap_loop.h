@@ -1,0 +1,105 @@
+// The loops of BoxBlock, for any width of the compiler's generic vectors. Includes nothing of the
+// C++ library, so that a file compiled for newer processors leaves no code of theirs in a shared
+// function.
+#pragma once
+
+namespace collision_pairs {
+
+constexpr int BOX_LANES = 4;
+
+/// Four oriented boxes as structure of arrays; of a matrix, column by column.
+struct alignas(BOX_LANES * sizeof(double)) BoxBlock {
+  double R[9][BOX_LANES];
+  double center[3][BOX_LANES];
+  double half[3][BOX_LANES];
+};
+
+/// The gap kernels for one kind of processor; see squaredGaps().
+struct BoxGapLoops {
+  void (*box)(const BoxBlock& block, const double* R, const double* center, const double* half,
+              double* squared);
+  void (*moved_box)(const BoxBlock& block, const BoxBlock& other, int lane, const double* X,
+                    double* squared);
+  void (*point)(const BoxBlock& block, const double* point, double* squared);
+};
+
+/// `Lanes` holds `WIDTH` doubles, 2 or 4; `Bits` as many integers of the same size.
+template <class Lanes, class Bits, int WIDTH>
+struct BoxGapLoop {
+  static Lanes load(const double* lanes) { return *reinterpret_cast<const Lanes*>(lanes); }
+  static Lanes absolute(Lanes x) {
+    return reinterpret_cast<Lanes>(reinterpret_cast<Bits>(x) & 0x7fffffffffffffffLL);
+  }
+  static Lanes squaredExcess(Lanes apart, Lanes reach) {
+    const Lanes excess = absolute(apart) - reach;
+    const Lanes outside = excess > 0.0 ? excess : Lanes{};
+    return outside * outside;
+  }
+
+  static void box(const BoxBlock& block, const double* R, const double* center, const double* half,
+                  double* squared) {
+    double columns[4][4];
+    for (int j = 0; j < 4; ++j) {
+      for (int i = 0; i < 3; ++i) columns[j][i] = j < 3 ? R[3 * j + i] : center[i];
+    }
+    boxOfColumns(block, columns, half, squared);
+  }
+
+  // columns: the box's three axes and its centre.
+  static void boxOfColumns(const BoxBlock& block, const double (*columns)[4], const double* half,
+                           double* squared) {
+    for (int part = 0; part < BOX_LANES; part += WIDTH) {
+      Lanes offset[3], along_b[3] = {}, reach_b[3] = {}, gap_a = {}, gap_b = {};
+      for (int k = 0; k < 3; ++k) offset[k] = columns[3][k] - load(block.center[k] + part);
+      for (int i = 0; i < 3; ++i) {  // axis i of the block's boxes
+        const Lanes x = load(block.R[3 * i] + part), y = load(block.R[3 * i + 1] + part),
+                    z = load(block.R[3 * i + 2] + part), half_a = load(block.half[i] + part);
+        const Lanes t = x * offset[0] + y * offset[1] + z * offset[2];
+        Lanes reach_a = half_a;
+        for (int j = 0; j < 3; ++j) {  // axis j of the other
+          const Lanes cosine = x * columns[j][0] + y * columns[j][1] + z * columns[j][2];
+          reach_a += absolute(cosine) * half[j];
+          reach_b[j] += absolute(cosine) * half_a;
+          along_b[j] += cosine * t;
+        }
+        gap_a += squaredExcess(t, reach_a);
+      }
+      for (int j = 0; j < 3; ++j) gap_b += squaredExcess(along_b[j], reach_b[j] + half[j]);
+      *reinterpret_cast<Lanes*>(squared + part) = gap_a > gap_b ? gap_a : gap_b;
+    }
+  }
+
+  // X: 4 by 4, column by column. Here and not before the call, because here it costs a few
+  // operations on four lanes.
+  static void movedBox(const BoxBlock& block, const BoxBlock& other, int lane, const double* X,
+                       double* squared) {
+    double columns[4][4], half[3];  // the box's axes and its centre, moved
+    for (int j = 0; j < 4; ++j) {
+      const double(*column)[BOX_LANES] = j < 3 ? other.R + 3 * j : other.center;
+      const double x = column[0][lane], y = column[1][lane], z = column[2][lane];
+      for (int i = 0; i < 4; ++i) {
+        columns[j][i] = X[i] * x + X[4 + i] * y + X[8 + i] * z + (j < 3 ? 0.0 : X[12 + i]);
+      }
+    }
+    for (int i = 0; i < 3; ++i) half[i] = other.half[i][lane];
+    boxOfColumns(block, columns, half, squared);
+  }
+
+  static void point(const BoxBlock& block, const double* point, double* squared) {
+    for (int part = 0; part < BOX_LANES; part += WIDTH) {
+      Lanes offset[3], gap = {};
+      for (int k = 0; k < 3; ++k) offset[k] = point[k] - load(block.center[k] + part);
+      for (int i = 0; i < 3; ++i) {
+        const Lanes t = load(block.R[3 * i] + part) * offset[0] +
+                        load(block.R[3 * i + 1] + part) * offset[1] +
+                        load(block.R[3 * i + 2] + part) * offset[2];
+        gap += squaredExcess(t, load(block.half[i] + part));
+      }
+      *reinterpret_cast<Lanes*>(squared + part) = gap;
+    }
+  }
+
+  static constexpr BoxGapLoops ALL{&box, &movedBox, &point};
+};
+
+}  // namespace collision_pairs

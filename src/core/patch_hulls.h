@@ -1,0 +1,48 @@
+// What the convex hulls of two pieces of surfaces say about their distance.
+#pragma once
+
+#include <limits>
+
+#include "prepared_shape.h"
+#include "triangle_distance.h"
+
+namespace collision_pairs {
+
+/// The closest points of two surfaces, in the first one's frame.
+struct SurfaceGap {
+  double distance = std::numeric_limits<double>::infinity();  ///< 0 if they meet
+  bool beyond = true;  ///< nothing within the limit; `distance` is a lower bound
+  Eigen::Vector3d p_ACa = Eigen::Vector3d::Zero();
+  Eigen::Vector3d p_ACb = Eigen::Vector3d::Zero();
+  bool by_hulls = false;  ///< of two patches: then there is a normal instead of two triangles
+  Eigen::Vector3d nhat_AB_A = Eigen::Vector3d::Zero();
+  std::uint32_t triangle_a = 0;
+  std::uint32_t triangle_b = 0;
+};
+
+/// The triangle with that index: its corners, these moved, and with its normal.
+Corners cornersOf(const TriangleMesh& mesh, std::uint32_t index);
+Corners moved(const Corners& corners, const Eigen::Isometry3d& X);
+Triangle triangleOf(const TriangleMesh& mesh, std::uint32_t index);
+/// A triangle as a convex shape that refers to its corners.
+ConvexCore cornersCore(const Corners& corners);
+
+enum class PatchOutcome {
+  SETTLED,     ///< too far apart to matter, or the hulls' closest points are on both surfaces
+  NOT_ON_A,    ///< the closest point of A's hull is not on its surface
+  NOT_ON_B,    ///< that of B's is not
+  HULLS_TOUCH  ///< or nearly
+};
+
+/// Compares the pieces of surface below nodes a and b, which are patches or triangles. Improves
+/// `best` and `gap` where their hulls settle it nearer. Cost: a GJK query of 0.2 to 0.5 us, and
+/// where it finds nothing that is too far the same again to look for the closest points.
+PatchOutcome comparePatches(const PreparedMesh& A, std::uint32_t a, const PreparedMesh& B,
+                            std::uint32_t b, const Eigen::Isometry3d& X_AB,
+                            const Eigen::Isometry3d& X_BA, ClosestPoints& best, SurfaceGap& gap);
+
+/// The same for a patch and a convex solid, which is always on its own surface.
+PatchOutcome comparePatch(const PreparedMesh& A, std::uint32_t a, const ConvexCore& B,
+                          const Eigen::Isometry3d& X_AB, SurfaceGap& gap);
+
+}  // namespace collision_pairs

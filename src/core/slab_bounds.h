@@ -1,0 +1,35 @@
+// How near to each other the parts of two surfaces can be, seen along one direction.
+#pragma once
+
+#include <vector>
+
+#include "prepared_shape.h"
+
+namespace collision_pairs {
+
+/// Lower bounds of the distance of the parts of two surfaces that are below two nodes of their
+/// trees: how far the one reaches along the direction, and where the other begins. Along the normal
+/// between their hulls this tells the few patches of two facing surfaces that can be nearest from
+/// all others, where boxes, which are as thick as their patch is bent, leave them to be measured.
+/// Keeps its memory from one pair to the next, nothing else.
+class SlabBounds {
+ public:
+  /// All bounds are 0.
+  void clear() { reach_a_.clear(); }
+  /// nhat_AB_A: unit, from A to B, in A's frame. Cost: about 10 ns a patch.
+  void set(const PreparedMesh& A, const PreparedMesh& B, const Eigen::Isometry3d& X_AB,
+           const Eigen::Vector3d& nhat_AB_A);
+
+  /// The bound, squared; 0 for nodes below patches. Cost: 2 ns.
+  double squaredGap(std::uint32_t a, std::uint32_t b) const {
+    if (a >= reach_a_.size() || b >= reach_b_.size()) return 0.0;
+    const double gap = offset_ - reach_a_[a] - reach_b_[b];
+    return gap > 0.0 ? gap * gap : 0.0;
+  }
+
+ private:
+  std::vector<double> reach_a_, reach_b_;  // of each node, along and against the direction
+  double offset_ = 0.0;                    // of the two frames along it, less rounding
+};
+
+}  // namespace collision_pairs
