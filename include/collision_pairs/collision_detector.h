@@ -89,9 +89,10 @@ class CollisionDetector {
   void measureInTime(const Deadline& deadline);
   void take(const BoxPair& pair, const PairDistance& found, Fidelity rung);
   void searchMinimum(const Deadline& deadline);
-  /// False where the time was spent first; nothing that is left is then nearer than `known`.
-  bool measureNearestFirst(const std::vector<BoxPair>& pairs, const Deadline& deadline,
-                           double& best, double& known);
+  /// But for those whose boxes are no further apart than `measured` (below 0: none). False where
+  /// the time was spent first; nothing that is left is then nearer than `known`.
+  bool measureNearestFirst(const std::vector<BoxPair>& pairs, double measured,
+                           const Deadline& deadline, double& best, double& known);
 
   std::shared_ptr<const CollisionScene> scene_;
   CheckSettings settings_;

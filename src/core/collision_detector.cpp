@@ -233,26 +233,28 @@ void CollisionDetector::searchMinimum(const Deadline& deadline) {
   // The empty scene and half-spaces have none that is finite.
   const double extent = all.valid() ? std::min((all.max - all.min).norm(), MAX_REACH) : 0.0;
   double known = settings_.alarm_distance;  // nothing nearer than this is still unknown
+  double measured = -1.0;  // pairs of boxes no further apart than this are done with
   bool in_time = true;
   for (double reach = std::max(2.0 * known, extent / 64.0); best > known && known < extent;
-       reach = std::min(std::max(4.0 * reach, 1e-300), MAX_REACH)) {
+       reach = std::min({std::max(4.0 * reach, 1e-300), best, MAX_REACH})) {
     in_time = !deadline.spent();
     if (!in_time) break;
     sweep(reach, reached_);
-    in_time = measureNearestFirst(reached_, deadline, best, known);
+    in_time = measureNearestFirst(reached_, measured, deadline, best, known);
     if (!in_time) break;
-    known = reach;
+    known = measured = reach;
   }
   report_.budget_spent |= !in_time;
   report_.min_distance = in_time ? best : std::min(best, known);
   report_.min_distance_is_bound = report_.min_distance == INF || (!in_time && known < best);
 }
 
-bool CollisionDetector::measureNearestFirst(const std::vector<BoxPair>& pairs,
+bool CollisionDetector::measureNearestFirst(const std::vector<BoxPair>& pairs, double measured,
                                             const Deadline& deadline, double& best, double& known) {
   by_gap_.clear();
   for (const BoxPair& pair : pairs) {
-    by_gap_.emplace_back(squaredGap(report_.boxes[pair.first], report_.boxes[pair.second]), pair);
+    const double gap = squaredGap(report_.boxes[pair.first], report_.boxes[pair.second]);
+    if (measured < 0.0 || gap > measured * measured) by_gap_.emplace_back(gap, pair);
   }
   std::sort(by_gap_.begin(), by_gap_.end());
   for (const auto& [squared_gap, pair] : by_gap_) {
