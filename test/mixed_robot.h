@@ -20,7 +20,8 @@ inline std::shared_ptr<const TriangleMesh> testMesh(const std::string& uri,
   return std::make_shared<const TriangleMesh>(mesh);
 }
 
-/// Links a, b, c, … that float freely: `rounds` of each of eight shapes, and one link with two of them.
+/// Links a, b, c, … that float freely: `rounds` of each of eight shapes, and one link with two of
+/// them.
 inline std::shared_ptr<const RobotModel> mixedRobot(int rounds = 1) {
   const std::string shapes[] = {
       "<box size='0.4 0.1 0.2'/>", "<cylinder radius='0.1' length='0.3'/>",

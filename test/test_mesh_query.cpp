@@ -2,11 +2,11 @@
 #include <CGAL/Triangle_3.h>
 #include <gtest/gtest.h>
 
-#include "surface_contact.h"
 #include "mesh_query.h"
 #include "mesh_solid.h"
 #include "random_inputs.h"
 #include "signed_distance_oracle.h"
+#include "surface_contact.h"
 #include "test_shapes.h"
 
 namespace collision_pairs {

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "surface_contact.h"
 #include "convex_distance.h"
+#include "surface_contact.h"
 
 namespace collision_pairs {
 namespace {

@@ -18,12 +18,12 @@
 #include <exception>
 
 #include "closed_forms.h"
-#include "surface_contact.h"
 #include "convex_distance.h"
 #include "hull_bounds.h"
 #include "mesh_insides.h"
 #include "mesh_query.h"
 #include "replay.h"
+#include "surface_contact.h"
 
 namespace collision_pairs {
 namespace {

@@ -25,7 +25,7 @@ double meetDistance(const OrientedBox& a, const OrientedBox& b, const Isometry3d
 // Children are written to the stack whether they overlap or not, and kept by moving its end: a
 // branch for each would be guessed wrong half of the time.
 void SurfaceContact::push(const NodePair& parent, bool of_a, const TriangleTree::Node& split,
-                         const FourGaps& gaps, double limit) {
+                          const FourGaps& gaps, double limit) {
   if (stack_.size() < size_ + BOX_LANES) stack_.resize(2 * stack_.size() + 64);
   for (std::uint32_t i = 0; i < BOX_LANES; ++i) {
     NodePair& place = stack_[size_];
@@ -38,7 +38,7 @@ void SurfaceContact::push(const NodePair& parent, bool of_a, const TriangleTree:
 // Boxes that overlap say nothing about which of them hold triangles that meet, so they are not put
 // in order, nor are hulls asked.
 bool SurfaceContact::surfacesMeet(const PreparedMesh& A, const PreparedMesh& B,
-                                 const Isometry3d& X_AB) {
+                                  const Isometry3d& X_AB) {
   const Isometry3d X_BA = X_AB.inverse(Eigen::Isometry);
   const OrientedBox box_a = A.tree.box(0), box_b = B.tree.box(0);
   if (squaredBoxGap(box_a, box_b.movedBy(X_AB)) > 0.0) return false;

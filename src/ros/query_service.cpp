@@ -52,9 +52,9 @@ QueryService::QueryService(const ros::NodeHandle& private_node, const tf2::Buffe
 }
 
 CollisionDetector& QueryService::detectorFor(const std::shared_ptr<const CollisionScene>& scene) {
-  const auto known =
-      std::find_if(detectors_.begin(), detectors_.end(),
-                   [&](const auto& detector) { return &detector->scene() == scene.get(); });
+  const auto known = std::find_if(detectors_.begin(), detectors_.end(), [&](const auto& detector) {
+    return &detector->scene() == scene.get();
+  });
   if (known != detectors_.end()) {
     std::rotate(known, known + 1, detectors_.end());
   } else {
