@@ -43,13 +43,49 @@ def test_one_file_knows_fcl():
     assert len(files) == 1, files
 
 
-def test_rooms_know_only_the_rooms_below():
-    below = {"src/core": set(), "src/io": {"src/core"}, "src/messages": {"src/core"},
-             "src/tools": {"src/messages", "src/io", "src/core"},
-             "src/ros": {"src/messages", "src/io", "src/core"}}
-    headers = {room: {n for n in os.listdir(os.path.join(PROJECT, room)) if n.endswith(".h")} for room in below}
+def headers_below(folder):
+    return {name for _, _, names in os.walk(os.path.join(PROJECT, folder)) for name in names if name.endswith(".h")}
+
+
+def assert_rooms_know_only(below):
+    """below: {room: the rooms whose headers it may include}."""
+    headers = {room: headers_below(room) for room in below}
     for room, allowed in below.items():
         for file, what in included_in(room):
             for other in headers:
                 if what in headers[other] and what not in headers[room]:
                     assert other in allowed, "%s includes %s of %s" % (file, what, other)
+
+
+def test_rooms_know_only_the_rooms_below():
+    assert_rooms_know_only({"src/core": set(), "src/io": {"src/core"}, "src/messages": {"src/core"},
+                            "src/tools": {"src/messages", "src/io", "src/core"},
+                            "src/ros": {"src/messages", "src/io", "src/core"}})
+
+
+# From the ground up. Public headers lie together in include/, so a room is also asked for the files
+# that implement what it includes.
+CORE_ROOMS = {"base": set(), "geometry": {"base"}, "broad_phase": {"base", "geometry"},
+              "narrow_phase": {"base", "geometry"}, "robot": {"base", "geometry"},
+              "scene": {"base", "geometry", "broad_phase", "narrow_phase", "robot"},
+              "check": {"base", "geometry", "broad_phase", "narrow_phase", "robot", "scene"},
+              "pair_statistics": {"base", "geometry", "narrow_phase", "robot", "scene", "check"}}
+
+
+def test_rooms_of_the_core_know_only_the_rooms_below():
+    assert_rooms_know_only({"src/core/" + room: {"src/core/" + other for other in below}
+                            for room, below in CORE_ROOMS.items()})
+
+
+def test_public_headers_of_a_room_are_included_from_the_rooms_above_only():
+    room_of = {os.path.splitext(name)[0]: room for room in CORE_ROOMS
+               for name in os.listdir(os.path.join(PROJECT, "src/core", room))}
+    for room, below in CORE_ROOMS.items():
+        for file, what in included_in("src/core/" + room):
+            if what.startswith("collision_pairs/"):
+                other = room_of.get(os.path.splitext(os.path.basename(what))[0], room)
+                assert other in below | {room}, "%s includes %s of %s" % (file, what, other)
+
+
+def test_every_file_of_the_core_stands_in_a_room():
+    assert sorted(os.listdir(os.path.join(PROJECT, "src/core"))) == sorted(CORE_ROOMS)
