@@ -218,6 +218,32 @@ TEST(AttachedObjects, AreCheckedAgainstAllButTheirLinkAndWhatTheyMayTouch) {
   }
 }
 
+TEST(TouchLinks, OfWhatStandsDoNotSpeakForWhatTheyName) {
+  SceneDescription description = armScene("");
+  description.objects = {ball("tool", "wrist", {"shelf"}),
+                         ball("shelf"),
+                         ball("tray", "", {"shelf"}),
+                         ball("table"),
+                         ball("a box", "", {"a", "b"}),
+                         ball("a"),
+                         ball("b")};
+  const Names names = allowedPairs(description);
+  EXPECT_EQ(names.count({"shelf", "tool"}), 0u);
+  for (const char* partner : {"tray", "table", "a box"}) {
+    EXPECT_EQ(names.count(std::minmax(std::string("tool"), std::string(partner))), 1u) << partner;
+  }
+}
+
+TEST(TouchLinks, OfNamesWithSpacesAreNotTakenForOthers) {
+  SceneDescription description = armScene("");
+  description.objects = {ball("tool", "wrist"), ball("hat", "head"), ball("hat tool", "elbow"),
+                         ball("box", "", {"hat", "tool"}), ball("crate", "", {"hat tool"})};
+  const Names names = allowedPairs(description);
+  EXPECT_EQ(names.count({"crate", "tool"}), 1u);
+  EXPECT_EQ(names.count({"crate", "hat tool"}), 0u);
+  EXPECT_EQ(names.count({"box", "hat tool"}), 1u);
+}
+
 /// The same, read as plainly as it can be written.
 bool plainlyAllowed(const SceneDescription& description, const std::string& a,
                     const std::string& b) {

@@ -117,6 +117,18 @@ TEST(SceneObjects, WhatIsWrongWithOneIsNamed) {
   EXPECT_THAT(refusal(description), HasSubstr("object 'load' has no shape"));
 }
 
+TEST(SceneObjects, ManyThatMayTouchEachOtherAreStillTreatedAlike) {
+  SceneDescription description = twoSliders();
+  constexpr int COUNT = 200;
+  for (int i = 0; i < COUNT; ++i) {
+    description.objects.push_back(cube("brick" + std::to_string(i), at(i, 5, 0)));
+    if (i > 0) description.objects[i].touch_links = {"brick" + std::to_string(i - 1)};
+  }
+  description.objects[7].touch_links.push_back("a");
+  const auto scene = CollisionScene::build(description);
+  EXPECT_EQ(scene->filter().nbClasses(), 4u);  // a, b, bricks, and the one that a may touch
+}
+
 TEST(Scene, WithACacheIsTheSameAndPreparesOnlyWhatIsNew) {
   SceneDescription description;
   description.robots.push_back({mixedRobot(), std::nullopt, ""});

@@ -33,8 +33,11 @@ PairPolicy::PairPolicy(const SceneDescription& description, const std::vector<Sc
   for (const PairPadding& pair : description.settings.pair_padding) {
     paddings_.push_back(meant(pair.first, pair.second));
   }
-  for (const RigidObject& object : description.objects) {
-    touched_.insert(object.touch_links.begin(), object.touch_links.end());
+  for (const SceneMember& member : members) {
+    if (member.isStatic()) continue;
+    moving_.insert(member.name);
+    if (!member.object) continue;
+    touched_.insert(member.object->touch_links.begin(), member.object->touch_links.end());
   }
   if (!description.restriction.empty()) readRestriction();
 }
@@ -142,9 +145,13 @@ std::string PairPolicy::signature(std::size_t member) const {
     }
   }
   if (!restricted_.empty()) text += restricted_[member] ? 'r' : '-';
-  if (touched_.count(m.name) > 0) text += " " + m.name;
-  if (m.object) {
-    for (const std::string& link : m.object->touch_links) text += " " + link;
+  const auto add = [&](char kind, const std::string& name) {  // names may hold any letter
+    text += kind + std::to_string(name.size()) + ":" + name;
+  };
+  if (touched_.count(m.name) > 0) add('t', m.name);
+  if (!m.object) return text;
+  for (const std::string& link : m.object->touch_links) {
+    if (moving_.count(link) > 0) add('m', link);  // the others it never meets
   }
   return text;
 }
