@@ -201,6 +201,25 @@ TEST(Restriction, TakesWhatHangsOnItsLinksAlong) {
   EXPECT_EQ(names.count({"head", "table"}), 0u);
 }
 
+TEST(Restriction, TakesWhatHangsOnItsLinksAlongWhereTheyHaveNoGeometry) {
+  SceneDescription description;
+  description.robots.push_back(
+      {robotFrom(boxLink("base", 1) + boxLink("arm", 1) + "<link name='tool0'/>" +
+                 joint("turn", "continuous", "base", "arm", "0 0 1", "<axis xyz='0 1 0'/>") +
+                 joint("mount", "fixed", "arm", "tool0", "0 0 1")),
+       std::nullopt, ""});
+  description.objects = {ball("gripper", "tool0"), ball("table")};
+  const Names of_gripper = {{"base", "gripper"}, {"arm", "gripper"}, {"gripper", "table"}};
+  for (const char* name : {"tool0", "tool?"}) {
+    description.restriction.names = {name};
+    EXPECT_EQ(allowedPairs(description), of_gripper) << name;
+  }
+  description.restriction.names = {"arm"};
+  description.settings.ignored_links = {"arm"};
+  description.objects[0].attached_link = "arm";
+  EXPECT_EQ(allowedPairs(description), (Names{{"base", "gripper"}, {"gripper", "table"}}));
+}
+
 TEST(PassiveJoints, AreCheckedAsAllOthers) {
   EXPECT_EQ(allowedPairs(armScene("<passive_joint name='to_head'/>")), allowedPairs(armScene("")));
 }

@@ -74,14 +74,15 @@ void PairPolicy::readRestriction() {
   const Restriction& restriction = description_.restriction;
   std::set<std::string> names;
   if (!restriction.group.empty()) addGroup(restriction.group, names);
+  const auto isIn = [&](const std::string& name) {
+    return names.count(name) > 0 ||
+           std::any_of(restriction.names.begin(), restriction.names.end(),
+                       [&](const NamePattern& pattern) { return matches(pattern, name); });
+  };
   for (const SceneMember& member : members_) {
-    for (const NamePattern& pattern : restriction.names) {
-      if (matches(pattern, member.name)) names.insert(member.name);
-    }
-  }
-  for (const SceneMember& member : members_) {
-    restricted_.push_back(names.count(member.name) > 0 ||
-                          (member.object && names.count(member.object->attached_link) > 0));
+    // The link that an object hangs on need not be a member: it may have no geometry.
+    const bool hangs = member.object && !member.isStatic();
+    restricted_.push_back(isIn(member.name) || (hangs && isIn(member.object->attached_link)));
   }
 }
 
