@@ -78,6 +78,13 @@ TEST(NamePatterns, AreThoseOfTheShell) {
   EXPECT_FALSE(isPattern("a-b.c/d"));
 }
 
+TEST(NamePatterns, MeanTheNameThatTheyAreToo) {
+  for (const char* name : {"box[1]", "what?", "a\\b", "["})
+    EXPECT_TRUE(matches(name, name)) << name;
+  EXPECT_TRUE(matches("box[1]", "box1"));
+  EXPECT_FALSE(matches("a\\b", "ab"));
+}
+
 TEST(PairRules, DenyTakesPairsOutInEitherOrderOfNames) {
   SceneDescription description = armScene("");
   const std::size_t before = allowedPairs(description).size();
