@@ -185,6 +185,18 @@ TEST(SeveralRobots, KeepTheirOwnSrdfAndMeetEachOther) {
   EXPECT_GE(scene->robot().findJoint("left/" + robot->joints().front().name), 0);
 }
 
+TEST(SeveralRobots, AreNotSwitchedOffByTheSrdfOfAnother) {
+  SceneDescription description;
+  const auto robot = robotFrom(slidingBoxes(2));
+  const Srdf names_the_other =
+      Srdf::fromXml("<robot name='r'><disable_collisions link1='a' link2='right/a'/></robot>");
+  description.robots.push_back({robot, names_the_other, ""});
+  description.robots.push_back({robot, Srdf{}, "right"});
+  const auto scene = CollisionScene::build(description);
+  const auto a = static_cast<std::uint32_t>(scene->findModel("a"));
+  EXPECT_TRUE(scene->filter().allowed(a, static_cast<std::uint32_t>(scene->findModel("right/a"))));
+}
+
 TEST(SeveralRobots, OfOneNameAreRefused) {
   SceneDescription description = twoSliders();
   description.robots.push_back(description.robots[0]);

@@ -114,6 +114,7 @@ bool PairPolicy::neverMeet(const SceneMember& a, const SceneMember& b) const {
 
 bool PairPolicy::allowedBySrdf(const SceneMember& a, const SceneMember& b) const {
   if (a.robot < 0 || b.robot < 0) return true;
+  if (a.robot != b.robot) return description_.check_self;
   const auto ordered =
       a.name < b.name ? Srdf::LinkPair(a.name, b.name) : Srdf::LinkPair(b.name, a.name);
   return description_.check_self && switched_off_.count(ordered) == 0;
