@@ -99,6 +99,25 @@ TEST(SceneObjects, ALevelFloorIsNoCandidateOfWhatIsAboveIt) {
   EXPECT_TRUE(detector.detect(poses, CheckSettings()).candidates.empty());
 }
 
+TEST(SceneObjects, TheMinimumIsThatOfTheNearestBesideAFloorAndWhatIsFarAway) {
+  SceneDescription description = twoSliders();
+  description.objects = {cube("pillar", at(0, 9, 0)), cube("moon", at(0, 0, 4e8))};
+  CheckSettings settings;
+  settings.min_distance = true;
+  BodyPoses poses;
+  poses.resize(2);
+  poses.X_WB[1] = at(30, 0, 0);
+  const auto minimum = [&] {
+    CollisionDetector detector(CollisionScene::build(description));
+    return detector.detect(poses, settings).min_distance;
+  };
+  EXPECT_NEAR(minimum(), 8.0, 1e-12);
+  description.objects.push_back(floorAt(-4.0, {}));
+  EXPECT_NEAR(minimum(), 3.5, 1e-12);
+  description.objects.back() = floorAt(-1e12, {});
+  EXPECT_NEAR(minimum(), 8.0, 1e-12);
+}
+
 TEST(SceneObjects, WhatIsWrongWithOneIsNamed) {
   SceneDescription description = twoSliders();
   description.objects = {cube("a", at(0, 0, 0))};
