@@ -216,6 +216,23 @@ TEST_F(Changes, AttachAndDetachLeaveItWhereItIs) {
   EXPECT_TRUE(stored("crate").X_PO.translation().isApprox(Vector3d(7, 1, 0)));
 }
 
+TEST_F(Changes, WhatMayTouchItEndsWhenItIsDetached) {
+  apply(SceneChange::ADD, boxObject("crate", poseAt(3, 1, 0)));
+  SceneObject grip;
+  grip.name = "crate";
+  grip.attached_link = "hand";
+  grip.touch_links = {"finger"};
+  apply(SceneChange::ATTACH, grip);
+  grip.touch_links.clear();
+  apply(SceneChange::DETACH, grip);
+  EXPECT_TRUE(stored("crate").touch_links.empty());
+  grip.touch_links = {"finger"};
+  apply(SceneChange::ATTACH, grip);
+  grip.touch_links = {"table"};
+  apply(SceneChange::DETACH, grip);
+  EXPECT_EQ(stored("crate").touch_links, grip.touch_links);
+}
+
 TEST_F(Changes, TheListSaysWhereEachIs) {
   apply(SceneChange::ADD, boxObject("b", poseAt(1, 0, 0)));
   apply(SceneChange::ADD, boxObject("a", poseAt(2, 0, 0)));
