@@ -78,6 +78,13 @@ TEST(NamePatterns, AreThoseOfTheShell) {
   EXPECT_FALSE(isPattern("a-b.c/d"));
 }
 
+TEST(NamePatterns, MeanTheNameThatTheyAreToo) {
+  for (const char* name : {"box[1]", "what?", "a\\b", "["})
+    EXPECT_TRUE(matches(name, name)) << name;
+  EXPECT_TRUE(matches("box[1]", "box1"));
+  EXPECT_FALSE(matches("a\\b", "ab"));
+}
+
 TEST(PairRules, DenyTakesPairsOutInEitherOrderOfNames) {
   SceneDescription description = armScene("");
   const std::size_t before = allowedPairs(description).size();
@@ -201,6 +208,25 @@ TEST(Restriction, TakesWhatHangsOnItsLinksAlong) {
   EXPECT_EQ(names.count({"head", "table"}), 0u);
 }
 
+TEST(Restriction, TakesWhatHangsOnItsLinksAlongWhereTheyHaveNoGeometry) {
+  SceneDescription description;
+  description.robots.push_back(
+      {robotFrom(boxLink("base", 1) + boxLink("arm", 1) + "<link name='tool0'/>" +
+                 joint("turn", "continuous", "base", "arm", "0 0 1", "<axis xyz='0 1 0'/>") +
+                 joint("mount", "fixed", "arm", "tool0", "0 0 1")),
+       std::nullopt, ""});
+  description.objects = {ball("gripper", "tool0"), ball("table")};
+  const Names of_gripper = {{"base", "gripper"}, {"arm", "gripper"}, {"gripper", "table"}};
+  for (const char* name : {"tool0", "tool?"}) {
+    description.restriction.names = {name};
+    EXPECT_EQ(allowedPairs(description), of_gripper) << name;
+  }
+  description.restriction.names = {"arm"};
+  description.settings.ignored_links = {"arm"};
+  description.objects[0].attached_link = "arm";
+  EXPECT_EQ(allowedPairs(description), (Names{{"base", "gripper"}, {"gripper", "table"}}));
+}
+
 TEST(PassiveJoints, AreCheckedAsAllOthers) {
   EXPECT_EQ(allowedPairs(armScene("<passive_joint name='to_head'/>")), allowedPairs(armScene("")));
 }
@@ -216,6 +242,32 @@ TEST(AttachedObjects, AreCheckedAgainstAllButTheirLinkAndWhatTheyMayTouch) {
   for (const char* partner : {"finger_2", "elbow", "base", "table", "hat"}) {
     EXPECT_EQ(names.count(std::minmax(std::string("tool"), std::string(partner))), 1u) << partner;
   }
+}
+
+TEST(TouchLinks, OfWhatStandsDoNotSpeakForWhatTheyName) {
+  SceneDescription description = armScene("");
+  description.objects = {ball("tool", "wrist", {"shelf"}),
+                         ball("shelf"),
+                         ball("tray", "", {"shelf"}),
+                         ball("table"),
+                         ball("a box", "", {"a", "b"}),
+                         ball("a"),
+                         ball("b")};
+  const Names names = allowedPairs(description);
+  EXPECT_EQ(names.count({"shelf", "tool"}), 0u);
+  for (const char* partner : {"tray", "table", "a box"}) {
+    EXPECT_EQ(names.count(std::minmax(std::string("tool"), std::string(partner))), 1u) << partner;
+  }
+}
+
+TEST(TouchLinks, OfNamesWithSpacesAreNotTakenForOthers) {
+  SceneDescription description = armScene("");
+  description.objects = {ball("tool", "wrist"), ball("hat", "head"), ball("hat tool", "elbow"),
+                         ball("box", "", {"hat", "tool"}), ball("crate", "", {"hat tool"})};
+  const Names names = allowedPairs(description);
+  EXPECT_EQ(names.count({"crate", "tool"}), 1u);
+  EXPECT_EQ(names.count({"crate", "hat tool"}), 0u);
+  EXPECT_EQ(names.count({"box", "hat tool"}), 1u);
 }
 
 /// The same, read as plainly as it can be written.

@@ -59,6 +59,20 @@ rate: 50.0
   EXPECT_EQ(config.floor->touch_links, (std::vector<std::string>{"base"}));
 }
 
+TEST(SceneConfig, ALinkWithAPrefixMayBeInAMapAsTheParameterServerHasIt) {
+  for (const char* yaml :
+       {"{link_padding: {left/elbow: 0.1}, link_fidelity: {left/elbow: obb}}",
+        "{link_padding: {left: {elbow: 0.1}}, link_fidelity: {left: {elbow: obb}}}"}) {
+    const SceneSettings settings = readSceneConfig(YAML::Load(yaml)).settings;
+    EXPECT_EQ(settings.link_padding, (std::map<std::string, double>{{"left/elbow", 0.1}}));
+    EXPECT_EQ(settings.link_fidelity,
+              (std::map<std::string, Fidelity>{{"left/elbow", Fidelity::OBB}}));
+  }
+  EXPECT_THAT(refusal("link_padding: {left: {elbow: b}}"),
+              HasSubstr("link_padding/left/elbow is b"));
+  EXPECT_THAT(refusal("link_padding: {left: {}}"), HasSubstr("link_padding/left is {}"));
+}
+
 TEST(SceneConfig, OfNothingIsTheDefaults) {
   const SceneConfig config = readSceneConfig(YAML::Load("{floor: {}, pair_rules: [], links: []}"));
   EXPECT_FALSE(config.floor);

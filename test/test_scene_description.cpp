@@ -99,6 +99,25 @@ TEST(SceneObjects, ALevelFloorIsNoCandidateOfWhatIsAboveIt) {
   EXPECT_TRUE(detector.detect(poses, CheckSettings()).candidates.empty());
 }
 
+TEST(SceneObjects, TheMinimumIsThatOfTheNearestBesideAFloorAndWhatIsFarAway) {
+  SceneDescription description = twoSliders();
+  description.objects = {cube("pillar", at(0, 9, 0)), cube("moon", at(0, 0, 4e8))};
+  CheckSettings settings;
+  settings.min_distance = true;
+  BodyPoses poses;
+  poses.resize(2);
+  poses.X_WB[1] = at(30, 0, 0);
+  const auto minimum = [&] {
+    CollisionDetector detector(CollisionScene::build(description));
+    return detector.detect(poses, settings).min_distance;
+  };
+  EXPECT_NEAR(minimum(), 8.0, 1e-12);
+  description.objects.push_back(floorAt(-4.0, {}));
+  EXPECT_NEAR(minimum(), 3.5, 1e-12);
+  description.objects.back() = floorAt(-1e12, {});
+  EXPECT_NEAR(minimum(), 8.0, 1e-12);
+}
+
 TEST(SceneObjects, WhatIsWrongWithOneIsNamed) {
   SceneDescription description = twoSliders();
   description.objects = {cube("a", at(0, 0, 0))};
@@ -115,6 +134,18 @@ TEST(SceneObjects, WhatIsWrongWithOneIsNamed) {
   description.objects[0].padding = 0.0;
   description.objects[0].elements.clear();
   EXPECT_THAT(refusal(description), HasSubstr("object 'load' has no shape"));
+}
+
+TEST(SceneObjects, ManyThatMayTouchEachOtherAreStillTreatedAlike) {
+  SceneDescription description = twoSliders();
+  constexpr int COUNT = 200;
+  for (int i = 0; i < COUNT; ++i) {
+    description.objects.push_back(cube("brick" + std::to_string(i), at(i, 5, 0)));
+    if (i > 0) description.objects[i].touch_links = {"brick" + std::to_string(i - 1)};
+  }
+  description.objects[7].touch_links.push_back("a");
+  const auto scene = CollisionScene::build(description);
+  EXPECT_EQ(scene->filter().nbClasses(), 4u);  // a, b, bricks, and the one that a may touch
 }
 
 TEST(Scene, WithACacheIsTheSameAndPreparesOnlyWhatIsNew) {
@@ -171,6 +202,18 @@ TEST(SeveralRobots, KeepTheirOwnSrdfAndMeetEachOther) {
             (std::set<std::string>{"left/a|right/a", "left/a|right/b", "left/b|right/a",
                                    "left/b|right/b", "right/a|right/b"}));
   EXPECT_GE(scene->robot().findJoint("left/" + robot->joints().front().name), 0);
+}
+
+TEST(SeveralRobots, AreNotSwitchedOffByTheSrdfOfAnother) {
+  SceneDescription description;
+  const auto robot = robotFrom(slidingBoxes(2));
+  const Srdf names_the_other =
+      Srdf::fromXml("<robot name='r'><disable_collisions link1='a' link2='right/a'/></robot>");
+  description.robots.push_back({robot, names_the_other, ""});
+  description.robots.push_back({robot, Srdf{}, "right"});
+  const auto scene = CollisionScene::build(description);
+  const auto a = static_cast<std::uint32_t>(scene->findModel("a"));
+  EXPECT_TRUE(scene->filter().allowed(a, static_cast<std::uint32_t>(scene->findModel("right/a"))));
 }
 
 TEST(SeveralRobots, OfOneNameAreRefused) {

@@ -115,6 +115,23 @@ TEST(ObjectOfAMessage, PlaneIsSolidBehind) {
   }
 }
 
+TEST(ObjectOfAMessage, PlaneThatFacesDownIsAsExactAsOneThatFacesUp) {
+  const Vector3d p(5, 2, 1);
+  for (const double slope : {0.0, 1e-7, 1e-6, 1.5e-6, 1e-5, 1e-4, 1e-3}) {
+    for (const double c : {-1.0, 1.0}) {
+      shape_msgs::Plane plane;
+      plane.coef = {slope, 0.0, c, 3.0};
+      SceneObject message;
+      message.planes = {plane};
+      const Isometry3d X_OH = toObject(message, noMeshLoader()).elements.front().X_LE;
+      const double side = (slope * p.x() + c * p.z() + 3.0) / std::hypot(slope, c);
+      EXPECT_NEAR((X_OH.inverse() * p).z(), side, 1e-14) << slope << " " << c;
+      EXPECT_LT((X_OH.linear().transpose() * X_OH.linear() - Eigen::Matrix3d::Identity()).norm(),
+                1e-14);
+    }
+  }
+}
+
 TEST(ObjectOfAMessage, WhatIsWrongIsNamed) {
   const auto with = [](const auto& spoil) {
     SceneObject object = boxObject("thing", poseAt(0, 0, 0));
@@ -197,6 +214,23 @@ TEST_F(Changes, AttachAndDetachLeaveItWhereItIs) {
   apply(SceneChange::DETACH, grip);
   EXPECT_EQ(stored("crate").attached_link, "");
   EXPECT_TRUE(stored("crate").X_PO.translation().isApprox(Vector3d(7, 1, 0)));
+}
+
+TEST_F(Changes, WhatMayTouchItEndsWhenItIsDetached) {
+  apply(SceneChange::ADD, boxObject("crate", poseAt(3, 1, 0)));
+  SceneObject grip;
+  grip.name = "crate";
+  grip.attached_link = "hand";
+  grip.touch_links = {"finger"};
+  apply(SceneChange::ATTACH, grip);
+  grip.touch_links.clear();
+  apply(SceneChange::DETACH, grip);
+  EXPECT_TRUE(stored("crate").touch_links.empty());
+  grip.touch_links = {"finger"};
+  apply(SceneChange::ATTACH, grip);
+  grip.touch_links = {"table"};
+  apply(SceneChange::DETACH, grip);
+  EXPECT_EQ(stored("crate").touch_links, grip.touch_links);
 }
 
 TEST_F(Changes, TheListSaysWhereEachIs) {

@@ -7,7 +7,8 @@
 namespace collision_pairs {
 
 /// A name, or a pattern of the shell: `*` any letters, `?` one, `[a-c]` one of these. What it may
-/// mean: links (with their robot's prefix), links of the world, objects.
+/// mean: links (with their robot's prefix), links of the world, objects. A name that reads like a
+/// pattern, such as "box[1]", means itself, too.
 using NamePattern = std::string;
 
 bool isPattern(const NamePattern& pattern);

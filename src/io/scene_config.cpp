@@ -64,24 +64,37 @@ void forEntries(const std::string& key, const YAML::Node& value, const std::stri
   for (const auto& entry : value) read(text(key, entry.first, rule), entry.second);
 }
 
+/// The same with a map from links. The parameter server has a/b as b in a map a.
+void forLinks(const std::string& key, const YAML::Node& value, const std::string& rule,
+              const std::function<void(const std::string&, const YAML::Node&)>& read,
+              const std::string& prefix = "") {
+  forEntries(key, value, rule, [&](const std::string& name, const YAML::Node& entry) {
+    if (entry.IsMap() && entry.size() > 0) {
+      forLinks(key, entry, rule, read, prefix + name + "/");
+    } else {
+      read(prefix + name, entry);
+    }
+  });
+}
+
 void readLinkFidelity(const YAML::Node& value, SceneConfig& config) {
-  forEntries("link_fidelity", value, "a map from links to aabb, obb, convex or mesh",
-             [&](const std::string& link, const YAML::Node& word) {
-               const std::string key = "link_fidelity/" + link;
-               const std::string rule = "aabb, obb, convex or mesh";
-               try {
-                 config.settings.link_fidelity[link] = parseFidelity(text(key, word, rule));
-               } catch (const InputError&) {
-                 refuse(key, word, rule);
-               }
-             });
+  forLinks("link_fidelity", value, "a map from links to aabb, obb, convex or mesh",
+           [&](const std::string& link, const YAML::Node& word) {
+             const std::string key = "link_fidelity/" + link;
+             const std::string rule = "aabb, obb, convex or mesh";
+             try {
+               config.settings.link_fidelity[link] = parseFidelity(text(key, word, rule));
+             } catch (const InputError&) {
+               refuse(key, word, rule);
+             }
+           });
 }
 
 void readLinkPadding(const YAML::Node& value, SceneConfig& config) {
-  forEntries("link_padding", value, "a map from links to metres",
-             [&](const std::string& link, const YAML::Node& size) {
-               config.settings.link_padding[link] = metres("link_padding/" + link, size);
-             });
+  forLinks("link_padding", value, "a map from links to metres",
+           [&](const std::string& link, const YAML::Node& size) {
+             config.settings.link_padding[link] = metres("link_padding/" + link, size);
+           });
 }
 
 void readPairPadding(const YAML::Node& value, SceneConfig& config) {

@@ -83,8 +83,11 @@ Isometry3d poseOfPlane(const shape_msgs::Plane& plane) {
     throw InputError("its coefficients are no plane: a, b, c must be a direction, d finite");
   }
   Isometry3d X = Isometry3d::Identity();
-  X.linear() = Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), normal).toRotationMatrix();
-  X.translation() = -plane.coef[3] / (length * length) * normal;
+  const Vector3d z = normal / length;  // the axis that matters: exact, downwards as upwards
+  X.linear().col(0) = z.unitOrthogonal();
+  X.linear().col(1) = z.cross(X.linear().col(0));
+  X.linear().col(2) = z;
+  X.translation() = -plane.coef[3] / length * z;
   return X;
 }
 

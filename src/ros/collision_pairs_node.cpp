@@ -225,6 +225,7 @@ void CollisionPairsNode::reconfigure(CollisionPairsConfig& config) {
     const Fidelity fidelity = parseFidelity(config.fidelity);
     const std::lock_guard<std::mutex> lock(mutex_);
     parameters_.check.alarm_distance = config.alarm_distance;
+    if (fidelity != parameters_.check.fidelity) shown_scene_.reset();  // it looks different now
     parameters_.check.fidelity = fidelity;
     parameters_.check.time_budget = config.time_budget;
     parameters_.rate = config.rate;

@@ -44,16 +44,7 @@ class Reader {
                "must be a map from links to aabb, obb, convex or mesh; passed over");
       return;
     }
-    for (auto& [link, fidelity] : given) {
-      const bool is_text = fidelity.getType() == XmlRpc::XmlRpcValue::TypeString;
-      const std::string word = is_text ? static_cast<std::string&>(fidelity) : fidelity.toXml();
-      try {
-        value[link] = parseFidelity(word);
-      } catch (const InputError& error) {
-        complain(name + "/" + link, "'" + word + "'",
-                 "must be aabb, obb, convex or mesh; the link is checked as the others");
-      }
-    }
+    fidelitiesOfLinks(name, "", given, value);
   }
 
   void flag(const std::string& name, bool& value) const {
@@ -91,6 +82,26 @@ class Reader {
   }
 
  private:
+  /// The parameter server has link a/b as b in a map a.
+  void fidelitiesOfLinks(const std::string& name, const std::string& prefix,
+                         XmlRpc::XmlRpcValue& given, std::map<std::string, Fidelity>& value) const {
+    for (auto& [key, fidelity] : given) {
+      const std::string link = prefix + key;
+      if (fidelity.getType() == XmlRpc::XmlRpcValue::TypeStruct) {
+        fidelitiesOfLinks(name, link + "/", fidelity, value);
+        continue;
+      }
+      const bool is_text = fidelity.getType() == XmlRpc::XmlRpcValue::TypeString;
+      const std::string word = is_text ? static_cast<std::string&>(fidelity) : fidelity.toXml();
+      try {
+        value[link] = parseFidelity(word);
+      } catch (const InputError& error) {
+        complain(name + "/" + link, "'" + word + "'",
+                 "must be aabb, obb, convex or mesh; the link is checked as the others");
+      }
+    }
+  }
+
   const ros::NodeHandle& node_;
 };
 

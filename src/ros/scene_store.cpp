@@ -76,6 +76,7 @@ void SceneStore::load() {
   told_.clear();
   SceneSources sources = readSceneSources(private_node_, settings_);
   ActiveScenePtr active = build(sources, objects_, {});
+  requireFrameOfObjects(active->frame);
   const CollisionScene& scene = *active->scene;
   ROS_INFO_STREAM("robot '" << scene.robot().name() << "': " << scene.models().size()
                             << " links with geometry to check, " << scene.elements().size()
@@ -84,6 +85,17 @@ void SceneStore::load() {
                             << (ros::WallTime::now() - start).toSec() << " s");
   sources_ = std::move(sources);
   replace(std::move(active));
+}
+
+// They would silently stand elsewhere.
+void SceneStore::requireFrameOfObjects(const std::string& frame) const {
+  if (!scene_ || frame == scene_->frame) return;
+  for (const auto& [name, stored] : objects_) {
+    if (!stored.object.attached_link.empty()) continue;
+    throw InputError("object '" + name + "' stands in frame '" + scene_->frame +
+                     "', but reports would be in '" + frame +
+                     "', the root link of another robot; remove it, and add it again afterwards");
+  }
 }
 
 std::vector<SceneObject> SceneStore::update(const std::vector<SceneChange>& changes) {

@@ -28,7 +28,8 @@ class SceneStore {
   /// Null while there is none.
   ActiveScenePtr active() const;
 
-  /// Reads the parameters anew; the objects stay. Throws InputError.
+  /// Reads the parameters anew; the objects stay. Throws InputError, also where some stand still
+  /// and the frame of the reports would be another.
   void load();
 
   /// Applies the changes and returns what there is then. Throws InputError.
@@ -48,6 +49,7 @@ class SceneStore {
   /// Their links, sorted; each goes to the log once.
   std::vector<std::string> linksOf(const std::vector<BrokenElement>& broken);
   void replace(ActiveScenePtr scene);
+  void requireFrameOfObjects(const std::string& frame) const;
 
   ros::NodeHandle private_node_;
   const tf2::BufferCore& tf_buffer_;

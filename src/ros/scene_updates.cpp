@@ -29,7 +29,7 @@ class Updater {
       case SceneChange::ATTACH:
         return attach(change.object);
       case SceneChange::DETACH:
-        return hangOn("", change.object.header.stamp, known(change.object.name));
+        return detach(change.object);
       case SceneChange::CLEAR:
         return objects_.clear();
       default:
@@ -75,6 +75,13 @@ class Updater {
     StoredObject& stored = known(message.name);
     if (message.attached_link.empty()) throw InputError("attached_link is empty");
     hangOn(message.attached_link, message.header.stamp, stored);
+    stored.object.touch_links = message.touch_links;
+  }
+
+  // What a gripper may touch while it holds something is not for ever.
+  void detach(const SceneObject& message) {
+    StoredObject& stored = known(message.name);
+    hangOn("", message.header.stamp, stored);
     stored.object.touch_links = message.touch_links;
   }
 

@@ -37,7 +37,7 @@ class RefusedUpdatesTest(unittest.TestCase):
     def assert_refused(self, wrong, *says):
         """In the middle of changes that are right, each of which would be seen."""
         before = self.verdict()
-        reply = self.scene.send(remove("crate"), add_box("other", (6, 0, 0)), wrong, detach("tool"))
+        reply = self.scene.send(remove("crate"), add_box("other", (6, 0, 0)), wrong, move("tool", (3, 0, 9)))
         self.assertFalse(reply.success, says)
         for words in says:
             self.assertIn(words, reply.message)

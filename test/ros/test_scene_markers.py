@@ -9,6 +9,8 @@ sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 
 import rospy
 import rostest
+from dynamic_reconfigure.msg import Config, StrParameter
+from dynamic_reconfigure.srv import Reconfigure
 from visualization_msgs.msg import Marker, MarkerArray
 
 from node_client import PATIENCE, JointPublisher, NodeClient
@@ -106,6 +108,16 @@ class SceneMarkersTest(unittest.TestCase):
         self.assertEqual(len(mesh.points), 12)
         self.assertEqual({(p.x, p.y, p.z) for p in mesh.points},
                          {(0, 0, 0), (0.25, 0, 0), (0, 0.25, 0), (0, 0, 0.25)})
+
+    def test_another_fidelity_is_drawn_at_once(self):
+        self.viewer.wait_for(1)
+        self.scene.apply(add("mesh", (1, 5, 2), meshes=[tetrahedron(0.25)]))
+        self.viewer.wait_for(2)
+        set_parameters = rospy.ServiceProxy("/node/set_parameters", Reconfigure)
+        for nb_arrays, (fidelity, drawn_as) in enumerate((("obb", Marker.CUBE), ("mesh", Marker.TRIANGLE_LIST)), 3):
+            set_parameters(Config(strs=[StrParameter("fidelity", fidelity)]))
+            mesh = [m for m in self.viewer.wait_for(nb_arrays).markers if m.ns == "standing"][0]
+            self.assertEqual(mesh.type, drawn_as)
 
     def test_what_is_attached_is_drawn_in_its_links_frame_and_moves_with_it(self):
         self.viewer.wait_for(1)

@@ -68,7 +68,12 @@ class TwoRobotsTest(unittest.TestCase):
 
     def test_distances_between_them_are_those_of_where_they_stand(self):
         report = self.report_at(APART, APART, 1.0 + 0.02)
-        self.assertEqual([round(pair.distance, 9) for pair in report.pairs], [0.02] * 3)
+        self.assertEqual([round(pair.distance, 9) for pair in report.pairs], [0.02, 0.02, 0.0121875])
+
+    def test_settings_of_a_link_name_it_with_its_prefix(self):
+        report = self.report_at(APART, APART, 1.0 + 0.02)
+        self.assertEqual([(pair.first_link, pair.fidelity) for pair in report.pairs],
+                         [("left/a", "mesh"), ("left/b", "mesh"), ("left/c", "obb")])
 
     def test_a_hypothetical_state_names_the_joints_with_their_prefix(self):
         self.report_at(APART, APART, 20.0)

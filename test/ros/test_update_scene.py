@@ -156,6 +156,24 @@ class UpdateSceneTest(unittest.TestCase):
         self.assertEqual(self.scene.apply(), before)
         self.assert_only_distance(("a", "box"), GAP)
 
+    def test_a_reset_that_would_shift_what_stands_still_is_refused(self):
+        urdf = rospy.get_param("/robot_description")
+        before = self.scene.apply(add_box("box", (A, 0, TOP + 0.1 + GAP)))
+        rospy.set_param("/robot_description", urdf.replace('<link name="root"/>', """
+            <link name="world"/><link name="root"/>
+            <joint name="stand" type="fixed">
+              <parent link="world"/><child link="root"/><origin xyz="0 0 5"/>
+            </joint>"""))
+        try:
+            reply = rospy.ServiceProxy("/node/reset", Trigger)()
+        finally:
+            rospy.set_param("/robot_description", urdf)
+        self.assertFalse(reply.success)
+        for words in ("'box'", "'root'", "'world'", "remove it"):
+            self.assertIn(words, reply.message)
+        self.assertEqual(self.scene.apply(), before)
+        self.assert_only_distance(("a", "box"), GAP)
+
     def test_an_update_is_known_to_the_next_query_and_to_every_report_of_a_later_stamp(self):
         for _ in range(15):
             for changes, expected in (([add_box("box", (A, 0, TOP))], [("a", "box")]), ([remove("box")], [])):

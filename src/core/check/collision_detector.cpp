@@ -226,17 +226,22 @@ void CollisionDetector::take(const BoxPair& pair, const PairDistance& found, Fid
 // further than the reach. Pairs are taken by the gap of their boxes, so that most end at once.
 void CollisionDetector::searchMinimum(const Deadline& deadline) {
   double best = found_->minDistance();
-  Aabb all = scene_->staticBoxes().bounds();
+  Aabb moving = noBox();
   for (std::size_t i = scene_->nbStaticElements(); i < report_.boxes.size(); ++i) {
-    if (report_.boxes[i].valid()) all = enclosing(all, report_.boxes[i]);
+    if (report_.boxes[i].valid()) moving = enclosing(moving, report_.boxes[i]);
   }
-  // The empty scene and half-spaces have none that is finite.
-  const double extent = all.valid() ? std::min((all.max - all.min).norm(), MAX_REACH) : 0.0;
+  const auto sizeOf = [](const Aabb& box) {  // that of a half-space is not finite
+    return box.valid() ? std::min((box.max - box.min).norm(), MAX_REACH) : 0.0;
+  };
+  const double extent =
+      moving.valid() ? sizeOf(enclosing(moving, scene_->staticBoxes().bounds())) : 0.0;
+  // A floor, or a box that is far away, must not make the first reach hold everything.
+  const double first_reach = std::min(extent / 64.0, sizeOf(moving));
   double known = settings_.alarm_distance;  // nothing nearer than this is still unknown
   double measured = -1.0;  // pairs of boxes no further apart than this are done with
   bool in_time = true;
-  for (double reach = std::max(2.0 * known, extent / 64.0); best > known && known < extent;
-       reach = std::min({std::max(4.0 * reach, 1e-300), best, MAX_REACH})) {
+  for (double reach = std::max({2.0 * known, first_reach, 1e-300}); best > known && known < extent;
+       reach = std::min({4.0 * reach, best, MAX_REACH})) {
     in_time = !deadline.spent();
     if (!in_time) break;
     sweep(reach, reached_);

@@ -33,8 +33,11 @@ PairPolicy::PairPolicy(const SceneDescription& description, const std::vector<Sc
   for (const PairPadding& pair : description.settings.pair_padding) {
     paddings_.push_back(meant(pair.first, pair.second));
   }
-  for (const RigidObject& object : description.objects) {
-    touched_.insert(object.touch_links.begin(), object.touch_links.end());
+  for (const SceneMember& member : members) {
+    if (member.isStatic()) continue;
+    moving_.insert(member.name);
+    if (!member.object) continue;
+    touched_.insert(member.object->touch_links.begin(), member.object->touch_links.end());
   }
   if (!description.restriction.empty()) readRestriction();
 }
@@ -71,14 +74,15 @@ void PairPolicy::readRestriction() {
   const Restriction& restriction = description_.restriction;
   std::set<std::string> names;
   if (!restriction.group.empty()) addGroup(restriction.group, names);
+  const auto isIn = [&](const std::string& name) {
+    return names.count(name) > 0 ||
+           std::any_of(restriction.names.begin(), restriction.names.end(),
+                       [&](const NamePattern& pattern) { return matches(pattern, name); });
+  };
   for (const SceneMember& member : members_) {
-    for (const NamePattern& pattern : restriction.names) {
-      if (matches(pattern, member.name)) names.insert(member.name);
-    }
-  }
-  for (const SceneMember& member : members_) {
-    restricted_.push_back(names.count(member.name) > 0 ||
-                          (member.object && names.count(member.object->attached_link) > 0));
+    // The link that an object hangs on need not be a member: it may have no geometry.
+    const bool hangs = member.object && !member.isStatic();
+    restricted_.push_back(isIn(member.name) || (hangs && isIn(member.object->attached_link)));
   }
 }
 
@@ -110,6 +114,7 @@ bool PairPolicy::neverMeet(const SceneMember& a, const SceneMember& b) const {
 
 bool PairPolicy::allowedBySrdf(const SceneMember& a, const SceneMember& b) const {
   if (a.robot < 0 || b.robot < 0) return true;
+  if (a.robot != b.robot) return description_.check_self;
   const auto ordered =
       a.name < b.name ? Srdf::LinkPair(a.name, b.name) : Srdf::LinkPair(b.name, a.name);
   return description_.check_self && switched_off_.count(ordered) == 0;
@@ -142,9 +147,13 @@ std::string PairPolicy::signature(std::size_t member) const {
     }
   }
   if (!restricted_.empty()) text += restricted_[member] ? 'r' : '-';
-  if (touched_.count(m.name) > 0) text += " " + m.name;
-  if (m.object) {
-    for (const std::string& link : m.object->touch_links) text += " " + link;
+  const auto add = [&](char kind, const std::string& name) {  // names may hold any letter
+    text += kind + std::to_string(name.size()) + ":" + name;
+  };
+  if (touched_.count(m.name) > 0) add('t', m.name);
+  if (!m.object) return text;
+  for (const std::string& link : m.object->touch_links) {
+    if (moving_.count(link) > 0) add('m', link);  // the others it never meets
   }
   return text;
 }

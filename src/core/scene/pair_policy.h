@@ -49,7 +49,8 @@ class PairPolicy {
   std::vector<Meant> rules_;       // one a rule of the settings
   std::vector<Meant> paddings_;    // one a padding of a pair
   std::vector<char> restricted_;   // by member: in the restriction; empty: there is none
-  std::set<std::string> touched_;  // every name in somebody's touch_links
+  std::set<std::string> moving_;   // names of members
+  std::set<std::string> touched_;  // every name in the touch_links of an object that moves
 };
 
 }  // namespace collision_pairs

@@ -7,7 +7,8 @@ namespace collision_pairs {
 bool isPattern(const NamePattern& pattern) { return pattern.find_first_of("*?[") != pattern.npos; }
 
 bool matches(const NamePattern& pattern, const std::string& name) {
-  return fnmatch(pattern.c_str(), name.c_str(), 0) == 0;
+  if (pattern == name) return true;  // also "box[1]", which as a pattern means "box1"
+  return isPattern(pattern) && fnmatch(pattern.c_str(), name.c_str(), FNM_NOESCAPE) == 0;
 }
 
 }  // namespace collision_pairs
