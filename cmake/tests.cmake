@@ -77,6 +77,7 @@ collision_pairs_pytest(check_states)
 collision_pairs_pytest(generate_srdf)
 collision_pairs_pytest(install)
 collision_pairs_pytest(reference)
+collision_pairs_pytest(scene_options)
 
 # Each under a master of its own: rostest takes a free port.
 function(collision_pairs_rostest name)

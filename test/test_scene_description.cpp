@@ -148,6 +148,16 @@ TEST(SceneObjects, ManyThatMayTouchEachOtherAreStillTreatedAlike) {
   EXPECT_EQ(scene->filter().nbClasses(), 4u);  // a, b, bricks, and the one that a may touch
 }
 
+TEST(Scene, RobotAndEnvironmentMayHaveARootOfOneNameWithoutGeometry) {
+  SceneDescription description = twoSliders();
+  description.world =
+      robotFrom(emptyLink("root") + boxLink("cell", 1) + joint("j", "fixed", "root", "cell"));
+  EXPECT_GE(CollisionScene::build(description)->findModel("cell"), 0);
+  description.world =
+      robotFrom(boxLink("root", 1) + boxLink("cell", 1) + joint("j", "fixed", "root", "cell"));
+  EXPECT_THAT(refusal(description), HasSubstr("link 'root' is in the robot and in the world"));
+}
+
 TEST(Scene, WithACacheIsTheSameAndPreparesOnlyWhatIsNew) {
   SceneDescription description;
   description.robots.push_back({mixedRobot(), std::nullopt, ""});

@@ -101,6 +101,7 @@ void QueryService::check(const CheckCollisions::Request& request,
   response.result = toMessage(report, *scene, settings, active.frame, stamp, active.broken_links);
   response.result.time_transforms = transform_time;
   response.result.time_total += transform_time;
+  if (scene->models().empty()) response.message = "there is no pair to check";
   if (!stamped.problem.empty()) response.message = "left out, no transform: " + stamped.problem;
 }
 

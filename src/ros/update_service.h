@@ -13,8 +13,8 @@
 
 namespace collision_pairs {
 
-/// Answers on a thread of its own: a large mesh that is prepared holds up neither the cycle nor the
-/// queries. What is wrong with a request is said in its reply.
+/// Answers on a thread of its own: a large mesh that is prepared does not hold up the cycle, nor
+/// queries but the first with a restriction. What is wrong with a request is said in its reply.
 class UpdateService {
  public:
   UpdateService(const ros::NodeHandle& private_node, SceneStore& scenes);

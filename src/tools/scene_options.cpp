@@ -86,7 +86,11 @@ std::shared_ptr<const CollisionScene> buildScene(const TextFrom& urdf, const Tex
     const std::string& origin = of_robot ? urdf.origin : options.world;
     throw InputError(origin + ": URDF: link '" + link + "': " + reason);
   }
-  return CollisionScene::build(description);
+  const auto scene = CollisionScene::build(description);
+  if (is_restricted && scene->models().empty()) {
+    throw InputError("--group and --links leave no pair to check");
+  }
+  return scene;
 }
 
 }  // namespace collision_pairs

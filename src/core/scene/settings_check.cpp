@@ -17,7 +17,10 @@ class NameCheck {
       : description_(description), merged_(merged) {
     for (const Link& link : merged.links()) add(link.name);
     if (description.world) {
-      for (const Link& link : description.world->links()) add(link.name);
+      // A root "world" without geometry, in both, is in no report and does no harm.
+      for (const Link& link : description.world->links()) {
+        link.has_geometry ? add(link.name) : void(names_.insert(link.name));
+      }
     }
     for (const RigidObject& object : description.objects) add(object.name);
   }

@@ -5,7 +5,8 @@
 
 namespace collision_pairs {
 
-/// Throws InputError if two links or objects have one name, or if an object or a setting names a
+/// Throws InputError if two links or objects have one name (but for links of the world without
+/// geometry), or if an object or a setting names a
 /// link that is nowhere; the error says which one is meant, perhaps. Patterns may match nothing:
 /// what they mean may come later.
 void checkNames(const SceneDescription& description, const RobotModel& merged);

@@ -1,0 +1,90 @@
+"""What the tools take of a scene: settings as the node's, a group, links."""
+import os
+
+import pytest
+from conftest import DEMO, PROJECT
+
+URDF = os.path.join(DEMO, "demo_robot.urdf")
+SRDF = os.path.join(DEMO, "demo_robot.srdf")
+SHIPPED = os.path.join(PROJECT, "config/collision_pairs_node.yaml")
+
+
+@pytest.fixture
+def states(tmp_path):
+    path = tmp_path / "states.csv"
+    path.write_text("shoulder_pan,shoulder_lift,elbow_flex,wrist_flex,wrist_roll\n"
+                    "0,-0.3,1.2,0.9,0\n0.3,1.1,0.6,-0.1,1.35\n")
+    return path
+
+
+@pytest.fixture
+def check(run_tool, states, tmp_path):
+    """Runs check_states with these options and this YAML; the process, and a dictionary a state."""
+    def run(*options, settings=None):
+        if settings is not None:
+            path = tmp_path / "settings.yaml"
+            path.write_text(settings)
+            options += ("--settings", path)
+        done = run_tool("check_states", URDF, "--srdf", SRDF, "--states", states, "--min-distance", *options)
+        lines = [line.split(",") for line in done.stdout.splitlines()]
+        return done, [dict(zip(lines[0], line)) for line in lines[1:]] if lines else []
+    return run
+
+
+def pairs(row):
+    return set(filter(None, row["pairs"].split(";")))
+
+
+def test_the_nodes_own_file_changes_nothing(check):
+    plain = check()[1]
+    shipped = check("--settings", SHIPPED)[1]
+    assert [(row["pairs"], row["min_distance"]) for row in plain] == \
+        [(row["pairs"], row["min_distance"]) for row in shipped]
+
+
+def test_padding_is_taken_from_the_distance(check):
+    free = float(check()[1][0]["min_distance"])
+    for padding in (0.25 * free, free):
+        row = check(settings="padding: %.17g" % padding)[1][0]
+        assert float(row["min_distance"]) == pytest.approx(free - 2 * padding, abs=1e-9)
+        assert row["in_collision"] == ("1" if 2 * padding > free else "0")
+
+
+def test_rules_floor_and_ignored_links_change_the_pairs(check):
+    before = pairs(check()[1][1])
+    assert "arch|wrist_ball" in before
+    assert "arch|wrist_ball" not in pairs(check(settings="pair_rules: [{deny: [arch, 'wrist*']}]")[1][1])
+    assert not any("arch" in pair for pair in pairs(check(settings="ignored_links: [arch]")[1][1]))
+    floor = pairs(check(settings="floor: {height: 1.0, touch_links: [table, post]}")[1][1])
+    assert {"arm_base|floor", "crate|floor"} & floor and "floor|table" not in floor
+
+
+def test_links_and_patterns_restrict_the_pairs(check):
+    of_wrist = {pair for pair in pairs(check()[1][1]) if "wrist_ball" in pair.split("|")}
+    assert of_wrist
+    assert pairs(check("--links", "wrist_ball")[1][1]) == of_wrist
+    assert pairs(check("--links", "wrist_[b]*", "nothing_*")[1][1]) == of_wrist
+
+
+@pytest.mark.parametrize("options, settings, says", [
+    ((), "padding: -1", "padding is -1"), ((), "pading: 1", "'padding' meant?"),
+    ((), "pair_rules: [{deny: [arhc, table]}]", "'arch' meant?"), ((), "[", "settings.yaml"),
+    (("--links", "wrist_bal"), None, "'wrist_ball' meant?"), (("--links", "none_*"), None, "no pair to check"),
+    (("--group", "arm"), None, "no group 'arm'"), (("--settings", "nowhere.yaml"), None, "nowhere.yaml"),
+])
+def test_what_is_wrong_is_one_line_and_exit_code_2(check, options, settings, says):
+    done, rows = check(*options, settings=settings)
+    assert done.returncode == 2 and rows == []
+    assert says in done.stderr and len(done.stderr.splitlines()) == 1
+
+
+def test_bags_take_the_same(run_tool, make_bag, tmp_path):
+    bag = make_bag("demo.bag")
+    settings = tmp_path / "settings.yaml"
+    settings.write_text("ignored_links: [arch]")
+    whole = run_tool("check_bag", bag).stdout
+    without = run_tool("check_bag", bag, "--settings", settings).stdout
+    linked = run_tool("check_bag", bag, "--links", "arch").stdout
+    assert "arch|" in whole and "ball|left_finger" in whole
+    assert "arch|" not in without and "ball|left_finger" in without
+    assert "arch|" in linked and "ball|left_finger" not in linked
