@@ -59,6 +59,21 @@ TEST(CollisionDetector, ReportsContactNearAndNothingElse) {
   EXPECT_EQ(report.candidates.size(), 2u);
 }
 
+TEST(CollisionDetector, StageTimesAreThereIfAskedForAndZeroOtherwise) {
+  const auto scene = sceneOf(slidingBoxes(4));
+  CollisionDetector detector(scene);
+  CheckSettings settings;
+  settings.stage_times = true;
+  const BodyPoses poses = boxesAt(*scene, {0.0, 0.9, 2.0, 5.0});
+  const StageTimes times = detector.detect(poses, settings).times;
+  EXPECT_GT(times.boxes, 0.0);
+  EXPECT_GT(times.broad_phase, 0.0);
+  EXPECT_GT(times.narrow_phase, 0.0);
+  EXPECT_GT(times.total, 0.0);
+  settings.stage_times = false;
+  EXPECT_EQ(detector.detect(poses, settings).times.total, 0.0);
+}
+
 TEST(CollisionDetector, TouchingIsContactAlsoWithoutAlarmDistance) {
   const auto scene = sceneOf(slidingBoxes(2));
   CollisionDetector detector(scene);

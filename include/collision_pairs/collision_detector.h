@@ -34,6 +34,9 @@ struct CheckSettings {
   /// that is running then is finished. What is left is reported as UNRESOLVED, with its lower
   /// bound and the rung that this is of: no pair is left out.
   double time_budget = 0.0;
+  /// Fill in CollisionReport::times. Reading the clock six times takes about 0.15 µs: a tenth of a
+  /// small robot's check.
+  bool stage_times = false;
 };
 
 /// Runs the check. Holds scratch memory only: the answer depends on (scene, poses, settings)

@@ -44,7 +44,7 @@ struct PairReport {
   std::uint32_t nb_contacts;    ///< one for each pair of elements in reach
 };
 
-/// Seconds spent in each stage.
+/// Seconds spent in each stage; 0 unless CheckSettings::stage_times asks for them.
 struct StageTimes {
   double boxes = 0.0;
   double broad_phase = 0.0;

@@ -21,6 +21,8 @@ struct RobotParameters {
 std::vector<RobotParameters> readRobots(const ros::NodeHandle& private_node);
 
 struct NodeParameters {
+  NodeParameters() { check.stage_times = true; }  // its messages carry them
+
   /// ~alarm_distance [m], ~fidelity and ~time_budget [s]. The default is the core's. May change
   /// while running.
   CheckSettings check;

@@ -69,6 +69,7 @@ CheckSettings settingsFrom(const Options& options) {
   }
   settings.time_budget = 1e-6 * options.time_budget;
   settings.min_distance = options.min_distance;
+  settings.stage_times = true;
   return settings;
 }
 

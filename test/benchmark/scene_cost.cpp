@@ -50,6 +50,7 @@ class Runner {
  public:
   Runner(BuiltCase built, const BenchmarkRobot& robot)
       : built_(std::move(built)), detector_(built_.scene), times_(robot.states.size()) {
+    settings_.stage_times = true;
     for (const auto& X_RB : robot.states) {
       poses_.emplace_back();
       built_.scene->gatherPoses(X_RB, poses_.back());

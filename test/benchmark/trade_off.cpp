@@ -52,6 +52,7 @@ struct Question {
   CheckSettings settings(Fidelity fidelity) const {
     CheckSettings settings;
     settings.fidelity = fidelity;
+    settings.stage_times = true;
     settings.min_distance = ofDistance();
     if (ofDistance()) settings.alarm_distance = 0.0;
     return settings;

@@ -20,17 +20,24 @@ using Eigen::Vector3d;
 constexpr double INF = std::numeric_limits<double>::infinity();
 constexpr double MAX_REACH = 1e150;  // metres: the square of what is swept must be finite
 
-/// Adds the time since it was made, or since its last split(), to one stage.
+/// Adds the time since it was made, or since its last split(), to one stage; nothing if it is not
+/// `wanted`.
 class StageClock {
  public:
+  explicit StageClock(bool wanted) : wanted_(wanted) {
+    if (wanted) last_ = std::chrono::steady_clock::now();
+  }
+
   void split(double& stage) {
+    if (!wanted_) return;
     const auto now = std::chrono::steady_clock::now();
     stage += std::chrono::duration<double>(now - last_).count();
     last_ = now;
   }
 
  private:
-  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+  bool wanted_;
+  std::chrono::steady_clock::time_point last_;
 };
 
 double steadySeconds() {
@@ -107,7 +114,7 @@ void CollisionDetector::checkInput(const BodyPoses& poses, const CheckSettings& 
 }
 
 const CollisionReport& CollisionDetector::run(const BodyPoses& poses) {
-  StageClock clock, whole;
+  StageClock clock(settings_.stage_times), whole(settings_.stage_times);
   const Deadline deadline(clock_, settings_.time_budget);
   beginPairs();
   rebuildBoxes(poses);  // tight boxes of every element at its pose
