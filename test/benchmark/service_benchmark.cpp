@@ -25,17 +25,27 @@ namespace {
 
 constexpr std::size_t POINTS = 1000;
 
-double medianMicroseconds(int repetitions, const std::function<void()>& call) {
-  std::vector<double> times;
+double microsecondsOf(const std::function<void()>& call) {
+  const auto start = std::chrono::steady_clock::now();
+  call();
+  return std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - start)
+      .count();
+}
+
+/// The calls take turns, so that what else the machine does meets all of them alike.
+std::vector<double> medianMicroseconds(int repetitions,
+                                       const std::vector<std::function<void()>>& calls) {
+  std::vector<std::vector<double>> times(calls.size());
   for (int i = 0; i < repetitions; ++i) {
-    const auto start = std::chrono::steady_clock::now();
-    call();
-    times.push_back(
-        std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - start)
-            .count());
+    for (std::size_t k = 0; k < calls.size(); ++k) times[k].push_back(microsecondsOf(calls[k]));
   }
-  std::nth_element(times.begin(), times.begin() + times.size() / 2, times.end());
-  return times[times.size() / 2];
+  std::vector<double> medians;
+  for (auto& of_call : times) {
+    const auto middle = of_call.begin() + static_cast<std::ptrdiff_t>(of_call.size() / 2);
+    std::nth_element(of_call.begin(), middle, of_call.end());
+    medians.push_back(*middle);
+  }
+  return medians;
 }
 
 trajectory_msgs::JointTrajectory sweepOfAllJoints(const RobotModel& robot) {
@@ -63,7 +73,7 @@ double inProcess(const RobotModel& robot, const CollisionScene& scene, Collision
   std::vector<double> q = robot.zeroPositions();
   std::vector<Eigen::Isometry3d> X_RB;
   BodyPoses poses;
-  return medianMicroseconds(5, [&] {
+  const auto check_all = [&] {
     for (const auto& point : trajectory.points) {
       for (std::size_t j = 0; j < point.positions.size(); ++j) {
         q[robot.findJoint(trajectory.joint_names[j])] = point.positions[j];
@@ -73,7 +83,8 @@ double inProcess(const RobotModel& robot, const CollisionScene& scene, Collision
       scene.gatherPoses(X_RB, poses);
       detector.detect(poses, CheckSettings());
     }
-  });
+  };
+  return medianMicroseconds(5, {check_all}).front();
 }
 
 int measure(int repetitions) {
@@ -98,10 +109,11 @@ int measure(int repetitions) {
   state.request.joint_state.name = many.request.trajectory.joint_names;
   state.request.joint_state.position = many.request.trajectory.points[0].positions;
 
-  const double round_trip = medianMicroseconds(repetitions, [&] { empty.call(nothing); });
-  const double from_tf = medianMicroseconds(repetitions, [&] { check.call(now); });
-  const double hypothetical = medianMicroseconds(repetitions, [&] { check.call(state); });
-  const double trajectory = medianMicroseconds(5, [&] { batch.call(many); }) / POINTS;
+  const std::vector<double> medians = medianMicroseconds(
+      repetitions,
+      {[&] { empty.call(nothing); }, [&] { check.call(now); }, [&] { check.call(state); }});
+  const double round_trip = medians[0], from_tf = medians[1], hypothetical = medians[2];
+  const double trajectory = medianMicroseconds(5, {[&] { batch.call(many); }}).front() / POINTS;
   const double direct = inProcess(*robot, *scene, detector, many.request.trajectory) / POINTS;
   std::printf("empty service                 %8.1f us\n", round_trip);
   std::printf("check_collisions, from TF     %8.1f us  (%.2f of the empty service)\n", from_tf,
