@@ -17,7 +17,8 @@ from scene_client import SceneClient, add_box
 
 LINKS = ["slide_a", "slide_b", "slide_c"]
 
-WRONG_WORLD = "<robot name='world'><link name='a'/></robot>"
+WRONG_WORLD = ("<robot name='world'><link name='a'><collision><geometry><sphere radius='1'/></geometry></collision>"
+               "</link></robot>")
 REFUSED = (
     ("node/pair_rules", "deny", ("pair_rules is deny", "a list of")),
     ("node/pair_rules", [{"deny": ["a"]}], ("pair_rules is [a]", "two names")),
