@@ -8,15 +8,6 @@
 
 namespace collision_pairs {
 
-std::shared_ptr<const RobotModel> robotFromText(const std::string& urdf, const std::string& origin,
-                                                const MeshLoader& load_mesh) {
-  try {
-    return RobotModel::fromUrdf(urdf, load_mesh);
-  } catch (const InputError& error) {
-    throw InputError(origin + ": " + error.what());
-  }
-}
-
 Srdf srdfFromText(const std::string& text, const std::string& origin, const RobotModel& robot) {
   std::vector<std::string> links;
   for (const Link& link : robot.links()) links.push_back(link.name);
@@ -32,7 +23,12 @@ Srdf srdfFromText(const std::string& text, const std::string& origin, const Robo
 }
 
 std::shared_ptr<const RobotModel> readRobot(const std::string& path, const MeshLoader& load_mesh) {
-  return robotFromText(readTextFile(path), path, load_mesh);
+  const std::string urdf = readTextFile(path);
+  try {
+    return RobotModel::fromUrdf(urdf, load_mesh);
+  } catch (const InputError& error) {
+    throw InputError(path + ": " + error.what());
+  }
 }
 
 std::optional<Srdf> readSrdf(const std::string& path, const RobotModel& robot) {

@@ -10,12 +10,11 @@
 
 namespace collision_pairs {
 
-/// `origin` is what the text came from: a file, or a topic of a bag. Throws InputError.
-std::shared_ptr<const RobotModel> robotFromText(const std::string& urdf, const std::string& origin,
-                                                const MeshLoader& load_mesh);
-/// Warns of links that the robot does not have. Throws InputError.
+/// `origin` is what the text came from: a file, or a topic of a bag. Warns of links that the robot
+/// does not have. Throws InputError.
 Srdf srdfFromText(const std::string& srdf, const std::string& origin, const RobotModel& robot);
 
+/// Throws InputError.
 std::shared_ptr<const RobotModel> readRobot(const std::string& path, const MeshLoader& load_mesh);
 /// Nothing for an empty path.
 std::optional<Srdf> readSrdf(const std::string& path, const RobotModel& robot);
