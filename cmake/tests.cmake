@@ -8,7 +8,7 @@ function(collision_pairs_test name)
   add_executable(test_${name} test/test_${name}.cpp)
   target_link_libraries(test_${name} PRIVATE collision_pairs ${ARGN} GTest::gtest GTest::gmock
                                              GTest::gtest_main)
-  target_include_directories(test_${name} PRIVATE ${CORE_ROOMS} test)
+  target_include_directories(test_${name} PRIVATE ${CORE_MODULES} test)
   target_compile_definitions(test_${name} PRIVATE PROJECT_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
   collision_pairs_warnings(test_${name})
   add_test(NAME ${name} COMMAND test_${name})
