@@ -7,7 +7,7 @@ find_package(Bullet REQUIRED)
 # A library of its own: CGAL asks for -frounding-math, which must not slow the others.
 add_library(broad_phase_references STATIC test/plain_direct_sap.cpp
                                           test/benchmark/packed_brute_force.cpp)
-target_include_directories(broad_phase_references PUBLIC test)
+target_include_directories(broad_phase_references PUBLIC test ${CORE_MODULES})
 target_link_libraries(broad_phase_references PUBLIC collision_pairs)
 collision_pairs_warnings(broad_phase_references)
 

@@ -46,7 +46,6 @@ add_library(collision_pairs SHARED
   src/core/narrow_phase/hull_bounds.cpp
   src/core/narrow_phase/narrow_phase.cpp
   src/core/narrow_phase/prepared_shape.cpp
-  src/core/narrow_phase/replay.cpp
   src/core/pair_statistics/contact_probability.cpp
   src/core/pair_statistics/contact_search.cpp
   src/core/pair_statistics/generated_srdf.cpp

@@ -2,9 +2,7 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <memory>
-#include <string>
 
 #include <Eigen/Geometry>
 
@@ -37,10 +35,6 @@ enum class MeshContacts {
   OWN_TREE,  ///< the tree that also measures distance: about twice as fast in the slowest percent
 };
 
-/// Is given the inputs of each degraded pair, as text that readReplay() turns back into the very
-/// same numbers.
-using DegradedSink = std::function<void(const std::string& replay)>;
-
 /// Answers pairs of shapes. Holds scratch memory only: one per thread.
 ///
 /// Poses: the rotation in X_AB may be off by rounding or by a quaternion that is not quite
@@ -66,8 +60,6 @@ class NarrowPhase {
 
   /// Calls of touches() and distance() so far that ended DEGRADED.
   std::uint64_t numDegraded() const;
-  /// Called once for each such call, from within it; what the sink throws is swallowed.
-  void onDegraded(DegradedSink sink);
 
  private:
   struct Scratch;

@@ -52,6 +52,7 @@ struct SweepAndPrune::Engine {
   std::vector<BoxPair> scratch;
 };
 
+SweepAndPrune::SweepAndPrune() : SweepAndPrune(SweepTuning()) {}
 SweepAndPrune::SweepAndPrune(const SweepTuning& tuning)
     : engine_(std::make_unique<Engine>(tuning)) {}
 SweepAndPrune::~SweepAndPrune() = default;

@@ -15,14 +15,12 @@
 #include "collision_pairs/narrow_phase.h"
 
 #include <cmath>
-#include <exception>
 
 #include "closed_forms.h"
 #include "containment.h"
 #include "convex_distance.h"
 #include "hull_bounds.h"
 #include "mesh_query.h"
-#include "replay.h"
 #include "surface_contact.h"
 
 namespace collision_pairs {
@@ -83,7 +81,6 @@ struct NarrowPhase::Scratch {
   MeshQuery query;
   SurfaceContact contacts;
   std::uint64_t num_degraded = 0;
-  DegradedSink sink;
   MeshContacts mesh_contacts = MeshContacts::OWN_TREE;
 
   // FCL's "no" is taken; its "yes" is confirmed on the triangles that it names, because its
@@ -236,16 +233,6 @@ struct NarrowPhase::Scratch {
     const Isometry3d X_BA = X_AB.inverse(Eigen::Isometry);
     return exchanged(meshConvex(B, A, X_BA, max_distance, bounds), X_AB);
   }
-
-  void report(const Prepared& A, const Prepared& B, const Isometry3d& X_AB, double max_distance) {
-    ++num_degraded;
-    if (!sink) return;
-    try {
-      sink(writeReplay({A.shape(), B.shape(), X_AB, max_distance}));
-    } catch (const std::exception&) {
-      return;  // a report that fails must not cost the answer
-    }
-  }
 };
 
 namespace {
@@ -279,7 +266,7 @@ bool NarrowPhase::touches(const PreparedShape& A, const PreparedShape& B, const 
   PairDistance detail;
   detail = mendPose(X) ? detail : worstCase(a, b);
   const bool answer = detail.certainty == Certainty::DEGRADED || scratch_->touches(a, b, X, detail);
-  if (detail.certainty == Certainty::DEGRADED) scratch_->report(a, b, X_AB, 0.0);
+  if (detail.certainty == Certainty::DEGRADED) ++scratch_->num_degraded;
   return answer;
 }
 
@@ -290,14 +277,12 @@ PairDistance NarrowPhase::distance(const PreparedShape& A, const PreparedShape& 
   Isometry3d X = X_AB;
   const PairDistance result =
       mendPose(X) ? scratch_->distance(a, b, X, max_distance) : worstCase(a, b);
-  if (result.certainty == Certainty::DEGRADED) scratch_->report(a, b, X_AB, max_distance);
+  if (result.certainty == Certainty::DEGRADED) ++scratch_->num_degraded;
   return result;
 }
 
 void NarrowPhase::setMeshContacts(MeshContacts who) { scratch_->mesh_contacts = who; }
 
 std::uint64_t NarrowPhase::numDegraded() const { return scratch_->num_degraded; }
-
-void NarrowPhase::onDegraded(DegradedSink sink) { scratch_->sink = std::move(sink); }
 
 }  // namespace collision_pairs
