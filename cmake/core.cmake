@@ -28,9 +28,9 @@ add_library(collision_pairs SHARED
   src/core/geometry/aabb.cpp
   src/core/geometry/box_gap.cpp
   src/core/geometry/convex_hull.cpp
-  src/core/geometry/furthest_point.cpp
+  src/core/geometry/geometry_kernel.cpp
+  src/core/geometry/packed_points.cpp
   src/core/geometry/shape.cpp
-  src/core/geometry/vertex_extent.cpp
   src/core/meshes/closest_on_mesh.cpp
   src/core/meshes/mesh_query.cpp
   src/core/meshes/mesh_solid.cpp

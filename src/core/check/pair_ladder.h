@@ -55,9 +55,9 @@ class PairLadder {
   Answer measureAt(const BoxPair& pair, const Eigen::Isometry3d& X_AB, Fidelity rung,
                    double max_distance);
   Answer measureBoxes(const BoxPair& pair) const;
-  /// A lower bound of the distance of the two turned boxes, less the padding; 0 or less does not
-  /// mean that they meet.
-  double turnedBoxGap(const BoxPair& pair, const Eigen::Isometry3d& X_AB) const;
+  /// A lower bound of the distance of the two OBBs, less the padding; 0 or less does not mean that
+  /// they meet.
+  double obbGap(const BoxPair& pair, const Eigen::Isometry3d& X_AB) const;
 
   const CollisionScene* scene_ = nullptr;
   const std::vector<Eigen::Isometry3d>* X_WE_ = nullptr;

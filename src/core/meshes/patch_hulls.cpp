@@ -11,14 +11,7 @@ namespace {
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
 
-// Closest points of hulls this close to a surface, relative to the coordinates, are on it.
-constexpr double PATCH_ROUNDING = 64.0 * std::numeric_limits<double>::epsilon();
-
 double square(double x) { return x * x; }
-
-double roundingOf(const ConvexCore& a, const ConvexCore& b) {
-  return PATCH_ROUNDING * (a.extent + a.center.norm() + b.extent + b.center.norm() + b.radius);
-}
 
 // A patch by the corners of it, a triangle by its own; `corners` holds these.
 ConvexCore pieceCore(const PreparedMesh& mesh, const TriangleTree::Node& node, Corners& corners) {

@@ -1,7 +1,5 @@
 #include "hull_bounds.h"
 
-#include <limits>
-
 #include "closest_on_mesh.h"
 
 namespace collision_pairs {
@@ -9,14 +7,6 @@ namespace {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
-
-constexpr double ROUNDING = 64.0 * std::numeric_limits<double>::epsilon();
-
-// By how much qhull's rounding may leave a vertex outside its hull, and a closest point beside the
-// surface that it is on.
-double roundingOf(const ConvexCore& a, const ConvexCore& b) {
-  return ROUNDING * (a.extent + a.center.norm() + b.extent + b.center.norm());
-}
 
 bool coresMiss(const ConvexCore& a, const ConvexCore& b, const Isometry3d& X_AB) {
   const double rounding = roundingOf(a, b);

@@ -6,7 +6,7 @@
 #include <Eigen/Geometry>
 
 #include "collision_pairs/aabb.h"
-#include "vertex_extent.h"
+#include "packed_points.h"
 
 namespace collision_pairs {
 
