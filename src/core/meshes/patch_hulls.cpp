@@ -2,7 +2,6 @@
 
 #include <cmath>
 
-#include "closest_on_mesh.h"
 #include "convex_distance.h"
 
 namespace collision_pairs {
@@ -21,29 +20,6 @@ ConvexCore pieceCore(const PreparedMesh& mesh, const TriangleTree::Node& node, C
 }
 
 }  // namespace
-
-Corners cornersOf(const TriangleMesh& mesh, std::uint32_t index) {
-  const auto& t = mesh.triangles[index];
-  return {mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]};
-}
-
-Corners moved(const Corners& corners, const Isometry3d& X) {
-  return {X * corners[0], X * corners[1], X * corners[2]};
-}
-
-Triangle triangleOf(const TriangleMesh& mesh, std::uint32_t index) {
-  return Triangle(cornersOf(mesh, index));
-}
-
-ConvexCore cornersCore(const Corners& corners) {
-  ConvexCore core;
-  core.kind = ConvexCore::Kind::POINTS;
-  core.points = corners.data();
-  core.num_points = 3;
-  core.center = (corners[0] + corners[1] + corners[2]) / 3.0;
-  for (const Vector3d& v : corners) core.extent = std::max(core.extent, (v - core.center).norm());
-  return core;
-}
 
 PatchOutcome comparePatches(const PreparedMesh& A, std::uint32_t a, const PreparedMesh& B,
                             std::uint32_t b, const Isometry3d& X_AB, const Isometry3d& X_BA,
