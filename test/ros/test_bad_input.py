@@ -51,7 +51,7 @@ class BadInputTest(unittest.TestCase):
 
     def test_parameters_that_cannot_be_used_give_way_to_defaults(self):
         node = NodeClient("/bad_parameters/node")
-        report = node.next(node.reports)
+        report = node.next(node.reports, lambda r: r.left_out)
         self.assertEqual((report.alarm_distance, report.fidelity), (0.05, "mesh"))
         self.assertEqual(rospy.get_param("/bad_parameters/node/alarm_distance"), 0.05)
         self.assertEqual(rospy.get_param("/bad_parameters/node/rate"), 50.0)
