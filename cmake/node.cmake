@@ -18,7 +18,7 @@ add_library(collision_pairs_ros STATIC
   src/ros/yaml_parameters.cpp
 )
 target_include_directories(collision_pairs_ros PUBLIC ${PROJECT_SOURCE_DIR}/src/ros
-                                               PRIVATE ${CORE_ROOMS})
+                                               PRIVATE ${CORE_MODULES})
 target_include_directories(collision_pairs_ros SYSTEM PUBLIC ${catkin_INCLUDE_DIRS})
 target_link_libraries(collision_pairs_ros PUBLIC collision_pairs_io collision_pairs_messages ${catkin_LIBRARIES})
 collision_pairs_warnings(collision_pairs_ros)

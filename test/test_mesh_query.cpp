@@ -4,6 +4,7 @@
 
 #include "mesh_query.h"
 #include "mesh_solid.h"
+#include "prepared_shape.h"
 #include "random_inputs.h"
 #include "signed_distance_oracle.h"
 #include "surface_contact.h"

@@ -70,7 +70,7 @@ struct CollisionReport {
   bool in_collision = true;  ///< verdict != FREE
   /// Smallest signed distance of all allowed pairs, where it is at most the alarm distance or was
   /// asked for; otherwise (`…_is_bound`) what it is known to be no less than: the alarm distance,
-  /// or where the time was spent the least of the lower bounds.
+  /// or where a pair is UNRESOLVED the least of the lower bounds.
   double min_distance = 0.0;
   bool min_distance_is_bound = true;
   std::vector<PairReport> pairs;        ///< sorted by (first, second)

@@ -1,7 +1,6 @@
 #include "found_pairs.h"
 
 #include <algorithm>
-#include <limits>
 #include <numeric>
 #include <tuple>
 
@@ -59,10 +58,10 @@ void FoundPairs::add(const CollisionScene& scene, const BoxPair& pair, const Pai
   contacts_.push_back({found.p_ACa, found.p_ACb, found.nhat_AB_A, -found.distance, pair});
 }
 
-double FoundPairs::minDistance() const {
-  double least = std::numeric_limits<double>::infinity();
-  for (const PairReport& pair : pairs_) least = std::min(least, pair.distance);
-  return least;
+SmallestDistance FoundPairs::smallestDistance() const {
+  SmallestDistance smallest;
+  for (const PairReport& pair : pairs_) smallest.offer(pair.distance, pair.certainty);
+  return smallest;
 }
 
 void FoundPairs::sortByModels() {
@@ -93,12 +92,13 @@ void FoundPairs::assemble(bool with_contacts, CollisionReport& report) {
   }
   report.verdict = verdictOf(report);
   report.in_collision = report.verdict != Verdict::FREE;
+  SmallestDistance smallest{report.min_distance, report.min_distance_is_bound};
   for (PairReport& pair : pairs) {
     if (!with_contacts) pair.nb_contacts = 0;
-    if (pair.distance > report.min_distance) continue;
-    report.min_distance = pair.distance;
-    report.min_distance_is_bound = pair.certainty == Certainty::UNFINISHED;
+    smallest.offer(pair.distance, pair.certainty);
   }
+  report.min_distance = smallest.metres;
+  report.min_distance_is_bound = smallest.is_bound;
 }
 
 }  // namespace collision_pairs
