@@ -1,6 +1,7 @@
 #include <cmath>
 #include <map>
 #include <set>
+#include <sstream>
 
 #include <gtest/gtest.h>
 
@@ -114,8 +115,21 @@ TEST_F(Report, OfNothingIsUnknown) {
   EXPECT_TRUE(message.in_collision);
   EXPECT_EQ(message.unknown_because, std::vector<std::string>{"there is no robot"});
   const MarkerArray array = toMarkers(message, nullptr, false);
-  ASSERT_EQ(array.markers.size(), 2u);
-  EXPECT_EQ(array.markers[1].text, "UNKNOWN\nthere is no robot");
+  ASSERT_EQ(array.markers.size(), 3u);
+  EXPECT_EQ(array.markers[1].text, "UNKNOWN");
+  EXPECT_EQ(array.markers[2].text, "there is no robot");
+}
+
+TEST_F(Report, ALongReasonIsDrawnInLinesAndCut) {
+  for (const std::string& why :
+       {std::string(500, 'x'), "link 'x': " + std::string(200, ' '),
+        std::string("no usable pose: a, b, c, d, e, f, g, h, i, j, k, l")}) {
+    const std::string text =
+        toMarkers(unknown(why, "world", ros::Time(7)), nullptr, false).markers.at(2).text;
+    std::istringstream lines(text);
+    for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 52u);
+    EXPECT_LT(text.size(), 140u);
+  }
 }
 
 TEST_F(Report, WithVerdictOnlySaysThatItsPairsAreNotAll) {
@@ -129,7 +143,8 @@ TEST_F(Report, WithVerdictOnlySaysThatItsPairsAreNotAll) {
 TEST_F(Report, MarkersShowTheVerdictInItsColourAboveAllBoxes) {
   const Marker text = markers(false).markers.at(1);
   EXPECT_EQ(text.ns, "verdict");
-  EXPECT_EQ(text.text, "COLLISION\na | b");
+  EXPECT_EQ(text.text, "COLLISION");
+  EXPECT_EQ(markers(false).markers.at(2).text, "a | b");
   EXPECT_GT(text.color.r, 0.8f);
   EXPECT_LT(text.color.g, 0.2f);
   EXPECT_GT(text.pose.position.z, 0.5);

@@ -31,19 +31,39 @@ BoxStyle styleOf(BoxKind kind) {
   }
 }
 
-std::string verdictText(const CollisionPairs& message) {
-  if (message.verdict == CollisionPairs::FREE) return "FREE";
-  if (message.verdict == CollisionPairs::COLLISION) {
+const char* verdictWord(std::uint8_t verdict) {
+  if (verdict == CollisionPairs::FREE) return "FREE";
+  return verdict == CollisionPairs::COLLISION ? "COLLISION" : "UNKNOWN";
+}
+
+/// Lines of at most `width` characters, broken at spaces where there are any.
+std::string wrapped(std::string text, std::size_t width) {
+  for (std::size_t begin = 0; text.size() - begin > width;) {
+    const std::size_t space = text.rfind(' ', begin + width);
+    if (space == std::string::npos || space <= begin) {
+      text.insert(begin + width, "\n");
+      begin += width + 1;
+    } else {
+      text[space] = '\n';
+      begin = space + 1;
+    }
+  }
+  return text;
+}
+
+/// The deepest pair, or the first reason.
+std::string verdictDetail(const CollisionPairs& message) {
+  constexpr std::size_t LONGEST = 120, WIDTH = 48;  // characters: the message has it all
+  if (message.verdict == CollisionPairs::COLLISION && !message.pairs.empty()) {
     const auto deepest = std::min_element(
         message.pairs.begin(), message.pairs.end(),
         [](const CollisionPair& a, const CollisionPair& b) { return a.distance < b.distance; });
-    if (deepest == message.pairs.end()) return "COLLISION";
-    return "COLLISION\n" + deepest->first_link + " | " + deepest->second_link;
+    return deepest->first_link + " | " + deepest->second_link;
   }
-  constexpr std::size_t LONGEST = 80;  // characters: the message has it all
-  std::string why = message.unknown_because.empty() ? "" : message.unknown_because.front();
+  if (message.unknown_because.empty()) return "";
+  std::string why = message.unknown_because.front();
   if (why.size() > LONGEST) why = why.substr(0, LONGEST) + "...";
-  return "UNKNOWN\n" + why;
+  return wrapped(why, WIDTH);
 }
 
 std_msgs::ColorRGBA verdictColor(std::uint8_t verdict) {
@@ -89,13 +109,18 @@ class MarkerWriter {
   }
 
   void addVerdict(const CollisionPairs& message, const Aabb& space) {
-    Marker& text = add("verdict", 0, Marker::TEXT_VIEW_FACING, verdictColor(message.verdict));
-    text.header.stamp = ros::Time();
-    text.text = verdictText(message);
-    text.scale.z = std::max(1e-3, 0.08 * (space.max - space.min).norm());
-    const Vector3d center = space.center();
-    text.pose.position =
-        toPoint(Vector3d(center.x(), center.y(), space.max.z() + 1.5 * text.scale.z));
+    const double height = std::max(1e-3, 0.07 * (space.max - space.min).norm());
+    const auto addText = [&](int id, const std::string& words, double size, double above) {
+      Marker& text = add("verdict", id, Marker::TEXT_VIEW_FACING, verdictColor(message.verdict));
+      text.header.stamp = ros::Time();
+      text.text = words;
+      text.scale.z = size;
+      const Vector3d center = space.center();
+      text.pose.position = toPoint(Vector3d(center.x(), center.y(), space.max.z() + above));
+    };
+    addText(0, verdictWord(message.verdict), height, 1.9 * height);
+    const std::string detail = verdictDetail(message);
+    if (!detail.empty()) addText(1, detail, 0.35 * height, 0.6 * height);
   }
 
   MarkerArray take() { return std::move(array_); }

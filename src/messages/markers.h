@@ -8,9 +8,9 @@
 
 namespace collision_pairs {
 
-/// The verdict as a large coloured text above everything: "FREE" green, "COLLISION" red with the
-/// deepest pair, "UNKNOWN" violet with the first reason. It has no stamp, so that rviz draws it
-/// also where the poses are old, in the message's frame.
+/// "verdict": a large coloured word above everything, "FREE" green, "COLLISION" red or "UNKNOWN"
+/// violet, and below it in small letters the deepest pair or the first reason. These have no stamp,
+/// so that rviz draws them also where the poses are old, in the message's frame.
 ///
 /// One CUBE for each box of the report, in one of three namespaces: "boxes_in_contact" (red: an
 /// element of a contact), "investigated_boxes" (amber: in a candidate pair, without contact) and
