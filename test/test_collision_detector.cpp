@@ -142,7 +142,8 @@ TEST(CollisionDetector, APoseThatIsNotFiniteCountsAsUnknown) {
   poses.X_WB[scene->models()[0].body].translation().x() = std::nan("");
   const auto& report = detector.detect(poses, alarm(0.0));
   EXPECT_EQ(report.left_out, (std::vector<std::uint32_t>{0}));
-  EXPECT_FALSE(report.in_collision);
+  EXPECT_EQ(report.verdict, Verdict::UNKNOWN);
+  EXPECT_TRUE(report.in_collision);
 }
 
 TEST(CollisionDetector, PairByPairEqualsAllAtOnce) {

@@ -186,12 +186,9 @@ void CollisionDetector::sweep(double reach, std::vector<BoxPair>& candidates) {
 void CollisionDetector::findFirstContact() {
   for (const BoxPair& candidate : report_.candidates) {
     const BoxPair pair = ladder_->byModel(candidate);
-    if (!ladder_->touches(pair, settings_.fidelity)) continue;
-    PairDistance contact;
-    contact.distance = 0.0;
-    contact.certainty = Certainty::BOUND;
-    found_->add(*scene_, pair, contact, ladder_->rungOf(pair, settings_.fidelity));
-    return;
+    const auto [found, rung] = ladder_->touches(pair, settings_.fidelity);
+    take(pair, found, rung);
+    if (found.certainty == Certainty::BOUND) return;
   }
 }
 

@@ -26,10 +26,14 @@ void mergeInto(PairReport& pair, const PairReport& other) {
   pair.fidelity = other.fidelity;
 }
 
-// A lower bound that is positive shows that the two are apart.
-bool mayTouch(const PairReport& pair) {
-  return pair.state == PairState::CONTACT ||
-         (pair.state == PairState::UNRESOLVED && pair.distance <= 0.0);
+Verdict verdictOf(const CollisionReport& report) {
+  Verdict verdict = report.left_out.empty() ? Verdict::FREE : Verdict::UNKNOWN;
+  for (const PairReport& pair : report.pairs) {
+    if (pair.state == PairState::CONTACT) return Verdict::COLLISION;
+    // A lower bound that is positive shows that the two are apart.
+    if (pair.mayTouch()) verdict = Verdict::UNKNOWN;
+  }
+  return verdict;
 }
 
 }  // namespace
@@ -86,7 +90,8 @@ void FoundPairs::assemble(bool with_contacts, CollisionReport& report) {
     }
     if (with_contacts) report.contacts.push_back(contacts_[i]);
   }
-  report.in_collision = std::any_of(pairs.begin(), pairs.end(), &mayTouch);
+  report.verdict = verdictOf(report);
+  report.in_collision = report.verdict != Verdict::FREE;
   SmallestDistance smallest{report.min_distance, report.min_distance_is_bound};
   for (PairReport& pair : pairs) {
     if (!with_contacts) pair.nb_contacts = 0;

@@ -34,8 +34,8 @@ class FoundPairs {
 
   SmallestDistance smallestDistance() const;
 
-  /// Fills in pairs, contacts (if they are wanted) and in_collision, and lowers min_distance to
-  /// what was found. O(n log n).
+  /// Fills in pairs, contacts (if they are wanted) and the verdict, and lowers min_distance to what
+  /// was found. left_out must be there already. O(n log n).
   void assemble(bool with_contacts, CollisionReport& report);
 
  private:
