@@ -115,6 +115,8 @@ class RobotModel {
   static std::shared_ptr<const RobotModel> merge(const std::vector<Placed>& robots);
 
   const std::string& name() const { return name_; }
+  /// What of the URDF means nothing and was passed over, a sentence each; for whoever wrote it.
+  const std::vector<std::string>& warnings() const { return warnings_; }
   const std::vector<Link>& links() const { return links_; }
   const std::vector<Joint>& joints() const { return joints_; }
   const std::vector<Body>& bodies() const { return bodies_; }
@@ -147,6 +149,7 @@ class RobotModel {
   void groupIntoBodies();
 
   std::string name_;
+  std::vector<std::string> warnings_;
   std::vector<Link> links_;
   std::vector<Joint> joints_;
   std::vector<Body> bodies_;

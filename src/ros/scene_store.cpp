@@ -57,7 +57,6 @@ SceneStore::SceneStore(const ros::NodeHandle& private_node, const tf2::BufferCor
                        const NodeParameters& parameters)
     : private_node_(private_node),
       tf_buffer_(tf_buffer),
-      settings_(parameters.scene),
       fixed_frame_(withoutLeadingSlash(parameters.fixed_frame)),
       max_pose_age_(parameters.pose_limits.max_pose_age),
       load_mesh_(makeMeshLoader()) {}
@@ -77,7 +76,7 @@ void SceneStore::load() {
   const std::lock_guard<std::mutex> lock(building_);
   const ros::WallTime start = ros::WallTime::now();
   told_.clear();
-  SceneSources sources = readSceneSources(private_node_, settings_);
+  SceneSources sources = readSceneSources(private_node_);
   ActiveScenePtr active = build(sources, objects_, {});
   requireFrameOfObjects(active->frame);
   const CollisionScene& scene = *active->scene;

@@ -53,7 +53,6 @@ class SceneStore {
 
   ros::NodeHandle private_node_;
   const tf2::BufferCore& tf_buffer_;
-  const SceneSettings settings_;
   const std::string fixed_frame_;
   const double max_pose_age_;  // s: of the frames that objects are placed in
 

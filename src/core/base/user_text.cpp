@@ -4,9 +4,12 @@
 #include <cctype>
 #include <charconv>
 #include <cmath>
+#include <cstdlib>
 #include <limits>
 #include <numeric>
 #include <sstream>
+
+#include <locale.h>
 
 namespace collision_pairs {
 namespace {
@@ -25,6 +28,13 @@ std::size_t editDistance(const std::string& a, const std::string& b) {
   return row.back();
 }
 
+// Of a number too large or too small for a double; from_chars does not say which. Zero is what is
+// meant by 1e-400.
+double outOfRange(const std::string& number) {
+  static const locale_t C_LOCALE = ::newlocale(LC_ALL_MASK, "C", nullptr);
+  return ::strtod_l(number.c_str(), nullptr, C_LOCALE);
+}
+
 }  // namespace
 
 bool parseNumber(const std::string& text, double& value) {
@@ -34,7 +44,8 @@ bool parseNumber(const std::string& text, double& value) {
   while (begin != end && std::isspace(static_cast<unsigned char>(end[-1]))) --end;
   if (begin != end && *begin == '+' && begin + 1 != end && begin[1] != '-') ++begin;
   const auto [rest, error] = std::from_chars(begin, end, value);
-  return error == std::errc() && rest == end && std::isfinite(value);
+  if (error == std::errc::result_out_of_range) value = outOfRange(std::string(begin, rest));
+  return rest != begin && rest == end && std::isfinite(value);
 }
 
 bool parseVector3(const std::string& text, Eigen::Vector3d& value) {

@@ -92,6 +92,7 @@ void RobotModel::append(const Placed& robot) {
     if (joint.mimic) joint.mimic->joint += first_joint;
     joints_.push_back(std::move(joint));
   }
+  warnings_.insert(warnings_.end(), robot.model->warnings_.begin(), robot.model->warnings_.end());
   name_ += (name_.empty() ? "" : "', '") + withPrefix(robot.prefix, robot.model->name_);
 }
 
