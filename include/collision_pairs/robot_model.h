@@ -20,6 +20,10 @@ namespace collision_pairs {
 using MeshLoader = std::function<std::shared_ptr<const TriangleMesh>(const std::string& uri,
                                                                      const Eigen::Vector3d& scale)>;
 
+/// The name of a robot's link, joint or frame among those of several robots, as tf_prefix makes it:
+/// "left" and "elbow" are "left/elbow". No prefix leaves it as it is.
+std::string withPrefix(const std::string& prefix, const std::string& name);
+
 /// One <collision> of a link.
 struct Element {
   Shape shape;
@@ -102,7 +106,7 @@ class RobotModel {
   /// One of several.
   struct Placed {
     std::shared_ptr<const RobotModel> model;
-    std::string prefix;  ///< "left" makes link "elbow" "left/elbow"; joints likewise
+    std::string prefix;  ///< withPrefix() of its links' and joints' names
     /// Where its root stands; forwardKinematics() puts it there.
     Eigen::Isometry3d X_WR = Eigen::Isometry3d::Identity();
   };

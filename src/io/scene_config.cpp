@@ -7,8 +7,8 @@
 #include <sstream>
 
 #include "collision_pairs/input_error.h"
-#include "nearest_name.h"
 #include "text_files.h"
+#include "user_text.h"
 
 namespace collision_pairs {
 namespace {

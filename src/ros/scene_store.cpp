@@ -12,7 +12,7 @@
 #include "frame_names.h"
 #include "geometry_conversions.h"
 #include "mesh_loader.h"
-#include "nearest_name.h"
+#include "user_text.h"
 
 namespace collision_pairs {
 namespace {

@@ -11,6 +11,10 @@ using Eigen::Isometry3d;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
+std::string withPrefix(const std::string& prefix, const std::string& name) {
+  return prefix.empty() ? name : prefix + "/" + name;
+}
+
 Isometry3d Joint::motion(double position) const {
   Isometry3d X = Isometry3d::Identity();
   if (type == JointType::PRISMATIC) {
@@ -102,22 +106,21 @@ std::shared_ptr<const RobotModel> RobotModel::merge(const std::vector<Placed>& r
 }
 
 void RobotModel::append(const Placed& robot) {
-  const std::string prefix = robot.prefix.empty() ? "" : robot.prefix + "/";
   const int first_link = static_cast<int>(links_.size());
   const int first_joint = static_cast<int>(joints_.size());
   for (Link link : robot.model->links_) {
-    link.name = prefix + link.name;
+    link.name = withPrefix(robot.prefix, link.name);
     if (link.parent_joint >= 0) link.parent_joint += first_joint;
     links_.push_back(std::move(link));
   }
   for (Joint joint : robot.model->joints_) {
-    joint.name = prefix + joint.name;
+    joint.name = withPrefix(robot.prefix, joint.name);
     joint.parent_link += first_link;
     joint.child_link += first_link;
     if (joint.mimic) joint.mimic->joint += first_joint;
     joints_.push_back(std::move(joint));
   }
-  name_ += (name_.empty() ? "" : "', '") + prefix + robot.model->name_;
+  name_ += (name_.empty() ? "" : "', '") + withPrefix(robot.prefix, robot.model->name_);
 }
 
 int RobotModel::findLink(const std::string& name) const {

@@ -5,7 +5,7 @@
 #include <set>
 
 #include "collision_pairs/input_error.h"
-#include "number_text.h"
+#include "user_text.h"
 #include "xml_file.h"
 
 namespace collision_pairs {
