@@ -137,7 +137,8 @@ class RobotModel {
   void applyMimics(std::vector<double>& positions) const;
 
   /// Pose of each body in the frame of the root link (of several robots: in W), by `positions` (one
-  /// entry a joint, mimics applied). Floating and planar joints stand at identity. O(bodies).
+  /// entry a joint, mimics applied). Floating and planar joints stand at identity. O(bodies): a
+  /// sine, a cosine and 45 products each. No allocation once X_RB has its size.
   void forwardKinematics(const std::vector<double>& positions,
                          std::vector<Eigen::Isometry3d>& X_RB) const;
 
@@ -147,12 +148,23 @@ class RobotModel {
   void append(const Placed& robot);
   void indexNames();
   void groupIntoBodies();
+  void foldJoints();
+
+  /// A body's pose in its parent's, as a function of its joint's position q, with everything that
+  /// does not change multiplied out: R_PB(q) = R + cos(q) R_cos + sin(q) R_sin (Rodrigues' formula
+  /// behind the fixed rotation of the joint's frame), p_PB(q) = p + q p_slope.
+  struct BodyMotion {
+    bool turns = false;  ///< else R alone is the rotation
+    Eigen::Matrix3d R, R_cos, R_sin;
+    Eigen::Vector3d p, p_slope;
+  };
 
   std::string name_;
   std::vector<std::string> warnings_;
   std::vector<Link> links_;
   std::vector<Joint> joints_;
   std::vector<Body> bodies_;
+  std::vector<BodyMotion> motions_;  // beside bodies_
   std::unordered_map<std::string, int> link_ids_;
   std::unordered_map<std::string, int> joint_ids_;
 };
