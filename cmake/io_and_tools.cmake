@@ -1,6 +1,5 @@
 # What both the node and the tools read, and the tools: a page each.
 add_library(collision_pairs_io SHARED
-  src/io/bag_chunk.cpp
   src/io/bag_poses.cpp
   src/io/bag_poses_from_joints.cpp
   src/io/bag_poses_from_tf.cpp
@@ -9,14 +8,11 @@ add_library(collision_pairs_io SHARED
   src/io/bag_table.cpp
   src/io/bag_table_merge.cpp
   src/io/joint_states_csv.cpp
-  src/io/joint_tracks.cpp
   src/io/mesh_loader.cpp
-  src/io/message_bounds.cpp
-  src/io/robot_source.cpp
   src/io/scene_config.cpp
   src/io/scene_sources.cpp
   src/io/text_files.cpp
-  src/io/transform_tracks.cpp
+  src/io/tracks.cpp
 )
 target_include_directories(collision_pairs_io PUBLIC ${PROJECT_SOURCE_DIR}/src/io
                                               PRIVATE ${CORE_MODULES})
@@ -27,19 +23,16 @@ collision_pairs_warnings(collision_pairs_io)
 
 # Further source files of the tool may follow its name.
 function(collision_pairs_tool name)
-  add_executable(${name} src/tools/${name}.cpp src/tools/tool_errors.cpp ${ARGN})
+  add_executable(${name} src/tools/${name}.cpp src/tools/tool.cpp ${ARGN})
   target_link_libraries(${name} PRIVATE collision_pairs_io CLI11::CLI11)
   collision_pairs_warnings(${name})
 endfunction()
 
-set(bag_outputs src/tools/bag_outputs.cpp src/tools/bag_report.cpp src/tools/bag_summary.cpp)
-collision_pairs_tool(check_states src/tools/robot_files.cpp src/tools/scene_options.cpp)
-collision_pairs_tool(check_bag src/tools/bag_recorder.cpp src/tools/bag_scenes.cpp
-                     src/tools/progress_bar.cpp src/tools/robot_files.cpp
-                     src/tools/scene_options.cpp ${bag_outputs})
+set(bag_outputs src/tools/bag_outputs.cpp src/tools/bag_summary.cpp)
+collision_pairs_tool(check_states src/tools/scene_files.cpp)
+collision_pairs_tool(check_bag src/tools/bag_recorder.cpp src/tools/scene_files.cpp ${bag_outputs})
 target_link_libraries(check_bag PRIVATE collision_pairs_messages)
-collision_pairs_tool(generate_srdf src/tools/pair_table.cpp src/tools/pair_verdicts.cpp
-                     src/tools/progress_bar.cpp src/tools/robot_files.cpp
+collision_pairs_tool(generate_srdf src/tools/pair_verdicts.cpp src/tools/scene_files.cpp
                      src/tools/verdict_texts.cpp)
 target_include_directories(generate_srdf PRIVATE ${CORE_MODULES})
 collision_pairs_tool(merge_bag_checks ${bag_outputs})

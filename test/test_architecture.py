@@ -91,3 +91,10 @@ def test_public_headers_of_a_module_are_included_from_the_modules_above_only():
 
 def test_every_file_of_the_core_stands_in_a_module():
     assert sorted(os.listdir(os.path.join(PROJECT, "src/core"))) == sorted(CORE_MODULES)
+
+
+def test_the_drawing_of_the_modules_is_of_this_code():
+    drawn = subprocess.run([os.path.join(PROJECT, "scripts/draw_modules"), "--dot"], check=True,
+                           stdout=subprocess.PIPE, text=True).stdout
+    with open(os.path.join(PROJECT, "docs/modules.dot")) as drawing:
+        assert drawing.read() == drawn, "run scripts/draw_modules"

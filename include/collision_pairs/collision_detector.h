@@ -27,8 +27,8 @@ struct CheckSettings {
   Fidelity fidelity = Fidelity::MESH;
   /// Find the smallest distance of all pairs even where it is beyond the alarm distance.
   bool min_distance = false;
-  /// Only the verdict is asked for: ends at the first certain contact, which is then the only one in
-  /// the report, without points and depth (its distance is 0). The alarm distance counts as 0.
+  /// Only the verdict is asked for: ends at the first certain contact, which is then the only one
+  /// in the report, without points and depth (its distance is 0). The alarm distance counts as 0.
   bool verdict_only = false;
   /// Seconds, >= 0, for the whole check; 0: no limit. Boxes are always rebuilt, swept and compared;
   /// the most suspicious pairs then climb the ladder until the time is spent, and the narrow query

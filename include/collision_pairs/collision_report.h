@@ -10,7 +10,7 @@
 
 #include "collision_pairs/aabb.h"
 #include "collision_pairs/fidelity.h"
-#include "collision_pairs/narrow_phase.h"
+#include "collision_pairs/pair_distance.h"
 #include "collision_pairs/sweep_and_prune.h"
 
 namespace collision_pairs {
@@ -26,7 +26,7 @@ enum class PairState {
 enum class Verdict : std::uint8_t {
   FREE = 0,       ///< every pair that the scene requires was checked and is apart
   COLLISION = 1,  ///< some pair is in contact for certain, at the fidelity asked for
-  UNKNOWN = 2     ///< neither: a model has no pose, or a pair that could be in contact is unresolved
+  UNKNOWN = 2  ///< neither: a model has no pose, or a pair that could be in contact is unresolved
 };
 
 /// Closest (or deepest) points of two elements, measured and expressed in the world frame W. They
@@ -78,7 +78,7 @@ struct CollisionReport {
   std::vector<BoxPair> candidates;      ///< the investigated pairs of elements, sorted: nb_pairs
   std::vector<Aabb> boxes;              ///< one an element, in W; not valid() where it has no pose
   std::vector<std::uint32_t> left_out;  ///< models without a usable pose
-  std::uint32_t nb_boxes = 0;           ///< boxes rebuilt or standing in this cycle
+  std::uint32_t nb_boxes = 0;           ///< moving and static boxes of this cycle
   /// Investigated pairs by the rung (Fidelity) that settled them.
   std::array<std::uint32_t, 4> nb_settled = {0, 0, 0, 0};
   /// Investigated pairs that the time budget left UNRESOLVED; with nb_settled, all of them.

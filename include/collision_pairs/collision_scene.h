@@ -12,6 +12,7 @@
 
 #include "collision_pairs/body_poses.h"
 #include "collision_pairs/collision_report.h"
+#include "collision_pairs/narrow_phase.h"
 #include "collision_pairs/pair_filter.h"
 #include "collision_pairs/robot_model.h"
 #include "collision_pairs/scene_description.h"
@@ -37,7 +38,7 @@ struct Rung {
   Eigen::Isometry3d X_ER;  ///< pose of that shape in the element's frame; identity but for OBB
   /// Metres by which the shape must be grown to enclose the next rung in exact arithmetic.
   double margin = 0.0;
-  /// The shape sticks out of the next by design, so that a cheaper rung may be the better bound.
+  /// The shape sticks out of the next by design, so that a coarser rung may be the better bound.
   bool loose = false;
 };
 
@@ -45,8 +46,8 @@ struct SceneElement {
   std::uint32_t model;
   int body;                ///< as in CollisionModel
   Eigen::Isometry3d X_BE;  ///< pose in its body's frame; in W if it never moves
-  /// The dearest geometry that its link may be checked with.
-  Fidelity dearest = Fidelity::MESH;
+  /// The finest geometry that its link may be checked with.
+  Fidelity finest = Fidelity::MESH;
   /// By Fidelity; AABB has none of its own. Shared where rungs are the same shape; without one
   /// where no allowed pair asks for it.
   std::array<Rung, 4> rungs;

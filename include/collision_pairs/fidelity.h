@@ -5,11 +5,11 @@
 
 namespace collision_pairs {
 
-/// Which geometry decides: a ladder on which each rung encloses the next, so that a cheaper one
-/// reports every contact that a dearer one reports, and its distance is a lower bound.
+/// Which geometry decides: a ladder on which each rung encloses the next, so that a coarser one
+/// reports every contact that a finer one reports, and its distance is a lower bound.
 enum class Fidelity {
   AABB,    ///< the axis-aligned boxes of the broad phase
-  OBB,     ///< a box about each element, turned with it, and the axis-aligned box as well
+  OBB,     ///< a box along the axes of each element, and the axis-aligned box as well
   CONVEX,  ///< the convex hull of each element
   MESH     ///< the elements as they are
 };

@@ -7,7 +7,7 @@
 namespace collision_pairs {
 
 /// The message is one line and says what is wrong, where (file, line, link, column), and how to
-/// mend it. Nothing is changed by the call that throws it.
+/// repair it. Nothing is changed by the call that throws it.
 class InputError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

@@ -125,8 +125,8 @@ class RobotModel {
   int findLink(const std::string& name) const;
   int findJoint(const std::string& name) const;
 
-  /// Pairs (first < second) of links with geometry of which one hangs from the other, directly or
-  /// through links without geometry only.
+  /// Pairs (first < second) of links with geometry of which one is attached to the other, directly
+  /// or through links without geometry only.
   std::vector<std::pair<int, int>> adjacentLinks() const;
 
   /// Every joint at zero, or at the limit nearer to zero where zero is out of bounds; joints that

@@ -16,8 +16,8 @@ namespace collision_pairs {
 
 struct SceneRobot {
   std::shared_ptr<const RobotModel> model;
-  /// Switches off pairs of links of this robot, and no others. Without one, links that hang
-  /// together are not checked (RobotModel::adjacentLinks).
+  /// Switches off pairs of links of this robot, and no others. Without one, adjacent
+  /// links are not checked (RobotModel::adjacentLinks).
   std::optional<Srdf> srdf;
   /// "left" makes link "elbow" "left/elbow", as tf_prefix does; joints and groups likewise.
   std::string prefix;
@@ -25,15 +25,15 @@ struct SceneRobot {
   Eigen::Isometry3d X_WR = Eigen::Isometry3d::Identity();
 };
 
-/// A body that is no link: it stands still, or hangs on a link of a robot.
+/// A body that is no link: static, or attached to a link of a robot.
 struct RigidObject {
   std::string name;
   std::vector<Element> elements;  ///< their X_LE is the pose in the object's frame O
-  std::string attached_link;      ///< with its robot's prefix; empty: it stands still
+  std::string attached_link;      ///< with its robot's prefix; empty: it is static
   /// Its pose in the world frame W, or in the frame of attached_link.
   Eigen::Isometry3d X_PO = Eigen::Isometry3d::Identity();
-  /// Links and objects that it is not checked against. The link that it hangs on, and what hangs
-  /// on links rigidly fixed to that, are so anyway.
+  /// Links and objects that it is not checked against. The link that it is attached to, and what
+  /// is attached to links rigidly fixed to that, are so anyway.
   std::vector<std::string> touch_links;
   double padding = 0.0;  ///< metres, >= 0; as SceneSettings::padding
 };
@@ -43,7 +43,7 @@ RigidObject floorAt(double height, std::vector<std::string> touch_links);
 
 struct SceneDescription {
   std::vector<SceneRobot> robots;
-  /// Stands still, with its joints at zero and its root at the origin of W. May be null.
+  /// Static, with its joints at zero and its root at the origin of W. May be null.
   std::shared_ptr<const RobotModel> world;
   std::vector<RigidObject> objects;
   Restriction restriction;

@@ -49,11 +49,11 @@ struct Restriction {
 };
 
 struct SceneSettings {
-  /// The dearest geometry that a check of this scene may ask for; what asks for more gets this.
+  /// The finest geometry that a check of this scene may ask for; what asks for more gets this.
   /// Rungs above it are not prepared.
   Fidelity fidelity = Fidelity::MESH;
   /// The same for single links, by name (of the robot or the world); others: `fidelity`. A pair is
-  /// checked at the cheapest of what its two links and the request say, so a link's rung above
+  /// checked at the coarsest of what its two links and the request say, so a link's rung above
   /// what all its partners have is not prepared either. PairReport says which rung it was.
   std::map<std::string, Fidelity> link_fidelity;
   /// Hulls of the `convex` rung have at most this many vertices and are grown so that they still
@@ -61,7 +61,7 @@ struct SceneSettings {
   int max_hull_vertices = 0;
 
   /// Applied in this order after the SRDF, so that the last that matches a pair decides it. Pairs
-  /// that can never meet another way (both stand still, one link and what is attached to it) stay
+  /// that can never meet another way (both static, one link and what is attached to it) stay
   /// out whatever they say.
   std::vector<PairRule> pair_rules;
   /// Links that are not in the scene at all.

@@ -38,7 +38,7 @@ inline double squaredReach(double alarm_distance) {
 
 class StaticTree;
 
-/// Boxes that stand still, made ready once when the scene changes and then shared by any number
+/// Static boxes, made ready once when the scene changes and then shared by any number
 /// of sweeps and threads. Their ids are 0, 1, … in the order given. Copies share their memory.
 ///
 /// Made ready means: packed into a tree of nodes of 16 boxes (the packing of a k-d tree, as in

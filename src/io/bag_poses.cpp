@@ -2,8 +2,6 @@
 
 #include <set>
 
-#include "bag_poses_from_joints.h"
-#include "bag_poses_from_tf.h"
 #include "collision_pairs/input_error.h"
 
 namespace collision_pairs {
@@ -43,8 +41,8 @@ std::set<std::string> possiblePrefixes(const BagContents& bag, const RobotModel&
 
 std::unique_ptr<const BagPoses> makeBagPoses(const BagContents& bag, const CollisionScene& scene,
                                              const BagPosesOptions& options) {
-  auto by_tf = std::make_unique<BagPosesFromTf>(bag, scene, options);
-  auto by_joints = std::make_unique<BagPosesFromJoints>(bag, scene, options);
+  auto by_tf = bagPosesFromTf(bag, scene, options);
+  auto by_joints = bagPosesFromJoints(bag, scene, options);
   if (by_tf->nbKnown() == 0 && by_joints->nbKnown() == 0) refuse(bag, scene.robot());
   if (by_tf->nbKnown() >= by_joints->nbKnown()) return by_tf;
   return by_joints;

@@ -34,12 +34,23 @@ class BagPoses {
   const std::string& source() const { return source_; }
   /// What had to be assumed or is missing, a sentence each.
   const std::vector<std::string>& notes() const { return notes_; }
+  /// Moving bodies of the robot of which the bag knows something.
+  std::size_t nbKnown() const { return nb_known_; }
 
  protected:
   std::vector<StampNs> stamps_;
   std::string source_;
   std::vector<std::string> notes_;
+  std::size_t nb_known_ = 0;
 };
+
+/// From the bag's transforms, and from its joint states by forward kinematics. All references must
+/// outlive the result.
+std::unique_ptr<const BagPoses> bagPosesFromTf(const BagContents& bag, const CollisionScene& scene,
+                                               const BagPosesOptions& options);
+std::unique_ptr<const BagPoses> bagPosesFromJoints(const BagContents& bag,
+                                                   const CollisionScene& scene,
+                                                   const BagPosesOptions& options);
 
 /// By TF where it knows as many bodies of the robot as the joint states do, else by forward
 /// kinematics. Both references must outlive the result. Throws InputError, with what to do about it

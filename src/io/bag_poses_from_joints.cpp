@@ -1,7 +1,9 @@
-#include "bag_poses_from_joints.h"
-
+// bagPosesFromJoints()
 #include <algorithm>
 #include <cmath>
+
+#include "bag_poses.h"
+#include "frame_names.h"
 
 namespace collision_pairs {
 namespace {
@@ -27,9 +29,7 @@ void offer(Choice& best, const std::string& topic, const JointTracks& tracks,
   if (count > best.nb_named) best = {&topic, &tracks, prefix, count};
 }
 
-Choice choose(const BagContents& bag, const RobotModel& robot, std::string prefix) {
-  while (!prefix.empty() && prefix.front() == '/') prefix.erase(0, 1);
-  while (!prefix.empty() && prefix.back() == '/') prefix.pop_back();
+Choice choose(const BagContents& bag, const RobotModel& robot, const std::string& prefix) {
   Choice best;
   for (const auto& [topic, tracks] : bag.joints) {
     const bool is_own =
@@ -46,7 +46,23 @@ Choice choose(const BagContents& bag, const RobotModel& robot, std::string prefi
   return best;
 }
 
-}  // namespace
+class BagPosesFromJoints : public BagPoses {
+ public:
+  BagPosesFromJoints(const BagContents& bag, const CollisionScene& scene,
+                     const BagPosesOptions& options);
+  void at(StampNs stamp, BodyPoses& poses) const override;
+
+ private:
+  using Samples = std::vector<JointTracks::Sample>;
+  void chooseTracks(const JointTracks& tracks, const std::string& prefix);
+  void countKnown();
+  void collectStamps();
+
+  const CollisionScene& scene_;
+  StampNs max_gap_;
+  std::vector<const Samples*> tracks_;  ///< by joint; null: it stands at zero, or mimics
+  std::vector<double> zero_;
+};
 
 BagPosesFromJoints::BagPosesFromJoints(const BagContents& bag, const CollisionScene& scene,
                                        const BagPosesOptions& options)
@@ -54,7 +70,7 @@ BagPosesFromJoints::BagPosesFromJoints(const BagContents& bag, const CollisionSc
       max_gap_(std::llround(1e9 * options.max_gap)),
       tracks_(scene.robot().joints().size(), nullptr),
       zero_(scene.robot().zeroPositions()) {
-  const Choice choice = choose(bag, scene.robot(), options.prefix);
+  const Choice choice = choose(bag, scene.robot(), withoutSlashes(options.prefix));
   if (!choice.tracks) return;
   source_ = "joint states of " + *choice.topic;
   chooseTracks(*choice.tracks, choice.prefix);
@@ -121,6 +137,14 @@ void BagPosesFromJoints::at(StampNs stamp, BodyPoses& poses) const {
   for (std::size_t i = 0; i < poses.known.size(); ++i) {
     poses.known[i] = body_known[scene_.bodies()[i].body];
   }
+}
+
+}  // namespace
+
+std::unique_ptr<const BagPoses> bagPosesFromJoints(const BagContents& bag,
+                                                   const CollisionScene& scene,
+                                                   const BagPosesOptions& options) {
+  return std::make_unique<BagPosesFromJoints>(bag, scene, options);
 }
 
 }  // namespace collision_pairs

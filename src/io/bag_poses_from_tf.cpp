@@ -1,25 +1,44 @@
-#include "bag_poses_from_tf.h"
-
+// bagPosesFromTf()
 #include <algorithm>
 #include <cmath>
+
+#include "bag_poses.h"
+#include "frame_names.h"
 
 namespace collision_pairs {
 namespace {
 
 using Eigen::Isometry3d;
 
-std::string withoutSlashes(std::string name) {
-  while (!name.empty() && name.front() == '/') name.erase(0, 1);
-  while (!name.empty() && name.back() == '/') name.pop_back();
-  return name;
-}
-
-/// Hangs from a joint that moves: its transforms tell when the robot moved.
+/// Attached to a joint that moves: its transforms tell when the robot moved.
 bool isDriven(const Link& link, const RobotModel& robot) {
   return link.parent_joint >= 0 && robot.joints()[link.parent_joint].type != JointType::FIXED;
 }
 
-}  // namespace
+class BagPosesFromTf : public BagPoses {
+ public:
+  BagPosesFromTf(const BagContents& bag, const CollisionScene& scene,
+                 const BagPosesOptions& options);
+  void at(StampNs stamp, BodyPoses& poses) const override;
+
+ private:
+  /// A frame of the bag that is a link of the body, and the pose of the link in the body's frame.
+  struct Frame {
+    int frame;
+    Eigen::Isometry3d X_BL;
+  };
+  std::vector<Frame> framesOf(const RobotModel& robot, int body) const;
+  int frameOf(const std::string& link) const;
+  void noteMissing();
+  void collectStamps();
+  bool find(FramePoses& frames, int body, Eigen::Isometry3d& X_RB) const;
+
+  const TransformTracks& tracks_;
+  const CollisionScene& scene_;
+  std::string prefix_;
+  StampNs max_gap_;
+  std::vector<std::vector<Frame>> bodies_;  ///< by body of the robot
+};
 
 BagPosesFromTf::BagPosesFromTf(const BagContents& bag, const CollisionScene& scene,
                                const BagPosesOptions& options)
@@ -116,6 +135,13 @@ void BagPosesFromTf::at(StampNs stamp, BodyPoses& poses) const {
   for (std::size_t i = 0; i < poses.known.size(); ++i) {
     poses.known[i] = known[scene_.bodies()[i].body];
   }
+}
+
+}  // namespace
+
+std::unique_ptr<const BagPoses> bagPosesFromTf(const BagContents& bag, const CollisionScene& scene,
+                                               const BagPosesOptions& options) {
+  return std::make_unique<BagPosesFromTf>(bag, scene, options);
 }
 
 }  // namespace collision_pairs

@@ -5,8 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "joint_tracks.h"
-#include "transform_tracks.h"
+#include "tracks.h"
 
 namespace collision_pairs {
 

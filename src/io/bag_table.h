@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "collision_pairs/collision_report.h"
-#include "transform_tracks.h"
+#include "tracks.h"
 
 namespace collision_pairs {
 
@@ -41,7 +41,8 @@ struct Shard {
 
 /// bag,state,stamp,in_collision,pairs,min_distance,nb_pairs,distances,left_out,verdict
 ///
-/// `verdict` is free, collision or unknown; `in_collision` is 0 if it is free. `pairs` are the links in contact, "a|b;c|d"; `distances` all pairs within the alarm distance,
+/// `verdict` is free, collision or unknown; `in_collision` is 0 if it is free. `pairs` are the
+/// links in contact, "a|b;c|d"; `distances` all pairs within the alarm distance,
 /// "a|b=0.012;c|d=-0.001"; `left_out` the links of which nothing was known, "a;b". Stamps are
 /// seconds with nine decimals, numbers have all their digits. A part has, besides, lines that begin
 /// with '#': which part it is, and at the beginning of each bag how many rows all parts together

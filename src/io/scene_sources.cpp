@@ -1,6 +1,7 @@
 #include "scene_sources.h"
 
 #include <set>
+#include <stdexcept>
 
 #include "collision_pairs/collision_scene.h"
 
@@ -19,6 +20,58 @@ std::shared_ptr<const RobotModel> loadGeometry(RobotSource& source, const std::s
 }
 
 }  // namespace
+
+RobotSource::RobotSource(const std::string& urdf, MeshLoader load_mesh)
+    : load_mesh_(std::move(load_mesh)) {
+  skeleton_ =
+      RobotModel::fromUrdf(urdf, [this](const std::string& uri, const Eigen::Vector3d& scale) {
+        auto stand_in = std::make_shared<TriangleMesh>();
+        stand_in->name = uri;
+        stand_in->vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+        stand_in->triangles = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
+        references_[stand_in.get()] = {uri, scale};
+        return stand_in;
+      });
+  loaded_ = skeleton_->withElements([](const Link&) { return std::vector<Element>(); });
+  has_geometry_.resize(skeleton_->links().size(), 0);
+}
+
+const std::shared_ptr<const RobotModel>& RobotSource::withGeometryOf(
+    const std::function<bool(const std::string&)>& wanted) {
+  std::vector<char> now = has_geometry_;
+  for (std::size_t i = 0; i < now.size(); ++i) {
+    if (wanted(skeleton_->links()[i].name)) now[i] = 1;
+  }
+  if (now == has_geometry_) return loaded_;
+  std::size_t i = 0;
+  loaded_ = loaded_->withElements([&](const Link& link) {
+    const bool is_new = now[i] && !has_geometry_[i];
+    const Link& described = skeleton_->links()[i++];
+    return is_new ? load(described) : link.elements;
+  });
+  has_geometry_ = now;
+  return loaded_;
+}
+
+std::vector<Element> RobotSource::load(const Link& link) {
+  std::vector<Element> elements;
+  for (const Element& element : link.elements) {
+    const auto* mesh = std::get_if<Mesh>(&element.shape);
+    if (!mesh) {
+      elements.push_back(element);
+      continue;
+    }
+    const Reference& reference = references_.at(mesh->mesh.get());
+    try {
+      const Shape shape = Mesh{load_mesh_(reference.uri, reference.scale)};
+      validateShape(shape);
+      elements.push_back({shape, element.X_LE});
+    } catch (const std::exception& error) {
+      broken_.push_back({link.name, error.what()});
+    }
+  }
+  return elements;
+}
 
 SceneDescription describeScene(SceneSources& sources, std::vector<RigidObject> objects,
                                const Restriction& restriction, std::vector<BrokenElement>& broken) {

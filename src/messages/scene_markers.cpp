@@ -126,7 +126,7 @@ Marker patternFor(Kind kind) {
 }
 
 void draw(const SceneElement& element, Fidelity fidelity, Marker pattern, MarkerArray& array) {
-  const Rung& rung = element.rung(std::max(Fidelity::OBB, std::min(fidelity, element.dearest)));
+  const Rung& rung = element.rung(std::max(Fidelity::OBB, std::min(fidelity, element.finest)));
   // A rung that no pair of this element asks for was not prepared.
   const Isometry3d X_BS = rung.shape ? element.X_BE * rung.X_ER : element.X_BE;
   ElementDrawer drawer(array, std::move(pattern), X_BS);

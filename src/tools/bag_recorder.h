@@ -6,7 +6,7 @@
 #include <rosbag/bag.h>
 
 #include "collision_pairs/collision_detector.h"
-#include "transform_tracks.h"
+#include "tracks.h"
 
 namespace collision_pairs {
 

@@ -11,11 +11,10 @@
 #include "bag_outputs.h"
 #include "bag_poses.h"
 #include "bag_recorder.h"
-#include "bag_scenes.h"
 #include "collision_pairs/collision_detector.h"
 #include "collision_pairs/input_error.h"
-#include "progress_bar.h"
-#include "tool_errors.h"
+#include "scene_files.h"
+#include "tool.h"
 
 namespace collision_pairs {
 namespace {

@@ -10,9 +10,9 @@
 #include "collision_pairs/batch_check.h"
 #include "collision_pairs/input_error.h"
 #include "joint_states_csv.h"
-#include "scene_options.h"
+#include "scene_files.h"
 #include "text_files.h"
-#include "tool_errors.h"
+#include "tool.h"
 
 namespace collision_pairs {
 namespace {

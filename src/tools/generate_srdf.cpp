@@ -11,13 +11,10 @@
 
 #include "collision_pairs/input_error.h"
 #include "mesh_loader.h"
-#include "pair_table.h"
 #include "pair_verdicts.h"
-#include "progress_bar.h"
-#include "robot_files.h"
+#include "scene_files.h"
 #include "text_files.h"
-#include "tool_errors.h"
-#include "verdict_texts.h"
+#include "tool.h"
 
 namespace collision_pairs {
 namespace {

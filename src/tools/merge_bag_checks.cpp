@@ -5,7 +5,7 @@
 #include <CLI/CLI.hpp>
 
 #include "bag_outputs.h"
-#include "tool_errors.h"
+#include "tool.h"
 
 namespace collision_pairs {
 namespace {

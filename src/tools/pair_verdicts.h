@@ -1,11 +1,14 @@
-// What generate_srdf decides for each pair of links.
+// What generate_srdf decides for each pair of links, and how it tells that.
 #pragma once
 
 #include <optional>
+#include <ostream>
 #include <string>
 #include <vector>
 
 #include "collision_pairs/collision_scene.h"
+#include "generated_srdf.h"
+#include "joint_sampler.h"
 #include "pair_class.h"
 #include "pair_statistics.h"
 
@@ -28,5 +31,21 @@ struct PairVerdict {
 std::vector<PairVerdict> decide(const std::vector<PairEvidence>& evidence,
                                 const CollisionScene& scene, const std::optional<Srdf>& given,
                                 const ClassRules& rules, bool disable_default);
+
+/// The lines to add, and a comment for each pair that stays checked although random states showed
+/// it always or never in contact.
+std::vector<SrdfLine> srdfLines(const std::vector<PairVerdict>& verdicts, const ClassRules& rules);
+
+/// Warns of what a person should look at, a line for each kind.
+void warnOf(const std::vector<PairVerdict>& verdicts, const ClassRules& rules);
+
+/// "55 pairs: 10 Adjacent, …, 23 stay checked, …"
+std::string summaryOf(const std::vector<PairVerdict>& verdicts);
+
+/// CSV, a row a pair; docs/generate_srdf.md says what the columns are. `contact_state` is a state
+/// in which the two touch, as "joint=position;…" of the joints that move them against each other,
+/// to the last digit.
+void writePairTable(const std::vector<PairVerdict>& verdicts, const CollisionScene& scene,
+                    const JointSampler& sampler, const ClassRules& rules, std::ostream& out);
 
 }  // namespace collision_pairs

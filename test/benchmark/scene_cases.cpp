@@ -10,7 +10,7 @@
 #include "collision_pairs/collision_detector.h"
 #include "link_group.h"
 #include "mesh_loader.h"
-#include "robot_source.h"
+#include "scene_sources.h"
 #include "text_files.h"
 
 namespace collision_pairs {

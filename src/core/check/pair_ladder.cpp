@@ -45,7 +45,7 @@ PairLadder::Answer PairLadder::measure(const BoxPair& pair, Fidelity rung, doubl
 
 Fidelity PairLadder::rungOf(const BoxPair& pair, Fidelity top) const {
   const auto& elements = scene_->elements();
-  return std::min({top, elements[pair.first].dearest, elements[pair.second].dearest});
+  return std::min({top, elements[pair.first].finest, elements[pair.second].finest});
 }
 
 bool PairLadder::needsTriangles(const BoxPair& pair, Fidelity top) const {
@@ -121,7 +121,7 @@ PairLadder::Answer PairLadder::measureAt(const BoxPair& pair, const Isometry3d& 
   found.p_ACa += a.margin * found.nhat_AB_A;  // onto the grown shapes
   found.p_ACb -= b.margin * found.nhat_AB_A;
   // The tight axis-aligned box need not enclose the OBB, or a simplified hull. All enclose
-  // the element, so the better bound counts, and this rung never says less than the cheapest.
+  // the element, so the better bound counts, and this rung never says less than the coarsest.
   const Answer boxes = measureBoxes(pair);
   return boxes.found.distance > found.distance ? Answer{boxes.found, rung} : answer;
 }

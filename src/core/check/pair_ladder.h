@@ -44,7 +44,7 @@ class PairLadder {
   Answer boundOfBoxes(const BoxPair& pair, double max_distance) const;
   Answer boundOfHulls(const BoxPair& pair, const Answer& known, double max_distance) const;
 
-  /// The cheapest of `top` and what the scene has for the two elements.
+  /// The coarsest of `top` and what the scene has for the two elements.
   Fidelity rungOf(const BoxPair& pair, Fidelity top) const;
   /// Would climb() to `top` look at triangles? Then boundOfHulls() may spare it.
   bool needsTriangles(const BoxPair& pair, Fidelity top) const;

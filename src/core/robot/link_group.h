@@ -9,8 +9,8 @@
 
 namespace collision_pairs {
 
-/// As MoveIt's updated links of a group: the links below the group's joints, and all that hang
-/// from them. A link of the group stands for the joint above it. Joints and links that the robot
+/// As MoveIt's updated links of a group: the links below the group's joints, and all below
+/// them. A link of the group stands for the joint above it. Joints and links that the robot
 /// lacks are passed over. By link id. Throws InputError, which names the nearest one, if there is
 /// no such group, or if it moves nothing.
 std::vector<int> linksMovedBy(const Srdf& srdf, const RobotModel& robot, const std::string& group);

@@ -17,7 +17,7 @@ using ClassPair = std::pair<std::uint32_t, std::uint32_t>;
 struct MemberClass {
   std::size_t example;                        // one of its members
   bool needed = false;                        // in some allowed pair
-  Fidelity needed_fidelity = Fidelity::AABB;  // the dearest of its allowed pairs
+  Fidelity needed_fidelity = Fidelity::AABB;  // the finest of its allowed pairs
   double half_padding = 0.0;  // half of the most that some pair wants instead of the sum
 };
 
@@ -54,11 +54,11 @@ class SceneBuilder {
  private:
   void classify() {
     const PairPolicy policy(description_, members_);
-    std::map<std::string, std::uint32_t> standing;
+    std::map<std::string, std::uint32_t> class_of_static;
     for (std::size_t i = 0; i < members_.size(); ++i) {
       auto next = static_cast<std::uint32_t>(classes_.size());
       if (members_[i].isStatic()) {
-        next = standing.try_emplace(policy.signature(i), next).first->second;
+        next = class_of_static.try_emplace(policy.signature(i), next).first->second;
       }
       if (next == classes_.size()) classes_.push_back({i});
       class_of_.push_back(next);
@@ -75,7 +75,7 @@ class SceneBuilder {
       return;
     }
     const Fidelity fidelity =
-        std::min(members_[first.example].dearest, members_[second.example].dearest);
+        std::min(members_[first.example].finest, members_[second.example].finest);
     const auto padding = policy.padding(first.example, second.example);
     if (padding) scene_->pair_padding_[{a, b}] = *padding;
     for (MemberClass* one : {&first, &second}) {
@@ -168,7 +168,7 @@ class SceneBuilder {
     if (cylinder && member.cylinder_as_capsule) shape = Capsule{cylinder->radius, cylinder->length};
     SceneElement made = maker_->make(shape, its_class.needed_fidelity);
     made.X_BE = member.X_BM * element.X_LE;
-    made.dearest = member.dearest;
+    made.finest = member.finest;
     made.padding = member.padding;
     made.box_padding = std::max(member.padding, its_class.half_padding);
     return made;

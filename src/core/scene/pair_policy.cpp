@@ -76,9 +76,9 @@ void PairPolicy::readRestriction() {
                        [&](const NamePattern& pattern) { return matches(pattern, name); });
   };
   for (const SceneMember& member : members_) {
-    // The link that an object hangs on need not be a member: it may have no geometry.
-    const bool hangs = member.object && !member.isStatic();
-    restricted_.push_back(isIn(member.name) || (hangs && isIn(member.object->attached_link)));
+    // The link that an object is attached to need not be a member: it may have no geometry.
+    const bool attached = member.object && !member.isStatic();
+    restricted_.push_back(isIn(member.name) || (attached && isIn(member.object->attached_link)));
   }
 }
 
@@ -135,7 +135,7 @@ std::optional<double> PairPolicy::padding(std::size_t a, std::size_t b) const {
 
 std::string PairPolicy::signature(std::size_t member) const {
   const SceneMember& m = members_[member];
-  std::string text(1, static_cast<char>(m.dearest));
+  std::string text(1, static_cast<char>(m.finest));
   for (const auto* all : {&rules_, &paddings_}) {
     for (const Meant& one : *all) {
       text += one.first[member] ? '1' : '0';

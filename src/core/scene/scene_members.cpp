@@ -81,9 +81,9 @@ class MemberCollector {
     member.name = name;
     member.elements = &elements;
     const auto own = settings_.link_fidelity.find(name);
-    member.dearest = own == settings_.link_fidelity.end()
-                         ? settings_.fidelity
-                         : std::min(own->second, settings_.fidelity);
+    member.finest = own == settings_.link_fidelity.end()
+                        ? settings_.fidelity
+                        : std::min(own->second, settings_.fidelity);
     members_.push_back(std::move(member));
     return members_.back();
   }

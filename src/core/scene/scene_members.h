@@ -18,7 +18,7 @@ struct SceneMember {
   int body = -1;           ///< that it moves with, in the robots' merged model; -1: it never moves
   Eigen::Isometry3d X_BM;  ///< pose in that body's frame; in W if it never moves
   const RigidObject* object = nullptr;  ///< null for a link
-  Fidelity dearest = Fidelity::MESH;
+  Fidelity finest = Fidelity::MESH;
   double padding = 0.0;
 
   bool isStatic() const { return body < 0; }

@@ -7,8 +7,7 @@
 #include <tf2/buffer_core.h>
 #include <tf2/exceptions.h>
 
-#include "joint_tracks.h"
-#include "transform_tracks.h"
+#include "tracks.h"
 
 namespace collision_pairs {
 namespace {

@@ -1,11 +1,12 @@
-#include "scene_options.h"
+#include "scene_files.h"
+
+#include <map>
 
 #include "collision_pairs/input_error.h"
 #include "mesh_loader.h"
-#include "robot_files.h"
 #include "scene_sources.h"
 #include "text_files.h"
-#include "tool_errors.h"
+#include "tool.h"
 
 namespace collision_pairs {
 namespace {
@@ -19,6 +20,21 @@ const std::vector<std::string>& parametersOfTheNodeOnly() {
                                                 "max_pose_age",    "max_transform_age",
                                                 "clock_tolerance", "fixed_frame"};
   return KEYS;
+}
+
+/// `origin` is what the text came from: a file, or a topic of a bag.
+Srdf srdfFromText(const std::string& text, const std::string& origin, const RobotModel& robot) {
+  std::vector<std::string> links;
+  for (const Link& link : robot.links()) links.push_back(link.name);
+  try {
+    const Srdf srdf = Srdf::fromXml(text);
+    const auto unknown = srdf.unknownLinks(links);
+    if (!unknown.empty())
+      warn(origin + ": not links of the robot, passed over: " + joined(unknown));
+    return srdf;
+  } catch (const InputError& error) {
+    throw InputError(origin + ": " + error.what());
+  }
 }
 
 std::unique_ptr<RobotSource> sourceFrom(const TextFrom& urdf, const MeshLoader& load_mesh) {
@@ -58,7 +74,35 @@ void readAllMeshes(SceneSources& sources) {
   if (sources.world) sources.world->withGeometryOf(all);
 }
 
+/// Of a file, or else the bag's only one; empty if there is neither.
+TextFrom chooseText(const std::string& path, const std::map<std::string, std::string>& in_bag,
+                    const std::string& option) {
+  if (!path.empty()) return {path, readTextFile(path)};
+  if (in_bag.empty()) return {};
+  if (in_bag.size() > 1) {
+    throw InputError("several robots in it (" + in_bag.begin()->first + ", " +
+                     std::next(in_bag.begin())->first + "); choose one with " + option);
+  }
+  return {"topic " + in_bag.begin()->first, in_bag.begin()->second};
+}
+
 }  // namespace
+
+std::shared_ptr<const RobotModel> readRobot(const std::string& path, const MeshLoader& load_mesh) {
+  const std::string urdf = readTextFile(path);
+  try {
+    const auto robot = RobotModel::fromUrdf(urdf, load_mesh);
+    for (const std::string& warning : robot->warnings()) warn(path + ": " + warning);
+    return robot;
+  } catch (const InputError& error) {
+    throw InputError(path + ": " + error.what());
+  }
+}
+
+std::optional<Srdf> readSrdf(const std::string& path, const RobotModel& robot) {
+  if (path.empty()) return std::nullopt;
+  return srdfFromText(readTextFile(path), path, robot);
+}
 
 void declareScene(CLI::App& app, SceneOptions& options) {
   app.add_option("--world", options.world, "a URDF that stands still, its root at the robot's root")
@@ -94,6 +138,17 @@ std::shared_ptr<const CollisionScene> buildScene(const TextFrom& urdf, const Tex
     throw InputError("--group and --links leave no pair to check");
   }
   return scene;
+}
+
+std::shared_ptr<const CollisionScene> BagScenes::sceneFor(const BagContents& bag) {
+  const TextFrom urdf = chooseText(urdf_path_, bag.urdfs, "--urdf");
+  if (urdf.origin.empty()) throw InputError("there is no robot_description in it; give --urdf");
+  const TextFrom srdf = chooseText(srdf_path_, bag.srdfs, "--srdf");
+  if (scene_ && urdf.content == urdf_ && srdf.content == srdf_) return scene_;
+  scene_ = buildScene(urdf, srdf, options_, Fidelity::MESH, 0);
+  urdf_ = urdf.content;
+  srdf_ = srdf.content;
+  return scene_;
 }
 
 }  // namespace collision_pairs

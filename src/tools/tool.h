@@ -1,11 +1,25 @@
-// How far a tool is, for a person at a terminal.
+// What all tools do alike: wrong input is one line on standard error that says what and where, and
+// exit code 2; how far they are is said to a person at a terminal.
 #pragma once
 
 #include <chrono>
 #include <cstddef>
+#include <functional>
 #include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
 
 namespace collision_pairs {
+
+/// Parses the command line and runs `work`. 0: done; 2: wrong input, said in one line.
+int runTool(CLI::App& app, int argc, char** argv, const std::function<void()>& work);
+
+/// "warning: …" on standard error.
+void warn(const std::string& message);
+
+/// "a, b, c"
+std::string joined(const std::vector<std::string>& words);
 
 /// One line on standard error, redrawn some times a second; nothing at all where that is no
 /// terminal. Gone when it is destroyed.

@@ -1,12 +1,17 @@
-#include "tool_errors.h"
+#include "tool.h"
 
 #include <algorithm>
+#include <cstdio>
 #include <iostream>
+
+#include <unistd.h>
 
 namespace collision_pairs {
 namespace {
 
 constexpr int WRONG_INPUT = 2;
+constexpr auto REDRAWN_EVERY = std::chrono::milliseconds(100);
+constexpr std::size_t BAR_WIDTH = 40;  // characters
 
 int refuse(std::string message) {
   std::replace(message.begin(), message.end(), '\n', ' ');
@@ -36,6 +41,24 @@ std::string joined(const std::vector<std::string>& words) {
   std::string text;
   for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
   return text;
+}
+
+ProgressBar::ProgressBar(std::string title, std::size_t total)
+    : title_(std::move(title)), total_(total), on_terminal_(::isatty(STDERR_FILENO)) {}
+
+ProgressBar::~ProgressBar() {
+  if (on_terminal_) std::fputs("\r\033[K", stderr);
+}
+
+void ProgressBar::show(std::size_t done) {
+  if (!on_terminal_ || total_ == 0) return;
+  const auto now = std::chrono::steady_clock::now();
+  if (now < next_) return;
+  next_ = now + REDRAWN_EVERY;
+  const std::string bar(BAR_WIDTH * done / total_, '#');
+  std::fprintf(stderr, "\r\033[K%s [%-*s] %zu %% ", title_.c_str(), static_cast<int>(BAR_WIDTH),
+               bar.c_str(), 100 * done / total_);
+  std::fflush(stderr);
 }
 
 }  // namespace collision_pairs

@@ -1,0 +1,62 @@
+// Robots and scenes from what a user names: files, options, bags; errors name where a text came
+// from.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+#include "bag_reader.h"
+#include "collision_pairs/collision_scene.h"
+
+namespace collision_pairs {
+
+/// Warns of what in it means nothing. Throws InputError.
+std::shared_ptr<const RobotModel> readRobot(const std::string& path, const MeshLoader& load_mesh);
+/// Nothing for an empty path. Warns of links that the robot does not have. Throws InputError.
+std::optional<Srdf> readSrdf(const std::string& path, const RobotModel& robot);
+
+/// Paths, or what the node's parameters of these names say.
+struct SceneOptions {
+  std::string world, settings, group;
+  std::vector<std::string> links;
+};
+
+void declareScene(CLI::App& app, SceneOptions& options);
+
+/// A text and what it came from: a file, or a topic of a bag; for messages.
+struct TextFrom {
+  std::string origin, content;
+};
+
+/// The scene of one robot. An SRDF without origin is none. `fidelity` and `max_hull_vertices`
+/// (where it is not 0) stand for those of the settings. Unknown links of the SRDF are warned of.
+/// Throws InputError, also for a mesh that cannot be used: a tool checks everything or nothing.
+std::shared_ptr<const CollisionScene> buildScene(const TextFrom& urdf, const TextFrom& srdf,
+                                                 const SceneOptions& options, Fidelity fidelity,
+                                                 int max_hull_vertices);
+
+/// Builds a scene from files or, where none is given, from what the bag itself says. Bags in a row
+/// with the same robot share it.
+class BagScenes {
+ public:
+  /// Empty paths: from the bag.
+  BagScenes(std::string urdf_path, std::string srdf_path, SceneOptions options)
+      : urdf_path_(std::move(urdf_path)),
+        srdf_path_(std::move(srdf_path)),
+        options_(std::move(options)) {}
+
+  /// Throws InputError, also if there is no robot or more than one to choose from.
+  std::shared_ptr<const CollisionScene> sceneFor(const BagContents& bag);
+
+ private:
+  std::string urdf_path_, srdf_path_;
+  SceneOptions options_;
+  std::string urdf_, srdf_;  ///< what scene_ was made of
+  std::shared_ptr<const CollisionScene> scene_;
+};
+
+}  // namespace collision_pairs
