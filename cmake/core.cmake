@@ -39,6 +39,7 @@ add_library(collision_pairs SHARED
   src/core/narrow_phase/mesh_query.cpp
   src/core/narrow_phase/mesh_solid.cpp
   src/core/narrow_phase/narrow_phase.cpp
+  src/core/narrow_phase/outer_faces.cpp
   src/core/narrow_phase/patch_hulls.cpp
   src/core/narrow_phase/prepared_shape.cpp
   src/core/narrow_phase/replay.cpp
