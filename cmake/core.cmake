@@ -35,6 +35,7 @@ add_library(collision_pairs SHARED
   src/core/narrow_phase/convex_distance.cpp
   src/core/narrow_phase/fcl_backend.cpp
   src/core/narrow_phase/hull_bounds.cpp
+  src/core/narrow_phase/mesh_edges.cpp
   src/core/narrow_phase/mesh_insides.cpp
   src/core/narrow_phase/mesh_query.cpp
   src/core/narrow_phase/mesh_solid.cpp

@@ -250,12 +250,13 @@ TEST(MeshSolid, RepeatedTrianglesAndUnsharedVerticesChangeNothing) {
   EXPECT_FALSE(holds(soup, {0.0, 0.0, 1.1}));
 }
 
-/// The box from -1 to 1, each face cut into cells of its own: vertices lie on edges of neighbours.
-TriangleMesh boxWhoseFacesDoNotMatch(RandomInputs& random) {
+/// The box from -1 to 1, each face cut into cells of its own, `fewest` or more along each side:
+/// vertices lie on edges of neighbours.
+TriangleMesh boxWhoseFacesDoNotMatch(int fewest, RandomInputs& random) {
   TriangleMesh mesh;
   for (int axis = 0; axis < 3; ++axis) {
     for (const double side : {-1.0, 1.0}) {
-      const int nu = random.integer(1, 7), nv = random.integer(1, 7);
+      const int nu = random.integer(fewest, fewest + 6), nv = random.integer(fewest, fewest + 6);
       const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
       for (int v = 0; v <= nv; ++v) {
         for (int u = 0; u <= nu; ++u) {
@@ -286,8 +287,27 @@ TriangleMesh boxWhoseFacesDoNotMatch(RandomInputs& random) {
 TEST(MeshSolid, EdgesThatMatchInPartsOnlyLeaveNoGap) {
   RandomInputs random;
   for (int round = 0; round < 100; ++round) {
-    expectHolds(boxWhoseFacesDoNotMatch(random), 1.2, random,
+    expectHolds(boxWhoseFacesDoNotMatch(1, random), 1.2, random,
                 [](const Vector3d& p) { return p.cwiseAbs().maxCoeff() < 1.0; });
+  }
+}
+
+TEST(MeshSolid, ASmallBodyThatStandsOnAFaceDoesNotOpenIt) {
+  RandomInputs random;
+  for (int round = 0; round < 100; ++round) {
+    TriangleMesh mesh = boxWhoseFacesDoNotMatch(5, random);
+    const auto [a, b, c] = mesh.triangles.back();  // on top
+    const auto tip = static_cast<std::uint32_t>(mesh.vertices.size());
+    mesh.vertices.push_back((mesh.vertices[a] + mesh.vertices[b] + mesh.vertices[c]) / 3.0 +
+                            Vector3d(0.0, 0.0, 0.05));
+    for (const auto& [i, j] : {std::pair(a, b), {b, c}, {c, a}}) {
+      mesh.triangles.push_back({i, j, tip});
+    }
+    const WindingNumber solid = solidOf(mesh);
+    for (int i = 0; i < 60; ++i) {
+      const Vector3d p = random.vector(-0.9, 0.9);
+      ASSERT_TRUE(solid.holds(p)) << p.transpose() << ", round " << round;
+    }
   }
 }
 
@@ -295,9 +315,13 @@ TEST(MeshSolid, VerticesThatNearlyMeetLeaveNoGap) {
   RandomInputs random;
   TriangleMesh soup = asSoup(bumpyBall(16, 1.0), random);
   for (Vector3d& v : soup.vertices) v += random.vector(-1e-6, 1e-6);
-  EXPECT_TRUE(holds(soup, {0.1, 0.2, 0.8}));
-  EXPECT_TRUE(holds(insideOut(soup), {0.1, 0.2, 0.8}));
-  EXPECT_FALSE(holds(soup, {0.1, 0.2, 1.2}));
+  TriangleMesh sheet = boxMesh({1, 1, 1});
+  sheet.triangles.resize(2);
+  for (const TriangleMesh& mesh :
+       {soup, insideOut(soup), joined(soup, movedBy(sheet, {3, 0, 0}))}) {
+    EXPECT_TRUE(holds(mesh, {0.1, 0.2, 0.8}));
+    EXPECT_FALSE(holds(mesh, {0.1, 0.2, 1.2}));
+  }
 }
 
 TEST(MeshSolid, MinusZeroIsZero) {

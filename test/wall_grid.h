@@ -12,22 +12,23 @@
 namespace collision_pairs {
 
 /// Space cut into cells by N + 1 planes along each axis of a frame G at a random pose in the mesh's
-/// frame M. A mesh is made of walls of cells, and where a point is, is told by comparing it with
-/// the planes.
+/// frame M; of any size. A mesh is made of walls of cells, and where a point is, is told by
+/// comparing it with the planes.
 class Grid {
  public:
   static constexpr int N = 3;
   using Cell = std::array<int, 3>;
 
-  explicit Grid(RandomInputs& random) : X_MG_(random.pose(3.0)) {
+  explicit Grid(RandomInputs& random)
+      : X_MG_(random.pose(3.0)), scale_(std::pow(10.0, random.uniform(-6.0, 6.0))) {
     for (auto& planes : planes_) {
       planes[0] = random.uniform(-1.0, 0.0);
       for (int i = 1; i <= N; ++i) planes[i] = planes[i - 1] + random.uniform(0.8, 1.0);
     }
     for (int i = 0; i < VERTICES; ++i) {
-      mesh.vertices.push_back(X_MG_ * Eigen::Vector3d(planes_[0][i % SIDE],
-                                                      planes_[1][i / SIDE % SIDE],
-                                                      planes_[2][i / SIDE / SIDE]));
+      const Eigen::Vector3d p_GV(planes_[0][i % SIDE], planes_[1][i / SIDE % SIDE],
+                                 planes_[2][i / SIDE / SIDE]);
+      mesh.vertices.push_back(scale_ * (X_MG_ * p_GV));
     }
   }
 
@@ -72,7 +73,7 @@ class Grid {
       cell[axis] = -1;
       for (int i = 0; i <= N; ++i) cell[axis] += p_GQ[axis] > planes[i];
     }
-    return {X_MG_ * p_GQ, cell};
+    return {scale_ * (X_MG_ * p_GQ), cell};
   }
 
   static bool isCell(const Cell& cell) {
@@ -92,6 +93,7 @@ class Grid {
   }
 
   Eigen::Isometry3d X_MG_;
+  double scale_;
   std::array<std::array<double, N + 1>, 3> planes_;
 };
 

@@ -1,40 +1,54 @@
-// The edges of triangles that share vertices, and what hangs together by them.
+// The triangles of a mesh over shared vertices, their edges, and what hangs together by them.
 #pragma once
 
 #include <algorithm>
 #include <array>
 #include <cstdint>
-#include <numeric>
+#include <limits>
 #include <tuple>
 #include <vector>
+
+#include "collision_pairs/shape.h"
 
 namespace collision_pairs {
 
 using Triangle3 = std::array<std::uint32_t, 3>;  ///< indices into the vertices of a mesh
 using Surface = std::vector<Triangle3>;
 
+/// For each vertex the first one with the same coordinates; -0 is 0.
+std::vector<std::uint32_t> weld(const std::vector<Eigen::Vector3d>& vertices);
+
+/// The triangles of a mesh, each set of corners once, however many triangles have it. Those that
+/// have two corners in one place are left out.
+struct Facets {
+  Surface triangles;
+  std::vector<int> copies;  ///< that face this way, less those that face the other one; >= 0
+};
+
+/// `same`: of the mesh's vertices, by weld().
+Facets facetsOf(const TriangleMesh& mesh, const std::vector<std::uint32_t>& same);
+
 /// One side of one triangle.
 struct Side {
   std::uint32_t low, high, triangle;
-  bool forward;  // the triangle runs from low to high
+  bool forward;  ///< the triangle runs from low to high
 };
 using Sides = std::vector<Side>;
 
 /// Of all triangles; those of one edge stand beside each other. Cost: O(n log n).
-inline Sides sortedSides(const Surface& surface) {
-  Sides sides;
-  sides.reserve(3 * surface.size());
-  for (std::uint32_t t = 0; t < surface.size(); ++t) {
-    for (int k = 0; k < 3; ++k) {
-      const std::uint32_t i = surface[t][k], j = surface[t][(k + 1) % 3];
-      sides.push_back({std::min(i, j), std::max(i, j), t, i < j});
-    }
-  }
-  std::sort(sides.begin(), sides.end(), [](const Side& x, const Side& y) {
-    return std::tie(x.low, x.high, x.triangle) < std::tie(y.low, y.high, y.triangle);
-  });
-  return sides;
-}
+Sides sortedSides(const Surface& surface);
+
+constexpr int ALL_COPIES = std::numeric_limits<int>::max();
+
+/// How many of the sides run forward, less those that run backward; of each facet at most so many
+/// copies.
+int balance(Sides::const_iterator begin, Sides::const_iterator end, const std::vector<int>& copies,
+            int most_copies);
+
+/// Numbers the facets: equal numbers have to be judged together. An edge of two facets joins them,
+/// and one of more facets those that it would leave open if they were alone. Reorders the sides
+/// within their edges.
+std::vector<std::uint32_t> piecesOf(const Facets& facets, Sides& sides);
 
 /// visit(begin, end) for each run of elements with equal keys.
 template <class Iterator, class Key, class Visit>
@@ -46,6 +60,14 @@ void forEachRun(Iterator begin, Iterator end, const Key& key, const Visit& visit
   }
 }
 
+/// The same for all elements with equal keys, which it brings together.
+template <class Iterator, class Key, class Visit>
+void forEachGroup(Iterator begin, Iterator end, const Key& key, const Visit& visit) {
+  const auto less = [&](const auto& x, const auto& y) { return key(x) < key(y); };
+  if (!std::is_sorted(begin, end, less)) std::stable_sort(begin, end, less);
+  forEachRun(begin, end, key, visit);
+}
+
 /// visit(begin, end) for the sides of each edge.
 template <class Visit>
 void forEachEdge(Sides& sides, const Visit& visit) {
@@ -55,7 +77,7 @@ void forEachEdge(Sides& sides, const Visit& visit) {
 
 class UnionFind {
  public:
-  explicit UnionFind(std::size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0); }
+  explicit UnionFind(std::size_t n);
   std::uint32_t find(std::uint32_t i) {
     while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
     return i;

@@ -14,109 +14,12 @@ namespace {
 using Eigen::Vector3d;
 using Numbering = std::vector<std::uint32_t>;  // of what belongs together: one number a facet
 
-constexpr double CLOSED_BELOW = 0.02;       // turns, in the mean: half the share of missing area
-constexpr int NUM_SAMPLES = 32;             // of a surface that may be closed
-constexpr double SAMPLE_HEIGHT = 1e-3;      // above a triangle, of its area over its circumference
+constexpr double CLOSED_BELOW = 0.02;   // turns, in the mean: half the share of missing area
+constexpr int NUM_SAMPLES = 32;         // of a surface that may be closed
+constexpr double SAMPLE_HEIGHT = 1e-3;  // above a triangle, of its area over its circumference
+constexpr double NEARLY_MEET = 1e-5;    // of the mesh's size: vertices
+constexpr double MIN_POSITIVE = std::numeric_limits<double>::min();
 constexpr double CONVEX_TOLERANCE = 1e-12;  // of the mesh's size
-constexpr int ALL_COPIES = std::numeric_limits<int>::max();
-
-// For each vertex the first one with the same coordinates.
-std::vector<std::uint32_t> weld(const std::vector<Vector3d>& vertices) {
-  std::vector<std::uint32_t> order(vertices.size()), same(vertices.size());
-  std::iota(order.begin(), order.end(), 0);
-  const auto less = [&](std::uint32_t i, std::uint32_t j) {
-    for (int k = 0; k < 3; ++k) {
-      if (vertices[i][k] != vertices[j][k]) return vertices[i][k] < vertices[j][k];
-    }
-    return i < j;
-  };
-  std::sort(order.begin(), order.end(), less);
-  for (std::size_t k = 0; k < order.size(); ++k) {
-    const bool repeats = k > 0 && vertices[order[k]] == vertices[order[k - 1]];
-    same[order[k]] = repeats ? same[order[k - 1]] : order[k];
-  }
-  return same;
-}
-
-// Each set of three corners once, however many triangles have it.
-struct Facets {
-  Surface triangles;
-  std::vector<int> copies;  // that face this way, less those that face the other one; >= 0
-};
-
-// Without triangles that have two corners in one place.
-Facets facetsOf(const TriangleMesh& mesh, const std::vector<std::uint32_t>& same) {
-  std::vector<std::pair<Triangle3, int>> facing;
-  facing.reserve(mesh.triangles.size());
-  for (const Triangle3& t : mesh.triangles) {
-    Triangle3 c{same[t[0]], same[t[1]], same[t[2]]};
-    if (c[0] == c[1] || c[1] == c[2] || c[2] == c[0]) continue;
-    std::rotate(c.begin(), std::min_element(c.begin(), c.end()), c.end());
-    const bool swapped = c[1] > c[2];
-    if (swapped) std::swap(c[1], c[2]);
-    facing.emplace_back(c, swapped ? -1 : 1);
-  }
-  std::sort(facing.begin(), facing.end());
-  Facets facets;
-  forEachRun(
-      facing.begin(), facing.end(), [](const auto& entry) { return entry.first; },
-      [&](auto begin, auto end) {
-        Triangle3 t = begin->first;
-        int copies = 0;
-        for (auto entry = begin; entry != end; ++entry) copies += entry->second;
-        if (copies < 0) std::swap(t[1], t[2]);
-        facets.triangles.push_back(t);
-        facets.copies.push_back(std::abs(copies));
-      });
-  return facets;
-}
-
-// As forEachRun(), for a range that is not sorted by its keys yet.
-template <class Iterator, class Key, class Visit>
-void forEachGroup(Iterator begin, Iterator end, const Key& key, const Visit& visit) {
-  const auto less = [&](const auto& x, const auto& y) { return key(x) < key(y); };
-  if (!std::is_sorted(begin, end, less)) std::stable_sort(begin, end, less);
-  forEachRun(begin, end, key, visit);
-}
-
-// How many of the sides run forward, less those that run backward.
-int balance(Sides::iterator begin, Sides::iterator end, const std::vector<int>& copies, int most) {
-  int sum = 0;
-  for (; begin != end; ++begin) {
-    const int n = std::min(copies[begin->triangle], most);
-    sum += begin->forward ? n : -n;
-  }
-  return sum;
-}
-
-Numbering numbers(UnionFind& groups, std::size_t n) {
-  Numbering result(n);
-  for (std::uint32_t i = 0; i < n; ++i) result[i] = groups.find(i);
-  return result;
-}
-
-// What has to be judged together: an edge of two facets joins them, and one of more facets those
-// that it would leave open if they were alone.
-Numbering piecesOf(const Facets& facets, Sides& sides) {
-  const std::size_t n = facets.triangles.size();
-  UnionFind pieces(n);
-  forEachEdge(sides, [&](auto begin, auto end) {
-    if (end - begin == 2) pieces.join(begin[0].triangle, begin[1].triangle);
-  });
-  const Numbering patches = numbers(pieces, n);
-  const auto patch = [&](const Side& side) { return patches[side.triangle]; };
-  forEachEdge(sides, [&](auto begin, auto end) {
-    if (end - begin <= 2) return;
-    auto open = end;
-    forEachGroup(begin, end, patch, [&](auto first, auto last) {
-      const bool even = (last - first) % 2 == 0;
-      if (even && balance(first, last, facets.copies, ALL_COPIES) == 0) return;
-      if (open != end) pieces.join(open->triangle, first->triangle);
-      open = first;
-    });
-  });
-  return numbers(pieces, n);
-}
 
 Vector3d centroid(const TriangleMesh& mesh, const Triangle3& t) {
   return (mesh.vertices[t[0]] + mesh.vertices[t[1]] + mesh.vertices[t[2]]) / 3.0;
@@ -161,6 +64,16 @@ void turn(Surface& surface) {
   for (Triangle3& t : surface) std::swap(t[1], t[2]);
 }
 
+Surface facingOutwards(const Surface& surface, const std::vector<int>& facing) {
+  Surface result;
+  for (std::size_t i = 0; i < surface.size(); ++i) {
+    if (facing[i] == 0) continue;
+    result.push_back(surface[i]);
+    if (facing[i] < 0) std::swap(result.back()[1], result.back()[2]);
+  }
+  return result;
+}
+
 double volumeOf(const TriangleMesh& mesh, const Surface& surface) {
   double sum = 0.0;
   for (const Triangle3& t : surface) sum += signedVolume(mesh, t, mesh.vertices[surface[0][0]]);
@@ -202,13 +115,20 @@ class SolidFinder {
         settled_(facets_.triangles.size(), 0) {}
 
   MeshSolid find() {
-    const Numbering part = findParts();
+    findPartPoints();
     Sides sides = sortedSides(facets_.triangles);
     const Numbering piece = piecesOf(facets_, sides);
     takeBalanced(piece, sides);
-    settle(piece, [&](const Numbering& ids) { return takeAsItIs(ids) || takeOuterFaces(ids); });
-    settle(part, [&](const Numbering& ids) { return takeAsItIs(ids); });
-    settle(Numbering(part.size(), 0), [&](const Numbering& ids) { return takeAsItIs(ids); });
+    settle(piece, [&](const Numbering& ids) {
+      if (takeAsItIs(ids)) return true;
+      takeOuterFaces(ids);
+      return false;
+    });
+    if (std::count(settled_.begin(), settled_.end(), 0) > 0) {
+      const auto together = [&](const Numbering& ids) { return takeAsItIs(ids); };
+      settle(nearParts(), together);
+      settle(Numbering(piece.size(), 0), together);
+    }
     orient();
     solid_.locally_convex = solid_.part_points.size() == 1 && !solid_.outward.empty() &&
                             isLocallyConvex(mesh_, solid_.outward);
@@ -216,21 +136,41 @@ class SolidFinder {
   }
 
  private:
-  // Numbers the facets by the parts of the mesh, and takes a point of each.
-  Numbering findParts() {
+  // What hangs together by vertices, if each is where `same` says.
+  UnionFind partsOf(const std::vector<std::uint32_t>& same) const {
     UnionFind parts(mesh_.vertices.size());
     for (const Triangle3& t : mesh_.triangles) {
-      parts.join(same_[t[0]], same_[t[1]]);
-      parts.join(same_[t[0]], same_[t[2]]);
+      parts.join(same[t[0]], same[t[1]]);
+      parts.join(same[t[0]], same[t[2]]);
     }
+    return parts;
+  }
+
+  void findPartPoints() {
+    UnionFind parts = partsOf(same_);
     std::vector<char> known(mesh_.vertices.size(), 0);
     for (const Triangle3& t : mesh_.triangles) {
       char& is_known = known[parts.find(same_[t[0]])];
       if (!is_known) solid_.part_points.push_back(mesh_.vertices[t[0]]);
       is_known = 1;
     }
+  }
+
+  // Numbers the facets by what hangs together by vertices that meet or nearly do. Some of those are
+  // rounded apart; one that is not is enough.
+  Numbering nearParts() const {
+    Vector3d low = mesh_.vertices[0], high = low;
+    for (const Vector3d& v : mesh_.vertices) {
+      low = low.cwiseMin(v);
+      high = high.cwiseMax(v);
+    }
+    const double cell = std::max(NEARLY_MEET * (high - low).maxCoeff(), MIN_POSITIVE);
+    std::vector<Vector3d> rounded;
+    for (const Vector3d& v : mesh_.vertices) rounded.push_back((v / cell).array().round());
+    const std::vector<std::uint32_t> same = weld(rounded);
+    UnionFind parts = partsOf(same);
     Numbering result;
-    for (const Triangle3& t : facets_.triangles) result.push_back(parts.find(t[0]));
+    for (const Triangle3& t : facets_.triangles) result.push_back(parts.find(same[t[0]]));
     return result;
   }
 
@@ -281,13 +221,19 @@ class SolidFinder {
     return isClosed(mesh_, surface) && take(std::move(surface), as_they_are_);
   }
 
-  // Which way the triangles face is then not asked for.
-  bool takeOuterFaces(const Numbering& ids) {
+  // Which way the triangles face is then not asked for. Those that are left out may still close
+  // something together with others.
+  void takeOuterFaces(const Numbering& ids) {
     Surface surface;
     for (const std::uint32_t i : ids) surface.push_back(facets_.triangles[i]);
-    Surface outer = outerFaces(mesh_, surface, LooseEdges::ARE_SEAMS);
-    if (!isClosed(mesh_, outer)) outer = outerFaces(mesh_, surface, LooseEdges::ARE_GAPS);
-    return take(std::move(outer), turned_outwards_);
+    std::vector<int> facing = outerFaces(mesh_, surface, LooseEdges::ARE_SEAMS);
+    Surface outer = facingOutwards(surface, facing);
+    if (!isClosed(mesh_, outer)) {
+      facing = outerFaces(mesh_, surface, LooseEdges::ARE_GAPS);
+      outer = facingOutwards(surface, facing);
+    }
+    for (std::size_t k = 0; k < ids.size(); ++k) settled_[ids[k]] = facing[k] != 0;
+    take(std::move(outer), turned_outwards_);
   }
 
   static bool take(Surface surface, std::vector<Surface>& taken) {

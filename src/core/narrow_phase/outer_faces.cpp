@@ -58,7 +58,8 @@ double signedVolume(const TriangleMesh& mesh, const Triangle3& t, const Vector3d
   return a.dot((mesh.vertices[t[1]] - point).cross(mesh.vertices[t[2]] - point)) / 6.0;
 }
 
-Surface outerFaces(const TriangleMesh& mesh, const Surface& surface, LooseEdges loose_edges) {
+std::vector<int> outerFaces(const TriangleMesh& mesh, const Surface& surface,
+                            LooseEdges loose_edges) {
   UnionFind regions = regionsOf(mesh, surface, loose_edges);
   // The surface of the outside, seen from there, encloses less than nothing.
   std::vector<double> volumes(2 * surface.size(), 0.0);
@@ -69,13 +70,11 @@ Surface outerFaces(const TriangleMesh& mesh, const Surface& surface, LooseEdges 
   }
   const auto outside = static_cast<std::uint32_t>(std::min_element(volumes.begin(), volumes.end()) -
                                                   volumes.begin());
-  Surface result;
+  std::vector<int> result;
   for (std::uint32_t t = 0; t < surface.size(); ++t) {
     const bool front = regions.find(face(t, true)) == outside;
     const bool back = regions.find(face(t, false)) == outside;
-    if (front == back) continue;
-    result.push_back(surface[t]);
-    if (back) std::swap(result.back()[1], result.back()[2]);
+    result.push_back(static_cast<int>(front) - static_cast<int>(back));
   }
   return result;
 }

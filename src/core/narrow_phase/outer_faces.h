@@ -12,13 +12,15 @@ enum class LooseEdges {
 };
 
 /// Of triangles that hang together by edges, each set of corners given once and facing anywhere:
-/// those with the outside on one side, turned to face it. Walls within and flaps without are left
-/// out. With ARE_GAPS the result is a closed surface, or empty. Cost: O(n log n).
+/// which have the outside on one side only? One number a triangle: 1 if it faces the outside, -1 if
+/// it has to be turned for that, 0 for walls within and flaps without. With ARE_GAPS those that are
+/// not 0 are a closed surface, or none. Cost: O(n log n).
 ///
 /// The two faces of each triangle are joined into regions of space, by what stands next to each
 /// other around an edge. Zhou, Grinspun, Zorin, Jacobson, "Mesh arrangements for solid geometry"
 /// (2016), section 4. Deviation: triangles that pass through each other are not cut.
-Surface outerFaces(const TriangleMesh& mesh, const Surface& surface, LooseEdges loose_edges);
+std::vector<int> outerFaces(const TriangleMesh& mesh, const Surface& surface,
+                            LooseEdges loose_edges);
 
 /// Volume between a triangle and a point, cubic metres: positive if it faces away from the point.
 double signedVolume(const TriangleMesh& mesh, const Triangle3& t, const Eigen::Vector3d& point);
