@@ -7,7 +7,7 @@ find_package(Bullet REQUIRED)
 # A library of its own: CGAL asks for -frounding-math, which must not slow the others.
 add_library(broad_phase_references STATIC test/plain_direct_sap.cpp
                                           test/benchmark/packed_brute_force.cpp)
-target_include_directories(broad_phase_references PUBLIC test)
+target_include_directories(broad_phase_references PUBLIC test ${CORE_MODULES})
 target_link_libraries(broad_phase_references PUBLIC collision_pairs)
 collision_pairs_warnings(broad_phase_references)
 
@@ -33,7 +33,7 @@ endforeach()
 add_executable(detector_benchmark test/benchmark/benchmark_robots.cpp
   test/benchmark/detector_benchmark.cpp test/benchmark/moveit_loop.cpp)
 target_link_libraries(detector_benchmark PRIVATE collision_pairs_io fcl benchmark::benchmark)
-target_include_directories(detector_benchmark PRIVATE ${CORE_ROOMS})
+target_include_directories(detector_benchmark PRIVATE ${CORE_MODULES})
 collision_pairs_warnings(detector_benchmark)
 
 # The node's services, beside an empty one; started by scripts/measure_service.
@@ -45,7 +45,7 @@ collision_pairs_warnings(service_benchmark)
 add_executable(trade_off test/benchmark/benchmark_robots.cpp test/benchmark/demo_motion.cpp
   test/benchmark/trade_off.cpp)
 target_link_libraries(trade_off PRIVATE collision_pairs_io)
-target_include_directories(trade_off PRIVATE ${CORE_ROOMS})
+target_include_directories(trade_off PRIVATE ${CORE_MODULES})
 target_compile_definitions(trade_off PRIVATE PROJECT_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
 collision_pairs_warnings(trade_off)
 
@@ -53,7 +53,7 @@ collision_pairs_warnings(trade_off)
 add_executable(scene_cost test/benchmark/benchmark_robots.cpp test/benchmark/scene_cases.cpp
   test/benchmark/scene_cost.cpp)
 target_link_libraries(scene_cost PRIVATE collision_pairs_io)
-target_include_directories(scene_cost PRIVATE ${CORE_ROOMS})
+target_include_directories(scene_cost PRIVATE ${CORE_MODULES})
 collision_pairs_warnings(scene_cost)
 add_executable(update_benchmark test/benchmark/update_benchmark.cpp)
 target_link_libraries(update_benchmark PRIVATE collision_pairs_ros)

@@ -1,7 +1,7 @@
 # The core: URDF and poses in, pairs out. Links no ROS library (test_architecture holds it so).
-# Its rooms; who may know whom stands in test_architecture.
-set(core_rooms base geometry broad_phase narrow_phase robot scene check pair_statistics)
-list(TRANSFORM core_rooms PREPEND ${PROJECT_SOURCE_DIR}/src/core/ OUTPUT_VARIABLE CORE_ROOMS)
+# Its modules; the dependency rules stand in test_architecture.
+set(core_modules base geometry broad_phase convex_pairs meshes narrow_phase robot scene check pair_statistics)
+list(TRANSFORM core_modules PREPEND ${PROJECT_SOURCE_DIR}/src/core/ OUTPUT_VARIABLE CORE_MODULES)
 
 add_library(collision_pairs SHARED
   src/core/base/in_parallel.cpp
@@ -23,33 +23,31 @@ add_library(collision_pairs SHARED
   src/core/check/found_pairs.cpp
   src/core/check/pair_ladder.cpp
   src/core/check/timed_climb.cpp
+  src/core/convex_pairs/closed_forms.cpp
+  src/core/convex_pairs/convex_distance.cpp
   src/core/geometry/aabb.cpp
+  src/core/geometry/box_gap.cpp
   src/core/geometry/convex_hull.cpp
   src/core/geometry/furthest_point.cpp
-  src/core/scene/mesh_bounds.cpp
   src/core/geometry/shape.cpp
   src/core/geometry/vertex_extent.cpp
-  src/core/narrow_phase/box_gap.cpp
-  src/core/narrow_phase/closed_forms.cpp
-  src/core/narrow_phase/closest_on_mesh.cpp
-  src/core/narrow_phase/convex_distance.cpp
+  src/core/meshes/closest_on_mesh.cpp
+  src/core/meshes/mesh_edges.cpp
+  src/core/meshes/mesh_query.cpp
+  src/core/meshes/mesh_solid.cpp
+  src/core/meshes/outer_faces.cpp
+  src/core/meshes/patch_hulls.cpp
+  src/core/meshes/slab_bounds.cpp
+  src/core/meshes/solid_angle.cpp
+  src/core/meshes/surface_contact.cpp
+  src/core/meshes/triangle_distance.cpp
+  src/core/meshes/triangle_tree.cpp
+  src/core/meshes/winding_number.cpp
+  src/core/narrow_phase/containment.cpp
   src/core/narrow_phase/fcl_backend.cpp
   src/core/narrow_phase/hull_bounds.cpp
-  src/core/narrow_phase/mesh_edges.cpp
-  src/core/narrow_phase/mesh_insides.cpp
-  src/core/narrow_phase/mesh_query.cpp
-  src/core/narrow_phase/mesh_solid.cpp
   src/core/narrow_phase/narrow_phase.cpp
-  src/core/narrow_phase/outer_faces.cpp
-  src/core/narrow_phase/patch_hulls.cpp
   src/core/narrow_phase/prepared_shape.cpp
-  src/core/narrow_phase/replay.cpp
-  src/core/narrow_phase/slab_bounds.cpp
-  src/core/narrow_phase/solid_angle.cpp
-  src/core/narrow_phase/surface_contact.cpp
-  src/core/narrow_phase/triangle_distance.cpp
-  src/core/narrow_phase/triangle_tree.cpp
-  src/core/narrow_phase/winding_number.cpp
   src/core/pair_statistics/contact_probability.cpp
   src/core/pair_statistics/contact_search.cpp
   src/core/pair_statistics/generated_srdf.cpp
@@ -65,6 +63,7 @@ add_library(collision_pairs SHARED
   src/core/robot/xml_file.cpp
   src/core/scene/collision_scene.cpp
   src/core/scene/enclosure.cpp
+  src/core/scene/mesh_bounds.cpp
   src/core/scene/pair_policy.cpp
   src/core/scene/pair_rules.cpp
   src/core/scene/scene_description.cpp
@@ -75,7 +74,7 @@ add_library(collision_pairs SHARED
 include(cmake/kernels.cmake)
 target_include_directories(collision_pairs PUBLIC
   $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:include>
-  PRIVATE ${CORE_ROOMS})
+  PRIVATE ${CORE_MODULES})
 target_link_libraries(collision_pairs PUBLIC Eigen3::Eigen PRIVATE
   Boost::headers fcl ${URDFDOM_LIBRARIES} tinyxml2::tinyxml2 qhull_r Threads::Threads)
 collision_pairs_warnings(collision_pairs)

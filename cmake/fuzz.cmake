@@ -9,7 +9,7 @@ endif()
 get_target_property(sweep_sources collision_pairs SOURCES)
 list(FILTER sweep_sources INCLUDE REGEX "sweep|static_|pair_(filter|sort)|/aabb")
 add_executable(fuzz_sweep_and_prune test/fuzz/fuzz_sweep_and_prune.cpp ${sweep_sources})
-target_include_directories(fuzz_sweep_and_prune PRIVATE include ${CORE_ROOMS} test)
+target_include_directories(fuzz_sweep_and_prune PRIVATE include ${CORE_MODULES} test)
 target_compile_definitions(fuzz_sweep_and_prune PRIVATE $<TARGET_PROPERTY:collision_pairs,COMPILE_DEFINITIONS>)
 target_compile_options(fuzz_sweep_and_prune PRIVATE -O2 -g -fsanitize=fuzzer,address,undefined
                                                     -fno-sanitize-recover=all)

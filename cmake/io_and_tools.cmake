@@ -19,7 +19,7 @@ add_library(collision_pairs_io SHARED
   src/io/transform_tracks.cpp
 )
 target_include_directories(collision_pairs_io PUBLIC ${PROJECT_SOURCE_DIR}/src/io
-                                              PRIVATE ${CORE_ROOMS})
+                                              PRIVATE ${CORE_MODULES})
 target_include_directories(collision_pairs_io SYSTEM PRIVATE ${catkin_INCLUDE_DIRS})
 target_link_libraries(collision_pairs_io PUBLIC collision_pairs yaml-cpp
                       PRIVATE ${catkin_LIBRARIES} BZip2::BZip2 ${ROSLZ4_LIBRARY})
@@ -41,5 +41,5 @@ target_link_libraries(check_bag PRIVATE collision_pairs_messages)
 collision_pairs_tool(generate_srdf src/tools/pair_table.cpp src/tools/pair_verdicts.cpp
                      src/tools/progress_bar.cpp src/tools/robot_files.cpp
                      src/tools/verdict_texts.cpp)
-target_include_directories(generate_srdf PRIVATE ${CORE_ROOMS})
+target_include_directories(generate_srdf PRIVATE ${CORE_MODULES})
 collision_pairs_tool(merge_bag_checks ${bag_outputs})

@@ -1,7 +1,7 @@
 # The inner loops once more for newer x86-64; which one runs is chosen at run time.
 # These files include nothing of the C++ library that could leave such code in a shared function.
 if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64|amd64")
-  target_sources(collision_pairs PRIVATE ${PROJECT_SOURCE_DIR}/src/core/narrow_phase/box_gap_avx2.cpp
+  target_sources(collision_pairs PRIVATE ${PROJECT_SOURCE_DIR}/src/core/geometry/box_gap_avx2.cpp
                                          ${PROJECT_SOURCE_DIR}/src/core/geometry/furthest_point_avx2.cpp
                                          ${PROJECT_SOURCE_DIR}/src/core/broad_phase/sweep_kernel_avx2.cpp
                                          ${PROJECT_SOURCE_DIR}/src/core/broad_phase/sweep_kernel_avx512.cpp
@@ -10,7 +10,7 @@ if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64|amd64")
   target_compile_definitions(collision_pairs PRIVATE COLLISION_PAIRS_X86_KERNELS)
   set_source_files_properties(src/core/broad_phase/sweep_kernel_avx2.cpp PROPERTIES
                               COMPILE_OPTIONS "-mavx2;-mbmi")
-  set_source_files_properties(src/core/narrow_phase/box_gap_avx2.cpp src/core/geometry/furthest_point_avx2.cpp
+  set_source_files_properties(src/core/geometry/box_gap_avx2.cpp src/core/geometry/furthest_point_avx2.cpp
                               src/core/geometry/vertex_extent_avx2.cpp PROPERTIES COMPILE_OPTIONS "-mavx2;-mfma")
   set_source_files_properties(src/core/geometry/vertex_extent_avx512.cpp PROPERTIES
                               COMPILE_OPTIONS "-mavx512f")

@@ -1,20 +1,24 @@
 # The node. Its parts are a library, so that tests can call the pure ones without a master.
 add_library(collision_pairs_ros STATIC
-  src/ros/clock_watch.cpp
   src/ros/collision_pairs_node.cpp
   src/ros/joint_query.cpp
+  src/ros/low_priority.cpp
+  src/ros/node_health.cpp
   src/ros/parameters.cpp
   src/ros/query_service.cpp
+  src/ros/report_publisher.cpp
   src/ros/scene_loader.cpp
+  src/ros/scene_service.cpp
   src/ros/scene_store.cpp
   src/ros/scene_updates.cpp
+  src/ros/tf_check.cpp
   src/ros/tf_poses.cpp
-  src/ros/trajectory_check.cpp
-  src/ros/update_service.cpp
+  src/ros/trajectory_service.cpp
+  src/ros/transform_input.cpp
   src/ros/yaml_parameters.cpp
 )
 target_include_directories(collision_pairs_ros PUBLIC ${PROJECT_SOURCE_DIR}/src/ros
-                                               PRIVATE ${CORE_ROOMS})
+                                               PRIVATE ${CORE_MODULES})
 target_include_directories(collision_pairs_ros SYSTEM PUBLIC ${catkin_INCLUDE_DIRS})
 target_link_libraries(collision_pairs_ros PUBLIC collision_pairs_io collision_pairs_messages ${catkin_LIBRARIES})
 collision_pairs_warnings(collision_pairs_ros)

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "collision_pairs/sweep_and_prune.h"
+#include "column_sweep.h"
 
 namespace collision_pairs {
 

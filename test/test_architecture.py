@@ -1,4 +1,4 @@
-"""The walls of the house: which room may know which library."""
+"""Dependency rules: which module may know which other and which library."""
 import os
 import re
 import subprocess
@@ -47,45 +47,47 @@ def headers_below(folder):
     return {name for _, _, names in os.walk(os.path.join(PROJECT, folder)) for name in names if name.endswith(".h")}
 
 
-def assert_rooms_know_only(below):
-    """below: {room: the rooms whose headers it may include}."""
-    headers = {room: headers_below(room) for room in below}
-    for room, allowed in below.items():
-        for file, what in included_in(room):
+def assert_modules_know_only(below):
+    """below: {module: the modules whose headers it may include}."""
+    headers = {module: headers_below(module) for module in below}
+    for module, allowed in below.items():
+        for file, what in included_in(module):
             for other in headers:
-                if what in headers[other] and what not in headers[room]:
+                if what in headers[other] and what not in headers[module]:
                     assert other in allowed, "%s includes %s of %s" % (file, what, other)
 
 
-def test_rooms_know_only_the_rooms_below():
-    assert_rooms_know_only({"src/core": set(), "src/io": {"src/core"}, "src/messages": {"src/core"},
-                            "src/tools": {"src/messages", "src/io", "src/core"},
-                            "src/ros": {"src/messages", "src/io", "src/core"}})
+def test_layers_know_only_the_layers_below():
+    assert_modules_know_only({"src/core": set(), "src/io": {"src/core"}, "src/messages": {"src/core"},
+                              "src/tools": {"src/messages", "src/io", "src/core"},
+                              "src/ros": {"src/messages", "src/io", "src/core"}})
 
 
-# From the ground up. Public headers lie together in include/, so a room is also asked for the files
-# that implement what it includes.
-CORE_ROOMS = {"base": set(), "geometry": {"base"}, "broad_phase": {"base", "geometry"},
-              "narrow_phase": {"base", "geometry"}, "robot": {"base", "geometry"},
-              "scene": {"base", "geometry", "broad_phase", "narrow_phase", "robot"},
-              "check": {"base", "geometry", "broad_phase", "narrow_phase", "robot", "scene"},
-              "pair_statistics": {"base", "geometry", "narrow_phase", "robot", "scene", "check"}}
+# From the ground up. Public headers lie together in include/, so a module is also asked for the
+# files that implement what it includes.
+CORE_MODULES = {"base": set(), "geometry": {"base"}, "broad_phase": {"base", "geometry"},
+                "convex_pairs": {"base", "geometry"}, "meshes": {"base", "geometry", "convex_pairs"},
+                "narrow_phase": {"base", "geometry", "convex_pairs", "meshes"},
+                "robot": {"base", "geometry"},
+                "scene": {"base", "geometry", "broad_phase", "convex_pairs", "narrow_phase", "robot"},
+                "check": {"base", "geometry", "broad_phase", "convex_pairs", "narrow_phase", "robot", "scene"},
+                "pair_statistics": {"base", "geometry", "narrow_phase", "robot", "scene", "check"}}
 
 
-def test_rooms_of_the_core_know_only_the_rooms_below():
-    assert_rooms_know_only({"src/core/" + room: {"src/core/" + other for other in below}
-                            for room, below in CORE_ROOMS.items()})
+def test_modules_of_the_core_know_only_the_modules_below():
+    assert_modules_know_only({"src/core/" + module: {"src/core/" + other for other in below}
+                              for module, below in CORE_MODULES.items()})
 
 
-def test_public_headers_of_a_room_are_included_from_the_rooms_above_only():
-    room_of = {os.path.splitext(name)[0]: room for room in CORE_ROOMS
-               for name in os.listdir(os.path.join(PROJECT, "src/core", room))}
-    for room, below in CORE_ROOMS.items():
-        for file, what in included_in("src/core/" + room):
+def test_public_headers_of_a_module_are_included_from_the_modules_above_only():
+    module_of = {os.path.splitext(name)[0]: module for module in CORE_MODULES
+                 for name in os.listdir(os.path.join(PROJECT, "src/core", module))}
+    for module, below in CORE_MODULES.items():
+        for file, what in included_in("src/core/" + module):
             if what.startswith("collision_pairs/"):
-                other = room_of.get(os.path.splitext(os.path.basename(what))[0], room)
-                assert other in below | {room}, "%s includes %s of %s" % (file, what, other)
+                other = module_of.get(os.path.splitext(os.path.basename(what))[0], module)
+                assert other in below | {module}, "%s includes %s of %s" % (file, what, other)
 
 
-def test_every_file_of_the_core_stands_in_a_room():
-    assert sorted(os.listdir(os.path.join(PROJECT, "src/core"))) == sorted(CORE_ROOMS)
+def test_every_file_of_the_core_stands_in_a_module():
+    assert sorted(os.listdir(os.path.join(PROJECT, "src/core"))) == sorted(CORE_MODULES)

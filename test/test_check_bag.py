@@ -2,6 +2,7 @@
 import csv
 import os
 import random
+import re
 
 import pytest
 import rosbag
@@ -13,7 +14,8 @@ from tf2_msgs.msg import TFMessage
 
 DEMO_BAG = os.path.join(DEMO, "demo.bag")
 ROBOT = ["--urdf", os.path.join(DEMO, "demo_robot.urdf"), "--srdf", os.path.join(DEMO, "demo_robot.srdf")]
-HEADER = ["bag", "state", "stamp", "in_collision", "pairs", "min_distance", "nb_pairs", "distances", "left_out"]
+HEADER = ["bag", "state", "stamp", "in_collision", "pairs", "min_distance", "nb_pairs", "distances", "left_out",
+          "verdict"]
 
 
 class OldMessage(TFMessage):
@@ -84,6 +86,7 @@ def test_distances_name_every_pair_in_reach_and_agree_with_the_verdict(check):
         contacts = set(filter(None, row["pairs"].split(";")))
         assert contacts == {pair for pair, distance in distances.items() if float(distance) <= 0}
         assert row["in_collision"] == ("1" if contacts else "0")
+        assert row["verdict"] == ("collision" if contacts else "free")
         assert min(map(float, distances.values())) == float(row["min_distance"])
 
 
@@ -204,11 +207,24 @@ def test_over_a_gap_nothing_is_assumed_and_it_is_said(check, make_bag, tmp_path)
             transform.header.frame_id, transform.child_frame_id = "wrist", "wrist_ball"
             transform.transform.rotation.w = 1.0
             target.write("/tf", TFMessage([transform]), transform.header.stamp)
-    rows, _ = check(bag)
+    rows, summary = check(bag)
     inside = [row for row in rows if 1003.01 < float(row["stamp"]) < 1004.99]
     assert inside and all("forearm" in row["left_out"].split(";") for row in inside)
+    assert {row["verdict"] for row in inside} <= {"unknown", "collision"}
+    unknown = [row for row in rows if row["verdict"] == "unknown"]
+    assert unknown and all(row["in_collision"] == "1" and row["left_out"] for row in unknown)
+    assert "%d stamps" % len(unknown) in re.search("unknown .*", summary).group(0)
     rows, said = check(bag, "--max-gap", "3")
     assert not any("forearm" in row["left_out"].split(";") for row in rows)
+    assert "unknown" not in {row["verdict"] for row in rows}
+
+
+def test_verdict_only_gives_the_verdicts_and_at_most_one_pair(check):
+    whole, quick = check(DEMO_BAG)[0], check(DEMO_BAG, "--verdict-only")[0]
+    assert [row["verdict"] for row in quick] == [row["verdict"] for row in whole]
+    for one, all_pairs in zip(quick, whole):
+        assert "" not in one["pairs"].split(";")[1:]
+        assert set(one["pairs"].split(";")) <= set(all_pairs["pairs"].split(";")) and ";" not in one["pairs"]
 
 
 def test_a_clock_that_goes_back_within_a_bag_is_said(check, tmp_path):

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "closed_forms.h"
+#include "collision_pairs/narrow_phase.h"
 #include "random_inputs.h"
 
 namespace collision_pairs {

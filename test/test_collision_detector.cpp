@@ -142,7 +142,8 @@ TEST(CollisionDetector, APoseThatIsNotFiniteCountsAsUnknown) {
   poses.X_WB[scene->models()[0].body].translation().x() = std::nan("");
   const auto& report = detector.detect(poses, alarm(0.0));
   EXPECT_EQ(report.left_out, (std::vector<std::uint32_t>{0}));
-  EXPECT_FALSE(report.in_collision);
+  EXPECT_EQ(report.verdict, Verdict::UNKNOWN);
+  EXPECT_TRUE(report.in_collision);
 }
 
 TEST(CollisionDetector, PairByPairEqualsAllAtOnce) {
@@ -166,6 +167,35 @@ TEST(CollisionDetector, PairsThatWereNotAddedStayOut) {
   detector.addCollisionPair(2, 3);
   EXPECT_THAT(distances(detector.endNarrowPhase(), *scene),
               testing::ElementsAre(testing::Key("a|b"), testing::Key("c|d")));
+}
+
+TEST(CollisionDetector, RefusesToEndWhatWasNotBegun) {
+  const auto scene = sceneOf(slidingBoxes(2));
+  const BodyPoses poses = boxesAt(*scene, {0.0, 0.5});
+  CollisionDetector detector(scene);
+  EXPECT_THROW(detector.endNarrowPhase(), InputError);
+  detector.beginNarrowPhase(poses, alarm(0.0));
+  EXPECT_TRUE(detector.endNarrowPhase().pairs.empty());
+  EXPECT_THROW(detector.endNarrowPhase(), InputError);
+  detector.beginNarrowPhase(poses, alarm(0.0));
+  detector.detect(poses, alarm(0.0));
+  EXPECT_THROW(detector.endNarrowPhase(), InputError) << "a check in between ends what was begun";
+}
+
+// A rotation that is none has a distance that is known from below only.
+TEST(CollisionDetector, TheSmallestDistanceIsABoundWhereTheNarrowPhaseIsDegraded) {
+  const auto scene = sceneOf(slidingBoxes(3));
+  CollisionDetector detector(scene);
+  for (const double x : {0.5, 1.2, 9.0}) {  // in contact, near, and only found as the minimum
+    BodyPoses poses = boxesAt(*scene, {0.0, x, 30.0});
+    CheckSettings settings = alarm(0.5);
+    settings.min_distance = true;
+    EXPECT_FALSE(detector.detect(poses, settings).min_distance_is_bound) << x;
+    for (Eigen::Isometry3d& X_WB : poses.X_WB) X_WB.linear() *= 1.01;
+    const CollisionReport& report = detector.detect(poses, settings);
+    EXPECT_TRUE(report.min_distance_is_bound) << x;
+    EXPECT_LT(report.min_distance, x - 1.0);
+  }
 }
 
 TEST(CollisionDetector, EveryRungReportsTheContactsOfTheNext) {

@@ -5,6 +5,7 @@
 #include "collision_pairs/collision_detector.h"
 #include "demo_scene.h"
 #include "mesh_query.h"
+#include "prepared_shape.h"
 #include "random_inputs.h"
 #include "signed_distance_oracle.h"
 #include "surface_contact.h"

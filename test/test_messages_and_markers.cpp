@@ -1,6 +1,7 @@
 #include <cmath>
 #include <map>
 #include <set>
+#include <sstream>
 
 #include <gtest/gtest.h>
 
@@ -31,7 +32,9 @@ class Report : public testing::Test {
   }
 
   MarkerArray markers(bool only_investigated) const {
-    return toMarkers(detector_.report(), only_investigated, "world", ros::Time(7));
+    const CollisionPairs message =
+        toMessage(detector_.report(), *scene_, settings_, "world", ros::Time(7), {});
+    return toMarkers(message, &detector_.report(), only_investigated);
   }
 
   static std::map<std::string, int> countByNamespace(const MarkerArray& array) {
@@ -67,6 +70,87 @@ TEST_F(Report, AsAMessageSaysEveryPairWithItsState) {
   EXPECT_EQ(message.left_out, (std::vector<std::string>{"a_broken", "z_broken"}));
 }
 
+TEST_F(Report, InContactIsCollisionAlsoWhereSomethingElseIsUnknown) {
+  const CollisionPairs message =
+      toMessage(detector_.report(), *scene_, settings_, "world", ros::Time(7), {"broken"});
+  EXPECT_EQ(message.verdict, CollisionPairs::COLLISION);
+  EXPECT_TRUE(message.in_collision);
+  EXPECT_TRUE(message.unknown_because.empty());
+}
+
+TEST_F(Report, OfBoxesApartIsFreeAndWithAnythingLeftOutUnknown) {
+  BodyPoses poses;
+  poses.resize(scene_->bodies().size());
+  for (int i = 0; i < 4; ++i) {
+    poses.X_WB[scene_->models()[i].body].translation().x() = 3.0 * i;
+  }
+  const auto messageOf = [&](const std::vector<std::string>& broken) {
+    return toMessage(detector_.detect(poses, settings_), *scene_, settings_, "world", ros::Time(7),
+                     broken);
+  };
+  EXPECT_EQ(messageOf({}).verdict, CollisionPairs::FREE);
+  EXPECT_FALSE(messageOf({}).in_collision);
+  EXPECT_TRUE(messageOf({}).unknown_because.empty());
+
+  EXPECT_EQ(messageOf({"tool"}).verdict, CollisionPairs::UNKNOWN);
+  EXPECT_TRUE(messageOf({"tool"}).in_collision);
+  EXPECT_EQ(messageOf({"tool"}).unknown_because,
+            std::vector<std::string>{"geometry that could not be read: tool"});
+
+  poses.known[scene_->models()[2].body] = 0;
+  EXPECT_EQ(messageOf({}).verdict, CollisionPairs::UNKNOWN);
+  EXPECT_EQ(messageOf({}).unknown_because, std::vector<std::string>{"no usable pose: c"});
+
+  poses.known[scene_->models()[2].body] = 1;
+  poses.X_WB[scene_->models()[2].body].translation().x() = 3.5;  // b meets c
+  settings_.time_budget = 1e-12;
+  EXPECT_EQ(messageOf({}).verdict, CollisionPairs::UNKNOWN);
+  EXPECT_EQ(messageOf({}).unknown_because,
+            std::vector<std::string>{"pairs that may be in contact are unresolved: b|c"});
+}
+
+TEST_F(Report, OfNothingIsUnknown) {
+  const CollisionPairs message = unknown("there is no robot", "world", ros::Time(7));
+  EXPECT_EQ(message.verdict, CollisionPairs::UNKNOWN);
+  EXPECT_TRUE(message.in_collision);
+  EXPECT_EQ(message.unknown_because, std::vector<std::string>{"there is no robot"});
+  const MarkerArray array = toMarkers(message, nullptr, false);
+  ASSERT_EQ(array.markers.size(), 3u);
+  EXPECT_EQ(array.markers[1].text, "UNKNOWN");
+  EXPECT_EQ(array.markers[2].text, "there is no robot");
+}
+
+TEST_F(Report, ALongReasonIsDrawnInLinesAndCut) {
+  for (const std::string& why :
+       {std::string(500, 'x'), "link 'x': " + std::string(200, ' '),
+        std::string("no usable pose: a, b, c, d, e, f, g, h, i, j, k, l")}) {
+    const std::string text =
+        toMarkers(unknown(why, "world", ros::Time(7)), nullptr, false).markers.at(2).text;
+    std::istringstream lines(text);
+    for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 52u);
+    EXPECT_LT(text.size(), 140u);
+  }
+}
+
+TEST_F(Report, WithVerdictOnlySaysThatItsPairsAreNotAll) {
+  settings_.verdict_only = true;
+  const CollisionPairs message =
+      toMessage(detector_.report(), *scene_, settings_, "world", ros::Time(7), {});
+  EXPECT_TRUE(message.verdict_only);
+  EXPECT_EQ(message.alarm_distance, 0.0);
+}
+
+TEST_F(Report, MarkersShowTheVerdictInItsColourAboveAllBoxes) {
+  const Marker text = markers(false).markers.at(1);
+  EXPECT_EQ(text.ns, "verdict");
+  EXPECT_EQ(text.text, "COLLISION");
+  EXPECT_EQ(markers(false).markers.at(2).text, "a | b");
+  EXPECT_GT(text.color.r, 0.8f);
+  EXPECT_LT(text.color.g, 0.2f);
+  EXPECT_GT(text.pose.position.z, 0.5);
+  EXPECT_TRUE(text.header.stamp.isZero()) << "rviz has to draw it also where the poses are old";
+}
+
 TEST_F(Report, MarkersTellTheThreeKindsOfBoxesApart) {
   const auto count = countByNamespace(markers(false));
   EXPECT_EQ(count.at("boxes_in_contact"), 2);
@@ -96,7 +180,7 @@ TEST_F(Report, MarkersClearWhatWasThereAndAreDrawable) {
     const Marker& marker = array.markers[i];
     EXPECT_TRUE(ids.insert({marker.ns, marker.id}).second) << marker.ns << marker.id;
     EXPECT_EQ(marker.pose.orientation.w, 1.0);
-    EXPECT_GT(marker.scale.x, 0.0);
+    EXPECT_GT(marker.type == Marker::TEXT_VIEW_FACING ? marker.scale.z : marker.scale.x, 0.0);
     EXPECT_GT(marker.color.a, 0.0f);
     EXPECT_EQ(marker.header.frame_id, "world");
     if (marker.type == Marker::CUBE) {

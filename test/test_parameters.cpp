@@ -58,7 +58,9 @@ TEST_P(Defaults, AreThoseOfTheCode) {
   EXPECT_EQ(std::stod(text.at("rate")), code.rate);
   EXPECT_EQ(text.at("show_only_investigated_boxes"),
             code.show_only_investigated_boxes ? "true" : "false");
-  EXPECT_EQ(std::stod(text.at("max_transform_age")), code.max_transform_age);
+  EXPECT_EQ(std::stod(text.at("max_transform_age")), code.pose_limits.max_transform_age);
+  EXPECT_EQ(std::stod(text.at("max_pose_age")), code.pose_limits.max_pose_age);
+  EXPECT_EQ(std::stod(text.at("clock_tolerance")), code.clock_tolerance);
   EXPECT_TRUE(text.count("fixed_frame"));
 }
 

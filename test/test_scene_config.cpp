@@ -135,7 +135,8 @@ TEST_F(ConfigFile, OfTheNodeIsAsTheNodeHasIt) {
   const std::string shipped = std::string(PROJECT_SOURCE_DIR) + "/config/collision_pairs_node.yaml";
   const SceneConfig config = readSceneConfigFile(
       shipped, {"alarm_distance", "fidelity", "time_budget", "rate", "robots",
-                "show_only_investigated_boxes", "fixed_frame", "max_transform_age"});
+                "show_only_investigated_boxes", "fixed_frame", "max_transform_age", "max_pose_age",
+                "clock_tolerance", "verdict_only", "min_distance"});
   EXPECT_TRUE(config.restriction.empty());
   EXPECT_FALSE(config.floor);
 }

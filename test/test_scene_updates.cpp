@@ -4,6 +4,7 @@
 
 #include "collision_pairs/collision_detector.h"
 #include "collision_pairs/input_error.h"
+#include "conversions.h"
 #include "demo_scene.h"
 #include "markers.h"
 #include "object_conversions.h"
@@ -342,8 +343,10 @@ TEST(BoxMarkers, OfAFloorAreFinite) {
   CollisionDetector detector(scene);
   BodyPoses poses;
   poses.resize(scene->bodies().size());
+  const CheckSettings settings;
+  const auto& report = detector.detect(poses, settings);
   const auto array =
-      toMarkers(detector.detect(poses, CheckSettings()), false, "world", ros::Time(1));
+      toMarkers(toMessage(report, *scene, settings, "world", ros::Time(1), {}), &report, false);
   int nb_boxes = 0;
   for (const Marker& marker : array.markers) {
     if (marker.type != Marker::CUBE || marker.action != Marker::ADD) continue;

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "mesh_query.h"
+#include "prepared_shape.h"
 #include "random_inputs.h"
 #include "slab_bounds.h"
 #include "test_shapes.h"

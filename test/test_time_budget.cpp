@@ -19,10 +19,20 @@ class TimeBudget : public testing::Test {
         hurried_(scene_) {
     poses_.resize(scene_->bodies().size());
     settings_.alarm_distance = 0.1;
+    setClock();
+  }
+
+  void setClock() {
     hurried_.setClock([this] {
       ++nb_readings_;
       return now_ += 1.0;
     });
+  }
+
+  void hurryThrough(std::shared_ptr<const CollisionScene> scene) {
+    scene_ = std::move(scene);
+    hurried_ = CollisionDetector(scene_);
+    setClock();
   }
 
   const CollisionReport& checkWithin(double seconds) {
@@ -140,8 +150,7 @@ TEST_F(TimeBudget, GoesToTheSmallestLowerBoundFirst) {
     xml += boxLink(name, 1.0) +
            joint(std::string("float_") + name, "floating", "root", name, "0 0 0", "");
   }
-  scene_ = CollisionScene::build(robotFrom(xml), std::nullopt, nullptr);
-  hurried_.setScene(scene_);
+  hurryThrough(CollisionScene::build(robotFrom(xml), std::nullopt, nullptr));
   poses_.resize(3);
   const double x[] = {0.0, 0.9, 1.6};  // a-b 0.1 deep, b-c 0.3 deep, a-c 0.6 apart
   for (int i = 0; i < 3; ++i) {
@@ -157,8 +166,7 @@ TEST_F(TimeBudget, GoesToTheSmallestLowerBoundFirst) {
 }
 
 TEST_F(TimeBudget, AnUnresolvedPairThatIsKnownToBeApartIsNoCollision) {
-  scene_ = CollisionScene::build(robotFrom(slidingBoxes(2)), std::nullopt, nullptr);
-  hurried_.setScene(scene_);
+  hurryThrough(CollisionScene::build(robotFrom(slidingBoxes(2)), std::nullopt, nullptr));
   poses_.resize(2);
   poses_.X_WB[scene_->models()[1].body].translation().x() = 1.05;
   const CollisionReport& report = checkWithin(0.5);

@@ -16,6 +16,7 @@ namespace collision_pairs {
 class Deadline;
 class FoundPairs;
 class PairLadder;
+struct SmallestDistance;
 class TimedClimb;
 
 struct CheckSettings {
@@ -26,8 +27,8 @@ struct CheckSettings {
   Fidelity fidelity = Fidelity::MESH;
   /// Find the smallest distance of all pairs even where it is beyond the alarm distance.
   bool min_distance = false;
-  /// Only in_collision is asked for: ends at the first contact, which is then the only pair in the
-  /// report, without points and depth. The alarm distance counts as 0.
+  /// Only the verdict is asked for: ends at the first certain contact, which is then the only one in
+  /// the report, without points and depth (its distance is 0). The alarm distance counts as 0.
   bool verdict_only = false;
   /// Seconds, >= 0, for the whole check; 0: no limit. Boxes are always rebuilt, swept and compared;
   /// the most suspicious pairs then climb the ladder until the time is spent, and the narrow query
@@ -63,17 +64,13 @@ class CollisionDetector {
   void beginNarrowPhase(const BodyPoses& poses, const CheckSettings& settings);
   /// By model id, in either order. Pairs that the scene's filter forbids stay out.
   void addCollisionPair(std::uint32_t model_a, std::uint32_t model_b);
+  /// Throws InputError where nothing was begun since the last check.
   const CollisionReport& endNarrowPhase();
 
   /// The last check's, empty before the first.
   const CollisionReport& report() const { return report_; }
 
-  /// Takes another scene from the next check on.
-  void setScene(std::shared_ptr<const CollisionScene> scene);
   const CollisionScene& scene() const { return *scene_; }
-
-  /// Forgets a begun check and gives the scratch memory back.
-  void reset();
 
   /// What the time budget is measured by: seconds that never go back. For tests; the default is
   /// std::chrono::steady_clock.
@@ -95,7 +92,7 @@ class CollisionDetector {
   /// But for those whose boxes are no further apart than `measured` (below 0: none). False where
   /// the time was spent first; nothing that is left is then nearer than `known`.
   bool measureNearestFirst(const std::vector<BoxPair>& pairs, double measured,
-                           const Deadline& deadline, double& best, double& known);
+                           const Deadline& deadline, SmallestDistance& best, double& known);
 
   std::shared_ptr<const CollisionScene> scene_;
   CheckSettings settings_;

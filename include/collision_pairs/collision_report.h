@@ -22,6 +22,13 @@ enum class PairState {
               ///< are known to be apart where it is positive
 };
 
+/// What a check is worth to someone who acts on it.
+enum class Verdict : std::uint8_t {
+  FREE = 0,       ///< every pair that the scene requires was checked and is apart
+  COLLISION = 1,  ///< some pair is in contact for certain, at the fidelity asked for
+  UNKNOWN = 2     ///< neither: a model has no pose, or a pair that could be in contact is unresolved
+};
+
 /// Closest (or deepest) points of two elements, measured and expressed in the world frame W. They
 /// are points of the geometry that decided: where the time was spent, of the boxes.
 struct Contact {
@@ -42,6 +49,11 @@ struct PairReport {
   Certainty certainty;
   std::uint32_t first_contact;  ///< its contacts are a range of CollisionReport::contacts,
   std::uint32_t nb_contacts;    ///< one for each pair of elements in reach
+
+  /// In contact, or unresolved without a bound that shows the two apart.
+  bool mayTouch() const {
+    return state == PairState::CONTACT || (state == PairState::UNRESOLVED && distance <= 0.0);
+  }
 };
 
 /// Seconds spent in each stage; 0 unless CheckSettings::stage_times asks for them.
@@ -54,11 +66,11 @@ struct StageTimes {
 
 /// Owned by the detector that filled it and valid until its next check; copy what must stay.
 struct CollisionReport {
-  /// Some pair touches, or could not be shown not to (UNRESOLVED, its lower bound not positive).
-  bool in_collision = false;
+  Verdict verdict = Verdict::UNKNOWN;
+  bool in_collision = true;  ///< verdict != FREE
   /// Smallest signed distance of all allowed pairs, where it is at most the alarm distance or was
   /// asked for; otherwise (`…_is_bound`) what it is known to be no less than: the alarm distance,
-  /// or where the time was spent the least of the lower bounds.
+  /// or where a pair is UNRESOLVED the least of the lower bounds.
   double min_distance = 0.0;
   bool min_distance_is_bound = true;
   std::vector<PairReport> pairs;        ///< sorted by (first, second)

@@ -109,11 +109,6 @@ class CollisionScene {
                                                      std::shared_ptr<const RobotModel> world,
                                                      const SceneSettings& settings = {});
 
-  /// The robot against the world only, not against itself.
-  static std::shared_ptr<const CollisionScene> buildAgainstWorldOnly(
-      std::shared_ptr<const RobotModel> robot, std::shared_ptr<const RobotModel> world,
-      const SceneSettings& settings = {});
-
   /// The robot, or several in one.
   const RobotModel& robot() const { return *robot_; }
   const std::vector<CollisionModel>& models() const { return models_; }

@@ -1,39 +1,15 @@
-// How far apart two shapes are, or how deep in each other.
+// Shapes made ready for queries, and the table of who answers a pair of them.
 #pragma once
 
 #include <cstdint>
-#include <functional>
-#include <limits>
 #include <memory>
-#include <string>
 
-#include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include "collision_pairs/pair_distance.h"
 #include "collision_pairs/shape.h"
 
 namespace collision_pairs {
-
-/// What a PairDistance's number is worth.
-enum class Certainty {
-  EXACT,       ///< the distance itself, to the accuracy that the table of pairs states
-  BEYOND,      ///< further apart than was asked; `distance` is a lower bound of the distance
-  BOUND,       ///< in contact for certain; |distance| is an upper bound of the depth
-  DEGRADED,    ///< the first method failed; `distance` is a lower bound of the signed distance
-  UNFINISHED,  ///< never from here: a check's time was spent; `distance` is a lower bound as well
-};
-
-/// The answer for shapes A and B, measured and expressed in A's frame.
-struct PairDistance {
-  double distance = std::numeric_limits<double>::infinity();  ///< metres; <= 0 touches, -depth
-  Eigen::Vector3d p_ACa = Eigen::Vector3d::Zero();            ///< witness point on A
-  Eigen::Vector3d p_ACb = Eigen::Vector3d::Zero();            ///< witness point on B
-  Eigen::Vector3d nhat_AB_A = Eigen::Vector3d::UnitZ();       ///< unit normal, from A to B
-  Certainty certainty = Certainty::EXACT;
-  bool by_hulls = false;  ///< of a mesh that is not convex: its triangles were not needed
-  /// Witness points and normal are meaningless when BEYOND.
-  bool touches() const { return distance <= 0.0; }
-};
 
 /// A shape with everything that a query needs and that is worth keeping (hull, tree of bounding
 /// volumes, …). Immutable, so all threads share it.
@@ -59,10 +35,6 @@ enum class MeshContacts {
   OWN_TREE,  ///< the tree that also measures distance: about twice as fast in the slowest percent
 };
 
-/// Is given the inputs of each degraded pair, as text that readReplay() turns back into the very
-/// same numbers.
-using DegradedSink = std::function<void(const std::string& replay)>;
-
 /// Answers pairs of shapes. Holds scratch memory only: one per thread.
 ///
 /// Poses: the rotation in X_AB may be off by rounding or by a quaternion that is not quite
@@ -83,13 +55,11 @@ class NarrowPhase {
   PairDistance distance(const PreparedShape& A, const PreparedShape& B,
                         const Eigen::Isometry3d& X_AB, double max_distance);
 
-  /// Default: FCL.
+  /// Default: OWN_TREE.
   void setMeshContacts(MeshContacts who);
 
   /// Calls of touches() and distance() so far that ended DEGRADED.
   std::uint64_t numDegraded() const;
-  /// Called once for each such call, from within it; what the sink throws is swallowed.
-  void onDegraded(DegradedSink sink);
 
  private:
   struct Scratch;

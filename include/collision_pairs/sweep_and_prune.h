@@ -65,23 +65,7 @@ class StaticBoxes {
   std::shared_ptr<const StaticTree> tree_;
 };
 
-/// How the work is done. None of it changes the pairs, only the time.
-struct SweepTuning {
-  /// Up to this many pairs of boxes are tested in double right away.
-  std::uint32_t direct_up_to = 60;
-  /// Up to this many moving boxes each is tested against each, packed, with nothing sorted:
-  /// for few boxes that is quicker than any order. It must be at most 2^29.
-  std::uint32_t packed_up_to = 160;
-  /// A sweep over more boxes than this is cut into columns first.
-  std::uint32_t column_size = 2048;
-  /// A sweep that would test a box against more than this many others on average is cut too.
-  std::uint32_t tests_per_box = 48;
-  /// The axis to sweep along: 0, 1, 2, or -1 to choose it from the boxes.
-  int axis = -1;
-  /// Threads that share the columns of one cycle. They are started for the cycle (and that
-  /// allocates), so more than one pays from about 20,000 moving boxes on.
-  int threads = 1;
-};
+struct SweepTuning;
 
 /// Finds all pairs of boxes whose Euclidean gap is at most the alarm distance (closed: a gap of
 /// exactly the alarm distance counts, so touching boxes are found at 0; see squaredReach()).
@@ -108,14 +92,16 @@ struct SweepTuning {
 /// narrows both ends of every interval, so ends that are in order stay in order and no pair is
 /// lost; a pair that is not strictly clear in float is decided on the true boxes in double.
 ///
-/// Cost: O(n + pairs) for boxes of like size, however they are spread, O(n^2 / 16) for up to
-/// `packed_up_to`; moving against static O(log n_static + pairs) a box. No heap allocation once
+/// Cost: O(n + pairs) for boxes of like size, however they are spread, O(n^2 / 16) for up
+/// to 160; moving against static O(log n_static + pairs) a box. No heap allocation once
 /// warm. Memory: about 200 bytes a box and 16 a pair.
 ///
 /// Not thread safe: one per thread. It can be moved, not copied.
 class SweepAndPrune {
  public:
-  explicit SweepAndPrune(const SweepTuning& tuning = {});
+  SweepAndPrune();
+  /// For tests and benchmarks: what is best is the default.
+  explicit SweepAndPrune(const SweepTuning& tuning);
   ~SweepAndPrune();
   SweepAndPrune(SweepAndPrune&&) noexcept;
   SweepAndPrune& operator=(SweepAndPrune&&) noexcept;

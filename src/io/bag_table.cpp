@@ -11,6 +11,12 @@ namespace {
 
 constexpr StampNs NS_PER_SECOND = 1000000000;
 
+const char* nameOf(Verdict verdict) {
+  return verdict == Verdict::FREE        ? "free"
+         : verdict == Verdict::COLLISION ? "collision"
+                                         : "unknown";
+}
+
 std::string toText(double number) {
   char text[64];
   std::snprintf(text, sizeof text, "%.17g", number);
@@ -47,7 +53,7 @@ class LineReader {
 
   BagRow read(const std::string& line) const {
     const std::vector<std::string> fields = split(line, ',');
-    if (fields.size() != 9) fail("it has " + std::to_string(fields.size()) + " fields, not 9");
+    if (fields.size() != 10) fail("it has " + std::to_string(fields.size()) + " fields, not 10");
     BagRow row;
     row.bag = fields[0];
     row.state = number<std::uint64_t>(fields[1]);
@@ -58,6 +64,7 @@ class LineReader {
     for (const std::string& pair : split(fields[7], ';'))
       row.pairs.push_back(bagPair(pair, contacts));
     row.left_out = split(fields[8], ';');
+    row.verdict = verdict(fields[9]);
     return row;
   }
 
@@ -80,6 +87,13 @@ class LineReader {
            number<StampNs>(text.substr(point + 1));
   }
 
+  Verdict verdict(const std::string& text) const {
+    for (const Verdict known : {Verdict::FREE, Verdict::COLLISION, Verdict::UNKNOWN}) {
+      if (text == nameOf(known)) return known;
+    }
+    fail("'" + text + "' is no verdict");
+  }
+
   BagPair bagPair(const std::string& text, const std::vector<std::string>& contacts) const {
     const std::size_t equals = text.rfind('=');
     if (equals == std::string::npos) fail("'" + text + "' is no distance of a pair");
@@ -94,12 +108,8 @@ class LineReader {
 }  // namespace
 
 const char* const BAG_TABLE_HEADER =
-    "bag,state,stamp,in_collision,pairs,min_distance,nb_pairs,distances,left_out";
+    "bag,state,stamp,in_collision,pairs,min_distance,nb_pairs,distances,left_out,verdict";
 const char* const BAG_TABLE_END = "# end";
-
-bool BagRow::inCollision() const {
-  return std::any_of(pairs.begin(), pairs.end(), [](const BagPair& p) { return p.in_contact; });
-}
 
 std::string toLine(const BagRow& row) {
   char stamp[40];
@@ -111,10 +121,11 @@ std::string toLine(const BagRow& row) {
   const std::string distances =
       joinedBy(row.pairs, [](const BagPair& p) { return p.links + '=' + toText(p.distance); });
   return row.bag + ',' + std::to_string(row.state) + ',' + stamp + ',' +
-         (row.inCollision() ? '1' : '0') + ',' + contacts + ',' +
+         (row.verdict == Verdict::FREE ? '0' : '1') + ',' + contacts + ',' +
          (row.min_distance ? toText(*row.min_distance) : "") + ',' + std::to_string(row.nb_pairs) +
          ',' + distances + ',' +
-         joinedBy(row.left_out, [](const std::string& link) { return link; });
+         joinedBy(row.left_out, [](const std::string& link) { return link; }) + ',' +
+         nameOf(row.verdict);
 }
 
 BagRow parseLine(const std::string& line, const std::string& name, std::size_t line_number) {

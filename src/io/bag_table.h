@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "collision_pairs/collision_report.h"
 #include "transform_tracks.h"
 
 namespace collision_pairs {
@@ -27,7 +28,7 @@ struct BagRow {
   std::optional<double> min_distance;
   std::uint64_t nb_pairs = 0;  ///< investigated
   std::vector<std::string> left_out;
-  bool inCollision() const;
+  Verdict verdict = Verdict::UNKNOWN;
 };
 
 /// Every count-th row is that of one part. Rows go round and round the parts, so that all have the
@@ -38,9 +39,9 @@ struct Shard {
   bool owns(std::size_t bag, std::uint64_t state) const { return (state + bag) % count == index; }
 };
 
-/// bag,state,stamp,in_collision,pairs,min_distance,nb_pairs,distances,left_out
+/// bag,state,stamp,in_collision,pairs,min_distance,nb_pairs,distances,left_out,verdict
 ///
-/// `pairs` are the links in contact, "a|b;c|d"; `distances` all pairs within the alarm distance,
+/// `verdict` is free, collision or unknown; `in_collision` is 0 if it is free. `pairs` are the links in contact, "a|b;c|d"; `distances` all pairs within the alarm distance,
 /// "a|b=0.012;c|d=-0.001"; `left_out` the links of which nothing was known, "a;b". Stamps are
 /// seconds with nine decimals, numbers have all their digits. A part has, besides, lines that begin
 /// with '#': which part it is, and at the beginning of each bag how many rows all parts together

@@ -58,7 +58,66 @@ CollisionPair toMessage(const PairReport& pair, const CollisionReport& report,
   return message;
 }
 
+std::string joined(const std::vector<std::string>& names) {
+  constexpr std::size_t MAX_NAMED = 10;  // left_out and pairs have them all
+  std::string text;
+  for (std::size_t i = 0; i < std::min(names.size(), MAX_NAMED); ++i) {
+    text += (i == 0 ? "" : ", ") + names[i];
+  }
+  if (names.size() > MAX_NAMED) {
+    text += " and " + std::to_string(names.size() - MAX_NAMED) + " more";
+  }
+  return text;
+}
+
+std::vector<std::string> namesOfLeftOut(const CollisionReport& report,
+                                        const CollisionScene& scene) {
+  std::vector<std::string> names;
+  for (const std::uint32_t model : report.left_out) names.push_back(scene.models()[model].name);
+  return names;
+}
+
+std::vector<std::string> namesOfUnresolved(const CollisionReport& report,
+                                           const CollisionScene& scene) {
+  std::vector<std::string> names;
+  for (const PairReport& pair : report.pairs) {
+    if (pair.state == PairState::CONTACT || !pair.mayTouch()) continue;
+    names.push_back(scene.models()[pair.first].name + '|' + scene.models()[pair.second].name);
+  }
+  return names;
+}
+
 }  // namespace
+
+std::vector<std::string> whyUnknown(const CollisionReport& report, const CollisionScene& scene,
+                                    const std::vector<std::string>& broken_links) {
+  std::vector<std::string> reasons;
+  const auto add = [&](const std::string& what, const std::vector<std::string>& names) {
+    if (!names.empty()) reasons.push_back(what + ": " + joined(names));
+  };
+  add("geometry that could not be read", broken_links);
+  add("no usable pose", namesOfLeftOut(report, scene));
+  add("pairs that may be in contact are unresolved", namesOfUnresolved(report, scene));
+  return reasons;
+}
+
+void notFree(CollisionPairs& message, const std::vector<std::string>& reasons) {
+  if (reasons.empty()) return;
+  message.in_collision = true;
+  if (message.verdict == CollisionPairs::COLLISION) return;
+  message.verdict = CollisionPairs::UNKNOWN;
+  message.unknown_because.insert(message.unknown_because.end(), reasons.begin(), reasons.end());
+}
+
+CollisionPairs unknown(const std::string& reason, const std::string& frame,
+                       const ros::Time& stamp) {
+  CollisionPairs message;
+  message.header.frame_id = frame;
+  message.header.stamp = stamp;
+  message.min_distance_is_bound = true;
+  notFree(message, {reason});
+  return message;
+}
 
 CollisionPairs toMessage(const CollisionReport& report, const CollisionScene& scene,
                          const CheckSettings& settings, const std::string& frame,
@@ -66,10 +125,13 @@ CollisionPairs toMessage(const CollisionReport& report, const CollisionScene& sc
   CollisionPairs message;
   message.header.frame_id = frame;
   message.header.stamp = stamp;
+  message.verdict = static_cast<std::uint8_t>(report.verdict);
   message.in_collision = report.in_collision;
+  notFree(message, whyUnknown(report, scene, broken_links));
   message.nb_boxes = report.nb_boxes;
   message.nb_pairs = static_cast<std::uint32_t>(report.candidates.size());
-  message.alarm_distance = settings.alarm_distance;
+  message.alarm_distance = settings.verdict_only ? 0.0 : settings.alarm_distance;
+  message.verdict_only = settings.verdict_only;
   message.fidelity = fidelityName(settings.fidelity);
   message.min_distance = report.min_distance;
   message.min_distance_is_bound = report.min_distance_is_bound;
@@ -77,8 +139,8 @@ CollisionPairs toMessage(const CollisionReport& report, const CollisionScene& sc
     message.pairs.push_back(toMessage(pair, report, scene));
   }
   message.left_out = broken_links;
-  for (const std::uint32_t model : report.left_out) {
-    message.left_out.push_back(scene.models()[model].name);
+  for (std::string& name : namesOfLeftOut(report, scene)) {
+    message.left_out.push_back(std::move(name));
   }
   std::sort(message.left_out.begin(), message.left_out.end());
   message.left_out.erase(std::unique(message.left_out.begin(), message.left_out.end()),

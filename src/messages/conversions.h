@@ -10,7 +10,19 @@
 
 namespace collision_pairs {
 
-/// `broken_links` are added to the links left out. time_transforms is left at 0 for the caller.
+/// Why the verdict cannot be FREE, in words; empty if it can. `broken_links`: whose geometry could
+/// not be read.
+std::vector<std::string> whyUnknown(const CollisionReport& report, const CollisionScene& scene,
+                                    const std::vector<std::string>& broken_links);
+
+/// With a reason, what was FREE is UNKNOWN. What is COLLISION stays so: it is certain.
+void notFree(CollisionPairs& message, const std::vector<std::string>& reasons);
+
+/// A report of nothing: UNKNOWN for this reason.
+CollisionPairs unknown(const std::string& reason, const std::string& frame, const ros::Time& stamp);
+
+/// `broken_links` are added to the links left out, and make the verdict UNKNOWN where it would be
+/// FREE. time_transforms is left at 0 for the caller.
 CollisionPairs toMessage(const CollisionReport& report, const CollisionScene& scene,
                          const CheckSettings& settings, const std::string& frame,
                          const ros::Time& stamp, const std::vector<std::string>& broken_links);

@@ -31,6 +31,47 @@ BoxStyle styleOf(BoxKind kind) {
   }
 }
 
+const char* verdictWord(std::uint8_t verdict) {
+  if (verdict == CollisionPairs::FREE) return "FREE";
+  return verdict == CollisionPairs::COLLISION ? "COLLISION" : "UNKNOWN";
+}
+
+/// Lines of at most `width` characters, broken at spaces where there are any.
+std::string wrapped(std::string text, std::size_t width) {
+  for (std::size_t begin = 0; text.size() - begin > width;) {
+    const std::size_t space = text.rfind(' ', begin + width);
+    if (space == std::string::npos || space <= begin) {
+      text.insert(begin + width, "\n");
+      begin += width + 1;
+    } else {
+      text[space] = '\n';
+      begin = space + 1;
+    }
+  }
+  return text;
+}
+
+/// The deepest pair, or the first reason.
+std::string verdictDetail(const CollisionPairs& message) {
+  constexpr std::size_t LONGEST = 120, WIDTH = 48;  // characters: the message has it all
+  if (message.verdict == CollisionPairs::COLLISION && !message.pairs.empty()) {
+    const auto deepest = std::min_element(
+        message.pairs.begin(), message.pairs.end(),
+        [](const CollisionPair& a, const CollisionPair& b) { return a.distance < b.distance; });
+    return deepest->first_link + " | " + deepest->second_link;
+  }
+  if (message.unknown_because.empty()) return "";
+  std::string why = message.unknown_because.front();
+  if (why.size() > LONGEST) why = why.substr(0, LONGEST) + "...";
+  return wrapped(why, WIDTH);
+}
+
+std_msgs::ColorRGBA verdictColor(std::uint8_t verdict) {
+  if (verdict == CollisionPairs::FREE) return color(0.10f, 0.75f, 0.20f, 1.0f);
+  if (verdict == CollisionPairs::COLLISION) return color(0.95f, 0.05f, 0.05f, 1.0f);
+  return color(0.75f, 0.20f, 0.95f, 1.0f);
+}
+
 class MarkerWriter {
  public:
   MarkerWriter(std::string frame, const ros::Time& stamp)
@@ -65,6 +106,21 @@ class MarkerWriter {
     arrow.scale.y = 0.9 * size;
     arrow.points = {toPoint(contact.p_WSecond),
                     toPoint(contact.p_WSecond + 8.0 * size * contact.nhat_W)};
+  }
+
+  void addVerdict(const CollisionPairs& message, const Aabb& space) {
+    const double height = std::max(1e-3, 0.07 * (space.max - space.min).norm());
+    const auto addText = [&](int id, const std::string& words, double size, double above) {
+      Marker& text = add("verdict", id, Marker::TEXT_VIEW_FACING, verdictColor(message.verdict));
+      text.header.stamp = ros::Time();
+      text.text = words;
+      text.scale.z = size;
+      const Vector3d center = space.center();
+      text.pose.position = toPoint(Vector3d(center.x(), center.y(), space.max.z() + above));
+    };
+    addText(0, verdictWord(message.verdict), height, 1.9 * height);
+    const std::string detail = verdictDetail(message);
+    if (!detail.empty()) addText(1, detail, 0.35 * height, 0.6 * height);
   }
 
   MarkerArray take() { return std::move(array_); }
@@ -116,13 +172,17 @@ double contactSize(const CollisionReport& report) {
   return std::max(1e-4, 0.05 * sizes[sizes.size() / 2]);
 }
 
-/// What half-spaces are cut to: twice as far as all that is bounded.
-Aabb shownSpace(const CollisionReport& report) {
+/// About all that is bounded.
+Aabb boundedSpace(const CollisionReport& report) {
   Aabb space = noBox();
   for (const Aabb& box : report.boxes) {
     if (box.valid() && isBounded(box)) space = enclosing(space, box);
   }
-  if (!space.valid()) space = {Vector3d::Constant(-1.0), Vector3d::Constant(1.0)};
+  return space.valid() ? space : Aabb{Vector3d::Constant(-1.0), Vector3d::Constant(1.0)};
+}
+
+/// What half-spaces are cut to: twice as far as all that is bounded.
+Aabb shownSpace(const Aabb& space) {
   const Vector3d size = space.max - space.min;
   return {space.min - 0.5 * size, space.max + 0.5 * size};
 }
@@ -135,20 +195,26 @@ Aabb cutTo(const Aabb& space, Aabb box) {
 
 }  // namespace
 
-MarkerArray toMarkers(const CollisionReport& report, bool only_investigated,
-                      const std::string& frame, const ros::Time& stamp) {
-  MarkerWriter writer(frame, stamp);
-  const std::vector<BoxKind> kinds = kindsOf(report);
-  const Aabb space = shownSpace(report);
-  for (std::uint32_t i = 0; i < report.boxes.size(); ++i) {
-    if (!report.boxes[i].valid()) continue;
+MarkerArray toMarkers(const CollisionPairs& message, const CollisionReport* report,
+                      bool only_investigated) {
+  MarkerWriter writer(message.header.frame_id, message.header.stamp);
+  if (!report) {
+    writer.addVerdict(message, {Vector3d::Constant(-0.5), Vector3d::Constant(0.5)});
+    return writer.take();
+  }
+  const Aabb bounded = boundedSpace(*report);
+  writer.addVerdict(message, bounded);
+  const std::vector<BoxKind> kinds = kindsOf(*report);
+  const Aabb space = shownSpace(bounded);
+  for (std::uint32_t i = 0; i < report->boxes.size(); ++i) {
+    if (!report->boxes[i].valid()) continue;
     if (only_investigated && kinds[i] == BoxKind::OTHER) continue;
-    const Aabb& box = report.boxes[i];
+    const Aabb& box = report->boxes[i];
     writer.addBox(isBounded(box) ? box : cutTo(space, box), kinds[i], i);
   }
-  const double size = contactSize(report);
-  for (std::uint32_t i = 0; i < report.contacts.size(); ++i) {
-    writer.addContact(report.contacts[i], i, size);
+  const double size = contactSize(*report);
+  for (std::uint32_t i = 0; i < report->contacts.size(); ++i) {
+    writer.addContact(report->contacts[i], i, size);
   }
   return writer.take();
 }

@@ -4,29 +4,27 @@
 #include <memory>
 #include <mutex>
 #include <string>
-#include <vector>
 
-#include <collision_pairs/CollisionPairs.h>
 #include <collision_pairs/CollisionPairsConfig.h>
 #include <diagnostic_updater/diagnostic_updater.h>
 #include <dynamic_reconfigure/server.h>
-#include <ros/callback_queue.h>
 #include <ros/ros.h>
-#include <std_srvs/Trigger.h>
-#include <tf2_ros/buffer.h>
-#include <tf2_ros/transform_listener.h>
 
-#include "clock_watch.h"
 #include "collision_pairs/collision_detector.h"
+#include "node_health.h"
 #include "parameters.h"
 #include "query_service.h"
+#include "report_publisher.h"
+#include "scene_service.h"
 #include "scene_store.h"
-#include "update_service.h"
+#include "trajectory_service.h"
+#include "transform_input.h"
 
 namespace collision_pairs {
 
-/// Publishes a report each cycle, beside a QueryService. While there is no scene (no
-/// robot_description, or one that cannot be read) it says so, and looks for one every few seconds.
+/// Publishes a report each cycle, whatever happens: while there is no scene, no usable transform,
+/// or something fails, its verdict is UNKNOWN. Scenes are built, and queries answered, on other
+/// threads.
 class CollisionPairsNode {
  public:
   CollisionPairsNode(ros::NodeHandle node, ros::NodeHandle private_node);
@@ -35,66 +33,36 @@ class CollisionPairsNode {
   void run();
 
  private:
-  /// Health of the last cycles, for the diagnostics.
-  struct Health {
-    std::string problem = "no cycle yet";
-    double transform_age = 0.0;
-    double cycle_time = 0.0;
-    std::vector<std::string> left_out;
-    std::uint32_t nb_boxes = 0, nb_pairs = 0, nb_degraded = 0, nb_unresolved = 0;
-    std::uint64_t cycles = 0, overruns = 0, out_of_time = 0;
-  };
-
-  bool loadScene(std::string& problem);
   CheckSettings settings() const;
-  QueryService::Defaults queryDefaults() const;
+  QueryDefaults queryDefaults() const;
 
   void cycle();
+  void check(const ActiveScenePtr& scene, const ros::WallTime& start);
+  void reportUnknown(const std::string& why);
   void takeScene(const ActiveScenePtr& scene);
-  /// The newest poses that are of this pass of the clock.
-  StampedPoses freshPoses(const TfPoses& tf_poses);
-  void publish(const ActiveScene& scene, const StampedPoses& stamped, const ros::Time& stamp,
-               double transform_time);
-  void publishMarkers();
-  void publishSceneMarkers(std::size_t nb_known);
-  void noteHealth(const CollisionPairs& message, const std::string& problem);
-  void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) const;
 
   void reconfigure(CollisionPairsConfig& config);
-  bool onReset(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
 
-  ros::NodeHandle node_;
   ros::NodeHandle private_node_;
   NodeParameters parameters_;  // written by reconfigure() under mutex_
-
-  tf2_ros::Buffer tf_buffer_;
-  tf2_ros::TransformListener tf_listener_;
-
+  TransformInput transforms_;
   mutable std::mutex mutex_;  // guards parameters_
   SceneStore scenes_;
+  SceneService scene_service_;
 
   // Of the cycle's thread alone.
+  ReportPublisher publisher_;
   std::unique_ptr<CollisionDetector> detector_;
-  ActiveScenePtr reported_scene_;
-  ros::Time reported_stamp_;
+  ActiveScenePtr checked_scene_;
+  CollisionPairs last_message_;
+  bool last_is_checked_ = false;  // it is of the detector's report
   ros::SteadyTime next_cycle_;
-  ros::WallTime next_load_;
-  ClockWatch clock_watch_;
-  Health health_;
-
-  ros::Publisher pairs_publisher_;
-  ros::Publisher in_collision_publisher_;
-  ros::Publisher markers_publisher_;
-  ros::Publisher scene_publisher_;
-  ActiveScenePtr shown_scene_;  // by the markers of the scene
-  std::size_t nb_shown_ = 0;    // bodies with a pose then
-  ros::SteadyTime show_scene_from_;
-  ros::ServiceServer reset_service_;
+  NodeHealth health_;
   std::unique_ptr<dynamic_reconfigure::Server<CollisionPairsConfig>> reconfigure_server_;
   diagnostic_updater::Updater diagnostics_;
   // Last: they end before what they ask goes.
-  UpdateService updates_;
   QueryService queries_;
+  TrajectoryService trajectories_;
 };
 
 }  // namespace collision_pairs

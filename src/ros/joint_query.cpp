@@ -7,6 +7,7 @@
 
 #include "collision_pairs/input_error.h"
 #include "geometry_conversions.h"
+#include "tf_poses.h"
 
 namespace collision_pairs {
 namespace {
@@ -15,11 +16,30 @@ using Eigen::Isometry3d;
 
 constexpr double MIMIC_TOLERANCE = 1e-6;  // rad or m
 
-bool lookUp(const tf2::BufferCore& buffer, const std::string& target, const std::string& source,
-            const ros::Time& stamp, Isometry3d& X) {
-  if (!buffer.canTransform(target, source, stamp)) return false;
+/// By body of the robot: whether one that the scene checks is it, or moves with it.
+std::vector<char> bodiesNeeded(const CollisionScene& scene) {
+  const auto& bodies = scene.robot().bodies();
+  std::vector<char> is_needed(bodies.size(), 0);
+  for (const SceneBody& checked : scene.bodies()) {
+    for (int body = checked.body; body >= 0 && !is_needed[body]; body = bodies[body].parent) {
+      is_needed[body] = 1;
+    }
+  }
+  return is_needed;
+}
+
+/// Where TF has the child in the parent; false if nowhere. `doubt` says so if that is too old.
+bool askTf(const JointQueryTf& tf, const std::string& parent, const std::string& child,
+           Isometry3d& X_PC, std::string& doubt) {
+  if (!tf.buffer.canTransform(parent, child, tf.stamp)) return false;
   try {
-    return toIsometry(buffer.lookupTransform(target, source, stamp).transform, X);
+    const auto found = tf.buffer.lookupTransform(parent, child, tf.stamp);
+    if (!toIsometry(found.transform, X_PC)) return false;
+    if (tf.stamp.isZero()) {
+      const std::string why = whyTooOld(found.header.stamp, tf.now, tf.max_pose_age);
+      if (!why.empty()) doubt = "link '" + child + "': " + why;
+    }
+    return true;
   } catch (const tf2::TransformException&) {
     return false;
   }
@@ -28,37 +48,41 @@ bool lookUp(const tf2::BufferCore& buffer, const std::string& target, const std:
 }  // namespace
 
 JointQuery::JointQuery(const std::vector<std::string>& names, const CollisionScene& scene,
-                       const tf2::BufferCore& buffer, const std::string& frame,
-                       const ros::Time& stamp)
+                       const JointQueryTf& tf)
     : scene_(scene), name_of_joint_(scene.robot().joints().size(), -1) {
   readNames(names);
   refuseLoneMimics();
-  const RobotModel& robot = scene.robot();
-  const std::vector<double> zero = robot.zeroPositions();
-  const auto linkOf = [&](const Body& body) { return robot.links()[body.link].name; };
-  for (const Body& body : robot.bodies()) {
-    if (body.joint < 0) {
-      Source root;
-      root.X_PB = Isometry3d::Identity();
-      if (frame != linkOf(body) && !lookUp(buffer, frame, linkOf(body), stamp, root.X_PB)) {
-        throw InputError("TF does not know root link '" + linkOf(body) + "' in frame '" + frame +
-                         "' at stamp " + std::to_string(stamp.toSec()));
-      }
-      sources_.push_back(root);
-      continue;
-    }
-    const Joint& joint = robot.joints()[body.joint];
-    Source source = leaderOf(body.joint);
-    if (source.name < 0) {
-      if (lookUp(buffer, linkOf(robot.bodies()[body.parent]), linkOf(body), stamp, source.X_PB)) {
-        joints_from_tf_.push_back(joint.name);
-      } else {
-        joints_at_zero_.push_back(joint.name);
-        source.X_PB = body.X_PJ * joint.motion(zero[body.joint]);
-      }
-    }
-    sources_.push_back(source);
+  const std::vector<char> is_needed = bodiesNeeded(scene);
+  for (const Body& body : scene.robot().bodies()) {
+    std::string doubt;
+    sources_.push_back(sourceOf(body, tf, doubt));
+    if (!doubt.empty() && is_needed[sources_.size() - 1]) doubts_.push_back(std::move(doubt));
   }
+}
+
+JointQuery::Source JointQuery::sourceOf(const Body& body, const JointQueryTf& tf,
+                                        std::string& doubt) {
+  const RobotModel& robot = scene_.robot();
+  const std::string& link = robot.links()[body.link].name;
+  if (body.joint < 0) {
+    Source root;
+    root.X_PB = Isometry3d::Identity();
+    if (tf.frame == link || askTf(tf, tf.frame, link, root.X_PB, doubt)) return root;
+    throw InputError("TF does not know root link '" + link + "' in frame '" + tf.frame +
+                     "' at stamp " + std::to_string(tf.stamp.toSec()));
+  }
+  Source source = leaderOf(body.joint);
+  if (source.name >= 0) return source;
+  const Joint& joint = robot.joints()[body.joint];
+  const std::string& parent = robot.links()[robot.bodies()[body.parent].link].name;
+  if (askTf(tf, parent, link, source.X_PB, doubt)) {
+    joints_from_tf_.push_back(joint.name);
+    return source;
+  }
+  joints_at_zero_.push_back(joint.name);
+  doubt = "joint '" + joint.name + "' is not named and TF does not know it: it was taken at zero";
+  source.X_PB = body.X_PJ * joint.motion(robot.zeroPositions()[body.joint]);
+  return source;
 }
 
 void JointQuery::readNames(const std::vector<std::string>& names) {

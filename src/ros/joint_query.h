@@ -12,16 +12,24 @@
 
 namespace collision_pairs {
 
+/// What a JointQuery asks TF, and when.
+struct JointQueryTf {
+  const tf2::BufferCore& buffer;
+  std::string frame;    ///< of the poses
+  ros::Time stamp;      ///< where joints that are not named stand; 0: the newest that TF has
+  ros::Time now;        ///< what the age of the newest is counted from
+  double max_pose_age;  ///< s; 0: never too old
+};
+
 /// Forward kinematics for named joints: joints that mimic follow, joints not named stay where TF
 /// has them at a stamp, or else at zero (or their nearer limit). The root link stands where TF has
 /// it. TF is asked once, when it is made; after that it may be used from several threads.
 class JointQuery {
  public:
-  /// `frame` is that of the poses. Throws InputError that names the joint for one that is unknown,
-  /// repeated or without a position to set, or that mimics one that is not named; and if TF does
-  /// not know the root link.
+  /// Throws InputError that names the joint for one that is unknown, repeated or without a position
+  /// to set, or that mimics one that is not named; and if TF does not know the root link.
   JointQuery(const std::vector<std::string>& names, const CollisionScene& scene,
-             const tf2::BufferCore& buffer, const std::string& frame, const ros::Time& stamp);
+             const JointQueryTf& tf);
 
   /// One position for each name. Throws InputError that names the joint for one that is not finite
   /// or at odds with the joint it mimics, or if there are too few or too many.
@@ -30,6 +38,9 @@ class JointQuery {
   /// Moving joints not named, left where TF has them; and those that TF does not know: at zero.
   const std::vector<std::string>& jointsFromTf() const { return joints_from_tf_; }
   const std::vector<std::string>& jointsAtZero() const { return joints_at_zero_; }
+  /// Why what is checked need not be what was asked for: joints at zero because nobody knows where
+  /// they are, poses from TF that are too old. With any of it, apart does not mean free.
+  const std::vector<std::string>& doubts() const { return doubts_; }
 
  private:
   /// Where a body's joint gets its position from.
@@ -43,6 +54,7 @@ class JointQuery {
   void readNames(const std::vector<std::string>& names);
   /// Follows mimics: the name that leads the joint, or none.
   Source leaderOf(int joint) const;
+  Source sourceOf(const Body& body, const JointQueryTf& tf, std::string& doubt);
   void refuseLoneMimics() const;
 
   const CollisionScene& scene_;
@@ -51,6 +63,7 @@ class JointQuery {
   std::vector<Source> sources_;     // one a body; that of the root holds its pose in the frame
   std::vector<std::string> joints_from_tf_;
   std::vector<std::string> joints_at_zero_;
+  std::vector<std::string> doubts_;
 };
 
 }  // namespace collision_pairs

@@ -146,7 +146,11 @@ NodeParameters NodeParameters::read(const ros::NodeHandle& private_node) {
   reader.number("max_hull_vertices", 0.0, 1e6, max_hull_vertices);
   parameters.scene.max_hull_vertices = static_cast<int>(max_hull_vertices);
   reader.number("rate", 0.1, MAX_RATE, parameters.rate);
-  reader.number("max_transform_age", 0.0, 1e9, parameters.max_transform_age);
+  reader.flag("verdict_only", parameters.check.verdict_only);
+  reader.flag("min_distance", parameters.check.min_distance);
+  reader.number("max_pose_age", 0.0, 1e9, parameters.pose_limits.max_pose_age);
+  reader.number("max_transform_age", 0.0, 1e9, parameters.pose_limits.max_transform_age);
+  reader.number("clock_tolerance", 0.0, 1e9, parameters.clock_tolerance);
   reader.flag("show_only_investigated_boxes", parameters.show_only_investigated_boxes);
   reader.word("fixed_frame", parameters.fixed_frame);
   std::string fidelity = fidelityName(parameters.check.fidelity);

@@ -7,6 +7,7 @@
 #include <ros/node_handle.h>
 
 #include "collision_pairs/collision_detector.h"
+#include "tf_poses.h"
 
 namespace collision_pairs {
 
@@ -23,8 +24,8 @@ std::vector<RobotParameters> readRobots(const ros::NodeHandle& private_node);
 struct NodeParameters {
   NodeParameters() { check.stage_times = true; }  // its messages carry them
 
-  /// ~alarm_distance [m], ~fidelity and ~time_budget [s]. The default is the core's. May change
-  /// while running.
+  /// ~alarm_distance [m], ~fidelity, ~time_budget [s], ~verdict_only and ~min_distance. The default
+  /// is the core's. May change while running.
   CheckSettings check;
   /// ~link_fidelity and ~max_hull_vertices; the rest is read with the robot (sceneConfigKeys).
   /// Every rung is prepared, because a request may ask for more than the node does.
@@ -36,9 +37,11 @@ struct NodeParameters {
   bool show_only_investigated_boxes = false;
   /// ~fixed_frame: the frame of the reports. Empty: the robot's root link.
   std::string fixed_frame;
-  /// ~max_transform_age [s]: a link whose newest transform is older than the newest of all links by
-  /// more than this is left out (and listed), instead of holding the others back.
-  double max_transform_age = 1.0;
+  /// ~max_pose_age [s] against now, 0: never too old; ~max_transform_age [s] against the newest of
+  /// all links. A link older than either is left out (and listed), and the verdict not FREE.
+  PoseLimits pose_limits;
+  /// ~clock_tolerance [s]: a transform further ahead of the clock is refused.
+  double clock_tolerance = 0.5;
 
   /// A value that cannot be used is named in an error on the log, and the default is taken and
   /// written back, so that the parameter server shows what is in force.

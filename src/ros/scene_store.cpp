@@ -20,12 +20,14 @@ namespace {
 constexpr std::size_t KEPT_RESTRICTIONS = 8;
 
 Eigen::Isometry3d lookUp(const tf2::BufferCore& buffer, const std::string& target,
-                         const std::string& source, const ros::Time& stamp) {
+                         const std::string& source, const ros::Time& stamp, double max_pose_age) {
   std::string why;
   try {
     Eigen::Isometry3d X;
-    if (toIsometry(buffer.lookupTransform(target, source, stamp).transform, X)) return X;
-    why = "it is not finite";
+    const auto found = buffer.lookupTransform(target, source, stamp);
+    if (stamp.isZero()) why = whyTooOld(found.header.stamp, ros::Time::now(), max_pose_age);
+    if (why.empty() && toIsometry(found.transform, X)) return X;
+    if (why.empty()) why = "it is not finite";
   } catch (const tf2::TransformException& error) {
     why = error.what();
   }
@@ -57,6 +59,7 @@ SceneStore::SceneStore(const ros::NodeHandle& private_node, const tf2::BufferCor
       tf_buffer_(tf_buffer),
       settings_(parameters.scene),
       fixed_frame_(withoutLeadingSlash(parameters.fixed_frame)),
+      max_pose_age_(parameters.pose_limits.max_pose_age),
       load_mesh_(makeMeshLoader()) {}
 
 ActiveScenePtr SceneStore::active() const {
@@ -106,7 +109,7 @@ std::vector<SceneObject> SceneStore::update(const std::vector<SceneChange>& chan
   const auto look_up = [&](const std::string& target, const std::string& source,
                            const ros::Time& stamp) {
     if (target != frame) requireLink(scene_->scene->robot(), target);
-    return lookUp(tf_buffer_, target, source, stamp);
+    return lookUp(tf_buffer_, target, source, stamp, max_pose_age_);
   };
   SceneObjects objects = changedObjects(objects_, changes, {frame, look_up, load_mesh_});
   replace(build(sources_, objects, {}));

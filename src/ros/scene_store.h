@@ -55,6 +55,7 @@ class SceneStore {
   const tf2::BufferCore& tf_buffer_;
   const SceneSettings settings_;
   const std::string fixed_frame_;
+  const double max_pose_age_;  // s: of the frames that objects are placed in
 
   std::mutex building_;  // guards all but scene_
   SceneCache cache_;

@@ -1,7 +1,7 @@
 #include "tf_poses.h"
 
 #include <algorithm>
-#include <cmath>
+#include <cstdio>
 
 #include <geometry_msgs/TransformStamped.h>
 #include <tf2/exceptions.h>
@@ -11,6 +11,24 @@
 namespace collision_pairs {
 
 using Eigen::Isometry3d;
+
+namespace {
+
+std::string formatted(double seconds) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.2f", seconds);
+  return text;
+}
+
+}  // namespace
+
+std::string whyTooOld(const ros::Time& stamp, const ros::Time& now, double max_pose_age) {
+  if (stamp.isZero() || max_pose_age == 0.0) return "";
+  const double age = (now - stamp).toSec();
+  if (age <= max_pose_age) return "";
+  return "its newest transform is " + formatted(age) + " s old, and max_pose_age is " +
+         formatted(max_pose_age) + " s";
+}
 
 TfPoses::TfPoses(const tf2::BufferCore& buffer, const CollisionScene& scene, std::string frame)
     : buffer_(buffer), frame_(std::move(frame)) {
@@ -32,8 +50,8 @@ bool TfPoses::isFrame(const std::vector<Source>& sources) const {
                      [&](const Source& source) { return source.link == frame_; });
 }
 
-TfPoses::Found TfPoses::lookUpLink(const Source& source, const ros::Time& stamp, bool expected,
-                                   std::string* problem) const {
+TfPoses::Found TfPoses::lookUpLink(const Source& source, const ros::Time& stamp,
+                                   bool expected) const {
   Found found;
   if (source.link == frame_) {  // where it is by definition, at any instant
     found.known = true;
@@ -56,65 +74,86 @@ TfPoses::Found TfPoses::lookUpLink(const Source& source, const ros::Time& stamp,
   } catch (const tf2::TransformException& exception) {
     error = exception.what();
   }
-  if (!found.known && problem->empty()) *problem = "link '" + source.link + "': " + error;
+  if (!found.known) found.problem = "link '" + source.link + "': " + error;
   return found;
 }
 
-TfPoses::Found TfPoses::lookUp(std::size_t body, const ros::Time& stamp,
-                               std::string* problem) const {
-  std::string why;
+TfPoses::Found TfPoses::lookUp(std::size_t body, const ros::Time& stamp) const {
+  std::string problem;
   bool expected = expected_[body];
   for (const Source& source : sources_[body]) {
-    const Found found = lookUpLink(source, stamp, expected, &why);
+    Found found = lookUpLink(source, stamp, expected);
     if (found.known) {
       expected_[body] = true;
       return found;
     }
+    if (problem.empty()) problem = std::move(found.problem);
     expected = false;
   }
   expected_[body] = false;
-  if (problem->empty()) *problem = why;
-  return {};
+  Found nothing;
+  nothing.problem = std::move(problem);
+  return nothing;
 }
 
-StampedPoses TfPoses::latest(double max_age) const {
+void TfPoses::leaveOut(std::size_t body, const std::string& why, Found& found) const {
+  found.known = false;
+  found.problem = "link '" + sources_[body].front().link + "': " + why;
+}
+
+StampedPoses TfPoses::latest(const ros::Time& now, const PoseLimits& limits) const {
   std::vector<Found> found(sources_.size());
-  std::string problem;
   ros::Time newest;
   for (std::size_t i = 0; i < found.size(); ++i) {
-    found[i] = lookUp(i, ros::Time(0), &problem);
-    if (found[i].known) newest = std::max(newest, found[i].stamp);
+    found[i] = lookUp(i, ros::Time(0));
+    if (!found[i].known) continue;
+    const std::string why = whyTooOld(found[i].stamp, now, limits.max_pose_age);
+    if (!why.empty()) {
+      leaveOut(i, why, found[i]);
+    } else {
+      newest = std::max(newest, found[i].stamp);
+    }
   }
   // Static transforms have the stamp 0 and are good at any instant.
   ros::Time common = newest;
-  for (const Found& body : found) {
-    if (!body.known || body.stamp.isZero()) continue;
-    if ((newest - body.stamp).toSec() <= max_age) common = std::min(common, body.stamp);
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    if (!found[i].known || found[i].stamp.isZero()) continue;
+    const double lag = (newest - found[i].stamp).toSec();
+    if (lag > limits.max_transform_age) {
+      leaveOut(i,
+               "its newest transform is " + formatted(lag) +
+                   " s older than the newest of all links, and max_transform_age is " +
+                   formatted(limits.max_transform_age) + " s",
+               found[i]);
+    } else {
+      common = std::min(common, found[i].stamp);
+    }
   }
   // Most robots publish all joints with one stamp: then that was all.
   for (std::size_t i = 0; i < found.size(); ++i) {
     const bool is_there = found[i].stamp.isZero() || found[i].stamp == common;
-    if (found[i].known && !is_there) found[i] = lookUp(i, common, &problem);
+    if (found[i].known && !is_there) found[i] = lookUp(i, common);
   }
-  return gather(found, common, std::move(problem));
+  return gather(std::move(found), common);
 }
 
 StampedPoses TfPoses::at(const ros::Time& stamp) const {
   std::vector<Found> found(sources_.size());
-  std::string problem;
-  for (std::size_t i = 0; i < found.size(); ++i) found[i] = lookUp(i, stamp, &problem);
-  return gather(found, stamp, std::move(problem));
+  for (std::size_t i = 0; i < found.size(); ++i) found[i] = lookUp(i, stamp);
+  return gather(std::move(found), stamp);
 }
 
-StampedPoses TfPoses::gather(const std::vector<Found>& found, const ros::Time& stamp,
-                             std::string problem) const {
+StampedPoses TfPoses::gather(std::vector<Found> found, const ros::Time& stamp) const {
   StampedPoses result;
   result.stamp = stamp;
-  result.problem = std::move(problem);
   result.poses.resize(found.size());
   for (std::size_t i = 0; i < found.size(); ++i) {
     result.poses.known[i] = found[i].known;
-    if (found[i].known) result.poses.X_WB[i] = found[i].X_WB;
+    if (found[i].known) {
+      result.poses.X_WB[i] = found[i].X_WB;
+    } else {
+      result.problems.push_back(std::move(found[i].problem));
+    }
     if (isFrame(sources_[i])) continue;
     ++result.nb_asked;
     if (found[i].known) ++result.nb_found;

@@ -20,9 +20,21 @@ struct StampedPoses {
   /// Bodies that TF was asked for (all but one that is the frame itself), and those that it knew.
   std::size_t nb_asked = 0;
   std::size_t nb_found = 0;
-  /// For the first body without a pose: why. Empty if all are known.
-  std::string problem;
+  /// For each body without a pose: its link, and why. Empty if all are known.
+  std::vector<std::string> problems;
 };
+
+/// How old a pose may be, in seconds.
+struct PoseLimits {
+  /// Against now, in ROS time; 0: never too old.
+  double max_pose_age = 1.0;
+  /// Against the newest pose of all links.
+  double max_transform_age = 1.0;
+};
+
+/// Why a pose of this stamp is too old at `now`; empty if it is not. A stamp of 0 is that of static
+/// transforms, which do not age.
+std::string whyTooOld(const ros::Time& stamp, const ros::Time& now, double max_pose_age);
 
 /// Reads a tf2 buffer; keeps no pose. What TF does not know is never identity: it stays unknown.
 class TfPoses {
@@ -31,8 +43,8 @@ class TfPoses {
   TfPoses(const tf2::BufferCore& buffer, const CollisionScene& scene, std::string frame);
 
   /// The newest instant for which all bodies are known, leaving out those that are older than the
-  /// newest by more than max_age [s].
-  StampedPoses latest(double max_age) const;
+  /// limits allow.
+  StampedPoses latest(const ros::Time& now, const PoseLimits& limits) const;
 
   /// At the given instant (0: of static transforms only).
   StampedPoses at(const ros::Time& stamp) const;
@@ -48,16 +60,16 @@ class TfPoses {
   struct Found {
     bool known = false;
     Eigen::Isometry3d X_WB;
-    ros::Time stamp;  ///< 0: of static transforms only, or the frame itself
+    ros::Time stamp;      ///< 0: of static transforms only, or the frame itself
+    std::string problem;  ///< why it is not known
   };
 
   bool isFrame(const std::vector<Source>& sources) const;
-  /// `stamp` 0: the newest. The first failure is written to `problem` if that is empty.
-  Found lookUp(std::size_t body, const ros::Time& stamp, std::string* problem) const;
-  Found lookUpLink(const Source& source, const ros::Time& stamp, bool expected,
-                   std::string* problem) const;
-  StampedPoses gather(const std::vector<Found>& found, const ros::Time& stamp,
-                      std::string problem) const;
+  /// `stamp` 0: the newest.
+  Found lookUp(std::size_t body, const ros::Time& stamp) const;
+  Found lookUpLink(const Source& source, const ros::Time& stamp, bool expected) const;
+  void leaveOut(std::size_t body, const std::string& why, Found& found) const;
+  StampedPoses gather(std::vector<Found> found, const ros::Time& stamp) const;
 
   const tf2::BufferCore& buffer_;
   std::string frame_;

@@ -36,12 +36,13 @@ void BagRecorder::write(const CollisionReport& report, const CollisionScene& sce
                         const CheckSettings& settings, const std::string& frame, StampNs stamp) {
   ros::Time time;
   time.fromNSec(static_cast<std::uint64_t>(stamp));
-  std_msgs::Bool verdict;
-  verdict.data = report.in_collision;
+  const CollisionPairs message = toMessage(report, scene, settings, frame, time, {});
+  std_msgs::Bool in_collision;
+  in_collision.data = message.in_collision;
   try {
-    bag_.write(NODE + "collision_pairs", time, toMessage(report, scene, settings, frame, time, {}));
-    bag_.write(NODE + "in_collision", time, verdict);
-    bag_.write(NODE + "markers", time, toMarkers(report, false, frame, time));
+    bag_.write(NODE + "collision_pairs", time, message);
+    bag_.write(NODE + "in_collision", time, in_collision);
+    bag_.write(NODE + "markers", time, toMarkers(message, &report, false));
   } catch (const rosbag::BagException& error) {
     throw InputError(path_ + ": " + error.what());
   }

@@ -36,7 +36,8 @@ void BagSummary::add(const BagRow& row) {
   }
   Bag& bag = bags_.back();
   ++bag.nb_rows;
-  if (row.inCollision()) ++bag.nb_in_contact;
+  if (row.verdict == Verdict::COLLISION) ++bag.nb_in_contact;
+  if (row.verdict == Verdict::UNKNOWN) ++bag.nb_unknown;
   if (row.min_distance && (!bag.closest || *row.min_distance < *bag.closest)) {
     bag.closest = row.min_distance;
     bag.closest_stamp = row.stamp;
@@ -57,10 +58,13 @@ void BagSummary::add(const BagRow& row) {
 void BagSummary::pass(Bag& bag, StampNs until) const {
   const double length = seconds(bag.last.stamp, until);
   if (length > max_gap_) return bag.gaps.push_back({bag.last.stamp, length});
-  if (bag.last.inCollision())
+  if (bag.last.verdict == Verdict::COLLISION) {
     bag.in_contact += length;
-  else if (!bag.last.pairs.empty())
+  } else if (bag.last.verdict == Verdict::UNKNOWN) {
+    bag.unknown += length;
+  } else if (!bag.last.pairs.empty()) {
     bag.in_alarm += length;
+  }
   for (const BagPair& pair : bag.last.pairs) {
     if (pair.in_contact) bag.pairs[pair.links].in_contact += length;
   }
@@ -76,6 +80,8 @@ void BagSummary::print(const Bag& bag, std::ostream& out) const {
       << formatted("%.3f s\n", offset(bag.last.stamp));
   out << formatted("  in contact    %9.3f s, %llu stamps\n", bag.in_contact,
                    static_cast<unsigned long long>(bag.nb_in_contact));
+  out << formatted("  unknown       %9.3f s, %llu stamps\n", bag.unknown,
+                   static_cast<unsigned long long>(bag.nb_unknown));
   out << formatted("  in alarm only %9.3f s\n", bag.in_alarm);
   if (bag.closest) {
     out << formatted("  closest       %+9.4f m at +%.3f s\n", *bag.closest,

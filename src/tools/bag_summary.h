@@ -34,8 +34,8 @@ class BagSummary {
     BagRow last;
     StampNs first_stamp = 0;
     std::uint64_t nb_rows = 0;
-    std::uint64_t nb_in_contact = 0;
-    double in_contact = 0.0, in_alarm = 0.0;  ///< seconds
+    std::uint64_t nb_in_contact = 0, nb_unknown = 0;
+    double in_contact = 0.0, unknown = 0.0, in_alarm = 0.0;  ///< seconds
     std::optional<double> closest;
     StampNs closest_stamp = 0;
     std::map<std::string, Approach> pairs;

@@ -24,7 +24,7 @@ struct Options {
   std::vector<std::string> bags;
   std::string urdf, srdf, record, shard_text;
   std::string fidelity = "mesh";
-  bool min_distance = false;
+  bool min_distance = false, verdict_only = false;
   SceneOptions scene;
   BagPosesOptions poses;
   BagOutputOptions output;
@@ -49,6 +49,8 @@ void declare(CLI::App& app, Options& options) {
       ->capture_default_str();
   app.add_flag("--min-distance", options.min_distance,
                "find the smallest distance also where it is beyond the alarm distance");
+  app.add_flag("--verdict-only", options.verdict_only,
+               "only free, collision or unknown: ends at the first contact, the only pair named");
   app.add_option("--max-gap", options.poses.max_gap, "nothing is assumed over longer gaps")
       ->type_name("SECONDS")
       ->capture_default_str();
@@ -88,6 +90,7 @@ void complete(Options& options) {
   options.settings.alarm_distance =
       finiteNumber(options.output.alarm_distance, 0.0, "--alarm-distance");
   options.settings.min_distance = options.min_distance;
+  options.settings.verdict_only = options.verdict_only;
   options.settings.stage_times = !options.record.empty();
   options.output.max_gap = finiteNumber(options.poses.max_gap, 1e-9, "--max-gap");
   options.shard = parseShard(options.shard_text);
@@ -112,6 +115,7 @@ BagRow toRow(const CollisionReport& report, const CollisionScene& scene) {
   if (!report.min_distance_is_bound) row.min_distance = report.min_distance;
   row.nb_pairs = report.candidates.size();
   for (const std::uint32_t model : report.left_out) row.left_out.push_back(name(model));
+  row.verdict = report.verdict;
   return row;
 }
 

@@ -24,7 +24,7 @@ struct Options {
   double alarm_distance = 0.0;
   double time_budget = 0.0;  // µs
   int max_hull_vertices = 0;
-  bool min_distance = false;
+  bool min_distance = false, verdict_only = false;
   unsigned threads = 0;
 };
 
@@ -50,6 +50,8 @@ void declare(CLI::App& app, Options& options) {
       ->type_name("COUNT")
       ->capture_default_str();
   app.add_flag("--min-distance", options.min_distance, "find the smallest signed distance");
+  app.add_flag("--verdict-only", options.verdict_only,
+               "only whether it collides: ends at the first contact, the only pair named");
   app.add_option("--threads", options.threads,
                  "0: as many as the machine has; the output is the same")
       ->capture_default_str();
@@ -69,6 +71,7 @@ CheckSettings settingsFrom(const Options& options) {
   }
   settings.time_budget = 1e-6 * options.time_budget;
   settings.min_distance = options.min_distance;
+  settings.verdict_only = options.verdict_only;
   settings.stage_times = true;
   return settings;
 }

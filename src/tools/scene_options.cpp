@@ -17,7 +17,11 @@ const std::vector<std::string>& parametersOfTheNodeOnly() {
                                                 "rate",
                                                 "robots",
                                                 "show_only_investigated_boxes",
+                                                "verdict_only",
+                                                "min_distance",
+                                                "max_pose_age",
                                                 "max_transform_age",
+                                                "clock_tolerance",
                                                 "fixed_frame"};
   return KEYS;
 }

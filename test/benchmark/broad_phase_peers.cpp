@@ -11,6 +11,7 @@
 #include <fcl/geometry/shape/box.h>
 
 #include "collision_pairs/sweep_and_prune.h"
+#include "column_sweep.h"
 #include "packed_brute_force.h"
 #include "plain_direct_sap.h"
 

@@ -64,10 +64,11 @@ Check ofMoveItLoop(const BenchmarkRobot& robot, const std::string& query) {
 
 Check ofCollisionPairs(const BenchmarkRobot& robot, const std::string& query) {
   const bool with_world = query == "world" || query == "world_distance";
-  const auto scene =
-      query == "world_distance"
-          ? CollisionScene::buildAgainstWorldOnly(robot.robot, robot.world)
-          : CollisionScene::build(robot.robot, robot.srdf, with_world ? robot.world : nullptr);
+  SceneDescription description;
+  description.robots.push_back({robot.robot, robot.srdf, ""});
+  if (with_world) description.world = robot.world;
+  description.check_self = query != "world_distance";
+  const auto scene = CollisionScene::build(description);
   const auto detector = std::make_shared<CollisionDetector>(scene);
   auto poses = std::make_shared<std::vector<BodyPoses>>(robot.states.size());
   for (std::size_t i = 0; i < robot.states.size(); ++i) {

@@ -1,12 +1,13 @@
 #!/usr/bin/python3
 """What the node costs beside a robot: CPU share, time of a cycle, and age of its reports.
 
-usage: node_load.py ROBOT.urdf [--srdf F] [--states STATES.csv] [--rate 100] [--seconds 20]
+usage: node_load.py ROBOT.urdf [--srdf F] [--states STATES.csv] [--rate 100] [--seconds 20] [--clients]
 
 Starts a roscore on a free port, robot_state_publisher, the node, and a publisher that walks smoothly
 through the rows of STATES.csv (all joints at zero without it) at the same rate. The age of a report
-is the time from its stamp, which is that of the transforms, to its arrival here. Run it in the
-environment of the built package (devel/setup.bash), with the meshes' packages on ROS_PACKAGE_PATH.
+is the time from its stamp, which is that of the transforms, to its arrival here. With --clients it
+measures in turns, quiet and beside a client that asks without pause: check_trajectory with 1,000
+states of STATES.csv a request, and then check_collisions with one. Run it in the environment of the built package (devel/setup.bash), with the meshes' packages on ROS_PACKAGE_PATH.
 """
 import argparse
 import csv
@@ -24,6 +25,7 @@ def arguments():
     parser.add_argument("--states")
     parser.add_argument("--rate", type=float, default=100.0)
     parser.add_argument("--seconds", type=float, default=20.0)
+    parser.add_argument("--clients", action="store_true")
     return parser.parse_args()
 
 
@@ -88,22 +90,60 @@ def measure(options, node_pid):
     rospy.Subscriber("/diagnostics", DiagnosticArray, on_diagnostics)
     rospy.Timer(rospy.Duration(1.0 / options.rate), on_timer)
     time.sleep(5)  # until everything is loaded and the caches are full
-    del ages[:], cycles[:], lookups[:]
-    cpu, start = cpu_seconds(node_pid), time.time()
-    time.sleep(options.seconds)
-    share = (cpu_seconds(node_pid) - cpu) / (time.time() - start)
-    print("reports           %.1f per second" % (len(ages) / options.seconds))
-    print("CPU share         %.1f %% of one core" % (100 * share))
-    print("cycle             median %.0f us, p99 %.0f us (look-ups of transforms: median %.0f us)" %
-          (1e6 * quantile(cycles, 0.5), 1e6 * quantile(cycles, 0.99), 1e6 * quantile(lookups, 0.5)))
-    print("age of a report   median %.1f ms, p99 %.1f ms" %
-          (1e3 * quantile(ages, 0.5), 1e3 * quantile(ages, 0.99)))
-    print("overruns          %s of %s cycles" % (health.get("overruns"), health.get("cycles")))
+    for client in ("quiet", "trajectories", "quiet", "checks", "quiet") if options.clients else ("quiet",):
+        process = None
+        if client != "quiet":
+            process = subprocess.Popen([sys.executable, __file__, options.urdf, "--states", options.states or ""],
+                                       env=dict(os.environ, NODE_LOAD_CLIENT=client))
+            time.sleep(2)
+        del ages[:], cycles[:], lookups[:]
+        overruns, nb_cycles = int(health.get("overruns", 0)), int(health.get("cycles", 0))
+        cpu, start = cpu_seconds(node_pid), time.time()
+        time.sleep(options.seconds)
+        share = (cpu_seconds(node_pid) - cpu) / (time.time() - start)
+        if process:
+            process.terminate()
+            process.wait()
+        print("%-12s      %.1f reports per second" % (client, len(ages) / options.seconds))
+        print("CPU share         %.1f %% of one core" % (100 * share))
+        print("cycle             median %.0f us, p99 %.0f us (look-ups of transforms: median %.0f us)" %
+              (1e6 * quantile(cycles, 0.5), 1e6 * quantile(cycles, 0.99), 1e6 * quantile(lookups, 0.5)))
+        print("age of a report   median %.1f ms, p99 %.1f ms" %
+              (1e3 * quantile(ages, 0.5), 1e3 * quantile(ages, 0.99)))
+        print("overruns          %d of %d cycles" % (int(health.get("overruns", 0)) - overruns,
+                                                     int(health.get("cycles", 0)) - nb_cycles))
     print("peak memory       %.0f MiB" % peak_memory_mib(node_pid))
+
+
+def ask_without_pause(kind, options):
+    """A client of its own process: until it is ended."""
+    import rospy
+    from collision_pairs.srv import CheckCollisions, CheckTrajectory
+    from sensor_msgs.msg import JointState
+    from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
+
+    rospy.init_node("node_load_" + kind)
+    names, rows = postures(options.states)
+    trajectory = JointTrajectory(joint_names=names, points=[
+        JointTrajectoryPoint(positions=rows[i % len(rows)]) for i in range(1000)])
+    if kind == "trajectories":
+        ask = rospy.ServiceProxy("collision_pairs_node/check_trajectory", CheckTrajectory, persistent=True)
+        request = dict(trajectory=trajectory)
+    else:
+        ask = rospy.ServiceProxy("collision_pairs_node/check_collisions", CheckCollisions, persistent=True)
+        request = dict(joint_state=JointState(name=names, position=rows[0]))
+    while not rospy.is_shutdown():
+        try:
+            reply = ask(**request)
+        except rospy.ServiceException:
+            return
+        assert reply.success, reply.message
 
 
 def main():
     options = arguments()
+    if "NODE_LOAD_CLIENT" in os.environ:
+        return ask_without_pause(os.environ["NODE_LOAD_CLIENT"], options)
     port = free_port()
     os.environ.update(ROS_MASTER_URI="http://localhost:%d" % port, ROS_HOSTNAME="localhost")
     started = []

@@ -21,6 +21,7 @@ class NodeClient:
         self._name = name
         self._lock = threading.Lock()
         self.reports, self.verdicts, self.marker_arrays = [], [], []
+        self.received = {}  # id of a message: when
         rospy.Subscriber(name + "/collision_pairs", CollisionPairs, self._keep(self.reports))
         rospy.Subscriber(name + "/in_collision", Bool, self._keep(self.verdicts))
         rospy.Subscriber(name + "/markers", MarkerArray, self._keep(self.marker_arrays))
@@ -30,6 +31,7 @@ class NodeClient:
     def _keep(self, where):
         def keep(message):
             with self._lock:
+                self.received[id(message)] = rospy.get_time()
                 where.append(message)
         return keep
 

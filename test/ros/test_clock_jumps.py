@@ -85,7 +85,26 @@ class ClockJumpsTest(unittest.TestCase):
             time.sleep(STEP)
         report = self.newest()
         self.assertEqual(sorted(report.left_out), ["a", "b", "c"])
-        self.assertFalse(report.in_collision)
+        self.assertEqual(report.verdict, CollisionPairs.UNKNOWN)
+
+    def test_a_clock_that_is_paused_does_not_age_the_poses_and_one_that_runs_on_does(self):
+        self.play(100.0, 101.0, 5.0)
+        self.assertEqual(self.newest().verdict, CollisionPairs.FREE)
+        time.sleep(2.0)
+        self.assertEqual(self.newest().verdict, CollisionPairs.FREE)
+        for i in range(75):  # without a transform
+            self.clock.publish(Clock(rospy.Time.from_sec(101.0 + STEP * i)))
+            time.sleep(STEP)
+        report = self.newest()
+        self.assertEqual(report.verdict, CollisionPairs.UNKNOWN)
+        self.assertIn("max_pose_age", " ".join(report.unknown_because))
+
+    def test_00_before_the_clock_runs_the_verdict_is_unknown(self):
+        """First by name: later there is a clock."""
+        time.sleep(1.0)
+        report = self.newest()
+        self.assertEqual(report.verdict, CollisionPairs.UNKNOWN)
+        self.assertIn("/clock", " ".join(report.unknown_because))
 
 
 if __name__ == "__main__":

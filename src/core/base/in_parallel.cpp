@@ -9,24 +9,33 @@
 
 namespace collision_pairs {
 
-void inParallel(std::size_t count, const std::function<void(std::size_t)>& work) {
+std::size_t nbThreads(unsigned wanted, std::size_t count) {
+  const unsigned threads = wanted > 0 ? wanted : std::max(1u, std::thread::hardware_concurrency());
+  return std::min<std::size_t>(threads, count);
+}
+
+void inParallel(std::size_t threads, std::size_t count,
+                const std::function<void(std::size_t, std::size_t)>& work) {
   std::atomic<std::size_t> next{0};
   std::mutex mutex;
   std::exception_ptr failure;
-  const auto take = [&] {
+  const auto take = [&](std::size_t thread) {
     try {
-      for (std::size_t i = next++; i < count; i = next++) work(i);
+      for (std::size_t i = next++; i < count; i = next++) work(thread, i);
     } catch (...) {
-      next = count;
+      next = count;  // the others end too
       const std::lock_guard<std::mutex> lock(mutex);
       if (!failure) failure = std::current_exception();
     }
   };
-  const std::size_t nb_threads =
-      std::min<std::size_t>(count, std::max(1u, std::thread::hardware_concurrency()));
   std::vector<std::thread> others;
-  for (std::size_t i = 1; i < nb_threads; ++i) others.emplace_back(take);
-  take();
+  try {
+    if (threads > 1) others.reserve(threads - 1);
+    for (std::size_t i = 1; i < threads && i < count; ++i) others.emplace_back(take, i);
+  } catch (const std::exception&) {
+    // Neither memory nor a thread to be had: those that run do its share.
+  }
+  take(0);
   for (std::thread& other : others) other.join();
   if (failure) std::rethrow_exception(failure);
 }

@@ -12,6 +12,24 @@
 
 namespace collision_pairs {
 
+/// How the work is done. None of it changes the pairs, only the time.
+struct SweepTuning {
+  /// Up to this many pairs of boxes are tested in double right away.
+  std::uint32_t direct_up_to = 60;
+  /// Up to this many moving boxes each is tested against each, packed, with nothing sorted:
+  /// for few boxes that is quicker than any order. It must be at most 2^29.
+  std::uint32_t packed_up_to = 160;
+  /// A sweep over more boxes than this is cut into columns first.
+  std::uint32_t column_size = 2048;
+  /// A sweep that would test a box against more than this many others on average is cut too.
+  std::uint32_t tests_per_box = 48;
+  /// The axis to sweep along: 0, 1, 2, or -1 to choose it from the boxes.
+  int axis = -1;
+  /// Threads that share the columns of one cycle. They are started for the cycle (and that
+  /// allocates), so more than one pays from about 20,000 moving boxes on.
+  int threads = 1;
+};
+
 /// One thread's sweeper, with its memory and its share of the pairs (in no order).
 class ColumnSweep {
  public:

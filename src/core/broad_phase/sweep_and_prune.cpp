@@ -1,14 +1,13 @@
 #include "collision_pairs/sweep_and_prune.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cstring>
 #include <limits>
 #include <stdexcept>
 #include <string>
-#include <thread>
 
 #include "column_sweep.h"
+#include "in_parallel.h"
 #include "pair_sort.h"
 #include "static_tree.h"
 
@@ -53,6 +52,7 @@ struct SweepAndPrune::Engine {
   std::vector<BoxPair> scratch;
 };
 
+SweepAndPrune::SweepAndPrune() : SweepAndPrune(SweepTuning()) {}
 SweepAndPrune::SweepAndPrune(const SweepTuning& tuning)
     : engine_(std::make_unique<Engine>(tuning)) {}
 SweepAndPrune::~SweepAndPrune() = default;
@@ -206,19 +206,12 @@ void SweepAndPrune::Engine::sweepColumns(const std::vector<Aabb>& boxes,
   }
 }
 
-// Threads take the next column that is left. Who sweeps which does not matter: the pairs are
-// sorted afterwards.
+// Who sweeps which column does not matter: the pairs are sorted afterwards.
 void SweepAndPrune::Engine::shareCells() {
-  std::atomic<std::uint32_t> next_cell{0};
-  const auto work = [&](ColumnSweep* sweeper) {
-    for (std::uint32_t cell = next_cell++; cell < columns.nbCells(); cell = next_cell++) {
-      sweeper->sweep(columns.cellBegin(cell), columns.cellSize(cell), axis, 1);
-    }
-  };
-  std::vector<std::thread> threads;
-  for (std::size_t i = 1; i < sweepers.size(); ++i) threads.emplace_back(work, sweepers[i].get());
-  work(sweepers[0].get());
-  for (std::thread& thread : threads) thread.join();
+  inParallel(sweepers.size(), columns.nbCells(), [this](std::size_t thread, std::size_t cell) {
+    const auto id = static_cast<std::uint32_t>(cell);
+    sweepers[thread]->sweep(columns.cellBegin(id), columns.cellSize(id), axis, 1);
+  });
 }
 
 Spread SweepAndPrune::Engine::spreadOf(const std::vector<Aabb>& boxes) const {

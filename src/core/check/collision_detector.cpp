@@ -57,17 +57,6 @@ CollisionDetector::~CollisionDetector() = default;
 CollisionDetector::CollisionDetector(CollisionDetector&&) noexcept = default;
 CollisionDetector& CollisionDetector::operator=(CollisionDetector&&) noexcept = default;
 
-void CollisionDetector::setScene(std::shared_ptr<const CollisionScene> scene) {
-  scene_ = std::move(scene);
-  X_WE_.clear();
-}
-
-void CollisionDetector::reset() {
-  std::function<double()> clock = std::move(clock_);
-  *this = CollisionDetector(std::move(scene_));
-  clock_ = std::move(clock);
-}
-
 void CollisionDetector::setClock(std::function<double()> clock) { clock_ = std::move(clock); }
 
 const CollisionReport& CollisionDetector::detect(const BodyPoses& poses,
@@ -93,8 +82,12 @@ void CollisionDetector::addCollisionPair(std::uint32_t model_a, std::uint32_t mo
 }
 
 const CollisionReport& CollisionDetector::endNarrowPhase() {
+  if (!only_added_pairs_)
+    throw InputError("endNarrowPhase() without a beginNarrowPhase() before it");
   std::sort(added_pairs_.begin(), added_pairs_.end());
-  return run(begun_poses_);
+  run(begun_poses_);
+  only_added_pairs_ = false;
+  return report_;
 }
 
 void CollisionDetector::checkInput(const BodyPoses& poses, const CheckSettings& settings) const {
@@ -194,12 +187,9 @@ void CollisionDetector::sweep(double reach, std::vector<BoxPair>& candidates) {
 void CollisionDetector::findFirstContact() {
   for (const BoxPair& candidate : report_.candidates) {
     const BoxPair pair = ladder_->byModel(candidate);
-    if (!ladder_->touches(pair, settings_.fidelity)) continue;
-    PairDistance contact;
-    contact.distance = 0.0;
-    contact.certainty = Certainty::BOUND;
-    found_->add(*scene_, pair, contact, ladder_->rungOf(pair, settings_.fidelity));
-    return;
+    const auto [found, rung] = ladder_->touches(pair, settings_.fidelity);
+    take(pair, found, rung);
+    if (found.certainty == Certainty::BOUND) return;
   }
 }
 
@@ -232,7 +222,7 @@ void CollisionDetector::take(const BoxPair& pair, const PairDistance& found, Fid
 // The sweep at a reach that grows until it holds the nearest pair: what it does not hold is
 // further than the reach. Pairs are taken by the gap of their boxes, so that most end at once.
 void CollisionDetector::searchMinimum(const Deadline& deadline) {
-  double best = found_->minDistance();
+  SmallestDistance best = found_->smallestDistance();
   Aabb moving = noBox();
   for (std::size_t i = scene_->nbStaticElements(); i < report_.boxes.size(); ++i) {
     if (report_.boxes[i].valid()) moving = enclosing(moving, report_.boxes[i]);
@@ -247,8 +237,9 @@ void CollisionDetector::searchMinimum(const Deadline& deadline) {
   double known = settings_.alarm_distance;  // nothing nearer than this is still unknown
   double measured = -1.0;  // pairs of boxes no further apart than this are done with
   bool in_time = true;
-  for (double reach = std::max({2.0 * known, first_reach, 1e-300}); best > known && known < extent;
-       reach = std::min({4.0 * reach, best, MAX_REACH})) {
+  for (double reach = std::max({2.0 * known, first_reach, 1e-300});
+       best.metres > known && known < extent;
+       reach = std::min({4.0 * reach, best.metres, MAX_REACH})) {
     in_time = !deadline.spent();
     if (!in_time) break;
     sweep(reach, reached_);
@@ -257,12 +248,14 @@ void CollisionDetector::searchMinimum(const Deadline& deadline) {
     known = measured = reach;
   }
   report_.budget_spent |= !in_time;
-  report_.min_distance = in_time ? best : std::min(best, known);
-  report_.min_distance_is_bound = report_.min_distance == INF || (!in_time && known < best);
+  if (!in_time && known < best.metres) best = {known, true};
+  report_.min_distance = best.metres;
+  report_.min_distance_is_bound = best.is_bound;
 }
 
 bool CollisionDetector::measureNearestFirst(const std::vector<BoxPair>& pairs, double measured,
-                                            const Deadline& deadline, double& best, double& known) {
+                                            const Deadline& deadline, SmallestDistance& best,
+                                            double& known) {
   by_gap_.clear();
   for (const BoxPair& pair : pairs) {
     const double gap = squaredGap(report_.boxes[pair.first], report_.boxes[pair.second]);
@@ -270,13 +263,14 @@ bool CollisionDetector::measureNearestFirst(const std::vector<BoxPair>& pairs, d
   }
   std::sort(by_gap_.begin(), by_gap_.end());
   for (const auto& [squared_gap, pair] : by_gap_) {
-    if (squared_gap > std::max(best, 0.0) * best) break;
+    if (squared_gap > std::max(best.metres, 0.0) * best.metres) break;
     if (deadline.spent()) {
       known = std::max(known, std::sqrt(squared_gap));
       return false;
     }
-    const auto found = ladder_->climb(ladder_->byModel(pair), settings_.fidelity, best).found;
-    best = std::min(best, found.distance);
+    const auto found =
+        ladder_->climb(ladder_->byModel(pair), settings_.fidelity, best.metres).found;
+    if (found.certainty != Certainty::BEYOND) best.offer(found.distance, found.certainty);
   }
   return true;
 }

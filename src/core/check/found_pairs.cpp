@@ -1,7 +1,6 @@
 #include "found_pairs.h"
 
 #include <algorithm>
-#include <limits>
 #include <numeric>
 #include <tuple>
 
@@ -27,10 +26,14 @@ void mergeInto(PairReport& pair, const PairReport& other) {
   pair.fidelity = other.fidelity;
 }
 
-// A lower bound that is positive shows that the two are apart.
-bool mayTouch(const PairReport& pair) {
-  return pair.state == PairState::CONTACT ||
-         (pair.state == PairState::UNRESOLVED && pair.distance <= 0.0);
+Verdict verdictOf(const CollisionReport& report) {
+  Verdict verdict = report.left_out.empty() ? Verdict::FREE : Verdict::UNKNOWN;
+  for (const PairReport& pair : report.pairs) {
+    if (pair.state == PairState::CONTACT) return Verdict::COLLISION;
+    // A lower bound that is positive shows that the two are apart.
+    if (pair.mayTouch()) verdict = Verdict::UNKNOWN;
+  }
+  return verdict;
 }
 
 }  // namespace
@@ -55,10 +58,10 @@ void FoundPairs::add(const CollisionScene& scene, const BoxPair& pair, const Pai
   contacts_.push_back({found.p_ACa, found.p_ACb, found.nhat_AB_A, -found.distance, pair});
 }
 
-double FoundPairs::minDistance() const {
-  double least = std::numeric_limits<double>::infinity();
-  for (const PairReport& pair : pairs_) least = std::min(least, pair.distance);
-  return least;
+SmallestDistance FoundPairs::smallestDistance() const {
+  SmallestDistance smallest;
+  for (const PairReport& pair : pairs_) smallest.offer(pair.distance, pair.certainty);
+  return smallest;
 }
 
 void FoundPairs::sortByModels() {
@@ -87,13 +90,15 @@ void FoundPairs::assemble(bool with_contacts, CollisionReport& report) {
     }
     if (with_contacts) report.contacts.push_back(contacts_[i]);
   }
-  report.in_collision = std::any_of(pairs.begin(), pairs.end(), &mayTouch);
+  report.verdict = verdictOf(report);
+  report.in_collision = report.verdict != Verdict::FREE;
+  SmallestDistance smallest{report.min_distance, report.min_distance_is_bound};
   for (PairReport& pair : pairs) {
     if (!with_contacts) pair.nb_contacts = 0;
-    if (pair.distance > report.min_distance) continue;
-    report.min_distance = pair.distance;
-    report.min_distance_is_bound = pair.certainty == Certainty::UNFINISHED;
+    smallest.offer(pair.distance, pair.certainty);
   }
+  report.min_distance = smallest.metres;
+  report.min_distance_is_bound = smallest.is_bound;
 }
 
 }  // namespace collision_pairs

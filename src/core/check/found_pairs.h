@@ -2,12 +2,26 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "collision_pairs/collision_report.h"
 #include "collision_pairs/collision_scene.h"
 
 namespace collision_pairs {
+
+/// The smallest of the distances that were offered.
+struct SmallestDistance {
+  double metres = std::numeric_limits<double>::infinity();
+  bool is_bound = true;  ///< none that is known has it: the smallest is no less
+
+  void offer(double distance, Certainty certainty) {
+    const bool bound = certainty == Certainty::UNFINISHED || certainty == Certainty::DEGRADED;
+    if (distance > metres || (distance == metres && bound)) return;
+    metres = distance;
+    is_bound = bound;
+  }
+};
 
 /// Collects what a check found, in any order, and puts it into the report, sorted.
 class FoundPairs {
@@ -18,11 +32,10 @@ class FoundPairs {
   void add(const CollisionScene& scene, const BoxPair& pair, const PairDistance& found,
            Fidelity rung);
 
-  /// Metres; infinite if nothing was found.
-  double minDistance() const;
+  SmallestDistance smallestDistance() const;
 
-  /// Fills in pairs, contacts (if they are wanted) and in_collision, and lowers min_distance to
-  /// what was found. O(n log n).
+  /// Fills in pairs, contacts (if they are wanted) and the verdict, and lowers min_distance to what
+  /// was found. left_out must be there already. O(n log n).
   void assemble(bool with_contacts, CollisionReport& report);
 
  private:

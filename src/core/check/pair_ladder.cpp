@@ -79,17 +79,28 @@ PairLadder::Answer PairLadder::climb(const BoxPair& pair, Fidelity top, double m
   return answer;
 }
 
-bool PairLadder::touches(const BoxPair& pair, Fidelity top) {
+PairLadder::Answer PairLadder::touches(const BoxPair& pair, Fidelity top) {
   top = rungOf(pair, top);
-  if (top != Fidelity::MESH) return climb(pair, top, 0.0).found.touches();
+  const std::uint64_t degraded_before = narrow_phase_.numDegraded();
+  PairDistance found;
+  found.certainty = Certainty::BEYOND;
+  if (!meets(pair, top)) return {found, top};
+  const bool degraded = narrow_phase_.numDegraded() > degraded_before;
+  found.certainty = degraded ? Certainty::DEGRADED : Certainty::BOUND;
+  found.distance = 0.0;
+  return {found, top};
+}
+
+bool PairLadder::meets(const BoxPair& pair, Fidelity rung) {
+  if (rung != Fidelity::MESH) return climb(pair, rung, 0.0).found.touches();
   const Isometry3d X_AB = relativePose(pair);
   if (turnedBoxGap(pair, X_AB) > 0.0) return false;
   if (scene_->padding(pair.first, pair.second) > 0.0) {
-    return measureAt(pair, X_AB, top, 0.0).found.touches();
+    return measureAt(pair, X_AB, rung, 0.0).found.touches();
   }
   const auto& elements = scene_->elements();
-  return narrow_phase_.touches(*elements[pair.first].rung(top).shape,
-                               *elements[pair.second].rung(top).shape, X_AB);
+  return narrow_phase_.touches(*elements[pair.first].rung(rung).shape,
+                               *elements[pair.second].rung(rung).shape, X_AB);
 }
 
 PairLadder::Answer PairLadder::measureAt(const BoxPair& pair, const Isometry3d& X_AB, Fidelity rung,

@@ -33,8 +33,9 @@ class PairLadder {
   /// costs tens of nanoseconds, one of hulls about a microsecond, one of meshes up to a hundred.
   Answer climb(const BoxPair& pair, Fidelity top, double max_distance);
 
-  /// Do the two meet at rung `top`?
-  bool touches(const BoxPair& pair, Fidelity top);
+  /// Only whether the two meet at rung `top`, which is less work than climb(): BOUND at distance 0
+  /// if they do, BEYOND if they do not, DEGRADED if neither could be shown.
+  Answer touches(const BoxPair& pair, Fidelity top);
 
   /// Lower bounds of the signed distance, marked UNFINISHED, or BEYOND where further apart than
   /// max_distance: of the axis-aligned boxes, about 10 ns; of them and the boxes along each
@@ -55,6 +56,8 @@ class PairLadder {
   Answer measureAt(const BoxPair& pair, const Eigen::Isometry3d& X_AB, Fidelity rung,
                    double max_distance);
   Answer measureBoxes(const BoxPair& pair) const;
+  /// True where it cannot be shown that they do not.
+  bool meets(const BoxPair& pair, Fidelity rung);
   /// A lower bound of the distance of the two turned boxes, less the padding; 0 or less does not
   /// mean that they meet.
   double turnedBoxGap(const BoxPair& pair, const Eigen::Isometry3d& X_AB) const;

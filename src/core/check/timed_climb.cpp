@@ -63,17 +63,8 @@ PairLadder::Answer TimedClimb::step(const Result& open, Round round) {
   if (round == Round::HULLS && ladder_->needsTriangles(open.pair, settings_->fidelity)) {
     return ladder_->boundOfHulls(open.pair, open.answer, reach);
   }
-  if (settings_->verdict_only) return verdict(open.pair);
+  if (settings_->verdict_only) return ladder_->touches(open.pair, settings_->fidelity);
   return ladder_->climb(open.pair, settings_->fidelity, reach);
-}
-
-PairLadder::Answer TimedClimb::verdict(const BoxPair& pair) {
-  PairLadder::Answer answer;
-  answer.rung = ladder_->rungOf(pair, settings_->fidelity);
-  answer.found.distance = 0.0;
-  const bool touches = ladder_->touches(pair, settings_->fidelity);
-  answer.found.certainty = touches ? Certainty::BOUND : Certainty::BEYOND;
-  return answer;
 }
 
 void TimedClimb::sortOut(const Result& result) {

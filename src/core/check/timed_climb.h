@@ -35,7 +35,6 @@ class TimedClimb {
   void boundByBoxes(const std::vector<BoxPair>& candidates, const Deadline& deadline);
   void climb(Round round, const Deadline& deadline);
   PairLadder::Answer step(const Result& open, Round round);
-  PairLadder::Answer verdict(const BoxPair& pair);
   void sortOut(const Result& result);
 
   const CheckSettings* settings_ = nullptr;

@@ -11,6 +11,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include "box_gap.h"
 #include "cube_cells.h"
 #include "furthest_point.h"
 
@@ -46,6 +47,11 @@ struct ConvexCore {
   /// Curved cores have no last vertex for GJK and EPA to end on.
   bool curved() const { return kind == Kind::CYLINDER; }
 };
+
+/// The box around it along its own axes.
+inline OrientedBox boxAround(const ConvexCore& core) {
+  return {Eigen::Matrix3d::Identity(), core.center, core.half.array() + core.radius};
+}
 
 template <class T>
 using Vec3 = Eigen::Matrix<T, 3, 1>;

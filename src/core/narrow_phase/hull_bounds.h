@@ -3,7 +3,6 @@
 
 #include <Eigen/Geometry>
 
-#include "collision_pairs/narrow_phase.h"
 #include "convex_distance.h"
 #include "prepared_shape.h"
 

@@ -15,14 +15,12 @@
 #include "collision_pairs/narrow_phase.h"
 
 #include <cmath>
-#include <exception>
 
 #include "closed_forms.h"
+#include "containment.h"
 #include "convex_distance.h"
 #include "hull_bounds.h"
-#include "mesh_insides.h"
 #include "mesh_query.h"
-#include "replay.h"
 #include "surface_contact.h"
 
 namespace collision_pairs {
@@ -83,23 +81,23 @@ struct NarrowPhase::Scratch {
   MeshQuery query;
   SurfaceContact contacts;
   std::uint64_t num_degraded = 0;
-  DegradedSink sink;
   MeshContacts mesh_contacts = MeshContacts::OWN_TREE;
 
   // FCL's "no" is taken; its "yes" is confirmed on the triangles that it names, because its
   // triangle test has no axis for some that are degenerate. Where it throws, our own tree answers.
-  bool surfacesTouch(const PreparedMesh& A, const PreparedMesh& B, const Isometry3d& X_AB) {
+  bool surfacesTouch(const Prepared& A, const Prepared& B, const Isometry3d& X_AB) {
     FclAnswer answer;
-    if (mesh_contacts == MeshContacts::FCL) answer = fclSurfacesMeet(A.fcl(), B.fcl(), X_AB);
+    if (mesh_contacts == MeshContacts::FCL)
+      answer = fclSurfacesMeet(A.fclMesh(), B.fclMesh(), X_AB);
     if (answer.settled && !answer.meet) return false;
     if (answer.settled && answer.triangle_a >= 0 && answer.triangle_b >= 0) {
       ClosestPoints best{1e-300};
-      Triangle t = triangleOf(*B.triangles, static_cast<std::uint32_t>(answer.triangle_b));
+      Triangle t = triangleOf(*B.mesh->triangles, static_cast<std::uint32_t>(answer.triangle_b));
       t = Triangle(X_AB * t.v[0], X_AB * t.v[1], X_AB * t.v[2]);
       const auto index = static_cast<std::uint32_t>(answer.triangle_a);
-      if (improveByTriangles(triangleOf(*A.triangles, index), t, best)) return true;
+      if (improveByTriangles(triangleOf(*A.mesh->triangles, index), t, best)) return true;
     }
-    return contacts.surfacesMeet(A, B, X_AB);
+    return contacts.surfacesMeet(*A.mesh, *B.mesh, X_AB);
   }
 
   bool touches(const Prepared& A, const Prepared& B, const Isometry3d& X_AB, PairDistance& result) {
@@ -109,13 +107,12 @@ struct NarrowPhase::Scratch {
     const Isometry3d X_BA = X_AB.inverse(Eigen::Isometry);
     if (A.mesh && B.mesh) {
       if (squaredBoxGap(A.box, B.box.movedBy(X_AB)) > 0.0) return false;
-      return surfacesTouch(*A.mesh, *B.mesh, X_AB) || meshHoldsMesh(A, B, X_AB) ||
-             meshHoldsMesh(B, A, X_BA);
+      return surfacesTouch(A, B, X_AB) || meshHoldsMesh(A, B, X_AB) || meshHoldsMesh(B, A, X_BA);
     }
     const Prepared& M = A.mesh ? A : B;
     const Prepared& C = A.mesh ? B : A;
     const Isometry3d& X_MC = A.mesh ? X_AB : X_BA;
-    return !query.meshConvex(*M.mesh, C, X_MC, 0.0).beyond || meshHoldsConvex(M, C, X_MC);
+    return !query.meshConvex(*M.mesh, C.core, X_MC, 0.0).beyond || meshHoldsConvex(M, C, X_MC);
   }
 
   // The shortest translation that separates the hulls: an upper bound of the depth.
@@ -195,12 +192,12 @@ struct NarrowPhase::Scratch {
   PairDistance meshConvex(const Prepared& A, const Prepared& B, const Isometry3d& X_AB,
                           double max_distance, const HullBounds& bounds) {
     const bool hulls_meet = bounds.outcome == HullBounds::Outcome::OPEN;
-    if (hulls_meet && !query.meshConvex(*A.mesh, B, X_AB, 0.0).beyond) {
+    if (hulls_meet && !query.meshConvex(*A.mesh, B.core, X_AB, 0.0).beyond) {
       return hullDepth(A, B, X_AB, bounds.overlap);
     }
     const SurfaceGap gap = hulls_meet && max_distance == 0.0
                                ? noContact()
-                               : query.meshConvex(*A.mesh, B, X_AB, max_distance);
+                               : query.meshConvex(*A.mesh, B.core, X_AB, max_distance);
     const bool apart = gap.beyond || gap.distance > 0.0;
     if (!apart || (hulls_meet && meshHoldsConvex(A, B, X_AB))) {
       return hullDepth(A, B, X_AB, bounds.overlap);
@@ -236,16 +233,6 @@ struct NarrowPhase::Scratch {
     const Isometry3d X_BA = X_AB.inverse(Eigen::Isometry);
     return exchanged(meshConvex(B, A, X_BA, max_distance, bounds), X_AB);
   }
-
-  void report(const Prepared& A, const Prepared& B, const Isometry3d& X_AB, double max_distance) {
-    ++num_degraded;
-    if (!sink) return;
-    try {
-      sink(writeReplay({A.shape(), B.shape(), X_AB, max_distance}));
-    } catch (const std::exception&) {
-      return;  // a report that fails must not cost the answer
-    }
-  }
 };
 
 namespace {
@@ -279,7 +266,7 @@ bool NarrowPhase::touches(const PreparedShape& A, const PreparedShape& B, const 
   PairDistance detail;
   detail = mendPose(X) ? detail : worstCase(a, b);
   const bool answer = detail.certainty == Certainty::DEGRADED || scratch_->touches(a, b, X, detail);
-  if (detail.certainty == Certainty::DEGRADED) scratch_->report(a, b, X_AB, 0.0);
+  if (detail.certainty == Certainty::DEGRADED) ++scratch_->num_degraded;
   return answer;
 }
 
@@ -290,14 +277,12 @@ PairDistance NarrowPhase::distance(const PreparedShape& A, const PreparedShape& 
   Isometry3d X = X_AB;
   const PairDistance result =
       mendPose(X) ? scratch_->distance(a, b, X, max_distance) : worstCase(a, b);
-  if (result.certainty == Certainty::DEGRADED) scratch_->report(a, b, X_AB, max_distance);
+  if (result.certainty == Certainty::DEGRADED) ++scratch_->num_degraded;
   return result;
 }
 
 void NarrowPhase::setMeshContacts(MeshContacts who) { scratch_->mesh_contacts = who; }
 
 std::uint64_t NarrowPhase::numDegraded() const { return scratch_->num_degraded; }
-
-void NarrowPhase::onDegraded(DegradedSink sink) { scratch_->sink = std::move(sink); }
 
 }  // namespace collision_pairs

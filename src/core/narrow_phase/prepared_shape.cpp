@@ -95,15 +95,14 @@ struct MakeCore {
 
 }  // namespace
 
-const FclMesh& PreparedMesh::fcl() const {
-  std::call_once(fcl_is_built_, [this] { fcl_ = FclMesh(*triangles); });
-  return fcl_;
-}
-
 Prepared::Prepared(const Shape& the_shape) : PreparedShape(the_shape) {
   core = std::visit(MakeCore{hull, mesh}, the_shape);
-  box.center = core.center;
-  box.half = core.half.array() + core.radius;
+  box = boxAround(core);
+}
+
+const FclMesh& Prepared::fclMesh() const {
+  std::call_once(fcl_is_built_, [this] { fcl_ = FclMesh(*mesh->triangles); });
+  return fcl_;
 }
 
 }  // namespace collision_pairs

@@ -8,25 +8,9 @@
 #include "convex_core.h"
 #include "convex_hull.h"
 #include "fcl_backend.h"
-#include "triangle_tree.h"
-#include "winding_number.h"
+#include "prepared_mesh.h"
 
 namespace collision_pairs {
-
-/// A mesh that is not convex, ready for queries.
-struct PreparedMesh {
-  std::shared_ptr<const TriangleMesh> triangles;
-  TriangleTree tree;
-  WindingNumber solid;                       ///< the parts that enclose space
-  std::vector<Eigen::Vector3d> part_points;  ///< a point of each part
-
-  /// FCL's tree, built when it is first asked for: most never are.
-  const FclMesh& fcl() const;
-
- private:
-  mutable std::once_flag fcl_is_built_;
-  mutable FclMesh fcl_;
-};
 
 /// Every shape but the half-space has a convex core: itself, or of a mesh its hull. A mesh that is
 /// convex is nothing but its hull, and `mesh` is null.
@@ -38,6 +22,13 @@ struct Prepared : PreparedShape {
   ConvexHull hull;  ///< what `core` points into, for Convex and Mesh
   OrientedBox box;  ///< around the shape, rounding included
   std::unique_ptr<const PreparedMesh> mesh;
+
+  /// FCL's tree of the mesh, built when it is first asked for: most never are.
+  const FclMesh& fclMesh() const;
+
+ private:
+  mutable std::once_flag fcl_is_built_;
+  mutable FclMesh fcl_;
 };
 
 }  // namespace collision_pairs

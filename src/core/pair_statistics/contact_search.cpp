@@ -4,8 +4,9 @@
 #include <cmath>
 #include <limits>
 #include <mutex>
+#include <optional>
 
-#include "on_threads.h"
+#include "in_parallel.h"
 #include "pair_probe.h"
 
 namespace collision_pairs {
@@ -102,17 +103,17 @@ void searchContacts(const std::shared_ptr<const CollisionScene>& scene, const Jo
                     const SearchSettings& settings, std::vector<PairEvidence>& pairs) {
   std::mutex mutex;
   std::uint64_t done = 0;
-  onThreads(settings.threads, pairs.size(), [&]() {
-    return [&, search = Search(scene, sampler)](std::uint64_t i) mutable {
-      PairEvidence& pair = pairs[i];
-      const bool touches = pair.contacts > 0 || pair.touches_at_zero;
-      if (!pair.adjacent && !pair.rigid && !touches) {
-        search.run(sampler.stream(settings.first_free_state + i), settings.searches, pair);
-      }
-      const std::lock_guard<std::mutex> lock(mutex);
-      ++done;
-      if (settings.progress) settings.progress(done);
-    };
+  std::vector<std::optional<Search>> searches(nbThreads(settings.threads, pairs.size()));
+  inParallel(searches.size(), pairs.size(), [&](std::size_t thread, std::size_t i) {
+    if (!searches[thread]) searches[thread].emplace(scene, sampler);
+    PairEvidence& pair = pairs[i];
+    const bool touches = pair.contacts > 0 || pair.touches_at_zero;
+    if (!pair.adjacent && !pair.rigid && !touches) {
+      searches[thread]->run(sampler.stream(settings.first_free_state + i), settings.searches, pair);
+    }
+    const std::lock_guard<std::mutex> lock(mutex);
+    ++done;
+    if (settings.progress) settings.progress(done);
   });
 }
 

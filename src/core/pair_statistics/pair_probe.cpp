@@ -44,7 +44,7 @@ bool PairProbe::touches(std::uint32_t first, std::uint32_t second) {
   const auto& models = scene_->models();
   forEachElementPair(models[first], models[second], [&](const BoxPair& pair) {
     found = squaredGap(boxes_[pair.first], boxes_[pair.second]) <= 0.0 &&
-            ladder_.touches(pair, Fidelity::MESH);
+            ladder_.touches(pair, Fidelity::MESH).found.touches();
     return found;
   });
   return found;

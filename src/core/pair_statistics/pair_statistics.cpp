@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <mutex>
+#include <optional>
 #include <set>
 
-#include "on_threads.h"
+#include "in_parallel.h"
 #include "pair_probe.h"
 
 namespace collision_pairs {
@@ -106,17 +107,17 @@ std::vector<PairEvidence> countContacts(const std::shared_ptr<const CollisionSce
   const std::uint64_t nb_blocks = settings.samples / BLOCK + (settings.samples % BLOCK > 0);
   std::uint64_t done = 0;
   std::mutex mutex;
-  onThreads(settings.threads, nb_blocks, [&]() {
-    return [&, probe = PairProbe(scene), block = start](std::uint64_t number) mutable {
-      const std::uint64_t begin = number * BLOCK;
-      const std::uint64_t end = begin + std::min(BLOCK, settings.samples - begin);
-      block = start;
-      countBlock(begin, end, sampler, probe, block);
-      const std::lock_guard<std::mutex> lock(mutex);
-      merge(block, all);
-      done += end - begin;
-      if (settings.progress) settings.progress(done);
-    };
+  std::vector<std::optional<PairProbe>> probes(nbThreads(settings.threads, nb_blocks));
+  inParallel(probes.size(), nb_blocks, [&](std::size_t thread, std::size_t number) {
+    if (!probes[thread]) probes[thread].emplace(scene);
+    const std::uint64_t begin = number * BLOCK;
+    const std::uint64_t end = begin + std::min(BLOCK, settings.samples - begin);
+    std::vector<PairEvidence> block = start;
+    countBlock(begin, end, sampler, *probes[thread], block);
+    const std::lock_guard<std::mutex> lock(mutex);
+    merge(block, all);
+    done += end - begin;
+    if (settings.progress) settings.progress(done);
   });
   return all;
 }

@@ -207,17 +207,6 @@ std::shared_ptr<const CollisionScene> CollisionScene::build(std::shared_ptr<cons
   return build(description);
 }
 
-std::shared_ptr<const CollisionScene> CollisionScene::buildAgainstWorldOnly(
-    std::shared_ptr<const RobotModel> robot, std::shared_ptr<const RobotModel> world,
-    const SceneSettings& settings) {
-  SceneDescription description;
-  description.robots.push_back({std::move(robot), std::nullopt, ""});
-  description.world = std::move(world);
-  description.settings = settings;
-  description.check_self = false;
-  return build(description);
-}
-
 void CollisionScene::gatherPoses(const std::vector<Eigen::Isometry3d>& X_RB,
                                  BodyPoses& poses) const {
   poses.resize(bodies_.size());

@@ -105,7 +105,7 @@ void ElementMaker::prepare(const std::vector<std::pair<const Shape*, Fidelity>>&
   }
   std::atomic<std::size_t> done{0};
   try {
-    inParallel(open.size(), [&](std::size_t i) {
+    inParallel(nbThreads(0, open.size()), open.size(), [&](std::size_t, std::size_t i) {
       const auto& [shape, needed, element] = open[i];
       *element = makeElement(*shape, needed, max_hull_vertices_);
       const std::size_t now_done = ++done;

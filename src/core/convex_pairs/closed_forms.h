@@ -1,7 +1,7 @@
 // Pairs of shapes whose signed distance is a formula, accurate to a few units in the last place.
 #pragma once
 
-#include "collision_pairs/narrow_phase.h"
+#include "collision_pairs/pair_distance.h"
 #include "convex_core.h"
 
 namespace collision_pairs {

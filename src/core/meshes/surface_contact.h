@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "prepared_shape.h"
+#include "prepared_mesh.h"
 
 namespace collision_pairs {
 

@@ -18,9 +18,10 @@ namespace collision_pairs {
 /// 1. At every edge as many sides run one way as the other, repeated triangles counted and opposed
 ///    ones cancelled: it is closed and oriented consistently, and taken as it is.
 /// 2. It is nearly so: next to its triangles it winds a whole number of times, to 0.02 turns in the
-///    mean. That is so if less than about 4 % of its area is missing. Taken as it is.
-/// 3. Its triangles enclose something, whichever way they face: their outer faces are taken, those
-///    with no hole to the same 4 %. Walls within and flaps without are left out.
+///    mean. That is so if less than 3 to 5 % of its area is missing, by its shape. Taken as it is.
+/// 3. Its triangles enclose something, to the same measure or exactly, whichever way they face:
+/// their
+///    outer faces are taken. Walls within and flaps without are left out.
 /// 4. Together with what touches it at vertices, or with all that is left of the mesh, it is nearly
 ///    closed as it stands: edges match in parts only, or vertices nearly meet.
 /// Else it is an open sheet, which encloses nothing.

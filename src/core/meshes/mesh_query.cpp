@@ -130,10 +130,11 @@ SurfaceGap MeshQuery::meshMesh(const PreparedMesh& A, const PreparedMesh& B, con
   return gap;
 }
 
-SurfaceGap MeshQuery::meshConvex(const PreparedMesh& A, const Prepared& B, const Isometry3d& X_AB,
+SurfaceGap MeshQuery::meshConvex(const PreparedMesh& A, const ConvexCore& B, const Isometry3d& X_AB,
                                  double max_distance) {
-  const OrientedBox box_a = A.tree.box(0), box_b = B.box.movedBy(X_AB);
-  const double meet = meetDistance(box_a, B.box, X_AB);
+  const OrientedBox own_box_b = boxAround(B);
+  const OrientedBox box_a = A.tree.box(0), box_b = own_box_b.movedBy(X_AB);
+  const double meet = meetDistance(box_a, own_box_b, X_AB);
   SurfaceGap gap;
   gap.distance = std::sqrt(squaredBoxGap(box_a, box_b));
   if (gap.distance > max_distance) return gap;
@@ -148,12 +149,12 @@ SurfaceGap MeshQuery::meshConvex(const PreparedMesh& A, const Prepared& B, const
     if (entry.squared_gap > square(gap.distance)) continue;
     const TriangleTree::Node& a = A.tree.node(entry.a);
     if (a.isLeaf()) {
-      improveByConvex(triangleOf(*A.triangles, a.children), B.core, X_AB, gap, a.children);
+      improveByConvex(triangleOf(*A.triangles, a.children), B, X_AB, gap, a.children);
       if (!gap.beyond && gap.distance <= meet) break;
       continue;
     }
     if (by_patches && a.isPatch() &&
-        comparePatch(A, entry.a, B.core, X_AB, gap) == PatchOutcome::SETTLED) {
+        comparePatch(A, entry.a, B, X_AB, gap) == PatchOutcome::SETTLED) {
       continue;
     }
     const FourGaps gaps = squaredBoxGaps(A.tree.childBoxes(a), box_b);

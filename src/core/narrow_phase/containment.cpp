@@ -1,4 +1,4 @@
-#include "mesh_insides.h"
+#include "containment.h"
 
 #include <algorithm>
 

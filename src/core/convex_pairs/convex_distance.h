@@ -1,7 +1,7 @@
 // Signed distance of two convex shapes: GJK where their cores are apart, EPA where they overlap.
 #pragma once
 
-#include "collision_pairs/narrow_phase.h"
+#include "collision_pairs/pair_distance.h"
 #include "simplex.h"
 
 namespace collision_pairs {

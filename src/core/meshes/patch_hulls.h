@@ -3,7 +3,7 @@
 
 #include <limits>
 
-#include "prepared_shape.h"
+#include "prepared_mesh.h"
 #include "triangle_distance.h"
 
 namespace collision_pairs {

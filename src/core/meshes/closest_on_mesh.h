@@ -3,7 +3,7 @@
 
 #include <Eigen/Core>
 
-#include "prepared_shape.h"
+#include "prepared_mesh.h"
 
 namespace collision_pairs {
 

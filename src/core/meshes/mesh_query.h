@@ -19,7 +19,7 @@ class MeshQuery {
                       double max_distance, const Eigen::Vector3d* nhat_AB_A = nullptr);
 
   /// Distance of the surface of mesh A and the solid B. Stops at the first triangle that meets B.
-  SurfaceGap meshConvex(const PreparedMesh& A, const Prepared& B, const Eigen::Isometry3d& X_AB,
+  SurfaceGap meshConvex(const PreparedMesh& A, const ConvexCore& B, const Eigen::Isometry3d& X_AB,
                         double max_distance);
 
  private:

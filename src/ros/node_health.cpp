@@ -1,0 +1,76 @@
+#include "node_health.h"
+
+#include <algorithm>
+
+namespace collision_pairs {
+namespace {
+
+std::string joined(const std::vector<std::string>& words, const std::string& separator) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : separator) + word;
+  return text;
+}
+
+}  // namespace
+
+void NodeHealth::noteCycle(const CollisionPairs& message, double pose_age, double cycle_time,
+                           double cycle_period, std::size_t nb_models) {
+  problem_.clear();
+  pose_age_ = pose_age;
+  cycle_time_ = cycle_time;
+  nb_models_ = nb_models;
+  nb_unresolved_ = static_cast<std::size_t>(
+      std::count_if(message.pairs.begin(), message.pairs.end(),
+                    [](const CollisionPair& p) { return p.state == CollisionPair::UNRESOLVED; }));
+  last_ = message;
+  last_.pairs.clear();
+  ++cycles_;
+  if (message.budget_spent) ++out_of_time_;
+  if (cycle_time > cycle_period) ++overruns_;
+}
+
+void NodeHealth::noteProblem(const std::string& problem) {
+  problem_ = problem;
+  last_ = CollisionPairs();
+  nb_unresolved_ = 0;
+}
+
+void NodeHealth::noteTransforms(std::vector<std::string> refused, unsigned nb_clock_jumps) {
+  refused_ = std::move(refused);
+  nb_clock_jumps_ = nb_clock_jumps;
+}
+
+void NodeHealth::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) const {
+  using diagnostic_msgs::DiagnosticStatus;
+  if (!problem_.empty()) {
+    status.summary(DiagnosticStatus::ERROR, "not checking: " + problem_);
+  } else {
+    status.summary(DiagnosticStatus::OK, "checking");
+  }
+  if (problem_.empty() && last_.verdict == CollisionPairs::UNKNOWN) {
+    status.mergeSummary(DiagnosticStatus::WARN,
+                        "the verdict is UNKNOWN: " + joined(last_.unknown_because, "; "));
+  }
+  if (!last_.left_out.empty()) status.mergeSummary(DiagnosticStatus::WARN, "links are left out");
+  if (nb_unresolved_ > 0) status.mergeSummary(DiagnosticStatus::WARN, "unresolved pairs");
+  if (!refused_.empty()) status.mergeSummary(DiagnosticStatus::WARN, "transforms are refused");
+  if (problem_.empty() && nb_models_ == 0) {
+    status.mergeSummary(DiagnosticStatus::WARN, "there is no pair to check");
+  }
+  static const char* const VERDICTS[] = {"FREE", "COLLISION", "UNKNOWN"};
+  status.add("verdict", problem_.empty() ? VERDICTS[last_.verdict] : "UNKNOWN");
+  status.add("transform age [s]", pose_age_);
+  status.add("cycle time [s]", cycle_time_);
+  status.add("cycles", cycles_);
+  status.add("overruns", overruns_);
+  status.add("cycles out of time", out_of_time_);
+  status.add("times the clock went back", nb_clock_jumps_);
+  status.add("links left out", joined(last_.left_out, " "));
+  status.add("transforms refused", joined(refused_, "; "));
+  status.add("nb_boxes", last_.nb_boxes);
+  status.add("nb_pairs", last_.nb_pairs);
+  status.add("degraded pairs", last_.nb_degraded);
+  status.add("unresolved pairs", nb_unresolved_);
+}
+
+}  // namespace collision_pairs

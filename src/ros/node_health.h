@@ -1,0 +1,35 @@
+// The health of the node, for /diagnostics: of the check itself, not its verdict.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <collision_pairs/CollisionPairs.h>
+#include <diagnostic_updater/diagnostic_updater.h>
+
+namespace collision_pairs {
+
+/// For the cycle's thread alone.
+class NodeHealth {
+ public:
+  /// A cycle that checked something. Ages and times in seconds.
+  void noteCycle(const CollisionPairs& message, double pose_age, double cycle_time,
+                 double cycle_period, std::size_t nb_models);
+  /// A cycle that could not: there is no scene, or something failed.
+  void noteProblem(const std::string& problem);
+  void noteTransforms(std::vector<std::string> refused, unsigned nb_clock_jumps);
+
+  void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) const;
+
+ private:
+  std::string problem_ = "no cycle yet";
+  double pose_age_ = 0.0, cycle_time_ = 0.0;
+  CollisionPairs last_;  // without its pairs
+  std::size_t nb_models_ = 0, nb_unresolved_ = 0;
+  std::uint64_t cycles_ = 0, overruns_ = 0, out_of_time_ = 0;
+  std::vector<std::string> refused_;
+  unsigned nb_clock_jumps_ = 0;
+};
+
+}  // namespace collision_pairs

@@ -1,0 +1,58 @@
+#include "report_publisher.h"
+
+#include <utility>
+
+#include <std_msgs/Bool.h>
+#include <visualization_msgs/MarkerArray.h>
+
+#include "markers.h"
+#include "scene_markers.h"
+
+namespace collision_pairs {
+namespace {
+
+// s that rviz has to learn the frames: it would mark what comes before as an error, and never again
+// look at it.
+constexpr double SUBSCRIBER_WARM_UP = 1.0;
+
+}  // namespace
+
+ReportPublisher::ReportPublisher(const ros::NodeHandle& private_node,
+                                 std::function<void(std::shared_ptr<const void>)> release)
+    : release_(std::move(release)) {
+  ros::NodeHandle node(private_node);
+  pairs_ = node.advertise<CollisionPairs>("collision_pairs", 1);
+  in_collision_ = node.advertise<std_msgs::Bool>("in_collision", 1);
+  markers_ = node.advertise<visualization_msgs::MarkerArray>("markers", 1);
+  scene_markers_ = node.advertise<visualization_msgs::MarkerArray>(
+      "scene_markers", 1, [this](const ros::SingleSubscriberPublisher&) {
+        release_(std::exchange(shown_scene_, nullptr));
+        show_scene_from_ = ros::SteadyTime::now() + ros::WallDuration(SUBSCRIBER_WARM_UP);
+      });
+}
+
+void ReportPublisher::publish(const CollisionPairs& message) {
+  pairs_.publish(message);
+  std_msgs::Bool in_collision;
+  in_collision.data = message.in_collision;
+  in_collision_.publish(in_collision);
+}
+
+void ReportPublisher::publishMarkers(const CollisionPairs& message, const CollisionReport* report,
+                                     bool only_investigated) {
+  if (markers_.getNumSubscribers() == 0) return;
+  markers_.publish(toMarkers(message, report, only_investigated));
+}
+
+void ReportPublisher::publishScene(const ActiveScenePtr& scene, Fidelity fidelity,
+                                   std::size_t nb_known) {
+  if (shown_scene_ == scene && shown_fidelity_ == fidelity && nb_known <= nb_shown_) return;
+  if (scene_markers_.getNumSubscribers() == 0) return;
+  if (ros::SteadyTime::now() < show_scene_from_) return;
+  release_(std::exchange(shown_scene_, scene));
+  shown_fidelity_ = fidelity;
+  nb_shown_ = nb_known;
+  scene_markers_.publish(toSceneMarkers(*scene->scene, fidelity, scene->frame));
+}
+
+}  // namespace collision_pairs

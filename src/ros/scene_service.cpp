@@ -1,0 +1,101 @@
+#include "scene_service.h"
+
+#include <exception>
+#include <functional>
+#include <utility>
+
+#include <boost/make_shared.hpp>
+#include <ros/console.h>
+
+#include "low_priority.h"
+
+namespace collision_pairs {
+namespace {
+
+const ros::WallDuration LOAD_PERIOD(2.0);  // between attempts to find a robot_description
+
+class Task : public ros::CallbackInterface {
+ public:
+  explicit Task(std::function<void()> task) : task_(std::move(task)) {}
+  CallResult call() override {
+    lowerThreadPriority();
+    task_();
+    return Success;
+  }
+
+ private:
+  std::function<void()> task_;
+};
+
+}  // namespace
+
+SceneService::SceneService(const ros::NodeHandle& private_node, SceneStore& scenes)
+    : scenes_(scenes), spinner_(1, &queue_) {
+  ros::NodeHandle node(private_node);
+  node.setCallbackQueue(&queue_);
+  update_server_ = node.advertiseService("update_scene", &SceneService::onUpdate, this);
+  reset_server_ = node.advertiseService("reset", &SceneService::onReset, this);
+  spinner_.start();
+}
+
+std::string SceneService::loadFirst() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const ros::SteadyTime now = ros::SteadyTime::now();
+  if (!is_loading_ && now >= next_load_) {
+    is_loading_ = true;
+    next_load_ = now + LOAD_PERIOD;
+    queue_.addCallback(boost::make_shared<Task>([this] { load(); }));
+  }
+  if (!is_loading_) return problem_;
+  return "the robot is being loaded" +
+         (problem_.empty() ? std::string() : "; the last attempt failed: " + problem_);
+}
+
+void SceneService::load() {
+  std::string problem;
+  try {
+    if (!scenes_.active()) scenes_.load();
+  } catch (const std::exception& error) {
+    problem = error.what();
+  }
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (!problem.empty() && problem != problem_) ROS_ERROR_STREAM(problem);
+  is_loading_ = false;
+  problem_ = problem;
+}
+
+void SceneService::release(std::shared_ptr<const void> what) {
+  if (!what) return;
+  queue_.addCallback(
+      boost::make_shared<Task>([what = std::move(what)]() mutable { what.reset(); }));
+}
+
+bool SceneService::onUpdate(UpdateScene::Request& request, UpdateScene::Response& response) {
+  lowerThreadPriority();
+  try {
+    response.objects = scenes_.update(request.changes);
+    response.success = true;
+  } catch (const std::exception& error) {
+    response.success = false;
+    response.message = error.what();
+    response.objects = scenes_.list();
+  }
+  return true;  // false would hide the message from the caller
+}
+
+bool SceneService::onReset(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
+  lowerThreadPriority();
+  try {
+    scenes_.load();
+    response.success = true;
+    response.message = "the robot was read again";
+  } catch (const std::exception& error) {
+    response.success = false;
+    response.message =
+        std::string(scenes_.active() ? "the old scene stays: " : "there is no scene: ") +
+        error.what();
+  }
+  return true;
+}
+
+}  // namespace collision_pairs

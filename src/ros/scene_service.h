@@ -1,0 +1,49 @@
+// The services update_scene and reset, and the first scene.
+#pragma once
+
+#include <memory>
+#include <mutex>
+#include <string>
+
+#include <collision_pairs/UpdateScene.h>
+#include <ros/callback_queue.h>
+#include <ros/node_handle.h>
+#include <ros/service_server.h>
+#include <ros/spinner.h>
+#include <std_srvs/Trigger.h>
+
+#include "scene_store.h"
+
+namespace collision_pairs {
+
+/// Builds every scene of the cycle on a thread of its own and of low priority: a large mesh that is
+/// prepared does not hold up the cycle, nor queries but the first with a restriction. What is wrong
+/// with a request is said in its reply.
+class SceneService {
+ public:
+  SceneService(const ros::NodeHandle& private_node, SceneStore& scenes);
+
+  /// To be called once a cycle while there is no scene. Has one loaded, and where that fails tries
+  /// again every two seconds. Returns why there is none yet.
+  std::string loadFirst();
+
+  /// Lets go of it on the service's thread: to free a large scene takes longer than a cycle may.
+  void release(std::shared_ptr<const void> what);
+
+ private:
+  void load();
+  bool onUpdate(UpdateScene::Request& request, UpdateScene::Response& response);
+  bool onReset(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
+
+  SceneStore& scenes_;
+  std::mutex mutex_;  // guards what follows
+  bool is_loading_ = false;
+  std::string problem_;
+  ros::SteadyTime next_load_;
+
+  ros::CallbackQueue queue_;
+  ros::ServiceServer update_server_, reset_server_;
+  ros::AsyncSpinner spinner_;  // last: stops before what it calls into goes
+};
+
+}  // namespace collision_pairs

@@ -1,0 +1,27 @@
+// One check of where TF has the robot, as the cycle and check_collisions report it.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <collision_pairs/CollisionPairs.h>
+
+#include "active_scene.h"
+#include "collision_pairs/collision_detector.h"
+#include "transform_input.h"
+
+namespace collision_pairs {
+
+/// Why bodies have no pose, and what of TF is refused at present: what keeps a report of these
+/// poses from being FREE. Empty if all are known.
+std::vector<std::string> doubtsOf(const StampedPoses& stamped, const TransformInput& transforms);
+
+/// Checks the poses with `detector`, which is of the same scene. Stamped with the instant of the
+/// poses, or with `now` where nothing that is known ever moves: what only static transforms
+/// describe is as good now as ever. With a doubt the verdict is not FREE. `transform_time`: s that
+/// the poses took.
+CollisionPairs checkPoses(const ActiveScene& scene, const StampedPoses& stamped,
+                          const std::vector<std::string>& doubts, const CheckSettings& settings,
+                          const ros::Time& now, double transform_time, CollisionDetector& detector);
+
+}  // namespace collision_pairs

@@ -1,0 +1,41 @@
+// The service check_trajectory.
+#pragma once
+
+#include <functional>
+#include <memory>
+
+#include <collision_pairs/CheckTrajectory.h>
+#include <ros/callback_queue.h>
+#include <ros/node_handle.h>
+#include <ros/service_server.h>
+#include <ros/spinner.h>
+#include <tf2/buffer_core.h>
+
+#include "collision_pairs/batch_check.h"
+#include "query_defaults.h"
+
+namespace collision_pairs {
+
+/// Many joint states of one request, on all cores, but on threads of low priority: a client that
+/// asks without pause leaves the cycle and check_collisions their time.
+class TrajectoryService {
+ public:
+  /// `defaults` is called from the service's thread; the references must outlive this object.
+  TrajectoryService(const ros::NodeHandle& private_node, const tf2::BufferCore& tf_buffer,
+                    SceneStore& scenes, std::function<QueryDefaults()> defaults);
+
+ private:
+  bool onCheck(CheckTrajectory::Request& request, CheckTrajectory::Response& response);
+  /// Throws InputError that names the point and the joint.
+  void check(const CheckTrajectory::Request& request, CheckTrajectory::Response& response);
+
+  const tf2::BufferCore& tf_buffer_;
+  SceneStore& scenes_;
+  std::function<QueryDefaults()> defaults_;
+  std::unique_ptr<BatchCheck> batch_;
+  ros::CallbackQueue queue_;
+  ros::ServiceServer server_;
+  ros::AsyncSpinner spinner_;  // last: stops before what it calls into goes
+};
+
+}  // namespace collision_pairs

@@ -1,0 +1,189 @@
+// What reaches the tf2 buffer, and how old a pose may be. Without a master.
+#include <cmath>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "collision_pairs/collision_scene.h"
+#include "tf_poses.h"
+#include "transform_input.h"
+
+namespace collision_pairs {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::UnorderedElementsAre;
+
+constexpr double TOLERANCE = 0.5;  // s
+
+tf2_msgs::TFMessage linkAt(const std::string& child, const ros::Time& stamp, double x) {
+  tf2_msgs::TFMessage message;
+  message.transforms.resize(1);
+  auto& transform = message.transforms[0];
+  transform.header.stamp = stamp;
+  transform.header.frame_id = "root";
+  transform.child_frame_id = child;
+  transform.transform.translation.x = x;
+  transform.transform.rotation.w = 1.0;
+  return message;
+}
+
+class Transforms : public testing::Test {
+ protected:
+  void SetUp() override { ros::Time::init(); }
+
+  void receive(const std::string& child, double stamp, double x) {
+    input_.take(linkAt(child, ros::Time(stamp), x), false, now_);
+  }
+  double newestOf(const std::string& child) const {
+    return input_.buffer().lookupTransform("root", child, ros::Time(0)).transform.translation.x;
+  }
+  bool knows(const std::string& child) const {
+    return input_.buffer().canTransform("root", child, ros::Time(0));
+  }
+
+  TransformInput input_{TOLERANCE};
+  ros::Time now_{1000.0};
+};
+
+TEST_F(Transforms, FromTheFutureAreRefusedAndNeverDisplaceAPresentOne) {
+  receive("a", 999.9, 1.0);
+  for (int i = 0; i < 100; ++i) receive("a", 4600.0 + 0.01 * i, 2.0);
+  EXPECT_EQ(newestOf("a"), 1.0);
+  EXPECT_THAT(input_.refused(), ElementsAre(HasSubstr("'a': its stamp is 36")));
+  receive("a", 999.95, 3.0);
+  EXPECT_EQ(newestOf("a"), 3.0);
+  EXPECT_THAT(input_.refused(), IsEmpty());
+}
+
+TEST_F(Transforms, AheadWithinTheToleranceAreTaken) {
+  receive("at", 1000.0 + TOLERANCE, 1.0);
+  receive("beyond", 1000.0 + TOLERANCE + 1e-3, 1.0);
+  EXPECT_TRUE(knows("at"));
+  EXPECT_FALSE(knows("beyond"));
+}
+
+TEST_F(Transforms, WithoutAStampAreRefusedUnlessStatic) {
+  receive("a", 0.0, 1.0);
+  EXPECT_FALSE(knows("a"));
+  EXPECT_THAT(input_.refused(), ElementsAre(HasSubstr("stamp is zero")));
+  input_.take(linkAt("a", ros::Time(0), 1.0), true, now_);
+  EXPECT_TRUE(knows("a"));
+}
+
+TEST_F(Transforms, ThatAreNotFiniteOrNotRotationsAreRefused) {
+  const double nan = std::nan("");
+  for (const double w : {nan, 0.0, 2.0}) {
+    auto message = linkAt("a", now_, 1.0);
+    message.transforms[0].transform.rotation.w = w;
+    input_.take(message, false, now_);
+  }
+  receive("a", 1000.0, HUGE_VAL);
+  EXPECT_FALSE(knows("a"));
+  EXPECT_THAT(input_.refused(), ElementsAre(HasSubstr("'a': it is not finite")));
+}
+
+TEST_F(Transforms, OfOneMessageTheSoundOnesAreTaken) {
+  auto message = linkAt("a", ros::Time(0), 1.0);
+  message.transforms.push_back(linkAt("b", now_, 1.0).transforms[0]);
+  input_.take(message, false, now_);
+  EXPECT_FALSE(knows("a"));
+  EXPECT_TRUE(knows("b"));
+}
+
+TEST_F(Transforms, OlderThanTheBufferKeepsAreNamed) {
+  receive("a", 1000.0, 1.0);
+  receive("a", 900.0, 2.0);
+  EXPECT_EQ(newestOf("a"), 1.0);
+  EXPECT_THAT(input_.refused(), ElementsAre(HasSubstr("tf2 refuses it")));
+}
+
+TEST_F(Transforms, BeforeTheClockRunsAreRefusedUnlessStatic) {
+  now_ = ros::Time(0);
+  receive("a", 1000.0, 1.0);
+  EXPECT_FALSE(knows("a"));
+  input_.take(linkAt("b", ros::Time(5), 1.0), true, now_);
+  EXPECT_TRUE(knows("b"));
+}
+
+TEST_F(Transforms, AreForgottenWhenTheClockGoesBackButForStaticOnes) {
+  input_.take(linkAt("fixed", ros::Time(0), 1.0), true, now_);
+  receive("a", 1000.0, 1.0);
+  input_.followClock(ros::Time(1000.5));
+  EXPECT_TRUE(knows("a"));
+  input_.followClock(ros::Time(500.0));
+  EXPECT_FALSE(knows("a"));
+  EXPECT_TRUE(knows("fixed"));
+  EXPECT_EQ(input_.nbClockJumps(), 1u);
+}
+
+/// A sphere on a joint for each of "a" and "b", and one fixed to the root.
+class Ages : public Transforms {
+ protected:
+  static std::shared_ptr<const CollisionScene> twoLinks() {
+    std::string urdf = "<robot name='r'>";
+    for (const char* link : {"root", "a", "b"}) {
+      urdf += std::string("<link name='") + link +
+              "'><collision><geometry><sphere radius='0.1'/></geometry></collision></link>";
+    }
+    for (const char* link : {"a", "b"}) {
+      urdf += std::string("<joint name='to_") + link +
+              "' type='floating'><parent link='root'/><child link='" + link + "'/></joint>";
+    }
+    const auto robot = RobotModel::fromUrdf(urdf + "</robot>", {});
+    Srdf none;
+    return CollisionScene::build(robot, none, nullptr);
+  }
+  StampedPoses latest(double max_pose_age, double max_transform_age) const {
+    return poses_.latest(now_, {max_pose_age, max_transform_age});
+  }
+
+  std::shared_ptr<const CollisionScene> scene_ = twoLinks();
+  TfPoses poses_{input_.buffer(), *scene_, "root"};
+};
+
+TEST_F(Ages, AreCountedAgainstNow) {
+  receive("a", 999.0, 1.0);
+  receive("b", 999.0, 2.0);
+  EXPECT_THAT(latest(1.0, 1.0).problems, IsEmpty());
+  now_ += ros::Duration(1e-3);
+  EXPECT_THAT(latest(1.0, 1.0).problems,
+              ElementsAre(HasSubstr("'a': its newest transform is 1.00 s old"), HasSubstr("'b'")));
+  EXPECT_THAT(latest(1.0, 1.0).poses.known, UnorderedElementsAre(1, 0, 0));
+}
+
+TEST_F(Ages, AreNoMatterAtZero) {
+  receive("a", 999.0, 1.0);
+  receive("b", 999.0, 2.0);
+  now_ = ros::Time(99999.0);
+  EXPECT_THAT(latest(0.0, 1.0).problems, IsEmpty());
+}
+
+TEST_F(Ages, AreCountedAgainstTheNewestToo) {
+  receive("a", 1000.0, 1.0);
+  receive("b", 998.0, 2.0);
+  EXPECT_THAT(latest(0.0, 1.5).problems,
+              ElementsAre(HasSubstr("'b': its newest transform is 2.00 s older")));
+  EXPECT_THAT(latest(0.0, 2.0).problems, ElementsAre(HasSubstr("'a'")))
+      << "a's only transform is of another instant";
+}
+
+TEST_F(Ages, OfOneLinkDoNotHoldTheOthersBack) {
+  for (const double stamp : {998.0, 999.0, 1000.0}) receive("a", stamp, stamp);
+  receive("b", 998.0, 2.0);
+  const StampedPoses found = latest(1.0, 5.0);
+  EXPECT_EQ(found.stamp, ros::Time(1000.0));
+  EXPECT_THAT(found.problems, ElementsAre(HasSubstr("'b'")));
+}
+
+TEST_F(Ages, DoNotApplyToStaticTransforms) {
+  input_.take(linkAt("a", ros::Time(1.0), 1.0), true, now_);
+  input_.take(linkAt("b", ros::Time(1.0), 1.0), true, now_);
+  EXPECT_THAT(latest(1.0, 1.0).problems, IsEmpty());
+  EXPECT_TRUE(latest(1.0, 1.0).stamp.isZero());
+}
+
+}  // namespace
+}  // namespace collision_pairs

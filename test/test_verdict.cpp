@@ -1,0 +1,178 @@
+// FREE is never said of what was not checked: random robots, poses and faults of TF, beside an
+// oracle that knows what was published and has plain spheres.
+#include <cmath>
+#include <cstdio>
+#include <map>
+#include <random>
+#include <set>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tf_check.h"
+
+namespace collision_pairs {
+namespace {
+
+constexpr double RADIUS = 0.5;
+constexpr double TOLERANCE = 0.5;  // s: clock
+const PoseLimits LIMITS;           // the defaults
+
+using LinkPair = std::pair<std::string, std::string>;
+
+/// What a link was published at, where that was sound: seconds to x.
+using History = std::map<double, double>;
+
+/// x at a time within the history, by straight lines between what was published.
+double at(const History& history, double time) {
+  const auto after = history.lower_bound(time);
+  if (after->first == time || after == history.begin()) return after->second;
+  const auto before = std::prev(after);
+  const double part = (time - before->first) / (after->first - before->first);
+  return before->second + part * (after->second - before->second);
+}
+
+class Faults {
+ public:
+  explicit Faults(unsigned seed) : random_(seed) {
+    const int nb_links = 2 + static_cast<int>(random_() % 4);
+    std::string urdf = "<robot name='r'><link name='root'/>";
+    Srdf srdf;
+    for (int i = 0; i < nb_links; ++i) {
+      links_.push_back(std::string(1, static_cast<char>('a' + i)));
+      urdf += "<link name='" + links_[i] + "'><collision><geometry><sphere radius='" +
+              std::to_string(RADIUS) + "'/></geometry></collision></link><joint name='j" +
+              links_[i] + "' type='floating'><parent link='root'/><child link='" + links_[i] +
+              "'/></joint>";
+      for (int j = 0; j < i; ++j) {
+        if (random_() % 4 == 0) {
+          srdf.disabled_pairs.emplace_back(links_[j], links_[i]);
+        } else {
+          required_.insert({links_[j], links_[i]});
+        }
+      }
+      x_[links_[i]] = 2.0 * i;
+    }
+    scene_.scene = CollisionScene::build(RobotModel::fromUrdf(urdf + "</robot>", {}), srdf, nullptr);
+    faulty_ = links_[random_() % links_.size()];
+    fault_ = static_cast<int>(random_() % 8);
+    scene_.frame = "root";
+    scene_.tf_poses = std::make_unique<TfPoses>(transforms_.buffer(), *scene_.scene, "root");
+    detector_ = std::make_unique<CollisionDetector>(scene_.scene);
+  }
+
+  /// A fiftieth of a second: links move, publish or fail to; the next report.
+  CollisionPairs step() {
+    now_ += 0.02;
+    if (random_() % 40 == 0) faulty_ = links_[random_() % links_.size()];
+    if (random_() % 40 == 0) fault_ = static_cast<int>(random_() % 8);
+    if (random_() % 200 == 0) silent_steps_ = static_cast<int>(random_() % 150);
+    for (const std::string& link : links_) {
+      x_[link] += std::uniform_real_distribution<double>(-0.1, 0.1)(random_);
+      if (silent_steps_ == 0) publish(link, link == faulty_ ? fault_ : 0);
+    }
+    silent_steps_ = std::max(0, silent_steps_ - 1);
+    const ros::Time now(now_);
+    transforms_.followClock(now);
+    const StampedPoses stamped = scene_.tf_poses->latest(now, LIMITS);
+    return checkPoses(scene_, stamped, doubtsOf(stamped, transforms_), CheckSettings(), now, 0.0,
+                      *detector_);
+  }
+
+  /// Is some required pair not known to be apart at the instant of the report?
+  ::testing::AssertionResult isTrulyFree(const CollisionPairs& report) const {
+    const double time = report.header.stamp.toSec();
+    for (const auto& [a, b] : required_) {
+      for (const std::string& link : {a, b}) {
+        const auto known = published_.find(link);
+        if (known == published_.end()) return ::testing::AssertionFailure() << link << " unknown";
+        const double newest = known->second.rbegin()->first;
+        if (newest < time - 1e-6) return ::testing::AssertionFailure() << link << " not then";
+        if (now_ - time > LIMITS.max_pose_age + 1e-6) {
+          return ::testing::AssertionFailure() << link << " too old";
+        }
+      }
+      const double gap = std::abs(at(published_.at(a), time) - at(published_.at(b), time));
+      if (gap < 2.0 * RADIUS - 1e-6) return ::testing::AssertionFailure() << a << " meets " << b;
+    }
+    return ::testing::AssertionSuccess();
+  }
+
+  bool isTrulyInContact(const CollisionPairs& report) const {
+    const double time = report.header.stamp.toSec();
+    for (const auto& [a, b] : required_) {
+      if (!published_.count(a) || !published_.count(b)) continue;
+      if (published_.at(a).rbegin()->first < time - 1e-6) continue;
+      if (published_.at(b).rbegin()->first < time - 1e-6) continue;
+      const double gap = std::abs(at(published_.at(a), time) - at(published_.at(b), time));
+      if (gap < 2.0 * RADIUS + 1e-6) return true;
+    }
+    return false;
+  }
+
+ private:
+  void publish(const std::string& link, int fault) {
+    tf2_msgs::TFMessage message;
+    message.transforms.resize(1);
+    auto& transform = message.transforms[0];
+    transform.header.frame_id = "root";
+    transform.child_frame_id = link;
+    transform.transform.rotation.w = 1.0;
+    transform.transform.translation.x = x_[link];
+    double stamp = now_;
+    const double elsewhere = 1000.0;  // where it would be free
+    if (fault == 1) return;           // silent
+    if (fault == 2) stamp = now_ + 3600.0;
+    if (fault == 3) stamp = now_ + 2.0;
+    if (fault == 4) stamp = 0.0;
+    if (fault == 5) stamp = now_ - 100.0;
+    if (fault == 6) transform.transform.rotation.w = std::nan("");
+    if (fault == 7) transform.transform.translation.x = std::nan("");
+    if (fault > 1 && fault < 6) transform.transform.translation.x = elsewhere;
+    transform.header.stamp = ros::Time(stamp);
+    transforms_.take(message, false, ros::Time(now_));
+    if (fault == 0) published_[link][transform.header.stamp.toSec()] = x_[link];
+    // tf2 keeps what is old where there is nothing newer: old it is, but it was published.
+    if (fault == 5 && !published_.count(link)) published_[link][stamp] = elsewhere;
+  }
+
+  std::mt19937 random_;
+  double now_ = 10000.0;
+  std::vector<std::string> links_;
+  std::set<LinkPair> required_;
+  std::map<std::string, double> x_;
+  std::map<std::string, History> published_;
+  std::string faulty_;
+  int fault_ = 0;
+  int silent_steps_ = 0;  // of all publishers
+  TransformInput transforms_{TOLERANCE};
+  ActiveScene scene_;
+  std::unique_ptr<CollisionDetector> detector_;
+};
+
+TEST(Verdict, FreeImpliesThatEveryRequiredPairIsKnownFreshAndApart) {
+  ros::Time::init();
+  const unsigned seed = std::random_device()();
+  RecordProperty("seed", std::to_string(seed));
+  std::printf("seed %u\n", seed);
+  std::map<int, int> count;
+  for (unsigned robot = 0; robot < 100; ++robot) {
+    Faults faults(seed + robot);
+    for (int i = 0; i < 500; ++i) {
+      const CollisionPairs report = faults.step();
+      ++count[report.verdict];
+      ASSERT_EQ(report.in_collision, report.verdict != CollisionPairs::FREE);
+      ASSERT_EQ(report.unknown_because.empty(), report.verdict != CollisionPairs::UNKNOWN);
+      if (report.verdict == CollisionPairs::FREE) {
+        ASSERT_TRUE(faults.isTrulyFree(report)) << "robot " << robot << " step " << i;
+      }
+      if (report.verdict == CollisionPairs::COLLISION) {
+        ASSERT_TRUE(faults.isTrulyInContact(report)) << "robot " << robot << " step " << i;
+      }
+    }
+  }
+  for (const int verdict : {0, 1, 2}) EXPECT_GT(count[verdict], 1000) << verdict;
+}
+
+}  // namespace
+}  // namespace collision_pairs
