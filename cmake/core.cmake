@@ -5,21 +5,17 @@ list(TRANSFORM core_modules PREPEND ${PROJECT_SOURCE_DIR}/src/core/ OUTPUT_VARIA
 
 add_library(collision_pairs SHARED
   src/core/base/in_parallel.cpp
-  src/core/base/nearest_name.cpp
-  src/core/base/number_text.cpp
+  src/core/base/pair_filter.cpp
+  src/core/base/user_text.cpp
+  src/core/broad_phase/box_pairs.cpp
   src/core/broad_phase/column_sweep.cpp
-  src/core/broad_phase/pair_filter.cpp
-  src/core/broad_phase/pair_sort.cpp
-  src/core/broad_phase/static_boxes.cpp
+  src/core/broad_phase/packed_records.cpp
   src/core/broad_phase/static_tree.cpp
   src/core/broad_phase/sweep_and_prune.cpp
-  src/core/broad_phase/sweep_axis.cpp
   src/core/broad_phase/sweep_grid.cpp
   src/core/broad_phase/sweep_kernel.cpp
-  src/core/broad_phase/sweep_record.cpp
   src/core/check/batch_check.cpp
   src/core/check/collision_detector.cpp
-  src/core/check/collision_report.cpp
   src/core/check/found_pairs.cpp
   src/core/check/pair_ladder.cpp
   src/core/check/timed_climb.cpp
@@ -28,27 +24,24 @@ add_library(collision_pairs SHARED
   src/core/geometry/aabb.cpp
   src/core/geometry/box_gap.cpp
   src/core/geometry/convex_hull.cpp
-  src/core/geometry/furthest_point.cpp
+  src/core/geometry/geometry_kernel.cpp
+  src/core/geometry/packed_points.cpp
   src/core/geometry/shape.cpp
-  src/core/geometry/vertex_extent.cpp
-  src/core/meshes/closest_on_mesh.cpp
   src/core/meshes/mesh_edges.cpp
   src/core/meshes/mesh_query.cpp
   src/core/meshes/mesh_solid.cpp
   src/core/meshes/outer_faces.cpp
   src/core/meshes/patch_hulls.cpp
-  src/core/meshes/slab_bounds.cpp
+  src/core/meshes/prepared_mesh.cpp
   src/core/meshes/solid_angle.cpp
   src/core/meshes/surface_contact.cpp
   src/core/meshes/triangle_distance.cpp
   src/core/meshes/triangle_tree.cpp
   src/core/meshes/winding_number.cpp
-  src/core/narrow_phase/containment.cpp
   src/core/narrow_phase/fcl_backend.cpp
-  src/core/narrow_phase/hull_bounds.cpp
   src/core/narrow_phase/narrow_phase.cpp
   src/core/narrow_phase/prepared_shape.cpp
-  src/core/pair_statistics/contact_probability.cpp
+  src/core/narrow_phase/solids.cpp
   src/core/pair_statistics/contact_search.cpp
   src/core/pair_statistics/generated_srdf.cpp
   src/core/pair_statistics/joint_sampler.cpp
@@ -62,14 +55,13 @@ add_library(collision_pairs SHARED
   src/core/robot/urdf_reader.cpp
   src/core/robot/xml_file.cpp
   src/core/scene/collision_scene.cpp
-  src/core/scene/enclosure.cpp
+  src/core/scene/enclosing_box.cpp
   src/core/scene/mesh_bounds.cpp
   src/core/scene/pair_policy.cpp
-  src/core/scene/pair_rules.cpp
   src/core/scene/scene_description.cpp
   src/core/scene/scene_element.cpp
   src/core/scene/scene_members.cpp
-  src/core/scene/settings_check.cpp
+  src/core/scene/scene_settings.cpp
 )
 include(cmake/kernels.cmake)
 target_include_directories(collision_pairs PUBLIC

@@ -7,7 +7,7 @@ endif()
 
 # All of the broad phase, compiled once more so that it is instrumented.
 get_target_property(sweep_sources collision_pairs SOURCES)
-list(FILTER sweep_sources INCLUDE REGEX "sweep|static_|pair_(filter|sort)|/aabb")
+list(FILTER sweep_sources INCLUDE REGEX "/(base/(in_parallel|pair_filter)|broad_phase/.*|geometry/aabb)[.]cpp")
 add_executable(fuzz_sweep_and_prune test/fuzz/fuzz_sweep_and_prune.cpp ${sweep_sources})
 target_include_directories(fuzz_sweep_and_prune PRIVATE include ${CORE_MODULES} test)
 target_compile_definitions(fuzz_sweep_and_prune PRIVATE $<TARGET_PROPERTY:collision_pairs,COMPILE_DEFINITIONS>)

@@ -1,21 +1,16 @@
 # The inner loops once more for newer x86-64; which one runs is chosen at run time.
-# These files include nothing of the C++ library that could leave such code in a shared function.
+# These files use nothing of the C++ library that could leave such code in a shared function.
 if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64|amd64")
-  target_sources(collision_pairs PRIVATE ${PROJECT_SOURCE_DIR}/src/core/geometry/box_gap_avx2.cpp
-                                         ${PROJECT_SOURCE_DIR}/src/core/geometry/furthest_point_avx2.cpp
-                                         ${PROJECT_SOURCE_DIR}/src/core/broad_phase/sweep_kernel_avx2.cpp
-                                         ${PROJECT_SOURCE_DIR}/src/core/broad_phase/sweep_kernel_avx512.cpp
-                                         ${PROJECT_SOURCE_DIR}/src/core/geometry/vertex_extent_avx2.cpp
-                                         ${PROJECT_SOURCE_DIR}/src/core/geometry/vertex_extent_avx512.cpp)
+  set(sweep ${PROJECT_SOURCE_DIR}/src/core/broad_phase/sweep_kernel)
+  set(geometry ${PROJECT_SOURCE_DIR}/src/core/geometry/geometry_kernel)
+  target_sources(collision_pairs PRIVATE ${sweep}_avx2.cpp ${sweep}_avx512.cpp
+                                         ${geometry}_avx2.cpp ${geometry}_avx512.cpp)
   target_compile_definitions(collision_pairs PRIVATE COLLISION_PAIRS_X86_KERNELS)
-  set_source_files_properties(src/core/broad_phase/sweep_kernel_avx2.cpp PROPERTIES
-                              COMPILE_OPTIONS "-mavx2;-mbmi")
-  set_source_files_properties(src/core/geometry/box_gap_avx2.cpp src/core/geometry/furthest_point_avx2.cpp
-                              src/core/geometry/vertex_extent_avx2.cpp PROPERTIES COMPILE_OPTIONS "-mavx2;-mfma")
-  set_source_files_properties(src/core/geometry/vertex_extent_avx512.cpp PROPERTIES
-                              COMPILE_OPTIONS "-mavx512f")
+  set_source_files_properties(${sweep}_avx2.cpp PROPERTIES COMPILE_OPTIONS "-mavx2;-mbmi")
+  set_source_files_properties(${geometry}_avx2.cpp PROPERTIES COMPILE_OPTIONS "-mavx2;-mfma")
+  set_source_files_properties(${geometry}_avx512.cpp PROPERTIES COMPILE_OPTIONS "-mavx512f")
   # GCC 12 warns of its own intrinsics (GCC bug 105593).
   set_source_files_properties(
-    src/core/broad_phase/sweep_kernel_avx512.cpp PROPERTIES COMPILE_OPTIONS
+    ${sweep}_avx512.cpp PROPERTIES COMPILE_OPTIONS
     "-mavx512f;-mbmi;-mpopcnt;$<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>")
 endif()

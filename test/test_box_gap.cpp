@@ -11,10 +11,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-typedef double TwoDoubles __attribute__((vector_size(16)));
-typedef long long TwoIntegers __attribute__((vector_size(16)));
-using PlainLoop = BoxGapLoop<TwoDoubles, TwoIntegers, 2>;
-
 OrientedBox randomBox(RandomInputs& random, double reach) {
   OrientedBox box;
   box.R = random.rotation().toRotationMatrix();
@@ -54,14 +50,16 @@ TEST(BoxGap, IsTheLargerOfTheGapsToTheOthersCorners) {
     const OrientedBox other = randomBox(random, 2.0);
     const BoxBlock block = blockOf(boxes);
     const FourGaps best = squaredBoxGaps(block, other);
-    FourGaps plain;
-    PlainLoop::box(block, other.R.data(), other.center.data(), other.half.data(), plain.of);
     for (int lane = 0; lane < BOX_LANES; ++lane) {
       const double expected = std::max(squaredGapToCorners(boxes[lane], other),
                                        squaredGapToCorners(other, boxes[lane]));
       ASSERT_NEAR(squaredBoxGap(boxes[lane], other), expected, 1e-13);
       ASSERT_NEAR(best.of[lane], expected, 1e-13);
-      ASSERT_NEAR(plain.of[lane], expected, 1e-13);
+      for (const GeometryKernel& kernel : geometryKernels()) {
+        FourGaps gaps;
+        kernel.box_gaps(block, other.R.data(), other.center.data(), other.half.data(), gaps.of);
+        ASSERT_NEAR(gaps.of[lane], expected, 1e-13) << kernel.name;
+      }
       apart += expected > 0.0;
     }
   }
@@ -78,12 +76,14 @@ TEST(BoxGap, OfAMovedBoxIsThatOfTheBoxWhereItIsMovedTo) {
     const Eigen::Isometry3d X = random.pose(2.0);
     for (int lane = 0; lane < BOX_LANES; ++lane) {
       const FourGaps best = squaredBoxGaps(block, other, lane, X);
-      FourGaps plain;
-      PlainLoop::movedBox(block, other, lane, X.data(), plain.of);
       for (int i = 0; i < BOX_LANES; ++i) {
         const double expected = squaredBoxGap(boxes[i], others[lane].movedBy(X));
         ASSERT_NEAR(best.of[i], expected, 1e-13);
-        ASSERT_NEAR(plain.of[i], expected, 1e-13);
+        for (const GeometryKernel& kernel : geometryKernels()) {
+          FourGaps gaps;
+          kernel.moved_box_gaps(block, other, lane, X.data(), gaps.of);
+          ASSERT_NEAR(gaps.of[i], expected, 1e-13) << kernel.name;
+        }
       }
     }
   }
@@ -97,14 +97,16 @@ TEST(BoxGap, OfAPointIsTheDistanceToItsNearestPointInTheBox) {
     const Vector3d point = random.vector(-3.0, 3.0);
     const BoxBlock block = blockOf(boxes);
     const FourGaps best = squaredPointGaps(block, point);
-    FourGaps plain;
-    PlainLoop::point(block, point.data(), plain.of);
     for (int lane = 0; lane < BOX_LANES; ++lane) {
       const OrientedBox& box = boxes[lane];
       const Vector3d local = box.R.transpose() * (point - box.center);
       const Vector3d nearest = local.cwiseMax(-box.half).cwiseMin(box.half);
       ASSERT_NEAR(best.of[lane], (nearest - local).squaredNorm(), 1e-13);
-      ASSERT_NEAR(plain.of[lane], (nearest - local).squaredNorm(), 1e-13);
+      for (const GeometryKernel& kernel : geometryKernels()) {
+        FourGaps gaps;
+        kernel.point_gaps(block, point.data(), gaps.of);
+        ASSERT_NEAR(gaps.of[lane], (nearest - local).squaredNorm(), 1e-13) << kernel.name;
+      }
     }
   }
 }

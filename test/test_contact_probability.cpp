@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "contact_probability.h"
+#include "pair_class.h"
 
 namespace collision_pairs {
 namespace {

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "enclosure.h"
+#include "enclosing_box.h"
 #include "mesh_bounds.h"
 #include "random_inputs.h"
 

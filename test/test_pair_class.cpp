@@ -1,6 +1,5 @@
 #include <gtest/gtest.h>
 
-#include "contact_probability.h"
 #include "pair_class.h"
 
 namespace collision_pairs {

@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include "collision_pairs/collision_detector.h"
-#include "contact_search.h"
 #include "demo_scene.h"
 #include "pair_statistics.h"
 

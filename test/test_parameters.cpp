@@ -51,10 +51,9 @@ TEST_P(Defaults, AreThoseOfTheCode) {
   EXPECT_EQ(std::stod(text.at("alarm_distance")), code.check.alarm_distance);
   EXPECT_EQ(text.at("fidelity"), fidelityName(code.check.fidelity));
   EXPECT_EQ(std::stod(text.at("time_budget")), code.check.time_budget);
-  EXPECT_EQ(std::stoi(text.at("max_hull_vertices")), code.scene.max_hull_vertices);
+  EXPECT_EQ(std::stoi(text.at("max_hull_vertices")), SceneSettings().max_hull_vertices);
   EXPECT_EQ(text.at("link_fidelity"), "{}");
-  EXPECT_TRUE(code.scene.link_fidelity.empty());
-  EXPECT_EQ(std::stod(text.at("padding")), code.scene.padding);
+  EXPECT_EQ(std::stod(text.at("padding")), SceneSettings().padding);
   EXPECT_EQ(std::stod(text.at("rate")), code.rate);
   EXPECT_EQ(text.at("show_only_investigated_boxes"),
             code.show_only_investigated_boxes ? "true" : "false");

@@ -61,6 +61,38 @@ TEST(RobotModel, ForwardKinematicsOfAPlanarArmIsTheTextbooks) {
   }
 }
 
+TEST(RobotModel, ForwardKinematicsIsTheProductOfTheJointsOnePerBody) {
+  const std::string axis = "<axis xyz='1 -2 0.5'/><limit lower='-3' upper='3'/>";
+  std::string links = emptyLink("l0"), joints;
+  const char* types[] = {"revolute", "prismatic", "continuous", "fixed", "floating", "revolute"};
+  for (int i = 0; i < 6; ++i) {
+    links += boxLink("l" + std::to_string(i + 1), 1);
+    joints += "<joint name='j" + std::to_string(i) + "' type='" + types[i] + "'><parent link='l" +
+              std::to_string(i) + "'/><child link='l" + std::to_string(i + 1) +
+              "'/><origin xyz='0.1 0.2 -0.3' rpy='0.4 -1.1 2.0'/>" + axis + "</joint>";
+  }
+  const auto alone = robotFrom(links + joints);
+  Eigen::Isometry3d X_WR(Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, 3).normalized()));
+  X_WR.translation() << 5, -6, 7;
+  const auto placed = RobotModel::merge({{alone, "left", X_WR}, {alone, "right", X_WR.inverse()}});
+  RandomInputs random;
+  for (const RobotModel* robot : {alone.get(), placed.get()}) {
+    std::vector<Eigen::Isometry3d> X_RB, X_expected(robot->bodies().size());
+    for (int i = 0; i < 100; ++i) {
+      std::vector<double> q = robot->zeroPositions();
+      for (double& position : q) position = random.uniform(-3, 3);
+      robot->forwardKinematics(q, X_RB);
+      for (std::size_t b = 0; b < X_RB.size(); ++b) {
+        const Body& body = robot->bodies()[b];
+        X_expected[b] = body.joint < 0 ? body.X_PJ
+                                       : X_expected[body.parent] * body.X_PJ *
+                                             robot->joints()[body.joint].motion(q[body.joint]);
+        EXPECT_TRUE(X_RB[b].matrix().isApprox(X_expected[b].matrix(), 1e-14)) << b;
+      }
+    }
+  }
+}
+
 TEST(RobotModel, ZeroIsTheNearerLimitWhereZeroIsOutOfBounds) {
   const auto robot =
       robotFrom(emptyLink("a") + emptyLink("b") + emptyLink("c") + emptyLink("d") +

@@ -89,6 +89,7 @@ TEST(SceneConfig, WhatIsWrongIsNamedWithWhatItMustBe) {
   EXPECT_THAT(refusal("link_padding: {a: b}"), HasSubstr("link_padding/a is b"));
   EXPECT_THAT(refusal("link_fidelity: {a: exact}"),
               AllOf(HasSubstr("link_fidelity/a is exact"), HasSubstr("aabb, obb, convex or mesh")));
+  EXPECT_THAT(refusal("link_fidelity: {a: mehs}"), HasSubstr("is 'mesh' meant?"));
   EXPECT_THAT(refusal("pair_rules: {deny: [a, b]}"), HasSubstr("pair_rules is {deny: [a, b]}"));
   EXPECT_THAT(refusal("pair_rules: [{forbid: [a, b]}]"), HasSubstr("{forbid: [a, b]}"));
   EXPECT_THAT(refusal("pair_rules: [{deny: [a]}]"), HasSubstr("two names"));

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "packed_storage.h"
+#include "packed_records.h"
 #include "random_inputs.h"
 #include "static_tree.h"
 #include "sweep_kernel.h"

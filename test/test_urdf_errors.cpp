@@ -128,6 +128,37 @@ TEST(UrdfText, NestedTooDeeplyIsRefused) {
   EXPECT_THAT(refusal(xml), testing::HasSubstr("nested too deeply"));
 }
 
+TEST(UrdfText, AMimicOnAFixedJointMeansNothingAndIsWarnedOf) {
+  const auto robot = RobotModel::fromUrdf(
+      "<robot name='r'>\n" + emptyLink("root") +
+          twoLinks(joint("turn", "continuous", "root", "a") + "\n" +
+                   joint("weld", "fixed", "a", "b", "0 0 0", "<mimic joint='nobody'/>")) +
+          "</robot>",
+      noMeshes);
+  EXPECT_FALSE(robot->joints()[robot->findJoint("weld")].mimic);
+  EXPECT_THAT(robot->warnings(),
+              testing::ElementsAre(testing::AllOf(testing::HasSubstr("URDF line 3: joint 'weld'"),
+                                                  testing::HasSubstr("mimic"))));
+  const auto two = RobotModel::merge({{robot, "left"}, {robot, "right"}});
+  EXPECT_EQ(two->warnings().size(), 2u);
+  EXPECT_THAT(refusalOf(twoLinks(joint("x", "floating", "a", "b", "0 0 0", "<mimic joint='x'/>"))),
+              testing::HasSubstr("a floating joint has no position that could follow"));
+}
+
+// What is too small for a double is as good as zero; what is too large has no value.
+TEST(UrdfText, ANumberThatUnderflowsIsZero) {
+  const auto robot = RobotModel::fromUrdf(
+      "<robot name='r'>" +
+          linkWith("a", "<box size='1e-400 1 0.' />", "<origin xyz='-1e-400 1 +1e-999'/>") +
+          "</robot>",
+      noMeshes);
+  const Element& element = robot->links()[0].elements[0];
+  EXPECT_EQ(std::get<Box>(element.shape).size, Eigen::Vector3d(0.0, 1.0, 0.0));
+  EXPECT_EQ(element.X_LE.translation(), Eigen::Vector3d(0.0, 1.0, 0.0));
+  EXPECT_THAT(refusalOf(shape("<box size='1e400 1 1'/>")), testing::HasSubstr("finite"));
+  EXPECT_THAT(refusalOf(shape("<sphere radius='1e-400x'/>")), testing::HasSubstr("finite"));
+}
+
 TEST(UrdfText, EntitiesAreNotExpanded) {
   const std::string bomb =
       "<!DOCTYPE robot [<!ENTITY a 'aaaaaaaaaa'><!ENTITY b '&a;&a;&a;&a;&a;&a;&a;&a;'>]>"

@@ -20,6 +20,10 @@ namespace collision_pairs {
 using MeshLoader = std::function<std::shared_ptr<const TriangleMesh>(const std::string& uri,
                                                                      const Eigen::Vector3d& scale)>;
 
+/// The name of a robot's link, joint or frame among those of several robots, as tf_prefix makes it:
+/// "left" and "elbow" are "left/elbow". No prefix leaves it as it is.
+std::string withPrefix(const std::string& prefix, const std::string& name);
+
 /// One <collision> of a link.
 struct Element {
   Shape shape;
@@ -102,7 +106,7 @@ class RobotModel {
   /// One of several.
   struct Placed {
     std::shared_ptr<const RobotModel> model;
-    std::string prefix;  ///< "left" makes link "elbow" "left/elbow"; joints likewise
+    std::string prefix;  ///< withPrefix() of its links' and joints' names
     /// Where its root stands; forwardKinematics() puts it there.
     Eigen::Isometry3d X_WR = Eigen::Isometry3d::Identity();
   };
@@ -111,6 +115,8 @@ class RobotModel {
   static std::shared_ptr<const RobotModel> merge(const std::vector<Placed>& robots);
 
   const std::string& name() const { return name_; }
+  /// What of the URDF means nothing and was passed over, a sentence each; for whoever wrote it.
+  const std::vector<std::string>& warnings() const { return warnings_; }
   const std::vector<Link>& links() const { return links_; }
   const std::vector<Joint>& joints() const { return joints_; }
   const std::vector<Body>& bodies() const { return bodies_; }
@@ -131,7 +137,8 @@ class RobotModel {
   void applyMimics(std::vector<double>& positions) const;
 
   /// Pose of each body in the frame of the root link (of several robots: in W), by `positions` (one
-  /// entry a joint, mimics applied). Floating and planar joints stand at identity. O(bodies).
+  /// entry a joint, mimics applied). Floating and planar joints stand at identity. O(bodies): a
+  /// sine, a cosine and 45 products each. No allocation once X_RB has its size.
   void forwardKinematics(const std::vector<double>& positions,
                          std::vector<Eigen::Isometry3d>& X_RB) const;
 
@@ -141,11 +148,23 @@ class RobotModel {
   void append(const Placed& robot);
   void indexNames();
   void groupIntoBodies();
+  void foldJoints();
+
+  /// A body's pose in its parent's, as a function of its joint's position q, with everything that
+  /// does not change multiplied out: R_PB(q) = R + cos(q) R_cos + sin(q) R_sin (Rodrigues' formula
+  /// behind the fixed rotation of the joint's frame), p_PB(q) = p + q p_slope.
+  struct BodyMotion {
+    bool turns = false;  ///< else R alone is the rotation
+    Eigen::Matrix3d R, R_cos, R_sin;
+    Eigen::Vector3d p, p_slope;
+  };
 
   std::string name_;
+  std::vector<std::string> warnings_;
   std::vector<Link> links_;
   std::vector<Joint> joints_;
   std::vector<Body> bodies_;
+  std::vector<BodyMotion> motions_;  // beside bodies_
   std::unordered_map<std::string, int> link_ids_;
   std::unordered_map<std::string, int> joint_ids_;
 };

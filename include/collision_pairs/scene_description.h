@@ -8,7 +8,6 @@
 
 #include <Eigen/Geometry>
 
-#include "collision_pairs/pair_rules.h"
 #include "collision_pairs/robot_model.h"
 #include "collision_pairs/scene_settings.h"
 #include "collision_pairs/srdf.h"

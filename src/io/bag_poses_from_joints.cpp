@@ -40,7 +40,7 @@ Choice choose(const BagContents& bag, const RobotModel& robot, std::string prefi
       offer(best, topic, tracks, robot, "");
     }
     if (prefix.empty()) continue;
-    offer(best, topic, tracks, robot, prefix + "/");
+    offer(best, topic, tracks, robot, withPrefix(prefix, ""));
     offer(best, topic, tracks, robot, prefix);
   }
   return best;

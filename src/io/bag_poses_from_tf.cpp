@@ -56,7 +56,7 @@ void BagPosesFromTf::noteMissing() {
 
 int BagPosesFromTf::frameOf(const std::string& link) const {
   if (prefix_.empty()) return tracks_.findFrame(link);
-  const int frame = tracks_.findFrame(prefix_ + "/" + link);
+  const int frame = tracks_.findFrame(withPrefix(prefix_, link));
   return frame >= 0 ? frame : tracks_.findFrame(prefix_ + link);
 }
 

@@ -5,7 +5,7 @@
 #include <sstream>
 
 #include "collision_pairs/input_error.h"
-#include "number_text.h"
+#include "user_text.h"
 
 namespace collision_pairs {
 namespace {

@@ -7,8 +7,8 @@
 #include <sstream>
 
 #include "collision_pairs/input_error.h"
-#include "nearest_name.h"
 #include "text_files.h"
+#include "user_text.h"
 
 namespace collision_pairs {
 namespace {
@@ -82,11 +82,10 @@ void readLinkFidelity(const YAML::Node& value, SceneConfig& config) {
            [&](const std::string& link, const YAML::Node& word) {
              const std::string key = "link_fidelity/" + link;
              const std::string rule = "aabb, obb, convex or mesh";
-             try {
-               config.settings.link_fidelity[link] = parseFidelity(text(key, word, rule));
-             } catch (const InputError&) {
-               refuse(key, word, rule);
-             }
+             const std::string given = text(key, word, rule);
+             const std::string nearest = nearestName(given, {"aabb", "obb", "convex", "mesh"});
+             if (given != nearest) refuse(key, word, rule + "; is '" + nearest + "' meant?");
+             config.settings.link_fidelity[link] = parseFidelity(given);
            });
 }
 

@@ -10,11 +10,10 @@ namespace {
 std::shared_ptr<const RobotModel> loadGeometry(RobotSource& source, const std::string& prefix,
                                                const std::set<std::string>& needed,
                                                std::vector<BrokenElement>& broken) {
-  const std::string before = prefix.empty() ? "" : prefix + "/";
   const auto model = source.withGeometryOf(
-      [&](const std::string& link) { return needed.count(before + link) > 0; });
+      [&](const std::string& link) { return needed.count(withPrefix(prefix, link)) > 0; });
   for (const BrokenElement& element : source.broken()) {
-    broken.push_back({before + element.link, element.reason});
+    broken.push_back({withPrefix(prefix, element.link), element.reason});
   }
   return model;
 }

@@ -1,7 +1,6 @@
 #include "parameters.h"
 
 #include <cmath>
-#include <map>
 #include <sstream>
 
 #include <ros/console.h>
@@ -33,18 +32,6 @@ class Reader {
     replace(name, given.toXml(),
             "must be a number from " + std::to_string(lowest) + " to " + std::to_string(highest),
             value);
-  }
-
-  /// A map from names to fidelities; an entry that is none is named and dropped.
-  void fidelities(const std::string& name, std::map<std::string, Fidelity>& value) const {
-    XmlRpc::XmlRpcValue given;
-    if (!node_.getParam(name, given)) return;
-    if (given.getType() != XmlRpc::XmlRpcValue::TypeStruct) {
-      complain(name, given.toXml(),
-               "must be a map from links to aabb, obb, convex or mesh; passed over");
-      return;
-    }
-    fidelitiesOfLinks(name, "", given, value);
   }
 
   void flag(const std::string& name, bool& value) const {
@@ -82,26 +69,6 @@ class Reader {
   }
 
  private:
-  /// The parameter server has link a/b as b in a map a.
-  void fidelitiesOfLinks(const std::string& name, const std::string& prefix,
-                         XmlRpc::XmlRpcValue& given, std::map<std::string, Fidelity>& value) const {
-    for (auto& [key, fidelity] : given) {
-      const std::string link = prefix + key;
-      if (fidelity.getType() == XmlRpc::XmlRpcValue::TypeStruct) {
-        fidelitiesOfLinks(name, link + "/", fidelity, value);
-        continue;
-      }
-      const bool is_text = fidelity.getType() == XmlRpc::XmlRpcValue::TypeString;
-      const std::string word = is_text ? static_cast<std::string&>(fidelity) : fidelity.toXml();
-      try {
-        value[link] = parseFidelity(word);
-      } catch (const InputError& error) {
-        complain(name + "/" + link, "'" + word + "'",
-                 "must be aabb, obb, convex or mesh; the link is checked as the others");
-      }
-    }
-  }
-
   const ros::NodeHandle& node_;
 };
 
@@ -141,10 +108,6 @@ NodeParameters NodeParameters::read(const ros::NodeHandle& private_node) {
   const Reader reader(private_node);
   reader.number("alarm_distance", 0.0, 1e6, parameters.check.alarm_distance);
   reader.number("time_budget", 0.0, 1e6, parameters.check.time_budget);
-  reader.fidelities("link_fidelity", parameters.scene.link_fidelity);
-  double max_hull_vertices = parameters.scene.max_hull_vertices;
-  reader.number("max_hull_vertices", 0.0, 1e6, max_hull_vertices);
-  parameters.scene.max_hull_vertices = static_cast<int>(max_hull_vertices);
   reader.number("rate", 0.1, MAX_RATE, parameters.rate);
   reader.flag("verdict_only", parameters.check.verdict_only);
   reader.flag("min_distance", parameters.check.min_distance);

@@ -27,9 +27,6 @@ struct NodeParameters {
   /// ~alarm_distance [m], ~fidelity, ~time_budget [s], ~verdict_only and ~min_distance. The default
   /// is the core's. May change while running.
   CheckSettings check;
-  /// ~link_fidelity and ~max_hull_vertices; the rest is read with the robot (sceneConfigKeys).
-  /// Every rung is prepared, because a request may ask for more than the node does.
-  SceneSettings scene;
   /// ~rate [Hz]: cycles per second, by the wall clock. May change while running.
   double rate = 50.0;
   /// ~show_only_investigated_boxes: no markers for boxes that no candidate pair involves. May

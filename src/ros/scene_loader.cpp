@@ -27,6 +27,15 @@ auto fromParameter(const std::string& key, const Read& read) {
   }
 }
 
+std::unique_ptr<RobotSource> makeSource(const std::string& key, const std::string& xml,
+                                        const MeshLoader& load_mesh) {
+  auto source = fromParameter(key, [&] { return std::make_unique<RobotSource>(xml, load_mesh); });
+  for (const std::string& warning : source->skeleton()->warnings()) {
+    ROS_WARN_STREAM("parameter " << key << ": " << warning);
+  }
+  return source;
+}
+
 std::optional<Srdf> loadSrdf(const ros::NodeHandle& node, const std::string& name,
                              const RobotModel& robot) {
   std::string key, xml;
@@ -49,7 +58,7 @@ SceneSources::Robot loadRobot(const ros::NodeHandle& node, const RobotParameters
                      parameters.description + "\" textfile=\"robot.urdf\"/>");
   }
   SceneSources::Robot robot;
-  robot.source = fromParameter(key, [&] { return std::make_unique<RobotSource>(xml, load_mesh); });
+  robot.source = makeSource(key, xml, load_mesh);
   robot.srdf = loadSrdf(node, parameters.semantic, *robot.source->skeleton());
   robot.prefix = parameters.prefix;
   return robot;
@@ -59,26 +68,21 @@ std::unique_ptr<RobotSource> loadEnvironment(const ros::NodeHandle& node,
                                              const MeshLoader& load_mesh) {
   std::string key, xml;
   if (!findText(node, "environment_description", key, xml)) return nullptr;
-  return fromParameter(key, [&] { return std::make_unique<RobotSource>(xml, load_mesh); });
+  return makeSource(key, xml, load_mesh);
 }
 
 }  // namespace
 
-SceneSources readSceneSources(const ros::NodeHandle& private_node, const SceneSettings& settings) {
+SceneSources readSceneSources(const ros::NodeHandle& private_node) {
   SceneSources sources;
   const MeshLoader load_mesh = makeMeshLoader();
   for (const RobotParameters& robot : readRobots(private_node)) {
     sources.robots.push_back(loadRobot(private_node, robot, load_mesh));
   }
   sources.world = loadEnvironment(private_node, load_mesh);
-  YAML::Node parameters = yamlParameters(private_node, sceneConfigKeys());
-  for (const char* read_elsewhere : {"link_fidelity", "max_hull_vertices"}) {
-    parameters.remove(read_elsewhere);
-  }
+  const YAML::Node parameters = yamlParameters(private_node, sceneConfigKeys());
   sources.config =
       fromParameter(private_node.getNamespace(), [&] { return readSceneConfig(parameters); });
-  sources.config.settings.link_fidelity = settings.link_fidelity;
-  sources.config.settings.max_hull_vertices = settings.max_hull_vertices;
   return sources;
 }
 

@@ -12,20 +12,22 @@
 #include "frame_names.h"
 #include "geometry_conversions.h"
 #include "mesh_loader.h"
-#include "nearest_name.h"
+#include "user_text.h"
 
 namespace collision_pairs {
 namespace {
 
 constexpr std::size_t KEPT_RESTRICTIONS = 8;
 
-Eigen::Isometry3d lookUp(const tf2::BufferCore& buffer, const std::string& target,
+Eigen::Isometry3d lookUp(TransformInput& transforms, const std::string& target,
                          const std::string& source, const ros::Time& stamp, double max_pose_age) {
   std::string why;
   try {
     Eigen::Isometry3d X;
-    const auto found = buffer.lookupTransform(target, source, stamp);
-    if (stamp.isZero()) why = whyTooOld(found.header.stamp, ros::Time::now(), max_pose_age);
+    const ros::Time now = ros::Time::now();
+    transforms.followClock(now);
+    const auto found = transforms.lookUp(target, source, stamp);
+    if (stamp.isZero()) why = whyTooOld(found.header.stamp, now, max_pose_age);
     if (why.empty() && toIsometry(found.transform, X)) return X;
     if (why.empty()) why = "it is not finite";
   } catch (const tf2::TransformException& error) {
@@ -53,11 +55,10 @@ std::function<void(std::size_t, std::size_t)> progressOnLog(const ros::WallTime&
 
 }  // namespace
 
-SceneStore::SceneStore(const ros::NodeHandle& private_node, const tf2::BufferCore& tf_buffer,
+SceneStore::SceneStore(const ros::NodeHandle& private_node, TransformInput& transforms,
                        const NodeParameters& parameters)
     : private_node_(private_node),
-      tf_buffer_(tf_buffer),
-      settings_(parameters.scene),
+      transforms_(transforms),
       fixed_frame_(withoutLeadingSlash(parameters.fixed_frame)),
       max_pose_age_(parameters.pose_limits.max_pose_age),
       load_mesh_(makeMeshLoader()) {}
@@ -77,7 +78,7 @@ void SceneStore::load() {
   const std::lock_guard<std::mutex> lock(building_);
   const ros::WallTime start = ros::WallTime::now();
   told_.clear();
-  SceneSources sources = readSceneSources(private_node_, settings_);
+  SceneSources sources = readSceneSources(private_node_);
   ActiveScenePtr active = build(sources, objects_, {});
   requireFrameOfObjects(active->frame);
   const CollisionScene& scene = *active->scene;
@@ -109,7 +110,7 @@ std::vector<SceneObject> SceneStore::update(const std::vector<SceneChange>& chan
   const auto look_up = [&](const std::string& target, const std::string& source,
                            const ros::Time& stamp) {
     if (target != frame) requireLink(scene_->scene->robot(), target);
-    return lookUp(tf_buffer_, target, source, stamp, max_pose_age_);
+    return lookUp(transforms_, target, source, stamp, max_pose_age_);
   };
   SceneObjects objects = changedObjects(objects_, changes, {frame, look_up, load_mesh_});
   replace(build(sources_, objects, {}));
@@ -159,7 +160,7 @@ ActiveScenePtr SceneStore::build(SceneSources& sources, const SceneObjects& obje
   active->scene = CollisionScene::build(description, &cache_);
   const CollisionScene& scene = *active->scene;
   active->frame = fixed_frame_.empty() ? scene.robot().links().front().name : fixed_frame_;
-  active->tf_poses = std::make_unique<TfPoses>(tf_buffer_, scene, active->frame);
+  active->tf_poses = std::make_unique<TfPoses>(transforms_, scene, active->frame);
   return active;
 }
 

@@ -5,7 +5,7 @@
 #include "collision_pairs/input_error.h"
 #include "frame_names.h"
 #include "geometry_conversions.h"
-#include "nearest_name.h"
+#include "user_text.h"
 #include "object_conversions.h"
 
 namespace collision_pairs {

@@ -166,8 +166,7 @@ class BagChecker {
   }
 
   std::string frameOf(const CollisionScene& scene) const {
-    const std::string& prefix = options_.poses.prefix;
-    return (prefix.empty() ? "" : prefix + "/") + scene.robot().links().front().name;
+    return withPrefix(options_.poses.prefix, scene.robot().links().front().name);
   }
 
   const Options& options_;

@@ -10,7 +10,6 @@
 #include <CLI/CLI.hpp>
 
 #include "collision_pairs/input_error.h"
-#include "contact_search.h"
 #include "mesh_loader.h"
 #include "pair_table.h"
 #include "pair_verdicts.h"

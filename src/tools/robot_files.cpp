@@ -25,7 +25,9 @@ Srdf srdfFromText(const std::string& text, const std::string& origin, const Robo
 std::shared_ptr<const RobotModel> readRobot(const std::string& path, const MeshLoader& load_mesh) {
   const std::string urdf = readTextFile(path);
   try {
-    return RobotModel::fromUrdf(urdf, load_mesh);
+    const auto robot = RobotModel::fromUrdf(urdf, load_mesh);
+    for (const std::string& warning : robot->warnings()) warn(path + ": " + warning);
+    return robot;
   } catch (const InputError& error) {
     throw InputError(path + ": " + error.what());
   }

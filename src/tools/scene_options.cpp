@@ -5,30 +5,29 @@
 #include "robot_files.h"
 #include "scene_sources.h"
 #include "text_files.h"
+#include "tool_errors.h"
 
 namespace collision_pairs {
 namespace {
 
 /// What else the node's parameter file holds; it fits here as it is.
 const std::vector<std::string>& parametersOfTheNodeOnly() {
-  static const std::vector<std::string> KEYS = {"alarm_distance",
-                                                "fidelity",
-                                                "time_budget",
-                                                "rate",
-                                                "robots",
-                                                "show_only_investigated_boxes",
-                                                "verdict_only",
-                                                "min_distance",
-                                                "max_pose_age",
-                                                "max_transform_age",
-                                                "clock_tolerance",
-                                                "fixed_frame"};
+  static const std::vector<std::string> KEYS = {"alarm_distance",  "fidelity",
+                                                "time_budget",     "rate",
+                                                "robots",          "show_only_investigated_boxes",
+                                                "verdict_only",    "min_distance",
+                                                "max_pose_age",    "max_transform_age",
+                                                "clock_tolerance", "fixed_frame"};
   return KEYS;
 }
 
 std::unique_ptr<RobotSource> sourceFrom(const TextFrom& urdf, const MeshLoader& load_mesh) {
   try {
-    return std::make_unique<RobotSource>(urdf.content, load_mesh);
+    auto source = std::make_unique<RobotSource>(urdf.content, load_mesh);
+    for (const std::string& warning : source->skeleton()->warnings()) {
+      warn(urdf.origin + ": " + warning);
+    }
+    return source;
   } catch (const InputError& error) {
     throw InputError(urdf.origin + ": " + error.what());
   }

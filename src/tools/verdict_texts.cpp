@@ -6,7 +6,7 @@
 #include <functional>
 #include <map>
 
-#include "contact_probability.h"
+#include "pair_class.h"
 #include "tool_errors.h"
 
 namespace collision_pairs {

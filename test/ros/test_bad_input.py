@@ -62,11 +62,23 @@ class BadInputTest(unittest.TestCase):
         self.assertIn("'aa'", status.message)
         self.assertIn("'a' meant", status.message)
 
-    def test_a_fidelity_that_is_none_is_dropped_and_the_others_stay(self):
+    def test_a_fidelity_that_is_none_is_refused_with_the_one_that_is_meant(self):
         node = NodeClient("/bad_fidelity/node")
-        self.assertIsNotNone(node.next(node.reports))
-        self.assertEqual(rospy.get_param("/bad_fidelity/node/max_hull_vertices"), 0)
+        report = node.next(node.reports)
+        self.assertEqual(report.verdict, report.UNKNOWN)
+        status = diagnosis_of("bad_fidelity/node")
+        self.assertEqual(status.level, 2)
+        self.assertIn("link_fidelity/a is mehs", status.message)
+        self.assertIn("'mesh' meant", status.message)
         self.assertEqual(rospy.get_param("/bad_fidelity/node/time_budget"), 0.0)
+        rospy.set_param("/bad_fidelity/node/link_fidelity", {"a": "mesh", "b": "obb"})
+        self.assertTrue(rospy.ServiceProxy("/bad_fidelity/node/reset", Trigger)().success)
+
+    def test_too_few_hull_vertices_are_refused_with_how_many_may_be(self):
+        status = diagnosis_of("bad_hulls/node")
+        self.assertEqual(status.level, 2)
+        self.assertIn("max_hull_vertices is -3", status.message)
+        self.assertIn("4 or more", status.message)
 
     def test_transforms_that_are_none_or_old_leave_their_links_out(self):
         node = NodeClient("/bad_transforms/node")

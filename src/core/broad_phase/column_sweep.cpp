@@ -55,9 +55,9 @@ Spread sampleSpread(const Record* records, std::size_t count, std::size_t sample
                        used);
 }
 
-void ColumnSweep::begin(const SweepTuning& tuning, const PairRules& rules, std::uint32_t unsure) {
+void ColumnSweep::begin(const SweepTuning& tuning, const PairTest& test, std::uint32_t unsure) {
   tuning_ = tuning;
-  rules_ = rules;
+  test_ = test;
   unsure_ = unsure;
   pairs_.clear();
 }
@@ -73,7 +73,7 @@ void ColumnSweep::sweep(const Record* records, std::size_t count, int axis, std:
   Candidates* candidates = candidates_.clear();
   kernel_->sweep(packed_.view(), row_end_.data(), static_cast<std::uint32_t>(count), unsure_,
                  candidates);
-  appendMovingPairs(*candidates, rules_, &pairs_);
+  appendMovingPairs(*candidates, test_, &pairs_);
 }
 
 // Cuts into columns and sweeps each; false, and nothing is done, where that does not help.

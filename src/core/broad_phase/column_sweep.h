@@ -5,9 +5,9 @@
 #include <memory>
 #include <vector>
 
+#include "box_pairs.h"
 #include "collision_pairs/sweep_and_prune.h"
-#include "packed_storage.h"
-#include "pair_sink.h"
+#include "packed_records.h"
 #include "sweep_grid.h"
 
 namespace collision_pairs {
@@ -35,7 +35,7 @@ class ColumnSweep {
  public:
   explicit ColumnSweep(const SweepKernel* kernel) : kernel_(kernel) {}
 
-  void begin(const SweepTuning& tuning, const PairRules& rules, std::uint32_t unsure);
+  void begin(const SweepTuning& tuning, const PairTest& test, std::uint32_t unsure);
 
   /// All pairs of the records along `axis`, each once. `depth`: how often they were cut already.
   void sweep(const Record* records, std::size_t count, int axis, std::size_t depth);
@@ -48,7 +48,7 @@ class ColumnSweep {
 
   const SweepKernel* kernel_;
   SweepTuning tuning_;
-  PairRules rules_;
+  PairTest test_;
   std::uint32_t unsure_ = 0;
   PackedStorage packed_;
   CandidateStorage candidates_;

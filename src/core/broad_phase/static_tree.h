@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "collision_pairs/aabb.h"
-#include "packed_storage.h"
+#include "packed_records.h"
 
 namespace collision_pairs {
 

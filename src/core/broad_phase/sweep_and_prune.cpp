@@ -8,7 +8,6 @@
 
 #include "column_sweep.h"
 #include "in_parallel.h"
-#include "pair_sort.h"
 #include "static_tree.h"
 
 namespace collision_pairs {
@@ -37,7 +36,7 @@ struct SweepAndPrune::Engine {
   const SweepKernel* kernel = sweepKernels().front();
   double alarm_distance = 0.0;
   const StaticBoxes* fixed = nullptr;
-  PairRules rules;
+  PairTest test;
   // Without an alarm distance, strict overlap in float says enough; with one it is the Euclidean
   // gap that counts, and each candidate is looked at in double.
   std::uint32_t unsure = 0;
@@ -72,7 +71,7 @@ void SweepAndPrune::begin(double alarm_distance, const StaticBoxes* static_boxes
   refused_.clear();
   engine_->alarm_distance = alarm_distance;
   engine_->fixed = static_boxes;
-  engine_->rules.filter = filter;
+  engine_->test.filter = filter;
   engine_->axis = -1;
 }
 
@@ -86,10 +85,10 @@ void SweepAndPrune::refuse(std::uint32_t id) {
 const std::vector<BoxPair>& SweepAndPrune::end() {
   if (nb_static_ + boxes_.size() > ID_MASK) throw std::length_error("2^29 boxes or more");
   Engine& engine = *engine_;
-  engine.rules.boxes = boxes_.data();
-  engine.rules.models = models_.data();
-  engine.rules.nb_static = static_cast<std::uint32_t>(nb_static_);
-  engine.rules.squared_reach = squaredReach(engine.alarm_distance);
+  engine.test.boxes = boxes_.data();
+  engine.test.models = models_.data();
+  engine.test.nb_static = static_cast<std::uint32_t>(nb_static_);
+  engine.test.squared_reach = squaredReach(engine.alarm_distance);
   engine.unsure = engine.alarm_distance > 0.0 ? UNSURE : 0;
   pairs_.clear();
   const std::size_t nb_tests = boxes_.size() * (boxes_.size() / 2 + nb_static_);
@@ -124,18 +123,18 @@ void SweepAndPrune::Engine::testDirectly(const std::vector<Aabb>& boxes,
                                          std::vector<BoxPair>* pairs) const {
   const auto count = static_cast<std::uint32_t>(boxes.size());
   const auto meet = [&](const Aabb& box, std::uint32_t model, std::uint32_t id, std::uint32_t j) {
-    if (!(squaredGap(box, boxes[j]) <= rules.squared_reach)) return;
-    if (model == rules.models[j] || !rules.allowed(model, rules.models[j])) return;
-    pairs->push_back({id, rules.nb_static + j});
+    if (!(squaredGap(box, boxes[j]) <= test.squared_reach)) return;
+    if (model == test.models[j] || !test.allowed(model, test.models[j])) return;
+    pairs->push_back({id, test.nb_static + j});
   };
-  for (std::uint32_t i = 0; i < rules.nb_static; ++i) {
+  for (std::uint32_t i = 0; i < test.nb_static; ++i) {
     for (std::uint32_t j = 0; j < count; ++j) {
       meet(fixed->tree_->box(i), fixed->tree_->model(i), i, j);
     }
   }
   for (std::uint32_t i = 0; i < count; ++i) {
     for (std::uint32_t j = i + 1; j < count; ++j) {
-      meet(boxes[i], rules.models[i], rules.nb_static + i, j);
+      meet(boxes[i], test.models[i], test.nb_static + i, j);
     }
   }
 }
@@ -150,7 +149,7 @@ void SweepAndPrune::Engine::pack(const std::vector<Aabb>& boxes, const NarrowMap
 
 void SweepAndPrune::Engine::narrow(const std::vector<Aabb>& boxes, const NarrowMap& map) {
   if (records.size() < boxes.size()) records.resize(boxes.size() + boxes.size() / 4);
-  narrowBoxes(*kernel, map, boxes, rules.models, records.data());
+  narrowBoxes(*kernel, map, boxes, test.models, records.data());
 }
 
 // Each moving box against the tree of static ones, grown by the whole reach.
@@ -160,7 +159,7 @@ void SweepAndPrune::Engine::meetStatic(const std::vector<Aabb>& boxes,
   Candidates* found = candidates.clear();
   kernel->query(fixed->tree_->view(), packed.view(), static_cast<std::uint32_t>(boxes.size()),
                 unsure, found);
-  appendStaticPairs(*found, rules, *fixed->tree_, pairs);
+  appendStaticPairs(*found, test, *fixed->tree_, pairs);
 }
 
 // Few boxes: each against all that follow. Rows in the order of ids give sorted pairs.
@@ -171,7 +170,7 @@ void SweepAndPrune::Engine::sweepPacked(const std::vector<Aabb>& boxes,
   row_end.assign(count, count);
   Candidates* found = candidates.clear();
   kernel->sweep(packed.view(), row_end.data(), count, unsure, found);
-  appendMovingPairs(*found, rules, pairs);
+  appendMovingPairs(*found, test, pairs);
 }
 
 // Many boxes: narrow them, cut them into columns, sort and sweep each column.
@@ -182,13 +181,13 @@ void SweepAndPrune::Engine::sweepColumns(const std::vector<Aabb>& boxes,
   // To a corner where they are in nobody's way; the test on the true boxes drops them.
   constexpr float FAR = std::numeric_limits<float>::max();
   for (const std::uint32_t id : refused) {
-    const std::uint32_t i = id - rules.nb_static;
-    records[i] = {{FAR, FAR, FAR}, {FAR, FAR, FAR}, i, rules.models[i]};
+    const std::uint32_t i = id - test.nb_static;
+    records[i] = {{FAR, FAR, FAR}, {FAR, FAR, FAR}, i, test.models[i]};
   }
   while (static_cast<int>(sweepers.size()) < std::max(1, tuning.threads)) {
     sweepers.push_back(std::make_unique<ColumnSweep>(kernel));
   }
-  for (auto& sweeper : sweepers) sweeper->begin(tuning, rules, unsure);
+  for (auto& sweeper : sweepers) sweeper->begin(tuning, test, unsure);
 
   const std::size_t count = boxes.size();
   const Spread spread = sampleSpread(records.data(), count, SAMPLE);

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstddef>
 
-#include "sweep_record.h"
+#include "packed_records.h"
 
 namespace collision_pairs {
 
@@ -65,6 +65,18 @@ Spread measureSpread(Get get, std::size_t count) {
 /// The axis of greatest variance, except where the boxes are so long on it that each meets a
 /// third of the others (parallel rods) and another axis prunes three times better. Costs a few
 /// comparisons.
-int sweepAxis(const Spread& spread);
+inline int sweepAxis(const Spread& spread) {
+  constexpr double CROWDED = 1.0 / 3.0;
+  constexpr double WORTH_IT = 1.0 / 3.0;
+  int widest = 0;
+  int sparsest = 0;
+  for (int k = 1; k < 3; ++k) {
+    if (spread.deviation[k] > spread.deviation[widest]) widest = k;
+    if (spread.crowd(k) < spread.crowd(sparsest)) sparsest = k;
+  }
+  const double crowd = spread.crowd(widest);
+  const bool bad = crowd > CROWDED && spread.crowd(sparsest) < WORTH_IT * crowd;
+  return bad ? sparsest : widest;
+}
 
 }  // namespace collision_pairs

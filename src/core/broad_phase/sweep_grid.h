@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "packed_records.h"
 #include "sweep_axis.h"
-#include "sweep_record.h"
 
 namespace collision_pairs {
 

@@ -3,6 +3,7 @@
 
 #include <cstring>
 
+#include "instruction_set.h"
 #include "sweep_kernel_loops.h"
 
 namespace collision_pairs {
@@ -87,12 +88,8 @@ const std::vector<const SweepKernel*>& sweepKernels() {
   static const std::vector<const SweepKernel*> KERNELS = [] {
     std::vector<const SweepKernel*> kernels;
 #ifdef COLLISION_PAIRS_X86_KERNELS
-    // VBMI2 is not used. It tells Ice Lake and Zen 4 and later from the first processors with
-    // AVX-512, which slow down as a whole while they use it.
-    if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vbmi2")) {
-      kernels.push_back(&AVX512_KERNEL);
-    }
-    if (__builtin_cpu_supports("avx2")) kernels.push_back(&AVX2_KERNEL);
+    if (instructionSet() >= InstructionSet::AVX512) kernels.push_back(&AVX512_KERNEL);
+    if (instructionSet() >= InstructionSet::AVX2) kernels.push_back(&AVX2_KERNEL);
 #endif
     kernels.push_back(&FOUR_LANES_KERNEL);
     kernels.push_back(&SCALAR_KERNEL);

@@ -6,7 +6,6 @@
 #include <limits>
 
 #include "collision_pairs/input_error.h"
-#include "deadline.h"
 #include "found_pairs.h"
 #include "pair_ladder.h"
 #include "timed_climb.h"

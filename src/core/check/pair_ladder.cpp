@@ -11,17 +11,11 @@ namespace collision_pairs {
 namespace {
 
 using Eigen::Isometry3d;
-using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 constexpr double ROUNDING = 64.0 * std::numeric_limits<double>::epsilon();
 
 const Prepared& preparedOf(const Rung& rung) { return static_cast<const Prepared&>(*rung.shape); }
-
-// How far `apart` is outside of `reach`, less the rounding of what `apart` was computed from.
-double squaredExcess(const Vector3d& apart, const Vector3d& reach) {
-  return (apart.cwiseAbs() * (1.0 - ROUNDING) - reach).cwiseMax(0.0).squaredNorm();
-}
 
 PairDistance beyond(double lower_bound) {
   PairDistance answer;
@@ -72,7 +66,7 @@ PairLadder::Answer PairLadder::climb(const BoxPair& pair, Fidelity top, double m
   top = rungOf(pair, top);
   if (top == Fidelity::AABB) return measureBoxes(pair);
   const Isometry3d X_AB = relativePose(pair);
-  const double gap = turnedBoxGap(pair, X_AB);
+  const double gap = obbGap(pair, X_AB);
   if (gap > max_distance) return {beyond(gap), Fidelity::OBB};
   Answer answer = measureAt(pair, X_AB, top, max_distance);
   if (answer.found.by_hulls) answer.rung = Fidelity::CONVEX;
@@ -94,7 +88,7 @@ PairLadder::Answer PairLadder::touches(const BoxPair& pair, Fidelity top) {
 bool PairLadder::meets(const BoxPair& pair, Fidelity rung) {
   if (rung != Fidelity::MESH) return climb(pair, rung, 0.0).found.touches();
   const Isometry3d X_AB = relativePose(pair);
-  if (turnedBoxGap(pair, X_AB) > 0.0) return false;
+  if (obbGap(pair, X_AB) > 0.0) return false;
   if (scene_->padding(pair.first, pair.second) > 0.0) {
     return measureAt(pair, X_AB, rung, 0.0).found.touches();
   }
@@ -126,7 +120,7 @@ PairLadder::Answer PairLadder::measureAt(const BoxPair& pair, const Isometry3d& 
   if (!a.loose && !b.loose) return answer;
   found.p_ACa += a.margin * found.nhat_AB_A;  // onto the grown shapes
   found.p_ACb -= b.margin * found.nhat_AB_A;
-  // The tight axis-aligned box need not enclose the turned one, or a simplified hull. All enclose
+  // The tight axis-aligned box need not enclose the OBB, or a simplified hull. All enclose
   // the element, so the better bound counts, and this rung never says less than the cheapest.
   const Answer boxes = measureBoxes(pair);
   return boxes.found.distance > found.distance ? Answer{boxes.found, rung} : answer;
@@ -141,7 +135,7 @@ PairLadder::Answer PairLadder::boundOfAlignedBoxes(const BoxPair& pair, double m
 
 PairLadder::Answer PairLadder::boundOfBoxes(const BoxPair& pair, double max_distance) const {
   Answer bound = boundOfAlignedBoxes(pair, max_distance);
-  const double gap = turnedBoxGap(pair, relativePose(pair));
+  const double gap = obbGap(pair, relativePose(pair));
   if (gap > max_distance) return {beyond(gap), Fidelity::OBB};
   if (gap <= std::max(bound.found.distance, 0.0)) return bound;
   bound.found.distance = gap;
@@ -153,9 +147,7 @@ PairLadder::Answer PairLadder::boundOfHulls(const BoxPair& pair, const Answer& k
                                             double max_distance) const {
   const Prepared& a = preparedOf(scene_->elements()[pair.first].rung(Fidelity::MESH));
   const Prepared& b = preparedOf(scene_->elements()[pair.second].rung(Fidelity::MESH));
-  const double rounding =
-      ROUNDING * (a.core.extent + a.core.center.norm() + b.core.extent + b.core.center.norm());
-  const double margin = rounding + scene_->padding(pair.first, pair.second);
+  const double margin = roundingOf(a.core, b.core) + scene_->padding(pair.first, pair.second);
   const PairDistance gap = convexGap(a.core, b.core, relativePose(pair), max_distance + margin);
   const double distance = gap.distance - margin;
   if (gap.certainty == Certainty::DEGRADED || distance <= std::max(known.found.distance, 0.0)) {
@@ -193,18 +185,14 @@ PairLadder::Answer PairLadder::measureBoxes(const BoxPair& pair) const {
   return {found, Fidelity::AABB};
 }
 
-double PairLadder::turnedBoxGap(const BoxPair& pair, const Isometry3d& X_AB) const {
+double PairLadder::obbGap(const BoxPair& pair, const Isometry3d& X_AB) const {
   const SceneElement& a = scene_->elements()[pair.first];
   const SceneElement& b = scene_->elements()[pair.second];
   const double padding = scene_->padding(pair.first, pair.second);
   if (std::isinf(a.box_half[0]) || std::isinf(b.box_half[0])) return -padding;
-  const Matrix3d R = X_AB.linear();
-  const Matrix3d reach = R.cwiseAbs();
-  const Vector3d t = X_AB * b.box_center - a.box_center;
-  const double along_a = squaredExcess(t, a.box_half + reach * b.box_half);
-  const double along_b =
-      squaredExcess(R.transpose() * t, b.box_half + reach.transpose() * a.box_half);
-  return std::sqrt(std::max(along_a, along_b)) - padding;
+  // Nearer by the rounding of the pose.
+  const Vector3d p_AB = (X_AB * b.box_center - a.box_center) * (1.0 - ROUNDING);
+  return std::sqrt(squaredBoxGap(a.box_half, b.box_half, X_AB.linear(), p_AB)) - padding;
 }
 
 }  // namespace collision_pairs

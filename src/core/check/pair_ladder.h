@@ -58,9 +58,9 @@ class PairLadder {
   Answer measureBoxes(const BoxPair& pair) const;
   /// True where it cannot be shown that they do not.
   bool meets(const BoxPair& pair, Fidelity rung);
-  /// A lower bound of the distance of the two turned boxes, less the padding; 0 or less does not
-  /// mean that they meet.
-  double turnedBoxGap(const BoxPair& pair, const Eigen::Isometry3d& X_AB) const;
+  /// A lower bound of the distance of the two OBBs, less the padding; 0 or less does not mean that
+  /// they meet.
+  double obbGap(const BoxPair& pair, const Eigen::Isometry3d& X_AB) const;
 
   const CollisionScene* scene_ = nullptr;
   const std::vector<Eigen::Isometry3d>* X_WE_ = nullptr;

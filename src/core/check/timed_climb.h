@@ -1,13 +1,31 @@
 // Settles as many pairs as a deadline allows, the most suspicious ones first.
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "collision_pairs/collision_detector.h"
-#include "deadline.h"
 #include "pair_ladder.h"
 
 namespace collision_pairs {
+
+/// Seconds that never go back.
+using Clock = std::function<double()>;
+
+class Deadline {
+ public:
+  /// `budget` seconds from now on; 0: never. The clock must outlive this and is read once at the
+  /// start and once a question.
+  Deadline(const Clock& clock, double budget)
+      : clock_(budget > 0.0 ? &clock : nullptr), end_(clock_ ? clock() + budget : 0.0) {}
+
+  bool isSet() const { return clock_ != nullptr; }
+  bool spent() const { return clock_ && (*clock_)() >= end_; }
+
+ private:
+  const Clock* clock_;
+  double end_;
+};
 
 /// All pairs are bounded by their boxes. Then come two rounds, each by the lower bounds that are
 /// known by then, the smallest first: hulls where triangles would be needed, and everything else

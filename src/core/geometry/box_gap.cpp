@@ -1,46 +1,21 @@
 #include "box_gap.h"
 
-#include <algorithm>
-
 namespace collision_pairs {
-
-#ifdef COLLISION_PAIRS_X86_KERNELS
-extern const BoxGapLoops BOX_GAPS_AVX2;
-#endif
 
 namespace {
 
-using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-typedef double TwoDoubles __attribute__((vector_size(16)));
-typedef long long TwoIntegers __attribute__((vector_size(16)));
-
-BoxGapLoops bestLoops() {
-#ifdef COLLISION_PAIRS_X86_KERNELS
-  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) return BOX_GAPS_AVX2;
-#endif
-  return BoxGapLoop<TwoDoubles, TwoIntegers, 2>::ALL;
-}
-
-const BoxGapLoops& loops() {
-  static const BoxGapLoops LOOPS = bestLoops();
-  return LOOPS;
-}
-
-double squaredExcess(const Vector3d& apart, const Vector3d& reach) {
-  return (apart.cwiseAbs() - reach).cwiseMax(0.0).squaredNorm();
+const GeometryKernel& kernel() {
+  static const GeometryKernel KERNEL = geometryKernels().front();
+  return KERNEL;
 }
 
 }  // namespace
 
 double squaredBoxGap(const OrientedBox& a, const OrientedBox& b) {
-  const Matrix3d R_ab = a.R.transpose() * b.R;
-  const Vector3d t = a.R.transpose() * (b.center - a.center);
-  const Matrix3d reach = R_ab.cwiseAbs();
-  const double along_a = squaredExcess(t, a.half + reach * b.half);
-  const double along_b = squaredExcess(R_ab.transpose() * t, b.half + reach.transpose() * a.half);
-  return std::max(along_a, along_b);
+  return squaredBoxGap(a.half, b.half, a.R.transpose() * b.R,
+                       a.R.transpose() * (b.center - a.center));
 }
 
 OrientedBox boxInLane(const BoxBlock& block, int lane) {
@@ -59,20 +34,20 @@ void setLane(const OrientedBox& box, int lane, BoxBlock& block) {
 
 FourGaps squaredBoxGaps(const BoxBlock& block, const OrientedBox& box) {
   FourGaps squared;
-  loops().box(block, box.R.data(), box.center.data(), box.half.data(), squared.of);
+  kernel().box_gaps(block, box.R.data(), box.center.data(), box.half.data(), squared.of);
   return squared;
 }
 
 FourGaps squaredBoxGaps(const BoxBlock& block, const BoxBlock& other, int lane,
                         const Eigen::Isometry3d& X) {
   FourGaps squared;
-  loops().moved_box(block, other, lane, X.data(), squared.of);
+  kernel().moved_box_gaps(block, other, lane, X.data(), squared.of);
   return squared;
 }
 
 FourGaps squaredPointGaps(const BoxBlock& block, const Vector3d& point) {
   FourGaps squared;
-  loops().point(block, point.data(), squared.of);
+  kernel().point_gaps(block, point.data(), squared.of);
   return squared;
 }
 

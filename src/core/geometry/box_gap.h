@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
-#include "box_gap_loop.h"
+#include "geometry_kernel.h"
 
 namespace collision_pairs {
 
@@ -20,9 +20,22 @@ struct OrientedBox {
   }
 };
 
-/// Square of a lower bound of the distance of two boxes in one frame: the larger of the distances
-/// between each box and the other's enclosing box along its axes. 0 does not mean that they meet.
-/// Cost: about 20 ns.
+/// Square of a lower bound of the distance of two boxes along the axes of A and B: the larger of
+/// the distances between each box and the other's enclosing box along its axes. Given are their
+/// half sizes, and B's axes and the centre of its box seen from the centre of A's box. 0 does not
+/// mean that they meet. Cost: about 15 ns.
+inline double squaredBoxGap(const Eigen::Vector3d& half_a, const Eigen::Vector3d& half_b,
+                            const Eigen::Matrix3d& R_AB, const Eigen::Vector3d& p_AB) {
+  const auto squaredExcess = [](const Eigen::Vector3d& apart, const Eigen::Vector3d& reach) {
+    return (apart.cwiseAbs() - reach).cwiseMax(0.0).squaredNorm();
+  };
+  const Eigen::Matrix3d reach = R_AB.cwiseAbs();
+  const double along_a = squaredExcess(p_AB, half_a + reach * half_b);
+  const double along_b =
+      squaredExcess(R_AB.transpose() * p_AB, half_b + reach.transpose() * half_a);
+  return along_a > along_b ? along_a : along_b;
+}
+/// The same for two boxes in one frame. Cost: about 20 ns.
 double squaredBoxGap(const OrientedBox& a, const OrientedBox& b);
 
 /// The lanes of a block, one by one.

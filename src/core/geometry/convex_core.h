@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <type_traits>
 #include <vector>
 
@@ -13,7 +14,7 @@
 
 #include "box_gap.h"
 #include "cube_cells.h"
-#include "furthest_point.h"
+#include "packed_points.h"
 
 namespace collision_pairs {
 
@@ -51,6 +52,14 @@ struct ConvexCore {
 /// The box around it along its own axes.
 inline OrientedBox boxAround(const ConvexCore& core) {
   return {Eigen::Matrix3d::Identity(), core.center, core.half.array() + core.radius};
+}
+
+/// By how much coordinates of points of the two may be off, in a frame near them: the closest
+/// points of hulls are beside the surface that they are on by no more, and the vertices that qhull
+/// leaves out are outside of their hull by no more.
+inline double roundingOf(const ConvexCore& a, const ConvexCore& b) {
+  constexpr double ROUNDING = 64.0 * std::numeric_limits<double>::epsilon();
+  return ROUNDING * (a.extent + a.center.norm() + a.radius + b.extent + b.center.norm() + b.radius);
 }
 
 template <class T>

@@ -2,7 +2,6 @@
 
 #include <cmath>
 
-#include "closest_on_mesh.h"
 #include "convex_distance.h"
 
 namespace collision_pairs {
@@ -11,14 +10,7 @@ namespace {
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
 
-// Closest points of hulls this close to a surface, relative to the coordinates, are on it.
-constexpr double PATCH_ROUNDING = 64.0 * std::numeric_limits<double>::epsilon();
-
 double square(double x) { return x * x; }
-
-double roundingOf(const ConvexCore& a, const ConvexCore& b) {
-  return PATCH_ROUNDING * (a.extent + a.center.norm() + b.extent + b.center.norm() + b.radius);
-}
 
 // A patch by the corners of it, a triangle by its own; `corners` holds these.
 ConvexCore pieceCore(const PreparedMesh& mesh, const TriangleTree::Node& node, Corners& corners) {
@@ -28,29 +20,6 @@ ConvexCore pieceCore(const PreparedMesh& mesh, const TriangleTree::Node& node, C
 }
 
 }  // namespace
-
-Corners cornersOf(const TriangleMesh& mesh, std::uint32_t index) {
-  const auto& t = mesh.triangles[index];
-  return {mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]};
-}
-
-Corners moved(const Corners& corners, const Isometry3d& X) {
-  return {X * corners[0], X * corners[1], X * corners[2]};
-}
-
-Triangle triangleOf(const TriangleMesh& mesh, std::uint32_t index) {
-  return Triangle(cornersOf(mesh, index));
-}
-
-ConvexCore cornersCore(const Corners& corners) {
-  ConvexCore core;
-  core.kind = ConvexCore::Kind::POINTS;
-  core.points = corners.data();
-  core.num_points = 3;
-  core.center = (corners[0] + corners[1] + corners[2]) / 3.0;
-  for (const Vector3d& v : corners) core.extent = std::max(core.extent, (v - core.center).norm());
-  return core;
-}
 
 PatchOutcome comparePatches(const PreparedMesh& A, std::uint32_t a, const PreparedMesh& B,
                             std::uint32_t b, const Isometry3d& X_AB, const Isometry3d& X_BA,

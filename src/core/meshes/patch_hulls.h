@@ -4,7 +4,6 @@
 #include <limits>
 
 #include "prepared_mesh.h"
-#include "triangle_distance.h"
 
 namespace collision_pairs {
 
@@ -19,13 +18,6 @@ struct SurfaceGap {
   std::uint32_t triangle_a = 0;
   std::uint32_t triangle_b = 0;
 };
-
-/// The triangle with that index: its corners, these moved, and with its normal.
-Corners cornersOf(const TriangleMesh& mesh, std::uint32_t index);
-Corners moved(const Corners& corners, const Eigen::Isometry3d& X);
-Triangle triangleOf(const TriangleMesh& mesh, std::uint32_t index);
-/// A triangle as a convex shape that refers to its corners.
-ConvexCore cornersCore(const Corners& corners);
 
 enum class PatchOutcome {
   SETTLED,     ///< too far apart to matter, or the hulls' closest points are on both surfaces

@@ -1,6 +1,7 @@
 // How near to each other the parts of two surfaces can be, seen along one direction.
 #pragma once
 
+#include <limits>
 #include <vector>
 
 #include "prepared_mesh.h"
@@ -18,7 +19,14 @@ class SlabBounds {
   void clear() { reach_a_.clear(); }
   /// nhat_AB_A: unit, from A to B, in A's frame. Cost: about 10 ns a patch.
   void set(const PreparedMesh& A, const PreparedMesh& B, const Eigen::Isometry3d& X_AB,
-           const Eigen::Vector3d& nhat_AB_A);
+           const Eigen::Vector3d& nhat_AB_A) {
+    constexpr double ROUNDING = 64.0 * std::numeric_limits<double>::epsilon();
+    A.tree.reaches(nhat_AB_A, reach_a_);
+    B.tree.reaches(-(X_AB.linear().transpose() * nhat_AB_A), reach_b_);
+    const double magnitude = farthestFromFrame(A.tree.box(0)) + farthestFromFrame(B.tree.box(0)) +
+                             X_AB.translation().norm();
+    offset_ = nhat_AB_A.dot(X_AB.translation()) - ROUNDING * magnitude;
+  }
 
   /// The bound, squared; 0 for nodes below patches. Cost: 2 ns.
   double squaredGap(std::uint32_t a, std::uint32_t b) const {
@@ -28,6 +36,10 @@ class SlabBounds {
   }
 
  private:
+  static double farthestFromFrame(const OrientedBox& box) {
+    return box.center.norm() + box.half.norm();
+  }
+
   std::vector<double> reach_a_, reach_b_;  // of each node, along and against the direction
   double offset_ = 0.0;                    // of the two frames along it, less rounding
 };

@@ -17,10 +17,9 @@
 #include <cmath>
 
 #include "closed_forms.h"
-#include "containment.h"
 #include "convex_distance.h"
-#include "hull_bounds.h"
 #include "mesh_query.h"
+#include "solids.h"
 #include "surface_contact.h"
 
 namespace collision_pairs {

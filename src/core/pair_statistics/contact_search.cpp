@@ -1,5 +1,4 @@
-#include "contact_search.h"
-
+// searchContacts(): looks for contacts where random states are too rare to show them.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -8,6 +7,7 @@
 
 #include "in_parallel.h"
 #include "pair_probe.h"
+#include "pair_statistics.h"
 
 namespace collision_pairs {
 namespace {

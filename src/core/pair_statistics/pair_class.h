@@ -1,11 +1,22 @@
 // What the evidence says of a pair of links: may it be left unchecked?
 #pragma once
 
+#include <cstdint>
 #include <string>
 
 #include "pair_statistics.h"
 
 namespace collision_pairs {
+
+/// The exact one-sided bounds of Clopper and Pearson (The use of confidence or fiducial limits
+/// illustrated in the case of the binomial, 1934) on the probability of contact in a state, after
+/// `contacts` of `trials` independent states: whatever the probability is, the bound is on the
+/// right side of it with at least `confidence`, which lies in (0, 1). Without trials: 1 and 0.
+double upperContactProbability(std::uint64_t contacts, std::uint64_t trials, double confidence);
+double lowerContactProbability(std::uint64_t contacts, std::uint64_t trials, double confidence);
+
+/// The fewest trials without a contact whose upper bound is at most `probability`, in (0, 1).
+std::uint64_t trialsNeeded(double probability, double confidence);
 
 struct ClassRules {
   /// Of each bound, in (0, 1).

@@ -4,7 +4,7 @@
 #include <set>
 
 #include "collision_pairs/input_error.h"
-#include "nearest_name.h"
+#include "user_text.h"
 
 namespace collision_pairs {
 namespace {

@@ -1,12 +1,19 @@
 #include "collision_pairs/robot_model.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "collision_pairs/input_error.h"
 
 namespace collision_pairs {
 
 using Eigen::Isometry3d;
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+std::string withPrefix(const std::string& prefix, const std::string& name) {
+  return prefix.empty() ? name : prefix + "/" + name;
+}
 
 Isometry3d Joint::motion(double position) const {
   Isometry3d X = Isometry3d::Identity();
@@ -48,6 +55,31 @@ void RobotModel::groupIntoBodies() {
     link.X_BL = Isometry3d::Identity();
     bodies_.push_back(body);
   }
+  foldJoints();
+}
+
+void RobotModel::foldJoints() {
+  motions_.clear();
+  for (const Body& body : bodies_) {
+    BodyMotion motion;
+    motion.R = body.X_PJ.linear();
+    motion.p = body.X_PJ.translation();
+    motion.p_slope.setZero();
+    const bool moves = body.joint >= 0 && joints_[body.joint].hasPosition();
+    if (moves && joints_[body.joint].type == JointType::PRISMATIC) {
+      motion.p_slope = motion.R * joints_[body.joint].axis;
+    } else if (moves) {
+      motion.turns = true;
+      const Vector3d& a = joints_[body.joint].axis;
+      const Matrix3d R_PJ = body.X_PJ.linear();
+      Matrix3d cross;
+      cross << 0.0, -a.z(), a.y(), a.z(), 0.0, -a.x(), -a.y(), a.x(), 0.0;
+      motion.R = R_PJ * (a * a.transpose());
+      motion.R_cos = R_PJ * (Matrix3d::Identity() - a * a.transpose());
+      motion.R_sin = R_PJ * cross;
+    }
+    motions_.push_back(motion);
+  }
 }
 
 std::shared_ptr<const RobotModel> RobotModel::withElements(
@@ -74,22 +106,22 @@ std::shared_ptr<const RobotModel> RobotModel::merge(const std::vector<Placed>& r
 }
 
 void RobotModel::append(const Placed& robot) {
-  const std::string prefix = robot.prefix.empty() ? "" : robot.prefix + "/";
   const int first_link = static_cast<int>(links_.size());
   const int first_joint = static_cast<int>(joints_.size());
   for (Link link : robot.model->links_) {
-    link.name = prefix + link.name;
+    link.name = withPrefix(robot.prefix, link.name);
     if (link.parent_joint >= 0) link.parent_joint += first_joint;
     links_.push_back(std::move(link));
   }
   for (Joint joint : robot.model->joints_) {
-    joint.name = prefix + joint.name;
+    joint.name = withPrefix(robot.prefix, joint.name);
     joint.parent_link += first_link;
     joint.child_link += first_link;
     if (joint.mimic) joint.mimic->joint += first_joint;
     joints_.push_back(std::move(joint));
   }
-  name_ += (name_.empty() ? "" : "', '") + prefix + robot.model->name_;
+  warnings_.insert(warnings_.end(), robot.model->warnings_.begin(), robot.model->warnings_.end());
+  name_ += (name_.empty() ? "" : "', '") + withPrefix(robot.prefix, robot.model->name_);
 }
 
 int RobotModel::findLink(const std::string& name) const {
@@ -140,12 +172,26 @@ void RobotModel::applyMimics(std::vector<double>& positions) const {
 
 void RobotModel::forwardKinematics(const std::vector<double>& positions,
                                    std::vector<Isometry3d>& X_RB) const {
-  X_RB.resize(bodies_.size());
+  X_RB.resize(bodies_.size(), Isometry3d::Identity());
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     const Body& body = bodies_[i];
-    X_RB[i] = body.joint < 0 ? body.X_PJ
-                             : X_RB[body.parent] * body.X_PJ *
-                                   joints_[body.joint].motion(positions[body.joint]);
+    if (body.joint < 0) {
+      X_RB[i] = body.X_PJ;
+      continue;
+    }
+    const BodyMotion& motion = motions_[i];
+    const Isometry3d& X_RP = X_RB[body.parent];
+    const double q = positions[body.joint];
+    if (motion.turns) {
+      const Matrix3d R_PB = motion.R + std::cos(q) * motion.R_cos + std::sin(q) * motion.R_sin;
+      X_RB[i].linear().noalias() = X_RP.linear() * R_PB;
+      X_RB[i].translation().noalias() = X_RP.linear() * motion.p;
+    } else {
+      X_RB[i].linear().noalias() = X_RP.linear() * motion.R;
+      X_RB[i].translation().noalias() = X_RP.linear() * (motion.p + q * motion.p_slope);
+    }
+    X_RB[i].translation() += X_RP.translation();
+    X_RB[i].makeAffine();
   }
 }
 

@@ -5,7 +5,7 @@
 #include <set>
 
 #include "collision_pairs/input_error.h"
-#include "number_text.h"
+#include "user_text.h"
 #include "xml_file.h"
 
 namespace collision_pairs {
@@ -28,6 +28,7 @@ struct Tree {
   std::map<std::string, std::string> parent_of;    // link by child link
   std::map<std::string, const XMLElement*> above;  // joint by child link
   std::map<std::string, std::string> mimic_of;     // joint by mimicking joint
+  std::vector<std::string> warnings;
 };
 
 double checkNumber(const XMLElement& element, const char* attribute, const std::string& owner) {
@@ -130,6 +131,10 @@ void readMimic(const XMLElement& joint, const std::string& name, const std::stri
   const XMLElement* mimic = joint.FirstChildElement("mimic");
   if (mimic == nullptr) return;
   const std::string owner = "joint " + quoted(name) + ": mimic";
+  if (type == "fixed") {
+    tree.warnings.push_back(placed(*mimic, WHAT, owner + " on a fixed joint means nothing"));
+    return;
+  }
   if (type != "revolute" && type != "continuous" && type != "prismatic") {
     fail(*mimic, owner + ": a " + type + " joint has no position that could follow");
   }
@@ -244,14 +249,16 @@ void completeLimit(XMLElement& joint) {
   limit->SetAttribute("velocity", "0");
 }
 
-void reduce(XMLElement& robot) {
+void reduce(XMLElement& robot, const Tree& tree) {
   keepOnly(robot, {"link", "joint"});
   robot.DeleteAttribute("version");
   for (XMLElement* child = robot.FirstChildElement(); child; child = child->NextSiblingElement()) {
     if (child->Name() == std::string("link")) {
       keepOnly(*child, {"collision"});
     } else {
-      keepOnly(*child, {"origin", "parent", "child", "axis", "limit", "mimic"});
+      std::set<std::string> kept = {"origin", "parent", "child", "axis", "limit"};
+      if (tree.mimic_of.count(child->Attribute("name")) > 0) kept.insert("mimic");
+      keepOnly(*child, kept);
       completeLimit(*child);
     }
   }
@@ -259,7 +266,7 @@ void reduce(XMLElement& robot) {
 
 }  // namespace
 
-std::string checkedUrdf(const std::string& xml) {
+std::string checkedUrdf(const std::string& xml, std::vector<std::string>& warnings) {
   tinyxml2::XMLDocument document;
   XMLElement* robot = parseXml(document, xml, "robot", WHAT);
   requiredAttribute(*robot, "name", WHAT);
@@ -277,7 +284,8 @@ std::string checkedUrdf(const std::string& xml) {
   checkOneRoot(tree, *robot);
   checkNoCycle(tree);
   checkMimics(tree);
-  reduce(*robot);
+  reduce(*robot, tree);
+  warnings.insert(warnings.end(), tree.warnings.begin(), tree.warnings.end());
   tinyxml2::XMLPrinter printer;
   document.Print(&printer);
   return printer.CStr();

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 namespace collision_pairs {
 
@@ -9,7 +10,8 @@ namespace collision_pairs {
 /// geometry. Returns the URDF reduced to links, their <collision>s and joints, so that what
 /// nobody here reads (visuals, inertias, plugins, …) cannot fail in urdfdom either.
 /// urdfdom alone accepts a loop of links beside the root, and reports numbers without their line.
-/// Throws InputError with the line.
-std::string checkedUrdf(const std::string& xml);
+/// Throws InputError with the line. Adds to `warnings` what is passed over although somebody meant
+/// something by it.
+std::string checkedUrdf(const std::string& xml, std::vector<std::string>& warnings);
 
 }  // namespace collision_pairs

@@ -62,8 +62,9 @@ class UrdfReader {
              std::vector<BrokenElement>* broken)
       : source_(source), load_mesh_(load_mesh), broken_(broken) {}
 
-  std::shared_ptr<const RobotModel> read() {
+  std::shared_ptr<const RobotModel> read(std::vector<std::string> warnings) {
     model_.reset(new RobotModel);
+    model_->warnings_ = std::move(warnings);
     model_->name_ = source_.getName();
     addLink(*source_.getRoot());
     // Parents first; no recursion, so that a chain of any length is read.
@@ -148,8 +149,9 @@ class UrdfReader {
 std::shared_ptr<const RobotModel> RobotModel::fromUrdf(const std::string& xml,
                                                        const MeshLoader& load_mesh,
                                                        std::vector<BrokenElement>* broken) {
-  const auto source = parseWithUrdfdom(checkedUrdf(xml));
-  return UrdfReader(*source, load_mesh, broken).read();
+  std::vector<std::string> warnings;
+  const auto source = parseWithUrdfdom(checkedUrdf(xml, warnings));
+  return UrdfReader(*source, load_mesh, broken).read(std::move(warnings));
 }
 
 }  // namespace collision_pairs

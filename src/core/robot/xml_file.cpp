@@ -30,9 +30,14 @@ tinyxml2::XMLElement* parseXml(tinyxml2::XMLDocument& document, const std::strin
   return element;
 }
 
+std::string placed(const tinyxml2::XMLElement& element, const std::string& what,
+                   const std::string& message) {
+  return what + " line " + std::to_string(element.GetLineNum()) + ": " + message;
+}
+
 void failAt(const tinyxml2::XMLElement& element, const std::string& what,
             const std::string& message) {
-  throw InputError(what + " line " + std::to_string(element.GetLineNum()) + ": " + message);
+  throw InputError(placed(element, what, message));
 }
 
 std::string requiredAttribute(const tinyxml2::XMLElement& element, const char* attribute,

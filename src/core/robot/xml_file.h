@@ -14,6 +14,9 @@ tinyxml2::XMLElement* parseXml(tinyxml2::XMLDocument& document, const std::strin
                                const std::string& root, const std::string& what);
 
 /// "URDF line 12: " in front of a message.
+std::string placed(const tinyxml2::XMLElement& element, const std::string& what,
+                   const std::string& message);
+/// Throws InputError with the placed message.
 [[noreturn]] void failAt(const tinyxml2::XMLElement& element, const std::string& what,
                          const std::string& message);
 

@@ -8,10 +8,6 @@
 namespace collision_pairs {
 namespace {
 
-std::string withPrefix(const std::string& prefix, const std::string& name) {
-  return prefix.empty() ? name : prefix + "/" + name;
-}
-
 bool contains(const std::vector<std::string>& names, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }

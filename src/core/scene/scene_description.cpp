@@ -1,6 +1,117 @@
 #include "collision_pairs/scene_description.h"
 
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <set>
+
+#include "collision_pairs/input_error.h"
+#include "scene_members.h"
+#include "user_text.h"
+
 namespace collision_pairs {
+namespace {
+
+class NameCheck {
+ public:
+  NameCheck(const SceneDescription& description, const RobotModel& merged)
+      : description_(description), merged_(merged) {
+    for (const Link& link : merged.links()) add(link.name);
+    if (description.world) {
+      // A root "world" without geometry, in both, is in no report and does no harm.
+      for (const Link& link : description.world->links()) {
+        link.has_geometry ? add(link.name) : void(names_.insert(link.name));
+      }
+    }
+    for (const RigidObject& object : description.objects) add(object.name);
+  }
+
+  void run() const {
+    const SceneSettings& settings = description_.settings;
+    for (const auto& entry : settings.link_fidelity) require(entry.first, "link_fidelity");
+    for (const auto& entry : settings.link_padding) require(entry.first, "link_padding");
+    for (const PairRule& rule : settings.pair_rules) requireBoth(rule, "pair_rules");
+    for (const PairPadding& padding : settings.pair_padding) requireBoth(padding, "pair_padding");
+    for (const auto& name : settings.ignored_links) requireIfNoPattern(name, "ignored_links");
+    for (const auto& name : settings.cylinder_as_capsule) {
+      requireIfNoPattern(name, "cylinder_as_capsule");
+    }
+    for (const auto& name : description_.restriction.names) {
+      requireIfNoPattern(name, "the restriction");
+    }
+    for (const RigidObject& object : description_.objects) checkObject(object);
+  }
+
+ private:
+  void add(const std::string& name) {
+    if (names_.insert(name).second) return;
+    const bool of_object = std::any_of(description_.objects.begin(), description_.objects.end(),
+                                       [&](const RigidObject& o) { return o.name == name; });
+    throw InputError(of_object ? "object '" + name + "' has the name of a link or another object"
+                               : "link '" + name +
+                                     "' is in the robot and in the world; rename one of them");
+  }
+
+  template <class NamesTwo>
+  void requireBoth(const NamesTwo& pair, const std::string& where) const {
+    requireIfNoPattern(pair.first, where);
+    requireIfNoPattern(pair.second, where);
+  }
+
+  void requireIfNoPattern(const std::string& name, const std::string& where) const {
+    if (!isPattern(name)) require(name, where);
+  }
+
+  void require(const std::string& name, const std::string& where) const {
+    if (names_.count(name) > 0) return;
+    throw InputError(where + " names '" + name + "', which is no link of robot '" + merged_.name() +
+                     "'; is '" + nearestName(name, {names_.begin(), names_.end()}) + "' meant?");
+  }
+
+  void checkObject(const RigidObject& object) const {
+    const std::string where = "object '" + object.name + "'";
+    if (object.name.empty()) throw InputError("an object has no name");
+    if (object.elements.empty()) throw InputError(where + " has no shape");
+    if (!object.attached_link.empty() && merged_.findLink(object.attached_link) < 0) {
+      std::vector<std::string> links;
+      for (const Link& link : merged_.links()) links.push_back(link.name);
+      throw InputError(where + " hangs on '" + object.attached_link +
+                       "', which is no link of robot '" + merged_.name() + "'; is '" +
+                       nearestName(object.attached_link, links) + "' meant?");
+    }
+    for (const std::string& name : object.touch_links) require(name, where + ", touch_links");
+  }
+
+  const SceneDescription& description_;
+  const RobotModel& merged_;
+  std::set<std::string> names_;
+};
+
+void checkPadding(double metres, const std::string& where) {
+  if (metres >= 0.0 && std::isfinite(metres)) return;
+  throw InputError(where + " is " + std::to_string(metres) +
+                   ", but must be 0 or more metres, and finite");
+}
+
+void checkSizes(const SceneDescription& description) {
+  const SceneSettings& settings = description.settings;
+  if (settings.max_hull_vertices != 0 && settings.max_hull_vertices < 4) {
+    throw InputError("max_hull_vertices is " + std::to_string(settings.max_hull_vertices) +
+                     ", but must be 4 or more, or 0 for exact hulls");
+  }
+  checkPadding(settings.padding, "padding");
+  for (const auto& [link, metres] : settings.link_padding) {
+    checkPadding(metres, "link_padding of '" + link + "'");
+  }
+  for (const PairPadding& pair : settings.pair_padding) {
+    checkPadding(pair.metres, "pair_padding of '" + pair.first + "' and '" + pair.second + "'");
+  }
+  for (const RigidObject& object : description.objects) {
+    checkPadding(object.padding, "the padding of object '" + object.name + "'");
+  }
+}
+
+}  // namespace
 
 RigidObject floorAt(double height, std::vector<std::string> touch_links) {
   RigidObject floor;
@@ -9,6 +120,11 @@ RigidObject floorAt(double height, std::vector<std::string> touch_links) {
   floor.X_PO.translation().z() = height;
   floor.touch_links = std::move(touch_links);
   return floor;
+}
+
+void checkDescription(const SceneDescription& description, const RobotModel& merged) {
+  NameCheck(description, merged).run();
+  checkSizes(description);
 }
 
 }  // namespace collision_pairs

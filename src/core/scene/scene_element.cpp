@@ -3,7 +3,7 @@
 #include <atomic>
 #include <limits>
 
-#include "enclosure.h"
+#include "enclosing_box.h"
 #include "in_parallel.h"
 #include "mesh_bounds.h"
 

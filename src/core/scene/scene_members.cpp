@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "settings_check.h"
-
 namespace collision_pairs {
 namespace {
 
@@ -110,8 +108,7 @@ std::shared_ptr<const RobotModel> mergedRobot(const SceneDescription& descriptio
 
 std::vector<SceneMember> sceneMembers(const SceneDescription& description,
                                       const RobotModel& merged) {
-  checkNames(description, merged);
-  checkSizes(description);
+  checkDescription(description, merged);
   return MemberCollector(description, merged).collect();
 }
 

@@ -28,9 +28,14 @@ struct SceneMember {
 /// its own.
 std::shared_ptr<const RobotModel> mergedRobot(const SceneDescription& description);
 
-/// Sorted by name; the links that the settings ignore are left out. `merged` is mergedRobot(). Both
-/// must outlive the members. Throws InputError if two have the same name, if an object hangs on a
-/// link that no robot has, or if the settings name a link that is nowhere or a size that is none.
+/// Throws InputError if two links or objects have one name (but for links of the world without
+/// geometry), if an object or a setting names a link that is nowhere (the error says which one is
+/// meant, perhaps; patterns may match nothing, for what they mean may come later), for a padding
+/// that is negative or not finite, and for too few hull vertices. `merged` is mergedRobot().
+void checkDescription(const SceneDescription& description, const RobotModel& merged);
+
+/// Sorted by name; the links that the settings ignore are left out. Both arguments must outlive the
+/// members. Throws as checkDescription().
 std::vector<SceneMember> sceneMembers(const SceneDescription& description,
                                       const RobotModel& merged);
 

@@ -1,4 +1,4 @@
-// The last step of the sweep: from candidates to the pairs that are reported.
+// The last steps of the sweep: candidates tested on the true boxes, and the pairs sorted.
 #pragma once
 
 #include <algorithm>
@@ -7,13 +7,11 @@
 
 #include "collision_pairs/sweep_and_prune.h"
 #include "static_tree.h"
-#include "sweep_kernel.h"
-#include "sweep_record.h"
 
 namespace collision_pairs {
 
-/// What a cycle's candidates are judged by.
-struct PairRules {
+/// What a cycle's candidates are tested by.
+struct PairTest {
   const Aabb* boxes = nullptr;
   const std::uint32_t* models = nullptr;
   const PairFilter* filter = nullptr;  // null: everything is allowed
@@ -29,7 +27,7 @@ struct PairRules {
 /// `second` knows the boxes, models and ids behind the second ids. Each pair is written and then
 /// kept or not, so that there is no branch that is hard to foretell.
 template <class Second>
-void appendPairs(const Candidates& candidates, const PairRules& rules, const Second& second,
+void appendPairs(const Candidates& candidates, const PairTest& test, const Second& second,
                  std::vector<BoxPair>* pairs) {
   std::size_t kept = pairs->size();
   pairs->resize(kept + candidates.count);
@@ -40,40 +38,45 @@ void appendPairs(const Candidates& candidates, const PairRules& rules, const Sec
     out[kept] = second.pair(a, b);
     bool keep = true;
     if (candidates.second[k] & UNSURE) {
-      keep = squaredGap(rules.boxes[a], second.box(b)) <= rules.squared_reach;
+      keep = squaredGap(test.boxes[a], second.box(b)) <= test.squared_reach;
     }
-    if (rules.filter) keep = keep && rules.filter->allowed(rules.models[a], second.model(b));
+    if (test.filter) keep = keep && test.filter->allowed(test.models[a], second.model(b));
     kept += keep;
   }
   pairs->resize(kept);
 }
 
 /// Candidates of two moving boxes.
-inline void appendMovingPairs(const Candidates& candidates, const PairRules& rules,
+inline void appendMovingPairs(const Candidates& candidates, const PairTest& test,
                               std::vector<BoxPair>* pairs) {
   struct Moving {
-    const PairRules& rules;
-    const Aabb& box(std::uint32_t id) const { return rules.boxes[id]; }
-    std::uint32_t model(std::uint32_t id) const { return rules.models[id]; }
+    const PairTest& test;
+    const Aabb& box(std::uint32_t id) const { return test.boxes[id]; }
+    std::uint32_t model(std::uint32_t id) const { return test.models[id]; }
     BoxPair pair(std::uint32_t a, std::uint32_t b) const {
       const std::uint32_t swap = (a ^ b) & (0u - static_cast<std::uint32_t>(b < a));  // no branch
-      return {rules.nb_static + (a ^ swap), rules.nb_static + (b ^ swap)};
+      return {test.nb_static + (a ^ swap), test.nb_static + (b ^ swap)};
     }
   };
-  appendPairs(candidates, rules, Moving{rules}, pairs);
+  appendPairs(candidates, test, Moving{test}, pairs);
 }
 
 /// Candidates whose first is a moving box and whose second is a static one.
-inline void appendStaticPairs(const Candidates& candidates, const PairRules& rules,
+inline void appendStaticPairs(const Candidates& candidates, const PairTest& test,
                               const StaticTree& fixed, std::vector<BoxPair>* pairs) {
   struct Static {
-    const PairRules& rules;
+    const PairTest& test;
     const StaticTree& fixed;
     const Aabb& box(std::uint32_t id) const { return fixed.box(id); }
     std::uint32_t model(std::uint32_t id) const { return fixed.model(id); }
-    BoxPair pair(std::uint32_t a, std::uint32_t b) const { return {b, rules.nb_static + a}; }
+    BoxPair pair(std::uint32_t a, std::uint32_t b) const { return {b, test.nb_static + a}; }
   };
-  appendPairs(candidates, rules, Static{rules, fixed}, pairs);
+  appendPairs(candidates, test, Static{test, fixed}, pairs);
 }
+
+/// Radix sort, least significant digit first: by the second ids and then by the first. All ids
+/// are below `nb_ids`. O(pairs), without a branch that depends on them; `scratch` lends memory
+/// and its contents are lost.
+void sortPairs(std::vector<BoxPair>* pairs, std::size_t nb_ids, std::vector<BoxPair>* scratch);
 
 }  // namespace collision_pairs

@@ -1,4 +1,5 @@
-// What the hulls of two solids say about their distance: a lower bound, and often all of it.
+// What can be told of two solids without their triangles: by their hulls, and whether one contains
+// the other.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -35,5 +36,15 @@ bool hullsMiss(const Prepared& A, const Prepared& B, const Eigen::Isometry3d& X_
 
 /// Is the point outside of the hull for certain?
 bool hullMisses(const Prepared& A, const Eigen::Vector3d& p_AQ);
+
+/// A is a mesh; is the point in one of its parts that enclose space? Cost: 0.2 us outside of the
+/// hull, else as WindingNumber::holds().
+bool meshHoldsPoint(const Prepared& A, const Eigen::Vector3d& p_AQ);
+
+/// Is a part of the mesh B, or all of it, inside the mesh A?
+bool meshHoldsMesh(const Prepared& A, const Prepared& B, const Eigen::Isometry3d& X_AB);
+
+/// Is the convex B inside the mesh A?
+bool meshHoldsConvex(const Prepared& A, const Prepared& B, const Eigen::Isometry3d& X_AB);
 
 }  // namespace collision_pairs

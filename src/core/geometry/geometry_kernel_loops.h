@@ -1,29 +1,73 @@
-// The loops of BoxBlock, for any width of the compiler's generic vectors. Includes nothing of the
-// C++ library, so that a file compiled for newer processors leaves no code of theirs in a shared
-// function.
+// The loops of GeometryKernel, for any width of the compiler's generic vectors: `Lanes` holds
+// `WIDTH` doubles, `Bits` as many integers of the same size. Uses nothing of the C++ library, so
+// that a file compiled for newer processors leaves no code of theirs in a shared function.
 #pragma once
+
+#include "geometry_kernel.h"
 
 namespace collision_pairs {
 
-constexpr int BOX_LANES = 4;
+template <class Lanes, class Bits, int WIDTH>
+unsigned long furthestPointLoop(const PointBlock* blocks, unsigned long count,
+                                const double* direction, double* height) {
+  constexpr int PARTS = POINT_LANES / WIDTH;
+  const auto along = [direction](const PointBlock& block, int part) {
+    const auto load = [&](int axis) {
+      return *reinterpret_cast<const Lanes*>(block.xyz[axis] + part * WIDTH);
+    };
+    return direction[0] * load(0) + direction[1] * load(1) + direction[2] * load(2);
+  };
+  Lanes best = along(blocks[0], 0);
+  Bits found = {}, step = {};  // which of the steps gave `best`, and which one this is
+  for (unsigned long i = 0; i < count; ++i) {
+    for (int part = 0; part < PARTS; ++part) {
+      const Lanes reach = along(blocks[i], part);
+      found = reach > best ? step : found;
+      best = reach > best ? reach : best;
+      step += 1;
+    }
+  }
+  int lane = 0;
+  double most = best[0];
+  for (int other = 1; other < WIDTH; ++other) {  // as selections: branches would be guessed wrong
+    lane = best[other] > most ? other : lane;
+    most = best[other] > most ? best[other] : most;
+  }
+  *height = most;
+  return static_cast<unsigned long>(found[lane]) * WIDTH + static_cast<unsigned long>(lane);
+}
 
-/// Four oriented boxes as structure of arrays; of a matrix, column by column.
-struct alignas(BOX_LANES * sizeof(double)) BoxBlock {
-  double R[9][BOX_LANES];
-  double center[3][BOX_LANES];
-  double half[3][BOX_LANES];
-};
+template <class Lanes, int WIDTH>
+void extentLoop(const PointBlock* blocks, unsigned long count, const double* R, double* lower,
+                double* upper) {
+  Lanes low[3], high[3];
+  const auto along = [R](const PointBlock& block, int part, int row) {
+    const auto load = [&](int axis) {
+      return *reinterpret_cast<const Lanes*>(block.xyz[axis] + part * WIDTH);
+    };
+    return R[row] * load(0) + R[row + 3] * load(1) + R[row + 6] * load(2);
+  };
+  for (int row = 0; row < 3; ++row) low[row] = high[row] = along(blocks[0], 0, row);
+  for (unsigned long i = 0; i < count; ++i) {
+    for (int part = 0; part < POINT_LANES / WIDTH; ++part) {
+      for (int row = 0; row < 3; ++row) {
+        const Lanes reach = along(blocks[i], part, row);
+        low[row] = reach < low[row] ? reach : low[row];
+        high[row] = reach > high[row] ? reach : high[row];
+      }
+    }
+  }
+  for (int row = 0; row < 3; ++row) {  // as selections: branches would be guessed wrong
+    double least = low[row][0], most = high[row][0];
+    for (int lane = 1; lane < WIDTH; ++lane) {
+      least = low[row][lane] < least ? low[row][lane] : least;
+      most = high[row][lane] > most ? high[row][lane] : most;
+    }
+    lower[row] = least;
+    upper[row] = most;
+  }
+}
 
-/// The gap kernels for one kind of processor; see squaredGaps().
-struct BoxGapLoops {
-  void (*box)(const BoxBlock& block, const double* R, const double* center, const double* half,
-              double* squared);
-  void (*moved_box)(const BoxBlock& block, const BoxBlock& other, int lane, const double* X,
-                    double* squared);
-  void (*point)(const BoxBlock& block, const double* point, double* squared);
-};
-
-/// `Lanes` holds `WIDTH` doubles, 2 or 4; `Bits` as many integers of the same size.
 template <class Lanes, class Bits, int WIDTH>
 struct BoxGapLoop {
   static Lanes load(const double* lanes) { return *reinterpret_cast<const Lanes*>(lanes); }
@@ -98,8 +142,18 @@ struct BoxGapLoop {
       *reinterpret_cast<Lanes*>(squared + part) = gap;
     }
   }
-
-  static constexpr BoxGapLoops ALL{&box, &movedBox, &point};
 };
+
+/// Boxes are four to a block, so no loop over them is wider than that.
+template <class Lanes, class Bits, int WIDTH>
+constexpr GeometryKernel geometryKernel(const char* name) {
+  using Boxes = BoxGapLoop<Lanes, Bits, WIDTH>;
+  return {name,
+          &furthestPointLoop<Lanes, Bits, WIDTH>,
+          &extentLoop<Lanes, WIDTH>,
+          &Boxes::box,
+          &Boxes::movedBox,
+          &Boxes::point};
+}
 
 }  // namespace collision_pairs

@@ -1,4 +1,4 @@
-#include "pair_sort.h"
+#include "box_pairs.h"
 
 #include <algorithm>
 

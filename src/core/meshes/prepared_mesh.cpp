@@ -1,13 +1,12 @@
-#include "closest_on_mesh.h"
+#include "prepared_mesh.h"
 
 #include <algorithm>
 #include <limits>
 
-#include "patch_hulls.h"
-
 namespace collision_pairs {
 namespace {
 
+using Eigen::Isometry3d;
 using Eigen::Vector3d;
 
 class Search {
@@ -51,6 +50,29 @@ class Search {
 };
 
 }  // namespace
+
+Corners cornersOf(const TriangleMesh& mesh, std::uint32_t index) {
+  const auto& t = mesh.triangles[index];
+  return {mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]};
+}
+
+Corners moved(const Corners& corners, const Isometry3d& X) {
+  return {X * corners[0], X * corners[1], X * corners[2]};
+}
+
+Triangle triangleOf(const TriangleMesh& mesh, std::uint32_t index) {
+  return Triangle(cornersOf(mesh, index));
+}
+
+ConvexCore cornersCore(const Corners& corners) {
+  ConvexCore core;
+  core.kind = ConvexCore::Kind::POINTS;
+  core.points = corners.data();
+  core.num_points = 3;
+  core.center = (corners[0] + corners[1] + corners[2]) / 3.0;
+  for (const Vector3d& v : corners) core.extent = std::max(core.extent, (v - core.center).norm());
+  return core;
+}
 
 Vector3d closestOnMesh(const PreparedMesh& mesh, const Vector3d& point) {
   Search search(mesh, point, std::numeric_limits<double>::infinity());

@@ -1,4 +1,4 @@
-#include "sweep_record.h"
+#include "packed_records.h"
 
 #include <algorithm>
 #include <cstddef>

@@ -1,6 +1,8 @@
-#include "collision_pairs/collision_report.h"
+#include "collision_pairs/scene_settings.h"
 
 #include <array>
+
+#include <fnmatch.h>
 
 #include "collision_pairs/input_error.h"
 
@@ -18,6 +20,13 @@ Fidelity parseFidelity(const std::string& name) {
     if (name == FIDELITY_NAMES[i]) return static_cast<Fidelity>(i);
   }
   throw InputError("unknown fidelity '" + name + "'; known are aabb, obb, convex and mesh");
+}
+
+bool isPattern(const NamePattern& pattern) { return pattern.find_first_of("*?[") != pattern.npos; }
+
+bool matches(const NamePattern& pattern, const std::string& name) {
+  if (pattern == name) return true;  // also "box[1]", which as a pattern means "box1"
+  return isPattern(pattern) && fnmatch(pattern.c_str(), name.c_str(), FNM_NOESCAPE) == 0;
 }
 
 }  // namespace collision_pairs

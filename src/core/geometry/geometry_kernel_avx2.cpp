@@ -1,12 +1,12 @@
 // 4 lanes. Compiled for AVX2 and FMA; entered only where the machine has them.
-#include "box_gap_loop.h"
+#include "geometry_kernel_loops.h"
 
 namespace collision_pairs {
 
 typedef double FourDoubles __attribute__((vector_size(32)));
 typedef long long FourIntegers __attribute__((vector_size(32)));
 
-extern const BoxGapLoops BOX_GAPS_AVX2;
-const BoxGapLoops BOX_GAPS_AVX2 = BoxGapLoop<FourDoubles, FourIntegers, 4>::ALL;
+extern const GeometryKernel GEOMETRY_AVX2;
+const GeometryKernel GEOMETRY_AVX2 = geometryKernel<FourDoubles, FourIntegers, 4>("avx2");
 
 }  // namespace collision_pairs

@@ -1,28 +1,8 @@
-#include "furthest_point.h"
+#include "packed_points.h"
 
 #include <algorithm>
 
-#include "furthest_point_loop.h"
-
 namespace collision_pairs {
-
-#ifdef COLLISION_PAIRS_X86_KERNELS
-extern const FurthestPointLoop FURTHEST_POINT_AVX2;
-#endif
-
-namespace {
-
-typedef double TwoDoubles __attribute__((vector_size(16)));
-typedef long long TwoIntegers __attribute__((vector_size(16)));
-
-FurthestPointLoop bestLoop() {
-#ifdef COLLISION_PAIRS_X86_KERNELS
-  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) return FURTHEST_POINT_AVX2;
-#endif
-  return &furthestPointLoop<TwoDoubles, TwoIntegers, 2>;
-}
-
-}  // namespace
 
 void appendBlocks(const std::vector<Eigen::Vector3d>& points, std::vector<PointBlock>& blocks) {
   const std::size_t nb_blocks = (points.size() + POINT_LANES - 1) / POINT_LANES;
@@ -35,10 +15,20 @@ void appendBlocks(const std::vector<Eigen::Vector3d>& points, std::vector<PointB
 
 FurthestPoint furthestInBlocks(const PointBlock* blocks, std::size_t count,
                                const Eigen::Vector3d& direction) {
-  static const FurthestPointLoop LOOP = bestLoop();
+  static const auto LOOP = geometryKernels().front().furthest_point;
   FurthestPoint furthest;
   furthest.index = LOOP(blocks, count, direction.data(), &furthest.height);
   return furthest;
+}
+
+PackedPoints::PackedPoints(const std::vector<Eigen::Vector3d>& points) {
+  appendBlocks(points, blocks_);
+}
+
+void PackedPoints::extent(const Eigen::Matrix3d& R, Eigen::Vector3d& lower,
+                          Eigen::Vector3d& upper) const {
+  static const auto LOOP = geometryKernels().front().extent;
+  LOOP(blocks_.data(), blocks_.size(), R.data(), lower.data(), upper.data());
 }
 
 }  // namespace collision_pairs

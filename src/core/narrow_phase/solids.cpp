@@ -1,22 +1,12 @@
-#include "hull_bounds.h"
+#include "solids.h"
 
-#include <limits>
-
-#include "closest_on_mesh.h"
+#include <algorithm>
 
 namespace collision_pairs {
 namespace {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
-
-constexpr double ROUNDING = 64.0 * std::numeric_limits<double>::epsilon();
-
-// By how much qhull's rounding may leave a vertex outside its hull, and a closest point beside the
-// surface that it is on.
-double roundingOf(const ConvexCore& a, const ConvexCore& b) {
-  return ROUNDING * (a.extent + a.center.norm() + b.extent + b.center.norm());
-}
 
 bool coresMiss(const ConvexCore& a, const ConvexCore& b, const Isometry3d& X_AB) {
   const double rounding = roundingOf(a, b);
@@ -58,6 +48,21 @@ HullBounds boundsFromHulls(const Prepared& A, const Prepared& B, const Isometry3
   bounds.outcome = beside <= rounding ? Outcome::SETTLED : Outcome::APART;
   bounds.upper = (on_b - on_a).norm();
   return bounds;
+}
+
+// The hull first: most points are outside of it, which it tells much sooner than solid angles do.
+bool meshHoldsPoint(const Prepared& A, const Vector3d& p_AQ) {
+  return !A.mesh->solid.empty() && !hullMisses(A, p_AQ) && A.mesh->solid.holds(p_AQ);
+}
+
+bool meshHoldsMesh(const Prepared& A, const Prepared& B, const Isometry3d& X_AB) {
+  const auto& parts = B.mesh->part_points;
+  return std::any_of(parts.begin(), parts.end(),
+                     [&](const Vector3d& p_BQ) { return meshHoldsPoint(A, X_AB * p_BQ); });
+}
+
+bool meshHoldsConvex(const Prepared& A, const Prepared& B, const Isometry3d& X_AB) {
+  return meshHoldsPoint(A, X_AB * B.core.center);
 }
 
 }  // namespace collision_pairs

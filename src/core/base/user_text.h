@@ -1,7 +1,8 @@
-// Numbers in texts that users write.
+// Numbers and names in what users write.
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include <Eigen/Core>
 
@@ -11,5 +12,9 @@ namespace collision_pairs {
 /// Independent of the locale.
 bool parseNumber(const std::string& text, double& value);
 bool parseVector3(const std::string& text, Eigen::Vector3d& value);
+
+/// The one of `names` that takes the fewest letters inserted, removed or replaced to become `given`
+/// (Levenshtein 1965); the first of several, empty if there are none.
+std::string nearestName(const std::string& given, const std::vector<std::string>& names);
 
 }  // namespace collision_pairs

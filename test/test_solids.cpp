@@ -1,8 +1,7 @@
 #include <gtest/gtest.h>
 
-#include "closest_on_mesh.h"
-#include "hull_bounds.h"
 #include "random_inputs.h"
+#include "solids.h"
 #include "triangle_distance.h"
 
 namespace collision_pairs {
