@@ -15,7 +15,7 @@ using Eigen::Vector3d;
 using Numbering = std::vector<std::uint32_t>;  // of what belongs together: one number a facet
 
 constexpr double CLOSED_BELOW = 0.02;   // turns, in the mean: half the share of missing area
-constexpr int NUM_SAMPLES = 32;         // of a surface that may be closed
+constexpr int NUM_SAMPLES = 64;         // of a surface that may be closed
 constexpr double SAMPLE_HEIGHT = 1e-3;  // above a triangle, of its area over its circumference
 constexpr double NEARLY_MEET = 1e-5;    // of the mesh's size: vertices
 constexpr double MIN_POSITIVE = std::numeric_limits<double>::min();
@@ -30,22 +30,52 @@ Vector3d areaVector(const TriangleMesh& mesh, const Triangle3& t) {
   return 0.5 * (mesh.vertices[t[1]] - a).cross(mesh.vertices[t[2]] - a);
 }
 
-// How far the surface is from winding a whole number of times around a point above one of its
-// triangles, in turns.
-double windingError(const TriangleMesh& mesh, const Surface& surface, const Triangle3& t) {
+// The sides at which a surface is open, as segments from first to second.
+std::vector<std::pair<std::uint32_t, std::uint32_t>> boundaryOf(const Surface& surface) {
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> boundary;
+  Sides sides = sortedSides(surface);
+  const std::vector<int> once(surface.size(), 1);
+  forEachEdge(sides, [&](auto begin, auto end) {
+    const int sum = balance(begin, end, once, 1);
+    const auto low = begin->low, high = begin->high;
+    boundary.insert(boundary.end(), static_cast<std::size_t>(std::abs(sum)),
+                    sum > 0 ? std::pair(low, high) : std::pair(high, low));
+  });
+  return boundary;
+}
+
+// How far a surface is from winding a whole number of times around points, in turns. Together with
+// a fan over its boundary it is closed and winds so: what the fan does is the error.
+class WindingError {
+ public:
+  WindingError(const TriangleMesh& mesh, const Surface& surface)
+      : mesh_(mesh), boundary_(boundaryOf(surface)) {
+    for (const auto& [i, j] : boundary_) tip_ += mesh.vertices[i] / boundary_.size();
+  }
+  double at(const Vector3d& p) const {
+    SolidAngleSum fan(p);
+    for (const auto& [i, j] : boundary_) fan.add(tip_, mesh_.vertices[i], mesh_.vertices[j]);
+    return std::abs(fan.total() - std::round(fan.total()));
+  }
+
+ private:
+  const TriangleMesh& mesh_;
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> boundary_;
+  Vector3d tip_ = Vector3d::Zero();
+};
+
+// A point just above a triangle.
+Vector3d pointAbove(const TriangleMesh& mesh, const Triangle3& t) {
   const Vector3d &a = mesh.vertices[t[0]], &b = mesh.vertices[t[1]], &c = mesh.vertices[t[2]];
   const double circumference = (b - a).norm() + (c - b).norm() + (a - c).norm();
-  SolidAngleSum sum(centroid(mesh, t) + SAMPLE_HEIGHT / circumference * areaVector(mesh, t));
-  for (const Triangle3& s : surface) {
-    sum.add(mesh.vertices[s[0]], mesh.vertices[s[1]], mesh.vertices[s[2]]);
-  }
-  return std::abs(sum.total() - std::round(sum.total()));
+  return centroid(mesh, t) + SAMPLE_HEIGHT / circumference * areaVector(mesh, t);
 }
 
 // A closed surface winds a whole number of times around every point. Is that so next to this one,
 // at samples that are spread evenly over its area? Then what its edges leave open does not count:
 // they match in parts only, or vertices nearly meet, or a triangle is missing.
 bool isClosed(const TriangleMesh& mesh, const Surface& surface) {
+  const WindingError winding_error(mesh, surface);
   double area = 0.0, passed = 0.0, error = 0.0;
   for (const Triangle3& t : surface) area += areaVector(mesh, t).norm();
   int sample = 0;
@@ -54,7 +84,7 @@ bool isClosed(const TriangleMesh& mesh, const Surface& surface) {
     passed += areaVector(mesh, t).norm();
     while (sample < NUM_SAMPLES && (sample + 0.5) * area < passed * NUM_SAMPLES) ++sample;
     if (sample == before) continue;
-    error += (sample - before) * windingError(mesh, surface, t);
+    error += (sample - before) * winding_error.at(pointAbove(mesh, t));
     if (!(error < CLOSED_BELOW * NUM_SAMPLES)) return false;
   }
   return sample > 0;

@@ -18,7 +18,7 @@ namespace collision_pairs {
 /// 1. At every edge as many sides run one way as the other, repeated triangles counted and opposed
 ///    ones cancelled: it is closed and oriented consistently, and taken as it is.
 /// 2. It is nearly so: next to its triangles it winds a whole number of times, to 0.02 turns in the
-///    mean. That is so if less than 3 to 5 % of its area is missing, by its shape. Taken as it is.
+///    mean. That is so if less than 3 to 6 % of its area is missing, by its shape. Taken as it is.
 /// 3. Its triangles enclose something, to the same measure or exactly, whichever way they face:
 /// their
 ///    outer faces are taken. Walls within and flaps without are left out.
@@ -40,7 +40,7 @@ struct MeshSolid {
   double volume = 0.0;  ///< of the bodies, each for itself, less the hollows; cubic metres
 };
 
-/// Cost: O(n log n), and about 32 n solid angles where a surface is not closed exactly.
+/// Cost: O(n log n), and 64 solid angles for each edge that is open.
 MeshSolid findSolid(const TriangleMesh& mesh);
 
 }  // namespace collision_pairs
