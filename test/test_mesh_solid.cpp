@@ -236,6 +236,18 @@ TEST(MeshSolid, AHalfTurnedInsideOutMeshStillHoldsItsInside) {
   EXPECT_FALSE(holds(mesh, {1.5, 0.2, -0.3}));
 }
 
+TEST(MeshSolid, OneTurnedTriangleIsTurnedBack) {
+  for (std::size_t i = 0; i < bumpyBall(12, 1.0).triangles.size(); ++i) {
+    TriangleMesh mesh = bumpyBall(12, 1.0);
+    auto& [a, b, c] = mesh.triangles[i];
+    const Vector3d on = (mesh.vertices[a] + mesh.vertices[b] + mesh.vertices[c]) / 3.0;
+    std::swap(a, b);
+    const WindingNumber solid = solidOf(mesh);
+    EXPECT_TRUE(solid.holds(0.99 * on)) << i;
+    EXPECT_FALSE(solid.holds(1.01 * on)) << i;
+  }
+}
+
 TEST(MeshSolid, RepeatedTrianglesAndUnsharedVerticesChangeNothing) {
   TriangleMesh soup;
   const TriangleMesh box = boxMesh({1, 1, 1});

@@ -18,6 +18,7 @@ constexpr double CLOSED_BELOW = 0.02;   // turns, in the mean: half the share of
 constexpr int NUM_SAMPLES = 64;         // of a surface that may be closed
 constexpr double SAMPLE_HEIGHT = 1e-3;  // above a triangle, of its area over its circumference
 constexpr double NEARLY_MEET = 1e-5;    // of the mesh's size: vertices
+constexpr double INF = std::numeric_limits<double>::infinity();
 constexpr double MIN_POSITIVE = std::numeric_limits<double>::min();
 constexpr double CONVEX_TOLERANCE = 1e-12;  // of the mesh's size
 
@@ -71,10 +72,11 @@ Vector3d pointAbove(const TriangleMesh& mesh, const Triangle3& t) {
   return centroid(mesh, t) + SAMPLE_HEIGHT / circumference * areaVector(mesh, t);
 }
 
-// A closed surface winds a whole number of times around every point. Is that so next to this one,
-// at samples that are spread evenly over its area? Then what its edges leave open does not count:
-// they match in parts only, or vertices nearly meet, or a triangle is missing.
-bool isClosed(const TriangleMesh& mesh, const Surface& surface) {
+// A closed surface winds a whole number of times around every point. How far from that is this one
+// in the mean, next to itself, at samples that are spread evenly over its area? Below CLOSED_BELOW
+// what its edges leave open does not count: they match in parts only, or vertices nearly meet, or a
+// triangle is missing. Infinite above.
+double openness(const TriangleMesh& mesh, const Surface& surface) {
   const WindingError winding_error(mesh, surface);
   double area = 0.0, passed = 0.0, error = 0.0;
   for (const Triangle3& t : surface) area += areaVector(mesh, t).norm();
@@ -84,10 +86,10 @@ bool isClosed(const TriangleMesh& mesh, const Surface& surface) {
     passed += areaVector(mesh, t).norm();
     while (sample < NUM_SAMPLES && (sample + 0.5) * area < passed * NUM_SAMPLES) ++sample;
     if (sample == before) continue;
-    error += (sample - before) * winding_error.at(pointAbove(mesh, t));
-    if (!(error < CLOSED_BELOW * NUM_SAMPLES)) return false;
+    error += (sample - before) * winding_error.at(pointAbove(mesh, t)) / NUM_SAMPLES;
+    if (!(error < CLOSED_BELOW)) return INF;
   }
-  return sample > 0;
+  return sample > 0 ? error : INF;
 }
 
 void turn(Surface& surface) {
@@ -148,11 +150,9 @@ class SolidFinder {
     findPartPoints();
     Sides sides = sortedSides(facets_.triangles);
     const Numbering piece = piecesOf(facets_, sides);
-    takeBalanced(piece, sides);
+    const std::vector<char> consistent = takeBalanced(piece, sides);
     settle(piece, [&](const Numbering& ids) {
-      if (takeAsItIs(ids)) return true;
-      takeOuterFaces(ids);
-      return false;
+      return takeNearlyClosed(ids, consistent[piece[ids[0]]] != 0);
     });
     if (std::count(settled_.begin(), settled_.end(), 0) > 0) {
       const auto together = [&](const Numbering& ids) { return takeAsItIs(ids); };
@@ -229,14 +229,17 @@ class SolidFinder {
   }
 
   // Pieces whose sides cancel at each edge: closed, and oriented consistently. Where triangles are
-  // repeated, each once if that cancels too.
-  void takeBalanced(const Numbering& piece, Sides& sides) {
-    std::vector<char> once(piece.size(), 1), all(piece.size(), 1);
+  // repeated, each once if that cancels too. Tells which pieces are consistent where they are not
+  // open.
+  std::vector<char> takeBalanced(const Numbering& piece, Sides& sides) {
+    std::vector<char> once(piece.size(), 1), all(piece.size(), 1), consistent(piece.size(), 1);
     forEachEdge(sides, [&](auto begin, auto end) {
       const auto number = [&](const Side& side) { return piece[side.triangle]; };
       forEachGroup(begin, end, number, [&](auto first, auto last) {
         if (balance(first, last, facets_.copies, 1) != 0) once[number(*first)] = 0;
-        if (balance(first, last, facets_.copies, ALL_COPIES) != 0) all[number(*first)] = 0;
+        if (balance(first, last, facets_.copies, ALL_COPIES) == 0) return;
+        all[number(*first)] = 0;
+        if (last - first > 1) consistent[number(*first)] = 0;
       });
     });
     settle(piece, [&](const Numbering& ids) {
@@ -244,26 +247,35 @@ class SolidFinder {
       if (!once[number] && !all[number]) return false;
       return take(asItIs(ids, once[number] ? 1 : ALL_COPIES), as_they_are_);
     });
+    return consistent;
   }
 
   bool takeAsItIs(const Numbering& ids) {
     Surface surface = asItIs(ids, ALL_COPIES);
-    return isClosed(mesh_, surface) && take(std::move(surface), as_they_are_);
+    return openness(mesh_, surface) < CLOSED_BELOW && take(std::move(surface), as_they_are_);
   }
 
-  // Which way the triangles face is then not asked for. Those that are left out may still close
-  // something together with others.
-  void takeOuterFaces(const Numbering& ids) {
+  // As it is, or its outer faces, whichever way its triangles face: what is less open. The faces
+  // that are left out may still close something together with others.
+  bool takeNearlyClosed(const Numbering& ids, bool consistent) {
+    Surface given = asItIs(ids, ALL_COPIES);
+    const double given_open = openness(mesh_, given);
+    if (consistent && given_open < CLOSED_BELOW) return take(std::move(given), as_they_are_);
     Surface surface;
     for (const std::uint32_t i : ids) surface.push_back(facets_.triangles[i]);
     std::vector<int> facing = outerFaces(mesh_, surface, LooseEdges::ARE_SEAMS);
     Surface outer = facingOutwards(surface, facing);
-    if (!isClosed(mesh_, outer)) {
+    const double outer_open = openness(mesh_, outer);
+    if (given_open < CLOSED_BELOW && given_open <= outer_open) {
+      return take(std::move(given), as_they_are_);
+    }
+    if (!(outer_open < CLOSED_BELOW)) {
       facing = outerFaces(mesh_, surface, LooseEdges::ARE_GAPS);
       outer = facingOutwards(surface, facing);
     }
     for (std::size_t k = 0; k < ids.size(); ++k) settled_[ids[k]] = facing[k] != 0;
     take(std::move(outer), turned_outwards_);
+    return false;
   }
 
   static bool take(Surface surface, std::vector<Surface>& taken) {
