@@ -27,8 +27,10 @@ add_library(collision_pairs SHARED
   src/core/geometry/geometry_kernel.cpp
   src/core/geometry/packed_points.cpp
   src/core/geometry/shape.cpp
+  src/core/meshes/mesh_edges.cpp
   src/core/meshes/mesh_query.cpp
   src/core/meshes/mesh_solid.cpp
+  src/core/meshes/outer_faces.cpp
   src/core/meshes/patch_hulls.cpp
   src/core/meshes/prepared_mesh.cpp
   src/core/meshes/solid_angle.cpp

@@ -59,6 +59,33 @@ TEST(CollisionDetector, ReportsContactNearAndNothingElse) {
   EXPECT_EQ(report.candidates.size(), 2u);
 }
 
+// The distance of two spheres does not depend on how their links are turned, so the oracle needs the
+// two positions only, as they were given.
+TEST(CollisionDetector, FarFromTheOriginDistancesAreThoseOfTheGivenPoses) {
+  std::string xml = emptyLink("root");
+  for (const char* name : {"a", "b"}) {
+    xml += "<link name='" + std::string(name) +
+           "'><collision><geometry><sphere radius='0.25'/></geometry></collision></link>" +
+           joint("to_" + std::string(name), "floating", "root", name, "0 0 0");
+  }
+  const auto scene = sceneOf(xml);
+  CollisionDetector detector(scene);
+  RandomInputs random;
+  for (const double offset : {0.0, 1e3, 1e6, 1e8}) {
+    for (int i = 0; i < 200; ++i) {
+      BodyPoses poses;
+      poses.resize(2);
+      for (Eigen::Isometry3d& X : poses.X_WB) X = random.pose(1.0);
+      for (Eigen::Isometry3d& X : poses.X_WB) X.translation() += offset * Eigen::Vector3d(1, -0.7, 0.3);
+      const double expected =
+          (poses.X_WB[1].translation() - poses.X_WB[0].translation()).norm() - 0.5;
+      const auto& report = detector.detect(poses, alarm(10.0));
+      ASSERT_EQ(report.pairs.size(), 1u);
+      EXPECT_NEAR(report.pairs[0].distance, expected, 4e-15) << "at " << offset;
+    }
+  }
+}
+
 TEST(CollisionDetector, StageTimesAreThereIfAskedForAndZeroOtherwise) {
   const auto scene = sceneOf(slidingBoxes(4));
   CollisionDetector detector(scene);

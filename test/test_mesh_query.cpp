@@ -2,8 +2,9 @@
 #include <CGAL/Triangle_3.h>
 #include <gtest/gtest.h>
 
+#include "collision_pairs/collision_detector.h"
+#include "demo_scene.h"
 #include "mesh_query.h"
-#include "mesh_solid.h"
 #include "prepared_shape.h"
 #include "random_inputs.h"
 #include "signed_distance_oracle.h"
@@ -31,10 +32,6 @@ bool touch(const Shape& a, const Shape& b, const Isometry3d& X_AB) {
   EXPECT_EQ(narrow_phase.distance(*A, *B, X_AB, INF).touches(), answer);
   EXPECT_EQ(narrow_phase.distance(*A, *B, X_AB, 0.0).touches(), answer);
   return answer;
-}
-
-bool holds(const TriangleMesh& mesh, const Vector3d& p) {
-  return WindingNumber(mesh.vertices, findSolid(mesh).outward).holds(p);
 }
 
 TEST(TriangleDistance, MeetsExactlyWhereCgalsExactKernelSaysSo) {
@@ -86,48 +83,12 @@ TEST(TriangleDistance, APlaneKeepsApartOnlyWhatIsApart) {
   EXPECT_GT(apart, 1000);
 }
 
-TEST(MeshSolid, AHalfTurnedInsideOutMeshStillHoldsItsInside) {
-  TriangleMesh mesh = boxMesh({1, 1, 1});
-  for (std::size_t i = 0; i < mesh.triangles.size(); i += 2) {
-    std::swap(mesh.triangles[i][0], mesh.triangles[i][1]);
-  }
-  EXPECT_TRUE(holds(mesh, {0.5, 0.2, -0.3}));
-  EXPECT_TRUE(holds(insideOut(mesh), {0.5, 0.2, -0.3}));
-  EXPECT_FALSE(holds(mesh, {1.5, 0.2, -0.3}));
-}
-
-TEST(MeshSolid, RepeatedTrianglesAndUnsharedVerticesChangeNothing) {
-  TriangleMesh soup;
-  const TriangleMesh box = boxMesh({1, 1, 1});
-  for (const auto& t : box.triangles) {
-    for (const bool turned : {false, true}) {
-      const auto n = static_cast<std::uint32_t>(soup.vertices.size());
-      for (const std::uint32_t i : t) soup.vertices.push_back(box.vertices[i]);
-      soup.triangles.push_back({n, n + 1 + turned, n + 2 - turned});
-    }
-  }
-  EXPECT_TRUE(holds(soup, {0.0, 0.0, 0.9}));
-  EXPECT_FALSE(holds(soup, {0.0, 0.0, 1.1}));
-}
-
-TEST(MeshSolid, AnOpenSheetEnclosesNothing) {
-  TriangleMesh bowl = boxMesh({1, 1, 1});
+TEST(MeshQuery, AnOpenSheetHoldsNothingAndATornSeamDoes) {
+  TriangleMesh bowl = boxMesh({1, 1, 1}), torn = bumpyBall(40, 1.0);
   bowl.triangles.resize(10);
-  EXPECT_FALSE(holds(bowl, {-0.5, 0.0, 0.0}));
+  torn.triangles.erase(torn.triangles.begin() + 700);
   EXPECT_FALSE(touch(meshShape(bowl), Sphere{0.1}, at(-0.5, 0.0, 0.0)));
-}
-
-TEST(MeshSolid, ATornSeamStillCountsAsClosed) {
-  TriangleMesh mesh = bumpyBall(40, 1.0);
-  mesh.triangles.erase(mesh.triangles.begin() + 700);
-  EXPECT_TRUE(holds(mesh, {0.0, 0.1, 0.2}));
-  EXPECT_TRUE(touch(meshShape(mesh), meshShape(LShape().mesh()), at(0.0, 0.0, 0.0)));
-}
-
-TEST(MeshSolid, BodiesThatOverlapInOneMeshDoNotCancel) {
-  const TriangleMesh mesh =
-      joined(boxMesh({1, 1, 1}), insideOut(movedBy(boxMesh({1, 1, 1}), {0.5, 0, 0})));
-  EXPECT_TRUE(holds(mesh, {0.2, 0.0, 0.0}));
+  EXPECT_TRUE(touch(meshShape(torn), meshShape(LShape().mesh()), at(0.0, 0.0, 0.0)));
 }
 
 TEST(MeshQuery, AMeshInsideAnotherIsAContactEitherWay) {
@@ -144,6 +105,61 @@ TEST(MeshQuery, APartOfAMeshInsideAnotherIsAContact) {
   EXPECT_TRUE(touch(outer, two, at(0.0, 0.0, 0.0)));
   EXPECT_TRUE(touch(outer, two, at(-9.0, 0.0, 0.0)));
   EXPECT_FALSE(touch(outer, two, at(-4.5, 0.0, 0.0)));
+}
+
+/// A ball of 1 m with 99 fins, each joined to it along an edge of four triangles, and two triangles
+/// within that oppose each other: 2,022 triangles.
+TriangleMesh ballWithFins() {
+  TriangleMesh ball = bumpyBall(29, 1.0);
+  for (std::size_t i = 0; i < 99; ++i) {
+    const auto a = ball.triangles[16 * i][0], b = ball.triangles[16 * i][1];
+    const auto n = static_cast<std::uint32_t>(ball.vertices.size());
+    ball.vertices.push_back(1.05 * ball.vertices[a]);
+    ball.vertices.push_back(1.05 * ball.vertices[b]);
+    for (const auto& t : {std::array{a, n, b}, {b, n, n + 1}, {a, n + 1, n}, {a, b, n + 1}}) {
+      ball.triangles.push_back(t);
+    }
+  }
+  ball.triangles.push_back({0, 200, 500});
+  ball.triangles.push_back({500, 200, 0});
+  return ball;
+}
+
+// Issue 12: a mesh of such edges was taken for open, and bodies in it were missed.
+TEST(MeshQuery, NoBodyIsMissedInAMeshWithFinsAndOpposedTriangles) {
+  RandomInputs random;
+  const auto mesh = std::make_shared<const TriangleMesh>(ballWithFins());
+  ASSERT_EQ(mesh->triangles.size(), 2022u);
+  const std::map<std::string, Shape> bodies = {
+      {"box", Box{{0.2, 0.3, 0.2}}},
+      {"sphere", Sphere{0.2}},
+      {"ball", meshShape(bumpyBall(8, 0.2))},
+      {"l", meshShape(movedBy(LShape().mesh(), {-0.1, 0, 0}))}};
+  for (const auto& [name, body] : bodies) {
+    const auto robot = robotFrom(boxLink("a_mesh", 1.0) + boxLink("body", 1.0) +
+                                 joint("j", "floating", "a_mesh", "body", "0 0 0", ""));
+    const auto shaped = robot->withElements([&](const Link& link) {
+      return std::vector<Element>{
+          {link.name == "body" ? body : Mesh{mesh}, Isometry3d::Identity()}};
+    });
+    const auto scene = CollisionScene::build(shaped, Srdf{}, nullptr);
+    CollisionDetector detector(scene);
+    NarrowPhase narrow_phase;
+    const auto A = prepareShape(Mesh{mesh}), B = prepareShape(body);
+    for (int i = 0; i < 300; ++i) {
+      const Isometry3d X = random.pose(0.3);
+      ASSERT_TRUE(narrow_phase.touches(*A, *B, X)) << name << i;
+      ASSERT_TRUE(narrow_phase.distance(*A, *B, X, 0.0).touches()) << name << i;
+      BodyPoses poses;
+      poses.resize(2);
+      poses.X_WB[1] = X;
+      for (const bool verdict_only : {false, true}) {
+        CheckSettings settings;
+        settings.verdict_only = verdict_only;
+        ASSERT_TRUE(detector.detect(poses, settings).in_collision) << name << i;
+      }
+    }
+  }
 }
 
 TEST(MeshQuery, PrimitivesInsideAMeshAreContacts) {

@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <tf2/exceptions.h>
 
 #include "collision_pairs/collision_scene.h"
 #include "tf_poses.h"
@@ -119,6 +120,80 @@ TEST_F(Transforms, AreForgottenWhenTheClockGoesBackButForStaticOnes) {
   EXPECT_EQ(input_.nbClockJumps(), 1u);
 }
 
+TEST_F(Transforms, OfAnyStampAreSurvived) {
+  for (const auto& stamp : {ros::TIME_MAX, ros::Time(4294967295u, 0), ros::Time(0, 1)}) {
+    input_.take(linkAt("fixed", stamp, 1.0), true, now_);
+    EXPECT_TRUE(knows("fixed")) << stamp;
+    input_.take(linkAt("a", stamp, 1.0), false, now_);
+  }
+  EXPECT_THAT(input_.refused(), IsEmpty()) << "the last was only old";
+  for (const double now : {1.0, 4294967294.0}) {
+    input_.take(linkAt("b", ros::TIME_MAX, 1.0), false, ros::Time(now));
+    EXPECT_THAT(input_.refused(), ElementsAre(HasSubstr("ahead of the clock"))) << now;
+  }
+  for (int i = 0; i < 2; ++i) {  // tf2 cannot add to it
+    input_.take(linkAt("b", ros::TIME_MAX, 1.0), false, ros::TIME_MAX);
+  }
+}
+
+TEST_F(Transforms, OfAFrameThatIsStaticAndMovesAreNotBelievedInEitherOrder) {
+  receive("moves_first", 999.0, 1.0);
+  for (const char* frame : {"moves_first", "static_first"}) {
+    input_.take(linkAt(frame, ros::Time(4600.0), 2.0), true, now_);
+    receive(frame, 999.5, 1.0);
+    EXPECT_THROW(input_.lookUp("root", frame, ros::Time(0)), tf2::TransformException) << frame;
+    EXPECT_THROW(input_.lookUp(frame, "root", ros::Time(0)), tf2::TransformException) << frame;
+  }
+  EXPECT_THAT(input_.refused(), ElementsAre(HasSubstr("'moves_first': it comes both on /tf and"),
+                                            HasSubstr("'static_first': it comes both on /tf and")));
+  receive("sound", 999.5, 1.0);
+  EXPECT_NO_THROW(input_.lookUp("root", "sound", ros::Time(0)));
+}
+
+TEST_F(Transforms, AboveACommonParentDoNotMatter) {
+  input_.take(linkAt("a", ros::Time(0), 1.0), true, now_);
+  receive("a", 999.5, 1.0);
+  for (const char* child : {"b", "c"}) {
+    auto message = linkAt(child, now_, 1.0);
+    message.transforms[0].header.frame_id = "a";
+    input_.take(message, false, now_);
+  }
+  EXPECT_NO_THROW(input_.lookUp("b", "c", ros::Time(0)));
+  EXPECT_THROW(input_.lookUp("root", "c", ros::Time(0)), tf2::TransformException);
+}
+
+TEST_F(Transforms, AreNotInterpolatedOverAGap) {
+  now_ = ros::Time(1000.0);
+  for (const double stamp : {990.0, 991.0, 995.0, 996.0}) receive("a", stamp, stamp);
+  for (const double stamp : {990.0, 990.5, 991.0, 995.0, 995.5}) {
+    EXPECT_NO_THROW(input_.lookUp("root", "a", ros::Time(stamp))) << stamp;
+  }
+  for (const double stamp : {991.1, 993.0, 994.9}) {
+    EXPECT_THROW(input_.lookUp("root", "a", ros::Time(stamp)), tf2::TransformException) << stamp;
+  }
+  for (const double stamp : {999.0, 999.5}) receive("a", stamp, stamp);
+  EXPECT_THROW(input_.lookUp("root", "a", ros::Time(993.0)), tf2::TransformException);
+  EXPECT_THROW(input_.lookUp("root", "a", ros::Time(997.0)), tf2::TransformException);
+}
+
+TEST_F(Transforms, OfAnotherPassOfTheClockHaveGapsOfTheirOwn) {
+  for (const double stamp : {490.0, 495.0, 999.0}) receive("a", stamp, 1.0);
+  now_ = ros::Time(500.0);
+  for (const double stamp : {492.0, 493.0, 498.0}) receive("a", stamp, 1.0);
+  EXPECT_NO_THROW(input_.lookUp("root", "a", ros::Time(492.5)));
+  EXPECT_THROW(input_.lookUp("root", "a", ros::Time(495.0)), tf2::TransformException);
+}
+
+TEST_F(Transforms, StayWhenThreadsTellTheClockOutOfOrder) {
+  receive("a", 999.9, 1.0);
+  input_.followClock(ros::Time(1000.0 - 0.09));
+  EXPECT_TRUE(knows("a"));
+  EXPECT_EQ(input_.nbClockJumps(), 0u);
+  input_.followClock(ros::Time(1000.0 - 0.18));
+  EXPECT_FALSE(knows("a")) << "small steps add up";
+  EXPECT_EQ(input_.nbClockJumps(), 1u);
+}
+
 /// A sphere on a joint for each of "a" and "b", and one fixed to the root.
 class Ages : public Transforms {
  protected:
@@ -141,7 +216,7 @@ class Ages : public Transforms {
   }
 
   std::shared_ptr<const CollisionScene> scene_ = twoLinks();
-  TfPoses poses_{input_.buffer(), *scene_, "root"};
+  TfPoses poses_{input_, *scene_, "root"};
 };
 
 TEST_F(Ages, AreCountedAgainstNow) {

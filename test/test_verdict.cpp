@@ -53,11 +53,12 @@ class Faults {
       }
       x_[links_[i]] = 2.0 * i;
     }
-    scene_.scene = CollisionScene::build(RobotModel::fromUrdf(urdf + "</robot>", {}), srdf, nullptr);
+    scene_.scene =
+        CollisionScene::build(RobotModel::fromUrdf(urdf + "</robot>", {}), srdf, nullptr);
     faulty_ = links_[random_() % links_.size()];
     fault_ = static_cast<int>(random_() % 8);
     scene_.frame = "root";
-    scene_.tf_poses = std::make_unique<TfPoses>(transforms_.buffer(), *scene_.scene, "root");
+    scene_.tf_poses = std::make_unique<TfPoses>(transforms_, *scene_.scene, "root");
     detector_ = std::make_unique<CollisionDetector>(scene_.scene);
   }
 

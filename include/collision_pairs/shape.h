@@ -52,7 +52,10 @@ struct Convex {
   std::shared_ptr<const TriangleMesh> mesh;
 };
 
-/// The solid that the mesh bounds: its triangles, and all points that they enclose.
+/// The solid that the mesh bounds: its triangles, and all points that they enclose. A closed
+/// surface within that faces the other way bounds a hollow, which is no part of the solid; one that
+/// faces the same way is one more body. Nearly closed counts as closed: up to 3 % of the area may
+/// be missing. What is more open is its triangles only, and a body within it is not found.
 struct Mesh {
   std::shared_ptr<const TriangleMesh> mesh;
 };

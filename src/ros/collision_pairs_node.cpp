@@ -26,16 +26,15 @@ double secondsSince(const ros::WallTime& start) { return (ros::WallTime::now() -
 CollisionPairsNode::CollisionPairsNode(ros::NodeHandle node, ros::NodeHandle private_node)
     : private_node_(private_node),
       parameters_(NodeParameters::read(private_node)),
-      transforms_(parameters_.clock_tolerance),
-      scenes_(private_node, transforms_.buffer(), parameters_),
+      transforms_(parameters_.clock_tolerance, parameters_.pose_limits.max_transform_age),
+      scenes_(private_node, transforms_, parameters_),
       scene_service_(private_node, scenes_),
       publisher_(
           private_node,
           [this](std::shared_ptr<const void> old) { scene_service_.release(std::move(old)); }),
       diagnostics_(node, private_node),
       queries_(private_node, transforms_, scenes_, [this] { return queryDefaults(); }),
-      trajectories_(private_node, transforms_.buffer(), scenes_,
-                    [this] { return queryDefaults(); }) {
+      trajectories_(private_node, transforms_, scenes_, [this] { return queryDefaults(); }) {
   diagnostics_.setHardwareID("none");
   diagnostics_.add("collision check", [this](auto& status) { health_.diagnose(status); });
   reconfigure_server_ =
@@ -108,7 +107,7 @@ void CollisionPairsNode::check(const ActiveScenePtr& scene, const ros::WallTime&
   publisher_.publishMarkers(message, &detector_->report(),
                             parameters_.show_only_investigated_boxes);
   publisher_.publishScene(scene, settings.fidelity, stamped.nb_found);
-  health_.noteCycle(message, (now - message.header.stamp).toSec(), secondsSince(start),
+  health_.noteCycle(message, now.toSec() - message.header.stamp.toSec(), secondsSince(start),
                     1.0 / parameters_.rate, scene->scene->models().size());
   last_message_ = std::move(message);
   last_is_checked_ = true;

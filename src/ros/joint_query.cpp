@@ -31,9 +31,9 @@ std::vector<char> bodiesNeeded(const CollisionScene& scene) {
 /// Where TF has the child in the parent; false if nowhere. `doubt` says so if that is too old.
 bool askTf(const JointQueryTf& tf, const std::string& parent, const std::string& child,
            Isometry3d& X_PC, std::string& doubt) {
-  if (!tf.buffer.canTransform(parent, child, tf.stamp)) return false;
+  if (!tf.transforms.buffer().canTransform(parent, child, tf.stamp)) return false;
   try {
-    const auto found = tf.buffer.lookupTransform(parent, child, tf.stamp);
+    const auto found = tf.transforms.lookUp(parent, child, tf.stamp);
     if (!toIsometry(found.transform, X_PC)) return false;
     if (tf.stamp.isZero()) {
       const std::string why = whyTooOld(found.header.stamp, tf.now, tf.max_pose_age);

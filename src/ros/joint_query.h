@@ -5,16 +5,16 @@
 #include <vector>
 
 #include <ros/time.h>
-#include <tf2/buffer_core.h>
 
 #include "collision_pairs/body_poses.h"
 #include "collision_pairs/collision_scene.h"
+#include "transform_input.h"
 
 namespace collision_pairs {
 
 /// What a JointQuery asks TF, and when.
 struct JointQueryTf {
-  const tf2::BufferCore& buffer;
+  const TransformInput& transforms;
   std::string frame;    ///< of the poses
   ros::Time stamp;      ///< where joints that are not named stand; 0: the newest that TF has
   ros::Time now;        ///< what the age of the newest is counted from

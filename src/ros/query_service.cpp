@@ -20,7 +20,7 @@ void refuse(const std::string& why, CheckCollisions::Response& response) {
 
 }  // namespace
 
-QueryService::QueryService(const ros::NodeHandle& private_node, const TransformInput& transforms,
+QueryService::QueryService(const ros::NodeHandle& private_node, TransformInput& transforms,
                            SceneStore& scenes, std::function<QueryDefaults()> defaults)
     : transforms_(transforms),
       scenes_(scenes),
@@ -64,12 +64,13 @@ void QueryService::check(const CheckCollisions::Request& request,
   const CheckSettings settings = settingsFor(request, defaults.settings);
   const ros::WallTime start = ros::WallTime::now();
   const ros::Time now = ros::Time::now();
+  transforms_.followClock(now);
   StampedPoses stamped = posesAt(active, request.stamp, now, defaults.limits);
   std::vector<std::string> doubts;
   if (!request.joint_state.name.empty() || !request.joint_state.position.empty()) {
     const JointQuery query(
         request.joint_state.name, *scene,
-        {transforms_.buffer(), active.frame, stamped.stamp, now, defaults.limits.max_pose_age});
+        {transforms_, active.frame, stamped.stamp, now, defaults.limits.max_pose_age});
     query.posesAt(request.joint_state.position, stamped.poses);
     doubts = query.doubts();
     response.joints_from_tf = query.jointsFromTf();

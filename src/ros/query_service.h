@@ -21,8 +21,8 @@ namespace collision_pairs {
 class QueryService {
  public:
   /// `defaults` is called from the service's thread; the references must outlive this object.
-  QueryService(const ros::NodeHandle& private_node, const TransformInput& transforms,
-               SceneStore& scenes, std::function<QueryDefaults()> defaults);
+  QueryService(const ros::NodeHandle& private_node, TransformInput& transforms, SceneStore& scenes,
+               std::function<QueryDefaults()> defaults);
 
  private:
   /// Of the last few scenes: requests may take turns with restrictions.
@@ -30,7 +30,7 @@ class QueryService {
   bool onCheck(CheckCollisions::Request& request, CheckCollisions::Response& response);
   void check(const CheckCollisions::Request& request, CheckCollisions::Response& response);
 
-  const TransformInput& transforms_;
+  TransformInput& transforms_;
   SceneStore& scenes_;
   std::function<QueryDefaults()> defaults_;
   std::vector<std::unique_ptr<CollisionDetector>> detectors_;  // the last used is the last

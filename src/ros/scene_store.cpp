@@ -19,13 +19,15 @@ namespace {
 
 constexpr std::size_t KEPT_RESTRICTIONS = 8;
 
-Eigen::Isometry3d lookUp(const tf2::BufferCore& buffer, const std::string& target,
+Eigen::Isometry3d lookUp(TransformInput& transforms, const std::string& target,
                          const std::string& source, const ros::Time& stamp, double max_pose_age) {
   std::string why;
   try {
     Eigen::Isometry3d X;
-    const auto found = buffer.lookupTransform(target, source, stamp);
-    if (stamp.isZero()) why = whyTooOld(found.header.stamp, ros::Time::now(), max_pose_age);
+    const ros::Time now = ros::Time::now();
+    transforms.followClock(now);
+    const auto found = transforms.lookUp(target, source, stamp);
+    if (stamp.isZero()) why = whyTooOld(found.header.stamp, now, max_pose_age);
     if (why.empty() && toIsometry(found.transform, X)) return X;
     if (why.empty()) why = "it is not finite";
   } catch (const tf2::TransformException& error) {
@@ -53,10 +55,10 @@ std::function<void(std::size_t, std::size_t)> progressOnLog(const ros::WallTime&
 
 }  // namespace
 
-SceneStore::SceneStore(const ros::NodeHandle& private_node, const tf2::BufferCore& tf_buffer,
+SceneStore::SceneStore(const ros::NodeHandle& private_node, TransformInput& transforms,
                        const NodeParameters& parameters)
     : private_node_(private_node),
-      tf_buffer_(tf_buffer),
+      transforms_(transforms),
       fixed_frame_(withoutLeadingSlash(parameters.fixed_frame)),
       max_pose_age_(parameters.pose_limits.max_pose_age),
       load_mesh_(makeMeshLoader()) {}
@@ -108,7 +110,7 @@ std::vector<SceneObject> SceneStore::update(const std::vector<SceneChange>& chan
   const auto look_up = [&](const std::string& target, const std::string& source,
                            const ros::Time& stamp) {
     if (target != frame) requireLink(scene_->scene->robot(), target);
-    return lookUp(tf_buffer_, target, source, stamp, max_pose_age_);
+    return lookUp(transforms_, target, source, stamp, max_pose_age_);
   };
   SceneObjects objects = changedObjects(objects_, changes, {frame, look_up, load_mesh_});
   replace(build(sources_, objects, {}));
@@ -158,7 +160,7 @@ ActiveScenePtr SceneStore::build(SceneSources& sources, const SceneObjects& obje
   active->scene = CollisionScene::build(description, &cache_);
   const CollisionScene& scene = *active->scene;
   active->frame = fixed_frame_.empty() ? scene.robot().links().front().name : fixed_frame_;
-  active->tf_poses = std::make_unique<TfPoses>(tf_buffer_, scene, active->frame);
+  active->tf_poses = std::make_unique<TfPoses>(transforms_, scene, active->frame);
   return active;
 }
 

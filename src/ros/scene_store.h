@@ -8,12 +8,12 @@
 #include <vector>
 
 #include <ros/node_handle.h>
-#include <tf2/buffer_core.h>
 
 #include "active_scene.h"
 #include "parameters.h"
 #include "scene_loader.h"
 #include "scene_updates.h"
+#include "transform_input.h"
 
 namespace collision_pairs {
 
@@ -22,7 +22,7 @@ namespace collision_pairs {
 class SceneStore {
  public:
   /// The buffer must outlive it.
-  SceneStore(const ros::NodeHandle& private_node, const tf2::BufferCore& tf_buffer,
+  SceneStore(const ros::NodeHandle& private_node, TransformInput& transforms,
              const NodeParameters& parameters);
 
   /// Null while there is none.
@@ -52,7 +52,7 @@ class SceneStore {
   void requireFrameOfObjects(const std::string& frame) const;
 
   ros::NodeHandle private_node_;
-  const tf2::BufferCore& tf_buffer_;
+  TransformInput& transforms_;
   const std::string fixed_frame_;
   const double max_pose_age_;  // s: of the frames that objects are placed in
 

@@ -24,14 +24,14 @@ std::string formatted(double seconds) {
 
 std::string whyTooOld(const ros::Time& stamp, const ros::Time& now, double max_pose_age) {
   if (stamp.isZero() || max_pose_age == 0.0) return "";
-  const double age = (now - stamp).toSec();
+  const double age = now.toSec() - stamp.toSec();  // ros::Duration throws beyond 68 years
   if (age <= max_pose_age) return "";
   return "its newest transform is " + formatted(age) + " s old, and max_pose_age is " +
          formatted(max_pose_age) + " s";
 }
 
-TfPoses::TfPoses(const tf2::BufferCore& buffer, const CollisionScene& scene, std::string frame)
-    : buffer_(buffer), frame_(std::move(frame)) {
+TfPoses::TfPoses(const TransformInput& transforms, const CollisionScene& scene, std::string frame)
+    : transforms_(transforms), frame_(std::move(frame)) {
   const auto& links = scene.robot().links();
   for (const SceneBody& body : scene.bodies()) {
     std::vector<Source> sources;
@@ -60,8 +60,8 @@ TfPoses::Found TfPoses::lookUpLink(const Source& source, const ros::Time& stamp,
   }
   std::string error;
   try {
-    if (expected || buffer_.canTransform(frame_, source.link, stamp, &error)) {
-      const auto transform = buffer_.lookupTransform(frame_, source.link, stamp);
+    if (expected || transforms_.buffer().canTransform(frame_, source.link, stamp, &error)) {
+      const auto transform = transforms_.lookUp(frame_, source.link, stamp);
       Isometry3d X_WL;
       found.known = toIsometry(transform.transform, X_WL);
       found.stamp = transform.header.stamp;
@@ -118,7 +118,7 @@ StampedPoses TfPoses::latest(const ros::Time& now, const PoseLimits& limits) con
   ros::Time common = newest;
   for (std::size_t i = 0; i < found.size(); ++i) {
     if (!found[i].known || found[i].stamp.isZero()) continue;
-    const double lag = (newest - found[i].stamp).toSec();
+    const double lag = newest.toSec() - found[i].stamp.toSec();
     if (lag > limits.max_transform_age) {
       leaveOut(i,
                "its newest transform is " + formatted(lag) +

@@ -6,10 +6,10 @@
 #include <vector>
 
 #include <ros/time.h>
-#include <tf2/buffer_core.h>
 
 #include "collision_pairs/body_poses.h"
 #include "collision_pairs/collision_scene.h"
+#include "transform_input.h"
 
 namespace collision_pairs {
 
@@ -36,11 +36,11 @@ struct PoseLimits {
 /// transforms, which do not age.
 std::string whyTooOld(const ros::Time& stamp, const ros::Time& now, double max_pose_age);
 
-/// Reads a tf2 buffer; keeps no pose. What TF does not know is never identity: it stays unknown.
+/// Looks transforms up; keeps no pose. What TF does not know is never identity: it stays unknown.
 class TfPoses {
  public:
   /// `frame` is the report's frame W. Both references must outlive this object.
-  TfPoses(const tf2::BufferCore& buffer, const CollisionScene& scene, std::string frame);
+  TfPoses(const TransformInput& transforms, const CollisionScene& scene, std::string frame);
 
   /// The newest instant for which all bodies are known, leaving out those that are older than the
   /// limits allow.
@@ -71,7 +71,7 @@ class TfPoses {
   void leaveOut(std::size_t body, const std::string& why, Found& found) const;
   StampedPoses gather(std::vector<Found> found, const ros::Time& stamp) const;
 
-  const tf2::BufferCore& buffer_;
+  const TransformInput& transforms_;
   std::string frame_;
   /// By body: its first link, then the others with geometry, for when TF lacks the first.
   std::vector<std::vector<Source>> sources_;

@@ -10,9 +10,12 @@
 namespace collision_pairs {
 
 TrajectoryService::TrajectoryService(const ros::NodeHandle& private_node,
-                                     const tf2::BufferCore& tf_buffer, SceneStore& scenes,
+                                     TransformInput& transforms, SceneStore& scenes,
                                      std::function<QueryDefaults()> defaults)
-    : tf_buffer_(tf_buffer), scenes_(scenes), defaults_(std::move(defaults)), spinner_(1, &queue_) {
+    : transforms_(transforms),
+      scenes_(scenes),
+      defaults_(std::move(defaults)),
+      spinner_(1, &queue_) {
   ros::NodeHandle node(private_node);
   node.setCallbackQueue(&queue_);
   server_ = node.advertiseService("check_trajectory", &TrajectoryService::onCheck, this);
@@ -41,9 +44,10 @@ void TrajectoryService::check(const CheckTrajectory::Request& request,
   const CheckSettings settings = settingsFor(request, defaults.settings);
   if (!batch_ || &batch_->scene() != scene.get()) batch_ = std::make_unique<BatchCheck>(scene);
   const ros::Time now = ros::Time::now();
+  transforms_.followClock(now);
   const ros::Time stamp = posesAt(active, request.stamp, now, defaults.limits).stamp;
   const JointQuery query(request.trajectory.joint_names, *scene,
-                         {tf_buffer_, active.frame, stamp, now, defaults.limits.max_pose_age});
+                         {transforms_, active.frame, stamp, now, defaults.limits.max_pose_age});
   response.joints_from_tf = query.jointsFromTf();
   response.joints_at_zero = query.jointsAtZero();
 

@@ -9,10 +9,10 @@
 #include <ros/node_handle.h>
 #include <ros/service_server.h>
 #include <ros/spinner.h>
-#include <tf2/buffer_core.h>
 
 #include "collision_pairs/batch_check.h"
 #include "query_defaults.h"
+#include "transform_input.h"
 
 namespace collision_pairs {
 
@@ -21,7 +21,7 @@ namespace collision_pairs {
 class TrajectoryService {
  public:
   /// `defaults` is called from the service's thread; the references must outlive this object.
-  TrajectoryService(const ros::NodeHandle& private_node, const tf2::BufferCore& tf_buffer,
+  TrajectoryService(const ros::NodeHandle& private_node, TransformInput& transforms,
                     SceneStore& scenes, std::function<QueryDefaults()> defaults);
 
  private:
@@ -29,7 +29,7 @@ class TrajectoryService {
   /// Throws InputError that names the point and the joint.
   void check(const CheckTrajectory::Request& request, CheckTrajectory::Response& response);
 
-  const tf2::BufferCore& tf_buffer_;
+  TransformInput& transforms_;
   SceneStore& scenes_;
   std::function<QueryDefaults()> defaults_;
   std::unique_ptr<BatchCheck> batch_;

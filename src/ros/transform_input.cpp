@@ -1,9 +1,12 @@
 #include "transform_input.h"
 
+#include <algorithm>
 #include <cstdio>
 
 #include <ros/console.h>
+#include <tf2/exceptions.h>
 
+#include "frame_names.h"
 #include "geometry_conversions.h"
 
 namespace collision_pairs {
@@ -12,12 +15,20 @@ namespace {
 const ros::WallDuration REFUSAL_SHOWN(2.0);
 constexpr std::size_t MAX_REFUSALS = 1000;  // frames: names come from outside
 constexpr std::uint32_t QUEUE_SIZE = 100;   // messages, as tf2_ros has it
+constexpr double OUT_OF_ORDER = 0.1;        // s between threads that read the clock
+constexpr int DEEPEST_TREE = 1000;          // frames: tf2's limit, for a ring
+const char* const BOTH_KINDS =
+    "it comes both on /tf and on /tf_static: which holds cannot be told; stop one of the two "
+    "publishers and start this node again";
 
-std::string seconds(const ros::Duration& duration) {
+std::string formatted(double seconds) {
   char text[32];
-  std::snprintf(text, sizeof text, "%.2f s", duration.toSec());
+  std::snprintf(text, sizeof text, "%.2f s", seconds);
   return text;
 }
+
+/// In seconds. ros::Duration throws beyond 68 years, and stamps may be anything.
+double between(const ros::Time& begin, const ros::Time& end) { return end.toSec() - begin.toSec(); }
 
 }  // namespace
 
@@ -40,8 +51,8 @@ void TransformInput::subscribe(const ros::NodeHandle& node) {
 
 void TransformInput::take(const tf2_msgs::TFMessage& message, bool is_static,
                           const ros::Time& now) {
-  followClock(now);
   const std::lock_guard<std::mutex> lock(mutex_);
+  followClockLocked(now);
   for (const auto& transform : message.transforms) {
     const std::string why = whyRefused(transform, is_static, now);
     if (why.empty()) {
@@ -61,19 +72,97 @@ std::string TransformInput::whyRefused(const geometry_msgs::TransformStamped& tr
   const ros::Time& stamp = transform.header.stamp;
   if (!is_static && stamp.isZero()) return "its stamp is zero";
   if (!is_static && now.isZero()) return "the clock does not run yet";
-  if (!is_static && stamp > now && (stamp - now).toSec() > clock_tolerance_) {
-    return "its stamp is " + seconds(stamp - now) + " ahead of the clock";
+  if (!is_static && between(now, stamp) > clock_tolerance_) {
+    return "its stamp is " + formatted(between(now, stamp)) + " ahead of the clock";
   }
-  if (buffer_.setTransform(transform, "collision_pairs", is_static)) return "";
-  return "tf2 refuses it: its stamp is older than what is kept, or its frame names are unusable";
+  Frame& frame = frames_[withoutLeadingSlash(transform.child_frame_id)];
+  (is_static ? frame.is_static : frame.moves) = true;
+  if (frame.is_static && frame.moves) {
+    has_doubts_ = true;
+    return BOTH_KINDS;
+  }
+  try {
+    if (!buffer_.setTransform(transform, "collision_pairs", is_static)) {
+      return "tf2 refuses it: its stamp is older than what is kept, or its frame names are "
+             "unusable";
+    }
+  } catch (const std::exception& error) {  // of sums beyond the last stamp that there is
+    return std::string("tf2 refuses it: ") + error.what();
+  }
+  if (!is_static) noteStamp(frame, stamp);
+  return "";
+}
+
+void TransformInput::noteStamp(Frame& frame, const ros::Time& stamp) {
+  if (stamp <= frame.newest) return;
+  if (!frame.newest.isZero() && between(frame.newest, stamp) > max_gap_) {
+    const double kept = buffer_.getCacheLength().toSec();
+    const auto is_forgotten = [&](const Gap& gap) { return between(gap.end, stamp) > kept; };
+    frame.gaps.erase(std::remove_if(frame.gaps.begin(), frame.gaps.end(), is_forgotten),
+                     frame.gaps.end());
+    frame.gaps.push_back({frame.newest, stamp});
+    has_doubts_ = true;
+  }
+  frame.newest = stamp;
+}
+
+std::string TransformInput::doubtOf(const std::string& frame, const ros::Time& stamp) const {
+  const auto found = frames_.find(frame);
+  if (found == frames_.end()) return "";
+  if (found->second.is_static && found->second.moves) return BOTH_KINDS;
+  for (const Gap& gap : found->second.gaps) {
+    if (stamp <= gap.begin || stamp >= gap.end) continue;
+    return "nothing came of it for " + formatted(between(gap.begin, gap.end)) + " around then";
+  }
+  return "";
+}
+
+std::vector<std::string> TransformInput::upFrom(std::string frame, const ros::Time& stamp) const {
+  std::vector<std::string> frames = {frame};
+  for (int i = 0; i < DEEPEST_TREE && buffer_._getParent(frame, stamp, frame); ++i) {
+    frames.push_back(frame);
+  }
+  return frames;
+}
+
+void TransformInput::requireSound(const std::string& target, const std::string& source,
+                                  const ros::Time& stamp) const {
+  std::vector<std::string> from_source = upFrom(source, stamp), from_target = upFrom(target, stamp);
+  while (!from_source.empty() && !from_target.empty() && from_source.back() == from_target.back()) {
+    from_source.pop_back();
+    from_target.pop_back();
+  }
+  from_source.insert(from_source.end(), from_target.begin(), from_target.end());
+  const std::lock_guard<std::mutex> lock(mutex_);
+  for (const std::string& frame : from_source) {
+    const std::string doubt = doubtOf(frame, stamp);
+    if (!doubt.empty()) throw tf2::LookupException("transform of '" + frame + "': " + doubt);
+  }
+}
+
+geometry_msgs::TransformStamped TransformInput::lookUp(const std::string& target,
+                                                       const std::string& source,
+                                                       const ros::Time& stamp) const {
+  const auto found = buffer_.lookupTransform(target, source, stamp);
+  if (has_doubts_) requireSound(target, source, found.header.stamp);
+  return found;
 }
 
 void TransformInput::followClock(const ros::Time& now) {
   const std::lock_guard<std::mutex> lock(mutex_);
+  followClockLocked(now);
+}
+
+void TransformInput::followClockLocked(const ros::Time& now) {
   if (now < last_now_) {
+    if (between(now, last_now_) <= OUT_OF_ORDER) return;
     ROS_INFO_STREAM("the clock went back to " << now << " s: starting afresh");
     buffer_.clear();  // static transforms stay
     refusals_.clear();
+    for (auto& [name, frame] : frames_) {
+      frame.newest = ros::Time();
+      frame.gaps.clear();
+    }
     ++nb_clock_jumps_;
   }
   last_now_ = now;

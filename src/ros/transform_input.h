@@ -1,6 +1,7 @@
 // TF as the node takes it: what cannot be right never reaches the buffer.
 #pragma once
 
+#include <atomic>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -17,25 +18,35 @@ namespace collision_pairs {
 
 /// Fills a tf2 buffer, as tf2_ros::TransformListener does, but refuses transforms that would spoil
 /// it. tf2 itself takes a stamp from the future, then drops every present transform as too old
-/// until the clock has come there; and it takes a stamp of zero, which afterwards reads as
-/// "static".
+/// until the clock has come there; it takes a stamp of zero, which afterwards reads as "static"; it
+/// takes for static for ever what was so once, whoever moves it since; and it interpolates over any
+/// gap.
 ///
 /// May be used from several threads.
 class TransformInput {
  public:
   /// clock_tolerance [s]: how far a stamp may lie ahead of now, because clocks of computers differ.
-  explicit TransformInput(double clock_tolerance) : clock_tolerance_(clock_tolerance) {}
+  /// max_gap [s]: between two stamps of a frame further apart than this nothing is known.
+  explicit TransformInput(double clock_tolerance, double max_gap = 1.0)
+      : clock_tolerance_(clock_tolerance), max_gap_(max_gap) {}
 
   /// Takes what arrives on /tf and /tf_static from now on, on a thread of its own.
   void subscribe(const ros::NodeHandle& node);
 
   const tf2::BufferCore& buffer() const { return buffer_; }
 
+  /// As lookupTransform() of tf2, but throws tf2::TransformException also where the way from source
+  /// to target leads over a frame that comes both as static and as moving (which of the two holds
+  /// cannot be told), or that was silent for longer than max_gap at that instant.
+  geometry_msgs::TransformStamped lookUp(const std::string& target, const std::string& source,
+                                         const ros::Time& stamp) const;
+
   /// Puts into the buffer what is sound. Of static transforms the stamp does not matter.
   void take(const tf2_msgs::TFMessage& message, bool is_static, const ros::Time& now);
 
-  /// To be called once a cycle. When the clock went back (a bag that loops, a simulation that
-  /// begins again) all that is not static is forgotten: it is of another pass.
+  /// To be called before every look-up at the latest time. When the clock went back (a bag that
+  /// loops, a simulation that begins again) all that is not static is forgotten: it is of another
+  /// pass. Going back by 0.1 s or less is none: threads that read the clock come here in any order.
   void followClock(const ros::Time& now);
   unsigned nbClockJumps() const;
 
@@ -49,14 +60,33 @@ class TransformInput {
     ros::SteadyTime when;
   };
 
+  struct Gap {
+    ros::Time begin, end;  // two stamps that follow each other
+  };
+
+  /// What came of one child frame.
+  struct Frame {
+    bool is_static = false, moves = false;
+    ros::Time newest;       // where it moves
+    std::vector<Gap> gaps;  // longer than max_gap_, as far back as tf2 remembers
+  };
+
+  void followClockLocked(const ros::Time& now);
   std::string whyRefused(const geometry_msgs::TransformStamped& transform, bool is_static,
                          const ros::Time& now);
+  void noteStamp(Frame& frame, const ros::Time& stamp);
+  std::string doubtOf(const std::string& frame, const ros::Time& stamp) const;
+  std::vector<std::string> upFrom(std::string frame, const ros::Time& stamp) const;
+  void requireSound(const std::string& target, const std::string& source,
+                    const ros::Time& stamp) const;
 
-  const double clock_tolerance_;
+  const double clock_tolerance_, max_gap_;
   tf2::BufferCore buffer_;
+  std::atomic<bool> has_doubts_{false};  // spares those who look up the lock
 
   mutable std::mutex mutex_;                 // guards what follows
   std::map<std::string, Refusal> refusals_;  // by child frame
+  std::map<std::string, Frame> frames_;      // by child frame, without a leading slash
   ros::Time last_now_;
   unsigned nb_clock_jumps_ = 0;
 

@@ -91,7 +91,7 @@ class VerdictTest(unittest.TestCase):
         self.wait_for(COLLISION)
 
     def test_transforms_that_are_no_use_do_not_keep_the_old_verdict_alive(self):
-        for fault in ("nan", "zero_stamp", "old_stamp", "not_a_rotation"):
+        for fault in ("nan", "zero_stamp", "old_stamp", "not_a_rotation", "last_stamp"):
             self.boxes.heal()
             self.wait_for(FREE)
             self.boxes.fault = {name: fault for name in "abc"}

@@ -13,7 +13,8 @@ PERIOD = 0.02      # s
 
 
 class BoxPublisher:
-    FAULTS = ("silent", "nan", "zero_stamp", "old_stamp", "not_a_rotation", "hour_ahead", "two_seconds_ahead")
+    FAULTS = ("silent", "nan", "zero_stamp", "old_stamp", "not_a_rotation", "hour_ahead", "two_seconds_ahead",
+              "last_stamp")
     AHEAD = {"hour_ahead": 3600.0, "two_seconds_ahead": 2.0, "old_stamp": -100.0}
 
     def __init__(self, names):
@@ -47,6 +48,8 @@ class BoxPublisher:
             transform.header.stamp = now + rospy.Duration(self.AHEAD.get(kind, 0.0))
             if kind == "zero_stamp":
                 transform.header.stamp = rospy.Time(0)
+            if kind == "last_stamp":
+                transform.header.stamp = rospy.Time(2**32 - 1, 999999999)
             transform.transform.translation.x = ELSEWHERE * (i + 1) if kind else x[name]
             transform.transform.rotation.w = {"nan": float("nan"), "not_a_rotation": 0.0}.get(kind, 1.0)
             message.transforms.append(transform)

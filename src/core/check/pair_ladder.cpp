@@ -33,9 +33,17 @@ void PairLadder::begin(const CollisionScene& scene, const std::vector<Isometry3d
   boxes_ = &boxes;
 }
 
-// Relative first: far from the origin the difference is exact where the poses are not.
+// The difference of the positions comes first: far from the origin it is exact, while each of them,
+// turned into the frame of A by itself, would be rounded.
 Isometry3d PairLadder::relativePose(const BoxPair& pair) const {
-  return (*X_WE_)[pair.first].inverse() * (*X_WE_)[pair.second];
+  const Isometry3d& X_WA = (*X_WE_)[pair.first];
+  const Isometry3d& X_WB = (*X_WE_)[pair.second];
+  Isometry3d X_AB;
+  X_AB.linear().noalias() = X_WA.linear().transpose() * X_WB.linear();
+  X_AB.translation().noalias() =
+      X_WA.linear().transpose() * (X_WB.translation() - X_WA.translation());
+  X_AB.makeAffine();
+  return X_AB;
 }
 
 PairLadder::Answer PairLadder::measure(const BoxPair& pair, Fidelity rung, double max_distance) {

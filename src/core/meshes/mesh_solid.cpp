@@ -2,237 +2,330 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
-#include <numeric>
-#include <tuple>
+#include <limits>
+
+#include "outer_faces.h"
+#include "solid_angle.h"
+#include "winding_number.h"
 
 namespace collision_pairs {
 namespace {
 
-using Triangle = std::array<std::uint32_t, 3>;
+using Eigen::Vector3d;
+using Numbering = std::vector<std::uint32_t>;  // of what belongs together: one number a facet
 
-constexpr double CLOSED_IF_HOLES_BELOW = 0.01;  // of the part's area
-constexpr double CONVEX_TOLERANCE = 1e-12;      // of the mesh's size
+constexpr double CLOSED_BELOW = 0.02;   // turns, in the mean: half the share of missing area
+constexpr int NUM_SAMPLES = 64;         // of a surface that may be closed
+constexpr double SAMPLE_HEIGHT = 1e-3;  // above a triangle, of its area over its circumference
+constexpr double NEARLY_MEET = 1e-5;    // of the mesh's size: vertices
+constexpr double INF = std::numeric_limits<double>::infinity();
+constexpr double MIN_POSITIVE = std::numeric_limits<double>::min();
+constexpr double CONVEX_TOLERANCE = 1e-12;  // of the mesh's size
 
-// For each vertex the first one with the same coordinates.
-std::vector<std::uint32_t> weld(const std::vector<Eigen::Vector3d>& vertices) {
-  std::vector<std::uint32_t> order(vertices.size()), same(vertices.size());
-  std::iota(order.begin(), order.end(), 0);
-  const auto less = [&](std::uint32_t i, std::uint32_t j) {
-    for (int k = 0; k < 3; ++k) {
-      if (vertices[i][k] != vertices[j][k]) return vertices[i][k] < vertices[j][k];
-    }
-    return i < j;
-  };
-  std::sort(order.begin(), order.end(), less);
-  for (std::size_t k = 0; k < order.size(); ++k) {
-    const bool repeats = k > 0 && vertices[order[k]] == vertices[order[k - 1]];
-    same[order[k]] = repeats ? same[order[k - 1]] : order[k];
-  }
-  return same;
+Vector3d centroid(const TriangleMesh& mesh, const Triangle3& t) {
+  return (mesh.vertices[t[0]] + mesh.vertices[t[1]] + mesh.vertices[t[2]]) / 3.0;
 }
 
-// Without triangles that have two corners in one place, and each set of corners only once.
-std::vector<Triangle> soundTriangles(const TriangleMesh& mesh,
-                                     const std::vector<std::uint32_t>& same) {
-  std::vector<std::pair<Triangle, Triangle>> keyed;
-  keyed.reserve(mesh.triangles.size());
-  for (const Triangle& t : mesh.triangles) {
-    const Triangle welded{same[t[0]], same[t[1]], same[t[2]]};
-    if (welded[0] == welded[1] || welded[1] == welded[2] || welded[2] == welded[0]) continue;
-    Triangle key = welded;
-    std::sort(key.begin(), key.end());
-    keyed.emplace_back(key, welded);
-  }
-  const auto less = [](const auto& x, const auto& y) { return x.first < y.first; };
-  const auto equal = [](const auto& x, const auto& y) { return x.first == y.first; };
-  std::stable_sort(keyed.begin(), keyed.end(), less);
-  keyed.erase(std::unique(keyed.begin(), keyed.end(), equal), keyed.end());
-  std::vector<Triangle> result;
-  for (const auto& entry : keyed) result.push_back(entry.second);
-  return result;
+Vector3d areaVector(const TriangleMesh& mesh, const Triangle3& t) {
+  const Vector3d& a = mesh.vertices[t[0]];
+  return 0.5 * (mesh.vertices[t[1]] - a).cross(mesh.vertices[t[2]] - a);
 }
 
-// One side of one triangle, keyed by its two vertices so that sides of an edge are neighbours.
-struct Side {
-  std::uint32_t low, high, triangle;
-  bool forward;  // the triangle runs from low to high
-  bool sameEdge(const Side& other) const { return low == other.low && high == other.high; }
-};
-
-std::vector<Side> sortedSides(const std::vector<Triangle>& triangles) {
-  std::vector<Side> sides;
-  sides.reserve(3 * triangles.size());
-  for (std::uint32_t t = 0; t < triangles.size(); ++t) {
-    for (int k = 0; k < 3; ++k) {
-      const std::uint32_t i = triangles[t][k], j = triangles[t][(k + 1) % 3];
-      sides.push_back({std::min(i, j), std::max(i, j), t, i < j});
-    }
-  }
-  std::sort(sides.begin(), sides.end(), [](const Side& x, const Side& y) {
-    return std::tie(x.low, x.high, x.triangle) < std::tie(y.low, y.high, y.triangle);
+// The sides at which a surface is open, as segments from first to second.
+std::vector<std::pair<std::uint32_t, std::uint32_t>> boundaryOf(const Surface& surface) {
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> boundary;
+  Sides sides = sortedSides(surface);
+  const std::vector<int> once(surface.size(), 1);
+  forEachEdge(sides, [&](auto begin, auto end) {
+    const int sum = balance(begin, end, once, 1);
+    const auto low = begin->low, high = begin->high;
+    boundary.insert(boundary.end(), static_cast<std::size_t>(std::abs(sum)),
+                    sum > 0 ? std::pair(low, high) : std::pair(high, low));
   });
-  return sides;
+  return boundary;
 }
 
-class UnionFind {
+// How far a surface is from winding a whole number of times around points, in turns. Together with
+// a fan over its boundary it is closed and winds so: what the fan does is the error.
+class WindingError {
  public:
-  explicit UnionFind(std::size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0); }
-  std::uint32_t find(std::uint32_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
+  WindingError(const TriangleMesh& mesh, const Surface& surface)
+      : mesh_(mesh), boundary_(boundaryOf(surface)) {
+    for (const auto& [i, j] : boundary_) tip_ += mesh.vertices[i] / boundary_.size();
   }
-  void join(std::uint32_t i, std::uint32_t j) { parent_[find(i)] = find(j); }
+  double at(const Vector3d& p) const {
+    SolidAngleSum fan(p);
+    for (const auto& [i, j] : boundary_) fan.add(tip_, mesh_.vertices[i], mesh_.vertices[j]);
+    return std::abs(fan.total() - std::round(fan.total()));
+  }
 
  private:
-  std::vector<std::uint32_t> parent_;
+  const TriangleMesh& mesh_;
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> boundary_;
+  Vector3d tip_ = Vector3d::Zero();
 };
 
-// Turns triangles so that neighbours run along their common edge in opposite directions; by edges
-// of two triangles first, by edges of more where there is no other way.
-void orientAlike(const std::vector<Side>& sides, std::vector<Triangle>& triangles) {
-  std::vector<std::vector<std::pair<std::uint32_t, bool>>> clean(triangles.size());
-  std::vector<std::vector<std::pair<std::uint32_t, bool>>> crowded(triangles.size());
-  for (std::size_t i = 0; i < sides.size();) {
-    std::size_t end = i + 1;
-    while (end < sides.size() && sides[end].sameEdge(sides[i])) ++end;
-    for (std::size_t k = i + 1; k < end; ++k) {
-      auto& links = end - i == 2 ? clean : crowded;
-      const bool flip = sides[k].forward == sides[i].forward;
-      links[sides[i].triangle].emplace_back(sides[k].triangle, flip);
-      links[sides[k].triangle].emplace_back(sides[i].triangle, flip);
-    }
-    i = end;
-  }
-  std::vector<char> state(triangles.size(), -1);  // -1 unknown, 0 as it is, 1 turned
-  std::vector<std::uint32_t> first, later;
-  for (std::uint32_t seed = 0; seed < triangles.size(); ++seed) {
-    if (state[seed] >= 0) continue;
-    state[seed] = 0;
-    first.push_back(seed);
-    while (!first.empty() || !later.empty()) {
-      auto& queue = first.empty() ? later : first;
-      const bool by_crowded = first.empty();
-      const std::uint32_t t = queue.back();
-      queue.pop_back();
-      if (!by_crowded) later.push_back(t);
-      for (const auto& [next, flip] : by_crowded ? crowded[t] : clean[t]) {
-        if (state[next] >= 0) continue;
-        state[next] = static_cast<char>(state[t] ^ static_cast<char>(flip));
-        first.push_back(next);
-      }
-    }
-  }
-  for (std::size_t t = 0; t < triangles.size(); ++t) {
-    if (state[t] == 1) std::swap(triangles[t][1], triangles[t][2]);
-  }
+// A point just above a triangle.
+Vector3d pointAbove(const TriangleMesh& mesh, const Triangle3& t) {
+  const Vector3d &a = mesh.vertices[t[0]], &b = mesh.vertices[t[1]], &c = mesh.vertices[t[2]];
+  const double circumference = (b - a).norm() + (c - b).norm() + (a - c).norm();
+  return centroid(mesh, t) + SAMPLE_HEIGHT / circumference * areaVector(mesh, t);
 }
 
-double area(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c) {
-  return 0.5 * (b - a).cross(c - a).norm();
+// A closed surface winds a whole number of times around every point. How far from that is this one
+// in the mean, next to itself, at samples that are spread evenly over its area? Below CLOSED_BELOW
+// what its edges leave open does not count: they match in parts only, or vertices nearly meet, or a
+// triangle is missing. Infinite above.
+double openness(const TriangleMesh& mesh, const Surface& surface) {
+  const WindingError winding_error(mesh, surface);
+  double area = 0.0, passed = 0.0, error = 0.0;
+  for (const Triangle3& t : surface) area += areaVector(mesh, t).norm();
+  int sample = 0;
+  for (const Triangle3& t : surface) {
+    const int before = sample;
+    passed += areaVector(mesh, t).norm();
+    while (sample < NUM_SAMPLES && (sample + 0.5) * area < passed * NUM_SAMPLES) ++sample;
+    if (sample == before) continue;
+    error += (sample - before) * winding_error.at(pointAbove(mesh, t)) / NUM_SAMPLES;
+    if (!(error < CLOSED_BELOW)) return INF;
+  }
+  return sample > 0 ? error : INF;
 }
 
-// Area of the fans that would close the holes of a part.
-std::map<std::uint32_t, double> holeAreas(const TriangleMesh& mesh, const std::vector<Side>& sides,
-                                          UnionFind& parts) {
-  UnionFind loops(mesh.vertices.size());
-  std::vector<Side> open;
-  for (std::size_t i = 0; i < sides.size(); ++i) {
-    const bool shared = (i > 0 && sides[i].sameEdge(sides[i - 1])) ||
-                        (i + 1 < sides.size() && sides[i].sameEdge(sides[i + 1]));
-    if (shared) continue;
-    open.push_back(sides[i]);
-    loops.join(sides[i].low, sides[i].high);
-  }
-  std::map<std::uint32_t, std::pair<Eigen::Vector3d, double>> centroids;
-  for (const Side& side : open) {
-    auto& [sum, count] =
-        centroids.try_emplace(loops.find(side.low), Eigen::Vector3d::Zero(), 0.0).first->second;
-    sum += mesh.vertices[side.low] + mesh.vertices[side.high];
-    count += 2.0;
-  }
-  std::map<std::uint32_t, double> result;
-  for (const Side& side : open) {
-    const auto& [sum, count] = centroids.at(loops.find(side.low));
-    const Eigen::Vector3d center = sum / count;
-    result[parts.find(side.low)] += area(center, mesh.vertices[side.low], mesh.vertices[side.high]);
+void turn(Surface& surface) {
+  for (Triangle3& t : surface) std::swap(t[1], t[2]);
+}
+
+Surface facingOutwards(const Surface& surface, const std::vector<int>& facing) {
+  Surface result;
+  for (std::size_t i = 0; i < surface.size(); ++i) {
+    if (facing[i] == 0) continue;
+    result.push_back(surface[i]);
+    if (facing[i] < 0) std::swap(result.back()[1], result.back()[2]);
   }
   return result;
 }
 
-bool isLocallyConvex(const TriangleMesh& mesh, const std::vector<Triangle>& triangles,
-                     const std::vector<Side>& sides) {
-  Eigen::Vector3d low = mesh.vertices[triangles[0][0]], high = low;
-  for (const Triangle& t : triangles) {
+double volumeOf(const TriangleMesh& mesh, const Surface& surface) {
+  double sum = 0.0;
+  for (const Triangle3& t : surface) sum += signedVolume(mesh, t, mesh.vertices[surface[0][0]]);
+  return sum;
+}
+
+bool isLocallyConvex(const TriangleMesh& mesh, const Surface& surface) {
+  const Sides sides = sortedSides(surface);
+  Vector3d low = mesh.vertices[surface[0][0]], high = low;
+  for (const Triangle3& t : surface) {
     for (const std::uint32_t i : t) {
       low = low.cwiseMin(mesh.vertices[i]);
       high = high.cwiseMax(mesh.vertices[i]);
     }
   }
   const double tolerance = CONVEX_TOLERANCE * (high - low).norm();
+  const auto sameEdge = [](const Side& x, const Side& y) {
+    return x.low == y.low && x.high == y.high;
+  };
   for (std::size_t i = 0; i < sides.size(); i += 2) {
-    if (i + 1 >= sides.size() || !sides[i].sameEdge(sides[i + 1])) return false;
-    if (i + 2 < sides.size() && sides[i].sameEdge(sides[i + 2])) return false;
-    const Triangle& t = triangles[sides[i].triangle];
-    const Eigen::Vector3d& corner = mesh.vertices[t[0]];
-    const Eigen::Vector3d normal =
-        (mesh.vertices[t[1]] - corner).cross(mesh.vertices[t[2]] - corner).normalized();
-    for (const std::uint32_t other : triangles[sides[i + 1].triangle]) {
+    if (i + 1 >= sides.size() || !sameEdge(sides[i], sides[i + 1])) return false;
+    if (i + 2 < sides.size() && sameEdge(sides[i], sides[i + 2])) return false;
+    const Triangle3& t = surface[sides[i].triangle];
+    const Vector3d& corner = mesh.vertices[t[0]];
+    const Vector3d normal = areaVector(mesh, t).normalized();
+    for (const std::uint32_t other : surface[sides[i + 1].triangle]) {
       if (normal.dot(mesh.vertices[other] - corner) > tolerance) return false;
     }
   }
   return true;
 }
 
-struct Part {
-  double area = 0.0;
-  double volume = 0.0;
+class SolidFinder {
+ public:
+  explicit SolidFinder(const TriangleMesh& mesh)
+      : mesh_(mesh),
+        same_(weld(mesh.vertices)),
+        facets_(facetsOf(mesh, same_)),
+        settled_(facets_.triangles.size(), 0) {}
+
+  MeshSolid find() {
+    findPartPoints();
+    Sides sides = sortedSides(facets_.triangles);
+    const Numbering piece = piecesOf(facets_, sides);
+    const std::vector<char> consistent = takeBalanced(piece, sides);
+    settle(piece, [&](const Numbering& ids) {
+      return takeNearlyClosed(ids, consistent[piece[ids[0]]] != 0);
+    });
+    if (std::count(settled_.begin(), settled_.end(), 0) > 0) {
+      const auto together = [&](const Numbering& ids) { return takeAsItIs(ids); };
+      settle(nearParts(), together);
+      settle(Numbering(piece.size(), 0), together);
+    }
+    orient();
+    solid_.locally_convex = solid_.part_points.size() == 1 && !solid_.outward.empty() &&
+                            isLocallyConvex(mesh_, solid_.outward);
+    return std::move(solid_);
+  }
+
+ private:
+  // What hangs together by vertices, if each is where `same` says.
+  UnionFind partsOf(const std::vector<std::uint32_t>& same) const {
+    UnionFind parts(mesh_.vertices.size());
+    for (const Triangle3& t : mesh_.triangles) {
+      parts.join(same[t[0]], same[t[1]]);
+      parts.join(same[t[0]], same[t[2]]);
+    }
+    return parts;
+  }
+
+  void findPartPoints() {
+    UnionFind parts = partsOf(same_);
+    std::vector<char> known(mesh_.vertices.size(), 0);
+    for (const Triangle3& t : mesh_.triangles) {
+      char& is_known = known[parts.find(same_[t[0]])];
+      if (!is_known) solid_.part_points.push_back(mesh_.vertices[t[0]]);
+      is_known = 1;
+    }
+  }
+
+  // Numbers the facets by what hangs together by vertices that meet or nearly do. Some of those are
+  // rounded apart; one that is not is enough.
+  Numbering nearParts() const {
+    Vector3d low = mesh_.vertices[0], high = low;
+    for (const Vector3d& v : mesh_.vertices) {
+      low = low.cwiseMin(v);
+      high = high.cwiseMax(v);
+    }
+    const double cell = std::max(NEARLY_MEET * (high - low).maxCoeff(), MIN_POSITIVE);
+    std::vector<Vector3d> rounded;
+    for (const Vector3d& v : mesh_.vertices) rounded.push_back((v / cell).array().round());
+    const std::vector<std::uint32_t> same = weld(rounded);
+    UnionFind parts = partsOf(same);
+    Numbering result;
+    for (const Triangle3& t : facets_.triangles) result.push_back(parts.find(same[t[0]]));
+    return result;
+  }
+
+  // Calls take(ids) for all facets that have the same number and are not settled yet, unless they
+  // are too few to enclose anything; if it returns true, they are now.
+  template <class Take>
+  void settle(const Numbering& numbering, const Take& take) {
+    Numbering open;
+    for (std::uint32_t i = 0; i < settled_.size(); ++i) {
+      if (!settled_[i]) open.push_back(i);
+    }
+    const auto number = [&](std::uint32_t i) { return numbering[i]; };
+    forEachGroup(open.begin(), open.end(), number, [&](auto begin, auto end) {
+      if (end - begin < 4 || !take(Numbering(begin, end))) return;
+      for (auto i = begin; i != end; ++i) settled_[*i] = 1;
+    });
+  }
+
+  Surface asItIs(const Numbering& ids, int most_copies) const {
+    Surface surface;
+    for (const std::uint32_t i : ids) {
+      const int n = std::min(facets_.copies[i], most_copies);
+      surface.insert(surface.end(), static_cast<std::size_t>(n), facets_.triangles[i]);
+    }
+    return surface;
+  }
+
+  // Pieces whose sides cancel at each edge: closed, and oriented consistently. Where triangles are
+  // repeated, each once if that cancels too. Tells which pieces are consistent where they are not
+  // open.
+  std::vector<char> takeBalanced(const Numbering& piece, Sides& sides) {
+    std::vector<char> once(piece.size(), 1), all(piece.size(), 1), consistent(piece.size(), 1);
+    forEachEdge(sides, [&](auto begin, auto end) {
+      const auto number = [&](const Side& side) { return piece[side.triangle]; };
+      forEachGroup(begin, end, number, [&](auto first, auto last) {
+        if (balance(first, last, facets_.copies, 1) != 0) once[number(*first)] = 0;
+        if (balance(first, last, facets_.copies, ALL_COPIES) == 0) return;
+        all[number(*first)] = 0;
+        if (last - first > 1) consistent[number(*first)] = 0;
+      });
+    });
+    settle(piece, [&](const Numbering& ids) {
+      const std::uint32_t number = piece[ids[0]];
+      if (!once[number] && !all[number]) return false;
+      return take(asItIs(ids, once[number] ? 1 : ALL_COPIES), as_they_are_);
+    });
+    return consistent;
+  }
+
+  bool takeAsItIs(const Numbering& ids) {
+    Surface surface = asItIs(ids, ALL_COPIES);
+    return openness(mesh_, surface) < CLOSED_BELOW && take(std::move(surface), as_they_are_);
+  }
+
+  // As it is, or its outer faces, whichever way its triangles face: what is less open. The faces
+  // that are left out may still close something together with others.
+  bool takeNearlyClosed(const Numbering& ids, bool consistent) {
+    Surface given = asItIs(ids, ALL_COPIES);
+    const double given_open = openness(mesh_, given);
+    if (consistent && given_open < CLOSED_BELOW) return take(std::move(given), as_they_are_);
+    Surface surface;
+    for (const std::uint32_t i : ids) surface.push_back(facets_.triangles[i]);
+    std::vector<int> facing = outerFaces(mesh_, surface, LooseEdges::ARE_SEAMS);
+    Surface outer = facingOutwards(surface, facing);
+    const double outer_open = openness(mesh_, outer);
+    if (given_open < CLOSED_BELOW && given_open <= outer_open) {
+      return take(std::move(given), as_they_are_);
+    }
+    if (!(outer_open < CLOSED_BELOW)) {
+      facing = outerFaces(mesh_, surface, LooseEdges::ARE_GAPS);
+      outer = facingOutwards(surface, facing);
+    }
+    for (std::size_t k = 0; k < ids.size(); ++k) settled_[ids[k]] = facing[k] != 0;
+    take(std::move(outer), turned_outwards_);
+    return false;
+  }
+
+  static bool take(Surface surface, std::vector<Surface>& taken) {
+    if (surface.empty()) return false;
+    taken.push_back(std::move(surface));
+    return true;
+  }
+
+  void add(const Surface& surface) {
+    solid_.outward.insert(solid_.outward.end(), surface.begin(), surface.end());
+    solid_.volume += volumeOf(mesh_, surface);
+  }
+
+  // Bodies face outwards, those that faced inwards too. One that faces the other way than most of
+  // the volume does bounds a hollow, if it lies within a body.
+  void orient() {
+    double sum = 0.0;
+    for (const Surface& surface : as_they_are_) sum += volumeOf(mesh_, surface);
+    std::vector<Surface> inward;
+    for (Surface& surface : as_they_are_) {
+      if (sum < 0.0) turn(surface);
+      if (volumeOf(mesh_, surface) < 0.0) {
+        inward.push_back(std::move(surface));
+      } else {
+        add(surface);
+      }
+    }
+    WindingNumber bodies;
+    if (!inward.empty()) bodies = WindingNumber(mesh_.vertices, solid_.outward);
+    for (Surface& surface : inward) {
+      const bool is_within = std::all_of(surface.begin(), surface.end(), [&](const Triangle3& t) {
+        return bodies.holds(centroid(mesh_, t));
+      });
+      if (!is_within) turn(surface);
+      add(surface);
+    }
+    for (const Surface& surface : turned_outwards_) add(surface);
+  }
+
+  const TriangleMesh& mesh_;
+  const std::vector<std::uint32_t> same_;
+  const Facets facets_;
+  std::vector<char> settled_;         // one a facet
+  std::vector<Surface> as_they_are_;  // closed
+  std::vector<Surface> turned_outwards_;
+  MeshSolid solid_;
 };
 
 }  // namespace
 
-MeshSolid findSolid(const TriangleMesh& mesh) {
-  MeshSolid solid;
-  const std::vector<std::uint32_t> same = weld(mesh.vertices);
-  UnionFind parts(mesh.vertices.size());
-  for (const Triangle& t : mesh.triangles) {
-    parts.join(same[t[0]], same[t[1]]);
-    parts.join(same[t[0]], same[t[2]]);
-  }
-  std::map<std::uint32_t, Part> part;
-  for (const Triangle& t : mesh.triangles) {
-    if (part.try_emplace(parts.find(same[t[0]])).second) {
-      solid.part_points.push_back(mesh.vertices[t[0]]);
-    }
-  }
-  std::vector<Triangle> triangles = soundTriangles(mesh, same);
-  const std::vector<Side> sides = sortedSides(triangles);
-  orientAlike(sides, triangles);
-  const Eigen::Vector3d origin = mesh.vertices.front();
-  for (const Triangle& t : triangles) {
-    const Eigen::Vector3d a = mesh.vertices[t[0]] - origin, b = mesh.vertices[t[1]] - origin,
-                          c = mesh.vertices[t[2]] - origin;
-    Part& whole = part[parts.find(t[0])];
-    whole.area += area(a, b, c);
-    whole.volume += a.dot(b.cross(c)) / 6.0;
-  }
-  const std::map<std::uint32_t, double> holes = holeAreas(mesh, sides, parts);
-  for (Triangle t : triangles) {
-    const std::uint32_t id = parts.find(t[0]);
-    const auto hole = holes.find(id);
-    if (hole != holes.end() && hole->second > CLOSED_IF_HOLES_BELOW * part[id].area) continue;
-    if (part[id].volume < 0.0) std::swap(t[1], t[2]);
-    solid.outward.push_back(t);
-  }
-  for (const auto& entry : part) {
-    const auto hole = holes.find(entry.first);
-    const bool open =
-        hole != holes.end() && hole->second > CLOSED_IF_HOLES_BELOW * entry.second.area;
-    if (!open) solid.volume += std::abs(entry.second.volume);
-  }
-  solid.locally_convex = part.size() == 1 && holes.empty() && !solid.outward.empty() &&
-                         isLocallyConvex(mesh, solid.outward, sortedSides(solid.outward));
-  return solid;
-}
+MeshSolid findSolid(const TriangleMesh& mesh) { return SolidFinder(mesh).find(); }
 
 }  // namespace collision_pairs

@@ -96,10 +96,10 @@ bool WindingNumber::holds(const Eigen::Vector3d& p_MQ) const {
     if (node.skip == i + 1) winding += exact(p_MQ, node.begin, node.end);
     ++i;
   }
-  if (std::abs(winding - 0.5) < UNCERTAIN) {
+  if (std::abs(std::abs(winding) - 0.5) < UNCERTAIN) {
     winding = exact(p_MQ, 0, static_cast<std::uint32_t>(corners_.size()));
   }
-  return winding > 0.5;
+  return std::abs(winding) > 0.5;
 }
 
 }  // namespace collision_pairs

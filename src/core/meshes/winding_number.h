@@ -9,7 +9,7 @@
 
 namespace collision_pairs {
 
-/// Generalised winding number of a set of outward facing triangles, far clusters taken as dipoles.
+/// Generalised winding number of a set of triangles, far clusters taken as dipoles.
 /// Barill et al., "Fast winding numbers for soups and clouds" (2018). Deviation: near 1/2, where
 /// the dipoles could mislead, all solid angles are summed.
 class WindingNumber {
@@ -20,8 +20,9 @@ class WindingNumber {
                 std::vector<std::array<std::uint32_t, 3>> outward);
 
   bool empty() const { return corners_.empty(); }
-  /// Does the surface wind at least half around the point p_MQ? Bodies that overlap add up, so
-  /// what is inside any of them is inside. Cost: O(log n) away from the surface, O(n) at worst.
+  /// Does the surface wind at least half around the point p_MQ, one way or the other? Bodies that
+  /// overlap add up, so what is inside any of them is inside, and hollows are taken off. Cost:
+  /// O(log n) away from the surface, O(n) at worst.
   bool holds(const Eigen::Vector3d& p_MQ) const;
 
  private:

@@ -1,0 +1,28 @@
+// Which triangles of a mesh part what they enclose from the outside?
+#pragma once
+
+#include "collision_pairs/shape.h"
+#include "mesh_edges.h"
+
+namespace collision_pairs {
+
+enum class LooseEdges {
+  ARE_GAPS,   ///< one can pass around a triangle whose edge no other one shares
+  ARE_SEAMS,  ///< or not: another triangle is near
+};
+
+/// Of triangles that hang together by edges, each set of corners given once and facing anywhere:
+/// which have the outside on one side only? One number a triangle: 1 if it faces the outside, -1 if
+/// it has to be turned for that, 0 for walls within and flaps without. With ARE_GAPS those that are
+/// not 0 are a closed surface, or none. Cost: O(n log n).
+///
+/// The two faces of each triangle are joined into regions of space, by what stands next to each
+/// other around an edge. Zhou, Grinspun, Zorin, Jacobson, "Mesh arrangements for solid geometry"
+/// (2016), section 4. Deviation: triangles that pass through each other are not cut.
+std::vector<int> outerFaces(const TriangleMesh& mesh, const Surface& surface,
+                            LooseEdges loose_edges);
+
+/// Volume between a triangle and a point, cubic metres: positive if it faces away from the point.
+double signedVolume(const TriangleMesh& mesh, const Triangle3& t, const Eigen::Vector3d& point);
+
+}  // namespace collision_pairs
