@@ -109,6 +109,22 @@ TEST_F(Report, OfBoxesApartIsFreeAndWithAnythingLeftOutUnknown) {
             std::vector<std::string>{"pairs that may be in contact are unresolved: b|c"});
 }
 
+TEST_F(Report, OfLinksWithoutPosesBoundsNoDistance) {
+  BodyPoses poses;
+  poses.resize(scene_->bodies().size());
+  for (const bool min_distance : {false, true}) {
+    settings_.min_distance = min_distance;
+    for (const std::size_t nb_known : {0u, 1u}) {
+      if (nb_known == 1 && !min_distance) continue;  // then it is the alarm distance
+      for (std::size_t i = 0; i < poses.known.size(); ++i) poses.known[i] = i < nb_known;
+      const CollisionPairs message = toMessage(detector_.detect(poses, settings_), *scene_,
+                                               settings_, "world", ros::Time(7), {});
+      EXPECT_EQ(message.min_distance, 0.0) << min_distance << nb_known;
+      EXPECT_TRUE(message.min_distance_is_bound);
+    }
+  }
+}
+
 TEST_F(Report, OfNothingIsUnknown) {
   const CollisionPairs message = unknown("there is no robot", "world", ros::Time(7));
   EXPECT_EQ(message.verdict, CollisionPairs::UNKNOWN);

@@ -1,6 +1,7 @@
 #include "conversions.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "geometry_conversions.h"
 
@@ -135,6 +136,10 @@ CollisionPairs toMessage(const CollisionReport& report, const CollisionScene& sc
   message.fidelity = fidelityName(settings.fidelity);
   message.min_distance = report.min_distance;
   message.min_distance_is_bound = report.min_distance_is_bound;
+  // What could not be checked has no bound: infinite would be the smallest of no pairs.
+  const bool is_none =
+      report.left_out.size() == scene.models().size() || std::isinf(report.min_distance);
+  if (is_none && !report.left_out.empty()) message.min_distance = 0.0;
   for (const PairReport& pair : report.pairs) {
     message.pairs.push_back(toMessage(pair, report, scene));
   }

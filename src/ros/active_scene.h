@@ -15,6 +15,9 @@ struct ActiveScene {
   std::shared_ptr<const CollisionScene> scene;
   /// Links with geometry that could not be read: listed as left out in every report.
   std::vector<std::string> broken_links;
+  /// Why no report of it is FREE, whatever the poses: a group or links that leave no pair, as a
+  /// pattern with a slip of the pen does.
+  std::vector<std::string> doubts;
   std::string frame;  ///< of reports and markers
   std::unique_ptr<TfPoses> tf_poses;
 };

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include <ros/callback_queue.h>
@@ -104,11 +105,14 @@ void CollisionPairsNode::check(const ActiveScenePtr& scene, const ros::WallTime&
   CollisionPairs message =
       checkPoses(*scene, stamped, doubts, settings, now, transform_time, *detector_);
   publisher_.publish(message);
-  publisher_.publishMarkers(message, &detector_->report(),
-                            parameters_.show_only_investigated_boxes);
+  showMarkers(message, &detector_->report());
   publisher_.publishScene(scene, settings.fidelity, stamped.nb_found);
-  health_.noteCycle(message, now.toSec() - message.header.stamp.toSec(), secondsSince(start),
-                    1.0 / parameters_.rate, scene->scene->models().size());
+  std::optional<double> age;
+  if (stamped.nb_found > 0 || stamped.nb_asked == 0) {
+    age = now.toSec() - message.header.stamp.toSec();
+  }
+  health_.noteCycle(message, age, secondsSince(start), 1.0 / parameters_.rate,
+                    scene->scene->models().size());
   last_message_ = std::move(message);
   last_is_checked_ = true;
 }
@@ -121,8 +125,13 @@ void CollisionPairsNode::reportUnknown(const std::string& why) {
   last_message_ = unknown(why, frame, ros::Time::now());
   last_is_checked_ = false;
   publisher_.publish(last_message_);
-  publisher_.publishMarkers(last_message_, nullptr, false);
+  showMarkers(last_message_, nullptr);
   health_.noteProblem(why);
+}
+
+void CollisionPairsNode::showMarkers(const CollisionPairs& message, const CollisionReport* report) {
+  publisher_.publishMarkers(message, report, parameters_.show_only_investigated_boxes,
+                            1.0 / parameters_.rate);
 }
 
 void CollisionPairsNode::takeScene(const ActiveScenePtr& scene) {
@@ -160,8 +169,7 @@ void CollisionPairsNode::reconfigure(CollisionPairsConfig& config) {
   next_cycle_ = ros::SteadyTime::now();  // the rate, too, is another from now on
   if (!last_is_checked_) return;
   // Boxes that are to be hidden go at once.
-  publisher_.publishMarkers(last_message_, &detector_->report(),
-                            parameters_.show_only_investigated_boxes);
+  showMarkers(last_message_, &detector_->report());
 }
 
 }  // namespace collision_pairs

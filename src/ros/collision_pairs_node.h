@@ -39,6 +39,7 @@ class CollisionPairsNode {
   void cycle();
   void check(const ActiveScenePtr& scene, const ros::WallTime& start);
   void reportUnknown(const std::string& why);
+  void showMarkers(const CollisionPairs& message, const CollisionReport* report);
   void takeScene(const ActiveScenePtr& scene);
 
   void reconfigure(CollisionPairsConfig& config);

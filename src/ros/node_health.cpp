@@ -13,8 +13,8 @@ std::string joined(const std::vector<std::string>& words, const std::string& sep
 
 }  // namespace
 
-void NodeHealth::noteCycle(const CollisionPairs& message, double pose_age, double cycle_time,
-                           double cycle_period, std::size_t nb_models) {
+void NodeHealth::noteCycle(const CollisionPairs& message, std::optional<double> pose_age,
+                           double cycle_time, double cycle_period, std::size_t nb_models) {
   problem_.clear();
   pose_age_ = pose_age;
   cycle_time_ = cycle_time;
@@ -31,6 +31,7 @@ void NodeHealth::noteCycle(const CollisionPairs& message, double pose_age, doubl
 
 void NodeHealth::noteProblem(const std::string& problem) {
   problem_ = problem;
+  pose_age_.reset();
   last_ = CollisionPairs();
   nb_unresolved_ = 0;
 }
@@ -59,7 +60,11 @@ void NodeHealth::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) c
   }
   static const char* const VERDICTS[] = {"FREE", "COLLISION", "UNKNOWN"};
   status.add("verdict", problem_.empty() ? VERDICTS[last_.verdict] : "UNKNOWN");
-  status.add("transform age [s]", pose_age_);
+  if (pose_age_) {
+    status.add("transform age [s]", *pose_age_);
+  } else {
+    status.add("transform age [s]", "no usable transform");
+  }
   status.add("cycle time [s]", cycle_time_);
   status.add("cycles", cycles_);
   status.add("overruns", overruns_);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,8 +14,8 @@ namespace collision_pairs {
 /// For the cycle's thread alone.
 class NodeHealth {
  public:
-  /// A cycle that checked something. Ages and times in seconds.
-  void noteCycle(const CollisionPairs& message, double pose_age, double cycle_time,
+  /// A cycle that checked something. Ages and times in seconds; no age: no pose was usable.
+  void noteCycle(const CollisionPairs& message, std::optional<double> pose_age, double cycle_time,
                  double cycle_period, std::size_t nb_models);
   /// A cycle that could not: there is no scene, or something failed.
   void noteProblem(const std::string& problem);
@@ -24,7 +25,8 @@ class NodeHealth {
 
  private:
   std::string problem_ = "no cycle yet";
-  double pose_age_ = 0.0, cycle_time_ = 0.0;
+  std::optional<double> pose_age_;
+  double cycle_time_ = 0.0;
   CollisionPairs last_;  // without its pairs
   std::size_t nb_models_ = 0, nb_unresolved_ = 0;
   std::uint64_t cycles_ = 0, overruns_ = 0, out_of_time_ = 0;

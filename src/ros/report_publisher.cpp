@@ -1,5 +1,6 @@
 #include "report_publisher.h"
 
+#include <algorithm>
 #include <utility>
 
 #include <std_msgs/Bool.h>
@@ -14,6 +15,7 @@ namespace {
 // s that rviz has to learn the frames: it would mark what comes before as an error, and never again
 // look at it.
 constexpr double SUBSCRIBER_WARM_UP = 1.0;
+constexpr double SHORTEST_LIFE = 2.0;  // s, of a marker
 
 }  // namespace
 
@@ -39,9 +41,13 @@ void ReportPublisher::publish(const CollisionPairs& message) {
 }
 
 void ReportPublisher::publishMarkers(const CollisionPairs& message, const CollisionReport* report,
-                                     bool only_investigated) {
+                                     bool only_investigated, double period) {
   if (markers_.getNumSubscribers() == 0) return;
-  markers_.publish(toMarkers(message, report, only_investigated));
+  visualization_msgs::MarkerArray array = toMarkers(message, report, only_investigated);
+  for (auto& marker : array.markers) {
+    marker.lifetime = ros::Duration(std::max(SHORTEST_LIFE, 3.0 * period));
+  }
+  markers_.publish(array);
 }
 
 void ReportPublisher::publishScene(const ActiveScenePtr& scene, Fidelity fidelity,

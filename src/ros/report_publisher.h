@@ -25,9 +25,10 @@ class ReportPublisher {
   void publish(const CollisionPairs& message);
 
   /// The boxes of the report and the verdict of the message, for whoever looks. `report` may be
-  /// null: then there is the verdict only.
+  /// null: then there is the verdict only. They fade some periods [s] after the last: what a node
+  /// said before it died must not stay in sight.
   void publishMarkers(const CollisionPairs& message, const CollisionReport* report,
-                      bool only_investigated);
+                      bool only_investigated, double period);
 
   /// The shapes of the scene: only when it is another, somebody new looks at it, or TF has come to
   /// know more of it (rviz moves what moves). nb_known: bodies with a pose.

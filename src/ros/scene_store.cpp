@@ -159,6 +159,9 @@ ActiveScenePtr SceneStore::build(SceneSources& sources, const SceneObjects& obje
   description.settings.progress = progressOnLog(ros::WallTime::now());
   active->scene = CollisionScene::build(description, &cache_);
   const CollisionScene& scene = *active->scene;
+  if (!description.restriction.empty() && scene.models().empty()) {
+    active->doubts.push_back("group and links leave no pair to check");
+  }
   active->frame = fixed_frame_.empty() ? scene.robot().links().front().name : fixed_frame_;
   active->tf_poses = std::make_unique<TfPoses>(transforms_, scene, active->frame);
   return active;

@@ -51,7 +51,10 @@ void TrajectoryService::check(const CheckTrajectory::Request& request,
   response.joints_from_tf = query.jointsFromTf();
   response.joints_at_zero = query.jointsAtZero();
 
+  std::vector<std::string> known_doubts = active.doubts;
+  known_doubts.insert(known_doubts.end(), query.doubts().begin(), query.doubts().end());
   const auto& points = request.trajectory.points;
+  if (points.empty()) throw InputError("the trajectory has no points");
   response.verdict.resize(points.size());
   response.in_collision.resize(points.size());
   response.min_distance.resize(points.size());
@@ -68,7 +71,7 @@ void TrajectoryService::check(const CheckTrajectory::Request& request,
         }
       },
       [&](std::size_t i, const CollisionReport& report) {
-        std::vector<std::string> doubts = query.doubts();
+        std::vector<std::string> doubts = known_doubts;
         for (std::string& why : whyUnknown(report, *scene, active.broken_links)) {
           doubts.push_back(std::move(why));
         }
@@ -82,7 +85,7 @@ void TrajectoryService::check(const CheckTrajectory::Request& request,
         if (request.want_reports) {
           response.reports[i] =
               toMessage(report, *scene, settings, active.frame, stamp, active.broken_links);
-          notFree(response.reports[i], query.doubts());
+          notFree(response.reports[i], known_doubts);
         }
         if (is_free || is_contact) return;
         const std::lock_guard<std::mutex> lock(mutex);

@@ -10,6 +10,7 @@ import rospy
 import rostest
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
+from collision_pairs.msg import CollisionPairs
 from collision_pairs.srv import CheckTrajectory
 from node_client import JointPublisher, NodeClient
 from scene_client import SceneClient, add_box, attach, clear, remove
@@ -90,6 +91,17 @@ class RestrictedRequestsTest(unittest.TestCase):
     def test_a_pattern_that_matches_nothing_leaves_nothing_to_look_at(self):
         result = self.node.check(links=["left_*"]).result
         self.assertEqual((result.nb_boxes, result.pairs), (0, []))
+        self.assertEqual((result.verdict, result.in_collision), (CollisionPairs.UNKNOWN, True))
+        self.assertIn("no pair to check", " ".join(result.unknown_because))
+        trajectory = JointTrajectory(joint_names=["slide_a"], points=[JointTrajectoryPoint(positions=[0.0])])
+        reply = self.check_trajectory(trajectory=trajectory, links=["left_*"], want_reports=True)
+        self.assertEqual((list(reply.verdict), reply.reports[0].verdict), ([CollisionPairs.UNKNOWN], CollisionPairs.UNKNOWN))
+        self.assertIn("no pair to check", " ".join(reply.unknown_because))
+
+    def test_a_trajectory_without_points_is_refused(self):
+        reply = self.check_trajectory(trajectory=JointTrajectory(joint_names=["slide_a"]))
+        self.assertFalse(reply.success)
+        self.assertIn("no points", reply.message)
 
     def test_trajectories_are_restricted_like_single_states(self):
         points = [JointTrajectoryPoint(positions=[x]) for x in (0.0, 5.0)]

@@ -83,6 +83,24 @@ class VerdictTest(unittest.TestCase):
             self.assertEqual((reply.result.verdict, reply.result.in_collision), (UNKNOWN, True))
             self.assert_stays(UNKNOWN, 0.5)
 
+    def test_the_diagnostics_claim_no_age_where_no_transform_is_usable(self):
+        def age():
+            return {v.key: v.value for v in diagnosis_of("node").values}["transform age [s]"]
+        while age() == "no usable transform":
+            pass
+        self.assertLess(float(age()), 1.0)
+        self.boxes.fault = {name: "silent" for name in "abc"}
+        self.wait_for(UNKNOWN)
+        end = rospy.get_time() + 5.0
+        while rospy.get_time() < end and age() != "no usable transform":
+            pass
+        self.assertEqual(age(), "no usable transform")
+
+    def test_what_rviz_draws_fades_when_the_node_is_silent(self):
+        for node in (self.node, NodeClient("/none/node")):
+            for marker in node.next(node.marker_arrays).markers:
+                self.assertAlmostEqual(marker.lifetime.to_sec(), 2.0)
+
     def test_when_one_publisher_stops_its_link_is_named(self):
         self.boxes.fault = {"c": "silent"}
         report = self.wait_for(UNKNOWN, "link 'c'")
