@@ -34,11 +34,14 @@ class BagPoses {
   const std::string& source() const { return source_; }
   /// What had to be assumed or is missing, a sentence each.
   const std::vector<std::string>& notes() const { return notes_; }
+  /// Joints that move a body of the scene, but that the bag does not name: taken at zero, so that
+  /// apart does not mean free.
+  const std::vector<std::string>& jointsAtZero() const { return joints_at_zero_; }
 
  protected:
   std::vector<StampNs> stamps_;
   std::string source_;
-  std::vector<std::string> notes_;
+  std::vector<std::string> notes_, joints_at_zero_;
 };
 
 /// By TF where it knows as many bodies of the robot as the joint states do, else by forward

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 namespace collision_pairs {
 namespace {
@@ -59,6 +60,7 @@ BagPosesFromJoints::BagPosesFromJoints(const BagContents& bag, const CollisionSc
   source_ = "joint states of " + *choice.topic;
   chooseTracks(*choice.tracks, choice.prefix);
   countKnown();
+  noteJointsAtZero();
   collectStamps();
 }
 
@@ -83,6 +85,20 @@ void BagPosesFromJoints::countKnown() {
     while (bodies[body].joint >= 0 && !tracks_[bodies[body].joint]) body = bodies[body].parent;
     if (bodies[body].joint >= 0) ++nb_known_;
   }
+}
+
+void BagPosesFromJoints::noteJointsAtZero() {
+  const auto& joints = scene_.robot().joints();
+  const auto& bodies = scene_.robot().bodies();
+  std::set<std::string> names;
+  for (const SceneBody& scene_body : scene_.bodies()) {
+    for (int body = scene_body.body; bodies[body].joint >= 0; body = bodies[body].parent) {
+      int driver = bodies[body].joint;
+      while (joints[driver].mimic) driver = joints[driver].mimic->joint;
+      if (!tracks_[driver]) names.insert(joints[driver].name);
+    }
+  }
+  joints_at_zero_.assign(names.begin(), names.end());
 }
 
 void BagPosesFromJoints::collectStamps() {

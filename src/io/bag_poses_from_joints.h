@@ -17,6 +17,7 @@ class BagPosesFromJoints : public BagPoses {
   using Samples = std::vector<JointTracks::Sample>;
   void chooseTracks(const JointTracks& tracks, const std::string& prefix);
   void countKnown();
+  void noteJointsAtZero();
   void collectStamps();
 
   const CollisionScene& scene_;
