@@ -219,6 +219,25 @@ def test_over_a_gap_nothing_is_assumed_and_it_is_said(check, make_bag, tmp_path)
     assert "unknown" not in {row["verdict"] for row in rows}
 
 
+def test_with_a_joint_that_the_bag_does_not_name_nothing_is_free(check, tmp_path):
+    bag, recorded = tmp_path / "part.bag", tmp_path / "recorded.bag"
+    with rosbag.Bag(DEMO_BAG) as source, rosbag.Bag(str(bag), "w") as target:
+        for topic, message, stamp in source.read_messages():
+            if topic == "/joint_states":
+                message.name, message.position = message.name[1:], message.position[1:]
+            if topic not in ("/tf", "/tf_static"):
+                target.write(topic, message, stamp)
+    rows, said = check(bag, "--record", recorded)
+    assert "stand at zero" in said
+    assert {row["verdict"] for row in rows} == {"unknown", "collision"}
+    assert {row["in_collision"] for row in rows} == {"1"}
+    with rosbag.Bag(str(recorded)) as bag:
+        reports = [message for _, message, _ in bag.read_messages("/collision_pairs_node/collision_pairs")]
+        assert all(message.data for _, message, _ in bag.read_messages("/collision_pairs_node/in_collision"))
+    unknown = [report for report in reports if report.verdict == 2]
+    assert unknown and all("taken at zero" in " ".join(report.unknown_because) for report in unknown)
+
+
 def test_verdict_only_gives_the_verdicts_and_at_most_one_pair(check):
     whole, quick = check(DEMO_BAG)[0], check(DEMO_BAG, "--verdict-only")[0]
     assert [row["verdict"] for row in quick] == [row["verdict"] for row in whole]

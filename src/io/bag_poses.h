@@ -36,11 +36,14 @@ class BagPoses {
   const std::vector<std::string>& notes() const { return notes_; }
   /// Moving bodies of the robot of which the bag knows something.
   std::size_t nbKnown() const { return nb_known_; }
+  /// Joints that move a body of the scene, but that the bag does not name: taken at zero, so that
+  /// apart does not mean free.
+  const std::vector<std::string>& jointsAtZero() const { return joints_at_zero_; }
 
  protected:
   std::vector<StampNs> stamps_;
   std::string source_;
-  std::vector<std::string> notes_;
+  std::vector<std::string> notes_, joints_at_zero_;
   std::size_t nb_known_ = 0;
 };
 

@@ -1,6 +1,7 @@
 // bagPosesFromJoints()
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "bag_poses.h"
 #include "frame_names.h"
@@ -56,6 +57,7 @@ class BagPosesFromJoints : public BagPoses {
   using Samples = std::vector<JointTracks::Sample>;
   void chooseTracks(const JointTracks& tracks, const std::string& prefix);
   void countKnown();
+  void noteJointsAtZero();
   void collectStamps();
 
   const CollisionScene& scene_;
@@ -75,6 +77,7 @@ BagPosesFromJoints::BagPosesFromJoints(const BagContents& bag, const CollisionSc
   source_ = "joint states of " + *choice.topic;
   chooseTracks(*choice.tracks, choice.prefix);
   countKnown();
+  noteJointsAtZero();
   collectStamps();
 }
 
@@ -99,6 +102,20 @@ void BagPosesFromJoints::countKnown() {
     while (bodies[body].joint >= 0 && !tracks_[bodies[body].joint]) body = bodies[body].parent;
     if (bodies[body].joint >= 0) ++nb_known_;
   }
+}
+
+void BagPosesFromJoints::noteJointsAtZero() {
+  const auto& joints = scene_.robot().joints();
+  const auto& bodies = scene_.robot().bodies();
+  std::set<std::string> names;
+  for (const SceneBody& scene_body : scene_.bodies()) {
+    for (int body = scene_body.body; bodies[body].joint >= 0; body = bodies[body].parent) {
+      int driver = bodies[body].joint;
+      while (joints[driver].mimic) driver = joints[driver].mimic->joint;
+      if (!tracks_[driver]) names.insert(joints[driver].name);
+    }
+  }
+  joints_at_zero_.assign(names.begin(), names.end());
 }
 
 void BagPosesFromJoints::collectStamps() {

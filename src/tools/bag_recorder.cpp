@@ -33,10 +33,12 @@ BagRecorder::~BagRecorder() {
 }
 
 void BagRecorder::write(const CollisionReport& report, const CollisionScene& scene,
-                        const CheckSettings& settings, const std::string& frame, StampNs stamp) {
+                        const CheckSettings& settings, const std::string& frame, StampNs stamp,
+                        const std::vector<std::string>& doubts) {
   ros::Time time;
   time.fromNSec(static_cast<std::uint64_t>(stamp));
-  const CollisionPairs message = toMessage(report, scene, settings, frame, time, {});
+  CollisionPairs message = toMessage(report, scene, settings, frame, time, {});
+  notFree(message, doubts);
   std_msgs::Bool in_collision;
   in_collision.data = message.in_collision;
   try {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include <rosbag/bag.h>
 
@@ -21,9 +22,11 @@ class BagRecorder {
   BagRecorder(const BagRecorder&) = delete;
   BagRecorder& operator=(const BagRecorder&) = delete;
 
-  /// `frame` is the frame of the root link as the checked bag calls it.
+  /// `frame` is the frame of the root link as the checked bag calls it. With a doubt the verdict
+  /// is not FREE.
   void write(const CollisionReport& report, const CollisionScene& scene,
-             const CheckSettings& settings, const std::string& frame, StampNs stamp);
+             const CheckSettings& settings, const std::string& frame, StampNs stamp,
+             const std::vector<std::string>& doubts);
   void finish();
 
  private:

@@ -146,6 +146,10 @@ class BagChecker {
     const std::string& path = options_.bags[number];
     const auto& stamps = source.stamps();
     if (options_.shard.count > 1) sink_(bagLine(path, stamps.size()), nullptr);
+    std::vector<std::string> doubts;
+    for (const std::string& joint : source.jointsAtZero()) {
+      doubts.push_back("joint '" + joint + "' is not in the bag: it was taken at zero");
+    }
     ProgressBar progress(path, stamps.size());
     CollisionDetector detector(scene);
     BodyPoses poses;
@@ -154,12 +158,14 @@ class BagChecker {
       source.at(stamps[state], poses);
       const CollisionReport& report = detector.detect(poses, options_.settings);
       BagRow row = toRow(report, *scene);
+      if (row.verdict == Verdict::FREE && !doubts.empty()) row.verdict = Verdict::UNKNOWN;
       row.bag = path;
       row.state = state;
       row.stamp = stamps[state];
       sink_(toLine(row), &row);
-      if (recorder_)
-        recorder_->write(report, *scene, options_.settings, frameOf(*scene), row.stamp);
+      if (recorder_) {
+        recorder_->write(report, *scene, options_.settings, frameOf(*scene), row.stamp, doubts);
+      }
       progress.show(state);
     }
   }
