@@ -296,6 +296,22 @@ def test_wrong_input_is_one_line_exit_code_2_and_no_file(run_tool, tmp_path, arg
     assert not list(tmp_path.iterdir())
 
 
+def test_what_is_not_a_plain_bag_of_format_2_is_refused_with_the_way_out(run_tool, make_bag, tmp_path):
+    bag = make_bag("r.bag")
+    content = bag.read_bytes()
+    size = int.from_bytes(content[13:17], "little")
+    field = b"encryptor=rosbag/AesCbcEncryptor"
+    fields = content[17:17 + size].replace(len(b"encryptor=").to_bytes(4, "little") + b"encryptor=", b"")
+    header = fields + len(field).to_bytes(4, "little") + field
+    encrypted = content[:13] + len(header).to_bytes(4, "little") + header + content[17 + size:]
+    for broken, says in [(b"#ROSRECORD V1.2\n" + content[13:], "rosbag record"), (encrypted, "rosbag decrypt"),
+                         (content[1:], "is no bag"), (b"", "is no bag"), (b"#ROS", "rosbag record")]:
+        bag.write_bytes(broken)
+        done = run_tool("check_bag", bag, "--out", tmp_path / "out.csv")
+        assert done.returncode == 2 and says in done.stderr and str(bag) in done.stderr, (says, done.stderr)
+        assert not (tmp_path / "out.csv").exists()
+
+
 def test_a_bag_without_a_robot_asks_for_one(run_tool, make_bag):
     done = run_tool("check_bag", make_bag("r.bag", "--without", "robot"))
     assert done.returncode == 2 and "--urdf" in done.stderr

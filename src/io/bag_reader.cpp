@@ -5,8 +5,6 @@
 #include <filesystem>
 
 #include <ros/serialization.h>
-#include <rosbag/bag.h>
-#include <rosbag/view.h>
 #include <sensor_msgs/JointState.h>
 #include <std_msgs/String.h>
 #include <tf2_msgs/TFMessage.h>
@@ -175,23 +173,6 @@ class Collector {
   std::size_t nb_garbled_ = 0, nb_unusable_ = 0, nb_jumps_ = 0;
 };
 
-/// For formats that only rosbag_storage knows.
-void readByLibrary(const std::string& path, Collector& collector) {
-  rosbag::Bag bag(path, rosbag::bagmode::Read);
-  rosbag::View view(bag, [](const rosbag::ConnectionInfo* connection) {
-    return isWanted(connection->topic, connection->md5sum);
-  });
-  std::vector<std::uint8_t> buffer;
-  for (const rosbag::MessageInstance& message : view) {
-    buffer.resize(message.size());
-    ros::serialization::OStream stream(buffer.data(), static_cast<std::uint32_t>(buffer.size()));
-    message.write(stream);
-    collector.take({message.getTopic(), message.getMD5Sum(),
-                    static_cast<StampNs>(message.getTime().toNSec()), buffer.data(),
-                    static_cast<std::uint32_t>(buffer.size())});
-  }
-}
-
 void checkIsFile(const std::string& path) {
   std::error_code error;
   if (!std::filesystem::exists(path, error)) throw InputError(path + ": there is no such file");
@@ -203,16 +184,8 @@ void checkIsFile(const std::string& path) {
 BagContents readBag(const std::string& path) {
   checkIsFile(path);
   Collector collector;
-  std::vector<std::string> losses;
-  try {
-    const auto take = [&](const RawMessage& message) { collector.take(message); };
-    if (hasPlainRecords(path))
-      losses = readBagRecords(path, take);
-    else
-      readByLibrary(path, collector);
-  } catch (const ros::Exception& problem) {
-    throw InputError(path + ": " + problem.what());
-  }
+  const std::vector<std::string> losses =
+      readBagRecords(path, [&](const RawMessage& message) { collector.take(message); });
   BagContents contents = collector.finish();
   contents.losses.insert(contents.losses.begin(), losses.begin(), losses.end());
   if (contents.nb_messages == 0) {

@@ -14,7 +14,7 @@
 namespace collision_pairs {
 namespace {
 
-const std::string ANY_MAGIC = "#ROS";  // older formats begin with #ROSLOG or #ROSRECORD
+const std::string ANY_MAGIC = "#ROS";  // formats before 2.0 begin with #ROSLOG or #ROSRECORD
 const std::string MAGIC = "#ROSBAG V2.0\n";
 constexpr std::uint32_t LONGEST_HEADER = 1 << 20;  // bytes; rosbag writes some hundred
 
@@ -125,8 +125,13 @@ class RecordReader {
 
   std::vector<std::string> run() {
     std::string magic(MAGIC.size(), ' ');
-    if (!file_.read(magic.data(), static_cast<std::streamsize>(magic.size())) || magic != MAGIC) {
-      throw InputError(path_ + ": is no bag of format 2.0");
+    file_.read(magic.data(), static_cast<std::streamsize>(magic.size()));
+    if (magic.compare(0, ANY_MAGIC.size(), ANY_MAGIC) != 0) {
+      throw InputError(path_ + ": is no bag");
+    }
+    if (magic != MAGIC) {
+      throw InputError(path_ + ": is a bag of another format than 2.0; record it again, by " +
+                       "rosbag record beside rosbag play");
     }
     while (file_.peek() != std::char_traits<char>::eof() && readRecord()) {
     }
@@ -157,6 +162,7 @@ class RecordReader {
         takeConnection(fields, data.data(), data.size());
         break;
       case BAG_HEADER:
+        refuseEncrypted(fields);
         if (numberIn(fields, "index_pos") == 0 && numberIn(fields, "index_pos", 4) == 0) {
           lose("it has no index: its recorder was stopped before it could close it");
         }
@@ -164,6 +170,13 @@ class RecordReader {
       default:  // indices, of which none is needed
         break;
     }
+  }
+
+  void refuseEncrypted(const Fields& fields) const {
+    const auto encryptor = fields.find("encryptor");
+    if (encryptor == fields.end() || encryptor->second.empty()) return;
+    throw InputError(path_ + ": is encrypted by " + encryptor->second +
+                     "; rosbag decrypt writes it as it was");
   }
 
   void takeChunk(const Fields& fields, const std::string& data, std::uint64_t place) {
@@ -251,25 +264,6 @@ class RecordReader {
 };
 
 }  // namespace
-
-bool hasPlainRecords(const std::string& path) {
-  constexpr std::size_t ENOUGH = 4096;  // bytes: the bag's header record is padded to that
-  std::ifstream file(path, std::ios::binary);
-  std::string beginning(ENOUGH, '\0');
-  file.read(&beginning[0], ENOUGH);
-  beginning.resize(static_cast<std::size_t>(file.gcount()));
-  if (beginning.compare(0, ANY_MAGIC.size(), ANY_MAGIC) != 0) {
-    throw InputError(path + ": is no bag");
-  }
-  if (beginning.compare(0, MAGIC.size(), MAGIC) != 0) return false;
-  const std::size_t place = MAGIC.size();
-  if (beginning.size() < place + 4) return true;
-  const std::size_t size = std::min<std::size_t>(toNumber(&beginning[place]), ENOUGH);
-  const Fields fields =
-      parseFields(&beginning[place + 4], std::min(size, beginning.size() - place - 4));
-  const auto encryptor = fields.find("encryptor");
-  return encryptor == fields.end() || encryptor->second.empty();
-}
 
 std::vector<std::string> readBagRecords(const std::string& path, const RawMessageVisitor& visit) {
   return RecordReader(path, visit).run();
