@@ -58,3 +58,11 @@ collision_pairs_warnings(scene_cost)
 add_executable(update_benchmark test/benchmark/update_benchmark.cpp)
 target_link_libraries(update_benchmark PRIVATE collision_pairs_ros)
 collision_pairs_warnings(update_benchmark)
+
+# Certified motions beside loops over checks; scripts/measure_motions writes docs/motions.md.
+add_executable(motion_benchmark test/benchmark/benchmark_robots.cpp test/benchmark/demo_motion.cpp
+  test/benchmark/motion_benchmark.cpp test/benchmark/motion_scenes.cpp)
+target_link_libraries(motion_benchmark PRIVATE collision_pairs_io)
+target_include_directories(motion_benchmark PRIVATE ${CORE_MODULES} test)
+target_compile_definitions(motion_benchmark PRIVATE PROJECT_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+collision_pairs_warnings(motion_benchmark)

@@ -1,6 +1,7 @@
 # The core: URDF and poses in, pairs out. Links no ROS library (test_architecture holds it so).
 # Its modules; the dependency rules stand in test_architecture.
-set(core_modules base geometry broad_phase convex_pairs meshes narrow_phase robot scene check pair_statistics)
+set(core_modules base geometry broad_phase convex_pairs meshes narrow_phase robot scene check motion
+  pair_statistics)
 list(TRANSFORM core_modules PREPEND ${PROJECT_SOURCE_DIR}/src/core/ OUTPUT_VARIABLE CORE_MODULES)
 
 add_library(collision_pairs SHARED
@@ -38,6 +39,10 @@ add_library(collision_pairs SHARED
   src/core/meshes/triangle_distance.cpp
   src/core/meshes/triangle_tree.cpp
   src/core/meshes/winding_number.cpp
+  src/core/motion/motion_check.cpp
+  src/core/motion/motion_pairs.cpp
+  src/core/motion/motion_state.cpp
+  src/core/motion/pair_cover.cpp
   src/core/narrow_phase/fcl_backend.cpp
   src/core/narrow_phase/narrow_phase.cpp
   src/core/narrow_phase/prepared_shape.cpp

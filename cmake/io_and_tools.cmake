@@ -32,6 +32,7 @@ set(bag_outputs src/tools/bag_outputs.cpp src/tools/bag_summary.cpp)
 collision_pairs_tool(check_states src/tools/scene_files.cpp)
 collision_pairs_tool(check_bag src/tools/bag_recorder.cpp src/tools/scene_files.cpp ${bag_outputs})
 target_link_libraries(check_bag PRIVATE collision_pairs_messages)
+collision_pairs_tool(check_motion src/tools/scene_files.cpp)
 collision_pairs_tool(generate_srdf src/tools/pair_verdicts.cpp src/tools/scene_files.cpp
                      src/tools/verdict_texts.cpp)
 target_include_directories(generate_srdf PRIVATE ${CORE_MODULES})

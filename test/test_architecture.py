@@ -71,6 +71,7 @@ CORE_MODULES = {"base": set(), "geometry": {"base"}, "broad_phase": {"base", "ge
                 "robot": {"base", "geometry"},
                 "scene": {"base", "geometry", "broad_phase", "convex_pairs", "narrow_phase", "robot"},
                 "check": {"base", "geometry", "broad_phase", "convex_pairs", "narrow_phase", "robot", "scene"},
+                "motion": {"base", "geometry", "broad_phase", "convex_pairs", "narrow_phase", "robot", "scene", "check"},
                 "pair_statistics": {"base", "geometry", "narrow_phase", "robot", "scene", "check"}}
 
 

@@ -48,7 +48,7 @@ def test_everything_a_user_needs_is_there(installed):
                  "config/collision_pairs_node.yaml", "config/collision_pairs.rviz",
                  "config/demo/demo_robot.urdf", "config/demo/meshes/arch.obj", "srv/CheckCollisions.srv"):
         assert (share / path).is_file(), path
-    for name in ("collision_pairs_node", "check_states", "generate_srdf", "move_demo_robot", "print_collision_pairs"):
+    for name in ("collision_pairs_node", "check_motion", "check_states", "generate_srdf", "move_demo_robot", "print_collision_pairs"):
         assert os.access(installed / "lib/collision_pairs" / name, os.X_OK), name
 
 

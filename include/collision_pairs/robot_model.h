@@ -142,6 +142,10 @@ class RobotModel {
   void forwardKinematics(const std::vector<double>& positions,
                          std::vector<Eigen::Isometry3d>& X_RB) const;
 
+  /// The same for one body with a joint: from the pose of its parent, and its joint's position.
+  void placeBody(int body, const Eigen::Isometry3d& X_RP, double position,
+                 Eigen::Isometry3d& X_RB) const;
+
  private:
   friend class UrdfReader;
   RobotModel() = default;

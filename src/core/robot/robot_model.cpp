@@ -179,20 +179,24 @@ void RobotModel::forwardKinematics(const std::vector<double>& positions,
       X_RB[i] = body.X_PJ;
       continue;
     }
-    const BodyMotion& motion = motions_[i];
-    const Isometry3d& X_RP = X_RB[body.parent];
-    const double q = positions[body.joint];
-    if (motion.turns) {
-      const Matrix3d R_PB = motion.R + std::cos(q) * motion.R_cos + std::sin(q) * motion.R_sin;
-      X_RB[i].linear().noalias() = X_RP.linear() * R_PB;
-      X_RB[i].translation().noalias() = X_RP.linear() * motion.p;
-    } else {
-      X_RB[i].linear().noalias() = X_RP.linear() * motion.R;
-      X_RB[i].translation().noalias() = X_RP.linear() * (motion.p + q * motion.p_slope);
-    }
-    X_RB[i].translation() += X_RP.translation();
-    X_RB[i].makeAffine();
+    placeBody(static_cast<int>(i), X_RB[body.parent], positions[body.joint], X_RB[i]);
   }
+}
+
+void RobotModel::placeBody(int body, const Isometry3d& X_RP, double position,
+                           Isometry3d& X_RB) const {
+  const BodyMotion& motion = motions_[body];
+  if (motion.turns) {
+    const Matrix3d R_PB =
+        motion.R + std::cos(position) * motion.R_cos + std::sin(position) * motion.R_sin;
+    X_RB.linear().noalias() = X_RP.linear() * R_PB;
+    X_RB.translation().noalias() = X_RP.linear() * motion.p;
+  } else {
+    X_RB.linear().noalias() = X_RP.linear() * motion.R;
+    X_RB.translation().noalias() = X_RP.linear() * (motion.p + position * motion.p_slope);
+  }
+  X_RB.translation() += X_RP.translation();
+  X_RB.makeAffine();
 }
 
 }  // namespace collision_pairs

@@ -1,0 +1,350 @@
+#include "collision_pairs/motion_check.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <mutex>
+#include <utility>
+
+#include "collision_pairs/collision_detector.h"
+#include "collision_pairs/input_error.h"
+#include "in_parallel.h"
+#include "motion_pairs.h"
+#include "motion_state.h"
+#include "open_ways.h"
+#include "pair_cover.h"
+
+namespace collision_pairs {
+namespace {
+
+constexpr double INF = std::numeric_limits<double>::infinity();
+constexpr double ROUNDED_UP = 1.0 + 1e-12;
+constexpr std::uint32_t ALL_STATIC = std::numeric_limits<std::uint32_t>::max();
+
+// Elements are compared with what is static when their motion is no more than the radius of the
+// largest one: before that they would meet nearly everything.
+constexpr double MOTION_TO_SWEEP = 1.0;
+// Of the motion: what is static and further than this is not compared, so that this much clearance
+// comes for free.
+constexpr double SWEEP_BEYOND = 0.25;
+
+// What a segment may take: a second or so, and 100 MB. Only motions get there that are millions of
+// times longer than the robot is large, or than the resolution where something is nearly touched.
+constexpr std::uint32_t MOST_CHECKS = 300'000;
+constexpr std::size_t MOST_OPEN_PAIRS = 1'000'000;
+
+void checkSettings(const MotionSettings& settings) {
+  if (!(settings.clearance >= 0.0) || !std::isfinite(settings.clearance)) {
+    throw InputError("the clearance is " + std::to_string(settings.clearance) +
+                     ", but must be 0 or more metres, and finite");
+  }
+  if (!(settings.resolution > 0.0) || !std::isfinite(settings.resolution)) {
+    throw InputError("the resolution is " + std::to_string(settings.resolution) +
+                     ", but must be more than 0 metres, and finite");
+  }
+}
+
+}  // namespace
+
+class MotionCheck::Search {
+ public:
+  explicit Search(const std::shared_ptr<const CollisionScene>& scene)
+      : scene_(*scene),
+        pairs_(*scene),
+        state_(*scene, pairs_),
+        cover_(*scene, state_),
+        detector_(scene) {}
+
+  const MotionReport& run(const JointMotion& motion, const MotionSettings& settings,
+                          const PlacedBodies& placed) {
+    const auto start = std::chrono::steady_clock::now();
+    checkSettings(settings);
+    settings_ = settings;
+    report_ = {};
+    clearance_ = INF;
+    tidy_at_ = 100'000;
+    beside_static_noted_.assign(scene_.elements().size(), 0);
+    cover_.begin(settings);
+    state_.begin(motion, placed, cover_.allRigid());
+    ways_.clear();
+    bool is_open = lookAtAll();
+    while (is_open && !ways_.isEmpty()) {
+      Way way = ways_.pop();
+      const bool goes_on = report_.nb_checks < MOST_CHECKS && ways_.nbPairs() < MOST_OPEN_PAIRS;
+      is_open = goes_on ? look(way) : giveUp(way);
+    }
+    finishReport();
+    const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
+    report_.seconds = took.count();
+    return report_;
+  }
+
+ private:
+  struct Swept {
+    OpenPair open;
+    double growth;  ///< metres by which the element's box holds it all the way
+  };
+
+  // All of these return false where the search ends: a contact is found.
+
+  /// At the middle of the segment; the quickest of checks first.
+  bool lookAtAll() {
+    moveTo(0.0, 1.0);
+    if (meetsAnything(true) && confirmContact()) return false;
+    size_ = settings_.resolution;
+    Way before, after;
+    OpenPair open;
+    open.clearance = settings_.clearance;
+    for (const std::uint32_t element : pairs_.beside_static) {
+      const double radius = state_.ball(element).radius;
+      if (state_.moves(element) && radius < INF) size_ = std::max(size_, radius);
+    }
+    for (const std::uint32_t element : pairs_.beside_static) {
+      open.pair = {element, ALL_STATIC};
+      OpenPair one = open;
+      if (!lookAt(one, before, after)) return false;
+    }
+    for (const MotionPairs::Pair& pair : pairs_.pairs) {
+      open.pair = {pair.first, pair.second};
+      open.frame = pair.frame;
+      OpenPair one = open;
+      if (!lookAt(one, before, after)) return false;
+    }
+    return finishWays(before, after);
+  }
+
+  bool look(Way& way) {
+    moveTo(way.begin, way.end);
+    Way before, after;
+    while (!way.isEmpty()) {
+      OpenPair open = ways_.takePair(way);
+      if (!lookAt(open, before, after)) return false;
+    }
+    return finishWays(before, after);
+  }
+
+  bool giveUp(Way& way) {
+    while (!way.isEmpty()) noteUncertified(ways_.takePair(way).pair);
+    return true;
+  }
+
+  void noteUncertified(const BoxPair& pair) {
+    if (report_.pairs.size() >= tidy_at_) {
+      tidyPairs();
+      tidy_at_ = std::max(tidy_at_, 2 * report_.pairs.size());
+    }
+    const std::uint32_t model = scene_.elements()[pair.first].model;
+    if (pair.second != ALL_STATIC) {
+      report_.pairs.push_back(std::minmax(model, scene_.elements()[pair.second].model));
+      return;
+    }
+    if (std::exchange(beside_static_noted_[pair.first], 1) != 0) return;
+    for (std::uint32_t other = 0; other < scene_.models().size(); ++other) {
+      if (!pairs_.static_pairs.allowed(model, other)) continue;
+      report_.pairs.push_back(std::minmax(model, other));
+    }
+  }
+
+  void moveTo(double begin, double end) {
+    at_ = 0.5 * begin + 0.5 * end;
+    state_.moveTo(at_, std::max(at_ - begin, end - at_));
+    swept_.clear();
+    ++report_.nb_checks;
+  }
+
+  bool lookAt(OpenPair& open, Way& before, Way& after) {
+    if (open.begin > at_) {
+      ways_.addPair(open, after);
+    } else if (open.end < at_) {
+      ways_.addPair(open, before);
+    } else if (open.pair.second != ALL_STATIC) {
+      return settle(open, before, after);
+    } else if (!isReadyToSweep(open)) {
+      cut(open, {0.0, 0.0}, before, after);
+    }
+    return true;
+  }
+
+  bool finishWays(Way& before, Way& after) {
+    if (!swept_.empty() && !sweep(before, after)) return false;
+    ways_.push(before);
+    ways_.push(after);
+    return true;
+  }
+
+  /// Leaves what is open on either side of what is covered.
+  void cut(const OpenPair& open, const Cover& cover, Way& before, Way& after) {
+    OpenPair part = open;
+    if (cover.before < at_ - open.begin) {
+      part.end = at_ - std::max(cover.before, 0.0);
+      ways_.addPair(part, before);
+    }
+    if (cover.after < open.end - at_) {
+      part.begin = at_ + std::max(cover.after, 0.0);
+      part.end = open.end;
+      ways_.addPair(part, after);
+    }
+  }
+
+  bool settle(OpenPair& open, Way& before, Way& after) {
+    Cover cover;
+    using Outcome = PairCover::Outcome;
+    Outcome outcome = cover_.measure(at_, open, cover);
+    if (outcome == Outcome::CONTACT) {
+      if (confirmContact()) return false;
+      outcome = Outcome::GIVEN_UP;  // a matter of rounding
+    }
+    if (cover.before >= 0.0) clearance_ = std::min(clearance_, cover.clearance);
+    if (outcome == Outcome::COVERED) return true;
+    if (outcome != Outcome::OPEN) noteUncertified(open.pair);
+    if (outcome == Outcome::GIVEN_UP) return true;
+    if (outcome == Outcome::NEARER) open.clearance = 0.0;  // a contact is still sought
+    cut(open, cover, before, after);
+    return true;
+  }
+
+  /// The exact check of this configuration.
+  bool meetsAnything(bool verdict_only) {
+    state_.gatherPoses(poses_);
+    CheckSettings exact;
+    exact.alarm_distance = 0.0;
+    exact.fidelity = settings_.fidelity;
+    exact.verdict_only = verdict_only;
+    const CollisionReport& found = detector_.detect(poses_, exact);
+    if (!found.left_out.empty()) refuseBox(found.left_out.front());
+    return found.verdict == Verdict::COLLISION;
+  }
+
+  bool confirmContact() {
+    if (!meetsAnything(false)) return false;
+    report_.verdict = Verdict::COLLISION;
+    report_.contact_at = at_;
+    report_.pairs.clear();
+    for (const PairReport& pair : detector_.report().pairs) {
+      if (pair.state == PairState::CONTACT) report_.pairs.emplace_back(pair.first, pair.second);
+    }
+    return true;
+  }
+
+  [[noreturn]] void refuseBox(std::uint32_t model) const {
+    throw InputError("link '" + scene_.models()[model].name +
+                     "' is too large or too far away for a finite box");
+  }
+
+  bool isReadyToSweep(OpenPair& open) {
+    const std::uint32_t element = open.pair.first;
+    const double way = std::max(at_ - open.begin, open.end - at_);
+    const MotionBound bound = state_.bound(element, -1);
+    open.speed = bound.speed;
+    const Twist twist = state_.twist(element, -1);
+    const double speed = twist.v.norm() + twist.omega.norm() * state_.ball(element).radius;
+    const double growth =
+        std::min(bound.speed * way, speed * way + 0.5 * bound.acceleration * way * way);
+    if (!(growth < INF) && way > 0.0) refuseBox(scene_.elements()[element].model);
+    if (growth > MOTION_TO_SWEEP * size_) return false;
+    swept_.push_back({open, ROUNDED_UP * growth + bound.rounding});
+    return true;
+  }
+
+  /// Finds what is static and can be met by the elements of `swept_` on their ways.
+  bool sweep(Way& before, Way& after) {
+    double most = 0.0;
+    for (const Swept& swept : swept_) most = std::max(most, swept.growth);
+    const double reach = settings_.clearance + SWEEP_BEYOND * most;
+    clearance_ = std::min(clearance_, reach);
+    sweep_.begin(reach, &scene_.staticBoxes(), &pairs_.static_pairs);
+    for (const auto& [open, growth] : swept_) {
+      const SceneElement& element = scene_.elements()[open.pair.first];
+      Aabb box = element.boxAt(state_.pose(open.pair.first));
+      box.min.array() -= growth;
+      box.max.array() += growth;
+      sweep_.add(box, element.model);
+    }
+    const std::vector<BoxPair>& found = sweep_.end();
+    for (const std::uint32_t refused : sweep_.refused()) {
+      refuseBox(scene_.elements()[sweptAs(refused).pair.first].model);
+    }
+    for (const auto& [standing, moving] : found) {
+      OpenPair open = sweptAs(moving);
+      const auto& elements = scene_.elements();
+      const bool in_order = elements[standing].model < elements[open.pair.first].model;
+      open.pair =
+          in_order ? BoxPair{standing, open.pair.first} : BoxPair{open.pair.first, standing};
+      if (!settle(open, before, after)) return false;
+    }
+    return true;
+  }
+
+  const OpenPair& sweptAs(std::uint32_t box) const {
+    return swept_[box - scene_.nbStaticElements()].open;
+  }
+
+  void finishReport() {
+    if (report_.verdict != Verdict::COLLISION && report_.pairs.empty()) {
+      report_.verdict = Verdict::FREE;
+      report_.clearance = clearance_;
+    }
+    report_.nb_queries = cover_.nbQueries();
+    tidyPairs();
+  }
+
+  void tidyPairs() {
+    auto& pairs = report_.pairs;
+    std::sort(pairs.begin(), pairs.end());
+    pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+  }
+
+  const CollisionScene& scene_;
+  const MotionPairs pairs_;
+  MotionState state_;
+  PairCover cover_;
+  CollisionDetector detector_;
+  SweepAndPrune sweep_;
+  BodyPoses poses_;
+
+  MotionSettings settings_;
+  MotionReport report_;
+  std::size_t tidy_at_ = 0;  ///< so many pairs are noted before each is kept only once
+  std::vector<char> beside_static_noted_;  ///< by element: with all that is static
+  double clearance_ = INF;                 ///< certified so far
+  double size_ = 0.0;  ///< metres, of the largest element that moves beside something static
+  double at_ = 0.0;    ///< the configuration that is looked at
+  OpenWays ways_;
+  std::vector<Swept> swept_;
+};
+
+MotionCheck::MotionCheck(std::shared_ptr<const CollisionScene> scene)
+    : scene_(std::move(scene)), search_(std::make_unique<Search>(scene_)) {}
+MotionCheck::~MotionCheck() = default;
+MotionCheck::MotionCheck(MotionCheck&&) noexcept = default;
+MotionCheck& MotionCheck::operator=(MotionCheck&&) noexcept = default;
+
+const MotionReport& MotionCheck::check(const JointMotion& motion, const MotionSettings& settings,
+                                       const PlacedBodies& placed) {
+  return search_->run(motion, settings, placed);
+}
+
+std::vector<MotionReport> checkSegments(const std::shared_ptr<const CollisionScene>& scene,
+                                        const std::vector<std::vector<double>>& waypoints,
+                                        const MotionSettings& settings,
+                                        const SegmentOptions& options) {
+  std::vector<MotionReport> reports(waypoints.empty() ? 0 : waypoints.size() - 1);
+  const std::size_t threads = nbThreads(options.threads, reports.size());
+  std::vector<MotionCheck> checks;
+  for (std::size_t i = 0; i < threads; ++i) checks.emplace_back(scene);
+  std::mutex mutex;
+  std::size_t nb_done = 0;
+  inParallel(threads, reports.size(), [&](std::size_t thread, std::size_t i) {
+    try {
+      reports[i] = checks[thread].check({waypoints[i], waypoints[i + 1]}, settings, options.placed);
+    } catch (const InputError& error) {
+      throw InputError("segment " + std::to_string(i) + ": " + error.what());
+    }
+    const std::lock_guard<std::mutex> lock(mutex);
+    if (options.done) options.done(++nb_done);
+  });
+  return reports;
+}
+
+}  // namespace collision_pairs

@@ -1,0 +1,59 @@
+#include "motion_pairs.h"
+
+#include <algorithm>
+
+namespace collision_pairs {
+namespace {
+
+int lastCommonBody(const std::vector<Body>& bodies, int a, int b) {
+  while (a != b) {  // a parent always comes before its children
+    int& later = a > b ? a : b;
+    later = bodies[later].parent;
+  }
+  return a;
+}
+
+// The filter without pairs of models that both move.
+PairFilter withStaticOnly(const CollisionScene& scene) {
+  PairFilter filter = scene.filter();
+  const auto& models = scene.models();
+  for (std::uint32_t a = 0; a < models.size(); ++a) {
+    for (std::uint32_t b = a + 1; b < models.size(); ++b) {
+      if (models[a].body < 0 || models[b].body < 0) continue;
+      filter.setClassPair(filter.classOf(a), filter.classOf(b), false);
+    }
+  }
+  return filter;
+}
+
+}  // namespace
+
+MotionPairs::MotionPairs(const CollisionScene& scene) : static_pairs(withStaticOnly(scene)) {
+  const auto& bodies = scene.robot().bodies();
+  for (const Body& body : bodies) {
+    depth_of.push_back(body.parent < 0 ? 0 : depth_of[body.parent] + 1);
+    max_depth = std::max(max_depth, depth_of.back());
+  }
+  const auto& elements = scene.elements();
+  for (const SceneElement& element : elements) {
+    body_of.push_back(element.body < 0 ? -1 : scene.bodies()[element.body].body);
+  }
+  const auto& models = scene.models();
+  const auto isStatic = [&](const CollisionModel& model) { return model.body < 0; };
+  for (std::uint32_t i = scene.nbStaticElements(); i < elements.size(); ++i) {
+    const std::uint32_t model = elements[i].model;
+    for (std::uint32_t j = i + 1; j < elements.size(); ++j) {
+      if (!scene.filter().allowed(model, elements[j].model)) continue;
+      const bool in_order = model < elements[j].model;
+      pairs.push_back(
+          {in_order ? i : j, in_order ? j : i, lastCommonBody(bodies, body_of[i], body_of[j])});
+    }
+    for (std::uint32_t m = 0; m < models.size(); ++m) {
+      if (!isStatic(models[m]) || !scene.filter().allowed(model, m)) continue;
+      beside_static.push_back(i);
+      break;
+    }
+  }
+}
+
+}  // namespace collision_pairs

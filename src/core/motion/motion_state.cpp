@@ -1,0 +1,229 @@
+#include "motion_state.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "collision_pairs/input_error.h"
+
+namespace collision_pairs {
+namespace {
+
+constexpr double POSITION_ROUNDING = 1e-15;  // of a joint's position on a straight line
+
+using Eigen::Isometry3d;
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+// About the shapes of all rungs: those of coarser ones stick out of the box about the element.
+double looseRadius(const SceneElement& element) {
+  double radius = element.box_half.norm();
+  const Rung& convex = element.rung(Fidelity::CONVEX);
+  const Rung& obb = element.rung(Fidelity::OBB);
+  if (convex.shape) radius += convex.margin;
+  if (!obb.shape) return radius;
+  const auto* box = std::get_if<Box>(&obb.shape->shape());
+  if (box == nullptr) return radius;  // a half-space
+  const double to_center = (obb.X_ER.translation() - element.box_center).norm();
+  return std::max(radius, to_center + 0.5 * box->size.norm() + obb.margin);
+}
+
+}  // namespace
+
+MotionState::MotionState(const CollisionScene& scene, const MotionPairs& pairs)
+    : scene_(scene),
+      robot_(scene.robot()),
+      pairs_(pairs),
+      stride_(static_cast<std::size_t>(pairs.max_depth) + 2),
+      bodies_(robot_.bodies().size()),
+      elements_(scene.elements().size()),
+      X_WE_(scene.elements().size()),
+      X_WB_(robot_.bodies().size()),
+      bounds_(scene.elements().size() * stride_) {
+  for (const Joint& joint : robot_.joints()) has_mimics_ |= joint.mimic.has_value();
+  for (std::size_t i = 0; i < elements_.size(); ++i) {
+    const SceneElement& element = scene.elements()[i];
+    elements_[i].rigid_radius = element.box_half.norm();
+    elements_[i].loose_radius = looseRadius(element);
+    X_WE_[i] = element.X_BE;
+    elements_[i].center_B = elements_[i].ball.center = element.X_BE * element.box_center;
+  }
+}
+
+void MotionState::begin(const JointMotion& motion, const PlacedBodies& placed, bool rigid) {
+  const std::size_t nb_joints = robot_.joints().size();
+  if (motion.from.size() != nb_joints || motion.to.size() != nb_joints) {
+    throw InputError("a motion from " + std::to_string(motion.from.size()) + " to " +
+                     std::to_string(motion.to.size()) + " joint positions, but the robot has " +
+                     std::to_string(nb_joints) + " joints");
+  }
+  if (!placed.empty() && placed.size() != bodies_.size()) {
+    throw InputError("poses of " + std::to_string(placed.size()) +
+                     " bodies were given, but the robot has " + std::to_string(bodies_.size()));
+  }
+  from_ = motion.from;
+  to_ = motion.to;
+  if (has_mimics_) {
+    robot_.applyMimics(from_);
+    robot_.applyMimics(to_);
+  }
+  for (std::size_t i = 0; i < nb_joints; ++i) {
+    if (std::isfinite(from_[i]) && std::isfinite(to_[i] - from_[i])) continue;
+    throw InputError("joint '" + robot_.joints()[i].name +
+                     "': the ends of its motion, or the way between them, are not finite");
+  }
+  begun_ = ++now_;
+  for (std::size_t i = 0; i < bodies_.size(); ++i) beginBody(static_cast<int>(i), placed);
+  for (std::size_t i = 0; i < elements_.size(); ++i) {
+    ElementState& element = elements_[i];
+    const int id = pairs_.body_of[i];
+    element.moves = id >= 0 && bodies_[id].nb_moving > 0;
+    element.ball.radius = rigid ? element.rigid_radius : element.loose_radius;
+  }
+}
+
+void MotionState::beginBody(int id, const PlacedBodies& placed) {
+  const Body& of_robot = robot_.bodies()[id];
+  BodyState& state = bodies_[id];
+  state.rate = 0.0;
+  state.is_placed = !placed.empty() && placed[id].has_value();
+  if (state.is_placed) {
+    state.X_PB = *placed[id];
+    if (!state.X_PB.matrix().allFinite()) {
+      throw InputError("link '" + robot_.links()[of_robot.link].name +
+                       "': the pose given for it is not finite");
+    }
+  } else if (of_robot.joint < 0) {
+    state.X_PB = of_robot.X_PJ;
+  } else {
+    const bool can_move = robot_.joints()[of_robot.joint].hasPosition();
+    if (can_move) state.rate = to_[of_robot.joint] - from_[of_robot.joint];
+  }
+  const int above = of_robot.parent < 0 ? 0 : bodies_[of_robot.parent].nb_moving;
+  state.nb_moving = above + (state.rate != 0.0 ? 1 : 0);
+}
+
+void MotionState::moveTo(double at, double half_width) {
+  at_ = at;
+  half_width_ = half_width;
+  ++now_;
+}
+
+const MotionState::BodyState& MotionState::body(int id) {
+  BodyState& state = bodies_[id];
+  const bool is_known = state.stamp == now_ || (state.nb_moving == 0 && state.stamp >= begun_);
+  if (is_known) return state;
+  state.stamp = now_;
+  const Body& of_robot = robot_.bodies()[id];
+  if (of_robot.parent < 0) {
+    state.X_WB = state.X_PB;
+    return state;
+  }
+  const BodyState& parent = body(of_robot.parent);
+  const Joint& joint = robot_.joints()[of_robot.joint];
+  if (state.is_placed) {
+    state.X_WB = parent.X_WB * state.X_PB;
+  } else {
+    robot_.placeBody(id, parent.X_WB, positionOf(of_robot.joint), state.X_WB);
+  }
+  state.twist.omega = parent.twist.omega;
+  state.twist.v = parent.twist.v +
+                  parent.twist.omega.cross(state.X_WB.translation() - parent.X_WB.translation());
+  if (state.rate != 0.0) {
+    state.axis_W = state.X_WB.linear() * joint.axis;
+    Vector3d& moved = joint.type == JointType::PRISMATIC ? state.twist.v : state.twist.omega;
+    moved += state.rate * state.axis_W;
+  }
+  return state;
+}
+
+const Isometry3d& MotionState::pose(std::uint32_t element) {
+  const int id = pairs_.body_of[element];
+  if (id < 0 || isOfNow(element, elements_[element].pose_stamp)) return X_WE_[element];
+  elements_[element].pose_stamp = now_;
+  X_WE_[element] = body(id).X_WB * scene_.elements()[element].X_BE;
+  return X_WE_[element];
+}
+
+Matrix3d MotionState::rotation(int frame) {
+  return frame < 0 ? Matrix3d::Identity() : Matrix3d(body(frame).X_WB.linear());
+}
+
+void MotionState::moveBall(std::uint32_t element) {
+  ElementState& state = elements_[element];
+  const int id = pairs_.body_of[element];
+  state.stamp = now_;
+  state.ball.center = id < 0 ? state.center_B : Vector3d(body(id).X_WB * state.center_B);
+}
+
+// From the element to W. As seen from here, the joints turn one after the other, the nearest to the
+// element first, each about the axis that it has now: so what one adds to the way of a point is no
+// more than the arc about that axis by which the point stands now, whatever the others do (an
+// isometry changes no distance).
+//
+// From where its velocity takes it a point departs by a joint's own arc, by no more than
+// (rate s)^2 / 2 times the radius that it has by then, and because it had moved before the joint
+// turned it: by no more than rate s times that way.
+void MotionState::setBounds(std::uint32_t element) {
+  elements_[element].bound_stamp = now_;
+  MotionBound* bounds = &bounds_[element * stride_];
+  const ElementBall& ball = this->ball(element);
+  MotionBound bound;
+  for (int id = pairs_.body_of[element]; id >= 0; id = robot_.bodies()[id].parent) {
+    bounds[pairs_.depth_of[id] + 1] = bound;
+    const double rate = std::abs(bodies_[id].rate);
+    if (rate == 0.0) continue;
+    const int joint = robot_.bodies()[id].joint;
+    const double rounding =
+        POSITION_ROUNDING * std::max(std::abs(from_[joint]), std::abs(to_[joint]));
+    if (robot_.joints()[joint].type == JointType::PRISMATIC) {
+      bound.speed += rate;
+      bound.rounding += rounding;
+      continue;
+    }
+    const BodyState& state = body(id);
+    const Vector3d p_AxisCenter_W = ball.center - state.X_WB.translation();
+    const double radius = state.axis_W.cross(p_AxisCenter_W).norm() + ball.radius;
+    const double moved = half_width_ * bound.speed;
+    bound.acceleration += rate * (2.0 * bound.speed + rate * (radius + moved));
+    bound.speed += rate * radius;
+    bound.rounding += rounding * radius;
+  }
+  bounds[0] = bound;
+}
+
+Twist MotionState::twist(std::uint32_t element, int frame) {
+  Twist twist;
+  if (!moves(element)) return twist;
+  const Vector3d& center = ball(element).center;
+  const auto velocityAt = [&](const BodyState& carrier) -> Vector3d {
+    return carrier.twist.v + carrier.twist.omega.cross(center - carrier.X_WB.translation());
+  };
+  const BodyState& mover = body(pairs_.body_of[element]);
+  twist.omega = mover.twist.omega;
+  twist.v = velocityAt(mover);
+  if (frame < 0) return twist;
+  const BodyState& carrier = body(frame);
+  twist.omega -= carrier.twist.omega;
+  twist.v -= velocityAt(carrier);
+  return twist;
+}
+
+void MotionState::gatherPoses(BodyPoses& poses) {
+  positions_.resize(from_.size());
+  for (std::size_t i = 0; i < from_.size(); ++i) positions_[i] = positionOf(static_cast<int>(i));
+  if (has_mimics_) robot_.applyMimics(positions_);
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    const Body& of_robot = robot_.bodies()[i];
+    if (of_robot.parent < 0) {
+      X_WB_[i] = bodies_[i].X_PB;
+    } else if (bodies_[i].is_placed) {
+      X_WB_[i] = X_WB_[of_robot.parent] * bodies_[i].X_PB;
+    } else {
+      robot_.placeBody(static_cast<int>(i), X_WB_[of_robot.parent], positions_[of_robot.joint],
+                       X_WB_[i]);
+    }
+  }
+  scene_.gatherPoses(X_WB_, poses);
+}
+
+}  // namespace collision_pairs

@@ -1,0 +1,117 @@
+// Where the parts of a scene are at one configuration of a motion, and how fast they move there.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "collision_pairs/motion_check.h"
+#include "motion_pairs.h"
+
+namespace collision_pairs {
+
+/// From one configuration on: while the fraction changes by s, no point of an element moves by more
+/// than |s| * speed, nor departs by more than s^2 / 2 * acceleration from where its velocity takes
+/// it; seen from a frame.
+struct MotionBound {
+  double speed = 0.0;         ///< metres a unit of the fraction
+  double acceleration = 0.0;  ///< metres a unit squared
+  /// Metres by which its place is uncertain, since positions of joints are rounded.
+  double rounding = 0.0;
+};
+
+/// Velocity of an element, seen from a frame and expressed in W: of its centre, and of rotation.
+struct Twist {
+  Eigen::Vector3d v = Eigen::Vector3d::Zero();      ///< metres a unit of the fraction
+  Eigen::Vector3d omega = Eigen::Vector3d::Zero();  ///< radians a unit of the fraction
+};
+
+/// About the box that encloses an element along its own axes, in W.
+struct ElementBall {
+  Eigen::Vector3d center;
+  double radius;  ///< infinite for a half-space
+};
+
+/// Kinematics along one motion; each part is computed when it is first asked for. "Frames" are
+/// bodies of the robot (RobotModel::bodies()), or -1 for W; "centres" are those of the balls.
+///
+/// The bounds are those of Schwarzer et al. (see MotionCheck): a joint that turns by dq moves a
+/// point by no more than |dq| r, where r is its distance from the axis. They bound what moves from
+/// the middle of a way to either side, not from one end to the other: then r may be that of the
+/// middle's pose alone, and need not hold for the whole way.
+class MotionState {
+ public:
+  /// Both must outlive this.
+  MotionState(const CollisionScene& scene, const MotionPairs& pairs);
+
+  /// `rigid`: the elements are asked at rungs that lie within their boxes and turn with them. Then
+  /// the balls hold the elements; otherwise also the shapes of all rungs. Throws InputError as
+  /// MotionCheck::check() says.
+  void begin(const JointMotion& motion, const PlacedBodies& placed, bool rigid);
+
+  /// The configuration at fraction `at`; bounds are for all fractions within `half_width` of it.
+  void moveTo(double at, double half_width);
+
+  /// Do joints between W and the element move?
+  bool moves(std::uint32_t element) const { return elements_[element].moves; }
+  const ElementBall& ball(std::uint32_t element) {
+    if (!isOfNow(element, elements_[element].stamp)) moveBall(element);
+    return elements_[element].ball;
+  }
+  const Eigen::Isometry3d& pose(std::uint32_t element);  ///< X_WE
+  Eigen::Matrix3d rotation(int frame);                   ///< R_WF
+  MotionBound bound(std::uint32_t element, int frame) {
+    if (!moves(element)) return {};
+    if (elements_[element].bound_stamp != now_) setBounds(element);
+    return bounds_[element * stride_ + (frame < 0 ? 0 : pairs_.depth_of[frame] + 1)];
+  }
+  Twist twist(std::uint32_t element, int frame);
+
+  /// X_WE of all elements: those of this configuration that were asked for, others of an earlier
+  /// one.
+  const std::vector<Eigen::Isometry3d>& poses() const { return X_WE_; }
+  /// Of the whole scene, by the arithmetic of RobotModel::forwardKinematics().
+  void gatherPoses(BodyPoses& poses);
+
+ private:
+  struct BodyState {
+    double rate = 0.0;       ///< what its joint does from one end to the other, rad or m
+    int nb_moving = 0;       ///< joints that move between W and it
+    bool is_placed = false;  ///< stands at X_PB whatever its joint's position says
+    Eigen::Isometry3d X_PB = Eigen::Isometry3d::Identity();  ///< of a root, or where it is placed
+    std::uint64_t stamp = 0;
+    Eigen::Isometry3d X_WB = Eigen::Isometry3d::Identity();
+    Twist twist;             ///< of its origin, in W
+    Eigen::Vector3d axis_W;  ///< of its joint, where rate is not 0
+  };
+  struct ElementState {
+    double rigid_radius, loose_radius;
+    Eigen::Vector3d center_B;  ///< of its ball; in W if it never moves
+    bool moves = false;
+    std::uint64_t stamp = 0, pose_stamp = 0, bound_stamp = 0;
+    ElementBall ball;
+  };
+
+  bool isOfNow(std::uint32_t element, std::uint64_t stamp) const {
+    return stamp == now_ || (!moves(element) && stamp >= begun_);
+  }
+  void moveBall(std::uint32_t element);
+  void beginBody(int id, const PlacedBodies& placed);
+  double positionOf(int joint) const { return from_[joint] + at_ * (to_[joint] - from_[joint]); }
+  const BodyState& body(int id);
+  void setBounds(std::uint32_t element);
+
+  const CollisionScene& scene_;
+  const RobotModel& robot_;
+  const MotionPairs& pairs_;
+  const std::size_t stride_;
+  bool has_mimics_ = false;
+  std::vector<double> from_, to_, positions_;
+  double at_ = 0.0, half_width_ = 0.0;
+  std::uint64_t now_ = 0, begun_ = 0;  // stamps: of the configuration, of the motion
+  std::vector<BodyState> bodies_;
+  std::vector<ElementState> elements_;
+  std::vector<Eigen::Isometry3d> X_WE_, X_WB_;
+  std::vector<MotionBound> bounds_;  // by element and depth of the frame, that of W first
+};
+
+}  // namespace collision_pairs

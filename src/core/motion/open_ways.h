@@ -1,0 +1,84 @@
+// What a search along a motion has still to look at: ways, and the pairs that are open on them.
+#pragma once
+
+#include <algorithm>
+#include <vector>
+
+#include "pair_cover.h"
+
+namespace collision_pairs {
+
+/// An interval of the fraction, and the pairs that are open in some part of it.
+struct Way {
+  static constexpr int NONE = -1;
+
+  double begin = 0.0, end = 0.0;
+  double motion = 0.0;  ///< metres: the most that one of the pairs can move in its part
+  int first_open = NONE;
+
+  bool isEmpty() const { return first_open == NONE; }
+};
+
+/// Gives out the way with the most motion first: that is where the deepest contact may hide. The
+/// order depends on the ways alone.
+class OpenWays {
+ public:
+  void clear() {
+    ways_.clear();
+    slots_.clear();
+    free_ = Way::NONE;
+  }
+
+  bool isEmpty() const { return ways_.empty(); }
+  /// Pairs, once for each way that they are open on; those that are free to be used again too.
+  std::size_t nbPairs() const { return slots_.size(); }
+  void push(const Way& way) {
+    if (way.isEmpty()) return;
+    ways_.push_back(way);
+    std::push_heap(ways_.begin(), ways_.end(), &isLessSuspicious);
+  }
+  Way pop() {
+    std::pop_heap(ways_.begin(), ways_.end(), &isLessSuspicious);
+    const Way way = ways_.back();
+    ways_.pop_back();
+    return way;
+  }
+
+  void addPair(const OpenPair& open, Way& way) {
+    way.begin = way.isEmpty() ? open.begin : std::min(way.begin, open.begin);
+    way.end = way.isEmpty() ? open.end : std::max(way.end, open.end);
+    way.motion = std::max(way.motion, open.speed * (open.end - open.begin));
+    int slot = free_;
+    if (slot == Way::NONE) {
+      slot = static_cast<int>(slots_.size());
+      slots_.emplace_back();
+    } else {
+      free_ = slots_[slot].next;
+    }
+    slots_[slot] = {open, way.first_open};
+    way.first_open = slot;
+  }
+  /// Of a way that is not empty; its interval stays.
+  OpenPair takePair(Way& way) {
+    const int slot = way.first_open;
+    way.first_open = slots_[slot].next;
+    slots_[slot].next = free_;
+    free_ = slot;
+    return slots_[slot].open;
+  }
+
+ private:
+  struct Slot {
+    OpenPair open;
+    int next = Way::NONE;  ///< of the same way; or that is free
+  };
+  static bool isLessSuspicious(const Way& a, const Way& b) {
+    return a.motion != b.motion ? a.motion < b.motion : a.begin > b.begin;
+  }
+
+  std::vector<Way> ways_;  // a heap
+  std::vector<Slot> slots_;
+  int free_ = Way::NONE;
+};
+
+}  // namespace collision_pairs

@@ -1,0 +1,276 @@
+#include "pair_cover.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "convex_distance.h"
+#include "prepared_shape.h"
+
+namespace collision_pairs {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+constexpr double INF = std::numeric_limits<double>::infinity();
+constexpr double ROUNDED_UP = 1.0 + 1e-12;
+constexpr double ROUNDING = 1e-12;       // of the coordinates, for what is computed from them
+constexpr double DISTANCE_ERROR = 1e-7;  // of the two bodies' size: five times docs/accuracy.md
+// Axis-aligned boxes do not turn with their elements: their faces move by what the elements move in
+// W, on up to three axes at a time.
+constexpr double LOOSE_SPEED = 1.7320508075688773;
+constexpr double SHORTEST_WAY = 1e-13;  // of the fraction: what is shorter cannot be cut
+
+// What is certified beyond the clearance is at least this share of the distance at a configuration:
+// so the clearance that comes for free is not nothing, and costs no more than this.
+constexpr double KEPT_SHARE = 0.1;
+
+// A finer bound is worth its time where it may close the way, and not while the pair can still move
+// by much of its size. In sizes of the smaller of the two:
+constexpr double MOTION_FOR_HULLS = 1.0;   // hulls of boxes that are …
+constexpr double GAP_FOR_HULLS = 0.3;      // … no further apart than this, or for less motion
+constexpr double MOTION_FOR_SHAPES = 0.5;  // distance of shapes whose hulls meet
+constexpr double POOR = 0.05;              // share of the way: shapes are asked after hulls too
+
+const Prepared& preparedOf(const Rung& rung) { return static_cast<const Prepared&>(*rung.shape); }
+
+double finiteOr0(double radius) { return std::isfinite(radius) ? radius : 0.0; }
+
+}  // namespace
+
+/// One call of measure().
+struct PairCover::Question {
+  OpenPair& open;
+  Cover& cover;
+  const bool rigid;
+  const double before, after;  ///< the way that is open, on either side
+  const double radius_a, radius_b;
+  const MovingPair& moving;
+  double box_gap = 0.0;  ///< metres between the boxes about the two elements
+
+  double size() const { return std::min(radius_a, radius_b); }
+  /// Metres that the two can move on the way, on its longer side.
+  double motion() const {
+    const double way = std::max(before, after);
+    return way > 0.0 ? moving.bound.speed * way : 0.0;
+  }
+  /// A distance beyond this closes the way, whatever the direction.
+  double enough() const { return open.clearance + motion() / (1.0 - KEPT_SHARE); }
+  double levelOf(double distance) const {
+    return open.clearance + KEPT_SHARE * (distance - open.clearance);
+  }
+  bool isCovered() const { return cover.before >= before && cover.after >= after; }
+  bool isPoor() const { return cover.before < POOR * before || cover.after < POOR * after; }
+
+  /// `distance` is a lower bound of that of the two, here.
+  void takeDistance(double distance) {
+    if (!(distance > open.clearance)) return;
+    const double level = levelOf(distance), speed = moving.bound.speed;
+    const auto reach = [&](double way) {
+      return distance - speed * way >= level ? way : (distance - level) / speed;
+    };
+    Cover found{reach(before), reach(after), level};
+    found.clearance = std::max(level, distance - speed * std::max(found.before, found.after));
+    take(found);
+  }
+
+  /// `gap(s)` is a lower bound of their distance when the fraction has changed by s; concave.
+  template <class Gap>
+  void takeGap(const Gap& gap) {
+    const double here = gap(0.0);
+    if (!(here > open.clearance)) return;
+    const double level = levelOf(here);
+    Cover found;
+    found.before = wayAbove(gap, here, level, -before, found.clearance);
+    found.after = wayAbove(gap, here, level, after, found.clearance);
+    take(found);
+    if (!isCovered()) takeDistance(here);
+  }
+
+  void take(const Cover& found) {
+    if (found.before <= cover.before && found.after <= cover.after) return;
+    const bool replaces = found.before >= cover.before && found.after >= cover.after;
+    cover.clearance = replaces ? found.clearance : std::min(cover.clearance, found.clearance);
+    cover.before = std::max(cover.before, found.before);
+    cover.after = std::max(cover.after, found.after);
+  }
+};
+
+PairCover::PairCover(const CollisionScene& scene, MotionState& state)
+    : scene_(scene), state_(state), boxes_(scene.elements().size(), noBox()) {
+  for (std::uint32_t i = 0; i < scene.nbStaticElements(); ++i) {
+    boxes_[i] = scene.staticBoxes().box(i);
+  }
+  ladder_.begin(scene, state.poses(), boxes_);
+}
+
+void PairCover::begin(const MotionSettings& settings) {
+  fidelity_ = settings.fidelity;
+  resolution_ = settings.resolution;
+  nb_queries_ = 0;
+  const auto& elements = scene_.elements();
+  all_rigid_ = fidelity_ == Fidelity::MESH &&
+               std::all_of(elements.begin(), elements.end(), [](const SceneElement& element) {
+                 return element.finest == Fidelity::MESH;
+               });
+}
+
+bool PairCover::isRigid(const BoxPair& pair) const {
+  if (all_rigid_) return true;
+  const Fidelity rung = ladder_.rungOf(pair, fidelity_);
+  const auto isLoose = [&](std::uint32_t element) {
+    return scene_.elements()[element].rung(rung).loose;
+  };
+  return rung == Fidelity::MESH ||
+         (rung == Fidelity::CONVEX && !isLoose(pair.first) && !isLoose(pair.second));
+}
+
+PairCover::Outcome PairCover::measure(double at, OpenPair& open, Cover& cover) {
+  const auto [a, b] = open.pair;
+  const double before = at - open.begin, after = open.end - at;
+  const ElementBall &ball_a = state_.ball(a), &ball_b = state_.ball(b);
+  MovingPair moving;
+  moving.p_AB_W = ball_b.center - ball_a.center;
+  moving.slack = ROUNDING * (ball_a.center.lpNorm<1>() + ball_b.center.lpNorm<1>() +
+                             finiteOr0(ball_a.radius) + finiteOr0(ball_b.radius));
+  moving.padding = scene_.padding(a, b);
+  const bool rigid = isRigid(open.pair);
+  const int frame = rigid ? open.frame : -1;
+  const MotionBound bound_a = state_.bound(a, frame), bound_b = state_.bound(b, frame);
+  moving.slack += bound_a.rounding + bound_b.rounding;
+  if (rigid) {
+    moving.bound.speed = ROUNDED_UP * (bound_a.speed + bound_b.speed);
+    moving.bound.acceleration = ROUNDED_UP * (bound_a.acceleration + bound_b.acceleration);
+  } else {
+    moving.bound.speed = ROUNDED_UP * LOOSE_SPEED * (bound_a.speed + bound_b.speed);
+  }
+  open.speed = moving.bound.speed;
+  cover = {};
+  Question question{open, cover, rigid, before, after, ball_a.radius, ball_b.radius, moving};
+  if (!rigid || !std::isfinite(open.speed)) return byShapes(question);
+  question.takeDistance(moving.p_AB_W.norm() - ball_a.radius - ball_b.radius - moving.slack -
+                        moving.padding);
+  if (question.isCovered()) return Outcome::COVERED;
+  moving.twist_a = state_.twist(a, open.frame);
+  moving.twist_b = state_.twist(b, open.frame);
+  byBoxes(question);
+  if (question.isCovered()) return Outcome::COVERED;
+  const double motion = question.motion() / question.size();
+  const bool is_finest = question.motion() <= 0.5 * resolution_;
+  if (motion > MOTION_FOR_HULLS && question.box_gap > GAP_FOR_HULLS * question.size()) {
+    return Outcome::OPEN;
+  }
+  ++nb_queries_;
+  byHulls(question);
+  if (question.isCovered()) return Outcome::COVERED;
+  if (is_finest) return byShapes(question);
+  const bool is_apart = cover.before >= 0.0;
+  const bool is_coarse = motion > MOTION_FOR_SHAPES;
+  const bool may_gain = question.isPoor() && ladder_.needsTriangles(open.pair, fidelity_);
+  if (is_apart && (is_coarse || !may_gain)) return Outcome::OPEN;
+  if (!is_coarse || open.clearance > 0.0) return byShapes(question);
+  const PairDistance found = ladder_.touches(open.pair, fidelity_).found;
+  return found.certainty == Certainty::BOUND ? Outcome::CONTACT : Outcome::OPEN;
+}
+
+// The direction is that in which the boxes are furthest apart, along the axes of the one and of the
+// other: from the part of the way between their centres that no box about both takes up.
+void PairCover::byBoxes(Question& question) {
+  if (!std::isfinite(question.radius_a) || !std::isfinite(question.radius_b)) return;
+  const auto [a, b] = question.open.pair;
+  const Vector3d &half_a = scene_.elements()[a].box_half, &half_b = scene_.elements()[b].box_half;
+  const Vector3d& p_AB_W = question.moving.p_AB_W;
+  const Matrix3d R_WA = state_.pose(a).linear(), R_WB = state_.pose(b).linear();
+  const Matrix3d reach = (R_WA.transpose() * R_WB).cwiseAbs();
+  const auto outside = [](const Vector3d& t, const Vector3d& taken) -> Vector3d {
+    return t.cwiseSign().cwiseProduct((t.cwiseAbs() - taken).cwiseMax(0.0));
+  };
+  const Vector3d along_a = outside(R_WA.transpose() * p_AB_W, half_a + reach * half_b);
+  const Vector3d along_b = outside(R_WB.transpose() * p_AB_W, half_b + reach.transpose() * half_a);
+  const double gap_a = along_a.norm(), gap_b = along_b.norm();
+  question.box_gap = std::max(gap_a, gap_b);
+  if (!(question.box_gap > question.moving.padding)) return;
+  const Vector3d n_W = gap_a > gap_b ? R_WA * (along_a / gap_a) : R_WB * (along_b / gap_b);
+  const BoxSupport box_a{R_WA, half_a}, box_b{R_WB, half_b};
+  question.takeGap(PlaneBound(question.moving, box_a, box_b, n_W));
+}
+
+void PairCover::byPlane(Question& question, const Vector3d& n_W) {
+  const auto [a, b] = question.open.pair;
+  const Fidelity rung = ladder_.rungOf(question.open.pair, fidelity_);
+  const SceneElement &of_a = scene_.elements()[a], &of_b = scene_.elements()[b];
+  const Matrix3d R_WA = state_.pose(a).linear(), R_WB = state_.pose(b).linear();
+  const Prepared &shape_a = preparedOf(of_a.rung(rung)), &shape_b = preparedOf(of_b.rung(rung));
+  const HullSupport hull_a{shape_a.core, R_WA, of_a.box_center, of_a.rung(rung).margin};
+  const HullSupport hull_b{shape_b.core, R_WB, of_b.box_center, of_b.rung(rung).margin};
+  const PlaneSupport plane;
+  if (shape_a.isHalfSpace()) {
+    question.takeGap(PlaneBound(question.moving, plane, hull_b, n_W));
+  } else if (shape_b.isHalfSpace()) {
+    question.takeGap(PlaneBound(question.moving, hull_a, plane, n_W));
+  } else {
+    question.takeGap(PlaneBound(question.moving, hull_a, hull_b, n_W));
+  }
+}
+
+void PairCover::byHulls(Question& question) {
+  OpenPair& open = question.open;
+  const auto [a, b] = open.pair;
+  const Fidelity rung = ladder_.rungOf(open.pair, fidelity_);
+  const Rung &rung_a = scene_.elements()[a].rung(rung), &rung_b = scene_.elements()[b].rung(rung);
+  const Prepared &shape_a = preparedOf(rung_a), &shape_b = preparedOf(rung_b);
+  if (shape_a.isHalfSpace() && shape_b.isHalfSpace()) return;
+  if (shape_a.isHalfSpace()) return byPlane(question, state_.pose(a).linear().col(2));
+  if (shape_b.isHalfSpace()) return byPlane(question, -state_.pose(b).linear().col(2));
+  const Matrix3d R_WF = state_.rotation(open.frame);
+  if (open.has_normal) {
+    byPlane(question, R_WF * open.normal_F);
+    if (question.isCovered()) return;
+  }
+  const double margin =
+      rung_a.margin + rung_b.margin + question.moving.padding + question.moving.slack;
+  const Eigen::Isometry3d X_AB = state_.pose(a).inverse(Eigen::Isometry) * state_.pose(b);
+  const PairDistance gap = convexGap(shape_a.core, shape_b.core, X_AB, question.enough() + margin);
+  if (gap.certainty == Certainty::BEYOND) return question.takeDistance(gap.distance - margin);
+  if (!(gap.distance > margin)) return;
+  const Vector3d n_W = (state_.pose(a).linear() * gap.nhat_AB_A).normalized();
+  open.has_normal = true;
+  open.normal_F = R_WF.transpose() * n_W;
+  byPlane(question, n_W);
+}
+
+PairCover::Outcome PairCover::byShapes(Question& question) {
+  const OpenPair& open = question.open;
+  const MovingPair& moving = question.moving;
+  const auto [a, b] = open.pair;
+  for (const std::uint32_t element : {a, b}) {
+    const Eigen::Isometry3d& X_WE = state_.pose(element);
+    if (question.rigid || element < scene_.nbStaticElements()) continue;
+    boxes_[element] = scene_.elements()[element].boxAt(X_WE);
+  }
+  const double error =
+      DISTANCE_ERROR * (finiteOr0(question.radius_a) + finiteOr0(question.radius_b)) + moving.slack;
+  const PairDistance found = ladder_.climb(open.pair, fidelity_, question.enough() + error).found;
+  const bool is_certain = found.certainty != Certainty::DEGRADED;
+  if (is_certain && found.touches()) return Outcome::CONTACT;
+  const double distance = found.distance - error;
+  question.takeDistance(distance);
+  const double speed = (moving.twist_b.v - moving.twist_a.v).norm() +
+                       moving.twist_a.omega.norm() * question.radius_a +
+                       moving.twist_b.omega.norm() * question.radius_b;
+  if (question.rigid && !question.isCovered() && std::isfinite(speed)) {
+    question.takeGap([&](double s) {
+      return distance - speed * std::abs(s) - 0.5 * moving.bound.acceleration * s * s;
+    });
+  }
+  if (question.isCovered()) return Outcome::COVERED;
+  const double motion = question.motion();
+  const bool can_be_cut = motion > 0.5 * resolution_ && motion < INF &&
+                          std::max(question.before, question.after) > SHORTEST_WAY;
+  if (!can_be_cut) return Outcome::GIVEN_UP;
+  const bool is_nearer =
+      found.certainty == Certainty::EXACT && found.distance + error < open.clearance;
+  return is_nearer ? Outcome::NEARER : Outcome::OPEN;
+}
+
+}  // namespace collision_pairs

@@ -1,0 +1,103 @@
+// How long a plane stays between two convex bodies that move.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "convex_core.h"
+#include "motion_state.h"
+
+namespace collision_pairs {
+
+/// Two elements, A and B, seen from a frame, at one configuration of a motion; expressed in W.
+struct MovingPair {
+  Eigen::Vector3d p_AB_W;  ///< from the centre of A's ball to that of B's
+  Twist twist_a, twist_b;
+  MotionBound bound;     ///< of both together, rounded up
+  double slack = 0.0;    ///< metres by which rounding may make a distance too large
+  double padding = 0.0;  ///< metres that the two keep to each other
+};
+
+// Support functions: how far a body reaches along m, relative to the centre of its ball.
+
+struct BoxSupport {
+  const Eigen::Matrix3d& R_WE;
+  const Eigen::Vector3d& half;
+  double operator()(const Eigen::Vector3d& m_W) const {
+    return (R_WE.transpose() * m_W).cwiseAbs().dot(half);
+  }
+};
+
+/// Of an element's hull, grown by `margin`.
+struct HullSupport {
+  const ConvexCore& core;
+  const Eigen::Matrix3d& R_WE;
+  const Eigen::Vector3d& center_E;
+  double margin;
+  double operator()(const Eigen::Vector3d& m_W) const {
+    const Eigen::Vector3d m_E = R_WE.transpose() * m_W;
+    return (support<double>(core, m_E) - center_E).dot(m_E) + (core.radius + margin) * m_W.norm();
+  }
+};
+
+/// Of a half-space z <= 0 that does not turn, along its own normal; its centre is its origin.
+struct PlaneSupport {
+  double operator()(const Eigen::Vector3d&) const { return 0.0; }
+};
+
+/// The gap of A and B along the unit normal n of a plane that stands still in the frame: a lower
+/// bound of their distance. When the fraction has changed by s, a point p of A is no further along
+/// n than  n.p + s n.v(p) + s^2 / 2 * acceleration,  where
+///   n.v(p) = n.v + (n x omega).(p - center)
+/// is linear in p: its maximum over A is a value of the support function, along n + s n x omega.
+/// So the bound is concave in s and lies above its chords: where both ends of a way keep a
+/// distance, all of the way does.
+template <class SupportA, class SupportB>
+class PlaneBound {
+ public:
+  PlaneBound(const MovingPair& pair, const SupportA& a, const SupportB& b, const Eigen::Vector3d& n)
+      : pair_(pair),
+        a_(a),
+        b_(b),
+        n_(n),
+        tilt_a_(n.cross(pair.twist_a.omega)),
+        tilt_b_(n.cross(pair.twist_b.omega)),
+        speed_(n.dot(pair.twist_b.v - pair.twist_a.v)) {}
+
+  /// Metres, less padding; |s| at most the half width of the pair's bounds.
+  double operator()(double s) const {
+    return n_.dot(pair_.p_AB_W) + s * speed_ - a_(n_ + s * tilt_a_) - b_(-n_ - s * tilt_b_) -
+           0.5 * pair_.bound.acceleration * s * s - pair_.slack - pair_.padding;
+  }
+
+ private:
+  const MovingPair& pair_;
+  const SupportA& a_;
+  const SupportB& b_;
+  const Eigen::Vector3d n_, tilt_a_, tilt_b_;
+  const double speed_;
+};
+
+/// How far a concave gap keeps at least `level` on the way from 0 to `end`, of either sign; `here`
+/// is gap(0) >= level. Lowers `least` to what the gap is at least on that way.
+template <class Gap>
+double wayAbove(const Gap& gap, double here, double level, double end, double& least) {
+  if (end == 0.0) return 0.0;
+  const double there = gap(end);
+  if (there >= level) {
+    least = std::min({least, here, there});
+    return std::abs(end);
+  }
+  least = std::min(least, level);
+  double way = 0.0, above = here;
+  for (int nb_chords = 0; above > level; above = gap(way)) {
+    const double along_chord = (end - way) * ((above - level) / (above - there));
+    if (!(std::abs(along_chord) > 0.0)) break;  // nor NaN, where the gap is not finite
+    way += along_chord;
+    if (++nb_chords == 2) break;
+  }
+  return std::abs(way);
+}
+
+}  // namespace collision_pairs

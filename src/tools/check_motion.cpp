@@ -1,0 +1,144 @@
+// check_motion: waypoints in, whether the straight motions between them are free. Needs no roscore.
+#include <cmath>
+#include <cstdio>
+#include <ostream>
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+#include "collision_pairs/input_error.h"
+#include "collision_pairs/motion_check.h"
+#include "joint_states_csv.h"
+#include "scene_files.h"
+#include "text_files.h"
+#include "tool.h"
+
+namespace collision_pairs {
+namespace {
+
+struct Options {
+  std::string robot, waypoints, srdf, out;
+  SceneOptions scene;
+  std::string fidelity = "mesh";
+  MotionSettings settings;
+  unsigned threads = 0;
+};
+
+void declare(CLI::App& app, Options& options) {
+  app.add_option("robot", options.robot, "the robot's URDF")->required()->type_name("ROBOT.urdf");
+  app.add_option("--waypoints", options.waypoints,
+                 "header = joint names, a row a waypoint; neighbouring rows are joined by straight "
+                 "lines in joint space")
+      ->required()
+      ->type_name("WAYPOINTS.csv");
+  app.add_option("--srdf", options.srdf, "switches off its pairs")->type_name("ROBOT.srdf");
+  declareScene(app, options.scene);
+  app.add_option("--fidelity", options.fidelity, "aabb, obb, convex or mesh")
+      ->capture_default_str();
+  app.add_option("--clearance", options.settings.clearance,
+                 "free means that nothing comes nearer than this")
+      ->type_name("METRES")
+      ->capture_default_str();
+  app.add_option("--resolution", options.settings.resolution,
+                 "pairs that are still open where their motion is finer than this stay unresolved")
+      ->type_name("METRES")
+      ->capture_default_str();
+  app.add_option("--threads", options.threads,
+                 "0: as many as the machine has; the output is the same")
+      ->capture_default_str();
+  app.add_option("--out", options.out, "where to write (default: standard output)")
+      ->type_name("OUT.csv");
+}
+
+void refuseWrong(const MotionSettings& settings) {
+  if (!(settings.clearance >= 0.0) || !std::isfinite(settings.clearance)) {
+    throw InputError("--clearance must be a finite number of metres, 0 or more");
+  }
+  if (!(settings.resolution > 0.0) || !std::isfinite(settings.resolution)) {
+    throw InputError("--resolution must be a finite number of metres, more than 0");
+  }
+}
+
+/// Waypoints beyond the limits of a joint are certified like any other; no robot goes there.
+void warnOfLimits(const JointStates& waypoints, const RobotModel& robot) {
+  constexpr double TOLERANCE = 1e-6;  // rad or m: what a print with six decimals leaves
+  for (std::size_t j = 0; j < robot.joints().size(); ++j) {
+    const Joint& joint = robot.joints()[j];
+    if (!joint.hasLimits() || (joint.lower == 0.0 && joint.upper == 0.0)) continue;
+    std::size_t nb_outside = 0, first = 0;
+    for (std::size_t i = 0; i < waypoints.positions.size(); ++i) {
+      const double q = waypoints.positions[i][j];
+      if (q >= joint.lower - TOLERANCE && q <= joint.upper + TOLERANCE) continue;
+      if (nb_outside++ == 0) first = i;
+    }
+    if (nb_outside == 0) continue;
+    warn("joint '" + joint.name + "' is outside its limits, " + std::to_string(joint.lower) +
+         " to " + std::to_string(joint.upper) + ", at " + std::to_string(nb_outside) +
+         " waypoints; the first is waypoint " + std::to_string(first) + ", where it is " +
+         std::to_string(waypoints.positions[first][j]));
+  }
+}
+
+const char* verdictName(Verdict verdict) {
+  if (verdict == Verdict::FREE) return "free";
+  return verdict == Verdict::COLLISION ? "collision" : "unresolved";
+}
+
+void writeRow(std::size_t segment, const MotionReport& report, const CollisionScene& scene,
+              std::ostream& out) {
+  char clearance[64] = "", contact_at[64] = "", microseconds[64];
+  if (report.verdict == Verdict::FREE && std::isfinite(report.clearance)) {
+    std::snprintf(clearance, sizeof clearance, "%.17g", report.clearance);
+  }
+  if (report.verdict == Verdict::COLLISION) {
+    std::snprintf(contact_at, sizeof contact_at, "%.17g", report.contact_at);
+  }
+  std::snprintf(microseconds, sizeof microseconds, "%.1f", 1e6 * report.seconds);
+  out << segment << ',' << verdictName(report.verdict) << ',' << clearance << ',' << contact_at
+      << ',';
+  const char* separator = "";
+  for (const auto& [first, second] : report.pairs) {
+    out << separator << scene.models()[first].name << '|' << scene.models()[second].name;
+    separator = ";";
+  }
+  out << ',' << report.nb_checks << ',' << microseconds << '\n';
+}
+
+void checkAll(Options options) {
+  refuseWrong(options.settings);
+  options.settings.fidelity = parseFidelity(options.fidelity);
+  TextFrom srdf;
+  if (!options.srdf.empty()) srdf = {options.srdf, readTextFile(options.srdf)};
+  const auto scene = buildScene({options.robot, readTextFile(options.robot)}, srdf, options.scene,
+                                options.settings.fidelity, 0);
+  const JointStates waypoints =
+      readJointStates(readTextFile(options.waypoints), scene->robot(), options.waypoints);
+  if (waypoints.positions.size() < 2) {
+    throw InputError(options.waypoints + ": " + std::to_string(waypoints.positions.size()) +
+                     " waypoints; a motion needs two or more (check_states checks one)");
+  }
+  if (!waypoints.joints_at_zero.empty()) {
+    warn("joints without a column stand at zero: " + joined(waypoints.joints_at_zero));
+  }
+  warnOfLimits(waypoints, scene->robot());
+  ProgressBar bar("segments", waypoints.positions.size() - 1);
+  SegmentOptions how;
+  how.threads = options.threads;
+  how.done = [&](std::size_t nb_done) { bar.show(nb_done); };
+  const auto reports = checkSegments(scene, waypoints.positions, options.settings, how);
+  writeTextFile(options.out, [&](std::ostream& out) {
+    out << "segment,verdict,clearance,contact_at,pairs,nb_checks,microseconds\n";
+    for (std::size_t i = 0; i < reports.size(); ++i) writeRow(i, reports[i], *scene, out);
+  });
+}
+
+}  // namespace
+}  // namespace collision_pairs
+
+int main(int argc, char** argv) {
+  collision_pairs::Options options;
+  CLI::App app("Certifies the straight motions between waypoints of a robot, or finds a contact.",
+               "check_motion");
+  collision_pairs::declare(app, options);
+  return collision_pairs::runTool(app, argc, argv, [&] { collision_pairs::checkAll(options); });
+}

@@ -1,0 +1,227 @@
+// Motions between two states: what is certified, what is found, what is refused.
+#include <cmath>
+
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+
+#include "motion_fixtures.h"
+#include "random_inputs.h"
+
+namespace collision_pairs {
+namespace {
+
+/// Two bars of 1 m; the second is hinged at the end of the first.
+std::shared_ptr<const RobotModel> foldingArm() {
+  return robotFrom(emptyLink("root") + bar("upper", 1.0) + bar("lower", 1.0) +
+                   hinge("shoulder", "root", "upper", "0 0 0") +
+                   hinge("elbow", "upper", "lower", "1 0 0.03"));
+}
+
+TEST(MotionCheck, AThinPlateBetweenFreeEndsIsFound) {
+  const auto scene = sceneOf(turningBar(), {boxAt("plate", {0.8, 0.0, 0.0}, {0.2, 0.002, 0.2})});
+  const MotionReport report = checked(scene, {-1.0}, {1.3});
+  EXPECT_EQ(report.verdict, Verdict::COLLISION);
+  EXPECT_NEAR(report.contact_at, 1.0 / 2.3, 0.02);
+  ASSERT_EQ(report.pairs.size(), 1u);
+  EXPECT_EQ(scene->models()[report.pairs[0].first].name, "arm");
+  EXPECT_EQ(scene->models()[report.pairs[0].second].name, "plate");
+}
+
+TEST(MotionCheck, WhatPassesBesideIsFreeWithATrueClearance) {
+  // The bar's end passes the plate's edge at 1.05 - 1.0 m.
+  const auto scene = sceneOf(turningBar(), {boxAt("plate", {1.15, 0.0, 0.0}, {0.2, 0.002, 0.2})});
+  const MotionReport report = checked(scene, {-1.0}, {1.3});
+  EXPECT_EQ(report.verdict, Verdict::FREE);
+  EXPECT_GT(report.clearance, 0.0);
+  EXPECT_LE(report.clearance, 0.05);
+  EXPECT_TRUE(report.pairs.empty());
+}
+
+TEST(MotionCheck, AClearanceIsCertifiedOrThePairIsNamed) {
+  const auto scene = sceneOf(turningBar(), {boxAt("plate", {1.15, 0.0, 0.0}, {0.2, 0.002, 0.2})});
+  MotionSettings settings;
+  settings.clearance = 0.045;
+  const MotionReport report = checked(scene, {-1.0}, {1.3}, settings);
+  EXPECT_EQ(report.verdict, Verdict::FREE);
+  EXPECT_GE(report.clearance, 0.045);
+  settings.clearance = 0.055;
+  const MotionReport nearer = checked(scene, {-1.0}, {1.3}, settings);
+  EXPECT_EQ(nearer.verdict, Verdict::UNKNOWN);
+  EXPECT_EQ(nearer.pairs.size(), 1u);
+  EXPECT_EQ(nearer.clearance, 0.0);
+}
+
+TEST(MotionCheck, APairThatIsTooNearDoesNotHideAContactElsewhere) {
+  const auto scene = sceneOf(turningBar(), {boxAt("near", {1.15, 0.0, 0.0}, {0.2, 0.002, 0.2}),
+                                            boxAt("hit", {0.0, 0.8, 0.0}, {0.002, 0.1, 0.2})});
+  MotionSettings settings;
+  settings.clearance = 0.1;
+  EXPECT_EQ(checked(scene, {-1.0}, {1.5}, settings).verdict, Verdict::UNKNOWN);
+  EXPECT_EQ(checked(scene, {-1.0}, {2.0}, settings).verdict, Verdict::COLLISION);
+}
+
+TEST(MotionCheck, WhatIsNearerThanTheResolutionMayStayUnknownAndFinerOnesSettleIt) {
+  // A ball of 1 mm more than nothing passes between two others, near both.
+  const auto robot = robotFrom(emptyLink("root") + linkWith("ball", "<sphere radius='0.1'/>") +
+                               joint("slide", "prismatic", "root", "ball", "0 0 0",
+                                     "<axis xyz='1 0 0'/><limit lower='-9' upper='9'/>"));
+  RigidObject post = boxAt("post", {0.0, 0.2 + 2e-5, 0.0}, {0.0, 0.0, 0.0});
+  post.elements[0].shape = Sphere{0.1};
+  const auto scene = sceneOf(robot, {post});
+  MotionSettings settings;
+  settings.resolution = 1e-5;
+  const MotionReport fine = checked(scene, {-1.0}, {1.0}, settings);
+  EXPECT_EQ(fine.verdict, Verdict::FREE);
+  EXPECT_GT(fine.clearance, 0.0);
+  EXPECT_LE(fine.clearance, 2e-5);
+}
+
+TEST(MotionCheck, PairsThatDoNotMoveAgainstEachOtherAreLookedAtOnce) {
+  const auto robot = robotFrom(emptyLink("root") + bar("upper", 1.0) + bar("lower", 1.0) +
+                               hinge("shoulder", "root", "upper", "0 0 0") +
+                               hinge("elbow", "upper", "lower", "0 0 0"));
+  SceneDescription description = described(robot, {});
+  description.robots[0].srdf = Srdf{};
+  const auto scene = CollisionScene::build(description);
+  const MotionReport apart = checked(scene, {-3.0, 1.5}, {3.0, 1.5});
+  EXPECT_EQ(apart.verdict, Verdict::COLLISION);  // they share the hinge
+  EXPECT_EQ(apart.nb_checks, 1u);
+  const auto folding = sceneOf(foldingArm(), {boxAt("far", {0.0, 9.0, 0.0}, {1.0, 1.0, 1.0})});
+  const MotionReport still = checked(folding, {0.0, 1.0}, {0.0, 1.0});
+  EXPECT_EQ(still.verdict, Verdict::FREE);
+  EXPECT_EQ(still.nb_checks, 1u);
+}
+
+TEST(MotionCheck, AContactOverMuchOfTheWayIsFoundInAFewChecks) {
+  const auto scene = sceneOf(turningBar(), {boxAt("block", {0.0, 0.8, 0.0}, {0.8, 0.4, 0.2})});
+  for (const double from : {-1.0, 0.0, 0.5}) {
+    const MotionReport report = checked(scene, {from}, {from + 3.0});
+    EXPECT_EQ(report.verdict, Verdict::COLLISION);
+    EXPECT_LE(report.nb_checks, 8u);
+  }
+}
+
+TEST(MotionCheck, AFloorIsNotTouchedByWhatStaysAboveIt) {
+  const auto robot = robotFrom(emptyLink("root") + bar("arm", 1.0) +
+                               joint("lift", "revolute", "root", "arm", "0 0 0.5",
+                                     "<axis xyz='0 1 0'/><limit lower='-3' upper='3'/>"));
+  const auto scene = sceneOf(robot, {floorAt(0.0, {})});
+  EXPECT_EQ(checked(scene, {0.5}, {-2.0}).verdict, Verdict::FREE);  // down to 0.02 m above it
+  EXPECT_EQ(checked(scene, {0.55}, {-2.0}).verdict, Verdict::COLLISION);
+  EXPECT_EQ(checked(scene, {-2.0}, {M_PI - 0.5}).verdict, Verdict::COLLISION);  // in between
+}
+
+TEST(MotionCheck, WithoutPairsEverythingIsFree) {
+  const MotionReport report = checked(sceneOf(turningBar(), {}), {-1.0}, {1.0});
+  EXPECT_EQ(report.verdict, Verdict::FREE);
+  EXPECT_TRUE(std::isinf(report.clearance));
+}
+
+TEST(MotionCheck, InputThatIsNoneIsRefusedWithTheReason) {
+  const auto scene = sceneOf(turningBar(), {boxAt("plate", {0.8, 0.0, 0.0}, {0.2, 0.002, 0.2})});
+  const auto message = [&](const std::vector<double>& from, const std::vector<double>& to,
+                           const MotionSettings& settings) -> std::string {
+    try {
+      checked(scene, from, to, settings);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_NE(message({0.0}, {NAN_POSITION}, {}).find("'turn'"), std::string::npos);
+  EXPECT_NE(message({-1e308}, {1.7e308}, {}).find("'turn'"), std::string::npos);
+  EXPECT_NE(message({0.0, 0.0}, {1.0}, {}).find("1 joints"), std::string::npos);
+  MotionSettings settings;
+  settings.clearance = -1.0;
+  EXPECT_NE(message({0.0}, {1.0}, settings).find("clearance"), std::string::npos);
+  settings.clearance = 0.0;
+  settings.resolution = 0.0;
+  EXPECT_NE(message({0.0}, {1.0}, settings).find("resolution"), std::string::npos);
+  settings.resolution = NAN_POSITION;
+  EXPECT_NE(message({0.0}, {1.0}, settings).find("resolution"), std::string::npos);
+}
+
+TEST(MotionCheck, AMotionBeyondMeasureEndsInUnknownAndNamesItsPairs) {
+  const auto beside = boxAt("plate", {0.8, 3.0, 0.0}, {0.2, 0.002, 0.2});
+  for (const double end : {1e9, 1e100, 1e307}) {
+    const MotionReport report = checked(sceneOf(slidingBox(), {beside}), {0.0}, {end});
+    EXPECT_EQ(report.verdict, Verdict::UNKNOWN) << end;
+    EXPECT_EQ(report.pairs.size(), 1u) << end;
+  }
+}
+
+/// Within 1 GB of the process's memory: more throws std::bad_alloc.
+MotionReport checkedInOneGigabyte(const std::shared_ptr<const CollisionScene>& scene,
+                                  const std::vector<double>& from, const std::vector<double>& to) {
+  rlimit before{};
+  getrlimit(RLIMIT_AS, &before);
+  const rlimit limited{rlim_t{1} << 30, before.rlim_max};
+  setrlimit(RLIMIT_AS, &limited);
+  const MotionReport report = checked(scene, from, to);
+  setrlimit(RLIMIT_AS, &before);
+  return report;
+}
+
+// Each of the ways that are left open names all that is static, once and not once a way.
+TEST(MotionCheck, AMotionBeyondMeasureBesideManyThingsKeepsToItsMemory) {
+  std::vector<RigidObject> plates;
+  for (int i = 0; i < 300; ++i) {
+    plates.push_back(boxAt("plate" + std::to_string(i), {1.1, 0.01 * i, 0.0}, {0.1, 0.002, 0.2}));
+  }
+  const auto scene = sceneOf(slidingBox(), std::move(plates));
+  const MotionReport report = checkedInOneGigabyte(scene, {2e8}, {1e9});
+  EXPECT_EQ(report.verdict, Verdict::UNKNOWN);
+  EXPECT_EQ(report.pairs.size(), 300u);
+}
+
+// Each cut leaves as many pairs open, on both sides.
+TEST(MotionCheck, AMotionBeyondMeasureOfManyLinksKeepsToItsMemory) {
+  constexpr int NB_LINKS = 30;
+  std::string xml = emptyLink("root");
+  for (int i = 0; i < NB_LINKS; ++i) {
+    const std::string name = "arm" + std::to_string(i);
+    xml += bar(name, 1.0) +
+           hinge("turn" + std::to_string(i), "root", name, std::to_string(2.2 * i) + " 0 0");
+  }
+  const auto scene = CollisionScene::build(robotFrom(xml), Srdf{}, nullptr);
+  const std::vector<double> from(NB_LINKS, 0.0), to(NB_LINKS, 1e9);
+  const MotionReport report = checkedInOneGigabyte(scene, from, to);
+  EXPECT_EQ(report.verdict, Verdict::UNKNOWN);
+  EXPECT_EQ(report.pairs.size(), NB_LINKS * (NB_LINKS - 1u) / 2u);
+}
+
+TEST(MotionCheck, SegmentsAreTheSameOnAnyNumberOfThreads) {
+  const auto scene = sceneOf(foldingArm(), {boxAt("a", {1.2, 0.4, 0.0}, {0.1, 0.1, 0.2}),
+                                            boxAt("b", {-0.5, 0.9, 0.0}, {0.1, 0.1, 0.2})});
+  RandomInputs random;
+  std::vector<std::vector<double>> waypoints;
+  for (int i = 0; i < 60; ++i) {
+    waypoints.push_back({random.uniform(-3.0, 3.0), random.uniform(-2.5, 2.5)});
+  }
+  SegmentOptions options;
+  options.threads = 1;
+  const auto alone = checkSegments(scene, waypoints, {}, options);
+  ASSERT_EQ(alone.size(), 59u);
+  for (const unsigned threads : {2u, 5u, 0u}) {
+    std::size_t last_done = 0;
+    options.threads = threads;
+    options.done = [&](std::size_t nb_done) { EXPECT_EQ(nb_done, ++last_done); };
+    const auto reports = checkSegments(scene, waypoints, {}, options);
+    EXPECT_EQ(last_done, 59u);
+    for (std::size_t i = 0; i < alone.size(); ++i) {
+      EXPECT_EQ(reports[i].verdict, alone[i].verdict);
+      EXPECT_EQ(reports[i].clearance, alone[i].clearance);
+      EXPECT_EQ(reports[i].contact_at, alone[i].contact_at);
+      EXPECT_EQ(reports[i].pairs, alone[i].pairs);
+      EXPECT_EQ(reports[i].nb_checks, alone[i].nb_checks);
+      EXPECT_EQ(reports[i].nb_queries, alone[i].nb_queries);
+    }
+  }
+  options.done = nullptr;
+  waypoints[7][0] = NAN_POSITION;
+  EXPECT_THROW(checkSegments(scene, waypoints, {}, options), InputError);
+  EXPECT_TRUE(checkSegments(scene, {waypoints[0]}, {}, {}).empty());
+}
+
+}  // namespace
+}  // namespace collision_pairs
