@@ -37,6 +37,16 @@ TEST(MotionCheck, WhatPassesBesideIsFreeWithATrueClearance) {
   EXPECT_TRUE(report.pairs.empty());
 }
 
+TEST(MotionCheck, AClearanceComesForFreeAlsoBesideLinksThatStandStill) {
+  const auto scene =
+      sceneOf(robotFrom(slidingBoxes(2)), {boxAt("plate", {5.0, 0.0, 0.0}, {0.002, 2.0, 2.0})});
+  const MotionReport report = checked(scene, {0.0, 20.0}, {3.0, 20.0});
+  EXPECT_EQ(report.verdict, Verdict::FREE);
+  EXPECT_GT(report.clearance, 0.01);
+  EXPECT_LE(report.clearance, 1.499);
+  EXPECT_GT(checked(scene, {3.0, 20.0}, {3.0, 20.0}).clearance, 0.01);
+}
+
 TEST(MotionCheck, AClearanceIsCertifiedOrThePairIsNamed) {
   const auto scene = sceneOf(turningBar(), {boxAt("plate", {1.15, 0.0, 0.0}, {0.2, 0.002, 0.2})});
   MotionSettings settings;

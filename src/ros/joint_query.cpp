@@ -120,7 +120,7 @@ void JointQuery::refuseLoneMimics() const {
   }
 }
 
-void JointQuery::posesAt(const std::vector<double>& positions, BodyPoses& poses) const {
+void JointQuery::refuseWrong(const std::vector<double>& positions) const {
   const RobotModel& robot = scene_.robot();
   if (positions.size() != joint_of_name_.size()) {
     throw InputError(std::to_string(joint_of_name_.size()) + " joints are named, but there are " +
@@ -138,6 +138,11 @@ void JointQuery::posesAt(const std::vector<double>& positions, BodyPoses& poses)
     throw InputError("joint '" + joint.name + "' is " + std::to_string(positions[i]) +
                      ", but by the joint it mimics it must be " + std::to_string(expected));
   }
+}
+
+void JointQuery::posesAt(const std::vector<double>& positions, BodyPoses& poses) const {
+  refuseWrong(positions);
+  const RobotModel& robot = scene_.robot();
   thread_local std::vector<Isometry3d> X_WB;
   X_WB.resize(robot.bodies().size());
   for (std::size_t i = 0; i < robot.bodies().size(); ++i) {
@@ -153,6 +158,22 @@ void JointQuery::posesAt(const std::vector<double>& positions, BodyPoses& poses)
     }
   }
   scene_.gatherPoses(X_WB, poses);
+}
+
+std::vector<double> JointQuery::jointPositionsAt(const std::vector<double>& positions) const {
+  refuseWrong(positions);
+  std::vector<double> all = scene_.robot().zeroPositions();
+  for (std::size_t i = 0; i < positions.size(); ++i) all[joint_of_name_[i]] = positions[i];
+  return all;
+}
+
+std::vector<std::optional<Isometry3d>> JointQuery::placedBodies() const {
+  std::vector<std::optional<Isometry3d>> placed;
+  for (const Source& source : sources_) {
+    placed.emplace_back();
+    if (source.name < 0) placed.back() = source.X_PB;
+  }
+  return placed;
 }
 
 }  // namespace collision_pairs

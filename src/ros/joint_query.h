@@ -1,6 +1,7 @@
 // Poses for a joint state that the robot is not in.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -35,6 +36,11 @@ class JointQuery {
   /// or at odds with the joint it mimics, or if there are too few or too many.
   void posesAt(const std::vector<double>& positions, BodyPoses& poses) const;
 
+  /// The same state for MotionCheck: a position for each of RobotModel::joints(), and the bodies
+  /// that stand elsewhere than the positions say.
+  std::vector<double> jointPositionsAt(const std::vector<double>& positions) const;
+  std::vector<std::optional<Eigen::Isometry3d>> placedBodies() const;
+
   /// Moving joints not named, left where TF has them; and those that TF does not know: at zero.
   const std::vector<std::string>& jointsFromTf() const { return joints_from_tf_; }
   const std::vector<std::string>& jointsAtZero() const { return joints_at_zero_; }
@@ -56,6 +62,7 @@ class JointQuery {
   Source leaderOf(int joint) const;
   Source sourceOf(const Body& body, const JointQueryTf& tf, std::string& doubt);
   void refuseLoneMimics() const;
+  void refuseWrong(const std::vector<double>& positions) const;
 
   const CollisionScene& scene_;
   std::vector<int> joint_of_name_;

@@ -3,11 +3,106 @@
 #include <mutex>
 #include <set>
 
+#include "collision_pairs/motion_check.h"
 #include "conversions.h"
 #include "joint_query.h"
 #include "low_priority.h"
 
 namespace collision_pairs {
+namespace {
+
+/// A request, as it was understood.
+struct Asked {
+  const CheckTrajectory::Request& request;
+  const ActiveScene& active;
+  const JointQuery& query;
+  const CheckSettings& settings;
+  ros::Time stamp;
+  std::vector<std::string> doubts;  ///< why nothing in it is FREE
+};
+
+using Reasons = std::set<std::string>;
+
+/// posesAt() or jointPositionsAt() of a point; errors name it.
+template <class Ask>
+auto ofPoint(std::size_t i, const Asked& asked, const Ask& ask) {
+  try {
+    return ask(asked.request.trajectory.points[i].positions);
+  } catch (const InputError& error) {
+    throw InputError("point " + std::to_string(i) + ": " + error.what());
+  }
+}
+
+/// COLLISION is certain whatever the doubts; notes them where they make it UNKNOWN.
+std::uint8_t verdictWith(const std::vector<std::string>& doubts, Verdict verdict,
+                         Reasons& reasons) {
+  if (verdict == Verdict::COLLISION) return CollisionPairs::COLLISION;
+  if (verdict == Verdict::FREE && doubts.empty()) return CollisionPairs::FREE;
+  reasons.insert(doubts.begin(), doubts.end());
+  return CollisionPairs::UNKNOWN;
+}
+
+void checkPoints(BatchCheck& batch, const Asked& asked, CheckTrajectory::Response& response,
+                 Reasons& reasons) {
+  const auto& active = asked.active;
+  const std::size_t nb_points = asked.request.trajectory.points.size();
+  response.verdict.resize(nb_points);
+  response.in_collision.resize(nb_points);
+  response.min_distance.resize(nb_points);
+  if (asked.request.want_reports) response.reports.resize(nb_points);
+  std::mutex mutex;  // guards `reasons`
+  batch.run(
+      nb_points, asked.settings,
+      [&](std::size_t i, BodyPoses& poses) {
+        ofPoint(i, asked, [&](const auto& positions) { asked.query.posesAt(positions, poses); });
+      },
+      [&](std::size_t i, const CollisionReport& report) {
+        std::vector<std::string> doubts = asked.doubts;
+        for (std::string& why : whyUnknown(report, *active.scene, active.broken_links)) {
+          doubts.push_back(std::move(why));
+        }
+        response.min_distance[i] = report.min_distance;
+        if (asked.request.want_reports) {
+          response.reports[i] = toMessage(report, *active.scene, asked.settings, active.frame,
+                                          asked.stamp, active.broken_links);
+          notFree(response.reports[i], asked.doubts);
+        }
+        const std::lock_guard<std::mutex> lock(mutex);
+        response.verdict[i] = verdictWith(doubts, report.verdict, reasons);
+        response.in_collision[i] = response.verdict[i] != CollisionPairs::FREE;
+      });
+}
+
+void checkBetween(const Asked& asked, CheckTrajectory::Response& response, Reasons& reasons) {
+  const auto& active = asked.active;
+  std::vector<std::vector<double>> waypoints;
+  for (std::size_t i = 0; i < asked.request.trajectory.points.size(); ++i) {
+    waypoints.push_back(ofPoint(
+        i, asked, [&](const auto& positions) { return asked.query.jointPositionsAt(positions); }));
+  }
+  MotionSettings settings;
+  settings.fidelity = asked.settings.fidelity;
+  SegmentOptions options;
+  options.placed = asked.query.placedBodies();
+  std::vector<std::string> doubts = asked.doubts;
+  for (std::string& why : whyUnknown({}, *active.scene, active.broken_links)) {
+    doubts.push_back(std::move(why));
+  }
+  for (const MotionReport& report : checkSegments(active.scene, waypoints, settings, options)) {
+    const std::uint8_t verdict = verdictWith(doubts, report.verdict, reasons);
+    response.segment_verdict.push_back(verdict);
+    response.contact_at.push_back(report.contact_at);
+    response.clearance.push_back(verdict == CollisionPairs::FREE ? report.clearance : 0.0);
+    if (report.verdict != Verdict::UNKNOWN) continue;
+    for (const auto& [first, second] : report.pairs) {
+      const auto& models = active.scene->models();
+      reasons.insert("motions that could not be certified: " + models[first].name + '|' +
+                     models[second].name);
+    }
+  }
+}
+
+}  // namespace
 
 TrajectoryService::TrajectoryService(const ros::NodeHandle& private_node,
                                      TransformInput& transforms, SceneStore& scenes,
@@ -38,59 +133,24 @@ bool TrajectoryService::onCheck(CheckTrajectory::Request& request,
 void TrajectoryService::check(const CheckTrajectory::Request& request,
                               CheckTrajectory::Response& response) {
   const QueryDefaults defaults = defaults_();
-  const ActiveScenePtr active_scene = sceneFor(request, scenes_);
-  const ActiveScene& active = *active_scene;
-  const auto& scene = active.scene;
+  const ActiveScenePtr active = sceneFor(request, scenes_);
+  const auto& scene = active->scene;
   const CheckSettings settings = settingsFor(request, defaults.settings);
   if (!batch_ || &batch_->scene() != scene.get()) batch_ = std::make_unique<BatchCheck>(scene);
   const ros::Time now = ros::Time::now();
   transforms_.followClock(now);
-  const ros::Time stamp = posesAt(active, request.stamp, now, defaults.limits).stamp;
+  const ros::Time stamp = posesAt(*active, request.stamp, now, defaults.limits).stamp;
   const JointQuery query(request.trajectory.joint_names, *scene,
-                         {transforms_, active.frame, stamp, now, defaults.limits.max_pose_age});
+                         {transforms_, active->frame, stamp, now, defaults.limits.max_pose_age});
+  if (request.trajectory.points.empty()) throw InputError("the trajectory has no points");
   response.joints_from_tf = query.jointsFromTf();
   response.joints_at_zero = query.jointsAtZero();
 
-  std::vector<std::string> known_doubts = active.doubts;
-  known_doubts.insert(known_doubts.end(), query.doubts().begin(), query.doubts().end());
-  const auto& points = request.trajectory.points;
-  if (points.empty()) throw InputError("the trajectory has no points");
-  response.verdict.resize(points.size());
-  response.in_collision.resize(points.size());
-  response.min_distance.resize(points.size());
-  if (request.want_reports) response.reports.resize(points.size());
-  std::mutex mutex;  // guards `reasons`
-  std::set<std::string> reasons;
-  batch_->run(
-      points.size(), settings,
-      [&](std::size_t i, BodyPoses& poses) {
-        try {
-          query.posesAt(points[i].positions, poses);
-        } catch (const InputError& error) {
-          throw InputError("point " + std::to_string(i) + ": " + error.what());
-        }
-      },
-      [&](std::size_t i, const CollisionReport& report) {
-        std::vector<std::string> doubts = known_doubts;
-        for (std::string& why : whyUnknown(report, *scene, active.broken_links)) {
-          doubts.push_back(std::move(why));
-        }
-        const bool is_free = report.verdict == Verdict::FREE && doubts.empty();
-        const bool is_contact = report.verdict == Verdict::COLLISION;
-        response.verdict[i] = is_contact ? CollisionPairs::COLLISION
-                              : is_free  ? CollisionPairs::FREE
-                                         : CollisionPairs::UNKNOWN;
-        response.in_collision[i] = !is_free;
-        response.min_distance[i] = report.min_distance;
-        if (request.want_reports) {
-          response.reports[i] =
-              toMessage(report, *scene, settings, active.frame, stamp, active.broken_links);
-          notFree(response.reports[i], known_doubts);
-        }
-        if (is_free || is_contact) return;
-        const std::lock_guard<std::mutex> lock(mutex);
-        reasons.insert(doubts.begin(), doubts.end());
-      });
+  Asked asked{request, *active, query, settings, stamp, active->doubts};
+  asked.doubts.insert(asked.doubts.end(), query.doubts().begin(), query.doubts().end());
+  Reasons reasons;
+  checkPoints(*batch_, asked, response, reasons);
+  if (request.between) checkBetween(asked, response, reasons);
   response.unknown_because.assign(reasons.begin(), reasons.end());
 }
 

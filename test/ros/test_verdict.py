@@ -149,8 +149,12 @@ class VerdictTest(unittest.TestCase):
         self.assertTrue(any("max_pose_age" in why for why in reply.result.unknown_because), reply.result)
         check = rospy.ServiceProxy("/node/check_trajectory", CheckTrajectory)
         points = [JointTrajectoryPoint(positions=[x]) for x in (-5, self.boxes.x["b"])]
-        reply = check(trajectory=JointTrajectory(joint_names=["slide_a"], points=points))
+        reply = check(trajectory=JointTrajectory(joint_names=["slide_a"], points=points), between=True)
         self.assertEqual(list(reply.verdict), [UNKNOWN, COLLISION])
+        self.assertEqual(list(reply.segment_verdict), [COLLISION])
+        points[1].positions = [-6]
+        beside = check(trajectory=JointTrajectory(joint_names=["slide_a"], points=points), between=True)
+        self.assertEqual((list(beside.segment_verdict), list(beside.clearance)), ([UNKNOWN], [0.0]))
         self.assertEqual(list(reply.in_collision), [True, True])
         self.assertTrue(reply.unknown_because)
 

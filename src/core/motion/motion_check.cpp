@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <mutex>
+#include <set>
 #include <utility>
 
 #include "collision_pairs/collision_detector.h"
@@ -25,9 +26,9 @@ constexpr std::uint32_t ALL_STATIC = std::numeric_limits<std::uint32_t>::max();
 // Elements are compared with what is static when their motion is no more than the radius of the
 // largest one: before that they would meet nearly everything.
 constexpr double MOTION_TO_SWEEP = 1.0;
-// Of the motion: what is static and further than this is not compared, so that this much clearance
-// comes for free.
-constexpr double SWEEP_BEYOND = 0.25;
+// Of the motion, and of the size of the largest: what is static and further than the larger of the
+// two is not compared, so that this much clearance comes for free.
+constexpr double SWEEP_BEYOND_MOTION = 0.25, SWEEP_BEYOND_SIZE = 0.05;
 
 // What a segment may take: a second or so, and 100 MB. Only motions get there that are millions of
 // times longer than the robot is large, or than the resolution where something is nearly touched.
@@ -63,7 +64,7 @@ class MotionCheck::Search {
     settings_ = settings;
     report_ = {};
     clearance_ = INF;
-    tidy_at_ = 100'000;
+    uncertified_.clear();
     beside_static_noted_.assign(scene_.elements().size(), 0);
     cover_.begin(settings);
     state_.begin(motion, placed, cover_.allRigid());
@@ -98,7 +99,7 @@ class MotionCheck::Search {
     open.clearance = settings_.clearance;
     for (const std::uint32_t element : pairs_.beside_static) {
       const double radius = state_.ball(element).radius;
-      if (state_.moves(element) && radius < INF) size_ = std::max(size_, radius);
+      if (radius < INF) size_ = std::max(size_, radius);
     }
     for (const std::uint32_t element : pairs_.beside_static) {
       open.pair = {element, ALL_STATIC};
@@ -130,19 +131,15 @@ class MotionCheck::Search {
   }
 
   void noteUncertified(const BoxPair& pair) {
-    if (report_.pairs.size() >= tidy_at_) {
-      tidyPairs();
-      tidy_at_ = std::max(tidy_at_, 2 * report_.pairs.size());
-    }
     const std::uint32_t model = scene_.elements()[pair.first].model;
     if (pair.second != ALL_STATIC) {
-      report_.pairs.push_back(std::minmax(model, scene_.elements()[pair.second].model));
+      uncertified_.insert(std::minmax(model, scene_.elements()[pair.second].model));
       return;
     }
     if (std::exchange(beside_static_noted_[pair.first], 1) != 0) return;
     for (std::uint32_t other = 0; other < scene_.models().size(); ++other) {
       if (!pairs_.static_pairs.allowed(model, other)) continue;
-      report_.pairs.push_back(std::minmax(model, other));
+      uncertified_.insert(std::minmax(model, other));
     }
   }
 
@@ -220,7 +217,6 @@ class MotionCheck::Search {
     if (!meetsAnything(false)) return false;
     report_.verdict = Verdict::COLLISION;
     report_.contact_at = at_;
-    report_.pairs.clear();
     for (const PairReport& pair : detector_.report().pairs) {
       if (pair.state == PairState::CONTACT) report_.pairs.emplace_back(pair.first, pair.second);
     }
@@ -251,7 +247,8 @@ class MotionCheck::Search {
   bool sweep(Way& before, Way& after) {
     double most = 0.0;
     for (const Swept& swept : swept_) most = std::max(most, swept.growth);
-    const double reach = settings_.clearance + SWEEP_BEYOND * most;
+    const double reach =
+        settings_.clearance + std::max(SWEEP_BEYOND_MOTION * most, SWEEP_BEYOND_SIZE * size_);
     clearance_ = std::min(clearance_, reach);
     sweep_.begin(reach, &scene_.staticBoxes(), &pairs_.static_pairs);
     for (const auto& [open, growth] : swept_) {
@@ -281,18 +278,12 @@ class MotionCheck::Search {
   }
 
   void finishReport() {
-    if (report_.verdict != Verdict::COLLISION && report_.pairs.empty()) {
-      report_.verdict = Verdict::FREE;
-      report_.clearance = clearance_;
-    }
     report_.nb_queries = cover_.nbQueries();
-    tidyPairs();
-  }
-
-  void tidyPairs() {
-    auto& pairs = report_.pairs;
-    std::sort(pairs.begin(), pairs.end());
-    pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+    if (report_.verdict == Verdict::COLLISION) return;
+    report_.pairs.assign(uncertified_.begin(), uncertified_.end());
+    if (!uncertified_.empty()) return;
+    report_.verdict = Verdict::FREE;
+    report_.clearance = clearance_;
   }
 
   const CollisionScene& scene_;
@@ -305,10 +296,10 @@ class MotionCheck::Search {
 
   MotionSettings settings_;
   MotionReport report_;
-  std::size_t tidy_at_ = 0;  ///< so many pairs are noted before each is kept only once
+  std::set<std::pair<std::uint32_t, std::uint32_t>> uncertified_;  ///< models
   std::vector<char> beside_static_noted_;  ///< by element: with all that is static
   double clearance_ = INF;                 ///< certified so far
-  double size_ = 0.0;  ///< metres, of the largest element that moves beside something static
+  double size_ = 0.0;  ///< metres, of the largest element beside something static
   double at_ = 0.0;    ///< the configuration that is looked at
   OpenWays ways_;
   std::vector<Swept> swept_;

@@ -1,0 +1,109 @@
+#!/usr/bin/python3
+"""check_trajectory with `between`: what lies between the points of a trajectory."""
+import os
+import sys
+import unittest
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+
+import rospy
+import rostest
+from geometry_msgs.msg import Point
+from sensor_msgs.msg import JointState
+from shape_msgs.msg import MeshTriangle
+from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
+
+from collision_pairs.msg import CollisionPairs
+from collision_pairs.srv import CheckTrajectory
+from node_client import JointPublisher, NodeClient
+from scene_client import SceneClient, add, add_box, clear, tetrahedron
+
+FREE, COLLISION, UNKNOWN = CollisionPairs.FREE, CollisionPairs.COLLISION, CollisionPairs.UNKNOWN
+
+
+def gate(y):
+    """Two tetrahedra, which show flat sides to each other at -y and y."""
+    mesh = tetrahedron(1.0)
+    mesh.vertices += [Point(p.x, -p.y, p.z) for p in mesh.vertices]
+    mesh.triangles += [MeshTriangle(vertex_indices=[4 + i for i in reversed(t.vertex_indices)]) for t in mesh.triangles]
+    for p in mesh.vertices[:4]:
+        p.y += y
+    for p in mesh.vertices[4:]:
+        p.y -= y
+    return mesh
+
+
+class MotionsTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.robot = JointPublisher(["slide_a", "slide_b", "slide_c"])
+        cls.node = NodeClient("/node")
+        cls.scene = SceneClient("/node")
+        cls.check = rospy.ServiceProxy("/node/check_trajectory", CheckTrajectory)
+
+    def setUp(self):
+        """Unit boxes far from each other, and a plate of 2 mm in the way of a."""
+        self.stand([0, 20, 30])
+        self.scene.apply(clear(), add_box("plate", (5, 0, 0), (0.002, 2, 2)))
+
+    def stand(self, x):
+        since = self.robot.hold(x)
+        self.assertIsNotNone(self.node.report_since(since, lambda r: not r.left_out))
+
+    def ask(self, xs, **fields):
+        """x of a at each point."""
+        points = [JointTrajectoryPoint(positions=[x]) for x in xs]
+        reply = self.check(trajectory=JointTrajectory(joint_names=["slide_a"], points=points), **fields)
+        self.assertTrue(reply.success, reply.message)
+        return reply
+
+    def test_a_thin_plate_between_free_points_is_found(self):
+        reply = self.ask([0, 3, 8, 9], between=True)
+        self.assertEqual(list(reply.verdict), [FREE] * 4)
+        self.assertEqual(list(reply.segment_verdict), [FREE, COLLISION, FREE])
+        self.assertEqual((reply.contact_at[0], reply.contact_at[2]), (0.0, 0.0))
+        state = JointState(name=["slide_a"], position=[3 + 5 * reply.contact_at[1]])
+        there = self.node.check(joint_state=state).result
+        self.assertEqual([(p.first_link, p.second_link) for p in there.pairs], [("a", "plate")])
+        self.assertEqual(there.verdict, COLLISION)
+        # At x = 3 the box is 1.499 m from the plate, at x = 8 it is 2.499 m.
+        for i, nearest in ((0, 1.499), (2, 2.499)):
+            self.assertGreater(reply.clearance[i], 0.0)
+            self.assertLessEqual(reply.clearance[i], nearest)
+        self.assertEqual(reply.clearance[1], 0.0)
+        self.assertEqual(reply.unknown_because, [])
+
+    def test_nobody_is_told_of_motions_who_does_not_ask(self):
+        for reply in (self.ask([0, 8]), self.ask([0], between=True)):
+            self.assertEqual((len(reply.segment_verdict), len(reply.contact_at), len(reply.clearance)), (0, 0, 0))
+
+    def test_joints_that_are_not_named_stand_where_tf_has_them(self):
+        self.stand([0, -5, 30])
+        self.assertEqual(list(self.ask([0, -9], between=True).segment_verdict), [COLLISION])
+        self.stand([0, 20, 30])
+        self.assertEqual(list(self.ask([0, -9], between=True).segment_verdict), [FREE])
+
+    def test_a_restriction_and_a_fidelity_hold_for_motions_too(self):
+        self.assertEqual(list(self.ask([3, 8], between=True, links=["b"]).segment_verdict), [FREE])
+        for fidelity in ("aabb", "obb", "convex"):
+            self.assertEqual(list(self.ask([0, 3, 8], between=True, fidelity=fidelity).segment_verdict),
+                             [FREE, COLLISION], fidelity)
+
+    def test_a_pattern_that_leaves_no_pair_leaves_no_motion_free(self):
+        reply = self.ask([0, 3], between=True, links=["left_*"])
+        self.assertEqual((list(reply.segment_verdict), list(reply.clearance)), ([UNKNOWN], [0.0]))
+        self.assertIn("no pair to check", " ".join(reply.unknown_because))
+
+    def test_a_pair_that_cannot_be_certified_is_named(self):
+        """10 micrometres on either side, in the gap of one object: no plane lies between the two."""
+        self.scene.apply(clear(), add("gate", (5, 0, 0), meshes=[gate(0.5 + 1e-5)]))
+        reply = self.ask([3, 8], between=True)
+        self.assertEqual((list(reply.verdict), list(reply.segment_verdict)), ([FREE, FREE], [UNKNOWN]))
+        self.assertIn("a|gate", " ".join(reply.unknown_because))
+        self.scene.apply(clear(), add("gate", (5, 0, 0), meshes=[gate(0.51)]))
+        self.assertEqual(list(self.ask([3, 8], between=True).segment_verdict), [FREE])
+
+
+if __name__ == "__main__":
+    rospy.init_node("test_motions")
+    rostest.rosrun("collision_pairs", "motions", MotionsTest)
