@@ -36,11 +36,11 @@ class Stopwatch {
   double least_ = std::numeric_limits<double>::infinity();
 };
 
-/// In steps of FINE_STEP.
+/// In steps of COARSE_STEP.
 double smallestDistance(StateLoop& loop, const JointMotion& motion) {
   CheckSettings settings;
   settings.min_distance = true;
-  const int nb_steps = std::max(1, static_cast<int>(std::ceil(lengthOf(motion) / FINE_STEP)));
+  const int nb_steps = std::max(1, static_cast<int>(std::ceil(lengthOf(motion) / COARSE_STEP)));
   double smallest = std::numeric_limits<double>::infinity();
   for (int i = 0; i <= nb_steps; ++i) {
     const double fraction = static_cast<double>(i) / nb_steps;
@@ -79,8 +79,9 @@ class Bench {
       coarse.time([&] { found_by_coarse = loop_.findsContact(motion, COARSE_STEP); });
       fine.time([&] { found_by_fine = loop_.findsContact(motion, FINE_STEP); });
     }
+    const bool is_free = report.verdict == Verdict::FREE;
     std::cout << robot_ << ',' << scene_name_ << ',' << lengthOf(motion) << ','
-              << smallestDistance(loop_, motion) << ','
+              << (is_free ? smallestDistance(loop_, motion) : 0.0) << ','
               << VERDICTS[static_cast<int>(report.verdict)] << ',' << report.clearance << ','
               << report.nb_checks << ',' << report.nb_queries << ',' << certified.least() << ','
               << coarse.least() << ',' << fine.least() << ',' << found_by_coarse << ','
@@ -114,10 +115,7 @@ int main(int argc, char** argv) {
   }
   std::cout << "robot,scene,length,distance,verdict,clearance,checks,queries,us,us_coarse,us_fine,"
                "coarse_finds,fine_finds\n";
-  if (std::getenv("ONLY") == nullptr || std::string(std::getenv("ONLY")) == "demo")
-    run(demoRobot(), nb_segments);
-  for (const BenchmarkRobot& robot : benchmarkRobots())
-    if (std::getenv("ONLY") == nullptr || std::string(std::getenv("ONLY")) == robot.name)
-      run(robot, nb_segments);
+  run(demoRobot(), nb_segments);
+  for (const BenchmarkRobot& robot : benchmarkRobots()) run(robot, nb_segments);
   return 0;
 }
