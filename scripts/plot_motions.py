@@ -14,7 +14,7 @@ def distance_to_post(angle):
     return math.hypot(max(0.0, along - 1.0, -along), across)
 
 
-def certify(distance, kept=0.1):
+def certify(distance, kept=0.02):
     """(fraction, distance there, certified from, certified to): the middle of what is open first. No point of the bar
     moves by more than its angle times 1 m."""
     speed = TO - FROM
@@ -51,7 +51,8 @@ def draw_idea(path):
         swept = [FROM + (TO - FROM) * (max(begin, 0.0) + (min(end, 1.0) - max(begin, 0.0)) * i / 30.0)
                  for i in range(31)]
         scene.fill([0] + [math.cos(a) for a in swept], [0] + [math.sin(a) for a in swept], color=colour, alpha=0.12)
-        scene.text(1.06 * math.cos(angle) - 0.02, 1.06 * math.sin(angle) - 0.02, str(number + 1), color=colour)
+        scene.text(0.75 * math.cos(angle), 0.75 * math.sin(angle), str(number + 1), color=colour, ha="center",
+                   va="center", bbox={"boxstyle": "circle", "facecolor": "white", "edgecolor": colour})
     scene.plot(*POST, marker="o", color="black", markersize=9)
     scene.annotate("post", POST, xytext=(10, -4), textcoords="offset points")
     scene.plot(0, 0, marker="o", color="grey")

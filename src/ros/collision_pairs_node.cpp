@@ -104,6 +104,7 @@ void CollisionPairsNode::check(const ActiveScenePtr& scene, const ros::WallTime&
   }
   CollisionPairs message =
       checkPoses(*scene, stamped, doubts, settings, now, transform_time, *detector_);
+  addClosingMotion(*scene, stamped, detector_->report(), message);
   publisher_.publish(message);
   showMarkers(message, &detector_->report());
   publisher_.publishScene(scene, settings.fidelity, stamped.nb_found);

@@ -67,6 +67,7 @@ void QueryService::check(const CheckCollisions::Request& request,
   transforms_.followClock(now);
   StampedPoses stamped = posesAt(active, request.stamp, now, defaults.limits);
   std::vector<std::string> doubts;
+  bool is_from_tf = false;
   if (!request.joint_state.name.empty() || !request.joint_state.position.empty()) {
     const JointQuery query(
         request.joint_state.name, *scene,
@@ -76,6 +77,7 @@ void QueryService::check(const CheckCollisions::Request& request,
     response.joints_from_tf = query.jointsFromTf();
     response.joints_at_zero = query.jointsAtZero();
   } else {
+    is_from_tf = true;
     doubts = doubtsOf(stamped, transforms_);
     if (stamped.nb_asked > 0 && stamped.nb_found == 0) {
       throw InputError("no transform is known: " + doubts.front());
@@ -83,8 +85,9 @@ void QueryService::check(const CheckCollisions::Request& request,
   }
   const double transform_time = (ros::WallTime::now() - start).toSec();
 
-  response.result =
-      checkPoses(active, stamped, doubts, settings, now, transform_time, detectorFor(scene));
+  CollisionDetector& detector = detectorFor(scene);
+  response.result = checkPoses(active, stamped, doubts, settings, now, transform_time, detector);
+  if (is_from_tf) addClosingMotion(active, stamped, detector.report(), response.result);
   if (scene->models().empty()) response.message = "there is no pair to check";
   if (!doubts.empty()) response.message = doubts.front();
 }

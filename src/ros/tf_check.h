@@ -24,4 +24,13 @@ CollisionPairs checkPoses(const ActiveScene& scene, const StampedPoses& stamped,
                           const std::vector<std::string>& doubts, const CheckSettings& settings,
                           const ros::Time& now, double transform_time, CollisionDetector& detector);
 
+/// Seconds. Shorter is nearer to now, longer has less of the noise of encoders; TF interpolates
+/// where it comes less often.
+constexpr double VELOCITY_WINDOW = 0.1;
+
+/// Adds how fast the pairs of `report`, from which the message was made, come nearer to each other:
+/// from where TF had the bodies of those pairs VELOCITY_WINDOW before the poses.
+void addClosingMotion(const ActiveScene& scene, const StampedPoses& stamped,
+                      const CollisionReport& report, CollisionPairs& message);
+
 }  // namespace collision_pairs

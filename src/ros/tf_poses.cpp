@@ -143,6 +143,17 @@ StampedPoses TfPoses::at(const ros::Time& stamp) const {
   return gather(std::move(found), stamp);
 }
 
+BodyPoses TfPoses::at(const ros::Time& stamp, const std::vector<char>& wanted) const {
+  BodyPoses poses;
+  poses.resize(sources_.size());
+  for (std::size_t i = 0; i < sources_.size(); ++i) {
+    const Found found = wanted[i] ? lookUp(i, stamp) : Found();
+    poses.known[i] = found.known;
+    if (found.known) poses.X_WB[i] = found.X_WB;
+  }
+  return poses;
+}
+
 StampedPoses TfPoses::gather(std::vector<Found> found, const ros::Time& stamp) const {
   StampedPoses result;
   result.stamp = stamp;

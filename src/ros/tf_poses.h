@@ -49,6 +49,9 @@ class TfPoses {
   /// At the given instant (0: of static transforms only).
   StampedPoses at(const ros::Time& stamp) const;
 
+  /// At the given instant, of the bodies with an entry in `wanted` only; the others stay unknown.
+  BodyPoses at(const ros::Time& stamp, const std::vector<char>& wanted) const;
+
  private:
   /// A link to look up, and the body's pose in its frame.
   struct Source {

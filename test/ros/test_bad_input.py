@@ -10,8 +10,12 @@ import rospy
 import rostest
 from std_srvs.srv import Trigger
 from tf2_msgs.msg import TFMessage
+from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
+from collision_pairs.msg import CollisionPairs
+from collision_pairs.srv import CheckTrajectory
 from node_client import NodeClient, diagnosis_of, publish_transform
+from scene_client import SceneClient, add_box
 
 NAN = float("nan")
 
@@ -48,6 +52,19 @@ class BadInputTest(unittest.TestCase):
         self.assertNotEqual(report.verdict, report.FREE)
         self.assertEqual([(p.first_link, p.second_link) for p in report.pairs], [("other", "whole")])
         self.assertEqual(node.check().result.left_out, ["broken", "text"])
+
+    def test_with_a_broken_mesh_no_motion_is_free(self):
+        node = NodeClient("/broken_mesh/node")
+        SceneClient("/broken_mesh/node").apply(add_box("far", (0, 90, 0)))
+        check = rospy.ServiceProxy("/broken_mesh/node/check_trajectory", CheckTrajectory)
+        trajectory = JointTrajectory(points=[JointTrajectoryPoint(), JointTrajectoryPoint()])
+        reply = check(trajectory=trajectory, between=True, links=["far"])
+        self.assertTrue(reply.success, reply.message)
+        self.assertEqual(list(reply.verdict), [CollisionPairs.UNKNOWN] * 2)
+        self.assertEqual((list(reply.segment_verdict), list(reply.clearance)), ([CollisionPairs.UNKNOWN], [0.0]))
+        self.assertIn("geometry that could not be read: broken, text", reply.unknown_because)
+        report = node.next(node.reports)
+        self.assertEqual((report.time_to_contact, report.time_to_contact_is_known), (0.0, True))  # in contact
 
     def test_parameters_that_cannot_be_used_give_way_to_defaults(self):
         node = NodeClient("/bad_parameters/node")

@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 """A bag that is played in a loop: every pass gives the same reports, and the table's."""
+import copy
 import os
 import re
 import sys
@@ -16,14 +17,20 @@ from rosgraph_msgs.msg import Clock
 
 BAG = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../config/demo/demo.bag")
 PATIENCE = 90.0  # s of wall time for two passes and their beginnings
+WINDOW = 0.1  # s of TF before a report that say how fast its links moved
 TIMES = ("time_transforms", "time_boxes", "time_broad_phase", "time_narrow_phase", "time_total")
 
 
-def content(report):
+def content(report, with_motion):
     """All of it but how long it took and its number: what is no decimal fraction, and what is."""
+    report = copy.deepcopy(report)
     for name in TIMES:
         setattr(report, name, 0.0)
     report.header.seq = 0
+    if not with_motion:
+        report.time_to_contact, report.time_to_contact_is_known = 0.0, False
+        for pair in report.pairs:
+            pair.closing_speed, pair.closing_speed_is_known = 0.0, False
     number = r"-?\d+\.\d+(?:e[+-]?\d+)?|-?\d+e[+-]?\d+"
     text = str(report)
     return re.sub(number, "#", text), tuple(map(float, re.findall(number, text)))
@@ -52,7 +59,7 @@ class Passes:
         if stamp < self._newest:
             self.reports.append({})
         self._newest = stamp
-        self.reports[-1].setdefault(stamp.to_nsec(), []).append(content(report))
+        self.reports[-1].setdefault(stamp.to_nsec(), []).append(report)
 
 
 class ReplayTest(unittest.TestCase):
@@ -69,9 +76,12 @@ class ReplayTest(unittest.TestCase):
     def test_every_report_of_the_second_pass_is_that_of_the_first(self):
         common = set(self.first) & set(self.second)
         self.assertGreater(len(common), 0.8 * len(self.stamps))
+        # How far TF reaches back in the first moments of a pass depends on when the node came to hear it.
+        in_both = max(min(self.first), min(self.second)) + 1e9 * WINDOW
         for stamp in common:
-            text, numbers = self.first[stamp][0]
-            for other_text, other_numbers in self.first[stamp][1:] + self.second[stamp]:
+            contents = [content(report, stamp > in_both) for report in self.first[stamp] + self.second[stamp]]
+            text, numbers = contents[0]
+            for other_text, other_numbers in contents[1:]:
                 self.assertEqual(text, other_text)
                 # tf2 interpolates also at a stamp that it has: the last digit depends on whether
                 # the next transform is there already.
@@ -87,8 +97,8 @@ class ReplayTest(unittest.TestCase):
         self.assertGreater(len(self.second), 0.9 * len(self.stamps))
 
     def test_contacts_are_seen(self):
-        self.assertTrue(any("in_collision: True" in text for reports in self.second.values() for text, _ in reports))
-        self.assertTrue(any("in_collision: False" in text for reports in self.second.values() for text, _ in reports))
+        said = {report.in_collision for reports in self.second.values() for report in reports}
+        self.assertEqual(said, {False, True})
 
 
 if __name__ == "__main__":

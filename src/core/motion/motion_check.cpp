@@ -262,12 +262,11 @@ class MotionCheck::Search {
     for (const std::uint32_t refused : sweep_.refused()) {
       refuseBox(scene_.elements()[sweptAs(refused).pair.first].model);
     }
-    for (const auto& [standing, moving] : found) {
+    for (const auto& [fixed, moving] : found) {
       OpenPair open = sweptAs(moving);
       const auto& elements = scene_.elements();
-      const bool in_order = elements[standing].model < elements[open.pair.first].model;
-      open.pair =
-          in_order ? BoxPair{standing, open.pair.first} : BoxPair{open.pair.first, standing};
+      const bool in_order = elements[fixed].model < elements[open.pair.first].model;
+      open.pair = in_order ? BoxPair{fixed, open.pair.first} : BoxPair{open.pair.first, fixed};
       if (!settle(open, before, after)) return false;
     }
     return true;

@@ -1,0 +1,149 @@
+#include "collision_pairs/closing_motion.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "plane_bound.h"
+#include "prepared_shape.h"
+
+namespace collision_pairs {
+namespace {
+
+using Eigen::Isometry3d;
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+constexpr double ROUNDING = 1e-12;  // of the coordinates, for what is computed from them
+constexpr int NB_BISECTIONS = 20;   // of HORIZON: to 10 microseconds
+
+struct BodyPair {
+  Isometry3d X_WB = Isometry3d::Identity(), X_WB_before = Isometry3d::Identity();
+};
+
+/// Nothing if the pose is not known at one of the two instants.
+std::optional<BodyPair> posesOf(int body, const BodyPoses& now, const BodyPoses& before) {
+  BodyPair poses;
+  if (body < 0) return poses;  // static
+  const auto i = static_cast<std::size_t>(body);
+  if (i >= before.known.size() || !now.known[i] || !before.known[i]) return std::nullopt;
+  poses = {now.X_WB[i], before.X_WB[i]};
+  const bool is_finite = poses.X_WB.matrix().allFinite() && poses.X_WB_before.matrix().allFinite();
+  return is_finite ? std::optional(poses) : std::nullopt;
+}
+
+/// Velocity of the mover's frame as seen from the base; expressed in W.
+struct RelativeVelocity {
+  Vector3d v, omega;
+  Vector3d origin_W;  ///< of the mover's frame
+
+  RelativeVelocity(const BodyPair& base, const BodyPair& mover, double window) {
+    const Isometry3d X_BM = base.X_WB.inverse(Eigen::Isometry) * mover.X_WB;
+    const Isometry3d X_BM_before = base.X_WB_before.inverse(Eigen::Isometry) * mover.X_WB_before;
+    const Eigen::AngleAxisd turn(X_BM.linear() * X_BM_before.linear().transpose());
+    const Matrix3d R_WB = base.X_WB.linear();
+    v = R_WB * (X_BM.translation() - X_BM_before.translation()) / window;
+    omega = R_WB * turn.axis() * (turn.angle() / window);
+    origin_W = mover.X_WB.translation();
+  }
+  Vector3d at(const Vector3d& p_W) const { return v + omega.cross(p_W - origin_W); }
+};
+
+/// An element where it stands.
+struct PlacedElement {
+  const SceneElement& element;
+  Isometry3d X_WE;
+  Matrix3d R_WE;
+  Vector3d center_W;
+  const Prepared* shape;  ///< null where the scene has none that is finer than a box
+  double margin;
+
+  PlacedElement(const SceneElement& of_scene, const Isometry3d& X_WB)
+      : element(of_scene),
+        X_WE(X_WB * of_scene.X_BE),
+        R_WE(X_WE.linear()),
+        center_W(isHalfSpace() ? X_WE.translation() : Vector3d(X_WE * of_scene.box_center)) {
+    const Rung& mesh = element.rung(Fidelity::MESH);
+    const Rung& rung = mesh.shape ? mesh : element.rung(Fidelity::CONVEX);
+    shape = static_cast<const Prepared*>(rung.shape.get());
+    margin = rung.margin;
+  }
+  bool isHalfSpace() const { return std::holds_alternative<HalfSpace>(element.shape); }
+  double radius() const { return element.box_half.norm(); }
+  HullSupport hull() const { return {shape->core, R_WE, element.box_center, margin}; }
+};
+
+/// The last instant up to HORIZON until which a concave gap is not negative; gap(0) > 0.
+template <class Gap>
+double timeAbove(const Gap& gap) {
+  if (!(gap(0.0) > 0.0)) return 0.0;
+  double sure = 0.0, end = ClosingMotion::HORIZON;
+  if (gap(end) >= 0.0) return end;
+  for (int i = 0; i < NB_BISECTIONS; ++i) {
+    const double middle = 0.5 * (sure + end);
+    (gap(middle) >= 0.0 ? sure : end) = middle;
+  }
+  return sure;
+}
+
+/// `n_W`: from the base to the mover. `distance`: of the two, less their padding.
+double timeToContact(const PlacedElement& base, const PlacedElement& mover,
+                     const RelativeVelocity& velocity, const Vector3d& n_W, double distance,
+                     double padding) {
+  const double reach = (mover.center_W - velocity.origin_W).norm() + mover.radius();
+  const double turning = velocity.omega.norm();
+  if (!std::isfinite(reach)) return 0.0;  // a half-space that moves
+  MovingPair moving;
+  moving.p_AB_W = mover.center_W - base.center_W;
+  moving.twist_b = {velocity.at(mover.center_W), velocity.omega};
+  moving.bound.acceleration = turning * turning * reach;
+  moving.slack = ROUNDING * (mover.center_W.lpNorm<1>() + base.center_W.lpNorm<1>() + reach);
+  moving.padding = padding;
+  const double speed = moving.twist_b.v.norm() + turning * mover.radius();
+  const double time = timeAbove([&](double t) {
+    return distance - moving.slack - speed * t - 0.5 * moving.bound.acceleration * t * t;
+  });
+  if (mover.shape == nullptr) return time;
+  if (base.isHalfSpace()) {
+    return std::max(time, timeAbove(PlaneBound(moving, PlaneSupport(), mover.hull(), n_W)));
+  }
+  if (base.shape == nullptr) return time;
+  return std::max(time, timeAbove(PlaneBound(moving, base.hull(), mover.hull(), n_W)));
+}
+
+}  // namespace
+
+ClosingMotion closingMotion(const CollisionScene& scene, const CollisionReport& report,
+                            const PairReport& pair, const BodyPoses& now,
+                            const EarlierPoses& before) {
+  const auto& models = scene.models();
+  const auto first = posesOf(models[pair.first].body, now, before.poses);
+  const auto second = posesOf(models[pair.second].body, now, before.poses);
+  ClosingMotion closing;
+  if (!first || !second || pair.nb_contacts == 0 || !(before.window > 0.0)) return closing;
+  closing.known = true;
+  closing.closing_speed = -std::numeric_limits<double>::infinity();
+  closing.time_to_contact = pair.mayTouch() ? 0.0 : ClosingMotion::HORIZON;
+  for (std::uint32_t i = 0; i < pair.nb_contacts; ++i) {
+    const Contact& contact = report.contacts[pair.first_contact + i];
+    const auto [a, b] = contact.elements;
+    const PlacedElement of_first(scene.elements()[a], first->X_WB);
+    const PlacedElement of_second(scene.elements()[b], second->X_WB);
+    // As seen from the first; but from a half-space, which must not turn.
+    const bool swaps = of_second.isHalfSpace();
+    const PlacedElement &base = swaps ? of_second : of_first, &mover = swaps ? of_first : of_second;
+    const RelativeVelocity velocity(swaps ? *second : *first, swaps ? *first : *second,
+                                    before.window);
+    const Vector3d n_W = swaps ? Vector3d(-contact.nhat_W) : contact.nhat_W;
+    const Vector3d& p_WMover = swaps ? contact.p_WFirst : contact.p_WSecond;
+    closing.closing_speed = std::max(closing.closing_speed, -n_W.dot(velocity.at(p_WMover)));
+    if (closing.time_to_contact == 0.0) continue;
+    const double time =
+        timeToContact(base, mover, velocity, n_W, -contact.depth, scene.padding(a, b));
+    closing.time_to_contact = std::min(closing.time_to_contact, time);
+  }
+  if (!std::isfinite(closing.closing_speed)) return {};  // boxes that decided have no normal
+  return closing;
+}
+
+}  // namespace collision_pairs
