@@ -21,6 +21,13 @@ target_link_libraries(broad_phase_benchmark PRIVATE broad_phase_references bench
                                                     CGAL::CGAL fcl BulletCollision LinearMath)
 collision_pairs_warnings(broad_phase_benchmark)
 
+# As few boxes as a robot has; scripts/benchmark_broad_phase --few makes a table.
+add_executable(few_boxes test/benchmark/benchmark_robots.cpp test/benchmark/broad_phase_scenes.cpp
+  test/benchmark/few_boxes.cpp test/benchmark/rank_sort.cpp)
+target_link_libraries(few_boxes PRIVATE collision_pairs_io)
+target_include_directories(few_boxes PRIVATE ${CORE_MODULES})
+collision_pairs_warnings(few_boxes)
+
 # Programs that measure the narrow phase. Their short versions are held by the tests.
 foreach(program accuracy_table accuracy_scale accuracy_solids)
   add_executable(${program} test/benchmark/${program}.cpp)
@@ -28,6 +35,12 @@ foreach(program accuracy_table accuracy_scale accuracy_solids)
   target_include_directories(${program} PRIVATE test)
   collision_pairs_warnings(${program})
 endforeach()
+
+# The narrow phases of this package and of FCL; scripts/measure_native_and_fcl writes the page.
+add_executable(native_and_fcl test/benchmark/native_and_fcl.cpp test/benchmark/plain_fcl.cpp)
+target_link_libraries(native_and_fcl PRIVATE collision_pairs fcl)
+target_include_directories(native_and_fcl PRIVATE ${CORE_MODULES} test)
+collision_pairs_warnings(native_and_fcl)
 
 # The whole check, beside a loop like MoveIt's.
 add_executable(detector_benchmark test/benchmark/benchmark_robots.cpp

@@ -64,6 +64,12 @@ def table(path):
         return {row["link1"] + "|" + row["link2"]: row for row in csv.DictReader(lines)}
 
 
+def test_fcl_finds_the_same_pairs_as_the_native_narrow_phase(run_tool, crane):
+    native = generate(run_tool, crane, "--samples", "2000")[0]
+    assert generate(run_tool, crane, "--samples", "2000", "--narrow-phase", "fcl")[0] == native
+    assert run_tool("generate_srdf", crane, "--narrow-phase", "bullet").returncode == 2
+
+
 def test_adjacent_always_and_never_pairs_are_switched_off_and_no_others(run_tool, crane, tmp_path):
     srdf, _ = generate(run_tool, crane, "--report", tmp_path / "pairs.csv")
     reasons = switched_off(srdf)

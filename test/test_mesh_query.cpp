@@ -257,22 +257,6 @@ TEST(MeshQuery, SurfacesMeetWhereTwoOfTheirTrianglesDo) {
   EXPECT_LT(met, 250);
 }
 
-TEST(MeshQuery, FclAndOurOwnTreeGiveTheSameVerdicts) {
-  RandomInputs random;
-  NarrowPhase by_fcl, by_own_tree;
-  by_own_tree.setMeshContacts(MeshContacts::OWN_TREE);
-  const auto M = prepareShape(meshShape(bumpyBall(12, 0.2)));
-  const auto N = prepareShape(meshShape(LShape().mesh()));
-  int touching = 0;
-  for (int i = 0; i < 5000; ++i) {
-    const Isometry3d X = random.pose(0.4);
-    const bool answer = by_fcl.touches(*M, *N, X);
-    ASSERT_EQ(by_own_tree.touches(*M, *N, X), answer) << i;
-    touching += answer;
-  }
-  EXPECT_GT(touching, 500);
-}
-
 TEST(MeshQuery, TheDepthOfMeshesIsABoundThatSeparates) {
   RandomInputs random;
   NarrowPhase narrow_phase;

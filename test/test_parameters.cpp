@@ -54,6 +54,7 @@ TEST_P(Defaults, AreThoseOfTheCode) {
   EXPECT_EQ(std::stoi(text.at("max_hull_vertices")), SceneSettings().max_hull_vertices);
   EXPECT_EQ(text.at("link_fidelity"), "{}");
   EXPECT_EQ(std::stod(text.at("padding")), SceneSettings().padding);
+  EXPECT_EQ(text.at("narrow_phase"), narrowPhaseName(SceneSettings().narrow_phase));
   EXPECT_EQ(std::stod(text.at("rate")), code.rate);
   EXPECT_EQ(text.at("show_only_investigated_boxes"),
             code.show_only_investigated_boxes ? "true" : "false");

@@ -39,18 +39,24 @@ def differing(robot, state, found, expected):
     return (found ^ expected) - UNDECIDED.get((robot, state), set())
 
 
+@pytest.mark.parametrize("narrow_phase", ["native", "fcl"])
 @pytest.mark.parametrize("robot", MODELS)
-def test_self_pairs_and_distances_are_the_references(run_tool, shared, tmp_path, robot):
-    for found, expected in check(run_tool, shared, tmp_path, robot, "--min-distance"):
+def test_self_pairs_and_distances_are_the_references(run_tool, shared, tmp_path, robot, narrow_phase):
+    for found, expected in check(run_tool, shared, tmp_path, robot, "--min-distance", "--narrow-phase", narrow_phase):
         state = expected["state"]
         assert not differing(robot, state, pair_set(found["pairs"]), pair_set(expected["self_pairs"])), state
         if not expected["self_pairs"]:
             assert abs(float(found["min_distance"]) - float(expected["self_distance"])) < 1e-6, state
 
 
+@pytest.mark.parametrize("narrow_phase", ["native", "fcl"])
 @pytest.mark.parametrize("robot", MODELS)
-def test_world_pairs_are_the_references(run_tool, shared, tmp_path, robot):
+def test_world_pairs_and_distances_are_the_references(run_tool, shared, tmp_path, robot, narrow_phase):
     world = "%s/robots/world_model/urdf/world_%s.urdf" % (shared, robot)
-    for found, expected in check(run_tool, shared, tmp_path, robot, "--world", world):
+    options = ("--world", world, "--min-distance", "--narrow-phase", narrow_phase)
+    for found, expected in check(run_tool, shared, tmp_path, robot, *options):
         pairs = pair_set(expected["self_pairs"]) | pair_set(expected["world_pairs"])
+        if not pairs:
+            distance = min(float(expected["self_distance"]), float(expected["world_distance"]))
+            assert abs(float(found["min_distance"]) - distance) < 1e-6, expected["state"]
         assert not differing(robot, expected["state"], pair_set(found["pairs"]), pairs), expected["state"]

@@ -25,6 +25,7 @@ std::string refusal(const std::string& yaml) {
 TEST(SceneConfig, ReadsEveryKey) {
   const SceneConfig config = readSceneConfig(YAML::Load(R"(
 max_hull_vertices: 32
+narrow_phase: fcl
 link_fidelity: {gripper: obb}
 padding: 0.01
 link_padding: {elbow: 0.02}
@@ -39,6 +40,7 @@ rate: 50.0
 )"));
   const SceneSettings& settings = config.settings;
   EXPECT_EQ(settings.max_hull_vertices, 32);
+  EXPECT_EQ(settings.narrow_phase, NarrowPhaseMethod::FCL);
   EXPECT_EQ(settings.link_fidelity.at("gripper"), Fidelity::OBB);
   EXPECT_EQ(settings.padding, 0.01);
   EXPECT_EQ(settings.link_padding.at("elbow"), 0.02);
@@ -103,6 +105,8 @@ TEST(SceneConfig, WhatIsWrongIsNamedWithWhatItMustBe) {
   EXPECT_THAT(refusal("floor: {hight: 0}"), HasSubstr("{height: metres"));
   EXPECT_THAT(refusal("max_hull_vertices: 3"), HasSubstr("4 or more"));
   EXPECT_THAT(refusal("max_hull_vertices: 4.5"), HasSubstr("4 or more"));
+  EXPECT_THAT(refusal("narrow_phase: bullet"), HasSubstr("narrow_phase is bullet, but must be"));
+  EXPECT_THAT(refusal("narrow_phase: [fcl]"), HasSubstr("native or fcl"));
 }
 
 class ConfigFile : public testing::Test {

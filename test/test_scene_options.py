@@ -59,6 +59,17 @@ def test_rules_floor_and_ignored_links_change_the_pairs(check):
     assert {"arm_base|floor", "crate|floor"} & floor and "floor|table" not in floor
 
 
+def test_fcl_by_option_or_by_setting_gives_the_same_pairs_and_distances(check):
+    native = check()[1]
+    for done, rows in (check("--narrow-phase", "fcl"), check(settings="narrow_phase: fcl")):
+        assert "answered natively" in done.stderr  # the depth of the contact
+        for row, expected in zip(rows, native):
+            assert pairs(row) == pairs(expected)
+            assert float(row["min_distance"]) == pytest.approx(float(expected["min_distance"]), abs=1e-6)
+    done, _ = check("--narrow-phase", "native", settings="narrow_phase: fcl")
+    assert "answered natively" not in done.stderr
+
+
 def test_links_and_patterns_restrict_the_pairs(check):
     of_wrist = {pair for pair in pairs(check()[1][1]) if "wrist_ball" in pair.split("|")}
     assert of_wrist
@@ -70,6 +81,7 @@ def test_links_and_patterns_restrict_the_pairs(check):
     ((), "padding: -1", "padding is -1"), ((), "pading: 1", "'padding' meant?"),
     ((), "pair_rules: [{deny: [arhc, table]}]", "'arch' meant?"), ((), "[", "settings.yaml"),
     (("--links", "wrist_bal"), None, "'wrist_ball' meant?"), (("--links", "none_*"), None, "no pair to check"),
+    (("--narrow-phase", "bullet"), None, "known are native and fcl"), ((), "narrow_phase: 3", "native or fcl"),
     (("--group", "arm"), None, "no group 'arm'"), (("--settings", "nowhere.yaml"), None, "nowhere.yaml"),
 ])
 def test_what_is_wrong_is_one_line_and_exit_code_2(check, options, settings, says):

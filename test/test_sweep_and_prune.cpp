@@ -22,8 +22,8 @@ void expectWhatBruteForceFinds(const BroadPhaseScene& scene, const std::string& 
     SweepAndPrune sweep(tuning);
     const std::vector<BoxPair> found = pairsBySweep(scene, &sweep);
     ASSERT_EQ(found.size(), expected.size())
-        << what << ", packed up to " << tuning.packed_up_to << ", columns of " << tuning.column_size
-        << ", threads " << tuning.threads;
+        << what << ", packed " << !tuning.packed_up_to.has_value() << ", columns of "
+        << tuning.column_size << ", threads " << tuning.threads;
     ASSERT_TRUE(found == expected) << what;
   }
 }

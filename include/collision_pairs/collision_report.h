@@ -10,6 +10,7 @@
 
 #include "collision_pairs/aabb.h"
 #include "collision_pairs/fidelity.h"
+#include "collision_pairs/narrow_phase.h"
 #include "collision_pairs/pair_distance.h"
 #include "collision_pairs/sweep_and_prune.h"
 
@@ -85,6 +86,10 @@ struct CollisionReport {
   std::uint32_t nb_unresolved = 0;
   bool budget_spent = false;      ///< the time ended before everything was settled
   std::uint32_t nb_degraded = 0;  ///< element pairs that the first method could not settle
+  NarrowPhaseMethod narrow_phase = NarrowPhaseMethod::NATIVE;  ///< the scene's
+  /// With FCL: questions of pairs of elements of which all or part of the answer is the native one
+  /// (NarrowPhase::numAnsweredNatively).
+  std::uint32_t nb_answered_natively = 0;
   StageTimes times;
 };
 

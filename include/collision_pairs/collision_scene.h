@@ -116,6 +116,8 @@ class CollisionScene {
   const std::vector<SceneElement>& elements() const { return elements_; }
   const std::vector<SceneBody>& bodies() const { return bodies_; }
   const PairFilter& filter() const { return filter_; }
+  /// Who answers its pairs of shapes.
+  NarrowPhaseMethod narrowPhase() const { return narrow_phase_; }
   /// Metres that two elements keep apart.
   double padding(std::uint32_t element_a, std::uint32_t element_b) const {
     const SceneElement &a = elements_[element_a], &b = elements_[element_b];
@@ -143,6 +145,7 @@ class CollisionScene {
   std::vector<SceneElement> elements_;
   std::vector<SceneBody> bodies_;
   PairFilter filter_;
+  NarrowPhaseMethod narrow_phase_ = NarrowPhaseMethod::NATIVE;
   /// By classes of the filter, the smaller first: where it is not the sum of the two.
   std::map<std::pair<std::uint32_t, std::uint32_t>, double> pair_padding_;
   StaticBoxes static_boxes_;

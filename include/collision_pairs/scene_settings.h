@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "collision_pairs/fidelity.h"
+#include "collision_pairs/narrow_phase.h"
 
 namespace collision_pairs {
 
@@ -59,6 +60,8 @@ struct SceneSettings {
   /// Hulls of the `convex` rung have at most this many vertices and are grown so that they still
   /// enclose; >= 4, or 0: exact hulls. Fewer are faster and stick out further.
   int max_hull_vertices = 0;
+  /// Who answers its pairs of shapes. Boxes, and what only bounds a pair, are not asked of FCL.
+  NarrowPhaseMethod narrow_phase = NarrowPhaseMethod::NATIVE;
 
   /// Applied in this order after the SRDF, so that the last that matches a pair decides it. Pairs
   /// that can never meet another way (both static, one link and what is attached to it) stay

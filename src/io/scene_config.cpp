@@ -140,6 +140,15 @@ void readFloor(const YAML::Node& value, SceneConfig& config) {
   config.floor = floorAt(height, touch_links);
 }
 
+void readNarrowPhase(const YAML::Node& value, SceneConfig& config) {
+  const std::string rule = "native or fcl";
+  try {
+    config.settings.narrow_phase = parseNarrowPhase(text("narrow_phase", value, rule));
+  } catch (const InputError&) {
+    refuse("narrow_phase", value, rule);
+  }
+}
+
 void readMaxHullVertices(const YAML::Node& value, SceneConfig& config) {
   const std::string rule = "4 or more, or 0 for exact hulls";
   const double count = number("max_hull_vertices", value, rule);
@@ -153,6 +162,7 @@ using Reader = std::function<void(const YAML::Node&, SceneConfig&)>;
 const std::map<std::string, Reader>& readers() {
   static const std::map<std::string, Reader> ALL = {
       {"max_hull_vertices", readMaxHullVertices},
+      {"narrow_phase", readNarrowPhase},
       {"link_fidelity", readLinkFidelity},
       {"link_padding", readLinkPadding},
       {"pair_padding", readPairPadding},

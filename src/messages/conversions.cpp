@@ -151,6 +151,8 @@ CollisionPairs toMessage(const CollisionReport& report, const CollisionScene& sc
   message.left_out.erase(std::unique(message.left_out.begin(), message.left_out.end()),
                          message.left_out.end());
   message.nb_degraded = report.nb_degraded;
+  message.narrow_phase = narrowPhaseName(report.narrow_phase);
+  message.nb_answered_natively = report.nb_answered_natively;
   std::copy(report.nb_settled.begin(), report.nb_settled.end(), message.nb_settled.begin());
   message.nb_unresolved = report.nb_unresolved;
   message.budget_spent = report.budget_spent;

@@ -1,4 +1,5 @@
 // check_states: recorded joint states in, a verdict for each out. Needs no roscore.
+#include <atomic>
 #include <cstdio>
 #include <iostream>
 #include <memory>
@@ -110,6 +111,7 @@ std::vector<std::string> check(const JointStates& states,
                                const std::shared_ptr<const CollisionScene>& scene,
                                const CheckSettings& settings, unsigned threads) {
   std::vector<std::string> rows(states.positions.size());
+  std::atomic<std::uint64_t> nb_answered_natively{0};
   BatchCheck batch(scene, threads);
   batch.run(
       rows.size(), settings,
@@ -121,7 +123,12 @@ std::vector<std::string> check(const JointStates& states,
       [&](std::size_t i, const CollisionReport& report) {
         refuseLeftOut(i, report, *scene);
         rows[i] = rowOf(i, report, *scene, settings.min_distance);
+        nb_answered_natively += report.nb_answered_natively;
       });
+  if (nb_answered_natively > 0) {
+    warn("FCL has no answer, or only a part, to " + std::to_string(nb_answered_natively) +
+         " questions about pairs of elements: answered natively");
+  }
   return rows;
 }
 

@@ -25,6 +25,7 @@ struct Options {
   unsigned searches = 20, threads = 0;
   ClassRules rules;
   bool disable_default = false;
+  std::string narrow_phase = "native";
 };
 
 void declare(CLI::App& app, Options& options) {
@@ -56,6 +57,9 @@ void declare(CLI::App& app, Options& options) {
       ->capture_default_str();
   app.add_flag("--disable-default", options.disable_default,
                "switch off pairs that touch with all joints at zero, although not always");
+  app.add_option("--narrow-phase", options.narrow_phase,
+                 "who answers pairs of shapes: native or fcl")
+      ->capture_default_str();
   app.add_option("--out", options.out, "where to write (default: standard output)")
       ->type_name("OUT.srdf");
   app.add_option("--report", options.report, "a table of all pairs")->type_name("PAIRS.csv");
@@ -118,7 +122,9 @@ void generate(const Options& options) {
   const auto robot = readRobot(options.robot, makeMeshLoader());
   const std::string given_text = options.srdf.empty() ? "" : readTextFile(options.srdf);
   const auto given = readSrdf(options.srdf, *robot);
-  const auto scene = CollisionScene::build(robot, Srdf{}, nullptr);  // every pair
+  SceneSettings settings;
+  settings.narrow_phase = parseNarrowPhase(options.narrow_phase);
+  const auto scene = CollisionScene::build(robot, Srdf{}, nullptr, settings);  // every pair
   const JointSampler sampler(robot, options.seed);
   if (!sampler.standingJoints().empty()) {
     warn("joints without a range to draw from stand at zero: " + joined(sampler.standingJoints()));

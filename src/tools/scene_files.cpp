@@ -110,6 +110,8 @@ void declareScene(CLI::App& app, SceneOptions& options) {
   app.add_option("--settings", options.settings,
                  "rules, paddings and the like, as the node's parameter file has them")
       ->type_name("SETTINGS.yaml");
+  app.add_option("--narrow-phase", options.narrow_phase,
+                 "who answers pairs of shapes: native (the default) or fcl");
   app.add_option("--group", options.group, "only pairs with a link that this group moves");
   app.add_option("--links", options.links, "only pairs with one of these links; patterns are read")
       ->type_name("LINK...");
@@ -121,6 +123,7 @@ std::shared_ptr<const CollisionScene> buildScene(const TextFrom& urdf, const Tex
   SceneSources sources = readSources(urdf, srdf, options);
   SceneSettings& settings = sources.config.settings;
   settings.fidelity = fidelity;
+  if (!options.narrow_phase.empty()) settings.narrow_phase = parseNarrowPhase(options.narrow_phase);
   if (max_hull_vertices != 0) settings.max_hull_vertices = max_hull_vertices;
   const bool is_restricted = !options.group.empty() || !options.links.empty();
   if (!is_restricted) readAllMeshes(sources);

@@ -21,7 +21,7 @@ std::optional<Srdf> readSrdf(const std::string& path, const RobotModel& robot);
 
 /// Paths, or what the node's parameters of these names say.
 struct SceneOptions {
-  std::string world, settings, group;
+  std::string world, settings, group, narrow_phase;
   std::vector<std::string> links;
 };
 

@@ -62,12 +62,14 @@ Check ofMoveItLoop(const BenchmarkRobot& robot, const std::string& query) {
   return [=, &states](std::size_t i) { return loop->worldDistance(states[i]); };
 }
 
-Check ofCollisionPairs(const BenchmarkRobot& robot, const std::string& query) {
+Check withNarrowPhase(const BenchmarkRobot& robot, const std::string& query,
+                      NarrowPhaseMethod narrow_phase) {
   const bool with_world = query == "world" || query == "world_distance";
   SceneDescription description;
   description.robots.push_back({robot.robot, robot.srdf, ""});
   if (with_world) description.world = robot.world;
   description.check_self = query != "world_distance";
+  description.settings.narrow_phase = narrow_phase;
   const auto scene = CollisionScene::build(description);
   const auto detector = std::make_shared<CollisionDetector>(scene);
   auto poses = std::make_shared<std::vector<BodyPoses>>(robot.states.size());
@@ -81,10 +83,19 @@ Check ofCollisionPairs(const BenchmarkRobot& robot, const std::string& query) {
   return [=](std::size_t i) { return detector->detect((*poses)[i], settings).min_distance; };
 }
 
+Check ofCollisionPairs(const BenchmarkRobot& robot, const std::string& query) {
+  return withNarrowPhase(robot, query, NarrowPhaseMethod::NATIVE);
+}
+
+Check ofCollisionPairsWithFcl(const BenchmarkRobot& robot, const std::string& query) {
+  return withNarrowPhase(robot, query, NarrowPhaseMethod::FCL);
+}
+
 void registerAll() {
   for (const BenchmarkRobot& robot : benchmarkRobots()) {
     for (const std::string query : QUERIES) {
       for (const auto& [who, make] : {std::pair{"CollisionPairs", &ofCollisionPairs},
+                                      std::pair{"CollisionPairsWithFcl", &ofCollisionPairsWithFcl},
                                       std::pair{"MoveItLoop", &ofMoveItLoop}}) {
         const std::string name = std::string("BM_") + who + "/" + robot.name + "/" + query;
         benchmark::RegisterBenchmark(name.c_str(),

@@ -26,6 +26,7 @@ REFUSED = (
     ("node/pair_padding", [{"pair": ["a", "b"], "padding": -1.0}], ("pair_padding is -1", "0 or more")),
     ("node/pair_padding", [{"pair": ["a", "cc"], "padding": 0.1}], ("pair_padding", "'cc'", "'c' meant")),
     ("node/padding", -0.5, ("padding is -0.5", "0 or more metres")),
+    ("node/narrow_phase", "bullet", ("narrow_phase is bullet", "native or fcl")),
     ("node/padding", "thick", ("padding is thick", "0 or more metres")),
     ("node/link_padding", {"cc": 0.1}, ("link_padding", "'cc'", "'c' meant")),
     ("node/ignored_links", "b", ("ignored_links is b", "a list of names")),
@@ -97,6 +98,17 @@ class SceneParametersTest(unittest.TestCase):
         touching = self.distances(node, [0, 1.012 - 1e-6, 9], alarm_distance=-1.0)
         self.assertEqual(list(touching), [("a", "b")])
         self.assertEqual(self.distances(node, [0, 1.012 + 1e-6, 9], alarm_distance=-1.0), {})
+
+    def test_a_report_says_who_answered_and_fcl_gives_the_same_distances_as_the_native_narrow_phase(self):
+        by_fcl, native = self.client("fcl"), self.client("cell")
+        self.assertEqual(by_fcl.next(by_fcl.reports).narrow_phase, "fcl")
+        self.assertEqual(native.next(native.reports).narrow_phase, "native")
+        apart = by_fcl.check(joint_state=JointState(name=LINKS, position=[0, 1.03, 3])).result
+        self.assertEqual([round(pair.distance, 9) for pair in apart.pairs], [0.03])
+        self.assertEqual(apart.nb_answered_natively, 0)
+        deep = by_fcl.check(joint_state=JointState(name=LINKS, position=[0, 0.9, 3])).result
+        self.assertEqual([round(pair.distance, 9) for pair in deep.pairs], [-0.1])
+        self.assertEqual(deep.nb_answered_natively, 1)  # FCL has no depth of two boxes
 
     def test_an_ignored_link_is_in_no_pair_and_gets_no_box(self):
         node = self.client("ignored")

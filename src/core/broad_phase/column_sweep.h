@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "box_pairs.h"
@@ -16,9 +17,9 @@ namespace collision_pairs {
 struct SweepTuning {
   /// Up to this many pairs of boxes are tested in double right away.
   std::uint32_t direct_up_to = 60;
-  /// Up to this many moving boxes each is tested against each, packed, with nothing sorted:
-  /// for few boxes that is quicker than any order. It must be at most 2^29.
-  std::uint32_t packed_up_to = 160;
+  /// Up to this many moving boxes each is tested against each, packed, with nothing sorted: for
+  /// few boxes that is quicker than any order. None: as many as the kernel says.
+  std::optional<std::uint32_t> packed_up_to;
   /// A sweep over more boxes than this is cut into columns first.
   std::uint32_t column_size = 2048;
   /// A sweep that would test a box against more than this many others on average is cut too.

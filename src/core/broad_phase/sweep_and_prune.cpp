@@ -99,7 +99,7 @@ const std::vector<BoxPair>& SweepAndPrune::end() {
 
   // Static ids come first, so these pairs, once sorted, stand before all others.
   if (nb_static_ > 0) engine.meetStatic(boxes_, &pairs_);
-  const bool few = boxes_.size() <= engine.tuning.packed_up_to;
+  const bool few = boxes_.size() <= engine.tuning.packed_up_to.value_or(engine.kernel->each_up_to);
   const std::size_t nb_ids = nb_static_ + boxes_.size();
   if (few) {
     if (nb_static_ > 0) sortPairs(&pairs_, nb_ids, &engine.scratch);

@@ -72,10 +72,15 @@ struct FourLanes {
   }
 };
 
-const SweepKernel SCALAR_KERNEL = {"scalar", sweepRows<ScalarLanes>, queryTree<ScalarLanes>,
-                                   narrowRows<ScalarLanes>, spanRows<ScalarLanes>};
-const SweepKernel FOUR_LANES_KERNEL = {"four lanes", sweepRows<FourLanes>, queryTree<FourLanes>,
-                                       narrowRows<FourLanes>, spanRows<FourLanes>};
+const SweepKernel SCALAR_KERNEL = {"scalar",
+                                   sweepRows<ScalarLanes>,
+                                   queryTree<ScalarLanes>,
+                                   narrowRows<ScalarLanes>,
+                                   spanRows<ScalarLanes>,
+                                   32};
+const SweepKernel FOUR_LANES_KERNEL = {"four lanes",         sweepRows<FourLanes>,
+                                       queryTree<FourLanes>, narrowRows<FourLanes>,
+                                       spanRows<FourLanes>,  110};
 
 }  // namespace
 

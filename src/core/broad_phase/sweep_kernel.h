@@ -113,6 +113,10 @@ struct SweepKernel {
 
   /// The cells of each record.
   void (*span)(const CellMap& map, const Record* records, std::size_t nb_records, CellSpan* out);
+
+  /// Up to this many boxes it tests each against each sooner than it sorts and sweeps them
+  /// (measured: docs/broad_phase.md).
+  std::uint32_t each_up_to;
 };
 
 /// What this machine can run, the best one first and the scalar one last.

@@ -41,7 +41,8 @@ struct Avx2Lanes {
 }  // namespace
 
 extern const SweepKernel AVX2_KERNEL;
-const SweepKernel AVX2_KERNEL = {"avx2", sweepRows<Avx2Lanes>, queryTree<Avx2Lanes>,
-                                 narrowRows<Avx2Lanes>, spanRows<Avx2Lanes>};
+const SweepKernel AVX2_KERNEL = {
+    "avx2", sweepRows<Avx2Lanes>, queryTree<Avx2Lanes>, narrowRows<Avx2Lanes>, spanRows<Avx2Lanes>,
+    160};
 
 }  // namespace collision_pairs

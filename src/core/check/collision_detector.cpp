@@ -121,6 +121,7 @@ const CollisionReport& CollisionDetector::run(const BodyPoses& poses) {
     measureCandidates();  // contacts and near pairs among the candidates
   }
   if (settings_.min_distance) searchMinimum(deadline);
+  report_.nb_answered_natively = ladder_->numAnsweredNatively();
   clock.split(report_.times.narrow_phase);
   found_->assemble(!settings_.verdict_only, report_);  // one entry for each pair of models
   whole.split(report_.times.total);
@@ -131,6 +132,7 @@ void CollisionDetector::beginPairs() {
   found_->clear();
   report_.times = {};
   report_.nb_degraded = 0;
+  report_.narrow_phase = scene_->narrowPhase();
   report_.nb_unresolved = 0;
   report_.nb_settled = {};
   report_.budget_spent = false;

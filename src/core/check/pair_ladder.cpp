@@ -31,6 +31,11 @@ void PairLadder::begin(const CollisionScene& scene, const std::vector<Isometry3d
   scene_ = &scene;
   X_WE_ = &X_WE;
   boxes_ = &boxes;
+  natively_before_ = narrow_phase_.numAnsweredNatively();
+}
+
+std::uint32_t PairLadder::numAnsweredNatively() const {
+  return static_cast<std::uint32_t>(narrow_phase_.numAnsweredNatively() - natively_before_);
 }
 
 // The difference of the positions comes first: far from the origin it is exact, while each of them,

@@ -48,6 +48,8 @@ class PairLadder {
   Fidelity rungOf(const BoxPair& pair, Fidelity top) const;
   /// Would climb() to `top` look at triangles? Then boundOfHulls() may spare it.
   bool needsTriangles(const BoxPair& pair, Fidelity top) const;
+  /// As NarrowPhase::numAnsweredNatively(), since begin().
+  std::uint32_t numAnsweredNatively() const;
   /// The elements of `pair`, first the one of the model with the smaller id.
   BoxPair byModel(const BoxPair& pair) const;
 
@@ -66,6 +68,7 @@ class PairLadder {
   const std::vector<Eigen::Isometry3d>* X_WE_ = nullptr;
   const std::vector<Aabb>* boxes_ = nullptr;
   NarrowPhase narrow_phase_;
+  std::uint64_t natively_before_ = 0;
 };
 
 }  // namespace collision_pairs

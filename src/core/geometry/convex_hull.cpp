@@ -83,11 +83,11 @@ double volumeAround(const Eigen::Vector3d& center, const std::vector<Eigen::Vect
 }
 
 void buildEdges(const std::vector<std::array<int, 3>>& faces, std::size_t num_vertices,
-                const std::vector<int>& new_id, ConvexPoints& hull) {
+                ConvexPoints& hull) {
   std::set<std::pair<int, int>> edges;
   for (const auto& f : faces) {
     for (int k = 0; k < 3; ++k) {
-      const int i = new_id[f[k]], j = new_id[f[(k + 1) % 3]];
+      const int i = f[k], j = f[(k + 1) % 3];
       edges.insert({i, j});
       edges.insert({j, i});
     }
@@ -118,25 +118,27 @@ ConvexHull convexHull(const std::vector<Eigen::Vector3d>& points) {
   std::vector<Eigen::Vector3d> unique = withoutDuplicates(points);
   Qhull qhull;
   const bool solved = unique.size() >= 4 && qhull.run(unique);
-  const auto faces = solved ? triangles(qhull) : std::vector<std::array<int, 3>>{};
-  if (faces.empty()) {
+  if (solved) hull.faces = triangles(qhull);
+  if (hull.faces.empty()) {
     hull.points.vertices = std::move(unique);
     return hull;
   }
   std::vector<int> new_id(unique.size(), -1);
   Eigen::Vector3d center = Eigen::Vector3d::Zero();
-  for (const auto& f : faces) {
-    for (const int i : f) {
-      if (new_id[i] >= 0) continue;
-      new_id[i] = static_cast<int>(hull.points.vertices.size());
-      hull.points.vertices.push_back(unique[i]);
-      center += unique[i];
+  for (auto& f : hull.faces) {
+    for (int& i : f) {
+      if (new_id[i] < 0) {
+        new_id[i] = static_cast<int>(hull.points.vertices.size());
+        hull.points.vertices.push_back(unique[i]);
+        center += unique[i];
+      }
+      i = new_id[i];
     }
   }
   center /= static_cast<double>(hull.points.vertices.size());
-  hull.volume = volumeAround(center, unique, faces);
+  hull.volume = volumeAround(center, hull.points.vertices, hull.faces);
   if (hull.points.vertices.size() > CLIMB_ABOVE) {
-    buildEdges(faces, hull.points.vertices.size(), new_id, hull.points);
+    buildEdges(hull.faces, hull.points.vertices.size(), hull.points);
     buildStartVertices(hull.points);
   } else {
     appendBlocks(hull.points.vertices, hull.points.blocks);

@@ -6,8 +6,9 @@
 namespace collision_pairs {
 
 struct ConvexHull {
-  ConvexPoints points;  ///< the hull's vertices, same frame as the input
-  double volume = 0.0;  ///< cubic metres
+  ConvexPoints points;                    ///< the hull's vertices, same frame as the input
+  std::vector<std::array<int, 3>> faces;  ///< its triangles, in no order or orientation
+  double volume = 0.0;                    ///< cubic metres
 };
 
 /// By Qhull (Barber, Dobkin, Huhdanpaa, "The quickhull algorithm for convex hulls", 1996), facets

@@ -2,41 +2,31 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 
 #include <Eigen/Geometry>
 
 #include "collision_pairs/shape.h"
+#include "convex_hull.h"
+#include "fcl_answer.h"
 
 namespace collision_pairs {
 
-/// A mesh as FCL's tree of oriented boxes. Empty if FCL refused it.
-class FclMesh {
- public:
-  FclMesh();
-  explicit FclMesh(const TriangleMesh& mesh);
-  ~FclMesh();
-  FclMesh(FclMesh&&) noexcept;
-  FclMesh& operator=(FclMesh&&) noexcept;
-
-  bool empty() const { return impl_ == nullptr; }
-
- private:
-  friend struct FclAnswer fclSurfacesMeet(const FclMesh&, const FclMesh&, const Eigen::Isometry3d&);
-  struct Impl;
-  std::unique_ptr<Impl> impl_;
+/// A shape as FCL has it: its primitive, fcl::Convex, or a tree of triangles. Immutable.
+struct FclShape {
+  virtual ~FclShape() = default;
 };
 
-/// Do two surfaces meet? `settled` is false if FCL threw.
-struct FclAnswer {
-  bool settled = false;
-  bool meet = false;
-  int triangle_a = -1;  ///< where they meet
-  int triangle_b = -1;
-};
+/// `hull` is that of a Convex or a Mesh; a mesh that `is_convex` is nothing but its hull. Null
+/// where FCL has no such solid (half-space) or refuses it. Cost: O(n log n).
+std::unique_ptr<const FclShape> makeFclShape(const Shape& shape, const ConvexHull& hull,
+                                             bool is_convex);
 
-/// Surfaces only: one wholly inside the other is "no" here. B's pose is given in A's frame. Of
-/// FCL's calls this is the one used because it is right on sound triangles, fast, and free of
-/// asserts and of GJK: BVHModel<OBB> against BVHModel<OBB>, one contact.
-FclAnswer fclSurfacesMeet(const FclMesh& A, const FclMesh& B, const Eigen::Isometry3d& X_AB);
+/// Of two shapes, B's pose given in A's frame: how far apart, as NarrowPhase::distance(), or
+/// without `max_distance` only whether they touch. Of meshes only the surfaces count: one body
+/// inside a mesh is APART. Only with a sphere or of two capsules there is a DEPTH. Never throws,
+/// aborts or hangs: fcl_backend.cpp says what is asked of FCL, and what never.
+FclAnswer askFcl(const FclShape& A, const FclShape& B, const Eigen::Isometry3d& X_AB,
+                 std::optional<double> max_distance) noexcept;
 
 }  // namespace collision_pairs

@@ -8,15 +8,17 @@
 //   convex, convex (all others)            GJK                  GJK, EPA
 //   mesh, anything                         first: do the hulls miss each other? settle it?
 //   mesh, convex                           triangles, inside    triangles; depth: hulls by EPA
-//   mesh, mesh                             FCL's tree (or       triangles; depth: hulls by EPA
-//                                          ours), inside
+//   mesh, mesh                             triangles, inside    triangles; depth: hulls by EPA
 //
-// "convex" is every primitive, every Convex and every mesh that is convex.
+// "convex" is every primitive, every Convex and every mesh that is convex. With
+// NarrowPhaseMethod::FCL this table answers only what FCL does not (Scratch::touches, ::distance).
 #include "collision_pairs/narrow_phase.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "closed_forms.h"
+#include "collision_pairs/input_error.h"
 #include "convex_distance.h"
 #include "mesh_query.h"
 #include "solids.h"
@@ -80,33 +82,59 @@ struct NarrowPhase::Scratch {
   MeshQuery query;
   SurfaceContact contacts;
   std::uint64_t num_degraded = 0;
-  MeshContacts mesh_contacts = MeshContacts::OWN_TREE;
+  std::uint64_t num_answered_natively = 0;
 
-  // FCL's "no" is taken; its "yes" is confirmed on the triangles that it names, because its
-  // triangle test has no axis for some that are degenerate. Where it throws, our own tree answers.
-  bool surfacesTouch(const Prepared& A, const Prepared& B, const Isometry3d& X_AB) {
-    FclAnswer answer;
-    if (mesh_contacts == MeshContacts::FCL)
-      answer = fclSurfacesMeet(A.fclMesh(), B.fclMesh(), X_AB);
-    if (answer.settled && !answer.meet) return false;
-    if (answer.settled && answer.triangle_a >= 0 && answer.triangle_b >= 0) {
-      ClosestPoints best{1e-300};
-      Triangle t = triangleOf(*B.mesh->triangles, static_cast<std::uint32_t>(answer.triangle_b));
-      t = Triangle(X_AB * t.v[0], X_AB * t.v[1], X_AB * t.v[2]);
-      const auto index = static_cast<std::uint32_t>(answer.triangle_a);
-      if (improveByTriangles(triangleOf(*A.mesh->triangles, index), t, best)) return true;
-    }
-    return contacts.surfacesMeet(*A.mesh, *B.mesh, X_AB);
+  // FCL where it has an answer. Which of two bodies lies inside the other, and how deep, is all
+  // that it is not asked.
+  bool touches(const Prepared& A, const Prepared& B, const Isometry3d& X_AB, PairDistance& result) {
+    if (!asksFcl(A, B)) return nativeTouches(A, B, X_AB, result);
+    const auto fcl = A.fcl && B.fcl ? askFcl(*A.fcl, *B.fcl, X_AB, {}) : FclAnswer();
+    using Outcome = FclAnswer::Outcome;
+    if (fcl.outcome == Outcome::TOUCHING || fcl.outcome == Outcome::DEPTH) return true;
+    if (fcl.outcome == Outcome::APART && !oneHoldsTheOther(A, B, X_AB)) return false;
+    ++num_answered_natively;
+    return fcl.outcome == Outcome::APART || nativeTouches(A, B, X_AB, result);
   }
 
-  bool touches(const Prepared& A, const Prepared& B, const Isometry3d& X_AB, PairDistance& result) {
+  PairDistance distance(const Prepared& A, const Prepared& B, const Isometry3d& X_AB,
+                        double max_distance) {
+    if (!asksFcl(A, B)) return nativeDistance(A, B, X_AB, max_distance);
+    const auto fcl = A.fcl && B.fcl ? askFcl(*A.fcl, *B.fcl, X_AB, max_distance) : FclAnswer();
+    using Outcome = FclAnswer::Outcome;
+    if (fcl.outcome == Outcome::DEPTH) return fcl.found;
+    if (fcl.outcome == Outcome::APART && !oneHoldsTheOther(A, B, X_AB)) return fcl.found;
+    ++num_answered_natively;
+    if (fcl.outcome == Outcome::NONE) return nativeDistance(A, B, X_AB, max_distance);
+    if (A.mesh || B.mesh) return hullDepth(A, B, X_AB, {});
+    PairDistance depth = convexPair(A, B, X_AB, std::numeric_limits<double>::infinity());
+    depth.distance = std::min(depth.distance, 0.0);  // that they touch is FCL's answer
+    return depth;
+  }
+
+ private:
+  static bool asksFcl(const Prepared& A, const Prepared& B) {
+    return A.method == NarrowPhaseMethod::FCL && B.method == NarrowPhaseMethod::FCL;
+  }
+
+  // Of two whose surfaces are apart.
+  static bool oneHoldsTheOther(const Prepared& A, const Prepared& B, const Isometry3d& X_AB) {
+    if ((!A.mesh && !B.mesh) || hullsMiss(A, B, X_AB)) return false;
+    const Isometry3d X_BA = X_AB.inverse(Eigen::Isometry);
+    if (!B.mesh) return meshHoldsConvex(A, B, X_AB);
+    if (!A.mesh) return meshHoldsConvex(B, A, X_BA);
+    return meshHoldsMesh(A, B, X_AB) || meshHoldsMesh(B, A, X_BA);
+  }
+
+  bool nativeTouches(const Prepared& A, const Prepared& B, const Isometry3d& X_AB,
+                     PairDistance& result) {
     if (A.isHalfSpace() || B.isHalfSpace()) return halfSpaceWith(A, B, X_AB).touches();
     if (!A.mesh && !B.mesh) return convexTouch(A, B, X_AB, result);
     if (hullsMiss(A, B, X_AB)) return false;
     const Isometry3d X_BA = X_AB.inverse(Eigen::Isometry);
     if (A.mesh && B.mesh) {
       if (squaredBoxGap(A.box, B.box.movedBy(X_AB)) > 0.0) return false;
-      return surfacesTouch(A, B, X_AB) || meshHoldsMesh(A, B, X_AB) || meshHoldsMesh(B, A, X_BA);
+      return contacts.surfacesMeet(*A.mesh, *B.mesh, X_AB) || meshHoldsMesh(A, B, X_AB) ||
+             meshHoldsMesh(B, A, X_BA);
     }
     const Prepared& M = A.mesh ? A : B;
     const Prepared& C = A.mesh ? B : A;
@@ -174,10 +202,8 @@ struct NarrowPhase::Scratch {
                                ? noContact()
                                : query.meshMesh(*A.mesh, *B.mesh, X_AB, max_distance, nhat_AB_A);
     const bool apart = gap.beyond || gap.distance > 0.0;
-    const auto oneHoldsTheOther = [&] {
-      return meshHoldsMesh(A, B, X_AB) || meshHoldsMesh(B, A, X_AB.inverse(Eigen::Isometry));
-    };
-    if (!apart || (hulls_meet && oneHoldsTheOther())) {
+    if (!apart || (hulls_meet && (meshHoldsMesh(A, B, X_AB) ||
+                                  meshHoldsMesh(B, A, X_AB.inverse(Eigen::Isometry))))) {
       return hullDepth(A, B, X_AB, bounds.overlap);
     }
     if (gap.beyond || gap.by_hulls) return withoutTriangles(gap);
@@ -208,8 +234,8 @@ struct NarrowPhase::Scratch {
     return result;
   }
 
-  PairDistance distance(const Prepared& A, const Prepared& B, const Isometry3d& X_AB,
-                        double max_distance) {
+  PairDistance nativeDistance(const Prepared& A, const Prepared& B, const Isometry3d& X_AB,
+                              double max_distance) {
     if (A.isHalfSpace() || B.isHalfSpace()) {
       PairDistance result = halfSpaceWith(A, B, X_AB);
       if (result.distance > max_distance) result.certainty = Certainty::BEYOND;
@@ -253,9 +279,9 @@ NarrowPhase::~NarrowPhase() = default;
 NarrowPhase::NarrowPhase(NarrowPhase&&) noexcept = default;
 NarrowPhase& NarrowPhase::operator=(NarrowPhase&&) noexcept = default;
 
-std::shared_ptr<const PreparedShape> prepareShape(const Shape& shape) {
+std::shared_ptr<const PreparedShape> prepareShape(const Shape& shape, NarrowPhaseMethod method) {
   validateShape(shape);
-  return std::make_shared<Prepared>(shape);
+  return std::make_shared<Prepared>(shape, method);
 }
 
 bool NarrowPhase::touches(const PreparedShape& A, const PreparedShape& B, const Isometry3d& X_AB) {
@@ -280,8 +306,19 @@ PairDistance NarrowPhase::distance(const PreparedShape& A, const PreparedShape& 
   return result;
 }
 
-void NarrowPhase::setMeshContacts(MeshContacts who) { scratch_->mesh_contacts = who; }
-
 std::uint64_t NarrowPhase::numDegraded() const { return scratch_->num_degraded; }
+
+std::uint64_t NarrowPhase::numAnsweredNatively() const { return scratch_->num_answered_natively; }
+
+const char* narrowPhaseName(NarrowPhaseMethod method) {
+  return method == NarrowPhaseMethod::FCL ? "fcl" : "native";
+}
+
+NarrowPhaseMethod parseNarrowPhase(const std::string& name) {
+  for (const auto method : {NarrowPhaseMethod::NATIVE, NarrowPhaseMethod::FCL}) {
+    if (name == narrowPhaseName(method)) return method;
+  }
+  throw InputError("unknown narrow phase '" + name + "'; known are native and fcl");
+}
 
 }  // namespace collision_pairs

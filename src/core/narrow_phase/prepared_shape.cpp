@@ -95,14 +95,11 @@ struct MakeCore {
 
 }  // namespace
 
-Prepared::Prepared(const Shape& the_shape) : PreparedShape(the_shape) {
+Prepared::Prepared(const Shape& the_shape, NarrowPhaseMethod the_method)
+    : PreparedShape(the_shape), method(the_method) {
   core = std::visit(MakeCore{hull, mesh}, the_shape);
   box = boxAround(core);
-}
-
-const FclMesh& Prepared::fclMesh() const {
-  std::call_once(fcl_is_built_, [this] { fcl_ = FclMesh(*mesh->triangles); });
-  return fcl_;
+  if (method == NarrowPhaseMethod::FCL) fcl = makeFclShape(the_shape, hull, mesh == nullptr);
 }
 
 }  // namespace collision_pairs

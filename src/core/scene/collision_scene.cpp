@@ -131,6 +131,7 @@ class SceneBuilder {
       }
     }
     maker_->prepare(wanted, description_.settings);
+    scene_->narrow_phase_ = description_.settings.narrow_phase;
   }
 
   // Static ones first, so that their ids are those of StaticBoxes.

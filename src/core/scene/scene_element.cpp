@@ -68,7 +68,8 @@ Hull boundPrimitive(const Shape& shape, SceneElement& element) {
 
 }  // namespace
 
-SceneElement makeElement(const Shape& shape, Fidelity needed, int max_hull_vertices) {
+SceneElement makeElement(const Shape& shape, Fidelity needed, int max_hull_vertices,
+                         NarrowPhaseMethod method) {
   validateShape(shape);
   const Isometry3d identity = Isometry3d::Identity();
   SceneElement made;
@@ -76,15 +77,16 @@ SceneElement makeElement(const Shape& shape, Fidelity needed, int max_hull_verti
   const auto* mesh = std::get_if<Mesh>(&shape);
   const Hull hull = mesh ? boundMesh(*mesh, max_hull_vertices, made) : boundPrimitive(shape, made);
   Rung exact, convex, obb;
-  if (needed == Fidelity::MESH || !mesh) exact = {prepareShape(shape), identity};
+  if (needed == Fidelity::MESH || !mesh) exact = {prepareShape(shape, method), identity};
   if (needed >= Fidelity::CONVEX) {
-    convex = mesh ? Rung{prepareShape(hull.shape), identity, hull.margin, hull.simplified} : exact;
+    convex = mesh ? Rung{prepareShape(hull.shape, method), identity, hull.margin, hull.simplified}
+                  : exact;
   }
   if (std::holds_alternative<HalfSpace>(shape)) {
     obb = exact;
   } else if (needed >= Fidelity::OBB) {
     const auto [box, X_EO] = enclosingBox(hull.shape);
-    obb = {prepareShape(box), X_EO, hull.margin, true};
+    obb = {prepareShape(box, method), X_EO, hull.margin, true};
   }
   made.rungs = {Rung{}, obb, convex, exact};
   return made;
@@ -94,12 +96,13 @@ void ElementMaker::prepare(const std::vector<std::pair<const Shape*, Fidelity>>&
                            const SceneSettings& settings) {
   ++round_;
   max_hull_vertices_ = settings.max_hull_vertices;
+  method_ = settings.narrow_phase;
   std::vector<std::tuple<const Shape*, Fidelity, SceneElement*>> open;
   for (const auto& [shape, needed] : wanted) {
     const auto* mesh = std::get_if<Mesh>(shape);
     if (mesh == nullptr) continue;
     const auto [slot, is_new] =
-        of_meshes_.try_emplace(Key(mesh->mesh.get(), needed, max_hull_vertices_));
+        of_meshes_.try_emplace(Key(mesh->mesh.get(), needed, max_hull_vertices_, method_));
     slot->second.last_round = round_;
     if (is_new) open.emplace_back(shape, needed, &slot->second.element);
   }
@@ -107,7 +110,7 @@ void ElementMaker::prepare(const std::vector<std::pair<const Shape*, Fidelity>>&
   try {
     inParallel(nbThreads(0, open.size()), open.size(), [&](std::size_t, std::size_t i) {
       const auto& [shape, needed, element] = open[i];
-      *element = makeElement(*shape, needed, max_hull_vertices_);
+      *element = makeElement(*shape, needed, max_hull_vertices_, method_);
       const std::size_t now_done = ++done;
       if (settings.progress) settings.progress(now_done, open.size());
     });
@@ -122,10 +125,10 @@ void ElementMaker::prepare(const std::vector<std::pair<const Shape*, Fidelity>>&
 
 SceneElement ElementMaker::make(const Shape& shape, Fidelity needed) const {
   if (const auto* mesh = std::get_if<Mesh>(&shape)) {
-    const auto found = of_meshes_.find(Key(mesh->mesh.get(), needed, max_hull_vertices_));
+    const auto found = of_meshes_.find(Key(mesh->mesh.get(), needed, max_hull_vertices_, method_));
     if (found != of_meshes_.end()) return found->second.element;
   }
-  return makeElement(shape, needed, max_hull_vertices_);
+  return makeElement(shape, needed, max_hull_vertices_, method_);
 }
 
 Aabb SceneElement::boxAt(const Isometry3d& X_WE) const {

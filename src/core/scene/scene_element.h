@@ -12,10 +12,11 @@
 namespace collision_pairs {
 
 /// The element with its rungs up to `needed`, each of which encloses the next when grown by its
-/// margin; model, body, pose and `finest` are left to the caller. `max_hull_vertices` as in
-/// SceneSettings. Throws std::invalid_argument that names the defect of a shape that is none.
+/// margin; model, body, pose and `finest` are left to the caller. `max_hull_vertices` and `method`
+/// as in SceneSettings. Throws std::invalid_argument that names the defect of a shape that is none.
 /// Cost: a convex hull for a mesh; a tree of its triangles too where MESH is needed.
-SceneElement makeElement(const Shape& shape, Fidelity needed, int max_hull_vertices);
+SceneElement makeElement(const Shape& shape, Fidelity needed, int max_hull_vertices,
+                         NarrowPhaseMethod method);
 
 /// Makes the elements of scenes. A mesh is prepared once, however many links and scenes have it,
 /// and meshes are prepared on all cores.
@@ -28,7 +29,8 @@ class ElementMaker {
   SceneElement make(const Shape& shape, Fidelity needed) const;
 
  private:
-  using Key = std::tuple<const TriangleMesh*, Fidelity, int>;  // with max_hull_vertices
+  // Mesh, needed, max_hull_vertices, method.
+  using Key = std::tuple<const TriangleMesh*, Fidelity, int, NarrowPhaseMethod>;
 
   /// Holds its mesh, so that no other can come to lie at the same address.
   struct Prepared {
@@ -37,6 +39,7 @@ class ElementMaker {
   };
 
   int max_hull_vertices_ = 0;
+  NarrowPhaseMethod method_ = NarrowPhaseMethod::NATIVE;
   std::uint64_t round_ = 0;
   std::map<Key, Prepared> of_meshes_;
 };
