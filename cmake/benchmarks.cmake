@@ -29,12 +29,13 @@ target_include_directories(few_boxes PRIVATE ${CORE_MODULES})
 collision_pairs_warnings(few_boxes)
 
 # Programs that measure the narrow phase. Their short versions are held by the tests.
-foreach(program accuracy_table accuracy_scale accuracy_solids)
+foreach(program accuracy_cylinders accuracy_table accuracy_scale accuracy_solids yes_or_no)
   add_executable(${program} test/benchmark/${program}.cpp)
   target_link_libraries(${program} PRIVATE collision_pairs)
   target_include_directories(${program} PRIVATE test)
   collision_pairs_warnings(${program})
 endforeach()
+target_link_libraries(yes_or_no PRIVATE fcl)
 
 # The narrow phases of this package and of FCL; scripts/measure_native_and_fcl writes the page.
 add_executable(native_and_fcl test/benchmark/native_and_fcl.cpp test/benchmark/plain_fcl.cpp)

@@ -264,33 +264,48 @@ struct AnswerError {
   double normal = 0.0;         ///< what the normal's own plane gives away against `distance`
 };
 
-/// Judges result = distance(A, B, X_AB) without a limit on the distance.
-inline AnswerError judge(const OracleBody& A, const OracleBody& B, const Eigen::Isometry3d& X_AB,
-                         const PairDistance& result, double band) {
-  const V3<Exact> n = cast<Exact>(result.nhat_AB_A), a = cast<Exact>(result.p_ACa),
-                  b = cast<Exact>(result.p_ACb);
+/// The two points of an answer: how far each is outside its shape, and how far apart they are.
+struct WitnessCheck {
+  double off_a, off_b, apart;
+  double error(double distance) const {
+    return std::max({off_a, off_b, std::abs(apart - std::abs(distance))});
+  }
+};
+
+inline WitnessCheck checkWitnesses(const OracleBody& A, const OracleBody& B,
+                                   const Eigen::Isometry3d& X_AB, const PairDistance& result) {
+  const V3<Exact> a = cast<Exact>(result.p_ACa), b = cast<Exact>(result.p_ACb),
+                  p = cast<Exact>(X_AB.translation());
   V3<Exact> b_in_B, step;
-  for (int i = 0; i < 3; ++i) step[i] = b[i] - a[i];
-  const V3<Exact> p = cast<Exact>(X_AB.translation());
   for (int i = 0; i < 3; ++i) {
+    step[i] = b[i] - a[i];
     b_in_B[i] =
         dot(cast<Exact>(X_AB.linear().col(i)), V3<Exact>{b[0] - p[0], b[1] - p[1], b[2] - p[2]});
   }
-  const double off_a = static_cast<double>(outside(A, a));
-  const double off_b = static_cast<double>(outside(B, b_in_B));
-  const double apart = static_cast<double>(length(step));
-  const double lower = -static_cast<double>(height(A, B, X_AB, n));
+  return {static_cast<double>(outside(A, a)), static_cast<double>(outside(B, b_in_B)),
+          static_cast<double>(length(step))};
+}
+
+/// Judges result = distance(A, B, X_AB) without a limit on the distance.
+inline AnswerError judge(const OracleBody& A, const OracleBody& B, const Eigen::Isometry3d& X_AB,
+                         const PairDistance& result, double band) {
+  const double lower = -static_cast<double>(height(A, B, X_AB, cast<Exact>(result.nhat_AB_A)));
   AnswerError error;
   error.normal = std::abs(result.distance - lower);
-  error.witness = std::max({off_a, off_b, std::abs(apart - std::abs(result.distance))});
+  const WitnessCheck witnesses = checkWitnesses(A, B, X_AB, result);
+  error.witness = witnesses.error(result.distance);
   if (result.distance > 0.0) {
-    const double upper = apart + off_a + off_b;
+    const double upper = witnesses.apart + witnesses.off_a + witnesses.off_b;
     error.distance = std::max(result.distance - lower, upper - result.distance);
+    // The normal's own plane proves that they are no deeper than this.
     error.wrong_verdict =
-        lower <= 0.0 && -static_cast<double>(DepthSearch(A, B, X_AB).run()) < -band;
+        lower < -band && -static_cast<double>(DepthSearch(A, B, X_AB).run()) < -band;
     return error;
   }
-  const double truth = -static_cast<double>(DepthSearch(A, B, X_AB).run());
+  double truth = -static_cast<double>(DepthSearch(A, B, X_AB).run());
+  // A search may end beside the least: a plane that is lower by more than rounding is the better.
+  constexpr double ROUNDING = 1e-14;
+  if (lower > truth + ROUNDING) truth = lower;
   error.distance = std::abs(result.distance - truth);
   error.wrong_verdict = truth > band;
   return error;

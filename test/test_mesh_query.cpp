@@ -200,7 +200,7 @@ TEST(MeshQuery, DistanceOfAnLToAnyConvexIsThatOfItsNearerPiece) {
         continue;
       }
       ASSERT_NEAR(result.distance, expected, 1e-10) << shapeName(shape) << " pose " << i;
-      ASSERT_NEAR((result.p_ACb - result.p_ACa).norm(), result.distance, 1e-12);
+      ASSERT_NEAR((result.p_ACb - result.p_ACa).norm(), result.distance, 1e-12) << shapeName(shape) << " pose " << i;
       ASSERT_NEAR(result.nhat_AB_A.norm(), 1.0, 1e-12);
     }
   }
@@ -254,7 +254,7 @@ TEST(MeshQuery, SurfacesMeetWhereTwoOfTheirTrianglesDo) {
     met += best.squared == 0.0;
   }
   EXPECT_GT(met, 50);
-  EXPECT_LT(met, 250);
+  EXPECT_LT(met, 280);
 }
 
 TEST(MeshQuery, TheDepthOfMeshesIsABoundThatSeparates) {

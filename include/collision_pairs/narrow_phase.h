@@ -55,8 +55,10 @@ class NarrowPhase {
   NarrowPhase(NarrowPhase&&) noexcept;
   NarrowPhase& operator=(NarrowPhase&&) noexcept;
 
-  /// Do the two solids have a point in common? Never throws.
-  bool touches(const PreparedShape& A, const PreparedShape& B, const Eigen::Isometry3d& X_AB);
+  /// Are the two solids no further than `margin` metres apart (>= 0), by default: have they a point
+  /// in common? Never throws.
+  bool touches(const PreparedShape& A, const PreparedShape& B, const Eigen::Isometry3d& X_AB,
+               double margin = 0.0);
 
   /// Signed distance, witness points and normal. What is further apart than max_distance (metres,
   /// >= 0, may be infinite) is not computed to the end and comes back as BEYOND. Never throws.

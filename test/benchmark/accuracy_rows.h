@@ -23,6 +23,19 @@ inline Shape randomShape(RandomInputs& random, const std::string& kind) {
   return Convex{mesh};
 }
 
+inline Shape scaled(Shape shape, double factor) {
+  if (auto* box = std::get_if<Box>(&shape)) box->size *= factor;
+  if (auto* sphere = std::get_if<Sphere>(&shape)) sphere->radius *= factor;
+  if (auto* c = std::get_if<Cylinder>(&shape)) c->radius *= factor, c->length *= factor;
+  if (auto* c = std::get_if<Capsule>(&shape)) c->radius *= factor, c->length *= factor;
+  if (auto* convex = std::get_if<Convex>(&shape)) {
+    auto mesh = std::make_shared<TriangleMesh>(*convex->mesh);
+    for (Eigen::Vector3d& v : mesh->vertices) v *= factor;
+    convex->mesh = mesh;
+  }
+  return shape;
+}
+
 /// A pose of B with about the separation asked for. The separation only chooses where to look; the
 /// truth is the oracle's.
 inline Eigen::Isometry3d randomPose(RandomInputs& random, NarrowPhase& narrow_phase,

@@ -12,19 +12,6 @@ namespace {
 
 constexpr double SIZE = 0.2;  // metres: of the bodies that accuracy_rows.h makes
 
-Shape scaled(Shape shape, double factor) {
-  if (auto* box = std::get_if<Box>(&shape)) box->size *= factor;
-  if (auto* sphere = std::get_if<Sphere>(&shape)) sphere->radius *= factor;
-  if (auto* c = std::get_if<Cylinder>(&shape)) c->radius *= factor, c->length *= factor;
-  if (auto* c = std::get_if<Capsule>(&shape)) c->radius *= factor, c->length *= factor;
-  if (auto* convex = std::get_if<Convex>(&shape)) {
-    auto mesh = std::make_shared<TriangleMesh>(*convex->mesh);
-    for (Eigen::Vector3d& v : mesh->vertices) v *= factor;
-    convex->mesh = mesh;
-  }
-  return shape;
-}
-
 // Bodies of size 0.2 * factor m, overlapping to one size apart. An offset is put into both poses,
 // which then are all that a caller has to make X_AB from.
 double worstRelativeError(const std::string& kind_a, const std::string& kind_b, double factor,

@@ -99,15 +99,15 @@ PairLadder::Answer PairLadder::touches(const BoxPair& pair, Fidelity top) {
 }
 
 bool PairLadder::meets(const BoxPair& pair, Fidelity rung) {
-  if (rung != Fidelity::MESH) return climb(pair, rung, 0.0).found.touches();
+  if (rung == Fidelity::AABB) return measureBoxes(pair).found.touches();
   const Isometry3d X_AB = relativePose(pair);
   if (obbGap(pair, X_AB) > 0.0) return false;
-  if (scene_->padding(pair.first, pair.second) > 0.0) {
-    return measureAt(pair, X_AB, rung, 0.0).found.touches();
-  }
-  const auto& elements = scene_->elements();
-  return narrow_phase_.touches(*elements[pair.first].rung(rung).shape,
-                               *elements[pair.second].rung(rung).shape, X_AB);
+  const Rung& a = scene_->elements()[pair.first].rung(rung);
+  const Rung& b = scene_->elements()[pair.second].rung(rung);
+  if ((a.loose || b.loose) && !measureBoxes(pair).found.touches()) return false;
+  const double margin = a.margin + b.margin + scene_->padding(pair.first, pair.second);
+  const Isometry3d X = rung == Fidelity::OBB ? a.X_ER.inverse() * X_AB * b.X_ER : X_AB;
+  return narrow_phase_.touches(*a.shape, *b.shape, X, margin);
 }
 
 PairLadder::Answer PairLadder::measureAt(const BoxPair& pair, const Isometry3d& X_AB, Fidelity rung,

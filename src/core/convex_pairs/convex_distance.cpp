@@ -3,28 +3,35 @@
 #include <type_traits>
 
 #include "epa.h"
+#include "least_height.h"
+#include "support_part.h"
 
 namespace collision_pairs {
 namespace {
 
 // What the certified interval of a distance must close to, relative to the largest coordinate of
-// the Minkowski difference, to be called exact.
+// the Minkowski difference, to be called exact; of a depth, and what EPA is asked for.
 constexpr double DISTANCE_TOLERANCE = 1e-10;
-constexpr double CURVED_DISTANCE_TOLERANCE = 1e-8;
-constexpr double DEPTH_TOLERANCE = 1e-12;
-constexpr double CURVED_DEPTH_TOLERANCE = 1e-9;
 constexpr double EXACT_DEPTH = 1e-6;
+constexpr double DEPTH_TOLERANCE = 1e-12;
+
+// The same where a core is curved, relative to the size of the smaller body: for a user of a small
+// body beside a large one it is that size that counts.
+constexpr double CURVED_DISTANCE_TOLERANCE = 1e-9;
+constexpr double CURVED_DEPTH_TOLERANCE = 1e-9;
 
 // Witness points of a depth further than this from one depth apart are sought again, with the
-// shapes this far apart; both relative as above.
+// shapes this far apart; relative to the size of the smaller body.
 constexpr double WITNESS_TOLERANCE = 1e-10;
 constexpr double WITNESS_SHIFT = 0.01;
 
 // A closest point this near the origin has lost too many digits to give a direction.
 constexpr double NORMAL_FROM_FEATURE_BELOW = 1e-4;
 
-double distanceTolerance(const ConvexCore& A, const ConvexCore& B) {
-  return A.curved() || B.curved() ? CURVED_DISTANCE_TOLERANCE : DISTANCE_TOLERANCE;
+// Of a height or a distance, where no coordinate is larger than `magnitude`.
+template <class T>
+T roundingOf(T magnitude) {
+  return T(64) * std::numeric_limits<T>::epsilon() * magnitude;
 }
 
 // Puts the cores' witness points and depth or distance on the rounded surfaces.
@@ -40,7 +47,7 @@ void finish(const ConvexCore& A, const ConvexCore& B, double core_distance,
 // the normal of the edge or face of A - B it lies on, or of the polytope around a touching point.
 // The best is the one whose support plane is furthest out.
 template <class T>
-Vec3<T> bestNormal(Difference<T>& difference, const GjkResult<T>& found) {
+Vec3<T> bestNormal(const Difference<T>& difference, const GjkResult<T>& found) {
   Vec3<T> normal = -found.v.normalized();
   const T distance = found.v.norm();
   if (!(distance < T(NORMAL_FROM_FEATURE_BELOW) * found.magnitude)) return normal;
@@ -61,124 +68,239 @@ Vec3<T> bestNormal(Difference<T>& difference, const GjkResult<T>& found) {
     offer(face);
     offer(-face);
   }
-  const T rounding = T(64) * std::numeric_limits<T>::epsilon() * found.magnitude;
-  if (best < distance - rounding) {
+  if (best < distance - roundingOf(found.magnitude)) {
     Epa<T> epa(difference, found.simplex, found.magnitude);
     offer(epa.run(T(0)).normal);
   }
   return normal;
 }
 
-template <class T>
-void fillApart(const ConvexCore& A, const ConvexCore& B, Difference<T>& difference,
-               const GjkResult<T>& found, PairDistance& result) {
-  result.nhat_AB_A = bestNormal(difference, found).template cast<double>();
-  const Vec3<T> a = found.simplex.combine(&DifferencePoint<T>::a);
-  const Vec3<T> b = found.simplex.combine(&DifferencePoint<T>::b);
-  finish(A, B, static_cast<double>(found.v.norm()), a.template cast<double>(),
-         b.template cast<double>(), result);
-  result.certainty = Certainty::EXACT;
-}
+enum class Wanted { DEPTH, GAP, TOUCH };
 
-// Witness points that are not one depth apart along the normal come from a polytope that is still
-// coarse. Moved apart along the normal the same two points are the closest ones, which GJK finds.
+// One question, answered in one scalar type. What fills in a result says whether it is settled.
 template <class T>
-void mendWitnesses(const Difference<T>& difference, T magnitude, EpaResult<T>& depth) {
-  const auto residual = [&](const Vec3<T>& a, const Vec3<T>& b) {
-    return (a - b - depth.upper * depth.normal).norm();
-  };
-  const T found = residual(depth.a, depth.b);
-  if (found <= T(WITNESS_TOLERANCE) * magnitude) return;
-  Difference<T> apart = difference;
-  const Vec3<T> shift = depth.normal * (depth.upper + T(WITNESS_SHIFT) * magnitude);
-  apart.p_AB += shift;
-  const GjkResult<T> closest =
-      gjk<T>(apart, std::numeric_limits<T>::infinity(), Vec3<T>(-depth.normal));
-  if (closest.end != GjkEnd::APART && closest.end != GjkEnd::STALLED) return;
-  const Vec3<T> a = closest.simplex.combine(&DifferencePoint<T>::a);
-  const Vec3<T> b = closest.simplex.combine(&DifferencePoint<T>::b) - shift;
-  if (residual(a, b) < found) depth.a = a, depth.b = b;
-}
+class Query {
+ public:
+  Query(const ConvexCore& A, const ConvexCore& B, const Eigen::Isometry3d& X_AB)
+      : A_(A),
+        B_(B),
+        curved_(A.curved() || B.curved()),
+        smaller_(std::min(A.extent + A.radius, B.extent + B.radius)),
+        difference_(A, B, X_AB) {}
 
-template <class T>
-bool fillOverlap(const ConvexCore& A, const ConvexCore& B, Difference<T>& difference,
-                 const Simplex<T>& simplex, T magnitude, PairDistance& result) {
-  const bool curved = A.curved() || B.curved();
-  const T relative = curved ? T(CURVED_DEPTH_TOLERANCE) : T(DEPTH_TOLERANCE);
-  Epa<T> epa(difference, simplex, magnitude);
-  EpaResult<T> depth = epa.run(relative * magnitude);
-  mendWitnesses(difference, magnitude, depth);
-  result.nhat_AB_A = depth.normal.template cast<double>();
-  const T rounding = T(64) * std::numeric_limits<T>::epsilon() * magnitude;
-  const bool refuted = depth.upper < -rounding;  // a plane lies between: it was no overlap
-  // Centred on the face's own two points, so that they are exactly one depth apart.
-  const T upper = refuted ? depth.upper : std::max(depth.upper, T(0));
-  const Vec3<T> middle = (depth.a + depth.b) / T(2);
-  const Vec3<T> half = depth.normal * (upper / T(2));
-  finish(A, B, -static_cast<double>(upper), Vec3<T>(middle + half).template cast<double>(),
-         Vec3<T>(middle - half).template cast<double>(), result);
-  if (refuted) {
-    const bool met = (depth.a - depth.b).norm() + upper <= distanceTolerance(A, B) * magnitude;
-    result.certainty = met ? Certainty::EXACT : Certainty::DEGRADED;
-    return met;
+  // Is this scalar type good enough for the smaller body?
+  bool isPrecise() const {
+    return !curved_ ||
+           roundingOf(difference_.magnitude()) <= T(CURVED_DISTANCE_TOLERANCE) * smaller_;
   }
-  const bool closed = upper - depth.lower <= T(EXACT_DEPTH) * magnitude;
-  result.certainty = closed ? Certainty::EXACT : Certainty::BOUND;
-  return closed || curved;
-}
 
-enum class Depth { MEASURED, IGNORED };
-
-// True if settled in this scalar type.
-template <class T>
-bool solve(const ConvexCore& A, const ConvexCore& B, const Eigen::Isometry3d& X_AB,
-           double max_distance, Depth depth, PairDistance& result, CoreOverlap* overlap = nullptr) {
-  Difference<T> difference(A, B, X_AB);
-  const T radii = T(A.radius) + T(B.radius);
-  const Vec3<T> start = (A.center - X_AB * B.center).template cast<T>();
-  GjkResult<T> found = gjk<T>(difference, T(max_distance) + radii, start);
-  if (found.end == GjkEnd::BEYOND) {
-    // Rounding must not make it the limit itself: 0 would read as a touch.
-    result.distance =
-        std::max(static_cast<double>(found.lower - radii),
-                 std::nextafter(max_distance, std::numeric_limits<double>::infinity()));
-    result.certainty = Certainty::BEYOND;
-    return true;
-  }
-  // Round shapes make slivers, on which "inside" is a matter of rounding: EPA tells.
-  const bool measure = depth == Depth::MEASURED || A.curved() || B.curved();
-  if (found.end == GjkEnd::OVERLAP && measure) {
-    return fillOverlap(A, B, difference, found.simplex, found.magnitude, result);
-  }
-  if (found.end == GjkEnd::OVERLAP) {
-    result.distance = -static_cast<double>(radii);
-    result.p_ACa = result.p_ACb =
-        found.simplex.combine(&DifferencePoint<T>::a).template cast<double>();
-    if constexpr (std::is_same_v<T, double>) {
-      if (overlap != nullptr) *overlap = {found.simplex, found.magnitude};
+  bool solve(double max_distance, Wanted wanted, PairDistance& result, CoreOverlap* overlap) const {
+    const T radii = T(A_.radius) + T(B_.radius);
+    const Vec3<T> center_b = difference_.R_AB * B_.center.template cast<T>() + difference_.p_AB;
+    const Vec3<T> start = A_.center.template cast<T>() - center_b;
+    const T limit = T(max_distance) + radii;
+    const T enough = wanted == Wanted::TOUCH ? limit : wanted == Wanted::GAP ? radii : T(0);
+    const GjkResult<T> found = gjk<T>(difference_, limit, start, enough);
+    if (found.end == GjkEnd::BEYOND) {
+      // Rounding must not make it the limit itself: 0 would read as a touch.
+      result.distance =
+          std::max(static_cast<double>(found.lower - radii),
+                   std::nextafter(max_distance, std::numeric_limits<double>::infinity()));
+      result.certainty = Certainty::BEYOND;
+      return true;
     }
-    return true;
+    const bool is_overlap = found.end == GjkEnd::OVERLAP;
+    // Round shapes make slivers, on which "inside" is a matter of rounding: EPA tells.
+    const bool is_sure = is_overlap && (!curved_ || isInside(found));
+    if (found.end == GjkEnd::WITHIN || (is_sure && wanted != Wanted::DEPTH)) {
+      result.distance = static_cast<double>((is_overlap ? T(0) : found.v.norm()) - radii);
+      result.p_ACa = result.p_ACb =
+          found.simplex.combine(&DifferencePoint<T>::a).template cast<double>();
+      if constexpr (std::is_same_v<T, double>) {
+        if (overlap != nullptr && is_overlap && !curved_) {
+          *overlap = {found.simplex, found.magnitude};
+        }
+      }
+      return true;
+    }
+    if (is_overlap) return fillOverlap(found.simplex, found.magnitude, true, result);
+    return curved_ ? fillCurvedApart(found, result) : fillFlatApart(found, result);
   }
-  fillApart(A, B, difference, found, result);
-  const T tolerance = distanceTolerance(A, B) * found.magnitude;
-  const bool sure = found.end == GjkEnd::APART || found.lower > T(0);
-  if (sure && found.v.norm() - found.lower <= tolerance) return true;
-  // Stalled between slivers: the polytope's faces find the plane that GJK's rounding hides. Where
-  // none lies between the shapes, and they are this close, they touch.
-  const EpaResult<T> planes = Epa<T>(difference, found.simplex, found.magnitude).run(T(0));
-  const T lower = std::max(found.lower, -planes.upper);
-  const bool close = found.v.norm() - lower <= tolerance;
-  if (close && lower <= T(0))
-    return fillOverlap(A, B, difference, found.simplex, found.magnitude, result);
-  if (lower > found.lower) result.nhat_AB_A = planes.normal.template cast<double>();
-  if (close) return true;
-  result.distance = static_cast<double>(lower - radii);
-  result.certainty = Certainty::DEGRADED;
-  return false;
-}
+
+  // `sure`: it is an overlap or a touch, unless a plane between the two is found.
+  bool fillOverlap(const Simplex<T>& simplex, T magnitude, bool sure, PairDistance& result) const {
+    const T size = curved_ ? smaller_ : magnitude;
+    const T closed = std::max(T(EXACT_DEPTH) * size, roundingOf(magnitude));
+    EpaResult<T> depth = Epa<T>(difference_, simplex, magnitude)
+                             .run(T(curved_ ? CURVED_DEPTH_TOLERANCE : DEPTH_TOLERANCE) * size);
+    if (curved_) {
+      LeastHeight<T> search(difference_);
+      SupportPlane<T> least = search.search(depth.normal);
+      if (least.height - depth.lower > closed) least = search.searchAround();
+      if (least.height < depth.upper) depth.upper = least.height, depth.normal = least.normal;
+    }
+    if (depth.upper < -roundingOf(magnitude)) {  // a plane lies between: it was no overlap
+      return fillFromPlane(depth.normal, magnitude, nullptr, result);
+    }
+    const T upper = std::max(depth.upper, T(0));
+    Witnesses<T> deepest{depth.a, depth.b};
+    repairWitnesses(depth.normal, -depth.upper, deepest);
+    result.nhat_AB_A = depth.normal.template cast<double>();
+    setApart(depth.normal, -upper, deepest);
+    finish(A_, B_, -static_cast<double>(upper), deepest.a.template cast<double>(),
+           deepest.b.template cast<double>(), result);
+    const T rounding = tolerance(magnitude);
+    if (!sure && !(depth.lower > T(0)) && upper > rounding &&
+        !shareOneOf(deepest.a, deepest.b, rounding)) {
+      result.certainty = Certainty::DEGRADED;
+      return false;
+    }
+    const bool is_closed = upper - depth.lower <= closed;
+    result.certainty = is_closed ? Certainty::EXACT : Certainty::BOUND;
+    return is_closed || curved_;
+  }
+
+ private:
+  T tolerance(T magnitude) const {
+    if (!curved_) return T(DISTANCE_TOLERANCE) * magnitude;
+    return std::max(T(CURVED_DISTANCE_TOLERANCE) * smaller_, roundingOf(magnitude));
+  }
+
+  // Is the origin so far inside that no rounding of the vertices could have put it there? By the
+  // volumes of the four tetrahedra that it makes with the faces.
+  static bool isInside(const GjkResult<T>& found) {
+    if (found.simplex.size != 4) return false;
+    const auto& v = found.simplex.vertex;
+    const T volume = std::abs((v[1].w - v[0].w).dot((v[2].w - v[0].w).cross(v[3].w - v[0].w)));
+    const auto& lambda = found.simplex.lambda;
+    const T least = *std::min_element(lambda.begin(), lambda.end());
+    return least * volume > T(8) * roundingOf(found.magnitude) * found.magnitude * found.magnitude;
+  }
+
+  // Is the point a of A within `tolerance` of B, or b of B of A?
+  bool shareOneOf(const Vec3<T>& a, const Vec3<T>& b, T tolerance) const {
+    const ConvexCore point;
+    const auto meets = [&](const Difference<T>& difference) {
+      const GjkEnd end = gjk<T>(difference, tolerance, difference.p_AB, tolerance).end;
+      return end == GjkEnd::OVERLAP || end == GjkEnd::WITHIN;
+    };
+    return meets({point, B_, difference_.R_AB, difference_.p_AB - a}) ||
+           meets({A_, point, Mat3<T>::Identity(), b});
+  }
+
+  void fillApart(const GjkResult<T>& found, PairDistance& result) const {
+    result.nhat_AB_A = bestNormal(difference_, found).template cast<double>();
+    const Witnesses<T> points = witnessesOf(found.simplex);
+    finish(A_, B_, static_cast<double>(found.v.norm()), points.a.template cast<double>(),
+           points.b.template cast<double>(), result);
+    result.certainty = Certainty::EXACT;
+  }
+
+  bool fillFlatApart(const GjkResult<T>& found, PairDistance& result) const {
+    fillApart(found, result);
+    const bool sure = found.end == GjkEnd::APART || found.lower > T(0);
+    if (sure && found.v.norm() - found.lower <= tolerance(found.magnitude)) return true;
+    // Stalled between slivers: the polytope's faces find the plane that GJK's rounding hides. Where
+    // none lies between the shapes, and they are this close, they touch.
+    const EpaResult<T> planes = Epa<T>(difference_, found.simplex, found.magnitude).run(T(0));
+    const T lower = std::max(found.lower, -planes.upper);
+    const bool close = found.v.norm() - lower <= tolerance(found.magnitude);
+    if (close && lower <= T(0)) return fillOverlap(found.simplex, found.magnitude, true, result);
+    if (lower > found.lower) result.nhat_AB_A = planes.normal.template cast<double>();
+    if (close) return true;
+    result.distance = static_cast<double>(lower) - A_.radius - B_.radius;
+    result.certainty = Certainty::DEGRADED;
+    return false;
+  }
+
+  // GJK's own closest points where they are far enough apart to be exact, else those of the plane
+  // that lies between the two. Where none does, and they are this close, they touch.
+  bool fillCurvedApart(const GjkResult<T>& found, PairDistance& result) const {
+    const T distance = found.v.norm();
+    if (found.end == GjkEnd::APART && distance >= T(NORMAL_FROM_FEATURE_BELOW) * found.magnitude) {
+      fillApart(found, result);
+      return true;
+    }
+    LeastHeight<T> search(difference_);
+    SupportPlane<T> least = search.search(found.normal);
+    if (distance > T(0)) least = search.search(Vec3<T>(-found.v / distance));
+    if (least.height < T(0) &&
+        fillFromPlane(least.normal, found.magnitude, &found.simplex, result)) {
+      return true;
+    }
+    // Stalled between slivers: the polytope's faces find the plane that GJK's rounding hides.
+    least = search.search(Epa<T>(difference_, found.simplex, found.magnitude).run(T(0)).normal);
+    if (least.height < T(0)) {
+      return fillFromPlane(least.normal, found.magnitude, &found.simplex, result);
+    }
+    const bool sure = distance <= tolerance(found.magnitude);
+    return fillOverlap(found.simplex, found.magnitude, sure, result);
+  }
+
+  // From the plane across n between the two, and the simplex of GJK's closest points, if there is
+  // one.
+  bool fillFromPlane(const Vec3<T>& n, T magnitude, const Simplex<T>* simplex,
+                     PairDistance& result) const {
+    const T lower = -difference_.furthest(n).w.dot(n);
+    Witnesses<T> closest{Vec3<T>::Zero(), Vec3<T>::Constant(std::numeric_limits<T>::infinity())};
+    if (simplex != nullptr) closest = witnessesOf(*simplex);
+    repairWitnesses(n, lower, closest);
+    const T apart = closest.apart();
+    if (residualOf(closest, n, lower) <= T(WITNESS_TOLERANCE) * smaller_) {
+      setApart(n, lower, closest);
+    }
+    result.nhat_AB_A = n.template cast<double>();
+    finish(A_, B_, static_cast<double>(lower), closest.a.template cast<double>(),
+           closest.b.template cast<double>(), result);
+    const bool is_closed = apart - lower <= tolerance(magnitude);
+    result.certainty = is_closed ? Certainty::EXACT : Certainty::DEGRADED;
+    return is_closed;
+  }
+
+  static T residualOf(const Witnesses<T>& points, const Vec3<T>& n, T apart) {
+    return (points.a - points.b + apart * n).norm();
+  }
+
+  // Moves both by the same, so that b - a is exactly `apart` along n.
+  static void setApart(const Vec3<T>& n, T apart, Witnesses<T>& points) {
+    const Vec3<T> middle = (points.a + points.b) / T(2);
+    const Vec3<T> half = n * (apart / T(2));
+    points.a = middle - half;
+    points.b = middle + half;
+  }
+
+  // Witness points that are not `apart` along n come from GJK, which cannot tell points that lie
+  // askew by the root of rounding, or from a polytope that is still coarse. Of the parts that the
+  // support planes across n touch the closest points are the same, and better found with the planes
+  // moved onto each other, or near each other; of a part that is nearly parallel to its plane only
+  // one point may count.
+  void repairWitnesses(const Vec3<T>& n, T apart, Witnesses<T>& witnesses) const {
+    T best = residualOf(witnesses, n, apart);
+    const auto tryParts = [&](T planes_apart, bool point_of_a, bool point_of_b) {
+      if (best <= T(WITNESS_TOLERANCE) * smaller_) return;
+      const Witnesses<T> found =
+          closestOfParts(difference_, n, planes_apart - apart, smaller_, point_of_a, point_of_b);
+      const T residual = residualOf(found, n, apart);
+      if (!(residual < best)) return;
+      best = residual;
+      witnesses = found;
+    };
+    for (const T planes_apart : {T(0), T(WITNESS_SHIFT) * smaller_}) {
+      tryParts(planes_apart, false, false);
+      tryParts(planes_apart, true, false);
+      tryParts(planes_apart, false, true);
+    }
+  }
+
+  const ConvexCore& A_;
+  const ConvexCore& B_;
+  const bool curved_;
+  const T smaller_;  // size of the smaller body
+  const Difference<T> difference_;
+};
 
 PairDistance solveTwice(const ConvexCore& A, const ConvexCore& B, const Eigen::Isometry3d& X_AB,
-                        double max_distance, Depth depth, CoreOverlap* overlap = nullptr) {
+                        double max_distance, Wanted wanted, CoreOverlap* overlap = nullptr) {
   PairDistance result;
   const double gap = ballDistance(A, B, X_AB);
   if (gap > max_distance) {
@@ -186,10 +308,42 @@ PairDistance solveTwice(const ConvexCore& A, const ConvexCore& B, const Eigen::I
     result.certainty = Certainty::BEYOND;
     return result;
   }
-  if (solve<double>(A, B, X_AB, max_distance, depth, result, overlap)) return result;
+  const Query<double> query(A, B, X_AB);
+  const bool is_precise = query.isPrecise();
+  if (is_precise && query.solve(max_distance, wanted, result, overlap)) return result;
+  const Query<long double> finer(A, B, X_AB);
   PairDistance second;
-  const bool settled = solve<long double>(A, B, X_AB, max_distance, depth, second);
-  return settled || second.distance > result.distance ? second : result;
+  const bool settled = finer.solve(max_distance, wanted, second, nullptr);
+  return settled || !is_precise || second.distance > result.distance ? second : result;
+}
+
+// The point of a core that is nearest to p, in its frame. Not of a hull.
+Eigen::Vector3d nearestPoint(const ConvexCore& core, const Eigen::Vector3d& p) {
+  Eigen::Vector3d nearest = p.cwiseMax(-core.half).cwiseMin(core.half);
+  if (core.kind != ConvexCore::Kind::CYLINDER) return nearest;
+  const double across = p.head<2>().squaredNorm(), radius = core.half[0];
+  nearest.head<2>() = p.head<2>();
+  if (across > radius * radius) nearest.head<2>() *= radius / std::sqrt(across);
+  return nearest;
+}
+
+// A step from the centre of B to the nearest point of A, from there to that of B, and so on, soon
+// finds two points that are near enough, of most bodies that are. Of the others nothing is said.
+bool nearPointsFound(const ConvexCore& A, const ConvexCore& B, const Eigen::Isometry3d& X_AB,
+                     double margin) {
+  constexpr int MAX_STEPS = 3;
+  using Kind = ConvexCore::Kind;
+  if (A.kind == Kind::POINTS || B.kind == Kind::POINTS) return false;
+  const double enough = A.radius + B.radius + margin;
+  Eigen::Vector3d b = X_AB.translation();
+  for (int i = 0; i < MAX_STEPS; ++i) {
+    const Eigen::Vector3d a = nearestPoint(A, b);
+    const Eigen::Vector3d a_B = X_AB.linear().transpose() * (a - X_AB.translation());
+    const Eigen::Vector3d b_B = nearestPoint(B, a_B);
+    if ((b_B - a_B).squaredNorm() <= enough * enough) return true;
+    b.noalias() = X_AB.linear() * b_B + X_AB.translation();
+  }
+  return false;
 }
 
 }  // namespace
@@ -200,19 +354,29 @@ double ballDistance(const ConvexCore& A, const ConvexCore& B, const Eigen::Isome
 
 PairDistance convexDistance(const ConvexCore& A, const ConvexCore& B, const Eigen::Isometry3d& X_AB,
                             double max_distance) {
-  return solveTwice(A, B, X_AB, max_distance, Depth::MEASURED);
+  return solveTwice(A, B, X_AB, max_distance, Wanted::DEPTH);
 }
 
 PairDistance convexGap(const ConvexCore& A, const ConvexCore& B, const Eigen::Isometry3d& X_AB,
                        double max_distance, CoreOverlap* overlap) {
-  return solveTwice(A, B, X_AB, max_distance, Depth::IGNORED, overlap);
+  return solveTwice(A, B, X_AB, max_distance, Wanted::GAP, overlap);
+}
+
+PairDistance convexTouch(const ConvexCore& A, const ConvexCore& B, const Eigen::Isometry3d& X_AB,
+                         double margin) {
+  if (nearPointsFound(A, B, X_AB, margin)) {
+    PairDistance touch;
+    touch.distance = margin;
+    return touch;
+  }
+  return solveTwice(A, B, X_AB, margin, Wanted::TOUCH);
 }
 
 PairDistance convexDepth(const ConvexCore& A, const ConvexCore& B, const Eigen::Isometry3d& X_AB,
                          const CoreOverlap& overlap) {
-  Difference<double> difference(A, B, X_AB);
   PairDistance result;
-  if (fillOverlap(A, B, difference, overlap.simplex, overlap.magnitude, result)) return result;
+  const Query<double> query(A, B, X_AB);
+  if (query.fillOverlap(overlap.simplex, overlap.magnitude, true, result)) return result;
   return convexDistance(A, B, X_AB, std::numeric_limits<double>::infinity());
 }
 

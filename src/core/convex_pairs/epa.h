@@ -26,7 +26,7 @@ struct EpaResult {
 template <class T>
 class Epa {
  public:
-  Epa(Difference<T>& difference, const Simplex<T>& simplex, T magnitude)
+  Epa(const Difference<T>& difference, const Simplex<T>& simplex, T magnitude)
       : difference_(difference), magnitude_(magnitude) {
     for (int i = 0; i < simplex.size; ++i) point_[num_points_++] = simplex.vertex[i];
   }
@@ -202,7 +202,7 @@ class Epa {
     return true;
   }
 
-  Difference<T>& difference_;
+  const Difference<T>& difference_;
   T magnitude_;
   EpaResult<T> best_;
   std::array<DifferencePoint<T>, MAX_VERTICES + 4> point_;

@@ -17,6 +17,7 @@ enum class GjkEnd {
   APART,    ///< lower <= distance <= |v|, and the two agree to rounding
   OVERLAP,  ///< the origin is inside, or within rounding of, the simplex
   BEYOND,   ///< lower > the limit asked for
+  WITHIN,   ///< |v| <= what was said to be enough
   STALLED,  ///< apart or touching, but the interval did not close
 };
 
@@ -31,9 +32,10 @@ struct GjkResult {
 };
 
 /// Distance of the cores in `difference`, in its scalar type. Stops as soon as the lower bound
-/// exceeds stop_above. Cost: a few support evaluations for polytopes, 10 to 40 for cylinders.
+/// exceeds `stop_above`, or |v| is `enough` (if that is positive). Starts at v. Cost: a few support
+/// evaluations for polytopes, 10 to 40 for cylinders.
 template <class T>
-GjkResult<T> gjk(Difference<T>& difference, T stop_above, Vec3<T> v) {
+GjkResult<T> gjk(const Difference<T>& difference, T stop_above, Vec3<T> v, T enough) {
   constexpr int MAX_ITERATIONS = 128;
   const T epsilon = std::numeric_limits<T>::epsilon();
   GjkResult<T> result;
@@ -77,6 +79,7 @@ GjkResult<T> gjk(Difference<T>& difference, T stop_above, Vec3<T> v) {
     reduceTo(lambda, size, simplex);
     norm = length;
     result.v = v;
+    if (length <= enough) return result.end = GjkEnd::WITHIN, result;
   }
   return result;
 }

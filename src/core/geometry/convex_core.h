@@ -145,13 +145,20 @@ template <class T>
 struct Difference {
   Difference(const ConvexCore& core_a, const ConvexCore& core_b, const Eigen::Isometry3d& X_AB)
       : A(core_a), B(core_b), R_AB(X_AB.linear().cast<T>()), p_AB(X_AB.translation().cast<T>()) {}
+  Difference(const ConvexCore& core_a, const ConvexCore& core_b, const Mat3<T>& R, const Vec3<T>& p)
+      : A(core_a), B(core_b), R_AB(R), p_AB(p) {}
 
-  DifferencePoint<T> furthest(const Vec3<T>& d) {
+  [[gnu::always_inline]] DifferencePoint<T> furthest(const Vec3<T>& d) const {
     DifferencePoint<T> point;
     point.a = support<T>(A, d);
     point.b = R_AB * support<T>(B, Vec3<T>(-(R_AB.transpose() * d))) + p_AB;
     point.w = point.a - point.b;
     return point;
+  }
+
+  /// No point is further from the origin, and neither are the coordinates it is made of.
+  T magnitude() const {
+    return T(A.extent + A.center.norm() + B.extent + B.center.norm()) + p_AB.norm();
   }
 
   const ConvexCore& A;

@@ -5,12 +5,13 @@
 //   sphere, primitive                      closed form          the same
 //   capsule, capsule                       closed form          the same
 //   box, box                               separating axes      GJK, EPA
-//   convex, convex (all others)            GJK                  GJK, EPA
+//   convex, convex (all others)            a common point, GJK  GJK, EPA; cylinders: and Newton
 //   mesh, anything                         first: do the hulls miss each other? settle it?
 //   mesh, convex                           triangles, inside    triangles; depth: hulls by EPA
 //   mesh, mesh                             triangles, inside    triangles; depth: hulls by EPA
 //
-// "convex" is every primitive, every Convex and every mesh that is convex. With
+// "convex" is every primitive, every Convex and every mesh that is convex. With a margin, yes or no
+// of a mesh is answered as the signed distance, and that of two boxes as of all others. With
 // NarrowPhaseMethod::FCL this table answers only what FCL does not (Scratch::touches, ::distance).
 #include "collision_pairs/narrow_phase.h"
 
@@ -63,15 +64,15 @@ PairDistance halfSpaceWith(const Prepared& A, const Prepared& B, const Isometry3
   return exchanged(halfSpaceDistance(A.core, X_AB.inverse(Eigen::Isometry)), X_AB);
 }
 
-bool convexTouch(const Prepared& A, const Prepared& B, const Isometry3d& X_AB,
+bool convexTouch(const Prepared& A, const Prepared& B, const Isometry3d& X_AB, double margin,
                  PairDistance& result) {
-  if (hasClosedForm(A.core, B.core)) return closedForm(A.core, B.core, X_AB).touches();
+  if (hasClosedForm(A.core, B.core)) return closedForm(A.core, B.core, X_AB).distance <= margin;
   using Kind = ConvexCore::Kind;
-  if (A.core.kind == Kind::BOX && B.core.kind == Kind::BOX) {
+  if (A.core.kind == Kind::BOX && B.core.kind == Kind::BOX && margin == 0.0) {
     return boxesTouch(A.core.half, B.core.half, X_AB);
   }
-  result = convexGap(A.core, B.core, X_AB, 0.0);
-  return result.touches();
+  result = convexTouch(A.core, B.core, X_AB, margin);
+  return result.distance <= margin;
 }
 
 double scaleOf(const Prepared& shape) { return shape.core.extent + shape.core.radius; }
@@ -86,14 +87,19 @@ struct NarrowPhase::Scratch {
 
   // FCL where it has an answer. Which of two bodies lies inside the other, and how deep, is all
   // that it is not asked.
-  bool touches(const Prepared& A, const Prepared& B, const Isometry3d& X_AB, PairDistance& result) {
-    if (!asksFcl(A, B)) return nativeTouches(A, B, X_AB, result);
+  bool touches(const Prepared& A, const Prepared& B, const Isometry3d& X_AB, double margin,
+               PairDistance& result) {
+    if (!asksFcl(A, B)) return nativeTouches(A, B, X_AB, margin, result);
+    if (margin > 0.0) {
+      result = distance(A, B, X_AB, margin);
+      return result.distance <= margin;
+    }
     const auto fcl = A.fcl && B.fcl ? askFcl(*A.fcl, *B.fcl, X_AB, {}) : FclAnswer();
     using Outcome = FclAnswer::Outcome;
     if (fcl.outcome == Outcome::TOUCHING || fcl.outcome == Outcome::DEPTH) return true;
     if (fcl.outcome == Outcome::APART && !oneHoldsTheOther(A, B, X_AB)) return false;
     ++num_answered_natively;
-    return fcl.outcome == Outcome::APART || nativeTouches(A, B, X_AB, result);
+    return fcl.outcome == Outcome::APART || nativeTouches(A, B, X_AB, 0.0, result);
   }
 
   PairDistance distance(const Prepared& A, const Prepared& B, const Isometry3d& X_AB,
@@ -125,10 +131,14 @@ struct NarrowPhase::Scratch {
     return meshHoldsMesh(A, B, X_AB) || meshHoldsMesh(B, A, X_BA);
   }
 
-  bool nativeTouches(const Prepared& A, const Prepared& B, const Isometry3d& X_AB,
+  bool nativeTouches(const Prepared& A, const Prepared& B, const Isometry3d& X_AB, double margin,
                      PairDistance& result) {
-    if (A.isHalfSpace() || B.isHalfSpace()) return halfSpaceWith(A, B, X_AB).touches();
-    if (!A.mesh && !B.mesh) return convexTouch(A, B, X_AB, result);
+    if (A.isHalfSpace() || B.isHalfSpace()) return halfSpaceWith(A, B, X_AB).distance <= margin;
+    if (!A.mesh && !B.mesh) return convexTouch(A, B, X_AB, margin, result);
+    if (margin > 0.0) {
+      result = nativeDistance(A, B, X_AB, margin);
+      return result.distance <= margin;
+    }
     if (hullsMiss(A, B, X_AB)) return false;
     const Isometry3d X_BA = X_AB.inverse(Eigen::Isometry);
     if (A.mesh && B.mesh) {
@@ -284,13 +294,15 @@ std::shared_ptr<const PreparedShape> prepareShape(const Shape& shape, NarrowPhas
   return std::make_shared<Prepared>(shape, method);
 }
 
-bool NarrowPhase::touches(const PreparedShape& A, const PreparedShape& B, const Isometry3d& X_AB) {
+bool NarrowPhase::touches(const PreparedShape& A, const PreparedShape& B, const Isometry3d& X_AB,
+                          double margin) {
   const auto& a = static_cast<const Prepared&>(A);
   const auto& b = static_cast<const Prepared&>(B);
   Isometry3d X = X_AB;
   PairDistance detail;
   detail = mendPose(X) ? detail : worstCase(a, b);
-  const bool answer = detail.certainty == Certainty::DEGRADED || scratch_->touches(a, b, X, detail);
+  const bool answer =
+      detail.certainty == Certainty::DEGRADED || scratch_->touches(a, b, X, margin, detail);
   if (detail.certainty == Certainty::DEGRADED) ++scratch_->num_degraded;
   return answer;
 }

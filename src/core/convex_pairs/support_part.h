@@ -1,0 +1,120 @@
+// The closest points of two cores, once the direction of their distance or depth is known: those of
+// the parts that the support planes across it touch.
+#pragma once
+
+#include "gjk.h"
+
+namespace collision_pairs {
+
+// The part of a core that is furthest along a direction d, as a core that is flat but for a cap: a
+// corner, an edge, a face; of a cylinder a cap or, as little of rim or side that it is flat to
+// within `flat` metres, three points or lines. What is at a small angle to it may be part of it:
+// too much of the core does no harm.
+template <class T>
+struct SupportPart {
+  static constexpr double PARALLEL = 1e-3, ON_AXIS = 1e-6;  // radians
+
+  /// `point`: only one point of it.
+  SupportPart(const ConvexCore& whole, const Vec3<T>& d, T flat, bool point) : core(whole) {
+    using Kind = ConvexCore::Kind;
+    if (point) {
+      center = support<T>(whole, d);
+      core.kind = Kind::POINT;
+    } else if (whole.kind == Kind::POINTS) {
+      takeCorners(d);
+    } else if (whole.curved() && std::hypot(d[0], d[1]) > T(ON_AXIS)) {
+      takeArc(d, flat);
+    } else {
+      center = support<T>(whole, d);
+      for (int i = 0; i < 3; ++i) {
+        if (std::abs(d[i]) <= T(PARALLEL))
+          center[i] = T(0);
+        else
+          core.half[i] = 0.0;
+      }
+    }
+  }
+  SupportPart(const SupportPart&) = delete;  // the core may refer to the points
+  SupportPart& operator=(const SupportPart&) = delete;
+
+  ConvexCore core;
+  Vec3<T> center = Vec3<T>::Zero();  ///< where it stands in the whole core's frame
+
+ private:
+  // A few, or the whole hull.
+  void takeCorners(const Vec3<T>& d) {
+    const int tip = furthestPoint<T>(core, d);
+    std::size_t size = 0;
+    for (int i = 0; i < core.num_points; ++i) {
+      const Vec3<T> step = (core.points[tip] - core.points[i]).template cast<T>();
+      if (!(step.dot(d) <= T(PARALLEL) * step.norm())) continue;
+      if (size == points_.size()) return;
+      points_[size++] = core.points[i];
+    }
+    setPoints(size);
+  }
+
+  void takeArc(const Vec3<T>& d, T flat) {
+    const T radius = T(core.half[0]);
+    const T angle = radius > flat ? std::sqrt(T(2) * flat / radius) : T(0);
+    const Vec3<T> outwards = Vec3<T>(d[0], d[1], T(0)).normalized();
+    const Vec3<T> across = Vec3<T>::UnitZ().cross(outwards);
+    center = support<T>(core, d);
+    const bool is_side = std::abs(d[2]) <= T(PARALLEL);
+    if (is_side) center[2] = T(0);
+    std::size_t size = 0;
+    for (const T turn : {-angle, T(0), angle}) {
+      const Vec3<T> step =
+          radius * (std::sin(turn) * across - T(2) * std::pow(std::sin(turn / T(2)), 2) * outwards);
+      for (const double end : {-core.half[2], core.half[2]}) {
+        points_[size] = step.template cast<double>();
+        if (is_side) points_[size][2] = end;
+        if (is_side || end >= 0.0) ++size;
+      }
+    }
+    setPoints(size);
+  }
+
+  void setPoints(std::size_t size) {
+    core.kind = ConvexCore::Kind::POINTS;
+    core.points = points_.data();
+    core.num_points = static_cast<int>(size);
+    core.edges = nullptr;
+    core.blocks = nullptr;
+  }
+
+  std::array<Eigen::Vector3d, 8> points_;
+};
+
+template <class T>
+struct Witnesses {
+  T apart() const { return (a - b).norm(); }
+
+  Vec3<T> a, b;  // of A and of B, in A's frame
+};
+
+template <class T>
+Witnesses<T> witnessesOf(const Simplex<T>& simplex) {
+  return {simplex.combine(&DifferencePoint<T>::a), simplex.combine(&DifferencePoint<T>::b)};
+}
+
+/// The closest points of what the support planes of A along n and of B along -n touch, if B stood
+/// `shift` further along n. What is returned is measured with B where it is. `size`: of the smaller
+/// body, metres. `point_of_a`, `point_of_b`: of its part only one point.
+template <class T>
+Witnesses<T> closestOfParts(const Difference<T>& difference, const Vec3<T>& n, T shift, T size,
+                            bool point_of_a, bool point_of_b) {
+  constexpr double FLAT = 1e-11;  // relative to the size: what is this flat counts as flat
+  const SupportPart<T> a(difference.A, n, T(FLAT) * size, point_of_a);
+  const Vec3<T> back = -(difference.R_AB.transpose() * n);
+  const SupportPart<T> b(difference.B, back, T(FLAT) * size, point_of_b);
+  const Vec3<T> p = difference.p_AB + difference.R_AB * b.center - a.center + shift * n;
+  const Difference<T> parts(a.core, b.core, difference.R_AB, p);
+  const GjkResult<T> found = gjk<T>(parts, std::numeric_limits<T>::infinity(), Vec3<T>(-n), T(0));
+  Witnesses<T> closest = witnessesOf(found.simplex);
+  closest.a += a.center;
+  closest.b += a.center - shift * n;
+  return closest;
+}
+
+}  // namespace collision_pairs
