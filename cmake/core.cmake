@@ -6,6 +6,7 @@ list(TRANSFORM core_modules PREPEND ${PROJECT_SOURCE_DIR}/src/core/ OUTPUT_VARIA
 
 add_library(collision_pairs SHARED
   src/core/base/in_parallel.cpp
+  src/core/base/input_error.cpp
   src/core/base/pair_filter.cpp
   src/core/base/user_text.cpp
   src/core/broad_phase/box_pairs.cpp

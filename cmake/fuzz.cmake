@@ -1,18 +1,20 @@
-# libFuzzer targets, with the address and undefined-behaviour sanitizers. Needs clang:
-#   CXX=clang++ cmake -DCOLLISION_PAIRS_FUZZ=ON … && make fuzz_sweep_and_prune
-#   ./fuzz_sweep_and_prune -max_total_time=600 NEW_FINDS test/fuzz/corpus_sweep_and_prune
+# libFuzzer targets, built and run by scripts/fuzz.
 if(NOT CMAKE_CXX_COMPILER_ID MATCHES "Clang")
   message(FATAL_ERROR "COLLISION_PAIRS_FUZZ needs clang: set CXX=clang++")
 endif()
 
-# All of the broad phase, compiled once more so that it is instrumented.
-get_target_property(sweep_sources collision_pairs SOURCES)
-list(FILTER sweep_sources INCLUDE REGEX "/(base/(in_parallel|pair_filter)|broad_phase/.*|geometry/aabb)[.]cpp")
-add_executable(fuzz_sweep_and_prune test/fuzz/fuzz_sweep_and_prune.cpp ${sweep_sources})
-target_include_directories(fuzz_sweep_and_prune PRIVATE include ${CORE_MODULES} test)
-target_compile_definitions(fuzz_sweep_and_prune PRIVATE $<TARGET_PROPERTY:collision_pairs,COMPILE_DEFINITIONS>)
-target_compile_options(fuzz_sweep_and_prune PRIVATE -O2 -g -fsanitize=fuzzer,address,undefined
-                                                    -fno-sanitize-recover=all)
-target_link_libraries(fuzz_sweep_and_prune PRIVATE Eigen3::Eigen Threads::Threads
-                                                   -fsanitize=fuzzer,address,undefined)
-collision_pairs_warnings(fuzz_sweep_and_prune)
+function(collision_pairs_fuzz name source)
+  add_executable(fuzz_${name} test/fuzz/${source}.cpp)
+  target_include_directories(fuzz_${name} PRIVATE ${CORE_MODULES} test)
+  target_link_libraries(fuzz_${name} PRIVATE ${ARGN} -fsanitize=fuzzer)
+  collision_pairs_warnings(fuzz_${name})
+  list(APPEND fuzz_targets fuzz_${name})
+  set(fuzz_targets ${fuzz_targets} PARENT_SCOPE)
+endfunction()
+
+collision_pairs_fuzz(sweep_and_prune fuzz_sweep_and_prune collision_pairs)
+foreach(parser bag obj settings srdf states stl update_scene urdf)
+  collision_pairs_fuzz(${parser} fuzz_parsers collision_pairs_ros)
+  target_compile_definitions(fuzz_${parser} PRIVATE PARSER=${parser})
+endforeach()
+add_custom_target(fuzz_targets DEPENDS ${fuzz_targets})

@@ -8,18 +8,30 @@ add_library(collision_pairs_io SHARED
   src/io/bag_table.cpp
   src/io/bag_table_merge.cpp
   src/io/joint_states_csv.cpp
-  src/io/mesh_loader.cpp
+  src/io/meshes/mesh_loader.cpp
+  src/io/meshes/mesh_process.cpp
+  src/io/meshes/obj_file.cpp
+  src/io/meshes/stl_file.cpp
   src/io/scene_config.cpp
   src/io/scene_sources.cpp
   src/io/text_files.cpp
   src/io/tracks.cpp
 )
 target_include_directories(collision_pairs_io PUBLIC ${PROJECT_SOURCE_DIR}/src/io
+                                                     ${PROJECT_SOURCE_DIR}/src/io/meshes
                                               PRIVATE ${CORE_MODULES})
 target_include_directories(collision_pairs_io SYSTEM PRIVATE ${catkin_INCLUDE_DIRS})
 target_link_libraries(collision_pairs_io PUBLIC collision_pairs yaml-cpp
-                      PRIVATE ${catkin_LIBRARIES} BZip2::BZip2 ${ROSLZ4_LIBRARY})
+                      PRIVATE ${catkin_LIBRARIES} BZip2::BZip2 ${ROSLZ4_LIBRARY} ${CMAKE_DL_LIBS})
 collision_pairs_warnings(collision_pairs_io)
+
+# Meshes that are neither STL nor OBJ: src/io/meshes/mesh_process.h.
+add_executable(read_mesh_file src/io/meshes/read_mesh_file.cpp)
+target_include_directories(read_mesh_file PRIVATE include src/core/base)
+target_include_directories(read_mesh_file SYSTEM PRIVATE ${catkin_INCLUDE_DIRS})
+target_link_libraries(read_mesh_file PRIVATE ${catkin_LIBRARIES} Eigen3::Eigen)
+collision_pairs_warnings(read_mesh_file)
+add_dependencies(collision_pairs_io read_mesh_file)
 
 # Further source files of the tool may follow its name.
 function(collision_pairs_tool name)

@@ -95,3 +95,15 @@ def test_a_page_is_made_of_merged_parts_and_of_bags_without_anything_near(run_to
     assert (tmp_path / "merged/index.html").read_text() == (tmp_path / "whole/index.html").read_text()
     done = run_tool("check_bag", bag, "--alarm-distance", "0", "--report", tmp_path / "zero")
     assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.parametrize("folder_is_there", [False, True])
+def test_a_report_that_fails_leaves_no_folder_that_was_not_there(run_tool, tmp_path, folder_is_there):
+    folder = tmp_path / "report"
+    if folder_is_there:
+        folder.mkdir()
+    broken = tmp_path / "table.csv"
+    broken.write_text("no table")
+    done = run_tool("merge_bag_checks", broken, "--report", folder)
+    assert done.returncode == 2 and folder.exists() == folder_is_there
+    assert not folder_is_there or not list(folder.iterdir())

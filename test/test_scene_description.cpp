@@ -217,13 +217,17 @@ TEST(SeveralRobots, KeepTheirOwnSrdfAndMeetEachOther) {
 TEST(SeveralRobots, AreNotSwitchedOffByTheSrdfOfAnother) {
   SceneDescription description;
   const auto robot = robotFrom(slidingBoxes(2));
-  const Srdf names_the_other =
-      Srdf::fromXml("<robot name='r'><disable_collisions link1='a' link2='right/a'/></robot>");
+  const Srdf names_the_other = Srdf::fromXml(
+      "<robot name='r'><disable_collisions link1='a' link2='right/a'/>"
+      "<disable_collisions link1='right/a' link2='right/b'/></robot>");
   description.robots.push_back({robot, names_the_other, ""});
   description.robots.push_back({robot, Srdf{}, "right"});
   const auto scene = CollisionScene::build(description);
-  const auto a = static_cast<std::uint32_t>(scene->findModel("a"));
-  EXPECT_TRUE(scene->filter().allowed(a, static_cast<std::uint32_t>(scene->findModel("right/a"))));
+  const auto id = [&](const char* name) {
+    return static_cast<std::uint32_t>(scene->findModel(name));
+  };
+  EXPECT_TRUE(scene->filter().allowed(id("a"), id("right/a")));
+  EXPECT_TRUE(scene->filter().allowed(id("right/a"), id("right/b")));
 }
 
 TEST(SeveralRobots, OfOneNameAreRefused) {

@@ -28,6 +28,19 @@ TEST_F(TextFiles, ByteOrderMarkIsDropped) {
   EXPECT_EQ(readTextFile(path("bom")), "pan");
 }
 
+TEST_F(TextFiles, LongTextsAreReadWhole) {
+  std::string text;
+  for (int i = 0; i < 40000; ++i) text += std::to_string(i) + '\n';
+  std::ofstream(path("long")) << text;
+  EXPECT_EQ(readTextFile(path("long")), text);
+}
+
+TEST_F(TextFiles, WhatIsNoTextIsRefusedThoughItNeverEnds) {
+  EXPECT_THROW(readTextFile("/dev/zero"), InputError);
+  std::ofstream(path("binary")) << std::string(100000, 'x') << '\0' << "rest";
+  EXPECT_THROW(readTextFile(path("binary")), InputError);
+}
+
 TEST_F(TextFiles, MissingFileAndFolderAreRefusedByName) {
   EXPECT_THROW(readTextFile(path("none")), InputError);
   EXPECT_THROW(readTextFile(folder_.string()), InputError);

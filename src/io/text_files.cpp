@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <fstream>
 #include <iostream>
-#include <sstream>
 
 #include <unistd.h>
 
@@ -15,14 +14,27 @@ namespace collision_pairs {
 
 namespace fs = std::filesystem;
 
+namespace {
+constexpr std::size_t BLOCK = std::size_t{1} << 16;         // bytes
+constexpr std::size_t LONGEST_TEXT = std::size_t{4} << 30;  // bytes: a device may never end
+}  // namespace
+
 std::string readTextFile(const std::string& path) {
   std::error_code error;
   if (fs::is_directory(path, error)) throw InputError(path + ": is a directory, not a file");
   std::ifstream file(path, std::ios::binary);
   if (!file) throw InputError(path + ": cannot be opened: " + std::strerror(errno));
-  std::ostringstream content;
-  content << file.rdbuf();
-  std::string text = content.str();
+  std::string text;
+  while (file) {
+    const std::size_t known = text.size();
+    if (known > LONGEST_TEXT) throw InputError(path + ": is longer than a text of 4 GiB");
+    text.resize(known + BLOCK);
+    file.read(&text[known], BLOCK);
+    text.resize(known + static_cast<std::size_t>(file.gcount()));
+    if (text.find('\0', known) != std::string::npos) {
+      throw InputError(path + ": has a zero byte, so it is no text");
+    }
+  }
   if (text.compare(0, 3, "\xEF\xBB\xBF") == 0) text.erase(0, 3);
   return text;
 }

@@ -7,7 +7,8 @@
 
 namespace collision_pairs {
 
-/// The file's content without a UTF-8 byte order mark. Throws InputError that names the file.
+/// The file's content without a UTF-8 byte order mark. Throws InputError that names the file, also
+/// where a zero byte says that it is no text, as of /dev/zero.
 std::string readTextFile(const std::string& path);
 
 /// Writes through a temporary file beside `path` that takes its name only when `write` is through:

@@ -1,14 +1,31 @@
+#include <chrono>
+#include <cstdlib>
 #include <exception>
+#include <thread>
 
 #include <ros/ros.h>
 
 #include "collision_pairs_node.h"
+
+namespace {
+
+// A mesh that is being read or a long trajectory is not waited for, and leaves nothing half done.
+void endSoon() {
+  const std::chrono::seconds PATIENCE{2};
+  std::thread([PATIENCE] {
+    std::this_thread::sleep_for(PATIENCE);
+    std::_Exit(0);
+  }).detach();
+}
+
+}  // namespace
 
 int main(int argc, char** argv) {
   ros::init(argc, argv, "collision_pairs_node");
   try {
     collision_pairs::CollisionPairsNode node{ros::NodeHandle(), ros::NodeHandle("~")};
     node.run();
+    endSoon();
   } catch (const std::exception& error) {
     ROS_FATAL_STREAM("cannot start: " << error.what());
     return 1;

@@ -57,13 +57,14 @@ class BagReport {
 
  private:
   std::string folder_;
+  bool is_new_ = false;
   std::string table_path_;
   std::ofstream table_;
 };
 
 BagReport::BagReport(const std::string& folder) : folder_(folder) {
   std::error_code error;
-  fs::create_directories(folder_, error);
+  is_new_ = fs::create_directories(folder_, error);
   table_path_ = folder_ + "/.table" + std::to_string(::getpid()) + ".csv";
   table_.open(table_path_, std::ios::binary);
   if (!table_) throw InputError(folder_ + ": cannot be written: " + std::strerror(errno));
@@ -73,6 +74,7 @@ BagReport::BagReport(const std::string& folder) : folder_(folder) {
 BagReport::~BagReport() {
   std::error_code error;
   fs::remove(table_path_, error);
+  if (is_new_) fs::remove(folder_, error);  // only if it is empty
 }
 
 void BagReport::finish(double alarm_distance, double max_gap) {

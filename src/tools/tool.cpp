@@ -1,10 +1,11 @@
 #include "tool.h"
 
-#include <algorithm>
 #include <cstdio>
 #include <iostream>
 
 #include <unistd.h>
+
+#include "collision_pairs/input_error.h"
 
 namespace collision_pairs {
 namespace {
@@ -13,9 +14,8 @@ constexpr int WRONG_INPUT = 2;
 constexpr auto REDRAWN_EVERY = std::chrono::milliseconds(100);
 constexpr std::size_t BAR_WIDTH = 40;  // characters
 
-int refuse(std::string message) {
-  std::replace(message.begin(), message.end(), '\n', ' ');
-  std::cerr << "error: " << message << '\n';
+int refuse(const std::string& message) {
+  std::cerr << "error: " << InputError(message).what() << '\n';
   return WRONG_INPUT;
 }
 
@@ -35,7 +35,9 @@ int runTool(CLI::App& app, int argc, char** argv, const std::function<void()>& w
   }
 }
 
-void warn(const std::string& message) { std::cerr << "warning: " << message << '\n'; }
+void warn(const std::string& message) {
+  std::cerr << "warning: " << InputError(message).what() << '\n';
+}
 
 std::string joined(const std::vector<std::string>& words) {
   std::string text;

@@ -1,13 +1,18 @@
 #!/usr/bin/python3
 """What is wrong is named, what is right is still checked, and no node ends."""
 import os
+import re
+import signal
+import subprocess
 import sys
+import tempfile
 import unittest
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 
 import rospy
 import rostest
+from roslib.packages import find_node
 from std_srvs.srv import Trigger
 from tf2_msgs.msg import TFMessage
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
@@ -65,6 +70,24 @@ class BadInputTest(unittest.TestCase):
         self.assertIn("geometry that could not be read: broken, text", reply.unknown_because)
         report = node.next(node.reports)
         self.assertEqual((report.time_to_contact, report.time_to_contact_is_known), (0.0, True))  # in contact
+
+    def test_a_mesh_that_is_never_read_is_unknown_and_does_not_keep_the_node_from_ending(self):
+        with tempfile.NamedTemporaryFile("w", suffix=".ply") as mesh:
+            mesh.write("ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nprop")  # assimp never returns from this
+            mesh.flush()
+            with open(os.path.join(os.path.dirname(os.path.abspath(__file__)), "broken_mesh.urdf")) as urdf:
+                description = re.sub('filename="[^"]*"', 'filename="file://%s"' % mesh.name, urdf.read())
+            rospy.set_param("/endless/robot_description", description)
+            process = subprocess.Popen(find_node("collision_pairs", "collision_pairs_node") +
+                                       ["__name:=node", "__ns:=/endless"])
+            try:
+                node = NodeClient("/endless/node")
+                report = node.next(node.reports, lambda r: "load" in str(r.unknown_because))
+                self.assertEqual(report.verdict, report.UNKNOWN)
+                process.send_signal(signal.SIGINT)
+                self.assertEqual(process.wait(timeout=20), 0)  # s, less than reading may take
+            finally:
+                process.kill()
 
     def test_parameters_that_cannot_be_used_give_way_to_defaults(self):
         node = NodeClient("/bad_parameters/node")

@@ -2,6 +2,7 @@
 """An update of which one change is wrong is refused with a message that names it, and changes nothing at all."""
 import os
 import sys
+import tempfile
 import unittest
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
@@ -118,6 +119,16 @@ class RefusedUpdatesTest(unittest.TestCase):
     def test_mesh_files_that_are_not_there(self):
         for uri in ("file:///nowhere/part.stl", "package://no_such_package/part.stl", "part.stl"):
             self.assert_refused(add("new", mesh_resources=[uri]), "'new'", "mesh_resources[0]", uri)
+
+    def test_mesh_files_that_end_the_library_that_reads_them(self):
+        vertices = ("ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+                    "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n")
+        for faces in ("", "0\n", "3 0 1 -1\n"):
+            with tempfile.NamedTemporaryFile("w", suffix=".ply") as file:
+                file.write(vertices + faces)
+                file.flush()
+                uri = "file://" + file.name
+                self.assert_refused(add("new", mesh_resources=[uri]), "'new'", "mesh_resources[0]", uri)
 
     def test_planes_without_a_direction(self):
         for wrong in (plane(0, 0, 0, 1), plane(NAN, 0, 1, 0), plane(0, 0, 1, INF), plane(INF, 0, 0, 0)):

@@ -16,7 +16,6 @@ namespace {
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
 
-constexpr double INF = std::numeric_limits<double>::infinity();
 constexpr double MAX_REACH = 1e150;  // metres: the square of what is swept must be finite
 
 /// Adds the time since it was made, or since its last split(), to one stage; nothing if it is not

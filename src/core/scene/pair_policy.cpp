@@ -1,6 +1,7 @@
 #include "pair_policy.h"
 
 #include <algorithm>
+#include <unordered_map>
 
 #include "collision_pairs/input_error.h"
 #include "link_group.h"
@@ -48,7 +49,13 @@ PairPolicy::Meant PairPolicy::meant(const NamePattern& first, const NamePattern&
 }
 
 void PairPolicy::readSwitchedOff() {
-  for (const SceneRobot& robot : description_.robots) {
+  std::unordered_map<std::string, std::uint32_t> member_of;
+  for (std::size_t i = 0; i < members_.size(); ++i) {
+    if (members_[i].robot >= 0) member_of.emplace(members_[i].name, i);
+  }
+  switched_off_.resize(members_.size());
+  for (int index = 0; index < static_cast<int>(description_.robots.size()); ++index) {
+    const SceneRobot& robot = description_.robots[static_cast<std::size_t>(index)];
     const auto& links = robot.model->links();
     std::set<Srdf::LinkPair> off;
     if (robot.srdf) {
@@ -60,10 +67,19 @@ void PairPolicy::readSwitchedOff() {
         off.insert(std::minmax(links[a].name, links[b].name));
       }
     }
-    for (const auto& [a, b] : off) {  // a common prefix does not change their order
-      switched_off_.emplace(withPrefix(robot.prefix, a), withPrefix(robot.prefix, b));
+    for (const auto& [a, b] : off) {
+      const auto first = member_of.find(withPrefix(robot.prefix, a));
+      const auto second = member_of.find(withPrefix(robot.prefix, b));
+      if (first == member_of.end() || second == member_of.end()) continue;  // no geometry
+      // An SRDF may name what is, with its prefix, a link of another robot.
+      const bool is_own =
+          members_[first->second].robot == index && members_[second->second].robot == index;
+      if (!is_own) continue;
+      switched_off_[first->second].push_back(second->second);
+      switched_off_[second->second].push_back(first->second);
     }
   }
+  for (auto& others : switched_off_) std::sort(others.begin(), others.end());
 }
 
 void PairPolicy::readRestriction() {
@@ -108,12 +124,10 @@ bool PairPolicy::neverMeet(const SceneMember& a, const SceneMember& b) const {
   return a.object && b.object && a.body == b.body;
 }
 
-bool PairPolicy::allowedBySrdf(const SceneMember& a, const SceneMember& b) const {
-  if (a.robot < 0 || b.robot < 0) return true;
-  if (a.robot != b.robot) return description_.check_self;
-  const auto ordered =
-      a.name < b.name ? Srdf::LinkPair(a.name, b.name) : Srdf::LinkPair(b.name, a.name);
-  return description_.check_self && switched_off_.count(ordered) == 0;
+bool PairPolicy::allowedBySrdf(std::size_t a, std::size_t b) const {
+  if (members_[a].robot < 0 || members_[b].robot < 0) return true;
+  const auto& off = switched_off_[a];
+  return description_.check_self && !std::binary_search(off.begin(), off.end(), b);
 }
 
 bool PairPolicy::allowed(std::size_t a, std::size_t b) const {
@@ -123,7 +137,7 @@ bool PairPolicy::allowed(std::size_t a, std::size_t b) const {
     if (!rules_[i].both(a, b)) continue;
     return description_.settings.pair_rules[i].verdict == PairRule::Verdict::ALLOW;
   }
-  return allowedBySrdf(members_[a], members_[b]);
+  return allowedBySrdf(a, b);
 }
 
 std::optional<double> PairPolicy::padding(std::size_t a, std::size_t b) const {

@@ -1,6 +1,7 @@
 // Which members of a scene are looked at together, and how far they must stay apart.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <set>
 #include <string>
@@ -41,13 +42,13 @@ class PairPolicy {
   void readRestriction();
   void addGroup(const std::string& name, std::set<std::string>& names) const;
   bool neverMeet(const SceneMember& a, const SceneMember& b) const;
-  bool allowedBySrdf(const SceneMember& a, const SceneMember& b) const;
+  bool allowedBySrdf(std::size_t a, std::size_t b) const;
 
   const SceneDescription& description_;
   const std::vector<SceneMember>& members_;
-  std::set<Srdf::LinkPair> switched_off_;
-  std::vector<Meant> rules_;       // one a rule of the settings
-  std::vector<Meant> paddings_;    // one a padding of a pair
+  std::vector<std::vector<std::uint32_t>> switched_off_;  // by member: the others, sorted
+  std::vector<Meant> rules_;                              // one a rule of the settings
+  std::vector<Meant> paddings_;                           // one a padding of a pair
   std::vector<char> restricted_;   // by member: in the restriction; empty: there is none
   std::set<std::string> moving_;   // names of members
   std::set<std::string> touched_;  // every name in the touch_links of an object that moves

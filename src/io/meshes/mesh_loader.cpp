@@ -1,14 +1,19 @@
 #include "mesh_loader.h"
 
+#include <cctype>
+#include <cerrno>
+#include <cstring>
 #include <filesystem>
+#include <fstream>
 #include <map>
+#include <new>
 #include <tuple>
 
-#include <geometric_shapes/mesh_operations.h>
 #include <rospack/rospack.h>
 
 #include "collision_pairs/input_error.h"
-#include "console_messages.h"
+#include "mesh_files.h"
+#include "mesh_process.h"
 
 namespace collision_pairs {
 namespace {
@@ -39,7 +44,17 @@ class Loader {
     if (!fs::exists(path, error)) fail(uri, "there is no file " + path.string());
     if (!fs::is_regular_file(path, error)) fail(uri, path.string() + " is not a file");
     if (fs::file_size(path, error) == 0) fail(uri, "the file is empty");
-    return convert(uri, read(uri, path), scale);
+    auto mesh = std::make_shared<TriangleMesh>();
+    try {
+      *mesh = read(path);
+    } catch (const std::bad_alloc&) {
+      fail(uri, "not enough memory to read it");
+    } catch (const std::exception& problem) {
+      fail(uri, problem.what());
+    }
+    mesh->name = uri;
+    for (Eigen::Vector3d& vertex : mesh->vertices) vertex = vertex.cwiseProduct(scale);
+    return mesh;
   }
 
   fs::path resolve(const std::string& uri) {
@@ -67,35 +82,22 @@ class Loader {
     return rospack_->find(package, folder) ? folder : "";
   }
 
-  static std::unique_ptr<shapes::Mesh> read(const std::string& uri, const fs::path& path) {
-    ConsoleMessages messages;
-    std::unique_ptr<shapes::Mesh> mesh;
-    try {
-      mesh.reset(shapes::createMeshFromResource("file://" + path.string()));
-    } catch (const std::exception& error) {
-      fail(uri, error.what());
-    }
-    if (!mesh) {
-      fail(uri, messages.firstError().empty() ? "it is not a mesh that can be read (truncated?)"
-                                              : messages.firstError());
-    }
-    return mesh;
+  static TriangleMesh read(const fs::path& path) {
+    std::string ending = path.extension().string();
+    for (char& letter : ending) letter = static_cast<char>(std::tolower(letter));
+    if (ending == ".stl") return readStl(bytesOf(path));
+    std::optional<TriangleMesh> mesh;
+    if (ending == ".obj") mesh = readObj(bytesOf(path));
+    return mesh ? std::move(*mesh) : readMeshInProcess(path.string());
   }
 
-  static std::shared_ptr<const TriangleMesh> convert(const std::string& uri,
-                                                     std::unique_ptr<shapes::Mesh> source,
-                                                     const Eigen::Vector3d& scale) {
-    auto mesh = std::make_shared<TriangleMesh>();
-    mesh->name = uri;
-    for (unsigned i = 0; i < source->vertex_count; ++i) {
-      mesh->vertices.push_back(
-          Eigen::Map<Eigen::Vector3d>(source->vertices + 3 * i).cwiseProduct(scale));
-    }
-    for (unsigned i = 0; i < source->triangle_count; ++i) {
-      const unsigned* t = source->triangles + 3 * i;
-      mesh->triangles.push_back({t[0], t[1], t[2]});
-    }
-    return mesh;
+  static std::string bytesOf(const fs::path& path) {
+    std::string bytes(fs::file_size(path), '\0');
+    std::ifstream file(path, std::ios::binary);
+    if (!file) throw InputError(std::strerror(errno));
+    file.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+    bytes.resize(static_cast<std::size_t>(file.gcount()));
+    return bytes;
   }
 
   std::map<std::tuple<std::string, double, double, double>, std::shared_ptr<const TriangleMesh>>

@@ -1,0 +1,34 @@
+#include "collision_pairs/input_error.h"
+
+#include <algorithm>
+
+namespace collision_pairs {
+namespace {
+
+constexpr std::size_t LONGEST = 1000;          // bytes
+constexpr std::size_t BEGIN = 600, END = 390;  // bytes kept of what is longer
+
+bool isControl(char byte) {
+  constexpr char DELETE = 0x7f;
+  return (byte >= 0 && byte < ' ') || byte == DELETE;
+}
+
+// A character of UTF-8 is not cut in two.
+bool isWithinCharacter(char byte) { return (static_cast<unsigned char>(byte) & 0xC0u) == 0x80u; }
+
+std::string printable(std::string text) {
+  if (text.size() > LONGEST) {
+    std::size_t begin = BEGIN, end = text.size() - END;
+    while (begin > 0 && isWithinCharacter(text[begin])) --begin;
+    while (end < text.size() && isWithinCharacter(text[end])) ++end;
+    text = text.substr(0, begin) + " … " + text.substr(end);
+  }
+  std::replace_if(text.begin(), text.end(), isControl, ' ');
+  return text;
+}
+
+}  // namespace
+
+InputError::InputError(std::string message) : std::runtime_error(printable(std::move(message))) {}
+
+}  // namespace collision_pairs

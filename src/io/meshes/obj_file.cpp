@@ -1,0 +1,110 @@
+#include <cmath>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "collision_pairs/input_error.h"
+#include "mesh_builder.h"
+#include "mesh_files.h"
+#include "mesh_text.h"
+
+namespace collision_pairs {
+namespace {
+
+using Corner = MeshBuilder::Corner;
+
+Eigen::Vector3d toVector(const Corner& corner) { return {corner[0], corner[1], corner[2]}; }
+
+/// All corners turn the same way about the polygon's normal, and it goes round once. False if it
+/// has no area.
+bool isConvex(const std::vector<Corner>& polygon) {
+  if (polygon.size() <= 3) return true;
+  const Eigen::Vector3d origin = toVector(polygon[0]);
+  const auto at = [&](std::size_t i) -> Eigen::Vector3d {
+    return toVector(polygon[i % polygon.size()]) - origin;
+  };
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();  // Newell's
+  for (std::size_t i = 0; i < polygon.size(); ++i) normal += at(i).cross(at(i + 1));
+  if (normal.isZero(0.0)) return false;
+  double turned = 0.0;
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    const Eigen::Vector3d before = at(i + 1) - at(i), after = at(i + 2) - at(i + 1);
+    const double sine = before.cross(after).dot(normal), cosine = before.dot(after) * normal.norm();
+    if (sine < 0.0) return false;
+    turned += std::atan2(sine, cosine);
+  }
+  return turned < 3.0 * M_PI;  // 2 pi, but for rounding
+}
+
+class Reader {
+ public:
+  explicit Reader(const std::string& text) : words_(text) {}
+
+  /// Nothing if the file has what this does not read.
+  std::optional<TriangleMesh> read() {
+    while (words_.next()) {
+      const bool understood = words_.is("v") ? readVertex() : words_.is("f") ? readFace() : true;
+      if (!understood) return std::nullopt;
+      while (words_.nextInLine()) {
+        if (words_.is("\\")) return std::nullopt;
+      }
+    }
+    return builder_.finish();
+  }
+
+ private:
+  [[noreturn]] void fail(const std::string& why) const {
+    throw InputError("line " + std::to_string(words_.line()) + ": " + why);
+  }
+
+  bool readVertex() {
+    Corner corner;
+    for (float& coordinate : corner) {
+      if (!words_.nextInLine() || !words_.number(coordinate)) {
+        fail("a vertex needs three finite coordinates, not " + words_.quoted());
+      }
+    }
+    vertices_.push_back(corner);
+    std::size_t nb_more = 0;  // three of a colour, or one weight
+    while (words_.nextInLine() && !words_.is("\\")) ++nb_more;
+    return nb_more != 1 && !words_.is("\\");
+  }
+
+  bool readFace() {
+    std::vector<Corner> polygon;
+    while (words_.nextInLine()) {
+      if (words_.is("\\")) return false;
+      polygon.push_back(vertices_[readIndex()]);
+    }
+    if (polygon.size() < 3) fail("a face of " + std::to_string(polygon.size()) + " corners");
+    if (!isConvex(polygon)) return false;
+    for (std::size_t i = 2; i < polygon.size(); ++i) {
+      builder_.addTriangle(polygon[0], polygon[i - 1], polygon[i]);
+    }
+    return true;
+  }
+
+  /// "vertex", "vertex/texture", "vertex//normal": from 1 on, or from -1 backwards.
+  std::size_t readIndex() const {
+    const std::string word = words_.word();
+    double index = 0.0;
+    const bool is_number = parseNumber(word.substr(0, word.find('/')), index);
+    const auto count = static_cast<double>(vertices_.size());
+    const double place = index < 0.0 ? count + index : index - 1.0;
+    if (!is_number || place != std::floor(place) || place < 0.0 || place >= count) {
+      fail("a face names vertex " + words_.quoted() + ", but there are " +
+           std::to_string(vertices_.size()) + " before it");
+    }
+    return static_cast<std::size_t>(place);
+  }
+
+  MeshWords words_;
+  std::vector<Corner> vertices_;
+  MeshBuilder builder_;
+};
+
+}  // namespace
+
+std::optional<TriangleMesh> readObj(const std::string& bytes) { return Reader(bytes).read(); }
+
+}  // namespace collision_pairs

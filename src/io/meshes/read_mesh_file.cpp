@@ -1,0 +1,95 @@
+// read_mesh_file FILE: writes the mesh, or why there is none, as mesh_process.h says.
+#include <csignal>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <new>
+#include <vector>
+
+#include <geometric_shapes/mesh_operations.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include "console_messages.h"
+#include "mesh_process.h"
+
+namespace {
+
+using collision_pairs::mesh_pipe::MESH;
+using collision_pairs::mesh_pipe::REFUSED;
+
+constexpr rlim_t MEMORY_LIMIT = rlim_t{4} << 30;  // bytes
+constexpr rlim_t TIME_LIMIT = 60;                 // s: the parent waits half of that
+
+void limitItself() {
+  ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+  const rlimit memory{MEMORY_LIMIT, MEMORY_LIMIT}, time{TIME_LIMIT, TIME_LIMIT}, no_core{0, 0};
+  ::setrlimit(RLIMIT_AS, &memory);
+  ::setrlimit(RLIMIT_CPU, &time);
+  ::setrlimit(RLIMIT_CORE, &no_core);
+}
+
+// The parent's sockets: while this process lives, closing one there would close nothing.
+void closeInherited() {
+  std::vector<int> inherited;
+  for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd")) {
+    inherited.push_back(std::stoi(entry.path().filename()));
+  }
+  for (const int descriptor : inherited) {
+    if (descriptor > STDERR_FILENO) ::close(descriptor);
+  }
+}
+
+bool memory_ran_out = false;  // assimp keeps bad_alloc to itself
+
+void watchMemory() {
+  std::set_new_handler([] {
+    memory_ran_out = true;
+    throw std::bad_alloc();
+  });
+}
+
+void refuse(const std::string& why) { std::cout << REFUSED << why; }
+
+template <class Number>
+void write(const Number* numbers, std::size_t count) {
+  std::cout.write(reinterpret_cast<const char*>(numbers),
+                  static_cast<std::streamsize>(count * sizeof(Number)));
+}
+
+void answer(const std::string& path) {
+  collision_pairs::ConsoleMessages messages;
+  const std::unique_ptr<shapes::Mesh> mesh(shapes::createMeshFromResource("file://" + path));
+  if (memory_ran_out) throw std::bad_alloc();
+  if (!mesh) {
+    return refuse(messages.firstError().empty() ? "it is not a mesh that can be read (truncated?)"
+                                                : messages.firstError());
+  }
+  const std::uint64_t counts[] = {mesh->vertex_count, mesh->triangle_count};
+  std::cout << MESH;
+  write(counts, 2);
+  for (std::size_t i = 0; i < 3 * counts[0]; ++i) {
+    const auto coordinate = static_cast<float>(mesh->vertices[i]);
+    write(&coordinate, 1);
+  }
+  write(mesh->triangles, 3 * counts[1]);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc != 2) return 2;
+  limitItself();
+  closeInherited();
+  watchMemory();
+  try {
+    answer(argv[1]);
+  } catch (const std::bad_alloc&) {
+    refuse("it needs more than " + std::to_string(MEMORY_LIMIT >> 30) + " GiB of memory");
+  } catch (const std::exception& error) {
+    refuse(error.what());
+  }
+  std::cout.flush();
+  return 0;
+}
