@@ -80,3 +80,8 @@ target_link_libraries(motion_benchmark PRIVATE collision_pairs_io)
 target_include_directories(motion_benchmark PRIVATE ${CORE_MODULES} test)
 target_compile_definitions(motion_benchmark PRIVATE PROJECT_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
 collision_pairs_warnings(motion_benchmark)
+
+# What scripts/benchmark_python compares the Python module with.
+add_executable(batch_benchmark test/benchmark/batch_benchmark.cpp)
+target_link_libraries(batch_benchmark PRIVATE collision_pairs_io)
+collision_pairs_warnings(batch_benchmark)

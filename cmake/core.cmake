@@ -1,7 +1,7 @@
 # The core: URDF and poses in, pairs out. Links no ROS library (test_architecture holds it so).
 # Its modules; the dependency rules stand in test_architecture.
 set(core_modules base geometry broad_phase convex_pairs meshes narrow_phase robot scene check motion
-  pair_statistics)
+  gradient pair_statistics)
 list(TRANSFORM core_modules PREPEND ${PROJECT_SOURCE_DIR}/src/core/ OUTPUT_VARIABLE CORE_MODULES)
 
 add_library(collision_pairs SHARED
@@ -29,6 +29,8 @@ add_library(collision_pairs SHARED
   src/core/geometry/geometry_kernel.cpp
   src/core/geometry/packed_points.cpp
   src/core/geometry/shape.cpp
+  src/core/gradient/closest_pair.cpp
+  src/core/gradient/distance_gradient.cpp
   src/core/meshes/mesh_edges.cpp
   src/core/meshes/mesh_query.cpp
   src/core/meshes/mesh_solid.cpp
@@ -56,6 +58,7 @@ add_library(collision_pairs SHARED
   src/core/pair_statistics/pair_class.cpp
   src/core/pair_statistics/pair_probe.cpp
   src/core/pair_statistics/pair_statistics.cpp
+  src/core/robot/joint_columns.cpp
   src/core/robot/link_group.cpp
   src/core/robot/robot_model.cpp
   src/core/robot/srdf.cpp

@@ -1,6 +1,8 @@
 add_message_files(FILES CollisionPair.msg CollisionPairs.msg ContactPoint.msg SceneChange.msg
                   SceneObject.msg)
 add_service_files(FILES CheckCollisions.srv CheckTrajectory.srv UpdateScene.srv)
+# The package has an __init__.py of its own (python.cmake): none is generated for installation.
+set(${PROJECT_NAME}_CATKIN_PYTHON_SETUP_HAS_PACKAGE_INIT TRUE)
 generate_messages(DEPENDENCIES geometry_msgs sensor_msgs shape_msgs std_msgs trajectory_msgs)
 generate_dynamic_reconfigure_options(cfg/CollisionPairs.cfg)
 

@@ -1,13 +1,16 @@
-"""What the Python tests share: where the tools are, a small robot, the reference data."""
+"""What the Python tests share: where the tools and the module are, a small robot, the reference data."""
 import os
 import subprocess
+import sys
 
 import pytest
 
 PROJECT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 TOOLS = os.environ.get("COLLISION_PAIRS_TOOLS", os.path.join(PROJECT, "build/devel/lib/collision_pairs"))
+PYTHON = os.path.normpath(os.path.join(TOOLS, "../python3/dist-packages"))  # the module and the messages
 DEMO = os.path.join(PROJECT, "config/demo")
 SYSTEM_PATH = "/usr/bin:/bin:" + os.environ.get("PATH", "")  # another Python may come first in PATH
+sys.path.insert(0, PYTHON)
 
 
 @pytest.fixture

@@ -85,7 +85,7 @@ def broken_inputs():
     mesh = "<robot name='r'><link name='a'><collision><geometry><mesh filename='%s'/></geometry></collision></link></robot>"
     return {
         "urdf_empty": ("urdf", b"", "empty"),
-        "urdf_not_xml": ("urdf", b"\x00\xff\xfe garbage", "NUL"),
+        "urdf_not_xml": ("urdf", b"\x00\xff\xfe garbage", "zero byte"),
         "urdf_truncated": ("urdf", open(URDF, "rb").read()[:2000], "not well-formed"),
         "urdf_deep": ("urdf", b"<robot name='r'>" + b"<a>" * 200000, "nested too deeply"),
         "urdf_two_roots": ("urdf", b"<robot name='r'><link name='a'/><link name='b'/></robot>", "two root links"),

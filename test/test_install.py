@@ -74,6 +74,32 @@ def test_a_program_compiles_against_the_installed_headers_without_ros(installed,
     assert float(done.stdout) == pytest.approx(1.5, abs=1e-12)
 
 
+PYTHON_PROGRAM = """
+import collision_pairs, collision_pairs.msg
+from collision_pairs.srv import CheckCollisionsRequest
+assert collision_pairs.__file__.startswith({place!r}), collision_pairs.__file__
+assert "_native" not in str(vars(collision_pairs)), "loaded before it was asked for"
+assert CheckCollisionsRequest().gradient is False and collision_pairs.msg.CollisionPair.NEAR == 0
+robot = collision_pairs.Robot({urdf!r}, srdf={srdf!r})
+detector = collision_pairs.Detector(collision_pairs.Scene(robot))
+print(collision_pairs.Verdict(detector.check([0.0] * len(robot.joints)).verdict).name)
+"""
+
+
+@pytest.mark.parametrize("space", ("devel", "install"))
+def test_python_imports_module_and_messages(installed, space):
+    """After `source devel/setup.bash`; of what is installed by Python's path, which a setup.bash there would say."""
+    prefix = os.path.join(BUILD, "devel") if space == "devel" else str(installed)
+    path = "source %s/setup.bash" % prefix if space == "devel" else "PYTHONPATH=%s/lib/python3/dist-packages" % prefix
+    program = PYTHON_PROGRAM.format(place=prefix, urdf=DEMO + "/demo_robot.urdf", srdf=DEMO + "/demo_robot.srdf")
+    done = subprocess.run(
+        ["bash", "-c", path + "; export PYTHONPATH ROS_PACKAGE_PATH=%s:/usr/share; exec python3 -" % PROJECT],
+        input=program, env={"PATH": "/usr/bin:/bin", "PYTHONDONTWRITEBYTECODE": "1"}, text=True,
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    assert (done.stdout, done.returncode) == ("FREE\n", 0), done.stderr
+    assert os.path.isfile(prefix + "/lib/python3/dist-packages/collision_pairs/__init__.pyi")
+
+
 @pytest.mark.parametrize("name", sorted(n for n in os.listdir(os.path.join(PROJECT, "launch")) if n.endswith(".launch")))
 def test_launch_files_are_sound(tmp_path, name):
     checker = "/usr/share/roslaunch/scripts/roslaunch-check"

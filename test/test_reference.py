@@ -5,7 +5,10 @@ The data are not part of this package: COLLISION_PAIRS_SHARED names their folder
 import csv
 import os
 
+import numpy as np
 import pytest
+
+import collision_pairs as cp
 
 MODELS = {"panda": "panda_model", "ur5": "ur_model", "pr2": "pr2_model"}
 # This one pair stands within 1e-7 m of touching: no verdict of it is wrong.
@@ -60,3 +63,27 @@ def test_world_pairs_and_distances_are_the_references(run_tool, shared, tmp_path
             distance = min(float(expected["self_distance"]), float(expected["world_distance"]))
             assert abs(float(found["min_distance"]) - distance) < 1e-6, expected["state"]
         assert not differing(robot, expected["state"], pair_set(found["pairs"]), pairs), expected["state"]
+
+
+@pytest.mark.parametrize("robot", MODELS)
+def test_python_gives_the_references(monkeypatch, shared, robot):
+    monkeypatch.setenv("ROS_PACKAGE_PATH", os.path.join(shared, "robots") + ":/usr/share")
+    model = os.path.join(shared, "robots", MODELS[robot])
+    checked = cp.Robot("%s/urdf/%s.urdf" % (model, robot), srdf="%s/srdf/%s.srdf" % (model, robot))
+    world = cp.Robot("%s/robots/world_model/urdf/world_%s.urdf" % (shared, robot))
+    rows = rows_of("%s/reference/joints_%s.csv" % (shared, robot))
+    states = np.array([list(row.values()) for row in rows], float)
+    reference = rows_of("%s/reference/reference_%s.csv" % (shared, robot))
+    assert len(states) == len(reference) == 500
+    for scene, columns in ((cp.Scene(checked), ["self_pairs"]),
+                           (cp.Scene(checked, world=world), ["self_pairs", "world_pairs"])):
+        result = cp.Detector(scene).check(states, list(rows[0]), min_distance=True)
+        found = [set() for _ in states]
+        for pair in result.pairs[result.pairs["state"] == cp.PairState.CONTACT]:
+            found[pair["row"]].add("%s|%s" % (result.models[pair["first"]], result.models[pair["second"]]))
+        for i, expected in enumerate(reference):
+            pairs = set().union(*(pair_set(expected[column]) for column in columns))
+            assert not differing(robot, expected["state"], found[i], pairs), expected["state"]
+            assert result.verdict[i] == (cp.Verdict.COLLISION if found[i] else cp.Verdict.FREE), expected["state"]
+            if not pairs and columns == ["self_pairs"]:
+                assert abs(result.min_distance[i] - float(expected["self_distance"])) < 1e-6, expected["state"]

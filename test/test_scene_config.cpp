@@ -114,7 +114,7 @@ class ConfigFile : public testing::Test {
   std::string refusalOf(const std::string& yaml) {
     std::ofstream(path_) << yaml;
     try {
-      readSceneConfigFile(path_, {"rate"});
+      readSceneConfigFile(path_);
     } catch (const InputError& error) {
       return error.what();
     }
@@ -138,10 +138,7 @@ TEST_F(ConfigFile, IsNamedInWhatIsWrongWithIt) {
 
 TEST_F(ConfigFile, OfTheNodeIsAsTheNodeHasIt) {
   const std::string shipped = std::string(PROJECT_SOURCE_DIR) + "/config/collision_pairs_node.yaml";
-  const SceneConfig config = readSceneConfigFile(
-      shipped, {"alarm_distance", "fidelity", "time_budget", "rate", "robots",
-                "show_only_investigated_boxes", "fixed_frame", "max_transform_age", "max_pose_age",
-                "clock_tolerance", "verdict_only", "min_distance"});
+  const SceneConfig config = readSceneConfigFile(shipped);
   EXPECT_TRUE(config.restriction.empty());
   EXPECT_FALSE(config.floor);
 }

@@ -16,8 +16,9 @@ class BatchCheck {
   /// threads: 0 means as many as the machine has.
   explicit BatchCheck(std::shared_ptr<const CollisionScene> scene, unsigned threads = 0);
 
-  /// Calls pose(i, poses) and then take(i, report) for each i below `count`, each i once, in any
-  /// order and from several threads at a time: both must leave alone what belongs to another i.
+  /// Calls pose(i, poses) and then, on the same thread, take(i, report) for each i below `count`,
+  /// each i once, in any order and from several threads at a time: both must leave alone what
+  /// belongs to another i.
   /// The first exception of either ends the batch and is thrown again here.
   using Pose = std::function<void(std::size_t, BodyPoses&)>;
   using Take = std::function<void(std::size_t, const CollisionReport&)>;

@@ -91,6 +91,17 @@ struct CollisionReport {
   /// (NarrowPhase::numAnsweredNatively).
   std::uint32_t nb_answered_natively = 0;
   StageTimes times;
+
+  /// Of the contacts of one of `pairs`, the one that its distance is of; null where it has none
+  /// (verdict_only).
+  const Contact* nearestContact(const PairReport& pair) const {
+    const Contact* nearest = nullptr;
+    for (std::uint32_t i = 0; i < pair.nb_contacts; ++i) {
+      const Contact& contact = contacts[pair.first_contact + i];
+      if (nearest == nullptr || contact.depth > nearest->depth) nearest = &contact;
+    }
+    return nearest;
+  }
 };
 
 }  // namespace collision_pairs

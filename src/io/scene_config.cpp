@@ -1,6 +1,7 @@
 #include "scene_config.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <map>
@@ -12,6 +13,15 @@
 
 namespace collision_pairs {
 namespace {
+
+/// What else the node's parameter file holds; it fits here as it is.
+constexpr std::array<const char*, 12> OF_THE_NODE_ONLY = {
+    "alarm_distance",  "fidelity",
+    "time_budget",     "rate",
+    "robots",          "show_only_investigated_boxes",
+    "verdict_only",    "min_distance",
+    "max_pose_age",    "max_transform_age",
+    "clock_tolerance", "fixed_frame"};
 
 std::string shown(const YAML::Node& node) {
   YAML::Emitter out;
@@ -201,29 +211,32 @@ SceneConfig readSceneConfig(const YAML::Node& map) {
   return config;
 }
 
-SceneConfig readSceneConfigFile(const std::string& path,
-                                const std::vector<std::string>& other_keys) {
+SceneConfig readSceneSettings(const YAML::Node& map, const std::string& origin) {
+  if (map.IsNull()) return {};
+  if (!map.IsMap()) throw InputError(origin + ": must be a map of settings, such as padding: 0.01");
+  std::vector<std::string> known = sceneConfigKeys();
+  known.insert(known.end(), OF_THE_NODE_ONLY.begin(), OF_THE_NODE_ONLY.end());
+  for (const auto& entry : map) {
+    const std::string key = entry.first.Scalar();
+    if (std::find(known.begin(), known.end(), key) != known.end()) continue;
+    throw InputError(origin + ": '" + key + "' is no setting; is '" + nearestName(key, known) +
+                     "' meant?");
+  }
+  try {
+    return readSceneConfig(map);
+  } catch (const InputError& error) {
+    throw InputError(origin + ": " + error.what());
+  }
+}
+
+SceneConfig readSceneConfigFile(const std::string& path) {
   YAML::Node map;
   try {
     map = YAML::Load(readTextFile(path));
   } catch (const YAML::Exception& error) {
     throw InputError(path + ": " + error.what());
   }
-  if (map.IsNull()) return {};
-  if (!map.IsMap()) throw InputError(path + ": must be a map of settings, such as padding: 0.01");
-  std::vector<std::string> known = sceneConfigKeys();
-  known.insert(known.end(), other_keys.begin(), other_keys.end());
-  for (const auto& entry : map) {
-    const std::string key = entry.first.Scalar();
-    if (std::find(known.begin(), known.end(), key) != known.end()) continue;
-    throw InputError(path + ": '" + key + "' is no setting; is '" + nearestName(key, known) +
-                     "' meant?");
-  }
-  try {
-    return readSceneConfig(map);
-  } catch (const InputError& error) {
-    throw InputError(path + ": " + error.what());
-  }
+  return readSceneSettings(map, path);
 }
 
 }  // namespace collision_pairs

@@ -25,9 +25,11 @@ const std::vector<std::string>& sceneConfigKeys();
 /// pairs out unseen. Whether its links exist is for the scene to say.
 SceneConfig readSceneConfig(const YAML::Node& map);
 
-/// The same from a YAML file, for example the one that the node's parameters are loaded from. A key
-/// that is neither of these nor another parameter of the node (`other_keys`) is refused.
-SceneConfig readSceneConfigFile(const std::string& path,
-                                const std::vector<std::string>& other_keys);
+/// The same, but a key that is neither of these nor another parameter of the node is refused.
+/// `origin`: what the map came from, for messages.
+SceneConfig readSceneSettings(const YAML::Node& map, const std::string& origin);
+
+/// The same from a YAML file, for example the one that the node's parameters are loaded from.
+SceneConfig readSceneConfigFile(const std::string& path);
 
 }  // namespace collision_pairs

@@ -1,7 +1,5 @@
 #include "joint_query.h"
 
-#include <cmath>
-
 #include <geometry_msgs/TransformStamped.h>
 #include <tf2/exceptions.h>
 
@@ -13,8 +11,6 @@ namespace collision_pairs {
 namespace {
 
 using Eigen::Isometry3d;
-
-constexpr double MIMIC_TOLERANCE = 1e-6;  // rad or m
 
 /// By body of the robot: whether one that the scene checks is it, or moves with it.
 std::vector<char> bodiesNeeded(const CollisionScene& scene) {
@@ -49,9 +45,7 @@ bool askTf(const JointQueryTf& tf, const std::string& parent, const std::string&
 
 JointQuery::JointQuery(const std::vector<std::string>& names, const CollisionScene& scene,
                        const JointQueryTf& tf)
-    : scene_(scene), name_of_joint_(scene.robot().joints().size(), -1) {
-  readNames(names);
-  refuseLoneMimics();
+    : scene_(scene), columns_(names, scene.robot()) {
   const std::vector<char> is_needed = bodiesNeeded(scene);
   for (const Body& body : scene.robot().bodies()) {
     std::string doubt;
@@ -71,8 +65,9 @@ JointQuery::Source JointQuery::sourceOf(const Body& body, const JointQueryTf& tf
     throw InputError("TF does not know root link '" + link + "' in frame '" + tf.frame +
                      "' at stamp " + std::to_string(tf.stamp.toSec()));
   }
-  Source source = leaderOf(body.joint);
-  if (source.name >= 0) return source;
+  Source source;
+  source.joint = columns_.sourceOf(body.joint);
+  if (source.joint.column >= 0) return source;
   const Joint& joint = robot.joints()[body.joint];
   const std::string& parent = robot.links()[robot.bodies()[body.parent].link].name;
   if (askTf(tf, parent, link, source.X_PB, doubt)) {
@@ -85,85 +80,42 @@ JointQuery::Source JointQuery::sourceOf(const Body& body, const JointQueryTf& tf
   return source;
 }
 
-void JointQuery::readNames(const std::vector<std::string>& names) {
+void JointQuery::refuseOtherCount(const std::vector<double>& positions) const {
+  if (positions.size() == columns_.size()) return;
+  throw InputError(std::to_string(columns_.size()) + " joints are named, but there are " +
+                   std::to_string(positions.size()) + " positions");
+}
+
+void JointQuery::bodyPosesAt(const std::vector<double>& positions,
+                             std::vector<Isometry3d>& X_WB) const {
+  refuseOtherCount(positions);
+  columns_.check(positions.data());
   const RobotModel& robot = scene_.robot();
-  for (const std::string& name : names) {
-    const int joint = robot.findJoint(name);
-    if (joint < 0) throw InputError("joint '" + name + "' is not in robot '" + robot.name() + "'");
-    if (!robot.joints()[joint].hasPosition()) {
-      throw InputError("joint '" + name +
-                       "' is fixed, floating or planar: it has no position to set");
+  X_WB.resize(robot.bodies().size());
+  for (std::size_t i = 0; i < robot.bodies().size(); ++i) {
+    const Body& body = robot.bodies()[i];
+    const auto& [joint, X_PB] = sources_[i];
+    if (body.joint < 0) {
+      X_WB[i] = X_PB;
+    } else if (joint.column < 0) {
+      X_WB[i] = X_WB[body.parent] * X_PB;
+    } else {
+      const double position = joint.multiplier * positions[joint.column] + joint.offset;
+      X_WB[i] = X_WB[body.parent] * body.X_PJ * robot.joints()[body.joint].motion(position);
     }
-    if (name_of_joint_[joint] >= 0) throw InputError("joint '" + name + "' is named twice");
-    name_of_joint_[joint] = static_cast<int>(joint_of_name_.size());
-    joint_of_name_.push_back(joint);
-  }
-}
-
-JointQuery::Source JointQuery::leaderOf(int joint) const {
-  Source source;
-  const auto& joints = scene_.robot().joints();
-  for (; joints[joint].mimic; joint = joints[joint].mimic->joint) {
-    source.offset += source.multiplier * joints[joint].mimic->offset;
-    source.multiplier *= joints[joint].mimic->multiplier;
-  }
-  source.name = name_of_joint_[joint];
-  return source;
-}
-
-void JointQuery::refuseLoneMimics() const {
-  for (const int joint : joint_of_name_) {
-    const Joint& named = scene_.robot().joints()[joint];
-    if (!named.mimic || leaderOf(joint).name >= 0) continue;
-    throw InputError("joint '" + named.name + "' mimics '" +
-                     scene_.robot().joints()[named.mimic->joint].name + "'; name that one");
-  }
-}
-
-void JointQuery::refuseWrong(const std::vector<double>& positions) const {
-  const RobotModel& robot = scene_.robot();
-  if (positions.size() != joint_of_name_.size()) {
-    throw InputError(std::to_string(joint_of_name_.size()) + " joints are named, but there are " +
-                     std::to_string(positions.size()) + " positions");
-  }
-  for (std::size_t i = 0; i < positions.size(); ++i) {
-    const Joint& joint = robot.joints()[joint_of_name_[i]];
-    if (!std::isfinite(positions[i])) {
-      throw InputError("joint '" + joint.name + "': its position is not finite");
-    }
-    if (!joint.mimic) continue;
-    const Source leader = leaderOf(joint_of_name_[i]);
-    const double expected = leader.multiplier * positions[leader.name] + leader.offset;
-    if (std::abs(positions[i] - expected) <= MIMIC_TOLERANCE) continue;
-    throw InputError("joint '" + joint.name + "' is " + std::to_string(positions[i]) +
-                     ", but by the joint it mimics it must be " + std::to_string(expected));
   }
 }
 
 void JointQuery::posesAt(const std::vector<double>& positions, BodyPoses& poses) const {
-  refuseWrong(positions);
-  const RobotModel& robot = scene_.robot();
   thread_local std::vector<Isometry3d> X_WB;
-  X_WB.resize(robot.bodies().size());
-  for (std::size_t i = 0; i < robot.bodies().size(); ++i) {
-    const Body& body = robot.bodies()[i];
-    const Source& source = sources_[i];
-    if (body.joint < 0) {
-      X_WB[i] = source.X_PB;
-    } else if (source.name < 0) {
-      X_WB[i] = X_WB[body.parent] * source.X_PB;
-    } else {
-      const double position = source.multiplier * positions[source.name] + source.offset;
-      X_WB[i] = X_WB[body.parent] * body.X_PJ * robot.joints()[body.joint].motion(position);
-    }
-  }
+  bodyPosesAt(positions, X_WB);
   scene_.gatherPoses(X_WB, poses);
 }
 
 std::vector<double> JointQuery::jointPositionsAt(const std::vector<double>& positions) const {
-  refuseWrong(positions);
+  refuseOtherCount(positions);
   std::vector<double> all = scene_.robot().zeroPositions();
-  for (std::size_t i = 0; i < positions.size(); ++i) all[joint_of_name_[i]] = positions[i];
+  columns_.apply(positions.data(), all);
   return all;
 }
 
@@ -171,7 +123,7 @@ std::vector<std::optional<Isometry3d>> JointQuery::placedBodies() const {
   std::vector<std::optional<Isometry3d>> placed;
   for (const Source& source : sources_) {
     placed.emplace_back();
-    if (source.name < 0) placed.back() = source.X_PB;
+    if (source.joint.column < 0) placed.back() = source.X_PB;
   }
   return placed;
 }

@@ -9,6 +9,7 @@
 
 #include "collision_pairs/body_poses.h"
 #include "collision_pairs/collision_scene.h"
+#include "collision_pairs/joint_columns.h"
 #include "transform_input.h"
 
 namespace collision_pairs {
@@ -35,6 +36,11 @@ class JointQuery {
   /// One position for each name. Throws InputError that names the joint for one that is not finite
   /// or at odds with the joint it mimics, or if there are too few or too many.
   void posesAt(const std::vector<double>& positions, BodyPoses& poses) const;
+  /// The same of all RobotModel::bodies().
+  void bodyPosesAt(const std::vector<double>& positions,
+                   std::vector<Eigen::Isometry3d>& X_WB) const;
+
+  const JointColumns& columns() const { return columns_; }
 
   /// The same state for MotionCheck: a position for each of RobotModel::joints(), and the bodies
   /// that stand elsewhere than the positions say.
@@ -51,23 +57,16 @@ class JointQuery {
  private:
   /// Where a body's joint gets its position from.
   struct Source {
-    int name = -1;  ///< index of the leading joint among the names; -1: X_PB is the pose
-    double multiplier = 1.0;
-    double offset = 0.0;
-    Eigen::Isometry3d X_PB;  ///< pose of the body in its parent's frame
+    JointColumns::Source joint;  ///< of no column: X_PB is the pose
+    Eigen::Isometry3d X_PB;      ///< pose of the body in its parent's frame
   };
 
-  void readNames(const std::vector<std::string>& names);
-  /// Follows mimics: the name that leads the joint, or none.
-  Source leaderOf(int joint) const;
   Source sourceOf(const Body& body, const JointQueryTf& tf, std::string& doubt);
-  void refuseLoneMimics() const;
-  void refuseWrong(const std::vector<double>& positions) const;
+  void refuseOtherCount(const std::vector<double>& positions) const;
 
   const CollisionScene& scene_;
-  std::vector<int> joint_of_name_;
-  std::vector<int> name_of_joint_;  // -1: not named
-  std::vector<Source> sources_;     // one a body; that of the root holds its pose in the frame
+  const JointColumns columns_;
+  std::vector<Source> sources_;  // one a body; that of the root holds its pose in the frame
   std::vector<std::string> joints_from_tf_;
   std::vector<std::string> joints_at_zero_;
   std::vector<std::string> doubts_;

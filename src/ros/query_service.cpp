@@ -1,7 +1,9 @@
 #include "query_service.h"
 
 #include <algorithm>
+#include <optional>
 
+#include "collision_pairs/distance_gradient.h"
 #include "conversions.h"
 #include "joint_query.h"
 #include "tf_check.h"
@@ -16,6 +18,26 @@ void refuse(const std::string& why, CheckCollisions::Response& response) {
   response.success = false;
   response.message = why;
   response.result = unknown(why, "", ros::Time::now());
+}
+
+void refuseGradientOfNothing(const CheckCollisions::Request& request) {
+  if (!request.gradient) return;
+  if (request.joint_state.name.empty()) {
+    throw InputError("gradient wants a joint_state: it is by the joints that this names");
+  }
+  if (request.verdict_only) throw InputError("gradient wants distances: not with verdict_only");
+}
+
+/// `result` is the message of the report.
+void addGradients(const CollisionReport& report, const CollisionScene& scene,
+                  const JointColumns& joints, const std::vector<Eigen::Isometry3d>& X_WB,
+                  CollisionPairs& result) {
+  DistanceGradient gradient(scene, joints);
+  for (std::size_t i = 0; i < report.pairs.size(); ++i) {
+    auto& numbers = result.pairs[i].gradient;
+    numbers.resize(joints.size());
+    if (!gradient.compute(report.pairs[i], report, X_WB, numbers.data())) numbers.clear();
+  }
 }
 
 }  // namespace
@@ -62,22 +84,24 @@ void QueryService::check(const CheckCollisions::Request& request,
   const ActiveScene& active = *active_scene;
   const auto& scene = active.scene;
   const CheckSettings settings = settingsFor(request, defaults.settings);
+  refuseGradientOfNothing(request);
   const ros::WallTime start = ros::WallTime::now();
   const ros::Time now = ros::Time::now();
   transforms_.followClock(now);
   StampedPoses stamped = posesAt(active, request.stamp, now, defaults.limits);
   std::vector<std::string> doubts;
-  bool is_from_tf = false;
+  std::optional<JointQuery> query;
+  std::vector<Eigen::Isometry3d> X_WB;
   if (!request.joint_state.name.empty() || !request.joint_state.position.empty()) {
-    const JointQuery query(
+    query.emplace(
         request.joint_state.name, *scene,
-        {transforms_, active.frame, stamped.stamp, now, defaults.limits.max_pose_age});
-    query.posesAt(request.joint_state.position, stamped.poses);
-    doubts = query.doubts();
-    response.joints_from_tf = query.jointsFromTf();
-    response.joints_at_zero = query.jointsAtZero();
+        JointQueryTf{transforms_, active.frame, stamped.stamp, now, defaults.limits.max_pose_age});
+    query->bodyPosesAt(request.joint_state.position, X_WB);
+    scene->gatherPoses(X_WB, stamped.poses);
+    doubts = query->doubts();
+    response.joints_from_tf = query->jointsFromTf();
+    response.joints_at_zero = query->jointsAtZero();
   } else {
-    is_from_tf = true;
     doubts = doubtsOf(stamped, transforms_);
     if (stamped.nb_asked > 0 && stamped.nb_found == 0) {
       throw InputError("no transform is known: " + doubts.front());
@@ -87,7 +111,10 @@ void QueryService::check(const CheckCollisions::Request& request,
 
   CollisionDetector& detector = detectorFor(scene);
   response.result = checkPoses(active, stamped, doubts, settings, now, transform_time, detector);
-  if (is_from_tf) addClosingMotion(active, stamped, detector.report(), response.result);
+  if (!query) addClosingMotion(active, stamped, detector.report(), response.result);
+  if (request.gradient) {
+    addGradients(detector.report(), *scene, query->columns(), X_WB, response.result);
+  }
   if (scene->models().empty()) response.message = "there is no pair to check";
   if (!doubts.empty()) response.message = doubts.front();
 }

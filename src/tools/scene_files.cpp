@@ -11,17 +11,6 @@
 namespace collision_pairs {
 namespace {
 
-/// What else the node's parameter file holds; it fits here as it is.
-const std::vector<std::string>& parametersOfTheNodeOnly() {
-  static const std::vector<std::string> KEYS = {"alarm_distance",  "fidelity",
-                                                "time_budget",     "rate",
-                                                "robots",          "show_only_investigated_boxes",
-                                                "verdict_only",    "min_distance",
-                                                "max_pose_age",    "max_transform_age",
-                                                "clock_tolerance", "fixed_frame"};
-  return KEYS;
-}
-
 /// `origin` is what the text came from: a file, or a topic of a bag.
 Srdf srdfFromText(const std::string& text, const std::string& origin, const RobotModel& robot) {
   std::vector<std::string> links;
@@ -62,7 +51,7 @@ SceneSources readSources(const TextFrom& urdf, const TextFrom& srdf, const Scene
     sources.world = sourceFrom({options.world, readTextFile(options.world)}, load_mesh);
   }
   if (!options.settings.empty()) {
-    sources.config = readSceneConfigFile(options.settings, parametersOfTheNodeOnly());
+    sources.config = readSceneConfigFile(options.settings);
   }
   return sources;
 }

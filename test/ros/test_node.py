@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 """The node beside a real roscore, robot_state_publisher and TF: the demo robot in chosen postures."""
 import os
+import subprocess
 import sys
 import unittest
 
@@ -14,6 +15,7 @@ from sensor_msgs.msg import JointState
 from std_srvs.srv import Trigger
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
+import collision_pairs as cp
 from collision_pairs.msg import CollisionPair
 from collision_pairs.srv import CheckCollisionsRequest, CheckTrajectory
 from node_client import JointPublisher, NodeClient, boxes_by_namespace
@@ -90,6 +92,26 @@ class NodeTest(unittest.TestCase):
         real = self.report_in(CONTACT)
         self.assert_same_pairs(reply.result, real)
 
+    def test_python_beside_the_node_answers_as_its_service(self):
+        self.report_in(FREE)
+        detector = cp.Detector(cp.Scene(cp.Robot.from_parameters(), settings=rospy.get_param("/collision_pairs_node")))
+        for posture in POSTURES.values():
+            served = self.request(joint_state=JointState(name=JOINTS, position=posture), alarm_distance=0.1).result
+            own = detector.check(posture, JOINTS, alarm_distance=0.1)
+            self.assertEqual(own.verdict, served.verdict)
+            self.assertEqual([(p.first_link, p.second_link, p.state) for p in served.pairs],
+                             [(own.models[p["first"]], own.models[p["second"]], p["state"]) for p in own.pairs])
+            for a, b in zip(served.pairs, own.pairs):
+                self.assertAlmostEqual(a.distance, b["distance"], places=9)
+
+    def test_the_example_of_a_live_robot_sees_the_verdict(self):
+        example = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../examples/watch_live_robot.py")
+        for posture, verdict in ((FREE, "FREE"), (CONTACT, "COLLISION")):
+            self.report_in(posture)
+            said = subprocess.run([sys.executable, example, "--once"], timeout=60, stdout=subprocess.PIPE, text=True)
+            self.assertIn(verdict, said.stdout)
+        self.assertIn("contact arch|wrist_ball", said.stdout)
+
     def test_joints_not_named_stay_where_tf_has_them(self):
         self.report_in(CONTACT)
         reply = self.request(joint_state=JointState(name=["shoulder_pan"], position=[CONTACT[0]]))
@@ -107,6 +129,31 @@ class NodeTest(unittest.TestCase):
         torn = self.request(joint_state=JointState(name=["gripper", "gripper_mirror"], position=[0.0, 0.02]))
         self.assertFalse(torn.success)
         self.assertIn("gripper_mirror", torn.message)
+
+    def test_a_gradient_is_the_difference_quotient_of_the_distance_for_each_joint_of_the_request(self):
+        self.report_in(FREE)
+        names = ["elbow_flex", "shoulder_pan", "wrist_roll"]  # not all, and not in the URDF's order
+        given = [NEAR[JOINTS.index(name)] for name in names]
+        rest = [name for name in JOINTS if name not in names]
+
+        def pairs(positions, **fields):
+            state = JointState(name=names + rest, position=positions + [NEAR[JOINTS.index(n)] for n in rest])
+            reply = self.request(joint_state=state, alarm_distance=0.15, **fields)
+            self.assertTrue(reply.success, reply.message)
+            return {(p.first_link, p.second_link): p for p in reply.result.pairs}
+
+        found = pairs(given, gradient=True)
+        self.assertGreater(len(found), 1)
+        for pair in found.values():
+            self.assertEqual(len(pair.gradient), len(JOINTS))
+        step = 1e-4
+        for i in range(len(names)):
+            ahead, behind = (pairs([p + s * (j == i) for j, p in enumerate(given)]) for s in (step, -step))
+            for name in found.keys() & ahead.keys() & behind.keys():
+                slope = (ahead[name].distance - behind[name].distance) / (2.0 * step)
+                self.assertAlmostEqual(found[name].gradient[i], slope, delta=1e-5, msg=str((name, names[i])))
+        self.assertGreater(max(abs(g) for pair in found.values() for g in pair.gradient), 0.1)
+        self.assertEqual({len(pair.gradient) for pair in pairs(given).values()}, {0})
 
     def test_a_trajectory_is_answered_as_its_points_one_by_one(self):
         self.report_in(FREE)
@@ -165,6 +212,9 @@ class NodeTest(unittest.TestCase):
             "positions": dict(joint_state=JointState(name=["shoulder_pan"], position=[])),
             "twice": dict(joint_state=JointState(name=["gripper", "gripper"], position=[0.0, 0.0])),
             "exact": dict(fidelity="exact"),
+            "gradient wants a joint_state": dict(gradient=True),
+            "not with verdict_only": dict(joint_state=JointState(name=["gripper"], position=[0.0]), gradient=True,
+                                          verdict_only=True),
             "alarm_distance": dict(alarm_distance=nan),
             "extrapolation": dict(stamp=rospy.Time.now() + rospy.Duration(100)),
         }

@@ -1,0 +1,23 @@
+// The nearest points of two solids to rounding, from points that are near them.
+#pragma once
+
+#include <Eigen/Geometry>
+
+#include "collision_pairs/narrow_phase.h"
+
+namespace collision_pairs {
+
+struct ClosestPair {
+  Eigen::Vector3d p_ACa, p_ACb;  ///< on A and on B, in A's frame
+};
+
+/// Goes to and fro between A and B, from p_ACb to the nearest point of A, from there to the nearest
+/// point of B and so on, which has the two nearest points as its limit, and extrapolates: near them
+/// the way is linear, with at most two slow directions (Anderson acceleration, "Iterative
+/// Procedures for Nonlinear Integral Equations", 1965, with a memory of two). For solids that are
+/// apart and, about these points, convex. Mostly four rounds, of two queries with a point each.
+ClosestPair closestPairNear(const PreparedShape& A, const PreparedShape& B,
+                            const Eigen::Isometry3d& X_AB, const Eigen::Vector3d& p_ACb,
+                            NarrowPhase& narrow_phase);
+
+}  // namespace collision_pairs

@@ -1,0 +1,107 @@
+#include "collision_pairs/distance_gradient.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <variant>
+
+#include "closest_pair.h"
+
+namespace collision_pairs {
+namespace {
+
+using Eigen::Isometry3d;
+using Eigen::Vector3d;
+
+/// Whether it is the distance of the axis-aligned boxes, which a rung that sticks out of the next
+/// answers with where that is the better bound.
+bool isOfAlignedBoxes(const PairReport& pair, const BoxPair& elements,
+                      const CollisionReport& report, const CollisionScene& scene) {
+  if (pair.fidelity == Fidelity::AABB) return true;
+  const bool loose = scene.elements()[elements.first].rung(pair.fidelity).loose ||
+                     scene.elements()[elements.second].rung(pair.fidelity).loose;
+  if (!loose) return false;
+  const Aabb &a = report.boxes[elements.first], &b = report.boxes[elements.second];
+  const double widest = (b.min - a.max).cwiseMax(a.min - b.max).maxCoeff();
+  return pair.distance == (widest > 0.0 ? std::sqrt(squaredGap(a, b)) : widest);
+}
+
+/// In RobotModel::bodies(); -1: it never moves.
+int bodyOf(std::uint32_t model, const CollisionScene& scene) {
+  const int body = scene.models()[model].body;
+  return body < 0 ? -1 : scene.bodies()[body].body;
+}
+
+bool isCylinder(const Rung& rung) { return std::holds_alternative<Cylinder>(rung.shape->shape()); }
+
+Isometry3d poseOf(const SceneElement& element, const CollisionScene& scene,
+                  const std::vector<Isometry3d>& X_WB) {
+  return element.body < 0 ? element.X_BE : X_WB[scene.bodies()[element.body].body] * element.X_BE;
+}
+
+}  // namespace
+
+DistanceGradient::DistanceGradient(const CollisionScene& scene, const JointColumns& joints)
+    : scene_(scene), joints_(joints) {}
+
+bool DistanceGradient::compute(const PairReport& pair, const CollisionReport& report,
+                               const std::vector<Isometry3d>& X_WB, double* gradient) {
+  const Contact* found = report.nearestContact(pair);
+  const bool is_measured = found != nullptr && (pair.certainty == Certainty::EXACT ||
+                                                pair.certainty == Certainty::BOUND);
+  if (!is_measured || isOfAlignedBoxes(pair, found->elements, report, scene_)) {
+    std::fill_n(gradient, joints_.size(), std::numeric_limits<double>::quiet_NaN());
+    return false;
+  }
+  Contact nearest = *found;
+  refineAtCylinders(pair, X_WB, nearest);
+  std::fill_n(gradient, joints_.size(), 0.0);
+  // From both links upwards until they meet: a parent has the smaller number. The joints above move
+  // both alike and change nothing.
+  const auto& bodies = scene_.robot().bodies();
+  int first = bodyOf(pair.first, scene_), second = bodyOf(pair.second, scene_);
+  while (first != second) {
+    if (first > second) {
+      addSpeed(first, nearest.p_WFirst, -nearest.nhat_W, X_WB, gradient);
+      first = bodies[first].parent;
+    } else {
+      addSpeed(second, nearest.p_WSecond, nearest.nhat_W, X_WB, gradient);
+      second = bodies[second].parent;
+    }
+  }
+  return true;
+}
+
+// The body turns about an axis through its origin, or slides along it: both are the joint's.
+void DistanceGradient::addSpeed(int body, const Vector3d& p_W, const Vector3d& nhat_W,
+                                const std::vector<Isometry3d>& X_WB, double* gradient) const {
+  const int joint_id = scene_.robot().bodies()[body].joint;
+  if (joint_id < 0 || joints_.sourceOf(joint_id).column < 0) return;
+  const JointColumns::Source& source = joints_.sourceOf(joint_id);
+  const Joint& joint = scene_.robot().joints()[joint_id];
+  const Vector3d axis_W = X_WB[body].linear() * joint.axis;
+  const Vector3d velocity =
+      joint.type == JointType::PRISMATIC ? axis_W : axis_W.cross(p_W - X_WB[body].translation());
+  gradient[source.column] += source.multiplier * nhat_W.dot(velocity);
+}
+
+void DistanceGradient::refineAtCylinders(const PairReport& pair,
+                                         const std::vector<Isometry3d>& X_WB, Contact& nearest) {
+  const SceneElement& a = scene_.elements()[nearest.elements.first];
+  const SceneElement& b = scene_.elements()[nearest.elements.second];
+  const Rung &rung_a = a.rung(pair.fidelity), &rung_b = b.rung(pair.fidelity);
+  const double padding = scene_.padding(nearest.elements.first, nearest.elements.second);
+  const bool is_apart = pair.distance + padding > 0.0;
+  if (!is_apart || (!isCylinder(rung_a) && !isCylinder(rung_b))) return;
+  const Isometry3d X_WA = poseOf(a, scene_, X_WB);
+  const Isometry3d X_AB = X_WA.inverse() * poseOf(b, scene_, X_WB);
+  const ClosestPair closest = closestPairNear(*rung_a.shape, *rung_b.shape, X_AB,
+                                              X_WA.inverse() * nearest.p_WSecond, narrow_phase_);
+  const Vector3d apart = closest.p_ACb - closest.p_ACa;
+  if (!(apart.norm() > 0.0) || !apart.allFinite()) return;
+  nearest.p_WFirst = X_WA * closest.p_ACa;
+  nearest.p_WSecond = X_WA * closest.p_ACb;
+  nearest.nhat_W = X_WA.linear() * apart.normalized();
+}
+
+}  // namespace collision_pairs

@@ -1,0 +1,86 @@
+#include "collision_pairs/joint_columns.h"
+
+#include <cmath>
+
+#include "collision_pairs/input_error.h"
+
+namespace collision_pairs {
+namespace {
+
+constexpr double MIMIC_TOLERANCE = 1e-6;  // rad or m: what a print with six decimals leaves
+
+}  // namespace
+
+JointColumns::JointColumns(const std::vector<std::string>& names, const RobotModel& robot)
+    : robot_(robot) {
+  const auto& joints = robot.joints();
+  std::vector<int> column_of_joint(joints.size(), -1);
+  for (const std::string& name : names) {
+    const int joint = robot.findJoint(name);
+    if (joint < 0) throw InputError("joint '" + name + "' is not in robot '" + robot.name() + "'");
+    if (!joints[joint].hasPosition()) {
+      throw InputError("joint '" + name +
+                       "' is fixed, floating or planar: it has no position to set");
+    }
+    if (column_of_joint[joint] >= 0) throw InputError("joint '" + name + "' is named twice");
+    column_of_joint[joint] = static_cast<int>(joint_of_column_.size());
+    joint_of_column_.push_back(joint);
+  }
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    source_of_joint_.push_back(followed(static_cast<int>(i), column_of_joint));
+  }
+  for (const int joint : joint_of_column_) {
+    if (source_of_joint_[joint].column >= 0) continue;
+    throw InputError("joint '" + joints[joint].name + "' mimics '" +
+                     joints[joints[joint].mimic->joint].name + "'; name that one");
+  }
+}
+
+JointColumns::Source JointColumns::followed(int joint,
+                                            const std::vector<int>& column_of_joint) const {
+  Source source;
+  const auto& joints = robot_.joints();
+  for (; joints[joint].mimic; joint = joints[joint].mimic->joint) {
+    source.offset += source.multiplier * joints[joint].mimic->offset;
+    source.multiplier *= joints[joint].mimic->multiplier;
+  }
+  source.column = column_of_joint[joint];
+  return source;
+}
+
+void JointColumns::check(const double* state) const {
+  for (std::size_t i = 0; i < size(); ++i) {
+    const Joint& joint = robot_.joints()[joint_of_column_[i]];
+    if (!std::isfinite(state[i])) {
+      throw InputError("joint '" + joint.name + "': its position is not finite");
+    }
+    if (!joint.mimic) continue;
+    const Source& leader = source_of_joint_[joint_of_column_[i]];
+    const double expected = leader.multiplier * state[leader.column] + leader.offset;
+    if (std::abs(state[i] - expected) <= MIMIC_TOLERANCE) continue;
+    throw InputError("joint '" + joint.name + "' is " + std::to_string(state[i]) +
+                     ", but by the joint it mimics it must be " + std::to_string(expected));
+  }
+}
+
+void JointColumns::apply(const double* state, std::vector<double>& positions) const {
+  check(state);
+  for (std::size_t i = 0; i < source_of_joint_.size(); ++i) {
+    const Source& source = source_of_joint_[i];
+    if (source.column < 0) continue;
+    positions[i] = source.multiplier * state[source.column] + source.offset;
+  }
+}
+
+std::vector<std::string> JointColumns::notNamed() const {
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < source_of_joint_.size(); ++i) {
+    const Joint& joint = robot_.joints()[i];
+    if (joint.hasPosition() && !joint.mimic && source_of_joint_[i].column < 0) {
+      names.push_back(joint.name);
+    }
+  }
+  return names;
+}
+
+}  // namespace collision_pairs

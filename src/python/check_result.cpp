@@ -1,0 +1,238 @@
+#include "check_result.h"
+
+#include <algorithm>
+#include <atomic>
+#include <limits>
+#include <tuple>
+
+#include <pybind11/stl.h>
+
+#include "collision_pairs/input_error.h"
+
+namespace py = pybind11;
+
+namespace collision_pairs {
+namespace {
+
+DistanceWorth worthOf(Certainty certainty) {
+  switch (certainty) {
+    case Certainty::EXACT:
+      return DistanceWorth::EXACT;
+    case Certainty::BOUND:
+      return DistanceWorth::DEPTH_BOUND;
+    default:
+      return DistanceWorth::LOWER_BOUND;
+  }
+}
+
+std::uint32_t indexInModel(std::uint32_t element, const CollisionScene& scene) {
+  return element - scene.models()[scene.elements()[element].model].first_element;
+}
+
+PairRow rowOf(std::size_t i, const PairReport& pair, const CollisionReport& report,
+              const CollisionScene& scene) {
+  PairRow row;
+  row.row = static_cast<std::int64_t>(i);
+  row.first = pair.first;
+  row.second = pair.second;
+  row.state = static_cast<std::uint8_t>(pair.state);
+  row.certainty = static_cast<std::uint8_t>(worthOf(pair.certainty));
+  row.fidelity = static_cast<std::uint8_t>(pair.fidelity);
+  row.distance = pair.distance;
+  row.first_element = row.second_element = 0;
+  if (const Contact* nearest = report.nearestContact(pair)) {
+    Eigen::Map<Eigen::Vector3d>(row.first_point.data()) = nearest->p_WFirst;
+    Eigen::Map<Eigen::Vector3d>(row.second_point.data()) = nearest->p_WSecond;
+    Eigen::Map<Eigen::Vector3d>(row.normal.data()) = nearest->nhat_W;
+    row.first_element = indexInModel(nearest->elements.first, scene);
+    row.second_element = indexInModel(nearest->elements.second, scene);
+  } else {
+    for (auto* point : {&row.first_point, &row.second_point, &row.normal}) {
+      point->fill(std::numeric_limits<double>::quiet_NaN());
+    }
+  }
+  return row;
+}
+
+std::uint64_t nextId() {
+  static std::atomic<std::uint64_t> last{0};
+  return ++last;
+}
+
+/// An array over the numbers of a vector, which `owner` holds.
+template <class T>
+py::array_t<T> viewOf(const std::vector<T>& numbers, const py::object& owner) {
+  return py::array_t<T>(static_cast<py::ssize_t>(numbers.size()), numbers.data(), owner);
+}
+
+py::array_t<bool> viewOfBools(const std::vector<std::uint8_t>& flags, const py::object& owner) {
+  return py::array_t<bool>(static_cast<py::ssize_t>(flags.size()),
+                           reinterpret_cast<const bool*>(flags.data()), owner);
+}
+
+py::array gradientOf(const py::object& self) {
+  const auto& result = self.cast<const CheckResult&>();
+  if (!result.has_gradient) {
+    throw InputError("the gradient was not asked for: check(..., gradient=True)");
+  }
+  return py::array_t<double>({result.pairs.size(), result.nb_joints}, result.gradient.data(), self);
+}
+
+std::string textOf(const CheckResult& result) {
+  const auto count = [&](Verdict verdict) {
+    const auto& all = result.verdict;
+    return std::to_string(std::count(all.begin(), all.end(), static_cast<std::uint8_t>(verdict)));
+  };
+  return "<CheckResult of " + std::to_string(result.verdict.size()) +
+         (result.verdict.size() == 1 ? " state: " : " states: ") + count(Verdict::FREE) +
+         " FREE, " + count(Verdict::COLLISION) + " COLLISION, " + count(Verdict::UNKNOWN) +
+         " UNKNOWN; " + std::to_string(result.pairs.size()) +
+         (result.pairs.size() == 1 ? " pair>" : " pairs>");
+}
+
+}  // namespace
+
+void CheckResult::resize(std::size_t nb_states) {
+  verdict.resize(nb_states);
+  in_collision.resize(nb_states);
+  min_distance_is_bound.resize(nb_states);
+  min_distance.resize(nb_states);
+}
+
+void CheckResult::takeVerdict(std::size_t i, const CollisionReport& report) {
+  verdict[i] = static_cast<std::uint8_t>(report.verdict);
+  in_collision[i] = report.in_collision;
+  min_distance_is_bound[i] = report.min_distance_is_bound;
+  min_distance[i] = report.min_distance;
+}
+
+ResultCollector::ResultCollector(const CollisionScene& scene, const JointColumns* joints,
+                                 CheckResult& result)
+    : scene_(scene), joints_(joints), result_(result), id_(nextId()) {
+  places_.resize(result.verdict.size());
+}
+
+ResultCollector::Part& ResultCollector::partOfThisThread() {
+  thread_local std::uint64_t collector = 0;
+  thread_local Part* part = nullptr;
+  if (collector == id_) return *part;
+  const std::lock_guard<std::mutex> lock(mutex_);
+  part = parts_.emplace_back(std::make_unique<Part>()).get();
+  collector = id_;
+  if (joints_ != nullptr) part->differentiate.emplace(scene_, *joints_);
+  return *part;
+}
+
+void ResultCollector::take(std::size_t i, const CollisionReport& report,
+                           const std::vector<Eigen::Isometry3d>& X_WB) {
+  result_.takeVerdict(i, report);
+  if (report.pairs.empty() && report.left_out.empty()) return;
+  Part& part = partOfThisThread();
+  places_[i] = {&part, static_cast<std::uint32_t>(report.pairs.size()), part.pairs.size()};
+  for (const PairReport& pair : report.pairs) {
+    part.pairs.push_back(rowOf(i, pair, report, scene_));
+    if (joints_ == nullptr) continue;
+    const std::size_t begin = part.gradient.size();
+    part.gradient.resize(begin + joints_->size());
+    part.differentiate->compute(pair, report, X_WB, part.gradient.data() + begin);
+  }
+  for (const std::uint32_t model : report.left_out) {
+    part.left_out.push_back({static_cast<std::int64_t>(i), model});
+  }
+}
+
+void ResultCollector::finish() {
+  std::size_t nb_pairs = 0;
+  for (const auto& part : parts_) {
+    nb_pairs += part->pairs.size();
+    result_.left_out.insert(result_.left_out.end(), part->left_out.begin(), part->left_out.end());
+  }
+  std::sort(result_.left_out.begin(), result_.left_out.end(), [](const auto& a, const auto& b) {
+    return std::tie(a.row, a.model) < std::tie(b.row, b.model);
+  });
+  const std::size_t width = joints_ == nullptr ? 0 : joints_->size();
+  result_.pairs.reserve(nb_pairs);
+  result_.gradient.reserve(nb_pairs * width);
+  for (const Place& place : places_) {
+    if (place.nb_pairs == 0) continue;
+    const auto pairs = place.part->pairs.data() + place.first_pair;
+    result_.pairs.insert(result_.pairs.end(), pairs, pairs + place.nb_pairs);
+    const auto slopes = place.part->gradient.data() + place.first_pair * width;
+    result_.gradient.insert(result_.gradient.end(), slopes, slopes + place.nb_pairs * width);
+  }
+}
+
+void bindCheckResult(py::module& module) {
+  PYBIND11_NUMPY_DTYPE(PairRow, row, first, second, state, certainty, fidelity, distance,
+                       first_point, second_point, normal, first_element, second_element);
+  PYBIND11_NUMPY_DTYPE(LeftOutRow, row, model);
+  py::class_<CheckResult>(module, "CheckResult",
+                          "What Detector.check answers for n states. Of one state that was given "
+                          "as (joints,) what is here (n,) is one number. Arrays are not copied: "
+                          "they keep the result alive.")
+      .def_property_readonly(
+          "verdict",
+          [](const py::object& self) -> py::object {
+            const auto& result = self.cast<const CheckResult&>();
+            if (result.is_single) return py::int_(result.verdict[0]);
+            return viewOf(result.verdict, self);
+          },
+          "uint8 (n,): Verdict.FREE, COLLISION or UNKNOWN.")
+      .def_property_readonly(
+          "in_collision",
+          [](const py::object& self) -> py::object {
+            const auto& result = self.cast<const CheckResult&>();
+            if (result.is_single) return py::bool_(result.in_collision[0] != 0);
+            return viewOfBools(result.in_collision, self);
+          },
+          "bool (n,): the verdict is not FREE.")
+      .def_property_readonly(
+          "min_distance",
+          [](const py::object& self) -> py::object {
+            const auto& result = self.cast<const CheckResult&>();
+            if (result.is_single) return py::float_(result.min_distance[0]);
+            return viewOf(result.min_distance, self);
+          },
+          "float64 (n,), m: the smallest signed distance of all pairs, where it is at most the "
+          "alarm distance or was asked for; otherwise what it is no less than.")
+      .def_property_readonly(
+          "min_distance_is_bound",
+          [](const py::object& self) -> py::object {
+            const auto& result = self.cast<const CheckResult&>();
+            if (result.is_single) return py::bool_(result.min_distance_is_bound[0] != 0);
+            return viewOfBools(result.min_distance_is_bound, self);
+          },
+          "bool (n,): the smallest distance is no less than min_distance, and may be more.")
+      .def_property_readonly(
+          "pairs",
+          [](const py::object& self) {
+            return viewOf(self.cast<const CheckResult&>().pairs, self);
+          },
+          "Structured (p,): the pairs in contact, near or unresolved of all states, by state, then "
+          "by name. row: of the state; first, second: in models; state: PairState; distance: m, "
+          "signed; certainty: Certainty; fidelity: Fidelity; first_point, second_point, normal: "
+          "(3,), m, in the root link's frame, of the nearest two elements; first_element, "
+          "second_element: which <collision> (or shape) of its link these are.")
+      .def_property_readonly(
+          "left_out",
+          [](const py::object& self) {
+            return viewOf(self.cast<const CheckResult&>().left_out, self);
+          },
+          "Structured (l,): row, model: what could not be checked since it has no finite pose or "
+          "size; its state is never FREE.")
+      .def_property_readonly("gradient", &gradientOf,
+                             "float64 (p, joints): d(distance)/d(position) of each pair, m/rad or "
+                             "m/m; NaN where there is none. Asked for by gradient=True.")
+      .def_property_readonly(
+          "models", [](const CheckResult& result) { return result.model_names; },
+          "str (m,): the names that pairs and left_out refer to; those of the scene.")
+      .def_readonly("joints_at_zero", &CheckResult::joints_at_zero,
+                    "Moving joints that were not named: they stand at zero, or their nearer limit.")
+      .def("__bool__",
+           [](const CheckResult&) -> bool {
+             throw py::type_error("a CheckResult is neither true nor false: ask its in_collision");
+           })
+      .def("__repr__", &textOf);
+}
+
+}  // namespace collision_pairs

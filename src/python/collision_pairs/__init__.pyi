@@ -1,0 +1,187 @@
+"""Collision checking in process, and the ROS messages of the same package (msg, srv, cfg).
+
+Metres, radians, seconds. Points and normals are measured and expressed in the robot's root link.
+Wrong input raises InputError (a ValueError) that names what is wrong.
+"""
+from enum import IntEnum
+from os import PathLike
+from types import ModuleType
+from typing import Any, Dict, List, Optional, Sequence, Union
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+cfg: ModuleType
+msg: ModuleType
+srv: ModuleType
+
+class InputError(ValueError): ...
+
+class Verdict(IntEnum):
+    FREE = 0  # every pair that the scene requires was checked and is apart
+    COLLISION = 1  # a contact is certain, at the fidelity asked for
+    UNKNOWN = 2  # neither: a model left out, or an unresolved pair that could be in contact
+
+class PairState(IntEnum):
+    NEAR = 0  # apart, and no further than the alarm distance
+    CONTACT = 1  # touching or penetrating
+    UNRESOLVED = 2  # not settled; distance is a lower bound: apart where it is positive
+
+class Certainty(IntEnum):
+    EXACT = 0  # distance is the distance
+    LOWER_BOUND = 1  # the true signed distance is no less
+    DEPTH_BOUND = 2  # in contact for certain; a translation by -distance separates the two
+
+class Fidelity(IntEnum):
+    AABB = 0
+    OBB = 1
+    CONVEX = 2
+    MESH = 3
+
+class Robot:
+    """Links with their collision geometry, and the joints between them. Immutable."""
+
+    def __init__(self, urdf: Union[str, PathLike[str]], srdf: Union[str, PathLike[str], None] = None) -> None:
+        """Each the XML itself (a str with a '<' in it) or the path of a file. Meshes by package:// and file://."""
+    @staticmethod
+    def from_urdf(urdf_text: str) -> Robot: ...
+    @staticmethod
+    def from_parameters(description: str = "robot_description",
+                        semantic: str = "robot_description_semantic") -> Robot:
+        """From ROS parameters of these names, searched for by rospy from the caller's namespace upwards."""
+    @property
+    def name(self) -> str: ...
+    @property
+    def joints(self) -> List[str]:
+        """Those that a state sets: revolute, continuous and prismatic ones that mimic no other."""
+    @property
+    def limits(self) -> NDArray[np.float64]:
+        """(len(joints), 2): lower and upper, rad or m; infinite where there is none."""
+    @property
+    def links(self) -> List[str]: ...
+
+class Box:
+    """Centred at its origin."""
+    def __init__(self, size: ArrayLike) -> None:
+        """size: full edge lengths (3,), m."""
+
+class Sphere:
+    def __init__(self, radius: float) -> None: ...
+
+class Cylinder:
+    """Along z, centred at its origin, with flat ends."""
+    def __init__(self, radius: float, length: float) -> None: ...
+
+class Capsule:
+    """All points within radius of a segment along z of this length, centred at its origin."""
+    def __init__(self, radius: float, length: float) -> None: ...
+
+class HalfSpace:
+    """All points with z <= 0: a floor."""
+    def __init__(self) -> None: ...
+
+class Convex:
+    """The convex hull of points."""
+    def __init__(self, vertices: ArrayLike) -> None:
+        """vertices: (n, 3), m."""
+
+class Mesh:
+    """The solid that triangles bound: they and what they enclose."""
+    def __init__(self, vertices: ArrayLike, triangles: ArrayLike) -> None:
+        """vertices: (n, 3), m; triangles: (m, 3), indices of vertices."""
+    @staticmethod
+    def from_uri(uri: str, scale: ArrayLike = ...) -> Mesh:
+        """package:// or file://, as in a URDF; scale: (3,), per axis, 1 by default."""
+
+Shape = Union[Box, Sphere, Cylinder, Capsule, HalfSpace, Convex, Mesh]
+
+class RigidObject:
+    """A body that is no link: static, or attached to a link."""
+    def __init__(self, name: str, shapes: Sequence[Shape], poses: Optional[ArrayLike] = None,
+                 pose: Optional[ArrayLike] = None, attached_link: str = "",
+                 touch_links: Sequence[str] = (), padding: float = 0.0) -> None:
+        """poses: (n, 4, 4), of the shapes in the object's frame (None: at its origin); pose: (4, 4), of the object
+        in the root link's frame, or in that of attached_link (None: identity); touch_links: links and objects that
+        it is not checked against; padding: distance that it keeps to everything, m."""
+    @property
+    def name(self) -> str: ...
+    @property
+    def attached_link(self) -> str: ...
+    @property
+    def touch_links(self) -> List[str]: ...
+    @property
+    def padding(self) -> float: ...
+    @property
+    def pose(self) -> NDArray[np.float64]: ...
+
+class Scene:
+    """What is checked against what. Immutable: share it between threads and detectors."""
+    def __init__(self, robot: Robot, srdf: Union[str, PathLike[str], None] = None, world: Optional[Robot] = None,
+                 objects: Sequence[RigidObject] = (),
+                 settings: Union[Dict[str, Any], str, PathLike[str], None] = None) -> None:
+        """srdf: instead of the robot's; without any, links that hang together are not checked. world: stands still,
+        its root at the robot's root link. settings: a dict as the node's parameters, or such a YAML file; what is
+        not of the scene in it (rate, alarm_distance, ...) is passed over."""
+    def with_objects(self, objects: Sequence[RigidObject]) -> Scene:
+        """The same scene with these objects instead. Meshes are not prepared again."""
+    @property
+    def models(self) -> NDArray[np.str_]:
+        """(m,): the links and objects that are in some pair, sorted; results refer to them by index."""
+    @property
+    def objects(self) -> List[RigidObject]: ...
+
+class CheckResult:
+    """For n states. Of one that was given as (joints,) what is (n,) here is one number.
+
+    Arrays are views that keep the result alive.
+    """
+    @property
+    def verdict(self) -> NDArray[np.uint8]:
+        """(n,): see Verdict."""
+    @property
+    def in_collision(self) -> NDArray[np.bool_]:
+        """(n,): the verdict is not FREE."""
+    @property
+    def min_distance(self) -> NDArray[np.float64]:
+        """(n,), m: the smallest signed distance of all pairs, where it is at most the alarm distance or was asked
+        for; otherwise (min_distance_is_bound) what it is no less than."""
+    @property
+    def min_distance_is_bound(self) -> NDArray[np.bool_]:
+        """(n,)"""
+    @property
+    def pairs(self) -> NDArray[np.void]:
+        """(p,), structured, by state, then by name: the pairs in contact, near or unresolved.
+
+        row (int64): of the state; first, second (uint32): in models; state (uint8): see PairState; certainty
+        (uint8): see Certainty; fidelity (uint8): see Fidelity; distance (float64): m, signed; first_point,
+        second_point, normal (float64, (3,)): of the nearest two elements, NaN with verdict_only; first_element,
+        second_element (uint32): which <collision> (or shape) of its link these are.
+        """
+    @property
+    def left_out(self) -> NDArray[np.void]:
+        """(l,), structured: row (int64), model (uint32): what has no finite pose or size; its state is not FREE."""
+    @property
+    def gradient(self) -> NDArray[np.float64]:
+        """(p, joints): d(distance)/d(position) of each pair, m/rad or m/m; NaN where there is none."""
+    @property
+    def models(self) -> NDArray[np.str_]:
+        """(m,): the scene's."""
+    @property
+    def joints_at_zero(self) -> List[str]:
+        """Moving joints that were not named: they stand at zero, or their nearer limit."""
+
+class Detector:
+    """Checks joint states against a scene. A second thread that uses it waits for the first."""
+    def __init__(self, scene: Scene, threads: int = 0) -> None:
+        """threads: of a batch; 0: as many as the machine has."""
+    def check(self, states: ArrayLike, joints: Optional[Sequence[str]] = None, alarm_distance: float = 0.05,
+              fidelity: str = "mesh", min_distance: bool = False, verdict_only: bool = False,
+              time_budget: float = 0.0, gradient: bool = False) -> CheckResult:
+        """states: (n, len(joints)), or (len(joints),) for one; rad or m. float64 is read where it lies, whatever the
+        strides; float32, integers and lists are converted. joints: None: Detector.joints; those not named stand at
+        zero, or their nearer limit, and are warned of. alarm_distance: m, pairs up to this far apart are reported.
+        fidelity: aabb, obb, convex or mesh. min_distance: the exact smallest, also beyond the alarm distance.
+        verdict_only: ends at the first contact. time_budget: s a state, 0: none. gradient: of each pair's distance.
+        """
+    @property
+    def joints(self) -> List[str]: ...

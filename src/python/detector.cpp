@@ -1,0 +1,217 @@
+// The Python class Detector.
+#include <atomic>
+#include <chrono>
+#include <mutex>
+#include <thread>
+
+#include <pybind11/stl.h>
+
+#include "bindings.h"
+#include "check_result.h"
+#include "collision_pairs/batch_check.h"
+#include "collision_pairs/input_error.h"
+#include "joint_states.h"
+
+namespace py = pybind11;
+
+namespace collision_pairs {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr unsigned MAX_THREADS = 1024;  // each has a detector of its own
+
+/// Python wants the program to stop (Ctrl-C); its exception is set.
+struct Interrupted {};
+
+/// Lets Python look for signals now and then, on the thread that it waits for.
+class SignalCheck {
+ public:
+  void now() {
+    if (std::this_thread::get_id() != caller_ || ++nb_calls_ % EVERY != 0) return;
+    if (Clock::now() < next_) return;
+    next_ = Clock::now() + PERIOD;
+    const py::gil_scoped_acquire python;
+    if (PyErr_CheckSignals() != 0) throw Interrupted();
+  }
+
+ private:
+  static constexpr unsigned EVERY = 32;
+  static constexpr std::chrono::milliseconds PERIOD{50};
+  const std::thread::id caller_ = std::this_thread::get_id();
+  unsigned nb_calls_ = 0;
+  Clock::time_point next_ = Clock::now() + PERIOD;
+};
+
+/// Of the state that a thread is checking.
+struct Posture {
+  std::vector<double> state, positions;
+  std::vector<Eigen::Isometry3d> X_WB;
+};
+
+Posture& postureOfThisThread() {
+  thread_local Posture posture;
+  return posture;
+}
+
+unsigned usable(unsigned threads) {
+  if (threads <= MAX_THREADS) return threads;
+  throw InputError("threads is " + std::to_string(threads) + ", but must be at most " +
+                   std::to_string(MAX_THREADS) + "; 0: as many as the machine has");
+}
+
+/// Checks one call at a time; a second thread waits for the first.
+class PythonDetector {
+ public:
+  PythonDetector(const PythonScene& scene, unsigned threads)
+      : scene_(scene.scene),
+        model_names_(scene.model_names),
+        all_joints_(namesOfAllJoints(scene_->robot())),
+        single_(scene_),
+        batch_(scene_, usable(threads)),
+        zero_(scene_->robot().zeroPositions()) {}
+
+  std::unique_ptr<CheckResult> check(const py::object& states, const py::object& joints,
+                                     const CheckSettings& settings, bool gradient) {
+    if (gradient && settings.verdict_only) {
+      throw InputError("gradient wants distances: not with verdict_only");
+    }
+    const std::shared_ptr<const NamedJoints> named = jointsOf(joints);
+    const JointStatesArray array(states, named->columns.size());
+    auto result = std::make_unique<CheckResult>();
+    result->is_single = array.isSingle();
+    result->has_gradient = gradient;
+    result->nb_joints = named->columns.size();
+    result->joints_at_zero = named->at_zero;
+    result->model_names = model_names_;
+    result->resize(array.size());
+    try {
+      const py::gil_scoped_release others_may_run;
+      const OneAtATime one_at_a_time(*this);
+      run(array, *named, settings, *result);
+    } catch (const Interrupted&) {
+      throw py::error_already_set();
+    }
+    return result;
+  }
+
+  const std::vector<std::string>& joints() const { return all_joints_; }
+
+ private:
+  /// Holds the detector. Throws InputError where its thread holds it already: a handler of a
+  /// signal, which Python runs in the middle of a check.
+  class OneAtATime {
+   public:
+    explicit OneAtATime(PythonDetector& detector) : detector_(detector) {
+      if (detector.user_ == std::this_thread::get_id()) {
+        throw InputError(
+            "this detector is in use by this very thread: give a signal handler its own");
+      }
+      detector.mutex_.lock();
+      detector.user_ = std::this_thread::get_id();
+    }
+    ~OneAtATime() {
+      detector_.user_ = std::thread::id();
+      detector_.mutex_.unlock();
+    }
+    OneAtATime(const OneAtATime&) = delete;
+    OneAtATime& operator=(const OneAtATime&) = delete;
+
+   private:
+    PythonDetector& detector_;
+  };
+
+  std::shared_ptr<const NamedJoints> jointsOf(const py::object& joints) {
+    if (named_ && named_->areNamedBy(joints)) return named_;
+    const auto named = std::make_shared<const NamedJoints>(joints, scene_->robot());
+    std::string at_zero;
+    for (const std::string& name : named->at_zero) at_zero += (at_zero.empty() ? "" : ", ") + name;
+    if (!at_zero.empty()) warn("joints that are not named stand at zero: " + at_zero);
+    return named_ = named;
+  }
+
+  void run(const JointStatesArray& states, const NamedJoints& named, const CheckSettings& settings,
+           CheckResult& result) {
+    ResultCollector collector(*scene_, result.has_gradient ? &named.columns : nullptr, result);
+    SignalCheck signals;
+    const auto pose = [&](std::size_t i, BodyPoses& poses) {
+      Posture& posture = postureOfThisThread();
+      states.read(i, posture.state);
+      posture.positions = zero_;
+      try {
+        named.columns.apply(posture.state.data(), posture.positions);
+      } catch (const InputError& error) {
+        if (states.isSingle()) throw;
+        throw InputError("state " + std::to_string(i) + ": " + error.what());
+      }
+      scene_->robot().forwardKinematics(posture.positions, posture.X_WB);
+      scene_->gatherPoses(posture.X_WB, poses);
+    };
+    const auto take = [&](std::size_t i, const CollisionReport& report) {
+      collector.take(i, report, postureOfThisThread().X_WB);
+      signals.now();
+    };
+    if (states.size() == 1) {  // without a call of each thread's detector
+      poses_.resize(scene_->bodies().size());
+      pose(0, poses_);
+      take(0, single_.detect(poses_, settings));
+    } else {
+      batch_.run(states.size(), settings, pose, take);
+    }
+    collector.finish();
+  }
+
+  std::shared_ptr<const CollisionScene> scene_;
+  py::array model_names_;
+  const std::vector<std::string> all_joints_;
+  std::shared_ptr<const NamedJoints> named_;  // guarded by the GIL
+  std::mutex mutex_;                          // guards what follows; taken without the GIL
+  std::atomic<std::thread::id> user_{std::thread::id()};
+  CollisionDetector single_;
+  BatchCheck batch_;
+  BodyPoses poses_;
+  const std::vector<double> zero_;
+};
+
+}  // namespace
+
+void bindDetector(py::module& module) {
+  bindCheckResult(module);
+  const CheckSettings defaults;
+  py::class_<PythonDetector>(module, "Detector",
+                             "Checks joint states against a scene. A second thread that uses it "
+                             "waits for the first: give each its own.")
+      .def(py::init<const PythonScene&, unsigned>(), py::arg("scene"), py::arg("threads") = 0,
+           "threads: of a batch; 0: as many as the machine has.")
+      .def(
+          "check",
+          [](PythonDetector& detector, const py::object& states, const py::object& joints,
+             double alarm_distance, const std::string& fidelity, bool min_distance,
+             bool verdict_only, double time_budget, bool gradient) {
+            CheckSettings settings;
+            settings.alarm_distance = alarm_distance;
+            settings.fidelity = parseFidelity(fidelity);
+            settings.min_distance = min_distance;
+            settings.verdict_only = verdict_only;
+            settings.time_budget = time_budget;
+            return detector.check(states, joints, settings, gradient);
+          },
+          py::arg("states"), py::arg("joints") = py::none(),
+          py::arg("alarm_distance") = defaults.alarm_distance,
+          py::arg("fidelity") = fidelityName(defaults.fidelity),
+          py::arg("min_distance") = defaults.min_distance,
+          py::arg("verdict_only") = defaults.verdict_only,
+          py::arg("time_budget") = defaults.time_budget, py::arg("gradient") = false,
+          "states: float64 (n, len(joints)), or (len(joints),) for one; rad or m. Read where they "
+          "lie, whatever the strides; float32, integers and lists are converted. joints: their "
+          "names (None: Detector.joints); others stand at zero, or their nearer limit, and are "
+          "warned of. alarm_distance: m, pairs up to this far apart are reported. fidelity: "
+          "'aabb', 'obb', 'convex' or 'mesh'. min_distance: the exact smallest distance, also "
+          "beyond the alarm distance. verdict_only: ends at the first contact. time_budget: s a "
+          "state, 0: none. gradient: also that of each pair's distance. Other Python threads run "
+          "meanwhile. Raises InputError that names the state and the joint.")
+      .def_property_readonly("joints", &PythonDetector::joints,
+                             "The names that check() takes where it is given none.");
+}
+
+}  // namespace collision_pairs

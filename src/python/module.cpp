@@ -1,0 +1,57 @@
+// The compiled half of the Python package collision_pairs. Arguments and results are described in
+// collision_pairs/__init__.pyi.
+#include <array>
+#include <initializer_list>
+#include <utility>
+
+#include "bindings.h"
+#include "check_result.h"
+#include "collision_pairs/input_error.h"
+
+namespace py = pybind11;
+
+namespace collision_pairs {
+namespace {
+
+/// An enum.IntEnum, whose members compare with the numbers in arrays.
+template <class Enum>
+void addEnum(py::module& module, const char* name, const char* doc,
+             std::initializer_list<std::pair<const char*, Enum>> members) {
+  py::list items;
+  for (const auto& [member, value] : members) {
+    items.append(py::make_tuple(member, static_cast<int>(value)));
+  }
+  py::object made = py::module::import("enum").attr("IntEnum")(name, items);
+  made.attr("__module__") = "collision_pairs";
+  made.attr("__doc__") = doc;
+  module.attr(name) = made;
+}
+
+}  // namespace
+}  // namespace collision_pairs
+
+PYBIND11_MODULE(_native, module) {
+  using namespace collision_pairs;
+  module.attr("__name__") = "collision_pairs";  // where its classes are to be found
+  py::register_exception<InputError>(module, "InputError", PyExc_ValueError);
+  addEnum<Verdict>(
+      module, "Verdict", "What a check is worth to someone who acts on it.",
+      {{"FREE", Verdict::FREE}, {"COLLISION", Verdict::COLLISION}, {"UNKNOWN", Verdict::UNKNOWN}});
+  addEnum<PairState>(module, "PairState", "Of a pair of links or objects.",
+                     {{"NEAR", PairState::NEAR},
+                      {"CONTACT", PairState::CONTACT},
+                      {"UNRESOLVED", PairState::UNRESOLVED}});
+  addEnum<DistanceWorth>(module, "Certainty", "What a distance is worth.",
+                         {{"EXACT", DistanceWorth::EXACT},
+                          {"LOWER_BOUND", DistanceWorth::LOWER_BOUND},
+                          {"DEPTH_BOUND", DistanceWorth::DEPTH_BOUND}});
+  addEnum<Fidelity>(module, "Fidelity", "The geometry that decided.",
+                    {{"AABB", Fidelity::AABB},
+                     {"OBB", Fidelity::OBB},
+                     {"CONVEX", Fidelity::CONVEX},
+                     {"MESH", Fidelity::MESH}});
+  bindRobot(module);
+  bindObjects(module);
+  bindScene(module);
+  bindDetector(module);
+}

@@ -1,0 +1,155 @@
+// The Python class Robot.
+#include <limits>
+
+#include <pybind11/stl.h>
+
+#include "bindings.h"
+#include "collision_pairs/input_error.h"
+#include "mesh_loader.h"
+#include "text_files.h"
+
+namespace py = pybind11;
+
+namespace collision_pairs {
+namespace {
+
+PythonRobot robotFrom(const TextFrom& urdf, const py::object& srdf) {
+  PythonRobot robot;
+  try {
+    robot.model = RobotModel::fromUrdf(urdf.content, makeMeshLoader());
+  } catch (const InputError& error) {
+    throw InputError(urdf.origin + ": " + error.what());
+  }
+  for (const std::string& warning : robot.model->warnings()) warn(urdf.origin + ": " + warning);
+  if (!srdf.is_none()) robot.srdf = srdfFrom(xmlFrom(srdf, "srdf"), *robot.model);
+  return robot;
+}
+
+/// The text of a ROS parameter, searched for from the caller's namespace upwards; None if there is
+/// none of that name.
+py::object parameter(const std::string& name) {
+  const py::module rospy = py::module::import("rospy");
+  const py::object found = rospy.attr("search_param")(name);
+  if (found.is_none()) return py::none();
+  const py::object text = rospy.attr("get_param")(found);
+  if (!py::isinstance<py::str>(text)) {
+    throw InputError("parameter '" + found.cast<std::string>() + "' is no text");
+  }
+  return text;
+}
+
+PythonRobot robotFromParameters(const std::string& description, const std::string& semantic) {
+  const py::object urdf = parameter(description), srdf = parameter(semantic);
+  if (urdf.is_none()) {
+    throw InputError("parameter '" + description +
+                     "' is not set, neither here nor in a namespace above");
+  }
+  return robotFrom({"parameter '" + description + "'", utf8From(urdf)}, srdf);
+}
+
+/// By index: the joints that a state can name and that follow no other.
+std::vector<const Joint*> leadersOf(const RobotModel& model) {
+  std::vector<const Joint*> joints;
+  for (const Joint& joint : model.joints()) {
+    if (joint.hasPosition() && !joint.mimic) joints.push_back(&joint);
+  }
+  return joints;
+}
+
+std::vector<std::string> jointNames(const PythonRobot& robot) {
+  std::vector<std::string> names;
+  for (const Joint* joint : leadersOf(*robot.model)) names.push_back(joint->name);
+  return names;
+}
+
+py::array_t<double> limits(const PythonRobot& robot) {
+  const auto joints = leadersOf(*robot.model);
+  py::array_t<double> rows({static_cast<py::ssize_t>(joints.size()), py::ssize_t{2}});
+  auto at = rows.mutable_unchecked<2>();
+  for (py::ssize_t i = 0; i < rows.shape(0); ++i) {
+    const Joint& joint = *joints[static_cast<std::size_t>(i)];
+    const bool limited = joint.hasLimits() && (joint.lower != 0.0 || joint.upper != 0.0);
+    at(i, 0) = limited ? joint.lower : -std::numeric_limits<double>::infinity();
+    at(i, 1) = limited ? joint.upper : std::numeric_limits<double>::infinity();
+  }
+  return rows;
+}
+
+std::vector<std::string> linkNames(const PythonRobot& robot) {
+  std::vector<std::string> names;
+  for (const Link& link : robot.model->links()) names.push_back(link.name);
+  return names;
+}
+
+}  // namespace
+
+TextFrom xmlFrom(const py::handle& value, const std::string& what) {
+  if (py::isinstance<py::str>(value)) {
+    const std::string text = utf8From(value);
+    if (text.find('<') != std::string::npos) return {what, text};
+    if (text.empty()) throw InputError(what + " is empty; give the XML or the path of a file");
+    return {text, readTextFile(text)};
+  }
+  const std::string path = py::bytes(py::module::import("os").attr("fsencode")(value));
+  return {path, readTextFile(path)};
+}
+
+Srdf srdfFrom(const TextFrom& xml, const RobotModel& robot) {
+  std::vector<std::string> links;
+  for (const Link& link : robot.links()) links.push_back(link.name);
+  try {
+    Srdf srdf = Srdf::fromXml(xml.content);
+    std::string unknown;
+    for (const std::string& link : srdf.unknownLinks(links)) {
+      unknown += (unknown.empty() ? "" : ", ") + link;
+    }
+    if (!unknown.empty()) warn(xml.origin + ": not links of the robot, passed over: " + unknown);
+    return srdf;
+  } catch (const InputError& error) {
+    throw InputError(xml.origin + ": " + error.what());
+  }
+}
+
+void warn(const std::string& message) {
+  if (PyErr_WarnEx(PyExc_UserWarning, message.c_str(), 1) < 0) throw py::error_already_set();
+}
+
+void bindRobot(py::module& module) {
+  py::class_<PythonRobot>(module, "Robot",
+                          "Links with their collision geometry, and the joints between them. "
+                          "Immutable: may be used from several threads.")
+      .def(py::init([](const py::object& urdf, const py::object& srdf) {
+             return robotFrom(xmlFrom(urdf, "urdf"), srdf);
+           }),
+           py::arg("urdf"), py::arg("srdf") = py::none(),
+           "Reads a URDF, and an SRDF (None: none): each the XML itself or the path of a file. "
+           "Meshes by package:// and file://. Raises InputError, also for a mesh that cannot be "
+           "used.")
+      .def_static(
+          "from_urdf",
+          [](const std::string& urdf_text) {
+            return robotFrom({"urdf", urdf_text}, py::none());
+          },
+          py::arg("urdf_text"), "From the text of a URDF.")
+      .def_static("from_parameters", &robotFromParameters,
+                  py::arg("description") = "robot_description",
+                  py::arg("semantic") = "robot_description_semantic",
+                  "From the parameters of these names, searched for by rospy from the caller's "
+                  "namespace upwards. Without the second there is no SRDF.")
+      .def_property_readonly(
+          "name", [](const PythonRobot& robot) { return robot.model->name(); }, "Of the URDF.")
+      .def_property_readonly("joints", &jointNames,
+                             "Names of the joints that a state sets: revolute, continuous and "
+                             "prismatic ones that mimic no other.")
+      .def_property_readonly("limits", &limits,
+                             "float64 (len(joints), 2): lower and upper limit, rad or m; infinite "
+                             "where there is none.")
+      .def_property_readonly("links", &linkNames, "Names of all links.")
+      .def("__repr__", [](const PythonRobot& robot) {
+        return "<Robot '" + robot.model->name() + "', " +
+               std::to_string(robot.model->links().size()) + " links, " +
+               std::to_string(leadersOf(*robot.model).size()) + " joints>";
+      });
+}
+
+}  // namespace collision_pairs

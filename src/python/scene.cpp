@@ -1,0 +1,129 @@
+// The Python class Scene.
+#include <pybind11/stl.h>
+#include <yaml-cpp/yaml.h>
+
+#include "bindings.h"
+#include "collision_pairs/input_error.h"
+#include "scene_config.h"
+
+namespace py = pybind11;
+
+namespace collision_pairs {
+namespace {
+
+/// Throws Python's RecursionError where calls are nested too deeply.
+struct RecursionGuard {
+  RecursionGuard() {
+    if (Py_EnterRecursiveCall(" in settings") != 0) throw py::error_already_set();
+  }
+  ~RecursionGuard() { Py_LeaveRecursiveCall(); }
+};
+
+/// From dicts, lists, numbers and strings. Throws InputError that names what is none of these.
+YAML::Node yamlFrom(const py::handle& value) {
+  const RecursionGuard no_endless_nesting;
+  if (value.is_none()) return YAML::Node(YAML::NodeType::Null);
+  if (py::isinstance<py::str>(value)) return YAML::Node(utf8From(value));
+  if (py::isinstance<py::bool_>(value)) return YAML::Node(value.cast<bool>());
+  if (py::isinstance<py::dict>(value)) {
+    YAML::Node map(YAML::NodeType::Map);
+    for (const auto& [key, entry] : py::reinterpret_borrow<py::dict>(value)) {
+      map[utf8From(py::str(key))] = yamlFrom(entry);
+    }
+    return map;
+  }
+  if (py::isinstance<py::list>(value) || py::isinstance<py::tuple>(value)) {
+    YAML::Node list(YAML::NodeType::Sequence);
+    for (const py::handle entry : value) list.push_back(yamlFrom(entry));
+    return list;
+  }
+  if (PyNumber_Check(value.ptr()) && !py::hasattr(value, "__len__")) {
+    return YAML::Node(
+        py::repr(py::float_(py::reinterpret_borrow<py::object>(value))).cast<std::string>());
+  }
+  throw InputError("settings: " + py::repr(value).cast<std::string>() +
+                   " is no number, text, list or map");
+}
+
+/// None, a map, or the path of a YAML file.
+SceneConfig settingsFrom(const py::object& settings) {
+  if (settings.is_none()) return {};
+  if (py::isinstance<py::dict>(settings)) return readSceneSettings(yamlFrom(settings), "settings");
+  const std::string path = py::bytes(py::module::import("os").attr("fsencode")(settings));
+  return readSceneConfigFile(path);
+}
+
+/// Prepares the scene of `made.description` and `made.floor`.
+PythonScene built(PythonScene made) {
+  SceneDescription description = made.description;
+  if (made.floor) description.objects.push_back(*made.floor);
+  {
+    const py::gil_scoped_release others_may_run;
+    const std::lock_guard<std::mutex> lock(made.cache->mutex);
+    made.scene = CollisionScene::build(description, &made.cache->of_scenes);
+  }
+  if (made.scene->models().empty()) {
+    if (!description.restriction.empty()) {
+      throw InputError("group and links leave no pair to check");
+    }
+    warn("there is no pair to check: every state is FREE");
+  }
+  py::list names;
+  for (const CollisionModel& model : made.scene->models()) names.append(model.name);
+  made.model_names = py::module::import("numpy").attr("array")(names, py::arg("dtype") = "str");
+  made.model_names.attr("setflags")(py::arg("write") = false);
+  return made;
+}
+
+PythonScene sceneFrom(const PythonRobot& robot, const py::object& srdf, const PythonRobot* world,
+                      std::vector<RigidObject> objects, const py::object& settings) {
+  PythonScene scene;
+  scene.cache = std::make_shared<PythonScene::Cache>();
+  SceneRobot described{robot.model, robot.srdf, ""};
+  if (!srdf.is_none()) described.srdf = srdfFrom(xmlFrom(srdf, "srdf"), *robot.model);
+  scene.description.robots.push_back(std::move(described));
+  if (world != nullptr) scene.description.world = world->model;
+  scene.description.objects = std::move(objects);
+  const SceneConfig config = settingsFrom(settings);
+  scene.description.settings = config.settings;
+  scene.description.restriction = config.restriction;
+  scene.floor = config.floor;
+  return built(std::move(scene));
+}
+
+PythonScene withObjects(const PythonScene& scene, std::vector<RigidObject> objects) {
+  PythonScene other = scene;
+  other.description.objects = std::move(objects);
+  return built(std::move(other));
+}
+
+}  // namespace
+
+void bindScene(py::module& module) {
+  py::class_<PythonScene>(module, "Scene",
+                          "What is checked against what. Immutable: may be used from several "
+                          "threads, and by several detectors.")
+      .def(py::init(&sceneFrom), py::arg("robot"), py::arg("srdf") = py::none(),
+           py::arg("world") = py::none(), py::arg("objects") = std::vector<RigidObject>(),
+           py::arg("settings") = py::none(),
+           "srdf: XML or path, instead of the robot's (None: the robot's; without any, links that "
+           "hang together are not checked). world: a Robot that stands still with its root at the "
+           "robot's root link. settings: a dict as the node's parameters, or the path of such a "
+           "YAML file; what is not of the scene is passed over. Raises InputError. Preparing "
+           "meshes takes most of the time; other threads run meanwhile.")
+      .def("with_objects", &withObjects, py::arg("objects"),
+           "The same scene with these objects instead: meshes are not prepared again.")
+      .def_property_readonly(
+          "models", [](const PythonScene& scene) { return scene.model_names; },
+          "str (m,): the links and objects that are in some pair, sorted. Results refer to them "
+          "by index.")
+      .def_property_readonly(
+          "objects", [](const PythonScene& scene) { return scene.description.objects; },
+          "The objects that it was made with.")
+      .def("__repr__", [](const PythonScene& scene) {
+        return "<Scene of '" + scene.scene->robot().name() + "', " +
+               std::to_string(scene.scene->models().size()) + " links and objects in pairs>";
+      });
+}
+
+}  // namespace collision_pairs

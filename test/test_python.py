@@ -1,0 +1,362 @@
+"""The Python module: what it answers, what it refuses, and what Python can do to it meanwhile."""
+import copy
+import gc
+import os
+import pickle
+import signal
+import subprocess
+import sys
+import threading
+import warnings
+
+import numpy as np
+import pytest
+from conftest import DEMO, PROJECT
+
+import collision_pairs as cp
+
+BALL = "<collision><geometry><sphere radius='%s'/></geometry></collision>"
+# A ball of 0.1 m at the origin; a ball of 0.05 m that slides out along x, which turns about z.
+URDF = ("<robot name='slider'><link name='base'>" + BALL % 0.1 + "</link><link name='mid'/>"
+        "<link name='tip'>" + BALL % 0.05 + "</link>"
+        "<joint name='turn' type='continuous'><parent link='base'/><child link='mid'/><axis xyz='0 0 1'/></joint>"
+        "<joint name='slide' type='prismatic'><parent link='mid'/><child link='tip'/><axis xyz='1 0 0'/>"
+        "<limit lower='0' upper='2' effort='1' velocity='1'/></joint></robot>")
+CLEAR, TOUCHING = 0.3, 0.12  # m on the slide; in contact below 0.15
+
+
+def translation(x, y, z):
+    pose = np.eye(4)
+    pose[:3, 3] = x, y, z
+    return pose
+
+
+def detector(threads=0, **scene):
+    return cp.Detector(cp.Scene(cp.Robot(URDF), srdf="<robot name='slider'/>", **scene), threads=threads)
+
+
+def states(count=200):
+    random = np.random.default_rng(7)
+    return np.stack([random.uniform(-3, 3, count), random.uniform(0, 0.4, count)], axis=1)
+
+
+# What it answers
+
+
+def test_distances_points_and_verdicts_of_two_balls_are_those_of_the_formula():
+    given = states()
+    result = detector().check(given, ["turn", "slide"], alarm_distance=1.0)
+    angle, slide = given.T
+    np.testing.assert_allclose(result.min_distance, slide - 0.15, atol=1e-14)
+    np.testing.assert_array_equal(result.verdict, np.where(slide <= 0.15, cp.Verdict.COLLISION, cp.Verdict.FREE))
+    np.testing.assert_array_equal(result.in_collision, slide <= 0.15)
+    assert not result.min_distance_is_bound.any()
+    pairs = result.pairs
+    np.testing.assert_array_equal(pairs["row"], np.arange(len(given)))
+    assert {tuple(result.models[list(pair)]) for pair in zip(pairs["first"], pairs["second"])} == {("base", "tip")}
+    outwards = np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1)
+    np.testing.assert_allclose(pairs["normal"], outwards, atol=1e-12)
+    np.testing.assert_allclose(pairs["first_point"], 0.1 * outwards, atol=1e-12)
+    np.testing.assert_allclose(pairs["second_point"], (slide[:, None] - 0.05) * outwards, atol=1e-12)
+    np.testing.assert_array_equal(pairs["state"], np.where(slide <= 0.15, cp.PairState.CONTACT, cp.PairState.NEAR))
+    assert set(pairs["certainty"]) == {cp.Certainty.EXACT} and set(pairs["fidelity"]) == {cp.Fidelity.MESH}
+    assert len(result.left_out) == 0 and result.joints_at_zero == []
+
+
+def test_the_gradient_is_the_slope_of_the_distance_for_the_joints_in_the_order_given():
+    post = cp.RigidObject("post", [cp.Sphere(0.1)], pose=translation(1, 0, 0))
+    tested, given = detector(objects=[post]), states(50)
+    result = tested.check(given[:, ::-1], ["slide", "turn"], alarm_distance=2.0, gradient=True)
+    slide, turn = given[result.pairs["row"]].T[::-1]
+    with_post = result.models[result.pairs["second"]] == "tip"
+    with_post &= result.models[result.pairs["first"]] == "post"
+    to_post = np.hypot(slide * np.cos(turn) - 1, slide * np.sin(turn))
+    expected = np.where(with_post[:, None],
+                        np.stack([(slide - np.cos(turn)) / to_post, slide * np.sin(turn) / to_post], axis=1),
+                        np.stack([1.0 + 0 * slide, 0 * slide], axis=1))
+    expected[result.models[result.pairs["second"]] == "post"] = 0  # base and post: neither moves
+    np.testing.assert_allclose(result.gradient, expected, atol=1e-9)
+    assert with_post.sum() == 50
+
+
+def test_where_there_is_no_gradient_every_number_is_nan():
+    result = detector().check([[0, TOUCHING]], fidelity="aabb", gradient=True)
+    assert np.isnan(result.gradient).all() and result.gradient.shape == (1, 2)
+
+
+def test_one_state_is_answered_by_numbers_and_a_batch_of_one_by_arrays():
+    tested = detector()
+    one, batch = tested.check([0, TOUCHING]), tested.check([[0, TOUCHING]])
+    assert (one.verdict, one.in_collision) == (cp.Verdict.COLLISION, True)
+    assert one.min_distance == pytest.approx(TOUCHING - 0.15, abs=1e-14)
+    assert batch.verdict.shape == batch.in_collision.shape == batch.min_distance.shape == (1,)
+    assert one.pairs == batch.pairs
+
+
+def test_a_batch_is_answered_as_its_states_one_by_one_on_any_number_of_threads():
+    robot = demo_robot()
+    scene = cp.Scene(robot)
+    random = np.random.default_rng(3)
+    given = random.uniform(-1.5, 1.5, (300, len(robot.joints)))
+    single = [cp.Detector(scene).check(state, gradient=True) for state in given]
+    for threads in (1, 3):
+        batch = cp.Detector(scene, threads=threads).check(given, gradient=True)
+        np.testing.assert_array_equal(batch.verdict, [one.verdict for one in single])
+        np.testing.assert_array_equal(batch.min_distance, [one.min_distance for one in single])
+        assert np.array_equal(batch.gradient, np.concatenate([one.gradient for one in single]), equal_nan=True)
+        for name in batch.pairs.dtype.names:
+            if name != "row":
+                np.testing.assert_array_equal(batch.pairs[name], np.concatenate([one.pairs[name] for one in single]))
+    assert batch.in_collision.any() and not batch.in_collision.all()
+
+
+def demo_robot():
+    os.environ["ROS_PACKAGE_PATH"] = PROJECT + ":/usr/share"
+    return cp.Robot(DEMO + "/demo_robot.urdf", srdf=DEMO + "/demo_robot.srdf")
+
+
+def test_time_that_is_spent_is_unknown_and_never_free():
+    result = detector().check(np.tile([np.pi / 4, 0.16], (100, 1)), time_budget=1e-12)
+    assert set(result.verdict) == {cp.Verdict.UNKNOWN} and result.in_collision.all()
+    assert set(result.pairs["state"]) == {cp.PairState.UNRESOLVED}
+
+
+def test_joints_that_are_not_named_are_warned_of_and_listed():
+    with pytest.warns(UserWarning, match="slide"):
+        result = detector().check([[0.1]], ["turn"])
+    assert result.joints_at_zero == ["slide"] and result.in_collision.all()  # the slide is in
+
+
+def test_objects_settings_and_a_world_are_in_the_scene():
+    box = cp.RigidObject("held", [cp.Box([0.1, 0.1, 0.1])], pose=translation(-0.1, 0, 0), attached_link="tip",
+                         touch_links=["tip"])
+    assert detector(objects=[box]).check([0, 0.3]).models.tolist() == ["base", "held", "tip"]
+
+    def distance(checked):
+        return pytest.approx(checked.check([0, 0.3], min_distance=True).min_distance, abs=1e-12)
+    assert distance(detector(objects=[box])) == 0.05
+    assert distance(detector(settings={"padding": 0.1})) == -0.05
+    assert distance(detector(settings={"floor": {"height": -0.06, "touch_links": ["base"]}, "rate": 50.0})) == 0.01
+    world = cp.Robot("<robot name='world'><link name='room'>" + BALL % 0.2 + "</link></robot>")
+    assert distance(detector(world=world, settings={"links": ["tip"]})) == 0.05
+    far = cp.RigidObject("far", [cp.Sphere(0.1)], pose=translation(0, 0, 9))
+    scene = cp.Scene(cp.Robot(URDF), srdf="<robot name='slider'/>", objects=[far]).with_objects([box])
+    assert distance(cp.Detector(scene)) == 0.05
+    assert [o.name for o in scene.objects] == ["held"]
+
+
+def test_floats_integers_lists_and_any_strides_are_read_alike():
+    tested, given = detector(), states()
+    expected = tested.check(given, alarm_distance=1.0).min_distance
+    wide = np.full((400, 5), np.nan)
+    wide[::-2, 1::3] = given
+    for same in (given.tolist(), np.asfortranarray(given), wide[::-2, 1::3], given.astype(">f8")):
+        np.testing.assert_array_equal(tested.check(same, alarm_distance=1.0).min_distance, expected)
+    unaligned = np.frombuffer(b"." + given.tobytes(), offset=1).reshape(given.shape)
+    np.testing.assert_array_equal(tested.check(unaligned, alarm_distance=1.0).min_distance, expected)
+    np.testing.assert_allclose(tested.check(given.astype("f4"), alarm_distance=1.0).min_distance, expected, atol=1e-6)
+    assert tested.check(np.array([[0, 1]], "i8"), alarm_distance=1.0).min_distance == pytest.approx(0.85)
+    assert tested.check(np.zeros((0, 2))).verdict.shape == (0,)
+
+
+# What it refuses: the exception names the thing
+
+
+REFUSED_STATES = {
+    r"state 1: joint 'slide': its position is not finite": [[0, 0.3], [0, np.nan], [0, 0.3]],
+    r"joint 'turn': its position is not finite": [np.inf, 0.3],
+    r"shape \(3,\), but 2 joints": [0, 0, 0],
+    r"shape \(1, 3\), but 2 joints": [[0, 0, 0]],
+    r"shape \(1, 1, 2\), but 2 joints": [[[0, 0]]],
+    r"shape \(\), but 2 joints": 0.0,
+    r"dtype <U1": ["0", "1"],
+    r"dtype bool": [True, False],
+    r"dtype complex128": [1j, 0],
+    r"dtype object": None,
+    r"no array|dtype object": [[0, 1], [0]],
+    r"masked": np.ma.masked_array([0, 1.0], mask=[True, False]),
+}
+
+
+@pytest.mark.parametrize("says", REFUSED_STATES)
+def test_states_that_are_none_are_refused(says):
+    with pytest.raises(cp.InputError, match=says):
+        detector().check(REFUSED_STATES[says])
+
+
+REFUSED = {
+    "joint 'slyde' is not in robot 'slider'": lambda: detector().check([[0.0]], ["slyde"]),
+    "joint 'turn' is named twice": lambda: detector().check([[0.0, 0.0]], ["turn", "turn"]),
+    "joints must be a list of names": lambda: detector().check([0.0], "turn"),
+    "unknown fidelity 'hull'": lambda: detector().check([0, 1], fidelity="hull"),
+    "the alarm distance is nan": lambda: detector().check([0, 1], alarm_distance=np.nan),
+    "the time budget is -1": lambda: detector().check([0, 1], time_budget=-1),
+    "not with verdict_only": lambda: detector().check([0, 1], gradient=True, verdict_only=True),
+    "gradient=True": lambda: detector().check([0, 1]).gradient,
+    "threads is 2000": lambda: detector(threads=2000),
+    "nowhere.urdf: cannot be opened": lambda: cp.Robot("nowhere.urdf"),
+    "urdf: .*line 1": lambda: cp.Robot.from_urdf("<robot"),
+    "urdf: .*mesh 'package://none/x.stl'": lambda: cp.Robot(
+        "<robot name='r'><link name='a'><collision><geometry><mesh filename='package://none/x.stl'/></geometry>"
+        "</collision></link></robot>"),
+    "'paddding' is no setting; is 'padding' meant": lambda: detector(settings={"paddding": 1}),
+    "settings: padding is nan": lambda: detector(settings={"padding": np.nan}),
+    "settings: .*is no number, text, list or map": lambda: detector(settings={"padding": object()}),
+    "nesting|recursion": lambda: detector(settings=endless()),
+    "object 'a': pose is no pose": lambda: cp.RigidObject("a", [cp.Sphere(1)], pose=np.zeros((4, 4))),
+    "object 'a': .*poses": lambda: cp.RigidObject("a", [cp.Sphere(1)], poses=[]),
+    "object 'a': padding is -1": lambda: cp.RigidObject("a", [cp.Sphere(1)], padding=-1),
+    "'nolink'": lambda: detector(objects=[cp.RigidObject("a", [cp.Sphere(1)], attached_link="nolink")]),
+    "'tip'": lambda: detector(objects=[cp.RigidObject("tip", [cp.Sphere(1)])]),
+    "radius is -1": lambda: cp.Sphere(-1),
+    "triangle 0 refers to vertex 1": lambda: cp.Mesh([[0, 0, 0]], [[0, 1, 2]]),
+    "no pair to check": lambda: detector(settings={"links": ["mid"]}),
+    "surrogates": lambda: detector().check([0.0], ["\ud800"]),
+    "neither true nor false": lambda: bool(detector().check([0, 1])),
+    "not int": lambda: cp.Robot(3),
+    "argument types": lambda: cp.Scene(None),
+    "cannot pickle 'collision_pairs.Detector'": lambda: pickle.dumps(detector()),
+    "cannot pickle 'collision_pairs.Scene'": lambda: copy.copy(cp.Scene(cp.Robot(URDF), srdf="<robot name='r'/>")),
+    "has no attribute 'Sceen'": lambda: cp.Sceen,
+}
+
+
+def endless():
+    settings = {}
+    settings["padding"] = settings
+    return settings
+
+
+@pytest.mark.parametrize("says", REFUSED)
+def test_wrong_input_is_refused(says):
+    with pytest.raises((ValueError, TypeError, RecursionError, AttributeError), match=says):
+        REFUSED[says]()
+    assert detector().check([0, CLEAR]).verdict == cp.Verdict.FREE  # and all goes on
+
+
+def test_a_warning_that_is_an_error_ends_every_such_call():
+    tested = detector()
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        for _ in range(2):
+            with pytest.raises(UserWarning):
+                tested.check([0.0], ["turn"])
+
+
+# What Python can do to it meanwhile
+
+
+def test_results_outlive_what_they_were_made_from():
+    given = states()
+    result = detector().check(given, alarm_distance=1.0, gradient=True)
+    expected = [array.copy() for array in (result.pairs, result.min_distance, result.gradient)]
+    kept = result.pairs, result.min_distance, result.gradient
+    del result, given
+    gc.collect()
+    detector().check(states(2000), alarm_distance=1.0, gradient=True)  # what writes where it may not
+    for array, copied in zip(kept, expected):
+        np.testing.assert_array_equal(array, copied)
+
+
+def test_two_threads_on_one_detector_both_get_their_own_answers():
+    tested, given, wrong = detector(), states(2000), []
+
+    def check(low):
+        part = given[low::2]
+        for _ in range(20):
+            result = tested.check(part, alarm_distance=1.0)
+            if not np.allclose(result.min_distance, part[:, 1] - 0.15, atol=1e-12):
+                wrong.append(low)
+    threads = [threading.Thread(target=check, args=(low,)) for low in (0, 1)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert wrong == []
+
+
+def test_other_threads_run_during_a_batch():
+    counted, done = [0], threading.Event()
+
+    def count():
+        while not done.is_set():
+            counted[0] += 1
+    thread = threading.Thread(target=count)
+    tested, given = detector(threads=1), np.tile(states(1000), (200, 1))
+    thread.start()
+    before = counted[0]
+    tested.check(given)
+    during = counted[0] - before
+    done.set()
+    thread.join()
+    assert during > 0
+
+
+def during_a_check(given, action):
+    """Runs the action as a signal handler, which Python does in the middle of the check."""
+    done = []
+    before = signal.signal(signal.SIGALRM, lambda *_: done.append(action()))
+    try:
+        signal.setitimer(signal.ITIMER_REAL, 0.01)
+        result = None
+        while not done:
+            result = DETECTOR_IN_USE.check(given)
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, before)
+    return result
+
+
+DETECTOR_IN_USE = detector(threads=1)
+
+
+def test_a_check_can_be_interrupted_and_repeated():
+    def stop():
+        raise KeyboardInterrupt
+    with pytest.raises(KeyboardInterrupt):
+        during_a_check(np.tile(states(1000), (1500, 1)), stop)
+    assert DETECTOR_IN_USE.check([0, CLEAR]).verdict == cp.Verdict.FREE
+
+
+def test_the_detector_that_is_in_use_cannot_be_used_by_a_signal_handler():
+    with pytest.raises(cp.InputError, match="in use by this very thread"):
+        during_a_check(np.tile(states(1000), (1500, 1)), lambda: DETECTOR_IN_USE.check([0, CLEAR]))
+    assert DETECTOR_IN_USE.check([0, CLEAR]).verdict == cp.Verdict.FREE
+
+
+@pytest.mark.parametrize("view", (lambda a: a, lambda a: a[::2], lambda a: a.T[::-1].T))
+def test_an_array_that_is_being_checked_cannot_be_resized(view):
+    given = np.tile(states(1000), (1500, 1)) + 0.0
+    with pytest.raises(ValueError, match="cannot resize"):
+        during_a_check(view(given), lambda: given.resize((1, 2), refcheck=False))
+
+
+def test_numbers_written_during_a_check_are_read_or_not_and_nan_is_found():
+    given, stop = np.tile(states(1000), (20, 1)), threading.Event()
+
+    def write():
+        while not stop.is_set():
+            given[:, 1] = 0.3
+            given[:, 1] = np.nan
+    thread = threading.Thread(target=write)
+    thread.start()
+    refused = 0
+    try:
+        for _ in range(20):
+            try:
+                result = detector().check(given, alarm_distance=1.0)
+                assert not np.isnan(result.min_distance).any()
+            except cp.InputError as error:
+                refused += "not finite" in str(error)
+    finally:
+        stop.set()
+        thread.join()
+    assert refused > 0
+
+
+def test_a_child_of_fork_checks_as_its_parent():
+    program = ("import os, sys\nsys.path[:0] = %r\nimport test_python\ntested = test_python.detector()\n"
+               "tested.check(test_python.states())\n"
+               "if os.fork() == 0: os._exit(len(tested.check(test_python.states()).verdict) - 200)\n"
+               "sys.exit(os.wait()[1])\n" % sys.path)
+    assert subprocess.run([sys.executable, "-c", program], timeout=60).returncode == 0
