@@ -1,4 +1,4 @@
-"""What a measured table begins with: the commit and the machine, so that tables of two pages can be told apart."""
+"""Measured tables in pages: where they stand, and the commit and the machine that they are of."""
 import os
 import re
 import subprocess
@@ -22,3 +22,13 @@ def measured_on():
     flags = re.search(r"flags\s*: (.*)", text).group(1).split()
     kernels = "AVX-512" if "avx512f" in flags else "AVX2" if "avx2" in flags else "SSE2"
     return "Measured at commit %s on one core of: %s, %s.\n" % (commit(), model, kernels)
+
+
+def renew(page, name, text):
+    """Puts `text` between the page's marks <!-- name: begin --> and <!-- name: end -->."""
+    with open(page, encoding="utf-8") as file:
+        old = file.read()
+    begin, end = "<!-- %s: begin -->\n" % name, "<!-- %s: end -->" % name
+    new = old[:old.index(begin) + len(begin)] + text + "\n" + old[old.index(end):]
+    with open(page, "w", encoding="utf-8") as file:
+        file.write(new)

@@ -4,6 +4,9 @@ import csv
 import os
 import sys
 
+sys.dont_write_bytecode = True
+from measured_on import renew
+
 
 def rows_of(folder, name):
     with open(os.path.join(folder, name), newline="") as table:
@@ -46,15 +49,6 @@ def update_table(in_process, service):
         times = (row["build_ms"], row["first_cycle_ms"], other["update_ms"], other["fill_ms"])
         lines.append([grouped(row["nb_objects"])] + ["%.3g" % float(time) for time in times])
     return table(heads, lines)
-
-
-def renew(page, name, text):
-    begin, end = "<!-- %s: begin -->\n" % name, "<!-- %s: end -->" % name
-    with open(page, encoding="utf-8") as file:
-        old = file.read()
-    new = old[:old.index(begin) + len(begin)] + "\n" + text + "\n\n" + old[old.index(end):]
-    with open(page, "w", encoding="utf-8") as file:
-        file.write(new)
 
 
 def draw(rows, path):

@@ -13,7 +13,7 @@ namespace {
 using Distances = std::map<std::pair<std::uint32_t, std::uint32_t>, double>;
 
 /// What docs/accuracy.md grants a distance and a depth of shapes with cylinders among them.
-constexpr double DISTANCE_ACCURACY = 1e-8, DEPTH_ACCURACY = 1e-7;
+constexpr double DISTANCE_ACCURACY = 1e-10, DEPTH_ACCURACY = 1e-7;
 
 /// Checks one scene, whose hulls may be simplified, at every rung.
 class Ladder {
@@ -41,6 +41,16 @@ class Ladder {
       dearer = cheaper;
     }
     return count;
+  }
+
+  /// Verdicts do not measure: they ask another way. Returns whether there is contact at the rung.
+  bool expectSameVerdict(const BodyPoses& poses, Fidelity fidelity) {
+    CheckSettings settings;
+    settings.fidelity = fidelity;
+    settings.verdict_only = true;
+    const bool in_contact = !distances(poses, fidelity, 0.0).empty();
+    EXPECT_EQ(detector_.detect(poses, settings).in_collision, in_contact) << fidelityName(fidelity);
+    return in_contact;
   }
 
   void expectEncloses(const Distances& cheaper, const Distances& dearer, const char* rung) {
@@ -86,6 +96,28 @@ TEST_P(NestingOfRandomPairs, KeepsContactsAndBoundsDistances) {
 
 INSTANTIATE_TEST_SUITE_P(ExactHulls, NestingOfRandomPairs, testing::Values(0));
 INSTANTIATE_TEST_SUITE_P(SimplifiedHulls, NestingOfRandomPairs, testing::Values(8, 24));
+
+TEST(FidelityLadder, AVerdictIsThatOfTheContactsAtEveryRung) {
+  RandomInputs random;
+  for (const int max_hull_vertices : {0, 8}) {
+    const auto scene = sceneWithHulls(max_hull_vertices);
+    Ladder ladder(scene);
+    BodyPoses poses;
+    poses.resize(scene->bodies().size());
+    int nb_contacts = 0;
+    constexpr int ROUNDS = 4000;
+    for (int round = 0; round < ROUNDS; ++round) {
+      throwAbout(random, random.uniform(0.5, 2.0), poses);
+      for (const Fidelity rung :
+           {Fidelity::AABB, Fidelity::OBB, Fidelity::CONVEX, Fidelity::MESH}) {
+        nb_contacts += ladder.expectSameVerdict(poses, rung);
+      }
+      if (testing::Test::HasFailure()) return;
+    }
+    EXPECT_GT(nb_contacts, ROUNDS);
+    EXPECT_LT(nb_contacts, 3 * ROUNDS);
+  }
+}
 
 TEST(FidelityLadder, IsNestedAMillionMetresFromTheOrigin) {
   RandomInputs random;
