@@ -8,6 +8,7 @@ pybind11_add_module(collision_pairs_python MODULE NO_EXTRAS
   src/python/detector.cpp
   src/python/joint_states.cpp
   src/python/module.cpp
+  src/python/motions.cpp
   src/python/objects.cpp
   src/python/robot.cpp
   src/python/scene.cpp

@@ -159,6 +159,27 @@ def test_floats_integers_lists_and_any_strides_are_read_alike():
     assert tested.check(np.zeros((0, 2))).verdict.shape == (0,)
 
 
+def test_motions_are_certified_or_the_contact_between_their_ends_is_found():
+    post = cp.RigidObject("post", [cp.Sphere(0.05)], pose=translation(0.4, 0, 0))
+    scene = cp.Scene(cp.Robot(URDF), srdf="<robot name='slider'/>", objects=[post])
+    # Past the post, to and fro at its distance, to the ball at the origin, and on the spot.
+    waypoints = [[-1.0, 0.4], [1.0, 0.4], [1.0, 0.3], [2.0, 0.3], [2.0, 0.1], [2.0, 0.1]]
+    for threads in (1, 2):
+        result = cp.MotionCheck(scene, threads=threads).check(waypoints, ["turn", "slide"], clearance=0.01)
+        free, hit = cp.Verdict.FREE, cp.Verdict.COLLISION
+        assert result.verdict.tolist() == [hit, free, free, hit, hit]
+        turned = -1.0 + 2.0 * result.contact_at[0]
+        assert 2 * 0.4 * abs(np.sin(turned / 2)) <= 0.1  # the chord between the two centres
+        assert 0.3 - 0.2 * result.contact_at[3] <= 0.15
+        np.testing.assert_array_equal(result.contact_at[1:3], 0)
+        assert (result.clearance[1:3] >= 0.01).all() and (result.clearance[1:3] <= 0.15).all()
+        named = [(p["segment"], *result.models[[p["first"], p["second"]]]) for p in result.pairs]
+        assert named == [(0, "post", "tip"), (3, "base", "tip"), (4, "base", "tip")]
+    # 0.15 m to the ball at the origin: more is not kept.
+    near = cp.MotionCheck(scene).check([[1.0, 0.3], [2.0, 0.3]], clearance=0.2)
+    assert near.verdict.tolist() != [free]
+
+
 # What it refuses: the exception names the thing
 
 
@@ -210,6 +231,12 @@ REFUSED = {
     "'tip'": lambda: detector(objects=[cp.RigidObject("tip", [cp.Sphere(1)])]),
     "radius is -1": lambda: cp.Sphere(-1),
     "triangle 0 refers to vertex 1": lambda: cp.Mesh([[0, 0, 0]], [[0, 1, 2]]),
+    "waypoint 1: joint 'slide': its position is not finite": lambda: motions().check([[0, 1], [0, np.nan]]),
+    "two waypoints or more": lambda: motions().check([[0, 1]]),
+    "joint 'x' is not in robot": lambda: motions().check([[0], [1]], ["x"]),
+    "clearance": lambda: motions().check([[0, 1], [0, 1]], clearance=-1),
+    "resolution": lambda: motions().check([[0, 1], [0, 1]], resolution=0),
+    "threads is 3000": lambda: cp.MotionCheck(cp.Scene(cp.Robot(URDF), srdf="<robot name='r'/>"), threads=3000),
     "no pair to check": lambda: detector(settings={"links": ["mid"]}),
     "surrogates": lambda: detector().check([0.0], ["\ud800"]),
     "neither true nor false": lambda: bool(detector().check([0, 1])),
@@ -219,6 +246,10 @@ REFUSED = {
     "cannot pickle 'collision_pairs.Scene'": lambda: copy.copy(cp.Scene(cp.Robot(URDF), srdf="<robot name='r'/>")),
     "has no attribute 'Sceen'": lambda: cp.Sceen,
 }
+
+
+def motions():
+    return cp.MotionCheck(cp.Scene(cp.Robot(URDF), srdf="<robot name='slider'/>"))
 
 
 def endless():

@@ -97,6 +97,18 @@ class Calls:
             fidelity=lambda: self.random.choice(["aabb", "obb", "convex", "mesh", "x"]), min_distance=lambda: True,
             time_budget=lambda: self.random.choice([0.0, 1e-9, 1e-5, -1, float("nan")])))
 
+    def motion(self):
+        waypoints = self.array()
+        if isinstance(waypoints, (list, np.ndarray)) and np.ndim(waypoints):
+            waypoints = waypoints[:5]
+        result = self.thing(cp.MotionCheck).check(waypoints, **self.options(
+            joints=lambda: self.random.choice([None, ["turn", "slide"], ["slide"]]), resolution=lambda: 1e-2,
+            clearance=lambda: self.random.choice([0.01, -1, float("nan")]), fidelity=lambda: "obb"))
+        assert set(result.verdict) <= set(cp.Verdict)
+        touching = result.verdict == cp.Verdict.COLLISION
+        assert set(np.flatnonzero(touching)) <= set(result.pairs["segment"])
+        return result
+
     def look(self):
         thing = self.random.choice(self.things)
         name = self.random.choice([n for n in dir(thing) if not n.startswith("__")] + ["nothing"])
@@ -128,8 +140,9 @@ class Calls:
         return self.random.choice([cp.Robot, cp.Robot.from_urdf])(text if self.random.random() < 0.9 else self.value())
 
     def one(self):
-        call = self.random.choice([self.check] * 12 + [self.look] * 4 + [self.shape] * 2 + [
-            self.object, self.scene, self.robot, lambda: cp.Detector(self.thing(cp.Scene), threads=2)])
+        call = self.random.choice([self.check] * 12 + [self.look] * 4 + [self.shape] * 2 + [self.motion] * 2 + [
+            self.object, self.scene, self.robot, lambda: cp.Detector(self.thing(cp.Scene), threads=2),
+            lambda: cp.MotionCheck(self.thing(cp.Scene), threads=2)])
         try:
             made = call()
         except EXPECTED as error:

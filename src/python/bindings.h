@@ -19,6 +19,7 @@ void bindRobot(pybind11::module& module);
 void bindObjects(pybind11::module& module);
 void bindScene(pybind11::module& module);
 void bindDetector(pybind11::module& module);
+void bindMotions(pybind11::module& module);
 
 /// Robot.
 struct PythonRobot {

@@ -1,6 +1,5 @@
 // The Python class Detector.
 #include <atomic>
-#include <chrono>
 #include <mutex>
 #include <thread>
 
@@ -11,37 +10,12 @@
 #include "collision_pairs/batch_check.h"
 #include "collision_pairs/input_error.h"
 #include "joint_states.h"
+#include "long_call.h"
 
 namespace py = pybind11;
 
 namespace collision_pairs {
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-constexpr unsigned MAX_THREADS = 1024;  // each has a detector of its own
-
-/// Python wants the program to stop (Ctrl-C); its exception is set.
-struct Interrupted {};
-
-/// Lets Python look for signals now and then, on the thread that it waits for.
-class SignalCheck {
- public:
-  void now() {
-    if (std::this_thread::get_id() != caller_ || ++nb_calls_ % EVERY != 0) return;
-    if (Clock::now() < next_) return;
-    next_ = Clock::now() + PERIOD;
-    const py::gil_scoped_acquire python;
-    if (PyErr_CheckSignals() != 0) throw Interrupted();
-  }
-
- private:
-  static constexpr unsigned EVERY = 32;
-  static constexpr std::chrono::milliseconds PERIOD{50};
-  const std::thread::id caller_ = std::this_thread::get_id();
-  unsigned nb_calls_ = 0;
-  Clock::time_point next_ = Clock::now() + PERIOD;
-};
 
 /// Of the state that a thread is checking.
 struct Posture {
@@ -54,12 +28,6 @@ Posture& postureOfThisThread() {
   return posture;
 }
 
-unsigned usable(unsigned threads) {
-  if (threads <= MAX_THREADS) return threads;
-  throw InputError("threads is " + std::to_string(threads) + ", but must be at most " +
-                   std::to_string(MAX_THREADS) + "; 0: as many as the machine has");
-}
-
 /// Checks one call at a time; a second thread waits for the first.
 class PythonDetector {
  public:
@@ -68,7 +36,7 @@ class PythonDetector {
         model_names_(scene.model_names),
         all_joints_(namesOfAllJoints(scene_->robot())),
         single_(scene_),
-        batch_(scene_, usable(threads)),
+        batch_(scene_, usableThreads(threads)),
         zero_(scene_->robot().zeroPositions()) {}
 
   std::unique_ptr<CheckResult> check(const py::object& states, const py::object& joints,
@@ -124,9 +92,7 @@ class PythonDetector {
   std::shared_ptr<const NamedJoints> jointsOf(const py::object& joints) {
     if (named_ && named_->areNamedBy(joints)) return named_;
     const auto named = std::make_shared<const NamedJoints>(joints, scene_->robot());
-    std::string at_zero;
-    for (const std::string& name : named->at_zero) at_zero += (at_zero.empty() ? "" : ", ") + name;
-    if (!at_zero.empty()) warn("joints that are not named stand at zero: " + at_zero);
+    named->warnOfOthers();
     return named_ = named;
   }
 

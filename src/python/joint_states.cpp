@@ -73,6 +73,12 @@ bool NamedJoints::areNamedBy(const py::object& joints) const {
                     PySequence_Fast_ITEMS(given.ptr()) + given.size());
 }
 
+void NamedJoints::warnOfOthers() const {
+  std::string others;
+  for (const std::string& name : at_zero) others += (others.empty() ? "" : ", ") + name;
+  if (!others.empty()) warn("joints that are not named stand at zero: " + others);
+}
+
 JointStatesArray::JointStatesArray(const py::object& states, std::size_t nb_joints)
     : array_(float64From(states)), no_resize_(py::weakref(ownerOf(array_))), nb_joints_(nb_joints) {
   const py::ssize_t nb_dimensions = array_.ndim();

@@ -23,6 +23,9 @@ struct NamedJoints {
   /// By the same strings, which need not be read for that: they cannot change.
   bool areNamedBy(const pybind11::object& joints) const;
 
+  /// Python's warning that joints are not named, if there are any.
+  void warnOfOthers() const;
+
   const pybind11::tuple given;
   const bool is_all;
   const JointColumns columns;

@@ -54,4 +54,5 @@ PYBIND11_MODULE(_native, module) {
   bindObjects(module);
   bindScene(module);
   bindDetector(module);
+  bindMotions(module);
 }

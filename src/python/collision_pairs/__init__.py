@@ -11,8 +11,8 @@ messages needs neither NumPy nor the library.
 import importlib
 
 __all__ = ["Box", "Capsule", "Certainty", "CheckResult", "Convex", "Cylinder", "Detector", "Fidelity",
-           "HalfSpace", "InputError", "Mesh", "PairState", "RigidObject", "Robot", "Scene", "Sphere",
-           "Verdict"]
+           "HalfSpace", "InputError", "Mesh", "MotionCheck", "MotionResult", "PairState", "RigidObject", "Robot",
+           "Scene", "Sphere", "Verdict"]
 
 
 def __getattr__(name):

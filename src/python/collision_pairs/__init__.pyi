@@ -185,3 +185,31 @@ class Detector:
         """
     @property
     def joints(self) -> List[str]: ...
+
+class MotionResult:
+    """For the n - 1 segments of n waypoints."""
+    @property
+    def verdict(self) -> NDArray[np.uint8]:
+        """(n - 1,): FREE: certified, nothing comes nearer than the clearance anywhere; COLLISION: a contact was found;
+        UNKNOWN: neither."""
+    @property
+    def clearance(self) -> NDArray[np.float64]:
+        """(n - 1,), m: where FREE, no more than the smallest distance of the segment; else 0."""
+    @property
+    def contact_at(self) -> NDArray[np.float64]:
+        """(n - 1,): where COLLISION, the fraction of the segment, 0 to 1, at which the contact was found; else 0."""
+    @property
+    def pairs(self) -> NDArray[np.void]:
+        """(p,), structured: segment (int64), first, second (uint32, in models): in contact there, or not certified."""
+    @property
+    def models(self) -> NDArray[np.str_]: ...
+    @property
+    def joints_at_zero(self) -> List[str]: ...
+
+class MotionCheck:
+    """Certifies motions that go straight in joint space from waypoint to waypoint."""
+    def __init__(self, scene: Scene, threads: int = 0) -> None: ...
+    def check(self, waypoints: ArrayLike, joints: Optional[Sequence[str]] = None, clearance: float = 0.0,
+              resolution: float = 0.001, fidelity: str = "mesh") -> MotionResult:
+        """waypoints: (n, len(joints)), rad or m. joints: as in Detector.check. clearance: m, FREE means that no pair
+        comes nearer. resolution: m, a pair that is open where its motion is finer is given up."""
