@@ -203,6 +203,15 @@ const std::vector<std::string>& sceneConfigKeys() {
   return KEYS;
 }
 
+const std::vector<std::string>& nodeParameterKeys() {
+  static const std::vector<std::string> KEYS = [] {
+    std::vector<std::string> keys = sceneConfigKeys();
+    keys.insert(keys.end(), OF_THE_NODE_ONLY.begin(), OF_THE_NODE_ONLY.end());
+    return keys;
+  }();
+  return KEYS;
+}
+
 SceneConfig readSceneConfig(const YAML::Node& map) {
   SceneConfig config;
   for (const auto& [key, read] : readers()) {
@@ -214,8 +223,7 @@ SceneConfig readSceneConfig(const YAML::Node& map) {
 SceneConfig readSceneSettings(const YAML::Node& map, const std::string& origin) {
   if (map.IsNull()) return {};
   if (!map.IsMap()) throw InputError(origin + ": must be a map of settings, such as padding: 0.01");
-  std::vector<std::string> known = sceneConfigKeys();
-  known.insert(known.end(), OF_THE_NODE_ONLY.begin(), OF_THE_NODE_ONLY.end());
+  const std::vector<std::string>& known = nodeParameterKeys();
   for (const auto& entry : map) {
     const std::string key = entry.first.Scalar();
     if (std::find(known.begin(), known.end(), key) != known.end()) continue;

@@ -20,6 +20,9 @@ struct SceneConfig {
 /// The keys that readSceneConfig() knows.
 const std::vector<std::string>& sceneConfigKeys();
 
+/// These, and all other parameters of the node: what its file of parameters may hold.
+const std::vector<std::string>& nodeParameterKeys();
+
 /// From a map with any of sceneConfigKeys(); other keys are passed over. Throws InputError that
 /// names the key, what it is and what it must be: a filter that is half understood would leave
 /// pairs out unseen. Whether its links exist is for the scene to say.

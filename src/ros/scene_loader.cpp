@@ -1,10 +1,14 @@
 #include "scene_loader.h"
 
+#include <algorithm>
+
 #include <ros/console.h>
+#include <ros/param.h>
 
 #include "collision_pairs/input_error.h"
 #include "mesh_loader.h"
 #include "parameters.h"
+#include "user_text.h"
 #include "yaml_parameters.h"
 
 namespace collision_pairs {
@@ -71,14 +75,42 @@ std::unique_ptr<RobotSource> loadEnvironment(const ros::NodeHandle& node,
   return makeSource(key, xml, load_mesh);
 }
 
+/// A misspelt rule about pairs must not go unnoticed: it would read as a scene without that rule.
+void refuseMisspelt(const ros::NodeHandle& node, const std::vector<RobotParameters>& robots) {
+  XmlRpc::XmlRpcValue given;
+  if (!ros::param::get(node.getNamespace(), given) ||
+      given.getType() != XmlRpc::XmlRpcValue::TypeStruct) {
+    return;
+  }
+  std::vector<std::string> known = nodeParameterKeys();
+  known.push_back("environment_description");
+  for (const RobotParameters& robot : robots) {
+    known.push_back(robot.description);
+    known.push_back(robot.semantic);
+  }
+  const auto& of_scene = sceneConfigKeys();
+  for (const auto& [name, value] : given) {
+    if (std::count(known.begin(), known.end(), name) > 0) continue;
+    const std::string nearest = nearestName(name, known, 1 + name.size() / 6);
+    const std::string what = "parameter " + node.resolveName(name) + " is none of this node's" +
+                             (nearest.empty() ? std::string() : "; is '" + nearest + "' meant?");
+    const bool may_leave_out =
+        nearest == "robots" || std::count(of_scene.begin(), of_scene.end(), nearest) > 0;
+    if (may_leave_out) throw InputError(what);
+    ROS_WARN_STREAM(what);
+  }
+}
+
 }  // namespace
 
 SceneSources readSceneSources(const ros::NodeHandle& private_node) {
   SceneSources sources;
   const MeshLoader load_mesh = makeMeshLoader();
-  for (const RobotParameters& robot : readRobots(private_node)) {
+  const std::vector<RobotParameters> robots = readRobots(private_node);
+  for (const RobotParameters& robot : robots) {
     sources.robots.push_back(loadRobot(private_node, robot, load_mesh));
   }
+  refuseMisspelt(private_node, robots);
   sources.world = loadEnvironment(private_node, load_mesh);
   const YAML::Node parameters = yamlParameters(private_node, sceneConfigKeys());
   sources.config =

@@ -73,13 +73,13 @@ void SceneService::release(std::shared_ptr<const void> what) {
 bool SceneService::onUpdate(UpdateScene::Request& request, UpdateScene::Response& response) {
   lowerThreadPriority();
   try {
-    response.objects = scenes_.update(request.changes);
+    scenes_.update(request.changes);
     response.success = true;
   } catch (const std::exception& error) {
     response.success = false;
     response.message = error.what();
-    response.objects = scenes_.list();
   }
+  if (!request.no_list) response.objects = scenes_.list();
   return true;  // false would hide the message from the caller
 }
 

@@ -102,11 +102,11 @@ void SceneStore::requireFrameOfObjects(const std::string& frame) const {
   }
 }
 
-std::vector<SceneObject> SceneStore::update(const std::vector<SceneChange>& changes) {
+void SceneStore::update(const std::vector<SceneChange>& changes) {
   const std::lock_guard<std::mutex> lock(building_);
   if (!scene_) throw InputError("there is no robot yet; see the node's log and diagnostics");
   const std::string frame = scene_->frame;
-  if (changes.empty()) return listed(objects_, frame);
+  if (changes.empty()) return;
   const auto look_up = [&](const std::string& target, const std::string& source,
                            const ros::Time& stamp) {
     if (target != frame) requireLink(scene_->scene->robot(), target);
@@ -115,7 +115,6 @@ std::vector<SceneObject> SceneStore::update(const std::vector<SceneChange>& chan
   SceneObjects objects = changedObjects(objects_, changes, {frame, look_up, load_mesh_});
   replace(build(sources_, objects, {}));
   objects_ = std::move(objects);
-  return listed(objects_, frame);
 }
 
 std::vector<SceneObject> SceneStore::list() {

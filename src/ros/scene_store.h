@@ -32,8 +32,8 @@ class SceneStore {
   /// and the frame of the reports would be another.
   void load();
 
-  /// Applies the changes and returns what there is then. Throws InputError.
-  std::vector<SceneObject> update(const std::vector<SceneChange>& changes);
+  /// Applies the changes. Throws InputError.
+  void update(const std::vector<SceneChange>& changes);
 
   /// The objects as they are.
   std::vector<SceneObject> list();

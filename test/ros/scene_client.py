@@ -88,9 +88,9 @@ class SceneClient:
         rospy.wait_for_service(node + "/update_scene", PATIENCE)
         self._update = rospy.ServiceProxy(node + "/update_scene", UpdateScene)
 
-    def send(self, *changes):
+    def send(self, *changes, **fields):
         """The reply, whatever it is."""
-        return self._update(changes=list(changes))
+        return self._update(changes=list(changes), **fields)
 
     def apply(self, *changes):
         """{name: object} after changes that must succeed."""

@@ -48,6 +48,14 @@ class UpdateSceneTest(unittest.TestCase):
         self.assertEqual(list(found), [pair])
         self.assertAlmostEqual(found[pair], distance, places=places)
 
+    def test_objects_are_listed_unless_the_request_says_no(self):
+        crate = add("crate", (A, 0, TOP + GAP + 0.1), primitives=[box(0.2, 0.2, 0.2)])
+        self.assertEqual(self.scene.send(crate, no_list=True).objects, [])
+        self.assert_only_distance(("a", "crate"), GAP)
+        self.assertEqual([listed.name for listed in self.scene.send().objects], ["crate"])
+        refused = self.scene.send(move("none", (0, 0, 0)), no_list=True)
+        self.assertEqual((refused.success, refused.objects), (False, []))
+
     def test_primitives_keep_their_distance(self):
         shapes = {"box": box(0.4, 0.3, 0.2), "sphere": sphere(0.1), "cylinder": cylinder(0.2, 0.1),
                   "cone": cone(0.2, 0.1)}

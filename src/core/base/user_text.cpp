@@ -57,9 +57,10 @@ bool parseVector3(const std::string& text, Eigen::Vector3d& value) {
   return !(words >> word);
 }
 
-std::string nearestName(const std::string& given, const std::vector<std::string>& names) {
+std::string nearestName(const std::string& given, const std::vector<std::string>& names,
+                        std::size_t most_edits) {
   std::string nearest;
-  std::size_t least = std::numeric_limits<std::size_t>::max();
+  std::size_t least = most_edits + 1;
   for (const std::string& name : names) {
     const std::size_t distance = editDistance(given, name);
     if (distance >= least) continue;
