@@ -124,7 +124,7 @@ class Query {
       return true;
     }
     if (is_overlap) return fillOverlap(found.simplex, found.magnitude, true, result);
-    return curved_ ? fillCurvedApart(found, result) : fillFlatApart(found, result);
+    return curved_ ? fillCurvedApart(found, wanted, result) : fillFlatApart(found, result);
   }
 
   // `sure`: it is an overlap or a touch, unless a plane between the two is found.
@@ -215,9 +215,15 @@ class Query {
 
   // GJK's own closest points where they are far enough apart to be exact, else those of the plane
   // that lies between the two. Where none does, and they are this close, they touch.
-  bool fillCurvedApart(const GjkResult<T>& found, PairDistance& result) const {
+  bool fillCurvedApart(const GjkResult<T>& found, Wanted wanted, PairDistance& result) const {
     const T distance = found.v.norm();
-    if (found.end == GjkEnd::APART && distance >= T(NORMAL_FROM_FEATURE_BELOW) * found.magnitude) {
+    const bool is_far = distance >= T(NORMAL_FROM_FEATURE_BELOW) * found.magnitude;
+    // Of a gap, which bounds a search or is one of many triangles', the search below adds no digit
+    // that counts, but is most of the cost.
+    const bool is_closed =
+        found.end == GjkEnd::APART ||
+        (wanted == Wanted::GAP && distance - found.lower <= T(DISTANCE_TOLERANCE) * smaller_);
+    if (is_far && is_closed) {
       fillApart(found, result);
       return true;
     }
