@@ -189,7 +189,7 @@ class VerdictTest(unittest.TestCase):
     def test_while_a_heavy_robot_is_loaded_or_read_again_the_node_goes_on(self):
         node = NodeClient("/heavy/node")
         with tempfile.NamedTemporaryFile(suffix=".stl") as mesh:
-            write_bumpy_sphere(mesh, 150 if LONG else 100)
+            write_bumpy_sphere(mesh, 200)
             link = "<link name='%s'><collision><geometry><mesh filename='file://" + mesh.name + "'/></geometry></collision></link>"
             joint = "<joint name='to_%s' type='floating'><parent link='root'/><child link='%s'/></joint>"
             # Another scale is another mesh to prepare.
