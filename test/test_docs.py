@@ -1,4 +1,5 @@
 """What the pages state is tied to what was measured."""
+import csv
 import os
 import re
 
@@ -18,3 +19,25 @@ def commit_of(page):
 
 def test_pages_whose_numbers_are_compared_were_measured_at_one_commit():
     assert len({commit_of(page) for page in PAGES}) == 1
+
+
+def test_what_the_trade_off_page_says_of_hulls_is_what_its_table_says():
+    rows = {}
+    with open(os.path.join(PROJECT, "docs/trade_off.csv"), newline="") as table:
+        for row in csv.DictReader(table):
+            rows.setdefault((row["robot"], row["query"]), {})[row["rung"]] = row
+    with open(os.path.join(PROJECT, "docs/trade_off.md"), encoding="utf-8") as text:
+        page = text.read()
+    robots = {key: rungs for key, rungs in rows.items() if key[0] != "demo"}
+
+    def p99(rungs, rung):
+        return float(rungs[rung]["p99_us"])
+    times = [p99(rungs, "adaptive") / p99(rungs, "convex") for rungs in robots.values()]
+    assert "two to ten times less than triangles" in page and (round(min(times)), round(max(times))) == (2, 10)
+    simplified = [(rungs, rung) for rungs in robots.values() for rung in ("convex32", "convex64")]
+    saved = [100 * (1 - p99(rungs, rung) / p99(rungs, "convex")) for rungs, rung in simplified]
+    errors = [1000 * float(rungs[rung]["error_median"]) for rungs, rung in simplified]
+    said = re.search(r"(\d+) to (\d+) % off the slowest per cent of the same robots for (\d+) to (\d+) mm", page)
+    assert [round(min(saved)), round(max(saved)), round(min(errors)), round(max(errors))] == [int(n) for n in said.groups()]
+    said = re.search(r"pr2 with its world: (\d+) µs", page)
+    assert round(float(rows["pr2", "world"]["aabb"]["median_us"])) == int(said.group(1))
