@@ -230,6 +230,18 @@ TEST(SeveralRobots, AreNotSwitchedOffByTheSrdfOfAnother) {
   EXPECT_TRUE(scene->filter().allowed(id("right/a"), id("right/b")));
 }
 
+TEST(SceneObjects, WithoutAFiniteBoxAreRefusedByName) {
+  SceneDescription description = twoSliders();
+  RigidObject vast;
+  vast.name = "vast";
+  for (const auto& [radius, x] : {std::pair(1.7e308, 0.0), std::pair(5e307, 1.7e308)}) {
+    vast.elements = {{Sphere{radius}, Isometry3d::Identity()}};
+    vast.X_PO.translation().x() = x;
+    description.objects = {vast};
+    EXPECT_THAT(refusal(description), HasSubstr("'vast' is too large or too far away")) << radius;
+  }
+}
+
 TEST(SeveralRobots, OfOneNameAreRefused) {
   SceneDescription description = twoSliders();
   description.robots.push_back(description.robots[0]);

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <map>
+#include <stdexcept>
 
+#include "collision_pairs/input_error.h"
 #include "pair_policy.h"
 #include "scene_element.h"
 #include "scene_members.h"
@@ -38,8 +40,13 @@ class SceneBuilder {
     dropUnneeded();
     addModels();
     setFilter();
-    prepareElements();
-    addElements();
+    try {
+      prepareElements();
+      addElements();
+    } catch (const std::invalid_argument& problem) {  // of a shape, which does not know whose it is
+      refuseVastShapes();
+      throw InputError(std::string("a shape of the scene: ") + problem.what());
+    }
     return std::move(scene_);
   }
 
@@ -123,6 +130,20 @@ class SceneBuilder {
     }
   }
 
+  [[noreturn]] static void refuseVast(const std::string& name) {
+    throw InputError("'" + name + "' is too large or too far away for a finite box");
+  }
+
+  void refuseVastShapes() const {
+    for (const SceneMember& member : members_) {
+      for (const Element& element : *member.elements) {
+        if (std::holds_alternative<HalfSpace>(element.shape)) continue;
+        const Aabb box = computeAabb(element.shape, Eigen::Isometry3d::Identity());
+        if (!(box.max - box.min).allFinite()) refuseVast(member.name);
+      }
+    }
+  }
+
   void prepareElements() {
     std::vector<std::pair<const Shape*, Fidelity>> wanted;
     for (std::size_t m = 0; m < members_.size(); ++m) {
@@ -142,6 +163,7 @@ class SceneBuilder {
     for (const SceneElement& element : scene_->elements_) {
       boxes.push_back(element.boxAt(element.X_BE));
       models.push_back(element.model);
+      if (!boxes.back().valid()) refuseVast(scene_->models_[element.model].name);
     }
     scene_->static_boxes_ = StaticBoxes(std::move(boxes), std::move(models));
     addElementsOf(false);
