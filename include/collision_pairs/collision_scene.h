@@ -151,4 +151,8 @@ class CollisionScene {
   StaticBoxes static_boxes_;
 };
 
+/// Why a model is not checked where it stands, for messages: its name, and that its box is not
+/// finite.
+std::string whyNoBox(const std::string& name);
+
 }  // namespace collision_pairs

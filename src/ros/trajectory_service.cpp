@@ -33,6 +33,15 @@ auto ofPoint(std::size_t i, const Asked& asked, const Ask& ask) {
   }
 }
 
+/// All reasons for which nothing that the report says is FREE.
+std::vector<std::string> allDoubts(const Asked& asked, const CollisionReport& report) {
+  std::vector<std::string> doubts = asked.doubts;
+  for (std::string& why : whyUnknown(report, *asked.active.scene, asked.active.broken_links)) {
+    doubts.push_back(std::move(why));
+  }
+  return doubts;
+}
+
 /// COLLISION is certain whatever the doubts; notes them where they make it UNKNOWN.
 std::uint8_t verdictWith(const std::vector<std::string>& doubts, Verdict verdict,
                          Reasons& reasons) {
@@ -57,10 +66,7 @@ void checkPoints(BatchCheck& batch, const Asked& asked, CheckTrajectory::Respons
         ofPoint(i, asked, [&](const auto& positions) { asked.query.posesAt(positions, poses); });
       },
       [&](std::size_t i, const CollisionReport& report) {
-        std::vector<std::string> doubts = asked.doubts;
-        for (std::string& why : whyUnknown(report, *active.scene, active.broken_links)) {
-          doubts.push_back(std::move(why));
-        }
+        const std::vector<std::string> doubts = allDoubts(asked, report);
         response.min_distance[i] = report.min_distance;
         if (asked.request.want_reports) {
           response.reports[i] = toMessage(report, *active.scene, asked.settings, active.frame,
@@ -84,10 +90,7 @@ void checkBetween(const Asked& asked, CheckTrajectory::Response& response, Reaso
   settings.fidelity = asked.settings.fidelity;
   SegmentOptions options;
   options.placed = asked.query.placedBodies();
-  std::vector<std::string> doubts = asked.doubts;
-  for (std::string& why : whyUnknown({}, *active.scene, active.broken_links)) {
-    doubts.push_back(std::move(why));
-  }
+  const std::vector<std::string> doubts = allDoubts(asked, {});
   for (const MotionReport& report : checkSegments(active.scene, waypoints, settings, options)) {
     const std::uint8_t verdict = verdictWith(doubts, report.verdict, reasons);
     response.segment_verdict.push_back(verdict);

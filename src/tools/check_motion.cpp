@@ -8,7 +8,6 @@
 
 #include "collision_pairs/input_error.h"
 #include "collision_pairs/motion_check.h"
-#include "joint_states_csv.h"
 #include "scene_files.h"
 #include "text_files.h"
 #include "tool.h"
@@ -43,11 +42,7 @@ void declare(CLI::App& app, Options& options) {
                  "pairs that are still open where their motion is finer than this stay unresolved")
       ->type_name("METRES")
       ->capture_default_str();
-  app.add_option("--threads", options.threads,
-                 "0: as many as the machine has; the output is the same")
-      ->capture_default_str();
-  app.add_option("--out", options.out, "where to write (default: standard output)")
-      ->type_name("OUT.csv");
+  declareBatch(app, options.threads, options.out);
 }
 
 void refuseWrong(const MotionSettings& settings) {
@@ -107,19 +102,15 @@ void writeRow(std::size_t segment, const MotionReport& report, const CollisionSc
 void checkAll(Options options) {
   refuseWrong(options.settings);
   options.settings.fidelity = parseFidelity(options.fidelity);
-  TextFrom srdf;
-  if (!options.srdf.empty()) srdf = {options.srdf, readTextFile(options.srdf)};
-  const auto scene = buildScene({options.robot, readTextFile(options.robot)}, srdf, options.scene,
-                                options.settings.fidelity, 0);
+  const auto scene =
+      buildScene(options.robot, options.srdf, options.scene, options.settings.fidelity, 0);
   const JointStates waypoints =
       readJointStates(readTextFile(options.waypoints), scene->robot(), options.waypoints);
   if (waypoints.positions.size() < 2) {
     throw InputError(options.waypoints + ": " + std::to_string(waypoints.positions.size()) +
                      " waypoints; a motion needs two or more (check_states checks one)");
   }
-  if (!waypoints.joints_at_zero.empty()) {
-    warn("joints without a column stand at zero: " + joined(waypoints.joints_at_zero));
-  }
+  warnOfJointsAtZero(waypoints);
   warnOfLimits(waypoints, scene->robot());
   ProgressBar bar("segments", waypoints.positions.size() - 1);
   SegmentOptions how;

@@ -10,7 +10,6 @@
 
 #include "collision_pairs/batch_check.h"
 #include "collision_pairs/input_error.h"
-#include "joint_states_csv.h"
 #include "scene_files.h"
 #include "text_files.h"
 #include "tool.h"
@@ -53,11 +52,7 @@ void declare(CLI::App& app, Options& options) {
   app.add_flag("--min-distance", options.min_distance, "find the smallest signed distance");
   app.add_flag("--verdict-only", options.verdict_only,
                "only whether it collides: ends at the first contact, the only pair named");
-  app.add_option("--threads", options.threads,
-                 "0: as many as the machine has; the output is the same")
-      ->capture_default_str();
-  app.add_option("--out", options.out, "where to write (default: standard output)")
-      ->type_name("OUT.csv");
+  declareBatch(app, options.threads, options.out);
 }
 
 CheckSettings settingsFrom(const Options& options) {
@@ -101,9 +96,8 @@ std::string rowOf(std::size_t state, const CollisionReport& report, const Collis
 
 void refuseLeftOut(std::size_t state, const CollisionReport& report, const CollisionScene& scene) {
   if (report.left_out.empty()) return;
-  throw InputError("state " + std::to_string(state) + ": link '" +
-                   scene.models()[report.left_out.front()].name +
-                   "' is too large or too far away for a finite box");
+  throw InputError("state " + std::to_string(state) + ": link " +
+                   whyNoBox(scene.models()[report.left_out.front()].name));
 }
 
 /// A row a state, in order.
@@ -134,15 +128,11 @@ std::vector<std::string> check(const JointStates& states,
 
 void checkAll(const Options& options) {
   const CheckSettings settings = settingsFrom(options);
-  TextFrom srdf;
-  if (!options.srdf.empty()) srdf = {options.srdf, readTextFile(options.srdf)};
-  const auto scene = buildScene({options.robot, readTextFile(options.robot)}, srdf, options.scene,
-                                settings.fidelity, options.max_hull_vertices);
+  const auto scene = buildScene(options.robot, options.srdf, options.scene, settings.fidelity,
+                                options.max_hull_vertices);
   const JointStates states =
       readJointStates(readTextFile(options.states), scene->robot(), options.states);
-  if (!states.joints_at_zero.empty()) {
-    warn("joints without a column stand at zero: " + joined(states.joints_at_zero));
-  }
+  warnOfJointsAtZero(states);
   const std::vector<std::string> rows = check(states, scene, settings, options.threads);
   writeTextFile(options.out, [&](std::ostream& out) {
     out << "state,in_collision,pairs,min_distance,nb_pairs,microseconds\n";

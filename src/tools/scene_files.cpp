@@ -132,6 +132,27 @@ std::shared_ptr<const CollisionScene> buildScene(const TextFrom& urdf, const Tex
   return scene;
 }
 
+std::shared_ptr<const CollisionScene> buildScene(const std::string& urdf_path,
+                                                 const std::string& srdf_path,
+                                                 const SceneOptions& options, Fidelity fidelity,
+                                                 int max_hull_vertices) {
+  TextFrom srdf;
+  if (!srdf_path.empty()) srdf = {srdf_path, readTextFile(srdf_path)};
+  const TextFrom urdf{urdf_path, readTextFile(urdf_path)};
+  return buildScene(urdf, srdf, options, fidelity, max_hull_vertices);
+}
+
+void warnOfJointsAtZero(const JointStates& states) {
+  if (states.joints_at_zero.empty()) return;
+  warn("joints without a column stand at zero: " + joined(states.joints_at_zero));
+}
+
+void declareBatch(CLI::App& app, unsigned& threads, std::string& out) {
+  app.add_option("--threads", threads, "0: as many as the machine has; the output is the same")
+      ->capture_default_str();
+  app.add_option("--out", out, "where to write (default: standard output)")->type_name("OUT.csv");
+}
+
 std::shared_ptr<const CollisionScene> BagScenes::sceneFor(const BagContents& bag) {
   const TextFrom urdf = chooseText(urdf_path_, bag.urdfs, "--urdf");
   if (urdf.origin.empty()) throw InputError("there is no robot_description in it; give --urdf");

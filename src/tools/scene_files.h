@@ -11,6 +11,7 @@
 
 #include "bag_reader.h"
 #include "collision_pairs/collision_scene.h"
+#include "joint_states_csv.h"
 
 namespace collision_pairs {
 
@@ -38,6 +39,18 @@ struct TextFrom {
 std::shared_ptr<const CollisionScene> buildScene(const TextFrom& urdf, const TextFrom& srdf,
                                                  const SceneOptions& options, Fidelity fidelity,
                                                  int max_hull_vertices);
+
+/// The same of files; an empty path of an SRDF is none.
+std::shared_ptr<const CollisionScene> buildScene(const std::string& urdf_path,
+                                                 const std::string& srdf_path,
+                                                 const SceneOptions& options, Fidelity fidelity,
+                                                 int max_hull_vertices);
+
+/// Of moving joints without a column.
+void warnOfJointsAtZero(const JointStates& states);
+
+/// --threads and --out of a tool that answers row by row.
+void declareBatch(CLI::App& app, unsigned& threads, std::string& out);
 
 /// Builds a scene from files or, where none is given, from what the bag itself says. Bags in a row
 /// with the same robot share it.

@@ -224,8 +224,7 @@ class MotionCheck::Search {
   }
 
   [[noreturn]] void refuseBox(std::uint32_t model) const {
-    throw InputError("link '" + scene_.models()[model].name +
-                     "' is too large or too far away for a finite box");
+    throw InputError("link " + whyNoBox(scene_.models()[model].name));
   }
 
   bool isReadyToSweep(OpenPair& open) {

@@ -32,8 +32,7 @@ void PairProbe::place(const std::vector<double>& positions) {
         element.body < 0 ? element.X_BE : X_RB_[scene_->bodies()[element.body].body] * element.X_BE;
     boxes_[i] = element.boxAt(X_WE_[i]);
     if (!boxes_[i].valid()) {
-      throw InputError("link '" + scene_->models()[element.model].name +
-                       "' is too large or too far away for a finite box");
+      throw InputError("link " + whyNoBox(scene_->models()[element.model].name));
     }
   }
   ladder_.begin(*scene_, X_WE_, boxes_);

@@ -130,9 +130,7 @@ class SceneBuilder {
     }
   }
 
-  [[noreturn]] static void refuseVast(const std::string& name) {
-    throw InputError("'" + name + "' is too large or too far away for a finite box");
-  }
+  [[noreturn]] static void refuseVast(const std::string& name) { throw InputError(whyNoBox(name)); }
 
   void refuseVastShapes() const {
     for (const SceneMember& member : members_) {
@@ -248,6 +246,10 @@ int CollisionScene::findModel(const std::string& name) const {
       [](const CollisionModel& model, const std::string& wanted) { return model.name < wanted; });
   return found != models_.end() && found->name == name ? static_cast<int>(found - models_.begin())
                                                        : -1;
+}
+
+std::string whyNoBox(const std::string& name) {
+  return "'" + name + "' is too large or too far away for a finite box";
 }
 
 }  // namespace collision_pairs
