@@ -44,6 +44,20 @@ TEST(JointStatesCsv, WindowsLineEndsAndBlankLastLinesAreAccepted) {
   EXPECT_EQ(read(" \"pan\" , lift\n +1e-1 , 2 ").positions.size(), 1u);
 }
 
+TEST(JointStatesCsv, NamesMayBeQuotedAsRfc4180Says) {
+  const auto model = robotFrom(emptyLink("a") + emptyLink("b") + emptyLink("c") +
+                               joint("x, &quot;y&quot;&#10; z", "revolute", "a", "b") +
+                               joint(" q", "revolute", "b", "c"));
+  const JointStates states =
+      readJointStates("\"x, \"\"y\"\"\n z\" ,\t\" q\"\n0.5,\"0.25\"\n", *model, "s.csv");
+  ASSERT_EQ(states.positions.size(), 1u);
+  EXPECT_EQ(states.positions[0], (std::vector<double>{0.5, 0.25}));
+  EXPECT_THAT(refusal("pan\n1\n\"2\n3\n"),
+              testing::HasSubstr("line 3: a quotation mark is not closed"));
+  EXPECT_THAT(refusal("\"pan\nlift\"\n1\n"), testing::HasSubstr("line 1: column 'pan lift'"));
+  EXPECT_THAT(refusal("\"pan\"\n1\n\"2\n\"\n3,4\n"), testing::HasSubstr("line 5: 2 fields"));
+}
+
 TEST(JointStatesCsv, JointsWithoutColumnAreNamed) {
   EXPECT_EQ(read("pan\n1\n").joints_at_zero, (std::vector<std::string>{"lift"}));
 }

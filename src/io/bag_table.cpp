@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "collision_pairs/input_error.h"
+#include "csv.h"
 
 namespace collision_pairs {
 namespace {
@@ -52,7 +53,9 @@ class LineReader {
       : place_(name + " line " + std::to_string(line)) {}
 
   BagRow read(const std::string& line) const {
-    const std::vector<std::string> fields = split(line, ',');
+    CsvRecord record;
+    if (!record.addLine(line)) fail("a quotation mark is not closed");
+    const std::vector<std::string>& fields = record.fields();
     if (fields.size() != 10) fail("it has " + std::to_string(fields.size()) + " fields, not 10");
     BagRow row;
     row.bag = fields[0];
@@ -120,11 +123,11 @@ std::string toLine(const BagRow& row) {
       joinedBy(row.pairs, [](const BagPair& p) { return p.in_contact ? p.links : ""; });
   const std::string distances =
       joinedBy(row.pairs, [](const BagPair& p) { return p.links + '=' + toText(p.distance); });
-  return row.bag + ',' + std::to_string(row.state) + ',' + stamp + ',' +
-         (row.verdict == Verdict::FREE ? '0' : '1') + ',' + contacts + ',' +
+  return csvField(row.bag) + ',' + std::to_string(row.state) + ',' + stamp + ',' +
+         (row.verdict == Verdict::FREE ? '0' : '1') + ',' + csvField(contacts) + ',' +
          (row.min_distance ? toText(*row.min_distance) : "") + ',' + std::to_string(row.nb_pairs) +
-         ',' + distances + ',' +
-         joinedBy(row.left_out, [](const std::string& link) { return link; }) + ',' +
+         ',' + csvField(distances) + ',' +
+         csvField(joinedBy(row.left_out, [](const std::string& link) { return link; })) + ',' +
          nameOf(row.verdict);
 }
 

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <sstream>
+#include <utility>
 
 #include "collision_pairs/input_error.h"
+#include "csv.h"
 #include "user_text.h"
 
 namespace collision_pairs {
@@ -12,25 +14,7 @@ namespace {
 
 constexpr double MIMIC_TOLERANCE = 1e-6;  // rad or m: what a print with six decimals leaves
 
-std::string trimmed(std::string text) {
-  const char* blank = " \t\r";
-  text.erase(0, std::min(text.find_first_not_of(blank), text.size()));
-  text.erase(text.find_last_not_of(blank) + 1);
-  if (text.size() >= 2 && text.front() == '"' && text.back() == '"') {
-    text = text.substr(1, text.size() - 2);
-  }
-  return text;
-}
-
-std::vector<std::string> fieldsOf(const std::string& line) {
-  std::vector<std::string> fields;
-  for (std::size_t begin = 0;;) {
-    const std::size_t comma = line.find(',', begin);
-    fields.push_back(trimmed(line.substr(begin, comma - begin)));
-    if (comma == std::string::npos) return fields;
-    begin = comma + 1;
-  }
-}
+bool isBlank(const std::string& line) { return line.find_first_not_of(" \t\r") == line.npos; }
 
 class Reader {
  public:
@@ -40,20 +24,26 @@ class Reader {
   JointStates read(const std::string& csv) {
     std::istringstream lines(csv);
     std::string line;
-    std::size_t blank_line = 0;
+    std::size_t blank_line = 0, nb_further = 0;
     while (std::getline(lines, line)) {
       ++line_;
-      if (trimmed(line).empty()) {
+      if (isBlank(line)) {
         if (blank_line == 0) blank_line = line_;
         continue;
       }
+      CsvRecord record;
+      while (!record.addLine(line)) {
+        if (!std::getline(lines, line)) fail("a quotation mark is not closed");
+        ++nb_further;
+      }
       if (joint_of_.empty()) {
-        readHeader(line);
+        readHeader(record.fields());
         blank_line = 0;
       } else {
         if (blank_line) fail("a row after the blank line " + std::to_string(blank_line));
-        readRow(line);
+        readRow(record.fields());
       }
+      line_ += std::exchange(nb_further, 0);
     }
     if (joint_of_.empty()) throw InputError(name_ + ": no header; it must name the joints");
     noteJointsAtZero();
@@ -65,8 +55,8 @@ class Reader {
     throw InputError(name_ + " line " + std::to_string(line_) + ": " + why);
   }
 
-  void readHeader(const std::string& line) {
-    for (const std::string& field : fieldsOf(line)) {
+  void readHeader(const std::vector<std::string>& fields) {
+    for (const std::string& field : fields) {
       const int joint = robot_.findJoint(field);
       if (joint < 0) fail("column '" + field + "' is no joint of robot '" + robot_.name() + "'");
       if (robot_.joints()[joint].type == JointType::FIXED) {
@@ -83,8 +73,7 @@ class Reader {
     }
   }
 
-  void readRow(const std::string& line) {
-    const std::vector<std::string> fields = fieldsOf(line);
+  void readRow(const std::vector<std::string>& fields) {
     if (fields.size() != joint_of_.size()) {
       fail(std::to_string(fields.size()) + " fields, but the header has " +
            std::to_string(joint_of_.size()));

@@ -13,6 +13,7 @@
 #include "bag_recorder.h"
 #include "collision_pairs/collision_detector.h"
 #include "collision_pairs/input_error.h"
+#include "csv.h"
 #include "scene_files.h"
 #include "tool.h"
 
@@ -98,15 +99,15 @@ void complete(Options& options) {
     throw InputError("--shard checks a part only: no --record, and --report when merged");
   }
   for (const std::string& bag : options.bags) {
-    if (bag.find_first_of(",\n") != std::string::npos) {
-      throw InputError("'" + bag + "': rename it; a comma in its name would break the table");
+    if (bag.find_first_of("\n\r") != std::string::npos) {
+      throw InputError("'" + bag + "': rename it; a line break in its name would break the table");
     }
   }
 }
 
 BagRow toRow(const CollisionReport& report, const CollisionScene& scene) {
   BagRow row;
-  const auto name = [&](std::uint32_t model) { return scene.models()[model].name; };
+  const auto name = [&](std::uint32_t model) { return listedName(scene.models()[model].name); };
   for (const PairReport& pair : report.pairs) {
     row.pairs.push_back(
         {name(pair.first) + '|' + name(pair.second), pair.distance, pair.state != PairState::NEAR});

@@ -8,6 +8,7 @@
 
 #include "collision_pairs/input_error.h"
 #include "collision_pairs/motion_check.h"
+#include "csv.h"
 #include "scene_files.h"
 #include "text_files.h"
 #include "tool.h"
@@ -91,12 +92,12 @@ void writeRow(std::size_t segment, const MotionReport& report, const CollisionSc
   std::snprintf(microseconds, sizeof microseconds, "%.1f", 1e6 * report.seconds);
   out << segment << ',' << verdictName(report.verdict) << ',' << clearance << ',' << contact_at
       << ',';
-  const char* separator = "";
+  std::string pairs;
   for (const auto& [first, second] : report.pairs) {
-    out << separator << scene.models()[first].name << '|' << scene.models()[second].name;
-    separator = ";";
+    pairs += (pairs.empty() ? "" : ";") + listedName(scene.models()[first].name) + '|' +
+             listedName(scene.models()[second].name);
   }
-  out << ',' << report.nb_checks << ',' << microseconds << '\n';
+  out << csvField(pairs) << ',' << report.nb_checks << ',' << microseconds << '\n';
 }
 
 void checkAll(Options options) {

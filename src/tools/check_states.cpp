@@ -10,6 +10,7 @@
 
 #include "collision_pairs/batch_check.h"
 #include "collision_pairs/input_error.h"
+#include "csv.h"
 #include "scene_files.h"
 #include "text_files.h"
 #include "tool.h"
@@ -77,9 +78,10 @@ std::string contactPairs(const CollisionReport& report, const CollisionScene& sc
   for (const PairReport& pair : report.pairs) {
     if (pair.distance > 0.0) continue;  // near, or unresolved and known to be apart
     if (!text.empty()) text += ';';
-    text += scene.models()[pair.first].name + '|' + scene.models()[pair.second].name;
+    text += listedName(scene.models()[pair.first].name) + '|' +
+            listedName(scene.models()[pair.second].name);
   }
-  return text;
+  return csvField(text);
 }
 
 std::string rowOf(std::size_t state, const CollisionReport& report, const CollisionScene& scene,

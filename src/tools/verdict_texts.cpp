@@ -5,6 +5,7 @@
 #include <functional>
 #include <map>
 
+#include "csv.h"
 #include "pair_class.h"
 #include "pair_verdicts.h"
 #include "tool.h"
@@ -120,7 +121,8 @@ std::string contactState(const PairEvidence& e, const CollisionScene& scene,
   std::string text;
   for (const int joint : sampler.jointsBetween(bodyOf(e.first), bodyOf(e.second))) {
     if (!text.empty()) text += ';';
-    text += sampler.robot().joints()[joint].name + '=' + printed("%.17g", positions[joint]);
+    text +=
+        listedName(sampler.robot().joints()[joint].name) + '=' + printed("%.17g", positions[joint]);
   }
   return text;
 }
@@ -193,12 +195,13 @@ void writePairTable(const std::vector<PairVerdict>& verdicts, const CollisionSce
   for (const PairVerdict& v : verdicts) {
     const PairEvidence& e = v.evidence;
     const bool off = v.given == Given::SWITCHED_OFF || !v.reason.empty();
-    out << v.first_link << ',' << v.second_link << ',' << className(v.pair_class) << ','
-        << givenName(v.given) << ',' << off << ',' << e.trials << ',' << e.contacts << ','
-        << printed("%.4g", lowerBound(e, rules.confidence)) << ','
+    out << csvField(listedName(v.first_link)) << ',' << csvField(listedName(v.second_link)) << ','
+        << className(v.pair_class) << ',' << givenName(v.given) << ',' << off << ',' << e.trials
+        << ',' << e.contacts << ',' << printed("%.4g", lowerBound(e, rules.confidence)) << ','
         << printed("%.4g", upperBound(e, rules.confidence)) << ','
         << (std::isfinite(e.nearest) ? printed("%.4g", e.nearest) : "") << ',' << e.touches_at_zero
-        << ',' << !e.found_state.empty() << ',' << contactState(e, scene, sampler) << '\n';
+        << ',' << !e.found_state.empty() << ',' << csvField(contactState(e, scene, sampler))
+        << '\n';
   }
 }
 
