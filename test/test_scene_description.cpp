@@ -148,6 +148,33 @@ TEST(SceneObjects, ManyThatMayTouchEachOtherAreStillTreatedAlike) {
   EXPECT_EQ(scene->filter().nbClasses(), 4u);  // a, b, bricks, and the one that a may touch
 }
 
+// Everything that is asked for each pair of links is asked 2e8 times here.
+TEST(Scene, AChainOf20000FixedLinksIsOneBodyAndIsChecked) {
+  constexpr int COUNT = 20000;
+  std::string xml = boxLink("link0", 0.1);
+  for (int i = 1; i < COUNT; ++i) {
+    const std::string name = "link" + std::to_string(i), before = "link" + std::to_string(i - 1);
+    xml += boxLink(name, 0.1) + joint("to_" + name, "fixed", before, name, "0.09 0 0", "");
+  }
+  SceneDescription description;
+  description.robots.push_back({robotFrom(xml), std::nullopt, ""});
+  description.objects = {cube("far", at(-100, 0, 0))};
+  const auto scene = CollisionScene::build(description);
+  EXPECT_EQ(scene->models().size(), COUNT + 1u);
+  EXPECT_EQ(scene->bodies().size(), 1u);
+  const auto allowed = [&](const std::string& a, const std::string& b) {
+    return scene->filter().allowed(scene->findModel(a), scene->findModel(b));
+  };
+  EXPECT_FALSE(allowed("link7000", "link7001"));
+  EXPECT_TRUE(allowed("link7000", "link7002"));
+  EXPECT_TRUE(allowed("link19999", "far"));
+  BodyPoses poses;
+  poses.resize(1);
+  poses.X_WB[0] = at(0, 0, 0);
+  CollisionDetector detector(scene);
+  EXPECT_EQ(detector.detect(poses, {}).verdict, Verdict::FREE);  // neighbours overlap, no others
+}
+
 TEST(Scene, RobotAndEnvironmentMayHaveARootOfOneNameWithoutGeometry) {
   SceneDescription description = twoSliders();
   description.world =

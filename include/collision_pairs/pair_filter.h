@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 namespace collision_pairs {
@@ -40,6 +41,11 @@ class PairFilter {
 
   /// The bits of one class against all others: bit b of word b / 64.
   const std::uint64_t* row(std::uint32_t class_a) const { return &bits_[class_a * words_]; }
+  /// Whoever writes a row keeps the table symmetric.
+  std::uint64_t* row(std::uint32_t class_a) { return &bits_[class_a * words_]; }
+
+  /// The same table for other models, of the same classes.
+  void setModels(std::vector<std::uint32_t> classes) { classes_ = std::move(classes); }
 
  private:
   std::vector<std::uint32_t> classes_;

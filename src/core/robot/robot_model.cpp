@@ -136,14 +136,12 @@ int RobotModel::findJoint(const std::string& name) const {
 
 std::vector<std::pair<int, int>> RobotModel::adjacentLinks() const {
   std::vector<std::pair<int, int>> pairs;
+  std::vector<int> with_geometry;  // by link: itself, or the nearest above it; parents come first
   for (std::size_t i = 0; i < links_.size(); ++i) {
-    if (!links_[i].has_geometry) continue;
-    int ancestor = static_cast<int>(i);
-    do {
-      const int joint = links_[ancestor].parent_joint;
-      ancestor = joint < 0 ? -1 : joints_[joint].parent_link;
-    } while (ancestor >= 0 && !links_[ancestor].has_geometry);
-    if (ancestor >= 0) pairs.emplace_back(ancestor, static_cast<int>(i));
+    const int joint = links_[i].parent_joint;
+    const int above = joint < 0 ? -1 : with_geometry[joints_[joint].parent_link];
+    with_geometry.push_back(links_[i].has_geometry ? static_cast<int>(i) : above);
+    if (links_[i].has_geometry && above >= 0) pairs.emplace_back(above, static_cast<int>(i));
   }
   return pairs;
 }

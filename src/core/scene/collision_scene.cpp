@@ -12,8 +12,6 @@
 namespace collision_pairs {
 namespace {
 
-using ClassPair = std::pair<std::uint32_t, std::uint32_t>;
-
 /// Members that are treated alike: one that moves has a class of its own, while all objects of a
 /// large world may share one, so that what is said of pairs stays small.
 struct MemberClass {
@@ -38,8 +36,8 @@ class SceneBuilder {
   std::shared_ptr<const CollisionScene> build(SceneCache& cache) {
     maker_ = cache.maker_.get();
     dropUnneeded();
+    scene_->filter_.setModels(class_of_);
     addModels();
-    setFilter();
     try {
       prepareElements();
       addElements();
@@ -70,25 +68,40 @@ class SceneBuilder {
       if (next == classes_.size()) classes_.push_back({i});
       class_of_.push_back(next);
     }
-    for (std::uint32_t a = 0; a < classes_.size(); ++a) {
-      for (std::uint32_t b = a + 1; b < classes_.size(); ++b) noteClassPair(policy, a, b);
+    std::vector<std::size_t> examples;
+    for (const MemberClass& its_class : classes_) examples.push_back(its_class.example);
+    scene_->filter_ = policy.filter(class_of_, examples);
+    noteNeeds();
+    scene_->pair_padding_ = policy.paddings(scene_->filter_, examples);
+    for (const auto& [pair, metres] : scene_->pair_padding_) {
+      for (MemberClass* one : {&classes_[pair.first], &classes_[pair.second]}) {
+        one->half_padding = std::max(one->half_padding, 0.5 * metres);
+      }
     }
   }
 
-  void noteClassPair(const PairPolicy& policy, std::uint32_t a, std::uint32_t b) {
-    MemberClass &first = classes_[a], &second = classes_[b];
-    if (!policy.allowed(first.example, second.example)) {
-      forbidden_.emplace_back(a, b);
-      return;
-    }
-    const Fidelity fidelity =
-        std::min(members_[first.example].finest, members_[second.example].finest);
-    const auto padding = policy.padding(first.example, second.example);
-    if (padding) scene_->pair_padding_[{a, b}] = *padding;
-    for (MemberClass* one : {&first, &second}) {
-      one->needed = true;
-      one->needed_fidelity = std::max(one->needed_fidelity, fidelity);
-      one->half_padding = std::max(one->half_padding, 0.5 * padding.value_or(0.0));
+  // A pair is checked at the coarser geometry of its two members.
+  void noteNeeds() {
+    const std::size_t nb_words = (classes_.size() + 63) / 64;
+    for (const Fidelity fidelity :
+         {Fidelity::AABB, Fidelity::OBB, Fidelity::CONVEX, Fidelity::MESH}) {
+      std::vector<std::uint64_t> as_fine(nb_words, 0);
+      const auto isAsFine = [&](std::size_t c) {
+        return members_[classes_[c].example].finest >= fidelity;
+      };
+      for (std::size_t c = 0; c < classes_.size(); ++c) {
+        if (isAsFine(c)) as_fine[c >> 6] |= std::uint64_t{1} << (c & 63);
+      }
+      for (std::uint32_t c = 0; c < classes_.size(); ++c) {
+        const std::uint64_t* row = scene_->filter_.row(c);
+        bool meets = false;
+        for (std::size_t w = 0; isAsFine(c) && !meets && w < nb_words; ++w) {
+          meets = row[w] & as_fine[w];
+        }
+        if (!meets) continue;
+        classes_[c].needed = true;
+        classes_[c].needed_fidelity = fidelity;
+      }
     }
   }
 
@@ -104,29 +117,17 @@ class SceneBuilder {
     class_of_.resize(kept);
   }
 
-  int sceneBody(int body) {
-    auto& bodies = scene_->bodies_;
-    const auto found = std::find_if(bodies.begin(), bodies.end(),
-                                    [&](const SceneBody& b) { return b.body == body; });
-    if (found != bodies.end()) return static_cast<int>(found - bodies.begin());
-    const int link = scene_->robot_->bodies()[body].link;
-    bodies.push_back({body, scene_->robot_->links()[link].name});
-    return static_cast<int>(bodies.size()) - 1;
-  }
-
   void addModels() {
+    const RobotModel& robot = *scene_->robot_;
+    auto& bodies = scene_->bodies_;
+    std::vector<int> scene_body(robot.bodies().size(), -1);  // by body of the robot
     for (const SceneMember& member : members_) {
-      const int body = member.isStatic() ? -1 : sceneBody(member.body);
+      if (!member.isStatic() && scene_body[member.body] < 0) {
+        scene_body[member.body] = static_cast<int>(bodies.size());
+        bodies.push_back({member.body, robot.links()[robot.bodies()[member.body].link].name});
+      }
+      const int body = member.isStatic() ? -1 : scene_body[member.body];
       scene_->models_.push_back({member.name, body, 0, 0, member.object != nullptr});
-    }
-  }
-
-  void setFilter() {
-    scene_->filter_ = PairFilter(class_of_);
-    const std::size_t nb_classes = scene_->filter_.nbClasses();
-    for (std::uint32_t c = 0; c < nb_classes; ++c) scene_->filter_.setClassPair(c, c, false);
-    for (const auto& [a, b] : forbidden_) {
-      if (b < nb_classes) scene_->filter_.setClassPair(a, b, false);
     }
   }
 
@@ -201,7 +202,6 @@ class SceneBuilder {
   std::vector<SceneMember> members_;
   std::vector<std::uint32_t> class_of_;  // by member
   std::vector<MemberClass> classes_;
-  std::vector<ClassPair> forbidden_;
 };
 
 SceneCache::SceneCache() : maker_(std::make_unique<ElementMaker>()) {}

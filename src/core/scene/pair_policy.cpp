@@ -9,14 +9,39 @@
 namespace collision_pairs {
 namespace {
 
-bool contains(const std::vector<std::string>& names, const std::string& name) {
-  return std::find(names.begin(), names.end(), name) != names.end();
+/// A set of classes, as a row of the filter has them.
+class ClassSet {
+ public:
+  explicit ClassSet(std::size_t nb_classes) : words_((nb_classes + 63) / 64, 0) {}
+  void insert(std::size_t c) { words_[c >> 6] |= std::uint64_t{1} << (c & 63); }
+  bool has(std::size_t c) const { return (words_[c >> 6] >> (c & 63)) & 1u; }
+
+  void addTo(std::uint64_t* row) const {
+    for (std::size_t w = 0; w < words_.size(); ++w) row[w] |= words_[w];
+  }
+  void removeFrom(std::uint64_t* row) const {
+    for (std::size_t w = 0; w < words_.size(); ++w) row[w] &= ~words_[w];
+  }
+  void keepOnlyIn(std::uint64_t* row) const {
+    for (std::size_t w = 0; w < words_.size(); ++w) row[w] &= words_[w];
+  }
+
+ private:
+  std::vector<std::uint64_t> words_;
+};
+
+void switchOff(std::size_t c, std::uint64_t* row) {
+  row[c >> 6] &= ~(std::uint64_t{1} << (c & 63));
 }
 
-/// Does `a` say that it may touch `b`?
-bool mayTouch(const SceneMember& a, const SceneMember& b) {
-  if (!a.object) return false;
-  return contains(a.object->touch_links, b.name) || a.object->attached_link == b.name;
+/// The classes whose example is such a member.
+template <class Holds>
+ClassSet classesWhere(const std::vector<std::size_t>& examples, const Holds& holds) {
+  ClassSet classes(examples.size());
+  for (std::size_t c = 0; c < examples.size(); ++c) {
+    if (holds(examples[c])) classes.insert(c);
+  }
+  return classes;
 }
 
 }  // namespace
@@ -118,33 +143,88 @@ void PairPolicy::addGroup(const std::string& name, std::set<std::string>& names)
   }
 }
 
-bool PairPolicy::neverMeet(const SceneMember& a, const SceneMember& b) const {
-  if (a.isStatic() && b.isStatic()) return true;
-  if (mayTouch(a, b) || mayTouch(b, a)) return true;
-  return a.object && b.object && a.body == b.body;
-}
-
-bool PairPolicy::allowedBySrdf(std::size_t a, std::size_t b) const {
-  if (members_[a].robot < 0 || members_[b].robot < 0) return true;
-  const auto& off = switched_off_[a];
-  return description_.check_self && !std::binary_search(off.begin(), off.end(), b);
-}
-
-bool PairPolicy::allowed(std::size_t a, std::size_t b) const {
-  if (neverMeet(members_[a], members_[b])) return false;
-  if (!restricted_.empty() && !restricted_[a] && !restricted_[b]) return false;
-  for (std::size_t i = rules_.size(); i-- > 0;) {
-    if (!rules_[i].both(a, b)) continue;
-    return description_.settings.pair_rules[i].verdict == PairRule::Verdict::ALLOW;
+PairFilter PairPolicy::filter(const std::vector<std::uint32_t>& class_of,
+                              const std::vector<std::size_t>& examples) const {
+  const auto where = [&](const auto& holds) { return classesWhere(examples, holds); };
+  const ClassSet statics = where([&](std::size_t m) { return members_[m].isStatic(); });
+  const ClassSet links = where([&](std::size_t m) { return members_[m].robot >= 0; });
+  const ClassSet restricted =
+      where([&](std::size_t m) { return !restricted_.empty() && restricted_[m]; });
+  std::vector<std::pair<ClassSet, ClassSet>> rules;
+  for (const Meant& rule : rules_) {
+    rules.emplace_back(where([&](std::size_t m) { return rule.first[m]; }),
+                       where([&](std::size_t m) { return rule.second[m]; }));
   }
-  return allowedBySrdf(a, b);
+  std::map<int, ClassSet> objects_on;  // by body
+  for (std::size_t c = 0; c < examples.size(); ++c) {
+    const SceneMember& member = members_[examples[c]];
+    if (!member.object || member.isStatic()) continue;
+    objects_on.try_emplace(member.body, examples.size()).first->second.insert(c);
+  }
+
+  PairFilter filter(class_of);
+  for (std::uint32_t c = 0; c < examples.size(); ++c) {
+    const SceneMember& member = members_[examples[c]];
+    std::uint64_t* row = filter.row(c);
+    if (member.robot >= 0) {
+      if (!description_.check_self) links.removeFrom(row);
+      for (const std::uint32_t other : switched_off_[examples[c]]) {
+        switchOff(class_of[other], row);
+      }
+    }
+    for (std::size_t i = 0; i < rules.size(); ++i) {
+      const bool allow = description_.settings.pair_rules[i].verdict == PairRule::Verdict::ALLOW;
+      const auto apply = [&](const ClassSet& to) { allow ? to.addTo(row) : to.removeFrom(row); };
+      if (rules[i].first.has(c)) apply(rules[i].second);
+      if (rules[i].second.has(c)) apply(rules[i].first);
+    }
+    if (!restricted_.empty() && !restricted.has(c)) restricted.keepOnlyIn(row);
+    if (member.isStatic()) statics.removeFrom(row);
+    if (member.object && !member.isStatic()) objects_on.at(member.body).removeFrom(row);
+    switchOff(c, row);
+  }
+  switchOffTouching(examples, filter);
+  return filter;
 }
 
-std::optional<double> PairPolicy::padding(std::size_t a, std::size_t b) const {
-  for (std::size_t i = paddings_.size(); i-- > 0;) {
-    if (paddings_[i].both(a, b)) return description_.settings.pair_padding[i].metres;
+void PairPolicy::switchOffTouching(const std::vector<std::size_t>& examples,
+                                   PairFilter& filter) const {
+  std::unordered_map<std::string, std::uint32_t> class_of_name;
+  for (std::uint32_t c = 0; c < examples.size(); ++c) {
+    class_of_name.emplace(members_[examples[c]].name, c);
   }
-  return std::nullopt;
+  for (std::uint32_t c = 0; c < examples.size(); ++c) {
+    const RigidObject* object = members_[examples[c]].object;
+    if (!object) continue;
+    const auto mayTouch = [&](const std::string& name) {
+      const auto found = class_of_name.find(name);
+      if (found != class_of_name.end()) filter.setClassPair(c, found->second, false);
+    };
+    std::for_each(object->touch_links.begin(), object->touch_links.end(), mayTouch);
+    mayTouch(object->attached_link);
+  }
+}
+
+ClassPaddings PairPolicy::paddings(const PairFilter& filter,
+                                   const std::vector<std::size_t>& examples) const {
+  ClassPaddings paddings;
+  for (std::size_t i = 0; i < paddings_.size(); ++i) {
+    const auto meant = [&](const std::vector<char>& members) {
+      std::vector<std::uint32_t> classes;
+      for (std::uint32_t c = 0; c < examples.size(); ++c) {
+        if (members[examples[c]]) classes.push_back(c);
+      }
+      return classes;
+    };
+    const std::vector<std::uint32_t> second = meant(paddings_[i].second);
+    for (const std::uint32_t a : meant(paddings_[i].first)) {
+      for (const std::uint32_t b : second) {
+        if (!filter.classPairAllowed(a, b)) continue;
+        paddings[std::minmax(a, b)] = description_.settings.pair_padding[i].metres;  // the last
+      }
+    }
+  }
+  return paddings;
 }
 
 std::string PairPolicy::signature(std::size_t member) const {

@@ -2,14 +2,18 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
+#include <map>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "collision_pairs/pair_filter.h"
 #include "scene_members.h"
 
 namespace collision_pairs {
+
+using ClassPaddings = std::map<std::pair<std::uint32_t, std::uint32_t>, double>;
 
 /// Everything that anybody says about pairs, in this order: SRDF (or adjacent links) of each robot;
 /// the user's rules, of which the last counts; touch links; the restriction. Asked while a scene is
@@ -19,30 +23,29 @@ class PairPolicy {
   /// Both must outlive it. Throws InputError if the restriction names a group that is nowhere.
   PairPolicy(const SceneDescription& description, const std::vector<SceneMember>& members);
 
-  /// By index of the member. O(rules + log pairs of the SRDF).
-  bool allowed(std::size_t a, std::size_t b) const;
-
-  /// The distance that the user wants of just this pair.
-  std::optional<double> padding(std::size_t a, std::size_t b) const;
-
   /// Members that never move are treated alike where this is the same.
   std::string signature(std::size_t member) const;
+
+  /// The classes of the members, and a member of each class: one that moves has a class of its own.
+  /// The table is written 64 pairs at a time: O(classes^2 / 64 * (1 + rules) + pairs of the SRDF).
+  PairFilter filter(const std::vector<std::uint32_t>& class_of,
+                    const std::vector<std::size_t>& examples) const;
+
+  /// The distance that the user wants of just these pairs, by classes, the smaller first; of those
+  /// that `filter` allows.
+  ClassPaddings paddings(const PairFilter& filter, const std::vector<std::size_t>& examples) const;
 
  private:
   /// Which members each of the two patterns means.
   struct Meant {
     std::vector<char> first, second;
-    bool both(std::size_t a, std::size_t b) const {
-      return (first[a] && second[b]) || (first[b] && second[a]);
-    }
   };
 
   Meant meant(const NamePattern& first, const NamePattern& second) const;
   void readSwitchedOff();
   void readRestriction();
+  void switchOffTouching(const std::vector<std::size_t>& examples, PairFilter& filter) const;
   void addGroup(const std::string& name, std::set<std::string>& names) const;
-  bool neverMeet(const SceneMember& a, const SceneMember& b) const;
-  bool allowedBySrdf(std::size_t a, std::size_t b) const;
 
   const SceneDescription& description_;
   const std::vector<SceneMember>& members_;
