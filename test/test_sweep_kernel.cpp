@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "instruction_set.h"
 #include "packed_records.h"
 #include "random_inputs.h"
 #include "static_tree.h"
@@ -42,6 +43,18 @@ IdPairs sweepBy(const SweepKernel& kernel, const PackedBoxes& boxes, std::uint32
   for (std::size_t i = 0; i < found->count; ++i)
     pairs.push_back({found->first[i], found->second[i]});
   return pairs;
+}
+
+// Tests of equal answers rely on it.
+TEST(InstructionSet, IsNoBetterThanTheEnvironmentSays) {
+  const char* const name = "COLLISION_PAIRS_INSTRUCTION_SET";
+  ASSERT_EQ(std::getenv(name), nullptr);
+  const InstructionSet best = instructionSet();
+  setenv(name, "base", 1);
+  EXPECT_EQ(instructionSet(), InstructionSet::BASE);
+  setenv(name, "avx2", 1);
+  EXPECT_EQ(instructionSet(), std::min(best, InstructionSet::AVX2));
+  unsetenv(name);
 }
 
 TEST(SweepKernel, EachInstructionSetFindsWhatTheDefinitionSays) {

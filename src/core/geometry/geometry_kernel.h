@@ -25,7 +25,8 @@ struct alignas(BOX_LANES * sizeof(double)) BoxBlock {
 struct GeometryKernel {
   const char* name;
 
-  /// Index of the point furthest along `direction`; writes how far along it is.
+  /// Index of the point furthest along `direction`, of several the first; writes how far along it
+  /// is.
   unsigned long (*furthest_point)(const PointBlock* blocks, unsigned long count,
                                   const double* direction, double* height);
   /// The smallest and largest coordinates of R p; R is column-major.

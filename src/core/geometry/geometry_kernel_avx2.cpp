@@ -1,4 +1,4 @@
-// 4 lanes. Compiled for AVX2 and FMA; entered only where the machine has them.
+// 4 lanes. Compiled for AVX2; entered only where the machine has it.
 #include "geometry_kernel_loops.h"
 
 namespace collision_pairs {

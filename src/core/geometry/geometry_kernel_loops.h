@@ -27,14 +27,16 @@ unsigned long furthestPointLoop(const PointBlock* blocks, unsigned long count,
       step += 1;
     }
   }
-  int lane = 0;
   double most = best[0];
-  for (int other = 1; other < WIDTH; ++other) {  // as selections: branches would be guessed wrong
-    lane = best[other] > most ? other : lane;
-    most = best[other] > most ? best[other] : most;
+  long long first = found[0] * WIDTH;
+  for (int lane = 1; lane < WIDTH; ++lane) {  // as selections: branches would be guessed wrong
+    const long long index = found[lane] * WIDTH + lane;
+    // Of several the first point, however many lanes there are.
+    first = best[lane] > most || (best[lane] == most && index < first) ? index : first;
+    most = best[lane] > most ? best[lane] : most;
   }
   *height = most;
-  return static_cast<unsigned long>(found[lane]) * WIDTH + static_cast<unsigned long>(lane);
+  return static_cast<unsigned long>(first);
 }
 
 template <class Lanes, int WIDTH>
