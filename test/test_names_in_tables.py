@@ -43,7 +43,8 @@ class Robot:
 
     def write_states(self, path):
         with open(path, "w", encoding="utf-8", newline="") as out:
-            csv.writer(out, quoting=csv.QUOTE_NONNUMERIC).writerows([self.joints, [0.1] * len(self.joints), [-0.2] * len(self.joints)])
+            nb_joints = len(self.joints)
+            csv.writer(out, quoting=csv.QUOTE_NONNUMERIC).writerows([self.joints, [0.1] * nb_joints, [-0.2] * nb_joints])
         return path
 
 

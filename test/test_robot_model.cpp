@@ -41,6 +41,16 @@ TEST(RobotModel, LinksOnFixedJointsAreOneBody) {
                   .isApprox(Eigen::Vector3d(3, 0, 3), 1e-15));
 }
 
+// The square of its length is 0, or infinite.
+TEST(RobotModel, AnAxisIsADirectionHoweverShortOrLongItIsWritten) {
+  for (const char* length : {"1e-320", "1e-200", "1e200", "1e308"}) {
+    const std::string axis = std::string("<axis xyz='0 ") + length + " 0'/>";
+    const auto robot = robotFrom(emptyLink("a") + emptyLink("b") +
+                                 joint("j", "continuous", "a", "b", "0 0 0", axis));
+    EXPECT_EQ(robot->joints()[0].axis, Eigen::Vector3d::UnitY()) << length;
+  }
+}
+
 TEST(RobotModel, ForwardKinematicsOfAPlanarArmIsTheTextbooks) {
   const std::string about_z = "<axis xyz='0 0 2'/><limit lower='-3' upper='3'/>";
   const auto robot =

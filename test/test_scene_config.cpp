@@ -75,6 +75,20 @@ TEST(SceneConfig, ALinkWithAPrefixMayBeInAMapAsTheParameterServerHasIt) {
   EXPECT_THAT(refusal("link_padding: {left: {}}"), HasSubstr("link_padding/left is {}"));
 }
 
+TEST(SceneConfig, AMapThatHoldsItselfOrMoreThanThereCanBeIsRefused) {
+  EXPECT_THAT(refusal("link_padding: &all {elbow: 0.1, left: *all}"),
+              AllOf(HasSubstr("link_padding"), HasSubstr("holds itself")));
+  std::string bomb = "link_padding: {a: &a {x: 0.1}";
+  for (char name = 'b'; name < 'n'; ++name) {
+    bomb += std::string(", ") + name + ": &" + name + " {";
+    for (char copy = '0'; copy <= '9'; ++copy) {
+      bomb += std::string(copy > '0' ? ", " : "") + copy + ": *" + static_cast<char>(name - 1);
+    }
+    bomb += "}";
+  }
+  EXPECT_THAT(refusal(bomb + "}"), HasSubstr("link_padding names more than 100000 links"));
+}
+
 TEST(SceneConfig, OfNothingIsTheDefaults) {
   const SceneConfig config = readSceneConfig(YAML::Load("{floor: {}, pair_rules: [], links: []}"));
   EXPECT_FALSE(config.floor);

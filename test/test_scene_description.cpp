@@ -267,6 +267,13 @@ TEST(SceneObjects, WithoutAFiniteBoxAreRefusedByName) {
     description.objects = {vast};
     EXPECT_THAT(refusal(description), HasSubstr("'vast' is too large or too far away")) << radius;
   }
+  auto mesh = std::make_shared<TriangleMesh>();  // as one that is scaled by 1e300
+  mesh->vertices = {{0, 0, 0}, {1e299, 0, 0}, {0, 1e299, 0}, {0, 0, 1e299}};
+  mesh->triangles = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
+  vast.elements = {{Mesh{mesh}, Isometry3d::Identity()}};
+  vast.X_PO = Isometry3d::Identity();
+  description.objects = {vast};
+  EXPECT_THAT(refusal(description), HasSubstr("'vast' is too large or too far away"));
 }
 
 TEST(SeveralRobots, OfOneNameAreRefused) {

@@ -74,17 +74,26 @@ void forEntries(const std::string& key, const YAML::Node& value, const std::stri
   for (const auto& entry : value) read(text(key, entry.first, rule), entry.second);
 }
 
-/// The same with a map from links. The parameter server has a/b as b in a map a.
+/// The same with a map from links. The parameter server has a/b as b in a map a. Of a file, such a
+/// map may hold itself by an alias, or stand for more links than there is memory.
 void forLinks(const std::string& key, const YAML::Node& value, const std::string& rule,
-              const std::function<void(const std::string&, const YAML::Node&)>& read,
-              const std::string& prefix = "") {
-  forEntries(key, value, rule, [&](const std::string& name, const YAML::Node& entry) {
-    if (entry.IsMap() && entry.size() > 0) {
-      forLinks(key, entry, rule, read, prefix + name + "/");
-    } else {
-      read(prefix + name, entry);
-    }
-  });
+              const std::function<void(const std::string&, const YAML::Node&)>& read) {
+  constexpr std::size_t DEEPEST = 100, MOST = 100'000;  // parts of a name; links
+  std::size_t nb_links = 0;
+  const std::function<void(const YAML::Node&, const std::string&, std::size_t)> visit =
+      [&](const YAML::Node& map, const std::string& prefix, std::size_t depth) {
+        forEntries(key, map, rule, [&](const std::string& name, const YAML::Node& entry) {
+          if (depth > DEEPEST || nb_links > MOST) {
+            throw InputError(key + " names more than " + std::to_string(MOST) +
+                             " links, or holds itself by an alias");
+          }
+          if (entry.IsMap() && entry.size() > 0)
+            return visit(entry, prefix + name + "/", depth + 1);
+          ++nb_links;
+          read(prefix + name, entry);
+        });
+      };
+  visit(value, "", 0);
 }
 
 void readLinkFidelity(const YAML::Node& value, SceneConfig& config) {

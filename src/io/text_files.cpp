@@ -42,7 +42,7 @@ std::string readTextFile(const std::string& path) {
 void writeTextFile(const std::string& path, const std::function<void(std::ostream&)>& write) {
   if (path.empty() || path == "-") {
     write(std::cout);
-    std::cout.flush();
+    if (!std::cout.flush()) throw InputError("standard output: writing failed (disk full?)");
     return;
   }
   std::error_code error;

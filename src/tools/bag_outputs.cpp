@@ -109,7 +109,8 @@ void writeBagOutputs(const BagOutputOptions& options,
     writeTextFile(options.out, [&](std::ostream& table) { produceTo(&table); });
   const bool table_on_stdout =
       options.out == "-" || (options.out.empty() && !options.quiet && !report);
-  summary.print(table_on_stdout ? std::cerr : std::cout);
+  if (table_on_stdout) return summary.print(std::cerr);
+  writeTextFile("-", [&](std::ostream& out) { summary.print(out); });
 }
 
 }  // namespace collision_pairs

@@ -12,24 +12,40 @@
 namespace collision_pairs {
 namespace {
 
+namespace fs = std::filesystem;
+
 const std::string NODE = "/collision_pairs_node/";
 
 }  // namespace
 
 BagRecorder::BagRecorder(const std::string& path)
-    : path_(path), part_(path + ".part" + std::to_string(::getpid())) {
+    : path_(path), part_(path + ".part" + std::to_string(::getpid())), bag_(new rosbag::Bag) {
+  // A bag is written here and there, and its file replaces what has the name: no device.
+  std::error_code error;
+  if (fs::exists(path_, error) && !fs::is_regular_file(path_, error)) {
+    throw InputError(path_ + ": is not a file; a bag needs one");
+  }
   try {
-    bag_.open(part_, rosbag::bagmode::Write);
+    bag_->open(part_, rosbag::bagmode::Write);
   } catch (const rosbag::BagException&) {
+    fs::remove(part_, error);
     throw InputError(path_ + ": cannot be written");
   }
-  bag_.setCompression(rosbag::compression::LZ4);
+  bag_->setCompression(rosbag::compression::LZ4);
+}
+
+void BagRecorder::Close::operator()(rosbag::Bag* bag) const {
+  try {
+    bag->close();
+    delete bag;
+  } catch (const std::exception&) {  // it would throw again: it is left as it is
+  }
 }
 
 BagRecorder::~BagRecorder() {
   if (part_.empty()) return;
   std::error_code error;
-  std::filesystem::remove(part_, error);  // what is still written to it has no name any more
+  fs::remove(part_, error);  // what is still written to it has no name any more
 }
 
 void BagRecorder::write(const CollisionReport& report, const CollisionScene& scene,
@@ -42,17 +58,21 @@ void BagRecorder::write(const CollisionReport& report, const CollisionScene& sce
   std_msgs::Bool in_collision;
   in_collision.data = message.in_collision;
   try {
-    bag_.write(NODE + "collision_pairs", time, message);
-    bag_.write(NODE + "in_collision", time, in_collision);
-    bag_.write(NODE + "markers", time, toMarkers(message, &report, false));
+    bag_->write(NODE + "collision_pairs", time, message);
+    bag_->write(NODE + "in_collision", time, in_collision);
+    bag_->write(NODE + "markers", time, toMarkers(message, &report, false));
   } catch (const rosbag::BagException& error) {
     throw InputError(path_ + ": " + error.what());
   }
 }
 
 void BagRecorder::finish() {
-  bag_.close();
-  std::filesystem::rename(part_, path_);
+  try {
+    bag_->close();
+    fs::rename(part_, path_);
+  } catch (const std::exception& error) {
+    throw InputError(path_ + ": cannot be written: " + error.what());
+  }
   part_.clear();
 }
 

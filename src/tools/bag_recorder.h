@@ -1,6 +1,7 @@
 // Reports and markers as a bag, to be played beside the one that was checked.
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -32,7 +33,11 @@ class BagRecorder {
  private:
   std::string path_;
   std::string part_;
-  rosbag::Bag bag_;
+  /// On a full disk the bag's own destructor throws, which would end the process.
+  struct Close {
+    void operator()(rosbag::Bag* bag) const;
+  };
+  std::unique_ptr<rosbag::Bag, Close> bag_;
 };
 
 }  // namespace collision_pairs

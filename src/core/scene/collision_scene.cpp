@@ -1,6 +1,7 @@
 #include "collision_pairs/collision_scene.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <stdexcept>
 
@@ -138,7 +139,10 @@ class SceneBuilder {
       for (const Element& element : *member.elements) {
         if (std::holds_alternative<HalfSpace>(element.shape)) continue;
         const Aabb box = computeAabb(element.shape, Eigen::Isometry3d::Identity());
-        if (!(box.max - box.min).allFinite()) refuseVast(member.name);
+        const Eigen::Vector3d size = box.max - box.min;
+        const bool has_square = std::isfinite(size.squaredNorm());  // OBBs of meshes need it
+        const bool is_mesh = std::holds_alternative<Mesh>(element.shape);
+        if (!size.allFinite() || (is_mesh && !has_square)) refuseVast(member.name);
       }
     }
   }
