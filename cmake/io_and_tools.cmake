@@ -8,6 +8,7 @@ add_library(collision_pairs_io SHARED
   src/io/bag_table.cpp
   src/io/bag_table_merge.cpp
   src/io/csv.cpp
+  src/io/joint_limits.cpp
   src/io/joint_states_csv.cpp
   src/io/meshes/mesh_loader.cpp
   src/io/meshes/mesh_process.cpp

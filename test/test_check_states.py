@@ -35,7 +35,16 @@ def test_verdicts_pairs_and_distance_are_written(run_tool, states, tmp_path):
     assert rows[0]["pairs"] == "" and float(rows[0]["min_distance"]) > 0
     assert "arch|wrist_ball" in rows[1]["pairs"].split(";")
     assert float(rows[1]["min_distance"]) < 0
-    assert "gripper" in done.stderr and "zero" in done.stderr
+    assert "gripper" in done.stderr and "free only with them there" in done.stderr
+
+
+def test_positions_outside_the_limits_are_said_once_a_joint(run_tool, tmp_path):
+    path = tmp_path / "states.csv"
+    path.write_text("shoulder_pan,elbow_flex\n0,1.2\n60,1.2\n90,1.2\n")
+    done = run_tool("check_states", URDF, "--srdf", SRDF, "--states", path)
+    assert done.returncode == 0 and len(done.stdout.splitlines()) == 4
+    said = [line for line in done.stderr.splitlines() if "outside its limits" in line]
+    assert len(said) == 1 and "'shoulder_pan'" in said[0] and "at 2 states; the first is state 1, where it is 60.0" in said[0]
 
 
 def test_min_distance_is_empty_unless_asked_for(run_tool, states):

@@ -75,15 +75,18 @@ TEST_F(Transforms, WithoutAStampAreRefusedUnlessStatic) {
 }
 
 TEST_F(Transforms, ThatAreNotFiniteOrNotRotationsAreRefused) {
-  const double nan = std::nan("");
-  for (const double w : {nan, 0.0, 2.0}) {
+  const std::pair<double, const char*> wrong[] = {{std::nan(""), "its quaternion is not finite"},
+                                                  {0.0, "its quaternion is of length 0, not 1"},
+                                                  {2.0, "its quaternion is of length 2, not 1"}};
+  for (const auto& [w, says] : wrong) {
     auto message = linkAt("a", now_, 1.0);
     message.transforms[0].transform.rotation.w = w;
     input_.take(message, false, now_);
+    EXPECT_THAT(input_.refused(), ElementsAre(HasSubstr(std::string("'a': ") + says)));
   }
   receive("a", 1000.0, HUGE_VAL);
   EXPECT_FALSE(knows("a"));
-  EXPECT_THAT(input_.refused(), ElementsAre(HasSubstr("'a': it is not finite")));
+  EXPECT_THAT(input_.refused(), ElementsAre(HasSubstr("'a': its position is not finite")));
 }
 
 TEST_F(Transforms, OfOneMessageTheSoundOnesAreTaken) {

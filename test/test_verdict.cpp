@@ -76,7 +76,7 @@ class Faults {
     const ros::Time now(now_);
     transforms_.followClock(now);
     const StampedPoses stamped = scene_.tf_poses->latest(now, LIMITS);
-    return checkPoses(scene_, stamped, doubtsOf(stamped, transforms_), CheckSettings(), now, 0.0,
+    return checkPoses(scene_, stamped, doubtsOf(stamped, transforms_, now), CheckSettings(), now, 0.0,
                       *detector_);
   }
 

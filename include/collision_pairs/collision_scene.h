@@ -131,6 +131,11 @@ class CollisionScene {
   /// those of bodies(), all known. W is the root link's frame.
   void gatherPoses(const std::vector<Eigen::Isometry3d>& X_RB, BodyPoses& poses) const;
 
+  /// Which of its model's elements it is.
+  std::uint32_t indexInModel(std::uint32_t element) const {
+    return element - models_[elements_[element].model].first_element;
+  }
+
   /// Id of the model, or -1.
   int findModel(const std::string& name) const;
 

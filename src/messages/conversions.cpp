@@ -31,16 +31,13 @@ std::uint8_t toCertainty(Certainty certainty) {
 }
 
 ContactPoint toMessage(const Contact& contact, const CollisionScene& scene) {
-  const auto index_in_link = [&](std::uint32_t element) {
-    return element - scene.models()[scene.elements()[element].model].first_element;
-  };
   ContactPoint message;
   message.first_point = toPoint(contact.p_WFirst);
   message.second_point = toPoint(contact.p_WSecond);
   message.normal = toVector3(contact.nhat_W);
   message.depth = contact.depth;
-  message.first_element = index_in_link(contact.elements.first);
-  message.second_element = index_in_link(contact.elements.second);
+  message.first_element = scene.indexInModel(contact.elements.first);
+  message.second_element = scene.indexInModel(contact.elements.second);
   return message;
 }
 

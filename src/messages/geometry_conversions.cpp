@@ -1,6 +1,7 @@
 #include "geometry_conversions.h"
 
 #include <cmath>
+#include <sstream>
 
 namespace collision_pairs {
 
@@ -41,6 +42,24 @@ bool toIsometry(const Eigen::Vector3d& position, const geometry_msgs::Quaternion
   X.linear() = rotation.normalized().toRotationMatrix();
   X.translation() = position;
   return position.allFinite();
+}
+
+std::string whyNoIsometry(const geometry_msgs::Pose& pose) {
+  const auto& q = pose.orientation;
+  if (!toVector(pose.position).allFinite()) return "its position is not finite";
+  const double length = Eigen::Vector4d(q.x, q.y, q.z, q.w).norm();
+  if (!std::isfinite(length)) return "its quaternion is not finite";
+  std::ostringstream text;
+  text << "its quaternion is of length " << length << ", not 1";
+  return text.str();
+}
+
+std::string whyNoIsometry(const geometry_msgs::Transform& transform) {
+  geometry_msgs::Pose pose;
+  pose.position =
+      toPoint({transform.translation.x, transform.translation.y, transform.translation.z});
+  pose.orientation = transform.rotation;
+  return whyNoIsometry(pose);
 }
 
 bool toIsometry(const geometry_msgs::Pose& pose, Eigen::Isometry3d& X) {

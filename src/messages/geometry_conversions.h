@@ -1,6 +1,8 @@
 // Points, vectors and poses as ROS messages, and back. Pure functions.
 #pragma once
 
+#include <string>
+
 #include <Eigen/Geometry>
 #include <geometry_msgs/Point.h>
 #include <geometry_msgs/Pose.h>
@@ -20,5 +22,9 @@ bool toIsometry(const Eigen::Vector3d& position, const geometry_msgs::Quaternion
                 Eigen::Isometry3d& X);
 bool toIsometry(const geometry_msgs::Pose& pose, Eigen::Isometry3d& X);
 bool toIsometry(const geometry_msgs::Transform& transform, Eigen::Isometry3d& X);
+
+/// Why toIsometry() returned false, in words.
+std::string whyNoIsometry(const geometry_msgs::Pose& pose);
+std::string whyNoIsometry(const geometry_msgs::Transform& transform);
 
 }  // namespace collision_pairs

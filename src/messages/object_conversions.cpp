@@ -119,9 +119,10 @@ class ObjectReader {
  private:
   static Isometry3d poseOf(const geometry_msgs::Pose& pose) {
     Isometry3d X;
-    if (!toIsometry(pose, X)) {
-      throw InputError("its pose is none: a finite position and a quaternion of length 1");
-    }
+    if (!toIsometry(pose, X))
+      throw InputError(
+          "its pose is none: a finite position and a quaternion of length 1 are needed, but " +
+          whyNoIsometry(pose));
     return X;
   }
 

@@ -25,10 +25,6 @@ DistanceWorth worthOf(Certainty certainty) {
   }
 }
 
-std::uint32_t indexInModel(std::uint32_t element, const CollisionScene& scene) {
-  return element - scene.models()[scene.elements()[element].model].first_element;
-}
-
 PairRow rowOf(std::size_t i, const PairReport& pair, const CollisionReport& report,
               const CollisionScene& scene) {
   PairRow row;
@@ -44,8 +40,8 @@ PairRow rowOf(std::size_t i, const PairReport& pair, const CollisionReport& repo
     Eigen::Map<Eigen::Vector3d>(row.first_point.data()) = nearest->p_WFirst;
     Eigen::Map<Eigen::Vector3d>(row.second_point.data()) = nearest->p_WSecond;
     Eigen::Map<Eigen::Vector3d>(row.normal.data()) = nearest->nhat_W;
-    row.first_element = indexInModel(nearest->elements.first, scene);
-    row.second_element = indexInModel(nearest->elements.second, scene);
+    row.first_element = scene.indexInModel(nearest->elements.first);
+    row.second_element = scene.indexInModel(nearest->elements.second);
   } else {
     for (auto* point : {&row.first_point, &row.second_point, &row.normal}) {
       point->fill(std::numeric_limits<double>::quiet_NaN());

@@ -76,7 +76,11 @@ bool NamedJoints::areNamedBy(const py::object& joints) const {
 void NamedJoints::warnOfOthers() const {
   std::string others;
   for (const std::string& name : at_zero) others += (others.empty() ? "" : ", ") + name;
-  if (!others.empty()) warn("joints that are not named stand at zero: " + others);
+  if (!others.empty()) {
+    warn(
+        "joints that are not named stand at zero, and what is free is free only with them there: " +
+        others);
+  }
 }
 
 JointStatesArray::JointStatesArray(const py::object& states, std::size_t nb_joints)

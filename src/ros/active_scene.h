@@ -15,6 +15,8 @@ struct ActiveScene {
   std::shared_ptr<const CollisionScene> scene;
   /// Links with geometry that could not be read: listed as left out in every report.
   std::vector<std::string> broken_links;
+  /// What is wrong with them, a line each.
+  std::vector<std::string> broken;
   /// Why no report of it is FREE, whatever the poses: a group or links that leave no pair, as a
   /// pattern with a slip of the pen does.
   std::vector<std::string> doubts;

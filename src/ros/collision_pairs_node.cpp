@@ -16,7 +16,6 @@ namespace collision_pairs {
 namespace {
 
 constexpr double WARN_PERIOD = 5.0;  // s between repeated warnings on the log
-const char* const NO_CLOCK = "use_sim_time is set, but nothing has come on /clock";
 // Where the verdict is drawn while no robot, and so no frame, is known.
 const char* const FRAME_OF_NOTHING = "world";
 
@@ -27,8 +26,9 @@ double secondsSince(const ros::WallTime& start) { return (ros::WallTime::now() -
 CollisionPairsNode::CollisionPairsNode(ros::NodeHandle node, ros::NodeHandle private_node)
     : private_node_(private_node),
       parameters_(NodeParameters::read(private_node)),
+      first_frame_(readFixedFrame(private_node)),
       transforms_(parameters_.clock_tolerance, parameters_.pose_limits.max_transform_age),
-      scenes_(private_node, transforms_, parameters_),
+      scenes_(private_node, transforms_, parameters_.pose_limits.max_pose_age),
       scene_service_(private_node, scenes_),
       publisher_(
           private_node,
@@ -97,9 +97,8 @@ void CollisionPairsNode::check(const ActiveScenePtr& scene, const ros::WallTime&
   const CheckSettings settings = this->settings();
   const StampedPoses stamped = scene->tf_poses->latest(now, parameters_.pose_limits);
   const double transform_time = secondsSince(start);
-  std::vector<std::string> doubts = doubtsOf(stamped, transforms_);
+  std::vector<std::string> doubts = doubtsOf(stamped, transforms_, now);
   if (!doubts.empty()) {
-    if (now.isZero()) doubts.insert(doubts.begin(), NO_CLOCK);
     ROS_WARN_STREAM_THROTTLE(WARN_PERIOD, "left out, no usable transform: " << doubts.front());
   }
   CollisionPairs message =
@@ -119,10 +118,9 @@ void CollisionPairsNode::check(const ActiveScenePtr& scene, const ros::WallTime&
 }
 
 void CollisionPairsNode::reportUnknown(const std::string& why) {
-  const std::string& fixed_frame = parameters_.fixed_frame;
-  const std::string frame = checked_scene_        ? checked_scene_->frame
-                            : fixed_frame.empty() ? FRAME_OF_NOTHING
-                                                  : withoutLeadingSlash(fixed_frame);
+  const std::string frame = checked_scene_         ? checked_scene_->frame
+                            : first_frame_.empty() ? FRAME_OF_NOTHING
+                                                   : first_frame_;
   last_message_ = unknown(why, frame, ros::Time::now());
   last_is_checked_ = false;
   publisher_.publish(last_message_);

@@ -45,7 +45,8 @@ class CollisionPairsNode {
   void reconfigure(CollisionPairsConfig& config);
 
   ros::NodeHandle private_node_;
-  NodeParameters parameters_;  // written by reconfigure() under mutex_
+  NodeParameters parameters_;      // written by reconfigure() under mutex_
+  const std::string first_frame_;  // of reports while there is no scene; perhaps empty
   TransformInput transforms_;
   mutable std::mutex mutex_;  // guards parameters_
   SceneStore scenes_;

@@ -63,7 +63,8 @@ JointQuery::Source JointQuery::sourceOf(const Body& body, const JointQueryTf& tf
     root.X_PB = Isometry3d::Identity();
     if (tf.frame == link || askTf(tf, tf.frame, link, root.X_PB, doubt)) return root;
     throw InputError("TF does not know root link '" + link + "' in frame '" + tf.frame +
-                     "' at stamp " + std::to_string(tf.stamp.toSec()));
+                     "' at stamp " + std::to_string(tf.stamp.toSec()) +
+                     (tf.now.isZero() ? std::string(": ") + NO_CLOCK : ""));
   }
   Source source;
   source.joint = columns_.sourceOf(body.joint);
@@ -75,7 +76,8 @@ JointQuery::Source JointQuery::sourceOf(const Body& body, const JointQueryTf& tf
     return source;
   }
   joints_at_zero_.push_back(joint.name);
-  doubt = "joint '" + joint.name + "' is not named and TF does not know it: it was taken at zero";
+  doubt = "joint '" + joint.name + "' is not named and TF does not know it: it was taken at zero" +
+          (tf.now.isZero() ? std::string("; ") + NO_CLOCK : "");
   source.X_PB = body.X_PJ * joint.motion(robot.zeroPositions()[body.joint]);
   return source;
 }

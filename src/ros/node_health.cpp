@@ -1,9 +1,12 @@
 #include "node_health.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace collision_pairs {
 namespace {
+
+constexpr double FREQUENT = 0.1;  // of the cycles that overrun
 
 std::string joined(const std::vector<std::string>& words, const std::string& separator) {
   std::string text;
@@ -18,6 +21,7 @@ void NodeHealth::noteCycle(const CollisionPairs& message, std::optional<double> 
   problem_.clear();
   pose_age_ = pose_age;
   cycle_time_ = cycle_time;
+  cycle_period_ = cycle_period;
   nb_models_ = nb_models;
   nb_unresolved_ = static_cast<std::size_t>(
       std::count_if(message.pairs.begin(), message.pairs.end(),
@@ -41,7 +45,7 @@ void NodeHealth::noteTransforms(std::vector<std::string> refused, unsigned nb_cl
   nb_clock_jumps_ = nb_clock_jumps;
 }
 
-void NodeHealth::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) const {
+void NodeHealth::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
   using diagnostic_msgs::DiagnosticStatus;
   if (!problem_.empty()) {
     status.summary(DiagnosticStatus::ERROR, "not checking: " + problem_);
@@ -57,6 +61,15 @@ void NodeHealth::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) c
   if (!refused_.empty()) status.mergeSummary(DiagnosticStatus::WARN, "transforms are refused");
   if (problem_.empty() && nb_models_ == 0) {
     status.mergeSummary(DiagnosticStatus::WARN, "there is no pair to check");
+  }
+  const std::uint64_t new_cycles = cycles_ - std::exchange(told_cycles_, cycles_);
+  const std::uint64_t new_overruns = overruns_ - std::exchange(told_overruns_, overruns_);
+  if (static_cast<double>(new_overruns) > FREQUENT * static_cast<double>(new_cycles)) {
+    status.mergeSummaryf(DiagnosticStatus::WARN,
+                         "%llu of %llu cycles took longer than their period of %g s: lower rate or "
+                         "fidelity, or set time_budget",
+                         static_cast<unsigned long long>(new_overruns),
+                         static_cast<unsigned long long>(new_cycles), cycle_period_);
   }
   static const char* const VERDICTS[] = {"FREE", "COLLISION", "UNKNOWN"};
   status.add("verdict", problem_.empty() ? VERDICTS[last_.verdict] : "UNKNOWN");

@@ -21,15 +21,18 @@ class NodeHealth {
   void noteProblem(const std::string& problem);
   void noteTransforms(std::vector<std::string> refused, unsigned nb_clock_jumps);
 
-  void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) const;
+  /// Warns of overruns where more than a tenth of the cycles since the last call took longer than
+  /// their period.
+  void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
 
  private:
   std::string problem_ = "no cycle yet";
   std::optional<double> pose_age_;
-  double cycle_time_ = 0.0;
+  double cycle_time_ = 0.0, cycle_period_ = 0.0;
   CollisionPairs last_;  // without its pairs
   std::size_t nb_models_ = 0, nb_unresolved_ = 0;
   std::uint64_t cycles_ = 0, overruns_ = 0, out_of_time_ = 0;
+  std::uint64_t told_cycles_ = 0, told_overruns_ = 0;  // at the last diagnosis
   std::vector<std::string> refused_;
   unsigned nb_clock_jumps_ = 0;
 };

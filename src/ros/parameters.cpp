@@ -103,6 +103,12 @@ std::vector<RobotParameters> readRobots(const ros::NodeHandle& private_node) {
   return robots;
 }
 
+std::string readFixedFrame(const ros::NodeHandle& private_node) {
+  std::string frame;
+  Reader(private_node).word("fixed_frame", frame);
+  return withoutLeadingSlash(frame);
+}
+
 NodeParameters NodeParameters::read(const ros::NodeHandle& private_node) {
   NodeParameters parameters;
   const Reader reader(private_node);
@@ -115,7 +121,6 @@ NodeParameters NodeParameters::read(const ros::NodeHandle& private_node) {
   reader.number("max_transform_age", 0.0, 1e9, parameters.pose_limits.max_transform_age);
   reader.number("clock_tolerance", 0.0, 1e9, parameters.clock_tolerance);
   reader.flag("show_only_investigated_boxes", parameters.show_only_investigated_boxes);
-  reader.word("fixed_frame", parameters.fixed_frame);
   std::string fidelity = fidelityName(parameters.check.fidelity);
   reader.word("fidelity", fidelity);
   try {

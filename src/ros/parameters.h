@@ -21,6 +21,10 @@ struct RobotParameters {
 /// ~robots, or the one robot whose parameters have the usual names. Throws InputError.
 std::vector<RobotParameters> readRobots(const ros::NodeHandle& private_node);
 
+/// ~fixed_frame, without a leading slash; empty: none is set. One that is no text is as in
+/// NodeParameters::read().
+std::string readFixedFrame(const ros::NodeHandle& private_node);
+
 struct NodeParameters {
   NodeParameters() { check.stage_times = true; }  // its messages carry them
 
@@ -32,8 +36,6 @@ struct NodeParameters {
   /// ~show_only_investigated_boxes: no markers for boxes that no candidate pair involves. May
   /// change while running.
   bool show_only_investigated_boxes = false;
-  /// ~fixed_frame: the frame of the reports. Empty: the robot's root link.
-  std::string fixed_frame;
   /// ~max_pose_age [s] against now, 0: never too old; ~max_transform_age [s] against the newest of
   /// all links. A link older than either is left out (and listed), and the verdict not FREE.
   PoseLimits pose_limits;

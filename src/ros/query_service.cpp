@@ -5,6 +5,7 @@
 
 #include "collision_pairs/distance_gradient.h"
 #include "conversions.h"
+#include "joint_limits.h"
 #include "joint_query.h"
 #include "tf_check.h"
 
@@ -89,7 +90,7 @@ void QueryService::check(const CheckCollisions::Request& request,
   const ros::Time now = ros::Time::now();
   transforms_.followClock(now);
   StampedPoses stamped = posesAt(active, request.stamp, now, defaults.limits);
-  std::vector<std::string> doubts;
+  std::vector<std::string> doubts, limits_left;
   std::optional<JointQuery> query;
   std::vector<Eigen::Isometry3d> X_WB;
   if (!request.joint_state.name.empty() || !request.joint_state.position.empty()) {
@@ -99,10 +100,12 @@ void QueryService::check(const CheckCollisions::Request& request,
     query->bodyPosesAt(request.joint_state.position, X_WB);
     scene->gatherPoses(X_WB, stamped.poses);
     doubts = query->doubts();
+    limits_left = outsideLimits({query->jointPositionsAt(request.joint_state.position)},
+                                scene->robot(), "state");
     response.joints_from_tf = query->jointsFromTf();
     response.joints_at_zero = query->jointsAtZero();
   } else {
-    doubts = doubtsOf(stamped, transforms_);
+    doubts = doubtsOf(stamped, transforms_, now);
     if (stamped.nb_asked > 0 && stamped.nb_found == 0) {
       throw InputError("no transform is known: " + doubts.front());
     }
@@ -117,6 +120,9 @@ void QueryService::check(const CheckCollisions::Request& request,
   }
   if (scene->models().empty()) response.message = "there is no pair to check";
   if (!doubts.empty()) response.message = doubts.front();
+  for (const std::string& sentence : limits_left) {
+    response.message += (response.message.empty() ? "" : "; ") + sentence;
+  }
 }
 
 }  // namespace collision_pairs

@@ -103,8 +103,10 @@ void refuseMisspelt(const ros::NodeHandle& node, const std::vector<RobotParamete
 
 }  // namespace
 
-SceneSources readSceneSources(const ros::NodeHandle& private_node) {
-  SceneSources sources;
+SceneParameters readSceneParameters(const ros::NodeHandle& private_node) {
+  SceneParameters all;
+  all.fixed_frame = readFixedFrame(private_node);
+  SceneSources& sources = all.sources;
   const MeshLoader load_mesh = makeMeshLoader();
   const std::vector<RobotParameters> robots = readRobots(private_node);
   for (const RobotParameters& robot : robots) {
@@ -115,7 +117,7 @@ SceneSources readSceneSources(const ros::NodeHandle& private_node) {
   const YAML::Node parameters = yamlParameters(private_node, sceneConfigKeys());
   sources.config =
       fromParameter(private_node.getNamespace(), [&] { return readSceneConfig(parameters); });
-  return sources;
+  return all;
 }
 
 }  // namespace collision_pairs

@@ -89,6 +89,10 @@ bool SceneService::onReset(std_srvs::Trigger::Request&, std_srvs::Trigger::Respo
     scenes_.load();
     response.success = true;
     response.message = "the robot was read again";
+    const ActiveScenePtr scene = scenes_.active();
+    for (const auto* lines : {&scene->broken, &scene->doubts}) {
+      for (const std::string& line : *lines) response.message += "; " + line;
+    }
   } catch (const std::exception& error) {
     response.success = false;
     response.message =

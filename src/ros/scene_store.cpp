@@ -33,6 +33,7 @@ Eigen::Isometry3d lookUp(TransformInput& transforms, const std::string& target,
   } catch (const tf2::TransformException& error) {
     why = error.what();
   }
+  if (ros::Time::now().isZero()) why = NO_CLOCK;
   throw InputError("TF does not know '" + source + "' in '" + target + "': " + why);
 }
 
@@ -56,11 +57,10 @@ std::function<void(std::size_t, std::size_t)> progressOnLog(const ros::WallTime&
 }  // namespace
 
 SceneStore::SceneStore(const ros::NodeHandle& private_node, TransformInput& transforms,
-                       const NodeParameters& parameters)
+                       double max_pose_age)
     : private_node_(private_node),
       transforms_(transforms),
-      fixed_frame_(withoutLeadingSlash(parameters.fixed_frame)),
-      max_pose_age_(parameters.pose_limits.max_pose_age),
+      max_pose_age_(max_pose_age),
       load_mesh_(makeMeshLoader()) {}
 
 ActiveScenePtr SceneStore::active() const {
@@ -78,8 +78,8 @@ void SceneStore::load() {
   const std::lock_guard<std::mutex> lock(building_);
   const ros::WallTime start = ros::WallTime::now();
   told_.clear();
-  SceneSources sources = readSceneSources(private_node_);
-  ActiveScenePtr active = build(sources, objects_, {});
+  SceneParameters parameters = readSceneParameters(private_node_);
+  ActiveScenePtr active = build(parameters, objects_, {});
   requireFrameOfObjects(active->frame);
   const CollisionScene& scene = *active->scene;
   ROS_INFO_STREAM("robot '" << scene.robot().name() << "': " << scene.models().size()
@@ -87,7 +87,7 @@ void SceneStore::load() {
                             << " elements, " << scene.bodies().size()
                             << " moving bodies, ready after "
                             << (ros::WallTime::now() - start).toSec() << " s");
-  sources_ = std::move(sources);
+  parameters_ = std::move(parameters);
   replace(std::move(active));
 }
 
@@ -98,7 +98,8 @@ void SceneStore::requireFrameOfObjects(const std::string& frame) const {
     if (!stored.object.attached_link.empty()) continue;
     throw InputError("object '" + name + "' stands in frame '" + scene_->frame +
                      "', but reports would be in '" + frame +
-                     "', the root link of another robot; remove it, and add it again afterwards");
+                     "': the robot's root link or fixed_frame is another; remove it, and add it "
+                     "again afterwards");
   }
 }
 
@@ -113,13 +114,13 @@ void SceneStore::update(const std::vector<SceneChange>& changes) {
     return lookUp(transforms_, target, source, stamp, max_pose_age_);
   };
   SceneObjects objects = changedObjects(objects_, changes, {frame, look_up, load_mesh_});
-  replace(build(sources_, objects, {}));
+  replace(build(parameters_, objects, {}));
   objects_ = std::move(objects);
 }
 
 std::vector<SceneObject> SceneStore::list() {
   const std::lock_guard<std::mutex> lock(building_);
-  return listed(objects_, scene_ ? scene_->frame : fixed_frame_);
+  return listed(objects_, scene_ ? scene_->frame : std::string());
 }
 
 ActiveScenePtr SceneStore::restrictedTo(const Restriction& restriction) {
@@ -132,36 +133,38 @@ ActiveScenePtr SceneStore::restrictedTo(const Restriction& restriction) {
     std::rotate(known, known + 1, restricted_.end());
     return restricted_.back().second;
   }
-  restricted_.emplace_back(restriction, build(sources_, objects_, restriction));
+  restricted_.emplace_back(restriction, build(parameters_, objects_, restriction));
   if (restricted_.size() > KEPT_RESTRICTIONS) restricted_.erase(restricted_.begin());
   return restricted_.back().second;
 }
 
-std::vector<std::string> SceneStore::linksOf(const std::vector<BrokenElement>& broken) {
+void SceneStore::noteBroken(const std::vector<BrokenElement>& broken, ActiveScene& active) {
   std::set<std::string> links;
   for (const BrokenElement& element : broken) {
     links.insert(element.link);
-    if (!told_.insert(element.link + element.reason).second) continue;
-    ROS_ERROR_STREAM("link '" << element.link << "' is left out: " << element.reason);
+    active.broken.push_back("link '" + element.link + "' is left out: " + element.reason);
+    if (told_.insert(active.broken.back()).second) ROS_ERROR_STREAM(active.broken.back());
   }
-  return {links.begin(), links.end()};
+  active.broken_links.assign(links.begin(), links.end());
 }
 
-ActiveScenePtr SceneStore::build(SceneSources& sources, const SceneObjects& objects,
+ActiveScenePtr SceneStore::build(SceneParameters& parameters, const SceneObjects& objects,
                                  const Restriction& restriction) {
   auto active = std::make_shared<ActiveScene>();
   std::vector<RigidObject> present;
   for (const auto& entry : objects) present.push_back(entry.second.object);
   std::vector<BrokenElement> broken;
-  SceneDescription description = describeScene(sources, std::move(present), restriction, broken);
-  active->broken_links = linksOf(broken);
+  SceneDescription description =
+      describeScene(parameters.sources, std::move(present), restriction, broken);
+  noteBroken(broken, *active);
   description.settings.progress = progressOnLog(ros::WallTime::now());
   active->scene = CollisionScene::build(description, &cache_);
   const CollisionScene& scene = *active->scene;
   if (!description.restriction.empty() && scene.models().empty()) {
     active->doubts.push_back("group and links leave no pair to check");
   }
-  active->frame = fixed_frame_.empty() ? scene.robot().links().front().name : fixed_frame_;
+  active->frame =
+      parameters.fixed_frame.empty() ? scene.robot().links().front().name : parameters.fixed_frame;
   active->tf_poses = std::make_unique<TfPoses>(transforms_, scene, active->frame);
   return active;
 }

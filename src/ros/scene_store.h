@@ -21,9 +21,9 @@ namespace collision_pairs {
 /// built. What throws changes nothing.
 class SceneStore {
  public:
-  /// The buffer must outlive it.
-  SceneStore(const ros::NodeHandle& private_node, TransformInput& transforms,
-             const NodeParameters& parameters);
+  /// The transforms must outlive it. max_pose_age [s] holds for the frames that objects are placed
+  /// in.
+  SceneStore(const ros::NodeHandle& private_node, TransformInput& transforms, double max_pose_age);
 
   /// Null while there is none.
   ActiveScenePtr active() const;
@@ -44,21 +44,20 @@ class SceneStore {
   ActiveScenePtr restrictedTo(const Restriction& restriction);
 
  private:
-  ActiveScenePtr build(SceneSources& sources, const SceneObjects& objects,
+  ActiveScenePtr build(SceneParameters& parameters, const SceneObjects& objects,
                        const Restriction& restriction);
-  /// Their links, sorted; each goes to the log once.
-  std::vector<std::string> linksOf(const std::vector<BrokenElement>& broken);
+  /// Each goes to the log once.
+  void noteBroken(const std::vector<BrokenElement>& broken, ActiveScene& active);
   void replace(ActiveScenePtr scene);
   void requireFrameOfObjects(const std::string& frame) const;
 
   ros::NodeHandle private_node_;
   TransformInput& transforms_;
-  const std::string fixed_frame_;
-  const double max_pose_age_;  // s: of the frames that objects are placed in
+  const double max_pose_age_;
 
   std::mutex building_;  // guards all but scene_
   SceneCache cache_;
-  SceneSources sources_;
+  SceneParameters parameters_;
   SceneObjects objects_;
   MeshLoader load_mesh_;
   std::set<std::string> told_;  // what is broken, since the last load()

@@ -5,8 +5,8 @@
 #include "collision_pairs/input_error.h"
 #include "frame_names.h"
 #include "geometry_conversions.h"
-#include "user_text.h"
 #include "object_conversions.h"
+#include "user_text.h"
 
 namespace collision_pairs {
 namespace {
@@ -101,7 +101,9 @@ class Updater {
   Isometry3d poseOf(const SceneObject& message, const std::string& parent) const {
     Isometry3d X_FO;
     if (!toIsometry(message.pose, X_FO)) {
-      throw InputError("its pose is none: a finite position and a quaternion of length 1");
+      throw InputError(
+          "its pose is none: a finite position and a quaternion of length 1 are needed, but " +
+          whyNoIsometry(message.pose));
     }
     const std::string frame = withoutLeadingSlash(message.header.frame_id);
     return pose(parent, frame.empty() ? context_.world_frame : frame, message.header.stamp) * X_FO;

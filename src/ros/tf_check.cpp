@@ -33,7 +33,8 @@ EarlierPoses posesBefore(const ActiveScene& active, const StampedPoses& stamped,
 
 }  // namespace
 
-std::vector<std::string> doubtsOf(const StampedPoses& stamped, const TransformInput& transforms) {
+std::vector<std::string> doubtsOf(const StampedPoses& stamped, const TransformInput& transforms,
+                                  const ros::Time& now) {
   constexpr std::size_t MAX_NAMED = 10;  // left_out names all links
   if (stamped.problems.empty()) return {};
   std::vector<std::string> doubts = stamped.problems;
@@ -42,6 +43,7 @@ std::vector<std::string> doubtsOf(const StampedPoses& stamped, const TransformIn
     doubts.resize(MAX_NAMED);
     doubts.push_back(rest);
   }
+  if (now.isZero()) doubts.insert(doubts.begin(), NO_CLOCK);
   const std::vector<std::string> refused = transforms.refused();
   for (std::size_t i = 0; i < std::min(refused.size(), MAX_NAMED); ++i) {
     doubts.push_back("refused " + refused[i]);

@@ -14,7 +14,8 @@ namespace collision_pairs {
 
 /// Why bodies have no pose, and what of TF is refused at present: what keeps a report of these
 /// poses from being FREE. Empty if all are known.
-std::vector<std::string> doubtsOf(const StampedPoses& stamped, const TransformInput& transforms);
+std::vector<std::string> doubtsOf(const StampedPoses& stamped, const TransformInput& transforms,
+                                  const ros::Time& now);
 
 /// Checks the poses with `detector`, which is of the same scene. Stamped with the instant of the
 /// poses, or with `now` where nothing that is known ever moves: what only static transforms

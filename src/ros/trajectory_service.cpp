@@ -5,6 +5,7 @@
 
 #include "collision_pairs/motion_check.h"
 #include "conversions.h"
+#include "joint_limits.h"
 #include "joint_query.h"
 #include "low_priority.h"
 
@@ -79,13 +80,19 @@ void checkPoints(BatchCheck& batch, const Asked& asked, CheckTrajectory::Respons
       });
 }
 
-void checkBetween(const Asked& asked, CheckTrajectory::Response& response, Reasons& reasons) {
-  const auto& active = asked.active;
+/// For each point the positions of all joints.
+std::vector<std::vector<double>> waypointsOf(const Asked& asked) {
   std::vector<std::vector<double>> waypoints;
   for (std::size_t i = 0; i < asked.request.trajectory.points.size(); ++i) {
     waypoints.push_back(ofPoint(
         i, asked, [&](const auto& positions) { return asked.query.jointPositionsAt(positions); }));
   }
+  return waypoints;
+}
+
+void checkBetween(const Asked& asked, const std::vector<std::vector<double>>& waypoints,
+                  CheckTrajectory::Response& response, Reasons& reasons) {
+  const auto& active = asked.active;
   MotionSettings settings;
   settings.fidelity = asked.settings.fidelity;
   SegmentOptions options;
@@ -153,7 +160,11 @@ void TrajectoryService::check(const CheckTrajectory::Request& request,
   asked.doubts.insert(asked.doubts.end(), query.doubts().begin(), query.doubts().end());
   Reasons reasons;
   checkPoints(*batch_, asked, response, reasons);
-  if (request.between) checkBetween(asked, response, reasons);
+  const auto waypoints = waypointsOf(asked);
+  if (request.between) checkBetween(asked, waypoints, response, reasons);
+  for (const std::string& sentence : outsideLimits(waypoints, scene->robot(), "point")) {
+    response.message += (response.message.empty() ? "" : "; ") + sentence;
+  }
   response.unknown_because.assign(reasons.begin(), reasons.end());
 }
 

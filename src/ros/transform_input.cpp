@@ -32,6 +32,8 @@ double between(const ros::Time& begin, const ros::Time& end) { return end.toSec(
 
 }  // namespace
 
+const char* const NO_CLOCK = "use_sim_time is set, but nothing has come on /clock";
+
 void TransformInput::subscribe(const ros::NodeHandle& node) {
   ros::NodeHandle own_queue(node);
   own_queue.setCallbackQueue(&queue_);
@@ -66,12 +68,10 @@ void TransformInput::take(const tf2_msgs::TFMessage& message, bool is_static,
 std::string TransformInput::whyRefused(const geometry_msgs::TransformStamped& transform,
                                        bool is_static, const ros::Time& now) {
   Eigen::Isometry3d X;
-  if (!toIsometry(transform.transform, X)) {
-    return "it is not finite, or its quaternion is not of length 1";
-  }
+  if (!toIsometry(transform.transform, X)) return whyNoIsometry(transform.transform);
   const ros::Time& stamp = transform.header.stamp;
   if (!is_static && stamp.isZero()) return "its stamp is zero";
-  if (!is_static && now.isZero()) return "the clock does not run yet";
+  if (!is_static && now.isZero()) return NO_CLOCK;
   if (!is_static && between(now, stamp) > clock_tolerance_) {
     return "its stamp is " + formatted(between(now, stamp)) + " ahead of the clock";
   }

@@ -16,6 +16,9 @@
 
 namespace collision_pairs {
 
+/// Why nothing is known while ROS time is zero.
+extern const char* const NO_CLOCK;
+
 /// Fills a tf2 buffer, as tf2_ros::TransformListener does, but refuses transforms that would spoil
 /// it. tf2 itself takes a stamp from the future, then drops every present transform as too old
 /// until the clock has come there; it takes a stamp of zero, which afterwards reads as "static"; it

@@ -55,26 +55,6 @@ void refuseWrong(const MotionSettings& settings) {
   }
 }
 
-/// Waypoints beyond the limits of a joint are certified like any other; no robot goes there.
-void warnOfLimits(const JointStates& waypoints, const RobotModel& robot) {
-  constexpr double TOLERANCE = 1e-6;  // rad or m: what a print with six decimals leaves
-  for (std::size_t j = 0; j < robot.joints().size(); ++j) {
-    const Joint& joint = robot.joints()[j];
-    if (!joint.hasLimits() || (joint.lower == 0.0 && joint.upper == 0.0)) continue;
-    std::size_t nb_outside = 0, first = 0;
-    for (std::size_t i = 0; i < waypoints.positions.size(); ++i) {
-      const double q = waypoints.positions[i][j];
-      if (q >= joint.lower - TOLERANCE && q <= joint.upper + TOLERANCE) continue;
-      if (nb_outside++ == 0) first = i;
-    }
-    if (nb_outside == 0) continue;
-    warn("joint '" + joint.name + "' is outside its limits, " + std::to_string(joint.lower) +
-         " to " + std::to_string(joint.upper) + ", at " + std::to_string(nb_outside) +
-         " waypoints; the first is waypoint " + std::to_string(first) + ", where it is " +
-         std::to_string(waypoints.positions[first][j]));
-  }
-}
-
 const char* verdictName(Verdict verdict) {
   if (verdict == Verdict::FREE) return "free";
   return verdict == Verdict::COLLISION ? "collision" : "unresolved";
@@ -111,8 +91,7 @@ void checkAll(Options options) {
     throw InputError(options.waypoints + ": " + std::to_string(waypoints.positions.size()) +
                      " waypoints; a motion needs two or more (check_states checks one)");
   }
-  warnOfJointsAtZero(waypoints);
-  warnOfLimits(waypoints, scene->robot());
+  warnOf(waypoints, scene->robot(), "waypoint");
   ProgressBar bar("segments", waypoints.positions.size() - 1);
   SegmentOptions how;
   how.threads = options.threads;

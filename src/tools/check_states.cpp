@@ -134,7 +134,7 @@ void checkAll(const Options& options) {
                                 options.max_hull_vertices);
   const JointStates states =
       readJointStates(readTextFile(options.states), scene->robot(), options.states);
-  warnOfJointsAtZero(states);
+  warnOf(states, scene->robot(), "state");
   const std::vector<std::string> rows = check(states, scene, settings, options.threads);
   writeTextFile(options.out, [&](std::ostream& out) {
     out << "state,in_collision,pairs,min_distance,nb_pairs,microseconds\n";

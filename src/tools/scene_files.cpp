@@ -3,6 +3,7 @@
 #include <map>
 
 #include "collision_pairs/input_error.h"
+#include "joint_limits.h"
 #include "mesh_loader.h"
 #include "scene_sources.h"
 #include "text_files.h"
@@ -142,9 +143,12 @@ std::shared_ptr<const CollisionScene> buildScene(const std::string& urdf_path,
   return buildScene(urdf, srdf, options, fidelity, max_hull_vertices);
 }
 
-void warnOfJointsAtZero(const JointStates& states) {
-  if (states.joints_at_zero.empty()) return;
-  warn("joints without a column stand at zero: " + joined(states.joints_at_zero));
+void warnOf(const JointStates& states, const RobotModel& robot, const std::string& what) {
+  if (!states.joints_at_zero.empty()) {
+    warn("joints without a column stand at zero, and what is free is free only with them there: " +
+         joined(states.joints_at_zero));
+  }
+  for (const std::string& sentence : outsideLimits(states.positions, robot, what)) warn(sentence);
 }
 
 void declareBatch(CLI::App& app, unsigned& threads, std::string& out) {

@@ -46,8 +46,9 @@ std::shared_ptr<const CollisionScene> buildScene(const std::string& urdf_path,
                                                  const SceneOptions& options, Fidelity fidelity,
                                                  int max_hull_vertices);
 
-/// Of moving joints without a column.
-void warnOfJointsAtZero(const JointStates& states);
+/// Of joints without a column, and of positions outside the limits of joints. `what`: as in
+/// outsideLimits().
+void warnOf(const JointStates& states, const RobotModel& robot, const std::string& what);
 
 /// --threads and --out of a tool that answers row by row.
 void declareBatch(CLI::App& app, unsigned& threads, std::string& out);

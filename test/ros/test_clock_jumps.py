@@ -10,9 +10,15 @@ sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import rospy
 import rostest
 from collision_pairs.msg import CollisionPairs
+from collision_pairs.srv import CheckCollisions, CheckTrajectory, UpdateScene
+from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import TransformStamped
 from rosgraph_msgs.msg import Clock
+from sensor_msgs.msg import JointState
 from tf2_msgs.msg import TFMessage
+from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
+
+from scene_client import add_box
 
 PATIENCE = 10.0  # s of wall time
 STEP = 0.02      # s, of either time
@@ -28,6 +34,34 @@ class ClockJumpsTest(unittest.TestCase):
         end = time.time() + PATIENCE
         while time.time() < end and not (cls.clock.get_num_connections() > 0 and cls.tf.get_num_connections() > 0):
             time.sleep(0.05)
+
+        cls.without_clock = cls.answers_without_clock()
+
+    @staticmethod
+    def answers_without_clock():
+        """What the node says before anything came on /clock, by where it says so."""
+        check = rospy.ServiceProxy("/node/check_collisions", CheckCollisions)
+        check_trajectory = rospy.ServiceProxy("/node/check_trajectory", CheckTrajectory)
+        update = rospy.ServiceProxy("/node/update_scene", UpdateScene)
+        diagnoses = []
+        rospy.Subscriber("/diagnostics", DiagnosticArray, diagnoses.append)
+        end = time.time() + PATIENCE
+        while time.time() < end and "no robot" in check().message + check_trajectory().message:
+            time.sleep(0.05)
+        trajectory = JointTrajectory(joint_names=["slide_a"], points=[JointTrajectoryPoint(positions=[5.0])])
+        answers = {"check_collisions": check().message,
+                   "check_collisions of a joint": check(joint_state=JointState(name=["slide_a"], position=[0])).message,
+                   "check_trajectory": " ".join(check_trajectory(trajectory=trajectory, links=["a"]).unknown_because),
+                   "update_scene": update(changes=[add_box("crate", frame="elsewhere")]).message}
+        del diagnoses[:]
+        while time.time() < end and not diagnoses:
+            time.sleep(0.05)
+        answers["diagnostics"] = diagnoses[0].status[0].message
+        return answers
+
+    def test_that_there_is_no_clock_is_said_everywhere(self):
+        for where, message in self.without_clock.items():
+            self.assertIn("use_sim_time is set, but nothing has come on /clock", message, where)
 
     def publish(self, stamp, x):
         message = TFMessage()

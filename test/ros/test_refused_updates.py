@@ -77,10 +77,13 @@ class RefusedUpdatesTest(unittest.TestCase):
         self.assert_refused(detach("other"), "'other'", "not attached")
 
     def test_poses_that_are_none(self):
-        for bad in (pose(xyzw=(0, 0, 0, 0)), pose(xyzw=(0, 0, 0, 2)), pose((NAN, 0, 0)), pose((0, INF, 0)),
-                    pose(xyzw=(0, 0, NAN, 1))):
+        for bad, says in ((pose(xyzw=(0, 0, 0, 0)), "its quaternion is of length 0"),
+                          (pose(xyzw=(0, 0, 0, 2)), "its quaternion is of length 2"),
+                          (pose((NAN, 0, 0)), "its position is not finite"),
+                          (pose((0, INF, 0)), "its position is not finite"),
+                          (pose(xyzw=(0, 0, NAN, 1)), "its quaternion is not finite")):
             for wrong in (add_box("new", pose=bad), move("tool", (0, 0, 0), pose=bad)):
-                self.assert_refused(wrong, "changes[2]", "pose", "quaternion of length 1")
+                self.assert_refused(wrong, "changes[2]", "pose", "quaternion of length 1", says)
             self.assert_refused(add_box("new", primitive_poses=[bad]), "'new'", "primitives[0]", "pose")
 
     def test_primitives_of_the_wrong_size(self):
