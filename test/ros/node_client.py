@@ -11,7 +11,7 @@ from visualization_msgs.msg import Marker, MarkerArray
 from collision_pairs.msg import CollisionPairs
 from collision_pairs.srv import CheckCollisions
 
-PATIENCE = 20.0  # s
+PATIENCE = 60.0  # s: a busy machine takes its time
 
 
 class NodeClient:

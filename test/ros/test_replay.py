@@ -16,7 +16,8 @@ from collision_pairs.msg import CollisionPairs
 from rosgraph_msgs.msg import Clock
 
 BAG = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../config/demo/demo.bag")
-PATIENCE = 90.0  # s of wall time for two passes and their beginnings
+PATIENCE = 170.0  # s of wall time, of which two passes take about 25
+ENOUGH = 0.8      # of the stamps, to be seen in two passes
 WINDOW = 0.1  # s of TF before a report that say how fast its links moved
 TIMES = ("time_transforms", "time_boxes", "time_broad_phase", "time_narrow_phase", "time_total")
 
@@ -44,8 +45,20 @@ class Passes:
         self._newest = rospy.Time(0)
         self._clock = rospy.Time(0)
         self.ended = 0
-        rospy.Subscriber("/clock", Clock, self._on_clock, queue_size=1000)
-        rospy.Subscriber("/collision_pairs_node/collision_pairs", CollisionPairs, self._on_report, queue_size=1000)
+        self._subscribers = [
+            rospy.Subscriber("/clock", Clock, self._on_clock, queue_size=1000),
+            rospy.Subscriber("/collision_pairs_node/collision_pairs", CollisionPairs, self._on_report, queue_size=1000)]
+
+    def end(self):
+        for subscriber in self._subscribers:
+            subscriber.unregister()
+
+    def seen_twice(self):
+        """{stamp: the passes that have reports of it}, two or more."""
+        passes = list(self.reports)
+        stamps = set().union(*map(set, passes))
+        found = {stamp: [reports for reports in passes if stamp in reports] for stamp in stamps}
+        return {stamp: having for stamp, having in found.items() if len(having) > 1}
 
     def _on_clock(self, message):
         if message.clock < self._clock:
@@ -65,21 +78,22 @@ class Passes:
 class ReplayTest(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        cls.passes = Passes()
-        end = time.time() + PATIENCE
-        while time.time() < end and cls.passes.ended < 2:
-            time.sleep(0.1)
-        cls.first, cls.second = cls.passes.reports[:2]
         with rosbag.Bag(BAG) as bag:
             cls.stamps = {m.header.stamp.to_nsec() for _, m, _ in bag.read_messages("/joint_states")}
+        cls.passes = Passes()
+        end = time.time() + PATIENCE
+        # A busy machine misses stamps in each pass, and others in the next.
+        while time.time() < end and len(cls.passes.seen_twice()) <= ENOUGH * len(cls.stamps):
+            time.sleep(0.5)
+        cls.passes.end()
 
-    def test_every_report_of_the_second_pass_is_that_of_the_first(self):
-        common = set(self.first) & set(self.second)
-        self.assertGreater(len(common), 0.8 * len(self.stamps))
-        # How far TF reaches back in the first moments of a pass depends on when the node came to hear it.
-        in_both = max(min(self.first), min(self.second)) + 1e9 * WINDOW
-        for stamp in common:
-            contents = [content(report, stamp > in_both) for report in self.first[stamp] + self.second[stamp]]
+    def test_every_report_of_a_later_pass_is_that_of_the_first(self):
+        common = self.passes.seen_twice()
+        self.assertGreater(len(common), ENOUGH * len(self.stamps))
+        for stamp, passes in common.items():
+            # How far TF reaches back in the first moments of a pass depends on when the node came to hear it.
+            with_motion = all(stamp > min(reports) + 1e9 * WINDOW for reports in passes)
+            contents = [content(report, with_motion) for reports in passes for report in reports[stamp]]
             text, numbers = contents[0]
             for other_text, other_numbers in contents[1:]:
                 self.assertEqual(text, other_text)
@@ -89,15 +103,17 @@ class ReplayTest(unittest.TestCase):
                     self.assertAlmostEqual(a, b, places=12)
 
     def test_reports_are_of_the_stamps_of_the_bag_and_of_no_others(self):
-        for reports in (self.first, self.second):
+        for reports in self.passes.reports:
             self.assertEqual(set(reports) - self.stamps, set())
 
-    def test_no_report_of_the_second_pass_was_made_from_poses_of_the_first(self):
-        """Pass by pass the stamps go up, so each of the two is nearly whole."""
-        self.assertGreater(len(self.second), 0.9 * len(self.stamps))
+    def test_no_report_of_a_pass_was_made_from_poses_of_the_one_before(self):
+        """Its stamp would be late, and the next one early again: one pass more than the clock had."""
+        self.assertGreater(self.passes.ended, 0)
+        self.assertLessEqual(len(self.passes.reports), self.passes.ended + 1)
 
     def test_contacts_are_seen(self):
-        said = {report.in_collision for reports in self.second.values() for report in reports}
+        said = {report.in_collision for passes in self.passes.seen_twice().values() for reports in passes
+                for of_stamp in reports.values() for report in of_stamp}
         self.assertEqual(said, {False, True})
 
 
