@@ -3,6 +3,7 @@ add_library(collision_pairs_ros STATIC
   src/ros/collision_pairs_node.cpp
   src/ros/joint_query.cpp
   src/ros/low_priority.cpp
+  src/ros/master_watch.cpp
   src/ros/node_health.cpp
   src/ros/parameters.cpp
   src/ros/query_service.cpp

@@ -6,15 +6,16 @@
 #include <ros/ros.h>
 
 #include "collision_pairs_node.h"
+#include "master_watch.h"
 
 namespace {
 
 // A mesh that is being read or a long trajectory is not waited for, and leaves nothing half done.
-void endSoon() {
+void endSoon(int status) {
   const std::chrono::seconds PATIENCE{2};
-  std::thread([PATIENCE] {
+  std::thread([PATIENCE, status] {
     std::this_thread::sleep_for(PATIENCE);
-    std::_Exit(0);
+    std::_Exit(status);
   }).detach();
 }
 
@@ -24,11 +25,13 @@ int main(int argc, char** argv) {
   ros::init(argc, argv, "collision_pairs_node");
   try {
     collision_pairs::CollisionPairsNode node{ros::NodeHandle(), ros::NodeHandle("~")};
+    const collision_pairs::MasterWatch master;
     node.run();
-    endSoon();
+    const int status = master.isForgotten() ? 1 : 0;
+    endSoon(status);
+    return status;
   } catch (const std::exception& error) {
     ROS_FATAL_STREAM("cannot start: " << error.what());
     return 1;
   }
-  return 0;
 }

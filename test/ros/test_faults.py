@@ -1,0 +1,148 @@
+#!/usr/bin/python3
+"""What happens around a node: a master that is restarted, a name given twice, no file descriptors left."""
+import os
+import resource
+import socket
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+import xmlrpc.client
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+
+import roslib.packages
+import rospy
+import rostest
+
+from collision_pairs.srv import UpdateScene
+from node_client import PATIENCE, JointPublisher, NodeClient
+from scene_client import add, add_box
+
+NODE = roslib.packages.find_node("collision_pairs", "collision_pairs_node")[0]
+PLY = """ply
+format ascii 1.0
+element vertex 4
+property float x
+property float y
+property float z
+element face 4
+property list uchar int vertex_indices
+end_header
+0 0 0
+0.1 0 0
+0 0.1 0
+0 0 0.1
+3 0 2 1
+3 0 1 3
+3 0 3 2
+3 1 2 3
+"""
+
+
+def wait_until(condition, what):
+    end = time.time() + PATIENCE
+    while not condition():
+        if time.time() > end:
+            raise AssertionError("waited in vain: " + what)
+        time.sleep(0.05)
+
+
+class Program:
+    """A program under a master of its own choice, and what it says."""
+
+    def __init__(self, *command, master=None):
+        environment = dict(os.environ, ROS_MASTER_URI=master or os.environ["ROS_MASTER_URI"])
+        self._said = tempfile.NamedTemporaryFile()
+        self.process = subprocess.Popen(command, env=environment, stdout=self._said, stderr=subprocess.STDOUT)
+
+    def said(self):
+        with open(self._said.name) as file:  # not by the descriptor that the program writes to
+            return file.read()
+
+    def end(self):
+        self.process.terminate()
+        self.process.wait(PATIENCE)
+
+
+class FaultsTest(unittest.TestCase):
+    def setUp(self):
+        self.programs = []
+
+    def tearDown(self):
+        for program in self.programs:
+            program.end()
+
+    def start(self, *command, master=None):
+        self.programs.append(Program(*command, master=master))
+        return self.programs[-1]
+
+    def start_master(self, port):
+        started = self.start("rosmaster", "--core", "-p", str(port))
+        master = xmlrpc.client.ServerProxy("http://localhost:%d" % port)
+
+        def answers():
+            try:
+                return master.getPid("/test")[0] == 1
+            except OSError:
+                return False
+        wait_until(answers, "the master on port %d" % port)
+        return started, master
+
+    def test_a_node_that_a_restarted_master_does_not_know_ends_and_says_so(self):
+        with socket.socket() as probe:
+            probe.bind(("", 0))
+            port = probe.getsockname()[1]
+        uri = "http://localhost:%d" % port
+        first, master = self.start_master(port)
+        node = self.start(NODE, "__name:=node", master=uri)
+        wait_until(lambda: "robot_description" in node.said(), "the node that looks for its robot")
+        self.assertEqual(master.lookupNode("/test", "/node")[0], 1)
+        first.end()
+        wait_until(lambda: "does not answer" in node.said(), "a word about the master that is gone")
+        self.assertIsNone(node.process.poll(), "connections that exist go on")
+        self.start_master(port)
+        self.assertEqual(node.process.wait(PATIENCE), 1)
+        self.assertIn("it was restarted", node.said())
+
+    def test_of_two_nodes_with_one_name_the_newer_stays(self):
+        older = self.start(NODE, "__name:=twin")
+        NodeClient("/twin")
+        newer = self.start(NODE, "__name:=twin")
+        older.process.wait(PATIENCE)
+        self.assertIn("new node registered with same name", older.said())
+        reports = NodeClient("/twin")
+        self.assertIsNotNone(reports.next(reports.reports))
+        self.assertIsNone(newer.process.poll())
+
+    def test_without_file_descriptors_the_cycle_goes_on_and_what_cannot_be_read_is_refused(self):
+        robot = JointPublisher(["slide_a", "slide_b", "slide_c"])
+        robot.hold([0.0, 3.0, 6.0])
+        node = self.start(NODE, "__name:=poor")
+        client = NodeClient("/poor")
+        self.assertIsNotNone(client.next(client.reports, lambda report: report.verdict == report.FREE))
+        update = rospy.ServiceProxy("/poor/update_scene", UpdateScene, persistent=True)
+        self.assertTrue(update([add_box("crate", (0, 0, 9))], False).success)
+        with tempfile.NamedTemporaryFile("w", suffix=".ply") as mesh:
+            mesh.write(PLY)
+            mesh.flush()
+            with_mesh = [add("read", (0, 0, 12), mesh_resources=["file://" + mesh.name])]
+            enough = resource.prlimit(node.process.pid, resource.RLIMIT_NOFILE)
+            in_use = len(os.listdir("/proc/%d/fd" % node.process.pid))
+            resource.prlimit(node.process.pid, resource.RLIMIT_NOFILE, (in_use, enough[1]))
+            reply = update(with_mesh, False)
+            self.assertFalse(reply.success)
+            self.assertIn("Too many open files", reply.message)
+            now = rospy.Time.now()
+            self.assertIsNotNone(client.report_since(now, lambda report: report.verdict == report.FREE))
+            resource.prlimit(node.process.pid, resource.RLIMIT_NOFILE, enough)
+            reply = update(with_mesh, False)
+            self.assertTrue(reply.success, reply.message)
+        self.assertTrue(client.check().success)
+        self.assertIsNone(node.process.poll())
+
+
+if __name__ == "__main__":
+    rospy.init_node("test_faults")
+    rostest.rosrun("collision_pairs", "faults", FaultsTest)
