@@ -1,0 +1,47 @@
+#!/usr/bin/python3
+"""All services of a node at once, from several clients: it lives on, and every answer is right.
+
+COLLISION_PAIRS_STRESS_SECONDS says for how long (default 20).
+"""
+import os
+import sys
+import unittest
+import xmlrpc.client
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+
+import rosgraph
+import rosnode
+import rospy
+import rostest
+
+from node_client import JointPublisher
+from stress_clients import APART, JOINTS, StressClients
+
+SECONDS = float(os.environ.get("COLLISION_PAIRS_STRESS_SECONDS", 20))
+SEED = os.environ.get("COLLISION_PAIRS_SEED", "20261121")
+
+
+def pid_of_node():
+    uri = rosnode.get_api_uri(rosgraph.Master("/test"), "/node")
+    return xmlrpc.client.ServerProxy(uri).getPid("/test")[2]
+
+
+class StressTest(unittest.TestCase):
+    def test_under_all_requests_at_once_the_node_lives_on_and_every_answer_is_right(self):
+        robot = JointPublisher(JOINTS)
+        robot.hold(APART)
+        clients = StressClients("/node", SEED)
+        pid = pid_of_node()
+        print("seed %s (COLLISION_PAIRS_SEED=%s repeats this run)" % (SEED, SEED))
+        clients.run(SECONDS)
+        print(clients.counts)
+        self.assertEqual(clients.wrong, [])
+        self.assertEqual(pid_of_node(), pid)
+        for name, count in clients.counts.items():
+            self.assertGreater(count, 0, name)
+
+
+if __name__ == "__main__":
+    rospy.init_node("test_stress")
+    rostest.rosrun("collision_pairs", "stress", StressTest)
