@@ -32,6 +32,10 @@ add_executable(read_mesh_file src/io/meshes/read_mesh_file.cpp)
 target_include_directories(read_mesh_file PRIVATE include src/core/base)
 target_include_directories(read_mesh_file SYSTEM PRIVATE ${catkin_INCLUDE_DIRS})
 target_link_libraries(read_mesh_file PRIVATE ${catkin_LIBRARIES} Eigen3::Eigen)
+if(sanitizers)  # they reserve more memory than it may have
+  target_compile_options(read_mesh_file PRIVATE -fno-sanitize=all)
+  target_link_options(read_mesh_file PRIVATE -fno-sanitize=all)
+endif()
 collision_pairs_warnings(read_mesh_file)
 add_dependencies(collision_pairs_io read_mesh_file)
 

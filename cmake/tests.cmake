@@ -91,6 +91,13 @@ function(collision_pairs_pytest name)
     "COLLISION_PAIRS_TOOLS=${CATKIN_DEVEL_PREFIX}/${CATKIN_PACKAGE_BIN_DESTINATION};PYTHONDONTWRITEBYTECODE=1")
 endfunction()
 
+function(collision_pairs_module_pytest name)  # of the compiled module
+  collision_pairs_pytest(${name})
+  if(COLLISION_PAIRS_SANITIZE)  # the interpreter is not built with the sanitizer, whose library must come first
+    set_property(TEST ${name} APPEND PROPERTY ENVIRONMENT "LD_PRELOAD=${SANITIZER_LIBRARY}")
+  endif()
+endfunction()
+
 collision_pairs_pytest(architecture)
 collision_pairs_pytest(bag_outputs)
 collision_pairs_pytest(check_bag)
@@ -102,10 +109,10 @@ collision_pairs_pytest(generate_srdf)
 collision_pairs_pytest(install)
 collision_pairs_pytest(names_in_tables)
 collision_pairs_pytest(outputs_that_fail)
-collision_pairs_pytest(python)
-collision_pairs_pytest(python_examples)
-collision_pairs_pytest(python_fuzz)
-collision_pairs_pytest(python_stubs)
+collision_pairs_module_pytest(python)
+collision_pairs_module_pytest(python_examples)
+collision_pairs_module_pytest(python_fuzz)
+collision_pairs_module_pytest(python_stubs)
 collision_pairs_pytest(reference)
 collision_pairs_pytest(scene_options)
 

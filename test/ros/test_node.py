@@ -25,6 +25,7 @@ JOINTS = ["shoulder_pan", "shoulder_lift", "upper_arm_roll", "elbow_flex", "fore
 FREE = [0, -0.3, 0, 1.2, 0, 0.9, 0, 0.02]
 NEAR = [0.84, 0.75, 0, 0.75, 0, 0.4, 0, 0.02]
 CONTACT = [0.3, 1.1, 0, 0.6, 0, -0.1, 1.35, 0]
+SANITIZED = bool({"ASAN_OPTIONS", "TSAN_OPTIONS"} & set(os.environ))  # scripts/test --sanitize
 POSTURES = {"free": FREE, "near": NEAR, "contact": CONTACT}
 
 
@@ -92,6 +93,7 @@ class NodeTest(unittest.TestCase):
         real = self.report_in(CONTACT)
         self.assert_same_pairs(reply.result, real)
 
+    @unittest.skipIf(SANITIZED, "an interpreter without the sanitizer cannot load the module")
     def test_python_beside_the_node_answers_as_its_service(self):
         self.report_in(FREE)
         detector = cp.Detector(cp.Scene(cp.Robot.from_parameters(), settings=rospy.get_param("/collision_pairs_node")))
@@ -104,6 +106,7 @@ class NodeTest(unittest.TestCase):
             for a, b in zip(served.pairs, own.pairs):
                 self.assertAlmostEqual(a.distance, b["distance"], places=9)
 
+    @unittest.skipIf(SANITIZED, "an interpreter without the sanitizer cannot load the module")
     def test_the_example_of_a_live_robot_sees_the_verdict(self):
         example = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../examples/watch_live_robot.py")
         for posture, verdict in ((FREE, "FREE"), (CONTACT, "COLLISION")):

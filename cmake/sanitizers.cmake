@@ -1,0 +1,29 @@
+# Sanitizers, in all targets: scripts/test --sanitize and scripts/fuzz choose them.
+set(COLLISION_PAIRS_SANITIZE "" CACHE STRING "address (and undefined behaviour), thread, or nothing")
+option(COLLISION_PAIRS_FUZZ "Build the libFuzzer targets in test/fuzz (clang), with the sanitizer `address`" OFF)
+
+if(COLLISION_PAIRS_FUZZ)
+  set(sanitizers address,undefined)
+  add_compile_options(-fsanitize=fuzzer-no-link)
+elseif(COLLISION_PAIRS_SANITIZE STREQUAL "address")
+  add_compile_options(-O1)  # the third of the time to build
+  set(sanitizers address,undefined)
+  set(runtime libasan.so)
+elseif(COLLISION_PAIRS_SANITIZE STREQUAL "thread")
+  set(sanitizers thread)
+  set(runtime libtsan.so)
+elseif(COLLISION_PAIRS_SANITIZE)
+  message(FATAL_ERROR "COLLISION_PAIRS_SANITIZE is '${COLLISION_PAIRS_SANITIZE}', but must be address or thread")
+endif()
+
+if(sanitizers)
+  add_compile_options(-g -fsanitize=${sanitizers} -fno-sanitize-recover=undefined -fno-omit-frame-pointer)
+  add_link_options(-fsanitize=${sanitizers})
+endif()
+if(runtime)
+  execute_process(COMMAND ${CMAKE_CXX_COMPILER} -print-file-name=${runtime} OUTPUT_VARIABLE SANITIZER_LIBRARY
+                  OUTPUT_STRIP_TRAILING_WHITESPACE)
+endif()
+if(sanitizers)  # GCC 12 warns falsely of std::variant there, in what it inlines for a sanitizer
+  set_source_files_properties(test/test_narrow_phase_extremes.cpp PROPERTIES COMPILE_OPTIONS -Wno-maybe-uninitialized)
+endif()
