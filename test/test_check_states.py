@@ -44,7 +44,7 @@ def test_positions_outside_the_limits_are_said_once_a_joint(run_tool, tmp_path):
     done = run_tool("check_states", URDF, "--srdf", SRDF, "--states", path)
     assert done.returncode == 0 and len(done.stdout.splitlines()) == 4
     said = [line for line in done.stderr.splitlines() if "outside its limits" in line]
-    assert len(said) == 1 and "'shoulder_pan'" in said[0] and "at 2 states; the first is state 1, where it is 60.0" in said[0]
+    assert len(said) == 1 and "'shoulder_pan'" in said[0] and "at 2 states; the first is state 1, where it is 60" in said[0]
 
 
 def test_min_distance_is_empty_unless_asked_for(run_tool, states):

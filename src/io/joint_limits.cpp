@@ -1,5 +1,7 @@
 #include "joint_limits.h"
 
+#include <sstream>
+
 namespace collision_pairs {
 namespace {
 
@@ -20,11 +22,11 @@ std::vector<std::string> outsideLimits(const std::vector<std::vector<double>>& s
       if (nb_outside++ == 0) first = i;
     }
     if (nb_outside == 0) continue;
-    sentences.push_back("joint '" + joint.name + "' is outside its limits, " +
-                        std::to_string(joint.lower) + " to " + std::to_string(joint.upper) +
-                        ", at " + std::to_string(nb_outside) + " " + what + "s; the first is " +
-                        what + " " + std::to_string(first) + ", where it is " +
-                        std::to_string(states[first][j]));
+    std::ostringstream text;
+    text << "joint '" << joint.name << "' is outside its limits, " << joint.lower << " to "
+         << joint.upper << ", at " << nb_outside << ' ' << what << "s; the first is " << what << ' '
+         << first << ", where it is " << states[first][j];
+    sentences.push_back(text.str());
   }
   return sentences;
 }

@@ -80,8 +80,9 @@ std::vector<RobotParameters> readRobots(const ros::NodeHandle& private_node) {
       "second may be missing";
   const std::string key = private_node.resolveName("robots");
   const YAML::Node given = yamlParameters(private_node, {"robots"})["robots"];
-  if (!given || given.size() == 0) return {RobotParameters()};
+  if (!given) return {RobotParameters()};
   if (!given.IsSequence()) throw InputError("parameter " + key + rule);
+  if (given.size() == 0) return {RobotParameters()};
   std::vector<RobotParameters> robots;
   for (const YAML::Node& entry : given) {
     if (!entry.IsMap()) throw InputError("parameter " + key + rule);

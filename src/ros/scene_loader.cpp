@@ -14,11 +14,17 @@
 namespace collision_pairs {
 namespace {
 
-/// Where the parameter was found goes to `key`; false if it is nowhere or not text. Empty counts as
-/// none: a launch file cannot set a parameter only where a command finds something.
+/// Where the parameter was found goes to `key`; false if it is nowhere. Empty counts as none: a
+/// launch file cannot set a parameter only where a command finds something.
 bool findText(const ros::NodeHandle& node, const std::string& name, std::string& key,
               std::string& text) {
-  return node.searchParam(name, key) && node.getParam(key, text) && !text.empty();
+  XmlRpc::XmlRpcValue value;
+  if (!node.searchParam(name, key) || !node.getParam(key, value)) return false;
+  if (value.getType() != XmlRpc::XmlRpcValue::TypeString) {
+    throw InputError("parameter " + key + " is no text; load an XML file into it with textfile=");
+  }
+  text = static_cast<std::string&>(value);
+  return !text.empty();
 }
 
 /// Errors of `read` name the parameter.

@@ -189,7 +189,7 @@ class ResetTest(unittest.TestCase):
         self.assertTrue(reply.success)
         self.assertEqual(list(reply.verdict), [CollisionPairs.FREE] * 3)
         self.assertEqual(reply.message.count("outside its limits"), 1)
-        self.assertIn("at 2 points; the first is point 1, where it is 30.0", reply.message)
+        self.assertIn("at 2 points; the first is point 1, where it is 30", reply.message)
 
 
 if __name__ == "__main__":

@@ -42,10 +42,13 @@ REFUSED = (
     ("node/group", "first", ("'first'", "no SRDF")),
     ("node/links", ["bb"], ("'bb'", "'b' meant")),
     ("node/robots", {"description": "robot_description"}, ("/ignored/node/robots", "is not a list")),
+    ("node/robots", 5, ("/ignored/node/robots", "is not a list")),
     ("node/robots", [{"urdf": "robot_description"}], ("/ignored/node/robots", "is not a list of {description")),
     ("node/robots", [{"description": "nowhere", "prefix": "left"}], ("no parameter nowhere",)),
     ("node/robots", [{"description": "robot_description"}] * 2, ("same name", "prefix of its own")),
     ("environment_description", "<robot name='world'>", ("/ignored/environment_description",)),
+    ("environment_description", 5, ("/ignored/environment_description is no text",)),
+    ("robot_description_semantic", {"robot": 1}, ("/ignored/robot_description_semantic is no text",)),
     ("environment_description", WRONG_WORLD, ("'a'", "in the robot and in the world")),
 )
 
