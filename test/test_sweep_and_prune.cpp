@@ -208,6 +208,24 @@ TEST(SweepAndPrune, UnsoundBoxesAreRefusedByIdAndTheRestIsChecked) {
   EXPECT_EQ(sweep.refused(), unsound);
 }
 
+// As of a large robot of which nobody knows where it is: 2e8 pairs if all stood in one place.
+TEST(SweepAndPrune, ManyUnsoundBoxesMeetNothingNorEachOther) {
+  constexpr std::uint32_t COUNT = 20000;
+  const Aabb none{Vector3d::Constant(INF), Vector3d::Constant(-INF)};
+  const Aabb cube{Vector3d::Zero(), Vector3d::Ones()};
+  SweepAndPrune sweep;
+  for (const std::uint32_t nb_sound : {0u, 1u, 2u}) {
+    sweep.begin(0.1);
+    for (std::uint32_t i = 0; i < COUNT; ++i) sweep.add(i >= COUNT - nb_sound ? cube : none, i);
+    const std::vector<BoxPair> pairs = sweep.end();
+    ASSERT_EQ(pairs.size(), nb_sound == 2 ? 1u : 0u);
+    EXPECT_EQ(sweep.refused().size(), COUNT - nb_sound);
+    if (pairs.empty()) continue;
+    EXPECT_EQ(pairs[0].first, COUNT - 2);
+    EXPECT_EQ(pairs[0].second, COUNT - 1);
+  }
+}
+
 TEST(SweepAndPrune, OneModelsBoxesAndForbiddenPairsAreLeftOut) {
   RandomInputs random;
   PairFilter filter = PairFilter::allowAll(20);

@@ -76,8 +76,8 @@ class Faults {
     const ros::Time now(now_);
     transforms_.followClock(now);
     const StampedPoses stamped = scene_.tf_poses->latest(now, LIMITS);
-    return checkPoses(scene_, stamped, doubtsOf(stamped, transforms_, now), CheckSettings(), now, 0.0,
-                      *detector_);
+    return checkPoses(scene_, stamped, doubtsOf(stamped, transforms_, now), CheckSettings(), now,
+                      0.0, *detector_);
   }
 
   /// Is some required pair not known to be apart at the instant of the report?

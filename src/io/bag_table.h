@@ -26,7 +26,7 @@ struct BagRow {
   StampNs stamp = 0;
   std::vector<BagPair> pairs;  ///< sorted by name
   std::optional<double> min_distance;
-  std::uint64_t nb_pairs = 0;  ///< investigated
+  std::uint64_t nb_pairs = 0;         ///< investigated
   std::vector<std::string> left_out;  ///< each as listedName()
   Verdict verdict = Verdict::UNKNOWN;
 };
@@ -43,11 +43,11 @@ struct Shard {
 ///
 /// `verdict` is free, collision or unknown; `in_collision` is 0 if it is free. `pairs` are the
 /// links in contact, "a|b;c|d"; `distances` all pairs within the alarm distance,
-/// "a|b=0.012;c|d=-0.001"; `left_out` the links of which nothing was known, "a;b". Names in lists are
-/// as listedName() writes them, and fields as csvField() does, so that a row is a line. Stamps are
-/// seconds with nine decimals, numbers have all their digits. A part has, besides, lines that begin
-/// with '#': which part it is, and at the beginning of each bag how many rows all parts together
-/// have of it.
+/// "a|b=0.012;c|d=-0.001"; `left_out` the links of which nothing was known, "a;b". Names in lists
+/// are as listedName() writes them, and fields as csvField() does, so that a row is a line. Stamps
+/// are seconds with nine decimals, numbers have all their digits. A part has, besides, lines that
+/// begin with '#': which part it is, and at the beginning of each bag how many rows all parts
+/// together have of it.
 extern const char* const BAG_TABLE_HEADER;
 extern const char* const BAG_TABLE_END;  ///< last line of a part
 

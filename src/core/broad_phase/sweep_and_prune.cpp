@@ -178,18 +178,21 @@ void SweepAndPrune::Engine::sweepColumns(const std::vector<Aabb>& boxes,
                                          const std::vector<std::uint32_t>& refused,
                                          std::vector<BoxPair>* pairs) {
   narrow(boxes, makeNarrowMap(sceneOrigin(boxes), 0.5 * axisReach(alarm_distance)));
-  // To a corner where they are in nobody's way; the test on the true boxes drops them.
-  constexpr float FAR = std::numeric_limits<float>::max();
-  for (const std::uint32_t id : refused) {
-    const std::uint32_t i = id - test.nb_static;
-    records[i] = {{FAR, FAR, FAR}, {FAR, FAR, FAR}, i, test.models[i]};
+  std::size_t count = boxes.size();
+  if (!refused.empty()) {  // wherever thousands of them were put, they would all meet each other
+    const auto is_refused = [&](const Record& record) {
+      return std::binary_search(refused.begin(), refused.end(), test.nb_static + record.tag);
+    };
+    const auto end = records.begin() + static_cast<std::ptrdiff_t>(count);
+    count = static_cast<std::size_t>(std::remove_if(records.begin(), end, is_refused) -
+                                     records.begin());
+    if (count == 0) return;
   }
   while (static_cast<int>(sweepers.size()) < std::max(1, tuning.threads)) {
     sweepers.push_back(std::make_unique<ColumnSweep>(kernel));
   }
   for (auto& sweeper : sweepers) sweeper->begin(tuning, test, unsure);
 
-  const std::size_t count = boxes.size();
   const Spread spread = sampleSpread(records.data(), count, SAMPLE);
   axis = chooseAxis(tuning, spread);
   const double tests_per_box = static_cast<double>(count) * spread.crowd(axis);
