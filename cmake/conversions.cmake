@@ -4,7 +4,9 @@ add_library(collision_pairs_messages STATIC
   src/messages/geometry_conversions.cpp
   src/messages/markers.cpp
   src/messages/object_conversions.cpp
+  src/messages/point_cloud.cpp
   src/messages/scene_markers.cpp
+  src/messages/voxel_markers.cpp
 )
 target_include_directories(collision_pairs_messages PUBLIC ${PROJECT_SOURCE_DIR}/src/messages)
 target_include_directories(collision_pairs_messages SYSTEM PUBLIC ${catkin_INCLUDE_DIRS})

@@ -1,7 +1,7 @@
 # The core: URDF and poses in, pairs out. Links no ROS library (test_architecture holds it so).
 # Its modules; the dependency rules stand in test_architecture.
-set(core_modules base geometry broad_phase convex_pairs meshes narrow_phase robot scene check motion
-  gradient pair_statistics)
+set(core_modules base geometry broad_phase convex_pairs meshes narrow_phase robot scene clouds check
+  motion gradient pair_statistics)
 list(TRANSFORM core_modules PREPEND ${PROJECT_SOURCE_DIR}/src/core/ OUTPUT_VARIABLE CORE_MODULES)
 
 add_library(collision_pairs SHARED
@@ -21,6 +21,12 @@ add_library(collision_pairs SHARED
   src/core/check/found_pairs.cpp
   src/core/check/pair_ladder.cpp
   src/core/check/timed_climb.cpp
+  src/core/check/voxel_search.cpp
+  src/core/clouds/cells_about_link.cpp
+  src/core/clouds/near_parts.cpp
+  src/core/clouds/occupied_voxels.cpp
+  src/core/clouds/self_filter.cpp
+  src/core/clouds/voxel_grid.cpp
   src/core/convex_pairs/closed_forms.cpp
   src/core/convex_pairs/convex_distance.cpp
   src/core/geometry/aabb.cpp
@@ -52,6 +58,7 @@ add_library(collision_pairs SHARED
   src/core/narrow_phase/narrow_phase.cpp
   src/core/narrow_phase/prepared_shape.cpp
   src/core/narrow_phase/solids.cpp
+  src/core/narrow_phase/surface_query.cpp
   src/core/pair_statistics/contact_search.cpp
   src/core/pair_statistics/generated_srdf.cpp
   src/core/pair_statistics/joint_sampler.cpp

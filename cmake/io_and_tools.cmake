@@ -7,6 +7,7 @@ add_library(collision_pairs_io SHARED
   src/io/bag_records.cpp
   src/io/bag_table.cpp
   src/io/bag_table_merge.cpp
+  src/io/cloud_config.cpp
   src/io/csv.cpp
   src/io/joint_limits.cpp
   src/io/joint_states_csv.cpp
@@ -14,10 +15,12 @@ add_library(collision_pairs_io SHARED
   src/io/meshes/mesh_process.cpp
   src/io/meshes/obj_file.cpp
   src/io/meshes/stl_file.cpp
+  src/io/pcd_file.cpp
   src/io/scene_config.cpp
   src/io/scene_sources.cpp
   src/io/text_files.cpp
   src/io/tracks.cpp
+  src/io/yaml_values.cpp
 )
 target_include_directories(collision_pairs_io PUBLIC ${PROJECT_SOURCE_DIR}/src/io
                                                      ${PROJECT_SOURCE_DIR}/src/io/meshes

@@ -1,5 +1,8 @@
 # The node. Its parts are a library, so that tests can call the pure ones without a master.
 add_library(collision_pairs_ros STATIC
+  src/ros/clouds/cloud_source.cpp
+  src/ros/clouds/cloud_sources.cpp
+  src/ros/clouds/cloud_gatherer.cpp
   src/ros/collision_pairs_node.cpp
   src/ros/joint_query.cpp
   src/ros/low_priority.cpp
@@ -19,6 +22,7 @@ add_library(collision_pairs_ros STATIC
   src/ros/yaml_parameters.cpp
 )
 target_include_directories(collision_pairs_ros PUBLIC ${PROJECT_SOURCE_DIR}/src/ros
+                                                      ${PROJECT_SOURCE_DIR}/src/ros/clouds
                                                PRIVATE ${CORE_MODULES})
 target_include_directories(collision_pairs_ros SYSTEM PUBLIC ${catkin_INCLUDE_DIRS})
 target_link_libraries(collision_pairs_ros PUBLIC collision_pairs_io collision_pairs_messages ${catkin_LIBRARIES})
@@ -29,3 +33,8 @@ add_dependencies(collision_pairs_ros ${PROJECT_NAME}_gencfg ${PROJECT_NAME}_gene
 add_executable(collision_pairs_node src/ros/main.cpp)
 target_link_libraries(collision_pairs_node PRIVATE collision_pairs_ros)
 collision_pairs_warnings(collision_pairs_node)
+
+# The camera of the demo, of tests and of measurements.
+add_executable(simulate_depth_camera src/demo/depth_image.cpp src/demo/simulate_depth_camera.cpp)
+target_link_libraries(simulate_depth_camera PRIVATE collision_pairs_ros)
+collision_pairs_warnings(simulate_depth_camera)

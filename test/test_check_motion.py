@@ -143,3 +143,18 @@ def test_the_demo_s_own_motion_is_as_its_postures_say(run_tool):
     verdicts = {row["verdict"] for row in rows_in(done.stdout)}
     assert done.returncode == 0 and verdicts <= {"free", "collision", "unresolved"}
     assert {"free", "collision"} <= verdicts
+
+
+def test_a_cloud_is_an_obstacle_of_motions(run_tool, tmp_path):
+    path = tmp_path / "waypoints.csv"
+    path.write_text(JOINTS + "\n0,-0.3,0,1.2,0,0.9,0,0.02\n-0.2,-0.4,0,1.2,0,0.9,0,0.02\n")
+    header = "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nPOINTS %d\nDATA ascii\n"
+    far, near = tmp_path / "far.pcd", tmp_path / "near.pcd"
+    far.write_text(header % 1 + "5 5 5\n")
+    points = ["%r %r %r" % (0.1 * x, 0.1 * y, 0.1 * z)
+              for x in range(-10, 11) for y in range(-10, 11) for z in range(3, 8)]
+    near.write_text(header % len(points) + "\n".join(points) + "\n")
+    common = ["check_motion", URDF, "--srdf", SRDF, "--waypoints", path, "--voxel-size", "0.1", "--cloud"]
+    assert rows_in(run_tool(*common, far).stdout)[0]["verdict"] == "free"
+    row = rows_in(run_tool(*common, near).stdout)[0]
+    assert row["verdict"] == "collision" and "cloud" in row["pairs"]

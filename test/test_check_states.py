@@ -185,3 +185,55 @@ def test_a_trade_that_is_none_is_refused(run_tool, states, option, value):
     done = run_tool("check_states", URDF, "--states", states, option, value)
     assert done.returncode == 2
     assert option.strip("-").replace("-", "_") in done.stderr.replace("-", "_")
+
+
+def write_pcd(path, points):
+    lines = ["FIELDS x y z", "SIZE 4 4 4", "TYPE F F F", "POINTS %d" % len(points), "DATA ascii"]
+    path.write_text("\n".join(lines + ["%r %r %r" % tuple(point) for point in points]) + "\n")
+    return path
+
+
+def write_world(path, cells, size):
+    boxes = "".join("<collision><origin xyz='%r %r %r'/><geometry><box size='%r %r %r'/></geometry></collision>"
+                    % (*[(k + 0.5) * size for k in cell], size, size, size) for cell in cells)
+    path.write_text("<robot name='world'><link name='cloud'>%s</link></robot>" % boxes)
+    return path
+
+
+def test_a_cloud_is_the_same_as_its_voxels_as_a_world(run_tool, states, tmp_path):
+    size, cells = 0.05, [(x, y, z) for x in range(4, 12) for y in range(-6, 6) for z in (7, 8, 20)]
+    cloud = write_pcd(tmp_path / "cloud.pcd", [[(k + 0.3) * size for k in cell] for cell in cells])
+    world = write_world(tmp_path / "world.urdf", cells, size)
+    common = ["check_states", URDF, "--srdf", SRDF, "--states", states, "--min-distance"]
+    as_cloud = run_tool(*common, "--cloud", cloud, "--voxel-size", size, "--out", tmp_path / "a.csv")
+    as_world = run_tool(*common, "--world", world, "--out", tmp_path / "b.csv")
+    assert as_cloud.returncode == as_world.returncode == 0, as_cloud.stderr + as_world.stderr
+    found, wanted = rows_of(tmp_path / "a.csv"), rows_of(tmp_path / "b.csv")
+    assert any("cloud" in row["pairs"] for row in wanted)
+    for row, same in zip(found, wanted):
+        assert row["in_collision"] == same["in_collision"] and row["pairs"] == same["pairs"]
+        assert float(row["min_distance"]) == pytest.approx(float(same["min_distance"]), abs=1e-9)
+
+
+def test_points_that_are_not_finite_are_said_to_be_passed_over(run_tool, states, tmp_path):
+    cloud = write_pcd(tmp_path / "cloud.pcd", [(5.0, 5.0, 5.0), (float("nan"), 0.0, 0.0)])
+    done = run_tool("check_states", URDF, "--srdf", SRDF, "--states", states, "--cloud", cloud,
+                    "--voxel-size", "0.05")
+    assert done.returncode == 0 and "1 of 2 points are not finite" in done.stderr
+    assert done.stdout.splitlines()[1].startswith("0,0,")
+
+
+@pytest.mark.parametrize("cloud,options,why", [
+    ("FIELDS x y z\n", ["--voxel-size", "0.05"], "no line DATA"),
+    ("FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nPOINTS 1\nDATA ascii\n1e9 0 0\n", ["--voxel-size", "0.05"],
+     "more than 2^20 voxels"),
+    ("FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nPOINTS 1\nDATA ascii\n0 0 0\n", ["--voxel-size", "0"], "voxel size"),
+    ("FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nPOINTS 1\nDATA ascii\n0 0 0\n", [], "--voxel-size"),
+    (None, ["--voxel-size", "0.05"], "cannot be opened"),
+])
+def test_a_cloud_that_cannot_be_used_is_refused_by_name(run_tool, states, tmp_path, cloud, options, why):
+    path, out = tmp_path / "cloud.pcd", tmp_path / "out.csv"
+    if cloud is not None:
+        path.write_text(cloud)
+    done = run_tool("check_states", URDF, "--states", states, "--cloud", path, *options, "--out", out)
+    assert done.returncode == 2 and why in done.stderr and not out.exists()

@@ -47,14 +47,14 @@ class TwoLinks {
   }
 
   const CollisionReport& check(const Isometry3d& X_WA, const Isometry3d& X_WB) {
-    now = {{X_WA, X_WB}, {1, 1}};
+    now = {{X_WA, X_WB}, {1, 1}, {}};
     return detector_->detect(now, settings);
   }
 
   /// Of the only pair; it must be there.
   ClosingMotion closing(const Isometry3d& X_WA, const Isometry3d& X_WB,
                         const Isometry3d& X_WA_before, const Isometry3d& X_WB_before) {
-    before.poses = {{X_WA_before, X_WB_before}, known_before};
+    before.poses = {{X_WA_before, X_WB_before}, known_before, {}};
     const CollisionReport& report = check(X_WA, X_WB);
     EXPECT_EQ(report.pairs.size(), 1u);
     if (report.pairs.empty()) return {};

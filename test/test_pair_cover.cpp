@@ -77,7 +77,7 @@ class CoverCase {
     MotionState state(*scene_, pairs);
     PairCover pair_cover(*scene_, state);
     settings_.clearance = clearance;
-    pair_cover.begin(settings_);
+    pair_cover.begin(settings_, {});
     state.begin(motion_, {}, pair_cover.allRigid());
     state.moveTo(at, half_width);
     OpenPair open;

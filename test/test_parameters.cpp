@@ -70,7 +70,8 @@ TEST_P(Defaults, HoldEverythingThatASceneIsMadeOf) {
   const std::map<std::string, std::string> by_kind = {
       {"pair_rules", "[]"},   {"links", "[]"},        {"ignored_links", "[]"},
       {"pair_padding", "[]"}, {"link_padding", "{}"}, {"cylinder_as_capsule", "[]"},
-      {"floor", "{}"},        {"robots", "[]"},       {"group", "\"\""}};
+      {"floor", "{}"},        {"clouds", "[]"},       {"robots", "[]"},
+      {"group", "\"\""}};
   for (const auto& [key, empty] : by_kind) EXPECT_EQ(text.at(key), empty) << key;
   for (const std::string& key : sceneConfigKeys()) EXPECT_EQ(text.count(key), 1u) << key;
 }

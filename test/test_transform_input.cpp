@@ -220,7 +220,7 @@ class Ages : public Transforms {
   }
 
   std::shared_ptr<const CollisionScene> scene_ = twoLinks();
-  TfPoses poses_{input_, *scene_, "root"};
+  TfPoses poses_{input_, scene_->robot(), scene_->bodies(), "root"};
 };
 
 TEST_F(Ages, AreCountedAgainstNow) {

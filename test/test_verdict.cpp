@@ -58,7 +58,8 @@ class Faults {
     faulty_ = links_[random_() % links_.size()];
     fault_ = static_cast<int>(random_() % 8);
     scene_.frame = "root";
-    scene_.tf_poses = std::make_unique<TfPoses>(transforms_, *scene_.scene, "root");
+    scene_.tf_poses = std::make_unique<TfPoses>(transforms_, scene_.scene->robot(),
+                                                scene_.scene->bodies(), "root");
     detector_ = std::make_unique<CollisionDetector>(scene_.scene);
   }
 

@@ -1,11 +1,18 @@
-// Where the bodies of a scene stand.
+// Where the bodies of a scene stand, and what its clouds of points show.
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include <Eigen/Geometry>
 
 namespace collision_pairs {
+
+class OccupiedVoxels;
+
+/// One for each of CollisionScene::clouds(), of its voxel size. Null, or missing at the end: it is
+/// not known what is there, and the cloud is left out and reported.
+using CloudVoxels = std::vector<std::shared_ptr<const OccupiedVoxels>>;
 
 /// Poses of CollisionScene::bodies() in the world frame W, all of one instant.
 struct BodyPoses {
@@ -13,6 +20,7 @@ struct BodyPoses {
   /// Whether the pose is known. "No pose" is never identity: the body's models are left out and
   /// reported. A pose that is not finite counts as unknown.
   std::vector<char> known;
+  CloudVoxels voxels;
 
   /// All known, at identity until they are written.
   void resize(std::size_t nb_bodies) {

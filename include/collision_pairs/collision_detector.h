@@ -18,6 +18,7 @@ class FoundPairs;
 class PairLadder;
 struct SmallestDistance;
 class TimedClimb;
+class VoxelSearch;
 
 struct CheckSettings {
   /// Metres, >= 0. Pairs up to this far apart are reported as near. 0: contacts only. Larger
@@ -40,9 +41,9 @@ struct CheckSettings {
   bool stage_times = false;
 };
 
-/// Runs the check. Holds scratch memory only: the answer depends on (scene, poses, settings)
-/// alone. One per thread; no lock is needed around the shared scene. No heap allocation in boxes
-/// and broad phase once warm.
+/// Runs the check. Holds scratch memory only: the answer depends on (scene, poses and voxels,
+/// settings) alone. One per thread; no lock is needed around the shared scene. No heap allocation
+/// in boxes and broad phase once warm.
 ///
 /// detect() checks every allowed pair. The three steps of SOFA's narrow-phase component do the
 /// same pair by pair, for a caller that has its own broad phase over models:
@@ -58,7 +59,7 @@ class CollisionDetector {
   CollisionDetector& operator=(CollisionDetector&&) noexcept;
 
   /// Throws InputError for an alarm distance or a time budget that is negative or not a number, or
-  /// if `poses` does not fit the scene.
+  /// if `poses` does not fit the scene, nor voxels their cloud.
   const CollisionReport& detect(const BodyPoses& poses, const CheckSettings& settings);
 
   void beginNarrowPhase(const BodyPoses& poses, const CheckSettings& settings);
@@ -81,14 +82,25 @@ class CollisionDetector {
   const CollisionReport& run(const BodyPoses& poses);
   void prepareStaticElements();
   void rebuildBoxes(const BodyPoses& poses);
+  void takeVoxels(const BodyPoses& poses);
   /// The pairs of elements whose boxes are no further apart than `reach`, sorted.
   void sweep(double reach, std::vector<BoxPair>& candidates);
   void beginPairs();
   void findFirstContact();
   void measureCandidates();
   void measureInTime(const Deadline& deadline);
-  void take(const BoxPair& pair, const PairDistance& found, Fidelity rung);
+  bool isAsked(const BoxPair& pair) const;
+  /// take(pair, voxels) for each element that moves and each cloud that it is checked against.
+  template <class Take>
+  void forEachCloudPair(const Take& take) const;
+  const OccupiedVoxels& voxelsOf(const BoxPair& cloud_pair) const;
+  void findCloudPairs();
+  void sortCloudPairs();
+  void measureClouds(const Deadline& deadline);
+  void take(const BoxPair& pair, const PairDistance& found, Fidelity rung,
+            const Eigen::Vector3i& voxel = Eigen::Vector3i::Zero());
   void searchMinimum(const Deadline& deadline);
+  bool measureCloudsBeyond(const Deadline& deadline, SmallestDistance& best);
   /// But for those whose boxes are no further apart than `measured` (below 0: none). False where
   /// the time was spent first; nothing that is left is then nearer than `known`.
   bool measureNearestFirst(const std::vector<BoxPair>& pairs, double measured,
@@ -99,10 +111,13 @@ class CollisionDetector {
   SweepAndPrune sweep_;
   std::unique_ptr<PairLadder> ladder_;
   std::unique_ptr<TimedClimb> timed_climb_;
+  std::unique_ptr<VoxelSearch> voxel_search_;
   std::unique_ptr<FoundPairs> found_;
   std::function<double()> clock_;
   CollisionReport report_;
   std::vector<Eigen::Isometry3d> X_WE_;  // one an element
+  CloudVoxels voxels_;                   // one a cloud; null: unknown
+  std::vector<BoxPair> cloud_pairs_;     // candidates: an element that moves, that of a cloud
 
   BodyPoses begun_poses_;
   std::vector<std::pair<std::uint32_t, std::uint32_t>> added_pairs_;

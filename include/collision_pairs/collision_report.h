@@ -38,6 +38,8 @@ struct Contact {
   Eigen::Vector3d nhat_W;     ///< unit normal, from the first to the second model
   double depth;               ///< metres; minus the distance where the two are apart
   BoxPair elements;           ///< element of the first model, element of the second
+  /// Where one of the two is that of a cloud: the cell of its voxel (OccupiedVoxels), else 0.
+  Eigen::Vector3i voxel = Eigen::Vector3i::Zero();
 };
 
 /// Two models, first < second by id and by name.
@@ -49,7 +51,8 @@ struct PairReport {
   Fidelity fidelity;
   Certainty certainty;
   std::uint32_t first_contact;  ///< its contacts are a range of CollisionReport::contacts,
-  std::uint32_t nb_contacts;    ///< one for each pair of elements in reach
+  std::uint32_t nb_contacts;    ///< one for each pair of elements in reach; of a cloud the nearest
+                                ///< (or deepest) voxel alone
 
   /// In contact, or unresolved without a bound that shows the two apart.
   bool mayTouch() const {
@@ -74,12 +77,16 @@ struct CollisionReport {
   /// or where a pair is UNRESOLVED the least of the lower bounds.
   double min_distance = 0.0;
   bool min_distance_is_bound = true;
-  std::vector<PairReport> pairs;        ///< sorted by (first, second)
-  std::vector<Contact> contacts;        ///< in the order of `pairs`
-  std::vector<BoxPair> candidates;      ///< the investigated pairs of elements, sorted: nb_pairs
-  std::vector<Aabb> boxes;              ///< one an element, in W; not valid() where it has no pose
-  std::vector<std::uint32_t> left_out;  ///< models without a usable pose
-  std::uint32_t nb_boxes = 0;           ///< moving and static boxes of this cycle
+  std::vector<PairReport> pairs;  ///< sorted by (first, second)
+  std::vector<Contact> contacts;  ///< in the order of `pairs`
+  /// The investigated pairs of elements, sorted: nb_pairs. A cloud is one element with many boxes.
+  std::vector<BoxPair> candidates;
+  /// One an element, in W; not valid() where it has no pose, and those of clouds.
+  std::vector<Aabb> boxes;
+  /// Models without a usable pose, and clouds of which it is not known, or only in part, which
+  /// voxels are occupied; ascending.
+  std::vector<std::uint32_t> left_out;
+  std::uint32_t nb_boxes = 0;  ///< moving and static boxes and voxels of this cycle
   /// Investigated pairs by the rung (Fidelity) that settled them.
   std::array<std::uint32_t, 4> nb_settled = {0, 0, 0, 0};
   /// Investigated pairs that the time budget left UNRESOLVED; with nb_settled, all of them.

@@ -66,6 +66,13 @@ struct SceneElement {
   Shape shape;  ///< the element as it is
 };
 
+/// A cloud of points: a model whose one element, a cube, is at every voxel that a check is given.
+struct SceneCloud {
+  std::uint32_t model;
+  std::uint32_t element;
+  double voxel_size;  ///< metres
+};
+
 /// A rigid body of a robot whose pose the detector wants.
 struct SceneBody {
   int body;  ///< in RobotModel::bodies()
@@ -73,6 +80,7 @@ struct SceneBody {
 };
 
 class ElementMaker;
+class SelfFilter;
 
 /// What was prepared for one scene, so that the next one, which differs in a few objects, need not
 /// prepare it again; what the last sixteen did not ask for is forgotten. For one thread at a time.
@@ -83,12 +91,13 @@ class SceneCache {
 
  private:
   friend class SceneBuilder;
+  friend class SelfFilter;
   std::unique_ptr<ElementMaker> maker_;
 };
 
 /// An immutable snapshot, shared by all threads: it is replaced as a whole when something changes.
 /// Models are numbered by name, so pairs ordered by id are ordered by name. Elements of models
-/// that never move come first.
+/// that never move come first, those of clouds (clouds()) last.
 class CollisionScene {
  public:
   /// Robots are checked against themselves, each other, the world and the objects; pairs that stand
@@ -115,6 +124,13 @@ class CollisionScene {
   const std::vector<CollisionModel>& models() const { return models_; }
   const std::vector<SceneElement>& elements() const { return elements_; }
   const std::vector<SceneBody>& bodies() const { return bodies_; }
+  /// Those that are in some allowed pair, by name.
+  const std::vector<SceneCloud>& clouds() const { return clouds_; }
+  /// Index of the cloud that has this element, or -1.
+  int cloudOf(std::uint32_t element) const {
+    const std::size_t first = elements_.size() - clouds_.size();
+    return element < first ? -1 : static_cast<int>(element - first);
+  }
   const PairFilter& filter() const { return filter_; }
   /// Who answers its pairs of shapes.
   NarrowPhaseMethod narrowPhase() const { return narrow_phase_; }
@@ -126,6 +142,12 @@ class CollisionScene {
   const StaticBoxes& staticBoxes() const { return static_boxes_; }
   std::uint32_t nbStaticElements() const {
     return static_cast<std::uint32_t>(static_boxes_.size());
+  }
+  /// Where the voxel of the cloud with this element is; the centre of the cell, in W.
+  Eigen::Isometry3d poseOfVoxel(std::uint32_t element, const Eigen::Vector3i& cell) const;
+  /// Where the elements that move end, and those of clouds begin.
+  std::uint32_t endOfMovingElements() const {
+    return static_cast<std::uint32_t>(elements_.size() - clouds_.size());
   }
   /// From the poses of all bodies in the root link's frame, as forwardKinematics() gives them, to
   /// those of bodies(), all known. W is the root link's frame.
@@ -149,6 +171,7 @@ class CollisionScene {
   std::vector<CollisionModel> models_;
   std::vector<SceneElement> elements_;
   std::vector<SceneBody> bodies_;
+  std::vector<SceneCloud> clouds_;
   PairFilter filter_;
   NarrowPhaseMethod narrow_phase_ = NarrowPhaseMethod::NATIVE;
   /// By classes of the filter, the smaller first: where it is not the sum of the two.

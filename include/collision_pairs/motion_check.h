@@ -80,8 +80,10 @@ class MotionCheck {
 
   /// Valid until the next call. Throws InputError for settings out of their range, for positions
   /// that are not finite or not one a joint, and where a link is too far away for a finite box.
+  /// `voxels`: what its clouds show. Of a cloud that shows nothing known, or only a part, no pair
+  /// is certified.
   const MotionReport& check(const JointMotion& motion, const MotionSettings& settings,
-                            const PlacedBodies& placed = {});
+                            const PlacedBodies& placed = {}, const CloudVoxels& voxels = {});
 
   const CollisionScene& scene() const { return *scene_; }
 
@@ -94,6 +96,7 @@ class MotionCheck {
 struct SegmentOptions {
   unsigned threads = 0;  ///< 0: as many as the machine has; the reports are the same
   PlacedBodies placed;
+  CloudVoxels voxels;
   /// Called when one more segment is done, by one thread at a time. May be empty.
   std::function<void(std::size_t nb_done)> done;
 };

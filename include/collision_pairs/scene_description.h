@@ -41,11 +41,16 @@ struct RigidObject {
 /// A floor: everything below z = height in W.
 RigidObject floorAt(double height, std::vector<std::string> touch_links);
 
+/// A cloud of points as one static object: its one element, a cube, is at each voxel that a check
+/// is told to be occupied (BodyPoses::voxels). voxel_size in metres, > 0.
+RigidObject cloudOf(std::string name, double voxel_size, std::vector<std::string> touch_links);
+
 struct SceneDescription {
   std::vector<SceneRobot> robots;
   /// Static, with its joints at zero and its root at the origin of W. May be null.
   std::shared_ptr<const RobotModel> world;
   std::vector<RigidObject> objects;
+  std::vector<RigidObject> clouds;  ///< made by cloudOf()
   Restriction restriction;
   SceneSettings settings;
   /// Whether links of robots are checked against each other; false: only against what is no link.

@@ -5,11 +5,11 @@
 #include <cmath>
 #include <functional>
 #include <map>
-#include <sstream>
 
 #include "collision_pairs/input_error.h"
 #include "text_files.h"
 #include "user_text.h"
+#include "yaml_values.h"
 
 namespace collision_pairs {
 namespace {
@@ -23,59 +23,15 @@ constexpr std::array<const char*, 12> OF_THE_NODE_ONLY = {
     "max_pose_age",    "max_transform_age",
     "clock_tolerance", "fixed_frame"};
 
-std::string shown(const YAML::Node& node) {
-  YAML::Emitter out;
-  out << YAML::Flow << node;
-  return out.c_str();
-}
-
-[[noreturn]] void refuse(const std::string& key, const YAML::Node& value, const std::string& rule) {
-  throw InputError(key + " is " + shown(value) + ", but must be " + rule);
-}
-
-std::string text(const std::string& key, const YAML::Node& value, const std::string& rule) {
-  if (!value.IsScalar()) refuse(key, value, rule);
-  return value.Scalar();
-}
-
-double number(const std::string& key, const YAML::Node& value, const std::string& rule) {
-  double found = NAN;
-  if (!value.IsScalar() || !YAML::convert<double>::decode(value, found) || !std::isfinite(found)) {
-    refuse(key, value, rule);
-  }
-  return found;
-}
-
-double metres(const std::string& key, const YAML::Node& value) {
-  const std::string rule = "0 or more metres";
-  const double found = number(key, value, rule);
-  if (found < 0.0) refuse(key, value, rule);
-  return found;
-}
-
-std::vector<std::string> names(const std::string& key, const YAML::Node& value) {
-  const std::string rule = "a list of names or patterns, such as [elbow, \"left_*\"]";
-  if (!value.IsSequence()) refuse(key, value, rule);
-  std::vector<std::string> found;
-  for (const YAML::Node& entry : value) found.push_back(text(key, entry, rule));
-  return found;
-}
-
 std::pair<std::string, std::string> twoNames(const std::string& key, const YAML::Node& value) {
-  const auto found = names(key, value);
-  if (found.size() != 2) refuse(key, value, "two names or patterns, such as [\"left_*\", base]");
+  const auto found = namesOf(key, value);
+  if (found.size() != 2)
+    refuseValue(key, value, "two names or patterns, such as [\"left_*\", base]");
   return {found[0], found[1]};
 }
 
-/// Calls `read` with each key and value of a map.
-void forEntries(const std::string& key, const YAML::Node& value, const std::string& rule,
-                const std::function<void(const std::string&, const YAML::Node&)>& read) {
-  if (!value.IsMap()) refuse(key, value, rule);
-  for (const auto& entry : value) read(text(key, entry.first, rule), entry.second);
-}
-
-/// The same with a map from links. The parameter server has a/b as b in a map a. Of a file, such a
-/// map may hold itself by an alias, or stand for more links than there is memory.
+/// forEntries() of a map from links. The parameter server has a/b as b in a map a. Of a file, such
+/// a map may hold itself by an alias, or stand for more links than there is memory.
 void forLinks(const std::string& key, const YAML::Node& value, const std::string& rule,
               const std::function<void(const std::string&, const YAML::Node&)>& read) {
   constexpr std::size_t DEEPEST = 100, MOST = 100'000;  // parts of a name; links
@@ -101,9 +57,9 @@ void readLinkFidelity(const YAML::Node& value, SceneConfig& config) {
            [&](const std::string& link, const YAML::Node& word) {
              const std::string key = "link_fidelity/" + link;
              const std::string rule = "aabb, obb, convex or mesh";
-             const std::string given = text(key, word, rule);
+             const std::string given = textOf(key, word, rule);
              const std::string nearest = nearestName(given, {"aabb", "obb", "convex", "mesh"});
-             if (given != nearest) refuse(key, word, rule + "; is '" + nearest + "' meant?");
+             if (given != nearest) refuseValue(key, word, rule + "; is '" + nearest + "' meant?");
              config.settings.link_fidelity[link] = parseFidelity(given);
            });
 }
@@ -111,30 +67,30 @@ void readLinkFidelity(const YAML::Node& value, SceneConfig& config) {
 void readLinkPadding(const YAML::Node& value, SceneConfig& config) {
   forLinks("link_padding", value, "a map from links to metres",
            [&](const std::string& link, const YAML::Node& size) {
-             config.settings.link_padding[link] = metres("link_padding/" + link, size);
+             config.settings.link_padding[link] = metresOf("link_padding/" + link, size);
            });
 }
 
 void readPairPadding(const YAML::Node& value, SceneConfig& config) {
   const std::string rule = "a list of {pair: [first, second], padding: metres}";
-  if (!value.IsSequence()) refuse("pair_padding", value, rule);
+  if (!value.IsSequence()) refuseValue("pair_padding", value, rule);
   for (const YAML::Node& entry : value) {
     if (!entry.IsMap() || entry.size() != 2 || !entry["pair"] || !entry["padding"]) {
-      refuse("pair_padding", entry, rule);
+      refuseValue("pair_padding", entry, rule);
     }
     const auto [first, second] = twoNames("pair_padding", entry["pair"]);
-    const double size = metres("pair_padding", entry["padding"]);
+    const double size = metresOf("pair_padding", entry["padding"]);
     config.settings.pair_padding.push_back({first, second, size});
   }
 }
 
 void readPairRules(const YAML::Node& value, SceneConfig& config) {
   const std::string rule = "a list of {allow: [first, second]} and {deny: [first, second]}";
-  if (!value.IsSequence()) refuse("pair_rules", value, rule);
+  if (!value.IsSequence()) refuseValue("pair_rules", value, rule);
   for (const YAML::Node& entry : value) {
-    if (!entry.IsMap() || entry.size() != 1) refuse("pair_rules", entry, rule);
+    if (!entry.IsMap() || entry.size() != 1) refuseValue("pair_rules", entry, rule);
     const std::string word = entry.begin()->first.Scalar();
-    if (word != "allow" && word != "deny") refuse("pair_rules", entry, rule);
+    if (word != "allow" && word != "deny") refuseValue("pair_rules", entry, rule);
     const auto [first, second] = twoNames("pair_rules", entry.begin()->second);
     config.settings.pair_rules.push_back(
         {word == "allow" ? PairRule::Verdict::ALLOW : PairRule::Verdict::DENY, first, second});
@@ -147,32 +103,32 @@ void readFloor(const YAML::Node& value, SceneConfig& config) {
   std::vector<std::string> touch_links;
   forEntries("floor", value, rule, [&](const std::string& key, const YAML::Node& entry) {
     if (key == "height") {
-      height = number("floor/height", entry, "a number of metres");
+      height = numberOf("floor/height", entry, "a number of metres");
     } else if (key == "touch_links") {
-      touch_links = names("floor/touch_links", entry);
+      touch_links = namesOf("floor/touch_links", entry);
     } else {
-      refuse("floor", value, rule);
+      refuseValue("floor", value, rule);
     }
   });
   if (value.size() == 0) return;
-  if (std::isnan(height)) refuse("floor", value, rule);
+  if (std::isnan(height)) refuseValue("floor", value, rule);
   config.floor = floorAt(height, touch_links);
 }
 
 void readNarrowPhase(const YAML::Node& value, SceneConfig& config) {
   const std::string rule = "native or fcl";
   try {
-    config.settings.narrow_phase = parseNarrowPhase(text("narrow_phase", value, rule));
+    config.settings.narrow_phase = parseNarrowPhase(textOf("narrow_phase", value, rule));
   } catch (const InputError&) {
-    refuse("narrow_phase", value, rule);
+    refuseValue("narrow_phase", value, rule);
   }
 }
 
 void readMaxHullVertices(const YAML::Node& value, SceneConfig& config) {
   const std::string rule = "4 or more, or 0 for exact hulls";
-  const double count = number("max_hull_vertices", value, rule);
+  const double count = numberOf("max_hull_vertices", value, rule);
   const bool fits = count == 0.0 || (count >= 4.0 && count <= 1e6);
-  if (!fits || count != std::floor(count)) refuse("max_hull_vertices", value, rule);
+  if (!fits || count != std::floor(count)) refuseValue("max_hull_vertices", value, rule);
   config.settings.max_hull_vertices = static_cast<int>(count);
 }
 
@@ -187,16 +143,17 @@ const std::map<std::string, Reader>& readers() {
       {"pair_padding", readPairPadding},
       {"pair_rules", readPairRules},
       {"floor", readFloor},
-      {"padding", [](const auto& v, auto& c) { c.settings.padding = metres("padding", v); }},
+      {"clouds", [](const auto& v, auto& c) { c.clouds = readClouds(v); }},
+      {"padding", [](const auto& v, auto& c) { c.settings.padding = metresOf("padding", v); }},
       {"ignored_links",
-       [](const auto& v, auto& c) { c.settings.ignored_links = names("ignored_links", v); }},
+       [](const auto& v, auto& c) { c.settings.ignored_links = namesOf("ignored_links", v); }},
       {"cylinder_as_capsule",
        [](const auto& v, auto& c) {
-         c.settings.cylinder_as_capsule = names("cylinder_as_capsule", v);
+         c.settings.cylinder_as_capsule = namesOf("cylinder_as_capsule", v);
        }},
       {"group",
-       [](const auto& v, auto& c) { c.restriction.group = text("group", v, "a group's name"); }},
-      {"links", [](const auto& v, auto& c) { c.restriction.names = names("links", v); }},
+       [](const auto& v, auto& c) { c.restriction.group = textOf("group", v, "a group's name"); }},
+      {"links", [](const auto& v, auto& c) { c.restriction.names = namesOf("links", v); }},
   };
   return ALL;
 }

@@ -7,6 +7,7 @@
 
 #include <yaml-cpp/yaml.h>
 
+#include "cloud_config.h"
 #include "collision_pairs/scene_description.h"
 
 namespace collision_pairs {
@@ -15,6 +16,7 @@ struct SceneConfig {
   SceneSettings settings;
   Restriction restriction;
   std::optional<RigidObject> floor;
+  std::vector<CloudConfig> clouds;
 };
 
 /// The keys that readSceneConfig() knows.

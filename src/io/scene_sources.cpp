@@ -82,6 +82,7 @@ SceneDescription describeScene(SceneSources& sources, std::vector<RigidObject> o
   if (sources.world) description.world = sources.world->skeleton();
   description.objects = std::move(objects);
   if (sources.config.floor) description.objects.push_back(*sources.config.floor);
+  description.clouds = sources.clouds;
   description.restriction = restriction.empty() ? sources.config.restriction : restriction;
   description.settings = sources.config.settings;
 

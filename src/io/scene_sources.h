@@ -57,6 +57,7 @@ struct SceneSources {
   };
   std::vector<Robot> robots;
   std::unique_ptr<RobotSource> world;  ///< null: none
+  std::vector<RigidObject> clouds;     ///< made by cloudOf()
   SceneConfig config;
 };
 

@@ -17,24 +17,43 @@ namespace fs = std::filesystem;
 namespace {
 constexpr std::size_t BLOCK = std::size_t{1} << 16;         // bytes
 constexpr std::size_t LONGEST_TEXT = std::size_t{4} << 30;  // bytes: a device may never end
-}  // namespace
 
-std::string readTextFile(const std::string& path) {
+/// `take(bytes)` for block after block.
+template <class Take>
+void readBlocks(const std::string& path, const Take& take) {
   std::error_code error;
   if (fs::is_directory(path, error)) throw InputError(path + ": is a directory, not a file");
   std::ifstream file(path, std::ios::binary);
   if (!file) throw InputError(path + ": cannot be opened: " + std::strerror(errno));
-  std::string text;
+  std::string block(BLOCK, '\0');
   while (file) {
-    const std::size_t known = text.size();
-    if (known > LONGEST_TEXT) throw InputError(path + ": is longer than a text of 4 GiB");
-    text.resize(known + BLOCK);
-    file.read(&text[known], BLOCK);
-    text.resize(known + static_cast<std::size_t>(file.gcount()));
-    if (text.find('\0', known) != std::string::npos) {
+    file.read(block.data(), BLOCK);
+    take(block.data(), static_cast<std::size_t>(file.gcount()));
+  }
+}
+
+}  // namespace
+
+std::string readBinaryFile(const std::string& path) {
+  std::error_code error;
+  if (fs::exists(path, error) && !fs::is_directory(path, error) &&
+      !fs::is_regular_file(path, error)) {
+    throw InputError(path + ": is not a regular file");  // a device may never end
+  }
+  std::string bytes;
+  readBlocks(path, [&](const char* block, std::size_t size) { bytes.append(block, size); });
+  return bytes;
+}
+
+std::string readTextFile(const std::string& path) {
+  std::string text;
+  readBlocks(path, [&](const char* block, std::size_t size) {
+    if (text.size() > LONGEST_TEXT) throw InputError(path + ": is longer than a text of 4 GiB");
+    if (std::memchr(block, '\0', size) != nullptr) {
       throw InputError(path + ": has a zero byte, so it is no text");
     }
-  }
+    text.append(block, size);
+  });
   if (text.compare(0, 3, "\xEF\xBB\xBF") == 0) text.erase(0, 3);
   return text;
 }

@@ -11,6 +11,9 @@ namespace collision_pairs {
 /// where a zero byte says that it is no text, as of /dev/zero.
 std::string readTextFile(const std::string& path);
 
+/// The bytes of a regular file. Throws InputError that names it.
+std::string readBinaryFile(const std::string& path);
+
 /// Writes through a temporary file beside `path` that takes its name only when `write` is through:
 /// whatever goes wrong, no part of an output stands under the final name. An empty path, or "-",
 /// is standard output. Throws InputError.

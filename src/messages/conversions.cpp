@@ -68,10 +68,17 @@ std::string joined(const std::vector<std::string>& names) {
   return text;
 }
 
-std::vector<std::string> namesOfLeftOut(const CollisionReport& report,
-                                        const CollisionScene& scene) {
-  std::vector<std::string> names;
-  for (const std::uint32_t model : report.left_out) names.push_back(scene.models()[model].name);
+struct LeftOut {
+  std::vector<std::string> bodies, clouds;
+};
+
+LeftOut namesOfLeftOut(const CollisionReport& report, const CollisionScene& scene) {
+  LeftOut names;
+  for (const std::uint32_t id : report.left_out) {
+    const CollisionModel& model = scene.models()[id];
+    const bool is_cloud = scene.cloudOf(model.first_element) >= 0;
+    (is_cloud ? names.clouds : names.bodies).push_back(model.name);
+  }
   return names;
 }
 
@@ -94,7 +101,9 @@ std::vector<std::string> whyUnknown(const CollisionReport& report, const Collisi
     if (!names.empty()) reasons.push_back(what + ": " + joined(names));
   };
   add("geometry that could not be read", broken_links);
-  add("no usable pose", namesOfLeftOut(report, scene));
+  const LeftOut left_out = namesOfLeftOut(report, scene);
+  add("no usable pose", left_out.bodies);
+  add("clouds that are not known, or only in part", left_out.clouds);
   add("pairs that may be in contact are unresolved", namesOfUnresolved(report, scene));
   return reasons;
 }
@@ -141,8 +150,9 @@ CollisionPairs toMessage(const CollisionReport& report, const CollisionScene& sc
     message.pairs.push_back(toMessage(pair, report, scene));
   }
   message.left_out = broken_links;
-  for (std::string& name : namesOfLeftOut(report, scene)) {
-    message.left_out.push_back(std::move(name));
+  const LeftOut left_out = namesOfLeftOut(report, scene);
+  for (const auto* names : {&left_out.bodies, &left_out.clouds}) {
+    message.left_out.insert(message.left_out.end(), names->begin(), names->end());
   }
   std::sort(message.left_out.begin(), message.left_out.end());
   message.left_out.erase(std::unique(message.left_out.begin(), message.left_out.end()),

@@ -143,7 +143,9 @@ MarkerArray toSceneMarkers(const CollisionScene& scene, Fidelity fidelity,
   const auto nb_elements = static_cast<std::uint32_t>(scene.elements().size());
   const std::size_t nb_drawn = std::min<std::size_t>(nb_elements, MOST_ELEMENTS);
   for (std::size_t n = 0; n < nb_drawn; ++n) {
-    const SceneElement& element = scene.elements()[(n + nb_standing) % nb_elements];
+    const std::uint32_t id = static_cast<std::uint32_t>(n + nb_standing) % nb_elements;
+    if (scene.cloudOf(id) >= 0) continue;  // drawn as it comes: voxel_markers.h
+    const SceneElement& element = scene.elements()[id];
     Marker pattern = patternFor(kindOf(scene, element));
     pattern.header.frame_id = element.body < 0 ? world_frame : scene.bodies()[element.body].link;
     pattern.frame_locked = element.body >= 0;

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "cloud_sources.h"
 #include "collision_pairs/collision_scene.h"
 #include "tf_poses.h"
 
@@ -22,7 +23,17 @@ struct ActiveScene {
   std::vector<std::string> doubts;
   std::string frame;  ///< of reports and markers
   std::unique_ptr<TfPoses> tf_poses;
+  /// What its clouds show; the next scene goes on with them. Null where it has none.
+  std::shared_ptr<CloudSources> clouds;
 };
+
+/// Fills in the voxels of the scene's clouds at `now`; why they keep a report from being FREE.
+inline std::vector<std::string> addVoxels(const ActiveScene& scene, const ros::Time& now,
+                                          BodyPoses& poses) {
+  if (!scene.clouds) return {};
+  return scene.clouds->addVoxels(*scene.scene, now, poses);
+}
+
 using ActiveScenePtr = std::shared_ptr<const ActiveScene>;
 
 }  // namespace collision_pairs

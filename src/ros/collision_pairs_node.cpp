@@ -59,10 +59,24 @@ void CollisionPairsNode::run() {
     }
     if (now >= next_diagnosis) {
       health_.noteTransforms(transforms_.refused(), transforms_.nbClockJumps());
+      diagnoseClouds();
       diagnostics_.force_update();
       next_diagnosis = now + ros::WallDuration(1.0);
     }
   }
+}
+
+void CollisionPairsNode::diagnoseClouds() {
+  const bool has_clouds = checked_scene_ && checked_scene_->clouds;
+  if (has_clouds == diagnoses_clouds_) return;
+  diagnoses_clouds_ = has_clouds;
+  if (!has_clouds) {
+    diagnostics_.removeByName("point clouds");
+    return;
+  }
+  diagnostics_.add("point clouds", [this](auto& status) {
+    if (checked_scene_->clouds) checked_scene_->clouds->diagnose(status);
+  });
 }
 
 CheckSettings CollisionPairsNode::settings() const {
@@ -95,11 +109,14 @@ void CollisionPairsNode::check(const ActiveScenePtr& scene, const ros::WallTime&
   const ros::Time now = ros::Time::now();
   transforms_.followClock(now);
   const CheckSettings settings = this->settings();
-  const StampedPoses stamped = scene->tf_poses->latest(now, parameters_.pose_limits);
+  StampedPoses stamped = scene->tf_poses->latest(now, parameters_.pose_limits);
   const double transform_time = secondsSince(start);
   std::vector<std::string> doubts = doubtsOf(stamped, transforms_, now);
   if (!doubts.empty()) {
     ROS_WARN_STREAM_THROTTLE(WARN_PERIOD, "left out, no usable transform: " << doubts.front());
+  }
+  for (std::string& doubt : addVoxels(*scene, now, stamped.poses)) {
+    doubts.push_back(std::move(doubt));
   }
   CollisionPairs message =
       checkPoses(*scene, stamped, doubts, settings, now, transform_time, *detector_);
@@ -107,6 +124,8 @@ void CollisionPairsNode::check(const ActiveScenePtr& scene, const ros::WallTime&
   publisher_.publish(message);
   showMarkers(message, &detector_->report());
   publisher_.publishScene(scene, settings.fidelity, stamped.nb_found);
+  publisher_.publishVoxels(*scene, stamped.poses, detector_->report().boxes,
+                           settings.alarm_distance);
   std::optional<double> age;
   if (stamped.nb_found > 0 || stamped.nb_asked == 0) {
     age = now.toSec() - message.header.stamp.toSec();

@@ -41,6 +41,7 @@ class CollisionPairsNode {
   void reportUnknown(const std::string& why);
   void showMarkers(const CollisionPairs& message, const CollisionReport* report);
   void takeScene(const ActiveScenePtr& scene);
+  void diagnoseClouds();
 
   void reconfigure(CollisionPairsConfig& config);
 
@@ -62,6 +63,7 @@ class CollisionPairsNode {
   NodeHealth health_;
   std::unique_ptr<dynamic_reconfigure::Server<CollisionPairsConfig>> reconfigure_server_;
   diagnostic_updater::Updater diagnostics_;
+  bool diagnoses_clouds_ = false;
   // Last: they end before what they ask goes.
   QueryService queries_;
   TrajectoryService trajectories_;

@@ -110,6 +110,9 @@ void QueryService::check(const CheckCollisions::Request& request,
       throw InputError("no transform is known: " + doubts.front());
     }
   }
+  for (std::string& doubt : addVoxels(active, now, stamped.poses)) {
+    doubts.push_back(std::move(doubt));
+  }
   const double transform_time = (ros::WallTime::now() - start).toSec();
 
   CollisionDetector& detector = detectorFor(scene);

@@ -8,6 +8,7 @@
 
 #include "markers.h"
 #include "scene_markers.h"
+#include "voxel_markers.h"
 
 namespace collision_pairs {
 namespace {
@@ -16,6 +17,8 @@ namespace {
 // look at it.
 constexpr double SUBSCRIBER_WARM_UP = 1.0;
 constexpr double SHORTEST_LIFE = 2.0;  // s, of a marker
+const ros::WallDuration VOXEL_PERIOD(0.2);
+constexpr double LEAST_COLOURED = 0.1;  // m
 
 }  // namespace
 
@@ -59,6 +62,26 @@ void ReportPublisher::publishScene(const ActiveScenePtr& scene, Fidelity fidelit
   shown_fidelity_ = fidelity;
   nb_shown_ = nb_known;
   scene_markers_.publish(toSceneMarkers(*scene->scene, fidelity, scene->frame));
+}
+
+void ReportPublisher::publishVoxels(const ActiveScene& active, const BodyPoses& poses,
+                                    const std::vector<Aabb>& boxes, double reach) {
+  const CollisionScene& scene = *active.scene;
+  const ros::SteadyTime now = ros::SteadyTime::now();
+  if (scene.clouds().empty() || scene_markers_.getNumSubscribers() == 0) return;
+  if (now < next_voxels_ || now < show_scene_from_) return;
+  next_voxels_ = now + VOXEL_PERIOD;
+  const std::vector<Aabb> moving(boxes.begin() + scene.nbStaticElements(),
+                                 boxes.begin() + scene.endOfMovingElements());
+  visualization_msgs::MarkerArray array;
+  for (std::size_t i = 0; i < scene.clouds().size(); ++i) {
+    const std::string& name = scene.models()[scene.clouds()[i].model].name;
+    const auto& voxels = poses.voxels[i];
+    array.markers.push_back(
+        voxels ? toMarker(*voxels, name, moving, std::max(reach, LEAST_COLOURED), active.frame)
+               : noMarker(name, active.frame));
+  }
+  scene_markers_.publish(array);
 }
 
 }  // namespace collision_pairs

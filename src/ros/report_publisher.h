@@ -34,13 +34,18 @@ class ReportPublisher {
   /// know more of it (rviz moves what moves). nb_known: bodies with a pose.
   void publishScene(const ActiveScenePtr& scene, Fidelity fidelity, std::size_t nb_known);
 
+  /// What is occupied, beside the scene, some times a second. `boxes`: of the scene's elements in
+  /// W; voxels within `reach` of a moving one, or 0.1 m if that is more, are coloured by it.
+  void publishVoxels(const ActiveScene& scene, const BodyPoses& poses,
+                     const std::vector<Aabb>& boxes, double reach);
+
  private:
   ros::Publisher pairs_, in_collision_, markers_, scene_markers_;
   std::function<void(std::shared_ptr<const void>)> release_;
   ActiveScenePtr shown_scene_;
   Fidelity shown_fidelity_ = Fidelity::MESH;
   std::size_t nb_shown_ = 0;  // bodies with a pose then
-  ros::SteadyTime show_scene_from_;
+  ros::SteadyTime show_scene_from_, next_voxels_;
 };
 
 }  // namespace collision_pairs

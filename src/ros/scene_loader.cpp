@@ -123,6 +123,9 @@ SceneParameters readSceneParameters(const ros::NodeHandle& private_node) {
   const YAML::Node parameters = yamlParameters(private_node, sceneConfigKeys());
   sources.config =
       fromParameter(private_node.getNamespace(), [&] { return readSceneConfig(parameters); });
+  for (const CloudConfig& cloud : sources.config.clouds) {
+    sources.clouds.push_back(cloudOf(cloud.name(), cloud.voxel_size, cloud.touch_links));
+  }
   return all;
 }
 

@@ -35,6 +35,7 @@ SceneService::SceneService(const ros::NodeHandle& private_node, SceneStore& scen
   node.setCallbackQueue(&queue_);
   update_server_ = node.advertiseService("update_scene", &SceneService::onUpdate, this);
   reset_server_ = node.advertiseService("reset", &SceneService::onReset, this);
+  clear_server_ = node.advertiseService("clear_clouds", &SceneService::onClearClouds, this);
   spinner_.start();
 }
 
@@ -98,6 +99,19 @@ bool SceneService::onReset(std_srvs::Trigger::Request&, std_srvs::Trigger::Respo
     response.message =
         std::string(scenes_.active() ? "the old scene stays: " : "there is no scene: ") +
         error.what();
+  }
+  return true;
+}
+
+bool SceneService::onClearClouds(std_srvs::Trigger::Request&,
+                                 std_srvs::Trigger::Response& response) {
+  const ActiveScenePtr scene = scenes_.active();
+  response.success = scene && scene->clouds;
+  if (response.success) {
+    scene->clouds->clear();
+    response.message = "all clouds are forgotten: UNKNOWN until each source has come again";
+  } else {
+    response.message = "there are no clouds";
   }
   return true;
 }

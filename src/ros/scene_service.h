@@ -34,6 +34,7 @@ class SceneService {
   void load();
   bool onUpdate(UpdateScene::Request& request, UpdateScene::Response& response);
   bool onReset(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
+  bool onClearClouds(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
 
   SceneStore& scenes_;
   std::mutex mutex_;  // guards what follows
@@ -42,7 +43,7 @@ class SceneService {
   ros::SteadyTime next_load_;
 
   ros::CallbackQueue queue_;
-  ros::ServiceServer update_server_, reset_server_;
+  ros::ServiceServer update_server_, reset_server_, clear_server_;
   ros::AsyncSpinner spinner_;  // last: stops before what it calls into goes
 };
 

@@ -68,10 +68,11 @@ ActiveScenePtr SceneStore::active() const {
   return scene_;
 }
 
-void SceneStore::replace(ActiveScenePtr scene) {
+void SceneStore::replace(Built built) {
   restricted_.clear();
+  if (built.scene->clouds) built.scene->clouds->follow(std::move(built.filters));
   const std::lock_guard<std::mutex> lock(reading_);
-  scene_ = std::move(scene);
+  scene_ = std::move(built.scene);
 }
 
 void SceneStore::load() {
@@ -79,16 +80,16 @@ void SceneStore::load() {
   const ros::WallTime start = ros::WallTime::now();
   told_.clear();
   SceneParameters parameters = readSceneParameters(private_node_);
-  ActiveScenePtr active = build(parameters, objects_, {});
-  requireFrameOfObjects(active->frame);
-  const CollisionScene& scene = *active->scene;
+  Built built = build(parameters, objects_, {});
+  requireFrameOfObjects(built.scene->frame);
+  const CollisionScene& scene = *built.scene->scene;
   ROS_INFO_STREAM("robot '" << scene.robot().name() << "': " << scene.models().size()
                             << " links with geometry to check, " << scene.elements().size()
                             << " elements, " << scene.bodies().size()
                             << " moving bodies, ready after "
                             << (ros::WallTime::now() - start).toSec() << " s");
   parameters_ = std::move(parameters);
-  replace(std::move(active));
+  replace(std::move(built));
 }
 
 // They would silently stand elsewhere.
@@ -133,7 +134,7 @@ ActiveScenePtr SceneStore::restrictedTo(const Restriction& restriction) {
     std::rotate(known, known + 1, restricted_.end());
     return restricted_.back().second;
   }
-  restricted_.emplace_back(restriction, build(parameters_, objects_, restriction));
+  restricted_.emplace_back(restriction, build(parameters_, objects_, restriction).scene);
   if (restricted_.size() > KEPT_RESTRICTIONS) restricted_.erase(restricted_.begin());
   return restricted_.back().second;
 }
@@ -148,8 +149,18 @@ void SceneStore::noteBroken(const std::vector<BrokenElement>& broken, ActiveScen
   active.broken_links.assign(links.begin(), links.end());
 }
 
-ActiveScenePtr SceneStore::build(SceneParameters& parameters, const SceneObjects& objects,
-                                 const Restriction& restriction) {
+std::shared_ptr<CloudSources> SceneStore::cloudsOf(const std::vector<CloudConfig>& configs,
+                                                   const std::string& frame) {
+  if (configs.empty()) return nullptr;
+  if (scene_ && scene_->clouds && scene_->clouds->areOf(configs, frame)) return scene_->clouds;
+  const auto filtered =
+      private_node_.advertise<sensor_msgs::PointCloud2>("filtered_cloud", configs.size());
+  return std::make_shared<CloudSources>(ros::NodeHandle(), configs,
+                                        CloudSource::Context{transforms_, frame, filtered});
+}
+
+SceneStore::Built SceneStore::build(SceneParameters& parameters, const SceneObjects& objects,
+                                    const Restriction& restriction) {
   auto active = std::make_shared<ActiveScene>();
   std::vector<RigidObject> present;
   for (const auto& entry : objects) present.push_back(entry.second.object);
@@ -165,8 +176,14 @@ ActiveScenePtr SceneStore::build(SceneParameters& parameters, const SceneObjects
   }
   active->frame =
       parameters.fixed_frame.empty() ? scene.robot().links().front().name : parameters.fixed_frame;
-  active->tf_poses = std::make_unique<TfPoses>(transforms_, scene, active->frame);
-  return active;
+  active->tf_poses =
+      std::make_unique<TfPoses>(transforms_, scene.robot(), scene.bodies(), active->frame);
+  active->clouds = cloudsOf(parameters.sources.config.clouds, active->frame);
+  Built built{active, {}};
+  if (active->clouds && restriction.empty()) {
+    built.filters = active->clouds->filtersFor(description, scene, &cache_);
+  }
+  return built;
 }
 
 }  // namespace collision_pairs

@@ -44,11 +44,17 @@ class SceneStore {
   ActiveScenePtr restrictedTo(const Restriction& restriction);
 
  private:
-  ActiveScenePtr build(SceneParameters& parameters, const SceneObjects& objects,
-                       const Restriction& restriction);
+  struct Built {
+    std::shared_ptr<ActiveScene> scene;
+    CloudSources::RobotFilters filters;  ///< of its clouds
+  };
+  Built build(SceneParameters& parameters, const SceneObjects& objects,
+              const Restriction& restriction);
   /// Each goes to the log once.
   void noteBroken(const std::vector<BrokenElement>& broken, ActiveScene& active);
-  void replace(ActiveScenePtr scene);
+  std::shared_ptr<CloudSources> cloudsOf(const std::vector<CloudConfig>& configs,
+                                         const std::string& frame);
+  void replace(Built built);
   void requireFrameOfObjects(const std::string& frame) const;
 
   ros::NodeHandle private_node_;

@@ -30,12 +30,12 @@ std::string whyTooOld(const ros::Time& stamp, const ros::Time& now, double max_p
          formatted(max_pose_age) + " s";
 }
 
-TfPoses::TfPoses(const TransformInput& transforms, const CollisionScene& scene, std::string frame)
+TfPoses::TfPoses(const TransformInput& transforms, const RobotModel& robot,
+                 const std::vector<SceneBody>& bodies, std::string frame)
     : transforms_(transforms), frame_(std::move(frame)) {
-  const auto& links = scene.robot().links();
-  for (const SceneBody& body : scene.bodies()) {
+  for (const SceneBody& body : bodies) {
     std::vector<Source> sources;
-    for (const Link& link : links) {
+    for (const Link& link : robot.links()) {
       if (link.body != body.body) continue;
       if (link.name != body.link && !link.has_geometry) continue;
       sources.push_back({link.name, link.X_BL.inverse()});

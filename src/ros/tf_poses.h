@@ -39,8 +39,10 @@ std::string whyTooOld(const ros::Time& stamp, const ros::Time& now, double max_p
 /// Looks transforms up; keeps no pose. What TF does not know is never identity: it stays unknown.
 class TfPoses {
  public:
-  /// `frame` is the report's frame W. Both references must outlive this object.
-  TfPoses(const TransformInput& transforms, const CollisionScene& scene, std::string frame);
+  /// Of these bodies of the robot; `frame` is the report's frame W. The transforms must outlive
+  /// this object.
+  TfPoses(const TransformInput& transforms, const RobotModel& robot,
+          const std::vector<SceneBody>& bodies, std::string frame);
 
   /// The newest instant for which all bodies are known, leaving out those that are older than the
   /// limits allow.

@@ -20,6 +20,8 @@ struct Asked {
   const CheckSettings& settings;
   ros::Time stamp;
   std::vector<std::string> doubts;  ///< why nothing in it is FREE
+  /// What the scene's clouds show, the same for all points.
+  CloudVoxels voxels;
 };
 
 using Reasons = std::set<std::string>;
@@ -65,6 +67,7 @@ void checkPoints(BatchCheck& batch, const Asked& asked, CheckTrajectory::Respons
       nb_points, asked.settings,
       [&](std::size_t i, BodyPoses& poses) {
         ofPoint(i, asked, [&](const auto& positions) { asked.query.posesAt(positions, poses); });
+        poses.voxels = asked.voxels;
       },
       [&](std::size_t i, const CollisionReport& report) {
         const std::vector<std::string> doubts = allDoubts(asked, report);
@@ -97,6 +100,7 @@ void checkBetween(const Asked& asked, const std::vector<std::vector<double>>& wa
   settings.fidelity = asked.settings.fidelity;
   SegmentOptions options;
   options.placed = asked.query.placedBodies();
+  options.voxels = asked.voxels;
   const std::vector<std::string> doubts = allDoubts(asked, {});
   for (const MotionReport& report : checkSegments(active.scene, waypoints, settings, options)) {
     const std::uint8_t verdict = verdictWith(doubts, report.verdict, reasons);
@@ -156,7 +160,10 @@ void TrajectoryService::check(const CheckTrajectory::Request& request,
   response.joints_from_tf = query.jointsFromTf();
   response.joints_at_zero = query.jointsAtZero();
 
-  Asked asked{request, *active, query, settings, stamp, active->doubts};
+  BodyPoses clouds;
+  Asked asked{request, *active, query, settings, stamp, addVoxels(*active, now, clouds), {}};
+  asked.voxels = std::move(clouds.voxels);
+  asked.doubts.insert(asked.doubts.end(), active->doubts.begin(), active->doubts.end());
   asked.doubts.insert(asked.doubts.end(), query.doubts().begin(), query.doubts().end());
   Reasons reasons;
   checkPoints(*batch_, asked, response, reasons);

@@ -1,13 +1,13 @@
 #include "transform_input.h"
 
 #include <algorithm>
-#include <cstdio>
 
 #include <ros/console.h>
 #include <tf2/exceptions.h>
 
 #include "frame_names.h"
 #include "geometry_conversions.h"
+#include "stamps.h"
 
 namespace collision_pairs {
 namespace {
@@ -20,15 +20,6 @@ constexpr int DEEPEST_TREE = 1000;          // frames: tf2's limit, for a ring
 const char* const BOTH_KINDS =
     "it comes both on /tf and on /tf_static: which holds cannot be told; stop one of the two "
     "publishers and start this node again";
-
-std::string formatted(double seconds) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.2f s", seconds);
-  return text;
-}
-
-/// In seconds. ros::Duration throws beyond 68 years, and stamps may be anything.
-double between(const ros::Time& begin, const ros::Time& end) { return end.toSec() - begin.toSec(); }
 
 }  // namespace
 
@@ -63,6 +54,7 @@ void TransformInput::take(const tf2_msgs::TFMessage& message, bool is_static,
       refusals_[transform.child_frame_id] = {why, ros::SteadyTime::now()};
     }
   }
+  ++nb_taken_;
 }
 
 std::string TransformInput::whyRefused(const geometry_msgs::TransformStamped& transform,
@@ -72,8 +64,8 @@ std::string TransformInput::whyRefused(const geometry_msgs::TransformStamped& tr
   const ros::Time& stamp = transform.header.stamp;
   if (!is_static && stamp.isZero()) return "its stamp is zero";
   if (!is_static && now.isZero()) return NO_CLOCK;
-  if (!is_static && between(now, stamp) > clock_tolerance_) {
-    return "its stamp is " + formatted(between(now, stamp)) + " ahead of the clock";
+  if (!is_static && secondsBetween(now, stamp) > clock_tolerance_) {
+    return "its stamp is " + inWords(secondsBetween(now, stamp)) + " ahead of the clock";
   }
   Frame& frame = frames_[withoutLeadingSlash(transform.child_frame_id)];
   (is_static ? frame.is_static : frame.moves) = true;
@@ -95,9 +87,9 @@ std::string TransformInput::whyRefused(const geometry_msgs::TransformStamped& tr
 
 void TransformInput::noteStamp(Frame& frame, const ros::Time& stamp) {
   if (stamp <= frame.newest) return;
-  if (!frame.newest.isZero() && between(frame.newest, stamp) > max_gap_) {
+  if (!frame.newest.isZero() && secondsBetween(frame.newest, stamp) > max_gap_) {
     const double kept = buffer_.getCacheLength().toSec();
-    const auto is_forgotten = [&](const Gap& gap) { return between(gap.end, stamp) > kept; };
+    const auto is_forgotten = [&](const Gap& gap) { return secondsBetween(gap.end, stamp) > kept; };
     frame.gaps.erase(std::remove_if(frame.gaps.begin(), frame.gaps.end(), is_forgotten),
                      frame.gaps.end());
     frame.gaps.push_back({frame.newest, stamp});
@@ -112,7 +104,7 @@ std::string TransformInput::doubtOf(const std::string& frame, const ros::Time& s
   if (found->second.is_static && found->second.moves) return BOTH_KINDS;
   for (const Gap& gap : found->second.gaps) {
     if (stamp <= gap.begin || stamp >= gap.end) continue;
-    return "nothing came of it for " + formatted(between(gap.begin, gap.end)) + " around then";
+    return "nothing came of it for " + inWords(secondsBetween(gap.begin, gap.end)) + " around then";
   }
   return "";
 }
@@ -155,7 +147,7 @@ void TransformInput::followClock(const ros::Time& now) {
 
 void TransformInput::followClockLocked(const ros::Time& now) {
   if (now < last_now_) {
-    if (between(now, last_now_) <= OUT_OF_ORDER) return;
+    if (secondsBetween(now, last_now_) <= OUT_OF_ORDER) return;
     ROS_INFO_STREAM("the clock went back to " << now << " s: starting afresh");
     buffer_.clear();  // static transforms stay
     refusals_.clear();

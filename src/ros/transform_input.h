@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <cstdint>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -36,6 +37,7 @@ class TransformInput {
   /// Takes what arrives on /tf and /tf_static from now on, on a thread of its own.
   void subscribe(const ros::NodeHandle& node);
 
+  double clockTolerance() const { return clock_tolerance_; }  ///< s
   const tf2::BufferCore& buffer() const { return buffer_; }
 
   /// As lookupTransform() of tf2, but throws tf2::TransformException also where the way from source
@@ -46,6 +48,8 @@ class TransformInput {
 
   /// Puts into the buffer what is sound. Of static transforms the stamp does not matter.
   void take(const tf2_msgs::TFMessage& message, bool is_static, const ros::Time& now);
+  /// How many messages were taken: what was not known may be so when it changes.
+  std::uint64_t nbTaken() const { return nb_taken_; }
 
   /// To be called before every look-up at the latest time. When the clock went back (a bag that
   /// loops, a simulation that begins again) all that is not static is forgotten: it is of another
@@ -86,6 +90,7 @@ class TransformInput {
   const double clock_tolerance_, max_gap_;
   tf2::BufferCore buffer_;
   std::atomic<bool> has_doubts_{false};  // spares those who look up the lock
+  std::atomic<std::uint64_t> nb_taken_{0};
 
   mutable std::mutex mutex_;                 // guards what follows
   std::map<std::string, Refusal> refusals_;  // by child frame

@@ -33,6 +33,7 @@ void declare(CLI::App& app, Options& options) {
       ->type_name("WAYPOINTS.csv");
   app.add_option("--srdf", options.srdf, "switches off its pairs")->type_name("ROBOT.srdf");
   declareScene(app, options.scene);
+  declareCloud(app, options.scene);
   app.add_option("--fidelity", options.fidelity, "aabb, obb, convex or mesh")
       ->capture_default_str();
   app.add_option("--clearance", options.settings.clearance,
@@ -95,6 +96,7 @@ void checkAll(Options options) {
   ProgressBar bar("segments", waypoints.positions.size() - 1);
   SegmentOptions how;
   how.threads = options.threads;
+  how.voxels = readCloud(options.scene, *scene);
   how.done = [&](std::size_t nb_done) { bar.show(nb_done); };
   const auto reports = checkSegments(scene, waypoints.positions, options.settings, how);
   writeTextFile(options.out, [&](std::ostream& out) {

@@ -36,6 +36,7 @@ void declare(CLI::App& app, Options& options) {
       ->type_name("STATES.csv");
   app.add_option("--srdf", options.srdf, "switches off its pairs")->type_name("ROBOT.srdf");
   declareScene(app, options.scene);
+  declareCloud(app, options.scene);
   app.add_option("--fidelity", options.fidelity, "aabb, obb, convex or mesh")
       ->capture_default_str();
   app.add_option("--alarm-distance", options.alarm_distance,
@@ -105,7 +106,8 @@ void refuseLeftOut(std::size_t state, const CollisionReport& report, const Colli
 /// A row a state, in order.
 std::vector<std::string> check(const JointStates& states,
                                const std::shared_ptr<const CollisionScene>& scene,
-                               const CheckSettings& settings, unsigned threads) {
+                               const CheckSettings& settings, const CloudVoxels& voxels,
+                               unsigned threads) {
   std::vector<std::string> rows(states.positions.size());
   std::atomic<std::uint64_t> nb_answered_natively{0};
   BatchCheck batch(scene, threads);
@@ -115,6 +117,7 @@ std::vector<std::string> check(const JointStates& states,
         thread_local std::vector<Eigen::Isometry3d> X_RB;
         scene->robot().forwardKinematics(states.positions[i], X_RB);
         scene->gatherPoses(X_RB, poses);
+        poses.voxels = voxels;
       },
       [&](std::size_t i, const CollisionReport& report) {
         refuseLeftOut(i, report, *scene);
@@ -135,7 +138,8 @@ void checkAll(const Options& options) {
   const JointStates states =
       readJointStates(readTextFile(options.states), scene->robot(), options.states);
   warnOf(states, scene->robot(), "state");
-  const std::vector<std::string> rows = check(states, scene, settings, options.threads);
+  const CloudVoxels voxels = readCloud(options.scene, *scene);
+  const std::vector<std::string> rows = check(states, scene, settings, voxels, options.threads);
   writeTextFile(options.out, [&](std::ostream& out) {
     out << "state,in_collision,pairs,min_distance,nb_pairs,microseconds\n";
     for (const std::string& row : rows) out << row;

@@ -1,10 +1,13 @@
 #include "scene_files.h"
 
+#include <limits>
 #include <map>
 
 #include "collision_pairs/input_error.h"
+#include "collision_pairs/voxel_grid.h"
 #include "joint_limits.h"
 #include "mesh_loader.h"
+#include "pcd_file.h"
 #include "scene_sources.h"
 #include "text_files.h"
 #include "tool.h"
@@ -54,6 +57,7 @@ SceneSources readSources(const TextFrom& urdf, const TextFrom& srdf, const Scene
   if (!options.settings.empty()) {
     sources.config = readSceneConfigFile(options.settings);
   }
+  if (!options.cloud.empty()) sources.clouds.push_back(cloudOf("cloud", options.voxel_size, {}));
   return sources;
 }
 
@@ -105,6 +109,48 @@ void declareScene(CLI::App& app, SceneOptions& options) {
   app.add_option("--group", options.group, "only pairs with a link that this group moves");
   app.add_option("--links", options.links, "only pairs with one of these links; patterns are read")
       ->type_name("LINK...");
+}
+
+void declareCloud(CLI::App& app, SceneOptions& options) {
+  auto* cloud =
+      app.add_option("--cloud", options.cloud,
+                     "points in the frame of the robot's root link, as one obstacle of "
+                     "voxels; named 'cloud'. Points of the robot itself must not be in it")
+          ->type_name("CLOUD.pcd");
+  auto* size = app.add_option("--voxel-size", options.voxel_size, "the edge of a voxel")
+                   ->type_name("METRES")
+                   ->needs(cloud);
+  cloud->needs(size);
+}
+
+CloudVoxels readCloud(const SceneOptions& options, const CollisionScene& scene) {
+  if (options.cloud.empty() || scene.clouds().empty()) return {};
+  std::vector<Eigen::Vector3d> points;
+  try {
+    points = readPcd(readBinaryFile(options.cloud));
+  } catch (const InputError& error) {
+    const std::string what = error.what();
+    const bool names_file = what.compare(0, options.cloud.size(), options.cloud) == 0;
+    throw InputError(names_file ? what : options.cloud + ": " + what);
+  }
+  VoxelSettings settings;
+  settings.voxel_size = options.voxel_size;
+  settings.max_voxels = std::numeric_limits<std::uint32_t>::max();
+  VoxelGrid grid(settings);
+  grid.begin(0.0, Eigen::Vector3d::Zero());
+  for (const Eigen::Vector3d& point : points) grid.add(point);
+  CloudVoxels voxels = {grid.end()};
+  const PointCounts& counts = grid.counts();
+  if (counts.out_of_range > 0) {
+    throw InputError(options.cloud + ": " + std::to_string(counts.out_of_range) +
+                     " points are more than 2^20 voxels of " + std::to_string(options.voxel_size) +
+                     " m from the robot's root; make --voxel-size larger, or leave them out");
+  }
+  if (counts.not_finite > 0) {
+    warn(options.cloud + ": " + std::to_string(counts.not_finite) + " of " +
+         std::to_string(points.size()) + " points are not finite: passed over");
+  }
+  return voxels;
 }
 
 std::shared_ptr<const CollisionScene> buildScene(const TextFrom& urdf, const TextFrom& srdf,

@@ -24,9 +24,17 @@ std::optional<Srdf> readSrdf(const std::string& path, const RobotModel& robot);
 struct SceneOptions {
   std::string world, settings, group, narrow_phase;
   std::vector<std::string> links;
+  std::string cloud;  ///< a PCD file; empty: none
+  double voxel_size = 0.0;
 };
 
 void declareScene(CLI::App& app, SceneOptions& options);
+/// --cloud and --voxel-size, of tools that give a check what readCloud() reads.
+void declareCloud(CLI::App& app, SceneOptions& options);
+
+/// What the cloud of the options shows, for a scene of the same: none if there is no --cloud, or
+/// nothing is checked against it. Says how many points are not finite. Throws InputError.
+CloudVoxels readCloud(const SceneOptions& options, const CollisionScene& scene);
 
 /// A text and what it came from: a file, or a topic of a bag; for messages.
 struct TextFrom {

@@ -16,6 +16,7 @@
 #include "collision_pairs/input_error.h"
 #include "joint_states_csv.h"
 #include "mesh_files.h"
+#include "pcd_file.h"
 #include "scene_config.h"
 #include "scene_updates.h"
 
@@ -71,6 +72,7 @@ void check(const SceneDescription& description) {
 
 [[maybe_unused]] void stl(const std::string& bytes) { readStl(bytes); }
 [[maybe_unused]] void obj(const std::string& bytes) { readObj(bytes); }
+[[maybe_unused]] void pcd(const std::string& bytes) { readPcd(bytes); }
 
 [[maybe_unused]] void bag(const std::string& bytes) {
   static const std::string path =

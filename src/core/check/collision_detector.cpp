@@ -9,6 +9,7 @@
 #include "found_pairs.h"
 #include "pair_ladder.h"
 #include "timed_climb.h"
+#include "voxel_search.h"
 
 namespace collision_pairs {
 namespace {
@@ -48,6 +49,7 @@ CollisionDetector::CollisionDetector(std::shared_ptr<const CollisionScene> scene
     : scene_(std::move(scene)),
       ladder_(std::make_unique<PairLadder>()),
       timed_climb_(std::make_unique<TimedClimb>()),
+      voxel_search_(std::make_unique<VoxelSearch>()),
       found_(std::make_unique<FoundPairs>()),
       clock_(&steadySeconds) {}
 
@@ -102,6 +104,18 @@ void CollisionDetector::checkInput(const BodyPoses& poses, const CheckSettings& 
     throw InputError("poses of " + std::to_string(poses.X_WB.size()) +
                      " bodies were given, but the scene has " + std::to_string(expected));
   }
+  const auto& clouds = scene_->clouds();
+  if (poses.voxels.size() > clouds.size()) {
+    throw InputError("voxels of " + std::to_string(poses.voxels.size()) +
+                     " clouds were given, but the scene has " + std::to_string(clouds.size()));
+  }
+  for (std::size_t i = 0; i < poses.voxels.size(); ++i) {
+    const double wanted = clouds[i].voxel_size;
+    if (!poses.voxels[i] || poses.voxels[i]->voxelSize() == wanted) continue;
+    throw InputError("cloud '" + scene_->models()[clouds[i].model].name + "' has voxels of " +
+                     std::to_string(wanted) + " m, but those given are of " +
+                     std::to_string(poses.voxels[i]->voxelSize()) + " m");
+  }
 }
 
 const CollisionReport& CollisionDetector::run(const BodyPoses& poses) {
@@ -109,8 +123,10 @@ const CollisionReport& CollisionDetector::run(const BodyPoses& poses) {
   const Deadline deadline(clock_, settings_.time_budget);
   beginPairs();
   rebuildBoxes(poses);  // tight boxes of every element at its pose
+  if (!scene_->clouds().empty()) takeVoxels(poses);
   clock.split(report_.times.boxes);
   sweep(settings_.alarm_distance, report_.candidates);  // axis, sort, sweep
+  findCloudPairs();
   clock.split(report_.times.broad_phase);
   if (deadline.isSet()) {
     measureInTime(deadline);  // the most suspicious candidates first
@@ -119,7 +135,9 @@ const CollisionReport& CollisionDetector::run(const BodyPoses& poses) {
   } else {
     measureCandidates();  // contacts and near pairs among the candidates
   }
+  if (!cloud_pairs_.empty()) measureClouds(deadline);
   if (settings_.min_distance) searchMinimum(deadline);
+  for (const SceneCloud& cloud : scene_->clouds()) report_.boxes[cloud.element] = noBox();
   report_.nb_answered_natively = ladder_->numAnsweredNatively();
   clock.split(report_.times.narrow_phase);
   found_->assemble(!settings_.verdict_only, report_);  // one entry for each pair of models
@@ -138,6 +156,7 @@ void CollisionDetector::beginPairs() {
   report_.min_distance = settings_.alarm_distance;
   report_.min_distance_is_bound = true;
   ladder_->begin(*scene_, X_WE_, report_.boxes);
+  voxel_search_->begin(*scene_, X_WE_, report_.boxes, *ladder_);
 }
 
 void CollisionDetector::rebuildBoxes(const BodyPoses& poses) {
@@ -145,7 +164,7 @@ void CollisionDetector::rebuildBoxes(const BodyPoses& poses) {
   if (X_WE_.size() != elements.size()) prepareStaticElements();
   report_.left_out.clear();
   report_.nb_boxes = scene_->nbStaticElements();
-  for (std::size_t i = scene_->nbStaticElements(); i < elements.size(); ++i) {
+  for (std::size_t i = scene_->nbStaticElements(); i < scene_->endOfMovingElements(); ++i) {
     const SceneElement& element = elements[i];
     X_WE_[i] = poses.X_WB[element.body] * element.X_BE;
     report_.boxes[i] = poses.known[element.body] ? element.boxAt(X_WE_[i]) : noBox();
@@ -157,6 +176,19 @@ void CollisionDetector::rebuildBoxes(const BodyPoses& poses) {
   }
 }
 
+void CollisionDetector::takeVoxels(const BodyPoses& poses) {
+  const auto& clouds = scene_->clouds();
+  voxels_ = poses.voxels;
+  voxels_.resize(clouds.size());
+  for (std::size_t i = 0; i < clouds.size(); ++i) {
+    report_.boxes[clouds[i].element] = noBox();
+    if (voxels_[i]) report_.nb_boxes += static_cast<std::uint32_t>(voxels_[i]->size());
+    if (voxels_[i] && !voxels_[i]->isTruncated()) continue;
+    report_.left_out.push_back(clouds[i].model);
+  }
+  std::sort(report_.left_out.begin(), report_.left_out.end());
+}
+
 void CollisionDetector::prepareStaticElements() {
   const auto& elements = scene_->elements();
   X_WE_.resize(elements.size());
@@ -165,23 +197,84 @@ void CollisionDetector::prepareStaticElements() {
     X_WE_[i] = elements[i].X_BE;
     report_.boxes[i] = scene_->staticBoxes().box(i);
   }
+  for (const SceneCloud& cloud : scene_->clouds()) X_WE_[cloud.element].setIdentity();
 }
 
 void CollisionDetector::sweep(double reach, std::vector<BoxPair>& candidates) {
   const auto& elements = scene_->elements();
   sweep_.begin(reach, &scene_->staticBoxes(), &scene_->filter());
-  for (std::size_t i = scene_->nbStaticElements(); i < elements.size(); ++i) {
+  for (std::size_t i = scene_->nbStaticElements(); i < scene_->endOfMovingElements(); ++i) {
     sweep_.add(report_.boxes[i], elements[i].model);
   }
   candidates = sweep_.end();
   if (!only_added_pairs_) return;
-  const auto was_not_added = [&](const BoxPair& pair) {
-    const BoxPair ab = ladder_->byModel(pair);
-    return !std::binary_search(added_pairs_.begin(), added_pairs_.end(),
-                               std::make_pair(elements[ab.first].model, elements[ab.second].model));
-  };
+  const auto was_not_added = [&](const BoxPair& pair) { return !isAsked(pair); };
   candidates.erase(std::remove_if(candidates.begin(), candidates.end(), was_not_added),
                    candidates.end());
+}
+
+bool CollisionDetector::isAsked(const BoxPair& pair) const {
+  if (!only_added_pairs_) return true;
+  const auto& elements = scene_->elements();
+  const BoxPair ab = ladder_->byModel(pair);
+  return std::binary_search(added_pairs_.begin(), added_pairs_.end(),
+                            std::make_pair(elements[ab.first].model, elements[ab.second].model));
+}
+
+template <class Take>
+void CollisionDetector::forEachCloudPair(const Take& take) const {
+  const auto& elements = scene_->elements();
+  for (std::uint32_t i = scene_->nbStaticElements(); i < scene_->endOfMovingElements(); ++i) {
+    for (std::size_t cloud = 0; cloud < voxels_.size(); ++cloud) {
+      if (!voxels_[cloud] || voxels_[cloud]->isEmpty() || !report_.boxes[i].valid()) continue;
+      const BoxPair pair{i, scene_->clouds()[cloud].element};
+      const bool allowed = scene_->filter().allowed(elements[i].model, elements[pair.second].model);
+      if (allowed && isAsked(pair)) take(pair, *voxels_[cloud]);
+    }
+  }
+}
+
+void CollisionDetector::findCloudPairs() {
+  cloud_pairs_.clear();
+  forEachCloudPair([&](const BoxPair& pair, const OccupiedVoxels& voxels) {
+    if (!voxel_search_->isWithin(pair, voxels, settings_.alarm_distance)) return;
+    cloud_pairs_.push_back(pair);
+  });
+}
+
+const OccupiedVoxels& CollisionDetector::voxelsOf(const BoxPair& pair) const {
+  return *voxels_[static_cast<std::size_t>(scene_->cloudOf(pair.second))];
+}
+
+void CollisionDetector::sortCloudPairs() {
+  by_gap_.clear();
+  for (const BoxPair& pair : cloud_pairs_) {
+    const auto bound = voxel_search_->boundOfBoxes(ladder_->byModel(pair), voxelsOf(pair),
+                                                   settings_.alarm_distance);
+    by_gap_.emplace_back(bound.answer.found.distance, pair);
+  }
+  std::sort(by_gap_.begin(), by_gap_.end());
+  for (std::size_t i = 0; i < by_gap_.size(); ++i) cloud_pairs_[i] = by_gap_[i].second;
+}
+
+void CollisionDetector::measureClouds(const Deadline& deadline) {
+  report_.candidates.insert(report_.candidates.end(), cloud_pairs_.begin(), cloud_pairs_.end());
+  std::sort(report_.candidates.begin(), report_.candidates.end());
+  if (settings_.verdict_only && found_->hasContact()) return;
+  if (deadline.isSet()) sortCloudPairs();  // the most suspicious first
+  for (const BoxPair& candidate : cloud_pairs_) {
+    const BoxPair pair = ladder_->byModel(candidate);
+    const OccupiedVoxels& voxels = voxelsOf(candidate);
+    const double reach = settings_.alarm_distance;
+    const VoxelSearch::Found found =
+        deadline.spent() ? voxel_search_->boundOfBoxes(pair, voxels, reach)
+        : settings_.verdict_only
+            ? voxel_search_->touches(pair, voxels, settings_.fidelity, deadline)
+            : voxel_search_->nearest(pair, voxels, settings_.fidelity, reach, deadline);
+    take(pair, found.answer.found, found.answer.rung, found.voxel);
+    if (settings_.verdict_only && found.answer.found.certainty == Certainty::BOUND) return;
+  }
+  report_.budget_spent |= report_.nb_unresolved > 0;
 }
 
 void CollisionDetector::findFirstContact() {
@@ -207,7 +300,22 @@ void CollisionDetector::measureInTime(const Deadline& deadline) {
   report_.budget_spent = report_.nb_unresolved > 0;
 }
 
-void CollisionDetector::take(const BoxPair& pair, const PairDistance& found, Fidelity rung) {
+bool CollisionDetector::measureCloudsBeyond(const Deadline& deadline, SmallestDistance& best) {
+  bool in_time = true;
+  forEachCloudPair([&](const BoxPair& candidate, const OccupiedVoxels& voxels) {
+    in_time = in_time && !deadline.spent();
+    if (!in_time) return;
+    const auto found = voxel_search_->nearest(ladder_->byModel(candidate), voxels,
+                                              settings_.fidelity, best.metres, deadline);
+    const PairDistance& distance = found.answer.found;
+    in_time = distance.certainty != Certainty::UNFINISHED;
+    if (distance.certainty != Certainty::BEYOND) best.offer(distance.distance, distance.certainty);
+  });
+  return in_time;
+}
+
+void CollisionDetector::take(const BoxPair& pair, const PairDistance& found, Fidelity rung,
+                             const Eigen::Vector3i& voxel) {
   if (found.certainty == Certainty::UNFINISHED) {
     ++report_.nb_unresolved;
   } else {
@@ -215,7 +323,7 @@ void CollisionDetector::take(const BoxPair& pair, const PairDistance& found, Fid
   }
   if (found.certainty == Certainty::DEGRADED) ++report_.nb_degraded;
   if (found.distance <= settings_.alarm_distance && found.certainty != Certainty::BEYOND) {
-    found_->add(*scene_, pair, found, rung);
+    found_->add(*scene_, pair, found, rung, voxel);
   }
 }
 
@@ -247,6 +355,7 @@ void CollisionDetector::searchMinimum(const Deadline& deadline) {
     if (!in_time) break;
     known = measured = reach;
   }
+  if (in_time) in_time = measureCloudsBeyond(deadline, best);
   report_.budget_spent |= !in_time;
   if (!in_time && known < best.metres) best = {known, true};
   report_.min_distance = best.metres;

@@ -44,7 +44,7 @@ void FoundPairs::clear() {
 }
 
 void FoundPairs::add(const CollisionScene& scene, const BoxPair& pair, const PairDistance& found,
-                     Fidelity rung) {
+                     Fidelity rung, const Eigen::Vector3i& voxel) {
   PairReport entry;
   entry.first = scene.elements()[pair.first].model;
   entry.second = scene.elements()[pair.second].model;
@@ -55,13 +55,18 @@ void FoundPairs::add(const CollisionScene& scene, const BoxPair& pair, const Pai
   entry.first_contact = 0;
   entry.nb_contacts = 1;
   pairs_.push_back(entry);
-  contacts_.push_back({found.p_ACa, found.p_ACb, found.nhat_AB_A, -found.distance, pair});
+  contacts_.push_back({found.p_ACa, found.p_ACb, found.nhat_AB_A, -found.distance, pair, voxel});
 }
 
 SmallestDistance FoundPairs::smallestDistance() const {
   SmallestDistance smallest;
   for (const PairReport& pair : pairs_) smallest.offer(pair.distance, pair.certainty);
   return smallest;
+}
+
+bool FoundPairs::hasContact() const {
+  return std::any_of(pairs_.begin(), pairs_.end(),
+                     [](const PairReport& pair) { return pair.state == PairState::CONTACT; });
 }
 
 void FoundPairs::sortByModels() {

@@ -30,9 +30,10 @@ class FoundPairs {
 
   /// `pair`: elements, by model. Points and normal of `found` in W.
   void add(const CollisionScene& scene, const BoxPair& pair, const PairDistance& found,
-           Fidelity rung);
+           Fidelity rung, const Eigen::Vector3i& voxel);
 
   SmallestDistance smallestDistance() const;
+  bool hasContact() const;
 
   /// Fills in pairs, contacts (if they are wanted) and the verdict, and lowers min_distance to what
   /// was found. left_out must be there already. O(n log n).

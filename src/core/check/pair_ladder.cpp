@@ -40,9 +40,7 @@ std::uint32_t PairLadder::numAnsweredNatively() const {
 
 // The difference of the positions comes first: far from the origin it is exact, while each of them,
 // turned into the frame of A by itself, would be rounded.
-Isometry3d PairLadder::relativePose(const BoxPair& pair) const {
-  const Isometry3d& X_WA = (*X_WE_)[pair.first];
-  const Isometry3d& X_WB = (*X_WE_)[pair.second];
+Isometry3d PairLadder::relativePose(const Isometry3d& X_WA, const Isometry3d& X_WB) {
   Isometry3d X_AB;
   X_AB.linear().noalias() = X_WA.linear().transpose() * X_WB.linear();
   X_AB.translation().noalias() =
@@ -171,6 +169,30 @@ PairLadder::Answer PairLadder::boundOfHulls(const BoxPair& pair, const Answer& k
   bound.found.distance = distance;
   bound.rung = Fidelity::CONVEX;
   return bound;
+}
+
+double PairLadder::hullsApart(std::uint32_t element, Fidelity rung, const ConvexCore& shape,
+                              const Isometry3d& X_WS, double max_distance) const {
+  const Rung& of_element = scene_->elements()[element].rung(rung);
+  const ConvexCore& core = preparedOf(of_element).core;
+  const double margin = roundingOf(core, shape) + of_element.margin;
+  const Isometry3d X_ES = relativePose((*X_WE_)[element], X_WS);
+  const PairDistance gap = convexGap(core, shape, X_ES, max_distance + margin);
+  return gap.certainty == Certainty::DEGRADED ? 0.0 : gap.distance - margin;
+}
+
+double PairLadder::surfaceApart(std::uint32_t element, const ConvexCore& shape,
+                                const Isometry3d& X_WS, double max_distance) {
+  const Rung& of_element = scene_->elements()[element].rung(Fidelity::MESH);
+  const Isometry3d X_ES = relativePose((*X_WE_)[element], X_WS);
+  return surface_query_.apart(*of_element.shape, shape, X_ES, max_distance);
+}
+
+bool PairLadder::holds(std::uint32_t element, const Vector3d& p_W) const {
+  const Rung& of_element = scene_->elements()[element].rung(Fidelity::MESH);
+  const Isometry3d& X_WE = (*X_WE_)[element];
+  return SurfaceQuery::holds(*of_element.shape,
+                             X_WE.linear().transpose() * (p_W - X_WE.translation()));
 }
 
 PairLadder::Answer PairLadder::measureBoxes(const BoxPair& pair) const {

@@ -8,6 +8,7 @@
 #include "collision_pairs/aabb.h"
 #include "collision_pairs/collision_scene.h"
 #include "collision_pairs/narrow_phase.h"
+#include "surface_query.h"
 
 namespace collision_pairs {
 
@@ -44,6 +45,18 @@ class PairLadder {
   Answer boundOfBoxes(const BoxPair& pair, double max_distance) const;
   Answer boundOfHulls(const BoxPair& pair, const Answer& known, double max_distance) const;
 
+  // Lower bounds of the distance of an element from a convex shape where that is at X_WS; not more
+  // than 0 if they may meet. Padding is not taken off.
+
+  /// Of their hulls, at rung CONVEX or MESH; about a microsecond.
+  double hullsApart(std::uint32_t element, Fidelity rung, const ConvexCore& shape,
+                    const Eigen::Isometry3d& X_WS, double max_distance) const;
+  /// Of the triangles of an element that has some: the shape may lie inside of it.
+  double surfaceApart(std::uint32_t element, const ConvexCore& shape, const Eigen::Isometry3d& X_WS,
+                      double max_distance);
+  /// Does an element that has triangles enclose the point?
+  bool holds(std::uint32_t element, const Eigen::Vector3d& p_W) const;
+
   /// The coarsest of `top` and what the scene has for the two elements.
   Fidelity rungOf(const BoxPair& pair, Fidelity top) const;
   /// Would climb() to `top` look at triangles? Then boundOfHulls() may spare it.
@@ -54,7 +67,11 @@ class PairLadder {
   BoxPair byModel(const BoxPair& pair) const;
 
  private:
-  Eigen::Isometry3d relativePose(const BoxPair& pair) const;
+  Eigen::Isometry3d relativePose(const BoxPair& pair) const {
+    return relativePose((*X_WE_)[pair.first], (*X_WE_)[pair.second]);
+  }
+  static Eigen::Isometry3d relativePose(const Eigen::Isometry3d& X_WA,
+                                        const Eigen::Isometry3d& X_WB);
   Answer measureAt(const BoxPair& pair, const Eigen::Isometry3d& X_AB, Fidelity rung,
                    double max_distance);
   Answer measureBoxes(const BoxPair& pair) const;
@@ -68,6 +85,7 @@ class PairLadder {
   const std::vector<Eigen::Isometry3d>* X_WE_ = nullptr;
   const std::vector<Aabb>* boxes_ = nullptr;
   NarrowPhase narrow_phase_;
+  SurfaceQuery surface_query_;
   std::uint64_t natively_before_ = 0;
 };
 

@@ -15,13 +15,18 @@ using Eigen::Vector3d;
 
 /// Whether it is the distance of the axis-aligned boxes, which a rung that sticks out of the next
 /// answers with where that is the better bound.
-bool isOfAlignedBoxes(const PairReport& pair, const BoxPair& elements,
-                      const CollisionReport& report, const CollisionScene& scene) {
+bool isOfAlignedBoxes(const PairReport& pair, const Contact& nearest, const CollisionReport& report,
+                      const CollisionScene& scene) {
   if (pair.fidelity == Fidelity::AABB) return true;
+  const BoxPair& elements = nearest.elements;
   const bool loose = scene.elements()[elements.first].rung(pair.fidelity).loose ||
                      scene.elements()[elements.second].rung(pair.fidelity).loose;
   if (!loose) return false;
-  const Aabb &a = report.boxes[elements.first], &b = report.boxes[elements.second];
+  const auto boxOf = [&](std::uint32_t element) {
+    if (scene.cloudOf(element) < 0) return report.boxes[element];
+    return scene.elements()[element].boxAt(scene.poseOfVoxel(element, nearest.voxel));
+  };
+  const Aabb a = boxOf(elements.first), b = boxOf(elements.second);
   const double widest = (b.min - a.max).cwiseMax(a.min - b.max).maxCoeff();
   return pair.distance == (widest > 0.0 ? std::sqrt(squaredGap(a, b)) : widest);
 }
@@ -34,8 +39,10 @@ int bodyOf(std::uint32_t model, const CollisionScene& scene) {
 
 bool isCylinder(const Rung& rung) { return std::holds_alternative<Cylinder>(rung.shape->shape()); }
 
-Isometry3d poseOf(const SceneElement& element, const CollisionScene& scene,
+Isometry3d poseOf(std::uint32_t id, const Contact& contact, const CollisionScene& scene,
                   const std::vector<Isometry3d>& X_WB) {
+  if (scene.cloudOf(id) >= 0) return scene.poseOfVoxel(id, contact.voxel);
+  const SceneElement& element = scene.elements()[id];
   return element.body < 0 ? element.X_BE : X_WB[scene.bodies()[element.body].body] * element.X_BE;
 }
 
@@ -49,7 +56,7 @@ bool DistanceGradient::compute(const PairReport& pair, const CollisionReport& re
   const Contact* found = report.nearestContact(pair);
   const bool is_measured = found != nullptr && (pair.certainty == Certainty::EXACT ||
                                                 pair.certainty == Certainty::BOUND);
-  if (!is_measured || isOfAlignedBoxes(pair, found->elements, report, scene_)) {
+  if (!is_measured || isOfAlignedBoxes(pair, *found, report, scene_)) {
     std::fill_n(gradient, joints_.size(), std::numeric_limits<double>::quiet_NaN());
     return false;
   }
@@ -93,8 +100,8 @@ void DistanceGradient::refineAtCylinders(const PairReport& pair,
   const double padding = scene_.padding(nearest.elements.first, nearest.elements.second);
   const bool is_apart = pair.distance + padding > 0.0;
   if (!is_apart || (!isCylinder(rung_a) && !isCylinder(rung_b))) return;
-  const Isometry3d X_WA = poseOf(a, scene_, X_WB);
-  const Isometry3d X_AB = X_WA.inverse() * poseOf(b, scene_, X_WB);
+  const Isometry3d X_WA = poseOf(nearest.elements.first, nearest, scene_, X_WB);
+  const Isometry3d X_AB = X_WA.inverse() * poseOf(nearest.elements.second, nearest, scene_, X_WB);
   const ClosestPair closest = closestPairNear(*rung_a.shape, *rung_b.shape, X_AB,
                                               X_WA.inverse() * nearest.p_WSecond, narrow_phase_);
   const Vector3d apart = closest.p_ACb - closest.p_ACa;

@@ -86,9 +86,10 @@ double timeAbove(const Gap& gap) {
   return sure;
 }
 
-/// `n_W`: from the base to the mover. `distance`: of the two, less their padding.
+/// `n_W`: from the base to the mover; none where the base has more parts than the nearest, a cloud.
+/// `distance`: of the two, less their padding.
 double timeToContact(const PlacedElement& base, const PlacedElement& mover,
-                     const RelativeVelocity& velocity, const Vector3d& n_W, double distance,
+                     const RelativeVelocity& velocity, const Vector3d* n_W, double distance,
                      double padding) {
   const double reach = (mover.center_W - velocity.origin_W).norm() + mover.radius();
   const double turning = velocity.omega.norm();
@@ -103,12 +104,12 @@ double timeToContact(const PlacedElement& base, const PlacedElement& mover,
   const double time = timeAbove([&](double t) {
     return distance - moving.slack - speed * t - 0.5 * moving.bound.acceleration * t * t;
   });
-  if (mover.shape == nullptr) return time;
+  if (mover.shape == nullptr || n_W == nullptr) return time;
   if (base.isHalfSpace()) {
-    return std::max(time, timeAbove(PlaneBound(moving, PlaneSupport(), mover.hull(), n_W)));
+    return std::max(time, timeAbove(PlaneBound(moving, PlaneSupport(), mover.hull(), *n_W)));
   }
   if (base.shape == nullptr) return time;
-  return std::max(time, timeAbove(PlaneBound(moving, base.hull(), mover.hull(), n_W)));
+  return std::max(time, timeAbove(PlaneBound(moving, base.hull(), mover.hull(), *n_W)));
 }
 
 }  // namespace
@@ -127,10 +128,16 @@ ClosingMotion closingMotion(const CollisionScene& scene, const CollisionReport& 
   for (std::uint32_t i = 0; i < pair.nb_contacts; ++i) {
     const Contact& contact = report.contacts[pair.first_contact + i];
     const auto [a, b] = contact.elements;
-    const PlacedElement of_first(scene.elements()[a], first->X_WB);
-    const PlacedElement of_second(scene.elements()[b], second->X_WB);
-    // As seen from the first; but from a half-space, which must not turn.
-    const bool swaps = of_second.isHalfSpace();
+    const auto placed = [&, &voxel = contact.voxel](std::uint32_t element, const BodyPair& body) {
+      const bool is_voxel = scene.cloudOf(element) >= 0;
+      return PlacedElement(scene.elements()[element],
+                           is_voxel ? scene.poseOfVoxel(element, voxel) : body.X_WB);
+    };
+    const PlacedElement of_first = placed(a, *first), of_second = placed(b, *second);
+    // As seen from the first; but from a half-space, which must not turn, or a cloud, of which any
+    // voxel may be met first.
+    const bool of_cloud = scene.cloudOf(a) >= 0 || scene.cloudOf(b) >= 0;
+    const bool swaps = of_second.isHalfSpace() || scene.cloudOf(b) >= 0;
     const PlacedElement &base = swaps ? of_second : of_first, &mover = swaps ? of_first : of_second;
     const RelativeVelocity velocity(swaps ? *second : *first, swaps ? *first : *second,
                                     before.window);
@@ -138,8 +145,8 @@ ClosingMotion closingMotion(const CollisionScene& scene, const CollisionReport& 
     const Vector3d& p_WMover = swaps ? contact.p_WFirst : contact.p_WSecond;
     closing.closing_speed = std::max(closing.closing_speed, -n_W.dot(velocity.at(p_WMover)));
     if (closing.time_to_contact == 0.0) continue;
-    const double time =
-        timeToContact(base, mover, velocity, n_W, -contact.depth, scene.padding(a, b));
+    const double time = timeToContact(base, mover, velocity, of_cloud ? nullptr : &n_W,
+                                      -contact.depth, scene.padding(a, b));
     closing.time_to_contact = std::min(closing.time_to_contact, time);
   }
   if (!std::isfinite(closing.closing_speed)) return {};  // boxes that decided have no normal

@@ -58,7 +58,7 @@ class MotionCheck::Search {
         detector_(scene) {}
 
   const MotionReport& run(const JointMotion& motion, const MotionSettings& settings,
-                          const PlacedBodies& placed) {
+                          const PlacedBodies& placed, const CloudVoxels& voxels) {
     const auto start = std::chrono::steady_clock::now();
     checkSettings(settings);
     settings_ = settings;
@@ -66,7 +66,8 @@ class MotionCheck::Search {
     clearance_ = INF;
     uncertified_.clear();
     beside_static_noted_.assign(scene_.elements().size(), 0);
-    cover_.begin(settings);
+    poses_.voxels = voxels;
+    cover_.begin(settings, voxels);
     state_.begin(motion, placed, cover_.allRigid());
     ways_.clear();
     bool is_open = lookAtAll();
@@ -109,6 +110,10 @@ class MotionCheck::Search {
     for (const MotionPairs::Pair& pair : pairs_.pairs) {
       open.pair = {pair.first, pair.second};
       open.frame = pair.frame;
+      using Voxels = PairCover::Voxels;
+      const Voxels known = cover_.voxelsOf(open.pair);
+      if (known == Voxels::UNKNOWN || known == Voxels::IN_PART) noteUncertified(open.pair);
+      if (known == Voxels::UNKNOWN || known == Voxels::NONE) continue;
       OpenPair one = open;
       if (!lookAt(one, before, after)) return false;
     }
@@ -209,7 +214,9 @@ class MotionCheck::Search {
     exact.fidelity = settings_.fidelity;
     exact.verdict_only = verdict_only;
     const CollisionReport& found = detector_.detect(poses_, exact);
-    if (!found.left_out.empty()) refuseBox(found.left_out.front());
+    for (const std::uint32_t model : found.left_out) {
+      if (scene_.cloudOf(scene_.models()[model].first_element) < 0) refuseBox(model);
+    }
     return found.verdict == Verdict::COLLISION;
   }
 
@@ -310,8 +317,8 @@ MotionCheck::MotionCheck(MotionCheck&&) noexcept = default;
 MotionCheck& MotionCheck::operator=(MotionCheck&&) noexcept = default;
 
 const MotionReport& MotionCheck::check(const JointMotion& motion, const MotionSettings& settings,
-                                       const PlacedBodies& placed) {
-  return search_->run(motion, settings, placed);
+                                       const PlacedBodies& placed, const CloudVoxels& voxels) {
+  return search_->run(motion, settings, placed, voxels);
 }
 
 std::vector<MotionReport> checkSegments(const std::shared_ptr<const CollisionScene>& scene,
@@ -326,7 +333,8 @@ std::vector<MotionReport> checkSegments(const std::shared_ptr<const CollisionSce
   std::size_t nb_done = 0;
   inParallel(threads, reports.size(), [&](std::size_t thread, std::size_t i) {
     try {
-      reports[i] = checks[thread].check({waypoints[i], waypoints[i + 1]}, settings, options.placed);
+      reports[i] = checks[thread].check({waypoints[i], waypoints[i + 1]}, settings, options.placed,
+                                        options.voxels);
     } catch (const InputError& error) {
       throw InputError("segment " + std::to_string(i) + ": " + error.what());
     }

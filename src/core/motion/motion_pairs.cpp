@@ -13,13 +13,18 @@ int lastCommonBody(const std::vector<Body>& bodies, int a, int b) {
   return a;
 }
 
-// The filter without pairs of models that both move.
+bool isStatic(const CollisionScene& scene, std::uint32_t model) {
+  const CollisionModel& of_scene = scene.models()[model];
+  return of_scene.body < 0 && scene.cloudOf(of_scene.first_element) < 0;
+}
+
+// The filter without pairs of models that both move, or of which one is a cloud.
 PairFilter withStaticOnly(const CollisionScene& scene) {
   PairFilter filter = scene.filter();
   const auto& models = scene.models();
   for (std::uint32_t a = 0; a < models.size(); ++a) {
     for (std::uint32_t b = a + 1; b < models.size(); ++b) {
-      if (models[a].body < 0 || models[b].body < 0) continue;
+      if (isStatic(scene, a) || isStatic(scene, b)) continue;
       filter.setClassPair(filter.classOf(a), filter.classOf(b), false);
     }
   }
@@ -39,8 +44,7 @@ MotionPairs::MotionPairs(const CollisionScene& scene) : static_pairs(withStaticO
     body_of.push_back(element.body < 0 ? -1 : scene.bodies()[element.body].body);
   }
   const auto& models = scene.models();
-  const auto isStatic = [&](const CollisionModel& model) { return model.body < 0; };
-  for (std::uint32_t i = scene.nbStaticElements(); i < elements.size(); ++i) {
+  for (std::uint32_t i = scene.nbStaticElements(); i < scene.endOfMovingElements(); ++i) {
     const std::uint32_t model = elements[i].model;
     for (std::uint32_t j = i + 1; j < elements.size(); ++j) {
       if (!scene.filter().allowed(model, elements[j].model)) continue;
@@ -49,7 +53,7 @@ MotionPairs::MotionPairs(const CollisionScene& scene) : static_pairs(withStaticO
           {in_order ? i : j, in_order ? j : i, lastCommonBody(bodies, body_of[i], body_of[j])});
     }
     for (std::uint32_t m = 0; m < models.size(); ++m) {
-      if (!isStatic(models[m]) || !scene.filter().allowed(model, m)) continue;
+      if (!isStatic(scene, m) || !scene.filter().allowed(model, m)) continue;
       beside_static.push_back(i);
       break;
     }

@@ -12,7 +12,8 @@ namespace collision_pairs {
 struct MotionPairs {
   explicit MotionPairs(const CollisionScene& scene);
 
-  /// Two elements of links, or of what is attached to links; the first has the smaller model.
+  /// Two elements of links, or of what is attached to links, or one of these and that of a cloud;
+  /// the first has the smaller model.
   struct Pair {
     std::uint32_t first;
     std::uint32_t second;

@@ -69,6 +69,8 @@ class MotionState {
   /// X_WE of all elements: those of this configuration that were asked for, others of an earlier
   /// one.
   const std::vector<Eigen::Isometry3d>& poses() const { return X_WE_; }
+  /// The same, for who places the elements of clouds.
+  std::vector<Eigen::Isometry3d>& poses() { return X_WE_; }
   /// Of the whole scene, by the arithmetic of RobotModel::forwardKinematics().
   void gatherPoses(BodyPoses& poses);
 

@@ -102,9 +102,11 @@ PairCover::PairCover(const CollisionScene& scene, MotionState& state)
     boxes_[i] = scene.staticBoxes().box(i);
   }
   ladder_.begin(scene, state.poses(), boxes_);
+  voxel_search_.begin(scene, state.poses(), boxes_, ladder_);
 }
 
-void PairCover::begin(const MotionSettings& settings) {
+void PairCover::begin(const MotionSettings& settings, const CloudVoxels& voxels) {
+  voxels_ = voxels;
   fidelity_ = settings.fidelity;
   resolution_ = settings.resolution;
   nb_queries_ = 0;
@@ -113,6 +115,19 @@ void PairCover::begin(const MotionSettings& settings) {
                std::all_of(elements.begin(), elements.end(), [](const SceneElement& element) {
                  return element.finest == Fidelity::MESH;
                });
+}
+
+int PairCover::cloudOf(const BoxPair& pair) const {
+  return std::max(scene_.cloudOf(pair.first), scene_.cloudOf(pair.second));
+}
+
+PairCover::Voxels PairCover::voxelsOf(const BoxPair& pair) const {
+  const int cloud = cloudOf(pair);
+  if (cloud < 0) return Voxels::NO_CLOUD;
+  const auto i = static_cast<std::size_t>(cloud);
+  if (i >= voxels_.size() || !voxels_[i]) return Voxels::UNKNOWN;
+  if (voxels_[i]->isTruncated()) return voxels_[i]->isEmpty() ? Voxels::UNKNOWN : Voxels::IN_PART;
+  return voxels_[i]->isEmpty() ? Voxels::NONE : Voxels::KNOWN;
 }
 
 bool PairCover::isRigid(const BoxPair& pair) const {
@@ -148,6 +163,12 @@ PairCover::Outcome PairCover::measure(double at, OpenPair& open, Cover& cover) {
   cover = {};
   Question question{open, cover, rigid, before, after, ball_a.radius, ball_b.radius, moving};
   if (!rigid || !std::isfinite(open.speed)) return byShapes(question);
+  if (cloudOf(open.pair) >= 0) {  // of its voxels any may be met, not the nearest alone
+    moving.twist_a = state_.twist(a, open.frame);
+    moving.twist_b = state_.twist(b, open.frame);
+    ++nb_queries_;
+    return byShapes(question);
+  }
   question.takeDistance(moving.p_AB_W.norm() - ball_a.radius - ball_b.radius - moving.slack -
                         moving.padding);
   if (question.isCovered()) return Outcome::COVERED;
@@ -239,18 +260,31 @@ void PairCover::byHulls(Question& question) {
   byPlane(question, n_W);
 }
 
+PairDistance PairCover::askShapes(const Question& question, double max_distance) {
+  const BoxPair& pair = question.open.pair;
+  const int cloud = cloudOf(pair);
+  if (cloud < 0) return ladder_.climb(pair, fidelity_, max_distance).found;
+  const OccupiedVoxels& voxels = *voxels_[static_cast<std::size_t>(cloud)];
+  const double reach = max_distance * ROUNDED_UP;  // so that what is beyond is enough
+  PairDistance found =
+      voxel_search_.nearest(pair, voxels, fidelity_, reach, Deadline({}, 0.0)).answer.found;
+  if (found.certainty == Certainty::BEYOND) found.distance = reach;
+  return found;
+}
+
 PairCover::Outcome PairCover::byShapes(Question& question) {
   const OpenPair& open = question.open;
   const MovingPair& moving = question.moving;
   const auto [a, b] = open.pair;
   for (const std::uint32_t element : {a, b}) {
     const Eigen::Isometry3d& X_WE = state_.pose(element);
-    if (question.rigid || element < scene_.nbStaticElements()) continue;
+    const bool needs_none = question.rigid && cloudOf(open.pair) < 0;
+    if (needs_none || element < scene_.nbStaticElements() || scene_.cloudOf(element) >= 0) continue;
     boxes_[element] = scene_.elements()[element].boxAt(X_WE);
   }
   const double error =
       DISTANCE_ERROR * (finiteOr0(question.radius_a) + finiteOr0(question.radius_b)) + moving.slack;
-  const PairDistance found = ladder_.climb(open.pair, fidelity_, question.enough() + error).found;
+  const PairDistance found = askShapes(question, question.enough() + error);
   const bool is_certain = found.certainty != Certainty::DEGRADED;
   if (is_certain && found.touches()) return Outcome::CONTACT;
   const double distance = found.distance - error;

@@ -8,6 +8,7 @@
 #include "motion_state.h"
 #include "pair_ladder.h"
 #include "plane_bound.h"
+#include "voxel_search.h"
 
 namespace collision_pairs {
 
@@ -34,7 +35,10 @@ class PairCover {
   /// Both must outlive this.
   PairCover(const CollisionScene& scene, MotionState& state);
 
-  void begin(const MotionSettings& settings);
+  void begin(const MotionSettings& settings, const CloudVoxels& voxels);
+  enum class Voxels { NO_CLOUD, KNOWN, NONE, IN_PART, UNKNOWN };
+  /// What is known of the cloud of a pair.
+  Voxels voxelsOf(const BoxPair& pair) const;
   /// Are all pairs asked at rungs that lie within the boxes about the elements and turn with them?
   bool allRigid() const { return all_rigid_; }
 
@@ -58,6 +62,9 @@ class PairCover {
   struct Question;
 
   bool isRigid(const BoxPair& pair) const;
+  /// Index in the scene's clouds, or -1.
+  int cloudOf(const BoxPair& pair) const;
+  PairDistance askShapes(const Question& question, double max_distance);
   void byBoxes(Question& question);
   void byHulls(Question& question);
   void byPlane(Question& question, const Eigen::Vector3d& n_W);
@@ -66,6 +73,8 @@ class PairCover {
   const CollisionScene& scene_;
   MotionState& state_;
   PairLadder ladder_;
+  VoxelSearch voxel_search_;
+  CloudVoxels voxels_;
   std::vector<Aabb> boxes_;  // of elements that are not asked at rigid rungs
   Fidelity fidelity_ = Fidelity::MESH;
   double resolution_ = 0.0;

@@ -54,6 +54,10 @@ class SceneBuilder {
     for (std::size_t i = 0; i < members_.size(); ++i) {
       if (classes_[class_of_[i]].needed) names.insert(members_[i].name);
     }
+    // Whatever is checked, points of the robot itself must be told from obstacles (SelfFilter).
+    if (!description_.clouds.empty()) {
+      for (const Link& link : scene_->robot_->links()) names.insert(link.name);
+    }
     return names;
   }
 
@@ -63,7 +67,7 @@ class SceneBuilder {
     std::map<std::string, std::uint32_t> class_of_static;
     for (std::size_t i = 0; i < members_.size(); ++i) {
       auto next = static_cast<std::uint32_t>(classes_.size());
-      if (members_[i].isStatic()) {
+      if (members_[i].isStatic() && !members_[i].is_cloud) {
         next = class_of_static.try_emplace(policy.signature(i), next).first->second;
       }
       if (next == classes_.size()) classes_.push_back({i});
@@ -160,7 +164,7 @@ class SceneBuilder {
 
   // Static ones first, so that their ids are those of StaticBoxes.
   void addElements() {
-    addElementsOf(true);
+    addElementsOf([](const SceneMember& m) { return m.isStatic() && !m.is_cloud; });
     std::vector<Aabb> boxes;
     std::vector<std::uint32_t> models;
     for (const SceneElement& element : scene_->elements_) {
@@ -169,13 +173,20 @@ class SceneBuilder {
       if (!boxes.back().valid()) refuseVast(scene_->models_[element.model].name);
     }
     scene_->static_boxes_ = StaticBoxes(std::move(boxes), std::move(models));
-    addElementsOf(false);
+    addElementsOf([](const SceneMember& member) { return !member.isStatic(); });
+    auto first_of_clouds = static_cast<std::uint32_t>(scene_->elements_.size());
+    addElementsOf([](const SceneMember& member) { return member.is_cloud; });
+    for (std::uint32_t i = first_of_clouds; i < scene_->elements_.size(); ++i) {
+      const SceneElement& element = scene_->elements_[i];
+      scene_->clouds_.push_back({element.model, i, std::get<Box>(element.shape).size[0]});
+    }
   }
 
-  void addElementsOf(bool is_static) {
+  template <class IsWanted>
+  void addElementsOf(const IsWanted& is_wanted) {
     for (std::uint32_t m = 0; m < members_.size(); ++m) {
       const SceneMember& member = members_[m];
-      if (member.isStatic() != is_static) continue;
+      if (!is_wanted(member)) continue;
       CollisionModel& model = scene_->models_[m];
       model.first_element = static_cast<std::uint32_t>(scene_->elements_.size());
       model.nb_elements = static_cast<std::uint32_t>(member.elements->size());
@@ -242,6 +253,14 @@ double CollisionScene::paddingOfPair(const SceneElement& a, const SceneElement& 
   const auto found =
       pair_padding_.find(std::minmax(filter_.classOf(a.model), filter_.classOf(b.model)));
   return found == pair_padding_.end() ? a.padding + b.padding : found->second;
+}
+
+Eigen::Isometry3d CollisionScene::poseOfVoxel(std::uint32_t element,
+                                              const Eigen::Vector3i& cell) const {
+  const double voxel_size = clouds_[static_cast<std::size_t>(cloudOf(element))].voxel_size;
+  Eigen::Isometry3d X_WV = Eigen::Isometry3d::Identity();
+  X_WV.translation() = voxel_size * (cell.cast<double>().array() + 0.5);
+  return X_WV;
 }
 
 int CollisionScene::findModel(const std::string& name) const {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 #include <set>
+#include <tuple>
 
 #include "collision_pairs/input_error.h"
 #include "scene_members.h"
@@ -11,6 +12,8 @@
 
 namespace collision_pairs {
 namespace {
+
+const Eigen::Isometry3d IDENTITY = Eigen::Isometry3d::Identity();
 
 class NameCheck {
  public:
@@ -24,6 +27,7 @@ class NameCheck {
       }
     }
     for (const RigidObject& object : description.objects) add(object.name);
+    for (const RigidObject& cloud : description.clouds) add(cloud.name);
   }
 
   void run() const {
@@ -40,13 +44,18 @@ class NameCheck {
       requireIfNoPattern(name, "the restriction");
     }
     for (const RigidObject& object : description_.objects) checkObject(object);
+    for (const RigidObject& cloud : description_.clouds) checkCloud(cloud);
   }
 
  private:
   void add(const std::string& name) {
     if (names_.insert(name).second) return;
-    const bool of_object = std::any_of(description_.objects.begin(), description_.objects.end(),
-                                       [&](const RigidObject& o) { return o.name == name; });
+    const auto isNamedSo = [&](const RigidObject& object) { return object.name == name; };
+    const auto& [objects, clouds] = std::tie(description_.objects, description_.clouds);
+    if (std::any_of(clouds.begin(), clouds.end(), isNamedSo)) {
+      throw InputError("cloud '" + name + "' has the name of a link, an object or another cloud");
+    }
+    const bool of_object = std::any_of(objects.begin(), objects.end(), isNamedSo);
     throw InputError(of_object ? "object '" + name + "' has the name of a link or another object"
                                : "link '" + name +
                                      "' is in the robot and in the world; rename one of them");
@@ -82,6 +91,24 @@ class NameCheck {
     for (const std::string& name : object.touch_links) require(name, where + ", touch_links");
   }
 
+  void checkCloud(const RigidObject& cloud) const {
+    if (cloud.name.empty()) throw InputError("a cloud has no name");
+    const auto* box =
+        cloud.elements.size() == 1 ? std::get_if<Box>(&cloud.elements[0].shape) : nullptr;
+    const bool is_voxel = box && box->size == Eigen::Vector3d::Constant(box->size[0]) &&
+                          cloud.attached_link.empty() && cloud.X_PO.isApprox(IDENTITY, 0.0) &&
+                          cloud.elements[0].X_LE.isApprox(IDENTITY, 0.0);
+    if (!is_voxel) throw InputError("cloud '" + cloud.name + "' is not as cloudOf() makes it");
+    if (!(box->size[0] > 0.0) || !std::isfinite(box->size[0])) {
+      throw InputError("cloud '" + cloud.name + "': its voxel size is " +
+                       std::to_string(box->size[0]) +
+                       ", but must be more than 0 metres, and finite");
+    }
+    for (const std::string& name : cloud.touch_links) {
+      require(name, "cloud '" + cloud.name + "', touch_links");
+    }
+  }
+
   const SceneDescription& description_;
   const RobotModel& merged_;
   std::set<std::string> names_;
@@ -106,8 +133,10 @@ void checkSizes(const SceneDescription& description) {
   for (const PairPadding& pair : settings.pair_padding) {
     checkPadding(pair.metres, "pair_padding of '" + pair.first + "' and '" + pair.second + "'");
   }
-  for (const RigidObject& object : description.objects) {
-    checkPadding(object.padding, "the padding of object '" + object.name + "'");
+  for (const auto* all : {&description.objects, &description.clouds}) {
+    for (const RigidObject& object : *all) {
+      checkPadding(object.padding, "the padding of object '" + object.name + "'");
+    }
   }
 }
 
@@ -120,6 +149,14 @@ RigidObject floorAt(double height, std::vector<std::string> touch_links) {
   floor.X_PO.translation().z() = height;
   floor.touch_links = std::move(touch_links);
   return floor;
+}
+
+RigidObject cloudOf(std::string name, double voxel_size, std::vector<std::string> touch_links) {
+  RigidObject cloud;
+  cloud.name = std::move(name);
+  cloud.elements.push_back({Box{Eigen::Vector3d::Constant(voxel_size)}, IDENTITY});
+  cloud.touch_links = std::move(touch_links);
+  return cloud;
 }
 
 void checkDescription(const SceneDescription& description, const RobotModel& merged) {

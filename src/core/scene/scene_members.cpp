@@ -21,6 +21,7 @@ class MemberCollector {
     addRobots();
     if (description_.world) addWorld(*description_.world);
     for (const RigidObject& object : description_.objects) addObject(object);
+    for (const RigidObject& cloud : description_.clouds) addObject(cloud).is_cloud = true;
     std::sort(members_.begin(), members_.end(),
               [](const SceneMember& a, const SceneMember& b) { return a.name < b.name; });
     return std::move(members_);
@@ -65,15 +66,16 @@ class MemberCollector {
     return &member;
   }
 
-  void addObject(const RigidObject& object) {
+  SceneMember& addObject(const RigidObject& object) {
     SceneMember& member = add(object.name, object.elements);
     member.object = &object;
     member.padding = object.padding;
     member.X_BM = object.X_PO;
-    if (object.attached_link.empty()) return;
+    if (object.attached_link.empty()) return member;
     const Link& link = merged_.links()[merged_.findLink(object.attached_link)];
     member.body = link.body;
     member.X_BM = link.X_BL * object.X_PO;
+    return member;
   }
 
   SceneMember& add(const std::string& name, const std::vector<Element>& elements) {

@@ -9,7 +9,7 @@
 
 namespace collision_pairs {
 
-/// A link with geometry or an object.
+/// A link with geometry, an object or a cloud.
 struct SceneMember {
   std::string name;
   const std::vector<Element>* elements;
@@ -18,6 +18,7 @@ struct SceneMember {
   int body = -1;           ///< that it moves with, in the robots' merged model; -1: it never moves
   Eigen::Isometry3d X_BM;  ///< pose in that body's frame; in W if it never moves
   const RigidObject* object = nullptr;  ///< null for a link
+  bool is_cloud = false;
   Fidelity finest = Fidelity::MESH;
   double padding = 0.0;
 

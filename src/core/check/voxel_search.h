@@ -1,0 +1,117 @@
+// Finds the voxel of a cloud that is nearest to an element, or one that it touches.
+#pragma once
+
+#include <algorithm>
+#include <vector>
+
+#include "box_gap.h"
+#include "collision_pairs/occupied_voxels.h"
+#include "pair_ladder.h"
+#include "timed_climb.h"
+
+namespace collision_pairs {
+
+/// Branch and bound, the nearest first (R. Hjaltason, H. Samet, "Distance browsing in spatial
+/// databases", 1999): a heap of cubes and voxels by a lower bound of their signed distance, which
+/// is made finer when one comes to the top: axis-aligned boxes, oriented ones, then the element's
+/// hull and its triangles beside the box about what is occupied in a cube. A voxel is asked of the
+/// ladder as a static box of a world would be, so that all rungs and methods answer the same. What
+/// the bound shows to be no nearer than the best so far by more than 1e-10 m is not asked: of the
+/// voxels of a floor that are all equally near, one is.
+class VoxelSearch {
+ public:
+  struct Found {
+    PairLadder::Answer answer;  ///< as of PairLadder
+    VoxelCell voxel = VoxelCell::Zero();
+  };
+
+  /// All must live until the last question of the cycle; poses and boxes of the elements of clouds
+  /// are written to.
+  void begin(const CollisionScene& scene, std::vector<Eigen::Isometry3d>& X_WE,
+             std::vector<Aabb>& boxes, PairLadder& ladder);
+
+  /// Is a box of a voxel no further than `reach` from the element's? Padding included.
+  // One of the two elements of a pair is that of a cloud, which is not empty.
+
+  bool isWithin(const BoxPair& pair, const OccupiedVoxels& voxels, double reach);
+
+  // The pair is by model.
+
+  /// The lower bound of the nearest of their axis-aligned boxes, marked UNFINISHED; BEYOND where
+  /// further apart than max_distance.
+  Found boundOfBoxes(const BoxPair& pair, const OccupiedVoxels& voxels, double max_distance);
+  /// As PairLadder::touches().
+  Found touches(const BoxPair& pair, const OccupiedVoxels& voxels, Fidelity top,
+                const Deadline& deadline);
+  /// As PairLadder::climb(): of the nearest voxel, or of one that is certain to be in contact where
+  /// that of the nearest is not. Where the time is spent before it is known: the deepest contact so
+  /// far, else a lower bound, UNFINISHED.
+  Found nearest(const BoxPair& pair, const OccupiedVoxels& voxels, Fidelity top,
+                double max_distance, const Deadline& deadline);
+
+ private:
+  enum class Bound : std::uint8_t { ALIGNED_BOXES, BOXES, HULLS, TRIANGLES };
+  struct Entry {
+    double bound;  ///< metres
+    VoxelCell corner;
+    std::uint32_t index;  ///< of the cube
+    std::int8_t level;    ///< of the cube; -1: a voxel
+    Bound by;
+    bool operator<(const Entry& other) const {  // of a heap: the last is its top
+      return bound != other.bound ? bound > other.bound : level > other.level;
+    }
+  };
+
+  void setBox(const BoxPair& pair, const OccupiedVoxels& voxels);
+  void start(const BoxPair& pair, const OccupiedVoxels& voxels, Fidelity rung, double max_distance);
+  void push(Entry entry);
+  Entry pop();
+  /// With a finer bound, pushed again; false where there is none.
+  bool refine(Entry& entry);
+  bool isWorth(Bound by, const Entry& entry) const;
+  void expand(const Entry& cube);
+  /// The box about what is occupied in a cube, or of a voxel.
+  Aabb boxOf(const Entry& entry) const;
+  double boundOfAlignedBoxes(const Entry& entry) const;
+  double boundOfOrientedBoxes(const Entry& entry) const;
+  /// Of the element's hull, or triangles, and the box.
+  double boundOfHulls(const Entry& entry) const;
+  double boundOfTriangles(const Entry& entry);
+  bool isOutside(const Entry& entry, const Aabb& box) const;
+  void measureVoxel(const VoxelCell& cell, Fidelity top, double max_distance);
+  void measureOneOf(const Entry& cube, Fidelity top, double max_distance);
+  void placeVoxel(const VoxelCell& cell);
+  bool isHopeless(double bound) const { return bound > limit_ || bound >= best_ - slackOf(bound); }
+  double slackOf(double bound) const;
+  /// Metres from the shapes within which something is looked for.
+  double reach() const { return std::max(std::min(limit_, best_), 0.0) + padding_; }
+  void take(const PairLadder::Answer& answer, const VoxelCell& cell);
+  Found unfinished(const Entry& entry);
+  Found result() const;
+
+  const CollisionScene* scene_ = nullptr;
+  std::vector<Eigen::Isometry3d>* X_WE_ = nullptr;
+  std::vector<Aabb>* boxes_ = nullptr;
+  PairLadder* ladder_ = nullptr;
+
+  // Of one question.
+  BoxPair pair_{0, 0};
+  std::uint32_t of_cloud_ = 0, of_link_ = 0;
+  const OccupiedVoxels* voxels_ = nullptr;
+  double rounding_ = 0.0;  ///< metres: of boxes of voxels
+  Aabb box_;               ///< of the element, in W; grown by all paddings
+  Fidelity rung_ = Fidelity::AABB;
+  bool has_oriented_ = false;
+  OrientedBox oriented_;  ///< about the element at its rung, in W
+  double padding_ = 0.0;
+  double size_ = 0.0;  ///< metres, of the element: half its diagonal
+  bool has_triangles_ = false;
+  double limit_ = 0.0;  ///< what is further is not looked for
+  double best_ = 0.0;   ///< what is not nearer is not looked for
+  OccupiedVoxels::CellRange cells_;
+  Found nearest_, contact_;  ///< so far: the nearest, the deepest that is certain
+  std::vector<Entry> heap_;
+  std::vector<Aabb> outside_;  ///< boxes that neither meet the element nor lie inside of it
+};
+
+}  // namespace collision_pairs

@@ -1,0 +1,296 @@
+#include "collision_pairs/voxel_grid.h"
+
+#include <algorithm>
+#include <cmath>
+#include <deque>
+#include <limits>
+#include <string>
+#include <tuple>
+
+#include "collision_pairs/input_error.h"
+
+namespace collision_pairs {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr std::uint32_t NONE = std::numeric_limits<std::uint32_t>::max();
+constexpr std::size_t FIRST_SLOTS = 1024;
+constexpr double NEAR_BORDER = 1e-9;  // of a voxel; rounding is less, of 2^20 voxels
+
+/// The blocks of a grid by their corners: an open hash table of their indices.
+class BlockIndex {
+ public:
+  BlockIndex() : slots_(FIRST_SLOTS, NONE) {}
+
+  void clear() { std::fill(slots_.begin(), slots_.end(), NONE); }
+
+  /// The slot of the block with this corner, or the empty one where it belongs.
+  template <class Block>
+  std::uint32_t& find(const VoxelCell& corner, const std::vector<Block>& blocks) {
+    std::size_t slot = hash(corner) & (slots_.size() - 1);
+    while (slots_[slot] != NONE && blocks[slots_[slot]].corner != corner) {
+      slot = (slot + 1) & (slots_.size() - 1);
+    }
+    return slots_[slot];
+  }
+
+  /// Room for one more than `blocks`.
+  template <class Block>
+  void reserve(const std::vector<Block>& blocks) {
+    if (2 * (blocks.size() + 1) <= slots_.size()) return;
+    slots_.resize(2 * slots_.size());
+    rebuild(blocks);
+  }
+
+  template <class Block>
+  void rebuild(const std::vector<Block>& blocks) {
+    clear();
+    for (std::uint32_t i = 0; i < blocks.size(); ++i) find(blocks[i].corner, blocks) = i;
+  }
+
+ private:
+  static std::size_t hash(const VoxelCell& corner) {
+    const auto bits = [&](int axis) {
+      return static_cast<std::uint64_t>(static_cast<std::uint32_t>(corner[axis] + VOXEL_RANGE)) / 4;
+    };
+    const std::uint64_t key = bits(0) | bits(1) << 19 | bits(2) << 38;
+    return static_cast<std::size_t>((key * 0x9e3779b97f4a7c15u) >> 32);
+  }
+
+  std::vector<std::uint32_t> slots_;  // a power of two
+};
+
+void checkSettings(const VoxelSettings& settings) {
+  if (!(settings.voxel_size > 0.0) || !std::isfinite(settings.voxel_size * VOXEL_RANGE)) {
+    throw InputError("the voxel size is " + std::to_string(settings.voxel_size) +
+                     ", but must be more than 0 metres, and finite");
+  }
+  if (!(settings.decay >= 0.0)) {
+    throw InputError("the decay is " + std::to_string(settings.decay) +
+                     ", but must be 0 or more seconds");
+  }
+  if (settings.min_points < 1) throw InputError("min_points is 0, but must be 1 or more");
+  if (settings.max_voxels < 1) throw InputError("max_voxels is 0, but must be 1 or more");
+}
+
+}  // namespace
+
+struct VoxelGrid::Store {
+  using Block = OccupiedVoxels::Block;  // `occupied`: seen by a cloud that is not forgotten
+  using OfVoxels = std::array<std::uint32_t, 64>;
+
+  explicit Store(const VoxelSettings& chosen)
+      : settings(chosen), per_metre(1.0 / chosen.voxel_size) {
+    checkSettings(settings);
+  }
+
+  /// False where it does not fit.
+  bool cellOf(const Vector3d& p, VoxelCell& cell) const {
+    for (int axis = 0; axis < 3; ++axis) {
+      const double place = p[axis] * per_metre;
+      if (!(place > -VOXEL_RANGE - 1.0 && place < VOXEL_RANGE + 1.0)) return false;
+      int k = static_cast<int>(place);
+      double within = place - k;
+      if (within < 0.0) within += 1.0, --k;
+      if (within < NEAR_BORDER || within > 1.0 - NEAR_BORDER) {  // the borders are k s themselves
+        k -= k * settings.voxel_size > p[axis] ? 1 : 0;
+        k += (k + 1) * settings.voxel_size <= p[axis] ? 1 : 0;
+      }
+      if (k < -VOXEL_RANGE || k >= VOXEL_RANGE) return false;
+      cell[axis] = k;
+    }
+    return true;
+  }
+
+  double squaredDistance(const VoxelCell& corner, double edge) const {
+    const Vector3d center = settings.voxel_size * (corner.cast<double>().array() + 0.5 * edge);
+    return (center - p_WS).squaredNorm();
+  }
+
+  /// Index of the block, or NONE where there is no room for it.
+  std::uint32_t blockAt(const VoxelCell& corner) {
+    if (last_block < blocks.size() && blocks[last_block].corner == corner) return last_block;
+    std::uint32_t* slot = &index.find(corner, blocks);
+    if (*slot == NONE) {
+      const bool is_limited = squared_limit < std::numeric_limits<double>::infinity();
+      if (is_limited && squaredDistance(corner, 4.0) > squared_limit) return NONE;
+      if (blocks.size() > settings.max_voxels + std::size_t{settings.max_voxels} / 4) {
+        keepNearestBlocks();
+        return blockAt(corner);
+      }
+      index.reserve(blocks);
+      slot = &index.find(corner, blocks);
+      *slot = static_cast<std::uint32_t>(blocks.size());
+      blocks.push_back({corner, 0});
+      if (settings.min_points > 1) nb_points.push_back({});
+      if (settings.decay > 0.0) last_seen.push_back({});
+    }
+    return last_block = *slot;
+  }
+
+  void add(const Vector3d& p) {
+    VoxelCell cell;
+    if (!cellOf(p, cell)) {
+      if (!p.allFinite()) {
+        ++counts.not_finite;
+        return;
+      }
+      ++counts.out_of_range;
+      truncated_in = number;
+      return;
+    }
+    ++counts.added;
+    const VoxelCell within(cell[0] & 3, cell[1] & 3, cell[2] & 3);
+    const std::uint32_t id = blockAt(cell - within);
+    if (id == NONE) {
+      truncated_in = number;
+      return;
+    }
+    const auto bit = static_cast<unsigned>(within[0] + 4 * within[1] + 16 * within[2]);
+    if (settings.min_points > 1 && ++nb_points[id][bit] < settings.min_points) return;
+    blocks[id].occupied |= std::uint64_t{1} << bit;
+    if (settings.decay > 0.0) last_seen[id][bit] = number;
+  }
+
+  void begin(double new_stamp, const Vector3d& p_WSensor) {
+    if (!std::isfinite(new_stamp) || !p_WSensor.allFinite()) {
+      throw InputError("the stamp of a cloud, or the place of its sensor, is not finite");
+    }
+    if (new_stamp < stamp || settings.decay == 0.0) clear();
+    stamp = new_stamp;
+    p_WS = p_WSensor;
+    counts = {};
+    squared_limit = std::numeric_limits<double>::infinity();
+    ++number;
+    stamps.push_back(stamp);
+    forget();
+    for (OfVoxels& of_block : nb_points) of_block.fill(0);
+  }
+
+  /// Voxels that were last seen in a cloud that is too old.
+  void forget() {
+    if (settings.decay == 0.0) return;
+    const std::uint32_t first_before = firstKept();
+    while (!stamps.empty() && stamp - stamps.front() > settings.decay) stamps.pop_front();
+    if (firstKept() == first_before) return;
+    for (std::size_t i = 0; i < blocks.size(); ++i) {
+      for (std::uint64_t left = blocks[i].occupied; left != 0; left &= left - 1) {
+        const int bit = __builtin_ctzll(left);
+        if (last_seen[i][static_cast<unsigned>(bit)] >= firstKept()) continue;
+        blocks[i].occupied &= ~(std::uint64_t{1} << bit);
+      }
+    }
+  }
+
+  std::uint32_t firstKept() const { return number + 1 - static_cast<std::uint32_t>(stamps.size()); }
+
+  void keepNearestBlocks() {
+    std::vector<std::pair<double, std::uint32_t>> by_distance;
+    for (std::uint32_t i = 0; i < blocks.size(); ++i) {
+      by_distance.emplace_back(squaredDistance(blocks[i].corner, 4.0), i);
+    }
+    const auto last = by_distance.begin() + settings.max_voxels - 1;
+    std::nth_element(by_distance.begin(), last, by_distance.end());
+    squared_limit = last->first;
+    truncated_in = number;
+    std::vector<char> kept(blocks.size(), 0);
+    for (auto one = by_distance.begin(); one <= last; ++one) kept[one->second] = 1;
+    keepBlocks([&](std::size_t i) { return kept[i] != 0; });
+  }
+
+  template <class IsKept>
+  void keepBlocks(const IsKept& is_kept) {
+    std::size_t nb_kept = 0;
+    for (std::size_t i = 0; i < blocks.size(); ++i) {
+      if (!is_kept(i)) continue;
+      blocks[nb_kept] = blocks[i];
+      if (!nb_points.empty()) nb_points[nb_kept] = nb_points[i];
+      if (!last_seen.empty()) last_seen[nb_kept] = last_seen[i];
+      ++nb_kept;
+    }
+    blocks.resize(nb_kept);
+    if (!nb_points.empty()) nb_points.resize(nb_kept);
+    if (!last_seen.empty()) last_seen.resize(nb_kept);
+    last_block = NONE;
+    index.rebuild(blocks);
+  }
+
+  void keepNearestVoxels() {
+    std::size_t nb_voxels = 0;
+    for (const Block& block : blocks) {
+      nb_voxels += static_cast<std::size_t>(__builtin_popcountll(block.occupied));
+    }
+    if (nb_voxels <= settings.max_voxels) return;
+    std::vector<std::tuple<double, std::uint32_t, int>> by_distance;
+    for (std::uint32_t i = 0; i < blocks.size(); ++i) {
+      for (std::uint64_t left = blocks[i].occupied; left != 0; left &= left - 1) {
+        const int bit = __builtin_ctzll(left);
+        const VoxelCell cell = blocks[i].corner + OccupiedVoxels::childOffset(bit);
+        by_distance.emplace_back(squaredDistance(cell, 1.0), i, bit);
+      }
+    }
+    const auto end_of_kept = by_distance.begin() + settings.max_voxels;
+    std::nth_element(by_distance.begin(), end_of_kept, by_distance.end());
+    for (auto one = end_of_kept; one != by_distance.end(); ++one) {
+      blocks[std::get<1>(*one)].occupied &= ~(std::uint64_t{1} << std::get<2>(*one));
+    }
+    truncated_in = number;
+  }
+
+  std::shared_ptr<const OccupiedVoxels> end() {
+    keepNearestVoxels();
+    const auto isOccupied = [&](std::size_t i) { return blocks[i].occupied != 0; };
+    std::size_t nb_empty = 0;
+    for (std::size_t i = 0; i < blocks.size(); ++i) nb_empty += isOccupied(i) ? 0 : 1;
+    if (nb_empty > 0) keepBlocks(isOccupied);
+    const bool truncated = truncated_in != 0 && truncated_in >= firstKept();
+    return std::make_shared<const OccupiedVoxels>(settings.voxel_size, blocks, truncated);
+  }
+
+  void clear() {
+    blocks.clear();
+    nb_points.clear();
+    last_seen.clear();
+    stamps.clear();
+    index.clear();
+    last_block = NONE;
+    truncated_in = 0;
+  }
+
+  const VoxelSettings settings;
+  const double per_metre;
+  PointCounts counts;
+  Vector3d p_WS = Vector3d::Zero();
+  double stamp = -std::numeric_limits<double>::infinity();
+  double squared_limit = std::numeric_limits<double>::infinity();  ///< of new blocks
+  std::uint32_t number = 0;                                        ///< of the cloud, from 1 on
+  std::uint32_t truncated_in = 0;  ///< number of the last cloud that did not fit
+  std::deque<double> stamps;       ///< of the clouds that are not forgotten, to the last one
+  std::vector<Block> blocks;
+  std::vector<OfVoxels> nb_points;  ///< of this cloud, by block; none where one is enough
+  std::vector<OfVoxels> last_seen;  ///< number of the cloud, by block; none without decay
+  std::uint32_t last_block = NONE;  ///< that was added to
+  BlockIndex index;
+};
+
+VoxelGrid::VoxelGrid(const VoxelSettings& settings) : store_(std::make_unique<Store>(settings)) {}
+VoxelGrid::~VoxelGrid() = default;
+VoxelGrid::VoxelGrid(VoxelGrid&&) noexcept = default;
+VoxelGrid& VoxelGrid::operator=(VoxelGrid&&) noexcept = default;
+
+void VoxelGrid::begin(double stamp, const Vector3d& p_WS) { store_->begin(stamp, p_WS); }
+void VoxelGrid::add(const Vector3d& p_WP) { store_->add(p_WP); }
+std::shared_ptr<const OccupiedVoxels> VoxelGrid::end() { return store_->end(); }
+
+std::shared_ptr<const OccupiedVoxels> VoxelGrid::at(double stamp) {
+  store_->stamp = std::max(store_->stamp, stamp);
+  store_->forget();
+  return store_->end();
+}
+
+void VoxelGrid::clear() { store_->clear(); }
+const PointCounts& VoxelGrid::counts() const { return store_->counts; }
+const VoxelSettings& VoxelGrid::settings() const { return store_->settings; }
+
+}  // namespace collision_pairs

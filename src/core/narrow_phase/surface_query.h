@@ -1,0 +1,27 @@
+// The two questions of which the answer for a mesh is made, one at a time.
+#pragma once
+
+#include <Eigen/Geometry>
+
+#include "collision_pairs/narrow_phase.h"
+#include "convex_core.h"
+#include "mesh_query.h"
+
+namespace collision_pairs {
+
+/// For who asks the same mesh of many neighbouring places. Holds scratch memory only.
+class SurfaceQuery {
+ public:
+  /// Metres between the triangles of A and the solid B, or a lower bound beyond max_distance; 0
+  /// where they meet. B may lie inside of A. A is a mesh that is not convex.
+  double apart(const PreparedShape& A, const ConvexCore& B, const Eigen::Isometry3d& X_AB,
+               double max_distance);
+
+  /// Does A enclose the point?
+  static bool holds(const PreparedShape& A, const Eigen::Vector3d& p_AQ);
+
+ private:
+  MeshQuery query_;
+};
+
+}  // namespace collision_pairs

@@ -1,0 +1,137 @@
+#include "cloud_config.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <map>
+#include <tuple>
+
+#include "collision_pairs/input_error.h"
+#include "user_text.h"
+#include "yaml_values.h"
+
+namespace collision_pairs {
+namespace {
+
+double above0(const std::string& key, const YAML::Node& value) {
+  const double found = numberOf(key, value, "more than 0 metres");
+  if (found <= 0.0) refuseValue(key, value, "more than 0 metres");
+  return found;
+}
+
+double secondsOf(const std::string& key, const YAML::Node& value) {
+  const std::string rule = "0 or more seconds";
+  const double found = numberOf(key, value, rule);
+  if (found < 0.0) refuseValue(key, value, rule);
+  return found;
+}
+
+int countOf(const std::string& key, const YAML::Node& value) {
+  const std::string rule = "a whole number from 1 to 100000000";
+  const double found = numberOf(key, value, rule);
+  if (found < 1.0 || found > 1e8 || found != std::floor(found)) refuseValue(key, value, rule);
+  return static_cast<int>(found);
+}
+
+bool flagOf(const std::string& key, const YAML::Node& value) {
+  bool found = false;
+  if (!value.IsScalar() || !YAML::convert<bool>::decode(value, found)) {
+    refuseValue(key, value, "true or false");
+  }
+  return found;
+}
+
+std::string topicOf(const std::string& key, const YAML::Node& value) {
+  const std::string rule = "the name of a topic, such as camera/points";
+  const std::string topic = textOf(key, value, rule);
+  if (topic.find_first_not_of('/') == std::string::npos) refuseValue(key, value, rule);
+  return topic;
+}
+
+std::optional<Eigen::AlignedBox3d> boxOf(const std::string& key, const YAML::Node& value) {
+  const std::string rule =
+      "[min_x, min_y, min_z, max_x, max_y, max_z] in metres, or [] for everything";
+  if (!value.IsSequence()) refuseValue(key, value, rule);
+  if (value.size() == 0) return std::nullopt;
+  if (value.size() != 6) refuseValue(key, value, rule);
+  Eigen::AlignedBox3d box;
+  for (int axis = 0; axis < 3; ++axis) {
+    box.min()[axis] = numberOf(key, value[axis], rule);
+    box.max()[axis] = numberOf(key, value[axis + 3], rule);
+  }
+  if (box.isEmpty()) refuseValue(key, value, rule);
+  return box;
+}
+
+using Reader = std::function<void(const std::string& key, const YAML::Node&, CloudConfig&)>;
+
+const std::map<std::string, Reader>& readers() {
+  static const std::map<std::string, Reader> ALL = {
+      {"topic", [](const auto& k, const auto& v, auto& c) { c.topic = topicOf(k, v); }},
+      {"voxel_size", [](const auto& k, const auto& v, auto& c) { c.voxel_size = above0(k, v); }},
+      {"max_range", [](const auto& k, const auto& v, auto& c) { c.max_range = above0(k, v); }},
+      {"min_points", [](const auto& k, const auto& v, auto& c) { c.min_points = countOf(k, v); }},
+      {"decay", [](const auto& k, const auto& v, auto& c) { c.decay = secondsOf(k, v); }},
+      {"replace", [](const auto& k, const auto& v, auto& c) { c.replace = flagOf(k, v); }},
+      {"box", [](const auto& k, const auto& v, auto& c) { c.box = boxOf(k, v); }},
+      {"max_voxels", [](const auto& k, const auto& v, auto& c) { c.max_voxels = countOf(k, v); }},
+      {"source_timeout",
+       [](const auto& k, const auto& v, auto& c) { c.source_timeout = secondsOf(k, v); }},
+      {"self_filter_padding",
+       [](const auto& k, const auto& v, auto& c) { c.self_filter_padding = metresOf(k, v); }},
+      {"touch_links", [](const auto& k, const auto& v, auto& c) { c.touch_links = namesOf(k, v); }},
+  };
+  return ALL;
+}
+
+std::vector<std::string> knownKeys() {
+  std::vector<std::string> keys;
+  for (const auto& entry : readers()) keys.push_back(entry.first);
+  return keys;
+}
+
+CloudConfig readCloud(const std::string& origin, const YAML::Node& value) {
+  const std::string rule = "a map such as {topic: camera/points, voxel_size: 0.02}";
+  CloudConfig cloud;
+  forEntries(origin, value, rule, [&](const std::string& key, const YAML::Node& entry) {
+    const auto reader = readers().find(key);
+    if (reader == readers().end()) {
+      throw InputError(origin + ": '" + key + "' is no setting of a cloud; is '" +
+                       nearestName(key, knownKeys()) + "' meant?");
+    }
+    reader->second(origin + '/' + key, entry, cloud);
+  });
+  if (cloud.topic.empty()) throw InputError(origin + " has no topic");
+  return cloud;
+}
+
+}  // namespace
+
+std::string CloudConfig::name() const { return topic.substr(topic.find_first_not_of('/')); }
+
+bool operator==(const CloudConfig& a, const CloudConfig& b) {
+  const auto all = [](const CloudConfig& c) {
+    return std::tie(c.topic, c.voxel_size, c.max_range, c.min_points, c.decay, c.replace,
+                    c.max_voxels, c.source_timeout, c.self_filter_padding, c.touch_links);
+  };
+  const bool same_box = a.box.has_value() == b.box.has_value() &&
+                        (!a.box || (a.box->min() == b.box->min() && a.box->max() == b.box->max()));
+  return same_box && all(a) == all(b);
+}
+
+std::vector<CloudConfig> readClouds(const YAML::Node& value) {
+  const std::string rule = "a list of maps such as {topic: camera/points, voxel_size: 0.02}";
+  if (!value.IsSequence()) refuseValue("clouds", value, rule);
+  std::vector<CloudConfig> clouds;
+  for (std::size_t i = 0; i < value.size(); ++i) {
+    CloudConfig cloud = readCloud("clouds[" + std::to_string(i) + "]", value[i]);
+    const auto is_same = [&](const CloudConfig& other) { return other.name() == cloud.name(); };
+    if (std::any_of(clouds.begin(), clouds.end(), is_same)) {
+      throw InputError("clouds: topic '" + cloud.topic + "' is there twice");
+    }
+    clouds.push_back(std::move(cloud));
+  }
+  return clouds;
+}
+
+}  // namespace collision_pairs

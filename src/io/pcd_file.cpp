@@ -1,0 +1,223 @@
+#include "pcd_file.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+#include <optional>
+#include <sstream>
+
+#include "collision_pairs/input_error.h"
+#include "user_text.h"
+
+namespace collision_pairs {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr std::uint64_t MOST_IN_A_FIELD = 1u << 20;  // bytes, and values
+
+std::vector<std::string> wordsOf(const std::string& line) {
+  std::istringstream stream(line);
+  std::vector<std::string> words;
+  for (std::string word; stream >> word;) words.push_back(word);
+  return words;
+}
+
+/// A column of each point: where its values begin.
+struct Column {
+  std::uint64_t byte = 0, bytes_a_value = 0;
+  std::uint64_t value = 0;
+};
+
+class PcdReader {
+ public:
+  explicit PcdReader(const std::string& bytes) : bytes_(bytes) {}
+
+  std::vector<Vector3d> read() {
+    while (data_.empty()) readHeaderLine();
+    layOut();
+    if (data_ == "ascii") return readAscii();
+    if (data_ == "binary") return readBinary();
+    if (data_ == "binary_compressed") {
+      fail(
+          "DATA binary_compressed is not read; convert it: pcl_convert_pcd_ascii_binary IN.pcd "
+          "OUT.pcd 1");
+    }
+    fail("DATA is '" + data_.substr(0, 20) + "', but must be ascii or binary");
+  }
+
+ private:
+  [[noreturn]] void fail(const std::string& what) const {
+    throw InputError("line " + std::to_string(nb_lines_) + ": " + what);
+  }
+
+  bool nextLine(std::string& line) {
+    if (at_ >= bytes_.size()) return false;
+    const std::size_t end = std::min(bytes_.find('\n', at_), bytes_.size());
+    line = bytes_.substr(at_, end - at_);
+    at_ = std::min(end + 1, bytes_.size());
+    ++nb_lines_;
+    return true;
+  }
+
+  void readHeaderLine() {
+    std::string line;
+    if (!nextLine(line))
+      throw InputError("it has no line DATA, so it is no PCD file, or cut short");
+    std::vector<std::string> words = wordsOf(line);
+    if (words.empty() || words[0][0] == '#') return;
+    const std::string keyword = words[0];
+    words.erase(words.begin());
+    if (keyword == "FIELDS" || keyword == "COLUMNS") {
+      fields_ = words;
+    } else if (keyword == "SIZE") {
+      sizes_ = numbers(keyword, words);
+    } else if (keyword == "TYPE") {
+      types_ = words;
+    } else if (keyword == "COUNT") {
+      counts_ = numbers(keyword, words);
+    } else if (keyword == "WIDTH") {
+      width_ = number(keyword, words);
+    } else if (keyword == "HEIGHT") {
+      height_ = number(keyword, words);
+    } else if (keyword == "POINTS") {
+      nb_points_ = number(keyword, words);
+    } else if (keyword == "DATA") {
+      if (words.size() != 1) fail("DATA must say ascii or binary");
+      data_ = words[0];
+    } else if (keyword != "VERSION" && keyword != "VIEWPOINT") {
+      fail("'" + keyword.substr(0, 20) + "' is no word of a PCD file's header");
+    }
+  }
+
+  std::vector<std::uint64_t> numbers(const std::string& keyword,
+                                     const std::vector<std::string>& words) const {
+    std::vector<std::uint64_t> values;
+    for (const std::string& word : words) {
+      double value = 0.0;
+      const bool is_whole = parseNumber(word, value) && value >= 0.0 && value < 4e9 &&
+                            value == static_cast<double>(static_cast<std::uint64_t>(value));
+      if (!is_whole) fail(keyword + ": '" + word.substr(0, 20) + "' is not a whole number");
+      values.push_back(static_cast<std::uint64_t>(value));
+    }
+    return values;
+  }
+  std::uint64_t number(const std::string& keyword, const std::vector<std::string>& words) const {
+    if (words.size() != 1) fail(keyword + " must have one number");
+    return numbers(keyword, words)[0];
+  }
+
+  void layOut() {
+    if (fields_.empty()) fail("there was no line FIELDS");
+    if (counts_.empty()) counts_.assign(fields_.size(), 1);
+    const std::size_t wanted = fields_.size();
+    if (sizes_.size() != wanted || types_.size() != wanted || counts_.size() != wanted) {
+      fail("FIELDS, SIZE, TYPE and COUNT are not equally many");
+    }
+    for (std::size_t i = 0; i < wanted; ++i) {
+      if (sizes_[i] > MOST_IN_A_FIELD || counts_[i] > MOST_IN_A_FIELD) {
+        fail("field '" + fields_[i].substr(0, 20) + "' is too large");
+      }
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        if (fields_[i] == std::string(1, "xyz"[axis])) placeColumn(i, axis);
+      }
+      point_bytes_ += sizes_[i] * counts_[i];
+      point_values_ += counts_[i];
+    }
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      if (!columns_[axis]) fail(std::string("there is no field ") + "xyz"[axis]);
+    }
+    if (!nb_points_) {
+      if (!width_ || !height_) fail("there was neither POINTS nor WIDTH and HEIGHT");
+      nb_points_ = *width_ * *height_;
+    } else if (width_ && height_ && *width_ * *height_ != *nb_points_) {
+      fail("POINTS is " + std::to_string(*nb_points_) + ", but WIDTH times HEIGHT is " +
+           std::to_string(*width_ * *height_));
+    }
+  }
+
+  void placeColumn(std::size_t field, std::size_t axis) {
+    const bool is_float = types_[field] == "F" && (sizes_[field] == 4 || sizes_[field] == 8);
+    if (!is_float || counts_[field] != 1) {
+      fail("field " + fields_[field] + " must be one number of TYPE F and SIZE 4 or 8");
+    }
+    if (columns_[axis]) fail("field " + fields_[field] + " is there twice");
+    columns_[axis] = Column{point_bytes_, sizes_[field], point_values_};
+  }
+
+  std::vector<Vector3d> readBinary() const {
+    const std::uint64_t given = (bytes_.size() - at_) / point_bytes_;
+    if (given < *nb_points_) {
+      throw InputError("it should have " + std::to_string(*nb_points_) +
+                       " points, but ends after " + std::to_string(given) + " (truncated?)");
+    }
+    std::vector<Vector3d> points(*nb_points_);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const char* point = bytes_.data() + at_ + i * point_bytes_;
+      for (int axis = 0; axis < 3; ++axis) {
+        const Column& column = *columns_[static_cast<std::size_t>(axis)];
+        if (column.bytes_a_value == 4) {
+          float value = 0.0f;
+          std::memcpy(&value, point + column.byte, sizeof value);
+          points[i][axis] = value;
+        } else {
+          std::memcpy(&points[i][axis], point + column.byte, sizeof(double));
+        }
+      }
+    }
+    return points;
+  }
+
+  std::vector<Vector3d> readAscii() {
+    std::vector<Vector3d> points;
+    for (std::string line; nextLine(line);) {
+      const std::vector<std::string> words = wordsOf(line);
+      if (words.empty()) continue;
+      if (words.size() != point_values_) {
+        fail(std::to_string(words.size()) + " values, but the fields have " +
+             std::to_string(point_values_));
+      }
+      if (points.size() == *nb_points_) fail("there are more points than POINTS says");
+      Vector3d point;
+      for (int axis = 0; axis < 3; ++axis) {
+        const std::string& word = words[columns_[static_cast<std::size_t>(axis)]->value];
+        point[axis] = coordinate(word);
+      }
+      points.push_back(point);
+    }
+    if (points.size() < *nb_points_) {
+      throw InputError("it should have " + std::to_string(*nb_points_) +
+                       " points, but ends after " + std::to_string(points.size()) +
+                       " (truncated?)");
+    }
+    return points;
+  }
+
+  double coordinate(const std::string& word) const {
+    double value = std::numeric_limits<double>::quiet_NaN();
+    if (parseNumber(word, value)) return value;
+    std::string lower = word;
+    for (char& letter : lower) letter = letter >= 'A' && letter <= 'Z' ? char(letter + 32) : letter;
+    for (const char* none : {"nan", "-nan", "inf", "-inf"}) {
+      if (lower == none) return std::numeric_limits<double>::quiet_NaN();
+    }
+    fail("'" + word.substr(0, 20) + "' is not a number");
+  }
+
+  const std::string& bytes_;
+  std::size_t at_ = 0, nb_lines_ = 0;
+  std::vector<std::string> fields_, types_;
+  std::vector<std::uint64_t> sizes_, counts_;
+  std::optional<std::uint64_t> width_, height_, nb_points_;
+  std::string data_;
+  std::array<std::optional<Column>, 3> columns_;
+  std::uint64_t point_bytes_ = 0, point_values_ = 0;
+};
+
+}  // namespace
+
+std::vector<Vector3d> readPcd(const std::string& bytes) { return PcdReader(bytes).read(); }
+
+}  // namespace collision_pairs

@@ -1,0 +1,18 @@
+// Files of points: PCD, as the Point Cloud Library writes them.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace collision_pairs {
+
+/// The points of a PCD file's bytes, in its frame; VIEWPOINT is not applied. DATA ascii and binary
+/// (little-endian); fields x, y and z of 4 or 8 bytes, floating point, anywhere among others.
+/// Coordinates that are not finite stay so. Throws InputError that says what is wrong and in which
+/// line or point, without the file's name; binary_compressed is refused.
+/// Cost: what the bytes are, whatever they claim.
+std::vector<Eigen::Vector3d> readPcd(const std::string& bytes);
+
+}  // namespace collision_pairs

@@ -1,0 +1,56 @@
+#include "yaml_values.h"
+
+#include <cmath>
+
+#include "collision_pairs/input_error.h"
+
+namespace collision_pairs {
+namespace {
+
+std::string shown(const YAML::Node& node) {
+  YAML::Emitter out;
+  out << YAML::Flow << node;
+  return out.c_str();
+}
+
+}  // namespace
+
+void refuseValue(const std::string& key, const YAML::Node& value, const std::string& rule) {
+  throw InputError(key + " is " + shown(value) + ", but must be " + rule);
+}
+
+std::string textOf(const std::string& key, const YAML::Node& value, const std::string& rule) {
+  if (!value.IsScalar()) refuseValue(key, value, rule);
+  return value.Scalar();
+}
+
+double numberOf(const std::string& key, const YAML::Node& value, const std::string& rule) {
+  double found = NAN;
+  if (!value.IsScalar() || !YAML::convert<double>::decode(value, found) || !std::isfinite(found)) {
+    refuseValue(key, value, rule);
+  }
+  return found;
+}
+
+double metresOf(const std::string& key, const YAML::Node& value) {
+  const std::string rule = "0 or more metres";
+  const double found = numberOf(key, value, rule);
+  if (found < 0.0) refuseValue(key, value, rule);
+  return found;
+}
+
+std::vector<std::string> namesOf(const std::string& key, const YAML::Node& value) {
+  const std::string rule = "a list of names or patterns, such as [elbow, \"left_*\"]";
+  if (!value.IsSequence()) refuseValue(key, value, rule);
+  std::vector<std::string> found;
+  for (const YAML::Node& entry : value) found.push_back(textOf(key, entry, rule));
+  return found;
+}
+
+void forEntries(const std::string& key, const YAML::Node& value, const std::string& rule,
+                const std::function<void(const std::string&, const YAML::Node&)>& read) {
+  if (!value.IsMap()) refuseValue(key, value, rule);
+  for (const auto& entry : value) read(textOf(key, entry.first, rule), entry.second);
+}
+
+}  // namespace collision_pairs

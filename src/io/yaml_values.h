@@ -1,0 +1,31 @@
+// Values out of YAML, strictly: what is not as it must be is an InputError that says key, value and
+// rule.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <yaml-cpp/yaml.h>
+
+namespace collision_pairs {
+
+[[noreturn]] void refuseValue(const std::string& key, const YAML::Node& value,
+                              const std::string& rule);
+
+std::string textOf(const std::string& key, const YAML::Node& value, const std::string& rule);
+
+/// A finite number.
+double numberOf(const std::string& key, const YAML::Node& value, const std::string& rule);
+
+/// 0 or more metres.
+double metresOf(const std::string& key, const YAML::Node& value);
+
+/// A list of names or patterns.
+std::vector<std::string> namesOf(const std::string& key, const YAML::Node& value);
+
+/// Calls `read` with each key and value of a map.
+void forEntries(const std::string& key, const YAML::Node& value, const std::string& rule,
+                const std::function<void(const std::string&, const YAML::Node&)>& read);
+
+}  // namespace collision_pairs

@@ -1,0 +1,176 @@
+#include "point_cloud.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <cstring>
+#include <string>
+
+#include <boost/endian/conversion.hpp>
+
+#include "collision_pairs/input_error.h"
+
+namespace collision_pairs {
+namespace {
+
+using sensor_msgs::PointCloud2;
+using sensor_msgs::PointField;
+
+/// Where one coordinate lies in each point.
+struct Coordinate {
+  std::uint32_t offset;
+  bool is_double;
+  std::uint32_t size() const { return is_double ? 8 : 4; }
+};
+using Coordinates = std::array<Coordinate, 3>;
+
+std::string fieldNames(const PointCloud2& cloud) {
+  std::string names;
+  for (std::size_t i = 0; i < std::min<std::size_t>(cloud.fields.size(), 10); ++i) {
+    names += (i == 0 ? "" : ", ") + cloud.fields[i].name;
+  }
+  return names.empty() ? "none" : names;
+}
+
+Coordinate findCoordinate(const PointCloud2& cloud, const std::string& name) {
+  const auto has_name = [&](const PointField& field) { return field.name == name; };
+  const auto found = std::find_if(cloud.fields.begin(), cloud.fields.end(), has_name);
+  if (found == cloud.fields.end()) {
+    throw InputError("it has no field '" + name + "' (its fields: " + fieldNames(cloud) + ")");
+  }
+  const std::string field = "its field '" + name + "' ";
+  if (std::any_of(found + 1, cloud.fields.end(), has_name)) {
+    throw InputError(field + "is there twice");
+  }
+  const bool is_double = found->datatype == PointField::FLOAT64;
+  if (!is_double && found->datatype != PointField::FLOAT32) {
+    throw InputError(field + "is of datatype " + std::to_string(found->datatype) +
+                     ", but must be FLOAT32 (7) or FLOAT64 (8)");
+  }
+  // 0 is what old publishers say for 1.
+  if (found->count > 1) {
+    throw InputError(field + "has count " + std::to_string(found->count) + ", but must have 1");
+  }
+  const Coordinate coordinate{found->offset, is_double};
+  if (std::uint64_t{coordinate.offset} + coordinate.size() > cloud.point_step) {
+    throw InputError(field + "ends " +
+                     std::to_string(std::uint64_t{coordinate.offset} + coordinate.size()) +
+                     " bytes into a point, but point_step is " + std::to_string(cloud.point_step));
+  }
+  return coordinate;
+}
+
+/// No product or sum of these 32-bit sizes leaves 64 bits.
+void requireData(const PointCloud2& cloud) {
+  if (cloud.width == 0 || cloud.height == 0) return;
+  const std::uint64_t row = std::uint64_t{cloud.width} * cloud.point_step;
+  if (cloud.row_step < row) {
+    throw InputError("its row_step is " + std::to_string(cloud.row_step) + ", but a row of " +
+                     std::to_string(cloud.width) + " points of " +
+                     std::to_string(cloud.point_step) + " bytes takes " + std::to_string(row));
+  }
+  const std::uint64_t before_last = cloud.height - 1;
+  const std::uint64_t available = cloud.data.size();
+  if (row > available || before_last * cloud.row_step > available - row) {
+    throw InputError("its data has " + std::to_string(available) + " bytes, too few for " +
+                     std::to_string(cloud.width) + " x " + std::to_string(cloud.height) +
+                     " points of " + std::to_string(cloud.point_step) + " bytes in rows of " +
+                     std::to_string(cloud.row_step));
+  }
+}
+
+template <class Number, class Bits>
+float numberAt(const std::uint8_t* at, bool swapped) {
+  Bits bits;
+  std::memcpy(&bits, at, sizeof bits);
+  if (swapped) boost::endian::endian_reverse_inplace(bits);
+  Number number;
+  std::memcpy(&number, &bits, sizeof number);
+  return static_cast<float>(number);
+}
+
+struct AnyLayout {
+  Coordinates coordinates;
+  bool swapped;
+  Eigen::Vector3f operator()(const std::uint8_t* point) const {
+    Eigen::Vector3f p;
+    for (int axis = 0; axis < 3; ++axis) {
+      const Coordinate& c = coordinates[axis];
+      p[axis] = c.is_double ? numberAt<double, std::uint64_t>(point + c.offset, swapped)
+                            : numberAt<float, std::uint32_t>(point + c.offset, swapped);
+    }
+    return p;
+  }
+};
+
+/// Native float32 coordinates one after the other, as nearly every camera has them.
+struct PackedFloats {
+  std::uint32_t offset;
+  Eigen::Vector3f operator()(const std::uint8_t* point) const {
+    Eigen::Vector3f p;
+    std::memcpy(p.data(), point + offset, sizeof(float) * 3);
+    return p;
+  }
+};
+
+/// Writes each point, and goes on behind it if it is finite: no branch to be guessed wrong.
+template <class Layout>
+void readRows(const PointCloud2& cloud, const Layout& layout,
+              std::vector<Eigen::Vector3f>& points) {
+  points.resize(std::size_t{cloud.width} * cloud.height);
+  Eigen::Vector3f* out = points.data();
+  for (std::uint32_t row = 0; row < cloud.height; ++row) {
+    const std::uint8_t* point = cloud.data.data() + std::size_t{row} * cloud.row_step;
+    for (std::uint32_t i = 0; i < cloud.width; ++i, point += cloud.point_step) {
+      *out = layout(point);
+      const float zero = (out->x() - out->x()) + (out->y() - out->y()) + (out->z() - out->z());
+      out += zero == 0.0f;  // NaN where one is infinite or NaN
+    }
+  }
+  points.resize(out - points.data());
+}
+
+}  // namespace
+
+void readPoints(const PointCloud2& cloud, std::vector<Eigen::Vector3f>& points) {
+  points.clear();
+  if (cloud.point_step == 0) throw InputError("its point_step is 0");
+  const Coordinates c = {findCoordinate(cloud, "x"), findCoordinate(cloud, "y"),
+                         findCoordinate(cloud, "z")};
+  requireData(cloud);
+  if (cloud.width == 0 || cloud.height == 0) return;
+  const bool is_native =
+      (boost::endian::order::native == boost::endian::order::big) == (cloud.is_bigendian != 0);
+  const bool is_packed = !c[0].is_double && !c[1].is_double && !c[2].is_double &&
+                         c[1].offset == c[0].offset + 4 && c[2].offset == c[0].offset + 8;
+  if (is_native && is_packed) {
+    readRows(cloud, PackedFloats{c[0].offset}, points);
+  } else {
+    readRows(cloud, AnyLayout{c, !is_native}, points);
+  }
+}
+
+PointCloud2 toPointCloud2(const std::vector<Eigen::Vector3f>& points,
+                          const std_msgs::Header& header) {
+  PointCloud2 cloud;
+  cloud.header = header;
+  cloud.height = 1;
+  cloud.width = static_cast<std::uint32_t>(points.size());
+  cloud.point_step = sizeof(Eigen::Vector3f);
+  cloud.row_step = cloud.width * cloud.point_step;
+  cloud.is_bigendian = boost::endian::order::native == boost::endian::order::big;
+  cloud.is_dense = true;
+  for (std::uint32_t axis = 0; axis < 3; ++axis) {
+    PointField field;
+    field.name = std::string(1, "xyz"[axis]);
+    field.offset = axis * static_cast<std::uint32_t>(sizeof(float));
+    field.datatype = PointField::FLOAT32;
+    field.count = 1;
+    cloud.fields.push_back(field);
+  }
+  cloud.data.resize(cloud.row_step);
+  if (!points.empty()) std::memcpy(cloud.data.data(), points.data(), cloud.data.size());
+  return cloud;
+}
+
+}  // namespace collision_pairs

@@ -1,0 +1,25 @@
+// sensor_msgs/PointCloud2 as points.
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+#include <sensor_msgs/PointCloud2.h>
+
+namespace collision_pairs {
+
+/// The points of the cloud in its own frame, in their order, metres; those with a coordinate that
+/// is not finite (nothing was seen there) are left out. Coordinates x, y and z may be float32 or
+/// float64 (narrowed), at any offset, of either endianness, in rows with any padding. What `points`
+/// held is replaced; its memory is used again.
+///
+/// Throws InputError that says what of the layout is wrong: a coordinate that is missing, there
+/// twice or of another type, a size that does not fit the next, or data too short for its points.
+/// Nothing outside of cloud.data is ever read. 640 x 480 packed float32 points: about 0.5 ms.
+void readPoints(const sensor_msgs::PointCloud2& cloud, std::vector<Eigen::Vector3f>& points);
+
+/// A cloud of one row, packed float32.
+sensor_msgs::PointCloud2 toPointCloud2(const std::vector<Eigen::Vector3f>& points,
+                                       const std_msgs::Header& header);
+
+}  // namespace collision_pairs

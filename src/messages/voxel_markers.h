@@ -1,0 +1,27 @@
+// Occupied voxels for rviz. Pure functions.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+#include <visualization_msgs/Marker.h>
+
+#include "collision_pairs/aabb.h"
+#include "collision_pairs/occupied_voxels.h"
+
+namespace collision_pairs {
+
+/// More voxels than this are not drawn: those nearest to the boxes are among those that are.
+constexpr std::size_t MOST_DRAWN_VOXELS = 100000;
+
+/// One list of cubes in namespace "cloud NAME". Voxels no further than `reach` from a box are
+/// coloured by that distance, from red to amber. `boxes`: of the robot, in W.
+visualization_msgs::Marker toMarker(const OccupiedVoxels& voxels, const std::string& name,
+                                    const std::vector<Aabb>& boxes, double reach,
+                                    const std::string& world_frame);
+
+/// Takes it away again.
+visualization_msgs::Marker noMarker(const std::string& name, const std::string& world_frame);
+
+}  // namespace collision_pairs

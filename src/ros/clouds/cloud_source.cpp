@@ -1,0 +1,229 @@
+#include "cloud_source.h"
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+#include <tf2/exceptions.h>
+
+#include "collision_pairs/input_error.h"
+#include "geometry_conversions.h"
+#include "point_cloud.h"
+#include "stamps.h"
+
+namespace collision_pairs {
+namespace {
+
+constexpr std::uint32_t QUEUE_SIZE = 2;     // messages, until the callback takes them
+const ros::WallDuration LONGEST_WAIT(1.0);  // for transforms at a cloud's stamp
+const std::chrono::milliseconds PAUSE(1);   // between two looks for them
+const ros::WallDuration SILENCE(3.0);       // after which there is no rate
+constexpr double SHARE_OF_NEWEST = 0.1;     // in the mean rate
+
+}  // namespace
+
+CloudSource::CloudSource(const ros::NodeHandle& node, const CloudConfig& config, Context context)
+    : config_(config), context_(std::move(context)), gatherer_(config), spinner_(1, &queue_) {
+  ros::NodeHandle own_queue(node);
+  own_queue.setCallbackQueue(&queue_);
+  subscriber_ = own_queue.subscribe<Cloud>(config_.topic, QUEUE_SIZE, &CloudSource::onCloud, this,
+                                           ros::TransportHints().tcpNoDelay());
+  worker_ = std::thread([this] { work(); });
+  spinner_.start();
+}
+
+CloudSource::~CloudSource() {
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    stopping_ = true;
+  }
+  wakes_worker_.notify_all();
+  worker_.join();
+}
+
+void CloudSource::follow(std::shared_ptr<RobotFilter> robot) {
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    robot_ = std::move(robot);
+  }
+  wakes_worker_.notify_all();
+}
+
+void CloudSource::onCloud(const Cloud::ConstPtr& cloud) {
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    ++health_.received;
+    if (next_) ++health_.dropped;
+    next_ = cloud;
+  }
+  wakes_worker_.notify_all();
+}
+
+void CloudSource::work() {
+  std::unique_lock<std::mutex> lock(mutex_);
+  while (true) {
+    wakes_worker_.wait(lock, [this] { return stopping_ || (next_ && robot_); });
+    if (stopping_) return;
+    const Cloud::ConstPtr cloud = std::exchange(next_, nullptr);
+    const std::shared_ptr<RobotFilter> robot = robot_;
+    const unsigned generation = generation_;
+    lock.unlock();
+    std::string problem;
+    try {
+      use(*cloud, generation, *robot);
+    } catch (const std::exception& error) {
+      problem = error.what();
+    }
+    lock.lock();
+    if (problem.empty() || stopping_) continue;
+    problem_ = std::move(problem);
+    ++health_.refused;
+  }
+}
+
+void CloudSource::use(const Cloud& cloud, unsigned generation, RobotFilter& robot) {
+  const ros::Time now = ros::Time::now();
+  context_.transforms.followClock(now);
+  if (cleared_for_ != generation ||
+      nb_clock_jumps_ != context_.transforms.nbClockJumps()) {  // another pass of a bag
+    cleared_for_ = generation;
+    nb_clock_jumps_ = context_.transforms.nbClockJumps();
+    gatherer_.clear();
+    last_stamp_ = ros::Time();
+  }
+  requireUsableStamp(cloud.header.stamp, now);
+  readPoints(cloud, points_);
+  const Instant instant = waitForInstant(cloud.header, robot);
+  const ros::WallTime start = ros::WallTime::now();
+  const auto voxels =
+      gatherer_.add(points_, instant.X_WS, instant.robot, cloud.header.stamp, robot.filter);
+  last_stamp_ = cloud.header.stamp;
+  keep(voxels, cloud.header.stamp, generation, (ros::WallTime::now() - start).toSec());
+  publishKept(cloud.header);
+}
+
+void CloudSource::keep(const std::shared_ptr<const OccupiedVoxels>& voxels, const ros::Time& stamp,
+                       unsigned generation, double processing) {
+  const ros::SteadyTime now = ros::SteadyTime::now();
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (generation != generation_) return;  // cleared meanwhile
+  latest_ = voxels;
+  latest_clock_jumps_ = nb_clock_jumps_;
+  latest_stamp_ = stamp;
+  problem_.clear();
+  const double rate = 1.0 / std::max((now - last_use_).toSec(), 1e-6);
+  if (health_.used == 1) health_.rate = rate;
+  if (health_.used > 1) health_.rate += SHARE_OF_NEWEST * (rate - health_.rate);
+  last_use_ = now;
+  ++health_.used;
+  health_.latency = secondsBetween(stamp, ros::Time::now());
+  health_.processing = processing;
+  health_.points = points_.size();
+  health_.kept = gatherer_.kept().size();
+  health_.voxels = voxels->size();
+}
+
+void CloudSource::requireUsableStamp(const ros::Time& stamp, const ros::Time& now) {
+  if (now.isZero()) throw InputError(NO_CLOCK);
+  if (stamp.isZero()) throw InputError("its stamp is zero");
+  const double age = secondsBetween(stamp, now);
+  if (-age > context_.transforms.clockTolerance()) {
+    throw InputError("its stamp is " + inWords(-age) + " ahead of the clock");
+  }
+  if (config_.source_timeout > 0.0 && age > config_.source_timeout) {
+    throw InputError("it was " + inWords(age) + " old when it came, and source_timeout is " +
+                     inWords(config_.source_timeout));
+  }
+  if (!last_stamp_.isZero() && stamp <= last_stamp_) {
+    throw InputError(
+        "its stamp is not later than that of the cloud before: are there two "
+        "publishers?");
+  }
+}
+
+std::string CloudSource::lookUp(const std_msgs::Header& header, const RobotFilter& robot,
+                                Instant& found) {
+  try {
+    const auto transform =
+        context_.transforms.lookUp(context_.frame, header.frame_id, header.stamp);
+    if (!toIsometry(transform.transform, found.X_WS)) return "the transform is not finite";
+  } catch (const tf2::TransformException& error) {
+    return error.what();
+  }
+  StampedPoses stamped = robot.poses->at(header.stamp);
+  if (!stamped.problems.empty()) return stamped.problems.front();
+  found.robot = std::move(stamped.poses);
+  return "";
+}
+
+CloudSource::Instant CloudSource::waitForInstant(const std_msgs::Header& header,
+                                                 const RobotFilter& robot) {
+  const ros::SteadyTime end = ros::SteadyTime::now() + LONGEST_WAIT;
+  Instant found;
+  while (true) {
+    // Read first: what comes after it is looked at the next time.
+    const std::uint64_t nb_taken = context_.transforms.nbTaken();
+    const std::string why = lookUp(header, robot, found);
+    if (why.empty()) return found;
+    do {
+      std::unique_lock<std::mutex> lock(mutex_);
+      wakes_worker_.wait_for(lock, PAUSE, [this] { return stopping_; });
+      if (stopping_ || ros::SteadyTime::now() >= end) {
+        throw InputError("TF does not know where the sensor ('" + header.frame_id +
+                         "') and the robot were at its stamp: " + why);
+      }
+    } while (context_.transforms.nbTaken() == nb_taken);
+  }
+}
+
+void CloudSource::publishKept(const std_msgs::Header& header) const {
+  if (context_.filtered_cloud.getNumSubscribers() == 0) return;
+  context_.filtered_cloud.publish(toPointCloud2(gatherer_.kept(), header));
+}
+
+CloudView CloudSource::view(const ros::Time& now) const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  CloudView view;
+  const std::string name = "cloud '" + config_.name() + "': ";
+  const std::string refusal = problem_.empty() ? "" : "; the last was refused: " + problem_;
+  if (!latest_) {
+    view.doubt = name + (refusal.empty() ? "none has come yet" : "none is known" + refusal);
+    return view;
+  }
+  if (latest_clock_jumps_ != context_.transforms.nbClockJumps()) {
+    view.doubt = name + "none has come since the clock went back" + refusal;
+    return view;
+  }
+  const double age = secondsBetween(latest_stamp_, now);
+  if (config_.source_timeout > 0.0 && age > config_.source_timeout) {
+    view.doubt = name + "the newest is " + inWords(age) + " old, and source_timeout is " +
+                 inWords(config_.source_timeout) + refusal;
+    return view;
+  }
+  view.voxels = latest_;
+  if (!problem_.empty()) {
+    view.doubt = name + "the last was refused: " + problem_;
+  } else if (latest_->isTruncated()) {
+    view.doubt = name + "more than max_voxels (" + std::to_string(config_.max_voxels) +
+                 ") voxels are occupied, or some are out of range: the farthest are left out";
+  }
+  return view;
+}
+
+void CloudSource::clear() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  ++generation_;
+  next_ = nullptr;
+  latest_ = nullptr;
+  latest_stamp_ = ros::Time();
+  problem_.clear();
+}
+
+CloudHealth CloudSource::health() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  CloudHealth health = health_;
+  if ((ros::SteadyTime::now() - last_use_) > SILENCE) health.rate = 0.0;
+  return health;
+}
+
+}  // namespace collision_pairs

@@ -1,0 +1,112 @@
+// One topic of point clouds, and what is known from it at present.
+#pragma once
+
+#include <condition_variable>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <ros/callback_queue.h>
+#include <ros/node_handle.h>
+#include <ros/spinner.h>
+#include <sensor_msgs/PointCloud2.h>
+
+#include "cloud_gatherer.h"
+#include "transform_input.h"
+
+namespace collision_pairs {
+
+/// What a source shows at some instant.
+struct CloudView {
+  /// Null: nothing is known, or what was known is too old.
+  std::shared_ptr<const OccupiedVoxels> voxels;
+  /// Why nothing is FREE; empty if the source is sound.
+  std::string doubt;
+};
+
+/// For diagnostics.
+struct CloudHealth {
+  std::uint64_t received = 0, used = 0, refused = 0;
+  std::uint64_t dropped = 0;  ///< a newer one came before their turn
+  double rate = 0.0;          ///< Hz, of those used, about the last ten
+  double latency = 0.0;       ///< s, from the stamp of the last to its voxels
+  double processing = 0.0;    ///< s of that without waiting
+  std::size_t points = 0, kept = 0, voxels = 0;
+};
+
+/// Takes clouds on a thread of its own, and makes their voxels on another, so that neither the
+/// cycle nor the subscription ever waits. A cloud in work waits for the transforms of its own
+/// stamp; of those that come meanwhile the newest is kept and the others are dropped and counted. A
+/// cloud that cannot be used is refused: it changes nothing but the doubt, until a usable one
+/// comes.
+class CloudSource {
+ public:
+  struct Context {
+    TransformInput& transforms;  ///< outlives the source
+    std::string frame;           ///< W
+    ros::Publisher filtered_cloud;
+  };
+
+  CloudSource(const ros::NodeHandle& node, const CloudConfig& config, Context context);
+  ~CloudSource();
+
+  const CloudConfig& config() const { return config_; }
+
+  /// From the next cloud on; clouds wait for the first.
+  void follow(std::shared_ptr<RobotFilter> robot);
+
+  CloudView view(const ros::Time& now) const;
+  /// Forgets everything: there is no view until a cloud that comes from now on is used.
+  void clear();
+  CloudHealth health() const;
+
+ private:
+  using Cloud = sensor_msgs::PointCloud2;
+  struct Instant {
+    Eigen::Isometry3d X_WS;
+    BodyPoses robot;
+  };
+
+  void onCloud(const Cloud::ConstPtr& cloud);
+  void work();
+  void use(const Cloud& cloud, unsigned generation, RobotFilter& robot);
+  void keep(const std::shared_ptr<const OccupiedVoxels>& voxels, const ros::Time& stamp,
+            unsigned generation, double processing);
+  void requireUsableStamp(const ros::Time& stamp, const ros::Time& now);
+  Instant waitForInstant(const std_msgs::Header& header, const RobotFilter& robot);
+  std::string lookUp(const std_msgs::Header& header, const RobotFilter& robot, Instant& found);
+  void publishKept(const std_msgs::Header& header) const;
+
+  const CloudConfig config_;
+  const Context context_;
+
+  // Of the worker alone.
+  CloudGatherer gatherer_;
+  std::vector<Eigen::Vector3f> points_;
+  ros::Time last_stamp_;
+  unsigned nb_clock_jumps_ = 0;
+  unsigned cleared_for_ = 0;  // the generation that the grid is of
+
+  mutable std::mutex mutex_;  // guards what follows
+  std::condition_variable wakes_worker_;
+  bool stopping_ = false;
+  unsigned generation_ = 0;  // of clear()
+  Cloud::ConstPtr next_;
+  std::shared_ptr<RobotFilter> robot_;
+  std::shared_ptr<const OccupiedVoxels> latest_;
+  ros::Time latest_stamp_;
+  unsigned latest_clock_jumps_ = 0;  // when it came
+  std::string problem_;              // why the last cloud was refused
+  CloudHealth health_;
+  ros::SteadyTime last_use_;
+
+  ros::CallbackQueue queue_;
+  ros::Subscriber subscriber_;
+  std::thread worker_;
+  ros::AsyncSpinner spinner_;  // last: stops before what it calls into goes
+};
+
+}  // namespace collision_pairs

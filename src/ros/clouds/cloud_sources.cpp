@@ -1,0 +1,96 @@
+#include "cloud_sources.h"
+
+#include <algorithm>
+#include <utility>
+
+#include <ros/names.h>
+
+#include "collision_pairs/input_error.h"
+
+namespace collision_pairs {
+
+CloudSources::CloudSources(const ros::NodeHandle& node, const std::vector<CloudConfig>& configs,
+                           const CloudSource::Context& context)
+    : context_(context) {
+  for (const CloudConfig& config : configs) {
+    std::string why;
+    if (!ros::names::validate(config.topic, why)) {
+      throw InputError("clouds: '" + config.topic + "' is no name of a topic: " + why);
+    }
+    sources_.push_back(std::make_unique<CloudSource>(node, config, context_));
+  }
+}
+
+bool CloudSources::areOf(const std::vector<CloudConfig>& configs, const std::string& frame) const {
+  return frame == context_.frame &&
+         std::equal(sources_.begin(), sources_.end(), configs.begin(), configs.end(),
+                    [](const auto& source, const CloudConfig& config) {
+                      return source->config() == config;
+                    });
+}
+
+CloudSources::RobotFilters CloudSources::filtersFor(const SceneDescription& description,
+                                                    const CollisionScene& scene,
+                                                    SceneCache* cache) const {
+  RobotFilters filters;
+  for (const auto& source : sources_) {
+    auto robot =
+        std::make_shared<RobotFilter>(description, source->config().self_filter_padding, cache);
+    robot->poses = std::make_unique<TfPoses>(context_.transforms, scene.robot(),
+                                             robot->filter.bodies(), context_.frame);
+    filters.push_back(std::move(robot));
+  }
+  return filters;
+}
+
+void CloudSources::follow(RobotFilters filters) {
+  for (std::size_t i = 0; i < sources_.size(); ++i) sources_[i]->follow(std::move(filters[i]));
+}
+
+std::vector<std::string> CloudSources::addVoxels(const CollisionScene& scene, const ros::Time& now,
+                                                 BodyPoses& poses) const {
+  std::vector<std::string> doubts;
+  poses.voxels.clear();
+  const auto views = this->views(now);
+  for (const SceneCloud& cloud : scene.clouds()) {
+    const auto view = views.find(scene.models()[cloud.model].name);
+    poses.voxels.push_back(view == views.end() ? nullptr : view->second.voxels);
+    if (view != views.end() && !view->second.doubt.empty()) doubts.push_back(view->second.doubt);
+  }
+  return doubts;
+}
+
+std::map<std::string, CloudView> CloudSources::views(const ros::Time& now) const {
+  std::map<std::string, CloudView> views;
+  for (const auto& source : sources_) views[source->config().name()] = source->view(now);
+  return views;
+}
+
+void CloudSources::clear() {
+  for (const auto& source : sources_) source->clear();
+}
+
+void CloudSources::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) const {
+  using diagnostic_msgs::DiagnosticStatus;
+  status.summary(DiagnosticStatus::OK, "all clouds are fresh");
+  const ros::Time now = ros::Time::now();
+  for (const auto& source : sources_) {
+    const std::string name = source->config().name() + " ";
+    const CloudView view = source->view(now);
+    const CloudHealth health = source->health();
+    if (!view.doubt.empty()) status.mergeSummary(DiagnosticStatus::WARN, view.doubt);
+    status.add(name + "problem", view.doubt);
+    status.add(name + "rate [Hz]", health.rate);
+    status.add(name + "latency [s]", health.latency);
+    status.add(name + "processing [s]", health.processing);
+    status.add(name + "points", health.points);
+    status.add(name + "points kept", health.kept);
+    status.add(name + "voxels", health.voxels);
+    status.add(name + "received", health.received);
+    status.add(name + "used", health.used);
+    status.add(name + "dropped", health.dropped);
+    status.add(name + "refused", health.refused);
+  }
+}
+
+}  // namespace collision_pairs

@@ -1,0 +1,48 @@
+// All sources of ~clouds.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <diagnostic_updater/diagnostic_updater.h>
+
+#include "cloud_source.h"
+#include "collision_pairs/scene_description.h"
+
+namespace collision_pairs {
+
+/// May be used from several threads.
+class CloudSources {
+ public:
+  /// Throws InputError for a topic that is no name. Topics are resolved as those of `node` are.
+  CloudSources(const ros::NodeHandle& node, const std::vector<CloudConfig>& configs,
+               const CloudSource::Context& context);
+
+  /// Whether these are the sources of such a parameter, in this frame.
+  bool areOf(const std::vector<CloudConfig>& configs, const std::string& frame) const;
+
+  /// What tells points of this scene's robot from obstacles, one a source; and from now on. Making
+  /// them may take as long as the scene, and throws InputError.
+  using RobotFilters = std::vector<std::shared_ptr<RobotFilter>>;
+  RobotFilters filtersFor(const SceneDescription& description, const CollisionScene& scene,
+                          SceneCache* cache) const;
+  void follow(RobotFilters filters);
+
+  /// Fills in the voxels of the scene's clouds at `now`; why they keep a report from being FREE.
+  std::vector<std::string> addVoxels(const CollisionScene& scene, const ros::Time& now,
+                                     BodyPoses& poses) const;
+
+  /// What all sources show, by name; null where that is not known.
+  std::map<std::string, CloudView> views(const ros::Time& now) const;
+
+  void clear();
+  void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) const;
+
+ private:
+  const CloudSource::Context context_;
+  std::vector<std::unique_ptr<CloudSource>> sources_;
+};
+
+}  // namespace collision_pairs

@@ -1,0 +1,296 @@
+#!/usr/bin/python3
+"""Point clouds as obstacles: what is seen, what is not believed, and never FREE without a fresh cloud."""
+import os
+import random
+import sys
+import unittest
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+
+import rospy
+import rostest
+from sensor_msgs.msg import JointState, PointCloud2
+from std_srvs.srv import Trigger
+from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
+
+from cloud_client import CloudPublisher, cloud_diagnosis, cloud_of
+from collision_pairs.msg import CollisionPairs
+from collision_pairs.srv import CheckCollisionsRequest, CheckTrajectory
+from node_client import NodeClient
+from transform_faults import APART, BoxPublisher
+
+FREE, COLLISION, UNKNOWN = CollisionPairs.FREE, CollisionPairs.COLLISION, CollisionPairs.UNKNOWN
+CLOUD = "camera/points"
+NAMED = "cloud '%s': " % CLOUD
+CAMERA_X = 20.0                       # m: where TF has the camera in root
+FAR = [(0.0 - CAMERA_X, 5.0, 0.0)]    # in the camera's frame
+BESIDE_A = [(0.05 - CAMERA_X, 0.58, 0.05)]   # its voxel begins where box a ends
+
+
+class CloudsTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.boxes = BoxPublisher(["a", "b", "c", "camera"])
+        cls.boxes.x = dict(APART, camera=CAMERA_X)
+        cls.boxes.heal()
+        cls.node = NodeClient("/node")
+        # All links are known, but no cloud has come.
+        cls.first = cls.node.next(cls.node.reports, lambda r: r.left_out == [CLOUD])
+        cls.camera = CloudPublisher("/" + CLOUD, "camera")
+        cls.filtered = []
+        rospy.Subscriber("/node/filtered_cloud", PointCloud2, cls.filtered.append)
+        cls.trajectory = rospy.ServiceProxy("/node/check_trajectory", CheckTrajectory)
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.camera.stop()
+        cls.boxes.stop()
+
+    def setUp(self):
+        self.boxes.heal()
+        self.boxes.x = dict(APART, camera=CAMERA_X)
+        self.show(FAR)
+        self.wait_for(FREE)
+
+    def show(self, points):
+        """Returns when a cloud of these points is what is known."""
+        begin = rospy.Time.now()
+        self.camera.heal(points, "camera")
+        self.assertIsNotNone(self.node.next(self.filtered, lambda cloud: cloud.header.stamp > begin))
+
+    def wait_for(self, verdict, *words):
+        report = self.node.next(self.node.reports, lambda r: r.verdict == verdict and
+                                all(word in " ".join(r.unknown_because) for word in words))
+        self.assertIsNotNone(report, "no report %d with %s; the last: %s" %
+                             (verdict, words, self.node.reports[-1].unknown_because))
+        return report
+
+    def test_01_before_the_first_cloud_the_verdict_is_unknown_and_names_the_cloud(self):
+        self.assertIsNotNone(self.first)
+        self.assertEqual((self.first.verdict, self.first.in_collision), (UNKNOWN, True))
+        self.assertIn(NAMED + "none has come yet", self.first.unknown_because)
+
+    def test_what_comes_and_goes_is_collision_and_free_again(self):
+        self.camera.points = BESIDE_A
+        report = self.wait_for(COLLISION)
+        self.assertEqual([(p.first_link, p.second_link) for p in report.pairs], [("a", CLOUD)])
+        self.camera.points = FAR
+        self.wait_for(FREE)
+
+    def test_a_near_voxel_is_a_near_pair_with_its_distance(self):
+        self.boxes.x["a"] = 0.06
+        self.camera.points = [(0.65 - CAMERA_X, 0.05, 0.05)]  # a ends at 0.56, its voxel begins at 0.6
+        report = self.node.next(self.node.reports, lambda r: r.verdict == FREE and len(r.pairs) == 1)
+        self.assertIsNotNone(report)
+        self.assertAlmostEqual(report.pairs[0].distance, 0.04)
+        self.assertAlmostEqual(report.pairs[0].contacts[0].second_point.x, 0.6)
+
+    def test_the_robot_does_not_see_itself(self):
+        surface = [(0.1 * i - 0.5 - CAMERA_X, y, 0.1 * j - 0.5) for i in range(11) for j in range(11) for y in (0.5, 0.54)]
+        self.camera.points = surface
+        self.assertIsNotNone(self.node.next(self.filtered, lambda cloud: cloud.width == 0), "some points were kept")
+        self.assertEqual(self.wait_for(FREE).pairs, [])
+        self.camera.points = surface + [(0.0 - CAMERA_X, 0.56, 0.0)]  # further than the padding
+        self.wait_for(COLLISION)
+
+    def test_points_are_placed_by_the_transform_at_the_stamp_of_their_cloud(self):
+        self.camera.silent = True
+        seen = rospy.Time.now()
+        self.assertIsNotNone(self.node.report_since(seen))
+        self.boxes.x["camera"] = 40.0
+        then = rospy.Time.now()
+        self.assertIsNotNone(self.node.report_since(then + rospy.Duration(0.05)))
+        self.camera.send(cloud_of(BESIDE_A, "camera", seen))
+        self.wait_for(COLLISION)
+
+    def test_a_source_that_stops_is_unknown_by_name_until_it_comes_again(self):
+        for points in (FAR, BESIDE_A):
+            self.camera.points = points
+            self.wait_for(FREE if points is FAR else COLLISION)
+            self.camera.silent = True
+            report = self.wait_for(UNKNOWN, NAMED + "the newest is", "source_timeout is 0.50 s")
+            self.assertIn(CLOUD, report.left_out)
+            self.assertEqual(self.node.check().result.verdict, UNKNOWN)
+            self.camera.silent = False
+            self.wait_for(FREE if points is FAR else COLLISION)
+
+    def test_without_a_transform_of_the_sensor_the_cloud_is_not_used(self):
+        self.camera.frame = "nowhere"
+        self.wait_for(UNKNOWN, "TF does not know where the sensor ('nowhere')")
+        self.assertIsNotNone(cloud_diagnosis(lambda d: "nowhere" in d["message"]))
+
+    def test_without_the_robots_pose_at_its_stamp_the_cloud_is_not_used(self):
+        self.boxes.fault = {"b": "silent"}
+        self.wait_for(UNKNOWN, "TF does not know where the sensor ('camera') and the robot were", "'b'")
+
+    def test_stamps_from_the_past_and_the_future_are_refused(self):
+        for seconds, words in ((-10.0, "s old when it came"), (10.0, "ahead of the clock"), (None, "its stamp is zero")):
+            def spoil(cloud):
+                if seconds is None:
+                    cloud.header.stamp = rospy.Time(0)
+                else:
+                    cloud.header.stamp += rospy.Duration(seconds)
+            self.camera.spoil = spoil
+            self.wait_for(UNKNOWN, NAMED, words)
+            self.camera.spoil = None
+            self.wait_for(FREE)
+
+    def test_an_earlier_stamp_than_the_one_before_is_refused(self):
+        def spoil(cloud):
+            cloud.header.stamp -= rospy.Duration(random.choice([0.0, 0.2]))
+        self.camera.spoil = spoil
+        self.wait_for(UNKNOWN, NAMED, "not later than that of the cloud before")
+
+    def test_malformed_clouds_are_refused_and_named_in_the_diagnostics(self):
+        def without_z(cloud):
+            del cloud.fields[2]
+
+        def short_data(cloud):
+            cloud.data = cloud.data[:-1]
+
+        def short_rows(cloud):
+            cloud.row_step = 11
+
+        def huge(cloud):
+            cloud.width = 2**32 - 1
+
+        def of_integers(cloud):
+            cloud.fields[1].datatype = 5
+
+        def no_step(cloud):
+            cloud.point_step = 0
+        for spoil, words in ((without_z, "no field 'z'"), (short_data, "its data has 11 bytes"), (short_rows, "row_step is 11"),
+                             (huge, "but a row of 4294967295 points"), (of_integers, "field 'y' is of datatype 5"),
+                             (no_step, "point_step is 0")):
+            self.camera.spoil = spoil
+            self.wait_for(UNKNOWN, NAMED, words)
+            found = cloud_diagnosis(lambda d: words in d["message"])
+            self.assertIsNotNone(found, words)
+            self.assertIn(words, found[CLOUD + " problem"])
+            self.camera.spoil = None
+            self.wait_for(FREE)
+
+    def test_a_cloud_without_points_shows_that_nothing_is_there(self):
+        self.camera.points = BESIDE_A
+        self.wait_for(COLLISION)
+        self.camera.points = []
+        self.wait_for(FREE)
+
+    def test_random_clouds_end_nothing_and_the_next_sound_one_is_used(self):
+        seed = int.from_bytes(os.urandom(4), "little")
+        print("seed %d" % seed)
+        chance = random.Random(seed)
+        sizes = [0, 1, 3, 11, 12, 13, 100, 2**16, 2**31, 2**32 - 1]
+        self.camera.silent = True
+        for _ in range(300):
+            cloud = cloud_of([[chance.uniform(-9, 9) for _ in range(3)] for _ in range(chance.randrange(50))], "camera")
+            for field in ("width", "height", "point_step", "row_step"):
+                if chance.random() < 0.3:
+                    setattr(cloud, field, chance.choice(sizes))
+            for field in cloud.fields:
+                if chance.random() < 0.1:
+                    field.offset, field.count = chance.choice(sizes), chance.choice(sizes)
+                if chance.random() < 0.1:
+                    field.datatype = chance.randrange(256)
+            if chance.random() < 0.3:
+                cloud.data = bytes(chance.randrange(256) for _ in range(chance.randrange(2000)))
+            cloud.is_bigendian = chance.random() < 0.3
+            self.camera.send(cloud)
+            rospy.sleep(0.003)
+        self.camera.silent = False
+        self.wait_for(FREE)
+
+    def test_ten_million_points_end_nothing(self):
+        self.camera.silent = True
+        before = int(cloud_diagnosis(lambda d: True)[CLOUD + " received"])
+        nb_points = 10 * 1000 * 1000
+        cloud = cloud_of([], "camera")
+        cloud.width, cloud.row_step, cloud.data = nb_points, 12 * nb_points, bytes(12 * nb_points)
+        self.camera.send(cloud)
+        self.assertIsNotNone(cloud_diagnosis(lambda d: int(d[CLOUD + " received"]) > before))
+        self.show(FAR)
+        self.wait_for(FREE)
+
+    def test_clear_clouds_forgets_everything_until_the_source_comes_again(self):
+        self.camera.points = BESIDE_A
+        self.wait_for(COLLISION)
+        self.camera.silent = True
+        self.assertTrue(rospy.ServiceProxy("/node/clear_clouds", Trigger)().success)
+        self.wait_for(UNKNOWN, NAMED + "none has come yet")
+        self.camera.heal(FAR, "camera")
+        self.wait_for(FREE)
+
+    def test_more_voxels_than_the_bound_are_unknown_and_not_free(self):
+        self.camera.points = [(0.1 * i - CAMERA_X, 5.0 + 0.1 * j, 0.0) for i in range(50) for j in range(50)]
+        report = self.wait_for(UNKNOWN, NAMED + "more than max_voxels (1000)")
+        self.assertIn(CLOUD, report.left_out)
+        self.assertIsNotNone(cloud_diagnosis(lambda d: 0 < int(d[CLOUD + " voxels"]) <= 1000))
+
+    def test_services_see_the_clouds_of_the_cycle(self):
+        self.show([(1.5 - CAMERA_X, 0.0, 0.0)])  # between a (to 0.5) and b (from 2.5)
+        self.wait_for(FREE)
+        state = JointState(name=["slide_a", "slide_b", "slide_c"], position=[0.0, 2.0, 6.0])
+        reply = self.node.check(CheckCollisionsRequest(joint_state=state))
+        self.assertTrue(reply.success, reply.message)
+        self.assertEqual(reply.result.verdict, COLLISION)
+        self.assertEqual([(p.first_link, p.second_link) for p in reply.result.pairs], [("b", CLOUD)])
+        points = [JointTrajectoryPoint(positions=p) for p in ([0, 3, 6], [0, 2, 6], [-3, 0, 6])]
+        answer = self.trajectory(trajectory=JointTrajectory(joint_names=state.name, points=points), between=True)
+        self.assertTrue(answer.success, answer.message)
+        self.assertEqual(list(bytes(answer.verdict)), [FREE, COLLISION, FREE])
+        # Into the voxel, and through it.
+        self.assertEqual(list(bytes(answer.segment_verdict)), [COLLISION, COLLISION])
+
+    def test_services_say_unknown_where_the_source_is_late(self):
+        self.camera.silent = True
+        self.wait_for(UNKNOWN, NAMED)
+        points = [JointTrajectoryPoint(positions=p) for p in ([0, 3, 6], [0, 4, 8])]
+        answer = self.trajectory(between=True, trajectory=JointTrajectory(
+            joint_names=["slide_a", "slide_b", "slide_c"], points=points))
+        self.assertEqual(list(bytes(answer.verdict)), [UNKNOWN, UNKNOWN])
+        self.assertEqual(list(bytes(answer.segment_verdict)), [UNKNOWN])
+        self.assertIn(NAMED, " ".join(answer.unknown_because))
+
+    def test_a_scene_that_is_reset_goes_on_with_its_clouds(self):
+        self.camera.points = BESIDE_A
+        self.wait_for(COLLISION)
+        self.assertTrue(rospy.ServiceProxy("/node/reset", Trigger)().success)
+        before = len(self.node.reports)
+        self.wait_for(COLLISION)
+        self.assertEqual({r.verdict for r in self.node.reports[before:]}, {COLLISION})
+
+    def test_a_changed_list_of_clouds_is_read_by_reset_and_a_wrong_one_is_refused(self):
+        reset = rospy.ServiceProxy("/node/reset", Trigger)
+        given = rospy.get_param("/node/clouds")
+        self.camera.points = BESIDE_A
+        self.wait_for(COLLISION)
+        try:
+            rospy.set_param("/node/clouds", [dict(given[0], voxelsize=0.1)])
+            reply = reset()
+            self.assertFalse(reply.success)
+            self.assertIn("'voxelsize' is no setting of a cloud; is 'voxel_size' meant?", reply.message)
+            self.wait_for(COLLISION)
+            rospy.set_param("/node/clouds", [dict(given[0], max_range=1.0)])
+            reply = reset()
+            self.assertTrue(reply.success, reply.message)
+            self.wait_for(FREE)  # the point is further from the camera
+            rospy.set_param("/node/clouds", [])
+            self.assertTrue(reset().success)
+            self.camera.silent = True
+            self.wait_for(FREE)
+            self.assertFalse(rospy.ServiceProxy("/node/clear_clouds", Trigger)().success)
+        finally:
+            rospy.set_param("/node/clouds", given)
+            self.assertTrue(reset().success)
+
+    def test_the_diagnostics_count_what_came(self):
+        found = cloud_diagnosis(lambda d: float(d[CLOUD + " rate [Hz]"]) > 5.0)
+        self.assertIsNotNone(found)
+        self.assertEqual((found[CLOUD + " points"], found[CLOUD + " voxels"]), ("1", "1"))
+        self.assertLess(float(found[CLOUD + " latency [s]"]), 0.5)
+        self.assertGreaterEqual(int(found[CLOUD + " received"]), int(found[CLOUD + " used"]))
+
+
+if __name__ == "__main__":
+    rospy.init_node("test_clouds")
+    rostest.rosrun("collision_pairs", "clouds", CloudsTest)

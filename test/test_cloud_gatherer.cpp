@@ -1,0 +1,124 @@
+// What of a cloud becomes voxels: two unit boxes, and points about them.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "cloud_gatherer.h"
+#include "collision_pairs/input_error.h"
+#include "demo_scene.h"
+
+namespace collision_pairs {
+namespace {
+
+using Eigen::Isometry3d;
+using Eigen::Vector3d;
+using Eigen::Vector3f;
+using testing::HasSubstr;
+
+/// Box a at x = 0 and box b at x = 10; the sensor stands at x = 5 and looks along W.
+class Gatherer : public testing::Test {
+ protected:
+  Gatherer() {
+    config_.topic = "camera";
+    config_.voxel_size = 0.1;
+    config_.max_range = 20.0;
+    config_.self_filter_padding = 0.05;
+    description_.robots.push_back({robotFrom(slidingBoxes(2)), std::nullopt, ""});
+    X_WS_.translation() = Vector3d(5, 0, 0);
+  }
+
+  /// Points in W; the voxels after each cloud, a second later than the one before.
+  std::shared_ptr<const OccupiedVoxels> add(CloudGatherer& gatherer,
+                                            const std::vector<Vector3d>& points) {
+    SelfFilter filter(description_, config_.self_filter_padding);
+    BodyPoses robot;
+    robot.resize(filter.bodies().size());
+    for (std::size_t i = 0; i < filter.bodies().size(); ++i) {
+      const std::string& link = filter.bodies()[i].link;
+      robot.X_WB[i].translation().x() = link == "b" ? 10.0 : 0.0;
+      if (link == unknown_link_) robot.known[i] = 0;
+    }
+    std::vector<Vector3f> in_sensor;
+    for (const Vector3d& p_WP : points) {
+      in_sensor.push_back((X_WS_.inverse() * p_WP).cast<float>());
+    }
+    stamp_ += ros::Duration(1.0);
+    return gatherer.add(in_sensor, X_WS_, robot, stamp_, filter);
+  }
+
+  std::size_t nbVoxels(const std::vector<Vector3d>& points) {
+    CloudGatherer gatherer(config_);
+    return add(gatherer, points)->size();
+  }
+
+  CloudConfig config_;
+  SceneDescription description_;
+  Isometry3d X_WS_ = Isometry3d::Identity();
+  ros::Time stamp_ = ros::Time(100);
+  std::string unknown_link_;
+};
+
+TEST_F(Gatherer, PutsPointsWhereTheSensorStands) {
+  CloudGatherer gatherer(config_);
+  const auto voxels = add(gatherer, {{5.05, 3.05, -0.05}});
+  std::vector<VoxelCell> cells;
+  voxels->forEach([&](const VoxelCell& cell) { cells.push_back(cell); });
+  ASSERT_EQ(cells.size(), 1u);
+  EXPECT_EQ(cells[0], VoxelCell(50, 30, -1));
+}
+
+TEST_F(Gatherer, LeavesOutWhatIsTheRobotOrWithinThePadding) {
+  const std::vector<Vector3d> own = {{0, 0, 0}, {0.5, 0, 0}, {0.54, 0, 0}, {10, 0.54, 0.3}};
+  EXPECT_EQ(nbVoxels(own), 0u);
+  EXPECT_EQ(nbVoxels({{0.56, 0, 0}, {10, 0.56, 0.3}}), 2u);
+}
+
+TEST_F(Gatherer, LeavesOutWhatIsBeyondTheRangeFromTheSensor) {
+  config_.max_range = 3.0;
+  EXPECT_EQ(nbVoxels({{5, 2.9, 0}, {5, 3.1, 0}, {0, 2, 0}}), 1u);
+}
+
+TEST_F(Gatherer, LeavesOutWhatIsOutsideOfTheBoxInTheFixedFrame) {
+  config_.box = Eigen::AlignedBox3d(Vector3d(4, 1, 0), Vector3d(6, 3, 1));
+  EXPECT_EQ(nbVoxels({{4.55, 2, 0.55}, {3.9, 2, 0.5}, {5, 2, 1.1}, {5, 0.9, 0.5}}), 1u);
+}
+
+TEST_F(Gatherer, KeepsThePointsThatBecameVoxelsInTheFrameOfTheSensor) {
+  CloudGatherer gatherer(config_);
+  add(gatherer, {{0, 0, 0}, {5, 2, 0}, {10, 0, 0}});
+  ASSERT_EQ(gatherer.kept().size(), 1u);
+  EXPECT_TRUE(gatherer.kept()[0].isApprox(Vector3f(0, 2, 0)));
+}
+
+TEST_F(Gatherer, RemembersForTheTimeOfDecayUnlessEachCloudReplacesTheOneBefore) {
+  config_.decay = 1.5;
+  for (const bool replace : {false, true}) {
+    config_.replace = replace;
+    CloudGatherer gatherer(config_);
+    EXPECT_EQ(add(gatherer, {{5, 2, 0}})->size(), 1u);
+    EXPECT_EQ(add(gatherer, {{5, 3, 0}})->size(), replace ? 1u : 2u);
+    EXPECT_EQ(add(gatherer, {{5, 3, 0}})->size(), 1u);
+  }
+}
+
+TEST_F(Gatherer, UsesNoCloudWithoutThePoseOfALink) {
+  unknown_link_ = "b";
+  CloudGatherer gatherer(config_);
+  try {
+    add(gatherer, {{5, 2, 0}});
+    ADD_FAILURE() << "was used";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("'b' has no pose"));
+  }
+}
+
+TEST_F(Gatherer, SaysWhenThereAreMoreVoxelsThanMayBe) {
+  config_.max_voxels = 2;
+  CloudGatherer gatherer(config_);
+  EXPECT_FALSE(add(gatherer, {{5, 2, 0}, {5, 3, 0}})->isTruncated());
+  const auto voxels = add(gatherer, {{5, 2, 0}, {5, 3, 0}, {5, 4, 0}});
+  EXPECT_TRUE(voxels->isTruncated());
+  EXPECT_EQ(voxels->size(), 2u);
+}
+
+}  // namespace
+}  // namespace collision_pairs

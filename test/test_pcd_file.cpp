@@ -1,0 +1,102 @@
+// PCD files, as they are found and as they should not be.
+#include <cmath>
+#include <cstring>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "collision_pairs/input_error.h"
+#include "pcd_file.h"
+
+namespace collision_pairs {
+namespace {
+
+using Eigen::Vector3d;
+
+const std::string XYZ =
+    "# .PCD v0.7\nVERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 2\n"
+    "HEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS 2\n";
+
+template <class T>
+std::string bytesOf(const std::vector<T>& values) {
+  std::string bytes(values.size() * sizeof(T), '\0');
+  std::memcpy(bytes.data(), values.data(), bytes.size());
+  return bytes;
+}
+
+void expectRefused(const std::string& file, const std::string& why) {
+  try {
+    readPcd(file);
+    FAIL() << "was read; should say " << why;
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr(why));
+  }
+}
+
+TEST(PcdFile, TextIsRead) {
+  const auto points = readPcd(XYZ + "DATA ascii\n1 2 3\n-0.5 1e-3 nan\n");
+  ASSERT_EQ(points.size(), 2u);
+  EXPECT_EQ(points[0], Vector3d(1, 2, 3));
+  EXPECT_EQ(points[1].head<2>(), Eigen::Vector2d(-0.5, 1e-3));
+  EXPECT_TRUE(std::isnan(points[1][2]));
+}
+
+TEST(PcdFile, BinaryIsReadInSingleAndDoublePrecision) {
+  const auto points =
+      readPcd(XYZ + "DATA binary\n" + bytesOf<float>({1.5f, 2, 3, -4, NAN, INFINITY}));
+  ASSERT_EQ(points.size(), 2u);
+  EXPECT_EQ(points[0], Vector3d(1.5, 2, 3));
+  EXPECT_EQ(points[1][0], -4);
+  EXPECT_TRUE(std::isnan(points[1][1]));
+  EXPECT_TRUE(std::isinf(points[1][2]));
+  const std::string doubles =
+      "FIELDS x y z\nSIZE 8 8 8\nTYPE F F F\nWIDTH 1\nHEIGHT 1\nDATA binary\n";
+  EXPECT_EQ(readPcd(doubles + bytesOf<double>({0.1, -0.2, 1e9}))[0], Vector3d(0.1, -0.2, 1e9));
+}
+
+TEST(PcdFile, CoordinatesMayStandAnywhereAmongOtherFields) {
+  const std::string header =
+      "FIELDS rgb z normal x y label\nSIZE 4 8 4 4 4 1\nTYPE U F F F F I\nCOUNT 1 1 3 1 1 2\n"
+      "POINTS 1\n";
+  std::string point =
+      bytesOf<std::uint32_t>({7}) + bytesOf<double>({3.0}) + bytesOf<float>({9, 9, 9, 1, 2}) + "ab";
+  EXPECT_EQ(readPcd(header + "DATA binary\n" + point)[0], Vector3d(1, 2, 3));
+  EXPECT_EQ(readPcd(header + "DATA ascii\n7 3 9 9 9 1 2 0 0")[0], Vector3d(1, 2, 3));
+}
+
+TEST(PcdFile, NoPointsAreNone) {
+  const std::string none = "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nPOINTS 0\n";
+  EXPECT_TRUE(readPcd(none + "DATA binary\n").empty());
+  EXPECT_TRUE(readPcd(none + "DATA ascii\n").empty());
+}
+
+TEST(PcdFile, WhatIsWrongIsSaidWithItsLine) {
+  expectRefused("", "no line DATA");
+  expectRefused("hello world\n", "line 1: 'hello'");
+  expectRefused(XYZ + "DATA binary_compressed\nabc", "binary_compressed is not read");
+  expectRefused(XYZ + "DATA gzip\n", "'gzip'");
+  expectRefused(XYZ + "DATA\n", "line 11: DATA");
+  expectRefused(XYZ + "DATA binary\n" + bytesOf<float>({1, 2, 3, 4, 5}), "ends after 1");
+  expectRefused(XYZ + "DATA ascii\n1 2 3\n", "ends after 1");
+  expectRefused(XYZ + "DATA ascii\n1 2\n4 5 6\n", "line 12: 2 values");
+  expectRefused(XYZ + "DATA ascii\n1 2 3\n4 5 6\n7 8 9\n", "line 14: there are more points");
+  expectRefused(XYZ + "DATA ascii\n1 2 3x\n4 5 6\n", "line 12: '3x' is not a number");
+  expectRefused("FIELDS x y\nSIZE 4 4\nTYPE F F\nPOINTS 1\nDATA ascii\n1 2\n", "no field z");
+  expectRefused("FIELDS x y z\nSIZE 4 4\nTYPE F F F\nPOINTS 1\nDATA ascii\n", "equally many");
+  expectRefused("FIELDS x y z\nSIZE 4 4 2\nTYPE F F F\nPOINTS 1\nDATA ascii\n", "field z must be");
+  expectRefused("FIELDS x y z\nSIZE 4 4 4\nTYPE F F I\nPOINTS 1\nDATA ascii\n", "field z must be");
+  expectRefused("FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 3\nPOINTS 1\nDATA ascii\n",
+                "field z must be");
+  expectRefused("FIELDS x y z x\nSIZE 4 4 4 4\nTYPE F F F F\nPOINTS 1\nDATA ascii\n", "twice");
+  expectRefused("FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nDATA ascii\n", "neither POINTS nor");
+  expectRefused("FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 3\nHEIGHT 2\nPOINTS 5\nDATA ascii\n",
+                "WIDTH times HEIGHT is 6");
+  expectRefused("POINTS -1\n", "line 1: POINTS: '-1' is not a whole number");
+  expectRefused("SIZE 4 4.5 4\n", "'4.5' is not a whole number");
+  expectRefused("POINTS 1e300\n", "is not a whole number");
+  expectRefused("FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nPOINTS 3999999999\nDATA binary\n1234",
+                "ends after 0");
+}
+
+}  // namespace
+}  // namespace collision_pairs
