@@ -85,3 +85,12 @@ collision_pairs_warnings(motion_benchmark)
 add_executable(batch_benchmark test/benchmark/batch_benchmark.cpp)
 target_link_libraries(batch_benchmark PRIVATE collision_pairs_io)
 collision_pairs_warnings(batch_benchmark)
+
+# Clouds of points, beside FCL's OcTree; scripts/measure_clouds writes docs/clouds.md.
+# Debian: liboctomap-dev.
+find_package(octomap REQUIRED)
+add_executable(cloud_benchmark test/benchmark/benchmark_robots.cpp test/benchmark/cloud_benchmark.cpp
+  test/benchmark/cloud_scenes.cpp test/benchmark/moveit_loop.cpp)
+target_link_libraries(cloud_benchmark PRIVATE collision_pairs_io fcl ${OCTOMAP_LIBRARIES})
+target_include_directories(cloud_benchmark PRIVATE ${CORE_MODULES})
+collision_pairs_warnings(cloud_benchmark)

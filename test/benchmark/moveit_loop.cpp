@@ -60,20 +60,38 @@ MoveItLoop::MoveItLoop(const BenchmarkRobot& source)
     : robot_(makeObjects(*source.robot)),
       world_(makeObjects(*source.world)),
       world_tree_(std::make_shared<fcl::DynamicAABBTreeCollisionManagerd>()) {
+  readAllowed(source);
+  Poses X_RB;
+  source.world->forwardKinematics(source.world->zeroPositions(), X_RB);
+  for (Object& object : world_) {
+    object.object->setTransform(fcl::Transform3d((X_RB[object.body] * object.X_BE).matrix()));
+    object.object->computeAABB();
+  }
+  registerWorld();
+}
+
+MoveItLoop::MoveItLoop(const BenchmarkRobot& source, Geometry world)
+    : robot_(makeObjects(*source.robot)),
+      world_tree_(std::make_shared<fcl::DynamicAABBTreeCollisionManagerd>()) {
+  readAllowed(source);
+  world_.push_back({"world", 0, Eigen::Isometry3d::Identity(),
+                    std::make_shared<fcl::CollisionObjectd>(std::move(world))});
+  world_[0].object->setUserData(&world_[0].link);
+  registerWorld();
+}
+
+void MoveItLoop::registerWorld() {
+  for (Object& object : world_) world_tree_->registerObject(object.object.get());
+  world_tree_->setup();
+}
+
+void MoveItLoop::readAllowed(const BenchmarkRobot& source) {
   std::vector<std::string> links;
   for (const Link& link : source.robot->links()) links.push_back(link.name);
   for (const auto& [a, b] : source.srdf.switchedOff(links)) {
     allowed_[a][b] = true;
     allowed_[b][a] = true;
   }
-  Poses X_RB;
-  source.world->forwardKinematics(source.world->zeroPositions(), X_RB);
-  for (Object& object : world_) {
-    object.object->setTransform(fcl::Transform3d((X_RB[object.body] * object.X_BE).matrix()));
-    object.object->computeAABB();
-    world_tree_->registerObject(object.object.get());
-  }
-  world_tree_->setup();
 }
 
 MoveItLoop::Objects MoveItLoop::copiesAt(const Poses& X_RB) const {
@@ -174,6 +192,12 @@ bool MoveItLoop::collides(const Poses& X_RB) const {
   Query query{&allowed_, false, false, {}, {}};
   querySelf(X_RB, query);
   if (!query.done) queryWorld(X_RB, query);
+  return query.done;
+}
+
+bool MoveItLoop::worldCollides(const Poses& X_RB) const {
+  Query query{&allowed_, false, false, {}, {}};
+  queryWorld(X_RB, query);
   return query.done;
 }
 

@@ -21,6 +21,8 @@ namespace collision_pairs {
 class MoveItLoop {
  public:
   explicit MoveItLoop(const BenchmarkRobot& source);
+  /// With one geometry at the origin of W instead of the world, such as an octree.
+  MoveItLoop(const BenchmarkRobot& source, std::shared_ptr<fcl::CollisionGeometryd> world);
 
   using Poses = std::vector<Eigen::Isometry3d>;  ///< of RobotModel::bodies()
 
@@ -29,6 +31,7 @@ class MoveItLoop {
   std::size_t selfContacts(const Poses& X_RB) const;
   double selfDistance(const Poses& X_RB) const;
   bool collides(const Poses& X_RB) const;  ///< self, then world
+  bool worldCollides(const Poses& X_RB) const;
   double worldDistance(const Poses& X_RB) const;
 
  private:
@@ -47,6 +50,8 @@ class MoveItLoop {
   static bool onDistance(fcl::CollisionObjectd* a, fcl::CollisionObjectd* b, void* data,
                          double& bound);
   static std::vector<Object> makeObjects(const RobotModel& robot);
+  void readAllowed(const BenchmarkRobot& source);
+  void registerWorld();
 
   Objects copiesAt(const Poses& X_RB) const;
   void querySelf(const Poses& X_RB, Query& query) const;

@@ -35,6 +35,39 @@ def free_port():
         return probe.getsockname()[1]
 
 
+class Robot:
+    """A roscore on a free port that has the robot's description; ends what it started when it is left."""
+
+    def __init__(self, urdf, srdf):
+        self._urdf, self._srdf, self._started = urdf, srdf, []
+
+    def __enter__(self):
+        port = free_port()
+        os.environ.update(ROS_MASTER_URI="http://localhost:%d" % port, ROS_HOSTNAME="localhost")
+        self._launch("roscore", "-p", str(port))
+        while subprocess.run(["rosparam", "set", "robot_description", "-t", self._urdf],
+                             stderr=subprocess.DEVNULL).returncode:
+            time.sleep(0.2)
+        if self._srdf:
+            subprocess.run(["rosparam", "set", "robot_description_semantic", "-t", self._srdf], check=True)
+        return self
+
+    def __exit__(self, *_):
+        for process in reversed(self._started):
+            process.terminate()
+            process.wait()
+
+    def _launch(self, *command):
+        self._started.append(subprocess.Popen(command, stdout=subprocess.DEVNULL))
+        return self._started[-1].pid
+
+    def start(self, package, name, *arguments):
+        """The id of the node's process."""
+        found = subprocess.run(["catkin_find", "--first-only", "--libexec", package, name], check=True,
+                               stdout=subprocess.PIPE, text=True).stdout.strip()
+        return self._launch(found or os.path.join("/usr/lib", package, name), *arguments)
+
+
 def cpu_seconds(pid):
     with open("/proc/%d/stat" % pid) as stat:
         fields = stat.read().rsplit(")", 1)[1].split()
@@ -144,33 +177,9 @@ def main():
     options = arguments()
     if "NODE_LOAD_CLIENT" in os.environ:
         return ask_without_pause(os.environ["NODE_LOAD_CLIENT"], options)
-    port = free_port()
-    os.environ.update(ROS_MASTER_URI="http://localhost:%d" % port, ROS_HOSTNAME="localhost")
-    started = []
-
-    def start(*command):
-        started.append(subprocess.Popen(command, stdout=subprocess.DEVNULL))
-        return started[-1].pid
-
-    def executable(package, name):
-        found = subprocess.run(["catkin_find", "--first-only", "--libexec", package, name], check=True,
-                               stdout=subprocess.PIPE, text=True).stdout.strip()
-        return found or os.path.join("/usr/lib", package, name)
-
-    try:
-        start("roscore", "-p", str(port))
-        while subprocess.run(["rosparam", "set", "robot_description", "-t", options.urdf],
-                             stderr=subprocess.DEVNULL).returncode:
-            time.sleep(0.2)
-        if options.srdf:
-            subprocess.run(["rosparam", "set", "robot_description_semantic", "-t", options.srdf], check=True)
-        start(executable("robot_state_publisher", "robot_state_publisher"))
-        node = start(executable("collision_pairs", "collision_pairs_node"), "_rate:=%g" % options.rate)
-        measure(options, node)
-    finally:
-        for process in reversed(started):
-            process.terminate()
-            process.wait()
+    with Robot(options.urdf, options.srdf) as robot:
+        robot.start("robot_state_publisher", "robot_state_publisher")
+        measure(options, robot.start("collision_pairs", "collision_pairs_node", "_rate:=%g" % options.rate))
 
 
 if __name__ == "__main__":
