@@ -201,7 +201,9 @@ TEST_F(GradientOfDistance, IsTheDifferenceQuotientOfPairsThatAreApart) {
 
 // A cylinder near a box, at its rim mostly. What GJK says of the normal there is off by up to 3e-5,
 // so the truth is sought otherwise: from one to the nearest point of the other, to and fro.
-TEST_F(GradientOfDistance, IsRightAtTheRimOfACylinder) {
+class GradientAtTheRim : public GradientOfDistance, public testing::WithParamInterface<double> {};
+
+TEST_P(GradientAtTheRim, OfACylinderIsRightAlsoWithinThePadding) {
   const Cylinder cylinder{0.08, 0.1};
   const Vector3d half(0.1, 0.15, 0.2);
   const std::string xml = linkWith("box", "<box size='0.2 0.3 0.4'/>") + emptyLink("arm") +
@@ -209,13 +211,14 @@ TEST_F(GradientOfDistance, IsRightAtTheRimOfACylinder) {
                           turning("arm", "box", "0 0 0.3") + turning("tip", "arm", "0.2 0.1 -0.1");
   SceneDescription description;
   description.robots.push_back({robotFrom(xml), Srdf(), ""});
+  description.settings.padding = 0.5 * GetParam();
   Probe probe(description, {"j_arm", "j_tip"});
-  probe.settings.alarm_distance = 0.03;
+  probe.settings.alarm_distance = std::max(0.03 - GetParam(), 0.0);
   int nb_compared = 0;
   for (int i = 0; i < 3000; ++i) {
     const Eigen::VectorXd q = randomState(random_, 2);
     const std::vector<PairReport> pairs = probe.at(q).pairs;
-    if (pairs.empty() || pairs[0].distance < 1e-3) continue;
+    if (pairs.empty() || pairs[0].distance + GetParam() < 1e-3) continue;
     Eigen::VectorXd gradient;
     ASSERT_TRUE(probe.gradient(pairs[0], gradient));
     const Isometry3d X_WT = probe.poseOf("tip", q);
@@ -239,6 +242,9 @@ TEST_F(GradientOfDistance, IsRightAtTheRimOfACylinder) {
   }
   EXPECT_GT(nb_compared, 200);
 }
+
+INSTANTIATE_TEST_SUITE_P(Plain, GradientAtTheRim, testing::Values(0.0));
+INSTANTIATE_TEST_SUITE_P(Padded, GradientAtTheRim, testing::Values(0.03));
 
 TEST_F(GradientOfDistance, IsThatOfTheDistanceLessPaddingAndOfCapsules) {
   SceneDescription description = describe(arms());

@@ -102,8 +102,9 @@ void DistanceGradient::refineAtCylinders(const PairReport& pair,
   if (!is_apart || (!isCylinder(rung_a) && !isCylinder(rung_b))) return;
   const Isometry3d X_WA = poseOf(nearest.elements.first, nearest, scene_, X_WB);
   const Isometry3d X_AB = X_WA.inverse() * poseOf(nearest.elements.second, nearest, scene_, X_WB);
-  const ClosestPair closest = closestPairNear(*rung_a.shape, *rung_b.shape, X_AB,
-                                              X_WA.inverse() * nearest.p_WSecond, narrow_phase_);
+  const Vector3d p_WShape = nearest.p_WSecond + 0.5 * padding * nearest.nhat_W;  // not its padding
+  const ClosestPair closest =
+      closestPairNear(*rung_a.shape, *rung_b.shape, X_AB, X_WA.inverse() * p_WShape, narrow_phase_);
   const Vector3d apart = closest.p_ACb - closest.p_ACa;
   if (!(apart.norm() > 0.0) || !apart.allFinite()) return;
   nearest.p_WFirst = X_WA * closest.p_ACa;
