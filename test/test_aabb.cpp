@@ -70,6 +70,18 @@ TEST(Aabb, OfAMeshIsTheBoxOfItsVertices) {
   EXPECT_TRUE(box.max.isApprox(Vector3d(11, 22, 33), 1e-14));
 }
 
+TEST(Aabb, OfAFloorEndsAtItsSurfaceAndOfACeilingBeginsThere) {
+  Eigen::Isometry3d X_WE = Eigen::Isometry3d::Identity();
+  X_WE.translation().z() = 2.0;
+  const Aabb floor = computeAabb(HalfSpace{}, X_WE);
+  X_WE.linear() = Vector3d(1.0, -1.0, -1.0).asDiagonal();
+  const Aabb ceiling = computeAabb(HalfSpace{}, X_WE);
+  EXPECT_NEAR(floor.max.z(), 2.0, 1e-14);
+  EXPECT_LT(floor.min.z(), -1e300);
+  EXPECT_NEAR(ceiling.min.z(), 2.0, 1e-14);
+  EXPECT_GT(ceiling.max.z(), 1e300);
+}
+
 TEST(Aabb, GapIsTheEuclideanDistanceOverAllAxes) {
   const Aabb a{{0, 0, 0}, {1, 1, 1}};
   EXPECT_EQ(squaredGap(a, {{4, 5, 0}, {5, 6, 1}}), 9.0 + 16.0);

@@ -58,6 +58,33 @@ TEST(ClosedForms, CrossedCapsulesHaveTheNormalAcrossBothAxes) {
   EXPECT_NEAR(std::abs(result.nhat_AB_A[0]), 1.0, 1e-15);
 }
 
+TEST(ClosedForms, CapsulesThatCrossBeyondTheirEndsAreMeasuredFromTheEnds) {
+  Eigen::Isometry3d X_AB = Eigen::Isometry3d::Identity();
+  X_AB.linear() = Eigen::AngleAxisd(M_PI / 2, Eigen::Vector3d::UnitX()).toRotationMatrix();
+  for (const double y : {-2.0, 0.0, 2.0}) {  // B lies along y, a metre beside A, which lies along z
+    for (const double z : {-2.0, 0.0, 2.0}) {
+      X_AB.translation() = Eigen::Vector3d(1.0, y, z);
+      const double beyond_a = z == 0.0 ? 0.0 : 1.5, beyond_b = y == 0.0 ? 0.0 : 1.5;
+      const PairDistance result = distanceOf(Capsule{0.1, 1.0}, Capsule{0.2, 1.0}, X_AB);
+      EXPECT_NEAR(result.distance, Eigen::Vector3d(1.0, beyond_b, beyond_a).norm() - 0.3, 1e-15);
+    }
+  }
+}
+
+TEST(ClosedForms, BoxesThatOverlapTouchWhateverRoundingLeavesInTheRotation) {
+  NarrowPhase narrow_phase;
+  const auto small = prepareShape(Box{{0.2, 0.2, 0.2}}), large = prepareShape(Box{{2.0, 2.0, 2.0}});
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 3; ++column) {
+      Eigen::Isometry3d X_AB = at(0.9, 0.9, 0.9);
+      if (row != column) X_AB.linear()(row, column) = 1e-16;
+      EXPECT_TRUE(narrow_phase.touches(*small, *large, X_AB)) << row << column;
+      X_AB.translation() *= -1.0;
+      EXPECT_TRUE(narrow_phase.touches(*small, *large, X_AB)) << row << column;
+    }
+  }
+}
+
 TEST(ClosedForms, ParallelAndOverlappingCapsulesAgree) {
   EXPECT_DOUBLE_EQ(distanceOf(Capsule{0.1, 1.0}, Capsule{0.2, 1.0}, at(0.5, 0.0, 0.3)).distance,
                    0.2);

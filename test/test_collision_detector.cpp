@@ -298,6 +298,17 @@ TEST(CollisionScene, WorldIsCheckedAgainstTheRobotAndNotAgainstItself) {
   EXPECT_THAT(found, testing::ElementsAre(testing::Key("a|floor"), testing::Key("a|wall")));
 }
 
+TEST(CollisionScene, WhatIsStaticMayBeAddedPairByPair) {
+  const auto scene =
+      CollisionScene::build(robotFrom(slidingBoxes(2)), std::nullopt, robotFrom(boxLink("wall", 1)));
+  CollisionDetector detector(scene);
+  detector.beginNarrowPhase(boxesAt(*scene, {0.0, 0.1}), alarm(0.0));
+  detector.addCollisionPair(static_cast<std::uint32_t>(scene->findModel("wall")),
+                            static_cast<std::uint32_t>(scene->findModel("a")));
+  EXPECT_THAT(distances(detector.endNarrowPhase(), *scene),
+              testing::ElementsAre(testing::Key("a|wall")));
+}
+
 TEST(CollisionScene, ANameInRobotAndWorldIsRefused) {
   const auto world = robotFrom(boxLink("a", 1));
   EXPECT_THROW(CollisionScene::build(robotFrom(slidingBoxes(2)), std::nullopt, world), InputError);

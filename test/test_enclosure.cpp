@@ -45,6 +45,14 @@ TEST(Enclosure, BoxOfATurnedBoxIsThatBox) {
   EXPECT_NEAR(box.size.prod(), 2.0 * 4.0 * 8.0, 1e-9);
 }
 
+TEST(Enclosure, BoxOfACapsuleHoldsBothOfItsCaps) {
+  const auto [box, X_EO] = enclosingBox(Capsule{0.1, 1.0});
+  EXPECT_TRUE(X_EO.isApprox(Eigen::Isometry3d::Identity()));
+  EXPECT_GE(0.5 * box.size.z(), 0.5 * 1.0 + 0.1);
+  EXPECT_GE(0.5 * box.size.x(), 0.1);
+  EXPECT_GE(0.5 * box.size.y(), 0.1);
+}
+
 TEST(Enclosure, FewerPointsGrownByTheirMarginReachAsFar) {
   RandomInputs random;
   for (int round = 0; round < 30; ++round) {

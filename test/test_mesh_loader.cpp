@@ -62,6 +62,18 @@ TEST_F(MeshLoaderTest, ScaleAppliesToEachAxisAndMayMirror) {
   EXPECT_TRUE((box.max - Eigen::Vector3d(0, 1, 0)).isZero(1e-12));
 }
 
+TEST_F(MeshLoaderTest, OneFileAtScalesThatDifferOnOneAxisIsTwoMeshes) {
+  const std::string uri = file("t.stl", binaryStl({{0, 0, 0, 1, 0, 1, 0, 2, 1}}));
+  for (int axis = 0; axis < 3; ++axis) {
+    Eigen::Vector3d scale = ONE;
+    scale[axis] = 3.0;
+    const auto plain = load_(uri, ONE), stretched = load_(uri, scale);
+    for (std::size_t i = 0; i < plain->vertices.size(); ++i) {
+      EXPECT_EQ(stretched->vertices[i], plain->vertices[i].cwiseProduct(scale)) << axis;
+    }
+  }
+}
+
 TEST_F(MeshLoaderTest, ReadsPackageUrisAndObj) {
   const auto arch = load_("package://collision_pairs/config/demo/meshes/arch.obj", ONE);
   const Aabb box = computeAabb(Mesh{arch}, Eigen::Isometry3d::Identity());

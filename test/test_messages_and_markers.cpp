@@ -6,8 +6,9 @@
 #include <gtest/gtest.h>
 
 #include "conversions.h"
-#include "demo_scene.h"
+#include "geometry_conversions.h"
 #include "markers.h"
+#include "mixed_robot.h"
 
 namespace collision_pairs {
 namespace {
@@ -109,6 +110,38 @@ TEST_F(Report, OfBoxesApartIsFreeAndWithAnythingLeftOutUnknown) {
             std::vector<std::string>{"pairs that may be in contact are unresolved: b|c"});
 }
 
+TEST_F(Report, ALinkThatIsLeftOutForTwoReasonsIsNamedOnce) {
+  BodyPoses poses;
+  poses.resize(scene_->bodies().size());
+  poses.known[scene_->models()[2].body] = 0;
+  const CollisionPairs message = toMessage(detector_.detect(poses, settings_), *scene_, settings_,
+                                           "world", ros::Time(7), {"c", "a_broken"});
+  EXPECT_EQ(message.left_out, (std::vector<std::string>{"a_broken", "c"}));
+}
+
+TEST_F(Report, NamesUpToTenLinksAndCountsTheRest) {
+  const auto reasonFor = [&](int count) {
+    std::vector<std::string> broken;
+    for (int i = 0; i < count; ++i) broken.push_back("l" + std::to_string(i));
+    return whyUnknown(detector_.report(), *scene_, broken).front();
+  };
+  EXPECT_EQ(reasonFor(10),
+            "geometry that could not be read: l0, l1, l2, l3, l4, l5, l6, l7, l8, l9");
+  EXPECT_EQ(reasonFor(12), reasonFor(10) + " and 2 more");
+}
+
+TEST_F(Report, DoesNotBlameOpenPairsThatAreKnownToBeApart) {
+  BodyPoses poses;
+  poses.resize(scene_->bodies().size());
+  const double x[] = {0.0, 0.5, 1.6, 9.0};  // a meets b; b and c are near
+  for (int i = 0; i < 4; ++i) {
+    poses.X_WB[scene_->models()[i].body].translation().x() = x[i];
+  }
+  settings_.time_budget = 1e-12;
+  EXPECT_EQ(whyUnknown(detector_.detect(poses, settings_), *scene_, {}),
+            std::vector<std::string>{"pairs that may be in contact are unresolved: a|b"});
+}
+
 TEST_F(Report, OfLinksWithoutPosesBoundsNoDistance) {
   BodyPoses poses;
   poses.resize(scene_->bodies().size());
@@ -179,6 +212,107 @@ TEST_F(Report, MarkersTellTheThreeKindsOfBoxesApart) {
     colours.insert({marker.color.r, marker.color.g, marker.color.b});
   }
   EXPECT_EQ(colours.size(), 3u);
+}
+
+TEST_F(Report, MarkersNameTheDeepestPairAndPointFromItsFirstLinkToItsSecond) {
+  BodyPoses poses;
+  poses.resize(scene_->bodies().size());
+  const double x[] = {0.0, 0.9, 1.5, 9.0};
+  for (int i = 0; i < 4; ++i) {
+    poses.X_WB[scene_->models()[i].body].translation().x() = x[i];
+  }
+  detector_.detect(poses, settings_);
+  EXPECT_EQ(markers(false).markers.at(2).text, "b | c");
+  for (const Marker& marker : markers(false).markers) {
+    if (marker.type != Marker::ARROW || marker.action != Marker::ADD) continue;
+    EXPECT_GT(marker.points.at(1).x, marker.points.at(0).x);
+  }
+}
+
+/// Of one scene and its detector, with the links where `place` puts them.
+class OfMixedLinks : public testing::Test {
+ protected:
+  OfMixedLinks() {
+    poses_.resize(scene_->bodies().size());
+    for (std::size_t i = 0; i < poses_.X_WB.size(); ++i) {
+      poses_.X_WB[i].translation().y() = 10.0 * static_cast<double>(i + 1);
+    }
+  }
+  void place(const std::string& link, double x) {
+    auto& X_WB = poses_.X_WB[scene_->models()[scene_->findModel(link)].body];
+    X_WB = Eigen::Translation3d(x, 0, 0) * Eigen::Isometry3d::Identity();
+  }
+  CollisionPairs message() {
+    return toMessage(detector_.detect(poses_, CheckSettings()), *scene_, CheckSettings(), "world",
+                     ros::Time(7), {});
+  }
+  std::shared_ptr<const CollisionScene> scene_ =
+      CollisionScene::build(mixedRobot(2), std::nullopt, nullptr);
+  CollisionDetector detector_{scene_};
+  BodyPoses poses_;
+};
+
+TEST_F(OfMixedLinks, AContactNamesTheElementWithinItsLink) {
+  place("z", 0.0);  // its second element is a sphere at x = 0.2 that reaches to 0.3
+  place("c", 0.4);  // a sphere
+  const CollisionPairs found = message();
+  ASSERT_EQ(found.pairs.size(), 1u);
+  ASSERT_EQ(found.pairs[0].contacts.size(), 1u);
+  EXPECT_EQ(found.pairs[0].contacts[0].first_element, 0u);
+  EXPECT_EQ(found.pairs[0].contacts[0].second_element, 1u);
+}
+
+TEST_F(OfMixedLinks, TheDepthOfMeshesIsSaidToBeABound) {
+  place("d", 0.0);
+  place("e", 0.1);
+  const CollisionPairs found = message();
+  ASSERT_EQ(found.pairs.size(), 1u);
+  EXPECT_EQ(found.pairs[0].state, CollisionPair::CONTACT);
+  EXPECT_EQ(found.pairs[0].certainty, CollisionPair::DEPTH_BOUND);
+}
+
+TEST_F(OfMixedLinks, SpheresThatTouchExactlyAreDrawnInContact) {
+  place("c", 0.0);
+  place("k", 0.3);
+  const CollisionPairs found = message();
+  ASSERT_EQ(found.pairs.size(), 1u);
+  ASSERT_EQ(found.pairs[0].distance, 0.0);
+  std::map<std::string, int> count;
+  for (const Marker& marker : toMarkers(found, &detector_.report(), false).markers) {
+    ++count[marker.ns];
+  }
+  EXPECT_EQ(count["boxes_in_contact"], 2);
+  EXPECT_EQ(count["normals"], 1);
+}
+
+TEST(BoxMarkers, OfWhatIsFlatAreDrawable) {
+  const auto scene =
+      CollisionScene::build(robotFrom(linkWith("root", "<box size='1 1 0'/>") + boxLink("a", 1.0) +
+                                      joint("j", "floating", "root", "a", "0 0 0", "")),
+                            Srdf{}, nullptr);
+  CollisionDetector detector(scene);
+  BodyPoses poses;
+  poses.resize(scene->bodies().size());
+  const auto& report = detector.detect(poses, CheckSettings());
+  const auto message = toMessage(report, *scene, CheckSettings(), "world", ros::Time(7), {});
+  for (const Marker& marker : toMarkers(message, &report, false).markers) {
+    if (marker.type != Marker::CUBE || marker.action != Marker::ADD) continue;
+    EXPECT_GE(marker.scale.z, 1e-6);  // rviz shows nothing where an edge has no length
+  }
+}
+
+TEST(PoseOfAMessage, IsThePose) {
+  RandomInputs random;
+  for (int round = 0; round < 100; ++round) {
+    const Eigen::Isometry3d X = random.pose(2.0);
+    Eigen::Isometry3d X_found;
+    ASSERT_TRUE(toIsometry(toPose(X), X_found));
+    EXPECT_TRUE(X_found.isApprox(X, 1e-12));
+  }
+  geometry_msgs::Pose pose = toPose(Eigen::Isometry3d::Identity());
+  pose.position.y = std::nan("");
+  Eigen::Isometry3d X_none;
+  EXPECT_FALSE(toIsometry(pose, X_none));
 }
 
 TEST_F(Report, OtherBoxesAreHiddenOnRequest) {

@@ -186,6 +186,31 @@ TEST(MotionPitfalls, BoundsAreRoundedOutwardsForJointsThatHaveTurnedFar) {
   }
 }
 
+// A cube that turns about its diagonal: its box grows on all three axes at once, so that the corner
+// of the box is faster than any point of the cube.
+TEST(MotionPitfalls, AnAlignedBoxMayGrowOnAllAxesAtOnce) {
+  const Eigen::Vector3d diagonal = Eigen::Vector3d::Ones().normalized();
+  const auto robot =
+      robotFrom(emptyLink("root") + boxLink("cube", 1.0) +
+                joint("turn", "continuous", "root", "cube", "0 0 0", "<axis xyz='1 1 1'/>"));
+  const auto halfSizeAt = [&](double angle) {
+    return 0.5 * Eigen::AngleAxisd(angle, diagonal).toRotationMatrix().row(0).cwiseAbs().sum();
+  };
+  constexpr double MIDDLE = 0.1;
+  MotionSettings settings;
+  settings.fidelity = Fidelity::AABB;
+  for (const double gap : {1e-3, 1e-2}) {  // on each axis
+    const double corner = halfSizeAt(MIDDLE) + gap;
+    const auto scene =
+        sceneOf(robot, {boxAt("post", Eigen::Vector3d::Constant(corner + 0.5), {1.0, 1.0, 1.0})});
+    double way = 0.0;  // to where the boxes meet
+    while (halfSizeAt(MIDDLE + way) < corner) way += 1e-3 * gap;
+    EXPECT_NE(checked(scene, {MIDDLE - way}, {MIDDLE + way}, settings).verdict, Verdict::FREE);
+    EXPECT_EQ(checked(scene, {MIDDLE - way}, {MIDDLE + 0.5 * way}, settings).verdict,
+              Verdict::FREE);
+  }
+}
+
 TEST(MotionPitfalls, AHalfSpaceThatTurnsIsNeverCertified) {
   RigidObject wall = floorAt(-5.0, {});
   wall.attached_link = "arm";

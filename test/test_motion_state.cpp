@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "demo_scene.h"
+#include "mixed_robot.h"
 #include "motion_state.h"
 #include "random_inputs.h"
 
@@ -234,6 +234,32 @@ TEST(MotionState, PosesAreThoseOfForwardKinematicsToTheLastBit) {
     scene->gatherPoses(X_WB, expected);
     for (std::size_t b = 0; b < expected.X_WB.size(); ++b) {
       EXPECT_EQ(poses.X_WB[b].matrix(), expected.X_WB[b].matrix());
+    }
+  }
+}
+
+TEST(MotionState, BallsHoldTheShapesOfAllRungs) {
+  SceneSettings settings;
+  settings.max_hull_vertices = 5;  // so few that the hull sticks out far
+  const auto scene = CollisionScene::build(mixedRobot(), Srdf{}, nullptr, settings);
+  const MotionPairs pairs(*scene);
+  MotionState state(*scene, pairs);
+  const std::vector<double> still(scene->robot().joints().size(), 0.0);
+  state.begin({still, still}, {}, false);
+  state.moveTo(0.5, 0.5);
+  for (std::uint32_t e = 0; e < scene->elements().size(); ++e) {
+    const SceneElement& element = scene->elements()[e];
+    for (const Fidelity fidelity : {Fidelity::OBB, Fidelity::CONVEX}) {
+      const Rung& rung = element.rung(fidelity);
+      std::vector<Vector3d> corners;
+      const Shape& shape = rung.shape->shape();
+      if (const auto* convex = std::get_if<Convex>(&shape)) corners = convex->mesh->vertices;
+      if (const auto* box = std::get_if<Box>(&shape)) corners = boxMesh(0.5 * box->size).vertices;
+      for (const Vector3d& p : corners) {
+        EXPECT_LE((rung.X_ER * p - element.box_center).norm() + rung.margin,
+                  state.ball(e).radius * (1.0 + 1e-12))
+            << e << " at " << fidelityName(fidelity);
+      }
     }
   }
 }

@@ -104,7 +104,7 @@ TEST(NarrowPhase, APoseThatIsNoPoseIsADegradedContact) {
   X_AB.translation() = Vector3d(0.1 / 3.0, 2.0, std::nan(""));
   const PairDistance result = narrow_phase.distance(*A, *B, X_AB, 0.7);
   EXPECT_EQ(result.certainty, Certainty::DEGRADED);
-  EXPECT_TRUE(result.touches());
+  EXPECT_LT(result.distance, -0.5) << "they may be as deep in each other as they are large";
   EXPECT_TRUE(narrow_phase.touches(*A, *B, X_AB));
   EXPECT_EQ(narrow_phase.numDegraded(), 2U);
 }
@@ -116,6 +116,29 @@ TEST(NarrowPhase, ARotationThatIsNoneIsADegradedContact) {
   const auto A = prepareShape(Sphere{1.0});
   EXPECT_TRUE(narrow_phase.touches(*A, *A, X_AB));
   EXPECT_EQ(narrow_phase.numDegraded(), 1U);
+  X_AB.linear() = Vector3d(-1.0, 1.0, 1.0).asDiagonal();  // a reflection
+  X_AB.translation().x() = 9.0;
+  EXPECT_EQ(narrow_phase.distance(*A, *A, X_AB, INF).certainty, Certainty::DEGRADED);
+  EXPECT_TRUE(narrow_phase.touches(*A, *A, X_AB));
+  EXPECT_EQ(narrow_phase.numDegraded(), 3U);
+}
+
+// A corner of a box above the inner face of an L, so near that the two points tell no direction.
+TEST(NarrowPhase, SurfacesThatNearlyTouchHaveTheNormalOfTheFace) {
+  RandomInputs random;
+  NarrowPhase narrow_phase;
+  const auto A = prepareShape(meshShape(LShape().mesh()));  // the face is z = 0.05
+  const Vector3d half(0.02, 0.01, 0.015);
+  const auto B = prepareShape(Box{2.0 * half});
+  for (int i = 0; i < 100; ++i) {
+    Isometry3d X_AB = random.pose(0.0);
+    double lowest = 0.0;
+    for (const Vector3d& p : boxMesh(half).vertices) lowest = std::min(lowest, (X_AB * p).z());
+    X_AB.translation() = Vector3d(-0.05, 0.0, 0.05 - lowest + 1e-14);
+    const PairDistance result = narrow_phase.distance(*A, *B, X_AB, 1.0);
+    if (result.touches()) continue;  // by rounding
+    EXPECT_TRUE(result.nhat_AB_A.isApprox(Vector3d::UnitZ(), 1e-6)) << result.nhat_AB_A.transpose();
+  }
 }
 
 TEST(NarrowPhase, AQuaternionThatIsNotQuiteNormalisedIsMended) {
@@ -130,6 +153,16 @@ TEST(NarrowPhase, AQuaternionThatIsNotQuiteNormalisedIsMended) {
                 narrow_phase.distance(*A, *B, X_AB, INF).distance, 1e-9);
   }
   EXPECT_EQ(narrow_phase.numDegraded(), 0U);
+}
+
+TEST(NarrowPhase, VerticesWithoutATriangleAreNoPartOfAMesh) {
+  NarrowPhase narrow_phase;
+  TriangleMesh mesh = boxMesh({0.5, 0.5, 0.5});
+  mesh.vertices.emplace_back(9.0, 0.0, 0.0);
+  const auto A = prepareShape(meshShape(mesh)), B = prepareShape(Sphere{0.5});
+  Isometry3d X_AB = Isometry3d::Identity();
+  X_AB.translation().x() = 5.0;
+  EXPECT_DOUBLE_EQ(narrow_phase.distance(*A, *B, X_AB, INF).distance, 4.0);
 }
 
 TEST(NarrowPhase, DefectiveShapesAreRefusedByName) {

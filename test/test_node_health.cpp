@@ -50,5 +50,66 @@ TEST(NodeHealth, AProblemStaysAnErrorBesideOverruns) {
   EXPECT_THAT(status.message, HasSubstr("there is no robot"));
 }
 
+class Health : public testing::Test {
+ protected:
+  void noteCycle(std::uint8_t verdict, double cycle_time = 0.001) {
+    CollisionPairs message;
+    message.verdict = verdict;
+    if (verdict == CollisionPairs::UNKNOWN) message.unknown_because = {"no usable pose: arm"};
+    health_.noteCycle(message, 0.01, cycle_time, 0.02, 3);
+  }
+  DiagnosticStatus status() {
+    diagnostic_updater::DiagnosticStatusWrapper status;
+    health_.diagnose(status);
+    return status;
+  }
+  std::string value(const std::string& key) {
+    for (const auto& entry : status().values) {
+      if (entry.key == key) return entry.value;
+    }
+    return "there is no " + key;
+  }
+  NodeHealth health_;
+};
+
+TEST_F(Health, IsWellWhateverTheVerdictIfThereIsOne) {
+  for (const std::uint8_t verdict : {CollisionPairs::FREE, CollisionPairs::COLLISION}) {
+    noteCycle(verdict);
+    EXPECT_EQ(status().level, DiagnosticStatus::OK);
+  }
+  EXPECT_EQ(value("verdict"), "COLLISION");
+  noteCycle(CollisionPairs::UNKNOWN);
+  EXPECT_EQ(status().level, DiagnosticStatus::WARN);
+  EXPECT_THAT(status().message, HasSubstr("no usable pose: arm"));
+}
+
+TEST_F(Health, WarnsWhileTransformsAreRefused) {
+  noteCycle(CollisionPairs::FREE);
+  health_.noteTransforms({"transform of 'arm': its stamp is zero"}, 0);
+  EXPECT_EQ(status().level, DiagnosticStatus::WARN);
+  EXPECT_THAT(value("transforms refused"), HasSubstr("'arm'"));
+  health_.noteTransforms({}, 0);
+  EXPECT_EQ(status().level, DiagnosticStatus::OK);
+}
+
+TEST_F(Health, IsAnErrorWithoutAVerdictWhereNothingIsChecked) {
+  CollisionPairs message;
+  message.verdict = CollisionPairs::COLLISION;
+  message.left_out = {"arm"};
+  message.nb_pairs = 7;
+  message.pairs.resize(1);
+  message.pairs[0].state = CollisionPair::UNRESOLVED;
+  health_.noteCycle(message, 0.01, 0.001, 0.02, 3);
+  EXPECT_EQ(value("unresolved pairs"), "1");
+  health_.noteProblem("there is no robot");
+  EXPECT_EQ(status().level, DiagnosticStatus::ERROR);
+  EXPECT_THAT(status().message, HasSubstr("there is no robot"));
+  EXPECT_EQ(value("verdict"), "UNKNOWN");
+  EXPECT_EQ(value("transform age [s]"), "no usable transform");
+  EXPECT_EQ(value("links left out"), "") << "that was an earlier cycle's";
+  EXPECT_EQ(value("nb_pairs"), "0");
+  EXPECT_EQ(value("unresolved pairs"), "0");
+}
+
 }  // namespace
 }  // namespace collision_pairs

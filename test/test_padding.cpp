@@ -80,6 +80,17 @@ TEST_F(Padding, TakesItsSumFromTheDistanceOfEachPair) {
   EXPECT_GT(nb_apart, 100);
 }
 
+TEST_F(Padding, OfALinkOfTheWorldIsItsOwn) {
+  SceneDescription description;
+  description.robots.push_back({robotFrom(slidingBoxes(1)), std::nullopt, ""});
+  description.world = robotFrom(boxLink("wall", 1));
+  description.settings.link_padding = {{"wall", 0.25}};
+  BodyPoses poses;
+  poses.resize(1);
+  poses.X_WB[0].translation().x() = 1.5;
+  EXPECT_NEAR(check(description, poses, 0.5).at({"a", "wall"}).distance, 0.25, 1e-9);
+}
+
 TEST_F(Padding, WitnessPointsAreApartByTheDistanceAlongTheNormal) {
   SceneDescription padded = mixedDescription();
   padded.settings.padding = 0.03;

@@ -130,6 +130,22 @@ TEST(RobotModel, MimicsFollowThroughChains) {
   EXPECT_EQ(q[robot->findJoint("first")], 0.0);
 }
 
+TEST(RobotModel, MimicsOfOneRobotFollowNoJointOfAnother) {
+  const std::string limit = "<limit lower='-9' upper='9'/>";
+  const auto alone = robotFrom(
+      emptyLink("a") + emptyLink("b") + emptyLink("c") +
+      joint("lead", "revolute", "a", "b", "0 0 0", limit) +
+      joint("follow", "revolute", "b", "c", "0 0 0", limit + "<mimic joint='lead' offset='1'/>"));
+  const Eigen::Isometry3d here = Eigen::Isometry3d::Identity();
+  const auto both = RobotModel::merge({{alone, "left", here}, {alone, "right", here}});
+  std::vector<double> q(4, 0.0);
+  q[both->findJoint("left/lead")] = 0.25;
+  q[both->findJoint("right/lead")] = 0.5;
+  both->applyMimics(q);
+  EXPECT_EQ(q[both->findJoint("left/follow")], 1.25);
+  EXPECT_EQ(q[both->findJoint("right/follow")], 1.5);
+}
+
 TEST(RobotModel, NeighboursAreJoinedThroughLinksWithoutGeometryToo) {
   const auto robot =
       robotFrom(boxLink("a", 1) + emptyLink("between") + boxLink("b", 1) + boxLink("c", 1) +

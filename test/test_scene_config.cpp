@@ -70,6 +70,9 @@ TEST(SceneConfig, ALinkWithAPrefixMayBeInAMapAsTheParameterServerHasIt) {
     EXPECT_EQ(settings.link_fidelity,
               (std::map<std::string, Fidelity>{{"left/elbow", Fidelity::OBB}}));
   }
+  EXPECT_EQ(readSceneConfig(YAML::Load("{link_padding: {cell: {left: {elbow: 0.1}}}}"))
+                .settings.link_padding,
+            (std::map<std::string, double>{{"cell/left/elbow", 0.1}}));
   EXPECT_THAT(refusal("link_padding: {left: {elbow: b}}"),
               HasSubstr("link_padding/left/elbow is b"));
   EXPECT_THAT(refusal("link_padding: {left: {}}"), HasSubstr("link_padding/left is {}"));
@@ -109,6 +112,7 @@ TEST(SceneConfig, WhatIsWrongIsNamedWithWhatItMustBe) {
   EXPECT_THAT(refusal("pair_rules: {deny: [a, b]}"), HasSubstr("pair_rules is {deny: [a, b]}"));
   EXPECT_THAT(refusal("pair_rules: [{forbid: [a, b]}]"), HasSubstr("{forbid: [a, b]}"));
   EXPECT_THAT(refusal("pair_rules: [{deny: [a]}]"), HasSubstr("two names"));
+  EXPECT_THAT(refusal("pair_rules: [{deny: [a, b, c]}]"), HasSubstr("two names"));
   EXPECT_THAT(refusal("pair_rules: [{deny: [a, b], allow: [a, c]}]"), HasSubstr("a list of"));
   EXPECT_THAT(refusal("pair_padding: [{pair: [a, b]}]"), HasSubstr("{pair: [first, second]"));
   EXPECT_THAT(refusal("pair_padding: [{pair: [a, b], padding: -1}]"), HasSubstr("0 or more"));

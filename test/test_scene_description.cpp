@@ -175,6 +175,56 @@ TEST(Scene, AChainOf20000FixedLinksIsOneBodyAndIsChecked) {
   EXPECT_EQ(detector.detect(poses, {}).verdict, Verdict::FREE);  // neighbours overlap, no others
 }
 
+TEST(SceneObjects, AlikeButForTheRestrictionAreToldApart) {
+  SceneDescription description = twoSliders();
+  description.objects = {cube("pillar", at(0, 0, 0)), cube("shelf", at(0, 0, 0))};
+  description.restriction.names = {"pillar"};
+  const auto scene = CollisionScene::build(description);
+  EXPECT_EQ(contacts(*scene, placed(*scene, {{"a", at(0, 0, 0)}, {"b", at(0, 0, 0)}})),
+            (std::set<std::string>{"a|pillar", "b|pillar"}));
+}
+
+TEST(SceneObjects, AreAttachedToTheirLinkAndNotToItsBody) {
+  SceneDescription description;
+  description.robots.push_back({robotFrom(boxLink("arm", 1) + emptyLink("tool") +
+                                          joint("weld", "fixed", "arm", "tool", "3 0 0")),
+                                std::nullopt, ""});
+  description.objects = {cube("load", at(0, 0, 1.5), "tool"), cube("pillar", at(9, 0, 0))};
+  const auto scene = CollisionScene::build(description);
+  const auto& load = scene->models()[static_cast<std::size_t>(scene->findModel("load"))];
+  EXPECT_EQ(scene->elements()[load.first_element].X_BE.translation(), Vector3d(3, 0, 1.5));
+}
+
+TEST(Scene, OfASingleRobotHasItWhereItIsPlaced) {
+  SceneDescription description = twoSliders();
+  description.robots[0].X_WR = at(1, 2, 3);
+  const auto scene = CollisionScene::build(description);
+  std::vector<Isometry3d> X_WB;
+  scene->robot().forwardKinematics(scene->robot().zeroPositions(), X_WB);
+  for (const Isometry3d& X : X_WB) EXPECT_EQ(X.translation(), Vector3d(1, 2, 3));
+}
+
+TEST(Scene, AfterAFailureItsCacheHoldsNoMeshThatIsHalfMade) {
+  SceneDescription description = twoSliders();
+  SceneCache cache;
+  auto without_triangles = std::make_shared<TriangleMesh>();
+  without_triangles->vertices = {Vector3d::Zero()};
+  RigidObject broken = cube("broken", at(0, 0, 0));
+  broken.elements[0].shape = Mesh{without_triangles};
+  for (int i = 0; i < 20; ++i) {
+    RigidObject sound = cube("sound" + std::to_string(i), at(0, 0, 0));
+    sound.elements[0].shape = meshShape(boxMesh({0.1, 0.1, 0.1}));
+    description.objects.push_back(sound);
+  }
+  description.objects.push_back(broken);
+  EXPECT_THROW(CollisionScene::build(description, &cache), InputError);
+  description.objects.pop_back();
+  const auto scene = CollisionScene::build(description, &cache);
+  for (const SceneElement& element : scene->elements()) {
+    EXPECT_NE(element.rung(Fidelity::MESH).shape, nullptr);
+  }
+}
+
 TEST(Scene, RobotAndEnvironmentMayHaveARootOfOneNameWithoutGeometry) {
   SceneDescription description = twoSliders();
   description.world =

@@ -82,6 +82,15 @@ TEST(SceneSettings, RungsThatNoPairAsksForAreNotPrepared) {
   EXPECT_FALSE(has(*mixedScene(settings), "g", Fidelity::MESH));
 }
 
+TEST(SceneSettings, ALinkHasTheFinestRungThatOneOfItsPairsAsksFor) {
+  SceneSettings settings;
+  settings.link_fidelity = {{"a", Fidelity::OBB}, {"z", Fidelity::OBB}};  // the first and the last
+  const auto scene = mixedScene(settings);
+  EXPECT_TRUE(has(*scene, "d", Fidelity::MESH));
+  EXPECT_TRUE(has(*scene, "d", Fidelity::OBB));
+  EXPECT_FALSE(has(*scene, "z", Fidelity::MESH));
+}
+
 TEST(SceneSettings, ALinkWhosePartnersAreAllCheapIsNotPreparedForMore) {
   const auto robot = RobotModel::fromUrdf(
       "<robot name='r'>" + emptyLink("root") + linkWith("a", "<mesh filename='l'/>") +

@@ -66,6 +66,18 @@ TEST(RobotSource, IsTheRobotThatTheUrdfDescribes) {
   }
 }
 
+TEST(RobotSource, ReadsAMeshAtItsScale) {
+  Eigen::Vector3d given = Eigen::Vector3d::Zero();
+  RobotSource source(
+      "<robot name='r'>" + linkWith("a", "<mesh filename='l' scale='1 -2 3'/>") + "</robot>",
+      [&](const std::string& uri, const Eigen::Vector3d& scale) {
+        given = scale;
+        return testMesh(uri, scale);
+      });
+  source.withGeometryOf([](const std::string&) { return true; });
+  EXPECT_EQ(given, Eigen::Vector3d(1, -2, 3));
+}
+
 TEST(SceneSources, MeshesOfLinksInNoPairAreNeverRead) {
   CountingLoader loader;
   SceneSources sources = sourcesWith(loader,

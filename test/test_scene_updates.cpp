@@ -6,6 +6,7 @@
 #include "collision_pairs/input_error.h"
 #include "conversions.h"
 #include "demo_scene.h"
+#include "geometry_conversions.h"
 #include "markers.h"
 #include "object_conversions.h"
 #include "random_inputs.h"
@@ -113,6 +114,21 @@ TEST(ObjectOfAMessage, PlaneIsSolidBehind) {
       const double side = (normal.dot(p) + plane.coef[3]) / normal.norm();
       EXPECT_NEAR((X_OE.inverse() * p).z(), side, 1e-12);
     }
+  }
+}
+
+TEST(ObjectOfAMessage, PoseOfAPlaneMovesThePlane) {
+  RandomInputs random;
+  shape_msgs::Plane plane;
+  plane.coef = {0.0, 0.0, 1.0, -2.0};  // z = 2
+  for (int round = 0; round < 20; ++round) {
+    const Isometry3d X_OP = random.pose(1.0);
+    SceneObject message;
+    message.planes = {plane};
+    message.plane_poses = {toPose(X_OP)};
+    const Isometry3d X_OE = toObject(message, noMeshLoader()).elements.front().X_LE;
+    const Vector3d on_plane(random.uniform(-3, 3), random.uniform(-3, 3), 2.0);
+    EXPECT_NEAR((X_OE.inverse() * X_OP * on_plane).z(), 0.0, 1e-12);
   }
 }
 

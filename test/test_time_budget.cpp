@@ -73,6 +73,17 @@ class TimeBudget : public testing::Test {
     }
   }
 
+  void expectTrueInAnyTime(int rounds) {
+    for (int round = 0; round < rounds; ++round) {
+      throwAbout(random_, 0.7, poses_);
+      const CollisionReport exact = unhurried_.detect(poses_, settings_);
+      const double last = 4.0 * static_cast<double>(exact.candidates.size()) + 4.0;
+      for (double seconds = 0.5; seconds < last; seconds += random_.uniform(0.5, 9.0)) {
+        expectTrueOf(checkWithin(seconds), exact);
+      }
+    }
+  }
+
   RandomInputs random_;
   std::shared_ptr<const CollisionScene> scene_;
   CollisionDetector unhurried_, hurried_;
@@ -82,15 +93,17 @@ class TimeBudget : public testing::Test {
   int nb_readings_ = 0;
 };
 
-TEST_F(TimeBudget, DecidesEachPairOrCallsItUnresolvedWithALowerBound) {
-  for (int round = 0; round < 60; ++round) {
-    throwAbout(random_, 0.7, poses_);
-    const CollisionReport exact = unhurried_.detect(poses_, settings_);
-    const double last = 4.0 * static_cast<double>(exact.candidates.size()) + 4.0;
-    for (double seconds = 0.5; seconds < last; seconds += random_.uniform(0.5, 9.0)) {
-      expectTrueOf(checkWithin(seconds), exact);
-    }
-  }
+TEST_F(TimeBudget, DecidesEachPairOrCallsItUnresolvedWithALowerBound) { expectTrueInAnyTime(60); }
+
+// Hulls say nothing of a floor, and are nearer to each other by the padding.
+TEST_F(TimeBudget, BoundsPairsWithPaddingAndAFloorToo) {
+  SceneDescription description;
+  description.robots.push_back({mixedRobot(2), std::nullopt, ""});
+  description.settings.padding = 0.04;
+  description.objects = {floorAt(0.05, {})};
+  hurryThrough(CollisionScene::build(description));
+  unhurried_ = CollisionDetector(scene_);
+  expectTrueInAnyTime(30);
 }
 
 TEST_F(TimeBudget, ThatIsNeverSpentChangesNothing) {
@@ -113,14 +126,16 @@ TEST_F(TimeBudget, ThatIsNeverSpentChangesNothing) {
 
 TEST_F(TimeBudget, SpentAtOnceLeavesTheAlignedBoxes) {
   throwAbout(random_, 0.3, poses_);
-  const CollisionReport& report = checkWithin(0.5);
-  EXPECT_TRUE(report.budget_spent);
-  EXPECT_EQ(report.nb_unresolved, report.candidates.size());
-  ASSERT_FALSE(report.pairs.empty());
-  for (const PairReport& pair : report.pairs) {
-    EXPECT_EQ(pair.state, PairState::UNRESOLVED);
-    EXPECT_EQ(pair.fidelity, Fidelity::AABB);
-    EXPECT_EQ(pair.certainty, Certainty::UNFINISHED);
+  for (const double seconds : {0.5, 1.0}) {  // before the first question, and just then
+    const CollisionReport& report = checkWithin(seconds);
+    EXPECT_TRUE(report.budget_spent);
+    EXPECT_EQ(report.nb_unresolved, report.candidates.size());
+    ASSERT_FALSE(report.pairs.empty());
+    for (const PairReport& pair : report.pairs) {
+      EXPECT_EQ(pair.state, PairState::UNRESOLVED);
+      EXPECT_EQ(pair.fidelity, Fidelity::AABB);
+      EXPECT_EQ(pair.certainty, Certainty::UNFINISHED);
+    }
   }
 }
 
@@ -209,6 +224,25 @@ TEST_F(TimeBudget, OfAVerdictNeverSaysFreeWhereThereIsContact) {
       }
     }
   }
+}
+
+TEST_F(TimeBudget, OfAVerdictEndsAtTheFirstContactWhichIsAllThatIsReported) {
+  settings_.verdict_only = true;
+  int nb_contacts = 0;
+  for (const Fidelity fidelity : {Fidelity::AABB, Fidelity::OBB, Fidelity::MESH}) {
+    settings_.fidelity = fidelity;
+    for (int round = 0; round < 50; ++round) {
+      throwAbout(random_, 1.0, poses_);
+      const CollisionReport& report = checkWithin(1e9);
+      if (report.verdict != Verdict::COLLISION) continue;
+      ++nb_contacts;
+      ASSERT_EQ(report.pairs.size(), 1u);
+      EXPECT_EQ(report.pairs[0].distance, 0.0);
+      EXPECT_EQ(nbSettled(report), 1u);
+      EXPECT_EQ(report.nb_unresolved, 0u);
+    }
+  }
+  EXPECT_GT(nb_contacts, 50);
 }
 
 TEST_F(TimeBudget, ThatIsNegativeOrNoNumberIsRefused) {

@@ -138,6 +138,28 @@ TEST_F(OneTrack, NothingIsKnownWithinALongGap) {
   EXPECT_DOUBLE_EQ(x_, 3.0);
 }
 
+TEST_F(OneTrack, AGapOfExactlyTheLongestIsBridged) {
+  add(1, 1);
+  add(2, 3);
+  ASSERT_TRUE(known(SECOND + SECOND / 2, x_));
+  EXPECT_DOUBLE_EQ(x_, 2.0);
+}
+
+TEST_F(OneTrack, StaysWithItsParentUntilItIsSeenOnAnother) {
+  add(1, 1);
+  EXPECT_TRUE(tracks_.add("other", "arm", 2 * SECOND, Vector3d(5, 0, 0), NO_TURN, false));
+  ASSERT_TRUE(known(SECOND + SECOND / 2, x_));
+  EXPECT_EQ(x_, 1.0);
+  EXPECT_FALSE(known(2 * SECOND, x_)) << "of the other parent nothing is known";
+}
+
+TEST_F(OneTrack, AStaticTransformIsNotDisplacedByOneThatMoves) {
+  add(5, 7, true);
+  add(1, 8);
+  ASSERT_TRUE(known(SECOND, x_));
+  EXPECT_EQ(x_, 7.0);
+}
+
 TEST_F(OneTrack, OfEqualStampsTheFirstStays) {
   add(1, 7);
   add(1, 8);

@@ -223,6 +223,42 @@ class Ages : public Transforms {
   TfPoses poses_{input_, scene_->robot(), scene_->bodies(), "root"};
 };
 
+/// An arm that floats above its root, with a tool fixed on it at x = 3.
+class OneOfItsLinks : public Transforms {
+ protected:
+  Eigen::Vector3d arm(const std::string& frame) const {
+    const TfPoses poses(input_, scene_->robot(), scene_->bodies(), frame);
+    const StampedPoses found = poses.latest(now_, PoseLimits());
+    EXPECT_THAT(found.problems, IsEmpty());
+    EXPECT_EQ(found.nb_asked, 1u) << "the other one is the frame";
+    return found.poses.X_WB[scene_->models()[scene_->findModel("arm")].body].translation();
+  }
+  static std::shared_ptr<const CollisionScene> armWithTool() {
+    const auto sphere = [](const std::string& link) {
+      return "<link name='" + link +
+             "'><collision><geometry><sphere radius='0.1'/></geometry></collision></link>";
+    };
+    const auto robot = RobotModel::fromUrdf(
+        "<robot name='r'>" + sphere("root") + sphere("arm") + sphere("tool") +
+            "<joint name='j' type='floating'><parent link='root'/><child link='arm'/></joint>"
+            "<joint name='k' type='fixed'><parent link='arm'/><child link='tool'/>"
+            "<origin xyz='3 0 0'/></joint></robot>",
+        {});
+    return CollisionScene::build(robot, Srdf{}, nullptr);
+  }
+  std::shared_ptr<const CollisionScene> scene_ = armWithTool();
+};
+
+TEST_F(OneOfItsLinks, TellsWhereTheWholeBodyIs) {
+  receive("tool", 999.9, 5.0);
+  EXPECT_EQ(arm("root"), Eigen::Vector3d(2, 0, 0));
+}
+
+TEST_F(OneOfItsLinks, MayBeTheFrameOfTheReports) {
+  receive("tool", 999.9, 5.0);
+  EXPECT_EQ(arm("tool"), Eigen::Vector3d(-3, 0, 0));
+}
+
 TEST_F(Ages, AreCountedAgainstNow) {
   receive("a", 999.0, 1.0);
   receive("b", 999.0, 2.0);

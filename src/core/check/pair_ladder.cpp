@@ -102,7 +102,6 @@ bool PairLadder::meets(const BoxPair& pair, Fidelity rung) {
   if (obbGap(pair, X_AB) > 0.0) return false;
   const Rung& a = scene_->elements()[pair.first].rung(rung);
   const Rung& b = scene_->elements()[pair.second].rung(rung);
-  if ((a.loose || b.loose) && !measureBoxes(pair).found.touches()) return false;
   const double margin = a.margin + b.margin + scene_->padding(pair.first, pair.second);
   const Isometry3d X = rung == Fidelity::OBB ? a.X_ER.inverse() * X_AB * b.X_ER : X_AB;
   return narrow_phase_.touches(*a.shape, *b.shape, X, margin);

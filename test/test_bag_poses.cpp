@@ -1,0 +1,122 @@
+// Where the bodies of a robot stood, from transforms and joint states put together here.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "bag_poses.h"
+#include "demo_scene.h"
+
+namespace collision_pairs {
+namespace {
+
+using Eigen::Vector3d;
+using testing::ElementsAre;
+using testing::Not;
+
+constexpr StampNs SECOND = 1000000000;
+
+/// A base with a mount fixed on it at y = 2; above the mount an arm that slides along x, with a
+/// tool fixed on it at x = 3; and a wheel on the tool that turns without end.
+std::shared_ptr<const CollisionScene> armWithTool() {
+  const std::string along_x = "<axis xyz='1 0 0'/><limit lower='-9' upper='9'/>";
+  return CollisionScene::build(
+      robotFrom(boxLink("base", 0.1) + emptyLink("mount") + boxLink("arm", 0.1) +
+                emptyLink("tool") + boxLink("wheel", 0.1) +
+                joint("weld", "fixed", "base", "mount", "0 2 0") +
+                joint("slide", "prismatic", "mount", "arm", "0 0 0", along_x) +
+                joint("flange", "fixed", "arm", "tool", "3 0 0") +
+                joint("spin", "continuous", "tool", "wheel", "0 0 1", "<axis xyz='0 0 1'/>")),
+      Srdf{}, nullptr);
+}
+
+class BagPosesTest : public testing::Test {
+ protected:
+  void transform(const std::string& parent, const std::string& child, double seconds, double x,
+                 double y = 0.0, double z = 0.0) {
+    bag_.transforms.add(parent, child, static_cast<StampNs>(seconds * 1e9), Vector3d(x, y, z),
+                        Eigen::Quaterniond::Identity(), false);
+  }
+  void position(const std::string& joint, double seconds, double value) {
+    bag_.joints["/joint_states"].add(joint, static_cast<StampNs>(seconds * 1e9), value);
+  }
+  void finish() {
+    bag_.transforms.finish();
+    for (auto& [topic, tracks] : bag_.joints) tracks.finish();
+    poses_ = makeBagPoses(bag_, *scene_, BagPosesOptions());
+  }
+  /// Where a link stood in the base; not a number where that is not known.
+  Vector3d at(const std::string& link, double seconds) const {
+    BodyPoses poses;
+    poses_->at(static_cast<StampNs>(seconds * 1e9), poses);
+    const int body = scene_->models()[scene_->findModel(link)].body;
+    return poses.known[body] ? Vector3d(poses.X_WB[body].translation())
+                             : Vector3d::Constant(std::nan(""));
+  }
+  bool knows(const std::string& link, double seconds) const {
+    return at(link, seconds).allFinite();
+  }
+
+  std::shared_ptr<const CollisionScene> scene_ = armWithTool();
+  BagContents bag_;
+  std::unique_ptr<const BagPoses> poses_;
+};
+
+TEST_F(BagPosesTest, ABodyThatIsKnownByALinkAwayFromItsOriginIsWhereItIs) {
+  transform("base", "tool", 1, 5, 2);  // of the arm's body TF knows the tool only
+  finish();
+  EXPECT_EQ(at("arm", 1), Vector3d(2, 2, 0));
+}
+
+TEST_F(BagPosesTest, WhatStandsOnALinkThatTheUrdfFixesIsKnownWithoutItsTransform) {
+  transform("mount", "arm", 1, 7);  // nothing says where the mount stands on the base
+  finish();
+  EXPECT_EQ(at("arm", 1), Vector3d(7, 2, 0));
+}
+
+TEST_F(BagPosesTest, FramesOfFixedJointsAddNoStampsWhereOthersMove) {
+  transform("base", "arm", 1, 0);
+  transform("base", "arm", 2, 1);
+  transform("arm", "tool", 1.5, 3);
+  finish();
+  EXPECT_THAT(poses_->stamps(), ElementsAre(SECOND, 2 * SECOND));
+}
+
+TEST_F(BagPosesTest, JointStatesAreTakenWhereTransformsKnowFewerBodies) {
+  transform("base", "arm", 1, 0, 2);
+  position("slide", 1, 4);
+  position("spin", 1, 0);
+  finish();
+  EXPECT_EQ(poses_->source(), "joint states of /joint_states");
+  EXPECT_EQ(at("arm", 1), Vector3d(4, 2, 0));
+  EXPECT_EQ(at("wheel", 1), Vector3d(7, 2, 1));
+}
+
+TEST_F(BagPosesTest, BelowAJointThatIsNotKnownThenNothingIs) {
+  position("slide", 2, 4);
+  for (const double seconds : {1.0, 2.0}) position("spin", seconds, 0);
+  finish();
+  EXPECT_FALSE(knows("arm", 1));
+  EXPECT_FALSE(knows("wheel", 1)) << "its own joint is known, but not that of the arm";
+  EXPECT_TRUE(knows("wheel", 2));
+}
+
+TEST_F(BagPosesTest, AContinuousJointTakesTheShorterWayRound) {
+  position("slide", 0, 0);
+  position("slide", 1, 0);
+  position("spin", 0, 3.0);
+  position("spin", 1, -3.0);
+  finish();
+  BodyPoses poses;
+  poses_->at(SECOND / 2, poses);
+  const auto& X_WB = poses.X_WB[scene_->models()[scene_->findModel("wheel")].body];
+  EXPECT_TRUE((X_WB.linear() * Vector3d::UnitX()).isApprox(-Vector3d::UnitX(), 1e-12));
+}
+
+TEST_F(BagPosesTest, AJointThatIsNotNamedIsSaidToBeTakenAtZero) {
+  position("slide", 1, 4);
+  finish();
+  EXPECT_THAT(poses_->jointsAtZero(), ElementsAre("spin"));
+  EXPECT_EQ(at("wheel", 1), Vector3d(7, 2, 1));
+}
+
+}  // namespace
+}  // namespace collision_pairs

@@ -1,0 +1,92 @@
+// Poses for a joint state that a request names; what it does not name comes from TF. Without a
+// master.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "demo_scene.h"
+#include "joint_query.h"
+
+namespace collision_pairs {
+namespace {
+
+using Eigen::Vector3d;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+/// A lead that slides along x, a follower on the root that goes half as far and 1 m, and a lift on
+/// the lead that slides along z.
+class JointQueryTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    ros::Time::init();
+    const std::string limit = "<limit lower='-9' upper='9'/>", along_x = "<axis xyz='1 0 0'/>";
+    scene_ = CollisionScene::build(
+        robotFrom(emptyLink("root") + boxLink("a", 0.1) + boxLink("b", 0.1) + boxLink("c", 0.1) +
+                  joint("lead", "prismatic", "root", "a", "0 0 0", along_x + limit) +
+                  joint("follower", "prismatic", "root", "b", "0 5 0",
+                        along_x + limit + "<mimic joint='lead' multiplier='0.5' offset='1'/>") +
+                  joint("lift", "prismatic", "a", "c", "0 0 0", "<axis xyz='0 0 1'/>" + limit)),
+        Srdf{}, nullptr);
+  }
+  void publishLift(double stamp, double z) {
+    tf2_msgs::TFMessage message;
+    message.transforms.resize(1);
+    auto& transform = message.transforms[0];
+    transform.header.stamp = ros::Time(stamp);
+    transform.header.frame_id = "a";
+    transform.child_frame_id = "c";
+    transform.transform.translation.z = z;
+    transform.transform.rotation.w = 1.0;
+    transforms_.take(message, false, now_);
+  }
+  JointQuery query(const std::vector<std::string>& names) const {
+    return {names, *scene_, {transforms_, "root", ros::Time(0), now_, 1.0}};
+  }
+  Vector3d at(const std::string& link, const JointQuery& query,
+              const std::vector<double>& positions) const {
+    BodyPoses poses;
+    poses.resize(scene_->bodies().size());
+    query.posesAt(positions, poses);
+    return poses.X_WB[scene_->models()[scene_->findModel(link)].body].translation();
+  }
+
+  std::shared_ptr<const CollisionScene> scene_;
+  ros::Time now_{1000.0};
+  TransformInput transforms_{0.5};
+};
+
+TEST_F(JointQueryTest, MovesWhatIsNamedAndWhatFollowsIt) {
+  const JointQuery both = query({"lift", "lead"});
+  int nb_placed = 0;
+  EXPECT_THAT(both.doubts(), IsEmpty());
+  EXPECT_EQ(at("a", both, {7.0, 4.0}), Vector3d(4, 0, 0));
+  EXPECT_EQ(at("b", both, {7.0, 4.0}), Vector3d(3, 5, 0));  // 0.5 * 4 + 1
+  EXPECT_EQ(at("c", both, {7.0, 4.0}), Vector3d(4, 0, 7));
+  for (const auto& X_PB : both.placedBodies()) nb_placed += X_PB.has_value();
+  EXPECT_EQ(nb_placed, 1) << "the root";
+}
+
+TEST_F(JointQueryTest, LeavesWhatIsNotNamedWhereTfHasIt) {
+  publishLift(999.5, 0.25);
+  const JointQuery lead = query({"lead"});
+  EXPECT_THAT(lead.doubts(), IsEmpty());
+  EXPECT_THAT(lead.jointsFromTf(), ElementsAre("lift"));
+  EXPECT_EQ(at("c", lead, {2.0}), Vector3d(2, 0, 0.25));
+}
+
+TEST_F(JointQueryTest, DoubtsWhatTfLastSaidTooLongAgo) {
+  publishLift(998.0, 0.25);
+  EXPECT_THAT(query({"lead"}).doubts(),
+              ElementsAre(HasSubstr("link 'c': its newest transform is 2.00 s old")));
+  EXPECT_THAT(query({"lead", "lift"}).doubts(), IsEmpty());
+}
+
+TEST_F(JointQueryTest, TakesWhatNobodyKnowsAtZeroAndDoubtsIt) {
+  const JointQuery lead = query({"lead"});
+  EXPECT_THAT(lead.jointsAtZero(), ElementsAre("lift"));
+  EXPECT_THAT(lead.doubts(), ElementsAre(HasSubstr("joint 'lift'")));
+}
+
+}  // namespace
+}  // namespace collision_pairs

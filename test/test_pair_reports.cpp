@@ -1,0 +1,162 @@
+// What a report says of single pairs: state, distance, fidelity, witness points.
+#include <gtest/gtest.h>
+
+#include "collision_pairs/collision_detector.h"
+#include "mixed_robot.h"
+
+namespace collision_pairs {
+namespace {
+
+CheckSettings alarm(double distance) {
+  CheckSettings settings;
+  settings.alarm_distance = distance;
+  return settings;
+}
+
+/// Spheres a and b of radius 0.5 on the x axis: their distance is exact.
+class TwoSpheres : public testing::Test {
+ protected:
+  const CollisionReport& at(double x, const CheckSettings& settings) {
+    BodyPoses poses;
+    poses.resize(2);
+    poses.X_WB[1].translation().x() = x;
+    return detector_.detect(poses, settings);
+  }
+  static std::shared_ptr<const CollisionScene> spheres() {
+    std::string xml = emptyLink("root");
+    for (const std::string name : {"a", "b"}) {
+      xml += linkWith(name, "<sphere radius='0.5'/>") +
+             joint("to_" + name, "floating", "root", name, "0 0 0", "");
+    }
+    return CollisionScene::build(robotFrom(xml), std::nullopt, nullptr);
+  }
+  CollisionDetector detector_{spheres()};
+};
+
+TEST_F(TwoSpheres, ThatTouchExactlyAreInContact) {
+  const CollisionReport& report = at(1.0, alarm(0.1));
+  ASSERT_EQ(report.pairs.size(), 1u);
+  EXPECT_EQ(report.pairs[0].distance, 0.0);
+  EXPECT_EQ(report.pairs[0].state, PairState::CONTACT);
+  EXPECT_EQ(report.verdict, Verdict::COLLISION);
+}
+
+TEST_F(TwoSpheres, ExactlyAtTheAlarmDistanceAreNearAndTheirDistanceIsNoBound) {
+  const CollisionReport& report = at(1.25, alarm(0.25));
+  ASSERT_EQ(report.pairs.size(), 1u);
+  EXPECT_EQ(report.pairs[0].state, PairState::NEAR);
+  EXPECT_EQ(report.min_distance, 0.25);
+  EXPECT_FALSE(report.min_distance_is_bound);
+}
+
+TEST_F(TwoSpheres, WithVerdictOnlyHaveNoAlarmDistanceAndNoContacts) {
+  CheckSettings settings = alarm(0.25);
+  settings.verdict_only = true;
+  const CollisionReport& apart = at(1.125, settings);
+  EXPECT_EQ(apart.verdict, Verdict::FREE);
+  EXPECT_TRUE(apart.candidates.empty());
+  EXPECT_EQ(apart.min_distance, 0.0);
+  const CollisionReport& in_contact = at(0.5, settings);
+  ASSERT_EQ(in_contact.pairs.size(), 1u);
+  EXPECT_EQ(in_contact.pairs[0].nb_contacts, 0u);
+  EXPECT_TRUE(in_contact.contacts.empty());
+}
+
+TEST_F(TwoSpheres, AtPosesThatAreNoneAreCountedAsNotSettled) {
+  BodyPoses poses;
+  poses.resize(2);
+  poses.X_WB[1].translation().x() = 0.5;
+  EXPECT_EQ(detector_.detect(poses, alarm(0.0)).nb_degraded, 0u);
+  poses.X_WB[1].linear() *= 1.01;
+  const CollisionReport& report = detector_.detect(poses, alarm(0.0));
+  EXPECT_EQ(report.nb_degraded, 1u);
+  EXPECT_EQ(report.verdict, Verdict::UNKNOWN);
+}
+
+/// Links of every shape, ten metres from each other along y, but for those that are moved.
+class MixedLinks : public testing::Test {
+ protected:
+  MixedLinks() {
+    poses_.resize(scene_->bodies().size());
+    for (std::size_t i = 0; i < poses_.X_WB.size(); ++i) {
+      poses_.X_WB[i].translation().y() = 10.0 * static_cast<double>(i + 1);
+    }
+  }
+  Eigen::Isometry3d& poseOf(const char* link) {
+    return poses_.X_WB[scene_->models()[scene_->findModel(link)].body];
+  }
+  std::shared_ptr<const CollisionScene> scene_ =
+      CollisionScene::build(mixedRobot(), std::nullopt, nullptr);
+  CollisionDetector detector_{scene_};
+  BodyPoses poses_;
+};
+
+TEST_F(MixedLinks, WithTwoElementsAndNoPoseAreLeftOutOnce) {
+  const int z = scene_->findModel("z");  // a mesh and a sphere
+  poses_.known[scene_->models()[z].body] = 0;
+  EXPECT_EQ(detector_.detect(poses_, alarm(0.0)).left_out,
+            (std::vector<std::uint32_t>{static_cast<std::uint32_t>(z)}));
+}
+
+TEST_F(MixedLinks, HaveTheFidelityOfTheElementsThatAreNearest) {
+  poseOf("z").setIdentity();
+  poseOf("c") = Eigen::Translation3d(0.55, 0, 0) * Eigen::Isometry3d::Identity();
+  const CollisionReport& report = detector_.detect(poses_, alarm(0.5));
+  ASSERT_EQ(report.pairs.size(), 1u);
+  EXPECT_EQ(report.pairs[0].nb_contacts, 2u);  // the mesh is 0.25 m away, which its hull tells
+  EXPECT_NEAR(report.pairs[0].distance, 0.1, 1e-12);  // and the sphere 0.1
+  EXPECT_EQ(report.pairs[0].fidelity, Fidelity::MESH);
+}
+
+TEST_F(MixedLinks, ThatTheirHullsSettleAreReportedAsConvex) {
+  poseOf("d").setIdentity();  // a mesh that reaches to x = 0.15
+  poseOf("c") = Eigen::Translation3d(0.4, 0, 0) * Eigen::Isometry3d::Identity();
+  const CollisionReport& report = detector_.detect(poses_, alarm(0.5));
+  ASSERT_EQ(report.pairs.size(), 1u);
+  EXPECT_NEAR(report.pairs[0].distance, 0.1, 1e-12);
+  EXPECT_EQ(report.pairs[0].fidelity, Fidelity::CONVEX);
+  EXPECT_EQ(report.nb_settled[static_cast<int>(Fidelity::CONVEX)], 1u);
+}
+
+TEST_F(MixedLinks, AtEveryRungHaveWitnessPointsThatAreAsFarApartAsTheDistanceSays) {
+  RandomInputs random;
+  SceneSettings of_scene;
+  of_scene.max_hull_vertices = 8;
+  const auto scene = CollisionScene::build(mixedRobot(), std::nullopt, nullptr, of_scene);
+  CollisionDetector detector(scene);
+  for (int round = 0; round < 50; ++round) {
+    throwAbout(random, 0.6, poses_);
+    for (const Fidelity rung : {Fidelity::AABB, Fidelity::OBB, Fidelity::CONVEX, Fidelity::MESH}) {
+      CheckSettings settings = alarm(0.2);
+      settings.fidelity = rung;
+      for (const Contact& contact : detector.detect(poses_, settings).contacts) {
+        const double along = contact.nhat_W.dot(contact.p_WSecond - contact.p_WFirst);
+        EXPECT_NEAR(along, -contact.depth, 1e-6) << fidelityName(rung);
+      }
+    }
+  }
+}
+
+// Along an axis of both, the boxes about two spheres are as far apart as the spheres, but for
+// rounding.
+TEST(TinySpheres, ExactlyAtTheAlarmDistanceAreFoundHoweverTheyAreTurned) {
+  std::string xml = emptyLink("root");
+  for (const std::string name : {"a", "b"}) {
+    xml += linkWith(name, "<sphere radius='1e-5'/>") +
+           joint("to_" + name, "floating", "root", name, "0 0 0", "");
+  }
+  CollisionDetector detector(CollisionScene::build(robotFrom(xml), std::nullopt, nullptr));
+  RandomInputs random;
+  for (int round = 0; round < 1000; ++round) {
+    const Eigen::Isometry3d X_WA = random.pose(0.1);
+    BodyPoses poses;
+    poses.resize(2);
+    poses.X_WB[0] = X_WA;
+    poses.X_WB[1] = X_WA * Eigen::Translation3d(random.uniform(1.0, 2.0), 0, 0);
+    const double distance = detector.detect(poses, alarm(3.0)).min_distance;
+    EXPECT_EQ(detector.detect(poses, alarm(distance)).pairs.size(), 1u) << distance;
+  }
+}
+
+}  // namespace
+}  // namespace collision_pairs

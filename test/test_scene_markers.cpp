@@ -1,0 +1,82 @@
+// What rviz is shown of a scene, where it stands.
+#include <gtest/gtest.h>
+
+#include "collision_pairs/scene_description.h"
+#include "demo_scene.h"
+#include "geometry_conversions.h"
+#include "scene_markers.h"
+#include "test_shapes.h"
+
+namespace collision_pairs {
+namespace {
+
+using Eigen::Isometry3d;
+using Eigen::Vector3d;
+using visualization_msgs::Marker;
+
+/// Boxes a and b that slide, something on a, and something static.
+std::vector<Marker> drawn(const Shape& load, const Shape& fixed, Fidelity fidelity) {
+  SceneDescription description;
+  description.robots.push_back({robotFrom(slidingBoxes(2)), std::nullopt, ""});
+  RigidObject on_a, beside;
+  on_a.name = "load";
+  on_a.attached_link = "a";
+  on_a.elements.push_back({load, Isometry3d::Identity()});
+  beside.name = "beside";
+  beside.elements.push_back({fixed, Isometry3d::Identity()});
+  beside.X_PO.translation().z() = -1.0;
+  description.objects = {on_a, beside};
+  std::vector<Marker> markers;
+  for (const Marker& marker :
+       toSceneMarkers(*CollisionScene::build(description), fidelity, "world").markers) {
+    if (marker.action == Marker::ADD) markers.push_back(marker);
+  }
+  return markers;
+}
+
+std::vector<Marker> of(const std::string& ns, const std::vector<Marker>& markers) {
+  std::vector<Marker> found;
+  for (const Marker& marker : markers) {
+    if (marker.ns == ns) found.push_back(marker);
+  }
+  return found;
+}
+
+TEST(SceneMarkers, ABoxAlongAnElementsOwnAxesHoldsItWhereItIsDrawn) {
+  TriangleMesh turned = LShape().mesh();
+  const Eigen::AngleAxisd turn(0.5, Vector3d(1, 2, 3).normalized());
+  for (Vector3d& p : turned.vertices) p = turn * p + Vector3d(0.4, 0, 0);
+  const auto boxes = of("attached_objects", drawn(meshShape(turned), Sphere{0.1}, Fidelity::OBB));
+  ASSERT_EQ(boxes.size(), 1u);
+  Isometry3d X_LB;
+  ASSERT_TRUE(toIsometry(boxes[0].pose, X_LB));
+  const Vector3d half(0.5 * boxes[0].scale.x, 0.5 * boxes[0].scale.y, 0.5 * boxes[0].scale.z);
+  for (const Vector3d& p_L : turned.vertices) {
+    EXPECT_LE(((X_LB.inverse() * p_L).cwiseAbs() - half).maxCoeff(), 1e-9);
+  }
+  EXPECT_LT(half.maxCoeff(), 0.25) << "and is no larger than that takes";
+}
+
+TEST(SceneMarkers, ACapsuleHasBothOfItsCaps) {
+  std::vector<double> ends;
+  for (const Marker& marker :
+       of("standing", drawn(Sphere{0.1}, Capsule{0.1, 2.0}, Fidelity::MESH))) {
+    if (marker.type == Marker::SPHERE) ends.push_back(marker.pose.position.z);
+  }
+  EXPECT_EQ(ends, (std::vector<double>{-2.0, 0.0}));
+}
+
+TEST(SceneMarkers, AFloorIsDrawnBelowItsSurface) {
+  const auto floor = of("standing", drawn(Sphere{0.1}, HalfSpace{}, Fidelity::MESH));
+  ASSERT_EQ(floor.size(), 1u);
+  EXPECT_DOUBLE_EQ(floor[0].pose.position.z + 0.5 * floor[0].scale.z, -1.0);
+}
+
+TEST(SceneMarkers, BeginWithTheRobotBecauseAVastWorldIsNotDrawnWhole) {
+  const auto markers = drawn(Sphere{0.1}, Sphere{0.1}, Fidelity::MESH);
+  ASSERT_EQ(markers.size(), 4u);
+  EXPECT_EQ(markers.back().ns, "standing");
+}
+
+}  // namespace
+}  // namespace collision_pairs
