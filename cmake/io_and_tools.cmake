@@ -1,5 +1,6 @@
 # What both the node and the tools read, and the tools: a page each.
 add_library(collision_pairs_io SHARED
+  src/io/bag_clouds.cpp
   src/io/bag_poses.cpp
   src/io/bag_poses_from_joints.cpp
   src/io/bag_poses_from_tf.cpp
@@ -8,6 +9,8 @@ add_library(collision_pairs_io SHARED
   src/io/bag_table.cpp
   src/io/bag_table_merge.cpp
   src/io/cloud_config.cpp
+  src/io/cloud_gatherer.cpp
+  src/io/cloud_view.cpp
   src/io/csv.cpp
   src/io/joint_limits.cpp
   src/io/joint_states_csv.cpp
@@ -51,7 +54,7 @@ endfunction()
 
 set(bag_outputs src/tools/bag_outputs.cpp src/tools/bag_summary.cpp)
 collision_pairs_tool(check_states src/tools/scene_files.cpp)
-collision_pairs_tool(check_bag src/tools/bag_recorder.cpp src/tools/scene_files.cpp ${bag_outputs})
+collision_pairs_tool(check_bag src/tools/bag_recorder.cpp src/tools/cloud_replay.cpp src/tools/scene_files.cpp ${bag_outputs})
 target_link_libraries(check_bag PRIVATE collision_pairs_messages)
 collision_pairs_tool(check_motion src/tools/scene_files.cpp)
 collision_pairs_tool(generate_srdf src/tools/pair_verdicts.cpp src/tools/scene_files.cpp

@@ -2,7 +2,6 @@
 add_library(collision_pairs_ros STATIC
   src/ros/clouds/cloud_source.cpp
   src/ros/clouds/cloud_sources.cpp
-  src/ros/clouds/cloud_gatherer.cpp
   src/ros/collision_pairs_node.cpp
   src/ros/joint_query.cpp
   src/ros/low_priority.cpp

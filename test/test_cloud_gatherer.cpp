@@ -41,7 +41,7 @@ class Gatherer : public testing::Test {
     for (const Vector3d& p_WP : points) {
       in_sensor.push_back((X_WS_.inverse() * p_WP).cast<float>());
     }
-    stamp_ += ros::Duration(1.0);
+    stamp_ += 1.0;
     return gatherer.add(in_sensor, X_WS_, robot, stamp_, filter);
   }
 
@@ -53,7 +53,7 @@ class Gatherer : public testing::Test {
   CloudConfig config_;
   SceneDescription description_;
   Isometry3d X_WS_ = Isometry3d::Identity();
-  ros::Time stamp_ = ros::Time(100);
+  double stamp_ = 100.0;
   std::string unknown_link_;
 };
 

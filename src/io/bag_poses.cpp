@@ -1,8 +1,10 @@
 #include "bag_poses.h"
 
+#include <cmath>
 #include <set>
 
 #include "collision_pairs/input_error.h"
+#include "frame_names.h"
 
 namespace collision_pairs {
 namespace {
@@ -38,6 +40,71 @@ std::set<std::string> possiblePrefixes(const BagContents& bag, const RobotModel&
 }
 
 }  // namespace
+
+BagPoses::BagPoses(const BagContents& bag, const CollisionScene& scene,
+                   const BagPosesOptions& options)
+    : tracks_(bag.transforms),
+      scene_(scene),
+      prefix_(withoutSlashes(options.prefix)),
+      max_gap_(std::llround(1e9 * options.max_gap)) {
+  const RobotModel& robot = scene.robot();
+  for (std::size_t b = 0; b < robot.bodies().size(); ++b) {
+    frames_.push_back(framesOf(static_cast<int>(b)));
+  }
+  // A root that TF does not know by its name with the prefix may be there without ("world").
+  const int bare_root = tracks_.findFrame(robot.links().front().name);
+  if (frames_[0].empty() && bare_root >= 0) {
+    frames_[0].push_back({bare_root, Eigen::Isometry3d::Identity()});
+  }
+}
+
+int BagPoses::frameOf(const std::string& link) const {
+  if (prefix_.empty()) return tracks_.findFrame(link);
+  const int frame = tracks_.findFrame(withPrefix(prefix_, link));
+  return frame >= 0 ? frame : tracks_.findFrame(prefix_ + link);
+}
+
+std::vector<BagPoses::Frame> BagPoses::framesOf(int body) const {
+  std::vector<Frame> frames;
+  for (const Link& link : scene_.robot().links()) {
+    const int frame = link.body == body ? frameOf(link.name) : -1;
+    if (frame >= 0) frames.push_back({frame, link.X_BL});
+  }
+  return frames;
+}
+
+void BagPoses::at(StampNs stamp, const std::vector<SceneBody>& bodies, BodyPoses& poses) const {
+  std::vector<Eigen::Isometry3d> X_RB;
+  std::vector<char> known;
+  robotAt(stamp, X_RB, known);
+  poses.resize(bodies.size());
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    poses.X_WB[i] = X_RB[bodies[i].body];
+    poses.known[i] = known[bodies[i].body];
+  }
+}
+
+bool BagPoses::frameAt(StampNs stamp, const std::string& frame, Eigen::Isometry3d& X_RF) const {
+  std::vector<Eigen::Isometry3d> X_RB;
+  std::vector<char> known;
+  robotAt(stamp, X_RB, known);
+  const std::string name = withoutLeadingSlash(frame);
+  for (const Link& link : scene_.robot().links()) {
+    const bool is_it = name == withPrefix(prefix_, link.name) || name == prefix_ + link.name;
+    if (!is_it || !known[link.body]) continue;
+    X_RF = X_RB[link.body] * link.X_BL;
+    return true;
+  }
+  const int number = tracks_.findFrame(name);
+  if (number < 0) return false;
+  FramePoses frames(tracks_, stamp, max_gap_);
+  for (std::size_t b = 0; b < frames_.size(); ++b) {
+    if (!known[b]) continue;
+    for (const Frame& of_link : frames_[b]) frames.anchor(of_link.frame, X_RB[b] * of_link.X_BL);
+  }
+  for (const Frame& of_root : frames_[0]) frames.climbFrom(of_root.frame);
+  return frames.find(number, X_RF);
+}
 
 std::unique_ptr<const BagPoses> makeBagPoses(const BagContents& bag, const CollisionScene& scene,
                                              const BagPosesOptions& options) {

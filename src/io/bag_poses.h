@@ -23,13 +23,20 @@ struct BagPosesOptions {
 /// Poses of a scene's bodies at the instants at which the bag has something to say about them.
 class BagPoses {
  public:
+  /// The references must outlive it.
+  BagPoses(const BagContents& bag, const CollisionScene& scene, const BagPosesOptions& options);
   virtual ~BagPoses() = default;
 
   /// Sorted, each once: the stamps of all samples that move a body of the robot.
   const std::vector<StampNs>& stamps() const { return stamps_; }
   /// In the frame of the robot's root link. A body of which nothing is known at that instant stays
   /// unknown. O(bodies * log samples).
-  virtual void at(StampNs stamp, BodyPoses& poses) const = 0;
+  void at(StampNs stamp, BodyPoses& poses) const { at(stamp, scene_.bodies(), poses); }
+  /// The same of other bodies of the robot.
+  void at(StampNs stamp, const std::vector<SceneBody>& bodies, BodyPoses& poses) const;
+  /// Where any frame stood in that of the root link: a link's, or one that the bag's transforms
+  /// connect with a link. False if that is not known. `frame` as the bag calls it.
+  bool frameAt(StampNs stamp, const std::string& frame, Eigen::Isometry3d& X_RF) const;
   /// Where the poses come from: "TF" or "joint states of TOPIC".
   const std::string& source() const { return source_; }
   /// What had to be assumed or is missing, a sentence each.
@@ -41,10 +48,29 @@ class BagPoses {
   const std::vector<std::string>& jointsAtZero() const { return joints_at_zero_; }
 
  protected:
+  /// A frame of the bag that is a link of a body, and the pose of the link in the body's frame.
+  struct Frame {
+    int frame;
+    Eigen::Isometry3d X_BL;
+  };
+  /// Of all bodies of the robot.
+  virtual void robotAt(StampNs stamp, std::vector<Eigen::Isometry3d>& X_RB,
+                       std::vector<char>& known) const = 0;
+  /// -1 if the bag's transforms do not know it.
+  int frameOf(const std::string& link) const;
+
+  const TransformTracks& tracks_;
+  const CollisionScene& scene_;
+  std::string prefix_;  ///< without slashes
+  StampNs max_gap_;
+  std::vector<std::vector<Frame>> frames_;  ///< by body of the robot
   std::vector<StampNs> stamps_;
   std::string source_;
   std::vector<std::string> notes_, joints_at_zero_;
   std::size_t nb_known_ = 0;
+
+ private:
+  std::vector<Frame> framesOf(int body) const;
 };
 
 /// From the bag's transforms, and from its joint states by forward kinematics. All references must

@@ -51,28 +51,26 @@ class BagPosesFromJoints : public BagPoses {
  public:
   BagPosesFromJoints(const BagContents& bag, const CollisionScene& scene,
                      const BagPosesOptions& options);
-  void at(StampNs stamp, BodyPoses& poses) const override;
 
  private:
+  void robotAt(StampNs stamp, std::vector<Eigen::Isometry3d>& X_RB,
+               std::vector<char>& known) const override;
   using Samples = std::vector<JointTracks::Sample>;
   void chooseTracks(const JointTracks& tracks, const std::string& prefix);
   void countKnown();
   void noteJointsAtZero();
   void collectStamps();
 
-  const CollisionScene& scene_;
-  StampNs max_gap_;
   std::vector<const Samples*> tracks_;  ///< by joint; null: it stands at zero, or mimics
   std::vector<double> zero_;
 };
 
 BagPosesFromJoints::BagPosesFromJoints(const BagContents& bag, const CollisionScene& scene,
                                        const BagPosesOptions& options)
-    : scene_(scene),
-      max_gap_(std::llround(1e9 * options.max_gap)),
+    : BagPoses(bag, scene, options),
       tracks_(scene.robot().joints().size(), nullptr),
       zero_(scene.robot().zeroPositions()) {
-  const Choice choice = choose(bag, scene.robot(), withoutSlashes(options.prefix));
+  const Choice choice = choose(bag, scene.robot(), prefix_);
   if (!choice.tracks) return;
   source_ = "joint states of " + *choice.topic;
   chooseTracks(*choice.tracks, choice.prefix);
@@ -127,7 +125,8 @@ void BagPosesFromJoints::collectStamps() {
   stamps_.erase(std::unique(stamps_.begin(), stamps_.end()), stamps_.end());
 }
 
-void BagPosesFromJoints::at(StampNs stamp, BodyPoses& poses) const {
+void BagPosesFromJoints::robotAt(StampNs stamp, std::vector<Eigen::Isometry3d>& X_RB,
+                                 std::vector<char>& known) const {
   const RobotModel& robot = scene_.robot();
   const auto& joints = robot.joints();
   std::vector<double> positions = zero_;
@@ -138,21 +137,15 @@ void BagPosesFromJoints::at(StampNs stamp, BodyPoses& poses) const {
                                          joints[i].type == JointType::CONTINUOUS, positions[i]);
   }
   robot.applyMimics(positions);
-  std::vector<Eigen::Isometry3d> X_RB;
   robot.forwardKinematics(positions, X_RB);
-  poses.resize(scene_.bodies().size());
-  scene_.gatherPoses(X_RB, poses);
 
-  std::vector<char> body_known(robot.bodies().size(), 1);
+  known.assign(robot.bodies().size(), 1);
   for (std::size_t b = 0; b < robot.bodies().size(); ++b) {
     const Body& body = robot.bodies()[b];
     if (body.joint < 0) continue;
     int driver = body.joint;
     while (joints[driver].mimic) driver = joints[driver].mimic->joint;
-    body_known[b] = body_known[body.parent] && joint_known[driver];
-  }
-  for (std::size_t i = 0; i < poses.known.size(); ++i) {
-    poses.known[i] = body_known[scene_.bodies()[i].body];
+    known[b] = known[body.parent] && joint_known[driver];
   }
 }
 

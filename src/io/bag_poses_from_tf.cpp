@@ -1,9 +1,7 @@
 // bagPosesFromTf()
 #include <algorithm>
-#include <cmath>
 
 #include "bag_poses.h"
-#include "frame_names.h"
 
 namespace collision_pairs {
 namespace {
@@ -19,43 +17,19 @@ class BagPosesFromTf : public BagPoses {
  public:
   BagPosesFromTf(const BagContents& bag, const CollisionScene& scene,
                  const BagPosesOptions& options);
-  void at(StampNs stamp, BodyPoses& poses) const override;
 
  private:
-  /// A frame of the bag that is a link of the body, and the pose of the link in the body's frame.
-  struct Frame {
-    int frame;
-    Eigen::Isometry3d X_BL;
-  };
-  std::vector<Frame> framesOf(const RobotModel& robot, int body) const;
-  int frameOf(const std::string& link) const;
+  void robotAt(StampNs stamp, std::vector<Isometry3d>& X_RB,
+               std::vector<char>& known) const override;
   void noteMissing();
   void collectStamps();
   bool find(FramePoses& frames, int body, Eigen::Isometry3d& X_RB) const;
-
-  const TransformTracks& tracks_;
-  const CollisionScene& scene_;
-  std::string prefix_;
-  StampNs max_gap_;
-  std::vector<std::vector<Frame>> bodies_;  ///< by body of the robot
 };
 
 BagPosesFromTf::BagPosesFromTf(const BagContents& bag, const CollisionScene& scene,
                                const BagPosesOptions& options)
-    : tracks_(bag.transforms),
-      scene_(scene),
-      prefix_(withoutSlashes(options.prefix)),
-      max_gap_(std::llround(1e9 * options.max_gap)) {
+    : BagPoses(bag, scene, options) {
   source_ = "TF";
-  const RobotModel& robot = scene.robot();
-  for (std::size_t b = 0; b < robot.bodies().size(); ++b) {
-    bodies_.push_back(framesOf(robot, static_cast<int>(b)));
-  }
-  // A root that TF does not know by its name with the prefix may be there without ("world").
-  const int bare_root = tracks_.findFrame(robot.links().front().name);
-  if (bodies_[0].empty() && bare_root >= 0) {
-    bodies_[0].push_back({bare_root, Isometry3d::Identity()});
-  }
   noteMissing();
   collectStamps();
 }
@@ -64,29 +38,13 @@ void BagPosesFromTf::noteMissing() {
   std::string missing;
   for (const SceneBody& body : scene_.bodies()) {
     if (body.body == 0) continue;
-    if (bodies_[body.body].empty())
+    if (frames_[body.body].empty())
       missing += (missing.empty() ? "" : ", ") + body.link;
     else
       ++nb_known_;
   }
-  if (bodies_[0].empty()) nb_known_ = 0;
+  if (frames_[0].empty()) nb_known_ = 0;
   if (!missing.empty()) notes_.push_back("TF has no frame for, so left out: " + missing);
-}
-
-int BagPosesFromTf::frameOf(const std::string& link) const {
-  if (prefix_.empty()) return tracks_.findFrame(link);
-  const int frame = tracks_.findFrame(withPrefix(prefix_, link));
-  return frame >= 0 ? frame : tracks_.findFrame(prefix_ + link);
-}
-
-std::vector<BagPosesFromTf::Frame> BagPosesFromTf::framesOf(const RobotModel& robot,
-                                                            int body) const {
-  std::vector<Frame> frames;
-  for (const Link& link : robot.links()) {
-    const int frame = link.body == body ? frameOf(link.name) : -1;
-    if (frame >= 0) frames.push_back({frame, link.X_BL});
-  }
-  return frames;
 }
 
 void BagPosesFromTf::collectStamps() {
@@ -109,7 +67,7 @@ bool BagPosesFromTf::find(FramePoses& frames, int body, Isometry3d& X_RB) const 
     return true;
   }
   Isometry3d X_RL;
-  for (const Frame& frame : bodies_[body]) {
+  for (const Frame& frame : frames_[body]) {
     if (!frames.find(frame.frame, X_RL)) continue;
     X_RB = X_RL * frame.X_BL.inverse();
     return true;
@@ -117,23 +75,19 @@ bool BagPosesFromTf::find(FramePoses& frames, int body, Isometry3d& X_RB) const 
   return false;
 }
 
-void BagPosesFromTf::at(StampNs stamp, BodyPoses& poses) const {
+void BagPosesFromTf::robotAt(StampNs stamp, std::vector<Isometry3d>& X_RB,
+                             std::vector<char>& known) const {
   FramePoses frames(tracks_, stamp, max_gap_);
-  std::vector<Isometry3d> X_RB(bodies_.size(), Isometry3d::Identity());
-  std::vector<char> known(bodies_.size(), 0);
+  X_RB.assign(frames_.size(), Isometry3d::Identity());
+  known.assign(frames_.size(), 0);
   // From the root outwards. Links on fixed joints are one body: the URDF says where they stand in
   // it, also where the recording begins before their transforms do.
-  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+  for (std::size_t b = 0; b < frames_.size(); ++b) {
     known[b] = find(frames, static_cast<int>(b), X_RB[b]);
     if (!known[b]) continue;
-    for (const Frame& frame : bodies_[b]) frames.anchor(frame.frame, X_RB[b] * frame.X_BL);
+    for (const Frame& frame : frames_[b]) frames.anchor(frame.frame, X_RB[b] * frame.X_BL);
     if (b > 0) continue;
-    for (const Frame& frame : bodies_[b]) frames.climbFrom(frame.frame);
-  }
-  poses.resize(scene_.bodies().size());
-  scene_.gatherPoses(X_RB, poses);
-  for (std::size_t i = 0; i < poses.known.size(); ++i) {
-    poses.known[i] = known[scene_.bodies()[i].body];
+    for (const Frame& frame : frames_[b]) frames.climbFrom(frame.frame);
   }
 }
 

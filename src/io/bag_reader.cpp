@@ -1,7 +1,6 @@
 #include "bag_reader.h"
 
 #include <algorithm>
-#include <cstring>
 #include <filesystem>
 
 #include <ros/serialization.h>
@@ -9,8 +8,8 @@
 #include <std_msgs/String.h>
 #include <tf2_msgs/TFMessage.h>
 
-#include "bag_records.h"
 #include "collision_pairs/input_error.h"
+#include "message_walk.h"
 
 namespace collision_pairs {
 namespace {
@@ -32,41 +31,13 @@ bool isWanted(const std::string& topic, const std::string& md5sum) {
          (name == "robot_description" || name == "robot_description_semantic");
 }
 
-constexpr std::uint64_t STAMP_AND_NUMBER = 12;    // bytes of a header before its frame
 constexpr std::uint64_t SMALLEST_TRANSFORM = 76;  // bytes: two empty names, seven doubles
 constexpr int NB_ARRAYS_OF_DOUBLES = 3;           // position, velocity, effort
 
-/// Walks over a serialized message. Each step is false if the message is not that long.
-class Walk {
- public:
-  Walk(const std::uint8_t* data, std::uint32_t size) : data_(data), left_(size) {}
-  bool skip(std::uint64_t bytes) {
-    if (bytes > left_) return false;
-    data_ += bytes;
-    left_ -= bytes;
-    return true;
-  }
-  bool count(std::uint32_t& number, std::uint64_t smallest) {
-    if (left_ < sizeof number) return false;
-    std::memcpy(&number, data_, sizeof number);
-    return skip(sizeof number) && number * smallest <= left_;
-  }
-  bool skipArray(std::uint64_t entry) {
-    std::uint32_t number;
-    return count(number, entry) && skip(number * entry);
-  }
-
- private:
-  const std::uint8_t* data_;
-  std::uint64_t left_;
-};
-
-// roscpp makes room for as many entries as a message says it has, before it looks whether they are
-// there: four wrong bytes ask for gigabytes. These look first, at all arrays of the message.
 bool jointStateFits(const std::uint8_t* data, std::uint32_t size) {
   Walk walk(data, size);
   std::uint32_t nb_names;
-  if (!walk.skip(STAMP_AND_NUMBER) || !walk.skipArray(1) || !walk.count(nb_names, 4)) return false;
+  if (!walk.skipHeader() || !walk.count(nb_names, 4)) return false;
   for (std::uint32_t i = 0; i < nb_names; ++i) {
     if (!walk.skipArray(1)) return false;
   }
@@ -181,11 +152,13 @@ void checkIsFile(const std::string& path) {
 
 }  // namespace
 
-BagContents readBag(const std::string& path) {
+BagContents readBag(const std::string& path, const RawMessageVisitor& also) {
   checkIsFile(path);
   Collector collector;
-  const std::vector<std::string> losses =
-      readBagRecords(path, [&](const RawMessage& message) { collector.take(message); });
+  const std::vector<std::string> losses = readBagRecords(path, [&](const RawMessage& message) {
+    collector.take(message);
+    if (also) also(message);
+  });
   BagContents contents = collector.finish();
   contents.losses.insert(contents.losses.begin(), losses.begin(), losses.end());
   if (contents.nb_messages == 0) {

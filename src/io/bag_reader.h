@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "bag_records.h"
 #include "tracks.h"
 
 namespace collision_pairs {
@@ -25,7 +26,7 @@ struct BagContents {
 ///
 /// A bag without an index, cut off or with damaged chunks is read as far as it goes
 /// (readBagRecords), and `losses` says what is missing. Throws InputError if it is no bag, or
-/// nothing of a robot can be read.
-BagContents readBag(const std::string& path);
+/// nothing of a robot can be read. `also` sees every message, in the order of the file.
+BagContents readBag(const std::string& path, const RawMessageVisitor& also = nullptr);
 
 }  // namespace collision_pairs

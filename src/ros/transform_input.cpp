@@ -8,6 +8,7 @@
 #include "frame_names.h"
 #include "geometry_conversions.h"
 #include "stamps.h"
+#include "user_text.h"
 
 namespace collision_pairs {
 namespace {

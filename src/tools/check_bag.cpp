@@ -1,4 +1,5 @@
 // check_bag: recorded bags in, a verdict for each stamp out. Needs no roscore.
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <memory>
@@ -11,6 +12,7 @@
 #include "bag_outputs.h"
 #include "bag_poses.h"
 #include "bag_recorder.h"
+#include "cloud_replay.h"
 #include "collision_pairs/collision_detector.h"
 #include "collision_pairs/input_error.h"
 #include "csv.h"
@@ -40,6 +42,9 @@ void declare(CLI::App& app, Options& options) {
   app.add_option("--srdf", options.srdf, "switches off its pairs (default: in the bag, if there)")
       ->type_name("ROBOT.srdf");
   declareScene(app, options.scene);
+  app.add_option("--clouds", options.scene.cloud_topics,
+                 "recorded sensor_msgs/PointCloud2 that are obstacles; --settings may say how")
+      ->type_name("TOPIC...");
   app.add_option("--prefix", options.poses.prefix, "what the bag puts before this robot's names");
   app.add_option("--fidelity", options.fidelity, "aabb, obb, convex or mesh")
       ->capture_default_str();
@@ -129,13 +134,17 @@ class BagChecker {
 
   void check(std::size_t number) {
     const std::string& path = options_.bags[number];
-    const BagContents bag = readBag(path);
+    BagCloudIndex clouds(options_.scene.cloud_topics);
+    const BagContents bag = readBag(path, [&](const RawMessage& raw) { clouds.take(raw); });
     for (const std::string& loss : bag.losses) warn(path + ": " + loss);
     try {
-      const auto scene = scenes_.sceneFor(bag);
-      const auto poses = makeBagPoses(bag, *scene, options_.poses);
+      const BuiltScene& built = scenes_.sceneFor(bag);
+      clouds.requireAllSources();
+      const auto poses = makeBagPoses(bag, *built.scene, options_.poses);
       for (const std::string& note : poses->notes()) warn(path + ": " + note);
-      checkStamps(number, scene, *poses);
+      CloudReplay replay(clouds, built.clouds, built.description, *built.scene, *poses);
+      checkStamps(number, built.scene, *poses, replay);
+      for (const std::string& refusal : replay.refusals()) warn(path + ": " + refusal);
     } catch (const InputError& error) {
       throw InputError(path + ": " + error.what());
     }
@@ -143,7 +152,7 @@ class BagChecker {
 
  private:
   void checkStamps(std::size_t number, const std::shared_ptr<const CollisionScene>& scene,
-                   const BagPoses& source) {
+                   const BagPoses& source, CloudReplay& clouds) {
     const std::string& path = options_.bags[number];
     const auto& stamps = source.stamps();
     if (options_.shard.count > 1) sink_(bagLine(path, stamps.size()), nullptr);
@@ -154,21 +163,44 @@ class BagChecker {
     ProgressBar progress(path, stamps.size());
     CollisionDetector detector(scene);
     BodyPoses poses;
-    for (std::size_t state = 0; state < stamps.size(); ++state) {
-      if (!options_.shard.owns(number, state)) continue;
-      source.at(stamps[state], poses);
-      const CollisionReport& report = detector.detect(poses, options_.settings);
-      BagRow row = toRow(report, *scene);
-      if (row.verdict == Verdict::FREE && !doubts.empty()) row.verdict = Verdict::UNKNOWN;
-      row.bag = path;
-      row.state = state;
-      row.stamp = stamps[state];
-      sink_(toLine(row), &row);
-      if (recorder_) {
-        recorder_->write(report, *scene, options_.settings, frameOf(*scene), row.stamp, doubts);
+    std::size_t state = 0;
+    const auto checkReady = [&] {
+      for (; state < stamps.size() && clouds.isReady(stamps[state]); ++state) {
+        if (!options_.shard.owns(number, state)) continue;
+        source.at(stamps[state], poses);
+        const auto cloud_doubts = clouds.addVoxels(stamps[state], poses);
+        const CollisionReport& report = detector.detect(poses, options_.settings);
+        writeRow(number, state, stamps[state], report, *scene, doubts, cloud_doubts);
+        progress.show(state);
       }
-      progress.show(state);
+    };
+    checkReady();
+    if (state == stamps.size()) return;
+    readBagRecords(path, [&](const RawMessage& raw) {
+      if (state == stamps.size()) return;
+      clouds.take(raw, stamps[state]);
+      checkReady();
+    });
+    if (state < stamps.size()) throw InputError(BAG_CHANGED);
+  }
+
+  void writeRow(std::size_t number, std::size_t state, StampNs stamp, const CollisionReport& report,
+                const CollisionScene& scene, std::vector<std::string> doubts,
+                const std::vector<CloudReplay::Doubt>& cloud_doubts) {
+    BagRow row = toRow(report, scene);
+    for (const auto& [cloud, why] : cloud_doubts) {
+      const std::string name = listedName(cloud);
+      doubts.push_back(why);
+      const bool is_listed = std::count(row.left_out.begin(), row.left_out.end(), name) > 0;
+      if (!is_listed) row.left_out.push_back(name);
     }
+    if (row.verdict == Verdict::FREE && !doubts.empty()) row.verdict = Verdict::UNKNOWN;
+    row.bag = options_.bags[number];
+    row.state = state;
+    row.stamp = stamp;
+    sink_(toLine(row), &row);
+    if (!recorder_) return;
+    recorder_->write(report, scene, options_.settings, frameOf(scene), row.stamp, doubts);
   }
 
   std::string frameOf(const CollisionScene& scene) const {

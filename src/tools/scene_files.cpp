@@ -1,5 +1,6 @@
 #include "scene_files.h"
 
+#include <algorithm>
 #include <limits>
 #include <map>
 
@@ -42,6 +43,31 @@ std::unique_ptr<RobotSource> sourceFrom(const TextFrom& urdf, const MeshLoader& 
   }
 }
 
+/// Those of the chosen topics, each as the settings have it, or else as it is by default.
+std::vector<CloudConfig> cloudsOf(const SceneOptions& options,
+                                  const std::vector<CloudConfig>& in_settings) {
+  std::vector<CloudConfig> clouds;
+  for (const std::string& topic : options.cloud_topics) {
+    CloudConfig cloud;
+    cloud.topic = topic;
+    const auto is_same = [&](const CloudConfig& other) { return other.name() == cloud.name(); };
+    if (topic.find_first_not_of('/') == std::string::npos) {
+      throw InputError("--clouds: '" + topic + "' is no name of a topic");
+    }
+    if (std::any_of(clouds.begin(), clouds.end(), is_same)) {
+      throw InputError("--clouds: topic '" + topic + "' is there twice");
+    }
+    const auto found = std::find_if(in_settings.begin(), in_settings.end(), is_same);
+    if (found != in_settings.end()) {
+      cloud = *found;
+    } else if (!in_settings.empty()) {
+      warn(options.settings + ": no entry of clouds has topic '" + topic + "': the defaults count");
+    }
+    clouds.push_back(std::move(cloud));
+  }
+  return clouds;
+}
+
 SceneSources readSources(const TextFrom& urdf, const TextFrom& srdf, const SceneOptions& options) {
   SceneSources sources;
   const MeshLoader load_mesh = makeMeshLoader();
@@ -56,6 +82,10 @@ SceneSources readSources(const TextFrom& urdf, const TextFrom& srdf, const Scene
   }
   if (!options.settings.empty()) {
     sources.config = readSceneConfigFile(options.settings);
+  }
+  sources.config.clouds = cloudsOf(options, sources.config.clouds);
+  for (const CloudConfig& cloud : sources.config.clouds) {
+    sources.clouds.push_back(cloudOf(cloud.name(), cloud.voxel_size, cloud.touch_links));
   }
   if (!options.cloud.empty()) sources.clouds.push_back(cloudOf("cloud", options.voxel_size, {}));
   return sources;
@@ -153,30 +183,31 @@ CloudVoxels readCloud(const SceneOptions& options, const CollisionScene& scene) 
   return voxels;
 }
 
-std::shared_ptr<const CollisionScene> buildScene(const TextFrom& urdf, const TextFrom& srdf,
-                                                 const SceneOptions& options, Fidelity fidelity,
-                                                 int max_hull_vertices) {
+BuiltScene buildScene(const TextFrom& urdf, const TextFrom& srdf, const SceneOptions& options,
+                      Fidelity fidelity, int max_hull_vertices) {
   SceneSources sources = readSources(urdf, srdf, options);
   SceneSettings& settings = sources.config.settings;
   settings.fidelity = fidelity;
   if (!options.narrow_phase.empty()) settings.narrow_phase = parseNarrowPhase(options.narrow_phase);
   if (max_hull_vertices != 0) settings.max_hull_vertices = max_hull_vertices;
   const bool is_restricted = !options.group.empty() || !options.links.empty();
-  if (!is_restricted) readAllMeshes(sources);
+  // Points of links on no pair are not obstacles either.
+  if (!is_restricted || !options.cloud_topics.empty()) readAllMeshes(sources);
   std::vector<BrokenElement> broken;
-  const SceneDescription description =
-      describeScene(sources, {}, {options.group, options.links}, broken);
+  BuiltScene built;
+  built.description = describeScene(sources, {}, {options.group, options.links}, broken);
+  built.clouds = sources.config.clouds;
   if (!broken.empty()) {
     const auto& [link, reason] = broken.front();
     const bool of_robot = sources.robots[0].source->skeleton()->findLink(link) >= 0;
     const std::string& origin = of_robot ? urdf.origin : options.world;
     throw InputError(origin + ": URDF: link '" + link + "': " + reason);
   }
-  const auto scene = CollisionScene::build(description);
-  if (is_restricted && scene->models().empty()) {
+  built.scene = CollisionScene::build(built.description);
+  if (is_restricted && built.scene->models().empty()) {
     throw InputError("--group and --links leave no pair to check");
   }
-  return scene;
+  return built;
 }
 
 std::shared_ptr<const CollisionScene> buildScene(const std::string& urdf_path,
@@ -186,7 +217,7 @@ std::shared_ptr<const CollisionScene> buildScene(const std::string& urdf_path,
   TextFrom srdf;
   if (!srdf_path.empty()) srdf = {srdf_path, readTextFile(srdf_path)};
   const TextFrom urdf{urdf_path, readTextFile(urdf_path)};
-  return buildScene(urdf, srdf, options, fidelity, max_hull_vertices);
+  return buildScene(urdf, srdf, options, fidelity, max_hull_vertices).scene;
 }
 
 void warnOf(const JointStates& states, const RobotModel& robot, const std::string& what) {
@@ -203,15 +234,15 @@ void declareBatch(CLI::App& app, unsigned& threads, std::string& out) {
   app.add_option("--out", out, "where to write (default: standard output)")->type_name("OUT.csv");
 }
 
-std::shared_ptr<const CollisionScene> BagScenes::sceneFor(const BagContents& bag) {
+const BuiltScene& BagScenes::sceneFor(const BagContents& bag) {
   const TextFrom urdf = chooseText(urdf_path_, bag.urdfs, "--urdf");
   if (urdf.origin.empty()) throw InputError("there is no robot_description in it; give --urdf");
   const TextFrom srdf = chooseText(srdf_path_, bag.srdfs, "--srdf");
-  if (scene_ && urdf.content == urdf_ && srdf.content == srdf_) return scene_;
-  scene_ = buildScene(urdf, srdf, options_, Fidelity::MESH, 0);
+  if (built_.scene && urdf.content == urdf_ && srdf.content == srdf_) return built_;
+  built_ = buildScene(urdf, srdf, options_, Fidelity::MESH, 0);
   urdf_ = urdf.content;
   srdf_ = srdf.content;
-  return scene_;
+  return built_;
 }
 
 }  // namespace collision_pairs

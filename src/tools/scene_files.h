@@ -10,6 +10,7 @@
 #include <CLI/CLI.hpp>
 
 #include "bag_reader.h"
+#include "cloud_config.h"
 #include "collision_pairs/collision_scene.h"
 #include "joint_states_csv.h"
 
@@ -26,6 +27,7 @@ struct SceneOptions {
   std::vector<std::string> links;
   std::string cloud;  ///< a PCD file; empty: none
   double voxel_size = 0.0;
+  std::vector<std::string> cloud_topics;  ///< recorded clouds that are obstacles
 };
 
 void declareScene(CLI::App& app, SceneOptions& options);
@@ -41,12 +43,18 @@ struct TextFrom {
   std::string origin, content;
 };
 
+/// A scene, and what it was made of.
+struct BuiltScene {
+  std::shared_ptr<const CollisionScene> scene;
+  SceneDescription description;
+  std::vector<CloudConfig> clouds;  ///< of SceneOptions::cloud_topics
+};
+
 /// The scene of one robot. An SRDF without origin is none. `fidelity` and `max_hull_vertices`
 /// (where it is not 0) stand for those of the settings. Unknown links of the SRDF are warned of.
 /// Throws InputError, also for a mesh that cannot be used: a tool checks everything or nothing.
-std::shared_ptr<const CollisionScene> buildScene(const TextFrom& urdf, const TextFrom& srdf,
-                                                 const SceneOptions& options, Fidelity fidelity,
-                                                 int max_hull_vertices);
+BuiltScene buildScene(const TextFrom& urdf, const TextFrom& srdf, const SceneOptions& options,
+                      Fidelity fidelity, int max_hull_vertices);
 
 /// The same of files; an empty path of an SRDF is none.
 std::shared_ptr<const CollisionScene> buildScene(const std::string& urdf_path,
@@ -72,13 +80,13 @@ class BagScenes {
         options_(std::move(options)) {}
 
   /// Throws InputError, also if there is no robot or more than one to choose from.
-  std::shared_ptr<const CollisionScene> sceneFor(const BagContents& bag);
+  const BuiltScene& sceneFor(const BagContents& bag);
 
  private:
   std::string urdf_path_, srdf_path_;
   SceneOptions options_;
   std::string urdf_, srdf_;  ///< what scene_ was made of
-  std::shared_ptr<const CollisionScene> scene_;
+  BuiltScene built_;
 };
 
 }  // namespace collision_pairs

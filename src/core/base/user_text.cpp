@@ -4,6 +4,7 @@
 #include <cctype>
 #include <charconv>
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
 #include <limits>
 #include <numeric>
@@ -68,6 +69,12 @@ std::string nearestName(const std::string& given, const std::vector<std::string>
     nearest = name;
   }
   return nearest;
+}
+
+std::string inWords(double seconds) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.2f s", seconds);
+  return text;
 }
 
 }  // namespace collision_pairs

@@ -1,4 +1,4 @@
-// Numbers and names in what users write.
+// Numbers and names in what users write and read.
 #pragma once
 
 #include <cstddef>
@@ -19,5 +19,8 @@ bool parseVector3(const std::string& text, Eigen::Vector3d& value);
 /// (Levenshtein 1965); the first of several, empty if there are none within `most_edits`.
 std::string nearestName(const std::string& given, const std::vector<std::string>& names,
                         std::size_t most_edits = std::numeric_limits<std::size_t>::max() - 1);
+
+/// "0.25 s"
+std::string inWords(double seconds);
 
 }  // namespace collision_pairs

@@ -10,6 +10,7 @@
 #include "geometry_conversions.h"
 #include "point_cloud.h"
 #include "stamps.h"
+#include "user_text.h"
 
 namespace collision_pairs {
 namespace {
@@ -76,7 +77,7 @@ void CloudSource::work() {
     }
     lock.lock();
     if (problem.empty() || stopping_) continue;
-    problem_ = std::move(problem);
+    latest_.problem = std::move(problem);
     ++health_.refused;
   }
 }
@@ -96,7 +97,7 @@ void CloudSource::use(const Cloud& cloud, unsigned generation, RobotFilter& robo
   const Instant instant = waitForInstant(cloud.header, robot);
   const ros::WallTime start = ros::WallTime::now();
   const auto voxels =
-      gatherer_.add(points_, instant.X_WS, instant.robot, cloud.header.stamp, robot.filter);
+      gatherer_.add(points_, instant.X_WS, instant.robot, cloud.header.stamp.toSec(), robot.filter);
   last_stamp_ = cloud.header.stamp;
   keep(voxels, cloud.header.stamp, generation, (ros::WallTime::now() - start).toSec());
   publishKept(cloud.header);
@@ -107,10 +108,8 @@ void CloudSource::keep(const std::shared_ptr<const OccupiedVoxels>& voxels, cons
   const ros::SteadyTime now = ros::SteadyTime::now();
   const std::lock_guard<std::mutex> lock(mutex_);
   if (generation != generation_) return;  // cleared meanwhile
-  latest_ = voxels;
+  latest_ = {voxels, stamp.toSec(), ""};
   latest_clock_jumps_ = nb_clock_jumps_;
-  latest_stamp_ = stamp;
-  problem_.clear();
   const double rate = 1.0 / std::max((now - last_use_).toSec(), 1e-6);
   if (health_.used == 1) health_.rate = rate;
   if (health_.used > 1) health_.rate += SHARE_OF_NEWEST * (rate - health_.rate);
@@ -183,40 +182,18 @@ void CloudSource::publishKept(const std_msgs::Header& header) const {
 
 CloudView CloudSource::view(const ros::Time& now) const {
   const std::lock_guard<std::mutex> lock(mutex_);
-  CloudView view;
-  const std::string name = "cloud '" + config_.name() + "': ";
-  const std::string refusal = problem_.empty() ? "" : "; the last was refused: " + problem_;
-  if (!latest_) {
-    view.doubt = name + (refusal.empty() ? "none has come yet" : "none is known" + refusal);
-    return view;
-  }
-  if (latest_clock_jumps_ != context_.transforms.nbClockJumps()) {
-    view.doubt = name + "none has come since the clock went back" + refusal;
-    return view;
-  }
-  const double age = secondsBetween(latest_stamp_, now);
-  if (config_.source_timeout > 0.0 && age > config_.source_timeout) {
-    view.doubt = name + "the newest is " + inWords(age) + " old, and source_timeout is " +
-                 inWords(config_.source_timeout) + refusal;
-    return view;
-  }
-  view.voxels = latest_;
-  if (!problem_.empty()) {
-    view.doubt = name + "the last was refused: " + problem_;
-  } else if (latest_->isTruncated()) {
-    view.doubt = name + "more than max_voxels (" + std::to_string(config_.max_voxels) +
-                 ") voxels are occupied, or some are out of range: the farthest are left out";
-  }
-  return view;
+  const bool is_outdated =
+      latest_.voxels && latest_clock_jumps_ != context_.transforms.nbClockJumps();
+  if (!is_outdated) return viewOf(config_, latest_, now.toSec());
+  return {nullptr, "cloud '" + config_.name() + "': none has come since the clock went back" +
+                       refusalOf(latest_)};
 }
 
 void CloudSource::clear() {
   const std::lock_guard<std::mutex> lock(mutex_);
   ++generation_;
   next_ = nullptr;
-  latest_ = nullptr;
-  latest_stamp_ = ros::Time();
-  problem_.clear();
+  latest_ = {};
 }
 
 CloudHealth CloudSource::health() const {

@@ -15,16 +15,18 @@
 #include <sensor_msgs/PointCloud2.h>
 
 #include "cloud_gatherer.h"
+#include "cloud_view.h"
+#include "tf_poses.h"
 #include "transform_input.h"
 
 namespace collision_pairs {
 
-/// What a source shows at some instant.
-struct CloudView {
-  /// Null: nothing is known, or what was known is too old.
-  std::shared_ptr<const OccupiedVoxels> voxels;
-  /// Why nothing is FREE; empty if the source is sound.
-  std::string doubt;
+/// What tells points of the robot from obstacles, in one scene.
+struct RobotFilter {
+  RobotFilter(const SceneDescription& description, double padding, SceneCache* cache)
+      : filter(description, padding, cache) {}
+  SelfFilter filter;
+  std::unique_ptr<TfPoses> poses;  ///< of filter.bodies()
 };
 
 /// For diagnostics.
@@ -96,10 +98,8 @@ class CloudSource {
   unsigned generation_ = 0;  // of clear()
   Cloud::ConstPtr next_;
   std::shared_ptr<RobotFilter> robot_;
-  std::shared_ptr<const OccupiedVoxels> latest_;
-  ros::Time latest_stamp_;
+  LatestCloud latest_;
   unsigned latest_clock_jumps_ = 0;  // when it came
-  std::string problem_;              // why the last cloud was refused
   CloudHealth health_;
   ros::SteadyTime last_use_;
 

@@ -21,8 +21,7 @@ CloudGatherer::CloudGatherer(const CloudConfig& config)
 
 std::shared_ptr<const OccupiedVoxels> CloudGatherer::add(const std::vector<Eigen::Vector3f>& points,
                                                          const Eigen::Isometry3d& X_WS,
-                                                         const BodyPoses& robot,
-                                                         const ros::Time& stamp,
+                                                         const BodyPoses& robot, double stamp,
                                                          SelfFilter& filter) {
   filter.begin(robot);
   if (!filter.leftOut().empty()) {
@@ -30,7 +29,7 @@ std::shared_ptr<const OccupiedVoxels> CloudGatherer::add(const std::vector<Eigen
                      "' has no pose at its stamp, so its points cannot be told from obstacles");
   }
   kept_.clear();
-  grid_.begin(stamp.toSec(), X_WS.translation());
+  grid_.begin(stamp, X_WS.translation());
   const double squared_range = config_.max_range * config_.max_range;
   for (const Eigen::Vector3f& point : points) {
     const Eigen::Vector3d p_SP = point.cast<double>();

@@ -1,0 +1,107 @@
+#include "bag_clouds.h"
+
+#include <algorithm>
+#include <limits>
+#include <string_view>
+
+#include <sensor_msgs/PointCloud2.h>
+
+#include "collision_pairs/input_error.h"
+#include "message_walk.h"
+#include "user_text.h"
+
+namespace collision_pairs {
+namespace {
+
+constexpr StampNs CLOCK_TOLERANCE = 500000000;  // 0.5 s, the default of the node's
+
+bool isCloud(const RawMessage& raw) {
+  return raw.md5sum == ros::message_traits::MD5Sum<sensor_msgs::PointCloud2>::value();
+}
+
+/// As CloudConfig::name().
+std::string_view nameOf(std::string_view topic) {
+  topic.remove_prefix(std::min(topic.find_first_not_of('/'), topic.size()));
+  return topic;
+}
+
+/// 0 if the message ends before.
+StampNs stampOf(const RawMessage& raw) {
+  std::uint32_t number_and_stamp[3];
+  if (raw.size < sizeof number_and_stamp) return 0;
+  std::memcpy(number_and_stamp, raw.data, sizeof number_and_stamp);
+  return StampNs{number_and_stamp[1]} * 1000000000 + number_and_stamp[2];
+}
+
+std::string problemOf(StampNs stamp, StampNs received, StampNs newest) {
+  if (stamp == 0) return "its stamp is zero";
+  if (stamp - received > CLOCK_TOLERANCE) {
+    return "its stamp is " + inWords(1e-9 * static_cast<double>(stamp - received)) +
+           " ahead of the time at which it was recorded";
+  }
+  if (stamp <= newest) {
+    return "its stamp is not later than that of the cloud before: are there two publishers, or did "
+           "the clock go back?";
+  }
+  return "";
+}
+
+}  // namespace
+
+BagCloudIndex::BagCloudIndex(std::vector<std::string> topics)
+    : topics_(std::move(topics)),
+      newest_(topics_.size(), std::numeric_limits<StampNs>::min()),
+      is_other_type_(topics_.size(), 0),
+      has_cloud_(topics_.size(), 0) {}
+
+int BagCloudIndex::sourceOf(const RawMessage& raw) const {
+  for (std::size_t i = 0; i < topics_.size(); ++i) {
+    if (nameOf(raw.topic) == nameOf(topics_[i])) return static_cast<int>(i);
+  }
+  return -1;
+}
+
+void BagCloudIndex::take(const RawMessage& raw) {
+  if (topics_.empty()) return;
+  const int source = sourceOf(raw);
+  if (isCloud(raw)) cloud_topics_.insert(raw.topic);
+  if (source < 0) return;
+  if (!isCloud(raw)) {
+    is_other_type_[source] = 1;
+    return;
+  }
+  has_cloud_[source] = 1;
+  const StampNs stamp = stampOf(raw);
+  std::string problem = problemOf(stamp, raw.received, newest_[source]);
+  if (problem.empty()) newest_[source] = stamp;
+  entries_.push_back({source, newest_[source], std::move(problem)});
+}
+
+void BagCloudIndex::requireAllSources() const {
+  for (std::size_t i = 0; i < topics_.size(); ++i) {
+    if (is_other_type_[i]) {
+      throw InputError("--clouds: topic '" + topics_[i] +
+                       "' is not of type sensor_msgs/PointCloud2");
+    }
+    if (has_cloud_[i]) continue;
+    std::string found;
+    for (const std::string& topic : cloud_topics_) found += (found.empty() ? "" : ", ") + topic;
+    throw InputError("--clouds: no message of topic '" + topics_[i] +
+                     "' is in it; topics with clouds: " + (found.empty() ? "none" : found));
+  }
+}
+
+bool pointCloudFits(const RawMessage& raw) {
+  constexpr std::uint64_t HEIGHT_AND_WIDTH = 8, OF_FIELD = 9, STEPS = 9;  // bytes
+  Walk walk(raw.data, raw.size);
+  std::uint32_t nb_fields;
+  if (!walk.skipHeader() || !walk.skip(HEIGHT_AND_WIDTH) || !walk.count(nb_fields, 4 + OF_FIELD)) {
+    return false;
+  }
+  for (std::uint32_t i = 0; i < nb_fields; ++i) {
+    if (!walk.skipArray(1) || !walk.skip(OF_FIELD)) return false;
+  }
+  return walk.skip(STEPS) && walk.skipArray(1) && walk.skip(1);
+}
+
+}  // namespace collision_pairs

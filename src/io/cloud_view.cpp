@@ -1,0 +1,35 @@
+#include "cloud_view.h"
+
+#include "user_text.h"
+
+namespace collision_pairs {
+
+CloudView viewOf(const CloudConfig& config, const LatestCloud& latest, double now) {
+  CloudView view;
+  const std::string name = "cloud '" + config.name() + "': ";
+  const std::string refusal = refusalOf(latest);
+  if (!latest.voxels) {
+    view.doubt = name + (refusal.empty() ? "none has come yet" : "none is known" + refusal);
+    return view;
+  }
+  const double age = now - latest.stamp;
+  if (config.source_timeout > 0.0 && age > config.source_timeout) {
+    view.doubt = name + "the newest is " + inWords(age) + " old, and source_timeout is " +
+                 inWords(config.source_timeout) + refusal;
+    return view;
+  }
+  view.voxels = latest.voxels;
+  if (!latest.problem.empty()) {
+    view.doubt = name + "the last was refused: " + latest.problem;
+  } else if (latest.voxels->isTruncated()) {
+    view.doubt = name + "more than max_voxels (" + std::to_string(config.max_voxels) +
+                 ") voxels are occupied, or some are out of range: the farthest are left out";
+  }
+  return view;
+}
+
+std::string refusalOf(const LatestCloud& latest) {
+  return latest.problem.empty() ? "" : "; the last was refused: " + latest.problem;
+}
+
+}  // namespace collision_pairs

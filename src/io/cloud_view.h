@@ -1,0 +1,32 @@
+// What a source of clouds shows at some instant, and whether that is good enough to be FREE.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "cloud_config.h"
+#include "collision_pairs/occupied_voxels.h"
+
+namespace collision_pairs {
+
+/// What has become of the clouds of a source so far.
+struct LatestCloud {
+  std::shared_ptr<const OccupiedVoxels> voxels;  ///< after the last that was used; null: none was
+  double stamp = 0.0;                            ///< of that one, in seconds
+  std::string problem;  ///< why the last that came was refused; empty: it was used
+};
+
+struct CloudView {
+  /// Null: nothing is known, or what was known is too old.
+  std::shared_ptr<const OccupiedVoxels> voxels;
+  /// Why nothing is FREE; empty if the source is sound.
+  std::string doubt;
+};
+
+/// `now` in seconds, of the clock of the stamps.
+CloudView viewOf(const CloudConfig& config, const LatestCloud& latest, double now);
+
+/// "; the last was refused: …", or nothing.
+std::string refusalOf(const LatestCloud& latest);
+
+}  // namespace collision_pairs

@@ -1,0 +1,44 @@
+// Whether a serialized message is as long as it says.
+#pragma once
+
+#include <cstdint>
+#include <cstring>
+
+namespace collision_pairs {
+
+/// Walks over a serialized message. Each step is false if the message is not that long.
+///
+/// roscpp makes room for as many entries as a message says it has, before it looks whether they are
+/// there: four wrong bytes ask for gigabytes. So look first, at all arrays of the message.
+class Walk {
+ public:
+  Walk(const std::uint8_t* data, std::uint32_t size) : data_(data), left_(size) {}
+  bool skip(std::uint64_t bytes) {
+    if (bytes > left_) return false;
+    data_ += bytes;
+    left_ -= bytes;
+    return true;
+  }
+  /// Reads how many entries an array has, each of so many bytes or more.
+  bool count(std::uint32_t& number, std::uint64_t smallest) {
+    if (left_ < sizeof number) return false;
+    std::memcpy(&number, data_, sizeof number);
+    return skip(sizeof number) && number * smallest <= left_;
+  }
+  /// Of entries of so many bytes.
+  bool skipArray(std::uint64_t entry) {
+    std::uint32_t number;
+    return count(number, entry) && skip(number * entry);
+  }
+
+  /// A std_msgs/Header: number, stamp, frame.
+  bool skipHeader() { return skip(STAMP_AND_NUMBER) && skipArray(1); }
+
+ private:
+  static constexpr std::uint64_t STAMP_AND_NUMBER = 12;  // bytes
+
+  const std::uint8_t* data_;
+  std::uint64_t left_;
+};
+
+}  // namespace collision_pairs

@@ -1,0 +1,140 @@
+#include "cloud_replay.h"
+
+#include <algorithm>
+#include <limits>
+
+#include <ros/serialization.h>
+
+#include "collision_pairs/input_error.h"
+#include "point_cloud.h"
+
+namespace collision_pairs {
+namespace {
+
+constexpr std::size_t MOST_WAITING = 1000;  // clouds
+constexpr StampNs NEVER = std::numeric_limits<StampNs>::max();
+
+double seconds(StampNs stamp) { return static_cast<double>(stamp) * 1e-9; }
+
+bool isChecked(const CollisionScene& scene, const std::string& name) {
+  return std::any_of(scene.clouds().begin(), scene.clouds().end(), [&](const SceneCloud& cloud) {
+    return scene.models()[cloud.model].name == name;
+  });
+}
+
+}  // namespace
+
+const char* const BAG_CHANGED = "it changed while it was read";
+
+CloudReplay::CloudReplay(const BagCloudIndex& index, const std::vector<CloudConfig>& configs,
+                         const SceneDescription& description, const CollisionScene& scene,
+                         const BagPoses& poses)
+    : index_(index), scene_(scene), poses_(poses) {
+  for (const CloudConfig& config : configs) {
+    sources_.push_back({config,
+                        CloudGatherer(config),
+                        SelfFilter(description, config.self_filter_padding),
+                        isChecked(scene, config.name()),
+                        {},
+                        {},
+                        0,
+                        0,
+                        ""});
+  }
+  least_since_.assign(index.entries().size() + 1, NEVER);
+  for (std::size_t i = index.entries().size(); i-- > 0;) {
+    least_since_[i] = std::min(least_since_[i + 1], index.entries()[i].since);
+  }
+}
+
+void CloudReplay::take(const RawMessage& raw, StampNs next_row) {
+  const int number = index_.sourceOf(raw);
+  if (number < 0) return;
+  if (nb_taken_ == index_.entries().size() || index_.entries()[nb_taken_].source != number) {
+    throw InputError(BAG_CHANGED);
+  }
+  const CloudEntry& entry = index_.entries()[nb_taken_++];
+  Source& source = sources_[number];
+  if (!source.is_checked) return;
+  LatestCloud latest = source.later.empty() ? source.latest : source.later.back().second;
+  latest.problem = entry.problem;
+  ++source.nb_clouds;
+  if (entry.problem.empty()) {
+    try {
+      latest.voxels = gather(raw, entry.since, source);
+      latest.stamp = seconds(entry.since);
+    } catch (const InputError& error) {
+      latest.problem = error.what();
+    }
+  }
+  if (!latest.problem.empty() && source.nb_refused++ == 0) source.first_problem = latest.problem;
+  source.later.emplace_back(entry.since, std::move(latest));
+  ++nb_waiting_;
+  advance(next_row);
+  if (nb_waiting_ > MOST_WAITING) {
+    throw InputError("--clouds: more than " + std::to_string(MOST_WAITING) +
+                     " clouds are recorded before others of earlier stamps; sort it by time");
+  }
+}
+
+std::shared_ptr<const OccupiedVoxels> CloudReplay::gather(const RawMessage& raw, StampNs stamp,
+                                                          Source& source) {
+  if (!pointCloudFits(raw)) throw InputError("it is shorter than it says");
+  sensor_msgs::PointCloud2 cloud;
+  try {
+    ros::serialization::IStream stream(raw.data, raw.size);
+    ros::serialization::deserialize(stream, cloud);
+  } catch (const ros::Exception& error) {
+    throw InputError(error.what());
+  }
+  readPoints(cloud, points_);
+  Eigen::Isometry3d X_WS;
+  if (!poses_.frameAt(stamp, cloud.header.frame_id, X_WS)) {
+    throw InputError("where its frame '" + cloud.header.frame_id +
+                     "' was at its stamp is not known");
+  }
+  BodyPoses robot;
+  poses_.at(stamp, source.filter.bodies(), robot);
+  return source.gatherer.add(points_, X_WS, robot, seconds(stamp), source.filter);
+}
+
+void CloudReplay::advance(StampNs row) {
+  for (Source& source : sources_) {
+    while (!source.later.empty() && source.later.front().first <= row) {
+      source.latest = std::move(source.later.front().second);
+      source.later.pop_front();
+      --nb_waiting_;
+    }
+  }
+}
+
+std::vector<CloudReplay::Doubt> CloudReplay::addVoxels(StampNs row, BodyPoses& poses) {
+  advance(row);
+  std::vector<Doubt> doubts;
+  poses.voxels.clear();
+  for (const SceneCloud& cloud : scene_.clouds()) {
+    const std::string& name = scene_.models()[cloud.model].name;
+    const auto source = std::find_if(sources_.begin(), sources_.end(), [&](const Source& other) {
+      return other.config.name() == name;
+    });
+    CloudView view;
+    if (source != sources_.end()) view = viewOf(source->config, source->latest, seconds(row));
+    poses.voxels.push_back(view.voxels);
+    if (!view.doubt.empty()) doubts.push_back({name, view.doubt});
+  }
+  return doubts;
+}
+
+std::vector<std::string> CloudReplay::refusals() const {
+  std::vector<std::string> sentences;
+  for (const Source& source : sources_) {
+    if (source.nb_refused == 0) continue;
+    sentences.push_back("cloud '" + source.config.name() +
+                        "': " + std::to_string(source.nb_refused) + " of " +
+                        std::to_string(source.nb_clouds) +
+                        " messages were refused; the first: " + source.first_problem);
+  }
+  return sentences;
+}
+
+}  // namespace collision_pairs

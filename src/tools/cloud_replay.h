@@ -1,0 +1,72 @@
+// Recorded point clouds as obstacles: what each has shown when a row of the table comes.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "bag_clouds.h"
+#include "bag_poses.h"
+#include "cloud_gatherer.h"
+#include "cloud_view.h"
+#include "collision_pairs/collision_scene.h"
+
+namespace collision_pairs {
+
+/// Says that a bag holds something else than when it was read before.
+extern const char* const BAG_CHANGED;
+
+/// Does with the clouds of a bag what the node does with those that come: each is placed, cropped,
+/// filtered and gathered at its own stamp. Reads one at a time, in the order of the file; keeps
+/// voxels of those that count only from a later row on.
+class CloudReplay {
+ public:
+  /// Index, scene and poses must outlive it. Clouds that are in no pair of the scene are not read.
+  /// `configs` are of the topics of the index.
+  CloudReplay(const BagCloudIndex& index, const std::vector<CloudConfig>& configs,
+              const SceneDescription& description, const CollisionScene& scene,
+              const BagPoses& poses);
+
+  /// The bag's next message, when views before `next_row` are not asked for any more. Throws
+  /// InputError if it is not the bag of the index, or too much waits for a row.
+  void take(const RawMessage& raw, StampNs next_row);
+  /// Whether nothing still to be taken counts at that instant.
+  bool isReady(StampNs row) const { return least_since_[nb_taken_] > row; }
+
+  struct Doubt {
+    std::string cloud, why;
+  };
+  /// What the clouds show then, into poses.voxels; why what is apart is not free.
+  std::vector<Doubt> addVoxels(StampNs row, BodyPoses& poses);
+
+  /// How many clouds of a source were refused, and why the first was; a sentence each.
+  std::vector<std::string> refusals() const;
+
+ private:
+  struct Source {
+    CloudConfig config;
+    CloudGatherer gatherer;
+    SelfFilter filter;
+    bool is_checked;
+    LatestCloud latest;
+    std::deque<std::pair<StampNs, LatestCloud>> later;  ///< each counts from its stamp on
+    std::size_t nb_clouds = 0, nb_refused = 0;
+    std::string first_problem;
+  };
+
+  std::shared_ptr<const OccupiedVoxels> gather(const RawMessage& raw, StampNs stamp,
+                                               Source& source);
+  void advance(StampNs row);
+
+  const BagCloudIndex& index_;
+  const CollisionScene& scene_;
+  const BagPoses& poses_;
+  std::vector<Source> sources_;
+  std::vector<StampNs> least_since_;  ///< by entry: of it and all after it
+  std::size_t nb_taken_ = 0, nb_waiting_ = 0;
+  std::vector<Eigen::Vector3f> points_;
+};
+
+}  // namespace collision_pairs

@@ -1,0 +1,214 @@
+"""check_bag --clouds: recorded point clouds as obstacles of the demo robot."""
+import csv
+import math
+import struct
+
+import pytest
+import rosbag
+import rospy
+from geometry_msgs.msg import TransformStamped
+from sensor_msgs.msg import Image, PointCloud2, PointField
+from tf2_msgs.msg import TFMessage
+
+TOPIC, CAMERA = "/camera/points", (1.0, -0.5, 1.5)  # in world, where it looks along world's axes
+START = 1000.0
+FAR = (0.4, -0.9, 1.6)  # from all links, in world
+FAR_SEEN = [tuple(f - c for f, c in zip(FAR, CAMERA))]
+TIMEOUT = 1.0  # the default of source_timeout
+
+
+def cloud_of(points, seconds, frame="camera"):
+    cloud = PointCloud2(height=1, width=len(points), point_step=12, row_step=12 * len(points))
+    cloud.header.stamp, cloud.header.frame_id = rospy.Time.from_sec(seconds), frame
+    cloud.fields = [PointField("xyz"[i], 4 * i, PointField.FLOAT32, 1) for i in range(3)]
+    cloud.data = b"".join(struct.pack("<3f", *point) for point in points)
+    return cloud
+
+
+def block(center, origin=CAMERA):
+    """Points of a block of 8 cm about a point of the world, as the camera sees them."""
+    steps = [0.01 * i for i in range(-4, 5)]
+    return [tuple(c + s - o for c, s, o in zip(center, (x, y, z), origin)) for x in steps for y in steps for z in steps]
+
+
+def palm_at(bag, seconds):
+    """Where TF has a point of the palm in the world, one rotation after the other."""
+    placed = {}
+    for _, message, stamp in bag.read_messages(["/tf", "/tf_static"]):
+        for t in message.transforms:
+            if t.header.stamp.to_sec() <= seconds + 1e-6:
+                placed[t.child_frame_id] = (t.header.frame_id, t.transform)
+    point, frame = (0.0, 0.0, 0.03), "palm"
+    while frame in placed:
+        frame, transform = placed[frame]
+        x, y, z, w = (getattr(transform.rotation, c) for c in "xyzw")
+        u = (x, y, z)
+        cross = lambda a, b: (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
+        once = cross(u, point)
+        twice = cross(u, once)
+        point = tuple(p + 2 * w * a + 2 * b + getattr(transform.translation, c)
+                      for p, a, b, c in zip(point, once, twice, "xyz"))
+    return point
+
+
+@pytest.fixture
+def with_clouds(make_bag, tmp_path):
+    """The demo's bag with a camera fixed in the world, and messages of a topic at their own stamps."""
+    def make(clouds, topic=TOPIC, *options):
+        source_path, path = make_bag("source.bag", *options), tmp_path / "clouds.bag"
+        camera = TransformStamped()
+        camera.header.frame_id, camera.child_frame_id = "world", "camera"
+        camera.header.stamp = rospy.Time.from_sec(START)
+        t = camera.transform.translation
+        (t.x, t.y, t.z), camera.transform.rotation.w = CAMERA, 1.0
+        with rosbag.Bag(str(source_path)) as source, rosbag.Bag(str(path), "w") as target:
+            target.write("/tf_static", TFMessage([camera]), camera.header.stamp)
+            messages = [(stamp.to_sec(), number, of, message)
+                        for number, (of, message, stamp) in enumerate(source.read_messages())]
+            recorded = START
+            for i, cloud in enumerate(clouds):  # a little after its stamp, and one after the other
+                recorded = max(recorded, cloud.header.stamp.to_sec()) + 0.03
+                messages.append((recorded, 10**6 + i, topic, cloud))
+            for seconds, _, of, message in sorted(messages, key=lambda m: m[:2]):
+                target.write(of, message, rospy.Time.from_sec(seconds))
+        return path
+    return make
+
+
+@pytest.fixture
+def check(run_tool, tmp_path):
+    def run(bag, *arguments, topics=("camera/points",)):
+        out = tmp_path / "out.csv"
+        done = run_tool("check_bag", bag, "--out", out, *arguments, "--clouds", *topics)
+        assert done.returncode == 0, done.stderr
+        with open(out) as lines:
+            return list(csv.DictReader(lines)), done.stderr
+    return run
+
+
+def every(period, end, points):
+    return [cloud_of(points, START + period * i) for i in range(int(end / period))]
+
+
+def seconds_of(row):
+    return float(row["stamp"]) - START
+
+
+def cloud_pairs(row):
+    return {pair for pair in row["pairs"].split(";") if "camera/points" in pair.split("|")}
+
+
+@pytest.fixture
+def write(tmp_path):
+    def settings(cloud):
+        path = tmp_path / "settings.yaml"
+        path.write_text("clouds: [%s]" % cloud)
+        return path
+    return settings
+
+
+def test_what_is_far_changes_no_verdict_and_no_pair(check, run_tool, with_clouds, tmp_path):
+    bag = with_clouds(every(0.2, 30, FAR_SEEN))
+    rows, _ = check(bag)
+    plain = tmp_path / "plain.csv"
+    assert run_tool("check_bag", bag, "--out", plain).returncode == 0
+    with open(plain) as lines:
+        without = list(csv.DictReader(lines))
+    assert {row["verdict"] for row in without} == {"free", "collision"}
+    assert [(r["stamp"], r["verdict"], r["pairs"], r["left_out"]) for r in rows] == \
+        [(r["stamp"], r["verdict"], r["pairs"], r["left_out"]) for r in without]
+
+
+def test_a_block_that_a_link_comes_into_is_a_collision_with_the_cloud_and_the_link_named(check, make_bag, with_clouds, write):
+    with rosbag.Bag(str(make_bag("demo.bag"))) as bag:
+        there = palm_at(bag, START + 2.0)
+        assert math.dist(there, palm_at(bag, START + 0.2)) > 0.2
+    # The camera sees the block before the arm is there, so it is not the robot's; then it remembers.
+    settings = "{topic: /camera/points, decay: 60, source_timeout: 60}"
+    rows, _ = check(with_clouds([cloud_of(block(there), START + 0.2)]), "--settings", write(settings))
+    at_2 = next(row for row in rows if seconds_of(row) >= 2.0)
+    assert at_2["verdict"] == "collision" and "camera/points|palm" in cloud_pairs(at_2)
+    early = [row for row in rows if 0.2 <= seconds_of(row) < 0.3]
+    assert early and not any(cloud_pairs(row) for row in early)
+
+
+def test_before_the_first_cloud_and_after_the_timeout_nothing_is_free(check, with_clouds):
+    rows, _ = check(with_clouds([cloud_of(FAR_SEEN, START + 1.0), cloud_of(FAR_SEEN, START + 1.5)]))
+    for row in rows:
+        seconds = seconds_of(row)
+        fresh = 1.0 <= seconds <= 1.5 + TIMEOUT - 1e-6
+        assert ("camera/points" in row["left_out"].split(";")) == (not fresh), row
+        if not fresh:
+            assert row["verdict"] != "free"
+    assert any(row["verdict"] == "free" for row in rows) and any(row["verdict"] == "unknown" for row in rows)
+
+
+def test_the_robots_own_points_are_no_obstacles(check, make_bag, with_clouds, write):
+    with rosbag.Bag(str(make_bag("demo.bag"))) as bag:
+        stamps = [START + 0.2 * i for i in range(20)]
+        palms = [palm_at(bag, stamp) for stamp in stamps]
+    own = [cloud_of([tuple(p - o for p, o in zip(palm, CAMERA))], stamp) for palm, stamp in zip(palms, stamps)]
+    settings = "{topic: camera/points, replace: true}"
+    rows, _ = check(with_clouds(own), "--settings", write(settings))
+    assert not any(cloud_pairs(row) for row in rows)
+    assert any(row["verdict"] == "free" for row in rows)
+    # Without the filter's pose of that instant they would be: a second late, the same points are.
+    late = [cloud_of([tuple(p - o for p, o in zip(palm, CAMERA))], stamp + 1.0) for palm, stamp in zip(palms, stamps)]
+    rows, _ = check(with_clouds(late), "--settings", write("{topic: camera/points, decay: 60}"))
+    assert any(cloud_pairs(row) for row in rows)
+
+
+@pytest.mark.parametrize("options", [(), ("--without", "tf")], ids=["by TF", "by forward kinematics"])
+def test_a_camera_on_a_link_is_placed_where_that_link_was(check, with_clouds, write, options):
+    """A wall of points below the table, in the frame of the table: it stands 0.7 m above the world's origin."""
+    box = [(0.02 * x, 0.02 * y, 0.35) for x in range(-5, 6) for y in range(-5, 6)]
+    clouds = [cloud_of([(x, y, z + 0.1) for x, y, z in box], START + 0.2 * i, "table") for i in range(30)]
+    # Where they are in the world, z = 1.15, is inside this box, and nowhere else.
+    for low, expected in ((1.1, True), (1.3, False)):
+        crop = "{topic: camera/points, self_filter_padding: 0, box: [-1, -1, %s, 1, 1, %s]}" % (low, low + 0.1)
+        rows, said = check(with_clouds(clouds, TOPIC, *options), "--settings", write(crop))
+        assert "refused" not in said
+        assert any(cloud_pairs(row) for row in rows) == expected
+
+
+@pytest.mark.parametrize("spoil, says", [
+    (lambda c: setattr(c, "data", c.data[:-1]), "too few"),
+    (lambda c: setattr(c, "row_step", 4), "row_step"),
+    (lambda c: setattr(c, "fields", c.fields[:2]), "no field 'z'"),
+    (lambda c: setattr(c.header, "frame_id", "nowhere"), "'nowhere'"),
+    (lambda c: setattr(c.header, "stamp", rospy.Time()), "stamp is zero"),
+    (lambda c: setattr(c.header, "stamp", rospy.Time.from_sec(START + 0.5)), "not later"),
+])
+def test_a_cloud_that_cannot_be_used_is_said_and_nothing_is_free_until_the_next(check, with_clouds, spoil, says):
+    clouds = every(0.5, 3, FAR_SEEN)
+    bad = clouds[2]  # at 1.0
+    spoil(bad)
+    rows, said = check(with_clouds(clouds))
+    assert says in said and "1 of 6" in said, said
+    doubted = [row for row in rows if 1.01 < seconds_of(row) < 1.49]
+    assert doubted and all(row["verdict"] != "free" and "camera/points" in row["left_out"] for row in doubted)
+    assert any(row["verdict"] == "free" for row in rows if 1.5 <= seconds_of(row) < 3)
+
+
+def test_a_cloud_whose_lengths_lie_is_refused_and_ends_nothing(check, with_clouds):
+    bag = with_clouds([cloud_of(block(FAR), START + 0.5)], TOPIC, "--compression", "none")
+    content = bytearray(bag.read_bytes())
+    place = content.index(b"camera", content.index(struct.pack("<I", 12 * 729) * 2)  - 200) + len(b"camera") + 8
+    for lie in (b"\xff\xff\xff\xff", b"\xff\xff\xff\x07"):
+        content[place:place + 4] = lie  # how many fields there are
+        bag.write_bytes(content)
+        rows, said = check(bag)
+        assert "shorter than it says" in said, said
+        assert all(row["verdict"] != "free" for row in rows)
+
+
+@pytest.mark.parametrize("topics, says", [(["lidar/points"], "/camera/points"), (["/image"], "sensor_msgs/PointCloud2"),
+                                          (["camera/points", "/camera/points"], "twice"), (["/"], "--clouds")])
+def test_a_topic_that_is_no_cloud_of_the_bag_is_one_line_and_exit_code_2(run_tool, with_clouds, tmp_path, topics, says):
+    bag = with_clouds(every(1.0, 2, FAR_SEEN))
+    with rosbag.Bag(str(bag), "a") as target:
+        target.write("/image", Image(), rospy.Time.from_sec(START + 1))
+    done = run_tool("check_bag", bag, "--out", tmp_path / "out.csv", "--clouds", *topics)
+    errors = [line for line in done.stderr.splitlines() if not line.startswith("warning: ")]
+    assert done.returncode == 2 and len(errors) == 1 and says in errors[0], done.stderr
+    assert not (tmp_path / "out.csv").exists()
