@@ -79,6 +79,22 @@ TEST(OccupiedVoxels, AQueryFindsTheCellsWhoseCubesAreNearAndNoOthers) {
   }
 }
 
+TEST(OccupiedVoxels, ABoxThatTouchesAFaceFindsTheVoxelOnEitherSide) {
+  for (const int axis : {0, 1, 2}) {
+    for (const int cell_there : {-5, 3}) {
+      VoxelCell cell = VoxelCell::Zero();
+      cell[axis] = cell_there;
+      const OccupiedVoxels voxels(0.25, {cell});  // its faces are exact
+      for (const double side : {-1.0, 1.0}) {
+        Aabb box{Vector3d::Constant(0.125), Vector3d::Constant(0.125)};
+        box.min[axis] = box.max[axis] = 0.25 * (cell_there + (side > 0.0 ? 1 : 0));
+        (side > 0.0 ? box.max : box.min)[axis] += side;
+        EXPECT_TRUE(voxels.anyWithin(box, 0.0)) << axis << " " << cell_there << " " << side;
+      }
+    }
+  }
+}
+
 TEST(OccupiedVoxels, BoundsAreTight) {
   const OccupiedVoxels voxels(0.5, {{-3, 2, 7}, {4, 2, -1}});
   EXPECT_EQ(voxels.bounds().min, Vector3d(-1.5, 1.0, -0.5));
