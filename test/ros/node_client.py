@@ -78,6 +78,10 @@ class JointPublisher:
         self._message.header.stamp = rospy.Time.now()
         self._publisher.publish(self._message)
 
+    def stop(self):
+        self._timer.shutdown()
+        self._timer.join()
+
     def hold(self, position):
         """Returns the time from which on the robot surely stands there."""
         self._message.position = list(position)

@@ -5,6 +5,7 @@ import os
 import shutil
 import sys
 import tempfile
+import time
 import unittest
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
@@ -18,7 +19,7 @@ from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 from collision_pairs.msg import CollisionPairs
 from collision_pairs.srv import CheckTrajectory
-from node_client import NodeClient, publish_transform
+from node_client import PATIENCE, NodeClient, publish_transform
 from scene_client import SceneClient, add_box, clear
 
 JOINTS = ["slide_a", "slide_b", "slide_c"]
@@ -80,7 +81,13 @@ class ResetTest(unittest.TestCase):
 
     def check(self, prefix="", positions=PLACES, fidelity="", alarm_distance=20.0):
         state = JointState(name=[prefix + name for name in JOINTS], position=positions)
-        reply = self.node.check(joint_state=state, fidelity=fidelity, alarm_distance=alarm_distance)
+        end = time.time() + PATIENCE
+        while True:
+            reply = self.node.check(joint_state=state, fidelity=fidelity, alarm_distance=alarm_distance)
+            on_its_way = "TF does not know" in reply.message  # what is published of the new frame
+            if not on_its_way or time.time() > end:
+                break
+            time.sleep(0.05)
         self.assertTrue(reply.success, reply.message)
         return reply.result
 
