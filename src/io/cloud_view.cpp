@@ -28,6 +28,21 @@ CloudView viewOf(const CloudConfig& config, const LatestCloud& latest, double no
   return view;
 }
 
+std::vector<CloudDoubt> addVoxels(const std::map<std::string, CloudView>& views,
+                                  const CollisionScene& scene, BodyPoses& poses) {
+  std::vector<CloudDoubt> doubts;
+  poses.voxels.clear();
+  for (const SceneCloud& cloud : scene.clouds()) {
+    const std::string& name = scene.models()[cloud.model].name;
+    const auto view = views.find(name);
+    poses.voxels.push_back(view == views.end() ? nullptr : view->second.voxels);
+    if (view != views.end() && !view->second.doubt.empty()) {
+      doubts.push_back({name, view->second.doubt});
+    }
+  }
+  return doubts;
+}
+
 std::string refusalOf(const LatestCloud& latest) {
   return latest.problem.empty() ? "" : "; the last was refused: " + latest.problem;
 }

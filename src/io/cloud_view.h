@@ -1,10 +1,13 @@
 // What a source of clouds shows at some instant, and whether that is good enough to be FREE.
 #pragma once
 
+#include <map>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "cloud_config.h"
+#include "collision_pairs/collision_scene.h"
 #include "collision_pairs/occupied_voxels.h"
 
 namespace collision_pairs {
@@ -25,6 +28,15 @@ struct CloudView {
 
 /// `now` in seconds, of the clock of the stamps.
 CloudView viewOf(const CloudConfig& config, const LatestCloud& latest, double now);
+
+struct CloudDoubt {
+  std::string cloud, why;
+};
+
+/// Fills in the voxels of the scene's clouds, in its order, from views by name; why they keep a
+/// report from being FREE. A cloud without a view is unknown.
+std::vector<CloudDoubt> addVoxels(const std::map<std::string, CloudView>& views,
+                                  const CollisionScene& scene, BodyPoses& poses);
 
 /// "; the last was refused: …", or nothing.
 std::string refusalOf(const LatestCloud& latest);

@@ -186,7 +186,7 @@ class BagChecker {
 
   void writeRow(std::size_t number, std::size_t state, StampNs stamp, const CollisionReport& report,
                 const CollisionScene& scene, std::vector<std::string> doubts,
-                const std::vector<CloudReplay::Doubt>& cloud_doubts) {
+                const std::vector<CloudDoubt>& cloud_doubts) {
     BagRow row = toRow(report, scene);
     for (const auto& [cloud, why] : cloud_doubts) {
       const std::string name = listedName(cloud);

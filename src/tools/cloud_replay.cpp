@@ -108,21 +108,13 @@ void CloudReplay::advance(StampNs row) {
   }
 }
 
-std::vector<CloudReplay::Doubt> CloudReplay::addVoxels(StampNs row, BodyPoses& poses) {
+std::vector<CloudDoubt> CloudReplay::addVoxels(StampNs row, BodyPoses& poses) {
   advance(row);
-  std::vector<Doubt> doubts;
-  poses.voxels.clear();
-  for (const SceneCloud& cloud : scene_.clouds()) {
-    const std::string& name = scene_.models()[cloud.model].name;
-    const auto source = std::find_if(sources_.begin(), sources_.end(), [&](const Source& other) {
-      return other.config.name() == name;
-    });
-    CloudView view;
-    if (source != sources_.end()) view = viewOf(source->config, source->latest, seconds(row));
-    poses.voxels.push_back(view.voxels);
-    if (!view.doubt.empty()) doubts.push_back({name, view.doubt});
+  std::map<std::string, CloudView> views;
+  for (const Source& source : sources_) {
+    views[source.config.name()] = viewOf(source.config, source.latest, seconds(row));
   }
-  return doubts;
+  return collision_pairs::addVoxels(views, scene_, poses);
 }
 
 std::vector<std::string> CloudReplay::refusals() const {

@@ -35,11 +35,8 @@ class CloudReplay {
   /// Whether nothing still to be taken counts at that instant.
   bool isReady(StampNs row) const { return least_since_[nb_taken_] > row; }
 
-  struct Doubt {
-    std::string cloud, why;
-  };
   /// What the clouds show then, into poses.voxels; why what is apart is not free.
-  std::vector<Doubt> addVoxels(StampNs row, BodyPoses& poses);
+  std::vector<CloudDoubt> addVoxels(StampNs row, BodyPoses& poses);
 
   /// How many clouds of a source were refused, and why the first was; a sentence each.
   std::vector<std::string> refusals() const;

@@ -126,7 +126,7 @@ const CollisionReport& CollisionDetector::run(const BodyPoses& poses) {
   if (!scene_->clouds().empty()) takeVoxels(poses);
   clock.split(report_.times.boxes);
   sweep(settings_.alarm_distance, report_.candidates);  // axis, sort, sweep
-  findCloudPairs();
+  if (!scene_->clouds().empty()) findCloudPairs();
   clock.split(report_.times.broad_phase);
   if (deadline.isSet()) {
     measureInTime(deadline);  // the most suspicious candidates first
@@ -164,7 +164,8 @@ void CollisionDetector::rebuildBoxes(const BodyPoses& poses) {
   if (X_WE_.size() != elements.size()) prepareStaticElements();
   report_.left_out.clear();
   report_.nb_boxes = scene_->nbStaticElements();
-  for (std::size_t i = scene_->nbStaticElements(); i < scene_->endOfMovingElements(); ++i) {
+  const std::size_t end = scene_->endOfMovingElements();
+  for (std::size_t i = scene_->nbStaticElements(); i < end; ++i) {
     const SceneElement& element = elements[i];
     X_WE_[i] = poses.X_WB[element.body] * element.X_BE;
     report_.boxes[i] = poses.known[element.body] ? element.boxAt(X_WE_[i]) : noBox();
@@ -203,7 +204,8 @@ void CollisionDetector::prepareStaticElements() {
 void CollisionDetector::sweep(double reach, std::vector<BoxPair>& candidates) {
   const auto& elements = scene_->elements();
   sweep_.begin(reach, &scene_->staticBoxes(), &scene_->filter());
-  for (std::size_t i = scene_->nbStaticElements(); i < scene_->endOfMovingElements(); ++i) {
+  const std::size_t end = scene_->endOfMovingElements();
+  for (std::size_t i = scene_->nbStaticElements(); i < end; ++i) {
     sweep_.add(report_.boxes[i], elements[i].model);
   }
   candidates = sweep_.end();

@@ -50,12 +50,8 @@ void CloudSources::follow(RobotFilters filters) {
 std::vector<std::string> CloudSources::addVoxels(const CollisionScene& scene, const ros::Time& now,
                                                  BodyPoses& poses) const {
   std::vector<std::string> doubts;
-  poses.voxels.clear();
-  const auto views = this->views(now);
-  for (const SceneCloud& cloud : scene.clouds()) {
-    const auto view = views.find(scene.models()[cloud.model].name);
-    poses.voxels.push_back(view == views.end() ? nullptr : view->second.voxels);
-    if (view != views.end() && !view->second.doubt.empty()) doubts.push_back(view->second.doubt);
+  for (CloudDoubt& doubt : collision_pairs::addVoxels(views(now), scene, poses)) {
+    doubts.push_back(std::move(doubt.why));
   }
   return doubts;
 }
