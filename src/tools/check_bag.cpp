@@ -112,14 +112,15 @@ void complete(Options& options) {
 
 BagRow toRow(const CollisionReport& report, const CollisionScene& scene) {
   BagRow row;
-  const auto name = [&](std::uint32_t model) { return listedName(scene.models()[model].name); };
   for (const PairReport& pair : report.pairs) {
     row.pairs.push_back(
-        {name(pair.first) + '|' + name(pair.second), pair.distance, pair.state != PairState::NEAR});
+        {listedPair(scene, pair.first, pair.second), pair.distance, pair.state != PairState::NEAR});
   }
   if (!report.min_distance_is_bound) row.min_distance = report.min_distance;
   row.nb_pairs = report.candidates.size();
-  for (const std::uint32_t model : report.left_out) row.left_out.push_back(name(model));
+  for (const std::uint32_t model : report.left_out) {
+    row.left_out.push_back(listedName(scene.models()[model].name));
+  }
   row.verdict = report.verdict;
   return row;
 }

@@ -25,17 +25,12 @@ struct Options {
 };
 
 void declare(CLI::App& app, Options& options) {
-  app.add_option("robot", options.robot, "the robot's URDF")->required()->type_name("ROBOT.urdf");
   app.add_option("--waypoints", options.waypoints,
                  "header = joint names, a row a waypoint; neighbouring rows are joined by straight "
                  "lines in joint space")
       ->required()
       ->type_name("WAYPOINTS.csv");
-  app.add_option("--srdf", options.srdf, "switches off its pairs")->type_name("ROBOT.srdf");
-  declareScene(app, options.scene);
-  declareCloud(app, options.scene);
-  app.add_option("--fidelity", options.fidelity, "aabb, obb, convex or mesh")
-      ->capture_default_str();
+  declareRobot(app, options.robot, options.srdf, options.scene, options.fidelity);
   app.add_option("--clearance", options.settings.clearance,
                  "free means that nothing comes nearer than this")
       ->type_name("METRES")
@@ -75,8 +70,7 @@ void writeRow(std::size_t segment, const MotionReport& report, const CollisionSc
       << ',';
   std::string pairs;
   for (const auto& [first, second] : report.pairs) {
-    pairs += (pairs.empty() ? "" : ";") + listedName(scene.models()[first].name) + '|' +
-             listedName(scene.models()[second].name);
+    pairs += (pairs.empty() ? "" : ";") + listedPair(scene, first, second);
   }
   out << csvField(pairs) << ',' << report.nb_checks << ',' << microseconds << '\n';
 }

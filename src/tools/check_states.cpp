@@ -30,15 +30,10 @@ struct Options {
 };
 
 void declare(CLI::App& app, Options& options) {
-  app.add_option("robot", options.robot, "the robot's URDF")->required()->type_name("ROBOT.urdf");
   app.add_option("--states", options.states, "header = joint names, a row a state")
       ->required()
       ->type_name("STATES.csv");
-  app.add_option("--srdf", options.srdf, "switches off its pairs")->type_name("ROBOT.srdf");
-  declareScene(app, options.scene);
-  declareCloud(app, options.scene);
-  app.add_option("--fidelity", options.fidelity, "aabb, obb, convex or mesh")
-      ->capture_default_str();
+  declareRobot(app, options.robot, options.srdf, options.scene, options.fidelity);
   app.add_option("--alarm-distance", options.alarm_distance,
                  "boxes closer than this are investigated")
       ->type_name("METRES")
@@ -79,8 +74,7 @@ std::string contactPairs(const CollisionReport& report, const CollisionScene& sc
   for (const PairReport& pair : report.pairs) {
     if (pair.distance > 0.0) continue;  // near, or unresolved and known to be apart
     if (!text.empty()) text += ';';
-    text += listedName(scene.models()[pair.first].name) + '|' +
-            listedName(scene.models()[pair.second].name);
+    text += listedPair(scene, pair.first, pair.second);
   }
   return csvField(text);
 }

@@ -6,6 +6,7 @@
 
 #include "collision_pairs/input_error.h"
 #include "collision_pairs/voxel_grid.h"
+#include "csv.h"
 #include "joint_limits.h"
 #include "mesh_loader.h"
 #include "pcd_file.h"
@@ -141,7 +142,11 @@ void declareScene(CLI::App& app, SceneOptions& options) {
       ->type_name("LINK...");
 }
 
-void declareCloud(CLI::App& app, SceneOptions& options) {
+void declareRobot(CLI::App& app, std::string& robot, std::string& srdf, SceneOptions& options,
+                  std::string& fidelity) {
+  app.add_option("robot", robot, "the robot's URDF")->required()->type_name("ROBOT.urdf");
+  app.add_option("--srdf", srdf, "switches off its pairs")->type_name("ROBOT.srdf");
+  declareScene(app, options);
   auto* cloud =
       app.add_option("--cloud", options.cloud,
                      "points in the frame of the robot's root link, as one obstacle of "
@@ -151,6 +156,11 @@ void declareCloud(CLI::App& app, SceneOptions& options) {
                    ->type_name("METRES")
                    ->needs(cloud);
   cloud->needs(size);
+  app.add_option("--fidelity", fidelity, "aabb, obb, convex or mesh")->capture_default_str();
+}
+
+std::string listedPair(const CollisionScene& scene, std::uint32_t first, std::uint32_t second) {
+  return listedName(scene.models()[first].name) + '|' + listedName(scene.models()[second].name);
 }
 
 CloudVoxels readCloud(const SceneOptions& options, const CollisionScene& scene) {

@@ -31,8 +31,13 @@ struct SceneOptions {
 };
 
 void declareScene(CLI::App& app, SceneOptions& options);
-/// --cloud and --voxel-size, of tools that give a check what readCloud() reads.
-void declareCloud(CLI::App& app, SceneOptions& options);
+/// The options of tools that answer for configurations of a robot: it, --srdf, the scene, --cloud
+/// and --voxel-size (of which readCloud() makes what a check wants), --fidelity.
+void declareRobot(CLI::App& app, std::string& robot, std::string& srdf, SceneOptions& options,
+                  std::string& fidelity);
+
+/// The names of two models as they stand in a list of a table, "a|b".
+std::string listedPair(const CollisionScene& scene, std::uint32_t first, std::uint32_t second);
 
 /// What the cloud of the options shows, for a scene of the same: none if there is no --cloud, or
 /// nothing is checked against it. Says how many points are not finite. Throws InputError.
