@@ -55,15 +55,24 @@ std::uint64_t nextId() {
   return ++last;
 }
 
-/// An array over the numbers of a vector, which `owner` holds.
-template <class T>
-py::array_t<T> viewOf(const std::vector<T>& numbers, const py::object& owner) {
-  return py::array_t<T>(static_cast<py::ssize_t>(numbers.size()), numbers.data(), owner);
+/// An array over the numbers of a vector, which `owner` holds; `Shown` is what Python has them as.
+template <class Shown, class T>
+py::array_t<Shown> viewOf(const std::vector<T>& numbers, const py::object& owner) {
+  static_assert(sizeof(Shown) == sizeof(T), "not copied");
+  return py::array_t<Shown>(static_cast<py::ssize_t>(numbers.size()),
+                            reinterpret_cast<const Shown*>(numbers.data()), owner);
 }
 
-py::array_t<bool> viewOfBools(const std::vector<std::uint8_t>& flags, const py::object& owner) {
-  return py::array_t<bool>(static_cast<py::ssize_t>(flags.size()),
-                           reinterpret_cast<const bool*>(flags.data()), owner);
+/// The getter of numbers by state: an array, or the number of one state that was given as
+/// (joints,).
+template <class Shown, class T>
+auto byState(std::vector<T> CheckResult::*numbers) {
+  return [numbers](const py::object& self) -> py::object {
+    const auto& result = self.cast<const CheckResult&>();
+    const std::vector<T>& all = result.*numbers;
+    if (result.is_single) return py::cast(static_cast<Shown>(all[0]));
+    return viewOf<Shown>(all, self);
+  };
 }
 
 py::array gradientOf(const py::object& self) {
@@ -166,43 +175,21 @@ void bindCheckResult(py::module& module) {
                           "What Detector.check answers for n states. Of one state that was given "
                           "as (joints,) what is here (n,) is one number. Arrays are not copied: "
                           "they keep the result alive.")
+      .def_property_readonly("verdict", byState<std::uint8_t>(&CheckResult::verdict),
+                             "uint8 (n,): Verdict.FREE, COLLISION or UNKNOWN.")
+      .def_property_readonly("in_collision", byState<bool>(&CheckResult::in_collision),
+                             "bool (n,): the verdict is not FREE.")
       .def_property_readonly(
-          "verdict",
-          [](const py::object& self) -> py::object {
-            const auto& result = self.cast<const CheckResult&>();
-            if (result.is_single) return py::int_(result.verdict[0]);
-            return viewOf(result.verdict, self);
-          },
-          "uint8 (n,): Verdict.FREE, COLLISION or UNKNOWN.")
-      .def_property_readonly(
-          "in_collision",
-          [](const py::object& self) -> py::object {
-            const auto& result = self.cast<const CheckResult&>();
-            if (result.is_single) return py::bool_(result.in_collision[0] != 0);
-            return viewOfBools(result.in_collision, self);
-          },
-          "bool (n,): the verdict is not FREE.")
-      .def_property_readonly(
-          "min_distance",
-          [](const py::object& self) -> py::object {
-            const auto& result = self.cast<const CheckResult&>();
-            if (result.is_single) return py::float_(result.min_distance[0]);
-            return viewOf(result.min_distance, self);
-          },
+          "min_distance", byState<double>(&CheckResult::min_distance),
           "float64 (n,), m: the smallest signed distance of all pairs, where it is at most the "
           "alarm distance or was asked for; otherwise what it is no less than.")
       .def_property_readonly(
-          "min_distance_is_bound",
-          [](const py::object& self) -> py::object {
-            const auto& result = self.cast<const CheckResult&>();
-            if (result.is_single) return py::bool_(result.min_distance_is_bound[0] != 0);
-            return viewOfBools(result.min_distance_is_bound, self);
-          },
+          "min_distance_is_bound", byState<bool>(&CheckResult::min_distance_is_bound),
           "bool (n,): the smallest distance is no less than min_distance, and may be more.")
       .def_property_readonly(
           "pairs",
           [](const py::object& self) {
-            return viewOf(self.cast<const CheckResult&>().pairs, self);
+            return viewOf<PairRow>(self.cast<const CheckResult&>().pairs, self);
           },
           "Structured (p,): the pairs in contact, near or unresolved of all states, by state, then "
           "by name. row: of the state; first, second: in models; state: PairState; distance: m, "
@@ -212,7 +199,7 @@ void bindCheckResult(py::module& module) {
       .def_property_readonly(
           "left_out",
           [](const py::object& self) {
-            return viewOf(self.cast<const CheckResult&>().left_out, self);
+            return viewOf<LeftOutRow>(self.cast<const CheckResult&>().left_out, self);
           },
           "Structured (l,): row, model: what could not be checked since it has no finite pose or "
           "size; its state is never FREE.")
