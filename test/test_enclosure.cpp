@@ -110,6 +110,25 @@ TEST(Enclosure, BoxOfAMeshHoldsItAndIsTightToATenthOfAPerMille) {
   }
 }
 
+// Of so many vertices on a circle most are within the tolerance of the others' hull.
+TEST(Enclosure, BoxOfAMeshHoldsTheVerticesThatItWasNotMadeOf) {
+  TriangleMesh disc;
+  for (int i = 0; i < 720; ++i) {
+    const double angle = M_PI / 360.0 * i;
+    disc.vertices.emplace_back(std::cos(angle), std::sin(angle), 0.1 * (i % 2));
+  }
+  const MeshBounds bounds(disc.vertices, 0.0);
+  RandomInputs random;
+  for (int round = 0; round < 100; ++round) {
+    const Eigen::Isometry3d X_WE = random.pose(10.0);
+    const Aabb box = bounds.boxAt(X_WE);
+    for (const Eigen::Vector3d& v : disc.vertices) {
+      const Eigen::Vector3d p_W = X_WE * v;
+      ASSERT_TRUE((box.min.array() <= p_W.array()).all() && (p_W.array() <= box.max.array()).all());
+    }
+  }
+}
+
 TEST(Enclosure, HullVerticesReachAsFarAsAllVerticesInEveryDirection) {
   RandomInputs random;
   for (int round = 0; round < 50; ++round) {

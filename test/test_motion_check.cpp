@@ -70,6 +70,30 @@ TEST(MotionCheck, APairThatIsTooNearDoesNotHideAContactElsewhere) {
   EXPECT_EQ(checked(scene, {-1.0}, {2.0}, settings).verdict, Verdict::COLLISION);
 }
 
+// Where a cube slides up to static plates: no plate may be passed over that is nearer than what is
+// certified.
+TEST(MotionCheck, TheClearanceFromStaticThingsHoldsToTheEndsOfTheWay) {
+  for (double gap = 0.005; gap < 0.4; gap += 0.005) {
+    const auto scene =
+        sceneOf(slidingBox(), {boxAt("plate", {1.0 + gap, 0.0, 0.0}, {0.2, 0.2, 0.2})});
+    const MotionReport report = checked(scene, {-0.4}, {0.4});
+    EXPECT_EQ(report.verdict, Verdict::FREE) << gap;
+    EXPECT_LE(report.clearance, gap);
+  }
+}
+
+TEST(MotionCheck, WhatIsNearerThanTheClearanceIsNotCutDownToTheResolution) {
+  // Slides by at 4 mm.
+  const auto scene = sceneOf(slidingBox(), {boxAt("plate", {0.0, 0.505, 0.0}, {0.2, 0.002, 0.2})});
+  MotionSettings settings;
+  settings.clearance = 0.02;
+  settings.resolution = 1e-6;
+  const MotionReport report = checked(scene, {-2.0}, {2.0}, settings);
+  EXPECT_EQ(report.verdict, Verdict::UNKNOWN);
+  EXPECT_EQ(report.pairs.size(), 1u);
+  EXPECT_LT(report.nb_checks, 10'000u);  // of the 600,000 that the resolution would allow
+}
+
 TEST(MotionCheck, WhatIsNearerThanTheResolutionMayStayUnknownAndFinerOnesSettleIt) {
   // A ball of 1 mm more than nothing passes between two others, near both.
   const auto robot = robotFrom(emptyLink("root") + linkWith("ball", "<sphere radius='0.1'/>") +

@@ -78,7 +78,7 @@ class CoverCase {
     PairCover pair_cover(*scene_, state);
     settings_.clearance = clearance;
     pair_cover.begin(settings_, {});
-    state.begin(motion_, {}, pair_cover.allRigid());
+    state.begin(motion_, {});
     state.moveTo(at, half_width);
     OpenPair open;
     open.pair = {pairs.pairs[0].first, pairs.pairs[0].second};

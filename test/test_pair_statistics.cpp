@@ -5,6 +5,7 @@
 
 #include "collision_pairs/collision_detector.h"
 #include "demo_scene.h"
+#include "pair_probe.h"
 #include "pair_statistics.h"
 
 namespace collision_pairs {
@@ -127,6 +128,20 @@ TEST_F(Counting, NearestIsAtMostAHundredthTooLarge) {
   EXPECT_LE(b_lid.nearest, nearest / 0.99);
   EXPECT_GE(b_lid.nearest, 3.0 - 0.5 - 0.25 * std::sqrt(2.0) - 1e-9);
   EXPECT_EQ(b_lid.contacts, 0u);
+}
+
+TEST(PairProbe, OfSeveralElementsTheNearestCounts) {
+  const auto boxAlong = [](const char* x) {
+    return "<collision><origin xyz='" + std::string(x) +
+           " 0 0'/><geometry><box size='1 1 1'/></geometry></collision>";
+  };
+  const auto robot =
+      robotFrom("<link name='a'>" + boxAlong("-5") + boxAlong("0") + boxAlong("-3") + "</link>" +
+                boxLink("b", 1.0) + joint("j", "fixed", "a", "b", "4 0 0", ""));
+  const auto scene = everyPairOf(robot);
+  PairProbe probe(scene);
+  probe.place({0.0});
+  EXPECT_NEAR(probe.distance(0, 1, 100.0), 3.0, 1e-12);
 }
 
 TEST_F(Counting, ALinkWithoutAFiniteBoxIsRefused) {

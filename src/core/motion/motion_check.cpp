@@ -68,7 +68,7 @@ class MotionCheck::Search {
     beside_static_noted_.assign(scene_.elements().size(), 0);
     poses_.voxels = voxels;
     cover_.begin(settings, voxels);
-    state_.begin(motion, placed, cover_.allRigid());
+    state_.begin(motion, placed);
     ways_.clear();
     bool is_open = lookAtAll();
     while (is_open && !ways_.isEmpty()) {

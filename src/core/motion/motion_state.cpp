@@ -14,19 +14,6 @@ using Eigen::Isometry3d;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-// About the shapes of all rungs: those of coarser ones stick out of the box about the element.
-double looseRadius(const SceneElement& element) {
-  double radius = element.box_half.norm();
-  const Rung& convex = element.rung(Fidelity::CONVEX);
-  const Rung& obb = element.rung(Fidelity::OBB);
-  if (convex.shape) radius += convex.margin;
-  if (!obb.shape) return radius;
-  const auto* box = std::get_if<Box>(&obb.shape->shape());
-  if (box == nullptr) return radius;  // a half-space
-  const double to_center = (obb.X_ER.translation() - element.box_center).norm();
-  return std::max(radius, to_center + 0.5 * box->size.norm() + obb.margin);
-}
-
 }  // namespace
 
 MotionState::MotionState(const CollisionScene& scene, const MotionPairs& pairs)
@@ -42,14 +29,13 @@ MotionState::MotionState(const CollisionScene& scene, const MotionPairs& pairs)
   for (const Joint& joint : robot_.joints()) has_mimics_ |= joint.mimic.has_value();
   for (std::size_t i = 0; i < elements_.size(); ++i) {
     const SceneElement& element = scene.elements()[i];
-    elements_[i].rigid_radius = element.box_half.norm();
-    elements_[i].loose_radius = looseRadius(element);
+    elements_[i].ball.radius = element.box_half.norm();
     X_WE_[i] = element.X_BE;
     elements_[i].center_B = elements_[i].ball.center = element.X_BE * element.box_center;
   }
 }
 
-void MotionState::begin(const JointMotion& motion, const PlacedBodies& placed, bool rigid) {
+void MotionState::begin(const JointMotion& motion, const PlacedBodies& placed) {
   const std::size_t nb_joints = robot_.joints().size();
   if (motion.from.size() != nb_joints || motion.to.size() != nb_joints) {
     throw InputError("a motion from " + std::to_string(motion.from.size()) + " to " +
@@ -77,7 +63,6 @@ void MotionState::begin(const JointMotion& motion, const PlacedBodies& placed, b
     ElementState& element = elements_[i];
     const int id = pairs_.body_of[i];
     element.moves = id >= 0 && bodies_[id].nb_moving > 0;
-    element.ball.radius = rigid ? element.rigid_radius : element.loose_radius;
   }
 }
 

@@ -43,10 +43,8 @@ class MotionState {
   /// Both must outlive this.
   MotionState(const CollisionScene& scene, const MotionPairs& pairs);
 
-  /// `rigid`: the elements are asked at rungs that lie within their boxes and turn with them. Then
-  /// the balls hold the elements; otherwise also the shapes of all rungs. Throws InputError as
-  /// MotionCheck::check() says.
-  void begin(const JointMotion& motion, const PlacedBodies& placed, bool rigid);
+  /// Throws InputError as MotionCheck::check() says.
+  void begin(const JointMotion& motion, const PlacedBodies& placed);
 
   /// The configuration at fraction `at`; bounds are for all fractions within `half_width` of it.
   void moveTo(double at, double half_width);
@@ -86,7 +84,6 @@ class MotionState {
     Eigen::Vector3d axis_W;  ///< of its joint, where rate is not 0
   };
   struct ElementState {
-    double rigid_radius, loose_radius;
     Eigen::Vector3d center_B;  ///< of its ball; in W if it never moves
     bool moves = false;
     std::uint64_t stamp = 0, pose_stamp = 0, bound_stamp = 0;

@@ -17,7 +17,8 @@ constexpr double ROUNDED_UP = 1.0 + 1e-12;
 constexpr double ROUNDING = 1e-12;       // of the coordinates, for what is computed from them
 constexpr double DISTANCE_ERROR = 1e-7;  // of the two bodies' size: five times docs/accuracy.md
 // Axis-aligned boxes do not turn with their elements: their faces move by what the elements move in
-// W, on up to three axes at a time.
+// W, on up to three axes at a time. OBBs do, but reach out of the balls: as each of their faces
+// touches the element, by no more than the same factor.
 constexpr double LOOSE_SPEED = 1.7320508075688773;
 constexpr double SHORTEST_WAY = 1e-13;  // of the fraction: what is shorter cannot be cut
 

@@ -39,8 +39,6 @@ class PairCover {
   enum class Voxels { NO_CLOUD, KNOWN, NONE, IN_PART, UNKNOWN };
   /// What is known of the cloud of a pair.
   Voxels voxelsOf(const BoxPair& pair) const;
-  /// Are all pairs asked at rungs that lie within the boxes about the elements and turn with them?
-  bool allRigid() const { return all_rigid_; }
 
   enum class Outcome {
     COVERED,   ///< all of its way is free
