@@ -85,6 +85,32 @@ TEST(SweepExactness, SidesAUnitInTheLastPlaceApartAreDecidedRightly) {
   }
 }
 
+// Within the margin that squaredReach() names a pair may count or not, but on all paths alike.
+// Midway between the two, single precision is finer than double was at their sides.
+TEST(SweepExactness, AllPathsDecideAlikeWhereRoundingDecides) {
+  RandomInputs random;
+  int nb_found = 0;
+  for (int round = 0; round < 2000; ++round) {
+    BroadPhaseScene scene;
+    scene.alarm_distance = random.uniform(0.1, 1.0);
+    const double middle = random.uniform(-1.0, 1.0);
+    const double side = middle - 0.5 * scene.alarm_distance;
+    const double opposite = ulps(side + scene.alarm_distance, random.integer(-3, 6));
+    scene.add({{side - 1.0, 0.0, 0.0}, {side, 1.0, 1.0}});
+    scene.add({{middle, 100.0, 0.0}, {middle, 101.0, 1.0}});
+    scene.add({{opposite, 0.0, 0.0}, {opposite + 1.0, 1.0, 1.0}});
+    scene.nb_static = round % 2 == 0 ? 0 : 1;
+    const std::vector<BoxPair> expected = pairsByBruteForce(scene);
+    nb_found += static_cast<int>(expected.size());
+    for (const SweepTuning& tuning : allPaths()) {
+      SweepAndPrune sweep(tuning);
+      ASSERT_EQ(pairsBySweep(scene, &sweep), expected) << "round " << round;
+    }
+  }
+  EXPECT_GT(nb_found, 500);
+  EXPECT_LT(nb_found, 1800);
+}
+
 TEST(SweepExactness, CoordinatesOfAHundredThousandKilometresAndSizesOfANanometreMix) {
   RandomInputs random;
   for (int round = 0; round < 30; ++round) {
