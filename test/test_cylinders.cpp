@@ -38,6 +38,20 @@ TEST(Cylinders, NearlyCoaxialOnesHaveTheLeastDepth) {
   for (const CylinderRow& row : coaxialRows()) holdRow(row, 12, 1e-9);
 }
 
+// Where a whole circle of directions is nearly as good no polytope comes near enough to the surface
+// to prove the depth.
+TEST(Cylinders, ADepthThatIsNotProvenIsCalledABound) {
+  RandomInputs random;
+  for (int i = 0; i < 20; ++i) {
+    const Cylinder a{random.uniform(0.1, 0.2), 1.0}, b{random.uniform(0.1, 0.2), 1.0};
+    Isometry3d X_AB = Isometry3d::Identity();
+    X_AB.translation() = random.vector(-1e-8, 1e-8);
+    EXPECT_EQ(distanceOf(a, b, X_AB).certainty, Certainty::BOUND) << i;
+    X_AB.translation().x() = 0.8 * (a.radius + b.radius);
+    EXPECT_EQ(distanceOf(a, b, X_AB).certainty, Certainty::EXACT) << i;
+  }
+}
+
 TEST(Cylinders, OneUponItselfHasTheLeastDepth) {
   for (const CylinderRow& row : uponItselfRows()) holdRow(row, 12, 1e-9);
 }
