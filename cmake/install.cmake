@@ -1,9 +1,23 @@
-install(TARGETS collision_pairs collision_pairs_io
+# Everything finds its libraries beside itself, without LD_LIBRARY_PATH.
+file(RELATIVE_PATH libraries /${CATKIN_PACKAGE_BIN_DESTINATION} /${CATKIN_PACKAGE_LIB_DESTINATION})
+set(installed_programs collision_pairs_node check_bag check_motion check_states generate_srdf merge_bag_checks
+                       read_mesh_file simulate_depth_camera)
+set_target_properties(collision_pairs collision_pairs_io PROPERTIES
+  INSTALL_RPATH $ORIGIN INSTALL_RPATH_USE_LINK_PATH ON)
+set_target_properties(${installed_programs} PROPERTIES
+  INSTALL_RPATH $ORIGIN/${libraries} INSTALL_RPATH_USE_LINK_PATH ON)
+
+set_target_properties(collision_pairs PROPERTIES EXPORT_NAME core)
+set_target_properties(collision_pairs_io PROPERTIES EXPORT_NAME io)
+install(TARGETS collision_pairs collision_pairs_io EXPORT collision_pairsTargets
   ARCHIVE DESTINATION ${CATKIN_PACKAGE_LIB_DESTINATION}
   LIBRARY DESTINATION ${CATKIN_PACKAGE_LIB_DESTINATION}
   RUNTIME DESTINATION ${CATKIN_GLOBAL_BIN_DESTINATION})
-install(TARGETS collision_pairs_node check_bag check_motion check_states generate_srdf merge_bag_checks
-                read_mesh_file simulate_depth_camera
+install(EXPORT collision_pairsTargets NAMESPACE collision_pairs::
+  DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION}/cmake)
+export(EXPORT collision_pairsTargets NAMESPACE collision_pairs::
+  FILE ${PROJECT_BINARY_DIR}/collision_pairsTargets.cmake)  # for the devel space
+install(TARGETS ${installed_programs}
   RUNTIME DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
 install(DIRECTORY include/collision_pairs/ DESTINATION ${CATKIN_PACKAGE_INCLUDE_DESTINATION})
 install(DIRECTORY launch config DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION})

@@ -25,11 +25,12 @@ add_library(collision_pairs_io SHARED
   src/io/tracks.cpp
   src/io/yaml_values.cpp
 )
-target_include_directories(collision_pairs_io PUBLIC ${PROJECT_SOURCE_DIR}/src/io
-                                                     ${PROJECT_SOURCE_DIR}/src/io/meshes
-                                              PRIVATE ${CORE_MODULES})
+target_include_directories(collision_pairs_io
+  PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/src/io>
+         $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/src/io/meshes>
+  PRIVATE ${CORE_MODULES})
 target_include_directories(collision_pairs_io SYSTEM PRIVATE ${catkin_INCLUDE_DIRS})
-target_link_libraries(collision_pairs_io PUBLIC collision_pairs yaml-cpp
+target_link_libraries(collision_pairs_io PUBLIC collision_pairs $<BUILD_INTERFACE:yaml-cpp>
                       PRIVATE ${catkin_LIBRARIES} BZip2::BZip2 ${ROSLZ4_LIBRARY} ${CMAKE_DL_LIBS})
 collision_pairs_warnings(collision_pairs_io)
 

@@ -8,6 +8,7 @@ generate_dynamic_reconfigure_options(cfg/CollisionPairs.cfg)
 
 catkin_package(
   INCLUDE_DIRS include
-  LIBRARIES collision_pairs
+  LIBRARIES collision_pairs collision_pairs_io
   CATKIN_DEPENDS geometry_msgs message_runtime sensor_msgs shape_msgs std_msgs trajectory_msgs
-  DEPENDS EIGEN3)
+  DEPENDS EIGEN3
+  CFG_EXTRAS collision_pairs-extras.cmake)

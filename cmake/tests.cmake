@@ -2,7 +2,7 @@
 if(NOT BUILD_TESTING)
   return()
 endif()
-find_package(GTest REQUIRED)
+find_package(GTest CONFIG REQUIRED)  # CMake's own module has no GTest::gmock before 3.23
 
 function(collision_pairs_test name)
   add_executable(test_${name} test/test_${name}.cpp)

@@ -40,6 +40,12 @@ install_packages() {
 build() {
   local log="$BUILD/build.log" target=all
   if [ "${1:-}" = --target ]; then target="$2"; shift 2; fi
+  local cache="$BUILD/CMakeCache.txt" made_in=
+  [ ! -f "$cache" ] || made_in="$(sed -n 's/^CMAKE_CACHEFILE_DIR:INTERNAL=//p' "$cache")"
+  if [ -n "$made_in" ] && ! [ "$made_in" -ef "$BUILD" ]; then
+    say "$BUILD was built as $made_in and then copied or moved: it is built anew"
+    rm -rf "$cache" "$BUILD/CMakeFiles" "$BUILD/devel"
+  fi
   mkdir -p "$BUILD"
   say "building (the first time some minutes; log in $log)"
   cmake -S "$PROJECT" -B "$BUILD" "$@" >"$log" 2>&1 || { tail -20 "$log"; die "cmake failed"; }
@@ -50,7 +56,7 @@ build() {
 
 # The environment of the built package: what `source devel/setup.bash` gives, on Debian too.
 ros_environment() {
-  local given="${ROS_PACKAGE_PATH:-}"  # setup.sh forgets it
+  local given="${ROS_PACKAGE_PATH:-}"  # setup.sh forgets it: ros_environment makes it anew from the workspaces
   set +u
   . "$BUILD/devel/setup.sh"
   set -u

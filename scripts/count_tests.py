@@ -1,14 +1,14 @@
 #!/usr/bin/python3
 """Counts the test cases in a folder of JUnit-like XML: prints "N passed, N failed, N skipped".
 
+usage: count_tests.py FOLDER FAILED: FAILED is ctest's list of failed tests, absent where none failed.
+
 A ctest of which no such file tells a failure, although ctest says that it failed (it crashed, say),
 counts as one more. Exit code 1 if one failed or none passed.
 """
 import os
 import sys
 import xml.etree.ElementTree as ET
-
-CTEST_REPORT = "ctest.xml"
 
 
 def outcome(case):
@@ -18,20 +18,23 @@ def outcome(case):
     return "skipped" if skipped or case.get("status") == "notrun" else "passed"
 
 
-def silent_failures(ctest_report, failed_files):
+def silent_failures(ctest_failed, failed_files):
     """Names of the ctests that failed without a file of theirs saying so."""
-    for case in ET.parse(ctest_report).getroot().iter("testcase"):
-        name = case.get("name")
-        if outcome(case) == "failed" and not any(name.replace("rostest_", "") in file for file in failed_files):
-            yield name
+    if not os.path.exists(ctest_failed):
+        return
+    with open(ctest_failed) as lines:
+        for line in lines:  # "12:rostest_node"
+            name = line.strip().split(":", 1)[-1]
+            if name and not any(name.replace("rostest_", "") in file for file in failed_files):
+                yield name
 
 
-def main(folder):
+def main(folder, ctest_failed):
     failed_files = []
     counts = {"passed": 0, "failed": 0, "skipped": 0}
     for path, _, names in os.walk(folder):
         for name in sorted(names):
-            if not name.endswith(".xml") or name == CTEST_REPORT:
+            if not name.endswith(".xml"):
                 continue
             try:
                 cases = list(ET.parse(os.path.join(path, name)).getroot().iter("testcase"))
@@ -46,7 +49,7 @@ def main(folder):
                     failed_files.append(name)
                 if result != "passed":
                     print("%s: %s.%s" % (result, case.get("classname"), case.get("name")))
-    for name in silent_failures(os.path.join(folder, CTEST_REPORT), failed_files):
+    for name in silent_failures(ctest_failed, failed_files):
         print("failed: %s ended without a result" % name)
         counts["failed"] += 1
     print("%(passed)d passed, %(failed)d failed, %(skipped)d skipped" % counts)
@@ -54,4 +57,4 @@ def main(folder):
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1]))
+    sys.exit(main(*sys.argv[1:]))

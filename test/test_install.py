@@ -7,31 +7,7 @@ from conftest import DEMO, PROJECT, TOOLS
 
 BUILD = os.path.dirname(os.path.dirname(os.path.dirname(TOOLS)))
 
-CONSUMER = r"""
-#include <collision_pairs/collision_detector.h>
-#include <collision_pairs/input_error.h>
-#include <iostream>
-
-int main() {
-  using namespace collision_pairs;
-  const auto robot = RobotModel::fromUrdf(
-      "<robot name='r'><link name='a'><collision><geometry><sphere radius='1'/></geometry></collision></link>"
-      "<link name='b'><collision><geometry><box size='1 1 1'/></geometry></collision></link>"
-      "<link name='frame'/>"
-      "<joint name='j1' type='fixed'><parent link='frame'/><child link='a'/></joint>"
-      "<joint name='j2' type='fixed'><parent link='frame'/><child link='b'/><origin xyz='3 0 0'/></joint></robot>",
-      [](const std::string&, const Eigen::Vector3d&) -> std::shared_ptr<const TriangleMesh> { throw InputError("none"); });
-  const auto scene = CollisionScene::build(robot, std::nullopt, nullptr);
-  CollisionDetector detector(scene);
-  std::vector<Eigen::Isometry3d> X_RB;
-  robot->forwardKinematics(robot->zeroPositions(), X_RB);
-  BodyPoses poses;
-  scene->gatherPoses(X_RB, poses);
-  CheckSettings settings;
-  settings.min_distance = true;
-  std::cout << detector.detect(poses, settings).min_distance << "\n";
-}
-"""
+CLEAN = {"PATH": "/usr/bin:/bin", "ROS_PACKAGE_PATH": PROJECT + ":/usr/share", "PYTHONDONTWRITEBYTECODE": "1"}
 
 
 @pytest.fixture(scope="module")
@@ -52,26 +28,41 @@ def test_everything_a_user_needs_is_there(installed):
         assert os.access(installed / "lib/collision_pairs" / name, os.X_OK), name
 
 
-def test_the_installed_tool_runs(installed, tmp_path):
+def test_installed_programs_find_their_libraries_by_themselves(installed, tmp_path):
     states = tmp_path / "states.csv"
     states.write_text("shoulder_pan\n0\n")
     done = subprocess.run(
         [installed / "lib/collision_pairs/check_states", DEMO + "/demo_robot.urdf", "--srdf",
          DEMO + "/demo_robot.srdf", "--states", states],
-        env=dict(os.environ, LD_LIBRARY_PATH=str(installed / "lib"), ROS_PACKAGE_PATH=PROJECT + ":/usr/share"),
-        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        env=CLEAN, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     assert done.returncode == 0, done.stderr
     assert done.stdout.splitlines()[1].startswith("0,0,")
+    for name in sorted(os.listdir(installed / "lib/collision_pairs")):
+        program = installed / "lib/collision_pairs" / name
+        if program.read_bytes()[:4] == b"\x7fELF":
+            needed = subprocess.run(["ldd", program], env=CLEAN, stdout=subprocess.PIPE, text=True, check=True).stdout
+            assert "not found" not in needed, name
+            assert BUILD not in needed, name
 
 
-def test_a_program_compiles_against_the_installed_headers_without_ros(installed, tmp_path):
-    (tmp_path / "consumer.cpp").write_text(CONSUMER)
-    subprocess.run(["g++", "-std=c++17", "-Wall", "-Werror", "-I", installed / "include", "-isystem",
-                    "/usr/include/eigen3", tmp_path / "consumer.cpp", "-o", tmp_path / "consumer", "-L",
-                    installed / "lib", "-lcollision_pairs"], check=True)
-    done = subprocess.run([tmp_path / "consumer"], check=True, stdout=subprocess.PIPE, text=True,
-                          env=dict(os.environ, LD_LIBRARY_PATH=str(installed / "lib")))
-    assert float(done.stdout) == pytest.approx(1.5, abs=1e-12)
+@pytest.mark.parametrize("space", ("devel", "install"))
+def test_the_example_package_is_built_by_find_package(installed, tmp_path, space):
+    prefix = os.path.join(BUILD, "devel") if space == "devel" else str(installed)
+    subprocess.run(["cmake", "-S", PROJECT + "/examples/check_robot", "-B", tmp_path, "-DCMAKE_PREFIX_PATH=" + prefix,
+                    "-DCMAKE_CXX_FLAGS=-Wall -Werror", "-DPYTHON_EXECUTABLE=/usr/bin/python3"],
+                   env=CLEAN, check=True, stdout=subprocess.PIPE)
+    subprocess.run(["cmake", "--build", tmp_path], env=CLEAN, check=True, stdout=subprocess.PIPE)
+    done = subprocess.run([tmp_path / "check_robot", DEMO + "/demo_robot.urdf", DEMO + "/demo_robot.srdf"],
+                          env=CLEAN, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    assert done.returncode == 0, done.stderr
+    states = tmp_path / "states.csv"
+    states.write_text("shoulder_pan\n0\n")
+    table = subprocess.run([os.path.join(TOOLS, "check_states"), DEMO + "/demo_robot.urdf", "--srdf",
+                            DEMO + "/demo_robot.srdf", "--states", states, "--min-distance"],
+                           env=CLEAN, stdout=subprocess.PIPE, text=True, check=True).stdout
+    min_distance = float(table.splitlines()[1].split(",")[3])
+    assert done.stdout.startswith("free, ")
+    assert float(done.stdout.split()[1]) == pytest.approx(min_distance, rel=1e-4)
 
 
 PYTHON_PROGRAM = """
@@ -98,6 +89,19 @@ def test_python_imports_module_and_messages(installed, space):
         stdout=subprocess.PIPE, stderr=subprocess.PIPE)
     assert (done.stdout, done.returncode) == ("FREE\n", 0), done.stderr
     assert os.path.isfile(prefix + "/lib/python3/dist-packages/collision_pairs/__init__.pyi")
+
+
+@pytest.mark.skipif("COLLISION_PAIRS_TOOLS" not in os.environ, reason="needs the build folder of scripts/test")
+def test_a_copied_build_folder_is_recognised(tmp_path):
+    copied = tmp_path / "build"
+    copied.mkdir()
+    with open(os.path.join(BUILD, "CMakeCache.txt")) as cache:
+        (copied / "CMakeCache.txt").write_text(cache.read())
+    (copied / "devel").mkdir()
+    script = '. scripts/common.sh; BUILD=%s; build --target nothing || true' % copied
+    done = subprocess.run(["bash", "-c", script], cwd=PROJECT, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    assert "%s was built as %s and then copied" % (copied, BUILD) in done.stdout
+    assert "is different than the directory" not in done.stdout, "what cmake says of a copied cache"
 
 
 @pytest.mark.parametrize("name", sorted(n for n in os.listdir(os.path.join(PROJECT, "launch")) if n.endswith(".launch")))

@@ -8,7 +8,7 @@
 
 #include "collision_pairs/aabb.h"
 #include "collision_pairs/input_error.h"
-#include "mesh_loader.h"
+#include "collision_pairs/mesh_loader.h"
 
 namespace collision_pairs {
 namespace {

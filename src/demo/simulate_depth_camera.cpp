@@ -16,9 +16,9 @@
 #include <tf2_ros/static_transform_broadcaster.h>
 
 #include "collision_pairs/input_error.h"
+#include "collision_pairs/mesh_loader.h"
 #include "depth_image.h"
 #include "geometry_conversions.h"
-#include "mesh_loader.h"
 #include "tf_poses.h"
 
 namespace collision_pairs {

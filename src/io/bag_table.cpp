@@ -6,6 +6,7 @@
 
 #include "collision_pairs/input_error.h"
 #include "csv.h"
+#include "user_text.h"
 
 namespace collision_pairs {
 namespace {
@@ -61,7 +62,7 @@ class LineReader {
     row.bag = fields[0];
     row.state = number<std::uint64_t>(fields[1]);
     row.stamp = stamp(fields[2]);
-    if (!fields[5].empty()) row.min_distance = number<double>(fields[5]);
+    if (!fields[5].empty()) row.min_distance = metres(fields[5]);
     row.nb_pairs = number<std::uint64_t>(fields[6]);
     const std::vector<std::string> contacts = split(fields[4], ';');
     for (const std::string& pair : split(fields[7], ';'))
@@ -74,9 +75,15 @@ class LineReader {
  private:
   [[noreturn]] void fail(const std::string& why) const { throw InputError(place_ + ": " + why); }
 
-  template <class Number>
-  Number number(const std::string& text) const {
-    Number value{};
+  double metres(const std::string& text) const {
+    double value = 0.0;
+    if (!parseNumber(text, value)) fail("'" + text + "' is no number");
+    return value;
+  }
+
+  template <class Integer>
+  Integer number(const std::string& text) const {
+    Integer value{};
     const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), value);
     if (error != std::errc() || rest != text.data() + text.size())
       fail("'" + text + "' is no number");

@@ -7,8 +7,8 @@
 
 #include "bindings.h"
 #include "collision_pairs/input_error.h"
+#include "collision_pairs/mesh_loader.h"
 #include "collision_pairs/scene_description.h"
-#include "mesh_loader.h"
 
 namespace py = pybind11;
 

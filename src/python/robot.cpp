@@ -5,7 +5,7 @@
 
 #include "bindings.h"
 #include "collision_pairs/input_error.h"
-#include "mesh_loader.h"
+#include "collision_pairs/mesh_loader.h"
 #include "text_files.h"
 
 namespace py = pybind11;

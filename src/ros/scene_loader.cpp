@@ -6,7 +6,7 @@
 #include <ros/param.h>
 
 #include "collision_pairs/input_error.h"
-#include "mesh_loader.h"
+#include "collision_pairs/mesh_loader.h"
 #include "parameters.h"
 #include "user_text.h"
 #include "yaml_parameters.h"

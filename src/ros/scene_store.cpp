@@ -9,9 +9,9 @@
 #include <tf2/exceptions.h>
 
 #include "collision_pairs/input_error.h"
+#include "collision_pairs/mesh_loader.h"
 #include "frame_names.h"
 #include "geometry_conversions.h"
-#include "mesh_loader.h"
 #include "user_text.h"
 
 namespace collision_pairs {

@@ -10,7 +10,7 @@
 #include <CLI/CLI.hpp>
 
 #include "collision_pairs/input_error.h"
-#include "mesh_loader.h"
+#include "collision_pairs/mesh_loader.h"
 #include "pair_verdicts.h"
 #include "scene_files.h"
 #include "text_files.h"

@@ -5,10 +5,10 @@
 #include <map>
 
 #include "collision_pairs/input_error.h"
+#include "collision_pairs/mesh_loader.h"
 #include "collision_pairs/voxel_grid.h"
 #include "csv.h"
 #include "joint_limits.h"
-#include "mesh_loader.h"
 #include "pcd_file.h"
 #include "scene_sources.h"
 #include "text_files.h"

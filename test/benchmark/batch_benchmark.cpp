@@ -6,9 +6,9 @@
 #include <string>
 
 #include "collision_pairs/batch_check.h"
+#include "collision_pairs/mesh_loader.h"
 #include "collision_pairs/srdf.h"
 #include "joint_states_csv.h"
-#include "mesh_loader.h"
 #include "text_files.h"
 
 namespace collision_pairs {

@@ -3,8 +3,8 @@
 #include <cstdlib>
 #include <iostream>
 
+#include "collision_pairs/mesh_loader.h"
 #include "joint_states_csv.h"
-#include "mesh_loader.h"
 #include "text_files.h"
 
 namespace collision_pairs {

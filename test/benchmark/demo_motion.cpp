@@ -2,8 +2,8 @@
 
 #include <cstdlib>
 
+#include "collision_pairs/mesh_loader.h"
 #include "joint_states_csv.h"
-#include "mesh_loader.h"
 #include "text_files.h"
 
 namespace collision_pairs {

@@ -8,8 +8,8 @@
 #include <malloc.h>
 
 #include "collision_pairs/collision_detector.h"
+#include "collision_pairs/mesh_loader.h"
 #include "link_group.h"
-#include "mesh_loader.h"
 #include "scene_sources.h"
 #include "text_files.h"
 

@@ -18,7 +18,7 @@
 #include <std_srvs/Empty.h>
 
 #include "collision_pairs/collision_detector.h"
-#include "mesh_loader.h"
+#include "collision_pairs/mesh_loader.h"
 
 namespace collision_pairs {
 namespace {

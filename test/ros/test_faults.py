@@ -108,7 +108,9 @@ class FaultsTest(unittest.TestCase):
 
     def test_of_two_nodes_with_one_name_the_newer_stays(self):
         older = self.start(NODE, "__name:=twin")
-        NodeClient("/twin")
+        of_older = NodeClient("/twin")
+        # It has registered everything: what it registers later would make it the newer one.
+        self.assertIsNotNone(of_older.next(of_older.reports))
         newer = self.start(NODE, "__name:=twin")
         older.process.wait(PATIENCE)
         self.assertIn("new node registered with same name", older.said())

@@ -1,8 +1,6 @@
 #include "user_text.h"
 
 #include <algorithm>
-#include <cctype>
-#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -29,24 +27,20 @@ std::size_t editDistance(const std::string& a, const std::string& b) {
   return row.back();
 }
 
-// Of a number too large or too small for a double; from_chars does not say which. Zero is what is
-// meant by 1e-400.
-double outOfRange(const std::string& number) {
-  static const locale_t C_LOCALE = ::newlocale(LC_ALL_MASK, "C", nullptr);
-  return ::strtod_l(number.c_str(), nullptr, C_LOCALE);
-}
-
 }  // namespace
 
+// std::from_chars() for double came with GCC 11; Ubuntu 20.04 has GCC 9.
 bool parseNumber(const std::string& text, double& value) {
-  const char* begin = text.data();
-  const char* end = begin + text.size();
-  while (begin != end && std::isspace(static_cast<unsigned char>(*begin))) ++begin;
-  while (begin != end && std::isspace(static_cast<unsigned char>(end[-1]))) --end;
-  if (begin != end && *begin == '+' && begin + 1 != end && begin[1] != '-') ++begin;
-  const auto [rest, error] = std::from_chars(begin, end, value);
-  if (error == std::errc::result_out_of_range) value = outOfRange(std::string(begin, rest));
-  return rest != begin && rest == end && std::isfinite(value);
+  static const locale_t C_LOCALE = ::newlocale(LC_ALL_MASK, "C", nullptr);
+  constexpr const char* SPACE = " \t\n\v\f\r";
+  const std::size_t begin = text.find_first_not_of(SPACE);
+  if (begin == std::string::npos) return false;
+  const std::string number = text.substr(begin, text.find_last_not_of(SPACE) + 1 - begin);
+  // No hexadecimal numbers, no "nan" and "infinity", which strtod() takes.
+  if (number.find_first_not_of("+-.0123456789eE") != std::string::npos) return false;
+  char* rest = nullptr;
+  value = ::strtod_l(number.c_str(), &rest, C_LOCALE);
+  return rest == number.c_str() + number.size() && std::isfinite(value);
 }
 
 bool parseVector3(const std::string& text, Eigen::Vector3d& value) {

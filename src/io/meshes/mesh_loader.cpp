@@ -1,4 +1,4 @@
-#include "mesh_loader.h"
+#include "collision_pairs/mesh_loader.h"
 
 #include <cctype>
 #include <cerrno>

@@ -1,4 +1,4 @@
-// Meshes by the URIs that URDFs use.
+// Meshes by the URIs that URDFs use. In the library collision_pairs_io.
 #pragma once
 
 #include "collision_pairs/robot_model.h"
