@@ -1,10 +1,8 @@
 # Everything finds its libraries beside itself, without LD_LIBRARY_PATH.
 file(RELATIVE_PATH libraries /${CATKIN_PACKAGE_BIN_DESTINATION} /${CATKIN_PACKAGE_LIB_DESTINATION})
-set(installed_programs collision_pairs_node check_bag check_motion check_states generate_srdf merge_bag_checks
-                       read_mesh_file simulate_depth_camera)
 set_target_properties(collision_pairs collision_pairs_io PROPERTIES
   INSTALL_RPATH $ORIGIN INSTALL_RPATH_USE_LINK_PATH ON)
-set_target_properties(${installed_programs} PROPERTIES
+set_target_properties(${programs} PROPERTIES
   INSTALL_RPATH $ORIGIN/${libraries} INSTALL_RPATH_USE_LINK_PATH ON)
 
 set_target_properties(collision_pairs PROPERTIES EXPORT_NAME core)
@@ -17,7 +15,7 @@ install(EXPORT collision_pairsTargets NAMESPACE collision_pairs::
   DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION}/cmake)
 export(EXPORT collision_pairsTargets NAMESPACE collision_pairs::
   FILE ${PROJECT_BINARY_DIR}/collision_pairsTargets.cmake)  # for the devel space
-install(TARGETS ${installed_programs}
+install(TARGETS ${programs}
   RUNTIME DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
 install(DIRECTORY include/collision_pairs/ DESTINATION ${CATKIN_PACKAGE_INCLUDE_DESTINATION})
 install(DIRECTORY launch config DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION})

@@ -1,11 +1,13 @@
-# One executable a module: test/test_<module>.cpp; Python tests by pytest; rostests in test/ros.
-if(NOT BUILD_TESTING)
+# One executable a module: test/test_<module>.cpp; Python tests by pytest; rostests in test/ros. As catkin has it,
+# `make tests` builds them, and `make run_tests` (catkin_make run_tests) runs them, by ctest.
+if(NOT BUILD_TESTING OR NOT CATKIN_ENABLE_TESTING)
   return()
 endif()
 find_package(GTest CONFIG REQUIRED)  # CMake's own module has no GTest::gmock before 3.23
 
 function(collision_pairs_test name)
-  add_executable(test_${name} test/test_${name}.cpp)
+  add_executable(test_${name} EXCLUDE_FROM_ALL test/test_${name}.cpp)
+  add_dependencies(tests test_${name})
   target_link_libraries(test_${name} PRIVATE collision_pairs ${ARGN} GTest::gtest GTest::gmock
                                              GTest::gtest_main)
   target_include_directories(test_${name} PRIVATE ${CORE_MODULES} test)
@@ -105,7 +107,7 @@ collision_pairs_test(voxel_grid)
 function(collision_pairs_pytest name)
   add_test(NAME ${name}
     COMMAND ${PYTHON_EXECUTABLE} -m pytest -q -p no:cacheprovider
-            --junitxml=${CMAKE_BINARY_DIR}/test_results/${name}.xml
+            --junitxml=${CATKIN_TEST_RESULTS_DIR}/${name}.xml
             ${PROJECT_SOURCE_DIR}/test/test_${name}.py)
   set_tests_properties(${name} PROPERTIES ENVIRONMENT
     "COLLISION_PAIRS_TOOLS=${CATKIN_DEVEL_PREFIX}/${CATKIN_PACKAGE_BIN_DESTINATION};PYTHONDONTWRITEBYTECODE=1")
@@ -161,3 +163,12 @@ collision_pairs_rostest(stress)
 collision_pairs_rostest(two_robots)
 collision_pairs_rostest(update_scene)
 collision_pairs_rostest(verdict)
+
+add_dependencies(tests ${programs} collision_pairs_python)
+set(results ${CATKIN_TEST_RESULTS_DIR}/${PROJECT_NAME})
+add_custom_target(run_tests_${PROJECT_NAME}  # as others of its kind, it leaves failures to catkin_test_results
+  COMMAND ${CATKIN_ENV} ${CMAKE_COMMAND} -E env GTEST_OUTPUT=xml:${results}/ ROS_TEST_RESULTS_DIR=${results}
+          ${CMAKE_CTEST_COMMAND} --output-on-failure || ${CMAKE_COMMAND} -E true
+  WORKING_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR} USES_TERMINAL)
+add_dependencies(run_tests_${PROJECT_NAME} tests)
+add_dependencies(run_tests run_tests_${PROJECT_NAME})

@@ -36,7 +36,7 @@ install_packages() {
   [ -z "$missing" ] || die "could not be installed: $(echo $missing)"
 }
 
-# build [--target TARGET] [OPTION OF CMAKE...]
+# build [--target "TARGET..."] [OPTION OF CMAKE...]
 build() {
   local log="$BUILD/build.log" target=all
   if [ "${1:-}" = --target ]; then target="$2"; shift 2; fi
@@ -49,7 +49,7 @@ build() {
   mkdir -p "$BUILD"
   say "building (the first time some minutes; log in $log)"
   cmake -S "$PROJECT" -B "$BUILD" "$@" >"$log" 2>&1 || { tail -20 "$log"; die "cmake failed"; }
-  cmake --build "$BUILD" -j"$(nproc)" --target "$target" 2>&1 | tee -a "$log" |
+  cmake --build "$BUILD" -j"$(nproc)" --target $target 2>&1 | tee -a "$log" |
     awk '/^\[ *[0-9]+%\] Built target (collision|test|check)/ {print "   " $0; fflush()}' ||
     { grep -E -A5 'error|Error' "$log" | head -40; die "the build failed"; }
 }
