@@ -25,7 +25,7 @@ WORLDS = {"none": "none", "far": "out of reach", "near": "near, never reached"}
 
 
 def cost_table(rows):
-    heads = ["what is modelled of pr2", "switched off", "boxes that stand still", "links with a box",
+    heads = ["what is modelled of pr2", "switched off", "static boxes", "links with a box",
              "bodies looked up in TF", "allowed pairs", "meshes loaded", "triangles", "memory MB",
              "boxes µs", "sweep µs", "narrow µs", "cycle µs"]
     lines = []
@@ -64,7 +64,7 @@ def draw(rows, path):
         panel.semilogx(counts, [float(row["sweep_us"]) for row in line], marker=marker, color=color,
                        linestyle=":", label="of that the sweep")
     panel.set_ylim(bottom=0)
-    panel.set_xlabel("boxes that stand still")
+    panel.set_xlabel("static boxes")
     panel.set_ylabel("median time [µs]")
     panel.grid(True, which="major", alpha=0.3)
     panel.legend(fontsize=8)

@@ -3,6 +3,7 @@ import csv
 import os
 import re
 
+import pytest
 from conftest import PROJECT
 
 # Measured by scripts/measure_trade_off and scripts/benchmark_detector; a number of one must not contradict the other.
@@ -42,3 +43,47 @@ def test_what_the_trade_off_page_says_of_hulls_is_what_its_table_says():
     assert [round(min(saved)), round(max(saved)), round(min(errors)), round(max(errors))] == [int(n) for n in said.groups()]
     said = re.search(r"pr2 with its world: (\d+) µs", page)
     assert round(float(rows["pr2", "world"]["aabb"]["median_us"])) == int(said.group(1))
+
+
+def read(*path):
+    with open(os.path.join(PROJECT, *path), encoding="utf-8") as text:
+        return text.read()
+
+
+def pages():
+    return ["README.md"] + sorted("docs/" + name for name in os.listdir(os.path.join(PROJECT, "docs")) if name.endswith(".md"))
+
+
+def anchors_of(page):
+    """As GitHub makes them of headings."""
+    headings = re.findall(r"^#+ (.+)$", page, re.MULTILINE)
+    return {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings}
+
+
+@pytest.mark.parametrize("page", pages())
+def test_links_lead_somewhere(page):
+    for target in re.findall(r"\]\(([^)\s]+)\)", read(page)):
+        if re.match(r"[a-z]+:", target):
+            continue
+        path, _, anchor = target.partition("#")
+        path = os.path.normpath(os.path.join(os.path.dirname(page), path)) if path else page
+        assert os.path.exists(os.path.join(PROJECT, path)), target
+        assert not anchor or anchor in anchors_of(read(path)), target
+
+
+def test_the_index_lists_every_page():
+    listed = re.findall(r"^\| \[(\w+\.md)\]", read("docs/README.md"), re.MULTILINE)
+    assert sorted(listed) == sorted(os.path.basename(page) for page in pages() if os.path.basename(page) != "README.md")
+
+
+def test_the_readme_is_read_in_a_few_minutes():
+    assert len(read("README.md").splitlines()) <= 200
+
+
+# Standard terms instead: finer, coarser, OBB, repair, attached to.
+@pytest.mark.parametrize("word", (r"dear(er|est)", r"turned box", r"mend(s|ed|ing)?", r"hangs? on"))
+def test_pages_and_messages_use_standard_terms(word):
+    texts = pages() + ["config/collision_pairs_node.yaml", "cfg/CollisionPairs.cfg"]
+    texts += [os.path.join(folder, name) for folder in ("msg", "srv") for name in os.listdir(os.path.join(PROJECT, folder))]
+    found = [text for text in texts if re.search(r"\b%s\b" % word, read(text), re.IGNORECASE)]
+    assert not found

@@ -1,4 +1,4 @@
-// The defaults are said in the core, in the YAML, in the .cfg and in the README: all must agree.
+// The defaults are said in the core, in the YAML, in the .cfg and in docs/node.md: all must agree.
 #include <fstream>
 #include <map>
 #include <sstream>
@@ -24,10 +24,11 @@ std::map<std::string, std::string> yamlDefaults() {
   return values;
 }
 
-/// The default column of the README's parameter table: | `~name` | type | unit | default | effect |
+/// The default column of the parameter table in docs/node.md: | `~name` | type | unit | default |
+/// effect |
 std::map<std::string, std::string> readmeDefaults() {
   std::map<std::string, std::string> values;
-  std::ifstream file(std::string(PROJECT_SOURCE_DIR) + "/README.md");
+  std::ifstream file(std::string(PROJECT_SOURCE_DIR) + "/docs/node.md");
   std::string line;
   while (std::getline(file, line)) {
     if (line.rfind("| `~", 0) != 0) continue;
@@ -77,7 +78,7 @@ TEST_P(Defaults, HoldEverythingThatASceneIsMadeOf) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Yaml, Defaults, testing::Values(&yamlDefaults));
-INSTANTIATE_TEST_SUITE_P(Readme, Defaults, testing::Values(&readmeDefaults));
+INSTANTIATE_TEST_SUITE_P(NodePage, Defaults, testing::Values(&readmeDefaults));
 
 TEST(Defaults, OfDynamicReconfigureAreThoseOfTheCode) {
   const NodeParameters code;

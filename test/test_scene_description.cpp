@@ -123,7 +123,7 @@ TEST(SceneObjects, WhatIsWrongWithOneIsNamed) {
   description.objects = {cube("a", at(0, 0, 0))};
   EXPECT_THAT(refusal(description), HasSubstr("object 'a' has the name of a link"));
   description.objects = {cube("load", at(0, 0, 0), "bb")};
-  EXPECT_THAT(refusal(description), HasSubstr("hangs on 'bb', which is no link"));
+  EXPECT_THAT(refusal(description), HasSubstr("is attached to 'bb', which is no link"));
   EXPECT_THAT(refusal(description), HasSubstr("'b' meant?"));
   description.objects = {cube("load", at(0, 0, 0))};
   description.objects[0].touch_links = {"aa"};

@@ -26,8 +26,8 @@ const std::vector<std::string>& sceneConfigKeys();
 const std::vector<std::string>& nodeParameterKeys();
 
 /// From a map with any of sceneConfigKeys(); other keys are passed over. Throws InputError that
-/// names the key, what it is and what it must be: a filter that is half understood would leave
-/// pairs out unseen. Whether its links exist is for the scene to say.
+/// names the key, what it is and what it must be: a partially parsed filter would
+/// silently drop pairs. Whether its links exist is for the scene to say.
 SceneConfig readSceneConfig(const YAML::Node& map);
 
 /// The same, but a key that is neither of these nor another parameter of the node is refused.

@@ -62,9 +62,9 @@ class Reader {
   template <typename T>
   void replace(const std::string& name, const std::string& given, const std::string& rule,
                const T& value) const {
-    std::ostringstream mend;
-    mend << rule << "; going on with " << value;
-    complain(name, given, mend.str());
+    std::ostringstream repair;
+    repair << rule << "; going on with " << value;
+    complain(name, given, repair.str());
     node_.setParam(name, value);
   }
 

@@ -42,7 +42,7 @@ void requireLink(const RobotModel& robot, const std::string& name) {
   if (robot.findLink(name) >= 0) return;
   std::vector<std::string> links;
   for (const Link& link : robot.links()) links.push_back(link.name);
-  throw InputError("'" + name + "' is no link that it could hang on; is '" +
+  throw InputError("'" + name + "' is no link that it could be attached to; is '" +
                    nearestName(name, links) + "' meant?");
 }
 

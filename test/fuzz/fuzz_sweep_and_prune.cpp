@@ -32,8 +32,8 @@ class Bytes {
   std::size_t size_;
 };
 
-// Static boxes must be sound, so the unsound ones of them are mended here.
-void mend(Aabb* box) {
+// Static boxes must be sound, so the unsound ones of them are repaired here.
+void repair(Aabb* box) {
   for (int k = 0; k < 3; ++k) {
     if (!(box->min[k] <= box->max[k])) std::swap(box->min[k], box->max[k]);
   }
@@ -70,7 +70,7 @@ BroadPhaseScene readScene(const std::uint8_t* data, std::size_t size, PairFilter
     for (std::uint32_t& model : scene.models) model %= 8;
   }
   scene.nb_static = std::min<std::size_t>(nb_static, scene.boxes.size());
-  for (std::size_t i = 0; i < scene.nb_static; ++i) mend(&scene.boxes[i]);
+  for (std::size_t i = 0; i < scene.nb_static; ++i) repair(&scene.boxes[i]);
   if (flags & 8) repeatStatic(&scene);
   return scene;
 }

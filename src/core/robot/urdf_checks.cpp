@@ -198,7 +198,7 @@ void checkNoCycle(const Tree& tree) {
     std::string link = name;
     while (reaches_root.count(link) == 0) {
       if (!path.insert(link).second) {
-        fail(*element, "link " + quoted(name) + " is part of, or hangs on, a cycle of links");
+        fail(*element, "link " + quoted(name) + " is part of, or attached to, a cycle of links");
       }
       const auto parent = tree.parent_of.find(link);
       if (parent == tree.parent_of.end()) break;

@@ -84,7 +84,7 @@ class NameCheck {
     if (!object.attached_link.empty() && merged_.findLink(object.attached_link) < 0) {
       std::vector<std::string> links;
       for (const Link& link : merged_.links()) links.push_back(link.name);
-      throw InputError(where + " hangs on '" + object.attached_link +
+      throw InputError(where + " is attached to '" + object.attached_link +
                        "', which is no link of robot '" + merged_.name() + "'; is '" +
                        nearestName(object.attached_link, links) + "' meant?");
     }
