@@ -26,7 +26,7 @@ std::map<std::string, std::string> yamlDefaults() {
 
 /// The default column of the parameter table in docs/node.md: | `~name` | type | unit | default |
 /// effect |
-std::map<std::string, std::string> readmeDefaults() {
+std::map<std::string, std::string> pageDefaults() {
   std::map<std::string, std::string> values;
   std::ifstream file(std::string(PROJECT_SOURCE_DIR) + "/docs/node.md");
   std::string line;
@@ -78,7 +78,7 @@ TEST_P(Defaults, HoldEverythingThatASceneIsMadeOf) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Yaml, Defaults, testing::Values(&yamlDefaults));
-INSTANTIATE_TEST_SUITE_P(NodePage, Defaults, testing::Values(&readmeDefaults));
+INSTANTIATE_TEST_SUITE_P(NodePage, Defaults, testing::Values(&pageDefaults));
 
 TEST(Defaults, OfDynamicReconfigureAreThoseOfTheCode) {
   const NodeParameters code;
