@@ -1,4 +1,5 @@
 """What becomes of the tables of check_bag: parts put together, and the page for a browser."""
+import base64
 import os
 import re
 import shutil
@@ -78,6 +79,18 @@ def test_the_page_needs_no_other_file_and_names_the_closest_pair(page):
     assert set(re.findall(r'(?:src|href)="([^,"]*)', text)) <= {"data:image/png;base64", "data:"}
     assert "http" not in re.sub(r'base64,[^"]*', "", text)
     assert text.count("<img") == 2 and "ball – right_finger" in text
+
+
+def test_the_page_fits_a_phone(page):
+    """Of what is wider than a phone there is a narrow form, or it is scrolled by itself."""
+    text = page.read_text()
+    assert '<meta name="viewport" content="width=device-width' in text
+    assert "@media (max-width: 40em)" in text, "rows of the table are folded there"
+    images = re.findall(r"<(source|img) [^>]*?(?:srcset|src)=\"data:image/png;base64,([^\"]+)", text)
+    widths = [(kind, int.from_bytes(base64.b64decode(data)[16:20], "big")) for kind, data in images]
+    assert [kind for kind, _ in widths] == ["source", "img", "img"]
+    assert widths[0][1] <= 600 < widths[1][1]
+    assert '<div class="wide"><img' in text
 
 
 def test_a_browser_opens_the_page_without_a_word_on_its_console(page, tmp_path):
