@@ -39,6 +39,11 @@ class PairLadder {
   /// of its elements, of pairs whose axis-aligned boxes meet: as those of the sweep's candidates do.
   Answer touches(const BoxPair& pair, Fidelity top);
 
+  /// Would climb() or touches() to `top` end at the OBBs of a pair that is not to touch? 30 ns.
+  bool obbsMiss(const BoxPair& pair, Fidelity top) const {
+    return rungOf(pair, top) != Fidelity::AABB && obbGap(pair, relativePose(pair)) > 0.0;
+  }
+
   /// Lower bounds of the signed distance, marked UNFINISHED, or BEYOND where further apart than
   /// max_distance: of the axis-aligned boxes, about 10 ns; of them and the boxes along each
   /// element's axes, 40 ns; of the hulls, never less than `known`, a microsecond.
