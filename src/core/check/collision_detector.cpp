@@ -184,12 +184,12 @@ void CollisionDetector::takeVoxels(const BodyPoses& poses) {
 }
 
 void CollisionDetector::sweep(double reach, std::vector<BoxPair>& candidates) {
-  const auto& elements = scene_->elements();
   const auto& boxes = boxes_->boxes();
+  const auto& models = boxes_->models();
   sweep_.begin(reach, &scene_->staticBoxes(), &scene_->filter());
   const std::size_t end = scene_->endOfMovingElements();
   for (std::size_t i = scene_->nbStaticElements(); i < end; ++i) {
-    sweep_.add(boxes[i], elements[i].model);
+    sweep_.add(boxes[i], models[i]);
   }
   candidates = sweep_.end();
   if (!only_added_pairs_) return;

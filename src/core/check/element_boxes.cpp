@@ -22,6 +22,8 @@ void ElementBoxes::prepare(const CollisionScene& scene) {
   X_WE_.assign(elements.size(), Isometry3d::Identity());
   boxes_.assign(elements.size(), noBox());
   known_.assign(elements.size(), Known::TIGHT_BOX);
+  models_.clear();
+  for (const SceneElement& element : elements) models_.push_back(element.model);
   of_bodies_.clear();
   for (std::uint32_t i = 0; i < nb_static; ++i) {
     X_WE_[i] = elements[i].X_BE;

@@ -48,6 +48,8 @@ class ElementBoxes {
   std::vector<Aabb>& boxes() { return boxes_; }
   const std::vector<Aabb>& boxes() const { return boxes_; }
   std::vector<Eigen::Isometry3d>& X_WE() { return X_WE_; }
+  /// SceneElement::model of each, side by side.
+  const std::vector<std::uint32_t>& models() const { return models_; }
 
  private:
   enum class Known : std::uint8_t { BODY, POSE, TIGHT_BOX };
@@ -64,6 +66,7 @@ class ElementBoxes {
   const CollisionScene* scene_ = nullptr;
   const BodyPoses* poses_ = nullptr;
   std::vector<BodyBox> of_bodies_;
+  std::vector<std::uint32_t> models_;
   std::vector<Known> known_;
   std::vector<Aabb> boxes_;
   std::vector<Eigen::Isometry3d> X_WE_;
