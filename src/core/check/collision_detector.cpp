@@ -137,7 +137,7 @@ void CollisionDetector::beginPairs() {
 }
 
 void CollisionDetector::rebuildBoxes(const BodyPoses& poses) {
-  some_are_loose_ = !settings_.list_boxes && !settings_.min_distance && scene_->clouds().empty();
+  some_are_loose_ = !settings_.list_boxes && scene_->clouds().empty();
   boxes_->rebuild(poses, !some_are_loose_);
   report_.nb_boxes = scene_->endOfMovingElements();
   report_.nb_boxes -= static_cast<std::uint32_t>(boxes_->withoutBox().size());
@@ -369,11 +369,13 @@ bool CollisionDetector::measureNearestFirst(const std::vector<BoxPair>& pairs, d
   }
   std::sort(by_gap_.begin(), by_gap_.end());
   for (const auto& [squared_gap, pair] : by_gap_) {
-    if (squared_gap > std::max(best.metres, 0.0) * best.metres) break;
+    const double squared_best = std::max(best.metres, 0.0) * best.metres;
+    if (squared_gap > squared_best) break;
     if (deadline.spent()) {
       known = std::max(known, std::sqrt(squared_gap));
       return false;
     }
+    if (!boxes_->inReach(pair, squared_best)) continue;  // by their tight boxes
     const auto found =
         ladder_->climb(ladder_->byModel(pair), settings_.fidelity, best.metres).found;
     if (found.certainty != Certainty::BEYOND) best.offer(found.distance, found.certainty);
