@@ -263,19 +263,19 @@ void CollisionDetector::measureClouds(const Deadline& deadline) {
   report_.budget_spent |= report_.nb_unresolved > 0;
 }
 
-// Most pairs of loose boxes are apart by their OBBs, and need no tight boxes.
+// A contact is one of tight boxes, too. They come last, because most pairs of loose boxes are apart
+// by their OBBs or hulls, which cost less than two tight boxes.
 void CollisionDetector::findFirstContact() {
   const double squared_reach = squaredReach(settings_.alarm_distance);
   for (const BoxPair& candidate : report_.candidates) {
     const BoxPair pair = ladder_->byModel(candidate);
-    if (some_are_loose_) {
-      boxes_->place(pair.first);
-      boxes_->place(pair.second);
-      if (ladder_->obbsMiss(pair, settings_.fidelity) || !boxes_->inReach(pair, squared_reach)) {
-        continue;
-      }
-    }
+    boxes_->place(pair.first);
+    boxes_->place(pair.second);
+    const bool by_boxes = ladder_->rungOf(pair, settings_.fidelity) == Fidelity::AABB;
+    if (by_boxes && !boxes_->inReach(pair, squared_reach)) continue;
     const auto [found, rung] = ladder_->touches(pair, settings_.fidelity);
+    const bool is_apart = found.certainty == Certainty::BEYOND;
+    if (!is_apart && !boxes_->inReach(pair, squared_reach)) continue;
     take(pair, found, rung);
     if (found.certainty == Certainty::BOUND) return;
   }

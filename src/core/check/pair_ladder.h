@@ -36,13 +36,8 @@ class PairLadder {
 
   /// Only whether the two meet at rung `top`, which is less work than climb(): BOUND at distance 0
   /// if they do, BEYOND if they do not, DEGRADED if neither could be shown. At a rung that sticks out
-  /// of its elements, of pairs whose axis-aligned boxes meet: as those of the sweep's candidates do.
+  /// of its elements pairs may meet whose tight boxes do not: that is for the caller to see.
   Answer touches(const BoxPair& pair, Fidelity top);
-
-  /// Would climb() or touches() to `top` end at the OBBs of a pair that is not to touch? 30 ns.
-  bool obbsMiss(const BoxPair& pair, Fidelity top) const {
-    return rungOf(pair, top) != Fidelity::AABB && obbGap(pair, relativePose(pair)) > 0.0;
-  }
 
   /// Lower bounds of the signed distance, marked UNFINISHED, or BEYOND where further apart than
   /// max_distance: of the axis-aligned boxes, about 10 ns; of them and the boxes along each
