@@ -25,8 +25,8 @@ class ElementBoxes {
   /// Once, before all others. Cost: a tight box for each element.
   void prepare(const CollisionScene& scene);
 
-  /// Of all elements that move, those of clouds excepted. `poses` must outlive the cycle. 5 to 10
-  /// ns for a loose box, about 50 for the tight one of a mesh; of primitives they are always tight.
+  /// Of all elements that move, those of clouds excepted. `poses` must outlive the cycle. About 15
+  /// ns for a loose box, 50 for the tight one of a mesh; of primitives they are always tight.
   void rebuild(const BodyPoses& poses, bool all_tight);
 
   /// Elements that move and have no box, ascending: without a pose, or not finite.
