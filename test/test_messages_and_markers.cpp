@@ -23,6 +23,7 @@ class Report : public testing::Test {
       : scene_(CollisionScene::build(robotFrom(slidingBoxes(4)), std::nullopt, nullptr)),
         detector_(scene_) {
     settings_.alarm_distance = 0.2;
+    settings_.list_boxes = true;
     BodyPoses poses;
     poses.resize(scene_->bodies().size());
     const double x[] = {0.0, 0.9, 2.0, 9.0};
@@ -243,8 +244,10 @@ class OfMixedLinks : public testing::Test {
     X_WB = Eigen::Translation3d(x, 0, 0) * Eigen::Isometry3d::Identity();
   }
   CollisionPairs message() {
-    return toMessage(detector_.detect(poses_, CheckSettings()), *scene_, CheckSettings(), "world",
-                     ros::Time(7), {});
+    CheckSettings settings;
+    settings.list_boxes = true;
+    return toMessage(detector_.detect(poses_, settings), *scene_, settings, "world", ros::Time(7),
+                     {});
   }
   std::shared_ptr<const CollisionScene> scene_ =
       CollisionScene::build(mixedRobot(2), std::nullopt, nullptr);
@@ -293,12 +296,17 @@ TEST(BoxMarkers, OfWhatIsFlatAreDrawable) {
   CollisionDetector detector(scene);
   BodyPoses poses;
   poses.resize(scene->bodies().size());
-  const auto& report = detector.detect(poses, CheckSettings());
-  const auto message = toMessage(report, *scene, CheckSettings(), "world", ros::Time(7), {});
+  CheckSettings settings;
+  settings.list_boxes = true;
+  const auto& report = detector.detect(poses, settings);
+  const auto message = toMessage(report, *scene, settings, "world", ros::Time(7), {});
+  int nb_boxes = 0;
   for (const Marker& marker : toMarkers(message, &report, false).markers) {
     if (marker.type != Marker::CUBE || marker.action != Marker::ADD) continue;
+    ++nb_boxes;
     EXPECT_GE(marker.scale.z, 1e-6);  // rviz shows nothing where an edge has no length
   }
+  EXPECT_EQ(nb_boxes, 2);
 }
 
 TEST(PoseOfAMessage, IsThePose) {

@@ -359,7 +359,8 @@ TEST(BoxMarkers, OfAFloorAreFinite) {
   CollisionDetector detector(scene);
   BodyPoses poses;
   poses.resize(scene->bodies().size());
-  const CheckSettings settings;
+  CheckSettings settings;
+  settings.list_boxes = true;
   const auto& report = detector.detect(poses, settings);
   const auto array =
       toMarkers(toMessage(report, *scene, settings, "world", ros::Time(1), {}), &report, false);

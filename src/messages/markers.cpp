@@ -151,6 +151,7 @@ bool isBounded(const Aabb& box) {  // a half-space is not
 
 std::vector<BoxKind> kindsOf(const CollisionReport& report) {
   std::vector<BoxKind> kinds(report.boxes.size(), BoxKind::OTHER);
+  if (kinds.empty()) return kinds;  // not listed
   for (const BoxPair& pair : report.candidates) {
     kinds[pair.first] = kinds[pair.second] = BoxKind::INVESTIGATED;
   }

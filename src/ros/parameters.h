@@ -26,7 +26,7 @@ std::vector<RobotParameters> readRobots(const ros::NodeHandle& private_node);
 std::string readFixedFrame(const ros::NodeHandle& private_node);
 
 struct NodeParameters {
-  NodeParameters() { check.stage_times = true; }  // its messages carry them
+  NodeParameters() { check.stage_times = check.list_boxes = true; }  // messages and markers do
 
   /// ~alarm_distance [m], ~fidelity, ~time_budget [s], ~verdict_only and ~min_distance. The default
   /// is the core's. May change while running.

@@ -149,7 +149,8 @@ void TrajectoryService::check(const CheckTrajectory::Request& request,
   const QueryDefaults defaults = defaults_();
   const ActiveScenePtr active = sceneFor(request, scenes_);
   const auto& scene = active->scene;
-  const CheckSettings settings = settingsFor(request, defaults.settings);
+  CheckSettings settings = settingsFor(request, defaults.settings);
+  settings.list_boxes = request.want_reports;
   if (!batch_ || &batch_->scene() != scene.get()) batch_ = std::make_unique<BatchCheck>(scene);
   const ros::Time now = ros::Time::now();
   transforms_.followClock(now);

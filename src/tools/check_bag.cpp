@@ -96,6 +96,7 @@ void complete(Options& options) {
       finiteNumber(options.output.alarm_distance, 0.0, "--alarm-distance");
   options.settings.min_distance = options.min_distance;
   options.settings.verdict_only = options.verdict_only;
+  options.settings.list_boxes = true;  // for nb_pairs
   options.settings.stage_times = !options.record.empty();
   options.output.max_gap = finiteNumber(options.poses.max_gap, 1e-9, "--max-gap");
   options.shard = parseShard(options.shard_text);

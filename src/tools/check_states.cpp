@@ -80,15 +80,16 @@ std::string contactPairs(const CollisionReport& report, const CollisionScene& sc
 }
 
 std::string rowOf(std::size_t state, const CollisionReport& report, const CollisionScene& scene,
-                  bool with_distance) {
+                  const CheckSettings& settings) {
   char distance[64] = "", microseconds[64];
-  if (with_distance && !report.min_distance_is_bound) {
+  if (settings.min_distance && !report.min_distance_is_bound) {
     std::snprintf(distance, sizeof distance, "%.17g", report.min_distance);
   }
   std::snprintf(microseconds, sizeof microseconds, "%.1f", 1e6 * report.times.total);
+  const std::string nb_pairs =
+      settings.verdict_only ? "" : std::to_string(report.candidates.size());  // not counted
   return std::to_string(state) + (report.in_collision ? ",1," : ",0,") +
-         contactPairs(report, scene) + ',' + distance + ',' +
-         std::to_string(report.candidates.size()) + ',' + microseconds + '\n';
+         contactPairs(report, scene) + ',' + distance + ',' + nb_pairs + ',' + microseconds + '\n';
 }
 
 void refuseLeftOut(std::size_t state, const CollisionReport& report, const CollisionScene& scene) {
@@ -115,7 +116,7 @@ std::vector<std::string> check(const JointStates& states,
       },
       [&](std::size_t i, const CollisionReport& report) {
         refuseLeftOut(i, report, *scene);
-        rows[i] = rowOf(i, report, *scene, settings.min_distance);
+        rows[i] = rowOf(i, report, *scene, settings);
         nb_answered_natively += report.nb_answered_natively;
       });
   if (nb_answered_natively > 0) {

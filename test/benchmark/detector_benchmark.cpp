@@ -8,6 +8,7 @@
 #include <chrono>
 #include <functional>
 #include <limits>
+#include <map>
 
 #include <benchmark/benchmark.h>
 
@@ -19,7 +20,8 @@ namespace collision_pairs {
 namespace {
 
 constexpr int PASSES = 5;
-const char* const QUERIES[] = {"self", "self_contacts", "self_distance", "world", "world_distance"};
+const char* const QUERIES[] = {"self",  "self_contacts",  "self_distance",
+                               "world", "world_distance", "self_apart"};
 
 using Check = std::function<double(std::size_t state)>;
 
@@ -47,10 +49,27 @@ void run(benchmark::State& state, std::size_t nb_states, const Check& check) {
   state.counters["p99_us"] = quantile(least, 0.99);
 }
 
+/// The links where nothing is near another, so that what is left is what any check costs.
+const std::vector<std::vector<Eigen::Isometry3d>>& statesOf(const BenchmarkRobot& robot,
+                                                            const std::string& query) {
+  static std::map<std::string, std::vector<std::vector<Eigen::Isometry3d>>> apart;
+  if (query != "self_apart") return robot.states;
+  auto& states = apart[robot.name];
+  if (!states.empty()) return states;
+  states = robot.states;
+  for (auto& X_RB : states) {
+    for (std::size_t i = 0; i < X_RB.size(); ++i) {
+      X_RB[i].translation() += 10.0 * static_cast<double>(i) * Eigen::Vector3d(1.0, 0.7, 0.3);
+    }
+  }
+  return states;
+}
+
 Check ofMoveItLoop(const BenchmarkRobot& robot, const std::string& query) {
   const auto loop = std::make_shared<MoveItLoop>(robot);
-  const auto& states = robot.states;
-  if (query == "self") return [=, &states](std::size_t i) { return loop->selfCollides(states[i]); };
+  const auto& states = statesOf(robot, query);
+  const bool self = query == "self" || query == "self_apart";
+  if (self) return [=, &states](std::size_t i) { return loop->selfCollides(states[i]); };
   if (query == "self_contacts") {
     return
         [=, &states](std::size_t i) { return static_cast<double>(loop->selfContacts(states[i])); };
@@ -72,14 +91,13 @@ Check withNarrowPhase(const BenchmarkRobot& robot, const std::string& query,
   description.settings.narrow_phase = narrow_phase;
   const auto scene = CollisionScene::build(description);
   const auto detector = std::make_shared<CollisionDetector>(scene);
-  auto poses = std::make_shared<std::vector<BodyPoses>>(robot.states.size());
-  for (std::size_t i = 0; i < robot.states.size(); ++i) {
-    scene->gatherPoses(robot.states[i], (*poses)[i]);
-  }
+  const auto& states = statesOf(robot, query);
+  auto poses = std::make_shared<std::vector<BodyPoses>>(states.size());
+  for (std::size_t i = 0; i < states.size(); ++i) scene->gatherPoses(states[i], (*poses)[i]);
   CheckSettings settings;
   settings.alarm_distance = 0.0;
   settings.min_distance = query == "self_distance" || query == "world_distance";
-  settings.verdict_only = query == "self" || query == "world";
+  settings.verdict_only = query == "self" || query == "world" || query == "self_apart";
   return [=](std::size_t i) { return detector->detect((*poses)[i], settings).min_distance; };
 }
 

@@ -45,10 +45,12 @@ Scene ofRobot(const BenchmarkRobot& robot) {
   for (const SceneElement& element : detector.scene().elements()) {
     scene.models.push_back(element.model);
   }
+  CheckSettings settings;
+  settings.list_boxes = true;
   BodyPoses poses;
   for (const auto& state : robot.states) {
     detector.scene().gatherPoses(state, poses);
-    scene.frames.push_back(detector.detect(poses, CheckSettings()).boxes);
+    scene.frames.push_back(detector.detect(poses, settings).boxes);
   }
   return scene;
 }

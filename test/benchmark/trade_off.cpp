@@ -148,7 +148,9 @@ class StraightToMesh {
       : settings_(question.settings(Fidelity::AABB)),
         scene_(question.scene(0)),
         detector_(scene_),
-        X_WE_(scene_->elements().size()) {}
+        X_WE_(scene_->elements().size()) {
+    settings_.list_boxes = true;
+  }
 
   /// Boxes and sweep, without the queries: µs.
   double begin(const BodyPoses& poses) {

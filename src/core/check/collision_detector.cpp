@@ -5,7 +5,9 @@
 #include <cmath>
 #include <limits>
 
+#include "check_input.h"
 #include "collision_pairs/input_error.h"
+#include "element_boxes.h"
 #include "found_pairs.h"
 #include "pair_ladder.h"
 #include "timed_climb.h"
@@ -16,8 +18,6 @@ namespace {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
-
-constexpr double MAX_REACH = 1e150;  // metres: the square of what is swept must be finite
 
 /// Adds the time since it was made, or since its last split(), to one stage; nothing if it is not
 /// `wanted`.
@@ -47,11 +47,14 @@ double steadySeconds() {
 
 CollisionDetector::CollisionDetector(std::shared_ptr<const CollisionScene> scene)
     : scene_(std::move(scene)),
+      boxes_(std::make_unique<ElementBoxes>()),
       ladder_(std::make_unique<PairLadder>()),
       timed_climb_(std::make_unique<TimedClimb>()),
       voxel_search_(std::make_unique<VoxelSearch>()),
       found_(std::make_unique<FoundPairs>()),
-      clock_(&steadySeconds) {}
+      clock_(&steadySeconds) {
+  boxes_->prepare(*scene_);
+}
 
 CollisionDetector::~CollisionDetector() = default;
 CollisionDetector::CollisionDetector(CollisionDetector&&) noexcept = default;
@@ -61,7 +64,7 @@ void CollisionDetector::setClock(std::function<double()> clock) { clock_ = std::
 
 const CollisionReport& CollisionDetector::detect(const BodyPoses& poses,
                                                  const CheckSettings& settings) {
-  checkInput(poses, settings);
+  checkInput(*scene_, poses, settings);
   settings_ = settings;
   if (settings.verdict_only) settings_.alarm_distance = 0.0;
   only_added_pairs_ = false;
@@ -69,7 +72,7 @@ const CollisionReport& CollisionDetector::detect(const BodyPoses& poses,
 }
 
 void CollisionDetector::beginNarrowPhase(const BodyPoses& poses, const CheckSettings& settings) {
-  checkInput(poses, settings);
+  checkInput(*scene_, poses, settings);
   settings_ = settings;
   if (settings.verdict_only) settings_.alarm_distance = 0.0;
   begun_poses_ = poses;
@@ -90,54 +93,28 @@ const CollisionReport& CollisionDetector::endNarrowPhase() {
   return report_;
 }
 
-void CollisionDetector::checkInput(const BodyPoses& poses, const CheckSettings& settings) const {
-  if (!(settings.alarm_distance >= 0.0 && settings.alarm_distance <= MAX_REACH)) {
-    throw InputError("the alarm distance is " + std::to_string(settings.alarm_distance) +
-                     ", but must be 0 or more metres, and finite");
-  }
-  if (!(settings.time_budget >= 0.0)) {
-    throw InputError("the time budget is " + std::to_string(settings.time_budget) +
-                     ", but must be 0 or more seconds");
-  }
-  const std::size_t expected = scene_->bodies().size();
-  if (poses.X_WB.size() != expected || poses.known.size() != expected) {
-    throw InputError("poses of " + std::to_string(poses.X_WB.size()) +
-                     " bodies were given, but the scene has " + std::to_string(expected));
-  }
-  const auto& clouds = scene_->clouds();
-  if (poses.voxels.size() > clouds.size()) {
-    throw InputError("voxels of " + std::to_string(poses.voxels.size()) +
-                     " clouds were given, but the scene has " + std::to_string(clouds.size()));
-  }
-  for (std::size_t i = 0; i < poses.voxels.size(); ++i) {
-    const double wanted = clouds[i].voxel_size;
-    if (!poses.voxels[i] || poses.voxels[i]->voxelSize() == wanted) continue;
-    throw InputError("cloud '" + scene_->models()[clouds[i].model].name + "' has voxels of " +
-                     std::to_string(wanted) + " m, but those given are of " +
-                     std::to_string(poses.voxels[i]->voxelSize()) + " m");
-  }
-}
-
 const CollisionReport& CollisionDetector::run(const BodyPoses& poses) {
   StageClock clock(settings_.stage_times), whole(settings_.stage_times);
   const Deadline deadline(clock_, settings_.time_budget);
   beginPairs();
-  rebuildBoxes(poses);  // tight boxes of every element at its pose
+  rebuildBoxes(poses);  // of every element at its pose; loose where tight ones cost more
   if (!scene_->clouds().empty()) takeVoxels(poses);
   clock.split(report_.times.boxes);
   sweep(settings_.alarm_distance, report_.candidates);  // axis, sort, sweep
+  const bool only_verdict = settings_.verdict_only && !deadline.isSet();
+  if (!only_verdict) dropLooseCandidates();
   if (!scene_->clouds().empty()) findCloudPairs();
   clock.split(report_.times.broad_phase);
-  if (deadline.isSet()) {
-    measureInTime(deadline);  // the most suspicious candidates first
-  } else if (settings_.verdict_only) {
+  if (only_verdict) {
     findFirstContact();
+  } else if (deadline.isSet()) {
+    measureInTime(deadline);  // the most suspicious candidates first
   } else {
     measureCandidates();  // contacts and near pairs among the candidates
   }
   if (!cloud_pairs_.empty()) measureClouds(deadline);
   if (settings_.min_distance) searchMinimum(deadline);
-  for (const SceneCloud& cloud : scene_->clouds()) report_.boxes[cloud.element] = noBox();
+  listBoxes();
   report_.nb_answered_natively = ladder_->numAnsweredNatively();
   clock.split(report_.times.narrow_phase);
   found_->assemble(!settings_.verdict_only, report_);  // one entry for each pair of models
@@ -155,25 +132,41 @@ void CollisionDetector::beginPairs() {
   report_.budget_spent = false;
   report_.min_distance = settings_.alarm_distance;
   report_.min_distance_is_bound = true;
-  ladder_->begin(*scene_, X_WE_, report_.boxes);
-  voxel_search_->begin(*scene_, X_WE_, report_.boxes, *ladder_);
+  ladder_->begin(*scene_, boxes_->X_WE(), boxes_->boxes());
+  voxel_search_->begin(*scene_, boxes_->X_WE(), boxes_->boxes(), *ladder_);
 }
 
 void CollisionDetector::rebuildBoxes(const BodyPoses& poses) {
-  const auto& elements = scene_->elements();
-  if (X_WE_.size() != elements.size()) prepareStaticElements();
+  some_are_loose_ = !settings_.list_boxes && scene_->clouds().empty();
+  boxes_->rebuild(poses, !some_are_loose_);
+  report_.nb_boxes = scene_->endOfMovingElements();
+  report_.nb_boxes -= static_cast<std::uint32_t>(boxes_->withoutBox().size());
   report_.left_out.clear();
-  report_.nb_boxes = scene_->nbStaticElements();
-  const std::size_t end = scene_->endOfMovingElements();
-  for (std::size_t i = scene_->nbStaticElements(); i < end; ++i) {
-    const SceneElement& element = elements[i];
-    X_WE_[i] = poses.X_WB[element.body] * element.X_BE;
-    report_.boxes[i] = poses.known[element.body] ? element.boxAt(X_WE_[i]) : noBox();
-    if (report_.boxes[i].valid()) {
-      ++report_.nb_boxes;
-    } else if (report_.left_out.empty() || report_.left_out.back() != element.model) {
-      report_.left_out.push_back(element.model);
+  for (const std::uint32_t element : boxes_->withoutBox()) {
+    const std::uint32_t model = scene_->elements()[element].model;
+    if (report_.left_out.empty() || report_.left_out.back() != model) {
+      report_.left_out.push_back(model);
     }
+  }
+}
+
+// A candidate is a pair of tight boxes, whichever ones were swept.
+void CollisionDetector::dropLooseCandidates() {
+  if (!some_are_loose_) return;
+  const double squared_reach = squaredReach(settings_.alarm_distance);
+  const auto is_apart = [&](const BoxPair& pair) { return !boxes_->inReach(pair, squared_reach); };
+  auto& candidates = report_.candidates;
+  candidates.erase(std::remove_if(candidates.begin(), candidates.end(), is_apart),
+                   candidates.end());
+}
+
+void CollisionDetector::listBoxes() {
+  report_.boxes.clear();
+  if (settings_.list_boxes) {
+    report_.boxes = boxes_->boxes();
+    for (const SceneCloud& cloud : scene_->clouds()) report_.boxes[cloud.element] = noBox();
+  } else if (settings_.verdict_only) {
+    report_.candidates.clear();  // some may be pairs of loose boxes
   }
 }
 
@@ -182,7 +175,7 @@ void CollisionDetector::takeVoxels(const BodyPoses& poses) {
   voxels_ = poses.voxels;
   voxels_.resize(clouds.size());
   for (std::size_t i = 0; i < clouds.size(); ++i) {
-    report_.boxes[clouds[i].element] = noBox();
+    boxes_->boxes()[clouds[i].element] = noBox();
     if (voxels_[i]) report_.nb_boxes += static_cast<std::uint32_t>(voxels_[i]->size());
     if (voxels_[i] && !voxels_[i]->isTruncated()) continue;
     report_.left_out.push_back(clouds[i].model);
@@ -190,23 +183,13 @@ void CollisionDetector::takeVoxels(const BodyPoses& poses) {
   std::sort(report_.left_out.begin(), report_.left_out.end());
 }
 
-void CollisionDetector::prepareStaticElements() {
-  const auto& elements = scene_->elements();
-  X_WE_.resize(elements.size());
-  report_.boxes.resize(elements.size());
-  for (std::uint32_t i = 0; i < scene_->nbStaticElements(); ++i) {
-    X_WE_[i] = elements[i].X_BE;
-    report_.boxes[i] = scene_->staticBoxes().box(i);
-  }
-  for (const SceneCloud& cloud : scene_->clouds()) X_WE_[cloud.element].setIdentity();
-}
-
 void CollisionDetector::sweep(double reach, std::vector<BoxPair>& candidates) {
-  const auto& elements = scene_->elements();
+  const auto& boxes = boxes_->boxes();
+  const auto& models = boxes_->models();
   sweep_.begin(reach, &scene_->staticBoxes(), &scene_->filter());
   const std::size_t end = scene_->endOfMovingElements();
   for (std::size_t i = scene_->nbStaticElements(); i < end; ++i) {
-    sweep_.add(report_.boxes[i], elements[i].model);
+    sweep_.add(boxes[i], models[i]);
   }
   candidates = sweep_.end();
   if (!only_added_pairs_) return;
@@ -226,9 +209,10 @@ bool CollisionDetector::isAsked(const BoxPair& pair) const {
 template <class Take>
 void CollisionDetector::forEachCloudPair(const Take& take) const {
   const auto& elements = scene_->elements();
+  const auto& boxes = boxes_->boxes();
   for (std::uint32_t i = scene_->nbStaticElements(); i < scene_->endOfMovingElements(); ++i) {
     for (std::size_t cloud = 0; cloud < voxels_.size(); ++cloud) {
-      if (!voxels_[cloud] || voxels_[cloud]->isEmpty() || !report_.boxes[i].valid()) continue;
+      if (!voxels_[cloud] || voxels_[cloud]->isEmpty() || !boxes[i].valid()) continue;
       const BoxPair pair{i, scene_->clouds()[cloud].element};
       const bool allowed = scene_->filter().allowed(elements[i].model, elements[pair.second].model);
       if (allowed && isAsked(pair)) take(pair, *voxels_[cloud]);
@@ -279,10 +263,19 @@ void CollisionDetector::measureClouds(const Deadline& deadline) {
   report_.budget_spent |= report_.nb_unresolved > 0;
 }
 
+// A contact is one of tight boxes, too. They come last, because most pairs of loose boxes are apart
+// by their OBBs or hulls, which cost less than two tight boxes.
 void CollisionDetector::findFirstContact() {
+  const double squared_reach = squaredReach(settings_.alarm_distance);
   for (const BoxPair& candidate : report_.candidates) {
     const BoxPair pair = ladder_->byModel(candidate);
+    boxes_->place(pair.first);
+    boxes_->place(pair.second);
+    const bool by_boxes = ladder_->rungOf(pair, settings_.fidelity) == Fidelity::AABB;
+    if (by_boxes && !boxes_->inReach(pair, squared_reach)) continue;
     const auto [found, rung] = ladder_->touches(pair, settings_.fidelity);
+    const bool is_apart = found.certainty == Certainty::BEYOND;
+    if (!is_apart && !boxes_->inReach(pair, squared_reach)) continue;
     take(pair, found, rung);
     if (found.certainty == Certainty::BOUND) return;
   }
@@ -334,8 +327,9 @@ void CollisionDetector::take(const BoxPair& pair, const PairDistance& found, Fid
 void CollisionDetector::searchMinimum(const Deadline& deadline) {
   SmallestDistance best = found_->smallestDistance();
   Aabb moving = noBox();
-  for (std::size_t i = scene_->nbStaticElements(); i < report_.boxes.size(); ++i) {
-    if (report_.boxes[i].valid()) moving = enclosing(moving, report_.boxes[i]);
+  const auto& boxes = boxes_->boxes();
+  for (std::size_t i = scene_->nbStaticElements(); i < boxes.size(); ++i) {
+    if (boxes[i].valid()) moving = enclosing(moving, boxes[i]);
   }
   const auto sizeOf = [](const Aabb& box) {  // that of a half-space is not finite
     return box.valid() ? std::min((box.max - box.min).norm(), MAX_REACH) : 0.0;
@@ -367,18 +361,21 @@ void CollisionDetector::searchMinimum(const Deadline& deadline) {
 bool CollisionDetector::measureNearestFirst(const std::vector<BoxPair>& pairs, double measured,
                                             const Deadline& deadline, SmallestDistance& best,
                                             double& known) {
+  const auto& boxes = boxes_->boxes();
   by_gap_.clear();
   for (const BoxPair& pair : pairs) {
-    const double gap = squaredGap(report_.boxes[pair.first], report_.boxes[pair.second]);
+    const double gap = squaredGap(boxes[pair.first], boxes[pair.second]);
     if (measured < 0.0 || gap > measured * measured) by_gap_.emplace_back(gap, pair);
   }
   std::sort(by_gap_.begin(), by_gap_.end());
   for (const auto& [squared_gap, pair] : by_gap_) {
-    if (squared_gap > std::max(best.metres, 0.0) * best.metres) break;
+    const double squared_best = std::max(best.metres, 0.0) * best.metres;
+    if (squared_gap > squared_best) break;
     if (deadline.spent()) {
       known = std::max(known, std::sqrt(squared_gap));
       return false;
     }
+    if (!boxes_->inReach(pair, squared_best)) continue;  // by their tight boxes
     const auto found =
         ladder_->climb(ladder_->byModel(pair), settings_.fidelity, best.metres).found;
     if (found.certainty != Certainty::BEYOND) best.offer(found.distance, found.certainty);

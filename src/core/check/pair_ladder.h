@@ -36,7 +36,7 @@ class PairLadder {
 
   /// Only whether the two meet at rung `top`, which is less work than climb(): BOUND at distance 0
   /// if they do, BEYOND if they do not, DEGRADED if neither could be shown. At a rung that sticks out
-  /// of its elements, of pairs whose axis-aligned boxes meet: as those of the sweep's candidates do.
+  /// of its elements pairs may meet whose tight boxes do not: that is for the caller to see.
   Answer touches(const BoxPair& pair, Fidelity top);
 
   /// Lower bounds of the signed distance, marked UNFINISHED, or BEYOND where further apart than

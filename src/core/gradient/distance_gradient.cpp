@@ -13,18 +13,24 @@ namespace {
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
 
+Isometry3d poseOf(std::uint32_t id, const Contact& contact, const CollisionScene& scene,
+                  const std::vector<Isometry3d>& X_WB) {
+  if (scene.cloudOf(id) >= 0) return scene.poseOfVoxel(id, contact.voxel);
+  const SceneElement& element = scene.elements()[id];
+  return element.body < 0 ? element.X_BE : X_WB[scene.bodies()[element.body].body] * element.X_BE;
+}
+
 /// Whether it is the distance of the axis-aligned boxes, which a rung that sticks out of the next
 /// answers with where that is the better bound.
-bool isOfAlignedBoxes(const PairReport& pair, const Contact& nearest, const CollisionReport& report,
-                      const CollisionScene& scene) {
+bool isOfAlignedBoxes(const PairReport& pair, const Contact& nearest, const CollisionScene& scene,
+                      const std::vector<Isometry3d>& X_WB) {
   if (pair.fidelity == Fidelity::AABB) return true;
   const BoxPair& elements = nearest.elements;
   const bool loose = scene.elements()[elements.first].rung(pair.fidelity).loose ||
                      scene.elements()[elements.second].rung(pair.fidelity).loose;
   if (!loose) return false;
   const auto boxOf = [&](std::uint32_t element) {
-    if (scene.cloudOf(element) < 0) return report.boxes[element];
-    return scene.elements()[element].boxAt(scene.poseOfVoxel(element, nearest.voxel));
+    return scene.elements()[element].boxAt(poseOf(element, nearest, scene, X_WB));
   };
   const Aabb a = boxOf(elements.first), b = boxOf(elements.second);
   const double widest = (b.min - a.max).cwiseMax(a.min - b.max).maxCoeff();
@@ -39,13 +45,6 @@ int bodyOf(std::uint32_t model, const CollisionScene& scene) {
 
 bool isCylinder(const Rung& rung) { return std::holds_alternative<Cylinder>(rung.shape->shape()); }
 
-Isometry3d poseOf(std::uint32_t id, const Contact& contact, const CollisionScene& scene,
-                  const std::vector<Isometry3d>& X_WB) {
-  if (scene.cloudOf(id) >= 0) return scene.poseOfVoxel(id, contact.voxel);
-  const SceneElement& element = scene.elements()[id];
-  return element.body < 0 ? element.X_BE : X_WB[scene.bodies()[element.body].body] * element.X_BE;
-}
-
 }  // namespace
 
 DistanceGradient::DistanceGradient(const CollisionScene& scene, const JointColumns& joints)
@@ -56,7 +55,7 @@ bool DistanceGradient::compute(const PairReport& pair, const CollisionReport& re
   const Contact* found = report.nearestContact(pair);
   const bool is_measured = found != nullptr && (pair.certainty == Certainty::EXACT ||
                                                 pair.certainty == Certainty::BOUND);
-  if (!is_measured || isOfAlignedBoxes(pair, *found, report, scene_)) {
+  if (!is_measured || isOfAlignedBoxes(pair, *found, scene_, X_WB)) {
     std::fill_n(gradient, joints_.size(), std::numeric_limits<double>::quiet_NaN());
     return false;
   }
