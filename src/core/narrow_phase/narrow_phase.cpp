@@ -204,18 +204,16 @@ struct NarrowPhase::Scratch {
                         double max_distance, const HullBounds& bounds) {
     const bool hulls_meet = bounds.outcome == HullBounds::Outcome::OPEN;
     const Vector3d* nhat_AB_A = hulls_meet ? nullptr : &bounds.hulls.nhat_AB_A;
-    // Contact first: it is found by splitting boxes, much sooner than by measuring.
-    if (hulls_meet && contacts.surfacesMeet(*A.mesh, *B.mesh, X_AB)) {
+    // Contact first: it is found by splitting boxes and by containment, much sooner than by
+    // measuring.
+    if (hulls_meet && (contacts.surfacesMeet(*A.mesh, *B.mesh, X_AB) || meshHoldsMesh(A, B, X_AB) ||
+                       meshHoldsMesh(B, A, X_AB.inverse(Eigen::Isometry)))) {
       return hullDepth(A, B, X_AB, bounds.overlap);
     }
     const SurfaceGap gap = hulls_meet && max_distance == 0.0
                                ? noContact()
                                : query.meshMesh(*A.mesh, *B.mesh, X_AB, max_distance, nhat_AB_A);
-    const bool apart = gap.beyond || gap.distance > 0.0;
-    if (!apart || (hulls_meet && (meshHoldsMesh(A, B, X_AB) ||
-                                  meshHoldsMesh(B, A, X_AB.inverse(Eigen::Isometry))))) {
-      return hullDepth(A, B, X_AB, bounds.overlap);
-    }
+    if (!gap.beyond && !(gap.distance > 0.0)) return hullDepth(A, B, X_AB, bounds.overlap);
     if (gap.beyond || gap.by_hulls) return withoutTriangles(gap);
     PairDistance result;
     const Triangle a = triangleOf(*A.mesh->triangles, gap.triangle_a);
@@ -227,16 +225,14 @@ struct NarrowPhase::Scratch {
   PairDistance meshConvex(const Prepared& A, const Prepared& B, const Isometry3d& X_AB,
                           double max_distance, const HullBounds& bounds) {
     const bool hulls_meet = bounds.outcome == HullBounds::Outcome::OPEN;
-    if (hulls_meet && !query.meshConvex(*A.mesh, B.core, X_AB, 0.0).beyond) {
+    if (hulls_meet &&
+        (!query.meshConvex(*A.mesh, B.core, X_AB, 0.0).beyond || meshHoldsConvex(A, B, X_AB))) {
       return hullDepth(A, B, X_AB, bounds.overlap);
     }
     const SurfaceGap gap = hulls_meet && max_distance == 0.0
                                ? noContact()
                                : query.meshConvex(*A.mesh, B.core, X_AB, max_distance);
-    const bool apart = gap.beyond || gap.distance > 0.0;
-    if (!apart || (hulls_meet && meshHoldsConvex(A, B, X_AB))) {
-      return hullDepth(A, B, X_AB, bounds.overlap);
-    }
+    if (!gap.beyond && !(gap.distance > 0.0)) return hullDepth(A, B, X_AB, bounds.overlap);
     if (gap.beyond || gap.by_hulls) return withoutTriangles(gap);
     PairDistance result;
     const Triangle a = triangleOf(*A.mesh->triangles, gap.triangle_a);
