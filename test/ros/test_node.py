@@ -219,6 +219,7 @@ class NodeTest(unittest.TestCase):
             "not with verdict_only": dict(joint_state=JointState(name=["gripper"], position=[0.0]), gradient=True,
                                           verdict_only=True),
             "alarm_distance": dict(alarm_distance=nan),
+            "tolerance": dict(tolerance=nan),
             "extrapolation": dict(stamp=rospy.Time.now() + rospy.Duration(100)),
         }
         for says, fields in cases.items():

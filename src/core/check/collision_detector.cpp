@@ -95,6 +95,10 @@ void CollisionDetector::checkInput(const BodyPoses& poses, const CheckSettings& 
     throw InputError("the alarm distance is " + std::to_string(settings.alarm_distance) +
                      ", but must be 0 or more metres, and finite");
   }
+  if (!(settings.tolerance >= 0.0 && settings.tolerance <= MAX_REACH)) {
+    throw InputError("the tolerance is " + std::to_string(settings.tolerance) +
+                     ", but must be 0 or more metres, and finite");
+  }
   if (!(settings.time_budget >= 0.0)) {
     throw InputError("the time budget is " + std::to_string(settings.time_budget) +
                      ", but must be 0 or more seconds");
@@ -150,6 +154,7 @@ void CollisionDetector::beginPairs() {
   report_.times = {};
   report_.nb_degraded = 0;
   report_.narrow_phase = scene_->narrowPhase();
+  report_.tolerance = settings_.tolerance;
   report_.nb_unresolved = 0;
   report_.nb_settled = {};
   report_.budget_spent = false;
@@ -291,7 +296,8 @@ void CollisionDetector::findFirstContact() {
 void CollisionDetector::measureCandidates() {
   for (const BoxPair& candidate : report_.candidates) {
     const BoxPair pair = ladder_->byModel(candidate);
-    const auto [found, rung] = ladder_->climb(pair, settings_.fidelity, settings_.alarm_distance);
+    const auto [found, rung] =
+        ladder_->climb(pair, settings_.fidelity, settings_.alarm_distance, settings_.tolerance);
     take(pair, found, rung);
   }
 }
@@ -380,7 +386,8 @@ bool CollisionDetector::measureNearestFirst(const std::vector<BoxPair>& pairs, d
       return false;
     }
     const auto found =
-        ladder_->climb(ladder_->byModel(pair), settings_.fidelity, best.metres).found;
+        ladder_->climb(ladder_->byModel(pair), settings_.fidelity, best.metres, settings_.tolerance)
+            .found;
     if (found.certainty != Certainty::BEYOND) best.offer(found.distance, found.certainty);
   }
   return true;
