@@ -224,6 +224,19 @@ class Comparison {
   CollisionDetector exact_, tolerant_;
 };
 
+struct Check {
+  std::shared_ptr<const CollisionScene> scene;
+  CollisionDetector detector;
+  BodyPoses poses;
+};
+
+Check mixedCheck() {
+  const auto scene = CollisionScene::build(mixedRobot(1), std::nullopt, nullptr);
+  BodyPoses poses;
+  poses.resize(scene->bodies().size());
+  return {scene, CollisionDetector(scene), poses};
+}
+
 class OfACheck : public testing::TestWithParam<CheckSettings> {};
 
 TEST_P(OfACheck, ContactsStayAndNearPairsAreNoFurtherThanTheyAre) {
@@ -261,10 +274,7 @@ INSTANTIATE_TEST_SUITE_P(UnderABudget, OfACheck, testing::Values(nearPairs(1e6, 
 
 TEST(Tolerance, OfTheSmallestDistanceHoldsBeyondTheAlarmDistance) {
   RandomInputs random;
-  const auto scene = CollisionScene::build(mixedRobot(1), std::nullopt, nullptr);
-  CollisionDetector detector(scene);
-  BodyPoses poses;
-  poses.resize(scene->bodies().size());
+  auto [scene, detector, poses] = mixedCheck();
   CheckSettings settings;
   settings.min_distance = true;
   settings.alarm_distance = 0.0;
@@ -301,10 +311,7 @@ TEST(Tolerance, OfTheRobotsOfTheReferenceHoldsInAllStates) {
 
 TEST(Tolerance, ThereIsNoGradientOfADistanceThatWasTolerated) {
   RandomInputs random;
-  const auto scene = CollisionScene::build(mixedRobot(1), std::nullopt, nullptr);
-  CollisionDetector detector(scene);
-  BodyPoses poses;
-  poses.resize(scene->bodies().size());
+  auto [scene, detector, poses] = mixedCheck();
   CheckSettings settings;
   settings.alarm_distance = 0.3;
   settings.tolerance = 0.01;
@@ -324,10 +331,7 @@ TEST(Tolerance, ThereIsNoGradientOfADistanceThatWasTolerated) {
 }
 
 TEST(Tolerance, ThatIsNoLengthIsRefused) {
-  const auto scene = CollisionScene::build(mixedRobot(1), std::nullopt, nullptr);
-  CollisionDetector detector(scene);
-  BodyPoses poses;
-  poses.resize(scene->bodies().size());
+  auto [scene, detector, poses] = mixedCheck();
   for (const double bad : {-1e-3, INF, std::numeric_limits<double>::quiet_NaN()}) {
     CheckSettings settings;
     settings.tolerance = bad;

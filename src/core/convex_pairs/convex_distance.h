@@ -23,7 +23,7 @@ struct CoreOverlap {
 
 /// The same without depth: where the shapes touch, the distance is some number that is not
 /// positive, and the witness points and normal say nothing. `overlap`, if given, is set where cores
-/// that are not curved overlap.
+/// that are not curved overlap. Where BEYOND, GJK says by which plane: its normal is nhat_AB_A.
 PairDistance convexGap(const ConvexCore& A, const ConvexCore& B, const Eigen::Isometry3d& X_AB,
                        double max_distance, CoreOverlap* overlap = nullptr);
 

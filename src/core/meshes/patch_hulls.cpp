@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "convex_distance.h"
 
@@ -30,13 +31,22 @@ void take(double distance, const Vector3d& p_ACa, const Vector3d& p_ACb, const V
   gap.by_hulls = true;
 }
 
-// Most are, along the normal that showed it of their neighbours.
-bool areBeyond(double reach, const ConvexCore& a, const ConvexCore& b, const Isometry3d& X_AB,
-               const Vector3d& nhat_AB_A, SearchLimit& limit) {
-  const double lower = gapAlong(nhat_AB_A, a, b, X_AB);
-  if (!(lower > reach)) return false;
-  limit.leaveOut(square(lower));
-  return true;
+// The closest points of two hulls, unless these are beyond the limit. Most are, and most of those
+// along the normal that showed it of their neighbours.
+std::optional<PairDistance> gapWithin(const ConvexCore& a, const ConvexCore& b,
+                                      const Isometry3d& X_AB, Vector3d& nhat_AB_A,
+                                      SearchLimit& limit) {
+  const double reach = std::sqrt(limit.squared());
+  const double along = gapAlong(nhat_AB_A, a, b, X_AB);
+  if (along > reach) {
+    limit.leaveOut(square(along));
+    return std::nullopt;
+  }
+  const PairDistance hulls = convexGap(a, b, X_AB, reach);
+  if (hulls.distance > 0.0) nhat_AB_A = hulls.nhat_AB_A;
+  if (hulls.certainty != Certainty::BEYOND) return hulls;
+  limit.leaveOut(square(hulls.distance));
+  return std::nullopt;
 }
 
 // Of hulls whose closest points are not both on their surfaces, though near them.
@@ -55,14 +65,9 @@ PatchOutcome comparePatches(const PreparedMesh& A, std::uint32_t a, const Prepar
   Corners corners_a, corners_b;
   const ConvexCore core_a = pieceCore(A, A.tree.node(a), corners_a);
   const ConvexCore core_b = pieceCore(B, B.tree.node(b), corners_b);
-  const double reach = std::sqrt(limit.squared());
-  if (areBeyond(reach, core_a, core_b, X_AB, nhat_AB_A, limit)) return PatchOutcome::SETTLED;
-  const PairDistance hulls = convexGap(core_a, core_b, X_AB, reach);
-  if (hulls.distance > 0.0) nhat_AB_A = hulls.nhat_AB_A;
-  if (hulls.certainty == Certainty::BEYOND) {
-    limit.leaveOut(square(hulls.distance));
-    return PatchOutcome::SETTLED;
-  }
+  const auto within_limit = gapWithin(core_a, core_b, X_AB, nhat_AB_A, limit);
+  if (!within_limit) return PatchOutcome::SETTLED;
+  const PairDistance& hulls = *within_limit;
   const double rounding = roundingOf(core_a, core_b);
   if (hulls.certainty != Certainty::EXACT || hulls.distance <= rounding) {
     return PatchOutcome::HULLS_TOUCH;
@@ -95,14 +100,9 @@ PatchOutcome comparePatch(const PreparedMesh& A, std::uint32_t a, const ConvexCo
                           const Isometry3d& X_AB, Vector3d& nhat_AB_A, SearchLimit& limit,
                           SurfaceGap& gap) {
   const ConvexCore core = A.tree.patchCore(A.tree.node(a).patch);
-  const double reach = std::sqrt(limit.squared());
-  if (areBeyond(reach, core, B, X_AB, nhat_AB_A, limit)) return PatchOutcome::SETTLED;
-  const PairDistance hulls = convexGap(core, B, X_AB, reach);
-  if (hulls.distance > 0.0) nhat_AB_A = hulls.nhat_AB_A;
-  if (hulls.certainty == Certainty::BEYOND) {
-    limit.leaveOut(square(hulls.distance));
-    return PatchOutcome::SETTLED;
-  }
+  const auto within_limit = gapWithin(core, B, X_AB, nhat_AB_A, limit);
+  if (!within_limit) return PatchOutcome::SETTLED;
+  const PairDistance& hulls = *within_limit;
   const double rounding = roundingOf(core, B);
   if (hulls.certainty != Certainty::EXACT || hulls.distance <= rounding) {
     return PatchOutcome::HULLS_TOUCH;

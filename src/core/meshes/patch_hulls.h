@@ -30,9 +30,10 @@ enum class PatchOutcome {
 };
 
 /// Compares the pieces of surface below nodes a and b, which are patches or triangles. Improves
-/// `best` and `gap`, and tells `limit`, where points of both surfaces are found nearer. Cost: a GJK
-/// query of 0.2 to 0.5 us, and where it finds nothing that is too far the same again to look for
-/// the closest points.
+/// `best` and `gap`, and tells `limit`, where points of both surfaces are found nearer. Looks along
+/// nhat_AB_A first, any unit vector, and leaves there the normal of the hulls if it had to look on.
+/// Cost: a GJK query of 0.2 to 0.5 us, and where it finds nothing that is too far the same again to
+/// look for the closest points.
 PatchOutcome comparePatches(const PreparedMesh& A, std::uint32_t a, const PreparedMesh& B,
                             std::uint32_t b, const Eigen::Isometry3d& X_AB,
                             const Eigen::Isometry3d& X_BA, Eigen::Vector3d& nhat_AB_A,
