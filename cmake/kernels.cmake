@@ -7,7 +7,7 @@ if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64|amd64")
   target_sources(collision_pairs PRIVATE ${sweep}_avx2.cpp ${sweep}_avx512.cpp
                                          ${geometry}_avx2.cpp ${geometry}_avx512.cpp)
   target_compile_definitions(collision_pairs PRIVATE COLLISION_PAIRS_X86_KERNELS)
-  set_source_files_properties(${sweep}_avx2.cpp PROPERTIES COMPILE_OPTIONS "-mavx2;-mbmi;-ffp-contract=off")
+  set_source_files_properties(${sweep}_avx2.cpp PROPERTIES COMPILE_OPTIONS "-mavx2;-mbmi;-mpopcnt;-ffp-contract=off")
   set_source_files_properties(${geometry}_avx2.cpp PROPERTIES COMPILE_OPTIONS "-mavx2;-ffp-contract=off")
   set_source_files_properties(${geometry}_avx512.cpp PROPERTIES COMPILE_OPTIONS "-mavx512f;-ffp-contract=off")
   # GCC 12 warns of its own intrinsics (GCC bug 105593).

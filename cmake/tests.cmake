@@ -98,6 +98,8 @@ target_compile_definitions(test_sweep_kernel
 collision_pairs_test(tf_check collision_pairs_ros)
 collision_pairs_test(text_files collision_pairs_io)
 collision_pairs_test(time_budget)
+collision_pairs_test(tolerance collision_pairs_io)
+target_sources(test_tolerance PRIVATE test/benchmark/benchmark_robots.cpp)
 collision_pairs_test(tracks collision_pairs_io ${catkin_LIBRARIES})
 collision_pairs_test(transform_input collision_pairs_ros)
 collision_pairs_test(urdf_errors)

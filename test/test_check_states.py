@@ -52,6 +52,15 @@ def test_min_distance_is_empty_unless_asked_for(run_tool, states):
     assert done.stdout.splitlines()[1].split(",")[3] == ""
 
 
+def test_a_tolerance_makes_distances_smaller_by_no_more_than_it(run_tool, states):
+    def rows(*options):
+        done = run_tool("check_states", URDF, "--srdf", SRDF, "--states", states, "--min-distance", *options)
+        return [line.split(",") for line in done.stdout.splitlines()[1:]]
+    for exact, tolerant in zip(rows(), rows("--tolerance", "0.01")):
+        assert tolerant[:3] == exact[:3]
+        assert float(exact[3]) - 0.01 <= float(tolerant[3]) <= float(exact[3])
+
+
 def test_without_srdf_neighbours_are_not_checked(run_tool, states):
     done = run_tool("check_states", URDF, "--states", states)
     assert done.returncode == 0
@@ -135,6 +144,7 @@ def test_wrong_input_is_one_line_and_exit_code_2(run_tool, states, tmp_path, nam
 @pytest.mark.parametrize("arguments, says", [
     (["--states", "none.csv"], "none.csv"), ([], "--states"), (["--states", "x", "--speed", "3"], "--speed"),
     (["--states", "x", "--fidelity", "exact"], "exact"), (["--states", "x", "--alarm-distance", "-1"], "alarm"),
+    (["--states", "x", "--tolerance", "-1"], "tolerance"), (["--states", "x", "--tolerance", "nan"], "tolerance"),
     (["--states", "x", "--alarm-distance", "nan"], "alarm"), (["--states", "x", "--alarm-distance", "far"], "alarm"),
 ])
 def test_wrong_options_are_one_line_and_exit_code_2(run_tool, arguments, says):

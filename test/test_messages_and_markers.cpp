@@ -111,6 +111,16 @@ TEST_F(Report, OfBoxesApartIsFreeAndWithAnythingLeftOutUnknown) {
             std::vector<std::string>{"pairs that may be in contact are unresolved: b|c"});
 }
 
+TEST_F(Report, OfToleratedDistancesSaysThatTheyAreLowerBoundsAndBySoMuch) {
+  CollisionReport report = detector_.report();
+  report.tolerance = 0.001;
+  report.pairs.back().certainty = Certainty::TOLERATED;
+  const CollisionPairs message = toMessage(report, *scene_, settings_, "world", ros::Time(7), {});
+  EXPECT_EQ(message.tolerance, 0.001);
+  EXPECT_EQ(message.pairs.back().certainty, CollisionPair::LOWER_BOUND);
+  EXPECT_EQ(message.pairs.front().certainty, CollisionPair::EXACT);
+}
+
 TEST_F(Report, ALinkThatIsLeftOutForTwoReasonsIsNamedOnce) {
   BodyPoses poses;
   poses.resize(scene_->bodies().size());

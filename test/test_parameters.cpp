@@ -51,6 +51,7 @@ TEST_P(Defaults, AreThoseOfTheCode) {
   const auto text = GetParam()();
   EXPECT_EQ(std::stod(text.at("alarm_distance")), code.check.alarm_distance);
   EXPECT_EQ(text.at("fidelity"), fidelityName(code.check.fidelity));
+  EXPECT_EQ(std::stod(text.at("tolerance")), code.check.tolerance);
   EXPECT_EQ(std::stod(text.at("time_budget")), code.check.time_budget);
   EXPECT_EQ(std::stoi(text.at("max_hull_vertices")), SceneSettings().max_hull_vertices);
   EXPECT_EQ(text.at("link_fidelity"), "{}");
@@ -85,6 +86,7 @@ TEST(Defaults, OfDynamicReconfigureAreThoseOfTheCode) {
   const auto config = CollisionPairsConfig::__getDefault__();
   EXPECT_EQ(config.alarm_distance, code.check.alarm_distance);
   EXPECT_EQ(config.fidelity, fidelityName(code.check.fidelity));
+  EXPECT_EQ(config.tolerance, code.check.tolerance);
   EXPECT_EQ(config.time_budget, code.check.time_budget);
   EXPECT_EQ(config.rate, code.rate);
   EXPECT_EQ(config.show_only_investigated_boxes, code.show_only_investigated_boxes);

@@ -211,6 +211,7 @@ REFUSED = {
     "joints must be a list of names": lambda: detector().check([0.0], "turn"),
     "unknown fidelity 'hull'": lambda: detector().check([0, 1], fidelity="hull"),
     "the alarm distance is nan": lambda: detector().check([0, 1], alarm_distance=np.nan),
+    "the tolerance is -1": lambda: detector().check([0, 1], tolerance=-1),
     "the time budget is -1": lambda: detector().check([0, 1], time_budget=-1),
     "not with verdict_only": lambda: detector().check([0, 1], gradient=True, verdict_only=True),
     "gradient=True": lambda: detector().check([0, 1]).gradient,

@@ -95,6 +95,7 @@ class Calls:
             joints=lambda: self.random.choice([None, ["turn", "slide"], ["slide", "turn"], ["slide"], ("turn",)]),
             alarm_distance=lambda: self.random.choice(NUMBERS), gradient=lambda: True, verdict_only=lambda: True,
             fidelity=lambda: self.random.choice(["aabb", "obb", "convex", "mesh", "x"]), min_distance=lambda: True,
+            tolerance=lambda: self.random.choice(NUMBERS),
             time_budget=lambda: self.random.choice([0.0, 1e-9, 1e-5, -1, float("nan")])))
 
     def motion(self):

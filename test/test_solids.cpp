@@ -68,8 +68,8 @@ TEST(ClosestOnMesh, IsTheNearestOfTheNearestPointsOfAllTriangles) {
     }
     const Vector3d found = closestOnMesh(*asPrepared(shape).mesh, point);
     EXPECT_NEAR((found - point).norm(), expected, 1e-15);
-    EXPECT_TRUE(isOnMesh(*asPrepared(shape).mesh, 0, found, 1e-14));
-    EXPECT_EQ(isOnMesh(*asPrepared(shape).mesh, 0, point, 0.5 * expected), false);
+    EXPECT_TRUE(closestOnPart(*asPrepared(shape).mesh, 0, found, 1e-14));
+    EXPECT_FALSE(closestOnPart(*asPrepared(shape).mesh, 0, point, 0.5 * expected));
   }
 }
 

@@ -1,9 +1,11 @@
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <numeric>
 
 #include <gtest/gtest.h>
 
+#include "box_pairs.h"
 #include "broad_phase_oracle.h"
 #include "collision_pairs/sweep_and_prune.h"
 #include "random_inputs.h"
@@ -316,6 +318,28 @@ TEST(StaticBoxes, TheFirstUnsoundBoxIsNamed) {
     EXPECT_NE(std::string(error.what()).find("static box 2"), std::string::npos) << error.what();
   }
   EXPECT_THROW(StaticBoxes({sound}, {0, 1}), std::invalid_argument);
+}
+
+// Few, one or two passes over all, parts that fit a cache; ids that crowd at one end.
+TEST(SortPairs, PutsAnyNumberOfPairsInTheOrderOfTheirIds) {
+  RandomInputs random;
+  const std::size_t largest = (std::size_t{1} << 29) - 1;
+  for (const std::size_t nb_ids : {std::size_t{100}, std::size_t{20000}, largest}) {
+    for (const std::size_t nb_pairs : {10u, 1000u, 66000u, 300000u}) {
+      const bool crowded = nb_pairs % 3 == 0;
+      std::vector<BoxPair> pairs, scratch;
+      for (std::size_t i = 0; i < nb_pairs; ++i) {
+        const double most = static_cast<double>(nb_ids - 1);
+        const double share = random.uniform(0.0, 1.0);
+        pairs.push_back({static_cast<std::uint32_t>(most * (crowded ? std::pow(share, 9) : share)),
+                         static_cast<std::uint32_t>(most * random.uniform(0.0, 1.0))});
+      }
+      std::vector<BoxPair> expected = pairs;
+      std::sort(expected.begin(), expected.end());
+      sortPairs(&pairs, nb_ids, &scratch);
+      ASSERT_TRUE(pairs == expected) << nb_pairs << " pairs of " << nb_ids << " ids";
+    }
+  }
 }
 
 }  // namespace

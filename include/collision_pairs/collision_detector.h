@@ -27,6 +27,12 @@ struct CheckSettings {
   double alarm_distance = 0.05;
   /// The geometry that decides.
   Fidelity fidelity = Fidelity::MESH;
+  /// Metres, >= 0. The search for a distance may end as soon as what is certain of it is an
+  /// interval no wider; its lower end is what is reported, Certainty::TOLERATED. Larger costs less.
+  /// Contact or not stays exactly the same, and so do depths. A pair up to this much further apart
+  /// than the alarm distance may be reported as near; none that is nearer is missed. Clouds are
+  /// measured exactly.
+  double tolerance = 0.0;
   /// Find the smallest distance of all pairs even where it is beyond the alarm distance.
   bool min_distance = false;
   /// Only the verdict is asked for: ends at the first certain contact, which is then the only one
@@ -63,8 +69,8 @@ class CollisionDetector {
   CollisionDetector(CollisionDetector&&) noexcept;
   CollisionDetector& operator=(CollisionDetector&&) noexcept;
 
-  /// Throws InputError for an alarm distance or a time budget that is negative or not a number, or
-  /// if `poses` does not fit the scene, nor voxels their cloud.
+  /// Throws InputError for an alarm distance, a tolerance or a time budget that is negative or not
+  /// a number, or if `poses` does not fit the scene, nor voxels their cloud.
   const CollisionReport& detect(const BodyPoses& poses, const CheckSettings& settings);
 
   void beginNarrowPhase(const BodyPoses& poses, const CheckSettings& settings);

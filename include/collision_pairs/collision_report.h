@@ -31,7 +31,9 @@ enum class Verdict : std::uint8_t {
 };
 
 /// Closest (or deepest) points of two elements, measured and expressed in the world frame W. They
-/// are points of the geometry that decided: where the time was spent, of the boxes.
+/// are points of the geometry that decided: where the time was spent, of the boxes. With a
+/// tolerance they are two points of the elements that are no further apart than the distance and
+/// the tolerance.
 struct Contact {
   Eigen::Vector3d p_WFirst;   ///< on the element of the first model
   Eigen::Vector3d p_WSecond;  ///< on the element of the second model
@@ -75,8 +77,10 @@ struct CollisionReport {
   /// Smallest signed distance of all allowed pairs, where it is at most the alarm distance or was
   /// asked for; otherwise (`…_is_bound`) what it is known to be no less than: the alarm distance,
   /// or where a pair is UNRESOLVED the least of the lower bounds.
+  /// With a tolerance it may be less than the smallest distance, by no more than that.
   double min_distance = 0.0;
   bool min_distance_is_bound = true;
+  double tolerance = 0.0;         ///< CheckSettings::tolerance
   std::vector<PairReport> pairs;  ///< sorted by (first, second)
   std::vector<Contact> contacts;  ///< in the order of `pairs`
   /// The investigated pairs of elements, sorted: nb_pairs. Those whose boxes, SceneElement::boxAt(),

@@ -61,9 +61,12 @@ class NarrowPhase {
                double margin = 0.0);
 
   /// Signed distance, witness points and normal. What is further apart than max_distance (metres,
-  /// >= 0, may be infinite) is not computed to the end and comes back as BEYOND. Never throws.
+  /// >= 0, may be infinite) is not computed to the end and comes back as BEYOND. Where `accuracy`
+  /// lets the search in triangles end early the answer is TOLERATED: the lower end of the interval,
+  /// and two points of the solids that are no further apart than its upper end. Never throws.
   PairDistance distance(const PreparedShape& A, const PreparedShape& B,
-                        const Eigen::Isometry3d& X_AB, double max_distance);
+                        const Eigen::Isometry3d& X_AB, double max_distance,
+                        const Accuracy& accuracy = {});
 
   /// Calls of touches() and distance() so far that ended DEGRADED.
   std::uint64_t numDegraded() const;

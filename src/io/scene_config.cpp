@@ -15,13 +15,19 @@ namespace collision_pairs {
 namespace {
 
 /// What else the node's parameter file holds; it fits here as it is.
-constexpr std::array<const char*, 12> OF_THE_NODE_ONLY = {
-    "alarm_distance",  "fidelity",
-    "time_budget",     "rate",
-    "robots",          "show_only_investigated_boxes",
-    "verdict_only",    "min_distance",
-    "max_pose_age",    "max_transform_age",
-    "clock_tolerance", "fixed_frame"};
+constexpr std::array<const char*, 13> OF_THE_NODE_ONLY = {"alarm_distance",
+                                                          "fidelity",
+                                                          "tolerance",
+                                                          "time_budget",
+                                                          "rate",
+                                                          "robots",
+                                                          "show_only_investigated_boxes",
+                                                          "verdict_only",
+                                                          "min_distance",
+                                                          "max_pose_age",
+                                                          "max_transform_age",
+                                                          "clock_tolerance",
+                                                          "fixed_frame"};
 
 std::pair<std::string, std::string> twoNames(const std::string& key, const YAML::Node& value) {
   const auto found = namesOf(key, value);

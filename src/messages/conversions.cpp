@@ -163,6 +163,7 @@ CollisionPairs toMessage(const CollisionReport& report, const CollisionScene& sc
   std::copy(report.nb_settled.begin(), report.nb_settled.end(), message.nb_settled.begin());
   message.nb_unresolved = report.nb_unresolved;
   message.budget_spent = report.budget_spent;
+  message.tolerance = report.tolerance;
   message.time_budget = settings.time_budget;
   message.time_boxes = report.times.boxes;
   message.time_broad_phase = report.times.broad_phase;

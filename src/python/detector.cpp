@@ -153,13 +153,15 @@ void bindDetector(py::module& module) {
           "check",
           [](PythonDetector& detector, const py::object& states, const py::object& joints,
              double alarm_distance, const std::string& fidelity, bool min_distance,
-             bool verdict_only, double time_budget, bool gradient) {
+             bool verdict_only, double time_budget, bool gradient, double tolerance) {
             CheckSettings settings;
             settings.alarm_distance = alarm_distance;
             settings.fidelity = parseFidelity(fidelity);
             settings.min_distance = min_distance;
             settings.verdict_only = verdict_only;
             settings.time_budget = time_budget;
+            // NaN is refused with or without a gradient.
+            settings.tolerance = gradient && tolerance > 0.0 ? 0.0 : tolerance;
             return detector.check(states, joints, settings, gradient);
           },
           py::arg("states"), py::arg("joints") = py::none(),
@@ -168,13 +170,16 @@ void bindDetector(py::module& module) {
           py::arg("min_distance") = defaults.min_distance,
           py::arg("verdict_only") = defaults.verdict_only,
           py::arg("time_budget") = defaults.time_budget, py::arg("gradient") = false,
+          py::arg("tolerance") = defaults.tolerance,
           "states: float64 (n, len(joints)), or (len(joints),) for one; rad or m. Read where they "
           "lie, whatever the strides; float32, integers and lists are converted. joints: their "
           "names (None: Detector.joints); others stand at zero, or their nearer limit, and are "
           "warned of. alarm_distance: m, pairs up to this far apart are reported. fidelity: "
           "'aabb', 'obb', 'convex' or 'mesh'. min_distance: the exact smallest distance, also "
           "beyond the alarm distance. verdict_only: ends at the first contact. time_budget: s a "
-          "state, 0: none. gradient: also that of each pair's distance. Other Python threads run "
+          "state, 0: none. gradient: also that of each pair's distance. tolerance: m that a "
+          "distance may "
+          "be too small by; 0 with gradient. Other Python threads run "
           "meanwhile. Raises InputError that names the state and the joint.")
       .def_property_readonly("joints", &PythonDetector::joints,
                              "The names that check() takes where it is given none.");

@@ -162,12 +162,14 @@ void CollisionPairsNode::takeScene(const ActiveScenePtr& scene) {
 void CollisionPairsNode::reconfigure(CollisionPairsConfig& config) {
   try {
     if (!std::isfinite(config.alarm_distance)) throw InputError("alarm_distance is not finite");
+    if (!std::isfinite(config.tolerance)) throw InputError("tolerance is not finite");
     if (!std::isfinite(config.time_budget)) throw InputError("time_budget is not finite");
     if (!std::isfinite(config.rate)) throw InputError("rate is not finite");
     const Fidelity fidelity = parseFidelity(config.fidelity);
     const std::lock_guard<std::mutex> lock(mutex_);
     parameters_.check.alarm_distance = config.alarm_distance;
     parameters_.check.fidelity = fidelity;
+    parameters_.check.tolerance = config.tolerance;
     parameters_.check.time_budget = config.time_budget;
     parameters_.check.verdict_only = config.verdict_only;
     parameters_.check.min_distance = config.min_distance;
@@ -177,6 +179,7 @@ void CollisionPairsNode::reconfigure(CollisionPairsConfig& config) {
     ROS_ERROR_STREAM("reconfigure: " << error.what() << "; nothing is changed");
     config.alarm_distance = parameters_.check.alarm_distance;
     config.fidelity = fidelityName(parameters_.check.fidelity);
+    config.tolerance = parameters_.check.tolerance;
     config.time_budget = parameters_.check.time_budget;
     config.verdict_only = parameters_.check.verdict_only;
     config.min_distance = parameters_.check.min_distance;

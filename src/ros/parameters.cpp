@@ -114,6 +114,7 @@ NodeParameters NodeParameters::read(const ros::NodeHandle& private_node) {
   NodeParameters parameters;
   const Reader reader(private_node);
   reader.number("alarm_distance", 0.0, 1e6, parameters.check.alarm_distance);
+  reader.number("tolerance", 0.0, 1e6, parameters.check.tolerance);
   reader.number("time_budget", 0.0, 1e6, parameters.check.time_budget);
   reader.number("rate", 0.1, MAX_RATE, parameters.rate);
   reader.flag("verdict_only", parameters.check.verdict_only);

@@ -28,8 +28,8 @@ std::string readFixedFrame(const ros::NodeHandle& private_node);
 struct NodeParameters {
   NodeParameters() { check.stage_times = check.list_boxes = true; }  // messages and markers do
 
-  /// ~alarm_distance [m], ~fidelity, ~time_budget [s], ~verdict_only and ~min_distance. The default
-  /// is the core's. May change while running.
+  /// ~alarm_distance [m], ~fidelity, ~tolerance [m], ~time_budget [s], ~verdict_only and
+  /// ~min_distance. The default is the core's. May change while running.
   CheckSettings check;
   /// ~rate [Hz]: cycles per second, by the wall clock. May change while running.
   double rate = 50.0;

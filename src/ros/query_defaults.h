@@ -23,6 +23,8 @@ CheckSettings settingsFor(const Request& request, CheckSettings settings) {
   if (request.alarm_distance != 0.0) {
     settings.alarm_distance = std::max(0.0, request.alarm_distance);
   }
+  if (!std::isfinite(request.tolerance)) throw InputError("tolerance is not finite");
+  if (request.tolerance != 0.0) settings.tolerance = std::max(0.0, request.tolerance);
   if (!std::isfinite(request.time_budget)) throw InputError("time_budget is not finite");
   if (request.time_budget != 0.0) settings.time_budget = std::max(0.0, request.time_budget);
   if (!request.fidelity.empty()) settings.fidelity = parseFidelity(request.fidelity);

@@ -84,8 +84,9 @@ void QueryService::check(const CheckCollisions::Request& request,
   const ActiveScenePtr active_scene = sceneFor(request, scenes_);
   const ActiveScene& active = *active_scene;
   const auto& scene = active.scene;
-  const CheckSettings settings = settingsFor(request, defaults.settings);
+  CheckSettings settings = settingsFor(request, defaults.settings);
   refuseGradientOfNothing(request);
+  if (request.gradient) settings.tolerance = 0.0;  // it is of the distance itself
   const ros::WallTime start = ros::WallTime::now();
   const ros::Time now = ros::Time::now();
   transforms_.followClock(now);

@@ -52,6 +52,10 @@ void declare(CLI::App& app, Options& options) {
                  "pairs up to this far apart are reported")
       ->type_name("METRES")
       ->capture_default_str();
+  app.add_option("--tolerance", options.settings.tolerance,
+                 "distances may be too small by this; contact or not stays exact")
+      ->type_name("METRES")
+      ->capture_default_str();
   app.add_flag("--min-distance", options.min_distance,
                "find the smallest distance also where it is beyond the alarm distance");
   app.add_flag("--verdict-only", options.verdict_only,
@@ -94,6 +98,7 @@ void complete(Options& options) {
   options.settings.fidelity = parseFidelity(options.fidelity);
   options.settings.alarm_distance =
       finiteNumber(options.output.alarm_distance, 0.0, "--alarm-distance");
+  finiteNumber(options.settings.tolerance, 0.0, "--tolerance");
   options.settings.min_distance = options.min_distance;
   options.settings.verdict_only = options.verdict_only;
   options.settings.list_boxes = true;  // for nb_pairs

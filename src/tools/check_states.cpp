@@ -22,7 +22,7 @@ struct Options {
   std::string robot, states, srdf, out;
   SceneOptions scene;
   std::string fidelity = "mesh";
-  double alarm_distance = 0.0;
+  double alarm_distance = 0.0, tolerance = 0.0;
   double time_budget = 0.0;  // µs
   int max_hull_vertices = 0;
   bool min_distance = false, verdict_only = false;
@@ -36,6 +36,10 @@ void declare(CLI::App& app, Options& options) {
   declareRobot(app, options.robot, options.srdf, options.scene, options.fidelity);
   app.add_option("--alarm-distance", options.alarm_distance,
                  "boxes closer than this are investigated")
+      ->type_name("METRES")
+      ->capture_default_str();
+  app.add_option("--tolerance", options.tolerance,
+                 "distances may be too small by this; contact or not stays exact")
       ->type_name("METRES")
       ->capture_default_str();
   app.add_option("--time-budget", options.time_budget,
@@ -59,6 +63,10 @@ CheckSettings settingsFrom(const Options& options) {
     throw InputError("--alarm-distance must be a finite number of metres, 0 or more");
   }
   settings.alarm_distance = options.alarm_distance;
+  if (!(options.tolerance >= 0.0) || !std::isfinite(options.tolerance)) {
+    throw InputError("--tolerance must be a finite number of metres, 0 or more");
+  }
+  settings.tolerance = options.tolerance;
   if (!(options.time_budget >= 0.0)) {
     throw InputError("--time-budget must be a number of microseconds, 0 or more");
   }

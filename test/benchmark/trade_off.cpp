@@ -4,7 +4,8 @@
 //
 // A state's time is the least of its repetitions, forward kinematics not counted. All rows are of
 // the detector at its default alarm distance, but for "mesh": every candidate straight at its
-// triangles, without a cheaper geometry asked first ("adaptive" is what ~fidelity mesh does).
+// triangles, without a cheaper geometry asked first ("adaptive" is what ~fidelity mesh does, and
+// "adaptive 1 mm" the same with that tolerance).
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -125,9 +126,10 @@ struct Row {
 };
 
 Row measure(const Question& question, const std::vector<Truth>& truth, Fidelity fidelity,
-            int max_hull_vertices) {
+            int max_hull_vertices, double tolerance = 0.0) {
   CollisionDetector detector(question.scene(max_hull_vertices));
-  const CheckSettings settings = question.settings(fidelity);
+  CheckSettings settings = question.settings(fidelity);
+  settings.tolerance = tolerance;
   Row row;
   row.least.assign(question.poses.size(), std::numeric_limits<double>::infinity());
   for (int pass = 0; pass < PASSES; ++pass) {
@@ -219,6 +221,10 @@ void writeRungs(const BenchmarkRobot& robot, std::ostream& out) {
     }
     write(out, question, "convex", measure(question, truth, Fidelity::CONVEX, 0));
     write(out, question, "adaptive", measure(question, truth, Fidelity::MESH, 0));
+    for (const char* millimetres : {"0.1", "1", "5", "20"}) {
+      write(out, question, std::string("adaptive ") + millimetres + " mm",
+            measure(question, truth, Fidelity::MESH, 0, 1e-3 * std::stod(millimetres)));
+    }
     if (!question.ofDistance()) write(out, question, "mesh", measureStraight(question, truth));
   }
 }

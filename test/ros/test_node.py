@@ -149,6 +149,9 @@ class NodeTest(unittest.TestCase):
         self.assertGreater(len(found), 1)
         for pair in found.values():
             self.assertEqual(len(pair.gradient), len(JOINTS))
+        tolerant = pairs(given, gradient=True, tolerance=0.01)  # counts as 0
+        self.assertEqual({name: pair.gradient for name, pair in tolerant.items()},
+                         {name: pair.gradient for name, pair in found.items()})
         step = 1e-4
         for i in range(len(names)):
             ahead, behind = (pairs([p + s * (j == i) for j, p in enumerate(given)]) for s in (step, -step))
@@ -219,6 +222,7 @@ class NodeTest(unittest.TestCase):
             "not with verdict_only": dict(joint_state=JointState(name=["gripper"], position=[0.0]), gradient=True,
                                           verdict_only=True),
             "alarm_distance": dict(alarm_distance=nan),
+            "tolerance": dict(tolerance=nan),
             "extrapolation": dict(stamp=rospy.Time.now() + rospy.Duration(100)),
         }
         for says, fields in cases.items():

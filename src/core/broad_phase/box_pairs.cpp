@@ -6,23 +6,38 @@ namespace collision_pairs {
 namespace {
 
 constexpr int MAX_DIGIT_BITS = 14;
+constexpr std::size_t IN_CACHE = 65536;  // pairs, 512 KiB
+constexpr std::size_t FEW = 64;          // up to here a sort by comparisons is as quick
 
-// One stable pass: by some bits of one of the two ids.
-void scatterByDigit(const std::vector<BoxPair>& from, std::vector<BoxPair>* to,
-                    std::uint32_t BoxPair::*id, int shift, int bits) {
-  std::uint32_t places[1 << MAX_DIGIT_BITS];
-  const std::uint32_t mask = (1u << bits) - 1u;
-  std::fill_n(places, mask + 1, 0u);
-  for (const BoxPair& pair : from) ++places[pair.*id >> shift & mask];
-  std::uint32_t begin = 0;
-  for (std::uint32_t digit = 0; digit <= mask; ++digit) {
-    const std::uint32_t count = places[digit];
-    places[digit] = begin;
-    begin += count;
+/// Some bits of both ids as one number, the first id above the second.
+struct Digit {
+  int id_bits, shift;
+  std::uint32_t mask;
+
+  std::uint32_t operator()(const BoxPair& pair) const {
+    const std::uint64_t both = std::uint64_t{pair.first} << id_bits | pair.second;
+    return static_cast<std::uint32_t>(both >> shift) & mask;
   }
-  BoxPair* const out = to->data();
-  for (const BoxPair& pair : from) out[places[pair.*id >> shift & mask]++] = pair;
-}
+};
+
+/// How many pairs have each value of a digit, then where those of each value go.
+struct Places {
+  std::uint32_t of[1 << MAX_DIGIT_BITS];
+
+  void clear(const Digit& digit) { std::fill_n(of, digit.mask + 1, 0u); }
+  void count(const BoxPair* pairs, std::size_t nb_pairs, const Digit& digit) {
+    clear(digit);
+    for (std::size_t i = 0; i < nb_pairs; ++i) ++of[digit(pairs[i])];
+  }
+  void addUp(const Digit& digit) {
+    std::uint32_t begin = 0;
+    for (std::uint32_t value = 0; value <= digit.mask; ++value) {
+      const std::uint32_t nb_pairs = of[value];
+      of[value] = begin;
+      begin += nb_pairs;
+    }
+  }
+};
 
 int bitsOf(std::size_t value) {
   int bits = 1;
@@ -30,26 +45,75 @@ int bitsOf(std::size_t value) {
   return bits;
 }
 
+// Stable passes over the lowest bits of both ids, least significant digit first; each counts the
+// next one's digit on its way. In `to` after an odd number of passes, in `from` after an even one.
+void sortByLowBits(BoxPair* from, BoxPair* to, std::size_t nb_pairs, int id_bits, int bits,
+                   int passes) {
+  const int digit_bits = (bits + passes - 1) / passes;
+  Places places[2];
+  Digit digit{id_bits, 0, (1u << digit_bits) - 1u};
+  places[0].count(from, nb_pairs, digit);
+  for (int pass = 0; pass < passes; ++pass) {
+    const Digit next{id_bits, std::min(pass + 1, passes - 1) * digit_bits, digit.mask};
+    places[pass % 2].addUp(digit);
+    places[(pass + 1) % 2].clear(next);
+    const Digit this_digit = digit;
+    std::uint32_t* const place_of = places[pass % 2].of;
+    std::uint32_t* const count_of = places[(pass + 1) % 2].of;
+    for (std::size_t i = 0; i < nb_pairs; ++i) {
+      const BoxPair pair = from[i];
+      ++count_of[next(pair)];
+      to[place_of[this_digit(pair)]++] = pair;
+    }
+    digit = next;
+    std::swap(from, to);
+  }
+}
+
+// Cut by the highest bits into parts that fit the first cache, where the passes are quick.
+void sortInParts(BoxPair* pairs, BoxPair* scratch, std::size_t nb_pairs, int id_bits) {
+  constexpr std::size_t PART = 2048;
+  constexpr int MAX_TOP_BITS = 10, LOW_DIGIT_BITS = 10;
+  const int bits = 2 * id_bits;
+  const int top_bits = std::min({MAX_TOP_BITS, bitsOf(nb_pairs / PART), bits - 1});
+  const Digit top{id_bits, bits - top_bits, (1u << top_bits) - 1u};
+  Places places;
+  places.count(pairs, nb_pairs, top);
+  places.addUp(top);
+  for (std::size_t i = 0; i < nb_pairs; ++i) scratch[places.of[top(pairs[i])]++] = pairs[i];
+  const int low_bits = bits - top_bits;
+  const int passes = (low_bits + LOW_DIGIT_BITS - 1) / LOW_DIGIT_BITS | 1;  // odd
+  std::size_t begin = 0;
+  for (std::uint32_t value = 0; value <= top.mask; ++value) {
+    const std::size_t end = places.of[value], nb_in_part = end - begin;
+    if (nb_in_part > FEW) {
+      sortByLowBits(scratch + begin, pairs + begin, nb_in_part, id_bits, low_bits, passes);
+    } else {
+      std::sort(scratch + begin, scratch + end);
+      std::copy(scratch + begin, scratch + end, pairs + begin);
+    }
+    begin = end;
+  }
+}
+
 }  // namespace
 
 void sortPairs(std::vector<BoxPair>* pairs, std::size_t nb_ids, std::vector<BoxPair>* scratch) {
-  constexpr std::size_t FEW = 64;
   if (pairs->size() <= FEW) {
     std::sort(pairs->begin(), pairs->end());
     return;
   }
-  // Digits so large that a pass costs about as much for its counters as for its pairs.
-  const int bits = bitsOf(nb_ids);
-  const int largest = std::min(MAX_DIGIT_BITS, bitsOf(pairs->size()));
-  const int passes = (bits + largest - 1) / largest;
-  const int digit_bits = (bits + passes - 1) / passes;
+  const int id_bits = bitsOf(nb_ids);
   scratch->resize(pairs->size());
-  for (std::uint32_t BoxPair::*id : {&BoxPair::second, &BoxPair::first}) {
-    for (int pass = 0; pass < passes; ++pass) {
-      scatterByDigit(*pairs, scratch, id, pass * digit_bits, digit_bits);
-      pairs->swap(*scratch);
-    }
+  // Digits so large that a pass costs about as much for its counters as for its pairs.
+  const int largest = std::min(MAX_DIGIT_BITS, bitsOf(pairs->size()));
+  const int passes = (2 * id_bits + largest - 1) / largest;
+  if (passes > 2 && pairs->size() > IN_CACHE) {
+    sortInParts(pairs->data(), scratch->data(), pairs->size(), id_bits);
+    return;
   }
+  sortByLowBits(pairs->data(), scratch->data(), pairs->size(), id_bits, 2 * id_bits, passes);
+  if (passes % 2 != 0) pairs->swap(*scratch);
 }
 
 }  // namespace collision_pairs

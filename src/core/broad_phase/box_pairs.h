@@ -74,9 +74,9 @@ inline void appendStaticPairs(const Candidates& candidates, const PairTest& test
   appendPairs(candidates, test, Static{test, fixed}, pairs);
 }
 
-/// Radix sort, least significant digit first: by the second ids and then by the first. All ids
-/// are below `nb_ids`. O(pairs), without a branch that depends on them; `scratch` lends memory
-/// and its contents are lost.
+/// Radix sort of both ids as one number, least significant digit first; of very many in parts that
+/// fit a cache. All ids are below `nb_ids`. O(pairs), without a branch that depends on them;
+/// `scratch` lends memory and its contents are lost.
 void sortPairs(std::vector<BoxPair>* pairs, std::size_t nb_ids, std::vector<BoxPair>* scratch);
 
 }  // namespace collision_pairs

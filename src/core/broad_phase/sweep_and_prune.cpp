@@ -203,6 +203,7 @@ void SweepAndPrune::Engine::sweepColumns(const std::vector<Aabb>& boxes,
   } else {
     sweepers[0]->sweep(records.data(), count, axis, 1);
   }
+  if (pairs->empty()) pairs->swap(sweepers[0]->pairs());
   for (auto& sweeper : sweepers) {
     pairs->insert(pairs->end(), sweeper->pairs().begin(), sweeper->pairs().end());
   }

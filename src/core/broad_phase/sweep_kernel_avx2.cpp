@@ -6,6 +6,20 @@
 namespace collision_pairs {
 namespace {
 
+/// For each set of lanes: which of the eight come first, in order, if only those of the set count.
+struct Compressions {
+  alignas(64) std::uint8_t lane[256][8] = {};
+  constexpr Compressions() {
+    for (int set = 0; set < 256; ++set) {
+      int count = 0;
+      for (std::uint8_t i = 0; i < 8; ++i) {
+        if (set >> i & 1) lane[set][count++] = i;
+      }
+    }
+  }
+};
+constexpr Compressions COMPRESSIONS;
+
 struct Avx2Lanes {
   static constexpr std::size_t COUNT = 8;
   using Floats = __m256;
@@ -32,9 +46,19 @@ struct Avx2Lanes {
   }
   static std::uint32_t bits(Mask m) { return static_cast<std::uint32_t>(_mm256_movemask_ps(m)); }
 
+  // Compresses by a table: a loop over the set lanes would be guessed wrong at most ends.
   static std::size_t append(Mask closed, Mask open, std::uint32_t id, const std::uint32_t* tags,
                             std::uint32_t unsure, std::uint32_t* first, std::uint32_t* second) {
-    return appendOneByOne<Avx2Lanes>(bits(closed), bits(open), id, tags, unsure, first, second);
+    const std::uint32_t set = bits(closed);
+    const Ints ids = _mm256_and_si256(loadInts(tags), setInt(ID_MASK));
+    const Ints doubt = _mm256_andnot_si256(_mm256_castps_si256(open), setInt(UNSURE));
+    const Ints all = _mm256_or_si256(_mm256_or_si256(ids, doubt), setInt(unsure));
+    const Ints lanes = _mm256_cvtepu8_epi32(
+        _mm_loadl_epi64(reinterpret_cast<const __m128i*>(COMPRESSIONS.lane[set])));
+    _mm256_storeu_si256(reinterpret_cast<__m256i*>(first), setInt(id));
+    _mm256_storeu_si256(reinterpret_cast<__m256i*>(second),
+                        _mm256_permutevar8x32_epi32(all, lanes));
+    return static_cast<std::size_t>(__builtin_popcount(set));
   }
 };
 

@@ -13,6 +13,10 @@ void checkInput(const CollisionScene& scene, const BodyPoses& poses,
     throw InputError("the alarm distance is " + std::to_string(settings.alarm_distance) +
                      ", but must be 0 or more metres, and finite");
   }
+  if (!(settings.tolerance >= 0.0 && settings.tolerance <= MAX_REACH)) {
+    throw InputError("the tolerance is " + std::to_string(settings.tolerance) +
+                     ", but must be 0 or more metres, and finite");
+  }
   if (!(settings.time_budget >= 0.0)) {
     throw InputError("the time budget is " + std::to_string(settings.time_budget) +
                      ", but must be 0 or more seconds");

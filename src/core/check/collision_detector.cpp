@@ -127,6 +127,7 @@ void CollisionDetector::beginPairs() {
   report_.times = {};
   report_.nb_degraded = 0;
   report_.narrow_phase = scene_->narrowPhase();
+  report_.tolerance = settings_.tolerance;
   report_.nb_unresolved = 0;
   report_.nb_settled = {};
   report_.budget_spent = false;
@@ -284,7 +285,8 @@ void CollisionDetector::findFirstContact() {
 void CollisionDetector::measureCandidates() {
   for (const BoxPair& candidate : report_.candidates) {
     const BoxPair pair = ladder_->byModel(candidate);
-    const auto [found, rung] = ladder_->climb(pair, settings_.fidelity, settings_.alarm_distance);
+    const auto [found, rung] =
+        ladder_->climb(pair, settings_.fidelity, settings_.alarm_distance, settings_.tolerance);
     take(pair, found, rung);
   }
 }
@@ -377,7 +379,8 @@ bool CollisionDetector::measureNearestFirst(const std::vector<BoxPair>& pairs, d
     }
     if (!boxes_->inReach(pair, squared_best)) continue;  // by their tight boxes
     const auto found =
-        ladder_->climb(ladder_->byModel(pair), settings_.fidelity, best.metres).found;
+        ladder_->climb(ladder_->byModel(pair), settings_.fidelity, best.metres, settings_.tolerance)
+            .found;
     if (found.certainty != Certainty::BEYOND) best.offer(found.distance, found.certainty);
   }
   return true;

@@ -51,7 +51,7 @@ Isometry3d PairLadder::relativePose(const Isometry3d& X_WA, const Isometry3d& X_
 
 PairLadder::Answer PairLadder::measure(const BoxPair& pair, Fidelity rung, double max_distance) {
   if (rung == Fidelity::AABB) return measureBoxes(pair);
-  return measureAt(pair, relativePose(pair), rung, max_distance);
+  return measureAt(pair, relativePose(pair), rung, max_distance, 0.0);
 }
 
 Fidelity PairLadder::rungOf(const BoxPair& pair, Fidelity top) const {
@@ -73,13 +73,14 @@ BoxPair PairLadder::byModel(const BoxPair& pair) const {
              : BoxPair{pair.second, pair.first};
 }
 
-PairLadder::Answer PairLadder::climb(const BoxPair& pair, Fidelity top, double max_distance) {
+PairLadder::Answer PairLadder::climb(const BoxPair& pair, Fidelity top, double max_distance,
+                                     double tolerance) {
   top = rungOf(pair, top);
   if (top == Fidelity::AABB) return measureBoxes(pair);
   const Isometry3d X_AB = relativePose(pair);
   const double gap = obbGap(pair, X_AB);
   if (gap > max_distance) return {beyond(gap), Fidelity::OBB};
-  Answer answer = measureAt(pair, X_AB, top, max_distance);
+  Answer answer = measureAt(pair, X_AB, top, max_distance, tolerance);
   if (answer.found.by_hulls) answer.rung = Fidelity::CONVEX;
   return answer;
 }
@@ -108,13 +109,15 @@ bool PairLadder::meets(const BoxPair& pair, Fidelity rung) {
 }
 
 PairLadder::Answer PairLadder::measureAt(const BoxPair& pair, const Isometry3d& X_AB, Fidelity rung,
-                                         double max_distance) {
+                                         double max_distance, double tolerance) {
   const Rung& a = scene_->elements()[pair.first].rung(rung);
   const Rung& b = scene_->elements()[pair.second].rung(rung);
   const double padding = scene_->padding(pair.first, pair.second);
   const double margin = a.margin + b.margin + padding;
   const Isometry3d X = rung == Fidelity::OBB ? a.X_ER.inverse() * X_AB * b.X_ER : X_AB;
-  Answer answer{narrow_phase_.distance(*a.shape, *b.shape, X, max_distance + margin), rung};
+  const Accuracy accuracy{tolerance, margin};
+  Answer answer{narrow_phase_.distance(*a.shape, *b.shape, X, max_distance + margin, accuracy),
+                rung};
   PairDistance& found = answer.found;
   found.distance -= margin;
   if (found.certainty == Certainty::BEYOND) return answer;

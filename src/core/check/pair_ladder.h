@@ -32,7 +32,10 @@ class PairLadder {
   /// As measure() at rungOf(pair, top), but ends at the first rung that shows the pair further
   /// apart than max_distance: that rung encloses `top`, so the answer is the same. A pair of boxes
   /// costs tens of nanoseconds, one of hulls about a microsecond, one of meshes up to a hundred.
-  Answer climb(const BoxPair& pair, Fidelity top, double max_distance);
+  /// With a tolerance (metres) a search in triangles ends where the lower end of what is certain of
+  /// the distance, which the answer is then, is no more below it: TOLERATED. Contact or not,
+  /// padding included, stays the same.
+  Answer climb(const BoxPair& pair, Fidelity top, double max_distance, double tolerance = 0.0);
 
   /// Only whether the two meet at rung `top`, which is less work than climb(): BOUND at distance 0
   /// if they do, BEYOND if they do not, DEGRADED if neither could be shown. At a rung that sticks out
@@ -74,7 +77,7 @@ class PairLadder {
   static Eigen::Isometry3d relativePose(const Eigen::Isometry3d& X_WA,
                                         const Eigen::Isometry3d& X_WB);
   Answer measureAt(const BoxPair& pair, const Eigen::Isometry3d& X_AB, Fidelity rung,
-                   double max_distance);
+                   double max_distance, double tolerance);
   Answer measureBoxes(const BoxPair& pair) const;
   /// True where it cannot be shown that they do not.
   bool meets(const BoxPair& pair, Fidelity rung);

@@ -64,7 +64,7 @@ PairLadder::Answer TimedClimb::step(const Result& open, Round round) {
     return ladder_->boundOfHulls(open.pair, open.answer, reach);
   }
   if (settings_->verdict_only) return ladder_->touches(open.pair, settings_->fidelity);
-  return ladder_->climb(open.pair, settings_->fidelity, reach);
+  return ladder_->climb(open.pair, settings_->fidelity, reach, settings_->tolerance);
 }
 
 void TimedClimb::sortOut(const Result& result) {

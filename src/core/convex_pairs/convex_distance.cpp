@@ -106,6 +106,7 @@ class Query {
       result.distance =
           std::max(static_cast<double>(found.lower - radii),
                    std::nextafter(max_distance, std::numeric_limits<double>::infinity()));
+      result.nhat_AB_A = found.normal.template cast<double>();
       result.certainty = Certainty::BEYOND;
       return true;
     }
@@ -353,6 +354,13 @@ bool nearPointsFound(const ConvexCore& A, const ConvexCore& B, const Eigen::Isom
 }
 
 }  // namespace
+
+double gapAlong(const Eigen::Vector3d& n, const ConvexCore& A, const ConvexCore& B,
+                const Eigen::Isometry3d& X_AB) {
+  const Difference<double> difference(A, B, X_AB);
+  const Eigen::Vector3d w = difference.furthest(n).w;
+  return -w.dot(n) - A.radius - B.radius - roundingOf(difference.magnitude());
+}
 
 double ballDistance(const ConvexCore& A, const ConvexCore& B, const Eigen::Isometry3d& X_AB) {
   return (X_AB * B.center - A.center).norm() - A.extent - B.extent - A.radius - B.radius;

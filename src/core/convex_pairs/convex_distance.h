@@ -23,9 +23,15 @@ struct CoreOverlap {
 
 /// The same without depth: where the shapes touch, the distance is some number that is not
 /// positive, and the witness points and normal say nothing. `overlap`, if given, is set where cores
-/// that are not curved overlap.
+/// that are not curved overlap. Where BEYOND, GJK says by which plane: its normal is nhat_AB_A.
 PairDistance convexGap(const ConvexCore& A, const ConvexCore& B, const Eigen::Isometry3d& X_AB,
                        double max_distance, CoreOverlap* overlap = nullptr);
+
+/// What is certain of a gap that convexGap() calls EXACT: that the distance is no less than this.
+inline double lowerEndOfGap(const PairDistance& gap, const ConvexCore& A, const ConvexCore& B) {
+  constexpr double ERROR = 1e-9;  // of the largest coordinate: more than any EXACT one has
+  return gap.distance - ERROR * (gap.distance + 2.0 * (A.extent + A.radius + B.extent + B.radius));
+}
 
 /// Only whether A and B are no further than `margin` metres apart (>= 0): then the distance is some
 /// number that is not more, else more. Cost: some ten nanoseconds where they are deep in each
@@ -36,6 +42,11 @@ PairDistance convexTouch(const ConvexCore& A, const ConvexCore& B, const Eigen::
 /// convexDistance() of two cores of which an overlap was found, without finding it again.
 PairDistance convexDepth(const ConvexCore& A, const ConvexCore& B, const Eigen::Isometry3d& X_AB,
                          const CoreOverlap& overlap);
+
+/// A lower bound of the distance: that of two planes across the unit vector n that bound the
+/// shapes. Cost: that of one step of GJK.
+double gapAlong(const Eigen::Vector3d& n, const ConvexCore& A, const ConvexCore& B,
+                const Eigen::Isometry3d& X_AB);
 
 /// A lower bound of the distance from the balls around the two shapes.
 double ballDistance(const ConvexCore& A, const ConvexCore& B, const Eigen::Isometry3d& X_AB);

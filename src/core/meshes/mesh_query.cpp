@@ -17,7 +17,7 @@ double square(double x) { return x * x; }
 
 // Improves `gap` by one triangle of A against the solid B.
 void improveByConvex(const Triangle& t, const ConvexCore& B, const Isometry3d& X_AB,
-                     SurfaceGap& gap, std::uint32_t index) {
+                     SearchLimit& limit, SurfaceGap& gap, std::uint32_t index) {
   if (B.kind == ConvexCore::Kind::POINT) {
     const Vector3d center = X_AB.translation();
     const Vector3d closest = closestOnTriangle(t, center);
@@ -37,6 +37,7 @@ void improveByConvex(const Triangle& t, const ConvexCore& B, const Isometry3d& X
   gap.triangle_a = index;
   gap.beyond = false;
   gap.by_hulls = false;
+  limit.found(square(gap.distance));
 }
 
 // Which of two nodes to split that are not both leaves: down to the patches on both sides first,
@@ -63,14 +64,14 @@ bool worthHulls(const OrientedBox& a, const OrientedBox& b, double max_distance)
 }  // namespace
 
 void MeshQuery::pushNearestLast(const Entry& parent, bool of_a, const TriangleTree::Node& split,
-                                const FourGaps& gaps, double limit) {
+                                const FourGaps& gaps, SearchLimit& limit) {
   const std::size_t first = stack_.size();
   for (std::uint32_t i = 0; i < split.nb_children; ++i) {
-    if (gaps.of[i] > limit) continue;
+    if (limit.excludes(gaps.of[i])) continue;
     const std::uint32_t child = split.children + i;
     Entry entry = of_a ? Entry{child, parent.b, gaps.of[i]} : Entry{parent.a, child, gaps.of[i]};
     entry.squared_gap = std::max(entry.squared_gap, slabs_.squaredGap(entry.a, entry.b));
-    if (entry.squared_gap > limit) continue;
+    if (limit.excludes(entry.squared_gap)) continue;
     std::size_t place = stack_.size();
     stack_.push_back(entry);
     for (; place > first && stack_[place - 1].squared_gap < entry.squared_gap; --place) {
@@ -81,7 +82,8 @@ void MeshQuery::pushNearestLast(const Entry& parent, bool of_a, const TriangleTr
 }
 
 SurfaceGap MeshQuery::meshMesh(const PreparedMesh& A, const PreparedMesh& B, const Isometry3d& X_AB,
-                               double max_distance, const Vector3d* nhat_AB_A) {
+                               double max_distance, const Vector3d* nhat_AB_A,
+                               const Accuracy& accuracy) {
   const Isometry3d X_BA = X_AB.inverse(Eigen::Isometry);
   const OrientedBox box_a = A.tree.box(0), box_b = B.tree.box(0);
   const double meet = meetDistance(box_a, box_b, X_AB);
@@ -91,6 +93,8 @@ SurfaceGap MeshQuery::meshMesh(const PreparedMesh& A, const PreparedMesh& B, con
   gap.distance = std::nextafter(max_distance, std::numeric_limits<double>::infinity());
   // Found strictly below the limit: so that a gap equal to the limit is found too, one ulp more.
   ClosestPoints best{square(std::max(max_distance, meet)) * (1.0 + 1e-15)};
+  SearchLimit limit(best.squared, accuracy);
+  Vector3d apart_along = nhat_AB_A != nullptr ? *nhat_AB_A : Vector3d::UnitX();
   const bool by_patches = worthHulls(box_a, box_b, max_distance);
   slabs_.clear();
   if (by_patches && nhat_AB_A != nullptr) slabs_.set(A, B, X_AB, *nhat_AB_A);
@@ -99,7 +103,7 @@ SurfaceGap MeshQuery::meshMesh(const PreparedMesh& A, const PreparedMesh& B, con
   while (!stack_.empty()) {
     const Entry entry = stack_.back();
     stack_.pop_back();
-    if (entry.squared_gap > best.squared) continue;
+    if (limit.excludes(entry.squared_gap)) continue;
     const TriangleTree::Node& a = A.tree.node(entry.a);
     const TriangleTree::Node& b = B.tree.node(entry.b);
     if (a.isLeaf() && b.isLeaf()) {
@@ -110,28 +114,33 @@ SurfaceGap MeshQuery::meshMesh(const PreparedMesh& A, const PreparedMesh& B, con
       gap.by_hulls = false;
       gap.triangle_a = a.children;
       gap.triangle_b = b.children;
+      limit.found(best.squared);
       if (best.squared <= square(meet)) break;
       continue;
     }
     PatchOutcome outcome = PatchOutcome::HULLS_TOUCH;
     if (by_patches && isPiece(a) && isPiece(b)) {
-      outcome = comparePatches(A, entry.a, B, entry.b, X_AB, X_BA, best, gap);
+      outcome = comparePatches(A, entry.a, B, entry.b, X_AB, X_BA, apart_along, limit, best, gap);
       if (outcome == PatchOutcome::SETTLED) continue;
     }
     const bool split_a = splitsA(a, b, by_patches, outcome);
     const FourGaps gaps = split_a ? A.tree.squaredGaps(a, B.tree, entry.b, X_AB)
                                   : B.tree.squaredGaps(b, A.tree, entry.a, X_BA);
-    pushNearestLast(entry, split_a, split_a ? a : b, gaps, best.squared);
+    pushNearestLast(entry, split_a, split_a ? a : b, gaps, limit);
   }
-  if (gap.beyond) return gap;
+  if (gap.beyond) {
+    gap.lower = limit.lowerEnd(std::numeric_limits<double>::infinity());
+    return gap;
+  }
   gap.distance = best.squared <= square(meet) ? 0.0 : std::sqrt(best.squared);
+  gap.lower = limit.lowerEnd(gap.distance);
   gap.p_ACa = best.on_a;
   gap.p_ACb = best.on_b;
   return gap;
 }
 
 SurfaceGap MeshQuery::meshConvex(const PreparedMesh& A, const ConvexCore& B, const Isometry3d& X_AB,
-                                 double max_distance) {
+                                 double max_distance, const Accuracy& accuracy) {
   const OrientedBox own_box_b = boxAround(B);
   const OrientedBox box_a = A.tree.box(0), box_b = own_box_b.movedBy(X_AB);
   const double meet = meetDistance(box_a, own_box_b, X_AB);
@@ -139,6 +148,8 @@ SurfaceGap MeshQuery::meshConvex(const PreparedMesh& A, const ConvexCore& B, con
   gap.distance = std::sqrt(squaredBoxGap(box_a, box_b));
   if (gap.distance > max_distance) return gap;
   gap.distance = std::max(max_distance, meet) * (1.0 + 1e-15);
+  SearchLimit limit(square(gap.distance), accuracy);
+  Vector3d apart_along = Vector3d::UnitX();
   const bool by_patches = worthHulls(box_a, box_b, max_distance);
   slabs_.clear();
   stack_.clear();
@@ -146,24 +157,27 @@ SurfaceGap MeshQuery::meshConvex(const PreparedMesh& A, const ConvexCore& B, con
   while (!stack_.empty()) {
     const Entry entry = stack_.back();
     stack_.pop_back();
-    if (entry.squared_gap > square(gap.distance)) continue;
+    if (limit.excludes(entry.squared_gap)) continue;
     const TriangleTree::Node& a = A.tree.node(entry.a);
     if (a.isLeaf()) {
-      improveByConvex(triangleOf(*A.triangles, a.children), B, X_AB, gap, a.children);
+      improveByConvex(triangleOf(*A.triangles, a.children), B, X_AB, limit, gap, a.children);
       if (!gap.beyond && gap.distance <= meet) break;
       continue;
     }
     if (by_patches && a.isPatch() &&
-        comparePatch(A, entry.a, B, X_AB, gap) == PatchOutcome::SETTLED) {
+        comparePatch(A, entry.a, B, X_AB, apart_along, limit, gap) == PatchOutcome::SETTLED) {
       continue;
     }
     const FourGaps gaps = squaredBoxGaps(A.tree.childBoxes(a), box_b);
-    pushNearestLast(entry, true, a, gaps, square(gap.distance));
+    pushNearestLast(entry, true, a, gaps, limit);
   }
   if (gap.beyond) {
     gap.distance = std::nextafter(max_distance, std::numeric_limits<double>::infinity());
+    gap.lower = limit.lowerEnd(std::numeric_limits<double>::infinity());
+    return gap;
   }
-  if (!gap.beyond && gap.distance <= meet) gap.distance = 0.0;
+  if (gap.distance <= meet) gap.distance = 0.0;
+  gap.lower = limit.lowerEnd(gap.distance);
   return gap;
 }
 

@@ -80,11 +80,11 @@ Vector3d closestOnMesh(const PreparedMesh& mesh, const Vector3d& point) {
   return search.found();
 }
 
-bool isOnMesh(const PreparedMesh& mesh, std::uint32_t root, const Vector3d& point,
-              double tolerance) {
-  Search search(mesh, point, tolerance);
+std::optional<Vector3d> closestOnPart(const PreparedMesh& mesh, std::uint32_t root,
+                                      const Vector3d& point, double within) {
+  Search search(mesh, point, within);
   search.visit(root);
-  return search.any();
+  return search.any() ? std::optional(search.found()) : std::nullopt;
 }
 
 }  // namespace collision_pairs

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "triangle_distance.h"
@@ -29,9 +30,9 @@ ConvexCore cornersCore(const Corners& corners);
 /// Cost: O(log n) near the surface, up to O(n) far from a round one; allocates nothing.
 Eigen::Vector3d closestOnMesh(const PreparedMesh& mesh, const Eigen::Vector3d& point);
 
-/// Is the point within `tolerance` of the part of the surface that is below node `root` of the
-/// tree?
-bool isOnMesh(const PreparedMesh& mesh, std::uint32_t root, const Eigen::Vector3d& point,
-              double tolerance);
+/// The same of the part of the surface that is below node `root` of the tree, if it is no further
+/// than `within` metres.
+std::optional<Eigen::Vector3d> closestOnPart(const PreparedMesh& mesh, std::uint32_t root,
+                                             const Eigen::Vector3d& point, double within);
 
 }  // namespace collision_pairs

@@ -103,14 +103,14 @@ struct NarrowPhase::Scratch {
   }
 
   PairDistance distance(const Prepared& A, const Prepared& B, const Isometry3d& X_AB,
-                        double max_distance) {
-    if (!asksFcl(A, B)) return nativeDistance(A, B, X_AB, max_distance);
+                        double max_distance, const Accuracy& accuracy = {}) {
+    if (!asksFcl(A, B)) return nativeDistance(A, B, X_AB, max_distance, accuracy);
     const auto fcl = A.fcl && B.fcl ? askFcl(*A.fcl, *B.fcl, X_AB, max_distance) : FclAnswer();
     using Outcome = FclAnswer::Outcome;
     if (fcl.outcome == Outcome::DEPTH) return fcl.found;
     if (fcl.outcome == Outcome::APART && !oneHoldsTheOther(A, B, X_AB)) return fcl.found;
     ++num_answered_natively;
-    if (fcl.outcome == Outcome::NONE) return nativeDistance(A, B, X_AB, max_distance);
+    if (fcl.outcome == Outcome::NONE) return nativeDistance(A, B, X_AB, max_distance, accuracy);
     if (A.mesh || B.mesh) return hullDepth(A, B, X_AB, {});
     PairDistance depth = convexPair(A, B, X_AB, std::numeric_limits<double>::infinity());
     depth.distance = std::min(depth.distance, 0.0);  // that they touch is FCL's answer
@@ -192,6 +192,28 @@ struct NarrowPhase::Scratch {
     return result;
   }
 
+  // The two points of the solids that the closest points of the hulls led to.
+  static PairDistance besideHulls(const HullBounds& bounds) {
+    PairDistance result;
+    result.distance = bounds.upper;
+    result.p_ACa = bounds.p_ACa;
+    result.p_ACb = bounds.p_ACb;
+    result.nhat_AB_A = (bounds.p_ACb - bounds.p_ACa).normalized();
+    return result;
+  }
+
+  // Of two that are apart: from the upper to the lower end of what is certain.
+  static PairDistance tolerated(PairDistance found, double lower, const Accuracy& accuracy) {
+    constexpr double INF = std::numeric_limits<double>::infinity();
+    if (found.certainty == Certainty::BEYOND || found.distance <= accuracy.contact_distance ||
+        lower >= found.distance) {
+      return found;
+    }
+    found.distance = std::max(lower, std::nextafter(accuracy.contact_distance, INF));
+    found.certainty = Certainty::TOLERATED;
+    return found;
+  }
+
   // What is left to say of surfaces that do not meet where contacts are all that is asked for.
   static SurfaceGap noContact() {
     SurfaceGap gap;
@@ -201,51 +223,73 @@ struct NarrowPhase::Scratch {
 
   // Where the hulls meet, one solid may hold the other, or a part of it.
   PairDistance meshMesh(const Prepared& A, const Prepared& B, const Isometry3d& X_AB,
-                        double max_distance, const HullBounds& bounds) {
+                        double max_distance, const Accuracy& accuracy, const HullBounds& bounds) {
     const bool hulls_meet = bounds.outcome == HullBounds::Outcome::OPEN;
     const Vector3d* nhat_AB_A = hulls_meet ? nullptr : &bounds.hulls.nhat_AB_A;
-    // Contact first: it is found by splitting boxes, much sooner than by measuring.
-    if (hulls_meet && contacts.surfacesMeet(*A.mesh, *B.mesh, X_AB)) {
+    // Contact first: it is found by splitting boxes and by containment, much sooner than by
+    // measuring.
+    if (hulls_meet && (contacts.surfacesMeet(*A.mesh, *B.mesh, X_AB) || meshHoldsMesh(A, B, X_AB) ||
+                       meshHoldsMesh(B, A, X_AB.inverse(Eigen::Isometry)))) {
       return hullDepth(A, B, X_AB, bounds.overlap);
     }
-    const SurfaceGap gap = hulls_meet && max_distance == 0.0
-                               ? noContact()
-                               : query.meshMesh(*A.mesh, *B.mesh, X_AB, max_distance, nhat_AB_A);
-    const bool apart = gap.beyond || gap.distance > 0.0;
-    if (!apart || (hulls_meet && (meshHoldsMesh(A, B, X_AB) ||
-                                  meshHoldsMesh(B, A, X_AB.inverse(Eigen::Isometry))))) {
-      return hullDepth(A, B, X_AB, bounds.overlap);
+    const SurfaceGap gap =
+        hulls_meet && max_distance == 0.0
+            ? noContact()
+            : query.meshMesh(*A.mesh, *B.mesh, X_AB, max_distance, nhat_AB_A, accuracy);
+    if (!gap.beyond && !(gap.distance > 0.0)) return hullDepth(A, B, X_AB, bounds.overlap);
+    PairDistance result = withoutTriangles(gap);
+    if (!gap.beyond && !gap.by_hulls) {
+      const Triangle a = triangleOf(*A.mesh->triangles, gap.triangle_a);
+      const Triangle b = triangleOf(*B.mesh->triangles, gap.triangle_b);
+      setNormal(gap, cornersCore(a.v), cornersCore(b.v), X_AB, result);
     }
-    if (gap.beyond || gap.by_hulls) return withoutTriangles(gap);
-    PairDistance result;
-    const Triangle a = triangleOf(*A.mesh->triangles, gap.triangle_a);
-    const Triangle b = triangleOf(*B.mesh->triangles, gap.triangle_b);
-    setNormal(gap, cornersCore(a.v), cornersCore(b.v), X_AB, result);
-    return result;
+    return tolerated(result, std::max(gap.lower, bounds.lower), accuracy);
   }
 
   PairDistance meshConvex(const Prepared& A, const Prepared& B, const Isometry3d& X_AB,
-                          double max_distance, const HullBounds& bounds) {
+                          double max_distance, const Accuracy& accuracy, const HullBounds& bounds) {
     const bool hulls_meet = bounds.outcome == HullBounds::Outcome::OPEN;
-    if (hulls_meet && !query.meshConvex(*A.mesh, B.core, X_AB, 0.0).beyond) {
+    if (hulls_meet &&
+        (!query.meshConvex(*A.mesh, B.core, X_AB, 0.0).beyond || meshHoldsConvex(A, B, X_AB))) {
       return hullDepth(A, B, X_AB, bounds.overlap);
     }
     const SurfaceGap gap = hulls_meet && max_distance == 0.0
                                ? noContact()
-                               : query.meshConvex(*A.mesh, B.core, X_AB, max_distance);
-    const bool apart = gap.beyond || gap.distance > 0.0;
-    if (!apart || (hulls_meet && meshHoldsConvex(A, B, X_AB))) {
-      return hullDepth(A, B, X_AB, bounds.overlap);
+                               : query.meshConvex(*A.mesh, B.core, X_AB, max_distance, accuracy);
+    if (!gap.beyond && !(gap.distance > 0.0)) return hullDepth(A, B, X_AB, bounds.overlap);
+    PairDistance result = withoutTriangles(gap);
+    if (!gap.beyond && !gap.by_hulls) {
+      const Triangle a = triangleOf(*A.mesh->triangles, gap.triangle_a);
+      setNormal(gap, cornersCore(a.v), B.core, X_AB, result);
     }
-    if (gap.beyond || gap.by_hulls) return withoutTriangles(gap);
-    PairDistance result;
-    const Triangle a = triangleOf(*A.mesh->triangles, gap.triangle_a);
-    setNormal(gap, cornersCore(a.v), B.core, X_AB, result);
-    return result;
+    return tolerated(result, std::max(gap.lower, bounds.lower), accuracy);
+  }
+
+  PairDistance meshDistance(const Prepared& A, const Prepared& B, const Isometry3d& X_AB,
+                            double max_distance, const Accuracy& accuracy, HullBounds& bounds) {
+    if (A.mesh && B.mesh) return meshMesh(A, B, X_AB, max_distance, accuracy, bounds);
+    if (A.mesh) return meshConvex(A, B, X_AB, max_distance, accuracy, bounds);
+    bounds.overlap = {};  // of A - B, where the mesh comes first below
+    const Isometry3d X_BA = X_AB.inverse(Eigen::Isometry);
+    return exchanged(meshConvex(B, A, X_BA, max_distance, accuracy, bounds), X_AB);
+  }
+
+  // Of two that are apart: is there anything nearer than the two points that are known, by more
+  // than what is tolerated?
+  PairDistance toleratedDistance(const Prepared& A, const Prepared& B, const Isometry3d& X_AB,
+                                 const Accuracy& accuracy, HullBounds& bounds) {
+    const double far_enough = accuracy.farEnough(bounds.upper);
+    const PairDistance known = besideHulls(bounds);
+    if (bounds.lower > accuracy.contact_distance && bounds.lower >= far_enough) {
+      return tolerated(known, bounds.lower, accuracy);
+    }
+    const PairDistance found = meshDistance(A, B, X_AB, far_enough, accuracy, bounds);
+    if (found.certainty != Certainty::BEYOND) return found;
+    return tolerated(known, std::max(found.distance, bounds.lower), accuracy);
   }
 
   PairDistance nativeDistance(const Prepared& A, const Prepared& B, const Isometry3d& X_AB,
-                              double max_distance) {
+                              double max_distance, const Accuracy& accuracy = {}) {
     if (A.isHalfSpace() || B.isHalfSpace()) {
       PairDistance result = halfSpaceWith(A, B, X_AB);
       if (result.distance > max_distance) result.certainty = Certainty::BEYOND;
@@ -258,15 +302,14 @@ struct NarrowPhase::Scratch {
       bounds.hulls.by_hulls = true;
       return bounds.hulls;
     }
-    // A little more than the bound, which rounding may have put below the distance itself.
     if (bounds.outcome == Outcome::APART) {
+      if (!accuracy.isExact() && bounds.upper <= max_distance) {
+        return toleratedDistance(A, B, X_AB, accuracy, bounds);
+      }
+      // A little more than the bound, which rounding may have put below the distance itself.
       max_distance = std::min(max_distance, bounds.upper * (1.0 + 1e-12));
     }
-    if (A.mesh && B.mesh) return meshMesh(A, B, X_AB, max_distance, bounds);
-    if (A.mesh) return meshConvex(A, B, X_AB, max_distance, bounds);
-    bounds.overlap = {};  // of A - B, where the mesh comes first below
-    const Isometry3d X_BA = X_AB.inverse(Eigen::Isometry);
-    return exchanged(meshConvex(B, A, X_BA, max_distance, bounds), X_AB);
+    return meshDistance(A, B, X_AB, max_distance, accuracy, bounds);
   }
 };
 
@@ -308,12 +351,13 @@ bool NarrowPhase::touches(const PreparedShape& A, const PreparedShape& B, const 
 }
 
 PairDistance NarrowPhase::distance(const PreparedShape& A, const PreparedShape& B,
-                                   const Isometry3d& X_AB, double max_distance) {
+                                   const Isometry3d& X_AB, double max_distance,
+                                   const Accuracy& accuracy) {
   const auto& a = static_cast<const Prepared&>(A);
   const auto& b = static_cast<const Prepared&>(B);
   Isometry3d X = X_AB;
   const PairDistance result =
-      mendPose(X) ? scratch_->distance(a, b, X, max_distance) : worstCase(a, b);
+      mendPose(X) ? scratch_->distance(a, b, X, max_distance, accuracy) : worstCase(a, b);
   if (result.certainty == Certainty::DEGRADED) ++scratch_->num_degraded;
   return result;
 }

@@ -41,12 +41,13 @@ HullBounds boundsFromHulls(const Prepared& A, const Prepared& B, const Isometry3
     return bounds;
   const Vector3d& p_ACa = bounds.hulls.p_ACa;
   const Vector3d& p_ACb = bounds.hulls.p_ACb;
-  const Vector3d on_a = A.mesh ? closestOnMesh(*A.mesh, p_ACa) : p_ACa;
-  const Vector3d on_b =
+  bounds.p_ACa = A.mesh ? closestOnMesh(*A.mesh, p_ACa) : p_ACa;
+  bounds.p_ACb =
       B.mesh ? X_AB * closestOnMesh(*B.mesh, X_AB.inverse(Eigen::Isometry) * p_ACb) : p_ACb;
-  const double beside = (on_a - p_ACa).norm() + (on_b - p_ACb).norm();
+  const double beside = (bounds.p_ACa - p_ACa).norm() + (bounds.p_ACb - p_ACb).norm();
   bounds.outcome = beside <= rounding ? Outcome::SETTLED : Outcome::APART;
-  bounds.upper = (on_b - on_a).norm();
+  bounds.lower = lowerEndOfGap(bounds.hulls, A.core, B.core) - rounding;
+  bounds.upper = (bounds.p_ACb - bounds.p_ACa).norm();
   return bounds;
 }
 

@@ -21,7 +21,10 @@ struct HullBounds {
   };
   Outcome outcome = Outcome::OPEN;
   PairDistance hulls;
-  double upper = 0.0;   ///< metres; the distance of two points of the solids
+  double lower = 0.0;  ///< metres; where APART the solids are no nearer to each other
+  double upper = 0.0;  ///< metres; the distance of two points of the solids …
+  Eigen::Vector3d p_ACa = Eigen::Vector3d::Zero();  ///< … which are these, in A's frame
+  Eigen::Vector3d p_ACb = Eigen::Vector3d::Zero();
   CoreOverlap overlap;  ///< of the hulls, where they meet
 };
 

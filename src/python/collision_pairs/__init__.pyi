@@ -29,7 +29,7 @@ class PairState(IntEnum):
 
 class Certainty(IntEnum):
     EXACT = 0  # distance is the distance
-    LOWER_BOUND = 1  # the true signed distance is no less
+    LOWER_BOUND = 1  # the true signed distance is no less; of a NEAR pair no more than the tolerance more
     DEPTH_BOUND = 2  # in contact for certain; a translation by -distance separates the two
 
 class Fidelity(IntEnum):
@@ -176,12 +176,13 @@ class Detector:
         """threads: of a batch; 0: as many as the machine has."""
     def check(self, states: ArrayLike, joints: Optional[Sequence[str]] = None, alarm_distance: float = 0.05,
               fidelity: str = "mesh", min_distance: bool = False, verdict_only: bool = False,
-              time_budget: float = 0.0, gradient: bool = False) -> CheckResult:
+              time_budget: float = 0.0, gradient: bool = False, tolerance: float = 0.0) -> CheckResult:
         """states: (n, len(joints)), or (len(joints),) for one; rad or m. float64 is read where it lies, whatever the
         strides; float32, integers and lists are converted. joints: None: Detector.joints; those not named stand at
         zero, or their nearer limit, and are warned of. alarm_distance: m, pairs up to this far apart are reported.
         fidelity: aabb, obb, convex or mesh. min_distance: the exact smallest, also beyond the alarm distance.
         verdict_only: ends at the first contact. time_budget: s a state, 0: none. gradient: of each pair's distance.
+        tolerance: m that a distance may be too small by, then LOWER_BOUND; contact or not stays exact; 0 with gradient.
         """
     @property
     def joints(self) -> List[str]: ...
