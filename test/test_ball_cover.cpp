@@ -20,6 +20,11 @@ BallCover coverOf(const Shape& shape) {
   return coverByBalls(static_cast<const Prepared&>(*prepareShape(shape)));
 }
 
+std::vector<Ball> leavesOf(const BallCover& cover) {
+  const auto nb_inner_nodes = static_cast<std::ptrdiff_t>(cover.outer.size() / 2);
+  return {cover.outer.begin() + nb_inner_nodes, cover.outer.end()};
+}
+
 /// Membership by definition, of solids of which it is simple.
 bool holds(const Shape& shape, const Vector3d& p) {
   if (const auto* box = std::get_if<Box>(&shape)) {
@@ -103,7 +108,7 @@ TEST(BallCover, OfAMeshHoldsWhatTheMeshEncloses) {
   RandomInputs random;
   const LShape l;
   const auto cover = coverOf(meshShape(l.mesh()));
-  const std::vector<Ball> leaves(cover.outer.end() - 16, cover.outer.end());
+  const auto leaves = leavesOf(cover);
   for (int i = 0; i < 20000; ++i) {
     const int piece = random.integer(0, 1);
     const Vector3d p =
@@ -170,11 +175,12 @@ TEST(BallCover, OfANearlyClosedMeshEnclosesItsHull) {
   ball.triangles.erase(ball.triangles.begin() + 300, ball.triangles.begin() + 306);
   const auto cover = coverOf(meshShape(ball));
   EXPECT_TRUE(cover.inner.empty());
+  const auto leaves = leavesOf(cover);
   for (int i = 0; i < 20000; ++i) {
     const Shape hull = Convex{std::make_shared<const TriangleMesh>(ball)};
     const Vector3d p = pointOf(random, hull, 0.2);
-    ASSERT_TRUE(std::any_of(cover.outer.end() - 16, cover.outer.end(),
-                            [&](const Ball& b) { return isWithin(b, p); }));
+    ASSERT_TRUE(
+        std::any_of(leaves.begin(), leaves.end(), [&](const Ball& b) { return isWithin(b, p); }));
   }
 }
 

@@ -56,7 +56,7 @@ TEST(BatchKinematics, AreOffByNoMoreThanDerived) {
       std::vector<Eigen::Matrix<float, 16, 1>> memory(12 * model.bodies.size() + 4);
       const auto address = reinterpret_cast<std::uintptr_t>(memory.data());
       auto* const poses = reinterpret_cast<float*>((address + 63) / 64 * 64);
-      kernel.place(model.tables(), {columns.data(), poses, nullptr, nullptr, 1});
+      kernel.place(model.tables(), {columns.data(), poses, nullptr, nullptr, 1, nullptr, nullptr});
       for (std::size_t lane = 0; lane < nb_lanes; ++lane) {
         std::vector<Eigen::Isometry3d> X_WB;
         scene->robot().forwardKinematics(states[lane], X_WB);
@@ -116,7 +116,7 @@ TEST(BatchKinematics, SinesAreOffByNoMoreThanDerived) {
     columns[static_cast<std::size_t>(lane++)] = angle;
     if (lane < kernel.lanes) return;
     lane = 0;
-    kernel.place(model.tables(), {columns.data(), poses, nullptr, nullptr, 1});
+    kernel.place(model.tables(), {columns.data(), poses, nullptr, nullptr, 1, nullptr, nullptr});
     for (std::size_t l = 0; l < nb_lanes; ++l) {  // the arm's x axis in W
       const double cosine = poses[12 * nb_lanes + l], sine = poses[13 * nb_lanes + l];
       worst = std::max(

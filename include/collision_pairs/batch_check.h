@@ -50,6 +50,7 @@ class BatchCheck {
 
  private:
   class JointsOfThread;
+  struct StageOfThread;
   bool hasStageFor(std::size_t count, const CheckSettings& settings);
 
   std::shared_ptr<const CollisionScene> scene_;
@@ -57,6 +58,7 @@ class BatchCheck {
   std::size_t nb_verdicts_ = 0;  // of joint states, asked for so far
   bool stage_was_tried_ = false;
   std::unique_ptr<const BatchStage> stage_;
+  std::vector<std::unique_ptr<StageOfThread>> staged_;  // one a detector
 };
 
 }  // namespace collision_pairs

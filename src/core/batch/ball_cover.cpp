@@ -16,13 +16,14 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr int DEPTH = 4;             // of the tree: 16 leaves
-constexpr int CAPSULE_DEPTH = 2;     // 4 leaves along the segment
-constexpr int PRISM_SIDES = 24;      // sticks out of a cylinder by 0.9 % of its radius
-constexpr int GRID = 14;             // samples along each side of the box, for inner balls
-constexpr int MOST_INNER = 12;       // balls
-constexpr double WORTHWHILE = 0.08;  // of the largest inner ball: what the next one has to add
-constexpr double NEARLY = 1e-9;      // of the size: what may be rounding counts as inside
+constexpr int MOST_DEPTH = 6;          // of the tree: 64 leaves
+constexpr double LEAF_RADIUS = 0.025;  // m: about what leaves of smaller trees have
+constexpr int CAPSULE_DEPTH = 2;       // 4 leaves along the segment
+constexpr int PRISM_SIDES = 24;        // sticks out of a cylinder by 0.9 % of its radius
+constexpr int GRID = 14;               // samples along each side of the box, for inner balls
+constexpr int MOST_INNER = 12;         // balls
+constexpr double WORTHWHILE = 0.08;    // of the largest inner ball: what the next one has to add
+constexpr double NEARLY = 1e-9;        // of the size: what may be rounding counts as inside
 
 using Polygon = std::vector<Vector3d>;
 
@@ -32,8 +33,10 @@ struct Solid {
   std::vector<Polygon> surface;
   /// Is the point inside, or nearly so?
   std::function<bool(const Vector3d&)> may_hold;
-  /// A ball of this radius around the point is inside; 0 where the point is not. May be empty.
+  /// A ball of this radius around a point that is inside is so, too; 0 or less where a point is
+  /// not, unless `holds` is there to tell. Empty: it has no inner balls.
   std::function<double(const Vector3d&)> depth;
+  std::function<bool(const Vector3d&)> holds;
 };
 
 Aabb boxAround(const std::vector<Vector3d>& points) {
@@ -68,12 +71,16 @@ Polygon clipped(const Polygon& polygon, int axis, double at, double sign) {
 /// Fills in a tree of outer balls.
 class OuterTree {
  public:
-  explicit OuterTree(const Solid& solid) : solid_(solid), balls_((2u << DEPTH) - 1) {}
+  explicit OuterTree(const Solid& solid) : solid_(solid) {}
 
   std::vector<Ball> build() {
     std::vector<Vector3d> corners = cornersOf(solid_.surface);
     const Aabb box = boxAround(corners);
-    build(0, 0, solid_.surface, box, {enclosingBall(corners)});
+    const Ball whole = enclosingBall(corners);
+    const double levels = 2.0 * std::log2(std::max(whole.radius, LEAF_RADIUS) / LEAF_RADIUS);
+    depth_ = static_cast<int>(std::min(std::ceil(levels), 1.0 * MOST_DEPTH));
+    balls_.resize((2u << depth_) - 1);
+    build(0, 0, solid_.surface, box, whole);
     return std::move(balls_);
   }
 
@@ -87,7 +94,7 @@ class OuterTree {
       if (solid_.may_hold(corner)) extremes.push_back(corner);
     }
     balls_[node] = extremes.empty() ? of_parent : enclosingBall(extremes);
-    if (depth == DEPTH) return;
+    if (depth == depth_) return;
     const Aabb box = extremes.empty() ? cell : boxAround(extremes);
     int axis = 0;
     (box.max - box.min).maxCoeff(&axis);
@@ -105,8 +112,30 @@ class OuterTree {
   }
 
   const Solid& solid_;
+  int depth_ = 0;
   std::vector<Ball> balls_;
 };
+
+/// Of samples with their distances from the surface those that are inside. A ball that does not
+/// reach the surface is inside as its centre is: so few centres need be asked, the largest first.
+std::vector<Ball> insideOf(const Solid& solid, std::vector<Ball> samples) {
+  std::sort(samples.begin(), samples.end(),
+            [](const Ball& a, const Ball& b) { return a.radius > b.radius; });
+  enum { UNKNOWN, INSIDE, OUTSIDE };
+  std::vector<int> where(samples.size(), UNKNOWN);
+  std::vector<Ball> inside;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    if (where[i] == UNKNOWN) {
+      const int here = solid.holds(samples[i].center) ? INSIDE : OUTSIDE;
+      for (std::size_t j = i; j < samples.size(); ++j) {
+        const double apart = (samples[j].center - samples[i].center).norm();
+        if (j == i || apart < (1.0 - NEARLY) * samples[i].radius) where[j] = here;
+      }
+    }
+    if (where[i] == INSIDE) inside.push_back(samples[i]);
+  }
+  return inside;
+}
 
 /// One after the other the ball that reaches furthest out of those before it, of samples on a grid.
 std::vector<Ball> innerBalls(const Solid& solid) {
@@ -118,6 +147,7 @@ std::vector<Ball> innerBalls(const Solid& solid) {
     const double radius = solid.depth(p);
     if (radius > 0.0) samples.push_back({p, radius});
   }
+  if (solid.holds) samples = insideOf(solid, std::move(samples));
   std::vector<double> outside(samples.size(), 0.0);  // of the chosen ones: of its centre
   while (!samples.empty() && chosen.size() < MOST_INNER) {
     std::size_t best = 0;
@@ -214,11 +244,10 @@ Solid meshSolid(const Prepared& shape, double size) {
   solid.depth = {};
   if (!closed) return solid;
   solid.may_hold = [&shape, toSurface, size](const Vector3d& p) {
-    return meshHoldsPoint(shape, p) || toSurface(p) < NEARLY * size;
+    return toSurface(p) < NEARLY * size || meshHoldsPoint(shape, p);
   };
-  solid.depth = [&shape, toSurface](const Vector3d& p) {
-    return meshHoldsPoint(shape, p) ? toSurface(p) : 0.0;
-  };
+  solid.depth = toSurface;
+  solid.holds = [&shape](const Vector3d& p) { return meshHoldsPoint(shape, p); };
   return solid;
 }
 

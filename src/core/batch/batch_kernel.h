@@ -35,6 +35,7 @@ struct BatchTree {
 struct BatchPair {
   int first, second;                   ///< trees
   float outer_padding, inner_padding;  ///< rounded so that nothing is missed, and nothing invented
+  bool has_table;
 };
 
 /// What does not change from state to state.
@@ -56,6 +57,10 @@ struct BatchLanes {
   float* centers;           ///< 3 a ball, in W
   unsigned* placed;         ///< a ball: the group that its centre is of
   unsigned group;           ///< not that of any other call with these arrays
+  /// Of the lanes that a pair with a table may meet in: those that the table does not know to be
+  /// apart; those known to be in contact are written to `certain`.
+  unsigned (*look_up)(void* tables, int pair, unsigned lanes, unsigned* certain);
+  void* tables;
 };
 
 /// A pair that balls could not settle, and in which lanes.

@@ -174,14 +174,19 @@ class BatchLoops {
     int nb_open = 0;
     for (int i = 0; i < tables.nb_pairs && lanes != 0; ++i) {
       const BatchPair& pair = tables.pairs[i];
-      const unsigned unsettled = openLanes(tables, group, pair, lanes);
-      if (unsettled == 0) continue;
-      const unsigned certain = certainLanes(tables, group, pair, unsettled);
+      unsigned near =
+          lanes & mayMeet(gapOf(tables, group, tables.trees[pair.first].first_outer,
+                                tables.trees[pair.second].first_outer, pair.outer_padding));
+      if (near == 0) continue;
+      unsigned certain = 0;
+      if (pair.has_table) near = group.look_up(group.tables, i, near, &certain);
+      const unsigned unsettled = openLanes(tables, group, pair, near & ~certain);
+      if (unsettled != 0) certain |= certainLanes(tables, group, pair, unsettled);
       for (int l = 0; l < LANES; ++l) {
         if (certain >> l & 1u) contact[l] = i;
       }
       lanes &= ~certain;
-      if (unsettled != certain) open[nb_open++] = {i, unsettled & ~certain};
+      if ((unsettled & ~certain) != 0) open[nb_open++] = {i, unsettled & ~certain};
     }
     return nb_open;
   }

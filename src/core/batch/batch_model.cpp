@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "in_parallel.h"
+#include "pair_table.h"
 
 namespace collision_pairs {
 namespace {
@@ -57,8 +58,7 @@ class ModelMaker {
     for (std::uint32_t i = scene_.nbStaticElements(); i < elements.size(); ++i) {
       addTree(i, covers[i]);
     }
-    covers.resize(scene_.nbStaticElements());
-    model_.static_covers = std::move(covers);
+    model_.covers = std::move(covers);
     addPairs();
   }
 
@@ -158,8 +158,11 @@ class ModelMaker {
         if (!scene_.filter().allowed(first.model, second.model)) continue;
         if (first.body == second.body && isAlwaysApart(pair)) continue;
         const double padding = scene_.padding(pair.first, pair.second);
+        std::vector<int> joints;
+        const bool has_table = PairTable::joints(robot_, scene_.bodies()[first.body].body,
+                                                 scene_.bodies()[second.body].body, joints);
         model_.pairs.push_back({a, b, roundedUp(padding * (1.0 + OF_DISTANCE)),
-                                roundedDown(padding * (1.0 - OF_DISTANCE))});
+                                roundedDown(padding * (1.0 - OF_DISTANCE)), has_table});
       }
     }
   }
@@ -214,7 +217,7 @@ std::size_t BatchModel::memory() const {
   std::size_t bytes = bodies.size() * sizeof(BatchBody) + errors.size() * sizeof(PoseError) +
                       balls.size() * sizeof(BatchBall) + trees.size() * sizeof(BatchTree) +
                       pairs.size() * sizeof(BatchPair);
-  for (const BallCover& cover : static_covers) {
+  for (const BallCover& cover : covers) {
     bytes += (cover.outer.size() + cover.inner.size()) * sizeof(Ball);
   }
   return bytes;

@@ -53,7 +53,7 @@ struct BatchModel {
   std::vector<BatchTree> trees;           ///< one for each element that moves, in their order
   std::vector<std::uint32_t> element_of;  ///< by tree
   std::vector<BatchPair> pairs;           ///< of elements that move against each other
-  std::vector<BallCover> static_covers;   ///< by static element; none for boxes and half-spaces
+  std::vector<BallCover> covers;          ///< by element; none for static boxes
   std::size_t memory() const;             ///< bytes
 };
 

@@ -88,7 +88,41 @@ BatchStage::Group::Group(const BatchStage& stage) : stage_(stage), tables_(stage
                  ALIGNMENT / sizeof(float));
   placed_.resize(nb_balls, 0);
   open_.resize(stage.model_.pairs.size());
+  for (const BatchPair& pair : stage.model_.pairs) addTable(pair);
   clear();
+}
+
+void BatchStage::Group::addTable(const BatchPair& pair) {
+  pair_tables_.emplace_back();
+  table_columns_.push_back({-1, -1});
+  if (!pair.has_table) return;
+  const auto index = static_cast<int>(pair_tables_.size()) - 1;
+  pair_tables_.back() =
+      std::make_unique<PairTable>(stage_.scene_, stage_.model_, elementsOf(index));
+  for (int i = 0; i < pair_tables_.back()->nbJoints(); ++i) {
+    const auto& columns = stage_.model_.columns;
+    const auto column = std::find_if(columns.begin(), columns.end(), [&](const auto& one) {
+      return one.joint == pair_tables_.back()->joint(i);
+    });
+    table_columns_.back()[static_cast<std::size_t>(i)] = static_cast<int>(column - columns.begin());
+  }
+}
+
+unsigned BatchStage::Group::lookUp(void* group, int pair, unsigned lanes, unsigned* certain) {
+  auto& self = *static_cast<Group*>(group);
+  PairTable& table = *self.pair_tables_[static_cast<std::size_t>(pair)];
+  const auto [first, second] = self.table_columns_[static_cast<std::size_t>(pair)];
+  unsigned open = 0;
+  forEachLane(lanes, [&](int lane) {
+    const auto position = [&](int column) {
+      return column < 0 ? 0.0
+                        : self.positions_[static_cast<std::size_t>(column * self.lanes() + lane)];
+    };
+    const PairTable::Cell cell = table.at(position(first), position(second), self.narrow_phase_);
+    if (cell == PairTable::Cell::OPEN) open |= 1u << lane;
+    if (cell == PairTable::Cell::CONTACT) *certain |= 1u << lane;
+  });
+  return open;
 }
 
 void BatchStage::Group::clear() {
@@ -117,7 +151,7 @@ BatchLanes BatchStage::Group::arrays() {
   float* const poses = floats_.data() + beside;
   float* const centers =
       poses + 12 * stage_.model_.bodies.size() * static_cast<std::size_t>(lanes());
-  return {positions_.data(), poses, centers, placed_.data(), group_};
+  return {positions_.data(), poses, centers, placed_.data(), group_, &lookUp, this};
 }
 
 void BatchStage::Group::settle() {
@@ -188,7 +222,9 @@ unsigned BatchStage::Group::openBesideStatic(const BesideStatic& beside, unsigne
     const double reach = ball.radius + beside.outer_padding + MARGIN;
     unsigned near = 0;
     forEachLane(step.lanes, [&](int lane) {
-      if (!(field.at(pointOf(centers, this->lanes(), lane)).apart > reach)) near |= 1u << lane;
+      const Vector3d p_W = pointOf(centers, this->lanes(), lane);
+      if (field.at(p_W).apart > reach || field.closeTo(p_W).apart > reach) return;
+      near |= 1u << lane;
     });
     if (near == 0) continue;
     if (2 * step.ball + 1 >= tree.nb_outer) {
@@ -209,7 +245,7 @@ unsigned BatchStage::Group::contactWithStatic(const BesideStatic& beside, unsign
     const int ball = tree.first_inner + i;
     const double reach = tables_.balls[ball].radius + beside.inner_padding - MARGIN;
     forEachLane(lanes & ~in_contact, [&](int lane) {
-      const auto bounds = field.at(pointOf(centersOf(ball), this->lanes(), lane));
+      const auto bounds = field.closeTo(pointOf(centersOf(ball), this->lanes(), lane));
       if (!(bounds.upper < reach)) return;
       in_contact |= 1u << lane;
       outcomes_[lane] = Outcome::CONTACT;

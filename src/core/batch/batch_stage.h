@@ -1,11 +1,13 @@
 // Settles many joint states at once, before the exact check sees them.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <vector>
 
 #include "batch_model.h"
+#include "pair_table.h"
 #include "static_field.h"
 
 namespace collision_pairs {
@@ -44,7 +46,8 @@ class BatchStage {
   std::vector<std::unique_ptr<StaticField>> fields_;  // one for each set of static elements
 };
 
-/// Several states, one a lane.
+/// Several states, one a lane. Learns: tables of pairs (PairTable) are filled in by what is asked,
+/// so keep it for the next batch.
 class BatchStage::Group {
  public:
   explicit Group(const BatchStage& stage);
@@ -74,8 +77,10 @@ class BatchStage::Group {
     unsigned lanes;
   };
   BatchLanes arrays();
+  static unsigned lookUp(void* group, int pair, unsigned lanes, unsigned* certain);
   const float* centersOf(int ball);
   BoxPair elementsOf(int pair) const;
+  void addTable(const BatchPair& pair);
   // Of these lanes, those in contact for certain; what is open is noted.
   unsigned settlePairs(unsigned lanes);
   unsigned settleStatic(unsigned lanes);
@@ -88,6 +93,9 @@ class BatchStage::Group {
   std::vector<float> floats_;  // poses, then centres; aligned
   std::vector<unsigned> placed_;
   unsigned group_ = 0, set_ = 0;
+  std::vector<std::unique_ptr<PairTable>> pair_tables_;  // by pair; null: it has none
+  std::vector<std::array<int, 2>> table_columns_;        // of the joints of the table
+  NarrowPhase narrow_phase_;
   std::vector<OpenBatchPair> open_;
   std::vector<OpenTree> open_static_;
   int nb_open_ = 0;

@@ -30,7 +30,7 @@ StaticField::StaticField(const CollisionScene& scene, const BatchModel& model,
       cells_a_metre_(cell_size_.cwiseInverse()),
       slots_(std::make_unique<Slot[]>(SIDE * SIDE * SIDE)) {}
 
-StaticField::Bounds StaticField::at(const Vector3d& p_W) const {
+StaticField::Bounds StaticField::find(const Vector3d& p_W, bool closely) const {
   const Vector3d place = (p_W - origin_).cwiseProduct(cells_a_metre_);
   const bool is_within = (place.array() >= 0.0).all() && (place.array() < SIDE).all();
   if (!is_within) return {-INFINITE, INFINITE, 0};
@@ -39,6 +39,14 @@ StaticField::Bounds StaticField::at(const Vector3d& p_W) const {
   const Vector3d center =
       origin_ + (cell.cast<double>().array() + 0.5).matrix().cwiseProduct(cell_size_);
   if (!slot.is_known.load(std::memory_order_acquire)) fill(center, slot);
+  const std::uint32_t nb_near = slot.nb_near.load(std::memory_order_relaxed);
+  if (closely && nb_near <= MOST_NEAR) {
+    Bounds bounds{INFINITE, INFINITE, 0};
+    for (std::uint32_t i = 0; i < nb_near; ++i) {
+      look(slot.near[i].load(std::memory_order_relaxed), p_W, bounds);
+    }
+    return bounds;
+  }
   const double beside = (p_W - center).norm();
   return {slot.apart.load(std::memory_order_relaxed) - beside,
           slot.upper.load(std::memory_order_relaxed) + beside,
@@ -48,6 +56,17 @@ StaticField::Bounds StaticField::at(const Vector3d& p_W) const {
 void StaticField::fill(const Vector3d& p_W, Slot& slot) const {
   Bounds bounds{INFINITE, INFINITE, 0};
   for (const std::uint32_t element : elements_) look(element, p_W, bounds);
+  // From the centre to another point of the cell distances change by half its diagonal at most.
+  const double within = bounds.apart + cell_size_.norm() * (1.0 + ROUNDING);
+  std::uint32_t nb_near = 0;
+  for (const std::uint32_t element : elements_) {
+    Bounds of_one{INFINITE, INFINITE, 0};
+    look(element, p_W, of_one);
+    if (of_one.apart > within) continue;
+    if (nb_near < MOST_NEAR) slot.near[nb_near].store(element, std::memory_order_relaxed);
+    ++nb_near;
+  }
+  slot.nb_near.store(nb_near, std::memory_order_relaxed);
   slot.apart.store(static_cast<float>(bounds.apart - ROUNDING * std::abs(bounds.apart)),
                    std::memory_order_relaxed);
   slot.upper.store(static_cast<float>(bounds.upper + ROUNDING * std::abs(bounds.upper)),
@@ -66,7 +85,7 @@ void StaticField::look(std::uint32_t id, const Vector3d& p_W, Bounds& bounds) co
     apart = upper = p_E[2];
   } else {
     apart = distanceFromBox(element.box_half, p_E - element.box_center);
-    const BallCover& cover = model_.static_covers[id];
+    const BallCover& cover = model_.covers[id];
     if (apart < bounds.apart) {
       double of_leaves = INFINITE;
       const auto leaves = cover.outer.begin() + static_cast<std::ptrdiff_t>(cover.outer.size() / 2);

@@ -16,21 +16,29 @@ constexpr std::size_t STAGE_BLOCK = 64;  // the same, and whole groups
 
 }  // namespace
 
-/// What a thread does with joint states, and needs for it.
+/// What a thread needs for the batch stage, kept from batch to batch.
+struct BatchCheck::StageOfThread {
+  StageOfThread(const std::shared_ptr<const CollisionScene>& scene, const BatchStage& stage)
+      : group(stage), open(scene) {}
+  BatchStage::Group group;
+  OpenPairs open;
+};
+
+/// What a thread does with the joint states of one batch.
 class BatchCheck::JointsOfThread {
  public:
-  JointsOfThread(const std::shared_ptr<const CollisionScene>& scene, CollisionDetector& detector,
-                 const BatchStage* stage, const CheckSettings& settings, const Positions& positions,
+  /// stage: null where all come to the exact check.
+  JointsOfThread(const CollisionScene& scene, CollisionDetector& detector, StageOfThread* stage,
+                 const CheckSettings& settings, const Positions& positions,
                  const CloudVoxels& voxels, const Take& take)
-      : scene_(*scene),
+      : scene_(scene),
         detector_(detector),
         settings_(settings),
         positions_(positions),
-        take_(take) {
+        take_(take),
+        group_(stage != nullptr ? &stage->group : nullptr),
+        open_(stage != nullptr ? &stage->open : nullptr) {
     poses_.voxels = voxels;
-    if (stage == nullptr) return;
-    group_ = std::make_unique<BatchStage::Group>(*stage);
-    open_ = std::make_unique<OpenPairs>(scene);
   }
 
   /// The states begin … end - 1.
@@ -124,8 +132,8 @@ class BatchCheck::JointsOfThread {
   const CheckSettings& settings_;
   const Positions& positions_;
   const Take& take_;
-  std::unique_ptr<BatchStage::Group> group_;
-  std::unique_ptr<OpenPairs> open_;
+  BatchStage::Group* const group_;
+  OpenPairs* const open_;
   std::vector<double> q_[MOST_BATCH_LANES];
   std::vector<Eigen::Isometry3d> X_RB_;
   BodyPoses poses_;
@@ -164,11 +172,15 @@ void BatchCheck::runJoints(std::size_t count, const CheckSettings& settings,
   const std::size_t size = stage != nullptr ? STAGE_BLOCK : BLOCK;
   const std::size_t nb_blocks = count / size + (count % size > 0);
   std::vector<std::unique_ptr<JointsOfThread>> threads(detectors_.size());
+  staged_.resize(threads.size());
   inParallel(threads.size(), nb_blocks, [&](std::size_t thread, std::size_t block) {
     auto& of_thread = threads[thread];
     if (!of_thread) {
-      of_thread = std::make_unique<JointsOfThread>(scene_, detectors_[thread], stage, settings,
-                                                   positions, voxels, take);
+      auto& kept = staged_[thread];
+      if (stage != nullptr && !kept) kept = std::make_unique<StageOfThread>(scene_, *stage);
+      of_thread = std::make_unique<JointsOfThread>(*scene_, detectors_[thread],
+                                                   stage != nullptr ? kept.get() : nullptr,
+                                                   settings, positions, voxels, take);
     }
     of_thread->run(block * size, std::min((block + 1) * size, count));
   });
