@@ -223,7 +223,7 @@ unsigned BatchStage::Group::openBesideStatic(const BesideStatic& beside, unsigne
     unsigned near = 0;
     forEachLane(step.lanes, [&](int lane) {
       const Vector3d p_W = pointOf(centers, this->lanes(), lane);
-      if (field.at(p_W).apart > reach || field.closeTo(p_W).apart > reach) return;
+      if (field.isFurther(p_W, reach)) return;
       near |= 1u << lane;
     });
     if (near == 0) continue;
@@ -245,12 +245,11 @@ unsigned BatchStage::Group::contactWithStatic(const BesideStatic& beside, unsign
     const int ball = tree.first_inner + i;
     const double reach = tables_.balls[ball].radius + beside.inner_padding - MARGIN;
     forEachLane(lanes & ~in_contact, [&](int lane) {
-      const auto bounds = field.closeTo(pointOf(centersOf(ball), this->lanes(), lane));
-      if (!(bounds.upper < reach)) return;
+      std::uint32_t element = 0;
+      if (!field.isNearer(pointOf(centersOf(ball), this->lanes(), lane), reach, element)) return;
       in_contact |= 1u << lane;
       outcomes_[lane] = Outcome::CONTACT;
-      contacts_[lane] = {bounds.element,
-                         stage_.model_.element_of[static_cast<std::size_t>(beside.tree)]};
+      contacts_[lane] = {element, stage_.model_.element_of[static_cast<std::size_t>(beside.tree)]};
     });
   }
   return in_contact;
