@@ -174,7 +174,7 @@ TEST(BatchStage, VerdictsAreThoseOfTheExactCheckInScenesOfAllKinds) {
     }
     const auto found = verdicts.batch(states);
     nb_staged += verdicts.check().stageMemory() > 0;
-    for (std::size_t i = 0; i < STATES; i += 5) {
+    for (std::size_t i = 0; i < STATES; i += 15) {
       const Verdict exact = verdicts.exact(states[i]);
       ++nb[static_cast<int>(exact)];
       ASSERT_EQ(found[i], exact) << "state " << i;

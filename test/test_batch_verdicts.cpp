@@ -16,7 +16,7 @@ namespace {
 constexpr std::uint64_t SEED = 20261121;
 constexpr std::size_t AT_A_TIME = 10000;
 
-std::uint64_t nbStates() { return std::getenv("COLLISION_PAIRS_LONG") ? 1000000 : 10000; }
+std::uint64_t nbStates() { return std::getenv("COLLISION_PAIRS_LONG") ? 1000000 : 40000; }
 
 void expectSame(const std::shared_ptr<const CollisionScene>& scene) {
   const std::shared_ptr<const RobotModel> robot(scene, &scene->robot());

@@ -41,8 +41,8 @@ class BatchCheck {
   using Positions = std::function<void(std::size_t, std::vector<double>&)>;
   void runJoints(std::size_t count, const CheckSettings& settings, const Positions& positions,
                  const CloudVoxels& voxels, const Take& take);
-  /// What making the batch stage ready costs may be repaid by as many.
-  static constexpr std::size_t STATES_WORTH_A_STAGE = 10000;
+  /// What making the batch stage ready costs is about what the exact check of so many does.
+  static constexpr std::size_t STATES_WORTH_A_STAGE = 30000;
   /// Bytes of the batch stage, scratch memory of threads not counted; 0: it is not in use.
   std::size_t stageMemory() const;
 

@@ -3,8 +3,8 @@
 //   COLLISION_PAIRS_SHARED=DATA verdict_benchmark STATES > ROWS.csv
 //
 // A row for each robot, alone and in its world, and for random states and motions of 8 neighbouring
-// ones. One thread; forward kinematics included on both sides; times are the least of PASSES, taken
-// in turns, ns a state.
+// ones, after NB_OTHERS other states. One thread; forward kinematics included on both sides; times
+// are the least of PASSES, taken in turns, ns a state.
 #include <chrono>
 #include <cstdlib>
 #include <iostream>
@@ -19,6 +19,7 @@ namespace collision_pairs {
 namespace {
 
 constexpr int PASSES = 5;
+constexpr std::size_t NB_OTHERS = 300000;
 constexpr int NEIGHBOURS = 8;
 constexpr double MOTION = 0.2;  // rad or m, of the joint that moves most, over the 8 states
 constexpr std::uint64_t SEED = 16;
@@ -26,8 +27,8 @@ constexpr std::uint64_t SEED = 16;
 using States = std::vector<std::vector<double>>;
 
 States randomStates(const std::shared_ptr<const RobotModel>& robot, std::size_t count,
-                    bool neighbouring) {
-  const JointSampler sampler(robot, SEED);
+                    bool neighbouring, std::uint64_t seed = SEED) {
+  const JointSampler sampler(robot, seed);
   States states(count);
   std::vector<double> to;
   for (std::size_t i = 0; i < count; ++i) {
@@ -59,20 +60,20 @@ double nanoseconds(const std::function<void()>& work, std::size_t count) {
 
 class Bench {
  public:
-  explicit Bench(std::shared_ptr<const CollisionScene> scene)
+  /// `others`: states that are checked before any that are measured, for the tables to learn.
+  Bench(std::shared_ptr<const CollisionScene> scene, const States& others)
       : scene_(scene), detector_(scene), batch_(scene, 1) {
     settings_.verdict_only = true;
-    const auto no_states = [](std::size_t, std::vector<double>&) {};
     const std::vector<double> zero = scene->robot().zeroPositions();
-    prepared_ = 1e-9 * nanoseconds(
-                           [&] {
-                             batch_.runJoints(
-                                 BatchCheck::STATES_WORTH_A_STAGE, settings_,
-                                 [&](std::size_t, std::vector<double>& q) { q = zero; }, {},
-                                 [](std::size_t, const CollisionReport&) {});
-                           },
-                           1);
-    static_cast<void>(no_states);
+    const auto prepare = [&] {
+      batch_.runJoints(
+          BatchCheck::STATES_WORTH_A_STAGE, settings_,
+          [&](std::size_t, std::vector<double>& q) { q = zero; }, {},
+          [](std::size_t, const CollisionReport&) {});
+    };
+    prepared_ = 1e-9 * nanoseconds(prepare, 1);
+    std::vector<Verdict> verdicts(others.size());
+    check(others, verdicts);
   }
 
   void run(const std::string& robot, const std::string& where, const States& states,
@@ -128,10 +129,11 @@ class Bench {
 void run(const BenchmarkRobot& robot, std::size_t count) {
   const States random = randomStates(robot.robot, count, false);
   const States neighbouring = randomStates(robot.robot, count, true);
+  const States others = randomStates(robot.robot, NB_OTHERS, false, SEED + 1);
   for (const bool in_world : {false, true}) {
     if (in_world && !robot.world) continue;
     const auto world = in_world ? robot.world : nullptr;
-    Bench bench(CollisionScene::build(robot.robot, robot.srdf, world));
+    Bench bench(CollisionScene::build(robot.robot, robot.srdf, world), others);
     const std::string where = in_world ? "world" : "self";
     bench.run(robot.name, where, random, "random");
     bench.run(robot.name, where, neighbouring, "neighbouring");
