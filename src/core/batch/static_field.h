@@ -23,9 +23,9 @@ class StaticField {
   StaticField(const CollisionScene& scene, const BatchModel& model,
               std::vector<std::uint32_t> elements, const Aabb& region);
 
-  /// Is a point in W certainly further than `reach` (metres, >= 0) from every element? By the bound of
-  /// its cell's centre, less the way to it; else, where few elements are near the cell, by these.
-  /// Outside of the region nothing is certain. 5 or 50 ns.
+  /// Is a point in W certainly further than `reach` (metres, >= 0) from every element? By the bound
+  /// of its cell's centre, less the way to it; else, where few elements are near the cell, by
+  /// these. Outside of the region nothing is certain. 5 or 50 ns.
   bool isFurther(const Eigen::Vector3d& p_W, double reach) const;
   /// Is a point certainly nearer to some element than that (or deeper in it, if `reach` is
   /// negative)? Then to the one that is written to `element`.
