@@ -86,6 +86,14 @@ add_executable(batch_benchmark test/benchmark/batch_benchmark.cpp)
 target_link_libraries(batch_benchmark PRIVATE collision_pairs_io)
 collision_pairs_warnings(batch_benchmark)
 
+# The batch stage beside the exact check; scripts/measure_verdicts writes docs/batch.md.
+add_executable(verdict_benchmark test/benchmark/benchmark_robots.cpp test/benchmark/demo_motion.cpp
+  test/benchmark/verdict_benchmark.cpp)
+target_link_libraries(verdict_benchmark PRIVATE collision_pairs_io)
+target_include_directories(verdict_benchmark PRIVATE ${CORE_MODULES})
+target_compile_definitions(verdict_benchmark PRIVATE PROJECT_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+collision_pairs_warnings(verdict_benchmark)
+
 # Clouds of points, beside FCL's OcTree; scripts/measure_clouds writes docs/clouds.md.
 # Debian: liboctomap-dev.
 find_package(octomap REQUIRED)

@@ -1,6 +1,6 @@
 # The core: URDF and poses in, pairs out. Links no ROS library (test_architecture holds it so).
 # Its modules; the dependency rules stand in test_architecture.
-set(core_modules base geometry broad_phase convex_pairs meshes narrow_phase robot scene clouds check
+set(core_modules base geometry broad_phase convex_pairs meshes narrow_phase robot scene clouds batch check
   motion gradient pair_statistics)
 list(TRANSFORM core_modules PREPEND ${PROJECT_SOURCE_DIR}/src/core/ OUTPUT_VARIABLE CORE_MODULES)
 
@@ -9,6 +9,13 @@ add_library(collision_pairs SHARED
   src/core/base/input_error.cpp
   src/core/base/pair_filter.cpp
   src/core/base/user_text.cpp
+  src/core/batch/ball_cover.cpp
+  src/core/batch/batch_kernel.cpp
+  src/core/batch/batch_model.cpp
+  src/core/batch/batch_stage.cpp
+  src/core/batch/enclosing_ball.cpp
+  src/core/batch/pair_table.cpp
+  src/core/batch/static_field.cpp
   src/core/broad_phase/box_pairs.cpp
   src/core/broad_phase/column_sweep.cpp
   src/core/broad_phase/packed_records.cpp
@@ -21,6 +28,7 @@ add_library(collision_pairs SHARED
   src/core/check/collision_detector.cpp
   src/core/check/element_boxes.cpp
   src/core/check/found_pairs.cpp
+  src/core/check/open_pairs.cpp
   src/core/check/pair_ladder.cpp
   src/core/check/timed_climb.cpp
   src/core/check/voxel_search.cpp

@@ -4,10 +4,14 @@
 if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64|amd64")
   set(sweep ${PROJECT_SOURCE_DIR}/src/core/broad_phase/sweep_kernel)
   set(geometry ${PROJECT_SOURCE_DIR}/src/core/geometry/geometry_kernel)
+  set(batch ${PROJECT_SOURCE_DIR}/src/core/batch/batch_kernel)
   target_sources(collision_pairs PRIVATE ${sweep}_avx2.cpp ${sweep}_avx512.cpp
-                                         ${geometry}_avx2.cpp ${geometry}_avx512.cpp)
+                                         ${geometry}_avx2.cpp ${geometry}_avx512.cpp
+                                         ${batch}_avx2.cpp ${batch}_avx512.cpp)
   target_compile_definitions(collision_pairs PRIVATE COLLISION_PAIRS_X86_KERNELS)
   set_source_files_properties(${sweep}_avx2.cpp PROPERTIES COMPILE_OPTIONS "-mavx2;-mbmi;-mpopcnt;-ffp-contract=off")
+  set_source_files_properties(${batch}_avx2.cpp PROPERTIES COMPILE_OPTIONS "-mavx2;-ffp-contract=off")
+  set_source_files_properties(${batch}_avx512.cpp PROPERTIES COMPILE_OPTIONS "-mavx512f;-ffp-contract=off")
   set_source_files_properties(${geometry}_avx2.cpp PROPERTIES COMPILE_OPTIONS "-mavx2;-ffp-contract=off")
   set_source_files_properties(${geometry}_avx512.cpp PROPERTIES COMPILE_OPTIONS "-mavx512f;-ffp-contract=off")
   # GCC 12 warns of its own intrinsics (GCC bug 105593).

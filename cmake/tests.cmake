@@ -18,7 +18,13 @@ endfunction()
 
 collision_pairs_test(aabb)
 collision_pairs_test(bag_poses collision_pairs_io)
+collision_pairs_test(ball_cover)
 collision_pairs_test(batch_check)
+collision_pairs_test(batch_stage)
+collision_pairs_test(batch_tables)
+collision_pairs_test(batch_verdicts collision_pairs_io)
+target_sources(test_batch_verdicts PRIVATE test/benchmark/benchmark_robots.cpp
+  test/benchmark/demo_motion.cpp)
 collision_pairs_test(box_gap)
 collision_pairs_test(closed_forms)
 collision_pairs_test(cloud_check)

@@ -1,6 +1,7 @@
 """check_states as a user meets it: what it prints, what it refuses, what it leaves behind."""
 import csv
 import os
+import random
 import stat
 
 import pytest
@@ -36,6 +37,24 @@ def test_verdicts_pairs_and_distance_are_written(run_tool, states, tmp_path):
     assert "arch|wrist_ball" in rows[1]["pairs"].split(";")
     assert float(rows[1]["min_distance"]) < 0
     assert "gripper" in done.stderr and "free only with them there" in done.stderr
+
+
+def test_many_states_have_the_verdicts_of_each(run_tool, tmp_path):
+    path, count = tmp_path / "states.csv", 40000  # so many that the batch stage is in use
+    draw = random.Random(16)
+    path.write_text("shoulder_pan,shoulder_lift,elbow_flex,wrist_flex,wrist_roll\n" + "".join(
+        ",".join("%.6f" % draw.uniform(-1.5, 1.5) for _ in range(5)) + "\n" for _ in range(count)))
+    arguments = ("check_states", URDF, "--srdf", SRDF, "--states", path)
+    out = [tmp_path / "verdicts.csv", tmp_path / "checks.csv"]
+    assert run_tool(*arguments, "--verdict-only", "--out", out[0]).returncode == 0
+    assert run_tool(*arguments, "--out", out[1]).returncode == 0
+    verdicts, checks = rows_of(out[0]), rows_of(out[1])
+    assert [row["in_collision"] for row in verdicts] == [row["in_collision"] for row in checks]
+    assert {row["in_collision"] for row in verdicts} == {"0", "1"}
+    for verdict, check in zip(verdicts, checks):
+        assert (verdict["pairs"] or None) in check["pairs"].split(";") + [None]
+        assert bool(verdict["pairs"]) == bool(check["pairs"])
+    assert sum(row["nb_pairs"] == "0" for row in verdicts) > count / 2, "settled without boxes"
 
 
 def test_positions_outside_the_limits_are_said_once_a_joint(run_tool, tmp_path):

@@ -100,16 +100,20 @@ class PythonDetector {
            CheckResult& result) {
     ResultCollector collector(*scene_, result.has_gradient ? &named.columns : nullptr, result);
     SignalCheck signals;
-    const auto pose = [&](std::size_t i, BodyPoses& poses) {
+    const auto read = [&](std::size_t i, std::vector<double>& positions) {
       Posture& posture = postureOfThisThread();
       states.read(i, posture.state);
-      posture.positions = zero_;
+      positions = zero_;
       try {
-        named.columns.apply(posture.state.data(), posture.positions);
+        named.columns.apply(posture.state.data(), positions);
       } catch (const InputError& error) {
         if (states.isSingle()) throw;
         throw InputError("state " + std::to_string(i) + ": " + error.what());
       }
+    };
+    const auto pose = [&](std::size_t i, BodyPoses& poses) {
+      Posture& posture = postureOfThisThread();
+      read(i, posture.positions);
       scene_->robot().forwardKinematics(posture.positions, posture.X_WB);
       scene_->gatherPoses(posture.X_WB, poses);
     };
@@ -121,6 +125,8 @@ class PythonDetector {
       poses_.resize(scene_->bodies().size());
       pose(0, poses_);
       take(0, single_.detect(poses_, settings));
+    } else if (settings.verdict_only) {  // poses are for gradients alone
+      batch_.runJoints(states.size(), settings, read, {}, take);
     } else {
       batch_.run(states.size(), settings, pose, take);
     }

@@ -114,14 +114,10 @@ std::vector<std::string> check(const JointStates& states,
   std::vector<std::string> rows(states.positions.size());
   std::atomic<std::uint64_t> nb_answered_natively{0};
   BatchCheck batch(scene, threads);
-  batch.run(
+  batch.runJoints(
       rows.size(), settings,
-      [&](std::size_t i, BodyPoses& poses) {
-        thread_local std::vector<Eigen::Isometry3d> X_RB;
-        scene->robot().forwardKinematics(states.positions[i], X_RB);
-        scene->gatherPoses(X_RB, poses);
-        poses.voxels = voxels;
-      },
+      [&](std::size_t i, std::vector<double>& positions) { positions = states.positions[i]; },
+      voxels,
       [&](std::size_t i, const CollisionReport& report) {
         refuseLeftOut(i, report, *scene);
         rows[i] = rowOf(i, report, *scene, settings);

@@ -1,22 +1,155 @@
 #include "collision_pairs/batch_check.h"
 
 #include <algorithm>
+#include <chrono>
 #include <limits>
 
+#include "batch_stage.h"
 #include "in_parallel.h"
+#include "open_pairs.h"
 
 namespace collision_pairs {
 namespace {
 
-constexpr std::size_t BLOCK = 16;  // states taken at a time: less than 0.1 ms of work, mostly
+constexpr std::size_t BLOCK = 16;        // states taken at a time: less than 0.1 ms of work, mostly
+constexpr std::size_t STAGE_BLOCK = 64;  // the same, and whole groups
 
 }  // namespace
+
+/// What a thread needs for the batch stage, kept from batch to batch.
+struct BatchCheck::StageOfThread {
+  StageOfThread(const std::shared_ptr<const CollisionScene>& scene, const BatchStage& stage)
+      : group(stage), open(scene) {}
+  BatchStage::Group group;
+  OpenPairs open;
+};
+
+/// What a thread does with the joint states of one batch.
+class BatchCheck::JointsOfThread {
+ public:
+  /// stage: null where all come to the exact check.
+  JointsOfThread(const CollisionScene& scene, CollisionDetector& detector, StageOfThread* stage,
+                 const CheckSettings& settings, const Positions& positions,
+                 const CloudVoxels& voxels, const Take& take)
+      : scene_(scene),
+        detector_(detector),
+        settings_(settings),
+        positions_(positions),
+        take_(take),
+        group_(stage != nullptr ? &stage->group : nullptr),
+        open_(stage != nullptr ? &stage->open : nullptr) {
+    poses_.voxels = voxels;
+  }
+
+  /// The states begin … end - 1.
+  void run(std::size_t begin, std::size_t end) {
+    const std::size_t step = group_ ? static_cast<std::size_t>(group_->lanes()) : 1;
+    for (; begin < end; begin += step) {
+      if (group_) {
+        runGroup(begin, std::min(end, begin + step));
+      } else {
+        positions_(begin, q_[0]);
+        checkExactly(begin, q_[0]);
+      }
+    }
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  void runGroup(std::size_t begin, std::size_t end) {
+    group_->clear();
+    const Clock::time_point start = settings_.stage_times ? Clock::now() : Clock::time_point();
+    for (std::size_t i = begin; i < end; ++i) {
+      positions_(i, q_[i - begin]);
+      group_->set(static_cast<int>(i - begin), q_[i - begin]);
+    }
+    group_->settle();
+    share_ = secondsSince(start) / static_cast<double>(end - begin);
+    for (std::size_t i = begin; i < end; ++i) takeLane(i, static_cast<int>(i - begin));
+  }
+
+  void takeLane(std::size_t state, int lane) {
+    using Outcome = BatchStage::Group::Outcome;
+    switch (group_->outcome(lane)) {
+      case Outcome::FREE:
+        return takeFree(state, share_);
+      case Outcome::CONTACT:
+        return takeContact(state, group_->contact(lane), share_);
+      case Outcome::OPEN:
+        return checkOpen(state, lane);
+    }
+  }
+
+  void checkOpen(std::size_t state, int lane) {
+    const std::vector<double>& q = q_[static_cast<std::size_t>(lane)];
+    if (!group_->isSet(lane)) return checkExactly(state, q);
+    const Clock::time_point start = settings_.stage_times ? Clock::now() : Clock::time_point();
+    group_->openPairs(lane, pairs_);
+    group_->openBesideStatic(lane, beside_static_);
+    scene_.robot().forwardKinematics(q, X_RB_);
+    const OpenPairs::Outcome outcome = open_->check(X_RB_, pairs_, beside_static_);
+    if (outcome == OpenPairs::Outcome::NOT_SETTLED) return checkExactly(state, q);
+    const double seconds = share_ + secondsSince(start);
+    outcome == OpenPairs::Outcome::FREE ? takeFree(state, seconds)
+                                        : takeContact(state, open_->contact(), seconds);
+  }
+
+  void checkExactly(std::size_t state, const std::vector<double>& q) {
+    scene_.robot().forwardKinematics(q, X_RB_);
+    scene_.gatherPoses(X_RB_, poses_);
+    take_(state, detector_.detect(poses_, settings_));
+  }
+
+  void takeFree(std::size_t state, double seconds) {
+    settled_.pairs.clear();
+    takeSettled(state, Verdict::FREE, seconds);
+  }
+
+  void takeContact(std::size_t state, const BoxPair& elements, double seconds) {
+    const auto models = std::minmax(scene_.elements()[elements.first].model,
+                                    scene_.elements()[elements.second].model);
+    settled_.pairs.assign(1, {models.first, models.second, PairState::CONTACT, 0.0, Fidelity::MESH,
+                              Certainty::BOUND, 0, 0});
+    takeSettled(state, Verdict::COLLISION, seconds);
+  }
+
+  void takeSettled(std::size_t state, Verdict verdict, double seconds) {
+    settled_.verdict = verdict;
+    settled_.in_collision = verdict != Verdict::FREE;
+    settled_.min_distance_is_bound = verdict == Verdict::FREE;
+    settled_.times.total = seconds;
+    take_(state, settled_);
+  }
+
+  double secondsSince(Clock::time_point start) const {
+    if (!settings_.stage_times) return 0.0;
+    return std::chrono::duration<double>(Clock::now() - start).count();
+  }
+
+  const CollisionScene& scene_;
+  CollisionDetector& detector_;
+  const CheckSettings& settings_;
+  const Positions& positions_;
+  const Take& take_;
+  BatchStage::Group* const group_;
+  OpenPairs* const open_;
+  std::vector<double> q_[MOST_BATCH_LANES];
+  std::vector<Eigen::Isometry3d> X_RB_;
+  BodyPoses poses_;
+  std::vector<BoxPair> pairs_;
+  std::vector<std::uint32_t> beside_static_;
+  CollisionReport settled_;
+  double share_ = 0.0;  // of a state of the group in the time of the stage, s
+};
 
 BatchCheck::BatchCheck(std::shared_ptr<const CollisionScene> scene, unsigned threads)
     : scene_(std::move(scene)) {
   const std::size_t nb_detectors = nbThreads(threads, std::numeric_limits<std::size_t>::max());
   for (std::size_t i = 0; i < nb_detectors; ++i) detectors_.emplace_back(scene_);
 }
+
+BatchCheck::~BatchCheck() = default;
 
 void BatchCheck::run(std::size_t count, const CheckSettings& settings, const Pose& pose,
                      const Take& take) {
@@ -31,5 +164,40 @@ void BatchCheck::run(std::size_t count, const CheckSettings& settings, const Pos
     }
   });
 }
+
+void BatchCheck::runJoints(std::size_t count, const CheckSettings& settings,
+                           const Positions& positions, const CloudVoxels& voxels,
+                           const Take& take) {
+  const BatchStage* const stage = hasStageFor(count, settings) ? stage_.get() : nullptr;
+  const std::size_t size = stage != nullptr ? STAGE_BLOCK : BLOCK;
+  const std::size_t nb_blocks = count / size + (count % size > 0);
+  std::vector<std::unique_ptr<JointsOfThread>> threads(detectors_.size());
+  staged_.resize(threads.size());
+  inParallel(threads.size(), nb_blocks, [&](std::size_t thread, std::size_t block) {
+    auto& of_thread = threads[thread];
+    if (!of_thread) {
+      auto& kept = staged_[thread];
+      if (stage != nullptr && !kept) kept = std::make_unique<StageOfThread>(scene_, *stage);
+      of_thread = std::make_unique<JointsOfThread>(*scene_, detectors_[thread],
+                                                   stage != nullptr ? kept.get() : nullptr,
+                                                   settings, positions, voxels, take);
+    }
+    of_thread->run(block * size, std::min((block + 1) * size, count));
+  });
+}
+
+bool BatchCheck::hasStageFor(std::size_t count, const CheckSettings& settings) {
+  const bool is_possible = settings.verdict_only && settings.fidelity == Fidelity::MESH &&
+                           settings.time_budget == 0.0 && !settings.min_distance;
+  if (!is_possible) return false;
+  nb_verdicts_ += count;
+  if (nb_verdicts_ >= STATES_WORTH_A_STAGE && !stage_was_tried_) {
+    stage_ = BatchStage::make(*scene_);
+    stage_was_tried_ = true;
+  }
+  return stage_ != nullptr;
+}
+
+std::size_t BatchCheck::stageMemory() const { return stage_ ? stage_->memory() : 0; }
 
 }  // namespace collision_pairs

@@ -1,0 +1,200 @@
+// The loops of BatchKernel, for any width: `Set` says which vectors. Uses nothing of the C++
+// library, so that a file compiled for newer processors leaves no code of theirs in a shared
+// function. No lane is told anything that depends on another, and every kernel rounds alike: the
+// same operations in the same order, none fused.
+#pragma once
+
+#include "batch_kernel.h"
+
+namespace collision_pairs {
+
+template <class Set>
+class BatchLoops {
+  using Floats = typename Set::Floats;
+  using Ints = typename Set::Ints;
+  static constexpr int LANES = Set::LANES;
+
+  static Floats load(const float* from) { return *reinterpret_cast<const Floats*>(from); }
+  static void store(const Floats& lanes, float* to) { *reinterpret_cast<Floats*>(to) = lanes; }
+
+  /// Sine and cosine; each off by at most 4 * 2^-24. The angle is brought to -pi/4 ... pi/4 in
+  /// double; polynomials as in Cephes (Moshier, 1992).
+  static void sineAndCosine(const double* angle, Floats& sine, Floats& cosine) {
+    constexpr double HALF_PI = 1.57079632679489661923, ROUNDER = 6755399441055744.0;  // 1.5 * 2^52
+    alignas(64) float rest[LANES];
+    alignas(64) int quarter[LANES];
+    for (int l = 0; l < LANES; ++l) {
+      const double turns = (angle[l] * (1.0 / HALF_PI) + ROUNDER) - ROUNDER;
+      rest[l] = static_cast<float>(angle[l] - turns * HALF_PI);
+      quarter[l] = static_cast<int>(turns);
+    }
+    const Floats x = load(rest), z = x * x;
+    const Ints turned = *reinterpret_cast<const Ints*>(quarter);
+    const Floats s =
+        x + x * z * (-1.6666654611e-1f + z * (8.3321608736e-3f + z * -1.9515295891e-4f));
+    const Floats c =
+        1.0f - 0.5f * z +
+        z * z * (4.166664568298827e-2f + z * (-1.388731625493765e-3f + z * 2.443315711809948e-5f));
+    const Ints is_odd = (turned & 1) != 0;
+    const Floats sine_size = is_odd ? c : s, cosine_size = is_odd ? s : c;
+    sine = (turned & 2) != 0 ? -sine_size : sine_size;
+    cosine = ((turned + 1) & 2) != 0 ? -cosine_size : cosine_size;
+  }
+
+  static void place(const BatchTables& tables, const BatchLanes& group) {
+    for (int i = 0; i < tables.nb_bodies; ++i) placeBody(tables.bodies[i], i, group);
+  }
+
+  static void placeBody(const BatchBody& body, int index, const BatchLanes& group) {
+    float* const pose = group.poses + index * 12 * LANES;
+    Floats axes[3][3], p[3];  // axes[k]: the k-th column of R
+    if (body.parent < 0) {
+      for (int row = 0; row < 3; ++row) {
+        for (int k = 0; k < 3; ++k) axes[k][row] = Floats{} + body.R[3 * row + k];
+        p[row] = Floats{} + body.p[row];
+      }
+    } else {
+      const float* const above = group.poses + body.parent * 12 * LANES;
+      for (int row = 0; row < 3; ++row) {
+        const Floats x = load(above + row * LANES), y = load(above + (3 + row) * LANES),
+                     z = load(above + (6 + row) * LANES);
+        for (int k = 0; k < 3; ++k) {
+          axes[k][row] = x * body.R[k] + y * body.R[3 + k] + z * body.R[6 + k];
+        }
+        p[row] = x * body.p[0] + y * body.p[1] + z * body.p[2] + load(above + (9 + row) * LANES);
+      }
+    }
+    if (body.kind == BatchBody::TURNS) {
+      Floats sine, cosine;
+      sineAndCosine(group.positions + body.column * LANES, sine, cosine);
+      for (int row = 0; row < 3; ++row) {
+        const Floats x = axes[0][row], y = axes[1][row];
+        axes[0][row] = cosine * x + sine * y;
+        axes[1][row] = cosine * y - sine * x;
+      }
+    } else if (body.kind == BatchBody::SLIDES) {
+      alignas(64) float by[LANES];
+      for (int l = 0; l < LANES; ++l) {
+        by[l] = static_cast<float>(group.positions[body.column * LANES + l]);
+      }
+      for (int row = 0; row < 3; ++row) p[row] = p[row] + axes[2][row] * load(by);
+    }
+    for (int row = 0; row < 3; ++row) {
+      for (int k = 0; k < 3; ++k) store(axes[k][row], pose + (3 * k + row) * LANES);
+      store(p[row], pose + (9 + row) * LANES);
+    }
+  }
+
+  static const float* centerOf(const BatchTables& tables, const BatchLanes& group, int ball) {
+    float* const center = group.centers + ball * 3 * LANES;
+    if (group.placed[ball] == group.group) return center;
+    group.placed[ball] = group.group;
+    const BatchBall& of_ball = tables.balls[ball];
+    const float* const pose = group.poses + of_ball.body * 12 * LANES;
+    for (int row = 0; row < 3; ++row) {
+      const float* const r = pose + row * LANES;
+      store(load(r) * of_ball.center[0] + load(r + 3 * LANES) * of_ball.center[1] +
+                load(r + 6 * LANES) * of_ball.center[2] + load(r + 9 * LANES),
+            center + row * LANES);
+    }
+    return center;
+  }
+
+  struct Gap {
+    Floats squared;
+    float reach;  ///< of the two balls and the padding
+  };
+
+  static Gap gapOf(const BatchTables& tables, const BatchLanes& group, int a, int b,
+                   float padding) {
+    const float* const from = centerOf(tables, group, a);
+    const float* const to = centerOf(tables, group, b);
+    const Floats x = load(to) - load(from), y = load(to + LANES) - load(from + LANES),
+                 z = load(to + 2 * LANES) - load(from + 2 * LANES);
+    return {x * x + y * y + z * z, tables.balls[a].radius + tables.balls[b].radius + padding};
+  }
+
+  /// The lanes in which the two may meet: all but those in which they are certain not to.
+  static unsigned mayMeet(const Gap& gap) {
+    return ~Set::bits(gap.squared > Floats{} + gap.reach * gap.reach);
+  }
+
+  /// Of `lanes` those in which outer balls of both trees meet at the leaves.
+  static unsigned openLanes(const BatchTables& tables, const BatchLanes& group,
+                            const BatchPair& pair, unsigned lanes) {
+    struct Step {
+      int a, b;  // in their trees
+      unsigned lanes;
+    };
+    const BatchTree &first = tables.trees[pair.first], &second = tables.trees[pair.second];
+    Step stack[64];  // one step is left behind for each ball on the way to two leaves
+    int depth = 0;
+    stack[depth++] = {0, 0, lanes};
+    unsigned open = 0;
+    while (depth > 0) {
+      Step step = stack[--depth];
+      step.lanes &= ~open;
+      if (step.lanes == 0) continue;
+      const int a = first.first_outer + step.a, b = second.first_outer + step.b;
+      step.lanes &= mayMeet(gapOf(tables, group, a, b, pair.outer_padding));
+      if (step.lanes == 0) continue;
+      const bool a_ends = 2 * step.a + 1 >= first.nb_outer;
+      const bool b_ends = 2 * step.b + 1 >= second.nb_outer;
+      if (a_ends && b_ends) {
+        open |= step.lanes;
+      } else if (b_ends || (!a_ends && tables.balls[a].radius >= tables.balls[b].radius)) {
+        stack[depth++] = {2 * step.a + 1, step.b, step.lanes};
+        stack[depth++] = {2 * step.a + 2, step.b, step.lanes};
+      } else {
+        stack[depth++] = {step.a, 2 * step.b + 1, step.lanes};
+        stack[depth++] = {step.a, 2 * step.b + 2, step.lanes};
+      }
+    }
+    return open;
+  }
+
+  /// Of `lanes` those in which inner balls overlap.
+  static unsigned certainLanes(const BatchTables& tables, const BatchLanes& group,
+                               const BatchPair& pair, unsigned lanes) {
+    const BatchTree &first = tables.trees[pair.first], &second = tables.trees[pair.second];
+    unsigned certain = 0;
+    for (int i = 0; i < first.nb_inner; ++i) {
+      for (int j = 0; j < second.nb_inner; ++j) {
+        const Gap gap =
+            gapOf(tables, group, first.first_inner + i, second.first_inner + j, pair.inner_padding);
+        if (gap.reach > 0.0f) certain |= Set::bits(gap.squared < Floats{} + gap.reach * gap.reach);
+        if ((lanes & ~certain) == 0) return lanes;
+      }
+    }
+    return certain & lanes;
+  }
+
+  static int settle(const BatchTables& tables, const BatchLanes& group, unsigned lanes,
+                    OpenBatchPair* open, int* contact) {
+    int nb_open = 0;
+    for (int i = 0; i < tables.nb_pairs && lanes != 0; ++i) {
+      const BatchPair& pair = tables.pairs[i];
+      unsigned near =
+          lanes & mayMeet(gapOf(tables, group, tables.trees[pair.first].first_outer,
+                                tables.trees[pair.second].first_outer, pair.outer_padding));
+      if (near == 0) continue;
+      unsigned certain = 0;
+      if (pair.has_table) near = group.look_up(group.tables, i, near, &certain);
+      const unsigned unsettled = openLanes(tables, group, pair, near & ~certain);
+      if (unsettled != 0) certain |= certainLanes(tables, group, pair, unsettled);
+      for (int l = 0; l < LANES; ++l) {
+        if (certain >> l & 1u) contact[l] = i;
+      }
+      lanes &= ~certain;
+      if ((unsettled & ~certain) != 0) open[nb_open++] = {i, unsettled & ~certain};
+    }
+    return nb_open;
+  }
+
+ public:
+  static constexpr BatchKernel kernel(const char* name) {
+    return {name, LANES, &place, &settle, &centerOf};
+  }
+};
+
+}  // namespace collision_pairs

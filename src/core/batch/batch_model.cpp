@@ -1,0 +1,226 @@
+#include "batch_model.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "in_parallel.h"
+#include "pair_table.h"
+
+namespace collision_pairs {
+namespace {
+
+using Eigen::Isometry3d;
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+constexpr double UNIT = 1.0 / (1 << 24);     // of rounding to float, relative
+constexpr double STORED = 1.75 * UNIT;       // a rotation's entries, rounded
+constexpr double PRODUCT = 9.0 * UNIT;       // of two rotations
+constexpr double TURN = (5.7 + 4.0) * UNIT;  // by a sine and a cosine off by 4 UNIT each
+constexpr double SECOND_ORDER = 1.001;
+constexpr double OF_DISTANCE = 16.0 * UNIT;  // of distances and radii, relative
+constexpr double MARGIN = 1e-9;              // m, and of sizes: the exact check rounds, too
+constexpr double MOST_REACH = 1e3;           // m
+constexpr double MOST_SLIDE = 10.0;          // m, of a joint without limits
+
+const Prepared& preparedOf(const SceneElement& element) {
+  return static_cast<const Prepared&>(*element.rung(Fidelity::MESH).shape);
+}
+
+float roundedUp(double x) {
+  const auto rounded = static_cast<float>(x);
+  return rounded < x ? std::nextafter(rounded, std::numeric_limits<float>::infinity()) : rounded;
+}
+
+float roundedDown(double x) { return -roundedUp(-x); }
+
+/// A rotation whose z axis is that of the joint.
+Matrix3d alongJoint(const RobotModel& robot, const Body& body) {
+  if (body.joint < 0 || !robot.joints()[body.joint].hasPosition()) return Matrix3d::Identity();
+  return Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), robot.joints()[body.joint].axis)
+      .toRotationMatrix();
+}
+
+class ModelMaker {
+ public:
+  ModelMaker(const CollisionScene& scene, BatchModel& model)
+      : scene_(scene), robot_(scene.robot()), model_(model), body_of_(robot_.bodies().size(), -1) {}
+
+  void make() {
+    const auto& elements = scene_.elements();
+    std::vector<BallCover> covers(elements.size());
+    inParallel(nbThreads(0, covers.size()), covers.size(), [&](std::size_t, std::size_t i) {
+      const bool is_box = std::holds_alternative<Box>(elements[i].shape);
+      if (i < scene_.nbStaticElements() && is_box) return;
+      covers[i] = coverByBalls(preparedOf(elements[i]));
+    });
+    for (std::uint32_t i = scene_.nbStaticElements(); i < elements.size(); ++i) {
+      addTree(i, covers[i]);
+    }
+    model_.covers = std::move(covers);
+    addPairs();
+  }
+
+ private:
+  /// The body with those above it.
+  int addBody(int id) {
+    if (body_of_[id] >= 0) return body_of_[id];
+    const Body& body = robot_.bodies()[id];
+    BatchBody made{-1, -1, BatchBody::STANDS, {}, {}};
+    PoseError error, above;
+    Matrix3d R_CP = Matrix3d::Identity();  // from the body above to its frame of the stage
+    if (body.parent >= 0) {
+      made.parent = addBody(body.parent);
+      above = model_.errors[static_cast<std::size_t>(made.parent)];
+      R_CP = alongJoint(robot_, robot_.bodies()[body.parent]).transpose();
+      error.rotation = above.rotation + PRODUCT;
+    }
+    const Matrix3d R = R_CP * body.X_PJ.linear() * alongJoint(robot_, body);
+    const Vector3d p = R_CP * body.X_PJ.translation();
+    for (int i = 0; i < 9; ++i) made.R[i] = static_cast<float>(R(i / 3, i % 3));
+    for (int i = 0; i < 3; ++i) made.p[i] = static_cast<float>(p[i]);
+    error.rotation += STORED;
+    error.reach = above.reach + p.norm();
+    error.position = above.position + above.rotation * p.norm() + ofSum(p.norm(), above.reach);
+    if (body.joint >= 0 && robot_.joints()[body.joint].hasPosition()) {
+      addJoint(body.joint, made, error);
+    }
+    error.rotation *= SECOND_ORDER;
+    error.position *= SECOND_ORDER;
+    body_of_[id] = static_cast<int>(model_.bodies.size());
+    model_.bodies.push_back(made);
+    model_.errors.push_back(error);
+    model_.robot_body.push_back(id);
+    return body_of_[id];
+  }
+
+  void addJoint(int id, BatchBody& body, PoseError& error) {
+    const Joint& joint = robot_.joints()[id];
+    body.column = static_cast<int>(model_.columns.size());
+    if (joint.type != JointType::PRISMATIC) {
+      body.kind = BatchBody::TURNS;
+      error.rotation += TURN;
+      model_.columns.push_back({id, MOST_TURNS});
+      return;
+    }
+    body.kind = BatchBody::SLIDES;
+    const double limit = std::max(std::abs(joint.lower), std::abs(joint.upper));
+    const double most = limit > 0.0 ? std::min(1.5 * limit, MOST_SLIDE) : MOST_SLIDE;
+    error.position += (error.rotation + 3.0 * UNIT) * most + 2.0 * UNIT * (error.reach + most);
+    error.reach += most;
+    model_.columns.push_back({id, most});
+  }
+
+  /// Of a vector of this length, stored, turned and added to one of length `to`.
+  static double ofSum(double length, double to) {
+    return UNIT * length + 4.0 * UNIT * (std::sqrt(3.0) * length + to);
+  }
+
+  void addTree(std::uint32_t element, const BallCover& cover) {
+    const SceneElement& of_scene = scene_.elements()[element];
+    const int robot_body = scene_.bodies()[of_scene.body].body;
+    const int body = addBody(robot_body);
+    const Isometry3d X_CE =
+        alongJoint(robot_, robot_.bodies()[robot_body]).transpose() * of_scene.X_BE;
+    BatchTree tree;
+    tree.first_outer = static_cast<int>(model_.balls.size());
+    tree.nb_outer = static_cast<int>(cover.outer.size());
+    for (const Ball& ball : cover.outer) addBall(ball, X_CE, body, true);
+    tree.first_inner = static_cast<int>(model_.balls.size());
+    for (const Ball& ball : cover.inner) addBall(ball, X_CE, body, false);
+    tree.nb_inner = static_cast<int>(model_.balls.size()) - tree.first_inner;
+    model_.trees.push_back(tree);
+    model_.element_of.push_back(element);
+  }
+
+  void addBall(const Ball& ball, const Isometry3d& X_CE, int body, bool is_outer) {
+    const Vector3d center = X_CE * ball.center;
+    const PoseError& pose = model_.errors[static_cast<std::size_t>(body)];
+    const double error = pose.position + pose.rotation * center.norm() +
+                         SECOND_ORDER * ofSum(center.norm(), pose.reach) +
+                         MARGIN * (1.0 + center.norm() + ball.radius);
+    const double radius = is_outer ? (ball.radius + error) * (1.0 + OF_DISTANCE)
+                                   : (ball.radius - error) * (1.0 - OF_DISTANCE);
+    if (!is_outer && !(radius > 0.0)) return;
+    BatchBall made{{}, is_outer ? roundedUp(radius) : roundedDown(radius), body};
+    for (int i = 0; i < 3; ++i) made.center[i] = static_cast<float>(center[i]);
+    model_.balls.push_back(made);
+  }
+
+  void addPairs() {
+    const auto& elements = scene_.elements();
+    const auto nb_trees = static_cast<int>(model_.trees.size());
+    for (int a = 0; a < nb_trees; ++a) {
+      for (int b = a + 1; b < nb_trees; ++b) {
+        const BoxPair pair{elementOf(a), elementOf(b)};
+        const SceneElement &first = elements[pair.first], &second = elements[pair.second];
+        if (!scene_.filter().allowed(first.model, second.model)) continue;
+        if (first.body == second.body && isAlwaysApart(pair)) continue;
+        const double padding = scene_.padding(pair.first, pair.second);
+        std::vector<int> joints;
+        const bool has_table = PairTable::joints(robot_, scene_.bodies()[first.body].body,
+                                                 scene_.bodies()[second.body].body, joints);
+        model_.pairs.push_back({a, b, roundedUp(padding * (1.0 + OF_DISTANCE)),
+                                roundedDown(padding * (1.0 - OF_DISTANCE)), has_table});
+      }
+    }
+  }
+
+  /// Of two elements of one body, which never move against each other.
+  bool isAlwaysApart(const BoxPair& pair) {
+    const SceneElement &a = scene_.elements()[pair.first], &b = scene_.elements()[pair.second];
+    const Isometry3d X_AB = a.X_BE.inverse() * b.X_BE;
+    const double reach = scene_.padding(pair.first, pair.second) + 1e-6;
+    return narrow_phase_
+               .distance(*a.rung(Fidelity::MESH).shape, *b.rung(Fidelity::MESH).shape, X_AB, reach)
+               .certainty == Certainty::BEYOND;
+  }
+
+  std::uint32_t elementOf(int tree) const {
+    return model_.element_of[static_cast<std::size_t>(tree)];
+  }
+
+  const CollisionScene& scene_;
+  const RobotModel& robot_;
+  BatchModel& model_;
+  std::vector<int> body_of_;  // of the stage, by body of the robot
+  NarrowPhase narrow_phase_;
+};
+
+}  // namespace
+
+std::string BatchModel::whyNot(const CollisionScene& scene) {
+  if (!scene.clouds().empty()) return "it has clouds";
+  if (scene.narrowPhase() != NarrowPhaseMethod::NATIVE) return "FCL answers its pairs";
+  for (std::uint32_t i = 0; i < scene.elements().size(); ++i) {
+    const SceneElement& element = scene.elements()[i];
+    const std::string& name = scene.models()[element.model].name;
+    const bool is_half_space = std::holds_alternative<HalfSpace>(element.shape);
+    if (element.finest != Fidelity::MESH || !element.rung(Fidelity::MESH).shape) {
+      return "'" + name + "' is not checked by its mesh";
+    }
+    if (is_half_space && element.body >= 0) return "'" + name + "' is a half-space that moves";
+    const double reach =
+        element.X_BE.translation().norm() +
+        (is_half_space ? 0.0 : element.box_center.norm() + element.box_half.norm());
+    if (!(reach + element.box_padding <= MOST_REACH)) return "'" + name + "' is too far away";
+  }
+  double reach = 0.0;
+  for (const Body& body : scene.robot().bodies()) reach += body.X_PJ.translation().norm();
+  return reach <= MOST_REACH ? "" : "the robot is too large";
+}
+
+BatchModel::BatchModel(const CollisionScene& scene) { ModelMaker(scene, *this).make(); }
+
+std::size_t BatchModel::memory() const {
+  std::size_t bytes = bodies.size() * sizeof(BatchBody) + errors.size() * sizeof(PoseError) +
+                      balls.size() * sizeof(BatchBall) + trees.size() * sizeof(BatchTree) +
+                      pairs.size() * sizeof(BatchPair);
+  for (const BallCover& cover : covers) {
+    bytes += (cover.outer.size() + cover.inner.size()) * sizeof(Ball);
+  }
+  return bytes;
+}
+
+}  // namespace collision_pairs

@@ -1,0 +1,158 @@
+#include "pair_table.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace collision_pairs {
+namespace {
+
+using Eigen::Isometry3d;
+using Eigen::Vector3d;
+
+constexpr std::uint8_t OPEN_BLOCK = 16;
+constexpr int FIRST_LEVEL = 6;     // in larger blocks the joints move links by centimetres
+constexpr int VISITS = 4;          // of an open block, until it is looked at: costs about as much
+constexpr double MARGIN = 2e-9;    // m: the exact check and this one round
+constexpr double ROUNDING = 1e-9;  // of the width of a cell
+
+std::size_t indexOfBlock(int level, int x, int y) {
+  const std::size_t before = ((std::size_t{1} << (2 * level)) - 1) / 3;
+  return before + (static_cast<std::size_t>(y) << level) + static_cast<std::size_t>(x);
+}
+
+}  // namespace
+
+bool PairTable::joints(const RobotModel& robot, int body_a, int body_b, std::vector<int>& joints) {
+  const auto& bodies = robot.bodies();
+  std::vector<int> from_a, from_b;
+  while (body_a != body_b) {  // a parent always comes before its children
+    int& later = body_a > body_b ? body_a : body_b;
+    const int joint = bodies[later].joint;
+    if (joint < 0) return false;  // they are of two robots
+    if (robot.joints()[joint].hasPosition()) {
+      (&later == &body_a ? from_a : from_b).push_back(joint);
+    }
+    later = bodies[later].parent;
+  }
+  joints = from_a;
+  joints.insert(joints.end(), from_b.rbegin(), from_b.rend());
+  return !joints.empty() && joints.size() <= 2 &&
+         std::all_of(joints.begin(), joints.end(), [&](int id) {
+           const Joint& joint = robot.joints()[id];
+           return joint.type != JointType::PRISMATIC || joint.upper > joint.lower;
+         });
+}
+
+PairTable::PairTable(const CollisionScene& scene, const BatchModel& model, const BoxPair& pair)
+    : scene_(scene), model_(model), pair_(pair), positions_(scene.robot().zeroPositions()) {
+  const auto& elements = scene.elements();
+  const auto bodyOf = [&](std::uint32_t i) { return scene.bodies()[elements[i].body].body; };
+  joints(scene.robot(), bodyOf(pair.first), bodyOf(pair.second), joints_);
+  for (std::size_t i = 0; i < joints_.size(); ++i) {
+    const Joint& joint = scene.robot().joints()[joints_[i]];
+    const bool turns = joint.type != JointType::PRISMATIC;
+    const bool is_limited = joint.hasLimits() && joint.upper > joint.lower &&
+                            !(turns && joint.upper - joint.lower >= 2.0 * M_PI);
+    axes_[i].is_round = !is_limited;
+    axes_[i].lower = is_limited ? joint.lower : -M_PI;
+    axes_[i].width = is_limited ? joint.upper - joint.lower : 2.0 * M_PI;
+  }
+}
+
+bool PairTable::indexOf(const Axis& axis, double position, int& index) const {
+  const double from_lower = (position - axis.lower) / axis.width;
+  const double share = axis.is_round ? from_lower - std::floor(from_lower) : from_lower;
+  if (!(share >= 0.0 && share <= 1.0)) return false;
+  index = std::min(static_cast<int>(share * SIDE), SIDE - 1);
+  return true;
+}
+
+PairTable::Cell PairTable::at(double first, double second, NarrowPhase& narrow_phase) {
+  int x = 0, y = 0;
+  if (!indexOf(axes_[0], first, x) || !indexOf(axes_[1], second, y)) return Cell::OPEN;
+  if (cells_.empty()) {
+    cells_.assign(SIDE * SIDE, OPEN_BLOCK + FIRST_LEVEL);
+    visits_.assign(indexOfBlock(LEVELS + 1, 0, 0), 0);
+  }
+  const std::uint8_t code = cells_[static_cast<std::size_t>(y * SIDE + x)];
+  if (code < OPEN_BLOCK) return static_cast<Cell>(code);
+  const int level = code - OPEN_BLOCK;
+  const Block block{level, x >> (LEVELS - level), y >> (LEVELS - level)};
+  std::uint8_t& visits = visits_[indexOfBlock(level, block.x, block.y)];
+  if (visits > VISITS || ++visits < VISITS) return Cell::OPEN;
+  visits = VISITS + 1;  // looked at
+  const Cell cell = certified(block, narrow_phase);
+  if (cell != Cell::OPEN) {
+    fill(block, static_cast<std::uint8_t>(cell));
+  } else if (level < LEVELS) {
+    fill(block, static_cast<std::uint8_t>(code + 1));
+  }
+  return cell;
+}
+
+void PairTable::fill(const Block& block, std::uint8_t code) {
+  const int side = SIDE >> block.level;
+  for (int y = block.y * side; y < (block.y + 1) * side; ++y) {
+    std::fill_n(cells_.begin() + y * SIDE + block.x * side, side, code);
+  }
+}
+
+// From the middle of the block: the joint nearer to the element that is seen as moving turns first,
+// then the other, about an axis from which its points have got no further away than the first moved
+// them. The distance of two elements changes by no more than either of them moves, seen from the
+// other; and two balls that overlap by more than that still do (docs/batch.md).
+PairTable::Cell PairTable::certified(const Block& block, NarrowPhase& narrow_phase) {
+  double half[2] = {0.0, 0.0};
+  const int index[2] = {block.x, block.y};
+  for (std::size_t i = 0; i < joints_.size(); ++i) {
+    const double width = axes_[i].width / (1 << block.level);
+    positions_[static_cast<std::size_t>(joints_[i])] = axes_[i].lower + (index[i] + 0.5) * width;
+    half[i] = 0.5 * width * (1.0 + ROUNDING);
+  }
+  scene_.robot().forwardKinematics(positions_, X_WB_);
+  const auto& elements = scene_.elements();
+  const auto poseOf = [&](const SceneElement& element) -> Isometry3d {
+    return X_WB_[static_cast<std::size_t>(scene_.bodies()[element.body].body)] * element.X_BE;
+  };
+  const SceneElement &a = elements[pair_.first], &b = elements[pair_.second];
+  const Isometry3d X_WA = poseOf(a), X_WC = poseOf(b);
+  const BallCover &cover_a = model_.covers[pair_.first], &cover_b = model_.covers[pair_.second];
+  double moves_a = half[0] * reachOf(cover_a, X_WA, 0), moves_b = 0.0;
+  if (joints_.size() == 2) {
+    moves_b = half[1] * reachOf(cover_b, X_WC, 1);
+    moves_a += half[1] * (reachOf(cover_a, X_WA, 1) + moves_a);
+    moves_b += half[0] * (reachOf(cover_b, X_WC, 0) + moves_b);
+  } else {
+    moves_b = half[0] * reachOf(cover_b, X_WC, 0);
+  }
+  const double moves = std::min(moves_a, moves_b) + MARGIN;
+  const double padding = scene_.padding(pair_.first, pair_.second);
+  const Isometry3d X_AC = X_WA.inverse() * X_WC;
+  for (const Ball& of_a : cover_a.inner) {
+    for (const Ball& of_b : cover_b.inner) {
+      const double gap = (X_AC * of_b.center - of_a.center).norm() - of_a.radius - of_b.radius;
+      if (gap + moves < padding) return Cell::CONTACT;
+    }
+  }
+  const PairDistance found = narrow_phase.distance(
+      *a.rung(Fidelity::MESH).shape, *b.rung(Fidelity::MESH).shape, X_AC, moves + padding);
+  return found.certainty == Certainty::BEYOND ? Cell::FREE : Cell::OPEN;
+}
+
+/// Metres a radian, or a metre, by which the joint can move a point of the element.
+double PairTable::reachOf(const BallCover& cover, const Isometry3d& X_WE, int number) const {
+  const RobotModel& robot = scene_.robot();
+  const int id = joints_[static_cast<std::size_t>(number)];
+  const Joint& joint = robot.joints()[id];
+  if (joint.type == JointType::PRISMATIC) return 1.0;
+  const Isometry3d& X_WB = X_WB_[static_cast<std::size_t>(robot.links()[joint.child_link].body)];
+  const Vector3d axis_W = X_WB.linear() * joint.axis;
+  double reach = 0.0;
+  for (std::size_t i = cover.outer.size() / 2; i < cover.outer.size(); ++i) {
+    const Vector3d p_W = X_WE * cover.outer[i].center - X_WB.translation();
+    reach = std::max(reach, axis_W.cross(p_W).norm() + cover.outer[i].radius);
+  }
+  return reach * (1.0 + ROUNDING);
+}
+
+}  // namespace collision_pairs

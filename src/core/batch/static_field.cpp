@@ -1,0 +1,150 @@
+#include "static_field.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace collision_pairs {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double INFINITE = std::numeric_limits<double>::infinity();
+constexpr int BLOCKS = StaticField::SIDE / 4;
+constexpr double ROUNDING = 1e-7;  // of what is stored, relative: as a float
+
+/// Signed distance of a point from a box around the origin.
+double distanceFromBox(const Vector3d& half, const Vector3d& p) {
+  const Vector3d beyond = p.cwiseAbs() - half;
+  return beyond.cwiseMax(0.0).norm() + std::min(beyond.maxCoeff(), 0.0);
+}
+
+}  // namespace
+
+StaticField::StaticField(const CollisionScene& scene, const BatchModel& model,
+                         std::vector<std::uint32_t> elements, const Aabb& region)
+    : scene_(scene),
+      model_(model),
+      origin_(region.min),
+      cell_size_((region.max - region.min) / SIDE),
+      cells_a_metre_(cell_size_.cwiseInverse()),
+      slots_(std::make_unique<Slot[]>(SIDE * SIDE * SIDE)),
+      near_block_(BLOCKS * BLOCKS * BLOCKS) {
+  std::vector<std::uint32_t> all;
+  for (const std::uint32_t element : elements) {
+    const Eigen::Isometry3d X_EW = scene.elements()[element].X_BE.inverse();
+    all.push_back(static_cast<std::uint32_t>(things_.size()));
+    things_.push_back({element, X_EW.linear(), X_EW.translation()});
+  }
+  const Vector3d block_size = cell_size_ * (SIDE / BLOCKS);
+  for (int i = 0; i < BLOCKS * BLOCKS * BLOCKS; ++i) {
+    const Vector3d block(i % BLOCKS + 0.5, i / BLOCKS % BLOCKS + 0.5, i / (BLOCKS * BLOCKS) + 0.5);
+    findNear(origin_ + block.cwiseProduct(block_size), block_size.norm(), all,
+             near_block_[static_cast<std::size_t>(i)]);
+  }
+}
+
+const StaticField::Slot* StaticField::slotOf(const Vector3d& p_W, Vector3d& center) const {
+  const Vector3d place = (p_W - origin_).cwiseProduct(cells_a_metre_);
+  const bool is_within = (place.array() >= 0.0).all() && (place.array() < SIDE).all();
+  if (!is_within) return nullptr;
+  const Eigen::Vector3i cell = place.cast<int>();
+  Slot& slot = slots_[static_cast<std::size_t>((cell[2] * SIDE + cell[1]) * SIDE + cell[0])];
+  center = origin_ + (cell.cast<double>().array() + 0.5).matrix().cwiseProduct(cell_size_);
+  if (!slot.is_known.load(std::memory_order_acquire)) {
+    const Eigen::Vector3i block = cell / (SIDE / BLOCKS);
+    fill(center,
+         near_block_[static_cast<std::size_t>((block[2] * BLOCKS + block[1]) * BLOCKS + block[0])],
+         slot);
+  }
+  return &slot;
+}
+
+bool StaticField::isFurther(const Vector3d& p_W, double reach) const {
+  Vector3d center;
+  const Slot* const slot = slotOf(p_W, center);
+  if (slot == nullptr) return false;
+  if (slot->apart.load(std::memory_order_relaxed) - (p_W - center).norm() > reach) return true;
+  const std::uint32_t nb_near = slot->nb_near.load(std::memory_order_relaxed);
+  if (nb_near > MOST_NEAR) return false;
+  for (std::uint32_t i = 0; i < nb_near; ++i) {
+    const Thing& thing = things_[slot->near[i].load(std::memory_order_relaxed)];
+    if (!(apartFrom(thing, p_W, reach) > reach)) return false;
+  }
+  return true;
+}
+
+bool StaticField::isNearer(const Vector3d& p_W, double reach, std::uint32_t& element) const {
+  Vector3d center;
+  const Slot* const slot = slotOf(p_W, center);
+  if (slot == nullptr) return false;
+  const std::uint32_t nb_near = slot->nb_near.load(std::memory_order_relaxed);
+  for (std::uint32_t i = 0; i < std::min(nb_near, MOST_NEAR); ++i) {
+    const Thing& thing = things_[slot->near[i].load(std::memory_order_relaxed)];
+    if (!(upperOf(thing, p_W) < reach)) continue;
+    element = thing.element;
+    return true;
+  }
+  return false;
+}
+
+// A bound of one element changes by no more than the way from a point to another. So what is not
+// within the least bound and twice half the diagonal is nowhere in the cell the nearest.
+double StaticField::findNear(const Vector3d& p_W, double diagonal,
+                             const std::vector<std::uint32_t>& things,
+                             std::vector<std::uint32_t>& near) const {
+  double apart = INFINITE;
+  for (const std::uint32_t thing : things) {
+    apart = std::min(apart, apartFrom(things_[thing], p_W, -INFINITE));
+  }
+  const double within = apart + diagonal * (1.0 + ROUNDING);
+  for (const std::uint32_t thing : things) {
+    if (apartFrom(things_[thing], p_W, -INFINITE) <= within) near.push_back(thing);
+  }
+  return apart;
+}
+
+void StaticField::fill(const Vector3d& p_W, const std::vector<std::uint32_t>& things,
+                       Slot& slot) const {
+  thread_local std::vector<std::uint32_t> near;
+  near.clear();
+  const double apart = findNear(p_W, cell_size_.norm(), things, near);
+  for (std::size_t i = 0; i < near.size() && i < MOST_NEAR; ++i) {
+    slot.near[i].store(near[i], std::memory_order_relaxed);
+  }
+  slot.nb_near.store(static_cast<std::uint32_t>(near.size()), std::memory_order_relaxed);
+  slot.apart.store(static_cast<float>(apart - ROUNDING * std::abs(apart)),
+                   std::memory_order_relaxed);
+  slot.is_known.store(true, std::memory_order_release);
+}
+
+double StaticField::apartFrom(const Thing& thing, const Vector3d& p_W, double enough) const {
+  const SceneElement& element = scene_.elements()[thing.element];
+  const Vector3d p_E = thing.R_EW * p_W + thing.p_EW;
+  if (std::holds_alternative<HalfSpace>(element.shape)) return p_E[2];
+  const double of_box = distanceFromBox(element.box_half, p_E - element.box_center);
+  const bool is_certain = enough > -INFINITE && of_box > enough;
+  if (is_certain || std::holds_alternative<Box>(element.shape)) return of_box;
+  const std::vector<Ball>& balls = model_.covers[thing.element].outer;
+  double of_leaves = INFINITE;
+  for (std::size_t i = balls.size() / 2; i < balls.size() && of_leaves > enough; ++i) {
+    of_leaves = std::min(of_leaves, (p_E - balls[i].center).norm() - balls[i].radius);
+  }
+  return std::max(of_box, of_leaves);
+}
+
+double StaticField::upperOf(const Thing& thing, const Vector3d& p_W) const {
+  const SceneElement& element = scene_.elements()[thing.element];
+  const Vector3d p_E = thing.R_EW * p_W + thing.p_EW;
+  if (std::holds_alternative<HalfSpace>(element.shape)) return p_E[2];
+  if (const auto* box = std::get_if<Box>(&element.shape)) {
+    return distanceFromBox(0.5 * box->size, p_E);
+  }
+  double upper = INFINITE;
+  for (const Ball& ball : model_.covers[thing.element].inner) {
+    upper = std::min(upper, (p_E - ball.center).norm() - ball.radius);
+  }
+  return upper;
+}
+
+}  // namespace collision_pairs

@@ -1,0 +1,198 @@
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "ball_cover.h"
+#include "every_shape.h"
+
+namespace collision_pairs {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double ROUNDING = 1e-9;  // m
+
+bool isWithin(const Ball& ball, const Vector3d& p) {
+  return (p - ball.center).norm() <= ball.radius + ROUNDING;
+}
+
+BallCover coverOf(const Shape& shape) {
+  return coverByBalls(static_cast<const Prepared&>(*prepareShape(shape)));
+}
+
+std::vector<Ball> leavesOf(const BallCover& cover) {
+  const auto nb_inner_nodes = static_cast<std::ptrdiff_t>(cover.outer.size() / 2);
+  return {cover.outer.begin() + nb_inner_nodes, cover.outer.end()};
+}
+
+/// Membership by definition, of solids of which it is simple.
+bool holds(const Shape& shape, const Vector3d& p) {
+  if (const auto* box = std::get_if<Box>(&shape)) {
+    return (p.cwiseAbs() - 0.5 * box->size).maxCoeff() <= 0.0;
+  }
+  if (const auto* sphere = std::get_if<Sphere>(&shape)) return p.norm() <= sphere->radius;
+  if (const auto* c = std::get_if<Cylinder>(&shape)) {
+    return p.head<2>().norm() <= c->radius && std::abs(p[2]) <= 0.5 * c->length;
+  }
+  const auto& capsule = std::get<Capsule>(shape);
+  const double half = 0.5 * capsule.length;
+  return (p - Vector3d(0, 0, std::clamp(p[2], -half, half))).norm() <= capsule.radius;
+}
+
+bool isPrimitive(const Shape& shape) { return shape.index() <= 3; }
+
+/// Points of the solid: of a primitive any, of points their mixtures, of a mesh its surface.
+Vector3d pointOf(RandomInputs& random, const Shape& shape, double size) {
+  if (isPrimitive(shape)) {
+    while (true) {
+      const Vector3d p = random.vector(-2.0 * size, 2.0 * size);
+      if (holds(shape, p)) return p;
+    }
+  }
+  const auto* convex = std::get_if<Convex>(&shape);
+  const TriangleMesh& mesh = convex ? *convex->mesh : *std::get<Mesh>(shape).mesh;
+  Eigen::Array3d share(random.uniform(0, 1), random.uniform(0, 1), random.uniform(0, 1));
+  share /= share.sum();
+  Vector3d p = Vector3d::Zero();
+  const auto last = static_cast<int>(mesh.vertices.size()) - 1;
+  const int triangle = convex ? 0 : random.integer(0, static_cast<int>(mesh.triangles.size()) - 1);
+  for (int k = 0; k < 3; ++k) {
+    p += share[k] * mesh.vertices[convex ? random.integer(0, last) : mesh.triangles[triangle][k]];
+  }
+  return p;
+}
+
+TEST(EnclosingBall, HoldsAllPointsAndIsHardlyLargerThanTheSmallest) {
+  RandomInputs random;
+  for (int round = 0; round < 200; ++round) {
+    const Vector3d center = random.vector(-5, 5);
+    const double radius = std::pow(10.0, random.uniform(-3, 2));
+    std::vector<Vector3d> points;
+    for (int i = 0; i < 60; ++i) {  // opposite points on a sphere: no smaller ball has them
+      const Vector3d p = radius * (random.rotation() * Vector3d::UnitX());
+      points.push_back(center + p);
+      points.push_back(center - p);
+      points.push_back(center + random.uniform(0, 1) * p);
+    }
+    const Ball ball = enclosingBall(points);
+    for (const Vector3d& p : points) ASSERT_LE((p - ball.center).norm(), ball.radius * (1 + 1e-14));
+    EXPECT_LE(ball.radius, 1.01 * radius);
+  }
+  const Ball one = enclosingBall({Vector3d(1, 2, 3)});
+  EXPECT_EQ(one.radius, 0.0);
+  EXPECT_EQ(one.center, Vector3d(1, 2, 3));
+}
+
+TEST(BallCover, EnclosesEverySolidAtEachDepthOfItsTree) {
+  RandomInputs random;
+  for (const std::string& kind : EVERY_KIND) {
+    SCOPED_TRACE(kind);
+    for (int round = 0; round < 5; ++round) {
+      const double size = std::pow(10.0, random.uniform(-2, 1));
+      const Shape shape = shapeOfKind(random, kind, size);
+      const auto outer = coverOf(shape).outer;
+      ASSERT_EQ((outer.size() + 1) & outer.size(), 0u) << "a full tree";
+      for (int i = 0; i < 2000; ++i) {
+        const Vector3d p = pointOf(random, shape, size);
+        for (std::size_t first = 0; first < outer.size(); first = 2 * first + 1) {
+          const auto begin = outer.begin() + static_cast<std::ptrdiff_t>(first);
+          const auto end = begin + static_cast<std::ptrdiff_t>(first + 1);
+          ASSERT_TRUE(std::any_of(begin, end, [&](const Ball& b) { return isWithin(b, p); }));
+        }
+      }
+    }
+  }
+}
+
+TEST(BallCover, OfAMeshHoldsWhatTheMeshEncloses) {
+  RandomInputs random;
+  const LShape l;
+  const auto cover = coverOf(meshShape(l.mesh()));
+  const auto leaves = leavesOf(cover);
+  for (int i = 0; i < 20000; ++i) {
+    const int piece = random.integer(0, 1);
+    const Vector3d p =
+        l.piece_centers[piece] + random.vector(-1, 1).cwiseProduct(l.piece_halves[piece]);
+    ASSERT_TRUE(std::any_of(leaves.begin(), leaves.end(),
+                            [&](const Ball& ball) { return isWithin(ball, p); }));
+  }
+}
+
+TEST(BallCover, LeavesAreTighterThanTheRoot) {
+  const auto outer = coverOf(meshShape(LShape().mesh())).outer;
+  double largest = 0.0;
+  for (std::size_t i = outer.size() / 2; i < outer.size(); ++i) {
+    largest = std::max(largest, outer[i].radius);
+  }
+  EXPECT_LT(largest, 0.5 * outer[0].radius);
+}
+
+TEST(BallCover, InnerBallsLieInTheSolid) {
+  RandomInputs random;
+  for (const std::string kind : {"box", "sphere", "cylinder", "capsule"}) {
+    SCOPED_TRACE(kind);
+    const Shape shape = shapeOfKind(random, kind, 0.3);
+    const auto inner = coverOf(shape).inner;
+    ASSERT_FALSE(inner.empty());
+    for (const Ball& ball : inner) {
+      for (int i = 0; i < 1000; ++i) {
+        const Vector3d direction = random.rotation() * Vector3d::UnitX();
+        ASSERT_TRUE(holds(shape, ball.center + (ball.radius - ROUNDING) * direction));
+      }
+    }
+  }
+}
+
+TEST(BallCover, InnerBallsLieInOneOfTheBodiesOfAMesh) {
+  const LShape l;
+  const auto inner = coverOf(meshShape(l.mesh())).inner;
+  ASSERT_FALSE(inner.empty());
+  for (const Ball& ball : inner) {
+    bool is_inside = false;
+    for (int k = 0; k < 2; ++k) {
+      const Vector3d p = (ball.center - l.piece_centers[k]).cwiseAbs();
+      is_inside |= (p - l.piece_halves[k]).maxCoeff() + ball.radius <= ROUNDING;
+    }
+    EXPECT_TRUE(is_inside);
+  }
+}
+
+TEST(BallCover, HollowsAndOpenMeshesHoldNoInnerBall) {
+  const TriangleMesh shell =
+      joined(boxMesh({0.2, 0.2, 0.2}), insideOut(boxMesh({0.15, 0.15, 0.15})));
+  for (const Ball& ball : coverOf(meshShape(shell)).inner) {
+    EXPECT_GE(ball.center.cwiseAbs().maxCoeff() - ball.radius, 0.15 - ROUNDING);
+  }
+  TriangleMesh open = boxMesh({0.2, 0.2, 0.2});
+  open.triangles.resize(10);
+  EXPECT_TRUE(coverOf(meshShape(open)).inner.empty());
+}
+
+// A hole of less than 3 % counts as closed: what is behind it is inside, and in the balls.
+TEST(BallCover, OfANearlyClosedMeshEnclosesItsHull) {
+  RandomInputs random;
+  TriangleMesh ball = bumpyBall(24, 0.2);
+  ball.triangles.erase(ball.triangles.begin() + 300, ball.triangles.begin() + 306);
+  const auto cover = coverOf(meshShape(ball));
+  EXPECT_TRUE(cover.inner.empty());
+  const auto leaves = leavesOf(cover);
+  for (int i = 0; i < 20000; ++i) {
+    const Shape hull = Convex{std::make_shared<const TriangleMesh>(ball)};
+    const Vector3d p = pointOf(random, hull, 0.2);
+    ASSERT_TRUE(
+        std::any_of(leaves.begin(), leaves.end(), [&](const Ball& b) { return isWithin(b, p); }));
+  }
+}
+
+TEST(BallCover, OfSolidsWithoutVolumeIsWhole) {
+  for (const Shape& shape :
+       {Shape(Box{{0.2, 0.3, 0.0}}), Shape(Box{{0, 0, 0}}), Shape(Cylinder{0.0, 0.3}),
+        Shape(Cylinder{0.2, 0.0}), Shape(Sphere{0.0}), Shape(Capsule{0.1, 0.0})}) {
+    const auto outer = coverOf(shape).outer;
+    ASSERT_FALSE(outer.empty());
+    EXPECT_TRUE(std::isfinite(outer[0].radius));
+  }
+}
+
+}  // namespace
+}  // namespace collision_pairs

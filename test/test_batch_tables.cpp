@@ -1,0 +1,148 @@
+// What the batch stage keeps: tables of pairs of elements, and the field of what is static.
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "mixed_robot.h"
+#include "pair_table.h"
+#include "static_field.h"
+
+namespace collision_pairs {
+namespace {
+
+using Eigen::Isometry3d;
+using Eigen::Vector3d;
+
+/// Two joints between `a` and `c`; `b` has no geometry.
+std::shared_ptr<const RobotModel> armWith(const std::string& first, const std::string& second,
+                                          const std::string& types) {
+  const std::string limits = "<limit lower='-1.2' upper='1.6'/>";
+  const auto typeOf = [](char t) {
+    return t == 's' ? "prismatic" : t == 'c' ? "continuous" : "revolute";
+  };
+  return RobotModel::fromUrdf(
+      "<robot name='arm'>" + linkWith("a", first) + emptyLink("b") + linkWith("c", second) +
+          joint("one", typeOf(types[0]), "a", "b", "0.05 0.2 0.1",
+                "<axis xyz='0.6 0 0.8'/>" + limits) +
+          joint("two", typeOf(types[1]), "b", "c", "0.1 0 0.15", "<axis xyz='0 1 0'/>" + limits) +
+          "</robot>",
+      testMesh);
+}
+
+std::shared_ptr<const CollisionScene> everyPair(const std::shared_ptr<const RobotModel>& robot,
+                                                double padding) {
+  SceneSettings settings;
+  settings.padding = padding;
+  return CollisionScene::build(robot, Srdf(), nullptr, settings);
+}
+
+TEST(PairTable, TellsWhatTheExactCheckSaysWhereverItTellsAnything) {
+  RandomInputs random;
+  const std::string shapes[] = {"<mesh filename='l'/>", "<box size='0.3 0.1 0.2'/>",
+                                "<cylinder radius='0.1' length='0.3'/>", "<mesh filename='ball'/>"};
+  int nb[3] = {0, 0, 0};
+  for (const std::string types : {"rr", "cr", "rc", "sr", "rs", "cc"}) {
+    SCOPED_TRACE(types);
+    const auto robot = armWith(shapes[random.integer(0, 3)], shapes[random.integer(0, 3)], types);
+    const auto scene = everyPair(robot, random.integer(0, 1) * 0.02);
+    const BatchModel model(*scene);
+    ASSERT_EQ(scene->elements().size(), 2u);
+    for (const BoxPair pair : {BoxPair{0, 1}, BoxPair{1, 0}}) {
+      PairTable table(*scene, model, pair);
+      ASSERT_EQ(table.nbJoints(), 2);
+      NarrowPhase narrow_phase, exact;
+      for (int i = 0; i < 40000; ++i) {
+        std::vector<double> q(2);
+        for (double& position : q) position = random.uniform(-1.5, 1.9);
+        const auto cell = table.at(q[static_cast<std::size_t>(table.joint(0))],
+                                   q[static_cast<std::size_t>(table.joint(1))], narrow_phase);
+        ++nb[static_cast<int>(cell)];
+        if (i < 20000 && i % 10 > 0) continue;  // it learns
+        if (cell == PairTable::Cell::OPEN) continue;
+        std::vector<Isometry3d> X_RB;
+        robot->forwardKinematics(q, X_RB);
+        const auto poseOf = [&](std::uint32_t e) -> Isometry3d {
+          return X_RB[scene->bodies()[scene->elements()[e].body].body] * scene->elements()[e].X_BE;
+        };
+        const bool touches = exact.touches(*scene->elements()[0].rung(Fidelity::MESH).shape,
+                                           *scene->elements()[1].rung(Fidelity::MESH).shape,
+                                           poseOf(0).inverse() * poseOf(1), scene->padding(0, 1));
+        ASSERT_EQ(cell == PairTable::Cell::CONTACT, touches) << q[0] << ' ' << q[1];
+      }
+    }
+  }
+  EXPECT_GT(nb[static_cast<int>(PairTable::Cell::FREE)], 10000);
+  EXPECT_GT(nb[static_cast<int>(PairTable::Cell::CONTACT)], 1000);
+}
+
+TEST(PairTable, IsForPairsThatOneOrTwoJointsDecide) {
+  std::string xml = linkWith("a", "<sphere radius='0.1'/>");
+  for (char c = 'b'; c < 'f'; ++c) {
+    xml += linkWith(std::string(1, c), "<sphere radius='0.1'/>") +
+           joint(std::string("to_") + c, "revolute", std::string(1, static_cast<char>(c - 1)),
+                 std::string(1, c));
+  }
+  const auto robot = robotFrom(xml);
+  std::vector<int> joints;
+  EXPECT_TRUE(PairTable::joints(*robot, 0, 1, joints));
+  EXPECT_EQ(joints.size(), 1u);
+  EXPECT_TRUE(PairTable::joints(*robot, 3, 1, joints));
+  EXPECT_EQ(joints, (std::vector<int>{2, 1})) << "from the first body to the second";
+  EXPECT_FALSE(PairTable::joints(*robot, 0, 3, joints));
+  EXPECT_FALSE(PairTable::joints(*robot, 2, 2, joints)) << "nothing moves them";
+}
+
+TEST(StaticField, BoundsAreThoseOfTheExactDistance) {
+  RandomInputs random;
+  SceneDescription description;
+  description.robots.push_back(
+      {armWith("<sphere radius='0.1'/>", "<sphere radius='0.1'/>", "rr"), std::nullopt, ""});
+  const Shape shapes[] = {Box{{0.3, 0.2, 0.1}}, meshShape(LShape().mesh()), Capsule{0.05, 0.3},
+                          Cylinder{0.1, 0.2}, meshShape(bumpyBall(12, 0.15))};
+  for (int i = 0; i < 25; ++i) {
+    RigidObject object;
+    object.name = "thing_" + std::to_string(i);
+    object.elements.push_back({shapes[i % 5], random.pose(0.1)});
+    object.X_PO = random.pose(0.9);
+    description.objects.push_back(object);
+  }
+  description.objects.push_back(floorAt(-0.7, {}));
+  const auto scene = CollisionScene::build(description);
+  const BatchModel model(*scene);
+  std::vector<std::uint32_t> all(scene->nbStaticElements());
+  for (std::uint32_t i = 0; i < all.size(); ++i) all[i] = i;
+  const StaticField field(*scene, model, all, {Vector3d::Constant(-1), Vector3d::Constant(1)});
+  const auto point = prepareShape(Sphere{0.0});
+  NarrowPhase exact;
+  int nb_further = 0, nb_nearer = 0;
+  for (int i = 0; i < 20000; ++i) {
+    Isometry3d X_WP = Isometry3d::Identity();
+    X_WP.translation() = random.vector(-1.1, 1.1);
+    const auto distanceFrom = [&](std::uint32_t e) {
+      const SceneElement& element = scene->elements()[e];
+      return exact
+          .distance(*element.rung(Fidelity::MESH).shape, *point, element.X_BE.inverse() * X_WP,
+                    HUGE_VAL)
+          .distance;
+    };
+    double distance = HUGE_VAL;
+    for (const std::uint32_t e : all) distance = std::min(distance, distanceFrom(e));
+    const double reach = random.uniform(0.0, 0.3);
+    if (field.isFurther(X_WP.translation(), reach)) {
+      ++nb_further;
+      ASSERT_GT(distance, reach - 1e-6);
+    }
+    std::uint32_t element = 0;
+    if (field.isNearer(X_WP.translation(), reach, element)) {
+      ++nb_nearer;
+      ASSERT_LT(distanceFrom(element), reach + 1e-6);
+    }
+    if (X_WP.translation().cwiseAbs().maxCoeff() <= 1.0) continue;
+    EXPECT_FALSE(field.isFurther(X_WP.translation(), reach)) << "nothing is known out there";
+  }
+  EXPECT_GT(nb_further, 1000);
+  EXPECT_GT(nb_nearer, 1000);
+}
+
+}  // namespace
+}  // namespace collision_pairs
