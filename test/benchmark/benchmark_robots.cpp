@@ -20,7 +20,8 @@ BenchmarkRobot load(const std::string& data, const std::string& name, const std:
   loaded.world = RobotModel::fromUrdf(
       readTextFile(data + "/robots/world_model/urdf/world_" + name + ".urdf"), load_mesh);
   const std::string csv = data + "/reference/joints_" + name + ".csv";
-  for (const auto& q : readJointStates(readTextFile(csv), *loaded.robot, csv).positions) {
+  loaded.positions = readJointStates(readTextFile(csv), *loaded.robot, csv).positions;
+  for (const auto& q : loaded.positions) {
     loaded.states.emplace_back();
     loaded.robot->forwardKinematics(q, loaded.states.back());
   }

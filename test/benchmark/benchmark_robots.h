@@ -16,6 +16,7 @@ struct BenchmarkRobot {
   std::shared_ptr<const RobotModel> robot;
   std::shared_ptr<const RobotModel> world;
   Srdf srdf;
+  std::vector<std::vector<double>> positions;  ///< of each state, one a joint
   /// Forward kinematics of each state: poses of RobotModel::bodies() in the root link's frame.
   std::vector<std::vector<Eigen::Isometry3d>> states;
 };

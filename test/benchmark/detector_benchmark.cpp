@@ -9,6 +9,7 @@
 #include <functional>
 #include <limits>
 #include <map>
+#include <numeric>
 
 #include <benchmark/benchmark.h>
 
@@ -20,8 +21,8 @@ namespace collision_pairs {
 namespace {
 
 constexpr int PASSES = 5;
-const char* const QUERIES[] = {"self",  "self_contacts",  "self_distance",
-                               "world", "world_distance", "self_apart"};
+const char* const QUERIES[] = {"self",           "self_contacts", "self_distance", "world",
+                               "world_distance", "self_apart",    "self_hulls",    "way_hulls"};
 
 using Check = std::function<double(std::size_t state)>;
 
@@ -47,15 +48,33 @@ void run(benchmark::State& state, std::size_t nb_states, const Check& check) {
   }
   state.counters["median_us"] = quantile(least, 0.5);
   state.counters["p99_us"] = quantile(least, 0.99);
+  state.counters["mean_us"] = std::accumulate(least.begin(), least.end(), 0.0) / nb_states;
 }
 
-/// The links where nothing is near another, so that what is left is what any check costs.
+/// Ten straight motions in joint space, each between two of the states, in 50 steps.
+std::vector<std::vector<Eigen::Isometry3d>> motionsOf(const BenchmarkRobot& robot) {
+  std::vector<std::vector<Eigen::Isometry3d>> states;
+  for (std::size_t k = 0; k < 10; ++k) {
+    const auto &from = robot.positions[2 * k], &to = robot.positions[2 * k + 1];
+    for (int step = 0; step < 50; ++step) {
+      std::vector<double> q(from);
+      for (std::size_t j = 0; j < q.size(); ++j) q[j] += step / 49.0 * (to[j] - from[j]);
+      states.emplace_back();
+      robot.robot->forwardKinematics(q, states.back());
+    }
+  }
+  return states;
+}
+
+/// self_apart: the links where nothing is near another, so that what is left is what any check
+/// costs.
 const std::vector<std::vector<Eigen::Isometry3d>>& statesOf(const BenchmarkRobot& robot,
                                                             const std::string& query) {
-  static std::map<std::string, std::vector<std::vector<Eigen::Isometry3d>>> apart;
-  if (query != "self_apart") return robot.states;
-  auto& states = apart[robot.name];
+  static std::map<std::string, std::vector<std::vector<Eigen::Isometry3d>>> made;
+  if (query != "self_apart" && query != "way_hulls") return robot.states;
+  auto& states = made[robot.name + query];
   if (!states.empty()) return states;
+  if (query == "way_hulls") return states = motionsOf(robot);
   states = robot.states;
   for (auto& X_RB : states) {
     for (std::size_t i = 0; i < X_RB.size(); ++i) {
@@ -68,8 +87,9 @@ const std::vector<std::vector<Eigen::Isometry3d>>& statesOf(const BenchmarkRobot
 Check ofMoveItLoop(const BenchmarkRobot& robot, const std::string& query) {
   const auto loop = std::make_shared<MoveItLoop>(robot);
   const auto& states = statesOf(robot, query);
-  const bool self = query == "self" || query == "self_apart";
-  if (self) return [=, &states](std::size_t i) { return loop->selfCollides(states[i]); };
+  const bool is_yes_or_no =
+      query == "self" || query == "self_apart" || query == "self_hulls" || query == "way_hulls";
+  if (is_yes_or_no) return [=, &states](std::size_t i) { return loop->selfCollides(states[i]); };
   if (query == "self_contacts") {
     return
         [=, &states](std::size_t i) { return static_cast<double>(loop->selfContacts(states[i])); };
@@ -97,7 +117,9 @@ Check withNarrowPhase(const BenchmarkRobot& robot, const std::string& query,
   CheckSettings settings;
   settings.alarm_distance = 0.0;
   settings.min_distance = query == "self_distance" || query == "world_distance";
-  settings.verdict_only = query == "self" || query == "world" || query == "self_apart";
+  const bool by_hulls = query == "self_hulls" || query == "way_hulls";
+  if (by_hulls) settings.fidelity = Fidelity::CONVEX;
+  settings.verdict_only = by_hulls || query == "self" || query == "world" || query == "self_apart";
   return [=](std::size_t i) { return detector->detect((*poses)[i], settings).min_distance; };
 }
 
@@ -118,7 +140,8 @@ void registerAll() {
         const std::string name = std::string("BM_") + who + "/" + robot.name + "/" + query;
         benchmark::RegisterBenchmark(name.c_str(),
                                      [&robot, query, make = make](auto& state) {
-                                       run(state, robot.states.size(), make(robot, query));
+                                       run(state, statesOf(robot, query).size(),
+                                           make(robot, query));
                                      })
             ->Unit(benchmark::kMillisecond)
             ->Iterations(1);
