@@ -38,6 +38,7 @@ class LeastHeight {
     offerNormals();
     for (int i = 0; i < num_edges_; ++i) descend(near, &edge_[i]);
     descend(near, nullptr);
+    leaveKinks();
     return best_;
   }
 
@@ -61,6 +62,7 @@ class LeastHeight {
   static constexpr int NUM_AROUND = 12;
   static constexpr double FLAT = 0.1;  // radians: edges further out of the support plane are not it
   static constexpr double LARGEST_STEP = 0.5;  // radians
+  static constexpr double BESIDE = 1e-7;       // radians
   static constexpr double STILL = 8.0;         // units of rounding: no step is smaller
 
   struct Surface {
@@ -153,6 +155,16 @@ class LeastHeight {
     if (difference_.B.curved()) offerBoth(difference_.R_AB.col(2));
     for (int i = 0; i < num_edges_; ++i) {
       for (int k = i + 1; k < num_edges_; ++k) offerBoth(edge_[i].cross(edge_[k]));
+    }
+  }
+
+  // A kink is where two smooth pieces meet, and a lower direction may be just inside of either.
+  void leaveKinks() {
+    const Vec3<T> kink = best_.normal;
+    for (int i = 0; i < num_edges_; ++i) {
+      if (std::abs(edge_[i].dot(kink)) > T(BESIDE)) continue;
+      descend(Vec3<T>(kink + T(BESIDE) * edge_[i]), nullptr);
+      descend(Vec3<T>(kink - T(BESIDE) * edge_[i]), nullptr);
     }
   }
 
