@@ -227,7 +227,7 @@ class CloudsTest(unittest.TestCase):
         self.assertIsNotNone(cloud_diagnosis(lambda d: 0 < int(d[CLOUD + " voxels"]) <= 1000))
 
     def test_services_see_the_clouds_of_the_cycle(self):
-        self.show([(1.5 - CAMERA_X, 0.0, 0.0)])  # between a (to 0.5) and b (from 2.5)
+        self.show([(1.53 - CAMERA_X, 0.0, 0.0)])  # between a (to 0.5) and b (from 2.5), not on a border of voxels
         self.wait_for(FREE)
         state = JointState(name=["slide_a", "slide_b", "slide_c"], position=[0.0, 2.0, 6.0])
         reply = self.node.check(CheckCollisionsRequest(joint_state=state))

@@ -37,6 +37,10 @@ def content(report, with_motion):
     return re.sub(number, "#", text), tuple(map(float, re.findall(number, text)))
 
 
+def distances(report):
+    return [report.min_distance] + [pair.distance for pair in report.pairs]
+
+
 class Passes:
     """Reports by pass of the clock, each pass a dictionary by stamp."""
 
@@ -98,9 +102,13 @@ class ReplayTest(unittest.TestCase):
             for other_text, other_numbers in contents[1:]:
                 self.assertEqual(text, other_text)
                 # tf2 interpolates also at a stamp that it has: the last digit of a pose depends on whether
-                # the next transform is there already. The robot has cylinders, whose witness points are right
-                # to 1e-9 of their size (docs/accuracy.md): that much may come of such a digit.
+                # the next transform is there already. Where a distance is least it changes with the square of
+                # the way along the surface: closest points are as uncertain as the root of such a digit.
                 for a, b in zip(numbers, other_numbers):
+                    self.assertAlmostEqual(a, b, delta=1e-6)
+            all_distances = [distances(report) for reports in passes for report in reports[stamp]]
+            for others in all_distances[1:]:
+                for a, b in zip(all_distances[0], others):
                     self.assertAlmostEqual(a, b, delta=1e-9)
 
     def test_reports_are_of_the_stamps_of_the_bag_and_of_no_others(self):
