@@ -5,6 +5,7 @@
 
 #include "batch_stage.h"
 #include "batch_verdicts.h"
+#include "collision_pairs/input_error.h"
 #include "random_robot.h"
 
 namespace collision_pairs {
@@ -222,6 +223,19 @@ TEST(BatchStage, IsMadeOnlyForBatchesThatRepayItAndForNothingButVerdicts) {
     if (setting == 3) verdicts.settings().min_distance = true;
     EXPECT_EQ(verdicts.batch(states).front(), Verdict::COLLISION);
     EXPECT_EQ(verdicts.check().stageMemory(), 0u);
+  }
+}
+
+TEST(BatchStage, SettingsThatTheExactCheckRefusesAreRefused) {
+  const auto scene = sceneOf(robotFrom(slidingBoxes(3)));
+  const std::vector<std::vector<double>> states(STATES, scene->robot().zeroPositions());
+  for (int setting = 0; setting < 3; ++setting) {
+    Verdicts verdicts(scene);
+    if (setting == 0) verdicts.settings().alarm_distance = std::nan("");
+    if (setting == 1) verdicts.settings().tolerance = -1.0;
+    if (setting == 2) verdicts.settings().time_budget = -1.0;
+    EXPECT_THROW(verdicts.exact(states.front()), InputError) << setting;
+    EXPECT_THROW(verdicts.batch(states), InputError) << setting;
   }
 }
 

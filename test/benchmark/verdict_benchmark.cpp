@@ -123,7 +123,7 @@ class Bench {
   CheckSettings settings_;
   std::vector<Eigen::Isometry3d> X_RB_;
   BodyPoses poses_;
-  double prepared_ = 0.0;  // s, with 10,000 states at zero
+  double prepared_ = 0.0;  // s, with STATES_WORTH_A_STAGE states at zero
 };
 
 void run(const BenchmarkRobot& robot, std::size_t count) {

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "batch_stage.h"
+#include "check_input.h"
 #include "in_parallel.h"
 #include "open_pairs.h"
 
@@ -168,6 +169,7 @@ void BatchCheck::run(std::size_t count, const CheckSettings& settings, const Pos
 void BatchCheck::runJoints(std::size_t count, const CheckSettings& settings,
                            const Positions& positions, const CloudVoxels& voxels,
                            const Take& take) {
+  if (count > 0) checkSettings(settings);  // what the batch stage settles no detector sees
   const BatchStage* const stage = hasStageFor(count, settings) ? stage_.get() : nullptr;
   const std::size_t size = stage != nullptr ? STAGE_BLOCK : BLOCK;
   const std::size_t nb_blocks = count / size + (count % size > 0);

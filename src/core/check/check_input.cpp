@@ -7,8 +7,7 @@
 
 namespace collision_pairs {
 
-void checkInput(const CollisionScene& scene, const BodyPoses& poses,
-                const CheckSettings& settings) {
+void checkSettings(const CheckSettings& settings) {
   if (!(settings.alarm_distance >= 0.0 && settings.alarm_distance <= MAX_REACH)) {
     throw InputError("the alarm distance is " + std::to_string(settings.alarm_distance) +
                      ", but must be 0 or more metres, and finite");
@@ -21,6 +20,11 @@ void checkInput(const CollisionScene& scene, const BodyPoses& poses,
     throw InputError("the time budget is " + std::to_string(settings.time_budget) +
                      ", but must be 0 or more seconds");
   }
+}
+
+void checkInput(const CollisionScene& scene, const BodyPoses& poses,
+                const CheckSettings& settings) {
+  checkSettings(settings);
   const std::size_t expected = scene.bodies().size();
   if (poses.X_WB.size() != expected || poses.known.size() != expected) {
     throw InputError("poses of " + std::to_string(poses.X_WB.size()) +
