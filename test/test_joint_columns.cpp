@@ -79,7 +79,8 @@ TEST_F(JointColumnsTest, TakeAMimicThatAgreesWithItsLeaderAndNoOther) {
               testing::AllOf(HasSubstr("'quarter' is 1.1"), HasSubstr("it must be 1.0")));
   EXPECT_EQ(refusal({"lead", "quarter"}, {2.0, 1.0 - 9e-7}), "accepted");
   EXPECT_THAT(refusal({"lead", "quarter"}, {2.0, 0.9}), HasSubstr("'quarter' is 0.9"));
-  EXPECT_THAT(refusal({"quarter"}, {1.0}), HasSubstr("'quarter' mimics 'half'; name that one"));
+  EXPECT_THAT(refusal({"quarter"}, {1.0}),
+              HasSubstr("'quarter' mimics 'half'; name that joint instead"));
 }
 
 TEST_F(JointColumnsTest, NameTheJointThatIsWrong) {

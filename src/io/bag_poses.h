@@ -43,7 +43,7 @@ class BagPoses {
   const std::vector<std::string>& notes() const { return notes_; }
   /// Moving bodies of the robot of which the bag knows something.
   std::size_t nbKnown() const { return nb_known_; }
-  /// Joints that move a body of the scene, but that the bag does not name: taken at zero, so that
+  /// Joints that move a body of the scene, but that the bag does not name: taken as zero, so that
   /// apart does not mean free.
   const std::vector<std::string>& jointsAtZero() const { return joints_at_zero_; }
 

@@ -32,7 +32,7 @@ JointColumns::JointColumns(const std::vector<std::string>& names, const RobotMod
   for (const int joint : joint_of_column_) {
     if (source_of_joint_[joint].column >= 0) continue;
     throw InputError("joint '" + joints[joint].name + "' mimics '" +
-                     joints[joints[joint].mimic->joint].name + "'; name that one");
+                     joints[joints[joint].mimic->joint].name + "'; name that joint instead");
   }
 }
 

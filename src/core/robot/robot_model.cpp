@@ -95,7 +95,7 @@ std::shared_ptr<const RobotModel> RobotModel::merge(const std::vector<Placed>& r
   all->indexNames();
   if (all->link_ids_.size() < all->links_.size() || all->joint_ids_.size() < all->joints_.size()) {
     throw InputError("robots '" + all->name_ +
-                     "' have links or joints of the same name; give each a prefix of its own");
+                     "' have links or joints of the same name; give each a different prefix");
   }
   all->groupIntoBodies();
   std::size_t root = 0;
