@@ -50,7 +50,7 @@ class JointQuery {
   /// Moving joints not named, left where TF has them; and those that TF does not know: at zero.
   const std::vector<std::string>& jointsFromTf() const { return joints_from_tf_; }
   const std::vector<std::string>& jointsAtZero() const { return joints_at_zero_; }
-  /// Why what is checked need not be what was asked for: joints at zero because nobody knows where
+  /// Why what is checked need not be what was asked for: joints at zero because it is unknown where
   /// they are, poses from TF that are too old. With any of it, apart does not mean free.
   const std::vector<std::string>& doubts() const { return doubts_; }
 

@@ -8,7 +8,7 @@
 
 namespace collision_pairs {
 
-/// roscpp registers a node once. A master that was restarted does not know it: nobody new can
+/// roscpp registers a node once. A restarted master does not know it, so no new client can
 /// subscribe to it or call it, although it runs. This asks the master every two seconds, on a
 /// thread of its own, and asks ROS to shut down where it answers that it has no such node. While
 /// the master does not answer, connections go on, and so does the node.

@@ -24,7 +24,7 @@ class ReportPublisher {
   /// The report and the Bool. Both say the same of the same instant.
   void publish(const CollisionPairs& message);
 
-  /// The boxes of the report and the verdict of the message, for whoever looks. `report` may be
+  /// The boxes of the report and the verdict of the message, for subscribers. `report` may be
   /// null: then there is the verdict only. They fade some periods [s] after the last: what a node
   /// said before it died must not stay in sight.
   void publishMarkers(const CollisionPairs& message, const CollisionReport* report,

@@ -1,4 +1,4 @@
-// What update_scene does to the objects of the scene: pure functions over messages.
+// Changes of the scene's objects by update_scene: pure functions over messages.
 #pragma once
 
 #include <functional>
@@ -21,7 +21,7 @@ struct StoredObject {
 };
 using SceneObjects = std::map<std::string, StoredObject>;
 
-/// What a change needs to know of the world.
+/// Context of a change.
 struct UpdateContext {
   std::string world_frame;  ///< of the reports
   /// Pose of `source` in `target` at the stamp (0: the latest). Throws InputError if it is unknown.
@@ -36,7 +36,7 @@ struct UpdateContext {
 SceneObjects changedObjects(SceneObjects objects, const std::vector<SceneChange>& changes,
                             const UpdateContext& context);
 
-/// As the reply lists them.
+/// The list of the reply.
 std::vector<SceneObject> listed(const SceneObjects& objects, const std::string& world_frame);
 
 }  // namespace collision_pairs

@@ -1,4 +1,4 @@
-// One check of where TF has the robot, as the cycle and check_collisions report it.
+// A check of the robot at its TF poses, as the cycle and check_collisions report it.
 #pragma once
 
 #include <string>
@@ -12,8 +12,8 @@
 
 namespace collision_pairs {
 
-/// Why bodies have no pose, and what of TF is refused at present: what keeps a report of these
-/// poses from being FREE. Empty if all are known.
+/// Reasons why a report of these poses cannot be FREE: bodies without a pose, and transforms that
+/// are being refused. Empty if all poses are known.
 std::vector<std::string> doubtsOf(const StampedPoses& stamped, const TransformInput& transforms,
                                   const ros::Time& now);
 

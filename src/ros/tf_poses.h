@@ -1,4 +1,4 @@
-// Poses of a scene's bodies from TF, all of one instant.
+// Poses of a scene's bodies from TF, all at the same stamp.
 #pragma once
 
 #include <atomic>
@@ -36,7 +36,7 @@ struct PoseLimits {
 /// transforms, which do not age.
 std::string whyTooOld(const ros::Time& stamp, const ros::Time& now, double max_pose_age);
 
-/// Looks transforms up; keeps no pose. What TF does not know is never identity: it stays unknown.
+/// Looks up transforms; keeps no poses. Poses that TF lacks stay unknown and are never identity.
 class TfPoses {
  public:
   /// Of these bodies of the robot; `frame` is the report's frame W. The transforms must outlive

@@ -16,8 +16,8 @@
 
 namespace collision_pairs {
 
-/// Many joint states of one request, on all cores, but on threads of low priority: a client that
-/// asks without pause leaves the cycle and check_collisions their time.
+/// Checks many joint states of one request on all cores, on threads of low priority, so that a
+/// client that calls it continuously does not slow down the cycle and check_collisions.
 class TrajectoryService {
  public:
   /// `defaults` is called from the service's thread; the references must outlive this object.

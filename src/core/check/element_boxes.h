@@ -1,4 +1,4 @@
-// Where the elements are in one cycle, and their boxes: as tight as somebody asks for.
+// Poses of the elements in one cycle, and their boxes, loose or tight.
 #pragma once
 
 #include <cstdint>

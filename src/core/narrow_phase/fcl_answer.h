@@ -35,7 +35,7 @@ struct FclGap {
 struct FclAnswer {
   enum class Outcome {
     NONE,      ///< it threw, did not converge or contradicts itself
-    APART,     ///< `found` is filled in where a distance was asked for, perhaps BEYOND
+    APART,     ///< `found` is filled in if a distance was requested, possibly BEYOND
     TOUCHING,  ///< and it has no depth of such a pair
     DEPTH      ///< touching, and `found` says how deep
   };
