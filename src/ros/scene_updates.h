@@ -14,7 +14,7 @@
 
 namespace collision_pairs {
 
-/// By name: as it was given, and as the core has it.
+/// By name: the message, and the core's object.
 struct StoredObject {
   SceneObject message;
   RigidObject object;
@@ -31,8 +31,8 @@ struct UpdateContext {
   MeshLoader load_mesh;
 };
 
-/// The objects after all changes, in their order. Throws InputError that says which change is
-/// wrong, and how; whether links exist is for the scene to say.
+/// The objects after all changes, in their order. Throws InputError that names the change and the
+/// problem; whether links exist is checked by the scene.
 SceneObjects changedObjects(SceneObjects objects, const std::vector<SceneChange>& changes,
                             const UpdateContext& context);
 

@@ -35,7 +35,7 @@ class TrajectoryService {
   std::unique_ptr<BatchCheck> batch_;
   ros::CallbackQueue queue_;
   ros::ServiceServer server_;
-  ros::AsyncSpinner spinner_;  // last: stops before what it calls into goes
+  ros::AsyncSpinner spinner_;  // last: stops before the others
 };
 
 }  // namespace collision_pairs

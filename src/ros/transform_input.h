@@ -100,7 +100,7 @@ class TransformInput {
 
   ros::CallbackQueue queue_;
   ros::Subscriber subscriber_, static_subscriber_;
-  std::unique_ptr<ros::AsyncSpinner> spinner_;  // last: stops before what it calls into goes
+  std::unique_ptr<ros::AsyncSpinner> spinner_;  // last: stops before the others
 };
 
 }  // namespace collision_pairs

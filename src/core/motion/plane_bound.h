@@ -1,4 +1,4 @@
-// How long a plane stays between two convex bodies that move.
+// Bounds how long a plane separates two moving convex bodies.
 #pragma once
 
 #include <algorithm>

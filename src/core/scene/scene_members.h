@@ -1,4 +1,4 @@
-// Everything that can be in a pair, before it is known which pairs there are.
+// All possible members of pairs, before the pairs are determined.
 #pragma once
 
 #include <memory>
