@@ -84,7 +84,8 @@ TEST_F(JointColumnsTest, TakeAMimicThatAgreesWithItsLeaderAndNoOther) {
 }
 
 TEST_F(JointColumnsTest, NameTheJointThatIsWrong) {
-  EXPECT_THAT(refusal({"slyde"}, {0.0}), HasSubstr("joint 'slyde' is not in robot 'test'"));
+  EXPECT_THAT(refusal({"slyde"}, {0.0}),
+              HasSubstr("joint 'slyde' is not in robot 'test'; did you mean 'slide'?"));
   EXPECT_THAT(refusal({"slide", "slide"}, {0.0, 0.0}), HasSubstr("'slide' is named twice"));
   EXPECT_THAT(refusal({"weld"}, {0.0}), HasSubstr("'weld' is fixed, floating or planar"));
   EXPECT_THAT(refusal({"base"}, {0.0}), HasSubstr("'base' is fixed, floating or planar"));
