@@ -225,7 +225,7 @@ REFUSED = {
     "settings: padding is nan": lambda: detector(settings={"padding": np.nan}),
     "settings: .*is not a number, text, list or map": lambda: detector(settings={"padding": object()}),
     "nesting|recursion": lambda: detector(settings=endless()),
-    "object 'a': pose is no pose": lambda: cp.RigidObject("a", [cp.Sphere(1)], pose=np.zeros((4, 4))),
+    "object 'a': pose is not a pose": lambda: cp.RigidObject("a", [cp.Sphere(1)], pose=np.zeros((4, 4))),
     "object 'a': .*poses": lambda: cp.RigidObject("a", [cp.Sphere(1)], poses=[]),
     "object 'a': padding is -1": lambda: cp.RigidObject("a", [cp.Sphere(1)], padding=-1),
     "'nolink'": lambda: detector(objects=[cp.RigidObject("a", [cp.Sphere(1)], attached_link="nolink")]),
