@@ -168,7 +168,7 @@ TEST(ObjectOfAMessage, WhatIsWrongIsNamed) {
   EXPECT_THAT(with([](SceneObject& o) { o.meshes.resize(1); }), HasSubstr("meshes[0]"));
   EXPECT_THAT(with([](SceneObject& o) { o.mesh_resources = {"file:///nowhere.stl"}; }),
               AllOf(HasSubstr("mesh_resources[0]"), HasSubstr("no such file")));
-  EXPECT_THAT(with([](SceneObject& o) { o.planes.resize(1); }), HasSubstr("are no plane"));
+  EXPECT_THAT(with([](SceneObject& o) { o.planes.resize(1); }), HasSubstr("do not define a plane"));
 }
 
 /// A world in which frame "hand" stands at x = 1, turned by a quarter about z.
