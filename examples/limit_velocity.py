@@ -1,10 +1,10 @@
 #!/usr/bin/python3
-"""A velocity limiter by the gradient of the distance, on the demo robot.
+"""A velocity limiter based on the gradient of the distance, for the demo robot.
 
 usage: limit_velocity.py [PLOT.png]
 
-The arm is sent through the post of its table. What is near may come nearer only as fast as its distance to
-STOP_DISTANCE allows, however the joints move: d(distance)/dt = gradient . velocity >= -GAIN (distance - STOP_DISTANCE).
+The arm is commanded through the post of its table. The limiter keeps the approach speed of each near pair
+proportional to its distance from STOP_DISTANCE: d(distance)/dt = gradient . velocity >= -GAIN (distance - STOP_DISTANCE).
 """
 import os
 import sys

@@ -1,9 +1,9 @@
 #!/usr/bin/python3
-"""Checks a running robot in this process: robot_description and joint_states in, a line for each change out.
+"""Checks a running robot in this process: reads robot_description and joint_states, prints each new verdict.
 
-usage: watch_live_robot.py [--once]     --once: ends after the first verdict
+usage: watch_live_robot.py [--once]     --once: exits after the first verdict
 
-The scene's settings are those of the node /collision_pairs_node, where one runs.
+The scene's settings are those of /collision_pairs_node, if it is running.
 """
 import sys
 

@@ -28,7 +28,7 @@ install_packages() {
     command -v sudo >/dev/null || die "packages are missing and there is no sudo; run as root: apt-get install $(echo $missing)"
     as_root=(sudo)
   fi
-  say "installing $(echo "$missing" | wc -l) packages and what they need (the first time a minute or two)"
+  say "installing $(echo "$missing" | wc -l) packages and their dependencies (a minute or two)"
   "${as_root[@]}" apt-get update -qq
   "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends \
     -o Dpkg::Use-Pty=0 $missing | awk 'NR % 100 == 0 {printf "   %d steps\n", NR; fflush()}'
@@ -43,11 +43,11 @@ build() {
   local cache="$BUILD/CMakeCache.txt" made_in=
   [ ! -f "$cache" ] || made_in="$(sed -n 's/^CMAKE_CACHEFILE_DIR:INTERNAL=//p' "$cache")"
   if [ -n "$made_in" ] && ! [ "$made_in" -ef "$BUILD" ]; then
-    say "$BUILD was built as $made_in and then copied or moved: it is built anew"
+    say "$BUILD was built as $made_in and then copied or moved: rebuilding"
     rm -rf "$cache" "$BUILD/CMakeFiles" "$BUILD/devel"
   fi
   mkdir -p "$BUILD"
-  say "building (the first time some minutes; log in $log)"
+  say "building (several minutes the first time; log: $log)"
   cmake -S "$PROJECT" -B "$BUILD" "$@" >"$log" 2>&1 || { tail -20 "$log"; die "cmake failed"; }
   cmake --build "$BUILD" -j"$(nproc)" --target $target 2>&1 | tee -a "$log" |
     awk '/^\[ *[0-9]+%\] Built target (collision|test|check)/ {print "   " $0; fflush()}' ||

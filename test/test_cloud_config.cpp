@@ -55,14 +55,14 @@ TEST(CloudConfig, ReadsEveryKey) {
 
 TEST(CloudConfig, UnknownKeyIsRefusedWithTheNearestOne) {
   EXPECT_THAT(refusal("[{topic: a, voxelsize: 0.1}]"),
-              AllOf(HasSubstr("clouds[0]: 'voxelsize'"), HasSubstr("is 'voxel_size' meant?")));
+              AllOf(HasSubstr("clouds[0]: 'voxelsize'"), HasSubstr("did you mean 'voxel_size'?")));
 }
 
 TEST(CloudConfig, WrongValueIsRefusedByKeyValueAndRule) {
   EXPECT_THAT(refusal("{topic: a}"), HasSubstr("must be a list of maps"));
   EXPECT_THAT(refusal("[a]"), HasSubstr("clouds[0] is a, but must be a map"));
   EXPECT_THAT(refusal("[{topic: a}, {voxel_size: 1}]"), HasSubstr("clouds[1] has no topic"));
-  EXPECT_THAT(refusal("[{topic: a}, {topic: /a}]"), HasSubstr("topic '/a' is there twice"));
+  EXPECT_THAT(refusal("[{topic: a}, {topic: /a}]"), HasSubstr("topic '/a' is listed twice"));
   EXPECT_THAT(refusal("[{topic: /}]"), HasSubstr("clouds[0]/topic is /, but must be"));
   const std::string begin = "[{topic: a, ", end = "}]";
   for (const std::string wrong :

@@ -174,7 +174,7 @@ def test_a_given_srdf_is_kept_and_only_added_to(run_tool, crane, tmp_path):
     assert reasons["arm|near_post"] == "User" and srdf.count('link2="arm" reason="User"') == 1
     assert not {"hub|mast", "base|mast"} & set(reasons)  # switched on: not ours to switch off
     assert reasons["arm|flange"] == "Always" and reasons["arm|mast"] == "Adjacent"
-    assert "that the given SRDF switches off" in said and re.search(r"arm\|near_post \(\d+ of 5000\)", said)
+    assert "that the given SRDF disables" in said and re.search(r"arm\|near_post \(\d+ of 5000\)", said)
 
 
 def test_links_that_are_off_by_default_are_decided_already(run_tool, crane, tmp_path):
@@ -231,7 +231,7 @@ def test_joints_without_a_range_are_named(run_tool, tmp_path):
                     "<joint name='anywhere' type='floating'><parent link='a'/><child link='b'/>"
                     "<origin xyz='3 0 0'/></joint></robot>")
     _, said = generate(run_tool, urdf, *QUICK)
-    assert "stand at zero: anywhere" in said
+    assert "taken as zero: anywhere" in said
 
 
 @pytest.mark.parametrize("which, content, says", [

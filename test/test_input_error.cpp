@@ -17,10 +17,10 @@ TEST(InputErrors, OfALongValueKeepBothEndsAndWholeCharacters) {
   for (int shift = 0; shift < 2; ++shift) {
     std::string value(static_cast<std::size_t>(shift), 'x');
     for (int i = 0; i < 100000; ++i) value += "ä";
-    const std::string text = said("file line 3: '" + value + "' is no number");
+    const std::string text = said("file line 3: '" + value + "' is not a number");
     EXPECT_LE(text.size(), 1000u);
     EXPECT_THAT(text, testing::StartsWith("file line 3: '"));
-    EXPECT_THAT(text, testing::EndsWith("' is no number"));
+    EXPECT_THAT(text, testing::EndsWith("' is not a number"));
     EXPECT_THAT(text, testing::HasSubstr("ä … ä"));
   }
   const std::string short_enough(1000, 'x');

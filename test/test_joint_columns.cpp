@@ -79,11 +79,13 @@ TEST_F(JointColumnsTest, TakeAMimicThatAgreesWithItsLeaderAndNoOther) {
               testing::AllOf(HasSubstr("'quarter' is 1.1"), HasSubstr("it must be 1.0")));
   EXPECT_EQ(refusal({"lead", "quarter"}, {2.0, 1.0 - 9e-7}), "accepted");
   EXPECT_THAT(refusal({"lead", "quarter"}, {2.0, 0.9}), HasSubstr("'quarter' is 0.9"));
-  EXPECT_THAT(refusal({"quarter"}, {1.0}), HasSubstr("'quarter' mimics 'half'; name that one"));
+  EXPECT_THAT(refusal({"quarter"}, {1.0}),
+              HasSubstr("'quarter' mimics 'half'; name that joint instead"));
 }
 
 TEST_F(JointColumnsTest, NameTheJointThatIsWrong) {
-  EXPECT_THAT(refusal({"slyde"}, {0.0}), HasSubstr("joint 'slyde' is not in robot 'test'"));
+  EXPECT_THAT(refusal({"slyde"}, {0.0}),
+              HasSubstr("joint 'slyde' is not in robot 'test'; did you mean 'slide'?"));
   EXPECT_THAT(refusal({"slide", "slide"}, {0.0, 0.0}), HasSubstr("'slide' is named twice"));
   EXPECT_THAT(refusal({"weld"}, {0.0}), HasSubstr("'weld' is fixed, floating or planar"));
   EXPECT_THAT(refusal({"base"}, {0.0}), HasSubstr("'base' is fixed, floating or planar"));

@@ -72,7 +72,7 @@ TEST(JointStatesCsv, MimicColumnIsAcceptedWhereItAgrees) {
 
 TEST(JointStatesCsv, WrongColumnsAreRefusedByName) {
   EXPECT_THAT(refusal("pan,elbow\n1,2\n"),
-              testing::HasSubstr("s.csv line 1: column 'elbow' is no joint"));
+              testing::HasSubstr("s.csv line 1: column 'elbow' is not a joint"));
   EXPECT_THAT(refusal("weld\n1\n"), testing::HasSubstr("'weld' is fixed"));
   EXPECT_THAT(refusal("loose\n1\n"), testing::HasSubstr("'loose' is floating"));
   EXPECT_THAT(refusal("pan,pan\n1,1\n"), testing::HasSubstr("second column 'pan'"));

@@ -259,7 +259,7 @@ TEST_F(MeshProcess, WhatBreaksAssimpIsRefused) {
 }
 
 TEST_F(MeshProcess, LeavesNoProcessBehind) {
-  EXPECT_THAT(refusalOf("x.ply", ply(THREE).substr(0, 60)), HasSubstr("not done after"));
+  EXPECT_THAT(refusalOf("x.ply", ply(THREE).substr(0, 60)), HasSubstr("did not finish within"));
   std::ifstream children("/proc/self/task/" + std::to_string(::getpid()) + "/children");
   ASSERT_TRUE(children);
   std::string child;

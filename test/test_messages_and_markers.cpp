@@ -108,7 +108,7 @@ TEST_F(Report, OfBoxesApartIsFreeAndWithAnythingLeftOutUnknown) {
   settings_.time_budget = 1e-12;
   EXPECT_EQ(messageOf({}).verdict, CollisionPairs::UNKNOWN);
   EXPECT_EQ(messageOf({}).unknown_because,
-            std::vector<std::string>{"pairs that may be in contact are unresolved: b|c"});
+            std::vector<std::string>{"unresolved pairs that may be in contact: b|c"});
 }
 
 TEST_F(Report, OfToleratedDistancesSaysThatTheyAreLowerBoundsAndBySoMuch) {
@@ -150,7 +150,7 @@ TEST_F(Report, DoesNotBlameOpenPairsThatAreKnownToBeApart) {
   }
   settings_.time_budget = 1e-12;
   EXPECT_EQ(whyUnknown(detector_.detect(poses, settings_), *scene_, {}),
-            std::vector<std::string>{"pairs that may be in contact are unresolved: a|b"});
+            std::vector<std::string>{"unresolved pairs that may be in contact: a|b"});
 }
 
 TEST_F(Report, OfLinksWithoutPosesBoundsNoDistance) {

@@ -187,7 +187,7 @@ TEST_F(Padding, BelowZeroOrNotANumberIsRefused) {
   EXPECT_THAT(refusal(settings), HasSubstr("link_padding of 'c'"));
   settings = {};
   settings.link_padding["cc"] = 0.1;
-  EXPECT_THAT(refusal(settings), HasSubstr("'c' meant?"));
+  EXPECT_THAT(refusal(settings), HasSubstr("'c'?"));
   settings = {};
   settings.pair_padding = {{"a", "b", INFINITY}};
   EXPECT_THAT(refusal(settings), HasSubstr("pair_padding of 'a' and 'b'"));

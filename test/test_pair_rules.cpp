@@ -131,8 +131,8 @@ TEST(PairRules, AnUnknownNameIsRefusedWithTheNearestOne) {
     return description;
   };
   EXPECT_THAT(refusal(withRule("elbo")),
-              HasSubstr("pair_rules names 'elbo', which is no link of robot"));
-  EXPECT_THAT(refusal(withRule("elbo")), HasSubstr("'elbow' meant?"));
+              HasSubstr("pair_rules names 'elbo', which is not a link of robot"));
+  EXPECT_THAT(refusal(withRule("elbo")), HasSubstr("did you mean 'elbow'?"));
   EXPECT_EQ(refusal(withRule("elbo*")), "accepted");
 }
 
@@ -141,7 +141,7 @@ TEST(Ignore, TakesALinkOutAltogether) {
   description.settings.ignored_links = {"finger_*"};
   EXPECT_EQ(CollisionScene::build(description)->findModel("finger_1"), -1);
   description.settings.ignored_links = {"hed"};
-  EXPECT_THAT(refusal(description), HasSubstr("'head' meant?"));
+  EXPECT_THAT(refusal(description), HasSubstr("did you mean 'head'?"));
 }
 
 class Groups : public testing::TestWithParam<std::pair<const char*, std::set<std::string>>> {};
@@ -188,11 +188,11 @@ TEST(Restriction, NamesAnUnknownGroupOrLinkWithTheNearest) {
       "<group name='empty'/>");
   description.restriction.group = "amr";
   EXPECT_THAT(refusal(description), HasSubstr("no group 'amr'"));
-  EXPECT_THAT(refusal(description), HasSubstr("'arm' meant?"));
+  EXPECT_THAT(refusal(description), HasSubstr("did you mean 'arm'?"));
   description.restriction.group = "empty";
   EXPECT_THAT(refusal(description), HasSubstr("moves no link"));
   description.restriction = {"", {"hand"}};
-  EXPECT_THAT(refusal(description), HasSubstr("'head' meant?"));
+  EXPECT_THAT(refusal(description), HasSubstr("did you mean 'head'?"));
   description.robots[0].srdf.reset();
   description.restriction = {"arm", {}};
   EXPECT_THAT(refusal(description), HasSubstr("has no SRDF"));

@@ -71,7 +71,7 @@ TEST(PcdFile, NoPointsAreNone) {
 }
 
 TEST(PcdFile, WhatIsWrongIsSaidWithItsLine) {
-  expectRefused("", "no line DATA");
+  expectRefused("", "no DATA line");
   expectRefused("hello world\n", "line 1: 'hello'");
   expectRefused(XYZ + "DATA binary_compressed\nabc", "binary_compressed is not read");
   expectRefused(XYZ + "DATA gzip\n", "'gzip'");
@@ -82,7 +82,7 @@ TEST(PcdFile, WhatIsWrongIsSaidWithItsLine) {
   expectRefused(XYZ + "DATA ascii\n1 2 3\n4 5 6\n7 8 9\n", "line 14: there are more points");
   expectRefused(XYZ + "DATA ascii\n1 2 3x\n4 5 6\n", "line 12: '3x' is not a number");
   expectRefused("FIELDS x y\nSIZE 4 4\nTYPE F F\nPOINTS 1\nDATA ascii\n1 2\n", "no field z");
-  expectRefused("FIELDS x y z\nSIZE 4 4\nTYPE F F F\nPOINTS 1\nDATA ascii\n", "equally many");
+  expectRefused("FIELDS x y z\nSIZE 4 4\nTYPE F F F\nPOINTS 1\nDATA ascii\n", "differ in length");
   expectRefused("FIELDS x y z\nSIZE 4 4 2\nTYPE F F F\nPOINTS 1\nDATA ascii\n", "field z must be");
   expectRefused("FIELDS x y z\nSIZE 4 4 4\nTYPE F F I\nPOINTS 1\nDATA ascii\n", "field z must be");
   expectRefused("FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 3\nPOINTS 1\nDATA ascii\n",

@@ -160,7 +160,7 @@ TEST(PointCloud, WhoseCoordinatesAreWrongIsRefused) {
   expectRefused(cloud, "field 'y' is of datatype 3");
   cloud = sound;
   cloud.fields[3].name = "y";
-  expectRefused(cloud, "field 'y' is there twice");
+  expectRefused(cloud, "field 'y' occurs twice");
   cloud = sound;
   cloud.fields[0].count = 3;
   expectRefused(cloud, "field 'x' has count 3");

@@ -213,7 +213,7 @@ REFUSED = {
     "the alarm distance is nan": lambda: detector().check([0, 1], alarm_distance=np.nan),
     "the tolerance is -1": lambda: detector().check([0, 1], tolerance=-1),
     "the time budget is -1": lambda: detector().check([0, 1], time_budget=-1),
-    "not with verdict_only": lambda: detector().check([0, 1], gradient=True, verdict_only=True),
+    "cannot be combined with verdict_only": lambda: detector().check([0, 1], gradient=True, verdict_only=True),
     "gradient=True": lambda: detector().check([0, 1]).gradient,
     "threads is 2000": lambda: detector(threads=2000),
     "nowhere.urdf: cannot be opened": lambda: cp.Robot("nowhere.urdf"),
@@ -221,11 +221,11 @@ REFUSED = {
     "urdf: .*mesh 'package://none/x.stl'": lambda: cp.Robot(
         "<robot name='r'><link name='a'><collision><geometry><mesh filename='package://none/x.stl'/></geometry>"
         "</collision></link></robot>"),
-    "'paddding' is no setting; is 'padding' meant": lambda: detector(settings={"paddding": 1}),
+    "'paddding' is not a setting; did you mean 'padding'": lambda: detector(settings={"paddding": 1}),
     "settings: padding is nan": lambda: detector(settings={"padding": np.nan}),
-    "settings: .*is no number, text, list or map": lambda: detector(settings={"padding": object()}),
+    "settings: .*is not a number, text, list or map": lambda: detector(settings={"padding": object()}),
     "nesting|recursion": lambda: detector(settings=endless()),
-    "object 'a': pose is no pose": lambda: cp.RigidObject("a", [cp.Sphere(1)], pose=np.zeros((4, 4))),
+    "object 'a': pose is not a pose": lambda: cp.RigidObject("a", [cp.Sphere(1)], pose=np.zeros((4, 4))),
     "object 'a': .*poses": lambda: cp.RigidObject("a", [cp.Sphere(1)], poses=[]),
     "object 'a': padding is -1": lambda: cp.RigidObject("a", [cp.Sphere(1)], padding=-1),
     "'nolink'": lambda: detector(objects=[cp.RigidObject("a", [cp.Sphere(1)], attached_link="nolink")]),
@@ -233,7 +233,7 @@ REFUSED = {
     "radius is -1": lambda: cp.Sphere(-1),
     "triangle 0 refers to vertex 1": lambda: cp.Mesh([[0, 0, 0]], [[0, 1, 2]]),
     "waypoint 1: joint 'slide': its position is not finite": lambda: motions().check([[0, 1], [0, np.nan]]),
-    "two waypoints or more": lambda: motions().check([[0, 1]]),
+    "two or more waypoints": lambda: motions().check([[0, 1]]),
     "joint 'x' is not in robot": lambda: motions().check([[0], [1]], ["x"]),
     "clearance": lambda: motions().check([[0, 1], [0, 1]], clearance=-1),
     "resolution": lambda: motions().check([[0, 1], [0, 1]], resolution=0),
@@ -351,7 +351,7 @@ def test_a_check_can_be_interrupted_and_repeated():
 
 
 def test_the_detector_that_is_in_use_cannot_be_used_by_a_signal_handler():
-    with pytest.raises(cp.InputError, match="in use by this very thread"):
+    with pytest.raises(cp.InputError, match="already in use by this thread"):
         during_a_check(np.tile(states(1000), (1500, 1)), lambda: DETECTOR_IN_USE.check([0, CLEAR]))
     assert DETECTOR_IN_USE.check([0, CLEAR]).verdict == cp.Verdict.FREE
 

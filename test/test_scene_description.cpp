@@ -123,11 +123,11 @@ TEST(SceneObjects, WhatIsWrongWithOneIsNamed) {
   description.objects = {cube("a", at(0, 0, 0))};
   EXPECT_THAT(refusal(description), HasSubstr("object 'a' has the name of a link"));
   description.objects = {cube("load", at(0, 0, 0), "bb")};
-  EXPECT_THAT(refusal(description), HasSubstr("is attached to 'bb', which is no link"));
-  EXPECT_THAT(refusal(description), HasSubstr("'b' meant?"));
+  EXPECT_THAT(refusal(description), HasSubstr("is attached to 'bb', which is not a link"));
+  EXPECT_THAT(refusal(description), HasSubstr("did you mean 'b'?"));
   description.objects = {cube("load", at(0, 0, 0))};
   description.objects[0].touch_links = {"aa"};
-  EXPECT_THAT(refusal(description), HasSubstr("'a' meant?"));
+  EXPECT_THAT(refusal(description), HasSubstr("did you mean 'a'?"));
   description.objects[0].touch_links.clear();
   description.objects[0].padding = -0.1;
   EXPECT_THAT(refusal(description), HasSubstr("padding of object 'load'"));
@@ -329,7 +329,7 @@ TEST(SceneObjects, WithoutAFiniteBoxAreRefusedByName) {
 TEST(SeveralRobots, OfOneNameAreRefused) {
   SceneDescription description = twoSliders();
   description.robots.push_back(description.robots[0]);
-  EXPECT_THAT(refusal(description), HasSubstr("give each a prefix of its own"));
+  EXPECT_THAT(refusal(description), HasSubstr("give each a different prefix"));
 }
 
 TEST(SeveralRobots, MergedMoveAsEachAlone) {

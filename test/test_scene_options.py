@@ -78,9 +78,9 @@ def test_links_and_patterns_restrict_the_pairs(check):
 
 
 @pytest.mark.parametrize("options, settings, says", [
-    ((), "padding: -1", "padding is -1"), ((), "pading: 1", "'padding' meant?"),
-    ((), "pair_rules: [{deny: [arhc, table]}]", "'arch' meant?"), ((), "[", "settings.yaml"),
-    (("--links", "wrist_bal"), None, "'wrist_ball' meant?"), (("--links", "none_*"), None, "no pair to check"),
+    ((), "padding: -1", "padding is -1"), ((), "pading: 1", "'padding'?"),
+    ((), "pair_rules: [{deny: [arhc, table]}]", "'arch'?"), ((), "[", "settings.yaml"),
+    (("--links", "wrist_bal"), None, "'wrist_ball'?"), (("--links", "none_*"), None, "no pair to check"),
     (("--narrow-phase", "bullet"), None, "known are native and fcl"), ((), "narrow_phase: 3", "native or fcl"),
     (("--group", "arm"), None, "no group 'arm'"), (("--settings", "nowhere.yaml"), None, "nowhere.yaml"),
 ])

@@ -156,11 +156,13 @@ TEST(ObjectOfAMessage, WhatIsWrongIsNamed) {
     return refusal(object);
   };
   EXPECT_THAT(with([](SceneObject& o) { o.primitives[0].dimensions.pop_back(); }),
-              AllOf(HasSubstr("primitives[0]"), HasSubstr("2 dimensions, but wants 3: x, y, z")));
+              AllOf(HasSubstr("primitives[0]"), HasSubstr("2 dimensions, but needs 3: x, y, z")));
   EXPECT_THAT(with([](SceneObject& o) { o.primitives[0].dimensions[1] = -1; }),
               HasSubstr("primitives[0]"));
-  EXPECT_THAT(with([](SceneObject& o) { o.primitives[0].type = 9; }), HasSubstr("type 9 is none"));
-  EXPECT_THAT(with([](SceneObject& o) { o.primitive_poses.resize(1); }), HasSubstr("pose is none"));
+  EXPECT_THAT(with([](SceneObject& o) { o.primitives[0].type = 9; }),
+              HasSubstr("type 9 is unknown"));
+  EXPECT_THAT(with([](SceneObject& o) { o.primitive_poses.resize(1); }),
+              HasSubstr("pose is invalid"));
   EXPECT_THAT(with([](SceneObject& o) { o.primitive_poses.resize(2); }),
               HasSubstr("1 entries, but 2 poses"));
   EXPECT_THAT(with([](SceneObject& o) { o.meshes.resize(1); }), HasSubstr("meshes[0]"));
@@ -284,13 +286,13 @@ TEST_F(Changes, WhatIsWrongIsNamedAndNothingIsChanged) {
   apply(SceneChange::ADD, boxObject("crate", poseAt(0, 0, 0)));
   SceneObject object = boxObject("crat", poseAt(0, 0, 0));
   EXPECT_THAT(refusalOf(SceneChange::MOVE, object),
-              AllOf(HasSubstr("changes[0], object 'crat'"), HasSubstr("'crate' meant?")));
+              AllOf(HasSubstr("changes[0], object 'crat'"), HasSubstr("did you mean 'crate'?")));
   EXPECT_THAT(refusalOf(SceneChange::ATTACH, object), HasSubstr("no such object"));
-  EXPECT_THAT(refusalOf(77, object), HasSubstr("operation 77 is none"));
+  EXPECT_THAT(refusalOf(77, object), HasSubstr("operation 77 is unknown"));
   object.pose.orientation.w = 0.0;
-  EXPECT_THAT(refusalOf(SceneChange::ADD, object), HasSubstr("its pose is none"));
+  EXPECT_THAT(refusalOf(SceneChange::ADD, object), HasSubstr("its pose is invalid"));
   object.pose = poseAt(0, 0, std::nan(""));
-  EXPECT_THAT(refusalOf(SceneChange::ADD, object), HasSubstr("its pose is none"));
+  EXPECT_THAT(refusalOf(SceneChange::ADD, object), HasSubstr("its pose is invalid"));
   object.pose = poseAt(0, 0, 0);
   object.header.frame_id = "elsewhere";
   EXPECT_THAT(refusalOf(SceneChange::ADD, object), HasSubstr("'elsewhere'"));

@@ -147,8 +147,9 @@ TEST_F(Transforms, OfAFrameThatIsStaticAndMovesAreNotBelievedInEitherOrder) {
     EXPECT_THROW(input_.lookUp("root", frame, ros::Time(0)), tf2::TransformException) << frame;
     EXPECT_THROW(input_.lookUp(frame, "root", ros::Time(0)), tf2::TransformException) << frame;
   }
-  EXPECT_THAT(input_.refused(), ElementsAre(HasSubstr("'moves_first': it comes both on /tf and"),
-                                            HasSubstr("'static_first': it comes both on /tf and")));
+  EXPECT_THAT(input_.refused(),
+              ElementsAre(HasSubstr("'moves_first': it is published both on /tf and"),
+                          HasSubstr("'static_first': it is published both on /tf and")));
   receive("sound", 999.5, 1.0);
   EXPECT_NO_THROW(input_.lookUp("root", "sound", ros::Time(0)));
 }

@@ -1,4 +1,4 @@
-// Many states against one scene, on several threads.
+// Checks many states of one scene on several threads.
 #pragma once
 
 #include <functional>
@@ -11,39 +11,38 @@ namespace collision_pairs {
 
 class BatchStage;
 
-/// Keeps a detector for each thread, so that a second batch finds its memory warm. Which thread
-/// answers a state makes no difference to the answer.
+/// Keeps one detector per thread, so that later batches reuse its memory. The answer for a state
+/// does not depend on the thread that computes it.
 class BatchCheck {
  public:
-  /// threads: 0 means as many as the machine has.
+  /// threads: 0 means one per core.
   explicit BatchCheck(std::shared_ptr<const CollisionScene> scene, unsigned threads = 0);
   ~BatchCheck();
 
-  /// Calls pose(i, poses) and then, on the same thread, take(i, report) for each i below `count`,
-  /// each i once, in any order and from several threads at a time: both must leave alone what
-  /// belongs to another i.
-  /// The first exception of either ends the batch and is thrown again here.
+  /// Calls pose(i, poses) and then, on the same thread, take(i, report), once for each i below
+  /// `count`, in any order and from several threads at a time. Both must only touch data of their
+  /// own i. The first exception from either ends the batch and is rethrown here.
   using Pose = std::function<void(std::size_t, BodyPoses&)>;
   using Take = std::function<void(std::size_t, const CollisionReport&)>;
   void run(std::size_t count, const CheckSettings& settings, const Pose& pose, const Take& take);
 
-  /// The same for joint states: positions(i, q) fills in an entry for each of the robot's joints,
-  /// mimics applied, and their poses are RobotModel::forwardKinematics() of these. Up to 16 states
-  /// are asked for before the first of them is taken.
+  /// The same for joint states: positions(i, q) fills in one entry per joint of the robot (rad or
+  /// m), with mimic joints applied; poses are RobotModel::forwardKinematics() of these. Up to 16
+  /// states are requested before the first of them is taken.
   ///
-  /// With verdict_only, several states are looked at at once, and few come to the exact check: the
-  /// batch stage (docs/batch.md). Verdicts are the same. Of a state that it settles the report
-  /// holds the verdict, one pair in contact or none, and times.total: its share of the group's
-  /// time; nothing was counted, and there are no boxes. Made ready by the first batch with which
-  /// STATES_WORTH_A_STAGE states were asked for. Not for a time budget, a fidelity other than MESH,
-  /// scenes with clouds, coarser links or FCL, nor for states beyond 10,000 rad: these come to the
-  /// exact check, all of them.
+  /// With verdict_only, several states are processed together, and few of them need the exact
+  /// check: the batch stage (docs/batch.md). Verdicts are the same. For a state settled by it the
+  /// report contains only the verdict, one pair in contact or none, and times.total, its share of
+  /// the group's time; no counts and no boxes. The stage is prepared by the first batch with which
+  /// STATES_WORTH_A_STAGE states have been requested. It is not used with a time budget, a fidelity
+  /// other than MESH, in scenes with clouds, coarser links or FCL, nor for states beyond 10,000
+  /// rad; all of these are checked exactly.
   using Positions = std::function<void(std::size_t, std::vector<double>&)>;
   void runJoints(std::size_t count, const CheckSettings& settings, const Positions& positions,
                  const CloudVoxels& voxels, const Take& take);
-  /// What making the batch stage ready costs is about what the exact check of so many does.
+  /// Preparing the batch stage costs about as much as checking this many states exactly.
   static constexpr std::size_t STATES_WORTH_A_STAGE = 30000;
-  /// Bytes of the batch stage, scratch memory of threads not counted; 0: it is not in use.
+  /// Bytes of the batch stage without the scratch memory of threads; 0: it is not in use.
   std::size_t stageMemory() const;
 
   const CollisionScene& scene() const { return *scene_; }
@@ -55,7 +54,7 @@ class BatchCheck {
 
   std::shared_ptr<const CollisionScene> scene_;
   std::vector<CollisionDetector> detectors_;
-  std::size_t nb_verdicts_ = 0;  // of joint states, asked for so far
+  std::size_t nb_verdicts_ = 0;  // of joint states, requested so far
   bool stage_was_tried_ = false;
   std::unique_ptr<const BatchStage> stage_;
   std::vector<std::unique_ptr<StageOfThread>> staged_;  // one a detector

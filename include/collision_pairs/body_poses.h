@@ -1,4 +1,4 @@
-// Where the bodies of a scene stand, and what its clouds of points show.
+// Input of a check: poses of the bodies of a scene, and occupied voxels of its point clouds.
 #pragma once
 
 #include <memory>
@@ -10,19 +10,19 @@ namespace collision_pairs {
 
 class OccupiedVoxels;
 
-/// One for each of CollisionScene::clouds(), of its voxel size. Null, or missing at the end: it is
-/// not known what is there, and the cloud is left out and reported.
+/// One entry for each of CollisionScene::clouds(), with the same voxel size. Null or missing
+/// entries mean unknown: the cloud is left out and reported.
 using CloudVoxels = std::vector<std::shared_ptr<const OccupiedVoxels>>;
 
-/// Poses of CollisionScene::bodies() in the world frame W, all of one instant.
+/// Poses of CollisionScene::bodies() in the world frame W, all at the same instant.
 struct BodyPoses {
   std::vector<Eigen::Isometry3d> X_WB;
-  /// Whether the pose is known. "No pose" is never identity: the body's models are left out and
-  /// reported. A pose that is not finite counts as unknown.
+  /// Whether the pose is known. If not, the body's models are left out and reported; an unknown
+  /// pose is never treated as identity. A pose that is not finite counts as unknown.
   std::vector<char> known;
   CloudVoxels voxels;
 
-  /// All known, at identity until they are written.
+  /// Marks all poses as known, and sets new ones to identity; the caller overwrites them.
   void resize(std::size_t nb_bodies) {
     X_WB.resize(nb_bodies, Eigen::Isometry3d::Identity());
     known.assign(nb_bodies, 1);

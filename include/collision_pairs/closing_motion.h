@@ -1,4 +1,4 @@
-// How fast the pairs of a report come nearer to each other, from where their bodies were before.
+// Closing speed and time to contact of the pairs of a report, from earlier poses of their bodies.
 #pragma once
 
 #include "collision_pairs/body_poses.h"
@@ -7,37 +7,37 @@
 
 namespace collision_pairs {
 
-/// Where the bodies were `window` seconds (> 0) before a check.
+/// Poses of the bodies `window` seconds (> 0) before a check.
 struct EarlierPoses {
   BodyPoses poses;
   double window = 0.0;
 };
 
-/// Of two models. Their velocity is the mean over the window, as one sees it from the other.
+/// Of two models. Their relative velocity is the average over the window.
 struct ClosingMotion {
-  /// The longest time that is looked ahead, seconds.
+  /// Upper limit of time_to_contact, seconds.
   static constexpr double HORIZON = 10.0;
 
-  /// False: one of them was not seen at both instants, or where they are nearest is not known. Then
-  /// the others are 0.
+  /// False: the pose of one of them is unknown at either instant, or the witness points are
+  /// unknown. The other fields are then 0.
   bool known = false;
-  /// m/s: by how much their distance shrinks where they are nearest, or where they penetrate by how
-  /// much the depth grows; of several places the fastest. Negative: they part.
+  /// m/s: the rate at which the distance decreases at the witness points (in penetration: at which
+  /// the depth increases); the maximum if there are several contacts. Negative: they separate.
   double closing_speed = 0.0;
-  /// Seconds, 0 to HORIZON: they do not touch before, if they keep their velocity as one sees it
-  /// from the other (the origin of the one's link frame goes straight on, and it turns on about the
-  /// same axis). A lower bound, to 10 us. 0 where they may be in contact.
+  /// Seconds, 0 to HORIZON: a lower bound, to 10 us, of the time until they touch if they keep
+  /// their relative velocity (seen from the one, the origin of the other's link frame continues
+  /// straight, and the link continues to turn about the same axis). 0 if they may be in contact.
   double time_to_contact = 0.0;
 };
 
-/// Of one pair of a report, which was made with the poses `now`. No more than that pair is looked
-/// at: what the report does not list is further apart than the alarm distance, and may be fast.
+/// For one pair of a report that was made with the poses `now`. Pairs that the report does not list
+/// are further apart than the alarm distance, and may be fast.
 ///
-/// How. A plane between the hulls of two elements, along the normal where they are nearest: to
-/// first order in time the one reaches furthest along a normal that tilts, the rest is bounded (see
-/// PlaneBound). Where no such plane is between them the distance is divided by the speed of the
-/// fastest point. Cost: some twenty support points of each hull for each pair of elements in reach,
-/// 1 to 10 us.
+/// Method: a plane between the hulls of two elements, along the normal at the witness points. The
+/// furthest reach of one hull along a tilting normal is followed to first order in time; the rest
+/// is bounded (see PlaneBound). Where no such plane lies between them, the distance is divided by
+/// the speed of the fastest point. Cost: about twenty support points of each hull for each pair of
+/// elements in reach, 1 to 10 us.
 ClosingMotion closingMotion(const CollisionScene& scene, const CollisionReport& report,
                             const PairReport& pair, const BodyPoses& now,
                             const EarlierPoses& before);

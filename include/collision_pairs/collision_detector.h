@@ -23,41 +23,40 @@ class VoxelSearch;
 
 struct CheckSettings {
   /// Metres, >= 0. Pairs up to this far apart are reported as near. 0: contacts only. Larger
-  /// costs more: the boxes are compared at this distance and distances are computed up to it.
+  /// values cost more: boxes are compared at this distance, and distances computed up to it.
   double alarm_distance = 0.05;
   /// The geometry that decides.
   Fidelity fidelity = Fidelity::MESH;
-  /// Metres, >= 0. The search for a distance may end as soon as what is certain of it is an
-  /// interval no wider; its lower end is what is reported, Certainty::TOLERATED. Larger costs less.
-  /// Contact or not stays exactly the same, and so do depths. A pair up to this much further apart
-  /// than the alarm distance may be reported as near; none that is nearer is missed. Clouds are
-  /// measured exactly.
+  /// Metres, >= 0. The search for a distance may end as soon as its certified interval is no wider.
+  /// The lower end is reported, with Certainty::TOLERATED. Larger values cost less. Contacts and
+  /// depths are not affected. Pairs up to this much further apart than the alarm distance may be
+  /// reported as near; none within the alarm distance is missed. Distances to clouds are exact.
   double tolerance = 0.0;
-  /// Find the smallest distance of all pairs even where it is beyond the alarm distance.
+  /// Compute the smallest distance of all pairs even if it is beyond the alarm distance.
   bool min_distance = false;
-  /// Only the verdict is asked for: ends at the first certain contact, which is then the only one
-  /// in the report, without points and depth (its distance is 0). The alarm distance counts as 0.
+  /// Compute only the verdict: the check ends at the first certain contact, which is then the only
+  /// one in the report, without points and depth (its distance is 0). The alarm distance counts as
+  /// 0.
   bool verdict_only = false;
-  /// Seconds, >= 0, for the whole check; 0: no limit. Boxes are always rebuilt, swept and compared;
-  /// the most suspicious pairs then climb the ladder until the time is spent, and the narrow query
-  /// that is running then is finished. What is left is reported as UNRESOLVED, with its lower
-  /// bound and the rung that this is of: no pair is left out.
+  /// Seconds, >= 0, for the whole check; 0: no limit. Boxes are always rebuilt, swept and compared.
+  /// Then the pairs most likely to be in contact climb the ladder of fidelities until the time is
+  /// spent; a query in progress is finished. The remaining pairs are reported as UNRESOLVED, with
+  /// their lower bound and the rung that gave it, so no pair is dropped.
   double time_budget = 0.0;
-  /// Fill in CollisionReport::boxes, as for drawing them, and with verdict_only its candidates,
-  /// too, which then are all looked for. Costs the box of every mesh, about 50 ns each, where that
-  /// of most is not needed.
+  /// Fill in CollisionReport::boxes, for drawing them, and with verdict_only also all candidates.
+  /// Costs the tight box of every mesh, about 50 ns each, most of which are not needed otherwise.
   bool list_boxes = false;
-  /// Fill in CollisionReport::times. Reading the clock six times takes about 0.15 µs: a tenth of a
+  /// Fill in CollisionReport::times. Reading the clock six times takes about 0.15 µs, a tenth of a
   /// small robot's check.
   bool stage_times = false;
 };
 
 /// Runs the check. Holds scratch memory only: the answer depends on (scene, poses and voxels,
-/// settings) alone. One per thread; no lock is needed around the shared scene. No heap allocation
-/// in boxes and broad phase once warm.
+/// settings) alone. Use one per thread; the shared scene needs no lock. Boxes and broad phase do
+/// not allocate once warm.
 ///
-/// detect() checks every allowed pair. The three steps of SOFA's narrow-phase component do the
-/// same pair by pair, for a caller that has its own broad phase over models:
+/// detect() checks every allowed pair. The three steps of SOFA's narrow-phase component do the same
+/// pair by pair, for a caller that has a broad phase of its own over models:
 ///
 ///   detector.beginNarrowPhase(poses, settings);
 ///   for (…) detector.addCollisionPair(first_model, second_model);
@@ -69,22 +68,22 @@ class CollisionDetector {
   CollisionDetector(CollisionDetector&&) noexcept;
   CollisionDetector& operator=(CollisionDetector&&) noexcept;
 
-  /// Throws InputError for an alarm distance, a tolerance or a time budget that is negative or not
-  /// a number, or if `poses` does not fit the scene, nor voxels their cloud.
+  /// Throws InputError if the alarm distance, the tolerance or the time budget is negative or not a
+  /// number, if `poses` does not match the scene's bodies, or if voxels do not match their cloud.
   const CollisionReport& detect(const BodyPoses& poses, const CheckSettings& settings);
 
   void beginNarrowPhase(const BodyPoses& poses, const CheckSettings& settings);
-  /// By model id, in either order. Pairs that the scene's filter forbids stay out.
+  /// By model id, in either order. Pairs that the scene's filter forbids are ignored.
   void addCollisionPair(std::uint32_t model_a, std::uint32_t model_b);
-  /// Throws InputError where nothing was begun since the last check.
+  /// Throws InputError without a beginNarrowPhase() since the last check.
   const CollisionReport& endNarrowPhase();
 
-  /// The last check's, empty before the first.
+  /// The report of the last check; empty before the first.
   const CollisionReport& report() const { return report_; }
 
   const CollisionScene& scene() const { return *scene_; }
 
-  /// What the time budget is measured by: seconds that never go back. For tests; the default is
+  /// Sets the clock for time budgets: seconds, monotonic. For tests; the default is
   /// std::chrono::steady_clock.
   void setClock(std::function<double()> clock);
 
@@ -94,14 +93,14 @@ class CollisionDetector {
   void dropLooseCandidates();
   void listBoxes();
   void takeVoxels(const BodyPoses& poses);
-  /// The pairs of elements whose boxes are no further apart than `reach`, sorted.
+  /// The pairs of elements whose boxes are no further apart than `reach` metres, sorted.
   void sweep(double reach, std::vector<BoxPair>& candidates);
   void beginPairs();
   void findFirstContact();
   void measureCandidates();
   void measureInTime(const Deadline& deadline);
   bool isAsked(const BoxPair& pair) const;
-  /// take(pair, voxels) for each element that moves and each cloud that it is checked against.
+  /// Calls take(pair, voxels) for each moving element and each cloud that it is checked against.
   template <class Take>
   void forEachCloudPair(const Take& take) const;
   const OccupiedVoxels& voxelsOf(const BoxPair& cloud_pair) const;
@@ -112,15 +111,15 @@ class CollisionDetector {
             const Eigen::Vector3i& voxel = Eigen::Vector3i::Zero());
   void searchMinimum(const Deadline& deadline);
   bool measureCloudsBeyond(const Deadline& deadline, SmallestDistance& best);
-  /// But for those whose boxes are no further apart than `measured` (below 0: none). False where
-  /// the time was spent first; nothing that is left is then nearer than `known`.
+  /// Skips pairs whose boxes are no further apart than `measured` (negative: skips none). False if
+  /// the time was spent; then no remaining pair is nearer than `known`.
   bool measureNearestFirst(const std::vector<BoxPair>& pairs, double measured,
                            const Deadline& deadline, SmallestDistance& best, double& known);
 
   std::shared_ptr<const CollisionScene> scene_;
   CheckSettings settings_;
   std::unique_ptr<ElementBoxes> boxes_;
-  bool some_are_loose_ = false;  // of this cycle
+  bool some_are_loose_ = false;  // boxes of this cycle
   SweepAndPrune sweep_;
   std::unique_ptr<PairLadder> ladder_;
   std::unique_ptr<TimedClimb> timed_climb_;
@@ -128,8 +127,8 @@ class CollisionDetector {
   std::unique_ptr<FoundPairs> found_;
   std::function<double()> clock_;
   CollisionReport report_;
-  CloudVoxels voxels_;                // one a cloud; null: unknown
-  std::vector<BoxPair> cloud_pairs_;  // candidates: an element that moves, that of a cloud
+  CloudVoxels voxels_;                // one per cloud; null: unknown
+  std::vector<BoxPair> cloud_pairs_;  // candidates: moving element, element of a cloud
 
   BodyPoses begun_poses_;
   std::vector<std::pair<std::uint32_t, std::uint32_t>> added_pairs_;

@@ -1,4 +1,4 @@
-// What a check answers.
+// The result of a check.
 #pragma once
 
 #include <array>
@@ -19,28 +19,27 @@ namespace collision_pairs {
 enum class PairState {
   NEAR,       ///< apart, and no further than the alarm distance
   CONTACT,    ///< touching or penetrating
-  UNRESOLVED  ///< not settled; `distance` is a lower bound of the signed distance, so that the two
-              ///< are known to be apart where it is positive
+  UNRESOLVED  ///< not settled; `distance` is a lower bound of the signed distance, so the two are
+              ///< known to be apart if it is positive
 };
 
-/// What a check is worth to someone who acts on it.
+/// The overall result. Treat everything but FREE as a collision.
 enum class Verdict : std::uint8_t {
   FREE = 0,       ///< every pair that the scene requires was checked and is apart
-  COLLISION = 1,  ///< some pair is in contact for certain, at the fidelity asked for
-  UNKNOWN = 2  ///< neither: a model has no pose, or a pair that could be in contact is unresolved
+  COLLISION = 1,  ///< some pair is certainly in contact, at the requested fidelity
+  UNKNOWN = 2     ///< neither: a model has no pose, or a pair that may be in contact is unresolved
 };
 
 /// Closest (or deepest) points of two elements, measured and expressed in the world frame W. They
-/// are points of the geometry that decided: where the time was spent, of the boxes. With a
-/// tolerance they are two points of the elements that are no further apart than the distance and
-/// the tolerance.
+/// lie on the geometry that decided, for example on boxes if the time was spent. With a tolerance
+/// they are two points of the elements that are no further apart than distance + tolerance.
 struct Contact {
   Eigen::Vector3d p_WFirst;   ///< on the element of the first model
   Eigen::Vector3d p_WSecond;  ///< on the element of the second model
   Eigen::Vector3d nhat_W;     ///< unit normal, from the first to the second model
-  double depth;               ///< metres; minus the distance where the two are apart
+  double depth;               ///< metres; minus the distance if the two are apart
   BoxPair elements;           ///< element of the first model, element of the second
-  /// Where one of the two is that of a cloud: the cell of its voxel (OccupiedVoxels), else 0.
+  /// If one of the two is a cloud: the cell of the voxel in contact (OccupiedVoxels), else 0.
   Eigen::Vector3i voxel = Eigen::Vector3i::Zero();
 };
 
@@ -53,8 +52,8 @@ struct PairReport {
   Fidelity fidelity;
   Certainty certainty;
   std::uint32_t first_contact;  ///< its contacts are a range of CollisionReport::contacts,
-  std::uint32_t nb_contacts;    ///< one for each pair of elements in reach; of a cloud the nearest
-                                ///< (or deepest) voxel alone
+  std::uint32_t nb_contacts;    ///< one for each pair of elements in reach; for a cloud only the
+                                ///< nearest (or deepest) voxel
 
   /// In contact, or unresolved without a bound that shows the two apart.
   bool mayTouch() const {
@@ -62,7 +61,7 @@ struct PairReport {
   }
 };
 
-/// Seconds spent in each stage; 0 unless CheckSettings::stage_times asks for them.
+/// Seconds spent in each stage; 0 unless CheckSettings::stage_times is set.
 struct StageTimes {
   double boxes = 0.0;
   double broad_phase = 0.0;
@@ -70,45 +69,43 @@ struct StageTimes {
   double total = 0.0;
 };
 
-/// Owned by the detector that filled it and valid until its next check; copy what must stay.
+/// Owned by the detector and valid until its next check; copy it to keep it.
 struct CollisionReport {
   Verdict verdict = Verdict::UNKNOWN;
   bool in_collision = true;  ///< verdict != FREE
-  /// Smallest signed distance of all allowed pairs, where it is at most the alarm distance or was
-  /// asked for; otherwise (`…_is_bound`) what it is known to be no less than: the alarm distance,
-  /// or where a pair is UNRESOLVED the least of the lower bounds.
-  /// With a tolerance it may be less than the smallest distance, by no more than that.
+  /// Smallest signed distance of all allowed pairs, in metres, if it is at most the alarm distance
+  /// or was requested. Otherwise (`…_is_bound`) a lower bound of it: the alarm distance, or if a
+  /// pair is UNRESOLVED the smallest of the lower bounds. With a tolerance it may be smaller than
+  /// the true value by up to that amount.
   double min_distance = 0.0;
   bool min_distance_is_bound = true;
   double tolerance = 0.0;         ///< CheckSettings::tolerance
   std::vector<PairReport> pairs;  ///< sorted by (first, second)
   std::vector<Contact> contacts;  ///< in the order of `pairs`
-  /// The investigated pairs of elements, sorted: nb_pairs. Those whose boxes, SceneElement::boxAt(),
-  /// are no further apart than the alarm distance. A cloud is one element with many boxes. With
-  /// verdict_only they are not listed, unless CheckSettings::list_boxes asks for them.
+  /// The investigated pairs of elements (nb_pairs of the messages), sorted: those whose boxes,
+  /// SceneElement::boxAt(), are no further apart than the alarm distance. A cloud is one element
+  /// with many boxes. With verdict_only they are listed only if CheckSettings::list_boxes is set.
   std::vector<BoxPair> candidates;
-  /// These boxes, one an element, in W; not valid() where it has no pose, and those of clouds. Empty
-  /// unless CheckSettings::list_boxes asks for them.
+  /// The boxes of all elements, in W; not valid() for elements without a pose and for clouds. Empty
+  /// unless CheckSettings::list_boxes is set.
   std::vector<Aabb> boxes;
-  /// Models without a usable pose, and clouds of which it is not known, or only in part, which
-  /// voxels are occupied; ascending.
+  /// Models without a usable pose, and clouds whose voxels are unknown or truncated; ascending.
   std::vector<std::uint32_t> left_out;
   std::uint32_t nb_boxes = 0;  ///< moving and static boxes and voxels of this cycle
-  /// Investigated pairs by the rung (Fidelity) that settled them; with verdict_only up to the first
-  /// contact.
+  /// Investigated pairs by the rung (Fidelity) that settled them; with verdict_only only up to the
+  /// first contact.
   std::array<std::uint32_t, 4> nb_settled = {0, 0, 0, 0};
-  /// Investigated pairs that the time budget left UNRESOLVED; with nb_settled, all of them.
+  /// Investigated pairs left UNRESOLVED by the time budget. All others are in nb_settled.
   std::uint32_t nb_unresolved = 0;
-  bool budget_spent = false;      ///< the time ended before everything was settled
+  bool budget_spent = false;      ///< the time was spent before everything was settled
   std::uint32_t nb_degraded = 0;  ///< element pairs that the first method could not settle
   NarrowPhaseMethod narrow_phase = NarrowPhaseMethod::NATIVE;  ///< the scene's
-  /// With FCL: questions of pairs of elements of which all or part of the answer is the native one
+  /// With FCL: queries that were answered wholly or partly by the native narrow phase
   /// (NarrowPhase::numAnsweredNatively).
   std::uint32_t nb_answered_natively = 0;
   StageTimes times;
 
-  /// Of the contacts of one of `pairs`, the one that its distance is of; null where it has none
-  /// (verdict_only).
+  /// The contact of a pair that determines its distance; null if it has none (verdict_only).
   const Contact* nearestContact(const PairReport& pair) const {
     const Contact* nearest = nullptr;
     for (std::uint32_t i = 0; i < pair.nb_contacts; ++i) {

@@ -1,4 +1,4 @@
-// Everything that a check needs and that does not change from cycle to cycle.
+// Everything a check needs that does not change between cycles.
 #pragma once
 
 #include <array>
@@ -32,13 +32,13 @@ struct CollisionModel {
 
 struct MeshBounds;
 
-/// The element as one rung of the ladder sees it.
+/// The geometry of an element on one rung of the ladder of fidelities.
 struct Rung {
   std::shared_ptr<const PreparedShape> shape;
-  Eigen::Isometry3d X_ER;  ///< pose of that shape in the element's frame; identity but for OBB
-  /// Metres by which the shape must be grown to enclose the next rung in exact arithmetic.
+  Eigen::Isometry3d X_ER;  ///< pose of the shape in the element's frame; identity except for OBB
+  /// Metres by which the shape must be enlarged to enclose the next rung in exact arithmetic.
   double margin = 0.0;
-  /// The shape sticks out of the next by design, so that a coarser rung may be the better bound.
+  /// The shape may extend beyond the coarser rung, whose bound can then be the better one.
   bool loose = false;
 };
 
@@ -46,34 +46,34 @@ struct SceneElement {
   std::uint32_t model;
   int body;                ///< as in CollisionModel
   Eigen::Isometry3d X_BE;  ///< pose in its body's frame; in W if it never moves
-  /// The finest geometry that its link may be checked with.
+  /// The finest geometry that its link is checked with.
   Fidelity finest = Fidelity::MESH;
-  /// By Fidelity; AABB has none of its own. Shared where rungs are the same shape; without one
-  /// where no allowed pair asks for it.
+  /// Indexed by Fidelity; AABB has no entry. Shapes are shared between rungs where they are the
+  /// same, and null where no allowed pair needs them.
   std::array<Rung, 4> rungs;
   const Rung& rung(Fidelity fidelity) const { return rungs[static_cast<int>(fidelity)]; }
-  /// Metres that it keeps to everything; and the same, or half of the most that one of its pairs
-  /// wants instead, by which its box grows.
+  /// Metres that it keeps to everything else; and the amount by which its box is enlarged: the
+  /// same, or half of the largest padding of any of its pairs.
   double padding = 0.0, box_padding = 0.0;
-  /// Its box in W, where it stands at X_WE, grown by box_padding. Of a mesh: tight to 1e-4 of the
-  /// mesh's size, on the outside, because a few outermost vertices grown by that cost a fifth of
-  /// all of them.
+  /// Its box in W for the pose X_WE, enlarged by box_padding. For a mesh it encloses the tight box
+  /// and exceeds it by up to 1e-4 of the mesh's size, because it uses only a few outermost
+  /// vertices, which costs a fifth of using all.
   Aabb boxAt(const Eigen::Isometry3d& X_WE) const;
   std::shared_ptr<const MeshBounds> mesh_bounds;  ///< null for a primitive
-  /// A box along the axes of E that encloses the element, rounding included: its centre and half
-  /// its size, in E. Infinite for a half-space.
+  /// A box along the axes of E that encloses the element, including rounding: centre and half size,
+  /// metres, in E. Infinite for a half-space.
   Eigen::Vector3d box_center, box_half;
-  Shape shape;  ///< the element as it is
+  Shape shape;  ///< the original shape
 };
 
-/// A cloud of points: a model whose one element, a cube, is at every voxel that a check is given.
+/// A point cloud: a model with one element, a cube, which is placed at every voxel of a check.
 struct SceneCloud {
   std::uint32_t model;
   std::uint32_t element;
   double voxel_size;  ///< metres
 };
 
-/// A rigid body of a robot whose pose the detector wants.
+/// A rigid body of a robot whose pose is an input of the detector.
 struct SceneBody {
   int body;  ///< in RobotModel::bodies()
   std::string link;
@@ -82,8 +82,8 @@ struct SceneBody {
 class ElementMaker;
 class SelfFilter;
 
-/// What was prepared for one scene, so that the next one, which differs in a few objects, need not
-/// prepare it again; what the last sixteen did not ask for is forgotten. For one thread at a time.
+/// Keeps prepared geometry for later scenes that differ in a few objects. Entries that the last
+/// sixteen scenes did not use are dropped. Not thread safe.
 class SceneCache {
  public:
   SceneCache();
@@ -95,46 +95,45 @@ class SceneCache {
   std::unique_ptr<ElementMaker> maker_;
 };
 
-/// An immutable snapshot, shared by all threads: it is replaced as a whole when something changes.
-/// Models are numbered by name, so pairs ordered by id are ordered by name. Elements of models
-/// that never move come first, those of clouds (clouds()) last.
+/// An immutable snapshot, shared by all threads; a change replaces it as a whole. Models are
+/// numbered in the order of their names, so pairs sorted by id are sorted by name. Elements of
+/// static models come first, those of clouds (clouds()) last.
 class CollisionScene {
  public:
-  /// Robots are checked against themselves, each other, the world and the objects; pairs that stand
-  /// still are not. Throws InputError if two have the same name, or if anything in the description
-  /// names a link that is nowhere (the error says which one is meant, perhaps).
-  /// Cost: meshes that `cache` does not have are prepared, which takes most of it; then about
-  /// 2 µs an element.
+  /// Robots are checked against themselves, each other, the world and the objects; static pairs are
+  /// not checked. Throws InputError if two models have the same name, or if the description names a
+  /// link that does not exist (the error suggests the closest name).
+  /// Cost: mostly the preparation of meshes that are not in `cache`; then about 2 µs per element.
   static std::shared_ptr<const CollisionScene> build(const SceneDescription& description,
                                                      SceneCache* cache = nullptr);
 
-  /// The names of the models that such a scene has. Looks at no mesh, so that a caller can learn
-  /// which links' meshes are worth loading: elements of the others need not be there.
+  /// The names of the models that the scene of this description has. Does not use the meshes, so a
+  /// caller can find out which links' meshes to load: elements of other links may be missing.
   static std::set<std::string> neededModels(const SceneDescription& description);
 
-  /// One robot, checked against itself and against `world` (may be null), whose root stands at the
-  /// robot's root link.
+  /// One robot, checked against itself and against `world` (may be null), whose root is placed at
+  /// the robot's root link. Throws as above.
   static std::shared_ptr<const CollisionScene> build(std::shared_ptr<const RobotModel> robot,
                                                      const std::optional<Srdf>& srdf,
                                                      std::shared_ptr<const RobotModel> world,
                                                      const SceneSettings& settings = {});
 
-  /// The robot, or several in one.
+  /// The robot; several robots are merged into one model.
   const RobotModel& robot() const { return *robot_; }
   const std::vector<CollisionModel>& models() const { return models_; }
   const std::vector<SceneElement>& elements() const { return elements_; }
   const std::vector<SceneBody>& bodies() const { return bodies_; }
-  /// Those that are in some allowed pair, by name.
+  /// Those that are in at least one allowed pair, sorted by name.
   const std::vector<SceneCloud>& clouds() const { return clouds_; }
-  /// Index of the cloud that has this element, or -1.
+  /// Index in clouds() of the cloud with this element, or -1.
   int cloudOf(std::uint32_t element) const {
     const std::size_t first = elements_.size() - clouds_.size();
     return element < first ? -1 : static_cast<int>(element - first);
   }
   const PairFilter& filter() const { return filter_; }
-  /// Who answers its pairs of shapes.
+  /// The library that answers its pairs of shapes.
   NarrowPhaseMethod narrowPhase() const { return narrow_phase_; }
-  /// Metres that two elements keep apart.
+  /// Metres that the two elements keep apart: the sum of their paddings, or that of the pair.
   double padding(std::uint32_t element_a, std::uint32_t element_b) const {
     const SceneElement &a = elements_[element_a], &b = elements_[element_b];
     return pair_padding_.empty() ? a.padding + b.padding : paddingOfPair(a, b);
@@ -143,17 +142,17 @@ class CollisionScene {
   std::uint32_t nbStaticElements() const {
     return static_cast<std::uint32_t>(static_boxes_.size());
   }
-  /// Where the voxel of the cloud with this element is; the centre of the cell, in W.
+  /// Pose in W of a voxel of the cloud with this element: the centre of the cell, not rotated.
   Eigen::Isometry3d poseOfVoxel(std::uint32_t element, const Eigen::Vector3i& cell) const;
-  /// Where the elements that move end, and those of clouds begin.
+  /// Number of elements without those of clouds, which come last.
   std::uint32_t endOfMovingElements() const {
     return static_cast<std::uint32_t>(elements_.size() - clouds_.size());
   }
-  /// From the poses of all bodies in the root link's frame, as forwardKinematics() gives them, to
-  /// those of bodies(), all known. W is the root link's frame.
+  /// Converts the poses of all bodies in the root link's frame, as forwardKinematics() returns
+  /// them, into poses of bodies(), all known. W is the root link's frame.
   void gatherPoses(const std::vector<Eigen::Isometry3d>& X_RB, BodyPoses& poses) const;
 
-  /// Which of its model's elements it is.
+  /// Index of the element within its model.
   std::uint32_t indexInModel(std::uint32_t element) const {
     return element - models_[elements_[element].model].first_element;
   }
@@ -174,13 +173,12 @@ class CollisionScene {
   std::vector<SceneCloud> clouds_;
   PairFilter filter_;
   NarrowPhaseMethod narrow_phase_ = NarrowPhaseMethod::NATIVE;
-  /// By classes of the filter, the smaller first: where it is not the sum of the two.
+  /// By classes of the filter, the smaller first: paddings that are not the sum of the two.
   std::map<std::pair<std::uint32_t, std::uint32_t>, double> pair_padding_;
   StaticBoxes static_boxes_;
 };
 
-/// Why a model is not checked where it stands, for messages: its name, and that its box is not
-/// finite.
+/// Message text for a model that is not checked because its box is not finite.
 std::string whyNoBox(const std::string& name);
 
 }  // namespace collision_pairs

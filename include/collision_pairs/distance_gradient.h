@@ -1,4 +1,4 @@
-// How the distance of a pair changes with the joints.
+// Gradient of the distance of a pair with respect to the joints.
 #pragma once
 
 #include <vector>
@@ -12,41 +12,41 @@
 
 namespace collision_pairs {
 
-/// d(distance)/dq: how the distance of a pair of a report changes with the joints. Holds scratch
-/// memory only: one per thread.
+/// d(distance)/dq: the gradient of the distance of a reported pair with respect to the joints.
+/// Holds scratch memory only: use one per thread.
 ///
 /// With the witness points and the normal n of the pair's nearest elements a and b it is
-/// n^T (J_b(p_b) - J_a(p_a)), J(p) being the Jacobian of a point that is fixed to the body: the
-/// derivative of the signed distance wherever no other two points are as near (no other direction
-/// as shallow, where the two overlap). Elsewhere, at parallel faces for instance, the distance has
-/// a kink, and this is the derivative for the witness points in the report: where the two are apart
-/// no direction makes the distance grow faster, or shrink more slowly, than this says.
+/// n^T (J_b(p_b) - J_a(p_a)), where J(p) is the Jacobian of a point fixed to the body: the
+/// derivative of the signed distance wherever no other pair of points is equally near (in
+/// penetration: no other direction equally shallow). Elsewhere, for example at parallel faces, the
+/// distance has a kink, and this is the derivative for the reported witness points: if the two are
+/// apart, in no direction does the distance grow faster, or shrink more slowly, than this says.
 ///
-/// Of a depth that is a bound (Certainty::BOUND) it is the derivative of that bound. There is none
-/// without witness points (verdict_only), where the distance is a lower bound (UNRESOLVED,
-/// DEGRADED), and where axis-aligned boxes decided, which are not fixed to the bodies.
+/// For a depth that is a bound (Certainty::BOUND) it is the derivative of that bound. There is none
+/// without witness points (verdict_only), if the distance is a lower bound (UNRESOLVED, DEGRADED),
+/// or if axis-aligned boxes decided, since these are not fixed to the bodies.
 ///
-/// Error: 1e-6 or better; of depths with a cylinder 1e-5. The normals that GJK leaves at the rim of
-/// a cylinder are off by up to 3e-5, so witness points that are apart there are first sought again.
-/// Cost: the joints between the two links, about 10 ns each; at a cylinder 1 µs more, with a mesh
-/// some.
+/// Error: 1e-6 or better; for depths with a cylinder 1e-5. The normals that GJK returns at the rim
+/// of a cylinder are off by up to 3e-5, so witness points there are recomputed if the two are
+/// apart. Cost: about 10 ns for each joint between the two links; at a cylinder 1 µs more, with a
+/// mesh several.
 class DistanceGradient {
  public:
-  /// Both must outlive it. q is the state whose numbers `joints` names.
+  /// Both must outlive it. q is the state with the numbers that `joints` names.
   DistanceGradient(const CollisionScene& scene, const JointColumns& joints);
 
-  /// Of one of `report.pairs`: joints.size() numbers, metres per radian (of a prismatic joint: per
-  /// metre). A joint that mimics adds to its leader's number and has 0 itself. `X_WB`: the poses of
-  /// all RobotModel::bodies() that the report was made at. False, and NaN in every place, where
-  /// there is none.
+  /// For one of `report.pairs`. Writes joints.size() numbers, metres per radian (prismatic joints:
+  /// per metre). The derivative of a mimic joint is added to its leader's, and its own entry is 0.
+  /// `X_WB`: poses of all RobotModel::bodies() at which the report was made. Returns false, with
+  /// NaN in all entries, if there is no gradient.
   bool compute(const PairReport& pair, const CollisionReport& report,
                const std::vector<Eigen::Isometry3d>& X_WB, double* gradient);
 
  private:
-  /// Adds how fast a point of a body moves along nhat_W by the joint above the body.
+  /// Adds the speed of a point of a body along nhat_W due to the joint above the body.
   void addSpeed(int body, const Eigen::Vector3d& p_W, const Eigen::Vector3d& nhat_W,
                 const std::vector<Eigen::Isometry3d>& X_WB, double* gradient) const;
-  /// The same pair of points, and the normal, to rounding.
+  /// Recomputes witness points and normal to rounding.
   void refineAtCylinders(const PairReport& pair, const std::vector<Eigen::Isometry3d>& X_WB,
                          Contact& nearest);
 

@@ -5,13 +5,13 @@
 
 namespace collision_pairs {
 
-/// Which geometry decides: a ladder on which each rung encloses the next, so that a coarser one
-/// reports every contact that a finer one reports, and its distance is a lower bound.
+/// The geometry that decides: a ladder in which each rung encloses the next finer one. A coarser
+/// rung therefore reports every contact of a finer one, and its distance is a lower bound.
 enum class Fidelity {
   AABB,    ///< the axis-aligned boxes of the broad phase
-  OBB,     ///< a box along the axes of each element, and the axis-aligned box as well
+  OBB,     ///< an oriented bounding box of each element, together with its axis-aligned box
   CONVEX,  ///< the convex hull of each element
-  MESH     ///< the elements as they are
+  MESH     ///< the original elements
 };
 
 const char* fidelityName(Fidelity fidelity);

@@ -1,4 +1,4 @@
-// What is thrown when something that a user gave cannot be used.
+// The exception for input that cannot be used.
 #pragma once
 
 #include <stdexcept>
@@ -6,12 +6,12 @@
 
 namespace collision_pairs {
 
-/// The message is one line and says what is wrong, where (file, line, link, column), and how to
-/// repair it. Nothing is changed by the call that throws it.
+/// The message is one line that says what is wrong, where (file, line, link, column), and how to
+/// repair it. A call that throws it changes nothing.
 class InputError : public std::runtime_error {
  public:
-  /// What `message` quotes is foreign: control bytes, which a terminal would obey, become spaces,
-  /// and of more than 1,000 bytes the middle is left out.
+  /// `message` may quote untrusted input: control bytes, which a terminal would interpret, are
+  /// replaced by spaces, and beyond 1,000 bytes the middle is omitted.
   explicit InputError(std::string message);
 };
 

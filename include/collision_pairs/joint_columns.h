@@ -1,4 +1,4 @@
-// Joint states as users have them: some joints by name, and a number for each.
+// Joint states as users provide them: names of some joints, and a number for each.
 #pragma once
 
 #include <cstddef>
@@ -9,34 +9,34 @@
 
 namespace collision_pairs {
 
-/// Which number of a state moves which joint of a robot. Immutable; the robot must outlive it.
+/// Maps the numbers of a state to the joints of a robot. Immutable; the robot must outlive it.
 class JointColumns {
  public:
-  /// What a joint follows: its position is multiplier * state[column] + offset. Mimics are followed
-  /// to the joint that leads them.
+  /// Source of a joint's position: multiplier * state[column] + offset. Chains of mimic joints are
+  /// resolved to their leader.
   struct Source {
-    int column = -1;  ///< -1: the joint is not named, nor is one that leads it
+    int column = -1;  ///< -1: neither the joint nor its leader is named
     double multiplier = 1.0;
     double offset = 0.0;
   };
 
-  /// Throws InputError that names the joint for one that is unknown, named twice or without a
-  /// position to set, or that mimics one that is not named.
+  /// Throws InputError, with its name, for a joint that is unknown, named twice or has no position,
+  /// or that mimics one that is not named.
   JointColumns(const std::vector<std::string>& names, const RobotModel& robot);
 
   std::size_t size() const { return joint_of_column_.size(); }
-  /// By index in RobotModel::joints().
+  /// joint: index in RobotModel::joints().
   const Source& sourceOf(int joint) const { return source_of_joint_[joint]; }
 
-  /// `state`: size() numbers, rad or m. Throws InputError that names the joint for one that is not
-  /// finite, or further than 1e-6 from what the joint that it mimics makes it.
+  /// `state`: size() numbers, rad or m. Throws InputError, with the joint's name, for a number that
+  /// is not finite, or that differs by more than 1e-6 from the value that its mimic leader implies.
   void check(const double* state) const;
-  /// Overwrites those of all joints' `positions` that the state moves, mimics included; the others
-  /// stay as they are. Throws as check() does.
+  /// Overwrites the entries of `positions` (one per joint of the robot) that the state determines,
+  /// including mimic joints, and keeps the others. Throws as check() does.
   void apply(const double* state, std::vector<double>& positions) const;
 
-  /// Moving joints that no number moves, by name: they stand where `positions` had them, in
-  /// RobotModel::zeroPositions() at zero (or their nearer limit).
+  /// Names of moving joints that no number determines: apply() leaves them unchanged, for example
+  /// at zero (or their nearest limit) as in RobotModel::zeroPositions().
   std::vector<std::string> notNamed() const;
 
  private:

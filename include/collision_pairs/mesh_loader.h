@@ -1,15 +1,16 @@
-// Meshes by the URIs that URDFs use. In the library collision_pairs_io.
+// Loads meshes by the URIs of URDFs. In the library collision_pairs_io (collision_pairs::io).
 #pragma once
 
 #include "collision_pairs/robot_model.h"
 
 namespace collision_pairs {
 
-/// A loader for package:// and file://: STL and OBJ, read here, and by geometric_shapes in a
-/// process of its own COLLADA and what else assimp reads. The mesh lies where rviz shows it:
-/// coordinates as they are in the file, COLLADA's up_axis ignored. One file is read once for each
-/// scale. Other schemes are refused: a robot description makes nobody fetch from the network.
-/// Throws InputError that names the URI and what is wrong with it. Not thread safe.
+/// A loader for package:// and file:// URIs. STL and OBJ are read by this package; COLLADA and
+/// other formats of assimp by geometric_shapes in a separate process. Vertices are in metres in the
+/// frame that rviz uses: coordinates as stored in the file, times the scale; COLLADA's up_axis is
+/// ignored. Each file is read once for each scale. Other schemes are refused, so that a robot
+/// description cannot trigger network access. Throws InputError that names the URI and the problem.
+/// Not thread safe.
 MeshLoader makeMeshLoader();
 
 }  // namespace collision_pairs

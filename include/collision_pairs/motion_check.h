@@ -1,4 +1,4 @@
-// Straight motions in joint space: certified to be free between their ends, or a contact.
+// Certifies straight motions in joint space as free, or finds a contact.
 #pragma once
 
 #include <cstdint>
@@ -15,61 +15,63 @@ namespace collision_pairs {
 struct MotionSettings {
   /// The geometry that decides.
   Fidelity fidelity = Fidelity::MESH;
-  /// Metres, >= 0: FREE means that no pair comes nearer than this; for 0, that none touches.
+  /// Metres, >= 0: FREE means that no pair comes closer than this; for 0, that none touches.
   double clearance = 0.0;
-  /// Metres, > 0. A pair that is still open where its motion is finer than this is given up, which
-  /// makes the segment UNKNOWN unless a contact is found elsewhere: pairs that keep more than the
-  /// clearance and this are certified. Finer costs more where something is nearly touched.
+  /// Metres, > 0. A pair that is still open when its motion is split finer than this is given up,
+  /// which makes the segment UNKNOWN unless a contact is found elsewhere. Pairs that stay further
+  /// apart than clearance + resolution are certified. Finer values cost more near contacts.
   double resolution = 1e-3;
 };
 
-/// The robot's joints go straight from one waypoint to the other: at fraction f of the segment
-/// joint i stands at from[i] + f (to[i] - from[i]). Joints that turn without limits go the way the
-/// numbers say, more than once around if they say so.
+/// A straight line in joint space: at fraction f of the segment joint i is at
+/// from[i] + f (to[i] - from[i]). Continuous joints follow the numbers, over several turns if the
+/// numbers say so.
 struct JointMotion {
-  /// RobotModel::joints() long; rad or m. Joints that mimic follow their leaders, whatever stands
-  /// here for them.
+  /// One entry per RobotModel::joints(); rad or m. Entries of mimic joints are ignored; these
+  /// follow their leaders.
   std::vector<double> from, to;
 };
 
-/// Poses of bodies in their parent's frame (of roots: in W), by RobotModel::bodies(), for those
-/// that do not stand where their joint's position says: joints that are left where TF has them,
-/// floating and planar ones. They stand still during the motion. Empty: none.
+/// Poses of bodies in the frame of their parent body (of roots: in W), indexed as
+/// RobotModel::bodies(), for bodies whose pose is not given by a joint position: floating and
+/// planar joints, and joints left where TF has them. They do not move during the motion. Empty:
+/// none.
 using PlacedBodies = std::vector<std::optional<Eigen::Isometry3d>>;
 
 struct MotionReport {
-  /// FREE: certified, at no configuration of the segment is a pair in contact, nor nearer than the
+  /// FREE: certified; at no configuration of the segment is a pair in contact or closer than the
   /// clearance. COLLISION: a configuration in contact was found. UNKNOWN: neither.
   Verdict verdict = Verdict::UNKNOWN;
-  /// Metres. FREE: a lower bound of the smallest distance of all pairs along the segment, at least
-  /// what was asked for and otherwise as good as came for free; infinite if there is no pair. Else
-  /// 0.
+  /// Metres. FREE: a lower bound of the smallest distance of all pairs along the segment: at least
+  /// the requested clearance, and more if that was found without extra work; infinite if there is
+  /// no pair. Otherwise 0.
   double clearance = 0.0;
-  /// COLLISION: the fraction of the segment, 0 to 1, at which the contact was found. Else 0.
+  /// COLLISION: the fraction of the segment, 0 to 1, at which the contact was found. Otherwise 0.
   double contact_at = 0.0;
-  /// Models, first < second, sorted. COLLISION: those in contact at contact_at. UNKNOWN: those that
-  /// could not be certified.
+  /// Ids of models, first < second, sorted. COLLISION: pairs in contact at contact_at. UNKNOWN:
+  /// pairs that could not be certified.
   std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;
-  std::uint32_t nb_checks = 0;   ///< configurations that were looked at
-  std::uint32_t nb_queries = 0;  ///< pairs of elements whose shapes were asked, beyond their boxes
-  double seconds = 0.0;          ///< that the check took
+  std::uint32_t nb_checks = 0;   ///< configurations that were checked
+  std::uint32_t nb_queries = 0;  ///< queries of element pairs that needed more than their boxes
+  double seconds = 0.0;          ///< duration of the check
 };
 
 /// Certifies motions. Holds scratch memory only: the answer depends on (scene, motion, settings)
-/// alone. One per thread; no lock is needed around the shared scene.
+/// alone. Use one per thread; the shared scene needs no lock.
 ///
-/// How. F. Schwarzer, M. Saha, J.-C. Latombe, "Adaptive dynamic collision checking for single and
-/// multiple articulated robots in complex environments" (T-RO 2005): a pair whose distance is more
-/// than the two can move towards each other is free for so long; what is left of its way is cut at
-/// its middle. What is different here: each pair has its own way left, so that one pair that is
-/// near does not make others be looked at again; the way is covered from the inside, from the
-/// middle as far as the bound reaches; where a plane lies between the two, only motion along its
-/// normal counts, to first order exactly and to second order bounded (S. Redon, M. C. Lin, D.
+/// Method: F. Schwarzer, M. Saha, J.-C. Latombe, "Adaptive dynamic collision checking for single
+/// and multiple articulated robots in complex environments" (T-RO 2005): a pair is free as long as
+/// the two cannot have moved towards each other by more than their distance; the rest of the motion
+/// is split at its middle. Deviations: each pair has its own remaining motion, so a pair that is
+/// close does not cause others to be checked again. An interval is covered from its middle
+/// outwards, as far as the bound reaches. If a plane separates the two, only motion along its
+/// normal counts, exact to first order and bounded to second order (S. Redon, M. C. Lin, D.
 /// Manocha, Y. J. Kim, "Fast continuous collision detection for articulated models", 2005, bound
-/// motion along a normal to first order). The part that may hold a contact soonest comes first.
+/// motion along a normal to first order). The interval that may contain the earliest contact comes
+/// first.
 ///
 /// Cost (docs/motions.md): a free segment of 0.5 to 2 rad takes 1 to 20 configurations in the
-/// median, the more the nearer something is passed; at each only the pairs that are still open are
+/// median, more if it passes something closely; at each only the pairs that are still open are
 /// measured.
 class MotionCheck {
  public:
@@ -78,10 +80,10 @@ class MotionCheck {
   MotionCheck(MotionCheck&&) noexcept;
   MotionCheck& operator=(MotionCheck&&) noexcept;
 
-  /// Valid until the next call. Throws InputError for settings out of their range, for positions
-  /// that are not finite or not one a joint, and where a link is too far away for a finite box.
-  /// `voxels`: what its clouds show. Of a cloud that shows nothing known, or only a part, no pair
-  /// is certified.
+  /// The result is valid until the next call. Throws InputError for settings out of range, for
+  /// positions that are not finite or not one per joint, and if a link is too far away for a finite
+  /// box. `voxels`: the occupied voxels of the scene's clouds. No pair with a cloud whose voxels
+  /// are unknown or truncated is certified.
   const MotionReport& check(const JointMotion& motion, const MotionSettings& settings,
                             const PlacedBodies& placed = {}, const CloudVoxels& voxels = {});
 
@@ -94,16 +96,16 @@ class MotionCheck {
 };
 
 struct SegmentOptions {
-  unsigned threads = 0;  ///< 0: as many as the machine has; the reports are the same
+  unsigned threads = 0;  ///< 0: one per core; the reports do not depend on it
   PlacedBodies placed;
   CloudVoxels voxels;
-  /// Called when one more segment is done, by one thread at a time. May be empty.
+  /// Called after each segment, by one thread at a time. May be empty.
   std::function<void(std::size_t nb_done)> done;
 };
 
-/// The segments between neighbouring waypoints, which are states as JointMotion has them: report i
-/// is that of the segment from waypoint i to waypoint i + 1. Throws as MotionCheck::check() does,
-/// with the number of the segment.
+/// Checks the segments between consecutive waypoints (states as in JointMotion): report i is that
+/// of the segment from waypoint i to waypoint i + 1. Throws as MotionCheck::check() does, with the
+/// number of the segment.
 std::vector<MotionReport> checkSegments(const std::shared_ptr<const CollisionScene>& scene,
                                         const std::vector<std::vector<double>>& waypoints,
                                         const MotionSettings& settings,

@@ -1,4 +1,4 @@
-// Shapes made ready for queries, and the table of who answers a pair of them.
+// Prepared shapes, and queries of pairs of them: contact, distance, witness points.
 #pragma once
 
 #include <cstdint>
@@ -12,8 +12,8 @@
 
 namespace collision_pairs {
 
-/// A shape with everything that a query needs and that is worth keeping (hull, tree of bounding
-/// volumes, …). Immutable, so all threads share it.
+/// A shape with the precomputed data of queries (hull, tree of bounding volumes, …). Immutable, so
+/// all threads can share it.
 class PreparedShape {
  public:
   virtual ~PreparedShape() = default;
@@ -26,10 +26,10 @@ class PreparedShape {
   Shape shape_;
 };
 
-/// Who answers a pair of shapes.
+/// The library that answers a pair of shapes.
 enum class NarrowPhaseMethod {
-  NATIVE,  ///< this package's own: exact to the accuracy that the table of pairs states
-  FCL      ///< FCL 0.6 or later, wherever it has an answer and no call of it may end the process
+  NATIVE,  ///< this package, with the accuracy listed in docs/accuracy.md
+  FCL      ///< FCL 0.6 or later, for all pairs that it supports without risk of an abort
 };
 
 /// "native", "fcl".
@@ -37,17 +37,19 @@ const char* narrowPhaseName(NarrowPhaseMethod method);
 /// Throws InputError that lists the known names.
 NarrowPhaseMethod parseNarrowPhase(const std::string& name);
 
-/// With FCL, its object is prepared as well, and pairs of two such shapes are asked of it. Throws
-/// std::invalid_argument that names the defect (see validateShape).
-/// Cost: O(1), for Convex and Mesh O(n log n).
+/// With FCL, the FCL object is prepared as well, and pairs of two such shapes are answered by FCL.
+/// Throws std::invalid_argument that names the defect (see validateShape).
+/// Cost: O(1); Convex and Mesh: O(n log n).
 std::shared_ptr<const PreparedShape> prepareShape(
     const Shape& shape, NarrowPhaseMethod method = NarrowPhaseMethod::NATIVE);
 
-/// Answers pairs of shapes. Holds scratch memory only: one per thread.
+/// Answers queries of pairs of shapes A and B, with X_AB the pose of B's frame in A's. Holds
+/// scratch memory only: use one per thread.
 ///
-/// Poses: the rotation in X_AB may be off by rounding or by a quaternion that is not quite
-/// normalised; up to 1e-3 (largest entry of R^T R - I) it is made orthonormal, and anything worse,
-/// like a number that is not finite, gives a DEGRADED contact whose distance is a true lower bound.
+/// The rotation in X_AB may be inexact, from rounding or from a quaternion that is not quite
+/// normalised. Up to 1e-3 (largest entry of R^T R - I) it is made orthonormal. Anything worse, such
+/// as a number that is not finite, gives a DEGRADED contact whose distance is a valid lower bound.
+/// Cost of a query: 0.05 to 12 µs in the median, by the pair of shapes (docs/native_and_fcl.md).
 class NarrowPhase {
  public:
   NarrowPhase();
@@ -55,23 +57,24 @@ class NarrowPhase {
   NarrowPhase(NarrowPhase&&) noexcept;
   NarrowPhase& operator=(NarrowPhase&&) noexcept;
 
-  /// Are the two solids no further than `margin` metres apart (>= 0), by default: have they a point
-  /// in common? Never throws.
+  /// True if the two solids are no further apart than `margin` metres (>= 0); with the default 0,
+  /// if they have a common point. Never throws.
   bool touches(const PreparedShape& A, const PreparedShape& B, const Eigen::Isometry3d& X_AB,
                double margin = 0.0);
 
-  /// Signed distance, witness points and normal. What is further apart than max_distance (metres,
-  /// >= 0, may be infinite) is not computed to the end and comes back as BEYOND. Where `accuracy`
-  /// lets the search in triangles end early the answer is TOLERATED: the lower end of the interval,
-  /// and two points of the solids that are no further apart than its upper end. Never throws.
+  /// Signed distance, witness points and normal, in A's frame. If the two are further apart than
+  /// max_distance (metres, >= 0, may be infinite), the search ends early and returns BEYOND. If
+  /// `accuracy` lets the search in triangles end early, the answer is TOLERATED: the lower end of
+  /// the interval, and two points of the solids that are no further apart than its upper end. Never
+  /// throws.
   PairDistance distance(const PreparedShape& A, const PreparedShape& B,
                         const Eigen::Isometry3d& X_AB, double max_distance,
                         const Accuracy& accuracy = {});
 
-  /// Calls of touches() and distance() so far that ended DEGRADED.
+  /// Number of calls of touches() and distance() that ended DEGRADED.
   std::uint64_t numDegraded() const;
-  /// ... that were to be answered by FCL, but all or part of the answer is the native one: FCL has
-  /// none for half-spaces, for one body inside a mesh, for most depths, and where it fails.
+  /// Number of calls meant for FCL that were answered wholly or partly natively: half-spaces, a
+  /// body inside a mesh, most depths, and failures of FCL.
   std::uint64_t numAnsweredNatively() const;
 
  private:

@@ -1,4 +1,4 @@
-// Which cells of space a cloud of points occupies.
+// The occupied voxels of a point cloud.
 #pragma once
 
 #include <algorithm>
@@ -13,7 +13,8 @@
 
 namespace collision_pairs {
 
-/// Cell k of voxels of size s covers the closed cube from k s to (k + 1) s on each axis, in W.
+/// Index of a voxel: for voxels of size s, cell k is the closed cube from k s to (k + 1) s on each
+/// axis, in W.
 using VoxelCell = Eigen::Vector3i;
 
 /// Cells have coordinates from -VOXEL_RANGE to VOXEL_RANGE - 1.
@@ -22,10 +23,10 @@ constexpr int VOXEL_RANGE = 1 << 20;
 /// The occupied cells of one cloud, at one instant. Immutable, so all threads share it.
 ///
 /// A tree of cubes: a cube of level 0 is 4 x 4 x 4 voxels, one of level 1 is 4 x 4 x 4 of these,
-/// and so on; each says by one bit a child which are occupied, and holds these only (as K. Museth,
-/// "VDB: high-resolution sparse volumes with dynamic topology" (2013), with smaller cubes and no
-/// pointers). So a question costs what it touches, whatever is occupied elsewhere.
-/// Memory: about 30 bytes a cube; a surface has about one for ten voxels.
+/// and so on. A bit per child marks the occupied ones, and only these are stored (after K. Museth,
+/// "VDB: high-resolution sparse volumes with dynamic topology", 2013, with smaller cubes and
+/// without pointers). The cost of a query depends only on the cubes near it. Memory: about 30 bytes
+/// per cube; a surface has about one cube for ten voxels.
 class OccupiedVoxels {
  public:
   /// 4 x 4 x 4 cells from `corner` on, whose coordinates are multiples of 4. Bit x + 4 y + 16 z of
@@ -35,21 +36,21 @@ class OccupiedVoxels {
     std::uint64_t occupied;
   };
 
-  /// `voxel_size` in metres. Cells in any order, and any number of times. Throws InputError for a
-  /// size that is not finite or not more than 0, and for a cell out of range.
+  /// `voxel_size` in metres. Cells may be in any order and repeated. Throws InputError for a size
+  /// that is not finite or not positive, and for a cell out of range.
   OccupiedVoxels(double voxel_size, const std::vector<VoxelCell>& cells);
-  /// `truncated`: more was occupied than this.
+  /// `truncated`: some occupied cells are missing.
   OccupiedVoxels(double voxel_size, const std::vector<Block>& blocks, bool truncated);
 
   double voxelSize() const { return voxel_size_; }
   std::size_t size() const { return nb_voxels_; }
   bool isEmpty() const { return nb_voxels_ == 0; }
-  /// Occupied cells are missing, so nothing is known to be free of this cloud.
+  /// True if occupied cells are missing, so no link can be certified free of this cloud.
   bool isTruncated() const { return is_truncated_; }
-  /// The box about all, in W; none (an inverted one) where there are none.
+  /// The box of all voxels, in W; inverted if there are none.
   const Aabb& bounds() const { return bounds_; }
 
-  /// Calls take(cell) for each, in an order that depends on the cells alone.
+  /// Calls take(cell) for each occupied cell, in an order that depends on the cells alone.
   template <class Take>
   void forEach(const Take& take) const {
     for (std::size_t i = 0; i < corners_.size(); ++i) {
@@ -59,8 +60,8 @@ class OccupiedVoxels {
     }
   }
 
-  /// For each whose cube is, to rounding, no further than `reach` metres from the box (in W).
-  /// Cost: what lies about the box.
+  /// Calls take(cell) for each occupied cell whose cube is, to rounding, no further than `reach`
+  /// metres from the box (in W). Cost: the cubes near the box.
   template <class Take>
   void forEachWithin(const Aabb& box, double reach, const Take& take) const {
     const auto takeAll = [&](const VoxelCell& cell) {
@@ -69,38 +70,38 @@ class OccupiedVoxels {
     };
     if (!isEmpty()) descend(levels_.size() - 1, 0, root_corner_, queryFor(box, reach), takeAll);
   }
-  /// Whether there is one. Cost: less.
+  /// True if there is such a cell. Cheaper.
   bool anyWithin(const Aabb& box, double reach) const {
     const auto takeNone = [](const VoxelCell&) { return false; };
     return !isEmpty() &&
            !descend(levels_.size() - 1, 0, root_corner_, queryFor(box, reach), takeNone);
   }
 
-  // The tree, for searches.
+  // The tree, for searches over it.
 
   struct Cube {
     std::uint64_t occupied;     ///< bits of its children, as in Block
-    std::uint32_t first_child;  ///< in the level below, by their bits; of level 0: 0
+    std::uint32_t first_child;  ///< index in the level below; children are in the order of bits
   };
-  /// From the voxels up; the last has one cube. None where nothing is occupied.
+  /// From level 0 upwards; the last level has one cube. Empty if nothing is occupied.
   const std::vector<std::vector<Cube>>& levels() const { return levels_; }
   const VoxelCell& rootCorner() const { return root_corner_; }
   static VoxelCell childOffset(int bit) { return {bit & 3, (bit >> 2) & 3, bit >> 4}; }
-  /// Index in the level below of the child with that bit.
+  /// Index of the child with this bit in the level below.
   static std::uint32_t childOf(const Cube& cube, int bit) {
     const std::uint64_t before = cube.occupied & ((std::uint64_t{1} << bit) - 1);
     return cube.first_child + static_cast<std::uint32_t>(__builtin_popcountll(before));
   }
-  /// Voxels along an edge of a child of a cube of that level.
+  /// Number of voxels along the edge of a child of a cube of this level.
   static int childEdge(std::size_t level) { return 1 << (2 * level); }
 
   /// From `low` to `high`, both inclusive.
   struct CellRange {
     Eigen::Array3i low, high;
   };
-  /// Holds all cells no further than `reach` from the box, and few others.
+  /// Contains all cells no further than `reach` metres from the box, and few others.
   CellRange cellsWithin(const Aabb& box, double reach) const;
-  /// Of a cube's children, the bits of those that the range meets.
+  /// Bits of the children of a cube that intersect the range.
   static std::uint64_t childrenIn(const CellRange& range, std::size_t level,
                                   const VoxelCell& corner) {
     const int shift = 2 * static_cast<int>(level);
@@ -109,18 +110,18 @@ class OccupiedVoxels {
       const int low = std::max((range.low[axis] - corner[axis]) >> shift, 0);
       const int high = std::min((range.high[axis] - corner[axis]) >> shift, 3);
       if (low > high) return 0;
-      bits *= BITS_ALONG[axis][(2u << high) - (1u << low)];  // of different bits each
+      bits *= BITS_ALONG[axis][(2u << high) - (1u << low)];  // the factors' bits do not interact
     }
     return bits;
   }
 
-  /// About what is occupied in a cube.
+  /// The box of the occupied voxels of a cube.
   Aabb boxOfCube(std::size_t level, std::uint32_t index, const VoxelCell& corner) const {
     const CellRange cells = level == 0 ? cellsOf(levels_[0][index].occupied, corner)
                                        : occupied_ranges_[level - 1][index];
     return boxOf(cells.low, cells.high - cells.low + 1);
   }
-  /// From `cell` on, so many voxels on each axis.
+  /// The box of nb_voxels voxels per axis, from `cell` on.
   Aabb boxOf(const VoxelCell& cell, const VoxelCell& nb_voxels) const {
     return {voxel_size_ * cell.cast<double>(), voxel_size_ * (cell + nb_voxels).cast<double>()};
   }

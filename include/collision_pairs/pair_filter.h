@@ -1,4 +1,4 @@
-// Which pairs of collision models are looked at at all.
+// The pairs of collision models to be checked.
 #pragma once
 
 #include <cstdint>
@@ -8,22 +8,22 @@
 namespace collision_pairs {
 
 /// A symmetric yes/no table over collision models, by id. Each model belongs to a class, and the
-/// table is a bit matrix over classes: the links of a robot have a class each, while all objects
-/// of a large world can share one, so that the table stays small. A model is never paired with
-/// itself.
+/// table is a bit matrix over classes: each link of a robot has a class of its own, while all
+/// objects of a large world can share one, which keeps the table small. A model is never paired
+/// with itself.
 ///
-/// It knows nothing of names, of SRDF or of which models are static: whoever builds the scene
-/// writes the outcome of all those rules here, once, and every path asks here.
+/// The filter does not know names, SRDF, or which models are static: the scene builder evaluates
+/// all of these rules once and stores the result here, and all checks use it.
 ///
 /// Cost: allowed() is two loads and a bit test; memory is models * 4 bytes + classes^2 / 8.
 class PairFilter {
  public:
   PairFilter() = default;
 
-  /// `classes[model]` is the class of the model; every pair of classes starts as allowed.
+  /// `classes[model]` is the class of the model; initially all pairs of classes are allowed.
   explicit PairFilter(std::vector<std::uint32_t> classes);
 
-  /// Every model in a class of its own, everything allowed.
+  /// Each model in a separate class, everything allowed.
   static PairFilter allowAll(std::size_t nb_models);
 
   std::size_t nbModels() const { return classes_.size(); }
@@ -41,10 +41,10 @@ class PairFilter {
 
   /// The bits of one class against all others: bit b of word b / 64.
   const std::uint64_t* row(std::uint32_t class_a) const { return &bits_[class_a * words_]; }
-  /// Whoever writes a row keeps the table symmetric.
+  /// The caller must keep the table symmetric.
   std::uint64_t* row(std::uint32_t class_a) { return &bits_[class_a * words_]; }
 
-  /// The same table for other models, of the same classes.
+  /// Keeps the table, for other models with the same classes.
   void setModels(std::vector<std::uint32_t> classes) { classes_ = std::move(classes); }
 
  private:

@@ -1,5 +1,5 @@
-// A robot as its URDF describes it, reduced to what a collision check needs: links with their
-// collision elements, the joints between them, and forward kinematics.
+// The parts of a URDF that a collision check needs: links with their collision elements, the joints
+// between them, and forward kinematics.
 #pragma once
 
 #include <functional>
@@ -15,13 +15,13 @@
 
 namespace collision_pairs {
 
-/// Fetches the mesh that a URDF names. `scale` is applied to the vertices, per axis, and may
+/// Loads the mesh with the URI of a URDF. `scale` is applied to the vertices, per axis, and may
 /// mirror. Throws InputError.
 using MeshLoader = std::function<std::shared_ptr<const TriangleMesh>(const std::string& uri,
                                                                      const Eigen::Vector3d& scale)>;
 
-/// The name of a robot's link, joint or frame among those of several robots, as tf_prefix makes it:
-/// "left" and "elbow" are "left/elbow". No prefix leaves it as it is.
+/// The name of a link, joint or frame of one of several robots, as with tf_prefix: "left" and
+/// "elbow" give "left/elbow". Without a prefix the name is unchanged.
 std::string withPrefix(const std::string& prefix, const std::string& name);
 
 /// One <collision> of a link.
@@ -34,7 +34,7 @@ struct Link {
   std::string name;
   int parent_joint = -1;  ///< -1 for the root
   std::vector<Element> elements;
-  bool has_geometry = false;  ///< has a <collision>, also one that could not be used
+  bool has_geometry = false;  ///< has a <collision>, even if it could not be used
   int body = -1;              ///< the rigid body it belongs to
   Eigen::Isometry3d X_BL;     ///< pose of the link in that body's frame
 };
@@ -57,7 +57,7 @@ struct Joint {
   double upper = 0.0;
   std::optional<Mimic> mimic;
 
-  /// Moves with one number: what a joint state can name.
+  /// True if it moves with one number, as in a joint state.
   bool hasPosition() const {
     return type == JointType::REVOLUTE || type == JointType::CONTINUOUS ||
            type == JointType::PRISMATIC;
@@ -69,19 +69,19 @@ struct Joint {
   Eigen::Isometry3d motion(double position) const;
 };
 
-/// A <collision> that is not in the model although the URDF has it.
+/// A <collision> of the URDF that could not be used.
 struct BrokenElement {
   std::string link;
   std::string reason;
 };
 
-/// Links that no joint can move against each other. Its frame is that of its first link, the one
+/// A rigid body: links connected by fixed joints. Its frame is that of its first link, the one
 /// whose parent joint moves (or the root).
 struct Body {
   int link = -1;
   int joint = -1;   ///< the moving joint above it, -1 for the root's body
   int parent = -1;  ///< the body above that joint, -1 for the root's body
-  /// Pose of that joint's frame in the parent body's frame; of a root's body, in W.
+  /// Pose of that joint's frame in the parent body's frame; for a root's body, in W.
   Eigen::Isometry3d X_PJ = Eigen::Isometry3d::Identity();
 };
 
@@ -89,66 +89,66 @@ struct Body {
 /// before its children.
 class RobotModel {
  public:
-  /// Reads a URDF. Only links, joints and <collision> are looked at; whatever else it says cannot
-  /// make it fail. Throws InputError with the line of the XML.
+  /// Reads a URDF. Only links, joints and <collision> are used; other content cannot make it fail.
+  /// Throws InputError with the line of the XML.
   ///
-  /// A <collision> whose mesh cannot be used makes it throw too, unless `broken` is given: then the
-  /// element is left out, and its link and the reason are added there. The caller has to pass them
-  /// on with every answer, because that link is no longer wholly checked.
+  /// A <collision> whose mesh cannot be loaded throws as well, unless `broken` is given: then the
+  /// element is left out, and its link and the reason are added to `broken`. The caller must report
+  /// these with every answer, because that link is no longer completely checked.
   static std::shared_ptr<const RobotModel> fromUrdf(const std::string& xml,
                                                     const MeshLoader& load_mesh,
                                                     std::vector<BrokenElement>* broken = nullptr);
 
-  /// A copy in which each link has the elements that `elements` says, which is called once a link.
+  /// A copy in which each link has the elements that `elements` returns; called once per link.
   std::shared_ptr<const RobotModel> withElements(
       const std::function<std::vector<Element>(const Link&)>& elements) const;
 
-  /// One of several.
+  /// One of several robots.
   struct Placed {
     std::shared_ptr<const RobotModel> model;
-    std::string prefix;  ///< withPrefix() of its links' and joints' names
-    /// Where its root stands; forwardKinematics() puts it there.
+    std::string prefix;  ///< of the names of its links and joints, see withPrefix()
+    /// Pose of its root in W, which forwardKinematics() applies.
     Eigen::Isometry3d X_WR = Eigen::Isometry3d::Identity();
   };
-  /// All in one, side by side, each with a root of its own: what else takes one robot takes
-  /// several so. Throws InputError if two links or joints have the same name then.
+  /// Merges several robots into one model with several roots, for functions that take one robot.
+  /// Throws InputError if two links or joints then have the same name.
   static std::shared_ptr<const RobotModel> merge(const std::vector<Placed>& robots);
 
   const std::string& name() const { return name_; }
-  /// What of the URDF means nothing and was passed over, a sentence each; for whoever wrote it.
+  /// Content of the URDF that has no effect and was ignored; one sentence each, for its author.
   const std::vector<std::string>& warnings() const { return warnings_; }
   const std::vector<Link>& links() const { return links_; }
   const std::vector<Joint>& joints() const { return joints_; }
   const std::vector<Body>& bodies() const { return bodies_; }
 
-  /// -1 if there is none of that name.
+  /// Index of the link or joint of this name, or -1.
   int findLink(const std::string& name) const;
   int findJoint(const std::string& name) const;
 
   /// Pairs (first < second) of links with geometry of which one is attached to the other, directly
-  /// or through links without geometry only.
+  /// or only through links without geometry.
   std::vector<std::pair<int, int>> adjacentLinks() const;
 
-  /// Every joint at zero, or at the limit nearer to zero where zero is out of bounds; joints that
-  /// mimic follow. One entry a joint (those without a position: 0).
+  /// Every joint at zero, or at the limit nearest to zero if zero is out of bounds; mimic joints
+  /// follow. One entry per joint, rad or m (joints without a position: 0).
   std::vector<double> zeroPositions() const;
 
-  /// Throws InputError unless there is one entry a joint, fixed joints included; so do all
+  /// Throws InputError unless there is one entry per joint, fixed joints included; so do all
   /// functions that take positions.
-  void requireOneEntryAJoint(const std::vector<double>& positions) const {
+  void requireOneEntryPerJoint(const std::vector<double>& positions) const {
     if (positions.size() != joints_.size()) refuse(positions.size());
   }
 
-  /// Overwrites the positions of all joints that mimic another.
+  /// Overwrites the positions of all mimic joints by those that their leaders imply.
   void applyMimics(std::vector<double>& positions) const;
 
-  /// Pose of each body in the frame of the root link (of several robots: in W), by `positions` (one
-  /// entry a joint, mimics applied). Floating and planar joints stand at identity. O(bodies): a
-  /// sine, a cosine and 45 products each. No allocation once X_RB has its size.
+  /// Pose of each body in the frame of the root link (of several robots: in W), for `positions`
+  /// (one entry per joint, rad or m, mimics applied). Floating and planar joints are at identity.
+  /// O(bodies): a sine, a cosine and 45 products each. No allocation once X_RB has its size.
   void forwardKinematics(const std::vector<double>& positions,
                          std::vector<Eigen::Isometry3d>& X_RB) const;
 
-  /// The same for one body with a joint: from the pose of its parent, and its joint's position.
+  /// The same for one body: from the pose of its parent body and its joint's position.
   void placeBody(int body, const Eigen::Isometry3d& X_RP, double position,
                  Eigen::Isometry3d& X_RB) const;
 
@@ -161,11 +161,11 @@ class RobotModel {
   void groupIntoBodies();
   void foldJoints();
 
-  /// A body's pose in its parent's, as a function of its joint's position q, with everything that
-  /// does not change multiplied out: R_PB(q) = R + cos(q) R_cos + sin(q) R_sin (Rodrigues' formula
-  /// behind the fixed rotation of the joint's frame), p_PB(q) = p + q p_slope.
+  /// A body's pose in its parent's frame as a function of its joint's position q, with all
+  /// constants multiplied out: R_PB(q) = R + cos(q) R_cos + sin(q) R_sin (Rodrigues' formula after
+  /// the fixed rotation of the joint's frame), p_PB(q) = p + q p_slope.
   struct BodyMotion {
-    bool turns = false;  ///< else R alone is the rotation
+    bool turns = false;  ///< otherwise the rotation is R
     Eigen::Matrix3d R, R_cos, R_sin;
     Eigen::Vector3d p, p_slope;
   };
@@ -175,7 +175,7 @@ class RobotModel {
   std::vector<Link> links_;
   std::vector<Joint> joints_;
   std::vector<Body> bodies_;
-  std::vector<BodyMotion> motions_;  // beside bodies_
+  std::vector<BodyMotion> motions_;  // one per body
   std::unordered_map<std::string, int> link_ids_;
   std::unordered_map<std::string, int> joint_ids_;
 };

@@ -1,4 +1,4 @@
-// What a scene is made of, before anything is prepared for it.
+// The description of a scene: robots, objects, clouds and rules. Input of CollisionScene::build().
 #pragma once
 
 #include <memory>
@@ -16,33 +16,34 @@ namespace collision_pairs {
 
 struct SceneRobot {
   std::shared_ptr<const RobotModel> model;
-  /// Switches off pairs of links of this robot, and no others. Without one, adjacent
-  /// links are not checked (RobotModel::adjacentLinks).
+  /// Disables pairs of links of this robot only. Without an SRDF, adjacent links are not checked
+  /// (RobotModel::adjacentLinks).
   std::optional<Srdf> srdf;
-  /// "left" makes link "elbow" "left/elbow", as tf_prefix does; joints and groups likewise.
+  /// Prefix of its links, joints and groups: with "left", link "elbow" is "left/elbow", as with
+  /// tf_prefix.
   std::string prefix;
-  /// Where its root stands in W when poses come from joint positions alone.
+  /// Pose of its root in W, used if poses come from joint positions alone.
   Eigen::Isometry3d X_WR = Eigen::Isometry3d::Identity();
 };
 
-/// A body that is no link: static, or attached to a link of a robot.
+/// A body that is not a link: static, or attached to a link of a robot.
 struct RigidObject {
   std::string name;
-  std::vector<Element> elements;  ///< their X_LE is the pose in the object's frame O
-  std::string attached_link;      ///< with its robot's prefix; empty: it is static
+  std::vector<Element> elements;  ///< with X_LE the pose in the object's frame O
+  std::string attached_link;      ///< with its robot's prefix; empty: static
   /// Its pose in the world frame W, or in the frame of attached_link.
   Eigen::Isometry3d X_PO = Eigen::Isometry3d::Identity();
-  /// Links and objects that it is not checked against. The link that it is attached to, and what
-  /// is attached to links rigidly fixed to that, are so anyway.
+  /// Links and objects that it is not checked against, in addition to the link that it is attached
+  /// to and to objects attached to the same rigid body.
   std::vector<std::string> touch_links;
   double padding = 0.0;  ///< metres, >= 0; as SceneSettings::padding
 };
 
-/// A floor: everything below z = height in W.
+/// A floor: everything below z = height (metres) in W is solid.
 RigidObject floorAt(double height, std::vector<std::string> touch_links);
 
-/// A cloud of points as one static object: its one element, a cube, is at each voxel that a check
-/// is told to be occupied (BodyPoses::voxels). voxel_size in metres, > 0.
+/// A point cloud as one static object: its only element, a cube, is placed at each voxel that a
+/// check is given (BodyPoses::voxels). voxel_size in metres, > 0.
 RigidObject cloudOf(std::string name, double voxel_size, std::vector<std::string> touch_links);
 
 struct SceneDescription {
@@ -53,7 +54,8 @@ struct SceneDescription {
   std::vector<RigidObject> clouds;  ///< made by cloudOf()
   Restriction restriction;
   SceneSettings settings;
-  /// Whether links of robots are checked against each other; false: only against what is no link.
+  /// Whether links of robots are checked against each other; false: only against world, objects and
+  /// clouds.
   bool check_self = true;
 };
 

@@ -1,5 +1,4 @@
-// What a user says of a scene: which pairs are looked at, how far they keep apart, what is
-// prepared.
+// Settings of a scene: rules about pairs, paddings, fidelities.
 #pragma once
 
 #include <cstddef>
@@ -13,32 +12,32 @@
 
 namespace collision_pairs {
 
-/// A name, or a pattern of the shell: `*` any letters, `?` one, `[a-c]` one of these. What it may
-/// mean: links (with their robot's prefix), links of the world, objects. A name that reads like a
-/// pattern, such as "box[1]", means itself, too.
+/// A name, or a shell pattern: `*` matches any characters, `?` one, `[a-c]` one of these. It
+/// matches links (with their robot's prefix), links of the world, and objects. A name that looks
+/// like a pattern, such as "box[1]", also matches itself.
 using NamePattern = std::string;
 
 bool isPattern(const NamePattern& pattern);
 bool matches(const NamePattern& pattern, const std::string& name);
 
-/// Of the pairs with one name that matches `first` and another that matches `second`, in either
-/// order. "Allowed" is a pair that is looked at: the opposite of what MoveIt's allowed collision
-/// matrix calls so.
+/// A rule for the pairs with one name that matches `first` and another that matches `second`, in
+/// either order. ALLOW means that the pair is checked, the opposite of the meaning in MoveIt's
+/// allowed collision matrix.
 struct PairRule {
   enum class Verdict { ALLOW, DENY };
   Verdict verdict = Verdict::DENY;
   NamePattern first, second;
 };
 
-/// The least distance that such pairs shall keep, instead of the sum of what their two say.
+/// The distance that matching pairs keep, in place of the sum of the paddings of the two.
 struct PairPadding {
   NamePattern first, second;
   double metres = 0.0;
 };
 
-/// Only pairs with at least one member in here are checked: the links that move when a group of
-/// the SRDF moves (with its robot's prefix, "left/arm"), and what matches `names`. An object
-/// attached to one of these links is in. Empty: every pair.
+/// Limits a check to pairs with at least one of these members: links that move with a group of the
+/// SRDF (with its robot's prefix, "left/arm"), names that match `names`, and objects attached to
+/// any of these links. Empty: every pair.
 struct Restriction {
   std::string group;
   std::vector<NamePattern> names;
@@ -50,37 +49,37 @@ struct Restriction {
 };
 
 struct SceneSettings {
-  /// The finest geometry that a check of this scene may ask for; what asks for more gets this.
-  /// Rungs above it are not prepared.
+  /// The finest geometry of this scene; checks that request a finer one get this one. Finer rungs
+  /// are not prepared.
   Fidelity fidelity = Fidelity::MESH;
-  /// The same for single links, by name (of the robot or the world); others: `fidelity`. A pair is
-  /// checked at the coarsest of what its two links and the request say, so a link's rung above
-  /// what all its partners have is not prepared either. PairReport says which rung it was.
+  /// The same for individual links, by name (of the robot or the world). A pair is checked at the
+  /// coarsest of the fidelities of its two links and of the request, so a rung that no partner of a
+  /// link can use is not prepared either. PairReport tells which rung decided.
   std::map<std::string, Fidelity> link_fidelity;
-  /// Hulls of the `convex` rung have at most this many vertices and are grown so that they still
-  /// enclose; >= 4, or 0: exact hulls. Fewer are faster and stick out further.
+  /// Maximum number of vertices of hulls of the `convex` rung, which are enlarged to enclose the
+  /// shape; >= 4, or 0: exact hulls. Fewer vertices are faster and less accurate.
   int max_hull_vertices = 0;
-  /// Who answers its pairs of shapes. Boxes, and what only bounds a pair, are not asked of FCL.
+  /// The library that answers pairs of shapes. Boxes and bounds are always native.
   NarrowPhaseMethod narrow_phase = NarrowPhaseMethod::NATIVE;
 
-  /// Applied in this order after the SRDF, so that the last that matches a pair decides it. Pairs
-  /// that can never meet another way (both static, one link and what is attached to it) stay
-  /// out whatever they say.
+  /// Applied in this order after the SRDF; the last matching rule decides. Pairs that can never
+  /// move relative to each other (both static, a link and an object attached to it) are not
+  /// checked, whatever the rules say.
   std::vector<PairRule> pair_rules;
-  /// Links that are not in the scene at all.
+  /// Links that are excluded from the scene.
   std::vector<NamePattern> ignored_links;
 
-  /// Metres, >= 0: a distance that a link of a robot keeps to everything. The distance of a pair
-  /// is that of its two shapes, less both paddings: it is in contact where it is closer than that.
-  /// The shapes themselves are not changed, so the same distance is kept in every direction.
+  /// Metres, >= 0: a distance that each link of a robot keeps to everything else. The distance of a
+  /// pair is that of its two shapes minus both paddings, so closer pairs are in contact. The shapes
+  /// are not enlarged, so the same distance is kept in every direction.
   double padding = 0.0;
-  std::map<std::string, double> link_padding;  ///< for single links, by name, instead of `padding`
-  std::vector<PairPadding> pair_padding;       ///< for pairs, instead of the sum; the last decides
-  /// Links whose cylinders are replaced by capsules of the same radius and axis, which enclose
-  /// them: rounder and cheaper, longer by a radius at either end.
+  std::map<std::string, double> link_padding;  ///< for individual links, in place of `padding`
+  std::vector<PairPadding> pair_padding;       ///< for pairs; the last match decides
+  /// Links whose cylinders are replaced by enclosing capsules of the same radius and axis, which
+  /// are faster and longer by a radius at either end.
   std::vector<NamePattern> cylinder_as_capsule;
 
-  /// Called, from several threads, whenever one more of `total` meshes is prepared. May be empty.
+  /// Called, from several threads, after each of `total` meshes is prepared. May be empty.
   std::function<void(std::size_t done, std::size_t total)> progress;
 };
 

@@ -1,4 +1,4 @@
-// Which points of a cloud are the robot itself.
+// Removes the points of a cloud that lie on the robot itself.
 #pragma once
 
 #include <memory>
@@ -14,39 +14,39 @@
 namespace collision_pairs {
 
 /// A point is the robot's own if it lies inside a link of a robot or an object attached to one, or
-/// no further than `padding` from it. All links with geometry count, also those on no allowed pair
-/// and those that the settings ignore; a world and static objects do not. Shapes are taken as they
-/// are (MESH), whatever fidelity the scene has.
+/// no further than `padding` from it. All links with geometry count, including links in no allowed
+/// pair and ignored links; the world and static objects do not. The original shapes are used
+/// (MESH), whatever the fidelity of the scene.
 ///
-/// Exact but for rounding, and never the other way around: a point further than padding + 1e-6 m
-/// is kept, one no further than the padding is not.
+/// Error: a point no further than the padding is always removed, a point further than padding +
+/// 1e-6 m is always kept.
 ///
 ///   filter.begin(poses);
 ///   if (!filter.isOwn(p_WP)) grid.add(p_WP);
 ///
-/// Cost: some nanoseconds for a point far from every link; near one, a look at cells about the
-/// link (in its own frame, so they hold at every posture) of which it is known that all of their
-/// points, or none, are its own; an exact distance, about a microsecond, at the border between, and
-/// the first time that a cell is met. Remembers cells only: the answer depends on the poses alone.
-/// One per thread.
+/// Cost: some nanoseconds for a point far from every link. Near a link, a look-up in cells in the
+/// link's frame (valid in every posture) that are known to be wholly inside or outside; in border
+/// cells, and when a cell is first used, an exact distance of about a microsecond. The cells are
+/// only a cache: the answer depends on the poses alone. Use one per thread.
 class SelfFilter {
  public:
-  /// padding in metres, >= 0, else InputError. Meshes that `cache` has are not prepared again.
+  /// padding in metres, >= 0, otherwise throws InputError. Reuses the meshes of `cache`.
   SelfFilter(const SceneDescription& description, double padding, SceneCache* cache = nullptr);
   ~SelfFilter();
   SelfFilter(SelfFilter&&) noexcept;
   SelfFilter& operator=(SelfFilter&&) noexcept;
 
-  /// The bodies whose poses it wants; `body` is one of the robot's (RobotModel::bodies() of a scene
-  /// of the same description). More than those of the scene, if links are on no allowed pair.
+  /// The bodies whose poses begin() takes; `body` is an index into RobotModel::bodies() of a scene
+  /// of the same description. More bodies than those of the scene if links are in no allowed pair.
   const std::vector<SceneBody>& bodies() const;
 
-  /// Starts a cloud: poses of bodies() at the instant at which it was seen. Throws InputError if
-  /// there are more or fewer. Links of bodies without a known, finite pose filter nothing.
+  /// Starts a cloud, with the poses of bodies() at its stamp. Throws InputError if their number
+  /// differs. Links of bodies without a known, finite pose are not filtered.
   void begin(const BodyPoses& poses);
-  /// The links and objects that filter nothing since begin(): points of theirs look like obstacles.
+  /// Links and objects not filtered since begin(), whose points would appear as obstacles.
   const std::vector<std::string>& leftOut() const;
 
+  /// True if the point (metres, in W) belongs to the robot.
   bool isOwn(const Eigen::Vector3d& p_WP);
 
  private:

@@ -1,5 +1,5 @@
-// The shapes a collision element can have. All lengths in metres; every shape is a closed solid,
-// described in its own frame E (for "element"). Plain values: nothing here computes.
+// The shapes of collision elements. All lengths in metres; every shape is a closed solid in its own
+// frame E (for "element"). Plain data.
 #pragma once
 
 #include <array>
@@ -29,7 +29,7 @@ struct Cylinder {
   double length;
 };
 
-/// All points within `radius` of the segment from -length/2 to +length/2 along z: its whole height
+/// All points within `radius` of the segment from -length/2 to +length/2 along z. Its total height
 /// is length + 2 radius. radius >= 0, length >= 0.
 struct Capsule {
   double radius;
@@ -39,30 +39,30 @@ struct Capsule {
 /// All points with z <= 0: a floor whose top is the xy plane. Unbounded.
 struct HalfSpace {};
 
-/// Triangles over shared vertices. No order, orientation or closedness is promised: files hold
-/// meshes inside out, open, and with triangles of no area.
+/// Triangles over shared vertices. Orientation, closedness and order are not guaranteed: files
+/// contain inverted and open meshes, and triangles without area.
 struct TriangleMesh {
   std::vector<Eigen::Vector3d> vertices;
   std::vector<std::array<std::uint32_t, 3>> triangles;
-  std::string name;  ///< where it came from, for messages only
+  std::string name;  ///< its source, for messages only
 };
 
-/// The convex hull of the mesh's vertices. Its triangles are not looked at.
+/// The convex hull of the mesh's vertices. The triangles are not used.
 struct Convex {
   std::shared_ptr<const TriangleMesh> mesh;
 };
 
-/// The solid that the mesh bounds: its triangles, and all points that they enclose. A closed
-/// surface within that faces the other way bounds a hollow, which is no part of the solid; one that
-/// faces the same way is one more body. Nearly closed counts as closed: up to 3 % of the area may
-/// be missing. What is more open is its triangles only, and a body within it is not found.
+/// The solid bounded by the mesh: its triangles and all points that they enclose. A closed inner
+/// surface that faces the other way bounds a cavity, which is not part of the solid; one that faces
+/// the same way is a further body. Nearly closed counts as closed: up to 3 % of the area may be
+/// missing. A mesh with larger holes is a surface only, and a body inside it is not detected.
 struct Mesh {
   std::shared_ptr<const TriangleMesh> mesh;
 };
 
 using Shape = std::variant<Box, Sphere, Cylinder, Capsule, HalfSpace, Convex, Mesh>;
 
-/// "box", "sphere", …: the word used in messages and tables.
+/// "box", "sphere", …: the name used in messages and tables.
 const char* shapeName(const Shape& shape);
 
 /// Throws std::invalid_argument that names the defect if a size is negative or not finite, a

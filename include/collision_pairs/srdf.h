@@ -1,4 +1,4 @@
-// What an SRDF says that matters to a collision check. Named states in it are not read.
+// The parts of an SRDF that a collision check needs. Named states are not read.
 #pragma once
 
 #include <set>
@@ -15,7 +15,7 @@ struct Srdf {
   std::vector<LinkPair> enabled_pairs;      ///< enable_collisions
   std::vector<LinkPair> disabled_pairs;     ///< disable_collisions
 
-  /// What a <group> lists; nothing of it need exist.
+  /// A <group> as listed; its members need not exist.
   struct Group {
     std::string name;
     std::vector<std::string> links, joints, subgroups;
@@ -26,18 +26,18 @@ struct Srdf {
   };
   std::vector<Group> groups;
   std::vector<VirtualJoint> virtual_joints;
-  /// Joints that nobody drives. They move as TF says, so their links are checked like all others.
+  /// Joints without a drive. They move as TF says, so their links are checked like all others.
   std::vector<std::string> passive_joints;
 
   /// Throws InputError with the line. Repeated pairs and a link paired with itself are common in
-  /// generated files and are passed over.
+  /// generated files and are ignored.
   static Srdf fromXml(const std::string& xml);
 
-  /// In MoveIt's order: links switched off by default, then pairs switched on again, then pairs
-  /// switched off. O(pairs).
+  /// The disabled pairs of `links`, in MoveIt's order: links disabled by default, then pairs
+  /// enabled again, then pairs disabled. O(pairs).
   std::set<LinkPair> switchedOff(const std::vector<std::string>& links) const;
 
-  /// Names that none of `links` has, sorted: for a warning.
+  /// Names in the SRDF that are not in `links`, sorted, for a warning.
   std::vector<std::string> unknownLinks(const std::vector<std::string>& links) const;
 };
 

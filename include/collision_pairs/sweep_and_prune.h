@@ -1,4 +1,4 @@
-// Direct sweep and prune: boxes in, pairs of boxes that are close out.
+// Direct sweep and prune: finds the pairs of boxes that are close to each other.
 #pragma once
 
 #include <cstdint>
@@ -23,11 +23,11 @@ struct BoxPair {
   }
 };
 
-/// What "no further apart than the alarm distance" means in numbers: a pair of boxes is a
-/// candidate if and only if, computed in double,
-///   squaredGap(a, b) <= squaredReach(alarm_distance).
-/// The right-hand side is alarm^2 grown by 8 units in the last place and by 4 of the smallest
-/// doubles. squaredGap() is off by less than that, so no pair whose gap is <= alarm in exact
+/// Defines "no further apart than the alarm distance" numerically: a pair of boxes is a candidate
+/// if and only if, computed in double,
+///   squaredGap(a, b) <= squaredReach(alarm_distance), in square metres.
+/// The right-hand side is alarm^2 enlarged by 8 units in the last place and by 4 of the smallest
+/// doubles. The error of squaredGap() is smaller, so no pair whose gap is <= alarm in exact
 /// arithmetic is lost, and none is found that is further apart than
 /// alarm (1 + 2e-15) + 1e-161 metres.
 inline double squaredReach(double alarm_distance) {
@@ -38,13 +38,13 @@ inline double squaredReach(double alarm_distance) {
 
 class StaticTree;
 
-/// Static boxes, made ready once when the scene changes and then shared by any number
-/// of sweeps and threads. Their ids are 0, 1, … in the order given. Copies share their memory.
+/// Static boxes, prepared once when the scene changes and then shared by any number
+/// of sweeps and threads. Their ids are 0, 1, … in the given order. Copies share their memory.
 ///
-/// Made ready means: packed into a tree of nodes of 16 boxes (the packing of a k-d tree, as in
-/// bulk-loaded R-trees), so that a cycle costs what its moving boxes touch and not what stands
-/// there. The tree knows no alarm distance; each cycle brings its own.
-/// Cost: O(n log n) to build, 100 bytes a box.
+/// They are packed into a tree of nodes of 16 boxes (the packing of a k-d tree, as in bulk-loaded
+/// R-trees), so that the cost of a cycle depends on what its moving boxes touch and not on the
+/// number of static boxes. The tree is independent of the alarm distance. Cost: O(n log n) to
+/// build, 100 bytes per box.
 class StaticBoxes {
  public:
   StaticBoxes() = default;
@@ -55,7 +55,7 @@ class StaticBoxes {
   std::size_t size() const { return nb_boxes_; }
   const Aabb& box(std::uint32_t id) const;
   std::uint32_t model(std::uint32_t id) const;
-  /// The box about all; none (an inverted one) where there are none.
+  /// The box of all boxes; inverted if there are none.
   const Aabb& bounds() const { return bounds_; }
 
  private:
@@ -70,52 +70,52 @@ struct SweepTuning;
 /// Finds all pairs of boxes whose Euclidean gap is at most the alarm distance (closed: a gap of
 /// exactly the alarm distance counts, so touching boxes are found at 0; see squaredReach()).
 ///
-/// It keeps nothing but memory from one cycle to the next: the pairs depend on this cycle's boxes
-/// alone, and the same boxes in another order, or on more threads, give the same pairs. Left out
-/// are pairs of boxes of one model, pairs that the filter forbids, and pairs of static boxes.
+/// Only memory is kept between cycles: the pairs depend on this cycle's boxes alone, and the same
+/// boxes in another order, or on more threads, give the same pairs. Pairs of boxes of one model,
+/// pairs that the filter forbids, and pairs of static boxes are not reported.
 ///
 ///   sweep.begin(alarm_distance, &static_boxes, &filter);
 ///   for (…) sweep.add(box, model);
 ///   for (const BoxPair& pair : sweep.end()) …
 ///
-/// How. D. Baraff, "Dynamic Simulation of Non-Penetrating Rigid Bodies" (1992): sort the boxes
+/// Method: D. Baraff, "Dynamic Simulation of Non-Penetrating Rigid Bodies" (1992): sort the boxes
 /// along one axis and sweep. F. Liu, T. Harada, Y. Lee, Y. J. Kim, "Real-time collision culling
 /// of a million bodies on graphics processing units" (2010): the axis of greatest variance, and
-/// subdivision of the other axes, since a sweep along one axis alone grows like n^(5/3). What is
-/// different here: nothing is kept and sorted again by insertion; the order is a counting sort
-/// into bins, not exact within a bin, as the SIMD test looks at all six sides anyway; the
-/// columns' widths come from a sample; a column that is still crowded is cut again; a pair that
-/// meets in several columns is reported from the one in which both boxes are met first. Few
-/// boxes are tested each against each.
+/// subdivision of the other axes, since a sweep along one axis alone grows like n^(5/3).
+/// Deviations: nothing is kept and sorted again by insertion; the order is a counting sort into
+/// bins, not exact within a bin, since the SIMD test compares all six sides anyway; the widths of
+/// the columns come from a sample; a column that is still crowded is split again; a pair that
+/// shares several columns is reported from the first of them. Few boxes are tested each against
+/// each.
 ///
-/// Exactness: boxes are narrowed to float relative to an origin in their midst. One monotone map
-/// narrows both ends of every interval, so ends that are in order stay in order and no pair is
-/// lost; a pair that is not strictly clear in float is decided on the true boxes in double.
+/// Exactness: boxes are converted to float relative to an origin in their midst. One monotone map
+/// converts both ends of every interval, so the order of ends is kept and no pair is lost. A pair
+/// that is not clearly separated in float is decided with the original boxes in double.
 ///
-/// Cost: O(n + pairs) for boxes of like size, however they are spread, O(n^2 / 16) for up to 160
-/// (with AVX2 / 8; O(n^2 / 4) for up to 110 where there is neither that nor AVX-512); moving
-/// against static O(log n_static + pairs) a box. No heap allocation once warm. Memory: about 200
-/// bytes a box and 16 a pair.
+/// Cost: O(n + pairs) for boxes of similar size, in any distribution; O(n^2 / 16) for up to 160
+/// (with AVX2 / 8; O(n^2 / 4) for up to 110 with neither AVX2 nor AVX-512); moving against static
+/// O(log n_static + pairs) per box. No heap allocation once warm. Memory: about 200 bytes per box
+/// and 16 per pair.
 ///
-/// Not thread safe: one per thread. It can be moved, not copied.
+/// Not thread safe: use one per thread. Movable, not copyable.
 class SweepAndPrune {
  public:
   SweepAndPrune();
-  /// For tests and benchmarks: what is best is the default.
+  /// For tests and benchmarks; the default tuning is the best known.
   explicit SweepAndPrune(const SweepTuning& tuning);
   ~SweepAndPrune();
   SweepAndPrune(SweepAndPrune&&) noexcept;
   SweepAndPrune& operator=(SweepAndPrune&&) noexcept;
 
-  /// Starts a cycle. alarm_distance in metres, 0 to 1e150; else std::invalid_argument. Neither
-  /// pointer is owned; both must live until end() and may be null (no static boxes; every pair
-  /// of two models is allowed).
+  /// Starts a cycle. alarm_distance in metres, 0 to 1e150, otherwise throws std::invalid_argument.
+  /// Both pointers are borrowed until end() and may be null (no static boxes; every pair of two
+  /// models is allowed).
   void begin(double alarm_distance, const StaticBoxes* static_boxes = nullptr,
              const PairFilter* filter = nullptr);
 
-  /// Adds a moving box and returns its id: ids go on where those of the static boxes end. A box
-  /// that is not finite or inverted takes part in no pair and is listed in refused(). Models
-  /// must be known to the filter, if there is one.
+  /// Adds a moving box and returns its id; ids continue after those of the static boxes. A box that
+  /// is not finite or is inverted is in no pair, and is listed in refused(). Models must be known
+  /// to the filter, if there is one.
   std::uint32_t add(const Aabb& box, std::uint32_t model) {
     const auto id = static_cast<std::uint32_t>(nb_static_ + boxes_.size());
     boxes_.push_back(box);
@@ -124,17 +124,17 @@ class SweepAndPrune {
     return id;
   }
 
-  /// Ends the cycle: all pairs, each once, sorted. Valid until the next begin(). Throws
-  /// std::length_error from 2^29 moving boxes on.
+  /// Ends the cycle and returns all pairs, each once, sorted; valid until the next begin(). Throws
+  /// std::length_error for 2^29 or more moving boxes.
   const std::vector<BoxPair>& end();
 
   /// Ids of this cycle's boxes that were not finite or inverted, ascending.
   const std::vector<std::uint32_t>& refused() const { return refused_; }
 
-  /// The axis of the last sweep (0, 1 or 2): that on which the centres of the moving boxes vary
-  /// most, by a sample of up to 1,000, unless they are so long on it that another prunes far
-  /// better (parallel rods). Where few boxes were tested each against each, nothing was swept,
-  /// and it is the axis that would have been taken.
+  /// The axis of the last sweep (0, 1 or 2): the one along which the centres of the moving boxes
+  /// vary most, in a sample of up to 1,000, unless they are so long on it that another prunes far
+  /// better (parallel rods). If few boxes were tested each against each, the axis that a sweep
+  /// would have used.
   int axis() const;
 
  private:
@@ -156,7 +156,7 @@ class SweepAndPrune {
   void refuse(std::uint32_t id);
 
   std::size_t nb_static_ = 0;
-  std::vector<Aabb> boxes_;  // of the moving ones only; inside out and without end where refused
+  std::vector<Aabb> boxes_;  // moving boxes only; refused ones are inverted and infinite
   std::vector<std::uint32_t> models_;
   std::vector<BoxPair> pairs_;
   std::vector<std::uint32_t> refused_;

@@ -40,8 +40,8 @@ std::string problemOf(StampNs stamp, StampNs received, StampNs newest) {
            " ahead of the time at which it was recorded";
   }
   if (stamp <= newest) {
-    return "its stamp is not later than that of the cloud before: are there two publishers, or did "
-           "the clock go back?";
+    return "its stamp is not later than that of the previous cloud: are there two publishers, or "
+           "did the clock go back?";
   }
   return "";
 }

@@ -1,4 +1,4 @@
-// Which point clouds a bag holds, before any is read.
+// Index of the point clouds in a bag, before any of them is read.
 #pragma once
 
 #include <set>

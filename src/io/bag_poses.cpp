@@ -35,8 +35,8 @@ std::set<std::string> possiblePrefixes(const BagContents& bag, const RobotModel&
   for (const std::string& prefix : possiblePrefixes(bag, robot)) {
     hint += (hint.empty() ? "; try --prefix " : " or ") + prefix;
   }
-  throw InputError("neither its transforms nor its joint states say anything about robot '" +
-                   robot.name() + "'" + hint);
+  throw InputError("neither its transforms nor its joint states mention robot '" + robot.name() +
+                   "'" + hint);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// From what a bag says to where the bodies of a robot stood.
+// Poses of a robot's bodies from the contents of a bag.
 #pragma once
 
 #include <memory>
@@ -12,15 +12,15 @@
 namespace collision_pairs {
 
 struct BagPosesOptions {
-  /// What the bag puts before this robot's names: frames P/link, joints P/joint or the topic
+  /// Prefix of this robot's names in the bag: frames P/link, joints P/joint or the topic
   /// P/joint_states. Empty: nothing.
   std::string prefix;
-  /// Seconds, > 0. Between two samples further apart than this nothing is known. The default is the
-  /// node's max_transform_age.
+  /// Seconds, > 0. Between two samples further apart than this poses are unknown. The default is
+  /// the node's max_transform_age.
   double max_gap = 1.0;
 };
 
-/// Poses of a scene's bodies at the instants at which the bag has something to say about them.
+/// Poses of a scene's bodies at the stamps of the bag's samples.
 class BagPoses {
  public:
   /// The references must outlive it.
@@ -29,22 +29,22 @@ class BagPoses {
 
   /// Sorted, each once: the stamps of all samples that move a body of the robot.
   const std::vector<StampNs>& stamps() const { return stamps_; }
-  /// In the frame of the robot's root link. A body of which nothing is known at that instant stays
-  /// unknown. O(bodies * log samples).
+  /// In the frame of the robot's root link. A body without a pose at that stamp stays unknown.
+  /// O(bodies * log samples).
   void at(StampNs stamp, BodyPoses& poses) const { at(stamp, scene_.bodies(), poses); }
   /// The same of other bodies of the robot.
   void at(StampNs stamp, const std::vector<SceneBody>& bodies, BodyPoses& poses) const;
-  /// Where any frame stood in that of the root link: a link's, or one that the bag's transforms
-  /// connect with a link. False if that is not known. `frame` as the bag calls it.
+  /// Pose of any frame in that of the root link: a link, or a frame that the bag's transforms
+  /// connect to one. False if unknown. `frame`: its name in the bag.
   bool frameAt(StampNs stamp, const std::string& frame, Eigen::Isometry3d& X_RF) const;
   /// Where the poses come from: "TF" or "joint states of TOPIC".
   const std::string& source() const { return source_; }
-  /// What had to be assumed or is missing, a sentence each.
+  /// Assumptions made and data missing, one sentence each.
   const std::vector<std::string>& notes() const { return notes_; }
-  /// Moving bodies of the robot of which the bag knows something.
+  /// Number of moving bodies of the robot that the bag has poses of.
   std::size_t nbKnown() const { return nb_known_; }
-  /// Joints that move a body of the scene, but that the bag does not name: taken at zero, so that
-  /// apart does not mean free.
+  /// Joints that move a body of the scene, but that the bag does not name: taken as zero, so
+  /// that no verdict is FREE.
   const std::vector<std::string>& jointsAtZero() const { return joints_at_zero_; }
 
  protected:

@@ -90,7 +90,8 @@ void BagPosesFromJoints::chooseTracks(const JointTracks& tracks, const std::stri
     else
       at_zero += (at_zero.empty() ? "" : ", ") + joints[i].name;
   }
-  if (!at_zero.empty()) notes_.push_back("joints that it does not name stand at zero: " + at_zero);
+  if (!at_zero.empty())
+    notes_.push_back("joints that it does not name are taken as zero: " + at_zero);
 }
 
 void BagPosesFromJoints::countKnown() {

@@ -44,7 +44,7 @@ void BagPosesFromTf::noteMissing() {
       ++nb_known_;
   }
   if (frames_[0].empty()) nb_known_ = 0;
-  if (!missing.empty()) notes_.push_back("TF has no frame for, so left out: " + missing);
+  if (!missing.empty()) notes_.push_back("left out, because TF has no frame for them: " + missing);
 }
 
 void BagPosesFromTf::collectStamps() {

@@ -81,9 +81,9 @@ class Collector {
   BagContents finish() {
     contents_.transforms.finish();
     for (auto& [topic, tracks] : contents_.joints) tracks.finish();
-    note(nb_garbled_, "messages that do not fit their type");
-    note(nb_unusable_, "transforms and joint positions that are not finite or no rotation");
-    note(nb_jumps_, "times its clock goes back; what overlaps is mixed, so split the bag there");
+    note(nb_garbled_, "messages that do not match their type");
+    note(nb_unusable_, "transforms and joint positions that are not finite, or not a rotation");
+    note(nb_jumps_, "times its clock goes back; overlapping data is mixed, so split the bag there");
     return std::move(contents_);
   }
 

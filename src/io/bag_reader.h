@@ -1,4 +1,4 @@
-// What a bag says about a robot: transforms, joint positions, descriptions.
+// Reads the data of a robot from a bag: transforms, joint positions, descriptions.
 #pragma once
 
 #include <map>
@@ -16,17 +16,17 @@ struct BagContents {
   std::map<std::string, std::string> urdfs;   ///< by topic: those named robot_description
   std::map<std::string, std::string> srdfs;   ///< … and robot_description_semantic
   std::size_t nb_messages = 0;                ///< of these topics
-  std::vector<std::string> losses;            ///< what could not be read, a sentence each
+  std::vector<std::string> losses;            ///< what could not be read, one sentence each
 };
 
-/// Reads a bag whole; messages of other topics are passed over. Topics are known by the last part
-/// of their name and by the type: tf2_msgs/TFMessage and the older tf/tfMessage (the same on the
-/// wire), sensor_msgs/JointState, std_msgs/String. A joint state or transform without a stamp has
-/// the time at which it was recorded. None, bz2 and lz4 compression.
+/// Reads a complete bag; messages of other topics are skipped. Topics are identified by the last
+/// part of their name and by the type: tf2_msgs/TFMessage and the older tf/tfMessage (the same on
+/// the wire), sensor_msgs/JointState, std_msgs/String. A joint state or transform without a stamp
+/// has the time at which it was recorded. None, bz2 and lz4 compression.
 ///
-/// A bag without an index, cut off or with damaged chunks is read as far as it goes
-/// (readBagRecords), and `losses` says what is missing. Throws InputError if it is no bag, or
-/// nothing of a robot can be read. `also` sees every message, in the order of the file.
+/// A bag without an index, truncated or with damaged chunks is read as far as possible
+/// (readBagRecords), and `losses` says what is missing. Throws InputError if it is not a bag, or
+/// contains no data of a robot. `also` sees every message, in the order of the file.
 BagContents readBag(const std::string& path, const RawMessageVisitor& also = nullptr);
 
 }  // namespace collision_pairs

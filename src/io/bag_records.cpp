@@ -127,11 +127,11 @@ class RecordReader {
     std::string magic(MAGIC.size(), ' ');
     file_.read(magic.data(), static_cast<std::streamsize>(magic.size()));
     if (magic.compare(0, ANY_MAGIC.size(), ANY_MAGIC) != 0) {
-      throw InputError(path_ + ": is no bag");
+      throw InputError(path_ + ": is not a bag");
     }
     if (magic != MAGIC) {
-      throw InputError(path_ + ": is a bag of another format than 2.0; record it again, by " +
-                       "rosbag record beside rosbag play");
+      throw InputError(path_ + ": is a bag of a format other than 2.0; convert it with " +
+                       "rosbag record while rosbag play runs");
     }
     while (file_.peek() != std::char_traits<char>::eof() && readRecord()) {
     }
@@ -149,7 +149,7 @@ class RecordReader {
     const bool whole = readSize(size) && readData(size, data);
     take(fields, data, place);
     if (!whole)
-      lose("the file is cut off within the record that begins at byte " + std::to_string(place));
+      lose("the file is truncated within the record that begins at byte " + std::to_string(place));
     return whole;
   }
 
@@ -164,7 +164,7 @@ class RecordReader {
       case BAG_HEADER:
         refuseEncrypted(fields);
         if (numberIn(fields, "index_pos") == 0 && numberIn(fields, "index_pos", 4) == 0) {
-          lose("it has no index: its recorder was stopped before it could close it");
+          lose("it has no index: its recording was not closed");
         }
         break;
       default:  // indices, of which none is needed
@@ -175,8 +175,8 @@ class RecordReader {
   void refuseEncrypted(const Fields& fields) const {
     const auto encryptor = fields.find("encryptor");
     if (encryptor == fields.end() || encryptor->second.empty()) return;
-    throw InputError(path_ + ": is encrypted by " + encryptor->second +
-                     "; rosbag decrypt writes it as it was");
+    throw InputError(path_ + ": is encrypted with " + encryptor->second +
+                     "; decrypt it with rosbag decrypt");
   }
 
   void takeChunk(const Fields& fields, const std::string& data, std::uint64_t place) {

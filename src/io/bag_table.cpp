@@ -77,7 +77,7 @@ class LineReader {
 
   double metres(const std::string& text) const {
     double value = 0.0;
-    if (!parseNumber(text, value)) fail("'" + text + "' is no number");
+    if (!parseNumber(text, value)) fail("'" + text + "' is not a number");
     return value;
   }
 
@@ -86,13 +86,14 @@ class LineReader {
     Integer value{};
     const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), value);
     if (error != std::errc() || rest != text.data() + text.size())
-      fail("'" + text + "' is no number");
+      fail("'" + text + "' is not a number");
     return value;
   }
 
   StampNs stamp(const std::string& text) const {
     const std::size_t point = text.find('.');
-    if (point == std::string::npos || text.size() - point != 10) fail("'" + text + "' is no stamp");
+    if (point == std::string::npos || text.size() - point != 10)
+      fail("'" + text + "' is not a stamp");
     return number<StampNs>(text.substr(0, point)) * NS_PER_SECOND +
            number<StampNs>(text.substr(point + 1));
   }
@@ -101,12 +102,12 @@ class LineReader {
     for (const Verdict known : {Verdict::FREE, Verdict::COLLISION, Verdict::UNKNOWN}) {
       if (text == nameOf(known)) return known;
     }
-    fail("'" + text + "' is no verdict");
+    fail("'" + text + "' is not a verdict");
   }
 
   BagPair bagPair(const std::string& text, const std::vector<std::string>& contacts) const {
     const std::size_t equals = text.rfind('=');
-    if (equals == std::string::npos) fail("'" + text + "' is no distance of a pair");
+    if (equals == std::string::npos) fail("'" + text + "' is not a distance of a pair");
     const std::string links = text.substr(0, equals);
     return {links, number<double>(text.substr(equals + 1)),
             std::count(contacts.begin(), contacts.end(), links) > 0};

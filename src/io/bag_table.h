@@ -1,4 +1,4 @@
-// The table that check_bag writes: a row a stamp, as CSV; whole, or one part of several.
+// The table that check_bag writes: CSV with one row per stamp; complete, or one part of several.
 #pragma once
 
 #include <cstdint>

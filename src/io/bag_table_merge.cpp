@@ -15,7 +15,7 @@ class Table {
   explicit Table(const std::string& path) : path_(path), file_(path, std::ios::binary) {
     if (!file_) throw InputError(path_ + ": cannot be opened");
     std::string header;
-    if (!next(header) || header != BAG_TABLE_HEADER) fail("is no table of check_bag");
+    if (!next(header) || header != BAG_TABLE_HEADER) fail("is not a table of check_bag");
     is_part_ = file_.peek() == '#';
     if (!is_part_) return;
     std::string line;
@@ -36,7 +36,7 @@ class Table {
   }
   std::string expect() {
     std::string line;
-    if (!next(line)) fail("it ends too early; its process was perhaps stopped");
+    if (!next(line)) fail("it is incomplete; its process may have been stopped");
     return line;
   }
   BagRow parse(const std::string& line) const { return parseLine(line, path_, line_number_); }
@@ -68,7 +68,7 @@ void checkComplete(Tables& parts) {
       throw InputError("part " + std::to_string(i + 1) + "/" + std::to_string(count) +
                        " is missing");
     }
-    if (parts[i]->shard().index < i) parts[i]->fail("this part is there twice");
+    if (parts[i]->shard().index < i) parts[i]->fail("this part is given twice");
   }
   if (parts.size() != count) {
     throw InputError("part " + std::to_string(parts.size() + 1) + "/" + std::to_string(count) +
@@ -93,7 +93,7 @@ void mergeParts(Tables& parts, const BagLineVisitor& visit) {
        line = nextCommonLine(parts), ++bag) {
     const std::size_t space = line.rfind(' ');
     if (line.compare(0, 6, "# bag ") != 0 || space <= 6)
-      parts.front()->fail("'" + line + "' is no bag");
+      parts.front()->fail("'" + line + "' is not a bag");
     const std::string name = line.substr(6, space - 6);
     const std::uint64_t nb_rows = std::stoull(line.substr(space + 1));
     for (std::uint64_t state = 0; state < nb_rows; ++state) {

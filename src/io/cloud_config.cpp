@@ -96,8 +96,8 @@ CloudConfig readCloud(const std::string& origin, const YAML::Node& value) {
   forEntries(origin, value, rule, [&](const std::string& key, const YAML::Node& entry) {
     const auto reader = readers().find(key);
     if (reader == readers().end()) {
-      throw InputError(origin + ": '" + key + "' is no setting of a cloud; is '" +
-                       nearestName(key, knownKeys()) + "' meant?");
+      throw InputError(origin + ": '" + key + "' is not a setting of a cloud; did you mean '" +
+                       nearestName(key, knownKeys()) + "'?");
     }
     reader->second(origin + '/' + key, entry, cloud);
   });
@@ -127,7 +127,7 @@ std::vector<CloudConfig> readClouds(const YAML::Node& value) {
     CloudConfig cloud = readCloud("clouds[" + std::to_string(i) + "]", value[i]);
     const auto is_same = [&](const CloudConfig& other) { return other.name() == cloud.name(); };
     if (std::any_of(clouds.begin(), clouds.end(), is_same)) {
-      throw InputError("clouds: topic '" + cloud.topic + "' is there twice");
+      throw InputError("clouds: topic '" + cloud.topic + "' is listed twice");
     }
     clouds.push_back(std::move(cloud));
   }

@@ -16,35 +16,34 @@ struct CloudConfig {
   std::string topic;
   /// Edge of a voxel: cell k covers [k s, (k + 1) s) along each axis of the fixed frame.
   double voxel_size = 0.02;
-  /// Points further from the origin of the cloud's frame are left out.
+  /// Points further from the origin of the cloud's frame are ignored.
   double max_range = 5.0;
-  /// A voxel with fewer points of one cloud is not occupied by it. More than 1 hides noise, and
-  /// what is small or far away.
+  /// Points of one cloud needed to occupy a voxel. Values above 1 suppress noise, but also small or
+  /// distant obstacles.
   int min_points = 1;
-  /// How long a voxel stays occupied that no cloud shows again.
+  /// How long a voxel stays occupied after it was last seen.
   double decay = 0.5;
-  /// Each cloud shows everything: what the newest does not show is gone at once.
+  /// Each cloud replaces the previous one.
   bool replace = false;
-  /// Points outside of it, a box in the fixed frame, are left out.
+  /// Points outside this box in the fixed frame are ignored.
   std::optional<Eigen::AlignedBox3d> box;
-  /// Of more occupied voxels the farthest from the sensor are left out, and nothing is FREE.
+  /// Beyond this number the voxels farthest from the sensor are dropped, and no verdict is FREE.
   int max_voxels = 1000000;
-  /// A source whose newest usable cloud is older against now makes the verdict UNKNOWN; 0: never
-  /// too old.
+  /// The verdict is UNKNOWN if the newest usable cloud of this source is older; 0: no limit.
   double source_timeout = 1.0;
   /// Points within this distance of a link or an attached object are not obstacles.
   double self_filter_padding = 0.02;
   /// Links, names or patterns, that are not checked against this cloud.
   std::vector<std::string> touch_links;
 
-  /// What pairs call it: the topic without its leading slash.
+  /// Its name in pairs: the topic without its leading slash.
   std::string name() const;
 };
 
 bool operator==(const CloudConfig& a, const CloudConfig& b);
 
-/// Throws InputError that says which cloud, key and value, and what it must be; a key that is none
-/// of these is refused, with the nearest one.
+/// Throws InputError that names the cloud, key, value and rule; an unknown key is refused with the
+/// closest known one.
 std::vector<CloudConfig> readClouds(const YAML::Node& value);
 
 }  // namespace collision_pairs

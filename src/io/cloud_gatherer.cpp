@@ -25,8 +25,9 @@ std::shared_ptr<const OccupiedVoxels> CloudGatherer::add(const std::vector<Eigen
                                                          SelfFilter& filter) {
   filter.begin(robot);
   if (!filter.leftOut().empty()) {
-    throw InputError("link '" + filter.leftOut().front() +
-                     "' has no pose at its stamp, so its points cannot be told from obstacles");
+    throw InputError(
+        "link '" + filter.leftOut().front() +
+        "' has no pose at its stamp, so its points cannot be distinguished from obstacles");
   }
   kept_.clear();
   grid_.begin(stamp, X_WS.translation());

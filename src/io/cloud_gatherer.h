@@ -1,4 +1,4 @@
-// From the points of one source to the voxels that they occupy.
+// Converts the points of one source into occupied voxels.
 #pragma once
 
 #include <memory>
@@ -12,14 +12,14 @@
 
 namespace collision_pairs {
 
-/// Crops, filters and gathers. For one thread.
+/// Crops, filters and collects points. Not thread safe.
 class CloudGatherer {
  public:
   explicit CloudGatherer(const CloudConfig& config);
 
-  /// Points in the frame S of the sensor, where that stood in W, and the robot's poses of that
-  /// instant; its stamp in seconds. Throws InputError if a link of the robot has no pose: its
-  /// points would be obstacles.
+  /// Points in the sensor's frame S, the pose of S in W and the robot's poses at that stamp, and
+  /// the stamp in seconds. Throws InputError if a link of the robot has no pose, since its points
+  /// would be obstacles.
   std::shared_ptr<const OccupiedVoxels> add(const std::vector<Eigen::Vector3f>& points,
                                             const Eigen::Isometry3d& X_WS, const BodyPoses& robot,
                                             double stamp, SelfFilter& filter);

@@ -9,7 +9,7 @@ CloudView viewOf(const CloudConfig& config, const LatestCloud& latest, double no
   const std::string name = "cloud '" + config.name() + "': ";
   const std::string refusal = refusalOf(latest);
   if (!latest.voxels) {
-    view.doubt = name + (refusal.empty() ? "none has come yet" : "none is known" + refusal);
+    view.doubt = name + (refusal.empty() ? "none has arrived yet" : "none is usable" + refusal);
     return view;
   }
   const double age = now - latest.stamp;

@@ -1,4 +1,4 @@
-// What a source of clouds shows at some instant, and whether that is good enough to be FREE.
+// The voxels of a cloud source at an instant, and whether they permit the verdict FREE.
 #pragma once
 
 #include <map>
@@ -12,17 +12,17 @@
 
 namespace collision_pairs {
 
-/// What has become of the clouds of a source so far.
+/// The state of a cloud source.
 struct LatestCloud {
   std::shared_ptr<const OccupiedVoxels> voxels;  ///< after the last that was used; null: none was
   double stamp = 0.0;                            ///< of that one, in seconds
-  std::string problem;  ///< why the last that came was refused; empty: it was used
+  std::string problem;  ///< why the last cloud was refused; empty: it was used
 };
 
 struct CloudView {
-  /// Null: nothing is known, or what was known is too old.
+  /// Null: unknown or too old.
   std::shared_ptr<const OccupiedVoxels> voxels;
-  /// Why nothing is FREE; empty if the source is sound.
+  /// Why the verdict cannot be FREE; empty if the source is up to date and complete.
   std::string doubt;
 };
 
@@ -33,8 +33,8 @@ struct CloudDoubt {
   std::string cloud, why;
 };
 
-/// Fills in the voxels of the scene's clouds, in its order, from views by name; why they keep a
-/// report from being FREE. A cloud without a view is unknown.
+/// Fills in the voxels of the scene's clouds, in its order, from views by name; returns the reasons
+/// why a report cannot be FREE. A cloud without a view is unknown.
 std::vector<CloudDoubt> addVoxels(const std::map<std::string, CloudView>& views,
                                   const CollisionScene& scene, BodyPoses& poses);
 

@@ -24,8 +24,9 @@ std::vector<std::string> outsideLimits(const std::vector<std::vector<double>>& s
     if (nb_outside == 0) continue;
     std::ostringstream text;
     text << "joint '" << joint.name << "' is outside its limits, " << joint.lower << " to "
-         << joint.upper << ", at " << nb_outside << ' ' << what << "s; the first is " << what << ' '
-         << first << ", where it is " << states[first][j];
+         << joint.upper << ", at " << nb_outside << ' ' << what
+         << (nb_outside == 1 ? "; it is " : "s; the first is ") << what << ' ' << first
+         << ", where it is " << states[first][j];
     sentences.push_back(text.str());
   }
   return sentences;

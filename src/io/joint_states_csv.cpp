@@ -58,13 +58,13 @@ class Reader {
   void readHeader(const std::vector<std::string>& fields) {
     for (const std::string& field : fields) {
       const int joint = robot_.findJoint(field);
-      if (joint < 0) fail("column '" + field + "' is no joint of robot '" + robot_.name() + "'");
+      if (joint < 0) fail("column '" + field + "' is not a joint of robot '" + robot_.name() + "'");
       if (robot_.joints()[joint].type == JointType::FIXED) {
         fail("joint '" + field + "' is fixed; remove its column");
       }
       if (!robot_.joints()[joint].hasPosition()) {
         fail("joint '" + field +
-             "' is floating or planar and stands at identity; remove its column");
+             "' is floating or planar and stays at identity; remove its column");
       }
       if (std::count(joint_of_.begin(), joint_of_.end(), joint)) {
         fail("a second column '" + field + "'");

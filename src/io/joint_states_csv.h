@@ -1,4 +1,4 @@
-// Recorded joint states: a header of joint names, a row a state.
+// Recorded joint states: a header of joint names, one row per state.
 #pragma once
 
 #include <string>
@@ -9,14 +9,14 @@
 namespace collision_pairs {
 
 struct JointStates {
-  /// A row a state: RobotModel::joints() long, mimics applied.
+  /// One row per state: RobotModel::joints() long, mimics applied.
   std::vector<std::vector<double>> positions;
-  /// Moving joints without a column, which stand at zero (or their nearer limit).
+  /// Moving joints without a column, taken as zero (or their nearest limit).
   std::vector<std::string> joints_at_zero;
 };
 
-/// Columns may come in any order; a column of a mimicking joint is accepted where it agrees with
-/// its leader to 1e-6. Quotation marks as in RFC 4180, Windows line ends, a byte order mark
+/// Columns may come in any order; a column of a mimic joint is accepted if it agrees with its
+/// leader to 1e-6. Quotation marks as in RFC 4180, Windows line ends, a byte order mark
 /// and blank lines at the end are accepted. Throws InputError with the line (and `name` of the
 /// file) for an unknown, fixed, unpositioned or repeated joint, a field that is missing, too many,
 /// or not a finite number.

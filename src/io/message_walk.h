@@ -1,4 +1,4 @@
-// Whether a serialized message is as long as it says.
+// Validates the lengths in a serialized message.
 #pragma once
 
 #include <cstdint>
@@ -8,8 +8,8 @@ namespace collision_pairs {
 
 /// Walks over a serialized message. Each step is false if the message is not that long.
 ///
-/// roscpp makes room for as many entries as a message says it has, before it looks whether they are
-/// there: four wrong bytes ask for gigabytes. So look first, at all arrays of the message.
+/// roscpp allocates as many array entries as a message claims before it checks that they exist:
+/// four wrong bytes can request gigabytes. All arrays are therefore checked first.
 class Walk {
  public:
   Walk(const std::uint8_t* data, std::uint32_t size) : data_(data), left_(size) {}

@@ -65,7 +65,7 @@ class PcdReader {
   void readHeaderLine() {
     std::string line;
     if (!nextLine(line))
-      throw InputError("it has no line DATA, so it is no PCD file, or cut short");
+      throw InputError("it has no DATA line: it is not a PCD file, or is truncated");
     std::vector<std::string> words = wordsOf(line);
     if (words.empty() || words[0][0] == '#') return;
     const std::string keyword = words[0];
@@ -85,10 +85,10 @@ class PcdReader {
     } else if (keyword == "POINTS") {
       nb_points_ = number(keyword, words);
     } else if (keyword == "DATA") {
-      if (words.size() != 1) fail("DATA must say ascii or binary");
+      if (words.size() != 1) fail("DATA must be ascii or binary");
       data_ = words[0];
     } else if (keyword != "VERSION" && keyword != "VIEWPOINT") {
-      fail("'" + keyword.substr(0, 20) + "' is no word of a PCD file's header");
+      fail("'" + keyword.substr(0, 20) + "' is not a keyword of a PCD header");
     }
   }
 
@@ -110,11 +110,11 @@ class PcdReader {
   }
 
   void layOut() {
-    if (fields_.empty()) fail("there was no line FIELDS");
+    if (fields_.empty()) fail("there is no FIELDS line");
     if (counts_.empty()) counts_.assign(fields_.size(), 1);
     const std::size_t wanted = fields_.size();
     if (sizes_.size() != wanted || types_.size() != wanted || counts_.size() != wanted) {
-      fail("FIELDS, SIZE, TYPE and COUNT are not equally many");
+      fail("FIELDS, SIZE, TYPE and COUNT differ in length");
     }
     for (std::size_t i = 0; i < wanted; ++i) {
       if (sizes_[i] > MOST_IN_A_FIELD || counts_[i] > MOST_IN_A_FIELD) {
@@ -130,7 +130,7 @@ class PcdReader {
       if (!columns_[axis]) fail(std::string("there is no field ") + "xyz"[axis]);
     }
     if (!nb_points_) {
-      if (!width_ || !height_) fail("there was neither POINTS nor WIDTH and HEIGHT");
+      if (!width_ || !height_) fail("there is neither POINTS nor WIDTH and HEIGHT");
       nb_points_ = *width_ * *height_;
     } else if (width_ && height_ && *width_ * *height_ != *nb_points_) {
       fail("POINTS is " + std::to_string(*nb_points_) + ", but WIDTH times HEIGHT is " +
@@ -143,7 +143,7 @@ class PcdReader {
     if (!is_float || counts_[field] != 1) {
       fail("field " + fields_[field] + " must be one number of TYPE F and SIZE 4 or 8");
     }
-    if (columns_[axis]) fail("field " + fields_[field] + " is there twice");
+    if (columns_[axis]) fail("field " + fields_[field] + " occurs twice");
     columns_[axis] = Column{point_bytes_, sizes_[field], point_values_};
   }
 

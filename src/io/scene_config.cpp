@@ -47,7 +47,7 @@ void forLinks(const std::string& key, const YAML::Node& value, const std::string
         forEntries(key, map, rule, [&](const std::string& name, const YAML::Node& entry) {
           if (depth > DEEPEST || nb_links > MOST) {
             throw InputError(key + " names more than " + std::to_string(MOST) +
-                             " links, or holds itself by an alias");
+                             " links, or contains itself through an alias");
           }
           if (entry.IsMap() && entry.size() > 0)
             return visit(entry, prefix + name + "/", depth + 1);
@@ -65,7 +65,8 @@ void readLinkFidelity(const YAML::Node& value, SceneConfig& config) {
              const std::string rule = "aabb, obb, convex or mesh";
              const std::string given = textOf(key, word, rule);
              const std::string nearest = nearestName(given, {"aabb", "obb", "convex", "mesh"});
-             if (given != nearest) refuseValue(key, word, rule + "; is '" + nearest + "' meant?");
+             if (given != nearest)
+               refuseValue(key, word, rule + "; did you mean '" + nearest + "'?");
              config.settings.link_fidelity[link] = parseFidelity(given);
            });
 }
@@ -199,8 +200,8 @@ SceneConfig readSceneSettings(const YAML::Node& map, const std::string& origin) 
   for (const auto& entry : map) {
     const std::string key = entry.first.Scalar();
     if (std::find(known.begin(), known.end(), key) != known.end()) continue;
-    throw InputError(origin + ": '" + key + "' is no setting; is '" + nearestName(key, known) +
-                     "' meant?");
+    throw InputError(origin + ": '" + key + "' is not a setting; did you mean '" +
+                     nearestName(key, known) + "'?");
   }
   try {
     return readSceneConfig(map);

@@ -1,4 +1,4 @@
-// The part of the node's parameters that says what is in a scene; tools read the same from a file.
+// The scene parameters of the node; tools read the same from a file.
 #pragma once
 
 #include <optional>
@@ -25,9 +25,9 @@ const std::vector<std::string>& sceneConfigKeys();
 /// These, and all other parameters of the node: what its file of parameters may hold.
 const std::vector<std::string>& nodeParameterKeys();
 
-/// From a map with any of sceneConfigKeys(); other keys are passed over. Throws InputError that
-/// names the key, what it is and what it must be: a partially parsed filter would
-/// silently drop pairs. Whether its links exist is for the scene to say.
+/// From a map with any of sceneConfigKeys(); other keys are ignored. Throws InputError that names
+/// the key, its value and the rule: a partially parsed filter would silently drop pairs. Whether
+/// its links exist is checked by the scene.
 SceneConfig readSceneConfig(const YAML::Node& map);
 
 /// The same, but a key that is neither of these nor another parameter of the node is refused.

@@ -1,4 +1,4 @@
-// What scenes are made of, as users give it: texts of robots, whose meshes are loaded when a scene
+// Sources of scenes as users provide them: robot descriptions, whose meshes are loaded when a scene
 // needs them, a world, and settings.
 #pragma once
 
@@ -13,14 +13,14 @@
 
 namespace collision_pairs {
 
-/// A robot. Reads the URDF at once, and each mesh the first time that a link is asked for that has
-/// it. What is loaded stays.
+/// A robot. Reads the URDF immediately, and each mesh when a link that has it is first requested.
+/// Loaded meshes are kept.
 class RobotSource {
  public:
   /// Throws InputError as RobotModel::fromUrdf() does, except that of meshes it knows only names.
   RobotSource(const std::string& urdf, MeshLoader load_mesh);
 
-  /// The robot with a small stand-in for each mesh: good for everything but its geometry.
+  /// The robot with a small placeholder for each mesh: usable for everything except its geometry.
   const std::shared_ptr<const RobotModel>& skeleton() const { return skeleton_; }
 
   /// The robot with the geometry of the links for which `wanted` is true, and of those that were
@@ -48,7 +48,7 @@ class RobotSource {
   std::vector<BrokenElement> broken_;
 };
 
-/// Meshes stay with it once they are loaded.
+/// Loaded meshes are kept.
 struct SceneSources {
   struct Robot {
     std::unique_ptr<RobotSource> source;

@@ -48,9 +48,9 @@ std::string readBinaryFile(const std::string& path) {
 std::string readTextFile(const std::string& path) {
   std::string text;
   readBlocks(path, [&](const char* block, std::size_t size) {
-    if (text.size() > LONGEST_TEXT) throw InputError(path + ": is longer than a text of 4 GiB");
+    if (text.size() > LONGEST_TEXT) throw InputError(path + ": is longer than 4 GiB");
     if (std::memchr(block, '\0', size) != nullptr) {
-      throw InputError(path + ": has a zero byte, so it is no text");
+      throw InputError(path + ": contains a zero byte, so it is not text");
     }
     text.append(block, size);
   });

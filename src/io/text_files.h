@@ -1,4 +1,4 @@
-// Whole text files, in and out.
+// Reads and writes complete text files.
 #pragma once
 
 #include <functional>
@@ -8,15 +8,15 @@
 namespace collision_pairs {
 
 /// The file's content without a UTF-8 byte order mark. Throws InputError that names the file, also
-/// where a zero byte says that it is no text, as of /dev/zero.
+/// if it contains a zero byte and is therefore not text.
 std::string readTextFile(const std::string& path);
 
 /// The bytes of a regular file. Throws InputError that names it.
 std::string readBinaryFile(const std::string& path);
 
-/// Writes through a temporary file beside `path` that takes its name only when `write` is through:
-/// whatever goes wrong, no part of an output stands under the final name. An empty path, or "-",
-/// is standard output. Throws InputError.
+/// Writes through a temporary file beside `path` that is renamed only after `write` has succeeded:
+/// on any error, no partial output has the final name. An empty path, or "-", is standard output.
+/// Throws InputError.
 void writeTextFile(const std::string& path, const std::function<void(std::ostream&)>& write);
 
 }  // namespace collision_pairs

@@ -1,4 +1,4 @@
-// All transforms and joint positions of a recording, to be asked for at any instant.
+// All transforms and joint positions of a recording, for look-up at any stamp.
 #pragma once
 
 #include <cstdint>
@@ -14,10 +14,10 @@ namespace collision_pairs {
 /// Nanoseconds since the epoch.
 using StampNs = std::int64_t;
 
-/// What tf2's buffer is for a live robot, for a recording: it holds everything, its answer does not
-/// depend on the order of arrival, and a look-up is a binary search. Between two samples it
-/// interpolates as tf2 does (straight line, and slerp); it never extrapolates, and never
-/// interpolates over a gap that is too long. About 80 bytes a transform.
+/// The counterpart of tf2's buffer for a recording: it keeps everything, results do not depend on
+/// the order of arrival, and a look-up is a binary search. Between two samples it interpolates as
+/// tf2 does (straight line, and slerp); it never extrapolates, and never interpolates over a gap
+/// that is too long. About 80 bytes a transform.
 class TransformTracks {
  public:
   struct Sample {
@@ -65,11 +65,11 @@ class FramePoses {
   FramePoses(const TransformTracks& tracks, StampNs stamp, StampNs max_gap)
       : tracks_(tracks), stamp_(stamp), max_gap_(max_gap) {}
 
-  /// Where a frame stands for certain, whatever the tracks say of it.
+  /// Fixes the pose of a frame, overriding the tracks.
   void anchor(int frame, const Eigen::Isometry3d& X_RF) { known_[frame] = X_RF; }
   /// Makes known what stands above an anchor, which is reached from it backwards.
   void climbFrom(int frame);
-  /// False if there is no way from a known frame to this one at that instant.
+  /// False if no path leads from a known frame to this one at that stamp.
   bool find(int frame, Eigen::Isometry3d& X_RF);
 
  private:

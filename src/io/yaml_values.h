@@ -1,5 +1,4 @@
-// Values out of YAML, strictly: what is not as it must be is an InputError that says key, value and
-// rule.
+// Strict reading of YAML values: an invalid one throws InputError with key, value and rule.
 #pragma once
 
 #include <functional>

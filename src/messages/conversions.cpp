@@ -103,8 +103,8 @@ std::vector<std::string> whyUnknown(const CollisionReport& report, const Collisi
   add("geometry that could not be read", broken_links);
   const LeftOut left_out = namesOfLeftOut(report, scene);
   add("no usable pose", left_out.bodies);
-  add("clouds that are not known, or only in part", left_out.clouds);
-  add("pairs that may be in contact are unresolved", namesOfUnresolved(report, scene));
+  add("clouds that are unknown or incomplete", left_out.clouds);
+  add("unresolved pairs that may be in contact", namesOfUnresolved(report, scene));
   return reasons;
 }
 

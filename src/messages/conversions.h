@@ -15,10 +15,10 @@ namespace collision_pairs {
 std::vector<std::string> whyUnknown(const CollisionReport& report, const CollisionScene& scene,
                                     const std::vector<std::string>& broken_links);
 
-/// With a reason, what was FREE is UNKNOWN. What is COLLISION stays so: it is certain.
+/// With a reason, FREE becomes UNKNOWN. COLLISION is certain and stays.
 void notFree(CollisionPairs& message, const std::vector<std::string>& reasons);
 
-/// A report of nothing: UNKNOWN for this reason.
+/// An empty report: UNKNOWN for this reason.
 CollisionPairs unknown(const std::string& reason, const std::string& frame, const ros::Time& stamp);
 
 /// `broken_links` are added to the links left out, and make the verdict UNKNOWN where it would be

@@ -16,8 +16,8 @@ geometry_msgs::Vector3 toVector3(const Eigen::Vector3d& v);
 geometry_msgs::Pose toPose(const Eigen::Isometry3d& X);
 Eigen::Vector3d toVector(const geometry_msgs::Point& point);
 
-/// False if it is not finite, or its quaternion is not of length 1 within 1e-3: what nobody filled
-/// in (0 0 0 0) is no pose, and never identity.
+/// False if it is not finite, or its quaternion is not of length 1 within 1e-3: a quaternion that
+/// was not filled in (0 0 0 0) is not a pose, and never identity.
 bool toIsometry(const Eigen::Vector3d& position, const geometry_msgs::Quaternion& orientation,
                 Eigen::Isometry3d& X);
 bool toIsometry(const geometry_msgs::Pose& pose, Eigen::Isometry3d& X);

@@ -24,7 +24,7 @@ std::vector<double> sizesOf(const SolidPrimitive& primitive, const char* shape,
   std::string rule;
   for (const char* size : meaning) rule += (rule.empty() ? "" : ", ") + std::string(size);
   throw InputError(std::string("a ") + shape + " has " +
-                   std::to_string(primitive.dimensions.size()) + " dimensions, but wants " +
+                   std::to_string(primitive.dimensions.size()) + " dimensions, but needs " +
                    std::to_string(meaning.size()) + ": " + rule);
 }
 
@@ -55,12 +55,12 @@ Shape toShape(const SolidPrimitive& primitive) {
     }
     case SolidPrimitive::CONE: {
       const auto d = sizesOf(primitive, "cone", {"height", "radius"});
-      if (!(d[0] >= 0.0 && d[1] >= 0.0)) throw InputError("a cone has a size below 0");
+      if (!(d[0] >= 0.0 && d[1] >= 0.0)) throw InputError("a cone has a negative size");
       return pyramidAround(d[SolidPrimitive::CONE_HEIGHT], d[SolidPrimitive::CONE_RADIUS]);
     }
     default:
       throw InputError("type " + std::to_string(primitive.type) +
-                       " is none: BOX 1, SPHERE 2, CYLINDER 3 or CONE 4");
+                       " is unknown; use BOX 1, SPHERE 2, CYLINDER 3 or CONE 4");
   }
 }
 
@@ -80,7 +80,9 @@ Isometry3d poseOfPlane(const shape_msgs::Plane& plane) {
   const Vector3d normal(plane.coef[0], plane.coef[1], plane.coef[2]);
   const double length = normal.norm();
   if (!(length > 0.0) || !std::isfinite(length) || !std::isfinite(plane.coef[3])) {
-    throw InputError("its coefficients are no plane: a, b, c must be a direction, d finite");
+    throw InputError(
+        "its coefficients do not define a plane: (a, b, c) must not be zero, and all must be "
+        "finite");
   }
   Isometry3d X = Isometry3d::Identity();
   const Vector3d z = normal / length;  // the axis that matters: exact, downwards as upwards
@@ -121,7 +123,7 @@ class ObjectReader {
     Isometry3d X;
     if (!toIsometry(pose, X))
       throw InputError(
-          "its pose is none: a finite position and a quaternion of length 1 are needed, but " +
+          "its pose is invalid: a finite position and a quaternion of length 1 are needed, but " +
           whyNoIsometry(pose));
     return X;
   }

@@ -1,4 +1,4 @@
-// Scene objects of messages as the core has them. Pure functions.
+// Converts scene objects of messages into the core's. Pure functions.
 #pragma once
 
 #include <collision_pairs/SceneObject.h>
@@ -8,7 +8,7 @@
 namespace collision_pairs {
 
 /// Everything but its pose, which needs frames: X_PO is left alone. `load_mesh` fetches
-/// mesh_resources. Throws InputError that says which shape is wrong, and how.
+/// mesh_resources. Throws InputError that names the shape and the problem.
 RigidObject toObject(const SceneObject& message, const MeshLoader& load_mesh);
 
 }  // namespace collision_pairs

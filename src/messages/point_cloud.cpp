@@ -40,7 +40,7 @@ Coordinate findCoordinate(const PointCloud2& cloud, const std::string& name) {
   }
   const std::string field = "its field '" + name + "' ";
   if (std::any_of(found + 1, cloud.fields.end(), has_name)) {
-    throw InputError(field + "is there twice");
+    throw InputError(field + "occurs twice");
   }
   const bool is_double = found->datatype == PointField::FLOAT64;
   if (!is_double && found->datatype != PointField::FLOAT32) {

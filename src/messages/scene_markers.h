@@ -9,7 +9,7 @@
 
 namespace collision_pairs {
 
-/// The shapes that a check at this fidelity compares: what the URDF says, hulls, turned boxes (also
+/// The shapes that a check at this fidelity compares: what the URDF says, hulls, OBBs (also
 /// for aabb, whose boxes are those of toMarkers()), capsules in place of cylinders; a half-space is
 /// a square. Padding is not drawn. In the namespaces "links" and "attached_objects" (locked to the
 /// frame of their link, so that rviz moves them) and "standing". At most 10,000 elements, those

@@ -78,7 +78,7 @@ auto byState(std::vector<T> CheckResult::*numbers) {
 py::array gradientOf(const py::object& self) {
   const auto& result = self.cast<const CheckResult&>();
   if (!result.has_gradient) {
-    throw InputError("the gradient was not asked for: check(..., gradient=True)");
+    throw InputError("the gradient was not requested: check(..., gradient=True)");
   }
   return py::array_t<double>({result.pairs.size(), result.nb_joints}, result.gradient.data(), self);
 }
@@ -172,48 +172,51 @@ void bindCheckResult(py::module& module) {
                        first_point, second_point, normal, first_element, second_element);
   PYBIND11_NUMPY_DTYPE(LeftOutRow, row, model);
   py::class_<CheckResult>(module, "CheckResult",
-                          "What Detector.check answers for n states. Of one state that was given "
-                          "as (joints,) what is here (n,) is one number. Arrays are not copied: "
-                          "they keep the result alive.")
+                          "Result of Detector.check for n states. If one state was given as "
+                          "(joints,), values of shape (n,) are scalars. Arrays are views that "
+                          "keep the result alive.")
       .def_property_readonly("verdict", byState<std::uint8_t>(&CheckResult::verdict),
                              "uint8 (n,): Verdict.FREE, COLLISION or UNKNOWN.")
       .def_property_readonly("in_collision", byState<bool>(&CheckResult::in_collision),
-                             "bool (n,): the verdict is not FREE.")
+                             "bool (n,): true unless the verdict is FREE.")
       .def_property_readonly(
           "min_distance", byState<double>(&CheckResult::min_distance),
-          "float64 (n,), m: the smallest signed distance of all pairs, where it is at most the "
-          "alarm distance or was asked for; otherwise what it is no less than.")
-      .def_property_readonly(
-          "min_distance_is_bound", byState<bool>(&CheckResult::min_distance_is_bound),
-          "bool (n,): the smallest distance is no less than min_distance, and may be more.")
+          "float64 (n,), m: the smallest signed distance of all pairs, if it is at most the "
+          "alarm distance or was requested; otherwise a lower bound of it.")
+      .def_property_readonly("min_distance_is_bound",
+                             byState<bool>(&CheckResult::min_distance_is_bound),
+                             "bool (n,): true if min_distance is only a lower bound.")
       .def_property_readonly(
           "pairs",
           [](const py::object& self) {
             return viewOf<PairRow>(self.cast<const CheckResult&>().pairs, self);
           },
-          "Structured (p,): the pairs in contact, near or unresolved of all states, by state, then "
-          "by name. row: of the state; first, second: in models; state: PairState; distance: m, "
+          "Structured (p,): the pairs in contact, near or unresolved of all states, sorted by "
+          "state "
+          "and name. row: of the state; first, second: indices into models; state: PairState; "
+          "distance: m, "
           "signed; certainty: Certainty; fidelity: Fidelity; first_point, second_point, normal: "
-          "(3,), m, in the root link's frame, of the nearest two elements; first_element, "
-          "second_element: which <collision> (or shape) of its link these are.")
+          "(3,), m, in the root link's frame, for the nearest two elements; first_element, "
+          "second_element: index of the <collision> (or shape) within its link.")
       .def_property_readonly(
           "left_out",
           [](const py::object& self) {
             return viewOf<LeftOutRow>(self.cast<const CheckResult&>().left_out, self);
           },
-          "Structured (l,): row, model: what could not be checked since it has no finite pose or "
-          "size; its state is never FREE.")
+          "Structured (l,): row, model: models that could not be checked, for lack of a finite "
+          "pose "
+          "or size; the state is never FREE.")
       .def_property_readonly("gradient", &gradientOf,
                              "float64 (p, joints): d(distance)/d(position) of each pair, m/rad or "
-                             "m/m; NaN where there is none. Asked for by gradient=True.")
+                             "m/m; NaN if there is none. Requires gradient=True.")
       .def_property_readonly(
           "models", [](const CheckResult& result) { return result.model_names; },
-          "str (m,): the names that pairs and left_out refer to; those of the scene.")
+          "str (m,): model names of the scene, referred to by pairs and left_out.")
       .def_readonly("joints_at_zero", &CheckResult::joints_at_zero,
-                    "Moving joints that were not named: they stand at zero, or their nearer limit.")
+                    "Moving joints that were not named: taken as zero, or their nearest limit.")
       .def("__bool__",
            [](const CheckResult&) -> bool {
-             throw py::type_error("a CheckResult is neither true nor false: ask its in_collision");
+             throw py::type_error("a CheckResult is neither true nor false: use its in_collision");
            })
       .def("__repr__", &textOf);
 }

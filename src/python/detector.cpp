@@ -42,7 +42,7 @@ class PythonDetector {
   std::unique_ptr<CheckResult> check(const py::object& states, const py::object& joints,
                                      const CheckSettings& settings, bool gradient) {
     if (gradient && settings.verdict_only) {
-      throw InputError("gradient wants distances: not with verdict_only");
+      throw InputError("gradient needs distances and cannot be combined with verdict_only");
     }
     const std::shared_ptr<const NamedJoints> named = jointsOf(joints);
     const JointStatesArray array(states, named->columns.size());
@@ -73,7 +73,8 @@ class PythonDetector {
     explicit OneAtATime(PythonDetector& detector) : detector_(detector) {
       if (detector.user_ == std::this_thread::get_id()) {
         throw InputError(
-            "this detector is in use by this very thread: give a signal handler its own");
+            "this detector is already in use by this thread: use a separate one in a signal "
+            "handler");
       }
       detector.mutex_.lock();
       detector.user_ = std::this_thread::get_id();
@@ -151,10 +152,10 @@ void bindDetector(py::module& module) {
   bindCheckResult(module);
   const CheckSettings defaults;
   py::class_<PythonDetector>(module, "Detector",
-                             "Checks joint states against a scene. A second thread that uses it "
-                             "waits for the first: give each its own.")
+                             "Checks joint states of a scene. A second thread waits for the "
+                             "first, so use one detector per thread.")
       .def(py::init<const PythonScene&, unsigned>(), py::arg("scene"), py::arg("threads") = 0,
-           "threads: of a batch; 0: as many as the machine has.")
+           "threads: of a batch; 0: one per core.")
       .def(
           "check",
           [](PythonDetector& detector, const py::object& states, const py::object& joints,
@@ -177,18 +178,17 @@ void bindDetector(py::module& module) {
           py::arg("verdict_only") = defaults.verdict_only,
           py::arg("time_budget") = defaults.time_budget, py::arg("gradient") = false,
           py::arg("tolerance") = defaults.tolerance,
-          "states: float64 (n, len(joints)), or (len(joints),) for one; rad or m. Read where they "
-          "lie, whatever the strides; float32, integers and lists are converted. joints: their "
-          "names (None: Detector.joints); others stand at zero, or their nearer limit, and are "
-          "warned of. alarm_distance: m, pairs up to this far apart are reported. fidelity: "
-          "'aabb', 'obb', 'convex' or 'mesh'. min_distance: the exact smallest distance, also "
-          "beyond the alarm distance. verdict_only: ends at the first contact. time_budget: s a "
-          "state, 0: none. gradient: also that of each pair's distance. tolerance: m that a "
-          "distance may "
-          "be too small by; 0 with gradient. Other Python threads run "
+          "states: float64 (n, len(joints)), or (len(joints),) for one; rad or m. Read in place, "
+          "with any strides; float32, integers and lists are converted. joints: their names "
+          "(None: Detector.joints); others are taken as zero, or their nearest limit, with a "
+          "warning. alarm_distance: m, pairs up to this far apart are reported. fidelity: "
+          "'aabb', 'obb', 'convex' or 'mesh'. min_distance: the exact smallest distance, even "
+          "beyond the alarm distance. verdict_only: ends at the first contact. time_budget: s per "
+          "state, 0: no limit. gradient: also the gradient of each pair's distance. tolerance: m "
+          "by which a distance may be too small; 0 with gradient. Other Python threads run "
           "meanwhile. Raises InputError that names the state and the joint.")
       .def_property_readonly("joints", &PythonDetector::joints,
-                             "The names that check() takes where it is given none.");
+                             "The joint names that check() uses by default.");
 }
 
 }  // namespace collision_pairs

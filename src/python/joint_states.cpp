@@ -32,7 +32,7 @@ std::string shapeOf(const py::array& array) {
 
 py::array float64From(const py::object& states) {
   if (py::hasattr(states, "mask")) {
-    throw InputError("states are a masked array: what is masked has no position");
+    throw InputError("states are a masked array: masked entries have no position");
   }
   const py::array array = py::array::ensure(states);
   const char kind = array ? array.dtype().kind() : 'O';
@@ -78,7 +78,8 @@ void NamedJoints::warnOfOthers() const {
   for (const std::string& name : at_zero) others += (others.empty() ? "" : ", ") + name;
   if (!others.empty()) {
     warn(
-        "joints that are not named stand at zero, and what is free is free only with them there: " +
+        "joints that are not named are taken as zero, and a state is free only with them at "
+        "zero: " +
         others);
   }
 }

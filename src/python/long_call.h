@@ -16,7 +16,7 @@ inline unsigned usableThreads(unsigned threads) {
   constexpr unsigned MAX_THREADS = 1024;
   if (threads <= MAX_THREADS) return threads;
   throw InputError("threads is " + std::to_string(threads) + ", but must be at most " +
-                   std::to_string(MAX_THREADS) + "; 0: as many as the machine has");
+                   std::to_string(MAX_THREADS) + "; 0: one per core");
 }
 
 /// Python wants the program to stop (Ctrl-C); its exception is set.

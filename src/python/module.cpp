@@ -35,13 +35,13 @@ PYBIND11_MODULE(_native, module) {
   module.attr("__name__") = "collision_pairs";  // where its classes are to be found
   py::register_exception<InputError>(module, "InputError", PyExc_ValueError);
   addEnum<Verdict>(
-      module, "Verdict", "What a check is worth to someone who acts on it.",
+      module, "Verdict", "The overall result of a check.",
       {{"FREE", Verdict::FREE}, {"COLLISION", Verdict::COLLISION}, {"UNKNOWN", Verdict::UNKNOWN}});
-  addEnum<PairState>(module, "PairState", "Of a pair of links or objects.",
+  addEnum<PairState>(module, "PairState", "State of a pair of links or objects.",
                      {{"NEAR", PairState::NEAR},
                       {"CONTACT", PairState::CONTACT},
                       {"UNRESOLVED", PairState::UNRESOLVED}});
-  addEnum<DistanceWorth>(module, "Certainty", "What a distance is worth.",
+  addEnum<DistanceWorth>(module, "Certainty", "How a distance relates to the true one.",
                          {{"EXACT", DistanceWorth::EXACT},
                           {"LOWER_BOUND", DistanceWorth::LOWER_BOUND},
                           {"DEPTH_BOUND", DistanceWorth::DEPTH_BOUND}});

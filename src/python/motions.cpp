@@ -37,7 +37,7 @@ class PythonMotionCheck {
     named.warnOfOthers();
     const JointStatesArray array(waypoints, named.columns.size());
     if (array.size() < 2 || array.isSingle()) {
-      throw InputError("a motion has two waypoints or more: an array of shape (n, joints)");
+      throw InputError("a motion needs two or more waypoints: an array of shape (n, joints)");
     }
     std::vector<MotionReport> reports;
     try {
@@ -99,29 +99,28 @@ class PythonMotionCheck {
 void bindMotions(py::module& module) {
   PYBIND11_NUMPY_DTYPE(SegmentPair, segment, first, second);
   py::class_<MotionResult>(module, "MotionResult",
-                           "What MotionCheck.check answers for the n - 1 segments of n waypoints.")
+                           "Result of MotionCheck.check for the n - 1 segments of n waypoints.")
       .def_readonly("verdict", &MotionResult::verdict,
-                    "uint8 (n - 1,): FREE: certified, nothing comes nearer than the clearance "
-                    "anywhere; COLLISION: a contact was found; UNKNOWN: neither.")
+                    "uint8 (n - 1,): FREE: certified, no pair comes closer than the clearance; "
+                    "COLLISION: a contact was found; UNKNOWN: neither.")
       .def_readonly("clearance", &MotionResult::clearance,
-                    "float64 (n - 1,), m: where FREE, no more than the smallest distance of the "
-                    "segment; else 0.")
+                    "float64 (n - 1,), m: if FREE, a lower bound of the smallest distance of the "
+                    "segment; otherwise 0.")
       .def_readonly("contact_at", &MotionResult::contact_at,
-                    "float64 (n - 1,): where COLLISION, the fraction of the segment, 0 to 1, at "
-                    "which the contact was found; else 0.")
+                    "float64 (n - 1,): if COLLISION, the fraction of the segment, 0 to 1, at "
+                    "which the contact was found; otherwise 0.")
       .def_readonly("pairs", &MotionResult::pairs,
                     "Structured (p,): segment, first, second (in models): in contact there, or "
                     "not certified.")
-      .def_readonly("models", &MotionResult::model_names, "str (m,): the scene's.")
-      .def_readonly(
-          "joints_at_zero", &MotionResult::joints_at_zero,
-          "Moving joints that were not named: they stand at zero, or their nearer limit.");
+      .def_readonly("models", &MotionResult::model_names, "str (m,): model names of the scene.")
+      .def_readonly("joints_at_zero", &MotionResult::joints_at_zero,
+                    "Moving joints that were not named: taken as zero, or their nearest limit.");
   const MotionSettings defaults;
   py::class_<PythonMotionCheck>(module, "MotionCheck",
-                                "Certifies motions that go straight in joint space from waypoint "
-                                "to waypoint. May be used from several threads.")
+                                "Certifies straight motions in joint space between waypoints. "
+                                "Can be shared by threads.")
       .def(py::init<const PythonScene&, unsigned>(), py::arg("scene"), py::arg("threads") = 0,
-           "threads: 0: as many as the machine has.")
+           "threads: 0: one per core.")
       .def(
           "check",
           [](const PythonMotionCheck& motions, const py::object& waypoints,
@@ -134,8 +133,9 @@ void bindMotions(py::module& module) {
           py::arg("clearance") = defaults.clearance, py::arg("resolution") = defaults.resolution,
           py::arg("fidelity") = fidelityName(defaults.fidelity),
           "waypoints: float64 (n, len(joints)), rad or m. joints: as in Detector.check. clearance: "
-          "m, FREE means that no pair comes nearer. resolution: m, a pair that is open where its "
-          "motion is finer is given up. Raises InputError that names the waypoint and the joint.");
+          "m, FREE means that no pair comes closer. resolution: m, a pair still open when its "
+          "motion is split finer is given up. Raises InputError that names the waypoint and the "
+          "joint.");
 }
 
 }  // namespace collision_pairs

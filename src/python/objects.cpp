@@ -63,7 +63,7 @@ Mesh meshFrom(const py::object& vertices, const py::object& triangles) {
       const double index = t(i, j);
       if (!(index >= 0.0 && index <= std::numeric_limits<std::uint32_t>::max()) ||
           index != std::floor(index)) {
-        throw InputError("triangles[" + std::to_string(i) + "] has an index that is none");
+        throw InputError("triangles[" + std::to_string(i) + "] has an invalid index");
       }
       triangle[static_cast<std::size_t>(j)] = static_cast<std::uint32_t>(index);
     }
@@ -86,7 +86,8 @@ Isometry3d poseFrom(const py::handle& value, const std::string& what) {
       (R.transpose() * R - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() <= RIGID &&
       matrix.row(3) == Eigen::RowVector4d(0.0, 0.0, 0.0, 1.0);
   if (!is_rigid) {
-    throw InputError(what + " is no pose: a rotation, finite metres and 0 0 0 1 in the last row");
+    throw InputError(
+        what + " is not a pose: it needs a rotation, finite metres, and 0 0 0 1 in the last row");
   }
   Isometry3d X = Isometry3d::Identity();
   X.linear() = Eigen::Quaterniond(R).normalized().toRotationMatrix();
@@ -142,14 +143,14 @@ void bindShapes(py::module& module) {
              return valid(Capsule{radius, length});
            }),
            py::arg("radius"), py::arg("length"),
-           "radius, length: m; its whole height is length + 2 radius.");
+           "radius, length: m; its total height is length + 2 radius.");
   py::class_<HalfSpace>(module, "HalfSpace", "All points with z <= 0: a floor. Unbounded.")
       .def(py::init([] { return HalfSpace{}; }));
   py::class_<Convex>(module, "Convex", "The convex hull of points.")
       .def(py::init(
                [](const py::object& vertices) { return valid(Convex{verticesFrom(vertices)}); }),
            py::arg("vertices"), "vertices: float64 (n, 3), m.");
-  py::class_<Mesh>(module, "Mesh", "The solid that triangles bound: they and what they enclose.")
+  py::class_<Mesh>(module, "Mesh", "The solid bounded by triangles.")
       .def(py::init(&meshFrom), py::arg("vertices"), py::arg("triangles"),
            "vertices: float64 (n, 3), m; triangles: indices of vertices, integers (m, 3).")
       .def_static(
@@ -166,14 +167,14 @@ void bindShapes(py::module& module) {
 void bindObjects(py::module& module) {
   bindShapes(module);
   py::class_<RigidObject>(module, "RigidObject",
-                          "A body that is no link: static, or attached to a link.")
+                          "A body that is not a link: static, or attached to a link.")
       .def(py::init(&objectFrom), py::arg("name"), py::arg("shapes"), py::arg("poses") = py::none(),
            py::arg("pose") = py::none(), py::arg("attached_link") = "",
            py::arg("touch_links") = std::vector<std::string>(), py::arg("padding") = 0.0,
-           "shapes: solids that are fixed to each other; poses: float64 (n, 4, 4), theirs in the "
+           "shapes: solids fixed to each other; poses: float64 (n, 4, 4), of the shapes in the "
            "object's frame (None: at its origin). pose: float64 (4, 4), of the object in the root "
            "link's frame, or in that of attached_link (None: identity). touch_links: links and "
-           "objects that it is not checked against. padding: distance that it keeps, m.")
+           "objects that it is not checked against. padding: m, distance to keep.")
       .def_readonly("name", &RigidObject::name)
       .def_readonly("attached_link", &RigidObject::attached_link)
       .def_readonly("touch_links", &RigidObject::touch_links)

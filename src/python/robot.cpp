@@ -33,7 +33,7 @@ py::object parameter(const std::string& name) {
   if (found.is_none()) return py::none();
   const py::object text = rospy.attr("get_param")(found);
   if (!py::isinstance<py::str>(text)) {
-    throw InputError("parameter '" + found.cast<std::string>() + "' is no text");
+    throw InputError("parameter '" + found.cast<std::string>() + "' is not text");
   }
   return text;
 }
@@ -103,7 +103,7 @@ Srdf srdfFrom(const TextFrom& xml, const RobotModel& robot) {
     for (const std::string& link : srdf.unknownLinks(links)) {
       unknown += (unknown.empty() ? "" : ", ") + link;
     }
-    if (!unknown.empty()) warn(xml.origin + ": not links of the robot, passed over: " + unknown);
+    if (!unknown.empty()) warn(xml.origin + ": not links of the robot, ignored: " + unknown);
     return srdf;
   } catch (const InputError& error) {
     throw InputError(xml.origin + ": " + error.what());
@@ -117,33 +117,34 @@ void warn(const std::string& message) {
 void bindRobot(py::module& module) {
   py::class_<PythonRobot>(module, "Robot",
                           "Links with their collision geometry, and the joints between them. "
-                          "Immutable: may be used from several threads.")
+                          "Immutable: can be shared by threads.")
       .def(py::init([](const py::object& urdf, const py::object& srdf) {
              return robotFrom(xmlFrom(urdf, "urdf"), srdf);
            }),
            py::arg("urdf"), py::arg("srdf") = py::none(),
-           "Reads a URDF, and an SRDF (None: none): each the XML itself or the path of a file. "
-           "Meshes by package:// and file://. Raises InputError, also for a mesh that cannot be "
+           "Reads a URDF, and optionally an SRDF: each either XML text or the path of a file. "
+           "Meshes are loaded by package:// and file:// URIs. Raises InputError, also for a mesh "
+           "that cannot be "
            "used.")
       .def_static(
           "from_urdf",
           [](const std::string& urdf_text) {
             return robotFrom({"urdf", urdf_text}, py::none());
           },
-          py::arg("urdf_text"), "From the text of a URDF.")
-      .def_static("from_parameters", &robotFromParameters,
-                  py::arg("description") = "robot_description",
-                  py::arg("semantic") = "robot_description_semantic",
-                  "From the parameters of these names, searched for by rospy from the caller's "
-                  "namespace upwards. Without the second there is no SRDF.")
+          py::arg("urdf_text"), "Reads the XML text of a URDF.")
+      .def_static(
+          "from_parameters", &robotFromParameters, py::arg("description") = "robot_description",
+          py::arg("semantic") = "robot_description_semantic",
+          "Reads the ROS parameters of these names, searched for by rospy from the caller's "
+          "namespace upwards. The second is optional.")
       .def_property_readonly(
-          "name", [](const PythonRobot& robot) { return robot.model->name(); }, "Of the URDF.")
+          "name", [](const PythonRobot& robot) { return robot.model->name(); }, "Name in the URDF.")
       .def_property_readonly("joints", &jointNames,
-                             "Names of the joints that a state sets: revolute, continuous and "
-                             "prismatic ones that mimic no other.")
+                             "Names of the joints of a state: revolute, continuous and "
+                             "prismatic joints that are not mimic joints.")
       .def_property_readonly("limits", &limits,
                              "float64 (len(joints), 2): lower and upper limit, rad or m; infinite "
-                             "where there is none.")
+                             "without a limit.")
       .def_property_readonly("links", &linkNames, "Names of all links.")
       .def("__repr__", [](const PythonRobot& robot) {
         return "<Robot '" + robot.model->name() + "', " +

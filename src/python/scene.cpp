@@ -42,7 +42,7 @@ YAML::Node yamlFrom(const py::handle& value) {
         py::repr(py::float_(py::reinterpret_borrow<py::object>(value))).cast<std::string>());
   }
   throw InputError("settings: " + py::repr(value).cast<std::string>() +
-                   " is no number, text, list or map");
+                   " is not a number, text, list or map");
 }
 
 /// None, a map, or the path of a YAML file.
@@ -101,25 +101,25 @@ PythonScene withObjects(const PythonScene& scene, std::vector<RigidObject> objec
 
 void bindScene(py::module& module) {
   py::class_<PythonScene>(module, "Scene",
-                          "What is checked against what. Immutable: may be used from several "
-                          "threads, and by several detectors.")
+                          "The models and pairs to be checked. Immutable: can be shared by "
+                          "threads and detectors.")
       .def(py::init(&sceneFrom), py::arg("robot"), py::arg("srdf") = py::none(),
            py::arg("world") = py::none(), py::arg("objects") = std::vector<RigidObject>(),
            py::arg("settings") = py::none(),
-           "srdf: XML or path, instead of the robot's (None: the robot's; without any, links that "
-           "hang together are not checked). world: a Robot that stands still with its root at the "
-           "robot's root link. settings: a dict as the node's parameters, or the path of such a "
-           "YAML file; what is not of the scene is passed over. Raises InputError. Preparing "
-           "meshes takes most of the time; other threads run meanwhile.")
+           "srdf: XML or path, in place of the robot's (None: the robot's; without an SRDF, "
+           "adjacent links are not checked). world: a static Robot with its root at the "
+           "robot's root link. settings: the node's parameters as a dict, or the path of such a "
+           "YAML file; those that do not concern the scene are ignored. Raises InputError. "
+           "Preparing meshes takes most of the time; other threads run meanwhile.")
       .def("with_objects", &withObjects, py::arg("objects"),
-           "The same scene with these objects instead: meshes are not prepared again.")
+           "The same scene with other objects; meshes are not prepared again.")
       .def_property_readonly(
           "models", [](const PythonScene& scene) { return scene.model_names; },
           "str (m,): the links and objects that are in some pair, sorted. Results refer to them "
           "by index.")
       .def_property_readonly(
           "objects", [](const PythonScene& scene) { return scene.description.objects; },
-          "The objects that it was made with.")
+          "The objects of the scene.")
       .def("__repr__", [](const PythonScene& scene) {
         return "<Scene of '" + scene.scene->robot().name() + "', " +
                std::to_string(scene.scene->models().size()) + " links and objects in pairs>";

@@ -11,7 +11,7 @@
 
 namespace collision_pairs {
 
-/// A scene with what the node knows of it. Replaced as a whole; whoever holds one may go on.
+/// A scene with the node's data about it. Replaced as a whole; holders of the old one can go on.
 struct ActiveScene {
   std::shared_ptr<const CollisionScene> scene;
   /// Links with geometry that could not be read: listed as left out in every report.

@@ -76,7 +76,7 @@ JointQuery::Source JointQuery::sourceOf(const Body& body, const JointQueryTf& tf
     return source;
   }
   joints_at_zero_.push_back(joint.name);
-  doubt = "joint '" + joint.name + "' is not named and TF does not know it: it was taken at zero" +
+  doubt = "joint '" + joint.name + "' is neither named nor known to TF: it was taken as zero" +
           (tf.now.isZero() ? std::string("; ") + NO_CLOCK : "");
   source.X_PB = body.X_PJ * joint.motion(robot.zeroPositions()[body.joint]);
   return source;

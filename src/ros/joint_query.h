@@ -43,19 +43,19 @@ class JointQuery {
   const JointColumns& columns() const { return columns_; }
 
   /// The same state for MotionCheck: a position for each of RobotModel::joints(), and the bodies
-  /// that stand elsewhere than the positions say.
+  /// with poses not given by the positions.
   std::vector<double> jointPositionsAt(const std::vector<double>& positions) const;
   std::vector<std::optional<Eigen::Isometry3d>> placedBodies() const;
 
   /// Moving joints not named, left where TF has them; and those that TF does not know: at zero.
   const std::vector<std::string>& jointsFromTf() const { return joints_from_tf_; }
   const std::vector<std::string>& jointsAtZero() const { return joints_at_zero_; }
-  /// Why what is checked need not be what was asked for: joints at zero because nobody knows where
-  /// they are, poses from TF that are too old. With any of it, apart does not mean free.
+  /// Reasons why the checked state may differ from the requested one: joints at zero because it is
+  /// unknown where they are, poses from TF that are too old. With any of these, no verdict is FREE.
   const std::vector<std::string>& doubts() const { return doubts_; }
 
  private:
-  /// Where a body's joint gets its position from.
+  /// Source of the position of a body's joint.
   struct Source {
     JointColumns::Source joint;  ///< of no column: X_PB is the pose
     Eigen::Isometry3d X_PB;      ///< pose of the body in its parent's frame
@@ -66,7 +66,7 @@ class JointQuery {
 
   const CollisionScene& scene_;
   const JointColumns columns_;
-  std::vector<Source> sources_;  // one a body; that of the root holds its pose in the frame
+  std::vector<Source> sources_;  // one per body; that of the root holds its pose in the frame
   std::vector<std::string> joints_from_tf_;
   std::vector<std::string> joints_at_zero_;
   std::vector<std::string> doubts_;

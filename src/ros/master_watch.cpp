@@ -52,13 +52,14 @@ void MasterWatch::run() {
     const Answer answer = askMaster();
     lock.lock();
     if (answers && answer == Answer::NONE) {
-      ROS_WARN("the ROS master does not answer; connections that exist go on");
+      ROS_WARN("the ROS master does not answer; existing connections continue");
     }
     answers = answer != Answer::NONE;
     if (answer == Answer::NOT_KNOWN && ros::ok()) {
       ROS_FATAL(
-          "the ROS master does not know this node: it was restarted. ROS 1 registers a node once; "
-          "it ends here, to be started again (respawn:=true in collision_pairs.launch does so)");
+          "the ROS master was restarted and does not know this node. A ROS 1 node registers only "
+          "once, "
+          "so this one exits; restart it (respawn:=true of collision_pairs.launch does so)");
       is_forgotten_ = true;
       ros::requestShutdown();
       return;

@@ -1,4 +1,4 @@
-// Whether the ROS master still knows this node.
+// Detects that the ROS master was restarted and has lost this node.
 #pragma once
 
 #include <atomic>
@@ -8,17 +8,17 @@
 
 namespace collision_pairs {
 
-/// roscpp registers a node once. A master that was restarted does not know it: nobody new can
+/// roscpp registers a node once. A restarted master does not know it, so no new client can
 /// subscribe to it or call it, although it runs. This asks the master every two seconds, on a
-/// thread of its own, and asks ROS to shut down where it answers that it has no such node. While
-/// the master does not answer, connections go on, and so does the node.
+/// separate thread, and requests a shutdown if the master does not know the node. If the master
+/// does not answer, the node and its connections continue.
 class MasterWatch {
  public:
-  /// After the node has advertised its services.
+  /// Construct it after the node has advertised its services.
   MasterWatch();
   ~MasterWatch();
 
-  /// It has asked for the shutdown.
+  /// True if it has requested the shutdown.
   bool isForgotten() const { return is_forgotten_; }
 
  private:
@@ -28,7 +28,7 @@ class MasterWatch {
   std::mutex mutex_;  // guards ends_
   std::condition_variable ending_;
   bool ends_ = false;
-  std::thread thread_;  // last: it uses the others
+  std::thread thread_;  // last: it uses the other members
 };
 
 }  // namespace collision_pairs

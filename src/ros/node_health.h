@@ -1,4 +1,4 @@
-// The health of the node, for /diagnostics: of the check itself, not its verdict.
+// The health of the node for /diagnostics: whether checking works, not the verdict.
 #pragma once
 
 #include <cstdint>
@@ -11,17 +11,17 @@
 
 namespace collision_pairs {
 
-/// For the cycle's thread alone.
+/// Used by the cycle's thread only.
 class NodeHealth {
  public:
-  /// A cycle that checked something. Ages and times in seconds; no age: no pose was usable.
+  /// A cycle with a check. Ages and times in seconds; no age: no pose was usable.
   void noteCycle(const CollisionPairs& message, std::optional<double> pose_age, double cycle_time,
                  double cycle_period, std::size_t nb_models);
-  /// A cycle that could not: there is no scene, or something failed.
+  /// A cycle without a check: there is no scene, or an error.
   void noteProblem(const std::string& problem);
   void noteTransforms(std::vector<std::string> refused, unsigned nb_clock_jumps);
 
-  /// Warns of overruns where more than a tenth of the cycles since the last call took longer than
+  /// Warns of overruns if more than a tenth of the cycles since the last call took longer than
   /// their period.
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
 

@@ -63,7 +63,7 @@ class Reader {
   void replace(const std::string& name, const std::string& given, const std::string& rule,
                const T& value) const {
     std::ostringstream repair;
-    repair << rule << "; going on with " << value;
+    repair << rule << "; using " << value;
     complain(name, given, repair.str());
     node_.setParam(name, value);
   }
@@ -76,8 +76,8 @@ class Reader {
 
 std::vector<RobotParameters> readRobots(const ros::NodeHandle& private_node) {
   const std::string rule =
-      " is not a list of {description: parameter, semantic: parameter, prefix: name}, of which the "
-      "second may be missing";
+      " is not a list of {description: parameter, semantic: parameter, prefix: name}, "
+      "where semantic is optional";
   const std::string key = private_node.resolveName("robots");
   const YAML::Node given = yamlParameters(private_node, {"robots"})["robots"];
   if (!given) return {RobotParameters()};

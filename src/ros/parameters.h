@@ -21,7 +21,7 @@ struct RobotParameters {
 /// ~robots, or the one robot whose parameters have the usual names. Throws InputError.
 std::vector<RobotParameters> readRobots(const ros::NodeHandle& private_node);
 
-/// ~fixed_frame, without a leading slash; empty: none is set. One that is no text is as in
+/// ~fixed_frame, without a leading slash; empty: none is set. One that is not text is treated as in
 /// NodeParameters::read().
 std::string readFixedFrame(const ros::NodeHandle& private_node);
 
@@ -31,19 +31,20 @@ struct NodeParameters {
   /// ~alarm_distance [m], ~fidelity, ~tolerance [m], ~time_budget [s], ~verdict_only and
   /// ~min_distance. The default is the core's. May change while running.
   CheckSettings check;
-  /// ~rate [Hz]: cycles per second, by the wall clock. May change while running.
+  /// ~rate [Hz]: cycles per second of wall time. May change while running.
   double rate = 50.0;
   /// ~show_only_investigated_boxes: no markers for boxes that no candidate pair involves. May
   /// change while running.
   bool show_only_investigated_boxes = false;
-  /// ~max_pose_age [s] against now, 0: never too old; ~max_transform_age [s] against the newest of
-  /// all links. A link older than either is left out (and listed), and the verdict not FREE.
+  /// ~max_pose_age [s] relative to now, 0: no limit; ~max_transform_age [s] relative to the newest
+  /// pose of all links. A link with an older pose is left out and listed, and the verdict is not
+  /// FREE.
   PoseLimits pose_limits;
   /// ~clock_tolerance [s]: a transform further ahead of the clock is refused.
   double clock_tolerance = 0.5;
 
-  /// A value that cannot be used is named in an error on the log, and the default is taken and
-  /// written back, so that the parameter server shows what is in force.
+  /// An invalid value is reported as an error, and the default is used and written back, so that
+  /// the parameter server shows the values in use.
   static NodeParameters read(const ros::NodeHandle& private_node);
 };
 

@@ -1,4 +1,4 @@
-// What the services check_collisions and check_trajectory share: how a request is read.
+// Reading of requests, shared by the services check_collisions and check_trajectory.
 #pragma once
 
 #include <algorithm>
@@ -9,14 +9,14 @@
 
 namespace collision_pairs {
 
-/// What the node does, unless a request says something else.
+/// The node's settings, used unless a request overrides them.
 struct QueryDefaults {
   CheckSettings settings;
   PoseLimits limits;
 };
 
-/// The node's settings with what a request says instead. verdict_only and min_distance are the
-/// request's alone. Throws InputError.
+/// The node's settings, overridden by those of a request. verdict_only and min_distance come only
+/// from the request. Throws InputError.
 template <class Request>
 CheckSettings settingsFor(const Request& request, CheckSettings settings) {
   if (!std::isfinite(request.alarm_distance)) throw InputError("alarm_distance is not finite");

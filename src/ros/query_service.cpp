@@ -24,9 +24,10 @@ void refuse(const std::string& why, CheckCollisions::Response& response) {
 void refuseGradientOfNothing(const CheckCollisions::Request& request) {
   if (!request.gradient) return;
   if (request.joint_state.name.empty()) {
-    throw InputError("gradient wants a joint_state: it is by the joints that this names");
+    throw InputError("gradient needs a joint_state, whose joints it refers to");
   }
-  if (request.verdict_only) throw InputError("gradient wants distances: not with verdict_only");
+  if (request.verdict_only)
+    throw InputError("gradient needs distances and cannot be combined with verdict_only");
 }
 
 /// `result` is the message of the report.

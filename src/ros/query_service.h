@@ -16,8 +16,8 @@
 
 namespace collision_pairs {
 
-/// Answers on a thread and with detectors of its own, so that a query never disturbs the cycle.
-/// What is wrong with a request is said in its reply, whose verdict is then UNKNOWN.
+/// Runs on a separate thread with its own detectors, so that queries do not block the cycle. Errors
+/// in a request are returned in its reply, whose verdict is then UNKNOWN.
 class QueryService {
  public:
   /// `defaults` is called from the service's thread; the references must outlive this object.
@@ -25,7 +25,7 @@ class QueryService {
                std::function<QueryDefaults()> defaults);
 
  private:
-  /// Of the last few scenes: requests may take turns with restrictions.
+  /// For the last few scenes, since requests may alternate between restrictions.
   CollisionDetector& detectorFor(const std::shared_ptr<const CollisionScene>& scene);
   bool onCheck(CheckCollisions::Request& request, CheckCollisions::Response& response);
   void check(const CheckCollisions::Request& request, CheckCollisions::Response& response);
@@ -36,7 +36,7 @@ class QueryService {
   std::vector<std::unique_ptr<CollisionDetector>> detectors_;  // the last used is the last
   ros::CallbackQueue queue_;
   ros::ServiceServer server_;
-  ros::AsyncSpinner spinner_;  // last: stops before what it calls into goes
+  ros::AsyncSpinner spinner_;  // last: stops before the others
 };
 
 }  // namespace collision_pairs

@@ -1,4 +1,4 @@
-// What the node tells of each cycle: the report, the Bool, and the markers for rviz.
+// Publishes each cycle's report, the Bool, and the markers for rviz.
 #pragma once
 
 #include <cstddef>
@@ -14,27 +14,27 @@
 
 namespace collision_pairs {
 
-/// For the cycle's thread alone.
+/// Used by the cycle's thread only.
 class ReportPublisher {
  public:
-  /// `release` lets go of an old scene, somewhere where that may take its time.
+  /// `release` frees an old scene on a thread where that may take long.
   ReportPublisher(const ros::NodeHandle& private_node,
                   std::function<void(std::shared_ptr<const void>)> release);
 
-  /// The report and the Bool. Both say the same of the same instant.
+  /// Publishes the report and the Bool, with the same verdict.
   void publish(const CollisionPairs& message);
 
-  /// The boxes of the report and the verdict of the message, for whoever looks. `report` may be
-  /// null: then there is the verdict only. They fade some periods [s] after the last: what a node
-  /// said before it died must not stay in sight.
+  /// The boxes of the report and the verdict of the message, for subscribers. `report` may be
+  /// null: then there is the verdict only. They expire a few periods [s] after the last, so that
+  /// markers of a dead node disappear.
   void publishMarkers(const CollisionPairs& message, const CollisionReport* report,
                       bool only_investigated, double period);
 
-  /// The shapes of the scene: only when it is another, somebody new looks at it, or TF has come to
-  /// know more of it (rviz moves what moves). nb_known: bodies with a pose.
+  /// The shapes of the scene: published only if it changed, for a new subscriber, or when TF has
+  /// more of its bodies (rviz moves them). nb_known: bodies with a pose.
   void publishScene(const ActiveScenePtr& scene, Fidelity fidelity, std::size_t nb_known);
 
-  /// What is occupied, beside the scene, some times a second. `boxes`: of the scene's elements in
+  /// The occupied voxels, some times a second. `boxes`: of the scene's elements in
   /// W; voxels within `reach` of a moving one, or 0.1 m if that is more, are coloured by it.
   void publishVoxels(const ActiveScene& scene, const BodyPoses& poses,
                      const std::vector<Aabb>& boxes, double reach);

@@ -21,7 +21,7 @@ bool findText(const ros::NodeHandle& node, const std::string& name, std::string&
   XmlRpc::XmlRpcValue value;
   if (!node.searchParam(name, key) || !node.getParam(key, value)) return false;
   if (value.getType() != XmlRpc::XmlRpcValue::TypeString) {
-    throw InputError("parameter " + key + " is no text; load an XML file into it with textfile=");
+    throw InputError("parameter " + key + " is not text; load an XML file into it with textfile=");
   }
   text = static_cast<std::string&>(value);
   return !text.empty();
@@ -54,7 +54,7 @@ std::optional<Srdf> loadSrdf(const ros::NodeHandle& node, const std::string& nam
   for (const Link& link : robot.links()) links.push_back(link.name);
   const Srdf srdf = fromParameter(key, [&] { return Srdf::fromXml(xml); });
   for (const std::string& link : srdf.unknownLinks(links)) {
-    ROS_WARN_STREAM("parameter " << key << ": '" << link << "' is no link of the robot");
+    ROS_WARN_STREAM("parameter " << key << ": '" << link << "' is not a link of the robot");
   }
   return srdf;
 }
@@ -98,8 +98,9 @@ void refuseMisspelt(const ros::NodeHandle& node, const std::vector<RobotParamete
   for (const auto& [name, value] : given) {
     if (std::count(known.begin(), known.end(), name) > 0) continue;
     const std::string nearest = nearestName(name, known, 1 + name.size() / 6);
-    const std::string what = "parameter " + node.resolveName(name) + " is none of this node's" +
-                             (nearest.empty() ? std::string() : "; is '" + nearest + "' meant?");
+    const std::string what =
+        "parameter " + node.resolveName(name) + " is not a parameter of this node" +
+        (nearest.empty() ? std::string() : "; did you mean '" + nearest + "'?");
     const bool may_leave_out =
         nearest == "robots" || std::count(of_scene.begin(), of_scene.end(), nearest) > 0;
     if (may_leave_out) throw InputError(what);

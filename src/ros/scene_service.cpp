@@ -89,7 +89,7 @@ bool SceneService::onReset(std_srvs::Trigger::Request&, std_srvs::Trigger::Respo
   try {
     scenes_.load();
     response.success = true;
-    response.message = "the robot was read again";
+    response.message = "the robot was reloaded";
     const ActiveScenePtr scene = scenes_.active();
     for (const auto* lines : {&scene->broken, &scene->doubts}) {
       for (const std::string& line : *lines) response.message += "; " + line;
@@ -97,7 +97,7 @@ bool SceneService::onReset(std_srvs::Trigger::Request&, std_srvs::Trigger::Respo
   } catch (const std::exception& error) {
     response.success = false;
     response.message =
-        std::string(scenes_.active() ? "the old scene stays: " : "there is no scene: ") +
+        std::string(scenes_.active() ? "the old scene is kept: " : "there is no scene: ") +
         error.what();
   }
   return true;
@@ -109,7 +109,8 @@ bool SceneService::onClearClouds(std_srvs::Trigger::Request&,
   response.success = scene && scene->clouds;
   if (response.success) {
     scene->clouds->clear();
-    response.message = "all clouds are forgotten: UNKNOWN until each source has come again";
+    response.message =
+        "all voxels were discarded: UNKNOWN until a new cloud has arrived from each source";
   } else {
     response.message = "there are no clouds";
   }

@@ -16,18 +16,18 @@
 
 namespace collision_pairs {
 
-/// Builds every scene of the cycle on a thread of its own and of low priority: a large mesh that is
-/// prepared does not hold up the cycle, nor queries but the first with a restriction. What is wrong
-/// with a request is said in its reply.
+/// Builds every scene of the cycle on a separate thread of low priority: preparing a large mesh
+/// delays neither the cycle nor queries, except the first with a restriction. Errors in a request
+/// are returned in its reply.
 class SceneService {
  public:
   SceneService(const ros::NodeHandle& private_node, SceneStore& scenes);
 
-  /// To be called once a cycle while there is no scene. Has one loaded, and where that fails tries
-  /// again every two seconds. Returns why there is none yet.
+  /// Call it once per cycle while there is no scene. Loads one, and retries every two seconds on
+  /// failure. Returns why there is none yet.
   std::string loadFirst();
 
-  /// Lets go of it on the service's thread: to free a large scene takes longer than a cycle may.
+  /// Frees it on the service's thread, since freeing a large scene takes longer than a cycle.
   void release(std::shared_ptr<const void> what);
 
  private:
@@ -44,7 +44,7 @@ class SceneService {
 
   ros::CallbackQueue queue_;
   ros::ServiceServer update_server_, reset_server_, clear_server_;
-  ros::AsyncSpinner spinner_;  // last: stops before what it calls into goes
+  ros::AsyncSpinner spinner_;  // last: stops before the others
 };
 
 }  // namespace collision_pairs

@@ -42,8 +42,8 @@ void requireLink(const RobotModel& robot, const std::string& name) {
   if (robot.findLink(name) >= 0) return;
   std::vector<std::string> links;
   for (const Link& link : robot.links()) links.push_back(link.name);
-  throw InputError("'" + name + "' is no link that it could be attached to; is '" +
-                   nearestName(name, links) + "' meant?");
+  throw InputError("'" + name + "' is not a link to attach it to; did you mean '" +
+                   nearestName(name, links) + "'?");
 }
 
 /// Nothing is said of what is ready within a second.
@@ -97,9 +97,9 @@ void SceneStore::requireFrameOfObjects(const std::string& frame) const {
   if (!scene_ || frame == scene_->frame) return;
   for (const auto& [name, stored] : objects_) {
     if (!stored.object.attached_link.empty()) continue;
-    throw InputError("object '" + name + "' stands in frame '" + scene_->frame +
+    throw InputError("object '" + name + "' is fixed in frame '" + scene_->frame +
                      "', but reports would be in '" + frame +
-                     "': the robot's root link or fixed_frame is another; remove it, and add it "
+                     "': the root link or fixed_frame has changed; remove the object, and add it "
                      "again afterwards");
   }
 }

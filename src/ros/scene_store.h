@@ -17,30 +17,28 @@
 
 namespace collision_pairs {
 
-/// May be used from several threads: whoever asks for the scene never waits for one that is being
-/// built. What throws changes nothing.
+/// Thread safe. Getting the active scene never waits for one that is being built. A call that
+/// throws changes nothing.
 class SceneStore {
  public:
-  /// The transforms must outlive it. max_pose_age [s] holds for the frames that objects are placed
-  /// in.
+  /// The transforms must outlive it. max_pose_age [s] applies to the frames of new objects.
   SceneStore(const ros::NodeHandle& private_node, TransformInput& transforms, double max_pose_age);
 
   /// Null while there is none.
   ActiveScenePtr active() const;
 
-  /// Reads the parameters anew; the objects stay. Throws InputError, also where some stand still
-  /// and the frame of the reports would be another.
+  /// Reads the parameters again and keeps the objects. Throws InputError, also if there are static
+  /// objects and the frame of the reports would change.
   void load();
 
   /// Applies the changes. Throws InputError.
   void update(const std::vector<SceneChange>& changes);
 
-  /// The objects as they are.
+  /// All current objects.
   std::vector<SceneObject> list();
 
-  /// The active scene with these pairs instead of those that the parameters restrict it to; with
-  /// an empty restriction, as it is. The last few are kept. Null while there is none. Throws
-  /// InputError.
+  /// The active scene with this restriction in place of that of the parameters; with an empty one,
+  /// the active scene itself. The last few are cached. Null while there is none. Throws InputError.
   ActiveScenePtr restrictedTo(const Restriction& restriction);
 
  private:
@@ -50,7 +48,7 @@ class SceneStore {
   };
   Built build(SceneParameters& parameters, const SceneObjects& objects,
               const Restriction& restriction);
-  /// Each goes to the log once.
+  /// Logs each broken element once.
   void noteBroken(const std::vector<BrokenElement>& broken, ActiveScene& active);
   std::shared_ptr<CloudSources> cloudsOf(const std::vector<CloudConfig>& configs,
                                          const std::string& frame);
@@ -66,7 +64,7 @@ class SceneStore {
   SceneParameters parameters_;
   SceneObjects objects_;
   MeshLoader load_mesh_;
-  std::set<std::string> told_;  // what is broken, since the last load()
+  std::set<std::string> told_;  // broken elements logged since the last load()
   std::vector<std::pair<Restriction, ActiveScenePtr>> restricted_;  // of scene_; the newest last
 
   mutable std::mutex reading_;  // guards scene_

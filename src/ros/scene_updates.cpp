@@ -34,7 +34,7 @@ class Updater {
         return objects_.clear();
       default:
         throw InputError("operation " + std::to_string(change.operation) +
-                         " is none: ADD 0, MOVE 1, REMOVE 2, ATTACH 3, DETACH 4 or CLEAR 5");
+                         " is unknown; use ADD 0, MOVE 1, REMOVE 2, ATTACH 3, DETACH 4 or CLEAR 5");
     }
   }
 
@@ -46,7 +46,7 @@ class Updater {
     for (const auto& entry : objects_) names.push_back(entry.first);
     throw InputError("there is no such object" +
                      (names.empty() ? std::string("; the scene has none")
-                                    : "; is '" + nearestName(name, names) + "' meant?"));
+                                    : "; did you mean '" + nearestName(name, names) + "'?"));
   }
 
   void add(const SceneObject& message) {
@@ -102,7 +102,7 @@ class Updater {
     Isometry3d X_FO;
     if (!toIsometry(message.pose, X_FO)) {
       throw InputError(
-          "its pose is none: a finite position and a quaternion of length 1 are needed, but " +
+          "its pose is invalid: a finite position and a quaternion of length 1 are needed, but " +
           whyNoIsometry(message.pose));
     }
     const std::string frame = withoutLeadingSlash(message.header.frame_id);

@@ -1,4 +1,4 @@
-// What update_scene does to the objects of the scene: pure functions over messages.
+// Changes of the scene's objects by update_scene: pure functions over messages.
 #pragma once
 
 #include <functional>
@@ -14,14 +14,14 @@
 
 namespace collision_pairs {
 
-/// By name: as it was given, and as the core has it.
+/// By name: the message, and the core's object.
 struct StoredObject {
   SceneObject message;
   RigidObject object;
 };
 using SceneObjects = std::map<std::string, StoredObject>;
 
-/// What a change needs to know of the world.
+/// Context of a change.
 struct UpdateContext {
   std::string world_frame;  ///< of the reports
   /// Pose of `source` in `target` at the stamp (0: the latest). Throws InputError if it is unknown.
@@ -31,12 +31,12 @@ struct UpdateContext {
   MeshLoader load_mesh;
 };
 
-/// The objects after all changes, in their order. Throws InputError that says which change is
-/// wrong, and how; whether links exist is for the scene to say.
+/// The objects after all changes, in their order. Throws InputError that names the change and the
+/// problem; whether links exist is checked by the scene.
 SceneObjects changedObjects(SceneObjects objects, const std::vector<SceneChange>& changes,
                             const UpdateContext& context);
 
-/// As the reply lists them.
+/// The list of the reply.
 std::vector<SceneObject> listed(const SceneObjects& objects, const std::string& world_frame);
 
 }  // namespace collision_pairs

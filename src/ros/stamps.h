@@ -1,4 +1,4 @@
-// How far stamps are apart.
+// Difference of stamps.
 #pragma once
 
 #include <ros/time.h>

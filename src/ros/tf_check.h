@@ -1,4 +1,4 @@
-// One check of where TF has the robot, as the cycle and check_collisions report it.
+// A check of the robot at its TF poses, as the cycle and check_collisions report it.
 #pragma once
 
 #include <string>
@@ -12,25 +12,24 @@
 
 namespace collision_pairs {
 
-/// Why bodies have no pose, and what of TF is refused at present: what keeps a report of these
-/// poses from being FREE. Empty if all are known.
+/// Reasons why a report of these poses cannot be FREE: bodies without a pose, and transforms that
+/// are being refused. Empty if all poses are known.
 std::vector<std::string> doubtsOf(const StampedPoses& stamped, const TransformInput& transforms,
                                   const ros::Time& now);
 
 /// Checks the poses with `detector`, which is of the same scene. Stamped with the instant of the
-/// poses, or with `now` where nothing that is known ever moves: what only static transforms
-/// describe is as good now as ever. With a doubt the verdict is not FREE. `transform_time`: s that
-/// the poses took.
+/// poses, or with `now` if all known poses are static. With a doubt the verdict is not FREE.
+/// `transform_time`: s spent on the poses.
 CollisionPairs checkPoses(const ActiveScene& scene, const StampedPoses& stamped,
                           const std::vector<std::string>& doubts, const CheckSettings& settings,
                           const ros::Time& now, double transform_time, CollisionDetector& detector);
 
-/// Seconds. Shorter is nearer to now, longer has less of the noise of encoders; TF interpolates
-/// where it comes less often.
+/// Seconds. A shorter window is more recent, a longer one averages more encoder noise; TF
+/// interpolates if its rate is lower.
 constexpr double VELOCITY_WINDOW = 0.1;
 
-/// Adds how fast the pairs of `report`, from which the message was made, come nearer to each other:
-/// from where TF had the bodies of those pairs VELOCITY_WINDOW before the poses.
+/// Adds the closing speeds of the pairs of `report`, from which the message was made, using the TF
+/// poses VELOCITY_WINDOW before.
 void addClosingMotion(const ActiveScene& scene, const StampedPoses& stamped,
                       const CollisionReport& report, CollisionPairs& message);
 

@@ -1,4 +1,4 @@
-// Poses of a scene's bodies from TF, all of one instant.
+// Poses of a scene's bodies from TF, all at the same stamp.
 #pragma once
 
 #include <atomic>
@@ -15,20 +15,20 @@ namespace collision_pairs {
 
 struct StampedPoses {
   BodyPoses poses;
-  /// The instant of all of them; 0 if nothing that is known ever moves (static transforms only).
+  /// The instant of all of them; 0 if all known poses are static.
   ros::Time stamp;
-  /// Bodies that TF was asked for (all but one that is the frame itself), and those that it knew.
+  /// Number of bodies looked up in TF (all but one that is the frame itself), and of those found.
   std::size_t nb_asked = 0;
   std::size_t nb_found = 0;
-  /// For each body without a pose: its link, and why. Empty if all are known.
+  /// For each body without a pose: its link and the reason. Empty if all are known.
   std::vector<std::string> problems;
 };
 
-/// How old a pose may be, in seconds.
+/// Limits of the age of a pose, in seconds.
 struct PoseLimits {
-  /// Against now, in ROS time; 0: never too old.
+  /// Relative to now, in ROS time; 0: no limit.
   double max_pose_age = 1.0;
-  /// Against the newest pose of all links.
+  /// Relative to the newest pose of all links.
   double max_transform_age = 1.0;
 };
 
@@ -36,7 +36,7 @@ struct PoseLimits {
 /// transforms, which do not age.
 std::string whyTooOld(const ros::Time& stamp, const ros::Time& now, double max_pose_age);
 
-/// Looks transforms up; keeps no pose. What TF does not know is never identity: it stays unknown.
+/// Looks up transforms; keeps no poses. Poses that TF lacks stay unknown and are never identity.
 class TfPoses {
  public:
   /// Of these bodies of the robot; `frame` is the report's frame W. The transforms must outlive
@@ -61,12 +61,12 @@ class TfPoses {
     Eigen::Isometry3d X_LB;
   };
 
-  /// What one look-up said: the pose in W, and the instant that it is of.
+  /// Result of a look-up: the pose in W, and its stamp.
   struct Found {
     bool known = false;
     Eigen::Isometry3d X_WB;
     ros::Time stamp;      ///< 0: of static transforms only, or the frame itself
-    std::string problem;  ///< why it is not known
+    std::string problem;  ///< why it is unknown
   };
 
   bool isFrame(const std::vector<Source>& sources) const;
@@ -80,8 +80,8 @@ class TfPoses {
   std::string frame_;
   /// By body: its first link, then the others with geometry, for when TF lacks the first.
   std::vector<std::vector<Source>> sources_;
-  /// By body: whether TF knew it last time. A hint only: asking first is twice the work, but an
-  /// exception is a hundred times.
+  /// By body: whether TF had it last time. Only a hint: testing first doubles the work, but an
+  /// exception costs a hundred times as much.
   mutable std::vector<std::atomic<bool>> expected_;
 };
 

@@ -16,8 +16,8 @@
 
 namespace collision_pairs {
 
-/// Many joint states of one request, on all cores, but on threads of low priority: a client that
-/// asks without pause leaves the cycle and check_collisions their time.
+/// Checks many joint states of one request on all cores, on threads of low priority, so that a
+/// client that calls it continuously does not slow down the cycle and check_collisions.
 class TrajectoryService {
  public:
   /// `defaults` is called from the service's thread; the references must outlive this object.
@@ -35,7 +35,7 @@ class TrajectoryService {
   std::unique_ptr<BatchCheck> batch_;
   ros::CallbackQueue queue_;
   ros::ServiceServer server_;
-  ros::AsyncSpinner spinner_;  // last: stops before what it calls into goes
+  ros::AsyncSpinner spinner_;  // last: stops before the others
 };
 
 }  // namespace collision_pairs

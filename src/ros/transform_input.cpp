@@ -19,12 +19,12 @@ constexpr std::uint32_t QUEUE_SIZE = 100;   // messages, as tf2_ros has it
 constexpr double OUT_OF_ORDER = 0.1;        // s between threads that read the clock
 constexpr int DEEPEST_TREE = 1000;          // frames: tf2's limit, for a ring
 const char* const BOTH_KINDS =
-    "it comes both on /tf and on /tf_static: which holds cannot be told; stop one of the two "
-    "publishers and start this node again";
+    "it is published both on /tf and on /tf_static, so its pose is ambiguous; stop one of the two "
+    "publishers and restart this node";
 
 }  // namespace
 
-const char* const NO_CLOCK = "use_sim_time is set, but nothing has come on /clock";
+const char* const NO_CLOCK = "use_sim_time is set, but nothing was received on /clock";
 
 void TransformInput::subscribe(const ros::NodeHandle& node) {
   ros::NodeHandle own_queue(node);
@@ -105,7 +105,8 @@ std::string TransformInput::doubtOf(const std::string& frame, const ros::Time& s
   if (found->second.is_static && found->second.moves) return BOTH_KINDS;
   for (const Gap& gap : found->second.gaps) {
     if (stamp <= gap.begin || stamp >= gap.end) continue;
-    return "nothing came of it for " + inWords(secondsBetween(gap.begin, gap.end)) + " around then";
+    return "it was not received for " + inWords(secondsBetween(gap.begin, gap.end)) +
+           " around that stamp";
   }
   return "";
 }
@@ -149,7 +150,7 @@ void TransformInput::followClock(const ros::Time& now) {
 void TransformInput::followClockLocked(const ros::Time& now) {
   if (now < last_now_) {
     if (secondsBetween(now, last_now_) <= OUT_OF_ORDER) return;
-    ROS_INFO_STREAM("the clock went back to " << now << " s: starting afresh");
+    ROS_INFO_STREAM("the clock went back to " << now << " s: earlier transforms are discarded");
     buffer_.clear();  // static transforms stay
     refusals_.clear();
     for (auto& [name, frame] : frames_) {

@@ -1,4 +1,4 @@
-// TF as the node takes it: what cannot be right never reaches the buffer.
+// Validated TF input: invalid transforms never reach the buffer.
 #pragma once
 
 #include <atomic>
@@ -17,48 +17,48 @@
 
 namespace collision_pairs {
 
-/// Why nothing is known while ROS time is zero.
+/// Message: no poses are known while ROS time is zero.
 extern const char* const NO_CLOCK;
 
-/// Fills a tf2 buffer, as tf2_ros::TransformListener does, but refuses transforms that would spoil
-/// it. tf2 itself takes a stamp from the future, then drops every present transform as too old
-/// until the clock has come there; it takes a stamp of zero, which afterwards reads as "static"; it
-/// takes for static for ever what was so once, whoever moves it since; and it interpolates over any
-/// gap.
+/// Fills a tf2 buffer, like tf2_ros::TransformListener, but refuses transforms that would corrupt
+/// it. tf2 itself accepts a stamp from the future, and then drops current transforms as too old
+/// until the clock has reached it; it accepts a stamp of zero, which then means "static"; a frame
+/// that was static once stays static, even if it is published on /tf later; and it interpolates
+/// over any gap.
 ///
-/// May be used from several threads.
+/// Thread safe.
 class TransformInput {
  public:
   /// clock_tolerance [s]: how far a stamp may lie ahead of now, because clocks of computers differ.
-  /// max_gap [s]: between two stamps of a frame further apart than this nothing is known.
+  /// max_gap [s]: between two stamps of a frame further apart than this the pose is unknown.
   explicit TransformInput(double clock_tolerance, double max_gap = 1.0)
       : clock_tolerance_(clock_tolerance), max_gap_(max_gap) {}
 
-  /// Takes what arrives on /tf and /tf_static from now on, on a thread of its own.
+  /// Receives /tf and /tf_static from now on, on a separate thread.
   void subscribe(const ros::NodeHandle& node);
 
   double clockTolerance() const { return clock_tolerance_; }  ///< s
   const tf2::BufferCore& buffer() const { return buffer_; }
 
-  /// As lookupTransform() of tf2, but throws tf2::TransformException also where the way from source
-  /// to target leads over a frame that comes both as static and as moving (which of the two holds
-  /// cannot be told), or that was silent for longer than max_gap at that instant.
+  /// Like lookupTransform() of tf2, but also throws tf2::TransformException if the path from source
+  /// to target contains a frame that is published both as static and as moving, or that was silent
+  /// for longer than max_gap at that stamp.
   geometry_msgs::TransformStamped lookUp(const std::string& target, const std::string& source,
                                          const ros::Time& stamp) const;
 
-  /// Puts into the buffer what is sound. Of static transforms the stamp does not matter.
+  /// Adds the valid transforms to the buffer. Stamps of static transforms are ignored.
   void take(const tf2_msgs::TFMessage& message, bool is_static, const ros::Time& now);
-  /// How many messages were taken: what was not known may be so when it changes.
+  /// Number of messages received. If it changes, a look-up that failed may succeed.
   std::uint64_t nbTaken() const { return nb_taken_; }
 
-  /// To be called before every look-up at the latest time. When the clock went back (a bag that
-  /// loops, a simulation that begins again) all that is not static is forgotten: it is of another
-  /// pass. Going back by 0.1 s or less is none: threads that read the clock come here in any order.
+  /// Call it before every look-up at the latest time. If the clock went back (a bag that loops, a
+  /// simulation that restarts), all transforms except static ones are discarded. Steps back of 0.1
+  /// s or less are ignored, since threads that read the clock call this in any order.
   void followClock(const ros::Time& now);
   unsigned nbClockJumps() const;
 
-  /// The frames whose transforms are refused at present, each with the reason, sorted. A frame
-  /// leaves the list with its next sound transform, or when nothing of it was refused for 2 s.
+  /// The frames whose transforms are being refused, with the reasons, sorted. A frame leaves the
+  /// list with its next valid transform, or when none of it was refused for 2 s.
   std::vector<std::string> refused() const;
 
  private:
@@ -71,7 +71,7 @@ class TransformInput {
     ros::Time begin, end;  // two stamps that follow each other
   };
 
-  /// What came of one child frame.
+  /// What was received for one child frame.
   struct Frame {
     bool is_static = false, moves = false;
     ros::Time newest;       // where it moves
@@ -89,7 +89,7 @@ class TransformInput {
 
   const double clock_tolerance_, max_gap_;
   tf2::BufferCore buffer_;
-  std::atomic<bool> has_doubts_{false};  // spares those who look up the lock
+  std::atomic<bool> has_doubts_{false};  // lets look-ups skip the lock
   std::atomic<std::uint64_t> nb_taken_{0};
 
   mutable std::mutex mutex_;                 // guards what follows
@@ -100,7 +100,7 @@ class TransformInput {
 
   ros::CallbackQueue queue_;
   ros::Subscriber subscriber_, static_subscriber_;
-  std::unique_ptr<ros::AsyncSpinner> spinner_;  // last: stops before what it calls into goes
+  std::unique_ptr<ros::AsyncSpinner> spinner_;  // last: stops before the others
 };
 
 }  // namespace collision_pairs

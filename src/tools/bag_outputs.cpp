@@ -21,7 +21,8 @@ namespace fs = std::filesystem;
 
 fs::path plotScript() {
   const fs::path script = fs::read_symlink("/proc/self/exe").parent_path() / "plot_bag_report";
-  if (!fs::exists(script)) throw InputError("there is no " + script.string() + " to make the page");
+  if (!fs::exists(script))
+    throw InputError(script.string() + ", which makes the page, does not exist");
   return script;
 }
 

@@ -1,4 +1,4 @@
-// Where the rows of a table go: file or standard output, page, summary.
+// Outputs of a table: file or standard output, report page, summary.
 #pragma once
 
 #include <functional>

@@ -23,7 +23,7 @@ BagRecorder::BagRecorder(const std::string& path)
   // A bag is written here and there, and its file replaces what has the name: no device.
   std::error_code error;
   if (fs::exists(path_, error) && !fs::is_regular_file(path_, error)) {
-    throw InputError(path_ + ": is not a file; a bag needs one");
+    throw InputError(path_ + ": is not a regular file");
   }
   try {
     bag_->open(part_, rosbag::bagmode::Write);

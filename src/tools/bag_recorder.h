@@ -1,4 +1,4 @@
-// Reports and markers as a bag, to be played beside the one that was checked.
+// Records reports and markers as a bag, to be played together with the checked one.
 #pragma once
 
 #include <memory>
@@ -14,7 +14,7 @@ namespace collision_pairs {
 
 /// Writes what the node would have published, on the node's topics, at the stamps of the poses.
 /// Through a temporary file beside `path` that takes its name only in finish(): whatever goes
-/// wrong, no part of a bag stands under the final name.
+/// wrong, no partial bag is left under the final name.
 class BagRecorder {
  public:
   /// Throws InputError if it cannot be written.

@@ -1,4 +1,4 @@
-// What a person wants to know of a checked bag, in a few lines.
+// The summary of a checked bag, in a few lines.
 #pragma once
 
 #include <map>
@@ -11,7 +11,7 @@
 namespace collision_pairs {
 
 /// Fed row by row, in the order of the table. Durations count from a stamp to the next one, unless
-/// there is a gap between them. Memory: a few words a pair of links and a gap.
+/// there is a gap between them. Memory: a few words per pair of links and per gap.
 class BagSummary {
  public:
   /// Seconds: stamps further apart are a gap.

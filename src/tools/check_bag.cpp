@@ -165,7 +165,7 @@ class BagChecker {
     if (options_.shard.count > 1) sink_(bagLine(path, stamps.size()), nullptr);
     std::vector<std::string> doubts;
     for (const std::string& joint : source.jointsAtZero()) {
-      doubts.push_back("joint '" + joint + "' is not in the bag: it was taken at zero");
+      doubts.push_back("joint '" + joint + "' is not in the bag: it was taken as zero");
     }
     ProgressBar progress(path, stamps.size());
     CollisionDetector detector(scene);

@@ -79,7 +79,7 @@ void CloudReplay::take(const RawMessage& raw, StampNs next_row) {
 
 std::shared_ptr<const OccupiedVoxels> CloudReplay::gather(const RawMessage& raw, StampNs stamp,
                                                           Source& source) {
-  if (!pointCloudFits(raw)) throw InputError("it is shorter than it says");
+  if (!pointCloudFits(raw)) throw InputError("it is truncated");
   sensor_msgs::PointCloud2 cloud;
   try {
     ros::serialization::IStream stream(raw.data, raw.size);
@@ -90,8 +90,8 @@ std::shared_ptr<const OccupiedVoxels> CloudReplay::gather(const RawMessage& raw,
   readPoints(cloud, points_);
   Eigen::Isometry3d X_WS;
   if (!poses_.frameAt(stamp, cloud.header.frame_id, X_WS)) {
-    throw InputError("where its frame '" + cloud.header.frame_id +
-                     "' was at its stamp is not known");
+    throw InputError("the pose of its frame '" + cloud.header.frame_id +
+                     "' at its stamp is unknown");
   }
   BodyPoses robot;
   poses_.at(stamp, source.filter.bodies(), robot);

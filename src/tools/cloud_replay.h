@@ -1,4 +1,4 @@
-// Recorded point clouds as obstacles: what each has shown when a row of the table comes.
+// Recorded point clouds as obstacles, for each row of the table.
 #pragma once
 
 #include <cstdint>
@@ -15,10 +15,10 @@
 
 namespace collision_pairs {
 
-/// Says that a bag holds something else than when it was read before.
+/// Message: the bag has changed since it was read before.
 extern const char* const BAG_CHANGED;
 
-/// Does with the clouds of a bag what the node does with those that come: each is placed, cropped,
+/// Processes the clouds of a bag as the node does: each is placed, cropped,
 /// filtered and gathered at its own stamp. Reads one at a time, in the order of the file; keeps
 /// voxels of those that count only from a later row on.
 class CloudReplay {

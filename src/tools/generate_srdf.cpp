@@ -127,7 +127,8 @@ void generate(const Options& options) {
   const auto scene = CollisionScene::build(robot, Srdf{}, nullptr, settings);  // every pair
   const JointSampler sampler(robot, options.seed);
   if (!sampler.standingJoints().empty()) {
-    warn("joints without a range to draw from stand at zero: " + joined(sampler.standingJoints()));
+    warn("joints without a range to draw from are taken as zero: " +
+         joined(sampler.standingJoints()));
   }
   const auto evidence = gather(options, scene, sampler);
   const auto verdicts = decide(evidence, *scene, given, options.rules, options.disable_default);

@@ -1,4 +1,4 @@
-// What generate_srdf decides for each pair of links, and how it tells that.
+// Decisions of generate_srdf for each pair of links, and their output.
 #pragma once
 
 #include <optional>

@@ -24,8 +24,7 @@ Srdf srdfFromText(const std::string& text, const std::string& origin, const Robo
   try {
     const Srdf srdf = Srdf::fromXml(text);
     const auto unknown = srdf.unknownLinks(links);
-    if (!unknown.empty())
-      warn(origin + ": not links of the robot, passed over: " + joined(unknown));
+    if (!unknown.empty()) warn(origin + ": not links of the robot, ignored: " + joined(unknown));
     return srdf;
   } catch (const InputError& error) {
     throw InputError(origin + ": " + error.what());
@@ -53,16 +52,16 @@ std::vector<CloudConfig> cloudsOf(const SceneOptions& options,
     cloud.topic = topic;
     const auto is_same = [&](const CloudConfig& other) { return other.name() == cloud.name(); };
     if (topic.find_first_not_of('/') == std::string::npos) {
-      throw InputError("--clouds: '" + topic + "' is no name of a topic");
+      throw InputError("--clouds: '" + topic + "' is not a valid topic name");
     }
     if (std::any_of(clouds.begin(), clouds.end(), is_same)) {
-      throw InputError("--clouds: topic '" + topic + "' is there twice");
+      throw InputError("--clouds: topic '" + topic + "' is listed twice");
     }
     const auto found = std::find_if(in_settings.begin(), in_settings.end(), is_same);
     if (found != in_settings.end()) {
       cloud = *found;
     } else if (!in_settings.empty()) {
-      warn(options.settings + ": no entry of clouds has topic '" + topic + "': the defaults count");
+      warn(options.settings + ": no entry of clouds has topic '" + topic + "': using the defaults");
     }
     clouds.push_back(std::move(cloud));
   }
@@ -184,11 +183,11 @@ CloudVoxels readCloud(const SceneOptions& options, const CollisionScene& scene) 
   if (counts.out_of_range > 0) {
     throw InputError(options.cloud + ": " + std::to_string(counts.out_of_range) +
                      " points are more than 2^20 voxels of " + std::to_string(options.voxel_size) +
-                     " m from the robot's root; make --voxel-size larger, or leave them out");
+                     " m from the robot's root; increase --voxel-size or remove them");
   }
   if (counts.not_finite > 0) {
     warn(options.cloud + ": " + std::to_string(counts.not_finite) + " of " +
-         std::to_string(points.size()) + " points are not finite: passed over");
+         std::to_string(points.size()) + " points are not finite and were ignored");
   }
   return voxels;
 }
@@ -232,7 +231,7 @@ std::shared_ptr<const CollisionScene> buildScene(const std::string& urdf_path,
 
 void warnOf(const JointStates& states, const RobotModel& robot, const std::string& what) {
   if (!states.joints_at_zero.empty()) {
-    warn("joints without a column stand at zero, and what is free is free only with them there: " +
+    warn("joints without a column are taken as zero, and a state is free only with them at zero: " +
          joined(states.joints_at_zero));
   }
   for (const std::string& sentence : outsideLimits(states.positions, robot, what)) warn(sentence);

@@ -1,5 +1,4 @@
-// Robots and scenes from what a user names: files, options, bags; errors name where a text came
-// from.
+// Robots and scenes from files, options and bags; errors name the source.
 #pragma once
 
 #include <memory>

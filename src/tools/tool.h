@@ -1,5 +1,5 @@
-// What all tools do alike: wrong input is one line on standard error that says what and where, and
-// exit code 2; how far they are is said to a person at a terminal.
+// Common behaviour of all tools: wrong input produces one line on standard error and exit code 2;
+// progress is shown on a terminal.
 #pragma once
 
 #include <chrono>

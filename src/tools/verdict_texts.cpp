@@ -57,7 +57,7 @@ std::string whyChecked(const PairVerdict& v, const ClassRules& rules) {
            std::to_string(trialsNeeded(rules.max_probability, rules.confidence)) + " are needed";
   }
   if (v.pair_class == PairClass::NEAR) {
-    return seen + "but came as near as " + millimetres(e.nearest);
+    return seen + "but came as close as " + millimetres(e.nearest);
   }
   if (e.contacts == e.trials) return seen + "but apart with all joints at zero";
   if (e.contacts > 0) return "";
@@ -148,19 +148,19 @@ void warnOf(const std::vector<PairVerdict>& verdicts, const ClassRules& rules) {
   };
   warnOfPairs(
       verdicts,
-      "stay checked because the states are too few to say never or always; --samples " +
+      "stay checked because there are too few states to conclude never or always; --samples " +
           std::to_string(trialsNeeded(rules.max_probability, rules.confidence)) +
           " are needed for --max-probability " + roundedUp(rules.max_probability),
       [&](const PairVerdict& v) { return isOpen(v) && v.pair_class == PairClass::UNPROVEN; });
   warnOfPairs(verdicts,
               "stay checked although they touch with all joints at zero, because in other states "
-              "they do not (--disable-default switches them off)",
+              "they do not (--disable-default disables them)",
               [&](const PairVerdict& v) {
                 return isOpen(v) && v.pair_class == PairClass::SOMETIMES &&
                        v.evidence.touches_at_zero;
               });
   warnOfPairs(verdicts,
-              "that the given SRDF switches off are in contact in some states; they stay off",
+              "that the given SRDF disables are in contact in some states; they stay disabled",
               [](const PairVerdict& v) {
                 return v.given == Given::SWITCHED_OFF && v.pair_class == PairClass::SOMETIMES;
               });
@@ -183,7 +183,7 @@ std::string summaryOf(const std::vector<PairVerdict>& verdicts) {
   for (const auto& [reason, count] : added) {
     text += ' ' + std::to_string(count) + ' ' + reason + ',';
   }
-  if (given_off > 0) text += ' ' + std::to_string(given_off) + " switched off as given,";
+  if (given_off > 0) text += ' ' + std::to_string(given_off) + " disabled as given,";
   return text + ' ' + std::to_string(checked) + " stay checked, of which " +
          std::to_string(found_by_search) + " were found in contact by search only";
 }

@@ -100,7 +100,7 @@ class BadInputTest(unittest.TestCase):
         status = diagnosis_of("unknown_link/node")
         self.assertEqual(status.level, 2)
         self.assertIn("'aa'", status.message)
-        self.assertIn("'a' meant", status.message)
+        self.assertIn("did you mean 'a'?", status.message)
 
     def test_a_fidelity_that_is_none_is_refused_with_the_one_that_is_meant(self):
         node = NodeClient("/bad_fidelity/node")
@@ -109,7 +109,7 @@ class BadInputTest(unittest.TestCase):
         status = diagnosis_of("bad_fidelity/node")
         self.assertEqual(status.level, 2)
         self.assertIn("link_fidelity/a is mehs", status.message)
-        self.assertIn("'mesh' meant", status.message)
+        self.assertIn("did you mean 'mesh'?", status.message)
         self.assertEqual(rospy.get_param("/bad_fidelity/node/time_budget"), 0.0)
         rospy.set_param("/bad_fidelity/node/link_fidelity", {"a": "mesh", "b": "obb"})
         self.assertTrue(rospy.ServiceProxy("/bad_fidelity/node/reset", Trigger)().success)

@@ -61,7 +61,7 @@ class ClockJumpsTest(unittest.TestCase):
 
     def test_that_there_is_no_clock_is_said_everywhere(self):
         for where, message in self.without_clock.items():
-            self.assertIn("use_sim_time is set, but nothing has come on /clock", message, where)
+            self.assertIn("use_sim_time is set, but nothing was received on /clock", message, where)
 
     def publish(self, stamp, x):
         message = TFMessage()

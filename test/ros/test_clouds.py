@@ -68,7 +68,7 @@ class CloudsTest(unittest.TestCase):
     def test_01_before_the_first_cloud_the_verdict_is_unknown_and_names_the_cloud(self):
         self.assertIsNotNone(self.first)
         self.assertEqual((self.first.verdict, self.first.in_collision), (UNKNOWN, True))
-        self.assertIn(NAMED + "none has come yet", self.first.unknown_because)
+        self.assertIn(NAMED + "none has arrived yet", self.first.unknown_because)
 
     def test_what_comes_and_goes_is_collision_and_free_again(self):
         self.camera.points = BESIDE_A
@@ -116,15 +116,15 @@ class CloudsTest(unittest.TestCase):
 
     def test_without_a_transform_of_the_sensor_the_cloud_is_not_used(self):
         self.camera.frame = "nowhere"
-        self.wait_for(UNKNOWN, "TF does not know where the sensor ('nowhere')")
+        self.wait_for(UNKNOWN, "TF has no poses of the sensor ('nowhere')")
         self.assertIsNotNone(cloud_diagnosis(lambda d: "nowhere" in d["message"]))
 
     def test_without_the_robots_pose_at_its_stamp_the_cloud_is_not_used(self):
         self.boxes.fault = {"b": "silent"}
-        self.wait_for(UNKNOWN, "TF does not know where the sensor ('camera') and the robot were", "'b'")
+        self.wait_for(UNKNOWN, "TF has no poses of the sensor ('camera') and the robot at", "'b'")
 
     def test_stamps_from_the_past_and_the_future_are_refused(self):
-        for seconds, words in ((-10.0, "s old when it came"), (10.0, "ahead of the clock"), (None, "its stamp is zero")):
+        for seconds, words in ((-10.0, "s old when it arrived"), (10.0, "ahead of the clock"), (None, "its stamp is zero")):
             def spoil(cloud):
                 if seconds is None:
                     cloud.header.stamp = rospy.Time(0)
@@ -139,7 +139,7 @@ class CloudsTest(unittest.TestCase):
         def spoil(cloud):
             cloud.header.stamp -= rospy.Duration(random.choice([0.0, 0.2]))
         self.camera.spoil = spoil
-        self.wait_for(UNKNOWN, NAMED, "not later than that of the cloud before")
+        self.wait_for(UNKNOWN, NAMED, "not later than that of the previous cloud")
 
     def test_malformed_clouds_are_refused_and_named_in_the_diagnostics(self):
         def without_z(cloud):
@@ -216,7 +216,7 @@ class CloudsTest(unittest.TestCase):
         self.wait_for(COLLISION)
         self.camera.silent = True
         self.assertTrue(rospy.ServiceProxy("/node/clear_clouds", Trigger)().success)
-        self.wait_for(UNKNOWN, NAMED + "none has come yet")
+        self.wait_for(UNKNOWN, NAMED + "none has arrived yet")
         self.camera.heal(FAR, "camera")
         self.wait_for(FREE)
 
@@ -268,7 +268,7 @@ class CloudsTest(unittest.TestCase):
             rospy.set_param("/node/clouds", [dict(given[0], voxelsize=0.1)])
             reply = reset()
             self.assertFalse(reply.success)
-            self.assertIn("'voxelsize' is no setting of a cloud; is 'voxel_size' meant?", reply.message)
+            self.assertIn("'voxelsize' is not a setting of a cloud; did you mean 'voxel_size'?", reply.message)
             self.wait_for(COLLISION)
             rospy.set_param("/node/clouds", [dict(given[0], max_range=1.0)])
             reply = reset()

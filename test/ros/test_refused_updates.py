@@ -52,7 +52,7 @@ class RefusedUpdatesTest(unittest.TestCase):
 
     def test_an_object_that_is_none_is_named_with_the_one_that_is_meant(self):
         for wrong in (move("tol", (0, 0, 9)), remove("tol"), attach("tol", "a"), detach("tol")):
-            self.assert_refused(wrong, "changes[2]", "'tol'", "'tool' meant")
+            self.assert_refused(wrong, "changes[2]", "'tol'", "did you mean 'tool'?")
 
     def test_an_object_of_a_scene_without_any(self):
         reply = self.scene.send(clear(), remove("tool"))
@@ -61,11 +61,11 @@ class RefusedUpdatesTest(unittest.TestCase):
         self.assertEqual(self.scene.apply(), self.before)
 
     def test_a_link_that_is_none_is_named_with_the_one_that_is_meant(self):
-        self.assert_refused(attach("tool", "bb"), "'tool'", "'bb'", "'b' meant")
-        self.assert_refused(add_box("new", attached_link="bb"), "'new'", "'bb'", "'b' meant")
-        self.assert_refused(add_box("new", attached_link="bb", frame="bb"), "'new'", "'bb'", "'b' meant")
-        self.assert_refused(attach("tool", "b", touch_links=["cc"]), "'tool'", "touch_links", "'cc'", "'c' meant")
-        self.assert_refused(add_box("new", touch_links=["cc"]), "'new'", "touch_links", "'cc'", "'c' meant")
+        self.assert_refused(attach("tool", "bb"), "'tool'", "'bb'", "did you mean 'b'?")
+        self.assert_refused(add_box("new", attached_link="bb"), "'new'", "'bb'", "did you mean 'b'?")
+        self.assert_refused(add_box("new", attached_link="bb", frame="bb"), "'new'", "'bb'", "did you mean 'b'?")
+        self.assert_refused(attach("tool", "b", touch_links=["cc"]), "'tool'", "touch_links", "'cc'", "did you mean 'c'?")
+        self.assert_refused(add_box("new", touch_links=["cc"]), "'new'", "touch_links", "'cc'", "did you mean 'c'?")
 
     def test_the_name_of_a_link_or_none(self):
         self.assert_refused(add_box("b"), "'b'", "name of a link")

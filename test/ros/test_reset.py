@@ -103,7 +103,7 @@ class ResetTest(unittest.TestCase):
             return self.check(**query)
         finally:
             rospy.delete_param(name)
-            self.assertEqual(self.reset(), "the robot was read again")
+            self.assertEqual(self.reset(), "the robot was reloaded")
 
     def distances_after(self, name, value, **query):
         return self.distances(self.after("/cell/node/" + name, value, **query))

@@ -80,8 +80,8 @@ class RestrictedRequestsTest(unittest.TestCase):
         self.assertIn("'post'", reply.message)
 
     def test_groups_and_links_that_are_none_are_named_with_the_ones_that_are_meant(self):
-        for fields, says in ((dict(group="firts"), ("'firts'", "'first' meant")),
-                             (dict(links=["b", "cc"]), ("'cc'", "'c' meant"))):
+        for fields, says in ((dict(group="firts"), ("'firts'", "did you mean 'first'?")),
+                             (dict(links=["b", "cc"]), ("'cc'", "did you mean 'c'?"))):
             for reply in (self.node.check(**fields), self.check_trajectory(**fields)):
                 self.assertFalse(reply.success)
                 for words in says:

@@ -24,31 +24,31 @@ REFUSED = (
     ("node/pair_rules", [{"deny": ["a"]}], ("pair_rules is [a]", "two names")),
     ("node/pair_rules", [{"deny": ["a", "b"], "allow": ["a", "c"]}], ("pair_rules", "{deny: [first, second]}")),
     ("node/pair_padding", [{"pair": ["a", "b"], "padding": -1.0}], ("pair_padding is -1", "0 or more")),
-    ("node/pair_padding", [{"pair": ["a", "cc"], "padding": 0.1}], ("pair_padding", "'cc'", "'c' meant")),
+    ("node/pair_padding", [{"pair": ["a", "cc"], "padding": 0.1}], ("pair_padding", "'cc'", "did you mean 'c'?")),
     ("node/padding", -0.5, ("padding is -0.5", "0 or more metres")),
     ("node/narrow_phase", "bullet", ("narrow_phase is bullet", "native or fcl")),
-    ("node/paddding", 0.1, ("/ignored/node/paddding", "'padding' meant")),
-    ("node/pair_rule", [{"deny": ["a", "b"]}], ("/ignored/node/pair_rule", "'pair_rules' meant")),
-    ("node/robot", [{"description": "robot_description"}], ("/ignored/node/robot", "'robots' meant")),
-    ("node/link", ["a"], ("/ignored/node/link", "'links' meant")),
+    ("node/paddding", 0.1, ("/ignored/node/paddding", "did you mean 'padding'?")),
+    ("node/pair_rule", [{"deny": ["a", "b"]}], ("/ignored/node/pair_rule", "did you mean 'pair_rules'?")),
+    ("node/robot", [{"description": "robot_description"}], ("/ignored/node/robot", "did you mean 'robots'?")),
+    ("node/link", ["a"], ("/ignored/node/link", "did you mean 'links'?")),
     ("node/padding", "thick", ("padding is thick", "0 or more metres")),
-    ("node/link_padding", {"cc": 0.1}, ("link_padding", "'cc'", "'c' meant")),
+    ("node/link_padding", {"cc": 0.1}, ("link_padding", "'cc'", "did you mean 'c'?")),
     ("node/ignored_links", "b", ("ignored_links is b", "a list of names")),
-    ("node/ignored_links", ["bb"], ("ignored_links", "'bb'", "'b' meant")),
-    ("node/cylinder_as_capsule", ["bb"], ("cylinder_as_capsule", "'bb'", "'b' meant")),
+    ("node/ignored_links", ["bb"], ("ignored_links", "'bb'", "did you mean 'b'?")),
+    ("node/cylinder_as_capsule", ["bb"], ("cylinder_as_capsule", "'bb'", "did you mean 'b'?")),
     ("node/floor", {"hight": 0.0}, ("floor is {hight", "{height: metres")),
     ("node/floor", {"touch_links": ["a"]}, ("floor is", "{height: metres")),
-    ("node/floor", {"height": 0.0, "touch_links": ["bb"]}, ("'floor'", "touch_links", "'bb'", "'b' meant")),
+    ("node/floor", {"height": 0.0, "touch_links": ["bb"]}, ("'floor'", "touch_links", "'bb'", "did you mean 'b'?")),
     ("node/group", "first", ("'first'", "no SRDF")),
-    ("node/links", ["bb"], ("'bb'", "'b' meant")),
+    ("node/links", ["bb"], ("'bb'", "did you mean 'b'?")),
     ("node/robots", {"description": "robot_description"}, ("/ignored/node/robots", "is not a list")),
     ("node/robots", 5, ("/ignored/node/robots", "is not a list")),
     ("node/robots", [{"urdf": "robot_description"}], ("/ignored/node/robots", "is not a list of {description")),
     ("node/robots", [{"description": "nowhere", "prefix": "left"}], ("no parameter nowhere",)),
-    ("node/robots", [{"description": "robot_description"}] * 2, ("same name", "prefix of its own")),
+    ("node/robots", [{"description": "robot_description"}] * 2, ("same name", "different prefix")),
     ("environment_description", "<robot name='world'>", ("/ignored/environment_description",)),
-    ("environment_description", 5, ("/ignored/environment_description is no text",)),
-    ("robot_description_semantic", {"robot": 1}, ("/ignored/robot_description_semantic is no text",)),
+    ("environment_description", 5, ("/ignored/environment_description is not text",)),
+    ("robot_description_semantic", {"robot": 1}, ("/ignored/robot_description_semantic is not text",)),
     ("environment_description", WRONG_WORLD, ("'a'", "in the robot and in the world")),
 )
 
@@ -147,7 +147,7 @@ class SceneParametersTest(unittest.TestCase):
         self.assert_diagnosed("wrong_rule", "/wrong_rule/node", "pair_rules", "forbid", "deny: [first, second]")
 
     def test_a_rule_about_no_link_is_diagnosed_and_once_mended_taken(self):
-        self.assert_diagnosed("wrong_link", "pair_rules", "'aa'", "'a' meant")
+        self.assert_diagnosed("wrong_link", "pair_rules", "'aa'", "did you mean 'a'?")
         node = NodeClient("/wrong_link/node")
         rospy.set_param("/wrong_link/node/pair_rules", [{"deny": ["a", "*"]}])
         self.assertIsNotNone(node.next(node.reports, lambda r: r.left_out or r.nb_boxes))
@@ -165,7 +165,7 @@ class SceneParametersTest(unittest.TestCase):
             if before is not None:
                 rospy.set_param(name, before)
             self.assertFalse(reply.success, (name, value))
-            for words in ("old scene stays",) + says:
+            for words in ("old scene is kept",) + says:
                 self.assertIn(words, reply.message)
             self.assertEqual(list(self.distances(node, [0, 0, 0])), [("a", "c")])
         reply = reset()

@@ -91,7 +91,7 @@ class TwoRobotsTest(unittest.TestCase):
         self.report_at([0, 0, 0], [0, 0, 0], 20.0)
         self.assertEqual(len(self.node.check(links=["right/*"]).result.pairs), 3)
         self.assertEqual(pairs(self.node.check(group="left/first").result), [("left/a", "left/c")])
-        for group, says in (("first", "no robot"), ("right/first", "no SRDF"), ("left/frist", "'first' meant")):
+        for group, says in (("first", "no robot"), ("right/first", "no SRDF"), ("left/frist", "did you mean 'first'?")):
             refused = self.node.check(group=group)
             self.assertFalse(refused.success)
             self.assertIn(says, refused.message)

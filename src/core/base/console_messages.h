@@ -1,5 +1,4 @@
-// Libraries of the ROS world (urdfdom, geometric_shapes) say what went wrong to console_bridge
-// only.
+// Some libraries (urdfdom, geometric_shapes) report errors only to console_bridge.
 #pragma once
 
 #include <mutex>

@@ -81,7 +81,7 @@ struct BatchKernel {
   /// Of the `lanes` (bits): settles pairs by balls. Writes to `open` those that are neither certain
   /// to be apart nor certain to be in contact, and returns how many; `contact` is given, for lanes
   /// in certain contact, the pair (others are left alone). A lane in contact is not looked at
-  /// further, so its pairs may be left in `open`. What a lane is told depends on its state alone.
+  /// further, so its pairs may be left in `open`. The result of a lane depends on its state alone.
   int (*settle)(const BatchTables& tables, const BatchLanes& group, unsigned lanes,
                 OpenBatchPair* open, int* contact);
   /// The centre of a ball in W, of all lanes: x, then y, then z.

@@ -1,6 +1,6 @@
 // The loops of BatchKernel, for any width: `Set` says which vectors. Uses nothing of the C++
 // library, so that a file compiled for newer processors leaves no code of theirs in a shared
-// function. No lane is told anything that depends on another, and every kernel rounds alike: the
+// function. The result of a lane never depends on another lane, and every kernel rounds alike: the
 // same operations in the same order, none fused.
 #pragma once
 

@@ -1,4 +1,4 @@
-// What a check refuses to begin with.
+// Validates the input of a check.
 #pragma once
 
 #include "collision_pairs/collision_detector.h"

@@ -85,8 +85,7 @@ void CollisionDetector::addCollisionPair(std::uint32_t model_a, std::uint32_t mo
 }
 
 const CollisionReport& CollisionDetector::endNarrowPhase() {
-  if (!only_added_pairs_)
-    throw InputError("endNarrowPhase() without a beginNarrowPhase() before it");
+  if (!only_added_pairs_) throw InputError("endNarrowPhase() without beginNarrowPhase()");
   std::sort(added_pairs_.begin(), added_pairs_.end());
   run(begun_poses_);
   only_added_pairs_ = false;

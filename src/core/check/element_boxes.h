@@ -1,4 +1,4 @@
-// Where the elements are in one cycle, and their boxes: as tight as somebody asks for.
+// Poses of the elements in one cycle, and their boxes, loose or tight.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +19,7 @@ namespace collision_pairs {
 /// It encloses the tight box, so that no candidate is lost, and pairs of which only the loose boxes
 /// are in reach are told from candidates by inReach().
 ///
-/// Keeps nothing but memory from cycle to cycle.
+/// Only memory is kept between cycles.
 class ElementBoxes {
  public:
   /// Once, before all others. Cost: a tight box for each element.
@@ -32,7 +32,7 @@ class ElementBoxes {
   /// Elements that move and have no box, ascending: without a pose, or not finite.
   const std::vector<std::uint32_t>& withoutBox() const { return without_box_; }
 
-  /// Sees to X_WE(), and to the tight box as well, of an element that has a box.
+  /// Computes X_WE() and the tight box of an element that has a box.
   void place(std::uint32_t element);
   void tighten(std::uint32_t element);
 
@@ -43,8 +43,8 @@ class ElementBoxes {
     return squaredGap(boxes_[pair.first], boxes_[pair.second]) <= squared_reach;
   }
 
-  /// One an element, in W: tight where asked for, loose or invalid elsewhere. Of clouds it is for
-  /// others to write them.
+  /// One an element, in W: tight where asked for, loose or invalid elsewhere. Those of clouds are
+  /// written by the caller.
   std::vector<Aabb>& boxes() { return boxes_; }
   const std::vector<Aabb>& boxes() const { return boxes_; }
   std::vector<Eigen::Isometry3d>& X_WE() { return X_WE_; }

@@ -1,4 +1,4 @@
-// From pairs of elements to one entry for each pair of models.
+// Merges results for pairs of elements into one entry per pair of models.
 #pragma once
 
 #include <cstdint>
@@ -23,7 +23,7 @@ struct SmallestDistance {
   }
 };
 
-/// Collects what a check found, in any order, and puts it into the report, sorted.
+/// Collects the results of a check, in any order, and writes them to the report, sorted.
 class FoundPairs {
  public:
   void clear();

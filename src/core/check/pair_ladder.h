@@ -12,16 +12,16 @@
 
 namespace collision_pairs {
 
-/// Knows where the elements stand in this cycle; everything it answers is in the world frame W.
+/// Has the poses of the elements in this cycle; all results are in the world frame W.
 /// A pair is given as (element of the first model, element of the second).
 class PairLadder {
  public:
   struct Answer {
     PairDistance found;  ///< p_ACa, p_ACb and nhat_AB_A measured and expressed in W
-    Fidelity rung;       ///< the geometry that it is the answer of
+    Fidelity rung;       ///< the geometry that gave the answer
   };
 
-  /// All must live until the last question of the cycle. X_WE: one pose an element.
+  /// All must live until the last query of the cycle. X_WE: one pose an element.
   void begin(const CollisionScene& scene, const std::vector<Eigen::Isometry3d>& X_WE,
              const std::vector<Aabb>& boxes);
 
@@ -38,8 +38,8 @@ class PairLadder {
   Answer climb(const BoxPair& pair, Fidelity top, double max_distance, double tolerance = 0.0);
 
   /// Only whether the two meet at rung `top`, which is less work than climb(): BOUND at distance 0
-  /// if they do, BEYOND if they do not, DEGRADED if neither could be shown. At a rung that sticks out
-  /// of its elements pairs may meet whose tight boxes do not: that is for the caller to see.
+  /// if they do, BEYOND if they do not, DEGRADED if neither could be shown. At a rung that sticks
+  /// out of its elements pairs may meet whose tight boxes do not: that is for the caller to see.
   Answer touches(const BoxPair& pair, Fidelity top);
 
   /// Lower bounds of the signed distance, marked UNFINISHED, or BEYOND where further apart than
@@ -58,12 +58,12 @@ class PairLadder {
   /// Of the triangles of an element that has some: the shape may lie inside of it.
   double surfaceApart(std::uint32_t element, const ConvexCore& shape, const Eigen::Isometry3d& X_WS,
                       double max_distance);
-  /// Does an element that has triangles enclose the point?
+  /// True if an element that has triangles encloses the point.
   bool holds(std::uint32_t element, const Eigen::Vector3d& p_W) const;
 
   /// The coarsest of `top` and what the scene has for the two elements.
   Fidelity rungOf(const BoxPair& pair, Fidelity top) const;
-  /// Would climb() to `top` look at triangles? Then boundOfHulls() may spare it.
+  /// True if climb() to `top` would use triangles, which boundOfHulls() may avoid.
   bool needsTriangles(const BoxPair& pair, Fidelity top) const;
   /// As NarrowPhase::numAnsweredNatively(), since begin().
   std::uint32_t numAnsweredNatively() const;
@@ -79,7 +79,7 @@ class PairLadder {
   Answer measureAt(const BoxPair& pair, const Eigen::Isometry3d& X_AB, Fidelity rung,
                    double max_distance, double tolerance);
   Answer measureBoxes(const BoxPair& pair) const;
-  /// True where it cannot be shown that they do not.
+  /// True unless it can be shown that they do not.
   bool meets(const BoxPair& pair, Fidelity rung);
   /// A lower bound of the distance of the two OBBs, less the padding; 0 or less does not mean that
   /// they meet.

@@ -1,4 +1,4 @@
-// Settles as many pairs as a deadline allows, the most suspicious ones first.
+// Settles as many pairs as a deadline allows, those most likely in contact first.
 #pragma once
 
 #include <functional>
@@ -9,7 +9,7 @@
 
 namespace collision_pairs {
 
-/// Seconds that never go back.
+/// Seconds of a monotonic clock.
 using Clock = std::function<double()>;
 
 class Deadline {
@@ -29,10 +29,10 @@ class Deadline {
 
 /// All pairs are bounded by their boxes. Then come two rounds, each by the lower bounds that are
 /// known by then, the smallest first: hulls where triangles would be needed, and everything else
-/// to its end; then the triangles. The deadline is looked at before each step of each pair, so it
-/// is overrun by one narrow query at most; boxes are compared after it too, about 10 ns a pair.
+/// to its end; then the triangles. The deadline is tested before each step of each pair, so it is
+/// exceeded by one narrow query at most; boxes are compared after it too, about 10 ns a pair.
 ///
-/// Never leaves a pair out, and keeps nothing from one call to the next but memory.
+/// Never drops a pair, and keeps only memory between calls.
 class TimedClimb {
  public:
   /// What `answer.found.certainty` calls UNFINISHED is a lower bound; all else is settled.

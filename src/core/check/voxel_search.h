@@ -30,7 +30,8 @@ class VoxelSearch {
   void begin(const CollisionScene& scene, std::vector<Eigen::Isometry3d>& X_WE,
              std::vector<Aabb>& boxes, PairLadder& ladder);
 
-  /// Is a box of a voxel no further than `reach` from the element's? Padding included.
+  /// True if the box of some voxel is no further than `reach` from the element's, including
+  /// padding.
   // One of the two elements of a pair is that of a cloud, which is not empty.
 
   bool isWithin(const BoxPair& pair, const OccupiedVoxels& voxels, double reach);

@@ -1,4 +1,4 @@
-// Which points are a part of the robot, or nearly: exactly, and mostly by memory.
+// Tests whether points lie on the robot or near it: exact, with cached results.
 #pragma once
 
 #include <cstdint>
@@ -22,7 +22,7 @@ class CellsAboutLink {
   /// Of the points of the cell of this one, which are own? Never UNKNOWN.
   Points ownAbout(const Eigen::Vector3d& p_EP, NarrowPhase& narrow_phase);
 
-  /// Is the point inside the element, or no further than the padding from it?
+  /// True if the point is inside the element, or no further than the padding from it.
   bool isOwn(const Eigen::Vector3d& p_EP, NarrowPhase& narrow_phase) const {
     return distance(p_EP, padding_, narrow_phase) <= padding_;
   }

@@ -1,4 +1,4 @@
-// Which parts of the robot are near a point.
+// Finds the parts of the robot near a point.
 #pragma once
 
 #include <cstdint>

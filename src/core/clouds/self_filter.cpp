@@ -95,7 +95,7 @@ void SelfFilter::begin(const BodyPoses& poses) {
   const std::size_t expected = store.bodies.size();
   if (poses.X_WB.size() != expected || poses.known.size() != expected) {
     throw InputError("poses of " + std::to_string(poses.X_WB.size()) +
-                     " bodies were given, but the self filter wants " + std::to_string(expected));
+                     " bodies were given, but the self filter needs " + std::to_string(expected));
   }
   store.left_out.clear();
   store.near.begin();

@@ -1,4 +1,4 @@
-// Points packed for the widest loops: which is furthest along a direction, how far all reach.
+// Points packed for SIMD loops: support point along a direction, extents.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,4 @@
-// The triangles of a mesh over shared vertices, their edges, and what hangs together by them.
+// The triangles of a mesh over shared vertices, their edges, and the parts that these connect.
 #pragma once
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 // Distance and contact between meshes, and between a mesh and a convex shape: surfaces by their
-// trees of oriented boxes, insides by winding numbers.
+// trees of oriented boxes, containment by winding numbers.
 #pragma once
 
 #include <vector>
@@ -9,12 +9,13 @@
 
 namespace collision_pairs {
 
-/// Walks pairs of boxes nearest first. Holds the memory for that walk only.
+/// Traverses pairs of boxes, nearest first. Holds scratch memory only.
 class MeshQuery {
  public:
-  /// Distance of the surfaces of two meshes. What is further apart than max_distance (metres) is
-  /// cut off. nhat_AB_A, if given, is the normal between the hulls: it makes the search shorter and
-  /// does not change the answer. Cost: O(log n) far apart, up to O(n) for large parallel surfaces.
+  /// Distance of the surfaces of two meshes. The search is cut off at
+  /// max_distance (metres). nhat_AB_A, if given, is the normal between the hulls: it makes the
+  /// search shorter and does not change the answer. Cost: O(log n) far apart, up to O(n) for large
+  /// parallel surfaces.
   SurfaceGap meshMesh(const PreparedMesh& A, const PreparedMesh& B, const Eigen::Isometry3d& X_AB,
                       double max_distance, const Eigen::Vector3d* nhat_AB_A = nullptr,
                       const Accuracy& accuracy = {});

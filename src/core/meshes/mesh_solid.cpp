@@ -166,7 +166,7 @@ class SolidFinder {
   }
 
  private:
-  // What hangs together by vertices, if each is where `same` says.
+  // Parts connected by vertices, with vertices merged as `same` says.
   UnionFind partsOf(const std::vector<std::uint32_t>& same) const {
     UnionFind parts(mesh_.vertices.size());
     for (const Triangle3& t : mesh_.triangles) {
@@ -186,7 +186,7 @@ class SolidFinder {
     }
   }
 
-  // Numbers the facets by what hangs together by vertices that meet or nearly do. Some of those are
+  // Numbers the facets by parts connected by vertices that meet or nearly meet. Some of those are
   // rounded apart; one that is not is enough.
   Numbering nearParts() const {
     Vector3d low = mesh_.vertices[0], high = low;
@@ -290,7 +290,7 @@ class SolidFinder {
   }
 
   // Bodies face outwards, those that faced inwards too. One that faces the other way than most of
-  // the volume does bounds a hollow, if it lies within a body.
+  // the volume does bounds a cavity, if it lies within a body.
   void orient() {
     double sum = 0.0;
     for (const Surface& surface : as_they_are_) sum += volumeOf(mesh_, surface);

@@ -1,5 +1,5 @@
-// Which space a mesh encloses, for meshes as they are found in robot descriptions: vertices not
-// shared, triangles inside out, doubled, opposed or missing, several bodies in one file.
+// The solid enclosed by a mesh, for meshes as found in robot descriptions: vertices not shared,
+// triangles inverted, repeated, opposed or missing, several bodies in one file.
 #pragma once
 
 #include <array>
@@ -13,8 +13,8 @@
 namespace collision_pairs {
 
 /// The solid that a mesh bounds, after vertices of equal coordinates are made one and triangles
-/// with two corners in one place are dropped. What hangs together by edges is judged on its own, by
-/// the first of these that holds:
+/// with two equal corners are dropped. Each part connected by edges is classified separately, by
+/// the first of these rules that applies:
 /// 1. At every edge as many sides run one way as the other, repeated triangles counted and opposed
 ///    ones cancelled: it is closed and oriented consistently, and taken as it is.
 /// 2. It is nearly so: next to its triangles it winds a whole number of times, to 0.02 turns in the
@@ -27,17 +27,17 @@ namespace collision_pairs {
 /// Else it is an open sheet, which encloses nothing.
 ///
 /// Closed surfaces that face inwards are turned. One that faces the other way than most of the
-/// volume, and lies within it, bounds a hollow; anywhere else it bounds a body as they all do.
+/// volume, and lies within it, bounds a cavity; anywhere else it bounds a body.
 struct MeshSolid {
-  /// Triangles of the closed surfaces: bodies face outwards, hollows inwards. Where bodies share a
+  /// Triangles of the closed surfaces: bodies face outwards, cavities inwards. Where bodies share a
   /// wall it may be there twice, or not at all. Indices into the mesh's vertices.
   std::vector<std::array<std::uint32_t, 3>> outward;
   /// A vertex of each part, to ask whether the part is inside another solid. A part is all
-  /// triangles that hang together by vertices, closed or not.
+  /// triangles connected by vertices, closed or not.
   std::vector<Eigen::Vector3d> part_points;
   /// One part, every edge of `outward` shared by two triangles and none of them concave.
   bool locally_convex = false;
-  double volume = 0.0;  ///< of the bodies, each for itself, less the hollows; cubic metres
+  double volume = 0.0;  ///< of the bodies, each separately, minus the cavities; cubic metres
 };
 
 /// Cost: O(n log n), and 64 solid angles for each edge that is open.

@@ -1,4 +1,4 @@
-// Which triangles of a mesh part what they enclose from the outside?
+// Finds the triangles of a mesh that separate its inside from the outside.
 #pragma once
 
 #include "collision_pairs/shape.h"
@@ -11,10 +11,10 @@ enum class LooseEdges {
   ARE_SEAMS,  ///< or not: another triangle is near
 };
 
-/// Of triangles that hang together by edges, each set of corners given once and facing anywhere:
-/// which have the outside on one side only? One number a triangle: 1 if it faces the outside, -1 if
-/// it has to be turned for that, 0 for walls within and flaps without. With ARE_GAPS those that are
-/// not 0 are a closed surface, or none. Cost: O(n log n).
+/// For triangles connected by edges, each set of corners given once, in any orientation: finds
+/// those with the outside on exactly one side. One number per triangle: 1 if it faces the outside,
+/// -1 if it has to be turned for that, 0 for walls within and flaps without. With ARE_GAPS those
+/// that are not 0 are a closed surface, or none. Cost: O(n log n).
 ///
 /// The two faces of each triangle are joined into regions of space, by what stands next to each
 /// other around an edge. Zhou, Grinspun, Zorin, Jacobson, "Mesh arrangements for solid geometry"

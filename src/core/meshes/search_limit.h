@@ -1,4 +1,4 @@
-// From where on a search for the nearest points of two surfaces leaves parts of them out.
+// The limit beyond which a search for the nearest points of two surfaces skips parts of them.
 #pragma once
 
 #include <algorithm>
@@ -27,7 +27,7 @@ class SearchLimit {
     squared_ = enough * enough;
   }
 
-  /// Is a part, or a pair of parts, with this lower bound left out?
+  /// True if a part, or a pair of parts, with this lower bound is skipped.
   bool excludes(double squared_bound) {
     if (!(squared_bound > squared_)) return false;
     leaveOut(squared_bound);

@@ -21,7 +21,7 @@ class WindingNumber {
 
   bool empty() const { return corners_.empty(); }
   /// Does the surface wind at least half around the point p_MQ, one way or the other? Bodies that
-  /// overlap add up, so what is inside any of them is inside, and hollows are taken off. Cost:
+  /// overlap add up, so what is inside any of them is inside, and cavities are excluded. Cost:
   /// O(log n) away from the surface, O(n) at worst.
   bool holds(const Eigen::Vector3d& p_MQ) const;
 

@@ -1,4 +1,4 @@
-// Which elements of a scene can move against each other when joints move.
+// The pairs of elements of a scene that joints can move relative to each other.
 #pragma once
 
 #include <cstdint>

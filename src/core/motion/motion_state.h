@@ -1,4 +1,4 @@
-// Where the parts of a scene are at one configuration of a motion, and how fast they move there.
+// Poses and velocities of the parts of a scene at one configuration of a motion.
 #pragma once
 
 #include <cstdint>
@@ -49,7 +49,7 @@ class MotionState {
   /// The configuration at fraction `at`; bounds are for all fractions within `half_width` of it.
   void moveTo(double at, double half_width);
 
-  /// Do joints between W and the element move?
+  /// True if joints between W and the element move.
   bool moves(std::uint32_t element) const { return elements_[element].moves; }
   const ElementBall& ball(std::uint32_t element) {
     if (!isOfNow(element, elements_[element].stamp)) moveBall(element);
@@ -76,7 +76,7 @@ class MotionState {
   struct BodyState {
     double rate = 0.0;       ///< what its joint does from one end to the other, rad or m
     int nb_moving = 0;       ///< joints that move between W and it
-    bool is_placed = false;  ///< stands at X_PB whatever its joint's position says
+    bool is_placed = false;  ///< is at X_PB, whatever its joint's position
     Eigen::Isometry3d X_PB = Eigen::Isometry3d::Identity();  ///< of a root, or where it is placed
     std::uint64_t stamp = 0;
     Eigen::Isometry3d X_WB = Eigen::Isometry3d::Identity();

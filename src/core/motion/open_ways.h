@@ -1,4 +1,4 @@
-// What a search along a motion has still to look at: ways, and the pairs that are open on them.
+// The remaining work of a search along a motion: intervals, and the pairs open on them.
 #pragma once
 
 #include <algorithm>
@@ -19,7 +19,7 @@ struct Way {
   bool isEmpty() const { return first_open == NONE; }
 };
 
-/// Gives out the way with the most motion first: that is where the deepest contact may hide. The
+/// Returns the interval with the most motion first, which may contain the deepest contact. The
 /// order depends on the ways alone.
 class OpenWays {
  public:

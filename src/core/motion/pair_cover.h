@@ -1,4 +1,4 @@
-// Measures a pair of elements at one configuration of a motion: how far around it is it free?
+// Determines how far around one configuration of a motion a pair of elements is free.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// How long a plane stays between two convex bodies that move.
+// Bounds how long a plane separates two moving convex bodies.
 #pragma once
 
 #include <algorithm>
@@ -46,7 +46,7 @@ struct PlaneSupport {
   double operator()(const Eigen::Vector3d&) const { return 0.0; }
 };
 
-/// The gap of A and B along the unit normal n of a plane that stands still in the frame: a lower
+/// The gap of A and B along the unit normal n of a plane that is fixed in the frame: a lower
 /// bound of their distance. When the fraction has changed by s, a point p of A is no further along
 /// n than  n.p + s n.v(p) + s^2 / 2 * acceleration,  where
 ///   n.v(p) = n.v + (n x omega).(p - center)

@@ -1,4 +1,4 @@
-// What FCL is asked about a pair, and what its numbers are taken for. Knows nothing of FCL itself.
+// Queries to FCL about a pair, and the interpretation of its results. Independent of FCL itself.
 #pragma once
 
 #include <optional>
@@ -27,7 +27,7 @@ struct FclQuestion {
 struct FclGap {
   double distance = -1.0;
   Eigen::Vector3d p_a, p_b;
-  bool settled = true;  ///< false: nothing is known
+  bool settled = true;  ///< false: unknown
   bool touches() const { return distance <= 0.0; }
 };
 
@@ -35,7 +35,7 @@ struct FclGap {
 struct FclAnswer {
   enum class Outcome {
     NONE,      ///< it threw, did not converge or contradicts itself
-    APART,     ///< `found` is filled in where a distance was asked for, perhaps BEYOND
+    APART,     ///< `found` is filled in if a distance was requested, possibly BEYOND
     TOUCHING,  ///< and it has no depth of such a pair
     DEPTH      ///< touching, and `found` says how deep
   };
@@ -53,7 +53,7 @@ FclAnswer fclBeyond(const FclQuestion& question);
 /// that they give no normal.
 FclAnswer fclApart(const FclGap& gap, const FclQuestion& question);
 /// Of two that touch: the deepest point of A in its frame, the normal from A to B, and how deep.
-/// NONE where the normal is none.
+/// NONE if the normal is invalid.
 FclAnswer fclDeep(const Eigen::Vector3d& p_a, const Eigen::Vector3d& nhat_AB_A, double depth);
 
 }  // namespace collision_pairs

@@ -1,4 +1,4 @@
-// FCL, behind one door: the only file of the package that includes it is fcl_backend.cpp.
+// Interface to FCL. fcl_backend.cpp is the only file of the package that includes it.
 #pragma once
 
 #include <memory>
@@ -12,7 +12,7 @@
 
 namespace collision_pairs {
 
-/// A shape as FCL has it: its primitive, fcl::Convex, or a tree of triangles. Immutable.
+/// A shape of FCL: its primitive, fcl::Convex, or a tree of triangles. Immutable.
 struct FclShape {
   virtual ~FclShape() = default;
 };
@@ -25,7 +25,7 @@ std::unique_ptr<const FclShape> makeFclShape(const Shape& shape, const ConvexHul
 /// Of two shapes, B's pose given in A's frame: how far apart, as NarrowPhase::distance(), or
 /// without `max_distance` only whether they touch. Of meshes only the surfaces count: one body
 /// inside a mesh is APART. Only with a sphere or of two capsules there is a DEPTH. Never throws,
-/// aborts or hangs: fcl_backend.cpp says what is asked of FCL, and what never.
+/// aborts or hangs: fcl_backend.cpp says which functions of FCL are called, and which never.
 FclAnswer askFcl(const FclShape& A, const FclShape& B, const Eigen::Isometry3d& X_AB,
                  std::optional<double> max_distance) noexcept;
 

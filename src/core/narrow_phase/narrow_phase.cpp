@@ -38,7 +38,7 @@ constexpr double NORMAL_FROM_TRIANGLES_BELOW = 1e-4;  // of the triangles' size
 
 // False if X has no meaning as a pose. A step of Newton's iteration for the polar decomposition
 // squares the error each time.
-bool mendPose(Isometry3d& X) {
+bool repairPose(Isometry3d& X) {
   if (!X.matrix().allFinite()) return false;
   for (int i = 0; i < 4; ++i) {
     const Matrix3d excess = X.linear().transpose() * X.linear() - Matrix3d::Identity();
@@ -343,7 +343,7 @@ bool NarrowPhase::touches(const PreparedShape& A, const PreparedShape& B, const 
   const auto& b = static_cast<const Prepared&>(B);
   Isometry3d X = X_AB;
   PairDistance detail;
-  detail = mendPose(X) ? detail : worstCase(a, b);
+  detail = repairPose(X) ? detail : worstCase(a, b);
   const bool answer =
       detail.certainty == Certainty::DEGRADED || scratch_->touches(a, b, X, margin, detail);
   if (detail.certainty == Certainty::DEGRADED) ++scratch_->num_degraded;
@@ -357,7 +357,7 @@ PairDistance NarrowPhase::distance(const PreparedShape& A, const PreparedShape& 
   const auto& b = static_cast<const Prepared&>(B);
   Isometry3d X = X_AB;
   const PairDistance result =
-      mendPose(X) ? scratch_->distance(a, b, X, max_distance, accuracy) : worstCase(a, b);
+      repairPose(X) ? scratch_->distance(a, b, X, max_distance, accuracy) : worstCase(a, b);
   if (result.certainty == Certainty::DEGRADED) ++scratch_->num_degraded;
   return result;
 }

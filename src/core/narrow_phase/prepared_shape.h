@@ -1,4 +1,4 @@
-// What prepareShape() makes of a shape.
+// The result of prepareShape().
 #pragma once
 
 #include <memory>

@@ -1,5 +1,4 @@
-// What can be told of two solids without their triangles: by their hulls, and whether one contains
-// the other.
+// Queries of two solids without their triangles: by their hulls, and containment.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -34,20 +33,20 @@ struct HullBounds {
 HullBounds boundsFromHulls(const Prepared& A, const Prepared& B, const Eigen::Isometry3d& X_AB,
                            double max_distance);
 
-/// Do even the hulls miss each other?
+/// True if the convex hulls are disjoint.
 bool hullsMiss(const Prepared& A, const Prepared& B, const Eigen::Isometry3d& X_AB);
 
-/// Is the point outside of the hull for certain?
+/// True if the point is certainly outside the hull.
 bool hullMisses(const Prepared& A, const Eigen::Vector3d& p_AQ);
 
-/// A is a mesh; is the point in one of its parts that enclose space? Cost: 0.2 us outside of the
+/// True if the point is in one of the solid parts of the mesh A. Cost: 0.2 us outside of the
 /// hull, else as WindingNumber::holds().
 bool meshHoldsPoint(const Prepared& A, const Eigen::Vector3d& p_AQ);
 
-/// Is a part of the mesh B, or all of it, inside the mesh A?
+/// True if a part of the mesh B, or all of it, is inside the mesh A.
 bool meshHoldsMesh(const Prepared& A, const Prepared& B, const Eigen::Isometry3d& X_AB);
 
-/// Is the convex B inside the mesh A?
+/// True if the convex B is inside the mesh A.
 bool meshHoldsConvex(const Prepared& A, const Prepared& B, const Eigen::Isometry3d& X_AB);
 
 }  // namespace collision_pairs

@@ -1,4 +1,4 @@
-// The two questions of which the answer for a mesh is made, one at a time.
+// The two queries that the answer for a mesh consists of, separately.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -17,7 +17,7 @@ class SurfaceQuery {
   double apart(const PreparedShape& A, const ConvexCore& B, const Eigen::Isometry3d& X_AB,
                double max_distance);
 
-  /// Does A enclose the point?
+  /// True if A encloses the point.
   static bool holds(const PreparedShape& A, const Eigen::Vector3d& p_AQ);
 
  private:

@@ -29,7 +29,7 @@ struct ClassRules {
 };
 
 enum class PairClass {
-  ADJACENT,   ///< hang together
+  ADJACENT,   ///< adjacent links
   ALWAYS,     ///< in contact in every state, with joints at zero too; asked often enough
   NEVER,      ///< in none, nor with joints at zero, nor in a search; asked often enough
   SOMETIMES,  ///< in contact in some state, random or not

@@ -16,7 +16,7 @@ namespace collision_pairs {
 struct PairEvidence {
   std::uint32_t first = 0;
   std::uint32_t second = 0;
-  bool adjacent = false;         ///< hang together (RobotModel::adjacentLinks)
+  bool adjacent = false;         ///< adjacent links (RobotModel::adjacentLinks)
   bool rigid = false;            ///< of one body: what holds in one state holds in all
   bool touches_at_zero = false;  ///< at RobotModel::zeroPositions()
   std::uint64_t trials = 0;      ///< random states in which it was asked; 1 if rigid

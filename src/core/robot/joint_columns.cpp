@@ -3,11 +3,21 @@
 #include <cmath>
 
 #include "collision_pairs/input_error.h"
+#include "user_text.h"
 
 namespace collision_pairs {
 namespace {
 
 constexpr double MIMIC_TOLERANCE = 1e-6;  // rad or m: what a print with six decimals leaves
+
+[[noreturn]] void refuseUnknown(const std::string& name, const RobotModel& robot) {
+  std::vector<std::string> known;
+  for (const Joint& joint : robot.joints()) {
+    if (joint.hasPosition()) known.push_back(joint.name);
+  }
+  throw InputError("joint '" + name + "' is not in robot '" + robot.name() + "'" +
+                   (known.empty() ? "" : "; did you mean '" + nearestName(name, known) + "'?"));
+}
 
 }  // namespace
 
@@ -17,7 +27,7 @@ JointColumns::JointColumns(const std::vector<std::string>& names, const RobotMod
   std::vector<int> column_of_joint(joints.size(), -1);
   for (const std::string& name : names) {
     const int joint = robot.findJoint(name);
-    if (joint < 0) throw InputError("joint '" + name + "' is not in robot '" + robot.name() + "'");
+    if (joint < 0) refuseUnknown(name, robot);
     if (!joints[joint].hasPosition()) {
       throw InputError("joint '" + name +
                        "' is fixed, floating or planar: it has no position to set");
@@ -32,7 +42,7 @@ JointColumns::JointColumns(const std::vector<std::string>& names, const RobotMod
   for (const int joint : joint_of_column_) {
     if (source_of_joint_[joint].column >= 0) continue;
     throw InputError("joint '" + joints[joint].name + "' mimics '" +
-                     joints[joints[joint].mimic->joint].name + "'; name that one");
+                     joints[joints[joint].mimic->joint].name + "'; name that joint instead");
   }
 }
 

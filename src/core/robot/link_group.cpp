@@ -43,8 +43,8 @@ class GroupReader {
       names.push_back(group.name);
     }
     std::string error = "there is no group '" + name + "' in the SRDF of robot '" + robot_.name();
-    error += names.empty() ? "', which has none at all"
-                           : "'; is '" + nearestName(name, names) + "' meant?";
+    error += names.empty() ? "', which has no groups"
+                           : "'; did you mean '" + nearestName(name, names) + "'?";
     throw InputError(error);
   }
 

@@ -95,7 +95,7 @@ std::shared_ptr<const RobotModel> RobotModel::merge(const std::vector<Placed>& r
   all->indexNames();
   if (all->link_ids_.size() < all->links_.size() || all->joint_ids_.size() < all->joints_.size()) {
     throw InputError("robots '" + all->name_ +
-                     "' have links or joints of the same name; give each a prefix of its own");
+                     "' have links or joints of the same name; give each a different prefix");
   }
   all->groupIntoBodies();
   std::size_t root = 0;
@@ -164,7 +164,7 @@ void RobotModel::refuse(std::size_t nb_positions) const {
 }
 
 void RobotModel::applyMimics(std::vector<double>& positions) const {
-  requireOneEntryAJoint(positions);
+  requireOneEntryPerJoint(positions);
   // A chain of mimics is followed to the joint that leads it; the reader refuses cycles.
   const std::function<double(int)> position = [&](int joint) -> double {
     const auto& mimic = joints_[joint].mimic;
@@ -177,7 +177,7 @@ void RobotModel::applyMimics(std::vector<double>& positions) const {
 
 void RobotModel::forwardKinematics(const std::vector<double>& positions,
                                    std::vector<Isometry3d>& X_RB) const {
-  requireOneEntryAJoint(positions);
+  requireOneEntryPerJoint(positions);
   X_RB.resize(bodies_.size(), Isometry3d::Identity());
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     const Body& body = bodies_[i];

@@ -132,7 +132,7 @@ void readMimic(const XMLElement& joint, const std::string& name, const std::stri
   if (mimic == nullptr) return;
   const std::string owner = "joint " + quoted(name) + ": mimic";
   if (type == "fixed") {
-    tree.warnings.push_back(placed(*mimic, WHAT, owner + " on a fixed joint means nothing"));
+    tree.warnings.push_back(placed(*mimic, WHAT, owner + " on a fixed joint has no effect"));
     return;
   }
   if (type != "revolute" && type != "continuous" && type != "prismatic") {

@@ -9,7 +9,7 @@ tinyxml2::XMLElement* parseXml(tinyxml2::XMLDocument& document, const std::strin
   if (xml.find_first_not_of(" \t\r\n") == std::string::npos) {
     throw InputError(what + ": it is empty; a <" + root + "> element is needed");
   }
-  if (xml.find('\0') != std::string::npos) throw InputError(what + ": it holds a NUL byte");
+  if (xml.find('\0') != std::string::npos) throw InputError(what + ": it contains a NUL byte");
   if (document.Parse(xml.c_str(), xml.size()) != tinyxml2::XML_SUCCESS) {
     const bool too_deep = document.ErrorID() == tinyxml2::XML_ELEMENT_DEPTH_EXCEEDED;
     throw InputError(what + " line " + std::to_string(document.ErrorLineNum()) +

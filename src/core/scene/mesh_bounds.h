@@ -1,4 +1,4 @@
-// What encloses a mesh: the corners of its hull, fewer points, and from them its axis-aligned box.
+// Enclosures of a mesh: the corners of its hull, fewer points, and its axis-aligned box.
 #pragma once
 
 #include <memory>

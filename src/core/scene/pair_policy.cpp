@@ -131,10 +131,11 @@ void PairPolicy::addGroup(const std::string& name, std::set<std::string>& names)
     owner = &robot;
   }
   if (!owner) {
-    throw InputError("group '" + name + "' is of no robot; it must begin with the prefix of one");
+    throw InputError("group '" + name +
+                     "' belongs to no robot; it must begin with a robot's prefix");
   }
   if (!owner->srdf) {
-    throw InputError("group '" + name + "' is asked for, but robot '" + owner->model->name() +
+    throw InputError("group '" + name + "' is requested, but robot '" + owner->model->name() +
                      "' has no SRDF");
   }
   const std::string prefix = withPrefix(owner->prefix, "");

@@ -1,4 +1,4 @@
-// Which members of a scene are looked at together, and how far they must stay apart.
+// The rules about pairs of a scene: which are checked, and with which padding.
 #pragma once
 
 #include <cstdint>
@@ -15,9 +15,9 @@ namespace collision_pairs {
 
 using ClassPaddings = std::map<std::pair<std::uint32_t, std::uint32_t>, double>;
 
-/// Everything that anybody says about pairs, in this order: SRDF (or adjacent links) of each robot;
-/// the user's rules, of which the last counts; touch links; the restriction. Asked while a scene is
-/// built, and never again.
+/// All rules about pairs, in this order: SRDF (or adjacent links) of each robot;
+/// the user's rules, of which the last counts; touch links; the restriction. Evaluated only while a
+/// scene is built.
 class PairPolicy {
  public:
   /// Both must outlive it. Throws InputError if the restriction names a group that is nowhere.

@@ -73,8 +73,9 @@ class NameCheck {
 
   void require(const std::string& name, const std::string& where) const {
     if (names_.count(name) > 0) return;
-    throw InputError(where + " names '" + name + "', which is no link of robot '" + merged_.name() +
-                     "'; is '" + nearestName(name, {names_.begin(), names_.end()}) + "' meant?");
+    throw InputError(where + " names '" + name + "', which is not a link of robot '" +
+                     merged_.name() + "'; did you mean '" +
+                     nearestName(name, {names_.begin(), names_.end()}) + "'?");
   }
 
   void checkObject(const RigidObject& object) const {
@@ -85,8 +86,8 @@ class NameCheck {
       std::vector<std::string> links;
       for (const Link& link : merged_.links()) links.push_back(link.name);
       throw InputError(where + " is attached to '" + object.attached_link +
-                       "', which is no link of robot '" + merged_.name() + "'; is '" +
-                       nearestName(object.attached_link, links) + "' meant?");
+                       "', which is not a link of robot '" + merged_.name() + "'; did you mean '" +
+                       nearestName(object.attached_link, links) + "'?");
     }
     for (const std::string& name : object.touch_links) require(name, where + ", touch_links");
   }
@@ -98,7 +99,7 @@ class NameCheck {
     const bool is_voxel = box && box->size == Eigen::Vector3d::Constant(box->size[0]) &&
                           cloud.attached_link.empty() && cloud.X_PO.isApprox(IDENTITY, 0.0) &&
                           cloud.elements[0].X_LE.isApprox(IDENTITY, 0.0);
-    if (!is_voxel) throw InputError("cloud '" + cloud.name + "' is not as cloudOf() makes it");
+    if (!is_voxel) throw InputError("cloud '" + cloud.name + "' was not made by cloudOf()");
     if (!(box->size[0] > 0.0) || !std::isfinite(box->size[0])) {
       throw InputError("cloud '" + cloud.name + "': its voxel size is " +
                        std::to_string(box->size[0]) +

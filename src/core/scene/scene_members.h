@@ -1,4 +1,4 @@
-// Everything that can be in a pair, before it is known which pairs there are.
+// All possible members of pairs, before the pairs are determined.
 #pragma once
 
 #include <memory>
@@ -31,7 +31,7 @@ std::shared_ptr<const RobotModel> mergedRobot(const SceneDescription& descriptio
 
 /// Throws InputError if two links or objects have one name (but for links of the world without
 /// geometry), if an object or a setting names a link that is nowhere (the error says which one is
-/// meant, perhaps; patterns may match nothing, for what they mean may come later), for a padding
+/// closest; a pattern may match nothing, since matching objects may be added later), for a padding
 /// that is negative or not finite, and for too few hull vertices. `merged` is mergedRobot().
 void checkDescription(const SceneDescription& description, const RobotModel& merged);
 

@@ -62,7 +62,7 @@ class Loader {
     if (startsWith(uri, FILE)) return uri.substr(FILE.size());
     if (!startsWith(uri, PACKAGE)) fail(uri, "only package:// and file:// are read");
     const std::size_t slash = uri.find('/', PACKAGE.size());
-    if (slash == std::string::npos) fail(uri, "it names a package but no file");
+    if (slash == std::string::npos) fail(uri, "it names a package, but no file");
     const std::string package = uri.substr(PACKAGE.size(), slash - PACKAGE.size());
     const std::string folder = findPackage(package);
     if (folder.empty()) fail(uri, "package '" + package + "' is not on ROS_PACKAGE_PATH");

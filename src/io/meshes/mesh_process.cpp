@@ -76,7 +76,7 @@ class Child {
       const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - Clock::now());
       pollfd waited{output_, POLLIN, 0};
       if (left.count() <= 0) {
-        throw InputError(NOT_READ + std::string("was not done after ") +
+        throw InputError(NOT_READ + std::string("did not finish within ") +
                          std::to_string(time_limit.count()) + " ms");
       }
       const int ready = ::poll(&waited, 1, static_cast<int>(left.count()));

@@ -1,4 +1,4 @@
-// Meshes of all other formats: by geometric_shapes, in a process of its own.
+// Reads meshes of all other formats with geometric_shapes, in a separate process.
 #pragma once
 
 #include <chrono>
@@ -8,15 +8,16 @@
 
 namespace collision_pairs {
 
-/// Of 4,253 damaged files assimp, which geometric_shapes reads by, crashed on 50 and hung or grew
-/// without end on 34. So it runs in the program read_mesh_file beside this library, for at most
-/// `time_limit` and with at most 4 GiB: whatever the file, this returns or throws InputError that
-/// says what happened, without the file's name. About 20 ms are spent on starting it.
+/// assimp, which geometric_shapes uses, crashed on 50 of 4,253 damaged files and hung or used
+/// unlimited memory on 34. So it runs in the program read_mesh_file beside this library, for at
+/// most `time_limit` and with at most 4 GiB: whatever the file, this returns or throws InputError
+/// that says what happened, without the file's name. Starting it takes about 20 ms.
 TriangleMesh readMeshInProcess(const std::string& path,
                                std::chrono::milliseconds time_limit = std::chrono::seconds(30));
 
-/// What the two say to each other: a byte, and behind MESH the numbers of vertices and triangles
-/// (std::uint64_t), coordinates (float) and indices (std::uint32_t), behind REFUSED a sentence.
+/// The protocol between the two: a byte, followed after MESH by the numbers of vertices and
+/// triangles (std::uint64_t), coordinates (float) and indices (std::uint32_t), and after REFUSED by
+/// a message.
 namespace mesh_pipe {
 constexpr char MESH = 'M', REFUSED = 'R';
 }

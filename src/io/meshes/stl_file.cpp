@@ -47,7 +47,7 @@ class AsciiReader {
  private:
   [[noreturn]] void fail(const std::string& wanted) const {
     throw InputError("line " + std::to_string(words_.line()) + ": " + words_.quoted() +
-                     " stands where " + wanted + " should be");
+                     " found where " + wanted + " was expected");
   }
   void expect(const char* word) {
     if (!words_.next() || !words_.is(word)) fail(std::string("'") + word + "'");

@@ -19,18 +19,18 @@ class InputError(ValueError): ...
 
 class Verdict(IntEnum):
     FREE = 0  # every pair that the scene requires was checked and is apart
-    COLLISION = 1  # a contact is certain, at the fidelity asked for
-    UNKNOWN = 2  # neither: a model left out, or an unresolved pair that could be in contact
+    COLLISION = 1  # a contact is certain, at the requested fidelity
+    UNKNOWN = 2  # neither: a model left out, or an unresolved pair that may be in contact
 
 class PairState(IntEnum):
     NEAR = 0  # apart, and no further than the alarm distance
     CONTACT = 1  # touching or penetrating
-    UNRESOLVED = 2  # not settled; distance is a lower bound: apart where it is positive
+    UNRESOLVED = 2  # not settled; distance is a lower bound: apart if it is positive
 
 class Certainty(IntEnum):
     EXACT = 0  # distance is the distance
-    LOWER_BOUND = 1  # the true signed distance is no less; of a NEAR pair no more than the tolerance more
-    DEPTH_BOUND = 2  # in contact for certain; a translation by -distance separates the two
+    LOWER_BOUND = 1  # of the signed distance; for a NEAR pair it is too small by at most the tolerance
+    DEPTH_BOUND = 2  # certainly in contact; a translation by -distance separates the two
 
 class Fidelity(IntEnum):
     AABB = 0
@@ -42,21 +42,21 @@ class Robot:
     """Links with their collision geometry, and the joints between them. Immutable."""
 
     def __init__(self, urdf: Union[str, PathLike[str]], srdf: Union[str, PathLike[str], None] = None) -> None:
-        """Each the XML itself (a str with a '<' in it) or the path of a file. Meshes by package:// and file://."""
+        """Each is XML text (a str that contains '<') or the path of a file. Meshes: package:// and file://."""
     @staticmethod
     def from_urdf(urdf_text: str) -> Robot: ...
     @staticmethod
     def from_parameters(description: str = "robot_description",
                         semantic: str = "robot_description_semantic") -> Robot:
-        """From ROS parameters of these names, searched for by rospy from the caller's namespace upwards."""
+        """Reads the ROS parameters of these names, searched for by rospy from the caller's namespace upwards."""
     @property
     def name(self) -> str: ...
     @property
     def joints(self) -> List[str]:
-        """Those that a state sets: revolute, continuous and prismatic ones that mimic no other."""
+        """Joints of a state: revolute, continuous and prismatic joints that are not mimic joints."""
     @property
     def limits(self) -> NDArray[np.float64]:
-        """(len(joints), 2): lower and upper, rad or m; infinite where there is none."""
+        """(len(joints), 2): lower and upper, rad or m; infinite without a limit."""
     @property
     def links(self) -> List[str]: ...
 
@@ -86,7 +86,7 @@ class Convex:
         """vertices: (n, 3), m."""
 
 class Mesh:
-    """The solid that triangles bound: they and what they enclose."""
+    """The solid bounded by triangles."""
     def __init__(self, vertices: ArrayLike, triangles: ArrayLike) -> None:
         """vertices: (n, 3), m; triangles: (m, 3), indices of vertices."""
     @staticmethod
@@ -96,13 +96,13 @@ class Mesh:
 Shape = Union[Box, Sphere, Cylinder, Capsule, HalfSpace, Convex, Mesh]
 
 class RigidObject:
-    """A body that is no link: static, or attached to a link."""
+    """A body that is not a link: static, or attached to a link."""
     def __init__(self, name: str, shapes: Sequence[Shape], poses: Optional[ArrayLike] = None,
                  pose: Optional[ArrayLike] = None, attached_link: str = "",
                  touch_links: Sequence[str] = (), padding: float = 0.0) -> None:
         """poses: (n, 4, 4), of the shapes in the object's frame (None: at its origin); pose: (4, 4), of the object
         in the root link's frame, or in that of attached_link (None: identity); touch_links: links and objects that
-        it is not checked against; padding: distance that it keeps to everything, m."""
+        it is not checked against; padding: m, distance to keep to everything."""
     @property
     def name(self) -> str: ...
     @property
@@ -115,15 +115,15 @@ class RigidObject:
     def pose(self) -> NDArray[np.float64]: ...
 
 class Scene:
-    """What is checked against what. Immutable: share it between threads and detectors."""
+    """The models and pairs to be checked. Immutable: can be shared by threads and detectors."""
     def __init__(self, robot: Robot, srdf: Union[str, PathLike[str], None] = None, world: Optional[Robot] = None,
                  objects: Sequence[RigidObject] = (),
                  settings: Union[Dict[str, Any], str, PathLike[str], None] = None) -> None:
-        """srdf: instead of the robot's; without any, links that hang together are not checked. world: stands still,
-        its root at the robot's root link. settings: a dict as the node's parameters, or such a YAML file; what is
-        not of the scene in it (rate, alarm_distance, ...) is passed over."""
+        """srdf: in place of the robot's; without an SRDF, adjacent links are not checked. world: static, with its root
+        at the robot's root link. settings: the node's parameters as a dict, or such a YAML file; those that do not
+        concern the scene (rate, alarm_distance, ...) are ignored."""
     def with_objects(self, objects: Sequence[RigidObject]) -> Scene:
-        """The same scene with these objects instead. Meshes are not prepared again."""
+        """The same scene with other objects. Meshes are not prepared again."""
     @property
     def models(self) -> NDArray[np.str_]:
         """(m,): the links and objects that are in some pair, sorted; results refer to them by index."""
@@ -131,7 +131,7 @@ class Scene:
     def objects(self) -> List[RigidObject]: ...
 
 class CheckResult:
-    """For n states. Of one that was given as (joints,) what is (n,) here is one number.
+    """Result for n states. If one state was given as (joints,), values of shape (n,) are scalars.
 
     Arrays are views that keep the result alive.
     """
@@ -140,65 +140,65 @@ class CheckResult:
         """(n,): see Verdict."""
     @property
     def in_collision(self) -> NDArray[np.bool_]:
-        """(n,): the verdict is not FREE."""
+        """(n,): true unless the verdict is FREE."""
     @property
     def min_distance(self) -> NDArray[np.float64]:
-        """(n,), m: the smallest signed distance of all pairs, where it is at most the alarm distance or was asked
-        for; otherwise (min_distance_is_bound) what it is no less than."""
+        """(n,), m: the smallest signed distance of all pairs, if it is at most the alarm distance or was requested;
+        otherwise (min_distance_is_bound) a lower bound of it."""
     @property
     def min_distance_is_bound(self) -> NDArray[np.bool_]:
         """(n,)"""
     @property
     def pairs(self) -> NDArray[np.void]:
-        """(p,), structured, by state, then by name: the pairs in contact, near or unresolved.
+        """(p,), structured: the pairs in contact, near or unresolved, sorted by state and name.
 
-        row (int64): of the state; first, second (uint32): in models; state (uint8): see PairState; certainty
+        row (int64): of the state; first, second (uint32): indices into models; state (uint8): see PairState; certainty
         (uint8): see Certainty; fidelity (uint8): see Fidelity; distance (float64): m, signed; first_point,
-        second_point, normal (float64, (3,)): of the nearest two elements, NaN with verdict_only; first_element,
-        second_element (uint32): which <collision> (or shape) of its link these are.
+        second_point, normal (float64, (3,)): for the nearest two elements, NaN with verdict_only; first_element,
+        second_element (uint32): index of the <collision> (or shape) within its link.
         """
     @property
     def left_out(self) -> NDArray[np.void]:
-        """(l,), structured: row (int64), model (uint32): what has no finite pose or size; its state is not FREE."""
+        """(l,), structured: row (int64), model (uint32): without a finite pose or size; its state is not FREE."""
     @property
     def gradient(self) -> NDArray[np.float64]:
-        """(p, joints): d(distance)/d(position) of each pair, m/rad or m/m; NaN where there is none."""
+        """(p, joints): d(distance)/d(position) of each pair, m/rad or m/m; NaN if there is none."""
     @property
     def models(self) -> NDArray[np.str_]:
-        """(m,): the scene's."""
+        """(m,): model names of the scene."""
     @property
     def joints_at_zero(self) -> List[str]:
-        """Moving joints that were not named: they stand at zero, or their nearer limit."""
+        """Moving joints that were not named: taken as zero, or their nearest limit."""
 
 class Detector:
-    """Checks joint states against a scene. A second thread that uses it waits for the first."""
+    """Checks joint states of a scene. A second thread waits for the first: use one detector per thread."""
     def __init__(self, scene: Scene, threads: int = 0) -> None:
-        """threads: of a batch; 0: as many as the machine has."""
+        """threads: of a batch; 0: one per core."""
     def check(self, states: ArrayLike, joints: Optional[Sequence[str]] = None, alarm_distance: float = 0.05,
               fidelity: str = "mesh", min_distance: bool = False, verdict_only: bool = False,
               time_budget: float = 0.0, gradient: bool = False, tolerance: float = 0.0) -> CheckResult:
-        """states: (n, len(joints)), or (len(joints),) for one; rad or m. float64 is read where it lies, whatever the
-        strides; float32, integers and lists are converted. joints: None: Detector.joints; those not named stand at
-        zero, or their nearer limit, and are warned of. alarm_distance: m, pairs up to this far apart are reported.
-        fidelity: aabb, obb, convex or mesh. min_distance: the exact smallest, also beyond the alarm distance.
-        verdict_only: ends at the first contact. time_budget: s a state, 0: none. gradient: of each pair's distance.
-        tolerance: m that a distance may be too small by, then LOWER_BOUND; contact or not stays exact; 0 with gradient.
+        """states: (n, len(joints)), or (len(joints),) for one; rad or m. float64 is read in place, with any strides;
+        float32, integers and lists are converted. joints: None: Detector.joints; joints that are not named are taken
+        as zero, or their nearest limit, with a warning. alarm_distance: m, pairs up to this far apart are reported.
+        fidelity: aabb, obb, convex or mesh. min_distance: the exact smallest, even beyond the alarm distance.
+        verdict_only: ends at the first contact. time_budget: s per state, 0: no limit. gradient: of each distance.
+        tolerance: m by which a distance may be too small (LOWER_BOUND); contacts stay exact; 0 with gradient.
         """
     @property
     def joints(self) -> List[str]: ...
 
 class MotionResult:
-    """For the n - 1 segments of n waypoints."""
+    """Result for the n - 1 segments of n waypoints."""
     @property
     def verdict(self) -> NDArray[np.uint8]:
-        """(n - 1,): FREE: certified, nothing comes nearer than the clearance anywhere; COLLISION: a contact was found;
+        """(n - 1,): FREE: certified, no pair comes closer than the clearance; COLLISION: a contact was found;
         UNKNOWN: neither."""
     @property
     def clearance(self) -> NDArray[np.float64]:
-        """(n - 1,), m: where FREE, no more than the smallest distance of the segment; else 0."""
+        """(n - 1,), m: if FREE, a lower bound of the smallest distance of the segment; otherwise 0."""
     @property
     def contact_at(self) -> NDArray[np.float64]:
-        """(n - 1,): where COLLISION, the fraction of the segment, 0 to 1, at which the contact was found; else 0."""
+        """(n - 1,): if COLLISION, the fraction of the segment, 0 to 1, at which the contact was found; otherwise 0."""
     @property
     def pairs(self) -> NDArray[np.void]:
         """(p,), structured: segment (int64), first, second (uint32, in models): in contact there, or not certified."""
@@ -208,9 +208,9 @@ class MotionResult:
     def joints_at_zero(self) -> List[str]: ...
 
 class MotionCheck:
-    """Certifies motions that go straight in joint space from waypoint to waypoint."""
+    """Certifies straight motions in joint space between waypoints."""
     def __init__(self, scene: Scene, threads: int = 0) -> None: ...
     def check(self, waypoints: ArrayLike, joints: Optional[Sequence[str]] = None, clearance: float = 0.0,
               resolution: float = 0.001, fidelity: str = "mesh") -> MotionResult:
         """waypoints: (n, len(joints)), rad or m. joints: as in Detector.check. clearance: m, FREE means that no pair
-        comes nearer. resolution: m, a pair that is open where its motion is finer is given up."""
+        comes closer. resolution: m, a pair still open when its motion is split finer is given up."""

@@ -130,12 +130,12 @@ void CloudSource::requireUsableStamp(const ros::Time& stamp, const ros::Time& no
     throw InputError("its stamp is " + inWords(-age) + " ahead of the clock");
   }
   if (config_.source_timeout > 0.0 && age > config_.source_timeout) {
-    throw InputError("it was " + inWords(age) + " old when it came, and source_timeout is " +
+    throw InputError("it was " + inWords(age) + " old when it arrived, and source_timeout is " +
                      inWords(config_.source_timeout));
   }
   if (!last_stamp_.isZero() && stamp <= last_stamp_) {
     throw InputError(
-        "its stamp is not later than that of the cloud before: are there two "
+        "its stamp is not later than that of the previous cloud: are there two "
         "publishers?");
   }
 }
@@ -168,8 +168,8 @@ CloudSource::Instant CloudSource::waitForInstant(const std_msgs::Header& header,
       std::unique_lock<std::mutex> lock(mutex_);
       wakes_worker_.wait_for(lock, PAUSE, [this] { return stopping_; });
       if (stopping_ || ros::SteadyTime::now() >= end) {
-        throw InputError("TF does not know where the sensor ('" + header.frame_id +
-                         "') and the robot were at its stamp: " + why);
+        throw InputError("TF has no poses of the sensor ('" + header.frame_id +
+                         "') and the robot at its stamp: " + why);
       }
     } while (context_.transforms.nbTaken() == nb_taken);
   }
@@ -185,7 +185,7 @@ CloudView CloudSource::view(const ros::Time& now) const {
   const bool is_outdated =
       latest_.voxels && latest_clock_jumps_ != context_.transforms.nbClockJumps();
   if (!is_outdated) return viewOf(config_, latest_, now.toSec());
-  return {nullptr, "cloud '" + config_.name() + "': none has come since the clock went back" +
+  return {nullptr, "cloud '" + config_.name() + "': none has arrived since the clock went back" +
                        refusalOf(latest_)};
 }
 

@@ -15,7 +15,7 @@ CloudSources::CloudSources(const ros::NodeHandle& node, const std::vector<CloudC
   for (const CloudConfig& config : configs) {
     std::string why;
     if (!ros::names::validate(config.topic, why)) {
-      throw InputError("clouds: '" + config.topic + "' is no name of a topic: " + why);
+      throw InputError("clouds: '" + config.topic + "' is not a valid topic name: " + why);
     }
     sources_.push_back(std::make_unique<CloudSource>(node, config, context_));
   }
