@@ -200,7 +200,8 @@ TEST(MeshQuery, DistanceOfAnLToAnyConvexIsThatOfItsNearerPiece) {
         continue;
       }
       ASSERT_NEAR(result.distance, expected, 1e-10) << shapeName(shape) << " pose " << i;
-      ASSERT_NEAR((result.p_ACb - result.p_ACa).norm(), result.distance, 1e-12) << shapeName(shape) << " pose " << i;
+      ASSERT_NEAR((result.p_ACb - result.p_ACa).norm(), result.distance, 1e-12)
+          << shapeName(shape) << " pose " << i;
       ASSERT_NEAR(result.nhat_AB_A.norm(), 1.0, 1e-12);
     }
   }
@@ -230,6 +231,42 @@ TEST(MeshQuery, DistanceOfMeshesIsThatOfTheirClosestTriangles) {
       ASSERT_TRUE(result.touches());
     }
     ASSERT_EQ(narrow_phase.touches(*M, *N, X), result.touches());
+  }
+}
+
+/// Triangles that share the corner v; all others of their corners are on one side of it.
+Shape fanFrom(RandomInputs& random, const Vector3d& v, double side) {
+  TriangleMesh fan;
+  fan.vertices.push_back(v);
+  for (std::uint32_t i = 0; i < 9; ++i) {
+    for (int k = 0; k < 2; ++k) {
+      const Vector3d beside(side * random.uniform(0.1, 1.0), random.uniform(-1, 1),
+                            random.uniform(-1, 1));
+      fan.vertices.push_back(v + beside);
+    }
+    fan.triangles.push_back({0, 2 * i + 1, 2 * i + 2});
+  }
+  return meshShape(fan);
+}
+
+TEST(MeshQuery, MeshesThatShareOneCornerTouch) {
+  RandomInputs random;
+  for (int i = 0; i < 300; ++i) {
+    const Vector3d v = random.vector(-1.0, 1.0) * std::pow(10.0, random.integer(-3, 3));
+    EXPECT_TRUE(touch(fanFrom(random, v, -1.0), fanFrom(random, v, 1.0), Isometry3d::Identity()))
+        << "scene " << i;
+  }
+}
+
+TEST(MeshQuery, ADistanceOfExactlyTheLimitIsFound) {
+  RandomInputs random;
+  NarrowPhase narrow_phase;
+  for (int i = 0; i < 100; ++i) {
+    const auto A = prepareShape(fanFrom(random, Vector3d::Zero(), -1.0));
+    const auto B = prepareShape(fanFrom(random, Vector3d::Zero(), 1.0));
+    const PairDistance found = narrow_phase.distance(*A, *B, at(0.25, 0.0, 0.0), 0.25);
+    ASSERT_NE(found.certainty, Certainty::BEYOND) << "scene " << i;
+    ASSERT_NEAR(found.distance, 0.25, 1e-15);
   }
 }
 

@@ -133,6 +133,12 @@ class RobotModel {
   /// follow. One entry per joint, rad or m (joints without a position: 0).
   std::vector<double> zeroPositions() const;
 
+  /// Throws InputError unless there is one entry per joint, fixed joints included; so do all
+  /// functions that take positions.
+  void requireOneEntryPerJoint(const std::vector<double>& positions) const {
+    if (positions.size() != joints_.size()) refuse(positions.size());
+  }
+
   /// Overwrites the positions of all mimic joints by those that their leaders imply.
   void applyMimics(std::vector<double>& positions) const;
 
@@ -149,6 +155,7 @@ class RobotModel {
  private:
   friend class UrdfReader;
   RobotModel() = default;
+  [[noreturn]] void refuse(std::size_t nb_positions) const;
   void append(const Placed& robot);
   void indexNames();
   void groupIntoBodies();

@@ -49,17 +49,18 @@ struct ConvexCore {
   bool curved() const { return kind == Kind::CYLINDER; }
 };
 
-/// The box around it along its own axes.
-inline OrientedBox boxAround(const ConvexCore& core) {
-  return {Eigen::Matrix3d::Identity(), core.center, core.half.array() + core.radius};
-}
-
 /// By how much coordinates of points of the two may be off, in a frame near them: the closest
 /// points of hulls are beside the surface that they are on by no more, and the vertices that qhull
 /// leaves out are outside of their hull by no more.
 inline double roundingOf(const ConvexCore& a, const ConvexCore& b) {
   constexpr double ROUNDING = 64.0 * std::numeric_limits<double>::epsilon();
   return ROUNDING * (a.extent + a.center.norm() + a.radius + b.extent + b.center.norm() + b.radius);
+}
+
+/// The box around it along its own axes, rounding included.
+inline OrientedBox boxAround(const ConvexCore& core) {
+  return {Eigen::Matrix3d::Identity(), core.center,
+          core.half.array() + (core.radius + roundingOf(core, ConvexCore{}))};
 }
 
 template <class T>

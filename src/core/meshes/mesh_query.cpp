@@ -89,7 +89,7 @@ SurfaceGap MeshQuery::meshMesh(const PreparedMesh& A, const PreparedMesh& B, con
   const double meet = meetDistance(box_a, box_b, X_AB);
   SurfaceGap gap;
   gap.distance = std::sqrt(squaredBoxGap(box_a, box_b.movedBy(X_AB)));
-  if (gap.distance > max_distance) return gap;
+  if (gap.distance > std::max(max_distance, meet)) return gap;
   gap.distance = std::nextafter(max_distance, std::numeric_limits<double>::infinity());
   // Found strictly below the limit: so that a gap equal to the limit is found too, one ulp more.
   ClosestPoints best{square(std::max(max_distance, meet)) * (1.0 + 1e-15)};
@@ -146,7 +146,7 @@ SurfaceGap MeshQuery::meshConvex(const PreparedMesh& A, const ConvexCore& B, con
   const double meet = meetDistance(box_a, own_box_b, X_AB);
   SurfaceGap gap;
   gap.distance = std::sqrt(squaredBoxGap(box_a, box_b));
-  if (gap.distance > max_distance) return gap;
+  if (gap.distance > std::max(max_distance, meet)) return gap;
   gap.distance = std::max(max_distance, meet) * (1.0 + 1e-15);
   SearchLimit limit(square(gap.distance), accuracy);
   Vector3d apart_along = Vector3d::UnitX();

@@ -41,8 +41,8 @@ bool SurfaceContact::surfacesMeet(const PreparedMesh& A, const PreparedMesh& B,
                                   const Isometry3d& X_AB) {
   const Isometry3d X_BA = X_AB.inverse(Eigen::Isometry);
   const OrientedBox box_a = A.tree.box(0), box_b = B.tree.box(0);
-  if (squaredBoxGap(box_a, box_b.movedBy(X_AB)) > 0.0) return false;
   const double limit = square(meetDistance(box_a, box_b, X_AB));
+  if (squaredBoxGap(box_a, box_b.movedBy(X_AB)) > limit) return false;
   ClosestPoints best{limit * (1.0 + 1e-15)};
   stack_.resize(std::max<std::size_t>(stack_.size(), 1));
   stack_[0] = {0, 0};
