@@ -3,13 +3,13 @@
 if(NOT BUILD_TESTING OR NOT CATKIN_ENABLE_TESTING)
   return()
 endif()
-find_package(GTest CONFIG REQUIRED)  # CMake's own module has no GTest::gmock before 3.23
+# catkin may have run CMake's own FindGTest, which has no GTest::gmock before CMake 3.23.
+pkg_check_modules(GMOCK_MAIN REQUIRED IMPORTED_TARGET gtest_main gmock)
 
 function(collision_pairs_test name)
   add_executable(test_${name} EXCLUDE_FROM_ALL test/test_${name}.cpp)
   add_dependencies(tests test_${name})
-  target_link_libraries(test_${name} PRIVATE collision_pairs ${ARGN} GTest::gtest GTest::gmock
-                                             GTest::gtest_main)
+  target_link_libraries(test_${name} PRIVATE collision_pairs ${ARGN} PkgConfig::GMOCK_MAIN)
   target_include_directories(test_${name} PRIVATE ${CORE_MODULES} test)
   target_compile_definitions(test_${name} PRIVATE PROJECT_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
   collision_pairs_warnings(test_${name})
