@@ -25,7 +25,8 @@ CMAKE = {
 COMMANDS = {r"ctest\b.*--test-dir": "CMake 3.20", r"ctest\b.*--output-junit": "CMake 3.21", r"cmake\b.*--preset": "CMake 3.19",
             r"cmake\b.*--fresh": "CMake 3.24", r"cmake\b.*--toolchain": "CMake 3.21", r"cmake\b.* -E (rm|cat)\b": "CMake 3.17"}
 PYTHON = {r"\.remove(prefix|suffix)\(": "3.9", r"\bfunctools\.cache\b": "3.9", r"\bzip\(.*strict=": "3.10",
-          r"\bpairwise\b": "3.10", r"\bmath\.(lcm|nextafter|ulp)\b": "3.9", r"\brandbytes\(": "3.9", r"\bbit_count\(": "3.10"}
+          r"\bpairwise\b": "3.10", r"\bmath\.(lcm|nextafter|ulp)\b": "3.9", r"\brandbytes\(": "3.9", r"\bbit_count\(": "3.10",
+          r"\bset_[xy]ticks\(.*\),|layout=\"constrained\"": "Matplotlib 3.5"}
 
 
 def project_files():
