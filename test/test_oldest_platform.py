@@ -14,6 +14,7 @@ CXX = {
     r"__builtin_bit_cast|__has_builtin": "GCC 10 or 11",
     r"_mm(256|512)?_(loadu|storeu)_epi(8|16|32|64)\b": "GCC 10 or 11",
     r"Eigen::(seq|seqN|placeholders|last|all)\b|\.reshaped\(": "Eigen 3.4"}
+LAUNCH = {r"<arg [^>]*value=\"[^\"]*\$\(dirname\)": "roslaunch 1.15.14 (ros_comm issue 1487): $(find collision_pairs)"}
 CMAKE = {
     r"\bcmake_path\s*\(": "3.20", r"\bcmake_language\s*\(": "3.18", r"\bblock\s*\(": "3.25", r"\bstring\s*\(\s*JSON": "3.19",
     r"\bfile\s*\(\s*(REAL_PATH|CHMOD)": "3.19", r"\bfile\s*\(\s*(CONFIGURE|ARCHIVE_)": "3.18",
@@ -26,7 +27,7 @@ COMMANDS = {r"ctest\b.*--test-dir": "CMake 3.20", r"ctest\b.*--output-junit": "C
             r"cmake\b.*--fresh": "CMake 3.24", r"cmake\b.*--toolchain": "CMake 3.21", r"cmake\b.* -E (rm|cat)\b": "CMake 3.17"}
 PYTHON = {r"\.remove(prefix|suffix)\(": "3.9", r"\bfunctools\.cache\b": "3.9", r"\bzip\(.*strict=": "3.10",
           r"\bpairwise\b": "3.10", r"\bmath\.(lcm|nextafter|ulp)\b": "3.9", r"\brandbytes\(": "3.9", r"\bbit_count\(": "3.10",
-          r"\bset_[xy]ticks\(.*\),|layout=\"constrained\"": "Matplotlib 3.5"}
+          r"\bset_[xy]ticks\(.*\),|layout=\"constrained\"|spines\[\[": "Matplotlib 3.4 or 3.5"}
 
 
 def project_files():
@@ -51,7 +52,7 @@ def is_shell(file):
 
 
 def files(kind):
-    is_kind = {"c++": lambda file: file.endswith((".h", ".cpp")), "python": is_python, "shell": is_shell,
+    is_kind = {"launch": lambda file: file.endswith((".launch", ".test")), "c++": lambda file: file.endswith((".h", ".cpp")), "python": is_python, "shell": is_shell,
                "cmake": lambda file: os.path.basename(file) == "CMakeLists.txt" or file.endswith((".cmake", ".cmake.em"))}[kind]
     found = sorted(file for file in project_files() if is_kind(file))
     assert found, "no file of " + kind
@@ -66,8 +67,8 @@ def uses(kind, newer):
             for pattern in newer for match in [re.search(pattern, text)] if match]
 
 
-@pytest.mark.parametrize("kind, newer", [("c++", CXX), ("cmake", CMAKE), ("shell", COMMANDS), ("python", COMMANDS),
-                                         ("python", PYTHON)])
+@pytest.mark.parametrize("kind, newer", [("c++", CXX), ("cmake", CMAKE), ("launch", LAUNCH), ("shell", COMMANDS),
+                                         ("python", COMMANDS), ("python", PYTHON)])
 def test_nothing_newer_is_used(kind, newer):
     assert uses(kind, newer) == []
 
