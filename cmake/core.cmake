@@ -96,5 +96,5 @@ target_include_directories(collision_pairs PUBLIC
   $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:include>
   PRIVATE ${CORE_MODULES})
 target_link_libraries(collision_pairs PUBLIC Eigen3::Eigen PRIVATE
-  Boost::headers fcl ${URDFDOM_LIBRARIES} tinyxml2::tinyxml2 qhull_r Threads::Threads)
+  Boost::headers fcl ${URDFDOM_LIBRARIES} ${TINYXML2_LIBRARIES} qhull_r Threads::Threads)
 collision_pairs_warnings(collision_pairs)

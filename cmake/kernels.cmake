@@ -1,5 +1,4 @@
 # The inner loops once more for newer x86-64; which one runs is chosen at run time.
-# Products and sums are not fused: that would round otherwise than the base kernels do.
 # These files use nothing of the C++ library that could leave such code in a shared function.
 if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64|amd64")
   set(sweep ${PROJECT_SOURCE_DIR}/src/core/broad_phase/sweep_kernel)
@@ -9,13 +8,13 @@ if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64|amd64")
                                          ${geometry}_avx2.cpp ${geometry}_avx512.cpp
                                          ${batch}_avx2.cpp ${batch}_avx512.cpp)
   target_compile_definitions(collision_pairs PRIVATE COLLISION_PAIRS_X86_KERNELS)
-  set_source_files_properties(${sweep}_avx2.cpp PROPERTIES COMPILE_OPTIONS "-mavx2;-mbmi;-mpopcnt;-ffp-contract=off")
-  set_source_files_properties(${batch}_avx2.cpp PROPERTIES COMPILE_OPTIONS "-mavx2;-ffp-contract=off")
-  set_source_files_properties(${batch}_avx512.cpp PROPERTIES COMPILE_OPTIONS "-mavx512f;-ffp-contract=off")
-  set_source_files_properties(${geometry}_avx2.cpp PROPERTIES COMPILE_OPTIONS "-mavx2;-ffp-contract=off")
-  set_source_files_properties(${geometry}_avx512.cpp PROPERTIES COMPILE_OPTIONS "-mavx512f;-ffp-contract=off")
+  set_source_files_properties(${sweep}_avx2.cpp PROPERTIES COMPILE_OPTIONS "-mavx2;-mbmi;-mpopcnt")
+  set_source_files_properties(${batch}_avx2.cpp PROPERTIES COMPILE_OPTIONS "-mavx2")
+  set_source_files_properties(${batch}_avx512.cpp PROPERTIES COMPILE_OPTIONS "-mavx512f")
+  set_source_files_properties(${geometry}_avx2.cpp PROPERTIES COMPILE_OPTIONS "-mavx2")
+  set_source_files_properties(${geometry}_avx512.cpp PROPERTIES COMPILE_OPTIONS "-mavx512f")
   # GCC 12 warns of its own intrinsics (GCC bug 105593).
   set_source_files_properties(
     ${sweep}_avx512.cpp PROPERTIES COMPILE_OPTIONS
-    "-mavx512f;-mbmi;-mpopcnt;-ffp-contract=off;$<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>")
+    "-mavx512f;-mbmi;-mpopcnt;$<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>")
 endif()

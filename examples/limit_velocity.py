@@ -63,7 +63,8 @@ def plot(path, free, held):
     axes.set(xlabel="time / s", ylabel="distance to the post / m", xlim=(0.0, time[-1]))
     axes.set_ylim(bottom=min(free.min(), 0.0) - 0.01)
     axes.legend(frameon=False, loc="center right")
-    axes.spines[["top", "right"]].set_visible(False)
+    for side in ("top", "right"):
+        axes.spines[side].set_visible(False)
     figure.tight_layout()
     figure.savefig(path)
 

@@ -1,5 +1,5 @@
 # What scripts/demo and scripts/test share: packages, build, environment. To be sourced.
-# Supported: Debian 12 with its own ROS packages (in /usr). On Ubuntu 20.04 with /opt/ros/noetic
+# Supported: Debian 11 and 12 with their own ROS packages (in /usr). On Ubuntu 20.04 with /opt/ros/noetic
 # build the package in a catkin workspace instead; rosdep knows its dependencies.
 
 PROJECT="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
@@ -22,8 +22,8 @@ install_packages() {
   missing="$(missing_packages "$@")"
   [ -z "$missing" ] && return
   . /etc/os-release
-  [ "${ID:-}" = debian ] && [ "${VERSION_ID:-0}" -ge 12 ] ||
-    die "these scripts install packages on Debian 12 only, and this is ${PRETTY_NAME:-unknown}; install what package.xml names and build in a catkin workspace"
+  [ "${ID:-}" = debian ] && [ "${VERSION_ID:-0}" -ge 11 ] ||
+    die "these scripts install packages on Debian 11 and later only, and this is ${PRETTY_NAME:-unknown}; install what package.xml names and build in a catkin workspace"
   if [ "$(id -u)" != 0 ]; then
     command -v sudo >/dev/null || die "packages are missing and there is no sudo; run as root: apt-get install $(echo $missing)"
     as_root=(sudo)

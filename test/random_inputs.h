@@ -29,8 +29,9 @@ class RandomInputs {
   /// Evenly distributed over all rotations.
   Eigen::Quaterniond rotation() {
     std::normal_distribution<double> normal;
-    return Eigen::Quaterniond(normal(engine_), normal(engine_), normal(engine_), normal(engine_))
-        .normalized();
+    Eigen::Quaterniond q;  // one by one: compilers evaluate arguments in different orders
+    for (const int i : {2, 1, 0, 3}) q.coeffs()[i] = normal(engine_);
+    return q.normalized();
   }
   Eigen::Isometry3d pose(double reach) {
     Eigen::Isometry3d X = Eigen::Isometry3d::Identity();

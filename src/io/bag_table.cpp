@@ -83,6 +83,7 @@ class LineReader {
 
   template <class Integer>
   Integer number(const std::string& text) const {
+    static_assert(std::is_integral_v<Integer>, "GCC 9 reads no other numbers so");
     Integer value{};
     const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), value);
     if (error != std::errc() || rest != text.data() + text.size())
@@ -109,7 +110,7 @@ class LineReader {
     const std::size_t equals = text.rfind('=');
     if (equals == std::string::npos) fail("'" + text + "' is not a distance of a pair");
     const std::string links = text.substr(0, equals);
-    return {links, number<double>(text.substr(equals + 1)),
+    return {links, metres(text.substr(equals + 1)),
             std::count(contacts.begin(), contacts.end(), links) > 0};
   }
 

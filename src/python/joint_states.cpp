@@ -84,8 +84,11 @@ void NamedJoints::warnOfOthers() const {
   }
 }
 
+// A handle: pybind11 2.6 takes an object for a weak reference to be copied.
 JointStatesArray::JointStatesArray(const py::object& states, std::size_t nb_joints)
-    : array_(float64From(states)), no_resize_(py::weakref(ownerOf(array_))), nb_joints_(nb_joints) {
+    : array_(float64From(states)),
+      no_resize_(py::weakref(py::handle(ownerOf(array_)))),
+      nb_joints_(nb_joints) {
   const py::ssize_t nb_dimensions = array_.ndim();
   const bool fits = (nb_dimensions == 1 || nb_dimensions == 2) &&
                     array_.shape(nb_dimensions - 1) == static_cast<py::ssize_t>(nb_joints);

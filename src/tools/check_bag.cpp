@@ -7,8 +7,6 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
-
 #include "bag_outputs.h"
 #include "bag_poses.h"
 #include "bag_recorder.h"
@@ -35,43 +33,38 @@ struct Options {
   CheckSettings settings;
 };
 
-void declare(CLI::App& app, Options& options) {
-  app.add_option("bags", options.bags, "the bags to check")->required()->type_name("BAG...");
-  app.add_option("--urdf", options.urdf, "the robot (default: robot_description in the bag)")
-      ->type_name("ROBOT.urdf");
-  app.add_option("--srdf", options.srdf, "switches off its pairs (default: in the bag, if there)")
-      ->type_name("ROBOT.srdf");
-  declareScene(app, options.scene);
-  app.add_option("--clouds", options.scene.cloud_topics,
-                 "recorded sensor_msgs/PointCloud2 that are obstacles; --settings may say how")
-      ->type_name("TOPIC...");
-  app.add_option("--prefix", options.poses.prefix, "what the bag puts before this robot's names");
-  app.add_option("--fidelity", options.fidelity, "aabb, obb, convex or mesh")
-      ->capture_default_str();
-  app.add_option("--alarm-distance", options.output.alarm_distance,
-                 "pairs up to this far apart are reported")
-      ->type_name("METRES")
-      ->capture_default_str();
-  app.add_option("--tolerance", options.settings.tolerance,
-                 "distances may be too small by this; contact or not stays exact")
-      ->type_name("METRES")
-      ->capture_default_str();
-  app.add_flag("--min-distance", options.min_distance,
-               "find the smallest distance also where it is beyond the alarm distance");
-  app.add_flag("--verdict-only", options.verdict_only,
-               "only free, collision or unknown: ends at the first contact, the only pair named");
-  app.add_option("--max-gap", options.poses.max_gap, "nothing is assumed over longer gaps")
-      ->type_name("SECONDS")
-      ->capture_default_str();
-  app.add_option("--out", options.output.out, "where to write the table (default: standard output)")
-      ->type_name("OUT.csv");
-  app.add_option("--report", options.output.report, "write a page for a browser there: index.html")
-      ->type_name("DIR");
-  app.add_option("--record", options.record, "write reports and markers for rviz")
-      ->type_name("OUT.bag");
-  app.add_option("--shard", options.shard_text,
-                 "check only the I-th of N parts (1 to N); merge_bag_checks puts them together")
-      ->type_name("I/N");
+void declare(CommandLine& command_line, Options& options) {
+  command_line.operands(options.bags, "BAG...", "the bags to check");
+  command_line.option("urdf", options.urdf, "ROBOT.urdf",
+                      "the robot (default: robot_description in the bag)");
+  command_line.option("srdf", options.srdf, "ROBOT.srdf",
+                      "switches off its pairs (default: in the bag, if there)");
+  declareScene(command_line, options.scene);
+  command_line.option(
+      "clouds", options.scene.cloud_topics, "TOPIC...",
+      "recorded sensor_msgs/PointCloud2 that are obstacles; --settings may say how");
+  command_line.option("prefix", options.poses.prefix, "PREFIX",
+                      "what the bag puts before this robot's names");
+  declareFidelity(command_line, options.fidelity);
+  command_line.option("alarm-distance", options.output.alarm_distance, "METRES",
+                      "pairs up to this far apart are reported");
+  command_line.option("tolerance", options.settings.tolerance, "METRES",
+                      "distances may be too small by this; contact or not stays exact");
+  command_line.flag("min-distance", options.min_distance,
+                    "find the smallest distance also where it is beyond the alarm distance");
+  command_line.flag("verdict-only", options.verdict_only,
+                    "only free, collision or unknown: ends at the first contact, the only pair "
+                    "named");
+  command_line.option("max-gap", options.poses.max_gap, "SECONDS",
+                      "nothing is assumed over longer gaps");
+  command_line.option("out", options.output.out, "OUT.csv",
+                      "where to write the table (default: standard output)");
+  command_line.option("report", options.output.report, "DIR",
+                      "write a page for a browser there: index.html");
+  command_line.option("record", options.record, "OUT.bag", "write reports and markers for rviz");
+  command_line.option("shard", options.shard_text, "I/N",
+                      "check only the I-th of N parts (1 to N); merge_bag_checks puts them "
+                      "together");
 }
 
 double finiteNumber(double value, double least, const std::string& option) {
@@ -239,7 +232,9 @@ void checkAll(Options& options) {
 
 int main(int argc, char** argv) {
   collision_pairs::Options options;
-  CLI::App app("Checks what a robot did in recorded bags for collisions.", "check_bag");
-  collision_pairs::declare(app, options);
-  return collision_pairs::runTool(app, argc, argv, [&] { collision_pairs::checkAll(options); });
+  collision_pairs::CommandLine command_line(
+      "check_bag", "Checks what a robot did in recorded bags for collisions.");
+  collision_pairs::declare(command_line, options);
+  return collision_pairs::runTool(command_line, argc, argv,
+                                  [&] { collision_pairs::checkAll(options); });
 }

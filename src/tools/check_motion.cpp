@@ -4,8 +4,6 @@
 #include <ostream>
 #include <string>
 
-#include <CLI/CLI.hpp>
-
 #include "collision_pairs/input_error.h"
 #include "collision_pairs/motion_check.h"
 #include "csv.h"
@@ -24,22 +22,18 @@ struct Options {
   unsigned threads = 0;
 };
 
-void declare(CLI::App& app, Options& options) {
-  app.add_option("--waypoints", options.waypoints,
-                 "header = joint names, a row a waypoint; neighbouring rows are joined by straight "
-                 "lines in joint space")
-      ->required()
-      ->type_name("WAYPOINTS.csv");
-  declareRobot(app, options.robot, options.srdf, options.scene, options.fidelity);
-  app.add_option("--clearance", options.settings.clearance,
-                 "free means that nothing comes nearer than this")
-      ->type_name("METRES")
-      ->capture_default_str();
-  app.add_option("--resolution", options.settings.resolution,
-                 "pairs that are still open where their motion is finer than this stay unresolved")
-      ->type_name("METRES")
-      ->capture_default_str();
-  declareBatch(app, options.threads, options.out);
+void declare(CommandLine& command_line, Options& options) {
+  declareRobot(command_line, options.robot, options.srdf, options.scene, options.fidelity);
+  command_line.requiredOption(
+      "waypoints", options.waypoints, "WAYPOINTS.csv",
+      "header = joint names, a row a waypoint; neighbouring rows are joined "
+      "by straight lines in joint space");
+  command_line.option("clearance", options.settings.clearance, "METRES",
+                      "free means that nothing comes nearer than this");
+  command_line.option("resolution", options.settings.resolution, "METRES",
+                      "pairs that are still open where their motion is finer than this stay "
+                      "unresolved");
+  declareBatch(command_line, options.threads, options.out);
 }
 
 void refuseWrong(const MotionSettings& settings) {
@@ -104,8 +98,10 @@ void checkAll(Options options) {
 
 int main(int argc, char** argv) {
   collision_pairs::Options options;
-  CLI::App app("Certifies the straight motions between waypoints of a robot, or finds a contact.",
-               "check_motion");
-  collision_pairs::declare(app, options);
-  return collision_pairs::runTool(app, argc, argv, [&] { collision_pairs::checkAll(options); });
+  collision_pairs::CommandLine command_line(
+      "check_motion",
+      "Certifies the straight motions between waypoints of a robot, or finds a contact.");
+  collision_pairs::declare(command_line, options);
+  return collision_pairs::runTool(command_line, argc, argv,
+                                  [&] { collision_pairs::checkAll(options); });
 }

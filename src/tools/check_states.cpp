@@ -6,8 +6,6 @@
 #include <optional>
 #include <string>
 
-#include <CLI/CLI.hpp>
-
 #include "collision_pairs/batch_check.h"
 #include "collision_pairs/input_error.h"
 #include "csv.h"
@@ -29,31 +27,22 @@ struct Options {
   unsigned threads = 0;
 };
 
-void declare(CLI::App& app, Options& options) {
-  app.add_option("--states", options.states, "header = joint names, a row a state")
-      ->required()
-      ->type_name("STATES.csv");
-  declareRobot(app, options.robot, options.srdf, options.scene, options.fidelity);
-  app.add_option("--alarm-distance", options.alarm_distance,
-                 "boxes closer than this are investigated")
-      ->type_name("METRES")
-      ->capture_default_str();
-  app.add_option("--tolerance", options.tolerance,
-                 "distances may be too small by this; contact or not stays exact")
-      ->type_name("METRES")
-      ->capture_default_str();
-  app.add_option("--time-budget", options.time_budget,
-                 "what a state may take; pairs that it leaves open count as they are bounded")
-      ->type_name("MICROSECONDS")
-      ->capture_default_str();
-  app.add_option("--max-hull-vertices", options.max_hull_vertices,
-                 "of the hulls of --fidelity convex; 0: as the settings say")
-      ->type_name("COUNT")
-      ->capture_default_str();
-  app.add_flag("--min-distance", options.min_distance, "find the smallest signed distance");
-  app.add_flag("--verdict-only", options.verdict_only,
-               "only whether it collides: ends at the first contact, the only pair named");
-  declareBatch(app, options.threads, options.out);
+void declare(CommandLine& command_line, Options& options) {
+  declareRobot(command_line, options.robot, options.srdf, options.scene, options.fidelity);
+  command_line.requiredOption("states", options.states, "STATES.csv",
+                              "header = joint names, a row a state");
+  command_line.option("alarm-distance", options.alarm_distance, "METRES",
+                      "boxes closer than this are investigated");
+  command_line.option("tolerance", options.tolerance, "METRES",
+                      "distances may be too small by this; contact or not stays exact");
+  command_line.option("time-budget", options.time_budget, "MICROSECONDS",
+                      "what a state may take; pairs that it leaves open count as they are bounded");
+  command_line.option("max-hull-vertices", options.max_hull_vertices, "COUNT",
+                      "of the hulls of --fidelity convex; 0: as the settings say");
+  command_line.flag("min-distance", options.min_distance, "find the smallest signed distance");
+  command_line.flag("verdict-only", options.verdict_only,
+                    "only whether it collides: ends at the first contact, the only pair named");
+  declareBatch(command_line, options.threads, options.out);
 }
 
 CheckSettings settingsFrom(const Options& options) {
@@ -150,7 +139,9 @@ void checkAll(const Options& options) {
 
 int main(int argc, char** argv) {
   collision_pairs::Options options;
-  CLI::App app("Checks recorded joint states of a robot for collisions.", "check_states");
-  collision_pairs::declare(app, options);
-  return collision_pairs::runTool(app, argc, argv, [&] { collision_pairs::checkAll(options); });
+  collision_pairs::CommandLine command_line(
+      "check_states", "Checks recorded joint states of a robot for collisions.");
+  collision_pairs::declare(command_line, options);
+  return collision_pairs::runTool(command_line, argc, argv,
+                                  [&] { collision_pairs::checkAll(options); });
 }

@@ -7,8 +7,6 @@
 #include <optional>
 #include <string>
 
-#include <CLI/CLI.hpp>
-
 #include "collision_pairs/input_error.h"
 #include "collision_pairs/mesh_loader.h"
 #include "pair_verdicts.h"
@@ -28,45 +26,32 @@ struct Options {
   std::string narrow_phase = "native";
 };
 
-void declare(CLI::App& app, Options& options) {
-  app.add_option("robot", options.robot, "the robot's URDF")->required()->type_name("ROBOT.urdf");
-  app.add_option("--srdf", options.srdf, "is kept, and what it does not decide is added")
-      ->type_name("GIVEN.srdf");
-  app.add_option("--samples", options.samples, "random joint states")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  app.add_option("--seed", options.seed, "of the random states")
-      ->check(CLI::NonNegativeNumber)
-      ->capture_default_str();
-  app.add_option("--threads", options.threads,
-                 "0: as many as the machine has; the output is the same")
-      ->check(CLI::NonNegativeNumber)
-      ->capture_default_str();
-  app.add_option("--confidence", options.rules.confidence, "of each bound, between 0 and 1")
-      ->capture_default_str();
-  app.add_option("--max-probability", options.rules.max_probability,
-                 "never: the bound on the probability of contact is at most this")
-      ->capture_default_str();
-  app.add_option("--clearance", options.rules.clearance,
-                 "pairs that come as near as this stay checked")
-      ->type_name("METRES")
-      ->capture_default_str();
-  app.add_option("--searches", options.searches,
-                 "for a contact of each pair that random states show none of")
-      ->check(CLI::NonNegativeNumber)
-      ->capture_default_str();
-  app.add_flag("--disable-default", options.disable_default,
-               "switch off pairs that touch with all joints at zero, although not always");
-  app.add_option("--narrow-phase", options.narrow_phase,
-                 "who answers pairs of shapes: native or fcl")
-      ->capture_default_str();
-  app.add_option("--out", options.out, "where to write (default: standard output)")
-      ->type_name("OUT.srdf");
-  app.add_option("--report", options.report, "a table of all pairs")->type_name("PAIRS.csv");
+void declare(CommandLine& command_line, Options& options) {
+  command_line.operand(options.robot, "ROBOT.urdf", "the robot's URDF");
+  command_line.option("srdf", options.srdf, "GIVEN.srdf",
+                      "is kept, and what it does not decide is added");
+  command_line.option("samples", options.samples, "COUNT", "random joint states");
+  command_line.option("seed", options.seed, "SEED", "of the random states");
+  declareThreads(command_line, options.threads);
+  command_line.option("confidence", options.rules.confidence, "SHARE",
+                      "of each bound, between 0 and 1");
+  command_line.option("max-probability", options.rules.max_probability, "SHARE",
+                      "never: the bound on the probability of contact is at most this");
+  command_line.option("clearance", options.rules.clearance, "METRES",
+                      "pairs that come as near as this stay checked");
+  command_line.option("searches", options.searches, "COUNT",
+                      "for a contact of each pair that random states show none of");
+  command_line.flag("disable-default", options.disable_default,
+                    "switch off pairs that touch with all joints at zero, although not always");
+  command_line.option("narrow-phase", options.narrow_phase, "NAME",
+                      "who answers pairs of shapes: native or fcl");
+  command_line.option("out", options.out, "OUT.srdf", "where to write (default: standard output)");
+  command_line.option("report", options.report, "PAIRS.csv", "a table of all pairs");
 }
 
 void refuseWrong(const Options& options) {
   const auto isShare = [](double value) { return value > 0.0 && value < 1.0; };
+  if (options.samples == 0) throw InputError("--samples must be 1 or more");
   if (!isShare(options.rules.confidence)) {
     throw InputError("--confidence must lie between 0 and 1, like 0.99");
   }
@@ -149,8 +134,9 @@ void generate(const Options& options) {
 
 int main(int argc, char** argv) {
   collision_pairs::Options options;
-  CLI::App app("Finds the pairs of links that need no collision check, and says why.",
-               "generate_srdf");
-  collision_pairs::declare(app, options);
-  return collision_pairs::runTool(app, argc, argv, [&] { collision_pairs::generate(options); });
+  collision_pairs::CommandLine command_line(
+      "generate_srdf", "Finds the pairs of links that need no collision check, and says why.");
+  collision_pairs::declare(command_line, options);
+  return collision_pairs::runTool(command_line, argc, argv,
+                                  [&] { collision_pairs::generate(options); });
 }

@@ -2,8 +2,6 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
-
 #include "bag_outputs.h"
 #include "tool.h"
 
@@ -15,22 +13,17 @@ struct Options {
   BagOutputOptions output;
 };
 
-void declare(CLI::App& app, Options& options) {
-  app.add_option("tables", options.tables,
-                 "all parts of one run (check_bag --shard), in any order; "
-                 "or whole tables, to follow each other")
-      ->required()
-      ->type_name("TABLE.csv...");
-  app.add_option("--out", options.output.out, "where to write (default: standard output)")
-      ->type_name("OUT.csv");
-  app.add_option("--report", options.output.report, "write a page for a browser there: index.html")
-      ->type_name("DIR");
-  app.add_option("--alarm-distance", options.output.alarm_distance, "as given to check_bag")
-      ->type_name("METRES")
-      ->capture_default_str();
-  app.add_option("--max-gap", options.output.max_gap, "as given to check_bag")
-      ->type_name("SECONDS")
-      ->capture_default_str();
+void declare(CommandLine& command_line, Options& options) {
+  command_line.operands(options.tables, "TABLE.csv...",
+                        "all parts of one run (check_bag --shard), in any order; or whole tables, "
+                        "to follow each other");
+  command_line.option("out", options.output.out, "OUT.csv",
+                      "where to write (default: standard output)");
+  command_line.option("report", options.output.report, "DIR",
+                      "write a page for a browser there: index.html");
+  command_line.option("alarm-distance", options.output.alarm_distance, "METRES",
+                      "as given to check_bag");
+  command_line.option("max-gap", options.output.max_gap, "SECONDS", "as given to check_bag");
 }
 
 void mergeAll(const Options& options) {
@@ -45,7 +38,9 @@ void mergeAll(const Options& options) {
 
 int main(int argc, char** argv) {
   collision_pairs::Options options;
-  CLI::App app("Puts tables of check_bag together.", "merge_bag_checks");
-  collision_pairs::declare(app, options);
-  return collision_pairs::runTool(app, argc, argv, [&] { collision_pairs::mergeAll(options); });
+  collision_pairs::CommandLine command_line("merge_bag_checks",
+                                            "Puts tables of check_bag together.");
+  collision_pairs::declare(command_line, options);
+  return collision_pairs::runTool(command_line, argc, argv,
+                                  [&] { collision_pairs::mergeAll(options); });
 }

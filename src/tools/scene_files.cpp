@@ -128,34 +128,35 @@ std::optional<Srdf> readSrdf(const std::string& path, const RobotModel& robot) {
   return srdfFromText(readTextFile(path), path, robot);
 }
 
-void declareScene(CLI::App& app, SceneOptions& options) {
-  app.add_option("--world", options.world, "a URDF that stands still, its root at the robot's root")
-      ->type_name("WORLD.urdf");
-  app.add_option("--settings", options.settings,
-                 "rules, paddings and the like, as the node's parameter file has them")
-      ->type_name("SETTINGS.yaml");
-  app.add_option("--narrow-phase", options.narrow_phase,
-                 "who answers pairs of shapes: native (the default) or fcl");
-  app.add_option("--group", options.group, "only pairs with a link that this group moves");
-  app.add_option("--links", options.links, "only pairs with one of these links; patterns are read")
-      ->type_name("LINK...");
+void declareScene(CommandLine& command_line, SceneOptions& options) {
+  command_line.option("world", options.world, "WORLD.urdf",
+                      "a URDF that stands still, its root at the robot's root");
+  command_line.option("settings", options.settings, "SETTINGS.yaml",
+                      "rules, paddings and the like, as the node's parameter file has them");
+  command_line.option("narrow-phase", options.narrow_phase, "NAME",
+                      "who answers pairs of shapes: native (the default) or fcl");
+  command_line.option("group", options.group, "GROUP",
+                      "only pairs with a link that this group moves");
+  command_line.option("links", options.links, "LINK...",
+                      "only pairs with one of these links; patterns are read");
 }
 
-void declareRobot(CLI::App& app, std::string& robot, std::string& srdf, SceneOptions& options,
-                  std::string& fidelity) {
-  app.add_option("robot", robot, "the robot's URDF")->required()->type_name("ROBOT.urdf");
-  app.add_option("--srdf", srdf, "switches off its pairs")->type_name("ROBOT.srdf");
-  declareScene(app, options);
-  auto* cloud =
-      app.add_option("--cloud", options.cloud,
-                     "points in the frame of the robot's root link, as one obstacle of "
-                     "voxels; named 'cloud'. Points of the robot itself must not be in it")
-          ->type_name("CLOUD.pcd");
-  auto* size = app.add_option("--voxel-size", options.voxel_size, "the edge of a voxel")
-                   ->type_name("METRES")
-                   ->needs(cloud);
-  cloud->needs(size);
-  app.add_option("--fidelity", fidelity, "aabb, obb, convex or mesh")->capture_default_str();
+void declareFidelity(CommandLine& command_line, std::string& fidelity) {
+  command_line.option("fidelity", fidelity, "NAME", "aabb, obb, convex or mesh");
+}
+
+void declareRobot(CommandLine& command_line, std::string& robot, std::string& srdf,
+                  SceneOptions& options, std::string& fidelity) {
+  command_line.operand(robot, "ROBOT.urdf", "the robot's URDF");
+  command_line.option("srdf", srdf, "ROBOT.srdf", "switches off its pairs");
+  declareScene(command_line, options);
+  command_line.option("cloud", options.cloud, "CLOUD.pcd",
+                      "points in the frame of the robot's root link, as one obstacle of voxels; "
+                      "named 'cloud'. Points of the robot itself must not be in it");
+  command_line.option("voxel-size", options.voxel_size, "METRES",
+                      "the edge of a voxel; --cloud requires it");
+  command_line.together("cloud", "voxel-size");
+  declareFidelity(command_line, fidelity);
 }
 
 std::string listedPair(const CollisionScene& scene, std::uint32_t first, std::uint32_t second) {
@@ -237,10 +238,14 @@ void warnOf(const JointStates& states, const RobotModel& robot, const std::strin
   for (const std::string& sentence : outsideLimits(states.positions, robot, what)) warn(sentence);
 }
 
-void declareBatch(CLI::App& app, unsigned& threads, std::string& out) {
-  app.add_option("--threads", threads, "0: as many as the machine has; the output is the same")
-      ->capture_default_str();
-  app.add_option("--out", out, "where to write (default: standard output)")->type_name("OUT.csv");
+void declareThreads(CommandLine& command_line, unsigned& threads) {
+  command_line.option("threads", threads, "COUNT",
+                      "0: as many as the machine has; the output is the same");
+}
+
+void declareBatch(CommandLine& command_line, unsigned& threads, std::string& out) {
+  declareThreads(command_line, threads);
+  command_line.option("out", out, "OUT.csv", "where to write (default: standard output)");
 }
 
 const BuiltScene& BagScenes::sceneFor(const BagContents& bag) {

@@ -6,11 +6,10 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
-
 #include "bag_reader.h"
 #include "cloud_config.h"
 #include "collision_pairs/collision_scene.h"
+#include "command_line.h"
 #include "joint_states_csv.h"
 
 namespace collision_pairs {
@@ -29,11 +28,12 @@ struct SceneOptions {
   std::vector<std::string> cloud_topics;  ///< recorded clouds that are obstacles
 };
 
-void declareScene(CLI::App& app, SceneOptions& options);
-/// The options of tools that answer for configurations of a robot: it, --srdf, the scene, --cloud
-/// and --voxel-size (of which readCloud() makes what a check wants), --fidelity.
-void declareRobot(CLI::App& app, std::string& robot, std::string& srdf, SceneOptions& options,
-                  std::string& fidelity);
+void declareScene(CommandLine& command_line, SceneOptions& options);
+void declareFidelity(CommandLine& command_line, std::string& fidelity);
+/// What tools that answer for configurations of a robot take: it, --srdf, the scene, --cloud and
+/// --voxel-size (of which readCloud() makes what a check wants), --fidelity.
+void declareRobot(CommandLine& command_line, std::string& robot, std::string& srdf,
+                  SceneOptions& options, std::string& fidelity);
 
 /// The names of two models as they stand in a list of a table, "a|b".
 std::string listedPair(const CollisionScene& scene, std::uint32_t first, std::uint32_t second);
@@ -70,8 +70,9 @@ std::shared_ptr<const CollisionScene> buildScene(const std::string& urdf_path,
 /// outsideLimits().
 void warnOf(const JointStates& states, const RobotModel& robot, const std::string& what);
 
+void declareThreads(CommandLine& command_line, unsigned& threads);
 /// --threads and --out of a tool that answers row by row.
-void declareBatch(CLI::App& app, unsigned& threads, std::string& out);
+void declareBatch(CommandLine& command_line, unsigned& threads, std::string& out);
 
 /// Builds a scene from files or, where none is given, from what the bag itself says. Bags in a row
 /// with the same robot share it.

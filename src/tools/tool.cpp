@@ -14,24 +14,15 @@ constexpr int WRONG_INPUT = 2;
 constexpr auto REDRAWN_EVERY = std::chrono::milliseconds(100);
 constexpr std::size_t BAR_WIDTH = 40;  // characters
 
-int refuse(const std::string& message) {
-  std::cerr << "error: " << InputError(message).what() << '\n';
-  return WRONG_INPUT;
-}
-
 }  // namespace
 
-int runTool(CLI::App& app, int argc, char** argv, const std::function<void()>& work) {
+int runTool(CommandLine& command_line, int argc, char** argv, const std::function<void()>& work) {
   try {
-    app.parse(argc, argv);
-    work();
+    if (command_line.parse(argc, argv)) work();
     return 0;
-  } catch (const CLI::Success& help) {
-    return app.exit(help);
-  } catch (const CLI::ParseError& error) {
-    return refuse(std::string(error.what()) + "; see " + app.get_name() + " --help");
   } catch (const std::exception& error) {
-    return refuse(error.what());
+    std::cerr << "error: " << InputError(error.what()).what() << '\n';
+    return WRONG_INPUT;
   }
 }
 

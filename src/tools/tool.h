@@ -8,12 +8,12 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
+#include "command_line.h"
 
 namespace collision_pairs {
 
 /// Parses the command line and runs `work`. 0: done; 2: wrong input, said in one line.
-int runTool(CLI::App& app, int argc, char** argv, const std::function<void()>& work);
+int runTool(CommandLine& command_line, int argc, char** argv, const std::function<void()>& work);
 
 /// "warning: …" on standard error.
 void warn(const std::string& message);

@@ -8,9 +8,9 @@ namespace {
 constexpr std::size_t LONGEST = 1000;          // bytes
 constexpr std::size_t BEGIN = 600, END = 390;  // bytes kept of what is longer
 
-bool isControl(char byte) {
+bool isControl(char byte) {  // char has no sign on arm64
   constexpr char DELETE = 0x7f;
-  return (byte >= 0 && byte < ' ') || byte == DELETE;
+  return static_cast<unsigned char>(byte) < ' ' || byte == DELETE;
 }
 
 // A character of UTF-8 is not cut in two.

@@ -1,0 +1,127 @@
+#include "command_line.h"
+
+#include <cstddef>
+#include <iostream>
+
+#include "collision_pairs/input_error.h"
+#include "user_text.h"
+
+namespace collision_pairs {
+namespace {
+
+namespace po = boost::program_options;
+
+constexpr unsigned LINE_LENGTH = 100, LEAST_DESCRIPTION_LENGTH = 66;  // characters of --help
+constexpr std::size_t MOST_EDITS = 2;                                 // of a misspelled option
+
+/// "; is '--seed' meant?", or nothing where no option is spelled like it.
+std::string suggestion(const std::string& given, const po::options_description& options) {
+  std::vector<std::string> names;
+  for (const auto& option : options.options()) names.push_back("--" + option->long_name());
+  const std::string nearest = nearestName(given, names, MOST_EDITS);
+  return nearest.empty() ? "" : "; is '" + nearest + "' meant?";
+}
+
+}  // namespace
+
+CommandLine::CommandLine(std::string tool, std::string purpose)
+    : tool_(std::move(tool)),
+      purpose_(std::move(purpose)),
+      options_("Options", LINE_LENGTH, LEAST_DESCRIPTION_LENGTH) {
+  options_.add_options()("help,h", "print this and exit");
+}
+
+void CommandLine::operand(std::string& word, const std::string& value_name,
+                          const std::string& help) {
+  operand_ = &word;
+  operand_name_ = value_name;
+  operand_help_ = help;
+}
+
+void CommandLine::operands(std::vector<std::string>& words, const std::string& value_name,
+                           const std::string& help) {
+  operands_ = &words;
+  operand_name_ = value_name;
+  operand_help_ = help;
+}
+
+void CommandLine::requiredOption(const std::string& name, std::string& value,
+                                 const std::string& value_name, const std::string& help) {
+  required_ += " --" + name + ' ' + value_name;
+  options_.add_options()(name.c_str(), po::value(&value)->value_name(value_name)->required(),
+                         help.c_str());
+}
+
+void CommandLine::flag(const std::string& name, bool& value, const std::string& help) {
+  options_.add_options()(name.c_str(), po::bool_switch(&value), help.c_str());
+}
+
+void CommandLine::together(const std::string& first, const std::string& second) {
+  together_.emplace_back(first, second);
+  together_.emplace_back(second, first);
+}
+
+bool CommandLine::parse(int argc, char** argv) {
+  try {
+    const po::parsed_options parsed = split(argc, argv);
+    po::variables_map values;
+    po::store(parsed, values);
+    if (values.count("help") > 0) {
+      printHelp();
+      return false;
+    }
+    refuseNegativeCounts(parsed);
+    takeOperands(parsed);
+    for (const auto& [given, needed] : together_) {
+      const bool is_given = values.count(given) > 0 && !values[given].defaulted();
+      const bool is_there = values.count(needed) > 0 && !values[needed].defaulted();
+      if (is_given && !is_there) throw InputError("--" + given + " requires --" + needed);
+    }
+    po::notify(values);
+    return true;
+  } catch (const po::unknown_option& error) {
+    throw InputError(error.what() + suggestion(error.get_option_name(), options_) + "; see " +
+                     tool_ + " --help");
+  } catch (const std::exception& error) {
+    throw InputError(std::string(error.what()) + "; see " + tool_ + " --help");
+  }
+}
+
+po::parsed_options CommandLine::split(int argc, char** argv) const {
+  constexpr int STYLE =
+      po::command_line_style::unix_style & ~po::command_line_style::allow_guessing;
+  return po::command_line_parser(argc, argv).options(options_).style(STYLE).run();
+}
+
+// Boost reads "-1" as the largest unsigned number.
+void CommandLine::refuseNegativeCounts(const po::parsed_options& parsed) const {
+  for (const po::option& option : parsed.options) {
+    if (counts_.count(option.string_key) > 0 && option.value.front().rfind('-', 0) == 0) {
+      throw InputError("--" + option.string_key + ' ' + option.value.front() +
+                       ": must be 0 or more");
+    }
+  }
+}
+
+void CommandLine::takeOperands(const po::parsed_options& parsed) {
+  std::vector<std::string> words;
+  for (const po::option& option : parsed.options) {
+    if (option.string_key.empty()) words.push_back(option.value.front());
+  }
+  if (words.empty()) throw InputError(operand_name_ + " is missing: " + operand_help_);
+  if (operands_ != nullptr) {
+    *operands_ = words;
+  } else if (words.size() == 1) {
+    *operand_ = words.front();
+  } else {
+    throw InputError("'" + words[1] + "': only one " + operand_name_ + " was expected");
+  }
+}
+
+void CommandLine::printHelp() const {
+  std::cout << purpose_ << "\n\nUsage: " << tool_ << ' ' << operand_name_ << required_
+            << " [OPTIONS]\n  " << operand_name_ << ": " << operand_help_ << "\n\n"
+            << options_;
+}
+
+}  // namespace collision_pairs

@@ -1,0 +1,72 @@
+// What a tool is told on its command line, read by Boost.Program_options.
+#pragma once
+
+#include <set>
+#include <sstream>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include <boost/program_options.hpp>
+
+namespace collision_pairs {
+
+/// The operands and options of a tool: each is a variable that takes the value; what it holds
+/// before is the default, and what --help prints. Names are given without their dashes.
+class CommandLine {
+ public:
+  CommandLine(std::string tool, std::string purpose);
+
+  /// The words that belong to no option: exactly one, or one and more.
+  void operand(std::string& word, const std::string& value_name, const std::string& help);
+  void operands(std::vector<std::string>& words, const std::string& value_name,
+                const std::string& help);
+
+  /// T: a number, a std::string, or a std::vector of them, which takes all words up to the next
+  /// option or to `--`, and may be repeated.
+  template <typename T>
+  void option(const std::string& name, T& value, const std::string& value_name,
+              const std::string& help);
+  /// The same, without which the tool cannot work.
+  void requiredOption(const std::string& name, std::string& value, const std::string& value_name,
+                      const std::string& help);
+  void flag(const std::string& name, bool& value, const std::string& help);
+  /// Each of the two options needs the other.
+  void together(const std::string& first, const std::string& second);
+
+  /// False if --help was asked for: it was printed, and no variable is set.
+  /// Throws InputError; whatever it says of a word, it names the option.
+  bool parse(int argc, char** argv);
+
+ private:
+  boost::program_options::parsed_options split(int argc, char** argv) const;
+  void refuseNegativeCounts(const boost::program_options::parsed_options& parsed) const;
+  void takeOperands(const boost::program_options::parsed_options& parsed);
+  void printHelp() const;
+
+  std::string tool_, purpose_, operand_name_, operand_help_;
+  std::string required_;  ///< options, as the line of usage shows them
+  std::string* operand_ = nullptr;
+  std::vector<std::string>* operands_ = nullptr;
+  boost::program_options::options_description options_;
+  std::set<std::string> counts_;  ///< options of unsigned numbers
+  std::vector<std::pair<std::string, std::string>> together_;
+};
+
+template <typename T>
+void CommandLine::option(const std::string& name, T& value, const std::string& value_name,
+                         const std::string& help) {
+  auto* semantic = boost::program_options::value(&value)->value_name(value_name);
+  if constexpr (std::is_same_v<T, std::vector<std::string>>) {
+    semantic->multitoken();
+  } else if (std::is_arithmetic_v<T> || value != T()) {
+    std::ostringstream shown;
+    shown << value;
+    semantic->default_value(value, shown.str());
+  }
+  if (std::is_unsigned_v<T>) counts_.insert(name);
+  options_.add_options()(name.c_str(), semantic, help.c_str());
+}
+
+}  // namespace collision_pairs

@@ -1,0 +1,98 @@
+"""The command lines of all tools: what --help says, what is refused and how, which words belong to which option."""
+import os
+import re
+
+import pytest
+from conftest import DEMO, PROJECT
+
+URDF = os.path.join(DEMO, "demo_robot.urdf")
+TOOLS = {"check_states": ["ROBOT.urdf", "--states STATES.csv"], "check_motion": ["ROBOT.urdf", "--waypoints WAYPOINTS.csv"],
+         "check_bag": ["BAG..."], "generate_srdf": ["ROBOT.urdf"], "merge_bag_checks": ["TABLE.csv..."]}
+
+
+def documented(tool):
+    """The options that docs/tools.md shows for it."""
+    with open(os.path.join(PROJECT, "docs/tools.md"), encoding="utf-8") as page:
+        calls = re.findall(r"^%s .*?\n(?=\S)" % tool, page.read(), re.MULTILINE | re.DOTALL)
+    return re.findall(r"[\[ ]--([a-z-]+)", "".join(calls))
+
+
+@pytest.fixture
+def refused(run_tool):
+    """What a tool says on the one line with which it refuses its input."""
+    def run(*command):
+        done = run_tool(*command)
+        assert done.returncode == 2 and len(done.stderr.splitlines()) == 1, (command, done.stderr)
+        return done.stderr
+    return run
+
+
+@pytest.mark.parametrize("tool", TOOLS)
+def test_help_says_how_the_tool_is_called_and_every_option(run_tool, tool):
+    done = run_tool(tool, "--help")
+    assert done.returncode == 0 and done.stderr == "" and done.stdout == run_tool(tool, "-h").stdout
+    usage = re.search(r"^Usage: (.*)$", done.stdout, re.MULTILINE).group(1)
+    assert usage == " ".join([tool] + TOOLS[tool] + ["[OPTIONS]"])
+    described = re.findall(r"^  --([a-z-]+)", done.stdout, re.MULTILINE)
+    assert len(described) == len(set(described)) and set(documented(tool)) <= set(described)
+    assert max(map(len, done.stdout.splitlines())) <= 120
+
+
+def test_defaults_are_printed_as_they_are_written(run_tool):
+    said = run_tool("generate_srdf", "--help").stdout
+    for default in ("--confidence SHARE (=0.99) ", "--max-probability SHARE (=0.0001)", "--samples COUNT (=50000) "):
+        assert default in said
+
+
+@pytest.mark.parametrize("command, says", [
+    (["check_states", URDF], "'--states' is required"), (["check_states", URDF, "--states"], "argument for option '--states'"),
+    (["check_states", "--states", "x"], "ROBOT.urdf is missing"), (["check_bag"], "BAG... is missing"),
+    (["check_states", URDF, "two.urdf", "--states", "x"], "'two.urdf': only one ROBOT.urdf"),
+    (["check_states", URDF, "--states", "x", "--states", "y"], "'--states' cannot be specified more than once"),
+    (["check_states", URDF, "--states", "x", "--fidelty", "obb"], "'--fidelty'; is '--fidelity' meant?"),
+    (["check_states", URDF, "--stat", "x"], "unrecognised option '--stat'; is '--states' meant?"),  # no abbreviations
+    (["check_states", URDF, "--states", "x", "--cloud", "y"], "--cloud requires --voxel-size"),
+    (["check_states", URDF, "--states", "x", "--voxel-size", "1"], "--voxel-size requires --cloud"),
+    (["check_states", URDF, "--states", "x", "--min-distance=no"], "'--min-distance' does not take"),
+    (["check_states", URDF, "--states", "x", "--links"], "argument for option '--links'"),
+    (["generate_srdf", URDF, "-x"], "'-x'"), (["merge_bag_checks"], "TABLE.csv... is missing")])
+def test_a_wrong_command_line_is_refused_by_name_with_the_way_to_help(refused, command, says):
+    said = refused(*command)
+    assert says in said and said.endswith("see %s --help\n" % command[0]), said
+
+
+@pytest.mark.parametrize("value", ["far", "1x", "", "1e999", "0x", "1,5", "--", "1 2"])
+def test_a_word_that_is_no_number_is_refused_with_its_option(refused, value):
+    assert "--tolerance" in refused("check_states", URDF, "--states", "x", "--tolerance", value)
+
+
+@pytest.mark.parametrize("value", ["-1", "-0", "1.5", "x", "", " 1", "18446744073709551616", "1e3"])
+def test_what_is_no_count_is_refused_and_never_wraps_around(refused, value):
+    for option in ("--threads", "--samples", "--seed", "--searches"):
+        assert option in refused("generate_srdf", URDF, option, value)
+
+
+@pytest.mark.parametrize("option", [["--alarm-distance", "-1"], ["--alarm-distance=-1"], ["--alarm-distance", "-1e-3"]])
+def test_a_negative_number_is_the_value_of_the_option_before_it(refused, option):
+    assert "--alarm-distance must be a finite number" in refused("check_states", URDF, "--states", "x", *option)
+
+
+def test_a_value_may_begin_with_a_dash(refused):
+    for option in (["--states", "-s.csv"], ["--states=-s.csv"]):
+        assert "-s.csv: cannot be opened" in refused("check_states", URDF, *option)
+    assert "--a.csv: cannot be opened" in refused("merge_bag_checks", "--", "--a.csv")
+
+
+@pytest.mark.parametrize("words", [
+    ["--links", "first", "second", "--", URDF], ["--links", "first", "second", "--tolerance", "0", URDF],
+    [URDF, "--links", "first", "--tolerance", "0", "--links", "second"], ["--", URDF]])
+def test_several_words_of_an_option_end_at_the_next_option_or_two_dashes(refused, tmp_path, words):
+    said = refused("check_states", "--states", tmp_path / "none.csv", *words)
+    assert ("'first'" in said) if "--links" in words else ("none.csv" in said), said
+
+
+def test_a_long_word_is_cut_and_control_bytes_are_not_printed(refused):
+    for words in (["--" + 100000 * "y"], ["--tolerance", 100000 * "y"], [100000 * "y"]):
+        assert len(refused("check_states", URDF, "--states", "x", *words)) < 1100
+    for words in (["--a\x1b[31mb"], ["--tolerance", "a\x1b[31mb"], ["a\x1b[31mb\n"]):
+        assert re.search(r"[\x00-\x09\x0b-\x1f]", refused("check_states", URDF, "--states", "x", *words)) is None
