@@ -83,12 +83,13 @@ struct CollisionReport {
   double tolerance = 0.0;         ///< CheckSettings::tolerance
   std::vector<PairReport> pairs;  ///< sorted by (first, second)
   std::vector<Contact> contacts;  ///< in the order of `pairs`
-  /// The investigated pairs of elements, sorted: nb_pairs. Those whose boxes, SceneElement::boxAt(),
-  /// are no further apart than the alarm distance. A cloud is one element with many boxes. With
-  /// verdict_only they are not listed, unless CheckSettings::list_boxes asks for them.
+  /// The investigated pairs of elements, sorted: nb_pairs. Those whose boxes,
+  /// SceneElement::boxAt(), are no further apart than the alarm distance. A cloud is one element
+  /// with many boxes. With verdict_only they are not listed, unless CheckSettings::list_boxes asks
+  /// for them.
   std::vector<BoxPair> candidates;
-  /// These boxes, one an element, in W; not valid() where it has no pose, and those of clouds. Empty
-  /// unless CheckSettings::list_boxes asks for them.
+  /// These boxes, one an element, in W; not valid() where it has no pose, and those of clouds.
+  /// Empty unless CheckSettings::list_boxes asks for them.
   std::vector<Aabb> boxes;
   /// Models without a usable pose, and clouds of which it is not known, or only in part, which
   /// voxels are occupied; ascending.
@@ -96,7 +97,7 @@ struct CollisionReport {
   std::uint32_t nb_boxes = 0;  ///< moving and static boxes and voxels of this cycle
   /// Investigated pairs by the rung (Fidelity) that settled them; with verdict_only up to the first
   /// contact.
-  std::array<std::uint32_t, 4> nb_settled = {0, 0, 0, 0};
+  std::array<std::uint32_t, 5> nb_settled = {0, 0, 0, 0, 0};
   /// Investigated pairs that the time budget left UNRESOLVED; with nb_settled, all of them.
   std::uint32_t nb_unresolved = 0;
   bool budget_spent = false;      ///< the time ended before everything was settled

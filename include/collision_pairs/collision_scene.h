@@ -31,6 +31,7 @@ struct CollisionModel {
 };
 
 struct MeshBounds;
+class FineBalls;
 
 /// The element as one rung of the ladder sees it.
 struct Rung {
@@ -48,9 +49,9 @@ struct SceneElement {
   Eigen::Isometry3d X_BE;  ///< pose in its body's frame; in W if it never moves
   /// The finest geometry that its link may be checked with.
   Fidelity finest = Fidelity::MESH;
-  /// By Fidelity; AABB has none of its own. Shared where rungs are the same shape; without one
-  /// where no allowed pair asks for it.
-  std::array<Rung, 4> rungs;
+  /// By Fidelity; AABB and SPHERES have none of their own. Shared where rungs are the same shape;
+  /// without one where no allowed pair asks for it.
+  std::array<Rung, 5> rungs;
   const Rung& rung(Fidelity fidelity) const { return rungs[static_cast<int>(fidelity)]; }
   /// Metres that it keeps to everything; and the same, or half of the most that one of its pairs
   /// wants instead, by which its box grows.
@@ -60,6 +61,8 @@ struct SceneElement {
   /// all of them.
   Aabb boxAt(const Eigen::Isometry3d& X_WE) const;
   std::shared_ptr<const MeshBounds> mesh_bounds;  ///< null for a primitive
+  /// What it is at SPHERES; made when it is first asked for. Null for a primitive.
+  std::shared_ptr<const FineBalls> balls;
   /// A box along the axes of E that encloses the element, rounding included: its centre and half
   /// its size, in E. Infinite for a half-space.
   Eigen::Vector3d box_center, box_half;

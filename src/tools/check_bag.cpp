@@ -46,7 +46,7 @@ void declare(CLI::App& app, Options& options) {
                  "recorded sensor_msgs/PointCloud2 that are obstacles; --settings may say how")
       ->type_name("TOPIC...");
   app.add_option("--prefix", options.poses.prefix, "what the bag puts before this robot's names");
-  app.add_option("--fidelity", options.fidelity, "aabb, obb, convex or mesh")
+  app.add_option("--fidelity", options.fidelity, "aabb, spheres, obb, convex or mesh")
       ->capture_default_str();
   app.add_option("--alarm-distance", options.output.alarm_distance,
                  "pairs up to this far apart are reported")

@@ -156,7 +156,7 @@ void declareRobot(CLI::App& app, std::string& robot, std::string& srdf, SceneOpt
                    ->type_name("METRES")
                    ->needs(cloud);
   cloud->needs(size);
-  app.add_option("--fidelity", fidelity, "aabb, obb, convex or mesh")->capture_default_str();
+  app.add_option("--fidelity", fidelity, "aabb, spheres, obb, convex or mesh")->capture_default_str();
 }
 
 std::string listedPair(const CollisionScene& scene, std::uint32_t first, std::uint32_t second) {

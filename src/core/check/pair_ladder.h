@@ -38,8 +38,8 @@ class PairLadder {
   Answer climb(const BoxPair& pair, Fidelity top, double max_distance, double tolerance = 0.0);
 
   /// Only whether the two meet at rung `top`, which is less work than climb(): BOUND at distance 0
-  /// if they do, BEYOND if they do not, DEGRADED if neither could be shown. At a rung that sticks out
-  /// of its elements pairs may meet whose tight boxes do not: that is for the caller to see.
+  /// if they do, BEYOND if they do not, DEGRADED if neither could be shown. At a rung that sticks
+  /// out of its elements pairs may meet whose tight boxes do not: that is for the caller to see.
   Answer touches(const BoxPair& pair, Fidelity top);
 
   /// Lower bounds of the signed distance, marked UNFINISHED, or BEYOND where further apart than
@@ -79,6 +79,9 @@ class PairLadder {
   Answer measureAt(const BoxPair& pair, const Eigen::Isometry3d& X_AB, Fidelity rung,
                    double max_distance, double tolerance);
   Answer measureBoxes(const BoxPair& pair) const;
+  Answer measureBalls(const BoxPair& pair, const Eigen::Isometry3d& X_AB, double max_distance);
+  /// In the frame of the first, the padding not taken off. BEYOND: by more than max_distance.
+  PairDistance ballsApart(const BoxPair& pair, const Eigen::Isometry3d& X_AB, double max_distance);
   /// True where it cannot be shown that they do not.
   bool meets(const BoxPair& pair, Fidelity rung);
   /// A lower bound of the distance of the two OBBs, less the padding; 0 or less does not mean that

@@ -180,7 +180,7 @@ class Detector:
         """states: (n, len(joints)), or (len(joints),) for one; rad or m. float64 is read where it lies, whatever the
         strides; float32, integers and lists are converted. joints: None: Detector.joints; those not named stand at
         zero, or their nearer limit, and are warned of. alarm_distance: m, pairs up to this far apart are reported.
-        fidelity: aabb, obb, convex or mesh. min_distance: the exact smallest, also beyond the alarm distance.
+        fidelity: aabb, spheres, obb, convex or mesh. min_distance: the exact smallest, also beyond the alarm distance.
         verdict_only: ends at the first contact. time_budget: s a state, 0: none. gradient: of each pair's distance.
         tolerance: m that a distance may be too small by, then LOWER_BOUND; contact or not stays exact; 0 with gradient.
         """
