@@ -83,8 +83,11 @@ TEST(JointStatesCsv, WrongColumnsAreRefusedByName) {
 TEST(JointStatesCsv, WrongFieldsAreRefusedWithTheirLine) {
   EXPECT_THAT(refusal("pan,lift\n1,2\n1\n"), testing::HasSubstr("line 3: 1 fields"));
   EXPECT_THAT(refusal("pan,lift\n1,2,3\n"), testing::HasSubstr("3 fields"));
-  for (const char* text : {"nan", "inf", "", "1.0x", "one", "1 2", "0x10", "--1", "+-1"}) {
-    EXPECT_THAT(refusal("pan\n" + std::string(text) + "x\n"), testing::HasSubstr("line 2")) << text;
+  for (const char* text : {"nan", "inf", "1.0x", "one", "1 2", "0x10", "--1", "+-1", "1.2.3", "1-2",
+                           "1e", "1e5e3", "e5", "."}) {
+    EXPECT_THAT(refusal("pan\n" + std::string(text) + "\n"),
+                testing::HasSubstr("line 2: joint 'pan': '" + std::string(text) + "' is not"))
+        << text;
   }
   EXPECT_THAT(refusal("pan\nnan\n"), testing::HasSubstr("'nan' is not a finite number"));
   EXPECT_THAT(refusal("pan,lift\n1,\n"), testing::HasSubstr("joint 'lift': '' is not"));

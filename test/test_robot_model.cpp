@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "collision_pairs/input_error.h"
 #include "collision_pairs/robot_model.h"
 #include "demo_scene.h"
 #include "random_inputs.h"
@@ -100,6 +101,18 @@ TEST(RobotModel, ForwardKinematicsIsTheProductOfTheJointsOnePerBody) {
         EXPECT_TRUE(X_RB[b].matrix().isApprox(X_expected[b].matrix(), 1e-14)) << b;
       }
     }
+  }
+}
+
+TEST(RobotModel, PositionsWithoutOneEntryForEachJointAreRefused) {
+  const auto robot =
+      robotFrom(emptyLink("a") + emptyLink("b") + emptyLink("c") +
+                joint("turn", "continuous", "a", "b") + joint("hold", "fixed", "b", "c"));
+  std::vector<Eigen::Isometry3d> X_RB;
+  for (const std::size_t size : {std::size_t{0}, std::size_t{1}, std::size_t{3}}) {
+    std::vector<double> q(size, 0.0);
+    EXPECT_THROW(robot->forwardKinematics(q, X_RB), InputError) << size;
+    EXPECT_THROW(robot->applyMimics(q), InputError) << size;
   }
 }
 

@@ -133,6 +133,12 @@ class RobotModel {
   /// mimic follow. One entry a joint (those without a position: 0).
   std::vector<double> zeroPositions() const;
 
+  /// Throws InputError unless there is one entry a joint, fixed joints included; so do all
+  /// functions that take positions.
+  void requireOneEntryAJoint(const std::vector<double>& positions) const {
+    if (positions.size() != joints_.size()) refuse(positions.size());
+  }
+
   /// Overwrites the positions of all joints that mimic another.
   void applyMimics(std::vector<double>& positions) const;
 
@@ -149,6 +155,7 @@ class RobotModel {
  private:
   friend class UrdfReader;
   RobotModel() = default;
+  [[noreturn]] void refuse(std::size_t nb_positions) const;
   void append(const Placed& robot);
   void indexNames();
   void groupIntoBodies();

@@ -136,6 +136,7 @@ void BatchStage::Group::clear() {
 }
 
 bool BatchStage::Group::set(int lane, const std::vector<double>& positions) {
+  stage_.scene_.robot().requireOneEntryAJoint(positions);
   const auto& columns = stage_.model_.columns;
   double* const to = positions_.data() + lane;
   bool is_near = true;

@@ -157,7 +157,14 @@ std::vector<double> RobotModel::zeroPositions() const {
   return positions;
 }
 
+void RobotModel::refuse(std::size_t nb_positions) const {
+  throw InputError(std::to_string(nb_positions) + " joint positions, but the robot has " +
+                   std::to_string(joints_.size()) +
+                   " joints: one for each is needed, fixed joints included");
+}
+
 void RobotModel::applyMimics(std::vector<double>& positions) const {
+  requireOneEntryAJoint(positions);
   // A chain of mimics is followed to the joint that leads it; the reader refuses cycles.
   const std::function<double(int)> position = [&](int joint) -> double {
     const auto& mimic = joints_[joint].mimic;
@@ -170,6 +177,7 @@ void RobotModel::applyMimics(std::vector<double>& positions) const {
 
 void RobotModel::forwardKinematics(const std::vector<double>& positions,
                                    std::vector<Isometry3d>& X_RB) const {
+  requireOneEntryAJoint(positions);
   X_RB.resize(bodies_.size(), Isometry3d::Identity());
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     const Body& body = bodies_[i];
