@@ -94,6 +94,9 @@ target_sources(test_self_filter PRIVATE test/benchmark/benchmark_robots.cpp
 collision_pairs_test(shape)
 collision_pairs_test(slab_bounds)
 collision_pairs_test(solid_angle)
+collision_pairs_test(spheres collision_pairs_io)
+target_sources(test_spheres PRIVATE test/benchmark/benchmark_robots.cpp
+  test/benchmark/demo_motion.cpp)
 collision_pairs_test(srdf)
 collision_pairs_test(sweep_allocations)
 collision_pairs_test(sweep_and_prune)

@@ -16,13 +16,16 @@ bool isWithin(const Ball& ball, const Vector3d& p) {
   return (p - ball.center).norm() <= ball.radius + ROUNDING;
 }
 
-BallCover coverOf(const Shape& shape) {
-  return coverByBalls(static_cast<const Prepared&>(*prepareShape(shape)));
+BallCover coverOf(const Shape& shape, std::size_t most_balls = 127) {
+  return coverByBalls(static_cast<const Prepared&>(*prepareShape(shape)), most_balls);
 }
 
 std::vector<Ball> leavesOf(const BallCover& cover) {
-  const auto nb_inner_nodes = static_cast<std::ptrdiff_t>(cover.outer.size() / 2);
-  return {cover.outer.begin() + nb_inner_nodes, cover.outer.end()};
+  std::vector<Ball> leaves;
+  for (const OuterBall& ball : cover.outer) {
+    if (ball.first_child == 0) leaves.push_back(ball);
+  }
+  return leaves;
 }
 
 /// Membership by definition, of solids of which it is simple.
@@ -83,25 +86,54 @@ TEST(EnclosingBall, HoldsAllPointsAndIsHardlyLargerThanTheSmallest) {
   EXPECT_EQ(one.center, Vector3d(1, 2, 3));
 }
 
-TEST(BallCover, EnclosesEverySolidAtEachDepthOfItsTree) {
+/// Is the point in a leaf, on the way to which all balls hold it?
+bool leadsToLeaf(const std::vector<OuterBall>& tree, int at, const Vector3d& p) {
+  const OuterBall& ball = tree[static_cast<std::size_t>(at)];
+  if (!isWithin(ball, p)) return false;
+  return ball.first_child == 0 || leadsToLeaf(tree, ball.first_child, p) ||
+         leadsToLeaf(tree, ball.first_child + 1, p);
+}
+
+TEST(BallCover, EverySolidIsEnclosedOnTheWayToTheLeavesOfItsTree) {
   RandomInputs random;
   for (const std::string& kind : EVERY_KIND) {
     SCOPED_TRACE(kind);
     for (int round = 0; round < 5; ++round) {
       const double size = std::pow(10.0, random.uniform(-2, 1));
       const Shape shape = shapeOfKind(random, kind, size);
-      const auto outer = coverOf(shape).outer;
-      ASSERT_EQ((outer.size() + 1) & outer.size(), 0u) << "a full tree";
-      for (int i = 0; i < 2000; ++i) {
-        const Vector3d p = pointOf(random, shape, size);
-        for (std::size_t first = 0; first < outer.size(); first = 2 * first + 1) {
-          const auto begin = outer.begin() + static_cast<std::ptrdiff_t>(first);
-          const auto end = begin + static_cast<std::ptrdiff_t>(first + 1);
-          ASSERT_TRUE(std::any_of(begin, end, [&](const Ball& b) { return isWithin(b, p); }));
+      for (const std::size_t most_balls : {1, 127, 1001}) {
+        const auto outer = coverOf(shape, most_balls).outer;
+        ASSERT_TRUE(outer.size() <= most_balls || isPrimitive(shape));
+        for (int i = 0; i < 2000; ++i) {
+          ASSERT_TRUE(leadsToLeaf(outer, 0, pointOf(random, shape, size)));
         }
       }
     }
   }
+}
+
+TEST(BallCover, ATreeOfFewerBallsIsTheBeginningOfOneOfMore) {
+  const Shape shape = meshShape(LShape().mesh());
+  const auto few = coverOf(shape, 63).outer, many = coverOf(shape, 501).outer;
+  ASSERT_LT(few.size(), many.size());
+  for (std::size_t i = 0; i < few.size(); ++i) {
+    EXPECT_EQ(few[i].center, many[i].center);
+    EXPECT_EQ(few[i].radius, many[i].radius);
+    EXPECT_TRUE(few[i].first_child == 0 || few[i].first_child == many[i].first_child);
+  }
+}
+
+TEST(BallCover, MoreBallsStickOutLess) {
+  RandomInputs random;
+  const Shape shape = meshShape(LShape().mesh());
+  const BallCover few = coverOf(shape, 31), many = coverOf(shape, 2047);
+  int in_few = 0, in_many = 0;
+  for (int i = 0; i < 20000; ++i) {
+    const Vector3d p = random.vector(-2.0, 2.0);
+    in_few += leadsToLeaf(few.outer, 0, p);
+    in_many += leadsToLeaf(many.outer, 0, p);
+  }
+  EXPECT_LT(in_many, in_few);
 }
 
 TEST(BallCover, OfAMeshHoldsWhatTheMeshEncloses) {
@@ -116,15 +148,6 @@ TEST(BallCover, OfAMeshHoldsWhatTheMeshEncloses) {
     ASSERT_TRUE(std::any_of(leaves.begin(), leaves.end(),
                             [&](const Ball& ball) { return isWithin(ball, p); }));
   }
-}
-
-TEST(BallCover, LeavesAreTighterThanTheRoot) {
-  const auto outer = coverOf(meshShape(LShape().mesh())).outer;
-  double largest = 0.0;
-  for (std::size_t i = outer.size() / 2; i < outer.size(); ++i) {
-    largest = std::max(largest, outer[i].radius);
-  }
-  EXPECT_LT(largest, 0.5 * outer[0].radius);
 }
 
 TEST(BallCover, InnerBallsLieInTheSolid) {

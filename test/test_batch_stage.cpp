@@ -144,7 +144,7 @@ TEST(BatchStage, KernelsTellEachStateTheSame) {
     for (int i = 0; i < 64; ++i) states.push_back(randomPositions(random, scene->robot()));
     std::vector<std::vector<Outcome>> outcomes;
     for (const BatchKernel& kernel : batchKernels()) {
-      const auto stage = BatchStage::make(*scene, kernel);
+      const auto stage = BatchStage::make(*scene, Fidelity::MESH, kernel);
       ASSERT_NE(stage, nullptr);
       BatchStage::Group group(*stage);
       outcomes.emplace_back();

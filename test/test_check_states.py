@@ -93,7 +93,7 @@ def test_without_srdf_neighbours_are_not_checked(run_tool, states):
     assert "arm_base|shoulder" not in done.stdout
 
 
-@pytest.mark.parametrize("fidelity", ["aabb", "obb", "convex", "mesh"])
+@pytest.mark.parametrize("fidelity", ["aabb", "spheres", "obb", "convex", "mesh"])
 def test_a_cheaper_rung_misses_no_contact(run_tool, states, fidelity):
     exact = run_tool("check_states", URDF, "--srdf", SRDF, "--states", states).stdout.splitlines()
     rung = run_tool("check_states", URDF, "--srdf", SRDF, "--states", states, "--fidelity",

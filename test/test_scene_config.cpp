@@ -107,7 +107,8 @@ TEST(SceneConfig, WhatIsWrongIsNamedWithWhatItMustBe) {
   EXPECT_THAT(refusal("link_padding: 0.1"), HasSubstr("a map from links to metres"));
   EXPECT_THAT(refusal("link_padding: {a: b}"), HasSubstr("link_padding/a is b"));
   EXPECT_THAT(refusal("link_fidelity: {a: exact}"),
-              AllOf(HasSubstr("link_fidelity/a is exact"), HasSubstr("aabb, obb, convex or mesh")));
+              AllOf(HasSubstr("link_fidelity/a is exact"),
+                    HasSubstr("aabb, spheres, obb, convex or mesh")));
   EXPECT_THAT(refusal("link_fidelity: {a: mehs}"), HasSubstr("did you mean 'mesh'?"));
   EXPECT_THAT(refusal("pair_rules: {deny: [a, b]}"), HasSubstr("pair_rules is {deny: [a, b]}"));
   EXPECT_THAT(refusal("pair_rules: [{forbid: [a, b]}]"), HasSubstr("{forbid: [a, b]}"));

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <memory>
 #include <vector>
 
@@ -35,8 +36,8 @@ class BatchCheck {
   /// report contains only the verdict, one pair in contact or none, and times.total, its share of
   /// the group's time; no counts and no boxes. The stage is prepared by the first batch with which
   /// STATES_WORTH_A_STAGE states have been requested. It is not used with a time budget, a fidelity
-  /// other than MESH, in scenes with clouds, coarser links or FCL, nor for states beyond 10,000
-  /// rad; all of these are checked exactly.
+  /// other than MESH and SPHERES, in scenes with clouds, coarser links or FCL, nor for states
+  /// beyond 10,000 rad; all of these are checked exactly.
   using Positions = std::function<void(std::size_t, std::vector<double>&)>;
   void runJoints(std::size_t count, const CheckSettings& settings, const Positions& positions,
                  const CloudVoxels& voxels, const Take& take);
@@ -50,14 +51,13 @@ class BatchCheck {
  private:
   class JointsOfThread;
   struct StageOfThread;
-  bool hasStageFor(std::size_t count, const CheckSettings& settings);
+  struct Stage;
+  /// Null where all come to the detectors.
+  Stage* stageFor(std::size_t count, const CheckSettings& settings);
 
   std::shared_ptr<const CollisionScene> scene_;
   std::vector<CollisionDetector> detectors_;
-  std::size_t nb_verdicts_ = 0;  // of joint states, requested so far
-  bool stage_was_tried_ = false;
-  std::unique_ptr<const BatchStage> stage_;
-  std::vector<std::unique_ptr<StageOfThread>> staged_;  // one a detector
+  std::map<Fidelity, std::unique_ptr<Stage>> stages_;
 };
 
 }  // namespace collision_pairs

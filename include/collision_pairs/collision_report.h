@@ -94,7 +94,7 @@ struct CollisionReport {
   std::uint32_t nb_boxes = 0;  ///< moving and static boxes and voxels of this cycle
   /// Investigated pairs by the rung (Fidelity) that settled them; with verdict_only only up to the
   /// first contact.
-  std::array<std::uint32_t, 4> nb_settled = {0, 0, 0, 0};
+  std::array<std::uint32_t, 5> nb_settled = {0, 0, 0, 0, 0};
   /// Investigated pairs left UNRESOLVED by the time budget. All others are in nb_settled.
   std::uint32_t nb_unresolved = 0;
   bool budget_spent = false;      ///< the time was spent before everything was settled

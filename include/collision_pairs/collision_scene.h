@@ -31,6 +31,7 @@ struct CollisionModel {
 };
 
 struct MeshBounds;
+class FineBalls;
 
 /// The geometry of an element on one rung of the ladder of fidelities.
 struct Rung {
@@ -48,9 +49,9 @@ struct SceneElement {
   Eigen::Isometry3d X_BE;  ///< pose in its body's frame; in W if it never moves
   /// The finest geometry that its link is checked with.
   Fidelity finest = Fidelity::MESH;
-  /// Indexed by Fidelity; AABB has no entry. Shapes are shared between rungs where they are the
-  /// same, and null where no allowed pair needs them.
-  std::array<Rung, 4> rungs;
+  /// Indexed by Fidelity; AABB and SPHERES have no entry. Shapes are shared between rungs where
+  /// they are the same, and null where no allowed pair needs them.
+  std::array<Rung, 5> rungs;
   const Rung& rung(Fidelity fidelity) const { return rungs[static_cast<int>(fidelity)]; }
   /// Metres that it keeps to everything else; and the amount by which its box is enlarged: the
   /// same, or half of the largest padding of any of its pairs.
@@ -60,6 +61,8 @@ struct SceneElement {
   /// vertices, which costs a fifth of using all.
   Aabb boxAt(const Eigen::Isometry3d& X_WE) const;
   std::shared_ptr<const MeshBounds> mesh_bounds;  ///< null for a primitive
+  /// The geometry at SPHERES, made when it is first requested. Null for a primitive.
+  std::shared_ptr<const FineBalls> balls;
   /// A box along the axes of E that encloses the element, including rounding: centre and half size,
   /// metres, in E. Infinite for a half-space.
   Eigen::Vector3d box_center, box_half;

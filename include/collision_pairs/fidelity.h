@@ -5,13 +5,15 @@
 
 namespace collision_pairs {
 
-/// The geometry that decides: a ladder in which each rung encloses the next finer one. A coarser
-/// rung therefore reports every contact of a finer one, and its distance is a lower bound.
+/// The geometry that decides. Each encloses the elements, and AABB encloses all others, so that
+/// every contact is reported and distances are lower bounds. AABB, OBB, CONVEX and MESH are a
+/// ladder in which each rung encloses the next finer one. SPHERES encloses MESH only.
 enum class Fidelity {
-  AABB,    ///< the axis-aligned boxes of the broad phase
-  OBB,     ///< an oriented bounding box of each element, together with its axis-aligned box
-  CONVEX,  ///< the convex hull of each element
-  MESH     ///< the original elements
+  AABB,     ///< the axis-aligned boxes of the broad phase
+  SPHERES,  ///< up to 1024 spheres that enclose each mesh; other shapes are unchanged
+  OBB,      ///< an oriented bounding box of each element, together with its axis-aligned box
+  CONVEX,   ///< the convex hull of each element
+  MESH      ///< the original elements
 };
 
 const char* fidelityName(Fidelity fidelity);

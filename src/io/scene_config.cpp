@@ -59,12 +59,13 @@ void forLinks(const std::string& key, const YAML::Node& value, const std::string
 }
 
 void readLinkFidelity(const YAML::Node& value, SceneConfig& config) {
-  forLinks("link_fidelity", value, "a map from links to aabb, obb, convex or mesh",
+  forLinks("link_fidelity", value, "a map from links to aabb, spheres, obb, convex or mesh",
            [&](const std::string& link, const YAML::Node& word) {
              const std::string key = "link_fidelity/" + link;
-             const std::string rule = "aabb, obb, convex or mesh";
+             const std::string rule = "aabb, spheres, obb, convex or mesh";
              const std::string given = textOf(key, word, rule);
-             const std::string nearest = nearestName(given, {"aabb", "obb", "convex", "mesh"});
+             const std::string nearest =
+                 nearestName(given, {"aabb", "spheres", "obb", "convex", "mesh"});
              if (given != nearest)
                refuseValue(key, word, rule + "; did you mean '" + nearest + "'?");
              config.settings.link_fidelity[link] = parseFidelity(given);

@@ -47,6 +47,7 @@ PYBIND11_MODULE(_native, module) {
                           {"DEPTH_BOUND", DistanceWorth::DEPTH_BOUND}});
   addEnum<Fidelity>(module, "Fidelity", "The geometry that decided.",
                     {{"AABB", Fidelity::AABB},
+                     {"SPHERES", Fidelity::SPHERES},
                      {"OBB", Fidelity::OBB},
                      {"CONVEX", Fidelity::CONVEX},
                      {"MESH", Fidelity::MESH}});

@@ -128,7 +128,7 @@ NodeParameters NodeParameters::read(const ros::NodeHandle& private_node) {
   try {
     parameters.check.fidelity = parseFidelity(fidelity);
   } catch (const InputError& error) {
-    reader.replace("fidelity", "'" + fidelity + "'", "must be aabb, obb, convex or mesh",
+    reader.replace("fidelity", "'" + fidelity + "'", "must be aabb, spheres, obb, convex or mesh",
                    std::string(fidelityName(parameters.check.fidelity)));
   }
   return parameters;

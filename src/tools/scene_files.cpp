@@ -142,7 +142,7 @@ void declareScene(CommandLine& command_line, SceneOptions& options) {
 }
 
 void declareFidelity(CommandLine& command_line, std::string& fidelity) {
-  command_line.option("fidelity", fidelity, "NAME", "aabb, obb, convex or mesh");
+  command_line.option("fidelity", fidelity, "NAME", "aabb, spheres, obb, convex or mesh");
 }
 
 void declareRobot(CommandLine& command_line, std::string& robot, std::string& srdf,

@@ -32,10 +32,10 @@ BenchmarkRobot demoRobot() {
   const auto postures = readJointStates(readTextFile(csv), *demo.robot, csv).positions;
   for (std::size_t i = 0; i + 1 < postures.size(); ++i) {
     for (int step = 0; step < STEPS; ++step) {
+      const double share = static_cast<double>(step) / STEPS;
+      demo.positions.push_back(between(postures[i], postures[i + 1], share));
       demo.states.emplace_back();
-      demo.robot->forwardKinematics(
-          between(postures[i], postures[i + 1], static_cast<double>(step) / STEPS),
-          demo.states.back());
+      demo.robot->forwardKinematics(demo.positions.back(), demo.states.back());
     }
   }
   return demo;

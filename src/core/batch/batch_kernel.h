@@ -24,11 +24,12 @@ struct BatchBall {
   float center[3];  ///< in its body's frame B
   float radius;     ///< outer: grown by what the centre in W may be off; inner: shrunk
   int body;
+  int first_child;  ///< of an outer one, among all balls, with the next one; 0: it has none
 };
 
 /// The balls of an element: a tree of outer ones, a list of inner ones.
 struct BatchTree {
-  int first_outer, nb_outer;  ///< children of ball i of the tree: 2 i + 1 and 2 i + 2
+  int first_outer;  ///< the root
   int first_inner, nb_inner;
 };
 

@@ -123,31 +123,30 @@ class BatchLoops {
   static unsigned openLanes(const BatchTables& tables, const BatchLanes& group,
                             const BatchPair& pair, unsigned lanes) {
     struct Step {
-      int a, b;  // in their trees
+      int a, b;
       unsigned lanes;
     };
-    const BatchTree &first = tables.trees[pair.first], &second = tables.trees[pair.second];
     Step stack[64];  // one step is left behind for each ball on the way to two leaves
     int depth = 0;
-    stack[depth++] = {0, 0, lanes};
+    const int root_a = tables.trees[pair.first].first_outer;
+    const int root_b = tables.trees[pair.second].first_outer;
+    stack[depth++] = {root_a, root_b, lanes};
     unsigned open = 0;
     while (depth > 0) {
       Step step = stack[--depth];
       step.lanes &= ~open;
       if (step.lanes == 0) continue;
-      const int a = first.first_outer + step.a, b = second.first_outer + step.b;
-      step.lanes &= mayMeet(gapOf(tables, group, a, b, pair.outer_padding));
+      step.lanes &= mayMeet(gapOf(tables, group, step.a, step.b, pair.outer_padding));
       if (step.lanes == 0) continue;
-      const bool a_ends = 2 * step.a + 1 >= first.nb_outer;
-      const bool b_ends = 2 * step.b + 1 >= second.nb_outer;
-      if (a_ends && b_ends) {
+      const int in_a = tables.balls[step.a].first_child, in_b = tables.balls[step.b].first_child;
+      if (in_a == 0 && in_b == 0) {
         open |= step.lanes;
-      } else if (b_ends || (!a_ends && tables.balls[a].radius >= tables.balls[b].radius)) {
-        stack[depth++] = {2 * step.a + 1, step.b, step.lanes};
-        stack[depth++] = {2 * step.a + 2, step.b, step.lanes};
+      } else if (in_b == 0 || (in_a != 0 && in_a - root_a <= in_b - root_b)) {
+        stack[depth++] = {in_a, step.b, step.lanes};
+        stack[depth++] = {in_a + 1, step.b, step.lanes};
       } else {
-        stack[depth++] = {step.a, 2 * step.b + 1, step.lanes};
-        stack[depth++] = {step.a, 2 * step.b + 2, step.lanes};
+        stack[depth++] = {step.a, in_b, step.lanes};
+        stack[depth++] = {step.a, in_b + 1, step.lanes};
       }
     }
     return open;

@@ -23,6 +23,7 @@ constexpr double OF_DISTANCE = 16.0 * UNIT;  // of distances and radii, relative
 constexpr double MARGIN = 1e-9;              // m, and of sizes: the exact check rounds, too
 constexpr double MOST_REACH = 1e3;           // m
 constexpr double MOST_SLIDE = 10.0;          // m, of a joint without limits
+constexpr std::size_t MOST_BALLS = 127;      // of an element
 
 const Prepared& preparedOf(const SceneElement& element) {
   return static_cast<const Prepared&>(*element.rung(Fidelity::MESH).shape);
@@ -44,8 +45,12 @@ Matrix3d alongJoint(const RobotModel& robot, const Body& body) {
 
 class ModelMaker {
  public:
-  ModelMaker(const CollisionScene& scene, BatchModel& model)
-      : scene_(scene), robot_(scene.robot()), model_(model), body_of_(robot_.bodies().size(), -1) {}
+  ModelMaker(const CollisionScene& scene, bool with_tables, BatchModel& model)
+      : scene_(scene),
+        robot_(scene.robot()),
+        with_tables_(with_tables),
+        model_(model),
+        body_of_(robot_.bodies().size(), -1) {}
 
   void make() {
     const auto& elements = scene_.elements();
@@ -53,7 +58,7 @@ class ModelMaker {
     inParallel(nbThreads(0, covers.size()), covers.size(), [&](std::size_t, std::size_t i) {
       const bool is_box = std::holds_alternative<Box>(elements[i].shape);
       if (i < scene_.nbStaticElements() && is_box) return;
-      covers[i] = coverByBalls(preparedOf(elements[i]));
+      covers[i] = coverByBalls(preparedOf(elements[i]), MOST_BALLS);
     });
     for (std::uint32_t i = scene_.nbStaticElements(); i < elements.size(); ++i) {
       addTree(i, covers[i]);
@@ -125,8 +130,11 @@ class ModelMaker {
         alongJoint(robot_, robot_.bodies()[robot_body]).transpose() * of_scene.X_BE;
     BatchTree tree;
     tree.first_outer = static_cast<int>(model_.balls.size());
-    tree.nb_outer = static_cast<int>(cover.outer.size());
-    for (const Ball& ball : cover.outer) addBall(ball, X_CE, body, true);
+    for (const OuterBall& ball : cover.outer) {
+      addBall(ball, X_CE, body, true);
+      if (ball.first_child == 0) continue;
+      model_.balls.back().first_child = tree.first_outer + ball.first_child;
+    }
     tree.first_inner = static_cast<int>(model_.balls.size());
     for (const Ball& ball : cover.inner) addBall(ball, X_CE, body, false);
     tree.nb_inner = static_cast<int>(model_.balls.size()) - tree.first_inner;
@@ -143,7 +151,7 @@ class ModelMaker {
     const double radius = is_outer ? (ball.radius + error) * (1.0 + OF_DISTANCE)
                                    : (ball.radius - error) * (1.0 - OF_DISTANCE);
     if (!is_outer && !(radius > 0.0)) return;
-    BatchBall made{{}, is_outer ? roundedUp(radius) : roundedDown(radius), body};
+    BatchBall made{{}, is_outer ? roundedUp(radius) : roundedDown(radius), body, 0};
     for (int i = 0; i < 3; ++i) made.center[i] = static_cast<float>(center[i]);
     model_.balls.push_back(made);
   }
@@ -159,8 +167,9 @@ class ModelMaker {
         if (first.body == second.body && isAlwaysApart(pair)) continue;
         const double padding = scene_.padding(pair.first, pair.second);
         std::vector<int> joints;
-        const bool has_table = PairTable::joints(robot_, scene_.bodies()[first.body].body,
-                                                 scene_.bodies()[second.body].body, joints);
+        const bool has_table =
+            with_tables_ && PairTable::joints(robot_, scene_.bodies()[first.body].body,
+                                              scene_.bodies()[second.body].body, joints);
         model_.pairs.push_back({a, b, roundedUp(padding * (1.0 + OF_DISTANCE)),
                                 roundedDown(padding * (1.0 - OF_DISTANCE)), has_table});
       }
@@ -183,6 +192,7 @@ class ModelMaker {
 
   const CollisionScene& scene_;
   const RobotModel& robot_;
+  const bool with_tables_;
   BatchModel& model_;
   std::vector<int> body_of_;  // of the stage, by body of the robot
   NarrowPhase narrow_phase_;
@@ -190,15 +200,15 @@ class ModelMaker {
 
 }  // namespace
 
-std::string BatchModel::whyNot(const CollisionScene& scene) {
+std::string BatchModel::whyNot(const CollisionScene& scene, Fidelity fidelity) {
   if (!scene.clouds().empty()) return "it has clouds";
   if (scene.narrowPhase() != NarrowPhaseMethod::NATIVE) return "FCL answers its pairs";
   for (std::uint32_t i = 0; i < scene.elements().size(); ++i) {
     const SceneElement& element = scene.elements()[i];
     const std::string& name = scene.models()[element.model].name;
     const bool is_half_space = std::holds_alternative<HalfSpace>(element.shape);
-    if (element.finest != Fidelity::MESH || !element.rung(Fidelity::MESH).shape) {
-      return "'" + name + "' is not checked by its mesh";
+    if (element.finest < fidelity || !element.rung(Fidelity::MESH).shape) {
+      return "'" + name + "' is checked by a coarser geometry";
     }
     if (is_half_space && element.body >= 0) return "'" + name + "' is a half-space that moves";
     const double reach =
@@ -211,7 +221,9 @@ std::string BatchModel::whyNot(const CollisionScene& scene) {
   return reach <= MOST_REACH ? "" : "the robot is too large";
 }
 
-BatchModel::BatchModel(const CollisionScene& scene) { ModelMaker(scene, *this).make(); }
+BatchModel::BatchModel(const CollisionScene& scene, bool with_tables) {
+  ModelMaker(scene, with_tables, *this).make();
+}
 
 std::size_t BatchModel::memory() const {
   std::size_t bytes = bodies.size() * sizeof(BatchBody) + errors.size() * sizeof(PoseError) +

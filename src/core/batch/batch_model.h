@@ -24,9 +24,9 @@ struct PoseError {
 struct BatchModel {
   /// Why a scene is not for the batch stage; empty if it is. Clouds, FCL, geometry other than the
   /// meshes, half-spaces that move, and what is further than a kilometre away are not.
-  static std::string whyNot(const CollisionScene& scene);
+  static std::string whyNot(const CollisionScene& scene, Fidelity fidelity);
   /// Of a scene that is. Cost: coverByBalls() of each element, on all cores.
-  explicit BatchModel(const CollisionScene& scene);
+  explicit BatchModel(const CollisionScene& scene, bool with_tables = true);
   BatchModel(const BatchModel&) = delete;
   BatchModel& operator=(const BatchModel&) = delete;
 

@@ -26,16 +26,19 @@ void forEachLane(unsigned lanes, const Work& work) {
 
 }  // namespace
 
-std::unique_ptr<const BatchStage> BatchStage::make(const CollisionScene& scene,
+std::unique_ptr<const BatchStage> BatchStage::make(const CollisionScene& scene, Fidelity fidelity,
                                                    const BatchKernel& kernel) {
-  if (!BatchModel::whyNot(scene).empty()) return nullptr;
-  std::unique_ptr<BatchStage> stage(new BatchStage(scene, kernel));
+  if (!BatchModel::whyNot(scene, fidelity).empty()) return nullptr;
+  std::unique_ptr<BatchStage> stage(new BatchStage(scene, fidelity, kernel));
   if (!stage->addFields()) return nullptr;
   return stage;
 }
 
-BatchStage::BatchStage(const CollisionScene& scene, const BatchKernel& kernel)
-    : scene_(scene), model_(scene), kernel_(kernel) {}
+BatchStage::BatchStage(const CollisionScene& scene, Fidelity fidelity, const BatchKernel& kernel)
+    : scene_(scene),
+      fidelity_(fidelity),
+      model_(scene, fidelity == Fidelity::MESH),
+      kernel_(kernel) {}
 
 Aabb BatchStage::reachOfRobot() const {
   Aabb box = noBox();
@@ -212,14 +215,14 @@ unsigned BatchStage::Group::openBesideStatic(const BesideStatic& beside, unsigne
   const StaticField& field = *stage_.fields_[static_cast<std::size_t>(beside.field)];
   Step stack[32];  // one step is left behind for each ball on the way to a leaf
   int depth = 0;
-  stack[depth++] = {0, lanes};
+  stack[depth++] = {tree.first_outer, lanes};
   unsigned open = 0;
   while (depth > 0) {
     Step step = stack[--depth];
     step.lanes &= ~open;
     if (step.lanes == 0) continue;
-    const BatchBall& ball = tables_.balls[tree.first_outer + step.ball];
-    const float* const centers = centersOf(tree.first_outer + step.ball);
+    const BatchBall& ball = tables_.balls[step.ball];
+    const float* const centers = centersOf(step.ball);
     const double reach = ball.radius + beside.outer_padding + MARGIN;
     unsigned near = 0;
     forEachLane(step.lanes, [&](int lane) {
@@ -228,11 +231,11 @@ unsigned BatchStage::Group::openBesideStatic(const BesideStatic& beside, unsigne
       near |= 1u << lane;
     });
     if (near == 0) continue;
-    if (2 * step.ball + 1 >= tree.nb_outer) {
+    if (ball.first_child == 0) {
       open |= near;
     } else {
-      stack[depth++] = {2 * step.ball + 1, near};
-      stack[depth++] = {2 * step.ball + 2, near};
+      stack[depth++] = {ball.first_child, near};
+      stack[depth++] = {ball.first_child + 1, near};
     }
   }
   return open;

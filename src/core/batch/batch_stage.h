@@ -14,19 +14,23 @@ namespace collision_pairs {
 
 /// Balls instead of links: where all pairs of outer balls are apart, the state is free; where two
 /// inner ones overlap, it is in contact; anything else is left open. Both answers are those of the
-/// exact check at Fidelity::MESH for certain, float kinematics included (docs/batch.md).
+/// exact check at Fidelity::MESH for certain, float kinematics included (docs/batch.md). For
+/// Fidelity::SPHERES, whose balls are those of this stage divided further, no tables of pairs are
+/// used, which know more than these.
 /// Immutable but for what the static field fills in; all threads share it.
 class BatchStage {
  public:
   /// Null where BatchModel::whyNot() has a reason, or too much is static. The scene must outlive
   /// it.
   static std::unique_ptr<const BatchStage> make(const CollisionScene& scene,
+                                                Fidelity fidelity = Fidelity::MESH,
                                                 const BatchKernel& kernel = batchKernels().front());
 
   /// What a thread needs of its own.
   class Group;
 
   const BatchModel& model() const { return model_; }
+  Fidelity fidelity() const { return fidelity_; }
   std::size_t memory() const;  ///< bytes
 
  private:
@@ -35,11 +39,12 @@ class BatchStage {
     int field;
     double outer_padding, inner_padding;  ///< the most and the least of its pairs
   };
-  BatchStage(const CollisionScene& scene, const BatchKernel& kernel);
+  BatchStage(const CollisionScene& scene, Fidelity fidelity, const BatchKernel& kernel);
   bool addFields();
   Aabb reachOfRobot() const;
 
   const CollisionScene& scene_;
+  const Fidelity fidelity_;
   BatchModel model_;
   const BatchKernel kernel_;
   std::vector<BesideStatic> beside_static_;

@@ -148,9 +148,10 @@ double PairTable::reachOf(const BallCover& cover, const Isometry3d& X_WE, int nu
   const Isometry3d& X_WB = X_WB_[static_cast<std::size_t>(robot.links()[joint.child_link].body)];
   const Vector3d axis_W = X_WB.linear() * joint.axis;
   double reach = 0.0;
-  for (std::size_t i = cover.outer.size() / 2; i < cover.outer.size(); ++i) {
-    const Vector3d p_W = X_WE * cover.outer[i].center - X_WB.translation();
-    reach = std::max(reach, axis_W.cross(p_W).norm() + cover.outer[i].radius);
+  for (const OuterBall& ball : cover.outer) {
+    if (ball.first_child != 0) continue;
+    const Vector3d p_W = X_WE * ball.center - X_WB.translation();
+    reach = std::max(reach, axis_W.cross(p_W).norm() + ball.radius);
   }
   return reach * (1.0 + ROUNDING);
 }

@@ -125,10 +125,11 @@ double StaticField::apartFrom(const Thing& thing, const Vector3d& p_W, double en
   const double of_box = distanceFromBox(element.box_half, p_E - element.box_center);
   const bool is_certain = enough > -INFINITE && of_box > enough;
   if (is_certain || std::holds_alternative<Box>(element.shape)) return of_box;
-  const std::vector<Ball>& balls = model_.covers[thing.element].outer;
   double of_leaves = INFINITE;
-  for (std::size_t i = balls.size() / 2; i < balls.size() && of_leaves > enough; ++i) {
-    of_leaves = std::min(of_leaves, (p_E - balls[i].center).norm() - balls[i].radius);
+  for (const OuterBall& ball : model_.covers[thing.element].outer) {
+    if (of_leaves <= enough) break;
+    if (ball.first_child != 0) continue;
+    of_leaves = std::min(of_leaves, (p_E - ball.center).norm() - ball.radius);
   }
   return std::max(of_box, of_leaves);
 }

@@ -20,9 +20,17 @@ constexpr std::size_t STAGE_BLOCK = 64;  // the same, and whole groups
 /// What a thread needs for the batch stage, kept from batch to batch.
 struct BatchCheck::StageOfThread {
   StageOfThread(const std::shared_ptr<const CollisionScene>& scene, const BatchStage& stage)
-      : group(stage), open(scene) {}
+      : group(stage), open(scene, stage.fidelity()) {}
   BatchStage::Group group;
   OpenPairs open;
+};
+
+/// That of one fidelity.
+struct BatchCheck::Stage {
+  std::size_t nb_verdicts = 0;  // of joint states, asked for so far
+  bool was_tried = false;
+  std::unique_ptr<const BatchStage> stage;
+  std::vector<std::unique_ptr<StageOfThread>> of_threads;  // one a detector
 };
 
 /// What a thread does with the joint states of one batch.
@@ -110,8 +118,8 @@ class BatchCheck::JointsOfThread {
   void takeContact(std::size_t state, const BoxPair& elements, double seconds) {
     const auto models = std::minmax(scene_.elements()[elements.first].model,
                                     scene_.elements()[elements.second].model);
-    settled_.pairs.assign(1, {models.first, models.second, PairState::CONTACT, 0.0, Fidelity::MESH,
-                              Certainty::BOUND, 0, 0});
+    settled_.pairs.assign(1, {models.first, models.second, PairState::CONTACT, 0.0,
+                              settings_.fidelity, Certainty::BOUND, 0, 0});
     takeSettled(state, Verdict::COLLISION, seconds);
   }
 
@@ -170,36 +178,50 @@ void BatchCheck::runJoints(std::size_t count, const CheckSettings& settings,
                            const Positions& positions, const CloudVoxels& voxels,
                            const Take& take) {
   if (count > 0) checkSettings(settings);  // what the batch stage settles no detector sees
-  const BatchStage* const stage = hasStageFor(count, settings) ? stage_.get() : nullptr;
+  Stage* const stage = stageFor(count, settings);
   const std::size_t size = stage != nullptr ? STAGE_BLOCK : BLOCK;
   const std::size_t nb_blocks = count / size + (count % size > 0);
   std::vector<std::unique_ptr<JointsOfThread>> threads(detectors_.size());
-  staged_.resize(threads.size());
+  if (stage != nullptr) stage->of_threads.resize(threads.size());
   inParallel(threads.size(), nb_blocks, [&](std::size_t thread, std::size_t block) {
     auto& of_thread = threads[thread];
     if (!of_thread) {
-      auto& kept = staged_[thread];
-      if (stage != nullptr && !kept) kept = std::make_unique<StageOfThread>(scene_, *stage);
-      of_thread = std::make_unique<JointsOfThread>(*scene_, detectors_[thread],
-                                                   stage != nullptr ? kept.get() : nullptr,
-                                                   settings, positions, voxels, take);
+      StageOfThread* kept = nullptr;
+      if (stage != nullptr) {
+        auto& made = stage->of_threads[thread];
+        if (!made) made = std::make_unique<StageOfThread>(scene_, *stage->stage);
+        kept = made.get();
+      }
+      of_thread = std::make_unique<JointsOfThread>(*scene_, detectors_[thread], kept, settings,
+                                                   positions, voxels, take);
     }
     of_thread->run(block * size, std::min((block + 1) * size, count));
   });
 }
 
-bool BatchCheck::hasStageFor(std::size_t count, const CheckSettings& settings) {
-  const bool is_possible = settings.verdict_only && settings.fidelity == Fidelity::MESH &&
-                           settings.time_budget == 0.0 && !settings.min_distance;
-  if (!is_possible) return false;
-  nb_verdicts_ += count;
-  if (nb_verdicts_ >= STATES_WORTH_A_STAGE && !stage_was_tried_) {
-    stage_ = BatchStage::make(*scene_);
-    stage_was_tried_ = true;
+BatchCheck::Stage* BatchCheck::stageFor(std::size_t count, const CheckSettings& settings) {
+  const Fidelity fidelity = settings.fidelity;
+  const bool has_stage = fidelity == Fidelity::MESH || fidelity == Fidelity::SPHERES;
+  const bool is_possible =
+      settings.verdict_only && has_stage && settings.time_budget == 0.0 && !settings.min_distance;
+  if (!is_possible) return nullptr;
+  auto& of_fidelity = stages_[fidelity];
+  if (!of_fidelity) of_fidelity = std::make_unique<Stage>();
+  Stage& stage = *of_fidelity;
+  stage.nb_verdicts += count;
+  if (stage.nb_verdicts >= STATES_WORTH_A_STAGE && !stage.was_tried) {
+    stage.stage = BatchStage::make(*scene_, fidelity);
+    stage.was_tried = true;
   }
-  return stage_ != nullptr;
+  return stage.stage != nullptr ? &stage : nullptr;
 }
 
-std::size_t BatchCheck::stageMemory() const { return stage_ ? stage_->memory() : 0; }
+std::size_t BatchCheck::stageMemory() const {
+  std::size_t bytes = 0;
+  for (const auto& [fidelity, of_fidelity] : stages_) {
+    if (of_fidelity->stage) bytes += of_fidelity->stage->memory();
+  }
+  return bytes;
+}
 
 }  // namespace collision_pairs

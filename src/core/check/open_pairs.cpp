@@ -2,8 +2,9 @@
 
 namespace collision_pairs {
 
-OpenPairs::OpenPairs(std::shared_ptr<const CollisionScene> scene)
+OpenPairs::OpenPairs(std::shared_ptr<const CollisionScene> scene, Fidelity fidelity)
     : scene_(std::move(scene)),
+      fidelity_(fidelity),
       X_WE_(scene_->elements().size()),
       boxes_(scene_->elements().size()),
       placed_(scene_->elements().size(), 0) {
@@ -50,7 +51,7 @@ bool OpenPairs::place(std::uint32_t id, const std::vector<Eigen::Isometry3d>& X_
 
 bool OpenPairs::touches(const BoxPair& pair) {
   contact_ = ladder_.byModel(pair);
-  const PairDistance found = ladder_.touches(contact_, Fidelity::MESH).found;
+  const PairDistance found = ladder_.touches(contact_, fidelity_).found;
   is_doubtful_ |= found.certainty == Certainty::DEGRADED;
   return found.certainty == Certainty::BOUND;
 }

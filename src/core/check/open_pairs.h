@@ -11,10 +11,10 @@
 
 namespace collision_pairs {
 
-/// Holds scratch memory only; one per thread. For verdicts at Fidelity::MESH.
+/// Holds scratch memory only; one per thread. For verdicts.
 class OpenPairs {
  public:
-  explicit OpenPairs(std::shared_ptr<const CollisionScene> scene);
+  OpenPairs(std::shared_ptr<const CollisionScene> scene, Fidelity fidelity);
 
   enum class Outcome { FREE, CONTACT, NOT_SETTLED };
   /// X_RB: as RobotModel::forwardKinematics() gives them. `pairs`: of elements that move;
@@ -30,6 +30,7 @@ class OpenPairs {
   bool touches(const BoxPair& pair);
 
   std::shared_ptr<const CollisionScene> scene_;
+  const Fidelity fidelity_;
   PairLadder ladder_;
   SweepAndPrune sweep_;
   std::vector<Eigen::Isometry3d> X_WE_;  // one an element

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "ball_cover.h"
+#include "ball_distance.h"
 #include "convex_distance.h"
 #include "prepared_shape.h"
 
@@ -17,11 +19,26 @@ constexpr double ROUNDING = 64.0 * std::numeric_limits<double>::epsilon();
 
 const Prepared& preparedOf(const Rung& rung) { return static_cast<const Prepared&>(*rung.shape); }
 
+BallOrShape ballsOf(const SceneElement& element) {
+  return {element.balls ? &element.balls->get() : nullptr,
+          element.balls ? nullptr : &preparedOf(element.rung(Fidelity::MESH))};
+}
+
 PairDistance beyond(double lower_bound) {
   PairDistance answer;
   answer.distance = lower_bound;
   answer.certainty = Certainty::BEYOND;
   return answer;
+}
+
+/// Points and normal from the frame of A, and from the shapes to half the distance that they keep.
+void inWorld(const Isometry3d& X_WA, double padding, PairDistance& found) {
+  found.p_ACa = X_WA * found.p_ACa;
+  found.p_ACb = X_WA * found.p_ACb;
+  found.nhat_AB_A = X_WA.linear() * found.nhat_AB_A;
+  if (!(padding > 0.0)) return;
+  found.p_ACa += 0.5 * padding * found.nhat_AB_A;
+  found.p_ACb -= 0.5 * padding * found.nhat_AB_A;
 }
 
 }  // namespace
@@ -51,7 +68,9 @@ Isometry3d PairLadder::relativePose(const Isometry3d& X_WA, const Isometry3d& X_
 
 PairLadder::Answer PairLadder::measure(const BoxPair& pair, Fidelity rung, double max_distance) {
   if (rung == Fidelity::AABB) return measureBoxes(pair);
-  return measureAt(pair, relativePose(pair), rung, max_distance, 0.0);
+  const Isometry3d X_AB = relativePose(pair);
+  if (rung == Fidelity::SPHERES) return measureBalls(pair, X_AB, max_distance);
+  return measureAt(pair, X_AB, rung, max_distance, 0.0);
 }
 
 Fidelity PairLadder::rungOf(const BoxPair& pair, Fidelity top) const {
@@ -80,6 +99,7 @@ PairLadder::Answer PairLadder::climb(const BoxPair& pair, Fidelity top, double m
   const Isometry3d X_AB = relativePose(pair);
   const double gap = obbGap(pair, X_AB);
   if (gap > max_distance) return {beyond(gap), Fidelity::OBB};
+  if (top == Fidelity::SPHERES) return measureBalls(pair, X_AB, max_distance);
   Answer answer = measureAt(pair, X_AB, top, max_distance, tolerance);
   if (answer.found.by_hulls) answer.rung = Fidelity::CONVEX;
   return answer;
@@ -101,6 +121,9 @@ bool PairLadder::meets(const BoxPair& pair, Fidelity rung) {
   if (rung == Fidelity::AABB) return measureBoxes(pair).found.touches();
   const Isometry3d X_AB = relativePose(pair);
   if (obbGap(pair, X_AB) > 0.0) return false;
+  if (rung == Fidelity::SPHERES) {
+    return ballsApart(pair, X_AB, 0.0).distance <= scene_->padding(pair.first, pair.second);
+  }
   const Rung& a = scene_->elements()[pair.first].rung(rung);
   const Rung& b = scene_->elements()[pair.second].rung(rung);
   const double margin = a.margin + b.margin + scene_->padding(pair.first, pair.second);
@@ -122,14 +145,7 @@ PairLadder::Answer PairLadder::measureAt(const BoxPair& pair, const Isometry3d& 
   found.distance -= margin;
   if (found.certainty == Certainty::BEYOND) return answer;
   const Isometry3d& X_WE = (*X_WE_)[pair.first];
-  const Isometry3d X_WA = rung == Fidelity::OBB ? X_WE * a.X_ER : X_WE;
-  found.p_ACa = X_WA * found.p_ACa;
-  found.p_ACb = X_WA * found.p_ACb;
-  found.nhat_AB_A = X_WA.linear() * found.nhat_AB_A;
-  if (padding > 0.0) {  // from the shapes to half the distance that they keep
-    found.p_ACa += 0.5 * padding * found.nhat_AB_A;
-    found.p_ACb -= 0.5 * padding * found.nhat_AB_A;
-  }
+  inWorld(rung == Fidelity::OBB ? X_WE * a.X_ER : X_WE, padding, found);
   if (!a.loose && !b.loose) return answer;
   found.p_ACa += a.margin * found.nhat_AB_A;  // onto the grown shapes
   found.p_ACb -= b.margin * found.nhat_AB_A;
@@ -137,6 +153,28 @@ PairLadder::Answer PairLadder::measureAt(const BoxPair& pair, const Isometry3d& 
   // the element, so the better bound counts, and this rung never says less than the coarsest.
   const Answer boxes = measureBoxes(pair);
   return boxes.found.distance > found.distance ? Answer{boxes.found, rung} : answer;
+}
+
+PairDistance PairLadder::ballsApart(const BoxPair& pair, const Isometry3d& X_AB,
+                                    double max_distance) {
+  const SceneElement &a = scene_->elements()[pair.first], &b = scene_->elements()[pair.second];
+  const double padding = scene_->padding(pair.first, pair.second);
+  const double reach = max_distance + padding;
+  if (a.balls || b.balls) return ballDistance(ballsOf(a), ballsOf(b), X_AB, reach, padding);
+  return narrow_phase_.distance(*a.rung(Fidelity::MESH).shape, *b.rung(Fidelity::MESH).shape, X_AB,
+                                reach);
+}
+
+PairLadder::Answer PairLadder::measureBalls(const BoxPair& pair, const Isometry3d& X_AB,
+                                            double max_distance) {
+  const double padding = scene_->padding(pair.first, pair.second);
+  Answer answer{ballsApart(pair, X_AB, max_distance), Fidelity::SPHERES};
+  answer.found.distance -= padding;
+  if (answer.found.certainty == Certainty::BEYOND) return answer;
+  inWorld((*X_WE_)[pair.first], padding, answer.found);
+  const Answer boxes = measureBoxes(pair);  // see measureAt()
+  return boxes.found.distance > answer.found.distance ? Answer{boxes.found, Fidelity::SPHERES}
+                                                      : answer;
 }
 
 PairLadder::Answer PairLadder::boundOfAlignedBoxes(const BoxPair& pair, double max_distance) const {

@@ -20,11 +20,11 @@ Isometry3d poseOf(std::uint32_t id, const Contact& contact, const CollisionScene
   return element.body < 0 ? element.X_BE : X_WB[scene.bodies()[element.body].body] * element.X_BE;
 }
 
-/// Whether it is the distance of the axis-aligned boxes, which a rung that sticks out of the next
-/// answers with where that is the better bound.
+/// Whether it is, or may be, the distance of the axis-aligned boxes, which a rung that sticks out
+/// of the next answers with where that is the better bound.
 bool isOfAlignedBoxes(const PairReport& pair, const Contact& nearest, const CollisionScene& scene,
                       const std::vector<Isometry3d>& X_WB) {
-  if (pair.fidelity == Fidelity::AABB) return true;
+  if (pair.fidelity == Fidelity::AABB || pair.fidelity == Fidelity::SPHERES) return true;
   const BoxPair& elements = nearest.elements;
   const bool loose = scene.elements()[elements.first].rung(pair.fidelity).loose ||
                      scene.elements()[elements.second].rung(pair.fidelity).loose;

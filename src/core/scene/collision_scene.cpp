@@ -89,7 +89,7 @@ class SceneBuilder {
   void noteNeeds() {
     const std::size_t nb_words = (classes_.size() + 63) / 64;
     for (const Fidelity fidelity :
-         {Fidelity::AABB, Fidelity::OBB, Fidelity::CONVEX, Fidelity::MESH}) {
+         {Fidelity::AABB, Fidelity::SPHERES, Fidelity::OBB, Fidelity::CONVEX, Fidelity::MESH}) {
       std::vector<std::uint64_t> as_fine(nb_words, 0);
       const auto isAsFine = [&](std::size_t c) {
         return members_[classes_[c].example].finest >= fidelity;

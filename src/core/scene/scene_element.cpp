@@ -3,6 +3,7 @@
 #include <atomic>
 #include <limits>
 
+#include "ball_cover.h"
 #include "enclosing_box.h"
 #include "in_parallel.h"
 #include "mesh_bounds.h"
@@ -56,6 +57,10 @@ Hull boundMesh(const Mesh& mesh, int max_hull_vertices, SceneElement& element) {
   return simplifiedHull(corners->vertices, margin, max_hull_vertices);
 }
 
+bool isOfTriangles(const Shape& shape) {
+  return std::holds_alternative<Mesh>(shape) || std::holds_alternative<Convex>(shape);
+}
+
 Hull boundPrimitive(const Shape& shape, SceneElement& element) {
   const Aabb box = computeAabb(shape, Isometry3d::Identity());
   setBox(box.min, box.max, 0.0, element);
@@ -74,10 +79,12 @@ SceneElement makeElement(const Shape& shape, Fidelity needed, int max_hull_verti
   const Isometry3d identity = Isometry3d::Identity();
   SceneElement made;
   made.shape = shape;
+  if (isOfTriangles(shape)) made.balls = std::make_shared<const FineBalls>(shape);
   const auto* mesh = std::get_if<Mesh>(&shape);
   const Hull hull = mesh ? boundMesh(*mesh, max_hull_vertices, made) : boundPrimitive(shape, made);
   Rung exact, convex, obb;
-  if (needed == Fidelity::MESH || !mesh) exact = {prepareShape(shape, method), identity};
+  const bool is_asked = needed == Fidelity::MESH || needed == Fidelity::SPHERES;
+  if (is_asked || !mesh) exact = {prepareShape(shape, method), identity};
   if (needed >= Fidelity::CONVEX) {
     convex = mesh ? Rung{prepareShape(hull.shape, method), identity, hull.margin, hull.simplified}
                   : exact;
@@ -88,7 +95,7 @@ SceneElement makeElement(const Shape& shape, Fidelity needed, int max_hull_verti
     const auto [box, X_EO] = enclosingBox(hull.shape);
     obb = {prepareShape(box, method), X_EO, hull.margin, true};
   }
-  made.rungs = {Rung{}, obb, convex, exact};
+  made.rungs = {Rung{}, Rung{}, obb, convex, exact};
   return made;
 }
 

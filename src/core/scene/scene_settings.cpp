@@ -9,7 +9,7 @@
 namespace collision_pairs {
 namespace {
 
-constexpr std::array<const char*, 4> FIDELITY_NAMES = {"aabb", "obb", "convex", "mesh"};
+constexpr std::array<const char*, 5> FIDELITY_NAMES = {"aabb", "spheres", "obb", "convex", "mesh"};
 
 }  // namespace
 
@@ -19,7 +19,8 @@ Fidelity parseFidelity(const std::string& name) {
   for (std::size_t i = 0; i < FIDELITY_NAMES.size(); ++i) {
     if (name == FIDELITY_NAMES[i]) return static_cast<Fidelity>(i);
   }
-  throw InputError("unknown fidelity '" + name + "'; known are aabb, obb, convex and mesh");
+  throw InputError("unknown fidelity '" + name +
+                   "'; known are aabb, spheres, obb, convex and mesh");
 }
 
 bool isPattern(const NamePattern& pattern) { return pattern.find_first_of("*?[") != pattern.npos; }

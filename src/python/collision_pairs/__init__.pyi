@@ -180,7 +180,7 @@ class Detector:
         """states: (n, len(joints)), or (len(joints),) for one; rad or m. float64 is read in place, with any strides;
         float32, integers and lists are converted. joints: None: Detector.joints; joints that are not named are taken
         as zero, or their nearest limit, with a warning. alarm_distance: m, pairs up to this far apart are reported.
-        fidelity: aabb, obb, convex or mesh. min_distance: the exact smallest, even beyond the alarm distance.
+        fidelity: aabb, spheres, obb, convex or mesh. min_distance: the exact smallest, even beyond the alarm distance.
         verdict_only: ends at the first contact. time_budget: s per state, 0: no limit. gradient: of each distance.
         tolerance: m by which a distance may be too small (LOWER_BOUND); contacts stay exact; 0 with gradient.
         """

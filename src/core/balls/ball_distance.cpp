@@ -1,0 +1,151 @@
+#include "ball_distance.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "closed_forms.h"
+
+namespace collision_pairs {
+namespace {
+
+using Eigen::Isometry3d;
+using Eigen::Vector3d;
+
+constexpr double NEARLY_LEAST = 0.8;  // of a gap: less is not looked for
+constexpr int NB_COARSE = 127;        // balls of a tree: distances are those of their leaves
+constexpr double ROUNDING = 64.0 * std::numeric_limits<double>::epsilon();
+
+PairDistance gapOf(const Ball& a, const Ball& b, const Isometry3d& X_AB) {
+  PairDistance gap;
+  const Vector3d p_AB = X_AB * b.center - a.center;
+  const double apart = p_AB.norm();
+  if (apart > 0.0) gap.nhat_AB_A = p_AB / apart;
+  gap.distance = apart - a.radius - b.radius;
+  gap.p_ACa = a.center + a.radius * gap.nhat_AB_A;
+  gap.p_ACb = gap.p_ACa + gap.distance * gap.nhat_AB_A;
+  return gap;
+}
+
+PairDistance gapOf(const Ball& a, const Prepared& B, const Isometry3d& X_AB) {
+  ConvexCore ball;
+  ball.radius = a.radius;
+  Isometry3d X_CB = X_AB;  // C: as A, about the ball
+  X_CB.translation() -= a.center;
+  PairDistance gap;
+  if (B.isHalfSpace()) {
+    const Isometry3d X_BC = X_CB.inverse(Eigen::Isometry);
+    gap = exchanged(halfSpaceDistance(ball, X_BC), X_CB);
+  } else {
+    gap = closedForm(ball, B.core, X_CB);
+  }
+  gap.p_ACa += a.center;
+  gap.p_ACb += a.center;
+  return gap;
+}
+
+double reachOf(const BallOrShape& solid) {
+  if (solid.balls != nullptr)
+    return solid.balls->front().center.norm() + solid.balls->front().radius;
+  return solid.shape->core.extent + solid.shape->core.radius;
+}
+
+/// The search for the least gap of two leaves. What is below a pair of balls is no nearer than
+/// they are, nor than any pair on the way to them.
+class LeastGap {
+ public:
+  LeastGap(const BallOrShape& A, const BallOrShape& B, const Isometry3d& X_AB)
+      : A_(A), B_(B), X_AB_(X_AB) {}
+
+  /// Ends at a gap of `enough`, or when nothing nearer than `best` is left.
+  void search(double enough, double best) {
+    least_ = best;
+    Step stack[64];  // one step is left behind for each ball on the way to two leaves
+    int depth = 0;
+    stack[depth++] = {0, 0, gap(0, 0)};
+    while (depth > 0 && least_ > enough) {
+      const Step step = stack[--depth];
+      if (isHopeless(step.bound, enough)) continue;
+      const int in_a = childOf(A_, step.a), in_b = childOf(B_, step.b);
+      const bool is_coarsely_apart = step.bound > enough && isFine(in_a) && isFine(in_b);
+      if ((in_a == 0 && in_b == 0) || is_coarsely_apart) {
+        take(step);
+        continue;
+      }
+      const bool of_a = in_b == 0 || (in_a != 0 && in_a <= in_b);
+      Step first = of_a ? Step{in_a, step.b, 0.0} : Step{step.a, in_b, 0.0};
+      Step second = of_a ? Step{in_a + 1, step.b, 0.0} : Step{step.a, in_b + 1, 0.0};
+      first.bound = std::max(step.bound, gap(first.a, first.b));
+      second.bound = std::max(step.bound, gap(second.a, second.b));
+      if (first.bound < second.bound) std::swap(first, second);
+      stack[depth++] = first;  // the nearer one is looked at first
+      stack[depth++] = second;
+    }
+  }
+
+  /// No leaves are nearer.
+  double least() const { return std::min(least_, passed_over_); }
+  bool found() const { return a_ >= 0; }
+  PairDistance ofLeaves() const { return answer(a_, b_); }
+  PairDistance ofRoots() const { return answer(0, 0); }
+
+ private:
+  struct Step {
+    int a, b;
+    double bound;
+  };
+  // The least gap of hundreds of pairs that are hardly further apart is not worth its search.
+  bool isHopeless(double bound, double enough) {
+    if (bound >= least_) return true;
+    if (!found() || bound <= enough) return false;
+    if (bound < enough + NEARLY_LEAST * (least_ - enough)) return false;
+    passed_over_ = std::min(passed_over_, bound);
+    return true;
+  }
+  void take(const Step& step) {
+    least_ = step.bound;
+    a_ = step.a;
+    b_ = step.b;
+  }
+  static bool isFine(int child) { return child == 0 || child >= NB_COARSE; }
+  static int childOf(const BallOrShape& solid, int ball) {
+    return solid.balls == nullptr ? 0 : (*solid.balls)[static_cast<std::size_t>(ball)].first_child;
+  }
+  static const Ball& ballOf(const BallOrShape& solid, int ball) {
+    return (*solid.balls)[static_cast<std::size_t>(ball)];
+  }
+
+  double gap(int a, int b) const {
+    if (A_.balls == nullptr || B_.balls == nullptr) return answer(a, b).distance;
+    const Ball &of_a = ballOf(A_, a), &of_b = ballOf(B_, b);
+    return (X_AB_ * of_b.center - of_a.center).norm() - of_a.radius - of_b.radius;
+  }
+
+  PairDistance answer(int a, int b) const {
+    if (B_.balls == nullptr) return gapOf(ballOf(A_, a), *B_.shape, X_AB_);
+    if (A_.balls != nullptr) return gapOf(ballOf(A_, a), ballOf(B_, b), X_AB_);
+    return exchanged(gapOf(ballOf(B_, b), *A_.shape, X_AB_.inverse(Eigen::Isometry)), X_AB_);
+  }
+
+  const BallOrShape &A_, &B_;
+  const Isometry3d& X_AB_;
+  double least_ = std::numeric_limits<double>::infinity();
+  double passed_over_ = least_;
+  int a_ = -1, b_ = -1;
+};
+
+}  // namespace
+
+PairDistance ballDistance(const BallOrShape& A, const BallOrShape& B, const Isometry3d& X_AB,
+                          double max_distance, double contact_distance) {
+  const double error = ROUNDING * (X_AB.translation().norm() + reachOf(A) + reachOf(B));
+  LeastGap gaps(A, B, X_AB);
+  gaps.search(contact_distance + error, max_distance + 2.0 * error);
+  const bool meet = gaps.least() <= contact_distance + error;
+  PairDistance answer = meet || !gaps.found() ? gaps.ofRoots() : gaps.ofLeaves();
+  answer.distance = (meet ? answer.distance : gaps.least()) - error;
+  answer.certainty = answer.distance > max_distance ? Certainty::BEYOND : Certainty::EXACT;
+  return answer;
+}
+
+}  // namespace collision_pairs

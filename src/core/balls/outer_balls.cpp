@@ -1,0 +1,229 @@
+#include "outer_balls.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace collision_pairs {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double CLOSE = 0.01;      // of the root's radius: what a leaf may stick out
+constexpr int MOST_DEPTH = 24;      // of a tree
+constexpr int MOST_HALVINGS = 3;    // of the step of the search for a centre
+constexpr int MOST_ROUNDS = 50;     // of that search
+constexpr double ROUNDING = 1e-12;  // of what is computed from coordinates
+
+/// What is on one side of a plane across an axis; sign 1: above `at`, -1: below. Sutherland,
+/// Hodgman: "Reentrant polygon clipping" (1974).
+Polygon clipped(const Polygon& polygon, int axis, double at, double sign) {
+  Polygon kept;
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    const Vector3d &p = polygon[i], &next = polygon[(i + 1) % polygon.size()];
+    const double above = sign * (p[axis] - at), next_above = sign * (next[axis] - at);
+    if (above >= 0.0) kept.push_back(p);
+    if ((above < 0.0) == (next_above < 0.0) || above == 0.0 || next_above == 0.0) continue;
+    kept.push_back(p + above / (above - next_above) * (next - p));
+    kept.back()[axis] = at;
+  }
+  return kept;
+}
+
+double furthest(const std::vector<Vector3d>& points, const Vector3d& from) {
+  double squared = 0.0;
+  for (const Vector3d& p : points) squared = std::max(squared, (p - from).squaredNorm());
+  return std::sqrt(squared);
+}
+
+/// The ball around given points that sticks out of a solid least: by its radius less how deep its
+/// centre is inside.
+class BestBall {
+ public:
+  BestBall(const BallSolid& solid, const std::vector<Ball>& samples)
+      : solid_(solid), samples_(samples) {}
+
+  Ball ball;
+  double sticks_out;
+
+  void around(const std::vector<Vector3d>& points, const Aabb& box) {
+    if (samples_.empty()) {
+      ball = enclosingBall(points);
+      sticks_out = ball.radius;
+      return;
+    }
+    const Vector3d center = box.center();
+    deep_ = depthAt(center);
+    ball = {center, furthest(points, center)};
+    sticks_out = ball.radius - deep_;
+    tryInside(points);
+    search(points, 0.25 * (box.max - box.min).maxCoeff());
+  }
+
+ private:
+  double depthAt(const Vector3d& p) const {
+    const double depth = solid_.depth(p);
+    return solid_.holds && !solid_.holds(p) ? -depth : depth;
+  }
+
+  void tryInside(const std::vector<Vector3d>& points) {
+    std::array<const Vector3d*, 6> outermost;  // to see early that a ball is no better
+    outermost.fill(&points.front());
+    for (const Vector3d& p : points) {
+      for (int axis = 0; axis < 3; ++axis) {
+        if (p[axis] < (*outermost[axis])[axis]) outermost[axis] = &p;
+        if (p[axis] > (*outermost[3 + axis])[axis]) outermost[3 + axis] = &p;
+      }
+    }
+    for (const Ball& sample : samples_) {
+      const double limit = sticks_out + sample.radius;
+      if (limit <= 0.0) continue;
+      const auto isBeyond = [&](const Vector3d& p) {
+        return (p - sample.center).squaredNorm() >= limit * limit;
+      };
+      if (std::any_of(outermost.begin(), outermost.end(),
+                      [&](const Vector3d* p) { return isBeyond(*p); })) {
+        continue;
+      }
+      const auto beyond = std::find_if(points.begin(), points.end(), isBeyond);
+      if (beyond != points.end()) continue;
+      take({sample.center, furthest(points, sample.center)}, sample.radius);
+    }
+  }
+
+  // How deep a point is changes by no more than the way to another.
+  void search(const std::vector<Vector3d>& points, double step) {
+    for (int round = 0, halvings = 0; round < MOST_ROUNDS && halvings < MOST_HALVINGS; ++round) {
+      bool is_better = false;
+      for (int i = 0; i < 6; ++i) {
+        Vector3d center = ball.center;
+        center[i % 3] += i < 3 ? step : -step;
+        const double radius = furthest(points, center);
+        if (radius - (deep_ + step) >= sticks_out) continue;
+        const double deep = step < deep_ ? solid_.depth(center) : depthAt(center);
+        if (radius - deep >= sticks_out) continue;
+        take({center, radius}, deep);
+        is_better = true;
+      }
+      if (is_better) continue;
+      step *= 0.5;
+      ++halvings;
+    }
+  }
+
+  void take(const Ball& better, double deep) {
+    ball = better;
+    deep_ = deep;
+    sticks_out = ball.radius - deep;
+  }
+
+  const BallSolid& solid_;
+  const std::vector<Ball>& samples_;
+  double deep_ = 0.0;
+};
+
+void buildOver(const std::vector<Ball>& leaves, std::size_t begin, std::size_t end, int at,
+               std::vector<OuterBall>& balls) {
+  OuterBall& ball = balls[static_cast<std::size_t>(at)];
+  if (begin + 1 == end) {
+    ball = {leaves[begin], 0};
+    return;
+  }
+  ball.center = 0.5 * (leaves[begin].center + leaves[end - 1].center);
+  for (std::size_t i = begin; i < end; ++i) {
+    const double reach = (leaves[i].center - ball.center).norm() + leaves[i].radius;
+    ball.radius = std::max(ball.radius, reach * (1.0 + ROUNDING));
+  }
+  const int children = ball.first_child = static_cast<int>(balls.size());
+  balls.resize(balls.size() + 2);
+  const std::size_t middle = (begin + end) / 2;
+  buildOver(leaves, begin, middle, children, balls);
+  buildOver(leaves, middle, end, children + 1, balls);
+}
+
+class OuterTree {
+ public:
+  OuterTree(const BallSolid& solid, const std::vector<Ball>& samples, std::size_t most_balls)
+      : solid_(solid), best_(solid, samples), most_balls_(most_balls) {}
+
+  std::vector<OuterBall> build() {
+    add({0, 0, 0.0, solid_.surface, boxAround(cornersOf(solid_.surface))});
+    const double close = CLOSE * balls_[0].radius;
+    while (!open_.empty() && open_.front().sticks_out > close && balls_.size() + 2 <= most_balls_) {
+      std::pop_heap(open_.begin(), open_.end());
+      const Leaf leaf = std::move(open_.back());
+      open_.pop_back();
+      divide(leaf);
+    }
+    return std::move(balls_);
+  }
+
+ private:
+  struct Leaf {
+    int ball;
+    int depth;
+    double sticks_out;
+    std::vector<Polygon> surface;
+    Aabb box;  ///< of what is in its cell
+    bool operator<(const Leaf& other) const { return sticks_out < other.sticks_out; }
+  };
+
+  /// A leaf whose box is that of its cell, so far.
+  void add(Leaf leaf) {
+    std::vector<Vector3d> extremes = cornersOf(leaf.surface);
+    for (int i = 0; i < 8; ++i) {
+      const Vector3d corner((i & 1 ? leaf.box.max : leaf.box.min)[0],
+                            (i & 2 ? leaf.box.max : leaf.box.min)[1],
+                            (i & 4 ? leaf.box.max : leaf.box.min)[2]);
+      if (solid_.may_hold(corner)) extremes.push_back(corner);
+    }
+    leaf.ball = static_cast<int>(balls_.size());
+    balls_.push_back({{leaf.box.center(), 0.0}, 0});
+    if (extremes.empty()) return;  // nothing is in it
+    leaf.box = boxAround(extremes);
+    best_.around(extremes, leaf.box);
+    static_cast<Ball&>(balls_.back()) = best_.ball;
+    balls_.back().radius += ROUNDING * (best_.ball.radius + best_.ball.center.norm());
+    leaf.sticks_out = best_.sticks_out;
+    if (leaf.depth == MOST_DEPTH) return;
+    open_.push_back(std::move(leaf));
+    std::push_heap(open_.begin(), open_.end());
+  }
+
+  void divide(const Leaf& leaf) {
+    int axis = 0;
+    (leaf.box.max - leaf.box.min).maxCoeff(&axis);
+    const double middle = leaf.box.center()[axis];
+    balls_[static_cast<std::size_t>(leaf.ball)].first_child = static_cast<int>(balls_.size());
+    for (const bool upper : {false, true}) {
+      Leaf half{0, leaf.depth + 1, 0.0, {}, leaf.box};
+      for (const Polygon& polygon : leaf.surface) {
+        Polygon kept = clipped(polygon, axis, middle, upper ? 1.0 : -1.0);
+        if (!kept.empty()) half.surface.push_back(std::move(kept));
+      }
+      (upper ? half.box.min : half.box.max)[axis] = middle;
+      add(std::move(half));
+    }
+  }
+
+  const BallSolid& solid_;
+  BestBall best_;
+  const std::size_t most_balls_;
+  std::vector<OuterBall> balls_;
+  std::vector<Leaf> open_;  // a heap
+};
+
+}  // namespace
+
+std::vector<OuterBall> treeOver(const std::vector<Ball>& leaves) {
+  std::vector<OuterBall> balls(1);
+  buildOver(leaves, 0, leaves.size(), 0, balls);
+  return balls;
+}
+
+std::vector<OuterBall> outerBalls(const BallSolid& solid, const std::vector<Ball>& samples,
+                                  std::size_t most_balls) {
+  return OuterTree(solid, samples, most_balls).build();
+}
+
+}  // namespace collision_pairs

@@ -1,0 +1,33 @@
+// Balls that together enclose a solid.
+#pragma once
+
+#include <vector>
+
+#include "ball_solid.h"
+#include "enclosing_ball.h"
+
+namespace collision_pairs {
+
+/// A ball of a binary tree. Its children are `first_child` and the next one; 0: it is a leaf.
+struct OuterBall : Ball {
+  int first_child = 0;
+};
+
+/// The leaves of the tree enclose the solid; the first ball is the root, the others come in the
+/// order in which they were made. Each encloses the part of the solid that those below it do, not
+/// these themselves. `samples`: balls inside of the solid, or none.
+/// The cells are those of a k-d tree: their boxes shrunk to what is in them and split in the middle
+/// of the longest side. In a box, every extreme point of the solid is a corner of a clipped
+/// triangle or of the box: a ball around these encloses that part of the solid. Of such balls the
+/// one is taken that sticks out of the solid least, which is a large one inside of it where that is
+/// round. The leaf that sticks out most is divided next, so that a tree of fewer balls is the
+/// beginning of one of more.
+/// Cost: for a mesh of n triangles O(n) clippings a level, and some thousand queries for the
+/// nearest point of its surface.
+std::vector<OuterBall> outerBalls(const BallSolid& solid, const std::vector<Ball>& samples,
+                                  std::size_t most_balls);
+
+/// A tree over given leaves, neighbours in their order together. At least one.
+std::vector<OuterBall> treeOver(const std::vector<Ball>& leaves);
+
+}  // namespace collision_pairs
