@@ -190,6 +190,19 @@ def test_of_several_robots_the_prefix_chooses_one(run_tool, check, make_bag, tmp
     assert done.returncode == 2 and "--prefix left or right" in done.stderr
 
 
+def test_each_of_several_bags_is_checked_with_its_own_robot(check, tmp_path):
+    changed = tmp_path / "changed.bag"
+    with rosbag.Bag(DEMO_BAG) as source, rosbag.Bag(str(changed), "w") as target:
+        for topic, message, stamp in source.read_messages():
+            if topic.endswith("robot_description"):
+                message.data = re.sub(r'size="[^"]*"', 'size="0.001 0.001 0.001"', message.data)
+                message.data = re.sub(r'(radius|length)="[^"]*"', r'\1="0.001"', message.data)
+            target.write(topic, message, stamp)
+    demo, thin = verdicts(check(DEMO_BAG)[0]), verdicts(check(changed)[0])
+    assert demo != thin
+    assert verdicts(check(DEMO_BAG, changed)[0]) == demo + thin
+
+
 def test_joints_of_a_namespace_are_found_by_prefix(check, make_bag):
     rows, _ = check(make_bag("p.bag", "--prefix", "left", "--without", "tf"), "--prefix", "left")
     assert verdicts(rows) == verdicts(check(DEMO_BAG)[0])

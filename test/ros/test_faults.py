@@ -104,7 +104,7 @@ class FaultsTest(unittest.TestCase):
         self.assertIsNone(node.process.poll(), "connections that exist go on")
         self.start_master(port)
         self.assertEqual(node.process.wait(PATIENCE), 1)
-        self.assertIn("it was restarted", node.said())
+        self.assertIn("was restarted", node.said())
 
     def test_of_two_nodes_with_one_name_the_newer_stays(self):
         older = self.start(NODE, "__name:=twin")

@@ -135,7 +135,7 @@ class RefusedUpdatesTest(unittest.TestCase):
 
     def test_planes_without_a_direction(self):
         for wrong in (plane(0, 0, 0, 1), plane(NAN, 0, 1, 0), plane(0, 0, 1, INF), plane(INF, 0, 0, 0)):
-            self.assert_refused(add("new", planes=[wrong]), "'new'", "planes[0]", "direction")
+            self.assert_refused(add("new", planes=[wrong]), "'new'", "planes[0]", "do not define a plane")
 
     def test_a_frame_that_tf_does_not_know(self):
         self.assert_refused(add_box("new", frame="nowhere"), "changes[2]", "'new'", "'nowhere'")

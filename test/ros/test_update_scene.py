@@ -177,7 +177,7 @@ class UpdateSceneTest(unittest.TestCase):
         finally:
             rospy.set_param("/robot_description", urdf)
         self.assertFalse(reply.success)
-        for words in ("'box'", "'root'", "'world'", "remove it"):
+        for words in ("'box'", "'root'", "'world'", "remove the object"):
             self.assertIn(words, reply.message)
         self.assertEqual(self.scene.apply(), before)
         self.assert_only_distance(("a", "box"), GAP)
