@@ -23,7 +23,7 @@ constexpr double OF_DISTANCE = 16.0 * UNIT;  // of distances and radii, relative
 constexpr double MARGIN = 1e-9;              // m, and of sizes: the exact check rounds, too
 constexpr double MOST_REACH = 1e3;           // m
 constexpr double MOST_SLIDE = 10.0;          // m, of a joint without limits
-constexpr std::size_t MOST_BALLS = 127;      // of an element
+constexpr std::size_t MOST_BALLS = 63;      // of an element
 
 const Prepared& preparedOf(const SceneElement& element) {
   return static_cast<const Prepared&>(*element.rung(Fidelity::MESH).shape);
