@@ -25,6 +25,7 @@ struct BatchBall {
   float radius;     ///< outer: grown by what the centre in W may be off; inner: shrunk
   int body;
   int first_child;  ///< of an outer one, among all balls, with the next one; 0: it has none
+  float rank;       ///< of two outer balls the one of higher rank is divided first
 };
 
 /// The balls of an element: a tree of outer ones, a list of inner ones.

@@ -128,9 +128,8 @@ class BatchLoops {
     };
     Step stack[64];  // one step is left behind for each ball on the way to two leaves
     int depth = 0;
-    const int root_a = tables.trees[pair.first].first_outer;
-    const int root_b = tables.trees[pair.second].first_outer;
-    stack[depth++] = {root_a, root_b, lanes};
+    stack[depth++] = {tables.trees[pair.first].first_outer, tables.trees[pair.second].first_outer,
+                      lanes};
     unsigned open = 0;
     while (depth > 0) {
       Step step = stack[--depth];
@@ -141,7 +140,8 @@ class BatchLoops {
       const int in_a = tables.balls[step.a].first_child, in_b = tables.balls[step.b].first_child;
       if (in_a == 0 && in_b == 0) {
         open |= step.lanes;
-      } else if (in_b == 0 || (in_a != 0 && in_a - root_a <= in_b - root_b)) {
+      } else if (in_b == 0 ||
+                 (in_a != 0 && tables.balls[step.a].rank >= tables.balls[step.b].rank)) {
         stack[depth++] = {in_a, step.b, step.lanes};
         stack[depth++] = {in_a + 1, step.b, step.lanes};
       } else {

@@ -23,7 +23,7 @@ constexpr double OF_DISTANCE = 16.0 * UNIT;  // of distances and radii, relative
 constexpr double MARGIN = 1e-9;              // m, and of sizes: the exact check rounds, too
 constexpr double MOST_REACH = 1e3;           // m
 constexpr double MOST_SLIDE = 10.0;          // m, of a joint without limits
-constexpr std::size_t MOST_BALLS = 63;      // of an element
+constexpr std::size_t MOST_BALLS = 63;       // of an element
 
 const Prepared& preparedOf(const SceneElement& element) {
   return static_cast<const Prepared&>(*element.rung(Fidelity::MESH).shape);
@@ -133,7 +133,11 @@ class ModelMaker {
     for (const OuterBall& ball : cover.outer) {
       addBall(ball, X_CE, body, true);
       if (ball.first_child == 0) continue;
-      model_.balls.back().first_child = tree.first_outer + ball.first_child;
+      BatchBall& made = model_.balls.back();
+      made.first_child = tree.first_outer + ball.first_child;
+      // The larger one first is quicker. Without tables, at SPHERES, the order must be that of the
+      // single check, which has more balls: the order in which they were divided.
+      made.rank = with_tables_ ? made.radius : -static_cast<float>(ball.first_child);
     }
     tree.first_inner = static_cast<int>(model_.balls.size());
     for (const Ball& ball : cover.inner) addBall(ball, X_CE, body, false);
@@ -151,7 +155,7 @@ class ModelMaker {
     const double radius = is_outer ? (ball.radius + error) * (1.0 + OF_DISTANCE)
                                    : (ball.radius - error) * (1.0 - OF_DISTANCE);
     if (!is_outer && !(radius > 0.0)) return;
-    BatchBall made{{}, is_outer ? roundedUp(radius) : roundedDown(radius), body, 0};
+    BatchBall made{{}, is_outer ? roundedUp(radius) : roundedDown(radius), body, 0, 0.0f};
     for (int i = 0; i < 3; ++i) made.center[i] = static_cast<float>(center[i]);
     model_.balls.push_back(made);
   }
