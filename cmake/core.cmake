@@ -1,6 +1,6 @@
 # The core: URDF and poses in, pairs out. Links no ROS library (test_architecture holds it so).
 # Its modules; the dependency rules stand in test_architecture.
-set(core_modules base geometry broad_phase convex_pairs meshes narrow_phase balls robot scene clouds batch check
+set(core_modules base geometry broad_phase convex_pairs meshes narrow_phase spheres robot scene clouds batch check
   motion gradient pair_statistics)
 list(TRANSFORM core_modules PREPEND ${PROJECT_SOURCE_DIR}/src/core/ OUTPUT_VARIABLE CORE_MODULES)
 
@@ -9,11 +9,11 @@ add_library(collision_pairs SHARED
   src/core/base/input_error.cpp
   src/core/base/pair_filter.cpp
   src/core/base/user_text.cpp
-  src/core/balls/ball_cover.cpp
-  src/core/balls/ball_distance.cpp
-  src/core/balls/ball_solid.cpp
-  src/core/balls/enclosing_ball.cpp
-  src/core/balls/outer_balls.cpp
+  src/core/spheres/sphere_cover.cpp
+  src/core/spheres/sphere_distance.cpp
+  src/core/spheres/covered_solid.cpp
+  src/core/spheres/enclosing_sphere.cpp
+  src/core/spheres/outer_spheres.cpp
   src/core/batch/batch_kernel.cpp
   src/core/batch/batch_model.cpp
   src/core/batch/batch_stage.cpp

@@ -18,7 +18,7 @@ endfunction()
 
 collision_pairs_test(aabb)
 collision_pairs_test(bag_poses collision_pairs_io)
-collision_pairs_test(ball_cover)
+collision_pairs_test(sphere_cover)
 collision_pairs_test(batch_check)
 collision_pairs_test(batch_stage)
 collision_pairs_test(batch_tables)

@@ -39,7 +39,8 @@ std::shared_ptr<const CollisionScene> everyPair(const std::shared_ptr<const Robo
 TEST(PairTable, TellsWhatTheExactCheckSaysWhereverItTellsAnything) {
   RandomInputs random;
   const std::string shapes[] = {"<mesh filename='l'/>", "<box size='0.3 0.1 0.2'/>",
-                                "<cylinder radius='0.1' length='0.3'/>", "<mesh filename='ball'/>"};
+                                "<cylinder radius='0.1' length='0.3'/>",
+                                "<mesh filename='sphere'/>"};
   int nb[3] = {0, 0, 0};
   for (const std::string types : {"rr", "cr", "rc", "sr", "rs", "cc"}) {
     SCOPED_TRACE(types);

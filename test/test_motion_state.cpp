@@ -96,7 +96,7 @@ class BoundsCheck {
     const int body = pairs_.body_of[e];
     const Isometry3d X_WE = X_WB_[body] * element.X_BE;
     ASSERT_TRUE(state_.pose(e).isApprox(X_WE, 1e-9));
-    ASSERT_TRUE(state_.ball(e).center.isApprox(X_WE * element.box_center, 1e-9));
+    ASSERT_TRUE(state_.sphere(e).center.isApprox(X_WE * element.box_center, 1e-9));
     const Isometry3d X_WF = frame < 0 ? Isometry3d::Identity() : X_WB_[frame];
     for (int k = 0; k < 12; ++k) {
       const double s = random.uniform(-half_width_, half_width_);
@@ -107,7 +107,7 @@ class BoundsCheck {
       const Vector3d p_W = X_WE * p_E;
       // Where the frame stands still, expressed in W.
       const Vector3d p_W_then = X_WF * X_WF_then.inverse() * (then[body] * element.X_BE) * p_E;
-      const Vector3d velocity = twist.v + twist.omega.cross(p_W - state_.ball(e).center);
+      const Vector3d velocity = twist.v + twist.omega.cross(p_W - state_.sphere(e).center);
       const double moved = (p_W_then - p_W).norm();
       const double departed = (p_W_then - p_W - s * velocity).norm();
       const double may_move = std::abs(s) * bound.speed;
@@ -239,7 +239,7 @@ TEST(MotionState, PosesAreThoseOfForwardKinematicsToTheLastBit) {
 }
 
 // So coarser shapes are no faster than PairCover takes them to be. The margins do not move.
-TEST(MotionState, BallsHoldTheElementsAndNearlyTheirCoarserShapes) {
+TEST(MotionState, SpheresHoldTheElementsAndNearlyTheirCoarserShapes) {
   SceneSettings settings;
   settings.max_hull_vertices = 5;  // so few that the hull sticks out far
   const auto scene = CollisionScene::build(mixedRobot(), Srdf{}, nullptr, settings);
@@ -259,7 +259,7 @@ TEST(MotionState, BallsHoldTheElementsAndNearlyTheirCoarserShapes) {
       for (const Vector3d& p : corners) {
         const double reach = fidelity == Fidelity::OBB ? std::sqrt(3.0) : 1.0;
         EXPECT_LE((rung.X_ER * p - element.box_center).norm(),
-                  reach * state.ball(e).radius * (1.0 + 1e-12))
+                  reach * state.sphere(e).radius * (1.0 + 1e-12))
             << e << " at " << fidelityName(fidelity);
       }
     }

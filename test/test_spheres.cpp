@@ -1,4 +1,4 @@
-// Balls in place of meshes: never a miss, few false alarms. Distances: test_fidelity_ladder.
+// Spheres in place of meshes: never a miss, few false alarms. Distances: test_fidelity_ladder.
 #include <iostream>
 
 #include "batch_verdicts.h"
@@ -31,7 +31,7 @@ std::vector<Said> saidOf(const std::shared_ptr<const CollisionScene>& scene,
   return said;
 }
 
-/// A batch knows more than balls of what never moves, so it may be free where the single check is
+/// A batch knows more than spheres of what never moves, so it may be free where the single check is
 /// not, but never where the exact check is not.
 void expectNoMiss(const Said& said) {
   const auto isFree = [](Verdict verdict) { return verdict == Verdict::FREE; };

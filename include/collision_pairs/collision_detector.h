@@ -96,7 +96,7 @@ class CollisionDetector {
   /// The pairs of elements whose boxes are no further apart than `reach` metres, sorted.
   void sweep(double reach, std::vector<BoxPair>& candidates);
   void beginPairs();
-  void makeBalls();
+  void makeSpheres();
   void findFirstContact();
   void measureCandidates();
   void measureInTime(const Deadline& deadline);
@@ -121,7 +121,7 @@ class CollisionDetector {
   CheckSettings settings_;
   std::unique_ptr<ElementBoxes> boxes_;
   bool some_are_loose_ = false;  // boxes of this cycle
-  bool has_balls_ = false;       // those of SPHERES were made
+  bool has_spheres_ = false;     // those of SPHERES were made
   SweepAndPrune sweep_;
   std::unique_ptr<PairLadder> ladder_;
   std::unique_ptr<TimedClimb> timed_climb_;

@@ -31,7 +31,7 @@ struct CollisionModel {
 };
 
 struct MeshBounds;
-class FineBalls;
+class FineSpheres;
 
 /// The geometry of an element on one rung of the ladder of fidelities.
 struct Rung {
@@ -62,7 +62,7 @@ struct SceneElement {
   Aabb boxAt(const Eigen::Isometry3d& X_WE) const;
   std::shared_ptr<const MeshBounds> mesh_bounds;  ///< null for a primitive
   /// The geometry at SPHERES, made when it is first requested. Null for a primitive.
-  std::shared_ptr<const FineBalls> balls;
+  std::shared_ptr<const FineSpheres> spheres;
   /// A box along the axes of E that encloses the element, including rounding: centre and half size,
   /// metres, in E. Infinite for a half-space.
   Eigen::Vector3d box_center, box_half;

@@ -128,8 +128,8 @@ Marker patternFor(Kind kind) {
 void draw(const SceneElement& element, Fidelity fidelity, Marker pattern, MarkerArray& array) {
   const Fidelity shown = std::min(fidelity, element.finest);
   const Rung& rung = element.rung(shown == Fidelity::AABB ? Fidelity::OBB : shown);
-  // A rung that no pair of this element asks for was not prepared; a thousand balls a link are not
-  // drawn.
+  // A rung that no pair of this element asks for was not prepared; a thousand spheres a link are
+  // not drawn.
   const Isometry3d X_BS = rung.shape ? element.X_BE * rung.X_ER : element.X_BE;
   ElementDrawer drawer(array, std::move(pattern), X_BS);
   std::visit(drawer, rung.shape ? rung.shape->shape() : element.shape);

@@ -1,5 +1,5 @@
 // The inner loops of the batch stage, for each instruction set, and the choice among them at run
-// time: forward kinematics of several joint states at once, and balls against balls. In float;
+// time: forward kinematics of several joint states at once, and spheres against spheres. In float;
 // docs/batch.md derives by how much that may be off.
 #pragma once
 
@@ -20,15 +20,15 @@ struct BatchBody {
   float p[3];
 };
 
-struct BatchBall {
+struct BatchSphere {
   float center[3];  ///< in its body's frame B
   float radius;     ///< outer: grown by what the centre in W may be off; inner: shrunk
   int body;
-  int first_child;  ///< of an outer one, among all balls, with the next one; 0: it has none
-  float rank;       ///< of two outer balls the one of higher rank is divided first
+  int first_child;  ///< of an outer one, among all spheres, with the next one; 0: it has none
+  float rank;       ///< of two outer spheres the one of higher rank is divided first
 };
 
-/// The balls of an element: a tree of outer ones, a list of inner ones.
+/// The spheres of an element: a tree of outer ones, a list of inner ones.
 struct BatchTree {
   int first_outer;  ///< the root
   int first_inner, nb_inner;
@@ -44,8 +44,8 @@ struct BatchPair {
 struct BatchTables {
   const BatchBody* bodies;  ///< parents first
   int nb_bodies;
-  const BatchBall* balls;
-  int nb_balls;
+  const BatchSphere* spheres;
+  int nb_spheres;
   const BatchTree* trees;
   const BatchPair* pairs;
   int nb_pairs;
@@ -56,8 +56,8 @@ struct BatchTables {
 struct BatchLanes {
   const double* positions;  ///< one a column, rad or m; |turns| at most MOST_TURNS
   float* poses;             ///< 12 a body: R column by column, p; of B in W
-  float* centers;           ///< 3 a ball, in W
-  unsigned* placed;         ///< a ball: the group that its centre is of
+  float* centers;           ///< 3 a sphere, in W
+  unsigned* placed;         ///< a sphere: the group that its centre is of
   unsigned group;           ///< not that of any other call with these arrays
   /// Of the lanes that a pair with a table may meet in: those that the table does not know to be
   /// apart; those known to be in contact are written to `certain`.
@@ -65,7 +65,7 @@ struct BatchLanes {
   void* tables;
 };
 
-/// A pair that balls could not settle, and in which lanes.
+/// A pair that spheres could not settle, and in which lanes.
 struct OpenBatchPair {
   int pair;
   unsigned lanes;
@@ -80,14 +80,15 @@ struct BatchKernel {
 
   /// Places all bodies.
   void (*place)(const BatchTables& tables, const BatchLanes& group);
-  /// Of the `lanes` (bits): settles pairs by balls. Writes to `open` those that are neither certain
-  /// to be apart nor certain to be in contact, and returns how many; `contact` is given, for lanes
-  /// in certain contact, the pair (others are left alone). A lane in contact is not looked at
-  /// further, so its pairs may be left in `open`. The result of a lane depends on its state alone.
+  /// Of the `lanes` (bits): settles pairs by spheres. Writes to `open` those that are neither
+  /// certain to be apart nor certain to be in contact, and returns how many; `contact` is given,
+  /// for lanes in certain contact, the pair (others are left alone). A lane in contact is not
+  /// looked at further, so its pairs may be left in `open`. The result of a lane depends on its
+  /// state alone.
   int (*settle)(const BatchTables& tables, const BatchLanes& group, unsigned lanes,
                 OpenBatchPair* open, int* contact);
-  /// The centre of a ball in W, of all lanes: x, then y, then z.
-  const float* (*center)(const BatchTables& tables, const BatchLanes& group, int ball);
+  /// The centre of a sphere in W, of all lanes: x, then y, then z.
+  const float* (*center)(const BatchTables& tables, const BatchLanes& group, int sphere);
 };
 
 /// What this machine can run, the best one first.

@@ -85,16 +85,16 @@ class BatchLoops {
     }
   }
 
-  static const float* centerOf(const BatchTables& tables, const BatchLanes& group, int ball) {
-    float* const center = group.centers + ball * 3 * LANES;
-    if (group.placed[ball] == group.group) return center;
-    group.placed[ball] = group.group;
-    const BatchBall& of_ball = tables.balls[ball];
-    const float* const pose = group.poses + of_ball.body * 12 * LANES;
+  static const float* centerOf(const BatchTables& tables, const BatchLanes& group, int sphere) {
+    float* const center = group.centers + sphere * 3 * LANES;
+    if (group.placed[sphere] == group.group) return center;
+    group.placed[sphere] = group.group;
+    const BatchSphere& of_sphere = tables.spheres[sphere];
+    const float* const pose = group.poses + of_sphere.body * 12 * LANES;
     for (int row = 0; row < 3; ++row) {
       const float* const r = pose + row * LANES;
-      store(load(r) * of_ball.center[0] + load(r + 3 * LANES) * of_ball.center[1] +
-                load(r + 6 * LANES) * of_ball.center[2] + load(r + 9 * LANES),
+      store(load(r) * of_sphere.center[0] + load(r + 3 * LANES) * of_sphere.center[1] +
+                load(r + 6 * LANES) * of_sphere.center[2] + load(r + 9 * LANES),
             center + row * LANES);
     }
     return center;
@@ -102,7 +102,7 @@ class BatchLoops {
 
   struct Gap {
     Floats squared;
-    float reach;  ///< of the two balls and the padding
+    float reach;  ///< of the two spheres and the padding
   };
 
   static Gap gapOf(const BatchTables& tables, const BatchLanes& group, int a, int b,
@@ -111,7 +111,7 @@ class BatchLoops {
     const float* const to = centerOf(tables, group, b);
     const Floats x = load(to) - load(from), y = load(to + LANES) - load(from + LANES),
                  z = load(to + 2 * LANES) - load(from + 2 * LANES);
-    return {x * x + y * y + z * z, tables.balls[a].radius + tables.balls[b].radius + padding};
+    return {x * x + y * y + z * z, tables.spheres[a].radius + tables.spheres[b].radius + padding};
   }
 
   /// The lanes in which the two may meet: all but those in which they are certain not to.
@@ -119,14 +119,14 @@ class BatchLoops {
     return ~Set::bits(gap.squared > Floats{} + gap.reach * gap.reach);
   }
 
-  /// Of `lanes` those in which outer balls of both trees meet at the leaves.
+  /// Of `lanes` those in which outer spheres of both trees meet at the leaves.
   static unsigned openLanes(const BatchTables& tables, const BatchLanes& group,
                             const BatchPair& pair, unsigned lanes) {
     struct Step {
       int a, b;
       unsigned lanes;
     };
-    Step stack[64];  // one step is left behind for each ball on the way to two leaves
+    Step stack[64];  // one step is left behind for each sphere on the way to two leaves
     int depth = 0;
     stack[depth++] = {tables.trees[pair.first].first_outer, tables.trees[pair.second].first_outer,
                       lanes};
@@ -137,11 +137,12 @@ class BatchLoops {
       if (step.lanes == 0) continue;
       step.lanes &= mayMeet(gapOf(tables, group, step.a, step.b, pair.outer_padding));
       if (step.lanes == 0) continue;
-      const int in_a = tables.balls[step.a].first_child, in_b = tables.balls[step.b].first_child;
+      const int in_a = tables.spheres[step.a].first_child,
+                in_b = tables.spheres[step.b].first_child;
       if (in_a == 0 && in_b == 0) {
         open |= step.lanes;
       } else if (in_b == 0 ||
-                 (in_a != 0 && tables.balls[step.a].rank >= tables.balls[step.b].rank)) {
+                 (in_a != 0 && tables.spheres[step.a].rank >= tables.spheres[step.b].rank)) {
         stack[depth++] = {in_a, step.b, step.lanes};
         stack[depth++] = {in_a + 1, step.b, step.lanes};
       } else {
@@ -152,7 +153,7 @@ class BatchLoops {
     return open;
   }
 
-  /// Of `lanes` those in which inner balls overlap.
+  /// Of `lanes` those in which inner spheres overlap.
   static unsigned certainLanes(const BatchTables& tables, const BatchLanes& group,
                                const BatchPair& pair, unsigned lanes) {
     const BatchTree &first = tables.trees[pair.first], &second = tables.trees[pair.second];

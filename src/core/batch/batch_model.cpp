@@ -23,7 +23,7 @@ constexpr double OF_DISTANCE = 16.0 * UNIT;  // of distances and radii, relative
 constexpr double MARGIN = 1e-9;              // m, and of sizes: the exact check rounds, too
 constexpr double MOST_REACH = 1e3;           // m
 constexpr double MOST_SLIDE = 10.0;          // m, of a joint without limits
-constexpr std::size_t MOST_BALLS = 63;       // of an element
+constexpr std::size_t MOST_SPHERES = 63;     // of an element
 
 const Prepared& preparedOf(const SceneElement& element) {
   return static_cast<const Prepared&>(*element.rung(Fidelity::MESH).shape);
@@ -54,11 +54,11 @@ class ModelMaker {
 
   void make() {
     const auto& elements = scene_.elements();
-    std::vector<BallCover> covers(elements.size());
+    std::vector<SphereCover> covers(elements.size());
     inParallel(nbThreads(0, covers.size()), covers.size(), [&](std::size_t, std::size_t i) {
       const bool is_box = std::holds_alternative<Box>(elements[i].shape);
       if (i < scene_.nbStaticElements() && is_box) return;
-      covers[i] = coverByBalls(preparedOf(elements[i]), MOST_BALLS);
+      covers[i] = coverBySpheres(preparedOf(elements[i]), MOST_SPHERES);
     });
     for (std::uint32_t i = scene_.nbStaticElements(); i < elements.size(); ++i) {
       addTree(i, covers[i]);
@@ -122,42 +122,42 @@ class ModelMaker {
     return UNIT * length + 4.0 * UNIT * (std::sqrt(3.0) * length + to);
   }
 
-  void addTree(std::uint32_t element, const BallCover& cover) {
+  void addTree(std::uint32_t element, const SphereCover& cover) {
     const SceneElement& of_scene = scene_.elements()[element];
     const int robot_body = scene_.bodies()[of_scene.body].body;
     const int body = addBody(robot_body);
     const Isometry3d X_CE =
         alongJoint(robot_, robot_.bodies()[robot_body]).transpose() * of_scene.X_BE;
     BatchTree tree;
-    tree.first_outer = static_cast<int>(model_.balls.size());
-    for (const OuterBall& ball : cover.outer) {
-      addBall(ball, X_CE, body, true);
-      if (ball.first_child == 0) continue;
-      BatchBall& made = model_.balls.back();
-      made.first_child = tree.first_outer + ball.first_child;
+    tree.first_outer = static_cast<int>(model_.spheres.size());
+    for (const OuterSphere& sphere : cover.outer) {
+      addSphere(sphere, X_CE, body, true);
+      if (sphere.first_child == 0) continue;
+      BatchSphere& made = model_.spheres.back();
+      made.first_child = tree.first_outer + sphere.first_child;
       // The larger one first is quicker. Without tables, at SPHERES, the order must be that of the
-      // single check, which has more balls: the order in which they were divided.
-      made.rank = with_tables_ ? made.radius : -static_cast<float>(ball.first_child);
+      // single check, which has more spheres: the order in which they were divided.
+      made.rank = with_tables_ ? made.radius : -static_cast<float>(sphere.first_child);
     }
-    tree.first_inner = static_cast<int>(model_.balls.size());
-    for (const Ball& ball : cover.inner) addBall(ball, X_CE, body, false);
-    tree.nb_inner = static_cast<int>(model_.balls.size()) - tree.first_inner;
+    tree.first_inner = static_cast<int>(model_.spheres.size());
+    for (const PlacedSphere& sphere : cover.inner) addSphere(sphere, X_CE, body, false);
+    tree.nb_inner = static_cast<int>(model_.spheres.size()) - tree.first_inner;
     model_.trees.push_back(tree);
     model_.element_of.push_back(element);
   }
 
-  void addBall(const Ball& ball, const Isometry3d& X_CE, int body, bool is_outer) {
-    const Vector3d center = X_CE * ball.center;
+  void addSphere(const PlacedSphere& sphere, const Isometry3d& X_CE, int body, bool is_outer) {
+    const Vector3d center = X_CE * sphere.center;
     const PoseError& pose = model_.errors[static_cast<std::size_t>(body)];
     const double error = pose.position + pose.rotation * center.norm() +
                          SECOND_ORDER * ofSum(center.norm(), pose.reach) +
-                         MARGIN * (1.0 + center.norm() + ball.radius);
-    const double radius = is_outer ? (ball.radius + error) * (1.0 + OF_DISTANCE)
-                                   : (ball.radius - error) * (1.0 - OF_DISTANCE);
+                         MARGIN * (1.0 + center.norm() + sphere.radius);
+    const double radius = is_outer ? (sphere.radius + error) * (1.0 + OF_DISTANCE)
+                                   : (sphere.radius - error) * (1.0 - OF_DISTANCE);
     if (!is_outer && !(radius > 0.0)) return;
-    BatchBall made{{}, is_outer ? roundedUp(radius) : roundedDown(radius), body, 0, 0.0f};
+    BatchSphere made{{}, is_outer ? roundedUp(radius) : roundedDown(radius), body, 0, 0.0f};
     for (int i = 0; i < 3; ++i) made.center[i] = static_cast<float>(center[i]);
-    model_.balls.push_back(made);
+    model_.spheres.push_back(made);
   }
 
   void addPairs() {
@@ -231,10 +231,10 @@ BatchModel::BatchModel(const CollisionScene& scene, bool with_tables) {
 
 std::size_t BatchModel::memory() const {
   std::size_t bytes = bodies.size() * sizeof(BatchBody) + errors.size() * sizeof(PoseError) +
-                      balls.size() * sizeof(BatchBall) + trees.size() * sizeof(BatchTree) +
+                      spheres.size() * sizeof(BatchSphere) + trees.size() * sizeof(BatchTree) +
                       pairs.size() * sizeof(BatchPair);
-  for (const BallCover& cover : covers) {
-    bytes += (cover.outer.size() + cover.inner.size()) * sizeof(Ball);
+  for (const SphereCover& cover : covers) {
+    bytes += (cover.outer.size() + cover.inner.size()) * sizeof(PlacedSphere);
   }
   return bytes;
 }

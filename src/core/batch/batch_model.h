@@ -1,14 +1,14 @@
-// A scene as the batch stage sees it: bodies, balls and pairs in float, and by how much they may be
-// off.
+// A scene as the batch stage sees it: bodies, spheres and pairs in float, and by how much they may
+// be off.
 #pragma once
 
 #include <cstdint>
 #include <string>
 #include <vector>
 
-#include "ball_cover.h"
 #include "batch_kernel.h"
 #include "collision_pairs/collision_scene.h"
+#include "sphere_cover.h"
 
 namespace collision_pairs {
 
@@ -25,7 +25,7 @@ struct BatchModel {
   /// Why a scene is not for the batch stage; empty if it is. Clouds, FCL, geometry other than the
   /// meshes, half-spaces that move, and what is further than a kilometre away are not.
   static std::string whyNot(const CollisionScene& scene, Fidelity fidelity);
-  /// Of a scene that is. Cost: coverByBalls() of each element, on all cores.
+  /// Of a scene that is. Cost: coverBySpheres() of each element, on all cores.
   explicit BatchModel(const CollisionScene& scene, bool with_tables = true);
   BatchModel(const BatchModel&) = delete;
   BatchModel& operator=(const BatchModel&) = delete;
@@ -33,8 +33,8 @@ struct BatchModel {
   BatchTables tables() const {
     return {bodies.data(),
             static_cast<int>(bodies.size()),
-            balls.data(),
-            static_cast<int>(balls.size()),
+            spheres.data(),
+            static_cast<int>(spheres.size()),
             trees.data(),
             pairs.data(),
             static_cast<int>(pairs.size())};
@@ -49,11 +49,11 @@ struct BatchModel {
   std::vector<BatchBody> bodies;
   std::vector<PoseError> errors;  ///< beside bodies
   std::vector<int> robot_body;    ///< beside bodies: in RobotModel::bodies()
-  std::vector<BatchBall> balls;
+  std::vector<BatchSphere> spheres;
   std::vector<BatchTree> trees;           ///< one for each element that moves, in their order
   std::vector<std::uint32_t> element_of;  ///< by tree
   std::vector<BatchPair> pairs;           ///< of elements that move against each other
-  std::vector<BallCover> covers;          ///< by element; none for static boxes
+  std::vector<SphereCover> covers;        ///< by element; none for static boxes
   std::size_t memory() const;             ///< bytes
 };
 

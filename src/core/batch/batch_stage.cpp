@@ -42,10 +42,10 @@ BatchStage::BatchStage(const CollisionScene& scene, Fidelity fidelity, const Bat
 
 Aabb BatchStage::reachOfRobot() const {
   Aabb box = noBox();
-  for (std::size_t i = 0; i < model_.balls.size(); ++i) {
-    const BatchBall& ball = model_.balls[i];
-    const PoseError& pose = model_.errors[static_cast<std::size_t>(ball.body)];
-    const double reach = pose.reach + Eigen::Vector3f(ball.center).cast<double>().norm() + 0.01;
+  for (std::size_t i = 0; i < model_.spheres.size(); ++i) {
+    const BatchSphere& sphere = model_.spheres[i];
+    const PoseError& pose = model_.errors[static_cast<std::size_t>(sphere.body)];
+    const double reach = pose.reach + Eigen::Vector3f(sphere.center).cast<double>().norm() + 0.01;
     box = enclosing(box, {Vector3d::Constant(-reach), Vector3d::Constant(reach)});
   }
   return box;
@@ -86,10 +86,10 @@ std::size_t BatchStage::memory() const {
 BatchStage::Group::Group(const BatchStage& stage) : stage_(stage), tables_(stage.model_.tables()) {
   const auto nb_lanes = static_cast<std::size_t>(lanes());
   positions_.resize(std::max<std::size_t>(1, stage.model_.columns.size()) * nb_lanes);
-  const std::size_t nb_balls = stage.model_.balls.size();
-  floats_.resize((12 * stage.model_.bodies.size() + 3 * nb_balls) * nb_lanes +
+  const std::size_t nb_spheres = stage.model_.spheres.size();
+  floats_.resize((12 * stage.model_.bodies.size() + 3 * nb_spheres) * nb_lanes +
                  ALIGNMENT / sizeof(float));
-  placed_.resize(nb_balls, 0);
+  placed_.resize(nb_spheres, 0);
   open_.resize(stage.model_.pairs.size());
   for (const BatchPair& pair : stage.model_.pairs) addTable(pair);
   clear();
@@ -208,12 +208,12 @@ unsigned BatchStage::Group::settleStatic(unsigned lanes) {
 
 unsigned BatchStage::Group::openBesideStatic(const BesideStatic& beside, unsigned lanes) {
   struct Step {
-    int ball;  // in the tree
+    int sphere;  // in the tree
     unsigned lanes;
   };
   const BatchTree& tree = tables_.trees[beside.tree];
   const StaticField& field = *stage_.fields_[static_cast<std::size_t>(beside.field)];
-  Step stack[32];  // one step is left behind for each ball on the way to a leaf
+  Step stack[32];  // one step is left behind for each sphere on the way to a leaf
   int depth = 0;
   stack[depth++] = {tree.first_outer, lanes};
   unsigned open = 0;
@@ -221,9 +221,9 @@ unsigned BatchStage::Group::openBesideStatic(const BesideStatic& beside, unsigne
     Step step = stack[--depth];
     step.lanes &= ~open;
     if (step.lanes == 0) continue;
-    const BatchBall& ball = tables_.balls[step.ball];
-    const float* const centers = centersOf(step.ball);
-    const double reach = ball.radius + beside.outer_padding + MARGIN;
+    const BatchSphere& sphere = tables_.spheres[step.sphere];
+    const float* const centers = centersOf(step.sphere);
+    const double reach = sphere.radius + beside.outer_padding + MARGIN;
     unsigned near = 0;
     forEachLane(step.lanes, [&](int lane) {
       const Vector3d p_W = pointOf(centers, this->lanes(), lane);
@@ -231,11 +231,11 @@ unsigned BatchStage::Group::openBesideStatic(const BesideStatic& beside, unsigne
       near |= 1u << lane;
     });
     if (near == 0) continue;
-    if (ball.first_child == 0) {
+    if (sphere.first_child == 0) {
       open |= near;
     } else {
-      stack[depth++] = {ball.first_child, near};
-      stack[depth++] = {ball.first_child + 1, near};
+      stack[depth++] = {sphere.first_child, near};
+      stack[depth++] = {sphere.first_child + 1, near};
     }
   }
   return open;
@@ -246,11 +246,11 @@ unsigned BatchStage::Group::contactWithStatic(const BesideStatic& beside, unsign
   const StaticField& field = *stage_.fields_[static_cast<std::size_t>(beside.field)];
   unsigned in_contact = 0;
   for (int i = 0; i < tree.nb_inner; ++i) {
-    const int ball = tree.first_inner + i;
-    const double reach = tables_.balls[ball].radius + beside.inner_padding - MARGIN;
+    const int sphere = tree.first_inner + i;
+    const double reach = tables_.spheres[sphere].radius + beside.inner_padding - MARGIN;
     forEachLane(lanes & ~in_contact, [&](int lane) {
       std::uint32_t element = 0;
-      if (!field.isNearer(pointOf(centersOf(ball), this->lanes(), lane), reach, element)) return;
+      if (!field.isNearer(pointOf(centersOf(sphere), this->lanes(), lane), reach, element)) return;
       in_contact |= 1u << lane;
       outcomes_[lane] = Outcome::CONTACT;
       contacts_[lane] = {element, stage_.model_.element_of[static_cast<std::size_t>(beside.tree)]};
@@ -259,8 +259,8 @@ unsigned BatchStage::Group::contactWithStatic(const BesideStatic& beside, unsign
   return in_contact;
 }
 
-const float* BatchStage::Group::centersOf(int ball) {
-  return stage_.kernel_.center(tables_, arrays(), ball);
+const float* BatchStage::Group::centersOf(int sphere) {
+  return stage_.kernel_.center(tables_, arrays(), sphere);
 }
 
 BoxPair BatchStage::Group::elementsOf(int pair) const {

@@ -12,10 +12,10 @@
 
 namespace collision_pairs {
 
-/// Balls instead of links: where all pairs of outer balls are apart, the state is free; where two
-/// inner ones overlap, it is in contact; anything else is left open. Both answers are those of the
-/// exact check at Fidelity::MESH for certain, float kinematics included (docs/batch.md). For
-/// Fidelity::SPHERES, whose balls are those of this stage divided further, no tables of pairs are
+/// Spheres instead of links: where all pairs of outer spheres are apart, the state is free; where
+/// two inner ones overlap, it is in contact; anything else is left open. Both answers are those of
+/// the exact check at Fidelity::MESH for certain, float kinematics included (docs/batch.md). For
+/// Fidelity::SPHERES, whose spheres are those of this stage divided further, no tables of pairs are
 /// used, which know more than these.
 /// Immutable but for what the static field fills in; all threads share it.
 class BatchStage {
@@ -83,7 +83,7 @@ class BatchStage::Group {
   };
   BatchLanes arrays();
   static unsigned lookUp(void* group, int pair, unsigned lanes, unsigned* certain);
-  const float* centersOf(int ball);
+  const float* centersOf(int sphere);
   BoxPair elementsOf(int pair) const;
   void addTable(const BatchPair& pair);
   // Of these lanes, those in contact for certain; what is open is noted.

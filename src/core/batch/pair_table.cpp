@@ -100,7 +100,7 @@ void PairTable::fill(const Block& block, std::uint8_t code) {
 // From the middle of the block: the joint nearer to the element that is seen as moving turns first,
 // then the other, about an axis from which its points have got no further away than the first moved
 // them. The distance of two elements changes by no more than either of them moves, seen from the
-// other; and two balls that overlap by more than that still do (docs/batch.md).
+// other; and two spheres that overlap by more than that still do (docs/batch.md).
 PairTable::Cell PairTable::certified(const Block& block, NarrowPhase& narrow_phase) {
   double half[2] = {0.0, 0.0};
   const int index[2] = {block.x, block.y};
@@ -116,7 +116,7 @@ PairTable::Cell PairTable::certified(const Block& block, NarrowPhase& narrow_pha
   };
   const SceneElement &a = elements[pair_.first], &b = elements[pair_.second];
   const Isometry3d X_WA = poseOf(a), X_WC = poseOf(b);
-  const BallCover &cover_a = model_.covers[pair_.first], &cover_b = model_.covers[pair_.second];
+  const SphereCover &cover_a = model_.covers[pair_.first], &cover_b = model_.covers[pair_.second];
   double moves_a = half[0] * reachOf(cover_a, X_WA, 0), moves_b = 0.0;
   if (joints_.size() == 2) {
     moves_b = half[1] * reachOf(cover_b, X_WC, 1);
@@ -128,8 +128,8 @@ PairTable::Cell PairTable::certified(const Block& block, NarrowPhase& narrow_pha
   const double moves = std::min(moves_a, moves_b) + MARGIN;
   const double padding = scene_.padding(pair_.first, pair_.second);
   const Isometry3d X_AC = X_WA.inverse() * X_WC;
-  for (const Ball& of_a : cover_a.inner) {
-    for (const Ball& of_b : cover_b.inner) {
+  for (const PlacedSphere& of_a : cover_a.inner) {
+    for (const PlacedSphere& of_b : cover_b.inner) {
       const double gap = (X_AC * of_b.center - of_a.center).norm() - of_a.radius - of_b.radius;
       if (gap + moves < padding) return Cell::CONTACT;
     }
@@ -140,7 +140,7 @@ PairTable::Cell PairTable::certified(const Block& block, NarrowPhase& narrow_pha
 }
 
 /// Metres a radian, or a metre, by which the joint can move a point of the element.
-double PairTable::reachOf(const BallCover& cover, const Isometry3d& X_WE, int number) const {
+double PairTable::reachOf(const SphereCover& cover, const Isometry3d& X_WE, int number) const {
   const RobotModel& robot = scene_.robot();
   const int id = joints_[static_cast<std::size_t>(number)];
   const Joint& joint = robot.joints()[id];
@@ -148,10 +148,10 @@ double PairTable::reachOf(const BallCover& cover, const Isometry3d& X_WE, int nu
   const Isometry3d& X_WB = X_WB_[static_cast<std::size_t>(robot.links()[joint.child_link].body)];
   const Vector3d axis_W = X_WB.linear() * joint.axis;
   double reach = 0.0;
-  for (const OuterBall& ball : cover.outer) {
-    if (ball.first_child != 0) continue;
-    const Vector3d p_W = X_WE * ball.center - X_WB.translation();
-    reach = std::max(reach, axis_W.cross(p_W).norm() + ball.radius);
+  for (const OuterSphere& sphere : cover.outer) {
+    if (sphere.first_child != 0) continue;
+    const Vector3d p_W = X_WE * sphere.center - X_WB.translation();
+    reach = std::max(reach, axis_W.cross(p_W).norm() + sphere.radius);
   }
   return reach * (1.0 + ROUNDING);
 }

@@ -45,7 +45,7 @@ class PairTable {
   };
   bool indexOf(const Axis& axis, double position, int& index) const;
   Cell certified(const Block& block, NarrowPhase& narrow_phase);
-  double reachOf(const BallCover& cover, const Eigen::Isometry3d& X_WE, int joint) const;
+  double reachOf(const SphereCover& cover, const Eigen::Isometry3d& X_WE, int joint) const;
   void fill(const Block& block, std::uint8_t code);
 
   const CollisionScene& scene_;

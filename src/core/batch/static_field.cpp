@@ -126,10 +126,10 @@ double StaticField::apartFrom(const Thing& thing, const Vector3d& p_W, double en
   const bool is_certain = enough > -INFINITE && of_box > enough;
   if (is_certain || std::holds_alternative<Box>(element.shape)) return of_box;
   double of_leaves = INFINITE;
-  for (const OuterBall& ball : model_.covers[thing.element].outer) {
+  for (const OuterSphere& sphere : model_.covers[thing.element].outer) {
     if (of_leaves <= enough) break;
-    if (ball.first_child != 0) continue;
-    of_leaves = std::min(of_leaves, (p_E - ball.center).norm() - ball.radius);
+    if (sphere.first_child != 0) continue;
+    of_leaves = std::min(of_leaves, (p_E - sphere.center).norm() - sphere.radius);
   }
   return std::max(of_box, of_leaves);
 }
@@ -142,8 +142,8 @@ double StaticField::upperOf(const Thing& thing, const Vector3d& p_W) const {
     return distanceFromBox(0.5 * box->size, p_E);
   }
   double upper = INFINITE;
-  for (const Ball& ball : model_.covers[thing.element].inner) {
-    upper = std::min(upper, (p_E - ball.center).norm() - ball.radius);
+  for (const PlacedSphere& sphere : model_.covers[thing.element].inner) {
+    upper = std::min(upper, (p_E - sphere.center).norm() - sphere.radius);
   }
   return upper;
 }

@@ -5,13 +5,13 @@
 #include <cmath>
 #include <limits>
 
-#include "ball_cover.h"
 #include "check_input.h"
 #include "collision_pairs/input_error.h"
 #include "element_boxes.h"
 #include "found_pairs.h"
 #include "in_parallel.h"
 #include "pair_ladder.h"
+#include "sphere_cover.h"
 #include "timed_climb.h"
 #include "voxel_search.h"
 
@@ -134,16 +134,17 @@ void CollisionDetector::beginPairs() {
   report_.budget_spent = false;
   report_.min_distance = settings_.alarm_distance;
   report_.min_distance_is_bound = true;
-  if (settings_.fidelity == Fidelity::SPHERES && !std::exchange(has_balls_, true)) makeBalls();
+  if (settings_.fidelity == Fidelity::SPHERES && !std::exchange(has_spheres_, true)) makeSpheres();
   ladder_->begin(*scene_, boxes_->X_WE(), boxes_->boxes());
   voxel_search_->begin(*scene_, boxes_->X_WE(), boxes_->boxes(), *ladder_);
 }
 
-// On all cores. Those of links that only ~link_fidelity checks by balls are made by the first pair.
-void CollisionDetector::makeBalls() {
+// On all cores. Those of links that only ~link_fidelity checks by spheres are made by the first
+// pair.
+void CollisionDetector::makeSpheres() {
   const auto& elements = scene_->elements();
   inParallel(nbThreads(0, elements.size()), elements.size(), [&](std::size_t, std::size_t i) {
-    if (elements[i].balls) elements[i].balls->get();
+    if (elements[i].spheres) elements[i].spheres->get();
   });
 }
 

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <limits>
 
-#include "ball_cover.h"
-#include "ball_distance.h"
 #include "convex_distance.h"
 #include "prepared_shape.h"
+#include "sphere_cover.h"
+#include "sphere_distance.h"
 
 namespace collision_pairs {
 namespace {
@@ -19,9 +19,9 @@ constexpr double ROUNDING = 64.0 * std::numeric_limits<double>::epsilon();
 
 const Prepared& preparedOf(const Rung& rung) { return static_cast<const Prepared&>(*rung.shape); }
 
-BallOrShape ballsOf(const SceneElement& element) {
-  return {element.balls ? &element.balls->get() : nullptr,
-          element.balls ? nullptr : &preparedOf(element.rung(Fidelity::MESH))};
+SpheresOrShape spheresOf(const SceneElement& element) {
+  return {element.spheres ? &element.spheres->get() : nullptr,
+          element.spheres ? nullptr : &preparedOf(element.rung(Fidelity::MESH))};
 }
 
 PairDistance beyond(double lower_bound) {
@@ -69,7 +69,7 @@ Isometry3d PairLadder::relativePose(const Isometry3d& X_WA, const Isometry3d& X_
 PairLadder::Answer PairLadder::measure(const BoxPair& pair, Fidelity rung, double max_distance) {
   if (rung == Fidelity::AABB) return measureBoxes(pair);
   const Isometry3d X_AB = relativePose(pair);
-  if (rung == Fidelity::SPHERES) return measureBalls(pair, X_AB, max_distance);
+  if (rung == Fidelity::SPHERES) return measureSpheres(pair, X_AB, max_distance);
   return measureAt(pair, X_AB, rung, max_distance, 0.0);
 }
 
@@ -99,7 +99,7 @@ PairLadder::Answer PairLadder::climb(const BoxPair& pair, Fidelity top, double m
   const Isometry3d X_AB = relativePose(pair);
   const double gap = obbGap(pair, X_AB);
   if (gap > max_distance) return {beyond(gap), Fidelity::OBB};
-  if (top == Fidelity::SPHERES) return measureBalls(pair, X_AB, max_distance);
+  if (top == Fidelity::SPHERES) return measureSpheres(pair, X_AB, max_distance);
   Answer answer = measureAt(pair, X_AB, top, max_distance, tolerance);
   if (answer.found.by_hulls) answer.rung = Fidelity::CONVEX;
   return answer;
@@ -122,7 +122,7 @@ bool PairLadder::meets(const BoxPair& pair, Fidelity rung) {
   const Isometry3d X_AB = relativePose(pair);
   if (obbGap(pair, X_AB) > 0.0) return false;
   if (rung == Fidelity::SPHERES) {
-    return ballsApart(pair, X_AB, 0.0).distance <= scene_->padding(pair.first, pair.second);
+    return spheresApart(pair, X_AB, 0.0).distance <= scene_->padding(pair.first, pair.second);
   }
   const Rung& a = scene_->elements()[pair.first].rung(rung);
   const Rung& b = scene_->elements()[pair.second].rung(rung);
@@ -155,20 +155,21 @@ PairLadder::Answer PairLadder::measureAt(const BoxPair& pair, const Isometry3d& 
   return boxes.found.distance > found.distance ? Answer{boxes.found, rung} : answer;
 }
 
-PairDistance PairLadder::ballsApart(const BoxPair& pair, const Isometry3d& X_AB,
-                                    double max_distance) {
+PairDistance PairLadder::spheresApart(const BoxPair& pair, const Isometry3d& X_AB,
+                                      double max_distance) {
   const SceneElement &a = scene_->elements()[pair.first], &b = scene_->elements()[pair.second];
   const double padding = scene_->padding(pair.first, pair.second);
   const double reach = max_distance + padding;
-  if (a.balls || b.balls) return ballDistance(ballsOf(a), ballsOf(b), X_AB, reach, padding);
+  if (a.spheres || b.spheres)
+    return sphereDistance(spheresOf(a), spheresOf(b), X_AB, reach, padding);
   return narrow_phase_.distance(*a.rung(Fidelity::MESH).shape, *b.rung(Fidelity::MESH).shape, X_AB,
                                 reach);
 }
 
-PairLadder::Answer PairLadder::measureBalls(const BoxPair& pair, const Isometry3d& X_AB,
-                                            double max_distance) {
+PairLadder::Answer PairLadder::measureSpheres(const BoxPair& pair, const Isometry3d& X_AB,
+                                              double max_distance) {
   const double padding = scene_->padding(pair.first, pair.second);
-  Answer answer{ballsApart(pair, X_AB, max_distance), Fidelity::SPHERES};
+  Answer answer{spheresApart(pair, X_AB, max_distance), Fidelity::SPHERES};
   answer.found.distance -= padding;
   if (answer.found.certainty == Certainty::BEYOND) return answer;
   inWorld((*X_WE_)[pair.first], padding, answer.found);

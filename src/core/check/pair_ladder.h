@@ -79,9 +79,10 @@ class PairLadder {
   Answer measureAt(const BoxPair& pair, const Eigen::Isometry3d& X_AB, Fidelity rung,
                    double max_distance, double tolerance);
   Answer measureBoxes(const BoxPair& pair) const;
-  Answer measureBalls(const BoxPair& pair, const Eigen::Isometry3d& X_AB, double max_distance);
+  Answer measureSpheres(const BoxPair& pair, const Eigen::Isometry3d& X_AB, double max_distance);
   /// In the frame of the first; the padding is not subtracted. BEYOND: by more than max_distance.
-  PairDistance ballsApart(const BoxPair& pair, const Eigen::Isometry3d& X_AB, double max_distance);
+  PairDistance spheresApart(const BoxPair& pair, const Eigen::Isometry3d& X_AB,
+                            double max_distance);
   /// True unless it can be shown that they do not.
   bool meets(const BoxPair& pair, Fidelity rung);
   /// A lower bound of the distance of the two OBBs, less the padding; 0 or less does not mean that

@@ -309,7 +309,7 @@ class Query {
 PairDistance solveTwice(const ConvexCore& A, const ConvexCore& B, const Eigen::Isometry3d& X_AB,
                         double max_distance, Wanted wanted, CoreOverlap* overlap = nullptr) {
   PairDistance result;
-  const double gap = ballDistance(A, B, X_AB);
+  const double gap = boundingSphereDistance(A, B, X_AB);
   if (gap > max_distance) {
     result.distance = gap;
     result.certainty = Certainty::BEYOND;
@@ -362,7 +362,8 @@ double gapAlong(const Eigen::Vector3d& n, const ConvexCore& A, const ConvexCore&
   return -w.dot(n) - A.radius - B.radius - roundingOf(difference.magnitude());
 }
 
-double ballDistance(const ConvexCore& A, const ConvexCore& B, const Eigen::Isometry3d& X_AB) {
+double boundingSphereDistance(const ConvexCore& A, const ConvexCore& B,
+                              const Eigen::Isometry3d& X_AB) {
   return (X_AB * B.center - A.center).norm() - A.extent - B.extent - A.radius - B.radius;
 }
 

@@ -48,7 +48,8 @@ PairDistance convexDepth(const ConvexCore& A, const ConvexCore& B, const Eigen::
 double gapAlong(const Eigen::Vector3d& n, const ConvexCore& A, const ConvexCore& B,
                 const Eigen::Isometry3d& X_AB);
 
-/// A lower bound of the distance from the balls around the two shapes.
-double ballDistance(const ConvexCore& A, const ConvexCore& B, const Eigen::Isometry3d& X_AB);
+/// A lower bound of the distance from the spheres around the two shapes.
+double boundingSphereDistance(const ConvexCore& A, const ConvexCore& B,
+                              const Eigen::Isometry3d& X_AB);
 
 }  // namespace collision_pairs

@@ -28,7 +28,7 @@ class WindingNumber {
  private:
   struct Node {
     Eigen::Vector3d center, dipole;  // dipole: sum of area times normal
-    double radius;                   // of a ball around the centre that holds the triangles
+    double radius;                   // of a sphere around the centre that holds the triangles
     std::uint32_t begin, end;        // its triangles
     std::uint32_t skip;              // the node after this one's subtree
   };

@@ -99,7 +99,7 @@ class MotionCheck::Search {
     OpenPair open;
     open.clearance = settings_.clearance;
     for (const std::uint32_t element : pairs_.beside_static) {
-      const double radius = state_.ball(element).radius;
+      const double radius = state_.sphere(element).radius;
       if (radius < INF) size_ = std::max(size_, radius);
     }
     for (const std::uint32_t element : pairs_.beside_static) {
@@ -240,7 +240,7 @@ class MotionCheck::Search {
     const MotionBound bound = state_.bound(element, -1);
     open.speed = bound.speed;
     const Twist twist = state_.twist(element, -1);
-    const double speed = twist.v.norm() + twist.omega.norm() * state_.ball(element).radius;
+    const double speed = twist.v.norm() + twist.omega.norm() * state_.sphere(element).radius;
     const double growth =
         std::min(bound.speed * way, speed * way + 0.5 * bound.acceleration * way * way);
     if (!(growth < INF) && way > 0.0) refuseBox(scene_.elements()[element].model);

@@ -29,9 +29,9 @@ MotionState::MotionState(const CollisionScene& scene, const MotionPairs& pairs)
   for (const Joint& joint : robot_.joints()) has_mimics_ |= joint.mimic.has_value();
   for (std::size_t i = 0; i < elements_.size(); ++i) {
     const SceneElement& element = scene.elements()[i];
-    elements_[i].ball.radius = element.box_half.norm();
+    elements_[i].sphere.radius = element.box_half.norm();
     X_WE_[i] = element.X_BE;
-    elements_[i].center_B = elements_[i].ball.center = element.X_BE * element.box_center;
+    elements_[i].center_B = elements_[i].sphere.center = element.X_BE * element.box_center;
   }
 }
 
@@ -133,11 +133,11 @@ Matrix3d MotionState::rotation(int frame) {
   return frame < 0 ? Matrix3d::Identity() : Matrix3d(body(frame).X_WB.linear());
 }
 
-void MotionState::moveBall(std::uint32_t element) {
+void MotionState::moveSphere(std::uint32_t element) {
   ElementState& state = elements_[element];
   const int id = pairs_.body_of[element];
   state.stamp = now_;
-  state.ball.center = id < 0 ? state.center_B : Vector3d(body(id).X_WB * state.center_B);
+  state.sphere.center = id < 0 ? state.center_B : Vector3d(body(id).X_WB * state.center_B);
 }
 
 // From the element to W. As seen from here, the joints turn one after the other, the nearest to the
@@ -151,7 +151,7 @@ void MotionState::moveBall(std::uint32_t element) {
 void MotionState::setBounds(std::uint32_t element) {
   elements_[element].bound_stamp = now_;
   MotionBound* bounds = &bounds_[element * stride_];
-  const ElementBall& ball = this->ball(element);
+  const BoundingSphere& sphere = this->sphere(element);
   MotionBound bound;
   for (int id = pairs_.body_of[element]; id >= 0; id = robot_.bodies()[id].parent) {
     bounds[pairs_.depth_of[id] + 1] = bound;
@@ -166,8 +166,8 @@ void MotionState::setBounds(std::uint32_t element) {
       continue;
     }
     const BodyState& state = body(id);
-    const Vector3d p_AxisCenter_W = ball.center - state.X_WB.translation();
-    const double radius = state.axis_W.cross(p_AxisCenter_W).norm() + ball.radius;
+    const Vector3d p_AxisCenter_W = sphere.center - state.X_WB.translation();
+    const double radius = state.axis_W.cross(p_AxisCenter_W).norm() + sphere.radius;
     const double moved = half_width_ * bound.speed;
     bound.acceleration += rate * (2.0 * bound.speed + rate * (radius + moved));
     bound.speed += rate * radius;
@@ -179,7 +179,7 @@ void MotionState::setBounds(std::uint32_t element) {
 Twist MotionState::twist(std::uint32_t element, int frame) {
   Twist twist;
   if (!moves(element)) return twist;
-  const Vector3d& center = ball(element).center;
+  const Vector3d& center = sphere(element).center;
   const auto velocityAt = [&](const BodyState& carrier) -> Vector3d {
     return carrier.twist.v + carrier.twist.omega.cross(center - carrier.X_WB.translation());
   };

@@ -26,13 +26,13 @@ struct Twist {
 };
 
 /// About the box that encloses an element along its own axes, in W.
-struct ElementBall {
+struct BoundingSphere {
   Eigen::Vector3d center;
   double radius;  ///< infinite for a half-space
 };
 
 /// Kinematics along one motion; each part is computed when it is first asked for. "Frames" are
-/// bodies of the robot (RobotModel::bodies()), or -1 for W; "centres" are those of the balls.
+/// bodies of the robot (RobotModel::bodies()), or -1 for W; "centres" are those of the spheres.
 ///
 /// The bounds are those of Schwarzer et al. (see MotionCheck): a joint that turns by dq moves a
 /// point by no more than |dq| r, where r is its distance from the axis. They bound what moves from
@@ -51,9 +51,9 @@ class MotionState {
 
   /// True if joints between W and the element move.
   bool moves(std::uint32_t element) const { return elements_[element].moves; }
-  const ElementBall& ball(std::uint32_t element) {
-    if (!isOfNow(element, elements_[element].stamp)) moveBall(element);
-    return elements_[element].ball;
+  const BoundingSphere& sphere(std::uint32_t element) {
+    if (!isOfNow(element, elements_[element].stamp)) moveSphere(element);
+    return elements_[element].sphere;
   }
   const Eigen::Isometry3d& pose(std::uint32_t element);  ///< X_WE
   Eigen::Matrix3d rotation(int frame);                   ///< R_WF
@@ -84,16 +84,16 @@ class MotionState {
     Eigen::Vector3d axis_W;  ///< of its joint, where rate is not 0
   };
   struct ElementState {
-    Eigen::Vector3d center_B;  ///< of its ball; in W if it never moves
+    Eigen::Vector3d center_B;  ///< of its sphere; in W if it never moves
     bool moves = false;
     std::uint64_t stamp = 0, pose_stamp = 0, bound_stamp = 0;
-    ElementBall ball;
+    BoundingSphere sphere;
   };
 
   bool isOfNow(std::uint32_t element, std::uint64_t stamp) const {
     return stamp == now_ || (!moves(element) && stamp >= begun_);
   }
-  void moveBall(std::uint32_t element);
+  void moveSphere(std::uint32_t element);
   void beginBody(int id, const PlacedBodies& placed);
   double positionOf(int joint) const { return from_[joint] + at_ * (to_[joint] - from_[joint]); }
   const BodyState& body(int id);

@@ -17,7 +17,7 @@ constexpr double ROUNDED_UP = 1.0 + 1e-12;
 constexpr double ROUNDING = 1e-12;       // of the coordinates, for what is computed from them
 constexpr double DISTANCE_ERROR = 1e-7;  // of the two bodies' size: five times docs/accuracy.md
 // Axis-aligned boxes do not turn with their elements: their faces move by what the elements move in
-// W, on up to three axes at a time. OBBs do, but reach out of the balls: as each of their faces
+// W, on up to three axes at a time. OBBs do, but reach out of the spheres: as each of their faces
 // touches the element, by no more than the same factor.
 constexpr double LOOSE_SPEED = 1.7320508075688773;
 constexpr double SHORTEST_WAY = 1e-13;  // of the fraction: what is shorter cannot be cut
@@ -144,11 +144,11 @@ bool PairCover::isRigid(const BoxPair& pair) const {
 PairCover::Outcome PairCover::measure(double at, OpenPair& open, Cover& cover) {
   const auto [a, b] = open.pair;
   const double before = at - open.begin, after = open.end - at;
-  const ElementBall &ball_a = state_.ball(a), &ball_b = state_.ball(b);
+  const BoundingSphere &sphere_a = state_.sphere(a), &sphere_b = state_.sphere(b);
   MovingPair moving;
-  moving.p_AB_W = ball_b.center - ball_a.center;
-  moving.slack = ROUNDING * (ball_a.center.lpNorm<1>() + ball_b.center.lpNorm<1>() +
-                             finiteOr0(ball_a.radius) + finiteOr0(ball_b.radius));
+  moving.p_AB_W = sphere_b.center - sphere_a.center;
+  moving.slack = ROUNDING * (sphere_a.center.lpNorm<1>() + sphere_b.center.lpNorm<1>() +
+                             finiteOr0(sphere_a.radius) + finiteOr0(sphere_b.radius));
   moving.padding = scene_.padding(a, b);
   const bool rigid = isRigid(open.pair);
   const int frame = rigid ? open.frame : -1;
@@ -162,7 +162,7 @@ PairCover::Outcome PairCover::measure(double at, OpenPair& open, Cover& cover) {
   }
   open.speed = moving.bound.speed;
   cover = {};
-  Question question{open, cover, rigid, before, after, ball_a.radius, ball_b.radius, moving};
+  Question question{open, cover, rigid, before, after, sphere_a.radius, sphere_b.radius, moving};
   if (!rigid || !std::isfinite(open.speed)) return byShapes(question);
   if (cloudOf(open.pair) >= 0) {  // of its voxels any may be met, not the nearest alone
     moving.twist_a = state_.twist(a, open.frame);
@@ -170,7 +170,7 @@ PairCover::Outcome PairCover::measure(double at, OpenPair& open, Cover& cover) {
     ++nb_queries_;
     return byShapes(question);
   }
-  question.takeDistance(moving.p_AB_W.norm() - ball_a.radius - ball_b.radius - moving.slack -
+  question.takeDistance(moving.p_AB_W.norm() - sphere_a.radius - sphere_b.radius - moving.slack -
                         moving.padding);
   if (question.isCovered()) return Outcome::COVERED;
   moving.twist_a = state_.twist(a, open.frame);

@@ -12,14 +12,14 @@ namespace collision_pairs {
 
 /// Two elements, A and B, seen from a frame, at one configuration of a motion; expressed in W.
 struct MovingPair {
-  Eigen::Vector3d p_AB_W;  ///< from the centre of A's ball to that of B's
+  Eigen::Vector3d p_AB_W;  ///< from the centre of A's sphere to that of B's
   Twist twist_a, twist_b;
   MotionBound bound;     ///< of both together, rounded up
   double slack = 0.0;    ///< metres by which rounding may make a distance too large
   double padding = 0.0;  ///< metres that the two keep to each other
 };
 
-// Support functions: how far a body reaches along m, relative to the centre of its ball.
+// Support functions: how far a body reaches along m, relative to the centre of its sphere.
 
 struct BoxSupport {
   const Eigen::Matrix3d& R_WE;

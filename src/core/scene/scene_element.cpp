@@ -3,10 +3,10 @@
 #include <atomic>
 #include <limits>
 
-#include "ball_cover.h"
 #include "enclosing_box.h"
 #include "in_parallel.h"
 #include "mesh_bounds.h"
+#include "sphere_cover.h"
 
 namespace collision_pairs {
 namespace {
@@ -79,7 +79,7 @@ SceneElement makeElement(const Shape& shape, Fidelity needed, int max_hull_verti
   const Isometry3d identity = Isometry3d::Identity();
   SceneElement made;
   made.shape = shape;
-  if (isOfTriangles(shape)) made.balls = std::make_shared<const FineBalls>(shape);
+  if (isOfTriangles(shape)) made.spheres = std::make_shared<const FineSpheres>(shape);
   const auto* mesh = std::get_if<Mesh>(&shape);
   const Hull hull = mesh ? boundMesh(*mesh, max_hull_vertices, made) : boundPrimitive(shape, made);
   Rung exact, convex, obb;

@@ -1,4 +1,4 @@
-#include "ball_solid.h"
+#include "covered_solid.h"
 
 #include <algorithm>
 #include <array>
@@ -77,8 +77,8 @@ std::vector<Vector3d> cornersOf(const std::vector<Polygon>& polygons) {
   return corners;
 }
 
-BallSolid hullSolid(const ConvexHull& hull, double size) {
-  BallSolid solid;
+CoveredSolid hullSolid(const ConvexHull& hull, double size) {
+  CoveredSolid solid;
   for (const auto& face : hull.faces) {
     const auto& v = hull.points.vertices;
     solid.surface.push_back({v[face[0]], v[face[1]], v[face[2]]});
@@ -91,21 +91,21 @@ BallSolid hullSolid(const ConvexHull& hull, double size) {
   return solid;
 }
 
-BallSolid cylinderSolid(const Cylinder& cylinder, const ConvexHull& prism, double size) {
-  BallSolid solid = hullSolid(prism, size);
+CoveredSolid cylinderSolid(const Cylinder& cylinder, const ConvexHull& prism, double size) {
+  CoveredSolid solid = hullSolid(prism, size);
   solid.depth = [cylinder](const Vector3d& p) {
     return std::min(cylinder.radius - p.head<2>().norm(), 0.5 * cylinder.length - std::abs(p[2]));
   };
   return solid;
 }
 
-BallSolid meshSolid(const Prepared& shape, double size) {
+CoveredSolid meshSolid(const Prepared& shape, double size) {
   const TriangleMesh& mesh = *shape.mesh->triangles;
   const auto outward = findSolid(mesh).outward;
   const bool closed = isClosed(mesh, outward);
   // What is held by a surface that is not quite closed is not bounded by triangles alone; but it
   // is within the hull.
-  BallSolid solid = closed ? BallSolid() : hullSolid(shape.hull, size);
+  CoveredSolid solid = closed ? CoveredSolid() : hullSolid(shape.hull, size);
   solid.is_exact = closed;
   for (const auto& t : mesh.triangles) {
     solid.surface.push_back({mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]});

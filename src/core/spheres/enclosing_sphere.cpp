@@ -1,4 +1,4 @@
-#include "enclosing_ball.h"
+#include "enclosing_sphere.h"
 
 #include <cmath>
 
@@ -23,9 +23,9 @@ const Vector3d& furthest(const std::vector<Vector3d>& points, const Vector3d& fr
 
 }  // namespace
 
-Ball enclosingBall(const std::vector<Vector3d>& points) {
+PlacedSphere enclosingSphere(const std::vector<Vector3d>& points) {
   std::vector<Vector3d> core{points.front(), furthest(points, points.front())};
-  Ball best{core[0], (furthest(points, core[0]) - core[0]).norm()};
+  PlacedSphere best{core[0], (furthest(points, core[0]) - core[0]).norm()};
   Vector3d center = 0.5 * (core[0] + core[1]);
   for (int round = 0; round < ROUNDS; ++round) {
     for (int step = 1; step <= STEPS && round > 0; ++step) {

@@ -1,4 +1,4 @@
-// A small ball around points.
+// A small sphere around points.
 #pragma once
 
 #include <vector>
@@ -7,14 +7,14 @@
 
 namespace collision_pairs {
 
-struct Ball {
+struct PlacedSphere {
   Eigen::Vector3d center;
   double radius;
 };
 
 /// Encloses all points, up to the rounding of a distance; its radius is within about 1 % of the
 /// smallest. At least one point. By steps towards the furthest point (Badoiu, Clarkson: "Smaller
-/// core-sets for balls", 2003), taken on the few points that were the furthest once.
-Ball enclosingBall(const std::vector<Eigen::Vector3d>& points);
+/// core-sets for spheres", 2003), taken on the few points that were the furthest once.
+PlacedSphere enclosingSphere(const std::vector<Eigen::Vector3d>& points);
 
 }  // namespace collision_pairs

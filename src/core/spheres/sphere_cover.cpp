@@ -1,30 +1,30 @@
-#include "ball_cover.h"
+#include "sphere_cover.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "ball_solid.h"
+#include "covered_solid.h"
 
 namespace collision_pairs {
 namespace {
 
 using Eigen::Vector3d;
 
-constexpr int CAPSULE_SLICES = 10;   // with a ball each, and one at each end
+constexpr int CAPSULE_SLICES = 10;   // with a sphere each, and one at each end
 constexpr int PRISM_SIDES = 24;      // sticks out of a cylinder by 0.9 % of its radius
 constexpr int GRID = 14;             // samples along each side of the box
-constexpr int MOST_INNER = 12;       // balls
-constexpr double WORTHWHILE = 0.08;  // of the largest inner ball: what the next one has to add
+constexpr int MOST_INNER = 12;       // spheres
+constexpr double WORTHWHILE = 0.08;  // of the largest inner sphere: what the next one has to add
 constexpr double NEARLY = 1e-9;      // relative: of a distance, what rounding may change
 
-/// Of samples with their distances from the surface those that are inside. A ball that does not
+/// Of samples with their distances from the surface those that are inside. A sphere that does not
 /// reach the surface is inside as its centre is: so few centres need be asked, the largest first.
-std::vector<Ball> insideOf(const BallSolid& solid, std::vector<Ball> samples) {
+std::vector<PlacedSphere> insideOf(const CoveredSolid& solid, std::vector<PlacedSphere> samples) {
   std::sort(samples.begin(), samples.end(),
-            [](const Ball& a, const Ball& b) { return a.radius > b.radius; });
+            [](const PlacedSphere& a, const PlacedSphere& b) { return a.radius > b.radius; });
   enum { UNKNOWN, INSIDE, OUTSIDE };
   std::vector<int> where(samples.size(), UNKNOWN);
-  std::vector<Ball> inside;
+  std::vector<PlacedSphere> inside;
   for (std::size_t i = 0; i < samples.size(); ++i) {
     if (where[i] == UNKNOWN) {
       const int here = solid.holds(samples[i].center) ? INSIDE : OUTSIDE;
@@ -38,10 +38,10 @@ std::vector<Ball> insideOf(const BallSolid& solid, std::vector<Ball> samples) {
   return inside;
 }
 
-/// Balls inside of the solid around the points of a grid.
-std::vector<Ball> samplesOf(const BallSolid& solid) {
+/// Spheres inside of the solid around the points of a grid.
+std::vector<PlacedSphere> samplesOf(const CoveredSolid& solid) {
   const Aabb box = boxAround(cornersOf(solid.surface));
-  std::vector<Ball> samples;
+  std::vector<PlacedSphere> samples;
   for (int i = 0; i < GRID * GRID * GRID; ++i) {
     const Eigen::Array3d at = Eigen::Array3d(i % GRID, i / GRID % GRID, i / GRID / GRID) + 0.5;
     const Vector3d p = box.min.array() + at / GRID * (box.max - box.min).array();
@@ -52,8 +52,8 @@ std::vector<Ball> samplesOf(const BallSolid& solid) {
 }
 
 /// One after the other the sample that reaches furthest out of those before it.
-std::vector<Ball> innerBalls(std::vector<Ball> samples) {
-  std::vector<Ball> chosen;
+std::vector<PlacedSphere> innerSpheres(std::vector<PlacedSphere> samples) {
+  std::vector<PlacedSphere> chosen;
   std::vector<double> outside(samples.size(), 0.0);  // of the chosen ones: of its centre
   while (!samples.empty() && chosen.size() < MOST_INNER) {
     std::size_t best = 0;
@@ -61,46 +61,46 @@ std::vector<Ball> innerBalls(std::vector<Ball> samples) {
       const auto adds = [&](std::size_t s) { return samples[s].radius + outside[s]; };
       if (adds(i) > adds(best)) best = i;
     }
-    const Ball ball = samples[best];
-    if (!chosen.empty() && ball.radius + outside[best] < WORTHWHILE * chosen[0].radius) break;
+    const PlacedSphere sphere = samples[best];
+    if (!chosen.empty() && sphere.radius + outside[best] < WORTHWHILE * chosen[0].radius) break;
     for (std::size_t i = 0; i < samples.size(); ++i) {
-      const double gap = (samples[i].center - ball.center).norm() - ball.radius;
+      const double gap = (samples[i].center - sphere.center).norm() - sphere.radius;
       outside[i] = chosen.empty() ? gap : std::min(outside[i], gap);
     }
-    chosen.push_back(ball);
+    chosen.push_back(sphere);
   }
   std::sort(chosen.begin(), chosen.end(),
-            [](const Ball& a, const Ball& b) { return a.radius > b.radius; });
+            [](const PlacedSphere& a, const PlacedSphere& b) { return a.radius > b.radius; });
   return chosen;
 }
 
-BallCover coverOf(const BallSolid& solid, std::size_t most_balls) {
-  std::vector<Ball> samples = samplesOf(solid);
-  BallCover cover;
-  cover.outer = outerBalls(solid, samples, most_balls);
-  if (solid.is_exact) cover.inner = innerBalls(std::move(samples));
+SphereCover coverOf(const CoveredSolid& solid, std::size_t most_spheres) {
+  std::vector<PlacedSphere> samples = samplesOf(solid);
+  SphereCover cover;
+  cover.outer = outerSpheres(solid, samples, most_spheres);
+  if (solid.is_exact) cover.inner = innerSpheres(std::move(samples));
   return cover;
 }
 
-BallCover coverOfPoints(const std::vector<Vector3d>& points) {
-  return {{{enclosingBall(points), 0}}, {}};
+SphereCover coverOfPoints(const std::vector<Vector3d>& points) {
+  return {{{enclosingSphere(points), 0}}, {}};
 }
 
-BallCover coverOfConvex(const ConvexHull& hull, double size, std::size_t most_balls) {
+SphereCover coverOfConvex(const ConvexHull& hull, double size, std::size_t most_spheres) {
   if (hull.faces.empty()) return coverOfPoints(hull.points.vertices);
-  return coverOf(hullSolid(hull, size), most_balls);
+  return coverOf(hullSolid(hull, size), most_spheres);
 }
 
 struct MakeCover {
-  BallCover operator()(const Sphere& sphere) const {
-    const Ball ball{Vector3d::Zero(), sphere.radius};
-    return {{{ball, 0}}, {ball}};
+  SphereCover operator()(const Sphere& sphere) const {
+    const PlacedSphere whole{Vector3d::Zero(), sphere.radius};
+    return {{{whole, 0}}, {whole}};
   }
-  BallCover operator()(const Capsule& capsule) const {
-    BallCover cover;
+  SphereCover operator()(const Capsule& capsule) const {
+    SphereCover cover;
     const double half = 0.5 * capsule.length;
     // One of its radius around each end, others around the slices between.
-    std::vector<Ball> leaves;
+    std::vector<PlacedSphere> leaves;
     for (int i = 0; i < CAPSULE_SLICES; ++i) {
       const double z = half * ((2.0 * i + 1.0) / CAPSULE_SLICES - 1.0);
       leaves.push_back({{0.0, 0.0, z}, std::hypot(capsule.radius, half / CAPSULE_SLICES)});
@@ -111,15 +111,15 @@ struct MakeCover {
     cover.outer = treeOver(leaves);
     return cover;
   }
-  BallCover operator()(const Box& box) const {
+  SphereCover operator()(const Box& box) const {
     std::vector<Vector3d> corners;
     for (int i = 0; i < 8; ++i) {
       const Eigen::Array3d sign(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1);
       corners.push_back(0.5 * sign * box.size.array());
     }
-    return coverOfConvex(convexHull(corners), size(), most_balls);
+    return coverOfConvex(convexHull(corners), size(), most_spheres);
   }
-  BallCover operator()(const Cylinder& cylinder) const {
+  SphereCover operator()(const Cylinder& cylinder) const {
     std::vector<Vector3d> corners;
     const double outside = cylinder.radius / std::cos(M_PI / PRISM_SIDES);
     const double half = 0.5 * cylinder.length;
@@ -131,35 +131,35 @@ struct MakeCover {
     }
     const ConvexHull prism = convexHull(corners);
     if (prism.faces.empty()) return coverOfPoints(corners);
-    return coverOf(cylinderSolid(cylinder, prism, size()), most_balls);
+    return coverOf(cylinderSolid(cylinder, prism, size()), most_spheres);
   }
-  BallCover operator()(const HalfSpace&) const { return {}; }
-  BallCover operator()(const Convex&) const {
-    return coverOfConvex(shape.hull, size(), most_balls);
+  SphereCover operator()(const HalfSpace&) const { return {}; }
+  SphereCover operator()(const Convex&) const {
+    return coverOfConvex(shape.hull, size(), most_spheres);
   }
-  BallCover operator()(const Mesh&) const {
+  SphereCover operator()(const Mesh&) const {
     const bool is_hull = !shape.mesh || shape.hull.faces.empty();
-    if (is_hull) return coverOfConvex(shape.hull, size(), most_balls);
-    return coverOf(meshSolid(shape, size()), most_balls);
+    if (is_hull) return coverOfConvex(shape.hull, size(), most_spheres);
+    return coverOf(meshSolid(shape, size()), most_spheres);
   }
   double size() const { return shape.core.extent + shape.core.center.norm(); }
 
   const Prepared& shape;
-  const std::size_t most_balls;
+  const std::size_t most_spheres;
 };
 
 }  // namespace
 
-BallCover coverByBalls(const Prepared& shape, std::size_t most_balls) {
-  return std::visit(MakeCover{shape, most_balls}, shape.shape());
+SphereCover coverBySpheres(const Prepared& shape, std::size_t most_spheres) {
+  return std::visit(MakeCover{shape, most_spheres}, shape.shape());
 }
 
-const std::vector<OuterBall>& FineBalls::get() const {
+const std::vector<OuterSphere>& FineSpheres::get() const {
   std::call_once(is_made_, [this] {
     const auto prepared = prepareShape(shape_);
-    balls_ = coverByBalls(static_cast<const Prepared&>(*prepared), MOST_BALLS).outer;
+    spheres_ = coverBySpheres(static_cast<const Prepared&>(*prepared), MOST_SPHERES).outer;
   });
-  return balls_;
+  return spheres_;
 }
 
 }  // namespace collision_pairs

@@ -1,4 +1,4 @@
-#include "ball_distance.h"
+#include "sphere_distance.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,10 +13,10 @@ using Eigen::Isometry3d;
 using Eigen::Vector3d;
 
 constexpr double NEARLY_LEAST = 0.8;  // of a gap: less is not looked for
-constexpr int NB_COARSE = 127;        // balls of a tree: distances are those of their leaves
+constexpr int NB_COARSE = 127;        // spheres of a tree: distances are those of their leaves
 constexpr double ROUNDING = 64.0 * std::numeric_limits<double>::epsilon();
 
-PairDistance gapOf(const Ball& a, const Ball& b, const Isometry3d& X_AB) {
+PairDistance gapOf(const PlacedSphere& a, const PlacedSphere& b, const Isometry3d& X_AB) {
   PairDistance gap;
   const Vector3d p_AB = X_AB * b.center - a.center;
   const double apart = p_AB.norm();
@@ -27,40 +27,40 @@ PairDistance gapOf(const Ball& a, const Ball& b, const Isometry3d& X_AB) {
   return gap;
 }
 
-PairDistance gapOf(const Ball& a, const Prepared& B, const Isometry3d& X_AB) {
-  ConvexCore ball;
-  ball.radius = a.radius;
-  Isometry3d X_CB = X_AB;  // C: as A, about the ball
+PairDistance gapOf(const PlacedSphere& a, const Prepared& B, const Isometry3d& X_AB) {
+  ConvexCore sphere;
+  sphere.radius = a.radius;
+  Isometry3d X_CB = X_AB;  // C: as A, about the sphere
   X_CB.translation() -= a.center;
   PairDistance gap;
   if (B.isHalfSpace()) {
     const Isometry3d X_BC = X_CB.inverse(Eigen::Isometry);
-    gap = exchanged(halfSpaceDistance(ball, X_BC), X_CB);
+    gap = exchanged(halfSpaceDistance(sphere, X_BC), X_CB);
   } else {
-    gap = closedForm(ball, B.core, X_CB);
+    gap = closedForm(sphere, B.core, X_CB);
   }
   gap.p_ACa += a.center;
   gap.p_ACb += a.center;
   return gap;
 }
 
-double reachOf(const BallOrShape& solid) {
-  if (solid.balls != nullptr)
-    return solid.balls->front().center.norm() + solid.balls->front().radius;
+double reachOf(const SpheresOrShape& solid) {
+  if (solid.spheres != nullptr)
+    return solid.spheres->front().center.norm() + solid.spheres->front().radius;
   return solid.shape->core.extent + solid.shape->core.radius;
 }
 
-/// The search for the least gap of two leaves. What is below a pair of balls is no nearer than
+/// The search for the least gap of two leaves. What is below a pair of spheres is no nearer than
 /// they are, nor than any pair on the way to them.
 class LeastGap {
  public:
-  LeastGap(const BallOrShape& A, const BallOrShape& B, const Isometry3d& X_AB)
+  LeastGap(const SpheresOrShape& A, const SpheresOrShape& B, const Isometry3d& X_AB)
       : A_(A), B_(B), X_AB_(X_AB) {}
 
   /// Ends at a gap of `enough`, or when nothing nearer than `best` is left.
   void search(double enough, double best) {
     least_ = best;
-    Step stack[64];  // one step is left behind for each ball on the way to two leaves
+    Step stack[64];  // one step is left behind for each sphere on the way to two leaves
     int depth = 0;
     stack[depth++] = {0, 0, gap(0, 0)};
     while (depth > 0 && least_ > enough) {
@@ -108,26 +108,28 @@ class LeastGap {
     b_ = step.b;
   }
   static bool isFine(int child) { return child == 0 || child >= NB_COARSE; }
-  static int childOf(const BallOrShape& solid, int ball) {
-    return solid.balls == nullptr ? 0 : (*solid.balls)[static_cast<std::size_t>(ball)].first_child;
+  static int childOf(const SpheresOrShape& solid, int sphere) {
+    return solid.spheres == nullptr
+               ? 0
+               : (*solid.spheres)[static_cast<std::size_t>(sphere)].first_child;
   }
-  static const Ball& ballOf(const BallOrShape& solid, int ball) {
-    return (*solid.balls)[static_cast<std::size_t>(ball)];
+  static const PlacedSphere& sphereOf(const SpheresOrShape& solid, int sphere) {
+    return (*solid.spheres)[static_cast<std::size_t>(sphere)];
   }
 
   double gap(int a, int b) const {
-    if (A_.balls == nullptr || B_.balls == nullptr) return answer(a, b).distance;
-    const Ball &of_a = ballOf(A_, a), &of_b = ballOf(B_, b);
+    if (A_.spheres == nullptr || B_.spheres == nullptr) return answer(a, b).distance;
+    const PlacedSphere &of_a = sphereOf(A_, a), &of_b = sphereOf(B_, b);
     return (X_AB_ * of_b.center - of_a.center).norm() - of_a.radius - of_b.radius;
   }
 
   PairDistance answer(int a, int b) const {
-    if (B_.balls == nullptr) return gapOf(ballOf(A_, a), *B_.shape, X_AB_);
-    if (A_.balls != nullptr) return gapOf(ballOf(A_, a), ballOf(B_, b), X_AB_);
-    return exchanged(gapOf(ballOf(B_, b), *A_.shape, X_AB_.inverse(Eigen::Isometry)), X_AB_);
+    if (B_.spheres == nullptr) return gapOf(sphereOf(A_, a), *B_.shape, X_AB_);
+    if (A_.spheres != nullptr) return gapOf(sphereOf(A_, a), sphereOf(B_, b), X_AB_);
+    return exchanged(gapOf(sphereOf(B_, b), *A_.shape, X_AB_.inverse(Eigen::Isometry)), X_AB_);
   }
 
-  const BallOrShape &A_, &B_;
+  const SpheresOrShape &A_, &B_;
   const Isometry3d& X_AB_;
   double least_ = std::numeric_limits<double>::infinity();
   double passed_over_ = least_;
@@ -136,8 +138,8 @@ class LeastGap {
 
 }  // namespace
 
-PairDistance ballDistance(const BallOrShape& A, const BallOrShape& B, const Isometry3d& X_AB,
-                          double max_distance, double contact_distance) {
+PairDistance sphereDistance(const SpheresOrShape& A, const SpheresOrShape& B,
+                            const Isometry3d& X_AB, double max_distance, double contact_distance) {
   const double error = ROUNDING * (X_AB.translation().norm() + reachOf(A) + reachOf(B));
   LeastGap gaps(A, B, X_AB);
   gaps.search(contact_distance + error, max_distance + 2.0 * error);

@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "ball_cover.h"
 #include "every_shape.h"
+#include "sphere_cover.h"
 
 namespace collision_pairs {
 namespace {
@@ -12,18 +12,18 @@ using Eigen::Vector3d;
 
 constexpr double ROUNDING = 1e-9;  // m
 
-bool isWithin(const Ball& ball, const Vector3d& p) {
-  return (p - ball.center).norm() <= ball.radius + ROUNDING;
+bool isWithin(const PlacedSphere& sphere, const Vector3d& p) {
+  return (p - sphere.center).norm() <= sphere.radius + ROUNDING;
 }
 
-BallCover coverOf(const Shape& shape, std::size_t most_balls = 127) {
-  return coverByBalls(static_cast<const Prepared&>(*prepareShape(shape)), most_balls);
+SphereCover coverOf(const Shape& shape, std::size_t most_spheres = 127) {
+  return coverBySpheres(static_cast<const Prepared&>(*prepareShape(shape)), most_spheres);
 }
 
-std::vector<Ball> leavesOf(const BallCover& cover) {
-  std::vector<Ball> leaves;
-  for (const OuterBall& ball : cover.outer) {
-    if (ball.first_child == 0) leaves.push_back(ball);
+std::vector<PlacedSphere> leavesOf(const SphereCover& cover) {
+  std::vector<PlacedSphere> leaves;
+  for (const OuterSphere& sphere : cover.outer) {
+    if (sphere.first_child == 0) leaves.push_back(sphere);
   }
   return leaves;
 }
@@ -65,45 +65,46 @@ Vector3d pointOf(RandomInputs& random, const Shape& shape, double size) {
   return p;
 }
 
-TEST(EnclosingBall, HoldsAllPointsAndIsHardlyLargerThanTheSmallest) {
+TEST(EnclosingSphere, HoldsAllPointsAndIsHardlyLargerThanTheSmallest) {
   RandomInputs random;
   for (int round = 0; round < 200; ++round) {
     const Vector3d center = random.vector(-5, 5);
     const double radius = std::pow(10.0, random.uniform(-3, 2));
     std::vector<Vector3d> points;
-    for (int i = 0; i < 60; ++i) {  // opposite points on a sphere: no smaller ball has them
+    for (int i = 0; i < 60; ++i) {  // opposite points on a sphere: no smaller sphere has them
       const Vector3d p = radius * (random.rotation() * Vector3d::UnitX());
       points.push_back(center + p);
       points.push_back(center - p);
       points.push_back(center + random.uniform(0, 1) * p);
     }
-    const Ball ball = enclosingBall(points);
-    for (const Vector3d& p : points) ASSERT_LE((p - ball.center).norm(), ball.radius * (1 + 1e-14));
-    EXPECT_LE(ball.radius, 1.01 * radius);
+    const PlacedSphere sphere = enclosingSphere(points);
+    for (const Vector3d& p : points)
+      ASSERT_LE((p - sphere.center).norm(), sphere.radius * (1 + 1e-14));
+    EXPECT_LE(sphere.radius, 1.01 * radius);
   }
-  const Ball one = enclosingBall({Vector3d(1, 2, 3)});
+  const PlacedSphere one = enclosingSphere({Vector3d(1, 2, 3)});
   EXPECT_EQ(one.radius, 0.0);
   EXPECT_EQ(one.center, Vector3d(1, 2, 3));
 }
 
-/// Is the point in a leaf, on the way to which all balls hold it?
-bool leadsToLeaf(const std::vector<OuterBall>& tree, int at, const Vector3d& p) {
-  const OuterBall& ball = tree[static_cast<std::size_t>(at)];
-  if (!isWithin(ball, p)) return false;
-  return ball.first_child == 0 || leadsToLeaf(tree, ball.first_child, p) ||
-         leadsToLeaf(tree, ball.first_child + 1, p);
+/// Is the point in a leaf, on the way to which all spheres hold it?
+bool leadsToLeaf(const std::vector<OuterSphere>& tree, int at, const Vector3d& p) {
+  const OuterSphere& sphere = tree[static_cast<std::size_t>(at)];
+  if (!isWithin(sphere, p)) return false;
+  return sphere.first_child == 0 || leadsToLeaf(tree, sphere.first_child, p) ||
+         leadsToLeaf(tree, sphere.first_child + 1, p);
 }
 
-TEST(BallCover, EverySolidIsEnclosedOnTheWayToTheLeavesOfItsTree) {
+TEST(SphereCover, EverySolidIsEnclosedOnTheWayToTheLeavesOfItsTree) {
   RandomInputs random;
   for (const std::string& kind : EVERY_KIND) {
     SCOPED_TRACE(kind);
     for (int round = 0; round < 5; ++round) {
       const double size = std::pow(10.0, random.uniform(-2, 1));
       const Shape shape = shapeOfKind(random, kind, size);
-      for (const std::size_t most_balls : {1, 127, 1001}) {
-        const auto outer = coverOf(shape, most_balls).outer;
-        ASSERT_TRUE(outer.size() <= most_balls || isPrimitive(shape));
+      for (const std::size_t most_spheres : {1, 127, 1001}) {
+        const auto outer = coverOf(shape, most_spheres).outer;
+        ASSERT_TRUE(outer.size() <= most_spheres || isPrimitive(shape));
         for (int i = 0; i < 2000; ++i) {
           ASSERT_TRUE(leadsToLeaf(outer, 0, pointOf(random, shape, size)));
         }
@@ -112,7 +113,7 @@ TEST(BallCover, EverySolidIsEnclosedOnTheWayToTheLeavesOfItsTree) {
   }
 }
 
-TEST(BallCover, ATreeOfFewerBallsIsTheBeginningOfOneOfMore) {
+TEST(SphereCover, ATreeOfFewerSpheresIsTheBeginningOfOneOfMore) {
   const Shape shape = meshShape(LShape().mesh());
   const auto few = coverOf(shape, 63).outer, many = coverOf(shape, 501).outer;
   ASSERT_LT(few.size(), many.size());
@@ -123,10 +124,10 @@ TEST(BallCover, ATreeOfFewerBallsIsTheBeginningOfOneOfMore) {
   }
 }
 
-TEST(BallCover, MoreBallsStickOutLess) {
+TEST(SphereCover, MoreSpheresStickOutLess) {
   RandomInputs random;
   const Shape shape = meshShape(LShape().mesh());
-  const BallCover few = coverOf(shape, 31), many = coverOf(shape, 2047);
+  const SphereCover few = coverOf(shape, 31), many = coverOf(shape, 2047);
   int in_few = 0, in_many = 0;
   for (int i = 0; i < 20000; ++i) {
     const Vector3d p = random.vector(-2.0, 2.0);
@@ -136,7 +137,7 @@ TEST(BallCover, MoreBallsStickOutLess) {
   EXPECT_LT(in_many, in_few);
 }
 
-TEST(BallCover, OfAMeshHoldsWhatTheMeshEncloses) {
+TEST(SphereCover, OfAMeshHoldsWhatTheMeshEncloses) {
   RandomInputs random;
   const LShape l;
   const auto cover = coverOf(meshShape(l.mesh()));
@@ -146,68 +147,68 @@ TEST(BallCover, OfAMeshHoldsWhatTheMeshEncloses) {
     const Vector3d p =
         l.piece_centers[piece] + random.vector(-1, 1).cwiseProduct(l.piece_halves[piece]);
     ASSERT_TRUE(std::any_of(leaves.begin(), leaves.end(),
-                            [&](const Ball& ball) { return isWithin(ball, p); }));
+                            [&](const PlacedSphere& sphere) { return isWithin(sphere, p); }));
   }
 }
 
-TEST(BallCover, InnerBallsLieInTheSolid) {
+TEST(SphereCover, InnerSpheresLieInTheSolid) {
   RandomInputs random;
   for (const std::string kind : {"box", "sphere", "cylinder", "capsule"}) {
     SCOPED_TRACE(kind);
     const Shape shape = shapeOfKind(random, kind, 0.3);
     const auto inner = coverOf(shape).inner;
     ASSERT_FALSE(inner.empty());
-    for (const Ball& ball : inner) {
+    for (const PlacedSphere& sphere : inner) {
       for (int i = 0; i < 1000; ++i) {
         const Vector3d direction = random.rotation() * Vector3d::UnitX();
-        ASSERT_TRUE(holds(shape, ball.center + (ball.radius - ROUNDING) * direction));
+        ASSERT_TRUE(holds(shape, sphere.center + (sphere.radius - ROUNDING) * direction));
       }
     }
   }
 }
 
-TEST(BallCover, InnerBallsLieInOneOfTheBodiesOfAMesh) {
+TEST(SphereCover, InnerSpheresLieInOneOfTheBodiesOfAMesh) {
   const LShape l;
   const auto inner = coverOf(meshShape(l.mesh())).inner;
   ASSERT_FALSE(inner.empty());
-  for (const Ball& ball : inner) {
+  for (const PlacedSphere& sphere : inner) {
     bool is_inside = false;
     for (int k = 0; k < 2; ++k) {
-      const Vector3d p = (ball.center - l.piece_centers[k]).cwiseAbs();
-      is_inside |= (p - l.piece_halves[k]).maxCoeff() + ball.radius <= ROUNDING;
+      const Vector3d p = (sphere.center - l.piece_centers[k]).cwiseAbs();
+      is_inside |= (p - l.piece_halves[k]).maxCoeff() + sphere.radius <= ROUNDING;
     }
     EXPECT_TRUE(is_inside);
   }
 }
 
-TEST(BallCover, HollowsAndOpenMeshesHoldNoInnerBall) {
+TEST(SphereCover, HollowsAndOpenMeshesHoldNoInnerSphere) {
   const TriangleMesh shell =
       joined(boxMesh({0.2, 0.2, 0.2}), insideOut(boxMesh({0.15, 0.15, 0.15})));
-  for (const Ball& ball : coverOf(meshShape(shell)).inner) {
-    EXPECT_GE(ball.center.cwiseAbs().maxCoeff() - ball.radius, 0.15 - ROUNDING);
+  for (const PlacedSphere& sphere : coverOf(meshShape(shell)).inner) {
+    EXPECT_GE(sphere.center.cwiseAbs().maxCoeff() - sphere.radius, 0.15 - ROUNDING);
   }
   TriangleMesh open = boxMesh({0.2, 0.2, 0.2});
   open.triangles.resize(10);
   EXPECT_TRUE(coverOf(meshShape(open)).inner.empty());
 }
 
-// A hole of less than 3 % counts as closed: what is behind it is inside, and in the balls.
-TEST(BallCover, OfANearlyClosedMeshEnclosesItsHull) {
+// A hole of less than 3 % counts as closed: what is behind it is inside, and in the spheres.
+TEST(SphereCover, OfANearlyClosedMeshEnclosesItsHull) {
   RandomInputs random;
-  TriangleMesh ball = bumpyBall(24, 0.2);
-  ball.triangles.erase(ball.triangles.begin() + 300, ball.triangles.begin() + 306);
-  const auto cover = coverOf(meshShape(ball));
+  TriangleMesh sphere = bumpyBall(24, 0.2);
+  sphere.triangles.erase(sphere.triangles.begin() + 300, sphere.triangles.begin() + 306);
+  const auto cover = coverOf(meshShape(sphere));
   EXPECT_TRUE(cover.inner.empty());
   const auto leaves = leavesOf(cover);
   for (int i = 0; i < 20000; ++i) {
-    const Shape hull = Convex{std::make_shared<const TriangleMesh>(ball)};
+    const Shape hull = Convex{std::make_shared<const TriangleMesh>(sphere)};
     const Vector3d p = pointOf(random, hull, 0.2);
-    ASSERT_TRUE(
-        std::any_of(leaves.begin(), leaves.end(), [&](const Ball& b) { return isWithin(b, p); }));
+    ASSERT_TRUE(std::any_of(leaves.begin(), leaves.end(),
+                            [&](const PlacedSphere& b) { return isWithin(b, p); }));
   }
 }
 
-TEST(BallCover, OfSolidsWithoutVolumeIsWhole) {
+TEST(SphereCover, OfSolidsWithoutVolumeIsWhole) {
   for (const Shape& shape :
        {Shape(Box{{0.2, 0.3, 0.0}}), Shape(Box{{0, 0, 0}}), Shape(Cylinder{0.0, 0.3}),
         Shape(Cylinder{0.2, 0.0}), Shape(Sphere{0.0}), Shape(Capsule{0.1, 0.0})}) {

@@ -1,4 +1,4 @@
-#include "outer_balls.h"
+#include "outer_spheres.h"
 
 #include <algorithm>
 #include <array>
@@ -36,26 +36,26 @@ double furthest(const std::vector<Vector3d>& points, const Vector3d& from) {
   return std::sqrt(squared);
 }
 
-/// The ball around given points that sticks out of a solid least: by its radius less how deep its
+/// The sphere around given points that sticks out of a solid least: by its radius less how deep its
 /// centre is inside.
-class BestBall {
+class BestSphere {
  public:
-  BestBall(const BallSolid& solid, const std::vector<Ball>& samples)
+  BestSphere(const CoveredSolid& solid, const std::vector<PlacedSphere>& samples)
       : solid_(solid), samples_(samples) {}
 
-  Ball ball;
+  PlacedSphere sphere;
   double sticks_out;
 
   void around(const std::vector<Vector3d>& points, const Aabb& box) {
     if (samples_.empty()) {
-      ball = enclosingBall(points);
-      sticks_out = ball.radius;
+      sphere = enclosingSphere(points);
+      sticks_out = sphere.radius;
       return;
     }
     const Vector3d center = box.center();
     deep_ = depthAt(center);
-    ball = {center, furthest(points, center)};
-    sticks_out = ball.radius - deep_;
+    sphere = {center, furthest(points, center)};
+    sticks_out = sphere.radius - deep_;
     tryInside(points);
     search(points, 0.25 * (box.max - box.min).maxCoeff());
   }
@@ -67,7 +67,7 @@ class BestBall {
   }
 
   void tryInside(const std::vector<Vector3d>& points) {
-    std::array<const Vector3d*, 6> outermost;  // to see early that a ball is no better
+    std::array<const Vector3d*, 6> outermost;  // to see early that a sphere is no better
     outermost.fill(&points.front());
     for (const Vector3d& p : points) {
       for (int axis = 0; axis < 3; ++axis) {
@@ -75,7 +75,7 @@ class BestBall {
         if (p[axis] > (*outermost[3 + axis])[axis]) outermost[3 + axis] = &p;
       }
     }
-    for (const Ball& sample : samples_) {
+    for (const PlacedSphere& sample : samples_) {
       const double limit = sticks_out + sample.radius;
       if (limit <= 0.0) continue;
       const auto isBeyond = [&](const Vector3d& p) {
@@ -96,7 +96,7 @@ class BestBall {
     for (int round = 0, halvings = 0; round < MOST_ROUNDS && halvings < MOST_HALVINGS; ++round) {
       bool is_better = false;
       for (int i = 0; i < 6; ++i) {
-        Vector3d center = ball.center;
+        Vector3d center = sphere.center;
         center[i % 3] += i < 3 ? step : -step;
         const double radius = furthest(points, center);
         if (radius - (deep_ + step) >= sticks_out) continue;
@@ -111,56 +111,58 @@ class BestBall {
     }
   }
 
-  void take(const Ball& better, double deep) {
-    ball = better;
+  void take(const PlacedSphere& better, double deep) {
+    sphere = better;
     deep_ = deep;
-    sticks_out = ball.radius - deep;
+    sticks_out = sphere.radius - deep;
   }
 
-  const BallSolid& solid_;
-  const std::vector<Ball>& samples_;
+  const CoveredSolid& solid_;
+  const std::vector<PlacedSphere>& samples_;
   double deep_ = 0.0;
 };
 
-void buildOver(const std::vector<Ball>& leaves, std::size_t begin, std::size_t end, int at,
-               std::vector<OuterBall>& balls) {
-  OuterBall& ball = balls[static_cast<std::size_t>(at)];
+void buildOver(const std::vector<PlacedSphere>& leaves, std::size_t begin, std::size_t end, int at,
+               std::vector<OuterSphere>& spheres) {
+  OuterSphere& sphere = spheres[static_cast<std::size_t>(at)];
   if (begin + 1 == end) {
-    ball = {leaves[begin], 0};
+    sphere = {leaves[begin], 0};
     return;
   }
-  ball.center = 0.5 * (leaves[begin].center + leaves[end - 1].center);
+  sphere.center = 0.5 * (leaves[begin].center + leaves[end - 1].center);
   for (std::size_t i = begin; i < end; ++i) {
-    const double reach = (leaves[i].center - ball.center).norm() + leaves[i].radius;
-    ball.radius = std::max(ball.radius, reach * (1.0 + ROUNDING));
+    const double reach = (leaves[i].center - sphere.center).norm() + leaves[i].radius;
+    sphere.radius = std::max(sphere.radius, reach * (1.0 + ROUNDING));
   }
-  const int children = ball.first_child = static_cast<int>(balls.size());
-  balls.resize(balls.size() + 2);
+  const int children = sphere.first_child = static_cast<int>(spheres.size());
+  spheres.resize(spheres.size() + 2);
   const std::size_t middle = (begin + end) / 2;
-  buildOver(leaves, begin, middle, children, balls);
-  buildOver(leaves, middle, end, children + 1, balls);
+  buildOver(leaves, begin, middle, children, spheres);
+  buildOver(leaves, middle, end, children + 1, spheres);
 }
 
 class OuterTree {
  public:
-  OuterTree(const BallSolid& solid, const std::vector<Ball>& samples, std::size_t most_balls)
-      : solid_(solid), best_(solid, samples), most_balls_(most_balls) {}
+  OuterTree(const CoveredSolid& solid, const std::vector<PlacedSphere>& samples,
+            std::size_t most_spheres)
+      : solid_(solid), best_(solid, samples), most_spheres_(most_spheres) {}
 
-  std::vector<OuterBall> build() {
+  std::vector<OuterSphere> build() {
     add({0, 0, 0.0, solid_.surface, boxAround(cornersOf(solid_.surface))});
-    const double close = CLOSE * balls_[0].radius;
-    while (!open_.empty() && open_.front().sticks_out > close && balls_.size() + 2 <= most_balls_) {
+    const double close = CLOSE * spheres_[0].radius;
+    while (!open_.empty() && open_.front().sticks_out > close &&
+           spheres_.size() + 2 <= most_spheres_) {
       std::pop_heap(open_.begin(), open_.end());
       const Leaf leaf = std::move(open_.back());
       open_.pop_back();
       divide(leaf);
     }
-    return std::move(balls_);
+    return std::move(spheres_);
   }
 
  private:
   struct Leaf {
-    int ball;
+    int sphere;
     int depth;
     double sticks_out;
     std::vector<Polygon> surface;
@@ -177,13 +179,13 @@ class OuterTree {
                             (i & 4 ? leaf.box.max : leaf.box.min)[2]);
       if (solid_.may_hold(corner)) extremes.push_back(corner);
     }
-    leaf.ball = static_cast<int>(balls_.size());
-    balls_.push_back({{leaf.box.center(), 0.0}, 0});
+    leaf.sphere = static_cast<int>(spheres_.size());
+    spheres_.push_back({{leaf.box.center(), 0.0}, 0});
     if (extremes.empty()) return;  // nothing is in it
     leaf.box = boxAround(extremes);
     best_.around(extremes, leaf.box);
-    static_cast<Ball&>(balls_.back()) = best_.ball;
-    balls_.back().radius += ROUNDING * (best_.ball.radius + best_.ball.center.norm());
+    static_cast<PlacedSphere&>(spheres_.back()) = best_.sphere;
+    spheres_.back().radius += ROUNDING * (best_.sphere.radius + best_.sphere.center.norm());
     leaf.sticks_out = best_.sticks_out;
     if (leaf.depth == MOST_DEPTH) return;
     open_.push_back(std::move(leaf));
@@ -194,7 +196,7 @@ class OuterTree {
     int axis = 0;
     (leaf.box.max - leaf.box.min).maxCoeff(&axis);
     const double middle = leaf.box.center()[axis];
-    balls_[static_cast<std::size_t>(leaf.ball)].first_child = static_cast<int>(balls_.size());
+    spheres_[static_cast<std::size_t>(leaf.sphere)].first_child = static_cast<int>(spheres_.size());
     for (const bool upper : {false, true}) {
       Leaf half{0, leaf.depth + 1, 0.0, {}, leaf.box};
       for (const Polygon& polygon : leaf.surface) {
@@ -206,24 +208,25 @@ class OuterTree {
     }
   }
 
-  const BallSolid& solid_;
-  BestBall best_;
-  const std::size_t most_balls_;
-  std::vector<OuterBall> balls_;
+  const CoveredSolid& solid_;
+  BestSphere best_;
+  const std::size_t most_spheres_;
+  std::vector<OuterSphere> spheres_;
   std::vector<Leaf> open_;  // a heap
 };
 
 }  // namespace
 
-std::vector<OuterBall> treeOver(const std::vector<Ball>& leaves) {
-  std::vector<OuterBall> balls(1);
-  buildOver(leaves, 0, leaves.size(), 0, balls);
-  return balls;
+std::vector<OuterSphere> treeOver(const std::vector<PlacedSphere>& leaves) {
+  std::vector<OuterSphere> spheres(1);
+  buildOver(leaves, 0, leaves.size(), 0, spheres);
+  return spheres;
 }
 
-std::vector<OuterBall> outerBalls(const BallSolid& solid, const std::vector<Ball>& samples,
-                                  std::size_t most_balls) {
-  return OuterTree(solid, samples, most_balls).build();
+std::vector<OuterSphere> outerSpheres(const CoveredSolid& solid,
+                                      const std::vector<PlacedSphere>& samples,
+                                      std::size_t most_spheres) {
+  return OuterTree(solid, samples, most_spheres).build();
 }
 
 }  // namespace collision_pairs
