@@ -87,3 +87,46 @@ def test_pages_and_messages_use_standard_terms(word):
     texts += [os.path.join(folder, name) for folder in ("msg", "srv") for name in os.listdir(os.path.join(PROJECT, folder))]
     found = [text for text in texts if re.search(r"\b%s\b" % word, read(text), re.IGNORECASE)]
     assert not found
+
+
+def rows_of(page, table):
+    """The rows of a table that a script renews, as lists of cells."""
+    text = re.search(r"<!-- %s: begin -->(.*?)<!-- %s: end -->" % (table, table), read(page), re.DOTALL).group(1)
+    rows = [[cell.strip(" *") for cell in line.strip("| ").split("|")] for line in text.splitlines() if line.startswith("|")]
+    return [row for row in rows if not re.fullmatch(r"[-|: ]+", "|".join(row))][1:]
+
+
+def check_range(sentence, values):
+    """The two numbers in `sentence`, a pattern, are the least and the largest of the values, as far as they are written out."""
+    said = re.search(sentence, read("README.md"))
+    assert said, sentence
+    for number, value in zip(said.groups(), (min(values), max(values))):
+        digits = len(number.partition(".")[2])
+        assert float(number) == round(value, digits), "README: %s, measured: %g to %g" % (said.group(), min(values), max(values))
+
+
+def test_what_the_readme_says_of_many_states_was_measured():
+    check_range(r"with AVX2 ([\d.]+) to ([\d.]+) times as fast as a loop",
+                [float(row[7]) for row in rows_of("docs/batch.md", "ratios")])
+
+
+def test_what_the_readme_says_of_the_broad_phase_was_measured():
+    wide = [row[3] for row in rows_of("docs/broad_phase.md", "measured")
+            if re.match(r"uniform\d+, [\d,]+$", row[0]) and row[1] == "FclDynamicAabbTree"]
+    check_range(r"10 to 100,000, (\d+) to (\d+) times as fast as FCL's tree with AVX-512", [float(r.rstrip("x")) for r in wide])
+    check_range(r"from 1,000 on (\d+) to (\d+) times with AVX2",
+                [float(row[3].rstrip("x")) for row in rows_of("docs/broad_phase.md", "avx2")])
+    assert [row[3] for row in rows_of("docs/broad_phase.md", "measured") if row[0] == "every scene and size"] == ["never"]
+
+
+def test_what_the_readme_says_of_whole_checks_was_measured():
+    rows = [row for table in ("measured", "measured avx2") for row in rows_of("docs/performance.md", table)]
+
+    def ratios(column, *queries):
+        return [float(row[column].rstrip("x")) for row in rows if row[0] in queries]
+    answers = ("self, yes or no", "self + world, yes or no")
+    check_range(r"(\d+) to (\d+) times as fast for yes or no \(`verdict_only`\)", ratios(4, *answers))
+    check_range(r"(\d+) to (\d+) for the self distance", ratios(4, "self distance"))
+    check_range(r"(\d+) to (\d+) for the distance to a world", ratios(4, "robot-world distance"))
+    check_range(r"(\d+) to (\d+) times in the slowest percent",
+                ratios(7, "self, all contact pairs", "self distance", "robot-world distance", *answers))
