@@ -8,7 +8,8 @@ add_library(collision_pairs_messages STATIC
   src/messages/scene_markers.cpp
   src/messages/voxel_markers.cpp
 )
-target_include_directories(collision_pairs_messages PUBLIC ${PROJECT_SOURCE_DIR}/src/messages)
+target_include_directories(collision_pairs_messages PUBLIC ${PROJECT_SOURCE_DIR}/src/messages
+                                                    PRIVATE ${CORE_MODULES})
 target_include_directories(collision_pairs_messages SYSTEM PUBLIC ${catkin_INCLUDE_DIRS})
 target_link_libraries(collision_pairs_messages PUBLIC collision_pairs ${catkin_LIBRARIES})
 collision_pairs_warnings(collision_pairs_messages)

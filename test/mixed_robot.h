@@ -1,6 +1,7 @@
 // A robot of floating links of every kind of shape, for tests of the ladder.
 #pragma once
 
+#include <stdexcept>
 #include <string>
 
 #include "demo_scene.h"
@@ -12,11 +13,13 @@ namespace collision_pairs {
 /// Meshes by name: "l", "ball" (bumpy), "slab" (convex), "pair" (two bodies apart).
 inline std::shared_ptr<const TriangleMesh> testMesh(const std::string& uri,
                                                     const Eigen::Vector3d&) {
-  TriangleMesh mesh = boxMesh({0.2, 0.15, 0.02});
+  TriangleMesh mesh;
+  if (uri == "slab") mesh = boxMesh({0.2, 0.15, 0.02});
   if (uri == "l") mesh = LShape().mesh();
   if (uri == "ball") mesh = bumpyBall(12, 0.15);
   if (uri == "pair")
     mesh = joined(boxMesh({0.05, 0.05, 0.05}), movedBy(bumpyBall(8, 0.08), {0.3, 0, 0}));
+  if (mesh.triangles.empty()) throw std::logic_error("a test names no mesh \"" + uri + '"');
   return std::make_shared<const TriangleMesh>(mesh);
 }
 

@@ -85,7 +85,8 @@ def test_the_page_fits_a_phone(page):
     """Of what is wider than a phone there is a narrow form, or it is scrolled by itself."""
     text = page.read_text()
     assert '<meta name="viewport" content="width=device-width' in text
-    assert "@media (max-width: 40em)" in text, "rows of the table are folded there"
+    narrow = re.search(r"^@media \(max-width: 40em\) \{\n(.*?)^\}", text, re.MULTILINE | re.DOTALL).group(1)
+    assert "tr { display: flex; flex-wrap: wrap" in narrow and "th { display: none }" in narrow, "rows are folded there"
     images = re.findall(r"<(source|img) [^>]*?(?:srcset|src)=\"data:image/png;base64,([^\"]+)", text)
     widths = [(kind, int.from_bytes(base64.b64decode(data)[16:20], "big")) for kind, data in images]
     assert [kind for kind, _ in widths] == ["source", "img", "img"]

@@ -38,10 +38,12 @@ class BagPosesTest : public testing::Test {
   void position(const std::string& joint, double seconds, double value) {
     bag_.joints["/joint_states"].add(joint, static_cast<StampNs>(seconds * 1e9), value);
   }
-  void finish() {
+  void finish(const std::string& prefix = "") {
     bag_.transforms.finish();
     for (auto& [topic, tracks] : bag_.joints) tracks.finish();
-    poses_ = makeBagPoses(bag_, *scene_, BagPosesOptions());
+    BagPosesOptions options;
+    options.prefix = prefix;
+    poses_ = makeBagPoses(bag_, *scene_, options);
   }
   /// Where a link stood in the base; not a number where that is not known.
   Vector3d at(const std::string& link, double seconds) const {
@@ -70,6 +72,28 @@ TEST_F(BagPosesTest, WhatStandsOnALinkThatTheUrdfFixesIsKnownWithoutItsTransform
   transform("mount", "arm", 1, 7);  // nothing says where the mount stands on the base
   finish();
   EXPECT_EQ(at("arm", 1), Vector3d(7, 2, 0));
+}
+
+TEST_F(BagPosesTest, AfterAPrefixASlashMayFollow) {
+  for (const char* const robot : {"left_", "right/"}) {
+    transform(robot + std::string("base"), robot + std::string("tool"), 1, 5, robot[0] == 'l');
+  }
+  finish("left_");
+  EXPECT_EQ(at("arm", 1), Vector3d(2, 1, 0));
+  finish("right");
+  EXPECT_EQ(at("arm", 1), Vector3d(2, 0, 0));
+}
+
+TEST_F(BagPosesTest, AfterAPrefixASlashMayFollowInNamesOfJointsToo) {
+  for (const char* const robot : {"left_", "right/"}) {
+    for (const char* const joint : {"slide", "spin"}) {
+      position(robot + std::string(joint), 1, robot[0] == 'l' ? 0.5 : 0.75);
+    }
+  }
+  finish("left_");
+  EXPECT_EQ(at("arm", 1), Vector3d(0.5, 2, 0));
+  finish("right");
+  EXPECT_EQ(at("arm", 1), Vector3d(0.75, 2, 0));
 }
 
 TEST_F(BagPosesTest, FramesOfFixedJointsAddNoStampsWhereOthersMove) {

@@ -13,7 +13,7 @@ namespace {
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
 
-/// Two joints between `a` and `c`; `b` has no geometry.
+/// Two joints between `a` and `c`, which meet in a good part of their states; `b` has no geometry.
 std::shared_ptr<const RobotModel> armWith(const std::string& first, const std::string& second,
                                           const std::string& types) {
   const std::string limits = "<limit lower='-1.2' upper='1.6'/>";
@@ -22,9 +22,9 @@ std::shared_ptr<const RobotModel> armWith(const std::string& first, const std::s
   };
   return RobotModel::fromUrdf(
       "<robot name='arm'>" + linkWith("a", first) + emptyLink("b") + linkWith("c", second) +
-          joint("one", typeOf(types[0]), "a", "b", "0.05 0.2 0.1",
+          joint("one", typeOf(types[0]), "a", "b", "0.03 0.13 0.07",
                 "<axis xyz='0.6 0 0.8'/>" + limits) +
-          joint("two", typeOf(types[1]), "b", "c", "0.1 0 0.15", "<axis xyz='0 1 0'/>" + limits) +
+          joint("two", typeOf(types[1]), "b", "c", "0.06 0 0.1", "<axis xyz='0 1 0'/>" + limits) +
           "</robot>",
       testMesh);
 }
@@ -39,8 +39,7 @@ std::shared_ptr<const CollisionScene> everyPair(const std::shared_ptr<const Robo
 TEST(PairTable, TellsWhatTheExactCheckSaysWhereverItTellsAnything) {
   RandomInputs random;
   const std::string shapes[] = {"<mesh filename='l'/>", "<box size='0.3 0.1 0.2'/>",
-                                "<cylinder radius='0.1' length='0.3'/>",
-                                "<mesh filename='sphere'/>"};
+                                "<cylinder radius='0.1' length='0.3'/>", "<mesh filename='ball'/>"};
   int nb[3] = {0, 0, 0};
   for (const std::string types : {"rr", "cr", "rc", "sr", "rs", "cc"}) {
     SCOPED_TRACE(types);
@@ -75,7 +74,7 @@ TEST(PairTable, TellsWhatTheExactCheckSaysWhereverItTellsAnything) {
     }
   }
   EXPECT_GT(nb[static_cast<int>(PairTable::Cell::FREE)], 10000);
-  EXPECT_GT(nb[static_cast<int>(PairTable::Cell::CONTACT)], 1000);
+  EXPECT_GT(nb[static_cast<int>(PairTable::Cell::CONTACT)], 10000);
 }
 
 TEST(PairTable, IsForPairsThatOneOrTwoJointsDecide) {

@@ -13,6 +13,7 @@ from conftest import DEMO, PROJECT, PYTHON, SYSTEM_PATH, TOOLS
 INSTRUCTIONS_AND_THREADS = [("base", "3"), ("avx2", "1"), ("all", "1"), ("all", "3")]
 SETTINGS = [{"alarm_distance": 0.2, "min_distance": True}, {"alarm_distance": 0.2, "fidelity": "convex"},
             {"alarm_distance": 0.1, "fidelity": "obb"}, {"alarm_distance": 0.1, "fidelity": "aabb"},
+            {"alarm_distance": 0.1, "fidelity": "spheres"},
             {"alarm_distance": 0.0, "verdict_only": True}, {"alarm_distance": 0.05, "gradient": True}]
 PROGRAM = """
 import json, sys
@@ -32,6 +33,10 @@ for narrow_phase in ("native", "fcl"):
         if "gradient" in its_settings:
             fields["gradient"] = result.gradient
         found.update(("%d %s" % (i, name), values) for name, values in fields.items())
+    if narrow_phase == "native":  # so many that they are checked several at once
+        many = np.random.RandomState(8).uniform(lower, upper, (40000, len(lower)))
+        for fidelity in ("mesh", "spheres"):
+            found["many at " + fidelity] = detector.check(many, verdict_only=True, fidelity=fidelity).verdict
     np.savez(out + narrow_phase, **found)
 np.savetxt(out + "states.csv", states, delimiter=",", header=",".join(detector.joints), comments="", fmt="%.17g")
 """
@@ -74,6 +79,7 @@ def assert_the_same(robot, folder):
     expected = report(robot, "base", "1", folder / "expected")
     distances = np.frombuffer(expected["native 0 distance"])
     assert np.sum(distances < 0) > 50 and np.sum(distances > 0) > 50
+    assert expected["native many at mesh"] != expected["native many at spheres"]
     for instructions, threads in INSTRUCTIONS_AND_THREADS:
         found = report(robot, instructions, threads, folder / (instructions + threads))
         differ = [name for name in expected if found[name] != expected[name]]

@@ -154,10 +154,13 @@ TEST(FidelityLadder, SimplifiedHullsEncloseTheExactOnes) {
 TEST(FidelityLadder, IsNestedInAllReferenceStates) {
   if (benchmarkRobots().empty()) GTEST_SKIP() << "COLLISION_PAIRS_SHARED names no data";
   for (const BenchmarkRobot& robot : benchmarkRobots()) {
+    SceneDescription description;
+    description.robots.push_back({robot.robot, robot.srdf, ""});
+    description.world = robot.world;
+    SceneCache cache;  // so that spheres are made once
     for (const int max_hull_vertices : {0, 32}) {
-      SceneSettings settings;
-      settings.max_hull_vertices = max_hull_vertices;
-      const auto scene = CollisionScene::build(robot.robot, robot.srdf, robot.world, settings);
+      description.settings.max_hull_vertices = max_hull_vertices;
+      const auto scene = CollisionScene::build(description, &cache);
       Ladder ladder(scene);
       BodyPoses poses;
       for (const auto& X_RB : robot.states) {

@@ -54,7 +54,7 @@ TEST(JointStatesCsv, NamesMayBeQuotedAsRfc4180Says) {
   EXPECT_EQ(states.positions[0], (std::vector<double>{0.5, 0.25}));
   EXPECT_THAT(refusal("pan\n1\n\"2\n3\n"),
               testing::HasSubstr("line 3: a quotation mark is not closed"));
-  EXPECT_THAT(refusal("\"pan\nlift\"\n1\n"), testing::HasSubstr("line 1: column 'pan lift'"));
+  EXPECT_THAT(refusal("\"pan\nlift\"\n1\n"), testing::HasSubstr("line 1: joint 'pan lift'"));
   EXPECT_THAT(refusal("\"pan\"\n1\n\"2\n\"\n3,4\n"), testing::HasSubstr("line 5: 2 fields"));
 }
 
@@ -72,11 +72,12 @@ TEST(JointStatesCsv, MimicColumnIsAcceptedWhereItAgrees) {
 
 TEST(JointStatesCsv, WrongColumnsAreRefusedByName) {
   EXPECT_THAT(refusal("pan,elbow\n1,2\n"),
-              testing::HasSubstr("s.csv line 1: column 'elbow' is not a joint"));
+              testing::HasSubstr("s.csv line 1: joint 'elbow' is not in robot"));
   EXPECT_THAT(refusal("weld\n1\n"), testing::HasSubstr("'weld' is fixed"));
-  EXPECT_THAT(refusal("loose\n1\n"), testing::HasSubstr("'loose' is floating"));
-  EXPECT_THAT(refusal("pan,pan\n1,1\n"), testing::HasSubstr("second column 'pan'"));
-  EXPECT_THAT(refusal("pan,\n1,1\n"), testing::HasSubstr("column ''"));
+  EXPECT_THAT(refusal("loose\n1\n"), testing::HasSubstr("'loose' is fixed, floating or planar"));
+  EXPECT_THAT(refusal("pan,pan\n1,1\n"), testing::HasSubstr("joint 'pan' is named twice"));
+  EXPECT_THAT(refusal("pan,\n1,1\n"), testing::HasSubstr("joint ''"));
+  EXPECT_THAT(refusal("follow\n1\n"), testing::HasSubstr("line 1: joint 'follow' mimics 'pan'"));
   EXPECT_THAT(refusal(""), testing::HasSubstr("no header"));
 }
 

@@ -41,6 +41,16 @@ TEST(PcdFile, TextIsRead) {
   EXPECT_TRUE(std::isnan(points[1][2]));
 }
 
+TEST(PcdFile, TextMayHaveEmptyLinesAndSayInAnyWayThatAPointIsMissing) {
+  const auto points = readPcd(
+      "#.PCD v0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 2\nHEIGHT 2\nDATA ascii\n"
+      "1 2 3\n\n-nan NaN inf\n-inf -Inf 5\n4 5 6\n");
+  ASSERT_EQ(points.size(), 4u);
+  EXPECT_TRUE(points[1].array().isNaN().all());
+  EXPECT_TRUE(points[2].head<2>().array().isNaN().all());
+  EXPECT_EQ(points[3], Vector3d(4, 5, 6));
+}
+
 TEST(PcdFile, BinaryIsReadInSingleAndDoublePrecision) {
   const auto points =
       readPcd(XYZ + "DATA binary\n" + bytesOf<float>({1.5f, 2, 3, -4, NAN, INFINITY}));
@@ -84,6 +94,9 @@ TEST(PcdFile, WhatIsWrongIsSaidWithItsLine) {
   expectRefused("FIELDS x y\nSIZE 4 4\nTYPE F F\nPOINTS 1\nDATA ascii\n1 2\n", "no field z");
   expectRefused("FIELDS x y z\nSIZE 4 4\nTYPE F F F\nPOINTS 1\nDATA ascii\n", "differ in length");
   expectRefused("FIELDS x y z\nSIZE 4 4 2\nTYPE F F F\nPOINTS 1\nDATA ascii\n", "field z must be");
+  expectRefused("FIELDS x y z\nSIZE 4 4 16\nTYPE F F F\nPOINTS 1\nDATA ascii\n", "field z must be");
+  expectRefused("FIELDS x y z a\nSIZE 4 4 4 9999999\nTYPE F F F I\nPOINTS 1\nDATA ascii\n",
+                "field 'a' is too large");
   expectRefused("FIELDS x y z\nSIZE 4 4 4\nTYPE F F I\nPOINTS 1\nDATA ascii\n", "field z must be");
   expectRefused("FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 3\nPOINTS 1\nDATA ascii\n",
                 "field z must be");

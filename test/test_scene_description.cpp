@@ -256,6 +256,29 @@ TEST(Scene, WithACacheIsTheSameAndPreparesOnlyWhatIsNew) {
   EXPECT_FALSE(contacts(*second, poses).empty());
 }
 
+TEST(Scene, WithACacheKeepsItsSpheresWhateverElseChanges) {
+  SceneDescription description;
+  description.robots.push_back({mixedRobot(), std::nullopt, ""});
+  SceneCache cache;
+  const auto first = CollisionScene::build(description, &cache);
+  const auto expectSameSpheres = [&] {
+    const auto later = CollisionScene::build(description, &cache);
+    ASSERT_EQ(later->elements().size(), first->elements().size());
+    int nb_spheres = 0;
+    for (std::size_t i = 0; i < first->elements().size(); ++i) {
+      EXPECT_EQ(later->elements()[i].spheres, first->elements()[i].spheres);
+      nb_spheres += later->elements()[i].spheres != nullptr;
+    }
+    EXPECT_EQ(nb_spheres, 5);  // meshes
+  };
+  description.settings.max_hull_vertices = 8;
+  expectSameSpheres();
+  description.settings.narrow_phase = NarrowPhaseMethod::FCL;
+  expectSameSpheres();
+  description.settings.link_fidelity = {{"d", Fidelity::CONVEX}};
+  expectSameSpheres();
+}
+
 TEST(Scene, SaysWhichModelsItNeedsBeforeAnyGeometryIsThere) {
   SceneDescription description;
   description.robots.push_back(

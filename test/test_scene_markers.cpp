@@ -4,6 +4,7 @@
 #include "collision_pairs/scene_description.h"
 #include "demo_scene.h"
 #include "geometry_conversions.h"
+#include "random_inputs.h"
 #include "scene_markers.h"
 #include "test_shapes.h"
 
@@ -55,6 +56,28 @@ TEST(SceneMarkers, ABoxAlongAnElementsOwnAxesHoldsItWhereItIsDrawn) {
     EXPECT_LE(((X_LB.inverse() * p_L).cwiseAbs() - half).maxCoeff(), 1e-9);
   }
   EXPECT_LT(half.maxCoeff(), 0.25) << "and is no larger than that takes";
+}
+
+TEST(SceneMarkers, SpheresEncloseTheMeshInPlaceOfWhichTheyAreDrawn) {
+  const TriangleMesh mesh = LShape().mesh();
+  const auto markers = drawn(meshShape(mesh), Capsule{0.1, 2.0}, Fidelity::SPHERES);
+  EXPECT_EQ(of("standing", markers).size(), 3u) << "a capsule remains one";
+  const auto lists = of("attached_objects", markers);
+  ASSERT_EQ(lists.size(), 1u);
+  ASSERT_EQ(lists[0].type, Marker::TRIANGLE_LIST);
+  EXPECT_GT(lists[0].points.size(), 3u * 1000u);
+  EXPECT_LT(lists[0].points.size(), 3u * 64u * 128u / 2u) << "those inside of others are left out";
+  RandomInputs random;
+  for (int i = 0; i < 1000; ++i) {
+    const Vector3d direction = random.rotation() * Vector3d::UnitX();
+    double of_mesh = -HUGE_VAL, of_spheres = -HUGE_VAL;
+    for (const Vector3d& p : mesh.vertices) of_mesh = std::max(of_mesh, direction.dot(p));
+    for (const auto& p : lists[0].points) {
+      of_spheres = std::max(of_spheres, direction.dot(Vector3d(p.x, p.y, p.z)));
+    }
+    EXPECT_GT(of_spheres, of_mesh - 0.005) << "in between its corners a sphere is drawn smaller";
+    EXPECT_LT(of_spheres, of_mesh + 0.05);
+  }
 }
 
 TEST(SceneMarkers, ACapsuleHasBothOfItsCaps) {

@@ -1,12 +1,14 @@
 #include "scene_markers.h"
 
 #include <algorithm>
+#include <array>
 
 #include <geometric_shapes/bodies.h>
 #include <geometric_shapes/shapes.h>
 
 #include "geometry_conversions.h"
 #include "marker_style.h"
+#include "sphere_cover.h"
 
 namespace collision_pairs {
 namespace {
@@ -18,6 +20,7 @@ using visualization_msgs::MarkerArray;
 
 constexpr std::size_t MOST_ELEMENTS = 10000;
 constexpr double SQUARE_OF_HALF_SPACE = 10.0;  // m
+constexpr int NB_SPHERES = 127;                // of a tree: those that distances are measured from
 
 std::vector<Vector3d> cornersOfTriangles(const TriangleMesh& mesh) {
   std::vector<Vector3d> corners;
@@ -36,6 +39,62 @@ std::vector<Vector3d> cornersOfHull(const TriangleMesh& mesh) {
   std::vector<Vector3d> corners;
   for (const unsigned vertex : hull.getTriangles()) {
     corners.push_back(hull.getVertices()[vertex]);
+  }
+  return corners;
+}
+
+/// A triangle on the unit sphere, as 4^times smaller ones.
+void divide(const Vector3d& a, const Vector3d& b, const Vector3d& c, int times,
+            std::vector<Vector3d>& corners) {
+  if (times == 0) {
+    corners.insert(corners.end(), {a, b, c});
+    return;
+  }
+  const Vector3d ab = (a + b).normalized(), bc = (b + c).normalized(), ca = (c + a).normalized();
+  divide(a, ab, ca, times - 1, corners);
+  divide(b, bc, ab, times - 1, corners);
+  divide(c, ca, bc, times - 1, corners);
+  divide(ab, bc, ca, times - 1, corners);
+}
+
+std::vector<Vector3d> cornersOfUnitSphere() {
+  std::vector<Vector3d> corners;
+  for (const double x : {-1.0, 1.0}) {
+    for (const double y : {-1.0, 1.0}) {
+      for (const double z : {-1.0, 1.0}) {
+        const Vector3d of_x(x, 0, 0), of_y(0, y, 0), of_z(0, 0, z);
+        const bool is_right_handed = x * y * z > 0.0;
+        divide(of_x, is_right_handed ? of_y : of_z, is_right_handed ? of_z : of_y, 2, corners);
+      }
+    }
+  }
+  return corners;
+}
+
+/// Without the triangles that are inside of another sphere.
+std::vector<Vector3d> cornersOfSpheres(const std::vector<OuterSphere>& tree) {
+  static const std::vector<Vector3d> UNIT_SPHERE = cornersOfUnitSphere();
+  const int nb_spheres = std::min(static_cast<int>(tree.size()), NB_SPHERES);
+  std::vector<PlacedSphere> leaves;
+  for (auto sphere = tree.begin(); sphere != tree.begin() + nb_spheres; ++sphere) {
+    const bool is_leaf = sphere->first_child == 0 || sphere->first_child >= nb_spheres;
+    if (is_leaf && sphere->radius > 0.0) leaves.push_back(*sphere);
+  }
+  std::vector<Vector3d> corners;
+  for (const PlacedSphere& sphere : leaves) {
+    for (std::size_t i = 0; i < UNIT_SPHERE.size(); i += 3) {
+      std::array<Vector3d, 3> triangle;
+      for (std::size_t k = 0; k < 3; ++k) {
+        triangle[k] = sphere.center + sphere.radius * UNIT_SPHERE[i + k];
+      }
+      const auto holds = [&](const PlacedSphere& other) {
+        return std::all_of(triangle.begin(), triangle.end(), [&](const Vector3d& p) {
+          return (p - other.center).norm() < (1.0 - 1e-9) * other.radius;
+        });
+      };
+      if (std::any_of(leaves.begin(), leaves.end(), holds)) continue;
+      corners.insert(corners.end(), triangle.begin(), triangle.end());
+    }
   }
   return corners;
 }
@@ -70,6 +129,7 @@ class ElementDrawer {
   }
   void operator()(const Convex& convex) { triangles(cornersOfHull(*convex.mesh)); }
   void operator()(const Mesh& mesh) { triangles(cornersOfTriangles(*mesh.mesh)); }
+  void operator()(const FineSpheres& spheres) { triangles(cornersOfSpheres(spheres.get())); }
 
  private:
   void solid(int type, const Vector3d& size, const Isometry3d& X_BS) {
@@ -128,10 +188,10 @@ Marker patternFor(Kind kind) {
 void draw(const SceneElement& element, Fidelity fidelity, Marker pattern, MarkerArray& array) {
   const Fidelity shown = std::min(fidelity, element.finest);
   const Rung& rung = element.rung(shown == Fidelity::AABB ? Fidelity::OBB : shown);
-  // A rung that no pair of this element asks for was not prepared; a thousand spheres a link are
-  // not drawn.
+  // A rung that no pair of this element asks for was not prepared.
   const Isometry3d X_BS = rung.shape ? element.X_BE * rung.X_ER : element.X_BE;
   ElementDrawer drawer(array, std::move(pattern), X_BS);
+  if (shown == Fidelity::SPHERES && element.spheres) return drawer(*element.spheres);
   std::visit(drawer, rung.shape ? rung.shape->shape() : element.shape);
 }
 

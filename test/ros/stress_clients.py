@@ -13,7 +13,7 @@ from std_srvs.srv import Trigger
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 from collision_pairs.msg import CollisionPairs
-from collision_pairs.srv import CheckTrajectory
+from collision_pairs.srv import CheckCollisions, CheckTrajectory
 from node_client import NodeClient
 from scene_client import SceneClient, add, add_box, attach, box, clear, detach, move, remove, tetrahedron
 
@@ -30,20 +30,28 @@ def collide(positions):
     return any(b - a < 1.0 for a, b in zip(ordered, ordered[1:]))
 
 
+class Services(threading.local):
+    """Each thread has its own: a proxy of rospy 1.15 makes one call at a time."""
+
+    def __init__(self, node):
+        self.check = rospy.ServiceProxy(node + "/check_collisions", CheckCollisions)
+        self.trajectory = rospy.ServiceProxy(node + "/check_trajectory", CheckTrajectory)
+        self.reset = rospy.ServiceProxy(node + "/reset", Trigger)
+        self.objects = SceneClient(node)
+
+
 class StressClients:
     def __init__(self, node, seed):
         self._seed = seed
         self._client = NodeClient(node)
-        self._trajectory = rospy.ServiceProxy(node + "/check_trajectory", CheckTrajectory)
-        self._reset = rospy.ServiceProxy(node + "/reset", Trigger)
+        self._services = Services(node)
         self._parameters = dynamic_reconfigure.client.Client(node, timeout=60)
-        self._objects = SceneClient(node)
         self._end = 0.0
         self.counts, self.wrong = {}, []
 
     def run(self, seconds, pause=0.0, but=()):
         """All of them for so long, with a pause after each call of theirs; without those that are named."""
-        self._objects.apply(clear())
+        self._services.objects.apply(clear())
         assert self._client.next(self._client.reports, lambda report: not report.left_out), "no report of all links"
         self._end = time.time() + seconds
         clients = [self.toggle, self.crowd, self.restricted, self.states, self.trajectories, self.reset,
@@ -54,7 +62,7 @@ class StressClients:
             thread.start()
         for thread in threads:
             thread.join()
-        self._objects.apply(clear())
+        self._services.objects.apply(clear())
         self.counts["reports"] = len(self._client.reports)
         for report in self._client.reports:
             self._expect(report.in_collision == (report.verdict != FREE), "a report's Bool is not its verdict's")
@@ -80,16 +88,16 @@ class StressClients:
             self.wrong.append(what)
 
     def _checked(self, **request):
-        reply = self._client.check(**request)
+        reply = self._services.check(**request)
         self._expect(reply.success, "check_collisions: " + reply.message)
         return reply.result
 
     def toggle(self, _):
         """An update is known to the very next request, whatever else goes on."""
-        self._objects.apply(add_box("toggled", ON_TOP_OF_A))
+        self._services.objects.apply(add_box("toggled", ON_TOP_OF_A))
         there = self._checked()
         self._expect(there.verdict != FREE, "FREE beside an object in contact")
-        self._objects.apply(remove("toggled"))
+        self._services.objects.apply(remove("toggled"))
         gone = self._checked()
         self._expect(gone.verdict != COLLISION, "COLLISION without the object: %s" % gone.pairs)
         known = (there.verdict, gone.verdict) == (COLLISION, FREE)
@@ -102,7 +110,7 @@ class StressClients:
         change = rng.choice([add_box(name, at), move(name, at), remove(name),
                              add(name, at, primitives=[box(0.1, 0.1, 0.1)], meshes=[tetrahedron(0.3)]),
                              add_box("carried", (0, -30, 0)), attach("carried", "c"), detach("carried")])
-        self._objects.send(change, no_list=rng.random() < 0.5)
+        self._services.objects.send(change, no_list=rng.random() < 0.5)
 
     def restricted(self, rng):
         """Only pairs with the link that is asked for; c may carry another."""
@@ -118,7 +126,7 @@ class StressClients:
 
     def trajectories(self, rng):
         points = [[rng.uniform(2.0, 8.0) for _ in JOINTS] for _ in range(10)]
-        reply = self._trajectory(between=True, verdict_only=True, trajectory=JointTrajectory(
+        reply = self._services.trajectory(between=True, verdict_only=True, trajectory=JointTrajectory(
             joint_names=JOINTS, points=[JointTrajectoryPoint(positions=point) for point in points]))
         self._expect(reply.success, "check_trajectory: " + reply.message)
         truth = [COLLISION if collide(point) else FREE for point in points]
@@ -126,7 +134,7 @@ class StressClients:
             points, list(bytearray(reply.verdict)), truth, reply.unknown_because))
 
     def reset(self, _):
-        reply = self._reset()
+        reply = self._services.reset()
         self._expect(reply.success, "reset: " + reply.message)
         time.sleep(0.05)
 

@@ -111,13 +111,17 @@ void ElementMaker::prepare(const std::vector<std::pair<const Shape*, Fidelity>>&
     const auto [slot, is_new] =
         of_meshes_.try_emplace(Key(mesh->mesh.get(), needed, max_hull_vertices_, method_));
     slot->second.last_round = round_;
-    if (is_new) open.emplace_back(shape, needed, &slot->second.element);
+    if (!is_new) continue;
+    slot->second.element.spheres = spheresOf(*shape);
+    open.emplace_back(shape, needed, &slot->second.element);
   }
   std::atomic<std::size_t> done{0};
   try {
     inParallel(nbThreads(0, open.size()), open.size(), [&](std::size_t, std::size_t i) {
       const auto& [shape, needed, element] = open[i];
+      const auto spheres = element->spheres;
       *element = makeElement(*shape, needed, max_hull_vertices_, method_);
+      element->spheres = spheres;
       const std::size_t now_done = ++done;
       if (settings.progress) settings.progress(now_done, open.size());
     });
@@ -128,6 +132,15 @@ void ElementMaker::prepare(const std::vector<std::pair<const Shape*, Fidelity>>&
   for (auto i = of_meshes_.begin(); i != of_meshes_.end();) {
     i = i->second.last_round + KEPT_ROUNDS < round_ ? of_meshes_.erase(i) : std::next(i);
   }
+}
+
+std::shared_ptr<const FineSpheres> ElementMaker::spheresOf(const Shape& shape) const {
+  const TriangleMesh* mesh = std::get<Mesh>(shape).mesh.get();
+  auto i = of_meshes_.lower_bound(Key(mesh, Fidelity::AABB, 0, NarrowPhaseMethod::NATIVE));
+  for (; i != of_meshes_.end() && std::get<0>(i->first) == mesh; ++i) {
+    if (i->second.element.spheres) return i->second.element.spheres;
+  }
+  return std::make_shared<const FineSpheres>(shape);
 }
 
 SceneElement ElementMaker::make(const Shape& shape, Fidelity needed) const {

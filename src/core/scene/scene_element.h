@@ -29,6 +29,9 @@ class ElementMaker {
   SceneElement make(const Shape& shape, Fidelity needed) const;
 
  private:
+  /// Those of the mesh with any settings, or new ones.
+  std::shared_ptr<const FineSpheres> spheresOf(const Shape& mesh) const;
+
   // Mesh, needed, max_hull_vertices, method.
   using Key = std::tuple<const TriangleMesh*, Fidelity, int, NarrowPhaseMethod>;
 
