@@ -27,6 +27,8 @@ for narrow_phase in ("native", "fcl"):
     states = np.random.RandomState(7).uniform(lower, upper, (200, len(lower)))
     found = {}
     for i, its_settings in enumerate(json.loads(settings)):
+        if narrow_phase == "fcl" and its_settings.get("fidelity") == "spheres":
+            continue  # no narrow phase takes part, and it takes long to make the spheres
         result = detector.check(states, **its_settings)
         fields = {name: result.pairs[name] for name in result.pairs.dtype.names}
         fields.update(verdict=result.verdict, min_distance=result.min_distance)
