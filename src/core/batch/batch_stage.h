@@ -48,8 +48,7 @@ class BatchStage {
   BatchModel model_;
   const BatchKernel kernel_;
   std::vector<BesideStatic> beside_static_;
-  std::vector<std::unique_ptr<StaticField>>
-      fields_;  // one for each set of static elements that links are checked against
+  std::vector<std::unique_ptr<StaticField>> fields_;  // one per set of static elements
 };
 
 /// Several states, one per lane. Keep it for the next batch: lookup tables (PairTable) are filled

@@ -36,8 +36,7 @@ class StaticField {
   static constexpr std::uint32_t MOST_NEAR = 4;
   struct Slot {
     std::atomic<bool> is_known{false};
-    std::atomic<float> apart{
-        0.0f};  ///< lower bound of the distance of the centre from all elements
+    std::atomic<float> apart{0.0f};  ///< lower bound: distance of the centre to any element
     /// All elements that can be nearest to a point of the cell; if there are more than MOST_NEAR,
     /// only their number.
     std::atomic<std::uint32_t> nb_near{0}, near[MOST_NEAR] = {};

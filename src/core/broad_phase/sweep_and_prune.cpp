@@ -179,8 +179,7 @@ void SweepAndPrune::Engine::sweepColumns(const std::vector<Aabb>& boxes,
                                          std::vector<BoxPair>* pairs) {
   narrow(boxes, makeNarrowMap(sceneOrigin(boxes), 0.5 * axisReach(alarm_distance)));
   std::size_t count = boxes.size();
-  if (!refused
-           .empty()) {  // thousands of them, wherever they are placed, would all overlap each other
+  if (!refused.empty()) {  // left in one place, thousands of them would all overlap each other
     const auto is_refused = [&](const Record& record) {
       return std::binary_search(refused.begin(), refused.end(), test.nb_static + record.tag);
     };
