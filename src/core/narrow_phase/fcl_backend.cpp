@@ -1,19 +1,17 @@
-// How FCL is called (numbers: issues of flexible-collision-library/fcl; read and measured on
-// 0.7.0).
+// How FCL is called (numbers: issues of flexible-collision-library/fcl; read and measured on 0.7.0).
 //
 // Never called, because the process may abort or the call may not return:
 // - signed distance of pairs without a closed form: EPA throws (#319, #390, #398, #445, #493,
-// #529),
-// its asserts abort (#322), and it may not terminate for round shapes;
-// - collide() of such pairs: the MPR of libccd has unbounded loops (#243), and its depth is
-// not the smallest (#106);
+//   #529), its asserts abort (#322), and it may not terminate for round shapes;
+// - collide() of such pairs: the MPR of libccd has unbounded loops (#243), and its depth is not the
+//   smallest (#106);
 // - GST_INDEP: wrong depths, and "apart" for overlaps below its tolerance;
 // - planes and half-spaces: some pairs call a null pointer.
 //
 // Instead:
 // - the closed forms for spheres, two capsules and two boxes;
 // - GJK for all other convex pairs, with a bounded number of steps: the two functions that make up
-// FCL's own unsigned distance, compiled here so that their assert (doSimplex2) is disabled;
+//   FCL's own unsigned distance, compiled here so that their assert (doSimplex2) is disabled;
 // - trees of triangles, OBBRSS for both queries, with the same GJK at their leaves.
 #ifndef NDEBUG
 #define NDEBUG
