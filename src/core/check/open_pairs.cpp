@@ -33,7 +33,7 @@ OpenPairs::Outcome OpenPairs::check(const std::vector<Eigen::Isometry3d>& X_RB,
     }
     const std::uint32_t nb_static = scene_->nbStaticElements();
     for (const BoxPair& boxes : sweep_.end()) {
-      if (boxes.first >= nb_static) continue;  // both move: already settled, or in `pairs`
+      if (boxes.first >= nb_static) continue;  // both move: settled, or among the pairs
       if (touches({boxes.first, beside_static[boxes.second - nb_static]})) return Outcome::CONTACT;
     }
   }

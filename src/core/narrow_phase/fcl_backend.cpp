@@ -1,4 +1,4 @@
-// How FCL is called (numbers: issues of flexible-collision-library/fcl; read and measured on 0.7.0).
+// How FCL is called (numbers: issues of flexible-collision-library/fcl; measured on 0.7.0).
 //
 // Never called, because the process may abort or the call may not return:
 // - signed distance of pairs without a closed form: EPA throws (#319, #390, #398, #445, #493,

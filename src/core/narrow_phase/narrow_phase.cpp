@@ -6,13 +6,14 @@
 //   capsule, capsule                       closed form          the same
 //   box, box                               separating axes      GJK, EPA
 //   convex, convex (all others)            a common point, GJK  GJK, EPA; cylinders: and Newton
-//   mesh, anything                         first: do the hulls miss each other? settle it?
+//   mesh, anything                         hulls first         hulls first
 //   mesh, convex                           triangles, inside    triangles; depth: hulls by EPA
 //   mesh, mesh                             triangles, inside    triangles; depth: hulls by EPA
 //
 // "convex" is every primitive, every Convex and every mesh that is convex. With a margin, yes or no
-// of a mesh is answered as the signed distance, and that of two boxes as of all others. With
-// NarrowPhaseMethod::FCL this table answers only what FCL does not (Scratch::touches, ::distance).
+// for a mesh uses the signed distance, and two boxes are treated like all other convex shapes. With
+// NarrowPhaseMethod::FCL this table is used only for what FCL does not answer (Scratch::touches,
+// ::distance).
 #include "collision_pairs/narrow_phase.h"
 
 #include <algorithm>
