@@ -58,7 +58,7 @@ class OpenWays {
     slots_[slot] = {open, way.first_open};
     way.first_open = slot;
   }
-  /// Of a way that is not empty; its interval stays.
+  /// Removes a pair from a way that is not empty; the interval is kept.
   OpenPair takePair(Way& way) {
     const int slot = way.first_open;
     way.first_open = slots_[slot].next;
