@@ -130,15 +130,16 @@ std::optional<Srdf> readSrdf(const std::string& path, const RobotModel& robot) {
 
 void declareScene(CommandLine& command_line, SceneOptions& options) {
   command_line.option("world", options.world, "WORLD.urdf",
-                      "a URDF that stands still, its root at the robot's root");
-  command_line.option("settings", options.settings, "SETTINGS.yaml",
-                      "rules, paddings and the like, as the node's parameter file has them");
+                      "URDF of static obstacles; its root coincides with the robot's root");
+  command_line.option(
+      "settings", options.settings, "SETTINGS.yaml",
+      "scene settings (rules, paddings, ...), in the format of the node's parameter file");
   command_line.option("narrow-phase", options.narrow_phase, "NAME",
-                      "who answers pairs of shapes: native (the default) or fcl");
+                      "method for pairs of shapes: native (default) or fcl");
   command_line.option("group", options.group, "GROUP",
                       "only pairs with a link that this group moves");
   command_line.option("links", options.links, "LINK...",
-                      "only pairs with one of these links; patterns are read");
+                      "only pairs with one of these links, names or patterns");
 }
 
 void declareFidelity(CommandLine& command_line, std::string& fidelity) {
@@ -148,13 +149,13 @@ void declareFidelity(CommandLine& command_line, std::string& fidelity) {
 void declareRobot(CommandLine& command_line, std::string& robot, std::string& srdf,
                   SceneOptions& options, std::string& fidelity) {
   command_line.operand(robot, "ROBOT.urdf", "the robot's URDF");
-  command_line.option("srdf", srdf, "ROBOT.srdf", "switches off its pairs");
+  command_line.option("srdf", srdf, "ROBOT.srdf", "pairs that it disables are not checked");
   declareScene(command_line, options);
   command_line.option("cloud", options.cloud, "CLOUD.pcd",
-                      "points in the frame of the robot's root link, as one obstacle of voxels; "
-                      "named 'cloud'. Points of the robot itself must not be in it");
+                      "points in the frame of the robot's root link, without points of the robot "
+                      "itself; one obstacle of voxels, named 'cloud'");
   command_line.option("voxel-size", options.voxel_size, "METRES",
-                      "the edge of a voxel; --cloud requires it");
+                      "edge length of a voxel; required by --cloud");
   command_line.together("cloud", "voxel-size");
   declareFidelity(command_line, fidelity);
 }
@@ -239,13 +240,12 @@ void warnOf(const JointStates& states, const RobotModel& robot, const std::strin
 }
 
 void declareThreads(CommandLine& command_line, unsigned& threads) {
-  command_line.option("threads", threads, "COUNT",
-                      "0: as many as the machine has; the output is the same");
+  command_line.option("threads", threads, "COUNT", "0: one per core; does not affect the output");
 }
 
 void declareBatch(CommandLine& command_line, unsigned& threads, std::string& out) {
   declareThreads(command_line, threads);
-  command_line.option("out", out, "OUT.csv", "where to write (default: standard output)");
+  command_line.option("out", out, "OUT.csv", "output file (default: standard output)");
 }
 
 const BuiltScene& BagScenes::sceneFor(const BagContents& bag) {
