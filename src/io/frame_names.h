@@ -5,7 +5,7 @@
 
 namespace collision_pairs {
 
-/// tf of old wrote "/base"; tf2 has no such frame.
+/// Drops the leading slash that tf used ("/base") and tf2 does not accept.
 inline std::string withoutLeadingSlash(const std::string& frame) {
   return !frame.empty() && frame.front() == '/' ? frame.substr(1) : frame;
 }

@@ -12,7 +12,7 @@
 namespace collision_pairs {
 namespace {
 
-constexpr double MIMIC_TOLERANCE = 1e-6;  // rad or m: what a print with six decimals leaves
+constexpr double MIMIC_TOLERANCE = 1e-6;  // rad or m: precision of output with six decimals
 
 bool isBlank(const std::string& line) { return line.find_first_not_of(" \t\r") == line.npos; }
 

@@ -9,7 +9,7 @@
 namespace collision_pairs {
 namespace {
 
-/// Of the bodies that are in one of the pairs, a moment before the poses.
+/// Earlier poses of the bodies in the pairs, VELOCITY_WINDOW before.
 EarlierPoses posesBefore(const ActiveScene& active, const StampedPoses& stamped,
                          const CollisionReport& report) {
   EarlierPoses before;

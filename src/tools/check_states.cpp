@@ -96,7 +96,7 @@ void refuseLeftOut(std::size_t state, const CollisionReport& report, const Colli
                    whyNoBox(scene.models()[report.left_out.front()].name));
 }
 
-/// A row a state, in order.
+/// One row per state, in order.
 std::vector<std::string> check(const JointStates& states,
                                const std::shared_ptr<const CollisionScene>& scene,
                                const CheckSettings& settings, const CloudVoxels& voxels,

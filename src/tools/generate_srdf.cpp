@@ -80,7 +80,7 @@ std::vector<PairEvidence> gather(const Options& options,
   return evidence;
 }
 
-/// What a line's numbers mean, above the first of them.
+/// Explains the numbers in the lines, above the first of them.
 SrdfLine headerOf(const Options& options) {
   char text[256];
   std::snprintf(text, sizeof text,
@@ -92,7 +92,8 @@ SrdfLine headerOf(const Options& options) {
   return {text, "", "", ""};
 }
 
-/// None if there is no pair to add to a given SRDF: a second run leaves what the first one wrote.
+/// None if there is no pair to add to a given SRDF: a second run does not change the output of the
+/// first.
 std::vector<SrdfLine> linesFor(const std::vector<PairVerdict>& verdicts, bool is_given,
                                const Options& options) {
   const bool adds_a_pair = std::any_of(verdicts.begin(), verdicts.end(),

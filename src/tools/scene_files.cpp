@@ -17,7 +17,7 @@
 namespace collision_pairs {
 namespace {
 
-/// `origin` is what the text came from: a file, or a topic of a bag.
+/// `origin`: source of the text, a file or a topic of a bag.
 Srdf srdfFromText(const std::string& text, const std::string& origin, const RobotModel& robot) {
   std::vector<std::string> links;
   for (const Link& link : robot.links()) links.push_back(link.name);
@@ -43,7 +43,7 @@ std::unique_ptr<RobotSource> sourceFrom(const TextFrom& urdf, const MeshLoader& 
   }
 }
 
-/// Those of the chosen topics, each as the settings have it, or else as it is by default.
+/// The configurations of the chosen topics: from the settings, or else the default.
 std::vector<CloudConfig> cloudsOf(const SceneOptions& options,
                                   const std::vector<CloudConfig>& in_settings) {
   std::vector<CloudConfig> clouds;
@@ -91,14 +91,14 @@ SceneSources readSources(const TextFrom& urdf, const TextFrom& srdf, const Scene
   return sources;
 }
 
-// Who asks about a whole robot wants to know of a mesh that is missing, needed or not.
+// A check of a whole robot reports missing meshes even if no pair needs them.
 void readAllMeshes(SceneSources& sources) {
   const auto all = [](const std::string&) { return true; };
   sources.robots[0].source->withGeometryOf(all);
   if (sources.world) sources.world->withGeometryOf(all);
 }
 
-/// Of a file, or else the bag's only one; empty if there is neither.
+/// From a file, or else the bag's only one; empty if there is neither.
 TextFrom chooseText(const std::string& path, const std::map<std::string, std::string>& in_bag,
                     const std::string& option) {
   if (!path.empty()) return {path, readTextFile(path)};
@@ -202,7 +202,7 @@ BuiltScene buildScene(const TextFrom& urdf, const TextFrom& srdf, const SceneOpt
   if (!options.narrow_phase.empty()) settings.narrow_phase = parseNarrowPhase(options.narrow_phase);
   if (max_hull_vertices != 0) settings.max_hull_vertices = max_hull_vertices;
   const bool is_restricted = !options.group.empty() || !options.links.empty();
-  // Points of links on no pair are not obstacles either.
+  // Points of links that are in no pair are not obstacles either.
   if (!is_restricted || !options.cloud_topics.empty()) readAllMeshes(sources);
   std::vector<BrokenElement> broken;
   BuiltScene built;
