@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t KEPT_DETECTORS = 2;
 
-/// Initialises a reply so that it is not FREE without a result.
+/// A reply without a result has the verdict UNKNOWN.
 void refuse(const std::string& why, CheckCollisions::Response& response) {
   response.success = false;
   response.message = why;

@@ -81,7 +81,7 @@ std::unique_ptr<RobotSource> loadEnvironment(const ros::NodeHandle& node,
   return makeSource(key, xml, load_mesh);
 }
 
-/// Warns of a misspelt rule about pairs, which would otherwise silently not apply.
+/// Refuses a misspelt rule about pairs, which would otherwise silently not apply.
 void refuseMisspelt(const ros::NodeHandle& node, const std::vector<RobotParameters>& robots) {
   XmlRpc::XmlRpcValue given;
   if (!ros::param::get(node.getNamespace(), given) ||

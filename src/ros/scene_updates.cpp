@@ -61,7 +61,7 @@ class Updater {
     stored.object.X_PO = poseOf(message, parentFrame(stored.object));
   }
 
-  // Its touch links must not apply to a new object of the same name.
+  // Other objects' touch links must not apply to a new object of the same name.
   void remove(const std::string& name) {
     known(name);
     objects_.erase(name);
@@ -78,7 +78,7 @@ class Updater {
     stored.object.touch_links = message.touch_links;
   }
 
-  // Touch links apply only while the object is attached.
+  // The touch links that applied while it was attached are replaced.
   void detach(const SceneObject& message) {
     StoredObject& stored = known(message.name);
     hangOn("", message.header.stamp, stored);
