@@ -101,7 +101,7 @@ def test_a_browser_opens_the_page_without_a_word_on_its_console(page, tmp_path):
     done = subprocess.run([browser, "--headless", "--no-sandbox", "--disable-gpu", "--enable-logging=stderr",
                            "--user-data-dir=%s" % (tmp_path / "profile"), "--dump-dom", page.as_uri()],
                           timeout=120, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    assert "What nearly touched" in done.stdout
+    assert "Contacts and near pairs" in done.stdout
     assert "CONSOLE" not in done.stderr
 
 

@@ -312,7 +312,7 @@ def test_time_in_contact_is_counted_from_stamp_to_stamp(check, tmp_path):
     rows, summary = check(bag, "--urdf", urdf)
     assert [row["pairs"] for row in rows] == ["", "a|b", "a|b", "", "", "a|b", "a|b"]
     assert "in contact        3.000 s, 4 stamps" in summary
-    assert "in alarm only     1.000 s" in summary
+    assert "near only         1.000 s" in summary
     assert "-0.7500 m at +8.000 s  a|b" in summary
     assert "3.000 s after +4.000 s" in summary
 

@@ -49,8 +49,8 @@ def test_defaults_are_printed_as_they_are_written(run_tool):
     (["check_states", "--states", "x"], "ROBOT.urdf is missing"), (["check_bag"], "BAG... is missing"),
     (["check_states", URDF, "two.urdf", "--states", "x"], "'two.urdf': only one ROBOT.urdf"),
     (["check_states", URDF, "--states", "x", "--states", "y"], "'--states' cannot be specified more than once"),
-    (["check_states", URDF, "--states", "x", "--fidelty", "obb"], "'--fidelty'; is '--fidelity' meant?"),
-    (["check_states", URDF, "--stat", "x"], "unrecognised option '--stat'; is '--states' meant?"),  # no abbreviations
+    (["check_states", URDF, "--states", "x", "--fidelty", "obb"], "'--fidelty'; did you mean '--fidelity'?"),
+    (["check_states", URDF, "--stat", "x"], "unrecognised option '--stat'; did you mean '--states'?"),  # no abbreviations
     (["check_states", URDF, "--states", "x", "--cloud", "y"], "--cloud requires --voxel-size"),
     (["check_states", URDF, "--states", "x", "--voxel-size", "1"], "--voxel-size requires --cloud"),
     (["check_states", URDF, "--states", "x", "--min-distance=no"], "'--min-distance' does not take"),

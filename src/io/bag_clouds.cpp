@@ -25,7 +25,7 @@ std::string_view nameOf(std::string_view topic) {
   return topic;
 }
 
-/// 0 if the message ends before.
+/// 0 if the message is too short.
 StampNs stampOf(const RawMessage& raw) {
   std::uint32_t number_and_stamp[3];
   if (raw.size < sizeof number_and_stamp) return 0;

@@ -13,24 +13,25 @@ namespace collision_pairs {
 /// A recorded cloud.
 struct CloudEntry {
   int source;     ///< number of its topic
-  StampNs since;  ///< it counts from then on; within a source never earlier than the one before
-  std::string problem;  ///< why it cannot be used, as far as its header tells; empty: it may be
+  StampNs since;  ///< it applies from then on; within a source never earlier than the previous one
+  std::string problem;  ///< why it cannot be used, judged by its header; empty if it may be usable
 };
 
-/// The clouds of some topics, in the order of the file; some 50 bytes a cloud.
+/// The clouds of some topics, in the order of the file; about 50 bytes per cloud.
 class BagCloudIndex {
  public:
-  /// Leading slashes of topics do not count.
+  /// Leading slashes of topics are ignored.
   explicit BagCloudIndex(std::vector<std::string> topics);
 
-  /// Sees a message of the bag. One without a stamp, ahead of its recording by more than half a
-  /// second, or not later than the one before has a problem, and counts from the one before on.
+  /// Adds a message of the bag. A cloud without a stamp, with a stamp more than half a second after
+  /// its recording, or not later than the previous one has a problem, and applies from the previous
+  /// one on.
   void take(const RawMessage& raw);
-  /// Throws InputError if one of the topics has no message, or one that is no cloud.
+  /// Throws InputError if one of the topics has no message, or messages of another type.
   void requireAllSources() const;
 
   const std::vector<CloudEntry>& entries() const { return entries_; }
-  /// -1: of none.
+  /// -1: none.
   int sourceOf(const RawMessage& raw) const;
 
  private:
@@ -41,7 +42,7 @@ class BagCloudIndex {
   std::set<std::string> cloud_topics_;  ///< of all clouds in the bag
 };
 
-/// Whether a sensor_msgs/PointCloud2 is as long as it says, so that it can be read.
+/// True if a serialized sensor_msgs/PointCloud2 is as long as its size fields require.
 bool pointCloudFits(const RawMessage& raw);
 
 }  // namespace collision_pairs

@@ -13,7 +13,7 @@ bool endsWith(const std::string& text, const std::string& end) {
   return text.size() > end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
 }
 
-/// What stands before the robot's link names in the bag's frames, should it have a prefix.
+/// The prefix of the robot's link names in the bag's frames, if there is one.
 std::set<std::string> possiblePrefixes(const BagContents& bag, const RobotModel& robot) {
   std::set<std::string> prefixes;
   for (const std::string& frame : bag.transforms.frames()) {
@@ -51,7 +51,7 @@ BagPoses::BagPoses(const BagContents& bag, const CollisionScene& scene,
   for (std::size_t b = 0; b < robot.bodies().size(); ++b) {
     frames_.push_back(framesOf(static_cast<int>(b)));
   }
-  // A root that TF does not know by its name with the prefix may be there without ("world").
+  // A root that TF does not have under its prefixed name may be there without prefix ("world").
   const int bare_root = tracks_.findFrame(robot.links().front().name);
   if (frames_[0].empty() && bare_root >= 0) {
     frames_[0].push_back({bare_root, Eigen::Isometry3d::Identity()});

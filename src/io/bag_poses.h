@@ -32,7 +32,7 @@ class BagPoses {
   /// In the frame of the robot's root link. A body without a pose at that stamp stays unknown.
   /// O(bodies * log samples).
   void at(StampNs stamp, BodyPoses& poses) const { at(stamp, scene_.bodies(), poses); }
-  /// The same of other bodies of the robot.
+  /// The same for other bodies of the robot.
   void at(StampNs stamp, const std::vector<SceneBody>& bodies, BodyPoses& poses) const;
   /// Pose of any frame in that of the root link: a link, or a frame that the bag's transforms
   /// connect to one. False if unknown. `frame`: its name in the bag.
@@ -41,7 +41,7 @@ class BagPoses {
   const std::string& source() const { return source_; }
   /// Assumptions made and data missing, one sentence each.
   const std::vector<std::string>& notes() const { return notes_; }
-  /// Number of moving bodies of the robot that the bag has poses of.
+  /// Number of moving bodies of the robot for which the bag has poses.
   std::size_t nbKnown() const { return nb_known_; }
   /// Joints that move a body of the scene, but that the bag does not name: taken as zero, so
   /// that no verdict is FREE.
@@ -53,10 +53,10 @@ class BagPoses {
     int frame;
     Eigen::Isometry3d X_BL;
   };
-  /// Of all bodies of the robot.
+  /// For all bodies of the robot.
   virtual void robotAt(StampNs stamp, std::vector<Eigen::Isometry3d>& X_RB,
                        std::vector<char>& known) const = 0;
-  /// -1 if the bag's transforms do not know it.
+  /// -1 if it is not in the bag's transforms.
   int frameOf(const std::string& link) const;
 
   const TransformTracks& tracks_;
@@ -81,9 +81,9 @@ std::unique_ptr<const BagPoses> bagPosesFromJoints(const BagContents& bag,
                                                    const CollisionScene& scene,
                                                    const BagPosesOptions& options);
 
-/// By TF where it knows as many bodies of the robot as the joint states do, else by forward
-/// kinematics. Both references must outlive the result. Throws InputError, with what to do about it
-/// (a prefix, say), if the bag knows none.
+/// By TF if it has as many bodies of the robot as the joint states, else by forward kinematics.
+/// Both references must outlive the result. Throws InputError, with a remedy (for example a
+/// prefix), if the bag has none.
 std::unique_ptr<const BagPoses> makeBagPoses(const BagContents& bag, const CollisionScene& scene,
                                              const BagPosesOptions& options);
 

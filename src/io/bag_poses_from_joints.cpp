@@ -9,14 +9,14 @@
 namespace collision_pairs {
 namespace {
 
-/// How many joints of the robot a topic names when `prefix` stands before their names.
+/// Number of joints of the robot that a topic names, with `prefix` before their names.
 std::size_t nbNamed(const JointTracks& tracks, const RobotModel& robot, const std::string& prefix) {
   return static_cast<std::size_t>(
       std::count_if(robot.joints().begin(), robot.joints().end(),
                     [&](const Joint& joint) { return tracks.has(prefix + joint.name); }));
 }
 
-/// The topic, and what stands before the joints' names in it.
+/// The topic, and the prefix of the joints' names in it.
 struct Choice {
   const std::string* topic = nullptr;
   const JointTracks* tracks = nullptr;
@@ -61,7 +61,7 @@ class BagPosesFromJoints : public BagPoses {
   void noteJointsAtZero();
   void collectStamps();
 
-  std::vector<const Samples*> tracks_;  ///< by joint; null: it stands at zero, or mimics
+  std::vector<const Samples*> tracks_;  ///< by joint; null: it stays at zero, or mimics another
   std::vector<double> zero_;
 };
 

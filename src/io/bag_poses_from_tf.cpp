@@ -8,7 +8,7 @@ namespace {
 
 using Eigen::Isometry3d;
 
-/// Attached to a joint that moves: its transforms tell when the robot moved.
+/// Attached to a movable joint: the stamps of its transforms are those of the robot's motion.
 bool isDriven(const Link& link, const RobotModel& robot) {
   return link.parent_joint >= 0 && robot.joints()[link.parent_joint].type != JointType::FIXED;
 }
@@ -55,7 +55,7 @@ void BagPosesFromTf::collectStamps() {
       if (frame < 0 || tracks_.isStatic(frame) || isDriven(link, robot) != driven) continue;
       for (const auto& sample : tracks_.samples(frame)) stamps_.push_back(sample.stamp);
     }
-    if (!stamps_.empty()) break;  // frames of fixed joints only where there are no others
+    if (!stamps_.empty()) break;  // frames of fixed joints only if there are no others
   }
   std::sort(stamps_.begin(), stamps_.end());
   stamps_.erase(std::unique(stamps_.begin(), stamps_.end()), stamps_.end());
@@ -80,8 +80,8 @@ void BagPosesFromTf::robotAt(StampNs stamp, std::vector<Isometry3d>& X_RB,
   FramePoses frames(tracks_, stamp, max_gap_);
   X_RB.assign(frames_.size(), Isometry3d::Identity());
   known.assign(frames_.size(), 0);
-  // From the root outwards. Links on fixed joints are one body: the URDF says where they stand in
-  // it, also where the recording begins before their transforms do.
+  // From the root outwards. Links on fixed joints are one body, and the URDF gives their poses in
+  // it, even before their transforms begin in the recording.
   for (std::size_t b = 0; b < frames_.size(); ++b) {
     known[b] = find(frames, static_cast<int>(b), X_RB[b]);
     if (!known[b]) continue;

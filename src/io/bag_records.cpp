@@ -24,11 +24,11 @@ using Fields = std::map<std::string, std::string>;
 
 std::uint32_t toNumber(const char* bytes) {
   std::uint32_t number;
-  std::memcpy(&number, bytes, sizeof number);  // bags are little-endian, as all that ROS runs on
+  std::memcpy(&number, bytes, sizeof number);  // bags are little-endian, like all platforms of ROS
   return number;
 }
 
-/// "name=value" after a length, again and again. Empty if it is not that.
+/// A sequence of "name=value" entries, each after its length. Empty if malformed.
 Fields parseFields(const char* at, std::size_t size) {
   Fields fields;
   for (std::size_t begin = 0; begin + 4 <= size;) {
@@ -56,7 +56,7 @@ int opOf(const Fields& fields) {
   return op == fields.end() || op->second.size() != 1 ? -1 : op->second[0];
 }
 
-constexpr std::uint32_t LARGEST_CHUNK = 1u << 30;  // bytes; a damaged size asks for more
+constexpr std::uint32_t LARGEST_CHUNK = 1u << 30;  // bytes; only a damaged size exceeds it
 
 bool decompressBz2(std::string& data, std::string& content) {
   bz_stream stream{};
@@ -69,7 +69,7 @@ bool decompressBz2(std::string& data, std::string& content) {
   while (result == BZ_OK && stream.avail_out > 0) {
     const unsigned before = stream.avail_out + stream.avail_in;
     result = BZ2_bzDecompress(&stream);
-    if (stream.avail_out + stream.avail_in == before) break;  // it wants more than there is
+    if (stream.avail_out + stream.avail_in == before) break;  // the input is truncated
   }
   content.resize(content.size() - stream.avail_out);
   BZ2_bzDecompressEnd(&stream);
@@ -102,7 +102,7 @@ bool decompressChunk(const std::string& compression, const std::string& data, st
     content = data.substr(0, size);
     return content.size() == size;
   }
-  std::string input = data;  // both libraries want it writable
+  std::string input = data;  // both libraries require it to be writable
   content.resize(std::min(size, LARGEST_CHUNK));
   bool sound = false;
   if (compression == "bz2")
@@ -167,7 +167,7 @@ class RecordReader {
           lose("it has no index: its recording was not closed");
         }
         break;
-      default:  // indices, of which none is needed
+      default:  // indices, which are not needed
         break;
     }
   }
@@ -231,8 +231,8 @@ class RecordReader {
     return true;
   }
 
-  /// What there is of it; false if that is not all. Grows as it reads: a damaged size must not
-  /// make it ask for gigabytes.
+  /// Reads as much of it as exists; false if that is not all. Grows while reading, so that a
+  /// damaged size cannot request gigabytes.
   bool readData(std::uint32_t size, std::string& data) {
     constexpr std::size_t STEP = 1 << 20;
     while (data.size() < size && file_) {

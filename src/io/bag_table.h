@@ -16,7 +16,7 @@ namespace collision_pairs {
 /// Two links within the alarm distance of each other.
 struct BagPair {
   std::string links;  ///< "a|b", a < b, each as listedName()
-  double distance;    ///< metres, signed; of one that is unresolved a lower bound
+  double distance;    ///< metres, signed; a lower bound if unresolved
   bool in_contact;    ///< or unresolved
 };
 
@@ -31,8 +31,8 @@ struct BagRow {
   Verdict verdict = Verdict::UNKNOWN;
 };
 
-/// Every count-th row is that of one part. Rows go round and round the parts, so that all have the
-/// same amount of work wherever in a bag the robot is near something.
+/// Rows are distributed round-robin over `count` parts, so that all parts have the same amount of
+/// work wherever in a bag the robot is near something.
 struct Shard {
   std::uint64_t index = 0;  ///< from 0
   std::uint64_t count = 1;
@@ -43,11 +43,10 @@ struct Shard {
 ///
 /// `verdict` is free, collision or unknown; `in_collision` is 0 if it is free. `pairs` are the
 /// links in contact, "a|b;c|d"; `distances` all pairs within the alarm distance,
-/// "a|b=0.012;c|d=-0.001"; `left_out` the links of which nothing was known, "a;b". Names in lists
-/// are as listedName() writes them, and fields as csvField() does, so that a row is a line. Stamps
-/// are seconds with nine decimals, numbers have all their digits. A part has, besides, lines that
-/// begin with '#': which part it is, and at the beginning of each bag how many rows all parts
-/// together have of it.
+/// "a|b=0.012;c|d=-0.001"; `left_out` the links without a pose, "a;b". Names in lists are written
+/// by listedName() and fields by csvField(), so that a row is a line. Stamps are seconds with nine
+/// decimals, numbers have all their digits. A part also has lines that begin with '#': which part
+/// it is, and at the beginning of each bag the number of its rows in all parts together.
 extern const char* const BAG_TABLE_HEADER;
 extern const char* const BAG_TABLE_END;  ///< last line of a part
 
@@ -58,10 +57,10 @@ BagRow parseLine(const std::string& line, const std::string& name, std::size_t l
 std::string partLine(const Shard& shard);
 std::string bagLine(const std::string& bag, std::uint64_t nb_rows);
 
-/// Several tables as one: what one process would have written over all bags. `paths` are all parts
-/// of one run, in any order, or whole tables, which follow each other in the given order. Every
-/// row is handed over as it is written. Throws InputError if a part or a row is missing, or parts
-/// of different runs are mixed. Memory: a row of each part.
+/// Merges tables into the one that a single process would have written for all bags. `paths` are
+/// all parts of one run, in any order, or complete tables, which are concatenated in the given
+/// order. Every row is passed on as it is written. Throws InputError if a part or a row is missing,
+/// or parts of different runs are mixed. Memory: one row per part.
 using BagLineVisitor = std::function<void(const std::string& line, const BagRow& row)>;
 void mergeBagTables(const std::vector<std::string>& paths, const BagLineVisitor& visit);
 

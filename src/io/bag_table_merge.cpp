@@ -9,7 +9,7 @@
 namespace collision_pairs {
 namespace {
 
-/// One file, line by line.
+/// A file read line by line.
 class Table {
  public:
   explicit Table(const std::string& path) : path_(path), file_(path, std::ios::binary) {
@@ -57,7 +57,7 @@ class Table {
 
 using Tables = std::vector<std::unique_ptr<Table>>;
 
-/// Sorted, each part there once.
+/// Sorted by part; each part exactly once.
 void checkComplete(Tables& parts) {
   std::sort(parts.begin(), parts.end(),
             [](const auto& a, const auto& b) { return a->shard().index < b->shard().index; });
@@ -76,7 +76,7 @@ void checkComplete(Tables& parts) {
   }
 }
 
-/// Takes the same line from all parts.
+/// Reads a line that must be the same in all parts.
 std::string nextCommonLine(Tables& parts) {
   const std::string line = parts.front()->expect();
   for (std::size_t i = 1; i < parts.size(); ++i) {

@@ -14,8 +14,8 @@ namespace collision_pairs {
 
 /// The state of a cloud source.
 struct LatestCloud {
-  std::shared_ptr<const OccupiedVoxels> voxels;  ///< after the last that was used; null: none was
-  double stamp = 0.0;                            ///< of that one, in seconds
+  std::shared_ptr<const OccupiedVoxels> voxels;  ///< of the last cloud used; null: none yet
+  double stamp = 0.0;                            ///< of that cloud, in seconds
   std::string problem;  ///< why the last cloud was refused; empty: it was used
 };
 
@@ -26,7 +26,7 @@ struct CloudView {
   std::string doubt;
 };
 
-/// `now` in seconds, of the clock of the stamps.
+/// `now` in seconds, on the clock of the stamps.
 CloudView viewOf(const CloudConfig& config, const LatestCloud& latest, double now);
 
 struct CloudDoubt {
@@ -38,7 +38,7 @@ struct CloudDoubt {
 std::vector<CloudDoubt> addVoxels(const std::map<std::string, CloudView>& views,
                                   const CollisionScene& scene, BodyPoses& poses);
 
-/// "; the last was refused: …", or nothing.
+/// "; the last was refused: …", or empty.
 std::string refusalOf(const LatestCloud& latest);
 
 }  // namespace collision_pairs

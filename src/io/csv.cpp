@@ -70,7 +70,7 @@ bool CsvRecord::addLine(const std::string& line) {
 void CsvRecord::endField() {
   std::string& field = fields_.back();
   const std::size_t last = field.find_last_not_of(BLANKS);
-  field.erase(std::max(nb_quoted_, last + 1));  // no such letter: npos + 1 is 0
+  field.erase(std::max(nb_quoted_, last + 1));  // none found: npos + 1 is 0
   if (nb_quoted_ == 0) field.erase(0, field.find_first_not_of(BLANKS));
   nb_quoted_ = 0;
 }

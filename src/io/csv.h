@@ -1,4 +1,4 @@
-// Tables as RFC 4180 has them, and names in their fields.
+// CSV as in RFC 4180, and names within fields.
 #pragma once
 
 #include <string>
@@ -6,19 +6,19 @@
 
 namespace collision_pairs {
 
-/// The field as it stands in a table: in quotation marks where it has a comma, a quotation mark, a
-/// line break or a blank at an end, or begins with '#', which would read as a comment. Ordinary
-/// ones stay as they are.
+/// The field as written to a table: quoted if it contains a comma, a quotation mark or a line
+/// break, has a blank at an end, or begins with '#', which would start a comment. Other fields are
+/// unchanged.
 std::string csvField(const std::string& text);
 
-/// A name that can stand in a list such as "a|b;c|d=0.1", on one line: '%', '|', ';', '=' and
-/// control bytes are written as in a URL, "%7C". Ordinary names stay as they are.
+/// A name for lists such as "a|b;c|d=0.1" on one line: '%', '|', ';', '=' and control bytes are
+/// percent-encoded, "%7C". Other names are unchanged.
 std::string listedName(const std::string& name);
 
-/// Reads one record. Blanks around a field count only within quotation marks.
+/// Reads one record. Blanks around a field are significant only within quotation marks.
 class CsvRecord {
  public:
-  /// Takes a line, without its end. False: a quotation mark is open, the record goes on in the next
+  /// Adds a line, without its end. False: a quotation is open and the record continues in the next
   /// line.
   bool addLine(const std::string& line);
   const std::vector<std::string>& fields() const { return fields_; }
@@ -28,7 +28,7 @@ class CsvRecord {
 
   std::vector<std::string> fields_ = {""};
   bool is_quoted_ = false;     // within quotation marks
-  std::size_t nb_quoted_ = 0;  // letters of the last field that came within such
+  std::size_t nb_quoted_ = 0;  // characters of the last field that were quoted
 };
 
 }  // namespace collision_pairs

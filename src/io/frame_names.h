@@ -5,12 +5,12 @@
 
 namespace collision_pairs {
 
-/// tf of old wrote "/base"; tf2 has no such frame.
+/// Drops the leading slash that tf used ("/base") and tf2 does not accept.
 inline std::string withoutLeadingSlash(const std::string& frame) {
   return !frame.empty() && frame.front() == '/' ? frame.substr(1) : frame;
 }
 
-/// Neither leading nor trailing ones.
+/// Removes leading and trailing slashes.
 inline std::string withoutSlashes(std::string name) {
   while (!name.empty() && name.front() == '/') name.erase(0, 1);
   while (!name.empty() && name.back() == '/') name.pop_back();

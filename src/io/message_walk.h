@@ -19,19 +19,19 @@ class Walk {
     left_ -= bytes;
     return true;
   }
-  /// Reads how many entries an array has, each of so many bytes or more.
+  /// Reads the number of entries of an array, each of at least that many bytes.
   bool count(std::uint32_t& number, std::uint64_t smallest) {
     if (left_ < sizeof number) return false;
     std::memcpy(&number, data_, sizeof number);
     return skip(sizeof number) && number * smallest <= left_;
   }
-  /// Of entries of so many bytes.
+  /// Skips an array of entries of that many bytes.
   bool skipArray(std::uint64_t entry) {
     std::uint32_t number;
     return count(number, entry) && skip(number * entry);
   }
 
-  /// A std_msgs/Header: number, stamp, frame.
+  /// Skips a std_msgs/Header: number, stamp, frame.
   bool skipHeader() { return skip(STAMP_AND_NUMBER) && skipArray(1); }
 
  private:

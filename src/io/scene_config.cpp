@@ -14,7 +14,7 @@
 namespace collision_pairs {
 namespace {
 
-/// What else the node's parameter file holds; it fits here as it is.
+/// All other keys of the node's parameter file, which can thus be used here unchanged.
 constexpr std::array<const char*, 13> OF_THE_NODE_ONLY = {"alarm_distance",
                                                           "fidelity",
                                                           "tolerance",
@@ -36,8 +36,8 @@ std::pair<std::string, std::string> twoNames(const std::string& key, const YAML:
   return {found[0], found[1]};
 }
 
-/// forEntries() of a map from links. The parameter server has a/b as b in a map a. Of a file, such
-/// a map may hold itself by an alias, or stand for more links than there is memory.
+/// forEntries() of a map by link. The parameter server stores a/b as b in a map a. In a file, such
+/// a map may contain itself by an alias, or expand to more links than fit into memory.
 void forLinks(const std::string& key, const YAML::Node& value, const std::string& rule,
               const std::function<void(const std::string&, const YAML::Node&)>& read) {
   constexpr std::size_t DEEPEST = 100, MOST = 100'000;  // parts of a name; links

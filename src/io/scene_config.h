@@ -19,10 +19,10 @@ struct SceneConfig {
   std::vector<CloudConfig> clouds;
 };
 
-/// The keys that readSceneConfig() knows.
+/// The keys that readSceneConfig() reads.
 const std::vector<std::string>& sceneConfigKeys();
 
-/// These, and all other parameters of the node: what its file of parameters may hold.
+/// These and all other parameters of the node: the keys allowed in its parameter file.
 const std::vector<std::string>& nodeParameterKeys();
 
 /// From a map with any of sceneConfigKeys(); other keys are ignored. Throws InputError that names
@@ -31,7 +31,7 @@ const std::vector<std::string>& nodeParameterKeys();
 SceneConfig readSceneConfig(const YAML::Node& map);
 
 /// The same, but a key that is neither of these nor another parameter of the node is refused.
-/// `origin`: what the map came from, for messages.
+/// `origin`: source of the map, for messages.
 SceneConfig readSceneSettings(const YAML::Node& map, const std::string& origin);
 
 /// The same from a YAML file, for example the one that the node's parameters are loaded from.

@@ -17,19 +17,20 @@ namespace collision_pairs {
 /// Loaded meshes are kept.
 class RobotSource {
  public:
-  /// Throws InputError as RobotModel::fromUrdf() does, except that of meshes it knows only names.
+  /// Throws InputError as RobotModel::fromUrdf(), except for meshes, of which only the names are
+  /// read.
   RobotSource(const std::string& urdf, MeshLoader load_mesh);
 
   /// The robot with a small placeholder for each mesh: usable for everything except its geometry.
   const std::shared_ptr<const RobotModel>& skeleton() const { return skeleton_; }
 
   /// The robot with the geometry of the links for which `wanted` is true, and of those that were
-  /// wanted before. The same model again if that is nothing new. A mesh that cannot be used is
-  /// left out and listed in broken().
+  /// wanted before. Returns the same model if nothing is new. A mesh that cannot be used is left
+  /// out and listed in broken().
   const std::shared_ptr<const RobotModel>& withGeometryOf(
       const std::function<bool(const std::string& link)>& wanted);
 
-  /// Of the links that have been wanted.
+  /// For the links wanted so far.
   const std::vector<BrokenElement>& broken() const { return broken_; }
 
  private:
@@ -41,7 +42,7 @@ class RobotSource {
   std::vector<Element> load(const Link& link);
 
   MeshLoader load_mesh_;
-  std::map<const TriangleMesh*, Reference> references_;  // by stand-in
+  std::map<const TriangleMesh*, Reference> references_;  // by placeholder
   std::shared_ptr<const RobotModel> skeleton_;
   std::shared_ptr<const RobotModel> loaded_;
   std::vector<char> has_geometry_;  // by link: in loaded_
@@ -61,10 +62,10 @@ struct SceneSources {
   SceneConfig config;
 };
 
-/// With the geometry of the links that are in some pair, and of no others: their meshes are not
-/// even read. `objects` are those beside the configured floor; `restriction` stands for the
-/// configured one unless it is empty. Elements with a mesh that cannot be used are left out, and
-/// added to `broken` with their robot's prefix. Throws InputError.
+/// With the geometry of only those links that are in some pair; the meshes of others are not read.
+/// `objects` are added to the configured floor; `restriction` replaces the configured one unless it
+/// is empty. Elements with a mesh that cannot be used are left out, and added to `broken` with
+/// their robot's prefix. Throws InputError.
 SceneDescription describeScene(SceneSources& sources, std::vector<RigidObject> objects,
                                const Restriction& restriction, std::vector<BrokenElement>& broken);
 

@@ -18,7 +18,7 @@ namespace {
 constexpr std::size_t BLOCK = std::size_t{1} << 16;         // bytes
 constexpr std::size_t LONGEST_TEXT = std::size_t{4} << 30;  // bytes: a device may never end
 
-/// `take(bytes)` for block after block.
+/// Calls `take(bytes)` for each block.
 template <class Take>
 void readBlocks(const std::string& path, const Take& take) {
   std::error_code error;

@@ -12,7 +12,7 @@ using Eigen::Isometry3d;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-constexpr int DEEPEST_TREE = 1000;  // steps; tf2's limit, for frames in a ring
+constexpr int DEEPEST_TREE = 1000;  // steps; tf2's limit, for cycles of frames
 
 Isometry3d toPose(const Vector3d& p, const Quaterniond& R) {
   Isometry3d X = Isometry3d::Identity();
@@ -21,7 +21,7 @@ Isometry3d toPose(const Vector3d& p, const Quaterniond& R) {
   return X;
 }
 
-/// Sorted by stamp; of equal stamps the first that was added stays.
+/// Sorts by stamp; of equal stamps the first one added is kept.
 template <class Sample>
 void sortByStamp(std::vector<Sample>& samples) {
   std::stable_sort(samples.begin(), samples.end(),
@@ -30,7 +30,7 @@ void sortByStamp(std::vector<Sample>& samples) {
   samples.erase(std::unique(samples.begin(), samples.end(), same), samples.end());
 }
 
-/// The samples on either side of an instant, or twice that of just this instant.
+/// The samples on either side of an instant, or the one at this instant twice.
 template <class Sample>
 struct Neighbours {
   const Sample* before = nullptr;
@@ -38,7 +38,7 @@ struct Neighbours {
   double passed = 0.0, between = 1.0;  // nanoseconds since `before`, and from it to `after`
 };
 
-/// False outside of what was recorded, and between two that are further apart than max_gap.
+/// False outside the recording, and between two samples further apart than max_gap.
 template <class Sample>
 bool findNeighbours(const std::vector<Sample>& samples, StampNs stamp, StampNs max_gap,
                     Neighbours<Sample>& found) {
@@ -79,7 +79,7 @@ bool TransformTracks::add(const std::string& parent, const std::string& child, S
   Track& track = tracks_[frame];
   if (is_static) {
     track.is_static = true;
-    track.samples.clear();  // the last word counts, as in a latched topic
+    track.samples.clear();  // the latest one applies, as on a latched topic
   } else if (track.is_static) {
     return true;
   }
@@ -104,7 +104,7 @@ bool TransformTracks::lookUp(int frame, StampNs stamp, StampNs max_gap, int& par
   if (!findNeighbours(track.samples, stamp, max_gap, found)) return false;
   const Sample &before = *found.before, &after = *found.after;
   parent = before.parent;
-  // Where it was attached elsewhere in between, it stays with the first.
+  // If its parent changed in between, the first one is kept.
   const double share = before.parent == after.parent ? found.passed / found.between : 0.0;
   X_PC = toPose(before.p_PC + share * (after.p_PC - before.p_PC),
                 before.R_PC.slerp(share, after.R_PC));
@@ -115,12 +115,12 @@ void FramePoses::climbFrom(int frame) {
   Isometry3d X_RF = known_.at(frame), X_PF;
   for (int parent; tracks_.lookUp(frame, stamp_, max_gap_, parent, X_PF); frame = parent) {
     X_RF = X_RF * X_PF.inverse();
-    if (!known_.emplace(parent, X_RF).second) return;  // known, or frames in a ring
+    if (!known_.emplace(parent, X_RF).second) return;  // known, or a cycle of frames
   }
 }
 
 bool FramePoses::find(int frame, Isometry3d& X_RF) {
-  std::vector<std::pair<int, Isometry3d>> way;  // from the frame up to the first that is known
+  std::vector<std::pair<int, Isometry3d>> way;  // from the frame up to the first known ancestor
   auto known = known_.find(frame);
   while (known == known_.end()) {
     int parent;

@@ -17,7 +17,7 @@ using StampNs = std::int64_t;
 /// The counterpart of tf2's buffer for a recording: it keeps everything, results do not depend on
 /// the order of arrival, and a look-up is a binary search. Between two samples it interpolates as
 /// tf2 does (straight line, and slerp); it never extrapolates, and never interpolates over a gap
-/// that is too long. About 80 bytes a transform.
+/// that is too long. About 80 bytes per transform.
 class TransformTracks {
  public:
   struct Sample {
@@ -59,7 +59,7 @@ class TransformTracks {
   std::unordered_map<std::string, int> ids_;
 };
 
-/// Poses of any frames in one frame R at one instant; steps that frames share are taken once.
+/// Poses of any frames in one frame R at one instant; shared steps are computed once.
 class FramePoses {
  public:
   FramePoses(const TransformTracks& tracks, StampNs stamp, StampNs max_gap)
@@ -67,7 +67,7 @@ class FramePoses {
 
   /// Fixes the pose of a frame, overriding the tracks.
   void anchor(int frame, const Eigen::Isometry3d& X_RF) { known_[frame] = X_RF; }
-  /// Makes known what stands above an anchor, which is reached from it backwards.
+  /// Makes the ancestors of an anchor known, by following its transforms backwards.
   void climbFrom(int frame);
   /// False if no path leads from a known frame to this one at that stamp.
   bool find(int frame, Eigen::Isometry3d& X_RF);
@@ -80,8 +80,8 @@ class FramePoses {
 };
 
 /// Joint positions by name. Between two samples it interpolates on a straight line (a continuous
-/// joint: on the shorter way round), which is where robot_state_publisher and TF would put the
-/// link; it never extrapolates, and never interpolates over a gap that is too long.
+/// joint: the shorter way round), which is where robot_state_publisher and TF would place the link;
+/// it never extrapolates, and never interpolates over a gap that is too long.
 class JointTracks {
  public:
   struct Sample {
@@ -97,7 +97,7 @@ class JointTracks {
   bool has(const std::string& joint) const { return tracks_.count(joint) > 0; }
   const std::map<std::string, std::vector<Sample>>& tracks() const { return tracks_; }
 
-  /// False outside of what was recorded and between two samples further apart than max_gap.
+  /// False outside the recording and between two samples further apart than max_gap.
   static bool lookUp(const std::vector<Sample>& samples, StampNs stamp, StampNs max_gap,
                      bool continuous, double& position);
 

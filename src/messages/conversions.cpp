@@ -57,7 +57,7 @@ CollisionPair toMessage(const PairReport& pair, const CollisionReport& report,
 }
 
 std::string joined(const std::vector<std::string>& names) {
-  constexpr std::size_t MAX_NAMED = 10;  // left_out and pairs have them all
+  constexpr std::size_t MAX_NAMED = 10;  // left_out and pairs list all
   std::string text;
   for (std::size_t i = 0; i < std::min(names.size(), MAX_NAMED); ++i) {
     text += (i == 0 ? "" : ", ") + names[i];
@@ -142,7 +142,7 @@ CollisionPairs toMessage(const CollisionReport& report, const CollisionScene& sc
   message.fidelity = fidelityName(settings.fidelity);
   message.min_distance = report.min_distance;
   message.min_distance_is_bound = report.min_distance_is_bound;
-  // What could not be checked has no bound: infinite would be the smallest of no pairs.
+  // Without checked pairs the distance has no bound: infinity would claim that there are no pairs.
   const bool is_none =
       report.left_out.size() == scene.models().size() || std::isinf(report.min_distance);
   if (is_none && !report.left_out.empty()) message.min_distance = 0.0;

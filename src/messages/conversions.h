@@ -10,19 +10,19 @@
 
 namespace collision_pairs {
 
-/// Why the verdict cannot be FREE, in words; empty if it can. `broken_links`: whose geometry could
-/// not be read.
+/// Reasons why the verdict cannot be FREE; empty if it can. `broken_links`: links whose geometry
+/// could not be read.
 std::vector<std::string> whyUnknown(const CollisionReport& report, const CollisionScene& scene,
                                     const std::vector<std::string>& broken_links);
 
-/// With a reason, FREE becomes UNKNOWN. COLLISION is certain and stays.
+/// With a reason, FREE becomes UNKNOWN. COLLISION is certain and is kept.
 void notFree(CollisionPairs& message, const std::vector<std::string>& reasons);
 
 /// An empty report: UNKNOWN for this reason.
 CollisionPairs unknown(const std::string& reason, const std::string& frame, const ros::Time& stamp);
 
-/// `broken_links` are added to the links left out, and make the verdict UNKNOWN where it would be
-/// FREE. time_transforms is left at 0 for the caller.
+/// `broken_links` are added to the links left out, and turn FREE into UNKNOWN. time_transforms is
+/// left at 0 for the caller.
 CollisionPairs toMessage(const CollisionReport& report, const CollisionScene& scene,
                          const CheckSettings& settings, const std::string& frame,
                          const ros::Time& stamp, const std::vector<std::string>& broken_links);

@@ -1,4 +1,4 @@
-// What all markers share.
+// Properties shared by all markers.
 #pragma once
 
 #include <std_msgs/ColorRGBA.h>
@@ -15,7 +15,7 @@ inline std_msgs::ColorRGBA color(float r, float g, float b, float a) {
   return rgba;
 }
 
-/// First in an array: nothing older stays.
+/// First in an array: deletes all older markers.
 inline visualization_msgs::Marker clearAll(const std::string& frame, const ros::Time& stamp) {
   visualization_msgs::Marker clear;
   clear.header.frame_id = frame;

@@ -36,7 +36,7 @@ const char* verdictWord(std::uint8_t verdict) {
   return verdict == CollisionPairs::COLLISION ? "COLLISION" : "UNKNOWN";
 }
 
-/// Lines of at most `width` characters, broken at spaces where there are any.
+/// Lines of at most `width` characters, broken at spaces if possible.
 std::string wrapped(std::string text, std::size_t width) {
   for (std::size_t begin = 0; text.size() - begin > width;) {
     const std::size_t space = text.rfind(' ', begin + width);
@@ -53,7 +53,7 @@ std::string wrapped(std::string text, std::size_t width) {
 
 /// The deepest pair, or the first reason.
 std::string verdictDetail(const CollisionPairs& message) {
-  constexpr std::size_t LONGEST = 120, WIDTH = 48;  // characters: the message has it all
+  constexpr std::size_t LONGEST = 120, WIDTH = 48;  // characters; the message has the full text
   if (message.verdict == CollisionPairs::COLLISION && !message.pairs.empty()) {
     const auto deepest = std::min_element(
         message.pairs.begin(), message.pairs.end(),
@@ -83,7 +83,7 @@ class MarkerWriter {
     const BoxStyle style = styleOf(kind);
     Marker& marker = add(style.ns, id, Marker::CUBE, style.rgba);
     const Vector3d center = box.center();
-    // rviz shows nothing where an edge has no length.
+    // rviz does not draw a box with an edge of length 0.
     const Vector3d size = (box.max - box.min).cwiseMax(1e-6);
     marker.pose.position = toPoint(center);
     marker.scale.x = size.x();
@@ -145,7 +145,7 @@ class MarkerWriter {
   MarkerArray array_;
 };
 
-bool isBounded(const Aabb& box) {  // a half-space is not
+bool isBounded(const Aabb& box) {  // half-spaces are not
   return box.min.minCoeff() > -1e100 && box.max.maxCoeff() < 1e100;
 }
 
@@ -162,7 +162,7 @@ std::vector<BoxKind> kindsOf(const CollisionReport& report) {
   return kinds;
 }
 
-/// Balls and arrows that can be seen on a hand as on a crane: a fiftieth of the middle box.
+/// Size of spheres and arrows, suitable for a hand and for a crane: a fiftieth of the median box.
 double contactSize(const CollisionReport& report) {
   std::vector<double> sizes;
   for (const Aabb& box : report.boxes) {
@@ -173,7 +173,7 @@ double contactSize(const CollisionReport& report) {
   return std::max(1e-4, 0.05 * sizes[sizes.size() / 2]);
 }
 
-/// About all that is bounded.
+/// The box around all bounded boxes.
 Aabb boundedSpace(const CollisionReport& report) {
   Aabb space = noBox();
   for (const Aabb& box : report.boxes) {
@@ -182,7 +182,7 @@ Aabb boundedSpace(const CollisionReport& report) {
   return space.valid() ? space : Aabb{Vector3d::Constant(-1.0), Vector3d::Constant(1.0)};
 }
 
-/// What half-spaces are cut to: twice as far as all that is bounded.
+/// The region to which half-spaces are clipped: twice as large as all bounded boxes.
 Aabb shownSpace(const Aabb& space) {
   const Vector3d size = space.max - space.min;
   return {space.min - 0.5 * size, space.max + 0.5 * size};

@@ -28,7 +28,7 @@ std::vector<double> sizesOf(const SolidPrimitive& primitive, const char* shape,
                    std::to_string(meaning.size()) + ": " + rule);
 }
 
-// Its sides touch the cone from outside, so that the pyramid encloses it. Apex at +z.
+// A pyramid that circumscribes the cone. Apex at +z.
 Shape pyramidAround(double height, double radius) {
   auto mesh = std::make_shared<TriangleMesh>();
   mesh->name = "cone";
@@ -85,7 +85,7 @@ Isometry3d poseOfPlane(const shape_msgs::Plane& plane) {
         "finite");
   }
   Isometry3d X = Isometry3d::Identity();
-  const Vector3d z = normal / length;  // the axis that matters: exact, downwards as upwards
+  const Vector3d z = normal / length;  // the axis that matters: exact, also if it points downwards
   X.linear().col(0) = z.unitOrthogonal();
   X.linear().col(1) = z.cross(X.linear().col(0));
   X.linear().col(2) = z;
@@ -95,7 +95,7 @@ Isometry3d poseOfPlane(const shape_msgs::Plane& plane) {
 
 class ObjectReader {
  public:
-  /// `part` makes the element, without the pose that the message gives it.
+  /// `part` creates the element, without the pose from the message.
   template <class Parts, class Part>
   void add(const Parts& parts, const std::vector<geometry_msgs::Pose>& poses, const char* field,
            const Part& part) {

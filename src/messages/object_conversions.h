@@ -7,7 +7,7 @@
 
 namespace collision_pairs {
 
-/// Everything but its pose, which needs frames: X_PO is left alone. `load_mesh` fetches
+/// Everything except its pose, which needs frames: X_PO is not set. `load_mesh` fetches
 /// mesh_resources. Throws InputError that names the shape and the problem.
 RigidObject toObject(const SceneObject& message, const MeshLoader& load_mesh);
 

@@ -16,7 +16,7 @@ namespace {
 using sensor_msgs::PointCloud2;
 using sensor_msgs::PointField;
 
-/// Where one coordinate lies in each point.
+/// Position of a coordinate within each point.
 struct Coordinate {
   std::uint32_t offset;
   bool is_double;
@@ -47,7 +47,7 @@ Coordinate findCoordinate(const PointCloud2& cloud, const std::string& name) {
     throw InputError(field + "is of datatype " + std::to_string(found->datatype) +
                      ", but must be FLOAT32 (7) or FLOAT64 (8)");
   }
-  // 0 is what old publishers say for 1.
+  // Old publishers write 0 for 1.
   if (found->count > 1) {
     throw InputError(field + "has count " + std::to_string(found->count) + ", but must have 1");
   }
@@ -60,7 +60,7 @@ Coordinate findCoordinate(const PointCloud2& cloud, const std::string& name) {
   return coordinate;
 }
 
-/// No product or sum of these 32-bit sizes leaves 64 bits.
+/// No product or sum of these 32-bit sizes exceeds 64 bits.
 void requireData(const PointCloud2& cloud) {
   if (cloud.width == 0 || cloud.height == 0) return;
   const std::uint64_t row = std::uint64_t{cloud.width} * cloud.point_step;
@@ -103,7 +103,7 @@ struct AnyLayout {
   }
 };
 
-/// Native float32 coordinates one after the other, as nearly every camera has them.
+/// Contiguous native float32 coordinates, as from nearly every camera.
 struct PackedFloats {
   std::uint32_t offset;
   Eigen::Vector3f operator()(const std::uint8_t* point) const {
@@ -113,7 +113,7 @@ struct PackedFloats {
   }
 };
 
-/// Writes each point, and goes on behind it if it is finite: no branch to be guessed wrong.
+/// Writes each point, but advances only if it is finite: no branch to be mispredicted.
 template <class Layout>
 void readRows(const PointCloud2& cloud, const Layout& layout,
               std::vector<Eigen::Vector3f>& points) {
@@ -124,7 +124,7 @@ void readRows(const PointCloud2& cloud, const Layout& layout,
     for (std::uint32_t i = 0; i < cloud.width; ++i, point += cloud.point_step) {
       *out = layout(point);
       const float zero = (out->x() - out->x()) + (out->y() - out->y()) + (out->z() - out->z());
-      out += zero == 0.0f;  // NaN where one is infinite or NaN
+      out += zero == 0.0f;  // NaN if one is infinite or NaN
     }
   }
   points.resize(out - points.data());

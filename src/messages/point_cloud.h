@@ -9,13 +9,13 @@
 namespace collision_pairs {
 
 /// The points of the cloud in its own frame, in their order, metres; those with a coordinate that
-/// is not finite (nothing was seen there) are left out. Coordinates x, y and z may be float32 or
-/// float64 (narrowed), at any offset, of either endianness, in rows with any padding. What `points`
-/// held is replaced; its memory is used again.
+/// is not finite (no return) are left out. Coordinates x, y and z may be float32 or float64
+/// (narrowed), at any offset, of either endianness, in rows with any padding. The contents of
+/// `points` are replaced; its memory is reused.
 ///
-/// Throws InputError that says what of the layout is wrong: a coordinate that is missing, there
-/// twice or of another type, a size that does not fit the next, or data too short for its points.
-/// Nothing outside of cloud.data is ever read. 640 x 480 packed float32 points: about 0.5 ms.
+/// Throws InputError that names the error of the layout: a coordinate that is missing, repeated or
+/// of another type, inconsistent sizes, or data too short for its points. Never reads outside
+/// cloud.data. 640 x 480 packed float32 points: about 0.5 ms.
 void readPoints(const sensor_msgs::PointCloud2& cloud, std::vector<Eigen::Vector3f>& points);
 
 /// A cloud of one row, packed float32.

@@ -134,7 +134,7 @@ class ElementDrawer {
  private:
   void solid(int type, const Vector3d& size, const Isometry3d& X_BS) {
     Marker& marker = add(type, X_BS);
-    // rviz shows nothing where an edge has no length.
+    // rviz does not draw a box with an edge of length 0.
     marker.scale = toVector3(size.cwiseMax(1e-6));
   }
 
@@ -206,7 +206,7 @@ MarkerArray toSceneMarkers(const CollisionScene& scene, Fidelity fidelity,
   const std::size_t nb_drawn = std::min<std::size_t>(nb_elements, MOST_ELEMENTS);
   for (std::size_t n = 0; n < nb_drawn; ++n) {
     const std::uint32_t id = static_cast<std::uint32_t>(n + nb_standing) % nb_elements;
-    if (scene.cloudOf(id) >= 0) continue;  // drawn as it comes: voxel_markers.h
+    if (scene.cloudOf(id) >= 0) continue;  // drawn separately: voxel_markers.h
     const SceneElement& element = scene.elements()[id];
     Marker pattern = patternFor(kindOf(scene, element));
     pattern.header.frame_id = element.body < 0 ? world_frame : scene.bodies()[element.body].link;

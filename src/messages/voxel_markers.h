@@ -12,7 +12,7 @@
 
 namespace collision_pairs {
 
-/// More voxels than this are not drawn: those nearest to the boxes are among those that are.
+/// At most this many voxels are drawn; those nearest to the boxes are always included.
 constexpr std::size_t MOST_DRAWN_VOXELS = 100000;
 
 /// One list of cubes in namespace "cloud NAME". Voxels no further than `reach` from a box are
@@ -21,7 +21,7 @@ visualization_msgs::Marker toMarker(const OccupiedVoxels& voxels, const std::str
                                     const std::vector<Aabb>& boxes, double reach,
                                     const std::string& world_frame);
 
-/// Takes it away again.
+/// Deletes the marker.
 visualization_msgs::Marker noMarker(const std::string& name, const std::string& world_frame);
 
 }  // namespace collision_pairs

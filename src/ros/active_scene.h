@@ -1,4 +1,4 @@
-// The scene that the node works with at present.
+// The scene currently used by the node.
 #pragma once
 
 #include <memory>
@@ -11,23 +11,23 @@
 
 namespace collision_pairs {
 
-/// A scene with the node's data about it. Replaced as a whole; holders of the old one can go on.
+/// A scene with the node's data about it. Replaced as a whole; holders of the old one can continue.
 struct ActiveScene {
   std::shared_ptr<const CollisionScene> scene;
   /// Links with geometry that could not be read: listed as left out in every report.
   std::vector<std::string> broken_links;
-  /// What is wrong with them, a line each.
+  /// Their errors, one line each.
   std::vector<std::string> broken;
-  /// Why no report of it is FREE, whatever the poses: a group or links that leave no pair, as a
-  /// pattern with a slip of the pen does.
+  /// Why no report of it can be FREE, for any poses: a group or links that leave no pair, for
+  /// example because of a misspelt pattern.
   std::vector<std::string> doubts;
   std::string frame;  ///< of reports and markers
   std::unique_ptr<TfPoses> tf_poses;
-  /// What its clouds show; the next scene goes on with them. Null where it has none.
+  /// Sources of its clouds, which the next scene continues to use. Null if there are none.
   std::shared_ptr<CloudSources> clouds;
 };
 
-/// Fills in the voxels of the scene's clouds at `now`; why they keep a report from being FREE.
+/// Fills in the voxels of the scene's clouds at `now`; returns why a report cannot be FREE.
 inline std::vector<std::string> addVoxels(const ActiveScene& scene, const ros::Time& now,
                                           BodyPoses& poses) {
   if (!scene.clouds) return {};

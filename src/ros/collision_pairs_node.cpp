@@ -15,8 +15,8 @@
 namespace collision_pairs {
 namespace {
 
-constexpr double WARN_PERIOD = 5.0;  // s between repeated warnings on the log
-// Where the verdict is drawn while no robot, and so no frame, is known.
+constexpr double WARN_PERIOD = 5.0;  // s between repeated warnings in the log
+// Frame in which the verdict is drawn while there is no robot and so no frame.
 const char* const FRAME_OF_NOTHING = "world";
 
 double secondsSince(const ros::WallTime& start) { return (ros::WallTime::now() - start).toSec(); }
@@ -45,7 +45,7 @@ CollisionPairsNode::CollisionPairsNode(ros::NodeHandle node, ros::NodeHandle pri
   transforms_.subscribe(node);
 }
 
-// A loop of our own, and no ROS timers: nothing but this thread decides when a cycle is due.
+// A loop instead of ROS timers, so that only this thread decides when a cycle is due.
 void CollisionPairsNode::run() {
   ros::SteadyTime next_diagnosis;
   while (ros::ok()) {
@@ -54,7 +54,7 @@ void CollisionPairsNode::run() {
     const ros::SteadyTime now = ros::SteadyTime::now();
     if (now >= next_cycle_) {
       cycle();
-      // Cycles that were missed are not made up for.
+      // Missed cycles are skipped.
       next_cycle_ = std::max(next_cycle_ + ros::WallDuration(1.0 / parameters_.rate), now);
     }
     if (now >= next_diagnosis) {
@@ -187,9 +187,9 @@ void CollisionPairsNode::reconfigure(CollisionPairsConfig& config) {
     config.show_only_investigated_boxes = parameters_.show_only_investigated_boxes;
     return;
   }
-  next_cycle_ = ros::SteadyTime::now();  // the rate, too, is another from now on
+  next_cycle_ = ros::SteadyTime::now();  // the rate may have changed, too
   if (!last_is_checked_) return;
-  // Boxes that are to be hidden go at once.
+  // Boxes to be hidden are removed at once.
   showMarkers(last_message_, &detector_->report());
 }
 

@@ -1,4 +1,4 @@
-// The node: a cycle, again and again.
+// The node, which runs a check each cycle.
 #pragma once
 
 #include <memory>
@@ -22,8 +22,8 @@
 
 namespace collision_pairs {
 
-/// Publishes a report each cycle, whatever happens: while there is no scene, no usable transform,
-/// or something fails, its verdict is UNKNOWN. Scenes are built, and queries answered, on other
+/// Publishes a report each cycle in any case: if there is no scene or no usable transform, or
+/// something fails, its verdict is UNKNOWN. Scenes are built, and queries answered, on other
 /// threads.
 class CollisionPairsNode {
  public:
@@ -47,24 +47,24 @@ class CollisionPairsNode {
 
   ros::NodeHandle private_node_;
   NodeParameters parameters_;      // written by reconfigure() under mutex_
-  const std::string first_frame_;  // of reports while there is no scene; perhaps empty
+  const std::string first_frame_;  // of reports while there is no scene; may be empty
   TransformInput transforms_;
   mutable std::mutex mutex_;  // guards parameters_
   SceneStore scenes_;
   SceneService scene_service_;
 
-  // Of the cycle's thread alone.
+  // Used by the cycle's thread only.
   ReportPublisher publisher_;
   std::unique_ptr<CollisionDetector> detector_;
   ActiveScenePtr checked_scene_;
   CollisionPairs last_message_;
-  bool last_is_checked_ = false;  // it is of the detector's report
+  bool last_is_checked_ = false;  // it was made from the detector's report
   ros::SteadyTime next_cycle_;
   NodeHealth health_;
   std::unique_ptr<dynamic_reconfigure::Server<CollisionPairsConfig>> reconfigure_server_;
   diagnostic_updater::Updater diagnostics_;
   bool diagnoses_clouds_ = false;
-  // Last: they end before what they ask goes.
+  // Last: they are destroyed before the members they use.
   QueryService queries_;
   TrajectoryService trajectories_;
 };

@@ -12,7 +12,7 @@ namespace {
 
 using Eigen::Isometry3d;
 
-/// By body of the robot: whether one that the scene checks is it, or moves with it.
+/// By body of the robot: true if the scene checks it, or a body that it carries.
 std::vector<char> bodiesNeeded(const CollisionScene& scene) {
   const auto& bodies = scene.robot().bodies();
   std::vector<char> is_needed(bodies.size(), 0);
@@ -24,7 +24,7 @@ std::vector<char> bodiesNeeded(const CollisionScene& scene) {
   return is_needed;
 }
 
-/// Where TF has the child in the parent; false if nowhere. `doubt` says so if that is too old.
+/// Pose of the child in the parent from TF; false if unknown. Sets `doubt` if it is too old.
 bool askTf(const JointQueryTf& tf, const std::string& parent, const std::string& child,
            Isometry3d& X_PC, std::string& doubt) {
   if (!tf.transforms.buffer().canTransform(parent, child, tf.stamp)) return false;

@@ -1,4 +1,4 @@
-// Poses for a joint state that the robot is not in.
+// Poses for a given joint state instead of the robot's current one.
 #pragma once
 
 #include <optional>
@@ -14,29 +14,29 @@
 
 namespace collision_pairs {
 
-/// What a JointQuery asks TF, and when.
+/// TF lookup settings of a JointQuery.
 struct JointQueryTf {
   const TransformInput& transforms;
   std::string frame;    ///< of the poses
-  ros::Time stamp;      ///< where joints that are not named stand; 0: the newest that TF has
-  ros::Time now;        ///< what the age of the newest is counted from
+  ros::Time stamp;      ///< time of the positions of joints not named; 0: the latest in TF
+  ros::Time now;        ///< reference of the age of the latest
   double max_pose_age;  ///< s; 0: never too old
 };
 
-/// Forward kinematics for named joints: joints that mimic follow, joints not named stay where TF
-/// has them at a stamp, or else at zero (or their nearer limit). The root link stands where TF has
-/// it. TF is asked once, when it is made; after that it may be used from several threads.
+/// Forward kinematics for named joints: mimic joints follow, joints not named keep their positions
+/// in TF at a stamp, or else are at zero (or their nearer limit). The root link's pose is from TF.
+/// TF is queried once, by the constructor; afterwards it may be used from several threads.
 class JointQuery {
  public:
-  /// Throws InputError that names the joint for one that is unknown, repeated or without a position
-  /// to set, or that mimics one that is not named; and if TF does not know the root link.
+  /// Throws InputError that names the joint if it is unknown, repeated or without a position to
+  /// set, or mimics one that is not named; also if TF does not have the root link.
   JointQuery(const std::vector<std::string>& names, const CollisionScene& scene,
              const JointQueryTf& tf);
 
-  /// One position for each name. Throws InputError that names the joint for one that is not finite
-  /// or at odds with the joint it mimics, or if there are too few or too many.
+  /// One position for each name. Throws InputError that names the joint if its position is not
+  /// finite or contradicts the joint it mimics, or if there are too few or too many.
   void posesAt(const std::vector<double>& positions, BodyPoses& poses) const;
-  /// The same of all RobotModel::bodies().
+  /// The same for all RobotModel::bodies().
   void bodyPosesAt(const std::vector<double>& positions,
                    std::vector<Eigen::Isometry3d>& X_WB) const;
 
@@ -47,17 +47,18 @@ class JointQuery {
   std::vector<double> jointPositionsAt(const std::vector<double>& positions) const;
   std::vector<std::optional<Eigen::Isometry3d>> placedBodies() const;
 
-  /// Moving joints not named, left where TF has them; and those that TF does not know: at zero.
+  /// Movable joints not named: those with positions from TF, and those at zero because TF does not
+  /// have them.
   const std::vector<std::string>& jointsFromTf() const { return joints_from_tf_; }
   const std::vector<std::string>& jointsAtZero() const { return joints_at_zero_; }
-  /// Reasons why the checked state may differ from the requested one: joints at zero because it is
-  /// unknown where they are, poses from TF that are too old. With any of these, no verdict is FREE.
+  /// Reasons why the checked state may differ from the requested one: joints at zero because their
+  /// positions are unknown, poses from TF that are too old. With any of these, no verdict is FREE.
   const std::vector<std::string>& doubts() const { return doubts_; }
 
  private:
   /// Source of the position of a body's joint.
   struct Source {
-    JointColumns::Source joint;  ///< of no column: X_PB is the pose
+    JointColumns::Source joint;  ///< without a column: X_PB is the pose
     Eigen::Isometry3d X_PB;      ///< pose of the body in its parent's frame
   };
 

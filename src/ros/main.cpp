@@ -10,7 +10,7 @@
 
 namespace {
 
-// A mesh that is being read or a long trajectory is not waited for, and leaves nothing half done.
+// Does not wait for a mesh being read or a long trajectory; neither leaves partial results.
 void endSoon(int status) {
   const std::chrono::seconds PATIENCE{2};
   std::thread([PATIENCE, status] {

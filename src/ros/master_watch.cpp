@@ -16,9 +16,9 @@ constexpr std::chrono::seconds PERIOD{2};
 
 enum class Answer { KNOWN, NOT_KNOWN, NONE };
 
-// The service is registered among the first, so a master that was restarted while the node started
-// is noticed too. http://wiki.ros.org/ROS/Master_API: of a service that it does not have
-// lookupService answers [-1, message, value].
+// The service is registered early, so a restart of the master during the start of the node is
+// noticed too. http://wiki.ros.org/ROS/Master_API: for an unknown service lookupService returns
+// [-1, message, value].
 Answer askMaster() {
   XmlRpc::XmlRpcValue question, answer, payload;
   question[0] = ros::this_node::getName();

@@ -14,7 +14,7 @@ namespace collision_pairs {
 /// Used by the cycle's thread only.
 class NodeHealth {
  public:
-  /// A cycle with a check. Ages and times in seconds; no age: no pose was usable.
+  /// A cycle with a check. Ages and times in seconds; without age, no pose was usable.
   void noteCycle(const CollisionPairs& message, std::optional<double> pose_age, double cycle_time,
                  double cycle_period, std::size_t nb_models);
   /// A cycle without a check: there is no scene, or an error.

@@ -12,9 +12,9 @@
 namespace collision_pairs {
 namespace {
 
-constexpr double MAX_RATE = 1e4;  // Hz: as in cfg/CollisionPairs.cfg
+constexpr double MAX_RATE = 1e4;  // Hz, as in cfg/CollisionPairs.cfg
 
-/// Reads numbers and words, and replaces what is wrong by what `value` holds.
+/// Reads numbers and words; invalid ones are replaced by the current `value`.
 class Reader {
  public:
   explicit Reader(const ros::NodeHandle& node) : node_(node) {}

@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t KEPT_DETECTORS = 2;
 
-/// A reply that holds no answer is not read as FREE.
+/// A reply without a result has the verdict UNKNOWN.
 void refuse(const std::string& why, CheckCollisions::Response& response) {
   response.success = false;
   response.message = why;
@@ -30,7 +30,7 @@ void refuseGradientOfNothing(const CheckCollisions::Request& request) {
     throw InputError("gradient needs distances and cannot be combined with verdict_only");
 }
 
-/// `result` is the message of the report.
+/// `result`: the message of the report.
 void addGradients(const CollisionReport& report, const CollisionScene& scene,
                   const JointColumns& joints, const std::vector<Eigen::Isometry3d>& X_WB,
                   CollisionPairs& result) {
@@ -87,7 +87,7 @@ void QueryService::check(const CheckCollisions::Request& request,
   const auto& scene = active.scene;
   CheckSettings settings = settingsFor(request, defaults.settings);
   refuseGradientOfNothing(request);
-  if (request.gradient) settings.tolerance = 0.0;  // it is of the distance itself
+  if (request.gradient) settings.tolerance = 0.0;  // a gradient needs the exact distance
   const ros::WallTime start = ros::WallTime::now();
   const ros::Time now = ros::Time::now();
   transforms_.followClock(now);

@@ -13,10 +13,10 @@
 namespace collision_pairs {
 namespace {
 
-// s that rviz has to learn the frames: it would mark what comes before as an error, and never again
-// look at it.
+// Seconds for rviz to receive the frames: it marks earlier markers as errors and does not retry
+// them.
 constexpr double SUBSCRIBER_WARM_UP = 1.0;
-constexpr double SHORTEST_LIFE = 2.0;  // s, of a marker
+constexpr double SHORTEST_LIFE = 2.0;  // s, lifetime of a marker
 const ros::WallDuration VOXEL_PERIOD(0.2);
 constexpr double LEAST_COLOURED = 0.1;  // m
 

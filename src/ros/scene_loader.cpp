@@ -14,8 +14,8 @@
 namespace collision_pairs {
 namespace {
 
-/// Where the parameter was found goes to `key`; false if it is nowhere. Empty counts as none: a
-/// launch file cannot set a parameter only where a command finds something.
+/// Writes the resolved name of the parameter to `key`; false if it does not exist. An empty value
+/// counts as missing: a launch file cannot set a parameter only if a command prints something.
 bool findText(const ros::NodeHandle& node, const std::string& name, std::string& key,
               std::string& text) {
   XmlRpc::XmlRpcValue value;
@@ -27,7 +27,7 @@ bool findText(const ros::NodeHandle& node, const std::string& name, std::string&
   return !text.empty();
 }
 
-/// Errors of `read` name the parameter.
+/// Adds the parameter's name to errors of `read`.
 template <class Read>
 auto fromParameter(const std::string& key, const Read& read) {
   try {
@@ -81,7 +81,7 @@ std::unique_ptr<RobotSource> loadEnvironment(const ros::NodeHandle& node,
   return makeSource(key, xml, load_mesh);
 }
 
-/// A misspelt rule about pairs must not go unnoticed: it would read as a scene without that rule.
+/// Refuses a misspelt rule about pairs, which would otherwise silently not apply.
 void refuseMisspelt(const ros::NodeHandle& node, const std::vector<RobotParameters>& robots) {
   XmlRpc::XmlRpcValue given;
   if (!ros::param::get(node.getNamespace(), given) ||

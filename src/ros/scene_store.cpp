@@ -37,7 +37,7 @@ Eigen::Isometry3d lookUp(TransformInput& transforms, const std::string& target,
   throw InputError("TF does not know '" + source + "' in '" + target + "': " + why);
 }
 
-/// TF may know frames that are no links, and says nothing of a slip of the pen.
+/// TF may have frames that are not links, and gives no hint for a misspelt one.
 void requireLink(const RobotModel& robot, const std::string& name) {
   if (robot.findLink(name) >= 0) return;
   std::vector<std::string> links;
@@ -46,7 +46,7 @@ void requireLink(const RobotModel& robot, const std::string& name) {
                    nearestName(name, links) + "'?");
 }
 
-/// Nothing is said of what is ready within a second.
+/// Logs nothing if it takes less than a second.
 std::function<void(std::size_t, std::size_t)> progressOnLog(const ros::WallTime& start) {
   return [start](std::size_t done, std::size_t total) {
     if ((ros::WallTime::now() - start).toSec() < 1.0) return;
@@ -92,7 +92,7 @@ void SceneStore::load() {
   replace(std::move(built));
 }
 
-// They would silently stand elsewhere.
+// Their poses would silently change.
 void SceneStore::requireFrameOfObjects(const std::string& frame) const {
   if (!scene_ || frame == scene_->frame) return;
   for (const auto& [name, stored] : objects_) {

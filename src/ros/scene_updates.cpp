@@ -61,7 +61,7 @@ class Updater {
     stored.object.X_PO = poseOf(message, parentFrame(stored.object));
   }
 
-  // What may touch it may touch nothing of that name from now on.
+  // Other objects' touch links must not apply to a new object of the same name.
   void remove(const std::string& name) {
     known(name);
     objects_.erase(name);
@@ -78,14 +78,14 @@ class Updater {
     stored.object.touch_links = message.touch_links;
   }
 
-  // What a gripper may touch while it holds something is not for ever.
+  // The touch links that applied while it was attached are replaced.
   void detach(const SceneObject& message) {
     StoredObject& stored = known(message.name);
     hangOn("", message.header.stamp, stored);
     stored.object.touch_links = message.touch_links;
   }
 
-  // It stays where it is.
+  // It keeps its current pose.
   void hangOn(const std::string& link, const ros::Time& stamp, StoredObject& stored) {
     RigidObject& object = stored.object;
     if (object.attached_link.empty() && link.empty()) throw InputError("it is not attached");

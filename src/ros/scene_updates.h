@@ -14,7 +14,7 @@
 
 namespace collision_pairs {
 
-/// By name: the message, and the core's object.
+/// By name: the message and the core's object.
 struct StoredObject {
   SceneObject message;
   RigidObject object;
@@ -36,7 +36,7 @@ struct UpdateContext {
 SceneObjects changedObjects(SceneObjects objects, const std::vector<SceneChange>& changes,
                             const UpdateContext& context);
 
-/// The list of the reply.
+/// The list for the reply.
 std::vector<SceneObject> listed(const SceneObjects& objects, const std::string& world_frame);
 
 }  // namespace collision_pairs

@@ -53,7 +53,7 @@ bool TfPoses::isFrame(const std::vector<Source>& sources) const {
 TfPoses::Found TfPoses::lookUpLink(const Source& source, const ros::Time& stamp,
                                    bool expected) const {
   Found found;
-  if (source.link == frame_) {  // where it is by definition, at any instant
+  if (source.link == frame_) {  // by definition, at any instant
     found.known = true;
     found.X_WB = source.X_LB;
     return found;
@@ -114,7 +114,7 @@ StampedPoses TfPoses::latest(const ros::Time& now, const PoseLimits& limits) con
       newest = std::max(newest, found[i].stamp);
     }
   }
-  // Static transforms have the stamp 0 and are good at any instant.
+  // Static transforms have the stamp 0 and are valid at any instant.
   ros::Time common = newest;
   for (std::size_t i = 0; i < found.size(); ++i) {
     if (!found[i].known || found[i].stamp.isZero()) continue;
@@ -129,7 +129,7 @@ StampedPoses TfPoses::latest(const ros::Time& now, const PoseLimits& limits) con
       common = std::min(common, found[i].stamp);
     }
   }
-  // Most robots publish all joints with one stamp: then that was all.
+  // Most robots publish all joints with one stamp; then nothing has to be looked up again.
   for (std::size_t i = 0; i < found.size(); ++i) {
     const bool is_there = found[i].stamp.isZero() || found[i].stamp == common;
     if (found[i].known && !is_there) found[i] = lookUp(i, common);
@@ -164,6 +164,7 @@ StampedPoses TfPoses::gather(std::vector<Found> found, const ros::Time& stamp) c
       result.poses.X_WB[i] = found[i].X_WB;
     } else {
       result.problems.push_back(std::move(found[i].problem));
+      result.problem_links.push_back(sources_[i].front().link);
     }
     if (isFrame(sources_[i])) continue;
     ++result.nb_asked;

@@ -12,21 +12,21 @@
 namespace collision_pairs {
 namespace {
 
-/// A request, as it was understood.
+/// A parsed request.
 struct Asked {
   const CheckTrajectory::Request& request;
   const ActiveScene& active;
   const JointQuery& query;
   const CheckSettings& settings;
   ros::Time stamp;
-  std::vector<std::string> doubts;  ///< why nothing in it is FREE
-  /// What the scene's clouds show, the same for all points.
+  std::vector<std::string> doubts;  ///< why no point can be FREE
+  /// The voxels of the scene's clouds, the same for all points.
   CloudVoxels voxels;
 };
 
 using Reasons = std::set<std::string>;
 
-/// posesAt() or jointPositionsAt() of a point; errors name it.
+/// posesAt() or jointPositionsAt() of a point; adds the point to errors.
 template <class Ask>
 auto ofPoint(std::size_t i, const Asked& asked, const Ask& ask) {
   try {
@@ -36,7 +36,7 @@ auto ofPoint(std::size_t i, const Asked& asked, const Ask& ask) {
   }
 }
 
-/// All reasons for which nothing that the report says is FREE.
+/// All reasons why a report cannot be FREE.
 std::vector<std::string> allDoubts(const Asked& asked, const CollisionReport& report) {
   std::vector<std::string> doubts = asked.doubts;
   for (std::string& why : whyUnknown(report, *asked.active.scene, asked.active.broken_links)) {
@@ -45,7 +45,7 @@ std::vector<std::string> allDoubts(const Asked& asked, const CollisionReport& re
   return doubts;
 }
 
-/// COLLISION is certain whatever the doubts; notes them where they make it UNKNOWN.
+/// COLLISION is certain in spite of doubts; records them if they make the verdict UNKNOWN.
 std::uint8_t verdictWith(const std::vector<std::string>& doubts, Verdict verdict,
                          Reasons& reasons) {
   if (verdict == Verdict::COLLISION) return CollisionPairs::COLLISION;
@@ -83,7 +83,7 @@ void checkPoints(BatchCheck& batch, const Asked& asked, CheckTrajectory::Respons
       });
 }
 
-/// For each point the positions of all joints.
+/// The positions of all joints for each point.
 std::vector<std::vector<double>> waypointsOf(const Asked& asked) {
   std::vector<std::vector<double>> waypoints;
   for (std::size_t i = 0; i < asked.request.trajectory.points.size(); ++i) {

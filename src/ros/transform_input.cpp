@@ -14,10 +14,10 @@ namespace collision_pairs {
 namespace {
 
 const ros::WallDuration REFUSAL_SHOWN(2.0);
-constexpr std::size_t MAX_REFUSALS = 1000;  // frames: names come from outside
-constexpr std::uint32_t QUEUE_SIZE = 100;   // messages, as tf2_ros has it
+constexpr std::size_t MAX_REFUSALS = 1000;  // frames: a limit, since names are external input
+constexpr std::uint32_t QUEUE_SIZE = 100;   // messages, as in tf2_ros
 constexpr double OUT_OF_ORDER = 0.1;        // s between threads that read the clock
-constexpr int DEEPEST_TREE = 1000;          // frames: tf2's limit, for a ring
+constexpr int DEEPEST_TREE = 1000;          // frames: tf2's limit, for cycles
 const char* const BOTH_KINDS =
     "it is published both on /tf and on /tf_static, so its pose is ambiguous; stop one of the two "
     "publishers and restart this node";
@@ -79,7 +79,7 @@ std::string TransformInput::whyRefused(const geometry_msgs::TransformStamped& tr
       return "tf2 refuses it: its stamp is older than what is kept, or its frame names are "
              "unusable";
     }
-  } catch (const std::exception& error) {  // of sums beyond the last stamp that there is
+  } catch (const std::exception& error) {  // thrown for sums beyond the largest stamp
     return std::string("tf2 refuses it: ") + error.what();
   }
   if (!is_static) noteStamp(frame, stamp);
@@ -151,7 +151,7 @@ void TransformInput::followClockLocked(const ros::Time& now) {
   if (now < last_now_) {
     if (secondsBetween(now, last_now_) <= OUT_OF_ORDER) return;
     ROS_INFO_STREAM("the clock went back to " << now << " s: earlier transforms are discarded");
-    buffer_.clear();  // static transforms stay
+    buffer_.clear();  // static transforms are kept
     refusals_.clear();
     for (auto& [name, frame] : frames_) {
       frame.newest = ros::Time();

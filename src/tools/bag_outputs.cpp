@@ -26,7 +26,7 @@ fs::path plotScript() {
   return script;
 }
 
-/// Exit status; what it has to say goes to standard error.
+/// Returns the exit status; its output goes to standard error.
 int run(const std::vector<std::string>& command) {
   std::vector<char*> arguments;
   for (const std::string& word : command) arguments.push_back(const_cast<char*>(word.c_str()));
@@ -41,19 +41,19 @@ int run(const std::vector<std::string>& command) {
   return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
 
-/// The HTML page about a checked bag. Collects the table in `folder`, then has plot_bag_report
-/// (beside this program) make folder/index.html of it. Whatever goes wrong, no part of a page stays
-/// there.
+/// The HTML page of a checked bag. Collects the table in `folder`, then runs plot_bag_report
+/// (beside this program) to create folder/index.html from it. On any error, no partial page is
+/// left.
 class BagReport {
  public:
-  /// Makes the folder. Throws InputError if it cannot be written.
+  /// Creates the folder. Throws InputError if it cannot be written.
   explicit BagReport(const std::string& folder);
   ~BagReport();
   BagReport(const BagReport&) = delete;
   BagReport& operator=(const BagReport&) = delete;
 
   void addLine(const std::string& line) { table_ << line << '\n'; }
-  /// `alarm_distance` in metres, `max_gap` in seconds, as the table was made with.
+  /// `alarm_distance` in metres, `max_gap` in seconds: those used for the table.
   void finish(double alarm_distance, double max_gap);
 
  private:

@@ -17,12 +17,12 @@ struct BagOutputOptions {
   double max_gap = 1.0;
 };
 
-/// Takes a line as it goes to the table, and its row (null for comment lines of parts).
+/// Receives a line of the table and its row (null for comment lines of parts).
 using BagLineSink = std::function<void(const std::string& line, const BagRow* row)>;
 
-/// Runs `produce`, which hands it all lines but the header; then, if that went well, puts the table
-/// in its place, makes the page, and prints the summary: to standard output, or to standard error
-/// where the table is there.
+/// Runs `produce`, which passes all lines except the header. On success, moves the table into
+/// place, creates the page, and prints the summary to standard output, or to standard error if the
+/// table is written there.
 void writeBagOutputs(const BagOutputOptions& options,
                      const std::function<void(const BagLineSink&)>& produce);
 

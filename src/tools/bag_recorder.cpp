@@ -20,7 +20,7 @@ const std::string NODE = "/collision_pairs_node/";
 
 BagRecorder::BagRecorder(const std::string& path)
     : path_(path), part_(path + ".part" + std::to_string(::getpid())), bag_(new rosbag::Bag) {
-  // A bag is written here and there, and its file replaces what has the name: no device.
+  // Writing a bag seeks, and its file replaces the one of that name: not possible for a device.
   std::error_code error;
   if (fs::exists(path_, error) && !fs::is_regular_file(path_, error)) {
     throw InputError(path_ + ": is not a regular file");
@@ -38,14 +38,14 @@ void BagRecorder::Close::operator()(rosbag::Bag* bag) const {
   try {
     bag->close();
     delete bag;
-  } catch (const std::exception&) {  // it would throw again: it is left as it is
+  } catch (const std::exception&) {  // it would throw again: the bag is leaked on purpose
   }
 }
 
 BagRecorder::~BagRecorder() {
   if (part_.empty()) return;
   std::error_code error;
-  fs::remove(part_, error);  // what is still written to it has no name any more
+  fs::remove(part_, error);  // later writes go to an unlinked file
 }
 
 void BagRecorder::write(const CollisionReport& report, const CollisionScene& scene,

@@ -7,7 +7,7 @@
 namespace collision_pairs {
 namespace {
 
-constexpr std::size_t LONGEST_LIST = 20;  // lines of pairs or gaps; the table has them all
+constexpr std::size_t LONGEST_LIST = 20;  // lines of pairs or gaps; the table lists all
 
 double seconds(StampNs begin, StampNs end) { return 1e-9 * static_cast<double>(end - begin); }
 
@@ -54,7 +54,7 @@ void BagSummary::add(const BagRow& row) {
   bag.last = row;
 }
 
-/// The last row holds until then.
+/// The last row applies until then.
 void BagSummary::pass(Bag& bag, StampNs until) const {
   const double length = seconds(bag.last.stamp, until);
   if (length > max_gap_) return bag.gaps.push_back({bag.last.stamp, length});
@@ -82,7 +82,7 @@ void BagSummary::print(const Bag& bag, std::ostream& out) const {
                    static_cast<unsigned long long>(bag.nb_in_contact));
   out << formatted("  unknown       %9.3f s, %llu stamps\n", bag.unknown,
                    static_cast<unsigned long long>(bag.nb_unknown));
-  out << formatted("  in alarm only %9.3f s\n", bag.in_alarm);
+  out << formatted("  near only     %9.3f s\n", bag.in_alarm);
   if (bag.closest) {
     out << formatted("  closest       %+9.4f m at +%.3f s\n", *bag.closest,
                      offset(bag.closest_stamp));

@@ -38,33 +38,34 @@ void declare(CommandLine& command_line, Options& options) {
   command_line.option("urdf", options.urdf, "ROBOT.urdf",
                       "the robot (default: robot_description in the bag)");
   command_line.option("srdf", options.srdf, "ROBOT.srdf",
-                      "switches off its pairs (default: in the bag, if there)");
+                      "pairs that it disables are not checked (default: robot_description_semantic "
+                      "in the bag, if any)");
   declareScene(command_line, options.scene);
   command_line.option(
       "clouds", options.scene.cloud_topics, "TOPIC...",
-      "recorded sensor_msgs/PointCloud2 that are obstacles; --settings may say how");
+      "topics of sensor_msgs/PointCloud2 in the bag that are obstacles; parameters in --settings");
   command_line.option("prefix", options.poses.prefix, "PREFIX",
-                      "what the bag puts before this robot's names");
+                      "prefix of this robot's names in the bag");
   declareFidelity(command_line, options.fidelity);
   command_line.option("alarm-distance", options.output.alarm_distance, "METRES",
-                      "pairs up to this far apart are reported");
+                      "pairs within this distance are reported");
   command_line.option("tolerance", options.settings.tolerance, "METRES",
-                      "distances may be too small by this; contact or not stays exact");
+                      "distances may be too small by up to this; contact or not stays exact");
   command_line.flag("min-distance", options.min_distance,
-                    "find the smallest distance also where it is beyond the alarm distance");
-  command_line.flag("verdict-only", options.verdict_only,
-                    "only free, collision or unknown: ends at the first contact, the only pair "
-                    "named");
+                    "find the smallest distance even beyond the alarm distance");
+  command_line.flag(
+      "verdict-only", options.verdict_only,
+      "only free, collision or unknown; stops at the first contact, the only pair listed");
   command_line.option("max-gap", options.poses.max_gap, "SECONDS",
-                      "nothing is assumed over longer gaps");
+                      "poses are unknown in longer gaps");
   command_line.option("out", options.output.out, "OUT.csv",
-                      "where to write the table (default: standard output)");
+                      "output table (default: standard output)");
   command_line.option("report", options.output.report, "DIR",
-                      "write a page for a browser there: index.html");
-  command_line.option("record", options.record, "OUT.bag", "write reports and markers for rviz");
+                      "write a report page to this folder: index.html");
+  command_line.option("record", options.record, "OUT.bag",
+                      "write reports and markers for rviz to a bag");
   command_line.option("shard", options.shard_text, "I/N",
-                      "check only the I-th of N parts (1 to N); merge_bag_checks puts them "
-                      "together");
+                      "check only part I of N (1 to N); merge_bag_checks merges the parts");
 }
 
 double finiteNumber(double value, double least, const std::string& option) {
@@ -233,7 +234,7 @@ void checkAll(Options& options) {
 int main(int argc, char** argv) {
   collision_pairs::Options options;
   collision_pairs::CommandLine command_line(
-      "check_bag", "Checks what a robot did in recorded bags for collisions.");
+      "check_bag", "Checks the motion of a robot in recorded bags for collisions.");
   collision_pairs::declare(command_line, options);
   return collision_pairs::runTool(command_line, argc, argv,
                                   [&] { collision_pairs::checkAll(options); });

@@ -24,15 +24,13 @@ struct Options {
 
 void declare(CommandLine& command_line, Options& options) {
   declareRobot(command_line, options.robot, options.srdf, options.scene, options.fidelity);
-  command_line.requiredOption(
-      "waypoints", options.waypoints, "WAYPOINTS.csv",
-      "header = joint names, a row a waypoint; neighbouring rows are joined "
-      "by straight lines in joint space");
+  command_line.requiredOption("waypoints", options.waypoints, "WAYPOINTS.csv",
+                              "header with joint names, one row per waypoint; consecutive rows are "
+                              "joined by straight lines in joint space");
   command_line.option("clearance", options.settings.clearance, "METRES",
-                      "free means that nothing comes nearer than this");
+                      "free means that no pair comes nearer than this");
   command_line.option("resolution", options.settings.resolution, "METRES",
-                      "pairs that are still open where their motion is finer than this stay "
-                      "unresolved");
+                      "pairs that remain undecided down to motions of this size are unresolved");
   declareBatch(command_line, options.threads, options.out);
 }
 

@@ -30,18 +30,19 @@ struct Options {
 void declare(CommandLine& command_line, Options& options) {
   declareRobot(command_line, options.robot, options.srdf, options.scene, options.fidelity);
   command_line.requiredOption("states", options.states, "STATES.csv",
-                              "header = joint names, a row a state");
+                              "header with joint names, one row per state");
   command_line.option("alarm-distance", options.alarm_distance, "METRES",
                       "boxes closer than this are investigated");
   command_line.option("tolerance", options.tolerance, "METRES",
-                      "distances may be too small by this; contact or not stays exact");
+                      "distances may be too small by up to this; contact or not stays exact");
   command_line.option("time-budget", options.time_budget, "MICROSECONDS",
-                      "what a state may take; pairs that it leaves open count as they are bounded");
+                      "time limit per state; an unresolved pair counts as a contact unless its "
+                      "lower bound is positive");
   command_line.option("max-hull-vertices", options.max_hull_vertices, "COUNT",
-                      "of the hulls of --fidelity convex; 0: as the settings say");
+                      "limit for the hulls of --fidelity convex; 0: as in --settings");
   command_line.flag("min-distance", options.min_distance, "find the smallest signed distance");
   command_line.flag("verdict-only", options.verdict_only,
-                    "only whether it collides: ends at the first contact, the only pair named");
+                    "only the verdict; stops at the first contact, the only pair listed");
   declareBatch(command_line, options.threads, options.out);
 }
 
@@ -95,7 +96,7 @@ void refuseLeftOut(std::size_t state, const CollisionReport& report, const Colli
                    whyNoBox(scene.models()[report.left_out.front()].name));
 }
 
-/// A row a state, in order.
+/// One row per state, in order.
 std::vector<std::string> check(const JointStates& states,
                                const std::shared_ptr<const CollisionScene>& scene,
                                const CheckSettings& settings, const CloudVoxels& voxels,

@@ -15,30 +15,31 @@
 
 namespace collision_pairs {
 
-/// Message: the bag has changed since it was read before.
+/// Message: the bag has changed since it was indexed.
 extern const char* const BAG_CHANGED;
 
 /// Processes the clouds of a bag as the node does: each is placed, cropped,
 /// filtered and gathered at its own stamp. Reads one at a time, in the order of the file; keeps
-/// voxels of those that count only from a later row on.
+/// voxels that apply only from a later row on.
 class CloudReplay {
  public:
-  /// Index, scene and poses must outlive it. Clouds that are in no pair of the scene are not read.
-  /// `configs` are of the topics of the index.
+  /// Index, scene and poses must outlive it. Clouds in no pair of the scene are not read. `configs`
+  /// are those of the topics of the index.
   CloudReplay(const BagCloudIndex& index, const std::vector<CloudConfig>& configs,
               const SceneDescription& description, const CollisionScene& scene,
               const BagPoses& poses);
 
-  /// The bag's next message, when views before `next_row` are not asked for any more. Throws
-  /// InputError if it is not the bag of the index, or too much waits for a row.
+  /// Adds the bag's next message; views before `next_row` must no longer be needed. Throws
+  /// InputError if it is not the bag of the index, or too many clouds are waiting for a row.
   void take(const RawMessage& raw, StampNs next_row);
-  /// Whether nothing still to be taken counts at that instant.
+  /// True if no message still to be added affects that instant.
   bool isReady(StampNs row) const { return least_since_[nb_taken_] > row; }
 
-  /// What the clouds show then, into poses.voxels; why what is apart is not free.
+  /// Writes the clouds' voxels at that instant to poses.voxels; returns why the verdict cannot be
+  /// FREE.
   std::vector<CloudDoubt> addVoxels(StampNs row, BodyPoses& poses);
 
-  /// How many clouds of a source were refused, and why the first was; a sentence each.
+  /// Number of refused clouds of each source and the reason for the first, one sentence each.
   std::vector<std::string> refusals() const;
 
  private:
@@ -48,7 +49,7 @@ class CloudReplay {
     SelfFilter filter;
     bool is_checked;
     LatestCloud latest;
-    std::deque<std::pair<StampNs, LatestCloud>> later;  ///< each counts from its stamp on
+    std::deque<std::pair<StampNs, LatestCloud>> later;  ///< each applies from its stamp on
     std::size_t nb_clouds = 0, nb_refused = 0;
     std::string first_problem;
   };
@@ -61,7 +62,7 @@ class CloudReplay {
   const CollisionScene& scene_;
   const BagPoses& poses_;
   std::vector<Source> sources_;
-  std::vector<StampNs> least_since_;  ///< by entry: of it and all after it
+  std::vector<StampNs> least_since_;  ///< by entry: minimum over it and all later ones
   std::size_t nb_taken_ = 0, nb_waiting_ = 0;
   std::vector<Eigen::Vector3f> points_;
 };

@@ -14,12 +14,12 @@ namespace po = boost::program_options;
 constexpr unsigned LINE_LENGTH = 100, LEAST_DESCRIPTION_LENGTH = 66;  // characters of --help
 constexpr std::size_t MOST_EDITS = 2;                                 // of a misspelled option
 
-/// "; is '--seed' meant?", or nothing where no option is spelled like it.
+/// "; did you mean '--seed'?", or empty if no option is spelled like it.
 std::string suggestion(const std::string& given, const po::options_description& options) {
   std::vector<std::string> names;
   for (const auto& option : options.options()) names.push_back("--" + option->long_name());
   const std::string nearest = nearestName(given, names, MOST_EDITS);
-  return nearest.empty() ? "" : "; is '" + nearest + "' meant?";
+  return nearest.empty() ? "" : "; did you mean '" + nearest + "'?";
 }
 
 }  // namespace

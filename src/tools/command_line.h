@@ -1,4 +1,4 @@
-// What a tool is told on its command line, read by Boost.Program_options.
+// The command line of a tool, parsed by Boost.Program_options.
 #pragma once
 
 #include <set>
@@ -12,13 +12,13 @@
 
 namespace collision_pairs {
 
-/// The operands and options of a tool: each is a variable that takes the value; what it holds
-/// before is the default, and what --help prints. Names are given without their dashes.
+/// The operands and options of a tool: each is bound to a variable, whose initial value is the
+/// default and is printed by --help. Names are given without dashes.
 class CommandLine {
  public:
   CommandLine(std::string tool, std::string purpose);
 
-  /// The words that belong to no option: exactly one, or one and more.
+  /// The words that belong to no option: exactly one, or one or more.
   void operand(std::string& word, const std::string& value_name, const std::string& help);
   void operands(std::vector<std::string>& words, const std::string& value_name,
                 const std::string& help);
@@ -28,15 +28,15 @@ class CommandLine {
   template <typename T>
   void option(const std::string& name, T& value, const std::string& value_name,
               const std::string& help);
-  /// The same, without which the tool cannot work.
+  /// A required option.
   void requiredOption(const std::string& name, std::string& value, const std::string& value_name,
                       const std::string& help);
   void flag(const std::string& name, bool& value, const std::string& help);
-  /// Each of the two options needs the other.
+  /// The two options must be given together.
   void together(const std::string& first, const std::string& second);
 
-  /// False if --help was asked for: it was printed, and no variable is set.
-  /// Throws InputError; whatever it says of a word, it names the option.
+  /// False if --help was given: it was printed, and no variable is set. Throws InputError that
+  /// names the option.
   bool parse(int argc, char** argv);
 
  private:
@@ -46,11 +46,11 @@ class CommandLine {
   void printHelp() const;
 
   std::string tool_, purpose_, operand_name_, operand_help_;
-  std::string required_;  ///< options, as the line of usage shows them
+  std::string required_;  ///< options as shown in the usage line
   std::string* operand_ = nullptr;
   std::vector<std::string>* operands_ = nullptr;
   boost::program_options::options_description options_;
-  std::set<std::string> counts_;  ///< options of unsigned numbers
+  std::set<std::string> counts_;  ///< options with unsigned values
   std::vector<std::pair<std::string, std::string>> together_;
 };
 

@@ -29,24 +29,25 @@ struct Options {
 void declare(CommandLine& command_line, Options& options) {
   command_line.operand(options.robot, "ROBOT.urdf", "the robot's URDF");
   command_line.option("srdf", options.srdf, "GIVEN.srdf",
-                      "is kept, and what it does not decide is added");
-  command_line.option("samples", options.samples, "COUNT", "random joint states");
-  command_line.option("seed", options.seed, "SEED", "of the random states");
+                      "existing SRDF, which is kept and completed");
+  command_line.option("samples", options.samples, "COUNT", "number of random joint states");
+  command_line.option("seed", options.seed, "SEED", "seed of the random joint states");
   declareThreads(command_line, options.threads);
   command_line.option("confidence", options.rules.confidence, "SHARE",
-                      "of each bound, between 0 and 1");
-  command_line.option("max-probability", options.rules.max_probability, "SHARE",
-                      "never: the bound on the probability of contact is at most this");
+                      "confidence of each bound, between 0 and 1");
+  command_line.option(
+      "max-probability", options.rules.max_probability, "SHARE",
+      "'never' requires that the bound on the probability of contact is at most this");
   command_line.option("clearance", options.rules.clearance, "METRES",
-                      "pairs that come as near as this stay checked");
+                      "pairs that come this near are still checked");
   command_line.option("searches", options.searches, "COUNT",
-                      "for a contact of each pair that random states show none of");
+                      "searches for a contact, per pair without contact in random states");
   command_line.flag("disable-default", options.disable_default,
-                    "switch off pairs that touch with all joints at zero, although not always");
+                    "disable pairs that touch with all joints at zero, even if not always");
   command_line.option("narrow-phase", options.narrow_phase, "NAME",
-                      "who answers pairs of shapes: native or fcl");
-  command_line.option("out", options.out, "OUT.srdf", "where to write (default: standard output)");
-  command_line.option("report", options.report, "PAIRS.csv", "a table of all pairs");
+                      "method for pairs of shapes: native or fcl");
+  command_line.option("out", options.out, "OUT.srdf", "output file (default: standard output)");
+  command_line.option("report", options.report, "PAIRS.csv", "write a table of all pairs");
 }
 
 void refuseWrong(const Options& options) {
@@ -79,7 +80,7 @@ std::vector<PairEvidence> gather(const Options& options,
   return evidence;
 }
 
-/// What a line's numbers mean, above the first of them.
+/// Explains the numbers in the lines, above the first of them.
 SrdfLine headerOf(const Options& options) {
   char text[256];
   std::snprintf(text, sizeof text,
@@ -91,7 +92,8 @@ SrdfLine headerOf(const Options& options) {
   return {text, "", "", ""};
 }
 
-/// None if there is no pair to add to a given SRDF: a second run leaves what the first one wrote.
+/// None if there is no pair to add to a given SRDF: a second run does not change the output of the
+/// first.
 std::vector<SrdfLine> linesFor(const std::vector<PairVerdict>& verdicts, bool is_given,
                                const Options& options) {
   const bool adds_a_pair = std::any_of(verdicts.begin(), verdicts.end(),
@@ -135,7 +137,8 @@ void generate(const Options& options) {
 int main(int argc, char** argv) {
   collision_pairs::Options options;
   collision_pairs::CommandLine command_line(
-      "generate_srdf", "Finds the pairs of links that need no collision check, and says why.");
+      "generate_srdf",
+      "Finds the pairs of links that need no collision check, and justifies each.");
   collision_pairs::declare(command_line, options);
   return collision_pairs::runTool(command_line, argc, argv,
                                   [&] { collision_pairs::generate(options); });

@@ -15,12 +15,12 @@ struct Options {
 
 void declare(CommandLine& command_line, Options& options) {
   command_line.operands(options.tables, "TABLE.csv...",
-                        "all parts of one run (check_bag --shard), in any order; or whole tables, "
-                        "to follow each other");
+                        "all parts of one run (check_bag --shard) in any order, or complete "
+                        "tables, which are concatenated");
   command_line.option("out", options.output.out, "OUT.csv",
-                      "where to write (default: standard output)");
+                      "output file (default: standard output)");
   command_line.option("report", options.output.report, "DIR",
-                      "write a page for a browser there: index.html");
+                      "write a report page to this folder: index.html");
   command_line.option("alarm-distance", options.output.alarm_distance, "METRES",
                       "as given to check_bag");
   command_line.option("max-gap", options.output.max_gap, "SECONDS", "as given to check_bag");
@@ -38,8 +38,7 @@ void mergeAll(const Options& options) {
 
 int main(int argc, char** argv) {
   collision_pairs::Options options;
-  collision_pairs::CommandLine command_line("merge_bag_checks",
-                                            "Puts tables of check_bag together.");
+  collision_pairs::CommandLine command_line("merge_bag_checks", "Merges tables of check_bag.");
   collision_pairs::declare(command_line, options);
   return collision_pairs::runTool(command_line, argc, argv,
                                   [&] { collision_pairs::mergeAll(options); });

@@ -14,7 +14,7 @@
 
 namespace collision_pairs {
 
-/// What the given SRDF says of a pair.
+/// The state of a pair in the given SRDF.
 enum class Given { NOTHING, SWITCHED_OFF, SWITCHED_ON };
 
 struct PairVerdict {
@@ -23,28 +23,28 @@ struct PairVerdict {
   PairEvidence evidence;
   PairClass pair_class;
   Given given = Given::NOTHING;
-  std::string reason;  ///< of the line that is added for it; empty: none
+  std::string reason;  ///< of the line added for it; empty if none
 };
 
-/// One for each piece of evidence. Only pairs that `given` says nothing of get a line: adjacent,
-/// always and never ones, and with `disable_default` those that touch at zero too.
+/// One per entry of the evidence. Only pairs not in `given` get a line: adjacent, always and never
+/// ones, and with `disable_default` also those that touch at zero.
 std::vector<PairVerdict> decide(const std::vector<PairEvidence>& evidence,
                                 const CollisionScene& scene, const std::optional<Srdf>& given,
                                 const ClassRules& rules, bool disable_default);
 
-/// The lines to add, and a comment for each pair that stays checked although random states showed
-/// it always or never in contact.
+/// The lines to add, and a comment for each pair that stays enabled although it was always or never
+/// in contact in random states.
 std::vector<SrdfLine> srdfLines(const std::vector<PairVerdict>& verdicts, const ClassRules& rules);
 
-/// Warns of what a person should look at, a line for each kind.
+/// Warnings that need human review, one line per kind.
 void warnOf(const std::vector<PairVerdict>& verdicts, const ClassRules& rules);
 
 /// "55 pairs: 10 Adjacent, …, 23 stay checked, …"
 std::string summaryOf(const std::vector<PairVerdict>& verdicts);
 
-/// CSV, a row a pair; docs/generate_srdf.md says what the columns are. `contact_state` is a state
-/// in which the two touch, as "joint=position;…" of the joints that move them against each other,
-/// to the last digit.
+/// CSV, one row per pair; docs/generate_srdf.md describes the columns. `contact_state` is a state
+/// in which the two touch, as "joint=position;…" of the joints that change their relative pose,
+/// with all digits.
 void writePairTable(const std::vector<PairVerdict>& verdicts, const CollisionScene& scene,
                     const JointSampler& sampler, const ClassRules& rules, std::ostream& out);
 

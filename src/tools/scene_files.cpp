@@ -17,7 +17,7 @@
 namespace collision_pairs {
 namespace {
 
-/// `origin` is what the text came from: a file, or a topic of a bag.
+/// `origin`: source of the text, a file or a topic of a bag.
 Srdf srdfFromText(const std::string& text, const std::string& origin, const RobotModel& robot) {
   std::vector<std::string> links;
   for (const Link& link : robot.links()) links.push_back(link.name);
@@ -43,7 +43,7 @@ std::unique_ptr<RobotSource> sourceFrom(const TextFrom& urdf, const MeshLoader& 
   }
 }
 
-/// Those of the chosen topics, each as the settings have it, or else as it is by default.
+/// The configurations of the chosen topics: from the settings, or else the default.
 std::vector<CloudConfig> cloudsOf(const SceneOptions& options,
                                   const std::vector<CloudConfig>& in_settings) {
   std::vector<CloudConfig> clouds;
@@ -91,14 +91,14 @@ SceneSources readSources(const TextFrom& urdf, const TextFrom& srdf, const Scene
   return sources;
 }
 
-// Who asks about a whole robot wants to know of a mesh that is missing, needed or not.
+// A check of a whole robot reports missing meshes even if no pair needs them.
 void readAllMeshes(SceneSources& sources) {
   const auto all = [](const std::string&) { return true; };
   sources.robots[0].source->withGeometryOf(all);
   if (sources.world) sources.world->withGeometryOf(all);
 }
 
-/// Of a file, or else the bag's only one; empty if there is neither.
+/// From a file, or else the bag's only one; empty if there is neither.
 TextFrom chooseText(const std::string& path, const std::map<std::string, std::string>& in_bag,
                     const std::string& option) {
   if (!path.empty()) return {path, readTextFile(path)};
@@ -130,15 +130,16 @@ std::optional<Srdf> readSrdf(const std::string& path, const RobotModel& robot) {
 
 void declareScene(CommandLine& command_line, SceneOptions& options) {
   command_line.option("world", options.world, "WORLD.urdf",
-                      "a URDF that stands still, its root at the robot's root");
-  command_line.option("settings", options.settings, "SETTINGS.yaml",
-                      "rules, paddings and the like, as the node's parameter file has them");
+                      "URDF of static obstacles; its root coincides with the robot's root");
+  command_line.option(
+      "settings", options.settings, "SETTINGS.yaml",
+      "scene settings (rules, paddings, ...), in the format of the node's parameter file");
   command_line.option("narrow-phase", options.narrow_phase, "NAME",
-                      "who answers pairs of shapes: native (the default) or fcl");
+                      "method for pairs of shapes: native (default) or fcl");
   command_line.option("group", options.group, "GROUP",
                       "only pairs with a link that this group moves");
   command_line.option("links", options.links, "LINK...",
-                      "only pairs with one of these links; patterns are read");
+                      "only pairs with one of these links, names or patterns");
 }
 
 void declareFidelity(CommandLine& command_line, std::string& fidelity) {
@@ -148,13 +149,13 @@ void declareFidelity(CommandLine& command_line, std::string& fidelity) {
 void declareRobot(CommandLine& command_line, std::string& robot, std::string& srdf,
                   SceneOptions& options, std::string& fidelity) {
   command_line.operand(robot, "ROBOT.urdf", "the robot's URDF");
-  command_line.option("srdf", srdf, "ROBOT.srdf", "switches off its pairs");
+  command_line.option("srdf", srdf, "ROBOT.srdf", "pairs that it disables are not checked");
   declareScene(command_line, options);
   command_line.option("cloud", options.cloud, "CLOUD.pcd",
-                      "points in the frame of the robot's root link, as one obstacle of voxels; "
-                      "named 'cloud'. Points of the robot itself must not be in it");
+                      "points in the frame of the robot's root link, without points of the robot "
+                      "itself; one obstacle of voxels, named 'cloud'");
   command_line.option("voxel-size", options.voxel_size, "METRES",
-                      "the edge of a voxel; --cloud requires it");
+                      "edge length of a voxel; required by --cloud");
   command_line.together("cloud", "voxel-size");
   declareFidelity(command_line, fidelity);
 }
@@ -201,7 +202,7 @@ BuiltScene buildScene(const TextFrom& urdf, const TextFrom& srdf, const SceneOpt
   if (!options.narrow_phase.empty()) settings.narrow_phase = parseNarrowPhase(options.narrow_phase);
   if (max_hull_vertices != 0) settings.max_hull_vertices = max_hull_vertices;
   const bool is_restricted = !options.group.empty() || !options.links.empty();
-  // Points of links on no pair are not obstacles either.
+  // Points of links that are in no pair are not obstacles either.
   if (!is_restricted || !options.cloud_topics.empty()) readAllMeshes(sources);
   std::vector<BrokenElement> broken;
   BuiltScene built;
@@ -239,13 +240,12 @@ void warnOf(const JointStates& states, const RobotModel& robot, const std::strin
 }
 
 void declareThreads(CommandLine& command_line, unsigned& threads) {
-  command_line.option("threads", threads, "COUNT",
-                      "0: as many as the machine has; the output is the same");
+  command_line.option("threads", threads, "COUNT", "0: one per core; does not affect the output");
 }
 
 void declareBatch(CommandLine& command_line, unsigned& threads, std::string& out) {
   declareThreads(command_line, threads);
-  command_line.option("out", out, "OUT.csv", "where to write (default: standard output)");
+  command_line.option("out", out, "OUT.csv", "output file (default: standard output)");
 }
 
 const BuiltScene& BagScenes::sceneFor(const BagContents& bag) {

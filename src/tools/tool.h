@@ -12,7 +12,7 @@
 
 namespace collision_pairs {
 
-/// Parses the command line and runs `work`. 0: done; 2: wrong input, said in one line.
+/// Parses the command line and runs `work`. 0: done; 2: wrong input, reported in one line.
 int runTool(CommandLine& command_line, int argc, char** argv, const std::function<void()>& work);
 
 /// "warning: …" on standard error.
@@ -21,8 +21,8 @@ void warn(const std::string& message);
 /// "a, b, c"
 std::string joined(const std::vector<std::string>& words);
 
-/// One line on standard error, redrawn some times a second; nothing at all where that is no
-/// terminal. Gone when it is destroyed.
+/// One line on standard error, redrawn several times a second; prints nothing if that is not a
+/// terminal. Erased by the destructor.
 class ProgressBar {
  public:
   ProgressBar(std::string title, std::size_t total);

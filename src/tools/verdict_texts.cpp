@@ -1,4 +1,4 @@
-// How generate_srdf tells what it decided: lines of the SRDF, warnings, a summary, a table.
+// Output of generate_srdf: lines of the SRDF, warnings, a summary, a table.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -13,7 +13,7 @@
 namespace collision_pairs {
 namespace {
 
-constexpr std::size_t MAX_NAMED = 10;  // pairs in a warning: more are in the table
+constexpr std::size_t MAX_NAMED = 10;  // pairs in a warning; the table lists all
 
 /// Three digits, rounded up: for an upper bound.
 std::string roundedUp(double bound) {
@@ -47,8 +47,8 @@ std::string evidenceText(const PairEvidence& e, const ClassRules& rules) {
   return text + bound + "; nearest found " + millimetres(e.nearest);
 }
 
-/// Why a pair stays checked that was never seen in contact in random states, or always; empty for
-/// all others.
+/// Why a pair stays enabled although it was never, or always, in contact in random states; empty
+/// for all others.
 std::string whyChecked(const PairVerdict& v, const ClassRules& rules) {
   const PairEvidence& e = v.evidence;
   const std::string seen = "in contact in " + countOf(e) + " states, ";

@@ -8,9 +8,9 @@
 
 namespace collision_pairs {
 
-/// While it lives, console_bridge's errors are kept here instead of being printed, so that they
-/// can become part of our own message. The lock is there because console_bridge has one handler
-/// for the whole process.
+/// During its lifetime, console_bridge's errors are collected here instead of being printed, so
+/// that they can become part of our own message. It holds a lock because console_bridge has one
+/// handler per process.
 class ConsoleMessages : public console_bridge::OutputHandler {
  public:
   ConsoleMessages() : lock_(mutex()) { console_bridge::useOutputHandler(this); }

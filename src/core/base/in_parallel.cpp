@@ -33,7 +33,7 @@ void inParallel(std::size_t threads, std::size_t count,
     if (threads > 1) others.reserve(threads - 1);
     for (std::size_t i = 1; i < threads && i < count; ++i) others.emplace_back(take, i);
   } catch (const std::exception&) {
-    // Neither memory nor a thread to be had: those that run do its share.
+    // No memory, or no thread available: the running threads do its share.
   }
   take(0);
   for (std::thread& other : others) other.join();

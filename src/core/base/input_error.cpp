@@ -6,14 +6,14 @@ namespace collision_pairs {
 namespace {
 
 constexpr std::size_t LONGEST = 1000;          // bytes
-constexpr std::size_t BEGIN = 600, END = 390;  // bytes kept of what is longer
+constexpr std::size_t BEGIN = 600, END = 390;  // bytes kept of longer texts
 
-bool isControl(char byte) {  // char has no sign on arm64
+bool isControl(char byte) {  // char is unsigned on arm64
   constexpr char DELETE = 0x7f;
   return static_cast<unsigned char>(byte) < ' ' || byte == DELETE;
 }
 
-// A character of UTF-8 is not cut in two.
+// Does not split a UTF-8 character.
 bool isWithinCharacter(char byte) { return (static_cast<unsigned char>(byte) & 0xC0u) == 0x80u; }
 
 std::string printable(std::string text) {

@@ -36,7 +36,7 @@ bool parseNumber(const std::string& text, double& value) {
   const std::size_t begin = text.find_first_not_of(SPACE);
   if (begin == std::string::npos) return false;
   const std::string number = text.substr(begin, text.find_last_not_of(SPACE) + 1 - begin);
-  // No hexadecimal numbers, no "nan" and "infinity", which strtod() takes.
+  // Excludes hexadecimal numbers, "nan" and "infinity", which strtod() accepts.
   if (number.find_first_not_of("+-.0123456789eE") != std::string::npos) return false;
   char* rest = nullptr;
   value = ::strtod_l(number.c_str(), &rest, C_LOCALE);

@@ -1,4 +1,4 @@
-// Numbers and names in what users write and read.
+// Numbers and names in user input and output.
 #pragma once
 
 #include <cstddef>
@@ -10,13 +10,13 @@
 
 namespace collision_pairs {
 
-/// The whole text, blanks at its ends apart, as finite numbers; false if it is anything else.
+/// Parses the whole text, except blanks at its ends, as finite numbers; false for anything else.
 /// Independent of the locale.
 bool parseNumber(const std::string& text, double& value);
 bool parseVector3(const std::string& text, Eigen::Vector3d& value);
 
-/// The one of `names` that takes the fewest letters inserted, removed or replaced to become `given`
-/// (Levenshtein 1965); the first of several, empty if there are none within `most_edits`.
+/// The name with the smallest edit distance from `given` (Levenshtein 1965); the first of several,
+/// empty if none is within `most_edits`.
 std::string nearestName(const std::string& given, const std::vector<std::string>& names,
                         std::size_t most_edits = std::numeric_limits<std::size_t>::max() - 1);
 

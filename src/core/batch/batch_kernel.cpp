@@ -1,4 +1,4 @@
-// The kernel that every machine can run, and the choice among all of them.
+// The kernel that runs on every machine, and the choice among all kernels.
 #include "batch_kernel.h"
 
 #include "batch_kernel_loops.h"

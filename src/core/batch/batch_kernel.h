@@ -1,20 +1,20 @@
 // The inner loops of the batch stage, for each instruction set, and the choice among them at run
-// time: forward kinematics of several joint states at once, and spheres against spheres. In float;
-// docs/batch.md derives by how much that may be off.
+// time: forward kinematics of several joint states at once, and tests of spheres against spheres.
+// In float; docs/batch.md derives bounds of the error.
 #pragma once
 
 #include <vector>
 
 namespace collision_pairs {
 
-constexpr int MOST_BATCH_LANES = 16;  // states at once, of the widest processors
+constexpr int MOST_BATCH_LANES = 16;  // states at once, of the widest instruction set
 
 /// A body of the robot in the frames of the batch stage: B has the origin of the body's frame, its
 /// z axis is the axis of the body's joint.
 struct BatchBody {
   enum Kind { STANDS, TURNS, SLIDES };
   int parent;  ///< -1: R and p are its pose in W
-  int column;  ///< of the positions; unless it stands
+  int column;  ///< of the positions; -1 for STANDS
   Kind kind;
   float R[9];  ///< of B at position 0 in its parent's B, row by row
   float p[3];
@@ -22,10 +22,10 @@ struct BatchBody {
 
 struct BatchSphere {
   float center[3];  ///< in its body's frame B
-  float radius;     ///< outer: grown by what the centre in W may be off; inner: shrunk
+  float radius;     ///< outer: enlarged by the error bound of the centre in W; inner: reduced by it
   int body;
-  int first_child;  ///< of an outer one, among all spheres, with the next one; 0: it has none
-  float rank;       ///< of two outer spheres the one of higher rank is divided first
+  int first_child;  ///< of an outer sphere: index of its first child, the other follows; 0: a leaf
+  float rank;       ///< of two outer spheres the one of higher rank is descended first
 };
 
 /// The spheres of an element: a tree of outer ones, a list of inner ones.
@@ -36,11 +36,11 @@ struct BatchTree {
 
 struct BatchPair {
   int first, second;                   ///< trees
-  float outer_padding, inner_padding;  ///< rounded so that nothing is missed, and nothing invented
+  float outer_padding, inner_padding;  ///< rounded up and down, so that both answers are certain
   bool has_table;
 };
 
-/// What does not change from state to state.
+/// What all states have in common.
 struct BatchTables {
   const BatchBody* bodies;  ///< parents first
   int nb_bodies;
@@ -51,39 +51,39 @@ struct BatchTables {
   int nb_pairs;
 };
 
-/// Of one group of states; arrays of lanes. Lane l of entry i of an array with n numbers an entry:
-/// [(i n + number) lanes + l].
+/// Data of one group of states, as arrays of lanes. Lane l of a number of entry i, with n numbers
+/// per entry, is at [(i n + number) lanes + l].
 struct BatchLanes {
-  const double* positions;  ///< one a column, rad or m; |turns| at most MOST_TURNS
+  const double* positions;  ///< one per column, rad or m; |angle| at most MOST_TURNS
   float* poses;             ///< 12 a body: R column by column, p; of B in W
   float* centers;           ///< 3 a sphere, in W
-  unsigned* placed;         ///< a sphere: the group that its centre is of
-  unsigned group;           ///< not that of any other call with these arrays
-  /// Of the lanes that a pair with a table may meet in: those that the table does not know to be
-  /// apart; those known to be in contact are written to `certain`.
+  unsigned* placed;         ///< by sphere: the group for which its centre was computed
+  unsigned group;           ///< different for each group that uses these arrays
+  /// Reads the table of a pair, for the lanes in which the pair may be in contact. Returns the
+  /// undecided lanes; those in contact are written to `certain`.
   unsigned (*look_up)(void* tables, int pair, unsigned lanes, unsigned* certain);
   void* tables;
 };
 
-/// A pair that spheres could not settle, and in which lanes.
+/// A pair that spheres could not settle, and the lanes in which they could not.
 struct OpenBatchPair {
   int pair;
   unsigned lanes;
 };
 
-/// Radians: beyond, reducing the angle would cost accuracy.
+/// Radians. Reducing larger angles would cost accuracy.
 constexpr double MOST_TURNS = 1e4;
 
 struct BatchKernel {
   const char* name;
   int lanes;
 
-  /// Places all bodies.
+  /// Computes the poses of all bodies.
   void (*place)(const BatchTables& tables, const BatchLanes& group);
-  /// Of the `lanes` (bits): settles pairs by spheres. Writes to `open` those that are neither
-  /// certain to be apart nor certain to be in contact, and returns how many; `contact` is given,
-  /// for lanes in certain contact, the pair (others are left alone). A lane in contact is not
-  /// looked at further, so its pairs may be left in `open`. The result of a lane depends on its
+  /// Settles pairs by spheres in the given `lanes` (bits). Writes those that are neither certainly
+  /// apart nor certainly in contact to `open`, and returns their number. For lanes in certain
+  /// contact, `contact` is set to the pair; other entries are not written. A lane in contact is not
+  /// processed further, so `open` may still contain its pairs. The result of a lane depends on its
   /// state alone.
   int (*settle)(const BatchTables& tables, const BatchLanes& group, unsigned lanes,
                 OpenBatchPair* open, int* contact);
@@ -91,7 +91,7 @@ struct BatchKernel {
   const float* (*center)(const BatchTables& tables, const BatchLanes& group, int sphere);
 };
 
-/// What this machine can run, the best one first.
+/// The kernels that this machine can run, the fastest first.
 const std::vector<BatchKernel>& batchKernels();
 
 }  // namespace collision_pairs

@@ -1,4 +1,4 @@
-// 8 lanes. Compiled for AVX2; entered only where the machine has it.
+// 8 lanes. Compiled for AVX2; called only if the machine supports it.
 #include <immintrin.h>
 
 #include "batch_kernel_loops.h"

@@ -1,7 +1,7 @@
-// The loops of BatchKernel, for any width: `Set` says which vectors. Uses nothing of the C++
-// library, so that a file compiled for newer processors leaves no code of theirs in a shared
-// function. The result of a lane never depends on another lane, and every kernel rounds alike: the
-// same operations in the same order, none fused.
+// The loops of BatchKernel, for any width: `Set` defines the vector types. Uses nothing of the C++
+// library, so that a file compiled for newer processors puts none of their instructions into a
+// shared inline function. The result of a lane never depends on another lane, and all kernels round
+// identically: the same operations in the same order, none fused.
 #pragma once
 
 #include "batch_kernel.h"
@@ -17,8 +17,8 @@ class BatchLoops {
   static Floats load(const float* from) { return *reinterpret_cast<const Floats*>(from); }
   static void store(const Floats& lanes, float* to) { *reinterpret_cast<Floats*>(to) = lanes; }
 
-  /// Sine and cosine; each off by at most 4 * 2^-24. The angle is brought to -pi/4 ... pi/4 in
-  /// double; polynomials as in Cephes (Moshier, 1992).
+  /// Sine and cosine, each with an error of at most 4 * 2^-24. The angle is reduced to -pi/4 ...
+  /// pi/4 in double; polynomials as in Cephes (Moshier, 1992).
   static void sineAndCosine(const double* angle, Floats& sine, Floats& cosine) {
     constexpr double HALF_PI = 1.57079632679489661923, ROUNDER = 6755399441055744.0;  // 1.5 * 2^52
     alignas(64) float rest[LANES];
@@ -102,7 +102,7 @@ class BatchLoops {
 
   struct Gap {
     Floats squared;
-    float reach;  ///< of the two spheres and the padding
+    float reach;  ///< sum of the two radii and the padding
   };
 
   static Gap gapOf(const BatchTables& tables, const BatchLanes& group, int a, int b,
@@ -114,19 +114,19 @@ class BatchLoops {
     return {x * x + y * y + z * z, tables.spheres[a].radius + tables.spheres[b].radius + padding};
   }
 
-  /// The lanes in which the two may meet: all but those in which they are certain not to.
+  /// The lanes in which the two may overlap: all except those in which they certainly do not.
   static unsigned mayMeet(const Gap& gap) {
     return ~Set::bits(gap.squared > Floats{} + gap.reach * gap.reach);
   }
 
-  /// Of `lanes` those in which outer spheres of both trees meet at the leaves.
+  /// Of `lanes`, those in which leaves of both trees overlap.
   static unsigned openLanes(const BatchTables& tables, const BatchLanes& group,
                             const BatchPair& pair, unsigned lanes) {
     struct Step {
       int a, b;
       unsigned lanes;
     };
-    Step stack[64];  // one step is left behind for each sphere on the way to two leaves
+    Step stack[64];  // the two paths to leaves leave at most one step per sphere
     int depth = 0;
     stack[depth++] = {tables.trees[pair.first].first_outer, tables.trees[pair.second].first_outer,
                       lanes};
@@ -153,7 +153,7 @@ class BatchLoops {
     return open;
   }
 
-  /// Of `lanes` those in which inner spheres overlap.
+  /// Of `lanes`, those in which inner spheres overlap.
   static unsigned certainLanes(const BatchTables& tables, const BatchLanes& group,
                                const BatchPair& pair, unsigned lanes) {
     const BatchTree &first = tables.trees[pair.first], &second = tables.trees[pair.second];

@@ -14,16 +14,16 @@ using Eigen::Isometry3d;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr double UNIT = 1.0 / (1 << 24);     // of rounding to float, relative
+constexpr double UNIT = 1.0 / (1 << 24);     // relative error of rounding to float
 constexpr double STORED = 1.75 * UNIT;       // a rotation's entries, rounded
 constexpr double PRODUCT = 9.0 * UNIT;       // of two rotations
-constexpr double TURN = (5.7 + 4.0) * UNIT;  // by a sine and a cosine off by 4 UNIT each
+constexpr double TURN = (5.7 + 4.0) * UNIT;  // by a sine and a cosine with errors of 4 UNIT each
 constexpr double SECOND_ORDER = 1.001;
 constexpr double OF_DISTANCE = 16.0 * UNIT;  // of distances and radii, relative
-constexpr double MARGIN = 1e-9;              // m, and of sizes: the exact check rounds, too
-constexpr double MOST_REACH = 1e3;           // m
-constexpr double MOST_SLIDE = 10.0;          // m, of a joint without limits
-constexpr std::size_t MOST_SPHERES = 63;     // of an element
+constexpr double MARGIN = 1e-9;           // m, and relative to sizes: rounding of the exact check
+constexpr double MOST_REACH = 1e3;        // m
+constexpr double MOST_SLIDE = 10.0;       // m, of a joint without limits
+constexpr std::size_t MOST_SPHERES = 63;  // of an element
 
 const Prepared& preparedOf(const SceneElement& element) {
   return static_cast<const Prepared&>(*element.rung(Fidelity::MESH).shape);
@@ -36,7 +36,7 @@ float roundedUp(double x) {
 
 float roundedDown(double x) { return -roundedUp(-x); }
 
-/// A rotation whose z axis is that of the joint.
+/// A rotation whose z axis is the joint's axis.
 Matrix3d alongJoint(const RobotModel& robot, const Body& body) {
   if (body.joint < 0 || !robot.joints()[body.joint].hasPosition()) return Matrix3d::Identity();
   return Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), robot.joints()[body.joint].axis)
@@ -68,13 +68,13 @@ class ModelMaker {
   }
 
  private:
-  /// The body with those above it.
+  /// Adds the body and its ancestors; returns its index.
   int addBody(int id) {
     if (body_of_[id] >= 0) return body_of_[id];
     const Body& body = robot_.bodies()[id];
     BatchBody made{-1, -1, BatchBody::STANDS, {}, {}};
     PoseError error, above;
-    Matrix3d R_CP = Matrix3d::Identity();  // from the body above to its frame of the stage
+    Matrix3d R_CP = Matrix3d::Identity();  // from the parent body's frame to its frame of the stage
     if (body.parent >= 0) {
       made.parent = addBody(body.parent);
       above = model_.errors[static_cast<std::size_t>(made.parent)];
@@ -117,7 +117,7 @@ class ModelMaker {
     model_.columns.push_back({id, most});
   }
 
-  /// Of a vector of this length, stored, turned and added to one of length `to`.
+  /// Error of a vector of this length that is stored, rotated and added to one of length `to`.
   static double ofSum(double length, double to) {
     return UNIT * length + 4.0 * UNIT * (std::sqrt(3.0) * length + to);
   }
@@ -135,8 +135,8 @@ class ModelMaker {
       if (sphere.first_child == 0) continue;
       BatchSphere& made = model_.spheres.back();
       made.first_child = tree.first_outer + sphere.first_child;
-      // The larger one first is quicker. Without tables, at SPHERES, the order must be that of the
-      // single check, which has more spheres: the order in which they were divided.
+      // Descending into the larger one first is faster. At SPHERES, without tables, the order must
+      // be that of the single check, which has more spheres: the order in which they were divided.
       made.rank = with_tables_ ? made.radius : -static_cast<float>(sphere.first_child);
     }
     tree.first_inner = static_cast<int>(model_.spheres.size());
@@ -180,7 +180,7 @@ class ModelMaker {
     }
   }
 
-  /// Of two elements of one body, which never move against each other.
+  /// For two elements of one body, whose relative pose is constant.
   bool isAlwaysApart(const BoxPair& pair) {
     const SceneElement &a = scene_.elements()[pair.first], &b = scene_.elements()[pair.second];
     const Isometry3d X_AB = a.X_BE.inverse() * b.X_BE;
@@ -198,7 +198,7 @@ class ModelMaker {
   const RobotModel& robot_;
   const bool with_tables_;
   BatchModel& model_;
-  std::vector<int> body_of_;  // of the stage, by body of the robot
+  std::vector<int> body_of_;  // the stage's body, by body of the robot
   NarrowPhase narrow_phase_;
 };
 

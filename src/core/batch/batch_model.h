@@ -1,5 +1,5 @@
-// A scene as the batch stage sees it: bodies, spheres and pairs in float, and by how much they may
-// be off.
+// The batch stage's model of a scene: bodies, spheres and pairs in float, and bounds of their
+// errors.
 #pragma once
 
 #include <cstdint>
@@ -12,20 +12,21 @@
 
 namespace collision_pairs {
 
-/// By how much the pose that the kernels compute for a body may be off, whatever the positions.
-/// docs/batch.md derives the bounds.
+/// Error bounds of the pose that the kernels compute for a body, for all positions; derived in
+/// docs/batch.md.
 struct PoseError {
-  double rotation = 0.0;  ///< largest change of a unit vector
+  double rotation = 0.0;  ///< largest error of a rotated unit vector
   double position = 0.0;  ///< metres, of the body's origin
-  double reach = 0.0;     ///< metres: its origin is no further from that of W
+  double reach = 0.0;     ///< metres: largest distance of its origin from that of W
 };
 
-/// What BatchTables points to, and whom its entries belong to.
+/// Owns what BatchTables points to, and maps its entries to the scene.
 struct BatchModel {
-  /// Why a scene is not for the batch stage; empty if it is. Clouds, FCL, geometry other than the
-  /// meshes, half-spaces that move, and what is further than a kilometre away are not.
+  /// Why the batch stage cannot be used for a scene; empty if it can. Not supported: clouds, FCL,
+  /// geometry coarser than meshes, half-spaces that move, and anything further than a kilometre
+  /// away.
   static std::string whyNot(const CollisionScene& scene, Fidelity fidelity);
-  /// Of a scene that is. Cost: coverBySpheres() of each element, on all cores.
+  /// For a scene without such a reason. Cost: coverBySpheres() for each element, on all cores.
   explicit BatchModel(const CollisionScene& scene, bool with_tables = true);
   BatchModel(const BatchModel&) = delete;
   BatchModel& operator=(const BatchModel&) = delete;
@@ -40,20 +41,20 @@ struct BatchModel {
             static_cast<int>(pairs.size())};
   }
 
-  /// A position of the robot's joints that bodies need, by column.
+  /// A joint whose position the bodies depend on, by column.
   struct Column {
     int joint;
-    double most;  ///< rad or m: beyond, or not a number, the state is not for the kernels
+    double most;  ///< rad or m: largest absolute position that the kernels accept
   };
   std::vector<Column> columns;
   std::vector<BatchBody> bodies;
-  std::vector<PoseError> errors;  ///< beside bodies
-  std::vector<int> robot_body;    ///< beside bodies: in RobotModel::bodies()
+  std::vector<PoseError> errors;  ///< parallel to bodies
+  std::vector<int> robot_body;    ///< parallel to bodies: index in RobotModel::bodies()
   std::vector<BatchSphere> spheres;
-  std::vector<BatchTree> trees;           ///< one for each element that moves, in their order
+  std::vector<BatchTree> trees;           ///< one for each moving element, in their order
   std::vector<std::uint32_t> element_of;  ///< by tree
-  std::vector<BatchPair> pairs;           ///< of elements that move against each other
-  std::vector<SphereCover> covers;        ///< by element; none for static boxes
+  std::vector<BatchPair> pairs;           ///< of moving elements
+  std::vector<SphereCover> covers;        ///< by element; empty for static boxes
   std::size_t memory() const;             ///< bytes
 };
 

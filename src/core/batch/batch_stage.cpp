@@ -12,7 +12,7 @@ using Eigen::Vector3d;
 
 constexpr std::size_t ALIGNMENT = 64;  // bytes
 constexpr std::size_t MOST_FIELDS = 8;
-constexpr double MARGIN = 2e-9;  // m: what paddings and bounds in double may be off, by far
+constexpr double MARGIN = 2e-9;  // m: far above the rounding of paddings and bounds in double
 
 Vector3d pointOf(const float* lanes, int nb_lanes, int lane) {
   return {lanes[lane], lanes[nb_lanes + lane], lanes[2 * nb_lanes + lane]};
@@ -164,7 +164,7 @@ void BatchStage::Group::settle() {
     std::fill(placed_.begin(), placed_.end(), 0);
     group_ = 1;
   }
-  // Lanes without a state hold what they held, or a copy of one: angles in range.
+  // Lanes without a state get a copy of one, so that all angles are in range.
   const int example = __builtin_ctz(set_);
   for (std::size_t i = 0; i < positions_.size(); i += static_cast<std::size_t>(lanes())) {
     for (int lane = 0; lane < lanes(); ++lane) {
@@ -213,7 +213,7 @@ unsigned BatchStage::Group::openBesideStatic(const BesideStatic& beside, unsigne
   };
   const BatchTree& tree = tables_.trees[beside.tree];
   const StaticField& field = *stage_.fields_[static_cast<std::size_t>(beside.field)];
-  Step stack[32];  // one step is left behind for each sphere on the way to a leaf
+  Step stack[32];  // the path to a leaf leaves at most one step per sphere
   int depth = 0;
   stack[depth++] = {tree.first_outer, lanes};
   unsigned open = 0;

@@ -1,4 +1,4 @@
-// Settles many joint states at once, before the exact check sees them.
+// Settles many joint states at once, before the exact check.
 #pragma once
 
 #include <array>
@@ -12,21 +12,21 @@
 
 namespace collision_pairs {
 
-/// Spheres instead of links: where all pairs of outer spheres are apart, the state is free; where
-/// two inner ones overlap, it is in contact; anything else is left open. Both answers are those of
-/// the exact check at Fidelity::MESH for certain, float kinematics included (docs/batch.md). For
-/// Fidelity::SPHERES, whose spheres are those of this stage divided further, no tables of pairs are
-/// used, which know more than these.
-/// Immutable but for what the static field fills in; all threads share it.
+/// Spheres in place of links: if all pairs of outer spheres are apart, the state is free; if two
+/// inner ones overlap, it is in contact; anything else is left open. Both answers are certain to be
+/// those of the exact check at Fidelity::MESH, float kinematics included (docs/batch.md). At
+/// Fidelity::SPHERES, whose spheres are those of this stage divided further, no lookup tables are
+/// used, since they would settle states that these spheres do not.
+/// Immutable except for cells that the static field fills in; shared by all threads.
 class BatchStage {
  public:
-  /// Null where BatchModel::whyNot() has a reason, or too much is static. The scene must outlive
-  /// it.
+  /// Null if BatchModel::whyNot() has a reason, or there are too many static elements or sets of
+  /// them. The scene must outlive it.
   static std::unique_ptr<const BatchStage> make(const CollisionScene& scene,
                                                 Fidelity fidelity = Fidelity::MESH,
                                                 const BatchKernel& kernel = batchKernels().front());
 
-  /// What a thread needs of its own.
+  /// The data of one thread.
   class Group;
 
   const BatchModel& model() const { return model_; }
@@ -37,7 +37,7 @@ class BatchStage {
   struct BesideStatic {
     int tree;
     int field;
-    double outer_padding, inner_padding;  ///< the most and the least of its pairs
+    double outer_padding, inner_padding;  ///< largest and smallest of its pairs
   };
   BatchStage(const CollisionScene& scene, Fidelity fidelity, const BatchKernel& kernel);
   bool addFields();
@@ -48,11 +48,11 @@ class BatchStage {
   BatchModel model_;
   const BatchKernel kernel_;
   std::vector<BesideStatic> beside_static_;
-  std::vector<std::unique_ptr<StaticField>> fields_;  // one for each set of static elements
+  std::vector<std::unique_ptr<StaticField>> fields_;  // one per set of static elements
 };
 
-/// Several states, one a lane. Learns: tables of pairs (PairTable) are filled in by what is asked,
-/// so keep it for the next batch.
+/// Several states, one per lane. Keep it for the next batch: lookup tables (PairTable) are filled
+/// in as states arrive.
 class BatchStage::Group {
  public:
   explicit Group(const BatchStage& stage);
@@ -60,19 +60,19 @@ class BatchStage::Group {
 
   /// Begins a group of states.
   void clear();
-  /// One entry a joint of the robot, mimics applied. False: the state is not for this stage, and is
-  /// left open.
+  /// One entry per joint of the robot, mimic joints applied. False: this stage cannot process the
+  /// state, which is left open.
   bool set(int lane, const std::vector<double>& positions);
-  /// Answers those that were set.
+  /// Settles the states that were set.
   void settle();
 
   enum class Outcome { OPEN, FREE, CONTACT };
   Outcome outcome(int lane) const { return outcomes_[lane]; }
   bool isSet(int lane) const { return set_ >> lane & 1u; }
-  /// CONTACT: of these elements.
+  /// For CONTACT: the elements in contact.
   BoxPair contact(int lane) const { return contacts_[lane]; }
-  /// OPEN after settle(), for a state that was set: the pairs of elements that move that are open,
-  /// and the elements that may be in contact with something static. Nothing else is.
+  /// For OPEN, for a state that was set: the open pairs of moving elements, and the moving elements
+  /// that may be in contact with static ones. Everything else is apart.
   void openPairs(int lane, std::vector<BoxPair>& pairs) const;
   void openBesideStatic(int lane, std::vector<std::uint32_t>& elements) const;
 
@@ -86,7 +86,7 @@ class BatchStage::Group {
   const float* centersOf(int sphere);
   BoxPair elementsOf(int pair) const;
   void addTable(const BatchPair& pair);
-  // Of these lanes, those in contact for certain; what is open is noted.
+  // Return those of `lanes` that are certainly in contact; open pairs are recorded.
   unsigned settlePairs(unsigned lanes);
   unsigned settleStatic(unsigned lanes);
   unsigned openBesideStatic(const BesideStatic& beside, unsigned lanes);
@@ -98,7 +98,7 @@ class BatchStage::Group {
   std::vector<float> floats_;  // poses, then centres; aligned
   std::vector<unsigned> placed_;
   unsigned group_ = 0, set_ = 0;
-  std::vector<std::unique_ptr<PairTable>> pair_tables_;  // by pair; null: it has none
+  std::vector<std::unique_ptr<PairTable>> pair_tables_;  // by pair; null: no table
   std::vector<std::array<int, 2>> table_columns_;        // of the joints of the table
   NarrowPhase narrow_phase_;
   std::vector<OpenBatchPair> open_;

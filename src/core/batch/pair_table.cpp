@@ -10,10 +10,10 @@ using Eigen::Isometry3d;
 using Eigen::Vector3d;
 
 constexpr std::uint8_t OPEN_BLOCK = 16;
-constexpr int FIRST_LEVEL = 6;     // in larger blocks the joints move links by centimetres
-constexpr int VISITS = 4;          // of an open block, until it is looked at: costs about as much
-constexpr double MARGIN = 2e-9;    // m: the exact check and this one round
-constexpr double ROUNDING = 1e-9;  // of the width of a cell
+constexpr int FIRST_LEVEL = 6;  // within larger blocks the joints move links by centimetres
+constexpr int VISITS = 4;       // of an undecided block before it is certified; costs about as much
+constexpr double MARGIN = 2e-9;    // m: rounding of the exact check and of this one
+constexpr double ROUNDING = 1e-9;  // relative to the width of a cell
 
 std::size_t indexOfBlock(int level, int x, int y) {
   const std::size_t before = ((std::size_t{1} << (2 * level)) - 1) / 3;
@@ -28,7 +28,7 @@ bool PairTable::joints(const RobotModel& robot, int body_a, int body_b, std::vec
   while (body_a != body_b) {  // a parent always comes before its children
     int& later = body_a > body_b ? body_a : body_b;
     const int joint = bodies[later].joint;
-    if (joint < 0) return false;  // they are of two robots
+    if (joint < 0) return false;  // they belong to two robots
     if (robot.joints()[joint].hasPosition()) {
       (&later == &body_a ? from_a : from_b).push_back(joint);
     }
@@ -80,7 +80,7 @@ PairTable::Cell PairTable::at(double first, double second, NarrowPhase& narrow_p
   const Block block{level, x >> (LEVELS - level), y >> (LEVELS - level)};
   std::uint8_t& visits = visits_[indexOfBlock(level, block.x, block.y)];
   if (visits > VISITS || ++visits < VISITS) return Cell::OPEN;
-  visits = VISITS + 1;  // looked at
+  visits = VISITS + 1;  // certification was tried
   const Cell cell = certified(block, narrow_phase);
   if (cell != Cell::OPEN) {
     fill(block, static_cast<std::uint8_t>(cell));
@@ -97,10 +97,10 @@ void PairTable::fill(const Block& block, std::uint8_t code) {
   }
 }
 
-// From the middle of the block: the joint nearer to the element that is seen as moving turns first,
-// then the other, about an axis from which its points have got no further away than the first moved
-// them. The distance of two elements changes by no more than either of them moves, seen from the
-// other; and two spheres that overlap by more than that still do (docs/batch.md).
+// From the middle of the block, the joint nearer to the moving element turns first, then the other,
+// about an axis from which its points are by now further away by at most the first motion. The
+// distance of two elements changes by at most the motion of either relative to the other, and two
+// spheres that overlap by more than that still overlap (docs/batch.md).
 PairTable::Cell PairTable::certified(const Block& block, NarrowPhase& narrow_phase) {
   double half[2] = {0.0, 0.0};
   const int index[2] = {block.x, block.y};
@@ -139,7 +139,7 @@ PairTable::Cell PairTable::certified(const Block& block, NarrowPhase& narrow_pha
   return found.certainty == Certainty::BEYOND ? Cell::FREE : Cell::OPEN;
 }
 
-/// Metres a radian, or a metre, by which the joint can move a point of the element.
+/// Largest motion of a point of the element, in metres per radian or metre of the joint.
 double PairTable::reachOf(const SphereCover& cover, const Isometry3d& X_WE, int number) const {
   const RobotModel& robot = scene_.robot();
   const int id = joints_[static_cast<std::size_t>(number)];

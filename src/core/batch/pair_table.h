@@ -1,4 +1,4 @@
-// What is known of a pair of elements whose relative pose two joints decide.
+// Lookup table for a pair of elements whose relative pose one or two joints decide.
 #pragma once
 
 #include <array>
@@ -9,33 +9,32 @@
 
 namespace collision_pairs {
 
-/// A square of cells over the ranges of the two joints. What is left open so often that looking
-/// closer is worth it is certified, for a block of cells at a time: by the exact distance in the
-/// middle of the block and how far the joints can move the elements from there; a block of which
-/// that tells nothing is divided by four. So the work follows the states that are asked for.
-/// For one thread.
+/// A square of cells over the ranges of the joints. Undecided cells that are read often are
+/// certified, a block of cells at a time, by the exact distance in the middle of the block and a
+/// bound of the motion within it. A block that cannot be certified is divided into four. So only
+/// regions that occur are computed. For one thread.
 class PairTable {
  public:
   static constexpr int LEVELS = 8;  ///< 256 x 256 cells
   static constexpr int SIDE = 1 << LEVELS;
 
-  /// The joints that move the two bodies of the robot against each other; at most two, turning ones
-  /// or with limits. False: the pair has no table.
+  /// The joints that decide the relative pose of the two bodies: at most two, revolute or with
+  /// limits. False: the pair has no table.
   static bool joints(const RobotModel& robot, int body_a, int body_b, std::vector<int>& joints);
 
-  /// All must outlive it. The elements move, with bodies as joints() wants them.
-  /// Memory: 150 KB, from the first time that a state is asked for.
+  /// All arguments must outlive it. The elements move; joints() must be true for their bodies.
+  /// Memory: 150 KB, allocated by the first call of at().
   PairTable(const CollisionScene& scene, const BatchModel& model, const BoxPair& pair);
 
   enum class Cell : std::uint8_t { OPEN, FREE, CONTACT };
-  /// `positions` of the joints() in their order, the second 0 where there is one. A few ns, but one
-  /// time in VISITS of those that are left open: a distance.
+  /// Positions of the joints() in their order; the second is 0 if there is only one. Cost: a few
+  /// ns; when an undecided block is certified, a distance query.
   Cell at(double first, double second, NarrowPhase& narrow_phase);
   int nbJoints() const { return static_cast<int>(joints_.size()); }
   int joint(int i) const { return joints_[static_cast<std::size_t>(i)]; }
 
  private:
-  /// A block of cells: of side 2^(LEVELS - level).
+  /// A block of cells with side 2^(LEVELS - level).
   struct Block {
     int level, x, y;
   };
@@ -51,10 +50,10 @@ class PairTable {
   const CollisionScene& scene_;
   const BatchModel& model_;
   BoxPair pair_;
-  std::vector<int> joints_;  // of the robot: the first is nearer to the first element
+  std::vector<int> joints_;  // of the robot; the first is nearer to the first element
   Axis axes_[2];
-  std::vector<std::uint8_t> cells_;   // a Cell, or for open ones OPEN_BLOCK + level
-  std::vector<std::uint8_t> visits_;  // of open blocks, level by level
+  std::vector<std::uint8_t> cells_;   // a Cell, or OPEN_BLOCK + level if undecided
+  std::vector<std::uint8_t> visits_;  // of undecided blocks, level by level
   std::vector<double> positions_;
   std::vector<Eigen::Isometry3d> X_WB_;
 };

@@ -11,7 +11,7 @@ using Eigen::Vector3d;
 
 constexpr double INFINITE = std::numeric_limits<double>::infinity();
 constexpr int BLOCKS = StaticField::SIDE / 4;
-constexpr double ROUNDING = 1e-7;  // of what is stored, relative: as a float
+constexpr double ROUNDING = 1e-7;  // relative, of a bound stored as float
 
 /// Signed distance of a point from a box around the origin.
 double distanceFromBox(const Vector3d& half, const Vector3d& p) {
@@ -88,8 +88,8 @@ bool StaticField::isNearer(const Vector3d& p_W, double reach, std::uint32_t& ele
   return false;
 }
 
-// A bound of one element changes by no more than the way from a point to another. So what is not
-// within the least bound and twice half the diagonal is nowhere in the cell the nearest.
+// The bound of an element changes by at most the distance between two points. So an element whose
+// bound exceeds the smallest one by more than the diagonal is the nearest nowhere in the cell.
 double StaticField::findNear(const Vector3d& p_W, double diagonal,
                              const std::vector<std::uint32_t>& things,
                              std::vector<std::uint32_t>& near) const {

@@ -7,7 +7,7 @@ namespace {
 
 constexpr int MAX_DIGIT_BITS = 14;
 constexpr std::size_t IN_CACHE = 65536;  // pairs, 512 KiB
-constexpr std::size_t FEW = 64;          // up to here a sort by comparisons is as quick
+constexpr std::size_t FEW = 64;          // up to here a comparison sort is as fast
 
 /// Some bits of both ids as one number, the first id above the second.
 struct Digit {
@@ -20,7 +20,7 @@ struct Digit {
   }
 };
 
-/// How many pairs have each value of a digit, then where those of each value go.
+/// Number of pairs with each value of a digit, then the position of the next one with that value.
 struct Places {
   std::uint32_t of[1 << MAX_DIGIT_BITS];
 
@@ -45,8 +45,8 @@ int bitsOf(std::size_t value) {
   return bits;
 }
 
-// Stable passes over the lowest bits of both ids, least significant digit first; each counts the
-// next one's digit on its way. In `to` after an odd number of passes, in `from` after an even one.
+// Stable passes over the lowest bits of both ids, least significant digit first; each also counts
+// the next pass's digit. The result is in `to` after an odd number of passes, else in `from`.
 void sortByLowBits(BoxPair* from, BoxPair* to, std::size_t nb_pairs, int id_bits, int bits,
                    int passes) {
   const int digit_bits = (bits + passes - 1) / passes;
@@ -70,7 +70,7 @@ void sortByLowBits(BoxPair* from, BoxPair* to, std::size_t nb_pairs, int id_bits
   }
 }
 
-// Cut by the highest bits into parts that fit the first cache, where the passes are quick.
+// Splits by the highest bits into parts that fit the L1 cache, where the passes are fast.
 void sortInParts(BoxPair* pairs, BoxPair* scratch, std::size_t nb_pairs, int id_bits) {
   constexpr std::size_t PART = 2048;
   constexpr int MAX_TOP_BITS = 10, LOW_DIGIT_BITS = 10;
@@ -105,7 +105,7 @@ void sortPairs(std::vector<BoxPair>* pairs, std::size_t nb_ids, std::vector<BoxP
   }
   const int id_bits = bitsOf(nb_ids);
   scratch->resize(pairs->size());
-  // Digits so large that a pass costs about as much for its counters as for its pairs.
+  // Digits so large that the counters of a pass cost about as much as its pairs.
   const int largest = std::min(MAX_DIGIT_BITS, bitsOf(pairs->size()));
   const int passes = (2 * id_bits + largest - 1) / largest;
   if (passes > 2 && pairs->size() > IN_CACHE) {

@@ -10,13 +10,13 @@
 
 namespace collision_pairs {
 
-/// What a cycle's candidates are tested by.
+/// What the exact test of a cycle's candidates needs.
 struct PairTest {
   const Aabb* boxes = nullptr;
   const std::uint32_t* models = nullptr;
   const PairFilter* filter = nullptr;  // null: everything is allowed
   double squared_reach = 0.0;
-  std::uint32_t nb_static = 0;  // ids of moving boxes go on from here
+  std::uint32_t nb_static = 0;  // ids of moving boxes start here
 
   bool allowed(std::uint32_t model_a, std::uint32_t model_b) const {
     return filter == nullptr || filter->allowed(model_a, model_b);
@@ -25,7 +25,7 @@ struct PairTest {
 
 /// Appends the candidates whose boxes are close enough and whose models are allowed to meet.
 /// `second` knows the boxes, models and ids behind the second ids. Each pair is written and then
-/// kept or not, so that there is no branch that is hard to foretell.
+/// kept or not, so that there is no branch that is hard to predict.
 template <class Second>
 void appendPairs(const Candidates& candidates, const PairTest& test, const Second& second,
                  std::vector<BoxPair>* pairs) {
@@ -75,8 +75,8 @@ inline void appendStaticPairs(const Candidates& candidates, const PairTest& test
 }
 
 /// Radix sort of both ids as one number, least significant digit first; of very many in parts that
-/// fit a cache. All ids are below `nb_ids`. O(pairs), without a branch that depends on them;
-/// `scratch` lends memory and its contents are lost.
+/// fit a cache. All ids are below `nb_ids`. O(pairs), without a branch that depends on them; the
+/// contents of `scratch` are overwritten.
 void sortPairs(std::vector<BoxPair>* pairs, std::size_t nb_ids, std::vector<BoxPair>* scratch);
 
 }  // namespace collision_pairs

@@ -5,7 +5,7 @@
 namespace collision_pairs {
 namespace {
 
-// Clusters within clusters are cut this often; what is crowded still is swept as it is.
+// Clusters within clusters are split at most this often; what is still crowded is swept as it is.
 constexpr std::size_t MAX_DEPTH = 6;
 constexpr std::size_t SAMPLE = 256;
 
@@ -21,8 +21,8 @@ struct Bins {
   }
 };
 
-// The range of the middle of a small sample, a little widened: one box far off must not push
-// all others into one bin.
+// The range of the middle of a small sample, slightly widened: one distant box must not push all
+// others into one bin.
 Bins chooseBins(const Record* records, std::size_t count, int axis) {
   constexpr std::size_t PROBES = 16;
   constexpr std::size_t TAIL = PROBES / 10;
@@ -76,7 +76,7 @@ void ColumnSweep::sweep(const Record* records, std::size_t count, int axis, std:
   appendMovingPairs(*candidates, test_, &pairs_);
 }
 
-// Cuts into columns and sweeps each; false, and nothing is done, where that does not help.
+// Splits into columns and sweeps each. False, with nothing done, if that would not help.
 bool ColumnSweep::cut(const Record* records, std::size_t count, double tests_per_box,
                       std::size_t depth) {
   if (depth >= MAX_DEPTH) return false;
@@ -93,9 +93,9 @@ bool ColumnSweep::cut(const Record* records, std::size_t count, double tests_per
   return true;
 }
 
-// Counting sort into bins along the axis. A row of the sweep ends with the bin in which its box
-// ends: whatever overlaps it and does not come before it stands in between. Returns the number
-// of tests that the sweep will take.
+// Counting sort into bins along the axis. The row of a box ends with the bin in which the box ends:
+// whatever overlaps it and does not precede it lies in between. Returns the number of tests of the
+// sweep.
 std::size_t ColumnSweep::sort(const Record* records, std::size_t count, int axis) {
   const Bins bins = chooseBins(records, count, axis);
   bins_.assign(bins.count + 1, 0);
@@ -107,7 +107,7 @@ std::size_t ColumnSweep::sort(const Record* records, std::size_t count, int axis
   const PackedStorage::Writer write = packed_.writer();
   if (row_end_.size() < count) row_end_.resize(count + count / 2);
   std::uint32_t* const row_end = row_end_.data();
-  // Placing moves each bin's entry from its begin to its end.
+  // Writing the records moves each bin's entry from its begin to its end.
   for (std::size_t i = 0; i < count; ++i) {
     const std::uint32_t place = places[bins(records[i].lo[axis])]++;
     write(place, records[i]);

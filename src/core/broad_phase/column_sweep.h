@@ -17,8 +17,8 @@ namespace collision_pairs {
 struct SweepTuning {
   /// Up to this many pairs of boxes are tested in double right away.
   std::uint32_t direct_up_to = 60;
-  /// Up to this many moving boxes each is tested against each, packed, with nothing sorted: for
-  /// few boxes that is quicker than any order. None: as many as the kernel says.
+  /// Up to this many moving boxes each is tested against each, packed, with nothing sorted: for few
+  /// boxes this is faster than sorting. None: the kernel's own limit.
   std::optional<std::uint32_t> packed_up_to;
   /// A sweep over more boxes than this is cut into columns first.
   std::uint32_t column_size = 2048;
@@ -26,8 +26,8 @@ struct SweepTuning {
   std::uint32_t tests_per_box = 48;
   /// The axis to sweep along: 0, 1, 2, or -1 to choose it from the boxes.
   int axis = -1;
-  /// Threads that share the columns of one cycle. They are started for the cycle (and that
-  /// allocates), so more than one pays from about 20,000 moving boxes on.
+  /// Threads that share the columns of one cycle. They are started for the cycle, which allocates,
+  /// so more than one pays off from about 20,000 moving boxes on.
   int threads = 1;
 };
 
@@ -38,7 +38,8 @@ class ColumnSweep {
 
   void begin(const SweepTuning& tuning, const PairTest& test, std::uint32_t unsure);
 
-  /// All pairs of the records along `axis`, each once. `depth`: how often they were cut already.
+  /// All pairs of the records, each once, by a sweep along `axis`. `depth`: how often they were
+  /// split already.
   void sweep(const Record* records, std::size_t count, int axis, std::size_t depth);
 
   std::vector<BoxPair>& pairs() { return pairs_; }
@@ -59,10 +60,10 @@ class ColumnSweep {
   std::vector<BoxPair> pairs_;
 };
 
-/// The axis that the tuning asks for, or else the one that the spread of the boxes gives.
+/// The axis set in `tuning`, or else sweepAxis() of the boxes.
 int chooseAxis(const SweepTuning& tuning, const Spread& spread);
 
-/// The spread of at most `sample` of the records, taken evenly.
+/// The spread of at most `sample` of the records, evenly spaced in their order.
 Spread sampleSpread(const Record* records, std::size_t count, std::size_t sample);
 
 }  // namespace collision_pairs

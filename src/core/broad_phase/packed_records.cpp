@@ -20,7 +20,7 @@ NarrowMap makeNarrowMap(const Eigen::Vector3d& origin, double growth) {
   return map;
 }
 
-// The kernel reads 16 bytes behind a box, which the last box does not have.
+// The kernel reads 16 bytes past a box, which is past the end of the array for the last one.
 void narrowBoxes(const SweepKernel& kernel, const NarrowMap& map, const std::vector<Aabb>& boxes,
                  const std::uint32_t* models, Record* out) {
   if (boxes.empty()) return;
@@ -39,7 +39,7 @@ Eigen::Vector3d sceneOrigin(const std::vector<Aabb>& boxes) {
   Eigen::Vector3d origin;
   for (int k = 0; k < 3; ++k) {
     const double median = std::max(std::min(a[k], b[k]), std::min(std::max(a[k], b[k]), c[k]));
-    // NaN (a refused box) or the midst of a half-space tells nothing.
+    // The centre of a refused box (NaN) or of a half-space is no use as an origin.
     origin[k] = median > -1e150 && median < 1e150 ? median : 0.0;
   }
   return origin;

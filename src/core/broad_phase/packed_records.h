@@ -1,4 +1,5 @@
-// Boxes narrowed to records, and reused memory in the forms that the kernels read and write.
+// Boxes converted to float records, and reused memory in the layouts that the kernels read and
+// write.
 #pragma once
 
 #include <algorithm>
@@ -13,15 +14,15 @@
 
 namespace collision_pairs {
 
-/// The map that narrows boxes relative to `origin`, grown by `growth` metres to each side.
+/// The map from boxes to records relative to `origin`, enlarged by `growth` metres on each side.
 NarrowMap makeNarrowMap(const Eigen::Vector3d& origin, double growth);
 
-/// Narrows boxes; box i gets the tag i. `out` has room for all of them.
+/// Converts boxes to records; box i gets the tag i. `out` has room for all of them.
 void narrowBoxes(const SweepKernel& kernel, const NarrowMap& map, const std::vector<Aabb>& boxes,
                  const std::uint32_t* models, Record* out);
 
-/// The median, axis by axis, of the centres of the first, the middle and the last box: in the
-/// midst of the scene even if one of them is a half-space or far off.
+/// The median, axis by axis, of the centres of the first, the middle and the last box: amid the
+/// scene even if one of them is a half-space or far away.
 Eigen::Vector3d sceneOrigin(const std::vector<Aabb>& boxes);
 
 /// How far apart on one axis two boxes may be, metres, if squaredReach() may still accept them:
@@ -31,18 +32,18 @@ inline double axisReach(double alarm_distance) { return alarm_distance * (1.0 + 
 /// Records as structure of arrays, with the kernels' padding. Keeps its memory.
 class PackedStorage {
  public:
-  /// Makes room for n records, whatever they held before, and pads behind them.
+  /// Makes room for n records, whose contents are undefined, and pads behind them.
   void resize(std::size_t n) {
     if (n + PADDING > stride_) {
       stride_ = n + n / 2 + PADDING;
       floats_.resize(6 * stride_);
       ints_.resize(2 * stride_);
     }
-    // Lower sides and negated upper sides without end, so that the sum with any other is too.
+    // Infinite lower sides and negated upper sides, so that the sum with any other is infinite.
     constexpr float INF = std::numeric_limits<float>::infinity();
     for (std::size_t k = 0; k < 6; ++k) std::fill_n(floats_.data() + k * stride_ + n, PADDING, INF);
   }
-  /// Where the records' parts go. A copy of it in a local need not be loaded after each store.
+  /// Where to write the records. Keep a copy in a local, which is not reloaded after each store.
   struct Writer {
     float *lo0, *lo1, *lo2, *minus_hi0, *minus_hi1, *minus_hi2;
     std::uint32_t *tag, *model;
@@ -75,7 +76,7 @@ class PackedStorage {
   std::vector<std::uint32_t> ints_;
 };
 
-/// Owner of a candidate list that kernels fill.
+/// Owns a candidate list that kernels fill.
 class CandidateStorage {
  public:
   Candidates* clear() {

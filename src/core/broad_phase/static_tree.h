@@ -10,9 +10,9 @@ namespace collision_pairs {
 
 /// Boxes in the order of a k-d tree (median cuts across the axis on which the centres spread
 /// most, at multiples of 16), 16 to a leaf, 16 leaves to a node and so on: S. Leutenegger,
-/// M. Lopez, J. Edgington, "STR: a simple and efficient algorithm for R-tree packing" (1997),
-/// with median cuts in place of its tiles. Records are relative to origin() and not grown; who
-/// asks grows the box asked for by the whole reach.
+/// M. Lopez, J. Edgington, "STR: a simple and efficient algorithm for R-tree packing" (1997), with
+/// median cuts in place of its tiles. Records are relative to origin() and not enlarged; callers
+/// enlarge the query box by the whole reach.
 class StaticTree {
  public:
   StaticTree(std::vector<Aabb> boxes, std::vector<std::uint32_t> models);

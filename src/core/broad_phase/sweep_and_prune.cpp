@@ -18,7 +18,7 @@ constexpr double MAX_ALARM = 1e150;
 
 }  // namespace
 
-// What a cycle needs besides its boxes. All of it is memory; nothing in it outlives a cycle.
+// What a cycle needs besides its boxes: scratch memory only, no state is kept between cycles.
 struct SweepAndPrune::Engine {
   explicit Engine(const SweepTuning& chosen) : tuning(chosen) {}
 
@@ -37,10 +37,10 @@ struct SweepAndPrune::Engine {
   double alarm_distance = 0.0;
   const StaticBoxes* fixed = nullptr;
   PairTest test;
-  // Without an alarm distance, strict overlap in float says enough; with one it is the Euclidean
-  // gap that counts, and each candidate is looked at in double.
+  // Without an alarm distance, strict overlap in float is proof; with one the Euclidean gap
+  // decides, and each candidate is tested in double.
   std::uint32_t unsure = 0;
-  int axis = -1;  // not asked for yet
+  int axis = -1;  // not determined yet
 
   std::vector<Record> records;
   PackedStorage packed;
@@ -76,7 +76,7 @@ void SweepAndPrune::begin(double alarm_distance, const StaticBoxes* static_boxes
 }
 
 void SweepAndPrune::refuse(std::uint32_t id) {
-  // Endlessly far from every other box, and no NaN.
+  // Infinitely far from every other box, and not NaN.
   boxes_.back().min.setConstant(std::numeric_limits<double>::infinity());
   boxes_.back().max.setConstant(-std::numeric_limits<double>::infinity());
   refused_.push_back(id);
@@ -97,7 +97,7 @@ const std::vector<BoxPair>& SweepAndPrune::end() {
     return pairs_;
   }
 
-  // Static ids come first, so these pairs, once sorted, stand before all others.
+  // Static ids come first, so these pairs, once sorted, precede all others.
   if (nb_static_ > 0) engine.meetStatic(boxes_, &pairs_);
   const bool few = boxes_.size() <= engine.tuning.packed_up_to.value_or(engine.kernel->each_up_to);
   const std::size_t nb_ids = nb_static_ + boxes_.size();
@@ -118,7 +118,7 @@ int SweepAndPrune::axis() const {
   return engine_->axis;
 }
 
-// A handful of boxes: preparing anything would take longer. In the order of the pairs.
+// Very few boxes: any preparation would take longer. The pairs are found in sorted order.
 void SweepAndPrune::Engine::testDirectly(const std::vector<Aabb>& boxes,
                                          std::vector<BoxPair>* pairs) const {
   const auto count = static_cast<std::uint32_t>(boxes.size());
@@ -152,7 +152,7 @@ void SweepAndPrune::Engine::narrow(const std::vector<Aabb>& boxes, const NarrowM
   narrowBoxes(*kernel, map, boxes, test.models, records.data());
 }
 
-// Each moving box against the tree of static ones, grown by the whole reach.
+// Each moving box against the tree of static ones, enlarged by the whole reach.
 void SweepAndPrune::Engine::meetStatic(const std::vector<Aabb>& boxes,
                                        std::vector<BoxPair>* pairs) {
   pack(boxes, makeNarrowMap(fixed->tree_->origin(), axisReach(alarm_distance)));
@@ -162,7 +162,7 @@ void SweepAndPrune::Engine::meetStatic(const std::vector<Aabb>& boxes,
   appendStaticPairs(*found, test, *fixed->tree_, pairs);
 }
 
-// Few boxes: each against all that follow. Rows in the order of ids give sorted pairs.
+// Few boxes: each against all that follow. Rows in order of ids give sorted pairs.
 void SweepAndPrune::Engine::sweepPacked(const std::vector<Aabb>& boxes,
                                         std::vector<BoxPair>* pairs) {
   const auto count = static_cast<std::uint32_t>(boxes.size());
@@ -173,13 +173,13 @@ void SweepAndPrune::Engine::sweepPacked(const std::vector<Aabb>& boxes,
   appendMovingPairs(*found, test, pairs);
 }
 
-// Many boxes: narrow them, cut them into columns, sort and sweep each column.
+// Many boxes: convert them to records, split them into columns, sort and sweep each column.
 void SweepAndPrune::Engine::sweepColumns(const std::vector<Aabb>& boxes,
                                          const std::vector<std::uint32_t>& refused,
                                          std::vector<BoxPair>* pairs) {
   narrow(boxes, makeNarrowMap(sceneOrigin(boxes), 0.5 * axisReach(alarm_distance)));
   std::size_t count = boxes.size();
-  if (!refused.empty()) {  // wherever thousands of them were put, they would all meet each other
+  if (!refused.empty()) {  // left in one place, thousands of them would all overlap each other
     const auto is_refused = [&](const Record& record) {
       return std::binary_search(refused.begin(), refused.end(), test.nb_static + record.tag);
     };
@@ -209,7 +209,7 @@ void SweepAndPrune::Engine::sweepColumns(const std::vector<Aabb>& boxes,
   }
 }
 
-// Who sweeps which column does not matter: the pairs are sorted afterwards.
+// Which thread sweeps which column does not matter: the pairs are sorted afterwards.
 void SweepAndPrune::Engine::shareCells() {
   inParallel(sweepers.size(), columns.nbCells(), [this](std::size_t thread, std::size_t cell) {
     const auto id = static_cast<std::uint32_t>(cell);

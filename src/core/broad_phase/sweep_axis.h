@@ -16,16 +16,16 @@ struct Spread {
   double deviation[3] = {0, 0, 0};
   double size[3] = {0, 0, 0};
 
-  /// The range that the centres fill if they are spread evenly: sqrt(12) deviations.
+  /// The range of the centres if they are uniformly distributed: sqrt(12) deviations.
   double range(int axis) const { return 3.4641016151377544 * deviation[axis]; }
-  /// The share of the boxes that one box meets on this axis alone, about.
+  /// Approximate share of the boxes that one box overlaps on this axis alone.
   double crowd(int axis) const {
     const double all = range(axis) + size[axis];
     return all > 0.0 ? size[axis] / all : 1.0;
   }
 };
 
-/// Two passes, so that nothing cancels far from the origin. `get(i)` gives the i-th record.
+/// Two passes, to avoid cancellation far from the origin. `get(i)` gives the i-th record.
 template <class Get>
 Spread measureSpread(Get get, std::size_t count) {
   constexpr float FAR_AWAY = 1e15f;
@@ -62,7 +62,7 @@ Spread measureSpread(Get get, std::size_t count) {
   return spread;
 }
 
-/// The axis of greatest variance, except where the boxes are so long on it that each meets a
+/// The axis of greatest variance, except where the boxes are so long on it that each overlaps a
 /// third of the others (parallel rods) and another axis prunes three times better. Costs a few
 /// comparisons.
 inline int sweepAxis(const Spread& spread) {

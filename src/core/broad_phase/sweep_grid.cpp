@@ -5,12 +5,11 @@
 namespace collision_pairs {
 namespace {
 
-// Candidates that one SIMD load takes; a sweep that tests fewer wastes lanes.
+// Boxes tested by one SIMD instruction; a sweep that tests fewer wastes lanes.
 constexpr double TESTS_IN_A_COLUMN = 16.0;
-// More cells than this at once, and the places that records are written to no longer fit the
-// caches of addresses.
+// With more cells than this, the write positions of the cells no longer fit the TLB.
 constexpr double MOST_CELLS = 4096.0;
-// On one axis: what a CellSpan can hold.
+// Per axis: the range of a CellSpan.
 constexpr double MOST_CELLS_ON_AN_AXIS = 1000.0;
 
 CellMap makeCellMap(const SweepGrid& grid) {
@@ -25,8 +24,8 @@ CellMap makeCellMap(const SweepGrid& grid) {
   return map;
 }
 
-// Calls use(cell, later) with the number of each cell of a span, and the tag bits of a copy that
-// is not the first.
+// Calls use(cell, later) for each cell of a span; `later` are the tag bits of a copy that is not
+// the first.
 template <class Use>
 void forEachCell(const SweepGrid& grid, CellSpan span, Use use) {
   constexpr std::uint32_t MASK = 1023;
@@ -41,7 +40,7 @@ void forEachCell(const SweepGrid& grid, CellSpan span, Use use) {
   }
 }
 
-// How many cells fit along an axis if none is narrower than three mean boxes.
+// Number of cells along an axis if none is narrower than three mean boxes.
 double mostCells(const Spread& spread, int axis) {
   constexpr double NARROWEST = 3.0;
   const double narrowest = NARROWEST * spread.size[axis];
@@ -69,7 +68,7 @@ SweepGrid chooseGrid(const Spread& spread, int axis, std::size_t count, double t
   const double most_u = mostCells(spread, u);
   const double most_v = mostCells(spread, v);
   const double wanted = std::min(tests_per_box / TESTS_IN_A_COLUMN, MOST_CELLS);
-  // Both ways the same number of mean boxes wide, unless one way has no room for that.
+  // Along both axes the same number of mean boxes wide, unless one axis is too short for that.
   const double shrink = std::sqrt(std::min(1.0, wanted / (most_u * most_v)));
   double cells_u = std::max(1.0, most_u * shrink);
   double cells_v = std::max(1.0, most_v * shrink);

@@ -21,13 +21,14 @@ struct SweepGrid {
 };
 
 /// Columns along `axis` so wide that a sweep in one of them tests a box against about one SIMD
-/// load of others, if without columns it tests against `tests_per_box`; never narrower than
-/// three mean boxes, as boxes on a border are copied to both sides. Across the sweep axis it cuts
-/// where a piece would hold more than `column_size` of the `count` boxes.
+/// register of others, given that a sweep without columns tests it against `tests_per_box`. Never
+/// narrower than three mean boxes, since boxes on a border are copied to both sides. Columns are
+/// split across the sweep axis where a piece would hold more than `column_size` of the `count`
+/// boxes.
 SweepGrid chooseGrid(const Spread& spread, int axis, std::size_t count, double tests_per_box,
                      std::uint32_t column_size);
 
-/// Half as many cells each way.
+/// Half as many cells along each axis.
 SweepGrid coarser(SweepGrid grid);
 
 /// Records sorted into the cells of a grid, copied where they reach into several. Keeps its
@@ -36,8 +37,8 @@ class GridLevel {
  public:
   explicit GridLevel(const SweepKernel* kernel) : kernel_(kernel) {}
 
-  /// False, and nothing is to be read, where cutting does not pay: one cell, or so many copies
-  /// that the grid was made coarser until one cell was left.
+  /// False if splitting does not pay off: one cell, or so many copies that the grid was made
+  /// coarser until one cell was left. The records are then undefined.
   bool fill(const SweepGrid& grid, const Record* records, std::size_t n);
 
   std::uint32_t nbCells() const { return grid_.nbCells(); }

@@ -1,4 +1,4 @@
-// The kernels every machine can run, and the choice among all of them.
+// The kernels that run on every machine, and the choice among all kernels.
 #include "sweep_kernel.h"
 
 #include <cstring>

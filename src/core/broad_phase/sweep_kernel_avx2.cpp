@@ -1,4 +1,4 @@
-// 8 lanes. Compiled for AVX2; entered only where the machine has it.
+// 8 lanes. Compiled for AVX2; called only if the machine supports it.
 #include <immintrin.h>
 
 #include "sweep_kernel_loops.h"
@@ -6,7 +6,7 @@
 namespace collision_pairs {
 namespace {
 
-/// For each set of lanes: which of the eight come first, in order, if only those of the set count.
+/// For each set of lanes, the permutation that moves the lanes of the set to the front, in order.
 struct Compressions {
   alignas(64) std::uint8_t lane[256][8] = {};
   constexpr Compressions() {
@@ -46,7 +46,7 @@ struct Avx2Lanes {
   }
   static std::uint32_t bits(Mask m) { return static_cast<std::uint32_t>(_mm256_movemask_ps(m)); }
 
-  // Compresses by a table: a loop over the set lanes would be guessed wrong at most ends.
+  // Compresses by a table: the end of a loop over the set lanes would be mispredicted mostly.
   static std::size_t append(Mask closed, Mask open, std::uint32_t id, const std::uint32_t* tags,
                             std::uint32_t unsure, std::uint32_t* first, std::uint32_t* second) {
     const std::uint32_t set = bits(closed);

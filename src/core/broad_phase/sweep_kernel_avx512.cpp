@@ -1,4 +1,4 @@
-// 16 lanes. Compiled for AVX-512; entered only where the machine has it.
+// 16 lanes. Compiled for AVX-512; called only if the machine supports it.
 #include <immintrin.h>
 
 #include "sweep_kernel_loops.h"

@@ -20,8 +20,8 @@ struct OneBox {
     }
   }
 
-  /// The box around the first nb_boxes, for meetNode() alone: of no model. It meets whatever one of
-  /// them meets, because a float sum grows with what is added.
+  /// The box around the first nb_boxes, of no model, for meetNode() only. It overlaps whatever one
+  /// of them overlaps, because float addition is monotone.
   static OneBox around(const PackedBoxes& boxes, std::uint32_t nb_boxes) {
     OneBox all(boxes, 0);
     for (int k = 0; k < 3; ++k) {
@@ -37,8 +37,7 @@ struct OneBox {
   }
 };
 
-/// How far apart `box` and those from j on are on the axis on which they are furthest apart;
-/// negative where they overlap.
+/// Largest gap over the axes between `box` and those from j on; negative where they overlap.
 template <class Lanes>
 inline typename Lanes::Floats apart(const OneBox<Lanes>& box, const PackedBoxes& boxes,
                                     std::size_t j) {
@@ -65,8 +64,8 @@ inline std::size_t appendOneByOne(std::uint32_t closed, std::uint32_t open, std:
   return count;
 }
 
-// The boxes come by value: vector stores may alias anything, and what is in a local of this
-// function does not have to be loaded again after each.
+// The boxes are passed by value: vector stores may alias anything, but a local of this function
+// need not be reloaded after each store.
 template <class Lanes>
 void sweepRows(PackedBoxes boxes, const std::uint32_t* row_end, std::uint32_t nb_rows,
                std::uint32_t unsure, Candidates* out) {
@@ -110,14 +109,14 @@ inline void meetLeaf(const OneBox<Lanes>& box, std::uint32_t id, const PackedBox
     const auto gap = apart(box, boxes, k);
     const auto hit =
         Lanes::both(Lanes::notPositive(gap), Lanes::differ(box.model, boxes.model + k));
-    if (Lanes::bits(hit) == 0) continue;  // as it is for most leaves
+    if (Lanes::bits(hit) == 0) continue;  // true for most leaves
     out->count += Lanes::append(hit, Lanes::negative(gap), id, boxes.tag + k, unsure,
                                 out->first + out->count, out->second + out->count);
   }
 }
 
-/// Calls see(first box) for each leaf that may hold a box that meets this one, until it says false;
-/// says whether that never was.
+/// Calls see(first box) for each leaf that may hold a box that overlaps this one, until it returns
+/// false. True if it never did.
 template <class Lanes, class See>
 inline bool walkLeaves(const OneBox<Lanes>& box, const TreeView& tree, const See& see) {
   if (tree.nb_boxes <= SCAN_UP_TO) {
@@ -126,7 +125,7 @@ inline bool walkLeaves(const OneBox<Lanes>& box, const TreeView& tree, const See
     }
     return true;
   }
-  // Level and first box of the nodes still to be seen; each level leaves at most 16 behind.
+  // Level and first box of the nodes still to be visited; each level pushes at most 16.
   struct Node {
     std::uint32_t level, begin;
   };
@@ -148,7 +147,7 @@ inline bool walkLeaves(const OneBox<Lanes>& box, const TreeView& tree, const See
   return true;
 }
 
-/// The leaves that hold a box that meets the one around all boxes, if they are few.
+/// The leaves that hold a box that overlaps the one around all query boxes, if they are few.
 template <class Lanes>
 struct CommonLeaves {
   std::uint32_t begin[SCAN_UP_TO / FAN_OUT];
@@ -165,12 +164,12 @@ struct CommonLeaves {
   }
 };
 
-// The boxes of a query are those of a robot: together they reach few of what stands in a large
-// world, and one walk for all of them finds out.
+// The boxes of a query are those of a robot. In a large world they are near few static boxes, which
+// one descent for all of them finds.
 template <class Lanes>
 void queryTree(const TreeView& tree, PackedBoxes boxes, std::uint32_t nb_boxes,
                std::uint32_t unsure, Candidates* out) {
-  constexpr std::uint32_t ONE_BY_ONE = 3;  // for so few a walk in common is one too many
+  constexpr std::uint32_t ONE_BY_ONE = 3;  // with so few boxes a common descent does not pay off
   CommonLeaves<Lanes> common;
   if (nb_boxes > ONE_BY_ONE) common.find(OneBox<Lanes>::around(boxes, nb_boxes), tree);
   if (common.are_few && common.count == 0) return;
@@ -188,7 +187,7 @@ void queryTree(const TreeView& tree, PackedBoxes boxes, std::uint32_t nb_boxes,
   }
 }
 
-// Eight lanes in the compiler's own terms: one, two or four registers.
+// Eight lanes as compiler vector types: one, two or four registers.
 typedef double Doubles8 __attribute__((vector_size(64)));
 typedef float Floats8 __attribute__((vector_size(32)));
 typedef std::int32_t Ints8 __attribute__((vector_size(32)));

@@ -12,12 +12,12 @@
 namespace collision_pairs {
 namespace {
 
-constexpr std::size_t BLOCK = 16;        // states taken at a time: less than 0.1 ms of work, mostly
-constexpr std::size_t STAGE_BLOCK = 64;  // the same, and whole groups
+constexpr std::size_t BLOCK = 16;        // states per piece of work: usually less than 0.1 ms
+constexpr std::size_t STAGE_BLOCK = 64;  // the same, in whole groups of lanes
 
 }  // namespace
 
-/// What a thread needs for the batch stage, kept from batch to batch.
+/// Data of one thread for the batch stage, kept from batch to batch.
 struct BatchCheck::StageOfThread {
   StageOfThread(const std::shared_ptr<const CollisionScene>& scene, const BatchStage& stage)
       : group(stage), open(scene, stage.fidelity()) {}
@@ -25,18 +25,18 @@ struct BatchCheck::StageOfThread {
   OpenPairs open;
 };
 
-/// That of one fidelity.
+/// The stage of one fidelity.
 struct BatchCheck::Stage {
-  std::size_t nb_verdicts = 0;  // of joint states, asked for so far
+  std::size_t nb_verdicts = 0;  // requested so far
   bool was_tried = false;
   std::unique_ptr<const BatchStage> stage;
-  std::vector<std::unique_ptr<StageOfThread>> of_threads;  // one a detector
+  std::vector<std::unique_ptr<StageOfThread>> of_threads;  // one per detector
 };
 
-/// What a thread does with the joint states of one batch.
+/// Processes joint states of one batch on one thread.
 class BatchCheck::JointsOfThread {
  public:
-  /// stage: null where all come to the exact check.
+  /// stage: null if all states go to the exact check.
   JointsOfThread(const CollisionScene& scene, CollisionDetector& detector, StageOfThread* stage,
                  const CheckSettings& settings, const Positions& positions,
                  const CloudVoxels& voxels, const Take& take)
@@ -50,7 +50,7 @@ class BatchCheck::JointsOfThread {
     poses_.voxels = voxels;
   }
 
-  /// The states begin … end - 1.
+  /// Processes the states begin … end - 1.
   void run(std::size_t begin, std::size_t end) {
     const std::size_t step = group_ ? static_cast<std::size_t>(group_->lanes()) : 1;
     for (; begin < end; begin += step) {
@@ -149,7 +149,7 @@ class BatchCheck::JointsOfThread {
   std::vector<BoxPair> pairs_;
   std::vector<std::uint32_t> beside_static_;
   CollisionReport settled_;
-  double share_ = 0.0;  // of a state of the group in the time of the stage, s
+  double share_ = 0.0;  // a state's share of the stage's time for its group, s
 };
 
 BatchCheck::BatchCheck(std::shared_ptr<const CollisionScene> scene, unsigned threads)
@@ -177,7 +177,7 @@ void BatchCheck::run(std::size_t count, const CheckSettings& settings, const Pos
 void BatchCheck::runJoints(std::size_t count, const CheckSettings& settings,
                            const Positions& positions, const CloudVoxels& voxels,
                            const Take& take) {
-  if (count > 0) checkSettings(settings);  // what the batch stage settles no detector sees
+  if (count > 0) checkSettings(settings);  // detectors do not see all states
   Stage* const stage = stageFor(count, settings);
   const std::size_t size = stage != nullptr ? STAGE_BLOCK : BLOCK;
   const std::size_t nb_blocks = count / size + (count % size > 0);

@@ -5,12 +5,12 @@
 
 namespace collision_pairs {
 
-constexpr double MAX_REACH = 1e150;  // metres: the square of what is swept must be finite
+constexpr double MAX_REACH = 1e150;  // metres: squares of coordinates must be finite
 
-/// Throws InputError for settings that are out of range or no number.
+/// Throws InputError for settings that are out of range or not a number.
 void checkSettings(const CheckSettings& settings);
 
-/// The same, and for poses and voxels that are not those of the scene.
+/// The same, and for poses and voxels that do not match the scene.
 void checkInput(const CollisionScene& scene, const BodyPoses& poses, const CheckSettings& settings);
 
 }  // namespace collision_pairs

@@ -21,8 +21,8 @@ namespace {
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
 
-/// Adds the time since it was made, or since its last split(), to one stage; nothing if it is not
-/// `wanted`.
+/// split() adds the time since construction, or since the last split(), to one stage; nothing
+/// unless `wanted`.
 class StageClock {
  public:
   explicit StageClock(bool wanted) : wanted_(wanted) {
@@ -98,7 +98,7 @@ const CollisionReport& CollisionDetector::run(const BodyPoses& poses) {
   StageClock clock(settings_.stage_times), whole(settings_.stage_times);
   const Deadline deadline(clock_, settings_.time_budget);
   beginPairs();
-  rebuildBoxes(poses);  // of every element at its pose; loose where tight ones cost more
+  rebuildBoxes(poses);  // of every element at its pose; loose if tight ones cost more
   if (!scene_->clouds().empty()) takeVoxels(poses);
   clock.split(report_.times.boxes);
   sweep(settings_.alarm_distance, report_.candidates);  // axis, sort, sweep
@@ -109,7 +109,7 @@ const CollisionReport& CollisionDetector::run(const BodyPoses& poses) {
   if (only_verdict) {
     findFirstContact();
   } else if (deadline.isSet()) {
-    measureInTime(deadline);  // the most suspicious candidates first
+    measureInTime(deadline);  // the nearest candidates first
   } else {
     measureCandidates();  // contacts and near pairs among the candidates
   }
@@ -139,8 +139,8 @@ void CollisionDetector::beginPairs() {
   voxel_search_->begin(*scene_, boxes_->X_WE(), boxes_->boxes(), *ladder_);
 }
 
-// On all cores. Those of links that only ~link_fidelity checks by spheres are made by the first
-// pair.
+// On all cores. Links that use spheres only because of ~link_fidelity get theirs when a pair first
+// needs them.
 void CollisionDetector::makeSpheres() {
   const auto& elements = scene_->elements();
   inParallel(nbThreads(0, elements.size()), elements.size(), [&](std::size_t, std::size_t i) {
@@ -162,7 +162,7 @@ void CollisionDetector::rebuildBoxes(const BodyPoses& poses) {
   }
 }
 
-// A candidate is a pair of tight boxes, whichever ones were swept.
+// A candidate is a pair of tight boxes, whichever boxes were swept.
 void CollisionDetector::dropLooseCandidates() {
   if (!some_are_loose_) return;
   const double squared_reach = squaredReach(settings_.alarm_distance);
@@ -259,7 +259,7 @@ void CollisionDetector::measureClouds(const Deadline& deadline) {
   report_.candidates.insert(report_.candidates.end(), cloud_pairs_.begin(), cloud_pairs_.end());
   std::sort(report_.candidates.begin(), report_.candidates.end());
   if (settings_.verdict_only && found_->hasContact()) return;
-  if (deadline.isSet()) sortCloudPairs();  // the most suspicious first
+  if (deadline.isSet()) sortCloudPairs();  // the nearest first
   for (const BoxPair& candidate : cloud_pairs_) {
     const BoxPair pair = ladder_->byModel(candidate);
     const OccupiedVoxels& voxels = voxelsOf(candidate);
@@ -275,8 +275,8 @@ void CollisionDetector::measureClouds(const Deadline& deadline) {
   report_.budget_spent |= report_.nb_unresolved > 0;
 }
 
-// A contact is one of tight boxes, too. They come last, because most pairs of loose boxes are apart
-// by their OBBs or hulls, which cost less than two tight boxes.
+// Contact requires that the tight boxes overlap too. They are tested last, because OBBs or hulls
+// dismiss most pairs of loose boxes at less cost than two tight boxes.
 void CollisionDetector::findFirstContact() {
   const double squared_reach = squaredReach(settings_.alarm_distance);
   for (const BoxPair& candidate : report_.candidates) {
@@ -335,8 +335,9 @@ void CollisionDetector::take(const BoxPair& pair, const PairDistance& found, Fid
   }
 }
 
-// The sweep at a reach that grows until it holds the nearest pair: what it does not hold is
-// further than the reach. Pairs are taken by the gap of their boxes, so that most end at once.
+// Sweeps with a reach that grows until it includes the nearest pair: all other pairs are further
+// apart than the reach. Pairs are processed in order of the gap of their boxes, so that most are
+// dismissed at once.
 void CollisionDetector::searchMinimum(const Deadline& deadline) {
   SmallestDistance best = found_->smallestDistance();
   Aabb moving = noBox();
@@ -344,15 +345,15 @@ void CollisionDetector::searchMinimum(const Deadline& deadline) {
   for (std::size_t i = scene_->nbStaticElements(); i < boxes.size(); ++i) {
     if (boxes[i].valid()) moving = enclosing(moving, boxes[i]);
   }
-  const auto sizeOf = [](const Aabb& box) {  // that of a half-space is not finite
+  const auto sizeOf = [](const Aabb& box) {  // a half-space's is not finite
     return box.valid() ? std::min((box.max - box.min).norm(), MAX_REACH) : 0.0;
   };
   const double extent =
       moving.valid() ? sizeOf(enclosing(moving, scene_->staticBoxes().bounds())) : 0.0;
-  // A floor, or a box that is far away, must not make the first reach hold everything.
+  // A floor, or a distant box, must not make the first reach include everything.
   const double first_reach = std::min(extent / 64.0, sizeOf(moving));
-  double known = settings_.alarm_distance;  // nothing nearer than this is still unknown
-  double measured = -1.0;  // pairs of boxes no further apart than this are done with
+  double known = settings_.alarm_distance;  // all pairs nearer than this are known
+  double measured = -1.0;  // pairs whose boxes are no further apart than this are done
   bool in_time = true;
   for (double reach = std::max({2.0 * known, first_reach, 1e-300});
        best.metres > known && known < extent;

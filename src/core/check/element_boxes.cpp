@@ -37,8 +37,8 @@ void ElementBoxes::prepare(const CollisionScene& scene) {
       const Aabb tight_B = element.boxAt(element.X_BE);
       box.center = tight_B.center();
       box.half = 0.5 * (tight_B.max - tight_B.min);
-      // What the tight box grows by along the axes of W does not turn with the body, lest it
-      // shrinks where the rotation is not quite one.
+      // The margin of the tight box along the axes of W is not rotated with the body, since it
+      // would shrink if the rotation is not quite orthonormal.
       const double growth = element.mesh_bounds->margin + element.box_padding;
       box.margin = growth + ROUNDING * (box.center.lpNorm<1>() + box.half.sum());
       box.half = (box.half.array() - growth).max(0.0);
@@ -66,7 +66,7 @@ void ElementBoxes::rebuild(const BodyPoses& poses, bool all_tight) {
   }
 }
 
-// False where it is not finite; the tight one may be.
+// False if it is not finite; the tight one may be finite.
 bool ElementBoxes::setLoose(const BodyBox& box, const Isometry3d& X_WB, Aabb& loose) const {
   const auto column = [&](int i) -> Vector4d { return X_WB.matrix().col(i); };
   const Vector4d x = column(0), y = column(1), z = column(2), p_WB = column(3);

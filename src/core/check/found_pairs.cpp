@@ -13,7 +13,7 @@ PairState stateOf(const PairDistance& found) {
   return found.certainty == Certainty::DEGRADED ? PairState::UNRESOLVED : PairState::CONTACT;
 }
 
-/// Another pair of elements of the same two models.
+/// Merges another pair of elements of the same two models.
 void mergeInto(PairReport& pair, const PairReport& other) {
   const auto weight = [](PairState state) {
     return state == PairState::CONTACT ? 2 : state == PairState::UNRESOLVED ? 1 : 0;
@@ -30,7 +30,7 @@ Verdict verdictOf(const CollisionReport& report) {
   Verdict verdict = report.left_out.empty() ? Verdict::FREE : Verdict::UNKNOWN;
   for (const PairReport& pair : report.pairs) {
     if (pair.state == PairState::CONTACT) return Verdict::COLLISION;
-    // A lower bound that is positive shows that the two are apart.
+    // A positive lower bound proves that the two are apart.
     if (pair.mayTouch()) verdict = Verdict::UNKNOWN;
   }
   return verdict;

@@ -10,10 +10,10 @@
 
 namespace collision_pairs {
 
-/// The smallest of the distances that were offered.
+/// The smallest of the offered distances.
 struct SmallestDistance {
   double metres = std::numeric_limits<double>::infinity();
-  bool is_bound = true;  ///< none that is known has it: the smallest is no less
+  bool is_bound = true;  ///< a lower bound; no known pair has this distance
 
   void offer(double distance, Certainty certainty) {
     const bool bound = certainty == Certainty::UNFINISHED || certainty == Certainty::DEGRADED;
@@ -35,15 +35,15 @@ class FoundPairs {
   SmallestDistance smallestDistance() const;
   bool hasContact() const;
 
-  /// Fills in pairs, contacts (if they are wanted) and the verdict, and lowers min_distance to what
-  /// was found. left_out must be there already. O(n log n).
+  /// Fills in pairs, contacts (if wanted) and the verdict, and lowers min_distance to the smallest
+  /// found. left_out must be set before. O(n log n).
   void assemble(bool with_contacts, CollisionReport& report);
 
  private:
   void sortByModels();
 
-  std::vector<PairReport> pairs_;  // one an element pair
-  std::vector<Contact> contacts_;  // beside pairs_
+  std::vector<PairReport> pairs_;  // one per element pair
+  std::vector<Contact> contacts_;  // parallel to pairs_
   std::vector<std::uint32_t> order_;
 };
 

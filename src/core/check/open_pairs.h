@@ -11,18 +11,18 @@
 
 namespace collision_pairs {
 
-/// Holds scratch memory only; one per thread. For verdicts.
+/// For verdicts. Holds scratch memory only; one per thread.
 class OpenPairs {
  public:
   OpenPairs(std::shared_ptr<const CollisionScene> scene, Fidelity fidelity);
 
   enum class Outcome { FREE, CONTACT, NOT_SETTLED };
-  /// X_RB: as RobotModel::forwardKinematics() gives them. `pairs`: of elements that move;
-  /// `beside_static`: elements that are asked against all that is static. NOT_SETTLED: one has no
-  /// finite box, or no pair is in contact for certain but one cannot be told: ask the detector.
+  /// X_RB: from RobotModel::forwardKinematics(). `pairs`: of moving elements; `beside_static`:
+  /// moving elements to be checked against all static ones. NOT_SETTLED: an element has no finite
+  /// box, or no pair is certainly in contact but one is undecided: use the detector.
   Outcome check(const std::vector<Eigen::Isometry3d>& X_RB, const std::vector<BoxPair>& pairs,
                 const std::vector<std::uint32_t>& beside_static);
-  /// CONTACT: of these elements, by model.
+  /// For CONTACT: the elements, by model.
   const BoxPair& contact() const { return contact_; }
 
  private:
@@ -33,9 +33,9 @@ class OpenPairs {
   const Fidelity fidelity_;
   PairLadder ladder_;
   SweepAndPrune sweep_;
-  std::vector<Eigen::Isometry3d> X_WE_;  // one an element
+  std::vector<Eigen::Isometry3d> X_WE_;  // one per element
   std::vector<Aabb> boxes_;
-  std::vector<std::uint64_t> placed_;  // an element: the state that it is placed for
+  std::vector<std::uint64_t> placed_;  // by element: the state for which it was placed
   std::uint64_t state_ = 0;
   BoxPair contact_{};
   bool is_doubtful_ = false;

@@ -31,7 +31,8 @@ PairDistance beyond(double lower_bound) {
   return answer;
 }
 
-/// Points and normal from the frame of A, and from the shapes to half the distance that they keep.
+/// Transforms points and normal from the frame of A, and moves the points from the shapes to their
+/// padded surfaces.
 void inWorld(const Isometry3d& X_WA, double padding, PairDistance& found) {
   found.p_ACa = X_WA * found.p_ACa;
   found.p_ACb = X_WA * found.p_ACb;
@@ -55,8 +56,8 @@ std::uint32_t PairLadder::numAnsweredNatively() const {
   return static_cast<std::uint32_t>(narrow_phase_.numAnsweredNatively() - natively_before_);
 }
 
-// The difference of the positions comes first: far from the origin it is exact, while each of them,
-// turned into the frame of A by itself, would be rounded.
+// The difference of the positions comes first: far from the origin it is exact, whereas
+// transforming each position into the frame of A would round.
 Isometry3d PairLadder::relativePose(const Isometry3d& X_WA, const Isometry3d& X_WB) {
   Isometry3d X_AB;
   X_AB.linear().noalias() = X_WA.linear().transpose() * X_WB.linear();
@@ -147,10 +148,10 @@ PairLadder::Answer PairLadder::measureAt(const BoxPair& pair, const Isometry3d& 
   const Isometry3d& X_WE = (*X_WE_)[pair.first];
   inWorld(rung == Fidelity::OBB ? X_WE * a.X_ER : X_WE, padding, found);
   if (!a.loose && !b.loose) return answer;
-  found.p_ACa += a.margin * found.nhat_AB_A;  // onto the grown shapes
+  found.p_ACa += a.margin * found.nhat_AB_A;  // onto the enlarged shapes
   found.p_ACb -= b.margin * found.nhat_AB_A;
-  // The tight axis-aligned box need not enclose the OBB, or a simplified hull. All enclose
-  // the element, so the better bound counts, and this rung never says less than the coarsest.
+  // The tight axis-aligned box need not enclose the OBB, or a simplified hull. All enclose the
+  // element, so the better bound is used, and this rung is never worse than the coarsest.
   const Answer boxes = measureBoxes(pair);
   return boxes.found.distance > found.distance ? Answer{boxes.found, rung} : answer;
 }
@@ -243,7 +244,8 @@ PairLadder::Answer PairLadder::measureBoxes(const BoxPair& pair) const {
   PairDistance found;
   int axis = 0;
   const double widest = gap.maxCoeff(&axis);
-  // Witness points: the nearest points of the two boxes, mid-way where they overlap.
+  // Witness points: the nearest points of the two boxes, in the middle of the overlap on axes where
+  // they overlap.
   const Vector3d lower = a.min.cwiseMax(b.min), upper = a.max.cwiseMin(b.max);
   const Vector3d middle = 0.5 * (lower + upper);
   found.p_ACa = middle.cwiseMax(a.min).cwiseMin(a.max);
@@ -251,7 +253,7 @@ PairLadder::Answer PairLadder::measureBoxes(const BoxPair& pair) const {
   if (widest > 0.0) {
     found.distance = std::sqrt(squaredGap(a, b));
     found.nhat_AB_A = (found.p_ACb - found.p_ACa) / found.distance;
-  } else {  // the least translation along an axis that takes them apart
+  } else {  // the smallest translation along an axis that separates them
     const bool b_is_above = a.center()[axis] <= b.center()[axis];
     found.distance = widest;
     found.nhat_AB_A = (b_is_above ? 1.0 : -1.0) * Vector3d::Unit(axis);
@@ -266,7 +268,7 @@ double PairLadder::obbGap(const BoxPair& pair, const Isometry3d& X_AB) const {
   const SceneElement& b = scene_->elements()[pair.second];
   const double padding = scene_->padding(pair.first, pair.second);
   if (std::isinf(a.box_half[0]) || std::isinf(b.box_half[0])) return -padding;
-  // Nearer by the rounding of the pose.
+  // Reduced by the rounding of the pose.
   const Vector3d p_AB = (X_AB * b.box_center - a.box_center) * (1.0 - ROUNDING);
   return std::sqrt(squaredBoxGap(a.box_half, b.box_half, X_AB.linear(), p_AB)) - padding;
 }

@@ -1,4 +1,5 @@
-// Measures one pair of elements at one rung of the fidelity ladder, or climbs until it is settled.
+// Queries one pair of elements at one rung of the fidelity ladder, or at finer and finer rungs
+// until it is settled.
 #pragma once
 
 #include <vector>
@@ -12,62 +13,63 @@
 
 namespace collision_pairs {
 
-/// Has the poses of the elements in this cycle; all results are in the world frame W.
+/// Refers to the poses of the elements in this cycle; all results are in the world frame W.
 /// A pair is given as (element of the first model, element of the second).
 class PairLadder {
  public:
   struct Answer {
     PairDistance found;  ///< p_ACa, p_ACb and nhat_AB_A measured and expressed in W
-    Fidelity rung;       ///< the geometry that gave the answer
+    Fidelity rung;       ///< the geometry that gave the result
   };
 
-  /// All must live until the last query of the cycle. X_WE: one pose an element.
+  /// All must live until the last query of the cycle. X_WE: one pose per element.
   void begin(const CollisionScene& scene, const std::vector<Eigen::Isometry3d>& X_WE,
              const std::vector<Aabb>& boxes);
 
-  /// At exactly this rung, which the scene must have for the two. What is further apart than
-  /// max_distance comes back as BEYOND.
+  /// At exactly this rung, which the scene must have for the two. BEYOND if further apart than
+  /// max_distance.
   Answer measure(const BoxPair& pair, Fidelity rung, double max_distance);
 
-  /// As measure() at rungOf(pair, top), but ends at the first rung that shows the pair further
-  /// apart than max_distance: that rung encloses `top`, so the answer is the same. A pair of boxes
+  /// As measure() at rungOf(pair, top), but stops at the first rung that proves the pair further
+  /// apart than max_distance: that rung encloses `top`, so the result is the same. A pair of boxes
   /// costs tens of nanoseconds, one of hulls about a microsecond, one of meshes up to a hundred.
-  /// With a tolerance (metres) a search in triangles ends where the lower end of what is certain of
-  /// the distance, which the answer is then, is no more below it: TOLERATED. Contact or not,
-  /// padding included, stays the same.
+  /// With a tolerance (metres) a search in triangles stops when the certified interval of the
+  /// distance is no wider; its lower end is returned as TOLERATED. Contact or not, padding
+  /// included, is not affected.
   Answer climb(const BoxPair& pair, Fidelity top, double max_distance, double tolerance = 0.0);
 
-  /// Only whether the two meet at rung `top`, which is less work than climb(): BOUND at distance 0
-  /// if they do, BEYOND if they do not, DEGRADED if neither could be shown. At a rung that sticks
-  /// out of its elements pairs may meet whose tight boxes do not: that is for the caller to see.
+  /// Only whether the two are in contact at rung `top`, which costs less than climb(): BOUND at
+  /// distance 0 if they are, BEYOND if not, DEGRADED if neither could be proved. At a rung larger
+  /// than the elements, pairs may be in contact whose tight boxes are not: the caller has to test
+  /// these.
   Answer touches(const BoxPair& pair, Fidelity top);
 
-  /// Lower bounds of the signed distance, marked UNFINISHED, or BEYOND where further apart than
+  /// Lower bounds of the signed distance, marked UNFINISHED, or BEYOND if further apart than
   /// max_distance: of the axis-aligned boxes, about 10 ns; of them and the boxes along each
   /// element's axes, 40 ns; of the hulls, never less than `known`, a microsecond.
   Answer boundOfAlignedBoxes(const BoxPair& pair, double max_distance) const;
   Answer boundOfBoxes(const BoxPair& pair, double max_distance) const;
   Answer boundOfHulls(const BoxPair& pair, const Answer& known, double max_distance) const;
 
-  // Lower bounds of the distance of an element from a convex shape where that is at X_WS; not more
-  // than 0 if they may meet. Padding is not taken off.
+  // Lower bounds of the distance of an element from a convex shape at X_WS; <= 0 if they may be in
+  // contact. Padding is not subtracted.
 
-  /// Of their hulls, at rung CONVEX or MESH; about a microsecond.
+  /// By their hulls, at rung CONVEX or MESH; about a microsecond.
   double hullsApart(std::uint32_t element, Fidelity rung, const ConvexCore& shape,
                     const Eigen::Isometry3d& X_WS, double max_distance) const;
-  /// Of the triangles of an element that has some: the shape may lie inside of it.
+  /// By the triangles of an element that has some; the shape may lie inside it.
   double surfaceApart(std::uint32_t element, const ConvexCore& shape, const Eigen::Isometry3d& X_WS,
                       double max_distance);
   /// True if an element that has triangles encloses the point.
   bool holds(std::uint32_t element, const Eigen::Vector3d& p_W) const;
 
-  /// The coarsest of `top` and what the scene has for the two elements.
+  /// The coarsest of `top` and the finest rungs of the two elements in the scene.
   Fidelity rungOf(const BoxPair& pair, Fidelity top) const;
   /// True if climb() to `top` would use triangles, which boundOfHulls() may avoid.
   bool needsTriangles(const BoxPair& pair, Fidelity top) const;
   /// As NarrowPhase::numAnsweredNatively(), since begin().
   std::uint32_t numAnsweredNatively() const;
-  /// The elements of `pair`, first the one of the model with the smaller id.
+  /// The elements of `pair`, the one of the model with the smaller id first.
   BoxPair byModel(const BoxPair& pair) const;
 
  private:
@@ -83,10 +85,9 @@ class PairLadder {
   /// In the frame of the first; the padding is not subtracted. BEYOND: by more than max_distance.
   PairDistance spheresApart(const BoxPair& pair, const Eigen::Isometry3d& X_AB,
                             double max_distance);
-  /// True unless it can be shown that they do not.
+  /// True unless they are proved to be apart.
   bool meets(const BoxPair& pair, Fidelity rung);
-  /// A lower bound of the distance of the two OBBs, less the padding; 0 or less does not mean that
-  /// they meet.
+  /// A lower bound of the distance of the two OBBs minus the padding; <= 0 does not imply overlap.
   double obbGap(const BoxPair& pair, const Eigen::Isometry3d& X_AB) const;
 
   const CollisionScene* scene_ = nullptr;

@@ -14,8 +14,8 @@ using Clock = std::function<double()>;
 
 class Deadline {
  public:
-  /// `budget` seconds from now on; 0: never. The clock must outlive this and is read once at the
-  /// start and once a question.
+  /// `budget` seconds from now; 0: never. The clock must outlive this and is read once at the start
+  /// and once a question.
   Deadline(const Clock& clock, double budget)
       : clock_(budget > 0.0 ? &clock : nullptr), end_(clock_ ? clock() + budget : 0.0) {}
 
@@ -27,22 +27,23 @@ class Deadline {
   double end_;
 };
 
-/// All pairs are bounded by their boxes. Then come two rounds, each by the lower bounds that are
-/// known by then, the smallest first: hulls where triangles would be needed, and everything else
-/// to its end; then the triangles. The deadline is tested before each step of each pair, so it is
-/// exceeded by one narrow query at most; boxes are compared after it too, about 10 ns a pair.
+/// All pairs are bounded by their boxes. Two rounds follow, each in order of increasing lower
+/// bound: first hulls for pairs that need triangles, and all other pairs to completion; then the
+/// triangles. The deadline is tested before each step of each pair, so it is exceeded by one narrow
+/// query at most; boxes are compared even after it, about 10 ns per pair.
 ///
 /// Never drops a pair, and keeps only memory between calls.
 class TimedClimb {
  public:
-  /// What `answer.found.certainty` calls UNFINISHED is a lower bound; all else is settled.
+  /// If `answer.found.certainty` is UNFINISHED, the distance is a lower bound; everything else is
+  /// settled.
   struct Result {
     BoxPair pair;  ///< by model
     PairLadder::Answer answer;
   };
 
   /// One for each candidate, in no particular order, valid until the next call. With
-  /// settings.verdict_only it ends at the first contact, which is then the only result.
+  /// settings.verdict_only it stops at the first contact, which is then the only result.
   const std::vector<Result>& run(const std::vector<BoxPair>& candidates,
                                  const CheckSettings& settings, const Deadline& deadline,
                                  PairLadder& ladder);

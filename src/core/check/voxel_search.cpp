@@ -15,21 +15,21 @@ using Eigen::Vector3i;
 
 constexpr double INF = std::numeric_limits<double>::infinity();
 constexpr double ROUNDING = 64.0 * std::numeric_limits<double>::epsilon();
-constexpr double SAME = 1e-10;  // metres: voxels that are nearer by less are not told apart
+constexpr double SAME = 1e-10;  // metres: smaller differences of voxels' distances are ignored
 
 Aabb grown(const Aabb& box, double metres) {
   const Vector3d all = Vector3d::Constant(metres);
   return {box.min - all, box.max + all};
 }
 
-/// A lower bound of the signed distance of two boxes of the same axes, and of what they enclose:
-/// their gap, or minus the least way along an axis that takes them apart.
+/// A lower bound of the signed distance of two boxes with the same axes, and of what they enclose:
+/// their gap, or minus the smallest translation along an axis that separates them.
 double signedGap(const Vector3d& between) {
   const double widest = between.maxCoeff();
   return widest > 0.0 ? between.cwiseMax(0.0).norm() : widest;
 }
 
-/// A box as a convex shape about its centre, and where that is; grown by what may round.
+/// A box as a convex shape around its centre, and its pose; enlarged by rounding.
 ConvexCore coreOf(const Aabb& box) {
   ConvexCore core;
   core.kind = ConvexCore::Kind::BOX;
@@ -82,7 +82,7 @@ void VoxelSearch::start(const BoxPair& pair, const OccupiedVoxels& voxels, Fidel
   rung_ = rung;
   size_ = element.box_half.norm();
   has_triangles_ = ladder_->needsTriangles(pair, rung);
-  // At rungs that stick out of the box about the element it bounds nothing.
+  // At rungs that are larger than the element's box, the box is no bound.
   const Rung& shape = element.rung(rung);
   has_oriented_ = rung >= Fidelity::CONVEX && !shape.loose && std::isfinite(element.box_half[0]);
   if (has_oriented_) {
@@ -130,8 +130,8 @@ bool VoxelSearch::refine(Entry& entry) {
   return false;
 }
 
-// A cube that is larger than the element mostly holds it. What a voxel without triangles is asked
-// in the end costs no more than hulls.
+// A cube larger than the element mostly contains it. For a voxel without triangles, the final query
+// costs no more than hulls.
 bool VoxelSearch::isWorth(Bound by, const Entry& entry) const {
   if (by == Bound::BOXES) return true;
   if (entry.level < 0) return has_triangles_;
@@ -189,10 +189,11 @@ double VoxelSearch::boundOfTriangles(const Entry& entry) {
   return gap - padding_;
 }
 
-// Of a box that does not meet the triangles. It is all inside or all outside, as are boxes that it
-// touches and that do not meet them either: so one is seldom asked, which takes long.
+// For a box that does not intersect the triangles. It is entirely inside or entirely outside, and
+// so are boxes that touch it and do not intersect them either. So the expensive query is rarely
+// needed.
 bool VoxelSearch::isOutside(const Entry& entry, const Aabb& box) const {
-  if (entry.bound + padding_ > 0.0) return true;  // the hull, or what it is a part of, is apart
+  if (entry.bound + padding_ > 0.0) return true;  // the hull, or that of its parent, is apart
   const auto touchesBox = [&](const Aabb& other) {
     return (box.min.array() <= other.max.array() && other.min.array() <= box.max.array()).all();
   };
@@ -206,7 +207,7 @@ void VoxelSearch::placeVoxel(const VoxelCell& cell) {
   (*boxes_)[of_cloud_] = scene_->elements()[of_cloud_].boxAt(X_WV);
 }
 
-// Nothing that is apart hides a contact.
+// A voxel that is apart must not hide a contact.
 double VoxelSearch::slackOf(double bound) const { return bound > 0.0 || best_ <= 0.0 ? SAME : 0.0; }
 
 void VoxelSearch::take(const PairLadder::Answer& answer, const VoxelCell& cell) {
@@ -217,7 +218,7 @@ void VoxelSearch::take(const PairLadder::Answer& answer, const VoxelCell& cell) 
   if (is_certain && found.touches() && found.distance < contact_.answer.found.distance) {
     contact_ = {answer, cell};
   }
-  // Where it is not certain that the nearest is in contact, others may be.
+  // If contact of the nearest is not certain, others may still be in contact.
   const bool is_sought = nearest_.answer.found.touches() && !contact_.answer.found.touches();
   best_ = is_sought ? INF : nearest_.answer.found.distance;
   if (is_sought) limit_ = std::min(limit_, 0.0);
@@ -280,13 +281,13 @@ VoxelSearch::Found VoxelSearch::touches(const BoxPair& pair, const OccupiedVoxel
 
 void VoxelSearch::measureVoxel(const VoxelCell& cell, Fidelity top, double max_distance) {
   placeVoxel(cell);
-  // Rungs that stick out are the better of two bounds: how far away it is worth to look for them
-  // must not depend on what else is near.
+  // Rungs larger than the element use the better of two bounds, so their search distance must not
+  // depend on what else is near.
   const double reach = has_oriented_ ? std::max(std::min(limit_, best_), 0.0) : max_distance;
   take(ladder_->climb(pair_, top, reach), cell);
 }
 
-// Once any distance is known, finer bounds need not be found further than it.
+// Once any distance is known, nothing further needs finer bounds.
 void VoxelSearch::measureOneOf(const Entry& cube, Fidelity top, double max_distance) {
   Entry nearest = cube;
   double least = INF;

@@ -11,42 +11,41 @@
 
 namespace collision_pairs {
 
-/// Branch and bound, the nearest first (R. Hjaltason, H. Samet, "Distance browsing in spatial
-/// databases", 1999): a heap of cubes and voxels by a lower bound of their signed distance, which
-/// is made finer when one comes to the top: axis-aligned boxes, oriented ones, then the element's
-/// hull and its triangles beside the box about what is occupied in a cube. A voxel is asked of the
-/// ladder as a static box of a world would be, so that all rungs and methods answer the same. What
-/// the bound shows to be no nearer than the best so far by more than 1e-10 m is not asked: of the
-/// voxels of a floor that are all equally near, one is.
+/// Best-first branch and bound (R. Hjaltason, H. Samet, "Distance browsing in spatial databases",
+/// 1999): a heap of cubes and voxels by a lower bound of their signed distance, which is refined
+/// when one reaches the top: axis-aligned boxes, oriented ones, then the element's hull and its
+/// triangles against the box around the occupied part of a cube. Voxels are passed to the ladder
+/// like static boxes of a world, so that all rungs and methods give the same results. Voxels that
+/// are not nearer than the best so far by more than 1e-10 m are skipped: of the equally near voxels
+/// of a floor, only one is queried.
 class VoxelSearch {
  public:
   struct Found {
-    PairLadder::Answer answer;  ///< as of PairLadder
+    PairLadder::Answer answer;  ///< as from PairLadder
     VoxelCell voxel = VoxelCell::Zero();
   };
 
-  /// All must live until the last question of the cycle; poses and boxes of the elements of clouds
-  /// are written to.
+  /// All must live until the last query of the cycle; poses and boxes of the elements of clouds are
+  /// overwritten.
   void begin(const CollisionScene& scene, std::vector<Eigen::Isometry3d>& X_WE,
              std::vector<Aabb>& boxes, PairLadder& ladder);
 
-  /// True if the box of some voxel is no further than `reach` from the element's, including
-  /// padding.
-  // One of the two elements of a pair is that of a cloud, which is not empty.
+  /// True if the box of some voxel is within `reach` of the element's, padding included.
+  // Below, one of the two elements of a pair belongs to a cloud that is not empty.
 
   bool isWithin(const BoxPair& pair, const OccupiedVoxels& voxels, double reach);
 
-  // The pair is by model.
+  // Pairs are by model.
 
-  /// The lower bound of the nearest of their axis-aligned boxes, marked UNFINISHED; BEYOND where
+  /// The lower bound by the nearest of their axis-aligned boxes, marked UNFINISHED; BEYOND if
   /// further apart than max_distance.
   Found boundOfBoxes(const BoxPair& pair, const OccupiedVoxels& voxels, double max_distance);
   /// As PairLadder::touches().
   Found touches(const BoxPair& pair, const OccupiedVoxels& voxels, Fidelity top,
                 const Deadline& deadline);
-  /// As PairLadder::climb(): of the nearest voxel, or of one that is certain to be in contact where
-  /// that of the nearest is not. Where the time is spent before it is known: the deepest contact so
-  /// far, else a lower bound, UNFINISHED.
+  /// As PairLadder::climb(), for the nearest voxel, or for one that is certainly in contact if the
+  /// nearest is not certain. If the time runs out: the deepest contact so far, else a lower bound,
+  /// UNFINISHED.
   Found nearest(const BoxPair& pair, const OccupiedVoxels& voxels, Fidelity top,
                 double max_distance, const Deadline& deadline);
 
@@ -58,7 +57,7 @@ class VoxelSearch {
     std::uint32_t index;  ///< of the cube
     std::int8_t level;    ///< of the cube; -1: a voxel
     Bound by;
-    bool operator<(const Entry& other) const {  // of a heap: the last is its top
+    bool operator<(const Entry& other) const {  // for a heap whose top is the last in this order
       return bound != other.bound ? bound > other.bound : level > other.level;
     }
   };
@@ -67,15 +66,15 @@ class VoxelSearch {
   void start(const BoxPair& pair, const OccupiedVoxels& voxels, Fidelity rung, double max_distance);
   void push(Entry entry);
   Entry pop();
-  /// With a finer bound, pushed again; false where there is none.
+  /// Pushes it again with a finer bound; false if there is none.
   bool refine(Entry& entry);
   bool isWorth(Bound by, const Entry& entry) const;
   void expand(const Entry& cube);
-  /// The box about what is occupied in a cube, or of a voxel.
+  /// The box around the occupied part of a cube, or of a voxel.
   Aabb boxOf(const Entry& entry) const;
   double boundOfAlignedBoxes(const Entry& entry) const;
   double boundOfOrientedBoxes(const Entry& entry) const;
-  /// Of the element's hull, or triangles, and the box.
+  /// Bounds by the element's hull, or its triangles, and the box.
   double boundOfHulls(const Entry& entry) const;
   double boundOfTriangles(const Entry& entry);
   bool isOutside(const Entry& entry, const Aabb& box) const;
@@ -84,7 +83,7 @@ class VoxelSearch {
   void placeVoxel(const VoxelCell& cell);
   bool isHopeless(double bound) const { return bound > limit_ || bound >= best_ - slackOf(bound); }
   double slackOf(double bound) const;
-  /// Metres from the shapes within which something is looked for.
+  /// Search distance from the shapes, metres.
   double reach() const { return std::max(std::min(limit_, best_), 0.0) + padding_; }
   void take(const PairLadder::Answer& answer, const VoxelCell& cell);
   Found unfinished(const Entry& entry);
@@ -95,24 +94,24 @@ class VoxelSearch {
   std::vector<Aabb>* boxes_ = nullptr;
   PairLadder* ladder_ = nullptr;
 
-  // Of one question.
+  // State of one query.
   BoxPair pair_{0, 0};
   std::uint32_t of_cloud_ = 0, of_link_ = 0;
   const OccupiedVoxels* voxels_ = nullptr;
-  double rounding_ = 0.0;  ///< metres: of boxes of voxels
-  Aabb box_;               ///< of the element, in W; grown by all paddings
+  double rounding_ = 0.0;  ///< metres, of boxes of voxels
+  Aabb box_;               ///< of the element, in W; enlarged by all paddings
   Fidelity rung_ = Fidelity::AABB;
   bool has_oriented_ = false;
-  OrientedBox oriented_;  ///< about the element at its rung, in W
+  OrientedBox oriented_;  ///< around the element at its rung, in W
   double padding_ = 0.0;
   double size_ = 0.0;  ///< metres, of the element: half its diagonal
   bool has_triangles_ = false;
-  double limit_ = 0.0;  ///< what is further is not looked for
-  double best_ = 0.0;   ///< what is not nearer is not looked for
+  double limit_ = 0.0;  ///< nothing further is searched
+  double best_ = 0.0;   ///< nothing that is not nearer is searched
   OccupiedVoxels::CellRange cells_;
-  Found nearest_, contact_;  ///< so far: the nearest, the deepest that is certain
+  Found nearest_, contact_;  ///< so far: the nearest, and the deepest certain contact
   std::vector<Entry> heap_;
-  std::vector<Aabb> outside_;  ///< boxes that neither meet the element nor lie inside of it
+  std::vector<Aabb> outside_;  ///< boxes that neither intersect the element nor lie inside it
 };
 
 }  // namespace collision_pairs

@@ -12,10 +12,10 @@ using Eigen::Vector3d;
 
 constexpr double LEAST_EDGE = 0.002;          // metres
 constexpr double MOST_CELLS_ALONG = 1 << 19;  // so that a cell fits in 62 bits
-constexpr double HALF_DIAGONAL = 0.87;        // of a cube's edge; rounded up
-constexpr double ROUNDING = 1e-9;             // metres, and of the size
+constexpr double HALF_DIAGONAL = 0.87;        // relative to a cube's edge; rounded up
+constexpr double ROUNDING = 1e-9;             // metres, and relative to the size
 constexpr std::size_t FIRST_SLOTS = 256;
-constexpr std::size_t MOST_KNOWN = 1u << 20;  // cells: 32 MB; then all are forgotten
+constexpr std::size_t MOST_KNOWN = 1u << 20;  // cells: 32 MB; then all are discarded
 
 const std::shared_ptr<const PreparedShape>& point() {
   static const std::shared_ptr<const PreparedShape> POINT = prepareShape(Sphere{0.0});
@@ -29,8 +29,8 @@ CellsAboutLink::CellsAboutLink(SceneElement element, double padding)
   grown_.center = element.box_center;
   grown_.half = element.box_half;
   grown_.half.array() += padding * (1.0 + ROUNDING) + ROUNDING;
-  // A third of the padding: what is on the surface, and noisy by a quarter of it, is in cells that
-  // are all within.
+  // A third of the padding: points on the surface, with noise of a quarter of the padding, are then
+  // in cells that are entirely within it.
   edge_ = std::max(padding / 3.0, LEAST_EDGE);
   if (grown_.half.allFinite()) edge_ = std::max(edge_, 2.0 * grown_.size() / MOST_CELLS_ALONG);
 }
@@ -67,7 +67,7 @@ double CellsAboutLink::distance(const Vector3d& p_EP, double max_distance,
                                 NarrowPhase& narrow_phase) const {
   const Isometry3d X_EP(Eigen::Translation3d{p_EP});
   const PairDistance found = narrow_phase.distance(*shape_, *point(), X_EP, max_distance);
-  // What is not certain is an obstacle: that is a false alarm at worst.
+  // Uncertain points count as obstacles: at worst a false alarm.
   if (found.certainty == Certainty::DEGRADED) return std::numeric_limits<double>::infinity();
   return found.certainty == Certainty::BOUND ? 0.0 : found.distance;
 }

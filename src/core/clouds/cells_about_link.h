@@ -9,26 +9,26 @@
 
 namespace collision_pairs {
 
-/// One element, and the space about it in cells in its own frame E. Of a cell that was met it is
-/// known whether all of its points, none, or some are no further than the padding.
+/// One element, and the space around it divided into cells in its own frame E. For each visited
+/// cell it is stored whether all, none or some of its points are within the padding.
 class CellsAboutLink {
  public:
   CellsAboutLink(SceneElement element, double padding);
 
-  /// In E; holds all points that are own. Infinite for a half-space.
+  /// In E; contains all own points. Infinite for a half-space.
   const OrientedBox& grownBox() const { return grown_; }
 
   enum class Points : std::uint64_t { UNKNOWN = 0, NONE, ALL, SOME };
-  /// Of the points of the cell of this one, which are own? Never UNKNOWN.
+  /// Which points in this point's cell are own; never UNKNOWN.
   Points ownAbout(const Eigen::Vector3d& p_EP, NarrowPhase& narrow_phase);
 
-  /// True if the point is inside the element, or no further than the padding from it.
+  /// True if the point is inside the element, or within the padding of it.
   bool isOwn(const Eigen::Vector3d& p_EP, NarrowPhase& narrow_phase) const {
     return distance(p_EP, padding_, narrow_phase) <= padding_;
   }
 
  private:
-  /// Signed distance, or a lower bound of one beyond `max_distance`. Inside a mesh: 0.
+  /// Signed distance, or a lower bound if beyond `max_distance`. Inside a mesh: 0.
   double distance(const Eigen::Vector3d& p_EP, double max_distance,
                   NarrowPhase& narrow_phase) const;
   Points classify(const Eigen::Vector3d& p_ECenter, NarrowPhase& narrow_phase) const;
@@ -38,9 +38,9 @@ class CellsAboutLink {
   std::shared_ptr<const PreparedShape> shape_;
   double padding_;
   OrientedBox grown_;
-  double edge_;  ///< of a cell, metres
+  double edge_;  ///< of cells, metres
   std::size_t nb_known_ = 0;
-  std::vector<std::uint64_t> slots_;  ///< an open hash table: four times the cell, and its Points
+  std::vector<std::uint64_t> slots_;  ///< an open-addressing hash table of 4 * cell + Points
 };
 
 }  // namespace collision_pairs

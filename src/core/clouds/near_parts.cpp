@@ -12,7 +12,7 @@ using Eigen::Vector3d;
 
 constexpr double MOST_CELLS = 32.0;  // on the longest axis
 constexpr double LEAST_EDGE = 0.02;  // metres
-constexpr double FURTHEST = 1e100;   // metres: what is larger is near every point
+constexpr double FURTHEST = 1e100;   // metres: larger boxes are near every point
 constexpr double ROUNDED_UP = 1e-12;
 
 Aabb aabbOf(const OrientedBox& box) {
@@ -70,7 +70,7 @@ void NearParts::end() {
 }
 
 Array3i NearParts::cellAt(const Vector3d& p_W) const {
-  // Rounded towards zero: what is below the first cell is in it.
+  // Rounds towards zero, so coordinates just below the first cell are in it.
   return ((p_W - bounds_.min).array() * cells_a_metre_).cast<int>().max(0).min(nb_cells_ - 1);
 }
 

@@ -9,7 +9,7 @@
 
 namespace collision_pairs {
 
-/// A grid about the boxes of one cycle: each cell lists the boxes that it may meet.
+/// A grid around the boxes of one cycle: each cell lists the boxes that may overlap it.
 class NearParts {
  public:
   struct Range {
@@ -21,10 +21,10 @@ class NearParts {
   void begin();
   /// In W; its index is the number of those added before. An infinite one is near every point.
   void add(const OrientedBox& box);
-  void addNothing();  ///< takes the next index, near no point
+  void addNothing();  ///< takes the next index; near no point
   void end();
 
-  /// The boxes that may hold the point: all that do, and others near it.
+  /// All boxes that contain the point, and possibly others near it.
   Range at(const Eigen::Vector3d& p_W) const;
 
  private:

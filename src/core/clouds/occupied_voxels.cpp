@@ -16,13 +16,13 @@ using Eigen::Vector3i;
 
 constexpr double ROUNDING = 16.0 * std::numeric_limits<double>::epsilon();
 
-/// A block and its place in the tree: six bits a level, the uppermost first.
+/// A block and its place in the tree: six bits per level, the uppermost first.
 struct Place {
   std::uint64_t key;
   std::uint32_t block;
 };
 
-/// The bits of a byte, two by two, each pair four bits from the next.
+/// Spreads the bits of a byte: in pairs, with four bits between them.
 constexpr std::array<std::uint32_t, 256> spreadBytes() {
   std::array<std::uint32_t, 256> spread{};
   for (std::uint32_t byte = 0; byte < 256; ++byte) {
@@ -156,7 +156,7 @@ OccupiedVoxels::CellRange OccupiedVoxels::cellsWithin(const Aabb& box, double re
   };
   const double size = bounds_.min.cwiseAbs().cwiseMax(bounds_.max.cwiseAbs()).maxCoeff();
   const double grown = reach + ROUNDING * (reach + size);
-  // A face is that of the cells on either side.
+  // A point on a face belongs to the cells on both sides.
   return {toCells(((box.min.array() - grown) / voxel_size_).ceil() - 1.0),
           toCells(((box.max.array() + grown) / voxel_size_).floor())};
 }

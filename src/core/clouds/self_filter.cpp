@@ -41,9 +41,9 @@ struct SelfFilter::Store {
   std::vector<SceneBody> bodies;
   std::vector<std::string> names, left_out;
   std::vector<Part> parts;
-  std::vector<Isometry3d> X_EW;  ///< one a part
+  std::vector<Isometry3d> X_EW;  ///< one per part
   NearParts near;
-  std::vector<std::uint32_t> open;  ///< parts that a point may be of
+  std::vector<std::uint32_t> open;  ///< parts to which a point may belong
   NarrowPhase narrow_phase;
 };
 
@@ -116,8 +116,8 @@ void SelfFilter::begin(const BodyPoses& poses) {
   store.near.end();
 }
 
-// Points of one link are often at the border of the padding of the next: what is remembered of all
-// is asked before anything is measured.
+// Points of one link are often near the border of the next link's padding, so the stored cells of
+// all links are read before any distance is computed.
 bool SelfFilter::isOwn(const Vector3d& p_WP) {
   using Points = CellsAboutLink::Points;
   Store& store = *store_;

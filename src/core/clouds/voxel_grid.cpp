@@ -16,9 +16,9 @@ using Eigen::Vector3d;
 
 constexpr std::uint32_t NONE = std::numeric_limits<std::uint32_t>::max();
 constexpr std::size_t FIRST_SLOTS = 1024;
-constexpr double NEAR_BORDER = 1e-9;  // of a voxel; rounding is less, of 2^20 voxels
+constexpr double NEAR_BORDER = 1e-9;  // of a voxel; exceeds rounding for up to 2^20 voxels
 
-/// The blocks of a grid by their corners: an open hash table of their indices.
+/// The blocks of a grid by their corners: an open-addressing hash table of their indices.
 class BlockIndex {
  public:
   BlockIndex() : slots_(FIRST_SLOTS, NONE) {}
@@ -35,7 +35,7 @@ class BlockIndex {
     return slots_[slot];
   }
 
-  /// Room for one more than `blocks`.
+  /// Makes room for one more than `blocks`.
   template <class Block>
   void reserve(const std::vector<Block>& blocks) {
     if (2 * (blocks.size() + 1) <= slots_.size()) return;
@@ -77,7 +77,7 @@ void checkSettings(const VoxelSettings& settings) {
 }  // namespace
 
 struct VoxelGrid::Store {
-  using Block = OccupiedVoxels::Block;  // `occupied`: seen by a cloud that is not forgotten
+  using Block = OccupiedVoxels::Block;  // `occupied`: seen by a cloud that has not expired
   using OfVoxels = std::array<std::uint32_t, 64>;
 
   explicit Store(const VoxelSettings& chosen)
@@ -85,7 +85,7 @@ struct VoxelGrid::Store {
     checkSettings(settings);
   }
 
-  /// False where it does not fit.
+  /// False if it does not fit.
   bool cellOf(const Vector3d& p, VoxelCell& cell) const {
     for (int axis = 0; axis < 3; ++axis) {
       const double place = p[axis] * per_metre;
@@ -93,7 +93,7 @@ struct VoxelGrid::Store {
       int k = static_cast<int>(place);
       double within = place - k;
       if (within < 0.0) within += 1.0, --k;
-      if (within < NEAR_BORDER || within > 1.0 - NEAR_BORDER) {  // the borders are k s themselves
+      if (within < NEAR_BORDER || within > 1.0 - NEAR_BORDER) {  // the borders are exactly k s
         k -= k * settings.voxel_size > p[axis] ? 1 : 0;
         k += (k + 1) * settings.voxel_size <= p[axis] ? 1 : 0;
       }
@@ -108,7 +108,7 @@ struct VoxelGrid::Store {
     return (center - p_WS).squaredNorm();
   }
 
-  /// Index of the block, or NONE where there is no room for it.
+  /// Index of the block, or NONE if there is no room for it.
   std::uint32_t blockAt(const VoxelCell& corner) {
     if (last_block < blocks.size() && blocks[last_block].corner == corner) return last_block;
     std::uint32_t* slot = &index.find(corner, blocks);
@@ -168,7 +168,7 @@ struct VoxelGrid::Store {
     for (OfVoxels& of_block : nb_points) of_block.fill(0);
   }
 
-  /// Voxels that were last seen in a cloud that is too old.
+  /// Removes voxels last seen in a cloud that is too old.
   void forget() {
     if (settings.decay == 0.0) return;
     const std::uint32_t first_before = firstKept();
@@ -266,11 +266,11 @@ struct VoxelGrid::Store {
   double squared_limit = std::numeric_limits<double>::infinity();  ///< of new blocks
   std::uint32_t number = 0;                                        ///< of the cloud, from 1 on
   std::uint32_t truncated_in = 0;  ///< number of the last cloud that did not fit
-  std::deque<double> stamps;       ///< of the clouds that are not forgotten, to the last one
+  std::deque<double> stamps;       ///< of the clouds that have not expired, up to the last one
   std::vector<Block> blocks;
-  std::vector<OfVoxels> nb_points;  ///< of this cloud, by block; none where one is enough
-  std::vector<OfVoxels> last_seen;  ///< number of the cloud, by block; none without decay
-  std::uint32_t last_block = NONE;  ///< that was added to
+  std::vector<OfVoxels> nb_points;  ///< in this cloud, by block; empty if one point is enough
+  std::vector<OfVoxels> last_seen;  ///< number of the cloud, by block; empty without decay
+  std::uint32_t last_block = NONE;  ///< the last one added to
   BlockIndex index;
 };
 

@@ -82,7 +82,8 @@ struct SegmentPair {
   double squared;
 };
 
-// Closest points with at least one of them at an end: ends of one against the whole of the other.
+// Closest points of which at least one is an end: the ends of one segment against the whole other
+// one.
 SegmentPair closestWithEnds(double h, const Vector3d& center, const Vector3d& half_b) {
   SegmentPair best{Vector3d::Zero(), Vector3d::Zero(), std::numeric_limits<double>::infinity()};
   const auto offer = [&](const Vector3d& a, const Vector3d& b) {
@@ -175,7 +176,7 @@ bool boxesTouch(const Vector3d& half_a, const Vector3d& half_b, const Isometry3d
       const double along = std::abs(p[k] * R(j, m) - p[j] * R(k, m));
       const double reach_a = half_a[j] * reach(k, m) + half_a[k] * reach(j, m);
       const double reach_b = half_b[n] * reach(i, o) + half_b[o] * reach(i, n);
-      // Nearly parallel edges have no direction of their own: their axis is all rounding.
+      // Nearly parallel edges need no axis of their own, and theirs would be mostly rounding.
       const double rounding = 4e-16 * (std::abs(p[k]) + std::abs(p[j]) + reach_a + reach_b);
       if (along > reach_a + reach_b + rounding) return false;
     }

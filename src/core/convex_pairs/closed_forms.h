@@ -1,4 +1,5 @@
-// Pairs of shapes whose signed distance is a formula, accurate to a few units in the last place.
+// Pairs of shapes whose signed distance has a closed form, accurate to a few units in the last
+// place.
 #pragma once
 
 #include "collision_pairs/pair_distance.h"
@@ -6,28 +7,28 @@
 
 namespace collision_pairs {
 
-/// Is there a formula for these two? A point (sphere) against point, segment, box and cylinder,
-/// and segment (capsule) against segment.
+/// True if there is a closed form for the pair: point (sphere) against point, segment, box and
+/// cylinder, and segment (capsule) against segment.
 bool hasClosedForm(const ConvexCore& A, const ConvexCore& B);
 
-/// Signed distance by formula; only where hasClosedForm. Always EXACT. Cost: 20 to 60 ns.
+/// Signed distance in closed form; only if hasClosedForm(). Always EXACT. Cost: 20 to 60 ns.
 PairDistance closedForm(const ConvexCore& A, const ConvexCore& B, const Eigen::Isometry3d& X_AB);
 
 /// The half-space z <= 0 of frame A against a convex shape, by the lowest point of B. The depth is
-/// that along +z: a translation in no other direction is shorter.
+/// measured along +z: no translation in another direction is shorter.
 PairDistance halfSpaceDistance(const ConvexCore& B, const Eigen::Isometry3d& X_AB);
 
-/// Half-spaces have a gap only if their planes are parallel and face each other; all others meet,
-/// with no translation that separates them: distance is minus infinity.
+/// Half-spaces have a gap only if their planes are parallel and face each other; all others
+/// overlap, and no translation separates them: the distance is minus infinity.
 PairDistance halfSpacePair(const Eigen::Isometry3d& X_AB);
 
-/// Do two boxes have a point in common? Separating axes (Gottschalk 1996): the faces' and the
+/// True if two boxes have a point in common. Separating axes (Gottschalk 1996): the faces' and the
 /// edges' directions. Cost: about 50 ns.
 bool boxesTouch(const Eigen::Vector3d& half_a, const Eigen::Vector3d& half_b,
                 const Eigen::Isometry3d& X_AB);
 
-/// The same answer with the roles of A and B exchanged: `result` is for (A, B) in A's frame, what
-/// returns is for (B, A) in B's frame.
+/// The same answer with the roles of A and B exchanged: `result` is for (A, B) in A's frame, the
+/// returned one for (B, A) in B's frame.
 PairDistance exchanged(const PairDistance& result, const Eigen::Isometry3d& X_BA);
 
 }  // namespace collision_pairs

@@ -9,32 +9,32 @@
 namespace collision_pairs {
 namespace {
 
-// What the certified interval of a distance must close to, relative to the largest coordinate of
-// the Minkowski difference, to be called exact; of a depth, and what EPA is asked for.
+// Largest certified interval that counts as exact, relative to the largest coordinate of the
+// Minkowski difference: of a distance; of a depth, which is also EPA's tolerance.
 constexpr double DISTANCE_TOLERANCE = 1e-10;
 constexpr double EXACT_DEPTH = 1e-6;
 constexpr double DEPTH_TOLERANCE = 1e-12;
 
-// The same where a core is curved, relative to the size of the smaller body: for a user of a small
-// body beside a large one it is that size that counts.
+// The same if a core is curved, relative to the size of the smaller body, which is what matters for
+// a small body beside a large one.
 constexpr double CURVED_DISTANCE_TOLERANCE = 1e-9;
 constexpr double CURVED_DEPTH_TOLERANCE = 1e-9;
 
-// Witness points of a depth further than this from one depth apart are sought again, with the
-// shapes this far apart; relative to the size of the smaller body.
+// If the witness points of a depth miss the depth by more than this, they are computed again, with
+// the shapes this far apart; relative to the size of the smaller body.
 constexpr double WITNESS_TOLERANCE = 1e-10;
 constexpr double WITNESS_SHIFT = 0.01;
 
-// A closest point this near the origin has lost too many digits to give a direction.
+// A closest point nearer to the origin than this has too few digits left to give a direction.
 constexpr double NORMAL_FROM_FEATURE_BELOW = 1e-4;
 
-// Of a height or a distance, where no coordinate is larger than `magnitude`.
+// Rounding error of a height or a distance if no coordinate exceeds `magnitude`.
 template <class T>
 T roundingOf(T magnitude) {
   return T(64) * std::numeric_limits<T>::epsilon() * magnitude;
 }
 
-// Puts the cores' witness points and depth or distance on the rounded surfaces.
+// Moves the cores' witness points and distance to the surfaces that include the radii.
 void finish(const ConvexCore& A, const ConvexCore& B, double core_distance,
             const Eigen::Vector3d& a, const Eigen::Vector3d& b, PairDistance& result) {
   const Eigen::Vector3d& n = result.nhat_AB_A;
@@ -43,9 +43,9 @@ void finish(const ConvexCore& A, const ConvexCore& B, double core_distance,
   result.p_ACb = b - B.radius * n;
 }
 
-// The best unit direction from A to B: v itself, or, where v is short and its direction rounding,
-// the normal of the edge or face of A - B it lies on, or of the polytope around a touching point.
-// The best is the one whose support plane is furthest out.
+// The best unit direction from A to B: v itself, or, if v is too short to give a direction, the
+// normal of the edge or face of A - B it lies on, or of the polytope around a touching point. The
+// best is the one whose support plane is furthest out.
 template <class T>
 Vec3<T> bestNormal(const Difference<T>& difference, const GjkResult<T>& found) {
   Vec3<T> normal = -found.v.normalized();
@@ -77,7 +77,7 @@ Vec3<T> bestNormal(const Difference<T>& difference, const GjkResult<T>& found) {
 
 enum class Wanted { DEPTH, GAP, TOUCH };
 
-// One question, answered in one scalar type. What fills in a result says whether it is settled.
+// One query in one scalar type. Functions that fill in a result return whether it is settled.
 template <class T>
 class Query {
  public:
@@ -88,7 +88,7 @@ class Query {
         smaller_(std::min(A.extent + A.radius, B.extent + B.radius)),
         difference_(A, B, X_AB) {}
 
-  // Is this scalar type good enough for the smaller body?
+  // True if this scalar type is accurate enough for the smaller body.
   bool isPrecise() const {
     return !curved_ ||
            roundingOf(difference_.magnitude()) <= T(CURVED_DISTANCE_TOLERANCE) * smaller_;
@@ -102,7 +102,7 @@ class Query {
     const T enough = wanted == Wanted::TOUCH ? limit : wanted == Wanted::GAP ? radii : T(0);
     const GjkResult<T> found = gjk<T>(difference_, limit, start, enough);
     if (found.end == GjkEnd::BEYOND) {
-      // Rounding must not make it the limit itself: 0 would read as a touch.
+      // Rounding must not make it equal to the limit: 0 would count as touching.
       result.distance =
           std::max(static_cast<double>(found.lower - radii),
                    std::nextafter(max_distance, std::numeric_limits<double>::infinity()));
@@ -111,7 +111,7 @@ class Query {
       return true;
     }
     const bool is_overlap = found.end == GjkEnd::OVERLAP;
-    // Round shapes make slivers, on which "inside" is a matter of rounding: EPA tells.
+    // Round shapes produce slivers, for which "inside" depends on rounding: EPA decides.
     const bool is_sure = is_overlap && (!curved_ || isInside(found));
     if (found.end == GjkEnd::WITHIN || (is_sure && wanted != Wanted::DEPTH)) {
       result.distance = static_cast<double>((is_overlap ? T(0) : found.v.norm()) - radii);
@@ -128,7 +128,7 @@ class Query {
     return curved_ ? fillCurvedApart(found, wanted, result) : fillFlatApart(found, result);
   }
 
-  // `sure`: it is an overlap or a touch, unless a plane between the two is found.
+  // `sure`: the two overlap or touch unless a separating plane is found.
   bool fillOverlap(const Simplex<T>& simplex, T magnitude, bool sure, PairDistance& result) const {
     const T size = curved_ ? smaller_ : magnitude;
     const T closed = std::max(T(EXACT_DEPTH) * size, roundingOf(magnitude));
@@ -140,7 +140,7 @@ class Query {
       if (least.height - depth.lower > closed) least = search.searchAround();
       if (least.height < depth.upper) depth.upper = least.height, depth.normal = least.normal;
     }
-    if (depth.upper < -roundingOf(magnitude)) {  // a plane lies between: it was no overlap
+    if (depth.upper < -roundingOf(magnitude)) {  // a separating plane: there was no overlap
       return fillFromPlane(depth.normal, magnitude, nullptr, result);
     }
     const T upper = std::max(depth.upper, T(0));
@@ -167,8 +167,8 @@ class Query {
     return std::max(T(CURVED_DISTANCE_TOLERANCE) * smaller_, roundingOf(magnitude));
   }
 
-  // Is the origin so far inside that no rounding of the vertices could have put it there? By the
-  // volumes of the four tetrahedra that it makes with the faces.
+  // True if the origin is inside by more than rounding of the vertices can explain, judged by the
+  // volumes of the four tetrahedra that it forms with the faces.
   static bool isInside(const GjkResult<T>& found) {
     if (found.simplex.size != 4) return false;
     const auto& v = found.simplex.vertex;
@@ -178,7 +178,7 @@ class Query {
     return least * volume > T(8) * roundingOf(found.magnitude) * found.magnitude * found.magnitude;
   }
 
-  // Is the point a of A within `tolerance` of B, or b of B of A?
+  // True if the point a of A is within `tolerance` of B, or b of B within that of A.
   bool shareOneOf(const Vec3<T>& a, const Vec3<T>& b, T tolerance) const {
     const ConvexCore point;
     const auto meets = [&](const Difference<T>& difference) {
@@ -201,8 +201,8 @@ class Query {
     fillApart(found, result);
     const bool sure = found.end == GjkEnd::APART || found.lower > T(0);
     if (sure && found.v.norm() - found.lower <= tolerance(found.magnitude)) return true;
-    // Stalled between slivers: the polytope's faces find the plane that GJK's rounding hides. Where
-    // none lies between the shapes, and they are this close, they touch.
+    // Stalled on slivers: the polytope's faces give the separating plane that GJK misses because of
+    // rounding. If there is none and the shapes are this close, they touch.
     const EpaResult<T> planes = Epa<T>(difference_, found.simplex, found.magnitude).run(T(0));
     const T lower = std::max(found.lower, -planes.upper);
     const bool close = found.v.norm() - lower <= tolerance(found.magnitude);
@@ -214,13 +214,13 @@ class Query {
     return false;
   }
 
-  // GJK's own closest points where they are far enough apart to be exact, else those of the plane
-  // that lies between the two. Where none does, and they are this close, they touch.
+  // GJK's own closest points if they are far enough apart to be exact, else those of the separating
+  // plane. If there is none and the shapes are this close, they touch.
   bool fillCurvedApart(const GjkResult<T>& found, Wanted wanted, PairDistance& result) const {
     const T distance = found.v.norm();
     const bool is_far = distance >= T(NORMAL_FROM_FEATURE_BELOW) * found.magnitude;
-    // Of a gap, which bounds a search or is one of many triangles', the search below adds no digit
-    // that counts, but is most of the cost.
+    // A gap bounds a search, or is one of many triangles': the search below would add no relevant
+    // digit but most of the cost.
     const bool is_closed =
         found.end == GjkEnd::APART ||
         (wanted == Wanted::GAP && distance - found.lower <= T(DISTANCE_TOLERANCE) * smaller_);
@@ -235,7 +235,7 @@ class Query {
         fillFromPlane(least.normal, found.magnitude, &found.simplex, result)) {
       return true;
     }
-    // Stalled between slivers: the polytope's faces find the plane that GJK's rounding hides.
+    // Stalled on slivers: the polytope's faces give the plane that GJK misses because of rounding.
     least = search.search(Epa<T>(difference_, found.simplex, found.magnitude).run(T(0)).normal);
     if (least.height < T(0)) {
       return fillFromPlane(least.normal, found.magnitude, &found.simplex, result);
@@ -244,7 +244,7 @@ class Query {
     return fillOverlap(found.simplex, found.magnitude, sure, result);
   }
 
-  // From the plane across n between the two, and the simplex of GJK's closest points, if there is
+  // From the separating plane with normal n, and the simplex of GJK's closest points if there is
   // one.
   bool fillFromPlane(const Vec3<T>& n, T magnitude, const Simplex<T>* simplex,
                      PairDistance& result) const {
@@ -268,7 +268,7 @@ class Query {
     return (points.a - points.b + apart * n).norm();
   }
 
-  // Moves both by the same, so that b - a is exactly `apart` along n.
+  // Moves both by the same amount, so that b - a is exactly `apart` along n.
   static void setApart(const Vec3<T>& n, T apart, Witnesses<T>& points) {
     const Vec3<T> middle = (points.a + points.b) / T(2);
     const Vec3<T> half = n * (apart / T(2));
@@ -276,11 +276,11 @@ class Query {
     points.b = middle + half;
   }
 
-  // Witness points that are not `apart` along n come from GJK, which cannot tell points that lie
-  // askew by the root of rounding, or from a polytope that is still coarse. Of the parts that the
-  // support planes across n touch the closest points are the same, and better found with the planes
-  // moved onto each other, or near each other; of a part that is nearly parallel to its plane only
-  // one point may count.
+  // Witness points whose difference is not `apart` along n come from GJK, which does not notice a
+  // tilt of the order of the square root of rounding, or from a polytope that is still coarse. The
+  // parts in the support planes with normal n have the same closest points, which are found more
+  // accurately with the planes moved onto each other, or near each other. Of a part that is nearly
+  // parallel to its plane, only one point may belong to it.
   void repairWitnesses(const Vec3<T>& n, T apart, Witnesses<T>& witnesses) const {
     T best = residualOf(witnesses, n, apart);
     const auto tryParts = [&](T planes_apart, bool point_of_a, bool point_of_b) {
@@ -324,7 +324,7 @@ PairDistance solveTwice(const ConvexCore& A, const ConvexCore& B, const Eigen::I
   return settled || !is_precise || second.distance > result.distance ? second : result;
 }
 
-// The point of a core that is nearest to p, in its frame. Not of a hull.
+// The point of a core that is nearest to p, in its frame. Not for hulls.
 Eigen::Vector3d nearestPoint(const ConvexCore& core, const Eigen::Vector3d& p) {
   Eigen::Vector3d nearest = p.cwiseMax(-core.half).cwiseMin(core.half);
   if (core.kind != ConvexCore::Kind::CYLINDER) return nearest;
@@ -334,8 +334,9 @@ Eigen::Vector3d nearestPoint(const ConvexCore& core, const Eigen::Vector3d& p) {
   return nearest;
 }
 
-// A step from the centre of B to the nearest point of A, from there to that of B, and so on, soon
-// finds two points that are near enough, of most bodies that are. Of the others nothing is said.
+// Alternating projections: from the centre of B to the nearest point of A, from there to the
+// nearest point of B, and so on. They soon find two points within the margin for most bodies that
+// have such points; a failure proves nothing.
 bool nearPointsFound(const ConvexCore& A, const ConvexCore& B, const Eigen::Isometry3d& X_AB,
                      double margin) {
   constexpr int MAX_STEPS = 3;

@@ -1,10 +1,10 @@
 // Penetration depth of two overlapping convex cores by EPA, with a certified interval.
 //
 // van den Bergen, "Proximity queries and penetration depth computation on 3D game objects" (2001):
-// a polytope inside A - B is grown at the face closest to the origin. Deviation: every support
-// plane met on the way is an upper bound of the depth and the closest face a lower bound; the
-// answer is the best plane, whatever becomes of the polytope. So rounding, flat differences and
-// the iteration limit make the interval wider, and never the answer wrong.
+// a polytope inside A - B is expanded at the face closest to the origin. Deviation: every support
+// plane encountered is an upper bound of the depth and the closest face a lower bound; the result
+// is the best plane, whatever happens to the polytope. So rounding, flat differences and the
+// iteration limit widen the interval, but the result is never wrong.
 #pragma once
 
 #include "gjk.h"
@@ -20,7 +20,7 @@ struct EpaResult {
   Vec3<T> b = Vec3<T>::Zero();                   ///< deepest point of B, in A's frame
 };
 
-/// Grows one polytope and forgets it. Fixed storage, nothing on the heap.
+/// Expands a single polytope. Fixed storage, nothing on the heap.
 /// Cost: about F support evaluations and F^2 plane tests for F faces; F is 10 to 40 for
 /// polytopes, and up to MAX_VERTICES for curved cores, on which it converges geometrically.
 template <class T>
@@ -41,12 +41,12 @@ class Epa {
       best_.lower = std::max(T(0), face.distance);
       const DifferencePoint<T> next = difference_.furthest(face.normal);
       offerPlane(face.normal, next);
-      // Near touching the interval must shrink with the depth, or it could not tell the sign.
+      // Near touching, the interval must shrink with the depth, or the sign could not be decided.
       const T wanted = std::min(tolerance, T(0.01) * std::abs(best_.upper));
       if (best_.upper - face.distance <= std::max(wanted, roundingError())) break;
       if (next.w.dot(face.normal) - face.distance <= roundingError()) break;
       if (!grow(closest, next)) {
-        face_[0] = face;  // what is left is no polytope: the last sound face has the witnesses
+        face_[0] = face;  // the rest is no polytope: the last valid face gives the witness points
         num_faces_ = 1;
         break;
       }
@@ -77,8 +77,8 @@ class Epa {
     best_.b = furthest.b;
   }
 
-  // The point of the polytope's surface closest to the origin: of several faces in one plane the
-  // one that the origin is over.
+  // The point of the polytope's surface closest to the origin: of several coplanar faces, the one
+  // onto which the origin projects.
   void setWitnesses() {
     T closest = std::numeric_limits<T>::infinity();
     const T limit = best_.upper + roundingError();
@@ -96,8 +96,8 @@ class Epa {
     }
   }
 
-  // Adds the furthest point along +-d if it is further from the first point than rounding. What
-  // is flat along d has its depth there: the smaller of its two support heights.
+  // Adds the furthest point along +-d if its distance from the first point exceeds rounding. If A -
+  // B is flat along d, the depth is the smaller of its two support heights.
   bool addAlong(const Vec3<T>& d) {
     const Vec3<T> n = d.normalized();
     const DifferencePoint<T> up = difference_.furthest(n);
@@ -112,7 +112,7 @@ class Epa {
     return true;
   }
 
-  // Four points that are not in one plane, from the simplex that GJK ended with.
+  // Four points that are not coplanar, from GJK's final simplex.
   bool growToTetrahedron() {
     if (num_points_ == 4 && tetrahedronIsFlat()) num_points_ = 3;
     if (num_points_ == 3 && areaNormal().norm() <= roundingError() * magnitude_) num_points_ = 2;
@@ -167,8 +167,8 @@ class Epa {
     return closest;
   }
 
-  // Replaces the faces that see `next` by a fan from it to their border. False if rounding has
-  // made the visible part something other than a disc.
+  // Replaces the faces visible from `next` by a fan from it to their border. False if, due to
+  // rounding, the visible part is not a disc.
   bool grow(int closest, const DifferencePoint<T>& next) {
     const int tip = num_points_;
     point_[num_points_++] = next;

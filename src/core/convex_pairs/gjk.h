@@ -1,9 +1,9 @@
 // Distance between two convex cores by GJK, with a certified interval.
 //
 // Gilbert, Johnson, Keerthi, "A fast procedure for computing the distance between complex objects
-// in three-dimensional space" (1988). Deviation: ends on the duality gap between the simplex's
-// distance (an upper bound) and the best supporting plane (a lower bound), relative to the size of
-// the Minkowski difference; no absolute tolerance.
+// in three-dimensional space" (1988). Deviation: terminates on the duality gap between the
+// simplex's distance (an upper bound) and the best supporting plane (a lower bound), relative to
+// the size of the Minkowski difference; no absolute tolerance.
 #pragma once
 
 #include <algorithm>
@@ -16,8 +16,8 @@ namespace collision_pairs {
 enum class GjkEnd {
   APART,    ///< lower <= distance <= |v|, and the two agree to rounding
   OVERLAP,  ///< the origin is inside, or within rounding of, the simplex
-  BEYOND,   ///< lower > the limit asked for
-  WITHIN,   ///< |v| <= what was said to be enough
+  BEYOND,   ///< lower > the given limit
+  WITHIN,   ///< |v| <= `enough`
   STALLED,  ///< apart or touching, but the interval did not close
 };
 
@@ -28,7 +28,7 @@ struct GjkResult {
   Vec3<T> v = Vec3<T>::Zero();       ///< closest point of A - B to the origin found so far
   Vec3<T> normal = Vec3<T>::Zero();  ///< unit, A to B: of the plane that gave `lower`
   T lower = T(0);                    ///< certified lower bound of the cores' distance
-  T magnitude = T(0);                ///< largest |w| seen: what rounding errors scale with
+  T magnitude = T(0);                ///< largest |w| encountered; rounding errors scale with it
 };
 
 /// Distance of the cores in `difference`, in its scalar type. Stops as soon as the lower bound
@@ -45,7 +45,7 @@ GjkResult<T> gjk(const Difference<T>& difference, T stop_above, Vec3<T> v, T eno
   T norm = std::numeric_limits<T>::infinity();
   for (int i = 0; i < MAX_ITERATIONS; ++i) {
     const Vec3<T> direction = v / length;
-    // Behind the vertices of the simplex, which is left as it was wherever the search ends early.
+    // Stored past the vertices of the simplex, which is unchanged if the search ends early.
     const int size = simplex.size + 1;
     DifferencePoint<T>& next = simplex.vertex[simplex.size];
     next = difference.furthest(Vec3<T>(-direction));
@@ -68,14 +68,14 @@ GjkResult<T> gjk(const Difference<T>& difference, T stop_above, Vec3<T> v, T eno
     if (nb_positive == 0) return result;
     length = v.norm();
     if (nb_positive == 4 || length <= T(4) * epsilon * result.magnitude) {
-      // A sliver of a tetrahedron may seem to hold an origin that a plane has shown to be outside.
+      // A sliver tetrahedron may appear to contain an origin that a plane has proved to be outside.
       const bool refuted = result.lower > T(8) * epsilon * result.magnitude;
       if (refuted) return result;
       reduceTo(lambda, size, simplex);
       result.v = v;
       return result.end = GjkEnd::OVERLAP, result;
     }
-    if (!(length < norm)) return result;  // rounding: no progress left
+    if (!(length < norm)) return result;  // rounding: no further progress
     reduceTo(lambda, size, simplex);
     norm = length;
     result.v = v;

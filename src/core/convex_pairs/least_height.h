@@ -2,12 +2,12 @@
 // one or both cores are curved and a direction near it is known.
 //
 // With the height h(n) = max over w in A - B of w . n, the depth of two cores is the least height
-// over all unit directions n, and their distance is minus that. GJK and EPA close in on a smooth
+// over all unit directions n, and their distance is minus that. GJK and EPA approximate a smooth
 // surface by ever smaller facets, until rounding ends it; here the surface itself is used. A least
 // height lies where h is smooth, on a kink of it (n across an edge or a cylinder's axis, where the
 // support is a whole line) or where kinks meet (n the normal of a face or a cap). Newton's method
-// finds the first two; the last are finitely many. Whatever is found is a support plane: it bounds
-// the depth from above and the distance from below.
+// finds the first two; the last are finitely many. Every result is a support plane: it bounds the
+// depth from above and the distance from below.
 #pragma once
 
 #include <limits>
@@ -42,8 +42,8 @@ class LeastHeight {
     return best_;
   }
 
-  /// The same from all around each of these edges: where a whole circle of directions is nearly as
-  /// good.
+  /// The same, starting from directions all around each of these edges, for cases in which a whole
+  /// circle of directions is nearly as good.
   SupportPlane<T> searchAround() {
     for (int i = 0; i < num_edges_; ++i) {
       const Vec3<T> u = edge_[i].unitOrthogonal(), v = edge_[i].cross(u);
@@ -60,16 +60,16 @@ class LeastHeight {
   static constexpr int EDGES_OF_POINTS = 6;
   static constexpr int MAX_STEPS = 16;
   static constexpr int NUM_AROUND = 12;
-  static constexpr double FLAT = 0.1;  // radians: edges further out of the support plane are not it
+  static constexpr double FLAT = 0.1;  // radians: largest angle of an edge to the support plane
   static constexpr double LARGEST_STEP = 0.5;  // radians
   static constexpr double BESIDE = 1e-7;       // radians
-  static constexpr double STILL = 8.0;         // units of rounding: no step is smaller
+  static constexpr double STILL = 8.0;         // units of rounding; the smallest step
 
   struct Surface {
     T height;
     Vec3<T> w;
-    std::array<Vec3<T>, 2> along{};  // in which direction A and B are curved there, A's frame
-    std::array<T, 2> radius{};       // and how much
+    std::array<Vec3<T>, 2> along{};  // directions in which A and B are curved there, A's frame
+    std::array<T, 2> radius{};       // their radii of curvature
   };
 
   void noteEdge(const Vec3<T>& e) {
@@ -85,7 +85,7 @@ class LeastHeight {
     if (core.kind == Kind::POINTS) noteEdgesOfPoints(core, R, Vec3<T>(R.transpose() * near));
   }
 
-  // From the support vertex to those that are hardly lower. Some may be no edges, which does no
+  // From the support vertex to vertices that are hardly lower. Some may not be edges, which does no
   // harm.
   void noteEdgesOfPoints(const ConvexCore& core, const Mat3<T>& R, const Vec3<T>& near) {
     std::array<std::pair<T, Vec3<T>>, EDGES_OF_POINTS> flattest;
@@ -137,12 +137,12 @@ class LeastHeight {
     setCurvature(difference_.B, n_B, difference_.R_AB, surface.along[1], surface.radius[1]);
   }
 
-  // Kinks are offered first: what is lower by no more than rounding is no better.
+  // Kinks are tried first: a direction that is lower only by rounding does not replace them.
   void offer(const Vec3<T>& n, const Surface& surface) {
     if (surface.height < best_.height - rounding_) best_ = {n, surface.height};
   }
 
-  // Kinks that meet, on both sides; caps.
+  // Intersections of kinks, on both sides; caps.
   void offerNormals() {
     const auto offerBoth = [&](const Vec3<T>& direction) {
       const T length = direction.norm();
@@ -158,7 +158,7 @@ class LeastHeight {
     }
   }
 
-  // A kink is where two smooth pieces meet, and a lower direction may be just inside of either.
+  // A kink is where two smooth pieces meet, and a lower direction may lie just inside either.
   void leaveKinks() {
     const Vec3<T> kink = best_.normal;
     for (int i = 0; i < num_edges_; ++i) {
@@ -197,7 +197,7 @@ class LeastHeight {
     offer(n, here);
   }
 
-  // False where the height has no minimum near here.
+  // False if the height has no minimum nearby.
   static bool newtonStep(const Vec3<T>& n, const Surface& s, const Vec3<T>* edge, Vec3<T>& step) {
     if (edge) {
       const Vec3<T> u = edge->cross(n);

@@ -1,9 +1,9 @@
 // The point of a simplex that is closest to the origin.
 //
-// Montanari, Petrinic, Barbieri, "Improving the GJK algorithm for faster and more reliable
-// distance queries between convex objects" (2017): barycentric coordinates from signed volumes of
-// projections on the best conditioned axis or plane. Deviation: where a volume is zero every
-// face is tried, so that flat simplices give a right answer too.
+// Montanari, Petrinic, Barbieri, "Improving the GJK algorithm for faster and more reliable distance
+// queries between convex objects" (2017): barycentric coordinates from signed volumes of
+// projections on the best conditioned axis or plane. Deviation: if a volume is zero, every face is
+// tried, so that flat simplices are handled correctly too.
 #pragma once
 
 #include "convex_core.h"
@@ -99,7 +99,7 @@ std::array<T, 4> closestOnTriangle(const std::array<Vec3<T>, 3>& w) {
 
 template <class T>
 std::array<T, 4> closestOnTetrahedron(const std::array<Vec3<T>, 4>& w) {
-  // volume[i]: of the tetrahedron in which the origin stands in for vertex i.
+  // volume[i]: of the tetrahedron in which the origin replaces vertex i.
   const std::array<T, 4> volume{w[1].dot(w[2].cross(w[3])), -w[0].dot(w[2].cross(w[3])),
                                 w[0].dot(w[1].cross(w[3])), -w[0].dot(w[1].cross(w[2]))};
   const T total = volume[0] + volume[1] + volume[2] + volume[3];
@@ -128,7 +128,7 @@ std::array<T, 4> closestOnTetrahedron(const std::array<Vec3<T>, 4>& w) {
 }  // namespace simplex_detail
 
 /// Barycentric coordinates of the point closest to the origin, of the first `size` vertices. Four
-/// are positive only if the origin is inside; none if rounding left no answer.
+/// are positive only if the origin is inside; none if rounding allows no result.
 template <class T>
 std::array<T, 4> closestCoordinates(const std::array<DifferencePoint<T>, 4>& v, int size) {
   using namespace simplex_detail;

@@ -1,15 +1,15 @@
 // The closest points of two cores, once the direction of their distance or depth is known: those of
-// the parts that the support planes across it touch.
+// the parts that lie in the support planes perpendicular to it.
 #pragma once
 
 #include "gjk.h"
 
 namespace collision_pairs {
 
-// The part of a core that is furthest along a direction d, as a core that is flat but for a cap: a
-// corner, an edge, a face; of a cylinder a cap or, as little of rim or side that it is flat to
-// within `flat` metres, three points or lines. What is at a small angle to it may be part of it:
-// too much of the core does no harm.
+// The part of a core that is furthest along a direction d, as a core of its own: a corner, an edge,
+// a face; of a cylinder a cap or, of rim or side, a piece that is flat to within `flat` metres, as
+// three points or lines. It may include what is at a small angle to it: including too much of the
+// core does no harm.
 template <class T>
 struct SupportPart {
   static constexpr double PARALLEL = 1e-3, ON_AXIS = 1e-6;  // radians
@@ -38,10 +38,10 @@ struct SupportPart {
   SupportPart& operator=(const SupportPart&) = delete;
 
   ConvexCore core;
-  Vec3<T> center = Vec3<T>::Zero();  ///< where it stands in the whole core's frame
+  Vec3<T> center = Vec3<T>::Zero();  ///< its position in the whole core's frame
 
  private:
-  // A few, or the whole hull.
+  // A few points, or the whole hull.
   void takeCorners(const Vec3<T>& d) {
     const int tip = furthestPoint<T>(core, d);
     std::size_t size = 0;
@@ -98,13 +98,13 @@ Witnesses<T> witnessesOf(const Simplex<T>& simplex) {
   return {simplex.combine(&DifferencePoint<T>::a), simplex.combine(&DifferencePoint<T>::b)};
 }
 
-/// The closest points of what the support planes of A along n and of B along -n touch, if B stood
-/// `shift` further along n. What is returned is measured with B where it is. `size`: of the smaller
-/// body, metres. `point_of_a`, `point_of_b`: of its part only one point.
+/// The closest points of the parts in the support planes of A along n and of B along -n, computed
+/// with B moved by `shift` along n. The returned points refer to B's actual pose. `size`: of the
+/// smaller body, metres. `point_of_a`, `point_of_b`: use only one point of its part.
 template <class T>
 Witnesses<T> closestOfParts(const Difference<T>& difference, const Vec3<T>& n, T shift, T size,
                             bool point_of_a, bool point_of_b) {
-  constexpr double FLAT = 1e-11;  // relative to the size: what is this flat counts as flat
+  constexpr double FLAT = 1e-11;  // relative to the size: flatter than this counts as flat
   const SupportPart<T> a(difference.A, n, T(FLAT) * size, point_of_a);
   const Vec3<T> back = -(difference.R_AB.transpose() * n);
   const SupportPart<T> b(difference.B, back, T(FLAT) * size, point_of_b);

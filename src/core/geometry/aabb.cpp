@@ -8,8 +8,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-// A coordinate is a sum of at most four products, and its rounding error is at most a few units
-// in the last place of the largest partial sum. Eight units are on the safe side for all of them.
+// A coordinate is a sum of at most four products, and its rounding error is at most a few units in
+// the last place of the largest partial sum. Eight units are enough for all of them.
 constexpr double ROUNDING = 8.0 * std::numeric_limits<double>::epsilon();
 
 Aabb aroundCenter(const Vector3d& center, const Vector3d& half) {
@@ -17,9 +17,9 @@ Aabb aroundCenter(const Vector3d& center, const Vector3d& half) {
   return {center - outwards, center + outwards};
 }
 
-// Extent of a unit disc with the unit normal n along each axis: sqrt(1 - n_i^2), written so that
-// it does not cancel where n_i is close to one. Not std::hypot(), which takes several times as
-// long: squares that underflow are less than the bound.
+// Extent of a unit disc with the unit normal n along each axis: sqrt(1 - n_i^2), in a form without
+// cancellation if n_i is close to one. Not std::hypot(), which takes several times as long: squares
+// that underflow are smaller than the error bound.
 Vector3d discExtent(const Vector3d& n) {
   constexpr double UNDERFLOW_BOUND = 1e-300;
   const Vector3d squared = n.cwiseAbs2();

@@ -1,4 +1,4 @@
-// Oriented boxes, alone and four at a time, and lower bounds of how far apart they are.
+// Oriented boxes, singly and four at a time, and lower bounds of their distance.
 #pragma once
 
 #include <Eigen/Core>
@@ -21,9 +21,9 @@ struct OrientedBox {
 };
 
 /// Square of a lower bound of the distance of two boxes along the axes of A and B: the larger of
-/// the distances between each box and the other's enclosing box along its axes. Given are their
-/// half sizes, and B's axes and the centre of its box seen from the centre of A's box. 0 does not
-/// mean that they meet. Cost: about 15 ns.
+/// the distances between each box and the other's enclosing box along its axes. Parameters: their
+/// half sizes, and B's axes and centre relative to A's box. 0 does not mean that they overlap.
+/// Cost: about 15 ns.
 inline double squaredBoxGap(const Eigen::Vector3d& half_a, const Eigen::Vector3d& half_b,
                             const Eigen::Matrix3d& R_AB, const Eigen::Vector3d& p_AB) {
   const auto squaredExcess = [](const Eigen::Vector3d& apart, const Eigen::Vector3d& reach) {
@@ -38,7 +38,7 @@ inline double squaredBoxGap(const Eigen::Vector3d& half_a, const Eigen::Vector3d
 /// The same for two boxes in one frame. Cost: about 20 ns.
 double squaredBoxGap(const OrientedBox& a, const OrientedBox& b);
 
-/// The lanes of a block, one by one.
+/// Access to the single lanes of a block.
 OrientedBox boxInLane(const BoxBlock& block, int lane);
 void setLane(const OrientedBox& box, int lane, BoxBlock& block);
 

@@ -1,4 +1,4 @@
-// Convex solids as GJK and EPA see them: a core given by its support function, grown by a radius.
+// Convex solids as GJK and EPA see them: a core given by its support function, plus a radius.
 #pragma once
 
 #include <algorithm>
@@ -19,14 +19,14 @@
 namespace collision_pairs {
 
 /// The hull's vertices and, for each, the vertices it shares an edge with: neighbours of vertex i
-/// are neighbours[first_neighbour[i]] to neighbours[first_neighbour[i + 1] - 1]. With no
-/// neighbours given the support function looks at all vertices.
+/// are neighbours[first_neighbour[i]] to neighbours[first_neighbour[i + 1] - 1]. Without neighbours
+/// the support function compares all vertices.
 struct ConvexPoints {
   std::vector<Eigen::Vector3d> vertices;
   std::vector<std::uint32_t> first_neighbour;
   std::vector<std::uint32_t> neighbours;
-  std::vector<std::uint32_t> start;  ///< for each cubeCell() the vertex furthest along its centre
-  std::vector<PointBlock> blocks;    ///< instead of neighbours, of a few vertices: the same points
+  std::vector<std::uint32_t> start;  ///< by cubeCell(): the vertex furthest along its centre
+  std::vector<PointBlock> blocks;    ///< instead of neighbours, for few vertices: the same points
 };
 
 /// All points within `radius` of a core. Rounding is kept apart from the core so that a sphere is
@@ -42,16 +42,16 @@ struct ConvexCore {
   double extent = 0.0;  ///< no point of the core is further from the centre
   const Eigen::Vector3d* points = nullptr;
   int num_points = 0;
-  const ConvexPoints* edges = nullptr;  ///< for climbing along edges; may be null
-  const PointBlock* blocks = nullptr;   ///< the points once more, to look at them all; may be null
+  const ConvexPoints* edges = nullptr;  ///< for walking along edges; may be null
+  const PointBlock* blocks = nullptr;   ///< the same points, to compare all of them; may be null
 
-  /// Curved cores have no last vertex for GJK and EPA to end on.
+  /// Curved cores have no finite set of vertices on which GJK and EPA terminate.
   bool curved() const { return kind == Kind::CYLINDER; }
 };
 
-/// By how much coordinates of points of the two may be off, in a frame near them: the closest
-/// points of hulls are beside the surface that they are on by no more, and the vertices that qhull
-/// leaves out are outside of their hull by no more.
+/// Bound of the error of coordinates of points of the two, in a frame near them: closest points of
+/// hulls are no further than this from their surface, and vertices that Qhull leaves out no further
+/// than this outside their hull.
 inline double roundingOf(const ConvexCore& a, const ConvexCore& b) {
   constexpr double ROUNDING = 64.0 * std::numeric_limits<double>::epsilon();
   return ROUNDING * (a.extent + a.center.norm() + a.radius + b.extent + b.center.norm() + b.radius);
@@ -68,7 +68,7 @@ using Vec3 = Eigen::Matrix<T, 3, 1>;
 template <class T>
 using Mat3 = Eigen::Matrix<T, 3, 3>;
 
-/// From vertex `best` along edges to the one furthest along d.
+/// Walks from vertex `best` along edges to the vertex furthest along d.
 template <class T>
 int climb(const ConvexPoints& hull, const Vec3<T>& d, int best) {
   const auto along = [&](int i) { return hull.vertices[i].template cast<T>().dot(d); };
@@ -79,7 +79,7 @@ int climb(const ConvexPoints& hull, const Vec3<T>& d, int best) {
     for (std::uint32_t k = hull.first_neighbour[from]; k < end; ++k) {
       const int i = static_cast<int>(hull.neighbours[k]);
       const T dot = along(i);
-      const bool further = dot > best_dot;  // as selections: branches would be guessed wrong
+      const bool further = dot > best_dot;  // no branch: it would be mispredicted
       best = further ? i : best;
       best_dot = further ? dot : best_dot;
     }
@@ -87,7 +87,7 @@ int climb(const ConvexPoints& hull, const Vec3<T>& d, int best) {
   return best;
 }
 
-/// Index of the vertex furthest along d. Cost: a few vertices with edges, else all of them.
+/// Index of the vertex furthest along d. Cost: with edges a few vertices, else all of them.
 template <class T>
 int furthestPoint(const ConvexCore& core, const Vec3<T>& d) {
   if (core.edges != nullptr && !core.edges->neighbours.empty()) {
@@ -141,7 +141,7 @@ struct DifferencePoint {
   Vec3<T> w, a, b;
 };
 
-/// The Minkowski difference of two cores, A's frame: it holds the origin where they overlap.
+/// The Minkowski difference of two cores, A's frame: it contains the origin if they overlap.
 template <class T>
 struct Difference {
   Difference(const ConvexCore& core_a, const ConvexCore& core_b, const Eigen::Isometry3d& X_AB)
@@ -157,7 +157,7 @@ struct Difference {
     return point;
   }
 
-  /// No point is further from the origin, and neither are the coordinates it is made of.
+  /// Bounds the distance of all points from the origin, and the coordinates they are computed from.
   T magnitude() const {
     return T(A.extent + A.center.norm() + B.extent + B.center.norm()) + p_AB.norm();
   }

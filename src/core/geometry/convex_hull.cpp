@@ -12,7 +12,7 @@ extern "C" {
 namespace collision_pairs {
 namespace {
 
-// Looking at all vertices, some at a time, is as fast as climbing up to about this many.
+// Up to about this many vertices, comparing all with SIMD is as fast as walking along edges.
 constexpr std::size_t CLIMB_ABOVE = 48;
 
 bool lexicographicallyLess(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
@@ -25,7 +25,7 @@ std::vector<Eigen::Vector3d> withoutDuplicates(std::vector<Eigen::Vector3d> poin
   return points;
 }
 
-// Owns Qhull's state; its messages go nowhere.
+// Owns Qhull's state; its messages are discarded.
 class Qhull {
  public:
   Qhull() : state_(std::make_unique<qhT>()), silence_(std::fopen("/dev/null", "w")) {
@@ -71,7 +71,7 @@ std::vector<std::array<int, 3>> triangles(Qhull& qhull) {
   return result;
 }
 
-// Volume of the solid that the triangles bound, whatever their orientation: they see the centre.
+// Volume of the convex solid that the triangles bound, whatever their orientation.
 double volumeAround(const Eigen::Vector3d& center, const std::vector<Eigen::Vector3d>& points,
                     const std::vector<std::array<int, 3>>& faces) {
   double volume = 0.0;
@@ -102,7 +102,7 @@ void buildEdges(const std::vector<std::array<int, 3>>& faces, std::size_t num_ve
   }
 }
 
-// Each search starts where the one of the cell before it ended.
+// Each search starts at the result of the previous cell.
 void buildStartVertices(ConvexPoints& hull) {
   int vertex = 0;
   for (int cell = 0; cell < NUM_CUBE_CELLS; ++cell) {

@@ -1,4 +1,4 @@
-// Directions sorted into the cells of a cube's surface.
+// Directions classified by the cells of a cube's surface.
 #pragma once
 
 #include <cmath>
@@ -7,12 +7,12 @@
 
 namespace collision_pairs {
 
-/// Each face of a cube around the origin is cut into CUBE_CELLS squared cells; a direction belongs
-/// to the cell it pierces. Directions in one cell are at most 21 degrees apart.
+/// Each face of a cube around the origin is divided into CUBE_CELLS squared cells; a direction
+/// belongs to the cell that it passes through. Directions in one cell are at most 21 degrees apart.
 constexpr int CUBE_CELLS = 8;
 constexpr int NUM_CUBE_CELLS = 6 * CUBE_CELLS * CUBE_CELLS;
 
-/// `d` need not be of unit length; whatever it is, the answer is a cell.
+/// `d` need not be of unit length; for any d, NaN included, the result is a valid cell.
 template <class T>
 int cubeCell(const Eigen::Matrix<T, 3, 1>& d) {
   using std::abs;
@@ -21,7 +21,7 @@ int cubeCell(const Eigen::Matrix<T, 3, 1>& d) {
   const T largest = abs(d[axis]);
   const auto slot = [&](int other) {
     const T along = (d[other] / largest + T(1)) * T(0.5 * CUBE_CELLS);
-    if (!(along > T(0))) return 0;  // not a number, too
+    if (!(along > T(0))) return 0;  // also if NaN
     return along < T(CUBE_CELLS) ? static_cast<int>(along) : CUBE_CELLS - 1;
   };
   const int face = 2 * axis + (d[axis] < T(0) ? 1 : 0);

@@ -1,4 +1,4 @@
-// The kernel that every machine can run, and the choice among all of them.
+// The kernel that runs on every machine, and the choice among all kernels.
 #include "geometry_kernel.h"
 
 #include "geometry_kernel_loops.h"
@@ -18,7 +18,7 @@ const std::vector<GeometryKernel>& geometryKernels() {
     std::vector<GeometryKernel> kernels;
 #ifdef COLLISION_PAIRS_X86_KERNELS
     const InstructionSet best = instructionSet();
-    if (best >= InstructionSet::AVX512) {  // only the extent gains by more than four lanes
+    if (best >= InstructionSet::AVX512) {  // only the extent gains from more than four lanes
       kernels.push_back(GEOMETRY_AVX2);
       kernels.back().name = "avx512";
       kernels.back().extent = EXTENT_AVX512;

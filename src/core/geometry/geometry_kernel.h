@@ -6,7 +6,7 @@
 
 namespace collision_pairs {
 
-constexpr int POINT_LANES = 8;  // of the widest processors: a block fits all
+constexpr int POINT_LANES = 8;  // of the widest instruction set; blocks have the same size for all
 constexpr int BOX_LANES = 4;
 
 /// Points as structure of arrays.
@@ -25,8 +25,8 @@ struct alignas(BOX_LANES * sizeof(double)) BoxBlock {
 struct GeometryKernel {
   const char* name;
 
-  /// Index of the point furthest along `direction`, of several the first; writes how far along it
-  /// is.
+  /// Index of the point furthest along `direction`, the first if there are several; writes its
+  /// coordinate along it.
   unsigned long (*furthest_point)(const PointBlock* blocks, unsigned long count,
                                   const double* direction, double* height);
   /// The smallest and largest coordinates of R p; R is column-major.
@@ -42,7 +42,7 @@ struct GeometryKernel {
   void (*point_gaps)(const BoxBlock& block, const double* point, double* squared);
 };
 
-/// What this machine can run, the best one first.
+/// The kernels that this machine can run, the fastest first.
 const std::vector<GeometryKernel>& geometryKernels();
 
 }  // namespace collision_pairs

@@ -1,4 +1,4 @@
-// 4 lanes. Compiled for AVX2; entered only where the machine has it.
+// 4 lanes. Compiled for AVX2; called only if the machine supports it.
 #include "geometry_kernel_loops.h"
 
 namespace collision_pairs {

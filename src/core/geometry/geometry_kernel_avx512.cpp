@@ -1,4 +1,4 @@
-// 8 lanes. Compiled for AVX-512; entered only where the machine has it.
+// 8 lanes. Compiled for AVX-512; called only if the machine supports it.
 #include "geometry_kernel_loops.h"
 
 namespace collision_pairs {

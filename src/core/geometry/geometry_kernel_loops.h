@@ -1,6 +1,7 @@
 // The loops of GeometryKernel, for any width of the compiler's generic vectors: `Lanes` holds
 // `WIDTH` doubles, `Bits` as many integers of the same size. Uses nothing of the C++ library, so
-// that a file compiled for newer processors leaves no code of theirs in a shared function.
+// that a file compiled for newer processors puts none of their instructions into a shared inline
+// function.
 #pragma once
 
 #include "geometry_kernel.h"
@@ -18,7 +19,7 @@ unsigned long furthestPointLoop(const PointBlock* blocks, unsigned long count,
     return direction[0] * load(0) + direction[1] * load(1) + direction[2] * load(2);
   };
   Lanes best = along(blocks[0], 0);
-  Bits found = {}, step = {};  // which of the steps gave `best`, and which one this is
+  Bits found = {}, step = {};  // the step that gave `best`, and the current one
   for (unsigned long i = 0; i < count; ++i) {
     for (int part = 0; part < PARTS; ++part) {
       const Lanes reach = along(blocks[i], part);
@@ -29,9 +30,9 @@ unsigned long furthestPointLoop(const PointBlock* blocks, unsigned long count,
   }
   double most = best[0];
   long long first = found[0] * WIDTH;
-  for (int lane = 1; lane < WIDTH; ++lane) {  // as selections: branches would be guessed wrong
+  for (int lane = 1; lane < WIDTH; ++lane) {  // no branches: they would be mispredicted
     const long long index = found[lane] * WIDTH + lane;
-    // Of several the first point, however many lanes there are.
+    // The first of several equal points, for any number of lanes.
     first = best[lane] > most || (best[lane] == most && index < first) ? index : first;
     most = best[lane] > most ? best[lane] : most;
   }
@@ -59,7 +60,7 @@ void extentLoop(const PointBlock* blocks, unsigned long count, const double* R, 
       }
     }
   }
-  for (int row = 0; row < 3; ++row) {  // as selections: branches would be guessed wrong
+  for (int row = 0; row < 3; ++row) {  // no branches: they would be mispredicted
     double least = low[row][0], most = high[row][0];
     for (int lane = 1; lane < WIDTH; ++lane) {
       least = low[row][lane] < least ? low[row][lane] : least;
@@ -115,7 +116,7 @@ struct BoxGapLoop {
     }
   }
 
-  // X: 4 by 4, column by column. Here and not before the call, because here it costs a few
+  // X: 4 by 4, column by column. Moved here and not before the call, because here it takes a few
   // operations on four lanes.
   static void movedBox(const BoxBlock& block, const BoxBlock& other, int lane, const double* X,
                        double* squared) {
@@ -146,7 +147,7 @@ struct BoxGapLoop {
   }
 };
 
-/// Boxes are four to a block, so no loop over them is wider than that.
+/// A block has four boxes, so no loop over them is wider.
 template <class Lanes, class Bits, int WIDTH>
 constexpr GeometryKernel geometryKernel(const char* name) {
   using Boxes = BoxGapLoop<Lanes, Bits, WIDTH>;

@@ -1,4 +1,4 @@
-// Points packed for SIMD loops: support point along a direction, extents.
+// Points packed for SIMD loops: support points and extents.
 #pragma once
 
 #include <cstddef>
@@ -14,7 +14,7 @@ namespace collision_pairs {
 void appendBlocks(const std::vector<Eigen::Vector3d>& points, std::vector<PointBlock>& blocks);
 
 struct FurthestPoint {
-  std::size_t index;  ///< of points that fill a block up: of one of the equal ones
+  std::size_t index;  ///< if the last point is repeated to fill a block: of any of these
   double height;      ///< its coordinate along the direction
 };
 

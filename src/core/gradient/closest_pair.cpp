@@ -11,7 +11,7 @@ using Eigen::Vector3d;
 
 constexpr int MAX_ROUNDS = 12;
 constexpr double ROUNDING = 4.0 * std::numeric_limits<double>::epsilon();
-constexpr double SAME_DIRECTION = 1e-3;  // steps that differ by less, relative, tell nothing new
+constexpr double SAME_DIRECTION = 1e-3;  // relative: steps that differ less are not independent
 
 Vector3d nearestOn(const PreparedShape& shape, const Vector3d& p, NarrowPhase& narrow_phase) {
   static const std::shared_ptr<const PreparedShape> POINT = prepareShape(Sphere{0.0});
@@ -19,10 +19,10 @@ Vector3d nearestOn(const PreparedShape& shape, const Vector3d& p, NarrowPhase& n
   return narrow_phase.distance(shape, *POINT, X, std::numeric_limits<double>::infinity()).p_ACa;
 }
 
-/// What the last two rounds say of the limit.
+/// Extrapolates the limit from the last two rounds.
 class Extrapolation {
  public:
-  /// A round went from `from` to `to`. Where it should have gone.
+  /// A round led from `from` to `to`. Returns the extrapolated point.
   Vector3d next(const Vector3d& from, const Vector3d& to) {
     const Vector3d step = to - from;
     Vector3d limit = to;

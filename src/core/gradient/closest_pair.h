@@ -11,11 +11,11 @@ struct ClosestPair {
   Eigen::Vector3d p_ACa, p_ACb;  ///< on A and on B, in A's frame
 };
 
-/// Goes to and fro between A and B, from p_ACb to the nearest point of A, from there to the nearest
-/// point of B and so on, which has the two nearest points as its limit, and extrapolates: near them
-/// the way is linear, with at most two slow directions (Anderson acceleration, "Iterative
+/// Alternating projections: from p_ACb to the nearest point of A, from there to the nearest point
+/// of B and so on, which converges to the two nearest points; with extrapolation, because
+/// convergence is linear with at most two slow directions (Anderson acceleration, "Iterative
 /// Procedures for Nonlinear Integral Equations", 1965, with a memory of two). For solids that are
-/// apart and, about these points, convex. Mostly four rounds, of two queries with a point each.
+/// disjoint and convex near these points. Usually four rounds, with two point queries each.
 ClosestPair closestPairNear(const PreparedShape& A, const PreparedShape& B,
                             const Eigen::Isometry3d& X_AB, const Eigen::Vector3d& p_ACb,
                             NarrowPhase& narrow_phase);

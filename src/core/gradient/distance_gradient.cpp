@@ -20,8 +20,8 @@ Isometry3d poseOf(std::uint32_t id, const Contact& contact, const CollisionScene
   return element.body < 0 ? element.X_BE : X_WB[scene.bodies()[element.body].body] * element.X_BE;
 }
 
-/// Whether it is, or may be, the distance of the axis-aligned boxes, which a rung that sticks out
-/// of the next answers with where that is the better bound.
+/// True if it is, or may be, the distance of the axis-aligned boxes, which is the result of a
+/// larger rung if it is the better bound.
 bool isOfAlignedBoxes(const PairReport& pair, const Contact& nearest, const CollisionScene& scene,
                       const std::vector<Isometry3d>& X_WB) {
   if (pair.fidelity == Fidelity::AABB || pair.fidelity == Fidelity::SPHERES) return true;
@@ -37,7 +37,7 @@ bool isOfAlignedBoxes(const PairReport& pair, const Contact& nearest, const Coll
   return pair.distance == (widest > 0.0 ? std::sqrt(squaredGap(a, b)) : widest);
 }
 
-/// In RobotModel::bodies(); -1: it never moves.
+/// Index in RobotModel::bodies(); -1: static.
 int bodyOf(std::uint32_t model, const CollisionScene& scene) {
   const int body = scene.models()[model].body;
   return body < 0 ? -1 : scene.bodies()[body].body;
@@ -62,8 +62,8 @@ bool DistanceGradient::compute(const PairReport& pair, const CollisionReport& re
   Contact nearest = *found;
   refineAtCylinders(pair, X_WB, nearest);
   std::fill_n(gradient, joints_.size(), 0.0);
-  // From both links upwards until they meet: a parent has the smaller number. The joints above move
-  // both alike and change nothing.
+  // From both links up to their common ancestor: a parent has the smaller index. The joints above
+  // move both alike and change nothing.
   const auto& bodies = scene_.robot().bodies();
   int first = bodyOf(pair.first, scene_), second = bodyOf(pair.second, scene_);
   while (first != second) {
@@ -78,7 +78,7 @@ bool DistanceGradient::compute(const PairReport& pair, const CollisionReport& re
   return true;
 }
 
-// The body turns about an axis through its origin, or slides along it: both are the joint's.
+// The body rotates about the joint's axis through its origin, or slides along it.
 void DistanceGradient::addSpeed(int body, const Vector3d& p_W, const Vector3d& nhat_W,
                                 const std::vector<Isometry3d>& X_WB, double* gradient) const {
   const int joint_id = scene_.robot().bodies()[body].joint;

@@ -66,7 +66,7 @@ Sides sortedSides(const Surface& surface) {
       sides.push_back({std::min(i, j), std::max(i, j), t, i < j});
     }
   }
-  const auto edge = [](const Side& side) {  // as one number: compared in one step
+  const auto edge = [](const Side& side) {  // as one number, for a single comparison
     return static_cast<std::uint64_t>(side.low) << 32 | side.high;
   };
   std::sort(sides.begin(), sides.end(), [&](const Side& x, const Side& y) {

@@ -18,36 +18,35 @@ using Surface = std::vector<Triangle3>;
 /// For each vertex the first one with the same coordinates; -0 is 0.
 std::vector<std::uint32_t> weld(const std::vector<Eigen::Vector3d>& vertices);
 
-/// The triangles of a mesh, each set of corners once, however many triangles have it. Those that
-/// have two corners in one place are left out.
+/// The triangles of a mesh, one facet per set of corners, however many triangles share it.
+/// Triangles with two coincident corners are left out.
 struct Facets {
   Surface triangles;
-  std::vector<int> copies;  ///< that face this way, less those that face the other one; >= 0
+  std::vector<int> copies;  ///< those that face this way minus those that face the other; >= 0
 };
 
-/// `same`: of the mesh's vertices, by weld().
+/// `same`: result of weld() for the mesh's vertices.
 Facets facetsOf(const TriangleMesh& mesh, const std::vector<std::uint32_t>& same);
 
 /// One side of one triangle.
 struct Side {
   std::uint32_t low, high, triangle;
-  bool forward;  ///< the triangle runs from low to high
+  bool forward;  ///< the triangle traverses the edge from low to high
 };
 using Sides = std::vector<Side>;
 
-/// Of all triangles; those of one edge stand beside each other. Cost: O(n log n).
+/// The sides of all triangles, grouped by edge. Cost: O(n log n).
 Sides sortedSides(const Surface& surface);
 
 constexpr int ALL_COPIES = std::numeric_limits<int>::max();
 
-/// How many of the sides run forward, less those that run backward; of each facet at most so many
-/// copies.
+/// Number of forward sides minus backward sides; each facet counts at most `most_copies` times.
 int balance(Sides::const_iterator begin, Sides::const_iterator end, const std::vector<int>& copies,
             int most_copies);
 
-/// Numbers the facets: equal numbers have to be judged together. An edge of two facets joins them,
-/// and one of more facets those that it would leave open if they were alone. Reorders the sides
-/// within their edges.
+/// Numbers the facets; facets with equal numbers have to be classified together. An edge of two
+/// facets joins them, an edge of more facets joins those that would be open there on their own.
+/// Reorders the sides within each edge.
 std::vector<std::uint32_t> piecesOf(const Facets& facets, Sides& sides);
 
 /// visit(begin, end) for each run of elements with equal keys.
@@ -60,7 +59,7 @@ void forEachRun(Iterator begin, Iterator end, const Key& key, const Visit& visit
   }
 }
 
-/// The same for all elements with equal keys, which it brings together.
+/// The same for all elements with equal keys, after sorting by key.
 template <class Iterator, class Key, class Visit>
 void forEachGroup(Iterator begin, Iterator end, const Key& key, const Visit& visit) {
   const auto less = [&](const auto& x, const auto& y) { return key(x) < key(y); };

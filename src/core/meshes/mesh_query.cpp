@@ -15,7 +15,7 @@ using Eigen::Vector3d;
 
 double square(double x) { return x * x; }
 
-// Improves `gap` by one triangle of A against the solid B.
+// Updates `gap` with one triangle of A against the solid B.
 void improveByConvex(const Triangle& t, const ConvexCore& B, const Isometry3d& X_AB,
                      SearchLimit& limit, SurfaceGap& gap, std::uint32_t index) {
   if (B.kind == ConvexCore::Kind::POINT) {
@@ -40,9 +40,9 @@ void improveByConvex(const Triangle& t, const ConvexCore& B, const Isometry3d& X
   limit.found(square(gap.distance));
 }
 
-// Which of two nodes to split that are not both leaves: down to the patches on both sides first,
-// for between two patches their hulls may decide; then the one whose hull is not its surface, down
-// to its triangles, while the other one's hull may still be; else the larger.
+// Which of two nodes to split, if they are not both leaves. First both down to patches, since the
+// hulls of two patches may settle the pair. Then the one whose hull's closest point is not on its
+// surface, down to its triangles, as long as the other's may be. Else the larger.
 bool splitsA(const TriangleTree::Node& a, const TriangleTree::Node& b, bool by_patches,
              PatchOutcome outcome) {
   if (a.isLeaf() || b.isLeaf()) return b.isLeaf();
@@ -55,8 +55,8 @@ bool splitsA(const TriangleTree::Node& a, const TriangleTree::Node& b, bool by_p
 
 bool isPiece(const TriangleTree::Node& node) { return node.isPatch() || node.isLeaf(); }
 
-// Where contact is all that is of interest, boxes that overlap are split until triangles meet:
-// the hulls of patches would say little.
+// If only contact matters, overlapping boxes are split until triangles intersect: the hulls of
+// patches would rarely settle anything.
 bool worthHulls(const OrientedBox& a, const OrientedBox& b, double max_distance) {
   return max_distance > 0.01 * std::min(a.size(), b.size());
 }
@@ -91,7 +91,7 @@ SurfaceGap MeshQuery::meshMesh(const PreparedMesh& A, const PreparedMesh& B, con
   gap.distance = std::sqrt(squaredBoxGap(box_a, box_b.movedBy(X_AB)));
   if (gap.distance > std::max(max_distance, meet)) return gap;
   gap.distance = std::nextafter(max_distance, std::numeric_limits<double>::infinity());
-  // Found strictly below the limit: so that a gap equal to the limit is found too, one ulp more.
+  // The search finds gaps strictly below its limit; one ulp more includes a gap equal to it.
   ClosestPoints best{square(std::max(max_distance, meet)) * (1.0 + 1e-15)};
   SearchLimit limit(best.squared, accuracy);
   Vector3d apart_along = nhat_AB_A != nullptr ? *nhat_AB_A : Vector3d::UnitX();

@@ -12,12 +12,12 @@ namespace collision_pairs {
 namespace {
 
 using Eigen::Vector3d;
-using Numbering = std::vector<std::uint32_t>;  // of what belongs together: one number a facet
+using Numbering = std::vector<std::uint32_t>;  // by facet; equal numbers belong together
 
-constexpr double CLOSED_BELOW = 0.02;   // turns, in the mean: half the share of missing area
-constexpr int NUM_SAMPLES = 64;         // of a surface that may be closed
-constexpr double SAMPLE_HEIGHT = 1e-3;  // above a triangle, of its area over its circumference
-constexpr double NEARLY_MEET = 1e-5;    // of the mesh's size: vertices
+constexpr double CLOSED_BELOW = 0.02;   // mean error in turns: half the share of missing area
+constexpr int NUM_SAMPLES = 64;         // per surface that may be closed
+constexpr double SAMPLE_HEIGHT = 1e-3;  // above a triangle, relative to its area / perimeter
+constexpr double NEARLY_MEET = 1e-5;    // distance of vertices, relative to the mesh's size
 constexpr double INF = std::numeric_limits<double>::infinity();
 constexpr double MIN_POSITIVE = std::numeric_limits<double>::min();
 constexpr double CONVEX_TOLERANCE = 1e-12;  // of the mesh's size
@@ -31,7 +31,7 @@ Vector3d areaVector(const TriangleMesh& mesh, const Triangle3& t) {
   return 0.5 * (mesh.vertices[t[1]] - a).cross(mesh.vertices[t[2]] - a);
 }
 
-// The sides at which a surface is open, as segments from first to second.
+// The open edges of a surface, as segments from first to second.
 std::vector<std::pair<std::uint32_t, std::uint32_t>> boundaryOf(const Surface& surface) {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> boundary;
   Sides sides = sortedSides(surface);
@@ -45,8 +45,8 @@ std::vector<std::pair<std::uint32_t, std::uint32_t>> boundaryOf(const Surface& s
   return boundary;
 }
 
-// How far a surface is from winding a whole number of times around points, in turns. Together with
-// a fan over its boundary it is closed and winds so: what the fan does is the error.
+// Deviation of a surface's winding number from an integer. A fan over its boundary would close the
+// surface and make it an integer, so the fan's contribution is the deviation.
 class WindingError {
  public:
   WindingError(const TriangleMesh& mesh, const Surface& surface)
@@ -72,10 +72,10 @@ Vector3d pointAbove(const TriangleMesh& mesh, const Triangle3& t) {
   return centroid(mesh, t) + SAMPLE_HEIGHT / circumference * areaVector(mesh, t);
 }
 
-// A closed surface winds a whole number of times around every point. How far from that is this one
-// in the mean, next to itself, at samples that are spread evenly over its area? Below CLOSED_BELOW
-// what its edges leave open does not count: they match in parts only, or vertices nearly meet, or a
-// triangle is missing. Infinite above.
+// The winding number of a closed surface is an integer. Returns the mean deviation of this one's,
+// next to its triangles, at samples spread evenly over its area. Below CLOSED_BELOW the open edges
+// do not matter: they match only in part, or vertices nearly coincide, or a triangle is missing.
+// Infinite if above.
 double openness(const TriangleMesh& mesh, const Surface& surface) {
   const WindingError winding_error(mesh, surface);
   double area = 0.0, passed = 0.0, error = 0.0;
@@ -166,7 +166,7 @@ class SolidFinder {
   }
 
  private:
-  // Parts connected by vertices, with vertices merged as `same` says.
+  // Parts connected by vertices, with vertices merged according to `same`.
   UnionFind partsOf(const std::vector<std::uint32_t>& same) const {
     UnionFind parts(mesh_.vertices.size());
     for (const Triangle3& t : mesh_.triangles) {
@@ -186,8 +186,8 @@ class SolidFinder {
     }
   }
 
-  // Numbers the facets by parts connected by vertices that meet or nearly meet. Some of those are
-  // rounded apart; one that is not is enough.
+  // Numbers the facets by parts connected by vertices that coincide or nearly do. Rounding may
+  // separate some vertices; one that it does not is enough to connect two parts.
   Numbering nearParts() const {
     Vector3d low = mesh_.vertices[0], high = low;
     for (const Vector3d& v : mesh_.vertices) {
@@ -204,8 +204,8 @@ class SolidFinder {
     return result;
   }
 
-  // Calls take(ids) for all facets that have the same number and are not settled yet, unless they
-  // are too few to enclose anything; if it returns true, they are now.
+  // Calls take(ids) for the unsettled facets of each number, unless they are too few to enclose
+  // anything. If it returns true, they are settled.
   template <class Take>
   void settle(const Numbering& numbering, const Take& take) {
     Numbering open;
@@ -228,9 +228,8 @@ class SolidFinder {
     return surface;
   }
 
-  // Pieces whose sides cancel at each edge: closed, and oriented consistently. Where triangles are
-  // repeated, each once if that cancels too. Tells which pieces are consistent where they are not
-  // open.
+  // Pieces whose sides cancel at each edge are closed and consistently oriented. Repeated triangles
+  // count once if that cancels too. Returns which pieces are consistent except at open edges.
   std::vector<char> takeBalanced(const Numbering& piece, Sides& sides) {
     std::vector<char> once(piece.size(), 1), all(piece.size(), 1), consistent(piece.size(), 1);
     forEachEdge(sides, [&](auto begin, auto end) {
@@ -255,8 +254,8 @@ class SolidFinder {
     return openness(mesh_, surface) < CLOSED_BELOW && take(std::move(surface), as_they_are_);
   }
 
-  // As it is, or its outer faces, whichever way its triangles face: what is less open. The faces
-  // that are left out may still close something together with others.
+  // The piece as it is, or its outer faces whichever way its triangles face: the one that is less
+  // open. The faces left out may still close something together with others.
   bool takeNearlyClosed(const Numbering& ids, bool consistent) {
     Surface given = asItIs(ids, ALL_COPIES);
     const double given_open = openness(mesh_, given);
@@ -289,8 +288,8 @@ class SolidFinder {
     solid_.volume += volumeOf(mesh_, surface);
   }
 
-  // Bodies face outwards, those that faced inwards too. One that faces the other way than most of
-  // the volume does bounds a cavity, if it lies within a body.
+  // Makes all bodies face outwards. A surface that faces opposite to most of the volume bounds a
+  // cavity, if it lies within a body.
   void orient() {
     double sum = 0.0;
     for (const Surface& surface : as_they_are_) sum += volumeOf(mesh_, surface);
@@ -318,7 +317,7 @@ class SolidFinder {
   const TriangleMesh& mesh_;
   const std::vector<std::uint32_t> same_;
   const Facets facets_;
-  std::vector<char> settled_;         // one a facet
+  std::vector<char> settled_;         // one per facet
   std::vector<Surface> as_they_are_;  // closed
   std::vector<Surface> turned_outwards_;
   MeshSolid solid_;

@@ -9,7 +9,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Into the order in which the triangles stand around the edge, by the right hand along low to high.
+// Sorts the triangles by their angle around the edge, by the right-hand rule from low to high.
 void sortAround(const TriangleMesh& mesh, const Surface& surface, Sides::iterator begin,
                 Sides::iterator end) {
   const Vector3d& foot = mesh.vertices[begin->low];
@@ -30,7 +30,7 @@ void sortAround(const TriangleMesh& mesh, const Surface& surface, Sides::iterato
   for (const auto& entry : around) *begin++ = entry.second;
 }
 
-// Number of a face: the one that a triangle shows to where its normal points, or the other.
+// Index of one of the two faces of a triangle: the one on the side of its normal, or the other.
 std::uint32_t face(std::uint32_t triangle, bool front) { return 2 * triangle + (front ? 0 : 1); }
 
 UnionFind regionsOf(const TriangleMesh& mesh, const Surface& surface, LooseEdges loose_edges) {
@@ -61,7 +61,7 @@ double signedVolume(const TriangleMesh& mesh, const Triangle3& t, const Vector3d
 std::vector<int> outerFaces(const TriangleMesh& mesh, const Surface& surface,
                             LooseEdges loose_edges) {
   UnionFind regions = regionsOf(mesh, surface, loose_edges);
-  // The surface of the outside, seen from there, encloses less than nothing.
+  // The surface of the outer region, seen from there, encloses a negative volume.
   std::vector<double> volumes(2 * surface.size(), 0.0);
   for (std::uint32_t t = 0; t < surface.size(); ++t) {
     const double volume = signedVolume(mesh, surface[t], mesh.vertices[surface[0][0]]);

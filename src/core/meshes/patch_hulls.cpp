@@ -14,7 +14,7 @@ using Eigen::Vector3d;
 
 double square(double x) { return x * x; }
 
-// A patch by the corners of it, a triangle by its own; `corners` holds these.
+// A patch or a triangle as a convex shape; `corners` stores those of a triangle.
 ConvexCore pieceCore(const PreparedMesh& mesh, const TriangleTree::Node& node, Corners& corners) {
   if (node.isPatch()) return mesh.tree.patchCore(node.patch);
   corners = cornersOf(*mesh.triangles, node.children);
@@ -31,8 +31,8 @@ void take(double distance, const Vector3d& p_ACa, const Vector3d& p_ACb, const V
   gap.by_hulls = true;
 }
 
-// The closest points of two hulls, unless these are beyond the limit. Most are, and most of those
-// along the normal that showed it of their neighbours.
+// The closest points of two hulls unless they are beyond the limit. Most are, and the normal that
+// proved it for their neighbours proves it for most of them.
 std::optional<PairDistance> gapWithin(const ConvexCore& a, const ConvexCore& b,
                                       const Isometry3d& X_AB, Vector3d& nhat_AB_A,
                                       SearchLimit& limit) {
@@ -49,7 +49,8 @@ std::optional<PairDistance> gapWithin(const ConvexCore& a, const ConvexCore& b,
   return std::nullopt;
 }
 
-// Of hulls whose closest points are not both on their surfaces, though near them.
+// For hulls whose closest points are not both on the surfaces: true if their distance excludes the
+// pair.
 bool isNearEnough(const PairDistance& hulls, const ConvexCore& a, const ConvexCore& b,
                   SearchLimit& limit) {
   const double lower = lowerEndOfGap(hulls, a, b);

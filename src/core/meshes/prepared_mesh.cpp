@@ -14,7 +14,8 @@ class Search {
   Search(const PreparedMesh& mesh, const Vector3d& point, double limit)
       : mesh_(mesh), point_(point), squared_(limit * limit) {}
 
-  // The tree is balanced to one in eight, so the recursion is about 3 log2(n) deep at most.
+  // Each side of a split has at least an eighth of the triangles, so the recursion is at most about
+  // 3 log2(n) deep.
   void visit(std::uint32_t index) {
     const TriangleTree::Node& node = mesh_.tree.node(index);
     if (node.isLeaf()) {

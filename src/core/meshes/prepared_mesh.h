@@ -1,4 +1,4 @@
-// What queries need of a mesh: its triangles, their tree, and the nearest point of its surface.
+// A mesh prepared for queries: its triangles, their tree, and the nearest point of its surface.
 #pragma once
 
 #include <memory>
@@ -19,7 +19,8 @@ struct PreparedMesh {
   std::vector<Eigen::Vector3d> part_points;  ///< a point of each part
 };
 
-/// The triangle with that index: its corners, these moved, and with its normal.
+/// The triangle with that index: its corners, its corners moved by a pose, and the triangle with
+/// its normal.
 Corners cornersOf(const TriangleMesh& mesh, std::uint32_t index);
 Corners moved(const Corners& corners, const Eigen::Isometry3d& X);
 Triangle triangleOf(const TriangleMesh& mesh, std::uint32_t index);
@@ -30,8 +31,8 @@ ConvexCore cornersCore(const Corners& corners);
 /// Cost: O(log n) near the surface, up to O(n) far from a round one; allocates nothing.
 Eigen::Vector3d closestOnMesh(const PreparedMesh& mesh, const Eigen::Vector3d& point);
 
-/// The same of the part of the surface that is below node `root` of the tree, if it is no further
-/// than `within` metres.
+/// The same for the part of the surface below node `root` of the tree, if it is within `within`
+/// metres.
 std::optional<Eigen::Vector3d> closestOnPart(const PreparedMesh& mesh, std::uint32_t root,
                                              const Eigen::Vector3d& point, double within);
 

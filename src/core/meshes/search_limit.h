@@ -1,4 +1,4 @@
-// The limit beyond which a search for the nearest points of two surfaces skips parts of them.
+// The distance limit beyond which a search for the nearest points of two surfaces skips parts.
 #pragma once
 
 #include <algorithm>
@@ -9,9 +9,9 @@
 
 namespace collision_pairs {
 
-/// Comes nearer as the search finds nearer points: with an Accuracy to where parts may still be
-/// nearer, but by no more than its tolerance. Remembers the nearest part that was left out, so that
-/// in the end what is certain is known. All are squares of metres.
+/// Decreases as the search finds nearer points; with an Accuracy by up to its tolerance below their
+/// distance. Records the smallest bound of all skipped parts, from which the certified lower bound
+/// is computed. Squares of metres.
 class SearchLimit {
  public:
   SearchLimit(double squared, const Accuracy& accuracy) : squared_(squared), accuracy_(accuracy) {}
@@ -19,7 +19,7 @@ class SearchLimit {
   double squared() const { return squared_; }
   double tolerance() const { return accuracy_.tolerance; }
 
-  /// Two points were found whose distance this is.
+  /// Two points at this distance were found.
   void found(double squared) {
     squared_ = squared;
     if (accuracy_.isExact()) return;
@@ -37,7 +37,7 @@ class SearchLimit {
     nearest_left_out_ = std::min(nearest_left_out_, squared_bound);
   }
 
-  /// Metres; no more than the distance, of which `upper` is an upper bound that was found.
+  /// A lower bound of the distance, metres; `upper` is the upper bound that was found.
   double lowerEnd(double upper) const {
     return accuracy_.isExact() ? upper : std::min(upper, std::sqrt(nearest_left_out_));
   }

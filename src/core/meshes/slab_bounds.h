@@ -1,4 +1,4 @@
-// How near to each other the parts of two surfaces can be, seen along one direction.
+// Lower bounds of the distances of parts of two surfaces by their extents along one direction.
 #pragma once
 
 #include <limits>
@@ -9,15 +9,14 @@
 namespace collision_pairs {
 
 /// Lower bounds of the distance of the parts of two surfaces that are below two nodes of their
-/// trees: how far the one reaches along the direction, and where the other begins. Along the normal
-/// between their hulls this tells the few patches of two facing surfaces that can be nearest from
-/// all others, where boxes, which are as thick as their patch is bent, leave them to be measured.
-/// Keeps its memory from one pair to the next, nothing else.
+/// trees: the gap between their extents along the direction. Along the normal between the hulls of
+/// two facing surfaces this excludes all but the few patches that can be nearest; boxes, which are
+/// as thick as their patch is curved, exclude fewer. Keeps only memory from one pair to the next.
 class SlabBounds {
  public:
   /// All bounds are 0.
   void clear() { reach_a_.clear(); }
-  /// nhat_AB_A: unit, from A to B, in A's frame. Cost: about 10 ns a patch.
+  /// nhat_AB_A: unit, from A to B, in A's frame. Cost: about 10 ns per patch.
   void set(const PreparedMesh& A, const PreparedMesh& B, const Eigen::Isometry3d& X_AB,
            const Eigen::Vector3d& nhat_AB_A) {
     constexpr double ROUNDING = 64.0 * std::numeric_limits<double>::epsilon();
@@ -40,8 +39,8 @@ class SlabBounds {
     return box.center.norm() + box.half.norm();
   }
 
-  std::vector<double> reach_a_, reach_b_;  // of each node, along and against the direction
-  double offset_ = 0.0;                    // of the two frames along it, less rounding
+  std::vector<double> reach_a_, reach_b_;  // by node: extent along and against the direction
+  double offset_ = 0.0;                    // of the two frames along the direction, minus rounding
 };
 
 }  // namespace collision_pairs

@@ -8,7 +8,7 @@ namespace collision_pairs {
 namespace {
 
 constexpr double TWO_PI = 6.283185307179586;
-constexpr int MAX_FACTORS = 16;  // each is at most 4: far from overflow
+constexpr int MAX_FACTORS = 16;  // each is at most 4, so no overflow
 
 }  // namespace
 
@@ -16,14 +16,14 @@ void SolidAngleSum::add(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
                         const Eigen::Vector3d& c) {
   const Eigen::Vector3d x = a - p_, y = b - p_, z = c - p_;
   const double nx = x.norm(), ny = y.norm(), nz = z.norm(), scale = nx * ny * nz;
-  if (!(scale > 0.0)) return;  // seen from a corner there is no angle
+  if (!(scale > 0.0)) return;  // undefined at a corner
   const double real = 1.0 + (x.dot(y) * nz + y.dot(z) * nx + z.dot(x) * ny) / scale;
   const double imag = x.dot(y.cross(z)) / scale;
   if (!(real > 0.0)) {
     settled_ += std::atan2(imag, real);
     return;
   }
-  // Two angles of less than a quarter turn: their sum is the angle of the product.
+  // Two angles below a quarter turn: their sum is the angle of the product.
   const double product = real_ * real - imag_ * imag;
   imag_ = real_ * imag + imag_ * real;
   real_ = product;

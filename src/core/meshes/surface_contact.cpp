@@ -23,7 +23,7 @@ double meetDistance(const OrientedBox& a, const OrientedBox& b, const Isometry3d
 }
 
 // Children are written to the stack whether they overlap or not, and kept by moving its end: a
-// branch for each would be guessed wrong half of the time.
+// branch for each would be mispredicted half of the time.
 void SurfaceContact::push(const NodePair& parent, bool of_a, const TriangleTree::Node& split,
                           const FourGaps& gaps, double limit) {
   if (stack_.size() < size_ + BOX_LANES) stack_.resize(2 * stack_.size() + 64);
@@ -35,8 +35,8 @@ void SurfaceContact::push(const NodePair& parent, bool of_a, const TriangleTree:
   }
 }
 
-// Boxes that overlap say nothing about which of them hold triangles that meet, so they are not put
-// in order, nor are hulls asked.
+// The overlap of boxes does not tell which of them hold intersecting triangles, so they are not
+// sorted, and hulls are not tested.
 bool SurfaceContact::surfacesMeet(const PreparedMesh& A, const PreparedMesh& B,
                                   const Isometry3d& X_AB) {
   const Isometry3d X_BA = X_AB.inverse(Eigen::Isometry);

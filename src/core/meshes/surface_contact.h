@@ -1,4 +1,4 @@
-// Do the surfaces of two meshes meet?
+// Tests whether the surfaces of two meshes intersect.
 #pragma once
 
 #include <vector>
@@ -7,23 +7,24 @@
 
 namespace collision_pairs {
 
-/// Surfaces this close meet, metres: what is left is the rounding of the coordinates that their
-/// distance is computed from.
+/// Surfaces at most this far apart count as intersecting, metres: the rounding of the coordinates
+/// from which their distance is computed.
 double meetDistance(const OrientedBox& a, const OrientedBox& b, const Eigen::Isometry3d& X_AB);
 
-/// Splits pairs of boxes that overlap until two triangles meet. Tells no distance. Holds the memory
-/// for that walk only.
+/// Splits pairs of overlapping boxes until two triangles intersect. Computes no distance. Holds
+/// scratch memory only.
 class SurfaceContact {
  public:
-  /// Cost: O(log n) where the boxes miss each other or the first triangles tried meet, up to O(n)
-  /// for surfaces that nest.
+  /// Cost: O(log n) if the boxes are disjoint or the first triangles tested intersect, up to O(n)
+  /// for nested surfaces.
   bool surfacesMeet(const PreparedMesh& A, const PreparedMesh& B, const Eigen::Isometry3d& X_AB);
 
  private:
   struct NodePair {
     std::uint32_t a, b;
   };
-  /// The children of the node that was split, A's if `of_a`, each with the other node.
+  /// Pushes the children of the node that was split (A's if `of_a`), each paired with the other
+  /// node.
   void push(const NodePair& parent, bool of_a, const TriangleTree::Node& split,
             const FourGaps& gaps, double limit);
 

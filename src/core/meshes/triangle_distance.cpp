@@ -9,7 +9,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Far above what rounding does to a height, relative to what it is computed from; squared.
+// Far above the rounding error of a height, relative to its operands; squared.
 constexpr double PLANE_ROUNDING = 1e-18;
 
 Vector3d closestOnSegment(const Vector3d& a, const Vector3d& b, const Vector3d& p) {
@@ -27,7 +27,7 @@ struct Heights {
   }
   double low() const { return std::min({h[0], h[1], h[2]}); }
   double high() const { return std::max({h[0], h[1], h[2]}); }
-  /// The plane alone keeps b at least this far away from a.
+  /// Distance that the plane alone guarantees between a and b.
   double apart() const { return std::max({0.0, low(), -high()}); }
   std::array<double, 3> h;
 };
@@ -57,7 +57,7 @@ bool pierces(const Triangle& a, const Triangle& b, const Heights& heights, Close
   return false;
 }
 
-// Corners of b against a; on_a and on_b are swapped by the caller where the roles are.
+// Corners of b against a; if the roles are swapped, the caller swaps on_a and on_b.
 bool improveByCorners(const Triangle& a, const Triangle& b, const Heights& heights, double& squared,
                       Vector3d& on_a, Vector3d& on_b) {
   bool improved = false;
@@ -74,7 +74,7 @@ bool improveByCorners(const Triangle& a, const Triangle& b, const Heights& heigh
   return improved;
 }
 
-// Where both edges' interiors hold the closest points, by the lines' common normal: accurate for
+// For closest points in the interior of both edges, by the common normal of the lines: accurate for
 // nearly parallel edges too. All other cases are corners against triangles.
 bool improveByEdges(const Triangle& a, const Triangle& b, ClosestPoints& best) {
   bool improved = false;
@@ -104,7 +104,7 @@ Triangle::Triangle(const Vector3d& a, const Vector3d& b, const Vector3d& c)
   const double x = ab.squaredNorm(), y = bc.squaredNorm(), z = ca.squaredNorm();
   const Vector3d cross = z >= x && z >= y ? ab.cross(bc) : (x >= y ? bc.cross(ca) : ca.cross(ab));
   const double length = cross.norm();
-  // Below this the cross product is rounding, and no plane can be told.
+  // Below this the cross product is mostly rounding and defines no plane.
   if (length > 1e-15 * std::max({x, y, z})) normal = cross / length;
 }
 
@@ -136,7 +136,7 @@ bool planeKeepsApart(const Corners& a, const Corners& b, double squared_limit) {
     squared_reach = std::max(squared_reach, r.squaredNorm());
   }
   const double apart = std::max(low, -high);
-  // Of the edges' lengths rather than the normal's: a sliver's normal is mostly rounding.
+  // By the edges' lengths, not the normal's: the normal of a sliver is mostly rounding.
   const double scale = first.squaredNorm() * second.squaredNorm();
   return apart > 0.0 && apart * apart > scale * (PLANE_ROUNDING * squared_reach + squared_limit);
 }

@@ -25,8 +25,8 @@ struct TriangleTree::Builder {
 
   const Vector3d& corner(std::uint32_t vertex) const { return mesh.vertices[vertex]; }
 
-  // Second moments of area about the mean, by the exact formula for a triangle; of the corners
-  // where there is no area.
+  // Second moments of area about the mean, by the exact formula for a triangle; of the corners if
+  // there is no area.
   Matrix3d axes(std::uint32_t begin, std::uint32_t end) const {
     double total = 0.0;
     Vector3d mean = Vector3d::Zero();
@@ -53,7 +53,7 @@ struct TriangleTree::Builder {
     Eigen::SelfAdjointEigenSolver<Matrix3d> solver;
     solver.computeDirect(Matrix3d(covariance / scale));
     Matrix3d R = solver.eigenvectors();
-    // computeDirect is fast and now and then loses orthogonality: made good here.
+    // computeDirect is fast but sometimes loses orthogonality, which is restored here.
     R.col(2).normalize();
     R.col(1) = (R.col(1) - R.col(2).dot(R.col(1)) * R.col(2));
     const double length = R.col(1).norm();
@@ -91,7 +91,7 @@ struct TriangleTree::Builder {
     const auto below = [&](std::uint32_t t) { return direction.dot(centroid[t]) < mean; };
     const auto middle = std::partition(order.begin() + begin, order.begin() + end, below);
     const auto cut = static_cast<std::uint32_t>(middle - order.begin());
-    // A lopsided cut would make the tree deep; equal centroids leave no cut at all.
+    // An unbalanced split would make the tree deep; with equal centroids there is no split at all.
     const std::uint32_t least = std::max(1U, (end - begin) / 8);
     if (cut >= begin + least && cut + least <= end) return cut;
     const std::uint32_t half = begin + (end - begin) / 2;
@@ -129,8 +129,7 @@ struct TriangleTree::Builder {
     Part part;
   };
 
-  // Splits down to parts of at most `enough` triangles, which are appended to `ends` if it is
-  // given.
+  // Splits into parts of at most `enough` triangles, which are appended to `ends` if given.
   void grow(const Root& root, std::uint32_t enough, std::vector<Root>* ends) {
     const auto& [index, whole] = root;
     setLane(whole.box, static_cast<int>(index % BOX_LANES), blocks[index / BOX_LANES]);
@@ -147,7 +146,7 @@ struct TriangleTree::Builder {
     for (std::uint32_t i = 0; i < parts.size(); ++i) grow({first + i, parts[i]}, enough, ends);
   }
 
-  // The nodes above the patches come first, so that they are near each other in memory.
+  // The nodes above the patches come first, to be contiguous in memory.
   void build() {
     const auto nb_triangles = static_cast<std::uint32_t>(mesh.triangles.size());
     std::vector<Root> patch_roots;
@@ -161,7 +160,8 @@ struct TriangleTree::Builder {
     }
   }
 
-  // About what is used: half a block and one point a triangle. What is not costs no memory.
+  // About what is needed: half a block and one point per triangle. Unused reserve costs no physical
+  // memory.
   void reserve(std::size_t nb_triangles) {
     blocks.reserve(nb_triangles * 3 / 5 + 1);
     nodes.reserve(BOX_LANES * blocks.capacity());

@@ -15,12 +15,12 @@ namespace collision_pairs {
 
 /// Gottschalk, Lin, Manocha, "OBBTree" (1996): boxes along the principal axes of the triangles'
 /// area, split at the mean of the centroids along the longest axis. One triangle per leaf.
-/// Deviation: two levels of splits make one, so that a node has up to four children, whose gaps
-/// to another box are found together.
+/// Deviation: two levels of splits are merged into one, so that a node has up to four children,
+/// whose gaps to another box are computed together.
 ///
 /// Some nodes are the roots of patches: the largest ones of at most PATCH_TRIANGLES triangles. The
-/// convex hull of a patch is close to its surface where the mesh is smooth, so it bounds a
-/// distance far better than a box, and often is it.
+/// convex hull of a patch is close to its surface where the mesh is smooth, so it bounds a distance
+/// much better than a box, and its distance is often the exact one.
 class TriangleTree {
  public:
   static constexpr std::uint32_t PATCH_TRIANGLES = 32;
@@ -41,11 +41,11 @@ class TriangleTree {
   explicit TriangleTree(const TriangleMesh& mesh);
 
   const Node& node(std::uint32_t i) const { return nodes_[i]; }
-  /// Grown by a few units in the last place.
+  /// Enlarged by a few units in the last place.
   OrientedBox box(std::uint32_t i) const {
     return boxInLane(blocks_[i / BOX_LANES], static_cast<int>(i % BOX_LANES));
   }
-  /// The boxes of all children of a node that is no leaf.
+  /// The boxes of all children of an inner node.
   const BoxBlock& childBoxes(const Node& node) const { return blocks_[node.children / BOX_LANES]; }
   /// squaredBoxGap() of each child of a node of this tree and node `i` of another, moved by X.
   FourGaps squaredGaps(const Node& node, const TriangleTree& other, std::uint32_t i,
@@ -58,8 +58,9 @@ class TriangleTree {
   /// The corners of a patch, as a convex shape that refers to them.
   ConvexCore patchCore(std::uint32_t patch) const;
 
-  /// For each node above the patches and each patch, by its index: how far the triangles below it
-  /// reach along the direction. Nodes below patches have larger indices. Cost: about 10 ns a patch.
+  /// For each node above the patches and each patch, by its index: the extent of the triangles
+  /// below it along the direction. Nodes below patches have larger indices. Cost: about 10 ns per
+  /// patch.
   void reaches(const Eigen::Vector3d& direction, std::vector<double>& reach) const;
 
  private:
@@ -70,7 +71,7 @@ class TriangleTree {
     Eigen::Vector3d center;
     double extent;
   };
-  std::vector<Node> nodes_;       // the root is node 0; brothers begin at a multiple of BOX_LANES
+  std::vector<Node> nodes_;       // the root is node 0; siblings begin at a multiple of BOX_LANES
   std::vector<BoxBlock> blocks_;  // the boxes of the nodes
   std::vector<Patch> patches_;
   std::vector<Eigen::Vector3d> patch_points_;

@@ -11,7 +11,7 @@ namespace {
 constexpr double FOUR_PI = 12.566370614359172;
 constexpr std::uint32_t LEAF_SIZE = 8;
 constexpr double FAR = 2.5;          // in radii of the cluster
-constexpr double UNCERTAIN = 0.125;  // around 1/2; the dipoles' error is a few hundredths
+constexpr double UNCERTAIN = 0.125;  // around 1/2; the error of the dipoles is a few hundredths
 
 double component(const std::array<Eigen::Vector3d, 3>& t, int axis) {
   return t[0][axis] + t[1][axis] + t[2][axis];

@@ -1,4 +1,4 @@
-// Is a point inside a closed surface?
+// Point containment for closed surfaces.
 #pragma once
 
 #include <array>
@@ -9,9 +9,9 @@
 
 namespace collision_pairs {
 
-/// Generalised winding number of a set of triangles, far clusters taken as dipoles.
+/// Generalised winding number of a set of triangles, with distant clusters approximated by dipoles.
 /// Barill et al., "Fast winding numbers for soups and clouds" (2018). Deviation: near 1/2, where
-/// the dipoles could mislead, all solid angles are summed.
+/// the error of the dipoles could change the result, all solid angles are summed.
 class WindingNumber {
  public:
   WindingNumber() = default;
@@ -20,15 +20,15 @@ class WindingNumber {
                 std::vector<std::array<std::uint32_t, 3>> outward);
 
   bool empty() const { return corners_.empty(); }
-  /// Does the surface wind at least half around the point p_MQ, one way or the other? Bodies that
-  /// overlap add up, so what is inside any of them is inside, and cavities are excluded. Cost:
-  /// O(log n) away from the surface, O(n) at worst.
+  /// True if the absolute winding number at the point p_MQ is at least 1/2. Overlapping bodies add
+  /// up, so what is inside any of them is inside, and cavities are excluded. Cost: O(log n) away
+  /// from the surface, O(n) at worst.
   bool holds(const Eigen::Vector3d& p_MQ) const;
 
  private:
   struct Node {
     Eigen::Vector3d center, dipole;  // dipole: sum of area times normal
-    double radius;                   // of a sphere around the centre that holds the triangles
+    double radius;                   // of a sphere around the centre that encloses the triangles
     std::uint32_t begin, end;        // its triangles
     std::uint32_t skip;              // the node after this one's subtree
   };

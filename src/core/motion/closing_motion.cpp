@@ -14,14 +14,14 @@ using Eigen::Isometry3d;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr double ROUNDING = 1e-12;  // of the coordinates, for what is computed from them
+constexpr double ROUNDING = 1e-12;  // relative to the coordinates
 constexpr int NB_BISECTIONS = 20;   // of HORIZON: to 10 microseconds
 
 struct BodyPair {
   Isometry3d X_WB = Isometry3d::Identity(), X_WB_before = Isometry3d::Identity();
 };
 
-/// Nothing if the pose is not known at one of the two instants.
+/// Empty if the pose is unknown at one of the two instants.
 std::optional<BodyPair> posesOf(int body, const BodyPoses& now, const BodyPoses& before) {
   BodyPair poses;
   if (body < 0) return poses;  // static
@@ -32,7 +32,7 @@ std::optional<BodyPair> posesOf(int body, const BodyPoses& now, const BodyPoses&
   return is_finite ? std::optional(poses) : std::nullopt;
 }
 
-/// Velocity of the mover's frame as seen from the base; expressed in W.
+/// Velocity of the mover's frame relative to the base; expressed in W.
 struct RelativeVelocity {
   Vector3d v, omega;
   Vector3d origin_W;  ///< of the mover's frame
@@ -49,13 +49,13 @@ struct RelativeVelocity {
   Vector3d at(const Vector3d& p_W) const { return v + omega.cross(p_W - origin_W); }
 };
 
-/// An element where it stands.
+/// An element at its pose.
 struct PlacedElement {
   const SceneElement& element;
   Isometry3d X_WE;
   Matrix3d R_WE;
   Vector3d center_W;
-  const Prepared* shape;  ///< null where the scene has none that is finer than a box
+  const Prepared* shape;  ///< null if the scene has none finer than a box
   double margin;
 
   PlacedElement(const SceneElement& of_scene, const Isometry3d& X_WB)
@@ -86,14 +86,14 @@ double timeAbove(const Gap& gap) {
   return sure;
 }
 
-/// `n_W`: from the base to the mover; none where the base has more parts than the nearest, a cloud.
-/// `distance`: of the two, less their padding.
+/// `n_W`: from the base to the mover; none if the base is a cloud, of which other parts than the
+/// nearest may be met. `distance`: of the two, padding subtracted.
 double timeToContact(const PlacedElement& base, const PlacedElement& mover,
                      const RelativeVelocity& velocity, const Vector3d* n_W, double distance,
                      double padding) {
   const double reach = (mover.center_W - velocity.origin_W).norm() + mover.radius();
   const double turning = velocity.omega.norm();
-  if (!std::isfinite(reach)) return 0.0;  // a half-space that moves
+  if (!std::isfinite(reach)) return 0.0;  // a moving half-space
   MovingPair moving;
   moving.p_AB_W = mover.center_W - base.center_W;
   moving.twist_b = {velocity.at(mover.center_W), velocity.omega};
@@ -134,8 +134,8 @@ ClosingMotion closingMotion(const CollisionScene& scene, const CollisionReport& 
                            is_voxel ? scene.poseOfVoxel(element, voxel) : body.X_WB);
     };
     const PlacedElement of_first = placed(a, *first), of_second = placed(b, *second);
-    // As seen from the first; but from a half-space, which must not turn, or a cloud, of which any
-    // voxel may be met first.
+    // Relative to the first, or to the second if that is a half-space, which must not rotate, or a
+    // cloud, of which any voxel may be met first.
     const bool of_cloud = scene.cloudOf(a) >= 0 || scene.cloudOf(b) >= 0;
     const bool swaps = of_second.isHalfSpace() || scene.cloudOf(b) >= 0;
     const PlacedElement &base = swaps ? of_second : of_first, &mover = swaps ? of_first : of_second;
@@ -149,7 +149,7 @@ ClosingMotion closingMotion(const CollisionScene& scene, const CollisionReport& 
                                       -contact.depth, scene.padding(a, b));
     closing.time_to_contact = std::min(closing.time_to_contact, time);
   }
-  if (!std::isfinite(closing.closing_speed)) return {};  // boxes that decided have no normal
+  if (!std::isfinite(closing.closing_speed)) return {};  // decided by boxes, which have no normal
   return closing;
 }
 

@@ -23,15 +23,15 @@ constexpr double INF = std::numeric_limits<double>::infinity();
 constexpr double ROUNDED_UP = 1.0 + 1e-12;
 constexpr std::uint32_t ALL_STATIC = std::numeric_limits<std::uint32_t>::max();
 
-// Elements are compared with what is static when their motion is no more than the radius of the
-// largest one: before that they would meet nearly everything.
+// Elements are compared with static ones once their motion is at most the radius of the largest
+// one; before that their swept boxes would overlap nearly everything.
 constexpr double MOTION_TO_SWEEP = 1.0;
-// Of the motion, and of the size of the largest: what is static and further than the larger of the
-// two is not compared, so that this much clearance comes for free.
+// Relative to the motion and to the size of the largest element: static elements further away than
+// the larger of the two are not compared, so this much clearance is certified at no cost.
 constexpr double SWEEP_BEYOND_MOTION = 0.25, SWEEP_BEYOND_SIZE = 0.05;
 
-// What a segment may take: a second or so, and 100 MB. Only motions get there that are millions of
-// times longer than the robot is large, or than the resolution where something is nearly touched.
+// Limits of a segment: about a second, and 100 MB. Only reached by motions that are millions of
+// times longer than the robot, or than the resolution if something is nearly touched.
 constexpr std::uint32_t MOST_CHECKS = 300'000;
 constexpr std::size_t MOST_OPEN_PAIRS = 1'000'000;
 
@@ -85,12 +85,12 @@ class MotionCheck::Search {
  private:
   struct Swept {
     OpenPair open;
-    double growth;  ///< metres by which the element's box holds it all the way
+    double growth;  ///< metres by which the element's box has to be enlarged to contain its motion
   };
 
-  // All of these return false where the search ends: a contact is found.
+  // All of these return false if the search ends because a contact was found.
 
-  /// At the middle of the segment; the quickest of checks first.
+  /// At the middle of the segment; the cheapest check first.
   bool lookAtAll() {
     moveTo(0.0, 1.0);
     if (meetsAnything(true) && confirmContact()) return false;
@@ -175,7 +175,7 @@ class MotionCheck::Search {
     return true;
   }
 
-  /// Leaves what is open on either side of what is covered.
+  /// Adds the open parts on either side of the covered one.
   void cut(const OpenPair& open, const Cover& cover, Way& before, Way& after) {
     OpenPair part = open;
     if (cover.before < at_ - open.begin) {
@@ -195,13 +195,13 @@ class MotionCheck::Search {
     Outcome outcome = cover_.measure(at_, open, cover);
     if (outcome == Outcome::CONTACT) {
       if (confirmContact()) return false;
-      outcome = Outcome::GIVEN_UP;  // a matter of rounding
+      outcome = Outcome::GIVEN_UP;  // undecidable because of rounding
     }
     if (cover.before >= 0.0) clearance_ = std::min(clearance_, cover.clearance);
     if (outcome == Outcome::COVERED) return true;
     if (outcome != Outcome::OPEN) noteUncertified(open.pair);
     if (outcome == Outcome::GIVEN_UP) return true;
-    if (outcome == Outcome::NEARER) open.clearance = 0.0;  // a contact is still sought
+    if (outcome == Outcome::NEARER) open.clearance = 0.0;  // the search for a contact continues
     cut(open, cover, before, after);
     return true;
   }
@@ -249,7 +249,7 @@ class MotionCheck::Search {
     return true;
   }
 
-  /// Finds what is static and can be met by the elements of `swept_` on their ways.
+  /// Finds the static elements that elements of `swept_` may touch during their motion.
   bool sweep(Way& before, Way& after) {
     double most = 0.0;
     for (const Swept& swept : swept_) most = std::max(most, swept.growth);
@@ -302,10 +302,10 @@ class MotionCheck::Search {
   MotionSettings settings_;
   MotionReport report_;
   std::set<std::pair<std::uint32_t, std::uint32_t>> uncertified_;  ///< models
-  std::vector<char> beside_static_noted_;  ///< by element: with all that is static
+  std::vector<char> beside_static_noted_;  ///< by element: noted with all static elements
   double clearance_ = INF;                 ///< certified so far
-  double size_ = 0.0;  ///< metres, of the largest element beside something static
-  double at_ = 0.0;    ///< the configuration that is looked at
+  double size_ = 0.0;  ///< metres, of the largest element with static ones near it
+  double at_ = 0.0;    ///< the current configuration
   OpenWays ways_;
   std::vector<Swept> swept_;
 };

@@ -18,7 +18,7 @@ bool isStatic(const CollisionScene& scene, std::uint32_t model) {
   return of_scene.body < 0 && scene.cloudOf(of_scene.first_element) < 0;
 }
 
-// The filter without pairs of models that both move, or of which one is a cloud.
+// The filter without pairs of two moving models, and without clouds.
 PairFilter withStaticOnly(const CollisionScene& scene) {
   PairFilter filter = scene.filter();
   const auto& models = scene.models();

@@ -140,14 +140,13 @@ void MotionState::moveSphere(std::uint32_t element) {
   state.sphere.center = id < 0 ? state.center_B : Vector3d(body(id).X_WB * state.center_B);
 }
 
-// From the element to W. As seen from here, the joints turn one after the other, the nearest to the
-// element first, each about the axis that it has now: so what one adds to the way of a point is no
-// more than the arc about that axis by which the point stands now, whatever the others do (an
-// isometry changes no distance).
+// From the element to W. Viewed from the element, the joints turn one after the other, the nearest
+// to the element first, each about its present axis. So each adds at most the arc of the point's
+// present radius about that axis, whatever the others do (isometries preserve distances).
 //
-// From where its velocity takes it a point departs by a joint's own arc, by no more than
-// (rate s)^2 / 2 times the radius that it has by then, and because it had moved before the joint
-// turned it: by no more than rate s times that way.
+// A point deviates from motion at constant velocity because of the curvature of each joint's arc,
+// by at most (rate s)^2 / 2 times its radius by then, and because it moved before that joint
+// turned, by at most rate s times that earlier motion.
 void MotionState::setBounds(std::uint32_t element) {
   elements_[element].bound_stamp = now_;
   MotionBound* bounds = &bounds_[element * stride_];

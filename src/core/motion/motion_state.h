@@ -9,35 +9,35 @@
 
 namespace collision_pairs {
 
-/// From one configuration on: while the fraction changes by s, no point of an element moves by more
-/// than |s| * speed, nor departs by more than s^2 / 2 * acceleration from where its velocity takes
-/// it; seen from a frame.
+/// Bounds from one configuration, relative to a frame: while the fraction changes by s, no point of
+/// an element moves by more than |s| * speed, nor deviates by more than s^2 / 2 * acceleration from
+/// motion at constant velocity.
 struct MotionBound {
-  double speed = 0.0;         ///< metres a unit of the fraction
-  double acceleration = 0.0;  ///< metres a unit squared
-  /// Metres by which its place is uncertain, since positions of joints are rounded.
+  double speed = 0.0;         ///< metres per unit of the fraction
+  double acceleration = 0.0;  ///< metres per unit squared
+  /// Uncertainty of its position due to the rounding of joint positions, metres.
   double rounding = 0.0;
 };
 
-/// Velocity of an element, seen from a frame and expressed in W: of its centre, and of rotation.
+/// Velocity of an element relative to a frame, expressed in W: of its centre, and angular.
 struct Twist {
-  Eigen::Vector3d v = Eigen::Vector3d::Zero();      ///< metres a unit of the fraction
-  Eigen::Vector3d omega = Eigen::Vector3d::Zero();  ///< radians a unit of the fraction
+  Eigen::Vector3d v = Eigen::Vector3d::Zero();      ///< metres per unit of the fraction
+  Eigen::Vector3d omega = Eigen::Vector3d::Zero();  ///< radians per unit of the fraction
 };
 
-/// About the box that encloses an element along its own axes, in W.
+/// Sphere around the box that encloses an element along its own axes, in W.
 struct BoundingSphere {
   Eigen::Vector3d center;
   double radius;  ///< infinite for a half-space
 };
 
-/// Kinematics along one motion; each part is computed when it is first asked for. "Frames" are
-/// bodies of the robot (RobotModel::bodies()), or -1 for W; "centres" are those of the spheres.
+/// Kinematics along one motion; each part is computed when first needed. "Frames" are bodies of the
+/// robot (RobotModel::bodies()), or -1 for W; "centres" are those of the spheres.
 ///
 /// The bounds are those of Schwarzer et al. (see MotionCheck): a joint that turns by dq moves a
-/// point by no more than |dq| r, where r is its distance from the axis. They bound what moves from
-/// the middle of a way to either side, not from one end to the other: then r may be that of the
-/// middle's pose alone, and need not hold for the whole way.
+/// point by no more than |dq| r, where r is its distance from the axis. They bound the motion from
+/// the middle of a segment to either side, not from one end to the other: so r can be that of the
+/// middle's pose, and need not hold for the whole segment.
 class MotionState {
  public:
   /// Both must outlive this.
@@ -64,27 +64,27 @@ class MotionState {
   }
   Twist twist(std::uint32_t element, int frame);
 
-  /// X_WE of all elements: those of this configuration that were asked for, others of an earlier
-  /// one.
+  /// X_WE of all elements: current for those that were requested at this configuration, else of an
+  /// earlier one.
   const std::vector<Eigen::Isometry3d>& poses() const { return X_WE_; }
-  /// The same, for who places the elements of clouds.
+  /// The same, for callers that place the elements of clouds.
   std::vector<Eigen::Isometry3d>& poses() { return X_WE_; }
-  /// Of the whole scene, by the arithmetic of RobotModel::forwardKinematics().
+  /// For the whole scene, with the arithmetic of RobotModel::forwardKinematics().
   void gatherPoses(BodyPoses& poses);
 
  private:
   struct BodyState {
-    double rate = 0.0;       ///< what its joint does from one end to the other, rad or m
+    double rate = 0.0;       ///< change of its joint over the motion, rad or m
     int nb_moving = 0;       ///< joints that move between W and it
-    bool is_placed = false;  ///< is at X_PB, whatever its joint's position
-    Eigen::Isometry3d X_PB = Eigen::Isometry3d::Identity();  ///< of a root, or where it is placed
+    bool is_placed = false;  ///< at X_PB regardless of its joint's position
+    Eigen::Isometry3d X_PB = Eigen::Isometry3d::Identity();  ///< of a root, or of a placed body
     std::uint64_t stamp = 0;
     Eigen::Isometry3d X_WB = Eigen::Isometry3d::Identity();
     Twist twist;             ///< of its origin, in W
-    Eigen::Vector3d axis_W;  ///< of its joint, where rate is not 0
+    Eigen::Vector3d axis_W;  ///< of its joint, if rate is not 0
   };
   struct ElementState {
-    Eigen::Vector3d center_B;  ///< of its sphere; in W if it never moves
+    Eigen::Vector3d center_B;  ///< of its sphere; in W if static
     bool moves = false;
     std::uint64_t stamp = 0, pose_stamp = 0, bound_stamp = 0;
     BoundingSphere sphere;

@@ -13,14 +13,14 @@ struct Way {
   static constexpr int NONE = -1;
 
   double begin = 0.0, end = 0.0;
-  double motion = 0.0;  ///< metres: the most that one of the pairs can move in its part
+  double motion = 0.0;  ///< metres: largest motion of any of the pairs in its part
   int first_open = NONE;
 
   bool isEmpty() const { return first_open == NONE; }
 };
 
 /// Returns the interval with the most motion first, which may contain the deepest contact. The
-/// order depends on the ways alone.
+/// order depends only on the ways.
 class OpenWays {
  public:
   void clear() {
@@ -30,7 +30,7 @@ class OpenWays {
   }
 
   bool isEmpty() const { return ways_.empty(); }
-  /// Pairs, once for each way that they are open on; those that are free to be used again too.
+  /// Pairs, once for each way on which they are open, and unused entries for reuse.
   std::size_t nbPairs() const { return slots_.size(); }
   void push(const Way& way) {
     if (way.isEmpty()) return;
@@ -58,7 +58,7 @@ class OpenWays {
     slots_[slot] = {open, way.first_open};
     way.first_open = slot;
   }
-  /// Of a way that is not empty; its interval stays.
+  /// Removes a pair from a way that is not empty; the interval is kept.
   OpenPair takePair(Way& way) {
     const int slot = way.first_open;
     way.first_open = slots_[slot].next;
@@ -70,7 +70,7 @@ class OpenWays {
  private:
   struct Slot {
     OpenPair open;
-    int next = Way::NONE;  ///< of the same way; or that is free
+    int next = Way::NONE;  ///< the next one of the same way, or the next unused one
   };
   static bool isLessSuspicious(const Way& a, const Way& b) {
     return a.motion != b.motion ? a.motion < b.motion : a.begin > b.begin;

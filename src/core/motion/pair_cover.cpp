@@ -14,24 +14,24 @@ using Eigen::Vector3d;
 
 constexpr double INF = std::numeric_limits<double>::infinity();
 constexpr double ROUNDED_UP = 1.0 + 1e-12;
-constexpr double ROUNDING = 1e-12;       // of the coordinates, for what is computed from them
+constexpr double ROUNDING = 1e-12;       // relative to the coordinates
 constexpr double DISTANCE_ERROR = 1e-7;  // of the two bodies' size: five times docs/accuracy.md
-// Axis-aligned boxes do not turn with their elements: their faces move by what the elements move in
-// W, on up to three axes at a time. OBBs do, but reach out of the spheres: as each of their faces
-// touches the element, by no more than the same factor.
+// Axis-aligned boxes do not rotate with their elements: their faces move as far as the elements
+// move in W, on up to three axes at a time. OBBs do, but their corners lie outside the spheres: by
+// at most the same factor, since each of their faces touches the element.
 constexpr double LOOSE_SPEED = 1.7320508075688773;
-constexpr double SHORTEST_WAY = 1e-13;  // of the fraction: what is shorter cannot be cut
+constexpr double SHORTEST_WAY = 1e-13;  // of the fraction: a shorter way cannot be split
 
-// What is certified beyond the clearance is at least this share of the distance at a configuration:
-// so the clearance that comes for free is not nothing, and costs no more than this.
+// Certify at least this share of the distance at a configuration beyond the requested clearance, so
+// that the reported clearance is positive, at a bounded cost.
 constexpr double KEPT_SHARE = 0.1;
 
-// A finer bound is worth its time where it may close the way, and not while the pair can still move
-// by much of its size. In sizes of the smaller of the two:
+// A finer bound is worth its cost if it may cover the whole way, but not while the pair can still
+// move by much of its size. In sizes of the smaller of the two:
 constexpr double MOTION_FOR_HULLS = 1.0;   // hulls of boxes that are …
 constexpr double GAP_FOR_HULLS = 0.3;      // … no further apart than this, or for less motion
-constexpr double MOTION_FOR_SHAPES = 0.5;  // distance of shapes whose hulls meet
-constexpr double POOR = 0.05;              // share of the way: shapes are asked after hulls too
+constexpr double MOTION_FOR_SHAPES = 0.5;  // distance of shapes whose hulls overlap
+constexpr double POOR = 0.05;              // share of the way: below it shapes follow hulls
 
 const Prepared& preparedOf(const Rung& rung) { return static_cast<const Prepared&>(*rung.shape); }
 
@@ -44,18 +44,18 @@ struct PairCover::Question {
   OpenPair& open;
   Cover& cover;
   const bool rigid;
-  const double before, after;  ///< the way that is open, on either side
+  const double before, after;  ///< the open way on either side
   const double radius_a, radius_b;
   const MovingPair& moving;
-  double box_gap = 0.0;  ///< metres between the boxes about the two elements
+  double box_gap = 0.0;  ///< metres between the boxes of the two elements
 
   double size() const { return std::min(radius_a, radius_b); }
-  /// Metres that the two can move on the way, on its longer side.
+  /// Largest relative motion on the longer side of the way, metres.
   double motion() const {
     const double way = std::max(before, after);
     return way > 0.0 ? moving.bound.speed * way : 0.0;
   }
-  /// A distance beyond this closes the way, whatever the direction.
+  /// A larger distance covers the whole way, for any direction.
   double enough() const { return open.clearance + motion() / (1.0 - KEPT_SHARE); }
   double levelOf(double distance) const {
     return open.clearance + KEPT_SHARE * (distance - open.clearance);
@@ -63,7 +63,7 @@ struct PairCover::Question {
   bool isCovered() const { return cover.before >= before && cover.after >= after; }
   bool isPoor() const { return cover.before < POOR * before || cover.after < POOR * after; }
 
-  /// `distance` is a lower bound of that of the two, here.
+  /// `distance`: lower bound of the distance of the two at this configuration.
   void takeDistance(double distance) {
     if (!(distance > open.clearance)) return;
     const double level = levelOf(distance), speed = moving.bound.speed;
@@ -164,7 +164,7 @@ PairCover::Outcome PairCover::measure(double at, OpenPair& open, Cover& cover) {
   cover = {};
   Question question{open, cover, rigid, before, after, sphere_a.radius, sphere_b.radius, moving};
   if (!rigid || !std::isfinite(open.speed)) return byShapes(question);
-  if (cloudOf(open.pair) >= 0) {  // of its voxels any may be met, not the nearest alone
+  if (cloudOf(open.pair) >= 0) {  // any voxel may be met, not only the nearest
     moving.twist_a = state_.twist(a, open.frame);
     moving.twist_b = state_.twist(b, open.frame);
     ++nb_queries_;
@@ -195,8 +195,8 @@ PairCover::Outcome PairCover::measure(double at, OpenPair& open, Cover& cover) {
   return found.certainty == Certainty::BOUND ? Outcome::CONTACT : Outcome::OPEN;
 }
 
-// The direction is that in which the boxes are furthest apart, along the axes of the one and of the
-// other: from the part of the way between their centres that no box about both takes up.
+// The direction in which the boxes are furthest apart, along the axes of either: the part of the
+// vector between their centres that neither box covers.
 void PairCover::byBoxes(Question& question) {
   if (!std::isfinite(question.radius_a) || !std::isfinite(question.radius_b)) return;
   const auto [a, b] = question.open.pair;
@@ -266,7 +266,7 @@ PairDistance PairCover::askShapes(const Question& question, double max_distance)
   const int cloud = cloudOf(pair);
   if (cloud < 0) return ladder_.climb(pair, fidelity_, max_distance).found;
   const OccupiedVoxels& voxels = *voxels_[static_cast<std::size_t>(cloud)];
-  const double reach = max_distance * ROUNDED_UP;  // so that what is beyond is enough
+  const double reach = max_distance * ROUNDED_UP;  // so that BEYOND implies enough
   PairDistance found =
       voxel_search_.nearest(pair, voxels, fidelity_, reach, Deadline({}, 0.0)).answer.found;
   if (found.certainty == Certainty::BEYOND) found.distance = reach;

@@ -12,19 +12,19 @@
 
 namespace collision_pairs {
 
-/// Part of the way of a pair that is not yet known to be free.
+/// Part of a motion on which a pair is not yet known to be free.
 struct OpenPair {
-  BoxPair pair{0, 0};             ///< elements; the first is of the smaller model
-  int frame = -1;                 ///< from which the two are seen; see MotionPairs
+  BoxPair pair{0, 0};             ///< elements; the first has the smaller model
+  int frame = -1;                 ///< common frame of the two; see MotionPairs
   double begin = 0.0, end = 1.0;  ///< fractions of the motion
   double clearance = 0.0;         ///< metres to certify
-  double speed = 0.0;             ///< metres by which its distance changes at most, a fraction of 1
-  bool has_normal = false;        ///< of the plane that was last between them, in the frame
+  double speed = 0.0;             ///< metres: largest change of its distance over the whole motion
+  bool has_normal = false;        ///< of the last separating plane, in the frame
   Eigen::Vector3d normal_F = Eigen::Vector3d::Zero();
 };
 
-/// On either side of a configuration, for how much of the fraction a pair keeps more than its
-/// clearance: at least `clearance` metres.
+/// How far on either side of a configuration, as fractions, a pair keeps its clearance; it keeps at
+/// least `clearance` metres.
 struct Cover {
   double before = -1.0, after = -1.0;  ///< < 0: not even at the configuration
   double clearance = std::numeric_limits<double>::infinity();
@@ -37,23 +37,23 @@ class PairCover {
 
   void begin(const MotionSettings& settings, const CloudVoxels& voxels);
   enum class Voxels { NO_CLOUD, KNOWN, NONE, IN_PART, UNKNOWN };
-  /// What is known of the cloud of a pair.
+  /// Information about the cloud of a pair.
   Voxels voxelsOf(const BoxPair& pair) const;
 
   enum class Outcome {
-    COVERED,   ///< all of its way is free
-    OPEN,      ///< the part that `cover` says
-    NEARER,    ///< the same, but here it is for certain nearer than its clearance
-    GIVEN_UP,  ///< what it can still move is finer than the resolution
+    COVERED,   ///< its whole way is free
+    OPEN,      ///< the part given by `cover` is free
+    NEARER,    ///< the same, but at the configuration it is certainly nearer than its clearance
+    GIVEN_UP,  ///< its remaining motion is finer than the resolution
     CONTACT    ///< in contact
   };
 
-  /// At fraction `at` of the motion, where the state is, within the way of the pair: coarser bounds
-  /// first, and no finer ones than the length of its way is worth. Updates the pair's plane and
-  /// speed.
+  /// At fraction `at` of the motion, which the state has and which is within the way of the pair.
+  /// Coarser bounds first, and finer ones only if the remaining way is worth their cost. Updates
+  /// the pair's plane and speed.
   Outcome measure(double at, OpenPair& pair, Cover& cover);
 
-  /// Calls of measure() since begin() that asked for more than boxes.
+  /// Calls of measure() since begin() that needed more than boxes.
   std::uint32_t nbQueries() const { return nb_queries_; }
 
  private:
@@ -73,7 +73,7 @@ class PairCover {
   PairLadder ladder_;
   VoxelSearch voxel_search_;
   CloudVoxels voxels_;
-  std::vector<Aabb> boxes_;  // of elements that are not asked at rigid rungs
+  std::vector<Aabb> boxes_;  // of elements that are not queried at rigid rungs
   Fidelity fidelity_ = Fidelity::MESH;
   double resolution_ = 0.0;
   bool all_rigid_ = true;

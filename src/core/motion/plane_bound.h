@@ -10,16 +10,16 @@
 
 namespace collision_pairs {
 
-/// Two elements, A and B, seen from a frame, at one configuration of a motion; expressed in W.
+/// Two elements, A and B, relative to a frame, at one configuration of a motion; expressed in W.
 struct MovingPair {
   Eigen::Vector3d p_AB_W;  ///< from the centre of A's sphere to that of B's
   Twist twist_a, twist_b;
   MotionBound bound;     ///< of both together, rounded up
-  double slack = 0.0;    ///< metres by which rounding may make a distance too large
-  double padding = 0.0;  ///< metres that the two keep to each other
+  double slack = 0.0;    ///< metres: largest error of a distance due to rounding
+  double padding = 0.0;  ///< metres
 };
 
-// Support functions: how far a body reaches along m, relative to the centre of its sphere.
+// Support functions: extent of a body along m, relative to the centre of its sphere.
 
 struct BoxSupport {
   const Eigen::Matrix3d& R_WE;
@@ -29,7 +29,7 @@ struct BoxSupport {
   }
 };
 
-/// Of an element's hull, grown by `margin`.
+/// Of an element's hull, enlarged by `margin`.
 struct HullSupport {
   const ConvexCore& core;
   const Eigen::Matrix3d& R_WE;
@@ -41,7 +41,7 @@ struct HullSupport {
   }
 };
 
-/// Of a half-space z <= 0 that does not turn, along its own normal; its centre is its origin.
+/// Of a half-space z <= 0 that does not rotate, along its own normal; its centre is its origin.
 struct PlaneSupport {
   double operator()(const Eigen::Vector3d&) const { return 0.0; }
 };
@@ -50,9 +50,9 @@ struct PlaneSupport {
 /// bound of their distance. When the fraction has changed by s, a point p of A is no further along
 /// n than  n.p + s n.v(p) + s^2 / 2 * acceleration,  where
 ///   n.v(p) = n.v + (n x omega).(p - center)
-/// is linear in p: its maximum over A is a value of the support function, along n + s n x omega.
-/// So the bound is concave in s and lies above its chords: where both ends of a way keep a
-/// distance, all of the way does.
+/// is linear in p: its maximum over A is a value of the support function, along n + s n x omega. So
+/// the bound is concave in s and lies above its chords: if both ends of a segment keep a distance,
+/// the whole segment does.
 template <class SupportA, class SupportB>
 class PlaneBound {
  public:
@@ -65,7 +65,7 @@ class PlaneBound {
         tilt_b_(n.cross(pair.twist_b.omega)),
         speed_(n.dot(pair.twist_b.v - pair.twist_a.v)) {}
 
-  /// Metres, less padding; |s| at most the half width of the pair's bounds.
+  /// Metres, padding subtracted; |s| at most the half width of the pair's bounds.
   double operator()(double s) const {
     return n_.dot(pair_.p_AB_W) + s * speed_ - a_(n_ + s * tilt_a_) - b_(-n_ - s * tilt_b_) -
            0.5 * pair_.bound.acceleration * s * s - pair_.slack - pair_.padding;
@@ -79,8 +79,8 @@ class PlaneBound {
   const double speed_;
 };
 
-/// How far a concave gap keeps at least `level` on the way from 0 to `end`, of either sign; `here`
-/// is gap(0) >= level. Lowers `least` to what the gap is at least on that way.
+/// How far from 0 towards `end`, of either sign, a concave gap stays at least `level`; `here` is
+/// gap(0) >= level. Lowers `least` to a lower bound of the gap on that segment.
 template <class Gap>
 double wayAbove(const Gap& gap, double here, double level, double end, double& least) {
   if (end == 0.0) return 0.0;
@@ -93,7 +93,7 @@ double wayAbove(const Gap& gap, double here, double level, double end, double& l
   double way = 0.0, above = here;
   for (int nb_chords = 0; above > level; above = gap(way)) {
     const double along_chord = (end - way) * ((above - level) / (above - there));
-    if (!(std::abs(along_chord) > 0.0)) break;  // nor NaN, where the gap is not finite
+    if (!(std::abs(along_chord) > 0.0)) break;  // also NaN, if the gap is not finite
     way += along_chord;
     if (++nb_chords == 2) break;
   }

@@ -9,9 +9,9 @@ namespace {
 using Eigen::Vector3d;
 using Outcome = FclAnswer::Outcome;
 
-constexpr double ROUNDING = 1e-12;  // relative: of a bound
-constexpr double TINY = 1e-300;     // units: more than nothing
-constexpr double NO_NORMAL = 1e-8;  // of the size of a pair: nearer points have lost the direction
+constexpr double ROUNDING = 1e-12;  // relative, of a bound
+constexpr double TINY = 1e-300;     // units: the smallest positive limit
+constexpr double NO_NORMAL = 1e-8;  // of the size of a pair: nearer points give no direction
 
 }  // namespace
 
@@ -44,7 +44,7 @@ FclAnswer fclApart(const FclGap& gap, const FclQuestion& question) {
 }
 
 FclAnswer fclDeep(const Vector3d& p_a, const Vector3d& nhat_AB_A, double depth) {
-  // Touching, it can come without a normal (#375).
+  // If they touch, FCL may return no normal (#375).
   if (!(std::abs(nhat_AB_A.norm() - 1.0) <= FCL_CONFIRMED && depth >= 0.0)) return Outcome::NONE;
   FclAnswer answer = Outcome::DEPTH;
   answer.found.distance = -depth / FCL_UNITS;

@@ -9,50 +9,51 @@
 
 namespace collision_pairs {
 
-/// FCL's tolerances are absolute. Given lengths in units of about a micrometre, it makes far fewer
-/// wrong answers and hardly any error of a distance. A power of two, so that nothing is rounded.
-constexpr double FCL_UNITS = 0x1p20;  // to the metre
+/// FCL's tolerances are absolute. With lengths in units of about a micrometre it gives far fewer
+/// wrong answers and distances with hardly any error. A power of two, so that the conversion does
+/// not round.
+constexpr double FCL_UNITS = 0x1p20;  // per metre
 
 /// Two shapes A and B; lengths in FCL's units.
 struct FclQuestion {
   Eigen::Isometry3d X_AB;
-  double size;                         ///< of both, and how far apart: what rounding is relative to
-  std::optional<double> max_distance;  ///< metres; none: only whether they touch
+  double size;                         ///< of both plus their separation; scales rounding
+  std::optional<double> max_distance;  ///< metres; without it, only whether they touch
 
-  /// What trees need not look beyond: a little more than asked, and more than nothing.
+  /// Search limit for trees: slightly more than the given distance, and positive.
   double bound() const;
 };
 
-/// The distance of two shapes in FCL's units and where it was found, or -1 where they touch.
+/// The distance of two shapes in FCL's units and its witness points, or -1 if they touch.
 struct FclGap {
   double distance = -1.0;
   Eigen::Vector3d p_a, p_b;
-  bool settled = true;  ///< false: unknown
+  bool settled = true;  ///< false: no result
   bool touches() const { return distance <= 0.0; }
 };
 
-/// What FCL says of a pair.
+/// FCL's result for a pair.
 struct FclAnswer {
   enum class Outcome {
     NONE,      ///< it threw, did not converge or contradicts itself
     APART,     ///< `found` is filled in if a distance was requested, possibly BEYOND
-    TOUCHING,  ///< and it has no depth of such a pair
-    DEPTH      ///< touching, and `found` says how deep
+    TOUCHING,  ///< FCL gives no depth for such a pair
+    DEPTH      ///< touching; `found` has the depth
   };
   FclAnswer(Outcome the_outcome = Outcome::NONE) : outcome(the_outcome) {}
   Outcome outcome;
   PairDistance found;
 };
 
-/// How far a distance may be off, of the size of a pair.
+/// Largest error of a distance, relative to the size of a pair.
 constexpr double FCL_CONFIRMED = 1e-7;
 
-/// Of two that are further apart than was asked.
+/// For two that are further apart than requested.
 FclAnswer fclBeyond(const FclQuestion& question);
-/// Of two that do not touch: NONE where the points are not as far apart as FCL says, or so near
-/// that they give no normal.
+/// For two that do not touch: NONE if the distance of the points differs from FCL's, or they are
+/// too near to give a normal.
 FclAnswer fclApart(const FclGap& gap, const FclQuestion& question);
-/// Of two that touch: the deepest point of A in its frame, the normal from A to B, and how deep.
+/// For two that touch: the deepest point of A in its frame, the normal from A to B, and the depth.
 /// NONE if the normal is invalid.
 FclAnswer fclDeep(const Eigen::Vector3d& p_a, const Eigen::Vector3d& nhat_AB_A, double depth);
 

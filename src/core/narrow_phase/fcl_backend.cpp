@@ -1,18 +1,18 @@
-// How FCL is asked (numbers: issues of flexible-collision-library/fcl; read and measured on 0.7.0).
+// How FCL is called (numbers: issues of flexible-collision-library/fcl; measured on 0.7.0).
 //
-// Never, because the process may end there or the call may not:
-// - signed distance of pairs without a formula: EPA throws (#319, #390, #398, #445, #493, #529),
-//   its asserts abort (#322), and it may go on for ever between round shapes;
-// - collide() of such pairs: the MPR of libccd has loops without a bound (#243), and its depth is
-//   not the least (#106);
-// - GST_INDEP: wrong depths, and "apart" for what overlaps by less than its tolerance;
-// - planes and half-spaces: some of their pairs call a null pointer.
+// Never called, because the process may abort or the call may not return:
+// - signed distance of pairs without a closed form: EPA throws (#319, #390, #398, #445, #493,
+//   #529), its asserts abort (#322), and it may not terminate for round shapes;
+// - collide() of such pairs: the MPR of libccd has unbounded loops (#243), and its depth is not the
+//   smallest (#106);
+// - GST_INDEP: wrong depths, and "apart" for overlaps below its tolerance;
+// - planes and half-spaces: some pairs call a null pointer.
 //
 // Instead:
-// - the formulas for spheres, two capsules and two boxes;
+// - the closed forms for spheres, two capsules and two boxes;
 // - GJK for all other convex pairs, with a bounded number of steps: the two functions that make up
-//   FCL's own unsigned distance, compiled here so that their assert (doSimplex2) is not live;
-// - trees of triangles, OBBRSS for both questions, with the same GJK at their leaves.
+//   FCL's own unsigned distance, compiled here so that their assert (doSimplex2) is disabled;
+// - trees of triangles, OBBRSS for both queries, with the same GJK at their leaves.
 #ifndef NDEBUG
 #define NDEBUG
 #endif
@@ -45,7 +45,7 @@ using Tree = fcl::BVHModel<fcl::OBBRSSd>;
 
 constexpr double INF = std::numeric_limits<double>::infinity();
 constexpr double UNITS = FCL_UNITS;
-constexpr double CONVERGED = 1e-14;   // of the size of a pair: GJK gains no more than this
+constexpr double CONVERGED = 1e-14;   // of the size of a pair: GJK ends at a smaller step
 constexpr unsigned MAX_STEPS = 1000;  // of GJK: about 50 us
 
 template <class T, class A, class B>
@@ -63,7 +63,7 @@ struct FclObject : FclShape {
   double size = 0.0;  ///< no point is further from the origin of its frame
 };
 
-/// What GJK asks of a shape at a pose.
+/// Support function of a shape at a pose, for GJK.
 struct Support {
   std::unique_ptr<void, void (*)(void*)> object;
   ccd_support_fn function;
@@ -83,9 +83,9 @@ Support supportOfTriangle(const Tree& tree, int index) {
           triGetSupportFunction()};
 }
 
-/// FCL's GJK. That it finds no overlap does not show that there is none: it gives up on thin
-/// simplices. So a gap has to be confirmed by the plane across the line between its points: how far
-/// each shape's own support function says that the shape is beyond it.
+/// FCL's GJK. It may miss an overlap, since it gives up on thin simplices. So a gap has to be
+/// confirmed by the separating plane perpendicular to the line between its points, with the support
+/// functions of both shapes.
 class Gjk {
  public:
   Gjk(const Support& a, const Support& b) : a_(a.object.get()), b_(b.object.get()) {
@@ -98,7 +98,7 @@ class Gjk {
   FclGap run(const FclQuestion& question) {
     if (fcl::detail::libccd_extension::__ccdGJK(a_, b_, &ccd_, &simplex_) == 0) return FclGap();
     if (!question.max_distance) {
-      const FclGap nearly = measure(INF);  // of the simplex that GJK ended with
+      const FclGap nearly = measure(INF);  // of GJK's final simplex
       if (confirmedGap(nearly) > 0.0) return nearly;
     }
     FclGap gap = measure(CONVERGED * question.size);
@@ -133,8 +133,8 @@ class Gjk {
   ccd_simplex_t simplex_;
 };
 
-// The deepest point of a sphere is a radius from its centre; where FCL puts the contact differs
-// from pair to pair.
+// The deepest point of a sphere is one radius from its centre; FCL's contact point depends on the
+// type of pair.
 template <class A, class B>
 FclAnswer askFormula(const A& a, const B& b, const FclQuestion& question) {
   const Isometry3d X_A = Isometry3d::Identity();
@@ -158,8 +158,8 @@ FclAnswer askFormula(const A& a, const B& b, const FclQuestion& question) {
   }
 }
 
-// In metres: FCL pads the axes of two boxes by their size, which has a unit. Its depth is not the
-// least: the normal of a face is taken unless that of two edges is better by 5 %.
+// In metres, because FCL adds an absolute tolerance to the axes of two boxes. Its depth is not the
+// smallest: the normal of a face is used unless that of two edges is better by 5 %.
 bool boxesTouch(const fcl::Boxd& a, const fcl::Boxd& b, Isometry3d X_AB) {
   X_AB.translation() /= UNITS;
   return Formulas().shapeIntersect(fcl::Boxd(a.side / UNITS), Isometry3d::Identity(),
@@ -178,11 +178,11 @@ FclAnswer askSolids(const A& a, const B& b, const FclQuestion& question) {
     }
     const FclGap gap = Gjk(supportOf(a), supportOf(b, question.X_AB)).run(question);
     if (!gap.touches() || !gap.settled) return fclApart(gap, question);
-    return BOXES ? Outcome::NONE : Outcome::TOUCHING;  // two boxes were said to be apart
+    return BOXES ? Outcome::NONE : Outcome::TOUCHING;  // FCL reported two boxes as apart
   }
 }
 
-// Contact first: it is found by splitting boxes, much sooner than by measuring.
+// Contact first: splitting boxes finds it much faster than a distance query.
 FclAnswer askTrees(const Tree& a, const Tree& b, const FclQuestion& question) {
   fcl::CollisionResultd contact;
   fcl::collide(&a, Isometry3d::Identity(), &b, question.X_AB, fcl::CollisionRequestd(1, false),
@@ -197,7 +197,7 @@ FclAnswer askTrees(const Tree& a, const Tree& b, const FclQuestion& question) {
       {nearest.min_distance, nearest.nearest_points[0], nearest.nearest_points[1], true}, question);
 }
 
-/// Walks a tree for the triangle that is nearest to a solid, or touches it.
+/// Searches a tree for the triangle that is nearest to a solid, or touches it.
 template <class Solid>
 struct NearestTriangle : fcl::detail::BVHShapeDistanceTraversalNode<fcl::OBBRSSd, Solid> {
   NearestTriangle(const Tree& tree, const Solid& the_solid, const FclQuestion& the_question)
@@ -257,7 +257,7 @@ FclAnswer ask(const FclObject& A, const FclObject& B, const Isometry3d& X_AB,
   return std::visit(ask_both, A.object, B.object);
 }
 
-/// False where FCL has no such solid, or refuses it.
+/// False if FCL has no such solid, or refuses it.
 struct MakeObject {
   bool operator()(const Box& box) { return make<fcl::Boxd>(UNITS * box.size); }
   bool operator()(const Sphere& sphere) { return make<fcl::Sphered>(UNITS * sphere.radius); }
@@ -271,7 +271,7 @@ struct MakeObject {
   bool operator()(const Convex&) { return makeHull(); }
   bool operator()(const Mesh& shape) { return is_convex ? makeHull() : makeTree(*shape.mesh); }
 
-  // Without faces FCL looks at all vertices; with them it walks along edges where there are many.
+  // Without faces FCL compares all vertices; with faces it walks along edges if there are many.
   bool makeHull() {
     auto faces = std::make_shared<std::vector<int>>();
     for (const auto& corners : hull.faces) {

@@ -1,4 +1,4 @@
-// The table of who answers which pair of shapes.
+// The table of methods for each pair of shapes.
 //
 //   pair                                   yes or no            signed distance
 //   half-space, anything                   lowest point         the same
@@ -6,13 +6,14 @@
 //   capsule, capsule                       closed form          the same
 //   box, box                               separating axes      GJK, EPA
 //   convex, convex (all others)            a common point, GJK  GJK, EPA; cylinders: and Newton
-//   mesh, anything                         first: do the hulls miss each other? settle it?
+//   mesh, anything                         hulls first         hulls first
 //   mesh, convex                           triangles, inside    triangles; depth: hulls by EPA
 //   mesh, mesh                             triangles, inside    triangles; depth: hulls by EPA
 //
 // "convex" is every primitive, every Convex and every mesh that is convex. With a margin, yes or no
-// of a mesh is answered as the signed distance, and that of two boxes as of all others. With
-// NarrowPhaseMethod::FCL this table answers only what FCL does not (Scratch::touches, ::distance).
+// for a mesh uses the signed distance, and two boxes are treated like all other convex shapes. With
+// NarrowPhaseMethod::FCL this table is used only for what FCL does not answer (Scratch::touches,
+// ::distance).
 #include "collision_pairs/narrow_phase.h"
 
 #include <algorithm>
@@ -32,8 +33,8 @@ using Eigen::Isometry3d;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr double ORTHONORMAL = 1e-14;  // rotations better than this are taken as they are
-constexpr double MENDABLE = 1e-3;      // and worse than this are refused
+constexpr double ORTHONORMAL = 1e-14;  // rotations better than this are used as they are
+constexpr double MENDABLE = 1e-3;      // rotations worse than this are refused
 constexpr double NORMAL_FROM_TRIANGLES_BELOW = 1e-4;  // of the triangles' size
 
 // False if X has no meaning as a pose. A step of Newton's iteration for the polar decomposition
@@ -85,8 +86,8 @@ struct NarrowPhase::Scratch {
   std::uint64_t num_degraded = 0;
   std::uint64_t num_answered_natively = 0;
 
-  // FCL where it has an answer. Which of two bodies lies inside the other, and how deep, is all
-  // that it is not asked.
+  // FCL if it has a result. Containment, and the depth of contained bodies, are always computed
+  // natively.
   bool touches(const Prepared& A, const Prepared& B, const Isometry3d& X_AB, double margin,
                PairDistance& result) {
     if (!asksFcl(A, B)) return nativeTouches(A, B, X_AB, margin, result);
@@ -113,7 +114,7 @@ struct NarrowPhase::Scratch {
     if (fcl.outcome == Outcome::NONE) return nativeDistance(A, B, X_AB, max_distance, accuracy);
     if (A.mesh || B.mesh) return hullDepth(A, B, X_AB, {});
     PairDistance depth = convexPair(A, B, X_AB, std::numeric_limits<double>::infinity());
-    depth.distance = std::min(depth.distance, 0.0);  // that they touch is FCL's answer
+    depth.distance = std::min(depth.distance, 0.0);  // FCL decided that they touch
     return depth;
   }
 
@@ -122,7 +123,7 @@ struct NarrowPhase::Scratch {
     return A.method == NarrowPhaseMethod::FCL && B.method == NarrowPhaseMethod::FCL;
   }
 
-  // Of two whose surfaces are apart.
+  // For two whose surfaces are disjoint.
   static bool oneHoldsTheOther(const Prepared& A, const Prepared& B, const Isometry3d& X_AB) {
     if ((!A.mesh && !B.mesh) || hullsMiss(A, B, X_AB)) return false;
     const Isometry3d X_BA = X_AB.inverse(Eigen::Isometry);
@@ -163,8 +164,8 @@ struct NarrowPhase::Scratch {
     return result;
   }
 
-  // Surfaces that nearly touch have lost the direction between their closest points: ask the two
-  // triangles, or the triangle and the convex shape.
+  // If surfaces nearly touch, their closest points give no direction: use the two triangles, or the
+  // triangle and the convex shape.
   static void setNormal(const SurfaceGap& gap, const ConvexCore& a, const ConvexCore& b,
                         const Isometry3d& X_AB, PairDistance& result) {
     result.distance = gap.distance;
@@ -178,7 +179,7 @@ struct NarrowPhase::Scratch {
         convexDistance(a, b, X_AB, std::numeric_limits<double>::infinity()).nhat_AB_A;
   }
 
-  // The answer where no triangles are named: too far apart, or two patches by their hulls.
+  // The result if no triangles are given: too far apart, or two patches settled by their hulls.
   static PairDistance withoutTriangles(const SurfaceGap& gap) {
     PairDistance result;
     result.distance = gap.distance;
@@ -192,7 +193,7 @@ struct NarrowPhase::Scratch {
     return result;
   }
 
-  // The two points of the solids that the closest points of the hulls led to.
+  // The two points of the solids found from the closest points of the hulls.
   static PairDistance besideHulls(const HullBounds& bounds) {
     PairDistance result;
     result.distance = bounds.upper;
@@ -202,7 +203,7 @@ struct NarrowPhase::Scratch {
     return result;
   }
 
-  // Of two that are apart: from the upper to the lower end of what is certain.
+  // For two that are apart: replaces the upper end of the certified interval by the lower one.
   static PairDistance tolerated(PairDistance found, double lower, const Accuracy& accuracy) {
     constexpr double INF = std::numeric_limits<double>::infinity();
     if (found.certainty == Certainty::BEYOND || found.distance <= accuracy.contact_distance ||
@@ -214,20 +215,19 @@ struct NarrowPhase::Scratch {
     return found;
   }
 
-  // What is left to say of surfaces that do not meet where contacts are all that is asked for.
+  // The result for disjoint surfaces if only contacts are requested.
   static SurfaceGap noContact() {
     SurfaceGap gap;
     gap.distance = std::numeric_limits<double>::denorm_min();
     return gap;
   }
 
-  // Where the hulls meet, one solid may hold the other, or a part of it.
+  // If the hulls overlap, one solid may contain the other, or a part of it.
   PairDistance meshMesh(const Prepared& A, const Prepared& B, const Isometry3d& X_AB,
                         double max_distance, const Accuracy& accuracy, const HullBounds& bounds) {
     const bool hulls_meet = bounds.outcome == HullBounds::Outcome::OPEN;
     const Vector3d* nhat_AB_A = hulls_meet ? nullptr : &bounds.hulls.nhat_AB_A;
-    // Contact first: it is found by splitting boxes and by containment, much sooner than by
-    // measuring.
+    // Contact first: splitting boxes and containment find it much faster than a distance query.
     if (hulls_meet && (contacts.surfacesMeet(*A.mesh, *B.mesh, X_AB) || meshHoldsMesh(A, B, X_AB) ||
                        meshHoldsMesh(B, A, X_AB.inverse(Eigen::Isometry)))) {
       return hullDepth(A, B, X_AB, bounds.overlap);
@@ -269,13 +269,13 @@ struct NarrowPhase::Scratch {
                             double max_distance, const Accuracy& accuracy, HullBounds& bounds) {
     if (A.mesh && B.mesh) return meshMesh(A, B, X_AB, max_distance, accuracy, bounds);
     if (A.mesh) return meshConvex(A, B, X_AB, max_distance, accuracy, bounds);
-    bounds.overlap = {};  // of A - B, where the mesh comes first below
+    bounds.overlap = {};  // it refers to A - B, but the mesh comes first below
     const Isometry3d X_BA = X_AB.inverse(Eigen::Isometry);
     return exchanged(meshConvex(B, A, X_BA, max_distance, accuracy, bounds), X_AB);
   }
 
-  // Of two that are apart: is there anything nearer than the two points that are known, by more
-  // than what is tolerated?
+  // For two that are apart: searches for points nearer than the two known ones by more than the
+  // tolerance.
   PairDistance toleratedDistance(const Prepared& A, const Prepared& B, const Isometry3d& X_AB,
                                  const Accuracy& accuracy, HullBounds& bounds) {
     const double far_enough = accuracy.farEnough(bounds.upper);
@@ -306,7 +306,7 @@ struct NarrowPhase::Scratch {
       if (!accuracy.isExact() && bounds.upper <= max_distance) {
         return toleratedDistance(A, B, X_AB, accuracy, bounds);
       }
-      // A little more than the bound, which rounding may have put below the distance itself.
+      // Slightly more than the bound, which rounding may have put below the true distance.
       max_distance = std::min(max_distance, bounds.upper * (1.0 + 1e-12));
     }
     return meshDistance(A, B, X_AB, max_distance, accuracy, bounds);
@@ -315,7 +315,7 @@ struct NarrowPhase::Scratch {
 
 namespace {
 
-// All that can be said without a pose: the shapes may be as deep in each other as they are large.
+// The result without a valid pose: the shapes may penetrate by up to their size.
 PairDistance worstCase(const Prepared& A, const Prepared& B) {
   PairDistance result;
   const bool unbounded = A.isHalfSpace() || B.isHalfSpace();

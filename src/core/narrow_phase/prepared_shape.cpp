@@ -9,7 +9,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-// How much less than its hull a convex mesh may hold, relative.
+// Relative volume by which a convex mesh may be smaller than its hull.
 constexpr double CONVEX_VOLUME_TOLERANCE = 1e-9;
 
 ConvexCore solidCore(ConvexCore::Kind kind, const Vector3d& half, double radius) {
@@ -56,7 +56,7 @@ std::unique_ptr<PreparedMesh> prepareMesh(const Mesh& shape, double hull_volume)
   return mesh;
 }
 
-// The vertices that triangles use, each once.
+// The vertices used by triangles, each once.
 std::vector<Vector3d> cornersOf(const TriangleMesh& mesh) {
   std::vector<char> used(mesh.vertices.size(), 0);
   for (const auto& t : mesh.triangles) used[t[0]] = used[t[1]] = used[t[2]] = 1;

@@ -11,18 +11,18 @@
 
 namespace collision_pairs {
 
-/// Every shape but the half-space has a convex core: itself, or of a mesh its hull. A mesh that is
-/// convex is nothing but its hull, and `mesh` is null.
+/// Every shape except the half-space has a convex core: itself, or the hull of a mesh. A convex
+/// mesh is represented by its hull, and `mesh` is null.
 struct Prepared : PreparedShape {
   Prepared(const Shape& shape, NarrowPhaseMethod method);
   bool isHalfSpace() const { return std::holds_alternative<HalfSpace>(shape()); }
 
   ConvexCore core;
-  ConvexHull hull;  ///< what `core` points into, for Convex and Mesh
+  ConvexHull hull;  ///< `core` points into it, for Convex and Mesh
   OrientedBox box;  ///< around the shape, rounding included
   std::unique_ptr<const PreparedMesh> mesh;
   NarrowPhaseMethod method;
-  std::unique_ptr<const FclShape> fcl;  ///< null if FCL is not asked, or has no such solid
+  std::unique_ptr<const FclShape> fcl;  ///< null if FCL is not used, or has no such solid
 };
 
 }  // namespace collision_pairs

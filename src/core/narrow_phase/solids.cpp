@@ -51,7 +51,7 @@ HullBounds boundsFromHulls(const Prepared& A, const Prepared& B, const Isometry3
   return bounds;
 }
 
-// The hull first: most points are outside of it, which it tells much sooner than solid angles do.
+// The hull first: most points are outside it, and testing that is much faster than solid angles.
 bool meshHoldsPoint(const Prepared& A, const Vector3d& p_AQ) {
   return !A.mesh->solid.empty() && !hullMisses(A, p_AQ) && A.mesh->solid.holds(p_AQ);
 }

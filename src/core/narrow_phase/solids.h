@@ -1,4 +1,4 @@
-// Queries of two solids without their triangles: by their hulls, and containment.
+// Queries of two solids that need no triangles: by their hulls, and containment.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -8,23 +8,23 @@
 
 namespace collision_pairs {
 
-/// The hull holds the solid, so the distance of the hulls is a lower bound of that of the solids.
-/// And where both closest points of the hulls are points of the solids themselves, it is the
-/// distance: links are mostly round on the outside, and few pairs need their triangles.
+/// The hull contains the solid, so the distance of the hulls is a lower bound of that of the
+/// solids. If both closest points of the hulls are points of the solids, it is the exact distance.
+/// Most links are nearly convex on the outside, so few pairs need their triangles.
 struct HullBounds {
   enum class Outcome {
-    BEYOND,   ///< further apart than asked; `hulls` holds the lower bound
-    SETTLED,  ///< `hulls` is the answer
-    APART,    ///< the solids do not meet, and are no further apart than `upper`
-    OPEN      ///< the hulls meet, or nearly: nothing is known
+    BEYOND,   ///< further apart than requested; `hulls` holds the lower bound
+    SETTLED,  ///< `hulls` is the result
+    APART,    ///< the solids are disjoint, and no further apart than `upper`
+    OPEN      ///< the hulls overlap, or nearly: undecided
   };
   Outcome outcome = Outcome::OPEN;
   PairDistance hulls;
-  double lower = 0.0;  ///< metres; where APART the solids are no nearer to each other
+  double lower = 0.0;  ///< metres; for APART a lower bound of the distance
   double upper = 0.0;  ///< metres; the distance of two points of the solids …
   Eigen::Vector3d p_ACa = Eigen::Vector3d::Zero();  ///< … which are these, in A's frame
   Eigen::Vector3d p_ACb = Eigen::Vector3d::Zero();
-  CoreOverlap overlap;  ///< of the hulls, where they meet
+  CoreOverlap overlap;  ///< of the hulls, if they overlap
 };
 
 /// At least one of the two is a mesh that is not convex; neither is a half-space.

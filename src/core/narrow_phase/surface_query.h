@@ -1,4 +1,4 @@
-// The two queries that the answer for a mesh consists of, separately.
+// The two queries that a result for a mesh consists of, separately.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -9,11 +9,11 @@
 
 namespace collision_pairs {
 
-/// For who asks the same mesh of many neighbouring places. Holds scratch memory only.
+/// For callers that query one mesh at many neighbouring places. Holds scratch memory only.
 class SurfaceQuery {
  public:
-  /// Metres between the triangles of A and the solid B, or a lower bound beyond max_distance; 0
-  /// where they meet. B may lie inside of A. A is a mesh that is not convex.
+  /// Metres between the triangles of A and the solid B, or a lower bound beyond max_distance; 0 if
+  /// they intersect. B may lie inside A. A is a mesh that is not convex.
   double apart(const PreparedShape& A, const ConvexCore& B, const Eigen::Isometry3d& X_AB,
                double max_distance);
 

@@ -1,4 +1,4 @@
-// searchContacts(): looks for contacts where random states are too rare to show them.
+// searchContacts(): searches for contacts that are too rare to show up in random states.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -12,12 +12,12 @@
 namespace collision_pairs {
 namespace {
 
-constexpr int STEPS = 200;           // by then they are too small to matter
-constexpr double WORTHWHILE = 0.99;  // what they have to win for as many more
-constexpr int STARTS = 100;          // states of which a search takes the nearest to begin with
-constexpr double FIRST_STEP = 0.1;   // of a joint's range
+constexpr int STEPS = 200;           // steps are then too small to matter
+constexpr double WORTHWHILE = 0.99;  // reduction of the distance that justifies as many steps again
+constexpr int STARTS = 100;          // random states, of which the nearest is the start of a search
+constexpr double FIRST_STEP = 0.1;   // relative to a joint's range
 constexpr double GROWTH = 1.5;
-const double SHRINKAGE = std::pow(GROWTH, -0.25);  // one success in five keeps the size
+const double SHRINKAGE = std::pow(GROWTH, -0.25);  // so that one success in five keeps the size
 
 /// The search for one pair at a time.
 class Search {
@@ -93,7 +93,7 @@ class Search {
   RandomStream random_;
   const PairEvidence* pair_ = nullptr;
   std::vector<int> joints_;
-  std::vector<double> best_, tried_;  // one entry a joint of the robot
+  std::vector<double> best_, tried_;  // one entry per joint of the robot
   double best_distance_ = 0.0;        // at best_, metres
 };
 

@@ -5,7 +5,7 @@
 namespace collision_pairs {
 namespace {
 
-/// XML allows no "--" in a comment, and no "-" at its end; the names of links may have them.
+/// XML forbids "--" in a comment, and "-" at its end, but names of links may contain them.
 std::string commentText(const std::string& text) {
   std::string spaced = " ";
   for (const char c : text) {

@@ -1,4 +1,4 @@
-// Adds lines to an SRDF, or makes one.
+// Adds lines to an SRDF, or creates one.
 #pragma once
 
 #include <string>
@@ -14,9 +14,9 @@ struct SrdfLine {
   std::string reason;
 };
 
-/// `given` with `lines` added at its end: every element and comment in it stays, in its order and
-/// with its attributes; only blanks between them are laid out anew. An empty `given` is a
-/// document of a robot of that name with nothing in it. Throws InputError with the line.
+/// `given` with `lines` added at its end: every element and comment is kept, in its order and with
+/// its attributes; only whitespace between them is reformatted. An empty `given` means an empty
+/// document for a robot of that name. Throws InputError with the line.
 std::string srdfWithLines(const std::string& given, const std::string& robot_name,
                           const std::vector<SrdfLine>& lines);
 

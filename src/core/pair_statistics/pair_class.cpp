@@ -61,7 +61,7 @@ PairClass classify(const PairEvidence& e, const ClassRules& rules) {
   const bool always = e.trials > 0 && e.contacts == e.trials && e.touches_at_zero;
   const bool never = e.contacts == 0 && e.found_state.empty() && !e.touches_at_zero;
   if (!always && !never) return PairClass::SOMETIMES;
-  // Of the state that was never seen: contact, or being apart.
+  // Of the outcome that was never observed: contact, or no contact.
   const double doubt = e.rigid ? 0.0 : upperContactProbability(0, e.trials, rules.confidence);
   if (doubt > rules.max_probability) return PairClass::UNPROVEN;
   if (always) return PairClass::ALWAYS;

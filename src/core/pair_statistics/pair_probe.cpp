@@ -7,7 +7,8 @@
 namespace collision_pairs {
 namespace {
 
-/// Calls ask({element of first, element of second}) until it says that this is enough.
+/// Calls ask({element of first, element of second}) for all pairs of elements until it returns
+/// true.
 template <class Ask>
 void forEachElementPair(const CollisionModel& first, const CollisionModel& second, Ask&& ask) {
   for (std::uint32_t i = 0; i < first.nb_elements; ++i) {

@@ -1,4 +1,4 @@
-// One state of the robot, asked pair by pair.
+// Queries single pairs at one state of the robot.
 #pragma once
 
 #include <memory>
@@ -9,29 +9,29 @@
 
 namespace collision_pairs {
 
-/// Says of single pairs of models whether they touch and how far apart they are. Against a check
-/// of all pairs: no depth is measured, which is what costs where links are deep in each other by
-/// design. Holds scratch memory: one per thread.
+/// Contact and distance of single pairs of models. Unlike a check of all pairs it computes no
+/// depth, which is expensive for links that penetrate deeply by design. Holds scratch memory: one
+/// per thread.
 class PairProbe {
  public:
   explicit PairProbe(std::shared_ptr<const CollisionScene> scene);
 
-  /// Moves the robot there; one entry a joint, mimics applied. Throws InputError if a link gets no
+  /// Sets the state; one entry per joint, mimic joints applied. Throws InputError if a link has no
   /// finite box. O(elements).
   void place(const std::vector<double>& positions);
 
   bool touches(std::uint32_t first, std::uint32_t second);
 
-  /// Metres; 0 if they touch, and `limit` if they are at least that far apart. More than touches()
-  /// for a pair that does.
+  /// Metres; 0 if they touch, and `limit` if they are at least that far apart. For touching pairs
+  /// more expensive than touches().
   double distance(std::uint32_t first, std::uint32_t second, double limit);
 
  private:
   std::shared_ptr<const CollisionScene> scene_;
   PairLadder ladder_;
-  std::vector<Eigen::Isometry3d> X_RB_;  // one a body of the robot
-  std::vector<Eigen::Isometry3d> X_WE_;  // one an element
-  std::vector<Aabb> boxes_;              // beside X_WE_
+  std::vector<Eigen::Isometry3d> X_RB_;  // one per body of the robot
+  std::vector<Eigen::Isometry3d> X_WE_;  // one per element
+  std::vector<Aabb> boxes_;              // parallel to X_WE_
 };
 
 }  // namespace collision_pairs

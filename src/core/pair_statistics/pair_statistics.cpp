@@ -11,11 +11,11 @@
 namespace collision_pairs {
 namespace {
 
-// Found distances limit later queries within a block only, so that they are the same to the last
-// digit whichever thread takes which block.
+// Distances found limit later queries only within a block, so that results are identical whichever
+// thread processes which block.
 constexpr std::uint64_t BLOCK = 256;
-// What is nearer by less is not worth a query to its end: links that turn about each other's axis
-// are at nearly the same distance in every state.
+// A smaller improvement does not justify a complete query: links that rotate about a common axis
+// have nearly the same distance in every state.
 constexpr double WORTHWHILE = 0.99;
 
 std::vector<PairEvidence> allowedPairs(const CollisionScene& scene) {
@@ -68,7 +68,7 @@ bool isAsked(const PairEvidence& pair, std::uint64_t state) {
   return !pair.adjacent || state < MEASURED_STATES;
 }
 
-/// The states begin … end - 1, added to `pairs`.
+/// Adds the states begin … end - 1 to `pairs`.
 void countBlock(std::uint64_t begin, std::uint64_t end, const JointSampler& sampler,
                 PairProbe& probe, std::vector<PairEvidence>& pairs) {
   std::vector<double> positions;

@@ -8,7 +8,7 @@
 namespace collision_pairs {
 namespace {
 
-constexpr double MIMIC_TOLERANCE = 1e-6;  // rad or m: what a print with six decimals leaves
+constexpr double MIMIC_TOLERANCE = 1e-6;  // rad or m: precision of output with six decimals
 
 [[noreturn]] void refuseUnknown(const std::string& name, const RobotModel& robot) {
   std::vector<std::string> known;

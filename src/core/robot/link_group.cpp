@@ -14,7 +14,7 @@ class GroupReader {
   GroupReader(const Srdf& srdf, const RobotModel& robot)
       : srdf_(srdf), robot_(robot), moves_(robot.links().size(), 0) {}
 
-  // Subgroups may name each other in a circle.
+  // Subgroups may refer to each other in a cycle.
   void add(const std::string& name) {
     if (!seen_.insert(name).second) return;
     const Srdf::Group& group = find(name);
@@ -61,7 +61,7 @@ class GroupReader {
     }
   }
 
-  // The joints from the base to the tip: the base itself does not move by them.
+  // The joints from the base to the tip, which do not move the base itself.
   void addChain(const std::string& base, const std::string& tip) {
     const int stop = robot_.findLink(base);
     for (int link = robot_.findLink(tip); link >= 0 && link != stop;) {

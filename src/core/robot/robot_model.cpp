@@ -136,7 +136,7 @@ int RobotModel::findJoint(const std::string& name) const {
 
 std::vector<std::pair<int, int>> RobotModel::adjacentLinks() const {
   std::vector<std::pair<int, int>> pairs;
-  std::vector<int> with_geometry;  // by link: itself, or the nearest above it; parents come first
+  std::vector<int> with_geometry;  // by link: itself, or its nearest ancestor; parents come first
   for (std::size_t i = 0; i < links_.size(); ++i) {
     const int joint = links_[i].parent_joint;
     const int above = joint < 0 ? -1 : with_geometry[joints_[joint].parent_link];
@@ -165,7 +165,7 @@ void RobotModel::refuse(std::size_t nb_positions) const {
 
 void RobotModel::applyMimics(std::vector<double>& positions) const {
   requireOneEntryPerJoint(positions);
-  // A chain of mimics is followed to the joint that leads it; the reader refuses cycles.
+  // A chain of mimic joints is followed to the leading joint; the reader refuses cycles.
   const std::function<double(int)> position = [&](int joint) -> double {
     const auto& mimic = joints_[joint].mimic;
     return mimic ? mimic->multiplier * position(mimic->joint) + mimic->offset : positions[joint];

@@ -190,7 +190,8 @@ void checkOneRoot(const Tree& tree, const XMLElement& robot) {
   if (root.empty()) fail(robot, "no root link: the links form a cycle");
 }
 
-// With one root and one parent a link, what does not lead up to the root is on, or below, a cycle.
+// With one root and one parent per link, a link whose ancestors do not include the root is on, or
+// below, a cycle.
 void checkNoCycle(const Tree& tree) {
   std::set<std::string> reaches_root;
   for (const auto& [name, element] : tree.links) {
@@ -241,7 +242,7 @@ void keepOnly(XMLElement& parent, const std::set<std::string>& names) {
   }
 }
 
-// urdfdom insists on attributes of <limit> that no collision check reads.
+// urdfdom requires attributes of <limit> that no collision check reads.
 void completeLimit(XMLElement& joint) {
   XMLElement* limit = joint.FirstChildElement("limit");
   if (limit == nullptr) return;

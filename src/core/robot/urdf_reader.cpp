@@ -1,4 +1,4 @@
-// urdfdom's model to ours. The one file that knows urdfdom.
+// Converts urdfdom's model to ours. The only file that includes urdfdom.
 #include <urdf_model/model.h>
 #include <urdf_parser/urdf_parser.h>
 
@@ -103,7 +103,7 @@ class UrdfReader {
     joint.child_link = static_cast<int>(model_->links_.size());
     joint.X_PJ = toIsometry(source.parent_to_joint_origin_transform);
     const Eigen::Vector3d axis = toVector(source.axis);
-    if (!axis.isZero(0.0)) joint.axis = axis.stableNormalized();  // 1e-200 0 0 is one, too
+    if (!axis.isZero(0.0)) joint.axis = axis.stableNormalized();  // 1e-200 0 0 is valid, too
     if (source.limits) {
       joint.lower = source.limits->lower;
       joint.upper = source.limits->upper;

@@ -1,4 +1,4 @@
-// An XML text with the checks that every reader of one needs, and errors that name the line.
+// Parsing of XML with the checks that all readers need, and errors that name the line.
 #pragma once
 
 #include <string>
@@ -13,15 +13,14 @@ namespace collision_pairs {
 tinyxml2::XMLElement* parseXml(tinyxml2::XMLDocument& document, const std::string& xml,
                                const std::string& root, const std::string& what);
 
-/// "URDF line 12: " in front of a message.
+/// Prefixes a message with "URDF line 12: ".
 std::string placed(const tinyxml2::XMLElement& element, const std::string& what,
                    const std::string& message);
-/// Throws InputError with the placed message.
+/// Throws InputError with the prefixed message.
 [[noreturn]] void failAt(const tinyxml2::XMLElement& element, const std::string& what,
                          const std::string& message);
 
-/// The attribute, which must be there and not be empty. `owner` ("link 'arm': ") begins the
-/// message.
+/// The attribute, which must exist and not be empty. `owner` ("link 'arm': ") begins the message.
 std::string requiredAttribute(const tinyxml2::XMLElement& element, const char* attribute,
                               const std::string& what, const std::string& owner = "");
 

@@ -13,18 +13,18 @@
 namespace collision_pairs {
 namespace {
 
-/// Members that are treated alike: one that moves has a class of its own, while all objects of a
-/// large world may share one, so that what is said of pairs stays small.
+/// Members that are treated alike. Each moving member is a class of its own, while all objects of a
+/// large world may share one, which keeps the tables of pairs small.
 struct MemberClass {
   std::size_t example;                        // one of its members
   bool needed = false;                        // in some allowed pair
-  Fidelity needed_fidelity = Fidelity::AABB;  // the finest of its allowed pairs
-  double half_padding = 0.0;  // half of the most that some pair wants instead of the sum
+  Fidelity needed_fidelity = Fidelity::AABB;  // the finest in its allowed pairs
+  double half_padding = 0.0;                  // half of the largest padding set for a single pair
 };
 
 }  // namespace
 
-/// Fills a scene step by step; what it holds besides is needed only while building.
+/// Builds a scene step by step; its members are needed only while building.
 class SceneBuilder {
  public:
   SceneBuilder(const SceneDescription& description)
@@ -42,7 +42,7 @@ class SceneBuilder {
     try {
       prepareElements();
       addElements();
-    } catch (const std::invalid_argument& problem) {  // of a shape, which does not know whose it is
+    } catch (const std::invalid_argument& problem) {  // from a shape, which does not know its owner
       refuseVastShapes();
       throw InputError(std::string("a shape of the scene: ") + problem.what());
     }
@@ -54,7 +54,7 @@ class SceneBuilder {
     for (std::size_t i = 0; i < members_.size(); ++i) {
       if (classes_[class_of_[i]].needed) names.insert(members_[i].name);
     }
-    // Whatever is checked, points of the robot itself must be told from obstacles (SelfFilter).
+    // Whichever pairs are checked, SelfFilter has to tell the robot's own points from obstacles.
     if (!description_.clouds.empty()) {
       for (const Link& link : scene_->robot_->links()) names.insert(link.name);
     }
@@ -110,7 +110,7 @@ class SceneBuilder {
     }
   }
 
-  // What is in no allowed pair gets no box, no tree and no transform.
+  // Members in no allowed pair get no box, no tree and no transform.
   void dropUnneeded() {
     std::size_t kept = 0;
     for (std::size_t i = 0; i < members_.size(); ++i) {

@@ -55,7 +55,7 @@ Vector3d extentAlong(const Matrix3d& R_EO, const std::vector<Vector3d>& points, 
   return upper - lower;
 }
 
-/// Turns `R_EO` about its own axis `k` so that the cross section of the points is least.
+/// Rotates `R_EO` about its own axis `k` to the smallest cross section of the points.
 Matrix3d turnedForLeastSection(const Matrix3d& R_EO, int k, const std::vector<Vector3d>& points) {
   const Vector3d u = R_EO.col((k + 1) % 3), v = R_EO.col((k + 2) % 3);
   std::vector<Vector2d> section;
@@ -101,7 +101,7 @@ std::pair<Box, Isometry3d> boxAroundPoints(const std::vector<Vector3d>& points) 
       const Matrix3d R_EO = turnedForLeastSection(axes, k, points);
       Vector3d lower;
       const Vector3d extent = extentAlong(R_EO, points, lower);
-      // The surface decides between flat boxes, whose volumes are all 0.
+      // The surface area decides between flat boxes, whose volumes are all 0.
       const double measure =
           extent.prod() +
           1e-6 * extent.maxCoeff() *

@@ -18,8 +18,8 @@ constexpr double TIGHTNESS = 1e-4;  // of the largest extent
 constexpr double EPSILON = std::numeric_limits<double>::epsilon();
 constexpr double BOX_ROUNDING = 16.0 * EPSILON;
 
-// Indices of `points`, first those that are outermost along 26 directions, then the others from the
-// outside in: so that early points make a hull that later ones seldom leave.
+// Indices of `points`, first the outermost ones along 26 directions, then the others from the
+// outside in, so that later points are seldom outside the hull of the earlier ones.
 std::vector<std::size_t> outermostFirst(const std::vector<Vector3d>& points) {
   std::vector<std::size_t> order(points.size());
   std::iota(order.begin(), order.end(), std::size_t{0});

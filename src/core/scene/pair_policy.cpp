@@ -9,7 +9,7 @@
 namespace collision_pairs {
 namespace {
 
-/// A set of classes, as a row of the filter has them.
+/// A set of classes, stored like a row of the filter.
 class ClassSet {
  public:
   explicit ClassSet(std::size_t nb_classes) : words_((nb_classes + 63) / 64, 0) {}
@@ -34,7 +34,7 @@ void switchOff(std::size_t c, std::uint64_t* row) {
   row[c >> 6] &= ~(std::uint64_t{1} << (c & 63));
 }
 
-/// The classes whose example is such a member.
+/// The classes whose example satisfies a condition.
 template <class Holds>
 ClassSet classesWhere(const std::vector<std::size_t>& examples, const Holds& holds) {
   ClassSet classes(examples.size());
@@ -96,7 +96,7 @@ void PairPolicy::readSwitchedOff() {
       const auto first = member_of.find(withPrefix(robot.prefix, a));
       const auto second = member_of.find(withPrefix(robot.prefix, b));
       if (first == member_of.end() || second == member_of.end()) continue;  // no geometry
-      // An SRDF may name what is, with its prefix, a link of another robot.
+      // With its prefix, a name in an SRDF may be that of another robot's link.
       const bool is_own =
           members_[first->second].robot == index && members_[second->second].robot == index;
       if (!is_own) continue;
@@ -238,13 +238,13 @@ std::string PairPolicy::signature(std::size_t member) const {
     }
   }
   if (!restricted_.empty()) text += restricted_[member] ? 'r' : '-';
-  const auto add = [&](char kind, const std::string& name) {  // names may hold any letter
+  const auto add = [&](char kind, const std::string& name) {  // names may contain any character
     text += kind + std::to_string(name.size()) + ":" + name;
   };
   if (touched_.count(m.name) > 0) add('t', m.name);
   if (!m.object) return text;
   for (const std::string& link : m.object->touch_links) {
-    if (moving_.count(link) > 0) add('m', link);  // the others it never meets
+    if (moving_.count(link) > 0) add('m', link);  // the other names never match a pair with it
   }
   return text;
 }

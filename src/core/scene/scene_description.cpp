@@ -21,7 +21,7 @@ class NameCheck {
       : description_(description), merged_(merged) {
     for (const Link& link : merged.links()) add(link.name);
     if (description.world) {
-      // A root "world" without geometry, in both, is in no report and does no harm.
+      // A root "world" without geometry in both is harmless: it is in no report.
       for (const Link& link : description.world->links()) {
         link.has_geometry ? add(link.name) : void(names_.insert(link.name));
       }

@@ -15,9 +15,9 @@ using Eigen::Isometry3d;
 using Eigen::Vector3d;
 
 constexpr double ROUNDING = 64.0 * std::numeric_limits<double>::epsilon();
-constexpr std::uint64_t KEPT_ROUNDS = 16;  // a mesh that so many scenes did not have is forgotten
+constexpr std::uint64_t KEPT_ROUNDS = 16;  // a mesh that this many scenes did not use is dropped
 
-/// The hull of an element, which encloses it when grown by `margin`.
+/// The hull of an element, which encloses it if enlarged by `margin`.
 struct Hull {
   Shape shape;
   double margin = 0.0;
@@ -43,7 +43,7 @@ void setBox(const Vector3d& lower, const Vector3d& upper, double margin, SceneEl
   element.box_half.array() += margin + rounding;
 }
 
-/// Sets what all rungs need: the boxes.
+/// Sets the boxes, which all rungs need.
 Hull boundMesh(const Mesh& mesh, int max_hull_vertices, SceneElement& element) {
   const auto corners = hullVertices(*mesh.mesh);
   const double margin = hullMargin(*mesh.mesh);

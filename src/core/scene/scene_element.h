@@ -11,18 +11,18 @@
 
 namespace collision_pairs {
 
-/// The element with its rungs up to `needed`, each of which encloses the next when grown by its
-/// margin; model, body, pose and `finest` are left to the caller. `max_hull_vertices` and `method`
-/// as in SceneSettings. Throws std::invalid_argument that names the defect of a shape that is none.
-/// Cost: a convex hull for a mesh; a tree of its triangles too where MESH is needed.
+/// The element with its rungs up to `needed`, each of which, enlarged by its margin, encloses the
+/// next; model, body, pose and `finest` are set by the caller. `max_hull_vertices` and `method` as
+/// in SceneSettings. Throws std::invalid_argument that describes the defect of an invalid shape.
+/// Cost: a convex hull for a mesh; and a tree of its triangles if MESH is needed.
 SceneElement makeElement(const Shape& shape, Fidelity needed, int max_hull_vertices,
                          NarrowPhaseMethod method);
 
-/// Makes the elements of scenes. A mesh is prepared once, however many links and scenes have it,
-/// and meshes are prepared on all cores.
+/// Makes the elements of scenes. A mesh is prepared once, however many links and scenes use it, and
+/// meshes are prepared on all cores.
 class ElementMaker {
  public:
-  /// What make() is going to be asked for until the next call.
+  /// Prepares what make() will need until the next call.
   void prepare(const std::vector<std::pair<const Shape*, Fidelity>>& wanted,
                const SceneSettings& settings);
 
@@ -35,7 +35,7 @@ class ElementMaker {
   // Mesh, needed, max_hull_vertices, method.
   using Key = std::tuple<const TriangleMesh*, Fidelity, int, NarrowPhaseMethod>;
 
-  /// Holds its mesh, so that no other can come to lie at the same address.
+  /// Holds the mesh, so that its address is not reused.
   struct Prepared {
     SceneElement element;
     std::uint64_t last_round = 0;

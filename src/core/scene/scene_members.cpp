@@ -28,7 +28,7 @@ class MemberCollector {
   }
 
  private:
-  // The links of the merged model come robot by robot.
+  // The links of the merged model are ordered by robot.
   void addRobots() {
     std::size_t i = 0;
     for (std::size_t robot = 0; robot < description_.robots.size(); ++robot) {

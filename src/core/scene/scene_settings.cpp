@@ -26,7 +26,7 @@ Fidelity parseFidelity(const std::string& name) {
 bool isPattern(const NamePattern& pattern) { return pattern.find_first_of("*?[") != pattern.npos; }
 
 bool matches(const NamePattern& pattern, const std::string& name) {
-  if (pattern == name) return true;  // also "box[1]", which as a pattern means "box1"
+  if (pattern == name) return true;  // also "box[1]", which as a pattern matches "box1"
   return isPattern(pattern) && fnmatch(pattern.c_str(), name.c_str(), FNM_NOESCAPE) == 0;
 }
 

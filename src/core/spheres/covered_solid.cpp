@@ -14,7 +14,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double NEARLY = 1e-9;  // of the size: what may be rounding counts as inside
+constexpr double NEARLY = 1e-9;  // of the size: points this far outside count as inside
 
 struct Plane {
   Vector3d normal;
@@ -43,8 +43,8 @@ double depthBelow(const std::vector<Plane>& planes, const Vector3d& p) {
   return depth;
 }
 
-/// Does each edge have as many sides one way as the other? Then the surface winds a whole number
-/// of times around every point.
+/// True if each edge is used equally often in both directions. The winding number of every point is
+/// then an integer.
 bool isClosed(const TriangleMesh& mesh, const std::vector<std::array<std::uint32_t, 3>>& outward) {
   using Point = std::array<double, 3>;
   std::map<std::pair<Point, Point>, int> sides;
@@ -103,8 +103,8 @@ CoveredSolid meshSolid(const Prepared& shape, double size) {
   const TriangleMesh& mesh = *shape.mesh->triangles;
   const auto outward = findSolid(mesh).outward;
   const bool closed = isClosed(mesh, outward);
-  // What is held by a surface that is not quite closed is not bounded by triangles alone; but it
-  // is within the hull.
+  // The inside of a surface that is not quite closed is not bounded by triangles alone, but it lies
+  // within the hull.
   CoveredSolid solid = closed ? CoveredSolid() : hullSolid(shape.hull, size);
   solid.is_exact = closed;
   for (const auto& t : mesh.triangles) {

@@ -1,4 +1,4 @@
-// A solid as its cover by spheres sees it.
+// The solid that spheres have to enclose, as the construction of the spheres needs it.
 #pragma once
 
 #include <functional>
@@ -12,24 +12,25 @@ namespace collision_pairs {
 using Polygon = std::vector<Eigen::Vector3d>;
 
 struct CoveredSolid {
-  /// Each extreme point of what is in a box is on these, or is a corner of the box.
+  /// Within any box, each extreme point of the solid lies on these polygons or is a corner of the
+  /// box.
   std::vector<Polygon> surface;
-  /// Is the point inside, or nearly so?
+  /// True if the point is inside, up to rounding.
   std::function<bool(const Eigen::Vector3d&)> may_hold;
-  /// A sphere of this radius around a point that is inside is so, too, and around any other point
-  /// outside if it is `holds` that tells; else 0 or less where a point is not inside.
+  /// Radius of a sphere around a point inside that is entirely inside. For a point outside: if
+  /// `holds` is set, the radius of a sphere that is entirely outside, else 0 or less.
   std::function<double(const Eigen::Vector3d&)> depth;
-  /// Is the point inside? Empty: where `depth` is positive.
+  /// True if the point is inside. Empty: it is inside if `depth` is positive.
   std::function<bool(const Eigen::Vector3d&)> holds;
-  /// Whether it is the solid itself, and not something larger: has it inner spheres?
+  /// False if it is larger than the actual solid; there are no inner spheres then.
   bool is_exact = true;
 };
 
-/// All that is below the hull's planes.
+/// The points below all planes of the hull.
 CoveredSolid hullSolid(const ConvexHull& hull, double size);
-/// The prism around a cylinder whose hull is given.
+/// The prism that encloses a cylinder, given by its hull.
 CoveredSolid cylinderSolid(const Cylinder& cylinder, const ConvexHull& prism, double size);
-/// Of a mesh that is not convex; of one whose surface is not closed, its hull. Refers to `shape`.
+/// For a mesh that is not convex; its hull if its surface is not closed. Refers to `shape`.
 CoveredSolid meshSolid(const Prepared& shape, double size);
 
 std::vector<Eigen::Vector3d> cornersOf(const std::vector<Polygon>& polygons);

@@ -8,7 +8,7 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr int ROUNDS = 24;  // points of the core set
-constexpr int STEPS = 200;  // on the core set, a round
+constexpr int STEPS = 200;  // on the core set, per round
 constexpr double CLOSE_ENOUGH = 1.002;
 
 const Vector3d& furthest(const std::vector<Vector3d>& points, const Vector3d& from) {

@@ -14,7 +14,7 @@ struct PlacedSphere {
 
 /// Encloses all points, up to the rounding of a distance; its radius is within about 1 % of the
 /// smallest. At least one point. By steps towards the furthest point (Badoiu, Clarkson: "Smaller
-/// core-sets for spheres", 2003), taken on the few points that were the furthest once.
+/// core-sets for spheres", 2003), within the core set of points that have been furthest so far.
 PlacedSphere enclosingSphere(const std::vector<Eigen::Vector3d>& points);
 
 }  // namespace collision_pairs

@@ -9,14 +9,14 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double CLOSE = 0.01;      // of the root's radius: what a leaf may stick out
+constexpr double CLOSE = 0.01;      // of the root's radius: leaves that stick out less are kept
 constexpr int MOST_DEPTH = 24;      // of a tree
 constexpr int MOST_HALVINGS = 3;    // of the step of the search for a centre
 constexpr int MOST_ROUNDS = 50;     // of that search
-constexpr double ROUNDING = 1e-12;  // of what is computed from coordinates
+constexpr double ROUNDING = 1e-12;  // relative, of results computed from coordinates
 
-/// What is on one side of a plane across an axis; sign 1: above `at`, -1: below. Sutherland,
-/// Hodgman: "Reentrant polygon clipping" (1974).
+/// The part on one side of a plane perpendicular to an axis; sign 1: above `at`, -1: below.
+/// Sutherland, Hodgman: "Reentrant polygon clipping" (1974).
 Polygon clipped(const Polygon& polygon, int axis, double at, double sign) {
   Polygon kept;
   for (std::size_t i = 0; i < polygon.size(); ++i) {
@@ -36,8 +36,8 @@ double furthest(const std::vector<Vector3d>& points, const Vector3d& from) {
   return std::sqrt(squared);
 }
 
-/// The sphere around given points that sticks out of a solid least: by its radius less how deep its
-/// centre is inside.
+/// The sphere around given points that sticks out of a solid least: by its radius minus the depth
+/// of its centre.
 class BestSphere {
  public:
   BestSphere(const CoveredSolid& solid, const std::vector<PlacedSphere>& samples)
@@ -67,7 +67,7 @@ class BestSphere {
   }
 
   void tryInside(const std::vector<Vector3d>& points) {
-    std::array<const Vector3d*, 6> outermost;  // to see early that a sphere is no better
+    std::array<const Vector3d*, 6> outermost;  // to reject a sphere early
     outermost.fill(&points.front());
     for (const Vector3d& p : points) {
       for (int axis = 0; axis < 3; ++axis) {
@@ -91,7 +91,7 @@ class BestSphere {
     }
   }
 
-  // How deep a point is changes by no more than the way to another.
+  // The depths of two points differ by at most their distance.
   void search(const std::vector<Vector3d>& points, double step) {
     for (int round = 0, halvings = 0; round < MOST_ROUNDS && halvings < MOST_HALVINGS; ++round) {
       bool is_better = false;
@@ -166,11 +166,11 @@ class OuterTree {
     int depth;
     double sticks_out;
     std::vector<Polygon> surface;
-    Aabb box;  ///< of what is in its cell
+    Aabb box;  ///< of the part of the solid in its cell
     bool operator<(const Leaf& other) const { return sticks_out < other.sticks_out; }
   };
 
-  /// A leaf whose box is that of its cell, so far.
+  /// Adds a leaf; its box is still that of its cell.
   void add(Leaf leaf) {
     std::vector<Vector3d> extremes = cornersOf(leaf.surface);
     for (int i = 0; i < 8; ++i) {
@@ -181,7 +181,7 @@ class OuterTree {
     }
     leaf.sphere = static_cast<int>(spheres_.size());
     spheres_.push_back({{leaf.box.center(), 0.0}, 0});
-    if (extremes.empty()) return;  // nothing is in it
+    if (extremes.empty()) return;  // the cell is empty
     leaf.box = boxAround(extremes);
     best_.around(extremes, leaf.box);
     static_cast<PlacedSphere&>(spheres_.back()) = best_.sphere;

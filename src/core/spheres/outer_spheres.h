@@ -14,20 +14,20 @@ struct OuterSphere : PlacedSphere {
 };
 
 /// The leaves of the tree enclose the solid; the first sphere is the root, the others come in the
-/// order in which they were made. Each encloses the part of the solid that those below it do, not
-/// these themselves. `samples`: spheres inside of the solid, or none.
+/// order in which they were made. Each encloses the part of the solid that its descendants enclose,
+/// but not the descendants themselves. `samples`: spheres inside the solid, or none.
 /// The cells are those of a k-d tree: their boxes shrunk to what is in them and split in the middle
 /// of the longest side. In a box, every extreme point of the solid is a corner of a clipped
 /// triangle or of the box: a sphere around these encloses that part of the solid. Of such spheres
-/// the one is taken that sticks out of the solid least, which is a large one inside of it where
-/// that is round. The leaf that sticks out most is divided next, so that a tree of fewer spheres is
-/// the beginning of one of more. Cost: for a mesh of n triangles O(n) clippings a level, and some
+/// the one that sticks out of the solid least is chosen, which for round parts is a large one
+/// centred inside. The leaf that sticks out most is divided next, so that a smaller tree is the
+/// beginning of a larger one. Cost: for a mesh of n triangles O(n) clippings per level, and some
 /// thousand queries for the nearest point of its surface.
 std::vector<OuterSphere> outerSpheres(const CoveredSolid& solid,
                                       const std::vector<PlacedSphere>& samples,
                                       std::size_t most_spheres);
 
-/// A tree over given leaves, neighbours in their order together. At least one.
+/// A tree over given leaves, at least one, that groups neighbours in their order.
 std::vector<OuterSphere> treeOver(const std::vector<PlacedSphere>& leaves);
 
 }  // namespace collision_pairs

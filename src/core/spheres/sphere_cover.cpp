@@ -10,15 +10,16 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr int CAPSULE_SLICES = 10;   // with a sphere each, and one at each end
-constexpr int PRISM_SIDES = 24;      // sticks out of a cylinder by 0.9 % of its radius
+constexpr int CAPSULE_SLICES = 10;   // with one sphere each, and one at each end
+constexpr int PRISM_SIDES = 24;      // enlarges a cylinder by 0.9 % of its radius
 constexpr int GRID = 14;             // samples along each side of the box
 constexpr int MOST_INNER = 12;       // spheres
-constexpr double WORTHWHILE = 0.08;  // of the largest inner sphere: what the next one has to add
-constexpr double NEARLY = 1e-9;      // relative: of a distance, what rounding may change
+constexpr double WORTHWHILE = 0.08;  // of the largest inner sphere: the least that another one adds
+constexpr double NEARLY = 1e-9;      // relative: above the rounding of a distance
 
-/// Of samples with their distances from the surface those that are inside. A sphere that does not
-/// reach the surface is inside as its centre is: so few centres need be asked, the largest first.
+/// Of samples with their distances from the surface, those that are inside. A sphere that does not
+/// reach the surface is on the same side as its centre, so few centres have to be tested, the
+/// largest first.
 std::vector<PlacedSphere> insideOf(const CoveredSolid& solid, std::vector<PlacedSphere> samples) {
   std::sort(samples.begin(), samples.end(),
             [](const PlacedSphere& a, const PlacedSphere& b) { return a.radius > b.radius; });
@@ -38,7 +39,7 @@ std::vector<PlacedSphere> insideOf(const CoveredSolid& solid, std::vector<Placed
   return inside;
 }
 
-/// Spheres inside of the solid around the points of a grid.
+/// Spheres inside the solid around the points of a grid.
 std::vector<PlacedSphere> samplesOf(const CoveredSolid& solid) {
   const Aabb box = boxAround(cornersOf(solid.surface));
   std::vector<PlacedSphere> samples;
@@ -51,10 +52,10 @@ std::vector<PlacedSphere> samplesOf(const CoveredSolid& solid) {
   return solid.holds ? insideOf(solid, std::move(samples)) : samples;
 }
 
-/// One after the other the sample that reaches furthest out of those before it.
+/// Chooses, repeatedly, the sample that reaches furthest out of those chosen so far.
 std::vector<PlacedSphere> innerSpheres(std::vector<PlacedSphere> samples) {
   std::vector<PlacedSphere> chosen;
-  std::vector<double> outside(samples.size(), 0.0);  // of the chosen ones: of its centre
+  std::vector<double> outside(samples.size(), 0.0);  // of each centre, from the chosen spheres
   while (!samples.empty() && chosen.size() < MOST_INNER) {
     std::size_t best = 0;
     for (std::size_t i = 1; i < samples.size(); ++i) {
@@ -99,7 +100,7 @@ struct MakeCover {
   SphereCover operator()(const Capsule& capsule) const {
     SphereCover cover;
     const double half = 0.5 * capsule.length;
-    // One of its radius around each end, others around the slices between.
+    // One sphere of its radius at each end, others around the slices between.
     std::vector<PlacedSphere> leaves;
     for (int i = 0; i < CAPSULE_SLICES; ++i) {
       const double z = half * ((2.0 * i + 1.0) / CAPSULE_SLICES - 1.0);

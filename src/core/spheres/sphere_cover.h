@@ -1,4 +1,4 @@
-// Spheres that together enclose a solid, and spheres inside of it.
+// Spheres that together enclose a solid, and spheres inside it.
 #pragma once
 
 #include <mutex>
@@ -12,25 +12,25 @@ namespace collision_pairs {
 
 struct SphereCover {
   std::vector<OuterSphere> outer;  ///< a tree whose leaves enclose the solid
-  /// Wholly inside the solid, the largest first. None where the surface is not closed, or of
-  /// solids without volume.
+  /// Wholly inside the solid, the largest first. None if the surface is not closed or the solid has
+  /// no volume.
   std::vector<PlacedSphere> inner;
 };
 
-/// In the shape's frame; not of a half-space. What "solid" means is what NarrowPhase::touches()
-/// answers by: of a mesh its triangles and all that WindingNumber::holds() says is inside.
-/// most_spheres: of the tree. Cost: that of outerSpheres(), and three thousand queries for the
-/// nearest point of the surface.
+/// In the shape's frame; not for half-spaces. The solid is that of NarrowPhase::touches(): for a
+/// mesh its triangles and all points inside according to WindingNumber::holds(). most_spheres: of
+/// the tree. Cost: that of outerSpheres(), and three thousand queries for the nearest point of the
+/// surface.
 SphereCover coverBySpheres(const Prepared& shape, std::size_t most_spheres);
 
-/// The spheres that a mesh is checked by at Fidelity::SPHERES: made when they are first asked for,
-/// by whichever thread; all others wait. Immutable then.
+/// The spheres of a mesh at Fidelity::SPHERES. Built by the first thread that requests them, while
+/// others wait; immutable afterwards.
 class FineSpheres {
  public:
   static constexpr std::size_t MOST_SPHERES = 2047;
 
   explicit FineSpheres(Shape shape) : shape_(std::move(shape)) {}
-  /// Cost: the first time that of prepareShape() and coverBySpheres(), some 0.2 s for a link.
+  /// Cost of the first call: prepareShape() and coverBySpheres(), some 0.2 s for a link.
   const std::vector<OuterSphere>& get() const;
 
  private:

@@ -12,8 +12,8 @@ namespace {
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
 
-constexpr double NEARLY_LEAST = 0.8;  // of a gap: less is not looked for
-constexpr int NB_COARSE = 127;        // spheres of a tree: distances are those of their leaves
+constexpr double NEARLY_LEAST = 0.8;  // of the smallest gap: a bound this large is good enough
+constexpr int NB_COARSE = 127;        // spheres of a tree whose leaves give the distance
 constexpr double ROUNDING = 64.0 * std::numeric_limits<double>::epsilon();
 
 PairDistance gapOf(const PlacedSphere& a, const PlacedSphere& b, const Isometry3d& X_AB) {
@@ -30,7 +30,7 @@ PairDistance gapOf(const PlacedSphere& a, const PlacedSphere& b, const Isometry3
 PairDistance gapOf(const PlacedSphere& a, const Prepared& B, const Isometry3d& X_AB) {
   ConvexCore sphere;
   sphere.radius = a.radius;
-  Isometry3d X_CB = X_AB;  // C: as A, about the sphere
+  Isometry3d X_CB = X_AB;  // C: parallel to A, at the sphere's centre
   X_CB.translation() -= a.center;
   PairDistance gap;
   if (B.isHalfSpace()) {
@@ -50,17 +50,17 @@ double reachOf(const SpheresOrShape& solid) {
   return solid.shape->core.extent + solid.shape->core.radius;
 }
 
-/// The search for the least gap of two leaves. What is below a pair of spheres is no nearer than
-/// they are, nor than any pair on the way to them.
+/// Searches for the smallest gap of two leaves. The gap of a pair of spheres, and that of each of
+/// its ancestors, is a lower bound for the part of the solids below it.
 class LeastGap {
  public:
   LeastGap(const SpheresOrShape& A, const SpheresOrShape& B, const Isometry3d& X_AB)
       : A_(A), B_(B), X_AB_(X_AB) {}
 
-  /// Ends at a gap of `enough`, or when nothing nearer than `best` is left.
+  /// Stops at a gap of at most `enough`, or when nothing nearer than `best` is left.
   void search(double enough, double best) {
     least_ = best;
-    Step stack[64];  // one step is left behind for each sphere on the way to two leaves
+    Step stack[64];  // the two paths to leaves leave at most one step per sphere
     int depth = 0;
     stack[depth++] = {0, 0, gap(0, 0)};
     while (depth > 0 && least_ > enough) {
@@ -78,12 +78,12 @@ class LeastGap {
       first.bound = std::max(step.bound, gap(first.a, first.b));
       second.bound = std::max(step.bound, gap(second.a, second.b));
       if (first.bound < second.bound) std::swap(first, second);
-      stack[depth++] = first;  // the nearer one is looked at first
+      stack[depth++] = first;  // the nearer one is processed first
       stack[depth++] = second;
     }
   }
 
-  /// No leaves are nearer.
+  /// Lower bound: no leaves are nearer.
   double least() const { return std::min(least_, passed_over_); }
   bool found() const { return a_ >= 0; }
   PairDistance ofLeaves() const { return answer(a_, b_); }
@@ -94,7 +94,8 @@ class LeastGap {
     int a, b;
     double bound;
   };
-  // The least gap of hundreds of pairs that are hardly further apart is not worth its search.
+  // Finding the smallest gap among hundreds of pairs with nearly the same gap is not worth the
+  // search.
   bool isHopeless(double bound, double enough) {
     if (bound >= least_) return true;
     if (!found() || bound <= enough) return false;

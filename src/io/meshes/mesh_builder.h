@@ -1,4 +1,4 @@
-// Triangles one after the other become a mesh with shared vertices.
+// Builds a mesh with shared vertices from single triangles.
 #pragma once
 
 #include <array>
@@ -31,7 +31,8 @@ class MeshBuilder {
       return hash;
     }
   };
-  // By bits: a NaN must find itself, so that a file full of them makes one vertex, to be refused.
+  // Compares bits, so that a NaN equals itself: a file full of them gives one vertex, which is
+  // refused.
   struct SameBits {
     bool operator()(const Corner& a, const Corner& b) const {
       return std::memcmp(&a, &b, sizeof a) == 0;

@@ -8,19 +8,18 @@
 
 namespace collision_pairs {
 
-/// Both accept arbitrary bytes: time and memory grow with their number, not with the counts that
-/// they claim. Coordinates are rounded to single precision, as all readers of ROS do (rviz,
-/// MoveIt); equal vertices are one; vertices without a triangle are dropped, since they are not
-/// part of the surface. Throw InputError that says what is wrong and where, without the file's
-/// name.
+/// Both accept arbitrary bytes: time and memory grow with their number, not with the counts in the
+/// file. Coordinates are rounded to single precision, as by all readers of ROS (rviz, MoveIt);
+/// equal vertices are merged; vertices without a triangle are dropped, since they are not part of
+/// the surface. Throw InputError that names the problem and its place, but not the file.
 
-/// Binary or ASCII. A file is binary if its length matches its count of triangles, whatever it
-/// begins with. A truncated file is refused: a robot could pass through the missing part.
+/// Binary or ASCII. A file is binary if its length matches its count of triangles, even if it
+/// begins with "solid". A truncated file is refused: a robot could pass through the missing part.
 TriangleMesh readStl(const std::string& bytes);
 
-/// The lines `v` and `f`; polygons are cut into fans. Groups, normals, colours, lines and points
-/// are ignored. Not supported (returns nothing): polygons that are not convex, weights of vertices,
-/// continued lines.
+/// Reads the lines `v` and `f`; polygons are split into fans. Groups, normals, colours, lines and
+/// points are ignored. Not supported (returns nothing): polygons that are not convex, weights of
+/// vertices, continued lines.
 std::optional<TriangleMesh> readObj(const std::string& bytes);
 
 }  // namespace collision_pairs

@@ -69,7 +69,7 @@ class Loader {
     return fs::path(folder) / uri.substr(slash + 1);
   }
 
-  // rospack itself, and not ros::package::getPath, which prints two lines about what it misses.
+  // Uses rospack directly, because ros::package::getPath prints two lines if a package is missing.
   std::string findPackage(const std::string& package) {
     if (!rospack_) {
       rospack_ = std::make_unique<rospack::Rospack>();

@@ -34,7 +34,7 @@ std::string programPath() {
   return folder + "/collision_pairs/read_mesh_file";
 }
 
-/// A running read_mesh_file. It does not outlive this.
+/// A running read_mesh_file, killed by the destructor.
 class Child {
  public:
   explicit Child(const std::string& path) {
@@ -66,7 +66,7 @@ class Child {
   Child(const Child&) = delete;
   Child& operator=(const Child&) = delete;
 
-  /// All that it writes until it closes its output.
+  /// Its complete output.
   std::string readAll(std::chrono::milliseconds time_limit) {
     const auto deadline = Clock::now() + time_limit;
     std::string all;
@@ -89,7 +89,7 @@ class Child {
     }
   }
 
-  /// How it ended, as waitpid says it.
+  /// Its status from waitpid().
   int waitForEnd() {
     int status = 0;
     while (::waitpid(pid_, &status, 0) < 0 && errno == EINTR) {
@@ -107,7 +107,7 @@ class Child {
   int output_ = -1;
 };
 
-/// Takes numbers from the front of what was read.
+/// Extracts numbers from the front of the data read.
 class Cut {
  public:
   Cut(const char* at, std::size_t left) : at_(at), left_(left) {}

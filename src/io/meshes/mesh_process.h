@@ -10,8 +10,8 @@ namespace collision_pairs {
 
 /// assimp, which geometric_shapes uses, crashed on 50 of 4,253 damaged files and hung or used
 /// unlimited memory on 34. So it runs in the program read_mesh_file beside this library, for at
-/// most `time_limit` and with at most 4 GiB: whatever the file, this returns or throws InputError
-/// that says what happened, without the file's name. Starting it takes about 20 ms.
+/// most `time_limit` and with at most 4 GiB: for any file, this returns or throws InputError that
+/// describes the failure, without the file's name. Starting the program takes about 20 ms.
 TriangleMesh readMeshInProcess(const std::string& path,
                                std::chrono::milliseconds time_limit = std::chrono::seconds(30));
 

@@ -1,4 +1,4 @@
-// A text of words and numbers, a word at a time.
+// Reads a text of words and numbers, one word at a time.
 #pragma once
 
 #include <algorithm>
@@ -38,14 +38,14 @@ class MeshWords {
 
   bool is(const char* word) const { return text_.compare(begin_, end_ - begin_, word) == 0; }
   std::string word() const { return text_.substr(begin_, end_ - begin_); }
-  /// For messages: some characters of it.
+  /// For messages: its first characters.
   std::string quoted() const {
     constexpr std::size_t ENOUGH = 20;
     if (begin_ == end_) return "the end of the file";
     const std::size_t length = std::min(end_ - begin_, ENOUGH);
     return "'" + text_.substr(begin_, length) + (length < end_ - begin_ ? "…'" : "'");
   }
-  /// False if the word is no number, or not finite in single precision.
+  /// False if the word is not a number, or not finite in single precision.
   bool number(float& value) const {
     double exact = 0.0;
     if (!parseNumber(word(), exact)) return false;

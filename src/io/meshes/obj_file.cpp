@@ -15,8 +15,8 @@ using Corner = MeshBuilder::Corner;
 
 Eigen::Vector3d toVector(const Corner& corner) { return {corner[0], corner[1], corner[2]}; }
 
-/// All corners turn the same way about the polygon's normal, and it goes round once. False if it
-/// has no area.
+/// True if all corners turn the same way about the polygon's normal, once around in total. False if
+/// it has no area.
 bool isConvex(const std::vector<Corner>& polygon) {
   if (polygon.size() <= 3) return true;
   const Eigen::Vector3d origin = toVector(polygon[0]);
@@ -33,14 +33,14 @@ bool isConvex(const std::vector<Corner>& polygon) {
     if (sine < 0.0) return false;
     turned += std::atan2(sine, cosine);
   }
-  return turned < 3.0 * M_PI;  // 2 pi, but for rounding
+  return turned < 3.0 * M_PI;  // 2 pi, up to rounding
 }
 
 class Reader {
  public:
   explicit Reader(const std::string& text) : words_(text) {}
 
-  /// Nothing if the file has what this does not read.
+  /// Empty if the file contains something unsupported.
   std::optional<TriangleMesh> read() {
     while (words_.next()) {
       const bool understood = words_.is("v") ? readVertex() : words_.is("f") ? readFace() : true;

@@ -1,4 +1,5 @@
-// read_mesh_file FILE: writes the mesh, or why there is none, as mesh_process.h says.
+// read_mesh_file FILE: writes the mesh, or the reason why there is none, in the format of
+// mesh_process.h.
 #include <csignal>
 #include <filesystem>
 #include <iostream>
@@ -30,7 +31,8 @@ void limitItself() {
   ::setrlimit(RLIMIT_CORE, &no_core);
 }
 
-// The parent's sockets: while this process lives, closing one there would close nothing.
+// Closes the parent's sockets: otherwise they would stay open while this process lives, even if the
+// parent closes them.
 void closeInherited() {
   std::vector<int> inherited;
   for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd")) {
@@ -41,7 +43,7 @@ void closeInherited() {
   }
 }
 
-bool memory_ran_out = false;  // assimp keeps bad_alloc to itself
+bool memory_ran_out = false;  // assimp does not pass bad_alloc on
 
 void watchMemory() {
   std::set_new_handler([] {

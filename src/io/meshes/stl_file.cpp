@@ -17,14 +17,14 @@ TriangleMesh readBinary(const std::string& bytes, std::size_t nb_triangles) {
   const char* at = bytes.data() + HEADER + COUNT;
   for (std::size_t i = 0; i < nb_triangles; ++i, at += TRIANGLE) {
     std::array<MeshBuilder::Corner, 3> corners;
-    std::memcpy(&corners, at + NORMAL, sizeof corners);  // little-endian, as all that ROS runs on
+    std::memcpy(&corners, at + NORMAL, sizeof corners);  // little-endian, like all platforms of ROS
     builder.addTriangle(corners[0], corners[1], corners[2]);
   }
   return builder.finish();
 }
 
-/// The words of the format stand where lines may be broken at will; only names run to the end of
-/// their line.
+/// Line breaks between the words of the format are arbitrary; only names extend to the end of their
+/// line.
 class AsciiReader {
  public:
   explicit AsciiReader(const std::string& text) : words_(text) {}
@@ -67,7 +67,7 @@ class AsciiReader {
   void readFacet() {
     if (!in_solid_) fail("solid");
     expect("normal");
-    for (int i = 0; i < 3; ++i) words_.next();  // exporters write nan where there is no area
+    for (int i = 0; i < 3; ++i) words_.next();  // exporters write nan if there is no area
     expect("outer");
     expect("loop");
     std::array<MeshBuilder::Corner, 3> corners;
@@ -87,9 +87,9 @@ class AsciiReader {
   bool in_solid_ = false;
 };
 
-// Binary files begin with anything, "solid" included.
+// Binary files may begin with anything, "solid" included.
 bool looksAscii(const std::string& bytes) {
-  constexpr std::size_t FAR_ENOUGH = 1024;  // bytes: the name of the solid stands before
+  constexpr std::size_t FAR_ENOUGH = 1024;  // bytes: the solid's name comes before
   const std::string beginning = bytes.substr(0, FAR_ENOUGH);
   return beginning.compare(0, 5, "solid") == 0 && (beginning.find("facet") != std::string::npos ||
                                                    beginning.find("endsolid") != std::string::npos);

@@ -15,11 +15,11 @@
 namespace collision_pairs {
 namespace {
 
-constexpr std::uint32_t QUEUE_SIZE = 2;     // messages, until the callback takes them
-const ros::WallDuration LONGEST_WAIT(1.0);  // for transforms at a cloud's stamp
-const std::chrono::milliseconds PAUSE(1);   // between two looks for them
-const ros::WallDuration SILENCE(3.0);       // after which there is no rate
-constexpr double SHARE_OF_NEWEST = 0.1;     // in the mean rate
+constexpr std::uint32_t QUEUE_SIZE = 2;     // messages waiting for the callback
+const ros::WallDuration LONGEST_WAIT(1.0);  // for the transforms at a cloud's stamp
+const std::chrono::milliseconds PAUSE(1);   // between two attempts
+const ros::WallDuration SILENCE(3.0);       // after which the rate is 0
+constexpr double SHARE_OF_NEWEST = 0.1;     // weight in the mean rate
 
 }  // namespace
 
@@ -86,7 +86,7 @@ void CloudSource::use(const Cloud& cloud, unsigned generation, RobotFilter& robo
   const ros::Time now = ros::Time::now();
   context_.transforms.followClock(now);
   if (cleared_for_ != generation ||
-      nb_clock_jumps_ != context_.transforms.nbClockJumps()) {  // another pass of a bag
+      nb_clock_jumps_ != context_.transforms.nbClockJumps()) {  // the bag was restarted
     cleared_for_ = generation;
     nb_clock_jumps_ = context_.transforms.nbClockJumps();
     gatherer_.clear();
@@ -160,7 +160,7 @@ CloudSource::Instant CloudSource::waitForInstant(const std_msgs::Header& header,
   const ros::SteadyTime end = ros::SteadyTime::now() + LONGEST_WAIT;
   Instant found;
   while (true) {
-    // Read first: what comes after it is looked at the next time.
+    // Read first: messages that arrive later are considered in the next attempt.
     const std::uint64_t nb_taken = context_.transforms.nbTaken();
     const std::string why = lookUp(header, robot, found);
     if (why.empty()) return found;

@@ -1,4 +1,4 @@
-// One topic of point clouds, and what is known from it at present.
+// One topic of point clouds and its current voxels.
 #pragma once
 
 #include <condition_variable>
@@ -21,7 +21,7 @@
 
 namespace collision_pairs {
 
-/// What tells points of the robot from obstacles, in one scene.
+/// Distinguishes points of the robot from obstacles, for one scene.
 struct RobotFilter {
   RobotFilter(const SceneDescription& description, double padding, SceneCache* cache)
       : filter(description, padding, cache) {}
@@ -32,18 +32,17 @@ struct RobotFilter {
 /// For diagnostics.
 struct CloudHealth {
   std::uint64_t received = 0, used = 0, refused = 0;
-  std::uint64_t dropped = 0;  ///< a newer one came before their turn
-  double rate = 0.0;          ///< Hz, of those used, about the last ten
-  double latency = 0.0;       ///< s, from the stamp of the last to its voxels
-  double processing = 0.0;    ///< s of that without waiting
+  std::uint64_t dropped = 0;  ///< replaced by a newer one before processing
+  double rate = 0.0;          ///< Hz, of clouds used, over about the last ten
+  double latency = 0.0;       ///< s, from the stamp of the last one to its voxels
+  double processing = 0.0;    ///< s, the part of it without waiting
   std::size_t points = 0, kept = 0, voxels = 0;
 };
 
-/// Takes clouds on a thread of its own, and makes their voxels on another, so that neither the
-/// cycle nor the subscription ever waits. A cloud in work waits for the transforms of its own
-/// stamp; of those that come meanwhile the newest is kept and the others are dropped and counted. A
-/// cloud that cannot be used is refused: it changes nothing but the doubt, until a usable one
-/// comes.
+/// Receives clouds on one thread and computes their voxels on another, so that neither the cycle
+/// nor the subscription ever waits. A cloud being processed waits for the transforms at its own
+/// stamp; of those that arrive meanwhile the newest is kept and the others are dropped and counted.
+/// A cloud that cannot be used is refused: it changes only the doubt, until a usable one arrives.
 class CloudSource {
  public:
   struct Context {
@@ -57,11 +56,11 @@ class CloudSource {
 
   const CloudConfig& config() const { return config_; }
 
-  /// From the next cloud on; clouds wait for the first.
+  /// Applies from the next cloud on; clouds are not processed before the first call.
   void follow(std::shared_ptr<RobotFilter> robot);
 
   CloudView view(const ros::Time& now) const;
-  /// Forgets everything: there is no view until a cloud that comes from now on is used.
+  /// Discards everything: there is no view until a cloud that arrives later is used.
   void clear();
   CloudHealth health() const;
 
@@ -85,28 +84,28 @@ class CloudSource {
   const CloudConfig config_;
   const Context context_;
 
-  // Of the worker alone.
+  // Used by the worker only.
   CloudGatherer gatherer_;
   std::vector<Eigen::Vector3f> points_;
   ros::Time last_stamp_;
   unsigned nb_clock_jumps_ = 0;
-  unsigned cleared_for_ = 0;  // the generation that the grid is of
+  unsigned cleared_for_ = 0;  // the grid's generation
 
   mutable std::mutex mutex_;  // guards what follows
   std::condition_variable wakes_worker_;
   bool stopping_ = false;
-  unsigned generation_ = 0;  // of clear()
+  unsigned generation_ = 0;  // counts calls of clear()
   Cloud::ConstPtr next_;
   std::shared_ptr<RobotFilter> robot_;
   LatestCloud latest_;
-  unsigned latest_clock_jumps_ = 0;  // when it came
+  unsigned latest_clock_jumps_ = 0;  // on arrival of the latest cloud
   CloudHealth health_;
   ros::SteadyTime last_use_;
 
   ros::CallbackQueue queue_;
   ros::Subscriber subscriber_;
   std::thread worker_;
-  ros::AsyncSpinner spinner_;  // last: stops before what it calls into goes
+  ros::AsyncSpinner spinner_;  // last: stops before the members it uses are destroyed
 };
 
 }  // namespace collision_pairs

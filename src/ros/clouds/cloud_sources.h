@@ -16,25 +16,25 @@ namespace collision_pairs {
 /// May be used from several threads.
 class CloudSources {
  public:
-  /// Throws InputError for a topic that is no name. Topics are resolved as those of `node` are.
+  /// Throws InputError for an invalid topic name. Topics are resolved like those of `node`.
   CloudSources(const ros::NodeHandle& node, const std::vector<CloudConfig>& configs,
                const CloudSource::Context& context);
 
-  /// Whether these are the sources of such a parameter, in this frame.
+  /// True if these sources match the parameter and the frame.
   bool areOf(const std::vector<CloudConfig>& configs, const std::string& frame) const;
 
-  /// What tells points of this scene's robot from obstacles, one a source; and from now on. Making
-  /// them may take as long as the scene, and throws InputError.
+  /// Filters for this scene's robot, one per source, and their activation. Creating them may take
+  /// as long as the scene, and throws InputError.
   using RobotFilters = std::vector<std::shared_ptr<RobotFilter>>;
   RobotFilters filtersFor(const SceneDescription& description, const CollisionScene& scene,
                           SceneCache* cache) const;
   void follow(RobotFilters filters);
 
-  /// Fills in the voxels of the scene's clouds at `now`; why they keep a report from being FREE.
+  /// Fills in the voxels of the scene's clouds at `now`; returns why a report cannot be FREE.
   std::vector<std::string> addVoxels(const CollisionScene& scene, const ros::Time& now,
                                      BodyPoses& poses) const;
 
-  /// What all sources show, by name; null where that is not known.
+  /// The views of all sources by name; null if unknown.
   std::map<std::string, CloudView> views(const ros::Time& now) const;
 
   void clear();
