@@ -10,12 +10,8 @@
 namespace collision_pairs {
 namespace {
 
-using testing::AllOf;
 using testing::ElementsAre;
-using testing::EndsWith;
 using testing::HasSubstr;
-using testing::Not;
-using testing::StartsWith;
 
 /// Spheres a, b and c of radius 0.5 that float along x.
 class TfCheck : public testing::Test {
@@ -88,24 +84,6 @@ TEST_F(TfCheck, TheTimeToContactIsNotKnownWhereOneOfThePairsWasNotSeenBefore) {
   EXPECT_TRUE(message.pairs[1].closing_speed_is_known);
   EXPECT_FALSE(message.time_to_contact_is_known);
   EXPECT_EQ(message.time_to_contact, 0.0);
-}
-
-TEST_F(TfCheck, LinksWithTheSameProblemShareOneReason) {
-  EXPECT_THAT(
-      check().unknown_because,
-      ElementsAre("no usable pose: a, b, c",
-                  AllOf(StartsWith("link 'a': "), EndsWith(" (similar for 2 other links)"))));
-  EXPECT_THAT(check().left_out, ElementsAre("a", "b", "c"));
-}
-
-TEST_F(TfCheck, LinksWithDifferentProblemsHaveAReasonEach) {
-  publish("a", 990.0, 0.0);  // 10 s old
-  publish("b", 980.0, 5.0);  // 20 s old: the same problem
-  EXPECT_THAT(check().unknown_because,
-              ElementsAre("no usable pose: a, b, c",
-                          AllOf(HasSubstr("'a': its newest transform is 10"),
-                                EndsWith(" (similar for 1 other link)")),
-                          AllOf(StartsWith("link 'c': "), Not(HasSubstr("similar")))));
 }
 
 TEST_F(TfCheck, WhatNeverMovesIsReportedAsOfNow) {

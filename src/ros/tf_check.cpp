@@ -1,8 +1,5 @@
 #include "tf_check.h"
 
-#include <algorithm>
-#include <sstream>
-
 #include "collision_pairs/closing_motion.h"
 #include "conversions.h"
 
@@ -34,66 +31,18 @@ EarlierPoses posesBefore(const ActiveScene& active, const StampedPoses& stamped,
   return before;
 }
 
-/// A word of a problem without the name of its link and without digits.
-std::string masked(std::string word, const std::string& link) {
-  const std::size_t at = word.find(link);
-  if (at != std::string::npos) word.replace(at, link.size(), "*");
-  const auto isDigit = [](char c) { return c >= '0' && c <= '9'; };
-  word.erase(std::remove_if(word.begin(), word.end(), isDigit), word.end());
-  return word;
-}
-
-/// True if two problems differ only in the names of their links and in numbers.
-bool areSimilar(const StampedPoses& stamped, std::size_t i, std::size_t k) {
-  std::istringstream first(stamped.problems[i]), second(stamped.problems[k]);
-  std::string a, b;
-  while (first >> a) {
-    if (!(second >> b)) return false;
-    const auto& links = stamped.problem_links;
-    if (a != b && masked(a, links[i]) != masked(b, links[k])) return false;
-  }
-  return !(second >> b);
-}
-
-/// One reason for each kind of problem: without TF, all links have the same one.
-std::vector<std::string> problemsByKind(const StampedPoses& stamped, std::size_t most_kinds) {
-  struct Kind {
-    std::size_t example, nb_others;
-  };
-  std::vector<Kind> kinds;
-  std::size_t nb_not_named = 0;
-  for (std::size_t i = 0; i < stamped.problems.size(); ++i) {
-    const auto kind = std::find_if(kinds.begin(), kinds.end(), [&](const Kind& known) {
-      return areSimilar(stamped, known.example, i);
-    });
-    if (kind != kinds.end()) {
-      ++kind->nb_others;
-    } else if (kinds.size() < most_kinds) {
-      kinds.push_back({i, 0});
-    } else {
-      ++nb_not_named;
-    }
-  }
-  const auto counted = [](std::size_t count, const std::string& what) {
-    return std::to_string(count) + what + (count == 1 ? " link" : " links");
-  };
-  std::vector<std::string> reasons;
-  for (const Kind& kind : kinds) {
-    reasons.push_back(stamped.problems[kind.example]);
-    if (kind.nb_others == 0) continue;
-    reasons.back() += " (similar for " + counted(kind.nb_others, " other") + ")";
-  }
-  if (nb_not_named > 0) reasons.push_back("and " + counted(nb_not_named, " more"));
-  return reasons;
-}
-
 }  // namespace
 
 std::vector<std::string> doubtsOf(const StampedPoses& stamped, const TransformInput& transforms,
                                   const ros::Time& now) {
   constexpr std::size_t MAX_NAMED = 10;  // left_out names all links
   if (stamped.problems.empty()) return {};
-  std::vector<std::string> doubts = problemsByKind(stamped, MAX_NAMED);
+  std::vector<std::string> doubts = stamped.problems;
+  if (doubts.size() > MAX_NAMED) {
+    const std::string rest = "and " + std::to_string(doubts.size() - MAX_NAMED) + " more links";
+    doubts.resize(MAX_NAMED);
+    doubts.push_back(rest);
+  }
   if (now.isZero()) doubts.insert(doubts.begin(), NO_CLOCK);
   const std::vector<std::string> refused = transforms.refused();
   for (std::size_t i = 0; i < std::min(refused.size(), MAX_NAMED); ++i) {

@@ -164,7 +164,6 @@ StampedPoses TfPoses::gather(std::vector<Found> found, const ros::Time& stamp) c
       result.poses.X_WB[i] = found[i].X_WB;
     } else {
       result.problems.push_back(std::move(found[i].problem));
-      result.problem_links.push_back(sources_[i].front().link);
     }
     if (isFrame(sources_[i])) continue;
     ++result.nb_asked;

@@ -22,7 +22,6 @@ struct StampedPoses {
   std::size_t nb_found = 0;
   /// For each body without a pose: its link and the reason. Empty if all are known.
   std::vector<std::string> problems;
-  std::vector<std::string> problem_links;  ///< parallel to problems: the link of each
 };
 
 /// Limits of the age of a pose, in seconds.
