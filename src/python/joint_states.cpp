@@ -95,7 +95,8 @@ JointStatesArray::JointStatesArray(const py::object& states, std::size_t nb_join
   if (!fits) {
     const std::string n = std::to_string(nb_joints);
     throw InputError("states have shape " + shapeOf(array_) + ", but " + n +
-                     " joints are named: (n, " + n + ") is expected, or (" + n + ",) for one state");
+                     " joints are named: (n, " + n + ") is expected, or (" + n +
+                     ",) for one state");
   }
   begin_ = static_cast<const char*>(array_.data());
   column_stride_ = array_.strides(nb_dimensions - 1);

@@ -86,8 +86,8 @@ SceneSources readSources(const TextFrom& urdf, const TextFrom& srdf, const Scene
     const bool has_clouds = !sources.config.clouds.empty() && options.cloud_topics.empty();
     if (has_clouds && options.cloud.empty()) not_used.push_back("clouds");
     if (!not_used.empty()) {
-      warn(options.settings + ": ignored, so a state may be free only without them: " +
-           joined(not_used));
+      warn(options.settings +
+           ": ignored, so a state may be free only without them: " + joined(not_used));
     }
   }
   sources.config.clouds = cloudsOf(options, sources.config.clouds);
