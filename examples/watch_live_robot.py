@@ -3,7 +3,8 @@
 
 usage: watch_live_robot.py [--once]     --once: exits after the first verdict
 
-The scene's settings are those of /collision_pairs_node, if it is running.
+The scene's settings are those of /collision_pairs_node, if it is running. Not checked: its clouds, further robots and
+environment, the objects of ~update_scene, and the age of the joint states.
 """
 import sys
 

@@ -70,6 +70,7 @@ TEST_F(JointColumnsTest, LeaveAloneWhatIsNotNamed) {
   for (const char* name : {"lead", "half", "quarter"})
     EXPECT_EQ(at(positions, name), at(before, name));
   EXPECT_THAT(columns.notNamed(), ElementsAre("lead"));
+  EXPECT_THAT(columns.atZero(), ElementsAre("lead", "base"));  // floating: no number sets it
 }
 
 TEST_F(JointColumnsTest, TakeAMimicThatAgreesWithItsLeaderAndNoOther) {

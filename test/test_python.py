@@ -127,6 +127,11 @@ def test_joints_that_are_not_named_are_warned_of_and_listed():
     assert result.joints_at_zero == ["slide"] and result.in_collision.all()  # the slide is in
 
 
+def test_settings_that_only_the_node_follows_are_named_in_a_warning():
+    with pytest.warns(UserWarning, match="ignored, so a state may be free only without them: robots, clouds$"):
+        detector(settings={"clouds": [{"topic": "camera/points"}], "robots": [{"description": "other"}]})
+
+
 def test_objects_settings_and_a_world_are_in_the_scene():
     box = cp.RigidObject("held", [cp.Box([0.1, 0.1, 0.1])], pose=translation(-0.1, 0, 0), attached_link="tip",
                          touch_links=["tip"])

@@ -43,8 +43,10 @@ def test_the_stubs_name_what_the_module_has():
                         or d.value is not Ellipsis]
             given = [ast.literal_eval(d) for _, d in module[name + "." + method] if d and not d.startswith("array(")]
             assert [d or None for d in defaults] == [d or None for d in given], (name, method)
-    assert {e.target.id if isinstance(e, ast.AnnAssign) else e.targets[0].id for e in classes["Verdict"].body
-            if isinstance(e, (ast.AnnAssign, ast.Assign))} == {v.name for v in cp.Verdict}
+    for enum in (cp.Verdict, cp.Fidelity, cp.PairState, cp.Certainty):
+        stubbed = {entry.targets[0].id: entry.value.value for entry in classes[enum.__name__].body
+                   if isinstance(entry, ast.Assign)}
+        assert stubbed == {member.name: member.value for member in enum}
 
 
 def test_the_enums_are_those_of_the_messages():

@@ -42,6 +42,22 @@ def test_the_nodes_own_file_changes_nothing(check):
         [(row["pairs"], row["min_distance"]) for row in shipped]
 
 
+def test_settings_that_only_the_node_follows_are_named_in_a_warning(check):
+    cloud = "clouds: [{topic: camera/points, voxel_size: 0.02}]\n"
+    robots = "robots: [{description: other, prefix: other}]\n"
+    floor = "floor: {height: -1.0}\nfixed_frame: map\n"
+    warned = "ignored, so a state may be free only without them: "
+    assert warned + "robots, fixed_frame, clouds" in check(settings=cloud + robots + floor)[0].stderr
+    assert warned not in check("--settings", SHIPPED)[0].stderr
+    assert warned not in check(settings="fixed_frame: map\nrobots: []")[0].stderr
+
+
+def test_a_scene_without_pairs_is_warned_of(check):
+    nothing = check(settings="ignored_links: ['*']")[0]
+    assert nothing.returncode == 0 and "there is no pair to check: every state is free" in nothing.stderr
+    assert "no pair" not in check()[0].stderr
+
+
 def test_padding_is_taken_from_the_distance(check):
     free = float(check()[1][0]["min_distance"])
     for padding in (0.25 * free, free):

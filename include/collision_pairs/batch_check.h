@@ -52,7 +52,7 @@ class BatchCheck {
   class JointsOfThread;
   struct StageOfThread;
   struct Stage;
-  /// Null where all come to the detectors.
+  /// Null if all states are checked by the detectors.
   Stage* stageFor(std::size_t count, const CheckSettings& settings);
 
   std::shared_ptr<const CollisionScene> scene_;

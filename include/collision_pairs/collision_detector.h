@@ -25,7 +25,8 @@ struct CheckSettings {
   /// Metres, >= 0. Pairs up to this far apart are reported as near. 0: contacts only. Larger
   /// values cost more: boxes are compared at this distance, and distances computed up to it.
   double alarm_distance = 0.05;
-  /// The geometry that decides. The first check of a mesh at SPHERES takes some 0.1 s more for it.
+  /// The geometry that decides. The first check at SPHERES prepares each mesh: 0.1 to 0.3 s of one
+  /// core.
   Fidelity fidelity = Fidelity::MESH;
   /// Metres, >= 0. The search for a distance may end as soon as its certified interval is no wider.
   /// The lower end is reported, with Certainty::TOLERATED. Larger values cost less. Contacts and

@@ -39,6 +39,9 @@ class JointColumns {
   /// at zero (or their nearest limit) as in RobotModel::zeroPositions().
   std::vector<std::string> notNamed() const;
 
+  /// These, and floating and planar joints, which no number can set.
+  std::vector<std::string> atZero() const;
+
  private:
   Source followed(int joint, const std::vector<int>& column_of_joint) const;
 

@@ -33,7 +33,7 @@ struct CloudConfig {
   double source_timeout = 1.0;
   /// Points within this distance of a link or an attached object are not obstacles.
   double self_filter_padding = 0.02;
-  /// Links, names or patterns, that are not checked against this cloud.
+  /// Links, names, that are not checked against this cloud.
   std::vector<std::string> touch_links;
 
   /// Its name in pairs: the topic without its leading slash.

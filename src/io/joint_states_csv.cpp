@@ -64,7 +64,7 @@ class Reader {
   void readHeader(const std::vector<std::string>& fields) {
     withLine([&] { columns_.emplace(fields, robot_); });
     names_ = fields;
-    states_.joints_at_zero = columns_->notNamed();
+    states_.joints_at_zero = columns_->atZero();
   }
 
   void readRow(const std::vector<std::string>& fields) {

@@ -205,7 +205,14 @@ SceneConfig readSceneSettings(const YAML::Node& map, const std::string& origin) 
                      nearestName(key, known) + "'?");
   }
   try {
-    return readSceneConfig(map);
+    SceneConfig config = readSceneConfig(map);
+    const auto isGiven = [&](const char* key) {
+      const YAML::Node value = map[key];
+      return value && (value.IsScalar() ? !value.Scalar().empty() : value.size() > 0);
+    };
+    if (isGiven("robots")) config.of_the_node_only.push_back("robots");
+    if (config.floor && isGiven("fixed_frame")) config.of_the_node_only.push_back("fixed_frame");
+    return config;
   } catch (const InputError& error) {
     throw InputError(origin + ": " + error.what());
   }

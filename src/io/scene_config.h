@@ -17,6 +17,9 @@ struct SceneConfig {
   Restriction restriction;
   std::optional<RigidObject> floor;
   std::vector<CloudConfig> clouds;
+  /// Parameters in the map that say what is in the scene, but only to the node: robots, and
+  /// fixed_frame if there is a floor, whose height is in that frame.
+  std::vector<std::string> of_the_node_only;
 };
 
 /// The keys that readSceneConfig() reads.

@@ -62,7 +62,7 @@ NamedJoints::NamedJoints(const py::object& joints, const RobotModel& robot)
     : given(itemsOf(joints)),
       is_all(joints.is_none()),
       columns(is_all ? namesOfAllJoints(robot) : namesFrom(given), robot),
-      at_zero(columns.notNamed()) {}
+      at_zero(columns.atZero()) {}
 
 bool NamedJoints::areNamedBy(const py::object& joints) const {
   if (is_all || joints.is_none()) return is_all && joints.is_none();
@@ -95,7 +95,8 @@ JointStatesArray::JointStatesArray(const py::object& states, std::size_t nb_join
   if (!fits) {
     const std::string n = std::to_string(nb_joints);
     throw InputError("states have shape " + shapeOf(array_) + ", but " + n +
-                     " joints are named: (n, " + n + ") is wanted, or (" + n + ",) for one state");
+                     " joints are named: (n, " + n + ") is expected, or (" + n +
+                     ",) for one state");
   }
   begin_ = static_cast<const char*>(array_.data());
   column_stride_ = array_.strides(nb_dimensions - 1);

@@ -114,7 +114,7 @@ void BagSummary::print(const Bag& bag, std::ostream& out) const {
     }
     printRest(bag.gaps.size(), out);
   }
-  if (!bag.left_out.empty()) out << "  links left out for lack of a pose:\n";
+  if (!bag.left_out.empty()) out << "  left out (no pose; clouds: too old or incomplete):\n";
   std::size_t nb_printed = 0;
   for (const auto& [link, count] : bag.left_out) {
     if (++nb_printed > LONGEST_LIST) break;

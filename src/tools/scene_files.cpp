@@ -82,6 +82,13 @@ SceneSources readSources(const TextFrom& urdf, const TextFrom& srdf, const Scene
   }
   if (!options.settings.empty()) {
     sources.config = readSceneConfigFile(options.settings);
+    std::vector<std::string> not_used = sources.config.of_the_node_only;
+    const bool has_clouds = !sources.config.clouds.empty() && options.cloud_topics.empty();
+    if (has_clouds && options.cloud.empty()) not_used.push_back("clouds");
+    if (!not_used.empty()) {
+      warn(options.settings +
+           ": ignored, so a state may be free only without them: " + joined(not_used));
+    }
   }
   sources.config.clouds = cloudsOf(options, sources.config.clouds);
   for (const CloudConfig& cloud : sources.config.clouds) {
@@ -215,8 +222,9 @@ BuiltScene buildScene(const TextFrom& urdf, const TextFrom& srdf, const SceneOpt
     throw InputError(origin + ": URDF: link '" + link + "': " + reason);
   }
   built.scene = CollisionScene::build(built.description);
-  if (is_restricted && built.scene->models().empty()) {
-    throw InputError("--group and --links leave no pair to check");
+  if (built.scene->models().empty()) {
+    if (is_restricted) throw InputError("--group and --links leave no pair to check");
+    warn("there is no pair to check: every state is free");
   }
   return built;
 }

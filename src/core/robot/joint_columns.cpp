@@ -93,4 +93,13 @@ std::vector<std::string> JointColumns::notNamed() const {
   return names;
 }
 
+std::vector<std::string> JointColumns::atZero() const {
+  std::vector<std::string> names = notNamed();
+  for (const Joint& joint : robot_.joints()) {
+    const bool is_free = joint.type == JointType::FLOATING || joint.type == JointType::PLANAR;
+    if (is_free) names.push_back(joint.name);
+  }
+  return names;
+}
+
 }  // namespace collision_pairs

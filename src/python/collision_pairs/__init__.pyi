@@ -34,9 +34,10 @@ class Certainty(IntEnum):
 
 class Fidelity(IntEnum):
     AABB = 0
-    OBB = 1
-    CONVEX = 2
-    MESH = 3
+    SPHERES = 1
+    OBB = 2
+    CONVEX = 3
+    MESH = 4
 
 class Robot:
     """Links with their collision geometry, and the joints between them. Immutable."""
