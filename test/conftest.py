@@ -8,6 +8,7 @@ import pytest
 PROJECT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 TOOLS = os.environ.get("COLLISION_PAIRS_TOOLS", os.path.join(PROJECT, "build/devel/lib/collision_pairs"))
 PYTHON = os.path.normpath(os.path.join(TOOLS, "../python3/dist-packages"))  # the module and the messages
+TIMES_SLOWER = 10 if "TSAN_OPTIONS" in os.environ else 1  # scripts/test --sanitize
 DEMO = os.path.join(PROJECT, "config/demo")
 SYSTEM_PATH = "/usr/bin:/bin:" + os.environ.get("PATH", "")  # another Python may come first in PATH
 sys.path.insert(0, PYTHON)
@@ -17,7 +18,7 @@ sys.path.insert(0, PYTHON)
 def run_tool():
     """Runs a tool of the package; returns the finished process."""
     def run(name, *arguments, packages=PROJECT):
-        return subprocess.run([os.path.join(TOOLS, name), *map(str, arguments)], timeout=120,
+        return subprocess.run([os.path.join(TOOLS, name), *map(str, arguments)], timeout=120 * TIMES_SLOWER,
                               env=dict(os.environ, ROS_PACKAGE_PATH=packages + ":/usr/share",
                                        PATH=SYSTEM_PATH),
                               stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)

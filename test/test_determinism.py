@@ -8,7 +8,7 @@ import sys
 
 import numpy as np
 import pytest
-from conftest import DEMO, PROJECT, PYTHON, SYSTEM_PATH, TOOLS
+from conftest import DEMO, PROJECT, PYTHON, SYSTEM_PATH, TIMES_SLOWER, TOOLS
 
 INSTRUCTIONS_AND_THREADS = [("base", "3"), ("avx2", "1"), ("all", "1"), ("all", "3")]
 SETTINGS = [{"alarm_distance": 0.2, "min_distance": True}, {"alarm_distance": 0.2, "fidelity": "convex"},
@@ -48,7 +48,7 @@ def run(command, instructions):
     packages = ":".join([PROJECT, os.environ.get("COLLISION_PAIRS_SHARED", "") + "/robots", "/usr/share"])
     environment = dict(os.environ, ROS_PACKAGE_PATH=packages, PATH=SYSTEM_PATH, PYTHONPATH=PYTHON,
                        COLLISION_PAIRS_INSTRUCTION_SET=instructions)
-    subprocess.run(command, env=environment, check=True, timeout=300, stderr=subprocess.DEVNULL)
+    subprocess.run(command, env=environment, check=True, timeout=300 * TIMES_SLOWER, stderr=subprocess.DEVNULL)
 
 
 def rows_without_times(path):

@@ -86,8 +86,8 @@ void BagCloudIndex::requireAllSources() const {
     if (has_cloud_[i]) continue;
     std::string found;
     for (const std::string& topic : cloud_topics_) found += (found.empty() ? "" : ", ") + topic;
-    throw InputError("--clouds: no message of topic '" + topics_[i] +
-                     "' is in it; topics with clouds: " + (found.empty() ? "none" : found));
+    throw InputError("--clouds: the bag has no messages on topic '" + topics_[i] +
+                     "'; topics with clouds: " + (found.empty() ? "none" : found));
   }
 }
 

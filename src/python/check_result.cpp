@@ -203,9 +203,8 @@ void bindCheckResult(py::module& module) {
           [](const py::object& self) {
             return viewOf<LeftOutRow>(self.cast<const CheckResult&>().left_out, self);
           },
-          "Structured (l,): row, model: models that could not be checked, for lack of a finite "
-          "pose "
-          "or size; the state is never FREE.")
+          "Structured (l,): row, model: models that could not be checked, because their pose or "
+          "size is not finite; the state is never FREE.")
       .def_property_readonly("gradient", &gradientOf,
                              "float64 (p, joints): d(distance)/d(position) of each pair, m/rad or "
                              "m/m; NaN if there is none. Requires gradient=True.")

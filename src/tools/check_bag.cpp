@@ -101,7 +101,8 @@ void complete(Options& options) {
   options.shard = parseShard(options.shard_text);
   options.output.quiet = !options.record.empty();
   if (options.shard.count > 1 && !(options.record.empty() && options.output.report.empty())) {
-    throw InputError("--shard checks a part only: no --record, and --report when merged");
+    throw InputError(
+        "--shard cannot be combined with --record or --report; give --report to merge_bag_checks");
   }
   for (const std::string& bag : options.bags) {
     if (bag.find_first_of("\n\r") != std::string::npos) {

@@ -114,8 +114,9 @@ std::vector<std::string> check(const JointStates& states,
         nb_answered_natively += report.nb_answered_natively;
       });
   if (nb_answered_natively > 0) {
-    warn("FCL has no answer, or only a part, to " + std::to_string(nb_answered_natively) +
-         " questions about pairs of elements: answered natively");
+    warn(std::to_string(nb_answered_natively) +
+         " queries of pairs of elements were answered natively, wholly or partly, because FCL does "
+         "not support them");
   }
   return rows;
 }
