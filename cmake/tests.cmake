@@ -155,7 +155,7 @@ collision_pairs_module_pytest(python)
 collision_pairs_module_pytest(python_examples)
 collision_pairs_module_pytest(python_fuzz)
 collision_pairs_module_pytest(python_stubs)
-collision_pairs_pytest(reference)
+collision_pairs_module_pytest(reference)
 collision_pairs_pytest(scene_options)
 
 # Each under a master of its own: rostest takes a free port. The limit is for a machine under load.
