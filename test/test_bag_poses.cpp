@@ -10,6 +10,7 @@ namespace {
 
 using Eigen::Vector3d;
 using testing::ElementsAre;
+using testing::EndsWith;
 using testing::Not;
 
 constexpr StampNs SECOND = 1000000000;
@@ -139,7 +140,21 @@ TEST_F(BagPosesTest, AJointThatIsNotNamedIsSaidToBeTakenAtZero) {
   position("slide", 1, 4);
   finish();
   EXPECT_THAT(poses_->jointsAtZero(), ElementsAre("spin"));
+  EXPECT_THAT(poses_->notes(), ElementsAre(EndsWith("taken as zero: spin")));
   EXPECT_EQ(at("wheel", 1), Vector3d(7, 2, 1));
+}
+
+TEST_F(BagPosesTest, AFloatingJointIsSaidToBeTakenAtZeroSinceNoJointStateNamesIt) {
+  scene_ = CollisionScene::build(
+      robotFrom(boxLink("base", 0.1) + boxLink("arm", 0.1) + boxLink("kite", 0.1) +
+                joint("slide", "prismatic", "base", "arm", "0 0 0",
+                      "<axis xyz='1 0 0'/><limit lower='-9' upper='9'/>") +
+                joint("string", "floating", "base", "kite", "0 0 0", "")),
+      Srdf{}, nullptr);
+  position("slide", 1, 4);
+  finish();
+  EXPECT_THAT(poses_->jointsAtZero(), ElementsAre("string"));
+  EXPECT_THAT(poses_->notes(), ElementsAre(EndsWith("taken as zero: string")));
 }
 
 }  // namespace

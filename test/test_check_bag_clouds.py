@@ -119,6 +119,14 @@ def test_what_is_far_changes_no_verdict_and_no_pair(check, run_tool, with_clouds
         [(r["stamp"], r["verdict"], r["pairs"], r["left_out"]) for r in without]
 
 
+def test_a_cloud_of_the_settings_that_is_not_chosen_is_warned_of(check, run_tool, with_clouds, tmp_path, write):
+    bag, settings = with_clouds(every(0.2, 30, FAR_SEEN)), write("{topic: camera/points}, {topic: lidar/points}")
+    warned = "ignored, so a state may be free only without them: cloud "
+    assert warned + "'lidar/points'\n" in check(bag, "--settings", settings)[1]
+    nothing_chosen = run_tool("check_bag", bag, "--out", tmp_path / "out.csv", "--settings", settings)
+    assert warned + "'camera/points', cloud 'lidar/points'\n" in nothing_chosen.stderr
+
+
 def test_a_block_that_a_link_comes_into_is_a_collision_with_the_cloud_and_the_link_named(check, make_bag, with_clouds, write):
     with rosbag.Bag(str(make_bag("demo.bag"))) as bag:
         there = palm_at(bag, START + 2.0)

@@ -9,6 +9,7 @@
 #include "slab_bounds.h"
 #include "solids.h"
 #include "test_shapes.h"
+#include "triangle_tree.h"
 
 namespace collision_pairs {
 namespace {
@@ -98,6 +99,47 @@ TriangleMesh boxWithAVertexAboveItsFace() {
   }
   mesh.triangles = triangles;
   return mesh;
+}
+
+void collectTriangles(const TriangleTree& tree, std::uint32_t at, std::vector<std::uint32_t>& all) {
+  const auto& node = tree.node(at);
+  if (node.isLeaf()) all.push_back(node.children);
+  for (std::uint32_t k = 0; k < node.nb_children; ++k) {
+    collectTriangles(tree, node.children + k, all);
+  }
+}
+
+void expectBoxesHoldTheirTriangles(const TriangleTree& tree, const TriangleMesh& mesh,
+                                   std::uint32_t at) {
+  const OrientedBox box = tree.box(at);
+  const Eigen::Matrix<long double, 3, 3> R_BM = box.R.cast<long double>().inverse();
+  std::vector<std::uint32_t> triangles;
+  collectTriangles(tree, at, triangles);
+  for (const std::uint32_t triangle : triangles) {
+    for (const std::uint32_t vertex : mesh.triangles[triangle]) {
+      const Long from_center =
+          mesh.vertices[vertex].cast<long double>() - box.center.cast<long double>();
+      const Long p_B = R_BM * from_center;
+      ASSERT_TRUE((p_B.cwiseAbs().array() <= box.half.cast<long double>().array()).all())
+          << "node " << at;
+    }
+  }
+  for (std::uint32_t k = 0; k < tree.node(at).nb_children; ++k) {
+    expectBoxesHoldTheirTriangles(tree, mesh, tree.node(at).children + k);
+  }
+}
+
+TEST(RoundingMargins, EachNodeOfATreeHoldsItsTrianglesAtAnyDistanceFromTheOrigin) {
+  RandomInputs random;
+  for (const double reach : {0.0, 10.0, 1e6}) {
+    for (int round = 0; round < 20; ++round) {
+      TriangleMesh mesh = bumpyBall(6, 0.3);
+      const Isometry3d X = random.pose(reach);
+      for (Vector3d& p : mesh.vertices) p = X * p;
+      const TriangleTree tree(mesh);
+      expectBoxesHoldTheirTriangles(tree, mesh, 0);
+    }
+  }
 }
 
 TEST(RoundingMargins, AHullGrownByItsMarginHoldsTheVerticesThatQhullLeavesOut) {

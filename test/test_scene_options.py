@@ -47,7 +47,7 @@ def test_settings_that_only_the_node_follows_are_named_in_a_warning(check):
     robots = "robots: [{description: other, prefix: other}]\n"
     floor = "floor: {height: -1.0}\nfixed_frame: map\n"
     warned = "ignored, so a state may be free only without them: "
-    assert warned + "robots, fixed_frame, clouds" in check(settings=cloud + robots + floor)[0].stderr
+    assert warned + "robots, fixed_frame, cloud 'camera/points'" in check(settings=cloud + robots + floor)[0].stderr
     assert warned not in check("--settings", SHIPPED)[0].stderr
     assert warned not in check(settings="fixed_frame: map\nrobots: []")[0].stderr
 

@@ -97,7 +97,6 @@ class CollisionDetector {
   /// The pairs of elements whose boxes are no further apart than `reach` metres, sorted.
   void sweep(double reach, std::vector<BoxPair>& candidates);
   void beginPairs();
-  void makeSpheres();
   void findFirstContact();
   void measureCandidates();
   void measureInTime(const Deadline& deadline);

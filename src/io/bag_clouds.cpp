@@ -84,8 +84,7 @@ void BagCloudIndex::requireAllSources() const {
                        "' is not of type sensor_msgs/PointCloud2");
     }
     if (has_cloud_[i]) continue;
-    std::string found;
-    for (const std::string& topic : cloud_topics_) found += (found.empty() ? "" : ", ") + topic;
+    const std::string found = joined({cloud_topics_.begin(), cloud_topics_.end()});
     throw InputError("--clouds: the bag has no messages on topic '" + topics_[i] +
                      "'; topics with clouds: " + (found.empty() ? "none" : found));
   }

@@ -5,6 +5,7 @@
 
 #include "bag_poses.h"
 #include "frame_names.h"
+#include "user_text.h"
 
 namespace collision_pairs {
 namespace {
@@ -81,17 +82,11 @@ BagPosesFromJoints::BagPosesFromJoints(const BagContents& bag, const CollisionSc
 
 void BagPosesFromJoints::chooseTracks(const JointTracks& tracks, const std::string& prefix) {
   const auto& joints = scene_.robot().joints();
-  std::string at_zero;
   for (std::size_t i = 0; i < joints.size(); ++i) {
     if (!joints[i].hasPosition() || joints[i].mimic) continue;
     const auto found = tracks.tracks().find(prefix + joints[i].name);
-    if (found != tracks.tracks().end())
-      tracks_[i] = &found->second;
-    else
-      at_zero += (at_zero.empty() ? "" : ", ") + joints[i].name;
+    if (found != tracks.tracks().end()) tracks_[i] = &found->second;
   }
-  if (!at_zero.empty())
-    notes_.push_back("joints that it does not name are taken as zero: " + at_zero);
 }
 
 void BagPosesFromJoints::countKnown() {
@@ -115,6 +110,8 @@ void BagPosesFromJoints::noteJointsAtZero() {
     }
   }
   joints_at_zero_.assign(names.begin(), names.end());
+  if (names.empty()) return;
+  notes_.push_back("joints that it does not name are taken as zero: " + joined(joints_at_zero_));
 }
 
 void BagPosesFromJoints::collectStamps() {

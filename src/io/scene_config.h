@@ -22,6 +22,10 @@ struct SceneConfig {
   std::vector<std::string> of_the_node_only;
 };
 
+/// For a warning: what of the settings is not checked outside the node: the parameters above, and
+/// the clouds that are not among those in use. Empty if all is checked.
+std::string warningOfIgnored(const SceneConfig& config, const std::vector<CloudConfig>& used);
+
 /// The keys that readSceneConfig() reads.
 const std::vector<std::string>& sceneConfigKeys();
 

@@ -5,6 +5,7 @@
 
 #include "bindings.h"
 #include "collision_pairs/input_error.h"
+#include "user_text.h"
 
 namespace py = pybind11;
 
@@ -74,14 +75,9 @@ bool NamedJoints::areNamedBy(const py::object& joints) const {
 }
 
 void NamedJoints::warnOfOthers() const {
-  std::string others;
-  for (const std::string& name : at_zero) others += (others.empty() ? "" : ", ") + name;
-  if (!others.empty()) {
-    warn(
-        "joints that are not named are taken as zero, and a state is free only with them at "
-        "zero: " +
-        others);
-  }
+  if (at_zero.empty()) return;
+  warn("joints that are not named are taken as zero, and a state is free only with them at zero: " +
+       joined(at_zero));
 }
 
 // A handle: pybind11 2.6 takes an object for a weak reference to be copied.

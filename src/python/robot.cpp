@@ -7,6 +7,7 @@
 #include "collision_pairs/input_error.h"
 #include "collision_pairs/mesh_loader.h"
 #include "text_files.h"
+#include "user_text.h"
 
 namespace py = pybind11;
 
@@ -99,11 +100,9 @@ Srdf srdfFrom(const TextFrom& xml, const RobotModel& robot) {
   for (const Link& link : robot.links()) links.push_back(link.name);
   try {
     Srdf srdf = Srdf::fromXml(xml.content);
-    std::string unknown;
-    for (const std::string& link : srdf.unknownLinks(links)) {
-      unknown += (unknown.empty() ? "" : ", ") + link;
-    }
-    if (!unknown.empty()) warn(xml.origin + ": not links of the robot, ignored: " + unknown);
+    const auto unknown = srdf.unknownLinks(links);
+    if (!unknown.empty())
+      warn(xml.origin + ": not links of the robot, ignored: " + joined(unknown));
     return srdf;
   } catch (const InputError& error) {
     throw InputError(xml.origin + ": " + error.what());

@@ -53,15 +53,6 @@ SceneConfig settingsFrom(const py::object& settings) {
   return readSceneConfigFile(path);
 }
 
-void warnOfIgnored(const SceneConfig& config) {
-  std::string ignored;
-  for (const std::string& key : config.of_the_node_only) ignored += key + ", ";
-  if (!config.clouds.empty()) ignored += "clouds, ";
-  if (ignored.empty()) return;
-  ignored.resize(ignored.size() - 2);
-  warn("settings: ignored, so a state may be free only without them: " + ignored);
-}
-
 /// Prepares the scene of `made.description` and `made.floor`.
 PythonScene built(PythonScene made) {
   SceneDescription description = made.description;
@@ -94,7 +85,8 @@ PythonScene sceneFrom(const PythonRobot& robot, const py::object& srdf, const Py
   if (world != nullptr) scene.description.world = world->model;
   scene.description.objects = std::move(objects);
   const SceneConfig config = settingsFrom(settings);
-  warnOfIgnored(config);
+  const std::string warning = warningOfIgnored(config, {});
+  if (!warning.empty()) warn("settings: " + warning);
   scene.description.settings = config.settings;
   scene.description.restriction = config.restriction;
   scene.floor = config.floor;

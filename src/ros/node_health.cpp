@@ -3,16 +3,12 @@
 #include <algorithm>
 #include <utility>
 
+#include "user_text.h"
+
 namespace collision_pairs {
 namespace {
 
 constexpr double FREQUENT = 0.1;  // of the cycles that overrun
-
-std::string joined(const std::vector<std::string>& words, const std::string& separator) {
-  std::string text;
-  for (const std::string& word : words) text += (text.empty() ? "" : separator) + word;
-  return text;
-}
 
 }  // namespace
 

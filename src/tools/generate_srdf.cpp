@@ -13,6 +13,7 @@
 #include "scene_files.h"
 #include "text_files.h"
 #include "tool.h"
+#include "user_text.h"
 
 namespace collision_pairs {
 namespace {

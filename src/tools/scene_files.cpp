@@ -13,6 +13,7 @@
 #include "scene_sources.h"
 #include "text_files.h"
 #include "tool.h"
+#include "user_text.h"
 
 namespace collision_pairs {
 namespace {
@@ -82,15 +83,11 @@ SceneSources readSources(const TextFrom& urdf, const TextFrom& srdf, const Scene
   }
   if (!options.settings.empty()) {
     sources.config = readSceneConfigFile(options.settings);
-    std::vector<std::string> not_used = sources.config.of_the_node_only;
-    const bool has_clouds = !sources.config.clouds.empty() && options.cloud_topics.empty();
-    if (has_clouds && options.cloud.empty()) not_used.push_back("clouds");
-    if (!not_used.empty()) {
-      warn(options.settings +
-           ": ignored, so a state may be free only without them: " + joined(not_used));
-    }
   }
-  sources.config.clouds = cloudsOf(options, sources.config.clouds);
+  const std::vector<CloudConfig> clouds = cloudsOf(options, sources.config.clouds);
+  const std::string ignored = warningOfIgnored(sources.config, clouds);
+  if (!ignored.empty()) warn(options.settings + ": " + ignored);
+  sources.config.clouds = clouds;
   for (const CloudConfig& cloud : sources.config.clouds) {
     sources.clouds.push_back(cloudOf(cloud.name(), cloud.voxel_size, cloud.touch_links));
   }

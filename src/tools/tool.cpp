@@ -30,12 +30,6 @@ void warn(const std::string& message) {
   std::cerr << "warning: " << InputError(message).what() << '\n';
 }
 
-std::string joined(const std::vector<std::string>& words) {
-  std::string text;
-  for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
-  return text;
-}
-
 ProgressBar::ProgressBar(std::string title, std::size_t total)
     : title_(std::move(title)), total_(total), on_terminal_(::isatty(STDERR_FILENO)) {}
 

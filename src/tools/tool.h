@@ -18,9 +18,6 @@ int runTool(CommandLine& command_line, int argc, char** argv, const std::functio
 /// "warning: …" on standard error.
 void warn(const std::string& message);
 
-/// "a, b, c"
-std::string joined(const std::vector<std::string>& words);
-
 /// One line on standard error, redrawn several times a second; prints nothing if that is not a
 /// terminal. Erased by the destructor.
 class ProgressBar {

@@ -9,6 +9,7 @@
 #include "pair_class.h"
 #include "pair_verdicts.h"
 #include "tool.h"
+#include "user_text.h"
 
 namespace collision_pairs {
 namespace {

@@ -65,6 +65,12 @@ std::string nearestName(const std::string& given, const std::vector<std::string>
   return nearest;
 }
 
+std::string joined(const std::vector<std::string>& words, const std::string& separator) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : separator) + word;
+  return text;
+}
+
 std::string inWords(double seconds) {
   char text[32];
   std::snprintf(text, sizeof text, "%.2f s", seconds);

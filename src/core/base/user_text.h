@@ -20,6 +20,9 @@ bool parseVector3(const std::string& text, Eigen::Vector3d& value);
 std::string nearestName(const std::string& given, const std::vector<std::string>& names,
                         std::size_t most_edits = std::numeric_limits<std::size_t>::max() - 1);
 
+/// "a, b, c"
+std::string joined(const std::vector<std::string>& words, const std::string& separator = ", ");
+
 /// "0.25 s"
 std::string inWords(double seconds);
 

@@ -9,9 +9,8 @@
 #include "collision_pairs/input_error.h"
 #include "element_boxes.h"
 #include "found_pairs.h"
-#include "in_parallel.h"
 #include "pair_ladder.h"
-#include "sphere_cover.h"
+#include "scene_element.h"
 #include "timed_climb.h"
 #include "voxel_search.h"
 
@@ -134,18 +133,13 @@ void CollisionDetector::beginPairs() {
   report_.budget_spent = false;
   report_.min_distance = settings_.alarm_distance;
   report_.min_distance_is_bound = true;
-  if (settings_.fidelity == Fidelity::SPHERES && !std::exchange(has_spheres_, true)) makeSpheres();
+  if (settings_.fidelity == Fidelity::SPHERES && !std::exchange(has_spheres_, true)) {
+    // Links that use spheres only because of ~link_fidelity get theirs when a pair first needs
+    // them.
+    makeSpheres(scene_->elements());
+  }
   ladder_->begin(*scene_, boxes_->X_WE(), boxes_->boxes());
   voxel_search_->begin(*scene_, boxes_->X_WE(), boxes_->boxes(), *ladder_);
-}
-
-// On all cores. Links that use spheres only because of ~link_fidelity get theirs when a pair first
-// needs them.
-void CollisionDetector::makeSpheres() {
-  const auto& elements = scene_->elements();
-  inParallel(nbThreads(0, elements.size()), elements.size(), [&](std::size_t, std::size_t i) {
-    if (elements[i].spheres) elements[i].spheres->get();
-  });
 }
 
 void CollisionDetector::rebuildBoxes(const BodyPoses& poses) {

@@ -74,12 +74,14 @@ Hull boundPrimitive(const Shape& shape, SceneElement& element) {
 }  // namespace
 
 SceneElement makeElement(const Shape& shape, Fidelity needed, int max_hull_vertices,
-                         NarrowPhaseMethod method) {
+                         NarrowPhaseMethod method, std::shared_ptr<const FineSpheres> spheres) {
   validateShape(shape);
   const Isometry3d identity = Isometry3d::Identity();
   SceneElement made;
   made.shape = shape;
-  if (isOfTriangles(shape)) made.spheres = std::make_shared<const FineSpheres>(shape);
+  if (isOfTriangles(shape)) {
+    made.spheres = spheres ? std::move(spheres) : std::make_shared<const FineSpheres>(shape);
+  }
   const auto* mesh = std::get_if<Mesh>(&shape);
   const Hull hull = mesh ? boundMesh(*mesh, max_hull_vertices, made) : boundPrimitive(shape, made);
   Rung exact, convex, obb;
@@ -97,6 +99,12 @@ SceneElement makeElement(const Shape& shape, Fidelity needed, int max_hull_verti
   }
   made.rungs = {Rung{}, Rung{}, obb, convex, exact};
   return made;
+}
+
+void makeSpheres(const std::vector<SceneElement>& elements) {
+  inParallel(nbThreads(0, elements.size()), elements.size(), [&](std::size_t, std::size_t i) {
+    if (elements[i].spheres) elements[i].spheres->get();
+  });
 }
 
 void ElementMaker::prepare(const std::vector<std::pair<const Shape*, Fidelity>>& wanted,
@@ -119,9 +127,7 @@ void ElementMaker::prepare(const std::vector<std::pair<const Shape*, Fidelity>>&
   try {
     inParallel(nbThreads(0, open.size()), open.size(), [&](std::size_t, std::size_t i) {
       const auto& [shape, needed, element] = open[i];
-      const auto spheres = element->spheres;
-      *element = makeElement(*shape, needed, max_hull_vertices_, method_);
-      element->spheres = spheres;
+      *element = makeElement(*shape, needed, max_hull_vertices_, method_, element->spheres);
       const std::size_t now_done = ++done;
       if (settings.progress) settings.progress(now_done, open.size());
     });

@@ -14,9 +14,14 @@ namespace collision_pairs {
 /// The element with its rungs up to `needed`, each of which, enlarged by its margin, encloses the
 /// next; model, body, pose and `finest` are set by the caller. `max_hull_vertices` and `method` as
 /// in SceneSettings. Throws std::invalid_argument that describes the defect of an invalid shape.
+/// `spheres`: those of the shape if another element has them already; null: new ones.
 /// Cost: a convex hull for a mesh; and a tree of its triangles if MESH is needed.
 SceneElement makeElement(const Shape& shape, Fidelity needed, int max_hull_vertices,
-                         NarrowPhaseMethod method);
+                         NarrowPhaseMethod method,
+                         std::shared_ptr<const FineSpheres> spheres = nullptr);
+
+/// Makes the spheres of all meshes, on all cores; nothing for those that have been made.
+void makeSpheres(const std::vector<SceneElement>& elements);
 
 /// Makes the elements of scenes. A mesh is prepared once, however many links and scenes use it, and
 /// meshes are prepared on all cores.
