@@ -82,6 +82,13 @@ TEST(Aabb, OfAFloorEndsAtItsSurfaceAndOfACeilingBeginsThere) {
   EXPECT_GT(ceiling.max.z(), 1e300);
 }
 
+// However slightly it is tilted, far enough away it is higher than at its origin.
+TEST(Aabb, OfATiltedFloorIsUnbounded) {
+  Eigen::Isometry3d X_WE = Eigen::Isometry3d::Identity();
+  X_WE.linear() = Eigen::AngleAxisd(1e-13, Vector3d::UnitX()).toRotationMatrix();
+  EXPECT_GT(computeAabb(HalfSpace{}, X_WE).max.z(), 1e300);
+}
+
 TEST(Aabb, GapIsTheEuclideanDistanceOverAllAxes) {
   const Aabb a{{0, 0, 0}, {1, 1, 1}};
   EXPECT_EQ(squaredGap(a, {{4, 5, 0}, {5, 6, 1}}), 9.0 + 16.0);

@@ -248,6 +248,31 @@ TEST_F(CellBorders, OneCellFurtherIsApartByOneCell) {
   EXPECT_NEAR(cloud_->report().min_distance, 0.125, 1e-12);
 }
 
+// The surface is near neither voxel: only whether a voxel is inside tells one from the other.
+TEST_F(CloudCheck, AVoxelInTheWallOfAHollowBodyIsInContactBesideOneInTheHollow) {
+  const TriangleMesh hollow =
+      joined(boxMesh({1.0, 1.0, 1.0}), insideOut(boxMesh({0.3, 0.3, 0.3})));
+  description_.robots[0].model = RobotModel::fromUrdf(
+      "<robot name='r'>" + linkWith("shell", "<mesh filename='hollow'/>") + "</robot>",
+      [&](const std::string&, const Eigen::Vector3d&) {
+        return std::make_shared<const TriangleMesh>(hollow);
+      });
+  for (int round = 0; round < 50; ++round) {
+    SCOPED_TRACE("round " + std::to_string(round));
+    const auto cell = [&](int low, int high) { return random_.integer(low, high); };
+    std::vector<VoxelCell> cells = {{cell(-4, 3), cell(-4, 3), cell(-4, 3)}};  // in the hollow
+    if (round % 5 != 0) {
+      VoxelCell in_the_wall(cell(-17, 16), cell(-17, 16), cell(-17, 16));
+      in_the_wall[round % 3] = round % 2 == 0 ? cell(8, 17) : cell(-18, -9);
+      cells.push_back(in_the_wall);
+    }
+    setVoxels(0.05, cells);
+    const CollisionReport& report = checkCloud({});
+    EXPECT_EQ(report.verdict, cells.size() == 2 ? Verdict::COLLISION : Verdict::FREE);
+    expectSame({});
+  }
+}
+
 TEST_F(CloudCheck, WithoutVoxelsNothingIsFree) {
   setVoxels(0.05, {{100, 100, 100}});
   poses_.X_WB.assign(poses_.X_WB.size(), Isometry3d::Identity());

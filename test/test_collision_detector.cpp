@@ -196,6 +196,18 @@ TEST(CollisionDetector, PairsThatWereNotAddedStayOut) {
               testing::ElementsAre(testing::Key("a|b"), testing::Key("c|d")));
 }
 
+TEST(CollisionDetector, PairsThatWereAddedBeforeAreNotInTheNextRound) {
+  const auto scene = sceneOf(slidingBoxes(3));
+  const BodyPoses poses = boxesAt(*scene, {0.0, 0.1, 0.2});
+  CollisionDetector detector(scene);
+  for (const std::uint32_t other : {1, 2}) {
+    detector.beginNarrowPhase(poses, alarm(0.0));
+    detector.addCollisionPair(0, other);
+    EXPECT_THAT(distances(detector.endNarrowPhase(), *scene),
+                testing::ElementsAre(testing::Key(other == 1 ? "a|b" : "a|c")));
+  }
+}
+
 TEST(CollisionDetector, RefusesToEndWhatWasNotBegun) {
   const auto scene = sceneOf(slidingBoxes(2));
   const BodyPoses poses = boxesAt(*scene, {0.0, 0.5});

@@ -66,6 +66,25 @@ TEST(ConvexDistance, StopsWhenALowerBoundExceedsTheLimit) {
   EXPECT_EQ(narrow_phase.distance(*A, *B, X_AB, 0.31).certainty, Certainty::EXACT);
 }
 
+// To be at the limit means to touch. So small a body beside so large a one is measured in long
+// double, whose last digits a double has not.
+TEST(ConvexDistance, WhatIsBeyondTheLimitByLessThanALastDigitIsNotAtTheLimit) {
+  RandomInputs random;
+  NarrowPhase narrow_phase;
+  const auto A = prepareShape(Box{{2e4, 2e4, 2e4}}), B = prepareShape(Cylinder{1e-3, 1e-3});
+  int nb_beyond = 0;
+  for (int i = 0; i < 1000; ++i) {
+    Eigen::Isometry3d X_AB = random.pose(100.0);
+    X_AB.translation().x() += 1e4 + 200.0;
+    const double limit = narrow_phase.distance(*A, *B, X_AB, INF).distance;
+    const PairDistance found = narrow_phase.distance(*A, *B, X_AB, limit);
+    if (found.certainty != Certainty::BEYOND) continue;
+    ASSERT_GT(found.distance, limit) << i;
+    ++nb_beyond;
+  }
+  EXPECT_GT(nb_beyond, 10);
+}
+
 TEST(ConvexDistance, DepthFromAnOverlapIsTheDepth) {
   RandomInputs random;
   const auto randomHull = [&] {

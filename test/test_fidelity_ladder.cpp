@@ -15,13 +15,6 @@ using Distances = std::map<std::pair<std::uint32_t, std::uint32_t>, double>;
 /// What docs/accuracy.md grants a distance and a depth of shapes with cylinders among them.
 constexpr double DISTANCE_ACCURACY = 1e-10, DEPTH_ACCURACY = 1e-7;
 
-// Of the reference states; a sanitizer makes each ten to fifty times as slow.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr std::size_t EVERY_NTH_STATE = 10;
-#else
-constexpr std::size_t EVERY_NTH_STATE = 1;
-#endif
-
 /// Checks one scene, whose hulls may be simplified, at every rung.
 class Ladder {
  public:

@@ -174,6 +174,8 @@ def test_a_given_srdf_is_kept_and_only_added_to(run_tool, crane, tmp_path):
     assert reasons["arm|near_post"] == "User" and srdf.count('link2="arm" reason="User"') == 1
     assert not {"hub|mast", "base|mast"} & set(reasons)  # switched on: not ours to switch off
     assert reasons["arm|flange"] == "Always" and reasons["arm|mast"] == "Adjacent"
+    assert "21 pairs:" in said and " 1 disabled as given," in said
+    assert int(re.search(r"(\d+) stay checked", said).group(1)) == 21 - len(reasons)
     assert "that the given SRDF disables" in said and re.search(r"arm\|near_post \(\d+ of 5000\)", said)
 
 

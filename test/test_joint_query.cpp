@@ -40,8 +40,8 @@ class JointQueryTest : public testing::Test {
     transform.transform.rotation.w = 1.0;
     transforms_.take(message, false, now_);
   }
-  JointQuery query(const std::vector<std::string>& names) const {
-    return {names, *scene_, {transforms_, "root", ros::Time(0), now_, 1.0}};
+  JointQuery query(const std::vector<std::string>& names, ros::Time stamp = ros::Time(0)) const {
+    return {names, *scene_, {transforms_, "root", stamp, now_, 1.0}};
   }
   Vector3d at(const std::string& link, const JointQuery& query,
               const std::vector<double>& positions) const {
@@ -80,6 +80,14 @@ TEST_F(JointQueryTest, DoubtsWhatTfLastSaidTooLongAgo) {
   EXPECT_THAT(query({"lead"}).doubts(),
               ElementsAre(HasSubstr("link 'c': its newest transform is 2.00 s old")));
   EXPECT_THAT(query({"lead", "lift"}).doubts(), IsEmpty());
+}
+
+TEST_F(JointQueryTest, AStampThatTheRequestNamesMayBeLongAgo) {
+  publishLift(997.0, 0.25);
+  publishLift(998.0, 0.75);
+  const JointQuery lead = query({"lead"}, ros::Time(997.5));
+  EXPECT_THAT(lead.doubts(), IsEmpty());
+  EXPECT_NEAR(at("c", lead, {2.0}).z(), 0.5, 1e-12);
 }
 
 TEST_F(JointQueryTest, TakesWhatNobodyKnowsAtZeroAndDoubtsIt) {

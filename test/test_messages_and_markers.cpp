@@ -111,6 +111,23 @@ TEST_F(Report, OfBoxesApartIsFreeAndWithAnythingLeftOutUnknown) {
             std::vector<std::string>{"unresolved pairs that may be in contact: b|c"});
 }
 
+TEST_F(Report, TellsCloudsThatAreUnknownFromLinksWithoutPoses) {
+  SceneDescription description;
+  description.robots.push_back({robotFrom(slidingBoxes(2)), std::nullopt, ""});
+  for (const char* const name : {"left", "right"}) {
+    description.clouds.push_back(cloudOf(name, 0.1, {}));
+  }
+  const auto scene = CollisionScene::build(description);
+  BodyPoses poses;
+  poses.resize(scene->bodies().size());
+  for (int i = 0; i < 2; ++i) poses.X_WB[scene->models()[i].body].translation().x() = 3.0 * i;
+  const CollisionPairs message = toMessage(CollisionDetector(scene).detect(poses, {}), *scene, {},
+                                           "world", ros::Time(7), {});
+  EXPECT_EQ(message.verdict, CollisionPairs::UNKNOWN);
+  EXPECT_EQ(message.unknown_because,
+            std::vector<std::string>{"clouds that are unknown or incomplete: left, right"});
+}
+
 TEST_F(Report, OfToleratedDistancesSaysThatTheyAreLowerBoundsAndBySoMuch) {
   CollisionReport report = detector_.report();
   report.tolerance = 0.001;
@@ -209,6 +226,17 @@ TEST_F(Report, MarkersShowTheVerdictInItsColourAboveAllBoxes) {
   EXPECT_LT(text.color.g, 0.2f);
   EXPECT_GT(text.pose.position.z, 0.5);
   EXPECT_TRUE(text.header.stamp.isZero()) << "rviz has to draw it also where the poses are old";
+}
+
+TEST_F(Report, BoxesAndContactsAreDrawnWhereTheLinksWereAtItsStamp) {
+  int nb_drawn = 0;
+  for (const Marker& marker : markers(false).markers) {
+    EXPECT_EQ(marker.header.frame_id, "world");
+    if (marker.action != Marker::ADD || marker.ns == "verdict") continue;
+    EXPECT_EQ(marker.header.stamp, ros::Time(7)) << marker.ns;
+    ++nb_drawn;
+  }
+  EXPECT_GT(nb_drawn, 4);
 }
 
 TEST_F(Report, MarkersTellTheThreeKindsOfBoxesApart) {

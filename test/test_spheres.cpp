@@ -70,7 +70,7 @@ double falseAlarms(const std::shared_ptr<const CollisionScene>& scene, bool same
   std::vector<std::vector<double>> states(STATES);
   for (std::size_t i = 0; i < STATES; ++i) sampler.draw(i, states[i]);
   double nb_free = 0.0, nb_alarms = 0.0;
-  for (const Said& said : saidOf(scene, states, 1)) {
+  for (const Said& said : saidOf(scene, states, EVERY_NTH_STATE)) {
     expectNoMiss(said);
     EXPECT_TRUE(said.single == said.batch || !same_in_batch);
     if (testing::Test::HasFailure()) break;

@@ -195,6 +195,18 @@ TEST_F(OneTrack, FramesInARingAreUnknownAndEndNothing) {
   EXPECT_FALSE(frames.find(tracks_.findFrame("x"), X));
 }
 
+TEST_F(OneTrack, AnAnchorOverridesWhatTheTracksSaid) {
+  add(1, 5);
+  EXPECT_TRUE(known(SECOND, x_));
+  FramePoses frames(tracks_, SECOND, SECOND);
+  frames.anchor(tracks_.findFrame("base"), Isometry3d::Identity());
+  Isometry3d X;
+  ASSERT_TRUE(frames.find(tracks_.findFrame("arm"), X));
+  frames.anchor(tracks_.findFrame("arm"), Isometry3d::Identity());
+  ASSERT_TRUE(frames.find(tracks_.findFrame("arm"), X));
+  EXPECT_EQ(X.translation(), Vector3d(0, 0, 0));
+}
+
 TEST(JointTracks, AContinuousJointTakesTheShorterWayRound) {
   JointTracks tracks;
   tracks.add("wheel", 0, 3.0);

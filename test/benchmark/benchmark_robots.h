@@ -11,6 +11,13 @@
 
 namespace collision_pairs {
 
+/// Of many states of a robot a test checks these: a sanitizer makes each ten to fifty times as slow.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr std::size_t EVERY_NTH_STATE = 10;
+#else
+constexpr std::size_t EVERY_NTH_STATE = 1;
+#endif
+
 struct BenchmarkRobot {
   std::string name;
   std::shared_ptr<const RobotModel> robot;

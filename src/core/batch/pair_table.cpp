@@ -97,10 +97,11 @@ void PairTable::fill(const Block& block, std::uint8_t code) {
   }
 }
 
-// From the middle of the block, the joint nearer to the moving element turns first, then the other,
-// about an axis from which its points are by now further away by at most the first motion. The
-// distance of two elements changes by at most the motion of either relative to the other, and two
-// spheres that overlap by more than that still overlap (docs/batch.md).
+// From the middle of the block, a joint moves points by at most its angle times their distance from
+// its axis there. The two motions add up: with the joint nearer to the points first, the other turns
+// what the first has added, but does not stretch it. The distance of two elements changes by at most
+// the motion of either relative to the other, and two spheres that overlap by more than that still
+// overlap (docs/batch.md).
 PairTable::Cell PairTable::certified(const Block& block, NarrowPhase& narrow_phase) {
   double half[2] = {0.0, 0.0};
   const int index[2] = {block.x, block.y};
@@ -117,13 +118,10 @@ PairTable::Cell PairTable::certified(const Block& block, NarrowPhase& narrow_pha
   const SceneElement &a = elements[pair_.first], &b = elements[pair_.second];
   const Isometry3d X_WA = poseOf(a), X_WC = poseOf(b);
   const SphereCover &cover_a = model_.covers[pair_.first], &cover_b = model_.covers[pair_.second];
-  double moves_a = half[0] * reachOf(cover_a, X_WA, 0), moves_b = 0.0;
-  if (joints_.size() == 2) {
-    moves_b = half[1] * reachOf(cover_b, X_WC, 1);
-    moves_a += half[1] * (reachOf(cover_a, X_WA, 1) + moves_a);
-    moves_b += half[0] * (reachOf(cover_b, X_WC, 0) + moves_b);
-  } else {
-    moves_b = half[0] * reachOf(cover_b, X_WC, 0);
+  double moves_a = 0.0, moves_b = 0.0;
+  for (std::size_t i = 0; i < joints_.size(); ++i) {
+    moves_a += half[i] * reachOf(cover_a, X_WA, joints_[i]);
+    moves_b += half[i] * reachOf(cover_b, X_WC, joints_[i]);
   }
   const double moves = std::min(moves_a, moves_b) + MARGIN;
   const double padding = scene_.padding(pair_.first, pair_.second);
@@ -140,9 +138,8 @@ PairTable::Cell PairTable::certified(const Block& block, NarrowPhase& narrow_pha
 }
 
 /// Largest motion of a point of the element, in metres per radian or metre of the joint.
-double PairTable::reachOf(const SphereCover& cover, const Isometry3d& X_WE, int number) const {
+double PairTable::reachOf(const SphereCover& cover, const Isometry3d& X_WE, int id) const {
   const RobotModel& robot = scene_.robot();
-  const int id = joints_[static_cast<std::size_t>(number)];
   const Joint& joint = robot.joints()[id];
   if (joint.type == JointType::PRISMATIC) return 1.0;
   const Isometry3d& X_WB = X_WB_[static_cast<std::size_t>(robot.links()[joint.child_link].body)];
