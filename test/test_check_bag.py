@@ -1,4 +1,5 @@
 """check_bag as a user meets it: verdicts, damaged bags, several robots, errors."""
+import bz2
 import csv
 import os
 import random
@@ -131,6 +132,34 @@ def test_a_damaged_chunk_loses_its_own_messages_only(check, make_bag):
     assert "the end of the chunk" in said
     assert len(whole) // 4 < len(rows) < len(whole)
     assert rows[0] == whole[0] and rows[-1]["stamp"] == whole[-1]["stamp"]
+
+
+def records_of(content):
+    """Each with its header's size, header, and size of its data; then its data."""
+    place = 0
+    while place < len(content):
+        begin = place
+        place += 4 + int.from_bytes(content[place:place + 4], "little")
+        size = int.from_bytes(content[place:place + 4], "little")
+        place += 4
+        yield content[begin:place], content[place:place + size]
+        place += size
+
+
+def test_a_chunk_that_ends_between_two_records_too_early_is_a_loss(check, make_bag):
+    bag = make_bag("e.bag", "--compression", "bz2")
+    magic, content, cut = b"#ROSBAG V2.0\n", bag.read_bytes(), 0
+    damaged = [magic]
+    for header, data in records_of(content[len(magic):]):
+        if b"op=\x05" in header and not cut:
+            inside = [head + rest for head, rest in records_of(bz2.decompress(data))]
+            cut = len(inside[-1])
+            data = bz2.compress(b"".join(inside[:-1]))
+            header = header[:-4] + len(data).to_bytes(4, "little")
+        damaged += [header, data]
+    assert cut > 0 and "the end of the chunk" not in check(bag)[1]
+    bag.write_bytes(b"".join(damaged))
+    assert "the end of the chunk" in check(bag)[1]
 
 
 def test_garbage_is_survived_at_any_place(run_tool, make_bag, tmp_path):

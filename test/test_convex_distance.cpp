@@ -142,13 +142,8 @@ TEST(CubeCells, WhatIsNoDirectionHasACellToo) {
   }
 }
 
-TEST(ConvexHullOfManyPoints, ClimbsToTheSameSupportPointAsLookingAtAll) {
-  RandomInputs random;
-  std::vector<Eigen::Vector3d> points;
-  for (int i = 0; i < 2000; ++i) {
-    points.push_back(random.uniform(0.5, 1.0) * (random.rotation() * Eigen::Vector3d::UnitX()));
-  }
-  const ConvexHull hull = convexHull(points);
+void expectSupportOfAll(const ConvexHull& hull, const std::vector<Eigen::Vector3d>& points,
+                        RandomInputs& random) {
   ASSERT_FALSE(hull.points.neighbours.empty());
   ConvexCore core;
   core.kind = ConvexCore::Kind::POINTS;
@@ -161,6 +156,39 @@ TEST(ConvexHullOfManyPoints, ClimbsToTheSameSupportPointAsLookingAtAll) {
     for (const Eigen::Vector3d& p : points) best = std::max(best, p.dot(d));
     ASSERT_NEAR(support<double>(core, d).dot(d), best, 1e-15);
   }
+}
+
+TEST(ConvexHullOfManyPoints, ClimbsToTheSameSupportPointAsLookingAtAll) {
+  RandomInputs random;
+  std::vector<Eigen::Vector3d> points;
+  for (int i = 0; i < 2000; ++i) {
+    points.push_back(random.uniform(0.5, 1.0) * (random.rotation() * Eigen::Vector3d::UnitX()));
+  }
+  expectSupportOfAll(convexHull(points), points, random);
+}
+
+// Of a face with more than three corners no corner may be lost. Beside the faces of the prism the
+// dome over it has triangles.
+TEST(ConvexHullOfManyPoints, OfAPrismUnderADomeKeepsTheCornersOfThePrism) {
+  RandomInputs random;
+  std::vector<Eigen::Vector3d> points;
+  constexpr int SIDES = 64;
+  for (int i = 0; i < SIDES; ++i) {
+    const double angle = 2.0 * M_PI * i / SIDES;
+    for (const double z : {-0.5, 0.0}) points.emplace_back(std::cos(angle), std::sin(angle), z);
+  }
+  const std::size_t nb_of_prism = points.size();
+  for (int i = 0; i < 200; ++i) {
+    Eigen::Vector3d p = 0.9 * (random.rotation() * Eigen::Vector3d::UnitX());
+    p.z() = std::abs(p.z());
+    points.push_back(p);
+  }
+  const ConvexHull hull = convexHull(points);
+  expectSupportOfAll(hull, points, random);
+  const double of_prism = 0.5 * 0.5 * SIDES * std::sin(2.0 * M_PI / SIDES);
+  EXPECT_GT(hull.volume, of_prism);
+  points.resize(nb_of_prism);
+  EXPECT_NEAR(convexHull(points).volume, of_prism, 1e-12);
 }
 
 }  // namespace

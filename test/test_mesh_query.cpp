@@ -36,6 +36,10 @@ bool touch(const Shape& a, const Shape& b, const Isometry3d& X_AB) {
 
 TEST(TriangleDistance, MeetsExactlyWhereCgalsExactKernelSaysSo) {
   using Kernel = CGAL::Exact_predicates_exact_constructions_kernel;
+  const auto distance = [](const Kernel::Triangle_3& t, const Vector3d& p) {
+    const Kernel::Point_3 exact(p.x(), p.y(), p.z());
+    return std::sqrt(CGAL::to_double(CGAL::squared_distance(exact, t)));
+  };
   RandomInputs random;
   int met = 0;
   for (int i = 0; i < 20000; ++i) {
@@ -52,6 +56,9 @@ TEST(TriangleDistance, MeetsExactlyWhereCgalsExactKernelSaysSo) {
     improveByTriangles(Triangle(p[0], p[1], p[2]), Triangle(p[3], p[4], p[5]), best);
     const double exact = CGAL::to_double(CGAL::squared_distance(s, t));
     ASSERT_NEAR(std::sqrt(best.squared), std::sqrt(exact), 4e-15) << i;
+    ASSERT_NEAR((best.on_a - best.on_b).norm(), std::sqrt(exact), 4e-15) << i;
+    ASSERT_LE(distance(s, best.on_a), 4e-15) << i;
+    ASSERT_LE(distance(t, best.on_b), 4e-15) << i;
     met += exact == 0.0;
   }
   EXPECT_GT(met, 1000);
