@@ -79,7 +79,8 @@ struct SceneSettings {
   /// are faster and longer by a radius at either end.
   std::vector<NamePattern> cylinder_as_capsule;
 
-  /// Called, from several threads, after each of `total` meshes is prepared. May be empty.
+  /// Called after each of `total` meshes is prepared: from several threads, one at a time. May be
+  /// empty.
   std::function<void(std::size_t done, std::size_t total)> progress;
 };
 

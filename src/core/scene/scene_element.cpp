@@ -1,7 +1,7 @@
 #include "scene_element.h"
 
-#include <atomic>
 #include <limits>
+#include <mutex>
 
 #include "enclosing_box.h"
 #include "in_parallel.h"
@@ -123,13 +123,15 @@ void ElementMaker::prepare(const std::vector<std::pair<const Shape*, Fidelity>>&
     slot->second.element.spheres = spheresOf(*shape);
     open.emplace_back(shape, needed, &slot->second.element);
   }
-  std::atomic<std::size_t> done{0};
+  std::mutex telling;
+  std::size_t done = 0;
   try {
     inParallel(nbThreads(0, open.size()), open.size(), [&](std::size_t, std::size_t i) {
       const auto& [shape, needed, element] = open[i];
       *element = makeElement(*shape, needed, max_hull_vertices_, method_, element->spheres);
-      const std::size_t now_done = ++done;
-      if (settings.progress) settings.progress(now_done, open.size());
+      if (!settings.progress) return;
+      const std::lock_guard<std::mutex> lock(telling);
+      settings.progress(++done, open.size());
     });
   } catch (...) {
     of_meshes_.clear();  // some are not made
