@@ -53,12 +53,15 @@ def test_a_merge_that_is_not_complete_is_refused(run_tool, make_bag, tmp_path):
     rows = [i for i, line in enumerate(lines) if line.startswith(str(bag))]
     twice = tmp_path / "twice.csv"
     twice.write_text("".join(lines[rows[0]] if i == rows[1] else line for i, line in enumerate(lines)))
+    misspelt = tmp_path / "misspelt.csv"
+    misspelt.write_text(three.read_text().replace(",free", ",fre"))
+    assert misspelt.read_text() != three.read_text()
     whole = tmp_path / "whole.csv"
     run_tool("check_bag", bag, "--out", whole)
     merged = tmp_path / "merged.csv"
     for tables, says in (((one, two), "3/3 is missing"), ((one, three), "2/3 is missing"), ((one, one, two), "twice"),
                          ((one, two, stranger), "another run"), ((one, two, cut), "cut.csv"),
-                         ((one, two, twice), "is missing"), ((one, whole), "mixed"), ((one, two, bag), "a.bag"),
+                         ((one, two, twice), "is missing"), ((one, two, misspelt), "'fre' is not a verdict"), ((one, whole), "mixed"), ((one, two, bag), "a.bag"),
                          ((tmp_path / "none",), "none")):
         done = run_tool("merge_bag_checks", *tables, "--out", merged)
         assert done.returncode == 2 and says in done.stderr and len(done.stderr.splitlines()) == 1, done.stderr

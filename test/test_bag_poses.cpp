@@ -144,6 +144,19 @@ TEST_F(BagPosesTest, AJointThatIsNotNamedIsSaidToBeTakenAtZero) {
   EXPECT_EQ(at("wheel", 1), Vector3d(7, 2, 1));
 }
 
+TEST_F(BagPosesTest, AJointThatCannotBeAtZeroIsTakenAtItsNearestLimit) {
+  scene_ = CollisionScene::build(
+      robotFrom(boxLink("base", 0.1) + boxLink("arm", 0.1) + boxLink("hand", 0.1) +
+                joint("lift", "prismatic", "base", "arm", "0 0 0",
+                      "<axis xyz='0 0 1'/><limit lower='1' upper='9'/>") +
+                joint("slide", "prismatic", "arm", "hand", "0 0 0",
+                      "<axis xyz='1 0 0'/><limit lower='-9' upper='9'/>")),
+      Srdf{}, nullptr);
+  position("slide", 1, 4);
+  finish();
+  EXPECT_EQ(at("hand", 1), Vector3d(4, 0, 1));
+}
+
 TEST_F(BagPosesTest, AFloatingJointIsSaidToBeTakenAtZeroSinceNoJointStateNamesIt) {
   scene_ = CollisionScene::build(
       robotFrom(boxLink("base", 0.1) + boxLink("arm", 0.1) + boxLink("kite", 0.1) +

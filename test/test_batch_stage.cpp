@@ -253,6 +253,21 @@ TEST(BatchStage, IsMadeOnlyForBatchesThatRepayItAndForNothingButVerdicts) {
   }
 }
 
+TEST(BatchStage, LinksOfOneBodyThatAlwaysTouchAreInContactInEveryState) {
+  for (const bool they_touch : {true, false}) {
+    const auto robot = robotFrom(
+        boxLink("base", 0.1) + boxLink("arm", 0.1) + boxLink("tool", 0.1) +
+        joint("turn", "continuous", "base", "arm", "0 0 1", "<axis xyz='0 0 1'/>") +
+        joint("weld", "fixed", "arm", "tool", they_touch ? "0.05 0 0" : "0.2 0 0"));
+    Verdicts verdicts(CollisionScene::build(robot, Srdf{}, nullptr));
+    const std::vector<std::vector<double>> states(STATES, {0.5, 0.0});
+    const Verdict expected = they_touch ? Verdict::COLLISION : Verdict::FREE;
+    EXPECT_EQ(verdicts.exact(states.front()), expected);
+    EXPECT_EQ(verdicts.batch(states), std::vector<Verdict>(STATES, expected));
+    EXPECT_GT(verdicts.check().stageMemory(), 0u);
+  }
+}
+
 TEST(BatchStage, SettingsThatTheExactCheckRefusesAreRefused) {
   const auto scene = sceneOf(robotFrom(slidingBoxes(3)));
   const std::vector<std::vector<double>> states(STATES, scene->robot().zeroPositions());

@@ -110,6 +110,29 @@ def test_of_a_truncated_bag_the_front_is_read_and_the_loss_is_said(check, make_b
     assert "truncated" in said
 
 
+def test_the_order_in_which_joint_states_were_recorded_does_not_matter(check, make_bag, tmp_path):
+    straight, shuffled = make_bag("straight.bag", "--without", "tf"), tmp_path / "shuffled.bag"
+    with rosbag.Bag(str(straight)) as source, rosbag.Bag(str(shuffled), "w") as target:
+        messages = list(source.read_messages())
+        stamps = [stamp for _, _, stamp in messages]
+        random.seed(7)
+        random.shuffle(messages)
+        for (topic, message, _), recorded in zip(messages, stamps):
+            target.write(topic, message, recorded)
+    assert without_name(check(shuffled)[0]) == without_name(check(straight)[0])
+
+
+def test_of_many_topics_each_is_read_whatever_byte_its_number_is(check, make_bag, tmp_path):
+    few, many = make_bag("few.bag", "--without", "tf"), tmp_path / "many.bag"
+    with rosbag.Bag(str(few)) as source, rosbag.Bag(str(many), "w") as target:
+        messages = sorted(source.read_messages(), key=lambda m: m[0] != "/joint_states")
+        for i in range(ord("=")):  # the field of a record's header is then "conn=="
+            target.write("/topic%d" % i, JointState(), messages[0][2])
+        for topic, message, stamp in messages:
+            target.write(topic, message, stamp)
+    assert without_name(check(many)[0]) == without_name(check(few)[0])
+
+
 def test_an_unindexed_bag_is_read_whole_and_said_to_be_unindexed(check, make_bag):
     bag = make_bag("u.bag")
     whole, _ = check(bag)
@@ -160,6 +183,19 @@ def test_a_chunk_that_ends_between_two_records_too_early_is_a_loss(check, make_b
     assert cut > 0 and "the end of the chunk" not in check(bag)[1]
     bag.write_bytes(b"".join(damaged))
     assert "the end of the chunk" in check(bag)[1]
+
+
+@pytest.mark.parametrize("compression", ["none", "bz2", "lz4"])
+def test_of_a_chunk_that_the_file_ends_in_no_more_is_read_than_there_is(check, make_bag, compression):
+    bag = make_bag("m.bag", "--compression", compression, "--rate", "200")
+    magic, content, place, middles = b"#ROSBAG V2.0\n", bag.read_bytes(), len(b"#ROSBAG V2.0\n"), []
+    for header, data in records_of(content[len(magic):]):
+        if b"op=\x05" in header:
+            middles.append(place + len(header) + len(data) // 2)
+        place += len(header) + len(data)
+    bag.write_bytes(content[:middles[-1]])
+    chunk = re.search(r"of its (\d+) bytes (\d+) were read", check(bag)[1])
+    assert chunk and int(chunk.group(2)) < int(chunk.group(1))
 
 
 def test_garbage_is_survived_at_any_place(run_tool, make_bag, tmp_path):
@@ -299,6 +335,43 @@ def test_a_clock_that_goes_back_within_a_bag_is_said(check, tmp_path):
     assert "clock" not in check(DEMO_BAG)[1]
 
 
+def test_the_summary_tells_when_each_pair_was_closest(check):
+    rows, summary = check(DEMO_BAG, "--alarm-distance", "0.2")
+    closest = {}
+    for row in rows:
+        seconds = float(row["stamp"]) - float(rows[0]["stamp"])
+        for pair in filter(None, row["distances"].split(";")):
+            name, distance = pair.rsplit("=", 1)
+            closest[name] = min(closest.get(name, (9.0, 0.0)), (float(distance), seconds))
+    listed = re.findall(r"^ +([-+][0-9.]+) m at \+([0-9.]+) s  ([^ \n]+)", summary, re.MULTILINE)
+    assert len(listed) == min(20, len(closest)) and len({seconds for _, seconds, _ in listed}) > 2
+    for distance, seconds, name in listed:
+        assert float(distance) == pytest.approx(closest[name][0], abs=1e-4)
+        assert float(seconds) == pytest.approx(closest[name][1], abs=1e-3)
+
+
+@pytest.mark.parametrize("count, rest", [(20, None), (23, "and 3 more")])
+def test_of_links_without_a_pose_twenty_are_listed_and_the_rest_is_counted(check, tmp_path, count, rest):
+    urdf, bag = tmp_path / "many.urdf", tmp_path / "few.bag"
+    ball = "<link name='%s'><collision><geometry><sphere radius='0.01'/></geometry></collision></link>"
+    tie = "<joint name='to_%s' type='floating'><parent link='root'/><child link='%s'/></joint>"
+    links = ["l%02d" % i for i in range(count)] + ["seen", "known"]
+    urdf.write_text("<robot name='many'><link name='root'/>%s</robot>" %
+                    "".join(ball % link + tie % (link, link) for link in links))
+    with rosbag.Bag(str(bag), "w") as target:
+        for second in (1, 2):
+            transforms = []
+            for link in links[count:]:
+                transform = TransformStamped()
+                transform.header.stamp, transform.header.frame_id = rospy.Time(second), "root"
+                transform.child_frame_id, transform.transform.rotation.w = link, 1.0
+                transforms.append(transform)
+            target.write("/tf", TFMessage(transforms), rospy.Time(second))
+    _, summary = check(bag, "--urdf", urdf, "--max-gap", "5")
+    assert len(re.findall(r"^    l\d+  at 2 stamps$", summary, re.MULTILINE)) == 20
+    assert re.search(r"^    (and .*)$", summary, re.MULTILINE) is None if rest is None else rest in summary
+
+
 def test_without_a_stamp_a_message_counts_when_it_arrived_to_the_nanosecond(check, tmp_path):
     bag = tmp_path / "unstamped.bag"
     with rosbag.Bag(DEMO_BAG) as source, rosbag.Bag(str(bag), "w") as target:
@@ -351,6 +424,9 @@ def test_time_in_contact_is_counted_from_stamp_to_stamp(check, tmp_path):
     ([DEMO_BAG, "--urdf", "none.urdf"], "none.urdf"), ([DEMO_BAG, "--srdf", "none.srdf"], "none.srdf"),
     ([DEMO_BAG, "--fidelity", "exact"], "exact"), ([DEMO_BAG, "--alarm-distance", "-1"], "alarm"),
     ([DEMO_BAG, "--alarm-distance", "nan"], "alarm"), ([DEMO_BAG, "--max-gap", "0"], "max-gap"),
+    ([DEMO_BAG, "--alarm-distance", "inf"], "--alarm-distance must be a finite number"),
+    ([DEMO_BAG, "--tolerance", "inf"], "--tolerance must be a finite number"),
+    ([DEMO_BAG, "--max-gap", "inf"], "--max-gap must be a finite number"),
     ([DEMO_BAG, "--shard", "0/2"], "0/2"), ([DEMO_BAG, "--shard", "3/2"], "3/2"), ([DEMO_BAG, "--shard", "1"], "--shard"),
     ([DEMO_BAG, "--shard", "-1/2"], "--shard"), ([DEMO_BAG, "--shard", "1/2", "--record", "x.bag"], "--record"),
     ([DEMO_BAG, "--prefix", "left"], "robot"), ([DEMO_BAG, "--speed", "3"], "--speed"),

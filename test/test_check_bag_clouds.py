@@ -198,6 +198,35 @@ def test_a_cloud_that_cannot_be_used_is_said_and_nothing_is_free_until_the_next(
     assert any(row["verdict"] == "free" for row in rows if 1.5 <= seconds_of(row) < 3)
 
 
+@pytest.mark.parametrize("ahead, is_used", [(0.4, True), (0.6, False)])
+def test_a_cloud_from_the_future_is_refused_beyond_half_a_second(check, with_clouds, tmp_path, ahead, is_used):
+    bag = tmp_path / "ahead.bag"
+    with rosbag.Bag(str(with_clouds([cloud_of(FAR_SEEN, START + 1.0)]))) as source, rosbag.Bag(str(bag), "w") as target:
+        for topic, message, recorded in source.read_messages():
+            if topic == TOPIC:
+                message.header.stamp = recorded + rospy.Duration.from_sec(ahead)
+            target.write(topic, message, recorded)
+    rows, said = check(bag)
+    assert ("0.60 s ahead of the time at which it was recorded" in said) != is_used, said
+    assert any(row["verdict"] == "free" for row in rows) == is_used
+
+
+def test_a_cloud_that_is_recorded_late_counts_from_its_stamp_beside_others(check, with_clouds, tmp_path):
+    found = []
+    for late in (0.01, 0.9):
+        bag = tmp_path / "two.bag"
+        with rosbag.Bag(str(with_clouds(every(0.2, 4, FAR_SEEN)))) as source:
+            messages = [(recorded, topic, message) for topic, message, recorded in source.read_messages()]
+        for cloud in every(0.4, 4, FAR_SEEN):
+            messages.append((cloud.header.stamp + rospy.Duration.from_sec(late), "/lidar/points", cloud))
+        with rosbag.Bag(str(bag), "w") as target:
+            for recorded, topic, message in sorted(messages, key=lambda m: m[0]):
+                target.write(topic, message, recorded)
+        found.append(check(bag, topics=("camera/points", "lidar/points"))[0])
+    assert any(row["verdict"] == "free" for row in found[0])
+    assert found[0] == found[1]
+
+
 def test_a_cloud_whose_lengths_lie_is_refused_and_ends_nothing(check, with_clouds):
     bag = with_clouds([cloud_of(block(FAR), START + 0.5)], TOPIC, "--compression", "none")
     content = bytearray(bag.read_bytes())

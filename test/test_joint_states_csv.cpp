@@ -42,6 +42,7 @@ TEST(JointStatesCsv, WindowsLineEndsAndBlankLastLinesAreAccepted) {
   EXPECT_EQ(read("pan,lift\r\n1,2\r\n\r\n\n  \n").positions.size(), 1u);
   EXPECT_EQ(read("pan,lift\n1,2").positions.size(), 1u);
   EXPECT_EQ(read(" \"pan\" , lift\n +1e-1 , 2 ").positions.size(), 1u);
+  EXPECT_EQ(read("pan,lift\n\" 1 \",2").positions.size(), 1u);
 }
 
 TEST(JointStatesCsv, NamesMayBeQuotedAsRfc4180Says) {

@@ -118,7 +118,7 @@ TEST_F(MeshLoaderTest, WhatIsNoMeshIsRefusedByUri) {
   EXPECT_THAT(refusal("x.stl"), testing::HasSubstr("only package:// and file://"));
   EXPECT_THAT(refusal("file:///dev/zero"), testing::HasSubstr("is not a file"));
   EXPECT_THAT(refusal("file://" + folder_.string()), testing::HasSubstr("is not a file"));
-  EXPECT_THAT(refusal(file("empty.stl", "")), testing::HasSubstr("empty"));
+  EXPECT_THAT(refusal(file("nothing.stl", "")), testing::HasSubstr("empty"));
   EXPECT_THAT(refusal(file("text.stl", "this is no mesh at all")), testing::HasSubstr("text.stl"));
   EXPECT_NE(refusal(file("text.stl", "this is no mesh at all")), "accepted");
 }

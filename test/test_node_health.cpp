@@ -92,6 +92,11 @@ TEST_F(Health, WarnsWhileTransformsAreRefused) {
   EXPECT_EQ(status().level, DiagnosticStatus::OK);
 }
 
+TEST_F(Health, TellsHowOftenTheClockWentBackSinceTheStart) {
+  for (const unsigned nb_clock_jumps : {1u, 1u, 2u}) health_.noteTransforms({}, nb_clock_jumps);
+  EXPECT_EQ(value("times the clock went back"), "2");
+}
+
 TEST_F(Health, IsAnErrorWithoutAVerdictWhereNothingIsChecked) {
   CollisionPairs message;
   message.verdict = CollisionPairs::COLLISION;

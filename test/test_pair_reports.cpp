@@ -98,6 +98,28 @@ TEST_F(MixedLinks, WithTwoElementsAndNoPoseAreLeftOutOnce) {
             (std::vector<std::uint32_t>{static_cast<std::uint32_t>(z)}));
 }
 
+// Whichever of them is compared first.
+TEST(TwoElementsOfALink, OfWhichOneIsInContactAreInContact) {
+  const std::string ball = "<geometry><sphere radius='0.5'/></geometry>";
+  const auto robot = robotFrom(
+      emptyLink("root") + "<link name='a'><collision>" + ball + "</collision><collision>" +
+      "<origin xyz='3 0 0'/>" + ball + "</collision></link>" +
+      linkWith("b", "<sphere radius='0.5'/>") + joint("to_a", "floating", "root", "a", "0 0 0", "") +
+      joint("to_b", "floating", "root", "b", "0 0 0", ""));
+  CollisionDetector detector(CollisionScene::build(robot, std::nullopt, nullptr));
+  BodyPoses poses;
+  poses.resize(2);
+  for (const double x : {0.75, 2.25}) {
+    poses.X_WB[1].translation().x() = x;
+    const CollisionReport& report = detector.detect(poses, alarm(2.0));
+    ASSERT_EQ(report.pairs.size(), 1u);
+    EXPECT_EQ(report.pairs[0].nb_contacts, 2u);
+    EXPECT_EQ(report.pairs[0].state, PairState::CONTACT);
+    EXPECT_EQ(report.pairs[0].distance, -0.25);
+    EXPECT_EQ(report.verdict, Verdict::COLLISION);
+  }
+}
+
 TEST_F(MixedLinks, HaveTheFidelityOfTheElementsThatAreNearest) {
   poseOf("z").setIdentity();
   poseOf("c") = Eigen::Translation3d(0.55, 0, 0) * Eigen::Isometry3d::Identity();

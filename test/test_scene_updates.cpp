@@ -81,6 +81,26 @@ TEST(ObjectOfAMessage, HasItsShapesWhereTheyAre) {
   EXPECT_EQ(object.touch_links, (std::vector<std::string>{"a"}));
 }
 
+TEST(ObjectOfAMessage, AMeshKeepsItsHollows) {
+  const TriangleMesh l = LShape().mesh();
+  SceneObject message;
+  message.name = "l";
+  message.meshes.resize(1);
+  message.mesh_poses = {poseAt(0, 0, 0)};
+  for (const Vector3d& p : l.vertices) message.meshes[0].vertices.push_back(toPoint(p));
+  for (const auto& t : l.triangles) {
+    shape_msgs::MeshTriangle triangle;
+    std::copy(t.begin(), t.end(), triangle.vertex_indices.begin());
+    message.meshes[0].triangles.push_back(triangle);
+  }
+  const RigidObject object = toObject(message, noMeshLoader());
+  ASSERT_EQ(object.elements.size(), 1u);
+  const auto* mesh = std::get_if<Mesh>(&object.elements[0].shape);
+  ASSERT_TRUE(mesh) << "it is not said to be convex";
+  EXPECT_EQ(mesh->mesh->vertices, l.vertices);
+  EXPECT_EQ(mesh->mesh->triangles, l.triangles);
+}
+
 TEST(ObjectOfAMessage, ConeLiesWithinItsPyramidAndIsHardlyNarrower) {
   SceneObject message;
   message.primitives = {primitive(SolidPrimitive::CONE, {0.6, 0.2})};
@@ -354,6 +374,23 @@ TEST(SceneMarkers, ShowTheHullOrTheBoxWhereThatIsCompared) {
   EXPECT_EQ(loadOf(Fidelity::CONVEX).type, Marker::TRIANGLE_LIST);
   EXPECT_EQ(loadOf(Fidelity::MESH).points.size(), 3 * LShape().mesh().triangles.size());
   EXPECT_LT(loadOf(Fidelity::CONVEX).points.size(), loadOf(Fidelity::MESH).points.size());
+}
+
+TEST(SceneMarkers, ShowALinkAsCoarselyAsItIsCompared) {
+  SceneDescription description;
+  description.robots.push_back({robotFrom(slidingBoxes(2)), std::nullopt, ""});
+  RigidObject load;
+  load.name = "load";
+  load.attached_link = "a";
+  load.elements.push_back(
+      {Mesh{std::make_shared<const TriangleMesh>(LShape().mesh())}, Isometry3d::Identity()});
+  description.objects = {load};
+  description.settings.link_fidelity = {{"load", Fidelity::OBB}};
+  for (const Marker& marker :
+       toSceneMarkers(*CollisionScene::build(description), Fidelity::MESH, "world").markers) {
+    if (marker.action != Marker::ADD) continue;
+    EXPECT_EQ(marker.type, Marker::CUBE) << marker.ns;
+  }
 }
 
 TEST(BoxMarkers, OfAFloorAreFinite) {

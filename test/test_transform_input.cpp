@@ -255,6 +255,15 @@ TEST_F(OneOfItsLinks, TellsWhereTheWholeBodyIs) {
   EXPECT_EQ(arm("root"), Eigen::Vector3d(2, 0, 0));
 }
 
+TEST_F(OneOfItsLinks, IsNamedIfNoneOfThemIsKnown) {
+  input_.take(linkAt("elsewhere", ros::Time(999.9), 1.0), false, now_);
+  const StampedPoses found =
+      TfPoses(input_, scene_->robot(), scene_->bodies(), "root").latest(now_, PoseLimits());
+  EXPECT_THAT(found.problems, ElementsAre(HasSubstr("link 'arm'")));
+  EXPECT_EQ(found.nb_asked, 1u);
+  EXPECT_EQ(found.nb_found, 0u);
+}
+
 TEST_F(OneOfItsLinks, MayBeTheFrameOfTheReports) {
   receive("tool", 999.9, 5.0);
   EXPECT_EQ(arm("tool"), Eigen::Vector3d(-3, 0, 0));

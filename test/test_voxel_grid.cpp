@@ -199,6 +199,8 @@ TEST(VoxelGrid, AVoxelThatIsNotSeenAgainIsForgottenAfterItsDecay) {
   EXPECT_EQ(cellsOf(*grid.at(2.5)), (Cells{}));
   EXPECT_EQ(see(2.6, 0.5), (Cells{a}));
   EXPECT_EQ(see(1.0, 5.5), (Cells{b})) << "a clock that goes back forgets all";
+  EXPECT_EQ(cellsOf(*grid.at(0.5)), (Cells{b})) << "what is asked for does not turn it back";
+  EXPECT_EQ(see(0.75, 0.5), (Cells{a}));
   grid.clear();
   EXPECT_EQ(cellsOf(*grid.at(1.0)), (Cells{}));
 }

@@ -44,6 +44,15 @@ TEST(VoxelMarkers, NearABoxAreRedderTheNearerTheyAre) {
   EXPECT_LT(far.r, 0.5);
 }
 
+TEST(VoxelMarkers, NearABoxAreRedInEveryDirection) {
+  std::vector<VoxelCell> cells;
+  for (int i = 0; i < 27; ++i) cells.emplace_back(i % 3, i / 3 % 3, i / 9);
+  const Aabb all{{0.0, 0.0, 0.0}, {0.3, 0.3, 0.3}};
+  const Marker marker = toMarker(OccupiedVoxels(0.1, cells), "camera", {all}, 0.2, "world");
+  ASSERT_EQ(marker.points.size(), 27u);
+  for (const auto& shade : marker.colors) EXPECT_GT(shade.r, 0.9);
+}
+
 TEST(VoxelMarkers, OfMoreThanAreDrawnTheNearOnesStay) {
   std::vector<VoxelCell> cells;
   for (int i = 0; i < 400; ++i) {
