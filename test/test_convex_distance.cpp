@@ -5,6 +5,7 @@
 #include "convex_distance.h"
 #include "convex_hull.h"
 #include "random_inputs.h"
+#include "test_shapes.h"
 
 namespace collision_pairs {
 namespace {
@@ -116,6 +117,48 @@ TEST(ConvexDistance, DepthFromAnOverlapIsTheDepth) {
     ++overlaps;
   }
   EXPECT_GT(overlaps, 50);
+}
+
+// A triangle that is almost, but not quite, across an axis of the coordinates.
+TEST(Simplex, TheClosestPointOfATriangleIsAsAccurateHoweverItIsTurned) {
+  RandomInputs random;
+  for (int i = 0; i < 3000; ++i) {
+    const int axis = i % 3;
+    std::array<Eigen::Vector3d, 3> w;
+    const Eigen::Vector3d tilt = std::pow(10.0, random.uniform(-15.0, -1.0)) *
+                                 Eigen::Vector3d::Unit((axis + random.integer(1, 2)) % 3);
+    const Eigen::AngleAxisd turn(tilt.norm(), tilt.normalized());
+    const double height = random.uniform(0.1, 1.0);
+    for (int k = 0; k < 3; ++k) {
+      const double angle = 2.0 * M_PI * (k + random.uniform(-0.2, 0.2)) / 3.0;
+      w[k][axis] = height;
+      w[k][(axis + 1) % 3] = std::cos(angle);
+      w[k][(axis + 2) % 3] = std::sin(angle);
+      w[k] = turn * w[k];
+    }
+    const auto share = simplex_detail::closestOnTriangle<double>(w);
+    const Eigen::Vector3d found = share[0] * w[0] + share[1] * w[1] + share[2] * w[2];
+    const Eigen::Vector3d foot = turn * Eigen::Vector3d(height * Eigen::Vector3d::Unit(axis));
+    ASSERT_LT((found - foot).norm(), 1e-14) << tilt.transpose();
+  }
+}
+
+TEST(ConvexDistance, OfParallelFacesTheDeepestPointsAreTheDepthApart) {
+  RandomInputs random;
+  NarrowPhase narrow_phase;
+  const auto A = prepareShape(Convex{std::make_shared<TriangleMesh>(boxMesh({0.3, 0.2, 0.4}))});
+  const auto B = prepareShape(Convex{std::make_shared<TriangleMesh>(boxMesh({0.2, 0.3, 0.3}))});
+  for (int i = 0; i < 300; ++i) {
+    Eigen::Isometry3d X_AB = Eigen::Isometry3d::Identity();
+    X_AB.translation() = random.vector(-0.4, 0.4);
+    const PairDistance found = narrow_phase.distance(*A, *B, X_AB, INF);
+    ASSERT_LT(found.distance, 0.0);
+    const Eigen::Vector3d apart = found.p_ACb - found.p_ACa;
+    ASSERT_LT((apart - found.distance * found.nhat_AB_A).norm(), 1e-12) << i;
+    ASSERT_LT(((found.p_ACa.cwiseAbs() - Eigen::Vector3d(0.3, 0.2, 0.4)).maxCoeff()), 1e-12);
+    const Eigen::Vector3d p_BCb = found.p_ACb - X_AB.translation();
+    ASSERT_LT((p_BCb.cwiseAbs() - Eigen::Vector3d(0.2, 0.3, 0.3)).maxCoeff(), 1e-12);
+  }
 }
 
 TEST(CubeCells, ADirectionIsNearTheCentreOfItsCell) {
