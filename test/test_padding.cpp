@@ -120,6 +120,20 @@ TEST_F(Padding, OfAPairStandsForTheSumAndTheLastThatMatchesCounts) {
   }
 }
 
+TEST_F(Padding, OfAPairIsTheSameInEitherOrder) {
+  SceneDescription description = mixedDescription();
+  description.world = robotFrom(boxLink("wall", 0.1));
+  description.settings.pair_padding = {{NamePattern("*"), NamePattern("*"), 0.25}};
+  const auto scene = CollisionScene::build(description);
+  const auto size = static_cast<std::uint32_t>(scene->elements().size());
+  for (std::uint32_t a = 0; a < size; ++a) {
+    for (std::uint32_t b = 0; b < size; ++b) {
+      if (!scene->filter().allowed(scene->elements()[a].model, scene->elements()[b].model)) continue;
+      EXPECT_EQ(scene->padding(a, b), 0.25) << a << ' ' << b;
+    }
+  }
+}
+
 TEST_F(Padding, KeepsEveryCheaperRungASafeBound) {
   SceneDescription padded = mixedDescription();
   padded.settings.padding = 0.03;

@@ -104,6 +104,29 @@ TEST(RobotModel, ForwardKinematicsIsTheProductOfTheJointsOnePerBody) {
   }
 }
 
+TEST(RobotModel, AtZeroAMimicJointIsWhereItsLeaderPutsIt) {
+  const std::string axis = "<axis xyz='1 0 0'/><limit lower='2' upper='9'/>";
+  const auto robot = robotFrom(
+      emptyLink("root") + emptyLink("a") + emptyLink("b") +
+      joint("lead", "prismatic", "root", "a", "0 0 0", axis) +
+      joint("follow", "prismatic", "root", "b", "0 0 0",
+            axis + "<mimic joint='lead' multiplier='0.5' offset='3'/>"));
+  const auto q = robot->zeroPositions();
+  EXPECT_EQ(q[robot->findJoint("lead")], 2.0) << "its nearest limit";
+  EXPECT_EQ(q[robot->findJoint("follow")], 4.0);
+}
+
+TEST(RobotModel, RobotsWithALinkOrAJointOfOneNameAreNotMerged) {
+  const auto named = [](const std::string& suffix, const std::string& joint_name) {
+    return robotFrom(emptyLink("root" + suffix) + emptyLink("arm" + suffix) +
+                     joint(joint_name, "continuous", "root" + suffix, "arm" + suffix));
+  };
+  EXPECT_NO_THROW(RobotModel::merge({{named("1", "turn1"), ""}, {named("2", "turn2"), ""}}));
+  EXPECT_THROW(RobotModel::merge({{named("1", "turn"), ""}, {named("2", "turn"), ""}}), InputError);
+  EXPECT_THROW(RobotModel::merge({{named("1", "turn1"), ""}, {named("1", "turn2"), ""}}),
+               InputError);
+}
+
 TEST(RobotModel, PositionsWithoutOneEntryForEachJointAreRefused) {
   const auto robot =
       robotFrom(emptyLink("a") + emptyLink("b") + emptyLink("c") +

@@ -235,6 +235,24 @@ TEST(Scene, RobotAndEnvironmentMayHaveARootOfOneNameWithoutGeometry) {
   EXPECT_THAT(refusal(description), HasSubstr("link 'root' is in the robot and in the world"));
 }
 
+TEST(Scene, AnElementOfALinkThatIsFixedOnABodyStandsWhereTheUrdfSays) {
+  const std::string turned = "<origin xyz='1 2 3' rpy='0.4 -1.1 2.0'/>";
+  const auto robot = robotFrom(
+      boxLink("base", 0.1) + emptyLink("arm") + linkWith("tool", "<sphere radius='0.1'/>", turned) +
+      joint("turn", "continuous", "base", "arm") + "<joint name='weld' type='fixed'>" + turned +
+      "<parent link='arm'/><child link='tool'/></joint>");
+  const auto scene = CollisionScene::build(robot, Srdf{}, nullptr);
+  const auto& model = scene->models()[static_cast<std::size_t>(scene->findModel("tool"))];
+  const Eigen::Matrix3d R = (Eigen::AngleAxisd(2.0, Vector3d::UnitZ()) *
+                             Eigen::AngleAxisd(-1.1, Vector3d::UnitY()) *
+                             Eigen::AngleAxisd(0.4, Vector3d::UnitX()))
+                                .toRotationMatrix();
+  const Vector3d p(1, 2, 3);
+  const Isometry3d& X_BE = scene->elements()[model.first_element].X_BE;
+  EXPECT_LT((X_BE.translation() - (p + R * p)).norm(), 1e-14);
+  EXPECT_LT((X_BE.linear() - R * R).norm(), 1e-14);
+}
+
 TEST(Scene, WithACacheIsTheSameAndPreparesOnlyWhatIsNew) {
   SceneDescription description;
   description.robots.push_back({mixedRobot(), std::nullopt, ""});

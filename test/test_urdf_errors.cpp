@@ -95,6 +95,7 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"UnknownParent", twoLinks(joint("x", "fixed", "nobody", "b")),
              "'nobody', which does not exist"},
         Case{"NoName", "<link/>", "<link> has no name"},
+        Case{"EmptyName", "<link name=''/>", "<link> has no name"},
         Case{"UnknownType", twoLinks(joint("x", "ball", "a", "b")), "unknown joint type 'ball'"},
         Case{"NoLimit", twoLinks(joint("x", "revolute", "a", "b", "0 0 0", "")), "has no <limit>"},
         Case{"CrossedLimits",
