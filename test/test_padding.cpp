@@ -183,9 +183,7 @@ TEST_F(Padding, IsInVerdictsMinimaAndBoundsInTime) {
 }
 
 TEST_F(Padding, BelowZeroOrNotANumberIsRefused) {
-  const auto refusal = [](const SceneSettings& settings) -> std::string {
-    SceneDescription description = mixedDescription();
-    description.settings = settings;
+  const auto refusalOf = [](const SceneDescription& description) -> std::string {
     try {
       CollisionScene::build(description);
     } catch (const InputError& error) {
@@ -193,6 +191,17 @@ TEST_F(Padding, BelowZeroOrNotANumberIsRefused) {
     }
     return "accepted";
   };
+  const auto refusal = [&](const SceneSettings& settings) {
+    SceneDescription description = mixedDescription();
+    description.settings = settings;
+    return refusalOf(description);
+  };
+  for (const auto objects : {&SceneDescription::objects, &SceneDescription::clouds}) {
+    SceneDescription description = mixedDescription();
+    (description.*objects).push_back(cloudOf("thing", 0.1, {}));
+    (description.*objects).back().padding = -0.01;
+    EXPECT_THAT(refusalOf(description), HasSubstr("the padding of object 'thing' is -0.01"));
+  }
   SceneSettings settings;
   settings.padding = -0.01;
   EXPECT_THAT(refusal(settings), HasSubstr("padding is -0.01"));

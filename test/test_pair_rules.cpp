@@ -198,6 +198,27 @@ TEST(Restriction, NamesAnUnknownGroupOrLinkWithTheNearest) {
   EXPECT_THAT(refusal(description), HasSubstr("has no SRDF"));
 }
 
+// That of the robot without a prefix begins with any name.
+TEST(Restriction, AGroupIsOfTheRobotWhosePrefixItBeginsWith) {
+  const auto robot = robotFrom(slidingBoxes(2));
+  const Srdf srdf = Srdf::fromXml(
+      "<robot name='r'><group name='g'><link name='a'/></group>"
+      "<group name='right/g'><link name='a'/></group></robot>");
+  for (const bool plain_first : {true, false}) {
+    SceneDescription description;
+    description.robots.push_back({robot, srdf, plain_first ? "" : "right"});
+    description.robots.push_back({robot, srdf, plain_first ? "right" : ""});
+    description.restriction.group = "right/g";
+    const auto scene = CollisionScene::build(description);
+    const auto allowed = [&](const char* first, const char* second) {
+      return scene->filter().allowed(static_cast<std::uint32_t>(scene->findModel(first)),
+                                     static_cast<std::uint32_t>(scene->findModel(second)));
+    };
+    EXPECT_TRUE(allowed("right/a", "b"));
+    EXPECT_FALSE(allowed("a", "b"));
+  }
+}
+
 TEST(Restriction, TakesWhatHangsOnItsLinksAlong) {
   SceneDescription description = armScene("");
   description.objects = {ball("tool", "wrist"), ball("table")};
