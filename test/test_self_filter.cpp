@@ -201,6 +201,18 @@ TEST(SelfFilter, ARealRobotDoesNotSeeItselfAndLosesNoObstacle) {
   expectTheRobotDoesNotSeeItself(benchmarkRobots()[0].robot);
 }
 
+TEST(SelfFilter, AsksForNoPoseOfALinkWithoutGeometry) {
+  SceneDescription description;
+  description.robots.push_back(
+      {robotFrom(boxLink("base", 0.1) + emptyLink("eye") + boxLink("hand", 0.1) +
+                 joint("look", "continuous", "base", "eye") +
+                 joint("grip", "continuous", "eye", "hand")),
+       std::nullopt, ""});
+  std::vector<std::string> links;
+  for (const SceneBody& body : SelfFilter(description, 0.01).bodies()) links.push_back(body.link);
+  EXPECT_EQ(links, (std::vector<std::string>{"base", "hand"}));
+}
+
 class SmallRobot : public testing::Test {
  protected:
   SmallRobot() {

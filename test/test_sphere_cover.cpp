@@ -44,8 +44,15 @@ bool holds(const Shape& shape, const Vector3d& p) {
 
 bool isPrimitive(const Shape& shape) { return shape.index() <= 3; }
 
-/// Points of the solid: of a primitive any, of points their mixtures, of a mesh its surface.
+/// Points of the solid: of a primitive any, of a cylinder also its rims, of points their mixtures,
+/// of a mesh its surface.
 Vector3d pointOf(RandomInputs& random, const Shape& shape, double size) {
+  const auto* cylinder = std::get_if<Cylinder>(&shape);
+  if (cylinder && random.integer(0, 1) == 0) {
+    const double angle = random.uniform(0.0, 2.0 * M_PI);
+    const double z = (random.integer(0, 1) - 0.5) * cylinder->length;
+    return {cylinder->radius * std::cos(angle), cylinder->radius * std::sin(angle), z};
+  }
   if (isPrimitive(shape)) {
     while (true) {
       const Vector3d p = random.vector(-2.0 * size, 2.0 * size);
