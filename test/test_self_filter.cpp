@@ -208,8 +208,9 @@ TEST(SelfFilter, AsksForNoPoseOfALinkWithoutGeometry) {
                  joint("look", "continuous", "base", "eye") +
                  joint("grip", "continuous", "eye", "hand")),
        std::nullopt, ""});
+  const SelfFilter filter(description, 0.01);
   std::vector<std::string> links;
-  for (const SceneBody& body : SelfFilter(description, 0.01).bodies()) links.push_back(body.link);
+  for (const SceneBody& body : filter.bodies()) links.push_back(body.link);
   EXPECT_EQ(links, (std::vector<std::string>{"base", "hand"}));
 }
 
