@@ -61,6 +61,18 @@ TEST(MotionCheck, AClearanceIsCertifiedOrThePairIsNamed) {
   EXPECT_EQ(nearer.clearance, 0.0);
 }
 
+TEST(MotionCheck, WhatStayedOpenInOneMotionIsNotOpenInTheNext) {
+  MotionCheck check(
+      sceneOf(turningBar(), {boxAt("plate", {1.15, 0.0, 0.0}, {0.2, 0.002, 0.2})}));
+  MotionSettings settings;
+  settings.clearance = 0.055;
+  EXPECT_EQ(check.check({{-1.0}, {1.3}}, settings).verdict, Verdict::UNKNOWN);
+  settings.clearance = 0.045;
+  const MotionReport& next = check.check({{-1.0}, {1.3}}, settings);
+  EXPECT_EQ(next.verdict, Verdict::FREE);
+  EXPECT_TRUE(next.pairs.empty());
+}
+
 TEST(MotionCheck, APairThatIsTooNearDoesNotHideAContactElsewhere) {
   const auto scene = sceneOf(turningBar(), {boxAt("near", {1.15, 0.0, 0.0}, {0.2, 0.002, 0.2}),
                                             boxAt("hit", {0.0, 0.8, 0.0}, {0.002, 0.1, 0.2})});
@@ -167,6 +179,8 @@ TEST(MotionCheck, InputThatIsNoneIsRefusedWithTheReason) {
   EXPECT_NE(message({0.0, 0.0}, {1.0}, {}).find("1 joints"), std::string::npos);
   MotionSettings settings;
   settings.clearance = -1.0;
+  EXPECT_NE(message({0.0}, {1.0}, settings).find("clearance"), std::string::npos);
+  settings.clearance = INFINITY;
   EXPECT_NE(message({0.0}, {1.0}, settings).find("clearance"), std::string::npos);
   settings.clearance = 0.0;
   settings.resolution = 0.0;
