@@ -135,6 +135,7 @@ function(collision_pairs_module_pytest name)  # of the compiled module
 endfunction()
 
 collision_pairs_pytest(architecture)
+collision_pairs_pytest(bag_files)
 collision_pairs_pytest(bag_outputs)
 collision_pairs_pytest(check_bag)
 collision_pairs_pytest(check_bag_clouds)

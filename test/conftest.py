@@ -1,4 +1,5 @@
 """What the Python tests share: where the tools and the module are, a small robot, the reference data."""
+import csv
 import os
 import subprocess
 import sys
@@ -33,6 +34,27 @@ def make_bag(tmp_path):
         subprocess.run([os.path.join(DEMO, "make_bag"), str(path), *options], check=True, timeout=120)
         return path
     return make
+
+
+def rows_of(path):
+    with open(path) as lines:
+        return list(csv.DictReader(lines))
+
+
+def without_name(rows):
+    """Rows of check_bag but for the path of the bag."""
+    return [{key: value for key, value in row.items() if key != "bag"} for row in rows]
+
+
+@pytest.fixture
+def check_bag(run_tool, tmp_path):
+    """Runs check_bag; the rows it wrote and what it said."""
+    def run(*arguments):
+        out = tmp_path / "out.csv"
+        done = run_tool("check_bag", *arguments, "--out", out)
+        assert done.returncode == 0, done.stderr
+        return rows_of(out), done.stdout + done.stderr
+    return run
 
 
 @pytest.fixture

@@ -1,14 +1,11 @@
-"""check_bag as a user meets it: verdicts, damaged bags, several robots, errors."""
-import bz2
-import csv
+"""check_bag as a user meets it: verdicts, several robots, the summary, errors."""
 import os
-import random
 import re
 
 import pytest
 import rosbag
 import rospy
-from conftest import DEMO
+from conftest import DEMO, rows_of, without_name
 from geometry_msgs.msg import TransformStamped
 from sensor_msgs.msg import JointState
 from tf2_msgs.msg import TFMessage
@@ -24,32 +21,12 @@ class OldMessage(TFMessage):
     _type = "tf/tfMessage"
 
 
-def rows_of(path):
-    with open(path) as lines:
-        return list(csv.DictReader(lines))
-
-
-@pytest.fixture
-def check(run_tool, tmp_path):
-    """Runs check_bag; the rows it wrote and what it said."""
-    def run(*arguments):
-        out = tmp_path / "out.csv"
-        done = run_tool("check_bag", *arguments, "--out", out)
-        assert done.returncode == 0, done.stderr
-        return rows_of(out), done.stdout + done.stderr
-    return run
-
-
-def without_name(rows):
-    return [{key: value for key, value in row.items() if key != "bag"} for row in rows]
-
-
 def verdicts(rows):
     return [(row["stamp"], row["pairs"]) for row in rows]
 
 
-def test_a_row_a_stamp_with_the_robot_that_the_bag_names(check):
-    rows, summary = check(DEMO_BAG)
+def test_a_row_a_stamp_with_the_robot_that_the_bag_names(check_bag):
+    rows, summary = check_bag(DEMO_BAG)
     assert list(rows[0]) == HEADER
     with rosbag.Bag(DEMO_BAG) as bag:
         stamps = [message.header.stamp for _, message, _ in bag.read_messages("/joint_states")]
@@ -61,7 +38,7 @@ def test_a_row_a_stamp_with_the_robot_that_the_bag_names(check):
 
 
 @pytest.mark.parametrize("source", ["joints", "tf"])
-def test_transforms_and_joint_states_give_what_check_states_gives(run_tool, check, make_bag, tmp_path, source):
+def test_transforms_and_joint_states_give_what_check_states_gives(run_tool, check_bag, make_bag, tmp_path, source):
     bag = make_bag("one.bag", "--without", "tf" if source == "joints" else "joints")
     with rosbag.Bag(DEMO_BAG) as recorded:
         messages = [message for _, message, _ in recorded.read_messages("/joint_states")]
@@ -72,7 +49,7 @@ def test_transforms_and_joint_states_give_what_check_states_gives(run_tool, chec
     done = run_tool("check_states", ROBOT[1], *ROBOT[2:], "--states", states, "--out", out, "--min-distance",
                     "--alarm-distance", "0.05")
     assert done.returncode == 0, done.stderr
-    rows, _ = check(bag, "--min-distance")
+    rows, _ = check_bag(bag, "--min-distance")
     expected = rows_of(out)
     assert len(rows) == len(expected)
     for found, truth in zip(rows, expected):
@@ -80,8 +57,8 @@ def test_transforms_and_joint_states_give_what_check_states_gives(run_tool, chec
         assert abs(float(found["min_distance"]) - float(truth["min_distance"])) < 1e-9
 
 
-def test_distances_name_every_pair_in_reach_and_agree_with_the_verdict(check):
-    rows, _ = check(DEMO_BAG, "--alarm-distance", "0.2")
+def test_distances_name_every_pair_in_reach_and_agree_with_the_verdict(check_bag):
+    rows, _ = check_bag(DEMO_BAG, "--alarm-distance", "0.2")
     for row in rows:
         distances = dict(pair.rsplit("=", 1) for pair in filter(None, row["distances"].split(";")))
         contacts = set(filter(None, row["pairs"].split(";")))
@@ -91,141 +68,7 @@ def test_distances_name_every_pair_in_reach_and_agree_with_the_verdict(check):
         assert min(map(float, distances.values())) == float(row["min_distance"])
 
 
-@pytest.mark.parametrize("compression", ["none", "bz2", "lz4"])
-def test_compressed_bags_are_read(check, make_bag, compression):
-    rows, _ = check(make_bag("c.bag", "--compression", compression))
-    assert without_name(rows) == without_name(check(DEMO_BAG)[0])
-
-
-@pytest.mark.parametrize("compression", ["none", "bz2", "lz4"])
-def test_of_a_truncated_bag_the_front_is_read_and_the_loss_is_said(check, make_bag, compression):
-    bag = make_bag("t.bag", "--compression", compression, "--rate", "200")
-    whole, _ = check(bag)
-    content = bag.read_bytes()
-    # Within the messages, long before the index.
-    bag.write_bytes(content[:len(content) * 2 // 3])
-    rows, said = check(bag)
-    assert 0 < len(rows) < len(whole)
-    assert rows[:-1] == whole[:len(rows) - 1]  # the last may lack what was recorded after it
-    assert "truncated" in said
-
-
-def test_the_order_in_which_joint_states_were_recorded_does_not_matter(check, make_bag, tmp_path):
-    straight, shuffled = make_bag("straight.bag", "--without", "tf"), tmp_path / "shuffled.bag"
-    with rosbag.Bag(str(straight)) as source, rosbag.Bag(str(shuffled), "w") as target:
-        messages = list(source.read_messages())
-        stamps = [stamp for _, _, stamp in messages]
-        random.seed(7)
-        random.shuffle(messages)
-        for (topic, message, _), recorded in zip(messages, stamps):
-            target.write(topic, message, recorded)
-    assert without_name(check(shuffled)[0]) == without_name(check(straight)[0])
-
-
-def test_of_many_topics_each_is_read_whatever_byte_its_number_is(check, make_bag, tmp_path):
-    few, many = make_bag("few.bag", "--without", "tf"), tmp_path / "many.bag"
-    with rosbag.Bag(str(few)) as source, rosbag.Bag(str(many), "w") as target:
-        messages = sorted(source.read_messages(), key=lambda m: m[0] != "/joint_states")
-        for i in range(ord("=")):  # the field of a record's header is then "conn=="
-            target.write("/topic%d" % i, JointState(), messages[0][2])
-        for topic, message, stamp in messages:
-            target.write(topic, message, stamp)
-    assert without_name(check(many)[0]) == without_name(check(few)[0])
-
-
-def test_an_unindexed_bag_is_read_whole_and_said_to_be_unindexed(check, make_bag):
-    bag = make_bag("u.bag")
-    whole, _ = check(bag)
-    content = bytearray(bag.read_bytes())
-    place = content.index(b"index_pos=") + len(b"index_pos=")
-    content[place:place + 8] = bytes(8)  # as in the file of a recorder that was killed
-    bag.write_bytes(content)
-    rows, said = check(bag)
-    assert rows == whole and "it has no index" in said
-
-
-def test_a_damaged_chunk_loses_its_own_messages_only(check, make_bag):
-    bag = make_bag("d.bag", "--compression", "bz2", "--rate", "800")
-    whole, _ = check(bag)
-    content = bytearray(bag.read_bytes())
-    chunk = content.index(b"op=\x05", content.index(b"op=\x05") + 1)  # the second chunk
-    content[chunk + 4000:chunk + 4200] = bytes(200)
-    bag.write_bytes(content)
-    rows, said = check(bag)
-    assert "the end of the chunk" in said
-    assert len(whole) // 4 < len(rows) < len(whole)
-    assert rows[0] == whole[0] and rows[-1]["stamp"] == whole[-1]["stamp"]
-
-
-def records_of(content):
-    """Each with its header's size, header, and size of its data; then its data."""
-    place = 0
-    while place < len(content):
-        begin = place
-        place += 4 + int.from_bytes(content[place:place + 4], "little")
-        size = int.from_bytes(content[place:place + 4], "little")
-        place += 4
-        yield content[begin:place], content[place:place + size]
-        place += size
-
-
-def test_a_chunk_that_ends_between_two_records_too_early_is_a_loss(check, make_bag):
-    bag = make_bag("e.bag", "--compression", "bz2")
-    magic, content, cut = b"#ROSBAG V2.0\n", bag.read_bytes(), 0
-    damaged = [magic]
-    for header, data in records_of(content[len(magic):]):
-        if b"op=\x05" in header and not cut:
-            inside = [head + rest for head, rest in records_of(bz2.decompress(data))]
-            cut = len(inside[-1])
-            data = bz2.compress(b"".join(inside[:-1]))
-            header = header[:-4] + len(data).to_bytes(4, "little")
-        damaged += [header, data]
-    assert cut > 0 and "the end of the chunk" not in check(bag)[1]
-    bag.write_bytes(b"".join(damaged))
-    assert "the end of the chunk" in check(bag)[1]
-
-
-@pytest.mark.parametrize("compression", ["none", "bz2", "lz4"])
-def test_of_a_chunk_that_the_file_ends_in_no_more_is_read_than_there_is(check, make_bag, compression):
-    bag = make_bag("m.bag", "--compression", compression, "--rate", "200")
-    magic, content, place, middles = b"#ROSBAG V2.0\n", bag.read_bytes(), len(b"#ROSBAG V2.0\n"), []
-    for header, data in records_of(content[len(magic):]):
-        if b"op=\x05" in header:
-            middles.append(place + len(header) + len(data) // 2)
-        place += len(header) + len(data)
-    bag.write_bytes(content[:middles[-1]])
-    chunk = re.search(r"of its (\d+) bytes (\d+) were read", check(bag)[1])
-    assert chunk and int(chunk.group(2)) < int(chunk.group(1))
-
-
-def test_garbage_is_survived_at_any_place(run_tool, make_bag, tmp_path):
-    """Whatever is overwritten, the tool ends with 0 or 2 and never hangs or crashes."""
-    bag = make_bag("g.bag", "--compression", "none", "--rate", "5")
-    content = bag.read_bytes()
-    random.seed(7)
-    for _ in range(60):
-        broken = bytearray(content)
-        for _ in range(random.randint(1, 4)):
-            place = random.randrange(len(broken))
-            broken[place:place + 8] = bytes(random.randrange(256) for _ in range(8))
-        bag.write_bytes(broken[:random.choice([len(broken), random.randrange(len(broken))])])
-        done = run_tool("check_bag", bag, *ROBOT, "--out", tmp_path / "out.csv")
-        assert done.returncode in (0, 2), done
-
-
-def test_a_message_that_claims_more_than_it_has_is_passed_over_and_said(check, make_bag):
-    bag = make_bag("c.bag", "--compression", "none", "--without", "tf")
-    whole, _ = check(bag)
-    content = bytearray(bag.read_bytes())
-    names = (8).to_bytes(4, "little") + len("shoulder_pan").to_bytes(4, "little") + b"shoulder_pan"
-    place = content.index(names, content.index(names) + 1)  # the second joint state
-    content[place:place + 4] = b"\xff\xff\xff\x7f"
-    bag.write_bytes(content)
-    rows, said = check(bag)
-    assert len(rows) == len(whole) - 1 and "1 messages that do not match their type" in said
-
-
-def test_old_tf_messages_and_leading_slashes_are_read(check, tmp_path, make_bag):
+def test_old_tf_messages_and_leading_slashes_are_read(check_bag, tmp_path, make_bag):
     old = tmp_path / "old.bag"
     with rosbag.Bag(DEMO_BAG) as source, rosbag.Bag(str(old), "w") as target:
         for topic, message, stamp in source.read_messages(["/tf", "/tf_static"]):
@@ -234,11 +77,11 @@ def test_old_tf_messages_and_leading_slashes_are_read(check, tmp_path, make_bag)
                 transform.child_frame_id = "/" + transform.child_frame_id
             # Fixed frames come once only here, and not as static: within bodies they are not needed.
             target.write("/tf", OldMessage(message.transforms), stamp)
-    rows, _ = check(old, *ROBOT)
-    assert verdicts(rows) == verdicts(check(DEMO_BAG)[0])
+    rows, _ = check_bag(old, *ROBOT)
+    assert verdicts(rows) == verdicts(check_bag(DEMO_BAG)[0])
 
 
-def test_of_several_robots_the_prefix_chooses_one(run_tool, check, make_bag, tmp_path):
+def test_of_several_robots_the_prefix_chooses_one(run_tool, check_bag, make_bag, tmp_path):
     left, right = make_bag("left.bag", "--prefix", "left"), make_bag("right.bag", "--prefix", "right",
                                                                      "--seconds-per-posture", "0.3")
     both = tmp_path / "both.bag"
@@ -249,13 +92,13 @@ def test_of_several_robots_the_prefix_chooses_one(run_tool, check, make_bag, tmp
                     if "description" not in topic:
                         target.write(topic, message, stamp)
     for name, alone in (("left", left), ("right", right)):
-        rows, _ = check(both, "--prefix", name, *ROBOT)
-        assert without_name(rows) == without_name(check(alone, "--prefix", name)[0])
+        rows, _ = check_bag(both, "--prefix", name, *ROBOT)
+        assert without_name(rows) == without_name(check_bag(alone, "--prefix", name)[0])
     done = run_tool("check_bag", both, *ROBOT)
     assert done.returncode == 2 and "--prefix left or right" in done.stderr
 
 
-def test_each_of_several_bags_is_checked_with_its_own_robot(check, tmp_path):
+def test_each_of_several_bags_is_checked_with_its_own_robot(check_bag, tmp_path):
     changed = tmp_path / "changed.bag"
     with rosbag.Bag(DEMO_BAG) as source, rosbag.Bag(str(changed), "w") as target:
         for topic, message, stamp in source.read_messages():
@@ -263,17 +106,17 @@ def test_each_of_several_bags_is_checked_with_its_own_robot(check, tmp_path):
                 message.data = re.sub(r'size="[^"]*"', 'size="0.001 0.001 0.001"', message.data)
                 message.data = re.sub(r'(radius|length)="[^"]*"', r'\1="0.001"', message.data)
             target.write(topic, message, stamp)
-    demo, thin = verdicts(check(DEMO_BAG)[0]), verdicts(check(changed)[0])
+    demo, thin = verdicts(check_bag(DEMO_BAG)[0]), verdicts(check_bag(changed)[0])
     assert demo != thin
-    assert verdicts(check(DEMO_BAG, changed)[0]) == demo + thin
+    assert verdicts(check_bag(DEMO_BAG, changed)[0]) == demo + thin
 
 
-def test_joints_of_a_namespace_are_found_by_prefix(check, make_bag):
-    rows, _ = check(make_bag("p.bag", "--prefix", "left", "--without", "tf"), "--prefix", "left")
-    assert verdicts(rows) == verdicts(check(DEMO_BAG)[0])
+def test_joints_of_a_namespace_are_found_by_prefix(check_bag, make_bag):
+    rows, _ = check_bag(make_bag("p.bag", "--prefix", "left", "--without", "tf"), "--prefix", "left")
+    assert verdicts(rows) == verdicts(check_bag(DEMO_BAG)[0])
 
 
-def test_over_a_gap_nothing_is_assumed_and_it_is_said(check, make_bag, tmp_path):
+def test_over_a_gap_nothing_is_assumed_and_it_is_said(check_bag, make_bag, tmp_path):
     bag = tmp_path / "gap.bag"
     with rosbag.Bag(DEMO_BAG) as source, rosbag.Bag(str(bag), "w") as target:
         for topic, message, stamp in source.read_messages():
@@ -285,19 +128,19 @@ def test_over_a_gap_nothing_is_assumed_and_it_is_said(check, make_bag, tmp_path)
             transform.header.frame_id, transform.child_frame_id = "wrist", "wrist_ball"
             transform.transform.rotation.w = 1.0
             target.write("/tf", TFMessage([transform]), transform.header.stamp)
-    rows, summary = check(bag)
+    rows, summary = check_bag(bag)
     inside = [row for row in rows if 1003.01 < float(row["stamp"]) < 1004.99]
     assert inside and all("forearm" in row["left_out"].split(";") for row in inside)
     assert {row["verdict"] for row in inside} <= {"unknown", "collision"}
     unknown = [row for row in rows if row["verdict"] == "unknown"]
     assert unknown and all(row["in_collision"] == "1" and row["left_out"] for row in unknown)
     assert "%d stamps" % len(unknown) in re.search("unknown .*", summary).group(0)
-    rows, said = check(bag, "--max-gap", "3")
+    rows, said = check_bag(bag, "--max-gap", "3")
     assert not any("forearm" in row["left_out"].split(";") for row in rows)
     assert "unknown" not in {row["verdict"] for row in rows}
 
 
-def test_with_a_joint_that_the_bag_does_not_name_nothing_is_free(check, tmp_path):
+def test_with_a_joint_that_the_bag_does_not_name_nothing_is_free(check_bag, tmp_path):
     bag, recorded = tmp_path / "part.bag", tmp_path / "recorded.bag"
     with rosbag.Bag(DEMO_BAG) as source, rosbag.Bag(str(bag), "w") as target:
         for topic, message, stamp in source.read_messages():
@@ -305,7 +148,7 @@ def test_with_a_joint_that_the_bag_does_not_name_nothing_is_free(check, tmp_path
                 message.name, message.position = message.name[1:], message.position[1:]
             if topic not in ("/tf", "/tf_static"):
                 target.write(topic, message, stamp)
-    rows, said = check(bag, "--record", recorded)
+    rows, said = check_bag(bag, "--record", recorded)
     assert "taken as zero" in said
     assert {row["verdict"] for row in rows} == {"unknown", "collision"}
     assert {row["in_collision"] for row in rows} == {"1"}
@@ -316,27 +159,27 @@ def test_with_a_joint_that_the_bag_does_not_name_nothing_is_free(check, tmp_path
     assert unknown and all("taken as zero" in " ".join(report.unknown_because) for report in unknown)
 
 
-def test_verdict_only_gives_the_verdicts_and_at_most_one_pair(check):
-    whole, quick = check(DEMO_BAG)[0], check(DEMO_BAG, "--verdict-only")[0]
+def test_verdict_only_gives_the_verdicts_and_at_most_one_pair(check_bag):
+    whole, quick = check_bag(DEMO_BAG)[0], check_bag(DEMO_BAG, "--verdict-only")[0]
     assert [row["verdict"] for row in quick] == [row["verdict"] for row in whole]
     for one, all_pairs in zip(quick, whole):
         assert "" not in one["pairs"].split(";")[1:]
         assert set(one["pairs"].split(";")) <= set(all_pairs["pairs"].split(";")) and ";" not in one["pairs"]
 
 
-def test_a_clock_that_goes_back_within_a_bag_is_said(check, tmp_path):
+def test_a_clock_that_goes_back_within_a_bag_is_said(check_bag, tmp_path):
     bag = tmp_path / "twice.bag"
     with rosbag.Bag(DEMO_BAG) as source, rosbag.Bag(str(bag), "w") as target:
         for later in (0, 100):
             for topic, message, stamp in source.read_messages():
                 target.write(topic, message, stamp + rospy.Duration(later))
-    rows, said = check(bag)
+    rows, said = check_bag(bag)
     assert "1 times its clock goes back" in said
-    assert "clock" not in check(DEMO_BAG)[1]
+    assert "clock" not in check_bag(DEMO_BAG)[1]
 
 
-def test_the_summary_tells_when_each_pair_was_closest(check):
-    rows, summary = check(DEMO_BAG, "--alarm-distance", "0.2")
+def test_the_summary_tells_when_each_pair_was_closest(check_bag):
+    rows, summary = check_bag(DEMO_BAG, "--alarm-distance", "0.2")
     closest = {}
     for row in rows:
         seconds = float(row["stamp"]) - float(rows[0]["stamp"])
@@ -351,7 +194,7 @@ def test_the_summary_tells_when_each_pair_was_closest(check):
 
 
 @pytest.mark.parametrize("count, rest", [(20, None), (23, "and 3 more")])
-def test_of_links_without_a_pose_twenty_are_listed_and_the_rest_is_counted(check, tmp_path, count, rest):
+def test_of_links_without_a_pose_twenty_are_listed_and_the_rest_is_counted(check_bag, tmp_path, count, rest):
     urdf, bag = tmp_path / "many.urdf", tmp_path / "few.bag"
     ball = "<link name='%s'><collision><geometry><sphere radius='0.01'/></geometry></collision></link>"
     tie = "<joint name='to_%s' type='floating'><parent link='root'/><child link='%s'/></joint>"
@@ -367,12 +210,12 @@ def test_of_links_without_a_pose_twenty_are_listed_and_the_rest_is_counted(check
                 transform.child_frame_id, transform.transform.rotation.w = link, 1.0
                 transforms.append(transform)
             target.write("/tf", TFMessage(transforms), rospy.Time(second))
-    _, summary = check(bag, "--urdf", urdf, "--max-gap", "5")
+    _, summary = check_bag(bag, "--urdf", urdf, "--max-gap", "5")
     assert len(re.findall(r"^    l\d+  at 2 stamps$", summary, re.MULTILINE)) == 20
     assert re.search(r"^    (and .*)$", summary, re.MULTILINE) is None if rest is None else rest in summary
 
 
-def test_without_a_stamp_a_message_counts_when_it_arrived_to_the_nanosecond(check, tmp_path):
+def test_without_a_stamp_a_message_counts_when_it_arrived_to_the_nanosecond(check_bag, tmp_path):
     bag = tmp_path / "unstamped.bag"
     with rosbag.Bag(DEMO_BAG) as source, rosbag.Bag(str(bag), "w") as target:
         for topic, message, stamp in source.read_messages():
@@ -380,12 +223,12 @@ def test_without_a_stamp_a_message_counts_when_it_arrived_to_the_nanosecond(chec
                 message.header.stamp = rospy.Time()
             if topic not in ("/tf", "/tf_static"):
                 target.write(topic, message, stamp + rospy.Duration(0, 7))
-    rows, _ = check(bag)
-    expected = [row["stamp"][:-1] + "7" for row in check(DEMO_BAG)[0]]
+    rows, _ = check_bag(bag)
+    expected = [row["stamp"][:-1] + "7" for row in check_bag(DEMO_BAG)[0]]
     assert [row["stamp"] for row in rows] == expected
 
 
-def test_transforms_that_are_no_rotations_are_counted_and_said(check, tmp_path):
+def test_transforms_that_are_no_rotations_are_counted_and_said(check_bag, tmp_path):
     bag = tmp_path / "bent.bag"
     with rosbag.Bag(DEMO_BAG) as source, rosbag.Bag(str(bag), "w") as target:
         for topic, message, stamp in source.read_messages():
@@ -394,10 +237,10 @@ def test_transforms_that_are_no_rotations_are_counted_and_said(check, tmp_path):
         bent.header.stamp, bent.header.frame_id, bent.child_frame_id = rospy.Time(1001), "world", "bent"
         bent.transform.rotation.w = 2.0
         target.write("/tf", TFMessage([bent, bent]), bent.header.stamp)
-    assert "2 transforms and joint positions that are not finite, or not a rotation" in check(bag)[1]
+    assert "2 transforms and joint positions that are not finite, or not a rotation" in check_bag(bag)[1]
 
 
-def test_time_in_contact_is_counted_from_stamp_to_stamp(check, tmp_path):
+def test_time_in_contact_is_counted_from_stamp_to_stamp(check_bag, tmp_path):
     bag = tmp_path / "boxes.bag"
     urdf = tmp_path / "boxes.urdf"
     box = "<link name='%s'><collision><geometry><box size='1 1 1'/></geometry></collision></link>"
@@ -411,7 +254,7 @@ def test_time_in_contact_is_counted_from_stamp_to_stamp(check, tmp_path):
             message = JointState(name=["slide_a", "slide_b"], position=[0, x])
             message.header.stamp = rospy.Time(100 + seconds)
             target.write("/joint_states", message, message.header.stamp)
-    rows, summary = check(bag, "--urdf", urdf)
+    rows, summary = check_bag(bag, "--urdf", urdf)
     assert [row["pairs"] for row in rows] == ["", "a|b", "a|b", "", "", "a|b", "a|b"]
     assert "in contact        3.000 s, 4 stamps" in summary
     assert "near only         1.000 s" in summary
@@ -439,22 +282,6 @@ def test_wrong_input_is_one_line_exit_code_2_and_no_file(run_tool, tmp_path, arg
     assert not list(tmp_path.iterdir())
 
 
-def test_what_is_not_a_plain_bag_of_format_2_is_refused_with_the_way_out(run_tool, make_bag, tmp_path):
-    bag = make_bag("r.bag")
-    content = bag.read_bytes()
-    size = int.from_bytes(content[13:17], "little")
-    field = b"encryptor=rosbag/AesCbcEncryptor"
-    fields = content[17:17 + size].replace(len(b"encryptor=").to_bytes(4, "little") + b"encryptor=", b"")
-    header = fields + len(field).to_bytes(4, "little") + field
-    encrypted = content[:13] + len(header).to_bytes(4, "little") + header + content[17 + size:]
-    for broken, says in [(b"#ROSRECORD V1.2\n" + content[13:], "rosbag record"), (encrypted, "rosbag decrypt"),
-                         (content[1:], "is not a bag"), (b"", "is not a bag"), (b"#ROS", "rosbag record")]:
-        bag.write_bytes(broken)
-        done = run_tool("check_bag", bag, "--out", tmp_path / "out.csv")
-        assert done.returncode == 2 and says in done.stderr and str(bag) in done.stderr, (says, done.stderr)
-        assert not (tmp_path / "out.csv").exists()
-
-
 def test_a_bag_without_a_robot_asks_for_one(run_tool, make_bag):
     done = run_tool("check_bag", make_bag("r.bag", "--without", "robot"))
     assert done.returncode == 2 and "--urdf" in done.stderr
@@ -467,9 +294,9 @@ def test_without_out_the_table_is_on_standard_output_and_nothing_else(run_tool):
     assert "closest" in done.stderr
 
 
-def test_reports_and_markers_are_recorded_at_the_stamps_of_the_table(check, tmp_path):
+def test_reports_and_markers_are_recorded_at_the_stamps_of_the_table(check_bag, tmp_path):
     recorded = tmp_path / "recorded.bag"
-    rows, _ = check(DEMO_BAG, "--record", recorded)
+    rows, _ = check_bag(DEMO_BAG, "--record", recorded)
     with rosbag.Bag(str(recorded)) as bag:
         reports = [message for _, message, _ in bag.read_messages("/collision_pairs_node/collision_pairs")]
         markers = [message for _, message, _ in bag.read_messages("/collision_pairs_node/markers")]

@@ -1,9 +1,13 @@
 // What rviz is shown of a scene, where it stands.
+#include <set>
+
 #include <gtest/gtest.h>
 
-#include "collision_pairs/scene_description.h"
+#include "collision_pairs/collision_detector.h"
+#include "conversions.h"
 #include "demo_scene.h"
 #include "geometry_conversions.h"
+#include "markers.h"
 #include "random_inputs.h"
 #include "scene_markers.h"
 #include "test_shapes.h"
@@ -99,6 +103,96 @@ TEST(SceneMarkers, BeginWithTheRobotBecauseAVastWorldIsNotDrawnWhole) {
   const auto markers = drawn(Sphere{0.1}, Sphere{0.1}, Fidelity::MESH);
   ASSERT_EQ(markers.size(), 4u);
   EXPECT_EQ(markers.back().ns, "standing");
+}
+
+/// Link a (a box), a mesh on it, a capsule and a floor.
+std::shared_ptr<const CollisionScene> drawnScene() {
+  SceneDescription description;
+  description.robots.push_back({robotFrom(slidingBoxes(2)), std::nullopt, ""});
+  RigidObject load;
+  load.name = "load";
+  load.attached_link = "a";
+  const auto mesh = std::make_shared<const TriangleMesh>(LShape().mesh());
+  load.elements.push_back({Mesh{mesh}, Isometry3d::Identity()});
+  RigidObject pole;
+  pole.name = "pole";
+  pole.elements.push_back({Capsule{0.1, 2.0}, Isometry3d::Identity()});
+  description.objects = {load, pole, floorAt(-1.0, {})};
+  return CollisionScene::build(description);
+}
+
+TEST(SceneMarkers, ShowEachShapeInItsFrame) {
+  const auto array = toSceneMarkers(*drawnScene(), Fidelity::MESH, "world");
+  EXPECT_EQ(array.markers.front().action, Marker::DELETEALL);
+  std::multiset<std::string> drawn;
+  std::set<int> ids;
+  for (const Marker& marker : array.markers) {
+    if (marker.action != Marker::ADD) continue;
+    drawn.insert(marker.ns + " " + marker.header.frame_id + " " + std::to_string(marker.type));
+    EXPECT_EQ(marker.frame_locked, marker.ns != "standing");
+    EXPECT_TRUE(ids.insert(marker.id).second);
+  }
+  const auto type = [](int value) { return " " + std::to_string(value); };
+  EXPECT_EQ(drawn,
+            (std::multiset<std::string>{
+                "links a" + type(Marker::CUBE), "links b" + type(Marker::CUBE),
+                "attached_objects a" + type(Marker::TRIANGLE_LIST),
+                "standing world" + type(Marker::CYLINDER), "standing world" + type(Marker::SPHERE),
+                "standing world" + type(Marker::SPHERE), "standing world" + type(Marker::CUBE)}));
+}
+
+TEST(SceneMarkers, ShowTheHullOrTheBoxWhereThatIsCompared) {
+  const auto scene = drawnScene();
+  const auto loadOf = [&](Fidelity fidelity) {
+    for (const Marker& marker : toSceneMarkers(*scene, fidelity, "world").markers) {
+      if (marker.ns == "attached_objects") return marker;
+    }
+    return Marker();
+  };
+  EXPECT_EQ(loadOf(Fidelity::OBB).type, Marker::CUBE);
+  EXPECT_EQ(loadOf(Fidelity::AABB).type, Marker::CUBE);
+  EXPECT_EQ(loadOf(Fidelity::CONVEX).type, Marker::TRIANGLE_LIST);
+  EXPECT_EQ(loadOf(Fidelity::MESH).points.size(), 3 * LShape().mesh().triangles.size());
+  EXPECT_LT(loadOf(Fidelity::CONVEX).points.size(), loadOf(Fidelity::MESH).points.size());
+}
+
+TEST(SceneMarkers, ShowALinkAsCoarselyAsItIsCompared) {
+  SceneDescription description;
+  description.robots.push_back({robotFrom(slidingBoxes(2)), std::nullopt, ""});
+  RigidObject load;
+  load.name = "load";
+  load.attached_link = "a";
+  load.elements.push_back(
+      {Mesh{std::make_shared<const TriangleMesh>(LShape().mesh())}, Isometry3d::Identity()});
+  description.objects = {load};
+  description.settings.link_fidelity = {{"load", Fidelity::OBB}};
+  for (const Marker& marker :
+       toSceneMarkers(*CollisionScene::build(description), Fidelity::MESH, "world").markers) {
+    if (marker.action != Marker::ADD) continue;
+    EXPECT_EQ(marker.type, Marker::CUBE) << marker.ns;
+  }
+}
+
+TEST(BoxMarkers, OfAFloorAreFinite) {
+  const auto scene = drawnScene();
+  CollisionDetector detector(scene);
+  BodyPoses poses;
+  poses.resize(scene->bodies().size());
+  CheckSettings settings;
+  settings.list_boxes = true;
+  const auto& report = detector.detect(poses, settings);
+  const auto array =
+      toMarkers(toMessage(report, *scene, settings, "world", ros::Time(1), {}), &report, false);
+  int nb_boxes = 0;
+  for (const Marker& marker : array.markers) {
+    if (marker.type != Marker::CUBE || marker.action != Marker::ADD) continue;
+    ++nb_boxes;
+    for (const double size : {marker.scale.x, marker.scale.y, marker.scale.z}) {
+      EXPECT_GT(size, 0.0);
+      EXPECT_LT(size, 100.0);
+    }
+  }
+  EXPECT_EQ(nb_boxes, 5);
 }
 
 }  // namespace
