@@ -239,10 +239,11 @@ TEST(Scene, RobotAndEnvironmentMayHaveARootOfOneNameWithoutGeometry) {
 }
 
 TEST(Scene, AnElementOfALinkThatIsFixedOnABodyStandsWhereTheUrdfSays) {
-  const std::string turned = "<origin xyz='1 2 3' rpy='0.4 -1.1 2.0'/>";
   const auto robot = robotFrom(
-      boxLink("base", 0.1) + emptyLink("arm") + linkWith("tool", "<sphere radius='0.1'/>", turned) +
-      joint("turn", "continuous", "base", "arm") + "<joint name='weld' type='fixed'>" + turned +
+      boxLink("base", 0.1) + emptyLink("arm") +
+      linkWith("tool", "<sphere radius='0.1'/>", "<origin xyz='4 5 6' rpy='0 0 0.5'/>") +
+      joint("turn", "continuous", "base", "arm") +
+      "<joint name='weld' type='fixed'><origin xyz='1 2 3' rpy='0.4 -1.1 2.0'/>"
       "<parent link='arm'/><child link='tool'/></joint>");
   const auto scene = CollisionScene::build(robot, Srdf{}, nullptr);
   const auto& model = scene->models()[static_cast<std::size_t>(scene->findModel("tool"))];
@@ -250,10 +251,10 @@ TEST(Scene, AnElementOfALinkThatIsFixedOnABodyStandsWhereTheUrdfSays) {
                              Eigen::AngleAxisd(-1.1, Vector3d::UnitY()) *
                              Eigen::AngleAxisd(0.4, Vector3d::UnitX()))
                                 .toRotationMatrix();
-  const Vector3d p(1, 2, 3);
+  const Eigen::Matrix3d R_LE = Eigen::AngleAxisd(0.5, Vector3d::UnitZ()).toRotationMatrix();
   const Isometry3d& X_BE = scene->elements()[model.first_element].X_BE;
-  EXPECT_LT((X_BE.translation() - (p + R * p)).norm(), 1e-14);
-  EXPECT_LT((X_BE.linear() - R * R).norm(), 1e-14);
+  EXPECT_LT((X_BE.translation() - (Vector3d(1, 2, 3) + R * Vector3d(4, 5, 6))).norm(), 1e-14);
+  EXPECT_LT((X_BE.linear() - R * R_LE).norm(), 1e-14);
 }
 
 TEST(Scene, WithACacheIsTheSameAndPreparesOnlyWhatIsNew) {
