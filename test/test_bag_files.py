@@ -47,11 +47,12 @@ def test_the_order_in_which_joint_states_were_recorded_does_not_matter(check_bag
 def test_of_many_topics_each_is_read_whatever_byte_its_number_is(check_bag, make_bag, tmp_path):
     few, many = make_bag("few.bag", "--without", "tf"), tmp_path / "many.bag"
     with rosbag.Bag(str(few)) as source, rosbag.Bag(str(many), "w") as target:
-        messages = sorted(source.read_messages(), key=lambda m: m[0] != "/joint_states")
-        for i in range(ord("=")):  # the field of a record's header is then "conn=="
-            target.write("/topic%d" % i, JointState(), messages[0][2])
-        for topic, message, stamp in messages:
-            target.write(topic, message, stamp)
+        first, *rest = sorted(source.read_messages(), key=lambda m: m[0] != "/joint_states")
+        target.write(*first)
+        for number in range(1, ord("=") + 1):  # the last one's field in the headers of records is "conn=="
+            target.write("/topic%d" % number, JointState(), first[2])
+        for message in rest:
+            target.write(*message)
     assert without_name(check_bag(many)[0]) == without_name(check_bag(few)[0])
 
 

@@ -230,12 +230,19 @@ TEST(Scene, RobotAndEnvironmentMayHaveARootOfOneNameWithoutGeometry) {
   description.world =
       robotFrom(emptyLink("root") + boxLink("cell", 1) + joint("j", "fixed", "root", "cell"));
   EXPECT_GE(CollisionScene::build(description)->findModel("cell"), 0);
-  description.settings.link_padding["root"] = 0.1;
-  EXPECT_EQ(refusal(description), "accepted") << "it is a name of the scene, if of nothing checked";
-  description.settings = {};
   description.world =
       robotFrom(boxLink("root", 1) + boxLink("cell", 1) + joint("j", "fixed", "root", "cell"));
   EXPECT_THAT(refusal(description), HasSubstr("link 'root' is in the robot and in the world"));
+}
+
+TEST(Scene, SettingsMayNameALinkOfTheEnvironmentWithoutGeometry) {
+  SceneDescription description = twoSliders();
+  description.world =
+      robotFrom(emptyLink("hall") + boxLink("cell", 1) + joint("j", "fixed", "hall", "cell"));
+  description.settings.link_padding["hall"] = 0.1;
+  EXPECT_EQ(refusal(description), "accepted");
+  description.settings.link_padding["hell"] = 0.1;
+  EXPECT_THAT(refusal(description), HasSubstr("'hell'"));
 }
 
 TEST(Scene, AnElementOfALinkThatIsFixedOnABodyStandsWhereTheUrdfSays) {
