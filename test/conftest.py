@@ -11,6 +11,8 @@ TOOLS = os.environ.get("COLLISION_PAIRS_TOOLS", os.path.join(PROJECT, "build/dev
 PYTHON = os.path.normpath(os.path.join(TOOLS, "../python3/dist-packages"))  # the module and the messages
 TIMES_SLOWER = 10 if "TSAN_OPTIONS" in os.environ else 1  # scripts/test --sanitize
 DEMO = os.path.join(PROJECT, "config/demo")
+DEMO_BAG = os.path.join(DEMO, "demo.bag")
+DEMO_ROBOT = ["--urdf", os.path.join(DEMO, "demo_robot.urdf"), "--srdf", os.path.join(DEMO, "demo_robot.srdf")]
 SYSTEM_PATH = "/usr/bin:/bin:" + os.environ.get("PATH", "")  # another Python may come first in PATH
 sys.path.insert(0, PYTHON)
 
@@ -37,6 +39,7 @@ def make_bag(tmp_path):
 
 
 def rows_of(path):
+    """Of a table with a header: a dict each."""
     with open(path) as lines:
         return list(csv.DictReader(lines))
 

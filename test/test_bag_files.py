@@ -1,16 +1,14 @@
 """Bag files as check_bag meets them: compressed, in any order, truncated, damaged, of another format."""
 import bz2
-import os
 import random
 import re
 
 import pytest
 import rosbag
-from conftest import DEMO, without_name
+from conftest import DEMO_BAG, DEMO_ROBOT, without_name
 from sensor_msgs.msg import JointState
 
-DEMO_BAG = os.path.join(DEMO, "demo.bag")
-ROBOT = ["--urdf", os.path.join(DEMO, "demo_robot.urdf"), "--srdf", os.path.join(DEMO, "demo_robot.srdf")]
+MAGIC = b"#ROSBAG V2.0\n"
 
 
 @pytest.mark.parametrize("compression", ["none", "bz2", "lz4"])
@@ -94,9 +92,8 @@ def records_of(content):
 
 def test_a_chunk_that_ends_between_two_records_too_early_is_a_loss(check_bag, make_bag):
     bag = make_bag("e.bag", "--compression", "bz2")
-    magic, content, cut = b"#ROSBAG V2.0\n", bag.read_bytes(), 0
-    damaged = [magic]
-    for header, data in records_of(content[len(magic):]):
+    damaged, cut = [MAGIC], 0
+    for header, data in records_of(bag.read_bytes()[len(MAGIC):]):
         if b"op=\x05" in header and not cut:
             inside = [head + rest for head, rest in records_of(bz2.decompress(data))]
             cut = len(inside[-1])
@@ -111,8 +108,8 @@ def test_a_chunk_that_ends_between_two_records_too_early_is_a_loss(check_bag, ma
 @pytest.mark.parametrize("compression", ["none", "bz2", "lz4"])
 def test_of_a_chunk_that_the_file_ends_in_no_more_is_read_than_there_is(check_bag, make_bag, compression):
     bag = make_bag("m.bag", "--compression", compression, "--rate", "200")
-    magic, content, place, middles = b"#ROSBAG V2.0\n", bag.read_bytes(), len(b"#ROSBAG V2.0\n"), []
-    for header, data in records_of(content[len(magic):]):
+    content, place, middles = bag.read_bytes(), len(MAGIC), []
+    for header, data in records_of(content[len(MAGIC):]):
         if b"op=\x05" in header:
             middles.append(place + len(header) + len(data) // 2)
         place += len(header) + len(data)
@@ -132,7 +129,7 @@ def test_garbage_is_survived_at_any_place(run_tool, make_bag, tmp_path):
             place = random.randrange(len(broken))
             broken[place:place + 8] = bytes(random.randrange(256) for _ in range(8))
         bag.write_bytes(broken[:random.choice([len(broken), random.randrange(len(broken))])])
-        done = run_tool("check_bag", bag, *ROBOT, "--out", tmp_path / "out.csv")
+        done = run_tool("check_bag", bag, *DEMO_ROBOT, "--out", tmp_path / "out.csv")
         assert done.returncode in (0, 2), done
 
 

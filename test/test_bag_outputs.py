@@ -1,14 +1,11 @@
 """What becomes of the tables of check_bag: parts put together, and the page for a browser."""
 import base64
-import os
 import re
 import shutil
 import subprocess
 
 import pytest
-from conftest import DEMO
-
-DEMO_BAG = os.path.join(DEMO, "demo.bag")
+from conftest import DEMO_BAG
 
 
 def run_parts(run_tool, tmp_path, count, *arguments):
@@ -61,7 +58,8 @@ def test_a_merge_that_is_not_complete_is_refused(run_tool, make_bag, tmp_path):
     merged = tmp_path / "merged.csv"
     for tables, says in (((one, two), "3/3 is missing"), ((one, three), "2/3 is missing"), ((one, one, two), "twice"),
                          ((one, two, stranger), "another run"), ((one, two, cut), "cut.csv"),
-                         ((one, two, twice), "is missing"), ((one, two, misspelt), "'fre' is not a verdict"), ((one, whole), "mixed"), ((one, two, bag), "a.bag"),
+                         ((one, two, twice), "is missing"), ((one, two, misspelt), "'fre' is not a verdict"),
+                         ((one, whole), "mixed"), ((one, two, bag), "a.bag"),
                          ((tmp_path / "none",), "none")):
         done = run_tool("merge_bag_checks", *tables, "--out", merged)
         assert done.returncode == 2 and says in done.stderr and len(done.stderr.splitlines()) == 1, done.stderr

@@ -115,6 +115,12 @@ TEST_F(BagPosesTest, JointStatesAreTakenWhereTransformsKnowFewerBodies) {
   EXPECT_EQ(at("wheel", 1), Vector3d(7, 2, 1));
 }
 
+TEST_F(BagPosesTest, EachLinkWithoutAFrameIsNamed) {
+  transform("base", "mount", 1, 0, 2);
+  finish();
+  EXPECT_THAT(poses_->notes(), ElementsAre(EndsWith("TF has no frame for them: arm, wheel")));
+}
+
 TEST_F(BagPosesTest, BelowAJointThatIsNotKnownThenNothingIs) {
   position("slide", 2, 4);
   for (const double seconds : {1.0, 2.0}) position("spin", seconds, 0);

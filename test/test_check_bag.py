@@ -1,17 +1,14 @@
 """check_bag as a user meets it: verdicts, several robots, the summary, errors."""
-import os
 import re
 
 import pytest
 import rosbag
 import rospy
-from conftest import DEMO, rows_of, without_name
+from conftest import DEMO, DEMO_BAG, DEMO_ROBOT, rows_of, without_name
 from geometry_msgs.msg import TransformStamped
 from sensor_msgs.msg import JointState
 from tf2_msgs.msg import TFMessage
 
-DEMO_BAG = os.path.join(DEMO, "demo.bag")
-ROBOT = ["--urdf", os.path.join(DEMO, "demo_robot.urdf"), "--srdf", os.path.join(DEMO, "demo_robot.srdf")]
 HEADER = ["bag", "state", "stamp", "in_collision", "pairs", "min_distance", "nb_pairs", "distances", "left_out",
           "verdict"]
 
@@ -46,7 +43,7 @@ def test_transforms_and_joint_states_give_what_check_states_gives(run_tool, chec
     states.write_text("\n".join([",".join(messages[0].name)] +
                                 [",".join(map(repr, m.position)) for m in messages]) + "\n")
     out = tmp_path / "states_out.csv"
-    done = run_tool("check_states", ROBOT[1], *ROBOT[2:], "--states", states, "--out", out, "--min-distance",
+    done = run_tool("check_states", DEMO_ROBOT[1], *DEMO_ROBOT[2:], "--states", states, "--out", out, "--min-distance",
                     "--alarm-distance", "0.05")
     assert done.returncode == 0, done.stderr
     rows, _ = check_bag(bag, "--min-distance")
@@ -77,7 +74,7 @@ def test_old_tf_messages_and_leading_slashes_are_read(check_bag, tmp_path, make_
                 transform.child_frame_id = "/" + transform.child_frame_id
             # Fixed frames come once only here, and not as static: within bodies they are not needed.
             target.write("/tf", OldMessage(message.transforms), stamp)
-    rows, _ = check_bag(old, *ROBOT)
+    rows, _ = check_bag(old, *DEMO_ROBOT)
     assert verdicts(rows) == verdicts(check_bag(DEMO_BAG)[0])
 
 
@@ -92,9 +89,9 @@ def test_of_several_robots_the_prefix_chooses_one(run_tool, check_bag, make_bag,
                     if "description" not in topic:
                         target.write(topic, message, stamp)
     for name, alone in (("left", left), ("right", right)):
-        rows, _ = check_bag(both, "--prefix", name, *ROBOT)
+        rows, _ = check_bag(both, "--prefix", name, *DEMO_ROBOT)
         assert without_name(rows) == without_name(check_bag(alone, "--prefix", name)[0])
-    done = run_tool("check_bag", both, *ROBOT)
+    done = run_tool("check_bag", both, *DEMO_ROBOT)
     assert done.returncode == 2 and "--prefix left or right" in done.stderr
 
 
@@ -263,7 +260,7 @@ def test_time_in_contact_is_counted_from_stamp_to_stamp(check_bag, tmp_path):
 
 
 @pytest.mark.parametrize("arguments, says", [
-    (["none.bag"], "none.bag"), ([DEMO], "demo"), ([ROBOT[1]], "demo_robot.urdf"), ([], "bags"),
+    (["none.bag"], "none.bag"), ([DEMO], "demo"), ([DEMO_ROBOT[1]], "demo_robot.urdf"), ([], "bags"),
     ([DEMO_BAG, "--urdf", "none.urdf"], "none.urdf"), ([DEMO_BAG, "--srdf", "none.srdf"], "none.srdf"),
     ([DEMO_BAG, "--fidelity", "exact"], "exact"), ([DEMO_BAG, "--alarm-distance", "-1"], "alarm"),
     ([DEMO_BAG, "--alarm-distance", "nan"], "alarm"), ([DEMO_BAG, "--max-gap", "0"], "max-gap"),

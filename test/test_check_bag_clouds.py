@@ -1,5 +1,4 @@
 """check_bag --clouds: recorded point clouds as obstacles of the demo robot."""
-import csv
 import math
 import struct
 
@@ -76,13 +75,9 @@ def with_clouds(make_bag, tmp_path):
 
 
 @pytest.fixture
-def check(run_tool, tmp_path):
+def check(check_bag):
     def run(bag, *arguments, topics=("camera/points",)):
-        out = tmp_path / "out.csv"
-        done = run_tool("check_bag", bag, "--out", out, *arguments, "--clouds", *topics)
-        assert done.returncode == 0, done.stderr
-        with open(out) as lines:
-            return list(csv.DictReader(lines)), done.stderr
+        return check_bag(bag, *arguments, "--clouds", *topics)
     return run
 
 
@@ -107,24 +102,20 @@ def write(tmp_path):
     return settings
 
 
-def test_what_is_far_changes_no_verdict_and_no_pair(check, run_tool, with_clouds, tmp_path):
+def test_what_is_far_changes_no_verdict_and_no_pair(check, check_bag, with_clouds):
     bag = with_clouds(every(0.2, 30, FAR_SEEN))
     rows, _ = check(bag)
-    plain = tmp_path / "plain.csv"
-    assert run_tool("check_bag", bag, "--out", plain).returncode == 0
-    with open(plain) as lines:
-        without = list(csv.DictReader(lines))
+    without, _ = check_bag(bag)
     assert {row["verdict"] for row in without} == {"free", "collision"}
     assert [(r["stamp"], r["verdict"], r["pairs"], r["left_out"]) for r in rows] == \
         [(r["stamp"], r["verdict"], r["pairs"], r["left_out"]) for r in without]
 
 
-def test_a_cloud_of_the_settings_that_is_not_chosen_is_warned_of(check, run_tool, with_clouds, tmp_path, write):
+def test_a_cloud_of_the_settings_that_is_not_chosen_is_warned_of(check, check_bag, with_clouds, write):
     bag, settings = with_clouds(every(0.2, 30, FAR_SEEN)), write("{topic: camera/points}, {topic: lidar/points}")
     warned = "ignored, so a state may be free only without them: cloud "
     assert warned + "'lidar/points'\n" in check(bag, "--settings", settings)[1]
-    nothing_chosen = run_tool("check_bag", bag, "--out", tmp_path / "out.csv", "--settings", settings)
-    assert warned + "'camera/points', cloud 'lidar/points'\n" in nothing_chosen.stderr
+    assert warned + "'camera/points', cloud 'lidar/points'\n" in check_bag(bag, "--settings", settings)[1]
 
 
 def test_a_block_that_a_link_comes_into_is_a_collision_with_the_cloud_and_the_link_named(check, make_bag, with_clouds, write):
@@ -201,7 +192,8 @@ def test_a_cloud_that_cannot_be_used_is_said_and_nothing_is_free_until_the_next(
 @pytest.mark.parametrize("ahead, is_used", [(0.4, True), (0.6, False)])
 def test_a_cloud_from_the_future_is_refused_beyond_half_a_second(check, with_clouds, tmp_path, ahead, is_used):
     bag = tmp_path / "ahead.bag"
-    with rosbag.Bag(str(with_clouds([cloud_of(FAR_SEEN, START + 1.0)]))) as source, rosbag.Bag(str(bag), "w") as target:
+    one_cloud = with_clouds([cloud_of(FAR_SEEN, START + 1.0)])
+    with rosbag.Bag(str(one_cloud)) as source, rosbag.Bag(str(bag), "w") as target:
         for topic, message, recorded in source.read_messages():
             if topic == TOPIC:
                 message.header.stamp = recorded + rospy.Duration.from_sec(ahead)

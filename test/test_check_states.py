@@ -1,11 +1,10 @@
 """check_states as a user meets it: what it prints, what it refuses, what it leaves behind."""
-import csv
 import os
 import random
 import stat
 
 import pytest
-from conftest import DEMO
+from conftest import DEMO, rows_of
 
 URDF = os.path.join(DEMO, "demo_robot.urdf")
 SRDF = os.path.join(DEMO, "demo_robot.srdf")
@@ -18,11 +17,6 @@ def states(tmp_path):
     path.write_text("shoulder_pan,shoulder_lift,elbow_flex,wrist_flex,wrist_roll\n"
                     "0,-0.3,1.2,0.9,0\n0.3,1.1,0.6,-0.1,1.35\n")
     return path
-
-
-def rows_of(path):
-    with open(path) as lines:
-        return list(csv.DictReader(lines))
 
 
 def test_verdicts_pairs_and_distance_are_written(run_tool, states, tmp_path):

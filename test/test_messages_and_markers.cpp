@@ -326,27 +326,6 @@ TEST_F(OfMixedLinks, SpheresThatTouchExactlyAreDrawnInContact) {
   EXPECT_EQ(count["normals"], 1);
 }
 
-TEST(BoxMarkers, OfWhatIsFlatAreDrawable) {
-  const auto scene =
-      CollisionScene::build(robotFrom(linkWith("root", "<box size='1 1 0'/>") + boxLink("a", 1.0) +
-                                      joint("j", "floating", "root", "a", "0 0 0", "")),
-                            Srdf{}, nullptr);
-  CollisionDetector detector(scene);
-  BodyPoses poses;
-  poses.resize(scene->bodies().size());
-  CheckSettings settings;
-  settings.list_boxes = true;
-  const auto& report = detector.detect(poses, settings);
-  const auto message = toMessage(report, *scene, settings, "world", ros::Time(7), {});
-  int nb_boxes = 0;
-  for (const Marker& marker : toMarkers(message, &report, false).markers) {
-    if (marker.type != Marker::CUBE || marker.action != Marker::ADD) continue;
-    ++nb_boxes;
-    EXPECT_GE(marker.scale.z, 1e-6);  // rviz shows nothing where an edge has no length
-  }
-  EXPECT_EQ(nb_boxes, 2);
-}
-
 TEST(PoseOfAMessage, IsThePose) {
   RandomInputs random;
   for (int round = 0; round < 100; ++round) {

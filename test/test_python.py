@@ -128,7 +128,8 @@ def test_joints_that_are_not_named_are_warned_of_and_listed():
 
 
 def test_settings_that_only_the_node_follows_are_named_in_a_warning():
-    with pytest.warns(UserWarning, match="ignored, so a state may be free only without them: robots, cloud 'camera/points'$"):
+    ignored = "ignored, so a state may be free only without them: robots, cloud 'camera/points'$"
+    with pytest.warns(UserWarning, match=ignored):
         detector(settings={"clouds": [{"topic": "camera/points"}], "robots": [{"description": "other"}]})
 
 

@@ -2,11 +2,11 @@
 
 The data are not part of this package: COLLISION_PAIRS_SHARED names their folder.
 """
-import csv
 import os
 
 import numpy as np
 import pytest
+from conftest import rows_of
 
 import collision_pairs as cp
 
@@ -17,11 +17,6 @@ UNDECIDED = {("pr2", "55"): {"l_wrist_flex_link|r_gripper_motor_accelerometer_li
 
 def pair_set(text):
     return set(filter(None, text.split(";")))
-
-
-def rows_of(path):
-    with open(path) as lines:
-        return list(csv.DictReader(lines))
 
 
 def check(run_tool, shared, tmp_path, robot, *options):

@@ -4,7 +4,7 @@
 
 #include "collision_pairs/input_error.h"
 #include "collision_pairs/robot_model.h"
-#include "demo_scene.h"
+#include "mixed_robot.h"
 #include "random_inputs.h"
 
 namespace collision_pairs {
@@ -125,6 +125,24 @@ TEST(RobotModel, RobotsWithALinkOrAJointOfOneNameAreNotMerged) {
   EXPECT_THROW(RobotModel::merge({{named("1", "turn"), ""}, {named("2", "turn"), ""}}), InputError);
   EXPECT_THROW(RobotModel::merge({{named("1", "turn1"), ""}, {named("1", "turn2"), ""}}),
                InputError);
+}
+
+TEST(RobotModel, RobotsThatAreMergedMoveAsEachAlone) {
+  const auto robot = mixedRobot();
+  const Eigen::Isometry3d X_WR =
+      Eigen::Translation3d(1, 2, 3) * Eigen::AngleAxisd(0.7, Eigen::Vector3d::UnitX());
+  const auto both =
+      RobotModel::merge({{robot, "", Eigen::Isometry3d::Identity()}, {robot, "two", X_WR}});
+  std::vector<Eigen::Isometry3d> alone, merged;
+  robot->forwardKinematics(robot->zeroPositions(), alone);
+  both->forwardKinematics(both->zeroPositions(), merged);
+  ASSERT_EQ(merged.size(), 2 * alone.size());
+  for (std::size_t i = 0; i < alone.size(); ++i) {
+    EXPECT_TRUE(merged[i].isApprox(alone[i], 1e-15));
+    EXPECT_TRUE(merged[alone.size() + i].isApprox(X_WR * alone[i], 1e-15));
+  }
+  const Link& link = both->links()[both->findLink("two/z")];
+  EXPECT_EQ(both->links()[both->joints()[link.parent_joint].parent_link].name, "two/root");
 }
 
 TEST(RobotModel, PositionsWithoutOneEntryForEachJointAreRefused) {

@@ -384,21 +384,5 @@ TEST(SeveralRobots, OfOneNameAreRefused) {
   EXPECT_THAT(refusal(description), HasSubstr("give each a different prefix"));
 }
 
-TEST(SeveralRobots, MergedMoveAsEachAlone) {
-  const auto robot = mixedRobot();
-  const Isometry3d X_WR = at(1, 2, 3) * Eigen::AngleAxisd(0.7, Vector3d::UnitX());
-  const auto both = RobotModel::merge({{robot, "", Isometry3d::Identity()}, {robot, "two", X_WR}});
-  std::vector<Isometry3d> alone, merged;
-  robot->forwardKinematics(robot->zeroPositions(), alone);
-  both->forwardKinematics(both->zeroPositions(), merged);
-  ASSERT_EQ(merged.size(), 2 * alone.size());
-  for (std::size_t i = 0; i < alone.size(); ++i) {
-    EXPECT_TRUE(merged[i].isApprox(alone[i], 1e-15));
-    EXPECT_TRUE(merged[alone.size() + i].isApprox(X_WR * alone[i], 1e-15));
-  }
-  const Link& link = both->links()[both->findLink("two/z")];
-  EXPECT_EQ(both->links()[both->joints()[link.parent_joint].parent_link].name, "two/root");
-}
-
 }  // namespace
 }  // namespace collision_pairs

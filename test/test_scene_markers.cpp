@@ -1,4 +1,4 @@
-// What rviz is shown of a scene, where it stands.
+// What rviz is shown of a scene, and of the boxes of a report about it, where they stand.
 #include <set>
 
 #include <gtest/gtest.h>
@@ -20,8 +20,10 @@ using Eigen::Vector3d;
 using visualization_msgs::Marker;
 
 /// Boxes a and b that slide, something on a, and something static.
-std::vector<Marker> drawn(const Shape& load, const Shape& fixed, Fidelity fidelity) {
+std::vector<Marker> drawn(const Shape& load, const Shape& fixed, Fidelity fidelity,
+                          const SceneSettings& settings = {}) {
   SceneDescription description;
+  description.settings = settings;
   description.robots.push_back({robotFrom(slidingBoxes(2)), std::nullopt, ""});
   RigidObject on_a, beside;
   on_a.name = "load";
@@ -157,42 +159,50 @@ TEST(SceneMarkers, ShowTheHullOrTheBoxWhereThatIsCompared) {
 }
 
 TEST(SceneMarkers, ShowALinkAsCoarselyAsItIsCompared) {
-  SceneDescription description;
-  description.robots.push_back({robotFrom(slidingBoxes(2)), std::nullopt, ""});
-  RigidObject load;
-  load.name = "load";
-  load.attached_link = "a";
-  load.elements.push_back(
-      {Mesh{std::make_shared<const TriangleMesh>(LShape().mesh())}, Isometry3d::Identity()});
-  description.objects = {load};
-  description.settings.link_fidelity = {{"load", Fidelity::OBB}};
-  for (const Marker& marker :
-       toSceneMarkers(*CollisionScene::build(description), Fidelity::MESH, "world").markers) {
-    if (marker.action != Marker::ADD) continue;
-    EXPECT_EQ(marker.type, Marker::CUBE) << marker.ns;
-  }
+  SceneSettings settings;
+  settings.link_fidelity = {{"load", Fidelity::OBB}};
+  const auto markers = drawn(meshShape(LShape().mesh()), Box{{1, 1, 1}}, Fidelity::MESH, settings);
+  EXPECT_EQ(markers.size(), 4u);
+  for (const Marker& marker : markers) EXPECT_EQ(marker.type, Marker::CUBE) << marker.ns;
 }
 
-TEST(BoxMarkers, OfAFloorAreFinite) {
-  const auto scene = drawnScene();
+/// Of a report about the scene with all links at their root.
+std::vector<Marker> boxesOf(const std::shared_ptr<const CollisionScene>& scene) {
   CollisionDetector detector(scene);
   BodyPoses poses;
   poses.resize(scene->bodies().size());
   CheckSettings settings;
   settings.list_boxes = true;
   const auto& report = detector.detect(poses, settings);
-  const auto array =
-      toMarkers(toMessage(report, *scene, settings, "world", ros::Time(1), {}), &report, false);
-  int nb_boxes = 0;
-  for (const Marker& marker : array.markers) {
-    if (marker.type != Marker::CUBE || marker.action != Marker::ADD) continue;
-    ++nb_boxes;
+  const auto message = toMessage(report, *scene, settings, "world", ros::Time(7), {});
+  std::vector<Marker> boxes;
+  for (const Marker& marker : toMarkers(message, &report, false).markers) {
+    if (marker.type == Marker::CUBE && marker.action == Marker::ADD) boxes.push_back(marker);
+  }
+  return boxes;
+}
+
+TEST(BoxMarkers, OfAFloorAreFinite) {
+  const auto boxes = boxesOf(drawnScene());
+  EXPECT_EQ(boxes.size(), 5u);
+  for (const Marker& marker : boxes) {
     for (const double size : {marker.scale.x, marker.scale.y, marker.scale.z}) {
       EXPECT_GT(size, 0.0);
       EXPECT_LT(size, 100.0);
     }
   }
-  EXPECT_EQ(nb_boxes, 5);
+}
+
+TEST(BoxMarkers, OfWhatIsFlatAreDrawable) {
+  const auto boxes =
+      boxesOf(CollisionScene::build(robotFrom(linkWith("root", "<box size='1 1 0'/>") +
+                                              boxLink("a", 1.0) +
+                                              joint("j", "floating", "root", "a", "0 0 0", "")),
+                                    Srdf{}, nullptr));
+  EXPECT_EQ(boxes.size(), 2u);
+  for (const Marker& marker : boxes) {
+    EXPECT_GE(marker.scale.z, 1e-6);  // rviz shows nothing where an edge has no length
+  }
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "bag_poses.h"
+#include "user_text.h"
 
 namespace collision_pairs {
 namespace {
@@ -35,16 +36,17 @@ BagPosesFromTf::BagPosesFromTf(const BagContents& bag, const CollisionScene& sce
 }
 
 void BagPosesFromTf::noteMissing() {
-  std::string missing;
+  std::vector<std::string> missing;
   for (const SceneBody& body : scene_.bodies()) {
     if (body.body == 0) continue;
     if (frames_[body.body].empty())
-      missing += (missing.empty() ? "" : ", ") + body.link;
+      missing.push_back(body.link);
     else
       ++nb_known_;
   }
   if (frames_[0].empty()) nb_known_ = 0;
-  if (!missing.empty()) notes_.push_back("left out, because TF has no frame for them: " + missing);
+  if (missing.empty()) return;
+  notes_.push_back("left out, because TF has no frame for them: " + joined(missing));
 }
 
 void BagPosesFromTf::collectStamps() {

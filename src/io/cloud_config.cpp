@@ -119,14 +119,20 @@ bool operator==(const CloudConfig& a, const CloudConfig& b) {
   return same_box && all(a) == all(b);
 }
 
+const CloudConfig* findCloud(const std::vector<CloudConfig>& clouds, const std::string& name) {
+  const auto found = std::find_if(clouds.begin(), clouds.end(), [&](const CloudConfig& cloud) {
+    return cloud.name() == name;
+  });
+  return found == clouds.end() ? nullptr : &*found;
+}
+
 std::vector<CloudConfig> readClouds(const YAML::Node& value) {
   const std::string rule = "a list of maps such as {topic: camera/points, voxel_size: 0.02}";
   if (!value.IsSequence()) refuseValue("clouds", value, rule);
   std::vector<CloudConfig> clouds;
   for (std::size_t i = 0; i < value.size(); ++i) {
     CloudConfig cloud = readCloud("clouds[" + std::to_string(i) + "]", value[i]);
-    const auto is_same = [&](const CloudConfig& other) { return other.name() == cloud.name(); };
-    if (std::any_of(clouds.begin(), clouds.end(), is_same)) {
+    if (findCloud(clouds, cloud.name())) {
       throw InputError("clouds: topic '" + cloud.topic + "' is listed twice");
     }
     clouds.push_back(std::move(cloud));

@@ -42,6 +42,9 @@ struct CloudConfig {
 
 bool operator==(const CloudConfig& a, const CloudConfig& b);
 
+/// The one with that name; null if there is none.
+const CloudConfig* findCloud(const std::vector<CloudConfig>& clouds, const std::string& name);
+
 /// Throws InputError that names the cloud, key, value and rule; an unknown key is refused with the
 /// closest known one.
 std::vector<CloudConfig> readClouds(const YAML::Node& value);

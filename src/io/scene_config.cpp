@@ -197,9 +197,7 @@ SceneConfig readSceneConfig(const YAML::Node& map) {
 std::string warningOfIgnored(const SceneConfig& config, const std::vector<CloudConfig>& used) {
   std::vector<std::string> ignored = config.of_the_node_only;
   for (const CloudConfig& cloud : config.clouds) {
-    const auto is_same = [&](const CloudConfig& other) { return other.name() == cloud.name(); };
-    if (std::any_of(used.begin(), used.end(), is_same)) continue;
-    ignored.push_back("cloud '" + cloud.topic + "'");
+    if (!findCloud(used, cloud.name())) ignored.push_back("cloud '" + cloud.topic + "'");
   }
   if (ignored.empty()) return "";
   return "ignored, so a state may be free only without them: " + joined(ignored);

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "geometry_conversions.h"
+#include "user_text.h"
 
 namespace collision_pairs {
 namespace {
@@ -56,16 +57,11 @@ CollisionPair toMessage(const PairReport& pair, const CollisionReport& report,
   return message;
 }
 
-std::string joined(const std::vector<std::string>& names) {
+std::string firstOf(const std::vector<std::string>& names) {
   constexpr std::size_t MAX_NAMED = 10;  // left_out and pairs list all
-  std::string text;
-  for (std::size_t i = 0; i < std::min(names.size(), MAX_NAMED); ++i) {
-    text += (i == 0 ? "" : ", ") + names[i];
-  }
-  if (names.size() > MAX_NAMED) {
-    text += " and " + std::to_string(names.size() - MAX_NAMED) + " more";
-  }
-  return text;
+  if (names.size() <= MAX_NAMED) return joined(names);
+  return joined({names.begin(), names.begin() + MAX_NAMED}) + " and " +
+         std::to_string(names.size() - MAX_NAMED) + " more";
 }
 
 struct LeftOut {
@@ -98,7 +94,7 @@ std::vector<std::string> whyUnknown(const CollisionReport& report, const Collisi
                                     const std::vector<std::string>& broken_links) {
   std::vector<std::string> reasons;
   const auto add = [&](const std::string& what, const std::vector<std::string>& names) {
-    if (!names.empty()) reasons.push_back(what + ": " + joined(names));
+    if (!names.empty()) reasons.push_back(what + ": " + firstOf(names));
   };
   add("geometry that could not be read", broken_links);
   const LeftOut left_out = namesOfLeftOut(report, scene);

@@ -51,15 +51,13 @@ std::vector<CloudConfig> cloudsOf(const SceneOptions& options,
   for (const std::string& topic : options.cloud_topics) {
     CloudConfig cloud;
     cloud.topic = topic;
-    const auto is_same = [&](const CloudConfig& other) { return other.name() == cloud.name(); };
     if (topic.find_first_not_of('/') == std::string::npos) {
       throw InputError("--clouds: '" + topic + "' is not a valid topic name");
     }
-    if (std::any_of(clouds.begin(), clouds.end(), is_same)) {
+    if (findCloud(clouds, cloud.name())) {
       throw InputError("--clouds: topic '" + topic + "' is listed twice");
     }
-    const auto found = std::find_if(in_settings.begin(), in_settings.end(), is_same);
-    if (found != in_settings.end()) {
+    if (const CloudConfig* found = findCloud(in_settings, cloud.name())) {
       cloud = *found;
     } else if (!in_settings.empty()) {
       warn(options.settings + ": no entry of clouds has topic '" + topic + "': using the defaults");
@@ -84,10 +82,10 @@ SceneSources readSources(const TextFrom& urdf, const TextFrom& srdf, const Scene
   if (!options.settings.empty()) {
     sources.config = readSceneConfigFile(options.settings);
   }
-  const std::vector<CloudConfig> clouds = cloudsOf(options, sources.config.clouds);
+  std::vector<CloudConfig> clouds = cloudsOf(options, sources.config.clouds);
   const std::string ignored = warningOfIgnored(sources.config, clouds);
   if (!ignored.empty()) warn(options.settings + ": " + ignored);
-  sources.config.clouds = clouds;
+  sources.config.clouds = std::move(clouds);
   for (const CloudConfig& cloud : sources.config.clouds) {
     sources.clouds.push_back(cloudOf(cloud.name(), cloud.voxel_size, cloud.touch_links));
   }

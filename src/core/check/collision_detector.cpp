@@ -134,8 +134,7 @@ void CollisionDetector::beginPairs() {
   report_.min_distance = settings_.alarm_distance;
   report_.min_distance_is_bound = true;
   if (settings_.fidelity == Fidelity::SPHERES && !std::exchange(has_spheres_, true)) {
-    // Links that use spheres only because of ~link_fidelity get theirs when a pair first needs
-    // them.
+    // Links with spheres only by ~link_fidelity get theirs when a pair first needs them.
     makeSpheres(scene_->elements());
   }
   ladder_->begin(*scene_, boxes_->X_WE(), boxes_->boxes());
