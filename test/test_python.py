@@ -390,11 +390,3 @@ def test_numbers_written_during_a_check_are_read_or_not_and_nan_is_found():
         stop.set()
         thread.join()
     assert refused > 0
-
-
-def test_a_child_of_fork_checks_as_its_parent():
-    program = ("import os, sys\nsys.path[:0] = %r\nimport test_python\ntested = test_python.detector()\n"
-               "tested.check(test_python.states())\n"
-               "if os.fork() == 0: os._exit(len(tested.check(test_python.states()).verdict) - 200)\n"
-               "sys.exit(os.wait()[1])\n" % sys.path)
-    assert subprocess.run([sys.executable, "-c", program], timeout=60).returncode == 0

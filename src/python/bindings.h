@@ -10,6 +10,7 @@
 #include <pybind11/numpy.h>
 
 #include "collision_pairs/collision_scene.h"
+#include "collision_pairs/fidelity.h"
 #include "collision_pairs/robot_model.h"
 #include "collision_pairs/srdf.h"
 
@@ -50,8 +51,13 @@ struct TextFrom {
   std::string origin, content;
 };
 
-/// A str with a '<' in it is the XML itself, any other str or an os.PathLike the path of a file.
-/// `what`: "urdf", its origin if it is the text. Throws InputError, or TypeError for anything else.
+/// Of a str or an os.PathLike. Throws InputError, which shows no more of it than its beginning, for
+/// a text that is longer than a path or has a line break or a '<' in it; TypeError for anything
+/// else.
+std::string pathFrom(const pybind11::handle& value, const std::string& what);
+
+/// A str with a '<' in it is the XML itself, anything else a path. `what`: "urdf", its origin if it
+/// is the text. Throws as pathFrom().
 TextFrom xmlFrom(const pybind11::handle& value, const std::string& what);
 
 /// Warns of links that the robot does not have. Throws InputError that names the origin.
@@ -60,4 +66,35 @@ Srdf srdfFrom(const TextFrom& xml, const RobotModel& robot);
 /// Python's warnings.warn(message).
 void warn(const std::string& message);
 
+/// Of a member of the module's Fidelity.
+std::optional<Fidelity> fidelityMember(const pybind11::handle& value);
+
+/// Of such a member or a name. Throws InputError for another name, TypeError for anything else.
+Fidelity fidelityFrom(const pybind11::handle& value);
+
+/// Throws TypeError for an object of this module whose __init__() has not ended: by __new__()
+/// alone, or before super().__init__(). pybind11 would pass memory that nothing was written to.
+void requireInitialised(const pybind11::handle& value);
+
+/// How each class of this module comes from Python.
+template <class Bound>
+class InitialisedCaster : public pybind11::detail::type_caster_base<Bound> {
+ public:
+  bool load(const pybind11::handle& given, bool convert) {
+    requireInitialised(given);
+    return pybind11::detail::type_caster_base<Bound>::load(given, convert);
+  }
+};
+
 }  // namespace collision_pairs
+
+/// At global scope, before anything takes or gives a Bound.
+#define COLLISION_PAIRS_BIND(Bound)                                               \
+  namespace pybind11::detail {                                                    \
+  template <>                                                                     \
+  class type_caster<Bound> : public collision_pairs::InitialisedCaster<Bound> {}; \
+  }
+
+COLLISION_PAIRS_BIND(collision_pairs::PythonRobot)
+COLLISION_PAIRS_BIND(collision_pairs::PythonScene)
+COLLISION_PAIRS_BIND(collision_pairs::RigidObject)

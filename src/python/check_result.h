@@ -11,6 +11,7 @@
 
 #include <pybind11/numpy.h>
 
+#include "bindings.h"
 #include "collision_pairs/collision_report.h"
 #include "collision_pairs/collision_scene.h"
 #include "collision_pairs/distance_gradient.h"
@@ -96,3 +97,5 @@ class ResultCollector {
 void bindCheckResult(pybind11::module& module);
 
 }  // namespace collision_pairs
+
+COLLISION_PAIRS_BIND(collision_pairs::CheckResult)

@@ -54,7 +54,7 @@ class PythonDetector {
     result->model_names = model_names_;
     result->resize(array.size());
     try {
-      const py::gil_scoped_release others_may_run;
+      const OthersMayRun others_may_run;
       const OneAtATime one_at_a_time(*this);
       run(array, *named, settings, *result);
     } catch (const Interrupted&) {
@@ -147,6 +147,11 @@ class PythonDetector {
 };
 
 }  // namespace
+}  // namespace collision_pairs
+
+COLLISION_PAIRS_BIND(collision_pairs::PythonDetector)
+
+namespace collision_pairs {
 
 void bindDetector(py::module& module) {
   bindCheckResult(module);
@@ -159,11 +164,11 @@ void bindDetector(py::module& module) {
       .def(
           "check",
           [](PythonDetector& detector, const py::object& states, const py::object& joints,
-             double alarm_distance, const std::string& fidelity, bool min_distance,
+             double alarm_distance, const py::object& fidelity, bool min_distance,
              bool verdict_only, double time_budget, bool gradient, double tolerance) {
             CheckSettings settings;
             settings.alarm_distance = alarm_distance;
-            settings.fidelity = parseFidelity(fidelity);
+            settings.fidelity = fidelityFrom(fidelity);
             settings.min_distance = min_distance;
             settings.verdict_only = verdict_only;
             settings.time_budget = time_budget;
@@ -182,7 +187,8 @@ void bindDetector(py::module& module) {
           "with any strides; float32, integers and lists are converted. joints: their names "
           "(None: Detector.joints); others are taken as zero, or their nearest limit, with a "
           "warning. alarm_distance: m, pairs up to this far apart are reported. fidelity: "
-          "'aabb', 'spheres', 'obb', 'convex' or 'mesh'. min_distance: the exact smallest "
+          "'aabb', 'spheres', 'obb', 'convex', 'mesh' or a Fidelity. min_distance: the exact "
+          "smallest "
           "distance, even "
           "beyond the alarm distance. verdict_only: ends at the first contact. time_budget: s per "
           "state, 0: no limit. gradient: also the gradient of each pair's distance. tolerance: m "

@@ -7,6 +7,7 @@
 #include "bindings.h"
 #include "check_result.h"
 #include "collision_pairs/input_error.h"
+#include "long_call.h"
 
 namespace py = pybind11;
 
@@ -27,7 +28,35 @@ void addEnum(py::module& module, const char* name, const char* doc,
   module.attr(name) = made;
 }
 
+/// The class Fidelity, which lives as long as the interpreter.
+py::handle fidelity_enum;
+
 }  // namespace
+
+std::optional<Fidelity> fidelityMember(const py::handle& value) {
+  if (!py::isinstance(value, fidelity_enum)) return {};
+  return static_cast<Fidelity>(value.attr("value").cast<int>());
+}
+
+Fidelity fidelityFrom(const py::handle& value) {
+  if (py::isinstance<py::str>(value)) return parseFidelity(utf8From(value));
+  if (const auto member = fidelityMember(value)) return *member;
+  throw py::type_error("fidelity is " + py::repr(value).cast<std::string>() +
+                       ", but must be a name ('mesh') or a member of Fidelity");
+}
+
+void requireInitialised(const py::handle& value) {
+  using namespace py::detail;
+  PyTypeObject* const type = Py_TYPE(value.ptr());
+  const auto bound = reinterpret_cast<PyTypeObject*>(get_internals().instance_base);
+  if (PyType_IsSubtype(type, bound) == 0) return;
+  for (const auto& held : values_and_holders(reinterpret_cast<instance*>(value.ptr()))) {
+    if (held.holder_constructed()) continue;
+    throw py::type_error(std::string("this ") + type->tp_name +
+                         " has not been made: its __init__() was not called, or has not ended");
+  }
+}
+
 }  // namespace collision_pairs
 
 PYBIND11_MODULE(_native, module) {
@@ -51,6 +80,8 @@ PYBIND11_MODULE(_native, module) {
                      {"OBB", Fidelity::OBB},
                      {"CONVEX", Fidelity::CONVEX},
                      {"MESH", Fidelity::MESH}});
+  fidelity_enum = py::object(module.attr("Fidelity")).release();
+  OthersMayRun::watchForks();
   bindRobot(module);
   bindObjects(module);
   bindScene(module);

@@ -41,7 +41,7 @@ class PythonMotionCheck {
     }
     std::vector<MotionReport> reports;
     try {
-      const py::gil_scoped_release others_may_run;
+      const OthersMayRun others_may_run;
       reports = reportsOf(array, named.columns, settings);
     } catch (const Interrupted&) {
       throw py::error_already_set();
@@ -95,6 +95,12 @@ class PythonMotionCheck {
 };
 
 }  // namespace
+}  // namespace collision_pairs
+
+COLLISION_PAIRS_BIND(collision_pairs::MotionResult)
+COLLISION_PAIRS_BIND(collision_pairs::PythonMotionCheck)
+
+namespace collision_pairs {
 
 void bindMotions(py::module& module) {
   PYBIND11_NUMPY_DTYPE(SegmentPair, segment, first, second);
@@ -125,9 +131,9 @@ void bindMotions(py::module& module) {
           "check",
           [](const PythonMotionCheck& motions, const py::object& waypoints,
              const py::object& joints, double clearance, double resolution,
-             const std::string& fidelity) {
+             const py::object& fidelity) {
             return motions.check(waypoints, joints,
-                                 {parseFidelity(fidelity), clearance, resolution});
+                                 {fidelityFrom(fidelity), clearance, resolution});
           },
           py::arg("waypoints"), py::arg("joints") = py::none(),
           py::arg("clearance") = defaults.clearance, py::arg("resolution") = defaults.resolution,

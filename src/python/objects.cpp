@@ -10,6 +10,14 @@
 #include "collision_pairs/mesh_loader.h"
 #include "collision_pairs/scene_description.h"
 
+COLLISION_PAIRS_BIND(collision_pairs::Box)
+COLLISION_PAIRS_BIND(collision_pairs::Sphere)
+COLLISION_PAIRS_BIND(collision_pairs::Cylinder)
+COLLISION_PAIRS_BIND(collision_pairs::Capsule)
+COLLISION_PAIRS_BIND(collision_pairs::HalfSpace)
+COLLISION_PAIRS_BIND(collision_pairs::Convex)
+COLLISION_PAIRS_BIND(collision_pairs::Mesh)
+
 namespace py = pybind11;
 
 namespace collision_pairs {

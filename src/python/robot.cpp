@@ -1,4 +1,5 @@
 // The Python class Robot.
+#include <climits>
 #include <limits>
 
 #include <pybind11/stl.h>
@@ -84,14 +85,23 @@ std::vector<std::string> linkNames(const PythonRobot& robot) {
 
 }  // namespace
 
+std::string pathFrom(const py::handle& value, const std::string& what) {
+  const std::string path = py::bytes(py::module::import("os").attr("fsencode")(value));
+  if (path.empty()) throw InputError(what + " is empty");
+  if (path.size() < PATH_MAX && path.find_first_of("<\n\r") == std::string::npos) return path;
+  const bool is_bytes = py::isinstance<py::bytes>(value);
+  const std::string begin = py::repr(py::bytes(path.substr(0, 20))).cast<std::string>();
+  throw InputError(what + (is_bytes ? " is bytes that are" : " is a text that is") + " no path, " +
+                   begin + " ...; give the path of a file, or " +
+                   (is_bytes ? "decode() it to a str" : "what such a file says"));
+}
+
 TextFrom xmlFrom(const py::handle& value, const std::string& what) {
   if (py::isinstance<py::str>(value)) {
     const std::string text = utf8From(value);
     if (text.find('<') != std::string::npos) return {what, text};
-    if (text.empty()) throw InputError(what + " is empty; give the XML or the path of a file");
-    return {text, readTextFile(text)};
   }
-  const std::string path = py::bytes(py::module::import("os").attr("fsencode")(value));
+  const std::string path = pathFrom(value, what);
   return {path, readTextFile(path)};
 }
 

@@ -4,6 +4,7 @@
 
 #include "bindings.h"
 #include "collision_pairs/input_error.h"
+#include "long_call.h"
 #include "scene_config.h"
 
 namespace py = pybind11;
@@ -24,6 +25,7 @@ YAML::Node yamlFrom(const py::handle& value) {
   const RecursionGuard no_endless_nesting;
   if (value.is_none()) return YAML::Node(YAML::NodeType::Null);
   if (py::isinstance<py::str>(value)) return YAML::Node(utf8From(value));
+  if (const auto fidelity = fidelityMember(value)) return YAML::Node(fidelityName(*fidelity));
   if (py::isinstance<py::bool_>(value)) return YAML::Node(value.cast<bool>());
   if (py::isinstance<py::dict>(value)) {
     YAML::Node map(YAML::NodeType::Map);
@@ -49,8 +51,7 @@ YAML::Node yamlFrom(const py::handle& value) {
 SceneConfig settingsFrom(const py::object& settings) {
   if (settings.is_none()) return {};
   if (py::isinstance<py::dict>(settings)) return readSceneSettings(yamlFrom(settings), "settings");
-  const std::string path = py::bytes(py::module::import("os").attr("fsencode")(settings));
-  return readSceneConfigFile(path);
+  return readSceneConfigFile(pathFrom(settings, "settings"));
 }
 
 /// Prepares the scene of `made.description` and `made.floor`.
@@ -58,7 +59,7 @@ PythonScene built(PythonScene made) {
   SceneDescription description = made.description;
   if (made.floor) description.objects.push_back(*made.floor);
   {
-    const py::gil_scoped_release others_may_run;
+    const OthersMayRun others_may_run;
     const std::lock_guard<std::mutex> lock(made.cache->mutex);
     made.scene = CollisionScene::build(description, &made.cache->of_scenes);
   }

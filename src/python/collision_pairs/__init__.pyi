@@ -176,7 +176,7 @@ class Detector:
     def __init__(self, scene: Scene, threads: int = 0) -> None:
         """threads: of a batch; 0: one per core."""
     def check(self, states: ArrayLike, joints: Optional[Sequence[str]] = None, alarm_distance: float = 0.05,
-              fidelity: str = "mesh", min_distance: bool = False, verdict_only: bool = False,
+              fidelity: Union[str, Fidelity] = "mesh", min_distance: bool = False, verdict_only: bool = False,
               time_budget: float = 0.0, gradient: bool = False, tolerance: float = 0.0) -> CheckResult:
         """states: (n, len(joints)), or (len(joints),) for one; rad or m. float64 is read in place, with any strides;
         float32, integers and lists are converted. joints: None: Detector.joints; joints that are not named are taken
@@ -212,6 +212,6 @@ class MotionCheck:
     """Certifies straight motions in joint space between waypoints."""
     def __init__(self, scene: Scene, threads: int = 0) -> None: ...
     def check(self, waypoints: ArrayLike, joints: Optional[Sequence[str]] = None, clearance: float = 0.0,
-              resolution: float = 0.001, fidelity: str = "mesh") -> MotionResult:
+              resolution: float = 0.001, fidelity: Union[str, Fidelity] = "mesh") -> MotionResult:
         """waypoints: (n, len(joints)), rad or m. joints: as in Detector.check. clearance: m, FREE means that no pair
         comes closer. resolution: m, a pair still open when its motion is split finer is given up."""
