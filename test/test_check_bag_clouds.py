@@ -177,6 +177,9 @@ def test_a_camera_on_a_link_is_placed_where_that_link_was(check, with_clouds, wr
     (lambda c: setattr(c.header, "frame_id", "nowhere"), "'nowhere'"),
     (lambda c: setattr(c.header, "stamp", rospy.Time()), "stamp is zero"),
     (lambda c: setattr(c.header, "stamp", rospy.Time.from_sec(START + 0.5)), "not later"),
+    (lambda c: setattr(c, "height", 0), "its height 0"),
+    (lambda c: setattr(c, "data", struct.pack("<3f", 0, 0, 1500)), "within max_range (5 m), and min_valid_points is 1"),
+    (lambda c: setattr(c, "data", b"\xff" * 12), "it has no finite point, and min_valid_points is 1"),
 ])
 def test_a_cloud_that_cannot_be_used_is_said_and_nothing_is_free_until_the_next(check, with_clouds, spoil, says):
     clouds = every(0.5, 3, FAR_SEEN)
@@ -187,6 +190,15 @@ def test_a_cloud_that_cannot_be_used_is_said_and_nothing_is_free_until_the_next(
     doubted = [row for row in rows if 1.01 < seconds_of(row) < 1.49]
     assert doubted and all(row["verdict"] != "free" and "camera/points" in row["left_out"] for row in doubted)
     assert any(row["verdict"] == "free" for row in rows if 1.5 <= seconds_of(row) < 3)
+
+
+def test_clouds_that_show_nothing_are_free_with_a_warning_where_they_are_allowed(check, with_clouds, write):
+    clouds = every(0.5, 3, FAR_SEEN)
+    clouds[2] = cloud_of([], START + 1.0)
+    settings = write("{topic: camera/points, min_valid_points: 0}")
+    rows, said = check(with_clouds(clouds), "--settings", settings)
+    assert "1 of 6 messages show nothing; the first: it has no finite point" in said, said
+    assert any(row["verdict"] == "free" for row in rows if 1.01 < seconds_of(row) < 1.49)
 
 
 @pytest.mark.parametrize("ahead, is_used", [(0.4, True), (0.6, False)])

@@ -26,7 +26,7 @@ std::string refusal(const std::string& yaml) {
 
 TEST(CloudConfig, ReadsEveryKey) {
   const auto found = clouds(R"(
-- {topic: /camera/points, voxel_size: 0.01, max_range: 3, min_points: 2, decay: 0.5, replace: true,
+- {topic: /camera/points, voxel_size: 0.01, max_range: 3, min_points: 2, min_valid_points: 0, decay: 0.5, replace: true,
    box: [-1, -2, 0.1, 1, 2, 3], max_voxels: 5000, source_timeout: 0.25, self_filter_padding: 0.03,
    touch_links: [base, "wheel_*"]}
 - {topic: lidar}
@@ -37,6 +37,7 @@ TEST(CloudConfig, ReadsEveryKey) {
   EXPECT_EQ(found[0].voxel_size, 0.01);
   EXPECT_EQ(found[0].max_range, 3.0);
   EXPECT_EQ(found[0].min_points, 2);
+  EXPECT_EQ(found[0].min_valid_points, 0);
   EXPECT_EQ(found[0].decay, 0.5);
   EXPECT_TRUE(found[0].replace);
   ASSERT_TRUE(found[0].box);
@@ -67,8 +68,8 @@ TEST(CloudConfig, WrongValueIsRefusedByKeyValueAndRule) {
   const std::string begin = "[{topic: a, ", end = "}]";
   for (const std::string wrong :
        {"voxel_size: 0", "voxel_size: -1", "voxel_size: .nan", "max_range: 0", "min_points: 0",
-        "min_points: 1.5", "decay: -1", "decay: soon", "replace: 1.5", "box: [1, 2, 3]",
-        "box: [1, 0, 0, 0, 1, 1]", "box: 5", "max_voxels: 0", "max_voxels: 1e9",
+        "min_points: 1.5", "min_valid_points: -1", "decay: -1", "decay: soon", "replace: 1.5",
+        "box: [1, 2, 3]", "box: [1, 0, 0, 0, 1, 1]", "box: 5", "max_voxels: 0", "max_voxels: 1e9",
         "source_timeout: -0.1", "self_filter_padding: -0.1", "touch_links: base"}) {
     const std::string key = wrong.substr(0, wrong.find(':'));
     EXPECT_THAT(refusal(begin + wrong + end), HasSubstr("clouds[0]/" + key + " is ")) << wrong;
@@ -93,7 +94,7 @@ TEST(CloudConfig, DefaultsOfThePageAreThoseOfTheCode) {
     yaml << ", " << row[0] << ": " << row[3];
     ++nb_rows;
   }
-  EXPECT_EQ(nb_rows, 10) << "one for each key but topic";
+  EXPECT_EQ(nb_rows, 11) << "one for each key but topic";
   CloudConfig defaults;
   defaults.topic = "a";
   EXPECT_TRUE(clouds("[{topic: a" + yaml.str() + "}]").at(0) == defaults) << yaml.str();

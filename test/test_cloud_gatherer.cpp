@@ -1,4 +1,6 @@
 // What of a cloud becomes voxels: two unit boxes, and points about them.
+#include <functional>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -11,7 +13,6 @@ namespace {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
-using Eigen::Vector3f;
 using testing::HasSubstr;
 
 /// Box a at x = 0 and box b at x = 10; the sensor stands at x = 5 and looks along W.
@@ -37,9 +38,9 @@ class Gatherer : public testing::Test {
       robot.X_WB[i].translation().x() = link == "b" ? 10.0 : 0.0;
       if (link == unknown_link_) robot.known[i] = 0;
     }
-    std::vector<Vector3f> in_sensor;
+    std::vector<Vector3d> in_sensor;
     for (const Vector3d& p_WP : points) {
-      in_sensor.push_back((X_WS_.inverse() * p_WP).cast<float>());
+      in_sensor.push_back(X_WS_.inverse() * p_WP);
     }
     stamp_ += 1.0;
     return gatherer.add(in_sensor, X_WS_, robot, stamp_, filter);
@@ -86,7 +87,7 @@ TEST_F(Gatherer, KeepsThePointsThatBecameVoxelsInTheFrameOfTheSensor) {
   CloudGatherer gatherer(config_);
   add(gatherer, {{0, 0, 0}, {5, 2, 0}, {10, 0, 0}});
   ASSERT_EQ(gatherer.kept().size(), 1u);
-  EXPECT_TRUE(gatherer.kept()[0].isApprox(Vector3f(0, 2, 0)));
+  EXPECT_TRUE(gatherer.kept()[0].isApprox(Vector3d(0, 2, 0)));
 }
 
 TEST_F(Gatherer, RemembersForTheTimeOfDecayUnlessEachCloudReplacesTheOneBefore) {
@@ -109,6 +110,65 @@ TEST_F(Gatherer, UsesNoCloudWithoutThePoseOfALink) {
   } catch (const InputError& error) {
     EXPECT_THAT(error.what(), HasSubstr("'b' has no pose"));
   }
+}
+
+TEST_F(Gatherer, PlacesPointsFarFromTheirFrameToTheMillimetre) {
+  X_WS_.linear() = Eigen::AngleAxisd(0.3, Vector3d(1, 2, 3).normalized()).toRotationMatrix();
+  X_WS_.translation() = Vector3d(5e6, 4e5, 0);  // as in UTM
+  config_.max_range = 1e7;
+  config_.voxel_size = 0.002;
+  for (int i = 0; i < 20; ++i) EXPECT_EQ(nbVoxels({{0.051 + 0.01 * i, 3.051, 0.751}}), 1u);
+  CloudGatherer gatherer(config_);
+  const auto voxels = add(gatherer, {{5.051, 3.051, 0.751}});
+  voxels->forEach([&](const VoxelCell& cell) { EXPECT_EQ(cell, VoxelCell(2525, 1525, 375)); });
+}
+
+std::string refusalOf(const std::function<void()>& add) {
+  try {
+    add();
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "it was used";
+}
+
+TEST_F(Gatherer, RefusesCloudsThatShowNothingAndRemembersWhatItKnew) {
+  config_.max_range = 3.0;
+  const std::vector<Vector3d> beyond = {{5, 3.1, 0}, {5, -4, 0}, {0, 2, 0}};
+  CloudGatherer gatherer(config_);
+  EXPECT_EQ(add(gatherer, {{5, 2, 0}})->size(), 1u);
+  EXPECT_EQ(refusalOf([&] { add(gatherer, beyond); }),
+            "only 0 of its 3 finite points are within max_range (3 m), and min_valid_points is 1");
+  EXPECT_EQ(refusalOf([&] { add(gatherer, {}); }),
+            "it has no finite point, and min_valid_points is 1");
+  stamp_ = 100.2;
+  EXPECT_EQ(add(gatherer, {{5, 2.5, 0}})->size(), 2u);
+}
+
+TEST_F(Gatherer, CountsValidPointsOnTheRobotAndOutsideOfTheBox) {
+  config_.max_range = 5.2;
+  config_.min_valid_points = 3;
+  config_.box = Eigen::AlignedBox3d(Vector3d(4, 1, 0), Vector3d(6, 3, 1));
+  const std::vector<Vector3d> valid = {{0, 0, 0}, {5, -2, 0}, {10, 0.2, 0}};
+  EXPECT_EQ(nbVoxels(valid), 0u);
+  CloudGatherer gatherer(config_);
+  EXPECT_EQ(
+      refusalOf([&] {
+        add(gatherer, {valid[0], {5, 5.3, 0}, valid[2]});
+      }),
+      "only 2 of its 3 finite points are within max_range (5.2 m), and min_valid_points is 3");
+}
+
+TEST_F(Gatherer, WarnsOfCloudsThatShowNothingWhereTheyAreAllowed) {
+  config_.min_valid_points = 0;
+  config_.max_range = 3.0;
+  CloudGatherer gatherer(config_);
+  EXPECT_EQ(add(gatherer, {})->size(), 0u);
+  EXPECT_EQ(gatherer.warning(), "it has no finite point");
+  add(gatherer, {{5, 3.1, 0}});
+  EXPECT_EQ(gatherer.warning(), "only 0 of its 1 finite points are within max_range (3 m)");
+  add(gatherer, {{5, 3.1, 0}, {5, 2, 0}});
+  EXPECT_EQ(gatherer.warning(), "");
 }
 
 TEST_F(Gatherer, SaysWhenThereAreMoreVoxelsThanMayBe) {

@@ -14,6 +14,7 @@
 namespace collision_pairs {
 namespace {
 
+using Eigen::Vector3d;
 using Eigen::Vector3f;
 using sensor_msgs::PointCloud2;
 using sensor_msgs::PointField;
@@ -39,7 +40,7 @@ struct Layout {
 };
 
 /// What no point covers is filled with a byte that makes odd numbers.
-PointCloud2 cloudOf(const std::vector<Vector3f>& points, const Layout& layout) {
+PointCloud2 cloudOf(const std::vector<Vector3d>& points, const Layout& layout) {
   PointCloud2 cloud;
   cloud.width = layout.width;
   cloud.height = layout.height;
@@ -53,8 +54,8 @@ PointCloud2 cloudOf(const std::vector<Vector3f>& points, const Layout& layout) {
     for (const PointField& f : layout.fields) {
       const int axis = f.name == "x" ? 0 : f.name == "y" ? 1 : f.name == "z" ? 2 : -1;
       if (axis < 0) continue;
-      const float as_float = points[i][axis];
-      const double as_double = as_float;
+      const double as_double = points[i][axis];
+      const auto as_float = static_cast<float>(as_double);
       const bool is_double = f.datatype == PointField::FLOAT64;
       put(&cloud.data[at + f.offset], is_double ? static_cast<const void*>(&as_double) : &as_float,
           is_double ? 8 : 4, layout.big_endian);
@@ -72,14 +73,14 @@ Layout packed(std::uint32_t width, std::uint32_t height = 1) {
            field("z", 8, PointField::FLOAT32), field("rgb", 12, PointField::FLOAT32)}};
 }
 
-std::vector<Vector3f> read(const PointCloud2& cloud) {
-  std::vector<Vector3f> points = {Vector3f::Ones()};  // of the cloud before
+std::vector<Vector3d> read(const PointCloud2& cloud) {
+  std::vector<Vector3d> points = {Vector3d::Ones()};  // of the cloud before
   readPoints(cloud, points);
   return points;
 }
 
 void expectRefused(const PointCloud2& cloud, const std::string& words) {
-  std::vector<Vector3f> points;
+  std::vector<Vector3d> points;
   try {
     readPoints(cloud, points);
     ADD_FAILURE() << "not refused: " << words;
@@ -88,8 +89,8 @@ void expectRefused(const PointCloud2& cloud, const std::string& words) {
   }
 }
 
-const std::vector<Vector3f> SIX = {{1, 2, 3}, {-4, 5, 6},       {7, -8, 9},
-                                   {0, 0, 0}, {1e-3f, 2e5f, 3}, {4, 5, -6}};
+const std::vector<Vector3d> SIX = {{1, 2, 3}, {-4, 5, 6},           {7, -8, 9},
+                                   {0, 0, 0}, {1.0 / 1024, 2e5, 3}, {4, 5, -6}};
 
 TEST(PointCloud, OfRandomLayoutsGivesItsPoints) {
   const unsigned seed = 20261121;
@@ -109,8 +110,8 @@ TEST(PointCloud, OfRandomLayoutsGivesItsPoints) {
       offset += (is_double ? 8 : 4) + below(2) * below(9);
     }
     layout.point_step = offset + 8;
-    std::vector<Vector3f> points(layout.width * layout.height);
-    for (Vector3f& p : points) p = Vector3f::Random();
+    std::vector<Vector3d> points(layout.width * layout.height);
+    for (Vector3d& p : points) p = Vector3f::Random().cast<double>();
     ASSERT_EQ(read(cloudOf(points, layout)), points) << "case " << i;
   }
 }
@@ -129,13 +130,13 @@ TEST(PointCloud, LeavesOutPointsThatAreNotFinite) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   const float infinity = std::numeric_limits<float>::infinity();
   for (const bool big_endian : {false, true}) {
-    std::vector<Vector3f> points = SIX;
+    std::vector<Vector3d> points = SIX;
     points[0].x() = nan;
     points[2].y() = -infinity;
-    points[5] = Vector3f::Constant(nan);
+    points[5] = Vector3d::Constant(nan);
     Layout layout = packed(6);
     layout.big_endian = big_endian;
-    EXPECT_EQ(read(cloudOf(points, layout)), (std::vector<Vector3f>{SIX[1], SIX[3], SIX[4]}));
+    EXPECT_EQ(read(cloudOf(points, layout)), (std::vector<Vector3d>{SIX[1], SIX[3], SIX[4]}));
   }
 }
 
@@ -144,6 +145,38 @@ TEST(PointCloud, WithoutPointsIsEmptyAndNoError) {
     PointCloud2 cloud = cloudOf({}, packed(width, height));
     cloud.data.clear();
     EXPECT_TRUE(read(cloud).empty());
+  }
+}
+
+TEST(PointCloud, WhoseSizesLeavePointsUnreadIsRefused) {
+  for (const auto& [width, height] : {std::pair{0u, 1u}, {6u, 0u}, {0u, 0u}, {0u, 6u}}) {
+    PointCloud2 cloud = cloudOf(SIX, packed(6));
+    cloud.width = width;
+    cloud.height = height;
+    expectRefused(cloud, "data has 96 bytes, but its width is " + std::to_string(width) +
+                             " and its height " + std::to_string(height));
+  }
+  PointCloud2 cloud = cloudOf(SIX, packed(3, 2));
+  cloud.height = 1;
+  expectRefused(cloud, "data has 96 bytes, too many for 3 x 1 points");
+  cloud = cloudOf(SIX, packed(6));
+  cloud.width = 5;
+  cloud.row_step = 80;
+  expectRefused(cloud, "data has 96 bytes, too many for 5 x 1 points");
+  cloud.data.resize(95);  // less than a point
+  EXPECT_EQ(read(cloud).size(), 5u);
+}
+
+TEST(PointCloud, OfDoublesIsNotNarrowed) {
+  Layout layout{3, 1, 24, 0, {}};
+  for (std::uint32_t axis = 0; axis < 3; ++axis) {
+    layout.fields.push_back(field(std::string(1, "xyz"[axis]), 8 * axis, PointField::FLOAT64));
+  }
+  const std::vector<Vector3d> points = {
+      {5e6 + 0.123, 4e5 - 0.01, 0.1}, {5e6 + 0.124, 1e-300, 1e300}, {-1.0 / 3.0, 0.7, 5e6}};
+  for (const bool big_endian : {false, true}) {
+    layout.big_endian = big_endian;
+    EXPECT_EQ(read(cloudOf(points, layout)), points);
   }
 }
 

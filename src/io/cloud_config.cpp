@@ -26,10 +26,10 @@ double secondsOf(const std::string& key, const YAML::Node& value) {
   return found;
 }
 
-int countOf(const std::string& key, const YAML::Node& value) {
-  const std::string rule = "a whole number from 1 to 100000000";
+int countOf(const std::string& key, const YAML::Node& value, int least = 1) {
+  const std::string rule = "a whole number from " + std::to_string(least) + " to 100000000";
   const double found = numberOf(key, value, rule);
-  if (found < 1.0 || found > 1e8 || found != std::floor(found)) refuseValue(key, value, rule);
+  if (found < least || found > 1e8 || found != std::floor(found)) refuseValue(key, value, rule);
   return static_cast<int>(found);
 }
 
@@ -71,6 +71,8 @@ const std::map<std::string, Reader>& readers() {
       {"voxel_size", [](const auto& k, const auto& v, auto& c) { c.voxel_size = above0(k, v); }},
       {"max_range", [](const auto& k, const auto& v, auto& c) { c.max_range = above0(k, v); }},
       {"min_points", [](const auto& k, const auto& v, auto& c) { c.min_points = countOf(k, v); }},
+      {"min_valid_points",
+       [](const auto& k, const auto& v, auto& c) { c.min_valid_points = countOf(k, v, 0); }},
       {"decay", [](const auto& k, const auto& v, auto& c) { c.decay = secondsOf(k, v); }},
       {"replace", [](const auto& k, const auto& v, auto& c) { c.replace = flagOf(k, v); }},
       {"box", [](const auto& k, const auto& v, auto& c) { c.box = boxOf(k, v); }},
@@ -111,8 +113,9 @@ std::string CloudConfig::name() const { return topic.substr(topic.find_first_not
 
 bool operator==(const CloudConfig& a, const CloudConfig& b) {
   const auto all = [](const CloudConfig& c) {
-    return std::tie(c.topic, c.voxel_size, c.max_range, c.min_points, c.decay, c.replace,
-                    c.max_voxels, c.source_timeout, c.self_filter_padding, c.touch_links);
+    return std::tie(c.topic, c.voxel_size, c.max_range, c.min_points, c.min_valid_points, c.decay,
+                    c.replace, c.max_voxels, c.source_timeout, c.self_filter_padding,
+                    c.touch_links);
   };
   const bool same_box = a.box.has_value() == b.box.has_value() &&
                         (!a.box || (a.box->min() == b.box->min() && a.box->max() == b.box->max()));
@@ -120,9 +123,8 @@ bool operator==(const CloudConfig& a, const CloudConfig& b) {
 }
 
 const CloudConfig* findCloud(const std::vector<CloudConfig>& clouds, const std::string& name) {
-  const auto found = std::find_if(clouds.begin(), clouds.end(), [&](const CloudConfig& cloud) {
-    return cloud.name() == name;
-  });
+  const auto found = std::find_if(clouds.begin(), clouds.end(),
+                                  [&](const CloudConfig& cloud) { return cloud.name() == name; });
   return found == clouds.end() ? nullptr : &*found;
 }
 

@@ -21,6 +21,10 @@ struct CloudConfig {
   /// Points of one cloud needed to occupy a voxel. Values above 1 suppress noise, but also small or
   /// distant obstacles.
   int min_points = 1;
+  /// A cloud is refused unless this many of its points are finite and within max_range: a camera
+  /// that sees nothing at all is more often broken than alone. Points outside the box and on the
+  /// robot count. 0: none needed.
+  int min_valid_points = 1;
   /// How long a voxel stays occupied after it was last seen.
   double decay = 0.5;
   /// Each cloud replaces the previous one.

@@ -17,6 +17,7 @@ struct LatestCloud {
   std::shared_ptr<const OccupiedVoxels> voxels;  ///< of the last cloud used; null: none yet
   double stamp = 0.0;                            ///< of that cloud, in seconds
   std::string problem;  ///< why the last cloud was refused; empty: it was used
+  std::string warning;  ///< about the last cloud, which was used
 };
 
 struct CloudView {
@@ -24,6 +25,8 @@ struct CloudView {
   std::shared_ptr<const OccupiedVoxels> voxels;
   /// Why the verdict cannot be FREE; empty if the source is up to date and complete.
   std::string doubt;
+  /// For people; it does not affect the verdict.
+  std::string warning;
 };
 
 /// `now` in seconds, on the clock of the stamps.

@@ -60,40 +60,52 @@ Coordinate findCoordinate(const PointCloud2& cloud, const std::string& name) {
   return coordinate;
 }
 
-/// No product or sum of these 32-bit sizes exceeds 64 bits.
+std::string sizeOf(const PointCloud2& cloud) {
+  return std::to_string(cloud.width) + " x " + std::to_string(cloud.height) + " points of " +
+         std::to_string(cloud.point_step) + " bytes";
+}
+
+/// As many bytes as its sizes say: fewer could not be read, and in more are points that nobody
+/// would see. No product or sum of these 32-bit sizes exceeds 64 bits.
 void requireData(const PointCloud2& cloud) {
-  if (cloud.width == 0 || cloud.height == 0) return;
+  const std::uint64_t available = cloud.data.size();
+  const std::string has = "its data has " + std::to_string(available) + " bytes, ";
+  if (cloud.width == 0 || cloud.height == 0) {
+    if (available == 0) return;
+    throw InputError(has + "but its width is " + std::to_string(cloud.width) + " and its height " +
+                     std::to_string(cloud.height) + "; in one row the height is 1");
+  }
   const std::uint64_t row = std::uint64_t{cloud.width} * cloud.point_step;
   if (cloud.row_step < row) {
     throw InputError("its row_step is " + std::to_string(cloud.row_step) + ", but a row of " +
                      std::to_string(cloud.width) + " points of " +
                      std::to_string(cloud.point_step) + " bytes takes " + std::to_string(row));
   }
-  const std::uint64_t before_last = cloud.height - 1;
-  const std::uint64_t available = cloud.data.size();
-  if (row > available || before_last * cloud.row_step > available - row) {
-    throw InputError("its data has " + std::to_string(available) + " bytes, too few for " +
-                     std::to_string(cloud.width) + " x " + std::to_string(cloud.height) +
-                     " points of " + std::to_string(cloud.point_step) + " bytes in rows of " +
-                     std::to_string(cloud.row_step));
+  const std::uint64_t before_last = std::uint64_t{cloud.height - 1} * cloud.row_step;
+  const std::string in_rows = sizeOf(cloud) + " in rows of " + std::to_string(cloud.row_step);
+  if (row > available || before_last > available - row) {
+    throw InputError(has + "too few for " + in_rows);
+  }
+  if (available - before_last >= std::uint64_t{cloud.row_step} + cloud.point_step) {
+    throw InputError(has + "too many for " + in_rows);
   }
 }
 
 template <class Number, class Bits>
-float numberAt(const std::uint8_t* at, bool swapped) {
+double numberAt(const std::uint8_t* at, bool swapped) {
   Bits bits;
   std::memcpy(&bits, at, sizeof bits);
   if (swapped) boost::endian::endian_reverse_inplace(bits);
   Number number;
   std::memcpy(&number, &bits, sizeof number);
-  return static_cast<float>(number);
+  return number;
 }
 
 struct AnyLayout {
   Coordinates coordinates;
   bool swapped;
-  Eigen::Vector3f operator()(const std::uint8_t* point) const {
-    Eigen::Vector3f p;
+  Eigen::Vector3d operator()(const std::uint8_t* point) const {
+    Eigen::Vector3d p;
     for (int axis = 0; axis < 3; ++axis) {
       const Coordinate& c = coordinates[axis];
       p[axis] = c.is_double ? numberAt<double, std::uint64_t>(point + c.offset, swapped)
@@ -106,25 +118,25 @@ struct AnyLayout {
 /// Contiguous native float32 coordinates, as from nearly every camera.
 struct PackedFloats {
   std::uint32_t offset;
-  Eigen::Vector3f operator()(const std::uint8_t* point) const {
+  Eigen::Vector3d operator()(const std::uint8_t* point) const {
     Eigen::Vector3f p;
     std::memcpy(p.data(), point + offset, sizeof(float) * 3);
-    return p;
+    return p.cast<double>();
   }
 };
 
 /// Writes each point, but advances only if it is finite: no branch to be mispredicted.
 template <class Layout>
 void readRows(const PointCloud2& cloud, const Layout& layout,
-              std::vector<Eigen::Vector3f>& points) {
+              std::vector<Eigen::Vector3d>& points) {
   points.resize(std::size_t{cloud.width} * cloud.height);
-  Eigen::Vector3f* out = points.data();
+  Eigen::Vector3d* out = points.data();
   for (std::uint32_t row = 0; row < cloud.height; ++row) {
     const std::uint8_t* point = cloud.data.data() + std::size_t{row} * cloud.row_step;
     for (std::uint32_t i = 0; i < cloud.width; ++i, point += cloud.point_step) {
       *out = layout(point);
-      const float zero = (out->x() - out->x()) + (out->y() - out->y()) + (out->z() - out->z());
-      out += zero == 0.0f;  // NaN if one is infinite or NaN
+      const double zero = (out->x() - out->x()) + (out->y() - out->y()) + (out->z() - out->z());
+      out += zero == 0.0;  // NaN if one is infinite or NaN
     }
   }
   points.resize(out - points.data());
@@ -132,7 +144,7 @@ void readRows(const PointCloud2& cloud, const Layout& layout,
 
 }  // namespace
 
-void readPoints(const PointCloud2& cloud, std::vector<Eigen::Vector3f>& points) {
+void readPoints(const PointCloud2& cloud, std::vector<Eigen::Vector3d>& points) {
   points.clear();
   if (cloud.point_step == 0) throw InputError("its point_step is 0");
   const Coordinates c = {findCoordinate(cloud, "x"), findCoordinate(cloud, "y"),
@@ -150,13 +162,13 @@ void readPoints(const PointCloud2& cloud, std::vector<Eigen::Vector3f>& points) 
   }
 }
 
-PointCloud2 toPointCloud2(const std::vector<Eigen::Vector3f>& points,
+PointCloud2 toPointCloud2(const std::vector<Eigen::Vector3d>& points,
                           const std_msgs::Header& header) {
   PointCloud2 cloud;
   cloud.header = header;
   cloud.height = 1;
   cloud.width = static_cast<std::uint32_t>(points.size());
-  cloud.point_step = sizeof(Eigen::Vector3f);
+  cloud.point_step = 3 * sizeof(float);
   cloud.row_step = cloud.width * cloud.point_step;
   cloud.is_bigendian = boost::endian::order::native == boost::endian::order::big;
   cloud.is_dense = true;
@@ -169,7 +181,10 @@ PointCloud2 toPointCloud2(const std::vector<Eigen::Vector3f>& points,
     cloud.fields.push_back(field);
   }
   cloud.data.resize(cloud.row_step);
-  if (!points.empty()) std::memcpy(cloud.data.data(), points.data(), cloud.data.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Eigen::Vector3f point = points[i].cast<float>();
+    std::memcpy(&cloud.data[i * cloud.point_step], point.data(), cloud.point_step);
+  }
   return cloud;
 }
 

@@ -9,17 +9,17 @@
 namespace collision_pairs {
 
 /// The points of the cloud in its own frame, in their order, metres; those with a coordinate that
-/// is not finite (no return) are left out. Coordinates x, y and z may be float32 or float64
-/// (narrowed), at any offset, of either endianness, in rows with any padding. The contents of
-/// `points` are replaced; its memory is reused.
+/// is not finite (no return) are left out. Coordinates x, y and z may be float32 or float64, at any
+/// offset, of either endianness, in rows with any padding. The contents of `points` are replaced;
+/// its memory is reused.
 ///
 /// Throws InputError that names the error of the layout: a coordinate that is missing, repeated or
-/// of another type, inconsistent sizes, or data too short for its points. Never reads outside
-/// cloud.data. 640 x 480 packed float32 points: about 0.5 ms.
-void readPoints(const sensor_msgs::PointCloud2& cloud, std::vector<Eigen::Vector3f>& points);
+/// of another type, inconsistent sizes, or data too short for its points, or with room for more.
+/// Never reads outside cloud.data. 640 x 480 packed float32 points: about 0.5 ms.
+void readPoints(const sensor_msgs::PointCloud2& cloud, std::vector<Eigen::Vector3d>& points);
 
-/// A cloud of one row, packed float32.
-sensor_msgs::PointCloud2 toPointCloud2(const std::vector<Eigen::Vector3f>& points,
+/// A cloud of one row, packed float32, to which the points are rounded.
+sensor_msgs::PointCloud2 toPointCloud2(const std::vector<Eigen::Vector3d>& points,
                                        const std_msgs::Header& header);
 
 }  // namespace collision_pairs

@@ -34,6 +34,14 @@ inline std::vector<std::string> addVoxels(const ActiveScene& scene, const ros::T
   return scene.clouds->addVoxels(*scene.scene, now, poses);
 }
 
+/// The same for a request at a stamp (0: now). Its clouds are unknown: only the newest are kept.
+inline std::vector<std::string> addVoxels(const ActiveScene& scene, const ros::Time& stamp,
+                                          const ros::Time& now, BodyPoses& poses) {
+  if (stamp.isZero()) return addVoxels(scene, now, poses);
+  if (scene.scene->clouds().empty()) return {};
+  return {"the request has a stamp, and only the newest clouds are kept: leave stamp at 0"};
+}
+
 using ActiveScenePtr = std::shared_ptr<const ActiveScene>;
 
 }  // namespace collision_pairs

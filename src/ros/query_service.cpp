@@ -112,7 +112,7 @@ void QueryService::check(const CheckCollisions::Request& request,
       throw InputError("no transform is known: " + doubts.front());
     }
   }
-  for (std::string& doubt : addVoxels(active, now, stamped.poses)) {
+  for (std::string& doubt : addVoxels(active, request.stamp, now, stamped.poses)) {
     doubts.push_back(std::move(doubt));
   }
   const double transform_time = (ros::WallTime::now() - start).toSec();

@@ -39,6 +39,8 @@ CloudReplay::CloudReplay(const BagCloudIndex& index, const std::vector<CloudConf
                         {},
                         0,
                         0,
+                        0,
+                        "",
                         ""});
   }
   least_since_.assign(index.entries().size() + 1, NEVER);
@@ -63,6 +65,8 @@ void CloudReplay::take(const RawMessage& raw, StampNs next_row) {
     try {
       latest.voxels = gather(raw, entry.since, source);
       latest.stamp = seconds(entry.since);
+      const std::string& warning = source.gatherer.warning();
+      if (!warning.empty() && source.nb_warned++ == 0) source.first_warning = warning;
     } catch (const InputError& error) {
       latest.problem = error.what();
     }
@@ -119,12 +123,14 @@ std::vector<CloudDoubt> CloudReplay::addVoxels(StampNs row, BodyPoses& poses) {
 
 std::vector<std::string> CloudReplay::refusals() const {
   std::vector<std::string> sentences;
+  const auto add = [&](const Source& source, std::size_t count, const std::string& what) {
+    if (count == 0) return;
+    sentences.push_back("cloud '" + source.config.name() + "': " + std::to_string(count) + " of " +
+                        std::to_string(source.nb_clouds) + " messages " + what);
+  };
   for (const Source& source : sources_) {
-    if (source.nb_refused == 0) continue;
-    sentences.push_back("cloud '" + source.config.name() +
-                        "': " + std::to_string(source.nb_refused) + " of " +
-                        std::to_string(source.nb_clouds) +
-                        " messages were refused; the first: " + source.first_problem);
+    add(source, source.nb_refused, "were refused; the first: " + source.first_problem);
+    add(source, source.nb_warned, "show nothing; the first: " + source.first_warning);
   }
   return sentences;
 }

@@ -39,7 +39,8 @@ class CloudReplay {
   /// FREE.
   std::vector<CloudDoubt> addVoxels(StampNs row, BodyPoses& poses);
 
-  /// Number of refused clouds of each source and the reason for the first, one sentence each.
+  /// Number of refused clouds of each source and the reason for the first, one sentence each; and
+  /// of those that were used but showed nothing.
   std::vector<std::string> refusals() const;
 
  private:
@@ -50,8 +51,8 @@ class CloudReplay {
     bool is_checked;
     LatestCloud latest;
     std::deque<std::pair<StampNs, LatestCloud>> later;  ///< each applies from its stamp on
-    std::size_t nb_clouds = 0, nb_refused = 0;
-    std::string first_problem;
+    std::size_t nb_clouds = 0, nb_refused = 0, nb_warned = 0;
+    std::string first_problem, first_warning;
   };
 
   std::shared_ptr<const OccupiedVoxels> gather(const RawMessage& raw, StampNs stamp,
@@ -64,7 +65,7 @@ class CloudReplay {
   std::vector<Source> sources_;
   std::vector<StampNs> least_since_;  ///< by entry: minimum over it and all later ones
   std::size_t nb_taken_ = 0, nb_waiting_ = 0;
-  std::vector<Eigen::Vector3f> points_;
+  std::vector<Eigen::Vector3d> points_;
 };
 
 }  // namespace collision_pairs

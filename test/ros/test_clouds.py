@@ -2,6 +2,7 @@
 """Point clouds as obstacles: what is seen, what is not believed, and never FREE without a fresh cloud."""
 import os
 import random
+import struct
 import sys
 import unittest
 
@@ -9,7 +10,7 @@ sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 
 import rospy
 import rostest
-from sensor_msgs.msg import JointState, PointCloud2
+from sensor_msgs.msg import JointState, PointCloud2, PointField
 from std_srvs.srv import Trigger
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
@@ -159,9 +160,16 @@ class CloudsTest(unittest.TestCase):
 
         def no_step(cloud):
             cloud.point_step = 0
+
+        def no_rows(cloud):
+            cloud.height = 0
+
+        def no_columns(cloud):
+            cloud.width = 0
         for spoil, words in ((without_z, "no field 'z'"), (short_data, "its data has 11 bytes"), (short_rows, "row_step is 11"),
                              (huge, "but a row of 4294967295 points"), (of_integers, "field 'y' is of datatype 5"),
-                             (no_step, "point_step is 0")):
+                             (no_step, "point_step is 0"), (no_rows, "but its width is 1 and its height 0"),
+                             (no_columns, "but its width is 0 and its height 1")):
             self.camera.spoil = spoil
             self.wait_for(UNKNOWN, NAMED, words)
             found = cloud_diagnosis(lambda d: words in d["message"])
@@ -170,11 +178,80 @@ class CloudsTest(unittest.TestCase):
             self.camera.spoil = None
             self.wait_for(FREE)
 
-    def test_a_cloud_without_points_shows_that_nothing_is_there(self):
-        self.camera.points = BESIDE_A
-        self.wait_for(COLLISION)
-        self.camera.points = []
-        self.wait_for(FREE)
+    def test_clouds_that_show_nothing_are_unknown_and_never_free(self):
+        beyond = [(1000.0 * x, 1000.0 * y, 1000.0 * z) for x, y, z in BESIDE_A]  # in millimetres
+        for points, words in (([], "it has no finite point"), ([(float("nan"),) * 3] * 100, "it has no finite point"),
+                              (beyond * 3, "only 0 of its 3 finite points are within max_range (50 m)")):
+            self.camera.points = points
+            self.wait_for(UNKNOWN, NAMED, words, "min_valid_points is 1")
+            self.assertIsNotNone(cloud_diagnosis(lambda d: words in d["message"]))
+            before = len(self.node.reports)
+            self.assertEqual(self.node.check().result.verdict, UNKNOWN)
+            self.wait_for(UNKNOWN, "the newest is")  # what was known is too old by now
+            self.assertNotIn(FREE, {r.verdict for r in self.node.reports[before:]})
+            self.camera.points = FAR
+            self.wait_for(FREE)
+
+    def test_clouds_that_show_nothing_are_free_with_a_warning_where_they_are_allowed(self):
+        reset = rospy.ServiceProxy("/node/reset", Trigger)
+        given = rospy.get_param("/node/clouds")
+        try:
+            rospy.set_param("/node/clouds", [dict(given[0], min_valid_points=0)])
+            self.assertTrue(reset().success)
+            self.camera.points = BESIDE_A
+            self.wait_for(COLLISION)
+            self.camera.points = []
+            self.wait_for(FREE)
+            self.assertIsNotNone(cloud_diagnosis(lambda d: "it has no finite point" in d["message"]))
+        finally:
+            rospy.set_param("/node/clouds", given)
+            self.assertTrue(reset().success)
+
+    def test_in_a_frame_that_nothing_connects_is_not_free_from_the_first_cloud_on(self):
+        self.camera.silent = True
+        seen = rospy.Time.now()
+        self.camera.send(cloud_of(FAR, "unconnected", seen))
+        self.wait_for(UNKNOWN, "'unconnected'")
+        # A cloud that waits for its transforms is refused after a second; here it was known before that.
+        self.assertLess((rospy.Time.now() - seen).to_sec(), 0.45, "not before the cloud of before was too old")
+
+    def test_a_request_at_a_stamp_does_not_mix_its_poses_with_the_newest_clouds(self):
+        then = rospy.Time.now() - rospy.Duration(0.3)
+        state = JointState(name=["slide_a", "slide_b", "slide_c"], position=[0.0, 3.0, 6.0])
+        for request in (CheckCollisionsRequest(stamp=then), CheckCollisionsRequest(stamp=then, joint_state=state)):
+            reply = self.node.check(request)
+            self.assertTrue(reply.success, reply.message)
+            self.assertEqual((reply.result.verdict, reply.result.left_out), (UNKNOWN, [CLOUD]))
+            self.assertIn("only the newest clouds are kept", " ".join(reply.result.unknown_because))
+        points = [JointTrajectoryPoint(positions=p) for p in ([0, 3, 6], [0, 4, 8])]
+        answer = self.trajectory(stamp=then, between=True, trajectory=JointTrajectory(joint_names=state.name, points=points))
+        self.assertEqual((list(bytes(answer.verdict)), list(bytes(answer.segment_verdict))), ([UNKNOWN] * 2, [UNKNOWN]))
+        self.assertIn("only the newest clouds are kept", " ".join(answer.unknown_because))
+
+    def test_points_that_are_doubles_far_from_their_frame_are_not_moved(self):
+        """As in UTM. As float32 they would be 5 m, in steps of 0.5 m, beside box a."""
+        reset = rospy.ServiceProxy("/node/reset", Trigger)
+        given = rospy.get_param("/node/clouds")
+        try:
+            rospy.set_param("/node/clouds", [dict(given[0], max_range=1e7)])
+            self.assertTrue(reset().success)
+            self.boxes.x["camera"] = -5e6
+            for y, verdict in ((0.58, COLLISION), (0.75, FREE)):
+                def doubles(cloud):
+                    cloud.fields = [PointField(name, 8 * i, PointField.FLOAT64, 1) for i, name in enumerate("xyz")]
+                    cloud.point_step = cloud.row_step = 24
+                    cloud.data = struct.pack("<3d", 5e6 + y, 0.25, 0.05)
+                self.camera.spoil = doubles
+                self.wait_for(verdict)
+                report = self.wait_for(verdict)
+                before = len(self.node.reports)
+                rospy.sleep(0.5)
+                self.assertEqual({r.verdict for r in self.node.reports[before:]}, {verdict})
+        finally:
+            self.boxes.x["camera"] = CAMERA_X
+            self.camera.heal(FAR, "camera")
+            rospy.set_param("/node/clouds", given)
+            self.assertTrue(reset().success)
 
     def test_random_clouds_end_nothing_and_the_next_sound_one_is_used(self):
         seed = int.from_bytes(os.urandom(4), "little")
@@ -270,7 +347,7 @@ class CloudsTest(unittest.TestCase):
             self.assertFalse(reply.success)
             self.assertIn("'voxelsize' is not a setting of a cloud; did you mean 'voxel_size'?", reply.message)
             self.wait_for(COLLISION)
-            rospy.set_param("/node/clouds", [dict(given[0], max_range=1.0)])
+            rospy.set_param("/node/clouds", [dict(given[0], max_range=1.0, min_valid_points=0)])
             reply = reset()
             self.assertTrue(reply.success, reply.message)
             self.wait_for(FREE)  # the point is further from the camera

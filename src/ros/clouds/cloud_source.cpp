@@ -4,6 +4,7 @@
 #include <chrono>
 #include <utility>
 
+#include <ros/console.h>
 #include <tf2/exceptions.h>
 
 #include "collision_pairs/input_error.h"
@@ -18,6 +19,7 @@ namespace {
 constexpr std::uint32_t QUEUE_SIZE = 2;     // messages waiting for the callback
 const ros::WallDuration LONGEST_WAIT(1.0);  // for the transforms at a cloud's stamp
 const std::chrono::milliseconds PAUSE(1);   // between two attempts
+const ros::WallDuration TELL_PERIOD(5.0);   // between two warnings in the log
 const ros::WallDuration SILENCE(3.0);       // after which the rate is 0
 constexpr double SHARE_OF_NEWEST = 0.1;     // weight in the mean rate
 
@@ -75,6 +77,7 @@ void CloudSource::work() {
     } catch (const std::exception& error) {
       problem = error.what();
     }
+    if (!problem.empty()) tell("a message was refused: " + problem);
     lock.lock();
     if (problem.empty() || stopping_) continue;
     latest_.problem = std::move(problem);
@@ -94,12 +97,13 @@ void CloudSource::use(const Cloud& cloud, unsigned generation, RobotFilter& robo
   }
   requireUsableStamp(cloud.header.stamp, now);
   readPoints(cloud, points_);
-  const Instant instant = waitForInstant(cloud.header, robot);
+  const Instant instant = waitForInstant(cloud.header, generation, robot);
   const ros::WallTime start = ros::WallTime::now();
   const auto voxels =
       gatherer_.add(points_, instant.X_WS, instant.robot, cloud.header.stamp.toSec(), robot.filter);
   last_stamp_ = cloud.header.stamp;
   keep(voxels, cloud.header.stamp, generation, (ros::WallTime::now() - start).toSec());
+  if (!gatherer_.warning().empty()) tell(gatherer_.warning());
   publishKept(cloud.header);
 }
 
@@ -108,7 +112,7 @@ void CloudSource::keep(const std::shared_ptr<const OccupiedVoxels>& voxels, cons
   const ros::SteadyTime now = ros::SteadyTime::now();
   const std::lock_guard<std::mutex> lock(mutex_);
   if (generation != generation_) return;  // cleared meanwhile
-  latest_ = {voxels, stamp.toSec(), ""};
+  latest_ = {voxels, stamp.toSec(), "", gatherer_.warning()};
   latest_clock_jumps_ = nb_clock_jumps_;
   const double rate = 1.0 / std::max((now - last_use_).toSec(), 1e-6);
   if (health_.used == 1) health_.rate = rate;
@@ -140,37 +144,46 @@ void CloudSource::requireUsableStamp(const ros::Time& stamp, const ros::Time& no
   }
 }
 
-std::string CloudSource::lookUp(const std_msgs::Header& header, const RobotFilter& robot,
-                                Instant& found) {
+void CloudSource::tell(const std::string& what) {
+  const ros::SteadyTime now = ros::SteadyTime::now();
+  if (now < next_telling_) return;
+  next_telling_ = now + TELL_PERIOD;
+  ROS_WARN_STREAM("cloud '" << config_.name() << "': " << what);
+}
+
+CloudSource::Missing CloudSource::lookUp(const std_msgs::Header& header, const RobotFilter& robot,
+                                         Instant& found) {
   try {
     const auto transform =
         context_.transforms.lookUp(context_.frame, header.frame_id, header.stamp);
-    if (!toIsometry(transform.transform, found.X_WS)) return "the transform is not finite";
+    if (!toIsometry(transform.transform, found.X_WS)) return {"the transform is not finite"};
+  } catch (const tf2::ExtrapolationException& error) {
+    return {error.what()};
   } catch (const tf2::TransformException& error) {
-    return error.what();
+    return {error.what(), false};
   }
   StampedPoses stamped = robot.poses->at(header.stamp);
-  if (!stamped.problems.empty()) return stamped.problems.front();
+  if (!stamped.problems.empty()) return {stamped.problems.front()};
   found.robot = std::move(stamped.poses);
-  return "";
+  return {};
 }
 
 CloudSource::Instant CloudSource::waitForInstant(const std_msgs::Header& header,
-                                                 const RobotFilter& robot) {
+                                                 unsigned generation, const RobotFilter& robot) {
   const ros::SteadyTime end = ros::SteadyTime::now() + LONGEST_WAIT;
   Instant found;
   while (true) {
     // Read first: messages that arrive later are considered in the next attempt.
     const std::uint64_t nb_taken = context_.transforms.nbTaken();
-    const std::string why = lookUp(header, robot, found);
-    if (why.empty()) return found;
+    const Missing missing = lookUp(header, robot, found);
+    if (missing.why.empty()) return found;
+    const std::string problem = "TF has no poses of the sensor ('" + header.frame_id +
+                                "') and the robot at its stamp: " + missing.why;
     do {
       std::unique_lock<std::mutex> lock(mutex_);
+      if (!missing.is_connected && generation == generation_) latest_.problem = problem;
       wakes_worker_.wait_for(lock, PAUSE, [this] { return stopping_; });
-      if (stopping_ || ros::SteadyTime::now() >= end) {
-        throw InputError("TF has no poses of the sensor ('" + header.frame_id +
-                         "') and the robot at its stamp: " + why);
-      }
+      if (stopping_ || ros::SteadyTime::now() >= end) throw InputError(problem);
     } while (context_.transforms.nbTaken() == nb_taken);
   }
 }
@@ -185,8 +198,10 @@ CloudView CloudSource::view(const ros::Time& now) const {
   const bool is_outdated =
       latest_.voxels && latest_clock_jumps_ != context_.transforms.nbClockJumps();
   if (!is_outdated) return viewOf(config_, latest_, now.toSec());
-  return {nullptr, "cloud '" + config_.name() + "': none has arrived since the clock went back" +
-                       refusalOf(latest_)};
+  CloudView view;
+  view.doubt = "cloud '" + config_.name() + "': none has arrived since the clock went back" +
+               refusalOf(latest_);
+  return view;
 }
 
 void CloudSource::clear() {

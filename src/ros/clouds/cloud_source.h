@@ -43,6 +43,7 @@ struct CloudHealth {
 /// nor the subscription ever waits. A cloud being processed waits for the transforms at its own
 /// stamp; of those that arrive meanwhile the newest is kept and the others are dropped and counted.
 /// A cloud that cannot be used is refused: it changes only the doubt, until a usable one arrives.
+/// The doubt begins when no transform connects the cloud's frame, even if one may still arrive.
 class CloudSource {
  public:
   struct Context {
@@ -77,8 +78,16 @@ class CloudSource {
   void keep(const std::shared_ptr<const OccupiedVoxels>& voxels, const ros::Time& stamp,
             unsigned generation, double processing);
   void requireUsableStamp(const ros::Time& stamp, const ros::Time& now);
-  Instant waitForInstant(const std_msgs::Header& header, const RobotFilter& robot);
-  std::string lookUp(const std_msgs::Header& header, const RobotFilter& robot, Instant& found);
+  Instant waitForInstant(const std_msgs::Header& header, unsigned generation,
+                         const RobotFilter& robot);
+  /// Says in the log, every few seconds, what is wrong.
+  void tell(const std::string& what);
+  /// Why the poses are not known yet; empty: they are.
+  struct Missing {
+    std::string why;
+    bool is_connected = true;  ///< the frame is: only the stamp is missing
+  };
+  Missing lookUp(const std_msgs::Header& header, const RobotFilter& robot, Instant& found);
   void publishKept(const std_msgs::Header& header) const;
 
   const CloudConfig config_;
@@ -86,10 +95,11 @@ class CloudSource {
 
   // Used by the worker only.
   CloudGatherer gatherer_;
-  std::vector<Eigen::Vector3f> points_;
+  std::vector<Eigen::Vector3d> points_;
   ros::Time last_stamp_;
   unsigned nb_clock_jumps_ = 0;
   unsigned cleared_for_ = 0;  // the grid's generation
+  ros::SteadyTime next_telling_;
 
   mutable std::mutex mutex_;  // guards what follows
   std::condition_variable wakes_worker_;

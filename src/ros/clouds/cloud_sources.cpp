@@ -74,8 +74,10 @@ void CloudSources::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status)
     const std::string name = source->config().name() + " ";
     const CloudView view = source->view(now);
     const CloudHealth health = source->health();
-    if (!view.doubt.empty()) status.mergeSummary(DiagnosticStatus::WARN, view.doubt);
-    status.add(name + "problem", view.doubt);
+    for (const std::string* words : {&view.doubt, &view.warning}) {
+      if (!words->empty()) status.mergeSummary(DiagnosticStatus::WARN, *words);
+    }
+    status.add(name + "problem", view.doubt.empty() ? view.warning : view.doubt);
     status.add(name + "rate [Hz]", health.rate);
     status.add(name + "latency [s]", health.latency);
     status.add(name + "processing [s]", health.processing);
