@@ -6,9 +6,11 @@
 #include <iostream>
 #include <random>
 #include <sstream>
+#include <thread>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "collision_pairs/input_error.h"
@@ -262,12 +264,68 @@ TEST_F(MeshProcess, WhatBreaksAssimpIsRefused) {
   EXPECT_NE(refusalOf("x.dae", collada("9", "0 1 7")), "accepted");
 }
 
+/// The process that this one has started, or "".
+std::string child() {
+  std::ifstream children("/proc/self/task/" + std::to_string(::getpid()) + "/children");
+  EXPECT_TRUE(children);
+  std::string pid;
+  children >> pid;
+  return pid;
+}
+
 TEST_F(MeshProcess, LeavesNoProcessBehind) {
   EXPECT_THAT(refusalOf("x.ply", ply(THREE).substr(0, 60)), HasSubstr("did not finish within"));
-  std::ifstream children("/proc/self/task/" + std::to_string(::getpid()) + "/children");
-  ASSERT_TRUE(children);
-  std::string child;
-  EXPECT_FALSE(children >> child) << child;
+  EXPECT_EQ(child(), "");
+}
+
+TEST_F(MeshProcess, AnAnswerLongerThanItsLimitIsRefusedAndTheProcessEnded) {
+  const std::string whole = file("a.ply", ply(THREE + "3 0 1 2\n"));
+  const std::size_t bytes = 1 + 2 * 8 + 3 * 3 * 4 + 3 * 4;
+  EXPECT_NO_THROW(readMeshInProcess(whole, std::chrono::seconds(30), bytes));
+  EXPECT_THAT(refusal([&] { readMeshInProcess(whole, std::chrono::seconds(30), bytes - 1); }),
+              HasSubstr("more than 64 bytes"));
+  EXPECT_EQ(child(), "");
+}
+
+/// `of` its lines in /proc/PID: "Max open files 64 64 files" with one blank for several.
+std::string limit(const std::string& lines, const std::string& of) {
+  const std::size_t at = lines.find(of);
+  std::istringstream words(lines.substr(std::min(at, lines.size())));
+  std::string line, text;
+  std::getline(words, line);
+  std::istringstream split(line);
+  for (std::string word; split >> word;) text += (text.empty() ? "" : " ") + word;
+  return text;
+}
+
+std::string contentOf(const std::string& path) {
+  std::ifstream stream(path);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+TEST_F(MeshProcess, MayGainNoRightsStartNoProcessAndWriteNoFile) {
+  const std::string pipe = folder_ / "pipe.ply";  // whose reader waits for a writer
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  std::string status, limits;
+  std::thread look([&] {
+    const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(10);
+    while (limit(limits, "Max file size") != "Max file size 0 0 bytes" &&
+           std::chrono::steady_clock::now() < end) {
+      const std::string process = "/proc/" + child();
+      limits = contentOf(process + "/limits");
+      status = contentOf(process + "/status");
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+  });
+  EXPECT_NE(refusal([&] { readMeshInProcess(pipe, std::chrono::seconds(5)); }), "accepted");
+  look.join();
+  EXPECT_EQ(limit(status, "NoNewPrivs"), "NoNewPrivs: 1");
+  EXPECT_EQ(limit(limits, "Max processes"), "Max processes 0 0 processes");
+  EXPECT_EQ(limit(limits, "Max open files"), "Max open files 64 64 files");
+  EXPECT_EQ(limit(limits, "Max file size"), "Max file size 0 0 bytes");
+  EXPECT_EQ(limit(limits, "Max core file size"), "Max core file size 0 0 bytes");
+  EXPECT_EQ(limit(limits, "Max cpu time"), "Max cpu time 60 60 seconds");
+  EXPECT_EQ(limit(limits, "Max address space"), "Max address space 4294967296 4294967296 bytes");
 }
 
 }  // namespace

@@ -67,7 +67,7 @@ class Child {
   Child& operator=(const Child&) = delete;
 
   /// Its complete output.
-  std::string readAll(std::chrono::milliseconds time_limit) {
+  std::string readAll(std::chrono::milliseconds time_limit, std::size_t most_bytes) {
     const auto deadline = Clock::now() + time_limit;
     std::string all;
     constexpr std::size_t STEP = 1 << 18;
@@ -86,6 +86,10 @@ class Child {
       if (count < 0 && errno != EINTR) throw InputError(std::strerror(errno));
       if (count == 0) return all;
       if (count > 0) all.append(step, 0, static_cast<std::size_t>(count));
+      if (all.size() > most_bytes) {
+        throw InputError(NOT_READ + std::string("made a mesh of more than ") +
+                         std::to_string(most_bytes) + " bytes of it");
+      }
     }
   }
 
@@ -145,9 +149,10 @@ bool unpack(const std::string& answer, TriangleMesh& mesh) {
 
 }  // namespace
 
-TriangleMesh readMeshInProcess(const std::string& path, std::chrono::milliseconds time_limit) {
+TriangleMesh readMeshInProcess(const std::string& path, std::chrono::milliseconds time_limit,
+                               std::size_t most_bytes) {
   Child child(path);
-  const std::string answer = child.readAll(time_limit);
+  const std::string answer = child.readAll(time_limit, most_bytes);
   const int status = child.waitForEnd();
   if (WIFSIGNALED(status)) {
     throw InputError(NOT_READ + std::string("crashed on it (") + ::strsignal(WTERMSIG(status)) +

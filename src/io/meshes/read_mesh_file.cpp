@@ -23,12 +23,24 @@ using collision_pairs::mesh_pipe::REFUSED;
 constexpr rlim_t MEMORY_LIMIT = rlim_t{4} << 30;  // bytes
 constexpr rlim_t TIME_LIMIT = 60;                 // s: the parent waits half of that
 
+constexpr rlim_t OPEN_FILES = 64;  // a mesh may be in several
+
+template <class Resource>
+void limitTo(rlim_t most, Resource resource) {
+  const rlimit limit{most, most};
+  ::setrlimit(resource, &limit);
+}
+
+// What a file can make assimp do ends with this process. Root may start processes all the same.
 void limitItself() {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-  const rlimit memory{MEMORY_LIMIT, MEMORY_LIMIT}, time{TIME_LIMIT, TIME_LIMIT}, no_core{0, 0};
-  ::setrlimit(RLIMIT_AS, &memory);
-  ::setrlimit(RLIMIT_CPU, &time);
-  ::setrlimit(RLIMIT_CORE, &no_core);
+  ::prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0);
+  limitTo(MEMORY_LIMIT, RLIMIT_AS);
+  limitTo(TIME_LIMIT, RLIMIT_CPU);
+  limitTo(OPEN_FILES, RLIMIT_NOFILE);
+  limitTo(0, RLIMIT_CORE);
+  limitTo(0, RLIMIT_NPROC);
+  limitTo(0, RLIMIT_FSIZE);  // of files, not of pipes
 }
 
 // Closes the parent's sockets: otherwise they would stay open while this process lives, even if the
