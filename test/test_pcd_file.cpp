@@ -1,6 +1,8 @@
 // PCD files, as they are found and as they should not be.
 #include <cmath>
 #include <cstring>
+#include <fstream>
+#include <random>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -74,16 +76,109 @@ TEST(PcdFile, CoordinatesMayStandAnywhereAmongOtherFields) {
   EXPECT_EQ(readPcd(header + "DATA ascii\n7 3 9 9 9 1 2 0 0")[0], Vector3d(1, 2, 3));
 }
 
+/// LZF of the bytes, by the format's description: what is not a repetition at random offsets is
+/// copied in runs of random lengths.
+std::string compressed(const std::string& bytes, std::mt19937& random) {
+  std::string lzf;
+  const auto uniform = [&](std::size_t most) {
+    return std::uniform_int_distribution<std::size_t>(1, most)(random);
+  };
+  for (std::size_t at = 0; at < bytes.size();) {
+    const std::size_t offset = at == 0 ? 0 : uniform(std::min<std::size_t>(at, 8192));
+    const std::size_t most = std::min<std::size_t>(bytes.size() - at, 264);
+    std::size_t same = 0;
+    while (offset > 0 && same < most && bytes[at + same] == bytes[at + same - offset]) ++same;
+    if (same >= 3) {
+      const std::size_t length = same - 2, top = std::min<std::size_t>(length, 7);
+      lzf.push_back(static_cast<char>(top << 5 | (offset - 1) >> 8));
+      if (top == 7) lzf.push_back(static_cast<char>(length - 7));
+      lzf.push_back(static_cast<char>((offset - 1) & 255));
+      at += same;
+    } else {
+      const std::size_t count = std::min<std::size_t>(uniform(32), bytes.size() - at);
+      lzf.push_back(static_cast<char>(count - 1));
+      lzf += bytes.substr(at, count);
+      at += count;
+    }
+  }
+  return lzf;
+}
+
+TEST(PcdFile, WhatIsCompressedIsReadAsWhatIsNot) {
+  const unsigned seed = std::random_device()();
+  SCOPED_TRACE("seed " + std::to_string(seed));
+  std::mt19937 random(seed);
+  for (int round = 0; round < 100; ++round) {
+    const std::size_t count = random() % 3000;
+    std::vector<std::uint16_t> labels(count);
+    std::vector<float> x(count), z(count);
+    std::vector<double> y(count);
+    std::string rows;
+    for (std::size_t i = 0; i < count; ++i) {
+      labels[i] = static_cast<std::uint16_t>(random() % 3);
+      x[i] = round % 2 == 0 ? 1.0f : static_cast<float>(random()) * 1e-9f;
+      y[i] = static_cast<double>(i % 7) * 0.1;
+      z[i] = static_cast<float>(random() % 4);
+      rows += bytesOf<float>({x[i]}) + bytesOf<std::uint16_t>({labels[i]}) +
+              bytesOf<double>({y[i]}) + bytesOf<float>({z[i]});
+    }
+    const std::string header = "FIELDS x label y z\nSIZE 4 2 8 4\nTYPE F U F F\nPOINTS " +
+                               std::to_string(count) + "\nDATA binary";
+    const std::string fields = bytesOf(x) + bytesOf(labels) + bytesOf(y) + bytesOf(z);
+    const std::string lzf = compressed(fields, random);
+    const auto sizes = bytesOf<std::uint32_t>(
+        {static_cast<std::uint32_t>(lzf.size()), static_cast<std::uint32_t>(fields.size())});
+    ASSERT_EQ(readPcd(header + "_compressed\n" + sizes + lzf), readPcd(header + "\n" + rows));
+  }
+}
+
+/// Made by liblzf 3.6, the author's.
+TEST(PcdFile, ACompressedFileOfTheAuthorsLibraryIsRead) {
+  std::ifstream file(std::string(PROJECT_SOURCE_DIR) + "/test/fuzz/corpus_pcd/binary_compressed",
+                     std::ios::binary);
+  const auto points = readPcd({std::istreambuf_iterator<char>(file), {}});
+  ASSERT_EQ(points.size(), 40u);
+  for (std::size_t i = 0; i < 40; ++i) {
+    EXPECT_EQ(points[i],
+              Vector3d(0.5 * static_cast<double>(i % 4), 0.25 * static_cast<double>(i), 1));
+  }
+}
+
+std::string twoCompressed(std::uint32_t size, const std::string& lzf) {
+  return XYZ + "DATA binary_compressed\n" +
+         bytesOf<std::uint32_t>({static_cast<std::uint32_t>(lzf.size()), size}) + lzf;
+}
+
+TEST(PcdFile, DamagedCompressedDataAreRefused) {
+  const std::string whole =
+      std::string(1, 0) + "0" + std::string("\xe0\x0e\x00", 3);  // 24 times '0'
+  EXPECT_EQ(readPcd(twoCompressed(24, whole)).size(), 2u);
+  expectRefused(XYZ + "DATA binary_compressed\nabc", "ends after 0");
+  expectRefused(twoCompressed(24, whole).substr(0, XYZ.size() + 34), "ends after 0");
+  expectRefused(twoCompressed(25, whole), "its data claim 25 bytes");
+  expectRefused(twoCompressed(4294967295u, whole), "its data claim 4294967295 bytes");
+  expectRefused(twoCompressed(24, whole.substr(0, 4)), "end within a run");
+  expectRefused(twoCompressed(24, whole.substr(0, 2)), "end too early");
+  expectRefused(twoCompressed(24, whole + std::string(2, 0)), "more than they claim");
+  expectRefused(twoCompressed(24, std::string(1, 5) + "012"), "end within a run");
+  expectRefused(twoCompressed(24, std::string(1, 0) + "0" + std::string("\xe0\x0e\x01", 3)),
+                "before their beginning");
+  const std::string many = "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nPOINTS 300000000\n";
+  expectRefused(many + twoCompressed(3600000000u, whole).substr(XYZ.size()), "too short");
+  const std::string wrapping = "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nPOINTS 357913942\n";
+  expectRefused(wrapping + twoCompressed(8, whole).substr(XYZ.size()), "its data claim 8 bytes");
+}
+
 TEST(PcdFile, NoPointsAreNone) {
   const std::string none = "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nPOINTS 0\n";
   EXPECT_TRUE(readPcd(none + "DATA binary\n").empty());
   EXPECT_TRUE(readPcd(none + "DATA ascii\n").empty());
+  EXPECT_TRUE(readPcd(none + "DATA binary_compressed\n").empty());
 }
 
 TEST(PcdFile, WhatIsWrongIsSaidWithItsLine) {
   expectRefused("", "no DATA line");
   expectRefused("hello world\n", "line 1: 'hello'");
-  expectRefused(XYZ + "DATA binary_compressed\nabc", "binary_compressed is not read");
   expectRefused(XYZ + "DATA gzip\n", "'gzip'");
   expectRefused(XYZ + "DATA\n", "line 11: DATA");
   expectRefused(XYZ + "DATA binary\n" + bytesOf<float>({1, 2, 3, 4, 5}), "ends after 1");

@@ -7,8 +7,10 @@
 #include <limits>
 #include <optional>
 #include <sstream>
+#include <string_view>
 
 #include "collision_pairs/input_error.h"
+#include "lzf.h"
 #include "user_text.h"
 
 namespace collision_pairs {
@@ -40,17 +42,18 @@ class PcdReader {
     layOut();
     if (data_ == "ascii") return readAscii();
     if (data_ == "binary") return readBinary();
-    if (data_ == "binary_compressed") {
-      fail(
-          "DATA binary_compressed is not read; convert it: pcl_convert_pcd_ascii_binary IN.pcd "
-          "OUT.pcd 1");
-    }
-    fail("DATA is '" + data_.substr(0, 20) + "', but must be ascii or binary");
+    if (data_ == "binary_compressed") return readCompressed();
+    fail("DATA is '" + data_.substr(0, 20) + "', but must be ascii, binary or binary_compressed");
   }
 
  private:
   [[noreturn]] void fail(const std::string& what) const {
     throw InputError("line " + std::to_string(nb_lines_) + ": " + what);
+  }
+
+  [[noreturn]] void failAfter(std::uint64_t nb_points) const {
+    throw InputError("it should have " + std::to_string(*nb_points_) + " points, but ends after " +
+                     std::to_string(nb_points) + " (truncated?)");
   }
 
   bool nextLine(std::string& line) {
@@ -85,7 +88,7 @@ class PcdReader {
     } else if (keyword == "POINTS") {
       nb_points_ = number(keyword, words);
     } else if (keyword == "DATA") {
-      if (words.size() != 1) fail("DATA must be ascii or binary");
+      if (words.size() != 1) fail("DATA must be one word");
       data_ = words[0];
     } else if (keyword != "VERSION" && keyword != "VIEWPOINT") {
       fail("'" + keyword.substr(0, 20) + "' is not a keyword of a PCD header");
@@ -147,27 +150,56 @@ class PcdReader {
     columns_[axis] = Column{point_bytes_, sizes_[field], point_values_};
   }
 
+  std::string_view data() const { return std::string_view(bytes_).substr(at_); }
+
   std::vector<Vector3d> readBinary() const {
-    const std::uint64_t given = (bytes_.size() - at_) / point_bytes_;
-    if (given < *nb_points_) {
-      throw InputError("it should have " + std::to_string(*nb_points_) +
-                       " points, but ends after " + std::to_string(given) + " (truncated?)");
-    }
+    const std::uint64_t given = data().size() / point_bytes_;
+    if (given < *nb_points_) failAfter(given);
     std::vector<Vector3d> points(*nb_points_);
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      const char* point = bytes_.data() + at_ + i * point_bytes_;
-      for (int axis = 0; axis < 3; ++axis) {
-        const Column& column = *columns_[static_cast<std::size_t>(axis)];
-        if (column.bytes_a_value == 4) {
-          float value = 0.0f;
-          std::memcpy(&value, point + column.byte, sizeof value);
-          points[i][axis] = value;
-        } else {
-          std::memcpy(&points[i][axis], point + column.byte, sizeof(double));
-        }
-      }
+    for (int axis = 0; axis < 3; ++axis) {
+      const Column& column = *columns_[static_cast<std::size_t>(axis)];
+      readColumn(data().data() + column.byte, point_bytes_, column.bytes_a_value, axis, points);
     }
     return points;
+  }
+
+  /// The sizes of the data, compressed and not, and the compressed data: each field of all points
+  /// after the one before.
+  std::vector<Vector3d> readCompressed() const {
+    std::array<std::uint32_t, 2> sizes{};
+    if (*nb_points_ == 0) return {};
+    if (data().size() < sizeof sizes) failAfter(0);
+    std::memcpy(sizes.data(), data().data(), sizeof sizes);
+    if (sizes[1] / point_bytes_ != *nb_points_ || sizes[1] % point_bytes_ != 0) {
+      throw InputError("it should have " + std::to_string(*nb_points_) + " points of " +
+                       std::to_string(point_bytes_) + " bytes, but its data claim " +
+                       std::to_string(sizes[1]) + " bytes");
+    }
+    const std::string_view compressed = data().substr(sizeof sizes);
+    if (compressed.size() < sizes[0]) failAfter(0);
+    const std::string fields = decompressLzf(compressed.substr(0, sizes[0]), sizes[1]);
+    std::vector<Vector3d> points(*nb_points_);
+    for (int axis = 0; axis < 3; ++axis) {
+      const Column& column = *columns_[static_cast<std::size_t>(axis)];
+      readColumn(fields.data() + column.byte * points.size(), column.bytes_a_value,
+                 column.bytes_a_value, axis, points);
+    }
+    return points;
+  }
+
+  /// One coordinate of all points: values of 4 or 8 bytes, `stride` bytes apart.
+  static void readColumn(const char* at, std::size_t stride, std::size_t bytes_a_value, int axis,
+                         std::vector<Vector3d>& points) {
+    for (Vector3d& point : points) {
+      if (bytes_a_value == 4) {
+        float value = 0.0f;
+        std::memcpy(&value, at, sizeof value);
+        point[axis] = value;
+      } else {
+        std::memcpy(&point[axis], at, sizeof(double));
+      }
+      at += stride;
+    }
   }
 
   std::vector<Vector3d> readAscii() {
@@ -187,11 +219,7 @@ class PcdReader {
       }
       points.push_back(point);
     }
-    if (points.size() < *nb_points_) {
-      throw InputError("it should have " + std::to_string(*nb_points_) +
-                       " points, but ends after " + std::to_string(points.size()) +
-                       " (truncated?)");
-    }
+    if (points.size() < *nb_points_) failAfter(points.size());
     return points;
   }
 
