@@ -8,7 +8,7 @@ from conftest import DEMO, PROJECT
 
 URDF = os.path.join(DEMO, "demo_robot.urdf")
 SRDF = os.path.join(DEMO, "demo_robot.srdf")
-HEADER = ["segment", "verdict", "clearance", "contact_at", "pairs", "nb_checks", "microseconds"]
+HEADER = ["segment", "verdict", "clearance", "contact_at", "free_until", "pairs", "nb_checks", "microseconds"]
 JOINTS = "shoulder_pan,shoulder_lift,upper_arm_roll,elbow_flex,forearm_roll,wrist_flex,wrist_roll,gripper"
 
 
@@ -33,6 +33,8 @@ def test_free_segments_have_a_clearance_and_others_a_contact(run_tool, waypoints
     assert list(rows[0]) == HEADER and [row["segment"] for row in rows] == ["0", "1", "2"]
     assert [row["verdict"] for row in rows] == ["collision", "collision", "free"]
     assert 0.0 < float(rows[0]["contact_at"]) < 1.0 and rows[0]["clearance"] == ""
+    until = [float(row["free_until"]) for row in rows]
+    assert 0.0 < until[0] <= float(rows[0]["contact_at"]) and until[1:] == [0.0, 1.0]  # the second row is in contact
     assert rows[0]["pairs"] and "|" in rows[0]["pairs"]
     assert float(rows[2]["clearance"]) > 0.0 and rows[2]["contact_at"] == rows[2]["pairs"] == ""
     assert all(int(row["nb_checks"]) >= 1 and float(row["microseconds"]) > 0 for row in rows)

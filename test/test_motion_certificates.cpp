@@ -52,6 +52,7 @@ class Judge {
     MotionSettings settings = motion_settings_;
     settings.clearance = index % 4 == 3 ? 0.01 : 0.0;  // asked for in every fourth
     const MotionReport report = check_.check(motion, settings);
+    expectFreeUntil(motion, settings, report);
     ++tally_.nb[static_cast<int>(report.verdict)];
     if (report.verdict == Verdict::FREE) {
       ASSERT_GE(report.clearance, settings.clearance);
@@ -63,6 +64,33 @@ class Judge {
       const bool is_near = smallestDistance(motion) <= settings.clearance + MUST_BE_CERTIFIED;
       if (!is_near) ++tally_.nb_not_certified;
     }
+  }
+
+  /// Before free_until no sample is too near, and with from_start that is where one first is.
+  void expectFreeUntil(const JointMotion& motion, MotionSettings settings,
+                       const MotionReport& report) {
+    settings.from_start = true;
+    const MotionReport longest = check_.check(motion, settings);
+    ASSERT_EQ(longest.verdict == Verdict::FREE, report.verdict == Verdict::FREE);
+    ASSERT_GE(longest.free_until, report.free_until);
+    ASSERT_EQ(longest.free_until == 1.0, report.verdict == Verdict::FREE);
+    if (report.verdict == Verdict::FREE) return;
+    ASSERT_LE(longest.free_until, longest.verdict == Verdict::COLLISION ? longest.contact_at : 1.0);
+    for (int i = 0; longest.free_until > 0.0 && i < nbSamples(); ++i) {
+      const double fraction = longest.free_until * i / nbSamples();
+      ASSERT_GE(distanceAt(motion, fraction), settings.clearance - TO_ROUNDING) << fraction;
+    }
+    ASSERT_LE(distanceAt(motion, longest.free_until), settings.clearance + 2 * settings.resolution);
+  }
+
+  /// The smallest distance up to 2 cm; -1 or less in contact.
+  double distanceAt(const JointMotion& motion, double fraction) {
+    CheckSettings settings = settings_;
+    settings.alarm_distance = 0.02;
+    const CollisionReport& exact = loop_.at(motion, fraction, settings);
+    double smallest = 0.02;
+    for (const PairReport& pair : exact.pairs) smallest = std::min(smallest, pair.distance);
+    return exact.verdict == Verdict::FREE ? smallest : std::min(smallest, -1.0);
   }
 
   /// No sample is in contact; the clearance, which takes longer to measure, in every fiftieth.

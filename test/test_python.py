@@ -171,16 +171,22 @@ def test_motions_are_certified_or_the_contact_between_their_ends_is_found():
     # Past the post, to and fro at its distance, to the ball at the origin, and on the spot.
     waypoints = [[-1.0, 0.4], [1.0, 0.4], [1.0, 0.3], [2.0, 0.3], [2.0, 0.1], [2.0, 0.1]]
     for threads in (1, 2):
-        result = cp.MotionCheck(scene, threads=threads).check(waypoints, ["turn", "slide"], clearance=0.01)
+        result = cp.MotionCheck(scene, threads=threads).check(waypoints, ["turn", "slide"], clearance=0.01,
+                                                               from_start=True)
         free, hit = cp.Verdict.FREE, cp.Verdict.COLLISION
         assert result.verdict.tolist() == [hit, free, free, hit, hit]
         turned = -1.0 + 2.0 * result.contact_at[0]
         assert 2 * 0.4 * abs(np.sin(turned / 2)) <= 0.1  # the chord between the two centres
         assert 0.3 - 0.2 * result.contact_at[3] <= 0.15
         np.testing.assert_array_equal(result.contact_at[1:3], 0)
+        # A centimetre from the post, and from the ball at the origin; on the spot they touch.
+        first_near = [(1 - 2 * np.arcsin(0.11 / 0.8)) / 2, 1, 1, (0.3 - 0.16) / 0.2, 0]
+        np.testing.assert_allclose(result.free_until, first_near, atol=0.01)
+        assert (result.free_until <= first_near).all()
         assert (result.clearance[1:3] >= 0.01).all() and (result.clearance[1:3] <= 0.15).all()
         named = [(p["segment"], *result.models[[p["first"], p["second"]]]) for p in result.pairs]
         assert named == [(0, "post", "tip"), (3, "base", "tip"), (4, "base", "tip")]
+    np.testing.assert_array_equal(cp.MotionCheck(scene).check(waypoints, ["turn", "slide"]).free_until, [0, 1, 1, 0, 0])
     # 0.15 m to the ball at the origin: more is not kept.
     near = cp.MotionCheck(scene).check([[1.0, 0.3], [2.0, 0.3]], clearance=0.2)
     assert near.verdict.tolist() != [free]

@@ -21,6 +21,10 @@ struct MotionSettings {
   /// which makes the segment UNKNOWN unless a contact is found elsewhere. Pairs that stay further
   /// apart than clearance + resolution are certified. Finer values cost more near contacts.
   double resolution = 1e-3;
+  /// Also certify the part before a contact or a near miss, for MotionReport::free_until. Costs
+  /// nothing if the motion is free; a motion in contact takes longer, since its search does not end
+  /// at the first contact.
+  bool from_start = false;
 };
 
 /// A straight line in joint space: at fraction f of the segment joint i is at
@@ -46,8 +50,13 @@ struct MotionReport {
   /// the requested clearance, and more if that was found without extra work; infinite if there is
   /// no pair. Otherwise 0.
   double clearance = 0.0;
-  /// COLLISION: the fraction of the segment, 0 to 1, at which the contact was found. Otherwise 0.
+  /// COLLISION: the fraction of the segment, 0 to 1, at which a contact was found. Otherwise 0.
   double contact_at = 0.0;
+  /// How far from its start the segment is certified with the requested clearance: no configuration
+  /// at a smaller fraction comes closer. 1 if FREE. With from_start it ends where a pair comes
+  /// closer, or is still open at the resolution; without, COLLISION gives 0, and UNKNOWN what was
+  /// certified without extra work.
+  double free_until = 0.0;
   /// Ids of models, first < second, sorted. COLLISION: pairs in contact at contact_at. UNKNOWN:
   /// pairs that could not be certified.
   std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;

@@ -20,7 +20,7 @@ struct SegmentPair {
 
 struct MotionResult {
   py::array_t<std::uint8_t> verdict;
-  py::array_t<double> clearance, contact_at;
+  py::array_t<double> clearance, contact_at, free_until;
   py::array_t<SegmentPair> pairs;
   py::array model_names;
   std::vector<std::string> joints_at_zero;
@@ -74,6 +74,7 @@ class PythonMotionCheck {
     MotionResult result{py::array_t<std::uint8_t>(count),
                         py::array_t<double>(count),
                         py::array_t<double>(count),
+                        py::array_t<double>(count),
                         {},
                         model_names_,
                         named.at_zero};
@@ -83,6 +84,7 @@ class PythonMotionCheck {
       result.verdict.mutable_at(i) = static_cast<std::uint8_t>(report.verdict);
       result.clearance.mutable_at(i) = report.clearance;
       result.contact_at.mutable_at(i) = report.contact_at;
+      result.free_until.mutable_at(i) = report.free_until;
       for (const auto& [first, second] : report.pairs) pairs.push_back({i, first, second});
     }
     result.pairs = py::array_t<SegmentPair>(static_cast<py::ssize_t>(pairs.size()), pairs.data());
@@ -115,6 +117,9 @@ void bindMotions(py::module& module) {
       .def_readonly("contact_at", &MotionResult::contact_at,
                     "float64 (n - 1,): if COLLISION, the fraction of the segment, 0 to 1, at "
                     "which the contact was found; otherwise 0.")
+      .def_readonly("free_until", &MotionResult::free_until,
+                    "float64 (n - 1,): the fraction of the segment, 0 to 1, up to which it is "
+                    "certified with the clearance; 1: FREE. Without from_start 0 for COLLISION.")
       .def_readonly("pairs", &MotionResult::pairs,
                     "Structured (p,): segment, first, second (in models): in contact there, or "
                     "not certified.")
@@ -131,16 +136,18 @@ void bindMotions(py::module& module) {
           "check",
           [](const PythonMotionCheck& motions, const py::object& waypoints,
              const py::object& joints, double clearance, double resolution,
-             const py::object& fidelity) {
+             const py::object& fidelity, bool from_start) {
             return motions.check(waypoints, joints,
-                                 {fidelityFrom(fidelity), clearance, resolution});
+                                 {fidelityFrom(fidelity), clearance, resolution, from_start});
           },
           py::arg("waypoints"), py::arg("joints") = py::none(),
           py::arg("clearance") = defaults.clearance, py::arg("resolution") = defaults.resolution,
           py::arg("fidelity") = fidelityName(defaults.fidelity),
+          py::arg("from_start") = defaults.from_start,
           "waypoints: float64 (n, len(joints)), rad or m. joints: as in Detector.check. clearance: "
           "m, FREE means that no pair comes closer. resolution: m, a pair still open when its "
-          "motion is split finer is given up. Raises InputError that names the waypoint and the "
+          "motion is split finer is given up. from_start: also certify what lies before a contact, "
+          "for free_until, at a higher cost. Raises InputError that names the waypoint and the "
           "joint.");
 }
 

@@ -98,6 +98,7 @@ void checkBetween(const Asked& asked, const std::vector<std::vector<double>>& wa
   const auto& active = asked.active;
   MotionSettings settings;
   settings.fidelity = asked.settings.fidelity;
+  settings.from_start = true;
   SegmentOptions options;
   options.placed = asked.query.placedBodies();
   options.voxels = asked.voxels;
@@ -106,6 +107,7 @@ void checkBetween(const Asked& asked, const std::vector<std::vector<double>>& wa
     const std::uint8_t verdict = verdictWith(doubts, report.verdict, reasons);
     response.segment_verdict.push_back(verdict);
     response.contact_at.push_back(report.contact_at);
+    response.free_until.push_back(doubts.empty() ? report.free_until : 0.0);
     response.clearance.push_back(verdict == CollisionPairs::FREE ? report.clearance : 0.0);
     if (report.verdict != Verdict::UNKNOWN) continue;
     for (const auto& [first, second] : report.pairs) {

@@ -50,16 +50,17 @@ const char* verdictName(Verdict verdict) {
 
 void writeRow(std::size_t segment, const MotionReport& report, const CollisionScene& scene,
               std::ostream& out) {
-  char clearance[64] = "", contact_at[64] = "", microseconds[64];
+  char clearance[64] = "", contact_at[64] = "", free_until[64], microseconds[64];
   if (report.verdict == Verdict::FREE && std::isfinite(report.clearance)) {
     std::snprintf(clearance, sizeof clearance, "%.17g", report.clearance);
   }
   if (report.verdict == Verdict::COLLISION) {
     std::snprintf(contact_at, sizeof contact_at, "%.17g", report.contact_at);
   }
+  std::snprintf(free_until, sizeof free_until, "%.17g", report.free_until);
   std::snprintf(microseconds, sizeof microseconds, "%.1f", 1e6 * report.seconds);
   out << segment << ',' << verdictName(report.verdict) << ',' << clearance << ',' << contact_at
-      << ',';
+      << ',' << free_until << ',';
   std::string pairs;
   for (const auto& [first, second] : report.pairs) {
     pairs += (pairs.empty() ? "" : ";") + listedPair(scene, first, second);
@@ -70,6 +71,7 @@ void writeRow(std::size_t segment, const MotionReport& report, const CollisionSc
 void checkAll(Options options) {
   refuseWrong(options.settings);
   options.settings.fidelity = parseFidelity(options.fidelity);
+  options.settings.from_start = true;
   const auto scene =
       buildScene(options.robot, options.srdf, options.scene, options.settings.fidelity, 0);
   const JointStates waypoints =
@@ -86,7 +88,7 @@ void checkAll(Options options) {
   how.done = [&](std::size_t nb_done) { bar.show(nb_done); };
   const auto reports = checkSegments(scene, waypoints.positions, options.settings, how);
   writeTextFile(options.out, [&](std::ostream& out) {
-    out << "segment,verdict,clearance,contact_at,pairs,nb_checks,microseconds\n";
+    out << "segment,verdict,clearance,contact_at,free_until,pairs,nb_checks,microseconds\n";
     for (std::size_t i = 0; i < reports.size(); ++i) writeRow(i, reports[i], *scene, out);
   });
 }

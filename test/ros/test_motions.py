@@ -71,11 +71,14 @@ class MotionsTest(unittest.TestCase):
             self.assertGreater(reply.clearance[i], 0.0)
             self.assertLessEqual(reply.clearance[i], nearest)
         self.assertEqual(reply.clearance[1], 0.0)
+        self.assertEqual((reply.free_until[0], reply.free_until[2]), (1.0, 1.0))
+        self.assertLessEqual(reply.free_until[1], 1.499 / 5)
+        self.assertGreater(reply.free_until[1], 1.497 / 5)
         self.assertEqual(reply.unknown_because, [])
 
     def test_nobody_is_told_of_motions_who_does_not_ask(self):
         for reply in (self.ask([0, 8]), self.ask([0], between=True)):
-            self.assertEqual((len(reply.segment_verdict), len(reply.contact_at), len(reply.clearance)), (0, 0, 0))
+            self.assertEqual({len(x) for x in (reply.segment_verdict, reply.contact_at, reply.free_until, reply.clearance)}, {0})
 
     def test_joints_that_are_not_named_stand_where_tf_has_them(self):
         self.stand([0, -5, 30])

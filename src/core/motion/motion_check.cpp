@@ -64,6 +64,7 @@ class MotionCheck::Search {
     settings_ = settings;
     report_ = {};
     clearance_ = INF;
+    free_until_ = 1.0;
     uncertified_.clear();
     beside_static_noted_.assign(scene_.elements().size(), 0);
     poses_.voxels = voxels;
@@ -73,7 +74,8 @@ class MotionCheck::Search {
     bool is_open = lookAtAll();
     while (is_open && !ways_.isEmpty()) {
       Way way = ways_.pop();
-      const bool goes_on = report_.nb_checks < MOST_CHECKS && ways_.nbPairs() < MOST_OPEN_PAIRS;
+      const bool goes_on = report_.nb_checks < MOST_CHECKS && ways_.nbPairs() < MOST_OPEN_PAIRS &&
+                           way.begin < relevantUntil();
       is_open = goes_on ? look(way) : giveUp(way);
     }
     finishReport();
@@ -93,7 +95,7 @@ class MotionCheck::Search {
   /// At the middle of the segment; the cheapest check first.
   bool lookAtAll() {
     moveTo(0.0, 1.0);
-    if (meetsAnything(true) && confirmContact()) return false;
+    if (meetsAnything(true) && confirmContact() && !settings_.from_start) return false;
     size_ = settings_.resolution;
     Way before, after;
     OpenPair open;
@@ -112,7 +114,7 @@ class MotionCheck::Search {
       open.frame = pair.frame;
       using Voxels = PairCover::Voxels;
       const Voxels known = cover_.voxelsOf(open.pair);
-      if (known == Voxels::UNKNOWN || known == Voxels::IN_PART) noteUncertified(open.pair);
+      if (known == Voxels::UNKNOWN || known == Voxels::IN_PART) noteUncertified(open.pair, 0.0);
       if (known == Voxels::UNKNOWN || known == Voxels::NONE) continue;
       OpenPair one = open;
       if (!lookAt(one, before, after)) return false;
@@ -121,7 +123,7 @@ class MotionCheck::Search {
   }
 
   bool look(Way& way) {
-    moveTo(way.begin, way.end);
+    moveTo(way.begin, std::min(way.end, relevantUntil()));
     Way before, after;
     while (!way.isEmpty()) {
       OpenPair open = ways_.takePair(way);
@@ -131,11 +133,16 @@ class MotionCheck::Search {
   }
 
   bool giveUp(Way& way) {
-    while (!way.isEmpty()) noteUncertified(ways_.takePair(way).pair);
+    while (!way.isEmpty()) {
+      const OpenPair open = ways_.takePair(way);
+      noteUncertified(open.pair, open.begin);
+    }
     return true;
   }
 
-  void noteUncertified(const BoxPair& pair) {
+  /// From that fraction on.
+  void noteUncertified(const BoxPair& pair, double begin) {
+    free_until_ = std::min(free_until_, begin);
     const std::uint32_t model = scene_.elements()[pair.first].model;
     if (pair.second != ALL_STATIC) {
       uncertified_.insert(std::minmax(model, scene_.elements()[pair.second].model));
@@ -148,6 +155,11 @@ class MotionCheck::Search {
     }
   }
 
+  /// After a contact only what can change free_until is of interest.
+  double relevantUntil() const {
+    return report_.verdict == Verdict::COLLISION ? free_until_ : INF;
+  }
+
   void moveTo(double begin, double end) {
     at_ = 0.5 * begin + 0.5 * end;
     state_.moveTo(at_, std::max(at_ - begin, end - at_));
@@ -156,6 +168,8 @@ class MotionCheck::Search {
   }
 
   bool lookAt(OpenPair& open, Way& before, Way& after) {
+    if (open.begin >= relevantUntil()) return true;
+    open.end = std::min(open.end, relevantUntil());
     if (open.begin > at_) {
       ways_.addPair(open, after);
     } else if (open.end < at_) {
@@ -163,7 +177,7 @@ class MotionCheck::Search {
     } else if (open.pair.second != ALL_STATIC) {
       return settle(open, before, after);
     } else if (!isReadyToSweep(open)) {
-      cut(open, {0.0, 0.0}, before, after);
+      cut(open, {0.0, 0.0}, open.clearance, before, after);
     }
     return true;
   }
@@ -176,7 +190,8 @@ class MotionCheck::Search {
   }
 
   /// Adds the open parts on either side of the covered one.
-  void cut(const OpenPair& open, const Cover& cover, Way& before, Way& after) {
+  void cut(const OpenPair& open, const Cover& cover, double clearance_after, Way& before,
+           Way& after) {
     OpenPair part = open;
     if (cover.before < at_ - open.begin) {
       part.end = at_ - std::max(cover.before, 0.0);
@@ -185,6 +200,7 @@ class MotionCheck::Search {
     if (cover.after < open.end - at_) {
       part.begin = at_ + std::max(cover.after, 0.0);
       part.end = open.end;
+      part.clearance = clearance_after;
       ways_.addPair(part, after);
     }
   }
@@ -193,16 +209,28 @@ class MotionCheck::Search {
     Cover cover;
     using Outcome = PairCover::Outcome;
     Outcome outcome = cover_.measure(at_, open, cover);
-    if (outcome == Outcome::CONTACT) {
-      if (confirmContact()) return false;
+    if (outcome == Outcome::CONTACT && (at_ >= relevantUntil() || confirmContact())) {
+      if (!settings_.from_start) return false;
+      // At the resolution the last free configuration is near enough.
+      const double way = at_ - open.begin;
+      const bool can_be_cut = way > SHORTEST_WAY && open.speed * way > settings_.resolution;
+      outcome = can_be_cut ? Outcome::OPEN : Outcome::GIVEN_UP;
+    } else if (outcome == Outcome::CONTACT) {
       outcome = Outcome::GIVEN_UP;  // undecidable because of rounding
     }
     if (cover.before >= 0.0) clearance_ = std::min(clearance_, cover.clearance);
     if (outcome == Outcome::COVERED) return true;
-    if (outcome != Outcome::OPEN) noteUncertified(open.pair);
-    if (outcome == Outcome::GIVEN_UP) return true;
-    if (outcome == Outcome::NEARER) open.clearance = 0.0;  // the search for a contact continues
-    cut(open, cover, before, after);
+    if (outcome == Outcome::GIVEN_UP) {
+      noteUncertified(open.pair, open.begin);
+      return true;
+    }
+    double clearance_after = open.clearance;
+    if (outcome == Outcome::NEARER) {
+      clearance_after = 0.0;  // the search for a contact continues
+      if (!settings_.from_start) open.clearance = 0.0;
+      noteUncertified(open.pair, settings_.from_start ? at_ : open.begin);
+    }
+    cut(open, cover, clearance_after, before, after);
     return true;
   }
 
@@ -224,6 +252,8 @@ class MotionCheck::Search {
     if (!meetsAnything(false)) return false;
     report_.verdict = Verdict::COLLISION;
     report_.contact_at = at_;
+    free_until_ = std::min(free_until_, settings_.from_start ? at_ : 0.0);
+    report_.pairs.clear();
     for (const PairReport& pair : detector_.report().pairs) {
       if (pair.state == PairState::CONTACT) report_.pairs.emplace_back(pair.first, pair.second);
     }
@@ -284,6 +314,7 @@ class MotionCheck::Search {
 
   void finishReport() {
     report_.nb_queries = cover_.nbQueries();
+    report_.free_until = free_until_;
     if (report_.verdict == Verdict::COLLISION) return;
     report_.pairs.assign(uncertified_.begin(), uncertified_.end());
     if (!uncertified_.empty()) return;
@@ -304,6 +335,7 @@ class MotionCheck::Search {
   std::set<std::pair<std::uint32_t, std::uint32_t>> uncertified_;  ///< models
   std::vector<char> beside_static_noted_;  ///< by element: noted with all static elements
   double clearance_ = INF;                 ///< certified so far
+  double free_until_ = 1.0;                ///< from there on some pair is not certified
   double size_ = 0.0;  ///< metres, of the largest element with static ones near it
   double at_ = 0.0;    ///< the current configuration
   OpenWays ways_;

@@ -20,7 +20,6 @@ constexpr double DISTANCE_ERROR = 1e-7;  // of the two bodies' size: five times 
 // move in W, on up to three axes at a time. OBBs do, but their corners lie outside the spheres: by
 // at most the same factor, since each of their faces touches the element.
 constexpr double LOOSE_SPEED = 1.7320508075688773;
-constexpr double SHORTEST_WAY = 1e-13;  // of the fraction: a shorter way cannot be split
 
 // Certify at least this share of the distance at a configuration beyond the requested clearance, so
 // that the reported clearance is positive, at a bounded cost.

@@ -12,6 +12,8 @@
 
 namespace collision_pairs {
 
+constexpr double SHORTEST_WAY = 1e-13;  // of the fraction: a shorter way cannot be split
+
 /// Part of a motion on which a pair is not yet known to be free.
 struct OpenPair {
   BoxPair pair{0, 0};             ///< elements; the first has the smaller model

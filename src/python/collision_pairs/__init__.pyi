@@ -201,6 +201,10 @@ class MotionResult:
     def contact_at(self) -> NDArray[np.float64]:
         """(n - 1,): if COLLISION, the fraction of the segment, 0 to 1, at which the contact was found; otherwise 0."""
     @property
+    def free_until(self) -> NDArray[np.float64]:
+        """(n - 1,): the fraction of the segment, 0 to 1, up to which it is certified with the clearance; 1: FREE.
+        Without from_start 0 for COLLISION."""
+    @property
     def pairs(self) -> NDArray[np.void]:
         """(p,), structured: segment (int64), first, second (uint32, in models): in contact there, or not certified."""
     @property
@@ -212,6 +216,8 @@ class MotionCheck:
     """Certifies straight motions in joint space between waypoints."""
     def __init__(self, scene: Scene, threads: int = 0) -> None: ...
     def check(self, waypoints: ArrayLike, joints: Optional[Sequence[str]] = None, clearance: float = 0.0,
-              resolution: float = 0.001, fidelity: Union[str, Fidelity] = "mesh") -> MotionResult:
+              resolution: float = 0.001, fidelity: Union[str, Fidelity] = "mesh",
+              from_start: bool = False) -> MotionResult:
         """waypoints: (n, len(joints)), rad or m. joints: as in Detector.check. clearance: m, FREE means that no pair
-        comes closer. resolution: m, a pair still open when its motion is split finer is given up."""
+        comes closer. resolution: m, a pair still open when its motion is split finer is given up.
+        from_start: also certify what lies before a contact, for free_until, at a higher cost."""
