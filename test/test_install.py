@@ -1,5 +1,6 @@
 """What is installed is whole: the tools run from there, and a stranger's program compiles against it."""
 import os
+import re
 import subprocess
 
 import pytest
@@ -45,13 +46,20 @@ def test_installed_programs_find_their_libraries_by_themselves(installed, tmp_pa
             assert BUILD not in needed, name
 
 
+@pytest.fixture
+def build_example(installed, tmp_path):
+    def build(name, space="install"):
+        prefix = os.path.join(BUILD, "devel") if space == "devel" else str(installed)
+        subprocess.run(["cmake", "-S", PROJECT + "/examples/" + name, "-B", tmp_path, "-DCMAKE_PREFIX_PATH=" + prefix,
+                        "-DCMAKE_CXX_FLAGS=-Wall -Werror", "-DPYTHON_EXECUTABLE=/usr/bin/python3"],
+                       env=CLEAN, check=True, stdout=subprocess.PIPE)
+        subprocess.run(["cmake", "--build", tmp_path], env=CLEAN, check=True, stdout=subprocess.PIPE)
+    return build
+
+
 @pytest.mark.parametrize("space", ("devel", "install"))
-def test_the_example_package_is_built_by_find_package(installed, tmp_path, space):
-    prefix = os.path.join(BUILD, "devel") if space == "devel" else str(installed)
-    subprocess.run(["cmake", "-S", PROJECT + "/examples/check_robot", "-B", tmp_path, "-DCMAKE_PREFIX_PATH=" + prefix,
-                    "-DCMAKE_CXX_FLAGS=-Wall -Werror", "-DPYTHON_EXECUTABLE=/usr/bin/python3"],
-                   env=CLEAN, check=True, stdout=subprocess.PIPE)
-    subprocess.run(["cmake", "--build", tmp_path], env=CLEAN, check=True, stdout=subprocess.PIPE)
+def test_the_example_package_is_built_by_find_package(build_example, tmp_path, space):
+    build_example("check_robot", space)
     done = subprocess.run([tmp_path / "check_robot", DEMO + "/demo_robot.urdf", DEMO + "/demo_robot.srdf"],
                           env=CLEAN, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     assert done.returncode == 0, done.stderr
@@ -63,6 +71,25 @@ def test_the_example_package_is_built_by_find_package(installed, tmp_path, space
     min_distance = float(table.splitlines()[1].split(",")[3])
     assert done.stdout.startswith("free, ")
     assert float(done.stdout.split()[1]) == pytest.approx(min_distance, rel=1e-4)
+
+
+def test_the_example_of_a_planner_plans(build_example, tmp_path):
+    build_example("plan_with_ompl")
+    robot = (DEMO + "/demo_robot.urdf", DEMO + "/demo_robot.srdf")
+    pan, lift, elbow = "shoulder_pan=%s:0.75", "shoulder_lift=-0.3:0.35", "elbow_flex=1.2:0.9"
+    done = subprocess.run([tmp_path / "plan_with_ompl", *robot, pan % 0, lift, elbow], env=CLEAN, text=True,
+                          stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    assert done.returncode == 0, done.stderr
+    path = [[float(q) for q in line.split()] for line in done.stdout.splitlines() if re.match(r"[-\d. e]+$", line)]
+    assert path[0] == pytest.approx([0, -0.3, 1.2]) and path[-1] == pytest.approx([0.75, 0.35, 0.9])
+    waypoints = tmp_path / "waypoints.csv"
+    waypoints.write_text("shoulder_pan,shoulder_lift,elbow_flex\n" + "".join("%.17g,%.17g,%.17g\n" % tuple(q) for q in path))
+    certified = subprocess.run([os.path.join(TOOLS, "check_motion"), robot[0], "--srdf", robot[1], "--waypoints", waypoints],
+                               env=CLEAN, stdout=subprocess.PIPE, text=True, check=True).stdout
+    assert [row.split(",")[1] for row in certified.splitlines()[1:]] == ["free"] * (len(path) - 1)
+    refused = subprocess.run([tmp_path / "plan_with_ompl", *robot, "shoulder_pam=0:1"], env=CLEAN, text=True,
+                             stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    assert refused.returncode == 2 and "shoulder_pam" in refused.stderr
 
 
 PYTHON_PROGRAM = """

@@ -314,11 +314,12 @@ class MotionCheck::Search {
 
   void finishReport() {
     report_.nb_queries = cover_.nbQueries();
-    report_.free_until = free_until_;
+    report_.free_until = std::min(free_until_, std::nextafter(1.0, 0.0));
     if (report_.verdict == Verdict::COLLISION) return;
     report_.pairs.assign(uncertified_.begin(), uncertified_.end());
     if (!uncertified_.empty()) return;
     report_.verdict = Verdict::FREE;
+    report_.free_until = 1.0;
     report_.clearance = clearance_;
   }
 

@@ -1,0 +1,167 @@
+// States and motions as planners of OMPL ask for them.
+#include <atomic>
+#include <thread>
+
+#include <gtest/gtest.h>
+#include <ompl/base/DiscreteMotionValidator.h>
+#include <ompl/base/ScopedState.h>
+#include <ompl/geometric/SimpleSetup.h>
+#include <ompl/geometric/planners/rrt/RRTConnect.h>
+
+#include "collision_pairs/ompl.h"
+#include "motion_fixtures.h"
+
+namespace collision_pairs {
+namespace {
+
+namespace ob = ompl::base;
+namespace og = ompl::geometric;
+
+constexpr double PI = 3.14159265358979;
+
+/// A bar of 1 m that turns about z and slides along it, and a plate of 2 mm in its way at 1 rad,
+/// 1 m high.
+std::shared_ptr<const CollisionScene> barAndPlate(double plate_height = 1.0) {
+  const auto robot = robotFrom(emptyLink("root") + emptyLink("carriage") + bar("arm", 1.0) +
+                               joint("lift", "prismatic", "root", "carriage", "0 0 0",
+                                     "<axis xyz='0 0 1'/><limit lower='-2' upper='2'/>") +
+                               hinge("turn", "carriage", "arm", "0 0 0"));
+  RigidObject plate =
+      boxAt("plate", {0.7 * std::cos(1.0), 0.7 * std::sin(1.0), 0.0}, {0.4, 0.002, plate_height});
+  plate.X_PO.linear() = Eigen::AngleAxisd(1.0, Eigen::Vector3d::UnitZ()).matrix();
+  return sceneOf(robot, {plate});
+}
+
+ob::SpaceInformationPtr spaceOf(int nb_dimensions) {
+  auto space = std::make_shared<ob::RealVectorStateSpace>(nb_dimensions);
+  space->setBounds(-PI, PI);
+  return std::make_shared<ob::SpaceInformation>(space);
+}
+
+class Ompl : public testing::Test {
+ protected:
+  explicit Ompl(std::shared_ptr<const CollisionScene> scene = barAndPlate())
+      : scene_(std::move(scene)),
+        space_(spaceOf(2)),
+        states_(std::make_shared<OmplStateValidityChecker>(space_, scene_, joints_)),
+        motions_(std::make_shared<OmplMotionValidator>(space_, scene_, joints_)) {
+    space_->setStateValidityChecker(states_);
+    space_->setMotionValidator(motions_);
+    space_->setup();
+  }
+
+  ob::ScopedState<ob::RealVectorStateSpace> state(double turn, double lift) const {
+    ob::ScopedState<ob::RealVectorStateSpace> made(space_);
+    made[0] = turn;
+    made[1] = lift;
+    return made;
+  }
+
+  const OmplJoints joints_{{"turn", "lift"}, {}, {}};
+  const std::shared_ptr<const CollisionScene> scene_;
+  const ob::SpaceInformationPtr space_;
+  const std::shared_ptr<OmplStateValidityChecker> states_;
+  const std::shared_ptr<OmplMotionValidator> motions_;
+};
+
+TEST_F(Ompl, JointsAreTakenInTheOrderOfTheirNames) {
+  EXPECT_TRUE(states_->isValid(state(0.0, 0.0).get()));
+  EXPECT_FALSE(states_->isValid(state(1.0, 0.0).get()));
+  EXPECT_TRUE(states_->isValid(state(0.0, 1.0).get()));
+  EXPECT_TRUE(states_->isValid(state(1.0, 0.6).get()));
+}
+
+TEST_F(Ompl, TheClearanceIsTheSmallestDistanceAndNotPositiveInContact) {
+  EXPECT_NEAR(states_->clearance(state(1.0, 0.6).get()), 0.6 - 0.5 - 0.01, 1e-12);
+  EXPECT_LT(states_->clearance(state(1.0, 0.5).get()), 0.0);
+}
+
+TEST_F(Ompl, WhatCannotBeCheckedIsNotValid) {
+  const double nan = std::nan("");
+  EXPECT_FALSE(states_->isValid(state(nan, 0.0).get()));
+  EXPECT_EQ(states_->clearance(state(nan, 0.0).get()), 0.0);
+  EXPECT_FALSE(motions_->checkMotion(state(0.0, 0.0).get(), state(0.0, nan).get()));
+  EXPECT_TRUE(states_->isValid(state(0.0, 0.0).get())) << "the next state is checked";
+}
+
+TEST_F(Ompl, AThinPlateBetweenTwoValidStatesIsNotSteppedOver) {
+  const auto from = state(0.8, 0.0), to = state(1.2, 0.0);
+  ASSERT_TRUE(states_->isValid(from.get()) && states_->isValid(to.get()));
+  EXPECT_TRUE(ob::DiscreteMotionValidator(space_).checkMotion(from.get(), to.get()))
+      << "by samples it is; otherwise this is no test";
+  EXPECT_FALSE(motions_->checkMotion(from.get(), to.get()));
+  EXPECT_TRUE(motions_->checkMotion(from.get(), state(0.9, 0.5).get()));
+  EXPECT_EQ(motions_->getValidMotionCount(), 1u);
+  EXPECT_EQ(motions_->getInvalidMotionCount(), 1u);
+}
+
+TEST_F(Ompl, TheLastValidStateIsJustBeforeTheContact) {
+  const auto from = state(0.5, 0.0), to = state(1.5, 0.0);
+  auto last = state(9.0, 9.0);
+  std::pair<ob::State*, double> last_valid(last.get(), -1.0);
+  ASSERT_FALSE(motions_->checkMotion(from.get(), to.get(), last_valid));
+  EXPECT_DOUBLE_EQ(last[0], 0.5 + last_valid.second);
+  EXPECT_TRUE(states_->isValid(last.get()));
+  EXPECT_LT(states_->clearance(last.get()), 2e-3);
+  const auto before = state(0.5 + 0.99 * last_valid.second, 0.0);
+  EXPECT_TRUE(motions_->checkMotion(from.get(), before.get()));
+  last_valid = {nullptr, -1.0};
+  EXPECT_FALSE(motions_->checkMotion(state(1.0, 0.0).get(), to.get(), last_valid));
+  EXPECT_EQ(last_valid.second, 0.0);
+  last_valid.second = -1.0;
+  EXPECT_TRUE(motions_->checkMotion(from.get(), from.get(), last_valid));
+  EXPECT_EQ(last_valid.second, -1.0) << "of a valid motion it is left alone";
+}
+
+TEST_F(Ompl, ManyThreadsGetTheAnswersOfOne) {
+  constexpr int NB_STATES = 400;
+  std::vector<ob::ScopedState<ob::RealVectorStateSpace>> states;
+  for (int i = 0; i < NB_STATES; ++i) states.push_back(state(0.7 + 0.6 * i / NB_STATES, 0.3));
+  std::vector<char> expected;
+  for (const auto& s : states) expected.push_back(states_->isValid(s.get()));
+  ASSERT_NE(expected, std::vector<char>(NB_STATES, expected[0]));
+  std::atomic<int> nb_wrong{0};
+  std::vector<std::thread> threads;
+  for (int t = 0; t < 8; ++t) {
+    threads.emplace_back([&] {
+      for (int i = 0; i < NB_STATES; ++i)
+        nb_wrong += states_->isValid(states[i].get()) != expected[i];
+      for (int i = 0; i + 9 < NB_STATES; i += 10) {
+        const bool is_valid = motions_->checkMotion(states[i].get(), states[i + 9].get());
+        nb_wrong += is_valid && !(expected[i] && expected[i + 9]);
+      }
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_EQ(nb_wrong, 0);
+}
+
+TEST_F(Ompl, JointsThatAreNotNamedStayWhereTheyAreSaidToBe) {
+  OmplJoints only_turn{{"turn"}, scene_->robot().zeroPositions(), {}};
+  const auto space = spaceOf(1);
+  ob::ScopedState<ob::RealVectorStateSpace> at_plate(space);
+  at_plate[0] = 1.0;
+  EXPECT_FALSE(OmplStateValidityChecker(space, scene_, only_turn).isValid(at_plate.get()));
+  only_turn.positions[scene_->robot().findJoint("lift")] = 0.6;
+  EXPECT_TRUE(OmplStateValidityChecker(space, scene_, only_turn).isValid(at_plate.get()));
+}
+
+TEST_F(Ompl, ASpaceThatDoesNotFitIsRefused) {
+  EXPECT_THROW(OmplStateValidityChecker(spaceOf(3), scene_, joints_), InputError);
+  EXPECT_THROW(OmplMotionValidator(space_, scene_, {{"turn", "lft"}, {}, {}}), InputError);
+  EXPECT_THROW(OmplMotionValidator(space_, scene_, {{"turn", "lift"}, {0.0}, {}}), InputError);
+}
+
+TEST_F(Ompl, APlannerFindsAPathThatNoSampleContradicts) {
+  og::SimpleSetup setup(space_);
+  setup.setStartAndGoalStates(state(0.5, 0.0), state(1.5, 0.0));
+  setup.setPlanner(std::make_shared<og::RRTConnect>(space_));
+  ASSERT_TRUE(setup.solve(20.0));
+  og::PathGeometric path = setup.getSolutionPath();
+  ASSERT_GE(path.getStateCount(), 3u);
+  path.interpolate(10000);
+  for (const ob::State* at : path.getStates()) ASSERT_TRUE(states_->isValid(at));
+}
+
+}  // namespace
+}  // namespace collision_pairs
