@@ -49,7 +49,8 @@ add_dependencies(collision_pairs_io read_mesh_file)
 
 # Further source files of the tool may follow its name.
 function(collision_pairs_tool name)
-  add_executable(${name} src/tools/${name}.cpp src/tools/command_line.cpp src/tools/tool.cpp ${ARGN})
+  add_executable(${name} src/tools/${name}.cpp src/tools/command_line.cpp src/tools/progress_bar.cpp
+                 src/tools/tool.cpp ${ARGN})
   target_include_directories(${name} PRIVATE src/core/base)
   target_link_libraries(${name} PRIVATE collision_pairs_io Boost::program_options)
   collision_pairs_warnings(${name})

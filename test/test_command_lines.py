@@ -1,9 +1,12 @@
 """The command lines of all tools: what --help says, what is refused and how, which words belong to which option."""
 import os
+import pty
 import re
+import subprocess
 
 import pytest
-from conftest import DEMO, PROJECT
+from conftest import DEMO, DEMO_BAG, PROJECT
+from conftest import TOOLS as LIBRARY
 
 URDF = os.path.join(DEMO, "demo_robot.urdf")
 TOOLS = {"check_states": ["ROBOT.urdf", "--states STATES.csv"], "check_motion": ["ROBOT.urdf", "--waypoints WAYPOINTS.csv"],
@@ -36,6 +39,23 @@ def test_help_says_how_the_tool_is_called_and_every_option(run_tool, tool):
     described = re.findall(r"^  --([a-z-]+)", done.stdout, re.MULTILINE)
     assert len(described) == len(set(described)) and set(documented(tool)) <= set(described)
     assert max(map(len, done.stdout.splitlines())) <= 120
+
+
+PROGRESS = {"check_states": [URDF, "--states", "FILE"], "check_motion": [URDF, "--waypoints", "FILE"],
+            "check_bag": [DEMO_BAG], "generate_srdf": [URDF, "--samples", "1000", "--searches", "1"]}
+
+
+@pytest.mark.parametrize("tool", PROGRESS)
+def test_progress_is_shown_on_a_terminal_and_erased(tool, tmp_path):
+    rows = tmp_path / "states.csv"
+    rows.write_text("shoulder_pan\n" + "0.1\n0.2\n" * 100)
+    terminal, stderr = pty.openpty()
+    command = [os.path.join(LIBRARY, tool)] + [str(rows) if word == "FILE" else word for word in PROGRESS[tool]]
+    subprocess.run(command, check=True, timeout=100, stdout=subprocess.DEVNULL, stderr=stderr,
+                   env=dict(os.environ, ROS_PACKAGE_PATH=PROJECT + ":/usr/share"))
+    os.close(stderr)
+    shown = os.read(terminal, 1 << 16).decode()
+    assert re.search(r"\[#* *\] \d+ % ", shown) and "\r\033[K" in shown.rsplit("%", 1)[1], shown
 
 
 def test_defaults_are_printed_as_they_are_written(run_tool):

@@ -7,6 +7,7 @@
 #include "demo_scene.h"
 #include "pair_probe.h"
 #include "pair_statistics.h"
+#include "random_robot.h"
 
 namespace collision_pairs {
 namespace {
@@ -142,6 +143,29 @@ TEST(PairProbe, OfSeveralElementsTheNearestCounts) {
   PairProbe probe(scene);
   probe.place({0.0});
   EXPECT_NEAR(probe.distance(0, 1, 100.0), 3.0, 1e-12);
+}
+
+TEST(PairProbe, APairPlacedAloneIsWhereAllPlacedTogetherHaveIt) {
+  RandomInputs random;
+  for (int round = 0; round < 20; ++round) {
+    const auto robot = randomRobot(random, 20);
+    const auto scene = everyPairOf(robot);
+    PairProbe together(scene), alone(scene);
+    const auto nb_models = static_cast<std::uint32_t>(scene->models().size());
+    for (int i = 0; i < 200; ++i) {
+      const std::vector<double> positions = randomPositions(random, *robot);
+      const auto first =
+          static_cast<std::uint32_t>(random.integer(0, static_cast<int>(nb_models) - 2));
+      const auto second = static_cast<std::uint32_t>(
+          random.integer(static_cast<int>(first) + 1, static_cast<int>(nb_models) - 1));
+      together.place(positions);
+      for (int again = 0; again < 2; ++again) {  // with the bodies of the pair known already
+        alone.placePair(first, second, positions);
+        ASSERT_EQ(alone.distance(first, second, 10.0), together.distance(first, second, 10.0));
+        ASSERT_EQ(alone.touches(first, second), together.touches(first, second));
+      }
+    }
+  }
 }
 
 TEST_F(Counting, ALinkWithoutAFiniteBoxIsRefused) {

@@ -14,6 +14,7 @@
 #include "collision_pairs/collision_detector.h"
 #include "collision_pairs/input_error.h"
 #include "csv.h"
+#include "progress_bar.h"
 #include "scene_files.h"
 #include "tool.h"
 

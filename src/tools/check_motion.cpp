@@ -7,6 +7,7 @@
 #include "collision_pairs/input_error.h"
 #include "collision_pairs/motion_check.h"
 #include "csv.h"
+#include "progress_bar.h"
 #include "scene_files.h"
 #include "text_files.h"
 #include "tool.h"

@@ -9,6 +9,7 @@
 #include "collision_pairs/batch_check.h"
 #include "collision_pairs/input_error.h"
 #include "csv.h"
+#include "progress_bar.h"
 #include "scene_files.h"
 #include "text_files.h"
 #include "tool.h"
@@ -104,6 +105,7 @@ std::vector<std::string> check(const JointStates& states,
   std::vector<std::string> rows(states.positions.size());
   std::atomic<std::uint64_t> nb_answered_natively{0};
   BatchCheck batch(scene, threads);
+  ProgressBar bar("states", rows.size());
   batch.runJoints(
       rows.size(), settings,
       [&](std::size_t i, std::vector<double>& positions) { positions = states.positions[i]; },
@@ -112,6 +114,7 @@ std::vector<std::string> check(const JointStates& states,
         refuseLeftOut(i, report, *scene);
         rows[i] = rowOf(i, report, *scene, settings);
         nb_answered_natively += report.nb_answered_natively;
+        bar.countOne();
       });
   if (nb_answered_natively > 0) {
     warn(std::to_string(nb_answered_natively) +

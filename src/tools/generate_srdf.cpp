@@ -10,6 +10,7 @@
 #include "collision_pairs/input_error.h"
 #include "collision_pairs/mesh_loader.h"
 #include "pair_verdicts.h"
+#include "progress_bar.h"
 #include "scene_files.h"
 #include "text_files.h"
 #include "tool.h"

@@ -79,7 +79,7 @@ class Search {
 
   bool keepIfNearer() {
     sampler_.robot().applyMimics(tried_);
-    probe_.place(tried_);
+    probe_.placePair(pair_->first, pair_->second, tried_);
     const double distance = probe_.distance(pair_->first, pair_->second, best_distance_);
     if (distance >= best_distance_) return false;
     best_distance_ = distance;

@@ -1,6 +1,7 @@
 #include "pair_probe.h"
 
 #include <algorithm>
+#include <set>
 
 #include "collision_pairs/input_error.h"
 
@@ -23,20 +24,52 @@ void forEachElementPair(const CollisionModel& first, const CollisionModel& secon
 PairProbe::PairProbe(std::shared_ptr<const CollisionScene> scene)
     : scene_(std::move(scene)),
       X_WE_(scene_->elements().size()),
-      boxes_(scene_->elements().size()) {}
+      boxes_(scene_->elements().size()) {
+  scene_->robot().forwardKinematics(scene_->robot().zeroPositions(), X_RB_);  // the roots stay
+  ladder_.begin(*scene_, X_WE_, boxes_);
+}
 
 void PairProbe::place(const std::vector<double>& positions) {
   scene_->robot().forwardKinematics(positions, X_RB_);
-  for (std::size_t i = 0; i < boxes_.size(); ++i) {
-    const SceneElement& element = scene_->elements()[i];
-    X_WE_[i] =
-        element.body < 0 ? element.X_BE : X_RB_[scene_->bodies()[element.body].body] * element.X_BE;
-    boxes_[i] = element.boxAt(X_WE_[i]);
-    if (!boxes_[i].valid()) {
-      throw InputError("link " + whyNoBox(scene_->models()[element.model].name));
-    }
+  for (std::size_t i = 0; i < boxes_.size(); ++i) placeElement(i);
+}
+
+void PairProbe::placePair(std::uint32_t first, std::uint32_t second,
+                          const std::vector<double>& positions) {
+  const std::pair<std::uint32_t, std::uint32_t> pair(first, second);
+  if (pair != pair_) {
+    chain_ = movingBodiesAbove(first, second);
+    pair_ = pair;
   }
-  ladder_.begin(*scene_, X_WE_, boxes_);
+  const RobotModel& robot = scene_->robot();
+  for (const int i : chain_) {
+    const Body& body = robot.bodies()[i];
+    robot.placeBody(i, X_RB_[body.parent], positions[body.joint], X_RB_[i]);
+  }
+  for (const std::uint32_t model : {first, second}) {
+    const CollisionModel& placed = scene_->models()[model];
+    for (std::uint32_t i = 0; i < placed.nb_elements; ++i) placeElement(placed.first_element + i);
+  }
+}
+
+void PairProbe::placeElement(std::size_t i) {
+  const SceneElement& element = scene_->elements()[i];
+  X_WE_[i] =
+      element.body < 0 ? element.X_BE : X_RB_[scene_->bodies()[element.body].body] * element.X_BE;
+  boxes_[i] = element.boxAt(X_WE_[i]);
+  if (boxes_[i].valid()) return;
+  throw InputError("link " + whyNoBox(scene_->models()[element.model].name));
+}
+
+/// Ascending: a parent is before its children.
+std::vector<int> PairProbe::movingBodiesAbove(std::uint32_t first, std::uint32_t second) const {
+  const auto& bodies = scene_->robot().bodies();
+  std::set<int> above;
+  for (const std::uint32_t model : {first, second}) {
+    int i = scene_->bodies()[scene_->models()[model].body].body;
+    for (; i >= 0 && bodies[i].joint >= 0; i = bodies[i].parent) above.insert(i);
+  }
+  return {above.begin(), above.end()};
 }
 
 bool PairProbe::touches(std::uint32_t first, std::uint32_t second) {

@@ -64,7 +64,7 @@ struct SearchSettings {
 ///
 /// It proves contacts, not their absence: a search may end in a local minimum. The result does not
 /// depend on the number of threads. Cost for each pair without contact: some hundreds of states per
-/// search, of O(elements) and a narrow query each.
+/// search, of O(joints) and a narrow query each.
 void searchContacts(const std::shared_ptr<const CollisionScene>& scene, const JointSampler& sampler,
                     const SearchSettings& settings, std::vector<PairEvidence>& pairs);
 
