@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Renews the tables of scenes.md and their picture from scene_*.csv, all in the folder given."""
+"""Renews the tables of scenes.md and their picture from data/scene_*.csv, all in the folder given."""
 import csv
 import os
 import sys
@@ -73,10 +73,11 @@ def draw(rows, path):
 
 
 def main(folder):
-    rows = rows_of(folder, "scene_cost.csv")
+    data = os.path.join(folder, "data")
+    rows = rows_of(data, "scene_cost.csv")
     page = os.path.join(folder, "scenes.md")
     renew(page, "cost", cost_table(rows))
-    renew(page, "updates", update_table(rows_of(folder, "scene_updates.csv"), rows_of(folder, "scene_service.csv")))
+    renew(page, "updates", update_table(rows_of(data, "scene_updates.csv"), rows_of(data, "scene_service.csv")))
     draw(rows, os.path.join(folder, "images", "scene_cost.png"))
 
 

@@ -24,7 +24,7 @@ def test_pages_whose_numbers_are_compared_were_measured_at_one_commit():
 
 def test_what_the_trade_off_page_says_of_hulls_is_what_its_table_says():
     rows = {}
-    with open(os.path.join(PROJECT, "docs/trade_off.csv"), newline="") as table:
+    with open(os.path.join(PROJECT, "docs/data/trade_off.csv"), newline="") as table:
         for row in csv.DictReader(table):
             rows.setdefault((row["robot"], row["query"]), {})[row["rung"]] = row
     with open(os.path.join(PROJECT, "docs/trade_off.md"), encoding="utf-8") as text:
