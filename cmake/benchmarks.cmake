@@ -36,7 +36,7 @@ foreach(program accuracy_cylinders accuracy_table accuracy_scale accuracy_solids
 endforeach()
 collision_pairs_benchmark(yes_or_no LIBRARIES collision_pairs fcl)
 
-# The narrow phases of this package and of FCL; scripts/measure_native_and_fcl writes the page.
+# The narrow phases of this package and of FCL; scripts/measure_native_and_fcl writes docs/trade_off.md.
 collision_pairs_benchmark(native_and_fcl SOURCES plain_fcl LIBRARIES collision_pairs fcl)
 
 # The whole check, beside a loop like MoveIt's.

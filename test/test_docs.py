@@ -11,8 +11,7 @@ PAGES = ["docs/trade_off.md", "docs/performance.md"]
 
 
 def commit_of(page):
-    with open(os.path.join(PROJECT, page), encoding="utf-8") as text:
-        found = re.findall(r"Measured at commit ([0-9a-f]{10})(\+?) on", text.read())
+    found = re.findall(r"Measured at commit ([0-9a-f]{10})(\+?) on", part_of(page, "commit"))
     assert len(found) == 1, "%s names %d commits" % (page, len(found))
     assert not found[0][1], "%s was measured with changes that are in no commit" % page
     return found[0][0]
@@ -43,6 +42,9 @@ def test_what_the_trade_off_page_says_of_hulls_is_what_its_table_says():
     assert [round(min(saved)), round(max(saved)), round(min(errors)), round(max(errors))] == [int(n) for n in said.groups()]
     said = re.search(r"pr2 with its world: (\d+) µs", page)
     assert round(float(rows["pr2", "world"]["aabb"]["median_us"])) == int(said.group(1))
+    assert "contacts missed: none" in page
+    missed = [float(rung["miss_share"]) for rungs in rows.values() for rung in rungs.values()]
+    assert missed and max(missed) == 0
 
 
 def read(*path):
@@ -89,9 +91,14 @@ def test_pages_and_messages_use_standard_terms(word):
     assert not found
 
 
+def part_of(page, name):
+    """What a script renews."""
+    return re.search(r"<!-- %s: begin -->(.*?)<!-- %s: end -->" % (name, name), read(page), re.DOTALL).group(1)
+
+
 def rows_of(page, table):
     """The rows of a table that a script renews, as lists of cells."""
-    text = re.search(r"<!-- %s: begin -->(.*?)<!-- %s: end -->" % (table, table), read(page), re.DOTALL).group(1)
+    text = part_of(page, table)
     rows = [[cell.strip(" *") for cell in line.strip("| ").split("|")] for line in text.splitlines() if line.startswith("|")]
     return [row for row in rows if not re.fullmatch(r"[-|: ]+", "|".join(row))][1:]
 

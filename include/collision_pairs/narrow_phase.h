@@ -49,7 +49,7 @@ std::shared_ptr<const PreparedShape> prepareShape(
 /// The rotation in X_AB may be inexact, from rounding or from a quaternion that is not quite
 /// normalised. Up to 1e-3 (largest entry of R^T R - I) it is made orthonormal. Anything worse, such
 /// as a number that is not finite, gives a DEGRADED contact whose distance is a valid lower bound.
-/// Cost of a query: 0.05 to 12 µs in the median, by the pair of shapes (docs/native_and_fcl.md).
+/// Cost of a query: 0.05 to 12 µs in the median, by the pair of shapes (docs/data/native_and_fcl.csv).
 class NarrowPhase {
  public:
   NarrowPhase();
