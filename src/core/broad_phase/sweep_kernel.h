@@ -115,7 +115,7 @@ struct SweepKernel {
   void (*span)(const CellMap& map, const Record* records, std::size_t nb_records, CellSpan* out);
 
   /// Up to this many boxes, testing each against each is faster than sorting and sweeping
-  /// (measured: docs/broad_phase.md).
+  /// (measured: docs/performance.md).
   std::uint32_t each_up_to;
 };
 
