@@ -1,7 +1,7 @@
 // Verdicts of batches beside those of the exact check, on real robots.
 //
 // A small run by default; scripts/test --long makes it the run of 1,000,000 states each that
-// docs/batch.md states.
+// docs/planners.md states.
 #include <algorithm>
 #include <cstdlib>
 #include <iostream>

@@ -96,11 +96,12 @@ def part_of(page, name):
     return re.search(r"<!-- %s: begin -->(.*?)<!-- %s: end -->" % (name, name), read(page), re.DOTALL).group(1)
 
 
-def rows_of(page, table):
-    """The rows of a table that a script renews, as lists of cells."""
-    text = part_of(page, table)
-    rows = [[cell.strip(" *") for cell in line.strip("| ").split("|")] for line in text.splitlines() if line.startswith("|")]
-    return [row for row in rows if not re.fullmatch(r"[-|: ]+", "|".join(row))][1:]
+def data(name, **wanted):
+    """Rows of a table that a script measured."""
+    with open(os.path.join(PROJECT, "docs", "data", name), newline="") as table:
+        found = [row for row in csv.DictReader(table) if all(row[key] == value for key, value in wanted.items())]
+    assert found, name
+    return found
 
 
 def check_range(sentence, values):
@@ -114,15 +115,13 @@ def check_range(sentence, values):
 
 def test_what_the_readme_says_of_many_states_was_measured():
     check_range(r"with AVX2 ([\d.]+) to ([\d.]+) times as fast as a loop",
-                [float(row[7]) for row in rows_of("docs/batch.md", "ratios")])
+                [float(row["ratio"]) for row in data("verdicts.csv", kernel="avx2")])
+    assert {row["differ"] for row in data("verdicts.csv")} == {"0"}
 
 
-def data(name, **wanted):
-    """Rows of a table that a script measured."""
-    with open(os.path.join(PROJECT, "docs", "data", name), newline="") as table:
-        found = [row for row in csv.DictReader(table) if all(row[key] == value for key, value in wanted.items())]
-    assert found, name
-    return found
+def test_what_the_readme_says_of_motions_was_measured():
+    check_range(r"([\d.]+) to ([\d.]+) of the time of a loop",
+                [float(row["ratio"]) for row in data("motions.csv", length="all") if row["robot"] != "all"])
 
 
 def test_what_the_readme_says_of_the_broad_phase_was_measured():

@@ -32,7 +32,7 @@ class BatchCheck {
   /// states are requested before the first of them is taken.
   ///
   /// With verdict_only, several states are processed together, and few of them need the exact
-  /// check: the batch stage (docs/batch.md). Verdicts are the same. For a state settled by it the
+  /// check: the batch stage (docs/planners.md). Verdicts are the same. For a state settled by it the
   /// report contains only the verdict, one pair in contact or none, and times.total, its share of
   /// the group's time; no counts and no boxes. The stage is prepared by the first batch with which
   /// STATES_WORTH_A_STAGE states have been requested. It is not used with a time budget, a fidelity

@@ -79,7 +79,7 @@ struct MotionReport {
 /// motion along a normal to first order). The interval that may contain the earliest contact comes
 /// first.
 ///
-/// Cost (docs/motions.md): a free segment of 0.5 to 2 rad takes 1 to 20 configurations in the
+/// Cost (docs/data/motions.csv): a free segment of 0.5 to 2 rad takes 1 to 20 configurations in the
 /// median, more if it passes something closely; at each only the pairs that are still open are
 /// measured.
 class MotionCheck {

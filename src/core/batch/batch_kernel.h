@@ -1,6 +1,6 @@
 // The inner loops of the batch stage, for each instruction set, and the choice among them at run
 // time: forward kinematics of several joint states at once, and tests of spheres against spheres.
-// In float; docs/batch.md derives bounds of the error.
+// In float; batch_model.cpp derives bounds of the error.
 #pragma once
 
 #include <vector>

@@ -13,7 +13,7 @@
 namespace collision_pairs {
 
 /// Error bounds of the pose that the kernels compute for a body, for all positions; derived in
-/// docs/batch.md.
+/// batch_model.cpp.
 struct PoseError {
   double rotation = 0.0;  ///< largest error of a rotated unit vector
   double position = 0.0;  ///< metres, of the body's origin

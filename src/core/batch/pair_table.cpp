@@ -101,7 +101,7 @@ void PairTable::fill(const Block& block, std::uint8_t code) {
 // its axis there. The two motions add up: with the joint nearer to the points first, the other turns
 // what the first has added, but does not stretch it. The distance of two elements changes by at most
 // the motion of either relative to the other, and two spheres that overlap by more than that still
-// overlap (docs/batch.md).
+// overlap. (Schwarzer, Saha, Latombe 2005.)
 PairTable::Cell PairTable::certified(const Block& block, NarrowPhase& narrow_phase) {
   double half[2] = {0.0, 0.0};
   const int index[2] = {block.x, block.y};
