@@ -42,7 +42,7 @@ void warnOf(const std::vector<PairVerdict>& verdicts, const ClassRules& rules);
 /// "55 pairs: 10 Adjacent, …, 23 stay checked, …"
 std::string summaryOf(const std::vector<PairVerdict>& verdicts);
 
-/// CSV, one row per pair; docs/generate_srdf.md describes the columns. `contact_state` is a state
+/// CSV, one row per pair; docs/scenes.md describes the columns. `contact_state` is a state
 /// in which the two touch, as "joint=position;…" of the joints that change their relative pose,
 /// with all digits.
 void writePairTable(const std::vector<PairVerdict>& verdicts, const CollisionScene& scene,
