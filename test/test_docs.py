@@ -114,14 +114,19 @@ def check_range(sentence, values):
 
 
 def test_what_the_readme_says_of_many_states_was_measured():
-    check_range(r"with AVX2 ([\d.]+) to ([\d.]+) times as fast as a loop",
+    check_range(r"\| ([\d.]+) times as fast \| a loop over the exact check \| with AVX2, at most ([\d.]+)",
                 [float(row["ratio"]) for row in data("verdicts.csv", kernel="avx2")])
     assert {row["differ"] for row in data("verdicts.csv")} == {"0"}
 
 
 def test_what_the_readme_says_of_motions_was_measured():
-    check_range(r"([\d.]+) to ([\d.]+) of the time of a loop",
-                [float(row["ratio"]) for row in data("motions.csv", length="all") if row["robot"] != "all"])
+    rows = data("motions.csv", length="all")
+    ratios = [float(row["ratio"]) for row in rows if row["robot"] != "all"]
+    said = re.search(r"([\d.]+) of the time \| a loop with steps of 0.05 rad \| at best ([\d.]+); the loop misses (\d+) of ([\d,]+)",
+                     read("README.md"))
+    assert [float(said.group(1)), float(said.group(2))] == [round(max(ratios), 1), round(min(ratios), 1)]
+    assert [said.group(3), said.group(4).replace(",", "")] == [
+        row[key] for row in rows if row["robot"] == "all" for key in ("coarse_misses", "contacts")]
 
 
 def test_what_the_readme_says_of_the_broad_phase_was_measured():
@@ -130,9 +135,9 @@ def test_what_the_readme_says_of_the_broad_phase_was_measured():
                  for row in data("broad_phase.csv", instruction_set=instruction_set)}
         return [us / times[scene, boxes, "SweepAndPrune"] for (scene, boxes, peer), us in times.items()
                 if peer == "FclDynamicAabbTree" and chosen(scene, boxes)]
-    check_range(r"10 to 100,000, (\d+) to (\d+) times as fast as FCL's tree with AVX-512",
+    check_range(r"\| (\d+) times as fast \| FCL's tree \| uniform boxes, 10 to 100,000, at most (\d+)",
                 ratios("default", lambda scene, boxes: scene.startswith("uniform") and boxes <= 100000))
-    check_range(r"from 1,000 on (\d+) to (\d+) times with AVX2", ratios("avx2", lambda scene, boxes: boxes >= 1000))
+    check_range(r"with AVX2, from 1,000 on, (\d+) to (\d+)", ratios("avx2", lambda scene, boxes: boxes >= 1000))
     assert min(ratios("default", lambda scene, boxes: True)) > 1 and "never slower in eight kinds of scenes" in read("README.md")
     assert len({row["scene"] for row in data("broad_phase.csv")}) == 8
 
@@ -141,8 +146,8 @@ def test_what_the_readme_says_of_whole_checks_was_measured():
     def ratios(figure, *queries):
         return [float(row[figure + "_ratio"]) for row in data("detector.csv") if row["query"] in queries]
     assert {row["instruction_set"] for row in data("detector.csv")} == {"default", "avx2"}
-    check_range(r"(\d+) to (\d+) times as fast for yes or no \(`verdict_only`\)", ratios("median", "self", "world"))
-    check_range(r"(\d+) to (\d+) for the self distance", ratios("median", "self_distance"))
-    check_range(r"(\d+) to (\d+) for the distance to a world", ratios("median", "world_distance"))
-    check_range(r"(\d+) to (\d+) times in the slowest percent",
+    check_range(r"\(`verdict_only`\) \| (\d+) times as fast \|.*at most (\d+);", ratios("median", "self", "world"))
+    check_range(r"the distance of a robot to itself (\d+) to (\d+)", ratios("median", "self_distance"))
+    check_range(r"distance to a world \| (\d+) times as fast \|.*at most (\d+);", ratios("median", "world_distance"))
+    check_range(r"slowest percent of all these and of contacts \| (\d+) times as fast \|.*at most (\d+) ",
                 ratios("p99", "self_contacts", "self_distance", "world_distance", "self", "world"))
