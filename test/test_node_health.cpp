@@ -15,8 +15,8 @@ constexpr double PERIOD = 0.02;  // s
 diagnostic_updater::DiagnosticStatusWrapper diagnosisAfter(NodeHealth& health, int nb_in_time,
                                                            int nb_too_long) {
   const CollisionPairs free;
-  for (int i = 0; i < nb_in_time; ++i) health.noteCycle(free, 0.0, 0.5 * PERIOD, PERIOD, 2);
-  for (int i = 0; i < nb_too_long; ++i) health.noteCycle(free, 0.0, 1.5 * PERIOD, PERIOD, 2);
+  for (int i = 0; i < nb_in_time; ++i) health.noteCycle(free, 0.0, 0.5 * PERIOD, PERIOD);
+  for (int i = 0; i < nb_too_long; ++i) health.noteCycle(free, 0.0, 1.5 * PERIOD, PERIOD);
   diagnostic_updater::DiagnosticStatusWrapper status;
   health.diagnose(status);
   return status;
@@ -42,7 +42,7 @@ TEST(NodeHealth, OverrunsCountSinceTheLastDiagnosis) {
 
 TEST(NodeHealth, AProblemStaysAnErrorBesideOverruns) {
   NodeHealth health;
-  health.noteCycle({}, 0.0, 2.0 * PERIOD, PERIOD, 2);
+  health.noteCycle({}, 0.0, 2.0 * PERIOD, PERIOD);
   health.noteProblem("there is no robot");
   diagnostic_updater::DiagnosticStatusWrapper status;
   health.diagnose(status);
@@ -56,7 +56,7 @@ class Health : public testing::Test {
     CollisionPairs message;
     message.verdict = verdict;
     if (verdict == CollisionPairs::UNKNOWN) message.unknown_because = {"no usable pose: arm"};
-    health_.noteCycle(message, 0.01, cycle_time, 0.02, 3);
+    health_.noteCycle(message, 0.01, cycle_time, 0.02);
   }
   DiagnosticStatus status() {
     diagnostic_updater::DiagnosticStatusWrapper status;
@@ -104,7 +104,7 @@ TEST_F(Health, IsAnErrorWithoutAVerdictWhereNothingIsChecked) {
   message.nb_pairs = 7;
   message.pairs.resize(1);
   message.pairs[0].state = CollisionPair::UNRESOLVED;
-  health_.noteCycle(message, 0.01, 0.001, 0.02, 3);
+  health_.noteCycle(message, 0.01, 0.001, 0.02);
   EXPECT_EQ(value("unresolved pairs"), "1");
   health_.noteProblem("there is no robot");
   EXPECT_EQ(status().level, DiagnosticStatus::ERROR);

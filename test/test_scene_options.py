@@ -1,4 +1,6 @@
 """What the tools take of a scene: settings as the node's, a group, links."""
+import csv
+import io
 import os
 
 import pytest
@@ -52,9 +54,47 @@ def test_settings_that_only_the_node_follows_are_named_in_a_warning(check):
     assert warned not in check(settings="fixed_frame: map\nrobots: []")[0].stderr
 
 
-def test_a_scene_without_pairs_is_warned_of(check):
-    nothing = check(settings="ignored_links: ['*']")[0]
-    assert nothing.returncode == 0 and "there is no pair to check: every state is free" in nothing.stderr
+EMPTY = {"there is no pair to check": "ignored_links: ['*']\n",
+         "group and links leave no pair to check": "links: ['nothing_*']\n"}
+BARE = "<robot name='bare'><link name='a'/><link name='b'/><joint name='j' type='revolute'><parent link='a'/>" \
+       "<child link='b'/><limit lower='-1' upper='1' effort='1' velocity='1'/></joint></robot>"
+
+
+@pytest.mark.parametrize("allowed", [False, True])
+@pytest.mark.parametrize("words", list(EMPTY) + ["the robot has no collision geometry"])
+def test_a_scene_without_pairs_is_free_nowhere_unless_that_is_allowed(run_tool, make_bag, tmp_path, words, allowed):
+    settings, states, box = tmp_path / "settings.yaml", tmp_path / "states.csv", tmp_path / "box.urdf"
+    settings.write_text(EMPTY.get(words, "") + "allow_empty_scene: %s" % str(allowed).lower())
+    box.write_text("<robot name='box'><link name='around'><collision><geometry><box size='9 9 9'/></geometry></collision></link></robot>")
+    robot, states_of = URDF, "shoulder_lift\n0\n0.1\n"
+    if words not in EMPTY:
+        robot, states_of = tmp_path / "bare.urdf", "j\n0\n0.1\n"
+        robot.write_text(BARE)
+    states.write_text(states_of)
+    extra = () if words in EMPTY else ("--world", box)
+
+    def rows_of(*command):
+        done = run_tool(*command, *extra, "--settings", settings)
+        assert done.returncode == 0 and words + ": " in done.stderr, done.stderr
+        return list(csv.DictReader(io.StringIO(done.stdout)))
+    for option in ([], ["--verdict-only"], ["--min-distance"], ["--time-budget", "1e6"]):
+        assert [row["in_collision"] for row in rows_of("check_states", robot, "--states", states, *option)] == \
+            ["0" if allowed else "1"] * 2
+    assert [(row["verdict"], row["clearance"]) for row in rows_of("check_motion", robot, "--waypoints", states)] == \
+        [("free" if allowed else "unresolved", "")]
+    if words in EMPTY:  # no pose is asked of the bag, so there is no stamp to report
+        done = run_tool("check_bag", make_bag("demo.bag"), "--settings", settings)
+        assert done.returncode == 2 and words + ": " in done.stderr and len(done.stdout.splitlines()) == 1
+
+
+def test_of_a_robot_without_geometry_generate_srdf_says_so(run_tool, tmp_path):
+    robot = tmp_path / "bare.urdf"
+    robot.write_text(BARE)
+    done = run_tool("generate_srdf", robot)
+    assert done.returncode == 0 and "the robot has no collision geometry: no pair is counted" in done.stderr
+
+
+def test_a_scene_with_pairs_is_not_warned_of(check):
     assert "no pair" not in check()[0].stderr
 
 

@@ -103,7 +103,13 @@ TEST_F(TfCheck, ADoubtAboutTheSceneIsADoubtAboutEveryReport) {
   double x = 0.0;
   for (const char* link : {"a", "b", "c"}) slide(link, x += 5.0, 0.0);
   EXPECT_EQ(check().verdict, CollisionPairs::FREE);
-  scene_.doubts = {"group and links leave no pair to check"};
+  SceneDescription description;
+  description.robots.push_back({robotFrom(slidingBoxes(3)), std::nullopt, ""});
+  description.restriction.names = {"d*"};
+  scene_.scene = CollisionScene::build(description);
+  scene_.tf_poses =
+      std::make_unique<TfPoses>(transforms_, scene_.scene->robot(), scene_.scene->bodies(), "root");
+  detector_ = std::make_unique<CollisionDetector>(scene_.scene);
   const CollisionPairs message = check();
   EXPECT_EQ(message.verdict, CollisionPairs::UNKNOWN);
   EXPECT_THAT(message.unknown_because, ElementsAre(HasSubstr("leave no pair")));

@@ -25,9 +25,10 @@ enum class PairState {
 
 /// The overall result. Treat everything but FREE as a collision.
 enum class Verdict : std::uint8_t {
-  FREE = 0,       ///< every pair that the scene requires was checked and is apart
+  FREE = 0,       ///< every pair that the scene requires, at least one, was checked and is apart
   COLLISION = 1,  ///< some pair is certainly in contact, at the requested fidelity
-  UNKNOWN = 2     ///< neither: a model has no pose, or a pair that may be in contact is unresolved
+  UNKNOWN = 2     ///< neither: a model has no pose, a pair that may be in contact is unresolved, or
+                  ///< nothing is checked
 };
 
 /// Closest (or deepest) points of two elements, measured and expressed in the world frame W. They
@@ -79,6 +80,9 @@ struct CollisionReport {
   /// the true value by up to that amount.
   double min_distance = 0.0;
   bool min_distance_is_bound = true;
+  /// CollisionScene::unchecked(): if not empty, the verdict is FREE only where the scene's settings
+  /// allow that, otherwise UNKNOWN; without pairs min_distance is then 0, a bound.
+  std::string unchecked;
   double tolerance = 0.0;         ///< CheckSettings::tolerance
   std::vector<PairReport> pairs;  ///< sorted by (first, second)
   std::vector<Contact> contacts;  ///< in the order of `pairs`

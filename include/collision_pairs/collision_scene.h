@@ -134,6 +134,11 @@ class CollisionScene {
     return element < first ? -1 : static_cast<int>(element - first);
   }
   const PairFilter& filter() const { return filter_; }
+  /// Why a check would say nothing, in words: there is no pair to check, or a robot without any
+  /// collision geometry. Empty: it says something.
+  const std::string& unchecked() const { return unchecked_; }
+  /// Whether a check can end FREE: something is checked, or settings.allow_empty_scene.
+  bool mayBeFree() const { return may_be_free_; }
   /// The library that answers its pairs of shapes.
   NarrowPhaseMethod narrowPhase() const { return narrow_phase_; }
   /// Metres that the two elements keep apart: the sum of their paddings, or that of the pair.
@@ -175,6 +180,8 @@ class CollisionScene {
   std::vector<SceneBody> bodies_;
   std::vector<SceneCloud> clouds_;
   PairFilter filter_;
+  std::string unchecked_;
+  bool may_be_free_ = true;
   NarrowPhaseMethod narrow_phase_ = NarrowPhaseMethod::NATIVE;
   /// By classes of the filter, the smaller first: paddings that are not the sum of the two.
   std::map<std::pair<std::uint32_t, std::uint32_t>, double> pair_padding_;

@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -44,11 +45,12 @@ using PlacedBodies = std::vector<std::optional<Eigen::Isometry3d>>;
 
 struct MotionReport {
   /// FREE: certified; at no configuration of the segment is a pair in contact or closer than the
-  /// clearance. COLLISION: a configuration in contact was found. UNKNOWN: neither.
+  /// clearance. COLLISION: a configuration in contact was found. UNKNOWN: neither, or nothing is
+  /// checked.
   Verdict verdict = Verdict::UNKNOWN;
   /// Metres. FREE: a lower bound of the smallest distance of all pairs along the segment: at least
   /// the requested clearance, and more if that was found without extra work; infinite if there is
-  /// no pair. Otherwise 0.
+  /// no pair, which SceneSettings::allow_empty_scene permits. Otherwise 0.
   double clearance = 0.0;
   /// COLLISION: the fraction of the segment, 0 to 1, at which a contact was found. Otherwise 0.
   double contact_at = 0.0;
@@ -60,6 +62,7 @@ struct MotionReport {
   /// Ids of models, first < second, sorted. COLLISION: pairs in contact at contact_at. UNKNOWN:
   /// pairs that could not be certified.
   std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;
+  std::string unchecked;         ///< CollisionScene::unchecked()
   std::uint32_t nb_checks = 0;   ///< configurations that were checked
   std::uint32_t nb_queries = 0;  ///< queries of element pairs that needed more than their boxes
   double seconds = 0.0;          ///< duration of the check

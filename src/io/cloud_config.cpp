@@ -33,14 +33,6 @@ int countOf(const std::string& key, const YAML::Node& value, int least = 1) {
   return static_cast<int>(found);
 }
 
-bool flagOf(const std::string& key, const YAML::Node& value) {
-  bool found = false;
-  if (!value.IsScalar() || !YAML::convert<bool>::decode(value, found)) {
-    refuseValue(key, value, "true or false");
-  }
-  return found;
-}
-
 std::string topicOf(const std::string& key, const YAML::Node& value) {
   const std::string rule = "the name of a topic, such as camera/points";
   const std::string topic = textOf(key, value, rule);

@@ -152,6 +152,10 @@ const std::map<std::string, Reader>& readers() {
       {"pair_rules", readPairRules},
       {"floor", readFloor},
       {"clouds", [](const auto& v, auto& c) { c.clouds = readClouds(v); }},
+      {"allow_empty_scene",
+       [](const auto& v, auto& c) {
+         c.settings.allow_empty_scene = flagOf("allow_empty_scene", v);
+       }},
       {"padding", [](const auto& v, auto& c) { c.settings.padding = metresOf("padding", v); }},
       {"ignored_links",
        [](const auto& v, auto& c) { c.settings.ignored_links = namesOf("ignored_links", v); }},

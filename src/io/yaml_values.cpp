@@ -32,6 +32,14 @@ double numberOf(const std::string& key, const YAML::Node& value, const std::stri
   return found;
 }
 
+bool flagOf(const std::string& key, const YAML::Node& value) {
+  bool found = false;
+  if (!value.IsScalar() || !YAML::convert<bool>::decode(value, found)) {
+    refuseValue(key, value, "true or false");
+  }
+  return found;
+}
+
 double metresOf(const std::string& key, const YAML::Node& value) {
   const std::string rule = "0 or more metres";
   const double found = numberOf(key, value, rule);

@@ -17,6 +17,8 @@ std::string textOf(const std::string& key, const YAML::Node& value, const std::s
 /// A finite number.
 double numberOf(const std::string& key, const YAML::Node& value, const std::string& rule);
 
+bool flagOf(const std::string& key, const YAML::Node& value);
+
 /// 0 or more metres.
 double metresOf(const std::string& key, const YAML::Node& value);
 

@@ -60,8 +60,8 @@ std::string verdictDetail(const CollisionPairs& message) {
         [](const CollisionPair& a, const CollisionPair& b) { return a.distance < b.distance; });
     return deepest->first_link + " | " + deepest->second_link;
   }
-  if (message.unknown_because.empty()) return "";
-  std::string why = message.unknown_because.front();
+  std::string why =
+      message.unknown_because.empty() ? message.unchecked : message.unknown_because.front();
   if (why.size() > LONGEST) why = why.substr(0, LONGEST) + "...";
   return wrapped(why, WIDTH);
 }

@@ -213,6 +213,10 @@ void bindCheckResult(py::module& module) {
           "str (m,): model names of the scene, referred to by pairs and left_out.")
       .def_readonly("joints_at_zero", &CheckResult::joints_at_zero,
                     "Moving joints that were not named: taken as zero, or their nearest limit.")
+      .def_readonly(
+          "unchecked", &CheckResult::unchecked,
+          "Usually empty: why there is nothing to check, or the robot is not checked at all. The "
+          "verdict is then never FREE, unless the setting allow_empty_scene permits it.")
       .def("__bool__",
            [](const CheckResult&) -> bool {
              throw py::type_error("a CheckResult is neither true nor false: use its in_collision");

@@ -50,6 +50,7 @@ struct CheckResult {
   std::vector<double> gradient;  ///< nb_joints numbers a pair
   std::size_t nb_joints = 0;
   std::vector<std::string> joints_at_zero;
+  std::string unchecked;  ///< CollisionReport::unchecked
   pybind11::array model_names;
 
   void resize(std::size_t nb_states);

@@ -51,6 +51,7 @@ class PythonDetector {
     result->has_gradient = gradient;
     result->nb_joints = named->columns.size();
     result->joints_at_zero = named->at_zero;
+    result->unchecked = scene_->unchecked();
     result->model_names = model_names_;
     result->resize(array.size());
     try {

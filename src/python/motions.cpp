@@ -24,6 +24,7 @@ struct MotionResult {
   py::array_t<SegmentPair> pairs;
   py::array model_names;
   std::vector<std::string> joints_at_zero;
+  std::string unchecked;  ///< MotionReport::unchecked
 };
 
 class PythonMotionCheck {
@@ -77,7 +78,8 @@ class PythonMotionCheck {
                         py::array_t<double>(count),
                         {},
                         model_names_,
-                        named.at_zero};
+                        named.at_zero,
+                        scene_->unchecked()};
     std::vector<SegmentPair> pairs;
     for (py::ssize_t i = 0; i < count; ++i) {
       const MotionReport& report = reports[static_cast<std::size_t>(i)];
@@ -125,7 +127,11 @@ void bindMotions(py::module& module) {
                     "not certified.")
       .def_readonly("models", &MotionResult::model_names, "str (m,): model names of the scene.")
       .def_readonly("joints_at_zero", &MotionResult::joints_at_zero,
-                    "Moving joints that were not named: taken as zero, or their nearest limit.");
+                    "Moving joints that were not named: taken as zero, or their nearest limit.")
+      .def_readonly(
+          "unchecked", &MotionResult::unchecked,
+          "Usually empty: why there is nothing to check, or the robot is not checked at all. The "
+          "verdict is then never FREE, unless the setting allow_empty_scene permits it.");
   const MotionSettings defaults;
   py::class_<PythonMotionCheck>(module, "MotionCheck",
                                 "Certifies straight motions in joint space between waypoints. "

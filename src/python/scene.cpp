@@ -63,11 +63,15 @@ PythonScene built(PythonScene made) {
     const std::lock_guard<std::mutex> lock(made.cache->mutex);
     made.scene = CollisionScene::build(description, &made.cache->of_scenes);
   }
-  if (made.scene->models().empty()) {
-    if (!description.restriction.empty()) {
-      throw InputError("group and links leave no pair to check");
-    }
-    warn("there is no pair to check: every state is FREE");
+  const std::string& unchecked = made.scene->unchecked();
+  const bool may_be_free = made.scene->mayBeFree();
+  if (made.scene->models().empty() && !description.restriction.empty() && !may_be_free) {
+    throw InputError("group and links leave no pair to check");
+  }
+  if (!unchecked.empty()) {
+    warn(unchecked + (may_be_free ? ": what is FREE is so because allow_empty_scene permits it"
+                                  : ": nothing is FREE; if that is meant, permit it by "
+                                    "settings={'allow_empty_scene': True}"));
   }
   py::list names;
   for (const CollisionModel& model : made.scene->models()) names.append(model.name);

@@ -18,9 +18,6 @@ struct ActiveScene {
   std::vector<std::string> broken_links;
   /// Their errors, one line each.
   std::vector<std::string> broken;
-  /// Why no report of it can be FREE, for any poses: a group or links that leave no pair, for
-  /// example because of a misspelt pattern.
-  std::vector<std::string> doubts;
   std::string frame;  ///< of reports and markers
   std::unique_ptr<TfPoses> tf_poses;
   /// Sources of its clouds, which the next scene continues to use. Null if there are none.

@@ -130,8 +130,7 @@ void CollisionPairsNode::check(const ActiveScenePtr& scene, const ros::WallTime&
   if (stamped.nb_found > 0 || stamped.nb_asked == 0) {
     age = now.toSec() - message.header.stamp.toSec();
   }
-  health_.noteCycle(message, age, secondsSince(start), 1.0 / parameters_.rate,
-                    scene->scene->models().size());
+  health_.noteCycle(message, age, secondsSince(start), 1.0 / parameters_.rate);
   last_message_ = std::move(message);
   last_is_checked_ = true;
 }

@@ -13,12 +13,11 @@ constexpr double FREQUENT = 0.1;  // of the cycles that overrun
 }  // namespace
 
 void NodeHealth::noteCycle(const CollisionPairs& message, std::optional<double> pose_age,
-                           double cycle_time, double cycle_period, std::size_t nb_models) {
+                           double cycle_time, double cycle_period) {
   problem_.clear();
   pose_age_ = pose_age;
   cycle_time_ = cycle_time;
   cycle_period_ = cycle_period;
-  nb_models_ = nb_models;
   nb_unresolved_ = static_cast<std::size_t>(
       std::count_if(message.pairs.begin(), message.pairs.end(),
                     [](const CollisionPair& p) { return p.state == CollisionPair::UNRESOLVED; }));
@@ -55,8 +54,8 @@ void NodeHealth::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
   if (!last_.left_out.empty()) status.mergeSummary(DiagnosticStatus::WARN, "links are left out");
   if (nb_unresolved_ > 0) status.mergeSummary(DiagnosticStatus::WARN, "unresolved pairs");
   if (!refused_.empty()) status.mergeSummary(DiagnosticStatus::WARN, "transforms are refused");
-  if (problem_.empty() && nb_models_ == 0) {
-    status.mergeSummary(DiagnosticStatus::WARN, "there is no pair to check");
+  if (last_.verdict != CollisionPairs::UNKNOWN && !last_.unchecked.empty()) {
+    status.mergeSummary(DiagnosticStatus::WARN, last_.unchecked);
   }
   const std::uint64_t new_cycles = cycles_ - std::exchange(told_cycles_, cycles_);
   const std::uint64_t new_overruns = overruns_ - std::exchange(told_overruns_, overruns_);

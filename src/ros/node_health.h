@@ -16,7 +16,7 @@ class NodeHealth {
  public:
   /// A cycle with a check. Ages and times in seconds; without age, no pose was usable.
   void noteCycle(const CollisionPairs& message, std::optional<double> pose_age, double cycle_time,
-                 double cycle_period, std::size_t nb_models);
+                 double cycle_period);
   /// A cycle without a check: there is no scene, or an error.
   void noteProblem(const std::string& problem);
   void noteTransforms(std::vector<std::string> refused, unsigned nb_clock_jumps);
@@ -30,7 +30,7 @@ class NodeHealth {
   std::optional<double> pose_age_;
   double cycle_time_ = 0.0, cycle_period_ = 0.0;
   CollisionPairs last_;  // without its pairs
-  std::size_t nb_models_ = 0, nb_unresolved_ = 0;
+  std::size_t nb_unresolved_ = 0;
   std::uint64_t cycles_ = 0, overruns_ = 0, out_of_time_ = 0;
   std::uint64_t told_cycles_ = 0, told_overruns_ = 0;  // at the last diagnosis
   std::vector<std::string> refused_;

@@ -123,8 +123,8 @@ void QueryService::check(const CheckCollisions::Request& request,
   if (request.gradient) {
     addGradients(detector.report(), *scene, query->columns(), X_WB, response.result);
   }
-  if (scene->models().empty()) response.message = "there is no pair to check";
-  if (!doubts.empty()) response.message = doubts.front();
+  response.message = scene->unchecked();
+  if (!doubts.empty() && response.message.empty()) response.message = doubts.front();
   for (const std::string& sentence : limits_left) {
     response.message += (response.message.empty() ? "" : "; ") + sentence;
   }

@@ -91,9 +91,9 @@ bool SceneService::onReset(std_srvs::Trigger::Request&, std_srvs::Trigger::Respo
     response.success = true;
     response.message = "the robot was reloaded";
     const ActiveScenePtr scene = scenes_.active();
-    for (const auto* lines : {&scene->broken, &scene->doubts}) {
-      for (const std::string& line : *lines) response.message += "; " + line;
-    }
+    for (const std::string& line : scene->broken) response.message += "; " + line;
+    const std::string& unchecked = scene->scene->unchecked();
+    if (!unchecked.empty()) response.message += "; " + unchecked;
   } catch (const std::exception& error) {
     response.success = false;
     response.message =

@@ -88,6 +88,13 @@ void SceneStore::load() {
                             << " elements, " << scene.bodies().size()
                             << " moving bodies, ready after "
                             << (ros::WallTime::now() - start).toSec() << " s");
+  if (!scene.unchecked().empty()) {
+    ROS_WARN_STREAM(scene.unchecked()
+                    << (scene.mayBeFree()
+                            ? ": the verdict can be FREE because of ~allow_empty_scene"
+                            : ": the verdict is never FREE unless "
+                              "~allow_empty_scene permits it"));
+  }
   parameters_ = std::move(parameters);
   replace(std::move(built));
 }
@@ -171,9 +178,6 @@ SceneStore::Built SceneStore::build(SceneParameters& parameters, const SceneObje
   description.settings.progress = progressOnLog(ros::WallTime::now());
   active->scene = CollisionScene::build(description, &cache_);
   const CollisionScene& scene = *active->scene;
-  if (!description.restriction.empty() && scene.models().empty()) {
-    active->doubts.push_back("group and links leave no pair to check");
-  }
   active->frame =
       parameters.fixed_frame.empty() ? scene.robot().links().front().name : parameters.fixed_frame;
   active->tf_poses =

@@ -59,7 +59,6 @@ CollisionPairs checkPoses(const ActiveScene& scene, const StampedPoses& stamped,
   const ros::Time stamp = stamped.stamp.isZero() ? now : stamped.stamp;
   CollisionPairs message =
       toMessage(report, *scene.scene, settings, scene.frame, stamp, scene.broken_links);
-  notFree(message, scene.doubts);
   notFree(message, doubts);
   message.time_transforms = transform_time;
   message.time_total += transform_time;

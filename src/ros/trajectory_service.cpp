@@ -167,12 +167,12 @@ void TrajectoryService::check(const CheckTrajectory::Request& request,
   Asked asked{
       request, *active, query, settings, stamp, addVoxels(*active, request.stamp, now, clouds), {}};
   asked.voxels = std::move(clouds.voxels);
-  asked.doubts.insert(asked.doubts.end(), active->doubts.begin(), active->doubts.end());
   asked.doubts.insert(asked.doubts.end(), query.doubts().begin(), query.doubts().end());
   Reasons reasons;
   checkPoints(*batch_, asked, response, reasons);
   const auto waypoints = waypointsOf(asked);
   if (request.between) checkBetween(asked, waypoints, response, reasons);
+  response.message = scene->unchecked();
   for (const std::string& sentence : outsideLimits(waypoints, scene->robot(), "point")) {
     response.message += (response.message.empty() ? "" : "; ") + sentence;
   }

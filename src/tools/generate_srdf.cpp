@@ -114,6 +114,7 @@ void generate(const Options& options) {
   SceneSettings settings;
   settings.narrow_phase = parseNarrowPhase(options.narrow_phase);
   const auto scene = CollisionScene::build(robot, Srdf{}, nullptr, settings);  // every pair
+  if (!scene->unchecked().empty()) warn(scene->unchecked() + ": no pair is counted");
   const JointSampler sampler(robot, options.seed);
   if (!sampler.standingJoints().empty()) {
     warn("joints without a range to draw from are taken as zero: " +

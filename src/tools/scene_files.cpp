@@ -112,6 +112,14 @@ TextFrom chooseText(const std::string& path, const std::map<std::string, std::st
   return {"topic " + in_bag.begin()->first, in_bag.begin()->second};
 }
 
+/// The rest of the sentence that CollisionScene::unchecked() begins.
+std::string saysNothing(const CollisionScene& scene) {
+  return scene.mayBeFree()
+             ? ": what is free is so because allow_empty_scene permits it"
+             : ": nothing is free; if that is meant, permit it by allow_empty_scene: true in "
+               "--settings";
+}
+
 }  // namespace
 
 std::shared_ptr<const RobotModel> readRobot(const std::string& path, const MeshLoader& load_mesh) {
@@ -217,10 +225,11 @@ BuiltScene buildScene(const TextFrom& urdf, const TextFrom& srdf, const SceneOpt
     throw InputError(origin + ": URDF: link '" + link + "': " + reason);
   }
   built.scene = CollisionScene::build(built.description);
-  if (built.scene->models().empty()) {
-    if (is_restricted) throw InputError("--group and --links leave no pair to check");
-    warn("there is no pair to check: every state is free");
+  const std::string& unchecked = built.scene->unchecked();
+  if (is_restricted && built.scene->models().empty() && !built.scene->mayBeFree()) {
+    throw InputError("--group and --links leave no pair to check");
   }
+  if (!unchecked.empty()) warn(unchecked + saysNothing(*built.scene));
   return built;
 }
 

@@ -13,6 +13,7 @@ sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import rospy
 import rostest
 from roslib.packages import find_node
+from sensor_msgs.msg import JointState
 from std_srvs.srv import Trigger
 from tf2_msgs.msg import TFMessage
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
@@ -36,7 +37,7 @@ class BadInputTest(unittest.TestCase):
         rospy.set_param("/no_description/robot_description",
                         "<robot name='late'><link name='a'><collision><geometry><sphere radius='1'/>"
                         "</geometry></collision></link></robot>")
-        self.assertIsNotNone(node.next(node.reports, lambda r: r.verdict == r.FREE))
+        self.assertIsNotNone(node.next(node.reports, lambda r: r.unchecked == "there is no pair to check"))
 
     def test_malformed_description_is_named_and_mended_by_a_reset(self):
         node = NodeClient("/malformed/node")
@@ -47,8 +48,44 @@ class BadInputTest(unittest.TestCase):
         reset = rospy.ServiceProxy("/malformed/node/reset", Trigger)
         self.assertIn("not well-formed", reset().message)
         rospy.set_param("/malformed/robot_description", "<robot name='r'><link name='a'/></robot>")
-        self.assertTrue(reset().success)
-        self.assertIsNotNone(node.next(node.reports, lambda r: r.verdict == r.FREE))
+        reply = reset()
+        self.assertTrue(reply.success)
+        self.assertIn("the robot has no collision geometry", reply.message)
+        self.assertIsNotNone(node.next(node.reports, lambda r: r.unchecked == "the robot has no collision geometry"))
+
+    def test_a_robot_without_collision_geometry_is_never_free_whatever_is_around_it(self):
+        node = NodeClient("/no_geometry/node")
+        words = "the robot has no collision geometry"
+        check = rospy.ServiceProxy("/no_geometry/node/check_trajectory", CheckTrajectory)
+        trajectory = JointTrajectory(joint_names=["slide_a"],
+                                     points=[JointTrajectoryPoint(positions=[x]) for x in (0.0, 1.0)])
+        scene = SceneClient("/no_geometry/node")
+        for with_box in (False, True):
+            if with_box:
+                scene.apply(add_box("around", (0, 0, 0), (50, 50, 50)))
+            begin = rospy.Time.now()
+            report = node.report_since(begin)
+            for result in (report, node.check().result, node.check(joint_state=JointState(name=["slide_a"], position=[0])).result):
+                self.assertEqual((result.verdict, result.in_collision, result.unchecked), (CollisionPairs.UNKNOWN, True, words))
+                self.assertIn(words, result.unknown_because)
+                self.assertEqual((result.min_distance, result.min_distance_is_bound), (0.0, True))
+            reply = check(trajectory=trajectory, between=True, want_reports=True)
+            self.assertTrue(reply.success, reply.message)
+            self.assertEqual((list(bytes(reply.verdict)), list(bytes(reply.segment_verdict))), ([2, 2], [2]))
+            self.assertIn(words, reply.unknown_because)
+            self.assertEqual({r.verdict for r in reply.reports}, {CollisionPairs.UNKNOWN})
+        self.assertTrue(node.next(node.verdicts).data)
+        self.assertIn(words, diagnosis_of("no_geometry/node: collision check").message)
+
+        rospy.set_param("/no_geometry/node/allow_empty_scene", True)
+        self.assertTrue(rospy.ServiceProxy("/no_geometry/node/reset", Trigger)().success)
+        report = node.next(node.reports, lambda r: r.verdict == r.FREE)
+        self.assertEqual((report.unchecked, report.unknown_because), (words, []))
+        self.assertEqual((node.check().result.unchecked, node.check().message), (words, words))
+        reply = check(trajectory=trajectory, between=True)
+        self.assertEqual((list(bytes(reply.verdict)), list(bytes(reply.segment_verdict))), ([0, 0], [0]))
+        self.assertIn(words, reply.message)
+        self.assertIn(words, diagnosis_of("no_geometry/node: collision check").message)
 
     def test_a_link_with_a_broken_mesh_is_left_out_by_name_and_the_others_are_checked(self):
         node = NodeClient("/broken_mesh/node")

@@ -202,8 +202,8 @@ void BatchCheck::runJoints(std::size_t count, const CheckSettings& settings,
 BatchCheck::Stage* BatchCheck::stageFor(std::size_t count, const CheckSettings& settings) {
   const Fidelity fidelity = settings.fidelity;
   const bool has_stage = fidelity == Fidelity::MESH || fidelity == Fidelity::SPHERES;
-  const bool is_possible =
-      settings.verdict_only && has_stage && settings.time_budget == 0.0 && !settings.min_distance;
+  const bool is_possible = scene_->unchecked().empty() && settings.verdict_only && has_stage &&
+                           settings.time_budget == 0.0 && !settings.min_distance;
   if (!is_possible) return nullptr;
   auto& of_fidelity = stages_[fidelity];
   if (!of_fidelity) of_fidelity = std::make_unique<Stage>();

@@ -117,7 +117,7 @@ const CollisionReport& CollisionDetector::run(const BodyPoses& poses) {
   listBoxes();
   report_.nb_answered_natively = ladder_->numAnsweredNatively();
   clock.split(report_.times.narrow_phase);
-  found_->assemble(!settings_.verdict_only, report_);  // one entry for each pair of models
+  found_->assemble(*scene_, !settings_.verdict_only, report_);  // one entry for each pair of models
   whole.split(report_.times.total);
   return report_;
 }

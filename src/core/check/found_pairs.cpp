@@ -26,8 +26,9 @@ void mergeInto(PairReport& pair, const PairReport& other) {
   pair.fidelity = other.fidelity;
 }
 
-Verdict verdictOf(const CollisionReport& report) {
-  Verdict verdict = report.left_out.empty() ? Verdict::FREE : Verdict::UNKNOWN;
+Verdict verdictOf(const CollisionScene& scene, const CollisionReport& report) {
+  const bool is_complete = report.left_out.empty() && scene.mayBeFree();
+  Verdict verdict = is_complete ? Verdict::FREE : Verdict::UNKNOWN;
   for (const PairReport& pair : report.pairs) {
     if (pair.state == PairState::CONTACT) return Verdict::COLLISION;
     // A positive lower bound proves that the two are apart.
@@ -80,7 +81,8 @@ void FoundPairs::sortByModels() {
             [&](std::uint32_t i, std::uint32_t j) { return key(i) < key(j); });
 }
 
-void FoundPairs::assemble(bool with_contacts, CollisionReport& report) {
+void FoundPairs::assemble(const CollisionScene& scene, bool with_contacts,
+                          CollisionReport& report) {
   sortByModels();
   auto& pairs = report.pairs;
   pairs.clear();
@@ -95,13 +97,16 @@ void FoundPairs::assemble(bool with_contacts, CollisionReport& report) {
     }
     if (with_contacts) report.contacts.push_back(contacts_[i]);
   }
-  report.verdict = verdictOf(report);
+  report.unchecked = scene.unchecked();
+  report.verdict = verdictOf(scene, report);
   report.in_collision = report.verdict != Verdict::FREE;
   SmallestDistance smallest{report.min_distance, report.min_distance_is_bound};
   for (PairReport& pair : pairs) {
     if (!with_contacts) pair.nb_contacts = 0;
     smallest.offer(pair.distance, pair.certainty);
   }
+  // Infinity, or the alarm distance, would say that something is known to be that far away.
+  if (scene.models().empty() && !scene.mayBeFree()) smallest = {0.0, true};
   report.min_distance = smallest.metres;
   report.min_distance_is_bound = smallest.is_bound;
 }

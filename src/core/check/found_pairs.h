@@ -37,7 +37,7 @@ class FoundPairs {
 
   /// Fills in pairs, contacts (if wanted) and the verdict, and lowers min_distance to the smallest
   /// found. left_out must be set before. O(n log n).
-  void assemble(bool with_contacts, CollisionReport& report);
+  void assemble(const CollisionScene& scene, bool with_contacts, CollisionReport& report);
 
  private:
   void sortByModels();

@@ -63,8 +63,9 @@ class MotionCheck::Search {
     checkSettings(settings);
     settings_ = settings;
     report_ = {};
+    report_.unchecked = scene_.unchecked();
     clearance_ = INF;
-    free_until_ = 1.0;
+    free_until_ = scene_.mayBeFree() ? 1.0 : 0.0;
     uncertified_.clear();
     beside_static_noted_.assign(scene_.elements().size(), 0);
     poses_.voxels = voxels;
@@ -156,9 +157,7 @@ class MotionCheck::Search {
   }
 
   /// After a contact only what can change free_until is of interest.
-  double relevantUntil() const {
-    return report_.verdict == Verdict::COLLISION ? free_until_ : INF;
-  }
+  double relevantUntil() const { return report_.verdict == Verdict::COLLISION ? free_until_ : INF; }
 
   void moveTo(double begin, double end) {
     at_ = 0.5 * begin + 0.5 * end;
@@ -318,6 +317,7 @@ class MotionCheck::Search {
     if (report_.verdict == Verdict::COLLISION) return;
     report_.pairs.assign(uncertified_.begin(), uncertified_.end());
     if (!uncertified_.empty()) return;
+    if (!scene_.mayBeFree()) return;
     report_.verdict = Verdict::FREE;
     report_.free_until = 1.0;
     report_.clearance = clearance_;

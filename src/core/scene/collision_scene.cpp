@@ -37,6 +37,8 @@ class SceneBuilder {
   std::shared_ptr<const CollisionScene> build(SceneCache& cache) {
     maker_ = cache.maker_.get();
     dropUnneeded();
+    scene_->unchecked_ = whatIsUnchecked();
+    scene_->may_be_free_ = scene_->unchecked_.empty() || description_.settings.allow_empty_scene;
     scene_->filter_.setModels(class_of_);
     addModels();
     try {
@@ -120,6 +122,22 @@ class SceneBuilder {
     }
     members_.resize(kept);
     class_of_.resize(kept);
+  }
+
+  std::string whatIsUnchecked() const {
+    std::string bare;
+    for (const SceneRobot& robot : description_.robots) {
+      const auto& links = robot.model->links();
+      if (std::any_of(links.begin(), links.end(), [](const Link& l) { return l.has_geometry; })) {
+        continue;
+      }
+      if (description_.robots.size() == 1) return "the robot has no collision geometry";
+      bare += (bare.empty() ? "" : "; ") + std::string("robot '") +
+              withPrefix(robot.prefix, robot.model->name()) + "' has no collision geometry";
+    }
+    if (!bare.empty() || !members_.empty()) return bare;
+    return description_.restriction.empty() ? "there is no pair to check"
+                                            : "group and links leave no pair to check";
   }
 
   void addModels() {

@@ -170,6 +170,10 @@ class CheckResult:
     @property
     def joints_at_zero(self) -> List[str]:
         """Moving joints that were not named: taken as zero, or their nearest limit."""
+    @property
+    def unchecked(self) -> str:
+        """Usually empty: why there is nothing to check, or the robot is not checked at all. The verdict is then never
+        FREE, unless the setting allow_empty_scene permits it."""
 
 class Detector:
     """Checks joint states of a scene. A second thread waits for the first: use one detector per thread."""
@@ -211,6 +215,9 @@ class MotionResult:
     def models(self) -> NDArray[np.str_]: ...
     @property
     def joints_at_zero(self) -> List[str]: ...
+    @property
+    def unchecked(self) -> str:
+        """As in CheckResult."""
 
 class MotionCheck:
     """Certifies straight motions in joint space between waypoints."""
