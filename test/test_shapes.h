@@ -82,4 +82,30 @@ inline TriangleMesh bumpyBall(int n, double radius) {
   return mesh;
 }
 
+/// A prism of `corners` sides as files store one: its flat faces are of many triangles, whose
+/// corners were rounded to float. So it is convex but for that, and its hull nearly is its surface.
+inline TriangleMesh storedPrism(int corners, double radius, double height,
+                                const Eigen::Matrix3d& R) {
+  TriangleMesh mesh;
+  for (int i = 0; i < 3 * corners; ++i) {
+    const double angle = 2.0 * M_PI * (i / 3) / corners;
+    const Eigen::Vector3d corner(radius * std::cos(angle), radius * std::sin(angle),
+                                 (i % 3 - 1) * height);
+    mesh.vertices.push_back((R * corner).cast<float>().cast<double>());
+  }
+  const auto at = [&](int i, int ring) {
+    return static_cast<std::uint32_t>(i % corners * 3 + ring);
+  };
+  for (int i = 0; i < corners; ++i) {
+    for (const int ring : {0, 1}) {
+      mesh.triangles.push_back({at(i, ring), at(i + 1, ring), at(i + 1, ring + 1)});
+      mesh.triangles.push_back({at(i, ring), at(i + 1, ring + 1), at(i, ring + 1)});
+    }
+    if (i == 0 || i + 1 == corners) continue;
+    mesh.triangles.push_back({at(0, 2), at(i, 2), at(i + 1, 2)});
+    mesh.triangles.push_back({at(0, 0), at(i + 1, 0), at(i, 0)});
+  }
+  return mesh;
+}
+
 }  // namespace collision_pairs

@@ -108,7 +108,9 @@ class CollisionDetector {
   void findCloudPairs();
   void sortCloudPairs();
   void measureClouds(const Deadline& deadline);
-  void take(const BoxPair& pair, const PairDistance& found, Fidelity rung,
+  /// Tight boxes that are apart end a verdict; so they do a report.
+  void endAtBoxes(const BoxPair& pair, PairDistance& found);
+  void take(const BoxPair& pair, PairDistance found, Fidelity rung,
             const Eigen::Vector3i& voxel = Eigen::Vector3i::Zero());
   void searchMinimum(const Deadline& deadline);
   bool measureCloudsBeyond(const Deadline& deadline, SmallestDistance& best);

@@ -315,8 +315,16 @@ bool CollisionDetector::measureCloudsBeyond(const Deadline& deadline, SmallestDi
   return in_time;
 }
 
-void CollisionDetector::take(const BoxPair& pair, const PairDistance& found, Fidelity rung,
+void CollisionDetector::endAtBoxes(const BoxPair& pair, PairDistance& found) {
+  const bool of_cloud = scene_->cloudOf(pair.first) >= 0 || scene_->cloudOf(pair.second) >= 0;
+  if (!found.touches() || of_cloud || boxes_->inReach(pair, squaredReach(0.0))) return;
+  const auto& boxes = boxes_->boxes();
+  keepApart(std::sqrt(squaredGap(boxes[pair.first], boxes[pair.second])), found);
+}
+
+void CollisionDetector::take(const BoxPair& pair, PairDistance found, Fidelity rung,
                              const Eigen::Vector3i& voxel) {
+  endAtBoxes(pair, found);
   if (found.certainty == Certainty::UNFINISHED) {
     ++report_.nb_unresolved;
   } else {
@@ -383,9 +391,10 @@ bool CollisionDetector::measureNearestFirst(const std::vector<BoxPair>& pairs, d
       return false;
     }
     if (!boxes_->inReach(pair, squared_best)) continue;  // by their tight boxes
-    const auto found =
+    PairDistance found =
         ladder_->climb(ladder_->byModel(pair), settings_.fidelity, best.metres, settings_.tolerance)
             .found;
+    endAtBoxes(pair, found);
     if (found.certainty != Certainty::BEYOND) best.offer(found.distance, found.certainty);
   }
   return true;

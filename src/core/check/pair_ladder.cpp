@@ -41,6 +41,13 @@ SpheresOrShape spheresOf(const SceneElement& element) {
           element.spheres ? nullptr : &preparedOf(element.rung(Fidelity::MESH))};
 }
 
+/// A lower bound of what convexGap() found, but for roundingOf(). With a cylinder, a distance that
+/// is EXACT has larger errors.
+double certainGap(const PairDistance& gap, const ConvexCore& a, const ConvexCore& b) {
+  const bool is_bound = gap.certainty == Certainty::BEYOND || !(a.curved() || b.curved());
+  return is_bound ? gap.distance : lowerEndOfGap(gap, a, b);
+}
+
 PairDistance beyond(double lower_bound) {
   PairDistance answer;
   answer.distance = lower_bound;
@@ -60,6 +67,12 @@ void inWorld(const Isometry3d& X_WA, double padding, PairDistance& found) {
 }
 
 }  // namespace
+
+void keepApart(double bound, PairDistance& found) {
+  if (!found.touches() || found.certainty == Certainty::DEGRADED) return;
+  found.distance = bound;
+  found.certainty = Certainty::DEGRADED;
+}
 
 void PairLadder::begin(const CollisionScene& scene, const std::vector<Isometry3d>& X_WE,
                        const std::vector<Aabb>& boxes) {
@@ -120,6 +133,10 @@ PairLadder::Answer PairLadder::climb(const BoxPair& pair, Fidelity top, double m
   if (top == Fidelity::SPHERES) return measureSpheres(pair, X_AB, max_distance);
   Answer answer = measureAt(pair, X_AB, top, max_distance, tolerance);
   if (answer.found.by_hulls) answer.rung = Fidelity::CONVEX;
+  const auto& elements = scene_->elements();
+  const bool is_loose =
+      elements[pair.first].rung(top).loose || elements[pair.second].rung(top).loose;
+  if (gap > 0.0 && !is_loose) keepApart(gap, answer.found);
   return answer;
 }
 
@@ -181,7 +198,7 @@ PairDistance PairLadder::spheresApart(const BoxPair& pair, const Isometry3d& X_A
   if (a.spheres || b.spheres)
     return sphereDistance(spheresOf(a), spheresOf(b), X_AB, reach, padding);
   return narrow_phase_.distance(*a.rung(Fidelity::MESH).shape, *b.rung(Fidelity::MESH).shape, X_AB,
-                                reach);
+                                reach, {0.0, padding});
 }
 
 PairLadder::Answer PairLadder::measureSpheres(const BoxPair& pair, const Isometry3d& X_AB,
@@ -219,7 +236,7 @@ PairLadder::Answer PairLadder::boundOfHulls(const BoxPair& pair, const Answer& k
   const Prepared& b = preparedOf(scene_->elements()[pair.second].rung(Fidelity::MESH));
   const double margin = roundingOf(a.core, b.core) + scene_->padding(pair.first, pair.second);
   const PairDistance gap = convexGap(a.core, b.core, relativePose(pair), max_distance + margin);
-  const double distance = gap.distance - margin;
+  const double distance = certainGap(gap, a.core, b.core) - margin;
   if (gap.certainty == Certainty::DEGRADED || distance <= std::max(known.found.distance, 0.0)) {
     return known;
   }
@@ -237,7 +254,7 @@ double PairLadder::hullsApart(std::uint32_t element, Fidelity rung, const Convex
   const double margin = roundingOf(core, shape) + of_element.margin;
   const Isometry3d X_ES = relativePose((*X_WE_)[element], X_WS);
   const PairDistance gap = convexGap(core, shape, X_ES, max_distance + margin);
-  return gap.certainty == Certainty::DEGRADED ? 0.0 : gap.distance - margin;
+  return gap.certainty == Certainty::DEGRADED ? 0.0 : certainGap(gap, core, shape) - margin;
 }
 
 double PairLadder::surfaceApart(std::uint32_t element, const ConvexCore& shape,
@@ -285,9 +302,13 @@ double PairLadder::obbGap(const BoxPair& pair, const Isometry3d& X_AB) const {
   const SceneElement& b = scene_->elements()[pair.second];
   const double padding = scene_->padding(pair.first, pair.second);
   if (std::isinf(a.box_half[0]) || std::isinf(b.box_half[0])) return -padding;
-  // Reduced by the rounding of the pose.
-  const Vector3d p_AB = (X_AB * b.box_center - a.box_center) * (1.0 - ROUNDING);
-  return std::sqrt(squaredBoxGap(a.box_half, b.box_half, X_AB.linear(), p_AB)) - padding;
+  const Vector3d p_AB = X_AB * b.box_center - a.box_center;
+  const double squared_gap = squaredBoxGap(a.box_half, b.box_half, X_AB.linear(), p_AB);
+  if (!(squared_gap > 0.0)) return -padding;
+  const double coordinates = a.box_center.lpNorm<1>() + a.box_half.sum() +
+                             X_AB.translation().lpNorm<1>() + b.box_center.lpNorm<1>() +
+                             b.box_half.sum();
+  return std::sqrt(squared_gap) - ROUNDING * coordinates - padding;
 }
 
 }  // namespace collision_pairs

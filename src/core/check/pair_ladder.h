@@ -13,6 +13,10 @@
 
 namespace collision_pairs {
 
+/// Rounding made a contact of two whose boxes are `bound` metres (> 0) apart. A verdict ends at the
+/// boxes; so does everything else.
+void keepApart(double bound, PairDistance& found);
+
 /// Refers to the poses of the elements in this cycle; all results are in the world frame W.
 /// A pair is given as (element of the first model, element of the second).
 class PairLadder {

@@ -9,14 +9,13 @@ namespace {
 using Eigen::Vector3d;
 using Outcome = FclAnswer::Outcome;
 
-constexpr double ROUNDING = 1e-12;  // relative, of a bound
-constexpr double TINY = 1e-300;     // units: the smallest positive limit
+constexpr double ROUNDING = 1e-12;  // of FCL's boxes, relative to the size of a pair
 constexpr double NO_NORMAL = 1e-8;  // of the size of a pair: nearer points give no direction
 
 }  // namespace
 
 double FclQuestion::bound() const {
-  return FCL_UNITS * max_distance.value_or(0.0) * (1.0 + ROUNDING) + TINY;
+  return FCL_UNITS * max_distance.value_or(0.0) + ROUNDING * size;
 }
 
 FclAnswer fclBeyond(const FclQuestion& question) {

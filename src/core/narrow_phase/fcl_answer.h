@@ -20,7 +20,7 @@ struct FclQuestion {
   double size;                         ///< of both plus their separation; scales rounding
   std::optional<double> max_distance;  ///< metres; without it, only whether they touch
 
-  /// Search limit for trees: slightly more than the given distance, and positive.
+  /// Search limit for trees: more than the given distance by the rounding of their boxes.
   double bound() const;
 };
 

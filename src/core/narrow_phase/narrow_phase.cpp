@@ -20,7 +20,6 @@
 #include <cmath>
 
 #include "closed_forms.h"
-#include "collision_pairs/input_error.h"
 #include "convex_distance.h"
 #include "mesh_query.h"
 #include "solids.h"
@@ -36,6 +35,14 @@ using Eigen::Vector3d;
 constexpr double ORTHONORMAL = 1e-14;  // rotations better than this are used as they are
 constexpr double MENDABLE = 1e-3;      // rotations worse than this are refused
 constexpr double NORMAL_FROM_TRIANGLES_BELOW = 1e-4;  // of the triangles' size
+constexpr double DOUBT = 1e-9;  // of the two bodies' size: the largest error of a native distance
+constexpr double INF = std::numeric_limits<double>::infinity();
+
+double justAbove(double metres) { return std::nextafter(metres, INF); }
+
+bool isWithin(const PairDistance& found, double metres) {
+  return found.certainty != Certainty::BEYOND && found.distance <= metres;
+}
 
 // False if X has no meaning as a pose. A step of Newton's iteration for the polar decomposition
 // squares the error each time.
@@ -53,10 +60,8 @@ bool repairPose(Isometry3d& X) {
 
 PairDistance convexPair(const Prepared& A, const Prepared& B, const Isometry3d& X_AB,
                         double max_distance) {
-  if (!hasClosedForm(A.core, B.core)) return convexDistance(A.core, B.core, X_AB, max_distance);
-  PairDistance result = closedForm(A.core, B.core, X_AB);
-  if (result.distance > max_distance) result.certainty = Certainty::BEYOND;
-  return result;
+  return hasClosedForm(A.core, B.core) ? closedForm(A.core, B.core, X_AB)
+                                       : convexDistance(A.core, B.core, X_AB, max_distance);
 }
 
 PairDistance halfSpaceWith(const Prepared& A, const Prepared& B, const Isometry3d& X_AB) {
@@ -86,14 +91,73 @@ struct NarrowPhase::Scratch {
   std::uint64_t num_degraded = 0;
   std::uint64_t num_answered_natively = 0;
 
-  // FCL if it has a result. Containment, and the depth of contained bodies, are always computed
-  // natively.
   bool touches(const Prepared& A, const Prepared& B, const Isometry3d& X_AB, double margin,
                PairDistance& result) {
-    if (!asksFcl(A, B)) return nativeTouches(A, B, X_AB, margin, result);
+    return asksFcl(A, B) ? fclTouches(A, B, X_AB, margin, result)
+                         : nativeTouches(A, B, X_AB, margin, result);
+  }
+
+  // Whether the two are within contact_distance is what touches() says.
+  PairDistance distance(const Prepared& A, const Prepared& B, const Isometry3d& X_AB,
+                        double max_distance, const Accuracy& accuracy) {
+    const bool asks_fcl = asksFcl(A, B);
+    const std::uint64_t natively_before = num_answered_natively;
+    PairDistance found = search(A, B, X_AB, max_distance, accuracy);
+    const double within = accuracy.contact_distance;
+    const bool is_doubtful = found.certainty == Certainty::DEGRADED ||
+                             std::abs(found.distance - within) <= doubtOf(A, B);
+    // touches() would do just the same.
+    const bool is_same = (within == 0.0 || (within == max_distance && accuracy.isExact())) &&
+                         (A.mesh || B.mesh || asks_fcl);
+    if (is_doubtful && !is_same) decide(A, B, X_AB, within, found);
+    num_answered_natively = std::min(num_answered_natively, natively_before + 1);
+    if (found.certainty == Certainty::BEYOND) {
+      found.distance = std::max(found.distance, justAbove(max_distance));
+    } else if (found.distance > max_distance) {
+      found.certainty = Certainty::BEYOND;
+    }
+    return found;
+  }
+
+ private:
+  static bool asksFcl(const Prepared& A, const Prepared& B) {
+    return A.method == NarrowPhaseMethod::FCL && B.method == NarrowPhaseMethod::FCL;
+  }
+
+  PairDistance search(const Prepared& A, const Prepared& B, const Isometry3d& X_AB,
+                      double max_distance, const Accuracy& accuracy) {
+    return asksFcl(A, B) ? fclDistance(A, B, X_AB, max_distance, accuracy)
+                         : nativeDistance(A, B, X_AB, max_distance, accuracy);
+  }
+
+  // Rounding may put a distance on the wrong side of one that differs from it by less, in metres.
+  static double doubtOf(const Prepared& A, const Prepared& B) {
+    return (asksFcl(A, B) ? FCL_CONFIRMED : DOUBT) * (scaleOf(A) + scaleOf(B));
+  }
+
+  // For a distance that rounding may have put on the wrong side of contact_distance.
+  void decide(const Prepared& A, const Prepared& B, const Isometry3d& X_AB, double contact_distance,
+              PairDistance& found) {
+    PairDistance detail;
+    const bool is_contact = touches(A, B, X_AB, contact_distance, detail);
+    if (is_contact && found.certainty == Certainty::BEYOND) found = search(A, B, X_AB, INF, {});
+    if (detail.certainty == Certainty::DEGRADED) {
+      found.certainty = Certainty::DEGRADED;
+    } else if (is_contact && found.certainty == Certainty::DEGRADED) {
+      found.certainty = Certainty::BOUND;
+    }
+    if (!is_contact && found.distance < -doubtOf(A, B)) found.certainty = Certainty::DEGRADED;
+    found.distance = is_contact ? std::min(found.distance, contact_distance)
+                                : std::max(found.distance, justAbove(contact_distance));
+  }
+
+  // FCL if it has a result. Containment, and the depth of contained bodies, are always computed
+  // natively.
+  bool fclTouches(const Prepared& A, const Prepared& B, const Isometry3d& X_AB, double margin,
+                  PairDistance& result) {
     if (margin > 0.0) {
-      result = distance(A, B, X_AB, margin);
-      return result.distance <= margin;
+      result = fclDistance(A, B, X_AB, margin, {});
+      return isWithin(result, margin);
     }
     const auto fcl = A.fcl && B.fcl ? askFcl(*A.fcl, *B.fcl, X_AB, {}) : FclAnswer();
     using Outcome = FclAnswer::Outcome;
@@ -103,24 +167,24 @@ struct NarrowPhase::Scratch {
     return fcl.outcome == Outcome::APART || nativeTouches(A, B, X_AB, 0.0, result);
   }
 
-  PairDistance distance(const Prepared& A, const Prepared& B, const Isometry3d& X_AB,
-                        double max_distance, const Accuracy& accuracy = {}) {
-    if (!asksFcl(A, B)) return nativeDistance(A, B, X_AB, max_distance, accuracy);
-    const auto fcl = A.fcl && B.fcl ? askFcl(*A.fcl, *B.fcl, X_AB, max_distance) : FclAnswer();
+  PairDistance fclDistance(const Prepared& A, const Prepared& B, const Isometry3d& X_AB,
+                           double max_distance, const Accuracy& accuracy) {
+    const bool has_fcl = A.fcl && B.fcl;
+    const auto fcl = has_fcl ? askFcl(*A.fcl, *B.fcl, X_AB, max_distance) : FclAnswer();
     using Outcome = FclAnswer::Outcome;
     if (fcl.outcome == Outcome::DEPTH) return fcl.found;
     if (fcl.outcome == Outcome::APART && !oneHoldsTheOther(A, B, X_AB)) return fcl.found;
     ++num_answered_natively;
-    if (fcl.outcome == Outcome::NONE) return nativeDistance(A, B, X_AB, max_distance, accuracy);
+    if (fcl.outcome == Outcome::NONE) {
+      PairDistance native = nativeDistance(A, B, X_AB, max_distance, accuracy);
+      if (has_fcl) decide(A, B, X_AB, 0.0, native);  // FCL may say yes or no without a distance
+      return native;
+    }
     if (A.mesh || B.mesh) return hullDepth(A, B, X_AB, {});
-    PairDistance depth = convexPair(A, B, X_AB, std::numeric_limits<double>::infinity());
+    PairDistance depth = convexPair(A, B, X_AB, INF);
     depth.distance = std::min(depth.distance, 0.0);  // FCL decided that they touch
+    if (depth.certainty == Certainty::DEGRADED) depth.certainty = Certainty::BOUND;
     return depth;
-  }
-
- private:
-  static bool asksFcl(const Prepared& A, const Prepared& B) {
-    return A.method == NarrowPhaseMethod::FCL && B.method == NarrowPhaseMethod::FCL;
   }
 
   // For two whose surfaces are disjoint.
@@ -138,9 +202,14 @@ struct NarrowPhase::Scratch {
     if (!A.mesh && !B.mesh) return convexTouch(A, B, X_AB, margin, result);
     if (margin > 0.0) {
       result = nativeDistance(A, B, X_AB, margin);
-      return result.distance <= margin;
+      return isWithin(result, margin);
     }
-    if (hullsMiss(A, B, X_AB)) return false;
+    return !hullsMiss(A, B, X_AB) && solidsMeet(A, B, X_AB);
+  }
+
+  // For two whose hulls may overlap, one of them a mesh: surfaces that meet, or containment. All
+  // contacts of meshes are decided here; splitting boxes finds them much faster than a distance.
+  bool solidsMeet(const Prepared& A, const Prepared& B, const Isometry3d& X_AB) {
     const Isometry3d X_BA = X_AB.inverse(Eigen::Isometry);
     if (A.mesh && B.mesh) {
       if (squaredBoxGap(A.box, B.box.movedBy(X_AB)) > 0.0) return false;
@@ -153,14 +222,13 @@ struct NarrowPhase::Scratch {
     return !query.meshConvex(*M.mesh, C.core, X_MC, 0.0).beyond || meshHoldsConvex(M, C, X_MC);
   }
 
-  // The shortest translation that separates the hulls: an upper bound of the depth.
+  // The shortest translation that separates the hulls: an upper bound of the depth of a contact.
   static PairDistance hullDepth(const Prepared& A, const Prepared& B, const Isometry3d& X_AB,
                                 const CoreOverlap& overlap) {
-    PairDistance result = overlap.found()
-                              ? convexDepth(A.core, B.core, X_AB, overlap)
-                              : convexPair(A, B, X_AB, std::numeric_limits<double>::infinity());
+    PairDistance result =
+        overlap.found() ? convexDepth(A.core, B.core, X_AB, overlap) : convexPair(A, B, X_AB, INF);
     if (result.distance > 0.0) result.distance = 0.0;
-    if (result.certainty == Certainty::EXACT) result.certainty = Certainty::BOUND;
+    result.certainty = Certainty::BOUND;
     return result;
   }
 
@@ -168,21 +236,18 @@ struct NarrowPhase::Scratch {
   // triangle and the convex shape.
   static void setNormal(const SurfaceGap& gap, const ConvexCore& a, const ConvexCore& b,
                         const Isometry3d& X_AB, PairDistance& result) {
-    result.distance = gap.distance;
-    result.p_ACa = gap.p_ACa;
-    result.p_ACb = gap.p_ACb;
     if (gap.distance > NORMAL_FROM_TRIANGLES_BELOW * (a.extent + b.extent + b.radius)) {
       result.nhat_AB_A = (gap.p_ACb - gap.p_ACa).normalized();
       return;
     }
-    result.nhat_AB_A =
-        convexDistance(a, b, X_AB, std::numeric_limits<double>::infinity()).nhat_AB_A;
+    result.nhat_AB_A = convexDistance(a, b, X_AB, INF).nhat_AB_A;
   }
 
-  // The result if no triangles are given: too far apart, or two patches settled by their hulls.
-  static PairDistance withoutTriangles(const SurfaceGap& gap) {
+  // The result for two that do not meet, but may be nearer than any number. Without triangles: too
+  // far apart, or two patches settled by their hulls.
+  static PairDistance apart(const SurfaceGap& gap) {
     PairDistance result;
-    result.distance = gap.distance;
+    result.distance = std::max(gap.distance, justAbove(0.0));
     if (gap.beyond) {
       result.certainty = Certainty::BEYOND;
       return result;
@@ -205,39 +270,22 @@ struct NarrowPhase::Scratch {
 
   // For two that are apart: replaces the upper end of the certified interval by the lower one.
   static PairDistance tolerated(PairDistance found, double lower, const Accuracy& accuracy) {
-    constexpr double INF = std::numeric_limits<double>::infinity();
     if (found.certainty == Certainty::BEYOND || found.distance <= accuracy.contact_distance ||
         lower >= found.distance) {
       return found;
     }
-    found.distance = std::max(lower, std::nextafter(accuracy.contact_distance, INF));
+    found.distance = std::max(lower, justAbove(accuracy.contact_distance));
     found.certainty = Certainty::TOLERATED;
     return found;
   }
 
-  // The result for disjoint surfaces if only contacts are requested.
-  static SurfaceGap noContact() {
-    SurfaceGap gap;
-    gap.distance = std::numeric_limits<double>::denorm_min();
-    return gap;
-  }
-
-  // If the hulls overlap, one solid may contain the other, or a part of it.
   PairDistance meshMesh(const Prepared& A, const Prepared& B, const Isometry3d& X_AB,
                         double max_distance, const Accuracy& accuracy, const HullBounds& bounds) {
     const bool hulls_meet = bounds.outcome == HullBounds::Outcome::OPEN;
     const Vector3d* nhat_AB_A = hulls_meet ? nullptr : &bounds.hulls.nhat_AB_A;
-    // Contact first: splitting boxes and containment find it much faster than a distance query.
-    if (hulls_meet && (contacts.surfacesMeet(*A.mesh, *B.mesh, X_AB) || meshHoldsMesh(A, B, X_AB) ||
-                       meshHoldsMesh(B, A, X_AB.inverse(Eigen::Isometry)))) {
-      return hullDepth(A, B, X_AB, bounds.overlap);
-    }
     const SurfaceGap gap =
-        hulls_meet && max_distance == 0.0
-            ? noContact()
-            : query.meshMesh(*A.mesh, *B.mesh, X_AB, max_distance, nhat_AB_A, accuracy);
-    if (!gap.beyond && !(gap.distance > 0.0)) return hullDepth(A, B, X_AB, bounds.overlap);
-    PairDistance result = withoutTriangles(gap);
+        query.meshMesh(*A.mesh, *B.mesh, X_AB, max_distance, nhat_AB_A, accuracy);
+    PairDistance result = apart(gap);
     if (!gap.beyond && !gap.by_hulls) {
       const Triangle a = triangleOf(*A.mesh->triangles, gap.triangle_a);
       const Triangle b = triangleOf(*B.mesh->triangles, gap.triangle_b);
@@ -248,16 +296,8 @@ struct NarrowPhase::Scratch {
 
   PairDistance meshConvex(const Prepared& A, const Prepared& B, const Isometry3d& X_AB,
                           double max_distance, const Accuracy& accuracy, const HullBounds& bounds) {
-    const bool hulls_meet = bounds.outcome == HullBounds::Outcome::OPEN;
-    if (hulls_meet &&
-        (!query.meshConvex(*A.mesh, B.core, X_AB, 0.0).beyond || meshHoldsConvex(A, B, X_AB))) {
-      return hullDepth(A, B, X_AB, bounds.overlap);
-    }
-    const SurfaceGap gap = hulls_meet && max_distance == 0.0
-                               ? noContact()
-                               : query.meshConvex(*A.mesh, B.core, X_AB, max_distance, accuracy);
-    if (!gap.beyond && !(gap.distance > 0.0)) return hullDepth(A, B, X_AB, bounds.overlap);
-    PairDistance result = withoutTriangles(gap);
+    const SurfaceGap gap = query.meshConvex(*A.mesh, B.core, X_AB, max_distance, accuracy);
+    PairDistance result = apart(gap);
     if (!gap.beyond && !gap.by_hulls) {
       const Triangle a = triangleOf(*A.mesh->triangles, gap.triangle_a);
       setNormal(gap, cornersCore(a.v), B.core, X_AB, result);
@@ -265,19 +305,20 @@ struct NarrowPhase::Scratch {
     return tolerated(result, std::max(gap.lower, bounds.lower), accuracy);
   }
 
+  // For two that do not meet.
   PairDistance meshDistance(const Prepared& A, const Prepared& B, const Isometry3d& X_AB,
-                            double max_distance, const Accuracy& accuracy, HullBounds& bounds) {
+                            double max_distance, const Accuracy& accuracy,
+                            const HullBounds& bounds) {
     if (A.mesh && B.mesh) return meshMesh(A, B, X_AB, max_distance, accuracy, bounds);
     if (A.mesh) return meshConvex(A, B, X_AB, max_distance, accuracy, bounds);
-    bounds.overlap = {};  // it refers to A - B, but the mesh comes first below
     const Isometry3d X_BA = X_AB.inverse(Eigen::Isometry);
     return exchanged(meshConvex(B, A, X_BA, max_distance, accuracy, bounds), X_AB);
   }
 
   // For two that are apart: searches for points nearer than the two known ones by more than the
-  // tolerance.
-  PairDistance toleratedDistance(const Prepared& A, const Prepared& B, const Isometry3d& X_AB,
-                                 const Accuracy& accuracy, HullBounds& bounds) {
+  // tolerance. If there are none, the known ones are the result.
+  PairDistance distanceFromKnown(const Prepared& A, const Prepared& B, const Isometry3d& X_AB,
+                                 const Accuracy& accuracy, const HullBounds& bounds) {
     const double far_enough = accuracy.farEnough(bounds.upper);
     const PairDistance known = besideHulls(bounds);
     if (bounds.lower > accuracy.contact_distance && bounds.lower >= far_enough) {
@@ -290,11 +331,7 @@ struct NarrowPhase::Scratch {
 
   PairDistance nativeDistance(const Prepared& A, const Prepared& B, const Isometry3d& X_AB,
                               double max_distance, const Accuracy& accuracy = {}) {
-    if (A.isHalfSpace() || B.isHalfSpace()) {
-      PairDistance result = halfSpaceWith(A, B, X_AB);
-      if (result.distance > max_distance) result.certainty = Certainty::BEYOND;
-      return result;
-    }
+    if (A.isHalfSpace() || B.isHalfSpace()) return halfSpaceWith(A, B, X_AB);
     if (!A.mesh && !B.mesh) return convexPair(A, B, X_AB, max_distance);
     HullBounds bounds = boundsFromHulls(A, B, X_AB, max_distance);
     using Outcome = HullBounds::Outcome;
@@ -302,12 +339,11 @@ struct NarrowPhase::Scratch {
       bounds.hulls.by_hulls = true;
       return bounds.hulls;
     }
-    if (bounds.outcome == Outcome::APART) {
-      if (!accuracy.isExact() && bounds.upper <= max_distance) {
-        return toleratedDistance(A, B, X_AB, accuracy, bounds);
-      }
-      // Slightly more than the bound, which rounding may have put below the true distance.
-      max_distance = std::min(max_distance, bounds.upper * (1.0 + 1e-12));
+    if (bounds.outcome == Outcome::OPEN) {
+      if (solidsMeet(A, B, X_AB)) return hullDepth(A, B, X_AB, bounds.overlap);
+      if (max_distance == 0.0) return apart(SurfaceGap{0.0});
+    } else if (bounds.upper <= max_distance) {
+      return distanceFromKnown(A, B, X_AB, accuracy, bounds);
     }
     return meshDistance(A, B, X_AB, max_distance, accuracy, bounds);
   }
@@ -319,8 +355,7 @@ namespace {
 PairDistance worstCase(const Prepared& A, const Prepared& B) {
   PairDistance result;
   const bool unbounded = A.isHalfSpace() || B.isHalfSpace();
-  result.distance =
-      unbounded ? -std::numeric_limits<double>::infinity() : -2.0 * (scaleOf(A) + scaleOf(B));
+  result.distance = unbounded ? -INF : -2.0 * (scaleOf(A) + scaleOf(B));
   result.certainty = Certainty::DEGRADED;
   return result;
 }
@@ -331,11 +366,6 @@ NarrowPhase::NarrowPhase() : scratch_(std::make_unique<Scratch>()) {}
 NarrowPhase::~NarrowPhase() = default;
 NarrowPhase::NarrowPhase(NarrowPhase&&) noexcept = default;
 NarrowPhase& NarrowPhase::operator=(NarrowPhase&&) noexcept = default;
-
-std::shared_ptr<const PreparedShape> prepareShape(const Shape& shape, NarrowPhaseMethod method) {
-  validateShape(shape);
-  return std::make_shared<Prepared>(shape, method);
-}
 
 bool NarrowPhase::touches(const PreparedShape& A, const PreparedShape& B, const Isometry3d& X_AB,
                           double margin) {
@@ -365,16 +395,5 @@ PairDistance NarrowPhase::distance(const PreparedShape& A, const PreparedShape& 
 std::uint64_t NarrowPhase::numDegraded() const { return scratch_->num_degraded; }
 
 std::uint64_t NarrowPhase::numAnsweredNatively() const { return scratch_->num_answered_natively; }
-
-const char* narrowPhaseName(NarrowPhaseMethod method) {
-  return method == NarrowPhaseMethod::FCL ? "fcl" : "native";
-}
-
-NarrowPhaseMethod parseNarrowPhase(const std::string& name) {
-  for (const auto method : {NarrowPhaseMethod::NATIVE, NarrowPhaseMethod::FCL}) {
-    if (name == narrowPhaseName(method)) return method;
-  }
-  throw InputError("unknown narrow phase '" + name + "'; known are native and fcl");
-}
 
 }  // namespace collision_pairs

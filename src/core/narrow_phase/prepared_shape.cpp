@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "collision_pairs/input_error.h"
 #include "mesh_solid.h"
 
 namespace collision_pairs {
@@ -100,6 +101,22 @@ Prepared::Prepared(const Shape& the_shape, NarrowPhaseMethod the_method)
   core = std::visit(MakeCore{hull, mesh}, the_shape);
   box = boxAround(core);
   if (method == NarrowPhaseMethod::FCL) fcl = makeFclShape(the_shape, hull, mesh == nullptr);
+}
+
+std::shared_ptr<const PreparedShape> prepareShape(const Shape& shape, NarrowPhaseMethod method) {
+  validateShape(shape);
+  return std::make_shared<Prepared>(shape, method);
+}
+
+const char* narrowPhaseName(NarrowPhaseMethod method) {
+  return method == NarrowPhaseMethod::FCL ? "fcl" : "native";
+}
+
+NarrowPhaseMethod parseNarrowPhase(const std::string& name) {
+  for (const auto method : {NarrowPhaseMethod::NATIVE, NarrowPhaseMethod::FCL}) {
+    if (name == narrowPhaseName(method)) return method;
+  }
+  throw InputError("unknown narrow phase '" + name + "'; known are native and fcl");
 }
 
 }  // namespace collision_pairs
