@@ -94,6 +94,30 @@ def test_of_a_robot_without_geometry_generate_srdf_says_so(run_tool, tmp_path):
     assert done.returncode == 0 and "the robot has no collision geometry: no pair is counted" in done.stderr
 
 
+FIXED = '''<robot name="fixed"><link name="a"><collision><geometry><box size="1 1 1"/></geometry></collision></link>
+<link name="m"><collision><geometry><box size="0.1 0.1 0.1"/></geometry></collision></link>
+<link name="b"><collision><geometry><box size="1 1 1"/></geometry></collision></link>
+<joint name="am" type="fixed"><parent link="a"/><child link="m"/><origin xyz="0.7 0 0"/></joint>
+<joint name="mb" type="fixed"><parent link="m"/><child link="b"/><origin xyz="%s 0 0"/></joint></robot>'''
+
+
+def columns_of(done, name):
+    assert done.returncode == 0, done.stderr
+    return [row[name] for row in csv.DictReader(io.StringIO(done.stdout))]
+
+
+@pytest.mark.parametrize("x, touches", [(2.0, False), (0.2, True)])
+def test_a_robot_whose_joints_are_all_fixed_can_be_checked(run_tool, tmp_path, x, touches):
+    robot, blank = tmp_path / "fixed.urdf", tmp_path / "blank.csv"
+    robot.write_text(FIXED % x)
+    blank.write_text("\n\n\n")  # a header without names, and two states
+    assert columns_of(run_tool("check_states", robot, "--states", blank), "in_collision") == [str(int(touches))] * 2
+    assert columns_of(run_tool("check_motion", robot, "--waypoints", blank), "verdict") == ["collision" if touches else "free"]
+    blank.write_text("")
+    done = run_tool("check_states", robot, "--states", blank)
+    assert done.returncode == 2 and "no header" in done.stderr
+
+
 def test_a_scene_with_pairs_is_not_warned_of(check):
     assert "no pair" not in check()[0].stderr
 

@@ -1,5 +1,6 @@
 #include "joint_states_csv.h"
 
+#include <algorithm>
 #include <optional>
 #include <sstream>
 #include <utility>
@@ -17,7 +18,11 @@ bool isBlank(const std::string& line) { return line.find_first_not_of(" \t\r") =
 class Reader {
  public:
   Reader(const RobotModel& robot, const std::string& name)
-      : robot_(robot), name_(name), zero_(robot.zeroPositions()) {}
+      : robot_(robot),
+        name_(name),
+        is_rigid_(std::none_of(robot.joints().begin(), robot.joints().end(),
+                               [](const Joint& joint) { return joint.hasPosition(); })),
+        zero_(robot.zeroPositions()) {}
 
   JointStates read(const std::string& csv) {
     std::istringstream lines(csv);
@@ -25,6 +30,10 @@ class Reader {
     std::size_t blank_line = 0, nb_further = 0;
     while (std::getline(lines, line)) {
       ++line_;
+      if (isBlank(line) && is_rigid_) {
+        columns_ ? readRow({}) : readHeader({});
+        continue;
+      }
       if (isBlank(line)) {
         if (blank_line == 0) blank_line = line_;
         continue;
@@ -83,6 +92,7 @@ class Reader {
 
   const RobotModel& robot_;
   const std::string& name_;
+  const bool is_rigid_;  // no joint has a position
   const std::vector<double> zero_;
   std::optional<JointColumns> columns_;
   std::vector<std::string> names_;  // of the columns

@@ -17,8 +17,9 @@ struct JointStates {
 
 /// Columns may come in any order; a column of a mimic joint is accepted if it agrees with its
 /// leader to 1e-6. Quotation marks as in RFC 4180, Windows line ends, a byte order mark
-/// and blank lines at the end are accepted. Throws InputError with the line (and `name` of the
-/// file) for what JointColumns refuses, and for a field that is missing, too many, or not a finite
+/// and blank lines at the end are accepted. Of a robot without a joint that has a position the
+/// header and each row are blank lines. Throws InputError with the line (and `name` of the file)
+/// for what JointColumns refuses, and for a field that is missing, too many, or not a finite
 /// number.
 JointStates readJointStates(const std::string& csv, const RobotModel& robot,
                             const std::string& name);
