@@ -36,6 +36,8 @@ add_library(collision_pairs SHARED
   src/core/check/timed_climb.cpp
   src/core/check/voxel_search.cpp
   src/core/clouds/cells_about_link.cpp
+  src/core/clouds/depth_map.cpp
+  src/core/clouds/near_memory.cpp
   src/core/clouds/near_parts.cpp
   src/core/clouds/occupied_voxels.cpp
   src/core/clouds/self_filter.cpp

@@ -125,6 +125,10 @@ collision_pairs_test(urdf_errors)
 collision_pairs_test(verdict collision_pairs_ros)
 collision_pairs_test(voxel_markers collision_pairs_messages)
 collision_pairs_test(voxel_grid)
+collision_pairs_test(what_touches_stays_seen collision_pairs_io)
+target_sources(test_what_touches_stays_seen PRIVATE src/demo/depth_image.cpp
+  test/benchmark/benchmark_robots.cpp test/benchmark/demo_motion.cpp)
+target_include_directories(test_what_touches_stays_seen PRIVATE src/demo)
 
 function(collision_pairs_pytest name)
   add_test(NAME ${name}

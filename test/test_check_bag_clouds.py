@@ -131,6 +131,19 @@ def test_a_block_that_a_link_comes_into_is_a_collision_with_the_cloud_and_the_li
     assert early and not any(cloud_pairs(row) for row in early)
 
 
+def test_what_vanished_against_a_link_is_not_free_until_it_is_seen_to_go(check, check_bag, with_clouds):
+    heights = [1.0, 0.92, 0.85, 0.78, 0.74] + 20 * [0.71] + [0.75, 0.82, 0.9, 0.98, 1.05] + 40 * [1.05]  # the table's top is 0.7
+    clouds = [cloud_of([tuple(p - c for p, c in zip((0.75, -0.38, z), CAMERA))], START + 0.1 * i)
+              for i, z in enumerate(heights)]
+    bag = with_clouds(clouds)
+    rows, _ = check(bag)
+    free = {row["stamp"] for row in check_bag(bag)[0] if row["verdict"] == "free"}
+    held = [row for row in rows if 1.1 < seconds_of(row) < 2.5]  # what was seen before has decayed
+    assert held and all("camera/points" in row["left_out"] and row["verdict"] != "free" for row in held)
+    after = [row for row in rows if 4.0 < seconds_of(row) < 6.5]
+    assert after and [row for row in after if row["stamp"] in free] == [row for row in after if row["verdict"] == "free"]
+
+
 def test_before_the_first_cloud_and_after_the_timeout_nothing_is_free(check, with_clouds):
     rows, _ = check(with_clouds([cloud_of(FAR_SEEN, START + 1.0), cloud_of(FAR_SEEN, START + 1.5)]))
     for row in rows:

@@ -54,6 +54,17 @@ TEST(CloudConfig, ReadsEveryKey) {
   EXPECT_TRUE(clouds("[]").empty());
 }
 
+TEST(CloudConfig, LinksKeepTheFiltersPaddingAndAVoxelFromACloud) {
+  CloudConfig cloud;
+  cloud.topic = "/camera/points";
+  EXPECT_DOUBLE_EQ(cloud.padding(), 0.04);
+  EXPECT_DOUBLE_EQ(cloud.near(), 0.10);
+  cloud.voxel_size = 0.1;
+  EXPECT_DOUBLE_EQ(cloud.near(), 0.22);
+  EXPECT_DOUBLE_EQ(obstacleOf(cloud).padding, 0.12);
+  EXPECT_EQ(obstacleOf(cloud).name, "camera/points");
+}
+
 TEST(CloudConfig, UnknownKeyIsRefusedWithTheNearestOne) {
   EXPECT_THAT(refusal("[{topic: a, voxelsize: 0.1}]"),
               AllOf(HasSubstr("clouds[0]: 'voxelsize'"), HasSubstr("did you mean 'voxel_size'?")));

@@ -30,11 +30,13 @@ class Gatherer : public testing::Test {
   /// Points in W; the voxels after each cloud, a second later than the one before.
   std::shared_ptr<const OccupiedVoxels> add(CloudGatherer& gatherer,
                                             const std::vector<Vector3d>& points) {
-    SelfFilter filter(description_, config_.self_filter_padding);
+    description_.clouds = {obstacleOf(config_)};
+    RobotFilter filter(description_, *CollisionScene::build(description_), config_);
+    const std::vector<SceneBody>& bodies = filter.own.bodies();
     BodyPoses robot;
-    robot.resize(filter.bodies().size());
-    for (std::size_t i = 0; i < filter.bodies().size(); ++i) {
-      const std::string& link = filter.bodies()[i].link;
+    robot.resize(bodies.size());
+    for (std::size_t i = 0; i < bodies.size(); ++i) {
+      const std::string& link = bodies[i].link;
       robot.X_WB[i].translation().x() = link == "b" ? 10.0 : 0.0;
       if (link == unknown_link_) robot.known[i] = 0;
     }
@@ -99,6 +101,102 @@ TEST_F(Gatherer, RemembersForTheTimeOfDecayUnlessEachCloudReplacesTheOneBefore) 
     EXPECT_EQ(add(gatherer, {{5, 3, 0}})->size(), replace ? 1u : 2u);
     EXPECT_EQ(add(gatherer, {{5, 3, 0}})->size(), 1u);
   }
+}
+
+/// With the voxels of this test, what is seen up to 25 cm from a link is followed.
+class Follower : public Gatherer {
+ protected:
+  /// Up to face x = 0.5 of box a; the last point is within the padding.
+  void approach() {
+    for (const double x : {0.95, 0.85, 0.65, 0.52}) add(gatherer_, {{x, 0.01, 0.01}});
+  }
+
+  /// Points of a wall across the sensor's view.
+  static std::vector<Vector3d> wallAt(double x) {
+    std::vector<Vector3d> points;
+    for (double y = -0.5; y <= 0.5; y += 0.02) {
+      for (double z = -0.5; z <= 0.5; z += 0.02) points.emplace_back(x, y, z);
+    }
+    return points;
+  }
+
+  CloudGatherer gatherer_{config_};
+};
+
+TEST_F(Follower, NamesWhatVanishedBesideALinkUntilItStaysInSightAgain) {
+  approach();
+  EXPECT_EQ(gatherer_.vanished(), "vanished 15 cm from a: it may touch");
+  add(gatherer_, {{0.52, 0.01, 0.01}});
+  EXPECT_NE(gatherer_.vanished(), "");
+  add(gatherer_, {{0.65, 0.01, 0.01}});
+  EXPECT_NE(gatherer_.vanished(), "");
+  add(gatherer_, {{0.75, 0.01, 0.01}});
+  EXPECT_EQ(gatherer_.vanished(), "");
+}
+
+TEST_F(Follower, TakesOnePointThatOneCloudShowsForNoise) {
+  add(gatherer_, {{0.65, 0.01, 0.01}});
+  add(gatherer_, {{5, 2, 0}});
+  EXPECT_EQ(gatherer_.vanished(), "");
+}
+
+TEST_F(Follower, SeesWhatGoesAwayGo) {
+  for (const double x : {0.95, 0.75, 0.65, 0.85, 1.05, 1.25, 1.45}) {
+    add(gatherer_, {{x, 0.01, 0.01}});
+    EXPECT_EQ(gatherer_.vanished(), "") << x;
+  }
+}
+
+TEST_F(Follower, DoesNotAskForWhatIsStillSeenOutsideOfTheBox) {
+  config_.box = Eigen::AlignedBox3d(Vector3d(-2, -2, 0), Vector3d(9, 2, 2));
+  CloudGatherer cropped(config_);
+  for (const double z : {0.45, 0.25, 0.05, -0.05}) add(cropped, {{0.65, 0, z}});
+  EXPECT_EQ(cropped.vanished(), "");
+  for (const double z : {0.05, 0.05, 5.0}) add(cropped, {{0.65, 0, z}});
+  EXPECT_NE(cropped.vanished(), "");
+}
+
+TEST_F(Follower, DoesNotFollowWhatMayTouch) {
+  config_.touch_links = {"a"};
+  approach();
+  EXPECT_EQ(gatherer_.vanished(), "");
+}
+
+TEST_F(Follower, ForgetsWhatVanishedWhenItIsCleared) {
+  approach();
+  gatherer_.clear();
+  EXPECT_EQ(gatherer_.vanished(), "");
+}
+
+TEST_F(Follower, DoesNotMissWhatWasAttachedToALink) {
+  for (int i = 0; i < 3; ++i) add(gatherer_, {{0.65, 0.01, 0.01}});
+  RigidObject tool;
+  tool.name = "tool";
+  tool.attached_link = "a";
+  tool.elements.push_back({Box{{0.1, 0.1, 0.1}}, Isometry3d::Identity()});
+  tool.X_PO.translation() = Vector3d(0.65, 0, 0);
+  description_.objects.push_back(tool);
+  EXPECT_EQ(add(gatherer_, {{0.65, 0.01, 0.01}})->size(), 0u);
+  EXPECT_EQ(gatherer_.vanished(), "");
+}
+
+TEST_F(Follower, RemembersWhatTheRobotHidesForAsLongAsItDoes) {
+  for (int i = 0; i < 2; ++i) add(gatherer_, {{-0.65, 0.01, 0.01}});
+  for (int i = 0; i < 5; ++i) {
+    EXPECT_EQ(add(gatherer_, wallAt(0.5))->size(), 1u);  // box a, seen from the front
+  }
+  EXPECT_EQ(gatherer_.vanished(), "");
+  std::vector<Vector3d> beside = wallAt(-3.0);
+  EXPECT_GT(add(gatherer_, beside)->size(), 1u);
+  const auto voxels = add(gatherer_, beside);
+  EXPECT_FALSE(voxels->anyWithin({{-0.65, 0, 0}, {-0.65, 0, 0}}, 0.2));
+  EXPECT_THAT(gatherer_.vanished(), HasSubstr("vanished 15 cm from a"));
+}
+
+TEST_F(Follower, RemembersNoLongerWhatIsFarFromTheRobot) {
+  for (int i = 0; i < 2; ++i) add(gatherer_, {{-1.65, 0.01, 0.01}});
+  add(gatherer_, wallAt(0.5));
+  EXPECT_EQ(add(gatherer_, wallAt(0.5))->size(), 0u);
 }
 
 TEST_F(Gatherer, UsesNoCloudWithoutThePoseOfALink) {

@@ -206,6 +206,32 @@ TEST(VoxelGrid, AVoxelThatIsNotSeenAgainIsForgottenAfterItsDecay) {
 }
 
 /// The oracle: the last stamp of each cell.
+TEST(VoxelGrid, AVoxelThatIsKeptStaysForOneCloudAndIsNotSeen) {
+  for (const double decay : {0.0, 10.0}) {
+    VoxelSettings settings = settingsOf(1.0);
+    settings.decay = decay;
+    VoxelGrid grid(settings);
+    grid.begin(0.0, Vector3d::Zero());
+    grid.add({0.5, 0.5, 0.5});
+    grid.keep({7, 0, 0});
+    const Aabb all{Vector3d::Constant(-9.0), Vector3d::Constant(9.0)};
+    EXPECT_EQ(cellsOf(*grid.seen(all)), (Cells{{0, 0, 0}}));
+    EXPECT_TRUE(grid.seen({Vector3d::Constant(5.0), Vector3d::Constant(9.0)})->isEmpty());
+    EXPECT_EQ(cellsOf(*grid.end()), (Cells{{0, 0, 0}, {7, 0, 0}}));
+    grid.begin(1.0, Vector3d::Zero());
+    grid.add({0.5, 0.5, 0.5});
+    EXPECT_EQ(cellsOf(*grid.end()), (Cells{{0, 0, 0}}));
+    EXPECT_TRUE(grid.unseen().empty());
+    grid.begin(2.0, Vector3d::Zero());
+    grid.keep({0, 0, 0});
+    EXPECT_TRUE(grid.seen(all)->isEmpty());
+    EXPECT_EQ(grid.unseen(), (std::vector<VoxelCell>{{0, 0, 0}}));
+    EXPECT_EQ(grid.end()->size(), 1u);
+    grid.begin(3.0, Vector3d::Zero());
+    EXPECT_EQ(grid.end()->size(), decay > 0.0 ? 1u : 0u);  // seen less than `decay` ago
+  }
+}
+
 TEST(VoxelGrid, DecayIsThatOfAListOfStamps) {
   RandomInputs random;
   VoxelSettings settings = settingsOf(0.1);

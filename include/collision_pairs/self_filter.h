@@ -2,11 +2,13 @@
 #pragma once
 
 #include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
 #include <Eigen/Core>
 
+#include "collision_pairs/aabb.h"
 #include "collision_pairs/body_poses.h"
 #include "collision_pairs/collision_scene.h"
 #include "collision_pairs/scene_description.h"
@@ -30,8 +32,10 @@ namespace collision_pairs {
 /// only a cache: the answer depends on the poses alone. Use one per thread.
 class SelfFilter {
  public:
-  /// padding in metres, >= 0, otherwise throws InputError. Reuses the meshes of `cache`.
-  SelfFilter(const SceneDescription& description, double padding, SceneCache* cache = nullptr);
+  /// padding in metres, >= 0, otherwise throws InputError. Reuses the meshes of `cache`. `only`:
+  /// points of other links and objects are not the robot's; null: all count.
+  SelfFilter(const SceneDescription& description, double padding, SceneCache* cache = nullptr,
+             const std::set<std::string>* only = nullptr);
   ~SelfFilter();
   SelfFilter(SelfFilter&&) noexcept;
   SelfFilter& operator=(SelfFilter&&) noexcept;
@@ -48,6 +52,22 @@ class SelfFilter {
 
   /// True if the point (metres, in W) belongs to the robot.
   bool isOwn(const Eigen::Vector3d& p_WP);
+
+  /// Cheaper: true for all points that belong to the robot, and for some within a few centimetres
+  /// (two thirds of the padding) of those. The answer depends on the poses alone.
+  bool mayBeOwn(const Eigen::Vector3d& p_WP);
+
+  struct Nearest {
+    std::string name;       ///< of the link or object; empty: none is within the padding
+    std::size_t body;       ///< index in bodies()
+    double distance = 0.0;  ///< metres, negative inside (inside a mesh: 0)
+  };
+  /// Cost: about a microsecond per element near the point.
+  Nearest nearest(const Eigen::Vector3d& p_WP);
+  /// A box in W, since begin(), that contains all points of the robot.
+  Aabb bounds() const;
+  /// The links and objects that are filtered.
+  const std::vector<std::string>& names() const;
 
  private:
   struct Store;

@@ -38,9 +38,9 @@ struct PointCounts {
 ///   for (…) grid.add(p_WP);
 ///   std::shared_ptr<const OccupiedVoxels> voxels = grid.end();
 ///
-/// Keeps voxels from cloud to cloud, according to `decay`, and nothing else. Cost: 20 to 30 ns per
-/// point in the order of a camera image, with voxels of 1 cm, including end() (docs/clouds.md). Not
-/// thread safe.
+/// Keeps voxels from cloud to cloud, according to `decay`, and what keep() adds. Cost: 20 to 30 ns
+/// per point in the order of a camera image, with voxels of 1 cm, including end() (docs/clouds.md).
+/// Not thread safe.
 class VoxelGrid {
  public:
   /// Throws InputError for settings out of range.
@@ -56,6 +56,13 @@ class VoxelGrid {
   void add(const Eigen::Vector3d& p_WP);
   /// Ends the cloud and returns all occupied voxels. Never null.
   std::shared_ptr<const OccupiedVoxels> end();
+
+  /// Those that this cloud occupies, of the blocks that overlap the box (metres, in W). Never null.
+  std::shared_ptr<const OccupiedVoxels> seen(const Aabb& box) const;
+  /// Those that the cloud before occupied and this one does not.
+  std::vector<VoxelCell> unseen();
+  /// Occupies a voxel until the next cloud, as if it were remembered. Before end().
+  void keep(const VoxelCell& cell);
 
   /// The voxels at `stamp` without a new cloud; expired ones are dropped.
   std::shared_ptr<const OccupiedVoxels> at(double stamp);

@@ -114,6 +114,12 @@ bool operator==(const CloudConfig& a, const CloudConfig& b) {
   return same_box && all(a) == all(b);
 }
 
+RigidObject obstacleOf(const CloudConfig& cloud) {
+  RigidObject obstacle = cloudOf(cloud.name(), cloud.voxel_size, cloud.touch_links);
+  obstacle.padding = cloud.padding();
+  return obstacle;
+}
+
 const CloudConfig* findCloud(const std::vector<CloudConfig>& clouds, const std::string& name) {
   const auto found = std::find_if(clouds.begin(), clouds.end(),
                                   [&](const CloudConfig& cloud) { return cloud.name() == name; });

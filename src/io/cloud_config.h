@@ -1,12 +1,15 @@
 // The parameter ~clouds: which point clouds are obstacles, and how they are read.
 #pragma once
 
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include <Eigen/Geometry>
 #include <yaml-cpp/yaml.h>
+
+#include "collision_pairs/scene_description.h"
 
 namespace collision_pairs {
 
@@ -40,11 +43,22 @@ struct CloudConfig {
   /// Links, names, that are not checked against this cloud.
   std::vector<std::string> touch_links;
 
+  /// Metres that every link keeps to its voxels, unless pair_padding says otherwise: what comes
+  /// nearer is in contact before it is taken for the robot, though only some of its points are
+  /// seen.
+  double padding() const { return self_filter_padding + voxel_size; }
+  /// Metres: what was seen this near the robot is followed. Covers what moves from one cloud to
+  /// the next.
+  double near() const { return self_filter_padding + std::max(0.08, 2.0 * voxel_size); }
+
   /// Its name in pairs: the topic without its leading slash.
   std::string name() const;
 };
 
 bool operator==(const CloudConfig& a, const CloudConfig& b);
+
+/// The obstacle that a scene has for it.
+RigidObject obstacleOf(const CloudConfig& cloud);
 
 /// The one with that name; null if there is none.
 const CloudConfig* findCloud(const std::vector<CloudConfig>& clouds, const std::string& name);

@@ -1,12 +1,20 @@
 #include "cloud_gatherer.h"
 
 #include <algorithm>
+#include <set>
 #include <sstream>
 
 #include "collision_pairs/input_error.h"
+#include "depth_map.h"
+#include "near_memory.h"
 
 namespace collision_pairs {
 namespace {
+
+using Eigen::Vector3d;
+
+constexpr double NOISE = 0.01;              // metres, of a range
+constexpr std::size_t MOST_RAYS = 100'000;  // that are looked at for what they hide
 
 VoxelSettings settingsOf(const CloudConfig& config) {
   VoxelSettings settings;
@@ -17,37 +25,60 @@ VoxelSettings settingsOf(const CloudConfig& config) {
   return settings;
 }
 
+std::set<std::string> checkedAgainst(const std::string& cloud, const CollisionScene& scene) {
+  std::set<std::string> names;
+  const int id = scene.findModel(cloud);
+  for (std::uint32_t i = 0; id >= 0 && i < scene.models().size(); ++i) {
+    if (scene.filter().allowed(i, static_cast<std::uint32_t>(id))) {
+      names.insert(scene.models()[i].name);
+    }
+  }
+  return names;
+}
+
+SelfFilter nearFilter(const SceneDescription& description, const CollisionScene& scene,
+                      const CloudConfig& cloud, SceneCache* cache) {
+  const std::set<std::string> checked = checkedAgainst(cloud.name(), scene);
+  return SelfFilter(description, cloud.near(), cache, &checked);
+}
+
 }  // namespace
 
-CloudGatherer::CloudGatherer(const CloudConfig& config)
-    : config_(config), grid_(settingsOf(config)) {}
+RobotFilter::RobotFilter(const SceneDescription& description, const CollisionScene& scene,
+                         const CloudConfig& cloud, SceneCache* cache)
+    : own(description, cloud.self_filter_padding, cache),
+      near(nearFilter(description, scene, cloud, cache)) {}
 
-std::shared_ptr<const OccupiedVoxels> CloudGatherer::add(const std::vector<Eigen::Vector3d>& points,
+CloudGatherer::CloudGatherer(const CloudConfig& config)
+    : config_(config),
+      grid_(settingsOf(config)),
+      memory_(std::make_unique<NearMemory>(config.near())),
+      depths_(std::make_unique<DepthMap>()) {}
+
+CloudGatherer::~CloudGatherer() = default;
+CloudGatherer::CloudGatherer(CloudGatherer&&) noexcept = default;
+
+std::shared_ptr<const OccupiedVoxels> CloudGatherer::add(const Points& points,
                                                          const Eigen::Isometry3d& X_WS,
                                                          const BodyPoses& robot, double stamp,
-                                                         SelfFilter& filter) {
+                                                         RobotFilter& filter) {
   requireValid(points);
-  filter.begin(robot);
-  if (!filter.leftOut().empty()) {
+  filter.own.begin(robot);
+  if (!filter.own.leftOut().empty()) {
     throw InputError(
-        "link '" + filter.leftOut().front() +
+        "link '" + filter.own.leftOut().front() +
         "' has no pose at its stamp, so its points cannot be distinguished from obstacles");
   }
-  kept_.clear();
+  filter.near.begin(robot);
   grid_.begin(stamp, X_WS.translation());
-  const double squared_range = config_.max_range * config_.max_range;
-  for (const Eigen::Vector3d& p_SP : points) {
-    if (p_SP.squaredNorm() > squared_range) continue;
-    const Eigen::Vector3d p_WP = X_WS * p_SP;
-    if (config_.box && !config_.box->contains(p_WP)) continue;
-    if (filter.isOwn(p_WP)) continue;
-    grid_.add(p_WP);
-    kept_.push_back(p_SP);
-  }
+  sort(points, X_WS, filter.own);
+  if (own_names_ != filter.own.names()) memory_->startAnew();  // what is attached was an obstacle
+  own_names_ = filter.own.names();
+  remember(points, X_WS, robot, filter.near);
   return grid_.end();
 }
 
-void CloudGatherer::requireValid(const std::vector<Eigen::Vector3d>& points) {
+void CloudGatherer::requireValid(const Points& points) {
   const auto needed = static_cast<std::size_t>(config_.min_valid_points);
   const std::size_t enough = std::max<std::size_t>(needed, 1);
   const double squared_range = config_.max_range * config_.max_range;
@@ -69,6 +100,65 @@ void CloudGatherer::requireValid(const std::vector<Eigen::Vector3d>& points) {
     throw InputError(found.str());
   }
   warning_ = found.str();
+}
+
+void CloudGatherer::sort(const Points& points, const Eigen::Isometry3d& X_WS, SelfFilter& own) {
+  kept_.clear();
+  kinds_.assign(points.size(), Kind::LEFT_OUT);
+  const double squared_range = config_.max_range * config_.max_range;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Vector3d& p_SP = points[i];
+    if (p_SP.squaredNorm() > squared_range) continue;
+    const Vector3d p_WP = X_WS * p_SP;
+    if (config_.box && !config_.box->contains(p_WP)) continue;
+    kinds_[i] = own.isOwn(p_WP) ? Kind::OWN : Kind::KEPT;
+    if (kinds_[i] == Kind::OWN) continue;
+    grid_.add(p_WP);
+    kept_.push_back(p_SP);
+  }
+}
+
+void CloudGatherer::remember(const Points& points, const Eigen::Isometry3d& X_WS,
+                             const BodyPoses& robot, SelfFilter& near) {
+  const double around = NearMemory::FOUND_AGAIN + config_.near();
+  Aabb box = near.bounds();
+  box.min.array() -= around;
+  box.max.array() += around;
+  const Eigen::Isometry3d X_SW = X_WS.inverse(Eigen::Isometry);
+  bool is_drawn = false;
+  const auto isHidden = [&](const Vector3d& p_W) {
+    if (!is_drawn) drawDepths(points);
+    is_drawn = true;
+    return depths_->hides(X_SW * p_W);
+  };
+  const auto isLeftOut = [&](const Vector3d& p_W) {
+    const Vector3d p_S = X_SW * p_W;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const bool is_near = kinds_[i] == Kind::LEFT_OUT && (points[i] - p_S).norm() < config_.near();
+      if (is_near) return true;
+    }
+    return false;
+  };
+  memory_->update({grid_.seen(box), grid_.unseen(), robot, near, isHidden, isLeftOut});
+  for (const VoxelCell& cell : memory_->hidden()) grid_.keep(cell);
+}
+
+/// A ray that ends on the robot hides what lies further. One that ends on an obstacle may be of the
+/// same obstacle as a voxel, so it hides only what is clearly behind.
+void CloudGatherer::drawDepths(const Points& points) {
+  depths_->begin(points.size());
+  const double obstacle = 2.0 * config_.voxel_size + 2.0 * NOISE;
+  const std::size_t step = 1 + points.size() / MOST_RAYS;
+  for (std::size_t i = 0; i < points.size(); i += step) {
+    depths_->add(points[i], points[i].norm() + (kinds_[i] == Kind::OWN ? NOISE : obstacle));
+  }
+}
+
+std::string CloudGatherer::vanished() const { return memory_->vanished(); }
+
+void CloudGatherer::clear() {
+  grid_.clear();
+  memory_->clear();
 }
 
 }  // namespace collision_pairs

@@ -13,30 +13,57 @@
 
 namespace collision_pairs {
 
-/// Crops, filters and collects points. Not thread safe.
+class DepthMap;
+class NearMemory;
+
+/// What tells points of the robot from obstacles, and obstacles near it from others.
+struct RobotFilter {
+  /// The filter is of all links, `near` of those that the scene checks against the cloud.
+  RobotFilter(const SceneDescription& description, const CollisionScene& scene,
+              const CloudConfig& cloud, SceneCache* cache = nullptr);
+
+  SelfFilter own, near;  ///< of the same bodies()
+};
+
+/// Crops, filters and collects points, and follows what it saw near the robot. Not thread safe.
 class CloudGatherer {
  public:
   explicit CloudGatherer(const CloudConfig& config);
+  ~CloudGatherer();
+  CloudGatherer(CloudGatherer&&) noexcept;
 
   /// Points in the sensor's frame S, the pose of S in W and the robot's poses at that stamp, and
   /// the stamp in seconds. Throws InputError, and changes nothing, if a link of the robot has no
   /// pose, since its points would be obstacles, or if fewer than min_valid_points are valid.
   std::shared_ptr<const OccupiedVoxels> add(const std::vector<Eigen::Vector3d>& points,
                                             const Eigen::Isometry3d& X_WS, const BodyPoses& robot,
-                                            double stamp, SelfFilter& filter);
+                                            double stamp, RobotFilter& filter);
 
+  /// "vanished 2 cm from panda_link3: it may touch": an obstacle of an earlier cloud. Or empty.
+  std::string vanished() const;
   /// The points of the last cloud that are obstacles, in S.
   const std::vector<Eigen::Vector3d>& kept() const { return kept_; }
   /// A warning if the last cloud showed nothing: no valid point, which min_valid_points permits.
   const std::string& warning() const { return warning_; }
-  void clear() { grid_.clear(); }
+  void clear();
 
  private:
-  void requireValid(const std::vector<Eigen::Vector3d>& points);
+  using Points = std::vector<Eigen::Vector3d>;
+  enum class Kind : char { KEPT, OWN, LEFT_OUT };
+
+  void requireValid(const Points& points);
+  void sort(const Points& points, const Eigen::Isometry3d& X_WS, SelfFilter& own);
+  void remember(const Points& points, const Eigen::Isometry3d& X_WS, const BodyPoses& robot,
+                SelfFilter& near);
+  void drawDepths(const Points& points);
 
   const CloudConfig config_;
   VoxelGrid grid_;
-  std::vector<Eigen::Vector3d> kept_;
+  std::unique_ptr<NearMemory> memory_;
+  std::unique_ptr<DepthMap> depths_;
+  std::vector<Kind> kinds_;  ///< of the points
+  Points kept_;
+  std::vector<std::string> own_names_;  ///< of the last filter
   std::string warning_;
 };
 

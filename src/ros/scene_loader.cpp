@@ -125,7 +125,7 @@ SceneParameters readSceneParameters(const ros::NodeHandle& private_node) {
   sources.config =
       fromParameter(private_node.getNamespace(), [&] { return readSceneConfig(parameters); });
   for (const CloudConfig& cloud : sources.config.clouds) {
-    sources.clouds.push_back(cloudOf(cloud.name(), cloud.voxel_size, cloud.touch_links));
+    sources.clouds.push_back(obstacleOf(cloud));
   }
   return all;
 }

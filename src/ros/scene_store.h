@@ -44,7 +44,7 @@ class SceneStore {
  private:
   struct Built {
     std::shared_ptr<ActiveScene> scene;
-    CloudSources::RobotFilters filters;  ///< of its clouds
+    CloudSources::FollowedRobots filters;  ///< of its clouds
   };
   Built build(SceneParameters& parameters, const SceneObjects& objects,
               const Restriction& restriction);

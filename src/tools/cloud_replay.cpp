@@ -33,7 +33,7 @@ CloudReplay::CloudReplay(const BagCloudIndex& index, const std::vector<CloudConf
   for (const CloudConfig& config : configs) {
     sources_.push_back({config,
                         CloudGatherer(config),
-                        SelfFilter(description, config.self_filter_padding),
+                        RobotFilter(description, scene, config),
                         isChecked(scene, config.name()),
                         {},
                         {},
@@ -65,6 +65,7 @@ void CloudReplay::take(const RawMessage& raw, StampNs next_row) {
     try {
       latest.voxels = gather(raw, entry.since, source);
       latest.stamp = seconds(entry.since);
+      latest.vanished = source.gatherer.vanished();
       const std::string& warning = source.gatherer.warning();
       if (!warning.empty() && source.nb_warned++ == 0) source.first_warning = warning;
     } catch (const InputError& error) {
@@ -98,7 +99,7 @@ std::shared_ptr<const OccupiedVoxels> CloudReplay::gather(const RawMessage& raw,
                      "' at its stamp is unknown");
   }
   BodyPoses robot;
-  poses_.at(stamp, source.filter.bodies(), robot);
+  poses_.at(stamp, source.filter.own.bodies(), robot);
   return source.gatherer.add(points_, X_WS, robot, seconds(stamp), source.filter);
 }
 

@@ -47,7 +47,7 @@ class CloudReplay {
   struct Source {
     CloudConfig config;
     CloudGatherer gatherer;
-    SelfFilter filter;
+    RobotFilter filter;
     bool is_checked;
     LatestCloud latest;
     std::deque<std::pair<StampNs, LatestCloud>> later;  ///< each applies from its stamp on

@@ -87,7 +87,7 @@ SceneSources readSources(const TextFrom& urdf, const TextFrom& srdf, const Scene
   if (!ignored.empty()) warn(options.settings + ": " + ignored);
   sources.config.clouds = std::move(clouds);
   for (const CloudConfig& cloud : sources.config.clouds) {
-    sources.clouds.push_back(cloudOf(cloud.name(), cloud.voxel_size, cloud.touch_links));
+    sources.clouds.push_back(obstacleOf(cloud));
   }
   if (!options.cloud.empty()) sources.clouds.push_back(cloudOf("cloud", options.voxel_size, {}));
   return sources;

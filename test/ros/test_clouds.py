@@ -50,8 +50,14 @@ class CloudsTest(unittest.TestCase):
     def setUp(self):
         self.boxes.heal()
         self.boxes.x = dict(APART, camera=CAMERA_X)
-        self.show(FAR)
+        self.forget()
         self.wait_for(FREE)
+
+    def forget(self):
+        """What vanished in front of the camera is not missed."""
+        self.camera.points = FAR
+        self.assertTrue(rospy.ServiceProxy("/node/clear_clouds", Trigger)().success)
+        self.show(FAR)
 
     def show(self, points):
         """Returns when a cloud of these points is what is known."""
@@ -75,7 +81,22 @@ class CloudsTest(unittest.TestCase):
         self.camera.points = BESIDE_A
         report = self.wait_for(COLLISION)
         self.assertEqual([(p.first_link, p.second_link) for p in report.pairs], [("a", CLOUD)])
-        self.camera.points = FAR
+        for y in (0.7, 0.9, 1.1, 1.3):
+            self.show([(0.05 - CAMERA_X, y, 0.05)])
+        self.wait_for(FREE)
+
+    def test_what_is_held_against_a_link_is_unknown_for_as_long_as_it_is_not_seen_to_leave(self):
+        for y in (0.9, 0.7, 0.58, 0.58, 0.52):  # the last is within the padding
+            self.show([(0.05 - CAMERA_X, y, 0.05)])
+        words = NAMED + "something vanished 5 cm from a: it may touch"
+        self.wait_for(UNKNOWN, words)
+        rospy.sleep(1.0)
+        begin = len(self.node.reports)
+        self.wait_for(UNKNOWN, words)
+        self.assertIn(words, self.node.check().result.unknown_because)
+        self.assertEqual({r.verdict for r in self.node.reports[begin:]}, {UNKNOWN})
+        for y in (0.6, 0.7, 0.9, 1.1):
+            self.show([(0.05 - CAMERA_X, y, 0.05)])
         self.wait_for(FREE)
 
     def test_a_near_voxel_is_a_near_pair_with_its_distance(self):
@@ -198,9 +219,11 @@ class CloudsTest(unittest.TestCase):
         try:
             rospy.set_param("/node/clouds", [dict(given[0], min_valid_points=0)])
             self.assertTrue(reset().success)
-            self.camera.points = BESIDE_A
-            self.wait_for(COLLISION)
+            for _ in range(3):
+                self.show(BESIDE_A)
             self.camera.points = []
+            self.wait_for(UNKNOWN, "vanished")
+            self.assertTrue(rospy.ServiceProxy("/node/clear_clouds", Trigger)().success)
             self.wait_for(FREE)
             self.assertIsNotNone(cloud_diagnosis(lambda d: "it has no finite point" in d["message"]))
         finally:

@@ -27,10 +27,11 @@ class CellsAboutLink {
     return distance(p_EP, padding_, narrow_phase) <= padding_;
   }
 
- private:
   /// Signed distance, or a lower bound if beyond `max_distance`. Inside a mesh: 0.
   double distance(const Eigen::Vector3d& p_EP, double max_distance,
                   NarrowPhase& narrow_phase) const;
+
+ private:
   Points classify(const Eigen::Vector3d& p_ECenter, NarrowPhase& narrow_phase) const;
   std::uint64_t& slotOf(std::uint64_t cell);
   void grow();

@@ -24,6 +24,12 @@ class NearParts {
   void addNothing();  ///< takes the next index; near no point
   void end();
 
+  /// Of all boxes; infinite if one of them is.
+  Aabb bounds() const {
+    const Aabb none = noBox();
+    return unbounded_.empty() ? bounds_ : Aabb{none.max, none.min};
+  }
+
   /// All boxes that contain the point, and possibly others near it.
   Range at(const Eigen::Vector3d& p_W) const;
 

@@ -47,7 +47,8 @@ struct SelfFilter::Store {
   NarrowPhase narrow_phase;
 };
 
-SelfFilter::SelfFilter(const SceneDescription& description, double padding, SceneCache* cache)
+SelfFilter::SelfFilter(const SceneDescription& description, double padding, SceneCache* cache,
+                       const std::set<std::string>* only)
     : store_(std::make_unique<Store>()) {
   if (!(padding >= 0.0) || !std::isfinite(padding)) {
     throw InputError("the padding of the self filter is " + std::to_string(padding) +
@@ -76,6 +77,7 @@ SelfFilter::SelfFilter(const SceneDescription& description, double padding, Scen
     if (elements.empty()) return;
     const int of_link = robot->bodies()[link.body].link;
     const int body = store_->indexOf(link.body, robot->links()[of_link].name);
+    if (only && only->count(name) == 0) return;
     for (const Element& element : elements) {
       store_->addPart(name, body, X_BM * element.X_LE, maker.make(element.shape, Fidelity::MESH));
     }
@@ -89,6 +91,8 @@ SelfFilter& SelfFilter::operator=(SelfFilter&&) noexcept = default;
 
 const std::vector<SceneBody>& SelfFilter::bodies() const { return store_->bodies; }
 const std::vector<std::string>& SelfFilter::leftOut() const { return store_->left_out; }
+const std::vector<std::string>& SelfFilter::names() const { return store_->names; }
+Aabb SelfFilter::bounds() const { return store_->near.bounds(); }
 
 void SelfFilter::begin(const BodyPoses& poses) {
   Store& store = *store_;
@@ -130,6 +134,29 @@ bool SelfFilter::isOwn(const Vector3d& p_WP) {
   return std::any_of(store.open.begin(), store.open.end(), [&](std::uint32_t i) {
     return store.parts[i].cells.isOwn(store.X_EW[i] * p_WP, store.narrow_phase);
   });
+}
+
+bool SelfFilter::mayBeOwn(const Vector3d& p_WP) {
+  Store& store = *store_;
+  const auto parts = store.near.at(p_WP);
+  return std::any_of(parts.begin(), parts.end(), [&](std::uint32_t i) {
+    return store.parts[i].cells.ownAbout(store.X_EW[i] * p_WP, store.narrow_phase) !=
+           CellsAboutLink::Points::NONE;
+  });
+}
+
+SelfFilter::Nearest SelfFilter::nearest(const Vector3d& p_WP) {
+  Store& store = *store_;
+  Nearest found{"", 0, store.padding};
+  for (const std::uint32_t i : store.near.at(p_WP)) {
+    const Store::Part& part = store.parts[i];
+    const double metres =
+        part.cells.distance(store.X_EW[i] * p_WP, store.padding, store.narrow_phase);
+    if (metres > found.distance || (metres == found.distance && !found.name.empty())) continue;
+    found = {store.names[static_cast<std::size_t>(part.name)], static_cast<std::size_t>(part.body),
+             metres};
+  }
+  return found;
 }
 
 }  // namespace collision_pairs

@@ -125,8 +125,18 @@ struct VoxelGrid::Store {
       blocks.push_back({corner, 0});
       if (settings.min_points > 1) nb_points.push_back({});
       if (settings.decay > 0.0) last_seen.push_back({});
+      seen.push_back(0);
     }
     return last_block = *slot;
+  }
+
+  /// Index of the voxel's block, or NONE if there is no room for it; and its bit.
+  std::uint32_t placeOf(const VoxelCell& cell, unsigned& bit) {
+    const VoxelCell within(cell[0] & 3, cell[1] & 3, cell[2] & 3);
+    const std::uint32_t id = blockAt(cell - within);
+    if (id == NONE) truncated_in = number;
+    bit = static_cast<unsigned>(within[0] + 4 * within[1] + 16 * within[2]);
+    return id;
   }
 
   void add(const Vector3d& p) {
@@ -141,23 +151,69 @@ struct VoxelGrid::Store {
       return;
     }
     ++counts.added;
-    const VoxelCell within(cell[0] & 3, cell[1] & 3, cell[2] & 3);
-    const std::uint32_t id = blockAt(cell - within);
-    if (id == NONE) {
-      truncated_in = number;
-      return;
-    }
-    const auto bit = static_cast<unsigned>(within[0] + 4 * within[1] + 16 * within[2]);
+    unsigned bit;
+    const std::uint32_t id = placeOf(cell, bit);
+    if (id == NONE) return;
     if (settings.min_points > 1 && ++nb_points[id][bit] < settings.min_points) return;
+    seen[id] |= std::uint64_t{1} << bit;
     blocks[id].occupied |= std::uint64_t{1} << bit;
     if (settings.decay > 0.0) last_seen[id][bit] = number;
+  }
+
+  void keep(const VoxelCell& cell) {
+    unsigned bit;
+    const std::uint32_t id = placeOf(cell, bit);
+    if (id == NONE) return;
+    blocks[id].occupied |= std::uint64_t{1} << bit;
+    remembered.push_back(cell);
+  }
+
+  void dropRemembered() {
+    for (const VoxelCell& cell : remembered) {
+      const VoxelCell within(cell[0] & 3, cell[1] & 3, cell[2] & 3);
+      const std::uint32_t id = index.find(cell - within, blocks);
+      const auto bit = static_cast<unsigned>(within[0] + 4 * within[1] + 16 * within[2]);
+      if (id == NONE || last_seen[id][bit] >= firstKept()) continue;
+      blocks[id].occupied &= ~(std::uint64_t{1} << bit);
+    }
+    remembered.clear();
+  }
+
+  std::vector<VoxelCell> unseen() {
+    std::vector<VoxelCell> cells;
+    for (const Block& block : before) {
+      const std::uint32_t id = index.find(block.corner, blocks);
+      std::uint64_t left = block.occupied & ~(id == NONE ? 0 : seen[id]);
+      for (; left != 0; left &= left - 1) {
+        cells.push_back(block.corner + OccupiedVoxels::childOffset(__builtin_ctzll(left)));
+      }
+    }
+    return cells;
+  }
+
+  std::shared_ptr<const OccupiedVoxels> seenIn(const Aabb& box) const {
+    std::vector<Block> found;
+    for (std::size_t i = 0; i < blocks.size(); ++i) {
+      const Vector3d low = settings.voxel_size * blocks[i].corner.cast<double>();
+      const Vector3d high = low.array() + 4.0 * settings.voxel_size;
+      const bool is_outside =
+          (low.array() > box.max.array() || high.array() < box.min.array()).any();
+      if (seen[i] != 0 && !is_outside) found.push_back({blocks[i].corner, seen[i]});
+    }
+    return std::make_shared<const OccupiedVoxels>(settings.voxel_size, found, false);
   }
 
   void begin(double new_stamp, const Vector3d& p_WSensor) {
     if (!std::isfinite(new_stamp) || !p_WSensor.allFinite()) {
       throw InputError("the stamp of a cloud, or the place of its sensor, is not finite");
     }
-    if (new_stamp < stamp || settings.decay == 0.0) clear();
+    std::vector<Block> last;
+    for (std::size_t i = 0; i < blocks.size(); ++i) {
+      if (seen[i] != 0) last.push_back({blocks[i].corner, seen[i]});
+    }
+    const bool goes_back = new_stamp < stamp;
+    if (goes_back || settings.decay == 0.0) clear();
+    if (!goes_back) before = std::move(last);
     stamp = new_stamp;
     p_WS = p_WSensor;
     counts = {};
@@ -165,7 +221,9 @@ struct VoxelGrid::Store {
     ++number;
     stamps.push_back(stamp);
     forget();
+    dropRemembered();
     for (OfVoxels& of_block : nb_points) of_block.fill(0);
+    std::fill(seen.begin(), seen.end(), 0);
   }
 
   /// Removes voxels last seen in a cloud that is too old.
@@ -207,11 +265,13 @@ struct VoxelGrid::Store {
       blocks[nb_kept] = blocks[i];
       if (!nb_points.empty()) nb_points[nb_kept] = nb_points[i];
       if (!last_seen.empty()) last_seen[nb_kept] = last_seen[i];
+      seen[nb_kept] = seen[i];
       ++nb_kept;
     }
     blocks.resize(nb_kept);
     if (!nb_points.empty()) nb_points.resize(nb_kept);
     if (!last_seen.empty()) last_seen.resize(nb_kept);
+    seen.resize(nb_kept);
     last_block = NONE;
     index.rebuild(blocks);
   }
@@ -252,6 +312,9 @@ struct VoxelGrid::Store {
     blocks.clear();
     nb_points.clear();
     last_seen.clear();
+    seen.clear();
+    before.clear();
+    remembered.clear();
     stamps.clear();
     index.clear();
     last_block = NONE;
@@ -268,9 +331,12 @@ struct VoxelGrid::Store {
   std::uint32_t truncated_in = 0;  ///< number of the last cloud that did not fit
   std::deque<double> stamps;       ///< of the clouds that have not expired, up to the last one
   std::vector<Block> blocks;
-  std::vector<OfVoxels> nb_points;  ///< in this cloud, by block; empty if one point is enough
-  std::vector<OfVoxels> last_seen;  ///< number of the cloud, by block; empty without decay
-  std::uint32_t last_block = NONE;  ///< the last one added to
+  std::vector<OfVoxels> nb_points;    ///< in this cloud, by block; empty if one point is enough
+  std::vector<OfVoxels> last_seen;    ///< number of the cloud, by block; empty without decay
+  std::vector<Block> before;          ///< what the cloud before this one occupied
+  std::vector<std::uint64_t> seen;    ///< in this cloud, by block: bits as in Block
+  std::vector<VoxelCell> remembered;  ///< by keep(), since begin()
+  std::uint32_t last_block = NONE;    ///< the last one added to
   BlockIndex index;
 };
 
@@ -282,6 +348,11 @@ VoxelGrid& VoxelGrid::operator=(VoxelGrid&&) noexcept = default;
 void VoxelGrid::begin(double stamp, const Vector3d& p_WS) { store_->begin(stamp, p_WS); }
 void VoxelGrid::add(const Vector3d& p_WP) { store_->add(p_WP); }
 std::shared_ptr<const OccupiedVoxels> VoxelGrid::end() { return store_->end(); }
+std::shared_ptr<const OccupiedVoxels> VoxelGrid::seen(const Aabb& box) const {
+  return store_->seenIn(box);
+}
+std::vector<VoxelCell> VoxelGrid::unseen() { return store_->unseen(); }
+void VoxelGrid::keep(const VoxelCell& cell) { store_->keep(cell); }
 
 std::shared_ptr<const OccupiedVoxels> VoxelGrid::at(double stamp) {
   store_->stamp = std::max(store_->stamp, stamp);

@@ -44,7 +44,7 @@ CloudSource::~CloudSource() {
   worker_.join();
 }
 
-void CloudSource::follow(std::shared_ptr<RobotFilter> robot) {
+void CloudSource::follow(std::shared_ptr<FollowedRobot> robot) {
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     robot_ = std::move(robot);
@@ -68,7 +68,7 @@ void CloudSource::work() {
     wakes_worker_.wait(lock, [this] { return stopping_ || (next_ && robot_); });
     if (stopping_) return;
     const Cloud::ConstPtr cloud = std::exchange(next_, nullptr);
-    const std::shared_ptr<RobotFilter> robot = robot_;
+    const std::shared_ptr<FollowedRobot> robot = robot_;
     const unsigned generation = generation_;
     lock.unlock();
     std::string problem;
@@ -85,7 +85,7 @@ void CloudSource::work() {
   }
 }
 
-void CloudSource::use(const Cloud& cloud, unsigned generation, RobotFilter& robot) {
+void CloudSource::use(const Cloud& cloud, unsigned generation, FollowedRobot& robot) {
   const ros::Time now = ros::Time::now();
   context_.transforms.followClock(now);
   if (cleared_for_ != generation ||
@@ -112,7 +112,7 @@ void CloudSource::keep(const std::shared_ptr<const OccupiedVoxels>& voxels, cons
   const ros::SteadyTime now = ros::SteadyTime::now();
   const std::lock_guard<std::mutex> lock(mutex_);
   if (generation != generation_) return;  // cleared meanwhile
-  latest_ = {voxels, stamp.toSec(), "", gatherer_.warning()};
+  latest_ = {voxels, stamp.toSec(), "", gatherer_.warning(), gatherer_.vanished()};
   latest_clock_jumps_ = nb_clock_jumps_;
   const double rate = 1.0 / std::max((now - last_use_).toSec(), 1e-6);
   if (health_.used == 1) health_.rate = rate;
@@ -151,7 +151,7 @@ void CloudSource::tell(const std::string& what) {
   ROS_WARN_STREAM("cloud '" << config_.name() << "': " << what);
 }
 
-CloudSource::Missing CloudSource::lookUp(const std_msgs::Header& header, const RobotFilter& robot,
+CloudSource::Missing CloudSource::lookUp(const std_msgs::Header& header, const FollowedRobot& robot,
                                          Instant& found) {
   try {
     const auto transform =
@@ -162,14 +162,14 @@ CloudSource::Missing CloudSource::lookUp(const std_msgs::Header& header, const R
   } catch (const tf2::TransformException& error) {
     return {error.what(), false};
   }
-  StampedPoses stamped = robot.poses->at(header.stamp);
+  StampedPoses stamped = robot.poses.at(header.stamp);
   if (!stamped.problems.empty()) return {stamped.problems.front()};
   found.robot = std::move(stamped.poses);
   return {};
 }
 
 CloudSource::Instant CloudSource::waitForInstant(const std_msgs::Header& header,
-                                                 unsigned generation, const RobotFilter& robot) {
+                                                 unsigned generation, const FollowedRobot& robot) {
   const ros::SteadyTime end = ros::SteadyTime::now() + LONGEST_WAIT;
   Instant found;
   while (true) {

@@ -21,12 +21,10 @@
 
 namespace collision_pairs {
 
-/// Distinguishes points of the robot from obstacles, for one scene.
-struct RobotFilter {
-  RobotFilter(const SceneDescription& description, double padding, SceneCache* cache)
-      : filter(description, padding, cache) {}
-  SelfFilter filter;
-  std::unique_ptr<TfPoses> poses;  ///< of filter.bodies()
+/// The robot of one scene, as one source sees it.
+struct FollowedRobot {
+  RobotFilter filter;
+  TfPoses poses;  ///< of filter.own.bodies()
 };
 
 /// For diagnostics.
@@ -58,7 +56,7 @@ class CloudSource {
   const CloudConfig& config() const { return config_; }
 
   /// Applies from the next cloud on; clouds are not processed before the first call.
-  void follow(std::shared_ptr<RobotFilter> robot);
+  void follow(std::shared_ptr<FollowedRobot> robot);
 
   CloudView view(const ros::Time& now) const;
   /// Discards everything: there is no view until a cloud that arrives later is used.
@@ -74,12 +72,12 @@ class CloudSource {
 
   void onCloud(const Cloud::ConstPtr& cloud);
   void work();
-  void use(const Cloud& cloud, unsigned generation, RobotFilter& robot);
+  void use(const Cloud& cloud, unsigned generation, FollowedRobot& robot);
   void keep(const std::shared_ptr<const OccupiedVoxels>& voxels, const ros::Time& stamp,
             unsigned generation, double processing);
   void requireUsableStamp(const ros::Time& stamp, const ros::Time& now);
   Instant waitForInstant(const std_msgs::Header& header, unsigned generation,
-                         const RobotFilter& robot);
+                         const FollowedRobot& robot);
   /// Says in the log, every few seconds, what is wrong.
   void tell(const std::string& what);
   /// Why the poses are not known yet; empty: they are.
@@ -87,7 +85,7 @@ class CloudSource {
     std::string why;
     bool is_connected = true;  ///< the frame is: only the stamp is missing
   };
-  Missing lookUp(const std_msgs::Header& header, const RobotFilter& robot, Instant& found);
+  Missing lookUp(const std_msgs::Header& header, const FollowedRobot& robot, Instant& found);
   void publishKept(const std_msgs::Header& header) const;
 
   const CloudConfig config_;
@@ -106,7 +104,7 @@ class CloudSource {
   bool stopping_ = false;
   unsigned generation_ = 0;  // counts calls of clear()
   Cloud::ConstPtr next_;
-  std::shared_ptr<RobotFilter> robot_;
+  std::shared_ptr<FollowedRobot> robot_;
   LatestCloud latest_;
   unsigned latest_clock_jumps_ = 0;  // on arrival of the latest cloud
   CloudHealth health_;

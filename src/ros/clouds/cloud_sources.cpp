@@ -29,21 +29,20 @@ bool CloudSources::areOf(const std::vector<CloudConfig>& configs, const std::str
                     });
 }
 
-CloudSources::RobotFilters CloudSources::filtersFor(const SceneDescription& description,
-                                                    const CollisionScene& scene,
-                                                    SceneCache* cache) const {
-  RobotFilters filters;
+CloudSources::FollowedRobots CloudSources::filtersFor(const SceneDescription& description,
+                                                      const CollisionScene& scene,
+                                                      SceneCache* cache) const {
+  FollowedRobots filters;
   for (const auto& source : sources_) {
-    auto robot =
-        std::make_shared<RobotFilter>(description, source->config().self_filter_padding, cache);
-    robot->poses = std::make_unique<TfPoses>(context_.transforms, scene.robot(),
-                                             robot->filter.bodies(), context_.frame);
-    filters.push_back(std::move(robot));
+    RobotFilter filter(description, scene, source->config(), cache);
+    TfPoses poses(context_.transforms, scene.robot(), filter.own.bodies(), context_.frame);
+    filters.push_back(
+        std::make_shared<FollowedRobot>(FollowedRobot{std::move(filter), std::move(poses)}));
   }
   return filters;
 }
 
-void CloudSources::follow(RobotFilters filters) {
+void CloudSources::follow(FollowedRobots filters) {
   for (std::size_t i = 0; i < sources_.size(); ++i) sources_[i]->follow(std::move(filters[i]));
 }
 

@@ -25,10 +25,10 @@ class CloudSources {
 
   /// Filters for this scene's robot, one per source, and their activation. Creating them may take
   /// as long as the scene, and throws InputError.
-  using RobotFilters = std::vector<std::shared_ptr<RobotFilter>>;
-  RobotFilters filtersFor(const SceneDescription& description, const CollisionScene& scene,
-                          SceneCache* cache) const;
-  void follow(RobotFilters filters);
+  using FollowedRobots = std::vector<std::shared_ptr<FollowedRobot>>;
+  FollowedRobots filtersFor(const SceneDescription& description, const CollisionScene& scene,
+                            SceneCache* cache) const;
+  void follow(FollowedRobots filters);
 
   /// Fills in the voxels of the scene's clouds at `now`; returns why a report cannot be FREE.
   std::vector<std::string> addVoxels(const CollisionScene& scene, const ros::Time& now,

@@ -1,0 +1,205 @@
+#include "near_memory.h"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+namespace collision_pairs {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double BESIDE = 2.0;            // voxels between those of one obstacle
+constexpr std::size_t MOST_PLACES = 200;  // of one kind; more say nothing new
+
+Vector3d centerOf(const OccupiedVoxels& voxels, const VoxelCell& cell) {
+  return voxels.boxOf(cell, VoxelCell::Ones()).center();
+}
+
+bool anyWithin(const std::shared_ptr<const OccupiedVoxels>& voxels, const Vector3d& p_W,
+               double reach) {
+  return voxels && voxels->anyWithin({p_W, p_W}, reach);
+}
+
+bool isBefore(const VoxelCell& a, const VoxelCell& b) {
+  return std::tie(a[0], a[1], a[2]) < std::tie(b[0], b[1], b[2]);
+}
+
+}  // namespace
+
+void NearMemory::update(const Cloud& cloud) {
+  takeWhatStayed(cloud);
+  std::vector<Unseen> left = unseenIn(cloud);
+  remembered_.clear();
+  std::vector<VoxelCell> cells;
+  for (const Unseen& unseen : left) cells.push_back(unseen.cell);
+  const OccupiedVoxels all(cloud.now->voxelSize(), cells);
+  // Obstacle by obstacle: what lies beside each other.
+  std::vector<char> is_taken(left.size(), 0);
+  for (std::size_t first = 0; first < left.size(); ++first) {
+    if (is_taken[first]) continue;
+    is_taken[first] = 1;
+    std::vector<Unseen> obstacle = {left[first]};
+    for (std::size_t i = 0; i < obstacle.size(); ++i) {
+      const Aabb box = all.boxOf(obstacle[i].cell, VoxelCell::Ones());
+      all.forEachWithin(box, BESIDE * all.voxelSize(), [&](const VoxelCell& cell) {
+        const auto at = std::lower_bound(
+            left.begin(), left.end(), cell,
+            [](const Unseen& a, const VoxelCell& b) { return isBefore(a.cell, b); });
+        char& taken = is_taken[static_cast<std::size_t>(at - left.begin())];
+        if (!taken) obstacle.push_back(*at);
+        taken = 1;
+      });
+    }
+    judge(obstacle, cloud);
+  }
+  findWhatAppeared(cloud);
+  earlier_ = std::move(before_);
+  before_ = cloud.now;
+}
+
+void NearMemory::takeWhatStayed(const Cloud& cloud) {
+  for (const Vector3d& place : appeared_) {
+    if (!anyWithin(cloud.now, place, reach_)) continue;
+    const auto isFound = [&](const Vector3d& p_W) { return (p_W - place).norm() < FOUND_AGAIN; };
+    remembered_.erase(std::remove_if(remembered_.begin(), remembered_.end(),
+                                     [&](const Remembered& one) {
+                                       return one.is_alone &&
+                                              isFound(centerOf(*cloud.now, one.cell));
+                                     }),
+                      remembered_.end());
+    vanished_.erase(std::remove_if(vanished_.begin(), vanished_.end(),
+                                   [&](const Vanished& one) {
+                                     return isFound(one.p_W) || isFound(placeOnLink(one, cloud));
+                                   }),
+                    vanished_.end());
+  }
+  appeared_.clear();
+}
+
+/// Sorted by cell.
+std::vector<NearMemory::Unseen> NearMemory::unseenIn(const Cloud& cloud) const {
+  std::vector<Unseen> unseen;
+  const double size = cloud.now->voxelSize();
+  const auto take = [&](const VoxelCell& cell, bool was_alone, bool was_seen) {
+    const Vector3d center = centerOf(*cloud.now, cell);
+    if (!cloud.near.mayBeOwn(center) || anyWithin(cloud.now, center, 0.0)) return;
+    const bool is_beside = anyWithin(cloud.now, center, BESIDE * size);
+    const bool is_hidden = cloud.isHidden(center);
+    if (!is_hidden && (is_beside || anyWithin(cloud.now, center, reach_))) return;
+    unseen.push_back({cell, is_hidden, is_beside, was_alone, was_seen});
+  };
+  for (const Remembered& one : remembered_) take(one.cell, one.is_alone, false);
+  for (std::size_t i = 0; before_ && i < cloud.unseen.size(); ++i) {
+    take(cloud.unseen[i], false, true);
+  }
+  std::sort(unseen.begin(), unseen.end(),
+            [](const Unseen& a, const Unseen& b) { return isBefore(a.cell, b.cell); });
+  unseen.erase(std::unique(unseen.begin(), unseen.end(),
+                           [](const Unseen& a, const Unseen& b) { return a.cell == b.cell; }),
+               unseen.end());
+  return unseen;
+}
+
+void NearMemory::judge(const std::vector<Unseen>& obstacle, const Cloud& cloud) {
+  const auto any = [&](const auto& holds) {
+    return std::any_of(obstacle.begin(), obstacle.end(), holds);
+  };
+  const auto centerOfOne = [&](const Unseen& one) { return centerOf(*cloud.now, one.cell); };
+  const bool is_seen_in_part = any([](const Unseen& one) { return one.is_beside; });
+  const bool is_left_behind = !any([](const Unseen& one) { return one.was_seen || one.was_alone; });
+  const bool has_moved =
+      !is_seen_in_part && (is_left_behind || any([&](const Unseen& one) {
+                             return anyWithin(cloud.now, centerOfOne(one), reach_);
+                           }));
+  if (has_moved) return;
+  for (const Unseen& one : obstacle) {
+    if (one.is_hidden) remembered_.push_back({one.cell, !is_seen_in_part});
+  }
+  if (is_seen_in_part) return;
+  const auto nb_hidden = std::count_if(obstacle.begin(), obstacle.end(),
+                                       [](const Unseen& one) { return one.is_hidden; });
+  if (2 * nb_hidden > static_cast<std::ptrdiff_t>(obstacle.size())) return;  // behind something
+  const bool is_no_noise = any([&](const Unseen& one) {
+    return one.was_alone || anyWithin(earlier_, centerOfOne(one), reach_);
+  });
+  // What was hidden may have moved meanwhile.
+  const bool is_found = any([&](const Unseen& one) {
+    return one.was_alone && anyWithin(cloud.now, centerOfOne(one), FOUND_AGAIN);
+  });
+  if (is_no_noise && !is_found) addVanished(obstacle, cloud);
+}
+
+void NearMemory::addVanished(const std::vector<Unseen>& obstacle, const Cloud& cloud) {
+  SelfFilter::Nearest nearest;
+  Vector3d place;
+  for (std::size_t i = 0; i < std::min(obstacle.size(), MOST_PLACES); ++i) {
+    const Vector3d center = centerOf(*cloud.now, obstacle[i].cell);
+    if (cloud.isLeftOut(center)) return;  // seen, but not to be an obstacle
+    const SelfFilter::Nearest found = cloud.near.nearest(center);
+    if (found.name.empty() || (!nearest.name.empty() && found.distance >= nearest.distance))
+      continue;
+    nearest = found;
+    place = center;
+  }
+  if (nearest.name.empty() || vanished_.size() == MOST_PLACES) return;
+  const Eigen::Isometry3d X_BW = cloud.robot.X_WB[nearest.body].inverse(Eigen::Isometry);
+  vanished_.push_back({place, X_BW * place, cloud.near.bodies()[nearest.body].link, nearest.name,
+                       nearest.distance});
+}
+
+/// The robot may carry what touches it.
+Vector3d NearMemory::placeOnLink(const Vanished& one, const Cloud& cloud) {
+  const auto& bodies = cloud.near.bodies();
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    if (bodies[i].link == one.link_of_body) return cloud.robot.X_WB[i] * one.p_B;
+  }
+  return one.p_W;
+}
+
+void NearMemory::findWhatAppeared(const Cloud& cloud) {
+  std::vector<Vector3d> places;
+  for (const Vanished& one : vanished_) {
+    places.push_back(one.p_W);
+    places.push_back(placeOnLink(one, cloud));
+  }
+  for (const Remembered& one : remembered_) {
+    if (one.is_alone && places.size() < MOST_PLACES)
+      places.push_back(centerOf(*cloud.now, one.cell));
+  }
+  for (const Vector3d& place : places) {
+    cloud.now->forEachWithin({place, place}, FOUND_AGAIN, [&](const VoxelCell& cell) {
+      if (appeared_.size() == MOST_PLACES) return;
+      const Vector3d center = centerOf(*cloud.now, cell);
+      if (!anyWithin(before_, center, reach_)) appeared_.push_back(center);
+    });
+  }
+}
+
+std::vector<VoxelCell> NearMemory::hidden() const {
+  std::vector<VoxelCell> cells;
+  for (const Remembered& one : remembered_) cells.push_back(one.cell);
+  return cells;
+}
+
+std::string NearMemory::vanished() const {
+  if (vanished_.empty()) return "";
+  const auto nearest = std::min_element(
+      vanished_.begin(), vanished_.end(),
+      [](const Vanished& a, const Vanished& b) { return a.distance < b.distance; });
+  const long centimetres = std::lround(100.0 * std::max(nearest->distance, 0.0));
+  return "vanished " + std::to_string(centimetres) + " cm from " + nearest->link + ": it may touch";
+}
+
+void NearMemory::startAnew() {
+  before_ = earlier_ = nullptr;
+  remembered_.clear();
+  appeared_.clear();
+}
+
+void NearMemory::clear() {
+  startAnew();
+  vanished_.clear();
+}
+
+}  // namespace collision_pairs

@@ -1,0 +1,90 @@
+// What was seen near the robot and no longer is: hidden, gone, or against the robot.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "collision_pairs/body_poses.h"
+#include "collision_pairs/occupied_voxels.h"
+#include "collision_pairs/self_filter.h"
+
+namespace collision_pairs {
+
+/// Follows the voxels of one sensor near the robot from cloud to cloud. Those that a cloud does not
+/// show again are
+///  - remembered, if something hides them, for as long as it does;
+///  - explained, if the cloud shows anything within `reach` of them: a part of the same obstacle,
+///    which is there or has moved;
+///  - otherwise vanished: the obstacle may be where its points cannot be told from the robot's.
+/// One that vanished is found again when something appears within FOUND_AGAIN of where it was, in
+/// the world or on its link, and stays for two clouds. Something appears where there was nothing
+/// within `reach` in the cloud before.
+///
+/// Does not follow the shape of obstacles, nor what one leaves behind when it moves on. Single
+/// points that only one cloud shows are noise. Cost: a few look-ups in trees per voxel near the
+/// robot that is not seen again.
+class NearMemory {
+ public:
+  static constexpr double FOUND_AGAIN = 0.3;  ///< metres
+
+  /// Metres: also the distance from the robot within which voxels are followed.
+  explicit NearMemory(double reach) : reach_(reach) {}
+
+  struct Cloud {
+    /// The voxels of this cloud alone, at least those within FOUND_AGAIN of near.bounds().
+    std::shared_ptr<const OccupiedVoxels> now;
+    std::vector<VoxelCell> unseen;  ///< of the cloud before, that this one does not occupy
+    const BodyPoses& robot;         ///< poses of near.bodies() at its stamp
+    SelfFilter& near;               ///< its padding is `reach`; of links that are checked alone
+    std::function<bool(const Eigen::Vector3d& p_W)> isHidden;
+    /// Whether the sensor saw anything within `reach` of the point that is left out of the voxels.
+    std::function<bool(const Eigen::Vector3d& p_W)> isLeftOut;
+  };
+  void update(const Cloud& cloud);
+
+  /// Voxels that are hidden since they were seen.
+  std::vector<VoxelCell> hidden() const;
+  /// "vanished 2 cm from panda_link3: it may touch", or empty.
+  std::string vanished() const;
+
+  /// What was seen is compared with no later cloud; what vanished remains so.
+  void startAnew();
+  void clear();
+
+ private:
+  using Voxels = std::shared_ptr<const OccupiedVoxels>;
+  struct Unseen {
+    VoxelCell cell;
+    bool is_hidden, is_beside;
+    bool was_alone;  ///< remembered, with nothing of its obstacle seen
+    bool was_seen;   ///< by the last cloud
+  };
+  struct Remembered {
+    VoxelCell cell;
+    bool is_alone;  ///< nothing of its obstacle is seen
+  };
+  struct Vanished {
+    Eigen::Vector3d p_W, p_B;  ///< where it was last seen, and the same on the link's body
+    std::string link_of_body, link;
+    double distance;  ///< metres from the link
+  };
+
+  void takeWhatStayed(const Cloud& cloud);
+  std::vector<Unseen> unseenIn(const Cloud& cloud) const;
+  void judge(const std::vector<Unseen>& obstacle, const Cloud& cloud);
+  void addVanished(const std::vector<Unseen>& obstacle, const Cloud& cloud);
+  void findWhatAppeared(const Cloud& cloud);
+  static Eigen::Vector3d placeOnLink(const Vanished& one, const Cloud& cloud);
+
+  const double reach_;
+  Voxels before_, earlier_;  ///< of the last cloud, and of the one before it; may be null
+  std::vector<Remembered> remembered_;
+  std::vector<Vanished> vanished_;
+  std::vector<Eigen::Vector3d> appeared_;  ///< in the last cloud, where something is missing
+};
+
+}  // namespace collision_pairs
