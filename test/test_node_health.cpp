@@ -92,6 +92,15 @@ TEST_F(Health, WarnsWhileTransformsAreRefused) {
   EXPECT_EQ(status().level, DiagnosticStatus::OK);
 }
 
+TEST_F(Health, WarnsOfDescriptionsThatHaveChanged) {
+  noteCycle(CollisionPairs::FREE);
+  health_.noteDescriptions("/robot_description has changed");
+  EXPECT_EQ(status().level, DiagnosticStatus::WARN);
+  EXPECT_THAT(status().message, HasSubstr("/robot_description has changed"));
+  health_.noteDescriptions("");
+  EXPECT_EQ(status().level, DiagnosticStatus::OK);
+}
+
 TEST_F(Health, TellsHowOftenTheClockWentBackSinceTheStart) {
   for (const unsigned nb_clock_jumps : {1u, 1u, 2u}) health_.noteTransforms({}, nb_clock_jumps);
   EXPECT_EQ(value("times the clock went back"), "2");

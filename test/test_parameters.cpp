@@ -64,6 +64,8 @@ TEST_P(Defaults, AreThoseOfTheCode) {
   EXPECT_EQ(std::stod(text.at("max_pose_age")), code.pose_limits.max_pose_age);
   EXPECT_EQ(std::stod(text.at("clock_tolerance")), code.clock_tolerance);
   EXPECT_TRUE(text.count("fixed_frame"));
+  EXPECT_EQ(text.at("reload"), code.reload);
+  EXPECT_EQ(text.at("allow_empty_scene"), SceneSettings().allow_empty_scene ? "true" : "false");
 }
 
 // All of these are empty by default: of what the texts say, only that is in them.

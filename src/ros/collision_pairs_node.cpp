@@ -59,6 +59,8 @@ void CollisionPairsNode::run() {
     }
     if (now >= next_diagnosis) {
       health_.noteTransforms(transforms_.refused(), transforms_.nbClockJumps());
+      const bool reload = parameters_.reload == NodeParameters::AUTO;
+      health_.noteDescriptions(checked_scene_ ? scene_service_.watchDescriptions(reload) : "");
       diagnoseClouds();
       diagnostics_.force_update();
       next_diagnosis = now + ros::WallDuration(1.0);

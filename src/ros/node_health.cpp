@@ -52,6 +52,7 @@ void NodeHealth::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
                         "the verdict is UNKNOWN: " + joined(last_.unknown_because, "; "));
   }
   if (!last_.left_out.empty()) status.mergeSummary(DiagnosticStatus::WARN, "links are left out");
+  if (!changed_.empty()) status.mergeSummary(DiagnosticStatus::WARN, changed_);
   if (nb_unresolved_ > 0) status.mergeSummary(DiagnosticStatus::WARN, "unresolved pairs");
   if (!refused_.empty()) status.mergeSummary(DiagnosticStatus::WARN, "transforms are refused");
   if (last_.verdict != CollisionPairs::UNKNOWN && !last_.unchecked.empty()) {

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <collision_pairs/CollisionPairs.h>
@@ -19,6 +20,8 @@ class NodeHealth {
                  double cycle_period);
   /// A cycle without a check: there is no scene, or an error.
   void noteProblem(const std::string& problem);
+  /// What to say of descriptions that have changed since they were read; empty: none has.
+  void noteDescriptions(std::string changed) { changed_ = std::move(changed); }
   void noteTransforms(std::vector<std::string> refused, unsigned nb_clock_jumps);
 
   /// Warns of overruns if more than a tenth of the cycles since the last call took longer than
@@ -34,6 +37,7 @@ class NodeHealth {
   std::uint64_t cycles_ = 0, overruns_ = 0, out_of_time_ = 0;
   std::uint64_t told_cycles_ = 0, told_overruns_ = 0;  // at the last diagnosis
   std::vector<std::string> refused_;
+  std::string changed_;
   unsigned nb_clock_jumps_ = 0;
 };
 

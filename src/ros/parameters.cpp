@@ -123,6 +123,11 @@ NodeParameters NodeParameters::read(const ros::NodeHandle& private_node) {
   reader.number("max_transform_age", 0.0, 1e9, parameters.pose_limits.max_transform_age);
   reader.number("clock_tolerance", 0.0, 1e9, parameters.clock_tolerance);
   reader.flag("show_only_investigated_boxes", parameters.show_only_investigated_boxes);
+  reader.word("reload", parameters.reload);
+  if (parameters.reload != "manual" && parameters.reload != AUTO) {
+    reader.replace("reload", "'" + parameters.reload + "'", "must be manual or auto",
+                   parameters.reload = "manual");
+  }
   std::string fidelity = fidelityName(parameters.check.fidelity);
   reader.word("fidelity", fidelity);
   try {

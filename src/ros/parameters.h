@@ -43,6 +43,11 @@ struct NodeParameters {
   /// ~clock_tolerance [s]: a transform further ahead of the clock is refused.
   double clock_tolerance = 0.5;
 
+  /// ~reload: `manual`, or `auto`: a description that changes is read again within seconds, as by
+  /// ~reset.
+  std::string reload = "manual";
+  static constexpr const char* AUTO = "auto";
+
   /// An invalid value is reported as an error, and the default is used and written back, so that
   /// the parameter server shows the values in use.
   static NodeParameters read(const ros::NodeHandle& private_node);

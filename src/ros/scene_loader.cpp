@@ -1,6 +1,7 @@
 #include "scene_loader.h"
 
 #include <algorithm>
+#include <functional>
 
 #include <ros/console.h>
 #include <ros/param.h>
@@ -27,6 +28,16 @@ bool findText(const ros::NodeHandle& node, const std::string& name, std::string&
   return !text.empty();
 }
 
+using Descriptions = std::map<std::string, std::size_t>;
+
+/// The same, and notes the hash of what it finds.
+bool findText(const ros::NodeHandle& node, const std::string& name, std::string& key,
+              std::string& text, Descriptions& found) {
+  const bool is_there = findText(node, name, key, text);
+  found[name] = std::hash<std::string>()(is_there ? text : "");
+  return is_there;
+}
+
 /// Adds the parameter's name to errors of `read`.
 template <class Read>
 auto fromParameter(const std::string& key, const Read& read) {
@@ -47,9 +58,9 @@ std::unique_ptr<RobotSource> makeSource(const std::string& key, const std::strin
 }
 
 std::optional<Srdf> loadSrdf(const ros::NodeHandle& node, const std::string& name,
-                             const RobotModel& robot) {
+                             const RobotModel& robot, Descriptions& found) {
   std::string key, xml;
-  if (name.empty() || !findText(node, name, key, xml)) return std::nullopt;
+  if (name.empty() || !findText(node, name, key, xml, found)) return std::nullopt;
   std::vector<std::string> links;
   for (const Link& link : robot.links()) links.push_back(link.name);
   const Srdf srdf = fromParameter(key, [&] { return Srdf::fromXml(xml); });
@@ -60,24 +71,24 @@ std::optional<Srdf> loadSrdf(const ros::NodeHandle& node, const std::string& nam
 }
 
 SceneSources::Robot loadRobot(const ros::NodeHandle& node, const RobotParameters& parameters,
-                              const MeshLoader& load_mesh) {
+                              const MeshLoader& load_mesh, Descriptions& found) {
   std::string key, xml;
-  if (!findText(node, parameters.description, key, xml)) {
+  if (!findText(node, parameters.description, key, xml, found)) {
     throw InputError("there is no parameter " + parameters.description +
                      "; load the robot's URDF into it, for example with <param name=\"" +
                      parameters.description + "\" textfile=\"robot.urdf\"/>");
   }
   SceneSources::Robot robot;
   robot.source = makeSource(key, xml, load_mesh);
-  robot.srdf = loadSrdf(node, parameters.semantic, *robot.source->skeleton());
+  robot.srdf = loadSrdf(node, parameters.semantic, *robot.source->skeleton(), found);
   robot.prefix = parameters.prefix;
   return robot;
 }
 
 std::unique_ptr<RobotSource> loadEnvironment(const ros::NodeHandle& node,
-                                             const MeshLoader& load_mesh) {
+                                             const MeshLoader& load_mesh, Descriptions& found) {
   std::string key, xml;
-  if (!findText(node, "environment_description", key, xml)) return nullptr;
+  if (!findText(node, "environment_description", key, xml, found)) return nullptr;
   return makeSource(key, xml, load_mesh);
 }
 
@@ -117,10 +128,10 @@ SceneParameters readSceneParameters(const ros::NodeHandle& private_node) {
   const MeshLoader load_mesh = makeMeshLoader();
   const std::vector<RobotParameters> robots = readRobots(private_node);
   for (const RobotParameters& robot : robots) {
-    sources.robots.push_back(loadRobot(private_node, robot, load_mesh));
+    sources.robots.push_back(loadRobot(private_node, robot, load_mesh, all.descriptions));
   }
   refuseMisspelt(private_node, robots);
-  sources.world = loadEnvironment(private_node, load_mesh);
+  sources.world = loadEnvironment(private_node, load_mesh, all.descriptions);
   const YAML::Node parameters = yamlParameters(private_node, sceneConfigKeys());
   sources.config =
       fromParameter(private_node.getNamespace(), [&] { return readSceneConfig(parameters); });
@@ -128,6 +139,17 @@ SceneParameters readSceneParameters(const ros::NodeHandle& private_node) {
     sources.clouds.push_back(obstacleOf(cloud));
   }
   return all;
+}
+
+std::vector<std::string> changedDescriptions(const ros::NodeHandle& private_node,
+                                             const Descriptions& read) {
+  std::vector<std::string> changed;
+  for (const auto& [name, hash] : read) {
+    std::string key, text;
+    if (!findText(private_node, name, key, text)) continue;
+    if (std::hash<std::string>()(text) != hash) changed.push_back(key);
+  }
+  return changed;
 }
 
 }  // namespace collision_pairs

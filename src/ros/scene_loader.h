@@ -1,6 +1,11 @@
 // Reads the description of a scene from the parameter server.
 #pragma once
 
+#include <cstddef>
+#include <map>
+#include <string>
+#include <vector>
+
 #include <ros/node_handle.h>
 
 #include "scene_sources.h"
@@ -10,6 +15,8 @@ namespace collision_pairs {
 /// The parameters of a scene.
 struct SceneParameters {
   SceneSources sources;
+  /// By name, before it is resolved: a hash of each description; of one that is not there too.
+  std::map<std::string, std::size_t> descriptions;
   std::string fixed_frame;  ///< empty: the robot's root link
 };
 
@@ -18,5 +25,11 @@ struct SceneParameters {
 /// too) and what sceneConfigKeys() lists. Unknown links of an SRDF and ineffective content of a
 /// URDF are logged. Throws InputError that names the parameter.
 SceneParameters readSceneParameters(const ros::NodeHandle& private_node);
+
+/// The descriptions of SceneParameters that are not what they were when they were read: their
+/// names, resolved. Asks the parameter server for all of them. One that was deleted is not among
+/// them.
+std::vector<std::string> changedDescriptions(const ros::NodeHandle& private_node,
+                                             const std::map<std::string, std::size_t>& read);
 
 }  // namespace collision_pairs

@@ -8,11 +8,13 @@
 #include <ros/console.h>
 
 #include "low_priority.h"
+#include "user_text.h"
 
 namespace collision_pairs {
 namespace {
 
-const ros::WallDuration LOAD_PERIOD(2.0);  // between attempts to find a robot_description
+const ros::WallDuration WATCH_PERIOD(3.0);  // between looks at the descriptions
+const ros::WallDuration LOAD_PERIOD(2.0);   // between attempts to find a robot_description
 
 class Task : public ros::CallbackInterface {
  public:
@@ -63,6 +65,39 @@ void SceneService::load() {
   if (!problem.empty() && problem != problem_) ROS_ERROR_STREAM(problem);
   is_loading_ = false;
   problem_ = problem;
+}
+
+std::string SceneService::watchDescriptions(bool reload) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const ros::SteadyTime now = ros::SteadyTime::now();
+  if (!is_watching_ && now >= next_watch_) {
+    is_watching_ = true;
+    next_watch_ = now + WATCH_PERIOD;
+    queue_.addCallback(boost::make_shared<Task>([this, reload] { watch(reload); }));
+  }
+  return changed_;
+}
+
+void SceneService::watch(bool reload) {
+  std::string told;
+  try {
+    const std::vector<std::string> changed = scenes_.changedDescriptions();
+    if (!changed.empty()) {
+      told = joined(changed) + (changed.size() == 1 ? " has" : " have") +
+             " changed since the robot was loaded: the old one is checked until ~reset is called";
+    }
+    if (reload && !changed.empty()) {
+      scenes_.load();
+      ROS_INFO_STREAM(joined(changed) << " changed: the robot was reloaded");
+      told.clear();
+    }
+  } catch (const std::exception& error) {
+    told += std::string(told.empty() ? "" : "; ") + "it cannot be reloaded: " + error.what();
+  }
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (!told.empty() && told != changed_) ROS_WARN_STREAM(told);
+  is_watching_ = false;
+  changed_ = told;
 }
 
 void SceneService::release(std::shared_ptr<const void> what) {

@@ -27,20 +27,25 @@ class SceneService {
   /// failure. Returns why there is none yet.
   std::string loadFirst();
 
+  /// Looks every few seconds whether a description has changed since it was read, and reads it
+  /// again if `reload`. Returns what to tell people; empty: none has. Never waits.
+  std::string watchDescriptions(bool reload);
+
   /// Frees it on the service's thread, since freeing a large scene takes longer than a cycle.
   void release(std::shared_ptr<const void> what);
 
  private:
   void load();
+  void watch(bool reload);
   bool onUpdate(UpdateScene::Request& request, UpdateScene::Response& response);
   bool onReset(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
   bool onClearClouds(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
 
   SceneStore& scenes_;
   std::mutex mutex_;  // guards what follows
-  bool is_loading_ = false;
-  std::string problem_;
-  ros::SteadyTime next_load_;
+  bool is_loading_ = false, is_watching_ = false;
+  std::string problem_, changed_;
+  ros::SteadyTime next_load_, next_watch_;
 
   ros::CallbackQueue queue_;
   ros::ServiceServer update_server_, reset_server_, clear_server_;

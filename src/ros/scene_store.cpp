@@ -126,6 +126,15 @@ void SceneStore::update(const std::vector<SceneChange>& changes) {
   objects_ = std::move(objects);
 }
 
+std::vector<std::string> SceneStore::changedDescriptions() {
+  std::map<std::string, std::size_t> known;
+  {
+    const std::lock_guard<std::mutex> lock(building_);
+    known = parameters_.descriptions;
+  }
+  return collision_pairs::changedDescriptions(private_node_, known);
+}
+
 std::vector<SceneObject> SceneStore::list() {
   const std::lock_guard<std::mutex> lock(building_);
   return listed(objects_, scene_ ? scene_->frame : std::string());

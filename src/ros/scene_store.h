@@ -34,6 +34,10 @@ class SceneStore {
   /// Applies the changes. Throws InputError.
   void update(const std::vector<SceneChange>& changes);
 
+  /// The parameters with descriptions that have changed since they were read; none while there is
+  /// no scene. Asks the parameter server. Throws InputError.
+  std::vector<std::string> changedDescriptions();
+
   /// All current objects.
   std::vector<SceneObject> list();
 

@@ -19,7 +19,7 @@ from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 from collision_pairs.msg import CollisionPairs
 from collision_pairs.srv import CheckTrajectory
-from node_client import PATIENCE, NodeClient, publish_transform
+from node_client import PATIENCE, NodeClient, diagnosis_of, publish_transform
 from scene_client import SceneClient, add_box, clear
 
 JOINTS = ["slide_a", "slide_b", "slide_c"]
@@ -197,6 +197,51 @@ class ResetTest(unittest.TestCase):
         self.assertEqual(list(reply.verdict), [CollisionPairs.FREE] * 3)
         self.assertEqual(reply.message.count("outside its limits"), 1)
         self.assertIn("at 2 points; the first is point 1, where it is 30", reply.message)
+
+
+    def diagnosis(self, words, node="cell/node", is_said=True):
+        """The next one that says these words, or does not."""
+        end = time.monotonic() + PATIENCE
+        status = diagnosis_of(node)
+        while time.monotonic() < end and (words in status.message) != is_said:
+            status = diagnosis_of(node)
+        self.assertEqual(words in status.message, is_said, status.message)
+        return status
+
+    def test_a_description_that_is_replaced_is_named_until_it_is_read(self):
+        rospy.set_param("/cell/robot_description", robot(self.mesh, "2 1 1"))
+        self.assertIn("~reset", self.diagnosis("/cell/robot_description has changed").message)
+        self.assertEqual(self.distances(self.check()), self.distances(self.before))
+        self.reset()
+        self.assertEqual(self.distances(self.check())[("a", "b")], 1.5)
+        self.diagnosis("changed", is_said=False)
+
+    def test_a_description_that_comes_later_is_named_and_one_that_is_deleted_is_not(self):
+        rospy.set_param("/cell/robot_description_semantic", '<robot name="r">%s</robot>' % GROUP)
+        try:
+            self.diagnosis("/cell/robot_description_semantic has changed")
+        finally:
+            rospy.delete_param("/cell/robot_description_semantic")
+        self.diagnosis("changed", is_said=False)
+
+    def test_with_reload_auto_it_is_read_again_and_one_that_is_wrong_is_not(self):
+        rospy.set_param("/auto/robot_description", robot(self.mesh))
+        node = NodeClient("/auto/node")
+        self.assertIsNotNone(node.next(node.reports, lambda r: r.left_out))
+
+        def expect_distance(expected):
+            state = JointState(name=JOINTS, position=PLACES)
+            end = time.monotonic() + PATIENCE
+            found = None
+            while time.monotonic() < end and found != expected:
+                found = self.distances(node.check(joint_state=state, alarm_distance=20.0).result)[("a", "b")]
+            self.assertEqual(found, expected)
+        expect_distance(2.0)
+        rospy.set_param("/auto/robot_description", robot(self.mesh, "2 1 1"))
+        expect_distance(1.5)
+        rospy.set_param("/auto/robot_description", "<robot name='r'>")
+        self.diagnosis("cannot be reloaded", "auto/node")
+        expect_distance(1.5)
 
 
 if __name__ == "__main__":
