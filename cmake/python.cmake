@@ -22,7 +22,7 @@ set_target_properties(collision_pairs_python PROPERTIES
   LIBRARY_OUTPUT_DIRECTORY ${CATKIN_DEVEL_PREFIX}/${CATKIN_PACKAGE_PYTHON_DESTINATION}
   INSTALL_RPATH $ORIGIN/${libraries})
 
-set(python_sources __init__.py __init__.pyi py.typed)
+set(python_sources __init__.py __init__.pyi py.typed watchdog.py)
 foreach(file ${python_sources})
   configure_file(src/python/collision_pairs/${file}
                  ${CATKIN_DEVEL_PREFIX}/${CATKIN_PACKAGE_PYTHON_DESTINATION}/${file} COPYONLY)

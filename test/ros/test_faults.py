@@ -2,6 +2,7 @@
 """What happens around a node: a master that is restarted, a name given twice, no file descriptors left."""
 import os
 import resource
+import signal
 import socket
 import subprocess
 import sys
@@ -17,6 +18,7 @@ import rospy
 import rostest
 
 from collision_pairs.srv import UpdateScene
+from collision_pairs.watchdog import Watchdog
 from node_client import PATIENCE, JointPublisher, NodeClient
 from scene_client import add, add_box
 
@@ -117,6 +119,36 @@ class FaultsTest(unittest.TestCase):
         reports = NodeClient("/twin")
         self.assertIsNotNone(reports.next(reports.reports))
         self.assertIsNone(newer.process.poll())
+
+    def test_whoever_asks_the_watchdog_stops_when_the_node_is_killed_or_hangs(self):
+        robot = JointPublisher(["slide_a", "slide_b", "slide_c"])
+        robot.hold([0.0, 3.0, 6.0])
+        must_stop = Watchdog("/watched/in_collision", timeout=1.0)
+        self.assertTrue(must_stop(), "nothing was heard yet")
+        node = self.start(NODE, "__name:=watched")
+        wait_until(lambda: not must_stop(), "the node to say FREE")
+        robot.hold([0.0, 0.0, 0.0])
+        wait_until(must_stop, "the node to say COLLISION")
+        robot.hold([0.0, 3.0, 6.0])
+        wait_until(lambda: not must_stop(), "the node to say FREE again")
+        node.process.send_signal(signal.SIGSTOP)
+        wait_until(must_stop, "the time-out of a node that hangs")
+        node.process.send_signal(signal.SIGCONT)
+        wait_until(lambda: not must_stop(), "the node to go on")
+        node.process.kill()  # which sends no last will
+        wait_until(must_stop, "the time-out of a node that was killed")
+        for timeout in (0.0, -1.0, float("nan"), float("inf")):
+            self.assertRaises(ValueError, Watchdog, "/watched/in_collision", timeout)
+
+    def test_a_node_that_was_killed_is_started_again_by_the_launch_file(self):
+        launched = self.start("roslaunch", "collision_pairs", "collision_pairs.launch", "name:=again")
+        client = NodeClient("/again")
+        self.assertIsNotNone(client.next(client.reports))
+        uri = xmlrpc.client.ServerProxy(os.environ["ROS_MASTER_URI"]).lookupNode("/test", "/again")[2]
+        pid = xmlrpc.client.ServerProxy(uri).getPid("/test")[2]
+        os.kill(pid, signal.SIGKILL)
+        wait_until(lambda: "restarting process" in launched.said(), "roslaunch to start it again")
+        self.assertIsNotNone(client.next(client.reports), "reports of the node that was started again")
 
     @unittest.skipIf("UBSAN_OPTIONS" in os.environ, "the sanitizer needs a descriptor to look at the type of an object")
     def test_without_file_descriptors_the_cycle_goes_on_and_what_cannot_be_read_is_refused(self):
