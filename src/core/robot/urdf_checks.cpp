@@ -72,12 +72,28 @@ void checkMesh(const XMLElement& mesh, const std::string& owner) {
   }
 }
 
+bool isShape(const XMLElement& element) {
+  const std::string kind = element.Name();
+  return kind == "box" || kind == "sphere" || kind == "cylinder" || kind == "mesh";
+}
+
+/// <geometry> holds one shape and nothing else. Names the child that is no shape, or else the
+/// second.
+const XMLElement& onlyShape(const XMLElement& geometry, const std::string& owner) {
+  const XMLElement* first = geometry.FirstChildElement();
+  if (first == nullptr) fail(geometry, owner + ": <geometry> is empty");
+  const XMLElement* second = first->NextSiblingElement();
+  if (second == nullptr) return *first;
+  const XMLElement* stray = first;
+  while (stray != nullptr && isShape(*stray)) stray = stray->NextSiblingElement();
+  if (stray == nullptr) stray = second;
+  fail(*stray, owner + ": <geometry> holds one shape, and <" + stray->Name() + "> is one too many");
+}
+
 void checkGeometry(const XMLElement& collision, const std::string& owner) {
   const XMLElement* geometry = collision.FirstChildElement("geometry");
   if (geometry == nullptr) fail(collision, owner + ": <collision> without <geometry>");
-  const XMLElement* shape = geometry->FirstChildElement();
-  if (shape == nullptr) fail(*geometry, owner + ": <geometry> is empty");
-  if (shape->NextSiblingElement()) fail(*geometry, owner + ": more than one shape in <geometry>");
+  const XMLElement* shape = &onlyShape(*geometry, owner);
   const std::string kind = shape->Name();
   if (kind == "box") {
     if ((checkVector(*shape, "size", owner + ": box").array() < 0.0).any()) {
