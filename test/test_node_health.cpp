@@ -40,6 +40,18 @@ TEST(NodeHealth, OverrunsCountSinceTheLastDiagnosis) {
   EXPECT_EQ(diagnosisAfter(health, 0, 100).level, DiagnosticStatus::WARN);
 }
 
+TEST(NodeHealth, AParameterThatIsNoneIsWarnedOfForAsLongAsTheSceneHasIt) {
+  NodeHealth health;
+  health.noteWarnings({"parameter /node/max_pos_age is not a parameter of this node"});
+  for (int i = 0; i < 2; ++i) {
+    const auto status = diagnosisAfter(health, 10, 0);
+    EXPECT_EQ(status.level, DiagnosticStatus::WARN);
+    EXPECT_THAT(status.message, HasSubstr("/node/max_pos_age"));
+  }
+  health.noteWarnings({});
+  EXPECT_EQ(diagnosisAfter(health, 10, 0).level, DiagnosticStatus::OK);
+}
+
 TEST(NodeHealth, AProblemStaysAnErrorBesideOverruns) {
   NodeHealth health;
   health.noteCycle({}, 0.0, 2.0 * PERIOD, PERIOD);

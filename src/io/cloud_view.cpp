@@ -4,12 +4,14 @@
 
 namespace collision_pairs {
 
-CloudView viewOf(const CloudConfig& config, const LatestCloud& latest, double now) {
+CloudView viewOf(const CloudConfig& config, const LatestCloud& latest, double now,
+                 const std::string& topic) {
   CloudView view;
   const std::string name = "cloud '" + config.name() + "': ";
   const std::string refusal = refusalOf(latest);
   if (!latest.voxels) {
-    view.doubt = name + (refusal.empty() ? "none has arrived yet" : "none is usable" + refusal);
+    view.doubt =
+        name + (refusal.empty() ? "none has arrived yet on " + topic : "none is usable" + refusal);
     return view;
   }
   const double age = now - latest.stamp;

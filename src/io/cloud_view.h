@@ -30,8 +30,9 @@ struct CloudView {
   std::string warning;
 };
 
-/// `now` in seconds, on the clock of the stamps.
-CloudView viewOf(const CloudConfig& config, const LatestCloud& latest, double now);
+/// `now` in seconds, on the clock of the stamps. `topic`: as resolved, where clouds are awaited.
+CloudView viewOf(const CloudConfig& config, const LatestCloud& latest, double now,
+                 const std::string& topic);
 
 struct CloudDoubt {
   std::string cloud, why;

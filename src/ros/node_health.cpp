@@ -58,6 +58,9 @@ void NodeHealth::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
   if (last_.verdict != CollisionPairs::UNKNOWN && !last_.unchecked.empty()) {
     status.mergeSummary(DiagnosticStatus::WARN, last_.unchecked);
   }
+  for (const std::string& warning : warnings_) {
+    status.mergeSummary(DiagnosticStatus::WARN, warning);
+  }
   const std::uint64_t new_cycles = cycles_ - std::exchange(told_cycles_, cycles_);
   const std::uint64_t new_overruns = overruns_ - std::exchange(told_overruns_, overruns_);
   if (static_cast<double>(new_overruns) > FREQUENT * static_cast<double>(new_cycles)) {

@@ -22,6 +22,9 @@ class NodeHealth {
   void noteProblem(const std::string& problem);
   /// What to say of descriptions that have changed since they were read; empty: none has.
   void noteDescriptions(std::string changed) { changed_ = std::move(changed); }
+  void noteWarnings(std::vector<std::string> of_parameters) {
+    warnings_ = std::move(of_parameters);
+  }
   void noteTransforms(std::vector<std::string> refused, unsigned nb_clock_jumps);
 
   /// Warns of overruns if more than a tenth of the cycles since the last call took longer than
@@ -36,7 +39,7 @@ class NodeHealth {
   std::size_t nb_unresolved_ = 0;
   std::uint64_t cycles_ = 0, overruns_ = 0, out_of_time_ = 0;
   std::uint64_t told_cycles_ = 0, told_overruns_ = 0;  // at the last diagnosis
-  std::vector<std::string> refused_;
+  std::vector<std::string> refused_, warnings_;
   std::string changed_;
   unsigned nb_clock_jumps_ = 0;
 };

@@ -92,14 +92,16 @@ std::unique_ptr<RobotSource> loadEnvironment(const ros::NodeHandle& node,
   return makeSource(key, xml, load_mesh);
 }
 
-/// Refuses a misspelt rule about pairs, which would otherwise silently not apply.
-void refuseMisspelt(const ros::NodeHandle& node, const std::vector<RobotParameters>& robots) {
+/// Refuses a misspelt rule about pairs, which would otherwise silently not apply. Returns a warning
+/// of each other parameter that is none.
+std::vector<std::string> refuseMisspelt(const ros::NodeHandle& node,
+                                        const std::vector<RobotParameters>& robots) {
   XmlRpc::XmlRpcValue given;
   if (!ros::param::get(node.getNamespace(), given) ||
       given.getType() != XmlRpc::XmlRpcValue::TypeStruct) {
-    return;
+    return {};
   }
-  std::vector<std::string> known = nodeParameterKeys();
+  std::vector<std::string> warnings, known = nodeParameterKeys();
   known.push_back("environment_description");
   for (const RobotParameters& robot : robots) {
     known.push_back(robot.description);
@@ -116,7 +118,9 @@ void refuseMisspelt(const ros::NodeHandle& node, const std::vector<RobotParamete
         nearest == "robots" || std::count(of_scene.begin(), of_scene.end(), nearest) > 0;
     if (may_leave_out) throw InputError(what);
     ROS_WARN_STREAM(what);
+    warnings.push_back(what);
   }
+  return warnings;
 }
 
 }  // namespace
@@ -130,7 +134,7 @@ SceneParameters readSceneParameters(const ros::NodeHandle& private_node) {
   for (const RobotParameters& robot : robots) {
     sources.robots.push_back(loadRobot(private_node, robot, load_mesh, all.descriptions));
   }
-  refuseMisspelt(private_node, robots);
+  all.warnings = refuseMisspelt(private_node, robots);
   sources.world = loadEnvironment(private_node, load_mesh, all.descriptions);
   const YAML::Node parameters = yamlParameters(private_node, sceneConfigKeys());
   sources.config =

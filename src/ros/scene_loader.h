@@ -18,6 +18,8 @@ struct SceneParameters {
   /// By name, before it is resolved: a hash of each description; of one that is not there too.
   std::map<std::string, std::size_t> descriptions;
   std::string fixed_frame;  ///< empty: the robot's root link
+  /// Parameters in the node's namespace that are none of its own, and leave no pair out.
+  std::vector<std::string> warnings;
 };
 
 /// Reads ~fixed_frame, ~robots, or else robot_description and robot_description_semantic (both

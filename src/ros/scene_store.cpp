@@ -187,6 +187,7 @@ SceneStore::Built SceneStore::build(SceneParameters& parameters, const SceneObje
   description.settings.progress = progressOnLog(ros::WallTime::now());
   active->scene = CollisionScene::build(description, &cache_);
   const CollisionScene& scene = *active->scene;
+  active->warnings = parameters.warnings;
   active->frame =
       parameters.fixed_frame.empty() ? scene.robot().links().front().name : parameters.fixed_frame;
   active->tf_poses =

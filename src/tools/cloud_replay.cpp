@@ -117,7 +117,8 @@ std::vector<CloudDoubt> CloudReplay::addVoxels(StampNs row, BodyPoses& poses) {
   advance(row);
   std::map<std::string, CloudView> views;
   for (const Source& source : sources_) {
-    views[source.config.name()] = viewOf(source.config, source.latest, seconds(row));
+    views[source.config.name()] =
+        viewOf(source.config, source.latest, seconds(row), source.config.topic);
   }
   return collision_pairs::addVoxels(views, scene_, poses);
 }

@@ -75,7 +75,7 @@ class CloudsTest(unittest.TestCase):
     def test_01_before_the_first_cloud_the_verdict_is_unknown_and_names_the_cloud(self):
         self.assertIsNotNone(self.first)
         self.assertEqual((self.first.verdict, self.first.in_collision), (UNKNOWN, True))
-        self.assertIn(NAMED + "none has arrived yet", self.first.unknown_because)
+        self.assertIn(NAMED + "none has arrived yet on /camera/points", self.first.unknown_because)
 
     def test_what_comes_and_goes_is_collision_and_free_again(self):
         self.camera.points = BESIDE_A

@@ -8,6 +8,7 @@ sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 
 import rospy
 import rostest
+from diagnostic_msgs.msg import DiagnosticStatus
 from sensor_msgs.msg import JointState
 from std_srvs.srv import Trigger
 from visualization_msgs.msg import Marker, MarkerArray
@@ -105,6 +106,13 @@ class SceneParametersTest(unittest.TestCase):
         touching = self.distances(node, [0, 1.012 - 1e-6, 9], alarm_distance=-1.0)
         self.assertEqual(list(touching), [("a", "b")])
         self.assertEqual(self.distances(node, [0, 1.012 + 1e-6, 9], alarm_distance=-1.0), {})
+
+    def test_a_misspelt_parameter_that_leaves_no_pair_out_is_named_by_diagnostics(self):
+        self.client("paddings")
+        status = diagnosis_of("paddings/node")
+        self.assertEqual(status.level, DiagnosticStatus.WARN)
+        self.assertIn("/paddings/node/max_pos_age", status.message)
+        self.assertIn("did you mean 'max_pose_age'?", status.message)
 
     def test_a_report_says_who_answered_and_fcl_gives_the_same_distances_as_the_native_narrow_phase(self):
         by_fcl, native = self.client("fcl"), self.client("cell")

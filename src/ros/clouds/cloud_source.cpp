@@ -197,7 +197,7 @@ CloudView CloudSource::view(const ros::Time& now) const {
   const std::lock_guard<std::mutex> lock(mutex_);
   const bool is_outdated =
       latest_.voxels && latest_clock_jumps_ != context_.transforms.nbClockJumps();
-  if (!is_outdated) return viewOf(config_, latest_, now.toSec());
+  if (!is_outdated) return viewOf(config_, latest_, now.toSec(), subscriber_.getTopic());
   CloudView view;
   view.doubt = "cloud '" + config_.name() + "': none has arrived since the clock went back" +
                refusalOf(latest_);
