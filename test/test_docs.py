@@ -4,6 +4,7 @@ import os
 import re
 
 import pytest
+import yaml
 from conftest import PROJECT
 
 # Measured by scripts/measure_trade_off and scripts/benchmark_detector; a number of one must not contradict the other.
@@ -151,3 +152,23 @@ def test_what_the_readme_says_of_whole_checks_was_measured():
     check_range(r"distance to a world \| (\d+) times as fast \|.*at most (\d+);", ratios("median", "world_distance"))
     check_range(r"slowest percent of all these and of contacts \| (\d+) times as fast \|.*at most (\d+) ",
                 ratios("p99", "self_contacts", "self_distance", "world_distance", "self", "world"))
+
+
+def test_each_fault_names_a_test_that_exists():
+    folders = [os.path.join(PROJECT, "test", folder) for folder in ("", "ros")]
+    sources = "".join(read(folder, name) for folder in folders for name in os.listdir(folder) if name.startswith("test_"))
+    exist = set(re.findall(r"^ *def (test_\w+)\(", sources, re.MULTILINE))
+    exist |= {".".join(names) for names in re.findall(r"^TEST(?:_[FP])?\((\w+),\s*(\w+)\)", sources, re.MULTILINE)}
+    rows = [line.strip("| ").split(" | ") for line in read("docs/faults.md").splitlines() if line.startswith("| ")][1:]
+    assert len(rows) > 30
+    for row in rows:
+        named = re.findall(r"`([\w.]+)`", row[-1])
+        assert len(row) == 5 and named and set(named) <= exist, row
+
+
+def test_the_watchdogs_of_the_page_wait_equally_long_and_longer_than_a_period_of_the_node():
+    page, rate = read("docs/faults.md"), float(re.search(r"^rate: ([\d.]+)", read("config/collision_pairs_node.yaml"), re.MULTILINE).group(1))
+    lock = yaml.safe_load(re.search(r"```yaml\n(.*?)```", page, re.DOTALL).group(1))[0]
+    call = re.search(r'Watchdog\("(.*)", timeout=([\d.]+)\)', page)
+    assert call.groups() == (lock["topic"], str(lock["timeout"])) and lock["timeout"] > 3 / rate
+    assert "timeout=%s)" % lock["timeout"] in read("src/python/collision_pairs/watchdog.py")
