@@ -276,14 +276,15 @@ TEST(CollisionDetector, RefusesSettingsAndPosesThatDoNotFit) {
   EXPECT_THROW(detector.detect(boxesAt(*scene, {0, 1}), alarm(std::nan(""))), InputError);
 }
 
-TEST(CollisionScene, OfARobotWithoutGeometryIsEmptyAndFree) {
+TEST(CollisionScene, OfARobotWithoutGeometryIsEmptyAndUnknown) {
   const auto scene = sceneOf(emptyLink("root"));
   CollisionDetector detector(scene);
   BodyPoses none;
   CheckSettings settings;
   settings.min_distance = true;
   const auto& report = detector.detect(none, settings);
-  EXPECT_FALSE(report.in_collision);
+  EXPECT_EQ(report.verdict, Verdict::UNKNOWN);
+  EXPECT_EQ(report.unchecked, "the robot has no collision geometry");
   EXPECT_TRUE(report.pairs.empty());
   EXPECT_TRUE(report.min_distance_is_bound);
 }

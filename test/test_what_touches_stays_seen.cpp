@@ -205,7 +205,8 @@ class Cameras {
       seen.by.push_back(nearest < INF);
       seen.place.push_back(nearest < setting_.configs[i].padding());
       views[setting_.configs[i].name()] =
-          viewOf(setting_.configs[i], one_[i].latest, one_[i].latest.stamp);
+          viewOf(setting_.configs[i], one_[i].latest, one_[i].latest.stamp,
+                 setting_.configs[i].topic);
     }
     BodyPoses poses = setting_.posesOf(setting_.scene->bodies(), X_WB);
     const auto doubts = addVoxels(views, *setting_.scene, poses);
