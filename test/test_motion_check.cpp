@@ -157,10 +157,17 @@ TEST(MotionCheck, AFloorIsNotTouchedByWhatStaysAboveIt) {
   EXPECT_EQ(checked(scene, {-2.0}, {M_PI - 0.5}).verdict, Verdict::COLLISION);  // in between
 }
 
-TEST(MotionCheck, WithoutPairsEverythingIsFree) {
-  const MotionReport report = checked(sceneOf(turningBar(), {}), {-1.0}, {1.0});
+TEST(MotionCheck, WithoutPairsNothingIsCertifiedUnlessThatIsPermitted) {
+  SceneDescription description = described(turningBar(), {});
+  MotionReport report = checked(CollisionScene::build(description), {-1.0}, {1.0});
+  EXPECT_EQ(report.verdict, Verdict::UNKNOWN);
+  EXPECT_EQ(report.clearance, 0.0);
+  EXPECT_EQ(report.free_until, 0.0);
+  description.settings.allow_empty_scene = true;
+  report = checked(CollisionScene::build(description), {-1.0}, {1.0});
   EXPECT_EQ(report.verdict, Verdict::FREE);
   EXPECT_TRUE(std::isinf(report.clearance));
+  EXPECT_EQ(report.free_until, 1.0);
 }
 
 TEST(MotionCheck, InputThatIsNoneIsRefusedWithTheReason) {

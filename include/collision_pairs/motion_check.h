@@ -57,7 +57,7 @@ struct MotionReport {
   /// How far from its start the segment is certified with the requested clearance: no configuration
   /// at a smaller fraction comes closer. 1 if FREE. With from_start it ends where a pair comes
   /// closer, or is still open at the resolution; without, COLLISION gives 0, and UNKNOWN what was
-  /// certified without extra work.
+  /// certified without extra work. 0 where nothing is checked.
   double free_until = 0.0;
   /// Ids of models, first < second, sorted. COLLISION: pairs in contact at contact_at. UNKNOWN:
   /// pairs that could not be certified.
