@@ -169,6 +169,24 @@ TEST(VoxelGrid, FewerPointsOfOneCloudDoNotOccupyAVoxel) {
   }
 }
 
+TEST(VoxelGrid, CloudsThatAre4096InTheDecayOrMoreExpireTogetherAndNotTooEarly) {
+  VoxelSettings settings = settingsOf(1.0);
+  settings.decay = 4096.0;  // so that those within a second share a number
+  VoxelGrid grid(settings);
+  const std::array<int, 3> a{0, 0, 0}, b{5, 0, 0}, c{-7, 0, 0};
+  double x = 0.5;
+  for (const double stamp : {0.0, 0.75, 1.5}) {
+    grid.begin(stamp, Vector3d::Zero());
+    grid.add({x, 0, 0});
+    grid.end();
+    x = x == 0.5 ? 5.5 : -6.5;
+  }
+  EXPECT_EQ(cellsOf(*grid.at(4096.5)), (Cells{a, b, c})) << "a is with b";
+  EXPECT_EQ(cellsOf(*grid.at(4097.0)), (Cells{c}));
+  EXPECT_EQ(cellsOf(*grid.at(4097.5)), (Cells{c}));
+  EXPECT_EQ(cellsOf(*grid.at(4098.0)), (Cells{}));
+}
+
 TEST(VoxelGrid, WithoutDecayEachCloudReplacesTheOneBefore) {
   VoxelGrid grid(settingsOf(1.0));
   grid.begin(0.0, Vector3d::Zero());

@@ -14,8 +14,8 @@ namespace collision_pairs {
 struct VoxelSettings {
   double voxel_size = 0.02;      ///< metres, > 0
   std::uint32_t min_points = 1;  ///< >= 1: points of one cloud needed to occupy a voxel
-  /// Seconds, >= 0, after which a voxel is dropped that no later cloud occupies. 0: each cloud
-  /// replaces the previous one.
+  /// Seconds, >= 0, after which a voxel is dropped that no later cloud occupies; at most a 4096th
+  /// of it later if clouds come faster than that. 0: each cloud replaces the previous one.
   double decay = 0.0;
   /// >= 1: beyond this number the voxels furthest from the sensor are dropped, and the result is
   /// truncated. Also bounds the memory: typically 0.1 kB per voxel, at worst, if no two are near

@@ -16,6 +16,7 @@ using Eigen::Vector3d;
 
 constexpr std::uint32_t NONE = std::numeric_limits<std::uint32_t>::max();
 constexpr std::size_t FIRST_SLOTS = 1024;
+constexpr double MOST_NUMBERS = 4096;  // of clouds that have not expired, whatever `decay`
 constexpr double NEAR_BORDER = 1e-9;  // of a voxel; exceeds rounding for up to 2^20 voxels
 
 /// The blocks of a grid by their corners: an open-addressing hash table of their indices.
@@ -218,12 +219,22 @@ struct VoxelGrid::Store {
     p_WS = p_WSensor;
     counts = {};
     squared_limit = std::numeric_limits<double>::infinity();
-    ++number;
-    stamps.push_back(stamp);
+    numberCloud();
     forget();
     dropRemembered();
     for (OfVoxels& of_block : nb_points) of_block.fill(0);
     std::fill(seen.begin(), seen.end(), 0);
+  }
+
+  /// Clouds that come faster than MOST_NUMBERS in `decay` share numbers, and expire together.
+  void numberCloud() {
+    if (!stamps.empty() && stamp - first_of_number < settings.decay / MOST_NUMBERS) {
+      stamps.back() = stamp;
+      return;
+    }
+    ++number;
+    stamps.push_back(stamp);
+    first_of_number = stamp;
   }
 
   /// Removes voxels last seen in a cloud that is too old.
@@ -328,8 +339,9 @@ struct VoxelGrid::Store {
   double stamp = -std::numeric_limits<double>::infinity();
   double squared_limit = std::numeric_limits<double>::infinity();  ///< of new blocks
   std::uint32_t number = 0;                                        ///< of the cloud, from 1 on
+  double first_of_number = 0.0;  ///< stamp of the first cloud with this number
   std::uint32_t truncated_in = 0;  ///< number of the last cloud that did not fit
-  std::deque<double> stamps;       ///< of the clouds that have not expired, up to the last one
+  std::deque<double> stamps;       ///< by number: of its last cloud, for those not expired
   std::vector<Block> blocks;
   std::vector<OfVoxels> nb_points;    ///< in this cloud, by block; empty if one point is enough
   std::vector<OfVoxels> last_seen;    ///< number of the cloud, by block; empty without decay
