@@ -50,7 +50,8 @@ class BoxesTest(unittest.TestCase):
         report = empty.next(empty.reports)
         self.assertIsNotNone(report)
         self.assertEqual((report.nb_boxes, report.nb_pairs, report.pairs, report.left_out), (0, 0, [], []))
-        self.assertFalse(report.in_collision)
+        self.assertEqual((report.verdict, report.in_collision), (report.UNKNOWN, True))
+        self.assertEqual(report.unchecked, "the robot has no collision geometry")
         self.assertTrue(empty.check().success)
 
 
