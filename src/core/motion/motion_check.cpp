@@ -313,8 +313,7 @@ class MotionCheck::Search {
 
   void finishReport() {
     report_.nb_queries = cover_.nbQueries();
-    report_.free_until =
-        scene_.mayBeFree() ? std::min(free_until_, std::nextafter(1.0, 0.0)) : 0.0;
+    report_.free_until = std::min(free_until_, std::nextafter(1.0, 0.0));
     if (report_.verdict == Verdict::COLLISION) return;
     report_.pairs.assign(uncertified_.begin(), uncertified_.end());
     if (!uncertified_.empty()) return;
