@@ -9,6 +9,7 @@ generate_dynamic_reconfigure_options(cfg/CollisionPairs.cfg)
 catkin_package(
   INCLUDE_DIRS include
   LIBRARIES collision_pairs collision_pairs_io
-  CATKIN_DEPENDS geometry_msgs message_runtime sensor_msgs shape_msgs std_msgs trajectory_msgs
+  CATKIN_DEPENDS dynamic_reconfigure geometry_msgs message_runtime roscpp sensor_msgs shape_msgs
+                 std_msgs std_srvs trajectory_msgs visualization_msgs
   DEPENDS EIGEN3
   CFG_EXTRAS collision_pairs-extras.cmake)

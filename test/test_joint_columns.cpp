@@ -1,3 +1,4 @@
+#include <cmath>
 #include <limits>
 
 #include <gmock/gmock.h>
@@ -94,6 +95,59 @@ TEST_F(JointColumnsTest, NameTheJointThatIsWrong) {
        {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
     EXPECT_THAT(refusal({"lead", "slide"}, {0.0, wrong}),
                 HasSubstr("'slide': its position is not"));
+  }
+}
+
+/// A chain root - a - b - c, whose joints are `x`, `y` and `z`: lines of the URDF inside <joint>.
+std::shared_ptr<const RobotModel> chainOf(const std::string& x, const std::string& y,
+                                          const std::string& z) {
+  return robotFrom(emptyLink("root") + boxLink("a", 0.1) + boxLink("b", 0.1) + boxLink("c", 0.1) +
+                   joint("x", "continuous", "root", "a", "0 0 0", x) +
+                   joint("y", "continuous", "a", "b", "0 0 0", y) +
+                   joint("z", "continuous", "b", "c", "0 0 0", z));
+}
+
+std::string mimicOf(const char* leader) {
+  return std::string("<mimic joint='") + leader + "'/>";
+}
+
+TEST(MissingLeader, MakesAJointOfItsOwnThatIsUnknownUnlessNamed) {
+  const auto robot = chainOf("", "<mimic joint='nobody'/>", "<mimic joint='y' multiplier='2'/>");
+  EXPECT_THAT(robot->warnings(),
+              ElementsAre(HasSubstr("joint 'y' mimics 'nobody', which does not exist")));
+  const JointColumns few({"x"}, *robot);
+  EXPECT_THAT(few.notNamed(), ElementsAre("y"));
+  EXPECT_THAT(few.atZero(), ElementsAre());
+  std::vector<double> positions = robot->unnamedPositions();
+  const double state[] = {0.3, 0.7};
+  few.apply(state, positions);
+  EXPECT_EQ(positions[robot->findJoint("x")], 0.3);
+  EXPECT_TRUE(std::isnan(positions[robot->findJoint("y")]));
+  EXPECT_TRUE(std::isnan(positions[robot->findJoint("z")]));
+  JointColumns({"x", "y"}, *robot).apply(state, positions);
+  EXPECT_EQ(positions[robot->findJoint("y")], 0.7);
+  EXPECT_EQ(positions[robot->findJoint("z")], 1.4);
+}
+
+TEST(MissingLeader, IsOneThatIsFixedOrInACycleToo) {
+  const std::string fixed = emptyLink("root") + boxLink("a", 0.1) + boxLink("b", 0.1) +
+                            joint("weld", "fixed", "root", "a") +
+                            joint("y", "continuous", "a", "b", "0 0 0", "<mimic joint='weld'/>");
+  EXPECT_THAT(robotFrom(fixed)->warnings(), ElementsAre(HasSubstr("which has no position")));
+  for (const char* of_x : {"x", "y", "z"}) {
+    for (const char* of_y : {"x", "y", "z"}) {
+      for (const char* of_z : {"x", "y", "z"}) {
+        // Always a cycle: each mimics some joint.
+        const auto robot = chainOf(mimicOf(of_x), mimicOf(of_y), mimicOf(of_z));
+        std::vector<double> positions = robot->unnamedPositions();
+        for (const double position : positions) EXPECT_TRUE(std::isnan(position));
+        EXPECT_GE(robot->warnings().size(), 1u);
+        const std::vector<std::string> leaders = JointColumns({}, *robot).notNamed();
+        EXPECT_EQ(leaders.size(), robot->warnings().size());
+        JointColumns(leaders, *robot).apply(std::vector<double>{1, 1, 1}.data(), positions);
+        EXPECT_THAT(positions, ElementsAre(1.0, 1.0, 1.0));
+      }
+    }
   }
 }
 

@@ -36,10 +36,11 @@ class JointColumns {
   void apply(const double* state, std::vector<double>& positions) const;
 
   /// Names of moving joints that no number determines: apply() leaves them unchanged, for example
-  /// at zero (or their nearest limit) as in RobotModel::zeroPositions().
+  /// as in RobotModel::unnamedPositions().
   std::vector<std::string> notNamed() const;
 
-  /// These, and floating and planar joints, which no number can set.
+  /// Those of them that are then at zero (or their nearest limit), and floating and planar joints,
+  /// which no number can set.
   std::vector<std::string> atZero() const;
 
  private:

@@ -18,9 +18,13 @@ class PreparedShape {
  public:
   virtual ~PreparedShape() = default;
   const Shape& shape() const { return shape_; }
+  /// Of a mesh with open sheets: about how much of its surface is missing, 0 to 1. Such a sheet
+  /// encloses nothing. Otherwise 0.
+  double missingShare() const { return missing_share_; }
 
  protected:
   explicit PreparedShape(Shape shape) : shape_(std::move(shape)) {}
+  double missing_share_ = 0.0;
 
  private:
   Shape shape_;

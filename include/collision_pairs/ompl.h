@@ -27,7 +27,7 @@ struct OmplJoints {
   /// One joint per dimension, in its order; rad or m.
   std::vector<std::string> names;
   /// Positions of all joints of the robot, for those that are not named: one entry per
-  /// RobotModel::joints(). Empty: RobotModel::zeroPositions().
+  /// RobotModel::joints(). Empty: RobotModel::unnamedPositions().
   std::vector<double> positions;
   /// Of the scene's clouds. Without them no state near a cloud is valid.
   CloudVoxels voxels;
@@ -50,7 +50,7 @@ class OmplWorkers {
       throw InputError("the state space has " + std::to_string(vectors->getDimension()) +
                        " dimensions, but " + std::to_string(columns_.size()) + " joints are named");
     }
-    if (joints_.positions.empty()) joints_.positions = scene_->robot().zeroPositions();
+    if (joints_.positions.empty()) joints_.positions = scene_->robot().unnamedPositions();
     scene_->robot().requireOneEntryPerJoint(joints_.positions);
   }
 

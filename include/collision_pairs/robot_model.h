@@ -56,6 +56,8 @@ struct Joint {
   double lower = 0.0;                                      ///< rad or m; both 0: no limits
   double upper = 0.0;
   std::optional<Mimic> mimic;
+  /// It mimics a joint that does not exist or has no position: see RobotModel::unnamedPositions().
+  bool leader_missing = false;
 
   /// True if it moves with one number, as in a joint state.
   bool hasPosition() const {
@@ -132,6 +134,9 @@ class RobotModel {
   /// Every joint at zero, or at the limit nearest to zero if zero is out of bounds; mimic joints
   /// follow. One entry per joint, rad or m (joints without a position: 0).
   std::vector<double> zeroPositions() const;
+  /// What joints that a state does not name are taken for: zeroPositions(), but not a number where
+  /// the leader of a mimic joint is missing. What such a joint moves is unknown and never FREE.
+  std::vector<double> unnamedPositions() const;
 
   /// Throws InputError unless there is one entry per joint, fixed joints included; so do all
   /// functions that take positions.

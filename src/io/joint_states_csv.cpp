@@ -74,6 +74,10 @@ class Reader {
     withLine([&] { columns_.emplace(fields, robot_); });
     names_ = fields;
     states_.joints_at_zero = columns_->atZero();
+    for (const std::string& name : columns_->notNamed()) {
+      if (!robot_.joints()[robot_.findJoint(name)].leader_missing) continue;
+      fail("joint '" + name + "' needs a column: the joint that it mimics does not exist");
+    }
   }
 
   void readRow(const std::vector<std::string>& fields) {

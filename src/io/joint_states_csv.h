@@ -19,8 +19,8 @@ struct JointStates {
 /// leader to 1e-6. Quotation marks as in RFC 4180, Windows line ends, a byte order mark
 /// and blank lines at the end are accepted. Of a robot without a joint that has a position the
 /// header and each row are blank lines. Throws InputError with the line (and `name` of the file)
-/// for what JointColumns refuses, and for a field that is missing, too many, or not a finite
-/// number.
+/// for what JointColumns refuses, for a mimic joint without a leader and a column, and for a field
+/// that is missing, too many, or not a finite number.
 JointStates readJointStates(const std::string& csv, const RobotModel& robot,
                             const std::string& name);
 

@@ -37,7 +37,7 @@ class PythonDetector {
         all_joints_(namesOfAllJoints(scene_->robot())),
         single_(scene_),
         batch_(scene_, usableThreads(threads)),
-        zero_(scene_->robot().zeroPositions()) {}
+        zero_(scene_->robot().unnamedPositions()) {}
 
   std::unique_ptr<CheckResult> check(const py::object& states, const py::object& joints,
                                      const CheckSettings& settings, bool gradient) {

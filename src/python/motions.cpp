@@ -53,7 +53,7 @@ class PythonMotionCheck {
  private:
   std::vector<MotionReport> reportsOf(const JointStatesArray& array, const JointColumns& columns,
                                       const MotionSettings& settings) const {
-    std::vector<std::vector<double>> waypoints(array.size(), scene_->robot().zeroPositions());
+    std::vector<std::vector<double>> waypoints(array.size(), scene_->robot().unnamedPositions());
     std::vector<double> state;
     for (std::size_t i = 0; i < waypoints.size(); ++i) {
       array.read(i, state);

@@ -73,6 +73,7 @@ PythonScene built(PythonScene made) {
                                   : ": nothing is FREE; if that is meant, permit it by "
                                     "settings={'allow_empty_scene': True}"));
   }
+  for (const std::string& mesh : made.scene->openMeshes()) warn(mesh);
   py::list names;
   for (const CollisionModel& model : made.scene->models()) names.append(model.name);
   made.model_names = py::module::import("numpy").attr("array")(names, py::arg("dtype") = "str");

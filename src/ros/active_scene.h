@@ -20,6 +20,8 @@ struct ActiveScene {
   std::vector<std::string> broken;
   /// Of its parameters; they concern no pair.
   std::vector<std::string> warnings;
+  /// CollisionScene::openMeshes().
+  std::vector<std::string> open_meshes;
   std::string frame;  ///< of reports and markers
   std::unique_ptr<TfPoses> tf_poses;
   /// Sources of its clouds, which the next scene continues to use. Null if there are none.

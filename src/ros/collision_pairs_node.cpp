@@ -158,7 +158,7 @@ void CollisionPairsNode::takeScene(const ActiveScenePtr& scene) {
   last_is_checked_ = false;
   scene_service_.release(std::exchange(detector_, std::move(detector)));
   scene_service_.release(std::exchange(checked_scene_, scene));
-  health_.noteWarnings(scene->warnings);
+  health_.noteScene(scene->warnings, scene->open_meshes);
 }
 
 void CollisionPairsNode::reconfigure(CollisionPairsConfig& config) {

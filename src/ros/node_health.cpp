@@ -84,6 +84,7 @@ void NodeHealth::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
   status.add("times the clock went back", nb_clock_jumps_);
   status.add("links left out", joined(last_.left_out, " "));
   status.add("transforms refused", joined(refused_, "; "));
+  status.add("open meshes", joined(open_meshes_, "; "));
   status.add("nb_boxes", last_.nb_boxes);
   status.add("nb_pairs", last_.nb_pairs);
   status.add("degraded pairs", last_.nb_degraded);

@@ -22,8 +22,10 @@ class NodeHealth {
   void noteProblem(const std::string& problem);
   /// What to say of descriptions that have changed since they were read; empty: none has.
   void noteDescriptions(std::string changed) { changed_ = std::move(changed); }
-  void noteWarnings(std::vector<std::string> of_parameters) {
-    warnings_ = std::move(of_parameters);
+  /// Of the scene in use: warnings of its parameters, and its meshes that enclose nothing.
+  void noteScene(std::vector<std::string> warnings, std::vector<std::string> open_meshes) {
+    warnings_ = std::move(warnings);
+    open_meshes_ = std::move(open_meshes);
   }
   void noteTransforms(std::vector<std::string> refused, unsigned nb_clock_jumps);
 
@@ -39,7 +41,7 @@ class NodeHealth {
   std::size_t nb_unresolved_ = 0;
   std::uint64_t cycles_ = 0, overruns_ = 0, out_of_time_ = 0;
   std::uint64_t told_cycles_ = 0, told_overruns_ = 0;  // at the last diagnosis
-  std::vector<std::string> refused_, warnings_;
+  std::vector<std::string> refused_, warnings_, open_meshes_;
   std::string changed_;
   unsigned nb_clock_jumps_ = 0;
 };

@@ -88,6 +88,7 @@ void SceneStore::load() {
                             << " elements, " << scene.bodies().size()
                             << " moving bodies, ready after "
                             << (ros::WallTime::now() - start).toSec() << " s");
+  for (const std::string& mesh : built.scene->open_meshes) ROS_WARN_STREAM(mesh);
   if (!scene.unchecked().empty()) {
     ROS_WARN_STREAM(scene.unchecked()
                     << (scene.mayBeFree()
@@ -188,6 +189,7 @@ SceneStore::Built SceneStore::build(SceneParameters& parameters, const SceneObje
   active->scene = CollisionScene::build(description, &cache_);
   const CollisionScene& scene = *active->scene;
   active->warnings = parameters.warnings;
+  active->open_meshes = scene.openMeshes();
   active->frame =
       parameters.fixed_frame.empty() ? scene.robot().links().front().name : parameters.fixed_frame;
   active->tf_poses =

@@ -230,6 +230,7 @@ BuiltScene buildScene(const TextFrom& urdf, const TextFrom& srdf, const SceneOpt
     throw InputError("--group and --links leave no pair to check");
   }
   if (!unchecked.empty()) warn(unchecked + saysNothing(*built.scene));
+  for (const std::string& mesh : built.scene->openMeshes()) warn(mesh);
   return built;
 }
 

@@ -95,6 +95,36 @@ class BadInputTest(unittest.TestCase):
         self.assertEqual([(p.first_link, p.second_link) for p in report.pairs], [("other", "whole")])
         self.assertEqual(node.check().result.left_out, ["broken", "text"])
 
+    def test_a_joint_without_its_leader_is_unknown_until_tf_says_where_it_is(self):
+        with tempfile.NamedTemporaryFile("w", suffix=".stl") as mesh:
+            mesh.write("solid sheet\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n"
+                       "endloop\nendfacet\nendsolid sheet\n")
+            mesh.flush()
+            sheet = "<collision><geometry><mesh filename='file://%s'/></geometry></collision>" % mesh.name
+            joint = ("<joint name='%s' type='continuous'><parent link='base'/><child link='%s'/>%s</joint>")
+            rospy.set_param("/incomplete/robot_description", "<robot name='r'><link name='base'/>"
+                            "<link name='sheet'>" + sheet + "</link><link name='grip'>" + sheet + "</link>" +
+                            joint % ("lead", "sheet", "") + joint % ("follow", "grip", "<origin xyz='0 0 2'/><mimic joint='nobody'/>") + "</robot>")
+            node = NodeClient("/incomplete/node")
+            publisher = rospy.Publisher("/tf", TFMessage, queue_size=10)
+            child = ["sheet"]
+            moving = rospy.Timer(rospy.Duration(0.05), lambda _: [
+                publish_transform(publisher, "base", link, (0, 0, 2.0 * i)) for i, link in enumerate(child)])
+            try:
+                report = node.next(node.reports, lambda r: r.left_out == ["grip"])
+                self.assertEqual(report.verdict, report.UNKNOWN)
+                reply = node.check(joint_state=JointState(name=["lead"], position=[0.5]))
+                self.assertEqual(reply.result.verdict, CollisionPairs.UNKNOWN)
+                self.assertIn("joint 'follow'", " ".join(reply.result.unknown_because))
+                self.assertFalse([report for report in node.reports if report.verdict == report.FREE])
+                child.append("grip")
+                self.assertIsNotNone(node.next(node.reports, lambda r: r.verdict == r.FREE))
+            finally:
+                moving.shutdown()
+        said = {pair.key: pair.value for pair in diagnosis_of("incomplete/node: collision check").values}
+        for link in ("sheet", "grip"):
+            self.assertIn("'%s': about 50 %% of the surface of mesh" % link, said["open meshes"])
+
     def test_with_a_broken_mesh_no_motion_is_free(self):
         node = NodeClient("/broken_mesh/node")
         SceneClient("/broken_mesh/node").apply(add_box("far", (0, 90, 0)))

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 
 #include "outer_faces.h"
 #include "solid_angle.h"
@@ -43,6 +44,23 @@ std::vector<std::pair<std::uint32_t, std::uint32_t>> boundaryOf(const Surface& s
                     sum > 0 ? std::pair(low, high) : std::pair(high, low));
   });
   return boundary;
+}
+
+// Area of flat caps over a surface's open edges: for each set of connected edges, the length of the
+// vector area that any surface across it has.
+double capArea(const TriangleMesh& mesh, const Surface& surface) {
+  const auto boundary = boundaryOf(surface);
+  UnionFind loops(mesh.vertices.size());
+  for (const auto& [i, j] : boundary) loops.join(i, j);
+  std::map<std::uint32_t, Vector3d> caps;  // by loop: twice its vector area
+  for (const auto& [i, j] : boundary) {
+    const Vector3d& tip = mesh.vertices[loops.find(i)];
+    const auto cap = caps.try_emplace(loops.find(i), Vector3d::Zero()).first;
+    cap->second += (mesh.vertices[i] - tip).cross(mesh.vertices[j] - tip);
+  }
+  double area = 0.0;
+  for (const auto& [loop, twice] : caps) area += 0.5 * twice.norm();
+  return area;
 }
 
 // Deviation of a surface's winding number from an integer. A fan over its boundary would close the
@@ -162,6 +180,7 @@ class SolidFinder {
     orient();
     solid_.locally_convex = solid_.part_points.size() == 1 && !solid_.outward.empty() &&
                             isLocallyConvex(mesh_, solid_.outward);
+    findMissingShare();
     return std::move(solid_);
   }
 
@@ -312,6 +331,26 @@ class SolidFinder {
       add(surface);
     }
     for (const Surface& surface : turned_outwards_) add(surface);
+  }
+
+  // Sheets within the bodies are internal walls, and those that face both ways have no thickness.
+  void findMissingShare() {
+    const bool is_all_closed = std::count(settled_.begin(), settled_.end(), 0) == 0;
+    if (is_all_closed) return;
+    WindingNumber bodies;
+    if (!solid_.outward.empty()) bodies = WindingNumber(mesh_.vertices, solid_.outward);
+    Surface open;
+    double area = 0.0;
+    for (std::size_t i = 0; i < facets_.triangles.size(); ++i) {
+      const Triangle3& t = facets_.triangles[i];
+      area += areaVector(mesh_, t).norm();
+      const bool is_open = !settled_[i] && facets_.copies[i] != 0;
+      if (is_open && (solid_.outward.empty() || !bodies.holds(centroid(mesh_, t)))) {
+        open.push_back(t);
+      }
+    }
+    const double missing = capArea(mesh_, open);
+    if (missing > 0.0) solid_.missing_share = missing / (area + missing);
   }
 
   const TriangleMesh& mesh_;

@@ -40,6 +40,10 @@ struct MeshSolid {
   /// concave.
   bool locally_convex = false;
   double volume = 0.0;  ///< of the bodies, each separately, minus the cavities; cubic metres
+  /// Of its open sheets outside the bodies: the area that flat caps over their open edges would
+  /// have, divided by that of the caps and the whole mesh together. 0: it has no open sheet; a
+  /// single flat sheet: 0.5.
+  double missing_share = 0.0;
 };
 
 /// Cost: O(n log n), and 64 solid angles per open edge.

@@ -43,8 +43,10 @@ ConvexCore hullCore(const ConvexHull& hull) {
   return core;
 }
 
-std::unique_ptr<PreparedMesh> prepareMesh(const Mesh& shape, double hull_volume) {
+std::unique_ptr<PreparedMesh> prepareMesh(const Mesh& shape, double hull_volume,
+                                          double& missing_share) {
   MeshSolid solid = findSolid(*shape.mesh);
+  missing_share = solid.missing_share;
   if (solid.locally_convex && solid.volume > 0.0 &&
       std::abs(solid.volume - hull_volume) <= CONVEX_VOLUME_TOLERANCE * hull_volume) {
     return nullptr;
@@ -87,18 +89,19 @@ struct MakeCore {
   }
   ConvexCore operator()(const Mesh& shape) const {
     hull = convexHull(cornersOf(*shape.mesh));
-    mesh = prepareMesh(shape, hull.volume);
+    mesh = prepareMesh(shape, hull.volume, missing_share);
     return hullCore(hull);
   }
   ConvexHull& hull;
   std::unique_ptr<const PreparedMesh>& mesh;
+  double& missing_share;
 };
 
 }  // namespace
 
 Prepared::Prepared(const Shape& the_shape, NarrowPhaseMethod the_method)
     : PreparedShape(the_shape), method(the_method) {
-  core = std::visit(MakeCore{hull, mesh}, the_shape);
+  core = std::visit(MakeCore{hull, mesh, missing_share_}, the_shape);
   box = boxAround(core);
   if (method == NarrowPhaseMethod::FCL) fcl = makeFclShape(the_shape, hull, mesh == nullptr);
 }

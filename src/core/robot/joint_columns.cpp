@@ -94,7 +94,10 @@ std::vector<std::string> JointColumns::notNamed() const {
 }
 
 std::vector<std::string> JointColumns::atZero() const {
-  std::vector<std::string> names = notNamed();
+  std::vector<std::string> names;
+  for (const std::string& name : notNamed()) {
+    if (!robot_.joints()[robot_.findJoint(name)].leader_missing) names.push_back(name);
+  }
   for (const Joint& joint : robot_.joints()) {
     const bool is_free = joint.type == JointType::FLOATING || joint.type == JointType::PLANAR;
     if (is_free) names.push_back(joint.name);

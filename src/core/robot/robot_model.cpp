@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "collision_pairs/input_error.h"
 
@@ -152,6 +153,15 @@ std::vector<double> RobotModel::zeroPositions() const {
     if (joints_[i].hasLimits()) {
       positions[i] = std::clamp(0.0, joints_[i].lower, joints_[i].upper);
     }
+  }
+  applyMimics(positions);
+  return positions;
+}
+
+std::vector<double> RobotModel::unnamedPositions() const {
+  std::vector<double> positions = zeroPositions();
+  for (std::size_t i = 0; i < joints_.size(); ++i) {
+    if (joints_[i].leader_missing) positions[i] = std::numeric_limits<double>::quiet_NaN();
   }
   applyMimics(positions);
   return positions;

@@ -225,29 +225,41 @@ void checkNoCycle(const Tree& tree) {
   }
 }
 
-void checkMimics(const Tree& tree) {
+/// Why the joint cannot be led as its <mimic> says, or empty.
+std::string whyNoLeader(const Tree& tree, const std::string& joint) {
   static const std::set<std::string> MOVING = {"revolute", "continuous", "prismatic"};
-  for (const auto& [joint, first_leader] : tree.mimic_of) {
-    const XMLElement& element = *tree.joints.at(joint);
-    std::string leader = first_leader;
-    for (std::size_t steps = 0;; ++steps) {
-      const auto found = tree.joints.find(leader);
-      if (found == tree.joints.end()) {
-        fail(element,
-             "joint " + quoted(joint) + " mimics " + quoted(leader) + ", which does not exist");
-      }
-      if (MOVING.count(found->second->Attribute("type")) == 0) {
-        fail(element,
-             "joint " + quoted(joint) + " mimics " + quoted(leader) + ", which has no position");
-      }
-      const auto next = tree.mimic_of.find(leader);
-      if (next == tree.mimic_of.end()) break;
-      if (steps > tree.mimic_of.size()) {
-        fail(element, "joint " + quoted(joint) + " mimics itself through a cycle");
-      }
-      leader = next->second;
-    }
+  const std::string& leader = tree.mimic_of.at(joint);
+  const auto found = tree.joints.find(leader);
+  if (found == tree.joints.end()) return "which does not exist";
+  if (MOVING.count(found->second->Attribute("type")) == 0) return "which has no position";
+  std::string next = leader;
+  for (std::size_t steps = 0; steps <= tree.mimic_of.size() && next != joint; ++steps) {
+    const auto above = tree.mimic_of.find(next);
+    if (above == tree.mimic_of.end()) return "";
+    next = above->second;
   }
+  return next == joint ? "which mimics it in turn" : "";
+}
+
+/// A joint whose leader is missing becomes a joint of its own: one link in doubt is no reason to
+/// check none.
+std::set<std::string> freeOfMissingLeaders(Tree& tree) {
+  std::set<std::string> freed;
+  for (auto entry = tree.mimic_of.begin(); entry != tree.mimic_of.end();) {
+    const auto& [joint, leader] = *entry;
+    const std::string why = whyNoLeader(tree, joint);
+    if (why.empty()) {
+      ++entry;
+      continue;
+    }
+    tree.warnings.push_back(placed(*tree.joints.at(joint), WHAT,
+                                   "joint " + quoted(joint) + " mimics " + quoted(leader) + ", " +
+                                       why + ": it is taken as a joint of its own, unknown where "
+                                             "its position is not given"));
+    freed.insert(joint);
+    entry = tree.mimic_of.erase(entry);
+  }
+  return freed;
 }
 
 void keepOnly(XMLElement& parent, const std::set<std::string>& names) {
@@ -283,7 +295,7 @@ void reduce(XMLElement& robot, const Tree& tree) {
 
 }  // namespace
 
-std::string checkedUrdf(const std::string& xml, std::vector<std::string>& warnings) {
+CheckedUrdf checkedUrdf(const std::string& xml, std::vector<std::string>& warnings) {
   tinyxml2::XMLDocument document;
   XMLElement* robot = parseXml(document, xml, "robot", WHAT);
   requiredAttribute(*robot, "name", WHAT);
@@ -300,12 +312,12 @@ std::string checkedUrdf(const std::string& xml, std::vector<std::string>& warnin
   checkEndsExist(tree);
   checkOneRoot(tree, *robot);
   checkNoCycle(tree);
-  checkMimics(tree);
+  const std::set<std::string> freed = freeOfMissingLeaders(tree);
   reduce(*robot, tree);
   warnings.insert(warnings.end(), tree.warnings.begin(), tree.warnings.end());
   tinyxml2::XMLPrinter printer;
   document.Print(&printer);
-  return printer.CStr();
+  return {printer.CStr(), freed};
 }
 
 }  // namespace collision_pairs

@@ -62,7 +62,8 @@ class UrdfReader {
              std::vector<BrokenElement>* broken)
       : source_(source), load_mesh_(load_mesh), broken_(broken) {}
 
-  std::shared_ptr<const RobotModel> read(std::vector<std::string> warnings) {
+  std::shared_ptr<const RobotModel> read(std::vector<std::string> warnings,
+                                         const std::set<std::string>& leader_missing) {
     model_.reset(new RobotModel);
     model_->warnings_ = std::move(warnings);
     model_->name_ = source_.getName();
@@ -75,6 +76,7 @@ class UrdfReader {
     }
     model_->indexNames();
     addMimics();
+    for (Joint& joint : model_->joints_) joint.leader_missing = leader_missing.count(joint.name) > 0;
     model_->groupIntoBodies();
     return model_;
   }
@@ -150,8 +152,9 @@ std::shared_ptr<const RobotModel> RobotModel::fromUrdf(const std::string& xml,
                                                        const MeshLoader& load_mesh,
                                                        std::vector<BrokenElement>* broken) {
   std::vector<std::string> warnings;
-  const auto source = parseWithUrdfdom(checkedUrdf(xml, warnings));
-  return UrdfReader(*source, load_mesh, broken).read(std::move(warnings));
+  const CheckedUrdf checked = checkedUrdf(xml, warnings);
+  const auto source = parseWithUrdfdom(checked.xml);
+  return UrdfReader(*source, load_mesh, broken).read(std::move(warnings), checked.leader_missing);
 }
 
 }  // namespace collision_pairs

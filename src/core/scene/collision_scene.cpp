@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <map>
+#include <set>
 #include <stdexcept>
 
 #include "collision_pairs/input_error.h"
@@ -12,6 +14,10 @@
 
 namespace collision_pairs {
 namespace {
+
+// Share of a mesh's surface that is missing. What is closed in effect lacks 0, see MeshSolid; the
+// rest is for loose triangles.
+constexpr double TOLD_ABOVE = 0.01;
 
 /// Members that are treated alike. Each moving member is a class of its own, while all objects of a
 /// large world may share one, which keeps the tables of pairs small.
@@ -259,6 +265,21 @@ std::shared_ptr<const CollisionScene> CollisionScene::build(std::shared_ptr<cons
   description.world = std::move(world);
   description.settings = settings;
   return build(description);
+}
+
+std::vector<std::string> CollisionScene::openMeshes() const {
+  std::set<std::string> sentences;
+  for (const SceneElement& element : elements_) {
+    const auto& prepared = element.rung(Fidelity::MESH).shape;
+    const double share = prepared ? prepared->missingShare() : 0.0;
+    if (!(share > TOLD_ABOVE)) continue;
+    char percent[16];
+    std::snprintf(percent, sizeof percent, "%.0f %%", 100.0 * share);
+    sentences.insert("'" + models_[element.model].name + "': about " + percent +
+                     " of the surface of mesh " + std::get<Mesh>(element.shape).mesh->name +
+                     " is missing: a body wholly inside it is not found");
+  }
+  return {sentences.begin(), sentences.end()};
 }
 
 void CollisionScene::gatherPoses(const std::vector<Eigen::Isometry3d>& X_RB,
