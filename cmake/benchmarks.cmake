@@ -69,5 +69,5 @@ collision_pairs_benchmark(verdict_benchmark SOURCES benchmark_robots demo_motion
 # Clouds of points, beside FCL's OcTree; scripts/measure_clouds writes docs/clouds.md.
 # Debian: liboctomap-dev.
 find_package(octomap REQUIRED)
-collision_pairs_benchmark(cloud_benchmark SOURCES benchmark_robots cloud_scenes moveit_loop
+collision_pairs_benchmark(cloud_benchmark SOURCES benchmark_robots cloud_scenes demo_motion moveit_loop
   LIBRARIES collision_pairs_io fcl ${OCTOMAP_LIBRARIES})

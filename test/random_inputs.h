@@ -18,6 +18,8 @@ class RandomInputs {
     std::cout << "seed " << seed << " (COLLISION_PAIRS_SEED=" << seed << " repeats this run)\n";
     engine_.seed(seed);
   }
+  /// Of one case of many, which can be repeated alone.
+  explicit RandomInputs(unsigned seed) : engine_(seed) {}
 
   double uniform(double low, double high) {
     return std::uniform_real_distribution<double>(low, high)(engine_);

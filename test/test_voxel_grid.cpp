@@ -239,11 +239,12 @@ TEST(VoxelGrid, AVoxelThatIsKeptStaysForOneCloudAndIsNotSeen) {
     grid.begin(1.0, Vector3d::Zero());
     grid.add({0.5, 0.5, 0.5});
     EXPECT_EQ(cellsOf(*grid.end()), (Cells{{0, 0, 0}}));
-    EXPECT_TRUE(grid.unseen().empty());
+    EXPECT_TRUE(grid.unseen(all).empty());
     grid.begin(2.0, Vector3d::Zero());
     grid.keep({0, 0, 0});
     EXPECT_TRUE(grid.seen(all)->isEmpty());
-    EXPECT_EQ(grid.unseen(), (std::vector<VoxelCell>{{0, 0, 0}}));
+    EXPECT_EQ(grid.unseen(all), (std::vector<VoxelCell>{{0, 0, 0}}));
+    EXPECT_TRUE(grid.unseen({{9.0, 0.0, 0.0}, {10.0, 1.0, 1.0}}).empty());
     EXPECT_EQ(grid.end()->size(), 1u);
     grid.begin(3.0, Vector3d::Zero());
     EXPECT_EQ(grid.end()->size(), decay > 0.0 ? 1u : 0u);  // seen less than `decay` ago

@@ -59,8 +59,8 @@ class VoxelGrid {
 
   /// Those that this cloud occupies, of the blocks that overlap the box (metres, in W). Never null.
   std::shared_ptr<const OccupiedVoxels> seen(const Aabb& box) const;
-  /// Those that the cloud before occupied and this one does not.
-  std::vector<VoxelCell> unseen();
+  /// Those that the cloud before occupied and this one does not, of the same blocks.
+  std::vector<VoxelCell> unseen(const Aabb& box);
   /// Occupies a voxel until the next cloud, as if it were remembered. Before end().
   void keep(const VoxelCell& cell);
 

@@ -14,7 +14,7 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double NOISE = 0.01;              // metres, of a range
-constexpr std::size_t MOST_RAYS = 100'000;  // that are looked at for what they hide
+constexpr std::size_t MOST_RAYS = 50'000;  // that are looked at for what they hide
 
 VoxelSettings settingsOf(const CloudConfig& config) {
   VoxelSettings settings;
@@ -139,7 +139,7 @@ void CloudGatherer::remember(const Points& points, const Eigen::Isometry3d& X_WS
     }
     return false;
   };
-  memory_->update({grid_.seen(box), grid_.unseen(), robot, near, isHidden, isLeftOut});
+  memory_->update({grid_.seen(box), grid_.unseen(near.bounds()), robot, near, isHidden, isLeftOut});
   for (const VoxelCell& cell : memory_->hidden()) grid_.keep(cell);
 }
 

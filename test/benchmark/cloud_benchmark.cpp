@@ -2,7 +2,7 @@
 // of the same voxels, in turns. Lines robot,case,quantity,value; scripts/measure_clouds makes
 // tables of them.
 //
-//   COLLISION_PAIRS_SHARED=DATA cloud_benchmark [STATES [ROBOT [clouds|checks|growth]]]
+//   COLLISION_PAIRS_SHARED=DATA cloud_benchmark [STATES [ROBOT [followed|clouds|checks|growth]]]
 #include <algorithm>
 #include <cstdio>
 #include <functional>
@@ -15,10 +15,12 @@
 #include <time.h>
 
 #include "benchmark_robots.h"
+#include "cloud_gatherer.h"
 #include "cloud_scenes.h"
 #include "collision_pairs/collision_detector.h"
 #include "collision_pairs/self_filter.h"
 #include "collision_pairs/voxel_grid.h"
+#include "demo_motion.h"
 #include "moveit_loop.h"
 
 namespace collision_pairs {
@@ -36,6 +38,7 @@ constexpr double CHECK_PADDING = 0.04;  // metres
 constexpr std::uint32_t NB_VOXELS = 100'000;
 constexpr double ALARM_DISTANCE = 0.05;  // metres
 constexpr int PASSES = 5;
+constexpr std::size_t NB_FOLLOWED = 8;  // clouds
 
 /// Of this thread: what other programs do meanwhile is not counted.
 double microseconds(const std::function<void()>& work) {
@@ -150,6 +153,64 @@ void measureClouds(const BenchmarkRobot& robot, const Room& room, std::size_t nb
   print(robot.name, "cloud", "ms_grid_alone", 1e-3 * quantile(gathering, 0.5));
   print(robot.name, "cloud", "own_share", quantile(own_share, 0.5));
   print(robot.name, "cloud", "voxels", quantile(nb_voxels, 0.5));
+}
+
+/// Clouds of a robot in motion, 15 a second, with what is followed from one to the next.
+void measureFollowing(const BenchmarkRobot& robot, const Room& room) {
+  const Vector3d camera(1.9, 0.7, 1.6);
+  Isometry3d X_WS = Isometry3d::Identity();
+  X_WS.translation() = camera;
+  std::vector<std::vector<Isometry3d>> X_WB(NB_FOLLOWED);
+  std::vector<Points> clouds(NB_FOLLOWED);
+  for (std::size_t i = 0; i < NB_FOLLOWED; ++i) {
+    std::vector<double> positions = robot.positions[robot.positions.size() / 3];
+    for (double& joint : positions) joint += 0.02 * static_cast<double>(i);  // 0.3 rad/s
+    robot.robot->forwardKinematics(positions, X_WB[i]);
+    X_WB[i] = raised(X_WB[i], heightOf(robot));
+    for (const Vector3d& p_W :
+         room.seenFrom(camera, {0.0, 0.0, 0.8}, *robot.robot, X_WB[i], static_cast<unsigned>(i))) {
+      if (p_W.allFinite()) clouds[i].push_back(p_W - camera);
+    }
+  }
+  for (const double voxel_size : {0.01, 0.02}) {
+    CloudConfig config;
+    config.topic = "camera";
+    config.voxel_size = voxel_size;
+    SceneDescription description = described(robot, false, false);
+    description.clouds.push_back(obstacleOf(config));
+    const auto scene = CollisionScene::build(description);
+    std::vector<double> whole(NB_FOLLOWED, std::numeric_limits<double>::infinity());
+    std::vector<double> plain = whole;
+    RobotFilter filter(description, *scene, config);
+    for (int pass = 0; pass < PASSES; ++pass) {
+      CloudGatherer gatherer(config);
+      VoxelGrid grid(VoxelSettings{voxel_size, 1, config.decay});
+      Points kept;
+      for (std::size_t i = 0; i < NB_FOLLOWED; ++i) {
+        const double stamp = static_cast<double>(i) / 15.0;
+        const BodyPoses poses = posesFor(filter.own.bodies(), X_WB[i]);
+        whole[i] = std::min(
+            whole[i], microseconds([&] { gatherer.add(clouds[i], X_WS, poses, stamp, filter); }));
+        plain[i] = std::min(plain[i], microseconds([&] {
+                              filter.own.begin(poses);
+                              grid.begin(stamp, camera);
+                              kept.clear();
+                              for (const Vector3d& p_S : clouds[i]) {
+                                if (p_S.norm() > config.max_range) continue;
+                                const Vector3d p_W = X_WS * p_S;
+                                if (filter.own.isOwn(p_W)) continue;
+                                grid.add(p_W);
+                                kept.push_back(p_S);
+                              }
+                              grid.end();
+                            }));
+      }
+    }
+    const std::string name = "followed " + std::to_string(std::lround(100.0 * voxel_size)) + " cm";
+    print(robot.name, name.c_str(), "ms", 1e-3 * quantile(whole, 0.5));
+    print(robot.name, name.c_str(), "ms_most", 1e-3 * quantile(whole, 1.0));
+    print(robot.name, name.c_str(), "ms_without", 1e-3 * quantile(plain, 0.5));
+  }
 }
 
 /// Voxels of the room about the robot, without what its self filter takes, nearest first.
@@ -311,11 +372,13 @@ int main(int argc, char** argv) {
   using namespace collision_pairs;
   const std::size_t nb_states = argc > 1 ? std::strtoul(argv[1], nullptr, 10) : 30;
   const Room room(25);
+  const std::string only = argc > 3 ? argv[3] : "";
   std::printf("robot,case,quantity,value\n");
+  if (argc <= 2 || argv[2] == std::string("demo")) measureFollowing(demoRobot(), room);
   for (const BenchmarkRobot& robot : benchmarkRobots()) {
     if (robot.name != "panda" && robot.name != "pr2") continue;
     if (argc > 2 && robot.name != argv[2]) continue;
-    const std::string only = argc > 3 ? argv[3] : "";
+    if (only.empty() || only == "followed") measureFollowing(robot, room);
     if (only.empty() || only == "clouds") {
       measureClouds(robot, room, std::min<std::size_t>(nb_states, 6));
     }

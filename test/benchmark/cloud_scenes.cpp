@@ -118,13 +118,13 @@ Points Room::points(double step) const {
 }
 
 Points Room::seenFrom(const Vector3d& p_WC, const Vector3d& p_WT, const RobotModel& robot,
-                      const std::vector<Isometry3d>& X_WB) const {
+                      const std::vector<Isometry3d>& X_WB, unsigned seed) const {
   const std::vector<SeenPart> parts = partsOf(robot, X_WB);
   Matrix3d R_WC;  // z ahead, y down
   R_WC.col(2) = (p_WT - p_WC).normalized();
   R_WC.col(0) = R_WC.col(2).cross(Vector3d::UnitZ()).normalized();
   R_WC.col(1) = R_WC.col(2).cross(R_WC.col(0));
-  std::mt19937 engine(2);
+  std::mt19937 engine(seed);
   std::normal_distribution<double> noise(0.0, NOISE);
   Points points;
   for (int row = 0; row < HEIGHT; ++row) {

@@ -22,7 +22,7 @@ class Room {
   /// What a depth camera of 640 by 480 pixels in p_WC that looks at p_WT sees of the room and of
   /// the robot, row by row, with 2 mm of noise along the ray; NaN where it sees nothing.
   Points seenFrom(const Eigen::Vector3d& p_WC, const Eigen::Vector3d& p_WT, const RobotModel& robot,
-                  const std::vector<Eigen::Isometry3d>& X_WB) const;
+                  const std::vector<Eigen::Isometry3d>& X_WB, unsigned seed = 2) const;
 
  private:
   std::vector<Aabb> boxes_;  // floor and walls, too

@@ -11,7 +11,6 @@ using Eigen::Array3i;
 using Eigen::Vector3d;
 
 constexpr double MOST_CELLS = 32.0;  // on the longest axis
-constexpr double LEAST_EDGE = 0.02;  // metres
 constexpr double FURTHEST = 1e100;   // metres: larger boxes are near every point
 constexpr double ROUNDED_UP = 1e-12;
 
@@ -23,7 +22,8 @@ Aabb aabbOf(const OrientedBox& box) {
 
 }  // namespace
 
-void NearParts::begin() {
+void NearParts::begin(double least_edge) {
+  least_edge_ = least_edge;
   boxes_.clear();
   unbounded_.clear();
   entries_.clear();
@@ -52,7 +52,7 @@ void NearParts::end() {
   nb_cells_.setZero();
   if (bounds_.valid()) {
     const Array3d size = (bounds_.max - bounds_.min).array();
-    cells_a_metre_ = 1.0 / std::max(size.maxCoeff() / MOST_CELLS, LEAST_EDGE);
+    cells_a_metre_ = 1.0 / std::max(size.maxCoeff() / MOST_CELLS, least_edge_);
     nb_cells_ = (size * cells_a_metre_).floor().cast<int>() + 1;
   }
   for (std::uint32_t part = 0; part < boxes_.size(); ++part) enterCells(part);

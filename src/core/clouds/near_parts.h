@@ -18,7 +18,9 @@ class NearParts {
     const std::uint32_t* end() const { return last; }
   };
 
-  void begin();
+  /// `least_edge` of cells, metres: smaller ones are more to fill and tell little if the boxes have
+  /// been grown by as much.
+  void begin(double least_edge);
   /// In W; its index is the number of those added before. An infinite one is near every point.
   void add(const OrientedBox& box);
   void addNothing();  ///< takes the next index; near no point
@@ -44,7 +46,7 @@ class NearParts {
   std::vector<OrientedBox> boxes_;
   std::vector<std::uint32_t> unbounded_;
   Aabb bounds_ = noBox();
-  double cells_a_metre_ = 0.0;
+  double least_edge_ = 0.0, cells_a_metre_ = 0.0;
   Eigen::Array3i nb_cells_ = Eigen::Array3i::Zero();
   std::vector<Entry> entries_;
   std::vector<std::uint32_t> first_, next_;  ///< by cell: the first of its parts

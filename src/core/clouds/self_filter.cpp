@@ -14,6 +14,8 @@ namespace collision_pairs {
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
 
+constexpr double LEAST_EDGE = 0.02;  // metres, of the cells in which parts are looked up
+
 struct SelfFilter::Store {
   struct Part {
     int body;  ///< index in `bodies`
@@ -102,7 +104,7 @@ void SelfFilter::begin(const BodyPoses& poses) {
                      " bodies were given, but the self filter needs " + std::to_string(expected));
   }
   store.left_out.clear();
-  store.near.begin();
+  store.near.begin(std::max(LEAST_EDGE, store.padding));
   for (std::size_t i = 0; i < store.parts.size(); ++i) {
     const Store::Part& part = store.parts[i];
     const auto body = static_cast<std::size_t>(part.body);

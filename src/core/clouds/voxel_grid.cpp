@@ -17,7 +17,7 @@ using Eigen::Vector3d;
 constexpr std::uint32_t NONE = std::numeric_limits<std::uint32_t>::max();
 constexpr std::size_t FIRST_SLOTS = 1024;
 constexpr double MOST_NUMBERS = 4096;  // of clouds that have not expired, whatever `decay`
-constexpr double NEAR_BORDER = 1e-9;  // of a voxel; exceeds rounding for up to 2^20 voxels
+constexpr double NEAR_BORDER = 1e-9;   // of a voxel; exceeds rounding for up to 2^20 voxels
 
 /// The blocks of a grid by their corners: an open-addressing hash table of their indices.
 class BlockIndex {
@@ -141,6 +141,11 @@ struct VoxelGrid::Store {
   }
 
   void add(const Vector3d& p) {
+    // In the order of an image, about every second point is in the voxel of the one before.
+    if ((p.array() >= last_low.array()).all() && (p.array() < last_high.array()).all()) {
+      ++counts.added;
+      return;
+    }
     VoxelCell cell;
     if (!cellOf(p, cell)) {
       if (!p.allFinite()) {
@@ -159,6 +164,8 @@ struct VoxelGrid::Store {
     seen[id] |= std::uint64_t{1} << bit;
     blocks[id].occupied |= std::uint64_t{1} << bit;
     if (settings.decay > 0.0) last_seen[id][bit] = number;
+    last_low = settings.voxel_size * cell.cast<double>();
+    last_high = settings.voxel_size * (cell.array() + 1).cast<double>().matrix();
   }
 
   void keep(const VoxelCell& cell) {
@@ -180,9 +187,16 @@ struct VoxelGrid::Store {
     remembered.clear();
   }
 
-  std::vector<VoxelCell> unseen() {
+  bool overlaps(const Block& block, const Aabb& box) const {
+    const Vector3d low = settings.voxel_size * block.corner.cast<double>();
+    const Vector3d high = low.array() + 4.0 * settings.voxel_size;
+    return (low.array() <= box.max.array()).all() && (high.array() >= box.min.array()).all();
+  }
+
+  std::vector<VoxelCell> unseen(const Aabb& box) {
     std::vector<VoxelCell> cells;
     for (const Block& block : before) {
+      if (!overlaps(block, box)) continue;
       const std::uint32_t id = index.find(block.corner, blocks);
       std::uint64_t left = block.occupied & ~(id == NONE ? 0 : seen[id]);
       for (; left != 0; left &= left - 1) {
@@ -195,11 +209,7 @@ struct VoxelGrid::Store {
   std::shared_ptr<const OccupiedVoxels> seenIn(const Aabb& box) const {
     std::vector<Block> found;
     for (std::size_t i = 0; i < blocks.size(); ++i) {
-      const Vector3d low = settings.voxel_size * blocks[i].corner.cast<double>();
-      const Vector3d high = low.array() + 4.0 * settings.voxel_size;
-      const bool is_outside =
-          (low.array() > box.max.array() || high.array() < box.min.array()).any();
-      if (seen[i] != 0 && !is_outside) found.push_back({blocks[i].corner, seen[i]});
+      if (seen[i] != 0 && overlaps(blocks[i], box)) found.push_back({blocks[i].corner, seen[i]});
     }
     return std::make_shared<const OccupiedVoxels>(settings.voxel_size, found, false);
   }
@@ -208,16 +218,15 @@ struct VoxelGrid::Store {
     if (!std::isfinite(new_stamp) || !p_WSensor.allFinite()) {
       throw InputError("the stamp of a cloud, or the place of its sensor, is not finite");
     }
-    std::vector<Block> last;
-    for (std::size_t i = 0; i < blocks.size(); ++i) {
-      if (seen[i] != 0) last.push_back({blocks[i].corner, seen[i]});
+    before.clear();
+    for (std::size_t i = 0; new_stamp >= stamp && i < blocks.size(); ++i) {
+      if (seen[i] != 0) before.push_back({blocks[i].corner, seen[i]});
     }
-    const bool goes_back = new_stamp < stamp;
-    if (goes_back || settings.decay == 0.0) clear();
-    if (!goes_back) before = std::move(last);
+    if (new_stamp < stamp || settings.decay == 0.0) dropAll();
     stamp = new_stamp;
     p_WS = p_WSensor;
     counts = {};
+    last_low.setConstant(std::numeric_limits<double>::infinity());
     squared_limit = std::numeric_limits<double>::infinity();
     numberCloud();
     forget();
@@ -320,11 +329,15 @@ struct VoxelGrid::Store {
   }
 
   void clear() {
+    dropAll();
+    before.clear();
+  }
+
+  void dropAll() {
     blocks.clear();
     nb_points.clear();
     last_seen.clear();
     seen.clear();
-    before.clear();
     remembered.clear();
     stamps.clear();
     index.clear();
@@ -339,7 +352,7 @@ struct VoxelGrid::Store {
   double stamp = -std::numeric_limits<double>::infinity();
   double squared_limit = std::numeric_limits<double>::infinity();  ///< of new blocks
   std::uint32_t number = 0;                                        ///< of the cloud, from 1 on
-  double first_of_number = 0.0;  ///< stamp of the first cloud with this number
+  double first_of_number = 0.0;    ///< stamp of the first cloud with this number
   std::uint32_t truncated_in = 0;  ///< number of the last cloud that did not fit
   std::deque<double> stamps;       ///< by number: of its last cloud, for those not expired
   std::vector<Block> blocks;
@@ -349,6 +362,7 @@ struct VoxelGrid::Store {
   std::vector<std::uint64_t> seen;    ///< in this cloud, by block: bits as in Block
   std::vector<VoxelCell> remembered;  ///< by keep(), since begin()
   std::uint32_t last_block = NONE;    ///< the last one added to
+  Vector3d last_low, last_high;       ///< of the voxel that this cloud occupied last
   BlockIndex index;
 };
 
@@ -363,7 +377,7 @@ std::shared_ptr<const OccupiedVoxels> VoxelGrid::end() { return store_->end(); }
 std::shared_ptr<const OccupiedVoxels> VoxelGrid::seen(const Aabb& box) const {
   return store_->seenIn(box);
 }
-std::vector<VoxelCell> VoxelGrid::unseen() { return store_->unseen(); }
+std::vector<VoxelCell> VoxelGrid::unseen(const Aabb& box) { return store_->unseen(box); }
 void VoxelGrid::keep(const VoxelCell& cell) { store_->keep(cell); }
 
 std::shared_ptr<const OccupiedVoxels> VoxelGrid::at(double stamp) {
