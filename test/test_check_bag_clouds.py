@@ -1,11 +1,12 @@
 """check_bag --clouds: recorded point clouds as obstacles of the demo robot."""
+import copy
 import math
 import struct
 
 import pytest
 import rosbag
 import rospy
-from geometry_msgs.msg import TransformStamped
+from geometry_msgs.msg import TransformStamped, Vector3
 from sensor_msgs.msg import Image, PointCloud2, PointField
 from tf2_msgs.msg import TFMessage
 
@@ -13,6 +14,7 @@ TOPIC, CAMERA = "/camera/points", (1.0, -0.5, 1.5)  # in world, where it looks a
 START = 1000.0
 FAR = (0.4, -0.9, 1.6)  # from all links, in world
 FAR_SEEN = [tuple(f - c for f, c in zip(FAR, CAMERA))]
+UTM_X = 5e6  # of world's origin, in the frame utm
 TIMEOUT = 1.0  # the default of source_timeout
 
 
@@ -60,8 +62,10 @@ def with_clouds(make_bag, tmp_path):
         camera.header.stamp = rospy.Time.from_sec(START)
         t = camera.transform.translation
         (t.x, t.y, t.z), camera.transform.rotation.w = CAMERA, 1.0
+        utm = copy.deepcopy(camera)
+        utm.child_frame_id, utm.transform.translation = "utm", Vector3(-UTM_X, 0.0, 0.0)
         with rosbag.Bag(str(source_path)) as source, rosbag.Bag(str(path), "w") as target:
-            target.write("/tf_static", TFMessage([camera]), camera.header.stamp)
+            target.write("/tf_static", TFMessage([camera, utm]), camera.header.stamp)
             messages = [(stamp.to_sec(), number, of, message)
                         for number, (of, message, stamp) in enumerate(source.read_messages())]
             recorded = START
@@ -131,6 +135,20 @@ def test_a_block_that_a_link_comes_into_is_a_collision_with_the_cloud_and_the_li
     assert early and not any(cloud_pairs(row) for row in early)
 
 
+def test_points_that_are_doubles_far_from_their_frame_are_not_moved(check, make_bag, with_clouds, write):
+    """As in UTM: as float32 they would be moved by up to 0.25 m."""
+    with rosbag.Bag(str(make_bag("demo.bag"))) as bag:
+        points = block(palm_at(bag, START + 2.0), (0.0, 0.0, 0.0))
+    settings = write("{topic: camera/points, max_range: 1.0e+7, decay: 60, source_timeout: 60}")
+    far, near = cloud_of([], START + 0.2, "utm"), cloud_of(points, START + 0.2, "world")
+    far.fields = [PointField("xyz"[i], 8 * i, PointField.FLOAT64, 1) for i in range(3)]
+    far.point_step, far.width, far.row_step = 24, len(points), 24 * len(points)
+    far.data = b"".join(struct.pack("<3d", UTM_X + x, y, z) for x, y, z in points)
+    rows, expected = ([(row["verdict"], row["pairs"]) for row in check(with_clouds([cloud]), "--settings", settings)[0]]
+                      for cloud in (far, near))
+    assert rows == expected and any("camera/points|palm" in pairs for _, pairs in rows)
+
+
 def test_what_vanished_against_a_link_is_not_free_until_it_is_seen_to_go(check, check_bag, with_clouds):
     heights = [1.0, 0.92, 0.85, 0.78, 0.74] + 20 * [0.71] + [0.75, 0.82, 0.9, 0.98, 1.05] + 40 * [1.05]  # the table's top is 0.7
     clouds = [cloud_of([tuple(p - c for p, c in zip((0.75, -0.38, z), CAMERA))], START + 0.1 * i)
@@ -191,6 +209,7 @@ def test_a_camera_on_a_link_is_placed_where_that_link_was(check, with_clouds, wr
     (lambda c: setattr(c.header, "stamp", rospy.Time()), "stamp is zero"),
     (lambda c: setattr(c.header, "stamp", rospy.Time.from_sec(START + 0.5)), "not later"),
     (lambda c: setattr(c, "height", 0), "its height 0"),
+    (lambda c: setattr(c, "width", 0), "its width is 0"),
     (lambda c: setattr(c, "data", struct.pack("<3f", 0, 0, 1500)), "within max_range (5 m), and min_valid_points is 1"),
     (lambda c: setattr(c, "data", b"\xff" * 12), "it has no finite point, and min_valid_points is 1"),
 ])
