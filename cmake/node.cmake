@@ -1,9 +1,14 @@
+# The law of the velocity limiter knows the core alone.
+set(limiter_law src/ros/limiter/certified_surroundings.cpp src/ros/limiter/limiter_law.cpp
+                src/ros/limiter/stopping_tube.cpp)
+
 # The node. Its parts are a library, so that tests can call the pure ones without a master.
 add_library(collision_pairs_ros STATIC
   src/ros/clouds/cloud_source.cpp
   src/ros/clouds/cloud_sources.cpp
   src/ros/collision_pairs_node.cpp
   src/ros/joint_query.cpp
+  ${limiter_law}
   src/ros/low_priority.cpp
   src/ros/master_watch.cpp
   src/ros/node_health.cpp
@@ -22,6 +27,7 @@ add_library(collision_pairs_ros STATIC
 )
 target_include_directories(collision_pairs_ros PUBLIC ${PROJECT_SOURCE_DIR}/src/ros
                                                       ${PROJECT_SOURCE_DIR}/src/ros/clouds
+                                                      ${PROJECT_SOURCE_DIR}/src/ros/limiter
                                                PRIVATE ${CORE_MODULES})
 target_include_directories(collision_pairs_ros SYSTEM PUBLIC ${catkin_INCLUDE_DIRS})
 target_link_libraries(collision_pairs_ros PUBLIC collision_pairs_io collision_pairs_messages ${catkin_LIBRARIES})

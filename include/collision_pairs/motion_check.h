@@ -18,6 +18,10 @@ struct MotionSettings {
   Fidelity fidelity = Fidelity::MESH;
   /// Metres, >= 0: FREE means that no pair comes closer than this; for 0, that none touches.
   double clearance = 0.0;
+  /// Metres, >= 0, in addition to the clearance, between what the robot carries and all else:
+  /// world, static objects, clouds. FREE then means this, too; MotionReport::clearance is of all
+  /// pairs.
+  double beside_objects = 0.0;
   /// Metres, > 0. A pair that is still open when its motion is split finer than this is given up,
   /// which makes the segment UNKNOWN unless a contact is found elsewhere. Pairs that stay further
   /// apart than clearance + resolution are certified. Finer values cost more near contacts.
@@ -26,6 +30,12 @@ struct MotionSettings {
   /// nothing if the motion is free; a motion in contact takes longer, since its search does not end
   /// at the first contact.
   bool from_start = false;
+  /// Only FREE is of interest: the search ends at the first pair that cannot be certified, and the
+  /// verdict is then UNKNOWN although a contact might have been found.
+  bool only_free = false;
+  /// Leave out pairs whose relative pose the motion cannot change, for example a base that stands
+  /// on its table. FREE then says nothing of them.
+  bool only_moved = false;
 };
 
 /// A straight line in joint space: at fraction f of the segment joint i is at
@@ -35,6 +45,10 @@ struct JointMotion {
   /// One entry per RobotModel::joints(); rad or m. Entries of mimic joints are ignored; these
   /// follow their leaders.
   std::vector<double> from, to;
+  /// One entry per joint, rad or m, >= 0, or empty for none: at every fraction each joint may be
+  /// this far from its place on the line, independently of the others. FREE then holds for all
+  /// these configurations.
+  std::vector<double> deviation = {};
 };
 
 /// Poses of bodies in the frame of their parent body (of roots: in W), indexed as
@@ -46,7 +60,7 @@ using PlacedBodies = std::vector<std::optional<Eigen::Isometry3d>>;
 struct MotionReport {
   /// FREE: certified; at no configuration of the segment is a pair in contact or closer than the
   /// clearance. COLLISION: a configuration in contact was found. UNKNOWN: neither, or nothing is
-  /// checked.
+  /// checked. A deviation makes COLLISION rarer: it is said of the line alone.
   Verdict verdict = Verdict::UNKNOWN;
   /// Metres. FREE: a lower bound of the smallest distance of all pairs along the segment: at least
   /// the requested clearance, and more if that was found without extra work; infinite if there is
@@ -93,9 +107,9 @@ class MotionCheck {
   MotionCheck& operator=(MotionCheck&&) noexcept;
 
   /// The result is valid until the next call. Throws InputError for settings out of range, for
-  /// positions that are not finite or not one per joint, and if a link is too far away for a finite
-  /// box. `voxels`: the occupied voxels of the scene's clouds. No pair with a cloud whose voxels
-  /// are unknown or truncated is certified.
+  /// positions or deviations that are not finite or not one per joint, and if a link is too far
+  /// away for a finite box. `voxels`: the occupied voxels of the scene's clouds. No pair with a
+  /// cloud whose voxels are unknown or truncated is certified.
   const MotionReport& check(const JointMotion& motion, const MotionSettings& settings,
                             const PlacedBodies& placed = {}, const CloudVoxels& voxels = {});
 

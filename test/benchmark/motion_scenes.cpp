@@ -67,18 +67,23 @@ bool isTouched(const std::shared_ptr<const CollisionScene>& scene) {
 
 }  // namespace
 
+std::vector<RigidObject> clutter(const BenchmarkRobot& robot, std::uint64_t index, int nb_things,
+                                 const SceneSettings& settings) {
+  Clutter things(index, robot.name == "pr2" ? 1.2 : 0.9);
+  std::vector<RigidObject> objects;
+  for (int i = 0; i < nb_things; ++i) {
+    do {
+      if (i < static_cast<int>(objects.size())) objects.pop_back();
+      objects.push_back(things.thing(i));
+    } while (isTouched(sceneOf(robot, {objects.back()}, settings)));
+  }
+  return objects;
+}
+
 std::shared_ptr<const CollisionScene> clutteredScene(const BenchmarkRobot& robot,
                                                      std::uint64_t index,
                                                      const SceneSettings& settings) {
-  Clutter clutter(index, robot.name == "pr2" ? 1.2 : 0.9);
-  std::vector<RigidObject> objects;
-  for (int i = 0; i < NB_THINGS; ++i) {
-    do {
-      if (i < static_cast<int>(objects.size())) objects.pop_back();
-      objects.push_back(clutter.thing(i));
-    } while (isTouched(sceneOf(robot, {objects.back()}, settings)));
-  }
-  return sceneOf(robot, std::move(objects), settings);
+  return sceneOf(robot, clutter(robot, index, NB_THINGS, settings), settings);
 }
 
 double lengthNumber(std::uint64_t index) {

@@ -10,6 +10,11 @@
 
 namespace collision_pairs {
 
+/// Plates of 2 mm, boxes and meshes that are not convex, each at a random place where it does not
+/// touch the robot in its zero state. Others for each index.
+std::vector<RigidObject> clutter(const BenchmarkRobot& robot, std::uint64_t index, int nb_things,
+                                 const SceneSettings& settings = {});
+
 /// The robot with its SRDF among ten plates of 2 mm, ten boxes and ten meshes that are not convex,
 /// each at a random place where it does not touch the robot in its zero state. Another clutter for
 /// each index.

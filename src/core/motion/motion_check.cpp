@@ -40,6 +40,10 @@ void checkSettings(const MotionSettings& settings) {
     throw InputError("the clearance is " + std::to_string(settings.clearance) +
                      ", but must be 0 or more metres, and finite");
   }
+  if (!(settings.beside_objects >= 0.0) || !std::isfinite(settings.beside_objects)) {
+    throw InputError("the clearance beside objects is " + std::to_string(settings.beside_objects) +
+                     ", but must be 0 or more metres, and finite");
+  }
   if (!(settings.resolution > 0.0) || !std::isfinite(settings.resolution)) {
     throw InputError("the resolution is " + std::to_string(settings.resolution) +
                      ", but must be more than 0 metres, and finite");
@@ -91,21 +95,25 @@ class MotionCheck::Search {
     double growth;  ///< metres by which the element's box has to be enlarged to contain its motion
   };
 
-  // All of these return false if the search ends because a contact was found.
+  // All of these return false if the search ends: a contact was found, or with only_free a pair
+  // that cannot be certified.
 
   /// At the middle of the segment; the cheapest check first.
   bool lookAtAll() {
     moveTo(0.0, 1.0);
-    if (meetsAnything(true) && confirmContact() && !settings_.from_start) return false;
+    if (!settings_.only_moved && meetsAnything(true) && confirmContact() && !settings_.from_start) {
+      return false;
+    }
     size_ = settings_.resolution;
     Way before, after;
     OpenPair open;
-    open.clearance = settings_.clearance;
+    open.clearance = settings_.clearance + settings_.beside_objects;
     for (const std::uint32_t element : pairs_.beside_static) {
       const double radius = state_.sphere(element).radius;
       if (radius < INF) size_ = std::max(size_, radius);
     }
     for (const std::uint32_t element : pairs_.beside_static) {
+      if (settings_.only_moved && !state_.moves(element)) continue;
       open.pair = {element, ALL_STATIC};
       OpenPair one = open;
       if (!lookAt(one, before, after)) return false;
@@ -113,14 +121,23 @@ class MotionCheck::Search {
     for (const MotionPairs::Pair& pair : pairs_.pairs) {
       open.pair = {pair.first, pair.second};
       open.frame = pair.frame;
+      if (settings_.only_moved && !moves(pair)) continue;
       using Voxels = PairCover::Voxels;
       const Voxels known = cover_.voxelsOf(open.pair);
+      const bool is_robot = known == Voxels::NO_CLOUD;
+      open.clearance = settings_.clearance + (is_robot ? 0.0 : settings_.beside_objects);
       if (known == Voxels::UNKNOWN || known == Voxels::IN_PART) noteUncertified(open.pair, 0.0);
       if (known == Voxels::UNKNOWN || known == Voxels::NONE) continue;
       OpenPair one = open;
       if (!lookAt(one, before, after)) return false;
     }
-    return finishWays(before, after);
+    return goesOn() && finishWays(before, after);
+  }
+
+  bool moves(const MotionPairs::Pair& pair) {
+    const MotionBound a = state_.bound(pair.first, pair.frame);
+    const MotionBound b = state_.bound(pair.second, pair.frame);
+    return a.speed + b.speed + a.deviation + b.deviation > 0.0;
   }
 
   bool look(Way& way) {
@@ -138,8 +155,10 @@ class MotionCheck::Search {
       const OpenPair open = ways_.takePair(way);
       noteUncertified(open.pair, open.begin);
     }
-    return true;
+    return goesOn();
   }
+
+  bool goesOn() const { return !settings_.only_free || uncertified_.empty(); }
 
   /// From that fraction on.
   void noteUncertified(const BoxPair& pair, double begin) {
@@ -221,13 +240,14 @@ class MotionCheck::Search {
     if (outcome == Outcome::COVERED) return true;
     if (outcome == Outcome::GIVEN_UP) {
       noteUncertified(open.pair, open.begin);
-      return true;
+      return goesOn();
     }
     double clearance_after = open.clearance;
     if (outcome == Outcome::NEARER) {
       clearance_after = 0.0;  // the search for a contact continues
       if (!settings_.from_start) open.clearance = 0.0;
       noteUncertified(open.pair, settings_.from_start ? at_ : open.begin);
+      if (!goesOn()) return false;
     }
     cut(open, cover, clearance_after, before, after);
     return true;
@@ -274,7 +294,7 @@ class MotionCheck::Search {
         std::min(bound.speed * way, speed * way + 0.5 * bound.acceleration * way * way);
     if (!(growth < INF) && way > 0.0) refuseBox(scene_.elements()[element].model);
     if (growth > MOTION_TO_SWEEP * size_) return false;
-    swept_.push_back({open, ROUNDED_UP * growth + bound.rounding});
+    swept_.push_back({open, ROUNDED_UP * (growth + bound.deviation) + bound.rounding});
     return true;
   }
 
@@ -282,8 +302,8 @@ class MotionCheck::Search {
   bool sweep(Way& before, Way& after) {
     double most = 0.0;
     for (const Swept& swept : swept_) most = std::max(most, swept.growth);
-    const double reach =
-        settings_.clearance + std::max(SWEEP_BEYOND_MOTION * most, SWEEP_BEYOND_SIZE * size_);
+    const double reach = settings_.clearance + settings_.beside_objects +
+                         std::max(SWEEP_BEYOND_MOTION * most, SWEEP_BEYOND_SIZE * size_);
     clearance_ = std::min(clearance_, reach);
     sweep_.begin(reach, &scene_.staticBoxes(), &pairs_.static_pairs);
     for (const auto& [open, growth] : swept_) {

@@ -57,6 +57,7 @@ void MotionState::begin(const JointMotion& motion, const PlacedBodies& placed) {
     throw InputError("joint '" + robot_.joints()[i].name +
                      "': the ends of its motion, or the way between them, are not finite");
   }
+  takeDeviation(motion.deviation);
   begun_ = ++now_;
   for (std::size_t i = 0; i < bodies_.size(); ++i) beginBody(static_cast<int>(i), placed);
   for (std::size_t i = 0; i < elements_.size(); ++i) {
@@ -66,10 +67,34 @@ void MotionState::begin(const JointMotion& motion, const PlacedBodies& placed) {
   }
 }
 
+void MotionState::takeDeviation(const std::vector<double>& deviation) {
+  deviation_ = deviation;
+  if (deviation.empty()) {
+    deviation_.assign(from_.size(), 0.0);
+    return;
+  }
+  if (deviation.size() != from_.size()) {
+    throw InputError("a motion with " + std::to_string(deviation.size()) +
+                     " deviations, but the robot has " + std::to_string(from_.size()) + " joints");
+  }
+  for (std::size_t i = 0; i < deviation.size(); ++i) {
+    if (deviation[i] >= 0.0 && std::isfinite(deviation[i])) continue;
+    throw InputError("joint '" + robot_.joints()[i].name +
+                     "': its deviation is not finite, or negative");
+  }
+  if (!has_mimics_) return;
+  std::vector<double> at_zero(deviation.size(), 0.0);
+  robot_.applyMimics(at_zero);
+  robot_.applyMimics(deviation_);
+  for (std::size_t i = 0; i < deviation_.size(); ++i) {
+    deviation_[i] = std::abs(deviation_[i] - at_zero[i]);
+  }
+}
+
 void MotionState::beginBody(int id, const PlacedBodies& placed) {
   const Body& of_robot = robot_.bodies()[id];
   BodyState& state = bodies_[id];
-  state.rate = 0.0;
+  state.rate = state.deviation = 0.0;
   state.is_placed = !placed.empty() && placed[id].has_value();
   if (state.is_placed) {
     state.X_PB = *placed[id];
@@ -82,9 +107,10 @@ void MotionState::beginBody(int id, const PlacedBodies& placed) {
   } else {
     const bool can_move = robot_.joints()[of_robot.joint].hasPosition();
     if (can_move) state.rate = to_[of_robot.joint] - from_[of_robot.joint];
+    if (can_move) state.deviation = deviation_[of_robot.joint];
   }
   const int above = of_robot.parent < 0 ? 0 : bodies_[of_robot.parent].nb_moving;
-  state.nb_moving = above + (state.rate != 0.0 ? 1 : 0);
+  state.nb_moving = above + (state.moves() ? 1 : 0);
 }
 
 void MotionState::moveTo(double at, double half_width) {
@@ -113,7 +139,7 @@ const MotionState::BodyState& MotionState::body(int id) {
   state.twist.omega = parent.twist.omega;
   state.twist.v = parent.twist.v +
                   parent.twist.omega.cross(state.X_WB.translation() - parent.X_WB.translation());
-  if (state.rate != 0.0) {
+  if (state.moves()) {
     state.axis_W = state.X_WB.linear() * joint.axis;
     Vector3d& moved = joint.type == JointType::PRISMATIC ? state.twist.v : state.twist.omega;
     moved += state.rate * state.axis_W;
@@ -147,6 +173,9 @@ void MotionState::moveSphere(std::uint32_t element) {
 // A point deviates from motion at constant velocity because of the curvature of each joint's arc,
 // by at most (rate s)^2 / 2 times its radius by then, and because it moved before that joint
 // turned, by at most rate s times that earlier motion.
+//
+// From a place on the line to its deviation: the joints turn one after the other as above, about
+// their axes at that place, where the point's radius is at most its present one plus its motion.
 void MotionState::setBounds(std::uint32_t element) {
   elements_[element].bound_stamp = now_;
   MotionBound* bounds = &bounds_[element * stride_];
@@ -154,20 +183,22 @@ void MotionState::setBounds(std::uint32_t element) {
   MotionBound bound;
   for (int id = pairs_.body_of[element]; id >= 0; id = robot_.bodies()[id].parent) {
     bounds[pairs_.depth_of[id] + 1] = bound;
-    const double rate = std::abs(bodies_[id].rate);
-    if (rate == 0.0) continue;
+    if (!bodies_[id].moves()) continue;
+    const double rate = std::abs(bodies_[id].rate), deviation = bodies_[id].deviation;
     const int joint = robot_.bodies()[id].joint;
     const double rounding =
         POSITION_ROUNDING * std::max(std::abs(from_[joint]), std::abs(to_[joint]));
     if (robot_.joints()[joint].type == JointType::PRISMATIC) {
       bound.speed += rate;
       bound.rounding += rounding;
+      bound.deviation += deviation;
       continue;
     }
     const BodyState& state = body(id);
     const Vector3d p_AxisCenter_W = sphere.center - state.X_WB.translation();
     const double radius = state.axis_W.cross(p_AxisCenter_W).norm() + sphere.radius;
     const double moved = half_width_ * bound.speed;
+    if (deviation > 0.0) bound.deviation += deviation * (radius + moved);
     bound.acceleration += rate * (2.0 * bound.speed + rate * (radius + moved));
     bound.speed += rate * radius;
     bound.rounding += rounding * radius;

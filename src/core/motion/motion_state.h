@@ -11,12 +11,14 @@ namespace collision_pairs {
 
 /// Bounds from one configuration, relative to a frame: while the fraction changes by s, no point of
 /// an element moves by more than |s| * speed, nor deviates by more than s^2 / 2 * acceleration from
-/// motion at constant velocity.
+/// motion at constant velocity; apart from `rounding` and `deviation`.
 struct MotionBound {
   double speed = 0.0;         ///< metres per unit of the fraction
   double acceleration = 0.0;  ///< metres per unit squared
   /// Uncertainty of its position due to the rounding of joint positions, metres.
   double rounding = 0.0;
+  /// The most that it moves while each joint goes from the line to its deviation, metres.
+  double deviation = 0.0;
 };
 
 /// Velocity of an element relative to a frame, expressed in W: of its centre, and angular.
@@ -75,13 +77,15 @@ class MotionState {
  private:
   struct BodyState {
     double rate = 0.0;       ///< change of its joint over the motion, rad or m
+    double deviation = 0.0;  ///< of its joint, rad or m
     int nb_moving = 0;       ///< joints that move between W and it
+    bool moves() const { return rate != 0.0 || deviation != 0.0; }  ///< its joint does
     bool is_placed = false;  ///< at X_PB regardless of its joint's position
     Eigen::Isometry3d X_PB = Eigen::Isometry3d::Identity();  ///< of a root, or of a placed body
     std::uint64_t stamp = 0;
     Eigen::Isometry3d X_WB = Eigen::Isometry3d::Identity();
     Twist twist;             ///< of its origin, in W
-    Eigen::Vector3d axis_W;  ///< of its joint, if rate is not 0
+    Eigen::Vector3d axis_W;  ///< of its joint, if that moves
   };
   struct ElementState {
     Eigen::Vector3d center_B;  ///< of its sphere; in W if static
@@ -95,6 +99,7 @@ class MotionState {
   }
   void moveSphere(std::uint32_t element);
   void beginBody(int id, const PlacedBodies& placed);
+  void takeDeviation(const std::vector<double>& deviation);
   double positionOf(int joint) const { return from_[joint] + at_ * (to_[joint] - from_[joint]); }
   const BodyState& body(int id);
   void setBounds(std::uint32_t element);
@@ -104,7 +109,7 @@ class MotionState {
   const MotionPairs& pairs_;
   const std::size_t stride_;
   bool has_mimics_ = false;
-  std::vector<double> from_, to_, positions_;
+  std::vector<double> from_, to_, deviation_, positions_;
   double at_ = 0.0, half_width_ = 0.0;
   std::uint64_t now_ = 0, begun_ = 0;  // stamps: of the configuration, of the motion
   std::vector<BodyState> bodies_;

@@ -152,7 +152,9 @@ PairCover::Outcome PairCover::measure(double at, OpenPair& open, Cover& cover) {
   const bool rigid = isRigid(open.pair);
   const int frame = rigid ? open.frame : -1;
   const MotionBound bound_a = state_.bound(a, frame), bound_b = state_.bound(b, frame);
-  moving.slack += bound_a.rounding + bound_b.rounding;
+  moving.deviation =
+      ROUNDED_UP * (rigid ? 1.0 : LOOSE_SPEED) * (bound_a.deviation + bound_b.deviation);
+  moving.slack += bound_a.rounding + bound_b.rounding + moving.deviation;
   if (rigid) {
     moving.bound.speed = ROUNDED_UP * (bound_a.speed + bound_b.speed);
     moving.bound.acceleration = ROUNDED_UP * (bound_a.acceleration + bound_b.acceleration);
@@ -302,8 +304,9 @@ PairCover::Outcome PairCover::byShapes(Question& question) {
   const bool can_be_cut = motion > 0.5 * resolution_ && motion < INF &&
                           std::max(question.before, question.after) > SHORTEST_WAY;
   if (!can_be_cut) return Outcome::GIVEN_UP;
-  const bool is_nearer =
-      found.certainty == Certainty::EXACT && found.distance + error < open.clearance;
+  // Or its deviation takes it there: no finer search can certify this configuration.
+  const bool is_nearer = found.certainty == Certainty::EXACT &&
+                         found.distance + error - 2.0 * moving.deviation < open.clearance;
   return is_nearer ? Outcome::NEARER : Outcome::OPEN;
 }
 

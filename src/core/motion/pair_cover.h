@@ -45,7 +45,8 @@ class PairCover {
   enum class Outcome {
     COVERED,   ///< its whole way is free
     OPEN,      ///< the part given by `cover` is free
-    NEARER,    ///< the same, but at the configuration it is certainly nearer than its clearance
+    NEARER,    ///< the same, but at the configuration it is, or deviates to where it may be, nearer
+               ///< than its clearance
     GIVEN_UP,  ///< its remaining motion is finer than the resolution
     CONTACT    ///< in contact
   };

@@ -14,8 +14,9 @@ namespace collision_pairs {
 struct MovingPair {
   Eigen::Vector3d p_AB_W;  ///< from the centre of A's sphere to that of B's
   Twist twist_a, twist_b;
-  MotionBound bound;     ///< of both together, rounded up
-  double slack = 0.0;    ///< metres: largest error of a distance due to rounding
+  MotionBound bound;  ///< of both together, rounded up
+  /// Metres: largest error of a distance due to rounding and deviations, and the latters' share.
+  double slack = 0.0, deviation = 0.0;
   double padding = 0.0;  ///< metres
 };
 

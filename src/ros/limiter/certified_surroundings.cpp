@@ -1,0 +1,168 @@
+#include "certified_surroundings.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace collision_pairs {
+namespace {
+
+constexpr double RESOLUTION = 5e-4;  // m: a pair that keeps this much more than asked is certified
+
+}  // namespace
+
+CertifiedSurroundings::CertifiedSurroundings(std::shared_ptr<const CollisionScene> scene,
+                                             const std::vector<std::string>& joints,
+                                             Fidelity fidelity)
+    : scene_(std::move(scene)),
+      columns_(joints, scene_->robot()),
+      fidelity_(fidelity),
+      motions_(scene_),
+      detector_(scene_),
+      gradient_(*scene_, columns_),
+      rates_(joints.size()) {
+  for (const std::string& name : joints) joint_ids_.push_back(scene_->robot().findJoint(name));
+}
+
+void CertifiedSurroundings::setState(RobotState state) {
+  state_ = std::move(state);
+  const RobotModel& robot = scene_->robot();
+  robot.applyMimics(state_.positions);
+  X_WB_.resize(robot.bodies().size());
+  for (std::size_t i = 0; i < robot.bodies().size(); ++i) {
+    const Body& body = robot.bodies()[i];
+    const bool is_placed = i < state_.placed.size() && state_.placed[i].has_value();
+    if (body.parent < 0) {
+      X_WB_[i] = is_placed ? *state_.placed[i] : body.X_PJ;
+    } else if (is_placed) {
+      X_WB_[i] = X_WB_[body.parent] * *state_.placed[i];
+    } else {
+      robot.placeBody(static_cast<int>(i), X_WB_[body.parent], state_.positions[body.joint],
+                      X_WB_[i]);
+    }
+  }
+  scene_->gatherPoses(X_WB_, poses_);
+  poses_.voxels = state_.voxels;
+}
+
+Surroundings::Certificate CertifiedSurroundings::certify(const StoppingTube& tube, double clearance,
+                                                         double growth) {
+  JointMotion motion;
+  motion.from = motion.to = state_.positions;
+  motion.deviation.assign(motion.from.size(), 0.0);
+  for (std::size_t i = 0; i < joint_ids_.size(); ++i) {
+    motion.from[joint_ids_[i]] += tube.from[i];
+    motion.to[joint_ids_[i]] += tube.to[i];
+    motion.deviation[joint_ids_[i]] = tube.deviation[i];
+  }
+  MotionSettings settings;
+  settings.fidelity = fidelity_;
+  settings.clearance = clearance;
+  settings.beside_objects = growth;
+  settings.resolution = RESOLUTION;
+  settings.only_free = settings.only_moved = true;
+  const MotionReport& report = motions_.check(motion, settings, state_.placed, state_.voxels);
+  Certificate certificate;
+  certificate.is_free = report.verdict == Verdict::FREE;
+  if (certificate.is_free) return certificate;
+  certificate.why = report.unchecked;
+  if (!report.pairs.empty()) {
+    certificate.first = scene_->models()[report.pairs.front().first].name;
+    certificate.second = scene_->models()[report.pairs.front().second].name;
+  }
+  return certificate;
+}
+
+// The joints of a link turn one after the other, the nearest to the link first, each about its
+// present axis: so each moves a point by at most its angle times the point's present radius.
+double CertifiedSurroundings::travel(const StoppingTube& tube) {
+  const RobotModel& robot = scene_->robot();
+  std::vector<double> moved(robot.joints().size(), 0.0);
+  for (std::size_t i = 0; i < joint_ids_.size(); ++i) {
+    moved[joint_ids_[i]] =
+        std::max(std::abs(tube.from[i]), std::abs(tube.to[i])) + tube.deviation[i];
+  }
+  std::vector<double> zeros(moved.size(), 0.0);
+  robot.applyMimics(zeros);
+  robot.applyMimics(moved);
+  double most = 0.0;
+  for (std::uint32_t i = scene_->nbStaticElements(); i < scene_->endOfMovingElements(); ++i) {
+    const SceneElement& element = scene_->elements()[i];
+    if (element.body < 0) continue;
+    int body = scene_->bodies()[element.body].body;
+    const Eigen::Vector3d center = X_WB_[body] * element.X_BE * element.box_center;
+    const double radius = element.box_half.norm();
+    double sum = 0.0;
+    for (; body >= 0; body = robot.bodies()[body].parent) {
+      const int id = robot.bodies()[body].joint;
+      if (id < 0) continue;
+      const double way = std::abs(moved[id] - zeros[id]);
+      if (way == 0.0) continue;
+      const Joint& joint = robot.joints()[id];
+      const Eigen::Vector3d axis_W = X_WB_[body].linear() * joint.axis;
+      sum += joint.type == JointType::PRISMATIC
+                 ? way
+                 : way * (axis_W.cross(center - X_WB_[body].translation()).norm() + radius);
+    }
+    most = std::max(most, sum);
+  }
+  return most;
+}
+
+// From both links up to their common ancestor: a parent has the smaller index.
+bool CertifiedSurroundings::moves(const PairReport& pair,
+                                  const std::vector<double>& direction) const {
+  const auto& bodies = scene_->robot().bodies();
+  const auto bodyOf = [&](std::uint32_t model) {
+    const int body = scene_->models()[model].body;
+    return body < 0 ? -1 : scene_->bodies()[body].body;
+  };
+  int first = bodyOf(pair.first), second = bodyOf(pair.second);
+  while (first != second) {
+    int& later = first > second ? first : second;
+    const int joint = bodies[later].joint;
+    const int column = joint < 0 ? -1 : columns_.sourceOf(joint).column;
+    if (column >= 0 && direction[column] != 0.0) return true;
+    later = bodies[later].parent;
+  }
+  return false;
+}
+
+bool CertifiedSurroundings::isRobot(const PairReport& pair) const {
+  const auto& models = scene_->models();
+  return models[pair.first].body >= 0 && models[pair.second].body >= 0;
+}
+
+bool CertifiedSurroundings::nearPairs(double reach, const std::vector<double>& direction,
+                                      std::vector<NearPair>& pairs, std::string& why) {
+  CheckSettings settings;
+  settings.alarm_distance = reach;
+  settings.fidelity = fidelity_;
+  const CollisionReport& report = detector_.detect(poses_, settings);
+  const auto& models = scene_->models();
+  if (!report.left_out.empty()) {
+    why = models[report.left_out.front()].name + " is not known";
+    return false;
+  }
+  if (!report.unchecked.empty()) {
+    why = report.unchecked;
+    return false;
+  }
+  pairs.clear();
+  for (const PairReport& pair : report.pairs) {
+    if (!moves(pair, direction)) continue;
+    NearPair found{models[pair.first].name, models[pair.second].name, pair.distance,
+                   std::numeric_limits<double>::quiet_NaN(), isRobot(pair)};
+    if (gradient_.compute(pair, report, X_WB_, rates_.data())) {
+      found.derivative = 0.0;
+      for (std::size_t i = 0; i < rates_.size(); ++i) found.derivative += rates_[i] * direction[i];
+    }
+    pairs.push_back(std::move(found));
+  }
+  std::sort(pairs.begin(), pairs.end(),
+            [](const NearPair& a, const NearPair& b) { return a.distance < b.distance; });
+  return true;
+}
+
+}  // namespace collision_pairs

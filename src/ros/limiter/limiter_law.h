@@ -1,0 +1,106 @@
+// The law of the velocity limiter: how much of a velocity command may pass.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "collision_pairs/collision_report.h"
+#include "stopping_tube.h"
+
+namespace collision_pairs {
+
+struct LimiterSettings {
+  /// Rad/s^2 or m/s^2, > 0, one per joint of the command: see RobotResponse.
+  std::vector<double> deceleration;
+  double reaction_time = 0.1;  ///< s, >= 0: see RobotResponse
+  /// Seconds, > 0: if no command arrives for this long, zeros are passed, once. A command must be
+  /// safe for as long: see RobotResponse::hold.
+  double command_timeout = 0.2;
+  double max_joint_state_age = 0.1;  ///< s: with older positions everything is stopped
+  double stop_distance = 0.01;       ///< metres, >= 0, that are left when the robot stands
+  /// Metres per second, >= 0, at which obstacles may approach: until the robot stands.
+  double obstacle_speed = 0.0;
+  /// 0 to 1: of a command that leads away from all that is near.
+  double retreat_scale = 0.2;
+  double ramp_up = 2.0;  ///< per second, > 0: the scale rises at most this fast; it falls at once
+};
+
+/// Two models that are near each other.
+struct NearPair {
+  std::string first, second;
+  double distance = 0.0;  ///< metres, signed
+  /// Of the distance by time, under the command asked about: m/s. NaN: unknown.
+  double derivative = 0.0;
+  bool is_robot = false;  ///< the robot carries both
+};
+
+/// What the law asks about the robot's surroundings, for one state of the robot and the scene.
+class Surroundings {
+ public:
+  virtual ~Surroundings() = default;
+
+  struct Certificate {
+    bool is_free = false;
+    std::string first, second;  ///< else a pair that could not be certified, if it is one
+    std::string why;            ///< else why not, in words
+  };
+  /// Whether no pair that the joints of the command move comes nearer than `clearance` metres
+  /// anywhere in the tube; one with anything that the robot does not carry: `growth` more.
+  virtual Certificate certify(const StoppingTube& tube, double clearance, double growth) = 0;
+
+  /// Upper bound of how much nearer a pair can come anywhere in the tube, metres.
+  virtual double travel(const StoppingTube& tube) = 0;
+
+  /// All pairs that the direction moves relative to each other and that are no further apart than
+  /// `reach`, nearest first. False, with the reason, if
+  /// something is not known.
+  virtual bool nearPairs(double reach, const std::vector<double>& direction,
+                         std::vector<NearPair>& pairs, std::string& why) = 0;
+};
+
+struct LimiterInput {
+  double now = 0.0;            ///< seconds, as all times; not before that of the last decision
+  double stamp = 0.0;          ///< of the joint positions; <= now
+  double obstacles_age = 0.0;  ///< seconds, >= 0: of the oldest information on what moves
+  std::vector<double> command;
+};
+
+struct LimiterDecision {
+  std::vector<double> command;  ///< to be passed
+  double scale = 0.0;
+  /// FREE: the stopping path of what is passed is certified. COLLISION: the robot is in contact.
+  Verdict verdict = Verdict::UNKNOWN;
+  std::string first, second;  ///< the pair that limits; empty: none
+  double distance = 0.0;      ///< its distance, metres, if known (see has_distance)
+  bool has_distance = false;
+  std::string reason;  ///< empty: the whole command passes
+};
+
+/// Passes a command at the largest scale, found with a few certificates, at which the robot's whole
+/// stopping path is certified. Zeros are always passed: the certificate of what was passed before
+/// covers them. Keeps the commands that it passed, and the scale; everything else is an input.
+class LimiterLaw {
+ public:
+  explicit LimiterLaw(const LimiterSettings& settings);
+
+  LimiterDecision decide(const LimiterInput& input, Surroundings& surroundings);
+  /// Zeros, for a reason that the caller knows.
+  LimiterDecision stop(double now, const std::string& reason);
+
+  const LimiterSettings& settings() const { return settings_; }
+
+ private:
+  struct Question;
+  std::string whyRefused(const LimiterInput& input) const;
+  bool isCertified(Question& question, double scale);
+  double largestScale(Question& question, double most);
+  double retreatScale(Question& question, double most);
+  bool mayRetreat(Question& question, double scale, const std::vector<NearPair>& pairs);
+  double growth(const LimiterInput& input, const StoppingTube& tube) const;
+
+  LimiterSettings settings_;
+  PassedCommands passed_;
+  double scale_ = 1.0, scale_time_ = 0.0;  // the last one, and when
+};
+
+}  // namespace collision_pairs

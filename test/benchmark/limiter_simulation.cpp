@@ -1,0 +1,542 @@
+#include "limiter_simulation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "collision_pairs/occupied_voxels.h"
+#include "demo_scene.h"
+#include "joint_sampler.h"
+#include "motion_scenes.h"
+
+namespace collision_pairs {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double STEP = 0.001;         // s of the robot
+constexpr double CHECK_EVERY = 0.004;  // s between exact checks
+constexpr double MOVER_SIZE = 0.12, VOXEL_SIZE = 0.05;
+constexpr double VIEW_EVERY = 0.033;  // s between views of the moving box
+const char* const CLOUD = "camera";
+
+constexpr double ALARM = 0.02;   // m
+constexpr double NEARER = 1e-8;  // m: a change that counts
+
+std::shared_ptr<const RobotModel> moverRobot() {
+  std::string xml =
+      emptyLink("start") + emptyLink("along_x") + emptyLink("along_y") + boxLink("box", MOVER_SIZE);
+  const char* const links[] = {"start", "along_x", "along_y", "box"};
+  const char* const axes[] = {"1 0 0", "0 1 0", "0 0 1"};
+  for (int i = 0; i < 3; ++i) {
+    xml += joint(std::string(1, "xyz"[i]), "prismatic", links[i], links[i + 1], "0 0 0",
+                 std::string("<axis xyz='") + axes[i] + "'/><limit lower='-9' upper='9'/>");
+  }
+  return robotFrom(xml);
+}
+
+/// Every voxel that the box touches.
+std::shared_ptr<const OccupiedVoxels> voxelsOf(const Vector3d& center) {
+  std::vector<VoxelCell> cells;
+  const Eigen::Array3d half = Eigen::Array3d::Constant(0.5 * MOVER_SIZE + 1e-9);
+  const Eigen::Array3i low = ((center.array() - half) / VOXEL_SIZE).floor().cast<int>();
+  const Eigen::Array3i high = ((center.array() + half) / VOXEL_SIZE).floor().cast<int>();
+  for (int x = low[0]; x <= high[0]; ++x) {
+    for (int y = low[1]; y <= high[1]; ++y) {
+      for (int z = low[2]; z <= high[2]; ++z) cells.emplace_back(x, y, z);
+    }
+  }
+  return std::make_shared<const OccupiedVoxels>(VOXEL_SIZE, cells);
+}
+
+double distanceOf(const std::map<std::pair<std::uint32_t, std::uint32_t>, double>& near) {
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const auto& [pair, distance] : near) nearest = std::min(nearest, distance);
+  return nearest;
+}
+
+double lengthOf(const std::vector<double>& v) {
+  double sum = 0.0;
+  for (const double x : v) sum += x * x;
+  return std::sqrt(sum);
+}
+
+}  // namespace
+
+SimulatedJoints::SimulatedJoints(std::vector<double> positions, std::vector<double> acceleration)
+    : positions_(std::move(positions)),
+      velocities_(positions_.size(), 0.0),
+      wanted_(positions_.size(), 0.0),
+      acceleration_(std::move(acceleration)) {}
+
+void SimulatedJoints::command(double time, std::vector<double> velocities) {
+  if (!coming_.empty()) time = std::max(time, coming_.back().time);
+  coming_.push_back({time, std::move(velocities)});
+}
+
+bool SimulatedJoints::stand() const { return lengthOf(velocities_) == 0.0; }
+
+void SimulatedJoints::step(double now, double seconds) {
+  while (!coming_.empty() && coming_.front().time <= now) {
+    wanted_ = coming_.front().velocities;
+    coming_.pop_front();
+  }
+  for (std::size_t i = 0; i < positions_.size(); ++i) {
+    const double change = wanted_[i] - velocities_[i];
+    const double changing = std::min(seconds, std::abs(change) / acceleration_[i]);
+    const double after = changing < seconds
+                             ? wanted_[i]
+                             : velocities_[i] + std::copysign(acceleration_[i] * seconds, change);
+    positions_[i] += 0.5 * (velocities_[i] + after) * changing + wanted_[i] * (seconds - changing);
+    velocities_[i] = after;
+  }
+}
+
+void SimulationResult::add(const SimulationResult& other) {
+  seconds += other.seconds;
+  nb_contacts += other.nb_contacts;
+  nearest = std::min(nearest, other.nearest);
+  nb_stops += other.nb_stops;
+  nb_commands += other.nb_commands;
+  passed += other.passed;
+  asked += other.asked;
+  nb_retreats += other.nb_retreats;
+  nb_retreats_slowed += other.nb_retreats_slowed;
+}
+
+std::vector<std::string> limitedJoints(const BenchmarkRobot& robot) {
+  const std::string suffix = "_joint";
+  if (robot.name == "ur5") {
+    return {"shoulder_pan_joint", "shoulder_lift_joint", "elbow_joint",
+            "wrist_1_joint",      "wrist_2_joint",       "wrist_3_joint"};
+  }
+  std::vector<std::string> joints;
+  if (robot.name == "panda") {
+    for (int i = 1; i <= 7; ++i) joints.push_back("panda_joint" + std::to_string(i));
+    return joints;
+  }
+  if (robot.name == "demo") {
+    return {"shoulder_pan", "shoulder_lift", "upper_arm_roll", "elbow_flex",
+            "forearm_roll", "wrist_flex",    "wrist_roll"};
+  }
+  for (const std::string side : {"l_", "r_"}) {
+    for (const char* name : {"shoulder_pan", "shoulder_lift", "upper_arm_roll", "elbow_flex",
+                             "forearm_roll", "wrist_flex", "wrist_roll"}) {
+      joints.push_back(side + name + suffix);
+    }
+  }
+  return joints;
+}
+
+/// A box that crosses the robot's surroundings at less than the obstacle speed, and turns back
+/// where it would leave them or has run into a robot that stands.
+class LimiterScene::Mover {
+ public:
+  Mover(double speed, RandomInputs& random) : random_(random), speed_(speed) {
+    position_ = random.vector(-1.0, 1.0).normalized() * 1.3 + Vector3d(0, 0, 0.5);
+    turn();
+  }
+  void step(double seconds) {
+    if (speed_ == 0.0) return;
+    position_ += seconds * velocity_;
+    if ((position_ - Vector3d(0, 0, 0.5)).norm() > 1.5 || random_.uniform(0, 1) < 0.2 * seconds)
+      turn();
+  }
+  void turnBack(double seconds) {
+    position_ -= seconds * velocity_;
+    turn();
+  }
+  const Vector3d& position() const { return position_; }
+
+ private:
+  void turn() {
+    const Vector3d goal = random_.vector(-0.6, 0.6) + Vector3d(0, 0, 0.5);
+    velocity_ = speed_ * random_.uniform(0.2, 0.99) * (goal - position_).normalized();
+  }
+  RandomInputs& random_;
+  const double speed_;
+  Vector3d position_, velocity_;
+};
+
+/// Jumps, reversals, sinusoids, ways to random states, rests.
+class LimiterScene::Commands {
+ public:
+  Commands(const LimiterScene& scene, RandomInputs& random)
+      : scene_(scene), random_(random), base_(scene.joints_.size(), 0.0) {}
+
+  std::vector<double> at(double now, const std::vector<double>& q) {
+    if (now >= until_) choose(now);
+    const double most = scene_.options_.max_speed;
+    std::vector<double> command = base_;
+    for (std::size_t i = 0; i < command.size(); ++i) {
+      if (kind_ == Kind::SINUSOID)
+        command[i] *= std::sin(frequency_ * now + static_cast<double>(i));
+      if (kind_ == Kind::GOAL) command[i] = 2.0 * (goal_[i] - q[i]);
+      // Not far beyond the limits of the joint.
+      if (q[i] < scene_.lower_[i]) command[i] = std::abs(command[i]);
+      if (q[i] > scene_.upper_[i]) command[i] = -std::abs(command[i]);
+    }
+    double largest = 0.0;
+    for (const double x : command) largest = std::max(largest, std::abs(x));
+    if (largest > most) {
+      for (double& x : command) x *= most / largest;
+    }
+    return command;
+  }
+  bool isSilent() const { return kind_ == Kind::SILENCE; }
+
+ private:
+  enum class Kind { JUMP, REVERSAL, SINUSOID, GOAL, REST, SILENCE };
+  void choose(double now) {
+    const double draw = random_.uniform(0, 1);
+    kind_ = draw < 0.3    ? Kind::JUMP
+            : draw < 0.5  ? Kind::REVERSAL
+            : draw < 0.65 ? Kind::SINUSOID
+            : draw < 0.9  ? Kind::GOAL
+            : draw < 0.94 ? Kind::REST
+                          : Kind::SILENCE;
+    until_ = now + random_.uniform(0.1, kind_ == Kind::GOAL ? 3.0 : 1.0);
+    frequency_ = random_.uniform(2.0, 20.0);
+    goal_ = scene_.drawState(random_);
+    const double speed = scene_.options_.max_speed * random_.uniform(0.1, 1.0);
+    for (double& x : base_) {
+      if (kind_ == Kind::REVERSAL) {
+        x = -x;
+      } else {
+        x = kind_ == Kind::REST || random_.integer(0, 2) == 0 ? 0.0
+                                                              : random_.uniform(-speed, speed);
+      }
+    }
+  }
+  const LimiterScene& scene_;
+  RandomInputs& random_;
+  Kind kind_ = Kind::REST;
+  double until_ = 0.0, frequency_ = 1.0;
+  std::vector<double> base_, goal_;
+};
+
+LimiterScene::LimiterScene(const BenchmarkRobot& robot, std::vector<std::string> joints,
+                           std::uint64_t index, const SimulationOptions& options)
+    : joints_(std::move(joints)), options_(options), zero_(robot.robot->zeroPositions()) {
+  SceneDescription description;
+  description.robots.push_back({robot.robot, robot.srdf, ""});
+  description.objects = clutter(robot, index, options.nb_things);
+  if (options.obstacle_speed > 0.0) {
+    description.clouds.push_back(cloudOf(CLOUD, VOXEL_SIZE, {}));
+  }
+  seen_ = CollisionScene::build(description);
+  description.clouds.clear();
+  if (options.obstacle_speed > 0.0) {
+    description.robots.push_back({moverRobot(), std::nullopt, "mover"});
+  }
+  truth_ = CollisionScene::build(description);
+  detector_ = std::make_unique<CollisionDetector>(truth_);
+  const JointSampler sampler(robot.robot, 1);
+  for (const std::string& name : joints_) {
+    const auto& range = sampler.ranges()[robot.robot->findJoint(name)];
+    lower_.push_back(std::max(range.lower, -3.0));
+    upper_.push_back(std::min(range.upper, 3.0));
+  }
+}
+
+LimiterSettings LimiterScene::settings() const {
+  LimiterSettings settings;
+  settings.deceleration.assign(joints_.size(), options_.deceleration);
+  settings.reaction_time = options_.reaction_time;
+  settings.command_timeout = options_.command_timeout;
+  settings.obstacle_speed = options_.obstacle_speed;
+  return settings;
+}
+
+std::vector<double> LimiterScene::allPositions(const std::vector<double>& q) const {
+  std::vector<double> all = zero_;
+  for (std::size_t i = 0; i < q.size(); ++i) all[seen_->robot().findJoint(joints_[i])] = q[i];
+  seen_->robot().applyMimics(all);
+  return all;
+}
+
+std::vector<double> LimiterScene::drawState(RandomInputs& random) const {
+  std::vector<double> q(joints_.size());
+  for (std::size_t i = 0; i < q.size(); ++i) q[i] = random.uniform(lower_[i], upper_[i]);
+  return q;
+}
+
+std::vector<double> LimiterScene::freeState(RandomInputs& random, double clearance,
+                                            const Vector3d& mover) {
+  for (;;) {
+    std::vector<double> q = drawState(random);
+    if (distanceAt(q, mover, clearance) > clearance) return q;
+  }
+}
+
+double LimiterScene::distanceAt(const std::vector<double>& q, const Vector3d& mover,
+                                double alarm_distance) {
+  return distanceOf(nearPairs(q, mover, alarm_distance));
+}
+
+bool LimiterScene::isMoved(const PairReport& pair) const {
+  const auto& bodies = truth_->robot().bodies();
+  const auto bodyOf = [&](std::uint32_t model) {
+    const int body = truth_->models()[model].body;
+    return body < 0 ? -1 : truth_->bodies()[body].body;
+  };
+  int first = bodyOf(pair.first), second = bodyOf(pair.second);
+  while (first != second) {
+    int& later = first > second ? first : second;
+    const int joint = bodies[later].joint;
+    if (joint >= 0) {
+      const std::string& name = truth_->robot().joints()[joint].name;
+      if (std::find(joints_.begin(), joints_.end(), name) != joints_.end()) return true;
+    }
+    later = bodies[later].parent;
+  }
+  return false;
+}
+
+std::map<std::pair<std::uint32_t, std::uint32_t>, double> LimiterScene::nearPairs(
+    const std::vector<double>& q, const Vector3d& mover, double alarm_distance) {
+  std::vector<double> all = truth_->robot().zeroPositions();
+  for (std::size_t i = 0; i < q.size(); ++i) all[truth_->robot().findJoint(joints_[i])] = q[i];
+  if (options_.obstacle_speed > 0.0) {
+    for (int i = 0; i < 3; ++i) {
+      all[truth_->robot().findJoint(std::string("mover/") + "xyz"[i])] = mover[i];
+    }
+  }
+  truth_->robot().applyMimics(all);
+  truth_->robot().forwardKinematics(all, X_WB_);
+  truth_->gatherPoses(X_WB_, poses_);
+  CheckSettings settings;
+  settings.alarm_distance = alarm_distance;
+  std::map<std::pair<std::uint32_t, std::uint32_t>, double> near;
+  for (const PairReport& pair : detector_->detect(poses_, settings).pairs) {
+    if (isMoved(pair)) near[{pair.first, pair.second}] = pair.distance;
+  }
+  return near;
+}
+
+// What the robot did between two checks, with the box where it is now.
+bool LimiterScene::judge(const std::vector<double>& before, const std::vector<double>& now,
+                         const Vector3d& mover, SimulationResult& result) {
+  const auto near = nearPairs(now, mover, ALARM);
+  if (near.empty() || before == now) return !near.empty() && distanceOf(near) <= 0.0;
+  const auto was = nearPairs(before, mover, ALARM + 0.05);
+  for (const auto& [pair, distance] : near) {
+    const auto found = was.find(pair);
+    const double earlier = found == was.end() ? ALARM + 0.05 : found->second;
+    if (!(distance < earlier - NEARER)) continue;
+    result.nearest = std::min(result.nearest, distance);
+    if (distance <= 0.0 && earlier > 0.0) ++result.nb_contacts;
+  }
+  return distanceOf(near) <= 0.0;
+}
+
+SimulationResult LimiterScene::run(const Limiter& limiter, RandomInputs& random, double seconds) {
+  SimulationResult result;
+  result.seconds = seconds;
+  Mover mover(options_.obstacle_speed, random);
+  Commands commands(*this, random);
+  std::vector<double> acceleration(joints_.size());
+  for (double& a : acceleration) a = options_.deceleration * random.uniform(1.0, 4.0);
+  const bool is_slowest = random.integer(0, 1) == 0;
+  if (is_slowest) acceleration.assign(joints_.size(), options_.deceleration);
+  SimulatedJoints robot(freeState(random, 0.0135, mover.position()), acceleration);
+  // Dead times change with every command, between a bound of this run and the reaction time.
+  const double shortest = random.uniform(0.0, 1.0) * options_.reaction_time;
+  const double state_period = 1.0 / random.uniform(50.0, 250.0);
+  const double command_period = 1.0 / random.uniform(30.0, 250.0);
+  CertifiedSurroundings probe(seen_, joints_, Fidelity::MESH);
+
+  struct Measured {
+    double known_from, stamp;
+    std::vector<double> positions;
+  };
+  std::deque<Measured> coming;
+  LimiterView view{0.0, 0.0, 0.0, {}, {}};
+  std::vector<double> newest = robot.positions(), checked = robot.positions();
+  double next_state = 0.0, next_command = 0.0, next_view = 0.0, next_check = 0.0, viewed = 0.0;
+  double last_command = 0.0, view_stops_until = 0.0;
+  bool has_passed_zeros = true;
+  Vector3d seen_at = mover.position();
+  const long nb_steps = std::lround(seconds / STEP);
+  for (long i = 0; i < nb_steps; ++i) {
+    const double now = static_cast<double>(i) * STEP;
+    if (now >= next_state) {
+      next_state = now + state_period;
+      const bool is_lost = options_.disturbed && random.uniform(0, 1) < 0.2;
+      const double most = options_.disturbed && random.uniform(0, 1) < 0.1 ? 0.15 : 0.01;
+      if (!is_lost) coming.push_back({now + random.uniform(0.0, most), now, robot.positions()});
+    }
+    for (auto it = coming.begin(); it != coming.end();) {
+      if (it->known_from > now) {
+        ++it;
+        continue;
+      }
+      if (it->stamp > view.stamp) {  // the newest, in whatever order they come
+        view.stamp = it->stamp;
+        newest = it->positions;
+      }
+      it = coming.erase(it);
+    }
+    if (now >= next_view && now >= view_stops_until) {
+      next_view = now + VIEW_EVERY;
+      if (options_.disturbed && random.uniform(0, 1) < 0.01) view_stops_until = now + 1.0;
+      viewed = now;
+      seen_at = mover.position();
+    }
+    if (now >= next_command) {
+      next_command = now + command_period;
+      const std::vector<double> wanted = commands.at(now, robot.positions());
+      view.now = now;
+      view.obstacles_age = options_.obstacle_speed > 0.0 ? now - viewed : 0.0;
+      view.state.positions = allPositions(newest);
+      view.state.voxels.clear();
+      if (options_.obstacle_speed > 0.0) view.state.voxels = {voxelsOf(seen_at)};
+      std::vector<double> passed;
+      if (!commands.isSilent()) {
+        last_command = now;
+        view.command = wanted;
+        if (options_.disturbed && random.uniform(0, 1) < 0.01) view.command[0] = NAN;
+        // A cloud that is too old is not known: the node says so.
+        if (options_.disturbed && view.obstacles_age > 0.5) view.state.voxels = {nullptr};
+        passed = limiter(view);
+        has_passed_zeros = false;
+        note(view, passed, probe, result);
+      } else if (!has_passed_zeros &&
+                 now - last_command >= options_.command_timeout - command_period) {
+        has_passed_zeros = true;
+        view.command.assign(joints_.size(), 0.0);
+        passed = limiter(view);
+      }
+      if (!passed.empty()) {
+        robot.command(
+            now + random.uniform(shortest, std::max(options_.reaction_time - STEP, shortest)),
+            std::move(passed));
+      }
+    }
+    robot.step(now, STEP);
+    mover.step(STEP);
+    if (now >= next_check) {
+      next_check = now + CHECK_EVERY;
+      const bool touches = judge(checked, robot.positions(), mover.position(), result);
+      checked = robot.positions();
+      if (touches && options_.obstacle_speed > 0.0) mover.turnBack(0.05);
+    }
+  }
+  return result;
+}
+
+double LimiterScene::secondsTo(const std::vector<double>& from, const std::vector<double>& to,
+                               const Limiter& limiter) {
+  constexpr double PERIOD = 0.008, DEAD_TIME = 0.05, LONGEST = 60.0, THERE = 0.02, GAIN = 4.0;
+  SimulatedJoints robot(from, std::vector<double>(from.size(), options_.deceleration));
+  LimiterView view{0.0, 0.0, 0.0, {}, {}};
+  for (long i = 0; static_cast<double>(i) * STEP < LONGEST; ++i) {
+    const double now = static_cast<double>(i) * STEP;
+    double left = 0.0;
+    for (std::size_t j = 0; j < to.size(); ++j) {
+      left = std::max(left, std::abs(to[j] - robot.positions()[j]));
+    }
+    if (left < THERE) return now;
+    if (i % std::lround(PERIOD / STEP) == 0) {
+      view.command.clear();
+      const double speed = std::min(options_.max_speed, GAIN * left);
+      for (std::size_t j = 0; j < to.size(); ++j) {
+        view.command.push_back(speed * (to[j] - robot.positions()[j]) / left);
+      }
+      view.now = view.stamp = now;
+      view.state.positions = allPositions(robot.positions());
+      robot.command(now + DEAD_TIME, limiter(view));
+    }
+    robot.step(now, STEP);
+  }
+  return std::numeric_limits<double>::infinity();
+}
+
+bool LimiterScene::driveToAStop(RandomInputs& random, const Limiter& limiter,
+                                std::vector<double>& stop) {
+  constexpr double PERIOD = 0.01, LONGEST = 10.0, STANDS_FOR = 0.5;
+  SimulatedJoints robot(freeState(random, 0.0135),
+                        std::vector<double>(joints_.size(), options_.deceleration));
+  LimiterView view{0.0, 0.0, 0.0, {}, {}};
+  for (std::size_t j = 0; j < joints_.size(); ++j) {
+    view.command.push_back(random.uniform(-1.0, 1.0) * options_.max_speed);
+  }
+  double passed_at = 0.0;
+  for (double now = 0.0; now < LONGEST; now += PERIOD) {
+    view.now = view.stamp = now;
+    view.state.positions = allPositions(robot.positions());
+    std::vector<double> passed = limiter(view);
+    if (lengthOf(passed) > 0.0) passed_at = now;
+    robot.command(now + options_.reaction_time - PERIOD, std::move(passed));
+    for (double t = 0.0; t < PERIOD; t += STEP) robot.step(now + t, STEP);
+    stop = robot.positions();
+    if (now - passed_at > STANDS_FOR) return true;
+  }
+  return false;
+}
+
+void LimiterScene::note(const LimiterView& view, const std::vector<double>& passed,
+                        CertifiedSurroundings& probe, SimulationResult& result) {
+  const double asked = lengthOf(view.command), given = lengthOf(passed);
+  if (!(asked > 0.0)) return;
+  ++result.nb_commands;
+  result.asked += asked;
+  result.passed += given;
+  if (given == 0.0) ++result.nb_stops;
+  std::vector<NearPair> near;
+  std::string why;
+  probe.setState(view.state);
+  if (!probe.nearPairs(0.02, view.command, near, why) || near.empty()) return;
+  for (const NearPair& pair : near) {
+    if (!(pair.derivative > 0.0)) return;
+  }
+  ++result.nb_retreats;
+  if (given < 0.99 * asked) ++result.nb_retreats_slowed;
+}
+
+Limiter lawLimiter(std::shared_ptr<LimiterLaw> law,
+                   std::shared_ptr<CertifiedSurroundings> surroundings) {
+  return [law = std::move(law), surroundings = std::move(surroundings)](const LimiterView& view) {
+    surroundings->setState(view.state);
+    return law->decide({view.now, view.stamp, view.obstacles_age, view.command}, *surroundings)
+        .command;
+  };
+}
+
+Limiter servoLimiter(std::shared_ptr<CertifiedSurroundings> surroundings) {
+  constexpr double SELF = 0.01, SCENE = 0.02;  // m: its default thresholds
+  constexpr double PERIOD = 0.1;               // s: its default rate of checks is 10 Hz
+  struct State {
+    double checked = -1.0, scale = 1.0;
+  };
+  return [state = std::make_shared<State>(),
+          surroundings = std::move(surroundings)](const LimiterView& view) {
+    if (view.now - state->checked >= PERIOD) {
+      state->checked = view.now;
+      surroundings->setState(view.state);
+      std::vector<NearPair> near;
+      std::string why;
+      const std::vector<double> any(view.command.size(), 1.0);
+      surroundings->nearPairs(SCENE, any, near, why);
+      state->scale = 1.0;
+      const CollisionScene& scene = *surroundings->scene();
+      const auto isLink = [&](const std::string& name) {
+        const auto& model = scene.models()[scene.findModel(name)];
+        return model.body >= 0 && !model.is_object;
+      };
+      for (const NearPair& pair : near) {
+        const double threshold = isLink(pair.first) && isLink(pair.second) ? SELF : SCENE;
+        const double k = -std::log(0.001) / threshold;
+        if (pair.distance <= 0.0) state->scale = 0.0;
+        if (pair.distance >= threshold) continue;
+        state->scale = std::min(state->scale, std::exp(k * (pair.distance - threshold)));
+      }
+    }
+    std::vector<double> passed = view.command;
+    for (double& x : passed) x = std::isfinite(x) ? x * state->scale : 0.0;
+    return passed;
+  };
+}
+
+}  // namespace collision_pairs

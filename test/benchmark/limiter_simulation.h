@@ -1,0 +1,140 @@
+// A robot that follows velocity commands, among obstacles, in closed loop with a limiter.
+#pragma once
+
+#include <deque>
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "benchmark_robots.h"
+#include "certified_surroundings.h"
+#include "collision_pairs/collision_detector.h"
+#include "random_inputs.h"
+
+namespace collision_pairs {
+
+/// Joints that follow commands after a dead time, with a limited acceleration; exact within a step.
+class SimulatedJoints {
+ public:
+  SimulatedJoints(std::vector<double> positions, std::vector<double> acceleration);
+
+  /// In effect from `time` on, and not before those of earlier calls.
+  void command(double time, std::vector<double> velocities);
+  void step(double now, double seconds);
+
+  const std::vector<double>& positions() const { return positions_; }
+  bool stand() const;
+
+ private:
+  struct Coming {
+    double time;
+    std::vector<double> velocities;
+  };
+  std::vector<double> positions_, velocities_, wanted_, acceleration_;
+  std::deque<Coming> coming_;
+};
+
+/// What a limiter sees at one instant.
+struct LimiterView {
+  double now, stamp, obstacles_age;
+  std::vector<double> command;
+  RobotState state;
+};
+
+/// Returns what is passed.
+using Limiter = std::function<std::vector<double>(const LimiterView&)>;
+
+struct SimulationOptions {
+  double reaction_time = 0.1;
+  double command_timeout = 0.2;
+  double deceleration = 5.0;    ///< rad/s^2 that the limiter is told
+  double max_speed = 1.0;       ///< rad/s of a joint, of a command
+  double obstacle_speed = 0.0;  ///< m/s of a box that the limiter sees as a cloud; 0: there is none
+  int nb_things = 8;            ///< static objects
+  /// Joint states late, lost, out of order; commands that are not finite, or stop; views of
+  /// obstacles that stop.
+  bool disturbed = false;
+};
+
+struct SimulationResult {
+  double seconds = 0.0;
+  int nb_contacts = 0;  ///< times that the robot moved into contact
+  /// Metres: the smallest distance at which the robot moved a pair nearer.
+  double nearest = 1.0;
+  int nb_stops = 0;                             ///< commands that were stopped, of …
+  int nb_commands = 0;                          ///< … all that were not zero
+  double passed = 0.0;                          ///< integral of passed speed, of …
+  double asked = 0.0;                           ///< … that of the commands
+  int nb_retreats = 0, nb_retreats_slowed = 0;  ///< commands by which everything near gets further
+  void add(const SimulationResult& other);
+};
+
+/// One robot with one set of obstacles; the joints that may be commanded.
+class LimiterScene {
+ public:
+  LimiterScene(const BenchmarkRobot& robot, std::vector<std::string> joints, std::uint64_t index,
+               const SimulationOptions& options);
+
+  /// From a random state that keeps 3 cm. `seconds` of simulated time.
+  SimulationResult run(const Limiter& limiter, RandomInputs& random, double seconds);
+
+  /// Seconds until the robot, at rest in `from`, has come within 0.02 rad of `to`, driven straight
+  /// towards it; infinite after a minute.
+  double secondsTo(const std::vector<double>& from, const std::vector<double>& to,
+                   const Limiter& limiter);
+
+  /// Drives the robot from a random state in a random direction until nothing passes any more.
+  /// False if that does not happen within ten seconds.
+  bool driveToAStop(RandomInputs& random, const Limiter& limiter, std::vector<double>& stop);
+
+  const std::shared_ptr<const CollisionScene>& seen() const { return seen_; }
+  const std::vector<std::string>& joints() const { return joints_; }
+  const SimulationOptions& options() const { return options_; }
+  LimiterSettings settings() const;
+
+  /// All joints of the robot, with those of the command at `q`.
+  std::vector<double> allPositions(const std::vector<double>& q) const;
+  std::vector<double> drawState(RandomInputs& random) const;
+  /// One where the limited joints keep this clearance, metres.
+  std::vector<double> freeState(RandomInputs& random, double clearance,
+                                const Eigen::Vector3d& mover = Eigen::Vector3d(9, 9, 9));
+  /// Exact, of the pairs that the limited joints move; infinite beyond the alarm distance.
+  double distanceAt(const std::vector<double>& q, const Eigen::Vector3d& mover,
+                    double alarm_distance);
+
+ private:
+  class Mover;
+  class Commands;
+  using Near = std::map<std::pair<std::uint32_t, std::uint32_t>, double>;
+  Near nearPairs(const std::vector<double>& q, const Eigen::Vector3d& mover, double alarm_distance);
+  bool isMoved(const PairReport& pair) const;
+  /// True if something touches.
+  bool judge(const std::vector<double>& before, const std::vector<double>& now,
+             const Eigen::Vector3d& mover, SimulationResult& result);
+  static void note(const LimiterView& view, const std::vector<double>& passed,
+                   CertifiedSurroundings& probe, SimulationResult& result);
+
+  std::vector<std::string> joints_;
+  SimulationOptions options_;
+  std::shared_ptr<const CollisionScene> seen_, truth_;
+  std::unique_ptr<CollisionDetector> detector_;
+  std::vector<double> lower_, upper_, zero_;
+  std::vector<Eigen::Isometry3d> X_WB_;
+  BodyPoses poses_;
+};
+
+/// The joints of arms, by the name of the robot.
+std::vector<std::string> limitedJoints(const BenchmarkRobot& robot);
+
+/// Our law, for one run.
+Limiter lawLimiter(std::shared_ptr<LimiterLaw> law,
+                   std::shared_ptr<CertifiedSurroundings> surroundings);
+
+/// MoveIt Servo's (moveit_servo/src/collision_check.cpp): from the nearest distance at the joint
+/// state of the cycle, with its default thresholds.
+Limiter servoLimiter(std::shared_ptr<CertifiedSurroundings> surroundings);
+
+}  // namespace collision_pairs

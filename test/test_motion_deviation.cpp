@@ -1,0 +1,129 @@
+// Certificates of motions whose joints deviate, and the settings that the limiter uses.
+#include <gtest/gtest.h>
+
+#include "collision_pairs/collision_detector.h"
+#include "collision_pairs/input_error.h"
+#include "motion_fixtures.h"
+#include "random_inputs.h"
+#include "random_robot.h"
+
+namespace collision_pairs {
+namespace {
+
+double smallestDistance(const std::shared_ptr<const CollisionScene>& scene,
+                        const std::vector<double>& q) {
+  CheckSettings settings;
+  settings.min_distance = true;
+  std::vector<Eigen::Isometry3d> X_RB;
+  scene->robot().forwardKinematics(q, X_RB);
+  BodyPoses poses;
+  scene->gatherPoses(X_RB, poses);
+  return CollisionDetector(scene).detect(poses, settings).min_distance;
+}
+
+TEST(MotionDeviation, WhatIsCertifiedIsFreeWhereverTheJointsDeviateTo) {
+  RandomInputs random;
+  int nb_free = 0;
+  for (int round = 0; round < 400; ++round) {
+    const auto robot = randomRobot(random, random.integer(2, 6));
+    const auto scene = sceneOf(robot, {boxAt("box", random.vector(-0.8, 0.8), {0.2, 0.1, 0.3})});
+    JointMotion motion;
+    motion.from = motion.to = randomPositions(random, *robot);
+    motion.deviation.assign(motion.from.size(), 0.0);
+    for (std::size_t i = 0; i < motion.from.size(); ++i) {
+      motion.to[i] += random.uniform(-0.3, 0.3);
+      if (random.integer(0, 3) > 0) motion.deviation[i] = random.uniform(0.0, 0.1);
+    }
+    MotionSettings settings;
+    settings.clearance = random.integer(0, 1) ? 0.02 : 0.0;
+    settings.only_free = random.integer(0, 1) == 1;
+    if (random.integer(0, 4) == 0) settings.fidelity = Fidelity::OBB;
+    const MotionReport report = MotionCheck(scene).check(motion, settings);
+    if (report.verdict != Verdict::FREE) continue;
+    ++nb_free;
+    for (int k = 0; k < 60; ++k) {
+      const double f = random.uniform(0.0, 1.0);
+      std::vector<double> q = motion.from;
+      for (std::size_t i = 0; i < q.size(); ++i) {
+        const double sign = random.integer(0, 1) ? 1.0 : -1.0;
+        q[i] += f * (motion.to[i] - q[i]) + sign * motion.deviation[i];
+      }
+      robot->applyMimics(q);
+      ASSERT_GE(smallestDistance(scene, q), report.clearance - 1e-7) << "round " << round;
+    }
+  }
+  EXPECT_GT(nb_free, 60);
+}
+
+// The bar's end moves by 0.1 m: as much as a motion of the same size would.
+TEST(MotionDeviation, IsCertifiedUpToThePlaceThatItReaches) {
+  const auto scene = sceneOf(turningBar(), {boxAt("box", {0.9, 0.2, 0.0}, {0.1, 0.1, 0.1})});
+  MotionCheck check(scene);
+  const double reached = std::asin((0.2 - 0.05 - 0.01) / 1.0);  // of the bar's upper edge, about
+  JointMotion motion{{0.0}, {0.0}, {0.8 * reached}};
+  EXPECT_EQ(check.check(motion, {}).verdict, Verdict::FREE);
+  motion.deviation = {1.3 * reached};
+  EXPECT_EQ(check.check(motion, {}).verdict, Verdict::UNKNOWN);
+}
+
+TEST(MotionDeviation, ThatIsNotANumberForEachJointIsRefused) {
+  const auto scene = sceneOf(turningBar(), {boxAt("box", {3.0, 0.0, 0.0}, {0.1, 0.1, 0.1})});
+  MotionCheck check(scene);
+  for (const std::vector<double>& bad :
+       {std::vector<double>{0.1, 0.1}, {NAN_POSITION}, {-0.1}, {1.0 / 0.0}}) {
+    EXPECT_THROW(check.check({{0.0}, {0.1}, bad}, {}), InputError);
+  }
+  MotionSettings settings;
+  settings.beside_objects = -1.0;
+  EXPECT_THROW(check.check({{0.0}, {0.1}}, settings), InputError);
+}
+
+TEST(OnlyFree, EndsWithoutAContactButAgreesAboutFree) {
+  RandomInputs random;
+  const auto scene = sceneOf(turningBar(), {boxAt("box", {0.9, 0.3, 0.0}, {0.1, 0.1, 0.1})});
+  MotionCheck check(scene);
+  MotionSettings whole, only_free;
+  only_free.only_free = true;
+  whole.clearance = only_free.clearance = 0.01;
+  for (int i = 0; i < 300; ++i) {
+    const double from = random.uniform(-3.0, 3.0);
+    const JointMotion motion{{from}, {from + random.uniform(-1.0, 1.0)}};
+    const bool is_free = check.check(motion, whole).verdict == Verdict::FREE;
+    const MotionReport& report = check.check(motion, only_free);
+    EXPECT_EQ(report.verdict == Verdict::FREE, is_free);
+    EXPECT_EQ(report.pairs.size(), is_free ? 0u : 1u);
+  }
+}
+
+// A base that stands in its table.
+TEST(OnlyMoved, LeavesOutWhatTheMotionCannotChange) {
+  const auto robot =
+      robotFrom(boxLink("base", 0.4) + bar("arm", 1.0) + hinge("turn", "base", "arm", "0 0 0.5"));
+  const auto scene = sceneOf(robot, {boxAt("table", {0.0, 0.0, -0.3}, {2.0, 2.0, 0.3}),
+                                     boxAt("post", {0.7, 0.7, 0.5}, {0.1, 0.1, 0.1})});
+  MotionSettings settings;
+  settings.clearance = 0.01;
+  EXPECT_EQ(checked(scene, {0.0}, {-0.5}, settings).verdict, Verdict::COLLISION);
+  settings.only_moved = true;
+  EXPECT_EQ(checked(scene, {0.0}, {-0.5}, settings).verdict, Verdict::FREE);
+  EXPECT_NE(checked(scene, {0.0}, {1.0}, settings).verdict, Verdict::FREE);
+}
+
+TEST(BesideObjects, TheClearanceIsLargerThanBetweenLinks) {
+  const auto robot = robotFrom(slidingBoxes(2));
+  // Gaps of 0.2 m between the two, and to the wall.
+  const auto scene = sceneOf(robot, {boxAt("wall", {3.4, 0.0, 0.0}, {1.0, 1.0, 1.0})});
+  MotionSettings settings;
+  settings.clearance = 0.15;
+  EXPECT_EQ(checked(scene, {1.0, 2.2}, {1.0, 2.2}, settings).verdict, Verdict::FREE);
+  settings.beside_objects = 0.04;
+  EXPECT_EQ(checked(scene, {1.0, 2.2}, {1.0, 2.2}, settings).verdict, Verdict::FREE);
+  settings.beside_objects = 0.06;
+  const MotionReport report = checked(scene, {1.0, 2.2}, {1.0, 2.2}, settings);
+  EXPECT_EQ(report.verdict, Verdict::UNKNOWN);
+  ASSERT_EQ(report.pairs.size(), 1u);
+  EXPECT_EQ(scene->models()[report.pairs[0].second].name, "wall");
+}
+
+}  // namespace
+}  // namespace collision_pairs

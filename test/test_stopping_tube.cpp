@@ -1,0 +1,142 @@
+// A robot that follows commands as said stays within the tube until it stands.
+#include <gtest/gtest.h>
+
+#include "benchmark/limiter_simulation.h"
+#include "stopping_tube.h"
+
+namespace collision_pairs {
+namespace {
+
+constexpr double STEP = 0.0005;
+constexpr double ROUNDING = 1e-9;
+
+/// How far a displacement is from the tube: 0 within; else rad by which a joint is outside, at the
+/// best place on the segment, roughly.
+double outside(const StoppingTube& tube, const std::vector<double>& displacement) {
+  constexpr int PLACES = 2000;
+  double least = 1e300;
+  for (int k = 0; k <= PLACES; ++k) {
+    const double f = static_cast<double>(k) / PLACES;
+    double most = 0.0;
+    for (std::size_t j = 0; j < displacement.size(); ++j) {
+      const double off = displacement[j] - (tube.from[j] + f * (tube.to[j] - tube.from[j]));
+      const double grid = std::abs(tube.to[j] - tube.from[j]) / PLACES;  // half of it would do
+      most = std::max(most, std::abs(off) - tube.deviation[j] - grid);
+    }
+    least = std::min(least, most);
+  }
+  return least;
+}
+
+std::vector<double> randomCommand(RandomInputs& random, int nb_joints) {
+  std::vector<double> command;
+  for (int j = 0; j < nb_joints; ++j) command.push_back(random.uniform(-1.0, 1.0));
+  return command;
+}
+
+/// Commands like those before, or others: a scale that falls, jumps, reversals, noise.
+std::vector<double> nextCommand(RandomInputs& random, std::vector<double> command) {
+  const int kind = random.integer(0, 19);
+  if (kind == 0) return randomCommand(random, static_cast<int>(command.size()));
+  for (double& x : command) {
+    if (kind == 1) x = -x;
+    if (kind == 2) x = 0.0;
+    if (kind < 6) x *= 0.9;
+    if (kind == 7) x += random.uniform(-0.05, 0.05);
+  }
+  return command;
+}
+
+TEST(StoppingTube, ContainsWhatARobotDoesWhateverItsDeadTimesAndAccelerations) {
+  RandomInputs random;
+  double most_seconds = 0.0;
+  for (int round = 0; round < 400; ++round) {
+    const int nb_joints = random.integer(1, 4);
+    RobotResponse response;
+    response.reaction_time = random.uniform(0.0, 0.2);
+    response.hold = random.uniform(0.01, 0.3);
+    std::vector<double> acceleration;
+    for (int j = 0; j < nb_joints; ++j) {
+      response.deceleration.push_back(random.uniform(0.5, 8.0));
+      acceleration.push_back(response.deceleration.back() *
+                             (random.integer(0, 1) ? 1.0 : random.uniform(1.0, 20.0)));
+    }
+    PassedCommands passed(response);
+    const int kind = random.integer(0, 2);  // dead times: longest, shortest, any
+    const auto deadTime = [&] {
+      const double most = std::max(response.reaction_time - STEP, 0.0);
+      return kind == 0 ? most : kind == 1 ? 0.0 : random.uniform(0.0, most);
+    };
+    SimulatedJoints robot(std::vector<double>(nb_joints, 0.0), acceleration);
+    const double period = random.uniform(0.004, 0.05);
+    std::vector<double> command = randomCommand(random, nb_joints);
+    double next = 0.0, stamp = 0.0, now = 0.0;
+    std::vector<double> measured = robot.positions();
+    const double decided = random.uniform(0.0, 1.0), age = random.uniform(0.0, 0.05);
+    for (; now < decided; now += STEP) {
+      if (now >= next) {
+        next = now + period;
+        passed.add(now, command);
+        robot.command(now + deadTime(), command);
+        command = nextCommand(random, command);
+      }
+      robot.step(now, STEP);
+      if (now + STEP <= decided - age) {
+        stamp = now + STEP;
+        measured = robot.positions();
+      }
+    }
+    bool is_zero = true;
+    for (const double x : command) is_zero &= x == 0.0;
+    if (is_zero) continue;
+    std::vector<double> scaled = command;
+    for (double& x : scaled) x *= random.integer(0, 3) ? random.uniform(0.0, 1.0) : 0.0;
+    const StoppingTube tube = passed.tube(stamp, now, command, scaled);
+    std::vector<double> displacement(measured.size());
+    const auto expectInside = [&] {
+      for (std::size_t j = 0; j < measured.size(); ++j) {
+        displacement[j] = robot.positions()[j] - measured[j];
+      }
+      ASSERT_LE(outside(tube, displacement), ROUNDING) << "round " << round;
+    };
+    robot.command(now + deadTime(), scaled);
+    robot.command(now + random.uniform(0.0, 1.0) * (response.hold - STEP) + deadTime(),
+                  std::vector<double>(measured.size(), 0.0));
+    const double end = stamp + tube.seconds + 2.0 * STEP;
+    for (int i = 0; now < end; ++i, now += STEP) {
+      robot.step(now, STEP);
+      if (i % 20 == 0) expectInside();
+      if (HasFatalFailure()) return;
+    }
+    expectInside();
+    EXPECT_TRUE(robot.stand()) << "round " << round;
+    most_seconds = std::max(most_seconds, tube.seconds);
+  }
+  EXPECT_GT(most_seconds, 0.5);
+}
+
+TEST(StoppingTube, OfASteadyCommandIsTheWayOfItsTimeAndOfBraking) {
+  PassedCommands passed({0.1, 0.2, {2.0, 4.0}});
+  const std::vector<double> command = {1.0, -0.5};
+  passed.add(0.0, command);
+  const StoppingTube tube = passed.tube(9.98, 10.0, command, command);
+  const double time = 0.02 + 0.1 + 0.2, braking[] = {1.0 / 4.0, 0.25 / 8.0};
+  EXPECT_NEAR(tube.to[0] - tube.from[0], time, 1e-9);
+  EXPECT_NEAR(tube.to[1] - tube.from[1], -0.5 * time, 1e-9);
+  for (int j = 0; j < 2; ++j) EXPECT_NEAR(tube.deviation[j], 0.5 * braking[j], 1e-6);
+  EXPECT_NEAR(tube.seconds, time + 0.5, 1e-9);
+}
+
+TEST(StoppingTube, OfAnotherDirectionRemembersWhatIsInFlightAndForgetsItLater) {
+  PassedCommands passed({0.1, 0.2, {2.0, 2.0}});
+  passed.add(0.0, {1.0, 0.0});
+  const std::vector<double> next = {0.0, 1.0};
+  const StoppingTube at_once = passed.tube(1.0, 1.0, next, next);
+  EXPECT_GE(at_once.from[0] + at_once.deviation[0], 0.1 + 0.25);
+  passed.add(1.0, next);
+  const StoppingTube later = passed.tube(3.0, 3.0, next, next);
+  EXPECT_NEAR(later.from[0] + later.deviation[0], 0.0, 1e-6);
+}
+
+}  // namespace
+}  // namespace collision_pairs
