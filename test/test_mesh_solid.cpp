@@ -420,10 +420,10 @@ TEST(MissingShare, IsNoneForInternalWallsAndSheetsThatFaceBothWays) {
   walled.triangles.push_back({0, 3, 7});  // across the inside
   EXPECT_EQ(findSolid(walled).missing_share, 0.0);
   TriangleMesh sheet;
-  sheet.vertices = {{0, 0, 0}, {2, 0, 0}, {0, 1, 0}, {2, 1, 0}};
-  sheet.triangles = {{0, 1, 2}, {2, 1, 3}};
+  sheet.vertices = {{0, 0, 0}, {2, 0, 0}, {0, 1, 0}};
+  sheet.triangles = {{0, 1, 2}};
   EXPECT_NEAR(findSolid(sheet).missing_share, 0.5, 1e-12);
-  sheet.triangles.insert(sheet.triangles.end(), {{1, 0, 2}, {1, 2, 3}});
+  sheet.triangles.push_back({1, 0, 2});
   EXPECT_EQ(findSolid(sheet).missing_share, 0.0);
 }
 
