@@ -37,7 +37,7 @@ class Gatherer : public testing::Test {
     robot.resize(bodies.size());
     for (std::size_t i = 0; i < bodies.size(); ++i) {
       const std::string& link = bodies[i].link;
-      robot.X_WB[i].translation().x() = link == "b" ? 10.0 : 0.0;
+      robot.X_WB[i].translation().x() = link == "b" ? 10.0 : x_of_a_;
       if (link == unknown_link_) robot.known[i] = 0;
     }
     std::vector<Vector3d> in_sensor;
@@ -56,7 +56,7 @@ class Gatherer : public testing::Test {
   CloudConfig config_;
   SceneDescription description_;
   Isometry3d X_WS_ = Isometry3d::Identity();
-  double stamp_ = 100.0;
+  double stamp_ = 100.0, x_of_a_ = 0.0;
   std::string unknown_link_;
 };
 
@@ -191,6 +191,33 @@ TEST_F(Follower, RemembersWhatTheRobotHidesForAsLongAsItDoes) {
   const auto voxels = add(gatherer_, beside);
   EXPECT_FALSE(voxels->anyWithin({{-0.65, 0, 0}, {-0.65, 0, 0}}, 0.2));
   EXPECT_THAT(gatherer_.vanished(), HasSubstr("vanished 15 cm from a"));
+}
+
+TEST_F(Follower, TakesWhatTheRobotHidAndLeftForWhatItMayCarryUntilItIsSeen) {
+  for (const int nb_seen : {1, 2}) {  // in one cloud alone it is noise
+    CloudGatherer gatherer(config_);
+    x_of_a_ = 0.0;
+    add(gatherer, wallAt(3.0));
+    for (int i = 0; i < nb_seen; ++i) add(gatherer, {{-0.65, 0.01, 0.01}});
+    for (int i = 0; i < 3; ++i) add(gatherer, wallAt(0.5));
+    EXPECT_EQ(gatherer.vanished(), "");
+    x_of_a_ = 1.0;
+    add(gatherer, wallAt(1.5));
+    EXPECT_EQ(gatherer.vanished() != "", nb_seen > 1) << gatherer.vanished();
+    for (int i = 0; i < 2; ++i) add(gatherer, {{-0.65, 0.01, 0.01}});
+    EXPECT_EQ(gatherer.vanished(), "");
+  }
+}
+
+TEST_F(Follower, DoesNotMissWhatTheRobotHidWhereItHasShownItsPlaceSince) {
+  for (int i = 0; i < 2; ++i) add(gatherer_, {{-0.65, 0.01, 0.01}});
+  for (int i = 0; i < 3; ++i) add(gatherer_, wallAt(0.5));
+  add(gatherer_, {{-0.95, 0.15, 0.01}});  // it has moved
+  add(gatherer_, wallAt(-3.0));
+  EXPECT_EQ(gatherer_.vanished(), "");
+  x_of_a_ = 1.0;
+  add(gatherer_, wallAt(1.5));
+  EXPECT_EQ(gatherer_.vanished(), "");
 }
 
 TEST_F(Follower, RemembersNoLongerWhatIsFarFromTheRobot) {

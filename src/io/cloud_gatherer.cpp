@@ -121,7 +121,7 @@ void CloudGatherer::sort(const Points& points, const Eigen::Isometry3d& X_WS, Se
 void CloudGatherer::remember(const Points& points, const Eigen::Isometry3d& X_WS,
                              const BodyPoses& robot, SelfFilter& near) {
   const double around = NearMemory::FOUND_AGAIN + config_.near();
-  Aabb box = near.bounds();
+  Aabb box = enclosing(near.bounds(), memory_->missed());
   box.min.array() -= around;
   box.max.array() += around;
   const Eigen::Isometry3d X_SW = X_WS.inverse(Eigen::Isometry);

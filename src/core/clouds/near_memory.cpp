@@ -29,6 +29,7 @@ bool isBefore(const VoxelCell& a, const VoxelCell& b) {
 
 void NearMemory::update(const Cloud& cloud) {
   takeWhatStayed(cloud);
+  takeWhatTheRobotLeft(cloud);
   std::vector<Unseen> left = unseenIn(cloud);
   remembered_.clear();
   std::vector<VoxelCell> cells;
@@ -53,6 +54,7 @@ void NearMemory::update(const Cloud& cloud) {
     }
     judge(obstacle, cloud);
   }
+  forgetWhatIsNotRemembered(cloud.now->voxelSize());
   findWhatAppeared(cloud);
   earlier_ = std::move(before_);
   before_ = cloud.now;
@@ -68,13 +70,40 @@ void NearMemory::takeWhatStayed(const Cloud& cloud) {
                                               isFound(centerOf(*cloud.now, one.cell));
                                      }),
                       remembered_.end());
-    vanished_.erase(std::remove_if(vanished_.begin(), vanished_.end(),
+    for (std::vector<Vanished>* missed : {&vanished_, &hidden_}) {
+      missed->erase(std::remove_if(missed->begin(), missed->end(),
                                    [&](const Vanished& one) {
                                      return isFound(one.p_W) || isFound(placeOnLink(one, cloud));
                                    }),
-                    vanished_.end());
+                    missed->end());
+    }
   }
   appeared_.clear();
+}
+
+/// What was hidden beside the robot is where it was, and no longer followed, or moves with the
+/// robot.
+void NearMemory::takeWhatTheRobotLeft(const Cloud& cloud) {
+  for (const Vanished& one : hidden_) {
+    const bool is_found = anyWithin(cloud.now, one.p_W, FOUND_AGAIN) ||
+                          anyWithin(cloud.now, placeOnLink(one, cloud), FOUND_AGAIN);
+    if (is_found || cloud.near.mayBeOwn(one.p_W) || vanished_.size() == MOST_PLACES) continue;
+    vanished_.push_back(one);
+  }
+}
+
+void NearMemory::forgetWhatIsNotRemembered(double voxel_size) {
+  hidden_.erase(std::remove_if(hidden_.begin(), hidden_.end(),
+                               [&](const Vanished& one) {
+                                 const auto isThere = [&](const Remembered& other) {
+                                   const Vector3d cell = other.cell.cast<double>();
+                                   const Vector3d at = one.p_W / voxel_size - cell;
+                                   return (at.array() >= 0.0 && at.array() <= 1.0).all();
+                                 };
+                                 return std::none_of(remembered_.begin(), remembered_.end(),
+                                                     isThere);
+                               }),
+                hidden_.end());
 }
 
 /// Sorted by cell.
@@ -119,33 +148,47 @@ void NearMemory::judge(const std::vector<Unseen>& obstacle, const Cloud& cloud) 
   if (is_seen_in_part) return;
   const auto nb_hidden = std::count_if(obstacle.begin(), obstacle.end(),
                                        [](const Unseen& one) { return one.is_hidden; });
-  if (2 * nb_hidden > static_cast<std::ptrdiff_t>(obstacle.size())) return;  // behind something
-  const bool is_no_noise = any([&](const Unseen& one) {
-    return one.was_alone || anyWithin(earlier_, centerOfOne(one), reach_);
-  });
+  const bool was_alone = any([](const Unseen& one) { return one.was_alone; });
+  const bool was_seen_before =
+      any([&](const Unseen& one) { return anyWithin(earlier_, centerOfOne(one), reach_); });
+  if (2 * nb_hidden > static_cast<std::ptrdiff_t>(obstacle.size())) {  // behind something
+    if (was_alone || !was_seen_before || hidden_.size() == MOST_PLACES) return;
+    if (const auto place = placeOf(obstacle, cloud)) hidden_.push_back(*place);
+    return;
+  }
   // What was hidden may have moved meanwhile.
   const bool is_found = any([&](const Unseen& one) {
     return one.was_alone && anyWithin(cloud.now, centerOfOne(one), FOUND_AGAIN);
   });
+  const bool is_no_noise = was_alone || was_seen_before;
   if (is_no_noise && !is_found) addVanished(obstacle, cloud);
 }
 
-void NearMemory::addVanished(const std::vector<Unseen>& obstacle, const Cloud& cloud) {
+std::optional<NearMemory::Vanished> NearMemory::placeOf(const std::vector<Unseen>& obstacle,
+                                                        const Cloud& cloud) {
   SelfFilter::Nearest nearest;
   Vector3d place;
   for (std::size_t i = 0; i < std::min(obstacle.size(), MOST_PLACES); ++i) {
     const Vector3d center = centerOf(*cloud.now, obstacle[i].cell);
-    if (cloud.isLeftOut(center)) return;  // seen, but not to be an obstacle
     const SelfFilter::Nearest found = cloud.near.nearest(center);
-    if (found.name.empty() || (!nearest.name.empty() && found.distance >= nearest.distance))
-      continue;
+    const bool is_nearer = nearest.name.empty() || found.distance < nearest.distance;
+    if (found.name.empty() || !is_nearer) continue;
     nearest = found;
     place = center;
   }
-  if (nearest.name.empty() || vanished_.size() == MOST_PLACES) return;
+  if (nearest.name.empty()) return std::nullopt;
   const Eigen::Isometry3d X_BW = cloud.robot.X_WB[nearest.body].inverse(Eigen::Isometry);
-  vanished_.push_back({place, X_BW * place, cloud.near.bodies()[nearest.body].link, nearest.name,
-                       nearest.distance});
+  return Vanished{place, X_BW * place, cloud.near.bodies()[nearest.body].link, nearest.name,
+                  nearest.distance};
+}
+
+void NearMemory::addVanished(const std::vector<Unseen>& obstacle, const Cloud& cloud) {
+  for (std::size_t i = 0; i < std::min(obstacle.size(), MOST_PLACES); ++i) {
+    const Vector3d center = centerOf(*cloud.now, obstacle[i].cell);
+    if (cloud.isLeftOut(center)) return;  // seen, but not to be an obstacle
+  }
+  const auto place = placeOf(obstacle, cloud);
+  if (place && vanished_.size() < MOST_PLACES) vanished_.push_back(*place);
 }
 
 /// The robot may carry what touches it.
@@ -182,6 +225,14 @@ std::vector<VoxelCell> NearMemory::hidden() const {
   return cells;
 }
 
+Aabb NearMemory::missed() const {
+  Aabb box = noBox();
+  for (const auto* missed : {&vanished_, &hidden_}) {
+    for (const Vanished& one : *missed) box = enclosing(box, {one.p_W, one.p_W});
+  }
+  return box;
+}
+
 std::string NearMemory::vanished() const {
   if (vanished_.empty()) return "";
   const auto nearest = std::min_element(
@@ -194,6 +245,7 @@ std::string NearMemory::vanished() const {
 void NearMemory::startAnew() {
   before_ = earlier_ = nullptr;
   remembered_.clear();
+  hidden_.clear();
   appeared_.clear();
 }
 

@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,7 +17,8 @@ namespace collision_pairs {
 
 /// Follows the voxels of one sensor near the robot from cloud to cloud. Those that a cloud does not
 /// show again are
-///  - remembered, if something hides them, for as long as it does;
+///  - remembered, if something hides them, for as long as it does; where the robot moves away from
+///    them meanwhile, the obstacle has vanished, since the robot may carry it;
 ///  - explained, if the cloud shows anything within `reach` of them: a part of the same obstacle,
 ///    which is there or has moved;
 ///  - otherwise vanished: the obstacle may be where its points cannot be told from the robot's.
@@ -35,7 +37,8 @@ class NearMemory {
   explicit NearMemory(double reach) : reach_(reach) {}
 
   struct Cloud {
-    /// The voxels of this cloud alone, at least those within FOUND_AGAIN of near.bounds().
+    /// The voxels of this cloud alone, at least those within FOUND_AGAIN of near.bounds() and
+    /// missed().
     std::shared_ptr<const OccupiedVoxels> now;
     std::vector<VoxelCell> unseen;  ///< of the cloud before, that this one does not occupy
     const BodyPoses& robot;         ///< poses of near.bodies() at its stamp
@@ -48,6 +51,8 @@ class NearMemory {
 
   /// Voxels that are hidden since they were seen.
   std::vector<VoxelCell> hidden() const;
+  /// A box in W of the places where what is hidden or vanished was last seen.
+  Aabb missed() const;
   /// "vanished 2 cm from panda_link3: it may touch", or empty.
   std::string vanished() const;
 
@@ -76,7 +81,11 @@ class NearMemory {
   void takeWhatStayed(const Cloud& cloud);
   std::vector<Unseen> unseenIn(const Cloud& cloud) const;
   void judge(const std::vector<Unseen>& obstacle, const Cloud& cloud);
+  /// Where the obstacle is nearest to a link; none if it is near no link.
+  static std::optional<Vanished> placeOf(const std::vector<Unseen>& obstacle, const Cloud& cloud);
   void addVanished(const std::vector<Unseen>& obstacle, const Cloud& cloud);
+  void takeWhatTheRobotLeft(const Cloud& cloud);
+  void forgetWhatIsNotRemembered(double voxel_size);
   void findWhatAppeared(const Cloud& cloud);
   static Eigen::Vector3d placeOnLink(const Vanished& one, const Cloud& cloud);
 
@@ -84,6 +93,7 @@ class NearMemory {
   Voxels before_, earlier_;  ///< of the last cloud, and of the one before it; may be null
   std::vector<Remembered> remembered_;
   std::vector<Vanished> vanished_;
+  std::vector<Vanished> hidden_;           ///< one of each obstacle that is remembered and not seen
   std::vector<Eigen::Vector3d> appeared_;  ///< in the last cloud, where something is missing
 };
 
