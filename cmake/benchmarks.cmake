@@ -59,6 +59,14 @@ collision_pairs_benchmark(update_benchmark LIBRARIES collision_pairs_ros)
 collision_pairs_benchmark(motion_benchmark SOURCES benchmark_robots demo_motion motion_scenes
   LIBRARIES collision_pairs_io)
 
+# The velocity limiter beside MoveIt Servo's formula; scripts/measure_limiter writes docs/limiter.md.
+collision_pairs_benchmark(limiter_benchmark
+  SOURCES benchmark_robots demo_motion limiter_drives limiter_simulation motion_scenes simulated_joints
+    simulated_limiters
+  LIBRARIES collision_pairs_io)
+target_sources(limiter_benchmark PRIVATE ${limiter_law})
+target_include_directories(limiter_benchmark PRIVATE src/ros/limiter)
+
 # What scripts/benchmark_python compares the Python module with.
 collision_pairs_benchmark(batch_benchmark LIBRARIES collision_pairs_io)
 

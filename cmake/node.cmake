@@ -8,6 +8,10 @@ add_library(collision_pairs_ros STATIC
   src/ros/clouds/cloud_sources.cpp
   src/ros/collision_pairs_node.cpp
   src/ros/joint_query.cpp
+  src/ros/limiter/joint_positions.cpp
+  src/ros/limiter/limited_command.cpp
+  src/ros/limiter/limiter_parameters.cpp
+  src/ros/limiter/velocity_limiter.cpp
   ${limiter_law}
   src/ros/low_priority.cpp
   src/ros/master_watch.cpp

@@ -57,11 +57,14 @@ collision_pairs_test(joint_query collision_pairs_ros)
 collision_pairs_test(joint_sampler)
 collision_pairs_test(joint_states_csv collision_pairs_io)
 collision_pairs_test(limiter_law collision_pairs_io)
-collision_pairs_test(stopping_tube collision_pairs_io)
+target_sources(test_limiter_law PRIVATE ${limiter_law} test/benchmark/benchmark_robots.cpp
+  test/benchmark/demo_motion.cpp test/benchmark/limiter_drives.cpp test/benchmark/limiter_simulation.cpp
+  test/benchmark/motion_scenes.cpp test/benchmark/simulated_joints.cpp test/benchmark/simulated_limiters.cpp)
+collision_pairs_test(limiter_input collision_pairs_ros)
+collision_pairs_test(stopping_tube)
+target_sources(test_stopping_tube PRIVATE src/ros/limiter/stopping_tube.cpp
+  test/benchmark/simulated_joints.cpp)
 foreach(test limiter_law stopping_tube)
-  target_sources(test_${test} PRIVATE ${limiter_law} test/benchmark/benchmark_robots.cpp
-    test/benchmark/demo_motion.cpp test/benchmark/limiter_simulation.cpp
-    test/benchmark/motion_scenes.cpp)
   target_include_directories(test_${test} PRIVATE src/ros/limiter)
 endforeach()
 collision_pairs_test(mesh_files collision_pairs_io)
@@ -200,6 +203,7 @@ collision_pairs_rostest(clouds)
 set_tests_properties(rostest_clouds PROPERTIES TIMEOUT 360)
 collision_pairs_rostest(faults)
 collision_pairs_rostest(late_start)
+collision_pairs_rostest(limiter)
 collision_pairs_rostest(panda_problems)
 collision_pairs_rostest(replay)
 collision_pairs_rostest(reset)

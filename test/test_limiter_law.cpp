@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "benchmark/demo_motion.h"
-#include "benchmark/limiter_simulation.h"
+#include "benchmark/simulated_limiters.h"
 #include "motion_fixtures.h"
 
 namespace collision_pairs {

@@ -1,7 +1,8 @@
 // A robot that follows commands as said stays within the tube until it stands.
 #include <gtest/gtest.h>
 
-#include "benchmark/limiter_simulation.h"
+#include "benchmark/simulated_joints.h"
+#include "random_inputs.h"
 #include "stopping_tube.h"
 
 namespace collision_pairs {

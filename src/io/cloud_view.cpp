@@ -21,6 +21,7 @@ CloudView viewOf(const CloudConfig& config, const LatestCloud& latest, double no
     return view;
   }
   view.voxels = latest.voxels;
+  view.stamp = latest.stamp;
   if (!latest.warning.empty()) view.warning = name + latest.warning;
   if (!latest.problem.empty()) {
     view.doubt = name + "the last was refused: " + latest.problem;

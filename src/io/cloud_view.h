@@ -24,6 +24,7 @@ struct LatestCloud {
 struct CloudView {
   /// Null: unknown or too old.
   std::shared_ptr<const OccupiedVoxels> voxels;
+  double stamp = 0.0;  ///< of the cloud that they are of, in seconds
   /// Why the verdict cannot be FREE; empty if the source is up to date and complete.
   std::string doubt;
   /// For people; it does not affect the verdict.

@@ -15,7 +15,7 @@ namespace collision_pairs {
 namespace {
 
 /// All other keys of the node's parameter file, which can thus be used here unchanged.
-constexpr std::array<const char*, 14> OF_THE_NODE_ONLY = {"alarm_distance",
+constexpr std::array<const char*, 15> OF_THE_NODE_ONLY = {"alarm_distance",
                                                           "fidelity",
                                                           "tolerance",
                                                           "time_budget",
@@ -28,6 +28,7 @@ constexpr std::array<const char*, 14> OF_THE_NODE_ONLY = {"alarm_distance",
                                                           "max_transform_age",
                                                           "clock_tolerance",
                                                           "fixed_frame",
+                                                          "velocity_limiter",
                                                           "reload"};
 
 std::pair<std::string, std::string> twoNames(const std::string& key, const YAML::Node& value) {

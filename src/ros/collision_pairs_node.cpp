@@ -35,9 +35,13 @@ CollisionPairsNode::CollisionPairsNode(ros::NodeHandle node, ros::NodeHandle pri
           [this](std::shared_ptr<const void> old) { scene_service_.release(std::move(old)); }),
       diagnostics_(node, private_node),
       queries_(private_node, transforms_, scenes_, [this] { return queryDefaults(); }),
-      trajectories_(private_node, transforms_, scenes_, [this] { return queryDefaults(); }) {
+      trajectories_(private_node, transforms_, scenes_, [this] { return queryDefaults(); }),
+      limiter_(node, private_node, transforms_, scenes_, [this] { return queryDefaults(); }) {
   diagnostics_.setHardwareID("none");
   diagnostics_.add("collision check", [this](auto& status) { health_.diagnose(status); });
+  if (limiter_.isWanted()) {
+    diagnostics_.add("velocity limiter", [this](auto& status) { limiter_.diagnose(status); });
+  }
   reconfigure_server_ =
       std::make_unique<dynamic_reconfigure::Server<CollisionPairsConfig>>(private_node_);
   reconfigure_server_->setCallback(

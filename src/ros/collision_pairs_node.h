@@ -19,6 +19,7 @@
 #include "scene_store.h"
 #include "trajectory_service.h"
 #include "transform_input.h"
+#include "velocity_limiter.h"
 
 namespace collision_pairs {
 
@@ -67,6 +68,7 @@ class CollisionPairsNode {
   // Last: they are destroyed before the members they use.
   QueryService queries_;
   TrajectoryService trajectories_;
+  VelocityLimiter limiter_;
 };
 
 }  // namespace collision_pairs

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <limits>
 #include <utility>
 
@@ -63,35 +64,6 @@ double lengthOf(const std::vector<double>& v) {
 }
 
 }  // namespace
-
-SimulatedJoints::SimulatedJoints(std::vector<double> positions, std::vector<double> acceleration)
-    : positions_(std::move(positions)),
-      velocities_(positions_.size(), 0.0),
-      wanted_(positions_.size(), 0.0),
-      acceleration_(std::move(acceleration)) {}
-
-void SimulatedJoints::command(double time, std::vector<double> velocities) {
-  if (!coming_.empty()) time = std::max(time, coming_.back().time);
-  coming_.push_back({time, std::move(velocities)});
-}
-
-bool SimulatedJoints::stand() const { return lengthOf(velocities_) == 0.0; }
-
-void SimulatedJoints::step(double now, double seconds) {
-  while (!coming_.empty() && coming_.front().time <= now) {
-    wanted_ = coming_.front().velocities;
-    coming_.pop_front();
-  }
-  for (std::size_t i = 0; i < positions_.size(); ++i) {
-    const double change = wanted_[i] - velocities_[i];
-    const double changing = std::min(seconds, std::abs(change) / acceleration_[i]);
-    const double after = changing < seconds
-                             ? wanted_[i]
-                             : velocities_[i] + std::copysign(acceleration_[i] * seconds, change);
-    positions_[i] += 0.5 * (velocities_[i] + after) * changing + wanted_[i] * (seconds - changing);
-    velocities_[i] = after;
-  }
-}
 
 void SimulationResult::add(const SimulationResult& other) {
   seconds += other.seconds;
@@ -426,56 +398,6 @@ SimulationResult LimiterScene::run(const Limiter& limiter, RandomInputs& random,
   return result;
 }
 
-double LimiterScene::secondsTo(const std::vector<double>& from, const std::vector<double>& to,
-                               const Limiter& limiter) {
-  constexpr double PERIOD = 0.008, DEAD_TIME = 0.05, LONGEST = 60.0, THERE = 0.02, GAIN = 4.0;
-  SimulatedJoints robot(from, std::vector<double>(from.size(), options_.deceleration));
-  LimiterView view{0.0, 0.0, 0.0, {}, {}};
-  for (long i = 0; static_cast<double>(i) * STEP < LONGEST; ++i) {
-    const double now = static_cast<double>(i) * STEP;
-    double left = 0.0;
-    for (std::size_t j = 0; j < to.size(); ++j) {
-      left = std::max(left, std::abs(to[j] - robot.positions()[j]));
-    }
-    if (left < THERE) return now;
-    if (i % std::lround(PERIOD / STEP) == 0) {
-      view.command.clear();
-      const double speed = std::min(options_.max_speed, GAIN * left);
-      for (std::size_t j = 0; j < to.size(); ++j) {
-        view.command.push_back(speed * (to[j] - robot.positions()[j]) / left);
-      }
-      view.now = view.stamp = now;
-      view.state.positions = allPositions(robot.positions());
-      robot.command(now + DEAD_TIME, limiter(view));
-    }
-    robot.step(now, STEP);
-  }
-  return std::numeric_limits<double>::infinity();
-}
-
-bool LimiterScene::driveToAStop(RandomInputs& random, const Limiter& limiter,
-                                std::vector<double>& stop) {
-  constexpr double PERIOD = 0.01, LONGEST = 10.0, STANDS_FOR = 0.5;
-  SimulatedJoints robot(freeState(random, 0.0135),
-                        std::vector<double>(joints_.size(), options_.deceleration));
-  LimiterView view{0.0, 0.0, 0.0, {}, {}};
-  for (std::size_t j = 0; j < joints_.size(); ++j) {
-    view.command.push_back(random.uniform(-1.0, 1.0) * options_.max_speed);
-  }
-  double passed_at = 0.0;
-  for (double now = 0.0; now < LONGEST; now += PERIOD) {
-    view.now = view.stamp = now;
-    view.state.positions = allPositions(robot.positions());
-    std::vector<double> passed = limiter(view);
-    if (lengthOf(passed) > 0.0) passed_at = now;
-    robot.command(now + options_.reaction_time - PERIOD, std::move(passed));
-    for (double t = 0.0; t < PERIOD; t += STEP) robot.step(now + t, STEP);
-    stop = robot.positions();
-    if (now - passed_at > STANDS_FOR) return true;
-  }
-  return false;
-}
-
 void LimiterScene::note(const LimiterView& view, const std::vector<double>& passed,
                         CertifiedSurroundings& probe, SimulationResult& result) {
   const double asked = lengthOf(view.command), given = lengthOf(passed);
@@ -493,50 +415,6 @@ void LimiterScene::note(const LimiterView& view, const std::vector<double>& pass
   }
   ++result.nb_retreats;
   if (given < 0.99 * asked) ++result.nb_retreats_slowed;
-}
-
-Limiter lawLimiter(std::shared_ptr<LimiterLaw> law,
-                   std::shared_ptr<CertifiedSurroundings> surroundings) {
-  return [law = std::move(law), surroundings = std::move(surroundings)](const LimiterView& view) {
-    surroundings->setState(view.state);
-    return law->decide({view.now, view.stamp, view.obstacles_age, view.command}, *surroundings)
-        .command;
-  };
-}
-
-Limiter servoLimiter(std::shared_ptr<CertifiedSurroundings> surroundings) {
-  constexpr double SELF = 0.01, SCENE = 0.02;  // m: its default thresholds
-  constexpr double PERIOD = 0.1;               // s: its default rate of checks is 10 Hz
-  struct State {
-    double checked = -1.0, scale = 1.0;
-  };
-  return [state = std::make_shared<State>(),
-          surroundings = std::move(surroundings)](const LimiterView& view) {
-    if (view.now - state->checked >= PERIOD) {
-      state->checked = view.now;
-      surroundings->setState(view.state);
-      std::vector<NearPair> near;
-      std::string why;
-      const std::vector<double> any(view.command.size(), 1.0);
-      surroundings->nearPairs(SCENE, any, near, why);
-      state->scale = 1.0;
-      const CollisionScene& scene = *surroundings->scene();
-      const auto isLink = [&](const std::string& name) {
-        const auto& model = scene.models()[scene.findModel(name)];
-        return model.body >= 0 && !model.is_object;
-      };
-      for (const NearPair& pair : near) {
-        const double threshold = isLink(pair.first) && isLink(pair.second) ? SELF : SCENE;
-        const double k = -std::log(0.001) / threshold;
-        if (pair.distance <= 0.0) state->scale = 0.0;
-        if (pair.distance >= threshold) continue;
-        state->scale = std::min(state->scale, std::exp(k * (pair.distance - threshold)));
-      }
-    }
-    std::vector<double> passed = view.command;
-    for (double& x : passed) x = std::isfinite(x) ? x * state->scale : 0.0;
-    return passed;
-  };
 }
 
 }  // namespace collision_pairs

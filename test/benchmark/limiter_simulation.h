@@ -1,7 +1,6 @@
 // A robot that follows velocity commands, among obstacles, in closed loop with a limiter.
 #pragma once
 
-#include <deque>
 #include <functional>
 #include <map>
 #include <memory>
@@ -13,29 +12,9 @@
 #include "certified_surroundings.h"
 #include "collision_pairs/collision_detector.h"
 #include "random_inputs.h"
+#include "simulated_joints.h"
 
 namespace collision_pairs {
-
-/// Joints that follow commands after a dead time, with a limited acceleration; exact within a step.
-class SimulatedJoints {
- public:
-  SimulatedJoints(std::vector<double> positions, std::vector<double> acceleration);
-
-  /// In effect from `time` on, and not before those of earlier calls.
-  void command(double time, std::vector<double> velocities);
-  void step(double now, double seconds);
-
-  const std::vector<double>& positions() const { return positions_; }
-  bool stand() const;
-
- private:
-  struct Coming {
-    double time;
-    std::vector<double> velocities;
-  };
-  std::vector<double> positions_, velocities_, wanted_, acceleration_;
-  std::deque<Coming> coming_;
-};
 
 /// What a limiter sees at one instant.
 struct LimiterView {
@@ -128,13 +107,5 @@ class LimiterScene {
 
 /// The joints of arms, by the name of the robot.
 std::vector<std::string> limitedJoints(const BenchmarkRobot& robot);
-
-/// Our law, for one run.
-Limiter lawLimiter(std::shared_ptr<LimiterLaw> law,
-                   std::shared_ptr<CertifiedSurroundings> surroundings);
-
-/// MoveIt Servo's (moveit_servo/src/collision_check.cpp): from the nearest distance at the joint
-/// state of the cycle, with its default thresholds.
-Limiter servoLimiter(std::shared_ptr<CertifiedSurroundings> surroundings);
 
 }  // namespace collision_pairs

@@ -1,0 +1,67 @@
+#include "limited_command.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include "collision_pairs/input_error.h"
+
+namespace collision_pairs {
+
+std::vector<double> velocitiesOf(const trajectory_msgs::JointTrajectory& command,
+                                 const std::vector<std::string>& joints) {
+  if (command.points.size() != 1) {
+    throw InputError("the command has " + std::to_string(command.points.size()) +
+                     " points, but must have one");
+  }
+  const std::vector<double>& given = command.points.front().velocities;
+  if (command.joint_names.size() != joints.size() || given.size() != joints.size()) {
+    throw InputError("the command has " + std::to_string(given.size()) + " velocities for " +
+                     std::to_string(command.joint_names.size()) + " joints, but " +
+                     std::to_string(joints.size()) + " joints are limited");
+  }
+  std::map<std::string, double> by_name;
+  for (std::size_t i = 0; i < given.size(); ++i) by_name[command.joint_names[i]] = given[i];
+  std::vector<double> velocities;
+  for (const std::string& joint : joints) {
+    const auto found = by_name.find(joint);
+    if (found == by_name.end()) {
+      throw InputError("the command has no velocity for joint '" + joint + "'");
+    }
+    velocities.push_back(found->second);
+  }
+  return velocities;
+}
+
+trajectory_msgs::JointTrajectory limitedTrajectory(const trajectory_msgs::JointTrajectory& command,
+                                                   const std::vector<std::string>& joints,
+                                                   const LimiterDecision& decision,
+                                                   const JointPositions& measured) {
+  trajectory_msgs::JointTrajectory limited;
+  limited.header = command.header;
+  limited.joint_names = command.joint_names;
+  limited.points.resize(1);
+  auto& point = limited.points.front();
+  const bool has_point = command.points.size() == 1;
+  if (has_point) point.time_from_start = command.points.front().time_from_start;
+  const bool has_positions =
+      has_point && command.points.front().positions.size() == command.joint_names.size();
+  for (std::size_t i = 0; i < command.joint_names.size(); ++i) {
+    const auto joint = std::find(joints.begin(), joints.end(), command.joint_names[i]);
+    const auto at = static_cast<std::size_t>(joint - joints.begin());
+    point.velocities.push_back(at < joints.size() ? decision.command[at] : 0.0);
+    if (!has_positions) continue;
+    const double given = command.points.front().positions[i];
+    const auto found = measured.all().find(command.joint_names[i]);
+    const double from = found == measured.all().end() ? NAN : found->second.value;
+    point.positions.push_back(decision.scale > 0.0 ? from + decision.scale * (given - from) : from);
+  }
+  const auto isKnown = [](double position) { return std::isfinite(position); };
+  if (!std::all_of(point.positions.begin(), point.positions.end(), isKnown)) {
+    point.positions.clear();
+  }
+  return limited;
+}
+
+}  // namespace collision_pairs

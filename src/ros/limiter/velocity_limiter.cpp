@@ -1,0 +1,243 @@
+#include "velocity_limiter.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include <std_msgs/Float64.h>
+
+#include "cloud_view.h"
+#include "collision_pairs/input_error.h"
+#include "joint_query.h"
+#include "limited_command.h"
+#include "user_text.h"
+#include "yaml_parameters.h"
+
+namespace collision_pairs {
+namespace {
+
+// Seconds: a decision is made as if the command were passed this much later than it begins. One
+// that takes longer is an overrun.
+constexpr double TIME_TO_DECIDE = 0.02;
+constexpr double LONGEST_WAIT = 0.1;  // s, so that the thread ends soon
+
+}  // namespace
+
+VelocityLimiter::VelocityLimiter(const ros::NodeHandle& node, const ros::NodeHandle& private_node,
+                                 TransformInput& transforms, SceneStore& scenes,
+                                 std::function<QueryDefaults()> defaults)
+    : transforms_(transforms), scenes_(scenes), defaults_(std::move(defaults)) {
+  const std::string name = "velocity_limiter";
+  try {
+    parameters_ = LimiterParameters::read(yamlParameters(private_node, {name})[name]);
+    if (parameters_) start(node, private_node);
+  } catch (const std::exception& error) {
+    error_ = error.what();
+    parameters_.reset();
+    ROS_ERROR_STREAM("nothing is limited, and no command is passed: " << error_);
+  }
+}
+
+VelocityLimiter::~VelocityLimiter() {
+  stopping_ = true;
+  if (thread_.joinable()) thread_.join();
+}
+
+void VelocityLimiter::start(const ros::NodeHandle& node, const ros::NodeHandle& private_node) {
+  law_ = std::make_unique<LimiterLaw>(parameters_->law);
+  ros::NodeHandle own(node), own_private(private_node);
+  own.setCallbackQueue(&queue_);
+  const ros::TransportHints no_delay = ros::TransportHints().tcpNoDelay();
+  scale_ = own_private.advertise<std_msgs::Float64>("speed_scale", 1);
+  limit_ = own_private.advertise<SpeedLimit>("speed_limit", 1);
+  const boost::function<void(const sensor_msgs::JointStateConstPtr&)> on_state =
+      [this](const auto& message) { onJointState(*message); };
+  subscribers_.push_back(own.subscribe<sensor_msgs::JointState>(parameters_->joint_states, 10,
+                                                                on_state, nullptr, no_delay));
+  // Only the newest command counts: one that waited is replaced.
+  if (parameters_->is_trajectory) {
+    limited_ = own_private.advertise<trajectory_msgs::JointTrajectory>("limited_command", 1);
+    const boost::function<void(const trajectory_msgs::JointTrajectoryConstPtr&)> on_command =
+        [this](const auto& message) {
+          next_ = {{}, *message, ros::SteadyTime::now()};
+        };
+    subscribers_.push_back(own.subscribe<trajectory_msgs::JointTrajectory>(
+        parameters_->command, 1, on_command, nullptr, no_delay));
+  } else {
+    limited_ = own_private.advertise<std_msgs::Float64MultiArray>("limited_command", 1);
+    const boost::function<void(const std_msgs::Float64MultiArrayConstPtr&)> on_command =
+        [this](const auto& message) {
+          next_ = {*message, {}, ros::SteadyTime::now()};
+        };
+    subscribers_.push_back(own.subscribe<std_msgs::Float64MultiArray>(
+        parameters_->command, 1, on_command, nullptr, no_delay));
+  }
+  thread_ = std::thread([this] { work(); });
+}
+
+void VelocityLimiter::work() {
+  while (!stopping_ && ros::ok()) {
+    double wait = LONGEST_WAIT;
+    if (!has_stopped_) {
+      const double silent = (ros::SteadyTime::now() - last_->arrived).toSec();
+      wait = std::clamp(parameters_->law.command_timeout - silent, 0.0, wait);
+    }
+    queue_.callAvailable(ros::WallDuration(wait));
+    if (next_) {
+      last_ = std::move(next_);
+      next_.reset();
+      answer(*last_);
+    } else if (!has_stopped_) {
+      stopAfterSilence();
+    }
+  }
+}
+
+void VelocityLimiter::onJointState(const sensor_msgs::JointState& message) {
+  positions_.take(message, ros::Time::now().toSec(), parameters_->law.max_joint_state_age);
+}
+
+void VelocityLimiter::answer(const Command& command) {
+  const double now = ros::Time::now().toSec() + TIME_TO_DECIDE;
+  if (now < last_now_ - TIME_TO_DECIDE) {  // the clock went back: nothing is known any more
+    law_ = std::make_unique<LimiterLaw>(parameters_->law);
+    positions_.clear();
+    last_now_ = now;
+  }
+  last_now_ = std::max(last_now_, now);
+  LimiterDecision decision;
+  try {
+    decision = decide(command, last_now_);
+  } catch (const std::exception& error) {
+    decision = law_->stop(last_now_, error.what());
+  }
+  const double took = (ros::SteadyTime::now() - command.arrived).toSec();
+  const bool is_late = took > TIME_TO_DECIDE;
+  if (is_late) {
+    decision = law_->stop(last_now_, "overrun: the decision took " + inWords(took));
+  }
+  publish(command, decision);
+  has_stopped_ = false;
+  const std::lock_guard<std::mutex> lock(mutex_);
+  ++nb_commands_;
+  nb_overruns_ += is_late ? 1 : 0;
+  slowest_ = std::max(slowest_, took);
+  last_scale_ = decision.scale;
+  last_reason_ = decision.reason;
+}
+
+void VelocityLimiter::stopAfterSilence() {
+  const double silent = (ros::SteadyTime::now() - last_->arrived).toSec();
+  if (silent < parameters_->law.command_timeout) return;
+  has_stopped_ = true;
+  last_now_ = std::max(last_now_, ros::Time::now().toSec());
+  const LimiterDecision decision =
+      law_->stop(last_now_, "no command for " + inWords(parameters_->law.command_timeout));
+  publish(*last_, decision);
+  const std::lock_guard<std::mutex> lock(mutex_);
+  last_scale_ = 0.0;
+  last_reason_ = decision.reason;
+}
+
+LimiterDecision VelocityLimiter::decide(const Command& command, double now) {
+  LimiterInput input;
+  input.now = now;
+  input.command =
+      command.array ? command.array->data : velocitiesOf(*command.trajectory, parameters_->joints);
+  prepare(now, input);
+  return law_->decide(input, *surroundings_);
+}
+
+// The scene, joint states, transforms and clouds of one instant.
+void VelocityLimiter::prepare(double now, LimiterInput& input) {
+  const QueryDefaults defaults = defaults_();
+  const ActiveScenePtr active = scenes_.active();
+  if (!active) throw InputError("there is no robot yet");
+  if (active != scene_ || defaults.settings.fidelity != fidelity_) {
+    surroundings_ = std::make_unique<CertifiedSurroundings>(active->scene, parameters_->joints,
+                                                            defaults.settings.fidelity);
+    scene_ = active;
+    fidelity_ = defaults.settings.fidelity;
+  }
+  if (!active->broken_links.empty()) {
+    throw InputError("link '" + active->broken_links.front() + "' could not be read");
+  }
+  input.stamp = std::min(positions_.oldestOf(parameters_->joints), now);
+
+  const ros::Time clock = ros::Time::now();
+  transforms_.followClock(clock);
+  const RobotModel& robot = active->scene->robot();
+  std::vector<std::string> names;
+  std::vector<double> values;
+  for (const auto& [name, position] : positions_.all()) {
+    const int id = robot.findJoint(name);
+    if (id < 0 || !robot.joints()[id].hasPosition() || robot.joints()[id].mimic) continue;
+    if (now - position.stamp > parameters_->law.max_joint_state_age) continue;
+    names.push_back(name);
+    values.push_back(position.value);
+  }
+  const JointQuery query(
+      names, *active->scene,
+      {transforms_, active->frame, ros::Time(), clock, defaults.limits.max_pose_age});
+  if (!query.doubts().empty()) throw InputError(query.doubts().front());
+  RobotState state;
+  state.positions = query.jointPositionsAt(values);
+  state.placed = query.placedBodies();
+
+  if (active->clouds) {
+    BodyPoses poses;
+    const auto views = active->clouds->views(clock);
+    const std::vector<CloudDoubt> doubts = addVoxels(views, *active->scene, poses);
+    if (!doubts.empty()) throw InputError(doubts.front().why);
+    state.voxels = std::move(poses.voxels);
+    for (const auto& [name, view] : views) {
+      input.obstacles_age = std::max(input.obstacles_age, now - view.stamp);
+    }
+  }
+  surroundings_->setState(std::move(state));
+}
+
+void VelocityLimiter::publish(const Command& layout, const LimiterDecision& decision) {
+  std_msgs::Float64 scale;
+  scale.data = decision.scale;
+  SpeedLimit limit;
+  limit.stamp = ros::Time::now();
+  limit.scale = decision.scale;
+  limit.verdict = static_cast<std::uint8_t>(decision.verdict);
+  limit.first_link = decision.first;
+  limit.second_link = decision.second;
+  limit.distance =
+      decision.has_distance ? decision.distance : std::numeric_limits<double>::quiet_NaN();
+  limit.reason = decision.reason;
+  if (layout.array) {
+    std_msgs::Float64MultiArray limited = *layout.array;
+    limited.data = decision.command;
+    limited_.publish(limited);
+  } else {
+    limited_.publish(
+        limitedTrajectory(*layout.trajectory, parameters_->joints, decision, positions_));
+  }
+  scale_.publish(scale);
+  limit_.publish(limit);
+}
+
+void VelocityLimiter::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
+  using diagnostic_msgs::DiagnosticStatus;
+  if (!error_.empty()) {
+    status.summary(DiagnosticStatus::ERROR, error_);
+    return;
+  }
+  const std::lock_guard<std::mutex> lock(mutex_);
+  status.summary(nb_overruns_ > 0 ? DiagnosticStatus::WARN : DiagnosticStatus::OK,
+                 nb_overruns_ > 0 ? "decisions took too long" : "commands are limited");
+  status.add("commands", nb_commands_);
+  status.add("overruns", nb_overruns_);
+  status.add("longest decision [s]", slowest_);
+  status.add("scale", last_scale_);
+  status.add("reason", last_reason_);
+  nb_overruns_ = nb_commands_ = 0;
+  slowest_ = 0.0;
+}
+
+}  // namespace collision_pairs

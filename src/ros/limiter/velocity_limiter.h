@@ -1,0 +1,87 @@
+// ~velocity_limiter: passes velocity commands as far as the robot can stop in time.
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <collision_pairs/SpeedLimit.h>
+#include <diagnostic_updater/diagnostic_updater.h>
+#include <ros/callback_queue.h>
+#include <ros/node_handle.h>
+#include <sensor_msgs/JointState.h>
+#include <std_msgs/Float64MultiArray.h>
+#include <trajectory_msgs/JointTrajectory.h>
+
+#include "certified_surroundings.h"
+#include "joint_positions.h"
+#include "limiter_parameters.h"
+#include "query_defaults.h"
+#include "transform_input.h"
+
+namespace collision_pairs {
+
+/// Runs on a thread of its own, with a checker of its own for the node's active scene: the cycle
+/// never waits for it. Without its parameter, or with one that is refused, it passes nothing.
+class VelocityLimiter {
+ public:
+  /// The references must outlive it; `defaults` is called from its thread.
+  VelocityLimiter(const ros::NodeHandle& node, const ros::NodeHandle& private_node,
+                  TransformInput& transforms, SceneStore& scenes,
+                  std::function<QueryDefaults()> defaults);
+  ~VelocityLimiter();
+
+  bool isWanted() const { return !error_.empty() || parameters_; }
+  void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
+
+ private:
+  /// A command of either type.
+  struct Command {
+    std::optional<std_msgs::Float64MultiArray> array;
+    std::optional<trajectory_msgs::JointTrajectory> trajectory;
+    ros::SteadyTime arrived;
+  };
+
+  void start(const ros::NodeHandle& node, const ros::NodeHandle& private_node);
+  void work();
+  void onJointState(const sensor_msgs::JointState& message);
+  void answer(const Command& command);
+  void stopAfterSilence();
+  LimiterDecision decide(const Command& command, double now);
+  void prepare(double now, LimiterInput& input);
+  void publish(const Command& layout, const LimiterDecision& decision);
+
+  TransformInput& transforms_;
+  SceneStore& scenes_;
+  std::function<QueryDefaults()> defaults_;
+  std::string error_;  ///< why the parameter is refused
+  std::optional<LimiterParameters> parameters_;
+
+  // Used by its thread only.
+  std::unique_ptr<LimiterLaw> law_;
+  JointPositions positions_;
+  ActiveScenePtr scene_;
+  std::unique_ptr<CertifiedSurroundings> surroundings_;
+  Fidelity fidelity_ = Fidelity::MESH;
+  std::optional<Command> next_, last_;
+  bool has_stopped_ = true;
+  double last_now_ = 0.0;
+  ros::Publisher limited_, scale_, limit_;
+
+  std::mutex mutex_;  // guards what diagnose() reads
+  std::string last_reason_ = "no command yet";
+  double last_scale_ = 0.0, slowest_ = 0.0;  // slowest: seconds of a decision, since asked
+  std::size_t nb_commands_ = 0, nb_overruns_ = 0;
+
+  ros::CallbackQueue queue_;
+  std::vector<ros::Subscriber> subscribers_;
+  std::atomic<bool> stopping_{false};
+  std::thread thread_;
+};
+
+}  // namespace collision_pairs

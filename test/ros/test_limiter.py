@@ -1,0 +1,212 @@
+#!/usr/bin/python3
+"""The velocity limiter of a running node, in closed loop with simulated joints."""
+import math
+import os
+import sys
+import unittest
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+
+import rospy
+import rostest
+from std_msgs.msg import Float64, Float64MultiArray
+from std_srvs.srv import Trigger
+from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
+
+from collision_pairs.msg import SpeedLimit
+from joint_simulator import JointSimulator
+from node_client import PATIENCE, diagnosis_of
+
+PERIOD = 0.02          # s between commands
+STOP_DISTANCE = 0.01   # m, the default
+
+
+class Limited:
+    """What comes out of a node's limiter."""
+
+    def __init__(self, node, kind):
+        self.commands, self.scales, self.limits = [], [], []
+        self.when = []
+        self.hand_on = None
+        rospy.Subscriber(node + "/limited_command", kind, self._on_command)
+        rospy.Subscriber(node + "/speed_scale", Float64, self.scales.append)
+        rospy.Subscriber(node + "/speed_limit", SpeedLimit, self.limits.append)
+
+    def _on_command(self, message):
+        self.when.append(rospy.get_time())
+        self.commands.append(message)
+        if self.hand_on:
+            self.hand_on(message)
+
+
+class Driver:
+    """Repeats a command until it is given another; None: silence."""
+
+    def __init__(self, topic, kind):
+        self.message = None
+        self._publisher = rospy.Publisher(topic, kind, queue_size=1)
+        self._timer = rospy.Timer(rospy.Duration(PERIOD), self._publish)
+
+    def _publish(self, _):
+        if self.message is not None:
+            self._publisher.publish(self.message)
+
+
+def wait_until(condition):
+    end = rospy.get_time() + PATIENCE
+    while rospy.get_time() < end:
+        if condition():
+            return True
+        rospy.sleep(0.01)
+    return False
+
+
+class LimiterTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.joints = JointSimulator(["slide_a", "slide_b", "slide_c"])
+        cls.out = Limited("/array", Float64MultiArray)
+        cls.out.hand_on = lambda m: cls.joints.command({"slide_a": m.data[0]} if m.data else {})
+        cls.driver = Driver("/array_command", Float64MultiArray)
+
+    def setUp(self):
+        self.drive(None)
+        self.joints.is_silent = self.joints.is_broken = False
+        self.joints.place(slide_a=0.0, slide_b=4.0, slide_c=8.0)
+
+    def drive(self, *velocities):
+        self.driver.message = None if velocities == (None,) else Float64MultiArray(data=velocities)
+
+    def limit_that(self, condition):
+        """The next limit that meets the condition."""
+        start = len(self.out.limits)
+        self.assertTrue(wait_until(lambda: any(condition(x) for x in self.out.limits[start:])),
+                        self.out.limits[-1:])
+        return next(x for x in self.out.limits[start:] if condition(x))
+
+    def test_far_from_everything_the_whole_command_passes(self):
+        self.drive(0.3)
+        limit = self.limit_that(lambda x: x.scale == 1.0)
+        self.assertEqual((limit.verdict, limit.reason, limit.first_link), (SpeedLimit.FREE, "", ""))
+        self.assertTrue(wait_until(lambda: self.out.commands[-1].data == (0.3,)))
+        self.assertEqual(self.out.scales[-1].data, 1.0)
+
+    def test_it_stops_before_what_is_ahead_names_the_pair_and_can_retreat(self):
+        self.drive(1.0)
+        limit = self.limit_that(lambda x: x.scale == 0.0 and x.first_link)
+        self.assertEqual((limit.first_link, limit.second_link), ("a", "b"))
+        self.assertIn("comes nearer", limit.reason)
+        rospy.sleep(1.0)
+        distance = 3.0 - self.joints.position("slide_a")
+        self.assertGreater(distance, STOP_DISTANCE)
+        self.assertLess(distance, 0.1)
+        limit = self.limit_that(lambda x: x.first_link)
+        self.assertAlmostEqual(limit.distance, distance, delta=0.02)
+        self.drive(-1.0)
+        self.limit_that(lambda x: x.scale > 0.0)
+        self.assertTrue(wait_until(lambda: self.joints.position("slide_a") < 1.0))
+        self.limit_that(lambda x: x.scale == 1.0)
+
+    def test_below_the_stop_distance_only_a_retreat_passes_slowly(self):
+        self.joints.place(slide_a=2.995)
+        self.drive(0.1)
+        self.assertEqual(self.limit_that(lambda x: True).scale, 0.0)
+        rospy.sleep(0.5)
+        self.assertAlmostEqual(self.joints.position("slide_a"), 2.995, delta=1e-6)
+        self.drive(-0.1)
+        limit = self.limit_that(lambda x: x.scale > 0.0)
+        self.assertLessEqual(limit.scale, 0.2)
+        self.assertIn("leads away", limit.reason)
+        self.assertTrue(wait_until(lambda: self.joints.position("slide_a") < 2.9))
+
+    def test_in_contact_a_retreat_passes(self):
+        self.joints.place(slide_a=3.1)
+        self.drive(0.1)
+        self.assertEqual(self.limit_that(lambda x: x.verdict == SpeedLimit.COLLISION).scale, 0.0)
+        self.drive(-0.3)
+        self.limit_that(lambda x: x.scale > 0.0)
+        self.assertTrue(wait_until(lambda: self.joints.position("slide_a") < 2.9))
+
+    def test_commands_that_cannot_be_limited_stop_it_with_the_reason(self):
+        for data, reason in (((math.nan,), "not finite"), ((math.inf,), "not finite"),
+                             ((0.1, 0.1), "has 2 numbers, but 1 joints"), ((), "has 0 numbers")):
+            self.drive(0.2)
+            self.limit_that(lambda x: x.scale > 0.0)
+            self.drive(*data)
+            limit = self.limit_that(lambda x: reason in x.reason)
+            self.assertEqual((limit.scale, limit.verdict), (0.0, SpeedLimit.UNKNOWN))
+            self.assertEqual(self.out.commands[-1].data, (0.0,))
+
+    def test_joint_states_that_stop_or_are_not_finite_stop_it(self):
+        self.drive(0.2)
+        self.limit_that(lambda x: x.scale > 0.0)
+        self.joints.is_silent = True
+        self.limit_that(lambda x: x.scale == 0.0 and "s old" in x.reason)
+        self.assertEqual(self.out.commands[-1].data, (0.0,))
+        self.joints.is_silent, self.joints.is_broken = False, True
+        self.limit_that(lambda x: x.scale == 0.0 and "is not finite" in x.reason)
+        self.joints.is_broken = False
+        self.limit_that(lambda x: x.scale > 0.0)
+
+    def test_after_the_timeout_zeros_are_passed_once(self):
+        self.drive(0.2)
+        self.limit_that(lambda x: x.scale > 0.0)
+        self.drive(None)
+        self.limit_that(lambda x: "no command for" in x.reason)
+        rospy.sleep(0.1)
+        nb_commands = len(self.out.commands)
+        self.assertEqual(self.out.commands[-1].data, (0.0,))
+        rospy.sleep(1.0)
+        self.assertEqual(len(self.out.commands), nb_commands)
+        self.assertEqual(len(self.out.scales), nb_commands)
+
+    def test_while_the_scene_is_read_again_it_goes_on(self):
+        reset = rospy.ServiceProxy("/array/reset", Trigger)
+        self.drive(0.05)
+        self.limit_that(lambda x: x.scale == 1.0)
+        for _ in range(3):
+            self.assertTrue(reset().success)
+            self.limit_that(lambda x: x.scale == 1.0)
+        self.assertLess(self.joints.position("slide_a"), 2.0)
+
+    def test_trajectories_keep_their_order_and_are_scaled_with_their_positions(self):
+        out = Limited("/trajectory", JointTrajectory)
+        driver = Driver("/trajectory_command", JointTrajectory)
+        point = JointTrajectoryPoint(velocities=[0.0, 1.0], positions=[4.0, 0.5])
+        message = JointTrajectory(joint_names=["slide_b", "slide_a"], points=[point])
+        driver.message = message
+        self.assertTrue(wait_until(lambda: out.limits and out.limits[-1].scale == 1.0))
+        limited = out.commands[-1]
+        self.assertEqual(limited.joint_names, ["slide_b", "slide_a"])
+        self.assertEqual(limited.points[0].velocities, (0.0, 1.0))
+        self.assertAlmostEqual(limited.points[0].positions[1], 0.5, delta=1e-9)
+        self.joints.place(slide_a=2.99)
+        self.assertTrue(wait_until(lambda: out.limits[-1].scale == 0.0))
+        self.assertTrue(wait_until(lambda: abs(out.commands[-1].points[0].positions[1] - 2.99) < 1e-6))
+        message.joint_names = ["slide_b", "slide_c"]
+        self.assertTrue(wait_until(lambda: "no velocity for joint 'slide_a'" in out.limits[-1].reason))
+        self.assertEqual(out.commands[-1].points[0].velocities, (0.0, 0.0))
+        message.points = []
+        self.assertTrue(wait_until(lambda: "0 points" in out.limits[-1].reason))
+        driver.message = None
+
+    def test_a_joint_that_is_not_the_robots_is_named_and_nothing_passes(self):
+        out = Limited("/unknown_joint", Float64MultiArray)
+        driver = Driver("/unknown_command", Float64MultiArray)
+        driver.message = Float64MultiArray(data=[0.1])
+        self.assertTrue(wait_until(lambda: out.limits and "slide_x" in out.limits[-1].reason))
+        self.assertEqual(out.commands[-1].data, (0.0,))
+        driver.message = None
+
+    def test_a_misspelt_key_is_an_error_of_the_diagnostics_and_nothing_passes(self):
+        status = diagnosis_of("misspelt: velocity limiter")
+        self.assertEqual(status.level, b"\x02" if isinstance(status.level, bytes) else 2)
+        self.assertIn("'decceleration' is not a setting of the limiter; did you mean 'deceleration'?",
+                      status.message)
+        names = [name for name, _ in rospy.get_published_topics()]
+        self.assertNotIn("/misspelt/limited_command", names)
+
+
+if __name__ == "__main__":
+    rospy.init_node("test_limiter")
+    rostest.rosrun("collision_pairs", "limiter", LimiterTest)
