@@ -141,7 +141,7 @@ class LimiterTest(unittest.TestCase):
         self.drive(0.2)
         self.limit_that(lambda x: x.scale > 0.0)
         self.joints.is_silent = True
-        self.limit_that(lambda x: x.scale == 0.0 and "s old" in x.reason)
+        self.limit_that(lambda x: x.scale == 0.0 and "the joint state is" in x.reason)
         self.assertEqual(self.out.commands[-1].data, (0.0,))
         self.joints.is_silent, self.joints.is_broken = False, True
         self.limit_that(lambda x: x.scale == 0.0 and "is not finite" in x.reason)
