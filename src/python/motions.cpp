@@ -143,8 +143,12 @@ void bindMotions(py::module& module) {
           [](const PythonMotionCheck& motions, const py::object& waypoints,
              const py::object& joints, double clearance, double resolution,
              const py::object& fidelity, bool from_start) {
-            return motions.check(waypoints, joints,
-                                 {fidelityFrom(fidelity), clearance, resolution, from_start});
+            MotionSettings settings;
+            settings.fidelity = fidelityFrom(fidelity);
+            settings.clearance = clearance;
+            settings.resolution = resolution;
+            settings.from_start = from_start;
+            return motions.check(waypoints, joints, settings);
           },
           py::arg("waypoints"), py::arg("joints") = py::none(),
           py::arg("clearance") = defaults.clearance, py::arg("resolution") = defaults.resolution,
