@@ -31,7 +31,7 @@ collision_pairs_benchmark(few_boxes SOURCES benchmark_robots broad_phase_scenes 
   LIBRARIES collision_pairs_io)
 
 # Programs that measure the narrow phase. Their short versions are held by the tests.
-foreach(program accuracy_cylinders accuracy_table accuracy_scale accuracy_solids)
+foreach(program accuracy_cylinders accuracy_ratio accuracy_table accuracy_solids)
   collision_pairs_benchmark(${program} LIBRARIES collision_pairs)
 endforeach()
 collision_pairs_benchmark(yes_or_no LIBRARIES collision_pairs fcl)

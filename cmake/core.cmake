@@ -71,6 +71,7 @@ add_library(collision_pairs SHARED
   src/core/narrow_phase/fcl_answer.cpp
   src/core/narrow_phase/fcl_backend.cpp
   src/core/narrow_phase/narrow_phase.cpp
+  src/core/narrow_phase/plain_pairs.cpp
   src/core/narrow_phase/prepared_shape.cpp
   src/core/narrow_phase/solids.cpp
   src/core/narrow_phase/surface_query.cpp

@@ -44,6 +44,7 @@ struct OracleBody {
   std::vector<Eigen::Vector3d> normals;   ///< outward, of its flat faces
   std::vector<Eigen::Vector3d> edges;     ///< directions of its straight edges, and its axis
   bool round = false;
+  std::vector<std::pair<std::size_t, std::size_t>> edge_ends;  ///< of a Convex: three of each face
 };
 
 /// Faces and edges of a hull by trying all triples of its (few) vertices.
@@ -65,8 +66,9 @@ inline void enumerateFaces(OracleBody& body) {
         }
         if (high > flat && low < -flat) continue;
         body.normals.push_back(high > flat ? Eigen::Vector3d(-n) : n);
-        for (const auto& e : {v[j] - v[i], v[k] - v[j], v[i] - v[k]}) {
-          body.edges.push_back(e.normalized());
+        for (const auto& [from, to] : {std::pair(i, j), std::pair(j, k), std::pair(k, i)}) {
+          body.edges.push_back((v[to] - v[from]).normalized());
+          body.edge_ends.emplace_back(from, to);
         }
       }
     }
@@ -74,7 +76,7 @@ inline void enumerateFaces(OracleBody& body) {
 }
 
 inline OracleBody oracleBody(const Shape& shape) {
-  OracleBody body{shape, {}, {}, {}, false};
+  OracleBody body{shape, {}, {}, {}, false, {}};
   const Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
   if (std::holds_alternative<Box>(shape)) {
     for (int i = 0; i < 3; ++i) {

@@ -154,6 +154,16 @@ def test_what_the_readme_says_of_whole_checks_was_measured():
                 ratios("p99", "self_contacts", "self_distance", "world_distance", "self", "world"))
 
 
+def test_what_the_readme_and_the_page_say_of_accuracy_was_measured():
+    errors = {(row["first"], row["second"]): float(row["worst"]) for row in data("accuracy.csv", quantity="distance")}
+    said = re.search(r"error of a distance \| (\S+) m \|.*without cylinders (\S+) m", read("README.md"))
+    plain = [error for pair, error in errors.items() if "cylinder" not in pair]
+    assert [float(number) for number in said.groups()] == [float("%.0e" % max(errors.values())), float("%.0e" % max(plain))]
+    rows = data("accuracy_ratio.csv")
+    assert {row["wrong"] for row in rows} == {row["contradictions"] for row in rows} == {"0"}
+    assert max(float(row["worst_over_goal"]) for row in rows) <= 1
+
+
 def test_each_fault_names_a_test_that_exists():
     folders = [os.path.join(PROJECT, "test", folder) for folder in ("", "ros")]
     sources = "".join(read(folder, name) for folder in folders for name in os.listdir(folder) if name.startswith("test_"))

@@ -294,7 +294,7 @@ TEST(MeshQuery, SurfacesMeetWhereTwoOfTheirTrianglesDo) {
         improveByTriangles(triangleOf(m, s), Triangle(X * u.v[0], X * u.v[1], X * u.v[2]), best);
       }
     }
-    ASSERT_EQ(search.surfacesMeet(A, B, X), best.squared == 0.0) << i;
+    ASSERT_EQ(search.surfacesMeet(A, B, X, 1e-15), best.squared == 0.0) << i;
     met += best.squared == 0.0;
   }
   EXPECT_GT(met, 50);

@@ -158,7 +158,7 @@ TEST(RoundingMargins, BoundsFromHullsAllowForTheVerticesThatQhullLeavesOut) {
   X_AB.translation().z() = 1.0;
   const auto &a = static_cast<const Prepared&>(*A), &b = static_cast<const Prepared&>(*B);
   ASSERT_TRUE(a.mesh) << "with its dent it is not convex";
-  const HullBounds bounds = boundsFromHulls(a, b, X_AB, 0.375 - 1e-13);
+  const HullBounds bounds = boundsFromHulls(a, b, X_AB, 0.375 - 1e-13, 0.0);
   ASSERT_EQ(bounds.outcome, HullBounds::Outcome::BEYOND);
   EXPECT_LE(bounds.hulls.distance, 0.875 - std::nextafter(0.5, 1.0));
 }

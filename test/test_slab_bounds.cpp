@@ -89,8 +89,8 @@ TEST(SlabBounds, ChangeNoDistanceWhateverTheirDirection) {
   for (int round = 0; round < 300; ++round) {
     const Isometry3d X_AB = random.pose(0.7);
     const Vector3d n = random.vector(-1.0, 1.0).normalized();
-    const SurfaceGap without = query.meshMesh(meshOf(A), meshOf(B), X_AB, 10.0);
-    const SurfaceGap with = query.meshMesh(meshOf(A), meshOf(B), X_AB, 10.0, &n);
+    const SurfaceGap without = query.meshMesh(meshOf(A), meshOf(B), X_AB, 10.0, 1e-15);
+    const SurfaceGap with = query.meshMesh(meshOf(A), meshOf(B), X_AB, 10.0, 1e-15, &n);
     ASSERT_EQ(with.beyond, without.beyond);
     ASSERT_NEAR(with.distance, without.distance, 1e-14);
   }

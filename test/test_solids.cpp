@@ -80,7 +80,7 @@ TEST(HullBounds, HoldTheDistanceOfTheSurfacesBetweenThem) {
   int settled = 0, open = 0;
   for (int round = 0; round < 200; ++round) {
     const Isometry3d X_AB = random.pose(2.0);
-    const HullBounds bounds = boundsFromHulls(asPrepared(A), asPrepared(B), X_AB, 1.0);
+    const HullBounds bounds = boundsFromHulls(asPrepared(A), asPrepared(B), X_AB, 1.0, 0.0);
     const double exact = distanceByAllTriangles(*a, *b, X_AB);
     switch (bounds.outcome) {
       case HullBounds::Outcome::BEYOND:
@@ -98,7 +98,7 @@ TEST(HullBounds, HoldTheDistanceOfTheSurfacesBetweenThem) {
       case HullBounds::Outcome::OPEN:
         ++open;
     }
-    EXPECT_TRUE(!hullsMiss(asPrepared(A), asPrepared(B), X_AB) || exact > 0.0);
+    EXPECT_TRUE(!hullsMiss(asPrepared(A), asPrepared(B), X_AB, 0.0) || exact > 0.0);
   }
   EXPECT_GT(settled, 10);
   EXPECT_GT(open, 10);

@@ -53,7 +53,12 @@ std::shared_ptr<const PreparedShape> prepareShape(
 /// The rotation in X_AB may be inexact, from rounding or from a quaternion that is not quite
 /// normalised. Up to 1e-3 (largest entry of R^T R - I) it is made orthonormal. Anything worse, such
 /// as a number that is not finite, gives a DEGRADED contact whose distance is a valid lower bound.
-/// Cost of a query: 0.05 to 12 µs in the median, by the pair of shapes (docs/data/native_and_fcl.csv).
+///
+/// Two are in contact if they overlap, or the gap between them is no more than rounding of the
+/// numbers given: 1e-15 of their sizes, of the distance of their frames, and of `offset`, how far
+/// the two are from the origin of the poses that X_AB was computed from (metres).
+/// Cost of a query: 0.05 to 12 µs in the median, by the pair of shapes
+/// (docs/data/native_and_fcl.csv).
 class NarrowPhase {
  public:
   NarrowPhase();
@@ -61,19 +66,19 @@ class NarrowPhase {
   NarrowPhase(NarrowPhase&&) noexcept;
   NarrowPhase& operator=(NarrowPhase&&) noexcept;
 
-  /// True if the two solids are no further apart than `margin` metres (>= 0); with the default 0,
-  /// if they have a common point. Never throws.
-  bool touches(const PreparedShape& A, const PreparedShape& B, const Eigen::Isometry3d& X_AB,
-               double margin = 0.0);
-
-  /// Signed distance, witness points and normal, in A's frame. If the two are further apart than
-  /// max_distance (metres, >= 0, may be infinite), the search ends early and returns BEYOND. If
-  /// `accuracy` lets the search in triangles end early, the answer is TOLERATED: the lower end of
-  /// the interval, and two points of the solids that are no further apart than its upper end. Never
+  /// True if the two solids are in contact or no further apart than `margin` metres (>= 0). Never
   /// throws.
+  bool touches(const PreparedShape& A, const PreparedShape& B, const Eigen::Isometry3d& X_AB,
+               double margin = 0.0, double offset = 0.0);
+
+  /// Signed distance (<= 0: contact), witness points and normal, in A's frame. If the two are
+  /// further apart than max_distance (metres, >= 0, may be infinite), the search ends early and
+  /// returns BEYOND. If `accuracy` lets the search in triangles end early, the answer is TOLERATED:
+  /// the lower end of the interval, and two points of the solids that are no further apart than its
+  /// upper end. Never throws.
   PairDistance distance(const PreparedShape& A, const PreparedShape& B,
                         const Eigen::Isometry3d& X_AB, double max_distance,
-                        const Accuracy& accuracy = {});
+                        const Accuracy& accuracy = {}, double offset = 0.0);
 
   /// Number of calls of touches() and distance() that ended DEGRADED.
   std::uint64_t numDegraded() const;

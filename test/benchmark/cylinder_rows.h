@@ -172,7 +172,11 @@ struct CylinderError {
 inline CylinderError judgeCylinder(const PosedPair& pair, const PairDistance& result,
                                    double tolerance, int max_cones) {
   const OracleBody A = oracleBody(pair.a), B = oracleBody(pair.b);
-  const double band = 1e-9 * std::min(sizeOf(pair.a), sizeOf(pair.b));
+  const double size_a = sizeOf(pair.a), size_b = sizeOf(pair.b);
+  // A gap of 1e-15 of the coordinates is contact (docs/accuracy.md).
+  const double of_coordinates =
+      1e-15 * (2.0 * (size_a + size_b) + pair.X_AB.translation().lpNorm<1>());
+  const double band = std::max(1e-9 * std::min(size_a, size_b), of_coordinates);
   CylinderError error;
   if (result.distance > 0.0) {
     const AnswerError apart = judge(A, B, pair.X_AB, result, band);

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "convex_distance.h"
+#include "fcl_answer.h"
 #include "prepared_shape.h"
 #include "sphere_cover.h"
 #include "sphere_distance.h"
@@ -46,6 +47,16 @@ SpheresOrShape spheresOf(const SceneElement& element) {
 double certainGap(const PairDistance& gap, const ConvexCore& a, const ConvexCore& b) {
   const bool is_bound = gap.certainty == Certainty::BEYOND || !(a.curved() || b.curved());
   return is_bound ? gap.distance : lowerEndOfGap(gap, a, b);
+}
+
+/// What a bound by hulls is raised by before the query and lowered by after it: rounding, and the
+/// error of FCL where it is what answers, so that no bound contradicts a contact. `offset`: of the
+/// poses, see contactBand().
+double errorOfBound(const Prepared& a, const ConvexCore& b, const Isometry3d& X_AB, double offset) {
+  const double rounding =
+      roundingOf(a.core, b) + contactBand(a.core, b, X_AB.translation(), offset);
+  if (a.method != NarrowPhaseMethod::FCL) return rounding;
+  return rounding + FCL_CONFIRMED * (a.core.extent + a.core.radius + b.extent + b.radius);
 }
 
 PairDistance beyond(double lower_bound) {
@@ -163,7 +174,7 @@ bool PairLadder::meets(const BoxPair& pair, Fidelity rung) {
   const Rung& b = scene_->elements()[pair.second].rung(rung);
   const double margin = a.margin + b.margin + scene_->padding(pair.first, pair.second);
   const Isometry3d X = rung == Fidelity::OBB ? a.X_ER.inverse() * X_AB * b.X_ER : X_AB;
-  return narrow_phase_.touches(*a.shape, *b.shape, X, margin);
+  return narrow_phase_.touches(*a.shape, *b.shape, X, margin, offset(pair));
 }
 
 PairLadder::Answer PairLadder::measureAt(const BoxPair& pair, const Isometry3d& X_AB, Fidelity rung,
@@ -174,8 +185,9 @@ PairLadder::Answer PairLadder::measureAt(const BoxPair& pair, const Isometry3d& 
   const double margin = a.margin + b.margin + padding;
   const Isometry3d X = rung == Fidelity::OBB ? a.X_ER.inverse() * X_AB * b.X_ER : X_AB;
   const Accuracy accuracy{tolerance, margin};
-  Answer answer{narrow_phase_.distance(*a.shape, *b.shape, X, max_distance + margin, accuracy),
-                rung};
+  Answer answer{
+      narrow_phase_.distance(*a.shape, *b.shape, X, max_distance + margin, accuracy, offset(pair)),
+      rung};
   PairDistance& found = answer.found;
   found.distance -= margin;
   if (found.certainty == Certainty::BEYOND) return answer;
@@ -195,10 +207,17 @@ PairDistance PairLadder::spheresApart(const BoxPair& pair, const Isometry3d& X_A
   const SceneElement &a = scene_->elements()[pair.first], &b = scene_->elements()[pair.second];
   const double padding = scene_->padding(pair.first, pair.second);
   const double reach = max_distance + padding;
-  if (a.spheres || b.spheres)
-    return sphereDistance(spheresOf(a), spheresOf(b), X_AB, reach, padding);
-  return narrow_phase_.distance(*a.rung(Fidelity::MESH).shape, *b.rung(Fidelity::MESH).shape, X_AB,
-                                reach, {0.0, padding});
+  const Rung &mesh_a = a.rung(Fidelity::MESH), &mesh_b = b.rung(Fidelity::MESH);
+  if (!a.spheres && !b.spheres) {
+    return narrow_phase_.distance(*mesh_a.shape, *mesh_b.shape, X_AB, reach, {0.0, padding},
+                                  offset(pair));
+  }
+  const double band = contactBand(preparedOf(mesh_a).core, preparedOf(mesh_b).core,
+                                  X_AB.translation(), offset(pair));
+  PairDistance found =
+      sphereDistance(spheresOf(a), spheresOf(b), X_AB, reach + band, padding + band);
+  found.distance -= band;
+  return found;
 }
 
 PairLadder::Answer PairLadder::measureSpheres(const BoxPair& pair, const Isometry3d& X_AB,
@@ -234,8 +253,10 @@ PairLadder::Answer PairLadder::boundOfHulls(const BoxPair& pair, const Answer& k
                                             double max_distance) const {
   const Prepared& a = preparedOf(scene_->elements()[pair.first].rung(Fidelity::MESH));
   const Prepared& b = preparedOf(scene_->elements()[pair.second].rung(Fidelity::MESH));
-  const double margin = roundingOf(a.core, b.core) + scene_->padding(pair.first, pair.second);
-  const PairDistance gap = convexGap(a.core, b.core, relativePose(pair), max_distance + margin);
+  const Isometry3d X_AB = relativePose(pair);
+  const double error = errorOfBound(a, b.core, X_AB, offset(pair));
+  const double margin = error + scene_->padding(pair.first, pair.second);
+  const PairDistance gap = convexGap(a.core, b.core, X_AB, max_distance + margin, error);
   const double distance = certainGap(gap, a.core, b.core) - margin;
   if (gap.certainty == Certainty::DEGRADED || distance <= std::max(known.found.distance, 0.0)) {
     return known;
@@ -251,17 +272,22 @@ double PairLadder::hullsApart(std::uint32_t element, Fidelity rung, const Convex
                               const Isometry3d& X_WS, double max_distance) const {
   const Rung& of_element = scene_->elements()[element].rung(rung);
   const ConvexCore& core = preparedOf(of_element).core;
-  const double margin = roundingOf(core, shape) + of_element.margin;
-  const Isometry3d X_ES = relativePose((*X_WE_)[element], X_WS);
-  const PairDistance gap = convexGap(core, shape, X_ES, max_distance + margin);
+  const Isometry3d& X_WE = (*X_WE_)[element];
+  const Isometry3d X_ES = relativePose(X_WE, X_WS);
+  const double error = errorOfBound(preparedOf(of_element), shape, X_ES, offset(X_WE, X_WS));
+  const double margin = error + of_element.margin;
+  const PairDistance gap = convexGap(core, shape, X_ES, max_distance + margin, error);
   return gap.certainty == Certainty::DEGRADED ? 0.0 : certainGap(gap, core, shape) - margin;
 }
 
 double PairLadder::surfaceApart(std::uint32_t element, const ConvexCore& shape,
                                 const Isometry3d& X_WS, double max_distance) {
   const Rung& of_element = scene_->elements()[element].rung(Fidelity::MESH);
-  const Isometry3d X_ES = relativePose((*X_WE_)[element], X_WS);
-  return surface_query_.apart(*of_element.shape, shape, X_ES, max_distance);
+  const Isometry3d& X_WE = (*X_WE_)[element];
+  const Isometry3d X_ES = relativePose(X_WE, X_WS);
+  const double band =
+      contactBand(preparedOf(of_element).core, shape, X_ES.translation(), offset(X_WE, X_WS));
+  return surface_query_.apart(*of_element.shape, shape, X_ES, max_distance, band);
 }
 
 bool PairLadder::holds(std::uint32_t element, const Vector3d& p_W) const {
@@ -307,7 +333,7 @@ double PairLadder::obbGap(const BoxPair& pair, const Isometry3d& X_AB) const {
   if (!(squared_gap > 0.0)) return -padding;
   const double coordinates = a.box_center.lpNorm<1>() + a.box_half.sum() +
                              X_AB.translation().lpNorm<1>() + b.box_center.lpNorm<1>() +
-                             b.box_half.sum();
+                             b.box_half.sum() + offset(pair);
   return std::sqrt(squared_gap) - ROUNDING * coordinates - padding;
 }
 

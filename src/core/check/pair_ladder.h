@@ -80,6 +80,13 @@ class PairLadder {
   Eigen::Isometry3d relativePose(const BoxPair& pair) const {
     return relativePose((*X_WE_)[pair.first], (*X_WE_)[pair.second]);
   }
+  // Of the two from the origin of W, metres: rounding of their poses scales with it.
+  static double offset(const Eigen::Isometry3d& X_WA, const Eigen::Isometry3d& X_WB) {
+    return X_WA.translation().norm() + X_WB.translation().norm();
+  }
+  double offset(const BoxPair& pair) const {
+    return offset((*X_WE_)[pair.first], (*X_WE_)[pair.second]);
+  }
   static Eigen::Isometry3d relativePose(const Eigen::Isometry3d& X_WA,
                                         const Eigen::Isometry3d& X_WB);
   Answer measureAt(const BoxPair& pair, const Eigen::Isometry3d& X_AB, Fidelity rung,

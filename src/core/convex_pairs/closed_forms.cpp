@@ -3,12 +3,19 @@
 #include <algorithm>
 #include <cmath>
 
+#include "convex_distance.h"
+#include "double_double.h"
+
 namespace collision_pairs {
 namespace {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
 using Kind = ConvexCore::Kind;
+
+// Nearer to contact than this, relative to the coordinates, rounding could decide: that of a closed
+// form, and what a rotation in double leaves of right angles.
+constexpr double ROUNDING = 5e-14;
 
 // The point of a core's surface closest to a point Q, all in the core's frame.
 struct Foot {
@@ -126,6 +133,13 @@ PairDistance segmentDistance(const ConvexCore& A, const ConvexCore& B, const Iso
   return result;
 }
 
+template <class T>
+Vec3<T> lowestPoint(const ConvexCore& B, const Isometry3d& X_AB) {
+  const Mat3<T> R_AB = X_AB.linear().cast<T>();
+  const Vec3<T> down_B = -R_AB.row(2).transpose();
+  return R_AB * support<T>(B, down_B) + X_AB.translation().cast<T>();
+}
+
 }  // namespace
 
 bool hasClosedForm(const ConvexCore& A, const ConvexCore& B) {
@@ -135,18 +149,31 @@ bool hasClosedForm(const ConvexCore& A, const ConvexCore& B) {
   return A.kind == Kind::SEGMENT && B.kind == Kind::SEGMENT;
 }
 
-PairDistance closedForm(const ConvexCore& A, const ConvexCore& B, const Isometry3d& X_AB) {
-  if (B.kind == Kind::POINT) return pointDistance(A, B, X_AB.translation());
-  if (A.kind == Kind::SEGMENT) return segmentDistance(A, B, X_AB);
-  const Isometry3d X_BA = X_AB.inverse(Eigen::Isometry);
-  return exchanged(pointDistance(B, A, X_BA.translation()), X_AB);
+PairDistance closedForm(const ConvexCore& A, const ConvexCore& B, const Isometry3d& X_AB,
+                        double band) {
+  PairDistance result;
+  if (B.kind == Kind::POINT) {
+    result = pointDistance(A, B, X_AB.translation());
+  } else if (A.kind == Kind::SEGMENT) {
+    result = segmentDistance(A, B, X_AB);
+  } else {
+    const Isometry3d X_BA = X_AB.inverse(Eigen::Isometry);
+    result = exchanged(pointDistance(B, A, X_BA.translation()), X_AB);
+  }
+  const double magnitude = magnitudeOf(A, B, X_AB.translation());
+  if (std::abs(result.distance) > ROUNDING * magnitude + band) return result;
+  return convexDistance(A, B, X_AB, std::numeric_limits<double>::infinity(), band);
 }
 
-PairDistance halfSpaceDistance(const ConvexCore& B, const Isometry3d& X_AB) {
-  const Vector3d down_B = -X_AB.linear().row(2).transpose();
-  const Vector3d lowest = X_AB * support<double>(B, down_B);
+PairDistance halfSpaceDistance(const ConvexCore& B, const Isometry3d& X_AB, double band) {
+  const Vector3d lowest = lowestPoint<double>(B, X_AB);
   PairDistance result;
   result.distance = lowest[2] - B.radius;
+  if (std::abs(result.distance) <= ROUNDING * magnitudeOf({}, B, X_AB.translation()) + band) {
+    const DoubleDouble height = lowestPoint<DoubleDouble>(B, X_AB)[2] - DoubleDouble(B.radius);
+    result.distance = static_cast<double>(height);
+    if (height <= DoubleDouble(band)) result.distance = std::min(result.distance, 0.0);
+  }
   result.nhat_AB_A = Vector3d::UnitZ();
   result.p_ACb = lowest - B.radius * Vector3d::UnitZ();
   result.p_ACa = {lowest[0], lowest[1], 0.0};
@@ -163,25 +190,38 @@ PairDistance halfSpacePair(const Isometry3d& X_AB) {
   return result;
 }
 
-bool boxesTouch(const Vector3d& half_a, const Vector3d& half_b, const Isometry3d& X_AB) {
+// Along an axis of length at most 1, computed gaps are off by less than `rounding`, which includes
+// what a rotation in double leaves of right angles. If edges are parallel to within PARALLEL, their
+// common normal is mostly rounding. Turned to be parallel, the boxes need no such axis, and move by
+// less than PARALLEL of their size: what overlaps by more than `deep` along all other axes
+// overlaps.
+std::optional<bool> boxesTouch(const Vector3d& half_a, const Vector3d& half_b,
+                               const Isometry3d& X_AB, double band) {
+  constexpr double PARALLEL = 1e-12, DEEP = 1e-11;
   const Eigen::Matrix3d R = X_AB.linear(), reach = R.cwiseAbs();
   const Vector3d p = X_AB.translation();
-  if ((p.cwiseAbs().array() > (half_a + reach * half_b).array()).any()) return false;
+  const double size = half_a.sum() + half_b.sum() + p.lpNorm<1>();
+  const double rounding = ROUNDING * size + band, deep = DEEP * size;
+  const double along_a = (p.cwiseAbs() - half_a - reach * half_b).maxCoeff();
+  if (along_a > rounding) return false;
   const Vector3d across = (R.transpose() * p).cwiseAbs();
-  if ((across.array() > (half_b + reach.transpose() * half_a).array()).any()) return false;
+  const double along_b = (across - half_b - reach.transpose() * half_a).maxCoeff();
+  if (along_b > rounding) return false;
+  bool is_sure = along_a < -deep && along_b < -deep;
   for (int i = 0; i < 3; ++i) {
     const int j = (i + 1) % 3, k = (i + 2) % 3;
     for (int m = 0; m < 3; ++m) {
+      if (reach(j, m) + reach(k, m) < PARALLEL) continue;
       const int n = (m + 1) % 3, o = (m + 2) % 3;
       const double along = std::abs(p[k] * R(j, m) - p[j] * R(k, m));
       const double reach_a = half_a[j] * reach(k, m) + half_a[k] * reach(j, m);
       const double reach_b = half_b[n] * reach(i, o) + half_b[o] * reach(i, n);
-      // Nearly parallel edges need no axis of their own, and theirs would be mostly rounding.
-      const double rounding = 4e-16 * (std::abs(p[k]) + std::abs(p[j]) + reach_a + reach_b);
-      if (along > reach_a + reach_b + rounding) return false;
+      const double gap = along - reach_a - reach_b;
+      if (gap > rounding) return false;
+      is_sure = is_sure && gap < -rounding;
     }
   }
-  return true;
+  return is_sure ? std::optional<bool>(true) : std::nullopt;
 }
 
 PairDistance exchanged(const PairDistance& result, const Isometry3d& X_BA) {

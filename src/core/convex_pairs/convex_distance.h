@@ -6,43 +6,41 @@
 
 namespace collision_pairs {
 
-/// Signed distance of A and B, measured and expressed in A's frame; see PairDistance.
-/// Certainty: EXACT if the certified interval is narrow enough: for a distance 1e-10 of the largest
-/// coordinate or, with a cylinder, 1e-9 of the smaller body's size; for a depth 1e-6 of the same.
-/// BOUND if the interval of a depth stayed wider, BEYOND if the distance exceeds the given limit,
-/// DEGRADED if not even 64-bit mantissas (long double) made it narrow enough. Never throws,
-/// allocates nothing.
+/// Signed distance of A and B, measured and expressed in A's frame; see PairDistance. The truth is
+/// that of the numbers given: the core of B is moved by X_AB as it stands, and what rounding leaves
+/// of a rotation is part of the pose.
+/// Certainty: EXACT if the certified interval proves that the distance or depth is off by no more
+/// than largestError(). BOUND if the interval of a depth stayed wider, BEYOND if the distance
+/// exceeds the given limit, DEGRADED if not even twice a double's digits made that of a distance
+/// narrow enough. The distance is <= 0 if the two overlap, or the gap between them is no larger
+/// than `band` metres: see contactBand(). All functions below decide alike; of a gap they know no
+/// better than 4e-30 of the coordinates. Never throws, allocates nothing.
 PairDistance convexDistance(const ConvexCore& A, const ConvexCore& B, const Eigen::Isometry3d& X_AB,
-                            double max_distance);
-
-/// The vertices of A - B with which GJK enclosed the origin, if it did.
-struct CoreOverlap {
-  Simplex<double> simplex;
-  double magnitude = 0.0;  ///< largest |w| encountered, metres
-  bool found() const { return simplex.size > 0; }
-};
+                            double max_distance, double band = 0.0);
 
 /// The same without depth: if the shapes touch, the distance is some number <= 0, and witness
 /// points and normal are undefined. `overlap`, if given, is set if cores that are not curved
 /// overlap. If BEYOND, nhat_AB_A is the normal of the separating plane that GJK found.
 PairDistance convexGap(const ConvexCore& A, const ConvexCore& B, const Eigen::Isometry3d& X_AB,
-                       double max_distance, CoreOverlap* overlap = nullptr);
+                       double max_distance, double band = 0.0, CoreOverlap* overlap = nullptr);
 
 /// A certain lower bound of a distance that convexGap() returns as EXACT.
 inline double lowerEndOfGap(const PairDistance& gap, const ConvexCore& A, const ConvexCore& B) {
-  constexpr double ERROR = 1e-9;  // of the largest coordinate; more than any EXACT one has
-  return gap.distance - ERROR * (gap.distance + 2.0 * (A.extent + A.radius + B.extent + B.radius));
+  // No vector that goes into a vertex of A - B is longer than these together.
+  const double reach = A.extent + A.center.lpNorm<1>() + B.extent + B.center.lpNorm<1>();
+  return gap.distance - largestError(A, B, 4.0 * (gap.distance + reach + A.radius + B.radius));
 }
 
-/// Decides only whether A and B are at most `margin` metres (>= 0) apart: the returned distance is
-/// some number <= `margin` if they are, else a larger one. Cost: some ten nanoseconds if they
-/// penetrate deeply, else a few support evaluations.
+/// Decides only whether A and B are at most `margin` metres (>= 0) apart, as convexDistance() does:
+/// the returned distance is some number <= `margin` if they are, else a larger one. Cost: some ten
+/// nanoseconds if they penetrate deeply, else a few support evaluations.
 PairDistance convexTouch(const ConvexCore& A, const ConvexCore& B, const Eigen::Isometry3d& X_AB,
-                         double margin);
+                         double margin, double band);
 
-/// convexDistance() of two cores for which an overlap was already found.
+/// convexDistance() of two cores for which an overlap was already found; a BOUND where more digits
+/// would make it EXACT.
 PairDistance convexDepth(const ConvexCore& A, const ConvexCore& B, const Eigen::Isometry3d& X_AB,
-                         const CoreOverlap& overlap);
+                         const CoreOverlap& overlap, double band);
 
 /// A lower bound of the distance: the gap of the shapes along the unit vector n. Cost: one step of
 /// GJK.

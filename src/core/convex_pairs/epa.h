@@ -31,6 +31,22 @@ class Epa {
     for (int i = 0; i < simplex.size; ++i) point_[num_points_++] = simplex.vertex[i];
   }
 
+  /// True if a ball around the origin is certainly inside what run() left: it is on the inner side
+  /// of each face of a closed surface, wherever the vertices are that are off by `rounding`
+  /// (metres). With edges d, e from p and the normal n = d x e, the volume p . n changes by at most
+  /// 3 |n| + 2 |p| (|d| + |e|) times that, and by less than as much again for its own arithmetic.
+  bool enclosesBall(T radius, T rounding) const {
+    const auto holds_it = [&](const Face& face) {
+      const T spare = face.distance - radius - T(3) * rounding;
+      // None of the three vectors is longer than twice the largest vertex.
+      if (spare * face.area > T(32) * rounding * magnitude_ * magnitude_) return true;
+      const Vec3<T>& p = point_[face.id[0]].w;
+      const T edges = (point_[face.id[1]].w - p).norm() + (point_[face.id[2]].w - p).norm();
+      return spare * face.area > T(4) * rounding * p.norm() * edges;
+    };
+    return is_closed_ && std::all_of(face_.begin(), face_.begin() + num_faces_, holds_it);
+  }
+
   /// Until upper - lower <= tolerance (metres), or no progress can be made.
   EpaResult<T> run(T tolerance) {
     if (!growToTetrahedron()) return best_;
@@ -42,12 +58,14 @@ class Epa {
       const DifferencePoint<T> next = difference_.furthest(face.normal);
       offerPlane(face.normal, next);
       // Near touching, the interval must shrink with the depth, or the sign could not be decided.
-      const T wanted = std::min(tolerance, T(0.01) * std::abs(best_.upper));
+      using std::abs;
+      const T wanted = std::min(tolerance, T(0.01) * abs(best_.upper));
       if (best_.upper - face.distance <= std::max(wanted, roundingError())) break;
       if (next.w.dot(face.normal) - face.distance <= roundingError()) break;
       if (!grow(closest, next)) {
         face_[0] = face;  // the rest is no polytope: the last valid face gives the witness points
         num_faces_ = 1;
+        is_closed_ = false;
         break;
       }
     }
@@ -63,6 +81,7 @@ class Epa {
     int id[3];
     Vec3<T> normal;  // unit, outwards; zero if the face has no area
     T distance;      // of its plane from the origin
+    T area;          // twice it
   };
 
   T roundingError() const { return T(8) * std::numeric_limits<T>::epsilon() * magnitude_; }
@@ -136,21 +155,23 @@ class Epa {
 
   bool tetrahedronIsFlat() const {
     const Vec3<T> n = areaNormal();
-    return std::abs(n.dot(point_[3].w - point_[0].w)) <= T(16) * roundingError() * n.norm();
+    using std::abs;
+    return abs(n.dot(point_[3].w - point_[0].w)) <= T(16) * roundingError() * n.norm();
   }
 
   void makeTetrahedron() {
     const bool flip = areaNormal().dot(point_[3].w - point_[0].w) > T(0);
     const int faces[4][3] = {{0, 1, 2}, {0, 3, 1}, {0, 2, 3}, {1, 3, 2}};
     num_faces_ = 0;
+    is_closed_ = true;
     for (const auto& f : faces) addFace(f[0], flip ? f[2] : f[1], flip ? f[1] : f[2]);
   }
 
   void addFace(int i, int j, int k) {
-    Face face{{i, j, k}, Vec3<T>::Zero(), std::numeric_limits<T>::infinity()};
+    Face face{{i, j, k}, Vec3<T>::Zero(), std::numeric_limits<T>::infinity(), T(0)};
     const Vec3<T>& p = point_[i].w;
     const Vec3<T> normal = (point_[j].w - p).cross(point_[k].w - p);
-    const T area = normal.norm();
+    const T area = face.area = normal.norm();
     if (area > roundingError() * roundingError()) {
       face.normal = normal / area;
       face.distance = p.dot(face.normal);
@@ -211,6 +232,7 @@ class Epa {
   int num_points_ = 0;
   int num_faces_ = 0;
   int num_border_ = 0;
+  bool is_closed_ = false;  // the faces are those of a whole polytope
 };
 
 }  // namespace collision_pairs

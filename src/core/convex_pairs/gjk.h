@@ -66,6 +66,12 @@ GjkResult<T> gjk(const Difference<T>& difference, T stop_above, Vec3<T> v, T eno
       ++nb_positive;
     }
     if (nb_positive == 0) return result;
+    if constexpr (!std::is_same_v<T, double>) {
+      // Of a thin triangle the plane is known better than the coordinates in it.
+      Simplex<T> triangle = simplex;
+      reduceTo(lambda, size, triangle);
+      if (nb_positive == 3) v = pointOfPlane(triangle);
+    }
     length = v.norm();
     if (nb_positive == 4 || length <= T(4) * epsilon * result.magnitude) {
       // A sliver tetrahedron may appear to contain an origin that a plane has proved to be outside.

@@ -48,8 +48,8 @@ class LeastHeight {
     for (int i = 0; i < num_edges_; ++i) {
       const Vec3<T> u = edge_[i].unitOrthogonal(), v = edge_[i].cross(u);
       for (int k = 0; k < NUM_AROUND; ++k) {
-        const T angle = T(2.0 * M_PI * k / NUM_AROUND);
-        descend(Vec3<T>(std::cos(angle) * u + std::sin(angle) * v), &edge_[i]);
+        const double angle = 2.0 * M_PI * k / NUM_AROUND;
+        descend(Vec3<T>(T(std::cos(angle)) * u + T(std::sin(angle)) * v), &edge_[i]);
       }
     }
     return best_;
@@ -115,7 +115,8 @@ class LeastHeight {
 
   static void setCurvature(const ConvexCore& core, const Vec3<T>& d, const Mat3<T>& R,
                            Vec3<T>& along, T& radius) {
-    const T across = std::sqrt(d[0] * d[0] + d[1] * d[1]);
+    using std::sqrt;
+    const T across = sqrt(d[0] * d[0] + d[1] * d[1]);
     if (!core.curved() || !(across > T(0))) {
       along.setZero(), radius = T(0);
       return;
@@ -162,7 +163,8 @@ class LeastHeight {
   void leaveKinks() {
     const Vec3<T> kink = best_.normal;
     for (int i = 0; i < num_edges_; ++i) {
-      if (std::abs(edge_[i].dot(kink)) > T(BESIDE)) continue;
+      using std::abs;
+      if (abs(edge_[i].dot(kink)) > T(BESIDE)) continue;
       descend(Vec3<T>(kink + T(BESIDE) * edge_[i]), nullptr);
       descend(Vec3<T>(kink - T(BESIDE) * edge_[i]), nullptr);
     }

@@ -97,11 +97,36 @@ std::array<T, 4> closestOnTriangle(const std::array<Vec3<T>, 3>& w) {
   return best;
 }
 
+/// The corner of a triangle opposite its longest edge, and the edges from there in its sense of
+/// rotation: what is computed from them loses the fewest digits, however thin it is.
+template <class T>
+struct Corner {
+  Corner(const Vec3<T>& p, const Vec3<T>& q, const Vec3<T>& r) {
+    const T pq = (q - p).squaredNorm(), qr = (r - q).squaredNorm(), rp = (p - r).squaredNorm();
+    if (qr >= pq && qr >= rp) {
+      at = p, normal = (q - p).cross(r - p);
+    } else if (rp >= pq) {
+      at = q, normal = (r - q).cross(p - q);
+    } else {
+      at = r, normal = (p - r).cross(q - r);
+    }
+  }
+  Vec3<T> at, normal;  // not of unit length
+};
+
+/// p . (q x r). Double is to be quick, what has more digits is to use them.
+template <class T>
+[[gnu::always_inline]] inline T volumeOf(const Vec3<T>& p, const Vec3<T>& q, const Vec3<T>& r) {
+  if constexpr (std::is_same_v<T, double>) return p.dot(q.cross(r));
+  const Corner<T> corner(p, q, r);
+  return corner.at.dot(corner.normal);
+}
+
 template <class T>
 std::array<T, 4> closestOnTetrahedron(const std::array<Vec3<T>, 4>& w) {
   // volume[i]: of the tetrahedron in which the origin replaces vertex i.
-  const std::array<T, 4> volume{w[1].dot(w[2].cross(w[3])), -w[0].dot(w[2].cross(w[3])),
-                                w[0].dot(w[1].cross(w[3])), -w[0].dot(w[1].cross(w[2]))};
+  const std::array<T, 4> volume{volumeOf(w[1], w[2], w[3]), -volumeOf(w[0], w[2], w[3]),
+                                volumeOf(w[0], w[1], w[3]), -volumeOf(w[0], w[1], w[2])};
   const T total = volume[0] + volume[1] + volume[2] + volume[3];
   bool inside = true;
   for (const T v : volume) inside = inside && sameSign(total, v);
@@ -152,11 +177,26 @@ void reduceTo(const std::array<T, 4>& lambda, int size, Simplex<T>& simplex) {
   simplex.size = kept;
 }
 
+/// The point of the plane through three vertices that is nearest to the origin.
+template <class T>
+Vec3<T> pointOfPlane(const Simplex<T>& simplex) {
+  const auto& v = simplex.vertex;
+  const simplex_detail::Corner<T> corner(v[0].w, v[1].w, v[2].w);
+  return corner.normal * (corner.at.dot(corner.normal) / corner.normal.squaredNorm());
+}
+
 /// Sets the coordinates of the point closest to the origin, and drops the vertices that it does
 /// not need.
 template <class T>
 void reduceToClosest(Simplex<T>& simplex) {
   reduceTo(closestCoordinates(simplex.vertex, simplex.size), simplex.size, simplex);
 }
+
+/// The vertices of A - B with which GJK enclosed the origin, if it did.
+struct CoreOverlap {
+  Simplex<double> simplex;
+  double magnitude = 0.0;  ///< largest |w| encountered, metres
+  bool found() const { return simplex.size > 0; }
+};
 
 }  // namespace collision_pairs

@@ -22,12 +22,13 @@ struct SupportPart {
       core.kind = Kind::POINT;
     } else if (whole.kind == Kind::POINTS) {
       takeCorners(d);
-    } else if (whole.curved() && std::hypot(d[0], d[1]) > T(ON_AXIS)) {
+    } else if (whole.curved() && d[0] * d[0] + d[1] * d[1] > T(ON_AXIS * ON_AXIS)) {
       takeArc(d, flat);
     } else {
       center = support<T>(whole, d);
       for (int i = 0; i < 3; ++i) {
-        if (std::abs(d[i]) <= T(PARALLEL))
+        using std::abs;
+        if (abs(d[i]) <= T(PARALLEL))
           center[i] = T(0);
         else
           core.half[i] = 0.0;
@@ -55,17 +56,18 @@ struct SupportPart {
   }
 
   void takeArc(const Vec3<T>& d, T flat) {
+    using std::abs;
     const T radius = T(core.half[0]);
-    const T angle = radius > flat ? std::sqrt(T(2) * flat / radius) : T(0);
+    const double angle = radius > flat ? std::sqrt(static_cast<double>(T(2) * flat / radius)) : 0.0;
     const Vec3<T> outwards = Vec3<T>(d[0], d[1], T(0)).normalized();
     const Vec3<T> across = Vec3<T>::UnitZ().cross(outwards);
     center = support<T>(core, d);
-    const bool is_side = std::abs(d[2]) <= T(PARALLEL);
+    const bool is_side = abs(d[2]) <= T(PARALLEL);
     if (is_side) center[2] = T(0);
     std::size_t size = 0;
-    for (const T turn : {-angle, T(0), angle}) {
-      const Vec3<T> step =
-          radius * (std::sin(turn) * across - T(2) * std::pow(std::sin(turn / T(2)), 2) * outwards);
+    for (const double turn : {-angle, 0.0, angle}) {
+      const double inwards = 2.0 * std::pow(std::sin(turn / 2.0), 2);
+      const Vec3<T> step = radius * (T(std::sin(turn)) * across - T(inwards) * outwards);
       for (const double end : {-core.half[2], core.half[2]}) {
         points_[size] = step.template cast<double>();
         if (is_side) points_[size][2] = end;
@@ -99,15 +101,15 @@ Witnesses<T> witnessesOf(const Simplex<T>& simplex) {
 }
 
 /// The closest points of the parts in the support planes of A along n and of B along -n, computed
-/// with B moved by `shift` along n. The returned points refer to B's actual pose. `size`: of the
-/// smaller body, metres. `point_of_a`, `point_of_b`: use only one point of its part.
+/// with B moved by `shift` along n. The returned points refer to B's actual pose. `flat`: an arc
+/// that is no further from its chord, metres, counts as straight. `point_of_a`, `point_of_b`: use
+/// only one point of its part.
 template <class T>
-Witnesses<T> closestOfParts(const Difference<T>& difference, const Vec3<T>& n, T shift, T size,
+Witnesses<T> closestOfParts(const Difference<T>& difference, const Vec3<T>& n, T shift, T flat,
                             bool point_of_a, bool point_of_b) {
-  constexpr double FLAT = 1e-11;  // relative to the size: flatter than this counts as flat
-  const SupportPart<T> a(difference.A, n, T(FLAT) * size, point_of_a);
+  const SupportPart<T> a(difference.A, n, flat, point_of_a);
   const Vec3<T> back = -(difference.R_AB.transpose() * n);
-  const SupportPart<T> b(difference.B, back, T(FLAT) * size, point_of_b);
+  const SupportPart<T> b(difference.B, back, flat, point_of_b);
   const Vec3<T> p = difference.p_AB + difference.R_AB * b.center - a.center + shift * n;
   const Difference<T> parts(a.core, b.core, difference.R_AB, p);
   const GjkResult<T> found = gjk<T>(parts, std::numeric_limits<T>::infinity(), Vec3<T>(-n), T(0));

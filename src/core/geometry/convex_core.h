@@ -57,6 +57,32 @@ inline double roundingOf(const ConvexCore& a, const ConvexCore& b) {
   return ROUNDING * (a.extent + a.center.norm() + a.radius + b.extent + b.center.norm() + b.radius);
 }
 
+/// The lengths of all vectors that a vertex of A - B is computed from, and the radii; metres.
+inline double magnitudeOf(const ConvexCore& A, const ConvexCore& B, const Eigen::Vector3d& p_AB) {
+  return A.extent + A.radius + B.extent + B.radius + A.center.lpNorm<1>() + B.center.lpNorm<1>() +
+         p_AB.lpNorm<1>();
+}
+
+/// Two are in contact if the gap between them is no larger than this, metres: it may be nothing but
+/// the rounding of the numbers given, as when two faces coincide in decimals. With u = 2^-53 a
+/// coordinate is off by u of itself, a point of B in A's frame by 3 sqrt(3) u for the product and u
+/// for each of two sums, and the rotation, a product itself, by as much as one of them: 9 u or
+/// 1e-15 of all lengths. `offset`: of the two from the origin of the poses that X_AB was computed
+/// from.
+inline double contactBand(const ConvexCore& A, const ConvexCore& B, const Eigen::Vector3d& p_AB,
+                          double offset) {
+  return 1e-15 * (magnitudeOf(A, B, p_AB) + offset);
+}
+
+/// The largest error of an EXACT distance: some roundings of the coordinates or, where that is
+/// more, this share of the smaller body's size.
+inline double largestError(const ConvexCore& A, const ConvexCore& B, double magnitude) {
+  constexpr double OF_MAGNITUDE = 24.0 * std::numeric_limits<double>::epsilon();
+  constexpr double OF_SMALLER = 1e-12;
+  const double smaller = std::min(A.extent + A.radius, B.extent + B.radius);
+  return std::max(OF_MAGNITUDE * magnitude, OF_SMALLER * smaller);
+}
+
 /// The box around it along its own axes, rounding included.
 inline OrientedBox boxAround(const ConvexCore& core) {
   return {Eigen::Matrix3d::Identity(), core.center,

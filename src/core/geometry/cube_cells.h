@@ -1,6 +1,7 @@
 // Directions classified by the cells of a cube's surface.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 
 #include <Eigen/Core>
@@ -22,7 +23,9 @@ int cubeCell(const Eigen::Matrix<T, 3, 1>& d) {
   const auto slot = [&](int other) {
     const T along = (d[other] / largest + T(1)) * T(0.5 * CUBE_CELLS);
     if (!(along > T(0))) return 0;  // also if NaN
-    return along < T(CUBE_CELLS) ? static_cast<int>(along) : CUBE_CELLS - 1;
+    if (!(along < T(CUBE_CELLS))) return CUBE_CELLS - 1;
+    // A number of more digits that is less than a border may be the border as a double.
+    return std::min(static_cast<int>(static_cast<double>(along)), CUBE_CELLS - 1);
   };
   const int face = 2 * axis + (d[axis] < T(0) ? 1 : 0);
   return (face * CUBE_CELLS + slot((axis + 1) % 3)) * CUBE_CELLS + slot((axis + 2) % 3);

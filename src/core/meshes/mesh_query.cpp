@@ -16,21 +16,21 @@ using Eigen::Vector3d;
 double square(double x) { return x * x; }
 
 // Updates `gap` with one triangle of A against the solid B.
-void improveByConvex(const Triangle& t, const ConvexCore& B, const Isometry3d& X_AB,
+void improveByConvex(const Triangle& t, const ConvexCore& B, const Isometry3d& X_AB, double band,
                      SearchLimit& limit, SurfaceGap& gap, std::uint32_t index) {
   if (B.kind == ConvexCore::Kind::POINT) {
     const Vector3d center = X_AB.translation();
     const Vector3d closest = closestOnTriangle(t, center);
     const double distance = (center - closest).norm();
     if (distance - B.radius >= gap.distance) return;
-    gap.distance = distance - B.radius;
+    gap.distance = distance - B.radius > band ? distance - B.radius : 0.0;
     gap.p_ACa = closest;
     gap.p_ACb =
         distance > 0.0 ? Vector3d(center - B.radius / distance * (center - closest)) : center;
   } else {
-    const PairDistance found = convexGap(cornersCore(t.v), B, X_AB, gap.distance);
+    const PairDistance found = convexGap(cornersCore(t.v), B, X_AB, gap.distance, band);
     if (found.certainty == Certainty::BEYOND || found.distance >= gap.distance) return;
-    gap.distance = found.distance;
+    gap.distance = std::max(found.distance, 0.0);
     gap.p_ACa = found.p_ACa;
     gap.p_ACb = found.p_ACb;
   }
@@ -82,17 +82,16 @@ void MeshQuery::pushNearestLast(const Entry& parent, bool of_a, const TriangleTr
 }
 
 SurfaceGap MeshQuery::meshMesh(const PreparedMesh& A, const PreparedMesh& B, const Isometry3d& X_AB,
-                               double max_distance, const Vector3d* nhat_AB_A,
+                               double max_distance, double band, const Vector3d* nhat_AB_A,
                                const Accuracy& accuracy) {
   const Isometry3d X_BA = X_AB.inverse(Eigen::Isometry);
   const OrientedBox box_a = A.tree.box(0), box_b = B.tree.box(0);
-  const double meet = meetDistance(box_a, box_b, X_AB);
   SurfaceGap gap;
   gap.distance = std::sqrt(squaredBoxGap(box_a, box_b.movedBy(X_AB)));
-  if (gap.distance > std::max(max_distance, meet)) return gap;
+  if (gap.distance > std::max(max_distance, band)) return gap;
   gap.distance = std::nextafter(max_distance, std::numeric_limits<double>::infinity());
   // The search finds gaps strictly below its limit; one ulp more includes a gap equal to it.
-  ClosestPoints best{square(std::max(max_distance, meet)) * (1.0 + 1e-15)};
+  ClosestPoints best{square(std::max(max_distance, band)) * (1.0 + 1e-15)};
   SearchLimit limit(best.squared, accuracy);
   Vector3d apart_along = nhat_AB_A != nullptr ? *nhat_AB_A : Vector3d::UnitX();
   const bool by_patches = worthHulls(box_a, box_b, max_distance);
@@ -115,7 +114,7 @@ SurfaceGap MeshQuery::meshMesh(const PreparedMesh& A, const PreparedMesh& B, con
       gap.triangle_a = a.children;
       gap.triangle_b = b.children;
       limit.found(best.squared);
-      if (best.squared <= square(meet)) break;
+      if (best.squared <= square(band)) break;
       continue;
     }
     PatchOutcome outcome = PatchOutcome::HULLS_TOUCH;
@@ -132,7 +131,7 @@ SurfaceGap MeshQuery::meshMesh(const PreparedMesh& A, const PreparedMesh& B, con
     gap.lower = limit.lowerEnd(std::numeric_limits<double>::infinity());
     return gap;
   }
-  gap.distance = best.squared <= square(meet) ? 0.0 : std::sqrt(best.squared);
+  gap.distance = best.squared <= square(band) ? 0.0 : std::sqrt(best.squared);
   gap.lower = limit.lowerEnd(gap.distance);
   gap.p_ACa = best.on_a;
   gap.p_ACb = best.on_b;
@@ -140,14 +139,12 @@ SurfaceGap MeshQuery::meshMesh(const PreparedMesh& A, const PreparedMesh& B, con
 }
 
 SurfaceGap MeshQuery::meshConvex(const PreparedMesh& A, const ConvexCore& B, const Isometry3d& X_AB,
-                                 double max_distance, const Accuracy& accuracy) {
-  const OrientedBox own_box_b = boxAround(B);
-  const OrientedBox box_a = A.tree.box(0), box_b = own_box_b.movedBy(X_AB);
-  const double meet = meetDistance(box_a, own_box_b, X_AB);
+                                 double max_distance, double band, const Accuracy& accuracy) {
+  const OrientedBox box_a = A.tree.box(0), box_b = boxAround(B).movedBy(X_AB);
   SurfaceGap gap;
   gap.distance = std::sqrt(squaredBoxGap(box_a, box_b));
-  if (gap.distance > std::max(max_distance, meet)) return gap;
-  gap.distance = std::max(max_distance, meet) * (1.0 + 1e-15);
+  if (gap.distance > std::max(max_distance, band)) return gap;
+  gap.distance = std::max(max_distance, band) * (1.0 + 1e-15);
   SearchLimit limit(square(gap.distance), accuracy);
   Vector3d apart_along = Vector3d::UnitX();
   const bool by_patches = worthHulls(box_a, box_b, max_distance);
@@ -160,8 +157,8 @@ SurfaceGap MeshQuery::meshConvex(const PreparedMesh& A, const ConvexCore& B, con
     if (limit.excludes(entry.squared_gap)) continue;
     const TriangleTree::Node& a = A.tree.node(entry.a);
     if (a.isLeaf()) {
-      improveByConvex(triangleOf(*A.triangles, a.children), B, X_AB, limit, gap, a.children);
-      if (!gap.beyond && gap.distance <= meet) break;
+      improveByConvex(triangleOf(*A.triangles, a.children), B, X_AB, band, limit, gap, a.children);
+      if (!gap.beyond && gap.distance == 0.0) break;
       continue;
     }
     if (by_patches && a.isPatch() &&
@@ -176,7 +173,6 @@ SurfaceGap MeshQuery::meshConvex(const PreparedMesh& A, const ConvexCore& B, con
     gap.lower = limit.lowerEnd(std::numeric_limits<double>::infinity());
     return gap;
   }
-  if (gap.distance <= meet) gap.distance = 0.0;
   gap.lower = limit.lowerEnd(gap.distance);
   return gap;
 }

@@ -12,17 +12,18 @@ namespace collision_pairs {
 /// Traverses pairs of boxes, nearest first. Holds scratch memory only.
 class MeshQuery {
  public:
-  /// Distance of the surfaces of two meshes. The search is limited to max_distance (metres).
-  /// nhat_AB_A, if given, is the normal between the hulls: it shortens the search and does not
-  /// change the result. Cost: O(log n) if far apart, up to O(n) for large parallel surfaces.
+  /// Distance of the surfaces of two meshes, 0 if it is no larger than `band` (metres). The search
+  /// is limited to max_distance (metres). nhat_AB_A, if given, is the normal between the hulls: it
+  /// shortens the search and does not change the result. Cost: O(log n) if far apart, up to O(n)
+  /// for large parallel surfaces.
   SurfaceGap meshMesh(const PreparedMesh& A, const PreparedMesh& B, const Eigen::Isometry3d& X_AB,
-                      double max_distance, const Eigen::Vector3d* nhat_AB_A = nullptr,
+                      double max_distance, double band, const Eigen::Vector3d* nhat_AB_A = nullptr,
                       const Accuracy& accuracy = {});
 
-  /// Distance of the surface of mesh A and the solid B. Stops at the first triangle that intersects
-  /// B.
+  /// Distance of the surface of mesh A and the solid B, likewise. Stops at the first triangle that
+  /// intersects B.
   SurfaceGap meshConvex(const PreparedMesh& A, const ConvexCore& B, const Eigen::Isometry3d& X_AB,
-                        double max_distance, const Accuracy& accuracy = {});
+                        double max_distance, double band, const Accuracy& accuracy = {});
 
  private:
   struct Entry {

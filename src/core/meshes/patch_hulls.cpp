@@ -42,7 +42,7 @@ std::optional<PairDistance> gapWithin(const ConvexCore& a, const ConvexCore& b,
     limit.leaveOut(square(along));
     return std::nullopt;
   }
-  const PairDistance hulls = convexGap(a, b, X_AB, reach);
+  const PairDistance hulls = convexGap(a, b, X_AB, reach, roundingOf(a, b));
   if (hulls.distance > 0.0) nhat_AB_A = hulls.nhat_AB_A;
   if (hulls.certainty != Certainty::BEYOND) return hulls;
   limit.leaveOut(square(hulls.distance));
@@ -70,7 +70,7 @@ PatchOutcome comparePatches(const PreparedMesh& A, std::uint32_t a, const Prepar
   if (!within_limit) return PatchOutcome::SETTLED;
   const PairDistance& hulls = *within_limit;
   const double rounding = roundingOf(core_a, core_b);
-  if (hulls.certainty != Certainty::EXACT || hulls.distance <= rounding) {
+  if (hulls.certainty != Certainty::EXACT || hulls.touches()) {
     return PatchOutcome::HULLS_TOUCH;
   }
   const double within = std::max(rounding, limit.tolerance());
@@ -105,7 +105,7 @@ PatchOutcome comparePatch(const PreparedMesh& A, std::uint32_t a, const ConvexCo
   if (!within_limit) return PatchOutcome::SETTLED;
   const PairDistance& hulls = *within_limit;
   const double rounding = roundingOf(core, B);
-  if (hulls.certainty != Certainty::EXACT || hulls.distance <= rounding) {
+  if (hulls.certainty != Certainty::EXACT || hulls.touches()) {
     return PatchOutcome::HULLS_TOUCH;
   }
   const auto on_a = closestOnPart(A, a, hulls.p_ACa, std::max(rounding, limit.tolerance()));

@@ -9,18 +9,9 @@ namespace {
 
 using Eigen::Isometry3d;
 
-constexpr double MEET_TOLERANCE = 4e-16;
-
 double square(double x) { return x * x; }
 
 }  // namespace
-
-double meetDistance(const OrientedBox& a, const OrientedBox& b, const Isometry3d& X_AB) {
-  const double magnitude = a.center.cwiseAbs().maxCoeff() + a.size() +
-                           b.center.cwiseAbs().maxCoeff() + b.size() +
-                           X_AB.translation().cwiseAbs().maxCoeff();
-  return MEET_TOLERANCE * magnitude;
-}
 
 // Children are written to the stack whether they overlap or not, and kept by moving its end: a
 // branch for each would be mispredicted half of the time.
@@ -38,10 +29,10 @@ void SurfaceContact::push(const NodePair& parent, bool of_a, const TriangleTree:
 // The overlap of boxes does not tell which of them hold intersecting triangles, so they are not
 // sorted, and hulls are not tested.
 bool SurfaceContact::surfacesMeet(const PreparedMesh& A, const PreparedMesh& B,
-                                  const Isometry3d& X_AB) {
+                                  const Isometry3d& X_AB, double band) {
   const Isometry3d X_BA = X_AB.inverse(Eigen::Isometry);
   const OrientedBox box_a = A.tree.box(0), box_b = B.tree.box(0);
-  const double limit = square(meetDistance(box_a, box_b, X_AB));
+  const double limit = square(band);
   if (squaredBoxGap(box_a, box_b.movedBy(X_AB)) > limit) return false;
   ClosestPoints best{limit * (1.0 + 1e-15)};
   stack_.resize(std::max<std::size_t>(stack_.size(), 1));

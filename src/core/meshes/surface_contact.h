@@ -7,17 +7,14 @@
 
 namespace collision_pairs {
 
-/// Surfaces at most this far apart count as intersecting, metres: the rounding of the coordinates
-/// from which their distance is computed.
-double meetDistance(const OrientedBox& a, const OrientedBox& b, const Eigen::Isometry3d& X_AB);
-
 /// Splits pairs of overlapping boxes until two triangles intersect. Computes no distance. Holds
 /// scratch memory only.
 class SurfaceContact {
  public:
-  /// Cost: O(log n) if the boxes are disjoint or the first triangles tested intersect, up to O(n)
-  /// for nested surfaces.
-  bool surfacesMeet(const PreparedMesh& A, const PreparedMesh& B, const Eigen::Isometry3d& X_AB);
+  /// True if they are no more than `band` metres apart. Cost: O(log n) if the boxes are disjoint or
+  /// the first triangles tested intersect, up to O(n) for nested surfaces.
+  bool surfacesMeet(const PreparedMesh& A, const PreparedMesh& B, const Eigen::Isometry3d& X_AB,
+                    double band);
 
  private:
   struct NodePair {

@@ -22,6 +22,7 @@
 #include "closed_forms.h"
 #include "convex_distance.h"
 #include "mesh_query.h"
+#include "plain_pairs.h"
 #include "solids.h"
 #include "surface_contact.h"
 
@@ -58,29 +59,6 @@ bool repairPose(Isometry3d& X) {
   return X.linear().determinant() > 0.0;
 }
 
-PairDistance convexPair(const Prepared& A, const Prepared& B, const Isometry3d& X_AB,
-                        double max_distance) {
-  return hasClosedForm(A.core, B.core) ? closedForm(A.core, B.core, X_AB)
-                                       : convexDistance(A.core, B.core, X_AB, max_distance);
-}
-
-PairDistance halfSpaceWith(const Prepared& A, const Prepared& B, const Isometry3d& X_AB) {
-  if (A.isHalfSpace() && B.isHalfSpace()) return halfSpacePair(X_AB);
-  if (A.isHalfSpace()) return halfSpaceDistance(B.core, X_AB);
-  return exchanged(halfSpaceDistance(A.core, X_AB.inverse(Eigen::Isometry)), X_AB);
-}
-
-bool convexTouch(const Prepared& A, const Prepared& B, const Isometry3d& X_AB, double margin,
-                 PairDistance& result) {
-  if (hasClosedForm(A.core, B.core)) return closedForm(A.core, B.core, X_AB).distance <= margin;
-  using Kind = ConvexCore::Kind;
-  if (A.core.kind == Kind::BOX && B.core.kind == Kind::BOX && margin == 0.0) {
-    return boxesTouch(A.core.half, B.core.half, X_AB);
-  }
-  result = convexTouch(A.core, B.core, X_AB, margin);
-  return result.distance <= margin;
-}
-
 double scaleOf(const Prepared& shape) { return shape.core.extent + shape.core.radius; }
 
 }  // namespace
@@ -90,6 +68,7 @@ struct NarrowPhase::Scratch {
   SurfaceContact contacts;
   std::uint64_t num_degraded = 0;
   std::uint64_t num_answered_natively = 0;
+  double band = 0.0;  // of the pair that is asked about: contactBand()
 
   bool touches(const Prepared& A, const Prepared& B, const Isometry3d& X_AB, double margin,
                PairDistance& result) {
@@ -151,8 +130,8 @@ struct NarrowPhase::Scratch {
                                 : std::max(found.distance, justAbove(contact_distance));
   }
 
-  // FCL if it has a result. Containment, and the depth of contained bodies, are always computed
-  // natively.
+  // FCL if it has a result. Containment, the depth of contained bodies, and what is nearer to
+  // contact than FCL can tell are always computed natively.
   bool fclTouches(const Prepared& A, const Prepared& B, const Isometry3d& X_AB, double margin,
                   PairDistance& result) {
     if (margin > 0.0) {
@@ -162,7 +141,9 @@ struct NarrowPhase::Scratch {
     const auto fcl = A.fcl && B.fcl ? askFcl(*A.fcl, *B.fcl, X_AB, {}) : FclAnswer();
     using Outcome = FclAnswer::Outcome;
     if (fcl.outcome == Outcome::TOUCHING || fcl.outcome == Outcome::DEPTH) return true;
-    if (fcl.outcome == Outcome::APART && !oneHoldsTheOther(A, B, X_AB)) return false;
+    if (fcl.outcome == Outcome::APART && !oneHoldsTheOther(A, B, X_AB) && !abut(A, B, X_AB)) {
+      return false;
+    }
     ++num_answered_natively;
     return fcl.outcome == Outcome::APART || nativeTouches(A, B, X_AB, 0.0, result);
   }
@@ -173,7 +154,11 @@ struct NarrowPhase::Scratch {
     const auto fcl = has_fcl ? askFcl(*A.fcl, *B.fcl, X_AB, max_distance) : FclAnswer();
     using Outcome = FclAnswer::Outcome;
     if (fcl.outcome == Outcome::DEPTH) return fcl.found;
-    if (fcl.outcome == Outcome::APART && !oneHoldsTheOther(A, B, X_AB)) return fcl.found;
+    const bool is_clear = fcl.found.distance > doubtOf(A, B) + band;
+    if (fcl.outcome == Outcome::APART && !oneHoldsTheOther(A, B, X_AB) &&
+        (is_clear || !abut(A, B, X_AB))) {
+      return fcl.found;
+    }
     ++num_answered_natively;
     if (fcl.outcome == Outcome::NONE) {
       PairDistance native = nativeDistance(A, B, X_AB, max_distance, accuracy);
@@ -181,15 +166,24 @@ struct NarrowPhase::Scratch {
       return native;
     }
     if (A.mesh || B.mesh) return hullDepth(A, B, X_AB, {});
-    PairDistance depth = convexPair(A, B, X_AB, INF);
+    PairDistance depth = convexPair(A, B, X_AB, INF, band);
     depth.distance = std::min(depth.distance, 0.0);  // FCL decided that they touch
     if (depth.certainty == Certainty::DEGRADED) depth.certainty = Certainty::BOUND;
     return depth;
   }
 
+  // For two that FCL has apart: true if the gap is too small for it, and natively a contact.
+  bool abut(const Prepared& A, const Prepared& B, const Isometry3d& X_AB) {
+    PairDistance detail;
+    if (!nativeTouches(A, B, X_AB, 0.0, detail)) return false;
+    const double error = doubtOf(A, B) + band;
+    const FclAnswer asked = askFcl(*A.fcl, *B.fcl, X_AB, error);
+    return asked.outcome != FclAnswer::Outcome::APART || asked.found.distance <= error;
+  }
+
   // For two whose surfaces are disjoint.
-  static bool oneHoldsTheOther(const Prepared& A, const Prepared& B, const Isometry3d& X_AB) {
-    if ((!A.mesh && !B.mesh) || hullsMiss(A, B, X_AB)) return false;
+  bool oneHoldsTheOther(const Prepared& A, const Prepared& B, const Isometry3d& X_AB) const {
+    if ((!A.mesh && !B.mesh) || hullsMiss(A, B, X_AB, band)) return false;
     const Isometry3d X_BA = X_AB.inverse(Eigen::Isometry);
     if (!B.mesh) return meshHoldsConvex(A, B, X_AB);
     if (!A.mesh) return meshHoldsConvex(B, A, X_BA);
@@ -198,13 +192,15 @@ struct NarrowPhase::Scratch {
 
   bool nativeTouches(const Prepared& A, const Prepared& B, const Isometry3d& X_AB, double margin,
                      PairDistance& result) {
-    if (A.isHalfSpace() || B.isHalfSpace()) return halfSpaceWith(A, B, X_AB).distance <= margin;
-    if (!A.mesh && !B.mesh) return convexTouch(A, B, X_AB, margin, result);
+    if (A.isHalfSpace() || B.isHalfSpace()) {
+      return halfSpaceWith(A, B, X_AB, band).distance <= margin;
+    }
+    if (!A.mesh && !B.mesh) return convexTouch(A, B, X_AB, margin, band, result);
     if (margin > 0.0) {
       result = nativeDistance(A, B, X_AB, margin);
       return isWithin(result, margin);
     }
-    return !hullsMiss(A, B, X_AB) && solidsMeet(A, B, X_AB);
+    return !hullsMiss(A, B, X_AB, band) && solidsMeet(A, B, X_AB);
   }
 
   // For two whose hulls may overlap, one of them a mesh: surfaces that meet, or containment. All
@@ -213,20 +209,21 @@ struct NarrowPhase::Scratch {
     const Isometry3d X_BA = X_AB.inverse(Eigen::Isometry);
     if (A.mesh && B.mesh) {
       if (squaredBoxGap(A.box, B.box.movedBy(X_AB)) > 0.0) return false;
-      return contacts.surfacesMeet(*A.mesh, *B.mesh, X_AB) || meshHoldsMesh(A, B, X_AB) ||
+      return contacts.surfacesMeet(*A.mesh, *B.mesh, X_AB, band) || meshHoldsMesh(A, B, X_AB) ||
              meshHoldsMesh(B, A, X_BA);
     }
     const Prepared& M = A.mesh ? A : B;
     const Prepared& C = A.mesh ? B : A;
     const Isometry3d& X_MC = A.mesh ? X_AB : X_BA;
-    return !query.meshConvex(*M.mesh, C.core, X_MC, 0.0).beyond || meshHoldsConvex(M, C, X_MC);
+    return !query.meshConvex(*M.mesh, C.core, X_MC, 0.0, band).beyond ||
+           meshHoldsConvex(M, C, X_MC);
   }
 
   // The shortest translation that separates the hulls: an upper bound of the depth of a contact.
-  static PairDistance hullDepth(const Prepared& A, const Prepared& B, const Isometry3d& X_AB,
-                                const CoreOverlap& overlap) {
-    PairDistance result =
-        overlap.found() ? convexDepth(A.core, B.core, X_AB, overlap) : convexPair(A, B, X_AB, INF);
+  PairDistance hullDepth(const Prepared& A, const Prepared& B, const Isometry3d& X_AB,
+                         const CoreOverlap& overlap) const {
+    PairDistance result = overlap.found() ? convexDepth(A.core, B.core, X_AB, overlap, band)
+                                          : convexPair(A, B, X_AB, INF, band);
     if (result.distance > 0.0) result.distance = 0.0;
     result.certainty = Certainty::BOUND;
     return result;
@@ -284,7 +281,7 @@ struct NarrowPhase::Scratch {
     const bool hulls_meet = bounds.outcome == HullBounds::Outcome::OPEN;
     const Vector3d* nhat_AB_A = hulls_meet ? nullptr : &bounds.hulls.nhat_AB_A;
     const SurfaceGap gap =
-        query.meshMesh(*A.mesh, *B.mesh, X_AB, max_distance, nhat_AB_A, accuracy);
+        query.meshMesh(*A.mesh, *B.mesh, X_AB, max_distance, band, nhat_AB_A, accuracy);
     PairDistance result = apart(gap);
     if (!gap.beyond && !gap.by_hulls) {
       const Triangle a = triangleOf(*A.mesh->triangles, gap.triangle_a);
@@ -296,7 +293,7 @@ struct NarrowPhase::Scratch {
 
   PairDistance meshConvex(const Prepared& A, const Prepared& B, const Isometry3d& X_AB,
                           double max_distance, const Accuracy& accuracy, const HullBounds& bounds) {
-    const SurfaceGap gap = query.meshConvex(*A.mesh, B.core, X_AB, max_distance, accuracy);
+    const SurfaceGap gap = query.meshConvex(*A.mesh, B.core, X_AB, max_distance, band, accuracy);
     PairDistance result = apart(gap);
     if (!gap.beyond && !gap.by_hulls) {
       const Triangle a = triangleOf(*A.mesh->triangles, gap.triangle_a);
@@ -331,9 +328,9 @@ struct NarrowPhase::Scratch {
 
   PairDistance nativeDistance(const Prepared& A, const Prepared& B, const Isometry3d& X_AB,
                               double max_distance, const Accuracy& accuracy = {}) {
-    if (A.isHalfSpace() || B.isHalfSpace()) return halfSpaceWith(A, B, X_AB);
-    if (!A.mesh && !B.mesh) return convexPair(A, B, X_AB, max_distance);
-    HullBounds bounds = boundsFromHulls(A, B, X_AB, max_distance);
+    if (A.isHalfSpace() || B.isHalfSpace()) return halfSpaceWith(A, B, X_AB, band);
+    if (!A.mesh && !B.mesh) return convexPair(A, B, X_AB, max_distance, band);
+    HullBounds bounds = boundsFromHulls(A, B, X_AB, max_distance, band);
     using Outcome = HullBounds::Outcome;
     if (bounds.outcome == Outcome::BEYOND || bounds.outcome == Outcome::SETTLED) {
       bounds.hulls.by_hulls = true;
@@ -368,10 +365,11 @@ NarrowPhase::NarrowPhase(NarrowPhase&&) noexcept = default;
 NarrowPhase& NarrowPhase::operator=(NarrowPhase&&) noexcept = default;
 
 bool NarrowPhase::touches(const PreparedShape& A, const PreparedShape& B, const Isometry3d& X_AB,
-                          double margin) {
+                          double margin, double offset) {
   const auto& a = static_cast<const Prepared&>(A);
   const auto& b = static_cast<const Prepared&>(B);
   Isometry3d X = X_AB;
+  scratch_->band = contactBand(a.core, b.core, X.translation(), offset);
   PairDistance detail;
   detail = repairPose(X) ? detail : worstCase(a, b);
   const bool answer =
@@ -382,10 +380,11 @@ bool NarrowPhase::touches(const PreparedShape& A, const PreparedShape& B, const 
 
 PairDistance NarrowPhase::distance(const PreparedShape& A, const PreparedShape& B,
                                    const Isometry3d& X_AB, double max_distance,
-                                   const Accuracy& accuracy) {
+                                   const Accuracy& accuracy, double offset) {
   const auto& a = static_cast<const Prepared&>(A);
   const auto& b = static_cast<const Prepared&>(B);
   Isometry3d X = X_AB;
+  scratch_->band = contactBand(a.core, b.core, X.translation(), offset);
   const PairDistance result =
       repairPose(X) ? scratch_->distance(a, b, X, max_distance, accuracy) : worstCase(a, b);
   if (result.certainty == Certainty::DEGRADED) ++scratch_->num_degraded;

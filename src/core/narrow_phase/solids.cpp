@@ -8,37 +8,37 @@ namespace {
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
 
-bool coresMiss(const ConvexCore& a, const ConvexCore& b, const Isometry3d& X_AB) {
-  const double rounding = roundingOf(a, b);
-  const PairDistance gap = convexGap(a, b, X_AB, rounding);
-  return gap.certainty != Certainty::DEGRADED && gap.distance > rounding;
+bool coresMiss(const ConvexCore& a, const ConvexCore& b, const Isometry3d& X_AB, double band) {
+  const double within = roundingOf(a, b) + band;
+  const PairDistance gap = convexGap(a, b, X_AB, within, within);
+  return gap.certainty != Certainty::DEGRADED && !gap.touches();
 }
 
 }  // namespace
 
-bool hullsMiss(const Prepared& A, const Prepared& B, const Isometry3d& X_AB) {
-  return coresMiss(A.core, B.core, X_AB);
+bool hullsMiss(const Prepared& A, const Prepared& B, const Isometry3d& X_AB, double band) {
+  return coresMiss(A.core, B.core, X_AB, band);
 }
 
 bool hullMisses(const Prepared& A, const Vector3d& p_AQ) {
   Isometry3d X_AQ = Isometry3d::Identity();
   X_AQ.translation() = p_AQ;
-  return coresMiss(A.core, ConvexCore{}, X_AQ);
+  return coresMiss(A.core, ConvexCore{}, X_AQ, 0.0);
 }
 
 HullBounds boundsFromHulls(const Prepared& A, const Prepared& B, const Isometry3d& X_AB,
-                           double max_distance) {
+                           double max_distance, double band) {
   using Outcome = HullBounds::Outcome;
   const double rounding = roundingOf(A.core, B.core);
   HullBounds bounds;
-  bounds.hulls = convexGap(A.core, B.core, X_AB, max_distance + rounding, &bounds.overlap);
+  bounds.hulls =
+      convexGap(A.core, B.core, X_AB, max_distance + rounding, rounding + band, &bounds.overlap);
   if (bounds.hulls.certainty == Certainty::BEYOND) {
     bounds.outcome = Outcome::BEYOND;
     bounds.hulls.distance -= rounding;
     return bounds;
   }
-  if (bounds.hulls.certainty != Certainty::EXACT || bounds.hulls.distance <= rounding)
-    return bounds;
+  if (bounds.hulls.certainty != Certainty::EXACT || bounds.hulls.touches()) return bounds;
   const Vector3d& p_ACa = bounds.hulls.p_ACa;
   const Vector3d& p_ACb = bounds.hulls.p_ACb;
   bounds.p_ACa = A.mesh ? closestOnMesh(*A.mesh, p_ACa) : p_ACa;

@@ -27,14 +27,15 @@ struct HullBounds {
   CoreOverlap overlap;  ///< of the hulls, if they overlap
 };
 
-/// At least one of the two is a mesh that is not convex; neither is a half-space.
+/// At least one of the two is a mesh that is not convex; neither is a half-space. What is no more
+/// than `band` metres apart is OPEN.
 /// Cost: one GJK query, and for each mesh the point of its surface nearest to the closest point:
 /// one to three microseconds.
 HullBounds boundsFromHulls(const Prepared& A, const Prepared& B, const Eigen::Isometry3d& X_AB,
-                           double max_distance);
+                           double max_distance, double band);
 
-/// True if the convex hulls are disjoint.
-bool hullsMiss(const Prepared& A, const Prepared& B, const Eigen::Isometry3d& X_AB);
+/// True if the convex hulls are more than `band` metres apart.
+bool hullsMiss(const Prepared& A, const Prepared& B, const Eigen::Isometry3d& X_AB, double band);
 
 /// True if the point is certainly outside the hull.
 bool hullMisses(const Prepared& A, const Eigen::Vector3d& p_AQ);

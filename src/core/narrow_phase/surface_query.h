@@ -13,9 +13,9 @@ namespace collision_pairs {
 class SurfaceQuery {
  public:
   /// Metres between the triangles of A and the solid B, or a lower bound beyond max_distance; 0 if
-  /// they intersect. B may lie inside A. A is a mesh that is not convex.
+  /// that is no more than `band`. B may lie inside A. A is a mesh that is not convex.
   double apart(const PreparedShape& A, const ConvexCore& B, const Eigen::Isometry3d& X_AB,
-               double max_distance);
+               double max_distance, double band);
 
   /// True if A encloses the point.
   static bool holds(const PreparedShape& A, const Eigen::Vector3d& p_AQ);

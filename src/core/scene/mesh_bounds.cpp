@@ -71,8 +71,8 @@ FewerPoints fewerPoints(const std::vector<Vector3d>& points, double tolerance) {
       taken.center = fewer.points.front();
       taken.extent = std::max(taken.extent, (points[i] - taken.center).norm());
       X.translation() = points[i];
-      const PairDistance gap = convexGap(taken, point, X, tolerance);
-      if (gap.certainty == Certainty::EXACT && gap.distance <= tolerance) continue;
+      const PairDistance gap = convexGap(taken, point, X, tolerance, tolerance);
+      if (gap.certainty != Certainty::DEGRADED && gap.touches()) continue;
     }
     fewer.points.push_back(points[i]);
   }

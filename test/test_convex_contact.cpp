@@ -1,0 +1,191 @@
+// Convex shapes a hair from contact, beside an oracle of 100 digits: one definition of contact for
+// yes or no and for the distance, and distances as accurate as docs/accuracy.md says, at any sizes.
+#include <gtest/gtest.h>
+
+#include "close_pairs.h"
+#include "cube_cells.h"
+#include "double_double.h"
+#include "test_shapes.h"
+
+namespace collision_pairs {
+namespace {
+
+using Eigen::Isometry3d;
+using Eigen::Vector3d;
+constexpr double INF = std::numeric_limits<double>::infinity();
+
+bool isLong() { return std::getenv("COLLISION_PAIRS_LONG") != nullptr; }
+
+void expectRight(const ClosePair& pair, const std::string& about) {
+  const CloseAnswer answer = ask(pair);
+  ASSERT_FALSE(answer.wrong_verdict) << about << ", said " << answer.found.distance;
+  ASSERT_FALSE(answer.contradiction) << about << ", said " << answer.found.distance;
+  ASSERT_LE(answer.error, pair.goal()) << about << ", said " << answer.found.distance;
+  ASSERT_NE(answer.found.certainty, Certainty::DEGRADED) << about;
+}
+
+TEST(ConvexContact, YesOrNoAndDistanceAreRightAHairFromContactAtAnySizesAndOffsets) {
+  RandomInputs random;
+  const int nb_pairs = isLong() ? 1000000 : 1000;
+  for (int i = 0; i < nb_pairs; ++i) {
+    const auto kind = [&] { return convexKinds()[static_cast<std::size_t>(random.integer(0, 4))]; };
+    const std::string a = kind(), b = kind();
+    const double ratio = std::pow(10.0, random.integer(0, 1) ? random.uniform(0.0, 12.0) : 0.0);
+    const double offset = random.integer(0, 1) ? std::pow(10.0, random.uniform(0.0, 8.0)) : 0.0;
+    const ClosePair pair = closePair(random, a, b, ratio, offset);
+    ASSERT_NO_FATAL_FAILURE(expectRight(pair, a + "-" + b + " pair " + std::to_string(i)));
+  }
+}
+
+// Sizes and signed distances at which boxes were FREE in an overlap, or EXACT and wrong.
+TEST(ConvexContact, Issue30Regression_BoxesOfVeryDifferentSizes) {
+  RandomInputs random;
+  struct Case {
+    double larger, smaller, distance;
+  };
+  for (const Case& c :
+       {Case{11650.0, 0.157, -3.8e-10}, Case{1340.0, 1.4e-3, -8.6e-12}, Case{24.2, 3.3e-4, 1.3e-15},
+        Case{337e3, 0.32, 1.1e-11}, Case{100.0, 1e-4, 8.7e-12}, Case{20.0, 2e-5, 2.9e-13}}) {
+    for (int i = 0; i < 20; ++i) {
+      for (const std::string kind : {"box", "convex"}) {
+        ClosePair pair{scaled(randomShape(random, "box"), c.smaller / 0.2),
+                       scaled(randomShape(random, kind), c.larger / 0.2),
+                       {}};
+        if (i % 2) std::swap(pair.a, pair.b);
+        placeClose(random, c.distance, 0.0, pair);
+        ASSERT_NO_FATAL_FAILURE(expectRight(pair, kind + " of " + std::to_string(c.larger)));
+      }
+    }
+  }
+}
+
+/// All shapes that reach exactly to 0.5 along x, and their hulls of eight corners.
+std::vector<Shape> halfAMetreAlongX(double size) {
+  auto cube = std::make_shared<TriangleMesh>(boxMesh(Vector3d::Constant(0.5 * size)));
+  return {Box{Vector3d::Constant(size)}, Sphere{0.5 * size}, Cylinder{0.5 * size, size},
+          Capsule{0.5 * size, size}, Convex{cube}};
+}
+
+TEST(ConvexContact, WhatTouchesTouchesOneRoundingFurtherAndAFewBandsFurtherItDoesNot) {
+  NarrowPhase narrow_phase;
+  for (const double size : {0x1p-20, 1.0, 0x1p20}) {
+    for (const double ratio : {1.0, 0x1p-10, 0x1p-30}) {
+      for (const Shape& a : halfAMetreAlongX(size)) {
+        for (const Shape& b : halfAMetreAlongX(size * ratio)) {
+          SCOPED_TRACE(std::string(shapeName(a)) + "-" + shapeName(b) + " " +
+                       std::to_string(ratio));
+          const auto A = prepareShape(a), B = prepareShape(b);
+          Isometry3d X_AB = Isometry3d::Identity();
+          const double touch = 0.5 * (size + size * ratio);
+          X_AB.translation().x() = touch;
+          const PairDistance found = narrow_phase.distance(*A, *B, X_AB, INF);
+          EXPECT_EQ(found.distance, 0.0);
+          EXPECT_EQ(found.certainty, Certainty::EXACT);
+          EXPECT_TRUE(narrow_phase.touches(*A, *B, X_AB));
+          X_AB.translation().x() = std::nextafter(touch, INF);
+          EXPECT_EQ(narrow_phase.distance(*A, *B, X_AB, INF).distance, 0.0);
+          EXPECT_TRUE(narrow_phase.touches(*A, *B, X_AB));
+          const double gap = 0x1p-46 * size;
+          X_AB.translation().x() = touch + gap;
+          EXPECT_NEAR(narrow_phase.distance(*A, *B, X_AB, INF).distance, gap, 0.25 * gap);
+          EXPECT_FALSE(narrow_phase.touches(*A, *B, X_AB));
+        }
+      }
+    }
+  }
+}
+
+TEST(ConvexContact, AFloorAndWhatStandsOnItTouchWithinTheBandAndNotBeyondIt) {
+  NarrowPhase narrow_phase;
+  const auto floor = prepareShape(HalfSpace{});
+  RandomInputs random;
+  for (int i = 0; i < 2000; ++i) {
+    const Shape shape = randomShape(random, convexKinds()[static_cast<std::size_t>(i % 5)]);
+    const auto B = prepareShape(shape);
+    Isometry3d X_AB = random.pose(1.0);
+    for (int k = 0; k < 2; ++k) {
+      X_AB.translation().z() -= narrow_phase.distance(*floor, *B, X_AB, INF).distance;
+    }
+    X_AB.translation().z() += std::pow(10.0, random.uniform(-18.0, -13.0));
+    const OracleBody body = oracleBody(shape);
+    V3<Digits> down;
+    for (int k = 0; k < 3; ++k) down[k] = -Digits(X_AB.linear()(2, k));
+    const bool is_round =
+        std::holds_alternative<Sphere>(shape) || std::holds_alternative<Capsule>(shape);
+    if (is_round) continue;  // their radius is not moved by the pose, but reach() moves it
+    const Digits truth = X_AB.translation().z() - reach(body, down);
+    const PairDistance found = narrow_phase.distance(*floor, *B, X_AB, INF);
+    const double size = sizeOf(shape), most = 2.0 * size + X_AB.translation().lpNorm<1>();
+    if (truth <= Digits(1e-15 * size)) {
+      ASSERT_TRUE(found.touches()) << i << ' ' << found.distance;
+    } else if (truth > Digits(1e-15 * most)) {
+      ASSERT_FALSE(found.touches()) << i << ' ' << found.distance;
+    }
+    ASSERT_EQ(narrow_phase.touches(*floor, *B, X_AB), found.touches());
+  }
+}
+
+// With a margin it is the distance that decides, and nothing beside it.
+TEST(ConvexContact, AMarginIsKeptIfAndOnlyIfTheDistanceIsNotMore) {
+  RandomInputs random;
+  NarrowPhase narrow_phase;
+  for (int i = 0; i < 1000; ++i) {
+    const auto kind = [&] { return convexKinds()[static_cast<std::size_t>(random.integer(0, 4))]; };
+    ClosePair pair = closePair(random, kind(), kind(), std::pow(10.0, random.integer(0, 6)));
+    pair.X_AB.translation() *= 1.0 + std::pow(10.0, random.uniform(-6.0, 0.0));
+    const auto A = prepareShape(pair.a), B = prepareShape(pair.b);
+    const double distance = narrow_phase.distance(*A, *B, pair.X_AB, INF).distance;
+    if (distance <= 0.0) continue;
+    const double below = std::nextafter(distance, 0.0);
+    ASSERT_TRUE(narrow_phase.touches(*A, *B, pair.X_AB, distance)) << i;
+    ASSERT_FALSE(narrow_phase.touches(*A, *B, pair.X_AB, below)) << i;
+    ASSERT_EQ(narrow_phase.distance(*A, *B, pair.X_AB, distance).distance, distance) << i;
+    ASSERT_EQ(narrow_phase.distance(*A, *B, pair.X_AB, below).certainty, Certainty::BEYOND) << i;
+  }
+}
+
+// Such a direction once read beyond the table of start vertices.
+TEST(DoubleDouble, DirectionsAHairFromTheBorderOfACellAreInOne) {
+  const DoubleDouble hair = 0x1p-80;
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const double sign : {-1.0, 1.0}) {
+      using Direction = Eigen::Matrix<DoubleDouble, 3, 1>;
+      Direction d = Direction::Constant(DoubleDouble(1.0) - hair);
+      Eigen::Vector3d beside = Eigen::Vector3d::Constant(1.0 - 0x1p-40);
+      d[axis] = beside[axis] = sign;
+      EXPECT_EQ(cubeCell<DoubleDouble>(d), cubeCell<double>(beside));
+    }
+  }
+}
+
+TEST(DoubleDouble, IsAsAccurateAsItsEpsilonSays) {
+  RandomInputs random;
+  const auto exact = [](const DoubleDouble& x) {
+    const auto high = static_cast<double>(x);
+    return Digits(high) + static_cast<double>(x - DoubleDouble(high));
+  };
+  const auto number = [&] {
+    const double scale = std::pow(10.0, random.uniform(-20.0, 20.0));
+    return DoubleDouble(random.uniform(-1.0, 1.0) * scale) +
+           DoubleDouble(random.uniform(-1e-16, 1e-16) * scale);
+  };
+  const Digits epsilon = exact(std::numeric_limits<DoubleDouble>::epsilon());
+  for (int i = 0; i < 20000; ++i) {
+    const DoubleDouble x = number();
+    const DoubleDouble y =
+        i % 2 ? number() : -x * DoubleDouble(1.0 + random.uniform(-1e-15, 1e-15));
+    const auto expectNear = [&](const DoubleDouble& found, const Digits& truth) {
+      ASSERT_LE(abs(exact(found) - truth), epsilon * abs(truth)) << i;
+    };
+    expectNear(x + y, exact(x) + exact(y));
+    expectNear(x - y, exact(x) - exact(y));
+    expectNear(x * y, exact(x) * exact(y));
+    expectNear(x / y, exact(x) / exact(y));
+    expectNear(sqrt(abs(x)), sqrt(abs(exact(x))));
+    ASSERT_EQ(x < y, exact(x) < exact(y));
+    ASSERT_EQ(x <= y, exact(x) <= exact(y));
+  }
+}
+
+}  // namespace
+}  // namespace collision_pairs
