@@ -14,16 +14,20 @@ add_library(collision_pairs_io SHARED
   src/io/csv.cpp
   src/io/joint_limits.cpp
   src/io/joint_states_csv.cpp
+  src/io/joint_tracks.cpp
   src/io/lzf.cpp
   src/io/meshes/mesh_loader.cpp
   src/io/meshes/mesh_process.cpp
   src/io/meshes/obj_file.cpp
   src/io/meshes/stl_file.cpp
   src/io/pcd_file.cpp
+  src/io/robot_poses.cpp
   src/io/scene_config.cpp
   src/io/scene_sources.cpp
   src/io/text_files.cpp
-  src/io/tracks.cpp
+  src/io/track.cpp
+  src/io/transform_buffer.cpp
+  src/io/transform_kind.cpp
   src/io/yaml_values.cpp
 )
 target_include_directories(collision_pairs_io

@@ -33,15 +33,22 @@ class BagPosesTest : public testing::Test {
  protected:
   void transform(const std::string& parent, const std::string& child, double seconds, double x,
                  double y = 0.0, double z = 0.0) {
-    bag_.transforms.add(parent, child, static_cast<StampNs>(seconds * 1e9), Vector3d(x, y, z),
-                        Eigen::Quaterniond::Identity(), false);
+    take(parent, child, seconds, Vector3d(x, y, z), false);
+  }
+  /// As soon as it is so.
+  void take(const std::string& parent, const std::string& child, double seconds, const Vector3d& p,
+            bool is_static) {
+    const auto stamp = static_cast<StampNs>(seconds * 1e9);
+    bag_.transforms.take({parent, child, stamp, p, Eigen::Quaterniond::Identity()}, is_static, "",
+                         stamp);
+    bag_.stamps.resize(bag_.transforms.frames().size());
+    if (!is_static) bag_.stamps[bag_.transforms.findFrame(child)].push_back(stamp);
   }
   void position(const std::string& joint, double seconds, double value) {
-    bag_.joints["/joint_states"].add(joint, static_cast<StampNs>(seconds * 1e9), value);
+    const auto stamp = static_cast<StampNs>(seconds * 1e9);
+    bag_.joints["/joint_states"].take(joint, value, stamp, "", stamp, bag_.transforms.limits());
   }
   void finish(const std::string& prefix = "") {
-    bag_.transforms.finish();
-    for (auto& [topic, tracks] : bag_.joints) tracks.finish();
     BagPosesOptions options;
     options.prefix = prefix;
     poses_ = makeBagPoses(bag_, *scene_, options);
@@ -131,13 +138,13 @@ TEST_F(BagPosesTest, BelowAJointThatIsNotKnownThenNothingIs) {
 }
 
 TEST_F(BagPosesTest, AContinuousJointTakesTheShorterWayRound) {
-  position("slide", 0, 0);
   position("slide", 1, 0);
-  position("spin", 0, 3.0);
-  position("spin", 1, -3.0);
+  position("slide", 2, 0);
+  position("spin", 1, 3.0);
+  position("spin", 2, -3.0);
   finish();
   BodyPoses poses;
-  poses_->at(SECOND / 2, poses);
+  poses_->at(SECOND * 3 / 2, poses);
   const auto& X_WB = poses.X_WB[scene_->models()[scene_->findModel("wheel")].body];
   EXPECT_TRUE((X_WB.linear() * Vector3d::UnitX()).isApprox(-Vector3d::UnitX(), 1e-12));
 }

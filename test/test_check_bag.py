@@ -10,7 +10,7 @@ from sensor_msgs.msg import JointState
 from tf2_msgs.msg import TFMessage
 
 HEADER = ["bag", "state", "stamp", "in_collision", "pairs", "min_distance", "nb_pairs", "distances", "left_out",
-          "verdict"]
+          "verdict", "unknown_because"]
 
 
 class OldMessage(TFMessage):

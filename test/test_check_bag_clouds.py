@@ -68,9 +68,9 @@ def with_clouds(make_bag, tmp_path):
             target.write("/tf_static", TFMessage([camera, utm]), camera.header.stamp)
             messages = [(stamp.to_sec(), number, of, message)
                         for number, (of, message, stamp) in enumerate(source.read_messages())]
-            recorded = START
-            for i, cloud in enumerate(clouds):  # a little after its stamp, and one after the other
-                recorded = max(recorded, cloud.header.stamp.to_sec()) + 0.03
+            recorded = 0.0
+            for i, cloud in enumerate(clouds):  # at its stamp, and one after the other
+                recorded = max(recorded + 1e-6, cloud.header.stamp.to_sec())
                 messages.append((recorded, 10**6 + i, topic, cloud))
             for seconds, _, of, message in sorted(messages, key=lambda m: m[:2]):
                 target.write(of, message, rospy.Time.from_sec(seconds))
@@ -247,9 +247,9 @@ def test_a_cloud_from_the_future_is_refused_beyond_half_a_second(check, with_clo
     assert any(row["verdict"] == "free" for row in rows) == is_used
 
 
-def test_a_cloud_that_is_recorded_late_counts_from_its_stamp_beside_others(check, with_clouds, tmp_path):
+def test_a_cloud_counts_once_it_was_recorded(check, with_clouds, tmp_path):
     found = []
-    for late in (0.01, 0.9):
+    for late in (0.0, 0.5):
         bag = tmp_path / "two.bag"
         with rosbag.Bag(str(with_clouds(every(0.2, 4, FAR_SEEN)))) as source:
             messages = [(recorded, topic, message) for topic, message, recorded in source.read_messages()]
@@ -259,8 +259,10 @@ def test_a_cloud_that_is_recorded_late_counts_from_its_stamp_beside_others(check
             for recorded, topic, message in sorted(messages, key=lambda m: m[0]):
                 target.write(topic, message, recorded)
         found.append(check(bag, topics=("camera/points", "lidar/points"))[0])
-    assert any(row["verdict"] == "free" for row in found[0])
-    assert found[0] == found[1]
+    on_time, late = ([(row["stamp"], row["verdict"]) for row in rows] for rows in found)
+    arrived = sum(float(stamp) < START + 0.5 for stamp, _ in late)
+    assert ("free" in {v for _, v in on_time[:arrived]}) and {v for _, v in late[:arrived]} == {"unknown"}
+    assert "free" in {v for _, v in late[arrived:]} and late[arrived:] == on_time[arrived:]
 
 
 def test_a_cloud_whose_lengths_lie_is_refused_and_ends_nothing(check, with_clouds):
@@ -285,3 +287,14 @@ def test_a_topic_that_is_no_cloud_of_the_bag_is_one_line_and_exit_code_2(run_too
     errors = [line for line in done.stderr.splitlines() if not line.startswith("warning: ")]
     assert done.returncode == 2 and len(errors) == 1 and says in errors[0], done.stderr
     assert not (tmp_path / "out.csv").exists()
+
+
+def test_clouds_that_were_recorded_too_late_are_refused(check, with_clouds, tmp_path):
+    on_time, late = with_clouds(every(0.2, 9, FAR_SEEN)), tmp_path / "late.bag"
+    with rosbag.Bag(str(on_time)) as source, rosbag.Bag(str(late), "w") as target:
+        for topic, message, stamp in source.read_messages():
+            target.write(topic, message, stamp + rospy.Duration(1.5 if topic == TOPIC else 0))
+    assert "free" in {row["verdict"] for row in check(on_time)[0]}
+    rows, _ = check(late)
+    assert {row["verdict"] for row in rows} == {"unknown", "collision"}
+    assert any("1.50 s old when it arrived" in row["unknown_because"] for row in rows)

@@ -29,7 +29,9 @@ class JointQueryTest : public testing::Test {
                   joint("lift", "prismatic", "a", "c", "0 0 0", "<axis xyz='0 0 1'/>" + limit)),
         Srdf{}, nullptr);
   }
+  /// As soon as it is so.
   void publishLift(double stamp, double z) {
+    now_ = ros::Time(stamp);
     tf2_msgs::TFMessage message;
     message.transforms.resize(1);
     auto& transform = message.transforms[0];
@@ -41,7 +43,7 @@ class JointQueryTest : public testing::Test {
     transforms_.take(message, false, now_);
   }
   JointQuery query(const std::vector<std::string>& names, ros::Time stamp = ros::Time(0)) const {
-    return {names, *scene_, {transforms_, "root", stamp, now_, 1.0}};
+    return {names, *scene_, {transforms_, "root", stamp, now_}};
   }
   Vector3d at(const std::string& link, const JointQuery& query,
               const std::vector<double>& positions) const {
@@ -53,7 +55,7 @@ class JointQueryTest : public testing::Test {
 
   std::shared_ptr<const CollisionScene> scene_;
   ros::Time now_{1000.0};
-  TransformInput transforms_{0.5};
+  TransformInput transforms_;
 };
 
 TEST_F(JointQueryTest, MovesWhatIsNamedAndWhatFollowsIt) {
@@ -75,10 +77,24 @@ TEST_F(JointQueryTest, LeavesWhatIsNotNamedWhereTfHasIt) {
   EXPECT_EQ(at("c", lead, {2.0}), Vector3d(2, 0, 0.25));
 }
 
+TEST_F(JointQueryTest, DoubtsAJointThatIsNotNamedAndThatOnlyStaticTransformsPlace) {
+  publishLift(1000.0, 0.25);
+  std::vector<char> held;
+  const int lift = scene_->robot().findJoint("lift");
+  for (const Body& body : scene_->robot().bodies()) held.push_back(body.joint == lift);
+  const auto ask = [&](const std::vector<std::string>& names) {
+    return JointQuery(names, *scene_, {transforms_, "root", ros::Time(0), now_, held}).doubts();
+  };
+  EXPECT_THAT(ask({"lead"}), ElementsAre(HasSubstr("only /tf_static places its link")));
+  EXPECT_THAT(ask({"lead", "lift"}), IsEmpty());
+}
+
 TEST_F(JointQueryTest, DoubtsWhatTfLastSaidTooLongAgo) {
   publishLift(998.0, 0.25);
+  transforms_.followClock(now_ = ros::Time(1000.0));
   EXPECT_THAT(query({"lead"}).doubts(),
               ElementsAre(HasSubstr("link 'c': its newest transform is 2.00 s old")));
+  EXPECT_DOUBLE_EQ(at("c", query({"lead"}), {0.0}).z(), 0.25) << "where it was last";
   EXPECT_THAT(query({"lead", "lift"}).doubts(), IsEmpty());
 }
 

@@ -62,7 +62,8 @@ TEST_P(Defaults, AreThoseOfTheCode) {
             code.show_only_investigated_boxes ? "true" : "false");
   EXPECT_EQ(std::stod(text.at("max_transform_age")), code.pose_limits.max_transform_age);
   EXPECT_EQ(std::stod(text.at("max_pose_age")), code.pose_limits.max_pose_age);
-  EXPECT_EQ(std::stod(text.at("clock_tolerance")), code.clock_tolerance);
+  EXPECT_EQ(std::stod(text.at("clock_tolerance")), code.pose_limits.clock_tolerance);
+  EXPECT_EQ(text.at("allow_paused"), code.allow_paused ? "true" : "false");
   EXPECT_TRUE(text.count("fixed_frame"));
   EXPECT_EQ(text.at("reload"), code.reload);
   EXPECT_EQ(text.at("allow_empty_scene"), SceneSettings().allow_empty_scene ? "true" : "false");
@@ -71,11 +72,17 @@ TEST_P(Defaults, AreThoseOfTheCode) {
 // All of these are empty by default: of what the texts say, only that is in them.
 TEST_P(Defaults, HoldEverythingThatASceneIsMadeOf) {
   const auto text = GetParam()();
-  const std::map<std::string, std::string> by_kind = {
-      {"pair_rules", "[]"},   {"links", "[]"},        {"ignored_links", "[]"},
-      {"pair_padding", "[]"}, {"link_padding", "{}"}, {"cylinder_as_capsule", "[]"},
-      {"floor", "{}"},        {"clouds", "[]"},       {"robots", "[]"},
-      {"group", "\"\""}};
+  const std::map<std::string, std::string> by_kind = {{"static_joints", "[]"},
+                                                      {"pair_rules", "[]"},
+                                                      {"links", "[]"},
+                                                      {"ignored_links", "[]"},
+                                                      {"pair_padding", "[]"},
+                                                      {"link_padding", "{}"},
+                                                      {"cylinder_as_capsule", "[]"},
+                                                      {"floor", "{}"},
+                                                      {"clouds", "[]"},
+                                                      {"robots", "[]"},
+                                                      {"group", "\"\""}};
   for (const auto& [key, empty] : by_kind) EXPECT_EQ(text.at(key), empty) << key;
   for (const std::string& key : sceneConfigKeys()) EXPECT_EQ(text.count(key), 1u) << key;
 }

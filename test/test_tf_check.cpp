@@ -48,7 +48,7 @@ class TfCheck : public testing::Test {
     publish(link, 1000.0, x + 0.5 * speed);
   }
   CollisionPairs check(double transform_time = 0.0) {
-    const StampedPoses stamped = scene_.tf_poses->latest(now_, PoseLimits());
+    const StampedPoses stamped = scene_.tf_poses->latest(now_);
     CollisionPairs message = checkPoses(scene_, stamped, doubtsOf(stamped, transforms_, now_),
                                         settings_, now_, transform_time, *detector_);
     addClosingMotion(scene_, stamped, detector_->report(), message);
@@ -56,7 +56,7 @@ class TfCheck : public testing::Test {
   }
 
   ros::Time now_{1000.0};
-  TransformInput transforms_{0.5};
+  TransformInput transforms_;
   ActiveScene scene_;
   CheckSettings settings_;
   std::unique_ptr<CollisionDetector> detector_;
@@ -87,6 +87,9 @@ TEST_F(TfCheck, TheTimeToContactIsNotKnownWhereOneOfThePairsWasNotSeenBefore) {
 }
 
 TEST_F(TfCheck, WhatNeverMovesIsReportedAsOfNow) {
+  const std::vector<std::string> stand{"to_a", "to_b", "to_c"};
+  scene_.tf_poses = std::make_unique<TfPoses>(transforms_, scene_.scene->robot(),
+                                              scene_.scene->bodies(), "root", stand);
   double x = 0.0;
   for (const char* link : {"a", "b", "c"}) publish(link, 1.0, x += 5.0, true);
   const CollisionPairs message = check();

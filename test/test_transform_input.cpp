@@ -1,13 +1,11 @@
-// What reaches the tf2 buffer, and how old a pose may be. Without a master.
+// Which transforms are taken, and how old a pose may be.
 #include <cmath>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
-#include <tf2/exceptions.h>
 
 #include "collision_pairs/collision_scene.h"
 #include "tf_poses.h"
-#include "transform_input.h"
+#include "transform_test.h"
 
 namespace collision_pairs {
 namespace {
@@ -18,36 +16,6 @@ using testing::IsEmpty;
 using testing::UnorderedElementsAre;
 
 constexpr double TOLERANCE = 0.5;  // s
-
-tf2_msgs::TFMessage linkAt(const std::string& child, const ros::Time& stamp, double x) {
-  tf2_msgs::TFMessage message;
-  message.transforms.resize(1);
-  auto& transform = message.transforms[0];
-  transform.header.stamp = stamp;
-  transform.header.frame_id = "root";
-  transform.child_frame_id = child;
-  transform.transform.translation.x = x;
-  transform.transform.rotation.w = 1.0;
-  return message;
-}
-
-class Transforms : public testing::Test {
- protected:
-  void SetUp() override { ros::Time::init(); }
-
-  void receive(const std::string& child, double stamp, double x) {
-    input_.take(linkAt(child, ros::Time(stamp), x), false, now_);
-  }
-  double newestOf(const std::string& child) const {
-    return input_.buffer().lookupTransform("root", child, ros::Time(0)).transform.translation.x;
-  }
-  bool knows(const std::string& child) const {
-    return input_.buffer().canTransform("root", child, ros::Time(0));
-  }
-
-  TransformInput input_{TOLERANCE};
-  ros::Time now_{1000.0};
-};
 
 TEST_F(Transforms, FromTheFutureAreRefusedAndNeverDisplaceAPresentOne) {
   receive("a", 999.9, 1.0);
@@ -97,11 +65,11 @@ TEST_F(Transforms, OfOneMessageTheSoundOnesAreTaken) {
   EXPECT_TRUE(knows("b"));
 }
 
-TEST_F(Transforms, OlderThanTheBufferKeepsAreNamed) {
+TEST_F(Transforms, TooOldOnArrivalAreNamed) {
   receive("a", 1000.0, 1.0);
-  receive("a", 900.0, 2.0);
+  receive("a", 998.9, 2.0);
   EXPECT_EQ(newestOf("a"), 1.0);
-  EXPECT_THAT(input_.refused(), ElementsAre(HasSubstr("tf2 refuses it")));
+  EXPECT_THAT(input_.refused(), ElementsAre(HasSubstr("'a': it was 1.10 s old when it arrived")));
 }
 
 TEST_F(Transforms, BeforeTheClockRunsAreRefusedUnlessStatic) {
@@ -129,64 +97,42 @@ TEST_F(Transforms, OfAnyStampAreSurvived) {
     EXPECT_TRUE(knows("fixed")) << stamp;
     input_.take(linkAt("a", stamp, 1.0), false, now_);
   }
-  EXPECT_THAT(input_.refused(), IsEmpty()) << "the last was only old";
   for (const double now : {1.0, 4294967294.0}) {
     input_.take(linkAt("b", ros::TIME_MAX, 1.0), false, ros::Time(now));
     EXPECT_THAT(input_.refused(), ElementsAre(HasSubstr("ahead of the clock"))) << now;
   }
-  for (int i = 0; i < 2; ++i) {  // tf2 cannot add to it
+  for (int i = 0; i < 2; ++i) {  // nothing can be added to it
     input_.take(linkAt("b", ros::TIME_MAX, 1.0), false, ros::TIME_MAX);
   }
 }
 
-TEST_F(Transforms, OfAFrameThatIsStaticAndMovesAreNotBelievedInEitherOrder) {
-  receive("moves_first", 999.0, 1.0);
-  for (const char* frame : {"moves_first", "static_first"}) {
-    input_.take(linkAt(frame, ros::Time(4600.0), 2.0), true, now_);
-    receive(frame, 999.5, 1.0);
-    EXPECT_THROW(input_.lookUp("root", frame, ros::Time(0)), tf2::TransformException) << frame;
-    EXPECT_THROW(input_.lookUp(frame, "root", ros::Time(0)), tf2::TransformException) << frame;
-  }
-  EXPECT_THAT(input_.refused(),
-              ElementsAre(HasSubstr("'moves_first': it is published both on /tf and"),
-                          HasSubstr("'static_first': it is published both on /tf and")));
-  receive("sound", 999.5, 1.0);
-  EXPECT_NO_THROW(input_.lookUp("root", "sound", ros::Time(0)));
-}
-
-TEST_F(Transforms, AboveACommonParentDoNotMatter) {
-  input_.take(linkAt("a", ros::Time(0), 1.0), true, now_);
-  receive("a", 999.5, 1.0);
-  for (const char* child : {"b", "c"}) {
-    auto message = linkAt(child, now_, 1.0);
-    message.transforms[0].header.frame_id = "a";
-    input_.take(message, false, now_);
-  }
-  EXPECT_NO_THROW(input_.lookUp("b", "c", ros::Time(0)));
-  EXPECT_THROW(input_.lookUp("root", "c", ros::Time(0)), tf2::TransformException);
-}
-
 TEST_F(Transforms, AreNotInterpolatedOverAGap) {
-  now_ = ros::Time(1000.0);
-  for (const double stamp : {990.0, 991.0, 995.0, 996.0}) receive("a", stamp, stamp);
+  const auto receiveAll = [&](std::initializer_list<double> stamps) {
+    for (const double stamp : stamps) {
+      now_ = ros::Time(stamp);
+      receive("a", stamp, stamp);
+    }
+  };
+  receiveAll({990.0, 991.0, 995.0, 996.0});
   for (const double stamp : {990.0, 990.5, 991.0, 995.0, 995.5}) {
     EXPECT_NO_THROW(input_.lookUp("root", "a", ros::Time(stamp))) << stamp;
   }
   for (const double stamp : {991.1, 993.0, 994.9}) {
-    EXPECT_THROW(input_.lookUp("root", "a", ros::Time(stamp)), tf2::TransformException) << stamp;
+    EXPECT_THROW(input_.lookUp("root", "a", ros::Time(stamp)), InputError) << stamp;
   }
-  for (const double stamp : {999.0, 999.5}) receive("a", stamp, stamp);
-  EXPECT_THROW(input_.lookUp("root", "a", ros::Time(993.0)), tf2::TransformException);
-  EXPECT_THROW(input_.lookUp("root", "a", ros::Time(997.0)), tf2::TransformException);
+  receiveAll({999.0, 999.5});
+  EXPECT_THROW(input_.lookUp("root", "a", ros::Time(993.0)), InputError);
+  EXPECT_THROW(input_.lookUp("root", "a", ros::Time(997.0)), InputError);
 }
 
 TEST_F(Transforms, OfAnotherPassOfTheClockHaveGapsOfTheirOwn) {
-  for (const double stamp : {490.0, 495.0, 999.0}) receive("a", stamp, 1.0);
-  now_ = ros::Time(500.0);
-  for (const double stamp : {492.0, 493.0, 498.0, 498.5}) receive("a", stamp, 1.0);
+  for (const double stamp : {490.0, 495.0, 999.0, 492.0, 493.0, 498.0, 498.5}) {
+    now_ = ros::Time(stamp);
+    receive("a", stamp, 1.0);
+  }
   EXPECT_NO_THROW(input_.lookUp("root", "a", ros::Time(492.5)));
   EXPECT_NO_THROW(input_.lookUp("root", "a", ros::Time(498.25))) << "once between 495 and 999";
-  EXPECT_THROW(input_.lookUp("root", "a", ros::Time(495.0)), tf2::TransformException);
+  EXPECT_THROW(input_.lookUp("root", "a", ros::Time(495.0)), InputError);
 }
 
 TEST_F(Transforms, StayWhenThreadsTellTheClockOutOfOrder) {
@@ -216,12 +162,12 @@ class Ages : public Transforms {
     Srdf none;
     return CollisionScene::build(robot, none, nullptr);
   }
-  StampedPoses latest(double max_pose_age, double max_transform_age) const {
-    return poses_.latest(now_, {max_pose_age, max_transform_age});
+  StampedPoses latest(const std::vector<std::string>& static_joints = {}) const {
+    const TfPoses poses(input_, scene_->robot(), scene_->bodies(), "root", static_joints);
+    return poses.latest(now_);
   }
 
   std::shared_ptr<const CollisionScene> scene_ = twoLinks();
-  TfPoses poses_{input_, scene_->robot(), scene_->bodies(), "root"};
 };
 
 /// An arm that floats above its root, with a tool fixed on it at x = 3.
@@ -229,7 +175,7 @@ class OneOfItsLinks : public Transforms {
  protected:
   Eigen::Vector3d arm(const std::string& frame) const {
     const TfPoses poses(input_, scene_->robot(), scene_->bodies(), frame);
-    const StampedPoses found = poses.latest(now_, PoseLimits());
+    const StampedPoses found = poses.latest(now_);
     EXPECT_THAT(found.problems, IsEmpty());
     EXPECT_EQ(found.nb_asked, 1u) << "the other one is the frame";
     return found.poses.X_WB[scene_->models()[scene_->findModel("arm")].body].translation();
@@ -258,7 +204,7 @@ TEST_F(OneOfItsLinks, TellsWhereTheWholeBodyIs) {
 TEST_F(OneOfItsLinks, IsNamedIfNoneOfThemIsKnown) {
   input_.take(linkAt("elsewhere", ros::Time(999.9), 1.0), false, now_);
   const StampedPoses found =
-      TfPoses(input_, scene_->robot(), scene_->bodies(), "root").latest(now_, PoseLimits());
+      TfPoses(input_, scene_->robot(), scene_->bodies(), "root").latest(now_);
   EXPECT_THAT(found.problems, ElementsAre(HasSubstr("link 'arm'")));
   EXPECT_EQ(found.nb_asked, 1u);
   EXPECT_EQ(found.nb_found, 0u);
@@ -272,42 +218,71 @@ TEST_F(OneOfItsLinks, MayBeTheFrameOfTheReports) {
 TEST_F(Ages, AreCountedAgainstNow) {
   receive("a", 999.0, 1.0);
   receive("b", 999.0, 2.0);
-  EXPECT_THAT(latest(1.0, 1.0).problems, IsEmpty());
+  EXPECT_THAT(latest().problems, IsEmpty());
   now_ += ros::Duration(1e-3);
-  EXPECT_THAT(latest(1.0, 1.0).problems,
+  EXPECT_THAT(latest().problems,
               ElementsAre(HasSubstr("'a': its newest transform is 1.00 s old"), HasSubstr("'b'")));
-  EXPECT_THAT(latest(1.0, 1.0).poses.known, UnorderedElementsAre(1, 0, 0));
+  EXPECT_THAT(latest().poses.known, UnorderedElementsAre(1, 0, 0));
 }
 
-TEST_F(Ages, AreNoMatterAtZero) {
-  receive("a", 999.0, 1.0);
-  receive("b", 999.0, 2.0);
-  now_ = ros::Time(99999.0);
-  EXPECT_THAT(latest(0.0, 1.0).problems, IsEmpty());
+/// The same with other limits: of the age, and of that relative to the newest.
+class OtherAges : public Ages {
+ protected:
+  void expect(double max_pose_age, double max_transform_age, double now,
+              const std::initializer_list<std::pair<const char*, double>>& received,
+              const testing::Matcher<std::vector<std::string>>& problems) {
+    TransformInput input(PoseLimits{max_pose_age, max_transform_age, TOLERANCE});
+    for (const auto& [link, stamp] : received) {
+      input.take(linkAt(link, ros::Time(stamp), 1.0), false, ros::Time(stamp));
+    }
+    const TfPoses poses(input, scene_->robot(), scene_->bodies(), "root");
+    found_ = poses.latest(ros::Time(now));
+    EXPECT_THAT(found_.problems, problems);
+  }
+  StampedPoses found_;
+};
+
+TEST_F(OtherAges, AreNoMatterAtZero) {
+  expect(0.0, 1.0, 99999.0, {{"a", 999.0}, {"b", 999.0}}, IsEmpty());
 }
 
-TEST_F(Ages, AreCountedAgainstTheNewestToo) {
-  receive("a", 1000.0, 1.0);
-  receive("b", 998.0, 2.0);
-  EXPECT_THAT(latest(0.0, 1.5).problems,
-              ElementsAre(HasSubstr("'b': its newest transform is 2.00 s older")));
-  EXPECT_THAT(latest(0.0, 2.0).problems, ElementsAre(HasSubstr("'a'")))
-      << "a's only transform is of another instant";
+TEST_F(OtherAges, AreCountedAgainstTheNewestToo) {
+  expect(0.0, 1.5, 1000.0, {{"b", 998.0}, {"a", 1000.0}},
+         ElementsAre(HasSubstr("'b': its newest transform is 2.00 s older")));
+  expect(0.0, 2.0, 1000.0, {{"b", 998.0}, {"a", 1000.0}}, ElementsAre(HasSubstr("'a'")));
 }
 
-TEST_F(Ages, OfOneLinkDoNotHoldTheOthersBack) {
-  for (const double stamp : {998.0, 999.0, 1000.0}) receive("a", stamp, stamp);
-  receive("b", 998.0, 2.0);
-  const StampedPoses found = latest(1.0, 5.0);
-  EXPECT_EQ(found.stamp, ros::Time(1000.0));
-  EXPECT_THAT(found.problems, ElementsAre(HasSubstr("'b'")));
+TEST_F(OtherAges, OfOneLinkDoNotHoldTheOthersBack) {
+  expect(1.0, 5.0, 1000.0, {{"b", 998.0}, {"a", 998.5}, {"a", 999.0}, {"a", 1000.0}},
+         ElementsAre(HasSubstr("'b'")));
+  EXPECT_EQ(found_.stamp, ros::Time(1000.0));
 }
 
 TEST_F(Ages, DoNotApplyToStaticTransforms) {
   input_.take(linkAt("a", ros::Time(1.0), 1.0), true, now_);
   input_.take(linkAt("b", ros::Time(1.0), 1.0), true, now_);
-  EXPECT_THAT(latest(1.0, 1.0).problems, IsEmpty());
-  EXPECT_TRUE(latest(1.0, 1.0).stamp.isZero());
+  now_ += ros::Duration(1000.0);
+  EXPECT_THAT(latest({"to_a", "to_b"}).problems, IsEmpty());
+  EXPECT_TRUE(latest({"to_a", "to_b"}).stamp.isZero());
+}
+
+TEST_F(Ages, OfAJointThatIsNotFixedCannotBeToldOnTfStatic) {
+  input_.take(linkAt("a", ros::Time(1.0), 1.0), true, now_);
+  receive("b", 1000.0, 2.0);
+  EXPECT_THAT(latest().problems,
+              ElementsAre(HasSubstr("'a': only /tf_static places it, but joint 'to_a' is not")));
+  EXPECT_THAT(latest({"to_a"}).problems, IsEmpty());
+  EXPECT_THROW(latest({"to_aa"}), InputError) << "there is no such joint";
+}
+
+TEST_F(Ages, OfAChainOfStaticFramesThatBypassesTheJointCannotBeToldEither) {
+  for (const char* frame : {"root", "a"}) {
+    auto message = linkAt(frame, ros::Time(0), 1.0);
+    message.transforms[0].header.frame_id = "table";
+    input_.take(message, true, now_);
+  }
+  receive("b", 1000.0, 2.0);
+  EXPECT_THAT(latest().problems, ElementsAre(HasSubstr("'a': only /tf_static places it")));
 }
 
 }  // namespace

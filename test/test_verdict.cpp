@@ -15,7 +15,6 @@ namespace collision_pairs {
 namespace {
 
 constexpr double RADIUS = 0.5;
-constexpr double TOLERANCE = 0.5;  // s: clock
 const PoseLimits LIMITS;           // the defaults
 
 using LinkPair = std::pair<std::string, std::string>;
@@ -76,7 +75,7 @@ class Faults {
     silent_steps_ = std::max(0, silent_steps_ - 1);
     const ros::Time now(now_);
     transforms_.followClock(now);
-    const StampedPoses stamped = scene_.tf_poses->latest(now, LIMITS);
+    const StampedPoses stamped = scene_.tf_poses->latest(now);
     return checkPoses(scene_, stamped, doubtsOf(stamped, transforms_, now), CheckSettings(), now,
                       0.0, *detector_);
   }
@@ -134,8 +133,6 @@ class Faults {
     transform.header.stamp = ros::Time(stamp);
     transforms_.take(message, false, ros::Time(now_));
     if (fault == 0) published_[link][transform.header.stamp.toSec()] = x_[link];
-    // tf2 keeps what is old where there is nothing newer: old it is, but it was published.
-    if (fault == 5 && !published_.count(link)) published_[link][stamp] = elsewhere;
   }
 
   std::mt19937 random_;
@@ -147,7 +144,7 @@ class Faults {
   std::string faulty_;
   int fault_ = 0;
   int silent_steps_ = 0;  // of all publishers
-  TransformInput transforms_{TOLERANCE};
+  TransformInput transforms_{LIMITS};
   ActiveScene scene_;
   std::unique_ptr<CollisionDetector> detector_;
 };

@@ -96,7 +96,6 @@ class DepthCamera {
       : settings_(private_node),
         robot_(loadRobot(private_node)),
         root_(robot_->links().front().name),
-        transforms_(0.5),
         poses_(transforms_, *robot_, allBodies(*robot_), root_),
         X_WC_(lookingAt(place(settings_.camera), place(settings_.looks_at))),
         image_(settings_.width, settings_.height,
@@ -120,9 +119,8 @@ class DepthCamera {
   void run() {
     ros::Rate rate(settings_.rate);
     for (; ros::ok(); rate.sleep()) {
-      const ros::Time now = ros::Time::now();
-      transforms_.followClock(now);
-      const StampedPoses stamped = poses_.latest(now, PoseLimits());
+      const ros::Time now = transforms_.followClock();
+      const StampedPoses stamped = poses_.latest(now);
       if (!stamped.problems.empty()) continue;  // a camera of a world that is not there yet
       const ros::Time stamp = stamped.stamp.isZero() ? now : stamped.stamp;
       if (stamp <= last_stamp_) continue;  // the robot was seen there already

@@ -1,7 +1,7 @@
 #include "bag_clouds.h"
 
 #include <algorithm>
-#include <limits>
+#include <cmath>
 #include <string_view>
 
 #include <sensor_msgs/PointCloud2.h>
@@ -12,8 +12,6 @@
 
 namespace collision_pairs {
 namespace {
-
-constexpr StampNs CLOCK_TOLERANCE = 500000000;  // 0.5 s, the default of the node's
 
 bool isCloud(const RawMessage& raw) {
   return raw.md5sum == ros::message_traits::MD5Sum<sensor_msgs::PointCloud2>::value();
@@ -33,9 +31,9 @@ StampNs stampOf(const RawMessage& raw) {
   return StampNs{number_and_stamp[1]} * 1000000000 + number_and_stamp[2];
 }
 
-std::string problemOf(StampNs stamp, StampNs received, StampNs newest) {
+std::string problemOf(StampNs stamp, StampNs received, StampNs newest, StampNs tolerance) {
   if (stamp == 0) return "its stamp is zero";
-  if (stamp - received > CLOCK_TOLERANCE) {
+  if (stamp - received > tolerance) {
     return "its stamp is " + inWords(1e-9 * static_cast<double>(stamp - received)) +
            " ahead of the time at which it was recorded";
   }
@@ -48,9 +46,11 @@ std::string problemOf(StampNs stamp, StampNs received, StampNs newest) {
 
 }  // namespace
 
-BagCloudIndex::BagCloudIndex(std::vector<std::string> topics)
+BagCloudIndex::BagCloudIndex(std::vector<std::string> topics, double clock_tolerance)
     : topics_(std::move(topics)),
-      newest_(topics_.size(), std::numeric_limits<StampNs>::min()),
+      clock_tolerance_(std::llround(1e9 * clock_tolerance)),
+      newest_(topics_.size(), EVER_SINCE),
+      arrival_(topics_.size(), EVER_SINCE),
       is_other_type_(topics_.size(), 0),
       has_cloud_(topics_.size(), 0) {}
 
@@ -72,9 +72,10 @@ void BagCloudIndex::take(const RawMessage& raw) {
   }
   has_cloud_[source] = 1;
   const StampNs stamp = stampOf(raw);
-  std::string problem = problemOf(stamp, raw.received, newest_[source]);
+  std::string problem = problemOf(stamp, raw.received, newest_[source], clock_tolerance_);
   if (problem.empty()) newest_[source] = stamp;
-  entries_.push_back({source, newest_[source], std::move(problem)});
+  arrival_[source] = std::max(arrival_[source], raw.received);
+  entries_.push_back({source, stamp, arrival_[source], std::move(problem)});
 }
 
 void BagCloudIndex::requireAllSources() const {

@@ -6,14 +6,15 @@
 #include <vector>
 
 #include "bag_records.h"
-#include "tracks.h"
+#include "track.h"
 
 namespace collision_pairs {
 
 /// A recorded cloud.
 struct CloudEntry {
-  int source;     ///< number of its topic
-  StampNs since;  ///< it applies from then on; within a source never earlier than the previous one
+  int source;  ///< number of its topic
+  StampNs stamp;
+  StampNs since;  ///< its arrival, from which on it applies; never earlier than the previous one
   std::string problem;  ///< why it cannot be used, judged by its header; empty if it may be usable
 };
 
@@ -21,11 +22,10 @@ struct CloudEntry {
 class BagCloudIndex {
  public:
   /// Leading slashes of topics are ignored.
-  explicit BagCloudIndex(std::vector<std::string> topics);
+  explicit BagCloudIndex(std::vector<std::string> topics, double clock_tolerance = 0.5);
 
-  /// Adds a message of the bag. A cloud without a stamp, with a stamp more than half a second after
-  /// its recording, or not later than the previous one has a problem, and applies from the previous
-  /// one on.
+  /// Adds a message of the bag. A cloud without a stamp, with a stamp more than clock_tolerance [s]
+  /// after its recording, or not later than the previous one has a problem.
   void take(const RawMessage& raw);
   /// Throws InputError if one of the topics has no message, or messages of another type.
   void requireAllSources() const;
@@ -37,7 +37,8 @@ class BagCloudIndex {
  private:
   std::vector<std::string> topics_;
   std::vector<CloudEntry> entries_;
-  std::vector<StampNs> newest_;  ///< by source
+  const StampNs clock_tolerance_;
+  std::vector<StampNs> newest_, arrival_;  ///< by source
   std::vector<char> is_other_type_, has_cloud_;
   std::set<std::string> cloud_topics_;  ///< of all clouds in the bag
 };

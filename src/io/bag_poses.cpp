@@ -1,6 +1,6 @@
 #include "bag_poses.h"
 
-#include <cmath>
+#include <algorithm>
 #include <set>
 
 #include "collision_pairs/input_error.h"
@@ -43,74 +43,41 @@ std::set<std::string> possiblePrefixes(const BagContents& bag, const RobotModel&
 
 BagPoses::BagPoses(const BagContents& bag, const CollisionScene& scene,
                    const BagPosesOptions& options)
-    : tracks_(bag.transforms),
+    : bag_(bag),
       scene_(scene),
       prefix_(withoutSlashes(options.prefix)),
-      max_gap_(std::llround(1e9 * options.max_gap)) {
-  const RobotModel& robot = scene.robot();
-  for (std::size_t b = 0; b < robot.bodies().size(); ++b) {
-    frames_.push_back(framesOf(static_cast<int>(b)));
-  }
-  // A root that TF does not have under its prefixed name may be there without prefix ("world").
-  const int bare_root = tracks_.findFrame(robot.links().front().name);
-  if (frames_[0].empty() && bare_root >= 0) {
-    frames_[0].push_back({bare_root, Eigen::Isometry3d::Identity()});
-  }
-}
+      robot_(scene.robot(), scene.robot().links().front().name, prefix_, options.static_joints) {}
 
-int BagPoses::frameOf(const std::string& link) const {
-  if (prefix_.empty()) return tracks_.findFrame(link);
-  const int frame = tracks_.findFrame(withPrefix(prefix_, link));
-  return frame >= 0 ? frame : tracks_.findFrame(prefix_ + link);
-}
-
-std::vector<BagPoses::Frame> BagPoses::framesOf(int body) const {
-  std::vector<Frame> frames;
-  for (const Link& link : scene_.robot().links()) {
-    const int frame = link.body == body ? frameOf(link.name) : -1;
-    if (frame >= 0) frames.push_back({frame, link.X_BL});
-  }
-  return frames;
-}
-
-void BagPoses::at(StampNs stamp, const std::vector<SceneBody>& bodies, BodyPoses& poses) const {
-  std::vector<Eigen::Isometry3d> X_RB;
-  std::vector<char> known;
-  robotAt(stamp, X_RB, known);
+std::vector<std::string> BagPoses::at(StampNs stamp, const std::vector<SceneBody>& bodies,
+                                      BodyPoses& poses) const {
+  const FoundBodies placed = robotAt(stamp);
+  std::vector<std::string> problems;
   poses.resize(bodies.size());
   for (std::size_t i = 0; i < bodies.size(); ++i) {
-    poses.X_WB[i] = X_RB[bodies[i].body];
-    poses.known[i] = known[bodies[i].body];
+    const int body = bodies[i].body;
+    poses.X_WB[i] = placed.X_WB[body];
+    poses.known[i] = placed.known[body];
+    if (!placed.known[body]) {
+      problems.push_back("link '" + bodies[i].link + "': " + placed.problems[body]);
+    }
   }
+  return problems;
 }
 
-bool BagPoses::frameAt(StampNs stamp, const std::string& frame, Eigen::Isometry3d& X_RF) const {
-  std::vector<Eigen::Isometry3d> X_RB;
-  std::vector<char> known;
-  robotAt(stamp, X_RB, known);
-  const std::string name = withoutLeadingSlash(frame);
-  for (const Link& link : scene_.robot().links()) {
-    const bool is_it = name == withPrefix(prefix_, link.name) || name == prefix_ + link.name;
-    if (!is_it || !known[link.body]) continue;
-    X_RF = X_RB[link.body] * link.X_BL;
-    return true;
-  }
-  const int number = tracks_.findFrame(name);
-  if (number < 0) return false;
-  FramePoses frames(tracks_, stamp, max_gap_);
-  for (std::size_t b = 0; b < frames_.size(); ++b) {
-    if (!known[b]) continue;
-    for (const Frame& of_link : frames_[b]) frames.anchor(of_link.frame, X_RB[b] * of_link.X_BL);
-  }
-  for (const Frame& of_root : frames_[0]) frames.climbFrom(of_root.frame);
-  return frames.find(number, X_RF);
+void finishStamps(std::vector<StampNs>& stamps) {
+  std::sort(stamps.begin(), stamps.end());
+  stamps.erase(std::unique(stamps.begin(), stamps.end()), stamps.end());
 }
 
 std::unique_ptr<const BagPoses> makeBagPoses(const BagContents& bag, const CollisionScene& scene,
                                              const BagPosesOptions& options) {
   auto by_tf = bagPosesFromTf(bag, scene, options);
   auto by_joints = bagPosesFromJoints(bag, scene, options);
-  if (by_tf->nbKnown() == 0 && by_joints->nbKnown() == 0) refuse(bag, scene.robot());
+  if (by_tf->nbKnown() == 0 && by_joints->nbKnown() == 0) {
+    const std::string why = by_tf->whyNone().empty() ? by_joints->whyNone() : by_tf->whyNone();
+    if (!why.empty()) throw InputError("there is no stamp to check: " + why);
+    refuse(bag, scene.robot());
+  }
   if (by_tf->nbKnown() >= by_joints->nbKnown()) return by_tf;
   return by_joints;
 }

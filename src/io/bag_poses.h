@@ -8,6 +8,7 @@
 #include "bag_reader.h"
 #include "collision_pairs/body_poses.h"
 #include "collision_pairs/collision_scene.h"
+#include "robot_poses.h"
 
 namespace collision_pairs {
 
@@ -15,9 +16,8 @@ struct BagPosesOptions {
   /// Prefix of this robot's names in the bag: frames P/link, joints P/joint or the topic
   /// P/joint_states. Empty: nothing.
   std::string prefix;
-  /// Seconds, > 0. Between two samples further apart than this poses are unknown. The default is
-  /// the node's max_transform_age.
-  double max_gap = 1.0;
+  /// Joints that are not fixed, but may be static on TF.
+  std::vector<std::string> static_joints;
 };
 
 /// Poses of a scene's bodies at the stamps of the bag's samples.
@@ -27,51 +27,49 @@ class BagPoses {
   BagPoses(const BagContents& bag, const CollisionScene& scene, const BagPosesOptions& options);
   virtual ~BagPoses() = default;
 
-  /// Sorted, each once: the stamps of all samples that move a body of the robot.
+  /// Sorted, each once: the stamps of all samples that move a body of the robot, or would if they
+  /// were not refused.
   const std::vector<StampNs>& stamps() const { return stamps_; }
-  /// In the frame of the robot's root link. A body without a pose at that stamp stays unknown.
-  /// O(bodies * log samples).
-  void at(StampNs stamp, BodyPoses& poses) const { at(stamp, scene_.bodies(), poses); }
+  /// In the frame of the robot's root link. A body without a pose at that stamp stays unknown;
+  /// returns the reasons. O(bodies * log samples).
+  std::vector<std::string> at(StampNs stamp, BodyPoses& poses) const {
+    return at(stamp, scene_.bodies(), poses);
+  }
   /// The same for other bodies of the robot.
-  void at(StampNs stamp, const std::vector<SceneBody>& bodies, BodyPoses& poses) const;
+  std::vector<std::string> at(StampNs stamp, const std::vector<SceneBody>& bodies,
+                              BodyPoses& poses) const;
   /// Pose of any frame in that of the root link: a link, or a frame that the bag's transforms
   /// connect to one. False if unknown. `frame`: its name in the bag.
-  bool frameAt(StampNs stamp, const std::string& frame, Eigen::Isometry3d& X_RF) const;
+  virtual bool frameAt(StampNs stamp, const std::string& frame, Eigen::Isometry3d& X_RF) const = 0;
   /// Where the poses come from: "TF" or "joint states of TOPIC".
   const std::string& source() const { return source_; }
   /// Assumptions made and data missing, one sentence each.
   const std::vector<std::string>& notes() const { return notes_; }
-  /// Number of moving bodies of the robot for which the bag has poses.
+  /// Number of moving bodies of the robot for which the bag has poses; 0 without any stamp.
   std::size_t nbKnown() const { return nb_known_; }
   /// Joints that move a body of the scene, but that the bag does not name: taken as zero, so
   /// that no verdict is FREE.
   const std::vector<std::string>& jointsAtZero() const { return joints_at_zero_; }
 
- protected:
-  /// A frame of the bag that is a link of a body, and the pose of the link in the body's frame.
-  struct Frame {
-    int frame;
-    Eigen::Isometry3d X_BL;
-  };
-  /// For all bodies of the robot.
-  virtual void robotAt(StampNs stamp, std::vector<Eigen::Isometry3d>& X_RB,
-                       std::vector<char>& known) const = 0;
-  /// -1 if it is not in the bag's transforms.
-  int frameOf(const std::string& link) const;
+  /// Why there is no stamp, if there might have been; empty if the bag does not mention the robot.
+  const std::string& whyNone() const { return why_none_; }
 
-  const TransformTracks& tracks_;
+ protected:
+  /// For all bodies of the robot.
+  virtual FoundBodies robotAt(StampNs stamp) const = 0;
+
+  const BagContents& bag_;
   const CollisionScene& scene_;
   std::string prefix_;  ///< without slashes
-  StampNs max_gap_;
-  std::vector<std::vector<Frame>> frames_;  ///< by body of the robot
+  RobotPoses robot_;    ///< by transforms
   std::vector<StampNs> stamps_;
-  std::string source_;
+  std::string source_, why_none_;
   std::vector<std::string> notes_, joints_at_zero_;
   std::size_t nb_known_ = 0;
-
- private:
-  std::vector<Frame> framesOf(int body) const;
 };
+
+/// Sorts, and removes repetitions.
+void finishStamps(std::vector<StampNs>& stamps);
 
 /// From the bag's transforms, and from its joint states by forward kinematics. All references must
 /// outlive the result.

@@ -53,16 +53,17 @@ class BagPosesFromJoints : public BagPoses {
   BagPosesFromJoints(const BagContents& bag, const CollisionScene& scene,
                      const BagPosesOptions& options);
 
+  bool frameAt(StampNs stamp, const std::string& frame, Eigen::Isometry3d& X_RF) const override;
+
  private:
-  void robotAt(StampNs stamp, std::vector<Eigen::Isometry3d>& X_RB,
-               std::vector<char>& known) const override;
-  using Samples = std::vector<JointTracks::Sample>;
+  FoundBodies robotAt(StampNs stamp) const override;
   void chooseTracks(const JointTracks& tracks, const std::string& prefix);
   void countKnown();
   void noteJointsAtZero();
   void collectStamps();
 
-  std::vector<const Samples*> tracks_;  ///< by joint; null: it stays at zero, or mimics another
+  std::vector<const JointTracks::OfJoint*>
+      tracks_;  ///< by joint; null: it stays at zero, or mimics another
   std::vector<double> zero_;
 };
 
@@ -84,8 +85,8 @@ void BagPosesFromJoints::chooseTracks(const JointTracks& tracks, const std::stri
   const auto& joints = scene_.robot().joints();
   for (std::size_t i = 0; i < joints.size(); ++i) {
     if (!joints[i].hasPosition() || joints[i].mimic) continue;
-    const auto found = tracks.tracks().find(prefix + joints[i].name);
-    if (found != tracks.tracks().end()) tracks_[i] = &found->second;
+    const auto found = tracks.joints().find(prefix + joints[i].name);
+    if (found != tracks.joints().end()) tracks_[i] = &found->second;
   }
 }
 
@@ -115,36 +116,68 @@ void BagPosesFromJoints::noteJointsAtZero() {
 }
 
 void BagPosesFromJoints::collectStamps() {
-  for (const Samples* samples : tracks_) {
-    if (!samples) continue;
-    for (const auto& sample : *samples) stamps_.push_back(sample.stamp);
+  for (const JointTracks::OfJoint* joint : tracks_) {
+    if (joint) stamps_.insert(stamps_.end(), joint->stamps.begin(), joint->stamps.end());
   }
-  std::sort(stamps_.begin(), stamps_.end());
-  stamps_.erase(std::unique(stamps_.begin(), stamps_.end()), stamps_.end());
+  finishStamps(stamps_);
 }
 
-void BagPosesFromJoints::robotAt(StampNs stamp, std::vector<Eigen::Isometry3d>& X_RB,
-                                 std::vector<char>& known) const {
+FoundBodies BagPosesFromJoints::robotAt(StampNs stamp) const {
   const RobotModel& robot = scene_.robot();
   const auto& joints = robot.joints();
   std::vector<double> positions = zero_;
-  std::vector<char> joint_known(joints.size(), 1);
+  std::vector<std::string> whys(joints.size());
   for (std::size_t i = 0; i < joints.size(); ++i) {
     if (!tracks_[i]) continue;
-    joint_known[i] = JointTracks::lookUp(*tracks_[i], stamp, max_gap_,
-                                         joints[i].type == JointType::CONTINUOUS, positions[i]);
+    const bool is_continuous = joints[i].type == JointType::CONTINUOUS;
+    if (!JointTracks::lookUp(*tracks_[i], stamp, bag_.transforms.limits(), is_continuous,
+                             positions[i], whys[i])) {
+      positions[i] = zero_[i];
+    }
   }
   robot.applyMimics(positions);
-  robot.forwardKinematics(positions, X_RB);
+  FoundBodies placed;
+  robot.forwardKinematics(positions, placed.X_WB);
 
-  known.assign(robot.bodies().size(), 1);
+  placed.known.assign(robot.bodies().size(), 1);
+  placed.problems.resize(robot.bodies().size());
   for (std::size_t b = 0; b < robot.bodies().size(); ++b) {
     const Body& body = robot.bodies()[b];
     if (body.joint < 0) continue;
     int driver = body.joint;
     while (joints[driver].mimic) driver = joints[driver].mimic->joint;
-    known[b] = known[body.parent] && joint_known[driver];
+    placed.known[b] = placed.known[body.parent] && whys[driver].empty();
+    placed.problems[b] = placed.known[body.parent]
+                             ? "joint '" + joints[driver].name + "': " + whys[driver]
+                             : placed.problems[body.parent];
   }
+  return placed;
+}
+
+/// A link, or a frame that the bag's transforms connect to one.
+bool BagPosesFromJoints::frameAt(StampNs stamp, const std::string& frame,
+                                 Eigen::Isometry3d& X_RF) const {
+  const FoundBodies placed = robotAt(stamp);
+  const std::string name = withoutLeadingSlash(frame);
+  for (const Link& link : scene_.robot().links()) {
+    const bool is_it = name == withPrefix(prefix_, link.name) || name == prefix_ + link.name;
+    if (!is_it || !placed.known[link.body]) continue;
+    X_RF = placed.X_WB[link.body] * link.X_BL;
+    return true;
+  }
+  const TransformBuffer& transforms = bag_.transforms;
+  const int number = transforms.findFrame(name);
+  if (number < 0) return false;
+  FramePoses frames(transforms, {Instant::AT, stamp});
+  for (const Link& link : scene_.robot().links()) {
+    const int of_link = robot_.frameOf(transforms, link.name);
+    if (of_link < 0 || !placed.known[link.body]) continue;
+    frames.anchor(of_link, {placed.X_WB[link.body] * link.X_BL});
+  }
+  FramePoses::Known found;
+  if (!frames.find(number, found)) return false;
+  X_RF = found.X_RF;
+  return true;
 }
 
 }  // namespace

@@ -18,79 +18,84 @@ class BagPosesFromTf : public BagPoses {
  public:
   BagPosesFromTf(const BagContents& bag, const CollisionScene& scene,
                  const BagPosesOptions& options);
+  bool frameAt(StampNs stamp, const std::string& frame, Isometry3d& X_RF) const override;
 
  private:
-  void robotAt(StampNs stamp, std::vector<Isometry3d>& X_RB,
-               std::vector<char>& known) const override;
-  void noteMissing();
+  FoundBodies robotAt(StampNs stamp) const override;
+  bool hasFrame(int body) const;
   void collectStamps();
-  bool find(FramePoses& frames, int body, Eigen::Isometry3d& X_RB) const;
+  void countKnown();
+
+  std::vector<char> all_;  ///< bodies of the robot
 };
 
 BagPosesFromTf::BagPosesFromTf(const BagContents& bag, const CollisionScene& scene,
                                const BagPosesOptions& options)
-    : BagPoses(bag, scene, options) {
+    : BagPoses(bag, scene, options), all_(scene.robot().bodies().size(), 1) {
   source_ = "TF";
-  noteMissing();
   collectStamps();
+  countKnown();
 }
 
-void BagPosesFromTf::noteMissing() {
-  std::vector<std::string> missing;
-  for (const SceneBody& body : scene_.bodies()) {
-    if (body.body == 0) continue;
-    if (frames_[body.body].empty())
-      missing.push_back(body.link);
-    else
-      ++nb_known_;
-  }
-  if (frames_[0].empty()) nb_known_ = 0;
-  if (missing.empty()) return;
-  notes_.push_back("left out, because TF has no frame for them: " + joined(missing));
+bool BagPosesFromTf::hasFrame(int body) const {
+  const auto& links = scene_.robot().links();
+  return std::any_of(links.begin(), links.end(), [&](const Link& link) {
+    return link.body == body && robot_.frameOf(bag_.transforms, link.name) >= 0;
+  });
 }
 
 void BagPosesFromTf::collectStamps() {
   const RobotModel& robot = scene_.robot();
   for (const bool driven : {true, false}) {
     for (const Link& link : robot.links()) {
-      const int frame = link.body == 0 ? -1 : frameOf(link.name);
-      if (frame < 0 || tracks_.isStatic(frame) || isDriven(link, robot) != driven) continue;
-      for (const auto& sample : tracks_.samples(frame)) stamps_.push_back(sample.stamp);
+      const int frame = link.body == 0 ? -1 : robot_.frameOf(bag_.transforms, link.name);
+      if (frame < 0 || isDriven(link, robot) != driven) continue;
+      const auto& stamps = bag_.stamps[static_cast<std::size_t>(frame)];
+      stamps_.insert(stamps_.end(), stamps.begin(), stamps.end());
     }
     if (!stamps_.empty()) break;  // frames of fixed joints only if there are no others
   }
-  std::sort(stamps_.begin(), stamps_.end());
-  stamps_.erase(std::unique(stamps_.begin(), stamps_.end()), stamps_.end());
+  finishStamps(stamps_);
 }
 
-bool BagPosesFromTf::find(FramePoses& frames, int body, Isometry3d& X_RB) const {
-  if (body == 0) {
-    X_RB = Isometry3d::Identity();
-    return true;
+/// Bodies that only /tf_static places do not count: joint states may know them.
+void BagPosesFromTf::countKnown() {
+  std::vector<std::string> missing;
+  std::size_t nb_named = 0;
+  for (const SceneBody& body : scene_.bodies()) {
+    if (body.body == 0) continue;
+    if (hasFrame(body.body)) {
+      ++nb_named;
+    } else {
+      missing.push_back(body.link);
+    }
   }
-  Isometry3d X_RL;
-  for (const Frame& frame : frames_[body]) {
-    if (!frames.find(frame.frame, X_RL)) continue;
-    X_RB = X_RL * frame.X_BL.inverse();
-    return true;
+  if (!hasFrame(0) || nb_named == 0) return;
+  if (!missing.empty()) {
+    notes_.push_back("left out, because TF has no frame for them: " + joined(missing));
   }
-  return false;
+  if (stamps_.empty()) {
+    why_none_ = "of its " + std::to_string(nb_named) +
+                " links on moving joints that TF names, /tf moves none: they are on /tf_static "
+                "only, and no joint states move them";
+    return;
+  }
+  const FoundBodies last = robotAt(stamps_.back());
+  for (const SceneBody& body : scene_.bodies()) {
+    if (body.body != 0 && hasFrame(body.body) && !last.is_held[body.body]) ++nb_known_;
+  }
 }
 
-void BagPosesFromTf::robotAt(StampNs stamp, std::vector<Isometry3d>& X_RB,
-                             std::vector<char>& known) const {
-  FramePoses frames(tracks_, stamp, max_gap_);
-  X_RB.assign(frames_.size(), Isometry3d::Identity());
-  known.assign(frames_.size(), 0);
-  // From the root outwards. Links on fixed joints are one body, and the URDF gives their poses in
-  // it, even before their transforms begin in the recording.
-  for (std::size_t b = 0; b < frames_.size(); ++b) {
-    known[b] = find(frames, static_cast<int>(b), X_RB[b]);
-    if (!known[b]) continue;
-    for (const Frame& frame : frames_[b]) frames.anchor(frame.frame, X_RB[b] * frame.X_BL);
-    if (b > 0) continue;
-    for (const Frame& frame : frames_[b]) frames.climbFrom(frame.frame);
-  }
+FoundBodies BagPosesFromTf::robotAt(StampNs stamp) const {
+  return robot_.place(bag_.transforms, {Instant::AS_IT_ARRIVED, stamp}, all_);
+}
+
+bool BagPosesFromTf::frameAt(StampNs stamp, const std::string& frame, Isometry3d& X_RF) const {
+  FramePoses::Known found;
+  std::string why;
+  if (!robot_.frameIn(bag_.transforms, {Instant::AT, stamp}, frame, found, why)) return false;
+  X_RF = found.X_RF;
+  return true;
 }
 
 }  // namespace

@@ -1,7 +1,9 @@
 #include "bag_reader.h"
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
+#include <set>
 
 #include <ros/serialization.h>
 #include <sensor_msgs/JointState.h>
@@ -9,6 +11,7 @@
 #include <tf2_msgs/TFMessage.h>
 
 #include "collision_pairs/input_error.h"
+#include "frame_names.h"
 #include "message_walk.h"
 
 namespace collision_pairs {
@@ -54,6 +57,8 @@ bool tfMessageFits(const std::uint8_t* data, std::uint32_t size) {
 
 class Collector {
  public:
+  explicit Collector(const PoseLimits& limits) : contents_(limits) {}
+
   void take(const RawMessage& raw) {
     if (!isWanted(raw.topic, raw.md5sum)) return;
     const std::string name = lastPart(raw.topic);
@@ -79,15 +84,39 @@ class Collector {
   }
 
   BagContents finish() {
-    contents_.transforms.finish();
-    for (auto& [topic, tracks] : contents_.joints) tracks.finish();
+    const auto isEarlier = [](const auto& a, const auto& b) { return a.received < b.received; };
+    std::stable_sort(transforms_.begin(), transforms_.end(), isEarlier);
+    std::stable_sort(positions_.begin(), positions_.end(), isEarlier);
+    for (const RecordedTransform& transform : transforms_) keep(transform);
+    for (const RecordedPosition& position : positions_) keep(position);
+    contents_.stamps.resize(contents_.transforms.frames().size());
     note(nb_garbled_, "messages that do not match their type");
     note(nb_unusable_, "transforms and joint positions that are not finite, or not a rotation");
-    note(nb_jumps_, "times its clock goes back; overlapping data is mixed, so split the bag there");
+    note(nb_jumps_,
+         "times its clock goes back; what is then too old is not used, so split the bag there");
+    if (nb_refused_ > 0) {
+      note(nb_refused_,
+           "transforms and joint positions are not used, or are in doubt; the first: " +
+               first_refusal_);
+    }
     return std::move(contents_);
   }
 
  private:
+  /// Names are those of names_, since there may be millions.
+  struct RecordedTransform {
+    StampNs received, stamp;
+    const std::string *publisher, *parent, *child;
+    bool is_static;
+    Eigen::Vector3d p_PC;
+    Eigen::Quaterniond R_PC;
+  };
+  struct RecordedPosition {
+    StampNs received, stamp;
+    const std::string *publisher, *topic, *joint;
+    double position;
+  };
+
   template <class Message>
   static Message read(const RawMessage& raw) {
     Message message;
@@ -108,15 +137,26 @@ class Collector {
     newest_ = stamp;
   }
 
+  const std::string* named(const std::string& name) { return &*names_.insert(name).first; }
+
   void takeTransforms(const RawMessage& raw, bool is_static) {
     for (const auto& transform : read<tf2_msgs::TFMessage>(raw).transforms) {
       if (!is_static) watchClock(stampOf(transform.header.stamp, raw));
       const auto& p = transform.transform.translation;
       const auto& q = transform.transform.rotation;
-      const bool usable = contents_.transforms.add(
-          transform.header.frame_id, transform.child_frame_id, stampOf(transform.header.stamp, raw),
-          Eigen::Vector3d(p.x, p.y, p.z), Eigen::Quaterniond(q.w, q.x, q.y, q.z), is_static);
-      if (!usable) ++nb_unusable_;
+      const RecordedTransform recorded{raw.received,
+                                       static_cast<StampNs>(transform.header.stamp.toNSec()),
+                                       named(raw.publisher),
+                                       named(transform.header.frame_id),
+                                       named(transform.child_frame_id),
+                                       is_static,
+                                       Eigen::Vector3d(p.x, p.y, p.z),
+                                       Eigen::Quaterniond(q.w, q.x, q.y, q.z)};
+      if (isPose(recorded.p_PC, recorded.R_PC)) {
+        transforms_.push_back(recorded);
+      } else {
+        ++nb_unusable_;
+      }
     }
   }
 
@@ -124,11 +164,40 @@ class Collector {
     const auto message = read<sensor_msgs::JointState>(raw);
     const StampNs stamp = stampOf(message.header.stamp, raw);
     watchClock(stamp);
-    JointTracks& tracks = contents_.joints[raw.topic];
+    contents_.joints[raw.topic];
     const std::size_t count = std::min(message.name.size(), message.position.size());
     for (std::size_t i = 0; i < count; ++i) {
-      if (!tracks.add(message.name[i], stamp, message.position[i])) ++nb_unusable_;
+      if (std::isfinite(message.position[i])) {
+        positions_.push_back({raw.received, stamp, named(raw.publisher), named(raw.topic),
+                              named(message.name[i]), message.position[i]});
+      } else {
+        ++nb_unusable_;
+      }
     }
+  }
+
+  void keep(const RecordedTransform& recorded) {
+    TransformBuffer& buffer = contents_.transforms;
+    const std::string why = buffer.take(
+        {*recorded.parent, *recorded.child, recorded.stamp, recorded.p_PC, recorded.R_PC},
+        recorded.is_static, *recorded.publisher, recorded.received);
+    noteRefusal("transform of '" + *recorded.child + "': ", why);
+    const int frame = buffer.findFrame(withoutLeadingSlash(*recorded.child));
+    if (frame < 0 || recorded.is_static) return;
+    contents_.stamps.resize(buffer.frames().size());
+    contents_.stamps[frame].push_back(recorded.stamp == 0 ? recorded.received : recorded.stamp);
+  }
+
+  void keep(const RecordedPosition& recorded) {
+    noteRefusal("joint '" + *recorded.joint + "': ",
+                contents_.joints[*recorded.topic].take(
+                    *recorded.joint, recorded.position, recorded.stamp, *recorded.publisher,
+                    recorded.received, contents_.transforms.limits()));
+  }
+
+  void noteRefusal(const std::string& of, const std::string& why) {
+    if (why.empty()) return;
+    if (nb_refused_++ == 0) first_refusal_ = of + why;
   }
 
   static void takeText(const RawMessage& raw, std::map<std::string, std::string>& texts) {
@@ -140,8 +209,12 @@ class Collector {
   }
 
   BagContents contents_;
+  std::set<std::string> names_;
+  std::vector<RecordedTransform> transforms_;
+  std::vector<RecordedPosition> positions_;
   StampNs newest_ = 0;
-  std::size_t nb_garbled_ = 0, nb_unusable_ = 0, nb_jumps_ = 0;
+  std::size_t nb_garbled_ = 0, nb_unusable_ = 0, nb_jumps_ = 0, nb_refused_ = 0;
+  std::string first_refusal_;
 };
 
 void checkIsFile(const std::string& path) {
@@ -152,9 +225,10 @@ void checkIsFile(const std::string& path) {
 
 }  // namespace
 
-BagContents readBag(const std::string& path, const RawMessageVisitor& also) {
+BagContents readBag(const std::string& path, const PoseLimits& limits,
+                    const RawMessageVisitor& also) {
   checkIsFile(path);
-  Collector collector;
+  Collector collector(limits);
   const std::vector<std::string> losses = readBagRecords(path, [&](const RawMessage& message) {
     collector.take(message);
     if (also) also(message);

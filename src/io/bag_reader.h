@@ -6,12 +6,16 @@
 #include <vector>
 
 #include "bag_records.h"
-#include "tracks.h"
+#include "joint_tracks.h"
+#include "transform_buffer.h"
 
 namespace collision_pairs {
 
 struct BagContents {
-  TransformTracks transforms;                 ///< of all topics named tf and tf_static
+  explicit BagContents(const PoseLimits& limits = {}) : transforms(limits, true) {}
+
+  TransformBuffer transforms;                 ///< of all topics named tf and tf_static
+  std::vector<std::vector<StampNs>> stamps;   ///< by frame: of /tf, also of those refused
   std::map<std::string, JointTracks> joints;  ///< by topic: those named joint_states
   std::map<std::string, std::string> urdfs;   ///< by topic: those named robot_description
   std::map<std::string, std::string> srdfs;   ///< … and robot_description_semantic
@@ -21,12 +25,15 @@ struct BagContents {
 
 /// Reads a complete bag; messages of other topics are skipped. Topics are identified by the last
 /// part of their name and by the type: tf2_msgs/TFMessage and the older tf/tfMessage (the same on
-/// the wire), sensor_msgs/JointState, std_msgs/String. A joint state or transform without a stamp
-/// has the time at which it was recorded. None, bz2 and lz4 compression.
+/// the wire), sensor_msgs/JointState, std_msgs/String. None, bz2 and lz4 compression.
+///
+/// Transforms and joint positions are taken in the order in which they were recorded, by the rules
+/// that the node follows. A joint state without a stamp has the time at which it was recorded.
 ///
 /// A bag without an index, truncated or with damaged chunks is read as far as possible
 /// (readBagRecords), and `losses` says what is missing. Throws InputError if it is not a bag, or
 /// contains no data of a robot. `also` sees every message, in the order of the file.
-BagContents readBag(const std::string& path, const RawMessageVisitor& also = nullptr);
+BagContents readBag(const std::string& path, const PoseLimits& limits = {},
+                    const RawMessageVisitor& also = nullptr);
 
 }  // namespace collision_pairs

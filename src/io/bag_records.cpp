@@ -115,7 +115,7 @@ bool decompressChunk(const std::string& compression, const std::string& data, st
 }
 
 struct Connection {
-  std::string topic, md5sum;
+  std::string topic, md5sum, publisher;
 };
 
 class RecordReader {
@@ -213,13 +213,13 @@ class RecordReader {
     Fields header = parseFields(data, size);
     const auto topic = fields.find("topic");
     if (topic == fields.end()) return;
-    connections_[numberIn(fields, "conn")] = {topic->second, header["md5sum"]};
+    connections_[numberIn(fields, "conn")] = {topic->second, header["md5sum"], header["callerid"]};
   }
 
   void takeMessage(const Fields& fields, char* data, std::uint32_t size) {
     const auto connection = connections_.find(numberIn(fields, "conn"));
     if (connection == connections_.end()) return;
-    visit_({connection->second.topic, connection->second.md5sum,
+    visit_({connection->second.topic, connection->second.md5sum, connection->second.publisher,
             std::int64_t{numberIn(fields, "time")} * 1000000000 + numberIn(fields, "time", 4),
             reinterpret_cast<std::uint8_t*>(data), size});
   }

@@ -12,7 +12,8 @@ namespace collision_pairs {
 struct RawMessage {
   const std::string& topic;
   const std::string& md5sum;
-  std::int64_t received;  ///< nanoseconds since the epoch
+  const std::string& publisher;  ///< its node's name; may be empty
+  std::int64_t received;         ///< nanoseconds since the epoch
   std::uint8_t* data;
   std::uint32_t size;
 };

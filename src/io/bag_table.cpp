@@ -57,7 +57,7 @@ class LineReader {
     CsvRecord record;
     if (!record.addLine(line)) fail("a quotation mark is not closed");
     const std::vector<std::string>& fields = record.fields();
-    if (fields.size() != 10) fail("it has " + std::to_string(fields.size()) + " fields, not 10");
+    if (fields.size() != 11) fail("it has " + std::to_string(fields.size()) + " fields, not 11");
     BagRow row;
     row.bag = fields[0];
     row.state = number<std::uint64_t>(fields[1]);
@@ -69,6 +69,7 @@ class LineReader {
       row.pairs.push_back(bagPair(pair, contacts));
     row.left_out = split(fields[8], ';');
     row.verdict = verdict(fields[9]);
+    row.unknown_because = fields[10];
     return row;
   }
 
@@ -120,7 +121,8 @@ class LineReader {
 }  // namespace
 
 const char* const BAG_TABLE_HEADER =
-    "bag,state,stamp,in_collision,pairs,min_distance,nb_pairs,distances,left_out,verdict";
+    "bag,state,stamp,in_collision,pairs,min_distance,nb_pairs,distances,left_out,verdict,"
+    "unknown_because";
 const char* const BAG_TABLE_END = "# end";
 
 std::string toLine(const BagRow& row) {
@@ -137,7 +139,7 @@ std::string toLine(const BagRow& row) {
          (row.min_distance ? toText(*row.min_distance) : "") + ',' + std::to_string(row.nb_pairs) +
          ',' + csvField(distances) + ',' +
          csvField(joinedBy(row.left_out, [](const std::string& link) { return link; })) + ',' +
-         nameOf(row.verdict);
+         nameOf(row.verdict) + ',' + csvField(row.unknown_because);
 }
 
 BagRow parseLine(const std::string& line, const std::string& name, std::size_t line_number) {

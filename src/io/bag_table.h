@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "collision_pairs/collision_report.h"
-#include "tracks.h"
+#include "track.h"
 
 namespace collision_pairs {
 
@@ -29,6 +29,7 @@ struct BagRow {
   std::uint64_t nb_pairs = 0;         ///< investigated
   std::vector<std::string> left_out;  ///< each as listedName()
   Verdict verdict = Verdict::UNKNOWN;
+  std::string unknown_because;  ///< in words, on one line
 };
 
 /// Rows are distributed round-robin over `count` parts, so that all parts have the same amount of
@@ -39,11 +40,12 @@ struct Shard {
   bool owns(std::size_t bag, std::uint64_t state) const { return (state + bag) % count == index; }
 };
 
-/// bag,state,stamp,in_collision,pairs,min_distance,nb_pairs,distances,left_out,verdict
+/// bag,state,stamp,in_collision,pairs,min_distance,nb_pairs,distances,left_out,verdict,unknown_because
 ///
 /// `verdict` is free, collision or unknown; `in_collision` is 0 if it is free. `pairs` are the
 /// links in contact, "a|b;c|d"; `distances` all pairs within the alarm distance,
-/// "a|b=0.012;c|d=-0.001"; `left_out` the links without a pose, "a;b". Names in lists are written
+/// "a|b=0.012;c|d=-0.001"; `left_out` the links without a pose, "a;b"; `unknown_because` the
+/// reasons of an unknown verdict. Names in lists are written
 /// by listedName() and fields by csvField(), so that a row is a line. Stamps are seconds with nine
 /// decimals, numbers have all their digits. A part also has lines that begin with '#': which part
 /// it is, and at the beginning of each bag the number of its rows in all parts together.

@@ -15,7 +15,7 @@ namespace collision_pairs {
 namespace {
 
 /// All other keys of the node's parameter file, which can thus be used here unchanged.
-constexpr std::array<const char*, 15> OF_THE_NODE_ONLY = {"alarm_distance",
+constexpr std::array<const char*, 16> OF_THE_NODE_ONLY = {"alarm_distance",
                                                           "fidelity",
                                                           "tolerance",
                                                           "time_budget",
@@ -27,6 +27,7 @@ constexpr std::array<const char*, 15> OF_THE_NODE_ONLY = {"alarm_distance",
                                                           "max_pose_age",
                                                           "max_transform_age",
                                                           "clock_tolerance",
+                                                          "allow_paused",
                                                           "fixed_frame",
                                                           "velocity_limiter",
                                                           "reload"};
@@ -142,6 +143,19 @@ void readMaxHullVertices(const YAML::Node& value, SceneConfig& config) {
   config.settings.max_hull_vertices = static_cast<int>(count);
 }
 
+void readPoseLimits(const YAML::Node& map, PoseLimits& limits) {
+  const auto read = [&](const char* key, double& value) {
+    const YAML::Node given = map[key];
+    if (!given) return;
+    const std::string rule = "a number of seconds, 0 or more";
+    value = numberOf(key, given, rule);
+    if (value < 0.0) refuseValue(key, given, rule);
+  };
+  read("max_pose_age", limits.max_pose_age);
+  read("max_transform_age", limits.max_transform_age);
+  read("clock_tolerance", limits.clock_tolerance);
+}
+
 using Reader = std::function<void(const YAML::Node&, SceneConfig&)>;
 
 const std::map<std::string, Reader>& readers() {
@@ -161,6 +175,8 @@ const std::map<std::string, Reader>& readers() {
       {"padding", [](const auto& v, auto& c) { c.settings.padding = metresOf("padding", v); }},
       {"ignored_links",
        [](const auto& v, auto& c) { c.settings.ignored_links = namesOf("ignored_links", v); }},
+      {"static_joints",
+       [](const auto& v, auto& c) { c.static_joints = namesOf("static_joints", v); }},
       {"cylinder_as_capsule",
        [](const auto& v, auto& c) {
          c.settings.cylinder_as_capsule = namesOf("cylinder_as_capsule", v);
@@ -221,6 +237,7 @@ SceneConfig readSceneSettings(const YAML::Node& map, const std::string& origin) 
   }
   try {
     SceneConfig config = readSceneConfig(map);
+    readPoseLimits(map, config.pose_limits);
     const auto isGiven = [&](const char* key) {
       const YAML::Node value = map[key];
       return value && (value.IsScalar() ? !value.Scalar().empty() : value.size() > 0);

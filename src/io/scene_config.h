@@ -9,6 +9,7 @@
 
 #include "cloud_config.h"
 #include "collision_pairs/scene_description.h"
+#include "track.h"
 
 namespace collision_pairs {
 
@@ -17,6 +18,10 @@ struct SceneConfig {
   Restriction restriction;
   std::optional<RigidObject> floor;
   std::vector<CloudConfig> clouds;
+  /// Joints that are not fixed, but that /tf_static may place. Not checked here to exist.
+  std::vector<std::string> static_joints;
+  /// Read from files only; the node has them as parameters of its own.
+  PoseLimits pose_limits;
   /// Parameters in the map that say what is in the scene, but only to the node: robots, and
   /// fixed_frame if there is a floor, whose height is in that frame.
   std::vector<std::string> of_the_node_only;

@@ -27,16 +27,16 @@ CollisionPairsNode::CollisionPairsNode(ros::NodeHandle node, ros::NodeHandle pri
     : private_node_(private_node),
       parameters_(NodeParameters::read(private_node)),
       first_frame_(readFixedFrame(private_node)),
-      transforms_(parameters_.clock_tolerance, parameters_.pose_limits.max_transform_age),
-      scenes_(private_node, transforms_, parameters_.pose_limits.max_pose_age),
+      transforms_(parameters_.pose_limits, parameters_.allow_paused),
+      scenes_(private_node, transforms_),
       scene_service_(private_node, scenes_),
       publisher_(
           private_node,
           [this](std::shared_ptr<const void> old) { scene_service_.release(std::move(old)); }),
       diagnostics_(node, private_node),
-      queries_(private_node, transforms_, scenes_, [this] { return queryDefaults(); }),
-      trajectories_(private_node, transforms_, scenes_, [this] { return queryDefaults(); }),
-      limiter_(node, private_node, transforms_, scenes_, [this] { return queryDefaults(); }) {
+      queries_(private_node, transforms_, scenes_, [this] { return settings(); }),
+      trajectories_(private_node, transforms_, scenes_, [this] { return settings(); }),
+      limiter_(node, private_node, transforms_, scenes_, [this] { return settings(); }) {
   diagnostics_.setHardwareID("none");
   diagnostics_.add("collision check", [this](auto& status) { health_.diagnose(status); });
   if (limiter_.isWanted()) {
@@ -90,11 +90,6 @@ CheckSettings CollisionPairsNode::settings() const {
   return parameters_.check;
 }
 
-QueryDefaults CollisionPairsNode::queryDefaults() const {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  return {parameters_.check, parameters_.pose_limits};
-}
-
 void CollisionPairsNode::cycle() {
   try {
     const ros::WallTime start = ros::WallTime::now();
@@ -112,10 +107,9 @@ void CollisionPairsNode::cycle() {
 
 void CollisionPairsNode::check(const ActiveScenePtr& scene, const ros::WallTime& start) {
   if (scene != checked_scene_) takeScene(scene);
-  const ros::Time now = ros::Time::now();
-  transforms_.followClock(now);
+  const ros::Time now = transforms_.followClock();
   const CheckSettings settings = this->settings();
-  StampedPoses stamped = scene->tf_poses->latest(now, parameters_.pose_limits);
+  StampedPoses stamped = scene->tf_poses->latest(now);
   const double transform_time = secondsSince(start);
   std::vector<std::string> doubts = doubtsOf(stamped, transforms_, now);
   if (!doubts.empty()) {

@@ -35,7 +35,6 @@ class CollisionPairsNode {
 
  private:
   CheckSettings settings() const;
-  QueryDefaults queryDefaults() const;
 
   void cycle();
   void check(const ActiveScenePtr& scene, const ros::WallTime& start);

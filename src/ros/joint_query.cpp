@@ -1,10 +1,6 @@
 #include "joint_query.h"
 
-#include <geometry_msgs/TransformStamped.h>
-#include <tf2/exceptions.h>
-
 #include "collision_pairs/input_error.h"
-#include "geometry_conversions.h"
 #include "tf_poses.h"
 
 namespace collision_pairs {
@@ -24,19 +20,24 @@ std::vector<char> bodiesNeeded(const CollisionScene& scene) {
   return is_needed;
 }
 
-/// Pose of the child in the parent from TF; false if unknown. Sets `doubt` if it is too old.
+/// Pose of the child in the parent from TF; as it was last, if TF does not have it (`doubt`); false
+/// if it was never known.
 bool askTf(const JointQueryTf& tf, const std::string& parent, const std::string& child,
            Isometry3d& X_PC, std::string& doubt) {
-  if (!tf.transforms.buffer().canTransform(parent, child, tf.stamp)) return false;
   try {
-    const auto found = tf.transforms.lookUp(parent, child, tf.stamp);
-    if (!toIsometry(found.transform, X_PC)) return false;
-    if (tf.stamp.isZero()) {
-      const std::string why = whyTooOld(found.header.stamp, tf.now, tf.max_pose_age);
-      if (!why.empty()) doubt = "link '" + child + "': " + why;
-    }
+    X_PC = tf.transforms.lookUp(parent, child, tf.stamp).X_TS;
     return true;
-  } catch (const tf2::TransformException&) {
+  } catch (const InputError& error) {
+    doubt = "link '" + child + "': " + error.what();
+  }
+  try {
+    X_PC = tf.transforms.with([&](const TransformBuffer& buffer) {
+      const int frame = buffer.findFrame(child);
+      const StampNs last = frame < 0 ? EVER_SINCE : buffer.newestStamp(frame);
+      return poseBetween(buffer, parent, child, {Instant::AT, last}).X_RF;
+    });
+    return true;
+  } catch (const InputError&) {
     return false;
   }
 }
@@ -52,6 +53,8 @@ JointQuery::JointQuery(const std::vector<std::string>& names, const CollisionSce
     sources_.push_back(sourceOf(body, tf, doubt));
     if (!doubt.empty() && is_needed[sources_.size() - 1]) doubts_.push_back(std::move(doubt));
   }
+  const std::string clock = tf.transforms.clockDoubt();
+  if (!joints_from_tf_.empty() && !clock.empty()) doubts_.push_back(clock);
 }
 
 JointQuery::Source JointQuery::sourceOf(const Body& body, const JointQueryTf& tf,
@@ -73,11 +76,14 @@ JointQuery::Source JointQuery::sourceOf(const Body& body, const JointQueryTf& tf
   const std::string& parent = robot.links()[robot.bodies()[body.parent].link].name;
   if (askTf(tf, parent, link, source.X_PB, doubt)) {
     joints_from_tf_.push_back(joint.name);
+    if (!tf.held.empty() && tf.held[sources_.size()]) {
+      doubt = "joint '" + joint.name + "' is not named, and only /tf_static places its link";
+    }
     return source;
   }
   joints_at_zero_.push_back(joint.name);
-  doubt = "joint '" + joint.name + "' is neither named nor known to TF: it was taken as zero" +
-          (tf.now.isZero() ? std::string("; ") + NO_CLOCK : "");
+  doubt = "joint '" + joint.name + "' is neither named nor known to TF: it was taken as zero; " +
+          (tf.now.isZero() ? NO_CLOCK : doubt);
   source.X_PB = body.X_PJ * joint.motion(robot.zeroPositions()[body.joint]);
   return source;
 }

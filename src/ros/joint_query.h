@@ -17,10 +17,10 @@ namespace collision_pairs {
 /// TF lookup settings of a JointQuery.
 struct JointQueryTf {
   const TransformInput& transforms;
-  std::string frame;    ///< of the poses
-  ros::Time stamp;      ///< time of the positions of joints not named; 0: the latest in TF
-  ros::Time now;        ///< reference of the age of the latest
-  double max_pose_age;  ///< s; 0: never too old
+  std::string frame;            ///< of the poses
+  ros::Time stamp;              ///< time of the positions of joints not named; 0: the latest in TF
+  ros::Time now;                ///< for messages
+  std::vector<char> held = {};  ///< TfPoses::heldAt()
 };
 
 /// Forward kinematics for named joints: mimic joints follow, joints not named keep their positions

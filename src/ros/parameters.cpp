@@ -121,7 +121,8 @@ NodeParameters NodeParameters::read(const ros::NodeHandle& private_node) {
   reader.flag("min_distance", parameters.check.min_distance);
   reader.number("max_pose_age", 0.0, 1e9, parameters.pose_limits.max_pose_age);
   reader.number("max_transform_age", 0.0, 1e9, parameters.pose_limits.max_transform_age);
-  reader.number("clock_tolerance", 0.0, 1e9, parameters.clock_tolerance);
+  reader.number("clock_tolerance", 0.0, 1e9, parameters.pose_limits.clock_tolerance);
+  reader.flag("allow_paused", parameters.allow_paused);
   reader.flag("show_only_investigated_boxes", parameters.show_only_investigated_boxes);
   reader.word("reload", parameters.reload);
   if (parameters.reload != "manual" && parameters.reload != AUTO) {

@@ -7,7 +7,7 @@
 #include <ros/node_handle.h>
 
 #include "collision_pairs/collision_detector.h"
-#include "tf_poses.h"
+#include "track.h"
 
 namespace collision_pairs {
 
@@ -36,12 +36,11 @@ struct NodeParameters {
   /// ~show_only_investigated_boxes: no markers for boxes that no candidate pair involves. May
   /// change while running.
   bool show_only_investigated_boxes = false;
-  /// ~max_pose_age [s] relative to now, 0: no limit; ~max_transform_age [s] relative to the newest
-  /// pose of all links. A link with an older pose is left out and listed, and the verdict is not
-  /// FREE.
+  /// ~max_pose_age, ~max_transform_age and ~clock_tolerance [s]. A link with an older pose is left
+  /// out and listed, and the verdict is not FREE.
   PoseLimits pose_limits;
-  /// ~clock_tolerance [s]: a transform further ahead of the clock is refused.
-  double clock_tolerance = 0.5;
+  /// ~allow_paused: under use_sim_time, the clock may stand still.
+  bool allow_paused = false;
 
   /// ~reload: `manual`, or `auto`: a description that changes is read again within seconds, as by
   /// ~reset.

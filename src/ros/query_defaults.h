@@ -9,12 +9,6 @@
 
 namespace collision_pairs {
 
-/// The node's settings, used unless a request overrides them.
-struct QueryDefaults {
-  CheckSettings settings;
-  PoseLimits limits;
-};
-
 /// The node's settings, overridden by those of a request. verdict_only and min_distance come only
 /// from the request. Throws InputError.
 template <class Request>
@@ -42,9 +36,9 @@ ActiveScenePtr sceneFor(const Request& request, SceneStore& scenes) {
 }
 
 /// At `stamp`, or at 0 the latest.
-inline StampedPoses posesAt(const ActiveScene& scene, const ros::Time& stamp, const ros::Time& now,
-                            const PoseLimits& limits) {
-  return stamp.isZero() ? scene.tf_poses->latest(now, limits) : scene.tf_poses->at(stamp);
+inline StampedPoses posesAt(const ActiveScene& scene, const ros::Time& stamp,
+                            const ros::Time& now) {
+  return stamp.isZero() ? scene.tf_poses->latest(now) : scene.tf_poses->at(stamp);
 }
 
 }  // namespace collision_pairs

@@ -45,7 +45,7 @@ void addGradients(const CollisionReport& report, const CollisionScene& scene,
 }  // namespace
 
 QueryService::QueryService(const ros::NodeHandle& private_node, TransformInput& transforms,
-                           SceneStore& scenes, std::function<QueryDefaults()> defaults)
+                           SceneStore& scenes, std::function<CheckSettings()> defaults)
     : transforms_(transforms),
       scenes_(scenes),
       defaults_(std::move(defaults)),
@@ -81,24 +81,22 @@ bool QueryService::onCheck(CheckCollisions::Request& request, CheckCollisions::R
 
 void QueryService::check(const CheckCollisions::Request& request,
                          CheckCollisions::Response& response) {
-  const QueryDefaults defaults = defaults_();
   const ActiveScenePtr active_scene = sceneFor(request, scenes_);
   const ActiveScene& active = *active_scene;
   const auto& scene = active.scene;
-  CheckSettings settings = settingsFor(request, defaults.settings);
+  CheckSettings settings = settingsFor(request, defaults_());
   refuseGradientOfNothing(request);
   if (request.gradient) settings.tolerance = 0.0;  // a gradient needs the exact distance
   const ros::WallTime start = ros::WallTime::now();
-  const ros::Time now = ros::Time::now();
-  transforms_.followClock(now);
-  StampedPoses stamped = posesAt(active, request.stamp, now, defaults.limits);
+  const ros::Time now = transforms_.followClock();
+  StampedPoses stamped = posesAt(active, request.stamp, now);
   std::vector<std::string> doubts, limits_left;
   std::optional<JointQuery> query;
   std::vector<Eigen::Isometry3d> X_WB;
   if (!request.joint_state.name.empty() || !request.joint_state.position.empty()) {
-    query.emplace(
-        request.joint_state.name, *scene,
-        JointQueryTf{transforms_, active.frame, stamped.stamp, now, defaults.limits.max_pose_age});
+    query.emplace(request.joint_state.name, *scene,
+                  JointQueryTf{transforms_, active.frame, stamped.stamp, now,
+                               active.tf_poses->heldAt(stamped.stamp)});
     query->bodyPosesAt(request.joint_state.position, X_WB);
     scene->gatherPoses(X_WB, stamped.poses);
     doubts = query->doubts();

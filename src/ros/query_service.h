@@ -22,7 +22,7 @@ class QueryService {
  public:
   /// `defaults` is called from the service's thread; the references must outlive this object.
   QueryService(const ros::NodeHandle& private_node, TransformInput& transforms, SceneStore& scenes,
-               std::function<QueryDefaults()> defaults);
+               std::function<CheckSettings()> defaults);
 
  private:
   /// For the last few scenes, since requests may alternate between restrictions.
@@ -32,7 +32,7 @@ class QueryService {
 
   TransformInput& transforms_;
   SceneStore& scenes_;
-  std::function<QueryDefaults()> defaults_;
+  std::function<CheckSettings()> defaults_;
   std::vector<std::unique_ptr<CollisionDetector>> detectors_;  // the last used is the last
   ros::CallbackQueue queue_;
   ros::ServiceServer server_;

@@ -4,14 +4,11 @@
 #include <functional>
 #include <set>
 
-#include <geometry_msgs/TransformStamped.h>
 #include <ros/console.h>
-#include <tf2/exceptions.h>
 
 #include "collision_pairs/input_error.h"
 #include "collision_pairs/mesh_loader.h"
 #include "frame_names.h"
-#include "geometry_conversions.h"
 #include "user_text.h"
 
 namespace collision_pairs {
@@ -20,21 +17,14 @@ namespace {
 constexpr std::size_t KEPT_RESTRICTIONS = 8;
 
 Eigen::Isometry3d lookUp(TransformInput& transforms, const std::string& target,
-                         const std::string& source, const ros::Time& stamp, double max_pose_age) {
-  std::string why;
+                         const std::string& source, const ros::Time& stamp) {
+  const ros::Time now = transforms.followClock();
   try {
-    Eigen::Isometry3d X;
-    const ros::Time now = ros::Time::now();
-    transforms.followClock(now);
-    const auto found = transforms.lookUp(target, source, stamp);
-    if (stamp.isZero()) why = whyTooOld(found.header.stamp, now, max_pose_age);
-    if (why.empty() && toIsometry(found.transform, X)) return X;
-    if (why.empty()) why = "it is not finite";
-  } catch (const tf2::TransformException& error) {
-    why = error.what();
+    return transforms.lookUp(target, source, stamp).X_TS;
+  } catch (const InputError& error) {
+    throw InputError("TF does not know '" + source + "' in '" + target +
+                     "': " + (now.isZero() ? NO_CLOCK : error.what()));
   }
-  if (ros::Time::now().isZero()) why = NO_CLOCK;
-  throw InputError("TF does not know '" + source + "' in '" + target + "': " + why);
 }
 
 /// TF may have frames that are not links, and gives no hint for a misspelt one.
@@ -56,12 +46,8 @@ std::function<void(std::size_t, std::size_t)> progressOnLog(const ros::WallTime&
 
 }  // namespace
 
-SceneStore::SceneStore(const ros::NodeHandle& private_node, TransformInput& transforms,
-                       double max_pose_age)
-    : private_node_(private_node),
-      transforms_(transforms),
-      max_pose_age_(max_pose_age),
-      load_mesh_(makeMeshLoader()) {}
+SceneStore::SceneStore(const ros::NodeHandle& private_node, TransformInput& transforms)
+    : private_node_(private_node), transforms_(transforms), load_mesh_(makeMeshLoader()) {}
 
 ActiveScenePtr SceneStore::active() const {
   const std::lock_guard<std::mutex> lock(reading_);
@@ -120,7 +106,7 @@ void SceneStore::update(const std::vector<SceneChange>& changes) {
   const auto look_up = [&](const std::string& target, const std::string& source,
                            const ros::Time& stamp) {
     if (target != frame) requireLink(scene_->scene->robot(), target);
-    return lookUp(transforms_, target, source, stamp, max_pose_age_);
+    return lookUp(transforms_, target, source, stamp);
   };
   SceneObjects objects = changedObjects(objects_, changes, {frame, look_up, load_mesh_});
   replace(build(parameters_, objects, {}));
@@ -192,12 +178,13 @@ SceneStore::Built SceneStore::build(SceneParameters& parameters, const SceneObje
   active->open_meshes = scene.openMeshes();
   active->frame =
       parameters.fixed_frame.empty() ? scene.robot().links().front().name : parameters.fixed_frame;
-  active->tf_poses =
-      std::make_unique<TfPoses>(transforms_, scene.robot(), scene.bodies(), active->frame);
+  const auto& static_joints = parameters.sources.config.static_joints;
+  active->tf_poses = std::make_unique<TfPoses>(transforms_, scene.robot(), scene.bodies(),
+                                               active->frame, static_joints);
   active->clouds = cloudsOf(parameters.sources.config.clouds, active->frame);
   Built built{active, {}};
   if (active->clouds && restriction.empty()) {
-    built.filters = active->clouds->filtersFor(description, scene, &cache_);
+    built.filters = active->clouds->filtersFor(description, scene, static_joints, &cache_);
   }
   return built;
 }

@@ -21,8 +21,8 @@ namespace collision_pairs {
 /// throws changes nothing.
 class SceneStore {
  public:
-  /// The transforms must outlive it. max_pose_age [s] applies to the frames of new objects.
-  SceneStore(const ros::NodeHandle& private_node, TransformInput& transforms, double max_pose_age);
+  /// The transforms must outlive it.
+  SceneStore(const ros::NodeHandle& private_node, TransformInput& transforms);
 
   /// Null while there is none.
   ActiveScenePtr active() const;
@@ -61,7 +61,6 @@ class SceneStore {
 
   ros::NodeHandle private_node_;
   TransformInput& transforms_;
-  const double max_pose_age_;
 
   std::mutex building_;  // guards all but scene_
   SceneCache cache_;

@@ -36,8 +36,11 @@ EarlierPoses posesBefore(const ActiveScene& active, const StampedPoses& stamped,
 std::vector<std::string> doubtsOf(const StampedPoses& stamped, const TransformInput& transforms,
                                   const ros::Time& now) {
   constexpr std::size_t MAX_NAMED = 10;  // left_out names all links
-  if (stamped.problems.empty()) return {};
-  std::vector<std::string> doubts = stamped.problems;
+  std::vector<std::string> doubts;
+  const std::string clock = transforms.clockDoubt();
+  if (!clock.empty()) doubts.push_back(clock);
+  if (stamped.problems.empty()) return doubts;
+  doubts.insert(doubts.end(), stamped.problems.begin(), stamped.problems.end());
   if (doubts.size() > MAX_NAMED) {
     const std::string rest = "and " + std::to_string(doubts.size() - MAX_NAMED) + " more links";
     doubts.resize(MAX_NAMED);

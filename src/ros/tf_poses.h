@@ -1,7 +1,6 @@
 // Poses of a scene's bodies from TF, all at the same stamp.
 #pragma once
 
-#include <atomic>
 #include <string>
 #include <vector>
 
@@ -9,6 +8,7 @@
 
 #include "collision_pairs/body_poses.h"
 #include "collision_pairs/collision_scene.h"
+#include "robot_poses.h"
 #include "transform_input.h"
 
 namespace collision_pairs {
@@ -24,65 +24,34 @@ struct StampedPoses {
   std::vector<std::string> problems;
 };
 
-/// Limits of the age of a pose, in seconds.
-struct PoseLimits {
-  /// Relative to now, in ROS time; 0: no limit.
-  double max_pose_age = 1.0;
-  /// Relative to the newest pose of all links.
-  double max_transform_age = 1.0;
-};
-
-/// Why a pose of this stamp is too old at `now`; empty if it is not. A stamp of 0 is that of static
-/// transforms, which do not age.
-std::string whyTooOld(const ros::Time& stamp, const ros::Time& now, double max_pose_age);
-
 /// Looks up transforms; keeps no poses. Poses that TF lacks stay unknown and are never identity.
 class TfPoses {
  public:
   /// Of these bodies of the robot; `frame` is the report's frame W. The transforms must outlive
   /// this object.
-  TfPoses(const TransformInput& transforms, const RobotModel& robot,
-          const std::vector<SceneBody>& bodies, std::string frame);
+  TfPoses(const TransformInput& transforms, const RobotModel& robot, std::vector<SceneBody> bodies,
+          const std::string& frame, const std::vector<std::string>& static_joints = {});
 
   /// The newest instant for which all bodies are known, leaving out those that are older than the
   /// limits allow.
-  StampedPoses latest(const ros::Time& now, const PoseLimits& limits) const;
+  StampedPoses latest(const ros::Time& now) const;
 
-  /// At the given instant (0: of static transforms only).
+  /// At the given instant.
   StampedPoses at(const ros::Time& stamp) const;
 
   /// At the given instant, of the bodies with an entry in `wanted` only; the others stay unknown.
   BodyPoses at(const ros::Time& stamp, const std::vector<char>& wanted) const;
 
+  /// By body of the robot: only static transforms place it, although a joint is not fixed.
+  std::vector<char> heldAt(const ros::Time& stamp) const;
+
  private:
-  /// A link to look up, and the body's pose in its frame.
-  struct Source {
-    std::string link;
-    Eigen::Isometry3d X_LB;
-  };
-
-  /// Result of a look-up: the pose in W, and its stamp.
-  struct Found {
-    bool known = false;
-    Eigen::Isometry3d X_WB;
-    ros::Time stamp;      ///< 0: of static transforms only, or the frame itself
-    std::string problem;  ///< why it is unknown
-  };
-
-  bool isFrame(const std::vector<Source>& sources) const;
-  /// `stamp` 0: the newest.
-  Found lookUp(std::size_t body, const ros::Time& stamp) const;
-  Found lookUpLink(const Source& source, const ros::Time& stamp, bool expected) const;
-  void leaveOut(std::size_t body, const std::string& why, Found& found) const;
-  StampedPoses gather(std::vector<Found> found, const ros::Time& stamp) const;
+  StampedPoses gather(FoundBodies placed, const ros::Time& stamp) const;
 
   const TransformInput& transforms_;
-  std::string frame_;
-  /// By body: its first link, then the others with geometry, for when TF lacks the first.
-  std::vector<std::vector<Source>> sources_;
-  /// By body: whether TF had it last time. Only a hint: testing first doubles the work, but an
-  /// exception costs a hundred times as much.
-  mutable std::vector<std::atomic<bool>> expected_;
+  const std::vector<SceneBody> bodies_;
+  const RobotPoses robot_;
+  std::vector<char> all_;  ///< by body of the robot: is one of bodies_
 };
 
 }  // namespace collision_pairs

@@ -122,7 +122,7 @@ void checkBetween(const Asked& asked, const std::vector<std::vector<double>>& wa
 
 TrajectoryService::TrajectoryService(const ros::NodeHandle& private_node,
                                      TransformInput& transforms, SceneStore& scenes,
-                                     std::function<QueryDefaults()> defaults)
+                                     std::function<CheckSettings()> defaults)
     : transforms_(transforms),
       scenes_(scenes),
       defaults_(std::move(defaults)),
@@ -148,17 +148,15 @@ bool TrajectoryService::onCheck(CheckTrajectory::Request& request,
 
 void TrajectoryService::check(const CheckTrajectory::Request& request,
                               CheckTrajectory::Response& response) {
-  const QueryDefaults defaults = defaults_();
   const ActiveScenePtr active = sceneFor(request, scenes_);
   const auto& scene = active->scene;
-  CheckSettings settings = settingsFor(request, defaults.settings);
+  CheckSettings settings = settingsFor(request, defaults_());
   settings.list_boxes = request.want_reports;
   if (!batch_ || &batch_->scene() != scene.get()) batch_ = std::make_unique<BatchCheck>(scene);
-  const ros::Time now = ros::Time::now();
-  transforms_.followClock(now);
-  const ros::Time stamp = posesAt(*active, request.stamp, now, defaults.limits).stamp;
+  const ros::Time now = transforms_.followClock();
+  const ros::Time stamp = posesAt(*active, request.stamp, now).stamp;
   const JointQuery query(request.trajectory.joint_names, *scene,
-                         {transforms_, active->frame, stamp, now, defaults.limits.max_pose_age});
+                         {transforms_, active->frame, stamp, now, active->tf_poses->heldAt(stamp)});
   if (request.trajectory.points.empty()) throw InputError("the trajectory has no points");
   response.joints_from_tf = query.jointsFromTf();
   response.joints_at_zero = query.jointsAtZero();

@@ -22,7 +22,7 @@ class TrajectoryService {
  public:
   /// `defaults` is called from the service's thread; the references must outlive this object.
   TrajectoryService(const ros::NodeHandle& private_node, TransformInput& transforms,
-                    SceneStore& scenes, std::function<QueryDefaults()> defaults);
+                    SceneStore& scenes, std::function<CheckSettings()> defaults);
 
  private:
   bool onCheck(CheckTrajectory::Request& request, CheckTrajectory::Response& response);
@@ -31,7 +31,7 @@ class TrajectoryService {
 
   TransformInput& transforms_;
   SceneStore& scenes_;
-  std::function<QueryDefaults()> defaults_;
+  std::function<CheckSettings()> defaults_;
   std::unique_ptr<BatchCheck> batch_;
   ros::CallbackQueue queue_;
   ros::ServiceServer server_;

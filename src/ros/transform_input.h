@@ -1,4 +1,4 @@
-// Validated TF input: invalid transforms never reach the buffer.
+// Receives /tf and /tf_static, and reads the clock that their stamps are compared with.
 #pragma once
 
 #include <atomic>
@@ -12,53 +12,65 @@
 #include <ros/callback_queue.h>
 #include <ros/node_handle.h>
 #include <ros/spinner.h>
-#include <tf2/buffer_core.h>
 #include <tf2_msgs/TFMessage.h>
+
+#include "transform_buffer.h"
 
 namespace collision_pairs {
 
 /// Message: no poses are known while ROS time is zero.
 extern const char* const NO_CLOCK;
 
-/// Fills a tf2 buffer, like tf2_ros::TransformListener, but refuses transforms that would corrupt
-/// it. tf2 itself accepts a stamp from the future, and then drops current transforms as too old
-/// until the clock has reached it; it accepts a stamp of zero, which then means "static"; a frame
-/// that was static once stays static, even if it is published on /tf later; and it interpolates
-/// over any gap.
-///
-/// Thread safe.
+StampNs toNs(const ros::Time& stamp);
+/// NEVER (static) becomes 0.
+ros::Time toTime(StampNs stamp);
+
+/// A TransformBuffer fed from topics, with the names of the publishers, and a watch on the clock.
+/// Thread safe: every call that reads the clock reads it under the lock.
 class TransformInput {
  public:
-  /// clock_tolerance [s]: how far a stamp may lie ahead of now, because clocks of computers differ.
-  /// max_gap [s]: between two stamps of a frame further apart than this the pose is unknown.
-  explicit TransformInput(double clock_tolerance, double max_gap = 1.0)
-      : clock_tolerance_(clock_tolerance), max_gap_(max_gap) {}
+  /// allow_paused: a simulated clock may stand still for longer than max_pose_age of wall time.
+  explicit TransformInput(const PoseLimits& limits = {}, bool allow_paused = false)
+      : limits_(limits), allow_paused_(allow_paused), buffer_(limits) {}
 
   /// Receives /tf and /tf_static from now on, on a separate thread.
   void subscribe(const ros::NodeHandle& node);
 
-  double clockTolerance() const { return clock_tolerance_; }  ///< s
-  const tf2::BufferCore& buffer() const { return buffer_; }
+  const PoseLimits& limits() const { return limits_; }
 
-  /// Like lookupTransform() of tf2, but also throws tf2::TransformException if the path from source
-  /// to target contains a frame that is published both as static and as moving, or that was silent
-  /// for longer than max_gap at that stamp.
-  geometry_msgs::TransformStamped lookUp(const std::string& target, const std::string& source,
-                                         const ros::Time& stamp) const;
+  /// Calls `read` with the buffer, under the lock.
+  template <class Read>
+  auto with(const Read& read) const {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return read(buffer_);
+  }
+
+  struct Found {
+    Eigen::Isometry3d X_TS;
+    ros::Time stamp;  ///< 0: of static transforms only
+  };
+  /// Pose of `source` in `target` at that stamp; at 0 the newest, as of the clock at the last call
+  /// that followed it. Throws InputError.
+  Found lookUp(const std::string& target, const std::string& source, const ros::Time& stamp) const;
 
   /// Adds the valid transforms to the buffer. Stamps of static transforms are ignored.
-  void take(const tf2_msgs::TFMessage& message, bool is_static, const ros::Time& now);
+  void take(const tf2_msgs::TFMessage& message, bool is_static, const ros::Time& now,
+            const std::string& publisher = "");
   /// Number of messages received. If it changes, a look-up that failed may succeed.
   std::uint64_t nbTaken() const { return nb_taken_; }
 
-  /// Call it before every look-up at the latest time. If the clock went back (a bag that loops, a
-  /// simulation that restarts), all transforms except static ones are discarded. Steps back of 0.1
-  /// s or less are ignored, since threads that read the clock call this in any order.
+  /// Returns the time. Call it before every look-up at the latest time. If the clock went back (a
+  /// bag that loops, a simulation that restarts), all transforms except static ones are discarded.
+  /// Steps back of 0.1 s or less are ignored: the clock of a computer that is being set.
+  ros::Time followClock();
   void followClock(const ros::Time& now);
   unsigned nbClockJumps() const;
+  /// Why the current poses may be of another time than it seems: a simulated clock stands still.
+  /// Empty if it runs, or may pause.
+  std::string clockDoubt() const;
 
-  /// The frames whose transforms are being refused, with the reasons, sorted. A frame leaves the
-  /// list with its next valid transform, or when none of it was refused for 2 s.
+  /// The frames whose transforms are being refused or are in doubt, with the reasons, sorted. A
+  /// frame leaves the list with its next valid transform, or when nothing was wrong for 2 s.
   std::vector<std::string> refused() const;
 
  private:
@@ -67,35 +79,21 @@ class TransformInput {
     ros::SteadyTime when;
   };
 
-  struct Gap {
-    ros::Time begin, end;  // two stamps that follow each other
-  };
-
-  /// What was received for one child frame.
-  struct Frame {
-    bool is_static = false, moves = false;
-    ros::Time newest;       // where it moves
-    std::vector<Gap> gaps;  // longer than max_gap_, as far back as tf2 remembers
-  };
-
+  void takeLocked(const tf2_msgs::TFMessage& message, bool is_static, const ros::Time& now,
+                  const std::string& publisher);
   void followClockLocked(const ros::Time& now);
-  std::string whyRefused(const geometry_msgs::TransformStamped& transform, bool is_static,
-                         const ros::Time& now);
-  void noteStamp(Frame& frame, const ros::Time& stamp);
-  std::string doubtOf(const std::string& frame, const ros::Time& stamp) const;
-  std::vector<std::string> upFrom(std::string frame, const ros::Time& stamp) const;
-  void requireSound(const std::string& target, const std::string& source,
-                    const ros::Time& stamp) const;
+  std::string takeOne(const geometry_msgs::TransformStamped& transform, bool is_static,
+                      const ros::Time& now, const std::string& publisher);
 
-  const double clock_tolerance_, max_gap_;
-  tf2::BufferCore buffer_;
-  std::atomic<bool> has_doubts_{false};  // lets look-ups skip the lock
+  const PoseLimits limits_;
+  const bool allow_paused_;
   std::atomic<std::uint64_t> nb_taken_{0};
 
-  mutable std::mutex mutex_;                 // guards what follows
+  mutable std::mutex mutex_;  // guards what follows
+  TransformBuffer buffer_;
   std::map<std::string, Refusal> refusals_;  // by child frame
-  std::map<std::string, Frame> frames_;      // by child frame, without a leading slash
   ros::Time last_now_;
+  ros::SteadyTime last_step_;  // when the clock was seen to move
   unsigned nb_clock_jumps_ = 0;
 
   ros::CallbackQueue queue_;

@@ -8,7 +8,7 @@
 #include <rosbag/bag.h>
 
 #include "collision_pairs/collision_detector.h"
-#include "tracks.h"
+#include "track.h"
 
 namespace collision_pairs {
 

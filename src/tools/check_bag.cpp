@@ -15,15 +15,17 @@
 #include "collision_pairs/input_error.h"
 #include "csv.h"
 #include "progress_bar.h"
+#include "scene_config.h"
 #include "scene_files.h"
 #include "tool.h"
+#include "user_text.h"
 
 namespace collision_pairs {
 namespace {
 
 struct Options {
   std::vector<std::string> bags;
-  std::string urdf, srdf, record, shard_text;
+  std::string urdf, srdf, record, shard_text, max_gap;
   std::string fidelity = "mesh";
   bool min_distance = false, verdict_only = false;
   SceneOptions scene;
@@ -31,6 +33,7 @@ struct Options {
   BagOutputOptions output;
   // Made of the above.
   Shard shard;
+  PoseLimits limits;
   CheckSettings settings;
 };
 
@@ -57,8 +60,8 @@ void declare(CommandLine& command_line, Options& options) {
   command_line.flag(
       "verdict-only", options.verdict_only,
       "only free, collision or unknown; stops at the first contact, the only pair listed");
-  command_line.option("max-gap", options.poses.max_gap, "SECONDS",
-                      "poses are unknown in longer gaps");
+  command_line.option("max-gap", options.max_gap, "SECONDS",
+                      "poses are unknown in longer gaps (default: 1, or as in --settings)");
   command_line.option("out", options.output.out, "OUT.csv",
                       "output table (default: standard output)");
   command_line.option("report", options.output.report, "DIR",
@@ -89,6 +92,22 @@ Shard parseShard(const std::string& text) {
   return {index - 1, count};
 }
 
+/// --max-gap stands for both ages.
+void takeLimits(Options& options) {
+  if (!options.scene.settings.empty()) {
+    const SceneConfig config = readSceneConfigFile(options.scene.settings);
+    options.limits = config.pose_limits;
+    options.poses.static_joints = config.static_joints;
+  }
+  if (!options.max_gap.empty()) {
+    double seconds = 0.0;
+    parseNumber(options.max_gap, seconds);
+    options.limits.max_pose_age = options.limits.max_transform_age =
+        finiteNumber(seconds, 1e-9, "--max-gap");
+  }
+  options.output.max_gap = options.limits.max_transform_age;
+}
+
 void complete(Options& options) {
   options.settings.fidelity = parseFidelity(options.fidelity);
   options.settings.alarm_distance =
@@ -98,7 +117,7 @@ void complete(Options& options) {
   options.settings.verdict_only = options.verdict_only;
   options.settings.list_boxes = true;  // for nb_pairs
   options.settings.stage_times = !options.record.empty();
-  options.output.max_gap = finiteNumber(options.poses.max_gap, 1e-9, "--max-gap");
+  takeLimits(options);
   options.shard = parseShard(options.shard_text);
   options.output.quiet = !options.record.empty();
   if (options.shard.count > 1 && !(options.record.empty() && options.output.report.empty())) {
@@ -127,6 +146,22 @@ BagRow toRow(const CollisionReport& report, const CollisionScene& scene) {
   return row;
 }
 
+/// As a line of the table may list them.
+std::string reasonsOf(const CollisionReport& report, std::vector<std::string> doubts) {
+  const bool is_unresolved =
+      std::any_of(report.pairs.begin(), report.pairs.end(),
+                  [](const PairReport& pair) { return pair.state == PairState::UNRESOLVED; });
+  if (is_unresolved) doubts.push_back("a pair is unresolved");
+  constexpr std::size_t MAX_NAMED = 10;  // left_out names all links
+  if (doubts.size() > MAX_NAMED) {
+    doubts.resize(MAX_NAMED);
+    doubts.push_back("and more");
+  }
+  std::string text = joined(doubts, "; ");
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  return text;
+}
+
 class BagChecker {
  public:
   BagChecker(const Options& options, const BagLineSink& sink, BagRecorder* recorder)
@@ -137,8 +172,9 @@ class BagChecker {
 
   void check(std::size_t number) {
     const std::string& path = options_.bags[number];
-    BagCloudIndex clouds(options_.scene.cloud_topics);
-    const BagContents bag = readBag(path, [&](const RawMessage& raw) { clouds.take(raw); });
+    BagCloudIndex clouds(options_.scene.cloud_topics, options_.limits.clock_tolerance);
+    const BagContents bag =
+        readBag(path, options_.limits, [&](const RawMessage& raw) { clouds.take(raw); });
     for (const std::string& loss : bag.losses) warn(path + ": " + loss);
     try {
       const BuiltScene& built = scenes_.sceneFor(bag);
@@ -159,9 +195,9 @@ class BagChecker {
     const std::string& path = options_.bags[number];
     const auto& stamps = source.stamps();
     if (options_.shard.count > 1) sink_(bagLine(path, stamps.size()), nullptr);
-    std::vector<std::string> doubts;
+    std::vector<std::string> at_zero;
     for (const std::string& joint : source.jointsAtZero()) {
-      doubts.push_back("joint '" + joint + "' is not in the bag: it was taken as zero");
+      at_zero.push_back("joint '" + joint + "' is not in the bag: it was taken as zero");
     }
     ProgressBar progress(path, stamps.size());
     CollisionDetector detector(scene);
@@ -170,10 +206,11 @@ class BagChecker {
     const auto checkReady = [&] {
       for (; state < stamps.size() && clouds.isReady(stamps[state]); ++state) {
         if (!options_.shard.owns(number, state)) continue;
-        source.at(stamps[state], poses);
+        std::vector<std::string> doubts = source.at(stamps[state], poses);
+        doubts.insert(doubts.end(), at_zero.begin(), at_zero.end());
         const auto cloud_doubts = clouds.addVoxels(stamps[state], poses);
         const CollisionReport& report = detector.detect(poses, options_.settings);
-        writeRow(number, state, stamps[state], report, *scene, doubts, cloud_doubts);
+        writeRow(number, state, stamps[state], report, *scene, std::move(doubts), cloud_doubts);
         progress.show(state);
       }
     };
@@ -198,6 +235,7 @@ class BagChecker {
       if (!is_listed) row.left_out.push_back(name);
     }
     if (row.verdict == Verdict::FREE && !doubts.empty()) row.verdict = Verdict::UNKNOWN;
+    if (row.verdict == Verdict::UNKNOWN) row.unknown_because = reasonsOf(report, doubts);
     row.bag = options_.bags[number];
     row.state = state;
     row.stamp = stamp;

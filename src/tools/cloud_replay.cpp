@@ -1,18 +1,17 @@
 #include "cloud_replay.h"
 
 #include <algorithm>
-#include <limits>
 
 #include <ros/serialization.h>
 
 #include "collision_pairs/input_error.h"
 #include "point_cloud.h"
+#include "user_text.h"
 
 namespace collision_pairs {
 namespace {
 
 constexpr std::size_t MOST_WAITING = 1000;  // clouds
-constexpr StampNs NEVER = std::numeric_limits<StampNs>::max();
 
 double seconds(StampNs stamp) { return static_cast<double>(stamp) * 1e-9; }
 
@@ -20,6 +19,13 @@ bool isChecked(const CollisionScene& scene, const std::string& name) {
   return std::any_of(scene.clouds().begin(), scene.clouds().end(), [&](const SceneCloud& cloud) {
     return scene.models()[cloud.model].name == name;
   });
+}
+
+std::string whyLate(const CloudConfig& config, StampNs stamp, StampNs received) {
+  const double age = seconds(received) - seconds(stamp);
+  if (config.source_timeout == 0.0 || age <= config.source_timeout) return "";
+  return "it was " + inWords(age) + " old when it arrived, and source_timeout is " +
+         inWords(config.source_timeout);
 }
 
 }  // namespace
@@ -61,10 +67,11 @@ void CloudReplay::take(const RawMessage& raw, StampNs next_row) {
   LatestCloud latest = source.later.empty() ? source.latest : source.later.back().second;
   latest.problem = entry.problem;
   ++source.nb_clouds;
-  if (entry.problem.empty()) {
+  if (latest.problem.empty()) latest.problem = whyLate(source.config, entry.stamp, raw.received);
+  if (latest.problem.empty()) {
     try {
-      latest.voxels = gather(raw, entry.since, source);
-      latest.stamp = seconds(entry.since);
+      latest.voxels = gather(raw, entry.stamp, source);
+      latest.stamp = seconds(entry.stamp);
       latest.vanished = source.gatherer.vanished();
       const std::string& warning = source.gatherer.warning();
       if (!warning.empty() && source.nb_warned++ == 0) source.first_warning = warning;

@@ -121,10 +121,19 @@ class ClockJumpsTest(unittest.TestCase):
         self.assertEqual(sorted(report.left_out), ["a", "b", "c"])
         self.assertEqual(report.verdict, CollisionPairs.UNKNOWN)
 
-    def test_a_clock_that_is_paused_does_not_age_the_poses_and_one_that_runs_on_does(self):
+    def test_a_clock_that_stands_still_makes_the_verdict_unknown_until_it_goes_on(self):
         self.play(100.0, 101.0, 5.0)
         self.assertEqual(self.newest().verdict, CollisionPairs.FREE)
         time.sleep(2.0)
+        self.assertEqual(self.newest().verdict, CollisionPairs.UNKNOWN)
+        self.assertIn("/clock stands still", " ".join(self.newest().unknown_because))
+        reply = rospy.ServiceProxy("/node/check_collisions", CheckCollisions)()
+        self.assertEqual(reply.result.verdict, CollisionPairs.UNKNOWN)
+        self.play(101.0, 101.5, 5.0)
+        self.assertEqual(self.newest().verdict, CollisionPairs.FREE)
+
+    def test_a_clock_that_runs_on_ages_the_poses(self):
+        self.play(100.0, 101.0, 5.0)
         self.assertEqual(self.newest().verdict, CollisionPairs.FREE)
         for i in range(75):  # without a transform
             self.clock.publish(Clock(rospy.Time.from_sec(101.0 + STEP * i)))

@@ -2,6 +2,7 @@
 """Every cause of UNKNOWN, by real publishers: the node never says FREE of what it did not check."""
 import os
 import random
+import subprocess
 import sys
 import tempfile
 import threading
@@ -20,11 +21,19 @@ from collision_pairs.srv import CheckCollisionsRequest, CheckTrajectory
 from node_client import NodeClient, diagnosis_of
 from sensor_msgs.msg import JointState
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
-from transform_faults import APART, BoxPublisher, TOUCHING
+from transform_faults import APART, BoxPublisher, TOUCHING, box_at
 
 FREE, COLLISION, UNKNOWN = CollisionPairs.FREE, CollisionPairs.COLLISION, CollisionPairs.UNKNOWN
 MAX_POSE_AGE = 1.0  # s: the node's default
 LONG = bool(os.environ.get("COLLISION_PAIRS_LONG"))
+
+
+LIAR = """import rospy, transform_faults
+rospy.init_node('liar')
+boxes = transform_faults.BoxPublisher('b')
+boxes.x['b'] += 50.0
+boxes.heal()
+rospy.spin()"""
 
 
 class VerdictTest(unittest.TestCase):
@@ -82,6 +91,33 @@ class VerdictTest(unittest.TestCase):
             reply = self.node.check()
             self.assertEqual((reply.result.verdict, reply.result.in_collision), (UNKNOWN, True))
             self.assert_stays(UNKNOWN, 0.5)
+
+    def test_of_two_nodes_that_contradict_each_other_both_are_named_while_it_lasts(self):
+        self.boxes.x = dict(TOUCHING)
+        self.wait_for(COLLISION)
+        names = ("'/liar'", "'%s'" % rospy.get_name(), "contradict each other")
+        liar = subprocess.Popen(["/usr/bin/python3", "-c", LIAR], cwd=os.path.dirname(os.path.abspath(__file__)))
+        try:
+            report = self.node.next(self.node.reports, lambda r: r.verdict != COLLISION)
+            self.assertEqual(report.verdict, UNKNOWN)
+            for name in names:
+                self.assertIn(name, " ".join(report.unknown_because))
+            self.assert_stays(UNKNOWN, 3.0)
+            refused = {v.key: v.value for v in diagnosis_of("node").values}["transforms refused"]
+            for name in names:
+                self.assertIn(name, refused)
+        finally:
+            liar.terminate()
+            liar.wait()
+        self.wait_for(COLLISION)
+
+    def test_a_single_mistaken_static_message_is_forgotten(self):
+        wrong = TFMessage([box_at("b", 50.0)])
+        static = rospy.Publisher("/tf_static", TFMessage, queue_size=1, latch=True)
+        static.publish(wrong)
+        self.wait_for(UNKNOWN, "both on /tf and on /tf_static")
+        self.wait_for(FREE)
+        static.unregister()
 
     def test_the_diagnostics_claim_no_age_where_no_transform_is_usable(self):
         def age():

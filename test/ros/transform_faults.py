@@ -12,6 +12,14 @@ ELSEWHERE = 100.0  # m between boxes of messages with a fault: what is wrong mus
 PERIOD = 0.02      # s
 
 
+def box_at(name, x):
+    transform = TransformStamped()
+    transform.header.frame_id, transform.child_frame_id = "root", name
+    transform.header.stamp = rospy.Time.now()
+    transform.transform.translation.x, transform.transform.rotation.w = x, 1.0
+    return transform
+
+
 class BoxPublisher:
     FAULTS = ("silent", "nan", "zero_stamp", "old_stamp", "not_a_rotation", "hour_ahead", "two_seconds_ahead",
               "last_stamp")

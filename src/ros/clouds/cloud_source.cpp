@@ -5,10 +5,8 @@
 #include <utility>
 
 #include <ros/console.h>
-#include <tf2/exceptions.h>
 
 #include "collision_pairs/input_error.h"
-#include "geometry_conversions.h"
 #include "point_cloud.h"
 #include "stamps.h"
 #include "user_text.h"
@@ -86,8 +84,7 @@ void CloudSource::work() {
 }
 
 void CloudSource::use(const Cloud& cloud, unsigned generation, FollowedRobot& robot) {
-  const ros::Time now = ros::Time::now();
-  context_.transforms.followClock(now);
+  const ros::Time now = context_.transforms.followClock();
   if (cleared_for_ != generation ||
       nb_clock_jumps_ != context_.transforms.nbClockJumps()) {  // the bag was restarted
     cleared_for_ = generation;
@@ -130,7 +127,7 @@ void CloudSource::requireUsableStamp(const ros::Time& stamp, const ros::Time& no
   if (now.isZero()) throw InputError(NO_CLOCK);
   if (stamp.isZero()) throw InputError("its stamp is zero");
   const double age = secondsBetween(stamp, now);
-  if (-age > context_.transforms.clockTolerance()) {
+  if (-age > context_.transforms.limits().clock_tolerance) {
     throw InputError("its stamp is " + inWords(-age) + " ahead of the clock");
   }
   if (config_.source_timeout > 0.0 && age > config_.source_timeout) {
@@ -154,13 +151,11 @@ void CloudSource::tell(const std::string& what) {
 CloudSource::Missing CloudSource::lookUp(const std_msgs::Header& header, const FollowedRobot& robot,
                                          Instant& found) {
   try {
-    const auto transform =
-        context_.transforms.lookUp(context_.frame, header.frame_id, header.stamp);
-    if (!toIsometry(transform.transform, found.X_WS)) return {"the transform is not finite"};
-  } catch (const tf2::ExtrapolationException& error) {
-    return {error.what()};
-  } catch (const tf2::TransformException& error) {
+    found.X_WS = context_.transforms.lookUp(context_.frame, header.frame_id, header.stamp).X_TS;
+  } catch (const NotConnected& error) {
     return {error.what(), false};
+  } catch (const InputError& error) {
+    return {error.what()};
   }
   StampedPoses stamped = robot.poses.at(header.stamp);
   if (!stamped.problems.empty()) return {stamped.problems.front()};

@@ -31,11 +31,13 @@ bool CloudSources::areOf(const std::vector<CloudConfig>& configs, const std::str
 
 CloudSources::FollowedRobots CloudSources::filtersFor(const SceneDescription& description,
                                                       const CollisionScene& scene,
+                                                      const std::vector<std::string>& static_joints,
                                                       SceneCache* cache) const {
   FollowedRobots filters;
   for (const auto& source : sources_) {
     RobotFilter filter(description, scene, source->config(), cache);
-    TfPoses poses(context_.transforms, scene.robot(), filter.own.bodies(), context_.frame);
+    TfPoses poses(context_.transforms, scene.robot(), filter.own.bodies(), context_.frame,
+                  static_joints);
     filters.push_back(
         std::make_shared<FollowedRobot>(FollowedRobot{std::move(filter), std::move(poses)}));
   }

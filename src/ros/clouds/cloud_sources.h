@@ -27,6 +27,7 @@ class CloudSources {
   /// as long as the scene, and throws InputError.
   using FollowedRobots = std::vector<std::shared_ptr<FollowedRobot>>;
   FollowedRobots filtersFor(const SceneDescription& description, const CollisionScene& scene,
+                            const std::vector<std::string>& static_joints,
                             SceneCache* cache) const;
   void follow(FollowedRobots filters);
 

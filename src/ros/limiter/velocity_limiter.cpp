@@ -26,7 +26,7 @@ constexpr double LONGEST_WAIT = 0.1;  // s, so that the thread ends soon
 
 VelocityLimiter::VelocityLimiter(const ros::NodeHandle& node, const ros::NodeHandle& private_node,
                                  TransformInput& transforms, SceneStore& scenes,
-                                 std::function<QueryDefaults()> defaults)
+                                 std::function<CheckSettings()> defaults)
     : transforms_(transforms), scenes_(scenes), defaults_(std::move(defaults)) {
   const std::string name = "velocity_limiter";
   try {
@@ -151,22 +151,21 @@ LimiterDecision VelocityLimiter::decide(const Command& command, double now) {
 
 // The scene, joint states, transforms and clouds of one instant.
 void VelocityLimiter::prepare(double now, LimiterInput& input) {
-  const QueryDefaults defaults = defaults_();
+  const Fidelity fidelity = defaults_().fidelity;
   const ActiveScenePtr active = scenes_.active();
   if (!active) throw InputError("there is no robot yet");
-  if (active != scene_ || defaults.settings.fidelity != fidelity_) {
-    surroundings_ = std::make_unique<CertifiedSurroundings>(active->scene, parameters_->joints,
-                                                            defaults.settings.fidelity);
+  if (active != scene_ || fidelity != fidelity_) {
+    surroundings_ =
+        std::make_unique<CertifiedSurroundings>(active->scene, parameters_->joints, fidelity);
     scene_ = active;
-    fidelity_ = defaults.settings.fidelity;
+    fidelity_ = fidelity;
   }
   if (!active->broken_links.empty()) {
     throw InputError("link '" + active->broken_links.front() + "' could not be read");
   }
   input.stamp = std::min(positions_.oldestOf(parameters_->joints), now);
 
-  const ros::Time clock = ros::Time::now();
-  transforms_.followClock(clock);
+  const ros::Time clock = transforms_.followClock();
   const RobotModel& robot = active->scene->robot();
   std::vector<std::string> names;
   std::vector<double> values;
@@ -179,7 +178,7 @@ void VelocityLimiter::prepare(double now, LimiterInput& input) {
   }
   const JointQuery query(
       names, *active->scene,
-      {transforms_, active->frame, ros::Time(), clock, defaults.limits.max_pose_age});
+      {transforms_, active->frame, ros::Time(), clock, active->tf_poses->heldAt(clock)});
   if (!query.doubts().empty()) throw InputError(query.doubts().front());
   RobotState state;
   state.positions = query.jointPositionsAt(values);

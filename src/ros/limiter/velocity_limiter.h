@@ -33,7 +33,7 @@ class VelocityLimiter {
   /// The references must outlive it; `defaults` is called from its thread.
   VelocityLimiter(const ros::NodeHandle& node, const ros::NodeHandle& private_node,
                   TransformInput& transforms, SceneStore& scenes,
-                  std::function<QueryDefaults()> defaults);
+                  std::function<CheckSettings()> defaults);
   ~VelocityLimiter();
 
   bool isWanted() const { return !error_.empty() || parameters_; }
@@ -58,7 +58,7 @@ class VelocityLimiter {
 
   TransformInput& transforms_;
   SceneStore& scenes_;
-  std::function<QueryDefaults()> defaults_;
+  std::function<CheckSettings()> defaults_;
   std::string error_;  ///< why the parameter is refused
   std::optional<LimiterParameters> parameters_;
 

@@ -1,0 +1,355 @@
+#include "robot_poses.h"
+
+#include <algorithm>
+#include <cstdio>
+
+#include "collision_pairs/input_error.h"
+#include "frame_names.h"
+#include "user_text.h"
+
+namespace collision_pairs {
+namespace {
+
+using Eigen::Isometry3d;
+
+constexpr std::size_t DEEPEST_TREE = 1000;  // steps; tf2's limit, for cycles of frames
+
+/// The last frame that static transforms lead up to.
+int topOf(const TransformBuffer& buffer, int frame, StampNs stamp) {
+  for (std::size_t i = 0; i < DEEPEST_TREE; ++i) {
+    int parent;
+    if (!buffer.isStaticAt(frame, stamp, parent)) break;
+    frame = parent;
+  }
+  return frame;
+}
+
+std::string lagging(StampNs lag, StampNs limit) {
+  char text[150];
+  std::snprintf(text, sizeof text,
+                "its newest transform is %.2f s older than the newest of all links, and "
+                "max_transform_age is %.2f s",
+                1e-9 * static_cast<double>(lag), 1e-9 * static_cast<double>(limit));
+  return text;
+}
+
+}  // namespace
+
+FramePoses::FramePoses(const TransformBuffer& buffer, const Instant& instant)
+    : buffer_(buffer), instant_(instant), index_(buffer.frames().size(), -1) {}
+
+bool FramePoses::step(int frame, StampNs& stamp, int& parent, Isometry3d& X_PF) const {
+  if (instant_.kind == Instant::NEWEST) {
+    return buffer_.newestPose(frame, instant_.stamp, stamp, parent, X_PF);
+  }
+  stamp = instant_.stamp;
+  return buffer_.poseAt(frame, stamp, instant_.kind == Instant::AS_IT_ARRIVED, parent, X_PF);
+}
+
+void FramePoses::learn(int frame, const Known& known) {
+  index_[frame] = static_cast<int>(known_.size());
+  known_.push_back(known);
+}
+
+void FramePoses::anchor(int frame, const Known& known) {
+  if (index_[frame] >= 0) return;
+  learn(frame, known);
+  Known next = known;
+  Isometry3d X_PF;
+  StampNs stamp;
+  for (int parent; step(frame, stamp, parent, X_PF) && index_[parent] < 0; frame = parent) {
+    next.X_RF = next.X_RF * X_PF.inverse();
+    next.pass(stamp);
+    learn(parent, next);
+  }
+}
+
+bool FramePoses::find(int frame, Known& found) {
+  way_.clear();
+  found.oldest = NEVER;
+  while (index_[frame] < 0) {
+    int parent;
+    Step up;
+    if (way_.size() > DEEPEST_TREE || !step(frame, up.stamp, parent, up.X_PF)) return false;
+    up.frame = frame;
+    way_.push_back(up);
+    found.oldest = std::min(found.oldest, up.stamp);
+    frame = parent;
+  }
+  found = known_[index_[frame]];
+  for (auto down = way_.rbegin(); down != way_.rend(); ++down) {
+    found.X_RF = found.X_RF * down->X_PF;
+    found.pass(down->stamp);
+    learn(down->frame, found);
+  }
+  return true;
+}
+
+int FramePoses::lastAncestor(int frame) const {
+  StampNs stamp;
+  Isometry3d X_PF;
+  std::size_t nb_steps = 0;
+  for (int parent; step(frame, stamp, parent, X_PF); frame = parent) {
+    if (++nb_steps > DEEPEST_TREE) return -1;
+  }
+  return frame;
+}
+
+bool FramePoses::isPlaced(int frame) const {
+  const int last = lastAncestor(frame);
+  return last >= 0 && buffer_.isHeard(last);
+}
+
+std::string FramePoses::whyUnknown(int frame) const {
+  const int last = lastAncestor(frame);
+  if (last < 0) return "its ancestors form a cycle";
+  const std::string why =
+      instant_.kind == Instant::NEWEST
+          ? buffer_.whyNoNewest(last, instant_.stamp)
+          : buffer_.whyUnknown(last, instant_.stamp, instant_.kind == Instant::AS_IT_ARRIVED);
+  return frame == last ? why : "transform of '" + buffer_.frames()[last] + "': " + why;
+}
+
+FramePoses::Known poseBetween(const TransformBuffer& buffer, const std::string& target,
+                              const std::string& source, Instant instant) {
+  const int from = buffer.findFrame(withoutLeadingSlash(target));
+  const int to = buffer.findFrame(withoutLeadingSlash(source));
+  if (from >= 0 && from == to) return {Isometry3d::Identity()};
+  if (from < 0 || to < 0) {
+    throw NotConnected("TF has no frame '" + (from < 0 ? target : source) + "'");
+  }
+  FramePoses::Known found;
+  const auto look = [&] {
+    FramePoses frames(buffer, instant);
+    frames.anchor(from, {Isometry3d::Identity()});
+    if (frames.find(to, found)) return;
+    for (const int frame : {to, from}) {
+      if (frames.isPlaced(frame)) throw InputError(frames.whyUnknown(frame));
+    }
+    throw NotConnected("TF does not connect '" + target + "' and '" + source + "'");
+  };
+  look();
+  if (instant.kind == Instant::NEWEST && found.oldest < found.newest) {
+    instant = {Instant::AT, found.oldest};
+    look();
+  }
+  return found;
+}
+
+RobotPoses::RobotPoses(const RobotModel& robot, const std::string& frame, const std::string& prefix,
+                       const std::vector<std::string>& static_joints)
+    : frame_(frame), prefix_(prefix) {
+  for (const std::string& name : static_joints) {
+    if (robot.findJoint(name) >= 0) continue;
+    std::vector<std::string> joints;
+    for (const Joint& joint : robot.joints()) joints.push_back(joint.name);
+    throw InputError("static_joints: '" + name + "' is not a joint of the robot; did you mean '" +
+                     nearestName(name, joints) + "'?");
+  }
+  for (const Body& body : robot.bodies()) {
+    BodyOfRobot entry{{}, body.parent, "", true};
+    if (body.joint >= 0) {
+      entry.joint = robot.joints()[body.joint].name;
+      entry.may_be_static = std::count(static_joints.begin(), static_joints.end(), entry.joint) > 0;
+    }
+    bodies_.push_back(std::move(entry));
+  }
+  for (std::size_t i = 0; i < robot.links().size(); ++i) {
+    const Link& link = robot.links()[i];
+    auto& links = bodies_[link.body].links;
+    const bool is_first = robot.bodies()[link.body].link == static_cast<int>(i);
+    links.insert(is_first ? links.begin() : links.end(), {link.name, link.X_BL});
+    if (link.name != frame_) continue;
+    body_of_frame_ = link.body;
+    X_WB_of_frame_ = link.X_BL.inverse();
+  }
+}
+
+int RobotPoses::frameOf(const TransformBuffer& buffer, const std::string& link) const {
+  if (prefix_.empty()) return buffer.findFrame(link);
+  const int frame = buffer.findFrame(withPrefix(prefix_, link));
+  if (frame >= 0) return frame;
+  const int joined = buffer.findFrame(prefix_ + link);
+  // A root that TF does not have under its prefixed name may be there without prefix ("world").
+  return joined < 0 && link == bodies_[0].links.front().name ? buffer.findFrame(link) : joined;
+}
+
+RobotPoses::Frames RobotPoses::framesIn(const TransformBuffer& buffer) const {
+  Frames ids(bodies_.size());
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    for (const LinkOfBody& link : bodies_[b].links) ids[b].push_back(frameOf(buffer, link.name));
+  }
+  return ids;
+}
+
+void RobotPoses::start(FramePoses& frames, const TransformBuffer& buffer,
+                       FoundBodies& placed) const {
+  const int frame = frameOf(buffer, frame_);
+  if (frame >= 0) frames.anchor(frame, {Isometry3d::Identity()});
+  placed.known.assign(bodies_.size(), 0);
+  placed.X_WB.assign(bodies_.size(), Isometry3d::Identity());
+  placed.stamps.assign(bodies_.size(), NEVER);
+  placed.problems.assign(bodies_.size(), "");
+  placed.is_held.assign(bodies_.size(), 0);
+  if (body_of_frame_ < 0) return;
+  placed.known[body_of_frame_] = 1;
+  placed.X_WB[body_of_frame_] = X_WB_of_frame_;
+}
+
+bool RobotPoses::placeByTf(std::size_t body, const Frames& ids, FramePoses& frames,
+                           FoundBodies& placed) const {
+  for (std::size_t i = 0; i < ids[body].size(); ++i) {
+    FramePoses::Known found;
+    if (ids[body][i] < 0) continue;
+    if (!frames.find(ids[body][i], found)) {
+      placed.stamps[body] = std::min(placed.stamps[body], found.oldest);
+      continue;
+    }
+    placed.known[body] = 1;
+    placed.X_WB[body] = found.X_RF * bodies_[body].links[i].X_BL.inverse();
+    placed.stamps[body] = found.oldest;
+    placed.are_mixed |= found.oldest < found.newest;
+    return true;
+  }
+  return false;
+}
+
+/// Links of bodies that are known are where the URDF says if TF does not say, and what TF connects
+/// to these is known, too.
+void RobotPoses::placeByUrdf(const Frames& ids, FramePoses& frames, FoundBodies& placed) const {
+  std::vector<char> is_done(bodies_.size(), 0);
+  for (bool is_new = true; is_new;) {
+    is_new = false;
+    for (std::size_t b = 0; b < bodies_.size(); ++b) {
+      if (is_done[b] || !(placed.known[b] || placeByTf(b, ids, frames, placed))) continue;
+      is_done[b] = is_new = true;
+      for (std::size_t i = 0; i < ids[b].size(); ++i) {
+        FramePoses::Known found;
+        if (ids[b][i] < 0 || frames.find(ids[b][i], found)) continue;
+        frames.anchor(ids[b][i], {placed.X_WB[b] * bodies_[b].links[i].X_BL, placed.stamps[b],
+                                  placed.stamps[b] == NEVER ? EVER_SINCE : placed.stamps[b]});
+      }
+    }
+  }
+}
+
+/// Marks the joints on the way from one body to the other.
+void RobotPoses::holdBetween(int a, int b, std::vector<int>& held_by) const {
+  while (a != b) {
+    int& lower = a > b ? a : b;  // a parent comes before its children
+    if (!bodies_[lower].may_be_static) held_by[lower] = lower;
+    lower = bodies_[lower].parent;
+    if (lower < 0) return;  // of another robot
+  }
+}
+
+void RobotPoses::leaveOutHeld(const TransformBuffer& buffer, const Frames& ids, StampNs stamp,
+                              FoundBodies& placed) const {
+  std::vector<std::pair<int, int>> first_below;  // by top frame, the first body
+  const int frame = frameOf(buffer, frame_);
+  if (frame >= 0)
+    first_below.emplace_back(topOf(buffer, frame, stamp), std::max(body_of_frame_, 0));
+  std::vector<int> held_by(bodies_.size(), -1);
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    for (const int id : ids[b]) {
+      if (id < 0) continue;
+      const int top = topOf(buffer, id, stamp), body = static_cast<int>(b);
+      const auto same = std::find_if(first_below.begin(), first_below.end(),
+                                     [&](const auto& entry) { return entry.first == top; });
+      if (same == first_below.end()) {
+        first_below.emplace_back(top, body);
+      } else {
+        holdBetween(same->second, body, held_by);
+      }
+    }
+  }
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    if (held_by[b] < 0 && bodies_[b].parent >= 0) held_by[b] = held_by[bodies_[b].parent];
+    if (held_by[b] < 0 || static_cast<int>(b) == body_of_frame_) continue;
+    placed.is_held[b] = 1;
+    if (!placed.known[b]) continue;
+    placed.known[b] = 0;
+    placed.problems[b] = "only /tf_static places it, but joint '" + bodies_[held_by[b]].joint +
+                         "' is not fixed: publish it on /tf, or list the joint in static_joints";
+  }
+}
+
+void RobotPoses::explain(std::size_t body, const Frames& ids, const FramePoses& frames,
+                         FoundBodies& placed) const {
+  if (!placed.problems[body].empty()) return;
+  const int id = *std::max_element(ids[body].begin(), ids[body].end(),
+                                   [](int a, int b) { return a < 0 && b >= 0; });
+  placed.problems[body] =
+      id < 0 ? "TF has no frame of that name" : frames.whyUnknown(id) + " (in '" + frame_ + "')";
+}
+
+FoundBodies RobotPoses::place(const TransformBuffer& buffer, const Instant& instant,
+                              const std::vector<char>& wanted) const {
+  FoundBodies placed;
+  FramePoses frames(buffer, instant);
+  const Frames ids = framesIn(buffer);
+  start(frames, buffer, placed);
+  bool are_all_known = true;
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    if (wanted[b] && !placed.known[b] && !placeByTf(b, ids, frames, placed)) are_all_known = false;
+  }
+  if (!are_all_known) placeByUrdf(ids, frames, placed);
+  leaveOutHeld(buffer, ids, instant.stamp, placed);
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    if (wanted[b] && !placed.known[b]) explain(b, ids, frames, placed);
+  }
+  return placed;
+}
+
+FoundBodies RobotPoses::newest(const TransformBuffer& buffer, StampNs now,
+                               const std::vector<char>& wanted) const {
+  FoundBodies found = place(buffer, {Instant::NEWEST, now}, wanted);
+  StampNs newest = EVER_SINCE, common = NEVER;
+  // One that is not known now may be known at an earlier instant, if its own transforms are.
+  const auto isDated = [&](std::size_t b) { return wanted[b] && found.stamps[b] != NEVER; };
+  for (std::size_t b = 0; b < wanted.size(); ++b) {
+    if (isDated(b) && found.known[b]) newest = std::max(newest, found.stamps[b]);
+  }
+  if (newest == EVER_SINCE) return found;
+  // Most robots publish all joints with one stamp; then nothing has to be looked up again.
+  bool is_one_instant = !found.are_mixed;
+  for (std::size_t b = 0; b < wanted.size(); ++b) {
+    if (wanted[b] && !found.known[b]) is_one_instant = false;
+    if (!isDated(b)) continue;
+    is_one_instant &= found.stamps[b] == newest;
+    const StampNs lag = newest - found.stamps[b];
+    if (lag <= buffer.limits().max_gap) {
+      common = std::min(common, found.stamps[b]);
+    } else if (found.known[b]) {
+      found.problems[b] = lagging(lag, buffer.limits().max_gap);
+    }
+  }
+  found.stamp = common;
+  if (is_one_instant) return found;
+  FoundBodies then = place(buffer, {Instant::AT, common}, wanted);
+  for (std::size_t b = 0; b < wanted.size(); ++b) {
+    if (!then.known[b] && !found.problems[b].empty()) then.problems[b] = found.problems[b];
+  }
+  then.stamp = common;
+  return then;
+}
+
+bool RobotPoses::frameIn(const TransformBuffer& buffer, const Instant& instant,
+                         const std::string& frame, FramePoses::Known& found,
+                         std::string& why) const {
+  const int id = buffer.findFrame(withoutLeadingSlash(frame));
+  FoundBodies placed;
+  FramePoses frames(buffer, instant);
+  start(frames, buffer, placed);
+  if (id < 0) {
+    why = "TF has no frame of that name";
+    return false;
+  }
+  if (frames.find(id, found)) return true;
+  placeByUrdf(framesIn(buffer), frames, placed);
+  if (frames.find(id, found)) return true;
+  why = frames.whyUnknown(id);
+  return false;
+}
+
+}  // namespace collision_pairs
