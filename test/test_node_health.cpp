@@ -42,13 +42,13 @@ TEST(NodeHealth, OverrunsCountSinceTheLastDiagnosis) {
 
 TEST(NodeHealth, AParameterThatIsNoneIsWarnedOfForAsLongAsTheSceneHasIt) {
   NodeHealth health;
-  health.noteWarnings({"parameter /node/max_pos_age is not a parameter of this node"});
+  health.noteScene({"parameter /node/max_pos_age is not a parameter of this node"}, {});
   for (int i = 0; i < 2; ++i) {
     const auto status = diagnosisAfter(health, 10, 0);
     EXPECT_EQ(status.level, DiagnosticStatus::WARN);
     EXPECT_THAT(status.message, HasSubstr("/node/max_pos_age"));
   }
-  health.noteWarnings({});
+  health.noteScene({}, {"'a': open"});
   EXPECT_EQ(diagnosisAfter(health, 10, 0).level, DiagnosticStatus::OK);
 }
 
