@@ -74,6 +74,7 @@ collision_pairs_test(mesh_loader collision_pairs_io)
 collision_pairs_test(mesh_query gmp mpfr)
 collision_pairs_test(mesh_solid)
 collision_pairs_test(messages_and_markers collision_pairs_ros)
+collision_pairs_test(missing_share)
 collision_pairs_test(motion_certificates collision_pairs_io)
 target_sources(test_motion_certificates PRIVATE test/benchmark/benchmark_robots.cpp
   test/benchmark/demo_motion.cpp test/benchmark/motion_scenes.cpp)

@@ -57,40 +57,39 @@ SimulationResult simulate(const BenchmarkRobot& robot, SimulationOptions options
   return all;
 }
 
-TEST(LimiterLaw, AmongStaticObstaclesNothingComesNearerThanTheStopDistance) {
+/// Simulates every robot; `expect` judges each result, beside that nothing may touch.
+template <class Expect>
+void expectNoContact(const SimulationOptions& options, double in_long_run, const Expect& expect) {
   RandomInputs random;
   for (const BenchmarkRobot& robot : robots()) {
     SCOPED_TRACE(robot.name);
-    const SimulationOptions options;
-    const SimulationResult result = simulate(robot, options, secondsEach(10, 4000), random);
+    const SimulationResult result =
+        simulate(robot, options, secondsEach(10, in_long_run), random);
     EXPECT_EQ(result.nb_contacts, 0);
+    expect(result);
+  }
+}
+
+TEST(LimiterLaw, AmongStaticObstaclesNothingComesNearerThanTheStopDistance) {
+  expectNoContact({}, 4000, [](const SimulationResult& result) {
     EXPECT_GE(result.nearest, 0.01 - SIMULATION_ERROR);
     EXPECT_GT(result.passed, 0.05 * result.asked);
-  }
+  });
 }
 
 TEST(LimiterLaw, ARobotDoesNotMoveIntoObstaclesThatComeNoFasterThanSaid) {
-  RandomInputs random;
-  for (const BenchmarkRobot& robot : robots()) {
-    SCOPED_TRACE(robot.name);
-    SimulationOptions options;
-    options.obstacle_speed = 0.2;
-    const SimulationResult result = simulate(robot, options, secondsEach(10, 4000), random);
-    EXPECT_EQ(result.nb_contacts, 0);
+  SimulationOptions options;
+  options.obstacle_speed = 0.2;
+  expectNoContact(options, 4000, [](const SimulationResult& result) {
     EXPECT_GT(result.passed, 0.05 * result.asked);
-  }
+  });
 }
 
 TEST(LimiterLaw, DisturbedInputCausesNoContact) {
-  RandomInputs random;
-  for (const BenchmarkRobot& robot : robots()) {
-    SCOPED_TRACE(robot.name);
-    SimulationOptions options;
-    options.obstacle_speed = 0.2;
-    options.disturbed = true;
-    const SimulationResult result = simulate(robot, options, secondsEach(10, 1000), random);
-    EXPECT_EQ(result.nb_contacts, 0);
-  }
+  SimulationOptions options;
+  options.obstacle_speed = 0.2;
+  options.disturbed = true;
+  expectNoContact(options, 1000, [](const SimulationResult&) {});
 }
 
 // A box comes head-on at the speed that the law is told; it is seen 80 ms late.

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "mesh_solid.h"
+#include "mesh_variants.h"
 #include "test_shapes.h"
 #include "wall_grid.h"
 #include "winding_number.h"
@@ -16,20 +17,6 @@ WindingNumber solidOf(const TriangleMesh& mesh) {
 }
 
 bool holds(const TriangleMesh& mesh, const Vector3d& p) { return solidOf(mesh).holds(p); }
-
-/// No two triangles share a vertex, and none stands where it stood.
-TriangleMesh asSoup(const TriangleMesh& mesh, RandomInputs& random) {
-  TriangleMesh soup;
-  std::vector<std::array<std::uint32_t, 3>> triangles = mesh.triangles;
-  std::shuffle(triangles.begin(), triangles.end(), random.engine());
-  for (const auto& t : triangles) {
-    const auto n = static_cast<std::uint32_t>(soup.vertices.size());
-    const int first = random.integer(0, 2);
-    for (int k = 0; k < 3; ++k) soup.vertices.push_back(mesh.vertices[t[(first + k) % 3]]);
-    soup.triangles.push_back({n, n + 1, n + 2});
-  }
-  return soup;
-}
 
 TriangleMesh turnedAtRandom(TriangleMesh mesh, RandomInputs& random) {
   for (auto& t : mesh.triangles) {
@@ -366,79 +353,12 @@ TEST(MeshSolid, AFlapNeitherOpensABoxNorEnclosesAnything) {
   }
 }
 
-/// Without the triangles around its north pole, a ball that has `rings` of 40 left.
-TriangleMesh ballWithoutItsTop(int rings) {
-  TriangleMesh ball = bumpyBall(40, 1.0);
-  const double z = std::cos(M_PI * (40 - rings + 0.5) / 40.0);
-  const auto isTop = [&](const auto& t) {
-    return std::all_of(t.begin(), t.end(),
-                       [&](std::uint32_t i) { return ball.vertices[i].normalized()[2] > z; });
-  };
-  auto& triangles = ball.triangles;
-  triangles.erase(std::remove_if(triangles.begin(), triangles.end(), isTop), triangles.end());
-  return ball;
-}
-
 TEST(MeshSolid, ATornSeamStillCountsAsClosedAndAMissingTenthDoesNot) {
   TriangleMesh torn = bumpyBall(40, 1.0);
   torn.triangles.erase(torn.triangles.begin() + 700);
   EXPECT_TRUE(holds(torn, {0.0, 0.1, 0.2}));
   EXPECT_TRUE(holds(ballWithoutItsTop(37), {0.0, 0.1, 0.2}));   // 1.4 % of the area missing
   EXPECT_FALSE(holds(ballWithoutItsTop(32), {0.0, 0.1, 0.2}));  // 10 %
-}
-
-/// The triangles of boxMesh(half) on one of its faces: the outermost on an axis.
-void removeFace(TriangleMesh& box, int axis, double side) {
-  auto& triangles = box.triangles;
-  const auto isOnFace = [&](const auto& t) {
-    return std::all_of(t.begin(), t.end(),
-                       [&](std::uint32_t i) { return box.vertices[i][axis] * side > 0.0; });
-  };
-  triangles.erase(std::remove_if(triangles.begin(), triangles.end(), isOnFace), triangles.end());
-}
-
-TEST(MissingShare, IsThatOfTheFacesThatABoxLacks) {
-  RandomInputs random;
-  for (int round = 0; round < 100; ++round) {
-    const Vector3d half = random.vector(1.0, 2.0);  // no face is so small that it need not be there
-    const int axis = random.integer(0, 2);
-    const double face = 1.0 / half[axis] / (2.0 * half.cwiseInverse().sum());  // of the surface
-    TriangleMesh box = boxMesh(half);
-    for (int lacking = 0; lacking <= 2; ++lacking) {
-      if (lacking > 0) removeFace(box, axis, lacking == 1 ? 1.0 : -1.0);
-      for (const TriangleMesh& variant : {box, insideOut(box), asSoup(box, random)}) {
-        EXPECT_NEAR(findSolid(movedBy(variant, random.vector(-5.0, 5.0))).missing_share,
-                    lacking * face, 1e-12)
-            << "round " << round;
-      }
-    }
-  }
-}
-
-TEST(MissingShare, IsNoneForInternalWallsAndSheetsThatFaceBothWays) {
-  TriangleMesh walled = boxMesh({1, 2, 3});
-  walled.triangles.push_back({0, 3, 7});  // across the inside
-  EXPECT_EQ(findSolid(walled).missing_share, 0.0);
-  TriangleMesh sheet;
-  sheet.vertices = {{0, 0, 0}, {2, 0, 0}, {0, 1, 0}};
-  sheet.triangles = {{0, 1, 2}};
-  EXPECT_NEAR(findSolid(sheet).missing_share, 0.5, 1e-12);
-  sheet.triangles.push_back({1, 0, 2});
-  EXPECT_EQ(findSolid(sheet).missing_share, 0.0);
-}
-
-TEST(MissingShare, IsToldOfEveryBallWithAHoleThatDoesNotHoldItsCentre) {
-  int open = 0;
-  for (int rings = 20; rings <= 40; ++rings) {
-    const TriangleMesh ball = rings == 40 ? bumpyBall(40, 1.0) : ballWithoutItsTop(rings);
-    const MeshSolid solid = findSolid(ball);
-    const bool holds_centre = WindingNumber(ball.vertices, solid.outward).holds({0.0, 0.1, 0.2});
-    EXPECT_EQ(holds_centre, solid.missing_share == 0.0) << rings;
-    EXPECT_TRUE(holds_centre || solid.missing_share > 0.01) << solid.missing_share;
-    open += !holds_centre;
-  }
-  EXPECT_GT(open, 10);
-  EXPECT_LT(open, 20);
 }
 
 }  // namespace

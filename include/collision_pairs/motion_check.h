@@ -18,10 +18,6 @@ struct MotionSettings {
   Fidelity fidelity = Fidelity::MESH;
   /// Metres, >= 0: FREE means that no pair comes closer than this; for 0, that none touches.
   double clearance = 0.0;
-  /// Metres, >= 0, in addition to the clearance, between what the robot carries and all else:
-  /// world, static objects, clouds. FREE then means this, too; MotionReport::clearance is of all
-  /// pairs.
-  double beside_objects = 0.0;
   /// Metres, > 0. A pair that is still open when its motion is split finer than this is given up,
   /// which makes the segment UNKNOWN unless a contact is found elsewhere. Pairs that stay further
   /// apart than clearance + resolution are certified. Finer values cost more near contacts.
@@ -36,6 +32,10 @@ struct MotionSettings {
   /// Leave out pairs whose relative pose the motion cannot change, for example a base that stands
   /// on its table. FREE then says nothing of them.
   bool only_moved = false;
+  /// Metres, >= 0, in addition to the clearance, between what the robot carries and all else:
+  /// world, static objects, clouds. FREE then means this, too; MotionReport::clearance is of all
+  /// pairs.
+  double beside_objects = 0.0;
 };
 
 /// A straight line in joint space: at fraction f of the segment joint i is at

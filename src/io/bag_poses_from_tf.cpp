@@ -80,9 +80,9 @@ void BagPosesFromTf::countKnown() {
                 "only, and no joint states move them";
     return;
   }
-  const FoundBodies last = robotAt(stamps_.back());
+  const std::vector<char> is_held = robot_.heldAt(bag_.transforms, stamps_.back());
   for (const SceneBody& body : scene_.bodies()) {
-    if (body.body != 0 && hasFrame(body.body) && !last.is_held[body.body]) ++nb_known_;
+    if (body.body != 0 && hasFrame(body.body) && !is_held[body.body]) ++nb_known_;
   }
 }
 

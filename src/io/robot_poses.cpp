@@ -190,7 +190,6 @@ void RobotPoses::start(FramePoses& frames, const TransformBuffer& buffer,
   placed.X_WB.assign(bodies_.size(), Isometry3d::Identity());
   placed.stamps.assign(bodies_.size(), NEVER);
   placed.problems.assign(bodies_.size(), "");
-  placed.is_held.assign(bodies_.size(), 0);
   if (body_of_frame_ < 0) return;
   placed.known[body_of_frame_] = 1;
   placed.X_WB[body_of_frame_] = X_WB_of_frame_;
@@ -243,8 +242,8 @@ void RobotPoses::holdBetween(int a, int b, std::vector<int>& held_by) const {
   }
 }
 
-void RobotPoses::leaveOutHeld(const TransformBuffer& buffer, const Frames& ids, StampNs stamp,
-                              FoundBodies& placed) const {
+std::vector<int> RobotPoses::heldBy(const TransformBuffer& buffer, const Frames& ids,
+                                    StampNs stamp) const {
   std::vector<std::pair<int, int>> first_below;  // by top frame, the first body
   const int frame = frameOf(buffer, frame_);
   if (frame >= 0)
@@ -265,9 +264,22 @@ void RobotPoses::leaveOutHeld(const TransformBuffer& buffer, const Frames& ids, 
   }
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     if (held_by[b] < 0 && bodies_[b].parent >= 0) held_by[b] = held_by[bodies_[b].parent];
-    if (held_by[b] < 0 || static_cast<int>(b) == body_of_frame_) continue;
-    placed.is_held[b] = 1;
-    if (!placed.known[b]) continue;
+  }
+  if (body_of_frame_ >= 0) held_by[body_of_frame_] = -1;
+  return held_by;
+}
+
+std::vector<char> RobotPoses::heldAt(const TransformBuffer& buffer, StampNs stamp) const {
+  std::vector<char> held;
+  for (const int by : heldBy(buffer, framesIn(buffer), stamp)) held.push_back(by >= 0);
+  return held;
+}
+
+void RobotPoses::leaveOutHeld(const TransformBuffer& buffer, const Frames& ids, StampNs stamp,
+                              FoundBodies& placed) const {
+  const std::vector<int> held_by = heldBy(buffer, ids, stamp);
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    if (held_by[b] < 0 || !placed.known[b]) continue;
     placed.known[b] = 0;
     placed.problems[b] = "only /tf_static places it, but joint '" + bodies_[held_by[b]].joint +
                          "' is not fixed: publish it on /tf, or list the joint in static_joints";

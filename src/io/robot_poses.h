@@ -81,7 +81,6 @@ struct FoundBodies {
   /// Of the oldest transform on the way, also on one that leads nowhere; NEVER: all static.
   std::vector<StampNs> stamps;
   std::vector<std::string> problems;  ///< why a body that is wanted is not known
-  std::vector<char> is_held;          ///< static on TF, although a joint above it is not fixed
   bool are_mixed = false;             ///< transforms of several stamps were joined
   StampNs stamp = NEVER;              ///< of all of them, by newest() only; NEVER: all static
 };
@@ -108,6 +107,9 @@ class RobotPoses {
   bool frameIn(const TransformBuffer& buffer, const Instant& instant, const std::string& frame,
                FramePoses::Known& found, std::string& why) const;
 
+  /// By body: only static transforms place it, although a joint above it is not fixed.
+  std::vector<char> heldAt(const TransformBuffer& buffer, StampNs stamp) const;
+
   /// Number of the link's frame; -1 if TF does not name it.
   int frameOf(const TransformBuffer& buffer, const std::string& link) const;
   /// The body to which W belongs; -1: none.
@@ -133,6 +135,8 @@ class RobotPoses {
   bool placeByTf(std::size_t body, const Frames& ids, FramePoses& frames,
                  FoundBodies& placed) const;
   void placeByUrdf(const Frames& ids, FramePoses& frames, FoundBodies& placed) const;
+  /// By body: that of the joint which it is held at; -1: it is not held.
+  std::vector<int> heldBy(const TransformBuffer& buffer, const Frames& ids, StampNs stamp) const;
   void leaveOutHeld(const TransformBuffer& buffer, const Frames& ids, StampNs stamp,
                     FoundBodies& placed) const;
   void holdBetween(int a, int b, std::vector<int>& held_by) const;

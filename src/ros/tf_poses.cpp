@@ -44,9 +44,8 @@ BodyPoses TfPoses::at(const ros::Time& stamp, const std::vector<char>& wanted) c
 }
 
 std::vector<char> TfPoses::heldAt(const ros::Time& stamp) const {
-  return transforms_.with([&](const TransformBuffer& buffer) {
-    return robot_.place(buffer, {Instant::AT, toNs(stamp)}, all_).is_held;
-  });
+  return transforms_.with(
+      [&](const TransformBuffer& buffer) { return robot_.heldAt(buffer, toNs(stamp)); });
 }
 
 StampedPoses TfPoses::gather(FoundBodies placed, const ros::Time& stamp) const {
