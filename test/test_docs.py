@@ -169,7 +169,8 @@ def test_each_fault_names_a_test_that_exists():
     sources = "".join(read(folder, name) for folder in folders for name in os.listdir(folder) if name.startswith("test_"))
     exist = set(re.findall(r"^ *def (test_\w+)\(", sources, re.MULTILINE))
     exist |= {".".join(names) for names in re.findall(r"^TEST(?:_[FP])?\((\w+),\s*(\w+)\)", sources, re.MULTILINE)}
-    rows = [line.strip("| ").split(" | ") for line in read("docs/faults.md").splitlines() if line.startswith("| ")][1:]
+    rows = [line.strip("| ").split(" | ") for line in read("docs/faults.md").splitlines()
+            if line.startswith("| ") and not line.startswith("| what fails |")]
     assert len(rows) > 30
     for row in rows:
         named = re.findall(r"`([\w.]+)`", row[-1])

@@ -146,8 +146,9 @@ StoppingTube PassedCommands::tube(double stamp, double now, const std::vector<do
     risen += commanded(0) - slowest;
 
     // The integral of v - w where v > w. The difference grows only where w falls, by as much, and
-    // shrinks at least at the deceleration: together at most fallen^2 / (2 deceleration). Also, it
-    // is at most fastest - lowest until zeros take effect, and from then on v is at most fastest.
+    // shrinks at least at the deceleration: together at most fallen^2 / (2 deceleration), since
+    // difference^2 / (2 deceleration) falls at least as fast as the integral grows. Also, it is at
+    // most fastest - lowest until zeros take effect, and from then on v is at most fastest.
     // The same where v < w.
     const double ahead =
         std::min(square(fallen) / (2.0 * rate),
