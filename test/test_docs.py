@@ -105,13 +105,13 @@ def data(name, **wanted):
     return found
 
 
-def check_range(sentence, values):
+def check_range(sentence, values, page="README.md"):
     """The two numbers in `sentence`, a pattern, are the least and the largest of the values, as far as they are written out."""
-    said = re.search(sentence, read("README.md"))
+    said = re.search(sentence, read(page))
     assert said, sentence
     for number, value in zip(said.groups(), (min(values), max(values))):
         digits = len(number.partition(".")[2])
-        assert float(number) == round(value, digits), "README: %s, measured: %g to %g" % (said.group(), min(values), max(values))
+        assert float(number) == round(value, digits), "%s: %s, measured: %g to %g" % (page, said.group(), min(values), max(values))
 
 
 def test_what_the_readme_says_of_many_states_was_measured():
@@ -143,6 +143,12 @@ def test_what_the_readme_says_of_the_broad_phase_was_measured():
     assert len({row["scene"] for row in data("broad_phase.csv")}) == 8
 
 
+def test_what_the_performance_page_says_of_few_boxes_was_measured():
+    rows = [row for row in data("few_boxes.csv", kernel="avx2") if not row["scene"].startswith("uniform")]
+    for pattern, way in ((r"takes ([\d.]+) to ([\d.]+) of its time", "ranks"), (r"and ([\d.]+) to ([\d.]+) of that of", "bins")):
+        check_range(pattern, [float(row["each_ns"]) / float(row[way + "_ns"]) for row in rows], "docs/performance.md")
+
+
 def test_what_the_readme_says_of_whole_checks_was_measured():
     def ratios(figure, *queries):
         return [float(row[figure + "_ratio"]) for row in data("detector.csv") if row["query"] in queries]
@@ -152,6 +158,18 @@ def test_what_the_readme_says_of_whole_checks_was_measured():
     check_range(r"distance to a world \| (\d+) times as fast \|.*at most (\d+);", ratios("median", "world_distance"))
     check_range(r"slowest percent of all these and of contacts \| (\d+) times as fast \|.*at most (\d+) ",
                 ratios("p99", "self_contacts", "self_distance", "world_distance", "self", "world"))
+
+
+def test_what_the_trade_off_page_says_of_whole_checks_with_fcl_was_measured():
+    times = {(row["method"], row["robot"], row["query"]): row for row in data("native_and_fcl_robots.csv")}
+
+    def ratios(figure, of):
+        return [float(row[figure]) / float(times["native", robot, query][figure])
+                for (method, robot, query), row in times.items() if method == "fcl" and of(query)]
+    check_range(r"takes ([\d.]+) to ([\d.]+) times as long with `fcl` for yes or no",
+                ratios("median_us", lambda query: "distance" not in query), "docs/trade_off.md")
+    check_range(r"and (\d+) to (\d+) times for a distance", ratios("median_us", lambda query: "distance" in query), "docs/trade_off.md")
+    check_range(r"the slowest per cent ([\d.]+) to (\d+) times", ratios("p99_us", lambda query: True), "docs/trade_off.md")
 
 
 def test_what_the_readme_and_the_page_say_of_accuracy_was_measured():
