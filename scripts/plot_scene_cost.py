@@ -29,7 +29,7 @@ def cost_table(rows):
     heads = ["modelled of pr2", "switched off", "static boxes", "allowed pairs", "memory MB", "narrow phase µs", "cycle µs"]
     lines = []
     for row in rows:
-        if row["robot"] == "arms" or row["nb_boxes"] == "10" or (row["robot"] != "whole" and row["switched_off"] != "SRDF"):
+        if row["robot"] == "arms" or row["nb_boxes"] in ("10", "1000") or (row["robot"] != "whole" and row["switched_off"] != "SRDF"):
             continue
         boxes = "–" if row["world"] == "none" else "%s %s" % (grouped(row["nb_boxes"]), WORLDS[row["world"]])
         lines.append([row["robot"], row["switched_off"], boxes, grouped(row["nb_allowed_pairs"]),

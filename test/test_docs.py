@@ -172,6 +172,20 @@ def test_what_the_trade_off_page_says_of_whole_checks_with_fcl_was_measured():
     check_range(r"the slowest per cent ([\d.]+) to (\d+) times", ratios("p99_us", lambda query: True), "docs/trade_off.md")
 
 
+def test_the_request_of_the_page_that_attaches_an_object_has_the_fields_of_the_message():
+    change, = yaml.safe_load(re.search(r"'(\{changes: .*\})'", read("docs/scenes.md")).group(1))["changes"]
+    constants = dict(re.findall(r"^uint8 (\w+)=(\d+)", read("msg/SceneChange.msg"), re.MULTILINE))
+    assert change["operation"] == int(constants["ATTACH"])
+    assert set(change["object"]) <= set(re.findall(r"^[\w/\[\]]+ +(\w+)", read("msg/SceneObject.msg"), re.MULTILINE))
+
+
+def test_what_the_page_says_of_pairs_that_only_shipped_srdfs_disable_was_measured():
+    rows = data("generated_srdf_differences.csv")
+    said = re.search(r"Each of the (\d+) pairs that only the shipped file disables.*?; (\d+) of these contacts", read("docs/scenes.md"), re.DOTALL)
+    assert [int(number) for number in said.groups()] == [len(rows), sum(row["found_by_search"] == "1" for row in rows)]
+    assert all(row["contact_state"] for row in rows)
+
+
 def test_what_the_readme_and_the_page_say_of_accuracy_was_measured():
     errors = {(row["first"], row["second"]): float(row["worst"]) for row in data("accuracy.csv", quantity="distance")}
     said = re.search(r"error of a distance \| (\S+) m \|.*without cylinders (\S+) m", read("README.md"))
