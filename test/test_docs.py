@@ -194,6 +194,10 @@ def test_what_the_readme_and_the_page_say_of_accuracy_was_measured():
     rows = data("accuracy_ratio.csv")
     assert {row["wrong"] for row in rows} == {row["contradictions"] for row in rows} == {"0"}
     assert max(float(row["worst_over_goal"]) for row in rows) <= 1
+    page = read("docs/accuracy.md")
+    assert "Of {:,} pairs no verdict is wrong and {} depths are bounds".format(
+        *(sum(int(row[key]) for row in rows) for key in ("poses", "bound"))) in page
+    assert "pairs without a cylinder: at most %.0e m" % max(plain) in page
 
 
 def test_each_fault_names_a_test_that_exists():
