@@ -3,7 +3,7 @@
 
   bags_against_service.py [FOLDER]
 
-Prints a row a bag for docs/bags.md: what was found, how long it took, and how far the service's
+Prints a row a bag (docs/tools.md): what was found, how long it took, and how far the service's
 distances are from the table's. FOLDER (default: the environment's COLLISION_PAIRS_SHARED) holds
 bags/ and robots/; without it only the demo's bag is checked. Needs a built and sourced package.
 Exit code 1 if a pair or state differs, or a distance by more than 1e-9 m.
