@@ -52,7 +52,11 @@ class Ladder {
     CheckSettings settings;
     settings.fidelity = fidelity;
     settings.verdict_only = true;
-    const bool in_contact = !distances(poses, fidelity, 0.0).empty();
+    const Distances contacts = distances(poses, fidelity, 0.0);
+    const bool in_contact = !contacts.empty();
+    for (const auto& [pair, distance] : distances(poses, fidelity, 0.5)) {
+      EXPECT_EQ(distance <= 0.0, contacts.count(pair) > 0) << fidelityName(fidelity);
+    }
     EXPECT_EQ(detector_.detect(poses, settings).in_collision, in_contact) << fidelityName(fidelity);
     return in_contact;
   }

@@ -315,11 +315,16 @@ bool CollisionDetector::measureCloudsBeyond(const Deadline& deadline, SmallestDi
   return in_time;
 }
 
+// A verdict ends at tight boxes that are apart by any double; contact has a band. So does this.
 void CollisionDetector::endAtBoxes(const BoxPair& pair, PairDistance& found) {
   const bool of_cloud = scene_->cloudOf(pair.first) >= 0 || scene_->cloudOf(pair.second) >= 0;
-  if (!found.touches() || of_cloud || boxes_->inReach(pair, squaredReach(0.0))) return;
+  if (!found.touches() || found.certainty == Certainty::DEGRADED || of_cloud ||
+      boxes_->inReach(pair, squaredReach(0.0))) {
+    return;
+  }
   const auto& boxes = boxes_->boxes();
-  keepApart(std::sqrt(squaredGap(boxes[pair.first], boxes[pair.second])), found);
+  found.distance = std::sqrt(squaredGap(boxes[pair.first], boxes[pair.second]));
+  found.certainty = Certainty::DEGRADED;
 }
 
 void CollisionDetector::take(const BoxPair& pair, PairDistance found, Fidelity rung,

@@ -59,6 +59,15 @@ double errorOfBound(const Prepared& a, const ConvexCore& b, const Isometry3d& X_
   return rounding + FCL_CONFIRMED * (a.core.extent + a.core.radius + b.extent + b.radius);
 }
 
+/// About the centre of the element's box.
+ConvexCore coreOfBox(const SceneElement& element) {
+  ConvexCore core;
+  core.kind = ConvexCore::Kind::BOX;
+  core.half = element.box_half;
+  core.extent = core.half.norm();
+  return core;
+}
+
 PairDistance beyond(double lower_bound) {
   PairDistance answer;
   answer.distance = lower_bound;
@@ -78,12 +87,6 @@ void inWorld(const Isometry3d& X_WA, double padding, PairDistance& found) {
 }
 
 }  // namespace
-
-void keepApart(double bound, PairDistance& found) {
-  if (!found.touches() || found.certainty == Certainty::DEGRADED) return;
-  found.distance = bound;
-  found.certainty = Certainty::DEGRADED;
-}
 
 void PairLadder::begin(const CollisionScene& scene, const std::vector<Isometry3d>& X_WE,
                        const std::vector<Aabb>& boxes) {
@@ -144,10 +147,6 @@ PairLadder::Answer PairLadder::climb(const BoxPair& pair, Fidelity top, double m
   if (top == Fidelity::SPHERES) return measureSpheres(pair, X_AB, max_distance);
   Answer answer = measureAt(pair, X_AB, top, max_distance, tolerance);
   if (answer.found.by_hulls) answer.rung = Fidelity::CONVEX;
-  const auto& elements = scene_->elements();
-  const bool is_loose =
-      elements[pair.first].rung(top).loose || elements[pair.second].rung(top).loose;
-  if (gap > 0.0 && !is_loose) keepApart(gap, answer.found);
   return answer;
 }
 
@@ -196,10 +195,29 @@ PairLadder::Answer PairLadder::measureAt(const BoxPair& pair, const Isometry3d& 
   if (!a.loose && !b.loose) return answer;
   found.p_ACa += a.margin * found.nhat_AB_A;  // onto the enlarged shapes
   found.p_ACb -= b.margin * found.nhat_AB_A;
-  // The tight axis-aligned box need not enclose the OBB, or a simplified hull. All enclose the
-  // element, so the better bound is used, and this rung is never worse than the coarsest.
+  return notBelowBoxes(pair, X_AB, answer);
+}
+
+// The element's boxes need not enclose the spheres, a simplified hull, or the OBB of the ladder.
+// All enclose the element, so the best bound is used: no rung is worse than the coarsest, and a
+// report finds no contact where a verdict has ended at the boxes.
+PairLadder::Answer PairLadder::notBelowBoxes(const BoxPair& pair, const Isometry3d& X_AB,
+                                             Answer answer) const {
   const Answer boxes = measureBoxes(pair);
-  return boxes.found.distance > found.distance ? Answer{boxes.found, rung} : answer;
+  if (boxes.found.distance > answer.found.distance) answer.found = boxes.found;
+  const double padding = scene_->padding(pair.first, pair.second);
+  if (!(obbGap(pair, X_AB) > -padding)) return answer;
+  const SceneElement &a = scene_->elements()[pair.first], &b = scene_->elements()[pair.second];
+  Isometry3d X = X_AB;  // of the boxes' centres
+  X.translation() = X_AB * b.box_center - a.box_center;
+  PairDistance found =
+      convexDistance(coreOfBox(a), coreOfBox(b), X, std::numeric_limits<double>::infinity());
+  found.distance -= padding;
+  if (found.certainty != Certainty::EXACT || found.distance <= answer.found.distance) return answer;
+  X.linear().setIdentity();
+  X.translation() = a.box_center;
+  inWorld((*X_WE_)[pair.first] * X, padding, found);
+  return {found, answer.rung};
 }
 
 PairDistance PairLadder::spheresApart(const BoxPair& pair, const Isometry3d& X_AB,
@@ -227,9 +245,7 @@ PairLadder::Answer PairLadder::measureSpheres(const BoxPair& pair, const Isometr
   answer.found.distance -= padding;
   if (answer.found.certainty == Certainty::BEYOND) return answer;
   inWorld((*X_WE_)[pair.first], padding, answer.found);
-  const Answer boxes = measureBoxes(pair);  // see measureAt()
-  return boxes.found.distance > answer.found.distance ? Answer{boxes.found, Fidelity::SPHERES}
-                                                      : answer;
+  return notBelowBoxes(pair, X_AB, answer);
 }
 
 PairLadder::Answer PairLadder::boundOfAlignedBoxes(const BoxPair& pair, double max_distance) const {

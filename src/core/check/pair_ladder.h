@@ -13,10 +13,6 @@
 
 namespace collision_pairs {
 
-/// Rounding made a contact of two whose boxes are `bound` metres (> 0) apart. A verdict ends at the
-/// boxes; so does everything else.
-void keepApart(double bound, PairDistance& found);
-
 /// Refers to the poses of the elements in this cycle; all results are in the world frame W.
 /// A pair is given as (element of the first model, element of the second).
 class PairLadder {
@@ -92,6 +88,7 @@ class PairLadder {
   Answer measureAt(const BoxPair& pair, const Eigen::Isometry3d& X_AB, Fidelity rung,
                    double max_distance, double tolerance);
   Answer measureBoxes(const BoxPair& pair) const;
+  Answer notBelowBoxes(const BoxPair& pair, const Eigen::Isometry3d& X_AB, Answer answer) const;
   Answer measureSpheres(const BoxPair& pair, const Eigen::Isometry3d& X_AB, double max_distance);
   /// In the frame of the first; the padding is not subtracted. BEYOND: by more than max_distance.
   PairDistance spheresApart(const BoxPair& pair, const Eigen::Isometry3d& X_AB,
