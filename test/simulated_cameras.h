@@ -145,7 +145,7 @@ class Cameras {
     const double stamp = PERIOD * number_;
     const BodyPoses robot = setting_.posesOf(filter.own.bodies(), X_WB);
     const auto voxels = one.gatherer.add(points, one.X_CW.inverse(), robot, stamp, filter);
-    one.latest = {voxels, stamp, "", "", one.gatherer.vanished()};
+    one.latest = {voxels, stamp, "", "", one.gatherer.mayTouch()};
     if (compares_) {
       one.plain.begin(stamp, one.X_CW.inverse().translation());
       for (const Eigen::Vector3d& p_C : points) {

@@ -85,8 +85,7 @@ class Case {
     bool goes_on = true;
     for (int i = 0; i < 5 && goes_on; ++i) {
       const Seen seen = cameras_->see(robotAt(from), nullptr, X_WO_, place_, random_);
-      goes_on = seen.free;
-      EXPECT_TRUE(seen.free) << "the robot alone" << description() << seen.why;
+      goes_on = require(seen.free, "the robot alone is not FREE", seen.why);
     }
     for (double gap = from; gap > PRESSED && goes_on; gap -= step_) goes_on = show(gap);
     const int nb_clouds = random_.integer(5, 25);
@@ -137,7 +136,7 @@ class Case {
       ++counts_->held;
       counts_->free += seen.free ? 1 : 0;
       counts_->free_without += seen.free_without ? 1 : 0;
-      EXPECT_FALSE(seen.free) << "touches" << description() << trace_;
+      require(!seen.free, "it touches and is FREE", trace_);
     }
     if (was_touched_ && distance > 0.0 && distance < GONE) {
       for (std::size_t i = 0; i < seen.by.size(); ++i) {
@@ -147,9 +146,15 @@ class Case {
     nb_apart_ = distance >= GONE ? nb_apart_ + 1 : 0;
     if (was_touched_ && all_see_it_go_ && nb_apart_ * PERIOD > 1.0) {
       ++counts_->gone;
-      EXPECT_TRUE(seen.free) << "is gone" << description() << trace_;
+      require(seen.free, "it is gone and not FREE", trace_);
     }
-    return !::testing::Test::HasFailure();
+    return !has_failed_;
+  }
+
+  bool require(bool holds, const std::string& what, const std::string& why) {
+    if (!holds) ADD_FAILURE() << what << description() << why;
+    has_failed_ = has_failed_ || !holds;
+    return holds;
   }
 
   Poses posesAt(double phase) const {
@@ -193,7 +198,7 @@ class Case {
   std::vector<bool> is_followed_, has_seen_;  ///< by camera: until it touches, ever
   std::string trace_;
   int nb_apart_ = 0, nb_held_ = 0;
-  bool was_touched_ = false, was_collision_ = false, all_see_it_go_ = true;
+  bool was_touched_ = false, was_collision_ = false, all_see_it_go_ = true, has_failed_ = false;
 };
 
 /// The seed of the next case; false: another one is to be repeated alone.
@@ -217,7 +222,6 @@ void expectStaysSeen(const BenchmarkRobot& robot, int nb_cases) {
     Case one_case(setting, seed, robot.positions[static_cast<std::size_t>(state)],
                   randomMotion(of_case), randomObstacle(of_case), step);
     if (one_case.findPlace()) one_case.run(false, counts);
-    if (::testing::Test::HasFailure()) return;
   }
   std::cout << robot.name << ": " << counts.cases << " obstacles, " << counts.followed
             << " followed into contact, " << counts.gone << " clouds after they had gone\n";
@@ -274,7 +278,6 @@ TEST(WhatTouches, StaysSeenWhateverItsSizeAndSpeed) {
         row.free += counts.free;
         row.free_without += counts.free_without;
         nb_free_without += counts.free_without;
-        if (::testing::Test::HasFailure()) return;
       }
     }
   }
@@ -313,7 +316,6 @@ TEST(WhatTouches, AFingertipThatComesSlowlyIsACollisionBeforeItTouches) {
     one.run(false, counts);
     const bool was_followed = counts.followed > followed_before;
     EXPECT_TRUE(one.wasCollision() || !was_followed) << one.description();
-    if (::testing::Test::HasFailure()) return;
   }
   EXPECT_EQ(counts.followed, nb_wanted);
 }

@@ -11,6 +11,7 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double NOTHING = std::numeric_limits<double>::infinity();
+constexpr double LEAST_DEPTH = 1e-3;  // m: what is nearer may be anywhere in the image
 
 /// Of the depths at which a ray enters and leaves, the first before the camera.
 double firstOf(double enter, double leave) {
@@ -69,18 +70,27 @@ double hitHalfSpace(const Vector3d& o, const Vector3d& d) {
   return d.z() != 0.0 && t > 0.0 ? t : NOTHING;
 }
 
-/// Of a ray from the origin; both sides of the triangle are seen.
-double hitTriangle(const Vector3d& d, const Vector3d& a, const Vector3d& edge_1,
-                   const Vector3d& edge_2) {
-  const Vector3d p = d.cross(edge_2);
-  const double determinant = edge_1.dot(p);
-  if (determinant == 0.0) return NOTHING;
-  const double u = -a.dot(p) / determinant;
-  const Vector3d q = (-a).cross(edge_1);
-  const double v = d.dot(q) / determinant;
-  const double t = edge_2.dot(q) / determinant;
-  return u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t > 0.0 ? t : NOTHING;
-}
+/// Of a ray from the origin; both sides of the triangle are seen. Möller and Trumbore's products
+/// with the ray last, since all pixels share the others.
+struct TriangleHit {
+  Vector3d of_u, of_v, of_all;
+  double of_t;
+
+  TriangleHit(const Vector3d& a, const Vector3d& b, const Vector3d& c) {
+    const Vector3d edge_1 = b - a, edge_2 = c - a;
+    of_all = edge_2.cross(edge_1);
+    of_u = a.cross(edge_2);
+    of_v = edge_1.cross(a);
+    of_t = edge_2.dot(of_v);
+  }
+  double operator()(const Vector3d& d) const {
+    const double determinant = d.dot(of_all);
+    if (determinant == 0.0) return NOTHING;
+    const double u = d.dot(of_u) / determinant, v = d.dot(of_v) / determinant;
+    const double t = of_t / determinant;
+    return u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t > 0.0 ? t : NOTHING;
+  }
+};
 
 }  // namespace
 
@@ -96,7 +106,7 @@ void DepthImage::clear() {
 DepthImage::Pixels DepthImage::pixelsOf(const Vector3d& center, double radius) const {
   const double nearest = center.z() - radius;
   if (center.z() + radius <= 0.0) return {0, 0, 0, 0};
-  const bool all = nearest <= 1e-3 || !std::isfinite(radius);
+  const bool all = nearest <= LEAST_DEPTH || !std::isfinite(radius);
   const auto range = [&](double at, int size) -> std::pair<int, int> {
     if (all) return {0, size};
     // Whatever the depth of a point of the sphere: it is `nearest` at least.
@@ -113,6 +123,26 @@ DepthImage::Pixels DepthImage::pixelsOf(const Vector3d& center, double radius) c
   return {u_begin, u_end, v_begin, v_end};
 }
 
+DepthImage::Pixels DepthImage::pixelsOf(const Vector3d& a, const Vector3d& b,
+                                        const Vector3d& c) const {
+  const Vector3d z(a.z(), b.z(), c.z());
+  const auto range = [&](int axis, int size) -> std::pair<int, int> {
+    constexpr double ROUNDING = 1e-6;  // pixels
+    const double middle = 0.5 * (size - 1);
+    const Vector3d at = focal_length_ * Vector3d(a[axis], b[axis], c[axis]);
+    const double edge = middle + ROUNDING;
+    if ((at - edge * z).minCoeff() > 0.0 || (at + edge * z).maxCoeff() < 0.0) return {0, 0};
+    if (z.minCoeff() <= LEAST_DEPTH) return {0, size};
+    const Eigen::Array3d pixel = at.array() / z.array() + middle;
+    return {static_cast<int>(std::ceil(std::max(pixel.minCoeff() - ROUNDING, 0.0))),
+            static_cast<int>(std::floor(std::min(pixel.maxCoeff() + ROUNDING, size - 1.0))) + 1};
+  };
+  if (z.maxCoeff() <= 0.0) return {0, 0, 0, 0};
+  const auto [u_begin, u_end] = range(0, width_);
+  const auto [v_begin, v_end] = range(1, height_);
+  return {u_begin, u_end, v_begin, v_end};
+}
+
 template <class Hit>
 void DepthImage::cast(const Pixels& pixels, const Hit& hit) {
   for (int v = pixels.v_begin; v < pixels.v_end; ++v) {
@@ -124,15 +154,13 @@ void DepthImage::cast(const Pixels& pixels, const Hit& hit) {
 }
 
 void DepthImage::drawTriangles(const TriangleMesh& mesh, const Eigen::Isometry3d& X_CE) {
-  for (const auto& triangle : mesh.triangles) {
-    const Vector3d a = X_CE * mesh.vertices[triangle[0]];
-    const Vector3d edge_1 = X_CE * mesh.vertices[triangle[1]] - a;
-    const Vector3d edge_2 = X_CE * mesh.vertices[triangle[2]] - a;
-    const Vector3d center = a + (edge_1 + edge_2) / 3.0;
-    const double radius =
-        std::max({(a - center).norm(), (a + edge_1 - center).norm(), (a + edge_2 - center).norm()});
-    cast(pixelsOf(center, radius),
-         [&](const Vector3d& d) { return hitTriangle(d, a, edge_1, edge_2); });
+  std::vector<Vector3d> p_C;  // of the vertices
+  for (const Vector3d& p_E : mesh.vertices) p_C.push_back(X_CE * p_E);
+  for (const auto& [a, b, c] : mesh.triangles) {
+    const Pixels pixels = pixelsOf(p_C[a], p_C[b], p_C[c]);
+    if (pixels.u_begin < pixels.u_end && pixels.v_begin < pixels.v_end) {
+      cast(pixels, TriangleHit(p_C[a], p_C[b], p_C[c]));
+    }
   }
 }
 

@@ -42,6 +42,9 @@ class DepthImage {
   };
   /// Those that a sphere in C may cover.
   Pixels pixelsOf(const Eigen::Vector3d& center, double radius) const;
+  /// Those that a triangle in C may cover.
+  Pixels pixelsOf(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
+                  const Eigen::Vector3d& c) const;
   /// `hit` gives the depth at which a ray from the origin of C first meets the shape.
   template <class Hit>
   void cast(const Pixels& pixels, const Hit& hit);

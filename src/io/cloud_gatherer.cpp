@@ -52,7 +52,7 @@ RobotFilter::RobotFilter(const SceneDescription& description, const CollisionSce
 CloudGatherer::CloudGatherer(const CloudConfig& config)
     : config_(config),
       grid_(settingsOf(config)),
-      memory_(std::make_unique<NearMemory>(config.near())),
+      memory_(std::make_unique<NearMemory>(config.near(), config.padding())),
       depths_(std::make_unique<DepthMap>()) {}
 
 CloudGatherer::~CloudGatherer() = default;
@@ -154,7 +154,7 @@ void CloudGatherer::drawDepths(const Points& points) {
   }
 }
 
-std::string CloudGatherer::vanished() const { return memory_->vanished(); }
+std::string CloudGatherer::mayTouch() const { return memory_->mayTouch(); }
 
 void CloudGatherer::clear() {
   grid_.clear();

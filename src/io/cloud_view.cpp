@@ -28,8 +28,8 @@ CloudView viewOf(const CloudConfig& config, const LatestCloud& latest, double no
   } else if (latest.voxels->isTruncated()) {
     view.doubt = name + "more than max_voxels (" + std::to_string(config.max_voxels) +
                  ") voxels are occupied, or some are out of range: the farthest are left out";
-  } else if (!latest.vanished.empty()) {
-    view.doubt = name + "something " + latest.vanished;
+  } else if (!latest.may_touch.empty()) {
+    view.doubt = name + "something " + latest.may_touch;
   }
   return view;
 }

@@ -72,7 +72,7 @@ void CloudReplay::take(const RawMessage& raw, StampNs next_row) {
     try {
       latest.voxels = gather(raw, entry.stamp, source);
       latest.stamp = seconds(entry.stamp);
-      latest.vanished = source.gatherer.vanished();
+      latest.may_touch = source.gatherer.mayTouch();
       const std::string& warning = source.gatherer.warning();
       if (!warning.empty() && source.nb_warned++ == 0) source.first_warning = warning;
     } catch (const InputError& error) {

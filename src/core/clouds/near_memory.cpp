@@ -10,6 +10,7 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double BESIDE = 2.0;            // voxels between those of one obstacle
+constexpr double HALF = 0.499;            // voxels, rounded to the side of doubt
 constexpr std::size_t MOST_PLACES = 200;  // of one kind; more say nothing new
 
 Vector3d centerOf(const OccupiedVoxels& voxels, const VoxelCell& cell) {
@@ -54,7 +55,7 @@ void NearMemory::update(const Cloud& cloud) {
     }
     judge(obstacle, cloud);
   }
-  forgetWhatIsNotRemembered(cloud.now->voxelSize());
+  followWhatIsHidden(cloud);
   findWhatAppeared(cloud);
   earlier_ = std::move(before_);
   before_ = cloud.now;
@@ -92,18 +93,21 @@ void NearMemory::takeWhatTheRobotLeft(const Cloud& cloud) {
   }
 }
 
-void NearMemory::forgetWhatIsNotRemembered(double voxel_size) {
+/// Those that are remembered still, at their distance from the robot as it is now.
+void NearMemory::followWhatIsHidden(const Cloud& cloud) {
+  const auto isRemembered = [&](const Vanished& one) {
+    return std::any_of(remembered_.begin(), remembered_.end(), [&](const Remembered& other) {
+      const Vector3d at = one.p_W / cloud.now->voxelSize() - other.cell.cast<double>();
+      return (at.array() >= 0.0 && at.array() <= 1.0).all();
+    });
+  };
   hidden_.erase(std::remove_if(hidden_.begin(), hidden_.end(),
-                               [&](const Vanished& one) {
-                                 const auto isThere = [&](const Remembered& other) {
-                                   const Vector3d cell = other.cell.cast<double>();
-                                   const Vector3d at = one.p_W / voxel_size - cell;
-                                   return (at.array() >= 0.0 && at.array() <= 1.0).all();
-                                 };
-                                 return std::none_of(remembered_.begin(), remembered_.end(),
-                                                     isThere);
-                               }),
+                               [&](const Vanished& one) { return !isRemembered(one); }),
                 hidden_.end());
+  for (Vanished& one : hidden_) {
+    one.distance = cloud.near.nearest(one.p_W).distance;
+    one.is_in_contact = one.distance - HALF * cloud.now->voxelSize() <= padding_;
+  }
 }
 
 /// Sorted by cell.
@@ -233,13 +237,21 @@ Aabb NearMemory::missed() const {
   return box;
 }
 
-std::string NearMemory::vanished() const {
-  if (vanished_.empty()) return "";
-  const auto nearest = std::min_element(
-      vanished_.begin(), vanished_.end(),
-      [](const Vanished& a, const Vanished& b) { return a.distance < b.distance; });
+std::string NearMemory::mayTouch() const {
+  const Vanished* nearest = nullptr;
+  const char* what = "";
+  const auto take = [&](const Vanished& one, const char* is) {
+    if (nearest && nearest->distance <= one.distance) return;
+    nearest = &one;
+    what = is;
+  };
+  for (const Vanished& one : vanished_) take(one, "vanished ");
+  for (const Vanished& one : hidden_) {
+    if (!one.is_in_contact) take(one, "hidden ");
+  }
+  if (!nearest) return "";
   const long centimetres = std::lround(100.0 * std::max(nearest->distance, 0.0));
-  return "vanished " + std::to_string(centimetres) + " cm from " + nearest->link + ": it may touch";
+  return what + std::to_string(centimetres) + " cm from " + nearest->link + ": it may touch";
 }
 
 void NearMemory::startAnew() {

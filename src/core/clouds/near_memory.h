@@ -17,8 +17,9 @@ namespace collision_pairs {
 
 /// Follows the voxels of one sensor near the robot from cloud to cloud. Those that a cloud does not
 /// show again are
-///  - remembered, if something hides them, for as long as it does; where the robot moves away from
-///    them meanwhile, the obstacle has vanished, since the robot may carry it;
+///  - remembered, if something hides them, for as long as it does. An obstacle of which nothing
+///    else is seen may have moved on before it was hidden, or be carried: it is a doubt where no
+///    link is within `padding` of its place, and has vanished where the robot moves away from it;
 ///  - explained, if the cloud shows anything within `reach` of them: a part of the same obstacle,
 ///    which is there or has moved;
 ///  - otherwise vanished: the obstacle may be where its points cannot be told from the robot's.
@@ -33,8 +34,9 @@ class NearMemory {
  public:
   static constexpr double FOUND_AGAIN = 0.3;  ///< metres
 
-  /// Metres: also the distance from the robot within which voxels are followed.
-  explicit NearMemory(double reach) : reach_(reach) {}
+  /// Metres. `reach`: also the distance from the robot within which voxels are followed. `padding`:
+  /// links in whose padding a voxel is are in contact with it.
+  NearMemory(double reach, double padding) : reach_(reach), padding_(padding) {}
 
   struct Cloud {
     /// The voxels of this cloud alone, at least those within FOUND_AGAIN of near.bounds() and
@@ -53,8 +55,8 @@ class NearMemory {
   std::vector<VoxelCell> hidden() const;
   /// A box in W of the places where what is hidden or vanished was last seen.
   Aabb missed() const;
-  /// "vanished 2 cm from panda_link3: it may touch", or empty.
-  std::string vanished() const;
+  /// "vanished 2 cm from panda_link3: it may touch", or "hidden 6 cm …", or empty.
+  std::string mayTouch() const;
 
   /// What was seen is compared with no later cloud; what vanished remains so.
   void startAnew();
@@ -75,7 +77,8 @@ class NearMemory {
   struct Vanished {
     Eigen::Vector3d p_W, p_B;  ///< where it was last seen, and the same on the link's body
     std::string link_of_body, link;
-    double distance;  ///< metres from the link
+    double distance;             ///< metres from the link
+    bool is_in_contact = false;  ///< its voxel, which is remembered, with the link
   };
 
   void takeWhatStayed(const Cloud& cloud);
@@ -85,11 +88,11 @@ class NearMemory {
   static std::optional<Vanished> placeOf(const std::vector<Unseen>& obstacle, const Cloud& cloud);
   void addVanished(const std::vector<Unseen>& obstacle, const Cloud& cloud);
   void takeWhatTheRobotLeft(const Cloud& cloud);
-  void forgetWhatIsNotRemembered(double voxel_size);
+  void followWhatIsHidden(const Cloud& cloud);
   void findWhatAppeared(const Cloud& cloud);
   static Eigen::Vector3d placeOnLink(const Vanished& one, const Cloud& cloud);
 
-  const double reach_;
+  const double reach_, padding_;
   Voxels before_, earlier_;  ///< of the last cloud, and of the one before it; may be null
   std::vector<Remembered> remembered_;
   std::vector<Vanished> vanished_;

@@ -109,7 +109,7 @@ void CloudSource::keep(const std::shared_ptr<const OccupiedVoxels>& voxels, cons
   const ros::SteadyTime now = ros::SteadyTime::now();
   const std::lock_guard<std::mutex> lock(mutex_);
   if (generation != generation_) return;  // cleared meanwhile
-  latest_ = {voxels, stamp.toSec(), "", gatherer_.warning(), gatherer_.vanished()};
+  latest_ = {voxels, stamp.toSec(), "", gatherer_.warning(), gatherer_.mayTouch()};
   latest_clock_jumps_ = nb_clock_jumps_;
   const double rate = 1.0 / std::max((now - last_use_).toSec(), 1e-6);
   if (health_.used == 1) health_.rate = rate;
