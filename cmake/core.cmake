@@ -31,6 +31,8 @@ add_library(collision_pairs SHARED
   src/core/check/collision_detector.cpp
   src/core/check/element_boxes.cpp
   src/core/check/found_pairs.cpp
+  src/core/check/ignored_pairs.cpp
+  src/core/check/minimum_search.cpp
   src/core/check/open_pairs.cpp
   src/core/check/pair_ladder.cpp
   src/core/check/timed_climb.cpp
@@ -92,6 +94,8 @@ add_library(collision_pairs SHARED
   src/core/scene/enclosing_box.cpp
   src/core/scene/mesh_bounds.cpp
   src/core/scene/pair_policy.cpp
+  src/core/scene/pair_selection.cpp
+  src/core/scene/restricted_names.cpp
   src/core/scene/scene_description.cpp
   src/core/scene/scene_element.cpp
   src/core/scene/scene_members.cpp

@@ -35,9 +35,9 @@ class BatchCheck {
   /// check: the batch stage (docs/planners.md). Verdicts are the same. For a state settled by it the
   /// report contains only the verdict, one pair in contact or none, and times.total, its share of
   /// the group's time; no counts and no boxes. The stage is prepared by the first batch with which
-  /// STATES_WORTH_A_STAGE states have been requested. It is not used with a time budget, a fidelity
-  /// other than MESH and SPHERES, in scenes with clouds, coarser links or FCL, nor for states
-  /// beyond 10,000 rad; all of these are checked exactly.
+  /// STATES_WORTH_A_STAGE states have been requested. It is not used with a time budget, a selection,
+  /// a predicate, a fidelity other than MESH and SPHERES, in scenes with clouds, coarser links or
+  /// FCL, nor for states beyond 10,000 rad; all of these are checked exactly.
   using Positions = std::function<void(std::size_t, std::vector<double>&)>;
   void runJoints(std::size_t count, const CheckSettings& settings, const Positions& positions,
                  const CloudVoxels& voxels, const Take& take);

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -25,7 +26,8 @@ enum class PairState {
 
 /// The overall result. Treat everything but FREE as a collision.
 enum class Verdict : std::uint8_t {
-  FREE = 0,       ///< every pair that the scene requires, at least one, was checked and is apart
+  FREE = 0,       ///< every pair that the scene requires, at least one, was checked and is apart;
+                  ///< but for those that the check left out: CheckSettings::selection, may_ignore
   COLLISION = 1,  ///< some pair is certainly in contact, at the requested fidelity
   UNKNOWN = 2     ///< neither: a model has no pose, a pair that may be in contact is unresolved, or
                   ///< nothing is checked
@@ -74,14 +76,15 @@ struct StageTimes {
 struct CollisionReport {
   Verdict verdict = Verdict::UNKNOWN;
   bool in_collision = true;  ///< verdict != FREE
-  /// Smallest signed distance of all allowed pairs, in metres, if it is at most the alarm distance
+  /// Smallest signed distance of all pairs that were not left out, in metres, if it is at most the alarm distance
   /// or was requested. Otherwise (`…_is_bound`) a lower bound of it: the alarm distance, or if a
   /// pair is UNRESOLVED the smallest of the lower bounds. With a tolerance it may be smaller than
   /// the true value by up to that amount.
   double min_distance = 0.0;
   bool min_distance_is_bound = true;
-  /// CollisionScene::unchecked(): if not empty, the verdict is FREE only where the scene's settings
-  /// allow that, otherwise UNKNOWN; without pairs min_distance is then 0, a bound.
+  /// CollisionScene::unchecked(), or that selection or predicate leave no pair: if not empty, the
+  /// verdict is FREE only where the scene's settings allow that, otherwise UNKNOWN; without pairs
+  /// min_distance is then 0, a bound.
   std::string unchecked;
   double tolerance = 0.0;         ///< CheckSettings::tolerance
   std::vector<PairReport> pairs;  ///< sorted by (first, second)
@@ -93,6 +96,9 @@ struct CollisionReport {
   /// The boxes of all elements, in W; not valid() for elements without a pose and for clouds. Empty
   /// unless CheckSettings::list_boxes is set.
   std::vector<Aabb> boxes;
+  /// Pairs of models, first < second, sorted, that CheckSettings::may_ignore left out: nothing is
+  /// said of them, FREE included. With verdict_only those met before the first contact.
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> ignored;
   /// Models without a usable pose, and clouds whose voxels are unknown or truncated; ascending.
   std::vector<std::uint32_t> left_out;
   std::uint32_t nb_boxes = 0;  ///< moving and static boxes and voxels of this cycle

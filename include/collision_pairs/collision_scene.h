@@ -28,6 +28,8 @@ struct CollisionModel {
   std::uint32_t first_element;
   std::uint32_t nb_elements;
   bool is_object = false;  ///< not a link
+  /// The link of robot() that an object is attached to; -1: none.
+  int attached_link = -1;
 };
 
 struct MeshBounds;
@@ -107,7 +109,7 @@ class CollisionScene {
   /// not checked. Throws InputError if two models have the same name, or if the description names a
   /// link that does not exist (the error suggests the closest name).
   /// Cost: mostly the preparation of meshes that are not in `cache`; then about 2 µs per element.
-  static std::shared_ptr<const CollisionScene> build(const SceneDescription& description,
+  static std::shared_ptr<const CollisionScene> build(SceneDescription description,
                                                      SceneCache* cache = nullptr);
 
   /// The names of the models that the scene of this description has. Does not use the meshes, so a
@@ -121,6 +123,8 @@ class CollisionScene {
                                                      std::shared_ptr<const RobotModel> world,
                                                      const SceneSettings& settings = {});
 
+  /// What it was built from, without SceneSettings::progress.
+  const SceneDescription& description() const { return *description_; }
   /// The robot; several robots are merged into one model.
   const RobotModel& robot() const { return *robot_; }
   const std::vector<CollisionModel>& models() const { return models_; }
@@ -142,7 +146,9 @@ class CollisionScene {
   /// Of the meshes whose triangles the scene's fidelities need.
   std::vector<std::string> openMeshes() const;
   /// Whether a check can end FREE: something is checked, or settings.allow_empty_scene.
-  bool mayBeFree() const { return may_be_free_; }
+  bool mayBeFree() const {
+    return unchecked_.empty() || description_->settings.allow_empty_scene;
+  }
   /// The library that answers its pairs of shapes.
   NarrowPhaseMethod narrowPhase() const { return narrow_phase_; }
   /// Metres that the two elements keep apart: the sum of their paddings, or that of the pair.
@@ -178,6 +184,7 @@ class CollisionScene {
 
   double paddingOfPair(const SceneElement& a, const SceneElement& b) const;
 
+  std::shared_ptr<const SceneDescription> description_;
   std::shared_ptr<const RobotModel> robot_;
   std::vector<CollisionModel> models_;
   std::vector<SceneElement> elements_;
@@ -185,7 +192,6 @@ class CollisionScene {
   std::vector<SceneCloud> clouds_;
   PairFilter filter_;
   std::string unchecked_;
-  bool may_be_free_ = true;
   NarrowPhaseMethod narrow_phase_ = NarrowPhaseMethod::NATIVE;
   /// By classes of the filter, the smaller first: paddings that are not the sum of the two.
   std::map<std::pair<std::uint32_t, std::uint32_t>, double> pair_padding_;

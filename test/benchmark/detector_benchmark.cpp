@@ -22,7 +22,8 @@ namespace {
 
 constexpr int PASSES = 5;
 const char* const QUERIES[] = {"self",           "self_contacts", "self_distance", "world",
-                               "world_distance", "self_apart",    "self_hulls",    "way_hulls"};
+                               "world_distance", "self_apart",    "self_hulls",    "way_hulls",
+                               "self_asked",     "self_selected"};
 
 using Check = std::function<double(std::size_t state)>;
 
@@ -88,7 +89,7 @@ Check ofMoveItLoop(const BenchmarkRobot& robot, const std::string& query) {
   const auto loop = std::make_shared<MoveItLoop>(robot);
   const auto& states = statesOf(robot, query);
   const bool is_yes_or_no =
-      query == "self" || query == "self_apart" || query == "self_hulls" || query == "way_hulls";
+      query == "self" || query == "self_asked" || query == "self_selected" || query == "self_apart" || query == "self_hulls" || query == "way_hulls";
   if (is_yes_or_no) return [=, &states](std::size_t i) { return loop->selfCollides(states[i]); };
   if (query == "self_contacts") {
     return
@@ -103,9 +104,13 @@ Check ofMoveItLoop(const BenchmarkRobot& robot, const std::string& query) {
 
 Check withNarrowPhase(const BenchmarkRobot& robot, const std::string& query,
                       NarrowPhaseMethod narrow_phase) {
-  const bool with_world = query == "world" || query == "world_distance";
+  bool with_world = query == "world" || query == "world_distance";
   SceneDescription description;
   description.robots.push_back({robot.robot, robot.srdf, ""});
+  const bool asks = query == "self_asked";  // the SRDF as a predicate
+  const auto matrix = asks ? CollisionScene::build(description) : nullptr;
+  if (asks) description.robots[0].srdf = Srdf{};
+  if (query == "self_selected") with_world = true;
   if (with_world) description.world = robot.world;
   description.check_self = query != "world_distance";
   description.settings.narrow_phase = narrow_phase;
@@ -119,7 +124,22 @@ Check withNarrowPhase(const BenchmarkRobot& robot, const std::string& query,
   settings.min_distance = query == "self_distance" || query == "world_distance";
   const bool by_hulls = query == "self_hulls" || query == "way_hulls";
   if (by_hulls) settings.fidelity = Fidelity::CONVEX;
-  settings.verdict_only = by_hulls || query == "self" || query == "world" || query == "self_apart";
+  settings.verdict_only = by_hulls || query == "self" || asks || query == "self_selected" || query == "world" || query == "self_apart";
+  if (query == "self_selected") {
+    settings.selection =
+        std::make_shared<PairSelection>(scene, Restriction{}, PairSelection::Among::SELF);
+  }
+  if (asks) {
+    auto rules = std::make_shared<std::vector<std::vector<char>>>();
+    for (const CollisionModel& a : scene->models()) {
+      rules->emplace_back();
+      for (const CollisionModel& b : scene->models()) {
+        const int first = matrix->findModel(a.name), second = matrix->findModel(b.name);
+        rules->back().push_back(first < 0 || second < 0 || !matrix->filter().allowed(first, second));
+      }
+    }
+    settings.may_ignore = [rules](std::uint32_t a, std::uint32_t b) { return (*rules)[a][b] != 0; };
+  }
   return [=](std::size_t i) { return detector->detect((*poses)[i], settings).min_distance; };
 }
 

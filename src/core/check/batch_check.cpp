@@ -203,7 +203,8 @@ BatchCheck::Stage* BatchCheck::stageFor(std::size_t count, const CheckSettings& 
   const Fidelity fidelity = settings.fidelity;
   const bool has_stage = fidelity == Fidelity::MESH || fidelity == Fidelity::SPHERES;
   const bool is_possible = scene_->unchecked().empty() && settings.verdict_only && has_stage &&
-                           settings.time_budget == 0.0 && !settings.min_distance;
+                           settings.time_budget == 0.0 && !settings.min_distance &&
+                           !settings.selection && !settings.may_ignore;
   if (!is_possible) return nullptr;
   auto& of_fidelity = stages_[fidelity];
   if (!of_fidelity) of_fidelity = std::make_unique<Stage>();

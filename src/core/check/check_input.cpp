@@ -25,6 +25,9 @@ void checkSettings(const CheckSettings& settings) {
 void checkInput(const CollisionScene& scene, const BodyPoses& poses,
                 const CheckSettings& settings) {
   checkSettings(settings);
+  if (settings.selection && &settings.selection->scene() != &scene) {
+    throw InputError("the selection is of another scene: make one for each scene");
+  }
   const std::size_t expected = scene.bodies().size();
   if (poses.X_WB.size() != expected || poses.known.size() != expected) {
     throw InputError("poses of " + std::to_string(poses.X_WB.size()) +

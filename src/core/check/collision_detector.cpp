@@ -9,6 +9,7 @@
 #include "collision_pairs/input_error.h"
 #include "element_boxes.h"
 #include "found_pairs.h"
+#include "ignored_pairs.h"
 #include "pair_ladder.h"
 #include "scene_element.h"
 #include "timed_climb.h"
@@ -53,6 +54,7 @@ CollisionDetector::CollisionDetector(std::shared_ptr<const CollisionScene> scene
       timed_climb_(std::make_unique<TimedClimb>()),
       voxel_search_(std::make_unique<VoxelSearch>()),
       found_(std::make_unique<FoundPairs>()),
+      ignored_(std::make_unique<IgnoredPairs>()),
       clock_(&steadySeconds) {
   boxes_->prepare(*scene_);
 }
@@ -102,7 +104,7 @@ const CollisionReport& CollisionDetector::run(const BodyPoses& poses) {
   clock.split(report_.times.boxes);
   sweep(settings_.alarm_distance, report_.candidates);  // axis, sort, sweep
   const bool only_verdict = settings_.verdict_only && !deadline.isSet();
-  if (!only_verdict) dropLooseCandidates();
+  if (!only_verdict || settings_.list_boxes) dropLooseAndIgnored();
   if (!scene_->clouds().empty()) findCloudPairs();
   clock.split(report_.times.broad_phase);
   if (only_verdict) {
@@ -117,13 +119,19 @@ const CollisionReport& CollisionDetector::run(const BodyPoses& poses) {
   listBoxes();
   report_.nb_answered_natively = ladder_->numAnsweredNatively();
   clock.split(report_.times.narrow_phase);
-  found_->assemble(*scene_, !settings_.verdict_only, report_);  // one entry for each pair of models
+  if (ignored_->isAsking()) ignored_->list(report_.ignored);
+  const bool has_pairs = noteUnchecked();
+  found_->assemble(*scene_, has_pairs, !settings_.verdict_only, report_);  // one per pair of models
   whole.split(report_.times.total);
   return report_;
 }
 
 void CollisionDetector::beginPairs() {
   found_->clear();
+  ignored_->begin(settings_.may_ignore);
+  report_.ignored.clear();
+  report_.verdict = Verdict::UNKNOWN;  // should the predicate throw
+  report_.in_collision = true;
   report_.times = {};
   report_.nb_degraded = 0;
   report_.narrow_phase = scene_->narrowPhase();
@@ -143,9 +151,8 @@ void CollisionDetector::beginPairs() {
 
 void CollisionDetector::rebuildBoxes(const BodyPoses& poses) {
   some_are_loose_ = !settings_.list_boxes && scene_->clouds().empty();
-  boxes_->rebuild(poses, !some_are_loose_);
-  report_.nb_boxes = scene_->endOfMovingElements();
-  report_.nb_boxes -= static_cast<std::uint32_t>(boxes_->withoutBox().size());
+  report_.nb_boxes = scene_->nbStaticElements();
+  report_.nb_boxes += boxes_->rebuild(poses, !some_are_loose_, settings_.selection.get());
   report_.left_out.clear();
   for (const std::uint32_t element : boxes_->withoutBox()) {
     const std::uint32_t model = scene_->elements()[element].model;
@@ -156,13 +163,37 @@ void CollisionDetector::rebuildBoxes(const BodyPoses& poses) {
 }
 
 // A candidate is a pair of tight boxes, whichever boxes were swept.
-void CollisionDetector::dropLooseCandidates() {
-  if (!some_are_loose_) return;
+void CollisionDetector::dropLooseAndIgnored() {
+  if (!some_are_loose_ && !ignored_->isAsking()) return;
   const double squared_reach = squaredReach(settings_.alarm_distance);
-  const auto is_apart = [&](const BoxPair& pair) { return !boxes_->inReach(pair, squared_reach); };
+  const auto is_none = [&](const BoxPair& pair) {
+    return !boxes_->inReach(pair, squared_reach) || isIgnored(pair);
+  };
   auto& candidates = report_.candidates;
-  candidates.erase(std::remove_if(candidates.begin(), candidates.end(), is_apart),
+  candidates.erase(std::remove_if(candidates.begin(), candidates.end(), is_none),
                    candidates.end());
+}
+
+bool CollisionDetector::isIgnored(const BoxPair& pair) {
+  const auto& elements = scene_->elements();
+  return ignored_->has(elements[pair.first].model, elements[pair.second].model);
+}
+
+const PairFilter& CollisionDetector::filter() const {
+  return settings_.selection ? settings_.selection->filter() : scene_->filter();
+}
+
+bool CollisionDetector::noteUnchecked() {
+  report_.unchecked = scene_->unchecked();
+  if (scene_->models().empty()) return false;
+  const char* why = nullptr;
+  if (settings_.selection && settings_.selection->empty()) {
+    why = "the selection leaves no pair to check";
+  } else if (!report_.ignored.empty() && !allowsMoreThan(report_.ignored, *scene_, filter())) {
+    why = "every pair is ignored";
+  }
+  if (why && report_.unchecked.empty()) report_.unchecked = why;
+  return why == nullptr;
 }
 
 void CollisionDetector::listBoxes() {
@@ -183,6 +214,7 @@ void CollisionDetector::takeVoxels(const BodyPoses& poses) {
     boxes_->boxes()[clouds[i].element] = noBox();
     if (voxels_[i]) report_.nb_boxes += static_cast<std::uint32_t>(voxels_[i]->size());
     if (voxels_[i] && !voxels_[i]->isTruncated()) continue;
+    if (settings_.selection && !settings_.selection->uses(clouds[i].model)) continue;
     report_.left_out.push_back(clouds[i].model);
   }
   std::sort(report_.left_out.begin(), report_.left_out.end());
@@ -191,7 +223,7 @@ void CollisionDetector::takeVoxels(const BodyPoses& poses) {
 void CollisionDetector::sweep(double reach, std::vector<BoxPair>& candidates) {
   const auto& boxes = boxes_->boxes();
   const auto& models = boxes_->models();
-  sweep_.begin(reach, &scene_->staticBoxes(), &scene_->filter());
+  sweep_.begin(reach, &scene_->staticBoxes(), &filter());
   const std::size_t end = scene_->endOfMovingElements();
   for (std::size_t i = scene_->nbStaticElements(); i < end; ++i) {
     sweep_.add(boxes[i], models[i]);
@@ -219,7 +251,7 @@ void CollisionDetector::forEachCloudPair(const Take& take) const {
     for (std::size_t cloud = 0; cloud < voxels_.size(); ++cloud) {
       if (!voxels_[cloud] || voxels_[cloud]->isEmpty() || !boxes[i].valid()) continue;
       const BoxPair pair{i, scene_->clouds()[cloud].element};
-      const bool allowed = scene_->filter().allowed(elements[i].model, elements[pair.second].model);
+      const bool allowed = filter().allowed(elements[i].model, elements[pair.second].model);
       if (allowed && isAsked(pair)) take(pair, *voxels_[cloud]);
     }
   }
@@ -229,7 +261,7 @@ void CollisionDetector::findCloudPairs() {
   cloud_pairs_.clear();
   forEachCloudPair([&](const BoxPair& pair, const OccupiedVoxels& voxels) {
     if (!voxel_search_->isWithin(pair, voxels, settings_.alarm_distance)) return;
-    cloud_pairs_.push_back(pair);
+    if (!isIgnored(pair)) cloud_pairs_.push_back(pair);
   });
 }
 
@@ -272,12 +304,14 @@ void CollisionDetector::measureClouds(const Deadline& deadline) {
 // dismiss most pairs of loose boxes at less cost than two tight boxes.
 void CollisionDetector::findFirstContact() {
   const double squared_reach = squaredReach(settings_.alarm_distance);
+  const bool asks = ignored_->isAsking();
   for (const BoxPair& candidate : report_.candidates) {
     const BoxPair pair = ladder_->byModel(candidate);
     boxes_->place(pair.first);
     boxes_->place(pair.second);
     const bool by_boxes = ladder_->rungOf(pair, settings_.fidelity) == Fidelity::AABB;
-    if (by_boxes && !boxes_->inReach(pair, squared_reach)) continue;
+    if ((by_boxes || asks) && !boxes_->inReach(pair, squared_reach)) continue;
+    if (asks && isIgnored(pair)) continue;
     const auto [found, rung] = ladder_->touches(pair, settings_.fidelity);
     const bool is_apart = found.certainty == Certainty::BEYOND;
     if (!is_apart && !boxes_->inReach(pair, squared_reach)) continue;
@@ -306,6 +340,10 @@ bool CollisionDetector::measureCloudsBeyond(const Deadline& deadline, SmallestDi
   forEachCloudPair([&](const BoxPair& candidate, const OccupiedVoxels& voxels) {
     in_time = in_time && !deadline.spent();
     if (!in_time) return;
+    if (ignored_->isAsking()) {
+      const double reach = std::clamp(best.metres, 0.0, MAX_REACH);
+      if (!voxel_search_->isWithin(candidate, voxels, reach) || isIgnored(candidate)) return;
+    }
     const auto found = voxel_search_->nearest(ladder_->byModel(candidate), voxels,
                                               settings_.fidelity, best.metres, deadline);
     const PairDistance& distance = found.answer.found;
@@ -339,70 +377,6 @@ void CollisionDetector::take(const BoxPair& pair, PairDistance found, Fidelity r
   if (found.distance <= settings_.alarm_distance && found.certainty != Certainty::BEYOND) {
     found_->add(*scene_, pair, found, rung, voxel);
   }
-}
-
-// Sweeps with a reach that grows until it includes the nearest pair: all other pairs are further
-// apart than the reach. Pairs are processed in order of the gap of their boxes, so that most are
-// dismissed at once.
-void CollisionDetector::searchMinimum(const Deadline& deadline) {
-  SmallestDistance best = found_->smallestDistance();
-  Aabb moving = noBox();
-  const auto& boxes = boxes_->boxes();
-  for (std::size_t i = scene_->nbStaticElements(); i < boxes.size(); ++i) {
-    if (boxes[i].valid()) moving = enclosing(moving, boxes[i]);
-  }
-  const auto sizeOf = [](const Aabb& box) {  // a half-space's is not finite
-    return box.valid() ? std::min((box.max - box.min).norm(), MAX_REACH) : 0.0;
-  };
-  const double extent =
-      moving.valid() ? sizeOf(enclosing(moving, scene_->staticBoxes().bounds())) : 0.0;
-  // A floor, or a distant box, must not make the first reach include everything.
-  const double first_reach = std::min(extent / 64.0, sizeOf(moving));
-  double known = settings_.alarm_distance;  // all pairs nearer than this are known
-  double measured = -1.0;  // pairs whose boxes are no further apart than this are done
-  bool in_time = true;
-  for (double reach = std::max({2.0 * known, first_reach, 1e-300});
-       best.metres > known && known < extent;
-       reach = std::min({4.0 * reach, best.metres, MAX_REACH})) {
-    in_time = !deadline.spent();
-    if (!in_time) break;
-    sweep(reach, reached_);
-    in_time = measureNearestFirst(reached_, measured, deadline, best, known);
-    if (!in_time) break;
-    known = measured = reach;
-  }
-  if (in_time) in_time = measureCloudsBeyond(deadline, best);
-  report_.budget_spent |= !in_time;
-  if (!in_time && known < best.metres) best = {known, true};
-  report_.min_distance = best.metres;
-  report_.min_distance_is_bound = best.is_bound;
-}
-
-bool CollisionDetector::measureNearestFirst(const std::vector<BoxPair>& pairs, double measured,
-                                            const Deadline& deadline, SmallestDistance& best,
-                                            double& known) {
-  const auto& boxes = boxes_->boxes();
-  by_gap_.clear();
-  for (const BoxPair& pair : pairs) {
-    const double gap = squaredGap(boxes[pair.first], boxes[pair.second]);
-    if (measured < 0.0 || gap > measured * measured) by_gap_.emplace_back(gap, pair);
-  }
-  std::sort(by_gap_.begin(), by_gap_.end());
-  for (const auto& [squared_gap, pair] : by_gap_) {
-    const double squared_best = std::max(best.metres, 0.0) * best.metres;
-    if (squared_gap > squared_best) break;
-    if (deadline.spent()) {
-      known = std::max(known, std::sqrt(squared_gap));
-      return false;
-    }
-    if (!boxes_->inReach(pair, squared_best)) continue;  // by their tight boxes
-    PairDistance found =
-        ladder_->climb(ladder_->byModel(pair), settings_.fidelity, best.metres, settings_.tolerance)
-            .found;
-    endAtBoxes(pair, found);
-    if (found.certainty != Certainty::BEYOND) best.offer(found.distance, found.certainty);
-  }
-  return true;
 }
 
 }  // namespace collision_pairs

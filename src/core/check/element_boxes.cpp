@@ -47,13 +47,20 @@ void ElementBoxes::prepare(const CollisionScene& scene) {
   }
 }
 
-void ElementBoxes::rebuild(const BodyPoses& poses, bool all_tight) {
+std::uint32_t ElementBoxes::rebuild(const BodyPoses& poses, bool all_tight,
+                                    const PairSelection* selection) {
   poses_ = &poses;
   without_box_.clear();
   const std::uint32_t first = scene_->nbStaticElements();
+  auto nb_boxes = static_cast<std::uint32_t>(of_bodies_.size());
   for (std::uint32_t i = first; i < first + of_bodies_.size(); ++i) {
     const BodyBox& of_body = of_bodies_[i - first];
     known_[i] = Known::BODY;
+    if (selection && !selection->uses(models_[i])) {
+      boxes_[i] = noBox();
+      --nb_boxes;
+      continue;
+    }
     if (!poses.known[of_body.body]) {
       boxes_[i] = noBox();
       without_box_.push_back(i);
@@ -64,6 +71,7 @@ void ElementBoxes::rebuild(const BodyPoses& poses, bool all_tight) {
     tighten(i);
     if (!boxes_[i].valid()) without_box_.push_back(i);
   }
+  return nb_boxes - static_cast<std::uint32_t>(without_box_.size());
 }
 
 // False if it is not finite; the tight one may be finite.

@@ -9,6 +9,7 @@
 #include "collision_pairs/aabb.h"
 #include "collision_pairs/body_poses.h"
 #include "collision_pairs/collision_scene.h"
+#include "collision_pairs/pair_selection.h"
 
 namespace collision_pairs {
 
@@ -25,9 +26,11 @@ class ElementBoxes {
   /// Call once, first. Cost: a tight box for each element.
   void prepare(const CollisionScene& scene);
 
-  /// For all moving elements except those of clouds. `poses` must outlive the cycle. About 15 ns
-  /// for a loose box, 50 for the tight one of a mesh; those of primitives are always tight.
-  void rebuild(const BodyPoses& poses, bool all_tight);
+  /// For all moving elements except those of clouds and those that a selection (may be null) does
+  /// not use; returns the number of boxes. `poses` must outlive the cycle. About 15 ns for a loose
+  /// box, 50 for the tight one of a mesh; those of primitives are always tight.
+  std::uint32_t rebuild(const BodyPoses& poses, bool all_tight,
+                        const PairSelection* selection = nullptr);
 
   /// Moving elements without a box, ascending: without a pose, or not finite.
   const std::vector<std::uint32_t>& withoutBox() const { return without_box_; }

@@ -26,8 +26,12 @@ void mergeInto(PairReport& pair, const PairReport& other) {
   pair.fidelity = other.fidelity;
 }
 
+bool mayBeFree(const CollisionScene& scene, const CollisionReport& report) {
+  return report.unchecked.empty() || scene.description().settings.allow_empty_scene;
+}
+
 Verdict verdictOf(const CollisionScene& scene, const CollisionReport& report) {
-  const bool is_complete = report.left_out.empty() && scene.mayBeFree();
+  const bool is_complete = report.left_out.empty() && mayBeFree(scene, report);
   Verdict verdict = is_complete ? Verdict::FREE : Verdict::UNKNOWN;
   for (const PairReport& pair : report.pairs) {
     if (pair.state == PairState::CONTACT) return Verdict::COLLISION;
@@ -81,7 +85,7 @@ void FoundPairs::sortByModels() {
             [&](std::uint32_t i, std::uint32_t j) { return key(i) < key(j); });
 }
 
-void FoundPairs::assemble(const CollisionScene& scene, bool with_contacts,
+void FoundPairs::assemble(const CollisionScene& scene, bool has_pairs, bool with_contacts,
                           CollisionReport& report) {
   sortByModels();
   auto& pairs = report.pairs;
@@ -97,7 +101,6 @@ void FoundPairs::assemble(const CollisionScene& scene, bool with_contacts,
     }
     if (with_contacts) report.contacts.push_back(contacts_[i]);
   }
-  report.unchecked = scene.unchecked();
   report.verdict = verdictOf(scene, report);
   report.in_collision = report.verdict != Verdict::FREE;
   SmallestDistance smallest{report.min_distance, report.min_distance_is_bound};
@@ -106,7 +109,7 @@ void FoundPairs::assemble(const CollisionScene& scene, bool with_contacts,
     smallest.offer(pair.distance, pair.certainty);
   }
   // Infinity, or the alarm distance, would say that something is known to be that far away.
-  if (scene.models().empty() && !scene.mayBeFree()) smallest = {0.0, true};
+  if (!has_pairs && !mayBeFree(scene, report)) smallest = {0.0, true};
   report.min_distance = smallest.metres;
   report.min_distance_is_bound = smallest.is_bound;
 }

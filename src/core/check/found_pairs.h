@@ -36,8 +36,10 @@ class FoundPairs {
   bool hasContact() const;
 
   /// Fills in pairs, contacts (if wanted) and the verdict, and lowers min_distance to the smallest
-  /// found. left_out must be set before. O(n log n).
-  void assemble(const CollisionScene& scene, bool with_contacts, CollisionReport& report);
+  /// found. left_out and unchecked must be set before. `has_pairs`: there was a pair to check.
+  /// O(n log n).
+  void assemble(const CollisionScene& scene, bool has_pairs, bool with_contacts,
+                CollisionReport& report);
 
  private:
   void sortByModels();

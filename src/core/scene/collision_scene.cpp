@@ -40,11 +40,10 @@ class SceneBuilder {
     classify();
   }
 
-  std::shared_ptr<const CollisionScene> build(SceneCache& cache) {
+  std::unique_ptr<CollisionScene> build(SceneCache& cache) {
     maker_ = cache.maker_.get();
     dropUnneeded();
     scene_->unchecked_ = whatIsUnchecked();
-    scene_->may_be_free_ = scene_->unchecked_.empty() || description_.settings.allow_empty_scene;
     scene_->filter_.setModels(class_of_);
     addModels();
     try {
@@ -156,7 +155,9 @@ class SceneBuilder {
         bodies.push_back({member.body, robot.links()[robot.bodies()[member.body].link].name});
       }
       const int body = member.isStatic() ? -1 : scene_body[member.body];
-      scene_->models_.push_back({member.name, body, 0, 0, member.object != nullptr});
+      const bool is_object = member.object != nullptr;
+      const int attached_link = is_object ? robot.findLink(member.object->attached_link) : -1;
+      scene_->models_.push_back({member.name, body, 0, 0, is_object, attached_link});
     }
   }
 
@@ -246,10 +247,14 @@ class SceneBuilder {
 SceneCache::SceneCache() : maker_(std::make_unique<ElementMaker>()) {}
 SceneCache::~SceneCache() = default;
 
-std::shared_ptr<const CollisionScene> CollisionScene::build(const SceneDescription& description,
+std::shared_ptr<const CollisionScene> CollisionScene::build(SceneDescription description,
                                                             SceneCache* cache) {
   SceneCache of_this_scene;
-  return SceneBuilder(description).build(cache ? *cache : of_this_scene);
+  const auto kept = std::make_shared<SceneDescription>(std::move(description));
+  auto scene = SceneBuilder(*kept).build(cache ? *cache : of_this_scene);
+  kept->settings.progress = nullptr;  // may refer to what ends with this call
+  scene->description_ = kept;
+  return scene;
 }
 
 std::set<std::string> CollisionScene::neededModels(const SceneDescription& description) {
@@ -264,7 +269,7 @@ std::shared_ptr<const CollisionScene> CollisionScene::build(std::shared_ptr<cons
   description.robots.push_back({std::move(robot), srdf, ""});
   description.world = std::move(world);
   description.settings = settings;
-  return build(description);
+  return build(std::move(description));
 }
 
 std::vector<std::string> CollisionScene::openMeshes() const {

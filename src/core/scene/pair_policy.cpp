@@ -3,8 +3,7 @@
 #include <algorithm>
 #include <unordered_map>
 
-#include "collision_pairs/input_error.h"
-#include "link_group.h"
+#include "restricted_names.h"
 
 namespace collision_pairs {
 namespace {
@@ -108,39 +107,10 @@ void PairPolicy::readSwitchedOff() {
 }
 
 void PairPolicy::readRestriction() {
-  const Restriction& restriction = description_.restriction;
-  std::set<std::string> names;
-  if (!restriction.group.empty()) addGroup(restriction.group, names);
-  const auto isIn = [&](const std::string& name) {
-    return names.count(name) > 0 ||
-           std::any_of(restriction.names.begin(), restriction.names.end(),
-                       [&](const NamePattern& pattern) { return matches(pattern, name); });
-  };
+  const RestrictedNames restricted(description_.robots, description_.restriction);
   for (const SceneMember& member : members_) {
-    // The link that an object is attached to need not be a member: it may have no geometry.
-    const bool attached = member.object && !member.isStatic();
-    restricted_.push_back(isIn(member.name) || (attached && isIn(member.object->attached_link)));
-  }
-}
-
-void PairPolicy::addGroup(const std::string& name, std::set<std::string>& names) const {
-  const SceneRobot* owner = nullptr;
-  for (const SceneRobot& robot : description_.robots) {
-    const bool is_meant = name.rfind(withPrefix(robot.prefix, ""), 0) == 0;
-    if (!is_meant || (owner && robot.prefix.size() < owner->prefix.size())) continue;
-    owner = &robot;
-  }
-  if (!owner) {
-    throw InputError("group '" + name +
-                     "' belongs to no robot; it must begin with a robot's prefix");
-  }
-  if (!owner->srdf) {
-    throw InputError("group '" + name + "' is requested, but robot '" + owner->model->name() +
-                     "' has no SRDF");
-  }
-  const std::string prefix = withPrefix(owner->prefix, "");
-  for (const int link : linksMovedBy(*owner->srdf, *owner->model, name.substr(prefix.size()))) {
-    names.insert(prefix + owner->model->links()[link].name);
+    const std::string attached_link = member.object ? member.object->attached_link : std::string();
+    restricted_.push_back(restricted.have(member.name, attached_link));
   }
 }
 

@@ -46,7 +46,6 @@ class PairPolicy {
   void readSwitchedOff();
   void readRestriction();
   void switchOffTouching(const std::vector<std::size_t>& examples, PairFilter& filter) const;
-  void addGroup(const std::string& name, std::set<std::string>& names) const;
 
   const SceneDescription& description_;
   const std::vector<SceneMember>& members_;
