@@ -91,15 +91,18 @@ add_library(collision_pairs SHARED
   src/core/robot/urdf_reader.cpp
   src/core/robot/xml_file.cpp
   src/core/scene/collision_scene.cpp
+  src/core/scene/element_maker.cpp
   src/core/scene/enclosing_box.cpp
   src/core/scene/mesh_bounds.cpp
   src/core/scene/pair_policy.cpp
   src/core/scene/pair_selection.cpp
   src/core/scene/restricted_names.cpp
+  src/core/scene/scene_changes.cpp
   src/core/scene/scene_description.cpp
   src/core/scene/scene_element.cpp
   src/core/scene/scene_members.cpp
   src/core/scene/scene_settings.cpp
+  src/core/scene/static_classes.cpp
 )
 include(cmake/kernels.cmake)
 target_include_directories(collision_pairs PUBLIC

@@ -206,7 +206,7 @@ class Changes : public testing::Test {
     SceneChange change;
     change.operation = operation;
     change.object = object;
-    objects_ = changedObjects(objects_, {change}, context_);
+    collision_pairs::apply(editsBy({change}, objects_, context_), objects_);
   }
 
   std::string refusalOf(std::uint8_t operation, const SceneObject& object) {

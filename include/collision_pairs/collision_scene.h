@@ -52,9 +52,9 @@ struct SceneElement {
   /// The finest geometry that its link is checked with.
   Fidelity finest = Fidelity::MESH;
   /// Indexed by Fidelity; AABB and SPHERES have no entry. Shapes are shared between rungs where
-  /// they are the same, and null where no allowed pair needs them.
-  std::array<Rung, 5> rungs;
-  const Rung& rung(Fidelity fidelity) const { return rungs[static_cast<int>(fidelity)]; }
+  /// they are the same, and null where no allowed pair needs them. Shared between scenes.
+  std::shared_ptr<const std::array<Rung, 5>> rungs;
+  const Rung& rung(Fidelity fidelity) const { return (*rungs)[static_cast<int>(fidelity)]; }
   /// Metres that it keeps to everything else; and the amount by which its box is enlarged: the
   /// same, or half of the largest padding of any of its pairs.
   double padding = 0.0, box_padding = 0.0;
@@ -86,9 +86,18 @@ struct SceneBody {
 
 class ElementMaker;
 class SelfFilter;
+struct StaticClasses;
 
-/// Keeps prepared geometry for later scenes that differ in a few objects. Entries that the last
-/// sixteen scenes did not use are dropped. Not thread safe.
+/// Changes of the objects of a scene.
+struct SceneChanges {
+  /// Added, or put in place of the object with the same name: moved, attached, detached.
+  std::vector<RigidObject> objects;
+  std::vector<std::string> removed;  ///< names of objects; comes before `objects`
+};
+
+/// Keeps prepared meshes for later scenes. Meshes are known by their content (name, vertices and
+/// triangles), whoever loaded them, and each is prepared once. What no scene holds any more, and
+/// the last sixteen scenes did not use, is dropped. One may serve all threads.
 class SceneCache {
  public:
   SceneCache();
@@ -96,6 +105,7 @@ class SceneCache {
 
  private:
   friend class SceneBuilder;
+  friend class SceneEditor;
   friend class SelfFilter;
   std::unique_ptr<ElementMaker> maker_;
 };
@@ -123,8 +133,24 @@ class CollisionScene {
                                                      std::shared_ptr<const RobotModel> world,
                                                      const SceneSettings& settings = {});
 
-  /// What it was built from, without SceneSettings::progress.
+  /// The scene that build() makes of the description with these changes, to the last bit; shares
+  /// with this one what has not changed. Throws InputError as build() does, and if an object that is
+  /// to be removed does not exist.
+  /// Cost: as withAlike() if that can do it, otherwise as build().
+  std::shared_ptr<const CollisionScene> with(const SceneChanges& changes,
+                                             SceneCache* cache = nullptr) const;
+  /// The same, or null unless all objects that change are static, and the rules of the scene treat
+  /// each as they treat another one that stays: then neither the pairs of links nor the geometry
+  /// that they need can change.
+  /// Cost: meshes that are not in `cache`; about 5 µs per change, and 0.1 µs per static element of
+  /// the scene.
+  std::shared_ptr<const CollisionScene> withAlike(const SceneChanges& changes,
+                                                  SceneCache* cache = nullptr) const;
+
+  /// What it was built from, without objects() and SceneSettings::progress.
   const SceneDescription& description() const { return *description_; }
+  /// All objects of the description, clouds excepted, sorted by name.
+  const std::vector<std::shared_ptr<const RigidObject>>& objects() const { return objects_; }
   /// The robot; several robots are merged into one model.
   const RobotModel& robot() const { return *robot_; }
   const std::vector<CollisionModel>& models() const { return models_; }
@@ -180,11 +206,14 @@ class CollisionScene {
 
  private:
   friend class SceneBuilder;
+  friend class SceneEditor;
   CollisionScene() = default;
 
   double paddingOfPair(const SceneElement& a, const SceneElement& b) const;
 
   std::shared_ptr<const SceneDescription> description_;
+  std::vector<std::shared_ptr<const RigidObject>> objects_;
+  std::shared_ptr<const StaticClasses> static_classes_;
   std::shared_ptr<const RobotModel> robot_;
   std::vector<CollisionModel> models_;
   std::vector<SceneElement> elements_;

@@ -52,6 +52,13 @@ class StaticBoxes {
   /// first box that is not finite or inverted, or the two sizes if they differ.
   StaticBoxes(std::vector<Aabb> boxes, std::vector<std::uint32_t> models);
 
+  /// The same, from others that are alike: `new_ids[i]` is the id here of box i of `before`, or
+  /// GONE. Their order in the tree is kept, and new boxes come last, until they are a sixteenth.
+  /// Cost: O(n) in most cases, 10 ns per box.
+  StaticBoxes(std::vector<Aabb> boxes, std::vector<std::uint32_t> models,
+              const StaticBoxes& before, const std::vector<std::uint32_t>& new_ids);
+  static constexpr std::uint32_t GONE = 0xffffffff;
+
   std::size_t size() const { return nb_boxes_; }
   const Aabb& box(std::uint32_t id) const;
   std::uint32_t model(std::uint32_t id) const;
@@ -60,7 +67,11 @@ class StaticBoxes {
 
  private:
   friend class SweepAndPrune;
+  /// `order`: of the ids, or empty.
+  void build(std::vector<Aabb> boxes, std::vector<std::uint32_t> models,
+             const std::vector<std::uint32_t>& order);
   std::size_t nb_boxes_ = 0;
+  std::size_t nb_changed_ = 0;  ///< since the tree was ordered
   Aabb bounds_ = noBox();
   std::shared_ptr<const StaticTree> tree_;
 };

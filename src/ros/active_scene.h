@@ -23,7 +23,7 @@ struct ActiveScene {
   /// CollisionScene::openMeshes().
   std::vector<std::string> open_meshes;
   std::string frame;  ///< of reports and markers
-  std::unique_ptr<TfPoses> tf_poses;
+  std::shared_ptr<const TfPoses> tf_poses;  ///< of its bodies
   /// Sources of its clouds, which the next scene continues to use. Null if there are none.
   std::shared_ptr<CloudSources> clouds;
 };

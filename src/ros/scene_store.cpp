@@ -108,9 +108,35 @@ void SceneStore::update(const std::vector<SceneChange>& changes) {
     if (target != frame) requireLink(scene_->scene->robot(), target);
     return lookUp(transforms_, target, source, stamp);
   };
-  SceneObjects objects = changedObjects(objects_, changes, {frame, look_up, load_mesh_});
+  const ObjectEdits edits = editsBy(changes, objects_, {frame, look_up, load_mesh_});
+  if (auto active = withAlike(edits)) {
+    replace({std::move(active), {}});
+    apply(edits, objects_);
+    return;
+  }
+  SceneObjects objects = objects_;
+  apply(edits, objects);
   replace(build(parameters_, objects, {}));
   objects_ = std::move(objects);
+}
+
+std::shared_ptr<ActiveScene> SceneStore::withAlike(const ObjectEdits& edits) {
+  if (scene_->clouds) return nullptr;  // their filters know the objects
+  const auto isOfParameters = [&](const auto& edit) {
+    return parameters_.sources.config.floor && edit.first == parameters_.sources.config.floor->name;
+  };
+  if (std::any_of(edits.begin(), edits.end(), isOfParameters)) return nullptr;
+  const auto scene = scene_->scene->withAlike(sceneChanges(edits, objects_), &cache_);
+  if (!scene) return nullptr;
+  auto active = std::make_shared<ActiveScene>();
+  active->scene = scene;
+  active->broken_links = scene_->broken_links;
+  active->broken = scene_->broken;
+  active->warnings = scene_->warnings;
+  active->open_meshes = scene->openMeshes();
+  active->frame = scene_->frame;
+  active->tf_poses = scene_->tf_poses;
+  return active;
 }
 
 std::vector<std::string> SceneStore::changedDescriptions() {

@@ -52,6 +52,8 @@ class SceneStore {
   };
   Built build(SceneParameters& parameters, const SceneObjects& objects,
               const Restriction& restriction);
+  /// Null if the scene has to be built anew.
+  std::shared_ptr<ActiveScene> withAlike(const ObjectEdits& edits);
   /// Logs each broken element once.
   void noteBroken(const std::vector<BrokenElement>& broken, ActiveScene& active);
   std::shared_ptr<CloudSources> cloudsOf(const std::vector<CloudConfig>& configs,

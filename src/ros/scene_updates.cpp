@@ -15,8 +15,10 @@ using Eigen::Isometry3d;
 
 class Updater {
  public:
-  Updater(SceneObjects& objects, const UpdateContext& context)
+  Updater(const SceneObjects& objects, const UpdateContext& context)
       : objects_(objects), context_(context) {}
+
+  ObjectEdits takeEdits() { return std::move(edits_); }
 
   void apply(const SceneChange& change) {
     switch (change.operation) {
@@ -31,7 +33,7 @@ class Updater {
       case SceneChange::DETACH:
         return detach(change.object);
       case SceneChange::CLEAR:
-        return objects_.clear();
+        return clear();
       default:
         throw InputError("operation " + std::to_string(change.operation) +
                          " is unknown; use ADD 0, MOVE 1, REMOVE 2, ATTACH 3, DETACH 4 or CLEAR 5");
@@ -39,11 +41,31 @@ class Updater {
   }
 
  private:
-  StoredObject& known(const std::string& name) {
+  /// As it is after the changes so far; null: there is none.
+  const StoredObject* find(const std::string& name) const {
+    const auto edit = edits_.find(name);
+    if (edit != edits_.end()) return edit->second ? &*edit->second : nullptr;
     const auto found = objects_.find(name);
-    if (found != objects_.end()) return found->second;
+    return found != objects_.end() ? &found->second : nullptr;
+  }
+
+  std::vector<std::string> names() const {
     std::vector<std::string> names;
-    for (const auto& entry : objects_) names.push_back(entry.first);
+    for (const auto& entry : objects_) {
+      if (edits_.count(entry.first) == 0) names.push_back(entry.first);
+    }
+    for (const auto& [name, object] : edits_) {
+      if (object) names.push_back(name);
+    }
+    return names;
+  }
+
+  /// To be changed.
+  StoredObject& known(const std::string& name) {
+    if (const StoredObject* found = find(name)) {
+      return *edits_.try_emplace(name, *found).first->second;
+    }
+    const std::vector<std::string> names = this->names();
     throw InputError("there is no such object" +
                      (names.empty() ? std::string("; the scene has none")
                                     : "; did you mean '" + nearestName(name, names) + "'?"));
@@ -53,7 +75,7 @@ class Updater {
     if (message.name.empty()) throw InputError("it has no name");
     StoredObject stored{message, toObject(message, context_.load_mesh)};
     stored.object.X_PO = poseOf(message, parentFrame(stored.object));
-    objects_[message.name] = std::move(stored);
+    edits_[message.name] = std::move(stored);
   }
 
   void move(const SceneObject& message) {
@@ -64,11 +86,24 @@ class Updater {
   // Other objects' touch links must not apply to a new object of the same name.
   void remove(const std::string& name) {
     known(name);
-    objects_.erase(name);
-    for (auto& entry : objects_) {
-      auto& links = entry.second.object.touch_links;
+    edits_[name].reset();
+    const auto touches = [&](const StoredObject& stored) {
+      const auto& links = stored.object.touch_links;
+      return std::find(links.begin(), links.end(), name) != links.end();
+    };
+    for (const auto& [other, stored] : objects_) {
+      if (touches(stored)) edits_.try_emplace(other, stored);
+    }
+    for (auto& [other, stored] : edits_) {
+      if (!stored) continue;
+      auto& links = stored->object.touch_links;
       links.erase(std::remove(links.begin(), links.end(), name), links.end());
     }
+  }
+
+  void clear() {
+    edits_.clear();
+    for (const auto& entry : objects_) edits_[entry.first].reset();
   }
 
   void attach(const SceneObject& message) {
@@ -114,14 +149,15 @@ class Updater {
     return target == source ? Isometry3d::Identity() : context_.look_up(target, source, stamp);
   }
 
-  SceneObjects& objects_;
+  const SceneObjects& objects_;
   const UpdateContext& context_;
+  ObjectEdits edits_;
 };
 
 }  // namespace
 
-SceneObjects changedObjects(SceneObjects objects, const std::vector<SceneChange>& changes,
-                            const UpdateContext& context) {
+ObjectEdits editsBy(const std::vector<SceneChange>& changes, const SceneObjects& objects,
+                    const UpdateContext& context) {
   Updater updater(objects, context);
   for (std::size_t i = 0; i < changes.size(); ++i) {
     try {
@@ -131,7 +167,29 @@ SceneObjects changedObjects(SceneObjects objects, const std::vector<SceneChange>
                        "': " + error.what());
     }
   }
-  return objects;
+  return updater.takeEdits();
+}
+
+void apply(const ObjectEdits& edits, SceneObjects& objects) {
+  for (const auto& [name, object] : edits) {
+    if (object) {
+      objects[name] = *object;
+    } else {
+      objects.erase(name);
+    }
+  }
+}
+
+SceneChanges sceneChanges(const ObjectEdits& edits, const SceneObjects& objects) {
+  SceneChanges changes;
+  for (const auto& [name, object] : edits) {
+    if (object) {
+      changes.objects.push_back(object->object);
+    } else if (objects.count(name) > 0) {
+      changes.removed.push_back(name);
+    }
+  }
+  return changes;
 }
 
 std::vector<SceneObject> listed(const SceneObjects& objects, const std::string& world_frame) {

@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,7 @@
 #include <collision_pairs/SceneObject.h>
 #include <ros/time.h>
 
+#include "collision_pairs/collision_scene.h"
 #include "collision_pairs/scene_description.h"
 
 namespace collision_pairs {
@@ -31,10 +33,18 @@ struct UpdateContext {
   MeshLoader load_mesh;
 };
 
-/// The objects after all changes, in their order. Throws InputError that names the change and the
-/// problem; whether links exist is checked by the scene.
-SceneObjects changedObjects(SceneObjects objects, const std::vector<SceneChange>& changes,
-                            const UpdateContext& context);
+/// What changes make of objects, by name: the object, or nothing where it is removed.
+using ObjectEdits = std::map<std::string, std::optional<StoredObject>>;
+
+/// All changes, in their order. Throws InputError that names the change and the problem; whether
+/// links exist is checked by the scene.
+ObjectEdits editsBy(const std::vector<SceneChange>& changes, const SceneObjects& objects,
+                    const UpdateContext& context);
+
+void apply(const ObjectEdits& edits, SceneObjects& objects);
+
+/// The same for a scene with these objects.
+SceneChanges sceneChanges(const ObjectEdits& edits, const SceneObjects& objects);
 
 /// The list for the reply.
 std::vector<SceneObject> listed(const SceneObjects& objects, const std::string& world_frame);

@@ -173,6 +173,40 @@ void writeUpdates(const BenchmarkRobot& robot, std::ostream& out) {
   }
 }
 
+/// Microseconds of changes of a scene, the release of the one before included.
+void printChanges(const BenchmarkRobot& robot) {
+  std::cout << "nb_objects,add_us,remove_us,move_us,attach_us\n";
+  for (const std::size_t count : {20u, 1000u, 100000u}) {
+    SceneCache cache;
+    std::vector<RigidObject> boxes = farBoxes(count + UPDATES);
+    const std::vector<RigidObject> more(boxes.end() - UPDATES, boxes.end());
+    boxes.resize(count);
+    auto scene = CollisionScene::build(describe(robot, boxes), &cache);
+    const auto medianOf = [&](const auto& changes_of) {
+      std::vector<double> times;
+      for (int i = 0; i < UPDATES; ++i) {
+        const SceneChanges changes = changes_of(static_cast<std::size_t>(i));
+        times.push_back(1e3 * millisecondsOf([&] { scene = scene->with(changes, &cache); }));
+      }
+      return median(times);
+    };
+    std::cout << count << ','
+              << medianOf([&](std::size_t i) { return SceneChanges{{more[i]}, {}}; }) << ','
+              << medianOf([&](std::size_t i) { return SceneChanges{{}, {more[i].name}}; }) << ','
+              << medianOf([&](std::size_t i) {
+                   RigidObject moved = boxes[i];
+                   moved.X_PO.translation().x() += 1.0;
+                   return SceneChanges{{moved}, {}};
+                 })
+              << ',' << medianOf([&](std::size_t i) {
+                   RigidObject attached = boxes[i];
+                   attached.attached_link = robot.robot->links().back().name;
+                   return SceneChanges{{attached}, {}};
+                 })
+              << std::endl;
+  }
+}
+
 int runCycles(const BenchmarkRobot& robot, std::size_t count) {
   Runner runner(buildCase(robot, {"whole", "far", true, "", false, count}, farBoxes(count)), robot);
   runner.pass();
@@ -185,12 +219,18 @@ int runCycles(const BenchmarkRobot& robot, std::size_t count) {
 int main(int argc, char** argv) {
   using namespace collision_pairs;
   const std::string mode = argc > 1 ? argv[1] : "";
-  if (!(mode == "table" && argc == 4) && !(mode == "cycles" && argc == 3)) {
-    std::cerr << "usage: scene_cost table CYCLES.csv UPDATES.csv | cycles COUNT\n";
+  const bool is_known = (mode == "table" && argc == 4) || (mode == "cycles" && argc == 3) ||
+                        (mode == "changes" && argc == 2);
+  if (!is_known) {
+    std::cerr << "usage: scene_cost table CYCLES.csv UPDATES.csv | cycles COUNT | changes\n";
     return 2;
   }
   for (const BenchmarkRobot& robot : benchmarkRobots()) {
     if (robot.name != "pr2") continue;
+    if (mode == "changes") {
+      printChanges(robot);
+      return 0;
+    }
     if (mode == "cycles") return runCycles(robot, std::stoul(argv[2]));
     std::ofstream cycles(argv[2]), updates(argv[3]);
     writeCycles(robot, cycles);

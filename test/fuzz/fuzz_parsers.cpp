@@ -163,9 +163,9 @@ class RequestMaker {
   SceneDescription description;
   description.robots.resize(1);
   description.robots[0].model = robot;
-  for (const auto& entry : changedObjects({}, RequestMaker(bytes).changes(), context)) {
-    description.objects.push_back(entry.second.object);
-  }
+  SceneObjects objects;
+  apply(editsBy(RequestMaker(bytes).changes(), objects, context), objects);
+  for (const auto& entry : objects) description.objects.push_back(entry.second.object);
   check(description);
 }
 

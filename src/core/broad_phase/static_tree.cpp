@@ -10,6 +10,8 @@
 namespace collision_pairs {
 namespace {
 
+constexpr std::size_t FEW_CHANGES = 16;  // at any number of boxes
+
 int widestAxis(const Record* begin, const Record* end) {
   float low[3], high[3];
   std::fill(low, low + 3, std::numeric_limits<float>::infinity());
@@ -69,12 +71,20 @@ PackedStorage pack(const std::vector<Record>& records) {
 
 }  // namespace
 
-StaticTree::StaticTree(std::vector<Aabb> boxes, std::vector<std::uint32_t> models)
+StaticTree::StaticTree(std::vector<Aabb> boxes, std::vector<std::uint32_t> models,
+                       const std::vector<std::uint32_t>& order)
     : boxes_(std::move(boxes)), models_(std::move(models)), origin_(sceneOrigin(boxes_)) {
   std::vector<Record> records(boxes_.size());
   narrowBoxes(*sweepKernels().front(), makeNarrowMap(origin_, 0.0), boxes_, models_.data(),
               records.data());
-  orderAsTree(records.data(), records.data() + records.size());
+  if (order.empty()) {
+    orderAsTree(records.data(), records.data() + records.size());
+  } else {
+    std::vector<Record> ordered;
+    ordered.reserve(records.size());
+    for (const std::uint32_t id : order) ordered.push_back(records[id]);
+    records.swap(ordered);
+  }
   levels_.push_back(pack(records));
   while (records.size() > FAN_OUT) {
     records = enclose(records);
@@ -89,8 +99,36 @@ TreeView StaticTree::view() const {
   return view;
 }
 
-StaticBoxes::StaticBoxes(std::vector<Aabb> boxes, std::vector<std::uint32_t> models)
-    : nb_boxes_(boxes.size()) {
+StaticBoxes::StaticBoxes(std::vector<Aabb> boxes, std::vector<std::uint32_t> models) {
+  build(std::move(boxes), std::move(models), {});
+}
+
+StaticBoxes::StaticBoxes(std::vector<Aabb> boxes, std::vector<std::uint32_t> models,
+                         const StaticBoxes& before, const std::vector<std::uint32_t>& new_ids) {
+  std::vector<std::uint32_t> order;
+  std::vector<char> is_known(boxes.size(), 0);
+  order.reserve(boxes.size());
+  for (std::size_t i = 0; i < before.nb_boxes_; ++i) {
+    const std::uint32_t id = new_ids[before.tree_->order()[i]];
+    if (id == GONE) continue;
+    order.push_back(id);
+    is_known[id] = 1;
+  }
+  const std::size_t nb_kept = order.size();
+  for (std::uint32_t id = 0; id < boxes.size(); ++id) {
+    if (!is_known[id]) order.push_back(id);
+  }
+  nb_changed_ = before.nb_changed_ + (boxes.size() - nb_kept) + (before.nb_boxes_ - nb_kept);
+  if (nb_changed_ > FEW_CHANGES + boxes.size() / FAN_OUT) {
+    nb_changed_ = 0;
+    order.clear();
+  }
+  build(std::move(boxes), std::move(models), order);
+}
+
+void StaticBoxes::build(std::vector<Aabb> boxes, std::vector<std::uint32_t> models,
+                        const std::vector<std::uint32_t>& order) {
+  nb_boxes_ = boxes.size();
   if (models.size() != boxes.size()) {
     throw std::invalid_argument(std::to_string(boxes.size()) + " static boxes with " +
                                 std::to_string(models.size()) + " models: give one for each");
@@ -102,7 +140,7 @@ StaticBoxes::StaticBoxes(std::vector<Aabb> boxes, std::vector<std::uint32_t> mod
     }
     bounds_ = enclosing(bounds_, boxes[i]);
   }
-  tree_ = std::make_shared<const StaticTree>(std::move(boxes), std::move(models));
+  tree_ = std::make_shared<const StaticTree>(std::move(boxes), std::move(models), order);
 }
 
 const Aabb& StaticBoxes::box(std::uint32_t id) const { return tree_->box(id); }

@@ -15,8 +15,12 @@ namespace collision_pairs {
 /// enlarge the query box by the whole reach.
 class StaticTree {
  public:
-  StaticTree(std::vector<Aabb> boxes, std::vector<std::uint32_t> models);
+  /// `order`: all ids, in any order, which is then that of the leaves; empty: that of a k-d tree.
+  StaticTree(std::vector<Aabb> boxes, std::vector<std::uint32_t> models,
+             const std::vector<std::uint32_t>& order = {});
 
+  /// The ids in the order of the leaves.
+  const std::uint32_t* order() const { return view().level[0].tag; }
   const Aabb& box(std::uint32_t id) const { return boxes_[id]; }
   std::uint32_t model(std::uint32_t id) const { return models_[id]; }
   const Eigen::Vector3d& origin() const { return origin_; }

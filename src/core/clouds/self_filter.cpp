@@ -73,7 +73,7 @@ SelfFilter::SelfFilter(const SceneDescription& description, double padding, Scen
   forEachOwn([&](const std::string&, const Link&, const Isometry3d&, const auto& elements) {
     for (const Element& element : elements) wanted.emplace_back(&element.shape, Fidelity::MESH);
   });
-  maker.prepare(wanted, description.settings);
+  const PreparedElements prepared = maker.prepare(wanted, description.settings);
   forEachOwn([&](const std::string& name, const Link& link, const Isometry3d& X_BM,
                  const auto& elements) {
     if (elements.empty()) return;
@@ -81,7 +81,8 @@ SelfFilter::SelfFilter(const SceneDescription& description, double padding, Scen
     const int body = store_->indexOf(link.body, robot->links()[of_link].name);
     if (only && only->count(name) == 0) return;
     for (const Element& element : elements) {
-      store_->addPart(name, body, X_BM * element.X_LE, maker.make(element.shape, Fidelity::MESH));
+      store_->addPart(name, body, X_BM * element.X_LE,
+                      prepared.make(element.shape, Fidelity::MESH));
     }
   });
   store_->X_EW.resize(store_->parts.size());

@@ -11,6 +11,7 @@
 #include "pair_policy.h"
 #include "scene_element.h"
 #include "scene_members.h"
+#include "static_classes.h"
 
 namespace collision_pairs {
 namespace {
@@ -37,11 +38,15 @@ class SceneBuilder {
       : scene_(new CollisionScene), description_(description) {
     scene_->robot_ = mergedRobot(description);
     members_ = sceneMembers(description, *scene_->robot_);
+    static_classes_ = std::make_shared<StaticClasses>(
+        StaticClasses{StaticSignature(description, members_), {}, {}});
     classify();
   }
 
   std::unique_ptr<CollisionScene> build(SceneCache& cache) {
     maker_ = cache.maker_.get();
+    static_classes_->named = namesIn(description_);
+    scene_->static_classes_ = static_classes_;
     dropUnneeded();
     scene_->unchecked_ = whatIsUnchecked();
     scene_->filter_.setModels(class_of_);
@@ -70,12 +75,14 @@ class SceneBuilder {
 
  private:
   void classify() {
-    const PairPolicy policy(description_, members_);
-    std::map<std::string, std::uint32_t> class_of_static;
+    const StaticSignature& signature = static_classes_->signature;
+    const PairPolicy policy(description_, members_, signature.restricted());
+    auto& class_of_static = static_classes_->by_signature;
     for (std::size_t i = 0; i < members_.size(); ++i) {
       auto next = static_cast<std::uint32_t>(classes_.size());
       if (members_[i].isStatic() && !members_[i].is_cloud) {
-        next = class_of_static.try_emplace(policy.signature(i), next).first->second;
+        const StaticClasses::Class its_class{next, false, Fidelity::AABB, 0.0};
+        next = class_of_static.try_emplace(signature.of(members_[i]), its_class).first->second.id;
       }
       if (next == classes_.size()) classes_.push_back({i});
       class_of_.push_back(next);
@@ -89,6 +96,10 @@ class SceneBuilder {
       for (MemberClass* one : {&classes_[pair.first], &classes_[pair.second]}) {
         one->half_padding = std::max(one->half_padding, 0.5 * metres);
       }
+    }
+    for (auto& [text, of_static] : class_of_static) {
+      const MemberClass& known = classes_[of_static.id];
+      of_static = {of_static.id, known.needed, known.needed_fidelity, known.half_padding};
     }
   }
 
@@ -183,7 +194,7 @@ class SceneBuilder {
         wanted.emplace_back(&element.shape, classes_[class_of_[m]].needed_fidelity);
       }
     }
-    maker_->prepare(wanted, description_.settings);
+    prepared_ = maker_->prepare(wanted, description_.settings);
     scene_->narrow_phase_ = description_.settings.narrow_phase;
   }
 
@@ -228,17 +239,16 @@ class SceneBuilder {
     Shape shape = element.shape;
     const auto* cylinder = std::get_if<Cylinder>(&shape);
     if (cylinder && member.cylinder_as_capsule) shape = Capsule{cylinder->radius, cylinder->length};
-    SceneElement made = maker_->make(shape, its_class.needed_fidelity);
-    made.X_BE = member.X_BM * element.X_LE;
-    made.finest = member.finest;
-    made.padding = member.padding;
-    made.box_padding = std::max(member.padding, its_class.half_padding);
+    SceneElement made = prepared_.make(shape, its_class.needed_fidelity);
+    setPlace(member, element, its_class.half_padding, made);
     return made;
   }
 
   std::unique_ptr<CollisionScene> scene_;
   const SceneDescription& description_;
   ElementMaker* maker_ = nullptr;
+  PreparedElements prepared_;
+  std::shared_ptr<StaticClasses> static_classes_;
   std::vector<SceneMember> members_;
   std::vector<std::uint32_t> class_of_;  // by member
   std::vector<MemberClass> classes_;
@@ -253,6 +263,12 @@ std::shared_ptr<const CollisionScene> CollisionScene::build(SceneDescription des
   const auto kept = std::make_shared<SceneDescription>(std::move(description));
   auto scene = SceneBuilder(*kept).build(cache ? *cache : of_this_scene);
   kept->settings.progress = nullptr;  // may refer to what ends with this call
+  for (RigidObject& object : kept->objects) {
+    scene->objects_.push_back(std::make_shared<const RigidObject>(std::move(object)));
+  }
+  kept->objects.clear();
+  std::sort(scene->objects_.begin(), scene->objects_.end(),
+            [](const auto& a, const auto& b) { return a->name < b->name; });
   scene->description_ = kept;
   return scene;
 }

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <unordered_map>
 
-#include "restricted_names.h"
 
 namespace collision_pairs {
 namespace {
@@ -45,31 +44,10 @@ ClassSet classesWhere(const std::vector<std::size_t>& examples, const Holds& hol
 
 }  // namespace
 
-PairPolicy::PairPolicy(const SceneDescription& description, const std::vector<SceneMember>& members)
-    : description_(description), members_(members) {
+PairPolicy::PairPolicy(const SceneDescription& description, const std::vector<SceneMember>& members,
+                       const RestrictedNames* restricted)
+    : description_(description), members_(members), restricted_(restricted) {
   readSwitchedOff();
-  for (const PairRule& rule : description.settings.pair_rules) {
-    rules_.push_back(meant(rule.first, rule.second));
-  }
-  for (const PairPadding& pair : description.settings.pair_padding) {
-    paddings_.push_back(meant(pair.first, pair.second));
-  }
-  for (const SceneMember& member : members) {
-    if (member.isStatic()) continue;
-    moving_.insert(member.name);
-    if (!member.object) continue;
-    touched_.insert(member.object->touch_links.begin(), member.object->touch_links.end());
-  }
-  if (!description.restriction.empty()) readRestriction();
-}
-
-PairPolicy::Meant PairPolicy::meant(const NamePattern& first, const NamePattern& second) const {
-  Meant meant;
-  for (const SceneMember& member : members_) {
-    meant.first.push_back(matches(first, member.name));
-    meant.second.push_back(matches(second, member.name));
-  }
-  return meant;
 }
 
 void PairPolicy::readSwitchedOff() {
@@ -106,12 +84,9 @@ void PairPolicy::readSwitchedOff() {
   for (auto& others : switched_off_) std::sort(others.begin(), others.end());
 }
 
-void PairPolicy::readRestriction() {
-  const RestrictedNames restricted(description_.robots, description_.restriction);
-  for (const SceneMember& member : members_) {
-    const std::string attached_link = member.object ? member.object->attached_link : std::string();
-    restricted_.push_back(restricted.have(member.name, attached_link));
-  }
+bool PairPolicy::isRestricted(std::size_t member) const {
+  const RigidObject* object = members_[member].object;
+  return restricted_->have(members_[member].name, object ? object->attached_link : "");
 }
 
 PairFilter PairPolicy::filter(const std::vector<std::uint32_t>& class_of,
@@ -120,11 +95,13 @@ PairFilter PairPolicy::filter(const std::vector<std::uint32_t>& class_of,
   const ClassSet statics = where([&](std::size_t m) { return members_[m].isStatic(); });
   const ClassSet links = where([&](std::size_t m) { return members_[m].robot >= 0; });
   const ClassSet restricted =
-      where([&](std::size_t m) { return !restricted_.empty() && restricted_[m]; });
+      where([&](std::size_t m) { return restricted_ != nullptr && isRestricted(m); });
   std::vector<std::pair<ClassSet, ClassSet>> rules;
-  for (const Meant& rule : rules_) {
-    rules.emplace_back(where([&](std::size_t m) { return rule.first[m]; }),
-                       where([&](std::size_t m) { return rule.second[m]; }));
+  for (const PairRule& rule : description_.settings.pair_rules) {
+    const auto meant = [&](const NamePattern& pattern) {
+      return where([&](std::size_t m) { return matches(pattern, members_[m].name); });
+    };
+    rules.emplace_back(meant(rule.first), meant(rule.second));
   }
   std::map<int, ClassSet> objects_on;  // by body
   for (std::size_t c = 0; c < examples.size(); ++c) {
@@ -149,7 +126,7 @@ PairFilter PairPolicy::filter(const std::vector<std::uint32_t>& class_of,
       if (rules[i].first.has(c)) apply(rules[i].second);
       if (rules[i].second.has(c)) apply(rules[i].first);
     }
-    if (!restricted_.empty() && !restricted.has(c)) restricted.keepOnlyIn(row);
+    if (restricted_ && !restricted.has(c)) restricted.keepOnlyIn(row);
     if (member.isStatic()) statics.removeFrom(row);
     if (member.object && !member.isStatic()) objects_on.at(member.body).removeFrom(row);
     switchOff(c, row);
@@ -179,44 +156,23 @@ void PairPolicy::switchOffTouching(const std::vector<std::size_t>& examples,
 ClassPaddings PairPolicy::paddings(const PairFilter& filter,
                                    const std::vector<std::size_t>& examples) const {
   ClassPaddings paddings;
-  for (std::size_t i = 0; i < paddings_.size(); ++i) {
-    const auto meant = [&](const std::vector<char>& members) {
+  for (const PairPadding& pair : description_.settings.pair_padding) {
+    const auto meant = [&](const NamePattern& pattern) {
       std::vector<std::uint32_t> classes;
       for (std::uint32_t c = 0; c < examples.size(); ++c) {
-        if (members[examples[c]]) classes.push_back(c);
+        if (matches(pattern, members_[examples[c]].name)) classes.push_back(c);
       }
       return classes;
     };
-    const std::vector<std::uint32_t> second = meant(paddings_[i].second);
-    for (const std::uint32_t a : meant(paddings_[i].first)) {
+    const std::vector<std::uint32_t> second = meant(pair.second);
+    for (const std::uint32_t a : meant(pair.first)) {
       for (const std::uint32_t b : second) {
         if (!filter.classPairAllowed(a, b)) continue;
-        paddings[std::minmax(a, b)] = description_.settings.pair_padding[i].metres;  // the last
+        paddings[std::minmax(a, b)] = pair.metres;  // the last
       }
     }
   }
   return paddings;
-}
-
-std::string PairPolicy::signature(std::size_t member) const {
-  const SceneMember& m = members_[member];
-  std::string text(1, static_cast<char>(m.finest));
-  for (const auto* all : {&rules_, &paddings_}) {
-    for (const Meant& one : *all) {
-      text += one.first[member] ? '1' : '0';
-      text += one.second[member] ? '1' : '0';
-    }
-  }
-  if (!restricted_.empty()) text += restricted_[member] ? 'r' : '-';
-  const auto add = [&](char kind, const std::string& name) {  // names may contain any character
-    text += kind + std::to_string(name.size()) + ":" + name;
-  };
-  if (touched_.count(m.name) > 0) add('t', m.name);
-  if (!m.object) return text;
-  for (const std::string& link : m.object->touch_links) {
-    if (moving_.count(link) > 0) add('m', link);  // the other names never match a pair with it
-  }
-  return text;
 }
 
 }  // namespace collision_pairs

@@ -1,7 +1,6 @@
 #include "scene_element.h"
 
 #include <limits>
-#include <mutex>
 
 #include "enclosing_box.h"
 #include "in_parallel.h"
@@ -15,7 +14,6 @@ using Eigen::Isometry3d;
 using Eigen::Vector3d;
 
 constexpr double ROUNDING = 64.0 * std::numeric_limits<double>::epsilon();
-constexpr std::uint64_t KEPT_ROUNDS = 16;  // a mesh that this many scenes did not use is dropped
 
 /// The hull of an element, which encloses it if enlarged by `margin`.
 struct Hull {
@@ -97,7 +95,8 @@ SceneElement makeElement(const Shape& shape, Fidelity needed, int max_hull_verti
     const auto [box, X_EO] = enclosingBox(hull.shape);
     obb = {prepareShape(box, method), X_EO, hull.margin, true};
   }
-  made.rungs = {Rung{}, Rung{}, obb, convex, exact};
+  made.rungs = std::make_shared<const std::array<Rung, 5>>(
+      std::array<Rung, 5>{Rung{}, Rung{}, obb, convex, exact});
   return made;
 }
 
@@ -105,58 +104,6 @@ void makeSpheres(const std::vector<SceneElement>& elements) {
   inParallel(nbThreads(0, elements.size()), elements.size(), [&](std::size_t, std::size_t i) {
     if (elements[i].spheres) elements[i].spheres->get();
   });
-}
-
-void ElementMaker::prepare(const std::vector<std::pair<const Shape*, Fidelity>>& wanted,
-                           const SceneSettings& settings) {
-  ++round_;
-  max_hull_vertices_ = settings.max_hull_vertices;
-  method_ = settings.narrow_phase;
-  std::vector<std::tuple<const Shape*, Fidelity, SceneElement*>> open;
-  for (const auto& [shape, needed] : wanted) {
-    const auto* mesh = std::get_if<Mesh>(shape);
-    if (mesh == nullptr) continue;
-    const auto [slot, is_new] =
-        of_meshes_.try_emplace(Key(mesh->mesh.get(), needed, max_hull_vertices_, method_));
-    slot->second.last_round = round_;
-    if (!is_new) continue;
-    slot->second.element.spheres = spheresOf(*shape);
-    open.emplace_back(shape, needed, &slot->second.element);
-  }
-  std::mutex telling;
-  std::size_t done = 0;
-  try {
-    inParallel(nbThreads(0, open.size()), open.size(), [&](std::size_t, std::size_t i) {
-      const auto& [shape, needed, element] = open[i];
-      *element = makeElement(*shape, needed, max_hull_vertices_, method_, element->spheres);
-      if (!settings.progress) return;
-      const std::lock_guard<std::mutex> lock(telling);
-      settings.progress(++done, open.size());
-    });
-  } catch (...) {
-    of_meshes_.clear();  // some are not made
-    throw;
-  }
-  for (auto i = of_meshes_.begin(); i != of_meshes_.end();) {
-    i = i->second.last_round + KEPT_ROUNDS < round_ ? of_meshes_.erase(i) : std::next(i);
-  }
-}
-
-std::shared_ptr<const FineSpheres> ElementMaker::spheresOf(const Shape& shape) const {
-  const TriangleMesh* mesh = std::get<Mesh>(shape).mesh.get();
-  auto i = of_meshes_.lower_bound(Key(mesh, Fidelity::AABB, 0, NarrowPhaseMethod::NATIVE));
-  for (; i != of_meshes_.end() && std::get<0>(i->first) == mesh; ++i) {
-    if (i->second.element.spheres) return i->second.element.spheres;
-  }
-  return std::make_shared<const FineSpheres>(shape);
-}
-
-SceneElement ElementMaker::make(const Shape& shape, Fidelity needed) const {
-  if (const auto* mesh = std::get_if<Mesh>(&shape)) {
-    const auto found = of_meshes_.find(Key(mesh->mesh.get(), needed, max_hull_vertices_, method_));
-    if (found != of_meshes_.end()) return found->second.element;
-  }
-  return makeElement(shape, needed, max_hull_vertices_, method_);
 }
 
 Aabb SceneElement::boxAt(const Isometry3d& X_WE) const {

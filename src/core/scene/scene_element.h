@@ -3,7 +3,10 @@
 
 #include <cstdint>
 #include <map>
+#include <memory>
+#include <mutex>
 #include <tuple>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -23,33 +26,63 @@ SceneElement makeElement(const Shape& shape, Fidelity needed, int max_hull_verti
 /// Makes the spheres of all meshes, on all cores; nothing for those that have been made.
 void makeSpheres(const std::vector<SceneElement>& elements);
 
-/// Makes the elements of scenes. A mesh is prepared once, however many links and scenes use it, and
-/// meshes are prepared on all cores.
-class ElementMaker {
+/// Makes the elements of one scene.
+class PreparedElements {
  public:
-  /// Prepares what make() will need until the next call.
-  void prepare(const std::vector<std::pair<const Shape*, Fidelity>>& wanted,
-               const SceneSettings& settings);
-
   SceneElement make(const Shape& shape, Fidelity needed) const;
 
  private:
-  /// Those of the mesh with any settings, or new ones.
-  std::shared_ptr<const FineSpheres> spheresOf(const Shape& mesh) const;
+  friend class ElementMaker;
+  int max_hull_vertices_ = 0;
+  NarrowPhaseMethod method_ = NarrowPhaseMethod::NATIVE;
+  std::map<std::pair<const TriangleMesh*, Fidelity>, std::shared_ptr<const SceneElement>> meshes_;
+};
 
-  // Mesh, needed, max_hull_vertices, method.
-  using Key = std::tuple<const TriangleMesh*, Fidelity, int, NarrowPhaseMethod>;
+/// Prepares the meshes of scenes, on all cores: each content once, however many links, scenes and
+/// threads use it. Thread safe.
+class ElementMaker {
+ public:
+  PreparedElements prepare(const std::vector<std::pair<const Shape*, Fidelity>>& wanted,
+                           const SceneSettings& settings);
 
-  /// Holds the mesh, so that its address is not reused.
+ private:
+  using MeshPtr = std::shared_ptr<const TriangleMesh>;
+  /// One for meshes of the same content.
+  struct Content {
+    MeshPtr mesh;
+    std::shared_ptr<const FineSpheres> spheres;
+  };
+  /// Of a mesh, by address: it holds the mesh, so that the address is not reused.
+  struct Known {
+    MeshPtr mesh;
+    std::shared_ptr<const Content> content;
+    std::uint64_t last_round = 0;
+  };
   struct Prepared {
+    std::shared_ptr<const Content> content;  // keeps the address in the key
+    std::mutex making;
+    bool is_made = false;  ///< guarded by `making`
     SceneElement element;
     std::uint64_t last_round = 0;
   };
+  /// Content, needed, max_hull_vertices, method.
+  using Key = std::tuple<const Content*, Fidelity, int, NarrowPhaseMethod>;
+  struct Job {
+    const Shape* shape;
+    Fidelity needed;
+    std::shared_ptr<const Content> content;
+    std::shared_ptr<Prepared> prepared;
+  };
 
-  int max_hull_vertices_ = 0;
-  NarrowPhaseMethod method_ = NarrowPhaseMethod::NATIVE;
+  std::shared_ptr<const Content> contentOf(const MeshPtr& mesh);
+  void make(std::vector<Job> jobs, const SceneSettings& settings);
+  void drop();
+
+  std::mutex mutex_;  // guards all but what is being made
   std::uint64_t round_ = 0;
-  std::map<Key, Prepared> of_meshes_;
+  std::unordered_map<const TriangleMesh*, Known> by_address_;
+  std::unordered_multimap<std::uint64_t, std::shared_ptr<const Content>> by_hash_;
+  std::map<Key, std::shared_ptr<Prepared>> prepared_;
 };
 
 }  // namespace collision_pairs

@@ -12,6 +12,17 @@ bool matchesAny(const std::vector<NamePattern>& patterns, const std::string& nam
                      [&](const NamePattern& pattern) { return matches(pattern, name); });
 }
 
+SceneMember memberWith(const std::string& name, const std::vector<Element>& elements,
+                       const SceneSettings& settings) {
+  SceneMember member;
+  member.name = name;
+  member.elements = &elements;
+  const auto own = settings.link_fidelity.find(name);
+  member.finest = own == settings.link_fidelity.end() ? settings.fidelity
+                                                      : std::min(own->second, settings.fidelity);
+  return member;
+}
+
 class MemberCollector {
  public:
   MemberCollector(const SceneDescription& description, const RobotModel& merged)
@@ -67,10 +78,8 @@ class MemberCollector {
   }
 
   SceneMember& addObject(const RigidObject& object) {
-    SceneMember& member = add(object.name, object.elements);
-    member.object = &object;
-    member.padding = object.padding;
-    member.X_BM = object.X_PO;
+    members_.push_back(staticMember(object, settings_));
+    SceneMember& member = members_.back();
     if (object.attached_link.empty()) return member;
     const Link& link = merged_.links()[merged_.findLink(object.attached_link)];
     member.body = link.body;
@@ -79,14 +88,7 @@ class MemberCollector {
   }
 
   SceneMember& add(const std::string& name, const std::vector<Element>& elements) {
-    SceneMember member;
-    member.name = name;
-    member.elements = &elements;
-    const auto own = settings_.link_fidelity.find(name);
-    member.finest = own == settings_.link_fidelity.end()
-                        ? settings_.fidelity
-                        : std::min(own->second, settings_.fidelity);
-    members_.push_back(std::move(member));
+    members_.push_back(memberWith(name, elements, settings_));
     return members_.back();
   }
 
@@ -97,6 +99,22 @@ class MemberCollector {
 };
 
 }  // namespace
+
+void setPlace(const SceneMember& member, const Element& element, double half_padding,
+              SceneElement& made) {
+  made.X_BE = member.X_BM * element.X_LE;
+  made.finest = member.finest;
+  made.padding = member.padding;
+  made.box_padding = std::max(member.padding, half_padding);
+}
+
+SceneMember staticMember(const RigidObject& object, const SceneSettings& settings) {
+  SceneMember member = memberWith(object.name, object.elements, settings);
+  member.object = &object;
+  member.padding = object.padding;
+  member.X_BM = object.X_PO;
+  return member;
+}
 
 std::shared_ptr<const RobotModel> mergedRobot(const SceneDescription& description) {
   const auto& robots = description.robots;

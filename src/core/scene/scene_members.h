@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "collision_pairs/collision_scene.h"
 #include "collision_pairs/scene_description.h"
 
 namespace collision_pairs {
@@ -33,6 +34,14 @@ std::shared_ptr<const RobotModel> mergedRobot(const SceneDescription& descriptio
 /// a pattern may match nothing, since matching objects may be added later), for a padding that is
 /// negative or not finite, and for too few hull vertices. `merged` is mergedRobot().
 void checkDescription(const SceneDescription& description, const RobotModel& merged);
+
+/// Sets the element's pose, fidelity and paddings. `half_padding`: half of the largest padding set
+/// for a single pair of the member.
+void setPlace(const SceneMember& member, const Element& element, double half_padding,
+              SceneElement& made);
+
+/// The object must outlive it; it is not checked.
+SceneMember staticMember(const RigidObject& object, const SceneSettings& settings);
 
 /// Sorted by name; links ignored by the settings are left out. Both arguments must outlive the
 /// members. Throws as checkDescription().

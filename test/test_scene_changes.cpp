@@ -1,0 +1,383 @@
+// A scene that was changed is the scene that is built of the changed description.
+#include <map>
+#include <thread>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "collision_pairs/collision_detector.h"
+#include "collision_pairs/input_error.h"
+#include "collision_pairs/occupied_voxels.h"
+#include "random_robot.h"
+
+namespace collision_pairs {
+namespace {
+
+using testing::HasSubstr;
+
+/// A description, and what random changes make of it, one object at a time: the oracle.
+class Objects {
+ public:
+  Objects(RandomInputs& random, SceneDescription description)
+      : random_(random), description_(std::move(description)) {}
+
+  const SceneDescription& description() const { return description_; }
+
+  SceneChanges change() {
+    SceneChanges changes;
+    for (int i = random_.integer(1, 3); i > 0; --i) {
+      const int kind = random_.integer(0, 9);
+      auto& objects = description_.objects;
+      const bool is_add = kind < 4 || objects.empty();
+      const auto one = static_cast<std::size_t>(
+          is_add ? 0 : random_.integer(0, static_cast<int>(objects.size()) - 1));
+      if (is_add) {
+        put(changed(changes, newObject()));
+      } else if (kind < 7) {
+        RigidObject moved = objects[one];
+        moved.X_PO = random_.pose(1.0);
+        put(changed(changes, moved));
+      } else if (kind < 9) {
+        const bool is_in_it = std::any_of(changes.objects.begin(), changes.objects.end(),
+                                          [&](const auto& o) { return o.name == objects[one].name; });
+        if (is_in_it) continue;  // what is removed comes first
+        changes.removed.push_back(objects[one].name);
+        objects.erase(objects.begin() + static_cast<std::ptrdiff_t>(one));
+      } else {
+        RigidObject attached = objects[one];
+        attached.attached_link = attached.attached_link.empty() ? "left/link_1" : "";
+        attached.X_PO = random_.pose(0.2);
+        put(changed(changes, attached));
+      }
+    }
+    return changes;
+  }
+
+ private:
+  static const RigidObject& changed(SceneChanges& changes, const RigidObject& object) {
+    changes.objects.push_back(object);
+    return object;
+  }
+
+  RigidObject newObject() {
+    RigidObject object;
+    object.name = std::string(1, static_cast<char>('a' + random_.integer(0, 25))) + "_box";
+    const Shape shapes[] = {Box{{0.2, 0.2, 0.1}}, Sphere{0.1}, meshShape(LShape().mesh())};
+    for (int i = random_.integer(1, 2); i > 0; --i) {
+      object.elements.push_back({shapes[random_.integer(0, 2)], random_.pose(0.2)});
+    }
+    object.X_PO = random_.pose(1.0);
+    if (random_.integer(0, 4) == 0) object.padding = 0.02;
+    if (random_.integer(0, 4) == 0) object.touch_links = {"left/link_0"};
+    if (random_.integer(0, 9) == 0) object.touch_links = {"m_box"};  // there may be none
+    return object;
+  }
+
+  void put(const RigidObject& object) {
+    for (RigidObject& known : description_.objects) {
+      if (known.name == object.name) {
+        known = object;
+        return;
+      }
+    }
+    description_.objects.push_back(object);
+  }
+
+  RandomInputs& random_;
+  SceneDescription description_;
+};
+
+void expectSameElements(const CollisionScene& found, const CollisionScene& expected) {
+  ASSERT_EQ(found.elements().size(), expected.elements().size());
+  ASSERT_EQ(found.nbStaticElements(), expected.nbStaticElements());
+  for (std::uint32_t e = 0; e < found.elements().size(); ++e) {
+    const SceneElement &a = found.elements()[e], &b = expected.elements()[e];
+    EXPECT_EQ(a.model, b.model);
+    EXPECT_EQ(a.body, b.body);
+    EXPECT_EQ(a.finest, b.finest);
+    EXPECT_EQ(a.X_BE.matrix(), b.X_BE.matrix());
+    EXPECT_EQ(a.padding, b.padding);
+    EXPECT_EQ(a.box_padding, b.box_padding);
+    EXPECT_EQ(a.shape.index(), b.shape.index());
+    EXPECT_EQ(found.cloudOf(e), expected.cloudOf(e));
+    for (const Fidelity f : {Fidelity::OBB, Fidelity::CONVEX, Fidelity::MESH}) {
+      EXPECT_EQ(a.rung(f).shape == nullptr, b.rung(f).shape == nullptr);
+    }
+    if (e >= found.nbStaticElements()) continue;
+    EXPECT_EQ(found.staticBoxes().box(e).min, expected.staticBoxes().box(e).min);
+    EXPECT_EQ(found.staticBoxes().box(e).max, expected.staticBoxes().box(e).max);
+    EXPECT_EQ(found.staticBoxes().model(e), b.model);
+    for (std::uint32_t other = 0; other < found.elements().size(); ++other) {
+      EXPECT_EQ(found.padding(e, other), expected.padding(e, other));
+    }
+  }
+}
+
+void expectSameModels(const CollisionScene& found, const CollisionScene& expected) {
+  ASSERT_EQ(found.models().size(), expected.models().size());
+  ASSERT_EQ(found.bodies().size(), expected.bodies().size());
+  EXPECT_EQ(found.unchecked(), expected.unchecked());
+  EXPECT_EQ(found.openMeshes(), expected.openMeshes());
+  EXPECT_EQ(found.staticBoxes().bounds().min, expected.staticBoxes().bounds().min);
+  EXPECT_EQ(found.staticBoxes().bounds().max, expected.staticBoxes().bounds().max);
+  for (std::uint32_t m = 0; m < found.models().size(); ++m) {
+    const CollisionModel &a = found.models()[m], &b = expected.models()[m];
+    EXPECT_EQ(a.name, b.name);
+    EXPECT_EQ(a.body, b.body);
+    EXPECT_EQ(a.first_element, b.first_element);
+    EXPECT_EQ(a.nb_elements, b.nb_elements);
+    EXPECT_EQ(a.is_object, b.is_object);
+    EXPECT_EQ(a.attached_link, b.attached_link);
+    for (std::uint32_t other = 0; other < found.models().size(); ++other) {
+      EXPECT_EQ(found.filter().allowed(m, other), expected.filter().allowed(m, other));
+    }
+  }
+}
+
+/// To the last bit; both scenes have the same models.
+void expectSameReports(RandomInputs& random, const std::shared_ptr<const CollisionScene>& found,
+                       const std::shared_ptr<const CollisionScene>& expected,
+                       const CloudVoxels& voxels, int& nb_pairs) {
+  CollisionDetector a(found), b(expected);
+  std::vector<Eigen::Isometry3d> X_RB;
+  found->robot().forwardKinematics(randomPositions(random, found->robot()), X_RB);
+  BodyPoses poses;
+  found->gatherPoses(X_RB, poses);
+  if (!found->clouds().empty()) poses.voxels = voxels;
+  CheckSettings settings;
+  settings.min_distance = random.integer(0, 1);
+  const CollisionReport& report = a.detect(poses, settings);
+  const CollisionReport& oracle = b.detect(poses, settings);
+  EXPECT_EQ(report.verdict, oracle.verdict);
+  EXPECT_EQ(report.candidates, oracle.candidates);
+  EXPECT_EQ(report.min_distance, oracle.min_distance);
+  EXPECT_EQ(report.min_distance_is_bound, oracle.min_distance_is_bound);
+  EXPECT_EQ(report.left_out, oracle.left_out);
+  ASSERT_EQ(report.pairs.size(), oracle.pairs.size());
+  for (std::size_t i = 0; i < report.pairs.size(); ++i) {
+    EXPECT_EQ(report.pairs[i].first, oracle.pairs[i].first);
+    EXPECT_EQ(report.pairs[i].second, oracle.pairs[i].second);
+    EXPECT_EQ(report.pairs[i].distance, oracle.pairs[i].distance);
+    EXPECT_EQ(report.pairs[i].state, oracle.pairs[i].state);
+  }
+  ASSERT_EQ(report.contacts.size(), oracle.contacts.size());
+  for (std::size_t i = 0; i < report.contacts.size(); ++i) {
+    EXPECT_EQ(report.contacts[i].p_WFirst, oracle.contacts[i].p_WFirst);
+    EXPECT_EQ(report.contacts[i].nhat_W, oracle.contacts[i].nhat_W);
+  }
+  nb_pairs += static_cast<int>(report.pairs.size());
+}
+
+SceneDescription randomStart(RandomInputs& random, CloudVoxels& voxels) {
+  SceneDescription description = randomScene(random);
+  SceneSettings& settings = description.settings;
+  if (random.integer(0, 2) == 0) {
+    settings.pair_rules.push_back({PairRule::Verdict::DENY, "[a-m]_box", "right/*"});
+  }
+  if (random.integer(0, 2) == 0) {
+    settings.pair_padding.push_back({"[h-z]_box", "left/link_*", 0.04});
+  }
+  if (random.integer(0, 4) == 0) description.restriction.names = {"left/link_1", "[a-f]_box"};
+  if (random.integer(0, 4) == 0) settings.pair_rules.push_back({PairRule::Verdict::DENY, "*", "?_box"});
+  if (random.integer(0, 3) == 0) {
+    description.clouds.push_back(cloudOf("m_cloud", 0.1, {}));
+    voxels = {std::make_shared<const OccupiedVoxels>(
+        0.1, std::vector<VoxelCell>{{1, 2, 3}, {0, 0, -4}, {-3, 2, 0}})};
+  }
+  return description;
+}
+
+TEST(ASceneThatWasChanged, IsTheSceneBuiltOfTheChangedDescription) {
+  RandomInputs random;
+  int nb_pairs = 0, nb_alike = 0, nb_built = 0, nb_refused = 0;
+  for (int round = 0; round < 60; ++round) {
+    CloudVoxels voxels;
+    Objects objects(random, randomStart(random, voxels));
+    SceneCache cache;
+    auto scene = CollisionScene::build(objects.description(), &cache);
+    for (int step = 0; step < 12; ++step) {
+      const Objects before = objects;
+      const SceneChanges changes = objects.change();
+      std::shared_ptr<const CollisionScene> expected, alike;
+      std::string problem, found_problem;
+      try {
+        expected = CollisionScene::build(objects.description());
+      } catch (const InputError& error) {
+        problem = error.what();
+      }
+      try {
+        alike = scene->withAlike(changes, random.integer(0, 1) ? &cache : nullptr);
+        scene = scene->with(changes, &cache);
+      } catch (const InputError& error) {
+        found_problem = error.what();
+      }
+      EXPECT_EQ(found_problem, problem);
+      ++(alike ? nb_alike : problem.empty() ? nb_built : nb_refused);
+      if (!problem.empty()) break;
+      for (const auto& made : {scene, alike}) {
+        if (!made) continue;
+        expectSameModels(*made, *expected);
+        expectSameElements(*made, *expected);
+        expectSameReports(random, made, expected, voxels, nb_pairs);
+      }
+      ASSERT_FALSE(HasFailure()) << "round " << round << ", step " << step;
+    }
+  }
+  EXPECT_GT(nb_pairs, 200);
+  EXPECT_GT(nb_alike, 100);
+  EXPECT_GT(nb_built, 50);
+  EXPECT_GT(nb_refused, 0);
+}
+
+RigidObject box(const std::string& name, double x) {
+  RigidObject object;
+  object.name = name;
+  object.elements.push_back({Box{{0.1, 0.1, 0.1}}, Eigen::Isometry3d::Identity()});
+  object.X_PO.translation().x() = x;
+  return object;
+}
+
+/// Two sliding boxes and the objects near and far.
+class Changed : public testing::Test {
+ protected:
+  Changed() {
+    description_.robots.push_back({robotFrom(slidingBoxes(2)), std::nullopt, ""});
+    description_.objects = {box("far", 50), box("near", 3)};
+    scene_ = CollisionScene::build(description_);
+  }
+  std::string refusal(const SceneChanges& changes) {
+    try {
+      scene_->with(changes);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "accepted";
+  }
+  SceneDescription description_;
+  std::shared_ptr<const CollisionScene> scene_;
+};
+
+TEST_F(Changed, WhatIsWrongIsNamedAsByABuild) {
+  EXPECT_THAT(refusal({{}, {"nea"}}), HasSubstr("no object 'nea' to remove; did you mean 'near'?"));
+  EXPECT_THAT(refusal({{box("a", 0)}, {}}), HasSubstr("object 'a' has the name of a link"));
+  EXPECT_THAT(refusal({{box("", 0)}, {}}), HasSubstr("no name"));
+  RigidObject bad = box("bad", 0);
+  bad.touch_links = {"nowhere"};
+  EXPECT_THAT(refusal({{bad}, {}}), HasSubstr("'nowhere'"));
+  bad = box("bad", 1e308);
+  bad.X_PO.translation().y() = std::numeric_limits<double>::infinity();
+  EXPECT_THAT(refusal({{bad}, {}}), HasSubstr("'bad' is too large or too far away"));
+  bad = box("bad", 0);
+  bad.padding = -1.0;
+  EXPECT_THAT(refusal({{bad}, {}}), HasSubstr("the padding of object 'bad'"));
+  bad = box("bad", 0);
+  bad.elements[0].shape = Sphere{-1.0};
+  EXPECT_THAT(refusal({{bad}, {}}), HasSubstr("a shape of the scene"));
+}
+
+TEST_F(Changed, WhatARuleOrATouchLinkNamesIsNotRemoved) {
+  description_.objects[0].touch_links = {"near"};
+  scene_ = CollisionScene::build(description_);
+  EXPECT_THAT(refusal({{}, {"near"}}), HasSubstr("object 'far', touch_links names 'near'"));
+  description_.objects[0].touch_links.clear();
+  description_.settings.link_padding["far"] = 0.1;
+  scene_ = CollisionScene::build(description_);
+  EXPECT_THAT(refusal({{}, {"far"}}), HasSubstr("'far'"));
+}
+
+TEST_F(Changed, TheLastObjectTakesItsPairsWithIt) {
+  description_.robots = {{robotFrom(slidingBoxes(1)), std::nullopt, ""}};
+  scene_ = CollisionScene::build(description_);
+  EXPECT_EQ(scene_->withAlike({{}, {"far", "near"}}), nullptr);
+  EXPECT_EQ(scene_->with({{}, {"far", "near"}})->unchecked(), "there is no pair to check");
+  EXPECT_NE(scene_->withAlike({{}, {"far"}}), nullptr);
+}
+
+TEST_F(Changed, TheOldSceneIsAsItWas) {
+  BodyPoses poses;
+  poses.resize(2);
+  poses.X_WB[1].translation().x() = 5.0;
+  CollisionDetector before(scene_);
+  EXPECT_EQ(before.detect(poses, {}).verdict, Verdict::FREE);
+  const auto after = scene_->with({{box("here", 0)}, {"near"}});
+  EXPECT_EQ(CollisionDetector(after).detect(poses, {}).verdict, Verdict::COLLISION);
+  EXPECT_EQ(before.detect(poses, {}).verdict, Verdict::FREE);
+  EXPECT_EQ(scene_->objects().size(), 2u);
+  EXPECT_GE(scene_->findModel("near"), 0);
+  EXPECT_EQ(after->findModel("near"), -1);
+  ASSERT_EQ(after->objects().size(), 2u);
+  EXPECT_EQ(after->objects()[1]->name, "here");
+}
+
+RigidObject ball(const std::string& name) {
+  RigidObject object = box(name, 2);
+  object.elements[0].shape = meshShape(bumpyBall(12, 0.15));  // a mesh of its own, of equal content
+  return object;
+}
+
+const PreparedShape* preparedOf(const CollisionScene& scene, const std::string& name) {
+  const CollisionModel& model = scene.models()[static_cast<std::size_t>(scene.findModel(name))];
+  return scene.elements()[model.first_element].rung(Fidelity::MESH).shape.get();
+}
+
+TEST_F(Changed, MeshesOfEqualContentArePreparedOnceForAllScenes) {
+  std::size_t nb_prepared = 0;
+  description_.settings.progress = [&](std::size_t, std::size_t) { ++nb_prepared; };
+  description_.objects = {ball("p"), ball("q")};
+  SceneCache cache;
+  const auto first = CollisionScene::build(description_, &cache);
+  EXPECT_EQ(nb_prepared, 1u);
+  description_.objects.push_back(ball("r"));
+  const auto second = CollisionScene::build(description_, &cache);
+  const auto third = first->with({{ball("s")}, {}}, &cache);
+  EXPECT_EQ(nb_prepared, 1u);
+  const PreparedShape* known = preparedOf(*first, "p");
+  EXPECT_EQ(preparedOf(*first, "q"), known);
+  EXPECT_EQ(preparedOf(*second, "r"), known);
+  EXPECT_EQ(preparedOf(*third, "s"), known);
+  RigidObject other = ball("t");
+  TriangleMesh mesh = bumpyBall(12, 0.15);
+  mesh.vertices[0] *= 1.0 + 1e-15;
+  other.elements[0].shape = meshShape(mesh);
+  EXPECT_NE(preparedOf(*first->with({{other}, {}}, &cache), "t"), known);
+}
+
+TEST_F(Changed, AMeshIsKeptAsLongAsASceneHoldsIt) {
+  SceneCache cache;
+  description_.objects = {ball("p")};
+  const auto holder = CollisionScene::build(description_, &cache);
+  std::weak_ptr<const PreparedShape> dropped;
+  for (int i = 0; i < 60; ++i) {
+    description_.objects = {ball("q")};
+    TriangleMesh mesh = bumpyBall(12, 0.15 + 0.001 * (i + 1));
+    description_.objects[0].elements[0].shape = meshShape(mesh);
+    const auto scene = CollisionScene::build(description_, &cache);
+    const CollisionModel& q = scene->models()[static_cast<std::size_t>(scene->findModel("q"))];
+    if (i == 0) dropped = scene->elements()[q.first_element].rung(Fidelity::MESH).shape;
+  }
+  EXPECT_TRUE(dropped.expired());
+  description_.objects = {ball("again")};
+  EXPECT_EQ(preparedOf(*CollisionScene::build(description_, &cache), "again"),
+            preparedOf(*holder, "p"));
+}
+
+TEST_F(Changed, OneCacheServesAllThreads) {
+  SceneCache cache;
+  std::vector<std::shared_ptr<const CollisionScene>> scenes(4);
+  std::vector<std::thread> threads;
+  for (auto& scene : scenes) {
+    threads.emplace_back([&] {
+      SceneDescription description = description_;
+      for (const char* name : {"p", "q"}) description.objects.push_back(ball(name));
+      scene = CollisionScene::build(description, &cache);
+      for (int i = 0; i < 20; ++i) scene = scene->with({{ball("r" + std::to_string(i))}, {}}, &cache);
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  for (const auto& scene : scenes) {
+    EXPECT_EQ(preparedOf(*scene, "r19"), preparedOf(*scenes[0], "p"));
+  }
+}
+
+}  // namespace
+}  // namespace collision_pairs
