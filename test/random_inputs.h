@@ -1,4 +1,5 @@
-// Random numbers for tests. The seed is fixed unless COLLISION_PAIRS_SEED is set, and printed.
+// Random numbers for tests. The seed is fixed unless COLLISION_PAIRS_SEED is set (scripts/test
+// --seed), and printed.
 #pragma once
 
 #include <cstdlib>
@@ -9,15 +10,16 @@
 
 namespace collision_pairs {
 
+inline unsigned givenSeed() {
+  const char* given = std::getenv("COLLISION_PAIRS_SEED");
+  const unsigned seed = given ? static_cast<unsigned>(std::strtoul(given, nullptr, 10)) : 20240611;
+  std::cout << "seed " << seed << " (COLLISION_PAIRS_SEED=" << seed << " repeats this run)\n";
+  return seed;
+}
+
 class RandomInputs {
  public:
-  RandomInputs() {
-    const char* given = std::getenv("COLLISION_PAIRS_SEED");
-    const unsigned seed =
-        given ? static_cast<unsigned>(std::strtoul(given, nullptr, 10)) : 20240611;
-    std::cout << "seed " << seed << " (COLLISION_PAIRS_SEED=" << seed << " repeats this run)\n";
-    engine_.seed(seed);
-  }
+  RandomInputs() : RandomInputs(givenSeed()) {}
   /// Of one case of many, which can be repeated alone.
   explicit RandomInputs(unsigned seed) : engine_(seed) {}
 

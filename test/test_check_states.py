@@ -5,6 +5,7 @@ import stat
 
 import pytest
 from conftest import DEMO, rows_of
+from seed import given_seed
 
 URDF = os.path.join(DEMO, "demo_robot.urdf")
 SRDF = os.path.join(DEMO, "demo_robot.srdf")
@@ -35,7 +36,7 @@ def test_verdicts_pairs_and_distance_are_written(run_tool, states, tmp_path):
 
 def test_many_states_have_the_verdicts_of_each(run_tool, tmp_path):
     path, count = tmp_path / "states.csv", 40000  # so many that the batch stage is in use
-    draw = random.Random(16)
+    draw = random.Random(given_seed())
     path.write_text("shoulder_pan,shoulder_lift,elbow_flex,wrist_flex,wrist_roll\n" + "".join(
         ",".join("%.6f" % draw.uniform(-1.5, 1.5) for _ in range(5)) + "\n" for _ in range(count)))
     arguments = ("check_states", URDF, "--srdf", SRDF, "--states", path)

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "depth_image.h"
+#include "random_inputs.h"
 
 namespace collision_pairs {
 namespace {
@@ -25,7 +26,7 @@ double marched(const Vector3d& ray, const Isometry3d& X_EC, const Inside& inside
 }
 
 void expectSeen(const Shape& shape, const Inside& inside) {
-  std::mt19937 random(20261121);
+  std::mt19937 random(givenSeed());
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
   DepthImage image(24, 16, 20.0);
   int nb_seen = 0;

@@ -7,6 +7,7 @@
 #include "collision_pairs/batch_check.h"
 #include "collision_pairs/motion_check.h"
 #include "demo_scene.h"
+#include "random_inputs.h"
 
 namespace collision_pairs {
 namespace {
@@ -143,9 +144,7 @@ class EmptyScene {
 };
 
 TEST(EmptyScenes, AreUnknownHoweverTheyAreAsked) {
-  const unsigned seed = std::random_device()();
-  SCOPED_TRACE("seed " + std::to_string(seed));
-  std::mt19937 random(seed);
+  std::mt19937 random(givenSeed());
   for (const Case& a_case : emptyScenes()) {
     SCOPED_TRACE(a_case.words);
     EmptyScene(a_case.description, random).expect(Verdict::UNKNOWN, a_case.words);
@@ -153,7 +152,7 @@ TEST(EmptyScenes, AreUnknownHoweverTheyAreAsked) {
 }
 
 TEST(EmptyScenes, AreFreeAndSaySoWhereTheSettingsPermitIt) {
-  std::mt19937 random(1);
+  std::mt19937 random(givenSeed());
   for (Case a_case : emptyScenes()) {
     a_case.description.settings.allow_empty_scene = true;
     EmptyScene(a_case.description, random).expect(Verdict::FREE, a_case.words);
@@ -161,7 +160,7 @@ TEST(EmptyScenes, AreFreeAndSaySoWhereTheSettingsPermitIt) {
 }
 
 TEST(EmptyScenes, OfARobotWithoutGeometryAreUnknownWhateverIsAroundIt) {
-  std::mt19937 random(1);
+  std::mt19937 random(givenSeed());
   Case around = emptyScenes()[0];
   around.description.objects.push_back(boxAround("box"));
   around.description.objects.push_back(floorAt(1.0, {}));

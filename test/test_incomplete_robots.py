@@ -7,6 +7,7 @@ import warnings
 import numpy as np
 import pytest
 from conftest import rows_of
+from seed import given_seed
 
 import collision_pairs as cp
 
@@ -93,9 +94,7 @@ def hollow(tmp_path):
 
 
 def test_a_mesh_that_does_not_hold_what_is_inside_it_is_named_with_the_share_that_is_missing(run_tool, hollow, tmp_path):
-    seed = random.randrange(2 ** 32)
-    print("seed", seed)
-    draw = random.Random(seed)
+    draw = random.Random(given_seed())
     states, out = tmp_path / "states.csv", tmp_path / "out.csv"
     states.write_text("a,b\n0,0\n")
     for missing in [0, 1, 2]:

@@ -8,6 +8,7 @@ from xml.sax.saxutils import quoteattr
 import pytest
 import rosbag
 import rospy
+from seed import given_seed
 from sensor_msgs.msg import JointState
 
 HOSTILE = ["|", ";", ",", "=", "%", '"', "'", "#", "\n", "\t", " ", "$", "_", "%7C", "&", "<", "é", "a", "b", "0"]
@@ -59,7 +60,7 @@ def pairs_in(field):
 
 @pytest.fixture(params=range(1, 9), ids=lambda seed: "seed%d" % seed)
 def robot(request, tmp_path):
-    names = hostile_names(2 * NB_LINKS - 1, request.param)
+    names = hostile_names(2 * NB_LINKS - 1, given_seed() + request.param)
     return Robot(names[:NB_LINKS], names[NB_LINKS:], tmp_path)
 
 

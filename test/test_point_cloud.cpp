@@ -10,6 +10,7 @@
 
 #include "collision_pairs/input_error.h"
 #include "point_cloud.h"
+#include "random_inputs.h"
 
 namespace collision_pairs {
 namespace {
@@ -93,9 +94,7 @@ const std::vector<Vector3d> SIX = {{1, 2, 3}, {-4, 5, 6},           {7, -8, 9},
                                    {0, 0, 0}, {1.0 / 1024, 2e5, 3}, {4, 5, -6}};
 
 TEST(PointCloud, OfRandomLayoutsGivesItsPoints) {
-  const unsigned seed = 20261121;
-  SCOPED_TRACE(seed);
-  std::mt19937 random(seed);
+  std::mt19937 random(givenSeed());
   const auto below = [&](std::uint32_t n) { return static_cast<std::uint32_t>(random() % n); };
   for (int i = 0; i < 2000; ++i) {
     Layout layout{1 + below(7), 1 + below(5), 0, below(2) * below(30), {}};

@@ -12,6 +12,7 @@ import warnings
 import numpy as np
 import pytest
 from conftest import DEMO, PROJECT
+from seed import given_seed
 
 import collision_pairs as cp
 
@@ -36,7 +37,7 @@ def detector(threads=0, **scene):
 
 
 def states(count=200):
-    random = np.random.default_rng(7)
+    random = np.random.default_rng(given_seed())
     return np.stack([random.uniform(-3, 3, count), random.uniform(0, 0.4, count)], axis=1)
 
 
@@ -96,7 +97,7 @@ def test_one_state_is_answered_by_numbers_and_a_batch_of_one_by_arrays():
 def test_a_batch_is_answered_as_its_states_one_by_one_on_any_number_of_threads():
     robot = demo_robot()
     scene = cp.Scene(robot)
-    random = np.random.default_rng(3)
+    random = np.random.default_rng(given_seed())
     given = random.uniform(-1.5, 1.5, (300, len(robot.joints)))
     single = [cp.Detector(scene).check(state, gradient=True) for state in given]
     for threads in (1, 3):

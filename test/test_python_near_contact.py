@@ -5,6 +5,7 @@ import warnings
 
 import numpy as np
 from conftest import DEMO
+from seed import given_seed
 
 import collision_pairs as cp
 
@@ -85,9 +86,7 @@ def expect_one_answer(robot, draw, pairs):
 
 
 def test_a_hair_before_contact_every_way_to_ask_python_has_one_answer():
-    seed = random.randrange(2 ** 32)
-    print("seed", seed)
-    draw = random.Random(seed)
+    draw = random.Random(given_seed())
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         count = expect_one_answer(cp.Robot(DEMO + "/demo_robot.urdf", srdf=DEMO + "/demo_robot.srdf"), draw, 60)

@@ -8,7 +8,8 @@ import tempfile
 import threading
 import unittest
 
-sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+HERE = os.path.dirname(os.path.abspath(__file__))
+sys.path[:0] = [HERE, os.path.dirname(HERE)]
 
 import rospy
 import rostest
@@ -19,6 +20,7 @@ from tf2_msgs.msg import TFMessage
 from collision_pairs.msg import CollisionPairs
 from collision_pairs.srv import CheckCollisionsRequest, CheckTrajectory
 from node_client import NodeClient, diagnosis_of
+from seed import given_seed
 from sensor_msgs.msg import JointState
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 from transform_faults import APART, BoxPublisher, TOUCHING, box_at
@@ -250,9 +252,7 @@ class VerdictTest(unittest.TestCase):
             self.assertEqual({r.verdict for r in during}, {FREE}, "the old scene answers meanwhile")
 
     def test_under_random_faults_the_bool_is_never_false_unless_the_verdict_is_free(self):
-        seed = int.from_bytes(os.urandom(4), "little")
-        print("seed %d" % seed)
-        chance = random.Random(seed)
+        chance = random.Random(given_seed())
         joined = []
         end = rospy.get_time() + (300.0 if LONG else 15.0)
         start = len(self.node.reports), len(self.node.verdicts)
