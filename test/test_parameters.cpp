@@ -66,6 +66,7 @@ TEST_P(Defaults, AreThoseOfTheCode) {
   EXPECT_EQ(text.at("allow_paused"), code.allow_paused ? "true" : "false");
   EXPECT_TRUE(text.count("fixed_frame"));
   EXPECT_EQ(text.at("reload"), code.reload);
+  EXPECT_EQ(text.at("trigger"), code.trigger);
   EXPECT_EQ(text.at("allow_empty_scene"), SceneSettings().allow_empty_scene ? "true" : "false");
 }
 

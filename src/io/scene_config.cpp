@@ -15,7 +15,7 @@ namespace collision_pairs {
 namespace {
 
 /// All other keys of the node's parameter file, which can thus be used here unchanged.
-constexpr std::array<const char*, 16> OF_THE_NODE_ONLY = {"alarm_distance",
+constexpr std::array<const char*, 17> OF_THE_NODE_ONLY = {"alarm_distance",
                                                           "fidelity",
                                                           "tolerance",
                                                           "time_budget",
@@ -30,7 +30,8 @@ constexpr std::array<const char*, 16> OF_THE_NODE_ONLY = {"alarm_distance",
                                                           "allow_paused",
                                                           "fixed_frame",
                                                           "velocity_limiter",
-                                                          "reload"};
+                                                          "reload",
+                                                          "trigger"};
 
 std::pair<std::string, std::string> twoNames(const std::string& key, const YAML::Node& value) {
   const auto found = namesOf(key, value);

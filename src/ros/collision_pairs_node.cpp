@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <optional>
 #include <utility>
 
+#include <boost/make_shared.hpp>
 #include <ros/callback_queue.h>
 
 #include "collision_pairs/input_error.h"
@@ -18,6 +20,13 @@ namespace {
 constexpr double WARN_PERIOD = 5.0;  // s between repeated warnings in the log
 // Frame in which the verdict is drawn while there is no robot and so no frame.
 const char* const FRAME_OF_NOTHING = "world";
+
+const ros::WallDuration IDLE_PERIOD(0.05);  // of cycles triggered by transforms, without any
+
+/// Ends the wait for callbacks.
+struct WakeUp : ros::CallbackInterface {
+  CallResult call() override { return Success; }
+};
 
 double secondsSince(const ros::WallTime& start) { return (ros::WallTime::now() - start).toSec(); }
 
@@ -46,20 +55,27 @@ CollisionPairsNode::CollisionPairsNode(ros::NodeHandle node, ros::NodeHandle pri
       std::make_unique<dynamic_reconfigure::Server<CollisionPairsConfig>>(private_node_);
   reconfigure_server_->setCallback(
       [this](CollisionPairsConfig& config, std::uint32_t) { reconfigure(config); });
-  transforms_.subscribe(node);
+  std::function<void()> taken;
+  if (isTriggeredByTf()) {
+    taken = [] { ros::getGlobalCallbackQueue()->addCallback(boost::make_shared<WakeUp>()); };
+  }
+  transforms_.subscribe(node, taken);
 }
 
 // A loop instead of ROS timers, so that only this thread decides when a cycle is due.
 void CollisionPairsNode::run() {
   ros::SteadyTime next_diagnosis;
   while (ros::ok()) {
-    const ros::WallDuration wait = std::min(next_cycle_, next_diagnosis) - ros::SteadyTime::now();
+    const ros::WallDuration wait = std::min(nextCycle(), next_diagnosis) - ros::SteadyTime::now();
     ros::getGlobalCallbackQueue()->callAvailable(std::max(wait, ros::WallDuration(0.0)));
     const ros::SteadyTime now = ros::SteadyTime::now();
-    if (now >= next_cycle_) {
+    if (now >= nextCycle()) {
+      last_cycle_ = now;
+      nb_taken_ = transforms_.nbTaken();
       cycle();
+      const ros::WallDuration period(1.0 / parameters_.rate);
       // Missed cycles are skipped.
-      next_cycle_ = std::max(next_cycle_ + ros::WallDuration(1.0 / parameters_.rate), now);
+      next_cycle_ = isTriggeredByTf() ? now + period : std::max(next_cycle_ + period, now);
     }
     if (now >= next_diagnosis) {
       health_.noteTransforms(transforms_.refused(), transforms_.nbClockJumps());
@@ -70,6 +86,11 @@ void CollisionPairsNode::run() {
       next_diagnosis = now + ros::WallDuration(1.0);
     }
   }
+}
+
+ros::SteadyTime CollisionPairsNode::nextCycle() const {
+  const bool waits = isTriggeredByTf() && transforms_.nbTaken() == nb_taken_;
+  return waits ? std::max(next_cycle_, last_cycle_ + IDLE_PERIOD) : next_cycle_;
 }
 
 void CollisionPairsNode::diagnoseClouds() {

@@ -36,6 +36,8 @@ class CollisionPairsNode {
  private:
   CheckSettings settings() const;
 
+  bool isTriggeredByTf() const { return parameters_.trigger == NodeParameters::TF; }
+  ros::SteadyTime nextCycle() const;
   void cycle();
   void check(const ActiveScenePtr& scene, const ros::WallTime& start);
   void reportUnknown(const std::string& why);
@@ -59,7 +61,9 @@ class CollisionPairsNode {
   ActiveScenePtr checked_scene_;
   CollisionPairs last_message_;
   bool last_is_checked_ = false;  // it was made from the detector's report
-  ros::SteadyTime next_cycle_;
+  ros::SteadyTime next_cycle_;  // the earliest
+  ros::SteadyTime last_cycle_;
+  std::uint64_t nb_taken_ = 0;  // messages of transforms before the last cycle
   NodeHealth health_;
   std::unique_ptr<dynamic_reconfigure::Server<CollisionPairsConfig>> reconfigure_server_;
   diagnostic_updater::Updater diagnostics_;

@@ -1,5 +1,6 @@
 #include "parameters.h"
 
+#include <array>
 #include <cmath>
 #include <sstream>
 
@@ -51,6 +52,17 @@ class Reader {
       value = static_cast<std::string&>(given);
     } else {
       replace(name, given.toXml(), "must be text", value);
+    }
+  }
+
+  void oneOf(const std::string& name, const std::array<std::string, 2>& words,
+             std::string& value) const {
+    std::string given = value;
+    word(name, given);
+    if (given == words[0] || given == words[1]) {
+      value = given;
+    } else {
+      replace(name, "'" + given + "'", "must be " + words[0] + " or " + words[1], value);
     }
   }
 
@@ -124,11 +136,8 @@ NodeParameters NodeParameters::read(const ros::NodeHandle& private_node) {
   reader.number("clock_tolerance", 0.0, 1e9, parameters.pose_limits.clock_tolerance);
   reader.flag("allow_paused", parameters.allow_paused);
   reader.flag("show_only_investigated_boxes", parameters.show_only_investigated_boxes);
-  reader.word("reload", parameters.reload);
-  if (parameters.reload != "manual" && parameters.reload != AUTO) {
-    reader.replace("reload", "'" + parameters.reload + "'", "must be manual or auto",
-                   parameters.reload = "manual");
-  }
+  reader.oneOf("reload", {"manual", AUTO}, parameters.reload);
+  reader.oneOf("trigger", {"rate", TF}, parameters.trigger);
   std::string fidelity = fidelityName(parameters.check.fidelity);
   reader.word("fidelity", fidelity);
   try {

@@ -31,7 +31,7 @@ struct NodeParameters {
   /// ~alarm_distance [m], ~fidelity, ~tolerance [m], ~time_budget [s], ~verdict_only and
   /// ~min_distance. The default is the core's. May change while running.
   CheckSettings check;
-  /// ~rate [Hz]: cycles per second of wall time. May change while running.
+  /// ~rate [Hz]: cycles per second of wall time; see ~trigger. May change while running.
   double rate = 50.0;
   /// ~show_only_investigated_boxes: no markers for boxes that no candidate pair involves. May
   /// change while running.
@@ -41,6 +41,11 @@ struct NodeParameters {
   PoseLimits pose_limits;
   /// ~allow_paused: under use_sim_time, the clock may stand still.
   bool allow_paused = false;
+
+  /// ~trigger: when a cycle begins. `rate`: at the rate. `tf`: as soon as transforms have arrived, at
+  /// most at the rate, and without any each 0.05 s.
+  std::string trigger = "rate";
+  static constexpr const char* TF = "tf";
 
   /// ~reload: `manual`, or `auto`: a description that changes is read again within seconds, as by
   /// ~reset.

@@ -28,14 +28,17 @@ ros::Time toTime(StampNs stamp) {
   return time;
 }
 
-void TransformInput::subscribe(const ros::NodeHandle& node) {
+void TransformInput::subscribe(const ros::NodeHandle& node, const std::function<void()>& taken) {
   using Event = ros::MessageEvent<const tf2_msgs::TFMessage>;
   ros::NodeHandle own_queue(node);
   own_queue.setCallbackQueue(&queue_);
   const auto subscribe_to = [&](const char* topic, bool is_static) {
-    const boost::function<void(const Event&)> callback = [this, is_static](const Event& event) {
-      const std::lock_guard<std::mutex> lock(mutex_);
-      takeLocked(*event.getConstMessage(), is_static, ros::Time::now(), event.getPublisherName());
+    const boost::function<void(const Event&)> callback = [=](const Event& event) {
+      {
+        const std::lock_guard<std::mutex> lock(mutex_);
+        takeLocked(*event.getConstMessage(), is_static, ros::Time::now(), event.getPublisherName());
+      }
+      if (taken) taken();
     };
     ros::SubscribeOptions options;
     options.initByFullCallbackType<const Event&>(topic, QUEUE_SIZE, callback);

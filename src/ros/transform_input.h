@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -33,8 +34,9 @@ class TransformInput {
   explicit TransformInput(const PoseLimits& limits = {}, bool allow_paused = false)
       : limits_(limits), allow_paused_(allow_paused), buffer_(limits) {}
 
-  /// Receives /tf and /tf_static from now on, on a separate thread.
-  void subscribe(const ros::NodeHandle& node);
+  /// Receives /tf and /tf_static from now on, on a separate thread, which then calls `taken`, if
+  /// given, after each message.
+  void subscribe(const ros::NodeHandle& node, const std::function<void()>& taken = {});
 
   const PoseLimits& limits() const { return limits_; }
 

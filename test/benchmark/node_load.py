@@ -1,7 +1,8 @@
 #!/usr/bin/python3
 """What the node costs beside a robot: CPU share, time of a cycle, and age of its reports.
 
-usage: node_load.py ROBOT.urdf [--srdf F] [--states STATES.csv] [--rate 100] [--seconds 20] [--clients]
+usage: node_load.py ROBOT.urdf [--srdf F] [--states STATES.csv] [--rate 100] [--trigger rate|tf] [--seconds 20]
+                    [--clients]
 
 Starts a roscore on a free port, robot_state_publisher, the node, and a publisher that walks smoothly
 through the rows of STATES.csv (all joints at zero without it) at the same rate. The age of a report
@@ -24,6 +25,7 @@ def arguments():
     parser.add_argument("--srdf")
     parser.add_argument("--states")
     parser.add_argument("--rate", type=float, default=100.0)
+    parser.add_argument("--trigger", default="rate")
     parser.add_argument("--seconds", type=float, default=20.0)
     parser.add_argument("--clients", action="store_true")
     return parser.parse_args()
@@ -179,7 +181,8 @@ def main():
         return ask_without_pause(os.environ["NODE_LOAD_CLIENT"], options)
     with Robot(options.urdf, options.srdf) as robot:
         robot.start("robot_state_publisher", "robot_state_publisher")
-        measure(options, robot.start("collision_pairs", "collision_pairs_node", "_rate:=%g" % options.rate))
+        measure(options, robot.start("collision_pairs", "collision_pairs_node", "_rate:=%g" % options.rate,
+                                     "_trigger:=" + options.trigger))
 
 
 if __name__ == "__main__":
