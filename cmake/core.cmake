@@ -69,7 +69,7 @@ add_library(collision_pairs SHARED
   src/core/motion/motion_check.cpp
   src/core/motion/motion_pairs.cpp
   src/core/motion/motion_state.cpp
-  src/core/motion/pair_cover.cpp
+  src/core/motion/pair_certifier.cpp
   src/core/narrow_phase/fcl_answer.cpp
   src/core/narrow_phase/fcl_backend.cpp
   src/core/narrow_phase/narrow_phase.cpp

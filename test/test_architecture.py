@@ -3,6 +3,7 @@ import os
 import re
 import subprocess
 
+import pytest
 from conftest import PROJECT, TOOLS
 
 LIBRARY = os.path.join(os.path.dirname(TOOLS), "libcollision_pairs.so")
@@ -109,3 +110,12 @@ def test_the_drawing_of_the_modules_is_of_this_code():
                            stdout=subprocess.PIPE, text=True).stdout
     with open(os.path.join(PROJECT, "docs/modules.dot")) as drawing:
         assert drawing.read() == drawn, "run scripts/draw_modules"
+
+
+@pytest.mark.parametrize("header", ("motion/pair_certifier.h", "check/pair_ladder.h", "meshes/mesh_query.h"))
+def test_the_map_of_a_folder_names_all_of_its_files(header):
+    path = os.path.join(PROJECT, "src/core", header)
+    with open(path) as text:
+        mapped = set(re.findall(r"\b[a-z]+(?:_[a-z]+)+\b", text.read().split("#pragma once")[0]))
+    files = {os.path.splitext(name)[0] for name in os.listdir(os.path.dirname(path))}
+    assert files <= mapped, files - mapped

@@ -238,7 +238,7 @@ TEST(MotionState, PosesAreThoseOfForwardKinematicsToTheLastBit) {
   }
 }
 
-// So coarser shapes are no faster than PairCover takes them to be. The margins do not move.
+// So coarser shapes are no faster than PairCertifier takes them to be. The margins do not move.
 TEST(MotionState, SpheresHoldTheElementsAndNearlyTheirCoarserShapes) {
   SceneSettings settings;
   settings.max_hull_vertices = 5;  // so few that the hull sticks out far

@@ -1,5 +1,16 @@
 // Queries one pair of elements at one rung of the fidelity ladder, or at finer and finer rungs
 // until it is settled.
+//
+// This folder checks states (CollisionDetector). In the order of a check:
+// - batch_check.cpp: which thread checks which state, and which states does the batch stage settle?
+// - open_pairs: are the pairs that the batch stage left open in contact?
+// - check_input: are settings and poses valid?
+// - collision_detector.cpp: one state: places the elements, sweeps their boxes, settles the pairs.
+// - element_boxes: where are the elements in this cycle, and what are their boxes?
+// - pair_ladder: how far apart is one pair, at one fidelity or by finer and finer ones?
+// - timed_climb: which pairs are settled first if there is a deadline?
+// - voxel_search: which voxel of a cloud is nearest to an element?
+// - found_pairs: what is reported of two models whose elements were found?
 #pragma once
 
 #include <vector>

@@ -210,7 +210,7 @@ void VoxelSearch::placeVoxel(const VoxelCell& cell) {
 // A voxel that is apart must not hide a contact.
 double VoxelSearch::slackOf(double bound) const { return bound > 0.0 || best_ <= 0.0 ? SAME : 0.0; }
 
-void VoxelSearch::take(const PairLadder::Answer& answer, const VoxelCell& cell) {
+void VoxelSearch::keepBest(const PairLadder::Answer& answer, const VoxelCell& cell) {
   const PairDistance& found = answer.found;
   if (found.certainty == Certainty::BEYOND) return;
   const bool is_certain = found.certainty != Certainty::DEGRADED;
@@ -284,7 +284,7 @@ void VoxelSearch::measureVoxel(const VoxelCell& cell, Fidelity top, double max_d
   // Rungs larger than the element use the better of two bounds, so their search distance must not
   // depend on what else is near.
   const double reach = has_oriented_ ? std::max(std::min(limit_, best_), 0.0) : max_distance;
-  take(ladder_->climb(pair_, top, reach), cell);
+  keepBest(ladder_->climb(pair_, top, reach), cell);
 }
 
 // Once any distance is known, nothing further needs finer bounds.

@@ -85,7 +85,7 @@ class VoxelSearch {
   double slackOf(double bound) const;
   /// Search distance from the shapes, metres.
   double reach() const { return std::max(std::min(limit_, best_), 0.0) + padding_; }
-  void take(const PairLadder::Answer& answer, const VoxelCell& cell);
+  void keepBest(const PairLadder::Answer& answer, const VoxelCell& cell);
   Found unfinished(const Entry& entry);
   Found result() const;
 

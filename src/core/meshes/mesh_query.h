@@ -1,5 +1,17 @@
 // Distance and contact between meshes, and between a mesh and a convex shape: surfaces by their
 // trees of oriented boxes, containment by winding numbers.
+//
+// This folder knows triangles. Prepared once for a mesh:
+// - mesh_edges: which triangles share which edges, and which parts do these connect?
+// - outer_faces: which triangles separate inside from outside?
+// - mesh_solid: what solid does the mesh enclose, if its triangles are missing, repeated, inverted?
+// - winding_number, by solid_angle: is a point inside that solid?
+// - triangle_tree: the boxes by which searches skip triangles; prepared_mesh holds all of these.
+// For each query:
+// - mesh_query: how far apart are two meshes, or a mesh and a convex shape, and do they touch?
+// - surface_contact: do two surfaces intersect?
+// - search_limit.h, slab_bounds.h, patch_hulls: which parts of two surfaces are too far apart?
+// - triangle_distance: how far apart are two triangles, or a point and one?
 #pragma once
 
 #include <vector>

@@ -168,12 +168,12 @@ class SolidFinder {
     findPartPoints();
     Sides sides = sortedSides(facets_.triangles);
     const Numbering piece = piecesOf(facets_, sides);
-    const std::vector<char> consistent = takeBalanced(piece, sides);
+    const std::vector<char> consistent = keepBalanced(piece, sides);
     settle(piece, [&](const Numbering& ids) {
-      return takeNearlyClosed(ids, consistent[piece[ids[0]]] != 0);
+      return keepNearlyClosed(ids, consistent[piece[ids[0]]] != 0);
     });
     if (std::count(settled_.begin(), settled_.end(), 0) > 0) {
-      const auto together = [&](const Numbering& ids) { return takeAsItIs(ids); };
+      const auto together = [&](const Numbering& ids) { return keepAsItIs(ids); };
       settle(nearParts(), together);
       settle(Numbering(piece.size(), 0), together);
     }
@@ -223,17 +223,17 @@ class SolidFinder {
     return result;
   }
 
-  // Calls take(ids) for the unsettled facets of each number, unless they are too few to enclose
+  // Calls keep(ids) for the unsettled facets of each number, unless they are too few to enclose
   // anything. If it returns true, they are settled.
-  template <class Take>
-  void settle(const Numbering& numbering, const Take& take) {
+  template <class Keep>
+  void settle(const Numbering& numbering, const Keep& keep) {
     Numbering open;
     for (std::uint32_t i = 0; i < settled_.size(); ++i) {
       if (!settled_[i]) open.push_back(i);
     }
     const auto number = [&](std::uint32_t i) { return numbering[i]; };
     forEachGroup(open.begin(), open.end(), number, [&](auto begin, auto end) {
-      if (end - begin < 4 || !take(Numbering(begin, end))) return;
+      if (end - begin < 4 || !keep(Numbering(begin, end))) return;
       for (auto i = begin; i != end; ++i) settled_[*i] = 1;
     });
   }
@@ -249,7 +249,7 @@ class SolidFinder {
 
   // Pieces whose sides cancel at each edge are closed and consistently oriented. Repeated triangles
   // count once if that cancels too. Returns which pieces are consistent except at open edges.
-  std::vector<char> takeBalanced(const Numbering& piece, Sides& sides) {
+  std::vector<char> keepBalanced(const Numbering& piece, Sides& sides) {
     std::vector<char> once(piece.size(), 1), all(piece.size(), 1), consistent(piece.size(), 1);
     forEachEdge(sides, [&](auto begin, auto end) {
       const auto number = [&](const Side& side) { return piece[side.triangle]; };
@@ -263,42 +263,42 @@ class SolidFinder {
     settle(piece, [&](const Numbering& ids) {
       const std::uint32_t number = piece[ids[0]];
       if (!once[number] && !all[number]) return false;
-      return take(asItIs(ids, once[number] ? 1 : ALL_COPIES), as_they_are_);
+      return keep(asItIs(ids, once[number] ? 1 : ALL_COPIES), as_they_are_);
     });
     return consistent;
   }
 
-  bool takeAsItIs(const Numbering& ids) {
+  bool keepAsItIs(const Numbering& ids) {
     Surface surface = asItIs(ids, ALL_COPIES);
-    return openness(mesh_, surface) < CLOSED_BELOW && take(std::move(surface), as_they_are_);
+    return openness(mesh_, surface) < CLOSED_BELOW && keep(std::move(surface), as_they_are_);
   }
 
   // The piece as it is, or its outer faces whichever way its triangles face: the one that is less
   // open. The faces left out may still close something together with others.
-  bool takeNearlyClosed(const Numbering& ids, bool consistent) {
+  bool keepNearlyClosed(const Numbering& ids, bool consistent) {
     Surface given = asItIs(ids, ALL_COPIES);
     const double given_open = openness(mesh_, given);
-    if (consistent && given_open < CLOSED_BELOW) return take(std::move(given), as_they_are_);
+    if (consistent && given_open < CLOSED_BELOW) return keep(std::move(given), as_they_are_);
     Surface surface;
     for (const std::uint32_t i : ids) surface.push_back(facets_.triangles[i]);
     std::vector<int> facing = outerFaces(mesh_, surface, LooseEdges::ARE_SEAMS);
     Surface outer = facingOutwards(surface, facing);
     const double outer_open = openness(mesh_, outer);
     if (given_open < CLOSED_BELOW && given_open <= outer_open) {
-      return take(std::move(given), as_they_are_);
+      return keep(std::move(given), as_they_are_);
     }
     if (!(outer_open < CLOSED_BELOW)) {
       facing = outerFaces(mesh_, surface, LooseEdges::ARE_GAPS);
       outer = facingOutwards(surface, facing);
     }
     for (std::size_t k = 0; k < ids.size(); ++k) settled_[ids[k]] = facing[k] != 0;
-    take(std::move(outer), turned_outwards_);
+    keep(std::move(outer), turned_outwards_);
     return false;
   }
 
-  static bool take(Surface surface, std::vector<Surface>& taken) {
+  static bool keep(Surface surface, std::vector<Surface>& kept) {
     if (surface.empty()) return false;
-    taken.push_back(std::move(surface));
+    kept.push_back(std::move(surface));
     return true;
   }
 

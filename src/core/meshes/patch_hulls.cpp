@@ -21,8 +21,8 @@ ConvexCore pieceCore(const PreparedMesh& mesh, const TriangleTree::Node& node, C
   return cornersCore(corners);
 }
 
-void take(double distance, const Vector3d& p_ACa, const Vector3d& p_ACb, const Vector3d& nhat_AB_A,
-          SurfaceGap& gap) {
+void setGap(double distance, const Vector3d& p_ACa, const Vector3d& p_ACb,
+            const Vector3d& nhat_AB_A, SurfaceGap& gap) {
   gap.distance = distance;
   gap.p_ACa = p_ACa;
   gap.p_ACb = p_ACb;
@@ -83,14 +83,14 @@ PatchOutcome comparePatches(const PreparedMesh& A, std::uint32_t a, const Prepar
   if (beside_a <= rounding && beside_b <= rounding) {
     if (square(hulls.distance) >= best.squared) return PatchOutcome::SETTLED;
     best = {square(hulls.distance), hulls.p_ACa, hulls.p_ACb};
-    take(hulls.distance, hulls.p_ACa, hulls.p_ACb, hulls.nhat_AB_A, gap);
+    setGap(hulls.distance, hulls.p_ACa, hulls.p_ACb, hulls.nhat_AB_A, gap);
     limit.found(best.squared);
     return PatchOutcome::SETTLED;
   }
   const Vector3d p_AQb = X_AB * *on_b, apart = p_AQb - *on_a;
   if (apart.squaredNorm() < best.squared) {
     best = {apart.squaredNorm(), *on_a, p_AQb};
-    take(apart.norm(), *on_a, p_AQb, apart.normalized(), gap);
+    setGap(apart.norm(), *on_a, p_AQb, apart.normalized(), gap);
     limit.found(best.squared);
   }
   if (isNearEnough(hulls, core_a, core_b, limit)) return PatchOutcome::SETTLED;
@@ -114,8 +114,8 @@ PatchOutcome comparePatch(const PreparedMesh& A, std::uint32_t a, const ConvexCo
   const Vector3d apart = hulls.p_ACb - *on_a;
   const double distance = is_exact ? hulls.distance : apart.norm();
   if (distance < gap.distance) {
-    take(distance, is_exact ? hulls.p_ACa : *on_a, hulls.p_ACb,
-         is_exact ? hulls.nhat_AB_A : Vector3d(apart.normalized()), gap);
+    setGap(distance, is_exact ? hulls.p_ACa : *on_a, hulls.p_ACb,
+           is_exact ? hulls.nhat_AB_A : Vector3d(apart.normalized()), gap);
     limit.found(square(distance));
   }
   return is_exact || isNearEnough(hulls, core, B, limit) ? PatchOutcome::SETTLED

@@ -19,7 +19,7 @@ class Search {
   void visit(std::uint32_t index) {
     const TriangleTree::Node& node = mesh_.tree.node(index);
     if (node.isLeaf()) {
-      take(closestOnTriangle(triangleOf(*mesh_.triangles, node.children), point_));
+      keepNearer(closestOnTriangle(triangleOf(*mesh_.triangles, node.children), point_));
       return;
     }
     FourGaps gaps = squaredPointGaps(mesh_.tree.childBoxes(node), point_);
@@ -35,7 +35,7 @@ class Search {
   bool any() const { return any_; }
 
  private:
-  void take(const Vector3d& candidate) {
+  void keepNearer(const Vector3d& candidate) {
     const double squared = (candidate - point_).squaredNorm();
     if (squared >= squared_) return;
     squared_ = squared;

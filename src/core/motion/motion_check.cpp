@@ -13,8 +13,8 @@
 #include "in_parallel.h"
 #include "motion_pairs.h"
 #include "motion_state.h"
-#include "open_ways.h"
-#include "pair_cover.h"
+#include "open_intervals.h"
+#include "pair_certifier.h"
 
 namespace collision_pairs {
 namespace {
@@ -58,7 +58,7 @@ class MotionCheck::Search {
       : scene_(*scene),
         pairs_(*scene),
         state_(*scene, pairs_),
-        cover_(*scene, state_),
+        certifier_(*scene, state_),
         detector_(scene) {}
 
   const MotionReport& run(const JointMotion& motion, const MotionSettings& settings,
@@ -73,15 +73,16 @@ class MotionCheck::Search {
     uncertified_.clear();
     beside_static_noted_.assign(scene_.elements().size(), 0);
     poses_.voxels = voxels;
-    cover_.begin(settings, voxels);
+    certifier_.begin(settings, voxels);
     state_.begin(motion, placed);
-    ways_.clear();
+    intervals_.clear();
     bool is_open = lookAtAll();
-    while (is_open && !ways_.isEmpty()) {
-      Way way = ways_.pop();
-      const bool goes_on = report_.nb_checks < MOST_CHECKS && ways_.nbPairs() < MOST_OPEN_PAIRS &&
-                           way.begin < relevantUntil();
-      is_open = goes_on ? look(way) : giveUp(way);
+    while (is_open && !intervals_.isEmpty()) {
+      Interval interval = intervals_.pop();
+      const bool goes_on = report_.nb_checks < MOST_CHECKS &&
+                           intervals_.nbPairs() < MOST_OPEN_PAIRS &&
+                           interval.begin < relevantUntil();
+      is_open = goes_on ? look(interval) : giveUp(interval);
     }
     finishReport();
     const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
@@ -105,7 +106,7 @@ class MotionCheck::Search {
       return false;
     }
     size_ = settings_.resolution;
-    Way before, after;
+    Interval before, after;
     OpenPair open;
     open.clearance = settings_.clearance + settings_.beside_objects;
     for (const std::uint32_t element : pairs_.beside_static) {
@@ -122,8 +123,8 @@ class MotionCheck::Search {
       open.pair = {pair.first, pair.second};
       open.frame = pair.frame;
       if (settings_.only_moved && !moves(pair)) continue;
-      using Voxels = PairCover::Voxels;
-      const Voxels known = cover_.voxelsOf(open.pair);
+      using Voxels = PairCertifier::Voxels;
+      const Voxels known = certifier_.voxelsOf(open.pair);
       const bool is_robot = known == Voxels::NO_CLOUD;
       open.clearance = settings_.clearance + (is_robot ? 0.0 : settings_.beside_objects);
       if (known == Voxels::UNKNOWN || known == Voxels::IN_PART) noteUncertified(open.pair, 0.0);
@@ -131,7 +132,7 @@ class MotionCheck::Search {
       OpenPair one = open;
       if (!lookAt(one, before, after)) return false;
     }
-    return goesOn() && finishWays(before, after);
+    return goesOn() && pushIntervals(before, after);
   }
 
   bool moves(const MotionPairs::Pair& pair) {
@@ -140,19 +141,19 @@ class MotionCheck::Search {
     return a.speed + b.speed + a.deviation + b.deviation > 0.0;
   }
 
-  bool look(Way& way) {
-    moveTo(way.begin, std::min(way.end, relevantUntil()));
-    Way before, after;
-    while (!way.isEmpty()) {
-      OpenPair open = ways_.takePair(way);
+  bool look(Interval& interval) {
+    moveTo(interval.begin, std::min(interval.end, relevantUntil()));
+    Interval before, after;
+    while (!interval.isEmpty()) {
+      OpenPair open = intervals_.popPair(interval);
       if (!lookAt(open, before, after)) return false;
     }
-    return finishWays(before, after);
+    return pushIntervals(before, after);
   }
 
-  bool giveUp(Way& way) {
-    while (!way.isEmpty()) {
-      const OpenPair open = ways_.takePair(way);
+  bool giveUp(Interval& interval) {
+    while (!interval.isEmpty()) {
+      const OpenPair open = intervals_.popPair(interval);
       noteUncertified(open.pair, open.begin);
     }
     return goesOn();
@@ -185,13 +186,13 @@ class MotionCheck::Search {
     ++report_.nb_checks;
   }
 
-  bool lookAt(OpenPair& open, Way& before, Way& after) {
+  bool lookAt(OpenPair& open, Interval& before, Interval& after) {
     if (open.begin >= relevantUntil()) return true;
     open.end = std::min(open.end, relevantUntil());
     if (open.begin > at_) {
-      ways_.addPair(open, after);
+      intervals_.addPair(open, after);
     } else if (open.end < at_) {
-      ways_.addPair(open, before);
+      intervals_.addPair(open, before);
     } else if (open.pair.second != ALL_STATIC) {
       return settle(open, before, after);
     } else if (!isReadyToSweep(open)) {
@@ -200,44 +201,44 @@ class MotionCheck::Search {
     return true;
   }
 
-  bool finishWays(Way& before, Way& after) {
+  bool pushIntervals(Interval& before, Interval& after) {
     if (!swept_.empty() && !sweep(before, after)) return false;
-    ways_.push(before);
-    ways_.push(after);
+    intervals_.push(before);
+    intervals_.push(after);
     return true;
   }
 
-  /// Adds the open parts on either side of the covered one.
-  void cut(const OpenPair& open, const Cover& cover, double clearance_after, Way& before,
-           Way& after) {
+  /// Adds the open parts on either side of the certified one.
+  void cut(const OpenPair& open, const CertifiedInterval& certified, double clearance_after,
+           Interval& before, Interval& after) {
     OpenPair part = open;
-    if (cover.before < at_ - open.begin) {
-      part.end = at_ - std::max(cover.before, 0.0);
-      ways_.addPair(part, before);
+    if (certified.before < at_ - open.begin) {
+      part.end = at_ - std::max(certified.before, 0.0);
+      intervals_.addPair(part, before);
     }
-    if (cover.after < open.end - at_) {
-      part.begin = at_ + std::max(cover.after, 0.0);
+    if (certified.after < open.end - at_) {
+      part.begin = at_ + std::max(certified.after, 0.0);
       part.end = open.end;
       part.clearance = clearance_after;
-      ways_.addPair(part, after);
+      intervals_.addPair(part, after);
     }
   }
 
-  bool settle(OpenPair& open, Way& before, Way& after) {
-    Cover cover;
-    using Outcome = PairCover::Outcome;
-    Outcome outcome = cover_.measure(at_, open, cover);
+  bool settle(OpenPair& open, Interval& before, Interval& after) {
+    CertifiedInterval certified;
+    using Outcome = PairCertifier::Outcome;
+    Outcome outcome = certifier_.measure(at_, open, certified);
     if (outcome == Outcome::CONTACT && (at_ >= relevantUntil() || confirmContact())) {
       if (!settings_.from_start) return false;
       // At the resolution the last free configuration is near enough.
-      const double way = at_ - open.begin;
-      const bool can_be_cut = way > SHORTEST_WAY && open.speed * way > settings_.resolution;
+      const double rest = at_ - open.begin;
+      const bool can_be_cut = rest > SHORTEST_INTERVAL && open.speed * rest > settings_.resolution;
       outcome = can_be_cut ? Outcome::OPEN : Outcome::GIVEN_UP;
     } else if (outcome == Outcome::CONTACT) {
       outcome = Outcome::GIVEN_UP;  // undecidable because of rounding
     }
-    if (cover.before >= 0.0) clearance_ = std::min(clearance_, cover.clearance);
-    if (outcome == Outcome::COVERED) return true;
+    if (certified.before >= 0.0) clearance_ = std::min(clearance_, certified.clearance);
+    if (outcome == Outcome::CERTIFIED) return true;
     if (outcome == Outcome::GIVEN_UP) {
       noteUncertified(open.pair, open.begin);
       return goesOn();
@@ -249,7 +250,7 @@ class MotionCheck::Search {
       noteUncertified(open.pair, settings_.from_start ? at_ : open.begin);
       if (!goesOn()) return false;
     }
-    cut(open, cover, clearance_after, before, after);
+    cut(open, certified, clearance_after, before, after);
     return true;
   }
 
@@ -285,21 +286,21 @@ class MotionCheck::Search {
 
   bool isReadyToSweep(OpenPair& open) {
     const std::uint32_t element = open.pair.first;
-    const double way = std::max(at_ - open.begin, open.end - at_);
+    const double length = std::max(at_ - open.begin, open.end - at_);
     const MotionBound bound = state_.bound(element, -1);
     open.speed = bound.speed;
     const Twist twist = state_.twist(element, -1);
     const double speed = twist.v.norm() + twist.omega.norm() * state_.sphere(element).radius;
     const double growth =
-        std::min(bound.speed * way, speed * way + 0.5 * bound.acceleration * way * way);
-    if (!(growth < INF) && way > 0.0) refuseBox(scene_.elements()[element].model);
+        std::min(bound.speed * length, speed * length + 0.5 * bound.acceleration * length * length);
+    if (!(growth < INF) && length > 0.0) refuseBox(scene_.elements()[element].model);
     if (growth > MOTION_TO_SWEEP * size_) return false;
     swept_.push_back({open, ROUNDED_UP * (growth + bound.deviation) + bound.rounding});
     return true;
   }
 
   /// Finds the static elements that elements of `swept_` may touch during their motion.
-  bool sweep(Way& before, Way& after) {
+  bool sweep(Interval& before, Interval& after) {
     double most = 0.0;
     for (const Swept& swept : swept_) most = std::max(most, swept.growth);
     const double reach = settings_.clearance + settings_.beside_objects +
@@ -332,7 +333,7 @@ class MotionCheck::Search {
   }
 
   void finishReport() {
-    report_.nb_queries = cover_.nbQueries();
+    report_.nb_queries = certifier_.nbQueries();
     report_.free_until = std::min(free_until_, std::nextafter(1.0, 0.0));
     if (report_.verdict == Verdict::COLLISION) return;
     report_.pairs.assign(uncertified_.begin(), uncertified_.end());
@@ -346,7 +347,7 @@ class MotionCheck::Search {
   const CollisionScene& scene_;
   const MotionPairs pairs_;
   MotionState state_;
-  PairCover cover_;
+  PairCertifier certifier_;
   CollisionDetector detector_;
   SweepAndPrune sweep_;
   BodyPoses poses_;
@@ -359,7 +360,7 @@ class MotionCheck::Search {
   double free_until_ = 1.0;                ///< from there on some pair is not certified
   double size_ = 0.0;  ///< metres, of the largest element with static ones near it
   double at_ = 0.0;    ///< the current configuration
-  OpenWays ways_;
+  OpenIntervals intervals_;
   std::vector<Swept> swept_;
 };
 

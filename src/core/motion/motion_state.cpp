@@ -57,7 +57,7 @@ void MotionState::begin(const JointMotion& motion, const PlacedBodies& placed) {
     throw InputError("joint '" + robot_.joints()[i].name +
                      "': the ends of its motion, or the way between them, are not finite");
   }
-  takeDeviation(motion.deviation);
+  setDeviation(motion.deviation);
   begun_ = ++now_;
   for (std::size_t i = 0; i < bodies_.size(); ++i) beginBody(static_cast<int>(i), placed);
   for (std::size_t i = 0; i < elements_.size(); ++i) {
@@ -67,7 +67,7 @@ void MotionState::begin(const JointMotion& motion, const PlacedBodies& placed) {
   }
 }
 
-void MotionState::takeDeviation(const std::vector<double>& deviation) {
+void MotionState::setDeviation(const std::vector<double>& deviation) {
   deviation_ = deviation;
   if (deviation.empty()) {
     deviation_.assign(from_.size(), 0.0);

@@ -99,7 +99,7 @@ class MotionState {
   }
   void moveSphere(std::uint32_t element);
   void beginBody(int id, const PlacedBodies& placed);
-  void takeDeviation(const std::vector<double>& deviation);
+  void setDeviation(const std::vector<double>& deviation);
   double positionOf(int joint) const { return from_[joint] + at_ * (to_[joint] - from_[joint]); }
   const BodyState& body(int id);
   void setBounds(std::uint32_t element);

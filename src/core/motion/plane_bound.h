@@ -83,7 +83,7 @@ class PlaneBound {
 /// How far from 0 towards `end`, of either sign, a concave gap stays at least `level`; `here` is
 /// gap(0) >= level. Lowers `least` to a lower bound of the gap on that segment.
 template <class Gap>
-double wayAbove(const Gap& gap, double here, double level, double end, double& least) {
+double lengthAbove(const Gap& gap, double here, double level, double end, double& least) {
   if (end == 0.0) return 0.0;
   const double there = gap(end);
   if (there >= level) {
@@ -91,14 +91,14 @@ double wayAbove(const Gap& gap, double here, double level, double end, double& l
     return std::abs(end);
   }
   least = std::min(least, level);
-  double way = 0.0, above = here;
-  for (int nb_chords = 0; above > level; above = gap(way)) {
-    const double along_chord = (end - way) * ((above - level) / (above - there));
+  double length = 0.0, above = here;
+  for (int nb_chords = 0; above > level; above = gap(length)) {
+    const double along_chord = (end - length) * ((above - level) / (above - there));
     if (!(std::abs(along_chord) > 0.0)) break;  // also NaN, if the gap is not finite
-    way += along_chord;
+    length += along_chord;
     if (++nb_chords == 2) break;
   }
-  return std::abs(way);
+  return std::abs(length);
 }
 
 }  // namespace collision_pairs

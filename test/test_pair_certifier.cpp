@@ -1,18 +1,18 @@
-// What is covered around a configuration, beside distances measured along the way.
+// What is certified around a configuration, beside distances measured along the motion.
 #include <cmath>
 
 #include <gtest/gtest.h>
 
 #include "collision_pairs/collision_detector.h"
 #include "demo_scene.h"
-#include "pair_cover.h"
+#include "pair_certifier.h"
 #include "random_inputs.h"
 #include "test_shapes.h"
 
 namespace collision_pairs {
 namespace {
 
-using Outcome = PairCover::Outcome;
+using Outcome = PairCertifier::Outcome;
 
 std::shared_ptr<const TriangleMesh> testMesh(const std::string& uri, const Eigen::Vector3d&) {
   return std::make_shared<const TriangleMesh>(uri == "l" ? LShape().mesh() : bumpyBall(10, 0.15));
@@ -36,10 +36,10 @@ std::string arm(const std::string& name, const std::string& geometry, RandomInpu
          joint(name + "_c", "revolute", name + "2", name, offset(0.2), axis());
 }
 
-class CoverCase {
+class CertifierCase {
  public:
-  CoverCase(RandomInputs& random, const std::string& geometry_a, const std::string& geometry_b,
-            Fidelity fidelity, double padding) {
+  CertifierCase(RandomInputs& random, const std::string& geometry_a, const std::string& geometry_b,
+                Fidelity fidelity, double padding) {
     robot_ = RobotModel::fromUrdf(
         "<robot name='r'>" + emptyLink("root") + emptyLink("table") +
             joint("turn", "continuous", "root", "table", "0 0 0", "<axis xyz='0 0 1'/>") +
@@ -71,13 +71,13 @@ class CoverCase {
     return detector_->detect(poses_, settings).min_distance;  // or else the alarm distance
   }
 
-  Outcome measure(double at, double half_width, double clearance, Cover& cover) {
+  Outcome measure(double at, double half_width, double clearance, CertifiedInterval& certified) {
     const MotionPairs pairs(*scene_);
     EXPECT_EQ(pairs.pairs.size(), 1u);
     MotionState state(*scene_, pairs);
-    PairCover pair_cover(*scene_, state);
+    PairCertifier pair_certifier(*scene_, state);
     settings_.clearance = clearance;
-    pair_cover.begin(settings_, {});
+    pair_certifier.begin(settings_, {});
     state.begin(motion_, {});
     state.moveTo(at, half_width);
     OpenPair open;
@@ -86,7 +86,7 @@ class CoverCase {
     open.begin = at - half_width;
     open.end = at + half_width;
     open.clearance = clearance;
-    return pair_cover.measure(at, open, cover);
+    return pair_certifier.measure(at, open, certified);
   }
 
  private:
@@ -99,7 +99,7 @@ class CoverCase {
   BodyPoses poses_;
 };
 
-void expectTrueCovers(Fidelity fidelity, int nb_cases) {
+void expectTrueIntervals(Fidelity fidelity, int nb_cases) {
   const std::string shapes[] = {"<box size='0.4 0.1 0.002'/>",
                                 "<cylinder radius='0.1' length='0.3'/>", "<sphere radius='0.15'/>",
                                 "<mesh filename='l'/>", "<mesh filename='ball'/>"};
@@ -107,13 +107,13 @@ void expectTrueCovers(Fidelity fidelity, int nb_cases) {
   int nb_partly = 0, nb_contacts = 0;
   for (int i = 0; i < nb_cases; ++i) {
     const double padding = random.integer(0, 2) == 0 ? 0.01 : 0.0;
-    CoverCase one(random, shapes[random.integer(0, 4)], shapes[random.integer(0, 4)], fidelity,
-                  padding);
+    CertifierCase one(random, shapes[random.integer(0, 4)], shapes[random.integer(0, 4)], fidelity,
+                      padding);
     const double at = random.uniform(0.2, 0.8);
     const double half_width = std::pow(10.0, random.uniform(-2.0, -0.3));
     const double clearance = random.integer(0, 2) == 0 ? 0.02 : 0.0;
-    Cover cover;
-    const Outcome outcome = one.measure(at, half_width, clearance, cover);
+    CertifiedInterval certified;
+    const Outcome outcome = one.measure(at, half_width, clearance, certified);
     const double here = one.distanceAt(at, 0.1);
     SCOPED_TRACE("case " + std::to_string(i) + ", distance " + std::to_string(here));
     if (outcome == Outcome::CONTACT) {
@@ -123,14 +123,14 @@ void expectTrueCovers(Fidelity fidelity, int nb_cases) {
     }
     EXPECT_FALSE(outcome == Outcome::NEARER && here >= clearance);
     const double all = half_width * (1.0 - 1e-9);
-    EXPECT_EQ(outcome == Outcome::COVERED, cover.before >= all && cover.after >= all);
-    if (cover.before < 0.0) continue;
-    ASSERT_GT(cover.clearance, clearance);
+    EXPECT_EQ(outcome == Outcome::CERTIFIED, certified.before >= all && certified.after >= all);
+    if (certified.before < 0.0) continue;
+    ASSERT_GT(certified.clearance, clearance);
     nb_partly += outcome == Outcome::OPEN ? 1 : 0;
     for (const double share : {0.1, 0.5, 0.9, 1.0}) {
-      const double before = std::min(cover.before, half_width);
-      const double after = std::min(cover.after, half_width);
-      const double least = cover.clearance - 1e-8;
+      const double before = std::min(certified.before, half_width);
+      const double after = std::min(certified.after, half_width);
+      const double least = certified.clearance - 1e-8;
       ASSERT_GE(one.distanceAt(at - share * before, std::max(0.0, least)), least);
       ASSERT_GE(one.distanceAt(at + share * after, std::max(0.0, least)), least);
     }
@@ -139,11 +139,15 @@ void expectTrueCovers(Fidelity fidelity, int nb_cases) {
   EXPECT_GT(nb_contacts, nb_cases / 100);
 }
 
-TEST(PairCover, IsNoWiderThanThePairIsFreeAtMeshes) { expectTrueCovers(Fidelity::MESH, 2000); }
-TEST(PairCover, IsNoWiderThanThePairIsFreeAtHulls) { expectTrueCovers(Fidelity::CONVEX, 600); }
-TEST(PairCover, IsNoWiderThanThePairIsFreeAtBoxes) { expectTrueCovers(Fidelity::OBB, 600); }
-TEST(PairCover, IsNoWiderThanThePairIsFreeAtAlignedBoxes) {
-  expectTrueCovers(Fidelity::AABB, 600);
+TEST(PairCertifier, IsNoWiderThanThePairIsFreeAtMeshes) {
+  expectTrueIntervals(Fidelity::MESH, 2000);
+}
+TEST(PairCertifier, IsNoWiderThanThePairIsFreeAtHulls) {
+  expectTrueIntervals(Fidelity::CONVEX, 600);
+}
+TEST(PairCertifier, IsNoWiderThanThePairIsFreeAtBoxes) { expectTrueIntervals(Fidelity::OBB, 600); }
+TEST(PairCertifier, IsNoWiderThanThePairIsFreeAtAlignedBoxes) {
+  expectTrueIntervals(Fidelity::AABB, 600);
 }
 
 }  // namespace

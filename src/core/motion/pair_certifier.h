@@ -1,4 +1,15 @@
 // Determines how far around one configuration of a motion a pair of elements is free.
+//
+// This folder certifies straight motions (MotionCheck). In the order of a check:
+// - motion_pairs: which pairs of elements can joints move relative to each other? Once per scene.
+// - open_intervals.h: which parts of the motion are not certified yet, and for which pairs?
+// - motion_check.cpp: the search: takes the next of these, measures its pairs at its middle, and
+//   puts back what is left on either side; static elements are found by a sweep.
+// - motion_state: where are the elements at that configuration, and how fast can they move?
+// - pair_certifier: how far around it is a pair free? By spheres, boxes, hulls, then triangles.
+// - plane_bound.h: how long does a plane separate two moving convex bodies?
+// - closing_motion.cpp: how soon can a pair of a report touch, by its present velocities? (Not part
+//   of the search.)
 #pragma once
 
 #include <cstdint>
@@ -12,7 +23,7 @@
 
 namespace collision_pairs {
 
-constexpr double SHORTEST_WAY = 1e-13;  // of the fraction: a shorter way cannot be split
+constexpr double SHORTEST_INTERVAL = 1e-13;  // of the fraction: a shorter one cannot be split
 
 /// Part of a motion on which a pair is not yet known to be free.
 struct OpenPair {
@@ -27,15 +38,15 @@ struct OpenPair {
 
 /// How far on either side of a configuration, as fractions, a pair keeps its clearance; it keeps at
 /// least `clearance` metres.
-struct Cover {
+struct CertifiedInterval {
   double before = -1.0, after = -1.0;  ///< < 0: not even at the configuration
   double clearance = std::numeric_limits<double>::infinity();
 };
 
-class PairCover {
+class PairCertifier {
  public:
   /// Both must outlive this.
-  PairCover(const CollisionScene& scene, MotionState& state);
+  PairCertifier(const CollisionScene& scene, MotionState& state);
 
   void begin(const MotionSettings& settings, const CloudVoxels& voxels);
   enum class Voxels { NO_CLOUD, KNOWN, NONE, IN_PART, UNKNOWN };
@@ -43,33 +54,33 @@ class PairCover {
   Voxels voxelsOf(const BoxPair& pair) const;
 
   enum class Outcome {
-    COVERED,   ///< its whole way is free
-    OPEN,      ///< the part given by `cover` is free
+    CERTIFIED,  ///< its whole interval is free
+    OPEN,       ///< the part given by `certified` is free
     NEARER,    ///< the same, but at the configuration it is, or deviates to where it may be, nearer
                ///< than its clearance
     GIVEN_UP,  ///< its remaining motion is finer than the resolution
     CONTACT    ///< in contact
   };
 
-  /// At fraction `at` of the motion, which the state has and which is within the way of the pair.
-  /// Coarser bounds first, and finer ones only if the remaining way is worth their cost. Updates
-  /// the pair's plane and speed.
-  Outcome measure(double at, OpenPair& pair, Cover& cover);
+  /// At fraction `at` of the motion, which the state has and which is within the interval of the
+  /// pair. Coarser bounds first, and finer ones only if the rest of the interval is worth their
+  /// cost. Updates the pair's plane and speed.
+  Outcome measure(double at, OpenPair& pair, CertifiedInterval& certified);
 
   /// Calls of measure() since begin() that needed more than boxes.
   std::uint32_t nbQueries() const { return nb_queries_; }
 
  private:
-  struct Question;
+  struct Query;
 
   bool isRigid(const BoxPair& pair) const;
   /// Index in the scene's clouds, or -1.
   int cloudOf(const BoxPair& pair) const;
-  PairDistance askShapes(const Question& question, double max_distance);
-  void byBoxes(Question& question);
-  void byHulls(Question& question);
-  void byPlane(Question& question, const Eigen::Vector3d& n_W);
-  Outcome byShapes(Question& question);
+  PairDistance queryShapes(const Query& query, double max_distance);
+  void byBoxes(Query& query);
+  void byHulls(Query& query);
+  void byPlane(Query& query, const Eigen::Vector3d& n_W);
+  Outcome byShapes(Query& query);
 
   const CollisionScene& scene_;
   MotionState& state_;

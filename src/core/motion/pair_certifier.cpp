@@ -1,4 +1,4 @@
-#include "pair_cover.h"
+#include "pair_certifier.h"
 
 #include <algorithm>
 #include <cmath>
@@ -25,12 +25,12 @@ constexpr double LOOSE_SPEED = 1.7320508075688773;
 // that the reported clearance is positive, at a bounded cost.
 constexpr double KEPT_SHARE = 0.1;
 
-// A finer bound is worth its cost if it may cover the whole way, but not while the pair can still
-// move by much of its size. In sizes of the smaller of the two:
+// A finer bound is worth its cost if it may certify the whole interval, but not while the pair can
+// still move by much of its size. In sizes of the smaller of the two:
 constexpr double MOTION_FOR_HULLS = 1.0;   // hulls of boxes that are …
 constexpr double GAP_FOR_HULLS = 0.3;      // … no further apart than this, or for less motion
 constexpr double MOTION_FOR_SHAPES = 0.5;  // distance of shapes whose hulls overlap
-constexpr double POOR = 0.05;              // share of the way: below it shapes follow hulls
+constexpr double POOR = 0.05;              // share of the interval: below it shapes follow hulls
 
 const Prepared& preparedOf(const Rung& rung) { return static_cast<const Prepared&>(*rung.shape); }
 
@@ -39,64 +39,65 @@ double finiteOr0(double radius) { return std::isfinite(radius) ? radius : 0.0; }
 }  // namespace
 
 /// One call of measure().
-struct PairCover::Question {
+struct PairCertifier::Query {
   OpenPair& open;
-  Cover& cover;
+  CertifiedInterval& certified;
   const bool rigid;
-  const double before, after;  ///< the open way on either side
+  const double before, after;  ///< the open interval on either side
   const double radius_a, radius_b;
   const MovingPair& moving;
   double box_gap = 0.0;  ///< metres between the boxes of the two elements
 
   double size() const { return std::min(radius_a, radius_b); }
-  /// Largest relative motion on the longer side of the way, metres.
+  /// Largest relative motion on the longer side of the interval, metres.
   double motion() const {
-    const double way = std::max(before, after);
-    return way > 0.0 ? moving.bound.speed * way : 0.0;
+    const double length = std::max(before, after);
+    return length > 0.0 ? moving.bound.speed * length : 0.0;
   }
-  /// A larger distance covers the whole way, for any direction.
+  /// A larger distance certifies the whole interval, for any direction.
   double enough() const { return open.clearance + motion() / (1.0 - KEPT_SHARE); }
   double levelOf(double distance) const {
     return open.clearance + KEPT_SHARE * (distance - open.clearance);
   }
-  bool isCovered() const { return cover.before >= before && cover.after >= after; }
-  bool isPoor() const { return cover.before < POOR * before || cover.after < POOR * after; }
+  bool isCertified() const { return certified.before >= before && certified.after >= after; }
+  bool isPoor() const { return certified.before < POOR * before || certified.after < POOR * after; }
 
   /// `distance`: lower bound of the distance of the two at this configuration.
-  void takeDistance(double distance) {
+  void certifyByDistance(double distance) {
     if (!(distance > open.clearance)) return;
     const double level = levelOf(distance), speed = moving.bound.speed;
-    const auto reach = [&](double way) {
-      return distance - speed * way >= level ? way : (distance - level) / speed;
+    const auto reach = [&](double length) {
+      return distance - speed * length >= level ? length : (distance - level) / speed;
     };
-    Cover found{reach(before), reach(after), level};
+    CertifiedInterval found{reach(before), reach(after), level};
     found.clearance = std::max(level, distance - speed * std::max(found.before, found.after));
-    take(found);
+    extendBy(found);
   }
 
   /// `gap(s)` is a lower bound of their distance when the fraction has changed by s; concave.
   template <class Gap>
-  void takeGap(const Gap& gap) {
+  void certifyByGap(const Gap& gap) {
     const double here = gap(0.0);
     if (!(here > open.clearance)) return;
     const double level = levelOf(here);
-    Cover found;
-    found.before = wayAbove(gap, here, level, -before, found.clearance);
-    found.after = wayAbove(gap, here, level, after, found.clearance);
-    take(found);
-    if (!isCovered()) takeDistance(here);
+    CertifiedInterval found;
+    found.before = lengthAbove(gap, here, level, -before, found.clearance);
+    found.after = lengthAbove(gap, here, level, after, found.clearance);
+    extendBy(found);
+    if (!isCertified()) certifyByDistance(here);
   }
 
-  void take(const Cover& found) {
-    if (found.before <= cover.before && found.after <= cover.after) return;
-    const bool replaces = found.before >= cover.before && found.after >= cover.after;
-    cover.clearance = replaces ? found.clearance : std::min(cover.clearance, found.clearance);
-    cover.before = std::max(cover.before, found.before);
-    cover.after = std::max(cover.after, found.after);
+  void extendBy(const CertifiedInterval& found) {
+    if (found.before <= certified.before && found.after <= certified.after) return;
+    const bool replaces = found.before >= certified.before && found.after >= certified.after;
+    certified.clearance =
+        replaces ? found.clearance : std::min(certified.clearance, found.clearance);
+    certified.before = std::max(certified.before, found.before);
+    certified.after = std::max(certified.after, found.after);
   }
 };
 
-PairCover::PairCover(const CollisionScene& scene, MotionState& state)
+PairCertifier::PairCertifier(const CollisionScene& scene, MotionState& state)
     : scene_(scene), state_(state), boxes_(scene.elements().size(), noBox()) {
   for (std::uint32_t i = 0; i < scene.nbStaticElements(); ++i) {
     boxes_[i] = scene.staticBoxes().box(i);
@@ -105,7 +106,7 @@ PairCover::PairCover(const CollisionScene& scene, MotionState& state)
   voxel_search_.begin(scene, state.poses(), boxes_, ladder_);
 }
 
-void PairCover::begin(const MotionSettings& settings, const CloudVoxels& voxels) {
+void PairCertifier::begin(const MotionSettings& settings, const CloudVoxels& voxels) {
   voxels_ = voxels;
   fidelity_ = settings.fidelity;
   resolution_ = settings.resolution;
@@ -117,11 +118,11 @@ void PairCover::begin(const MotionSettings& settings, const CloudVoxels& voxels)
                });
 }
 
-int PairCover::cloudOf(const BoxPair& pair) const {
+int PairCertifier::cloudOf(const BoxPair& pair) const {
   return std::max(scene_.cloudOf(pair.first), scene_.cloudOf(pair.second));
 }
 
-PairCover::Voxels PairCover::voxelsOf(const BoxPair& pair) const {
+PairCertifier::Voxels PairCertifier::voxelsOf(const BoxPair& pair) const {
   const int cloud = cloudOf(pair);
   if (cloud < 0) return Voxels::NO_CLOUD;
   const auto i = static_cast<std::size_t>(cloud);
@@ -130,7 +131,7 @@ PairCover::Voxels PairCover::voxelsOf(const BoxPair& pair) const {
   return voxels_[i]->isEmpty() ? Voxels::NONE : Voxels::KNOWN;
 }
 
-bool PairCover::isRigid(const BoxPair& pair) const {
+bool PairCertifier::isRigid(const BoxPair& pair) const {
   if (all_rigid_) return true;
   const Fidelity rung = ladder_.rungOf(pair, fidelity_);
   const auto isLoose = [&](std::uint32_t element) {
@@ -140,7 +141,8 @@ bool PairCover::isRigid(const BoxPair& pair) const {
          (rung == Fidelity::CONVEX && !isLoose(pair.first) && !isLoose(pair.second));
 }
 
-PairCover::Outcome PairCover::measure(double at, OpenPair& open, Cover& cover) {
+PairCertifier::Outcome PairCertifier::measure(double at, OpenPair& open,
+                                              CertifiedInterval& certified) {
   const auto [a, b] = open.pair;
   const double before = at - open.begin, after = open.end - at;
   const BoundingSphere &sphere_a = state_.sphere(a), &sphere_b = state_.sphere(b);
@@ -162,47 +164,47 @@ PairCover::Outcome PairCover::measure(double at, OpenPair& open, Cover& cover) {
     moving.bound.speed = ROUNDED_UP * LOOSE_SPEED * (bound_a.speed + bound_b.speed);
   }
   open.speed = moving.bound.speed;
-  cover = {};
-  Question question{open, cover, rigid, before, after, sphere_a.radius, sphere_b.radius, moving};
-  if (!rigid || !std::isfinite(open.speed)) return byShapes(question);
+  certified = {};
+  Query query{open, certified, rigid, before, after, sphere_a.radius, sphere_b.radius, moving};
+  if (!rigid || !std::isfinite(open.speed)) return byShapes(query);
   if (cloudOf(open.pair) >= 0) {  // any voxel may be met, not only the nearest
     moving.twist_a = state_.twist(a, open.frame);
     moving.twist_b = state_.twist(b, open.frame);
     ++nb_queries_;
-    return byShapes(question);
+    return byShapes(query);
   }
-  question.takeDistance(moving.p_AB_W.norm() - sphere_a.radius - sphere_b.radius - moving.slack -
-                        moving.padding);
-  if (question.isCovered()) return Outcome::COVERED;
+  query.certifyByDistance(moving.p_AB_W.norm() - sphere_a.radius - sphere_b.radius - moving.slack -
+                          moving.padding);
+  if (query.isCertified()) return Outcome::CERTIFIED;
   moving.twist_a = state_.twist(a, open.frame);
   moving.twist_b = state_.twist(b, open.frame);
-  byBoxes(question);
-  if (question.isCovered()) return Outcome::COVERED;
-  const double motion = question.motion() / question.size();
-  const bool is_finest = question.motion() <= 0.5 * resolution_;
-  if (motion > MOTION_FOR_HULLS && question.box_gap > GAP_FOR_HULLS * question.size()) {
+  byBoxes(query);
+  if (query.isCertified()) return Outcome::CERTIFIED;
+  const double motion = query.motion() / query.size();
+  const bool is_finest = query.motion() <= 0.5 * resolution_;
+  if (motion > MOTION_FOR_HULLS && query.box_gap > GAP_FOR_HULLS * query.size()) {
     return Outcome::OPEN;
   }
   ++nb_queries_;
-  byHulls(question);
-  if (question.isCovered()) return Outcome::COVERED;
-  if (is_finest) return byShapes(question);
-  const bool is_apart = cover.before >= 0.0;
+  byHulls(query);
+  if (query.isCertified()) return Outcome::CERTIFIED;
+  if (is_finest) return byShapes(query);
+  const bool is_apart = certified.before >= 0.0;
   const bool is_coarse = motion > MOTION_FOR_SHAPES;
-  const bool may_gain = question.isPoor() && ladder_.needsTriangles(open.pair, fidelity_);
+  const bool may_gain = query.isPoor() && ladder_.needsTriangles(open.pair, fidelity_);
   if (is_apart && (is_coarse || !may_gain)) return Outcome::OPEN;
-  if (!is_coarse || open.clearance > 0.0) return byShapes(question);
+  if (!is_coarse || open.clearance > 0.0) return byShapes(query);
   const PairDistance found = ladder_.touches(open.pair, fidelity_).found;
   return found.certainty == Certainty::BOUND ? Outcome::CONTACT : Outcome::OPEN;
 }
 
 // The direction in which the boxes are furthest apart, along the axes of either: the part of the
 // vector between their centres that neither box covers.
-void PairCover::byBoxes(Question& question) {
-  if (!std::isfinite(question.radius_a) || !std::isfinite(question.radius_b)) return;
-  const auto [a, b] = question.open.pair;
+void PairCertifier::byBoxes(Query& query) {
+  if (!std::isfinite(query.radius_a) || !std::isfinite(query.radius_b)) return;
+  const auto [a, b] = query.open.pair;
   const Vector3d &half_a = scene_.elements()[a].box_half, &half_b = scene_.elements()[b].box_half;
-  const Vector3d& p_AB_W = question.moving.p_AB_W;
+  const Vector3d& p_AB_W = query.moving.p_AB_W;
   const Matrix3d R_WA = state_.pose(a).linear(), R_WB = state_.pose(b).linear();
   const Matrix3d reach = (R_WA.transpose() * R_WB).cwiseAbs();
   const auto outside = [](const Vector3d& t, const Vector3d& taken) -> Vector3d {
@@ -211,16 +213,16 @@ void PairCover::byBoxes(Question& question) {
   const Vector3d along_a = outside(R_WA.transpose() * p_AB_W, half_a + reach * half_b);
   const Vector3d along_b = outside(R_WB.transpose() * p_AB_W, half_b + reach.transpose() * half_a);
   const double gap_a = along_a.norm(), gap_b = along_b.norm();
-  question.box_gap = std::max(gap_a, gap_b);
-  if (!(question.box_gap > question.moving.padding)) return;
+  query.box_gap = std::max(gap_a, gap_b);
+  if (!(query.box_gap > query.moving.padding)) return;
   const Vector3d n_W = gap_a > gap_b ? R_WA * (along_a / gap_a) : R_WB * (along_b / gap_b);
   const BoxSupport box_a{R_WA, half_a}, box_b{R_WB, half_b};
-  question.takeGap(PlaneBound(question.moving, box_a, box_b, n_W));
+  query.certifyByGap(PlaneBound(query.moving, box_a, box_b, n_W));
 }
 
-void PairCover::byPlane(Question& question, const Vector3d& n_W) {
-  const auto [a, b] = question.open.pair;
-  const Fidelity rung = ladder_.rungOf(question.open.pair, fidelity_);
+void PairCertifier::byPlane(Query& query, const Vector3d& n_W) {
+  const auto [a, b] = query.open.pair;
+  const Fidelity rung = ladder_.rungOf(query.open.pair, fidelity_);
   const SceneElement &of_a = scene_.elements()[a], &of_b = scene_.elements()[b];
   const Matrix3d R_WA = state_.pose(a).linear(), R_WB = state_.pose(b).linear();
   const Prepared &shape_a = preparedOf(of_a.rung(rung)), &shape_b = preparedOf(of_b.rung(rung));
@@ -228,42 +230,41 @@ void PairCover::byPlane(Question& question, const Vector3d& n_W) {
   const HullSupport hull_b{shape_b.core, R_WB, of_b.box_center, of_b.rung(rung).margin};
   const PlaneSupport plane;
   if (shape_a.isHalfSpace()) {
-    question.takeGap(PlaneBound(question.moving, plane, hull_b, n_W));
+    query.certifyByGap(PlaneBound(query.moving, plane, hull_b, n_W));
   } else if (shape_b.isHalfSpace()) {
-    question.takeGap(PlaneBound(question.moving, hull_a, plane, n_W));
+    query.certifyByGap(PlaneBound(query.moving, hull_a, plane, n_W));
   } else {
-    question.takeGap(PlaneBound(question.moving, hull_a, hull_b, n_W));
+    query.certifyByGap(PlaneBound(query.moving, hull_a, hull_b, n_W));
   }
 }
 
-void PairCover::byHulls(Question& question) {
-  OpenPair& open = question.open;
+void PairCertifier::byHulls(Query& query) {
+  OpenPair& open = query.open;
   const auto [a, b] = open.pair;
   const Fidelity rung = ladder_.rungOf(open.pair, fidelity_);
   const Rung &rung_a = scene_.elements()[a].rung(rung), &rung_b = scene_.elements()[b].rung(rung);
   const Prepared &shape_a = preparedOf(rung_a), &shape_b = preparedOf(rung_b);
   if (shape_a.isHalfSpace() && shape_b.isHalfSpace()) return;
-  if (shape_a.isHalfSpace()) return byPlane(question, state_.pose(a).linear().col(2));
-  if (shape_b.isHalfSpace()) return byPlane(question, -state_.pose(b).linear().col(2));
+  if (shape_a.isHalfSpace()) return byPlane(query, state_.pose(a).linear().col(2));
+  if (shape_b.isHalfSpace()) return byPlane(query, -state_.pose(b).linear().col(2));
   const Matrix3d R_WF = state_.rotation(open.frame);
   if (open.has_normal) {
-    byPlane(question, R_WF * open.normal_F);
-    if (question.isCovered()) return;
+    byPlane(query, R_WF * open.normal_F);
+    if (query.isCertified()) return;
   }
-  const double margin =
-      rung_a.margin + rung_b.margin + question.moving.padding + question.moving.slack;
+  const double margin = rung_a.margin + rung_b.margin + query.moving.padding + query.moving.slack;
   const Eigen::Isometry3d X_AB = state_.pose(a).inverse(Eigen::Isometry) * state_.pose(b);
-  const PairDistance gap = convexGap(shape_a.core, shape_b.core, X_AB, question.enough() + margin);
-  if (gap.certainty == Certainty::BEYOND) return question.takeDistance(gap.distance - margin);
+  const PairDistance gap = convexGap(shape_a.core, shape_b.core, X_AB, query.enough() + margin);
+  if (gap.certainty == Certainty::BEYOND) return query.certifyByDistance(gap.distance - margin);
   if (!(gap.distance > margin)) return;
   const Vector3d n_W = (state_.pose(a).linear() * gap.nhat_AB_A).normalized();
   open.has_normal = true;
   open.normal_F = R_WF.transpose() * n_W;
-  byPlane(question, n_W);
+  byPlane(query, n_W);
 }
 
-PairDistance PairCover::askShapes(const Question& question, double max_distance) {
-  const BoxPair& pair = question.open.pair;
+PairDistance PairCertifier::queryShapes(const Query& query, double max_distance) {
+  const BoxPair& pair = query.open.pair;
   const int cloud = cloudOf(pair);
   if (cloud < 0) return ladder_.climb(pair, fidelity_, max_distance).found;
   const OccupiedVoxels& voxels = *voxels_[static_cast<std::size_t>(cloud)];
@@ -274,35 +275,35 @@ PairDistance PairCover::askShapes(const Question& question, double max_distance)
   return found;
 }
 
-PairCover::Outcome PairCover::byShapes(Question& question) {
-  const OpenPair& open = question.open;
-  const MovingPair& moving = question.moving;
+PairCertifier::Outcome PairCertifier::byShapes(Query& query) {
+  const OpenPair& open = query.open;
+  const MovingPair& moving = query.moving;
   const auto [a, b] = open.pair;
   for (const std::uint32_t element : {a, b}) {
     const Eigen::Isometry3d& X_WE = state_.pose(element);
-    const bool needs_none = question.rigid && cloudOf(open.pair) < 0;
+    const bool needs_none = query.rigid && cloudOf(open.pair) < 0;
     if (needs_none || element < scene_.nbStaticElements() || scene_.cloudOf(element) >= 0) continue;
     boxes_[element] = scene_.elements()[element].boxAt(X_WE);
   }
   const double error =
-      DISTANCE_ERROR * (finiteOr0(question.radius_a) + finiteOr0(question.radius_b)) + moving.slack;
-  const PairDistance found = askShapes(question, question.enough() + error);
+      DISTANCE_ERROR * (finiteOr0(query.radius_a) + finiteOr0(query.radius_b)) + moving.slack;
+  const PairDistance found = queryShapes(query, query.enough() + error);
   const bool is_certain = found.certainty != Certainty::DEGRADED;
   if (is_certain && found.touches()) return Outcome::CONTACT;
   const double distance = found.distance - error;
-  question.takeDistance(distance);
+  query.certifyByDistance(distance);
   const double speed = (moving.twist_b.v - moving.twist_a.v).norm() +
-                       moving.twist_a.omega.norm() * question.radius_a +
-                       moving.twist_b.omega.norm() * question.radius_b;
-  if (question.rigid && !question.isCovered() && std::isfinite(speed)) {
-    question.takeGap([&](double s) {
+                       moving.twist_a.omega.norm() * query.radius_a +
+                       moving.twist_b.omega.norm() * query.radius_b;
+  if (query.rigid && !query.isCertified() && std::isfinite(speed)) {
+    query.certifyByGap([&](double s) {
       return distance - speed * std::abs(s) - 0.5 * moving.bound.acceleration * s * s;
     });
   }
-  if (question.isCovered()) return Outcome::COVERED;
-  const double motion = question.motion();
+  if (query.isCertified()) return Outcome::CERTIFIED;
+  const double motion = query.motion();
   const bool can_be_cut = motion > 0.5 * resolution_ && motion < INF &&
-                          std::max(question.before, question.after) > SHORTEST_WAY;
+                          std::max(query.before, query.after) > SHORTEST_INTERVAL;
   if (!can_be_cut) return Outcome::GIVEN_UP;
   // Or its deviation takes it there: no finer search can certify this configuration.
   const bool is_nearer = found.certainty == Certainty::EXACT &&
