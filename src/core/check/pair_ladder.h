@@ -6,9 +6,11 @@
 // - open_pairs: are the pairs that the batch stage left open in contact?
 // - check_input: are settings and poses valid?
 // - collision_detector.cpp: one state: places the elements, sweeps their boxes, settles the pairs.
+// - ignored_pairs: which pairs does the caller leave out?
 // - element_boxes: where are the elements in this cycle, and what are their boxes?
 // - pair_ladder: how far apart is one pair, at one fidelity or by finer and finer ones?
 // - timed_climb: which pairs are settled first if there is a deadline?
+// - minimum_search.cpp: which pairs can have the smallest distance, and what is it?
 // - voxel_search: which voxel of a cloud is nearest to an element?
 // - found_pairs: what is reported of two models whose elements were found?
 #pragma once
