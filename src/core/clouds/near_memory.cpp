@@ -30,7 +30,6 @@ bool isBefore(const VoxelCell& a, const VoxelCell& b) {
 
 void NearMemory::update(const Cloud& cloud) {
   takeWhatStayed(cloud);
-  takeWhatTheRobotLeft(cloud);
   std::vector<Unseen> left = unseenIn(cloud);
   remembered_.clear();
   std::vector<VoxelCell> cells;
@@ -82,32 +81,30 @@ void NearMemory::takeWhatStayed(const Cloud& cloud) {
   appeared_.clear();
 }
 
-/// What was hidden beside the robot is where it was, and no longer followed, or moves with the
-/// robot.
-void NearMemory::takeWhatTheRobotLeft(const Cloud& cloud) {
-  for (const Vanished& one : hidden_) {
-    const bool is_found = anyWithin(cloud.now, one.p_W, FOUND_AGAIN) ||
-                          anyWithin(cloud.now, placeOnLink(one, cloud), FOUND_AGAIN);
-    if (is_found || cloud.near.mayBeOwn(one.p_W) || vanished_.size() == MOST_PLACES) continue;
-    vanished_.push_back(one);
-  }
-}
-
-/// Those that are remembered still, at their distance from the robot as it is now.
+/// Those of which nothing is hidden any more have vanished unless something is seen there: the
+/// robot may have moved away and carry them.
 void NearMemory::followWhatIsHidden(const Cloud& cloud) {
-  const auto isRemembered = [&](const Vanished& one) {
-    return std::any_of(remembered_.begin(), remembered_.end(), [&](const Remembered& other) {
+  std::vector<Vanished> hidden;
+  for (Vanished one : hidden_) {
+    const auto isIn = [&](const Remembered& other) {
       const Vector3d at = one.p_W / cloud.now->voxelSize() - other.cell.cast<double>();
       return (at.array() >= 0.0 && at.array() <= 1.0).all();
-    });
-  };
-  hidden_.erase(std::remove_if(hidden_.begin(), hidden_.end(),
-                               [&](const Vanished& one) { return !isRemembered(one); }),
-                hidden_.end());
-  for (Vanished& one : hidden_) {
-    one.distance = cloud.near.nearest(one.p_W).distance;
-    one.is_in_contact = one.distance - HALF * cloud.now->voxelSize() <= padding_;
+    };
+    const auto isPartOf = [&](const Remembered& other) {
+      return other.is_alone && (centerOf(*cloud.now, other.cell) - one.p_W).norm() < FOUND_AGAIN;
+    };
+    if (std::any_of(remembered_.begin(), remembered_.end(), isPartOf)) {
+      one.distance = cloud.near.nearest(one.p_W).distance;
+      one.is_in_contact = one.distance - HALF * cloud.now->voxelSize() <= padding_ &&
+                          std::any_of(remembered_.begin(), remembered_.end(), isIn);
+      hidden.push_back(one);
+    } else if (!anyWithin(cloud.now, one.p_W, FOUND_AGAIN) &&
+               !anyWithin(cloud.now, placeOnLink(one, cloud), FOUND_AGAIN) &&
+               vanished_.size() < MOST_PLACES) {
+      vanished_.push_back(one);
+    }
   }
+  hidden_ = std::move(hidden);
 }
 
 /// Sorted by cell.

@@ -87,7 +87,6 @@ class NearMemory {
   /// Where the obstacle is nearest to a link; none if it is near no link.
   static std::optional<Vanished> placeOf(const std::vector<Unseen>& obstacle, const Cloud& cloud);
   void addVanished(const std::vector<Unseen>& obstacle, const Cloud& cloud);
-  void takeWhatTheRobotLeft(const Cloud& cloud);
   void followWhatIsHidden(const Cloud& cloud);
   void findWhatAppeared(const Cloud& cloud);
   static Eigen::Vector3d placeOnLink(const Vanished& one, const Cloud& cloud);
