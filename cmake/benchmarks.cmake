@@ -61,7 +61,7 @@ collision_pairs_benchmark(motion_benchmark SOURCES benchmark_robots demo_motion 
 
 # The velocity limiter beside MoveIt Servo's formula; scripts/measure_limiter writes docs/limiter.md.
 collision_pairs_benchmark(limiter_benchmark
-  SOURCES benchmark_robots demo_motion limiter_drives limiter_simulation motion_scenes simulated_joints
+  SOURCES benchmark_robots demo_motion limiter_drives limiter_judge limiter_simulation motion_scenes simulated_joints
     simulated_limiters
   LIBRARIES collision_pairs_io)
 target_sources(limiter_benchmark PRIVATE ${limiter_law})

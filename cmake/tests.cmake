@@ -60,7 +60,8 @@ collision_pairs_test(joint_sampler)
 collision_pairs_test(joint_states_csv collision_pairs_io)
 collision_pairs_test(limiter_law collision_pairs_io)
 target_sources(test_limiter_law PRIVATE ${limiter_law} test/benchmark/benchmark_robots.cpp
-  test/benchmark/demo_motion.cpp test/benchmark/limiter_drives.cpp test/benchmark/limiter_simulation.cpp
+  test/benchmark/demo_motion.cpp test/benchmark/limiter_drives.cpp test/benchmark/limiter_judge.cpp
+  test/benchmark/limiter_simulation.cpp
   test/benchmark/motion_scenes.cpp test/benchmark/simulated_joints.cpp test/benchmark/simulated_limiters.cpp)
 collision_pairs_test(limiter_input collision_pairs_ros)
 collision_pairs_test(stopping_tube)

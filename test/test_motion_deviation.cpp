@@ -125,5 +125,30 @@ TEST(BesideObjects, TheClearanceIsLargerThanBetweenLinks) {
   EXPECT_EQ(scene->models()[report.pairs[0].second].name, "wall");
 }
 
+// The wall is static, so it is found by sweep and prune; the two boxes are a pair from the start.
+TEST(Nearer, APairOnlyKeepsItsOwnClearanceAndOthersThatOfTheSettings) {
+  const auto robot = robotFrom(slidingBoxes(2));
+  const auto scene = sceneOf(robot, {boxAt("wall", {3.4, 0.0, 0.0}, {1.0, 1.0, 1.0})});
+  const std::vector<double> at = {1.0, 2.2};  // gaps of 0.2 m
+  MotionSettings settings;
+  settings.clearance = 0.25;
+  const auto models = checked(scene, at, at, settings).pairs;
+  ASSERT_EQ(models.size(), 2u);
+  for (const int last : {0, 1}) {
+    const auto [first, second] = models[1 - last];
+    for (const double kept : {-1.0, 0.15, 0.21}) {
+      settings.nearer = {{second, first, kept}};
+      const auto left = checked(scene, at, at, settings).pairs;
+      ASSERT_EQ(left.size(), kept < 0.2 ? 1u : 2u);
+      if (kept < 0.2) {
+        EXPECT_EQ(left[0], models[last]);
+      }
+    }
+  }
+  settings.nearer = {{models[0].first, models[0].second, 0.15},
+                     {models[1].first, models[1].second, 0.15}};
+  EXPECT_EQ(checked(scene, at, at, settings).verdict, Verdict::FREE);
+}
+
 }  // namespace
 }  // namespace collision_pairs

@@ -13,6 +13,12 @@
 
 namespace collision_pairs {
 
+/// What one pair of models keeps, metres; negative: the pair is left out.
+struct PairClearance {
+  std::uint32_t first = 0, second = 0;
+  double clearance = 0.0;
+};
+
 struct MotionSettings {
   /// The geometry that decides.
   Fidelity fidelity = Fidelity::MESH;
@@ -36,6 +42,8 @@ struct MotionSettings {
   /// world, static objects, clouds. FREE then means this, too; MotionReport::clearance is of all
   /// pairs.
   double beside_objects = 0.0;
+  /// Pairs that may come nearer than the settings above ask for, a few: it is searched for each.
+  std::vector<PairClearance> nearer = {};
 };
 
 /// A straight line in joint space: at fraction f of the segment joint i is at

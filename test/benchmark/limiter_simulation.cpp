@@ -22,9 +22,6 @@ constexpr double MOVER_SIZE = 0.12, VOXEL_SIZE = 0.05;
 constexpr double VIEW_EVERY = 0.033;  // s between views of the moving box
 const char* const CLOUD = "camera";
 
-constexpr double ALARM = 0.02;   // m
-constexpr double NEARER = 1e-8;  // m: a change that counts
-
 std::shared_ptr<const RobotModel> moverRobot() {
   std::string xml =
       emptyLink("start") + emptyLink("along_x") + emptyLink("along_y") + boxLink("box", MOVER_SIZE);
@@ -51,12 +48,6 @@ std::shared_ptr<const OccupiedVoxels> voxelsOf(const Vector3d& center) {
   return std::make_shared<const OccupiedVoxels>(VOXEL_SIZE, cells);
 }
 
-double distanceOf(const std::map<std::pair<std::uint32_t, std::uint32_t>, double>& near) {
-  double nearest = std::numeric_limits<double>::infinity();
-  for (const auto& [pair, distance] : near) nearest = std::min(nearest, distance);
-  return nearest;
-}
-
 double lengthOf(const std::vector<double>& v) {
   double sum = 0.0;
   for (const double x : v) sum += x * x;
@@ -66,9 +57,8 @@ double lengthOf(const std::vector<double>& v) {
 }  // namespace
 
 void SimulationResult::add(const SimulationResult& other) {
+  RobotsPart::add(other);
   seconds += other.seconds;
-  nb_contacts += other.nb_contacts;
-  nearest = std::min(nearest, other.nearest);
   nb_stops += other.nb_stops;
   nb_commands += other.nb_commands;
   passed += other.passed;
@@ -200,10 +190,9 @@ LimiterScene::LimiterScene(const BenchmarkRobot& robot, std::vector<std::string>
   seen_ = CollisionScene::build(description);
   description.clouds.clear();
   if (options.obstacle_speed > 0.0) {
-    description.robots.push_back({moverRobot(), std::nullopt, "mover"});
+    description.robots.push_back({moverRobot(), std::nullopt, LimiterJudge::MOVER});
   }
-  truth_ = CollisionScene::build(description);
-  detector_ = std::make_unique<CollisionDetector>(truth_);
+  judge_ = std::make_unique<LimiterJudge>(CollisionScene::build(description), joints_);
   const JointSampler sampler(robot.robot, 1);
   for (const std::string& name : joints_) {
     const auto& range = sampler.ranges()[robot.robot->findJoint(name)];
@@ -238,74 +227,14 @@ std::vector<double> LimiterScene::freeState(RandomInputs& random, double clearan
                                             const Vector3d& mover) {
   for (;;) {
     std::vector<double> q = drawState(random);
-    if (distanceAt(q, mover, clearance) > clearance) return q;
+    if (judge_->distanceAt(q, mover, clearance) > clearance) return q;
   }
-}
-
-double LimiterScene::distanceAt(const std::vector<double>& q, const Vector3d& mover,
-                                double alarm_distance) {
-  return distanceOf(nearPairs(q, mover, alarm_distance));
-}
-
-bool LimiterScene::isMoved(const PairReport& pair) const {
-  const auto& bodies = truth_->robot().bodies();
-  const auto bodyOf = [&](std::uint32_t model) {
-    const int body = truth_->models()[model].body;
-    return body < 0 ? -1 : truth_->bodies()[body].body;
-  };
-  int first = bodyOf(pair.first), second = bodyOf(pair.second);
-  while (first != second) {
-    int& later = first > second ? first : second;
-    const int joint = bodies[later].joint;
-    if (joint >= 0) {
-      const std::string& name = truth_->robot().joints()[joint].name;
-      if (std::find(joints_.begin(), joints_.end(), name) != joints_.end()) return true;
-    }
-    later = bodies[later].parent;
-  }
-  return false;
-}
-
-std::map<std::pair<std::uint32_t, std::uint32_t>, double> LimiterScene::nearPairs(
-    const std::vector<double>& q, const Vector3d& mover, double alarm_distance) {
-  std::vector<double> all = truth_->robot().zeroPositions();
-  for (std::size_t i = 0; i < q.size(); ++i) all[truth_->robot().findJoint(joints_[i])] = q[i];
-  if (options_.obstacle_speed > 0.0) {
-    for (int i = 0; i < 3; ++i) {
-      all[truth_->robot().findJoint(std::string("mover/") + "xyz"[i])] = mover[i];
-    }
-  }
-  truth_->robot().applyMimics(all);
-  truth_->robot().forwardKinematics(all, X_WB_);
-  truth_->gatherPoses(X_WB_, poses_);
-  CheckSettings settings;
-  settings.alarm_distance = alarm_distance;
-  std::map<std::pair<std::uint32_t, std::uint32_t>, double> near;
-  for (const PairReport& pair : detector_->detect(poses_, settings).pairs) {
-    if (isMoved(pair)) near[{pair.first, pair.second}] = pair.distance;
-  }
-  return near;
-}
-
-// What the robot did between two checks, with the box where it is now.
-bool LimiterScene::judge(const std::vector<double>& before, const std::vector<double>& now,
-                         const Vector3d& mover, SimulationResult& result) {
-  const auto near = nearPairs(now, mover, ALARM);
-  if (near.empty() || before == now) return !near.empty() && distanceOf(near) <= 0.0;
-  const auto was = nearPairs(before, mover, ALARM + 0.05);
-  for (const auto& [pair, distance] : near) {
-    const auto found = was.find(pair);
-    const double earlier = found == was.end() ? ALARM + 0.05 : found->second;
-    if (!(distance < earlier - NEARER)) continue;
-    result.nearest = std::min(result.nearest, distance);
-    if (distance <= 0.0 && earlier > 0.0) ++result.nb_contacts;
-  }
-  return distanceOf(near) <= 0.0;
 }
 
 SimulationResult LimiterScene::run(const Limiter& limiter, RandomInputs& random, double seconds) {
   SimulationResult result;
   result.seconds = seconds;
+  judge_->begin();
   Mover mover(options_.obstacle_speed, random);
   Commands commands(*this, random);
   std::vector<double> acceleration(joints_.size());
@@ -390,7 +319,9 @@ SimulationResult LimiterScene::run(const Limiter& limiter, RandomInputs& random,
     mover.step(STEP);
     if (now >= next_check) {
       next_check = now + CHECK_EVERY;
-      const bool touches = judge(checked, robot.positions(), mover.position(), result);
+      const bool touches =
+          judge_->judge(checked, robot.positions(), mover.position(), settings().stop_distance,
+                        result);
       checked = robot.positions();
       if (touches && options_.obstacle_speed > 0.0) mover.turnBack(0.05);
     }

@@ -2,15 +2,13 @@
 #pragma once
 
 #include <functional>
-#include <map>
 #include <memory>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "benchmark_robots.h"
 #include "certified_surroundings.h"
-#include "collision_pairs/collision_detector.h"
+#include "limiter_judge.h"
 #include "random_inputs.h"
 #include "simulated_joints.h"
 
@@ -38,11 +36,9 @@ struct SimulationOptions {
   bool disturbed = false;
 };
 
-struct SimulationResult {
+/// What happened to the robot, and what was passed.
+struct SimulationResult : RobotsPart {
   double seconds = 0.0;
-  int nb_contacts = 0;  ///< times that the robot moved into contact
-  /// Metres: the smallest distance at which the robot moved a pair nearer.
-  double nearest = 1.0;
   int nb_stops = 0;                             ///< commands that were stopped, of …
   int nb_commands = 0;                          ///< … all that were not zero
   double passed = 0.0;                          ///< integral of passed speed, of …
@@ -80,29 +76,18 @@ class LimiterScene {
   /// One where the limited joints keep this clearance, metres.
   std::vector<double> freeState(RandomInputs& random, double clearance,
                                 const Eigen::Vector3d& mover = Eigen::Vector3d(9, 9, 9));
-  /// Exact, of the pairs that the limited joints move; infinite beyond the alarm distance.
-  double distanceAt(const std::vector<double>& q, const Eigen::Vector3d& mover,
-                    double alarm_distance);
 
  private:
   class Mover;
   class Commands;
-  using Near = std::map<std::pair<std::uint32_t, std::uint32_t>, double>;
-  Near nearPairs(const std::vector<double>& q, const Eigen::Vector3d& mover, double alarm_distance);
-  bool isMoved(const PairReport& pair) const;
-  /// True if something touches.
-  bool judge(const std::vector<double>& before, const std::vector<double>& now,
-             const Eigen::Vector3d& mover, SimulationResult& result);
   static void note(const LimiterView& view, const std::vector<double>& passed,
                    CertifiedSurroundings& probe, SimulationResult& result);
 
   std::vector<std::string> joints_;
   SimulationOptions options_;
-  std::shared_ptr<const CollisionScene> seen_, truth_;
-  std::unique_ptr<CollisionDetector> detector_;
+  std::shared_ptr<const CollisionScene> seen_;
+  std::unique_ptr<LimiterJudge> judge_;
   std::vector<double> lower_, upper_, zero_;
-  std::vector<Eigen::Isometry3d> X_WB_;
-  BodyPoses poses_;
 };
 
 /// The joints of arms, by the name of the robot.

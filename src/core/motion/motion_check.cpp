@@ -127,8 +127,9 @@ class MotionCheck::Search {
       const Voxels known = certifier_.voxelsOf(open.pair);
       const bool is_robot = known == Voxels::NO_CLOUD;
       open.clearance = settings_.clearance + (is_robot ? 0.0 : settings_.beside_objects);
+      open.clearance = clearanceOf(open);
       if (known == Voxels::UNKNOWN || known == Voxels::IN_PART) noteUncertified(open.pair, 0.0);
-      if (known == Voxels::UNKNOWN || known == Voxels::NONE) continue;
+      if (known == Voxels::UNKNOWN || known == Voxels::NONE || open.clearance < 0.0) continue;
       OpenPair one = open;
       if (!lookAt(one, before, after)) return false;
     }
@@ -323,9 +324,24 @@ class MotionCheck::Search {
       const auto& elements = scene_.elements();
       const bool in_order = elements[fixed].model < elements[open.pair.first].model;
       open.pair = in_order ? BoxPair{fixed, open.pair.first} : BoxPair{open.pair.first, fixed};
+      open.clearance = clearanceOf(open);
+      if (open.clearance < 0.0) continue;
       if (!settle(open, before, after)) return false;
     }
     return true;
+  }
+
+  /// That of the settings, or of MotionSettings::nearer.
+  double clearanceOf(const OpenPair& open) const {
+    double clearance = open.clearance;
+    const auto& elements = scene_.elements();
+    const auto models =
+        std::minmax(elements[open.pair.first].model, elements[open.pair.second].model);
+    for (const PairClearance& pair : settings_.nearer) {
+      if (std::minmax(pair.first, pair.second) != models) continue;
+      clearance = std::min(clearance, pair.clearance);
+    }
+    return clearance;
   }
 
   const OpenPair& sweptAs(std::uint32_t box) const {

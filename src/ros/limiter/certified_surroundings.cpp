@@ -47,7 +47,8 @@ void CertifiedSurroundings::setState(RobotState state) {
 }
 
 Surroundings::Certificate CertifiedSurroundings::certify(const StoppingTube& tube, double clearance,
-                                                         double growth) {
+                                                         double growth,
+                                                         const std::vector<NearPair>& nearer) {
   JointMotion motion;
   motion.from = motion.to = state_.positions;
   motion.deviation.assign(motion.from.size(), 0.0);
@@ -62,6 +63,12 @@ Surroundings::Certificate CertifiedSurroundings::certify(const StoppingTube& tub
   settings.beside_objects = growth;
   settings.resolution = RESOLUTION;
   settings.only_free = settings.only_moved = true;
+  for (const NearPair& pair : nearer) {
+    const auto idOf = [&](const std::string& name) {
+      return static_cast<std::uint32_t>(scene_->findModel(name));
+    };
+    settings.nearer.push_back({idOf(pair.first), idOf(pair.second), pair.distance});
+  }
   const MotionReport& report = motions_.check(motion, settings, state_.placed, state_.voxels);
   Certificate certificate;
   certificate.is_free = report.verdict == Verdict::FREE;

@@ -30,7 +30,8 @@ class CertifiedSurroundings : public Surroundings {
   /// Throws InputError as MotionCheck::check() does.
   void setState(RobotState state);
 
-  Certificate certify(const StoppingTube& tube, double clearance, double growth) override;
+  Certificate certify(const StoppingTube& tube, double clearance, double growth,
+                      const std::vector<NearPair>& nearer) override;
   double travel(const StoppingTube& tube) override;
   bool nearPairs(double reach, const std::vector<double>& direction, std::vector<NearPair>& pairs,
                  std::string& why) override;  // pairs that the direction moves

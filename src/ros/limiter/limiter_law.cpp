@@ -14,7 +14,7 @@ constexpr double TIMER_ERROR = 0.01;   // s, by which zeros may come late after 
 constexpr double LEAST_SCALE = 0.005;  // below it the robot is stopped
 constexpr int MOST_CERTIFICATES = 5;   // of a search; each costs up to some 100 us
 constexpr double NEXT_GUESS = 0.85, FAR_GUESS = 1.0 / 3.0, NEAR_ENOUGH = 0.9;
-constexpr int RETREATS = 3;  // scales that are tried
+constexpr int RETREATS = 4;  // scales that are tried
 constexpr double NEXT_RETREAT = 0.25;
 // Nearer than this a motion cannot be certified; only the derivative says where it leads.
 constexpr double NOTHING_TO_CERTIFY = 1e-3;
@@ -140,7 +140,7 @@ bool LimiterLaw::isCertified(Question& question, double scale) {
   const StoppingTube tube =
       passed_.tube(input.stamp, input.now, input.command, scaled(input.command, scale));
   const double needed = settings_.stop_distance + ROOM_TO_RETREAT, coming = growth(input, tube);
-  Surroundings::Certificate found = question.surroundings.certify(tube, needed, coming);
+  Surroundings::Certificate found = question.surroundings.certify(tube, needed, coming, {});
   if (found.is_free) return true;
   if (found.why.empty()) {
     found.why = "on the stopping path a pair comes nearer than " + inMetres(needed);
@@ -183,12 +183,12 @@ double LimiterLaw::retreatScale(Question& question, double most) {
       return pair.distance > reach - (pair.is_robot ? coming : travel);  // one of the two moves
     };
     pairs.erase(std::remove_if(pairs.begin(), pairs.end(), isFarEnough), pairs.end());
-    if (mayRetreat(question, scale, pairs)) return scale;
+    if (mayRetreat(question, scale, std::move(pairs))) return scale;
   }
   return 0.0;
 }
 
-bool LimiterLaw::mayRetreat(Question& question, double scale, const std::vector<NearPair>& pairs) {
+bool LimiterLaw::mayRetreat(Question& question, double scale, std::vector<NearPair> pairs) {
   const LimiterInput& input = question.input;
   if (pairs.empty()) return false;  // what is not certified lies ahead
   double speed = 0.0;
@@ -202,18 +202,31 @@ bool LimiterLaw::mayRetreat(Question& question, double scale, const std::vector<
   }
   question.refused.first = pairs.front().first;
   question.refused.second = pairs.front().second;
-  const double distance = pairs.front().distance;
-  if (distance < NOTHING_TO_CERTIFY) {
-    if (passed_.areAlong(input.command, input.stamp)) return true;
-    question.no_retreat = "the robot does not stand yet";
-    return false;
-  }
-  const double kept = distance >= settings_.stop_distance + 0.5 * ROOM_TO_RETREAT
-                          ? settings_.stop_distance
-                          : GIVEN_AWAY * std::min(distance, settings_.stop_distance);
   const StoppingTube tube =
       passed_.tube(input.stamp, input.now, input.command, scaled(input.command, scale));
-  const Surroundings::Certificate found = question.surroundings.certify(tube, kept, 0.0);
+  const double stop_distance = settings_.stop_distance;
+  std::vector<NearPair> nearer;
+  for (NearPair& pair : pairs) {
+    if (pair.distance >= stop_distance + 0.5 * ROOM_TO_RETREAT) break;
+    pair.distance = pair.distance < NOTHING_TO_CERTIFY
+                        ? -1.0
+                        : GIVEN_AWAY * std::min(pair.distance, stop_distance);
+    nearer.push_back(std::move(pair));
+  }
+  // Another part of the same two may be in the way: a cloud is one model.
+  if (!nearer.empty() && nearer.front().distance < 0.0) {
+    if (!passed_.areAlong(input.command, input.stamp)) {
+      question.no_retreat = "the robot does not stand yet";
+      return false;
+    }
+    const double furthest = std::max(GIVEN_AWAY * stop_distance, ROOM_TO_RETREAT);
+    if (question.surroundings.travel(tube) > furthest) {
+      question.no_retreat = "it would lead too far";
+      return false;
+    }
+  }
+  const Surroundings::Certificate found =
+      question.surroundings.certify(tube, stop_distance, 0.0, nearer);
   if (!found.is_free) question.no_retreat = "its way back is not certified";
   return found.is_free;
 }

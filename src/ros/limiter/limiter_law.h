@@ -25,7 +25,7 @@ struct LimiterSettings {
   double ramp_up = 2.0;  ///< per second, > 0: the scale rises at most this fast; it falls at once
 };
 
-/// Two models that are near each other.
+/// Two models that are near each other, or may come.
 struct NearPair {
   std::string first, second;
   double distance = 0.0;  ///< metres, signed
@@ -45,8 +45,10 @@ class Surroundings {
     std::string why;            ///< else why not, in words
   };
   /// Whether no pair that the joints of the command move comes nearer than `clearance` metres
-  /// anywhere in the tube; one with anything that the robot does not carry: `growth` more.
-  virtual Certificate certify(const StoppingTube& tube, double clearance, double growth) = 0;
+  /// anywhere in the tube; one with anything that the robot does not carry: `growth` more. Each of
+  /// `nearer` only has to keep its own distance; if that is negative, it is not asked about.
+  virtual Certificate certify(const StoppingTube& tube, double clearance, double growth,
+                              const std::vector<NearPair>& nearer) = 0;
 
   /// Upper bound of how much nearer a pair can come anywhere in the tube, metres.
   virtual double travel(const StoppingTube& tube) = 0;
@@ -95,7 +97,7 @@ class LimiterLaw {
   bool isCertified(Question& question, double scale);
   double largestScale(Question& question, double most);
   double retreatScale(Question& question, double most);
-  bool mayRetreat(Question& question, double scale, const std::vector<NearPair>& pairs);
+  bool mayRetreat(Question& question, double scale, std::vector<NearPair> pairs);
   double growth(const LimiterInput& input, const StoppingTube& tube) const;
 
   LimiterSettings settings_;

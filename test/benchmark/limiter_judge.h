@@ -1,0 +1,65 @@
+// Judges by the exact check what a robot did among obstacles that may move by themselves.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "collision_pairs/collision_detector.h"
+
+namespace collision_pairs {
+
+/// What the robot itself did. An obstacle that moves may run into a robot that stands, so of its
+/// distance only what the robot took away counts: between two checks, the difference that the
+/// robot's motion makes with the obstacle where it is at the later one.
+struct RobotsPart {
+  /// With what does not move by itself: times that contact began. With an obstacle that moves: of
+  /// these only the times in which most of the last stop_distance was taken away by the robot.
+  int nb_contacts = 0;
+  int nb_run_into = 0;  ///< times that an obstacle came into contact by its own motion
+  /// Metres: the smallest distance to what does not move by itself, where the robot moves nearer.
+  double nearest = 1.0;
+  /// Metres: the most that the robot took away of a distance below stop_distance to an obstacle
+  /// that moves, without giving it back in between.
+  double taken = 0.0;
+  void add(const RobotsPart& other);
+};
+
+class LimiterJudge {
+ public:
+  /// Name of the robot whose box is the obstacle that moves, on the joints x, y, z.
+  static constexpr const char* MOVER = "mover";
+
+  LimiterJudge(std::shared_ptr<const CollisionScene> truth, std::vector<std::string> joints);
+
+  /// Forgets the run before.
+  void begin();
+
+  /// Exact, of the pairs that the limited joints move; infinite beyond the alarm distance.
+  double distanceAt(const std::vector<double>& q, const Eigen::Vector3d& mover,
+                    double alarm_distance);
+
+  /// What the robot did between two checks, with the obstacle where it is now. True if something
+  /// touches.
+  bool judge(const std::vector<double>& before, const std::vector<double>& now,
+             const Eigen::Vector3d& mover, double stop_distance, RobotsPart& part);
+
+ private:
+  using Near = std::map<std::pair<std::uint32_t, std::uint32_t>, double>;
+  Near nearPairs(const std::vector<double>& q, const Eigen::Vector3d& mover, double alarm_distance);
+  bool isMoved(const PairReport& pair) const;
+  bool isOfMover(std::uint32_t model) const;
+
+  std::shared_ptr<const CollisionScene> truth_;
+  std::vector<std::string> joints_;
+  CollisionDetector detector_;
+  std::vector<Eigen::Isometry3d> X_WB_;
+  BodyPoses poses_;
+  Near taken_;       ///< metres that the robot took away, of each obstacle that is too near
+  Near were_;        ///< distances at the last check
+};
+
+}  // namespace collision_pairs
