@@ -89,7 +89,7 @@ TEST(LimiterLaw, AmongStaticObstaclesNothingComesNearerThanTheStopDistance) {
 TEST(LimiterLaw, ARobotDoesNotMoveIntoObstaclesThatComeNoFasterThanSaid) {
   SimulationOptions options;
   options.obstacle_speed = 0.2;
-  expectSafety(options, 3000, 0.02);
+  expectSafety(options, 3000, 0.05);
 }
 
 TEST(LimiterLaw, DisturbedInputCausesNoContact) {
@@ -135,7 +135,7 @@ TEST(LimiterLaw, AnObstacleThatComesFindsTheRobotStandingAtTheStopDistance) {
 }
 
 // Between a ball that touches it and a wall, both of one cloud: the pair's derivative only knows
-// of the nearest voxel.
+// of the nearest voxel. In this scene a law that certifies no retreat from contact passes, too.
 TEST(LimiterLaw, ARetreatFromContactDoesNotEndAtAnotherPartOfTheSameModel) {
   constexpr double STEP = 0.001, PERIOD = 0.01, SIZE = 0.02, WALL = 0.54;  // the box ends at 0.5
   SceneDescription description = described(slidingBox(), {});
