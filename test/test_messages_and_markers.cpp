@@ -197,6 +197,24 @@ TEST_F(Report, OfNothingIsUnknown) {
   EXPECT_EQ(array.markers[2].text, "there is no robot");
 }
 
+TEST_F(Report, OfACheckThatLeavesOutAllPairsSaysWhyItIsUnknown) {
+  BodyPoses poses;
+  poses.resize(scene_->bodies().size());
+  settings_.may_ignore = [](std::uint32_t, std::uint32_t) { return true; };  // all boxes meet
+  const CollisionPairs message = toMessage(detector_.detect(poses, settings_), *scene_, settings_,
+                                           "world", ros::Time(7), {});
+  EXPECT_EQ(message.verdict, CollisionPairs::UNKNOWN);
+  EXPECT_EQ(message.unchecked, "every pair is ignored");
+  EXPECT_EQ(message.unknown_because, (std::vector<std::string>{"every pair is ignored"}));
+}
+
+TEST(WhyUnknown, NamesWhatASceneDoesNotCheckAlsoWithoutAReport) {
+  const auto scene =
+      CollisionScene::build(robotFrom("<link name='only'/>"), std::nullopt, nullptr);
+  EXPECT_FALSE(scene->unchecked().empty());
+  EXPECT_EQ(whyUnknown({}, *scene, {}), std::vector<std::string>{scene->unchecked()});
+}
+
 TEST_F(Report, ALongReasonIsDrawnInLinesAndCut) {
   for (const std::string& why :
        {std::string(500, 'x'), "link 'x': " + std::string(200, ' '),

@@ -172,8 +172,10 @@ class CollisionScene {
   /// Of the meshes whose triangles the scene's fidelities need.
   std::vector<std::string> openMeshes() const;
   /// Whether a check can end FREE: something is checked, or settings.allow_empty_scene.
-  bool mayBeFree() const {
-    return unchecked_.empty() || description_->settings.allow_empty_scene;
+  bool mayBeFree() const { return mayBeFree(unchecked_); }
+  /// The same for one check, whose CollisionReport::unchecked it is.
+  bool mayBeFree(const std::string& unchecked) const {
+    return unchecked.empty() || description_->settings.allow_empty_scene;
   }
   /// The library that answers its pairs of shapes.
   NarrowPhaseMethod narrowPhase() const { return narrow_phase_; }

@@ -96,7 +96,10 @@ std::vector<std::string> whyUnknown(const CollisionReport& report, const Collisi
   const auto add = [&](const std::string& what, const std::vector<std::string>& names) {
     if (!names.empty()) reasons.push_back(what + ": " + firstOf(names));
   };
-  if (!scene.mayBeFree()) reasons.push_back(scene.unchecked());
+  // Of a scene that checks nothing there may be no report yet.
+  const std::string& unchecked =
+      report.unchecked.empty() ? scene.unchecked() : report.unchecked;
+  if (!scene.mayBeFree(unchecked)) reasons.push_back(unchecked);
   add("geometry that could not be read", broken_links);
   const LeftOut left_out = namesOfLeftOut(report, scene);
   add("no usable pose", left_out.bodies);
@@ -132,7 +135,7 @@ CollisionPairs toMessage(const CollisionReport& report, const CollisionScene& sc
   message.verdict = static_cast<std::uint8_t>(report.verdict);
   message.in_collision = report.in_collision;
   notFree(message, whyUnknown(report, scene, broken_links));
-  message.unchecked = scene.unchecked();
+  message.unchecked = report.unchecked;
   message.nb_boxes = report.nb_boxes;
   message.nb_pairs = static_cast<std::uint32_t>(report.candidates.size());
   message.alarm_distance = settings.verdict_only ? 0.0 : settings.alarm_distance;

@@ -26,12 +26,8 @@ void mergeInto(PairReport& pair, const PairReport& other) {
   pair.fidelity = other.fidelity;
 }
 
-bool mayBeFree(const CollisionScene& scene, const CollisionReport& report) {
-  return report.unchecked.empty() || scene.description().settings.allow_empty_scene;
-}
-
 Verdict verdictOf(const CollisionScene& scene, const CollisionReport& report) {
-  const bool is_complete = report.left_out.empty() && mayBeFree(scene, report);
+  const bool is_complete = report.left_out.empty() && scene.mayBeFree(report.unchecked);
   Verdict verdict = is_complete ? Verdict::FREE : Verdict::UNKNOWN;
   for (const PairReport& pair : report.pairs) {
     if (pair.state == PairState::CONTACT) return Verdict::COLLISION;
@@ -109,7 +105,7 @@ void FoundPairs::assemble(const CollisionScene& scene, bool has_pairs, bool with
     smallest.offer(pair.distance, pair.certainty);
   }
   // Infinity, or the alarm distance, would say that something is known to be that far away.
-  if (!has_pairs && !mayBeFree(scene, report)) smallest = {0.0, true};
+  if (!has_pairs && !scene.mayBeFree(report.unchecked)) smallest = {0.0, true};
   report.min_distance = smallest.metres;
   report.min_distance_is_bound = smallest.is_bound;
 }
