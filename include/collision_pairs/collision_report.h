@@ -76,10 +76,10 @@ struct StageTimes {
 struct CollisionReport {
   Verdict verdict = Verdict::UNKNOWN;
   bool in_collision = true;  ///< verdict != FREE
-  /// Smallest signed distance of all pairs that were not left out, in metres, if it is at most the alarm distance
-  /// or was requested. Otherwise (`…_is_bound`) a lower bound of it: the alarm distance, or if a
-  /// pair is UNRESOLVED the smallest of the lower bounds. With a tolerance it may be smaller than
-  /// the true value by up to that amount.
+  /// Smallest signed distance of all pairs that were not left out, in metres, if it is at most the
+  /// alarm distance or was requested. Otherwise (`…_is_bound`) a lower bound of it: the alarm
+  /// distance, or if a pair is UNRESOLVED the smallest of the lower bounds. With a tolerance it may
+  /// be smaller than the true value by up to that amount.
   double min_distance = 0.0;
   bool min_distance_is_bound = true;
   /// CollisionScene::unchecked(), or that selection or predicate leave no pair: if not empty, the

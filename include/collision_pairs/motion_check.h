@@ -13,7 +13,8 @@
 
 namespace collision_pairs {
 
-/// What one pair of models keeps, metres; negative: the pair is left out.
+/// What one pair of models keeps, metres; negative: the pair is left out, and FREE says nothing of
+/// it.
 struct PairClearance {
   std::uint32_t first = 0, second = 0;
   double clearance = 0.0;

@@ -97,8 +97,8 @@ class OmplWorkers {
 class OmplStateValidityChecker : public ompl::base::StateValidityChecker {
  public:
   /// Throws InputError if the space is no RealVectorStateSpace with one dimension per joint, or for
-  /// an unknown joint. Of the settings, fidelity, tolerance, selection and may_ignore count; the predicate is asked
-  /// from all threads of the planner.
+  /// an unknown joint. Of the settings, fidelity, tolerance, selection and may_ignore count; the
+  /// predicate is asked from all threads of the planner.
   OmplStateValidityChecker(const ompl::base::SpaceInformationPtr& space,
                            std::shared_ptr<const CollisionScene> scene, OmplJoints joints,
                            const CheckSettings& settings = {})
