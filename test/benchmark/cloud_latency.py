@@ -23,26 +23,45 @@ NB_CODES = 8
 WIDTH, HEIGHT = 640, 480
 
 
+def seen_wall(np):
+    """Points of a camera's image that shows a wall 3 m away: about 100,000 voxels of 1 cm."""
+    u, v = np.meshgrid(np.arange(WIDTH), np.arange(HEIGHT))
+    return np.stack([np.full(u.shape, 3.0), (u / WIDTH - 0.5) * 4.0, v / HEIGHT * 2.6], axis=-1).reshape(-1, 3)
+
+
+def as_cloud(np, points, frame):
+    """The message without a stamp."""
+    from sensor_msgs.msg import PointCloud2, PointField
+    cloud = PointCloud2(height=HEIGHT, width=WIDTH, point_step=16, row_step=16 * WIDTH, is_dense=True)
+    cloud.header.frame_id = frame
+    cloud.fields = [PointField(name, 4 * i, PointField.FLOAT32, 1) for i, name in enumerate("xyz")]
+    packed = np.zeros((len(points), 4), dtype="<f4")
+    packed[:, :3] = points
+    cloud.data = packed.tobytes()
+    return cloud
+
+
 def clouds(np, voxel_size, root_frame):
     """A message for each code."""
-    from sensor_msgs.msg import PointCloud2, PointField
-    u, v = np.meshgrid(np.arange(WIDTH), np.arange(HEIGHT))
-    wall = np.stack([np.full(u.shape, 3.0), (u / WIDTH - 0.5) * 4.0, v / HEIGHT * 2.6], axis=-1).reshape(-1, 3)
     messages = []
     for code in range(NB_CODES):
-        points = wall.copy()
+        points = seen_wall(np)
         # In front of the robot, far outside its reach of 5 cm; each code one voxel further.
         side = np.arange(400) % 20, np.arange(400) // 20
         points[:400] = np.stack([np.full(400, 1.0 + (code + 0.5) * voxel_size), 0.01 * side[0] - 0.1,
                                  1.0 + 0.01 * side[1]], axis=-1)
-        cloud = PointCloud2(height=HEIGHT, width=WIDTH, point_step=16, row_step=16 * WIDTH, is_dense=True)
-        cloud.header.frame_id = root_frame
-        cloud.fields = [PointField(name, 4 * i, PointField.FLOAT32, 1) for i, name in enumerate("xyz")]
-        packed = np.zeros((len(points), 4), dtype="<f4")
-        packed[:, :3] = points
-        cloud.data = packed.tobytes()
-        messages.append(cloud)
+        messages.append(as_cloud(np, points, root_frame))
     return messages
+
+
+def joints_and_root(urdf):
+    """Names of the joints that have a position of their own, and of the root link."""
+    import xml.etree.ElementTree as xml
+    robot = xml.parse(urdf).getroot()
+    joints = [j.get("name") for j in robot.findall("joint")
+              if j.get("type") in ("revolute", "continuous", "prismatic") and j.find("mimic") is None]
+    children = {j.find("child").get("link") for j in robot.findall("joint")}
+    return joints, next(link.get("name") for link in robot.findall("link") if link.get("name") not in children)
 
 
 class Meter:
@@ -155,12 +174,7 @@ def main():
     options = parser.parse_args()
     if options.srdf is None and options.urdf.startswith(DEMO):
         options.srdf = os.path.join(DEMO, "demo_robot.srdf")
-    import xml.etree.ElementTree as xml
-    robot = xml.parse(options.urdf).getroot()
-    options.joints = [j.get("name") for j in robot.findall("joint")
-                      if j.get("type") in ("revolute", "continuous", "prismatic") and j.find("mimic") is None]
-    children = {j.find("child").get("link") for j in robot.findall("joint")}
-    options.root = next(link.get("name") for link in robot.findall("link") if link.get("name") not in children)
+    options.joints, options.root = joints_and_root(options.urdf)
 
     with Robot(options.urdf, options.srdf) as running:
         subprocess.run(["rosparam", "set", "/collision_pairs_node/clouds",

@@ -46,7 +46,7 @@ class Robot:
     def __enter__(self):
         port = free_port()
         os.environ.update(ROS_MASTER_URI="http://localhost:%d" % port, ROS_HOSTNAME="localhost")
-        self._launch("roscore", "-p", str(port))
+        self.run("roscore", "-p", str(port))
         while subprocess.run(["rosparam", "set", "robot_description", "-t", self._urdf],
                              stderr=subprocess.DEVNULL).returncode:
             time.sleep(0.2)
@@ -59,7 +59,7 @@ class Robot:
             process.terminate()
             process.wait()
 
-    def _launch(self, *command):
+    def run(self, *command):
         self._started.append(subprocess.Popen(command, stdout=subprocess.DEVNULL))
         return self._started[-1].pid
 
@@ -67,7 +67,7 @@ class Robot:
         """The id of the node's process."""
         found = subprocess.run(["catkin_find", "--first-only", "--libexec", package, name], check=True,
                                stdout=subprocess.PIPE, text=True).stdout.strip()
-        return self._launch(found or os.path.join("/usr/lib", package, name), *arguments)
+        return self.run(found or os.path.join("/usr/lib", package, name), *arguments)
 
 
 def cpu_seconds(pid):
