@@ -26,16 +26,18 @@ struct Seen {
   bool free, collides;
   bool free_without = false;  ///< by the voxels of the last half second alone
   std::vector<bool> by;       ///< by camera: any of the obstacle
-  bool in_part = false;       ///< the robot hides some of it from a camera
+  bool in_part = false;       ///< something hides some of it from a camera
   std::vector<bool> place;    ///< by camera: some of it within the padding of where it will touch
   std::string why;
 };
 
 class Cameras {
  public:
-  /// `compares`: whether Seen::free_without is wanted.
-  Cameras(Setting& setting, RandomInputs& random, const Eigen::Vector3d& looks_at, bool compares)
+  /// `still`: in W; what the cameras see besides. `compares`: whether Seen::free_without is wanted.
+  Cameras(Setting& setting, RandomInputs& random, const Eigen::Vector3d& looks_at,
+          const Obstacle& still, bool compares)
       : setting_(setting),
+        still_(still),
         detector_(setting.scene),
         bare_detector_(setting.bare_scene),
         is_ordered_(random.integer(0, 3) > 0),
@@ -103,7 +105,7 @@ class Cameras {
   }
 
   /// How near to the place the camera sees the obstacle; infinite: nowhere. Sets `in_part` if some
-  /// of it is behind the robot.
+  /// of it is behind something.
   double take(std::size_t i, const Poses& X_WB, const Obstacle* obstacle,
               const Eigen::Isometry3d& X_WO, const Eigen::Vector3d& place_W, RandomInputs& random,
               bool& in_part) {
@@ -115,6 +117,9 @@ class Cameras {
                     isSame)) {
       one.of_robot.clear();
       setting_.draw(X_WB, one.X_CW, one.of_robot);
+      for (const Part& part : still_.parts) {
+        one.of_robot.draw(part.shape->shape(), one.X_CW * part.X);
+      }
       one.robot_drawn = X_WB;
     }
     DepthImage image = one.of_robot, of_obstacle(WIDTH, HEIGHT, FOCAL_LENGTH);
@@ -157,6 +162,7 @@ class Cameras {
   }
 
   Setting& setting_;
+  const Obstacle still_;
   CollisionDetector detector_, bare_detector_;
   std::vector<One> one_;
   bool is_ordered_, compares_;

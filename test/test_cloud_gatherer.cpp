@@ -134,6 +134,17 @@ TEST_F(Follower, NamesWhatVanishedBesideALinkUntilItStaysInSightAgain) {
   EXPECT_EQ(gatherer_.mayTouch(), "");
 }
 
+TEST_F(Follower, FindsAgainWhatComesFromWhereNothingWasWhenItVanished) {
+  const Vector3d rest(0.65, 0.45, 0.01);  // of the same obstacle, and seen all the time
+  for (const double x : {0.95, 0.85, 0.65, 0.52}) add(gatherer_, {{x, 0.01, 0.01}, rest});
+  for (const Vector3d& p : {rest, Vector3d(0.72, 0.38, 0.01), Vector3d(0.79, 0.3, 0.01)}) {
+    add(gatherer_, {p});
+    EXPECT_EQ(gatherer_.mayTouch(), "vanished 15 cm from a: it may touch");
+  }
+  for (const double y : {0.2, 0.1, 0.1}) add(gatherer_, {{0.85, y, 0.01}});
+  EXPECT_EQ(gatherer_.mayTouch(), "");
+}
+
 TEST_F(Follower, TakesOnePointThatOneCloudShowsForNoise) {
   add(gatherer_, {{0.65, 0.01, 0.01}});
   add(gatherer_, {{5, 2, 0}});
@@ -209,6 +220,44 @@ TEST_F(Follower, TakesWhatTheRobotHidAndLeftForWhatItMayCarryUntilItIsSeen) {
   }
 }
 
+TEST_F(Follower, DoesNotTakeWhatStandsNearByForWhatTheRobotHid) {
+  config_.voxel_size = 0.02;
+  const Vector3d stands(-0.6, 0.01, 0.7), hidden(-0.6, 0.01, 0.45);
+  const auto wallAndWhatStands = [&](double x) {
+    std::vector<Vector3d> points = wallAt(x);
+    points.push_back(stands);
+    return points;
+  };
+  for (const bool robot_leaves : {false, true}) {
+    CloudGatherer gatherer(config_);
+    x_of_a_ = 0.0;
+    for (int i = 0; i < 2; ++i) add(gatherer, {hidden, stands});
+    for (int i = 0; i < 3; ++i) add(gatherer, wallAndWhatStands(0.5));
+    EXPECT_THAT(gatherer.mayTouch(), HasSubstr("hidden 9 cm from a"));
+    x_of_a_ = robot_leaves ? 1.0 : 0.0;
+    for (int i = 0; i < 2; ++i) add(gatherer, wallAndWhatStands(robot_leaves ? 1.5 : -3.0));
+    EXPECT_THAT(gatherer.mayTouch(), HasSubstr("vanished 9 cm from a"));
+  }
+}
+
+TEST_F(Follower, DoubtsWhatIsHiddenInPart) {
+  const Vector3d nearest(-0.65, -0.05, 0.05);
+  const std::vector<Vector3d> obstacle = {nearest, {-0.75, 0.05, 0.05}, {-0.75, 0.15, 0.05}};
+  for (int i = 0; i < 2; ++i) add(gatherer_, obstacle);
+  add(gatherer_, wallAt(0.5));
+  EXPECT_EQ(gatherer_.mayTouch(), "");  // the nearest voxel is remembered, and in contact
+  std::vector<Vector3d> seen_through = {{-3.0, -0.1, 0.1}};  // beside the nearest voxel
+  for (const Vector3d& p : wallAt(0.5)) {
+    const bool is_before_it = p.y() < 0.0 && p.y() > -0.19 && p.z() > -0.01 && p.z() < 0.19;
+    if (!is_before_it) seen_through.push_back(p);
+  }
+  for (int i = 0; i < 3; ++i) {
+    const auto voxels = add(gatherer_, seen_through);
+    EXPECT_FALSE(voxels->anyWithin({nearest, nearest}, 0.0));
+    EXPECT_EQ(gatherer_.mayTouch(), "hidden 15 cm from a: it may touch");
+  }
+}
+
 /// Before it was hidden it may have moved on as far as it can from one cloud to the next.
 TEST_F(Follower, DoubtsWhatIsHiddenAndNotWithinThePaddingOfALink) {
   const auto hide = [&](double x_of_a) {
@@ -229,7 +278,7 @@ TEST_F(Follower, DoubtsWhatIsHiddenAndNotWithinThePaddingOfALink) {
 TEST_F(Follower, DoesNotMissWhatTheRobotHidWhereItHasShownItsPlaceSince) {
   for (int i = 0; i < 2; ++i) add(gatherer_, {{-0.65, 0.01, 0.01}});
   for (int i = 0; i < 3; ++i) add(gatherer_, wallAt(0.5));
-  add(gatherer_, {{-0.95, 0.15, 0.01}});  // it has moved
+  for (int i = 0; i < 2; ++i) add(gatherer_, {{-0.85, 0.15, 0.01}});  // it has moved
   add(gatherer_, wallAt(-3.0));
   EXPECT_EQ(gatherer_.mayTouch(), "");
   x_of_a_ = 1.0;

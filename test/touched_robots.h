@@ -80,6 +80,19 @@ inline Obstacle randomObstacle(RandomInputs& random) {
   return obstacleOf(kind, 0.004 * std::pow(15.0, random.uniform(0.0, 1.0)), random);
 }
 
+/// Between the first, at X_WO, and the other, in W; no more than `most`.
+inline double distance(const Obstacle& first, const Eigen::Isometry3d& X_WO, const Obstacle& other,
+                       double most) {
+  NarrowPhase narrow_phase;
+  for (const Part& a : first.parts) {
+    for (const Part& b : other.parts) {
+      const Eigen::Isometry3d X_AB = (X_WO * a.X).inverse() * b.X;
+      most = std::min(most, narrow_phase.distance(*a.shape, *b.shape, X_AB, most).distance);
+    }
+  }
+  return most;
+}
+
 /// A robot and the obstacles that each camera's cloud is for it, with and without padding.
 class Setting {
  public:

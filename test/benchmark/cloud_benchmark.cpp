@@ -279,6 +279,9 @@ void measureChecks(const BenchmarkRobot& robot, const Room& room, std::size_t nb
   const Points points = room.points(0.5 * CHECK_VOXEL_SIZE);
   SelfFilter filter(described(robot, true, false), CHECK_PADDING);
   CollisionDetector cloud_alone(CollisionScene::build(described(robot, false, true)));
+  SceneDescription with_padding = described(robot, false, true);
+  with_padding.clouds[0].padding = CHECK_PADDING;  // as by default: self filter and a voxel
+  CollisionDetector padded(CollisionScene::build(with_padding));
   CollisionDetector whole(CollisionScene::build(described(robot, true, true)));
   CollisionDetector off_floor(
       CollisionScene::build(described(robot, false, true, linksOnFloor(robot))));
@@ -299,6 +302,7 @@ void measureChecks(const BenchmarkRobot& robot, const Room& room, std::size_t nb
     distance.min_distance = true;
     Cases cases;
     cases.add("cloud alarm 0.05", [&] { cloud_alone.detect(alone, report); });
+    cases.add("cloud padded alarm 0.05", [&] { padded.detect(alone, report); });
     cases.add("cloud verdict", [&] { cloud_alone.detect(alone, verdict); });
     cases.add("cloud distance", [&] { cloud_alone.detect(alone, distance); });
     cases.add("cloud and self alarm 0.05", [&] { whole.detect(both, report); });

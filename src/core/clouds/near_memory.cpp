@@ -61,24 +61,23 @@ void NearMemory::update(const Cloud& cloud) {
 }
 
 void NearMemory::takeWhatStayed(const Cloud& cloud) {
-  for (const Vector3d& place : appeared_) {
-    if (!anyWithin(cloud.now, place, reach_)) continue;
-    const auto isFound = [&](const Vector3d& p_W) { return (p_W - place).norm() < FOUND_AGAIN; };
-    remembered_.erase(std::remove_if(remembered_.begin(), remembered_.end(),
-                                     [&](const Remembered& one) {
-                                       return one.is_alone &&
-                                              isFound(centerOf(*cloud.now, one.cell));
-                                     }),
-                      remembered_.end());
-    for (std::vector<Vanished>* missed : {&vanished_, &hidden_}) {
-      missed->erase(std::remove_if(missed->begin(), missed->end(),
-                                   [&](const Vanished& one) {
-                                     return isFound(one.p_W) || isFound(placeOnLink(one, cloud));
-                                   }),
-                    missed->end());
-    }
+  const auto isFound = [&](const Vanished& one) {
+    return one.appeared && anyWithin(cloud.now, *one.appeared, reach_);
+  };
+  for (const Vanished& one : hidden_) {
+    if (!isFound(one)) continue;
+    remembered_.erase(
+        std::remove_if(remembered_.begin(), remembered_.end(),
+                       [&](const Remembered& other) { return isPartOf(one, other, cloud); }),
+        remembered_.end());
   }
-  appeared_.clear();
+  for (std::vector<Vanished>* missed : {&vanished_, &hidden_}) {
+    missed->erase(std::remove_if(missed->begin(), missed->end(), isFound), missed->end());
+  }
+}
+
+bool NearMemory::isPartOf(const Vanished& obstacle, const Remembered& one, const Cloud& cloud) {
+  return one.is_alone && (centerOf(*cloud.now, one.cell) - obstacle.p_W).norm() < FOUND_AGAIN;
 }
 
 /// Those of which nothing is hidden any more have vanished unless something is seen there: the
@@ -90,16 +89,14 @@ void NearMemory::followWhatIsHidden(const Cloud& cloud) {
       const Vector3d at = one.p_W / cloud.now->voxelSize() - other.cell.cast<double>();
       return (at.array() >= 0.0 && at.array() <= 1.0).all();
     };
-    const auto isPartOf = [&](const Remembered& other) {
-      return other.is_alone && (centerOf(*cloud.now, other.cell) - one.p_W).norm() < FOUND_AGAIN;
-    };
-    if (std::any_of(remembered_.begin(), remembered_.end(), isPartOf)) {
+    const auto isPart = [&](const Remembered& other) { return isPartOf(one, other, cloud); };
+    if (std::any_of(remembered_.begin(), remembered_.end(), isPart)) {
       one.distance = cloud.near.nearest(one.p_W).distance;
       one.is_in_contact = one.distance - HALF * cloud.now->voxelSize() <= padding_ &&
                           std::any_of(remembered_.begin(), remembered_.end(), isIn);
       hidden.push_back(one);
-    } else if (!anyWithin(cloud.now, one.p_W, FOUND_AGAIN) &&
-               !anyWithin(cloud.now, placeOnLink(one, cloud), FOUND_AGAIN) &&
+    } else if (!anyWithin(cloud.now, one.p_W, reach_) &&
+               !anyWithin(cloud.now, placeOnLink(one, cloud), reach_) &&
                vanished_.size() < MOST_PLACES) {
       vanished_.push_back(one);
     }
@@ -157,16 +154,12 @@ void NearMemory::judge(const std::vector<Unseen>& obstacle, const Cloud& cloud) 
     if (const auto place = placeOf(obstacle, cloud)) hidden_.push_back(*place);
     return;
   }
-  // What was hidden may have moved meanwhile.
-  const bool is_found = any([&](const Unseen& one) {
-    return one.was_alone && anyWithin(cloud.now, centerOfOne(one), FOUND_AGAIN);
-  });
   const bool is_no_noise = was_alone || was_seen_before;
-  if (is_no_noise && !is_found) addVanished(obstacle, cloud);
+  if (is_no_noise) addVanished(obstacle, cloud);
 }
 
 std::optional<NearMemory::Vanished> NearMemory::placeOf(const std::vector<Unseen>& obstacle,
-                                                        const Cloud& cloud) {
+                                                        const Cloud& cloud) const {
   SelfFilter::Nearest nearest;
   Vector3d place;
   for (std::size_t i = 0; i < std::min(obstacle.size(), MOST_PLACES); ++i) {
@@ -179,8 +172,15 @@ std::optional<NearMemory::Vanished> NearMemory::placeOf(const std::vector<Unseen
   }
   if (nearest.name.empty()) return std::nullopt;
   const Eigen::Isometry3d X_BW = cloud.robot.X_WB[nearest.body].inverse(Eigen::Isometry);
-  return Vanished{place, X_BW * place, cloud.near.bodies()[nearest.body].link, nearest.name,
-                  nearest.distance};
+  std::vector<VoxelCell> around;
+  cloud.now->forEachWithin({place, place}, FOUND_AGAIN + reach_,
+                           [&](const VoxelCell& cell) { around.push_back(cell); });
+  return Vanished{place,
+                  X_BW * place,
+                  cloud.near.bodies()[nearest.body].link,
+                  nearest.name,
+                  nearest.distance,
+                  std::make_shared<const OccupiedVoxels>(cloud.now->voxelSize(), around)};
 }
 
 void NearMemory::addVanished(const std::vector<Unseen>& obstacle, const Cloud& cloud) {
@@ -202,22 +202,19 @@ Vector3d NearMemory::placeOnLink(const Vanished& one, const Cloud& cloud) {
 }
 
 void NearMemory::findWhatAppeared(const Cloud& cloud) {
-  std::vector<Vector3d> places;
-  for (const Vanished& one : vanished_) {
-    places.push_back(one.p_W);
-    places.push_back(placeOnLink(one, cloud));
-  }
-  for (const Remembered& one : remembered_) {
-    if (one.is_alone && places.size() < MOST_PLACES)
-      places.push_back(centerOf(*cloud.now, one.cell));
-  }
-  for (const Vector3d& place : places) {
-    cloud.now->forEachWithin({place, place}, FOUND_AGAIN, [&](const VoxelCell& cell) {
-      if (appeared_.size() == MOST_PLACES) return;
-      const Vector3d center = centerOf(*cloud.now, cell);
-      if (!anyWithin(before_, center, reach_)) appeared_.push_back(center);
-    });
-  }
+  const auto find = [&](Vanished& one) {
+    one.appeared.reset();
+    for (const Vector3d& place : {one.p_W, placeOnLink(one, cloud)}) {
+      cloud.now->forEachWithin({place, place}, FOUND_AGAIN, [&](const VoxelCell& cell) {
+        if (one.appeared) return;
+        const Vector3d center = centerOf(*cloud.now, cell);
+        const bool is_around = (center - one.p_W).norm() < FOUND_AGAIN;
+        if (!anyWithin(is_around ? one.around : before_, center, reach_)) one.appeared = center;
+      });
+    }
+  };
+  std::for_each(vanished_.begin(), vanished_.end(), find);
+  std::for_each(hidden_.begin(), hidden_.end(), find);
 }
 
 std::vector<VoxelCell> NearMemory::hidden() const {
@@ -255,7 +252,7 @@ void NearMemory::startAnew() {
   before_ = earlier_ = nullptr;
   remembered_.clear();
   hidden_.clear();
-  appeared_.clear();
+  for (Vanished& one : vanished_) one.appeared.reset();
 }
 
 void NearMemory::clear() {

@@ -23,9 +23,10 @@ namespace collision_pairs {
 ///  - explained, if the cloud shows anything within `reach` of them: a part of the same obstacle,
 ///    which is there or has moved;
 ///  - otherwise vanished: the obstacle may be where its points cannot be told from the robot's.
-/// One that vanished is found again when something appears within FOUND_AGAIN of where it was, in
-/// the world or on its link, and stays for two clouds. Something appears where there was nothing
-/// within `reach` in the cloud before.
+/// What vanished, or is hidden and in doubt, is found again when something appears within
+/// FOUND_AGAIN of where it was, in the world or on its link, and stays for two clouds. Something
+/// appears where nothing was seen within `reach` when the obstacle was lost; where the link has
+/// carried it further than that, in the cloud before.
 ///
 /// Does not follow the shape of obstacles, nor what one leaves behind when it moves on. Single
 /// points that only one cloud shows are noise. Cost: a few look-ups in trees per voxel near the
@@ -78,14 +79,17 @@ class NearMemory {
     Eigen::Vector3d p_W, p_B;  ///< where it was last seen, and the same on the link's body
     std::string link_of_body, link;
     double distance;             ///< metres from the link
+    Voxels around;               ///< what was seen about p_W when it was lost
     bool is_in_contact = false;  ///< its voxel, which is remembered, with the link
+    std::optional<Eigen::Vector3d> appeared = {};  ///< what may be it, in the last cloud
   };
 
   void takeWhatStayed(const Cloud& cloud);
   std::vector<Unseen> unseenIn(const Cloud& cloud) const;
   void judge(const std::vector<Unseen>& obstacle, const Cloud& cloud);
   /// Where the obstacle is nearest to a link; none if it is near no link.
-  static std::optional<Vanished> placeOf(const std::vector<Unseen>& obstacle, const Cloud& cloud);
+  std::optional<Vanished> placeOf(const std::vector<Unseen>& obstacle, const Cloud& cloud) const;
+  static bool isPartOf(const Vanished& obstacle, const Remembered& one, const Cloud& cloud);
   void addVanished(const std::vector<Unseen>& obstacle, const Cloud& cloud);
   void followWhatIsHidden(const Cloud& cloud);
   void findWhatAppeared(const Cloud& cloud);
@@ -95,8 +99,7 @@ class NearMemory {
   Voxels before_, earlier_;  ///< of the last cloud, and of the one before it; may be null
   std::vector<Remembered> remembered_;
   std::vector<Vanished> vanished_;
-  std::vector<Vanished> hidden_;           ///< one of each obstacle that is remembered and not seen
-  std::vector<Eigen::Vector3d> appeared_;  ///< in the last cloud, where something is missing
+  std::vector<Vanished> hidden_;  ///< one of each obstacle that is remembered and not seen
 };
 
 }  // namespace collision_pairs

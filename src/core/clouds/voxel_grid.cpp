@@ -141,11 +141,6 @@ struct VoxelGrid::Store {
   }
 
   void add(const Vector3d& p) {
-    // In the order of an image, about every second point is in the voxel of the one before.
-    if ((p.array() >= last_low.array()).all() && (p.array() < last_high.array()).all()) {
-      ++counts.added;
-      return;
-    }
     VoxelCell cell;
     if (!cellOf(p, cell)) {
       if (!p.allFinite()) {
@@ -164,8 +159,6 @@ struct VoxelGrid::Store {
     seen[id] |= std::uint64_t{1} << bit;
     blocks[id].occupied |= std::uint64_t{1} << bit;
     if (settings.decay > 0.0) last_seen[id][bit] = number;
-    last_low = settings.voxel_size * cell.cast<double>();
-    last_high = settings.voxel_size * (cell.array() + 1).cast<double>().matrix();
   }
 
   void keep(const VoxelCell& cell) {
@@ -226,7 +219,6 @@ struct VoxelGrid::Store {
     stamp = new_stamp;
     p_WS = p_WSensor;
     counts = {};
-    last_low.setConstant(std::numeric_limits<double>::infinity());
     squared_limit = std::numeric_limits<double>::infinity();
     numberCloud();
     forget();
@@ -362,7 +354,6 @@ struct VoxelGrid::Store {
   std::vector<std::uint64_t> seen;    ///< in this cloud, by block: bits as in Block
   std::vector<VoxelCell> remembered;  ///< by keep(), since begin()
   std::uint32_t last_block = NONE;    ///< the last one added to
-  Vector3d last_low, last_high;       ///< of the voxel that this cloud occupied last
   BlockIndex index;
 };
 
