@@ -87,8 +87,14 @@ class Probe {
   }
 
   bool gradient(const PairReport& pair, Eigen::VectorXd& gradient) {
-    gradient.setConstant(static_cast<Eigen::Index>(columns_.size()), 1234.5);
-    return gradient_.compute(pair, detector_.report(), X_WB_, gradient.data());
+    constexpr double UNTOUCHED = 1234.5;
+    const auto size = static_cast<Eigen::Index>(columns_.size());
+    Eigen::VectorXd written = Eigen::VectorXd::Constant(size + 2, UNTOUCHED);
+    const bool has = gradient_.compute(pair, detector_.report(), X_WB_, written.data() + 1);
+    EXPECT_EQ(written[0], UNTOUCHED);
+    EXPECT_EQ(written[size + 1], UNTOUCHED);
+    gradient = written.segment(1, size);
+    return has;
   }
 
   /// NaN where the pair is not measured.
@@ -301,6 +307,31 @@ TEST_F(GradientOfDistance, IsZeroForJointsThatMoveBothAlikeAndForOneThatMimics) 
 }
 
 // A lift with a table top, parallel to a ceiling; and it tilts.
+TEST_F(GradientOfDistance, ForSomeOfTheJointsIsThatOfAllWithoutTheOthers) {
+  Probe all(describe(arms()), NAMES), some(describe(arms()), {"j_a4", "j_a1"});
+  all.settings.alarm_distance = some.settings.alarm_distance = 2.0;
+  int nb_pairs = 0;
+  for (int i = 0; i < 20; ++i) {
+    const Eigen::VectorXd of_some = randomState(random_, 2);
+    Eigen::VectorXd of_all = Eigen::VectorXd::Zero(5);
+    of_all[3] = of_some[0];
+    of_all[0] = of_some[1];
+    all.at(of_all);
+    for (const PairReport& pair : some.at(of_some).pairs) {
+      Eigen::VectorXd found, expected;
+      if (!some.gradient(pair, found)) continue;
+      for (const PairReport& same : all.at(of_all).pairs) {
+        if (same.first != pair.first || same.second != pair.second) continue;
+        ASSERT_TRUE(all.gradient(same, expected));
+        EXPECT_EQ(found[0], expected[3]);
+        EXPECT_EQ(found[1], expected[0]);
+        ++nb_pairs;
+      }
+    }
+  }
+  EXPECT_GT(nb_pairs, 100);
+}
+
 TEST_F(GradientOfDistance, AtParallelFacesBoundsEveryChangeOfTheDistance) {
   const std::string xml = emptyLink("root") + emptyLink("tilted") +
                           linkWith("ceiling", "<box size='2 2 0.1'/>") +

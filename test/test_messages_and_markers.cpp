@@ -351,6 +351,17 @@ TEST(PoseOfAMessage, IsThePose) {
     Eigen::Isometry3d X_found;
     ASSERT_TRUE(toIsometry(toPose(X), X_found));
     EXPECT_TRUE(X_found.isApprox(X, 1e-12));
+    for (const double length : {0.9989, 0.9991, 1.0009, 1.0011}) {  // float32 is 1e-7 off, at most
+      geometry_msgs::Pose scaled = toPose(X);
+      for (double* q : {&scaled.orientation.x, &scaled.orientation.y, &scaled.orientation.z,
+                        &scaled.orientation.w}) {
+        *q *= length;
+      }
+      const bool is_taken = std::abs(length - 1.0) < 1e-3;
+      EXPECT_EQ(toIsometry(scaled, X_found), is_taken) << length;
+      if (!is_taken) continue;
+      EXPECT_TRUE(X_found.isApprox(X, 1e-12)) << length;
+    }
   }
   geometry_msgs::Pose pose = toPose(Eigen::Isometry3d::Identity());
   pose.position.y = std::nan("");

@@ -1,7 +1,11 @@
 // What a report says of single pairs: state, distance, fidelity, witness points.
+#include <algorithm>
+#include <array>
+
 #include <gtest/gtest.h>
 
 #include "collision_pairs/collision_detector.h"
+#include "found_pairs.h"
 #include "mixed_robot.h"
 
 namespace collision_pairs {
@@ -101,11 +105,11 @@ TEST_F(MixedLinks, WithTwoElementsAndNoPoseAreLeftOutOnce) {
 // Whichever of them is compared first.
 TEST(TwoElementsOfALink, OfWhichOneIsInContactAreInContact) {
   const std::string ball = "<geometry><sphere radius='0.5'/></geometry>";
-  const auto robot = robotFrom(
-      emptyLink("root") + "<link name='a'><collision>" + ball + "</collision><collision>" +
-      "<origin xyz='3 0 0'/>" + ball + "</collision></link>" +
-      linkWith("b", "<sphere radius='0.5'/>") + joint("to_a", "floating", "root", "a", "0 0 0", "") +
-      joint("to_b", "floating", "root", "b", "0 0 0", ""));
+  const auto robot = robotFrom(emptyLink("root") + "<link name='a'><collision>" + ball +
+                               "</collision><collision>" + "<origin xyz='3 0 0'/>" + ball +
+                               "</collision></link>" + linkWith("b", "<sphere radius='0.5'/>") +
+                               joint("to_a", "floating", "root", "a", "0 0 0", "") +
+                               joint("to_b", "floating", "root", "b", "0 0 0", ""));
   CollisionDetector detector(CollisionScene::build(robot, std::nullopt, nullptr));
   BodyPoses poses;
   poses.resize(2);
@@ -117,6 +121,55 @@ TEST(TwoElementsOfALink, OfWhichOneIsInContactAreInContact) {
     EXPECT_EQ(report.pairs[0].state, PairState::CONTACT);
     EXPECT_EQ(report.pairs[0].distance, -0.25);
     EXPECT_EQ(report.verdict, Verdict::COLLISION);
+  }
+}
+
+/// A link of three elements beside one of one: near, open and touching in each order.
+TEST(ElementsOfALink, ThatTouchPrevailOverThoseThatAreOpenAndThoseOverNearOnes) {
+  std::string elements;
+  for (int i = 0; i < 3; ++i) {
+    elements += "<collision><geometry><sphere radius='0.5'/></geometry></collision>";
+  }
+  const auto robot = robotFrom(emptyLink("root") + "<link name='a'>" + elements + "</link>" +
+                               linkWith("b", "<sphere radius='0.5'/>") +
+                               joint("to_a", "floating", "root", "a", "0 0 0", "") +
+                               joint("to_b", "floating", "root", "b", "0 0 0", ""));
+  const auto scene = CollisionScene::build(robot, std::nullopt, nullptr);
+  struct Found {
+    double distance;
+    Certainty certainty;
+    PairState state;
+    Verdict verdict;
+  };
+  const Found kinds[] = {
+      {0.25, Certainty::EXACT, PairState::NEAR, Verdict::FREE},
+      {-0.5, Certainty::UNFINISHED, PairState::UNRESOLVED, Verdict::UNKNOWN},
+      {-0.75, Certainty::DEGRADED, PairState::UNRESOLVED, Verdict::UNKNOWN},
+      {-0.125, Certainty::EXACT, PairState::CONTACT, Verdict::COLLISION},
+  };
+  for (int i = 0; i < 64; ++i) {
+    const std::array<int, 3> of = {i % 4, i / 4 % 4, i / 16};
+    FoundPairs found;
+    for (std::uint32_t k = 0; k < 3; ++k) {
+      PairDistance distance;
+      distance.distance = kinds[of[k]].distance;
+      distance.certainty = kinds[of[k]].certainty;
+      found.add(*scene, {k, 3}, distance, Fidelity::MESH, Eigen::Vector3i::Zero());
+    }
+    const Found& worst = kinds[*std::max_element(of.begin(), of.end())];
+    const Found* nearest = &kinds[of[0]];
+    for (const int one : of) {
+      if (kinds[one].distance < nearest->distance) nearest = &kinds[one];
+    }
+    CollisionReport report;
+    report.min_distance = 1.0;
+    found.assemble(*scene, true, true, report);
+    ASSERT_EQ(report.pairs.size(), 1u);
+    EXPECT_EQ(report.pairs[0].state, worst.state) << i;
+    EXPECT_EQ(report.verdict, worst.verdict) << i;
+    EXPECT_EQ(report.pairs[0].distance, nearest->distance) << i;
+    EXPECT_EQ(report.pairs[0].certainty, nearest->certainty) << i;
+    EXPECT_EQ(report.pairs[0].nb_contacts, 3u);
   }
 }
 

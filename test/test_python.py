@@ -64,6 +64,37 @@ def test_distances_points_and_verdicts_of_two_balls_are_those_of_the_formula():
     assert len(result.left_out) == 0 and result.joints_at_zero == []
 
 
+def test_a_smallest_distance_of_which_only_a_bound_is_known_is_called_a_bound():
+    result = detector().check([[0, CLEAR], [0, TOUCHING], [0, CLEAR]], alarm_distance=0.01)
+    np.testing.assert_array_equal(result.min_distance_is_bound, [True, False, True])
+    assert 0 < result.min_distance[0] <= CLEAR - 0.15
+
+
+def test_shapes_are_as_large_as_their_arguments_say():
+    ball = cp.Sphere(0.05)
+    for shape, x, z in ((cp.Box([0.2, 0.4, 0.6]), 0.1, 0.3), (cp.Cylinder(0.1, 0.8), 0.1, 0.4),
+                        (cp.Capsule(0.1, 0.8), 0.1, 0.5), (cp.Capsule(radius=0.2, length=0.6), 0.2, 0.5)):
+        for place, reach in (((1, 0, 0), x), ((0, 0, 1), z)):
+            objects = [cp.RigidObject("shape", [shape], pose=translation(5, 0, 0)),
+                       cp.RigidObject("ball", [ball], pose=translation(5 + place[0], 0, place[2]), attached_link="base")]
+            scene = cp.Scene(cp.Robot(URDF), objects=objects)
+            result = cp.Detector(scene).check([0, CLEAR], alarm_distance=2.0)
+            of = [{*result.models[list(pair)]} for pair in zip(result.pairs["first"], result.pairs["second"])]
+            assert result.pairs["distance"][of.index({"shape", "ball"})] == pytest.approx(1 - reach - 0.05, abs=1e-12)
+
+
+def test_limits_are_those_of_the_description_and_infinite_without():
+    def joint(name, kind, limit=""):
+        return ("<link name='%s'/><joint name='to_%s' type='%s'><parent link='base'/><child link='%s'/>"
+                "<axis xyz='0 0 1'/>%s</joint>" % (name, name, kind, name, limit))
+    def limited(lower, upper):
+        return "<limit lower='%s' upper='%s' effort='1' velocity='1'/>" % (lower, upper)
+    robot = cp.Robot("<robot name='r'><link name='base'/>" + joint("a", "revolute", limited(-1, 2))
+                     + joint("b", "continuous") + joint("c", "prismatic", limited(0, 0.5))
+                     + joint("d", "prismatic", limited(-0.5, 0)) + joint("e", "prismatic", limited(0, 0)) + "</robot>")
+    np.testing.assert_array_equal(robot.limits, [[-1, 2], [-np.inf, np.inf], [0, 0.5], [-0.5, 0], [-np.inf, np.inf]])
+
+
 def test_the_gradient_is_the_slope_of_the_distance_for_the_joints_in_the_order_given():
     post = cp.RigidObject("post", [cp.Sphere(0.1)], pose=translation(1, 0, 0))
     tested, given = detector(objects=[post]), states(50)
@@ -126,6 +157,9 @@ def test_joints_that_are_not_named_are_warned_of_and_listed():
     with pytest.warns(UserWarning, match="slide"):
         result = detector().check([[0.1]], ["turn"])
     assert result.joints_at_zero == ["slide"] and result.in_collision.all()  # the slide is in
+    with pytest.warns(UserWarning, match="slide"):
+        motion = cp.MotionCheck(cp.Scene(cp.Robot(URDF), srdf="<robot name='slider'/>")).check([[0], [1]], ["turn"])
+    assert motion.joints_at_zero == ["slide"] and motion.verdict[0] == cp.Verdict.COLLISION
 
 
 def test_settings_that_only_the_node_follows_are_named_in_a_warning():

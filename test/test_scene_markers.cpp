@@ -86,13 +86,72 @@ TEST(SceneMarkers, SpheresEncloseTheMeshInPlaceOfWhichTheyAreDrawn) {
   }
 }
 
-TEST(SceneMarkers, ACapsuleHasBothOfItsCaps) {
-  std::vector<double> ends;
-  for (const Marker& marker :
-       of("standing", drawn(Sphere{0.1}, Capsule{0.1, 2.0}, Fidelity::MESH))) {
-    if (marker.type == Marker::SPHERE) ends.push_back(marker.pose.position.z);
+/// How far a shape at X, or markers, reach along d.
+double reachOf(const Shape& shape, const Isometry3d& X, const Vector3d& d) {
+  const Vector3d along = X.linear().transpose() * d;
+  const double across = std::hypot(along.x(), along.y());
+  double reach = 0.0;
+  if (const auto* box = std::get_if<Box>(&shape)) {
+    reach = 0.5 * along.cwiseAbs().dot(box->size);
+  } else if (const auto* sphere = std::get_if<Sphere>(&shape)) {
+    reach = sphere->radius;
+  } else if (const auto* cylinder = std::get_if<Cylinder>(&shape)) {
+    reach = cylinder->radius * across + 0.5 * cylinder->length * std::abs(along.z());
+  } else if (const auto* capsule = std::get_if<Capsule>(&shape)) {
+    reach = capsule->radius + 0.5 * capsule->length * std::abs(along.z());
+  } else {
+    reach = -std::numeric_limits<double>::infinity();
+    for (const Vector3d& p : std::get<Mesh>(shape).mesh->vertices) {
+      reach = std::max(reach, along.dot(p));
+    }
   }
-  EXPECT_EQ(ends, (std::vector<double>{-2.0, 0.0}));
+  return d.dot(X.translation()) + reach;
+}
+
+double reachOf(const std::vector<Marker>& markers, const Vector3d& d) {
+  double reach = -std::numeric_limits<double>::infinity();
+  for (const Marker& marker : markers) {
+    Isometry3d X;
+    EXPECT_TRUE(toIsometry(marker.pose, X));
+    const Vector3d size(marker.scale.x, marker.scale.y, marker.scale.z);
+    Shape shape = Box{size};
+    if (marker.type == Marker::SPHERE) shape = Sphere{0.5 * size.x()};
+    if (marker.type == Marker::CYLINDER) shape = Cylinder{0.5 * size.x(), size.z()};
+    if (marker.type == Marker::TRIANGLE_LIST) {
+      TriangleMesh mesh;
+      for (const geometry_msgs::Point& p : marker.points) mesh.vertices.push_back(toVector(p));
+      shape = Mesh{std::make_shared<const TriangleMesh>(mesh)};
+    }
+    reach = std::max(reach, reachOf(shape, X, d));
+  }
+  return reach;
+}
+
+TEST(SceneMarkers, ReachAsFarAsTheirShapeInEveryDirection) {
+  RandomInputs random;
+  for (int round = 0; round < 50; ++round) {
+    const double radius = random.uniform(0.1, 0.5), length = random.uniform(0.6, 2.0);
+    TriangleMesh mesh = LShape().mesh();
+    for (Vector3d& p : mesh.vertices) p = p.cwiseProduct(Vector3d(0.3, 0.7, 1.1));
+    const Shape shapes[] = {Box{random.vector(0.1, 2.0)}, Sphere{radius}, Cylinder{radius, length},
+                            Capsule{radius, length}, meshShape(mesh)};
+    for (const Shape& shape : shapes) {
+      SceneDescription description;
+      description.robots.push_back({robotFrom(slidingBoxes(2)), std::nullopt, ""});
+      RigidObject object;
+      object.name = "beside";
+      object.X_PO = random.pose(2.0);
+      object.elements.push_back({shape, random.pose(0.5)});
+      description.objects = {object};
+      const auto scene = CollisionScene::build(description);
+      const auto shown = of("standing", toSceneMarkers(*scene, Fidelity::MESH, "world").markers);
+      for (int i = 0; i < 10; ++i) {
+        const Vector3d d = random.rotation() * Vector3d::UnitX();
+        const double expected = reachOf(shape, object.X_PO * object.elements[0].X_LE, d);
+        EXPECT_NEAR(reachOf(shown, d), expected, 1e-9) << shape.index();
+      }
+    }
+  }
 }
 
 TEST(SceneMarkers, AFloorIsDrawnBelowItsSurface) {
@@ -194,11 +253,10 @@ TEST(BoxMarkers, OfAFloorAreFinite) {
 }
 
 TEST(BoxMarkers, OfWhatIsFlatAreDrawable) {
-  const auto boxes =
-      boxesOf(CollisionScene::build(robotFrom(linkWith("root", "<box size='1 1 0'/>") +
-                                              boxLink("a", 1.0) +
-                                              joint("j", "floating", "root", "a", "0 0 0", "")),
-                                    Srdf{}, nullptr));
+  const auto boxes = boxesOf(
+      CollisionScene::build(robotFrom(linkWith("root", "<box size='1 1 0'/>") + boxLink("a", 1.0) +
+                                      joint("j", "floating", "root", "a", "0 0 0", "")),
+                            Srdf{}, nullptr));
   EXPECT_EQ(boxes.size(), 2u);
   for (const Marker& marker : boxes) {
     EXPECT_GE(marker.scale.z, 1e-6);  // rviz shows nothing where an edge has no length

@@ -31,11 +31,21 @@ TEST(Shape, OfNoSizeIsAccepted) {
   EXPECT_EQ(refusal(Mesh{triangle()}), "");
 }
 
-TEST(Shape, NegativeOrNotFiniteIsRefusedByName) {
-  EXPECT_THAT(refusal(Box{{-1, 1, 1}}), testing::HasSubstr("box"));
-  EXPECT_THAT(refusal(Sphere{NAN}), testing::HasSubstr("radius"));
-  EXPECT_THAT(refusal(Cylinder{1, INFINITY}), testing::HasSubstr("length"));
-  EXPECT_THAT(refusal(Capsule{-0.1, 1}), testing::HasSubstr("capsule"));
+TEST(Shape, WithAnySizeNegativeOrNotFiniteIsRefusedByName) {
+  using testing::HasSubstr;
+  for (const double bad :
+       {-1.0, -1e-300, static_cast<double>(NAN), static_cast<double>(INFINITY)}) {
+    for (int i = 0; i < 3; ++i) {
+      Box box{{1, 2, 3}};
+      box.size[i] = bad;
+      EXPECT_THAT(refusal(box), HasSubstr("box")) << "size " << i << ": " << bad;
+    }
+    EXPECT_THAT(refusal(Sphere{bad}), HasSubstr("sphere: the radius")) << bad;
+    EXPECT_THAT(refusal(Cylinder{bad, 1}), HasSubstr("cylinder: the radius")) << bad;
+    EXPECT_THAT(refusal(Cylinder{1, bad}), HasSubstr("cylinder: the length")) << bad;
+    EXPECT_THAT(refusal(Capsule{bad, 1}), HasSubstr("capsule: the radius")) << bad;
+    EXPECT_THAT(refusal(Capsule{1, bad}), HasSubstr("capsule: the length")) << bad;
+  }
 }
 
 TEST(Shape, MeshNamesItsBadVertexOrTriangle) {
