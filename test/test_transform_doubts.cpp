@@ -91,6 +91,32 @@ TEST_F(Transforms, OfASingleMistakenStaticMessageAreInDoubtUntilItIsSilent) {
   EXPECT_FALSE(knows("a")) << "the static one does not take over when the other ends";
 }
 
+TEST_F(Transforms, OfASingleMistakenStaticMessageAreNotBelievedWhereTheOtherPublisherEnds) {
+  play(1000.0, 1000.5, [&] { receive("a", now_.toSec(), 1.0); });
+  now_ = ros::Time(1000.6);
+  receiveBy("/mistaken", "a", 0.0, 5.0, true);
+  for (const double later : {1000.7, 1001.5, 1001.7, 1010.0}) {
+    now_ = ros::Time(later);
+    input_.followClock(now_);
+    EXPECT_FALSE(knows("a")) << later;
+  }
+}
+
+TEST_F(Transforms, AreNotInterpolatedFromOneThatIsInDoubt) {
+  receive("a", 999.9, 1.0);
+  receiveBy("/mistaken", "a", 0.0, 5.0, true);
+  for (const double stamp : {1000.75, 1001.25}) {  // in doubt until 1001.0
+    now_ = ros::Time(stamp);
+    receive("a", stamp, 1.0);
+  }
+  EXPECT_FALSE(knows("a", ros::Time(1000.75)));
+  EXPECT_FALSE(knows("a", ros::Time(1001.125)));
+  EXPECT_TRUE(knows("a", ros::Time(1001.25)));
+  now_ = ros::Time(1001.5);
+  receive("a", 1001.5, 1.0);
+  EXPECT_TRUE(knows("a", ros::Time(1001.375)));
+}
+
 TEST_F(Transforms, OfAFrameThatMovedBecomeStaticIfSentAgainByTheSamePublisher) {
   play(1000.0, 1000.5, [&] { receive("a", now_.toSec(), 1.0); });
   now_ = ros::Time(1005.0);

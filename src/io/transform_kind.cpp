@@ -30,7 +30,7 @@ bool TransformKind::isStaticAfterConflict() const {
   const StampNs moving = std::max(last_moving_, conflict_->begin);
   const StampNs fixed = std::max(last_static_, conflict_->begin);
   if (fixed == moving) return conflict_->was_static;
-  return fixed > moving && (conflict_->was_static || static_was_repeated_);
+  return fixed > moving;
 }
 
 void TransformKind::settle(StampNs now) {
@@ -49,7 +49,6 @@ void TransformKind::settle(StampNs now) {
 void TransformKind::noteMoving(StampNs now, StampNs max_age) {
   settle(now);
   last_moving_ = now;
-  static_was_repeated_ = false;
   if (changes_.empty()) return changes_.push_back({EVER_SINCE, false});
   if (!conflict_ && !changes_.back().is_static) return;
   if (!conflict_) return begin(now, max_age, true);
@@ -59,7 +58,6 @@ void TransformKind::noteMoving(StampNs now, StampNs max_age) {
 void TransformKind::noteStatic(StampNs now, StampNs max_age, bool again) {
   settle(now);
   last_static_ = now;
-  static_was_repeated_ |= again;
   if (changes_.empty()) return changes_.push_back({EVER_SINCE, true});
   if (!conflict_ && changes_.back().is_static) return;
   if (!conflict_) {

@@ -10,14 +10,15 @@ namespace collision_pairs {
 
 /// A frame on one of /tf and /tf_static is of that kind. As soon as the other kind arrives, it is
 /// ambiguous, until one of them has been silent for max_age; then the other one counts. A frame
-/// that moved becomes static only if its static transform was sent again by the same publisher:
-/// static transforms do not age, so a single mistaken one would otherwise outlive the last pose.
+/// that moved becomes static only if its static transform was sent again: static transforms do not
+/// age, so a single mistaken one would otherwise outlive the last pose. One by another publisher
+/// with another pose is in doubt by itself (TransformBuffer::takeStatic).
 class TransformKind {
  public:
   enum Kind { UNHEARD, MOVES, STATIC, AMBIGUOUS };
 
   void noteMoving(StampNs now, StampNs max_age);
-  /// `again`: the same publisher has sent it before.
+  /// `again`: the same publisher has sent it before, or another one the same pose.
   void noteStatic(StampNs now, StampNs max_age, bool again);
   Kind at(StampNs stamp) const;
   /// The clock went back: times so far mean nothing any more, but what was ambiguous stays so.
@@ -39,7 +40,6 @@ class TransformKind {
   bool isStaticAfterConflict() const;
 
   StampNs last_moving_ = EVER_SINCE, last_static_ = EVER_SINCE;
-  bool static_was_repeated_ = false;  ///< since the last moving one
   std::optional<Conflict> conflict_;
   std::vector<Span> ambiguous_;  ///< conflicts that are over
   std::vector<Change> changes_;

@@ -22,6 +22,7 @@ double distanceOf(const std::map<std::pair<std::uint32_t, std::uint32_t>, double
 void RobotsPart::add(const RobotsPart& other) {
   nb_contacts += other.nb_contacts;
   nb_run_into += other.nb_run_into;
+  nb_moved_into += other.nb_moved_into;
   nearest = std::min(nearest, other.nearest);
   taken = std::max(taken, other.taken);
 }
@@ -109,7 +110,9 @@ bool LimiterJudge::judge(const std::vector<double>& before, const std::vector<do
     double& taken = taken_[pair];
     taken = std::max(taken + nearer, 0.0);
     part.taken = std::max(part.taken, taken);
-    if (begins) ++(taken > 0.5 * stop_distance ? part.nb_contacts : part.nb_run_into);
+    if (!begins) continue;
+    ++(taken > 0.5 * stop_distance ? part.nb_contacts : part.nb_run_into);
+    part.nb_moved_into += nearer > -distance ? 1 : 0;  // it was apart from where it is now
   }
   were_ = near;
   return distanceOf(near) <= 0.0;

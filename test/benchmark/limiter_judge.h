@@ -17,9 +17,11 @@ namespace collision_pairs {
 /// robot's motion makes with the obstacle where it is at the later one.
 struct RobotsPart {
   /// With what does not move by itself: times that contact began. With an obstacle that moves: of
-  /// these only the times in which most of the last stop_distance was taken away by the robot.
+  /// these only the times in which the robot took away more than half of the last stop_distance,
+  /// which is what the law permits to a retreat.
   int nb_contacts = 0;
-  int nb_run_into = 0;  ///< times that an obstacle came into contact by its own motion
+  int nb_run_into = 0;    ///< times that contact with one that moves began otherwise
+  int nb_moved_into = 0;  ///< of these: by the robot's motion since the check before
   /// Metres: the smallest distance to what does not move by itself, where the robot moves nearer.
   double nearest = 1.0;
   /// Metres: the most that the robot took away of a distance below stop_distance to an obstacle
@@ -58,8 +60,8 @@ class LimiterJudge {
   CollisionDetector detector_;
   std::vector<Eigen::Isometry3d> X_WB_;
   BodyPoses poses_;
-  Near taken_;       ///< metres that the robot took away, of each obstacle that is too near
-  Near were_;        ///< distances at the last check
+  Near taken_;  ///< metres that the robot took away, of each obstacle that is too near
+  Near were_;   ///< distances at the last check
 };
 
 }  // namespace collision_pairs
