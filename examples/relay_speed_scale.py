@@ -1,22 +1,43 @@
 #!/usr/bin/python3
 """Slows a trajectory controller of a UR by the limiter's scale (docs/limiter.md).
 
-The controller's state gives the velocities that its trajectory wants; the limiter's scale moves the speed slider.
+The controller's state gives the velocities that its trajectory wants, with the names of the joints: the limiter's command, of
+type trajectory_msgs/JointTrajectory. Its scale moves the speed slider. ur_robot_driver refuses a slider below LEAST (its issue
+737), so there, without a scale for TIMEOUT, and when this program ends, the robot's program is paused.
+
 Usage: relay_speed_scale.py [_controller:=/scaled_pos_joint_traj_controller] [_limiter:=/collision_pairs_node]
 """
 import rospy
 from control_msgs.msg import JointTrajectoryControllerState
-from std_msgs.msg import Float64, Float64MultiArray
+from std_msgs.msg import Float64
+from std_srvs.srv import Trigger
+from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 from ur_msgs.srv import SetSpeedSliderFraction
 
+LEAST, TIMEOUT, RATE = 0.01, 0.2, 100  # fraction, s, Hz
+DRIVER = "/ur_hardware_interface/"
+
 rospy.init_node("relay_speed_scale")
-command = rospy.Publisher("trajectory_velocities", Float64MultiArray, queue_size=1)  # velocity_limiter: command
-slider = rospy.ServiceProxy("/ur_hardware_interface/set_speed_slider", SetSpeedSliderFraction)
+slider = rospy.ServiceProxy(DRIVER + "set_speed_slider", SetSpeedSliderFraction)
+pause, play = (rospy.ServiceProxy(DRIVER + "dashboard/" + name, Trigger) for name in ("pause", "play"))
+newest = {"scale": 0.0, "at": 0.0}
+command = rospy.Publisher("trajectory_velocities", JointTrajectory, queue_size=1)
 rospy.Subscriber(rospy.get_param("~controller", "/scaled_pos_joint_traj_controller") + "/state", JointTrajectoryControllerState,
-                 lambda state: command.publish(Float64MultiArray(data=state.desired.velocities)))
+                 lambda state: command.publish(JointTrajectory(joint_names=state.joint_names, points=[
+                     JointTrajectoryPoint(velocities=state.desired.velocities)])), queue_size=1, tcp_nodelay=True)
+rospy.Subscriber(rospy.get_param("~limiter", "/collision_pairs_node") + "/speed_scale", Float64,
+                 lambda scale: newest.update(scale=scale.data, at=rospy.get_time()), queue_size=1, tcp_nodelay=True)
+rospy.on_shutdown(pause)
+is_paused, rate = False, rospy.Rate(RATE)
 while not rospy.is_shutdown():
+    scale = newest["scale"] if rospy.get_time() - newest["at"] < TIMEOUT else 0.0
     try:
-        scale = rospy.wait_for_message(rospy.get_param("~limiter", "/collision_pairs_node") + "/speed_scale", Float64, timeout=0.2).data
-    except rospy.ROSException:  # silence
-        scale = 0.0
-    slider(scale)
+        done = slider(max(scale, LEAST)).success
+        if done and is_paused != (scale < LEAST):
+            done = (play if is_paused else pause)().success
+            is_paused ^= done
+        if not done:
+            rospy.logerr_throttle(1.0, "the driver refuses scale %g" % scale)
+        rate.sleep()
+    except (rospy.ServiceException, rospy.ROSInterruptException) as error:
+        rospy.logerr_throttle(1.0, str(error))
