@@ -11,6 +11,7 @@ add_library(collision_pairs_ros STATIC
   src/ros/limiter/joint_positions.cpp
   src/ros/limiter/limited_command.cpp
   src/ros/limiter/limiter_parameters.cpp
+  src/ros/limiter/shown_limit.cpp
   src/ros/limiter/velocity_limiter.cpp
   ${limiter_law}
   src/ros/low_priority.cpp

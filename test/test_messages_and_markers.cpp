@@ -9,6 +9,7 @@
 #include "geometry_conversions.h"
 #include "markers.h"
 #include "mixed_robot.h"
+#include "shown_limit.h"
 
 namespace collision_pairs {
 namespace {
@@ -24,19 +25,36 @@ class Report : public testing::Test {
         detector_(scene_) {
     settings_.alarm_distance = 0.2;
     settings_.list_boxes = true;
-    BodyPoses poses;
-    poses.resize(scene_->bodies().size());
+    poses_.resize(scene_->bodies().size());
     const double x[] = {0.0, 0.9, 2.0, 9.0};
     for (int i = 0; i < 4; ++i) {
-      poses.X_WB[scene_->models()[i].body].translation().x() = x[i];
+      poses_.X_WB[scene_->models()[i].body].translation().x() = x[i];
     }
-    detector_.detect(poses, settings_);
+    detector_.detect(poses_, settings_);
   }
 
-  MarkerArray markers(bool only_investigated) const {
+  MarkerArray markers(bool only_investigated,
+                      const std::optional<ShownLimit>& limit = std::nullopt) const {
     const CollisionPairs message =
         toMessage(detector_.report(), *scene_, settings_, "world", ros::Time(7), {});
-    return toMarkers(message, &detector_.report(), only_investigated);
+    return toMarkers(message, &detector_.report(), only_investigated, limit);
+  }
+
+  ShownLimit limited(double scale, const std::string& first, const std::string& second) {
+    SpeedLimit limit;
+    limit.scale = scale;
+    limit.first_link = first;
+    limit.second_link = second;
+    CollisionDetector detector(scene_);
+    return shownLimit(limit, detector, poses_, Fidelity::MESH);
+  }
+
+  static std::vector<Marker> limitOf(const MarkerArray& array) {
+    std::vector<Marker> found;
+    for (const Marker& marker : array.markers) {
+      if (marker.ns == "speed_limit") found.push_back(marker);
+    }
+    return found;
   }
 
   static std::map<std::string, int> countByNamespace(const MarkerArray& array) {
@@ -50,6 +68,7 @@ class Report : public testing::Test {
   std::shared_ptr<const CollisionScene> scene_;
   CollisionDetector detector_;
   CheckSettings settings_;
+  BodyPoses poses_;
 };
 
 TEST_F(Report, AsAMessageSaysEveryPairWithItsState) {
@@ -121,8 +140,8 @@ TEST_F(Report, TellsCloudsThatAreUnknownFromLinksWithoutPoses) {
   BodyPoses poses;
   poses.resize(scene->bodies().size());
   for (int i = 0; i < 2; ++i) poses.X_WB[scene->models()[i].body].translation().x() = 3.0 * i;
-  const CollisionPairs message = toMessage(CollisionDetector(scene).detect(poses, {}), *scene, {},
-                                           "world", ros::Time(7), {});
+  const CollisionPairs message =
+      toMessage(CollisionDetector(scene).detect(poses, {}), *scene, {}, "world", ros::Time(7), {});
   EXPECT_EQ(message.verdict, CollisionPairs::UNKNOWN);
   EXPECT_EQ(message.unknown_because,
             std::vector<std::string>{"clouds that are unknown or incomplete: left, right"});
@@ -201,16 +220,15 @@ TEST_F(Report, OfACheckThatLeavesOutAllPairsSaysWhyItIsUnknown) {
   BodyPoses poses;
   poses.resize(scene_->bodies().size());
   settings_.may_ignore = [](std::uint32_t, std::uint32_t) { return true; };  // all boxes meet
-  const CollisionPairs message = toMessage(detector_.detect(poses, settings_), *scene_, settings_,
-                                           "world", ros::Time(7), {});
+  const CollisionPairs message =
+      toMessage(detector_.detect(poses, settings_), *scene_, settings_, "world", ros::Time(7), {});
   EXPECT_EQ(message.verdict, CollisionPairs::UNKNOWN);
   EXPECT_EQ(message.unchecked, "every pair is ignored");
   EXPECT_EQ(message.unknown_because, (std::vector<std::string>{"every pair is ignored"}));
 }
 
 TEST(WhyUnknown, NamesWhatASceneDoesNotCheckAlsoWithoutAReport) {
-  const auto scene =
-      CollisionScene::build(robotFrom("<link name='only'/>"), std::nullopt, nullptr);
+  const auto scene = CollisionScene::build(robotFrom("<link name='only'/>"), std::nullopt, nullptr);
   EXPECT_FALSE(scene->unchecked().empty());
   EXPECT_EQ(whyUnknown({}, *scene, {}), std::vector<std::string>{scene->unchecked()});
 }
@@ -376,8 +394,37 @@ TEST_F(Report, OtherBoxesAreHiddenOnRequest) {
   EXPECT_EQ(count.at("investigated_boxes"), 1);
 }
 
+TEST_F(Report, ALimitIsDrawnAboveTheVerdictWithALineBetweenItsPair) {
+  const std::vector<Marker> drawn = limitOf(markers(false, limited(0.25, "b", "c")));
+  ASSERT_EQ(drawn.size(), 3u);
+  EXPECT_EQ(drawn[0].text, "speed 25 %\nb | c");
+  EXPECT_TRUE(drawn[0].header.stamp.isZero());
+  EXPECT_GT(drawn[0].pose.position.z, markers(false).markers.at(1).pose.position.z);
+  EXPECT_EQ(drawn[1].type, Marker::LINE_LIST);
+  ASSERT_EQ(drawn[1].points.size(), 2u);
+  EXPECT_NEAR(drawn[1].points[0].x, 1.4, 1e-9);
+  EXPECT_NEAR(drawn[1].points[1].x, 1.5, 1e-9);
+}
+
+TEST_F(Report, ALimitHasTheColourOfWhatPasses) {
+  const auto colour = [&](double scale) {
+    const Marker text = limitOf(markers(false, limited(scale, "b", "c"))).front();
+    return std::make_tuple(text.color.r > 0.9f, text.color.g > 0.5f, text.color.g > 0.1f);
+  };
+  EXPECT_EQ(colour(1.0), std::make_tuple(false, true, true));
+  EXPECT_EQ(colour(0.5), std::make_tuple(true, true, true));
+  EXPECT_EQ(colour(0.0), std::make_tuple(true, false, false));
+}
+
+TEST_F(Report, ALimitWhosePairIsFarOrNotThereHasNoLine) {
+  EXPECT_EQ(limitOf(markers(false, limited(0.5, "a", "d"))).size(), 1u);
+  EXPECT_EQ(limitOf(markers(false, limited(0.5, "a", "gone"))).size(), 1u);
+  EXPECT_EQ(limitOf(markers(false, limited(0.5, "", ""))).front().text, "speed 50 %");
+  EXPECT_TRUE(limitOf(markers(false)).empty());
+}
+
 TEST_F(Report, MarkersClearWhatWasThereAndAreDrawable) {
-  const MarkerArray array = markers(false);
+  const MarkerArray array = markers(false, limited(0.5, "b", "c"));
   EXPECT_EQ(array.markers.front().action, Marker::DELETEALL);
   std::set<std::pair<std::string, int>> ids;
   for (std::size_t i = 1; i < array.markers.size(); ++i) {

@@ -1,6 +1,7 @@
 #include "markers.h"
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "geometry_conversions.h"
@@ -14,6 +15,10 @@ using visualization_msgs::Marker;
 using visualization_msgs::MarkerArray;
 
 enum class BoxKind { OTHER, INVESTIGATED, IN_CONTACT };
+
+const std_msgs::ColorRGBA GREEN = color(0.10f, 0.75f, 0.20f, 1.0f);
+const std_msgs::ColorRGBA AMBER = color(1.0f, 0.55f, 0.0f, 1.0f);
+const std_msgs::ColorRGBA RED = color(1.0f, 0.0f, 0.0f, 1.0f);
 
 struct BoxStyle {
   const char* ns;
@@ -67,7 +72,7 @@ std::string verdictDetail(const CollisionPairs& message) {
 }
 
 std_msgs::ColorRGBA verdictColor(std::uint8_t verdict) {
-  if (verdict == CollisionPairs::FREE) return color(0.10f, 0.75f, 0.20f, 1.0f);
+  if (verdict == CollisionPairs::FREE) return GREEN;
   if (verdict == CollisionPairs::COLLISION) return color(0.95f, 0.05f, 0.05f, 1.0f);
   return color(0.75f, 0.20f, 0.95f, 1.0f);
 }
@@ -93,13 +98,7 @@ class MarkerWriter {
 
   void addContact(const Contact& contact, std::uint32_t id, double size) {
     const bool touches = contact.depth >= 0.0;
-    const auto rgba = touches ? color(1.0f, 0.0f, 0.0f, 1.0f) : color(1.0f, 0.55f, 0.0f, 1.0f);
-    Marker& line = add("contacts", 2 * id, Marker::LINE_LIST, rgba);
-    line.scale.x = 0.2 * size;
-    line.points = {toPoint(contact.p_WFirst), toPoint(contact.p_WSecond)};
-    Marker& ends = add("contacts", 2 * id + 1, Marker::SPHERE_LIST, rgba);
-    ends.scale.x = ends.scale.y = ends.scale.z = size;
-    ends.points = {toPoint(contact.p_WFirst), toPoint(contact.p_WSecond)};
+    addLine("contacts", contact, id, size, touches ? RED : AMBER);
     if (!touches) return;
     Marker& arrow = add("normals", id, Marker::ARROW, color(0.1f, 0.2f, 1.0f, 1.0f));
     arrow.scale.x = 0.4 * size;
@@ -109,23 +108,54 @@ class MarkerWriter {
   }
 
   void addVerdict(const CollisionPairs& message, const Aabb& space) {
-    const double height = std::max(1e-3, 0.07 * (space.max - space.min).norm());
-    const auto addText = [&](int id, const std::string& words, double size, double above) {
-      Marker& text = add("verdict", id, Marker::TEXT_VIEW_FACING, verdictColor(message.verdict));
-      text.header.stamp = ros::Time();
-      text.text = words;
-      text.scale.z = size;
-      const Vector3d center = space.center();
-      text.pose.position = toPoint(Vector3d(center.x(), center.y(), space.max.z() + above));
-    };
-    addText(0, verdictWord(message.verdict), height, 1.9 * height);
+    const double height = textHeight(space);
+    const auto rgba = verdictColor(message.verdict);
+    addText("verdict", 0, verdictWord(message.verdict), rgba, space, height, 1.9 * height);
     const std::string detail = verdictDetail(message);
-    if (!detail.empty()) addText(1, detail, 0.35 * height, 0.6 * height);
+    if (!detail.empty()) {
+      addText("verdict", 1, detail, rgba, space, 0.35 * height, 0.6 * height);
+    }
+  }
+
+  void addLimit(const ShownLimit& shown, const Aabb& space, double size) {
+    const SpeedLimit& limit = shown.limit;
+    const auto rgba = limit.scale >= 1.0 ? GREEN : limit.scale > 0.0 ? AMBER : RED;
+    const double height = textHeight(space);
+    std::string words = "speed " + std::to_string(std::lround(100.0 * limit.scale)) + " %";
+    if (!limit.first_link.empty()) words += '\n' + limit.first_link + " | " + limit.second_link;
+    addText("speed_limit", 0, words, rgba, space, 0.45 * height, 3.4 * height);
+    if (shown.nearest) addLine("speed_limit", *shown.nearest, 1, 2.0 * size, rgba);
   }
 
   MarkerArray take() { return std::move(array_); }
 
  private:
+  static double textHeight(const Aabb& space) {
+    return std::max(1e-3, 0.07 * (space.max - space.min).norm());
+  }
+
+  /// Above the space, without a stamp.
+  void addText(const char* ns, int id, const std::string& words, const std_msgs::ColorRGBA& rgba,
+               const Aabb& space, double size, double above) {
+    Marker& text = add(ns, id, Marker::TEXT_VIEW_FACING, rgba);
+    text.header.stamp = ros::Time();
+    text.text = words;
+    text.scale.z = size;
+    const Vector3d center = space.center();
+    text.pose.position = toPoint(Vector3d(center.x(), center.y(), space.max.z() + above));
+  }
+
+  /// Between the two points of a contact, with a sphere at either end.
+  void addLine(const char* ns, const Contact& contact, std::uint32_t id, double size,
+               const std_msgs::ColorRGBA& rgba) {
+    Marker& line = add(ns, 2 * id, Marker::LINE_LIST, rgba);
+    line.scale.x = 0.2 * size;
+    line.points = {toPoint(contact.p_WFirst), toPoint(contact.p_WSecond)};
+    Marker& ends = add(ns, 2 * id + 1, Marker::SPHERE_LIST, rgba);
+    ends.scale.x = ends.scale.y = ends.scale.z = size;
+    ends.points = {toPoint(contact.p_WFirst), toPoint(contact.p_WSecond)};
+  }
+
   Marker& add(const char* ns, std::uint32_t id, int type, const std_msgs::ColorRGBA& rgba) {
     Marker marker;
     marker.header.frame_id = frame_;
@@ -197,10 +227,12 @@ Aabb cutTo(const Aabb& space, Aabb box) {
 }  // namespace
 
 MarkerArray toMarkers(const CollisionPairs& message, const CollisionReport* report,
-                      bool only_investigated) {
+                      bool only_investigated, const std::optional<ShownLimit>& limit) {
   MarkerWriter writer(message.header.frame_id, message.header.stamp);
   if (!report) {
-    writer.addVerdict(message, {Vector3d::Constant(-0.5), Vector3d::Constant(0.5)});
+    const Aabb nothing{Vector3d::Constant(-0.5), Vector3d::Constant(0.5)};
+    writer.addVerdict(message, nothing);
+    if (limit) writer.addLimit(*limit, nothing, 0.01);
     return writer.take();
   }
   const Aabb bounded = boundedSpace(*report);
@@ -217,6 +249,7 @@ MarkerArray toMarkers(const CollisionPairs& message, const CollisionReport* repo
   for (std::uint32_t i = 0; i < report->contacts.size(); ++i) {
     writer.addContact(report->contacts[i], i, size);
   }
+  if (limit) writer.addLimit(*limit, bounded, size);
   return writer.take();
 }
 

@@ -12,6 +12,7 @@
 #include "collision_pairs/input_error.h"
 #include "conversions.h"
 #include "frame_names.h"
+#include "shown_limit.h"
 #include "tf_check.h"
 
 namespace collision_pairs {
@@ -139,6 +140,12 @@ void CollisionPairsNode::check(const ActiveScenePtr& scene, const ros::WallTime&
   for (std::string& doubt : addVoxels(*scene, now, stamped.poses)) {
     doubts.push_back(std::move(doubt));
   }
+  shown_limit_.reset();
+  if (publisher_.showsMarkers()) {
+    if (const auto limit = limiter_.lastLimit()) {
+      shown_limit_ = shownLimit(*limit, *detector_, stamped.poses, settings.fidelity);
+    }
+  }
   CollisionPairs message =
       checkPoses(*scene, stamped, doubts, settings, now, transform_time, *detector_);
   addClosingMotion(*scene, stamped, detector_->report(), message);
@@ -163,12 +170,14 @@ void CollisionPairsNode::reportUnknown(const std::string& why) {
   last_message_ = unknown(why, frame, ros::Time::now());
   last_is_checked_ = false;
   publisher_.publish(last_message_);
+  shown_limit_.reset();
+  if (const auto limit = limiter_.lastLimit()) shown_limit_ = ShownLimit{*limit, {}};
   showMarkers(last_message_, nullptr);
   health_.noteProblem(why);
 }
 
 void CollisionPairsNode::showMarkers(const CollisionPairs& message, const CollisionReport* report) {
-  publisher_.publishMarkers(message, report, parameters_.show_only_investigated_boxes,
+  publisher_.publishMarkers(message, report, parameters_.show_only_investigated_boxes, shown_limit_,
                             1.0 / parameters_.rate);
 }
 

@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 
 #include <collision_pairs/CollisionPairsConfig.h>
@@ -60,6 +61,7 @@ class CollisionPairsNode {
   std::unique_ptr<CollisionDetector> detector_;
   ActiveScenePtr checked_scene_;
   CollisionPairs last_message_;
+  std::optional<ShownLimit> shown_limit_;
   bool last_is_checked_ = false;  // it was made from the detector's report
   ros::SteadyTime next_cycle_;  // the earliest
   ros::SteadyTime last_cycle_;

@@ -6,7 +6,6 @@
 #include <std_msgs/Bool.h>
 #include <visualization_msgs/MarkerArray.h>
 
-#include "markers.h"
 #include "scene_markers.h"
 #include "voxel_markers.h"
 
@@ -44,9 +43,10 @@ void ReportPublisher::publish(const CollisionPairs& message) {
 }
 
 void ReportPublisher::publishMarkers(const CollisionPairs& message, const CollisionReport* report,
-                                     bool only_investigated, double period) {
-  if (markers_.getNumSubscribers() == 0) return;
-  visualization_msgs::MarkerArray array = toMarkers(message, report, only_investigated);
+                                     bool only_investigated, const std::optional<ShownLimit>& limit,
+                                     double period) {
+  if (!showsMarkers()) return;
+  visualization_msgs::MarkerArray array = toMarkers(message, report, only_investigated, limit);
   for (auto& marker : array.markers) {
     marker.lifetime = ros::Duration(std::max(SHORTEST_LIFE, 3.0 * period));
   }

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <functional>
 #include <memory>
+#include <optional>
 
 #include <collision_pairs/CollisionPairs.h>
 #include <ros/node_handle.h>
@@ -11,6 +12,7 @@
 
 #include "active_scene.h"
 #include "collision_pairs/collision_detector.h"
+#include "markers.h"
 
 namespace collision_pairs {
 
@@ -24,11 +26,13 @@ class ReportPublisher {
   /// Publishes the report and the Bool, with the same verdict.
   void publish(const CollisionPairs& message);
 
-  /// The boxes of the report and the verdict of the message, for subscribers. `report` may be
-  /// null: then there is the verdict only. They expire a few periods [s] after the last, so that
+  /// The boxes of the report, the verdict of the message and the limit, for subscribers. `report`
+  /// may be null: then there is no box. They expire a few periods [s] after the last, so that
   /// markers of a dead node disappear.
   void publishMarkers(const CollisionPairs& message, const CollisionReport* report,
-                      bool only_investigated, double period);
+                      bool only_investigated, const std::optional<ShownLimit>& limit,
+                      double period);
+  bool showsMarkers() const { return markers_.getNumSubscribers() > 0; }
 
   /// The shapes of the scene: published only if it changed, for a new subscriber, or when TF has
   /// more of its bodies (rviz moves them). nb_known: bodies with a pose.

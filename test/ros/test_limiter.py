@@ -12,6 +12,7 @@ import rostest
 from std_msgs.msg import Float64, Float64MultiArray
 from std_srvs.srv import Trigger
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
+from visualization_msgs.msg import Marker, MarkerArray
 
 from collision_pairs.msg import SpeedLimit
 from joint_simulator import JointSimulator
@@ -61,6 +62,10 @@ def wait_until(condition):
     return False
 
 
+def level_of(status):
+    return ord(status.level) if isinstance(status.level, bytes) else status.level
+
+
 class LimiterTest(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
@@ -106,6 +111,19 @@ class LimiterTest(unittest.TestCase):
         self.limit_that(lambda x: x.scale > 0.0)
         self.assertTrue(wait_until(lambda: self.joints.position("slide_a") < 1.0))
         self.limit_that(lambda x: x.scale == 1.0)
+
+    def test_who_watches_the_markers_sees_the_scale_and_the_pair(self):
+        shown = []
+        subscriber = rospy.Subscriber("/array/markers", MarkerArray, lambda array: shown.append(
+            {marker.id: marker for marker in array.markers if marker.ns == "speed_limit"}))
+        self.drive(1.0)
+        self.assertTrue(wait_until(lambda: shown and shown[-1] and shown[-1][0].text == "speed 0 %\na | b"))
+        rospy.sleep(0.5)
+        first, second = next(marker.points for marker in shown[-1].values() if marker.type == Marker.LINE_LIST)
+        self.assertAlmostEqual(second.x - first.x, 3.0 - self.joints.position("slide_a"), delta=1e-3)
+        self.drive(None)
+        self.assertTrue(wait_until(lambda: not shown[-1]), "who sends no commands is not limited")
+        subscriber.unregister()
 
     def test_below_the_stop_distance_only_a_retreat_passes_slowly(self):
         self.joints.place(slide_a=2.995)
@@ -196,11 +214,20 @@ class LimiterTest(unittest.TestCase):
         driver.message = Float64MultiArray(data=[0.1])
         self.assertTrue(wait_until(lambda: out.limits and "slide_x" in out.limits[-1].reason))
         self.assertEqual(out.commands[-1].data, (0.0,))
+        status = diagnosis_of("unknown_joint: velocity limiter")
+        self.assertEqual(level_of(status), 1)
+        self.assertIn("stopped: joint 'slide_x'", status.message)
         driver.message = None
+
+    def test_diagnostics_name_the_topic_on_which_no_commands_come(self):
+        self.assertTrue(wait_until(lambda: diagnosis_of("array: velocity limiter").message ==
+                                   "no commands on /array_command"))
+        self.drive(0.1)
+        self.assertTrue(wait_until(lambda: diagnosis_of("array: velocity limiter").message == "commands are limited"))
 
     def test_a_misspelt_key_is_an_error_of_the_diagnostics_and_nothing_passes(self):
         status = diagnosis_of("misspelt: velocity limiter")
-        self.assertEqual(status.level, b"\x02" if isinstance(status.level, bytes) else 2)
+        self.assertEqual(level_of(status), 2)
         self.assertIn("'decceleration' is not a setting of the limiter; did you mean 'deceleration'?",
                       status.message)
         names = [name for name, _ in rospy.get_published_topics()]

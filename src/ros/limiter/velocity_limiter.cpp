@@ -21,6 +21,8 @@ namespace {
 // that takes longer is an overrun.
 constexpr double TIME_TO_DECIDE = 0.02;
 constexpr double LONGEST_WAIT = 0.1;  // s, so that the thread ends soon
+constexpr double SHOWN_FOR = 1.0;     // s
+constexpr double WARN_PERIOD = 5.0;   // s between repeated warnings in the log
 
 }  // namespace
 
@@ -119,12 +121,13 @@ void VelocityLimiter::answer(const Command& command) {
   }
   publish(command, decision);
   has_stopped_ = false;
+  const bool is_fault = decision.verdict == Verdict::UNKNOWN && decision.first.empty();
+  if (is_fault) ROS_WARN_STREAM_THROTTLE(WARN_PERIOD, "a command is stopped: " << decision.reason);
   const std::lock_guard<std::mutex> lock(mutex_);
+  fault_ = is_fault ? decision.reason : "";
   ++nb_commands_;
   nb_overruns_ += is_late ? 1 : 0;
   slowest_ = std::max(slowest_, took);
-  last_scale_ = decision.scale;
-  last_reason_ = decision.reason;
 }
 
 void VelocityLimiter::stopAfterSilence() {
@@ -135,9 +138,6 @@ void VelocityLimiter::stopAfterSilence() {
   const LimiterDecision decision =
       law_->stop(last_now_, "no command for " + inWords(parameters_->law.command_timeout));
   publish(*last_, decision);
-  const std::lock_guard<std::mutex> lock(mutex_);
-  last_scale_ = 0.0;
-  last_reason_ = decision.reason;
 }
 
 LimiterDecision VelocityLimiter::decide(const Command& command, double now) {
@@ -219,6 +219,15 @@ void VelocityLimiter::publish(const Command& layout, const LimiterDecision& deci
   }
   scale_.publish(scale);
   limit_.publish(limit);
+  const std::lock_guard<std::mutex> lock(mutex_);
+  last_limit_ = std::move(limit);
+  last_limit_from_ = ros::SteadyTime::now();
+}
+
+std::optional<SpeedLimit> VelocityLimiter::lastLimit() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const bool is_old = (ros::SteadyTime::now() - last_limit_from_).toSec() > SHOWN_FOR;
+  return is_old ? std::nullopt : last_limit_;
 }
 
 void VelocityLimiter::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
@@ -228,13 +237,20 @@ void VelocityLimiter::diagnose(diagnostic_updater::DiagnosticStatusWrapper& stat
     return;
   }
   const std::lock_guard<std::mutex> lock(mutex_);
-  status.summary(nb_overruns_ > 0 ? DiagnosticStatus::WARN : DiagnosticStatus::OK,
-                 nb_overruns_ > 0 ? "decisions took too long" : "commands are limited");
+  if (nb_commands_ == 0) {
+    status.summary(DiagnosticStatus::OK, "no commands on " + subscribers_.back().getTopic());
+  } else if (nb_overruns_ > 0) {
+    status.summary(DiagnosticStatus::WARN, "decisions took too long");
+  } else if (!fault_.empty()) {
+    status.summary(DiagnosticStatus::WARN, "commands are stopped: " + fault_);
+  } else {
+    status.summary(DiagnosticStatus::OK, "commands are limited");
+  }
   status.add("commands", nb_commands_);
   status.add("overruns", nb_overruns_);
   status.add("longest decision [s]", slowest_);
-  status.add("scale", last_scale_);
-  status.add("reason", last_reason_);
+  status.add("scale", last_limit_ ? last_limit_->scale : 0.0);
+  status.add("reason", last_limit_ ? last_limit_->reason : "no command yet");
   nb_overruns_ = nb_commands_ = 0;
   slowest_ = 0.0;
 }

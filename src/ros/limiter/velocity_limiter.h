@@ -38,6 +38,8 @@ class VelocityLimiter {
 
   bool isWanted() const { return !error_.empty() || parameters_; }
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
+  /// The last decision, if it is no older than a second: for people.
+  std::optional<SpeedLimit> lastLimit() const;
 
  private:
   /// A command of either type.
@@ -73,9 +75,11 @@ class VelocityLimiter {
   double last_now_ = 0.0;
   ros::Publisher limited_, scale_, limit_;
 
-  std::mutex mutex_;  // guards what diagnose() reads
-  std::string last_reason_ = "no command yet";
-  double last_scale_ = 0.0, slowest_ = 0.0;  // slowest: seconds of a decision, since asked
+  mutable std::mutex mutex_;  // guards what diagnose() and lastLimit() read
+  std::optional<SpeedLimit> last_limit_;
+  ros::SteadyTime last_limit_from_;
+  std::string fault_;     // why the last command was stopped, if it was not for what is near
+  double slowest_ = 0.0;  // seconds of a decision, since asked
   std::size_t nb_commands_ = 0, nb_overruns_ = 0;
 
   ros::CallbackQueue queue_;
