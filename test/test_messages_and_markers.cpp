@@ -406,6 +406,14 @@ TEST_F(Report, ALimitIsDrawnAboveTheVerdictWithALineBetweenItsPair) {
   EXPECT_NEAR(drawn[1].points[1].x, 1.5, 1e-9);
 }
 
+TEST_F(Report, ALimitIsDrawnBelowAVerdictThatHasNoDetail) {
+  for (int i = 0; i < 4; ++i) poses_.X_WB[scene_->models()[i].body].translation().x() = 3.0 * i;
+  detector_.detect(poses_, settings_);
+  const MarkerArray array = markers(false, limited(1.0, "", ""));
+  EXPECT_EQ(array.markers.at(1).text, "FREE");
+  EXPECT_LT(limitOf(array).front().pose.position.z, array.markers.at(1).pose.position.z);
+}
+
 TEST_F(Report, ALimitHasTheColourOfWhatPasses) {
   const auto colour = [&](double scale) {
     const Marker text = limitOf(markers(false, limited(scale, "b", "c"))).front();

@@ -117,13 +117,14 @@ class MarkerWriter {
     }
   }
 
-  void addLimit(const ShownLimit& shown, const Aabb& space, double size) {
+  /// Below the verdict, or above it where the verdict has a detail there.
+  void addLimit(const ShownLimit& shown, bool has_detail, const Aabb& space, double size) {
     const SpeedLimit& limit = shown.limit;
     const auto rgba = limit.scale >= 1.0 ? GREEN : limit.scale > 0.0 ? AMBER : RED;
     const double height = textHeight(space);
     std::string words = "speed " + std::to_string(std::lround(100.0 * limit.scale)) + " %";
     if (!limit.first_link.empty()) words += '\n' + limit.first_link + " | " + limit.second_link;
-    addText("speed_limit", 0, words, rgba, space, 0.45 * height, 3.4 * height);
+    addText("speed_limit", 0, words, rgba, space, 0.45 * height, (has_detail ? 3.1 : 0.8) * height);
     if (shown.nearest) addLine("speed_limit", *shown.nearest, 1, 2.0 * size, rgba);
   }
 
@@ -229,10 +230,11 @@ Aabb cutTo(const Aabb& space, Aabb box) {
 MarkerArray toMarkers(const CollisionPairs& message, const CollisionReport* report,
                       bool only_investigated, const std::optional<ShownLimit>& limit) {
   MarkerWriter writer(message.header.frame_id, message.header.stamp);
+  const bool has_detail = !verdictDetail(message).empty();
   if (!report) {
     const Aabb nothing{Vector3d::Constant(-0.5), Vector3d::Constant(0.5)};
     writer.addVerdict(message, nothing);
-    if (limit) writer.addLimit(*limit, nothing, 0.01);
+    if (limit) writer.addLimit(*limit, has_detail, nothing, 0.01);
     return writer.take();
   }
   const Aabb bounded = boundedSpace(*report);
@@ -249,7 +251,7 @@ MarkerArray toMarkers(const CollisionPairs& message, const CollisionReport* repo
   for (std::uint32_t i = 0; i < report->contacts.size(); ++i) {
     writer.addContact(report->contacts[i], i, size);
   }
-  if (limit) writer.addLimit(*limit, bounded, size);
+  if (limit) writer.addLimit(*limit, has_detail, bounded, size);
   return writer.take();
 }
 

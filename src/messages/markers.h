@@ -25,7 +25,7 @@ struct ShownLimit {
 /// element of a contact), "investigated_boxes" (amber: in a candidate pair, without contact) and
 /// "other_boxes" (grey, left out where `only_investigated`). "contacts" holds a line between the
 /// two witness points of each pair in reach with a sphere at either end, "normals" an arrow for
-/// each contact. "speed_limit", with a limit: a text above the verdict, the scale in per cent with
+/// each contact. "speed_limit", with a limit: a text by the verdict, the scale in per cent with
 /// the pair that limits, and a thick line between the two; green, amber or red as the whole command
 /// passes, a part or nothing. Without a report (null) there are the texts only. The array begins
 /// with DELETEALL, so that no older markers remain.
