@@ -82,6 +82,7 @@ target_sources(test_motion_certificates PRIVATE test/benchmark/benchmark_robots.
 collision_pairs_test(motion_check)
 collision_pairs_test(motion_deviation)
 collision_pairs_test(motion_pitfalls)
+collision_pairs_test(motions_to_contact)
 collision_pairs_test(motion_state)
 collision_pairs_test(narrow_phase)
 collision_pairs_test(narrow_phase_extremes)

@@ -5,17 +5,20 @@ import re
 
 import pytest
 import rosbag
+import rospy
 from conftest import DEMO_BAG, DEMO_ROBOT, without_name
 from seed import given_seed
 from sensor_msgs.msg import JointState
+from std_msgs.msg import Header
 
 MAGIC = b"#ROSBAG V2.0\n"
 
 
 @pytest.mark.parametrize("compression", ["none", "bz2", "lz4"])
 def test_compressed_bags_are_read(check_bag, make_bag, compression):
-    rows, _ = check_bag(make_bag("c.bag", "--compression", compression))
+    rows, said = check_bag(make_bag("c.bag", "--compression", compression))
     assert without_name(rows) == without_name(check_bag(DEMO_BAG)[0])
+    assert "truncated" not in said
 
 
 @pytest.mark.parametrize("compression", ["none", "bz2", "lz4"])
@@ -143,6 +146,18 @@ def test_a_message_that_claims_more_than_it_has_is_passed_over_and_said(check_ba
     bag.write_bytes(content)
     rows, said = check_bag(bag)
     assert len(rows) == len(whole) - 1 and "1 messages that do not match their type" in said
+
+
+def test_of_a_bag_without_a_pose_it_is_said_whether_something_was_lost(run_tool, make_bag, tmp_path):
+    empty = tmp_path / "empty.bag"
+    with rosbag.Bag(str(empty), "w") as target:
+        target.write("/chatter", Header(), rospy.Time(1))
+    cut = make_bag("cut.bag")
+    cut.write_bytes(cut.read_bytes()[:5000])  # behind the header, before the first chunk ends
+    for bag, says in ((empty, "in it"), (cut, "in what could be read: the file is truncated within the record")):
+        done = run_tool("check_bag", bag, *DEMO_ROBOT, "--out", tmp_path / "out.csv")
+        assert done.returncode == 2
+        assert "%s: no transforms and no joint states %s" % (bag, says) in done.stderr, done.stderr
 
 
 def test_what_is_not_a_plain_bag_of_format_2_is_refused_with_the_way_out(run_tool, make_bag, tmp_path):

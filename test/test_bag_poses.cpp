@@ -137,6 +137,21 @@ TEST_F(BagPosesTest, BelowAJointThatIsNotKnownThenNothingIs) {
   EXPECT_TRUE(knows("wheel", 2));
 }
 
+TEST_F(BagPosesTest, WhatAMimicJointMovesIsKnownWhereItsLeaderIs) {
+  const std::string along_x = "<axis xyz='1 0 0'/><limit lower='-9' upper='9'/>";
+  scene_ = CollisionScene::build(
+      robotFrom(boxLink("base", 0.1) + boxLink("arm", 0.1) + boxLink("finger", 0.1) +
+                joint("slide", "prismatic", "base", "arm", "0 0 0", along_x) +
+                joint("copy", "prismatic", "base", "finger", "0 5 0",
+                      along_x + "<mimic joint='slide' multiplier='2' offset='0.5'/>")),
+      Srdf{}, nullptr);
+  position("slide", 2, 1.5);
+  for (const double seconds : {1.0, 2.0}) position("copy", seconds, 7);  // not asked
+  finish();
+  EXPECT_FALSE(knows("finger", 1));
+  EXPECT_EQ(at("finger", 2), Vector3d(3.5, 5, 0));
+}
+
 TEST_F(BagPosesTest, AContinuousJointTakesTheShorterWayRound) {
   position("slide", 1, 0);
   position("slide", 2, 0);

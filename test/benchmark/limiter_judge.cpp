@@ -107,12 +107,14 @@ bool LimiterJudge::judge(const std::vector<double>& before, const std::vector<do
       continue;
     }
     if (distance >= stop_distance) continue;
+    // In contact, the depth of a mesh is a bound, which is centimetres as soon as it touches.
+    const double was_apart = std::max(distance + nearer, 0.0);
     double& taken = taken_[pair];
-    taken = std::max(taken + nearer, 0.0);
+    taken = std::max(taken + was_apart - std::max(distance, 0.0), 0.0);
     part.taken = std::max(part.taken, taken);
     if (!begins) continue;
     ++(taken > 0.5 * stop_distance ? part.nb_contacts : part.nb_run_into);
-    part.nb_moved_into += nearer > -distance ? 1 : 0;  // it was apart from where it is now
+    part.nb_moved_into += was_apart > 0.0 ? 1 : 0;
   }
   were_ = near;
   return distanceOf(near) <= 0.0;

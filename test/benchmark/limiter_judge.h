@@ -24,8 +24,8 @@ struct RobotsPart {
   int nb_moved_into = 0;  ///< of these: by the robot's motion since the check before
   /// Metres: the smallest distance to what does not move by itself, where the robot moves nearer.
   double nearest = 1.0;
-  /// Metres: the most that the robot took away of a distance below stop_distance to an obstacle
-  /// that moves, without giving it back in between.
+  /// Metres: the most that the robot took away of a distance from stop_distance to contact with an
+  /// obstacle that moves, without giving it back in between.
   double taken = 0.0;
   void add(const RobotsPart& other);
 };
