@@ -1,6 +1,9 @@
 """The list of mistakes that scripts/mutate tries must keep up with the code."""
 import os
 import subprocess
+import sys
+
+import pytest
 
 from conftest import PROJECT
 
@@ -10,3 +13,40 @@ def test_each_mistake_of_the_list_still_has_its_line():
                             stderr=subprocess.PIPE, text=True, timeout=60)
     assert listed.returncode == 0, listed.stderr
     assert len(listed.stdout.splitlines()) >= 100
+
+
+def drawn(number, seed):
+    listed = subprocess.run([os.path.join(PROJECT, "scripts", "mutate"), "--list", "--random", str(number), "--seed",
+                             str(seed)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, timeout=60)
+    assert listed.returncode == 0, listed.stderr
+    return listed.stdout
+
+
+def test_a_seed_draws_the_same_mistakes_again_and_another_seed_others():
+    sample = drawn(50, 1)
+    assert drawn(50, 1) == sample
+    assert drawn(50, 2) != sample
+    assert drawn(10, 1) == "".join(sample.splitlines(keepends=True)[:30])
+
+
+def changes(code):
+    """The lines that a line may become."""
+    sys.path.insert(0, os.path.join(PROJECT, "scripts"))
+    import random_mutants
+    masked = random_mutants.masked(code)
+    return {code[:begin] + new + code[end:] for places in random_mutants.changes(masked).values()
+            for begin, end, new in places}
+
+
+@pytest.mark.parametrize("code, becomes", [
+    ("if (a < b) return;", {"if (a <= b) return;", "if (true) return;", "if (false) return;", "if (a < b);"}),
+    ("x = a && !b;", {"x = a || !b;", "x = a && b;", ";"}),
+    ("const T y = f(p, q) * 2.0;", {"const T y = f(q, p) * 2.0;", "const T y = f(p, q) / 2.0;",
+                                    "const T y = f(p, q) * (2.0 * 2.0);", "const T y = f(p, q) * (0.5 * 2.0);"}),
+    ("return a ? b : c;", {"return b;", "return c;"}),
+    ("std::vector<T> v, w;  // a < b", set()),
+    ('log("a < b && 1");', {";"}),
+    ("#include <a>", set()),
+])
+def test_a_line_is_changed_in_one_place_and_never_in_comments_strings_or_types(code, becomes):
+    assert changes(code) == becomes
