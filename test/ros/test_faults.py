@@ -55,7 +55,8 @@ class Program:
     """A program under a master of its own choice, and what it says."""
 
     def __init__(self, *command, master=None):
-        environment = dict(os.environ, ROS_MASTER_URI=master or os.environ["ROS_MASTER_URI"])
+        environment = dict(os.environ, ROS_MASTER_URI=master or os.environ["ROS_MASTER_URI"],
+                           PYTHONUNBUFFERED="1")  # roslaunch says at once what it does
         self._said = tempfile.NamedTemporaryFile()
         self.process = subprocess.Popen(command, env=environment, stdout=self._said, stderr=subprocess.STDOUT)
 
