@@ -7,8 +7,7 @@
 
 #include "collision_pairs/batch_check.h"
 #include "collision_pairs/input_error.h"
-#include "collision_pairs/occupied_voxels.h"
-#include "random_robot.h"
+#include "random_case.h"
 
 namespace collision_pairs {
 namespace {
@@ -22,24 +21,6 @@ CheckSettings alarm(double distance) {
   settings.alarm_distance = distance;
   return settings;
 }
-
-/// A random scene, now and then with a cloud, and poses in it of which some may be unknown.
-struct RandomCase {
-  SceneDescription description;
-  BodyPoses poses;  ///< without voxels
-  CloudVoxels voxels;
-
-  explicit RandomCase(RandomInputs& random) : description(randomScene(random)) {
-    description.restriction = {};
-    if (random.integer(0, 3) > 0) return;
-    std::vector<VoxelCell> cells;
-    for (int i = 0; i < 40; ++i) {
-      cells.emplace_back(random.integer(-6, 6), random.integer(-6, 6), random.integer(-6, 6));
-    }
-    description.clouds.push_back(cloudOf("cloud", 0.1, {}));
-    voxels = {std::make_shared<const OccupiedVoxels>(0.1, cells)};
-  }
-};
 
 /// By the names of links, so that scenes with other bodies get the same.
 BodyPoses posesOf(const CollisionScene& scene, const std::map<std::string, Eigen::Isometry3d>& X,

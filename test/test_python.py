@@ -60,6 +60,8 @@ def test_distances_points_and_verdicts_of_two_balls_are_those_of_the_formula():
     np.testing.assert_allclose(pairs["first_point"], 0.1 * outwards, atol=1e-12)
     np.testing.assert_allclose(pairs["second_point"], (slide[:, None] - 0.05) * outwards, atol=1e-12)
     np.testing.assert_array_equal(pairs["state"], np.where(slide <= 0.15, cp.PairState.CONTACT, cp.PairState.NEAR))
+    for field in result.nearest.dtype.names:
+        np.testing.assert_array_equal(result.nearest[field], pairs[field])
     assert set(pairs["certainty"]) == {cp.Certainty.EXACT} and set(pairs["fidelity"]) == {cp.Fidelity.MESH}
     assert len(result.left_out) == 0 and result.joints_at_zero == []
 
@@ -68,6 +70,18 @@ def test_a_smallest_distance_of_which_only_a_bound_is_known_is_called_a_bound():
     result = detector().check([[0, CLEAR], [0, TOUCHING], [0, CLEAR]], alarm_distance=0.01)
     np.testing.assert_array_equal(result.min_distance_is_bound, [True, False, True])
     assert 0 < result.min_distance[0] <= CLEAR - 0.15
+    np.testing.assert_array_equal(result.nearest["row"], [1])
+
+
+def test_what_is_nearest_is_named_beyond_the_alarm_distance_too():
+    tested = detector()
+    result = tested.check([[0, CLEAR], [0, TOUCHING], [0, CLEAR + 1]], alarm_distance=0.01, min_distance=True)
+    nearest = result.nearest
+    np.testing.assert_array_equal(nearest["row"], [0, 1, 2])
+    np.testing.assert_array_equal(nearest["distance"], result.min_distance)
+    np.testing.assert_allclose(nearest["second_point"][:, 0] - nearest["first_point"][:, 0], result.min_distance, atol=1e-12)
+    assert {tuple(result.models[list(pair)]) for pair in zip(nearest["first"], nearest["second"])} == {("base", "tip")}
+    assert len(tested.check([0, TOUCHING], min_distance=True, verdict_only=True).nearest) == 0
 
 
 def test_shapes_are_as_large_as_their_arguments_say():
@@ -122,7 +136,7 @@ def test_one_state_is_answered_by_numbers_and_a_batch_of_one_by_arrays():
     assert (one.verdict, one.in_collision) == (cp.Verdict.COLLISION, True)
     assert one.min_distance == pytest.approx(TOUCHING - 0.15, abs=1e-14)
     assert batch.verdict.shape == batch.in_collision.shape == batch.min_distance.shape == (1,)
-    assert one.pairs == batch.pairs
+    assert one.pairs == batch.pairs and one.nearest == batch.nearest
 
 
 def test_a_batch_is_answered_as_its_states_one_by_one_on_any_number_of_threads():
@@ -139,6 +153,10 @@ def test_a_batch_is_answered_as_its_states_one_by_one_on_any_number_of_threads()
         for name in batch.pairs.dtype.names:
             if name != "row":
                 np.testing.assert_array_equal(batch.pairs[name], np.concatenate([one.pairs[name] for one in single]))
+        near = np.flatnonzero(~batch.min_distance_is_bound)
+        np.testing.assert_array_equal(batch.nearest["row"], near)
+        for name in batch.nearest.dtype.names[1:]:
+            np.testing.assert_array_equal(batch.nearest[name], [single[i].nearest[name][0] for i in near])
     assert batch.in_collision.any() and not batch.in_collision.all()
 
 

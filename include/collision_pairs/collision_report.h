@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -82,6 +83,11 @@ struct CollisionReport {
   /// be smaller than the true value by up to that amount.
   double min_distance = 0.0;
   bool min_distance_is_bound = true;
+  /// The two elements that have min_distance, which is minus its depth to the last bit. Empty if
+  /// min_distance is a bound, and with verdict_only. Of pairs equally near: the first in the order
+  /// of `contacts`, or beyond the alarm distance the first measured; the same for the same scene,
+  /// poses and settings.
+  std::optional<Contact> nearest;
   /// CollisionScene::unchecked(), or that selection or predicate leave no pair: if not empty, the
   /// verdict is FREE only where the scene's settings allow that, otherwise UNKNOWN; without pairs
   /// min_distance is then 0, a bound.
@@ -117,12 +123,12 @@ struct CollisionReport {
 
   /// The contact of a pair that determines its distance; null if it has none (verdict_only).
   const Contact* nearestContact(const PairReport& pair) const {
-    const Contact* nearest = nullptr;
+    const Contact* deepest = nullptr;
     for (std::uint32_t i = 0; i < pair.nb_contacts; ++i) {
       const Contact& contact = contacts[pair.first_contact + i];
-      if (nearest == nullptr || contact.depth > nearest->depth) nearest = &contact;
+      if (deepest == nullptr || contact.depth > deepest->depth) deepest = &contact;
     }
-    return nearest;
+    return deepest;
   }
 };
 

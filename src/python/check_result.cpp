@@ -25,6 +25,15 @@ DistanceWorth worthOf(Certainty certainty) {
   }
 }
 
+template <class Row>
+void setContact(const Contact& contact, const CollisionScene& scene, Row& row) {
+  Eigen::Map<Eigen::Vector3d>(row.first_point.data()) = contact.p_WFirst;
+  Eigen::Map<Eigen::Vector3d>(row.second_point.data()) = contact.p_WSecond;
+  Eigen::Map<Eigen::Vector3d>(row.normal.data()) = contact.nhat_W;
+  row.first_element = scene.indexInModel(contact.elements.first);
+  row.second_element = scene.indexInModel(contact.elements.second);
+}
+
 PairRow rowOf(std::size_t i, const PairReport& pair, const CollisionReport& report,
               const CollisionScene& scene) {
   PairRow row;
@@ -37,16 +46,22 @@ PairRow rowOf(std::size_t i, const PairReport& pair, const CollisionReport& repo
   row.distance = pair.distance;
   row.first_element = row.second_element = 0;
   if (const Contact* nearest = report.nearestContact(pair)) {
-    Eigen::Map<Eigen::Vector3d>(row.first_point.data()) = nearest->p_WFirst;
-    Eigen::Map<Eigen::Vector3d>(row.second_point.data()) = nearest->p_WSecond;
-    Eigen::Map<Eigen::Vector3d>(row.normal.data()) = nearest->nhat_W;
-    row.first_element = scene.indexInModel(nearest->elements.first);
-    row.second_element = scene.indexInModel(nearest->elements.second);
+    setContact(*nearest, scene, row);
   } else {
     for (auto* point : {&row.first_point, &row.second_point, &row.normal}) {
       point->fill(std::numeric_limits<double>::quiet_NaN());
     }
   }
+  return row;
+}
+
+NearestRow rowOf(std::size_t i, const Contact& nearest, const CollisionScene& scene) {
+  NearestRow row;
+  row.row = static_cast<std::int64_t>(i);
+  row.first = scene.elements()[nearest.elements.first].model;
+  row.second = scene.elements()[nearest.elements.second].model;
+  row.distance = -nearest.depth;
+  setContact(nearest, scene, row);
   return row;
 }
 
@@ -131,9 +146,11 @@ ResultCollector::Part& ResultCollector::partOfThisThread() {
 void ResultCollector::take(std::size_t i, const CollisionReport& report,
                            const std::vector<Eigen::Isometry3d>& X_WB) {
   result_.takeVerdict(i, report);
-  if (report.pairs.empty() && report.left_out.empty()) return;
+  if (report.pairs.empty() && !report.nearest && report.left_out.empty()) return;
   Part& part = partOfThisThread();
-  places_[i] = {&part, static_cast<std::uint32_t>(report.pairs.size()), part.pairs.size()};
+  places_[i] = {&part, static_cast<std::uint32_t>(report.pairs.size()), report.nearest.has_value(),
+                part.pairs.size(), part.nearest.size()};
+  if (report.nearest) part.nearest.push_back(rowOf(i, *report.nearest, scene_));
   for (const PairReport& pair : report.pairs) {
     part.pairs.push_back(rowOf(i, pair, report, scene_));
     if (joints_ == nullptr) continue;
@@ -147,9 +164,10 @@ void ResultCollector::take(std::size_t i, const CollisionReport& report,
 }
 
 void ResultCollector::finish() {
-  std::size_t nb_pairs = 0;
+  std::size_t nb_pairs = 0, nb_nearest = 0;
   for (const auto& part : parts_) {
     nb_pairs += part->pairs.size();
+    nb_nearest += part->nearest.size();
     result_.left_out.insert(result_.left_out.end(), part->left_out.begin(), part->left_out.end());
   }
   std::sort(result_.left_out.begin(), result_.left_out.end(), [](const auto& a, const auto& b) {
@@ -157,8 +175,10 @@ void ResultCollector::finish() {
   });
   const std::size_t width = joints_ == nullptr ? 0 : joints_->size();
   result_.pairs.reserve(nb_pairs);
+  result_.nearest.reserve(nb_nearest);
   result_.gradient.reserve(nb_pairs * width);
   for (const Place& place : places_) {
+    if (place.nb_nearest > 0) result_.nearest.push_back(place.part->nearest[place.nearest]);
     if (place.nb_pairs == 0) continue;
     const auto pairs = place.part->pairs.data() + place.first_pair;
     result_.pairs.insert(result_.pairs.end(), pairs, pairs + place.nb_pairs);
@@ -170,6 +190,8 @@ void ResultCollector::finish() {
 void bindCheckResult(py::module& module) {
   PYBIND11_NUMPY_DTYPE(PairRow, row, first, second, state, certainty, fidelity, distance,
                        first_point, second_point, normal, first_element, second_element);
+  PYBIND11_NUMPY_DTYPE(NearestRow, row, first, second, distance, first_point, second_point, normal,
+                       first_element, second_element);
   PYBIND11_NUMPY_DTYPE(LeftOutRow, row, model);
   py::class_<CheckResult>(module, "CheckResult",
                           "Result of Detector.check for n states. If one state was given as "
@@ -198,6 +220,13 @@ void bindCheckResult(py::module& module) {
           "signed; certainty: Certainty; fidelity: Fidelity; first_point, second_point, normal: "
           "(3,), m, in the root link's frame, for the nearest two elements; first_element, "
           "second_element: index of the <collision> (or shape) within its link.")
+      .def_property_readonly(
+          "nearest",
+          [](const py::object& self) {
+            return viewOf<NearestRow>(self.cast<const CheckResult&>().nearest, self);
+          },
+          "Structured (k,): what has min_distance, of each state in which it is not a bound; none "
+          "with verdict_only. Fields as in pairs; distance is min_distance.")
       .def_property_readonly(
           "left_out",
           [](const py::object& self) {

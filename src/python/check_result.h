@@ -33,6 +33,15 @@ struct PairRow {
   std::uint32_t first_element, second_element;              ///< index within its model
 };
 
+/// What has a state's smallest distance.
+struct NearestRow {
+  std::int64_t row;
+  std::uint32_t first, second;
+  double distance;
+  std::array<double, 3> first_point, second_point, normal;
+  std::uint32_t first_element, second_element;
+};
+
 /// A model without a usable pose in a state.
 struct LeftOutRow {
   std::int64_t row;
@@ -45,6 +54,7 @@ struct CheckResult {
   std::vector<std::uint8_t> verdict, in_collision, min_distance_is_bound;  ///< one a state
   std::vector<double> min_distance;
   std::vector<PairRow> pairs;        ///< by state, then by model
+  std::vector<NearestRow> nearest;   ///< by state
   std::vector<LeftOutRow> left_out;  ///< by state, then by model
   bool has_gradient = false;
   std::vector<double> gradient;  ///< nb_joints numbers a pair
@@ -74,14 +84,15 @@ class ResultCollector {
   struct Part {
     std::vector<PairRow> pairs;
     std::vector<double> gradient;
+    std::vector<NearestRow> nearest;
     std::vector<LeftOutRow> left_out;
     std::optional<DistanceGradient> differentiate;
   };
-  /// Where a state's pairs are.
+  /// Where a state's rows are.
   struct Place {
     const Part* part = nullptr;
-    std::uint32_t nb_pairs = 0;
-    std::size_t first_pair = 0;
+    std::uint32_t nb_pairs = 0, nb_nearest = 0;
+    std::size_t first_pair = 0, nearest = 0;
   };
 
   Part& partOfThisThread();

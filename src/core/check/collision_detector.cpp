@@ -141,6 +141,7 @@ void CollisionDetector::beginPairs() {
   report_.budget_spent = false;
   report_.min_distance = settings_.alarm_distance;
   report_.min_distance_is_bound = true;
+  report_.nearest.reset();
   if (settings_.fidelity == Fidelity::SPHERES && !std::exchange(has_spheres_, true)) {
     // Links with spheres only by ~link_fidelity get theirs when a pair first needs them.
     makeSpheres(scene_->elements());
@@ -344,11 +345,15 @@ bool CollisionDetector::measureCloudsBeyond(const Deadline& deadline, SmallestDi
       const double reach = std::clamp(best.metres, 0.0, MAX_REACH);
       if (!voxel_search_->isWithin(candidate, voxels, reach) || isIgnored(candidate)) return;
     }
-    const auto found = voxel_search_->nearest(ladder_->byModel(candidate), voxels,
-                                              settings_.fidelity, best.metres, deadline);
+    const BoxPair pair = ladder_->byModel(candidate);
+    const auto found =
+        voxel_search_->nearest(pair, voxels, settings_.fidelity, best.metres, deadline);
     const PairDistance& distance = found.answer.found;
     in_time = distance.certainty != Certainty::UNFINISHED;
-    if (distance.certainty != Certainty::BEYOND) best.offer(distance.distance, distance.certainty);
+    if (distance.certainty == Certainty::BEYOND) return;
+    if (best.offer(distance.distance, distance.certainty)) {
+      report_.nearest = contactOf(pair, distance, found.voxel);
+    }
   });
   return in_time;
 }

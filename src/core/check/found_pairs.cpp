@@ -56,7 +56,7 @@ void FoundPairs::add(const CollisionScene& scene, const BoxPair& pair, const Pai
   entry.first_contact = 0;
   entry.nb_contacts = 1;
   pairs_.push_back(entry);
-  contacts_.push_back({found.p_ACa, found.p_ACb, found.nhat_AB_A, -found.distance, pair, voxel});
+  contacts_.push_back(contactOf(pair, found, voxel));
 }
 
 SmallestDistance FoundPairs::smallestDistance() const {
@@ -108,6 +108,14 @@ void FoundPairs::assemble(const CollisionScene& scene, bool has_pairs, bool with
   if (!has_pairs && !scene.mayBeFree(report.unchecked)) smallest = {0.0, true};
   report.min_distance = smallest.metres;
   report.min_distance_is_bound = smallest.is_bound;
+  if (smallest.is_bound || !with_contacts) {
+    report.nearest.reset();
+  } else if (!report.nearest) {
+    const auto pair = std::find_if(pairs.begin(), pairs.end(), [&](const PairReport& found) {
+      return found.distance == smallest.metres;
+    });
+    report.nearest = *report.nearestContact(*pair);
+  }
 }
 
 }  // namespace collision_pairs

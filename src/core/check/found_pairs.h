@@ -15,13 +15,21 @@ struct SmallestDistance {
   double metres = std::numeric_limits<double>::infinity();
   bool is_bound = true;  ///< a lower bound; no known pair has this distance
 
-  void offer(double distance, Certainty certainty) {
+  /// True if it is smaller than all before, or as small, and the first that is not a bound.
+  bool offer(double distance, Certainty certainty) {
     const bool bound = certainty == Certainty::UNFINISHED || certainty == Certainty::DEGRADED;
-    if (distance > metres || (distance == metres && bound)) return;
+    if (distance > metres || (distance == metres && (bound || !is_bound))) return false;
     metres = distance;
     is_bound = bound;
+    return true;
   }
 };
+
+/// `pair`: elements, by model. Points and normal of `found` in W.
+inline Contact contactOf(const BoxPair& pair, const PairDistance& found,
+                         const Eigen::Vector3i& voxel = Eigen::Vector3i::Zero()) {
+  return {found.p_ACa, found.p_ACb, found.nhat_AB_A, -found.distance, pair, voxel};
+}
 
 /// Collects the results of a check, in any order, and writes them to the report, sorted.
 class FoundPairs {
@@ -36,8 +44,8 @@ class FoundPairs {
   bool hasContact() const;
 
   /// Fills in pairs, contacts (if wanted) and the verdict, and lowers min_distance to the smallest
-  /// found. left_out and unchecked must be set before. `has_pairs`: there was a pair to check.
-  /// O(n log n).
+  /// found; sets `nearest`, if it is not set, to what has that distance. left_out and unchecked must
+  /// be set before. `has_pairs`: there was a pair to check. O(n log n).
   void assemble(const CollisionScene& scene, bool has_pairs, bool with_contacts,
                 CollisionReport& report);
 

@@ -28,7 +28,7 @@ void CollisionDetector::searchMinimum(const Deadline& deadline) {
       moving.valid() ? sizeOf(enclosing(moving, scene_->staticBoxes().bounds())) : 0.0;
   // A floor, or a distant box, must not make the first reach include everything.
   const double first_reach = std::min(extent / 64.0, sizeOf(moving));
-  double known = settings_.alarm_distance;  // all pairs nearer than this are known
+  double known = settings_.alarm_distance;  // all pairs nearer are known; clouds come last
   double measured = -1.0;  // pairs whose boxes are no further apart than this are done
   bool in_time = true;
   for (double reach = std::max({2.0 * known, first_reach, 1e-300});
@@ -42,6 +42,7 @@ void CollisionDetector::searchMinimum(const Deadline& deadline) {
     known = measured = reach;
   }
   if (in_time) in_time = measureCloudsBeyond(deadline, best);
+  if (!in_time && !scene_->clouds().empty()) known = settings_.alarm_distance;
   report_.budget_spent |= !in_time;
   if (!in_time && known < best.metres) best = {known, true};
   report_.min_distance = best.metres;
@@ -58,20 +59,21 @@ bool CollisionDetector::measureNearestFirst(const std::vector<BoxPair>& pairs, d
     if (measured < 0.0 || gap > measured * measured) by_gap_.emplace_back(gap, pair);
   }
   std::sort(by_gap_.begin(), by_gap_.end());
-  for (const auto& [squared_gap, pair] : by_gap_) {
+  for (const auto& [squared_gap, candidate] : by_gap_) {
     const double squared_best = std::max(best.metres, 0.0) * best.metres;
     if (squared_gap > squared_best) break;
     if (deadline.spent()) {
       known = std::max(known, std::sqrt(squared_gap));
       return false;
     }
-    if (!boxes_->inReach(pair, squared_best)) continue;  // by their tight boxes
-    if (isIgnored(pair)) continue;
+    if (!boxes_->inReach(candidate, squared_best)) continue;  // by their tight boxes
+    if (isIgnored(candidate)) continue;
+    const BoxPair pair = ladder_->byModel(candidate);
     PairDistance found =
-        ladder_->climb(ladder_->byModel(pair), settings_.fidelity, best.metres, settings_.tolerance)
-            .found;
+        ladder_->climb(pair, settings_.fidelity, best.metres, settings_.tolerance).found;
     endAtBoxes(pair, found);
-    if (found.certainty != Certainty::BEYOND) best.offer(found.distance, found.certainty);
+    if (found.certainty == Certainty::BEYOND) continue;
+    if (best.offer(found.distance, found.certainty)) report_.nearest = contactOf(pair, found);
   }
   return true;
 }

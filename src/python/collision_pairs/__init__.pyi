@@ -159,6 +159,12 @@ class CheckResult:
         second_element (uint32): index of the <collision> (or shape) within its link.
         """
     @property
+    def nearest(self) -> NDArray[np.void]:
+        """(k,), structured: what has min_distance, of each state in which it is not a bound; none with verdict_only.
+
+        row, first, second, distance, first_point, second_point, normal, first_element, second_element: as in pairs.
+        """
+    @property
     def left_out(self) -> NDArray[np.void]:
         """(l,), structured: row (int64), model (uint32): without a finite pose or size; its state is not FREE."""
     @property
