@@ -10,7 +10,8 @@
 
 namespace collision_pairs {
 
-/// Meshes by name: "l", "ball" (bumpy), "slab" (convex), "pair" (two bodies apart).
+/// Meshes by name: "l", "ball" (bumpy), "slab" (convex), "pair" (two bodies apart), "fork" (a block
+/// with two thin rods).
 inline std::shared_ptr<const TriangleMesh> testMesh(const std::string& uri,
                                                     const Eigen::Vector3d&) {
   TriangleMesh mesh;
@@ -19,6 +20,11 @@ inline std::shared_ptr<const TriangleMesh> testMesh(const std::string& uri,
   if (uri == "ball") mesh = bumpyBall(12, 0.15);
   if (uri == "pair")
     mesh = joined(boxMesh({0.05, 0.05, 0.05}), movedBy(bumpyBall(8, 0.08), {0.3, 0, 0}));
+  if (uri == "fork") {
+    const TriangleMesh rod = boxMesh({0.004, 0.004, 0.4});
+    mesh = joined(boxMesh({0.06, 0.06, 0.06}),
+                  joined(movedBy(rod, {0.02, 0, 0.1}), movedBy(rod, {-0.02, 0, -0.15})));
+  }
   if (mesh.triangles.empty()) throw std::logic_error("a test names no mesh \"" + uri + '"');
   return std::make_shared<const TriangleMesh>(mesh);
 }

@@ -14,15 +14,16 @@ using Eigen::Isometry3d;
 using Eigen::Vector3d;
 
 /// Two joints between `a` and `c`, which meet in a good part of their states; `b` has no geometry.
+/// `apart`: metres by which they are further apart.
 std::shared_ptr<const RobotModel> armWith(const std::string& first, const std::string& second,
-                                          const std::string& types) {
+                                          const std::string& types, double apart = 0.0) {
   const std::string limits = "<limit lower='-1.2' upper='1.6'/>";
   const auto typeOf = [](char t) {
     return t == 's' ? "prismatic" : t == 'c' ? "continuous" : "revolute";
   };
   return RobotModel::fromUrdf(
       "<robot name='arm'>" + linkWith("a", first) + emptyLink("b") + linkWith("c", second) +
-          joint("one", typeOf(types[0]), "a", "b", "0.03 0.13 0.07",
+          joint("one", typeOf(types[0]), "a", "b", "0.03 " + std::to_string(0.13 + apart) + " 0.07",
                 "<axis xyz='0.6 0 0.8'/>" + limits) +
           joint("two", typeOf(types[1]), "b", "c", "0.06 0 0.1", "<axis xyz='0 1 0'/>" + limits) +
           "</robot>",
@@ -75,6 +76,43 @@ TEST(PairTable, TellsWhatTheExactCheckSaysWhereverItTellsAnything) {
   }
   EXPECT_GT(nb[static_cast<int>(PairTable::Cell::FREE)], 10000);
   EXPECT_GT(nb[static_cast<int>(PairTable::Cell::CONTACT)], 10000);
+}
+
+// Inner spheres show only contacts that are deep within both; corners in the other mesh show more.
+TEST(PairTable, DecidesMostContactsOfMeshesAndAllRightly) {
+  RandomInputs random;
+  int nb_contacts = 0, nb_open_contacts = 0;
+  for (int arm = 0; arm < 24; ++arm) {
+    const double apart = 0.04 + 0.008 * arm;
+    const std::string others[] = {"l", "ball", "fork"};
+    const std::string& other = others[arm % 3];
+    const auto robot =
+        armWith("<mesh filename='l'/>", "<mesh filename='" + other + "'/>", "rr", apart);
+    const auto scene = everyPair(robot, 0.0);
+    const BatchModel model(*scene);
+    PairTable table(*scene, model, {0, 1});
+    NarrowPhase narrow_phase, exact;
+    for (int i = 0; i < 220000; ++i) {
+      const std::vector<double> q = {random.uniform(-1.2, 1.6), random.uniform(-1.2, 1.6)};
+      const auto cell = table.at(q[static_cast<std::size_t>(table.joint(0))],
+                                 q[static_cast<std::size_t>(table.joint(1))], narrow_phase);
+      if (i < 200000) continue;  // it learns
+      std::vector<Isometry3d> X_RB;
+      robot->forwardKinematics(q, X_RB);
+      const auto poseOf = [&](std::uint32_t e) -> Isometry3d {
+        return X_RB[scene->bodies()[scene->elements()[e].body].body] * scene->elements()[e].X_BE;
+      };
+      const bool touches = exact.touches(*scene->elements()[0].rung(Fidelity::MESH).shape,
+                                         *scene->elements()[1].rung(Fidelity::MESH).shape,
+                                         poseOf(0).inverse() * poseOf(1));
+      nb_contacts += touches && other != "fork";  // the rods are thinner than the motion in a cell
+      nb_open_contacts += touches && other != "fork" && cell == PairTable::Cell::OPEN;
+      if (cell == PairTable::Cell::OPEN) continue;
+      ASSERT_EQ(cell == PairTable::Cell::CONTACT, touches) << apart << ": " << q[0] << ' ' << q[1];
+    }
+  }
+  EXPECT_GT(nb_contacts, 1000);
+  EXPECT_LT(nb_open_contacts, nb_contacts / 2) << nb_contacts;
 }
 
 TEST(PairTable, IsForPairsThatOneOrTwoJointsDecide) {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "solids.h"
+
 namespace collision_pairs {
 namespace {
 
@@ -101,7 +103,8 @@ void PairTable::fill(const Block& block, std::uint8_t code) {
 // its axis there. The two motions add up: with the joint nearer to the points first, the other turns
 // what the first has added, but does not stretch it. The distance of two elements changes by at most
 // the motion of either relative to the other, and two spheres that overlap by more than that still
-// overlap. (Schwarzer, Saha, Latombe 2005.)
+// overlap, as do two convex bodies of such a depth: along any direction one can move out of the
+// other by no more than it moves. (Schwarzer, Saha, Latombe 2005.)
 PairTable::Cell PairTable::certified(const Block& block, NarrowPhase& narrow_phase) {
   double half[2] = {0.0, 0.0};
   const int index[2] = {block.x, block.y};
@@ -132,9 +135,13 @@ PairTable::Cell PairTable::certified(const Block& block, NarrowPhase& narrow_pha
       if (gap + moves < padding) return Cell::CONTACT;
     }
   }
-  const PairDistance found = narrow_phase.distance(
-      *a.rung(Fidelity::MESH).shape, *b.rung(Fidelity::MESH).shape, X_AC, moves + padding);
-  return found.certainty == Certainty::BEYOND ? Cell::FREE : Cell::OPEN;
+  const PreparedShape &A = *a.rung(Fidelity::MESH).shape, &C = *b.rung(Fidelity::MESH).shape;
+  const PairDistance found = narrow_phase.distance(A, C, X_AC, moves + padding);
+  if (found.certainty == Certainty::BEYOND) return Cell::FREE;
+  const bool stays = (found.certainty == Certainty::EXACT && found.distance + moves < padding) ||
+                     meshHoldsVertexDeep(A, C, X_AC, moves) ||
+                     meshHoldsVertexDeep(C, A, X_AC.inverse(), moves);
+  return stays ? Cell::CONTACT : Cell::OPEN;
 }
 
 /// Largest motion of a point of the element, in metres per radian or metre of the joint.

@@ -47,6 +47,12 @@ bool meshHoldsPoint(const Prepared& A, const Eigen::Vector3d& p_AQ);
 /// True if a part of the mesh B, or all of it, is inside the mesh A.
 bool meshHoldsMesh(const Prepared& A, const Prepared& B, const Eigen::Isometry3d& X_AB);
 
+/// True if a vertex of the mesh B was found in one of the solid parts of the mesh A, with more than
+/// `depth` metres to its surface: then the two stay in contact if no point moves further than that.
+/// Looks at up to 4,000 vertices and tries the 24 deepest in the box of A. Cost: 10 to 100 us.
+bool meshHoldsVertexDeep(const PreparedShape& A, const PreparedShape& B,
+                         const Eigen::Isometry3d& X_AB, double depth);
+
 /// True if the convex B is inside the mesh A.
 bool meshHoldsConvex(const Prepared& A, const Prepared& B, const Eigen::Isometry3d& X_AB);
 
