@@ -37,12 +37,19 @@ inline std::vector<BoxPair> pairsByBruteForce(const BroadPhaseScene& scene) {
   return pairs;
 }
 
-/// One cycle; the static boxes must be valid.
-inline std::vector<BoxPair> pairsBySweep(const BroadPhaseScene& scene, SweepAndPrune* sweep) {
+/// One cycle; the static boxes must be valid. `is_told`: the sweep gets the allowed pairs, too, of
+/// the scene's filter, which must not be null.
+inline std::vector<BoxPair> pairsBySweep(const BroadPhaseScene& scene, SweepAndPrune* sweep,
+                                         bool is_told = false) {
   const auto nb_static = static_cast<std::ptrdiff_t>(scene.nb_static);
   const StaticBoxes fixed({scene.boxes.begin(), scene.boxes.begin() + nb_static},
                           {scene.models.begin(), scene.models.begin() + nb_static});
-  sweep->begin(scene.alarm_distance, &fixed, scene.filter);
+  AllowedBoxPairs allowed;
+  if (is_told) {
+    allowed =
+        AllowedBoxPairs({scene.models.begin() + nb_static, scene.models.end()}, *scene.filter);
+  }
+  sweep->begin(scene.alarm_distance, &fixed, scene.filter, is_told ? &allowed : nullptr);
   for (std::size_t i = scene.nb_static; i < scene.boxes.size(); ++i) {
     sweep->add(scene.boxes[i], scene.models[i]);
   }

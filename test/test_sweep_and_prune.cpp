@@ -20,13 +20,19 @@ constexpr double LARGEST = std::numeric_limits<double>::max();
 
 void expectWhatBruteForceFinds(const BroadPhaseScene& scene, const std::string& what) {
   const std::vector<BoxPair> expected = pairsByBruteForce(scene);
+  const PairFilter all = PairFilter::allowAll(scene.boxes.size());
+  BroadPhaseScene filtered = scene;
+  if (!scene.filter) filtered.filter = &all;
   for (const SweepTuning& tuning : allPaths()) {
     SweepAndPrune sweep(tuning);
-    const std::vector<BoxPair> found = pairsBySweep(scene, &sweep);
-    ASSERT_EQ(found.size(), expected.size())
-        << what << ", packed " << !tuning.packed_up_to.has_value() << ", columns of "
-        << tuning.column_size << ", threads " << tuning.threads;
-    ASSERT_TRUE(found == expected) << what;
+    for (const bool is_told : {false, true}) {
+      const std::vector<BoxPair> found =
+          is_told ? pairsBySweep(filtered, &sweep, true) : pairsBySweep(scene, &sweep);
+      ASSERT_EQ(found.size(), expected.size())
+          << what << ", packed " << !tuning.packed_up_to.has_value() << ", columns of "
+          << tuning.column_size << ", threads " << tuning.threads << ", told " << is_told;
+      ASSERT_TRUE(found == expected) << what;
+    }
   }
 }
 
@@ -306,6 +312,19 @@ TEST(SweepAndPrune, AnAlarmDistanceThatIsNoDistanceIsRefused) {
   EXPECT_THROW(sweep.begin(-0.1), std::invalid_argument);
   EXPECT_THROW(sweep.begin(INF), std::invalid_argument);
   EXPECT_THROW(sweep.begin(std::numeric_limits<double>::quiet_NaN()), std::invalid_argument);
+}
+
+TEST(SweepAndPrune, AllowedPairsOfAnotherNumberOfBoxesAreRefused) {
+  const PairFilter filter = PairFilter::allowAll(3);
+  const AllowedBoxPairs of_two({0, 1}, filter);
+  SweepAndPrune sweep;
+  for (const int nb_boxes : {0, 1, 3}) {
+    sweep.begin(0.0, nullptr, &filter, &of_two);
+    for (int i = 0; i < nb_boxes; ++i) {
+      sweep.add({Vector3d::Zero(), Vector3d::Ones()}, static_cast<std::uint32_t>(i));
+    }
+    EXPECT_THROW(sweep.end(), std::invalid_argument) << nb_boxes;
+  }
 }
 
 TEST(StaticBoxes, TheFirstUnsoundBoxIsNamed) {

@@ -33,16 +33,19 @@ Record randomRecord(RandomInputs* random, std::uint32_t id) {
   return record;
 }
 
+IdPairs pairsOf(const Candidates& found) {
+  IdPairs pairs;
+  for (std::size_t i = 0; i < found.count; ++i) pairs.push_back({found.first[i], found.second[i]});
+  return pairs;
+}
+
 IdPairs sweepBy(const SweepKernel& kernel, const PackedBoxes& boxes, std::uint32_t count,
                 std::uint32_t unsure) {
   const std::vector<std::uint32_t> row_end(count, count);
   CandidateStorage storage;
   Candidates* found = storage.clear();
   kernel.sweep(boxes, row_end.data(), count, unsure, found);
-  IdPairs pairs;
-  for (std::size_t i = 0; i < found->count; ++i)
-    pairs.push_back({found->first[i], found->second[i]});
-  return pairs;
+  return pairsOf(*found);
 }
 
 // Tests of equal answers rely on it.
@@ -91,6 +94,45 @@ TEST(SweepKernel, EachInstructionSetFindsWhatTheDefinitionSays) {
   }
 }
 
+TEST(SweepKernel, EachInstructionSetFindsAmongTheAllowedPairsWhatTheDefinitionSays) {
+  RandomInputs random;
+  for (int round = 0; round < 100; ++round) {
+    const auto count = static_cast<std::uint32_t>(random.integer(1, 150));
+    std::vector<Aabb> boxes;
+    std::vector<std::uint64_t> allowed;
+    const std::uint32_t words = (count + 63) / 64;
+    for (std::uint32_t i = 0; i < count; ++i) {
+      const Eigen::Vector3d corner = random.vector(-8.0, 8.0).array().round();
+      boxes.push_back({corner, corner + Eigen::Vector3d(random.integer(0, 3), random.integer(0, 3),
+                                                        random.integer(0, 3))});
+      if (random.integer(0, 30) == 0) boxes.back().max.x() = 1e300;
+      for (std::uint32_t word = 0; word < words; ++word) {
+        std::uint64_t bits = 0;
+        for (std::uint32_t j = 64 * word; j < std::min(count, 64 * word + 64); ++j) {
+          bits |= std::uint64_t{j > i && random.integer(0, 1) == 0} << j % 64;
+        }
+        allowed.push_back(random.integer(0, 3) == 0 ? 0 : bits);
+      }
+    }
+    IdPairs expected;
+    for (std::uint32_t i = 0; i < count; ++i) {
+      for (std::uint32_t j = i + 1; j < count; ++j) {
+        const bool is_allowed = (allowed[i * words + j / 64] >> j % 64 & 1) != 0;
+        if (is_allowed && squaredGap(boxes[i], boxes[j]) == 0.0) expected.push_back({i, j});
+      }
+    }
+    const NarrowMap map = makeNarrowMap(Eigen::Vector3d(1.0, 2.0, 3.0), 0.0);
+    for (const SweepKernel* kernel : sweepKernels()) {
+      PackedStorage packed;
+      packed.pack(*kernel, map, boxes);
+      CandidateStorage storage;
+      Candidates* found = storage.clear();
+      kernel->sweepAllowed(packed.view(), allowed.data(), words, count, found);
+      EXPECT_EQ(pairsOf(*found), expected) << kernel->name;
+    }
+  }
+}
+
 /// Boxes with corners at whole numbers, so that sides often coincide, and every hundredth without
 /// end on one side.
 struct WholeBoxes {
@@ -120,9 +162,7 @@ IdPairs queryBy(const SweepKernel& kernel, const StaticTree& tree,
   CandidateStorage storage;
   Candidates* found = storage.clear();
   kernel.query(tree.view(), packed.view(), static_cast<std::uint32_t>(asked.size()), 0, found);
-  IdPairs pairs;
-  for (std::size_t i = 0; i < found->count; ++i)
-    pairs.push_back({found->first[i], found->second[i]});
+  IdPairs pairs = pairsOf(*found);
   std::sort(pairs.begin(), pairs.end());
   return pairs;
 }

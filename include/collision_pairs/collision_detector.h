@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -141,6 +142,7 @@ class CollisionDetector {
 
   std::shared_ptr<const CollisionScene> scene_;
   CheckSettings settings_;
+  std::optional<AllowedBoxPairs> allowed_;  // the scene's, unless it has many moving elements
   std::unique_ptr<ElementBoxes> boxes_;
   bool some_are_loose_ = false;  // boxes of this cycle
   bool has_spheres_ = false;     // those of SPHERES were made

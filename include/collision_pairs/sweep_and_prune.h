@@ -76,6 +76,21 @@ class StaticBoxes {
   std::shared_ptr<const StaticTree> tree_;
 };
 
+/// A bit for each pair of moving boxes that the filter allows, made once for boxes that come in the
+/// same order in each cycle. Cost: 2 ns a pair; n^2 / 8 bytes.
+class AllowedBoxPairs {
+ public:
+  AllowedBoxPairs() = default;
+  /// `models`: of the moving boxes, in the order of SweepAndPrune::add().
+  AllowedBoxPairs(const std::vector<std::uint32_t>& models, const PairFilter& filter);
+  std::size_t nbBoxes() const { return nb_boxes_; }
+
+ private:
+  friend class SweepAndPrune;
+  std::size_t nb_boxes_ = 0;
+  std::vector<std::uint64_t> bits_;  // of the later boxes, a row for each box
+};
+
 struct SweepTuning;
 
 /// Finds all pairs of boxes whose Euclidean gap is at most the alarm distance (closed: a gap of
@@ -119,10 +134,11 @@ class SweepAndPrune {
   SweepAndPrune& operator=(SweepAndPrune&&) noexcept;
 
   /// Starts a cycle. alarm_distance in metres, 0 to 1e150, otherwise throws std::invalid_argument.
-  /// Both pointers are borrowed until end() and may be null (no static boxes; every pair of two
-  /// models is allowed).
+  /// The pointers are borrowed until end() and may be null (no static boxes; every pair of two
+  /// models is allowed). `moving`: what the filter says of the boxes that will be added; up to 160
+  /// boxes then take half the time.
   void begin(double alarm_distance, const StaticBoxes* static_boxes = nullptr,
-             const PairFilter* filter = nullptr);
+             const PairFilter* filter = nullptr, const AllowedBoxPairs* moving = nullptr);
 
   /// Adds a moving box and returns its id; ids continue after those of the static boxes. A box that
   /// is not finite or is inverted is in no pair, and is listed in refused(). Models must be known
@@ -136,7 +152,8 @@ class SweepAndPrune {
   }
 
   /// Ends the cycle and returns all pairs, each once, sorted; valid until the next begin(). Throws
-  /// std::length_error for 2^29 or more moving boxes.
+  /// std::length_error for 2^29 or more moving boxes, and std::invalid_argument if `moving` was made
+  /// for another number of boxes.
   const std::vector<BoxPair>& end();
 
   /// Ids of this cycle's boxes that were not finite or inverted, ascending.

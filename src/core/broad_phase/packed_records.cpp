@@ -20,15 +20,33 @@ NarrowMap makeNarrowMap(const Eigen::Vector3d& origin, double growth) {
   return map;
 }
 
-// The kernel reads 16 bytes past a box, which is past the end of the array for the last one.
+namespace {
+
+/// The last box, so that a kernel can read 16 bytes past it.
+struct LastBox {
+  double sides[8] = {};
+  explicit LastBox(const std::vector<Aabb>& boxes) {
+    std::memcpy(sides, &boxes.back(), sizeof(Aabb));
+  }
+};
+
+}  // namespace
+
 void narrowBoxes(const SweepKernel& kernel, const NarrowMap& map, const std::vector<Aabb>& boxes,
                  const std::uint32_t* models, Record* out) {
   if (boxes.empty()) return;
   const auto last = static_cast<std::uint32_t>(boxes.size() - 1);
   kernel.narrow(map, boxes.data()->min.data(), models, 0, last, out);
-  double padded[8] = {};
-  std::memcpy(padded, &boxes[last], sizeof(Aabb));
-  kernel.narrow(map, padded, models + last, last, 1, out + last);
+  kernel.narrow(map, LastBox(boxes).sides, models + last, last, 1, out + last);
+}
+
+void PackedStorage::pack(const SweepKernel& kernel, const NarrowMap& map,
+                         const std::vector<Aabb>& boxes) {
+  resize(boxes.size());
+  if (boxes.empty()) return;
+  const auto last = static_cast<std::uint32_t>(boxes.size() - 1);
+  kernel.pack(map, boxes.data()->min.data(), last, stride_, floats_.data());
+  kernel.pack(map, LastBox(boxes).sides, 1, stride_, floats_.data() + last);
 }
 
 Eigen::Vector3d sceneOrigin(const std::vector<Aabb>& boxes) {

@@ -63,6 +63,8 @@ class PackedStorage {
     const std::size_t s = stride_;
     return {f, f + s, f + 2 * s, f + 3 * s, f + 4 * s, f + 5 * s, ints_.data(), ints_.data() + s};
   }
+  /// Packs boxes without tags and models.
+  void pack(const SweepKernel& kernel, const NarrowMap& map, const std::vector<Aabb>& boxes);
   PackedBoxes view() const {
     const float* f = floats_.data();
     const std::size_t s = stride_;

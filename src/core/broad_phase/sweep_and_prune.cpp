@@ -22,8 +22,11 @@ constexpr double MAX_ALARM = 1e150;
 struct SweepAndPrune::Engine {
   explicit Engine(const SweepTuning& chosen) : tuning(chosen) {}
 
-  void testDirectly(const std::vector<Aabb>& boxes, std::vector<BoxPair>* pairs) const;
+  void testDirectly(const std::vector<Aabb>& boxes, const std::uint64_t* allowed,
+                    std::vector<BoxPair>* pairs) const;
   void meetStatic(const std::vector<Aabb>& boxes, std::vector<BoxPair>* pairs);
+  void sweepAllowed(const std::vector<Aabb>& boxes, const std::vector<std::uint64_t>& allowed,
+                    std::vector<BoxPair>* pairs);
   void sweepPacked(const std::vector<Aabb>& boxes, std::vector<BoxPair>* pairs);
   void sweepColumns(const std::vector<Aabb>& boxes, const std::vector<std::uint32_t>& refused,
                     std::vector<BoxPair>* pairs);
@@ -36,6 +39,7 @@ struct SweepAndPrune::Engine {
   const SweepKernel* kernel = sweepKernels().front();
   double alarm_distance = 0.0;
   const StaticBoxes* fixed = nullptr;
+  const AllowedBoxPairs* moving = nullptr;
   PairTest test;
   // Without an alarm distance, strict overlap in float is proof; with one the Euclidean gap
   // decides, and each candidate is tested in double.
@@ -51,6 +55,19 @@ struct SweepAndPrune::Engine {
   std::vector<BoxPair> scratch;
 };
 
+AllowedBoxPairs::AllowedBoxPairs(const std::vector<std::uint32_t>& models,
+                                 const PairFilter& filter)
+    : nb_boxes_(models.size()) {
+  const std::size_t words = (nb_boxes_ + 63) / 64;
+  bits_.assign(nb_boxes_ * words, 0);
+  for (std::size_t i = 0; i < nb_boxes_; ++i) {
+    for (std::size_t j = i + 1; j < nb_boxes_; ++j) {
+      const std::uint64_t allowed = filter.allowed(models[i], models[j]);
+      bits_[i * words + j / 64] |= allowed << j % 64;
+    }
+  }
+}
+
 SweepAndPrune::SweepAndPrune() : SweepAndPrune(SweepTuning()) {}
 SweepAndPrune::SweepAndPrune(const SweepTuning& tuning)
     : engine_(std::make_unique<Engine>(tuning)) {}
@@ -59,7 +76,7 @@ SweepAndPrune::SweepAndPrune(SweepAndPrune&&) noexcept = default;
 SweepAndPrune& SweepAndPrune::operator=(SweepAndPrune&&) noexcept = default;
 
 void SweepAndPrune::begin(double alarm_distance, const StaticBoxes* static_boxes,
-                          const PairFilter* filter) {
+                          const PairFilter* filter, const AllowedBoxPairs* moving) {
   if (!(alarm_distance >= 0.0 && alarm_distance <= MAX_ALARM)) {
     throw std::invalid_argument("alarm distance " + std::to_string(alarm_distance) +
                                 " m: it must be 0 or more, and at most 1e150");
@@ -71,6 +88,7 @@ void SweepAndPrune::begin(double alarm_distance, const StaticBoxes* static_boxes
   refused_.clear();
   engine_->alarm_distance = alarm_distance;
   engine_->fixed = static_boxes;
+  engine_->moving = moving;
   engine_->test.filter = filter;
   engine_->axis = -1;
 }
@@ -92,8 +110,13 @@ const std::vector<BoxPair>& SweepAndPrune::end() {
   engine.unsure = engine.alarm_distance > 0.0 ? UNSURE : 0;
   pairs_.clear();
   const std::size_t nb_tests = boxes_.size() * (boxes_.size() / 2 + nb_static_);
+  if (engine.moving && engine.moving->nbBoxes() != boxes_.size()) {
+    throw std::invalid_argument("allowed pairs of " + std::to_string(engine.moving->nbBoxes()) +
+                                " moving boxes, but " + std::to_string(boxes_.size()) + " boxes");
+  }
   if (nb_tests <= engine.tuning.direct_up_to) {
-    engine.testDirectly(boxes_, &pairs_);
+    const bool in_one_word = engine.moving && boxes_.size() <= 64;
+    engine.testDirectly(boxes_, in_one_word ? engine.moving->bits_.data() : nullptr, &pairs_);
     return pairs_;
   }
 
@@ -103,7 +126,11 @@ const std::vector<BoxPair>& SweepAndPrune::end() {
   const std::size_t nb_ids = nb_static_ + boxes_.size();
   if (few) {
     if (nb_static_ > 0) sortPairs(&pairs_, nb_ids, &engine.scratch);
-    engine.sweepPacked(boxes_, &pairs_);
+    if (engine.moving) {
+      engine.sweepAllowed(boxes_, engine.moving->bits_, &pairs_);
+    } else {
+      engine.sweepPacked(boxes_, &pairs_);
+    }
   } else {
     engine.sweepColumns(boxes_, refused_, &pairs_);
     sortPairs(&pairs_, nb_ids, &engine.scratch);
@@ -120,6 +147,7 @@ int SweepAndPrune::axis() const {
 
 // Very few boxes: any preparation would take longer. The pairs are found in sorted order.
 void SweepAndPrune::Engine::testDirectly(const std::vector<Aabb>& boxes,
+                                         const std::uint64_t* allowed,
                                          std::vector<BoxPair>* pairs) const {
   const auto count = static_cast<std::uint32_t>(boxes.size());
   const auto meet = [&](const Aabb& box, std::uint32_t model, std::uint32_t id, std::uint32_t j) {
@@ -133,6 +161,15 @@ void SweepAndPrune::Engine::testDirectly(const std::vector<Aabb>& boxes,
     }
   }
   for (std::uint32_t i = 0; i < count; ++i) {
+    if (allowed) {
+      for (std::uint64_t bits = allowed[i]; bits != 0; bits &= bits - 1) {
+        const auto j = static_cast<std::uint32_t>(__builtin_ctzll(bits));
+        if (squaredGap(boxes[i], boxes[j]) <= test.squared_reach) {
+          pairs->push_back({test.nb_static + i, test.nb_static + j});
+        }
+      }
+      continue;
+    }
     for (std::uint32_t j = i + 1; j < count; ++j) {
       meet(boxes[i], test.models[i], test.nb_static + i, j);
     }
@@ -171,6 +208,25 @@ void SweepAndPrune::Engine::sweepPacked(const std::vector<Aabb>& boxes,
   Candidates* found = candidates.clear();
   kernel->sweep(packed.view(), row_end.data(), count, unsure, found);
   appendMovingPairs(*found, test, pairs);
+}
+
+// The same, of pairs known to be allowed. Those that overlap are so few that each is tested in
+// double.
+void SweepAndPrune::Engine::sweepAllowed(const std::vector<Aabb>& boxes,
+                                         const std::vector<std::uint64_t>& bits,
+                                         std::vector<BoxPair>* pairs) {
+  if (boxes.empty()) return;
+  const auto count = static_cast<std::uint32_t>(boxes.size());
+  const NarrowMap map = makeNarrowMap(sceneOrigin(boxes), 0.5 * axisReach(alarm_distance));
+  packed.pack(*kernel, map, boxes);
+  Candidates* found = candidates.clear();
+  kernel->sweepAllowed(packed.view(), bits.data(), static_cast<std::uint32_t>(bits.size()) / count,
+                       count, found);
+  for (std::size_t k = 0; k < found->count; ++k) {
+    const std::uint32_t a = found->first[k], b = found->second[k];
+    const bool near = squaredGap(boxes[a], boxes[b]) <= test.squared_reach;
+    if (near) pairs->push_back({test.nb_static + a, test.nb_static + b});
+  }
 }
 
 // Many boxes: convert them to records, split them into columns, sort and sweep each column.

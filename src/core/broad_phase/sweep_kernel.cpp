@@ -72,15 +72,8 @@ struct FourLanes {
   }
 };
 
-const SweepKernel SCALAR_KERNEL = {"scalar",
-                                   sweepRows<ScalarLanes>,
-                                   queryTree<ScalarLanes>,
-                                   narrowRows<ScalarLanes>,
-                                   spanRows<ScalarLanes>,
-                                   32};
-const SweepKernel FOUR_LANES_KERNEL = {"four lanes",         sweepRows<FourLanes>,
-                                       queryTree<FourLanes>, narrowRows<FourLanes>,
-                                       spanRows<FourLanes>,  110};
+const SweepKernel SCALAR_KERNEL = makeKernel<ScalarLanes>("scalar", 32);
+const SweepKernel FOUR_LANES_KERNEL = makeKernel<FourLanes>("four lanes", 110);
 
 }  // namespace
 

@@ -103,6 +103,11 @@ struct SweepKernel {
   void (*sweep)(PackedBoxes boxes, const std::uint32_t* row_end, std::uint32_t nb_rows,
                 std::uint32_t unsure, Candidates* out);
 
+  /// Tests box i against the later boxes whose bits are set in its row of `allowed`, of `words`
+  /// words; writes (i, j) of those that overlap, closed intervals. Tags and models are not used.
+  void (*sweepAllowed)(PackedBoxes boxes, const std::uint64_t* allowed, std::uint32_t words,
+                       std::uint32_t nb_boxes, Candidates* out);
+
   /// Tests each of the packed boxes against the tree and writes (id of the box, id in the tree).
   void (*query)(const TreeView& tree, PackedBoxes boxes, std::uint32_t nb_boxes,
                 std::uint32_t unsure, Candidates* out);
@@ -110,6 +115,10 @@ struct SweepKernel {
   /// Converts boxes of six doubles each to records. Reads 16 bytes past the last box.
   void (*narrow)(const NarrowMap& map, const double* boxes, const std::uint32_t* models,
                  std::uint32_t first_tag, std::uint32_t nb_boxes, Record* out);
+
+  /// The same to packed boxes: side k of box i, the upper ones negated, at sides[k * stride + i].
+  void (*pack)(const NarrowMap& map, const double* boxes, std::uint32_t nb_boxes,
+               std::size_t stride, float* sides);
 
   /// The cells of each record.
   void (*span)(const CellMap& map, const Record* records, std::size_t nb_records, CellSpan* out);

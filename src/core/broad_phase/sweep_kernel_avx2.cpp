@@ -65,8 +65,6 @@ struct Avx2Lanes {
 }  // namespace
 
 extern const SweepKernel AVX2_KERNEL;
-const SweepKernel AVX2_KERNEL = {
-    "avx2", sweepRows<Avx2Lanes>, queryTree<Avx2Lanes>, narrowRows<Avx2Lanes>, spanRows<Avx2Lanes>,
-    160};
+const SweepKernel AVX2_KERNEL = makeKernel<Avx2Lanes>("avx2", 160);
 
 }  // namespace collision_pairs

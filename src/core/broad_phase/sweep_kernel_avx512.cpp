@@ -44,11 +44,6 @@ struct Avx512Lanes {
 }  // namespace
 
 extern const SweepKernel AVX512_KERNEL;
-const SweepKernel AVX512_KERNEL = {"avx512",
-                                   sweepRows<Avx512Lanes>,
-                                   queryTree<Avx512Lanes>,
-                                   narrowRows<Avx512Lanes>,
-                                   spanRows<Avx512Lanes>,
-                                   160};
+const SweepKernel AVX512_KERNEL = makeKernel<Avx512Lanes>("avx512", 160);
 
 }  // namespace collision_pairs

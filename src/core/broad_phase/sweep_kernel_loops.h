@@ -91,6 +91,26 @@ void sweepRows(PackedBoxes boxes, const std::uint32_t* row_end, std::uint32_t nb
   }
 }
 
+template <class Lanes>
+void sweepAllowed(PackedBoxes boxes, const std::uint64_t* allowed, std::uint32_t words,
+                  std::uint32_t nb_boxes, Candidates* out) {
+  constexpr std::uint64_t ALL_LANES = (std::uint64_t{1} << Lanes::COUNT) - 1;
+  for (std::uint32_t i = 0; i + 1 < nb_boxes; ++i) {
+    if (out->capacity - out->count < nb_boxes) out->grow(out, nb_boxes);
+    const OneBox<Lanes> box(boxes, i);
+    const std::uint64_t* const row = allowed + std::size_t{i} * words;
+    for (std::uint32_t j = (i + 1) - (i + 1) % Lanes::COUNT; j < nb_boxes; j += Lanes::COUNT) {
+      std::uint64_t bits = row[j / 64] >> (j % 64) & ALL_LANES;
+      if (bits == 0) continue;
+      bits &= Lanes::bits(Lanes::notPositive(apart(box, boxes, j)));
+      for (; bits != 0; bits &= bits - 1) {  // few overlap
+        out->first[out->count] = i;
+        out->second[out->count++] = j + static_cast<std::uint32_t>(__builtin_ctzll(bits));
+      }
+    }
+  }
+}
+
 /// The 16 boxes of a node against one box, as bits.
 template <class Lanes>
 inline std::uint32_t meetNode(const OneBox<Lanes>& box, const PackedBoxes& level, std::size_t j) {
@@ -192,24 +212,51 @@ typedef double Doubles8 __attribute__((vector_size(64)));
 typedef float Floats8 __attribute__((vector_size(32)));
 typedef std::int32_t Ints8 __attribute__((vector_size(32)));
 
-template <class Lanes>
-void narrowRows(const NarrowMap& map, const double* boxes, const std::uint32_t* models,
-                std::uint32_t first_tag, std::uint32_t nb_boxes, Record* out) {
-  constexpr double MAX = 3.4028234663852886e38;  // the largest float
-  const Doubles8 most = {MAX, MAX, MAX, MAX, MAX, MAX, MAX, MAX};
+/// NarrowMap, ready for use.
+struct Narrowing {
   Doubles8 grow, origin;
-  __builtin_memcpy(&grow, map.grow, sizeof grow);
-  __builtin_memcpy(&origin, map.origin, sizeof origin);
-  for (std::uint32_t i = 0; i < nb_boxes; ++i) {
+
+  explicit Narrowing(const NarrowMap& map) {
+    __builtin_memcpy(&grow, map.grow, sizeof grow);
+    __builtin_memcpy(&origin, map.origin, sizeof origin);
+  }
+  // By reference: without AVX a vector can't be returned.
+  void operator()(const double* box, Floats8& narrow) const {
+    constexpr double MAX = 3.4028234663852886e38;  // the largest float
+    const Doubles8 most = {MAX, MAX, MAX, MAX, MAX, MAX, MAX, MAX};
     Doubles8 sides;
-    __builtin_memcpy(&sides, boxes + 6 * std::size_t{i}, sizeof sides);
+    __builtin_memcpy(&sides, box, sizeof sides);
     sides = (sides + grow) - origin;
     sides = sides < -most ? -most : sides;
     sides = sides > most ? most : sides;
-    const Floats8 narrow = __builtin_convertvector(sides, Floats8);
-    __builtin_memcpy(static_cast<void*>(out + i), &narrow, sizeof narrow);
+    narrow = __builtin_convertvector(sides, Floats8);
+  }
+};
+
+template <class Lanes>
+void narrowRows(const NarrowMap& map, const double* boxes, const std::uint32_t* models,
+                std::uint32_t first_tag, std::uint32_t nb_boxes, Record* out) {
+  const Narrowing narrowed(map);
+  for (std::uint32_t i = 0; i < nb_boxes; ++i) {
+    Floats8 sides;
+    narrowed(boxes + 6 * std::size_t{i}, sides);
+    __builtin_memcpy(static_cast<void*>(out + i), &sides, sizeof sides);
     out[i].tag = first_tag + i;
     out[i].model = models[i];
+  }
+}
+
+template <class Lanes>
+void packRows(const NarrowMap& map, const double* boxes, std::uint32_t nb_boxes, std::size_t stride,
+              float* sides) {
+  const Narrowing narrowed(map);
+  for (std::uint32_t i = 0; i < nb_boxes; ++i) {
+    Floats8 narrow;
+    narrowed(boxes + 6 * std::size_t{i}, narrow);
+    for (std::size_t k = 0; k < 3; ++k) {
+      sides[k * stride + i] = narrow[k];
+      sides[(k + 3) * stride + i] = -narrow[k + 3];
+    }
   }
 }
 
@@ -233,6 +280,18 @@ void spanRows(const CellMap& map, const Record* records, std::size_t nb_records,
     out[i].first = cell[0] + cell[1] * row + cell[2] * layer;
     out[i].more = (cell[3] - cell[0]) | (cell[4] - cell[1]) << 10 | (cell[5] - cell[2]) << 20;
   }
+}
+
+template <class Lanes>
+constexpr SweepKernel makeKernel(const char* name, std::uint32_t each_up_to) {
+  return {name,
+          sweepRows<Lanes>,
+          sweepAllowed<Lanes>,
+          queryTree<Lanes>,
+          narrowRows<Lanes>,
+          packRows<Lanes>,
+          spanRows<Lanes>,
+          each_up_to};
 }
 
 }  // namespace collision_pairs

@@ -21,6 +21,8 @@ namespace {
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
 
+constexpr std::ptrdiff_t MOST_LISTED = 160;  // SweepAndPrune uses no more
+
 /// split() adds the time since construction, or since the last split(), to one stage; nothing
 /// unless `wanted`.
 class StageClock {
@@ -57,6 +59,10 @@ CollisionDetector::CollisionDetector(std::shared_ptr<const CollisionScene> scene
       ignored_(std::make_unique<IgnoredPairs>()),
       clock_(&steadySeconds) {
   boxes_->prepare(*scene_);
+  const auto& models = boxes_->models();
+  const auto begin = models.begin() + scene_->nbStaticElements();
+  const auto end = models.begin() + scene_->endOfMovingElements();
+  if (end - begin <= MOST_LISTED) allowed_.emplace(std::vector<std::uint32_t>(begin, end), scene_->filter());
 }
 
 CollisionDetector::~CollisionDetector() = default;
@@ -224,7 +230,8 @@ void CollisionDetector::takeVoxels(const BodyPoses& poses) {
 void CollisionDetector::sweep(double reach, std::vector<BoxPair>& candidates) {
   const auto& boxes = boxes_->boxes();
   const auto& models = boxes_->models();
-  sweep_.begin(reach, &scene_->staticBoxes(), &filter());
+  const bool is_listed = allowed_ && !settings_.selection;
+  sweep_.begin(reach, &scene_->staticBoxes(), &filter(), is_listed ? &*allowed_ : nullptr);
   const std::size_t end = scene_->endOfMovingElements();
   for (std::size_t i = scene_->nbStaticElements(); i < end; ++i) {
     sweep_.add(boxes[i], models[i]);
