@@ -79,3 +79,11 @@ collision_pairs_benchmark(verdict_benchmark SOURCES benchmark_robots demo_motion
 find_package(octomap REQUIRED)
 collision_pairs_benchmark(cloud_benchmark SOURCES benchmark_robots cloud_scenes demo_motion moveit_loop
   LIBRARIES collision_pairs_io fcl ${OCTOMAP_LIBRARIES})
+
+# OMPL's planners with certified edges, sampled edges and a loop like MoveIt's; scripts/measure_planning
+# writes docs/planners.md.
+if(ompl_FOUND)
+  collision_pairs_benchmark(planning_benchmark SOURCES benchmark_robots moveit_loop planning_problems
+    LIBRARIES collision_pairs_io fcl ${OMPL_LIBRARIES})
+  target_include_directories(planning_benchmark SYSTEM PRIVATE ${OMPL_INCLUDE_DIRS})
+endif()

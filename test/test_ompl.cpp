@@ -1,5 +1,6 @@
 // States and motions as planners of OMPL ask for them.
 #include <atomic>
+#include <random>
 #include <thread>
 
 #include <gtest/gtest.h>
@@ -134,6 +135,30 @@ TEST_F(Ompl, ManyThreadsGetTheAnswersOfOne) {
   }
   for (std::thread& thread : threads) thread.join();
   EXPECT_EQ(nb_wrong, 0);
+}
+
+TEST_F(Ompl, AnEdgeIsValidIfItIsCertifiedAndOnlyThen) {
+  MotionCheck check(scene_);
+  const RobotModel& robot = scene_->robot();
+  const int turn = robot.findJoint("turn"), lift = robot.findJoint("lift");
+  std::mt19937_64 random(32);
+  std::uniform_real_distribution<double> anywhere(-1.9, 1.9);
+  int nb_valid = 0;
+  constexpr int NB_EDGES = 1000;
+  for (int i = 0; i < NB_EDGES; ++i) {
+    JointMotion motion{robot.zeroPositions(), robot.zeroPositions()};
+    for (std::vector<double>* end : {&motion.from, &motion.to}) {
+      (*end)[turn] = anywhere(random);
+      (*end)[lift] = anywhere(random);
+    }
+    const auto from = state(motion.from[turn], motion.from[lift]);
+    const auto to = state(motion.to[turn], motion.to[lift]);
+    const bool is_valid = motions_->checkMotion(from.get(), to.get());
+    ASSERT_EQ(is_valid, check.check(motion, {}).verdict == Verdict::FREE) << i;
+    nb_valid += is_valid;
+  }
+  EXPECT_GT(nb_valid, NB_EDGES / 10);
+  EXPECT_LT(nb_valid, NB_EDGES - NB_EDGES / 10);
 }
 
 TEST_F(Ompl, JointsThatAreNotNamedStayWhereTheyAreSaidToBe) {

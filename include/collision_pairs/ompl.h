@@ -33,6 +33,24 @@ struct OmplJoints {
   CloudVoxels voxels;
 };
 
+/// The check of single states, with its memory.
+struct OmplDetector {
+  explicit OmplDetector(std::shared_ptr<const CollisionScene> scene) : detector(std::move(scene)) {}
+
+  /// At `positions`.
+  const CollisionReport& check(const CheckSettings& settings, const CloudVoxels& voxels) {
+    detector.scene().robot().forwardKinematics(positions, X_RB);
+    detector.scene().gatherPoses(X_RB, poses);
+    poses.voxels = voxels;
+    return detector.detect(poses, settings);
+  }
+
+  CollisionDetector detector;
+  std::vector<double> positions;  ///< of all joints of the robot; rad or m
+  std::vector<Eigen::Isometry3d> X_RB;
+  BodyPoses poses;
+};
+
 /// One Check (and what else `Worker` holds) for each thread that asks at the same time; the rest is
 /// shared and read only.
 template <class Worker>
@@ -128,29 +146,18 @@ class OmplStateValidityChecker : public ompl::base::StateValidityChecker {
   }
 
  private:
-  struct Worker {
-    explicit Worker(std::shared_ptr<const CollisionScene> scene) : detector(std::move(scene)) {}
-    CollisionDetector detector;
-    std::vector<double> positions;
-    std::vector<Eigen::Isometry3d> X_RB;
-    BodyPoses poses;
-  };
-
   template <class Answer>
   double check(const ompl::base::State* state, const CheckSettings& settings,
                const Answer& answer) const {
     return workers_.ask(
-        [&](Worker& worker) -> double {
+        [&](OmplDetector& worker) -> double {
           workers_.read(state, worker.positions);
-          workers_.scene().robot().forwardKinematics(worker.positions, worker.X_RB);
-          workers_.scene().gatherPoses(worker.X_RB, worker.poses);
-          worker.poses.voxels = workers_.voxels();
-          return answer(worker.detector.detect(worker.poses, settings));
+          return answer(worker.check(settings, workers_.voxels()));
         },
         0.0);
   }
 
-  OmplWorkers<Worker> workers_;
+  OmplWorkers<OmplDetector> workers_;
   CheckSettings settings_;
 };
 
@@ -184,20 +191,59 @@ class OmplMotionValidator : public ompl::base::MotionValidator {
   }
 
  private:
+  /// Most edges of a planner are in collision: states along an edge, no more than this far apart
+  /// (rad or m of the joint that moves most), are checked before anything is certified. Halves the
+  /// time that RRT-Connect spends on edges; with half and twice this step it is 8 and 20 % longer.
+  static constexpr double FIRST_STEP = 0.4;
+  static constexpr double LONGEST_SAMPLED = 100.0;  ///< rad or m: longer ones are only certified
+
   struct Worker {
-    explicit Worker(std::shared_ptr<const CollisionScene> scene) : check(std::move(scene)) {}
+    explicit Worker(const std::shared_ptr<const CollisionScene>& scene) : check(scene), at(scene) {}
     MotionCheck check;
+    OmplDetector at;
     JointMotion motion;
   };
 
+  /// The end, which may be a random state, then the middle, the quarters, …
+  bool meetsAtSteps(Worker& worker) const {
+    const JointMotion& motion = worker.motion;
+    double length = 0.0;
+    for (std::size_t i = 0; i < motion.from.size(); ++i) {
+      length = std::max(length, std::abs(motion.to[i] - motion.from[i]));
+    }
+    if (!(length <= LONGEST_SAMPLED)) return false;
+    if (meetsAt(worker, 1.0)) return true;
+    for (double part = 1.0; part * length > FIRST_STEP; part *= 0.5) {
+      for (double fraction = 0.5 * part; fraction < 1.0; fraction += part) {
+        if (meetsAt(worker, fraction)) return true;
+      }
+    }
+    return false;
+  }
+
+  bool meetsAt(Worker& worker, double fraction) const {
+    const JointMotion& motion = worker.motion;
+    worker.at.positions = motion.to;
+    for (std::size_t i = 0; fraction < 1.0 && i < motion.to.size(); ++i) {
+      worker.at.positions[i] = motion.from[i] + fraction * (motion.to[i] - motion.from[i]);
+    }
+    CheckSettings settings;
+    settings.fidelity = settings_.fidelity;
+    settings.verdict_only = true;
+    return worker.at.check(settings, workers_.voxels()).verdict == Verdict::COLLISION;
+  }
+
+  /// Without `from_start` only 1 is of interest.
   double freeUntil(const ompl::base::State* from, const ompl::base::State* to,
                    bool from_start) const {
     MotionSettings settings = settings_;
     settings.from_start = from_start;
+    settings.only_free = !from_start;
     return workers_.ask(
         [&](Worker& worker) {
           workers_.read(from, worker.motion.from);
           workers_.read(to, worker.motion.to);
+          if (!from_start && meetsAtSteps(worker)) return 0.0;
           return worker.check.check(worker.motion, settings, {}, workers_.voxels()).free_until;
         },
         0.0);

@@ -29,19 +29,25 @@ BenchmarkRobot load(const std::string& data, const std::string& name, const std:
 }
 
 std::vector<BenchmarkRobot> loadAll() {
-  const char* data = std::getenv("COLLISION_PAIRS_SHARED");
-  if (data == nullptr || *data == '\0') {
-    std::cerr << "skipped: COLLISION_PAIRS_SHARED names no folder with robots and states\n";
-    return {};
-  }
-  // The folder with the robots' packages, so that their package:// URIs are found.
-  const char* path = std::getenv("ROS_PACKAGE_PATH");
-  ::setenv("ROS_PACKAGE_PATH", (std::string(data) + "/robots:" + (path ? path : "")).c_str(), 1);
+  const std::string data = sharedData();
+  if (data.empty()) return {};
   return {load(data, "panda", "panda_model"), load(data, "ur5", "ur_model"),
           load(data, "pr2", "pr2_model")};
 }
 
 }  // namespace
+
+std::string sharedData() {
+  const char* data = std::getenv("COLLISION_PAIRS_SHARED");
+  if (data == nullptr || *data == '\0') {
+    std::cerr << "skipped: COLLISION_PAIRS_SHARED names no folder with robots and states\n";
+    return "";
+  }
+  // The folder with the robots' packages, so that their package:// URIs are found.
+  const char* path = std::getenv("ROS_PACKAGE_PATH");
+  ::setenv("ROS_PACKAGE_PATH", (std::string(data) + "/robots:" + (path ? path : "")).c_str(), 1);
+  return data;
+}
 
 const std::vector<BenchmarkRobot>& benchmarkRobots() {
   static const std::vector<BenchmarkRobot> robots = loadAll();

@@ -28,6 +28,10 @@ struct BenchmarkRobot {
   std::vector<std::vector<Eigen::Isometry3d>> states;
 };
 
+/// The folder that COLLISION_PAIRS_SHARED names, whose robots' meshes are found from then on; empty,
+/// with a message on standard error, where it is not there.
+std::string sharedData();
+
 /// panda, ur5 and pr2; empty, with a message on standard error, where the data are not there.
 const std::vector<BenchmarkRobot>& benchmarkRobots();
 
