@@ -161,6 +161,26 @@ TEST_F(Ompl, AnEdgeIsValidIfItIsCertifiedAndOnlyThen) {
   EXPECT_LT(nb_valid, NB_EDGES - NB_EDGES / 10);
 }
 
+// A base that stands in its table.
+TEST(OmplMotions, LeaveOutWhatTheMotionCannotChangeIfToldSo) {
+  const auto robot =
+      robotFrom(boxLink("base", 0.4) + bar("arm", 1.0) + hinge("turn", "base", "arm", "0 0 0.5"));
+  const auto scene = sceneOf(robot, {boxAt("table", {0.0, 0.0, -0.3}, {2.0, 2.0, 0.3}),
+                                     boxAt("post", {0.7, 0.7, 0.5}, {0.1, 0.1, 0.1})});
+  const auto space = spaceOf(1);
+  ob::ScopedState<ob::RealVectorStateSpace> from(space), free(space), behind_post(space);
+  from[0] = 0.0;
+  free[0] = -0.5;
+  behind_post[0] = 1.0;
+  MotionSettings settings;
+  EXPECT_FALSE(OmplMotionValidator(space, scene, {{"turn"}, {}, {}}, settings)
+                   .checkMotion(from.get(), free.get()));
+  settings.only_moved = true;
+  const OmplMotionValidator motions(space, scene, {{"turn"}, {}, {}}, settings);
+  EXPECT_TRUE(motions.checkMotion(from.get(), free.get()));
+  EXPECT_FALSE(motions.checkMotion(from.get(), behind_post.get()));
+}
+
 TEST_F(Ompl, JointsThatAreNotNamedStayWhereTheyAreSaidToBe) {
   OmplJoints only_turn{{"turn"}, scene_->robot().zeroPositions(), {}};
   const auto space = spaceOf(1);
