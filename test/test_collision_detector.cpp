@@ -61,6 +61,19 @@ TEST(CollisionDetector, ReportsContactNearAndNothingElse) {
 
 // The distance of two spheres does not depend on how their links are turned, so the oracle needs the
 // two positions only, as they were given.
+TEST(CollisionDetector, AskedForAVerdictBeginsWithTheBoxesThatOverlapMost) {
+  const auto scene = sceneOf(slidingBoxes(4));
+  CollisionDetector detector(scene);
+  CheckSettings settings;
+  settings.verdict_only = true;
+  for (const auto& [x, deepest] : std::map<std::vector<double>, std::string>{
+           {{0.0, 0.9, 1.6, 2.5}, "b|c"}, {{0.0, 0.9, 1.8, 2.1}, "c|d"}, {{0.0, 0.3, 1.1, 1.9}, "a|b"}}) {
+    const auto found = distances(detector.detect(boxesAt(*scene, x), settings), *scene);
+    ASSERT_EQ(found.size(), 1u);
+    EXPECT_EQ(found.begin()->first, deepest);
+  }
+}
+
 TEST(CollisionDetector, FarFromTheOriginDistancesAreThoseOfTheGivenPoses) {
   std::string xml = emptyLink("root");
   for (const char* name : {"a", "b"}) {

@@ -308,12 +308,20 @@ void CollisionDetector::measureClouds(const Deadline& deadline) {
   report_.budget_spent |= report_.nb_unresolved > 0;
 }
 
-// Contact requires that the tight boxes overlap too. They are tested last, because OBBs or hulls
-// dismiss most pairs of loose boxes at less cost than two tight boxes.
+// The pairs whose boxes overlap most come first: they touch most often. Contact requires that the
+// tight boxes overlap too. They are tested last, because OBBs or hulls dismiss most pairs of loose
+// boxes at less cost than two tight boxes.
 void CollisionDetector::findFirstContact() {
   const double squared_reach = squaredReach(settings_.alarm_distance);
   const bool asks = ignored_->isAsking();
-  for (const BoxPair& candidate : report_.candidates) {
+  by_gap_.clear();
+  for (const BoxPair& pair : report_.candidates) {
+    const Aabb &a = boxes_->boxes()[pair.first], &b = boxes_->boxes()[pair.second];
+    const double gap = (a.min.cwiseMax(b.min) - a.max.cwiseMin(b.max)).maxCoeff();
+    by_gap_.emplace_back(gap, pair);
+  }
+  std::sort(by_gap_.begin(), by_gap_.end());
+  for (const auto& [gap, candidate] : by_gap_) {
     const BoxPair pair = ladder_->byModel(candidate);
     boxes_->place(pair.first);
     boxes_->place(pair.second);
