@@ -179,6 +179,16 @@ TEST(OmplMotions, LeaveOutWhatTheMotionCannotChangeIfToldSo) {
   const OmplMotionValidator motions(space, scene, {{"turn"}, {}, {}}, settings);
   EXPECT_TRUE(motions.checkMotion(from.get(), free.get()));
   EXPECT_FALSE(motions.checkMotion(from.get(), behind_post.get()));
+
+  ob::ScopedState<ob::RealVectorStateSpace> in_post(space);
+  in_post[0] = 0.785;
+  EXPECT_FALSE(motions.checkMotion(from.get(), in_post.get()));
+  const auto post_alone = sceneOf(robot, {boxAt("post", {0.7, 0.7, 0.5}, {0.1, 0.1, 0.1})});
+  settings.only_moved = false;
+  settings.nearer = {{std::uint32_t(post_alone->findModel("arm")),
+                      std::uint32_t(post_alone->findModel("post")), -1.0}};
+  EXPECT_TRUE(OmplMotionValidator(space, post_alone, {{"turn"}, {}, {}}, settings)
+                  .checkMotion(from.get(), in_post.get()));
 }
 
 TEST_F(Ompl, JointsThatAreNotNamedStayWhereTheyAreSaidToBe) {

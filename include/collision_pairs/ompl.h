@@ -205,14 +205,15 @@ class OmplMotionValidator : public ompl::base::MotionValidator {
   };
 
   /// The end, which may be a random state, then the middle, the quarters, … None with
-  /// MotionSettings::only_moved, since a state knows nothing of what the motion cannot change.
+  /// MotionSettings::only_moved or nearer, since a state's check leaves out no pair.
   bool meetsAtSteps(Worker& worker) const {
     const JointMotion& motion = worker.motion;
     double length = 0.0;
     for (std::size_t i = 0; i < motion.from.size(); ++i) {
       length = std::max(length, std::abs(motion.to[i] - motion.from[i]));
     }
-    if (settings_.only_moved || !(length <= LONGEST_SAMPLED)) return false;
+    const bool may_leave_out = settings_.only_moved || !settings_.nearer.empty();
+    if (may_leave_out || !(length <= LONGEST_SAMPLED)) return false;
     if (meetsAt(worker, 1.0)) return true;
     for (double part = 1.0; part * length > FIRST_STEP; part *= 0.5) {
       for (double fraction = 0.5 * part; fraction < 1.0; fraction += part) {
