@@ -2,6 +2,8 @@
 import csv
 import os
 import re
+import shutil
+import subprocess
 
 import pytest
 import yaml
@@ -46,6 +48,15 @@ def test_what_the_trade_off_page_says_of_hulls_is_what_its_table_says():
     assert "contacts missed: none" in page
     missed = [float(rung["miss_share"]) for rungs in rows.values() for rung in rungs.values()]
     assert missed and max(missed) == 0
+
+
+def test_the_table_of_planners_is_what_its_script_makes_of_the_data(tmp_path):
+    for name in ("scripts/measure_planning", "scripts/measured_on.py", "scripts/plot_scene_cost.py", "docs/planners.md",
+                 "docs/data/planning.csv"):
+        os.makedirs(os.path.dirname(tmp_path / name), exist_ok=True)
+        shutil.copy(os.path.join(PROJECT, name), tmp_path / name)
+    subprocess.run([tmp_path / "scripts/measure_planning", "--draw-only"], check=True, timeout=60)
+    assert (tmp_path / "docs/planners.md").read_text(encoding="utf-8") == read("docs/planners.md")
 
 
 def read(*path):
