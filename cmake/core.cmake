@@ -86,6 +86,7 @@ add_library(collision_pairs SHARED
   src/core/robot/joint_columns.cpp
   src/core/robot/link_group.cpp
   src/core/robot/robot_model.cpp
+  src/core/robot/robot_parts.cpp
   src/core/robot/srdf.cpp
   src/core/robot/urdf_checks.cpp
   src/core/robot/urdf_reader.cpp

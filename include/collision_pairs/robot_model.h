@@ -101,6 +101,16 @@ class RobotModel {
                                                     const MeshLoader& load_mesh,
                                                     std::vector<BrokenElement>* broken = nullptr);
 
+  /// Makes a model of links and joints, in any order; joints refer to both by their indices in
+  /// these vectors. They are renumbered: the joints below a link keep their order. Axes may have
+  /// any length. Of a link, name, elements and has_geometry are read; the rest is found out here.
+  /// A link on a floating or planar joint, and what is fixed to it, is a body of its own, whose
+  /// pose is an input of the detector. Throws InputError that names the link or joint that is
+  /// wrong: also several roots, which are several robots of a scene.
+  static std::shared_ptr<const RobotModel> fromParts(std::string name, std::vector<Link> links,
+                                                     std::vector<Joint> joints,
+                                                     std::vector<std::string> warnings = {});
+
   /// A copy in which each link has the elements that `elements` returns; called once per link.
   std::shared_ptr<const RobotModel> withElements(
       const std::function<std::vector<Element>(const Link&)>& elements) const;
@@ -158,7 +168,6 @@ class RobotModel {
                  Eigen::Isometry3d& X_RB) const;
 
  private:
-  friend class UrdfReader;
   RobotModel() = default;
   [[noreturn]] void refuse(std::size_t nb_positions) const;
   void append(const Placed& robot);

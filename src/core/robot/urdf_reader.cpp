@@ -1,4 +1,6 @@
 // Converts urdfdom's model to ours. The only file that includes urdfdom.
+#include <map>
+
 #include <urdf_model/model.h>
 #include <urdf_parser/urdf_parser.h>
 
@@ -54,8 +56,7 @@ urdf::ModelInterfaceSharedPtr parseWithUrdfdom(const std::string& xml) {
   return model;
 }
 
-}  // namespace
-
+/// The links and joints of urdfdom's model, from the root outwards.
 class UrdfReader {
  public:
   UrdfReader(const urdf::ModelInterface& source, const MeshLoader& load_mesh,
@@ -64,21 +65,17 @@ class UrdfReader {
 
   std::shared_ptr<const RobotModel> read(std::vector<std::string> warnings,
                                          const std::set<std::string>& leader_missing) {
-    model_.reset(new RobotModel);
-    model_->warnings_ = std::move(warnings);
-    model_->name_ = source_.getName();
     addLink(*source_.getRoot());
     // Parents first; no recursion, so that a chain of any length is read.
-    for (std::size_t i = 0; i < model_->links_.size(); ++i) {
-      for (const auto& joint : source_.getLink(model_->links_[i].name)->child_joints) {
+    for (std::size_t i = 0; i < links_.size(); ++i) {
+      for (const auto& joint : source_.getLink(links_[i].name)->child_joints) {
         addJoint(*joint, static_cast<int>(i));
       }
     }
-    model_->indexNames();
     addMimics();
-    for (Joint& joint : model_->joints_) joint.leader_missing = leader_missing.count(joint.name) > 0;
-    model_->groupIntoBodies();
-    return model_;
+    for (Joint& joint : joints_) joint.leader_missing = leader_missing.count(joint.name) > 0;
+    return RobotModel::fromParts(source_.getName(), std::move(links_), std::move(joints_),
+                                 std::move(warnings));
   }
 
  private:
@@ -94,7 +91,7 @@ class UrdfReader {
         broken_->push_back({source.name, error.what()});
       }
     }
-    model_->links_.push_back(std::move(link));
+    links_.push_back(std::move(link));
   }
 
   void addJoint(const urdf::Joint& source, int parent) {
@@ -102,7 +99,7 @@ class UrdfReader {
     joint.name = source.name;
     joint.type = toJointType(source.type);
     joint.parent_link = parent;
-    joint.child_link = static_cast<int>(model_->links_.size());
+    joint.child_link = static_cast<int>(links_.size());
     joint.X_PJ = toIsometry(source.parent_to_joint_origin_transform);
     const Eigen::Vector3d axis = toVector(source.axis);
     if (!axis.isZero(0.0)) joint.axis = axis.stableNormalized();  // 1e-200 0 0 is valid, too
@@ -111,16 +108,16 @@ class UrdfReader {
       joint.upper = source.limits->upper;
     }
     addLink(*source_.getLink(source.child_link_name));
-    model_->links_.back().parent_joint = static_cast<int>(model_->joints_.size());
-    model_->joints_.push_back(std::move(joint));
+    joints_.push_back(std::move(joint));
   }
 
   void addMimics() {
-    for (Joint& joint : model_->joints_) {
+    std::map<std::string, int> ids;
+    for (const Joint& joint : joints_) ids.emplace(joint.name, ids.size());
+    for (Joint& joint : joints_) {
       const auto& mimic = source_.getJoint(joint.name)->mimic;
       if (!mimic) continue;
-      joint.mimic =
-          Joint::Mimic{model_->findJoint(mimic->joint_name), mimic->multiplier, mimic->offset};
+      joint.mimic = Joint::Mimic{ids.at(mimic->joint_name), mimic->multiplier, mimic->offset};
     }
   }
 
@@ -145,8 +142,11 @@ class UrdfReader {
   const urdf::ModelInterface& source_;
   const MeshLoader& load_mesh_;
   std::vector<BrokenElement>* broken_;
-  std::shared_ptr<RobotModel> model_;
+  std::vector<Link> links_;
+  std::vector<Joint> joints_;
 };
+
+}  // namespace
 
 std::shared_ptr<const RobotModel> RobotModel::fromUrdf(const std::string& xml,
                                                        const MeshLoader& load_mesh,
