@@ -68,7 +68,7 @@ class NameCheck {
   }
 
   void requireIfNoPattern(const std::string& name, const std::string& where) const {
-    if (!isPattern(name)) require(name, where);
+    if (!isPattern(name)) require(withoutMark(name), where);
   }
 
   void require(const std::string& name, const std::string& where) const {

@@ -42,7 +42,7 @@ std::set<std::string> namesIn(const SceneDescription& description) {
   const SceneSettings& settings = description.settings;
   std::set<std::string> names;
   const auto addAll = [&](const std::vector<std::string>& all) {
-    names.insert(all.begin(), all.end());
+    for (const std::string& name : all) names.insert(withoutMark(name));
   };
   for (const auto& entry : settings.link_fidelity) names.insert(entry.first);
   for (const auto& entry : settings.link_padding) names.insert(entry.first);
