@@ -12,7 +12,7 @@
 namespace collision_pairs {
 
 /// "convex" has a few vertices, "hull" so many that FCL walks along its edges; "l" is a mesh of two
-/// boxes, "ball" one of 264 small triangles.
+/// boxes, "ball" one of 264 small triangles. Also known, but without a volume: "sheet".
 inline const std::vector<std::string> EVERY_KIND = {"box",    "sphere", "cylinder", "capsule",
                                                     "convex", "hull",   "l",        "ball"};
 
@@ -24,6 +24,7 @@ inline Shape meshOf(TriangleMesh mesh, double scale) {
 /// About `size` metres across.
 inline Shape shapeOfKind(RandomInputs& random, const std::string& kind, double size) {
   if (kind == "box") return Box{size * random.vector(0.25, 1.25)};
+  if (kind == "sheet") return Box{size * Eigen::Vector3d(1.0, random.uniform(0.25, 1.25), 0.0)};
   if (kind == "sphere") return Sphere{size * random.uniform(0.25, 0.75)};
   if (kind == "cylinder") {
     return Cylinder{size * random.uniform(0.15, 0.75), size * random.uniform(0.25, 1.5)};

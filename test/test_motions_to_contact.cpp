@@ -40,12 +40,13 @@ Eigen::Isometry3d handAt(const RobotModel& robot, const std::vector<double>& q) 
   return X_RB[robot.links()[robot.findLink("hand")].body];
 }
 
-/// What the hand holds, beside what stands there: two shapes of any kind in any pose.
+/// What the hand holds, beside what stands there: two shapes of any kind, sheets too, in any pose.
 SceneDescription heldBeside(std::shared_ptr<const RobotModel> robot, const Isometry3d& X_WThere,
                             RandomInputs& random) {
   const auto any = [&] {
-    const int kind = random.integer(0, static_cast<int>(EVERY_KIND.size()) - 1);
-    return shapeOfKind(random, EVERY_KIND[static_cast<std::size_t>(kind)], 0.4);
+    const auto kind =
+        static_cast<std::size_t>(random.integer(0, static_cast<int>(EVERY_KIND.size())));
+    return shapeOfKind(random, kind < EVERY_KIND.size() ? EVERY_KIND[kind] : "sheet", 0.4);
   };
   RigidObject held{"held", {{any(), random.pose(0.1)}}, "hand", random.pose(0.1), {}};
   RigidObject stands{"stands", {{any(), random.pose(0.1)}}, "", X_WThere * random.pose(0.3), {}};

@@ -42,7 +42,7 @@ Shape otherMesh(RandomInputs& random, const std::string& kind) {
 
 struct Body {
   Body(RandomInputs& random, const std::string& kind)
-      : shape(std::count(EVERY_KIND.begin(), EVERY_KIND.end(), kind)
+      : shape(kind == "sheet" || std::count(EVERY_KIND.begin(), EVERY_KIND.end(), kind)
                   ? shapeOfKind(random, kind, random.uniform(0.1, 0.4))
                   : otherMesh(random, kind)),
         center(kind == "far" ? Vector3d(FAR, -FAR, 0.5 * FAR) : Vector3d::Zero()),
@@ -61,9 +61,9 @@ class OneContactBy : public testing::TestWithParam<NarrowPhaseMethod> {
  protected:
   /// A and B at random, and B moved along a line until its next double decides on contact.
   void meet() {
-    const std::string kinds[] = {"box",  "sphere", "cylinder", "capsule", "convex", "hull",
-                                 "ball", "l",      "mirrored", "scaled",  "far",    "stored"};
-    const std::string a = kinds[random.integer(0, 11)], b = kinds[random.integer(0, 11)];
+    const std::string kinds[] = {"box", "sphere", "cylinder", "capsule", "convex", "hull",  "ball",
+                                 "l",   "sheet",  "mirrored", "scaled",  "far",    "stored"};
+    const std::string a = kinds[random.integer(0, 12)], b = kinds[random.integer(0, 12)];
     A = std::make_unique<Body>(random, a);
     B = std::make_unique<Body>(random, b);
     trace = a + ", " + b;

@@ -13,7 +13,9 @@
 
 namespace collision_pairs {
 
-/// Centred at the origin. `size` holds the full edge lengths, each >= 0.
+/// Centred at the origin. `size` holds the full edge lengths, each >= 0. With one that is 0 it is a
+/// thin sheet, which is in contact with what crosses it: a plane, if it is large enough (HalfSpace
+/// is solid below).
 struct Box {
   Eigen::Vector3d size;
 };
