@@ -66,6 +66,7 @@ add_library(collision_pairs SHARED
   src/core/meshes/triangle_tree.cpp
   src/core/meshes/winding_number.cpp
   src/core/motion/closing_motion.cpp
+  src/core/motion/check_segments.cpp
   src/core/motion/motion_check.cpp
   src/core/motion/motion_pairs.cpp
   src/core/motion/motion_state.cpp

@@ -4,13 +4,11 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
-#include <mutex>
 #include <set>
 #include <utility>
 
 #include "collision_pairs/collision_detector.h"
 #include "collision_pairs/input_error.h"
-#include "in_parallel.h"
 #include "motion_pairs.h"
 #include "motion_state.h"
 #include "open_intervals.h"
@@ -389,29 +387,6 @@ MotionCheck& MotionCheck::operator=(MotionCheck&&) noexcept = default;
 const MotionReport& MotionCheck::check(const JointMotion& motion, const MotionSettings& settings,
                                        const PlacedBodies& placed, const CloudVoxels& voxels) {
   return search_->run(motion, settings, placed, voxels);
-}
-
-std::vector<MotionReport> checkSegments(const std::shared_ptr<const CollisionScene>& scene,
-                                        const std::vector<std::vector<double>>& waypoints,
-                                        const MotionSettings& settings,
-                                        const SegmentOptions& options) {
-  std::vector<MotionReport> reports(waypoints.empty() ? 0 : waypoints.size() - 1);
-  const std::size_t threads = nbThreads(options.threads, reports.size());
-  std::vector<MotionCheck> checks;
-  for (std::size_t i = 0; i < threads; ++i) checks.emplace_back(scene);
-  std::mutex mutex;
-  std::size_t nb_done = 0;
-  inParallel(threads, reports.size(), [&](std::size_t thread, std::size_t i) {
-    try {
-      reports[i] = checks[thread].check({waypoints[i], waypoints[i + 1]}, settings, options.placed,
-                                        options.voxels);
-    } catch (const InputError& error) {
-      throw InputError("segment " + std::to_string(i) + ": " + error.what());
-    }
-    const std::lock_guard<std::mutex> lock(mutex);
-    if (options.done) options.done(++nb_done);
-  });
-  return reports;
 }
 
 }  // namespace collision_pairs

@@ -5,6 +5,7 @@
 // - open_intervals.h: which parts of the motion are not certified yet, and for which pairs?
 // - motion_check.cpp: the search: takes the next of these, measures its pairs at its middle, and
 //   puts back what is left on either side; static elements are found by a sweep.
+// - check_segments.cpp: the same for many segments, on all cores.
 // - motion_state: where are the elements at that configuration, and how fast can they move?
 // - pair_certifier: how far around it is a pair free? By spheres, boxes, hulls, then triangles.
 // - plane_bound.h: how long does a plane separate two moving convex bodies?
