@@ -68,6 +68,7 @@ add_library(collision_pairs SHARED
   src/core/motion/closing_motion.cpp
   src/core/motion/check_segments.cpp
   src/core/motion/motion_check.cpp
+  src/core/motion/pair_clearances.cpp
   src/core/motion/motion_pairs.cpp
   src/core/motion/motion_state.cpp
   src/core/motion/pair_certifier.cpp

@@ -150,5 +150,30 @@ TEST(Nearer, APairOnlyKeepsItsOwnClearanceAndOthersThatOfTheSettings) {
   EXPECT_EQ(checked(scene, at, at, settings).verdict, Verdict::FREE);
 }
 
+TEST(Nearer, APairThatIsLeftOutMayTouchAndIfNothingIsLeftNothingIsFree) {
+  const auto scene = sceneOf(robotFrom(slidingBoxes(2)), {});
+  const std::vector<double> touching = {1.0, 1.5};
+  MotionSettings settings;
+  EXPECT_EQ(checked(scene, touching, touching, settings).verdict, Verdict::COLLISION);
+  settings.nearer = {{1, 0, -1.0}};
+  for (const bool only_moved : {false, true}) {
+    settings.only_moved = only_moved;
+    const MotionReport report = checked(scene, touching, {1.0, 1.4}, settings);
+    EXPECT_EQ(report.verdict, Verdict::UNKNOWN);
+    EXPECT_EQ(report.unchecked, "every pair is left out");
+    EXPECT_EQ(report.free_until, 0.0);
+  }
+  settings.only_moved = false;
+  // A third one, apart from both, is checked; then it is in the way.
+  const auto with_third =
+      sceneOf(robotFrom(slidingBoxes(2)), {boxAt("wall", {5.0, 0.0, 0.0}, {1.0, 1.0, 1.0})});
+  const auto id = [&](const char* name) {
+    return static_cast<std::uint32_t>(with_third->findModel(name));
+  };
+  settings.nearer = {{id("b"), id("a"), -1.0}};
+  EXPECT_EQ(checked(with_third, touching, {1.0, 1.4}, settings).verdict, Verdict::FREE);
+  EXPECT_EQ(checked(with_third, touching, {1.0, 4.5}, settings).verdict, Verdict::COLLISION);
+}
+
 }  // namespace
 }  // namespace collision_pairs

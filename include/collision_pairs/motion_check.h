@@ -13,8 +13,8 @@
 
 namespace collision_pairs {
 
-/// What one pair of models keeps, metres; negative: the pair is left out, and FREE says nothing of
-/// it.
+/// What one pair of models keeps, metres; negative: the pair is left out, also where it touches.
+/// FREE says nothing of it, and is not said if every pair is left out.
 struct PairClearance {
   std::uint32_t first = 0, second = 0;
   double clearance = 0.0;

@@ -13,6 +13,7 @@
 #include "motion_state.h"
 #include "open_intervals.h"
 #include "pair_certifier.h"
+#include "pair_clearances.h"
 
 namespace collision_pairs {
 namespace {
@@ -57,6 +58,7 @@ class MotionCheck::Search {
         pairs_(*scene),
         state_(*scene, pairs_),
         certifier_(*scene, state_),
+        clearances_(*scene),
         detector_(scene) {}
 
   const MotionReport& run(const JointMotion& motion, const MotionSettings& settings,
@@ -66,8 +68,12 @@ class MotionCheck::Search {
     settings_ = settings;
     report_ = {};
     report_.unchecked = scene_.unchecked();
+    clearances_.begin(settings_);
+    if (clearances_.leavesOutAll() && report_.unchecked.empty()) {
+      report_.unchecked = "every pair is left out";
+    }
     clearance_ = INF;
-    free_until_ = scene_.mayBeFree() ? 1.0 : 0.0;
+    free_until_ = scene_.mayBeFree(report_.unchecked) ? 1.0 : 0.0;
     uncertified_.clear();
     beside_static_noted_.assign(scene_.elements().size(), 0);
     poses_.voxels = voxels;
@@ -124,8 +130,8 @@ class MotionCheck::Search {
       using Voxels = PairCertifier::Voxels;
       const Voxels known = certifier_.voxelsOf(open.pair);
       const bool is_robot = known == Voxels::NO_CLOUD;
-      open.clearance = settings_.clearance + (is_robot ? 0.0 : settings_.beside_objects);
-      open.clearance = clearanceOf(open);
+      const double beside = is_robot ? 0.0 : settings_.beside_objects;
+      open.clearance = clearances_.of(open.pair, settings_.clearance + beside);
       if (known == Voxels::UNKNOWN || known == Voxels::IN_PART) noteUncertified(open.pair, 0.0);
       if (known == Voxels::UNKNOWN || known == Voxels::NONE || open.clearance < 0.0) continue;
       OpenPair one = open;
@@ -260,6 +266,11 @@ class MotionCheck::Search {
     exact.alarm_distance = 0.0;
     exact.fidelity = settings_.fidelity;
     exact.verdict_only = verdict_only;
+    if (clearances_.leavesOutSome()) {
+      exact.may_ignore = [this](auto first, auto second) {
+        return clearances_.leavesOut(first, second);
+      };
+    }
     const CollisionReport& found = detector_.detect(poses_, exact);
     for (const std::uint32_t model : found.left_out) {
       if (scene_.cloudOf(scene_.models()[model].first_element) < 0) refuseBox(model);
@@ -322,24 +333,11 @@ class MotionCheck::Search {
       const auto& elements = scene_.elements();
       const bool in_order = elements[fixed].model < elements[open.pair.first].model;
       open.pair = in_order ? BoxPair{fixed, open.pair.first} : BoxPair{open.pair.first, fixed};
-      open.clearance = clearanceOf(open);
+      open.clearance = clearances_.of(open.pair, open.clearance);
       if (open.clearance < 0.0) continue;
       if (!settle(open, before, after)) return false;
     }
     return true;
-  }
-
-  /// That of the settings, or of MotionSettings::nearer.
-  double clearanceOf(const OpenPair& open) const {
-    double clearance = open.clearance;
-    const auto& elements = scene_.elements();
-    const auto models =
-        std::minmax(elements[open.pair.first].model, elements[open.pair.second].model);
-    for (const PairClearance& pair : settings_.nearer) {
-      if (std::minmax(pair.first, pair.second) != models) continue;
-      clearance = std::min(clearance, pair.clearance);
-    }
-    return clearance;
   }
 
   const OpenPair& sweptAs(std::uint32_t box) const {
@@ -352,7 +350,7 @@ class MotionCheck::Search {
     if (report_.verdict == Verdict::COLLISION) return;
     report_.pairs.assign(uncertified_.begin(), uncertified_.end());
     if (!uncertified_.empty()) return;
-    if (!scene_.mayBeFree()) return;
+    if (!scene_.mayBeFree(report_.unchecked)) return;
     report_.verdict = Verdict::FREE;
     report_.free_until = 1.0;
     report_.clearance = clearance_;
@@ -362,6 +360,7 @@ class MotionCheck::Search {
   const MotionPairs pairs_;
   MotionState state_;
   PairCertifier certifier_;
+  PairClearances clearances_;
   CollisionDetector detector_;
   SweepAndPrune sweep_;
   BodyPoses poses_;

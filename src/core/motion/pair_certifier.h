@@ -8,6 +8,7 @@
 // - check_segments.cpp: the same for many segments, on all cores.
 // - motion_state: where are the elements at that configuration, and how fast can they move?
 // - pair_certifier: how far around it is a pair free? By spheres, boxes, hulls, then triangles.
+// - pair_clearances: how near may it come?
 // - plane_bound.h: how long does a plane separate two moving convex bodies?
 // - closing_motion.cpp: how soon can a pair of a report touch, by its present velocities? (Not part
 //   of the search.)

@@ -1,0 +1,30 @@
+// MotionSettings::nearer: what single pairs of models keep.
+#pragma once
+
+#include <utility>
+#include <vector>
+
+#include "collision_pairs/motion_check.h"
+
+namespace collision_pairs {
+
+class PairClearances {
+ public:
+  /// Both must outlive this; begin() with the settings of each check.
+  explicit PairClearances(const CollisionScene& scene) : scene_(scene) {}
+  void begin(const MotionSettings& settings);
+
+  /// Metres, for a pair of elements that would have to keep `clearance`; negative: left out.
+  double of(const BoxPair& elements, double clearance) const;
+  bool leavesOutSome() const { return !left_out_.empty(); }
+  /// Models, first < second.
+  bool leavesOut(std::uint32_t first, std::uint32_t second) const;
+  bool leavesOutAll() const;
+
+ private:
+  const CollisionScene& scene_;
+  const std::vector<PairClearance>* nearer_ = nullptr;
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> left_out_;  // sorted
+};
+
+}  // namespace collision_pairs
