@@ -6,6 +6,7 @@
 
 #include "collision_pairs/body_poses.h"
 #include "collision_pairs/occupied_voxels.h"
+#include "every_shape.h"
 #include "random_robot.h"
 
 namespace collision_pairs {
@@ -26,6 +27,19 @@ struct RandomCase {
     voxels = {std::make_shared<const OccupiedVoxels>(0.1, cells)};
   }
 };
+
+/// A static object of several elements.
+inline RigidObject heap(RandomInputs& random) {
+  RigidObject object;
+  object.name = "heap";
+  for (int i = random.integer(2, 4); i > 0; --i) {
+    const int kind = random.integer(0, static_cast<int>(EVERY_KIND.size()) - 1);
+    object.elements.push_back(
+        {shapeOfKind(random, EVERY_KIND[static_cast<std::size_t>(kind)], 0.2), random.pose(0.4)});
+  }
+  object.X_PO = random.pose(2.0);
+  return object;
+}
 
 /// The scene at random joint positions, with the case's voxels.
 inline BodyPoses randomPosesOf(RandomInputs& random, const RandomCase& its,

@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include "collision_pairs/collision_detector.h"
-#include "every_shape.h"
 #include "random_case.h"
 
 namespace collision_pairs {
@@ -89,19 +88,6 @@ class OneByOne {
   const BodyPoses& poses_;
   NarrowPhase narrow_phase_;
 };
-
-/// A static object of several elements.
-RigidObject heap(RandomInputs& random) {
-  RigidObject object;
-  object.name = "heap";
-  for (int i = random.integer(2, 4); i > 0; --i) {
-    const int kind = random.integer(0, static_cast<int>(EVERY_KIND.size()) - 1);
-    object.elements.push_back(
-        {shapeOfKind(random, EVERY_KIND[static_cast<std::size_t>(kind)], 0.2), random.pose(0.4)});
-  }
-  object.X_PO = random.pose(2.0);
-  return object;
-}
 
 void expectWitnesses(const Contact& nearest, const CollisionScene& scene, double tolerance,
                      OneByOne& one_by_one) {

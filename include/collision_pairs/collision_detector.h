@@ -26,6 +26,8 @@ class VoxelSearch;
 
 /// "May the pair of models `first` < `second` be left out?"
 using MayIgnore = std::function<bool(std::uint32_t first, std::uint32_t second)>;
+/// "May the check end with this contact?"
+using IsEnough = std::function<bool(const Contact& contact)>;
 
 struct CheckSettings {
   /// Metres, >= 0. Pairs up to this far apart are reported as near. 0: contacts only. Larger
@@ -45,6 +47,16 @@ struct CheckSettings {
   /// one in the report, without points and depth (its distance is 0). The alarm distance counts as
   /// 0.
   bool verdict_only = false;
+  /// Ends the check at this number of contacts: of pairs of elements in CONTACT, each of which has
+  /// one, whatever is near or UNRESOLVED besides. 0: no limit. CollisionReport::ended_early then
+  /// says what the report is worth. Contacts come in the order of CollisionReport::candidates,
+  /// those of clouds last, or under a time budget the likely ones first.
+  std::uint32_t max_contacts = 0;
+  /// Is shown each such contact when it is found, and ends the check if it returns true. So a
+  /// caller that wants at most n contacts for a pair of models, and m in all, counts those that it
+  /// keeps. What it throws ends the check, whose report is then UNKNOWN. A BatchCheck asks from
+  /// several threads at a time. Both are without effect with verdict_only.
+  IsEnough is_enough;
   /// Seconds, >= 0, for the whole check; 0: no limit. Boxes are always rebuilt, swept and compared.
   /// Then the pairs most likely to be in contact climb the ladder of fidelities until the time is
   /// spent; a query in progress is finished. The remaining pairs are reported as UNRESOLVED, with
@@ -118,8 +130,14 @@ class CollisionDetector {
   /// The pairs of elements whose boxes are no further apart than `reach` metres, sorted.
   void sweep(double reach, std::vector<BoxPair>& candidates);
   void beginPairs();
-  void findFirstContact();
-  void measureCandidates();
+  /// Whether the check may end before all pairs are measured.
+  bool mayEndEarly() const {
+    return settings_.verdict_only || settings_.max_contacts > 0 || settings_.is_enough;
+  }
+  /// The candidates, as reached_.
+  void sortByOverlap();
+  /// `are_loose`: the candidates are not sorted out yet.
+  void measureCandidates(bool are_loose);
   void measureInTime(const Deadline& deadline);
   bool isAsked(const BoxPair& pair) const;
   /// Calls take(pair, voxels) for each moving element and each cloud that it is checked against.
@@ -133,6 +151,8 @@ class CollisionDetector {
   void endAtBoxes(const BoxPair& pair, PairDistance& found);
   void take(const BoxPair& pair, PairDistance found, Fidelity rung,
             const Eigen::Vector3i& voxel = Eigen::Vector3i::Zero());
+  /// Ends the check if it is the last.
+  void countContact(const Contact& contact);
   void searchMinimum(const Deadline& deadline);
   bool measureCloudsBeyond(const Deadline& deadline, SmallestDistance& best);
   /// Skips pairs whose boxes are no further apart than `measured` (negative: skips none). False if
@@ -146,6 +166,7 @@ class CollisionDetector {
   std::unique_ptr<ElementBoxes> boxes_;
   bool some_are_loose_ = false;  // boxes of this cycle
   bool has_spheres_ = false;     // those of SPHERES were made
+  std::uint32_t nb_contacts_ = 0;
   SweepAndPrune sweep_;
   std::unique_ptr<PairLadder> ladder_;
   std::unique_ptr<TimedClimb> timed_climb_;

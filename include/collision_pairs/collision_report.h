@@ -88,6 +88,10 @@ struct CollisionReport {
   /// of `contacts`, or beyond the alarm distance the first measured; the same for the same scene,
   /// poses and settings.
   std::optional<Contact> nearest;
+  /// The check ended at a contact (CheckSettings::verdict_only, max_contacts, is_enough). The
+  /// verdict is COLLISION; pairs that are not in the report may not have been measured. But for
+  /// verdict_only min_distance is then the smallest of those measured, and is called a bound.
+  bool ended_early = false;
   /// CollisionScene::unchecked(), or that selection or predicate leave no pair: if not empty, the
   /// verdict is FREE only where the scene's settings allow that, otherwise UNKNOWN; without pairs
   /// min_distance is then 0, a bound.
@@ -97,19 +101,20 @@ struct CollisionReport {
   std::vector<Contact> contacts;  ///< in the order of `pairs`
   /// The investigated pairs of elements (nb_pairs of the messages), sorted: those whose boxes,
   /// SceneElement::boxAt(), are no further apart than the alarm distance. A cloud is one element
-  /// with many boxes. With verdict_only they are listed only if CheckSettings::list_boxes is set.
+  /// with many boxes. With verdict_only, max_contacts or is_enough they are listed only if
+  /// CheckSettings::list_boxes is set.
   std::vector<BoxPair> candidates;
   /// The boxes of all elements, in W; not valid() for elements without a pose and for clouds. Empty
   /// unless CheckSettings::list_boxes is set.
   std::vector<Aabb> boxes;
   /// Pairs of models, first < second, sorted, that CheckSettings::may_ignore left out: nothing is
-  /// said of them, FREE included. With verdict_only those met before the first contact.
+  /// said of them, FREE included. If the check may end early, those met until then.
   std::vector<std::pair<std::uint32_t, std::uint32_t>> ignored;
   /// Models without a usable pose, and clouds whose voxels are unknown or truncated; ascending.
   std::vector<std::uint32_t> left_out;
   std::uint32_t nb_boxes = 0;  ///< moving and static boxes and voxels of this cycle
-  /// Investigated pairs by the rung (Fidelity) that settled them; with verdict_only only up to the
-  /// first contact.
+  /// Investigated pairs by the rung (Fidelity) that settled them; if the check ended early, only up
+  /// to its last contact.
   std::array<std::uint32_t, 5> nb_settled = {0, 0, 0, 0, 0};
   /// Investigated pairs left UNRESOLVED by the time budget. All others are in nb_settled.
   std::uint32_t nb_unresolved = 0;

@@ -126,6 +126,7 @@ class BatchCheck::JointsOfThread {
   void takeSettled(std::size_t state, Verdict verdict, double seconds) {
     settled_.verdict = verdict;
     settled_.in_collision = verdict != Verdict::FREE;
+    settled_.ended_early = verdict == Verdict::COLLISION;
     settled_.min_distance_is_bound = verdict == Verdict::FREE;
     settled_.times.total = seconds;
     take_(state, settled_);

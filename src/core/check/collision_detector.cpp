@@ -109,19 +109,17 @@ const CollisionReport& CollisionDetector::run(const BodyPoses& poses) {
   if (!scene_->clouds().empty()) takeVoxels(poses);
   clock.split(report_.times.boxes);
   sweep(settings_.alarm_distance, report_.candidates);  // axis, sort, sweep
-  const bool only_verdict = settings_.verdict_only && !deadline.isSet();
-  if (!only_verdict || settings_.list_boxes) dropLooseAndIgnored();
+  const bool are_loose = mayEndEarly() && !deadline.isSet();  // tightened one by one
+  if (!are_loose || settings_.list_boxes) dropLooseAndIgnored();
   if (!scene_->clouds().empty()) findCloudPairs();
   clock.split(report_.times.broad_phase);
-  if (only_verdict) {
-    findFirstContact();
-  } else if (deadline.isSet()) {
+  if (deadline.isSet()) {
     measureInTime(deadline);  // the nearest candidates first
   } else {
-    measureCandidates();  // contacts and near pairs among the candidates
+    measureCandidates(are_loose);  // contacts and near pairs among the candidates
   }
   if (!cloud_pairs_.empty()) measureClouds(deadline);
-  if (settings_.min_distance) searchMinimum(deadline);
+  if (settings_.min_distance && !report_.ended_early) searchMinimum(deadline);
   listBoxes();
   report_.nb_answered_natively = ladder_->numAnsweredNatively();
   clock.split(report_.times.narrow_phase);
@@ -148,6 +146,8 @@ void CollisionDetector::beginPairs() {
   report_.min_distance = settings_.alarm_distance;
   report_.min_distance_is_bound = true;
   report_.nearest.reset();
+  report_.ended_early = false;
+  nb_contacts_ = 0;
   if (settings_.fidelity == Fidelity::SPHERES && !std::exchange(has_spheres_, true)) {
     // Links with spheres only by ~link_fidelity get theirs when a pair first needs them.
     makeSpheres(scene_->elements());
@@ -208,7 +208,7 @@ void CollisionDetector::listBoxes() {
   if (settings_.list_boxes) {
     report_.boxes = boxes_->boxes();
     for (const SceneCloud& cloud : scene_->clouds()) report_.boxes[cloud.element] = noBox();
-  } else if (settings_.verdict_only) {
+  } else if (mayEndEarly()) {
     report_.candidates.clear();  // some may be pairs of loose boxes
   }
 }
@@ -291,7 +291,7 @@ void CollisionDetector::sortCloudPairs() {
 void CollisionDetector::measureClouds(const Deadline& deadline) {
   report_.candidates.insert(report_.candidates.end(), cloud_pairs_.begin(), cloud_pairs_.end());
   std::sort(report_.candidates.begin(), report_.candidates.end());
-  if (settings_.verdict_only && found_->hasContact()) return;
+  if (report_.ended_early) return;
   if (deadline.isSet()) sortCloudPairs();  // the nearest first
   for (const BoxPair& candidate : cloud_pairs_) {
     const BoxPair pair = ladder_->byModel(candidate);
@@ -303,17 +303,13 @@ void CollisionDetector::measureClouds(const Deadline& deadline) {
             ? voxel_search_->touches(pair, voxels, settings_.fidelity, deadline)
             : voxel_search_->nearest(pair, voxels, settings_.fidelity, reach, deadline);
     take(pair, found.answer.found, found.answer.rung, found.voxel);
-    if (settings_.verdict_only && found.answer.found.certainty == Certainty::BOUND) return;
+    if (report_.ended_early) return;
   }
   report_.budget_spent |= report_.nb_unresolved > 0;
 }
 
-// The pairs whose boxes overlap most come first: they touch most often. Contact requires that the
-// tight boxes overlap too. They are tested last, because OBBs or hulls dismiss most pairs of loose
-// boxes at less cost than two tight boxes.
-void CollisionDetector::findFirstContact() {
-  const double squared_reach = squaredReach(settings_.alarm_distance);
-  const bool asks = ignored_->isAsking();
+// The pairs whose boxes overlap most come first: they touch most often.
+void CollisionDetector::sortByOverlap() {
   by_gap_.clear();
   for (const BoxPair& pair : report_.candidates) {
     const Aabb &a = boxes_->boxes()[pair.first], &b = boxes_->boxes()[pair.second];
@@ -321,33 +317,49 @@ void CollisionDetector::findFirstContact() {
     by_gap_.emplace_back(gap, pair);
   }
   std::sort(by_gap_.begin(), by_gap_.end());
-  for (const auto& [gap, candidate] : by_gap_) {
-    const BoxPair pair = ladder_->byModel(candidate);
-    boxes_->place(pair.first);
-    boxes_->place(pair.second);
-    const bool by_boxes = ladder_->rungOf(pair, settings_.fidelity) == Fidelity::AABB;
-    if ((by_boxes || asks) && !boxes_->inReach(pair, squared_reach)) continue;
-    if (asks && isIgnored(pair)) continue;
-    const auto [found, rung] = ladder_->touches(pair, settings_.fidelity);
-    const bool is_apart = found.certainty == Certainty::BEYOND;
-    if (!is_apart && !boxes_->inReach(pair, squared_reach)) continue;
-    take(pair, found, rung);
-    if (found.certainty == Certainty::BOUND) return;
-  }
+  reached_.clear();
+  for (const auto& [gap, pair] : by_gap_) reached_.push_back(pair);
 }
 
-void CollisionDetector::measureCandidates() {
-  for (const BoxPair& candidate : report_.candidates) {
+// Contact requires that the tight boxes overlap too. For a verdict they are tested last, because
+// OBBs or hulls dismiss most pairs of loose boxes at less cost than two tight boxes.
+void CollisionDetector::measureCandidates(bool are_loose) {
+  const double squared_reach = squaredReach(settings_.alarm_distance);
+  const bool asks = are_loose && ignored_->isAsking();
+  const bool tight_first = asks || !settings_.verdict_only;
+  if (settings_.verdict_only) sortByOverlap();
+  for (const BoxPair& candidate : settings_.verdict_only ? reached_ : report_.candidates) {
     const BoxPair pair = ladder_->byModel(candidate);
-    const auto [found, rung] =
-        ladder_->climb(pair, settings_.fidelity, settings_.alarm_distance, settings_.tolerance);
+    if (are_loose) {
+      boxes_->place(pair.first);
+      boxes_->place(pair.second);
+      const bool by_boxes = ladder_->rungOf(pair, settings_.fidelity) == Fidelity::AABB;
+      if ((tight_first || by_boxes) && !boxes_->inReach(pair, squared_reach)) continue;
+      if (asks && isIgnored(pair)) continue;
+    }
+    const auto [found, rung] = settings_.verdict_only
+                                   ? ladder_->touches(pair, settings_.fidelity)
+                                   : ladder_->climb(pair, settings_.fidelity,
+                                                    settings_.alarm_distance, settings_.tolerance);
+    const bool is_apart = found.certainty == Certainty::BEYOND;
+    if (are_loose && !is_apart && !boxes_->inReach(pair, squared_reach)) continue;
     take(pair, found, rung);
+    if (report_.ended_early) return;
   }
 }
 
 void CollisionDetector::measureInTime(const Deadline& deadline) {
-  const auto& results = timed_climb_->run(report_.candidates, settings_, deadline, *ladder_);
-  for (const auto& [pair, answer] : results) take(pair, answer.found, answer.rung);
+  timed_climb_->run(report_.candidates, settings_, deadline, *ladder_,
+                    [this](const TimedClimb::Result& result) {
+                      const PairDistance& found = result.answer.found;
+                      if (settings_.verdict_only && found.certainty == Certainty::BOUND) {
+                        found_->clear();  // a verdict's contact is all that is reported
+                        report_.nb_settled = {};
+                        report_.nb_degraded = 0;
+                      }
+                      take(result.pair, found, result.answer.rung);
+                      return !report_.ended_early;
+                    });
   report_.budget_spent = report_.nb_unresolved > 0;
 }
 
@@ -394,9 +406,15 @@ void CollisionDetector::take(const BoxPair& pair, PairDistance found, Fidelity r
     ++report_.nb_settled[static_cast<int>(rung)];
   }
   if (found.certainty == Certainty::DEGRADED) ++report_.nb_degraded;
-  if (found.distance <= settings_.alarm_distance && found.certainty != Certainty::BEYOND) {
-    found_->add(*scene_, pair, found, rung, voxel);
-  }
+  if (found.distance > settings_.alarm_distance || found.certainty == Certainty::BEYOND) return;
+  const PairState state = found_->add(*scene_, pair, found, rung, voxel);
+  if (state == PairState::CONTACT && mayEndEarly()) countContact(contactOf(pair, found, voxel));
+}
+
+void CollisionDetector::countContact(const Contact& contact) {
+  const bool is_enough =
+      settings_.verdict_only || (settings_.is_enough && settings_.is_enough(contact));
+  report_.ended_early = is_enough || ++nb_contacts_ == settings_.max_contacts;
 }
 
 }  // namespace collision_pairs

@@ -44,8 +44,8 @@ void FoundPairs::clear() {
   contacts_.clear();
 }
 
-void FoundPairs::add(const CollisionScene& scene, const BoxPair& pair, const PairDistance& found,
-                     Fidelity rung, const Eigen::Vector3i& voxel) {
+PairState FoundPairs::add(const CollisionScene& scene, const BoxPair& pair,
+                          const PairDistance& found, Fidelity rung, const Eigen::Vector3i& voxel) {
   PairReport entry;
   entry.first = scene.elements()[pair.first].model;
   entry.second = scene.elements()[pair.second].model;
@@ -57,17 +57,13 @@ void FoundPairs::add(const CollisionScene& scene, const BoxPair& pair, const Pai
   entry.nb_contacts = 1;
   pairs_.push_back(entry);
   contacts_.push_back(contactOf(pair, found, voxel));
+  return entry.state;
 }
 
 SmallestDistance FoundPairs::smallestDistance() const {
   SmallestDistance smallest;
   for (const PairReport& pair : pairs_) smallest.offer(pair.distance, pair.certainty);
   return smallest;
-}
-
-bool FoundPairs::hasContact() const {
-  return std::any_of(pairs_.begin(), pairs_.end(),
-                     [](const PairReport& pair) { return pair.state == PairState::CONTACT; });
 }
 
 void FoundPairs::sortByModels() {
@@ -106,6 +102,7 @@ void FoundPairs::assemble(const CollisionScene& scene, bool has_pairs, bool with
   }
   // Infinity, or the alarm distance, would say that something is known to be that far away.
   if (!has_pairs && !scene.mayBeFree(report.unchecked)) smallest = {0.0, true};
+  if (report.ended_early && with_contacts) smallest.is_bound = true;
   report.min_distance = smallest.metres;
   report.min_distance_is_bound = smallest.is_bound;
   if (smallest.is_bound || !with_contacts) {

@@ -37,15 +37,14 @@ class FoundPairs {
   void clear();
 
   /// `pair`: elements, by model. Points and normal of `found` in W.
-  void add(const CollisionScene& scene, const BoxPair& pair, const PairDistance& found,
-           Fidelity rung, const Eigen::Vector3i& voxel);
+  PairState add(const CollisionScene& scene, const BoxPair& pair, const PairDistance& found,
+                Fidelity rung, const Eigen::Vector3i& voxel);
 
   SmallestDistance smallestDistance() const;
-  bool hasContact() const;
 
   /// Fills in pairs, contacts (if wanted) and the verdict, and lowers min_distance to the smallest
-  /// found; sets `nearest`, if it is not set, to what has that distance. left_out and unchecked must
-  /// be set before. `has_pairs`: there was a pair to check. O(n log n).
+  /// found; sets `nearest`, if it is not set, to what has that distance. left_out, unchecked
+  /// and ended_early must be set before. `has_pairs`: there was a pair to check. O(n log n).
   void assemble(const CollisionScene& scene, bool has_pairs, bool with_contacts,
                 CollisionReport& report);
 

@@ -5,36 +5,38 @@
 
 namespace collision_pairs {
 
-const std::vector<TimedClimb::Result>& TimedClimb::run(const std::vector<BoxPair>& candidates,
-                                                       const CheckSettings& settings,
-                                                       const Deadline& deadline,
-                                                       PairLadder& ladder) {
+void TimedClimb::run(const std::vector<BoxPair>& candidates, const CheckSettings& settings,
+                     const Deadline& deadline, PairLadder& ladder, const Take& take) {
   settings_ = &settings;
   ladder_ = &ladder;
-  results_.clear();
   still_open_.clear();
-  boundByBoxes(candidates, deadline);
-  climb(Round::HULLS, deadline);
-  climb(Round::ALL, deadline);
-  results_.insert(results_.end(), still_open_.begin(), still_open_.end());
-  return results_;
+  has_ended_ = false;
+  boundByBoxes(candidates, deadline, take);
+  climb(Round::HULLS, deadline, take);
+  climb(Round::ALL, deadline, take);
+  for (std::size_t i = 0; i < still_open_.size() && !has_ended_; ++i) {
+    has_ended_ = !take(still_open_[i]);
+  }
 }
 
-void TimedClimb::boundByBoxes(const std::vector<BoxPair>& candidates, const Deadline& deadline) {
+void TimedClimb::boundByBoxes(const std::vector<BoxPair>& candidates, const Deadline& deadline,
+                              const Take& take) {
   const double reach = settings_->alarm_distance;
   for (const BoxPair& candidate : candidates) {
     const BoxPair pair = ladder_->byModel(candidate);
     const bool aligned = ladder_->rungOf(pair, settings_->fidelity) == Fidelity::AABB;
     if (aligned && !settings_->verdict_only) {
-      sortOut({pair, ladder_->measure(pair, Fidelity::AABB, reach)});
+      sortOut({pair, ladder_->measure(pair, Fidelity::AABB, reach)}, take);
     } else {
       sortOut({pair, aligned || deadline.spent() ? ladder_->boundOfAlignedBoxes(pair, reach)
-                                                 : ladder_->boundOfBoxes(pair, reach)});
+                                                 : ladder_->boundOfBoxes(pair, reach)},
+              take);
     }
+    if (has_ended_) return;
   }
 }
 
-void TimedClimb::climb(Round round, const Deadline& deadline) {
+void TimedClimb::climb(Round round, const Deadline& deadline, const Take& take) {
   std::swap(open_, still_open_);
   still_open_.clear();
   const auto suspicion = [](const Result& open) {
@@ -42,19 +44,13 @@ void TimedClimb::climb(Round round, const Deadline& deadline) {
   };
   std::sort(open_.begin(), open_.end(),
             [&](const Result& a, const Result& b) { return suspicion(a) < suspicion(b); });
-  for (std::size_t i = 0; i < open_.size(); ++i) {
+  for (std::size_t i = 0; i < open_.size() && !has_ended_; ++i) {
     if (deadline.spent()) {
       still_open_.insert(still_open_.end(), open_.begin() + static_cast<std::ptrdiff_t>(i),
                          open_.end());
       return;
     }
-    const Result result{open_[i].pair, step(open_[i], round)};
-    if (settings_->verdict_only && result.answer.found.certainty == Certainty::BOUND) {
-      results_ = {result};
-      still_open_.clear();
-      return;
-    }
-    sortOut(result);
+    sortOut({open_[i].pair, step(open_[i], round)}, take);
   }
 }
 
@@ -67,9 +63,12 @@ PairLadder::Answer TimedClimb::step(const Result& open, Round round) {
   return ladder_->climb(open.pair, settings_->fidelity, reach, settings_->tolerance);
 }
 
-void TimedClimb::sortOut(const Result& result) {
-  const bool open = result.answer.found.certainty == Certainty::UNFINISHED;
-  (open ? still_open_ : results_).push_back(result);
+void TimedClimb::sortOut(const Result& result, const Take& take) {
+  if (result.answer.found.certainty == Certainty::UNFINISHED) {
+    still_open_.push_back(result);
+  } else {
+    has_ended_ = !take(result);
+  }
 }
 
 }  // namespace collision_pairs

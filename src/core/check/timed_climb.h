@@ -42,23 +42,26 @@ class TimedClimb {
     PairLadder::Answer answer;
   };
 
-  /// One for each candidate, in no particular order, valid until the next call. With
-  /// settings.verdict_only it stops at the first contact, which is then the only result.
-  const std::vector<Result>& run(const std::vector<BoxPair>& candidates,
-                                 const CheckSettings& settings, const Deadline& deadline,
-                                 PairLadder& ladder);
+  /// False: it was the last.
+  using Take = std::function<bool(const Result& result)>;
+
+  /// Calls `take` once for each candidate, in no particular order, until it returns false.
+  void run(const std::vector<BoxPair>& candidates, const CheckSettings& settings,
+           const Deadline& deadline, PairLadder& ladder, const Take& take);
 
  private:
   enum class Round { HULLS, ALL };
 
-  void boundByBoxes(const std::vector<BoxPair>& candidates, const Deadline& deadline);
-  void climb(Round round, const Deadline& deadline);
+  void boundByBoxes(const std::vector<BoxPair>& candidates, const Deadline& deadline,
+                    const Take& take);
+  void climb(Round round, const Deadline& deadline, const Take& take);
   PairLadder::Answer step(const Result& open, Round round);
-  void sortOut(const Result& result);
+  void sortOut(const Result& result, const Take& take);
 
   const CheckSettings* settings_ = nullptr;
   PairLadder* ladder_ = nullptr;
-  std::vector<Result> open_, still_open_, results_;
+  std::vector<Result> open_, still_open_;
+  bool has_ended_ = false;
 };
 
 }  // namespace collision_pairs
