@@ -77,6 +77,10 @@ struct CheckSettings {
   /// throws ends the check, whose report is then UNKNOWN. A BatchCheck asks from several threads at
   /// a time. Cost: 10 ns a pair, and what it takes itself; none if it is empty.
   MayIgnore may_ignore;
+  /// Which list of pairs may_ignore answers from: the caller's number for what is in it, since the
+  /// detector looks at no address. With the number of the check before, not 0, answers are kept and
+  /// it is asked about no pair again; give another whenever any answer changes. 0: asked anew.
+  std::uint64_t ignore_revision = 0;
 };
 
 /// Runs the check. Holds scratch memory only: the answer depends on (scene, poses and voxels,

@@ -123,7 +123,7 @@ const CollisionReport& CollisionDetector::run(const BodyPoses& poses) {
   listBoxes();
   report_.nb_answered_natively = ladder_->numAnsweredNatively();
   clock.split(report_.times.narrow_phase);
-  if (ignored_->isAsking()) ignored_->list(report_.ignored);
+  if (ignored_->isAsking()) report_.ignored = ignored_->list();
   const bool has_pairs = noteUnchecked();
   found_->assemble(*scene_, has_pairs, !settings_.verdict_only, report_);  // one per pair of models
   whole.split(report_.times.total);
@@ -132,7 +132,7 @@ const CollisionReport& CollisionDetector::run(const BodyPoses& poses) {
 
 void CollisionDetector::beginPairs() {
   found_->clear();
-  ignored_->begin(settings_.may_ignore);
+  ignored_->begin(settings_.may_ignore, settings_.ignore_revision);
   report_.ignored.clear();
   report_.verdict = Verdict::UNKNOWN;  // should the predicate throw
   report_.in_collision = true;

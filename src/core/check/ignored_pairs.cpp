@@ -14,20 +14,35 @@ std::size_t hashOf(const IgnoredPairs::Pair& pair) {
 
 }  // namespace
 
+void IgnoredPairs::begin(const MayIgnore& may_ignore, std::uint64_t revision) {
+  may_ignore_ = may_ignore ? &may_ignore : nullptr;
+  ++check_;
+  left_out_.clear();
+  const bool is_same = revision == std::exchange(revision_, revision);
+  if (revision != 0 && is_same) return;
+  ++asking_;
+  nb_answers_ = 0;
+}
+
 bool IgnoredPairs::has(std::uint32_t model_a, std::uint32_t model_b) {
   if (!may_ignore_) return false;
   const Pair pair = std::minmax(model_a, model_b);
   if (answers_.size() < 2 * (nb_answers_ + 1)) grow();
-  if (const Answer& known = find(pair); known.check == check_) return known.is_ignored;
-  const bool is_ignored = (*may_ignore_)(pair.first, pair.second);
-  find(pair) = {pair, check_, is_ignored};
-  ++nb_answers_;
-  return is_ignored;
+  Answer known = find(pair);
+  if (known.asked_in == asking_ && known.met_in == check_) return known.is_ignored;
+  if (known.asked_in != asking_) {
+    known = {pair, asking_, check_, (*may_ignore_)(pair.first, pair.second)};
+    ++nb_answers_;
+  }
+  known.met_in = check_;
+  find(pair) = known;
+  if (known.is_ignored) left_out_.push_back(pair);
+  return known.is_ignored;
 }
 
 IgnoredPairs::Answer& IgnoredPairs::find(const Pair& pair) {
   std::size_t i = hashOf(pair) & (answers_.size() - 1);
-  while (answers_[i].check == check_ && answers_[i].pair != pair) {
+  while (answers_[i].asked_in == asking_ && answers_[i].pair != pair) {
     i = (i + 1) & (answers_.size() - 1);
   }
   return answers_[i];
@@ -37,17 +52,13 @@ void IgnoredPairs::grow() {
   std::vector<Answer> before(std::max(FIRST_SIZE, 2 * answers_.size()));
   before.swap(answers_);
   for (const Answer& answer : before) {
-    if (answer.check == check_) find(answer.pair) = answer;
+    if (answer.asked_in == asking_) find(answer.pair) = answer;
   }
 }
 
-void IgnoredPairs::list(std::vector<Pair>& pairs) const {
-  pairs.clear();
-  if (nb_answers_ == 0) return;
-  for (const Answer& answer : answers_) {
-    if (answer.check == check_ && answer.is_ignored) pairs.push_back(answer.pair);
-  }
-  std::sort(pairs.begin(), pairs.end());
+const std::vector<IgnoredPairs::Pair>& IgnoredPairs::list() {
+  std::sort(left_out_.begin(), left_out_.end());
+  return left_out_;
 }
 
 bool allowsMoreThan(const std::vector<IgnoredPairs::Pair>& ignored, const CollisionScene& scene,

@@ -1,0 +1,142 @@
+// Lists of pairs are known by what the caller says of them, never by where they are.
+#include <map>
+#include <optional>
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "collision_pairs/collision_detector.h"
+#include "random_case.h"
+
+namespace collision_pairs {
+namespace {
+
+using ModelPair = std::pair<std::uint32_t, std::uint32_t>;
+
+/// What of a report depends on the pairs that are left out.
+void expectSame(const CollisionReport& found, const CollisionReport& wanted) {
+  EXPECT_EQ(found.verdict, wanted.verdict);
+  EXPECT_EQ(found.min_distance, wanted.min_distance);
+  EXPECT_EQ(found.ignored, wanted.ignored);
+  EXPECT_EQ(found.candidates, wanted.candidates);
+  ASSERT_EQ(found.pairs.size(), wanted.pairs.size());
+  for (std::size_t i = 0; i < found.pairs.size(); ++i) {
+    EXPECT_EQ(found.pairs[i].first, wanted.pairs[i].first);
+    EXPECT_EQ(found.pairs[i].second, wanted.pairs[i].second);
+    EXPECT_EQ(found.pairs[i].distance, wanted.pairs[i].distance);
+  }
+}
+
+CheckSettings randomSettings(RandomInputs& random) {
+  CheckSettings settings;
+  settings.alarm_distance = random.integer(0, 1) ? 0.1 : 0.0;
+  settings.min_distance = random.integer(0, 1);
+  settings.verdict_only = random.integer(0, 3) == 0;
+  return settings;
+}
+
+/// An allowed collision matrix that changes in place, and counts who asks.
+struct Matrix {
+  int salt = 0;
+  std::map<ModelPair, int> asked;
+
+  MayIgnore predicate() {
+    return [this](std::uint32_t first, std::uint32_t second) {
+      ++asked[{first, second}];
+      return ignores(first, second);
+    };
+  }
+  bool ignores(std::uint32_t first, std::uint32_t second) const {
+    return (31 * first + 17 * second + static_cast<std::uint32_t>(salt)) % 5 < 2;
+  }
+};
+
+// 0 is no number of a list: it keeps nothing, and does not hide that the number has changed.
+TEST(AListOfPairs, IsAskedOncePerNumberAndAnewWhenItChanges) {
+  RandomInputs random;
+  int nb_kept = 0, nb_ignored = 0;
+  for (int round = 0; round < 60; ++round) {
+    const RandomCase its(random);
+    const auto scene = CollisionScene::build(its.description);
+    CollisionDetector detector(scene), fresh(scene);
+    Matrix matrix, other;
+    const MayIgnore predicate = matrix.predicate();  // one address for all lists
+    std::uint64_t revision = 0;
+    for (int check = 0; check < 40; ++check) {
+      if (random.integer(0, 4) == 0) {
+        const std::uint64_t before = revision;
+        revision = static_cast<std::uint64_t>(random.integer(0, 3));
+        if (revision == 0 || revision != before) matrix.asked.clear();
+      } else if (revision == 0) {
+        matrix.asked.clear();
+      }
+      matrix.salt = revision == 0 ? check : static_cast<int>(revision);
+      const BodyPoses poses = randomPosesOf(random, its, *scene);
+      CheckSettings settings = randomSettings(random);
+      other.salt = matrix.salt;
+      settings.may_ignore = other.predicate();
+      other.asked.clear();
+      fresh.detect(poses, settings);
+      settings.may_ignore = predicate;
+      settings.ignore_revision = revision;
+      const std::size_t nb_before = matrix.asked.size();
+      expectSame(detector.detect(poses, settings), fresh.report());
+      for (const auto& [pair, times] : matrix.asked) EXPECT_EQ(times, 1);
+      nb_kept += matrix.asked.size() - nb_before < other.asked.size();
+      nb_ignored += !detector.report().ignored.empty();
+    }
+  }
+  EXPECT_GT(nb_kept, 100);
+  EXPECT_GT(nb_ignored, 100);
+}
+
+TEST(ASelection, ThatIsBuiltWhereAnotherWasIsNotTakenForIt) {
+  RandomInputs random;
+  int nb_differing = 0;
+  for (int round = 0; round < 60; ++round) {
+    const RandomCase its(random);
+    const auto scene = CollisionScene::build(its.description);
+    const BodyPoses poses = randomPosesOf(random, its, *scene);
+    CollisionDetector detector(scene);
+    std::optional<PairSelection> place(std::in_place, scene, Restriction{});
+    CheckSettings settings;
+    settings.selection = std::shared_ptr<const PairSelection>(std::shared_ptr<void>(), &*place);
+    std::size_t nb_pairs = 0;
+    for (const auto among : {PairSelection::Among::SELF, PairSelection::Among::WORLD}) {
+      place.emplace(scene, Restriction{}, among);
+      CheckSettings anew = settings;
+      anew.selection = std::make_shared<PairSelection>(scene, Restriction{}, among);
+      CollisionDetector fresh(scene);
+      expectSame(detector.detect(poses, settings), fresh.detect(poses, anew));
+      nb_differing +=
+          detector.report().pairs.size() != std::exchange(nb_pairs, detector.report().pairs.size());
+    }
+  }
+  EXPECT_GT(nb_differing, 20);
+}
+
+// A scene, too: a detector keeps its own alive, and a selection must be of that one.
+TEST(AListOfPairs, OfAnotherSceneIsNotAskedForThisOne) {
+  RandomInputs random;
+  for (int round = 0; round < 40; ++round) {
+    const RandomCase its(random);
+    Matrix matrix;
+    CheckSettings settings;
+    settings.may_ignore = matrix.predicate();
+    settings.ignore_revision = 1;
+    std::optional<CollisionDetector> detector;
+    for (const int salt : {0, 1, 2}) {
+      const auto scene = CollisionScene::build(its.description);
+      const BodyPoses poses = randomPosesOf(random, its, *scene);
+      matrix.salt = salt;
+      detector.emplace(scene);  // where the one before was, which has asked for revision 1
+      CheckSettings anew = settings;
+      anew.ignore_revision = 0;
+      CollisionDetector fresh(scene);
+      expectSame(detector->detect(poses, settings), fresh.detect(poses, anew));
+    }
+  }
+}
+
+}  // namespace
+}  // namespace collision_pairs
