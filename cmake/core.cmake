@@ -28,6 +28,7 @@ add_library(collision_pairs SHARED
   src/core/broad_phase/sweep_kernel.cpp
   src/core/check/batch_check.cpp
   src/core/check/check_input.cpp
+  src/core/check/cloud_pairs.cpp
   src/core/check/collision_detector.cpp
   src/core/check/element_boxes.cpp
   src/core/check/found_pairs.cpp

@@ -11,6 +11,7 @@
 // - pair_ladder: how far apart is one pair, at one fidelity or by finer and finer ones?
 // - timed_climb: which pairs are settled first if there is a deadline?
 // - minimum_search.cpp: which pairs can have the smallest distance, and what is it?
+// - cloud_pairs.cpp: which elements are near which clouds, and how near?
 // - voxel_search: which voxel of a cloud is nearest to an element?
 // - found_pairs: what is reported of two models whose elements were found?
 #pragma once
