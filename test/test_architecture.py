@@ -46,6 +46,15 @@ def test_one_file_knows_fcl():
     assert len(files) == 1, files
 
 
+def test_only_the_detector_for_moveit_knows_moveit():
+    knowing = {file for folder in ("include", "src", "test") for file, what in included_in(folder)
+               if what.startswith("moveit/")}
+    assert knowing and all(file.startswith("src/planners/moveit/") for file in knowing), knowing
+    # What can be tested without MoveIt stands in files without it.
+    assert not knowing & {"src/planners/moveit/moveit_%s" % name
+                          for name in ("bodies.h", "scene.h", "scene.cpp", "shapes.h", "shapes.cpp")}
+
+
 def headers_below(folder):
     return {name for _, _, names in os.walk(os.path.join(PROJECT, folder)) for name in names if name.endswith(".h")}
 
@@ -63,6 +72,7 @@ def assert_modules_know_only(below):
 def test_layers_know_only_the_layers_below():
     assert_modules_know_only({"src/core": set(), "src/io": {"src/core"}, "src/messages": {"src/core"},
                               "src/tools": {"src/messages", "src/io", "src/core"},
+                              "src/planners": {"src/messages", "src/core"},
                               "src/python": {"src/io", "src/core"},
                               "src/ros": {"src/messages", "src/io", "src/core"},
                               "src/demo": {"src/ros", "src/messages", "src/io", "src/core"}})

@@ -15,6 +15,7 @@ EXCUSED = {
     "missing_file": "it does not follow list(TRANSFORM)",
     "unconfigured_build_depend": "Debian's roslz4 has no CMake configuration: CMakeLists.txt asks find_library",
     "unguarded_test_depend": "OMPL is looked for quietly, and used by a test only",
+    "plugin_depend": "MoveIt is optional: that dependency has a condition",
     "missing_depend": "octomap is for a benchmark only, behind a switch that is off"}
 
 

@@ -4,6 +4,7 @@
 #include <functional>
 
 #include "collision_pairs/input_error.h"
+#include "cone.h"
 #include "geometry_conversions.h"
 
 namespace collision_pairs {
@@ -12,9 +13,6 @@ namespace {
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
 using shape_msgs::SolidPrimitive;
-
-constexpr double PI = 3.14159265358979323846;
-constexpr int CONE_SIDES = 64;
 
 std::vector<double> sizesOf(const SolidPrimitive& primitive, const char* shape,
                             const std::vector<const char*>& meaning) {
@@ -26,19 +24,6 @@ std::vector<double> sizesOf(const SolidPrimitive& primitive, const char* shape,
   throw InputError(std::string("a ") + shape + " has " +
                    std::to_string(primitive.dimensions.size()) + " dimensions, but needs " +
                    std::to_string(meaning.size()) + ": " + rule);
-}
-
-// A pyramid that circumscribes the cone. Apex at +z.
-Shape pyramidAround(double height, double radius) {
-  auto mesh = std::make_shared<TriangleMesh>();
-  mesh->name = "cone";
-  const double outer = radius / std::cos(PI / CONE_SIDES);
-  for (int i = 0; i < CONE_SIDES; ++i) {
-    const double angle = 2.0 * PI * i / CONE_SIDES;
-    mesh->vertices.emplace_back(outer * std::cos(angle), outer * std::sin(angle), -0.5 * height);
-  }
-  mesh->vertices.emplace_back(0.0, 0.0, 0.5 * height);
-  return Convex{mesh};
 }
 
 Shape toShape(const SolidPrimitive& primitive) {
@@ -56,7 +41,7 @@ Shape toShape(const SolidPrimitive& primitive) {
     case SolidPrimitive::CONE: {
       const auto d = sizesOf(primitive, "cone", {"height", "radius"});
       if (!(d[0] >= 0.0 && d[1] >= 0.0)) throw InputError("a cone has a negative size");
-      return pyramidAround(d[SolidPrimitive::CONE_HEIGHT], d[SolidPrimitive::CONE_RADIUS]);
+      return pyramidAroundCone(d[SolidPrimitive::CONE_RADIUS], d[SolidPrimitive::CONE_HEIGHT]);
     }
     default:
       throw InputError("type " + std::to_string(primitive.type) +

@@ -1,0 +1,320 @@
+#include "moveit_check.h"
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+
+#include <ros/console.h>
+
+namespace collision_pairs {
+namespace {
+
+namespace AllowedCollision = collision_detection::AllowedCollision;
+using collision_detection::CollisionRequest;
+using collision_detection::CollisionResult;
+using collision_detection::DistanceRequest;
+namespace DistanceRequestType = collision_detection::DistanceRequestTypes;
+using collision_detection::DistanceResult;
+using collision_detection::DistanceResultsData;
+using MoveitContact = collision_detection::Contact;
+namespace BodyTypes = collision_detection::BodyTypes;
+
+constexpr double FARTHEST = 1e6;  // metres: nothing is measured beyond
+
+collision_detection::BodyType typeOf(const MoveitBody* moving) {
+  if (!moving) return BodyTypes::WORLD_OBJECT;
+  return moving->is_attached ? BodyTypes::ROBOT_ATTACHED : BodyTypes::ROBOT_LINK;
+}
+
+bool isActive(const MoveitLimits& limits, const MoveitBody* body) {
+  if (limits.active_links.empty()) return true;
+  return body && limits.active_links[static_cast<std::size_t>(body->link)];
+}
+
+/// Which pairs a check leaves out. Conditional ones wait for their contacts.
+class Rules {
+ public:
+  Rules(const MoveitScene& scene, const MoveitLimits& limits, bool has_conditions)
+      : scene_(scene), models_(scene.scene().models()), limits_(limits),
+        has_conditions_(has_conditions) {}
+
+  bool leaveOut(std::uint32_t first, std::uint32_t second) {
+    const CollisionModel &a = models_[first], &b = models_[second];
+    if (MoveitScene::isPlaceholder(a.body < 0 ? a.name : b.name)) return true;
+    const AllowedContact allowed = allowedBy(limits_, scene_.movingOf(a), scene_.nameOf(a),
+                                             scene_.movingOf(b), scene_.nameOf(b));
+    if (allowed != AllowedContact::CONDITIONAL || !has_conditions_) {
+      return allowed == AllowedContact::ALWAYS;
+    }
+    conditional_.emplace_back(first, second);
+    return true;
+  }
+
+  /// Sorted, once all was asked.
+  std::vector<std::pair<std::uint32_t, std::uint32_t>>& conditional() { return conditional_; }
+
+  collision_detection::DecideContactFn conditionOf(const PairReport& pair) const {
+    collision_detection::DecideContactFn condition;
+    limits_.matrix->getAllowedCollision(scene_.nameOf(models_[pair.first]),
+                                        scene_.nameOf(models_[pair.second]), condition);
+    return condition;
+  }
+
+ private:
+  const MoveitScene& scene_;
+  const std::vector<CollisionModel>& models_;
+  const MoveitLimits& limits_;
+  bool has_conditions_;
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> conditional_;
+};
+
+bool setPoses(const MoveitScene& scene, const moveit::core::RobotState& state, BodyPoses& poses) {
+  poses.resize(scene.scene().bodies().size());
+  const auto& links = state.getRobotModel()->getLinkModels();
+  for (std::size_t i = 0; i < poses.X_WB.size(); ++i) {
+    const MoveitBody& body = scene.moving(i);
+    poses.X_WB[i] = state.getGlobalLinkTransform(links[static_cast<std::size_t>(body.link)]);
+    if (body.is_attached) poses.X_WB[i] = poses.X_WB[i] * state.getAttachedBody(body.name)->getPose();
+  }
+  if (!state.dirtyLinkTransforms()) return true;
+  warnRarely("the state's link transforms are not up to date: call RobotState::update()");
+  return false;
+}
+
+CheckSettings settingsFor(const MoveitScene& scene, const MoveitLimits& limits, Rules& rules) {
+  CheckSettings settings;
+  settings.alarm_distance = 0.0;
+  settings.may_ignore = [&rules](std::uint32_t a, std::uint32_t b) { return rules.leaveOut(a, b); };
+  if (!limits.active_links.empty()) settings.selection = scene.selectionOf(limits.active_links);
+  return settings;
+}
+
+void warnOfUnknown(const MoveitScene& scene, const CollisionReport& report) {
+  std::string text = "not certain, and so taken for a collision:";
+  const auto& models = scene.scene().models();
+  for (const std::uint32_t m : report.left_out) {
+    text += " '" + scene.nameOf(models[m]) + "' has no finite pose or box;";
+  }
+  for (const PairReport& pair : report.pairs) {
+    if (pair.state != PairState::UNRESOLVED || !pair.mayTouch()) continue;
+    text += " '" + scene.nameOf(models[pair.first]) + "' and '" +
+            scene.nameOf(models[pair.second]) + "';";
+  }
+  warnRarely(text + " " + report.unchecked);
+}
+
+MoveitContact toMoveit(const MoveitScene& scene, const PairReport& pair, const Contact& contact) {
+  const CollisionModel& first = scene.scene().models()[pair.first];
+  const CollisionModel& second = scene.scene().models()[pair.second];
+  MoveitContact made;
+  made.pos = 0.5 * (contact.p_WFirst + contact.p_WSecond);
+  made.normal = contact.nhat_W;
+  made.depth = contact.depth;
+  made.body_name_1 = scene.nameOf(first);
+  made.body_type_1 = typeOf(scene.movingOf(first));
+  made.body_name_2 = scene.nameOf(second);
+  made.body_type_2 = typeOf(scene.movingOf(second));
+  made.percent_interpolation = 0.0;
+  made.nearest_points[0] = contact.p_WFirst;
+  made.nearest_points[1] = contact.p_WSecond;
+  return made;
+}
+
+std::pair<std::string, std::string> sortedNames(const MoveitScene& scene, const PairReport& pair) {
+  const auto& models = scene.scene().models();
+  return std::minmax(scene.nameOf(models[pair.first]), scene.nameOf(models[pair.second]));
+}
+
+std::vector<const Contact*> deepestFirst(const CollisionReport& report, const PairReport& pair) {
+  std::vector<const Contact*> contacts;
+  for (std::uint32_t i = 0; i < pair.nb_contacts; ++i) {
+    contacts.push_back(&report.contacts[pair.first_contact + i]);
+  }
+  std::stable_sort(contacts.begin(), contacts.end(),
+                   [](const Contact* a, const Contact* b) { return a->depth > b->depth; });
+  return contacts;
+}
+
+class Results {
+ public:
+  Results(const MoveitScene& scene, const CollisionRequest& request, CollisionResult& result)
+      : scene_(scene), request_(request), result_(result) {}
+
+  bool wantsContacts() const {
+    return request_.contacts && result_.contact_count < request_.max_contacts;
+  }
+  bool isDone() {
+    return is_done_ || (result_.collision && !wantsContacts());
+  }
+
+  void take(const CollisionReport& report, const Rules* conditions) {
+    if (report.verdict == Verdict::UNKNOWN) warnOfUnknown(scene_, report);
+    if (!conditions && report.verdict != Verdict::FREE) result_.collision = true;
+    if (conditions && !report.left_out.empty()) result_.collision = true;
+    for (const PairReport& pair : report.pairs) {
+      if (isDone()) return;
+      if (pair.mayTouch()) takePair(report, pair, conditions);
+      if (!is_done_ && request_.is_done) is_done_ = request_.is_done(result_);
+    }
+  }
+
+ private:
+  void takePair(const CollisionReport& report, const PairReport& pair, const Rules* conditions) {
+    if (pair.state == PairState::UNRESOLVED) result_.collision = true;
+    collision_detection::DecideContactFn condition;
+    if (conditions) condition = conditions->conditionOf(pair);
+    const auto names = sortedNames(scene_, pair);
+    if (request_.verbose) {
+      ROS_INFO_STREAM_NAMED("collision_detection.collision_pairs",
+                            "'" << names.first << "' and '" << names.second << "' are in contact");
+    }
+    for (const Contact* contact : deepestFirst(report, pair)) {
+      MoveitContact made = toMoveit(scene_, pair, *contact);
+      if (condition && condition(made)) continue;
+      result_.collision = true;
+      if (!wantsContacts()) return;
+      auto& of_pair = result_.contacts[names];
+      if (of_pair.size() >= request_.max_contacts_per_pair) return;
+      of_pair.push_back(made);
+      ++result_.contact_count;
+    }
+  }
+
+  const MoveitScene& scene_;
+  const CollisionRequest& request_;
+  CollisionResult& result_;
+  bool is_done_ = false;
+};
+
+DistanceResultsData toMoveit(const MoveitScene& scene, const CollisionModel& first,
+                             const CollisionModel& second, const Contact& contact) {
+  DistanceResultsData data;
+  data.distance = -contact.depth;
+  data.nearest_points[0] = contact.p_WFirst;
+  data.nearest_points[1] = contact.p_WSecond;
+  data.normal = contact.nhat_W;
+  data.link_names[0] = scene.nameOf(first);
+  data.link_names[1] = scene.nameOf(second);
+  data.body_types[0] = typeOf(scene.movingOf(first));
+  data.body_types[1] = typeOf(scene.movingOf(second));
+  return data;
+}
+
+void takeSmallest(const DistanceResultsData& data, DistanceResult& result) {
+  if (data.distance < result.minimum_distance.distance) result.minimum_distance = data;
+  if (data.distance <= 0.0) result.collision = true;
+}
+
+void takePairs(const MoveitScene& scene, const CollisionReport& report,
+               const DistanceRequest& request, DistanceResult& result) {
+  const auto& models = scene.scene().models();
+  for (const PairReport& pair : report.pairs) {
+    auto& of_pair = result.distances[sortedNames(scene, pair)];
+    for (const Contact* contact : deepestFirst(report, pair)) {
+      const auto data = toMoveit(scene, models[pair.first], models[pair.second], *contact);
+      takeSmallest(data, result);
+      const std::size_t most =
+          request.type == DistanceRequestType::SINGLE    ? 1
+          : request.type == DistanceRequestType::LIMITED ? request.max_contacts_per_body
+                                                         : of_pair.max_size();
+      if (of_pair.size() >= most) break;
+      of_pair.push_back(data);
+    }
+  }
+}
+
+}  // namespace
+
+void warnRarely(const std::string& text) {
+  static std::atomic<std::int64_t> last{-1};
+  const auto now = std::chrono::duration_cast<std::chrono::seconds>(
+                       std::chrono::steady_clock::now().time_since_epoch())
+                       .count();
+  if (last.exchange(now) != now) ROS_WARN_STREAM_NAMED("collision_detection.collision_pairs", text);
+}
+
+std::vector<char> activeLinks(const moveit::core::RobotModel& robot,
+                              const std::set<const moveit::core::LinkModel*>* links) {
+  std::vector<char> active;
+  if (!links) return active;
+  active.assign(robot.getLinkModelCount(), 0);
+  for (const moveit::core::LinkModel* link : *links) {
+    active[static_cast<std::size_t>(link->getLinkIndex())] = 1;
+  }
+  return active;
+}
+
+AllowedContact allowedBy(const MoveitLimits& limits, const MoveitBody* a, const std::string& name_a,
+                         const MoveitBody* b, const std::string& name_b) {
+  if (!isActive(limits, a) && !isActive(limits, b)) return AllowedContact::ALWAYS;
+  return allowedContact(a, b, [&] {
+    AllowedCollision::Type type;
+    const bool has_entry = limits.matrix && limits.matrix->getAllowedCollision(name_a, name_b, type);
+    if (!has_entry || type == AllowedCollision::NEVER) return AllowedContact::NEVER;
+    return type == AllowedCollision::ALWAYS ? AllowedContact::ALWAYS : AllowedContact::CONDITIONAL;
+  });
+}
+
+void addCollisions(const MoveitScene& scene, const moveit::core::RobotState& state,
+                    const MoveitLimits& limits, const CollisionRequest& request,
+                    CollisionResult& result) {
+  if (request.cost) warnRarely("costs of collisions are not computed");
+  if (!scene.hasPairs()) return;
+  MoveitScene::Lease worker(scene);
+  if (!setPoses(scene, state, worker->poses)) {
+    result.collision = true;
+    return;
+  }
+  Results results(scene, request, result);
+  Rules rules(scene, limits, true);
+  CheckSettings settings = settingsFor(scene, limits, rules);
+  settings.verdict_only = !results.wantsContacts();
+  results.take(worker->detector.detect(worker->poses, settings), nullptr);
+  if (rules.conditional().empty() || results.isDone()) return;
+
+  auto& conditional = rules.conditional();
+  std::sort(conditional.begin(), conditional.end());
+  settings.verdict_only = false;
+  settings.may_ignore = [&](std::uint32_t a, std::uint32_t b) {
+    return !std::binary_search(conditional.begin(), conditional.end(), std::make_pair(a, b));
+  };
+  results.take(worker->detector.detect(worker->poses, settings), &rules);
+}
+
+void addDistances(const MoveitScene& scene, const moveit::core::RobotState& state,
+                     const MoveitLimits& limits, const DistanceRequest& request,
+                     DistanceResult& result) {
+  if (!scene.hasPairs()) return;
+  MoveitScene::Lease worker(scene);
+  Rules rules(scene, limits, false);  // a pair that may touch on a condition has a distance
+  CheckSettings settings = settingsFor(scene, limits, rules);
+  const bool is_global = request.type == DistanceRequestType::GLOBAL;
+  settings.min_distance = is_global;
+  if (!is_global) {
+    settings.alarm_distance = std::clamp(request.distance_threshold, 0.0, FARTHEST);
+  }
+  bool is_unknown = !setPoses(scene, state, worker->poses);
+  if (!is_unknown) {
+    const CollisionReport& report = worker->detector.detect(worker->poses, settings);
+    is_unknown = report.verdict == Verdict::UNKNOWN;
+    if (is_unknown) warnOfUnknown(scene, report);
+    if (!is_global) {
+      takePairs(scene, report, request, result);
+    } else if (report.nearest) {
+      const auto& models = scene.scene().models();
+      const auto& elements = scene.scene().elements();
+      takeSmallest(toMoveit(scene, models[elements[report.nearest->elements.first].model],
+                            models[elements[report.nearest->elements.second].model],
+                            *report.nearest),
+                   result);
+    } else if (report.unchecked.empty()) {  // of a pair that is not certain
+      auto& smallest = result.minimum_distance.distance;
+      smallest = std::min(smallest, report.min_distance);
+    }
+  }
+  if (!is_unknown) return;
+  result.collision = true;
+  result.minimum_distance.distance = std::min(result.minimum_distance.distance, 0.0);
+}
+
+}  // namespace collision_pairs

@@ -1,0 +1,140 @@
+#include "moveit_scene.h"
+
+#include <algorithm>
+#include <map>
+
+namespace collision_pairs {
+namespace {
+
+constexpr char PLACEHOLDER[] = "placeholder of collision_pairs";
+constexpr std::size_t MAX_SELECTIONS = 16;  // more groups than that take turns
+
+// Each body is a robot of one link, which saves a URDF for all. Names of objects are MoveIt's: one
+// that is called as a body here is refused.
+std::string prefixOf(const MoveitBody& body) {
+  return (body.is_attached ? "attached body: " : "link of the robot: ") + body.name;
+}
+
+std::string modelName(const MoveitBody& body) { return withPrefix(prefixOf(body), "body"); }
+
+SceneRobot robotOf(const MovingBody& moving) {
+  static const auto robot = RobotModel::fromUrdf(
+      "<robot name=\"robot\"><link name=\"body\"><collision><geometry><sphere radius=\"1\"/>"
+      "</geometry></collision></link></robot>",
+      nullptr);
+  return {robot->withElements([&](const Link&) { return moving.elements; }), Srdf{},
+          prefixOf(moving.body)};
+}
+
+SceneDescription descriptionOf(const std::vector<MovingBody>& moving) {
+  SceneDescription description;
+  for (const MovingBody& one : moving) {
+    description.robots.push_back(robotOf(one));
+    if (one.padding > 0.0) description.settings.link_padding[modelName(one.body)] = one.padding;
+  }
+  description.settings.allow_empty_scene = true;  // as MoveIt: nothing to collide with is free
+  return description;
+}
+
+RigidObject placeholder() {
+  RigidObject object;
+  object.name = PLACEHOLDER;
+  object.elements.push_back({Sphere{0.0}, Eigen::Isometry3d::Identity()});
+  object.X_PO.translation().z() = -100.0;  // where no box of a robot is
+  return object;
+}
+
+}  // namespace
+
+std::shared_ptr<const MoveitScene> MoveitScene::ofSelf(const std::vector<MovingBody>& moving,
+                                                       SceneCache& cache) {
+  std::shared_ptr<MoveitScene> made(new MoveitScene);
+  made->scene_ = CollisionScene::build(descriptionOf(moving), &cache);
+  made->setMoving(moving);
+  return made;
+}
+
+std::shared_ptr<const MoveitScene> MoveitScene::ofWorld(const std::vector<MovingBody>& moving,
+                                                        std::vector<RigidObject> objects,
+                                                        SceneCache& cache) {
+  std::shared_ptr<MoveitScene> made(new MoveitScene);
+  SceneDescription description = descriptionOf(moving);
+  description.check_self = false;
+  made->nb_objects_ = objects.size();
+  made->is_world_ = true;
+  description.objects = std::move(objects);
+  description.objects.push_back(placeholder());
+  made->scene_ = CollisionScene::build(std::move(description), &cache);
+  made->setMoving(moving);
+  return made;
+}
+
+std::shared_ptr<const MoveitScene> MoveitScene::with(const SceneChanges& changes,
+                                                     SceneCache& cache) const {
+  std::shared_ptr<MoveitScene> made(new MoveitScene);
+  made->scene_ = scene_->with(changes, &cache);
+  made->nb_objects_ = made->scene_->objects().size() - 1;
+  made->is_world_ = true;
+  made->moving_ = moving_;  // its order is that of the names
+  return made;
+}
+
+void MoveitScene::setMoving(const std::vector<MovingBody>& moving) {
+  std::map<std::string, const MovingBody*> by_name;
+  for (const MovingBody& one : moving) by_name[modelName(one.body)] = &one;
+  auto bodies = std::make_shared<std::vector<MoveitBody>>();
+  for (const SceneBody& body : scene_->bodies()) bodies->push_back(by_name.at(body.link)->body);
+  moving_ = std::move(bodies);
+}
+
+bool MoveitScene::hasPairs() const {
+  return !scene_->models().empty() && (!is_world_ || nb_objects_ > 0);
+}
+
+bool MoveitScene::hasObject(const std::string& name) const {
+  const auto& objects = scene_->objects();
+  const auto found = std::lower_bound(
+      objects.begin(), objects.end(), name,
+      [](const auto& object, const std::string& wanted) { return object->name < wanted; });
+  return found != objects.end() && (*found)->name == name;
+}
+
+bool MoveitScene::isPlaceholder(const std::string& object) { return object == PLACEHOLDER; }
+
+std::shared_ptr<const PairSelection> MoveitScene::selectionOf(
+    const std::vector<char>& is_active) const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  for (const auto& [links, selection] : selections_) {
+    if (links == is_active) return selection;
+  }
+  Restriction restriction;
+  for (std::size_t i = 0; i < moving_->size(); ++i) {
+    const MoveitBody& body = (*moving_)[i];
+    if (is_active[static_cast<std::size_t>(body.link)]) {
+      restriction.names.push_back(modelName(body));
+    }
+  }
+  if (restriction.names.empty()) return nullptr;  // nothing that the restriction could name
+  if (selections_.size() == MAX_SELECTIONS) selections_.erase(selections_.begin());
+  selections_.emplace_back(is_active, std::make_shared<PairSelection>(scene_, restriction));
+  return selections_.back().second;
+}
+
+std::unique_ptr<MoveitScene::Worker> MoveitScene::take() const {
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (!idle_.empty()) {
+      auto worker = std::move(idle_.back());
+      idle_.pop_back();
+      return worker;
+    }
+  }
+  return std::make_unique<Worker>(scene_);
+}
+
+void MoveitScene::putBack(std::unique_ptr<Worker> worker) const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  idle_.push_back(std::move(worker));
+}
+
+}  // namespace collision_pairs

@@ -1,0 +1,97 @@
+// Scenes for MoveIt's questions, with detectors for all threads. Without types of MoveIt.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "collision_pairs/collision_detector.h"
+#include "collision_pairs/collision_scene.h"
+#include "moveit_bodies.h"
+
+namespace collision_pairs {
+
+/// A body of a robot whose pose is an input: each link of MoveIt by itself, because it may place
+/// also those apart that fixed joints connect, and each attached body.
+struct MovingBody {
+  MoveitBody body;
+  std::vector<Element> elements;  ///< with X_LE the pose in the frame of the link or attached body
+  double padding = 0.0;           ///< metres, >= 0: a distance kept in every direction
+};
+
+/// A scene, and what MoveIt calls its models. Immutable but for the store of detectors, each of
+/// which serves one thread at a time. W is MoveIt's world frame.
+class MoveitScene {
+ public:
+  /// The moving bodies against each other.
+  static std::shared_ptr<const MoveitScene> ofSelf(const std::vector<MovingBody>& moving,
+                                                   SceneCache& cache);
+  /// The moving bodies against objects, which are static. Cost: a build.
+  static std::shared_ptr<const MoveitScene> ofWorld(const std::vector<MovingBody>& moving,
+                                                    std::vector<RigidObject> objects,
+                                                    SceneCache& cache);
+  /// Only for a scene of a world. Throws InputError; cost: as CollisionScene::with().
+  std::shared_ptr<const MoveitScene> with(const SceneChanges& changes, SceneCache& cache) const;
+
+  const CollisionScene& scene() const { return *scene_; }
+  /// False if nothing can collide: there are no objects, or there is no moving body.
+  bool hasPairs() const;
+  bool hasObject(const std::string& name) const;
+  /// By index in scene().bodies().
+  const MoveitBody& moving(std::size_t body) const { return (*moving_)[body]; }
+  /// Null for a static object, whose model has its name.
+  const MoveitBody* movingOf(const CollisionModel& model) const {
+    return model.body < 0 ? nullptr : &(*moving_)[static_cast<std::size_t>(model.body)];
+  }
+  /// MoveIt's name of the model.
+  const std::string& nameOf(const CollisionModel& model) const {
+    const MoveitBody* moving = movingOf(model);
+    return moving ? moving->name : model.name;
+  }
+  /// A static object that no check may mention: it keeps the class of static objects alive, so
+  /// that the first one comes, and the last one goes, without a build.
+  static bool isPlaceholder(const std::string& object);
+  /// Selects at least all pairs with a body of an active link (indexed by MoveIt's links), and
+  /// more if names of links look like patterns; null: all. Made once for each set of links.
+  std::shared_ptr<const PairSelection> selectionOf(const std::vector<char>& is_active) const;
+
+  struct Worker {
+    explicit Worker(std::shared_ptr<const CollisionScene> scene) : detector(std::move(scene)) {}
+    CollisionDetector detector;
+    BodyPoses poses;
+  };
+  /// A worker for as long as this lives.
+  class Lease {
+   public:
+    explicit Lease(const MoveitScene& scene) : scene_(scene), worker_(scene.take()) {}
+    ~Lease() { scene_.putBack(std::move(worker_)); }
+    Lease(const Lease&) = delete;
+    Lease& operator=(const Lease&) = delete;
+    Worker* operator->() { return worker_.get(); }
+
+   private:
+    const MoveitScene& scene_;
+    std::unique_ptr<Worker> worker_;
+  };
+
+ private:
+  MoveitScene() = default;
+  void setMoving(const std::vector<MovingBody>& moving);
+  std::unique_ptr<Worker> take() const;
+  void putBack(std::unique_ptr<Worker> worker) const;
+
+  std::shared_ptr<const CollisionScene> scene_;
+  std::shared_ptr<const std::vector<MoveitBody>> moving_;
+  std::size_t nb_objects_ = 0;
+  bool is_world_ = false;
+
+  mutable std::mutex mutex_;
+  mutable std::vector<std::unique_ptr<Worker>> idle_;
+  mutable std::vector<std::pair<std::vector<char>, std::shared_ptr<const PairSelection>>>
+      selections_;
+};
+
+}  // namespace collision_pairs

@@ -1,0 +1,55 @@
+// Shapes of MoveIt (geometric_shapes) as elements of collision models. Metres.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+#include <Eigen/Geometry>
+#include <geometric_shapes/shapes.h>
+
+#include "collision_pairs/robot_model.h"
+
+namespace collision_pairs {
+
+/// An occupied leaf of an octree: a cube, in the tree's frame.
+struct OctreeLeaf {
+  double x, y, z;  ///< centre
+  double size;     ///< edge
+  bool operator==(const OctreeLeaf& other) const {
+    return x == other.x && y == other.y && z == other.z && size == other.size;
+  }
+};
+
+/// The occupied leaves, in the order of the tree, pruned ones as they are. O(nodes).
+std::vector<OctreeLeaf> occupiedLeaves(const octomap::OcTree& tree);
+
+/// Turns shapes into elements. Keeps the triangles of meshes for as long as MoveIt keeps the shape,
+/// so that scenes share them. One serves all threads.
+class MoveitShapes {
+ public:
+  /// Appends the shape, scaled about its centre, at X_ME in its model's frame M. A cone becomes
+  /// the 64-sided pyramid around it, an octree one box per occupied leaf. Throws InputError for what
+  /// cannot be checked: a plane, which MoveIt takes for a thin sheet, and unknown types.
+  void append(const shapes::ShapeConstPtr& shape, double scale, const Eigen::Isometry3d& X_ME,
+              std::vector<Element>& elements);
+
+ private:
+  struct Key {
+    std::weak_ptr<const shapes::Shape> shape;
+    double scale;
+    bool operator<(const Key& other) const {
+      const std::owner_less<std::weak_ptr<const shapes::Shape>> less;
+      if (less(shape, other.shape)) return true;
+      return !less(other.shape, shape) && scale < other.scale;
+    }
+  };
+  std::shared_ptr<const TriangleMesh> trianglesOf(const shapes::ShapeConstPtr& shape, double scale);
+
+  std::mutex mutex_;
+  std::map<Key, std::shared_ptr<const TriangleMesh>> meshes_;
+  std::size_t nb_swept_ = 64;  // when to look for shapes that are gone
+};
+
+}  // namespace collision_pairs

@@ -1,0 +1,196 @@
+// What the detector for MoveIt does without types of MoveIt: rules, shapes, scenes.
+#include <cmath>
+#include <limits>
+
+#include <geometric_shapes/shapes.h>
+#include <gmock/gmock.h>
+#include <octomap/OcTree.h>
+
+#include "collision_pairs/input_error.h"
+#include "moveit_bodies.h"
+#include "moveit_scene.h"
+#include "moveit_shapes.h"
+
+namespace collision_pairs {
+namespace {
+
+using Eigen::Isometry3d;
+using Eigen::Translation3d;
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+MoveitBody link(const std::string& name, int index) { return {name, index, false, {}}; }
+
+TEST(AllowedContact, IsThatOfTheMatrixUnlessAnAttachedBodyMayTouch) {
+  int nb_asked = 0;
+  const auto entry = [&] {
+    ++nb_asked;
+    return AllowedContact::CONDITIONAL;
+  };
+  const MoveitBody hand = link("hand", 3), finger = link("finger", 4);
+  const MoveitBody cup{"cup", 3, true, {"finger", "lid"}}, plate{"plate", 3, true, {}};
+  const MoveitBody lid{"lid", 4, true, {}};
+  const auto expectAlways = [&](const MoveitBody& a, const MoveitBody& b) {
+    EXPECT_EQ(allowedContact(&a, &b, entry), AllowedContact::ALWAYS) << a.name << b.name;
+    EXPECT_EQ(allowedContact(&b, &a, entry), AllowedContact::ALWAYS) << a.name << b.name;
+  };
+  expectAlways(cup, finger);  // a touch link
+  expectAlways(cup, plate);   // attached to the same link
+  EXPECT_EQ(nb_asked, 0);
+  EXPECT_EQ(allowedContact(&cup, &hand, entry), AllowedContact::CONDITIONAL);  // carries it
+  EXPECT_EQ(allowedContact(&cup, &lid, entry), AllowedContact::CONDITIONAL);   // no link
+  EXPECT_EQ(allowedContact(&hand, &finger, entry), AllowedContact::CONDITIONAL);
+  EXPECT_EQ(allowedContact(&cup, nullptr, entry), AllowedContact::CONDITIONAL);
+  EXPECT_EQ(nb_asked, 4);
+}
+
+TEST(AContinuousJoint, TurnsTheShorterWay) {
+  EXPECT_NEAR(afterShorterTurn(3.0, -3.0), 2.0 * M_PI - 3.0, 1e-12);
+  EXPECT_NEAR(afterShorterTurn(-3.0, 3.0), 3.0 - 2.0 * M_PI, 1e-12);
+  EXPECT_NEAR(afterShorterTurn(0.5, 1.0), 1.0, 1e-12);
+}
+
+TEST(Shapes, BecomeElementsInTheirPlaces) {
+  MoveitShapes shapes;
+  std::vector<Element> elements;
+  const Isometry3d X_ME(Translation3d(1.0, 2.0, 3.0));
+  shapes.append(std::make_shared<shapes::Box>(1.0, 2.0, 3.0), 2.0, X_ME, elements);
+  shapes.append(std::make_shared<shapes::Cylinder>(1.0, 3.0), 2.0, X_ME, elements);
+  shapes.append(std::make_shared<shapes::Sphere>(1.0), 2.0, X_ME, elements);
+  shapes.append(std::make_shared<shapes::Cone>(1.0, 3.0), 2.0, X_ME, elements);
+  ASSERT_EQ(elements.size(), 4u);
+  EXPECT_EQ(std::get<Box>(elements[0].shape).size, Eigen::Vector3d(2.0, 4.0, 6.0));
+  EXPECT_EQ(std::get<Cylinder>(elements[1].shape).radius, 2.0);
+  EXPECT_EQ(std::get<Cylinder>(elements[1].shape).length, 6.0);
+  EXPECT_EQ(std::get<Sphere>(elements[2].shape).radius, 2.0);
+  EXPECT_EQ(std::get<Convex>(elements[3].shape).mesh->vertices.back(), Eigen::Vector3d(0, 0, 3));
+  for (const Element& element : elements) EXPECT_EQ(element.X_LE.matrix(), X_ME.matrix());
+  const auto plane = std::make_shared<shapes::Plane>(0.0, 0.0, 1.0, 0.0);
+  EXPECT_THROW(shapes.append(plane, 1.0, X_ME, elements), InputError);
+}
+
+TEST(Shapes, ShareTheTrianglesOfAMeshUnlessItIsScaled) {
+  auto mesh = std::make_shared<shapes::Mesh>(3, 1);
+  for (unsigned i = 0; i < 9; ++i) mesh->vertices[i] = i * i;
+  for (unsigned i = 0; i < 3; ++i) mesh->triangles[i] = i;
+  MoveitShapes shapes;
+  std::vector<Element> elements;
+  for (const double scale : {1.0, 1.0, 3.0}) {
+    shapes.append(mesh, scale, Isometry3d::Identity(), elements);
+  }
+  const auto triangles = [&](int i) { return std::get<Mesh>(elements[i].shape).mesh; };
+  EXPECT_EQ(triangles(0), triangles(1));
+  EXPECT_EQ(triangles(0)->vertices[1], Eigen::Vector3d(9, 16, 25));
+  EXPECT_THAT(triangles(0)->triangles[0], ElementsAre(0, 1, 2));
+  EXPECT_NEAR((triangles(2)->vertices[1] - triangles(2)->vertices[0]).norm(),
+              3.0 * (triangles(0)->vertices[1] - triangles(0)->vertices[0]).norm(), 1e-9);
+}
+
+TEST(AnOctree, IsItsOccupiedLeavesOfAnySize) {
+  octomap::OcTree tree(0.5);
+  for (double x : {0.25, 0.75}) {
+    for (double y : {0.25, 0.75}) {
+      for (double z : {0.25, 0.75}) tree.updateNode(octomap::point3d(x, y, z), true);
+    }
+  }
+  tree.updateNode(octomap::point3d(5.25f, 0.25f, 0.25f), true);
+  tree.updateNode(octomap::point3d(-5.25f, 0.25f, 0.25f), false);
+  tree.prune();
+  const std::vector<OctreeLeaf> leaves = occupiedLeaves(tree);
+  EXPECT_THAT(leaves, testing::UnorderedElementsAre(OctreeLeaf{0.5, 0.5, 0.5, 1.0},
+                                                    OctreeLeaf{5.25, 0.25, 0.25, 0.5}));
+  tree.updateNode(octomap::point3d(0.25f, 0.25f, 0.25f), false);
+  EXPECT_FALSE(occupiedLeaves(tree) == leaves);
+}
+
+class AScene : public testing::Test {
+ protected:
+  AScene() {
+    for (int i = 0; i < 3; ++i) {
+      moving_.push_back({link("link[" + std::to_string(i) + "]", i), {ball()}, 0.0});
+    }
+  }
+  static Element ball() { return {Sphere{0.5}, Isometry3d::Identity()}; }
+  static RigidObject objectAt(const std::string& name, double x) {
+    RigidObject object;
+    object.name = name;
+    object.elements = {ball()};
+    object.X_PO.translation().x() = x;
+    return object;
+  }
+  /// The links at x = 0, 10, 20.
+  Verdict check(const MoveitScene& scene, double moved = 0.0) const {
+    MoveitScene::Lease worker(scene);
+    worker->poses.resize(scene.scene().bodies().size());
+    for (std::size_t i = 0; i < worker->poses.X_WB.size(); ++i) {
+      worker->poses.X_WB[i].translation().x() = 10.0 * scene.moving(i).link;
+      if (scene.moving(i).link == 0) worker->poses.X_WB[i].translation().x() += moved;
+    }
+    return worker->detector.detect(worker->poses, CheckSettings()).verdict;
+  }
+  static std::string nameOf(const MoveitScene& scene, std::uint32_t model) {
+    return scene.nameOf(scene.scene().models()[model]);
+  }
+
+  std::vector<MovingBody> moving_;
+  SceneCache cache_;
+};
+
+TEST_F(AScene, HasEachLinkAsABodyOfItsOwn) {
+  const auto self = MoveitScene::ofSelf(moving_, cache_);
+  EXPECT_TRUE(self->hasPairs());
+  EXPECT_EQ(self->scene().bodies().size(), 3u);
+  EXPECT_EQ(check(*self), Verdict::FREE);
+  EXPECT_EQ(check(*self, 9.5), Verdict::COLLISION);  // no two are taken for neighbours
+  moving_[1].padding = 0.3;
+  EXPECT_EQ(check(*MoveitScene::ofSelf(moving_, cache_), 8.8), Verdict::COLLISION);
+  EXPECT_EQ(check(*self, 8.8), Verdict::FREE);
+}
+
+TEST_F(AScene, OfAWorldChangesWithTheFirstAndLastObject) {
+  const auto empty = MoveitScene::ofWorld(moving_, {}, cache_);
+  EXPECT_FALSE(empty->hasPairs());
+  const auto one = empty->with({{objectAt("box[1]", 10.0)}, {}}, cache_);
+  EXPECT_TRUE(one->hasPairs());
+  EXPECT_TRUE(one->hasObject("box[1]"));
+  EXPECT_FALSE(one->hasObject("box[2]"));
+  EXPECT_EQ(check(*one), Verdict::COLLISION);
+  EXPECT_EQ(check(*one, 10.0), Verdict::COLLISION);
+  const auto moved = one->with({{objectAt("box[1]", 30.0)}, {}}, cache_);
+  EXPECT_EQ(check(*moved), Verdict::FREE);
+  EXPECT_EQ(check(*moved, 10.0), Verdict::FREE);  // links are not checked against each other
+  EXPECT_FALSE(moved->with({{}, {"box[1]"}}, cache_)->hasPairs());
+  EXPECT_EQ(&moved->scene().robot(), &empty->scene().robot());
+}
+
+TEST_F(AScene, CallsItsModelsAsMoveItDoes) {
+  moving_.push_back({{"box", 2, true, {}}, {ball()}, 0.0});  // attached, called as an object
+  const auto world = MoveitScene::ofWorld(moving_, {objectAt("box", 50.0)}, cache_);
+  std::vector<std::string> links, attached, objects;
+  for (std::uint32_t m = 0; m < world->scene().models().size(); ++m) {
+    const CollisionModel& model = world->scene().models()[m];
+    const MoveitBody* body = world->movingOf(model);
+    if (!body && MoveitScene::isPlaceholder(model.name)) continue;
+    (!body ? objects : body->is_attached ? attached : links).push_back(nameOf(*world, m));
+  }
+  EXPECT_THAT(links, ElementsAre("link[0]", "link[1]", "link[2]"));
+  EXPECT_THAT(attached, ElementsAre("box"));
+  EXPECT_THAT(objects, ElementsAre("box"));
+}
+
+TEST_F(AScene, SelectsWhatIsActive) {
+  const auto self = MoveitScene::ofSelf(moving_, cache_);
+  const auto selection = self->selectionOf({0, 1, 0});
+  ASSERT_TRUE(selection);
+  EXPECT_EQ(selection, self->selectionOf({0, 1, 0}));
+  EXPECT_NE(selection, self->selectionOf({1, 1, 0}));
+  for (std::uint32_t a = 0; a < 3; ++a) {
+    for (std::uint32_t b = 0; b < a; ++b) {
+      const bool is_active = nameOf(*self, a) == "link[1]" || nameOf(*self, b) == "link[1]";
+      EXPECT_EQ(selection->filter().allowed(a, b), is_active);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace collision_pairs
