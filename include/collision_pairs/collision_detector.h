@@ -71,9 +71,9 @@ struct CheckSettings {
   /// The pairs that the check is limited to, of the same scene. Null: all that the scene allows.
   std::shared_ptr<const PairSelection> selection;
   /// Leaves out pairs for which it returns true, and lists them in CollisionReport::ignored: an
-  /// allowed collision matrix that changes from check to check. Asked only about pairs whose boxes
-  /// are no further apart than the alarm distance, or than the smallest distance found so far if
-  /// that is searched for, and once per check. Its time is not limited by the time budget. What it
+  /// allowed collision matrix that changes from check to check. Asked only about pairs whose boxes,
+  /// with verdict_only looser ones, are within the alarm distance, or the smallest distance found so
+  /// far if that is searched for; once per check. The time budget does not limit its time. What it
   /// throws ends the check, whose report is then UNKNOWN. A BatchCheck asks from several threads at
   /// a time. Cost: 10 ns a pair, and what it takes itself; none if it is empty.
   MayIgnore may_ignore;

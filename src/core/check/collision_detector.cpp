@@ -241,6 +241,7 @@ bool CollisionDetector::isAsked(const BoxPair& pair) const {
 void CollisionDetector::sortByOverlap() {
   by_gap_.clear();
   for (const BoxPair& pair : report_.candidates) {
+    if (isIgnored(pair)) continue;  // at less cost than tight boxes
     const Aabb &a = boxes_->boxes()[pair.first], &b = boxes_->boxes()[pair.second];
     const double gap = (a.min.cwiseMax(b.min) - a.max.cwiseMin(b.max)).maxCoeff();
     by_gap_.emplace_back(gap, pair);
@@ -254,8 +255,6 @@ void CollisionDetector::sortByOverlap() {
 // OBBs or hulls dismiss most pairs of loose boxes at less cost than two tight boxes.
 void CollisionDetector::measureCandidates(bool are_loose) {
   const double squared_reach = squaredReach(settings_.alarm_distance);
-  const bool asks = are_loose && ignored_->isAsking();
-  const bool tight_first = asks || !settings_.verdict_only;
   if (settings_.verdict_only) sortByOverlap();
   for (const BoxPair& candidate : settings_.verdict_only ? reached_ : report_.candidates) {
     const BoxPair pair = ladder_->byModel(candidate);
@@ -263,8 +262,9 @@ void CollisionDetector::measureCandidates(bool are_loose) {
       boxes_->place(pair.first);
       boxes_->place(pair.second);
       const bool by_boxes = ladder_->rungOf(pair, settings_.fidelity) == Fidelity::AABB;
-      if ((tight_first || by_boxes) && !boxes_->inReach(pair, squared_reach)) continue;
-      if (asks && isIgnored(pair)) continue;
+      const bool tight_first = by_boxes || !settings_.verdict_only;
+      if (tight_first && !boxes_->inReach(pair, squared_reach)) continue;
+      if (!settings_.verdict_only && isIgnored(pair)) continue;
     }
     const auto [found, rung] = settings_.verdict_only
                                    ? ladder_->touches(pair, settings_.fidelity)
