@@ -71,8 +71,10 @@ Surroundings::Certificate CertifiedSurroundings::certify(const StoppingTube& tub
   }
   const MotionReport& report = motions_.check(motion, settings, state_.placed, state_.voxels);
   Certificate certificate;
-  // If all that there is to check is left out, it is the caller's to bound.
-  certificate.is_free = report.verdict == Verdict::FREE || report.unchecked != scene_->unchecked();
+  // If all that there is to check is left out, it is the caller's to bound; but not what is
+  // unknown.
+  const bool is_all_left_out = report.unchecked != scene_->unchecked() && report.pairs.empty();
+  certificate.is_free = report.verdict == Verdict::FREE || is_all_left_out;
   if (certificate.is_free) return certificate;
   certificate.why = report.unchecked;
   if (!report.pairs.empty()) {
