@@ -108,7 +108,8 @@ struct CollisionReport {
   /// unless CheckSettings::list_boxes is set.
   std::vector<Aabb> boxes;
   /// Pairs of models, first < second, sorted, that CheckSettings::may_ignore left out: nothing is
-  /// said of them, FREE included. If the check may end early, those met until then.
+  /// said of them, FREE included. With verdict_only also those of which only looser boxes are in
+  /// reach; with max_contacts or is_enough those met until the check ended.
   std::vector<std::pair<std::uint32_t, std::uint32_t>> ignored;
   /// Models without a usable pose, and clouds whose voxels are unknown or truncated; ascending.
   std::vector<std::uint32_t> left_out;

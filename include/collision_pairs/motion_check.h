@@ -14,7 +14,8 @@
 namespace collision_pairs {
 
 /// What one pair of models keeps, metres; negative: the pair is left out, also where it touches.
-/// FREE says nothing of it, and is not said if every pair is left out.
+/// FREE says nothing of it, and is not said if every pair is left out (but for
+/// SceneSettings::allow_empty_scene).
 struct PairClearance {
   std::uint32_t first = 0, second = 0;
   double clearance = 0.0;

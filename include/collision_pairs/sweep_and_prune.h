@@ -136,7 +136,7 @@ class SweepAndPrune {
   /// Starts a cycle. alarm_distance in metres, 0 to 1e150, otherwise throws std::invalid_argument.
   /// The pointers are borrowed until end() and may be null (no static boxes; every pair of two
   /// models is allowed). `moving`: what the filter says of the boxes that will be added; up to 160
-  /// boxes then take half the time.
+  /// boxes then take two thirds of the time.
   void begin(double alarm_distance, const StaticBoxes* static_boxes = nullptr,
              const PairFilter* filter = nullptr, const AllowedBoxPairs* moving = nullptr);
 

@@ -62,7 +62,9 @@ CollisionDetector::CollisionDetector(std::shared_ptr<const CollisionScene> scene
   const auto& models = boxes_->models();
   const auto begin = models.begin() + scene_->nbStaticElements();
   const auto end = models.begin() + scene_->endOfMovingElements();
-  if (end - begin <= MOST_LISTED) allowed_.emplace(std::vector<std::uint32_t>(begin, end), scene_->filter());
+  if (end - begin <= MOST_LISTED) {
+    allowed_.emplace(std::vector<std::uint32_t>(begin, end), scene_->filter());
+  }
 }
 
 CollisionDetector::~CollisionDetector() = default;
