@@ -145,6 +145,8 @@ TEST_F(AScene, HasEachLinkAsABodyOfItsOwn) {
   moving_[1].padding = 0.3;
   EXPECT_EQ(check(*MoveitScene::ofSelf(moving_, cache_), 8.8), Verdict::COLLISION);
   EXPECT_EQ(check(*self, 8.8), Verdict::FREE);
+  moving_[1].elements[0].X_LE.linear() *= 1.0 + 1e-4;  // a quaternion of four digits
+  EXPECT_EQ(check(*MoveitScene::ofSelf(moving_, cache_)), Verdict::FREE);
 }
 
 TEST_F(AScene, OfAWorldChangesWithTheFirstAndLastObject) {

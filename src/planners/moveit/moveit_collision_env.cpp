@@ -321,45 +321,4 @@ void MoveitCollisionEnv::measure(const DistanceRequest& req, DistanceResult& res
   res.minimum_distance.distance = std::min(res.minimum_distance.distance, 0.0);
 }
 
-void MoveitCollisionEnv::checkSelfCollision(const CollisionRequest& req, CollisionResult& res,
-                                            const State& state) const {
-  check(req, res, state, nullptr, Among::SELF);
-}
-
-void MoveitCollisionEnv::checkSelfCollision(const CollisionRequest& req, CollisionResult& res,
-                                            const State& state, const Matrix& acm) const {
-  check(req, res, state, &acm, Among::SELF);
-}
-
-void MoveitCollisionEnv::checkRobotCollision(const CollisionRequest& req, CollisionResult& res,
-                                             const State& state) const {
-  check(req, res, state, nullptr, Among::WORLD);
-}
-
-void MoveitCollisionEnv::checkRobotCollision(const CollisionRequest& req, CollisionResult& res,
-                                             const State& state, const Matrix& acm) const {
-  check(req, res, state, &acm, Among::WORLD);
-}
-
-void MoveitCollisionEnv::checkRobotCollision(const CollisionRequest& req, CollisionResult& res,
-                                             const State& state1, const State& state2,
-                                             const Matrix& acm) const {
-  checkMotion(req, res, state1, state2, &acm);
-}
-
-void MoveitCollisionEnv::checkRobotCollision(const CollisionRequest& req, CollisionResult& res,
-                                             const State& state1, const State& state2) const {
-  checkMotion(req, res, state1, state2, nullptr);
-}
-
-void MoveitCollisionEnv::distanceSelf(const DistanceRequest& req, DistanceResult& res,
-                                      const State& state) const {
-  measure(req, res, state, Among::SELF);
-}
-
-void MoveitCollisionEnv::distanceRobot(const DistanceRequest& req, DistanceResult& res,
-                                       const State& state) const {
-  measure(req, res, state, Among::WORLD);
-}
-
 }  // namespace collision_pairs

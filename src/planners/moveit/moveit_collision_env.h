@@ -53,22 +53,38 @@ class MoveitCollisionEnv : public collision_detection::CollisionEnv {
   MoveitCollisionEnv& operator=(const MoveitCollisionEnv&) = delete;
 
   void checkSelfCollision(const CollisionRequest& req, CollisionResult& res,
-                          const State& state) const override;
+                          const State& state) const override {
+    check(req, res, state, nullptr, Among::SELF);
+  }
   void checkSelfCollision(const CollisionRequest& req, CollisionResult& res, const State& state,
-                          const Matrix& acm) const override;
+                          const Matrix& acm) const override {
+    check(req, res, state, &acm, Among::SELF);
+  }
   void checkRobotCollision(const CollisionRequest& req, CollisionResult& res,
-                           const State& state) const override;
+                           const State& state) const override {
+    check(req, res, state, nullptr, Among::WORLD);
+  }
   void checkRobotCollision(const CollisionRequest& req, CollisionResult& res, const State& state,
-                           const Matrix& acm) const override;
+                           const Matrix& acm) const override {
+    check(req, res, state, &acm, Among::WORLD);
+  }
   /// Certified for all states between the two, see moveit_motion.h.
   void checkRobotCollision(const CollisionRequest& req, CollisionResult& res, const State& state1,
-                           const State& state2, const Matrix& acm) const override;
+                           const State& state2, const Matrix& acm) const override {
+    checkMotion(req, res, state1, state2, &acm);
+  }
   void checkRobotCollision(const CollisionRequest& req, CollisionResult& res, const State& state1,
-                           const State& state2) const override;
+                           const State& state2) const override {
+    checkMotion(req, res, state1, state2, nullptr);
+  }
   void distanceSelf(const DistanceRequest& req, DistanceResult& res,
-                    const State& state) const override;
+                    const State& state) const override {
+    measure(req, res, state, Among::SELF);
+  }
   void distanceRobot(const DistanceRequest& req, DistanceResult& res,
-                     const State& state) const override;
+                     const State& state) const override {
+    measure(req, res, state, Among::WORLD);
+  }
   void setWorld(const collision_detection::WorldPtr& world) override;
 
  protected:

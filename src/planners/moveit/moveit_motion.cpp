@@ -1,8 +1,6 @@
 #include "moveit_motion.h"
 
 #include <algorithm>
-#include <cstdio>
-#include <map>
 
 #include <moveit/robot_model/prismatic_joint_model.h>
 #include <moveit/robot_model/revolute_joint_model.h>
@@ -23,43 +21,39 @@ constexpr char LINK[] = "link of the robot: ";
 
 constexpr double SAME_POSE = 1e-9;  // metres, and for entries of a rotation
 
-std::string numbers(const Vector3d& v) {
-  char text[96];
-  std::snprintf(text, sizeof text, "%.17g %.17g %.17g", v.x(), v.y(), v.z());
-  return text;
-}
-
 // Links and joints are called by MoveIt's index; mimic joints move as their leaders do in both
 // states, and so on the line between them.
-std::string urdfOf(const moveit::core::RobotModel& robot) {
-  std::string links, joints;
+std::shared_ptr<const RobotModel> modelOf(const moveit::core::RobotModel& robot,
+                                          const std::vector<MovingBody>& moving) {
+  std::vector<Link> links;
+  std::vector<Joint> joints;
   for (const LinkModel* link : robot.getLinkModels()) {
-    const std::string name = LINK + std::to_string(link->getLinkIndex());
-    links += "<link name=\"" + name +
-             "\"><collision><geometry><sphere radius=\"1\"/></geometry></collision></link>";
+    links.emplace_back();
+    links.back().name = LINK + std::to_string(link->getLinkIndex());
     const LinkModel* parent = link->getParentLinkModel();
     if (!parent) continue;
-    const JointModel* joint = link->getParentJointModel();
-    std::string type = "floating";
-    Vector3d axis = Vector3d::UnitX();
-    if (joint->getType() == JointModel::FIXED) type = "fixed";
-    if (joint->getType() == JointModel::REVOLUTE) {
-      type = "continuous";
-      axis = static_cast<const moveit::core::RevoluteJointModel*>(joint)->getAxis();
+    Joint joint;
+    joint.name = links.back().name;
+    joint.parent_link = parent->getLinkIndex();
+    joint.child_link = link->getLinkIndex();
+    joint.X_PJ = link->getJointOriginTransform();
+    joint.type = JointType::FLOATING;
+    const JointModel* joint_model = link->getParentJointModel();
+    if (joint_model->getType() == JointModel::FIXED) joint.type = JointType::FIXED;
+    if (joint_model->getType() == JointModel::REVOLUTE) {
+      joint.type = JointType::CONTINUOUS;
+      joint.axis = static_cast<const moveit::core::RevoluteJointModel*>(joint_model)->getAxis();
     }
-    if (joint->getType() == JointModel::PRISMATIC) {
-      type = "prismatic";
-      axis = static_cast<const moveit::core::PrismaticJointModel*>(joint)->getAxis();
+    if (joint_model->getType() == JointModel::PRISMATIC) {
+      joint.type = JointType::PRISMATIC;
+      joint.axis = static_cast<const moveit::core::PrismaticJointModel*>(joint_model)->getAxis();
     }
-    const Isometry3d& X_PJ = link->getJointOriginTransform();
-    const Vector3d ypr = X_PJ.linear().eulerAngles(2, 1, 0);
-    joints += "<joint name=\"" + name + "\" type=\"" + type + "\"><parent link=\"" + LINK +
-              std::to_string(parent->getLinkIndex()) + "\"/><child link=\"" + name +
-              "\"/><origin xyz=\"" + numbers(X_PJ.translation()) + "\" rpy=\"" +
-              numbers(ypr.reverse()) + "\"/><axis xyz=\"" + numbers(axis) +
-              "\"/><limit lower=\"-1e6\" upper=\"1e6\" effort=\"1\" velocity=\"1\"/></joint>";
+    joints.push_back(std::move(joint));
   }
-  return "<robot name=\"MoveIt's\">" + links + joints + "</robot>";
+  for (const MovingBody& one : moving) {
+    if (!one.body.is_attached) links[static_cast<std::size_t>(one.body.link)].elements = one.elements;
+  }
+  return RobotModel::fromParts("MoveIt's", std::move(links), std::move(joints));
 }
 
 bool areSame(const Isometry3d& a, const Isometry3d& b) {
@@ -82,11 +76,9 @@ MoveitMotions::MoveitMotions(const moveit::core::RobotModel& robot,
                        one.body});
     names.push_back(bodies_.back().first);
   }
-  std::map<std::string, const MovingBody*> by_link;
   for (std::size_t i = 0; i < moving.size(); ++i) {
     const std::string link = LINK + std::to_string(moving[i].body.link);
     if (!moving[i].body.is_attached) {
-      by_link[link] = &moving[i];
       if (moving[i].padding > 0.0) description_.settings.link_padding[link] = moving[i].padding;
       continue;
     }
@@ -102,13 +94,7 @@ MoveitMotions::MoveitMotions(const moveit::core::RobotModel& robot,
   for (const auto& object : world_->scene().objects()) {
     if (!MoveitScene::isPlaceholder(object->name)) objects_.push_back(object);
   }
-  const auto joints = RobotModel::fromUrdf(urdfOf(robot), nullptr);
-  description_.robots.push_back({joints->withElements([&](const Link& link) {
-                                   const auto found = by_link.find(link.name);
-                                   return found == by_link.end() ? std::vector<Element>()
-                                                                 : found->second->elements;
-                                 }),
-                                 Srdf{}, ""});
+  description_.robots.push_back({modelOf(robot, moving), Srdf{}, ""});
   for (const Link& link : description_.robots[0].model->links()) {
     const int index = std::stoi(link.name.substr(sizeof LINK - 1));
     links_.push_back(robot.getLinkModels()[static_cast<std::size_t>(index)]);

@@ -9,7 +9,7 @@ namespace {
 constexpr char PLACEHOLDER[] = "placeholder of collision_pairs";
 constexpr std::size_t MAX_SELECTIONS = 16;  // more groups than that take turns
 
-// Each body is a robot of one link, which saves a URDF for all. Names of objects are MoveIt's: one
+// Each body is a robot of one link. Names of objects are MoveIt's: one
 // that is called as a body here is refused.
 std::string prefixOf(const MoveitBody& body) {
   return (body.is_attached ? "attached body: " : "link of the robot: ") + body.name;
@@ -18,10 +18,11 @@ std::string prefixOf(const MoveitBody& body) {
 std::string modelName(const MoveitBody& body) { return withPrefix(prefixOf(body), "body"); }
 
 SceneRobot robotOf(const MovingBody& moving) {
-  static const auto robot = RobotModel::fromUrdf(
-      "<robot name=\"robot\"><link name=\"body\"><collision><geometry><sphere radius=\"1\"/>"
-      "</geometry></collision></link></robot>",
-      nullptr);
+  static const auto robot = [] {
+    Link link;
+    link.name = "body";
+    return RobotModel::fromParts("robot", {link}, {});
+  }();
   return {robot->withElements([&](const Link&) { return moving.elements; }), Srdf{},
           prefixOf(moving.body)};
 }
