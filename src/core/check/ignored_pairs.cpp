@@ -9,7 +9,7 @@ constexpr std::size_t FIRST_SIZE = 64;
 
 std::size_t hashOf(const IgnoredPairs::Pair& pair) {
   const std::uint64_t key = std::uint64_t{pair.first} << 32 | pair.second;
-  return static_cast<std::size_t>((key * 0x9e3779b97f4a7c15u) >> 20);
+  return static_cast<std::size_t>((key * 0x9e3779b97f4a7c15u) >> 32);  // bits that both reach
 }
 
 }  // namespace
@@ -28,15 +28,14 @@ bool IgnoredPairs::has(std::uint32_t model_a, std::uint32_t model_b) {
   if (!may_ignore_) return false;
   const Pair pair = std::minmax(model_a, model_b);
   if (answers_.size() < 2 * (nb_answers_ + 1)) grow();
-  Answer known = find(pair);
-  if (known.asked_in == asking_ && known.met_in == check_) return known.is_ignored;
+  Answer& known = find(pair);
   if (known.asked_in != asking_) {
-    known = {pair, asking_, check_, (*may_ignore_)(pair.first, pair.second)};
+    const bool is_ignored = (*may_ignore_)(pair.first, pair.second);  // may throw
+    known = {pair, asking_, 0, is_ignored};
     ++nb_answers_;
   }
+  if (known.is_ignored && known.met_in != check_) left_out_.push_back(pair);
   known.met_in = check_;
-  find(pair) = known;
-  if (known.is_ignored) left_out_.push_back(pair);
   return known.is_ignored;
 }
 
@@ -57,7 +56,9 @@ void IgnoredPairs::grow() {
 }
 
 const std::vector<IgnoredPairs::Pair>& IgnoredPairs::list() {
-  std::sort(left_out_.begin(), left_out_.end());
+  if (!std::is_sorted(left_out_.begin(), left_out_.end())) {
+    std::sort(left_out_.begin(), left_out_.end());
+  }
   return left_out_;
 }
 

@@ -31,27 +31,40 @@ bool isActive(const MoveitLimits& limits, const MoveitBody* body) {
   return body && limits.active_links[static_cast<std::size_t>(body->link)];
 }
 
-/// Which pairs a check leaves out. Conditional ones wait for their contacts.
+/// Which pairs a check leaves out.
 class Rules {
  public:
-  Rules(const MoveitScene& scene, const MoveitLimits& limits, bool has_conditions)
-      : scene_(scene), models_(scene.scene().models()), limits_(limits),
-        has_conditions_(has_conditions) {}
+  Rules(const MoveitScene& scene, const MoveitLimits& limits)
+      : scene_(scene), models_(scene.scene().models()), limits_(limits) {}
 
-  bool leaveOut(std::uint32_t first, std::uint32_t second) {
+  AllowedContact ofPair(std::uint32_t first, std::uint32_t second) const {
     const CollisionModel &a = models_[first], &b = models_[second];
-    if (MoveitScene::isPlaceholder(a.body < 0 ? a.name : b.name)) return true;
-    const AllowedContact allowed = allowedBy(limits_, scene_.movingOf(a), scene_.nameOf(a),
-                                             scene_.movingOf(b), scene_.nameOf(b));
-    if (allowed != AllowedContact::CONDITIONAL || !has_conditions_) {
-      return allowed == AllowedContact::ALWAYS;
-    }
-    conditional_.emplace_back(first, second);
-    return true;
+    const MoveitBody *body_a = scene_.movingOf(a), *body_b = scene_.movingOf(b);
+    if (!body_a && MoveitScene::isPlaceholder(a.name)) return AllowedContact::ALWAYS;
+    if (!body_b && MoveitScene::isPlaceholder(b.name)) return AllowedContact::ALWAYS;
+    return allowedBy(limits_, body_a, scene_.nameOf(a), body_b, scene_.nameOf(b));
   }
 
-  /// Sorted, once all was asked.
-  std::vector<std::pair<std::uint32_t, std::uint32_t>>& conditional() { return conditional_; }
+  /// The check's pairs that may touch on a condition, sorted: they wait for their contacts.
+  const std::vector<std::pair<std::uint32_t, std::uint32_t>>& conditional() const {
+    return conditional_;
+  }
+
+  /// Whether the check left out what these rules leave out, where it matters: pairs that it found
+  /// apart are not asked about. Otherwise it had answers of other rules.
+  bool agreeWith(const CollisionReport& report, bool verdict_only) {
+    conditional_.clear();
+    for (const PairReport& pair : report.pairs) {
+      if (ofPair(pair.first, pair.second) != AllowedContact::NEVER) return false;
+    }
+    if (verdict_only && report.verdict == Verdict::COLLISION) return true;
+    for (const auto& pair : report.ignored) {
+      const AllowedContact allowed = ofPair(pair.first, pair.second);
+      if (allowed == AllowedContact::NEVER) return false;
+      if (allowed == AllowedContact::CONDITIONAL) conditional_.push_back(pair);
+    }
+    return true;
+  }
 
   collision_detection::DecideContactFn conditionOf(const PairReport& pair) const {
     collision_detection::DecideContactFn condition;
@@ -64,7 +77,6 @@ class Rules {
   const MoveitScene& scene_;
   const std::vector<CollisionModel>& models_;
   const MoveitLimits& limits_;
-  bool has_conditions_;
   std::vector<std::pair<std::uint32_t, std::uint32_t>> conditional_;
 };
 
@@ -81,12 +93,26 @@ bool setPoses(const MoveitScene& scene, const moveit::core::RobotState& state, B
   return false;
 }
 
-CheckSettings settingsFor(const MoveitScene& scene, const MoveitLimits& limits, Rules& rules) {
+CheckSettings settingsFor(const MoveitScene& scene, const MoveitLimits& limits) {
   CheckSettings settings;
   settings.alarm_distance = 0.0;
-  settings.may_ignore = [&rules](std::uint32_t a, std::uint32_t b) { return rules.leaveOut(a, b); };
   if (!limits.active_links.empty()) settings.selection = scene.selectionOf(limits.active_links);
   return settings;
+}
+
+// The matrix has no number for what is in it, and a look-up takes longer than many a pair. So the
+// detector keeps the answers, and those that decide are compared with the matrix afterwards.
+const CollisionReport& detect(MoveitScene::Worker& worker, CheckSettings& settings, Rules& rules) {
+  settings.may_ignore = [&rules](std::uint32_t a, std::uint32_t b) {
+    return rules.ofPair(a, b) != AllowedContact::NEVER;
+  };
+  settings.ignore_revision = worker.revision;
+  const CollisionReport& report = worker.detector.detect(worker.poses, settings);
+  if (rules.agreeWith(report, settings.verdict_only)) return report;
+  settings.ignore_revision = ++worker.revision;
+  worker.detector.detect(worker.poses, settings);
+  rules.agreeWith(report, settings.verdict_only);
+  return report;
 }
 
 void warnOfUnknown(const MoveitScene& scene, const CollisionReport& report) {
@@ -266,15 +292,15 @@ void addCollisions(const MoveitScene& scene, const moveit::core::RobotState& sta
     return;
   }
   Results results(scene, request, result);
-  Rules rules(scene, limits, true);
-  CheckSettings settings = settingsFor(scene, limits, rules);
+  Rules rules(scene, limits);
+  CheckSettings settings = settingsFor(scene, limits);
   settings.verdict_only = !results.wantsContacts();
-  results.take(worker->detector.detect(worker->poses, settings), nullptr);
-  if (rules.conditional().empty() || results.isDone()) return;
+  results.take(detect(*worker, settings, rules), nullptr);
+  const auto& conditional = rules.conditional();
+  if (conditional.empty() || results.isDone()) return;
 
-  auto& conditional = rules.conditional();
-  std::sort(conditional.begin(), conditional.end());
   settings.verdict_only = false;
+  settings.ignore_revision = 0;
   settings.may_ignore = [&](std::uint32_t a, std::uint32_t b) {
     return !std::binary_search(conditional.begin(), conditional.end(), std::make_pair(a, b));
   };
@@ -286,8 +312,11 @@ void addDistances(const MoveitScene& scene, const moveit::core::RobotState& stat
                      DistanceResult& result) {
   if (!scene.hasPairs()) return;
   MoveitScene::Lease worker(scene);
-  Rules rules(scene, limits, false);  // a pair that may touch on a condition has a distance
-  CheckSettings settings = settingsFor(scene, limits, rules);
+  const Rules rules(scene, limits);
+  CheckSettings settings = settingsFor(scene, limits);
+  settings.may_ignore = [&](std::uint32_t a, std::uint32_t b) {
+    return rules.ofPair(a, b) == AllowedContact::ALWAYS;  // on a condition: it has a distance
+  };
   const bool is_global = request.type == DistanceRequestType::GLOBAL;
   settings.min_distance = is_global;
   if (!is_global) {

@@ -62,6 +62,7 @@ class MoveitScene {
     explicit Worker(std::shared_ptr<const CollisionScene> scene) : detector(std::move(scene)) {}
     CollisionDetector detector;
     BodyPoses poses;
+    std::uint64_t revision = 1;  ///< of the pairs that the last checks left out
   };
   /// A worker for as long as this lives.
   class Lease {
@@ -70,6 +71,7 @@ class MoveitScene {
     ~Lease() { scene_.putBack(std::move(worker_)); }
     Lease(const Lease&) = delete;
     Lease& operator=(const Lease&) = delete;
+    Worker& operator*() { return *worker_; }
     Worker* operator->() { return worker_.get(); }
 
    private:
