@@ -80,6 +80,10 @@ find_package(octomap REQUIRED)
 collision_pairs_benchmark(cloud_benchmark SOURCES benchmark_robots cloud_scenes demo_motion moveit_loop
   LIBRARIES collision_pairs_io fcl ${OCTOMAP_LIBRARIES})
 
+# The node in a camera's process or beside it, for cloud_latency.py.
+collision_pairs_benchmark(cloud_driver LIBRARIES ${catkin_LIBRARIES})
+target_include_directories(cloud_driver SYSTEM PRIVATE ${catkin_INCLUDE_DIRS})
+
 # OMPL's planners with certified edges, sampled edges and a loop like MoveIt's; scripts/measure_planning
 # writes docs/planners.md.
 if(ompl_FOUND)

@@ -217,6 +217,7 @@ function(collision_pairs_rostest name)
 endfunction()
 
 collision_pairs_rostest(node)
+collision_pairs_rostest(nodelet)
 collision_pairs_rostest(boxes)
 collision_pairs_rostest(bad_input)
 collision_pairs_rostest(clock_jumps)

@@ -7,7 +7,6 @@
 #include <utility>
 
 #include <boost/make_shared.hpp>
-#include <ros/callback_queue.h>
 
 #include "collision_pairs/input_error.h"
 #include "conversions.h"
@@ -33,12 +32,14 @@ double secondsSince(const ros::WallTime& start) { return (ros::WallTime::now() -
 
 }  // namespace
 
-CollisionPairsNode::CollisionPairsNode(ros::NodeHandle node, ros::NodeHandle private_node)
-    : private_node_(private_node),
+CollisionPairsNode::CollisionPairsNode(ros::NodeHandle node, ros::NodeHandle private_node,
+                                       ros::CallbackQueue& queue)
+    : queue_(queue),
+      private_node_(private_node),
       parameters_(NodeParameters::read(private_node)),
       first_frame_(readFixedFrame(private_node)),
       transforms_(parameters_.pose_limits, parameters_.allow_paused),
-      scenes_(private_node, transforms_),
+      scenes_(node, private_node, transforms_),
       scene_service_(private_node, scenes_),
       publisher_(
           private_node,
@@ -58,7 +59,7 @@ CollisionPairsNode::CollisionPairsNode(ros::NodeHandle node, ros::NodeHandle pri
       [this](CollisionPairsConfig& config, std::uint32_t) { reconfigure(config); });
   std::function<void()> taken;
   if (isTriggeredByTf()) {
-    taken = [] { ros::getGlobalCallbackQueue()->addCallback(boost::make_shared<WakeUp>()); };
+    taken = [this] { queue_.addCallback(boost::make_shared<WakeUp>()); };
   }
   transforms_.subscribe(node, taken);
 }
@@ -66,9 +67,9 @@ CollisionPairsNode::CollisionPairsNode(ros::NodeHandle node, ros::NodeHandle pri
 // A loop instead of ROS timers, so that only this thread decides when a cycle is due.
 void CollisionPairsNode::run() {
   ros::SteadyTime next_diagnosis;
-  while (ros::ok()) {
+  while (ros::ok() && !stops_) {
     const ros::WallDuration wait = std::min(nextCycle(), next_diagnosis) - ros::SteadyTime::now();
-    ros::getGlobalCallbackQueue()->callAvailable(std::max(wait, ros::WallDuration(0.0)));
+    queue_.callAvailable(std::max(wait, ros::WallDuration(0.0)));
     const ros::SteadyTime now = ros::SteadyTime::now();
     if (now >= nextCycle()) {
       last_cycle_ = now;
@@ -87,6 +88,11 @@ void CollisionPairsNode::run() {
       next_diagnosis = now + ros::WallDuration(1.0);
     }
   }
+}
+
+void CollisionPairsNode::stop() {
+  stops_ = true;
+  queue_.addCallback(boost::make_shared<WakeUp>());
 }
 
 ros::SteadyTime CollisionPairsNode::nextCycle() const {

@@ -1,6 +1,7 @@
 // The node, which runs a check each cycle.
 #pragma once
 
+#include <atomic>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -9,6 +10,7 @@
 #include <collision_pairs/CollisionPairsConfig.h>
 #include <diagnostic_updater/diagnostic_updater.h>
 #include <dynamic_reconfigure/server.h>
+#include <ros/callback_queue.h>
 #include <ros/ros.h>
 
 #include "collision_pairs/collision_detector.h"
@@ -29,10 +31,13 @@ namespace collision_pairs {
 /// threads.
 class CollisionPairsNode {
  public:
-  CollisionPairsNode(ros::NodeHandle node, ros::NodeHandle private_node);
+  /// `queue` is that of both handles.
+  CollisionPairsNode(ros::NodeHandle node, ros::NodeHandle private_node, ros::CallbackQueue& queue);
 
-  /// Runs cycles, and the callbacks of the global queue between them, until ROS shuts down.
+  /// Runs cycles, and the callbacks of the queue between them, until ROS shuts down or stop().
   void run();
+  /// From another thread.
+  void stop();
 
  private:
   CheckSettings settings() const;
@@ -48,6 +53,8 @@ class CollisionPairsNode {
 
   void reconfigure(CollisionPairsConfig& config);
 
+  ros::CallbackQueue& queue_;
+  std::atomic<bool> stops_{false};
   ros::NodeHandle private_node_;
   NodeParameters parameters_;      // written by reconfigure() under mutex_
   const std::string first_frame_;  // of reports while there is no scene; may be empty

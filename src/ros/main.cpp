@@ -24,7 +24,8 @@ void endSoon(int status) {
 int main(int argc, char** argv) {
   ros::init(argc, argv, "collision_pairs_node");
   try {
-    collision_pairs::CollisionPairsNode node{ros::NodeHandle(), ros::NodeHandle("~")};
+    collision_pairs::CollisionPairsNode node{ros::NodeHandle(), ros::NodeHandle("~"),
+                                             *ros::getGlobalCallbackQueue()};
     const collision_pairs::MasterWatch master;
     node.run();
     const int status = master.isForgotten() ? 1 : 0;

@@ -46,8 +46,12 @@ std::function<void(std::size_t, std::size_t)> progressOnLog(const ros::WallTime&
 
 }  // namespace
 
-SceneStore::SceneStore(const ros::NodeHandle& private_node, TransformInput& transforms)
-    : private_node_(private_node), transforms_(transforms), load_mesh_(makeMeshLoader()) {}
+SceneStore::SceneStore(const ros::NodeHandle& node, const ros::NodeHandle& private_node,
+                       TransformInput& transforms)
+    : node_(node),
+      private_node_(private_node),
+      transforms_(transforms),
+      load_mesh_(makeMeshLoader()) {}
 
 ActiveScenePtr SceneStore::active() const {
   const std::lock_guard<std::mutex> lock(reading_);
@@ -184,7 +188,7 @@ std::shared_ptr<CloudSources> SceneStore::cloudsOf(const std::vector<CloudConfig
   if (scene_ && scene_->clouds && scene_->clouds->areOf(configs, frame)) return scene_->clouds;
   const auto filtered =
       private_node_.advertise<sensor_msgs::PointCloud2>("filtered_cloud", configs.size());
-  return std::make_shared<CloudSources>(ros::NodeHandle(), configs,
+  return std::make_shared<CloudSources>(node_, configs,
                                         CloudSource::Context{transforms_, frame, filtered});
 }
 

@@ -22,7 +22,9 @@ namespace collision_pairs {
 class SceneStore {
  public:
   /// The transforms must outlive it.
-  SceneStore(const ros::NodeHandle& private_node, TransformInput& transforms);
+  /// Topics of clouds are names relative to `node`.
+  SceneStore(const ros::NodeHandle& node, const ros::NodeHandle& private_node,
+             TransformInput& transforms);
 
   /// Null while there is none.
   ActiveScenePtr active() const;
@@ -61,7 +63,7 @@ class SceneStore {
   void replace(Built built);
   void requireFrameOfObjects(const std::string& frame) const;
 
-  ros::NodeHandle private_node_;
+  ros::NodeHandle node_, private_node_;
   TransformInput& transforms_;
 
   std::mutex building_;  // guards all but scene_

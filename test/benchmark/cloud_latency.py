@@ -2,12 +2,15 @@
 """How long from the stamp of a cloud to the first report that knows it, and what that costs.
 
 usage: cloud_latency.py [ROBOT.urdf] [--srdf F] [--cloud-rate 30] [--rate 100] [--seconds 20] [--voxel-size 0.01]
+                        [--driver node|nodelet]
 
 Starts a roscore on a free port, robot_state_publisher, the node with one cloud in ~clouds, and publishes joint states
 at --rate and clouds of 640 x 480 points at --cloud-rate: a wall 3 m away, which occupies about 100,000 voxels of 1 cm,
 and a plate of some points before the robot. The plate's distance says which cloud a report is of: it is another one in
 each of eight clouds that follow each other, and by it a report is matched with the stamp of its cloud. The latency ends
-when the report arrives here, so transport is in it twice. Run it in the environment of the built package.
+when the report arrives here, so transport is in it twice. With --driver the clouds go through a process that stands
+for a camera's driver (cloud_driver, built with COLLISION_PAIRS_BENCHMARKS=ON), which has the node beside it, or as a
+nodelet in it; the CPU share is then of all of it. Run it in the environment of the built package.
 """
 import argparse
 import os
@@ -100,7 +103,7 @@ class Meter:
             self.sent[code] = stamp
 
 
-def measure(options, node_pid):
+def measure(options, pids):
     import numpy as np
     import rospy
     from collision_pairs.msg import CollisionPairs
@@ -124,7 +127,7 @@ def measure(options, node_pid):
     rospy.Timer(rospy.Duration(1.0 / options.rate), lambda _: joints.publish(
         JointState(name=options.joints, position=[0.0] * len(options.joints),
                    header=rospy.Header(stamp=rospy.Time.now()))))
-    publisher = rospy.Publisher("camera/points", PointCloud2, queue_size=1, tcp_nodelay=True)
+    publisher = rospy.Publisher("camera/seen" if options.driver else "camera/points", PointCloud2, queue_size=1, tcp_nodelay=True)
     messages = clouds(np, options.voxel_size, options.root)
 
     def publish(seconds, codes):
@@ -145,9 +148,9 @@ def measure(options, node_pid):
     assert meter.nb_known() == NB_CODES, "two codes look the same"
     publish(2.0, range(NB_CODES))
     meter.clear()
-    cpu, start = cpu_seconds(node_pid), time.time()
+    cpu, start = sum(map(cpu_seconds, pids)), time.time()
     publish(options.seconds, range(NB_CODES))
-    share = (cpu_seconds(node_pid) - cpu) / (time.time() - start)
+    share = (sum(map(cpu_seconds, pids)) - cpu) / (time.time() - start)
     time.sleep(1.5)  # for the diagnostics
     name = "camera/points "
     print("cloud to verdict  median %.1f ms, p99 %.1f ms, %d clouds" %
@@ -160,7 +163,7 @@ def measure(options, node_pid):
     print("cycle             median %.0f us, p99 %.0f us" %
           (1e6 * quantile(meter.cycles, 0.5), 1e6 * quantile(meter.cycles, 0.99)))
     print("verdicts          %s" % sorted(meter.verdicts))
-    print("CPU share         %.1f %% of one core, peak memory %.0f MiB" % (100 * share, peak_memory_mib(node_pid)))
+    print("CPU share         %.1f %% of one core, peak memory %.0f MiB" % (100 * share, sum(map(peak_memory_mib, pids))))
 
 
 def main():
@@ -171,6 +174,7 @@ def main():
     parser.add_argument("--rate", type=float, default=100.0)
     parser.add_argument("--seconds", type=float, default=20.0)
     parser.add_argument("--voxel-size", type=float, default=0.01)
+    parser.add_argument("--driver", choices=("node", "nodelet"))
     options = parser.parse_args()
     if options.srdf is None and options.urdf.startswith(DEMO):
         options.srdf = os.path.join(DEMO, "demo_robot.srdf")
@@ -182,8 +186,14 @@ def main():
                         options.voxel_size], check=True)
         subprocess.run(["rosparam", "set", "/collision_pairs_node/links", "[camera/points]"], check=True)
         running.start("robot_state_publisher", "robot_state_publisher")
-        measure(options, running.start("collision_pairs", "collision_pairs_node", "_rate:=%g" % options.rate,
-                                       "_min_distance:=true"))
+        for parameter, value in (("rate", "%g" % options.rate), ("min_distance", "true")):
+            subprocess.run(["rosparam", "set", "/collision_pairs_node/" + parameter, value], check=True)
+        pids = []
+        if options.driver:
+            pids.append(running.start("collision_pairs", "cloud_driver", options.driver))
+        if options.driver != "nodelet":
+            pids.append(running.start("collision_pairs", "collision_pairs_node"))
+        measure(options, pids)
 
 
 if __name__ == "__main__":

@@ -1,0 +1,39 @@
+// The node in a nodelet manager: point clouds of a camera driver in the same process arrive without
+// a copy.
+#include <memory>
+#include <thread>
+
+#include <nodelet/nodelet.h>
+#include <pluginlib/class_list_macros.hpp>
+
+#include "collision_pairs_node.h"
+
+namespace collision_pairs {
+
+/// The node on threads of its own: neither it nor the manager's other nodelets wait for each other.
+/// Its MasterWatch is missing: whether the process ends with its master is the manager's to decide.
+class CollisionPairsNodelet : public nodelet::Nodelet {
+ public:
+  ~CollisionPairsNodelet() override {
+    if (node_) node_->stop();
+    if (thread_.joinable()) thread_.join();
+  }
+
+ private:
+  /// What it throws becomes the error message of the manager.
+  void onInit() override {
+    ros::NodeHandle node = getNodeHandle(), private_node = getPrivateNodeHandle();
+    node.setCallbackQueue(&queue_);
+    private_node.setCallbackQueue(&queue_);
+    node_ = std::make_unique<CollisionPairsNode>(node, private_node, queue_);
+    thread_ = std::thread([this] { node_->run(); });
+  }
+
+  ros::CallbackQueue queue_;
+  std::unique_ptr<CollisionPairsNode> node_;
+  std::thread thread_;
+};
+
+}  // namespace collision_pairs
+
+PLUGINLIB_EXPORT_CLASS(collision_pairs::CollisionPairsNodelet, nodelet::Nodelet)

@@ -1,0 +1,89 @@
+#!/usr/bin/python3
+"""The node as a nodelet answers as the node does, ends when it is unloaded, and does not end its manager."""
+import os
+import sys
+import unittest
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+
+import rosgraph
+import rospy
+import rostest
+from node_client import PATIENCE, NodeClient
+from nodelet.srv import NodeletLoad, NodeletUnload
+from tf2_msgs.msg import TFMessage
+from transform_faults import APART, TOUCHING, box_at
+
+from collision_pairs.msg import CollisionPairs
+
+TYPE = "collision_pairs/CollisionPairsNodelet"
+
+
+def call(service, kind, *arguments):
+    rospy.wait_for_service("/manager/" + service, PATIENCE)
+    return rospy.ServiceProxy("/manager/" + service, kind)(*arguments).success
+
+
+def load(name):
+    if not call("load_nodelet", NodeletLoad, name, TYPE, ["/tf"], ["/cell/tf"], [], ""):
+        raise RuntimeError("the manager did not load " + name)
+    return NodeClient(name)
+
+
+def unload(name):
+    return call("unload_nodelet", NodeletUnload, name)
+
+
+def topics_of(name):
+    publishers = rosgraph.Master("/test_nodelet").getSystemState()[0]
+    return [topic for topic, _ in publishers if topic.startswith(name + "/")]
+
+
+class NodeletTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.publisher = rospy.Publisher("/cell/tf", TFMessage, queue_size=100)
+
+    def publish(self, places):
+        while not self.publisher.get_num_connections():  # all nodelets of a process share one
+            rospy.sleep(0.05)
+        message = TFMessage([box_at(name, x) for name, x in sorted(places.items())])
+        for transform in message.transforms:
+            transform.header.stamp = message.transforms[0].header.stamp
+        self.publisher.publish(message)
+        return message.transforms[0].header.stamp - rospy.Duration(1e-6)
+
+    def test_its_reports_follow_transforms_of_a_remapped_topic_and_its_service_answers(self):
+        node = load("/cell/checks")
+        for places, in_contact in ((APART, False), (TOUCHING, True), (APART, False)):
+            report = node.report_since(self.publish(places))
+            self.assertEqual((report.in_collision, report.verdict),
+                             (in_contact, report.COLLISION if in_contact else report.FREE))
+            self.assertEqual(node.check().result.in_collision, in_contact)
+        self.assertTrue(unload("/cell/checks"))
+
+    def test_unloading_ends_its_topics_and_it_can_be_loaded_again(self):
+        for _ in range(3):
+            load("/cell/again")
+            self.assertIn("/cell/again/collision_pairs", topics_of("/cell/again"))
+            self.assertTrue(unload("/cell/again"))
+            self.assertEqual(topics_of("/cell/again"), [])
+
+    def test_two_in_a_manager_have_their_own_settings_and_one_outlives_the_other(self):
+        names = ["/cell/first", "/cell/second"]
+        for name, distance in zip(names, (0.125, 4.0)):
+            rospy.set_param(name + "/alarm_distance", distance)
+        first, second = [load(name) for name in names]
+        stamp = self.publish(APART)
+        self.assertEqual(first.report_since(stamp).alarm_distance, 0.125)
+        self.assertEqual(second.report_since(stamp).alarm_distance, 4.0)
+        self.assertTrue(unload(names[0]))
+        stamp = self.publish(TOUCHING)
+        self.assertEqual(second.report_since(stamp).verdict, CollisionPairs.COLLISION)
+        self.assertEqual(topics_of(names[0]), [])
+        self.assertTrue(unload(names[1]))
+
+
+if __name__ == "__main__":
+    rospy.init_node("test_nodelet")
+    rostest.rosrun("collision_pairs", "nodelet", NodeletTest)
