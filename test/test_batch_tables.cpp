@@ -132,8 +132,8 @@ TEST(PairTable, IsForPairsThatOneOrTwoJointsDecide) {
   EXPECT_FALSE(PairTable::joints(*robot, 2, 2, joints)) << "nothing moves them";
 }
 
-TEST(StaticField, BoundsAreThoseOfTheExactDistance) {
-  RandomInputs random;
+/// A floor and 25 things, each `copies` times.
+std::shared_ptr<const CollisionScene> cluttered(RandomInputs& random, int copies = 1) {
   SceneDescription description;
   description.robots.push_back(
       {armWith("<sphere radius='0.1'/>", "<sphere radius='0.1'/>", "rr"), std::nullopt, ""});
@@ -141,16 +141,28 @@ TEST(StaticField, BoundsAreThoseOfTheExactDistance) {
                           Cylinder{0.1, 0.2}, meshShape(bumpyBall(12, 0.15))};
   for (int i = 0; i < 25; ++i) {
     RigidObject object;
-    object.name = "thing_" + std::to_string(i);
     object.elements.push_back({shapes[i % 5], random.pose(0.1)});
     object.X_PO = random.pose(0.9);
-    description.objects.push_back(object);
+    for (int copy = 0; copy < copies; ++copy) {
+      object.name = "thing_" + std::to_string(i) + "_" + std::to_string(copy);
+      description.objects.push_back(object);
+    }
   }
-  description.objects.push_back(floorAt(-0.7, {}));
-  const auto scene = CollisionScene::build(description);
-  const BatchModel model(*scene);
-  std::vector<std::uint32_t> all(scene->nbStaticElements());
+  if (copies == 1) description.objects.push_back(floorAt(-0.7, {}));
+  return CollisionScene::build(description);
+}
+
+std::vector<std::uint32_t> staticElements(const CollisionScene& scene) {
+  std::vector<std::uint32_t> all(scene.nbStaticElements());
   for (std::uint32_t i = 0; i < all.size(); ++i) all[i] = i;
+  return all;
+}
+
+TEST(StaticField, BoundsAreThoseOfTheExactDistance) {
+  RandomInputs random;
+  const auto scene = cluttered(random);
+  const BatchModel model(*scene);
+  const std::vector<std::uint32_t> all = staticElements(*scene);
   const StaticField field(*scene, model, all, {Vector3d::Constant(-1), Vector3d::Constant(1)});
   const auto point = prepareShape(Sphere{0.0});
   NarrowPhase exact;
@@ -182,6 +194,89 @@ TEST(StaticField, BoundsAreThoseOfTheExactDistance) {
   }
   EXPECT_GT(nb_further, 1000);
   EXPECT_GT(nb_nearer, 1000);
+}
+
+/// The lanes in which points of W, x of all lanes first, are further than `reach` by the kernel.
+unsigned further(const BatchKernel& kernel, const BatchGrid& grid, float* points, float reach) {
+  const BatchSphere sphere{};
+  unsigned placed = 1;
+  BatchTables tables{};
+  tables.spheres = &sphere;
+  BatchLanes group{};
+  group.centers = points;
+  group.placed = &placed;
+  group.group = 1;
+  return kernel.further(tables, group, 0, grid, reach);
+}
+
+TEST(StaticField, KernelsFindFurtherWhatItsCellsTellButForTheirRounding) {
+  RandomInputs random;
+  const auto scene = cluttered(random, 5);  // so many that the cells alone are asked
+  const BatchModel model(*scene);
+  for (const BatchKernel& kernel : batchKernels()) {
+    // Far from W and not round, so that places in the region are rounded.
+    const Vector3d from(-1.1, -7.03, 0.017), to(1.3, 0.61, 1.9);
+    const StaticField field(*scene, model, staticElements(*scene), {from, to});
+    int nb_told = 0, nb_settled = 0;
+    for (int i = 0; i < 2000; ++i) {
+      alignas(64) float points[3 * MOST_BATCH_LANES];
+      std::vector<double> most(kernel.lanes, 0.0);
+      std::vector<char> is_between(kernel.lanes, 0);  // two cells, of which either will do
+      for (int lane = 0; lane < kernel.lanes; ++lane) {
+        Vector3d p_W;
+        for (int axis = 0; axis < 3; ++axis) {
+          float& place = points[axis * kernel.lanes + lane];
+          place = static_cast<float>(random.uniform(from[axis] - 0.1, to[axis] + 0.1));
+          p_W[axis] = place;
+          const double cell = (place - from[axis]) / (to[axis] - from[axis]) * StaticField::SIDE;
+          is_between[lane] |= std::abs(cell - std::round(cell)) < 1e-4;
+        }
+        field.isFurther(p_W, 0.0);  // fills in its cell
+        // The largest reach, by bisection.
+        double too_far = 8.0;
+        for (int step = 0; step < 40; ++step) {
+          const double reach = 0.5 * (most[lane] + too_far);
+          (field.isFurther(p_W, reach) ? most[lane] : too_far) = reach;
+        }
+      }
+      const auto isFound = [&](int lane, double reach) {
+        const auto rounded = static_cast<float>(reach);
+        return (further(kernel, field.grid(), points, rounded) >> lane & 1u) != 0;
+      };
+      for (int lane = 0; lane < kernel.lanes; ++lane) {
+        if (most[lane] < 1e-3 || is_between[lane]) continue;
+        ASSERT_FALSE(isFound(lane, most[lane] + 2e-7)) << kernel.name << ": " << most[lane];
+        ++nb_told;
+        nb_settled += isFound(lane, most[lane] - 1e-4);
+      }
+    }
+    EXPECT_GT(nb_told, 1000 * kernel.lanes);
+    EXPECT_EQ(nb_settled, nb_told);
+  }
+}
+
+TEST(StaticField, KernelsFindNothingFurtherOutsideTheRegionOrInCellsThatAreNotFilledIn) {
+  RandomInputs random;
+  const auto scene = cluttered(random);
+  const BatchModel model(*scene);
+  const StaticField field(*scene, model, {0}, {Vector3d::Constant(-1), Vector3d::Constant(1)});
+  for (const BatchKernel& kernel : batchKernels()) {
+    for (int axis = 0; axis < 3; ++axis) {
+      alignas(64) float points[3 * MOST_BATCH_LANES] = {};
+      Vector3d border = Vector3d::Zero();
+      for (const double place : {-0.99, 0.99}) {
+        border[axis] = place;
+        field.isFurther(border, 0.0);  // fills in its cell
+      }
+      for (const float place : {-1.01f, 1.01f, -1e6f, 1e6f}) {
+        for (int lane = 0; lane < kernel.lanes; ++lane) points[axis * kernel.lanes + lane] = place;
+        EXPECT_EQ(further(kernel, field.grid(), points, 0.0f), 0u) << kernel.name;
+      }
+    }
+    alignas(64) float points[3 * MOST_BATCH_LANES];
+    for (float& place : points) place = static_cast<float>(random.uniform(0.1, 0.9));
+    EXPECT_EQ(further(kernel, field.grid(), points, 0.0f), 0u) << kernel.name;
+  }
 }
 
 }  // namespace

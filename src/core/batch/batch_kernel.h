@@ -65,6 +65,16 @@ struct BatchLanes {
   void* tables;
 };
 
+/// Lower bounds of a distance at the centres of the cells of a box in W, which are at
+/// origin + (i + 0.5) size, metres.
+struct BatchGrid {
+  /// By cell, x fastest: a float, lower than the bound by more than the rounding of the kernels, or
+  /// minus infinity where it is not known yet. As the bits of an int, which other threads may write.
+  const int* apart;
+  int side;  ///< cells along each side
+  float origin[3], size[3], cells_a_metre[3];
+};
+
 /// A pair that spheres could not settle, and the lanes in which they could not.
 struct OpenBatchPair {
   int pair;
@@ -87,6 +97,10 @@ struct BatchKernel {
   /// state alone.
   int (*settle)(const BatchTables& tables, const BatchLanes& group, unsigned lanes,
                 OpenBatchPair* open, int* contact);
+  /// The lanes in which the centre of a sphere is certainly further than `reach` (m) from what the
+  /// grid is about.
+  unsigned (*further)(const BatchTables& tables, const BatchLanes& group, int sphere,
+                      const BatchGrid& grid, float reach);
   /// The centre of a sphere in W, of all lanes: x, then y, then z.
   const float* (*center)(const BatchTables& tables, const BatchLanes& group, int sphere);
 };

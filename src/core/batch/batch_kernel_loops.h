@@ -100,6 +100,32 @@ class BatchLoops {
     return center;
   }
 
+  /// A bound changes by no more than the distance between two points. Its own rounding is that of
+  /// less than 12 operations, a millionth of the margin that is left.
+  static unsigned further(const BatchTables& tables, const BatchLanes& group, int sphere,
+                          const BatchGrid& grid, float reach) {
+    const float* const center = centerOf(tables, group, sphere);
+    const float last = static_cast<float>(grid.side - 1);
+    Ints cell{}, is_inside = ~Ints{};
+    Floats squared{};
+    for (int axis = 2; axis >= 0; --axis) {
+      const Floats p = load(center + axis * LANES) - grid.origin[axis];
+      Floats place = p * grid.cells_a_metre[axis];
+      is_inside &= (place >= 0.0f) & (place < last + 1.0f);
+      place = place > 0.0f ? place : Floats{};
+      place = place < last ? place : Floats{} + last;
+      const Ints along = __builtin_convertvector(place, Ints);
+      const Floats beside = p - (__builtin_convertvector(along, Floats) + 0.5f) * grid.size[axis];
+      squared = squared + beside * beside;
+      cell = cell * grid.side + along;
+    }
+    alignas(64) int index[LANES], bits[LANES];
+    *reinterpret_cast<Ints*>(index) = cell;
+    for (int l = 0; l < LANES; ++l) bits[l] = __atomic_load_n(grid.apart + index[l], __ATOMIC_RELAXED);
+    const Floats left = (reinterpret_cast<Floats>(*reinterpret_cast<const Ints*>(bits)) - reach) * 0.999999f;
+    return Set::bits(is_inside & (left > 0.0f) & (left * left > squared));
+  }
+
   struct Gap {
     Floats squared;
     float reach;  ///< sum of the two radii and the padding
@@ -193,7 +219,7 @@ class BatchLoops {
 
  public:
   static constexpr BatchKernel kernel(const char* name) {
-    return {name, LANES, &place, &settle, &centerOf};
+    return {name, LANES, &place, &settle, &further, &centerOf};
   }
 };
 

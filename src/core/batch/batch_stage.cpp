@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <map>
 
 namespace collision_pairs {
@@ -213,6 +214,7 @@ unsigned BatchStage::Group::openBesideStatic(const BesideStatic& beside, unsigne
   };
   const BatchTree& tree = tables_.trees[beside.tree];
   const StaticField& field = *stage_.fields_[static_cast<std::size_t>(beside.field)];
+  const BatchGrid grid = field.grid();
   Step stack[32];  // the path to a leaf leaves at most one step per sphere
   int depth = 0;
   stack[depth++] = {tree.first_outer, lanes};
@@ -224,11 +226,10 @@ unsigned BatchStage::Group::openBesideStatic(const BesideStatic& beside, unsigne
     const BatchSphere& sphere = tables_.spheres[step.sphere];
     const float* const centers = centersOf(step.sphere);
     const double reach = sphere.radius + beside.outer_padding + MARGIN;
-    unsigned near = 0;
-    forEachLane(step.lanes, [&](int lane) {
-      const Vector3d p_W = pointOf(centers, this->lanes(), lane);
-      if (field.isFurther(p_W, reach)) return;
-      near |= 1u << lane;
+    const auto above = std::nextafter(static_cast<float>(reach), std::numeric_limits<float>::max());
+    unsigned near = step.lanes & ~stage_.kernel_.further(tables_, arrays(), step.sphere, grid, above);
+    forEachLane(near, [&](int lane) {
+      if (field.isFurther(pointOf(centers, this->lanes(), lane), reach)) near &= ~(1u << lane);
     });
     if (near == 0) continue;
     if (sphere.first_child == 0) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 namespace collision_pairs {
@@ -12,6 +13,20 @@ using Eigen::Vector3d;
 constexpr double INFINITE = std::numeric_limits<double>::infinity();
 constexpr int BLOCKS = StaticField::SIDE / 4;
 constexpr double ROUNDING = 1e-7;  // relative, of a bound stored as float
+
+int bitsOf(double value) {
+  const auto number = static_cast<float>(value);
+  int bits;
+  static_assert(sizeof bits == sizeof number);
+  std::memcpy(&bits, &number, sizeof bits);
+  return bits;
+}
+
+float floatOf(int bits) {
+  float number;
+  std::memcpy(&number, &bits, sizeof number);
+  return number;
+}
 
 /// Signed distance of a point from a box around the origin.
 double distanceFromBox(const Vector3d& half, const Vector3d& p) {
@@ -25,11 +40,13 @@ StaticField::StaticField(const CollisionScene& scene, const BatchModel& model,
                          std::vector<std::uint32_t> elements, const Aabb& region)
     : scene_(scene),
       model_(model),
-      origin_(region.min),
-      cell_size_((region.max - region.min) / SIDE),
-      cells_a_metre_(cell_size_.cwiseInverse()),
+      origin_(region.min.cast<float>().cast<double>()),
+      cell_size_(((region.max - region.min) / SIDE).cast<float>().cast<double>()),
+      margin_(1e-6 * (origin_.norm() + SIDE * cell_size_.norm())),
       slots_(std::make_unique<Slot[]>(SIDE * SIDE * SIDE)),
+      apart_(std::make_unique<std::atomic<int>[]>(SIDE * SIDE * SIDE)),
       near_block_(BLOCKS * BLOCKS * BLOCKS) {
+  std::fill_n(apart_.get(), SIDE * SIDE * SIDE, bitsOf(-INFINITE));
   std::vector<std::uint32_t> all;
   for (const std::uint32_t element : elements) {
     const Eigen::Isometry3d X_EW = scene.elements()[element].X_BE.inverse();
@@ -44,31 +61,45 @@ StaticField::StaticField(const CollisionScene& scene, const BatchModel& model,
   }
 }
 
-const StaticField::Slot* StaticField::slotOf(const Vector3d& p_W, Vector3d& center) const {
-  const Vector3d place = (p_W - origin_).cwiseProduct(cells_a_metre_);
+BatchGrid StaticField::grid() const {
+  static_assert(sizeof(std::atomic<int>) == sizeof(int) && std::atomic<int>::is_always_lock_free);
+  BatchGrid grid{reinterpret_cast<const int*>(apart_.get()), SIDE, {}, {}, {}};
+  for (int axis = 0; axis < 3; ++axis) {
+    grid.origin[axis] = static_cast<float>(origin_[axis]);
+    grid.size[axis] = static_cast<float>(cell_size_[axis]);
+    grid.cells_a_metre[axis] = 1.0f / grid.size[axis];
+  }
+  return grid;
+}
+
+int StaticField::cellOf(const Vector3d& p_W, Vector3d& center) const {
+  const Vector3d place = (p_W - origin_).cwiseQuotient(cell_size_);
   const bool is_within = (place.array() >= 0.0).all() && (place.array() < SIDE).all();
-  if (!is_within) return nullptr;
-  const Eigen::Vector3i cell = place.cast<int>();
-  Slot& slot = slots_[static_cast<std::size_t>((cell[2] * SIDE + cell[1]) * SIDE + cell[0])];
-  center = origin_ + (cell.cast<double>().array() + 0.5).matrix().cwiseProduct(cell_size_);
-  if (!slot.is_known.load(std::memory_order_acquire)) {
-    const Eigen::Vector3i block = cell / (SIDE / BLOCKS);
+  if (!is_within) return -1;
+  const Eigen::Vector3i along = place.cast<int>();
+  const int cell = (along[2] * SIDE + along[1]) * SIDE + along[0];
+  center = origin_ + (along.cast<double>().array() + 0.5).matrix().cwiseProduct(cell_size_);
+  if (slots_[static_cast<std::size_t>(cell)].nb_near.load(std::memory_order_acquire) == NOT_FILLED) {
+    const Eigen::Vector3i block = along / (SIDE / BLOCKS);
     fill(center,
          near_block_[static_cast<std::size_t>((block[2] * BLOCKS + block[1]) * BLOCKS + block[0])],
-         slot);
+         cell);
   }
-  return &slot;
+  return cell;
 }
 
 bool StaticField::isFurther(const Vector3d& p_W, double reach) const {
   Vector3d center;
-  const Slot* const slot = slotOf(p_W, center);
-  if (slot == nullptr) return false;
-  if (slot->apart.load(std::memory_order_relaxed) - (p_W - center).norm() > reach) return true;
-  const std::uint32_t nb_near = slot->nb_near.load(std::memory_order_relaxed);
+  const int cell = cellOf(p_W, center);
+  if (cell < 0) return false;
+  const auto index = static_cast<std::size_t>(cell);
+  const double apart = floatOf(apart_[index].load(std::memory_order_relaxed)) + margin_;
+  if (apart - (p_W - center).norm() > reach) return true;
+  const Slot& slot = slots_[index];
+  const std::uint32_t nb_near = slot.nb_near.load(std::memory_order_relaxed);
   if (nb_near > MOST_NEAR) return false;
   for (std::uint32_t i = 0; i < nb_near; ++i) {
-    const Thing& thing = things_[slot->near[i].load(std::memory_order_relaxed)];
+    const Thing& thing = things_[slot.near[i].load(std::memory_order_relaxed)];
     if (!(apartFrom(thing, p_W, reach) > reach)) return false;
   }
   return true;
@@ -76,11 +107,12 @@ bool StaticField::isFurther(const Vector3d& p_W, double reach) const {
 
 bool StaticField::isNearer(const Vector3d& p_W, double reach, std::uint32_t& element) const {
   Vector3d center;
-  const Slot* const slot = slotOf(p_W, center);
-  if (slot == nullptr) return false;
-  const std::uint32_t nb_near = slot->nb_near.load(std::memory_order_relaxed);
+  const int cell = cellOf(p_W, center);
+  if (cell < 0) return false;
+  const Slot& slot = slots_[static_cast<std::size_t>(cell)];
+  const std::uint32_t nb_near = slot.nb_near.load(std::memory_order_relaxed);
   for (std::uint32_t i = 0; i < std::min(nb_near, MOST_NEAR); ++i) {
-    const Thing& thing = things_[slot->near[i].load(std::memory_order_relaxed)];
+    const Thing& thing = things_[slot.near[i].load(std::memory_order_relaxed)];
     if (!(upperOf(thing, p_W) < reach)) continue;
     element = thing.element;
     return true;
@@ -105,17 +137,17 @@ double StaticField::findNear(const Vector3d& p_W, double diagonal,
 }
 
 void StaticField::fill(const Vector3d& p_W, const std::vector<std::uint32_t>& things,
-                       Slot& slot) const {
+                       int cell) const {
+  Slot& slot = slots_[static_cast<std::size_t>(cell)];
   thread_local std::vector<std::uint32_t> near;
   near.clear();
   const double apart = findNear(p_W, cell_size_.norm(), things, near);
   for (std::size_t i = 0; i < near.size() && i < MOST_NEAR; ++i) {
     slot.near[i].store(near[i], std::memory_order_relaxed);
   }
-  slot.nb_near.store(static_cast<std::uint32_t>(near.size()), std::memory_order_relaxed);
-  slot.apart.store(static_cast<float>(apart - ROUNDING * std::abs(apart)),
-                   std::memory_order_relaxed);
-  slot.is_known.store(true, std::memory_order_release);
+  const double lower = apart - margin_;
+  apart_[static_cast<std::size_t>(cell)].store(bitsOf(lower - ROUNDING * std::abs(lower)), std::memory_order_relaxed);
+  slot.nb_near.store(static_cast<std::uint32_t>(near.size()), std::memory_order_release);
 }
 
 double StaticField::apartFrom(const Thing& thing, const Vector3d& p_W, double enough) const {
