@@ -102,11 +102,11 @@ add_library(collision_pairs SHARED
   src/core/scene/pair_selection.cpp
   src/core/scene/restricted_names.cpp
   src/core/scene/scene_changes.cpp
+  src/core/scene/scene_classes.cpp
   src/core/scene/scene_description.cpp
   src/core/scene/scene_element.cpp
   src/core/scene/scene_members.cpp
   src/core/scene/scene_settings.cpp
-  src/core/scene/static_classes.cpp
 )
 include(cmake/kernels.cmake)
 target_include_directories(collision_pairs PUBLIC

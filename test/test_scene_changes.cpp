@@ -1,7 +1,4 @@
 // A scene that was changed is the scene that is built of the changed description.
-#include <map>
-#include <thread>
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -26,7 +23,7 @@ class Objects {
   SceneChanges change() {
     SceneChanges changes;
     for (int i = random_.integer(1, 3); i > 0; --i) {
-      const int kind = random_.integer(0, 9);
+      const int kind = random_.integer(0, 12);
       auto& objects = description_.objects;
       const bool is_add = kind < 4 || objects.empty();
       const auto one = static_cast<std::size_t>(
@@ -38,15 +35,18 @@ class Objects {
         moved.X_PO = random_.pose(1.0);
         put(changed(changes, moved));
       } else if (kind < 9) {
-        const bool is_in_it = std::any_of(changes.objects.begin(), changes.objects.end(),
-                                          [&](const auto& o) { return o.name == objects[one].name; });
+        const bool is_in_it =
+            std::any_of(changes.objects.begin(), changes.objects.end(),
+                        [&](const auto& o) { return o.name == objects[one].name; });
         if (is_in_it) continue;  // what is removed comes first
         changes.removed.push_back(objects[one].name);
         objects.erase(objects.begin() + static_cast<std::ptrdiff_t>(one));
       } else {
         RigidObject attached = objects[one];
-        attached.attached_link = attached.attached_link.empty() ? "left/link_1" : "";
+        const bool is_detach = !attached.attached_link.empty() && random_.integer(0, 2) > 0;
+        attached.attached_link = is_detach ? "" : link();
         attached.X_PO = random_.pose(0.2);
+        if (random_.integer(0, 2) == 0) attached.touch_links = {link(), link()};
         put(changed(changes, attached));
       }
     }
@@ -54,6 +54,12 @@ class Objects {
   }
 
  private:
+  std::string link() {
+    const char* const links[] = {"left/link_0", "left/link_1", "left/link_2", "right/link_0",
+                                 "right/link_1"};
+    return links[random_.integer(0, 4)];  // the last of either robot need not be there
+  }
+
   static const RigidObject& changed(SceneChanges& changes, const RigidObject& object) {
     changes.objects.push_back(object);
     return object;
@@ -178,7 +184,8 @@ SceneDescription randomStart(RandomInputs& random, CloudVoxels& voxels) {
     settings.pair_padding.push_back({"[h-z]_box", "left/link_*", 0.04});
   }
   if (random.integer(0, 4) == 0) description.restriction.names = {"left/link_1", "[a-f]_box"};
-  if (random.integer(0, 4) == 0) settings.pair_rules.push_back({PairRule::Verdict::DENY, "*", "?_box"});
+  if (random.integer(0, 4) == 0)
+    settings.pair_rules.push_back({PairRule::Verdict::DENY, "*", "?_box"});
   if (random.integer(0, 3) == 0) {
     description.clouds.push_back(cloudOf("m_cloud", 0.1, {}));
     voxels = {std::make_shared<const OccupiedVoxels>(
@@ -187,9 +194,14 @@ SceneDescription randomStart(RandomInputs& random, CloudVoxels& voxels) {
   return description;
 }
 
+bool movesAny(const SceneChanges& changes) {
+  return std::any_of(changes.objects.begin(), changes.objects.end(),
+                     [](const RigidObject& object) { return !object.attached_link.empty(); });
+}
+
 TEST(ASceneThatWasChanged, IsTheSceneBuiltOfTheChangedDescription) {
   RandomInputs random;
-  int nb_pairs = 0, nb_alike = 0, nb_built = 0, nb_refused = 0;
+  int nb_pairs = 0, nb_alike = 0, nb_attached = 0, nb_built = 0, nb_refused = 0;
   for (int round = 0; round < 60; ++round) {
     CloudVoxels voxels;
     Objects objects(random, randomStart(random, voxels));
@@ -213,6 +225,7 @@ TEST(ASceneThatWasChanged, IsTheSceneBuiltOfTheChangedDescription) {
       }
       EXPECT_EQ(found_problem, problem);
       ++(alike ? nb_alike : problem.empty() ? nb_built : nb_refused);
+      if (alike && movesAny(changes)) ++nb_attached;
       if (!problem.empty()) break;
       for (const auto& made : {scene, alike}) {
         if (!made) continue;
@@ -225,6 +238,7 @@ TEST(ASceneThatWasChanged, IsTheSceneBuiltOfTheChangedDescription) {
   }
   EXPECT_GT(nb_pairs, 200);
   EXPECT_GT(nb_alike, 100);
+  EXPECT_GT(nb_attached, 30);
   EXPECT_GT(nb_built, 50);
   EXPECT_GT(nb_refused, 0);
 }
@@ -293,6 +307,32 @@ TEST_F(Changed, TheLastObjectTakesItsPairsWithIt) {
   EXPECT_NE(scene_->withAlike({{}, {"far"}}), nullptr);
 }
 
+RigidObject onLink(const std::string& link, RigidObject object) {
+  object.attached_link = link;
+  return object;
+}
+
+TEST_F(Changed, AttachedAndDetachedWithoutABuild) {
+  const auto held = scene_->withAlike({{onLink("a", box("near", 3))}, {}});
+  ASSERT_NE(held, nullptr);
+  const auto handed_over = held->withAlike({{onLink("b", box("near", 3))}, {}});
+  ASSERT_NE(handed_over, nullptr);
+  EXPECT_NE(handed_over->withAlike({{box("near", 3)}, {}}), nullptr);
+  EXPECT_NE(handed_over->withAlike({{}, {"near"}}), nullptr);
+}
+
+TEST_F(Changed, WhatIsAttachedIsStillWhatATouchLinkNames) {
+  description_.objects.push_back(box("third", 6));
+  description_.objects.push_back(box("toucher", 9));
+  description_.objects.back().touch_links = {"near"};
+  scene_ = CollisionScene::build(description_)->with({{onLink("a", box("near", 3))}, {}});
+  const auto allowed = [&](const char* a, const char* b) {
+    return scene_->filter().allowed(scene_->findModel(a), scene_->findModel(b));
+  };
+  EXPECT_FALSE(allowed("near", "toucher"));
+  EXPECT_TRUE(allowed("near", "third"));
+}
+
 TEST_F(Changed, TheOldSceneIsAsItWas) {
   BodyPoses poses;
   poses.resize(2);
@@ -307,76 +347,6 @@ TEST_F(Changed, TheOldSceneIsAsItWas) {
   EXPECT_EQ(after->findModel("near"), -1);
   ASSERT_EQ(after->objects().size(), 2u);
   EXPECT_EQ(after->objects()[1]->name, "here");
-}
-
-RigidObject ball(const std::string& name) {
-  RigidObject object = box(name, 2);
-  object.elements[0].shape = meshShape(bumpyBall(12, 0.15));  // a mesh of its own, of equal content
-  return object;
-}
-
-const PreparedShape* preparedOf(const CollisionScene& scene, const std::string& name) {
-  const CollisionModel& model = scene.models()[static_cast<std::size_t>(scene.findModel(name))];
-  return scene.elements()[model.first_element].rung(Fidelity::MESH).shape.get();
-}
-
-TEST_F(Changed, MeshesOfEqualContentArePreparedOnceForAllScenes) {
-  std::size_t nb_prepared = 0;
-  description_.settings.progress = [&](std::size_t, std::size_t) { ++nb_prepared; };
-  description_.objects = {ball("p"), ball("q")};
-  SceneCache cache;
-  const auto first = CollisionScene::build(description_, &cache);
-  EXPECT_EQ(nb_prepared, 1u);
-  description_.objects.push_back(ball("r"));
-  const auto second = CollisionScene::build(description_, &cache);
-  const auto third = first->with({{ball("s")}, {}}, &cache);
-  EXPECT_EQ(nb_prepared, 1u);
-  const PreparedShape* known = preparedOf(*first, "p");
-  EXPECT_EQ(preparedOf(*first, "q"), known);
-  EXPECT_EQ(preparedOf(*second, "r"), known);
-  EXPECT_EQ(preparedOf(*third, "s"), known);
-  RigidObject other = ball("t");
-  TriangleMesh mesh = bumpyBall(12, 0.15);
-  mesh.vertices[0] *= 1.0 + 1e-15;
-  other.elements[0].shape = meshShape(mesh);
-  EXPECT_NE(preparedOf(*first->with({{other}, {}}, &cache), "t"), known);
-}
-
-TEST_F(Changed, AMeshIsKeptAsLongAsASceneHoldsIt) {
-  SceneCache cache;
-  description_.objects = {ball("p")};
-  const auto holder = CollisionScene::build(description_, &cache);
-  std::weak_ptr<const PreparedShape> dropped;
-  for (int i = 0; i < 60; ++i) {
-    description_.objects = {ball("q")};
-    TriangleMesh mesh = bumpyBall(12, 0.15 + 0.001 * (i + 1));
-    description_.objects[0].elements[0].shape = meshShape(mesh);
-    const auto scene = CollisionScene::build(description_, &cache);
-    const CollisionModel& q = scene->models()[static_cast<std::size_t>(scene->findModel("q"))];
-    if (i == 0) dropped = scene->elements()[q.first_element].rung(Fidelity::MESH).shape;
-  }
-  EXPECT_TRUE(dropped.expired());
-  description_.objects = {ball("again")};
-  EXPECT_EQ(preparedOf(*CollisionScene::build(description_, &cache), "again"),
-            preparedOf(*holder, "p"));
-}
-
-TEST_F(Changed, OneCacheServesAllThreads) {
-  SceneCache cache;
-  std::vector<std::shared_ptr<const CollisionScene>> scenes(4);
-  std::vector<std::thread> threads;
-  for (auto& scene : scenes) {
-    threads.emplace_back([&] {
-      SceneDescription description = description_;
-      for (const char* name : {"p", "q"}) description.objects.push_back(ball(name));
-      scene = CollisionScene::build(description, &cache);
-      for (int i = 0; i < 20; ++i) scene = scene->with({{ball("r" + std::to_string(i))}, {}}, &cache);
-    });
-  }
-  for (std::thread& thread : threads) thread.join();
-  for (const auto& scene : scenes) {
-    EXPECT_EQ(preparedOf(*scene, "r19"), preparedOf(*scenes[0], "p"));
-  }
 }
 
 }  // namespace

@@ -139,8 +139,21 @@ std::shared_ptr<ActiveScene> SceneStore::withAlike(const ObjectEdits& edits) {
   active->warnings = scene_->warnings;
   active->open_meshes = scene->openMeshes();
   active->frame = scene_->frame;
-  active->tf_poses = scene_->tf_poses;
+  const auto isSame = [](const SceneBody& a, const SceneBody& b) { return a.body == b.body; };
+  const auto &bodies = scene->bodies(), &before = scene_->scene->bodies();
+  const bool are_same =
+      std::equal(bodies.begin(), bodies.end(), before.begin(), before.end(), isSame);
+  active->tf_poses = are_same
+                         ? scene_->tf_poses
+                         : posesOf(*scene, active->frame, parameters_.sources.config.static_joints);
   return active;
+}
+
+std::shared_ptr<const TfPoses> SceneStore::posesOf(
+    const CollisionScene& scene, const std::string& frame,
+    const std::vector<std::string>& static_joints) const {
+  return std::make_shared<TfPoses>(transforms_, scene.robot(), scene.bodies(), frame,
+                                   static_joints);
 }
 
 std::vector<std::string> SceneStore::changedDescriptions() {
@@ -209,8 +222,7 @@ SceneStore::Built SceneStore::build(SceneParameters& parameters, const SceneObje
   active->frame =
       parameters.fixed_frame.empty() ? scene.robot().links().front().name : parameters.fixed_frame;
   const auto& static_joints = parameters.sources.config.static_joints;
-  active->tf_poses = std::make_unique<TfPoses>(transforms_, scene.robot(), scene.bodies(),
-                                               active->frame, static_joints);
+  active->tf_poses = posesOf(scene, active->frame, static_joints);
   active->clouds = cloudsOf(parameters.sources.config.clouds, active->frame);
   Built built{active, {}};
   if (active->clouds && restriction.empty()) {

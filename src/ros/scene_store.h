@@ -56,6 +56,8 @@ class SceneStore {
               const Restriction& restriction);
   /// Null if the scene has to be built anew.
   std::shared_ptr<ActiveScene> withAlike(const ObjectEdits& edits);
+  std::shared_ptr<const TfPoses> posesOf(const CollisionScene& scene, const std::string& frame,
+                                         const std::vector<std::string>& static_joints) const;
   /// Logs each broken element once.
   void noteBroken(const std::vector<BrokenElement>& broken, ActiveScene& active);
   std::shared_ptr<CloudSources> cloudsOf(const std::vector<CloudConfig>& configs,

@@ -57,6 +57,12 @@ class AttachedObjectsTest(unittest.TestCase):
         self.assertEqual(pairs(self.report_at(2, 4, 8)), [("held", "post")])
         self.assertEqual(pairs(self.report_at(-2, 4, 8)), [])
 
+    def test_what_is_attached_moves_with_its_link_also_if_its_name_comes_before_all_links(self):
+        self.scene.apply(add_box("post", (10.0, 0, ARM)))
+        self.attach_above("c", 8.0, "A first name")
+        self.assertEqual(pairs(self.report_at(0, 4, 8)), [])
+        self.assertEqual(pairs(self.report_at(0, 4, 10)), [("A first name", "post")])
+
     def test_what_is_attached_moves_with_a_hypothetical_state(self):
         self.attach_above("a", 0.0)
         self.scene.apply(add_box("post", (2.0, 0, ARM)))

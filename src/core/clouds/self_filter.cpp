@@ -58,7 +58,7 @@ SelfFilter::SelfFilter(const SceneDescription& description, double padding, Scen
   }
   store_->padding = padding;
   const auto robot = mergedRobot(description);
-  checkDescription(description, *robot);
+  checkDescription(description, objectsOf(description), *robot);
   SceneCache of_this_filter;
   ElementMaker& maker = cache ? *cache->maker_ : *of_this_filter.maker_;
   std::vector<std::pair<const Shape*, Fidelity>> wanted;
@@ -74,17 +74,17 @@ SelfFilter::SelfFilter(const SceneDescription& description, double padding, Scen
     for (const Element& element : elements) wanted.emplace_back(&element.shape, Fidelity::MESH);
   });
   const PreparedElements prepared = maker.prepare(wanted, description.settings);
-  forEachOwn([&](const std::string& name, const Link& link, const Isometry3d& X_BM,
-                 const auto& elements) {
-    if (elements.empty()) return;
-    const int of_link = robot->bodies()[link.body].link;
-    const int body = store_->indexOf(link.body, robot->links()[of_link].name);
-    if (only && only->count(name) == 0) return;
-    for (const Element& element : elements) {
-      store_->addPart(name, body, X_BM * element.X_LE,
-                      prepared.make(element.shape, Fidelity::MESH));
-    }
-  });
+  forEachOwn(
+      [&](const std::string& name, const Link& link, const Isometry3d& X_BM, const auto& elements) {
+        if (elements.empty()) return;
+        const int of_link = robot->bodies()[link.body].link;
+        const int body = store_->indexOf(link.body, robot->links()[of_link].name);
+        if (only && only->count(name) == 0) return;
+        for (const Element& element : elements) {
+          store_->addPart(name, body, X_BM * element.X_LE,
+                          prepared.make(element.shape, Fidelity::MESH));
+        }
+      });
   store_->X_EW.resize(store_->parts.size());
 }
 

@@ -11,7 +11,6 @@
 #include "pair_policy.h"
 #include "scene_element.h"
 #include "scene_members.h"
-#include "static_classes.h"
 
 namespace collision_pairs {
 namespace {
@@ -20,33 +19,31 @@ namespace {
 // rest is for loose triangles.
 constexpr double TOLD_ABOVE = 0.01;
 
-/// Members that are treated alike. Each moving member is a class of its own, while all objects of a
-/// large world may share one, which keeps the tables of pairs small.
-struct MemberClass {
-  std::size_t example;                        // one of its members
-  bool needed = false;                        // in some allowed pair
-  Fidelity needed_fidelity = Fidelity::AABB;  // the finest in its allowed pairs
-  double half_padding = 0.0;                  // half of the largest padding set for a single pair
-};
-
 }  // namespace
 
 /// Builds a scene step by step; its members are needed only while building.
 class SceneBuilder {
  public:
-  SceneBuilder(const SceneDescription& description)
-      : scene_(new CollisionScene), description_(description) {
-    scene_->robot_ = mergedRobot(description);
-    members_ = sceneMembers(description, *scene_->robot_);
-    static_classes_ = std::make_shared<StaticClasses>(
-        StaticClasses{StaticSignature(description, members_), {}, {}});
+  /// `objects`: instead of those of the description. `before`: null, or a scene of the same robots.
+  SceneBuilder(const SceneDescription& description, const Objects& objects,
+               const CollisionScene* before)
+      : scene_(new CollisionScene),
+        description_(description),
+        classes_(std::make_shared<SceneClasses>()) {
+    scene_->robot_ = before ? before->robot_ : mergedRobot(description);
+    members_ = sceneMembers(description, objects, *scene_->robot_);
+    SceneRules rules{StaticSignature(description, members_), namesIn(description, objects),
+                     nullptr};
+    rules.switched_off =
+        before ? before->classes_->rules->switched_off
+               : std::make_shared<const SwitchedOff>(switchedOffLinks(description.robots));
+    classes_->rules = std::make_shared<const SceneRules>(std::move(rules));
     classify();
   }
 
   std::unique_ptr<CollisionScene> build(SceneCache& cache) {
     maker_ = cache.maker_.get();
-    static_classes_->named = namesIn(description_);
-    scene_->static_classes_ = static_classes_;
+    scene_->classes_ = classes_;
     dropUnneeded();
     scene_->unchecked_ = whatIsUnchecked();
     scene_->filter_.setModels(class_of_);
@@ -64,7 +61,7 @@ class SceneBuilder {
   std::set<std::string> neededNames() const {
     std::set<std::string> names;
     for (std::size_t i = 0; i < members_.size(); ++i) {
-      if (classes_[class_of_[i]].needed) names.insert(members_[i].name);
+      if (classOf(i).is_needed) names.insert(members_[i].name);
     }
     // Whichever pairs are checked, SelfFilter has to tell the robot's own points from obstacles.
     if (!description_.clouds.empty()) {
@@ -75,64 +72,29 @@ class SceneBuilder {
 
  private:
   void classify() {
-    const StaticSignature& signature = static_classes_->signature;
-    const PairPolicy policy(description_, members_, signature.restricted());
-    auto& class_of_static = static_classes_->by_signature;
-    for (std::size_t i = 0; i < members_.size(); ++i) {
-      auto next = static_cast<std::uint32_t>(classes_.size());
-      if (members_[i].isStatic() && !members_[i].is_cloud) {
-        const StaticClasses::Class its_class{next, false, Fidelity::AABB, 0.0};
-        next = class_of_static.try_emplace(signature.of(members_[i]), its_class).first->second.id;
+    for (const SceneMember& member : members_) {
+      auto next = static_cast<std::uint32_t>(classes_->all.size());
+      if (member.isStatic() && !member.is_cloud) {
+        const std::string signature = classes_->rules->signature.of(member);
+        next = classes_->of_static.try_emplace(signature, next).first->second;
       }
-      if (next == classes_.size()) classes_.push_back({i});
+      if (next == classes_->all.size()) classes_->all.push_back({member});
       class_of_.push_back(next);
     }
-    std::vector<std::size_t> examples;
-    for (const MemberClass& its_class : classes_) examples.push_back(its_class.example);
-    scene_->filter_ = policy.filter(class_of_, examples);
-    noteNeeds();
-    scene_->pair_padding_ = policy.paddings(scene_->filter_, examples);
-    for (const auto& [pair, metres] : scene_->pair_padding_) {
-      for (MemberClass* one : {&classes_[pair.first], &classes_[pair.second]}) {
-        one->half_padding = std::max(one->half_padding, 0.5 * metres);
-      }
-    }
-    for (auto& [text, of_static] : class_of_static) {
-      const MemberClass& known = classes_[of_static.id];
-      of_static = {of_static.id, known.needed, known.needed_fidelity, known.half_padding};
-    }
+    PairPolicy policy = PairPolicy::of(description_, *classes_);
+    scene_->filter_ = std::move(policy.filter);
+    scene_->pair_padding_ = std::move(policy.paddings);
   }
 
-  // A pair is checked at the coarser geometry of its two members.
-  void noteNeeds() {
-    const std::size_t nb_words = (classes_.size() + 63) / 64;
-    for (const Fidelity fidelity :
-         {Fidelity::AABB, Fidelity::SPHERES, Fidelity::OBB, Fidelity::CONVEX, Fidelity::MESH}) {
-      std::vector<std::uint64_t> as_fine(nb_words, 0);
-      const auto isAsFine = [&](std::size_t c) {
-        return members_[classes_[c].example].finest >= fidelity;
-      };
-      for (std::size_t c = 0; c < classes_.size(); ++c) {
-        if (isAsFine(c)) as_fine[c >> 6] |= std::uint64_t{1} << (c & 63);
-      }
-      for (std::uint32_t c = 0; c < classes_.size(); ++c) {
-        const std::uint64_t* row = scene_->filter_.row(c);
-        bool meets = false;
-        for (std::size_t w = 0; isAsFine(c) && !meets && w < nb_words; ++w) {
-          meets = row[w] & as_fine[w];
-        }
-        if (!meets) continue;
-        classes_[c].needed = true;
-        classes_[c].needed_fidelity = fidelity;
-      }
-    }
+  const SceneClasses::Class& classOf(std::size_t member) const {
+    return classes_->all[class_of_[member]];
   }
 
   // Members in no allowed pair get no box, no tree and no transform.
   void dropUnneeded() {
     std::size_t kept = 0;
     for (std::size_t i = 0; i < members_.size(); ++i) {
-      if (!classes_[class_of_[i]].needed) continue;
+      if (!classOf(i).is_needed) continue;
       members_[kept] = members_[i];
       class_of_[kept++] = class_of_[i];
     }
@@ -191,7 +153,7 @@ class SceneBuilder {
     std::vector<std::pair<const Shape*, Fidelity>> wanted;
     for (std::size_t m = 0; m < members_.size(); ++m) {
       for (const Element& element : *members_[m].elements) {
-        wanted.emplace_back(&element.shape, classes_[class_of_[m]].needed_fidelity);
+        wanted.emplace_back(&element.shape, classOf(m).needed_fidelity);
       }
     }
     prepared_ = maker_->prepare(wanted, description_.settings);
@@ -227,7 +189,7 @@ class SceneBuilder {
       model.first_element = static_cast<std::uint32_t>(scene_->elements_.size());
       model.nb_elements = static_cast<std::uint32_t>(member.elements->size());
       for (const Element& element : *member.elements) {
-        scene_->elements_.push_back(makeElement(member, element, classes_[class_of_[m]]));
+        scene_->elements_.push_back(makeElement(member, element, classOf(m)));
         scene_->elements_.back().model = m;
         scene_->elements_.back().body = model.body;
       }
@@ -235,7 +197,7 @@ class SceneBuilder {
   }
 
   SceneElement makeElement(const SceneMember& member, const Element& element,
-                           const MemberClass& its_class) {
+                           const SceneClasses::Class& its_class) {
     Shape shape = element.shape;
     const auto* cylinder = std::get_if<Cylinder>(&shape);
     if (cylinder && member.cylinder_as_capsule) shape = Capsule{cylinder->radius, cylinder->length};
@@ -248,10 +210,9 @@ class SceneBuilder {
   const SceneDescription& description_;
   ElementMaker* maker_ = nullptr;
   PreparedElements prepared_;
-  std::shared_ptr<StaticClasses> static_classes_;
+  std::shared_ptr<SceneClasses> classes_;
   std::vector<SceneMember> members_;
   std::vector<std::uint32_t> class_of_;  // by member
-  std::vector<MemberClass> classes_;
 };
 
 SceneCache::SceneCache() : maker_(std::make_unique<ElementMaker>()) {}
@@ -259,22 +220,31 @@ SceneCache::~SceneCache() = default;
 
 std::shared_ptr<const CollisionScene> CollisionScene::build(SceneDescription description,
                                                             SceneCache* cache) {
-  SceneCache of_this_scene;
-  const auto kept = std::make_shared<SceneDescription>(std::move(description));
-  auto scene = SceneBuilder(*kept).build(cache ? *cache : of_this_scene);
-  kept->settings.progress = nullptr;  // may refer to what ends with this call
-  for (RigidObject& object : kept->objects) {
-    scene->objects_.push_back(std::make_shared<const RigidObject>(std::move(object)));
+  Objects objects;
+  for (RigidObject& object : description.objects) {
+    objects.push_back(std::make_shared<const RigidObject>(std::move(object)));
   }
-  kept->objects.clear();
-  std::sort(scene->objects_.begin(), scene->objects_.end(),
+  std::sort(objects.begin(), objects.end(),
             [](const auto& a, const auto& b) { return a->name < b->name; });
-  scene->description_ = kept;
+  description.objects.clear();
+  const auto kept = std::make_shared<SceneDescription>(std::move(description));
+  auto scene = buildOf(kept, std::move(objects), cache, nullptr);
+  kept->settings.progress = nullptr;  // may refer to what ends with this call
+  return scene;
+}
+
+std::shared_ptr<const CollisionScene> CollisionScene::buildOf(
+    const std::shared_ptr<const SceneDescription>& description, Objects objects, SceneCache* cache,
+    const CollisionScene* before) {
+  SceneCache of_this_scene;
+  auto scene = SceneBuilder(*description, objects, before).build(cache ? *cache : of_this_scene);
+  scene->objects_ = std::move(objects);
+  scene->description_ = description;
   return scene;
 }
 
 std::set<std::string> CollisionScene::neededModels(const SceneDescription& description) {
-  return SceneBuilder(description).neededNames();
+  return SceneBuilder(description, objectsOf(description), nullptr).neededNames();
 }
 
 std::shared_ptr<const CollisionScene> CollisionScene::build(std::shared_ptr<const RobotModel> robot,

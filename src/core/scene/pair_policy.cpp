@@ -1,6 +1,7 @@
 #include "pair_policy.h"
 
 #include <algorithm>
+#include <string_view>
 #include <unordered_map>
 
 namespace collision_pairs {
@@ -12,6 +13,12 @@ class ClassSet {
   explicit ClassSet(std::size_t nb_classes) : words_((nb_classes + 63) / 64, 0) {}
   void insert(std::size_t c) { words_[c >> 6] |= std::uint64_t{1} << (c & 63); }
   bool has(std::size_t c) const { return (words_[c >> 6] >> (c & 63)) & 1u; }
+  bool meets(const std::uint64_t* row) const {
+    for (std::size_t w = 0; w < words_.size(); ++w) {
+      if ((row[w] & words_[w]) != 0) return true;
+    }
+    return false;
+  }
 
   void addTo(std::uint64_t* row) const {
     for (std::size_t w = 0; w < words_.size(); ++w) row[w] |= words_[w];
@@ -31,147 +38,159 @@ void switchOff(std::size_t c, std::uint64_t* row) {
   row[c >> 6] &= ~(std::uint64_t{1} << (c & 63));
 }
 
-/// The classes whose example satisfies a condition.
-template <class Holds>
-ClassSet classesWhere(const std::vector<std::size_t>& examples, const Holds& holds) {
-  ClassSet classes(examples.size());
-  for (std::size_t c = 0; c < examples.size(); ++c) {
-    if (holds(examples[c])) classes.insert(c);
+/// Writes the table 64 pairs at a time.
+class PolicyMaker {
+ public:
+  PolicyMaker(const SceneDescription& description, SceneClasses& classes)
+      : description_(description),
+        classes_(classes),
+        all_(classes.all),
+        restricted_(classes.rules->signature.restricted()) {}
+
+  PairPolicy make() {
+    PairPolicy policy{filter(), {}};
+    noteNeeds(policy.filter);
+    policy.paddings = paddings(policy.filter);
+    for (auto& its_class : all_) its_class.half_padding = 0.0;
+    for (const auto& [pair, metres] : policy.paddings) {
+      for (const std::uint32_t c : {pair.first, pair.second}) {
+        all_[c].half_padding = std::max(all_[c].half_padding, 0.5 * metres);
+      }
+    }
+    return policy;
   }
-  return classes;
-}
+
+ private:
+  using Member = SceneMember;
+
+  /// The classes whose example satisfies a condition.
+  template <class Holds>
+  ClassSet where(const Holds& holds) const {
+    ClassSet classes(all_.size());
+    for (std::size_t c = 0; c < all_.size(); ++c) {
+      if (holds(all_[c].example)) classes.insert(c);
+    }
+    return classes;
+  }
+
+  ClassSet named(const NamePattern& pattern) const {
+    return where([&](const Member& m) { return matches(pattern, m.name); });
+  }
+
+  bool isRestricted(const Member& m) const {
+    return restricted_->have(m.name, m.object ? m.object->attached_link : "");
+  }
+
+  std::vector<int> classesOfLinks() const {
+    std::vector<int> classes(classes_.rules->switched_off->size(), -1);
+    for (std::size_t c = 0; c < all_.size(); ++c) {
+      const int link = all_[c].example.link;
+      if (link >= 0) classes[static_cast<std::size_t>(link)] = static_cast<int>(c);
+    }
+    return classes;
+  }
+
+  PairFilter filter() const {
+    const ClassSet statics = where([](const Member& m) { return m.isStatic(); });
+    const ClassSet links = where([](const Member& m) { return m.robot >= 0; });
+    const ClassSet restricted =
+        where([&](const Member& m) { return restricted_ != nullptr && isRestricted(m); });
+    const std::vector<int> class_of_link = classesOfLinks();
+    std::vector<std::pair<ClassSet, ClassSet>> rules;
+    for (const PairRule& rule : description_.settings.pair_rules) {
+      rules.emplace_back(named(rule.first), named(rule.second));
+    }
+    std::map<int, ClassSet> objects_on;  // by body
+    for (std::size_t c = 0; c < all_.size(); ++c) {
+      const Member& member = all_[c].example;
+      if (!member.object || member.isStatic()) continue;
+      objects_on.try_emplace(member.body, all_.size()).first->second.insert(c);
+    }
+
+    PairFilter filter = PairFilter::allowAll(all_.size());
+    for (std::uint32_t c = 0; c < all_.size(); ++c) {
+      const Member& member = all_[c].example;
+      std::uint64_t* row = filter.row(c);
+      if (member.link >= 0) {
+        if (!description_.check_self) links.removeFrom(row);
+        for (const std::uint32_t other :
+             (*classes_.rules->switched_off)[static_cast<std::size_t>(member.link)]) {
+          if (class_of_link[other] >= 0) {
+            switchOff(static_cast<std::size_t>(class_of_link[other]), row);
+          }
+        }
+      }
+      for (std::size_t i = 0; i < rules.size(); ++i) {
+        const bool allow = description_.settings.pair_rules[i].verdict == PairRule::Verdict::ALLOW;
+        const auto apply = [&](const ClassSet& to) { allow ? to.addTo(row) : to.removeFrom(row); };
+        if (rules[i].first.has(c)) apply(rules[i].second);
+        if (rules[i].second.has(c)) apply(rules[i].first);
+      }
+      if (restricted_ && !restricted.has(c)) restricted.keepOnlyIn(row);
+      if (member.isStatic()) statics.removeFrom(row);
+      if (member.object && !member.isStatic()) objects_on.at(member.body).removeFrom(row);
+      switchOff(c, row);
+    }
+    switchOffTouching(filter);
+    return filter;
+  }
+
+  void switchOffTouching(PairFilter& filter) const {
+    std::unordered_map<std::string_view, std::uint32_t> class_of_name;
+    for (std::uint32_t c = 0; c < all_.size(); ++c) class_of_name.emplace(all_[c].example.name, c);
+    for (std::uint32_t c = 0; c < all_.size(); ++c) {
+      const ObjectPtr& object = all_[c].example.object;
+      if (!object) continue;
+      const auto mayTouch = [&](const std::string& name) {
+        const auto found = class_of_name.find(name);
+        if (found != class_of_name.end()) filter.setClassPair(c, found->second, false);
+      };
+      std::for_each(object->touch_links.begin(), object->touch_links.end(), mayTouch);
+      mayTouch(object->attached_link);
+    }
+  }
+
+  // A pair is checked at the coarser geometry of its two members.
+  void noteNeeds(const PairFilter& filter) {
+    for (auto& its_class : all_) {
+      its_class.is_needed = false;
+      its_class.needed_fidelity = Fidelity::AABB;
+    }
+    for (const Fidelity fidelity :
+         {Fidelity::AABB, Fidelity::SPHERES, Fidelity::OBB, Fidelity::CONVEX, Fidelity::MESH}) {
+      const ClassSet as_fine = where([&](const Member& m) { return m.finest >= fidelity; });
+      for (std::uint32_t c = 0; c < all_.size(); ++c) {
+        if (!as_fine.has(c) || !as_fine.meets(filter.row(c))) continue;
+        all_[c].is_needed = true;
+        all_[c].needed_fidelity = fidelity;
+      }
+    }
+  }
+
+  ClassPaddings paddings(const PairFilter& filter) const {
+    ClassPaddings paddings;
+    for (const PairPadding& pair : description_.settings.pair_padding) {
+      const ClassSet first = named(pair.first), second = named(pair.second);
+      for (std::uint32_t a = 0; a < all_.size(); ++a) {
+        for (std::uint32_t b = 0; first.has(a) && b < all_.size(); ++b) {
+          if (!second.has(b) || !filter.classPairAllowed(a, b)) continue;
+          paddings[std::minmax(a, b)] = pair.metres;  // the last
+        }
+      }
+    }
+    return paddings;
+  }
+
+  const SceneDescription& description_;
+  SceneClasses& classes_;
+  std::vector<SceneClasses::Class>& all_;
+  const RestrictedNames* restricted_;
+};
 
 }  // namespace
 
-PairPolicy::PairPolicy(const SceneDescription& description, const std::vector<SceneMember>& members,
-                       const RestrictedNames* restricted)
-    : description_(description), members_(members), restricted_(restricted) {
-  readSwitchedOff();
-}
-
-void PairPolicy::readSwitchedOff() {
-  std::unordered_map<std::string, std::uint32_t> member_of;
-  for (std::size_t i = 0; i < members_.size(); ++i) {
-    if (members_[i].robot >= 0) member_of.emplace(members_[i].name, i);
-  }
-  switched_off_.resize(members_.size());
-  for (int index = 0; index < static_cast<int>(description_.robots.size()); ++index) {
-    const SceneRobot& robot = description_.robots[static_cast<std::size_t>(index)];
-    const auto& links = robot.model->links();
-    std::set<Srdf::LinkPair> off;
-    if (robot.srdf) {
-      std::vector<std::string> names;
-      for (const Link& link : links) names.push_back(link.name);
-      off = robot.srdf->switchedOff(names);
-    } else {
-      for (const auto& [a, b] : robot.model->adjacentLinks()) {
-        off.insert(std::minmax(links[a].name, links[b].name));
-      }
-    }
-    for (const auto& [a, b] : off) {
-      const auto first = member_of.find(withPrefix(robot.prefix, a));
-      const auto second = member_of.find(withPrefix(robot.prefix, b));
-      if (first == member_of.end() || second == member_of.end()) continue;  // no geometry
-      // With its prefix, a name in an SRDF may be that of another robot's link.
-      const bool is_own =
-          members_[first->second].robot == index && members_[second->second].robot == index;
-      if (!is_own) continue;
-      switched_off_[first->second].push_back(second->second);
-      switched_off_[second->second].push_back(first->second);
-    }
-  }
-  for (auto& others : switched_off_) std::sort(others.begin(), others.end());
-}
-
-bool PairPolicy::isRestricted(std::size_t member) const {
-  const RigidObject* object = members_[member].object;
-  return restricted_->have(members_[member].name, object ? object->attached_link : "");
-}
-
-PairFilter PairPolicy::filter(const std::vector<std::uint32_t>& class_of,
-                              const std::vector<std::size_t>& examples) const {
-  const auto where = [&](const auto& holds) { return classesWhere(examples, holds); };
-  const ClassSet statics = where([&](std::size_t m) { return members_[m].isStatic(); });
-  const ClassSet links = where([&](std::size_t m) { return members_[m].robot >= 0; });
-  const ClassSet restricted =
-      where([&](std::size_t m) { return restricted_ != nullptr && isRestricted(m); });
-  std::vector<std::pair<ClassSet, ClassSet>> rules;
-  for (const PairRule& rule : description_.settings.pair_rules) {
-    const auto meant = [&](const NamePattern& pattern) {
-      return where([&](std::size_t m) { return matches(pattern, members_[m].name); });
-    };
-    rules.emplace_back(meant(rule.first), meant(rule.second));
-  }
-  std::map<int, ClassSet> objects_on;  // by body
-  for (std::size_t c = 0; c < examples.size(); ++c) {
-    const SceneMember& member = members_[examples[c]];
-    if (!member.object || member.isStatic()) continue;
-    objects_on.try_emplace(member.body, examples.size()).first->second.insert(c);
-  }
-
-  PairFilter filter(class_of);
-  for (std::uint32_t c = 0; c < examples.size(); ++c) {
-    const SceneMember& member = members_[examples[c]];
-    std::uint64_t* row = filter.row(c);
-    if (member.robot >= 0) {
-      if (!description_.check_self) links.removeFrom(row);
-      for (const std::uint32_t other : switched_off_[examples[c]]) {
-        switchOff(class_of[other], row);
-      }
-    }
-    for (std::size_t i = 0; i < rules.size(); ++i) {
-      const bool allow = description_.settings.pair_rules[i].verdict == PairRule::Verdict::ALLOW;
-      const auto apply = [&](const ClassSet& to) { allow ? to.addTo(row) : to.removeFrom(row); };
-      if (rules[i].first.has(c)) apply(rules[i].second);
-      if (rules[i].second.has(c)) apply(rules[i].first);
-    }
-    if (restricted_ && !restricted.has(c)) restricted.keepOnlyIn(row);
-    if (member.isStatic()) statics.removeFrom(row);
-    if (member.object && !member.isStatic()) objects_on.at(member.body).removeFrom(row);
-    switchOff(c, row);
-  }
-  switchOffTouching(examples, filter);
-  return filter;
-}
-
-void PairPolicy::switchOffTouching(const std::vector<std::size_t>& examples,
-                                   PairFilter& filter) const {
-  std::unordered_map<std::string, std::uint32_t> class_of_name;
-  for (std::uint32_t c = 0; c < examples.size(); ++c) {
-    class_of_name.emplace(members_[examples[c]].name, c);
-  }
-  for (std::uint32_t c = 0; c < examples.size(); ++c) {
-    const RigidObject* object = members_[examples[c]].object;
-    if (!object) continue;
-    const auto mayTouch = [&](const std::string& name) {
-      const auto found = class_of_name.find(name);
-      if (found != class_of_name.end()) filter.setClassPair(c, found->second, false);
-    };
-    std::for_each(object->touch_links.begin(), object->touch_links.end(), mayTouch);
-    mayTouch(object->attached_link);
-  }
-}
-
-ClassPaddings PairPolicy::paddings(const PairFilter& filter,
-                                   const std::vector<std::size_t>& examples) const {
-  ClassPaddings paddings;
-  for (const PairPadding& pair : description_.settings.pair_padding) {
-    const auto meant = [&](const NamePattern& pattern) {
-      std::vector<std::uint32_t> classes;
-      for (std::uint32_t c = 0; c < examples.size(); ++c) {
-        if (matches(pattern, members_[examples[c]].name)) classes.push_back(c);
-      }
-      return classes;
-    };
-    const std::vector<std::uint32_t> second = meant(pair.second);
-    for (const std::uint32_t a : meant(pair.first)) {
-      for (const std::uint32_t b : second) {
-        if (!filter.classPairAllowed(a, b)) continue;
-        paddings[std::minmax(a, b)] = pair.metres;  // the last
-      }
-    }
-  }
-  return paddings;
+PairPolicy PairPolicy::of(const SceneDescription& description, SceneClasses& classes) {
+  return PolicyMaker(description, classes).make();
 }
 
 }  // namespace collision_pairs

@@ -17,8 +17,8 @@ const Eigen::Isometry3d IDENTITY = Eigen::Isometry3d::Identity();
 
 class NameCheck {
  public:
-  NameCheck(const SceneDescription& description, const RobotModel& merged)
-      : description_(description), merged_(merged) {
+  NameCheck(const SceneDescription& description, const Objects& objects, const RobotModel& merged)
+      : description_(description), objects_(objects), merged_(merged) {
     for (const Link& link : merged.links()) add(link.name);
     if (description.world) {
       // A root "world" without geometry in both is harmless: it is in no report.
@@ -26,7 +26,7 @@ class NameCheck {
         link.has_geometry ? add(link.name) : void(names_.insert(link.name));
       }
     }
-    for (const RigidObject& object : description.objects) add(object.name);
+    for (const ObjectPtr& object : objects) add(object->name);
     for (const RigidObject& cloud : description.clouds) add(cloud.name);
   }
 
@@ -43,7 +43,7 @@ class NameCheck {
     for (const auto& name : description_.restriction.names) {
       requireIfNoPattern(name, "the restriction");
     }
-    for (const RigidObject& object : description_.objects) checkObject(object);
+    for (const ObjectPtr& object : objects_) checkObject(*object);
     for (const RigidObject& cloud : description_.clouds) checkCloud(cloud);
   }
 
@@ -51,11 +51,12 @@ class NameCheck {
   void add(const std::string& name) {
     if (names_.insert(name).second) return;
     const auto isNamedSo = [&](const RigidObject& object) { return object.name == name; };
-    const auto& [objects, clouds] = std::tie(description_.objects, description_.clouds);
+    const auto& clouds = description_.clouds;
     if (std::any_of(clouds.begin(), clouds.end(), isNamedSo)) {
       throw InputError("cloud '" + name + "' has the name of a link, an object or another cloud");
     }
-    const bool of_object = std::any_of(objects.begin(), objects.end(), isNamedSo);
+    const bool of_object = std::any_of(objects_.begin(), objects_.end(),
+                                       [&](const ObjectPtr& object) { return isNamedSo(*object); });
     throw InputError(of_object ? "object '" + name + "' has the name of a link or another object"
                                : "link '" + name +
                                      "' is in the robot and in the world; rename one of them");
@@ -111,6 +112,7 @@ class NameCheck {
   }
 
   const SceneDescription& description_;
+  const Objects& objects_;
   const RobotModel& merged_;
   std::set<std::string> names_;
 };
@@ -121,7 +123,7 @@ void checkPadding(double metres, const std::string& where) {
                    ", but must be 0 or more metres, and finite");
 }
 
-void checkSizes(const SceneDescription& description) {
+void checkSizes(const SceneDescription& description, const Objects& objects) {
   const SceneSettings& settings = description.settings;
   if (settings.max_hull_vertices != 0 && settings.max_hull_vertices < 4) {
     throw InputError("max_hull_vertices is " + std::to_string(settings.max_hull_vertices) +
@@ -134,11 +136,11 @@ void checkSizes(const SceneDescription& description) {
   for (const PairPadding& pair : settings.pair_padding) {
     checkPadding(pair.metres, "pair_padding of '" + pair.first + "' and '" + pair.second + "'");
   }
-  for (const auto* all : {&description.objects, &description.clouds}) {
-    for (const RigidObject& object : *all) {
-      checkPadding(object.padding, "the padding of object '" + object.name + "'");
-    }
-  }
+  const auto check = [](const RigidObject& object) {
+    checkPadding(object.padding, "the padding of object '" + object.name + "'");
+  };
+  for (const ObjectPtr& object : objects) check(*object);
+  for (const RigidObject& cloud : description.clouds) check(cloud);
 }
 
 }  // namespace
@@ -160,9 +162,10 @@ RigidObject cloudOf(std::string name, double voxel_size, std::vector<std::string
   return cloud;
 }
 
-void checkDescription(const SceneDescription& description, const RobotModel& merged) {
-  NameCheck(description, merged).run();
-  checkSizes(description);
+void checkDescription(const SceneDescription& description, const Objects& objects,
+                      const RobotModel& merged) {
+  NameCheck(description, objects, merged).run();
+  checkSizes(description, objects);
 }
 
 }  // namespace collision_pairs

@@ -25,14 +25,20 @@ SceneMember memberWith(const std::string& name, const std::vector<Element>& elem
 
 class MemberCollector {
  public:
-  MemberCollector(const SceneDescription& description, const RobotModel& merged)
-      : description_(description), settings_(description.settings), merged_(merged) {}
+  MemberCollector(const SceneDescription& description, const Objects& objects,
+                  const RobotModel& merged)
+      : description_(description),
+        objects_(objects),
+        settings_(description.settings),
+        merged_(merged) {}
 
   std::vector<SceneMember> collect() {
     addRobots();
     if (description_.world) addWorld(*description_.world);
-    for (const RigidObject& object : description_.objects) addObject(object);
-    for (const RigidObject& cloud : description_.clouds) addObject(cloud).is_cloud = true;
+    for (const ObjectPtr& object : objects_) addObject(object);
+    for (const RigidObject& cloud : description_.clouds) {
+      addObject(ObjectPtr(ObjectPtr(), &cloud)).is_cloud = true;
+    }
     std::sort(members_.begin(), members_.end(),
               [](const SceneMember& a, const SceneMember& b) { return a.name < b.name; });
     return std::move(members_);
@@ -48,6 +54,7 @@ class MemberCollector {
         const Link& link = merged_.links()[i];
         if (SceneMember* member = addLink(link)) {
           member->robot = static_cast<int>(robot);
+          member->link = static_cast<int>(i);
           member->body = link.body;
           member->X_BM = link.X_BL;
           const auto own = settings_.link_padding.find(link.name);
@@ -77,14 +84,9 @@ class MemberCollector {
     return &member;
   }
 
-  SceneMember& addObject(const RigidObject& object) {
-    members_.push_back(staticMember(object, settings_));
-    SceneMember& member = members_.back();
-    if (object.attached_link.empty()) return member;
-    const Link& link = merged_.links()[merged_.findLink(object.attached_link)];
-    member.body = link.body;
-    member.X_BM = link.X_BL * object.X_PO;
-    return member;
+  SceneMember& addObject(const ObjectPtr& object) {
+    members_.push_back(objectMember(object, settings_, merged_));
+    return members_.back();
   }
 
   SceneMember& add(const std::string& name, const std::vector<Element>& elements) {
@@ -93,6 +95,7 @@ class MemberCollector {
   }
 
   const SceneDescription& description_;
+  const Objects& objects_;
   const SceneSettings& settings_;
   const RobotModel& merged_;
   std::vector<SceneMember> members_;
@@ -108,12 +111,25 @@ void setPlace(const SceneMember& member, const Element& element, double half_pad
   made.box_padding = std::max(member.padding, half_padding);
 }
 
-SceneMember staticMember(const RigidObject& object, const SceneSettings& settings) {
-  SceneMember member = memberWith(object.name, object.elements, settings);
-  member.object = &object;
-  member.padding = object.padding;
-  member.X_BM = object.X_PO;
+SceneMember objectMember(const ObjectPtr& object, const SceneSettings& settings,
+                         const RobotModel& merged) {
+  SceneMember member = memberWith(object->name, object->elements, settings);
+  member.object = object;
+  member.padding = object->padding;
+  member.X_BM = object->X_PO;
+  if (object->attached_link.empty()) return member;
+  const Link& link = merged.links()[merged.findLink(object->attached_link)];
+  member.body = link.body;
+  member.X_BM = link.X_BL * object->X_PO;
   return member;
+}
+
+Objects objectsOf(const SceneDescription& description) {
+  Objects objects;
+  for (const RigidObject& object : description.objects) {
+    objects.push_back(ObjectPtr(ObjectPtr(), &object));
+  }
+  return objects;
 }
 
 std::shared_ptr<const RobotModel> mergedRobot(const SceneDescription& description) {
@@ -126,10 +142,10 @@ std::shared_ptr<const RobotModel> mergedRobot(const SceneDescription& descriptio
   return RobotModel::merge(placed);
 }
 
-std::vector<SceneMember> sceneMembers(const SceneDescription& description,
+std::vector<SceneMember> sceneMembers(const SceneDescription& description, const Objects& objects,
                                       const RobotModel& merged) {
-  checkDescription(description, merged);
-  return MemberCollector(description, merged).collect();
+  checkDescription(description, objects, merged);
+  return MemberCollector(description, objects, merged).collect();
 }
 
 }  // namespace collision_pairs

@@ -10,15 +10,19 @@
 
 namespace collision_pairs {
 
+using ObjectPtr = std::shared_ptr<const RigidObject>;
+using Objects = std::vector<ObjectPtr>;
+
 /// A link with geometry, an object or a cloud.
 struct SceneMember {
   std::string name;
   const std::vector<Element>* elements;
   bool cylinder_as_capsule = false;
-  int robot = -1;                       ///< index of the link's robot; -1: not a robot's link
-  int body = -1;                        ///< its body in the robots' merged model; -1: static
-  Eigen::Isometry3d X_BM;               ///< pose in that body's frame; in W if static
-  const RigidObject* object = nullptr;  ///< null for a link
+  int robot = -1;          ///< index of the link's robot; -1: not a robot's link
+  int link = -1;           ///< in the robots' merged model; -1: not a robot's link
+  int body = -1;           ///< in the same model; -1: static
+  Eigen::Isometry3d X_BM;  ///< pose in that body's frame; in W if static
+  ObjectPtr object;        ///< null for a link
   bool is_cloud = false;
   Fidelity finest = Fidelity::MESH;
   double padding = 0.0;
@@ -29,23 +33,29 @@ struct SceneMember {
 /// All robots of the description in one model. A single robot without a prefix is used as it is.
 std::shared_ptr<const RobotModel> mergedRobot(const SceneDescription& description);
 
+/// Those of the description, which must outlive them.
+Objects objectsOf(const SceneDescription& description);
+
 /// Throws InputError if two links or objects have the same name (except links of the world without
 /// geometry), if an object or a setting names an unknown link (the error suggests the closest name;
 /// a pattern may match nothing, since matching objects may be added later), for a padding that is
-/// negative or not finite, and for too few hull vertices. `merged` is mergedRobot().
-void checkDescription(const SceneDescription& description, const RobotModel& merged);
+/// negative or not finite, and for too few hull vertices. `objects`: instead of those of the
+/// description; `merged` is mergedRobot().
+void checkDescription(const SceneDescription& description, const Objects& objects,
+                      const RobotModel& merged);
 
 /// Sets the element's pose, fidelity and paddings. `half_padding`: half of the largest padding set
 /// for a single pair of the member.
 void setPlace(const SceneMember& member, const Element& element, double half_padding,
               SceneElement& made);
 
-/// The object must outlive it; it is not checked.
-SceneMember staticMember(const RigidObject& object, const SceneSettings& settings);
+/// The object is not checked, but that the link it is attached to must exist.
+SceneMember objectMember(const ObjectPtr& object, const SceneSettings& settings,
+                         const RobotModel& merged);
 
-/// Sorted by name; links ignored by the settings are left out. Both arguments must outlive the
-/// members. Throws as checkDescription().
-std::vector<SceneMember> sceneMembers(const SceneDescription& description,
+/// Sorted by name; links ignored by the settings are left out. The description and the robot must
+/// outlive the members. Arguments and errors as of checkDescription().
+std::vector<SceneMember> sceneMembers(const SceneDescription& description, const Objects& objects,
                                       const RobotModel& merged);
 
 }  // namespace collision_pairs

@@ -1,4 +1,6 @@
-#include "static_classes.h"
+#include "scene_classes.h"
+
+#include <algorithm>
 
 namespace collision_pairs {
 
@@ -38,7 +40,38 @@ std::string StaticSignature::of(const SceneMember& m) const {
   return text;
 }
 
-std::set<std::string> namesIn(const SceneDescription& description) {
+SwitchedOff switchedOffLinks(const std::vector<SceneRobot>& robots) {
+  SwitchedOff others;
+  for (const SceneRobot& robot : robots) {
+    const auto& links = robot.model->links();
+    const std::size_t first = others.size();
+    others.resize(first + links.size());
+    const auto add = [&](std::size_t a, std::size_t b) {
+      others[first + a].push_back(static_cast<std::uint32_t>(first + b));
+      others[first + b].push_back(static_cast<std::uint32_t>(first + a));
+    };
+    if (robot.srdf) {
+      std::vector<std::string> names;
+      std::unordered_map<std::string, std::size_t> index;
+      for (const Link& link : links) {
+        index.emplace(link.name, names.size());
+        names.push_back(link.name);
+      }
+      for (const auto& [a, b] : robot.srdf->switchedOff(names)) {
+        const auto of_a = index.find(a), of_b = index.find(b);
+        if (of_a != index.end() && of_b != index.end()) add(of_a->second, of_b->second);
+      }
+    } else {
+      for (const auto& [a, b] : robot.model->adjacentLinks()) {
+        add(static_cast<std::size_t>(a), static_cast<std::size_t>(b));
+      }
+    }
+  }
+  for (auto& of_link : others) std::sort(of_link.begin(), of_link.end());
+  return others;
+}
+
+std::set<std::string> namesIn(const SceneDescription& description, const Objects& objects) {
   const SceneSettings& settings = description.settings;
   std::set<std::string> names;
   const auto addAll = [&](const std::vector<std::string>& all) {
@@ -51,9 +84,8 @@ std::set<std::string> namesIn(const SceneDescription& description) {
   addAll(settings.ignored_links);
   addAll(settings.cylinder_as_capsule);
   addAll(description.restriction.names);
-  for (const auto* objects : {&description.objects, &description.clouds}) {
-    for (const RigidObject& object : *objects) addAll(object.touch_links);
-  }
+  for (const ObjectPtr& object : objects) addAll(object->touch_links);
+  for (const RigidObject& cloud : description.clouds) addAll(cloud.touch_links);
   return names;
 }
 
