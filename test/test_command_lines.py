@@ -41,6 +41,20 @@ def test_help_says_how_the_tool_is_called_and_every_option(run_tool, tool):
     assert max(map(len, done.stdout.splitlines())) <= 120
 
 
+def test_numbers_have_a_point_also_where_the_user_writes_a_comma(run_tool, tmp_path, monkeypatch):
+    (tmp_path / "comma.txt").write_text('LC_NUMERIC\ndecimal_point "<U002C>"\nthousands_sep ""\ngrouping -1\nEND LC_NUMERIC\n')
+    subprocess.run(["localedef", "--no-archive", "-c", "-i", "comma.txt", str(tmp_path / "comma")], cwd=tmp_path,
+                   stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)  # ends with 1: it has no other category
+    (tmp_path / "states.csv").write_text("shoulder_pan\n0.5\n")
+    expected = run_tool("check_states", URDF, "--states", tmp_path / "states.csv")
+    monkeypatch.setenv("LOCPATH", str(tmp_path))
+    monkeypatch.setenv("LC_NUMERIC", "comma")
+    assert subprocess.run(["/usr/bin/printf", "%.1f", "0,5"], stdout=subprocess.PIPE).stdout == b"0,5"  # it is in force
+    found = run_tool("check_states", URDF, "--states", tmp_path / "states.csv")
+    without_time = [done.stdout.rsplit(",", 1)[0] for done in (found, expected)]
+    assert found.returncode == 0 and without_time[0] == without_time[1], found.stderr
+
+
 PROGRESS = {"check_states": [URDF, "--states", "FILE"], "check_motion": [URDF, "--waypoints", "FILE"],
             "check_bag": [DEMO_BAG], "generate_srdf": [URDF, "--samples", "1000", "--searches", "1"]}
 
