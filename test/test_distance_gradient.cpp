@@ -274,7 +274,7 @@ TEST_F(GradientOfDistance, IsThatOfTheGeometryThatDecided) {
 
 TEST_F(GradientOfDistance, OfADepthIsItsSlope) {
   Probe probe(describe(arms()), NAMES);
-  expectSlopes(compare(probe, 200, isDepth, random_), 300);
+  expectSlopes(compare(probe, 300, isDepth, random_), 300);
 }
 
 TEST_F(GradientOfDistance, OfADepthThatIsABoundIsTheSlopeOfThatBound) {
