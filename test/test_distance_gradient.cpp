@@ -168,7 +168,11 @@ Tally compare(Probe& probe, int nb_states, Kind kind, RandomInputs& random) {
     for (std::size_t i = 0; i < pairs.size(); ++i) {
       if (!kind(pairs[i]) || !given[i]) continue;
       const Eigen::VectorXd slopes = differences(probe, pairs[i], q, 2e-5);
-      const double doubt = (slopes - differences(probe, pairs[i], q, 5e-5)).cwiseAbs().maxCoeff();
+      double doubt = 0.0;  // where the nearest features change, the steps disagree
+      for (const double step : {1e-5, 5e-5}) {
+        const Eigen::VectorXd other = differences(probe, pairs[i], q, step);
+        doubt = std::max(doubt, (slopes - other).cwiseAbs().maxCoeff());
+      }
       if (!(doubt < 3e-7)) {
         ++tally.without_derivative;
         continue;
@@ -279,7 +283,7 @@ TEST_F(GradientOfDistance, OfADepthIsItsSlope) {
 
 TEST_F(GradientOfDistance, OfADepthThatIsABoundIsTheSlopeOfThatBound) {
   Probe probe(describe(arms()), NAMES);
-  expectSlopes(compare(probe, 200, isBoundOfDepth, random_), 30);
+  expectSlopes(compare(probe, 800, isBoundOfDepth, random_), 120);
 }
 
 TEST_F(GradientOfDistance, IsZeroForJointsThatMoveBothAlikeAndForOneThatMimics) {
@@ -288,7 +292,7 @@ TEST_F(GradientOfDistance, IsZeroForJointsThatMoveBothAlikeAndForOneThatMimics) 
   Probe probe(describe(arms()), names);
   probe.settings.alarm_distance = 2.0;
   int nb_pairs = 0;
-  for (int i = 0; i < 20; ++i) {
+  for (int i = 0; i < 60; ++i) {
     Eigen::VectorXd q = randomState(random_, names.size()), gradient;
     q[5] = -1.5 * q[0] + 0.3;
     for (const PairReport& pair : probe.at(q).pairs) {
