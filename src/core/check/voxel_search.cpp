@@ -225,12 +225,25 @@ void VoxelSearch::keepBest(const PairLadder::Answer& answer, const VoxelCell& ce
 }
 
 VoxelSearch::Found VoxelSearch::result() const {
-  const bool is_uncertain = nearest_.answer.found.certainty == Certainty::DEGRADED;
-  return is_uncertain && contact_.answer.found.touches() ? contact_ : nearest_;
+  const PairDistance& nearest = nearest_.answer.found;
+  const bool is_uncertain = nearest.certainty == Certainty::DEGRADED;
+  return is_uncertain && contact_.answer.found.touches() ? contactWithin(nearest.distance)
+                                                         : nearest_;
+}
+
+VoxelSearch::Found VoxelSearch::contactWithin(double lower) const {
+  Found contact = contact_;
+  PairDistance& found = contact.answer.found;
+  if (lower < found.distance) {
+    found.distance = lower;
+    found.certainty = Certainty::BOUND;
+  }
+  return contact;
 }
 
 VoxelSearch::Found VoxelSearch::unfinished(const Entry& entry) {
-  if (contact_.answer.found.touches()) return contact_;
+  const double lower = std::min(entry.bound, nearest_.answer.found.distance);
+  if (contact_.answer.found.touches()) return contactWithin(lower);
   Entry first = entry;
   while (first.level >= 0) {
     const auto level = static_cast<std::size_t>(first.level);
@@ -243,7 +256,7 @@ VoxelSearch::Found VoxelSearch::unfinished(const Entry& entry) {
   placeVoxel(first.corner);
   (*boxes_)[of_cloud_] = grown(boxOf(entry), scene_->elements()[of_cloud_].box_padding);
   PairLadder::Answer answer = ladder_->boundOfAlignedBoxes(pair_, INF);
-  answer.found.distance = std::min(entry.bound, nearest_.answer.found.distance);
+  answer.found.distance = lower;
   return {answer, first.corner};
 }
 

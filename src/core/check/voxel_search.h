@@ -45,7 +45,7 @@ class VoxelSearch {
                 const Deadline& deadline);
   /// As PairLadder::climb(), for the nearest voxel, or for one that is certainly in contact if the
   /// nearest is not certain. If the time runs out: the deepest contact so far, else a lower bound,
-  /// UNFINISHED.
+  /// UNFINISHED. The depth of a contact is a BOUND where another voxel may be deeper.
   Found nearest(const BoxPair& pair, const OccupiedVoxels& voxels, Fidelity top,
                 double max_distance, const Deadline& deadline);
 
@@ -88,6 +88,8 @@ class VoxelSearch {
   void keepBest(const PairLadder::Answer& answer, const VoxelCell& cell);
   Found unfinished(const Entry& entry);
   Found result() const;
+  /// The deepest certain contact, where others may have a signed distance as low as `lower`.
+  Found contactWithin(double lower) const;
 
   const CollisionScene* scene_ = nullptr;
   std::vector<Eigen::Isometry3d>* X_WE_ = nullptr;
