@@ -26,6 +26,7 @@ def test_parts_merge_to_the_bytes_of_one_run(run_tool, make_bag, tmp_path, count
     assert done.returncode == 0, done.stderr
     assert merged.read_bytes() == whole.read_bytes()
     assert done.stdout == one.stdout
+    assert run_tool("merge_bag_checks", *parts).stdout == whole.read_text()
 
 
 def test_tables_of_single_bags_merge_to_the_bytes_of_one_run(run_tool, make_bag, tmp_path):

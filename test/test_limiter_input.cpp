@@ -1,5 +1,7 @@
 // The limiter's parameter, joint states and trajectory commands.
+#include <iomanip>
 #include <limits>
+#include <sstream>
 
 #include <gmock/gmock.h>
 
@@ -61,6 +63,32 @@ TEST(LimiterParameters, ThatCannotBeUsedAreRefusedByName) {
               HasSubstr("did you mean 'elbow'"));
   EXPECT_THAT(refusal("{command: c, joints: [a, b], deceleration: {a: 1}}"), HasSubstr("'b'"));
   EXPECT_NE(refusal("[1, 2]"), "");
+}
+
+TEST(LimiterParameters, AreNumbersWithinTheirRangesEndsIncluded) {
+  struct Case {
+    const char* name;
+    double lowest, highest;
+    bool has_lowest;
+  };
+  const Case all[] = {{"reaction_time", 0, 10, true},       {"command_timeout", 0, 10, false},
+                      {"max_joint_state_age", 0, 1, false}, {"stop_distance", 0, 10, true},
+                      {"obstacle_speed", 0, 100, true},     {"retreat_scale", 0, 1, true},
+                      {"ramp_up", 0, 1e6, false},           {"deceleration", 0, 1e6, false}};
+  for (const Case& one : all) {
+    const auto isRead = [&](double value) {
+      YAML::Node yaml = YAML::Load("{command: c, joints: [a], deceleration: 1}");
+      std::ostringstream text;
+      text << std::setprecision(17) << value;
+      yaml[one.name] = text.str();
+      return refusal(YAML::Dump(yaml)).empty();
+    };
+    EXPECT_EQ(isRead(one.lowest), one.has_lowest) << one.name;
+    EXPECT_TRUE(isRead(one.lowest + 1e-9)) << one.name;
+    EXPECT_FALSE(isRead(one.lowest - 1e-9)) << one.name;
+    EXPECT_TRUE(isRead(one.highest)) << one.name;
+    EXPECT_FALSE(isRead(one.highest * (1.0 + 1e-9))) << one.name;
+  }
 }
 
 sensor_msgs::JointState state(double stamp, std::vector<std::string> names,

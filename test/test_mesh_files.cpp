@@ -146,6 +146,8 @@ TEST(MeshFiles, WhatIsWrongIsSaidWithItsPlace) {
   EXPECT_THAT(objRefusal("v 0 0 1e39"), HasSubstr("1e39")) << "beyond single precision";
   EXPECT_THAT(stlRefusal("short"), HasSubstr("too short"));
   EXPECT_THAT(stlRefusal(binaryStl().substr(0, 150)), HasSubstr("4 triangles, but ends after 1"));
+  EXPECT_TRUE(readStl("solid of no triangle\nendsolid\n").triangles.empty());
+  EXPECT_THAT(stlRefusal("solid without an end"), HasSubstr("too short"));
   std::string ascii = asciiStl();
   EXPECT_THAT(stlRefusal(ascii.substr(0, ascii.find("endsolid"))), HasSubstr("within a solid"));
   EXPECT_THAT(stlRefusal(ascii.substr(0, ascii.find("endloop"))), HasSubstr("end of the file"));
