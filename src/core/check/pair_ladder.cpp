@@ -285,25 +285,35 @@ PairLadder::Answer PairLadder::boundOfHulls(const BoxPair& pair, const Answer& k
 }
 
 double PairLadder::hullsApart(std::uint32_t element, Fidelity rung, const ConvexCore& shape,
-                              const Isometry3d& X_WS, double max_distance) const {
+                              const Isometry3d& X_WS, double max_distance, Vector3d& nhat_E) const {
   const Rung& of_element = scene_->elements()[element].rung(rung);
-  const ConvexCore& core = preparedOf(of_element).core;
+  const Prepared& prepared = preparedOf(of_element);
   const Isometry3d& X_WE = (*X_WE_)[element];
   const Isometry3d X_ES = relativePose(X_WE, X_WS);
-  const double error = errorOfBound(preparedOf(of_element), shape, X_ES, offset(X_WE, X_WS));
-  const double margin = error + of_element.margin;
-  const PairDistance gap = convexGap(core, shape, X_ES, max_distance + margin, error);
-  return gap.certainty == Certainty::DEGRADED ? 0.0 : certainGap(gap, core, shape) - margin;
+  const double margin = errorOfBound(prepared, shape, X_ES, offset(X_WE, X_WS)) + of_element.margin;
+  return roughGap(nhat_E, prepared.core, shape, X_ES, max_distance + 2.0 * margin) - margin;
 }
 
 double PairLadder::surfaceApart(std::uint32_t element, const ConvexCore& shape,
-                                const Isometry3d& X_WS, double max_distance) {
+                                const Isometry3d& X_WS, double max_distance,
+                                std::vector<Vector3d>& normals) {
   const Rung& of_element = scene_->elements()[element].rung(Fidelity::MESH);
   const Isometry3d& X_WE = (*X_WE_)[element];
   const Isometry3d X_ES = relativePose(X_WE, X_WS);
-  const double band =
-      contactBand(preparedOf(of_element).core, shape, X_ES.translation(), offset(X_WE, X_WS));
-  return surface_query_.apart(*of_element.shape, shape, X_ES, max_distance, band);
+  const double margin = errorOfBound(preparedOf(of_element), shape, X_ES, offset(X_WE, X_WS));
+  const double reach = max_distance + 2.0 * margin;
+  return surface_query_.roughGap(*of_element.shape, shape, X_ES, reach, normals) - margin;
+}
+
+double PairLadder::reachAlong(const Vector3d& nhat_W, std::uint32_t element, Fidelity rung,
+                              const ConvexCore& shape) const {
+  const Rung& of_element = scene_->elements()[element].rung(rung);
+  const Prepared& prepared = preparedOf(of_element);
+  const Isometry3d& X_WE = (*X_WE_)[element];
+  const Vector3d nhat_E = X_WE.linear().transpose() * nhat_W;
+  const double furthest = nhat_W.dot(X_WE * support<double>(prepared.core, nhat_E));
+  return furthest + prepared.core.radius + of_element.margin +
+         errorOfBound(prepared, shape, X_WE, X_WE.translation().norm());
 }
 
 bool PairLadder::holds(std::uint32_t element, const Vector3d& p_W) const {

@@ -66,14 +66,19 @@ class PairLadder {
   Answer boundOfHulls(const BoxPair& pair, const Answer& known, double max_distance) const;
 
   // Lower bounds of the distance of an element from a convex shape at X_WS; <= 0 if they may be in
-  // contact. Padding is not subtracted.
+  // contact. Padding is not subtracted. More than max_distance if such a bound can be. `nhat_E` and
+  // `normals` are where to begin: see roughGap().
 
-  /// By their hulls, at rung CONVEX or MESH; about a microsecond.
+  /// By their hulls, at rung CONVEX or MESH; a tenth of a microsecond to one.
   double hullsApart(std::uint32_t element, Fidelity rung, const ConvexCore& shape,
-                    const Eigen::Isometry3d& X_WS, double max_distance) const;
+                    const Eigen::Isometry3d& X_WS, double max_distance,
+                    Eigen::Vector3d& nhat_E) const;
   /// By the triangles of an element that has some; the shape may lie inside it.
   double surfaceApart(std::uint32_t element, const ConvexCore& shape, const Eigen::Isometry3d& X_WS,
-                      double max_distance);
+                      double max_distance, std::vector<Eigen::Vector3d>& normals);
+  /// How far its hull reaches along a unit vector in W, measured from W; metres, rounded up.
+  double reachAlong(const Eigen::Vector3d& nhat_W, std::uint32_t element, Fidelity rung,
+                    const ConvexCore& shape) const;
   /// True if an element that has triangles encloses the point.
   bool holds(std::uint32_t element, const Eigen::Vector3d& p_W) const;
 

@@ -94,6 +94,9 @@ void VoxelSearch::start(const BoxPair& pair, const OccupiedVoxels& voxels, Fidel
   best_ = INF;
   nearest_ = contact_ = {};
   nearest_.answer.found.certainty = contact_.answer.found.certainty = Certainty::BEYOND;
+  nhat_E_.setZero();
+  reach_along_ = INF;
+  normals_.clear();
   heap_.clear();
   outside_.clear();
   cells_ = voxels.cellsWithin(box_, std::min(max_distance, 1e100));
@@ -116,6 +119,7 @@ VoxelSearch::Entry VoxelSearch::pop() {
 }
 
 bool VoxelSearch::refine(Entry& entry) {
+  if (isHopeless(boundOfPlane(entry))) return true;
   while (has_oriented_ && entry.by != Bound::TRIANGLES) {
     entry.by = static_cast<Bound>(static_cast<int>(entry.by) + 1);
     if (!isWorth(entry.by, entry)) continue;
@@ -130,13 +134,12 @@ bool VoxelSearch::refine(Entry& entry) {
   return false;
 }
 
-// A cube larger than the element mostly contains it. For a voxel without triangles, the final query
-// costs no more than hulls.
+// A cube larger than the element mostly contains it.
 bool VoxelSearch::isWorth(Bound by, const Entry& entry) const {
   if (by == Bound::BOXES) return true;
-  if (entry.level < 0) return has_triangles_;
+  if (entry.level < 0 && !has_triangles_ && limit_ <= 0.0) return false;
   const Aabb box = boxOf(entry);
-  const bool is_small = entry.level == 0 || (box.max - box.min).norm() <= 2.0 * size_;
+  const bool is_small = entry.level <= 0 || (box.max - box.min).norm() <= 2.0 * size_;
   return is_small && (by == Bound::HULLS || has_triangles_);
 }
 
@@ -167,6 +170,13 @@ double VoxelSearch::boundOfAlignedBoxes(const Entry& entry) const {
   return signedGap((box.min - box_.max).cwiseMax(box_.min - box.max));
 }
 
+double VoxelSearch::boundOfPlane(const Entry& entry) const {
+  if (reach_along_ == INF) return -INF;  // none yet
+  const Aabb box = boxOf(entry);
+  const double half = 0.5 * nhat_W_.cwiseAbs().dot(box.max - box.min);
+  return nhat_W_.dot(box.center()) - half - reach_along_ - padding_;
+}
+
 double VoxelSearch::boundOfOrientedBoxes(const Entry& entry) const {
   const Aabb box = boxOf(entry);
   const Vector3d half = 0.5 * (box.max - box.min);
@@ -175,15 +185,16 @@ double VoxelSearch::boundOfOrientedBoxes(const Entry& entry) const {
   return signedGap(p_A.cwiseAbs() - reach) - padding_;
 }
 
-double VoxelSearch::boundOfHulls(const Entry& entry) const {
+double VoxelSearch::boundOfHulls(const Entry& entry) {
   const Aabb box = boxOf(entry);
-  const double gap = ladder_->hullsApart(of_link_, rung_, coreOf(box), poseOf(box), reach());
+  const double gap =
+      ladder_->hullsApart(of_link_, rung_, coreOf(box), poseOf(box), reach(), nhat_E_);
   return gap > 0.0 ? gap - padding_ : -INF;
 }
 
 double VoxelSearch::boundOfTriangles(const Entry& entry) {
   const Aabb box = boxOf(entry);
-  const double gap = ladder_->surfaceApart(of_link_, coreOf(box), poseOf(box), reach());
+  const double gap = ladder_->surfaceApart(of_link_, coreOf(box), poseOf(box), reach(), normals_);
   if (!(gap > 0.0) || !isOutside(entry, box)) return -INF;
   outside_.push_back(box);
   return gap - padding_;
@@ -214,7 +225,14 @@ void VoxelSearch::keepBest(const PairLadder::Answer& answer, const VoxelCell& ce
   const PairDistance& found = answer.found;
   if (found.certainty == Certainty::BEYOND) return;
   const bool is_certain = found.certainty != Certainty::DEGRADED;
-  if (found.distance < nearest_.answer.found.distance) nearest_ = {answer, cell};
+  if (found.distance < nearest_.answer.found.distance) {
+    nearest_ = {answer, cell};
+    if (has_oriented_ && found.distance > 0.0) {
+      nhat_W_ = (pair_.first == of_link_ ? 1.0 : -1.0) * found.nhat_AB_A.normalized();
+      const Aabb voxel = voxels_->boxOf(cell, Vector3i::Ones());
+      reach_along_ = ladder_->reachAlong(nhat_W_, of_link_, rung_, coreOf(voxel));
+    }
+  }
   if (is_certain && found.touches() && found.distance < contact_.answer.found.distance) {
     contact_ = {answer, cell};
   }
@@ -326,7 +344,8 @@ VoxelSearch::Found VoxelSearch::nearest(const BoxPair& pair, const OccupiedVoxel
     Entry entry = pop();
     if (isHopeless(entry.bound)) break;
     if (refine(entry)) {
-      const bool is_first = best_ == INF && entry.level == 0 && entry.by >= Bound::HULLS;
+      const bool is_first =
+          has_triangles_ && best_ == INF && entry.level == 0 && entry.by >= Bound::HULLS;
       if (is_first && !isHopeless(entry.bound)) measureOneOf(entry, top, max_distance);
       continue;
     }

@@ -14,10 +14,11 @@ namespace collision_pairs {
 /// Best-first branch and bound (R. Hjaltason, H. Samet, "Distance browsing in spatial databases",
 /// 1999): a heap of cubes and voxels by a lower bound of their signed distance, which is refined
 /// when one reaches the top: axis-aligned boxes, oriented ones, then the element's hull and its
-/// triangles against the box around the occupied part of a cube. Voxels are passed to the ladder
-/// like static boxes of a world, so that all rungs and methods give the same results. Voxels that
-/// are not nearer than the best so far by more than 1e-10 m are skipped: of the equally near voxels
-/// of a floor, only one is queried.
+/// triangles against the box around the occupied part of a cube, and at all times the plane between
+/// the element and the nearest so far, which keeps all of a floor away. Voxels are passed to the
+/// ladder like static boxes of a world, so that all rungs and methods give the same results. Voxels
+/// that are not nearer than the best so far by more than 1e-10 m are skipped: of the equally near
+/// voxels of a floor, only one is queried.
 class VoxelSearch {
  public:
   struct Found {
@@ -73,9 +74,11 @@ class VoxelSearch {
   /// The box around the occupied part of a cube, or of a voxel.
   Aabb boxOf(const Entry& entry) const;
   double boundOfAlignedBoxes(const Entry& entry) const;
+  /// By the plane that keeps the nearest so far apart from the element.
+  double boundOfPlane(const Entry& entry) const;
   double boundOfOrientedBoxes(const Entry& entry) const;
   /// Bounds by the element's hull, or its triangles, and the box.
-  double boundOfHulls(const Entry& entry) const;
+  double boundOfHulls(const Entry& entry);
   double boundOfTriangles(const Entry& entry);
   bool isOutside(const Entry& entry, const Aabb& box) const;
   void measureVoxel(const VoxelCell& cell, Fidelity top, double max_distance);
@@ -111,7 +114,12 @@ class VoxelSearch {
   double limit_ = 0.0;  ///< nothing further is searched
   double best_ = 0.0;   ///< nothing that is not nearer is searched
   OccupiedVoxels::CellRange cells_;
-  Found nearest_, contact_;  ///< so far: the nearest, and the deepest certain contact
+  Found nearest_, contact_;               ///< so far: the nearest, and the deepest certain contact
+  Eigen::Vector3d nhat_E_;                ///< of the hull's last bound: where the next begins
+  std::vector<Eigen::Vector3d> normals_;  ///< likewise, of the mesh's patches
+  /// The unit normal at the nearest so far, towards its voxel, and the element's reach along it.
+  Eigen::Vector3d nhat_W_ = Eigen::Vector3d::Zero();
+  double reach_along_ = 0.0;
   std::vector<Entry> heap_;
   std::vector<Aabb> outside_;  ///< boxes that neither intersect the element nor lie inside it
 };

@@ -84,6 +84,18 @@ double gapAlong(const Eigen::Vector3d& n, const ConvexCore& A, const ConvexCore&
          10.0 * std::numeric_limits<double>::epsilon() * magnitude;
 }
 
+double roughGap(Eigen::Vector3d& n, const ConvexCore& A, const ConvexCore& B,
+                const Eigen::Isometry3d& X_AB, double max_distance) {
+  constexpr double SHARE = 0.1;  // that a search over cubes has no use for
+  if (n.isZero(0.0)) n = (X_AB * B.center - A.center).normalized();
+  const double magnitude = magnitudeOf(A, B, X_AB.translation());
+  const double off =
+      A.radius + B.radius + 10.0 * std::numeric_limits<double>::epsilon() * magnitude;
+  const auto found = gjk<double>({A, B, X_AB}, max_distance + off, -n, 0.0, SHARE);
+  n = found.normal;
+  return found.lower - off;
+}
+
 double boundingSphereDistance(const ConvexCore& A, const ConvexCore& B,
                               const Eigen::Isometry3d& X_AB) {
   return (X_AB * B.center - A.center).norm() - A.extent - B.extent - A.radius - B.radius;

@@ -47,6 +47,13 @@ PairDistance convexDepth(const ConvexCore& A, const ConvexCore& B, const Eigen::
 double gapAlong(const Eigen::Vector3d& n, const ConvexCore& A, const ConvexCore& B,
                 const Eigen::Isometry3d& X_AB);
 
+/// A lower bound of the distance, for searches: more than max_distance if the distance is, but for
+/// rounding, else mostly within a tenth of it. <= 0 if the cores may overlap. Begins along n, a
+/// unit vector, or 0 for the centres', and replaces it by the direction of the bound. Cost: one
+/// step of GJK where n was good enough.
+double roughGap(Eigen::Vector3d& n, const ConvexCore& A, const ConvexCore& B,
+                const Eigen::Isometry3d& X_AB, double max_distance);
+
 /// A lower bound of the distance from the spheres around the two shapes.
 double boundingSphereDistance(const ConvexCore& A, const ConvexCore& B,
                               const Eigen::Isometry3d& X_AB);

@@ -32,10 +32,12 @@ struct GjkResult {
 };
 
 /// Distance of the cores in `difference`, in its scalar type. Stops as soon as the lower bound
-/// exceeds `stop_above`, or |v| is `enough` (if that is positive). Starts at v. Cost: a few support
-/// evaluations for polytopes, 10 to 40 for cylinders.
+/// exceeds `stop_above`, or |v| is `enough` (if that is positive), or, below stop_above, the
+/// interval is this share of |v|. Starts at v. Cost: a few support evaluations for polytopes, 10 to
+/// 40 for cylinders.
 template <class T>
-GjkResult<T> gjk(const Difference<T>& difference, T stop_above, Vec3<T> v, T enough) {
+GjkResult<T> gjk(const Difference<T>& difference, T stop_above, Vec3<T> v, T enough,
+                 T share = T(0)) {
   constexpr int MAX_ITERATIONS = 128;
   const T epsilon = std::numeric_limits<T>::epsilon();
   GjkResult<T> result;
@@ -54,7 +56,9 @@ GjkResult<T> gjk(const Difference<T>& difference, T stop_above, Vec3<T> v, T eno
     if (i == 0 || bound > result.lower) result.normal = -direction;
     if (bound > result.lower) result.lower = bound;
     if (result.lower > stop_above) return result.end = GjkEnd::BEYOND, result;
-    if (norm - result.lower <= T(4) * epsilon * result.magnitude) {
+    const T interval = norm - result.lower;
+    if (interval <= T(4) * epsilon * result.magnitude ||
+        (norm < stop_above && interval <= share * norm)) {
       return result.end = GjkEnd::APART, result;
     }
     const std::array<T, 4> lambda = closestCoordinates(simplex.vertex, size);

@@ -14,13 +14,6 @@ using Eigen::Vector3d;
 
 double square(double x) { return x * x; }
 
-// A patch or a triangle as a convex shape; `corners` stores those of a triangle.
-ConvexCore pieceCore(const PreparedMesh& mesh, const TriangleTree::Node& node, Corners& corners) {
-  if (node.isPatch()) return mesh.tree.patchCore(node.patch);
-  corners = cornersOf(*mesh.triangles, node.children);
-  return cornersCore(corners);
-}
-
 void setGap(double distance, const Vector3d& p_ACa, const Vector3d& p_ACb,
             const Vector3d& nhat_AB_A, SurfaceGap& gap) {
   gap.distance = distance;
@@ -58,6 +51,12 @@ bool isNearEnough(const PairDistance& hulls, const ConvexCore& a, const ConvexCo
 }
 
 }  // namespace
+
+ConvexCore pieceCore(const PreparedMesh& mesh, const TriangleTree::Node& node, Corners& corners) {
+  if (node.isPatch()) return mesh.tree.patchCore(node.patch);
+  corners = cornersOf(*mesh.triangles, node.children);
+  return cornersCore(corners);
+}
 
 PatchOutcome comparePatches(const PreparedMesh& A, std::uint32_t a, const PreparedMesh& B,
                             std::uint32_t b, const Isometry3d& X_AB, const Isometry3d& X_BA,

@@ -29,6 +29,9 @@ enum class PatchOutcome {
   HULLS_TOUCH  ///< or nearly touch
 };
 
+/// A patch or a triangle as a convex shape; `corners` stores those of a triangle.
+ConvexCore pieceCore(const PreparedMesh& mesh, const TriangleTree::Node& node, Corners& corners);
+
 /// Compares the pieces of surface below nodes a and b, which are patches or triangles. Updates
 /// `best`, `gap` and `limit` if nearer points of both surfaces are found. Tests the direction
 /// nhat_AB_A (any unit vector) first, and replaces it by the normal of the hulls if that was not

@@ -12,10 +12,10 @@ namespace collision_pairs {
 /// For callers that query one mesh at many neighbouring places. Holds scratch memory only.
 class SurfaceQuery {
  public:
-  /// Metres between the triangles of A and the solid B, or a lower bound beyond max_distance; 0 if
-  /// that is no more than `band`. B may lie inside A. A is a mesh that is not convex.
-  double apart(const PreparedShape& A, const ConvexCore& B, const Eigen::Isometry3d& X_AB,
-               double max_distance, double band);
+  /// MeshQuery::roughGap() of the triangles of A, a mesh that is not convex, and the solid B, which
+  /// may lie inside A.
+  double roughGap(const PreparedShape& A, const ConvexCore& B, const Eigen::Isometry3d& X_AB,
+                  double max_distance, std::vector<Eigen::Vector3d>& normals);
 
   /// True if A encloses the point.
   static bool holds(const PreparedShape& A, const Eigen::Vector3d& p_AQ);
