@@ -1,4 +1,5 @@
 // What the detector for MoveIt does without types of MoveIt: rules, shapes, scenes.
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -118,15 +119,33 @@ class AScene : public testing::Test {
     object.X_PO.translation().x() = x;
     return object;
   }
-  /// The links at x = 0, 10, 20.
+  /// The links, and what is attached to them, at x = 0, 10, 20.
+  static void setPoses(const MoveitScene& scene, double moved, BodyPoses& poses) {
+    poses.resize(scene.scene().bodies().size());
+    for (std::size_t i = 0; i < poses.X_WB.size(); ++i) {
+      poses.X_WB[i].translation().x() = 10.0 * scene.moving(i).link;
+      if (scene.moving(i).link == 0) poses.X_WB[i].translation().x() += moved;
+    }
+  }
   Verdict check(const MoveitScene& scene, double moved = 0.0) const {
     MoveitScene::Lease worker(scene);
-    worker->poses.resize(scene.scene().bodies().size());
-    for (std::size_t i = 0; i < worker->poses.X_WB.size(); ++i) {
-      worker->poses.X_WB[i].translation().x() = 10.0 * scene.moving(i).link;
-      if (scene.moving(i).link == 0) worker->poses.X_WB[i].translation().x() += moved;
-    }
+    setPoses(scene, moved, worker->poses);
     return worker->detector.detect(worker->poses, CheckSettings()).verdict;
+  }
+  /// "a b" for each pair that is asked about and touches, sorted.
+  std::vector<std::string> contactsOf(const MoveitScene& scene, double moved) const {
+    MoveitScene::Lease worker(scene);
+    setPoses(scene, moved, worker->poses);
+    std::vector<std::string> contacts;
+    const auto& models = scene.scene().models();
+    for (const PairReport& pair : worker->detector.detect(worker->poses, CheckSettings()).pairs) {
+      const bool is_asked = scene.isAsked(models[pair.first], models[pair.second]);
+      if (!is_asked || pair.state != PairState::CONTACT) continue;
+      const std::string a = nameOf(scene, pair.first), b = nameOf(scene, pair.second);
+      contacts.push_back(std::min(a, b) + " " + std::max(a, b));
+    }
+    std::sort(contacts.begin(), contacts.end());
+    return contacts;
   }
   static std::string nameOf(const MoveitScene& scene, std::uint32_t model) {
     return scene.nameOf(scene.scene().models()[model]);
@@ -178,6 +197,62 @@ TEST_F(AScene, CallsItsModelsAsMoveItDoes) {
   EXPECT_THAT(links, ElementsAre("link[0]", "link[1]", "link[2]"));
   EXPECT_THAT(attached, ElementsAre("box"));
   EXPECT_THAT(objects, ElementsAre("box"));
+}
+
+TEST_F(AScene, TakesAttachedBodiesAsABuildDoes) {
+  const std::vector<RigidObject> objects = {objectAt("box", 30.0), objectAt("cup", 80.0)};
+  const auto self = MoveitScene::ofSelf(moving_, cache_);
+  const auto world = MoveitScene::ofWorld(moving_, objects, cache_);
+  moving_.push_back({{"cup", 2, true, {}}, {ball()}, 0.3});
+  moving_.push_back({{"lid", 0, true, {"link[1]"}}, {ball(), ball()}, 0.0});
+  moving_.back().elements[1].X_LE.translation().x() = 1.75;
+  const auto with_self = self->withAttached(moving_, cache_);
+  const auto with_world = world->withAttached(moving_, cache_);
+  ASSERT_TRUE(with_self && with_world);
+  EXPECT_EQ(&with_self->scene().robot(), &self->scene().robot()) << "a build";
+  EXPECT_EQ(&with_world->scene().robot(), &world->scene().robot()) << "a build";
+  const auto built_self = MoveitScene::ofSelf(moving_, cache_);
+  const auto built_world = MoveitScene::ofWorld(moving_, objects, cache_);
+  for (const double moved : {0.0, 8.1, 18.8, 27.1, 28.9, 29.1}) {
+    EXPECT_EQ(contactsOf(*with_self, moved), contactsOf(*built_self, moved)) << moved;
+    EXPECT_EQ(contactsOf(*with_world, moved), contactsOf(*built_world, moved)) << moved;
+  }
+  EXPECT_THAT(contactsOf(*with_self, 0.0), ElementsAre("cup link[2]", "lid link[0]"));
+  EXPECT_THAT(contactsOf(*with_self, 18.8),
+              ElementsAre("cup lid", "cup link[0]", "cup link[2]", "lid link[0]", "lid link[2]"));
+  EXPECT_THAT(contactsOf(*with_world, 18.8), IsEmpty());
+  EXPECT_THAT(contactsOf(*with_world, 28.9), ElementsAre("box lid"));
+  EXPECT_THAT(contactsOf(*with_world, 29.1), ElementsAre("box lid", "box link[0]"));
+}
+
+TEST_F(AScene, OfAttachedBodiesHasAChangingWorld) {
+  const auto world = MoveitScene::ofWorld(moving_, {objectAt("box", 30.0)}, cache_);
+  moving_.push_back({{"cup", 0, true, {}}, {ball()}, 0.0});
+  const auto held = world->withAttached(moving_, cache_);
+  const auto changed = held->with({{objectAt("cup", 50.0)}, {"box"}}, cache_);
+  EXPECT_TRUE(changed->hasObject("cup"));
+  EXPECT_FALSE(changed->hasObject("box"));
+  EXPECT_THAT(contactsOf(*changed, 50.0), ElementsAre("cup cup", "cup link[0]"));
+  EXPECT_FALSE(changed->with({{}, {"cup"}}, cache_)->hasPairs());
+  const std::string its_name = "attached body: cup/body";
+  EXPECT_FALSE(changed->hasObject(its_name));
+  EXPECT_THROW(changed->with({{objectAt(its_name, 50.0)}, {}}, cache_), InputError);
+  const auto such_a_world = world->with({{objectAt(its_name, 50.0)}, {}}, cache_);
+  EXPECT_THROW(such_a_world->withAttached(moving_, cache_), InputError);
+}
+
+TEST_F(AScene, IsBuiltForManyAttachedBodiesOrNoLinks) {
+  const auto self = MoveitScene::ofSelf(moving_, cache_);
+  for (int i = 0; i < 8; ++i) {
+    EXPECT_TRUE(self->withAttached(moving_, cache_)) << i;
+    moving_.push_back({{"cup" + std::to_string(i), 0, true, {}}, {ball()}, 0.0});
+  }
+  EXPECT_EQ(contactsOf(*self->withAttached(moving_, cache_), 0.0).size(), 8u * 7u / 2u + 8u);
+  moving_.push_back({{"cup", 0, true, {}}, {ball()}, 0.0});
+  EXPECT_FALSE(self->withAttached(moving_, cache_));
+  moving_.erase(moving_.begin(), moving_.end() - 2);
+  EXPECT_FALSE(self->withAttached(moving_, cache_));
+  EXPECT_FALSE(self->withAttached({}, cache_));
 }
 
 TEST_F(AScene, SelectsWhatIsActive) {

@@ -39,9 +39,8 @@ class Rules {
 
   AllowedContact ofPair(std::uint32_t first, std::uint32_t second) const {
     const CollisionModel &a = models_[first], &b = models_[second];
+    if (!scene_.isAsked(a, b)) return AllowedContact::ALWAYS;
     const MoveitBody *body_a = scene_.movingOf(a), *body_b = scene_.movingOf(b);
-    if (!body_a && MoveitScene::isPlaceholder(a.name)) return AllowedContact::ALWAYS;
-    if (!body_b && MoveitScene::isPlaceholder(b.name)) return AllowedContact::ALWAYS;
     return allowedBy(limits_, body_a, scene_.nameOf(a), body_b, scene_.nameOf(b));
   }
 

@@ -157,7 +157,11 @@ void MoveitCollisionEnv::makeScenes(Scenes& scenes) const {
     for (const Attached& attached : scenes.attached) {
       if (!attached.shapes.empty()) scenes.moving.push_back(movingBody(attached));
     }
-    scenes.self = MoveitScene::ofSelf(scenes.moving, shared().scenes);
+    const Scenes& of_links = *scenes_.front();
+    if (!scenes.attached.empty() && of_links.self) {
+      scenes.self = of_links.self->withAttached(scenes.moving, shared().scenes);
+    }
+    if (!scenes.self) scenes.self = MoveitScene::ofSelf(scenes.moving, shared().scenes);
   } catch (const std::exception& problem) {
     scenes.self_problem = problem.what();
   }
@@ -176,6 +180,12 @@ void MoveitCollisionEnv::updateWorld(Scenes& scenes) const {
     return has_any;
   };
   try {
+    if (!scenes.world && !scenes.attached.empty()) {
+      Scenes& of_links = *scenes_.front();
+      updateWorld(of_links);
+      if (of_links.world) scenes.world = of_links.world->withAttached(scenes.moving, shared().scenes);
+      if (scenes.world) scenes.changed.clear();
+    }
     if (!scenes.world) {
       std::vector<RigidObject> objects;
       for (const auto& [name, object] : *getWorld()) elementsOf(*object, objects);

@@ -92,7 +92,7 @@ MoveitMotions::MoveitMotions(const moveit::core::RobotModel& robot,
     description_.objects.push_back(std::move(object));
   }
   for (const auto& object : world_->scene().objects()) {
-    if (!MoveitScene::isPlaceholder(object->name)) objects_.push_back(object);
+    if (MoveitScene::isOfWorld(*object)) objects_.push_back(object);
   }
   description_.robots.push_back({modelOf(robot, moving), Srdf{}, ""});
   for (const Link& link : description_.robots[0].model->links()) {

@@ -3,38 +3,60 @@
 #include <algorithm>
 #include <map>
 
+#include "collision_pairs/input_error.h"
+
 namespace collision_pairs {
 namespace {
 
 constexpr char PLACEHOLDER[] = "placeholder of collision_pairs";
 constexpr std::size_t MAX_SELECTIONS = 16;  // more groups than that take turns
+constexpr std::size_t NB_ANCHORS = 8;
 
-// Each body is a robot of one link. Names of objects are MoveIt's: one
-// that is called as a body here is refused.
+// Each body is a robot of one link. Names of objects are MoveIt's: one that is called as a body
+// here is refused. The first robot has anchors besides: empty links, each with a pose of its own,
+// for attached bodies that come and go as objects attached to them.
 std::string prefixOf(const MoveitBody& body) {
   return (body.is_attached ? "attached body: " : "link of the robot: ") + body.name;
 }
 
 std::string modelName(const MoveitBody& body) { return withPrefix(prefixOf(body), "body"); }
 
-SceneRobot robotOf(const MovingBody& moving) {
-  static const auto robot = [] {
-    Link link;
-    link.name = "body";
-    return RobotModel::fromParts("robot", {link}, {});
-  }();
-  return {robot->withElements([&](const Link&) { return moving.elements; }), Srdf{},
+std::string anchorName(std::size_t i) { return "anchor " + std::to_string(i); }
+
+std::shared_ptr<const RobotModel> robotWith(std::size_t nb_anchors) {
+  std::vector<Link> links(1 + nb_anchors);
+  links[0].name = "body";
+  std::vector<Joint> joints(nb_anchors);
+  for (std::size_t i = 0; i < nb_anchors; ++i) {
+    joints[i].name = links[1 + i].name = anchorName(i);
+    joints[i].type = JointType::FLOATING;
+    joints[i].parent_link = 0;
+    joints[i].child_link = static_cast<int>(1 + i);
+  }
+  return RobotModel::fromParts("robot", std::move(links), std::move(joints));
+}
+
+SceneRobot robotOf(const MovingBody& moving, bool is_first) {
+  static const auto robot = robotWith(0), with_anchors = robotWith(NB_ANCHORS);
+  const auto elementsOf = [&](const Link& link) {
+    return link.name == "body" ? moving.elements : std::vector<Element>();
+  };
+  return {(is_first ? with_anchors : robot)->withElements(elementsOf), Srdf{},
           prefixOf(moving.body)};
 }
 
 SceneDescription descriptionOf(const std::vector<MovingBody>& moving) {
   SceneDescription description;
   for (const MovingBody& one : moving) {
-    description.robots.push_back(robotOf(one));
+    description.robots.push_back(robotOf(one, description.robots.empty()));
     if (one.padding > 0.0) description.settings.link_padding[modelName(one.body)] = one.padding;
   }
   description.settings.allow_empty_scene = true;  // as MoveIt: nothing to collide with is free
   return description;
+}
+
+std::string whyRefused(const std::string& object) {
+  return "an object may not be called '" + object + "' while a body of that name is attached";
 }
 
 RigidObject placeholder() {
@@ -73,18 +95,47 @@ std::shared_ptr<const MoveitScene> MoveitScene::ofWorld(const std::vector<Moving
 std::shared_ptr<const MoveitScene> MoveitScene::with(const SceneChanges& changes,
                                                      SceneCache& cache) const {
   std::shared_ptr<MoveitScene> made(new MoveitScene);
+  for (const RigidObject& object : changes.objects) refuseNameOfAttached(object.name);
   made->scene_ = scene_->with(changes, &cache);
-  made->nb_objects_ = made->scene_->objects().size() - 1;
+  made->nb_objects_ = nb_objects_ + made->scene_->objects().size() - scene_->objects().size();
   made->is_world_ = true;
   made->moving_ = moving_;  // its order is that of the names
   return made;
 }
 
+std::shared_ptr<const MoveitScene> MoveitScene::withAttached(const std::vector<MovingBody>& moving,
+                                                             SceneCache& cache) const {
+  if (moving.empty() || moving[0].body.is_attached) return nullptr;
+  SceneChanges changes;
+  for (const MovingBody& one : moving) {
+    if (!one.body.is_attached) continue;
+    RigidObject object;
+    object.name = modelName(one.body);
+    object.elements = one.elements;
+    object.attached_link = withPrefix(prefixOf(moving[0].body), anchorName(changes.objects.size()));
+    object.padding = one.padding;
+    if (hasObject(object.name)) throw InputError(whyRefused(object.name));
+    changes.objects.push_back(std::move(object));
+  }
+  if (changes.objects.size() > NB_ANCHORS) return nullptr;
+  std::shared_ptr<MoveitScene> made(new MoveitScene);
+  made->scene_ = scene_->with(changes, &cache);
+  made->nb_objects_ = nb_objects_;
+  made->is_world_ = is_world_;
+  made->setMoving(moving);
+  return made;
+}
+
 void MoveitScene::setMoving(const std::vector<MovingBody>& moving) {
-  std::map<std::string, const MovingBody*> by_name;
-  for (const MovingBody& one : moving) by_name[modelName(one.body)] = &one;
+  std::map<std::string, const MovingBody*> by_link;
+  std::size_t nb_attached = 0;
+  for (const MovingBody& one : moving) {
+    by_link[modelName(one.body)] = &one;
+    if (!one.body.is_attached) continue;
+    by_link[withPrefix(prefixOf(moving[0].body), anchorName(nb_attached++))] = &one;
+  }
   auto bodies = std::make_shared<std::vector<MoveitBody>>();
-  for (const SceneBody& body : scene_->bodies()) bodies->push_back(by_name.at(body.link)->body);
+  for (const SceneBody& body : scene_->bodies()) bodies->push_back(by_link.at(body.link)->body);
   moving_ = std::move(bodies);
 }
 
@@ -92,12 +143,31 @@ bool MoveitScene::hasPairs() const {
   return !scene_->models().empty() && (!is_world_ || nb_objects_ > 0);
 }
 
-bool MoveitScene::hasObject(const std::string& name) const {
+const RigidObject* MoveitScene::findObject(const std::string& name) const {
   const auto& objects = scene_->objects();
   const auto found = std::lower_bound(
       objects.begin(), objects.end(), name,
       [](const auto& object, const std::string& wanted) { return object->name < wanted; });
-  return found != objects.end() && (*found)->name == name;
+  return found != objects.end() && (*found)->name == name ? found->get() : nullptr;
+}
+
+bool MoveitScene::hasObject(const std::string& name) const {
+  const RigidObject* object = findObject(name);
+  return object && isOfWorld(*object);
+}
+
+void MoveitScene::refuseNameOfAttached(const std::string& name) const {
+  const RigidObject* object = findObject(name);
+  if (object && !object->attached_link.empty()) throw InputError(whyRefused(name));
+}
+
+bool MoveitScene::isOfWorld(const RigidObject& object) {
+  return object.attached_link.empty() && !isPlaceholder(object.name);
+}
+
+bool MoveitScene::isAsked(const CollisionModel& a, const CollisionModel& b) const {
+  if (a.body >= 0 && b.body >= 0) return !is_world_;
+  return !(a.body < 0 && isPlaceholder(a.name)) && !(b.body < 0 && isPlaceholder(b.name));
 }
 
 bool MoveitScene::isPlaceholder(const std::string& object) { return object == PLACEHOLDER; }

@@ -36,10 +36,18 @@ class MoveitScene {
   /// Only for a scene of a world. Throws InputError; cost: as CollisionScene::with().
   std::shared_ptr<const MoveitScene> with(const SceneChanges& changes, SceneCache& cache) const;
 
+  /// This scene of links, with attached bodies: `moving` has its links, then those. Null: they are
+  /// too many, or there are no links; it takes a build. Throws InputError; cost: as
+  /// CollisionScene::with().
+  std::shared_ptr<const MoveitScene> withAttached(const std::vector<MovingBody>& moving,
+                                                  SceneCache& cache) const;
+
   const CollisionScene& scene() const { return *scene_; }
   /// False if nothing can collide: there are no objects, or there is no moving body.
   bool hasPairs() const;
+  /// Of the world.
   bool hasObject(const std::string& name) const;
+  static bool isOfWorld(const RigidObject& object);
   /// By index in scene().bodies().
   const MoveitBody& moving(std::size_t body) const { return (*moving_)[body]; }
   /// Null for a static object, whose model has its name.
@@ -51,7 +59,10 @@ class MoveitScene {
     const MoveitBody* moving = movingOf(model);
     return moving ? moving->name : model.name;
   }
-  /// A static object that no check may mention: it keeps the class of static objects alive, so
+  /// False for pairs that no check may mention: with the placeholder, and of two bodies of the
+  /// robot in the scene of a world.
+  bool isAsked(const CollisionModel& a, const CollisionModel& b) const;
+  /// A static object that keeps the class of static objects alive, so
   /// that the first one comes, and the last one goes, without a build.
   static bool isPlaceholder(const std::string& object);
   /// Selects at least all pairs with a body of an active link (indexed by MoveIt's links), and
@@ -81,6 +92,8 @@ class MoveitScene {
 
  private:
   MoveitScene() = default;
+  const RigidObject* findObject(const std::string& name) const;
+  void refuseNameOfAttached(const std::string& name) const;
   void setMoving(const std::vector<MovingBody>& moving);
   std::unique_ptr<Worker> take() const;
   void putBack(std::unique_ptr<Worker> worker) const;
