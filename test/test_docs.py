@@ -226,7 +226,7 @@ def test_each_fault_names_a_test_that_exists():
     assert len(rows) > 30
     for row in rows:
         named = re.findall(r"`([\w.]+)`", row[-1])
-        assert len(row) == 5 and named and set(named) <= exist, row
+        assert len(row) == 4 and named and set(named) <= exist, row
 
 
 def test_the_watchdogs_of_the_page_wait_equally_long_and_longer_than_a_period_of_the_node():
