@@ -73,11 +73,12 @@ target_sources(test_stopping_tube PRIVATE src/ros/limiter/stopping_tube.cpp
 foreach(test limiter_law stopping_tube)
   target_include_directories(test_${test} PRIVATE src/ros/limiter)
 endforeach()
+collision_pairs_test(markers collision_pairs_ros)
 collision_pairs_test(mesh_files collision_pairs_io)
 collision_pairs_test(mesh_loader collision_pairs_io)
 collision_pairs_test(mesh_query gmp mpfr)
 collision_pairs_test(mesh_solid)
-collision_pairs_test(messages_and_markers collision_pairs_ros)
+collision_pairs_test(messages collision_pairs_ros)
 collision_pairs_test(missing_share)
 collision_pairs_test(motion_certificates collision_pairs_io)
 target_sources(test_motion_certificates PRIVATE test/benchmark/benchmark_robots.cpp

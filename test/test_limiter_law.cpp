@@ -280,6 +280,10 @@ TEST(CertifiedSurroundings, WhatIsLeftOutIsTheCallersButNotACloudThatIsUnknown) 
     }
     surroundings.setState(state);
     EXPECT_EQ(surroundings.certify(tube, 0.01, 0.0, touching).is_free, is_known);
+    std::vector<NearPair> near;
+    std::string why;
+    EXPECT_EQ(surroundings.nearPairs(0.01, {1.0}, near, why), is_known);
+    EXPECT_EQ(why, is_known ? "" : "cloud is not known");
   }
 }
 

@@ -27,40 +27,24 @@ namespace {
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
 
+constexpr int WIDTH = 320, HEIGHT = 240;
+constexpr double RATE = 15.0;    // Hz
+constexpr double NOISE = 0.003;  // standard deviation of the depth
+constexpr double VIEW = 1.0;     // rad, of the width of the image
+constexpr double BALL_RADIUS = 0.09;
+constexpr char FRAME[] = "depth_camera";
+const Vector3d CAMERA(1.5, -1.1, 1.75), LOOKS_AT(0.3, 0.0, 1.1), BALL_TO(0.42, 0.9, 1.45);
+
 struct Settings {
-  int width = 320, height = 240;
-  double rate = 15.0;    // Hz
-  double noise = 0.003;  // standard deviation of the depth
-  std::vector<double> camera = {1.5, -1.1, 1.75}, looks_at = {0.3, 0.0, 1.1};
-  double view = 1.0;  // rad, of the width of the image
-  std::vector<double> ball_from = {0.42, -0.9, 1.45}, ball_to = {0.42, 0.9, 1.45};
-  double ball_radius = 0.09;
+  std::vector<double> ball_from = {0.42, -0.9, 1.45};
   double ball_period = 10.0;  // there and back; 0: it stays where it begins
-  bool parcel = true;
-  std::string frame = "depth_camera";
 
   explicit Settings(const ros::NodeHandle& node) {
-    node.getParam("width", width);
-    node.getParam("height", height);
-    node.getParam("rate", rate);
-    node.getParam("noise", noise);
-    node.getParam("camera", camera);
-    node.getParam("looks_at", looks_at);
-    node.getParam("view", view);
     node.getParam("ball_from", ball_from);
-    node.getParam("ball_to", ball_to);
-    node.getParam("ball_radius", ball_radius);
     node.getParam("ball_period", ball_period);
-    node.getParam("parcel", parcel);
-    node.getParam("frame", frame);
-    for (const auto* place : {&camera, &looks_at, &ball_from, &ball_to}) {
-      if (place->size() != 3) throw InputError("a place has three coordinates");
-    }
-    if (width < 1 || height < 1 || !(rate > 0.0)) throw InputError("sizes must be above 0");
+    if (ball_from.size() != 3) throw InputError("ball_from has three coordinates");
   }
 };
-
-Vector3d place(const std::vector<double>& xyz) { return {xyz[0], xyz[1], xyz[2]}; }
 
 /// Pose in W of an optical frame that looks from one place to another, its y down.
 Isometry3d lookingAt(const Vector3d& from, const Vector3d& to) {
@@ -97,27 +81,26 @@ class DepthCamera {
         robot_(loadRobot(private_node)),
         root_(robot_->links().front().name),
         poses_(transforms_, *robot_, allBodies(*robot_), root_),
-        X_WC_(lookingAt(place(settings_.camera), place(settings_.looks_at))),
-        image_(settings_.width, settings_.height,
-               0.5 * settings_.width / std::tan(0.5 * settings_.view)),
+        X_WC_(lookingAt(CAMERA, LOOKS_AT)),
+        image_(WIDTH, HEIGHT, 0.5 * WIDTH / std::tan(0.5 * VIEW)),
         publisher_(node.advertise<sensor_msgs::PointCloud2>("points", 1)) {
     transforms_.subscribe(node);
     geometry_msgs::TransformStamped transform;
     transform.header.stamp = ros::Time::now();
     transform.header.frame_id = root_;
-    transform.child_frame_id = settings_.frame;
+    transform.child_frame_id = FRAME;
     const geometry_msgs::Pose pose = toPose(X_WC_);
     transform.transform.translation = toVector3(X_WC_.translation());
     transform.transform.rotation = pose.orientation;
     broadcaster_.sendTransform(transform);
     // Drawing random numbers would take longer than casting the rays.
     std::mt19937 random(1);
-    std::normal_distribution<float> normal(0.0f, static_cast<float>(settings_.noise));
+    std::normal_distribution<float> normal(0.0f, static_cast<float>(NOISE));
     for (float& value : noise_) value = normal(random);
   }
 
   void run() {
-    ros::Rate rate(settings_.rate);
+    ros::Rate rate(RATE);
     for (; ros::ok(); rate.sleep()) {
       const ros::Time now = transforms_.followClock();
       const StampedPoses stamped = poses_.latest(now);
@@ -133,7 +116,7 @@ class DepthCamera {
   Vector3d ballAt(const ros::Time& stamp) const {
     const double turns = settings_.ball_period > 0.0 ? stamp.toSec() / settings_.ball_period : 0.0;
     const double share = 0.5 - 0.5 * std::cos(2.0 * M_PI * turns);
-    return (1.0 - share) * place(settings_.ball_from) + share * place(settings_.ball_to);
+    return (1.0 - share) * Vector3d(settings_.ball_from.data()) + share * BALL_TO;
   }
 
   void see(const BodyPoses& poses, const ros::Time& stamp) {
@@ -143,19 +126,16 @@ class DepthCamera {
       const Isometry3d X_CL = X_CW * poses.X_WB[link.body] * link.X_BL;
       for (const Element& element : link.elements) image_.draw(element.shape, X_CL * element.X_LE);
     }
-    image_.draw(Sphere{settings_.ball_radius},
-                X_CW * Isometry3d(Eigen::Translation3d(ballAt(stamp))));
-    if (settings_.parcel) {
-      image_.draw(Box{{0.20, 0.16, 0.12}},
-                  X_CW * Isometry3d(Eigen::Translation3d(0.72, -0.38, 0.76)));
-    }
+    image_.draw(Sphere{BALL_RADIUS}, X_CW * Isometry3d(Eigen::Translation3d(ballAt(stamp))));
+    image_.draw(Box{{0.20, 0.16, 0.12}},
+                X_CW * Isometry3d(Eigen::Translation3d(0.72, -0.38, 0.76)));
     publish(stamp);
   }
 
   void publish(const ros::Time& stamp) {
     sensor_msgs::PointCloud2 cloud;
     cloud.header.stamp = stamp;
-    cloud.header.frame_id = settings_.frame;
+    cloud.header.frame_id = FRAME;
     cloud.width = image_.width();
     cloud.height = image_.height();
     sensor_msgs::PointCloud2Modifier(cloud).setPointCloud2FieldsByString(1, "xyz");

@@ -224,6 +224,10 @@ class LimiterTest(unittest.TestCase):
                                    "no commands on /array_command"))
         self.drive(0.1)
         self.assertTrue(wait_until(lambda: diagnosis_of("array: velocity limiter").message == "commands are limited"))
+        values = {pair.key: pair.value for pair in diagnosis_of("array: velocity limiter").values}
+        self.assertGreater(float(values["commands"]), 0)
+        self.assertGreater(float(values["longest decision [s]"]), 0.0)
+        self.assertEqual(float(values["scale"]), self.out.scales[-1].data)
 
     def test_a_misspelt_key_is_an_error_of_the_diagnostics_and_nothing_passes(self):
         status = diagnosis_of("misspelt: velocity limiter")
