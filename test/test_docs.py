@@ -235,3 +235,34 @@ def test_the_watchdogs_of_the_page_wait_equally_long_and_longer_than_a_period_of
     call = re.search(r'Watchdog\("(.*)", timeout=([\d.]+)\)', page)
     assert call.groups() == (lock["topic"], str(lock["timeout"])) and lock["timeout"] > 3 / rate
     assert "timeout=%s)" % lock["timeout"] in read("src/python/collision_pairs/watchdog.py")
+
+
+CONSTANTS = [  # what a page says, the file, and what must stand there
+    ("limiter", "longer than 20 ms", "src/ros/limiter/velocity_limiter.cpp", "TIME_TO_DECIDE = 0.02;"),
+    ("limiter", "up to five certificates", "src/ros/limiter/limiter_law.cpp", "MOST_CERTIFICATES = 5;"),
+    ("limiter", "`stop_distance` plus 2 mm", "src/ros/limiter/limiter_law.cpp", "ROOM_TO_RETREAT = 0.002;"),
+    ("limiter", "down to a 64th of it", "src/ros/limiter/limiter_law.cpp", "RETREATS = 4;"),
+    ("limiter", "down to a 64th of it", "src/ros/limiter/limiter_law.cpp", "NEXT_RETREAT = 0.25;"),
+    ("limiter", "keeps half of its", "src/ros/limiter/limiter_law.cpp", "GIVEN_AWAY = 0.5;"),
+    ("limiter", "older positions: stop. At most 1 |", "src/ros/limiter/limiter_parameters.cpp", "OLDEST_JOINT_STATE = 1.0;"),
+    ("planners", "After 300,000 configurations", "src/core/motion/motion_check.cpp", "MOST_CHECKS = 300'000;"),
+    ("planners", "a million open parts", "src/core/motion/motion_check.cpp", "MOST_OPEN_PAIRS = 1'000'000;"),
+    ("planners", "once 30,000 verdicts", "include/collision_pairs/batch_check.h", "STATES_WORTH_A_STAGE = 30000;"),
+    ("planners", "More than eight attached bodies", "src/planners/moveit/moveit_scene.cpp", "NB_ANCHORS = 8;"),
+    ("scenes", "in the first 1,024 states", "src/core/pair_statistics/pair_statistics.h", "MEASURED_STATES = 1024;"),
+    ("clouds", "something within 30 cm of its place", "src/core/clouds/near_memory.h", "FOUND_AGAIN = 0.3;"),
+    ("clouds", "up to 100,000 voxels", "src/messages/voxel_markers.h", "MOST_DRAWN_VOXELS = 100000;"),
+    ("clouds", "more than 1,000 clouds before one", "src/tools/cloud_replay.cpp", "MOST_WAITING = 1000;"),
+    ("faults", "| 2 s, or three periods |", "src/ros/report_publisher.cpp", "SHORTEST_LIFE = 2.0;"),
+    ("faults", "more than 10000 frames", "src/io/transform_buffer.cpp", "MOST_NAMES = 10000;"),
+    ("faults", "more than 1 % of its surface", "src/core/scene/collision_scene.cpp", "TOLD_ABOVE = 0.01;"),
+    ("faults", "or use up memory (it reads all formats except STL and OBJ) | 30 s |", "src/io/meshes/read_mesh_file.cpp", "TIME_LIMIT = 60;"),
+    ("node", "(beyond 0.1 mm and 0.1 mrad)", "src/io/transform_buffer.cpp", "SAME_PLACE = 1e-4;"),
+    ("node", "more than a tenth of the cycles", "src/ros/node_health.cpp", "FREQUENT = 0.1;"),
+]
+
+
+@pytest.mark.parametrize("page, sentence, source, constant", CONSTANTS)
+def test_what_a_page_says_of_a_constant_is_what_the_code_has(page, sentence, source, constant):
+    assert sentence in " ".join(read("docs/%s.md" % page).split())
+    assert constant in read(source)
