@@ -211,6 +211,7 @@ collision_pairs_module_pytest(python_near_contact)
 collision_pairs_module_pytest(python_stubs)
 collision_pairs_module_pytest(reference)
 collision_pairs_pytest(scene_options)
+collision_pairs_pytest(scripts)
 
 # Each under a master of its own: rostest takes a free port. The limit is for a machine under load.
 function(collision_pairs_rostest name)
