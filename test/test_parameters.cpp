@@ -24,8 +24,7 @@ std::map<std::string, std::string> yamlDefaults() {
   return values;
 }
 
-/// The default column of the parameter table in docs/node.md: | `~name` | type | unit | default |
-/// effect |
+/// Of the parameter table in docs/node.md: | `~name` | `default` unit | effect |
 std::map<std::string, std::string> pageDefaults() {
   std::map<std::string, std::string> values;
   std::ifstream file(std::string(PROJECT_SOURCE_DIR) + "/docs/node.md");
@@ -36,10 +35,9 @@ std::map<std::string, std::string> pageDefaults() {
     std::vector<std::string> row;
     for (std::string cell; std::getline(cells, cell, '|');) {
       cell.erase(0, cell.find_first_not_of(" `~"));
-      cell.erase(cell.find_last_not_of(" `") + 1);
-      row.push_back(cell);
+      row.push_back(cell.substr(0, cell.find('`')));
     }
-    if (row.size() >= 5) values.emplace(row[0], row[3]);
+    if (row.size() >= 3) values.emplace(row[0], row[1]);
   }
   return values;
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <sstream>
 
+#include <collision_pairs/CollisionPairsConfig.h>
 #include <ros/console.h>
 
 #include "collision_pairs/input_error.h"
@@ -12,8 +13,6 @@
 
 namespace collision_pairs {
 namespace {
-
-constexpr double MAX_RATE = 1e4;  // Hz, as in cfg/CollisionPairs.cfg
 
 /// Reads numbers and words; invalid ones are replaced by the current `value`.
 class Reader {
@@ -125,10 +124,12 @@ std::string readFixedFrame(const ros::NodeHandle& private_node) {
 NodeParameters NodeParameters::read(const ros::NodeHandle& private_node) {
   NodeParameters parameters;
   const Reader reader(private_node);
-  reader.number("alarm_distance", 0.0, 1e6, parameters.check.alarm_distance);
-  reader.number("tolerance", 0.0, 1e6, parameters.check.tolerance);
-  reader.number("time_budget", 0.0, 1e6, parameters.check.time_budget);
-  reader.number("rate", 0.1, MAX_RATE, parameters.rate);
+  const auto least = CollisionPairsConfig::__getMin__(), most = CollisionPairsConfig::__getMax__();
+  reader.number("alarm_distance", least.alarm_distance, most.alarm_distance,
+                parameters.check.alarm_distance);
+  reader.number("tolerance", least.tolerance, most.tolerance, parameters.check.tolerance);
+  reader.number("time_budget", least.time_budget, most.time_budget, parameters.check.time_budget);
+  reader.number("rate", least.rate, most.rate, parameters.rate);
   reader.flag("verdict_only", parameters.check.verdict_only);
   reader.flag("min_distance", parameters.check.min_distance);
   reader.number("max_pose_age", 0.0, 1e9, parameters.pose_limits.max_pose_age);
