@@ -5,6 +5,7 @@
 #include "close_pairs.h"
 #include "cube_cells.h"
 #include "double_double.h"
+#include "epa.h"
 #include "test_shapes.h"
 
 namespace collision_pairs {
@@ -132,7 +133,7 @@ TEST(ConvexContact, AMarginIsKeptIfAndOnlyIfTheDistanceIsNotMore) {
   for (int i = 0; i < 1000; ++i) {
     const auto kind = [&] { return convexKinds()[static_cast<std::size_t>(random.integer(0, 4))]; };
     ClosePair pair = closePair(random, kind(), kind(), std::pow(10.0, random.integer(0, 6)));
-    pair.X_AB.translation() *= 1.0 + std::pow(10.0, random.uniform(-6.0, 0.0));
+    pair.X_AB.translation() *= 1.0 + std::pow(10.0, random.uniform(-14.0, 0.0));
     const auto A = prepareShape(pair.a), B = prepareShape(pair.b);
     const double distance = narrow_phase.distance(*A, *B, pair.X_AB, INF).distance;
     if (distance <= 0.0) continue;
@@ -142,6 +143,47 @@ TEST(ConvexContact, AMarginIsKeptIfAndOnlyIfTheDistanceIsNotMore) {
     ASSERT_EQ(narrow_phase.distance(*A, *B, pair.X_AB, distance).distance, distance) << i;
     ASSERT_EQ(narrow_phase.distance(*A, *B, pair.X_AB, below).certainty, Certainty::BEYOND) << i;
   }
+}
+
+// The depth of two hulls is certain by it. Its plane is moved as far as its vertices may be off.
+TEST(ConvexContact, APlaneWhoseVerticesAreOffIsAsFarFromTheOriginAsItsBound) {
+  RandomInputs random;
+  using Point = Eigen::Matrix<Digits, 3, 1>;
+  int nb_bounds = 0, nb_tight = 0;
+  for (int i = 0; i < 4000; ++i) {
+    // Of any size, of a mesh of thin triangles, and beside the origin as often as in front of it.
+    const double size = std::pow(10.0, random.uniform(-6.0, 3.0));
+    const double thin = std::pow(10.0, random.uniform(-14.0, 0.0));
+    const Vector3d p = size * random.vector(-1.0, 1.0);
+    const Vector3d q = p + size * random.vector(-1.0, 1.0);
+    const Vector3d r =
+        p + random.uniform(-1.0, 1.0) * (q - p) + size * thin * random.vector(-1.0, 1.0);
+    const double largest = std::max({p.norm(), q.norm(), r.norm()});
+    const double rounding = 20.0 * std::numeric_limits<double>::epsilon() * largest;
+    const double bound = leastPlaneDistance<double>(p, q, r, rounding);
+    if (!std::isfinite(bound)) continue;
+    ++nb_bounds;
+    const Vector3d n = (q - p).cross(r - p).normalized();
+    const Vector3d along = (q - p).normalized();
+    const auto distance = [](const Point& a, const Point& b, const Point& c) {
+      const Point normal = Point(b - a).cross(Point(c - a));
+      return Digits(a.dot(normal) / sqrt(normal.squaredNorm()));
+    };
+    const auto exact = [](const Vector3d& v) { return Point(v.cast<Digits>()); };
+    const Digits here = distance(exact(p), exact(q), exact(r));
+    Digits least = here;
+    for (int k = 0; k < 32; ++k) {
+      const auto moved = [&](const Vector3d& vertex) {
+        const Vector3d by = k < 16 ? n : k < 24 ? along : random.vector(-1.0, 1.0).normalized();
+        return Point(exact(vertex) + exact((random.integer(0, 1) ? rounding : -rounding) * by));
+      };
+      least = std::min(least, distance(moved(p), moved(q), moved(r)));
+    }
+    ASSERT_LE(Digits(bound), least) << i;
+    nb_tight += here - bound < 8 * (here - least);
+  }
+  EXPECT_GT(nb_bounds, 1000);
+  EXPECT_GT(nb_tight, nb_bounds / 2) << nb_bounds;
 }
 
 // Such a direction once read beyond the table of start vertices.

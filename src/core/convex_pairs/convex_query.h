@@ -81,7 +81,7 @@ class Query {
     const bool is_exact = upper + rounding_ <= largest_error_ ||
                           epa.enclosesBall(upper + rounding_ - largest_error_, rounding_);
     result.certainty = is_exact ? Certainty::EXACT : Certainty::BOUND;
-    return is_exact || curved_ || !wants_exact;
+    return is_exact || (curved_ && sure) || !wants_exact;
   }
 
  private:

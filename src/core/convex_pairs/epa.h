@@ -20,6 +20,34 @@ struct EpaResult {
   Vec3<T> b = Vec3<T>::Zero();                   ///< deepest point of B, in A's frame
 };
 
+/// The signed distance from the origin of the plane through p, q, r, along (q - p) x (r - p), is no
+/// less wherever the three are that are off by `rounding` (metres), which is at least 20 times the
+/// rounding of a coordinate.
+///
+/// A combination y = sum of lambda_i w_i with sum 1 stays on the plane, and moves by no more than
+/// the sum of |lambda_i| roundings. With y = s n + t, t across n, and n off by the angle theta, the
+/// plane is s cos(theta) - |t| sin(theta) from the origin at least. The lambdas are those of the
+/// origin's projection, so that t is nothing but rounding. With edges d, e the normal d x e changes
+/// by 2 (|d| + |e|) roundings, and by less than as much again for its own arithmetic; half of
+/// `sine` is for what is left out.
+template <class T>
+T leastPlaneDistance(const Vec3<T>& p, const Vec3<T>& q, const Vec3<T>& r, T rounding) {
+  using std::abs;
+  const Vec3<T> d = q - p, e = r - p;
+  const Vec3<T> area_normal = d.cross(e);
+  const T area = area_normal.norm();
+  const T sine = T(8) * rounding * (d.norm() + e.norm()) / area;
+  if (!(sine < T(0.25))) return -std::numeric_limits<T>::infinity();
+  const Vec3<T> n = area_normal / area;
+  const T along_d = e.cross(p).dot(n) / area;
+  const T along_e = p.cross(d).dot(n) / area;
+  const Vec3<T> y = p + along_d * d + along_e * e;
+  const T s = y.dot(n);
+  const T across = (y - s * n).norm();
+  const T moved = rounding * (T(2) + T(4) * (abs(along_d) + abs(along_e)));
+  return s - moved - across * sine - abs(s) * sine * sine;
+}
+
 /// Expands a single polytope. Fixed storage, nothing on the heap.
 /// Cost: about F support evaluations and F^2 plane tests for F faces; F is 10 to 40 for
 /// polytopes, and up to MAX_VERTICES for curved cores, on which it converges geometrically.
@@ -33,16 +61,14 @@ class Epa {
 
   /// True if a ball around the origin is certainly inside what run() left: it is on the inner side
   /// of each face of a closed surface, wherever the vertices are that are off by `rounding`
-  /// (metres). With edges d, e from p and the normal n = d x e, the volume p . n changes by at most
-  /// 3 |n| + 2 |p| (|d| + |e|) times that, and by less than as much again for its own arithmetic.
+  /// (metres), at least 20 times the rounding of a vertex.
   bool enclosesBall(T radius, T rounding) const {
     const auto holds_it = [&](const Face& face) {
       const T spare = face.distance - radius - T(3) * rounding;
       // None of the three vectors is longer than twice the largest vertex.
       if (spare * face.area > T(32) * rounding * magnitude_ * magnitude_) return true;
-      const Vec3<T>& p = point_[face.id[0]].w;
-      const T edges = (point_[face.id[1]].w - p).norm() + (point_[face.id[2]].w - p).norm();
-      return spare * face.area > T(4) * rounding * p.norm() * edges;
+      const auto vertex = [&](int k) -> const Vec3<T>& { return point_[face.id[k]].w; };
+      return leastPlaneDistance(vertex(0), vertex(1), vertex(2), rounding) > radius;
     };
     return is_closed_ && std::all_of(face_.begin(), face_.begin() + num_faces_, holds_it);
   }

@@ -79,7 +79,9 @@ Matrix3d turnedForLeastSection(const Matrix3d& R_EO, int k, const std::vector<Ve
       best_angle = std::atan2(edge.y(), edge.x());
     }
   }
-  return Eigen::AngleAxisd(best_angle, R_EO.col(k)).toRotationMatrix() * R_EO;
+  // Eigenvectors are orthonormal to 30 roundings only, which the margin would not hold.
+  const Eigen::AngleAxisd turn(best_angle, R_EO.col(k));
+  return Eigen::Quaterniond(turn.toRotationMatrix() * R_EO).normalized().toRotationMatrix();
 }
 
 Matrix3d principalAxes(const std::vector<Vector3d>& points) {
