@@ -6,7 +6,7 @@ import os
 import subprocess
 import sys
 
-from mutated_tree import FAST, WORK, MutatedTree, read, write
+from mutated_tree import FAST, ROOT, WORK, MutatedTree, read, write
 
 
 def counted_lines(tree):
@@ -28,6 +28,11 @@ def counted_lines(tree):
     return known, executed
 
 
+def built_sources(tree):
+    names = [os.path.join(folder, name) for folder, _, names in os.walk(tree.build) for name in names]
+    return sorted({name.split(".dir/")[-1][:-len(".gcno")] for name in names if name.endswith(".gcno")})
+
+
 class LineCoverage:
     """Of the sources and tests as they are; kept until they change."""
 
@@ -36,10 +41,12 @@ class LineCoverage:
         memory = os.path.join(WORK, "coverage.json")
         self.data = json.loads(read(memory)) if os.path.exists(memory) else {}
         if self.data.get("tree") != [tree.sources, tree.tests]:
-            self.data = {"tree": [tree.sources, tree.tests], "known": {}, "seconds": {}, "executed": {}}
             if not tree.make(["all", "tests"]):
                 sys.exit("error: the build failed; see %s" % tree.log.name)
+            self.data = {"tree": [tree.sources, tree.tests], "built": built_sources(tree), "known": {}, "seconds": {},
+                         "executed": {}, "failing": []}
         tree.configure()
+        tree.environment.update(GTEST_FAIL_FAST="0", PYTEST_ADDOPTS="")
         counted_lines(tree)
         for test in tree.test_names():
             if test in self.data["seconds"]:
@@ -49,10 +56,16 @@ class LineCoverage:
             known, executed = counted_lines(tree)
             for path, rows in known.items():
                 self.data["known"][path] = sorted(rows.union(self.data["known"].get(path, [])))
-            if passes:  # one that fails with the counters in can't judge
-                self.data["executed"][test] = {path: sorted(rows) for path, rows in executed.items() if rows}
+            self.data["executed"][test] = {path: sorted(rows) for path, rows in executed.items() if rows}
+            if not passes:  # a process of limited size can't write its counters
+                self.data["failing"].append(test)
             self.data["seconds"][test] = tree.seconds[test]
             write(memory, json.dumps(self.data))
+
+    def is_built(self, file):
+        """Not what needs MoveIt, where there is none."""
+        source = os.path.splitext(file)[0] + ".cpp"
+        return not os.path.exists(os.path.join(ROOT, source)) or source in self.data["built"]
 
     def seconds(self, test):
         return self.data["seconds"][test]

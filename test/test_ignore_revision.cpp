@@ -51,6 +51,16 @@ struct Matrix {
   }
 };
 
+struct Round {
+  explicit Round(RandomInputs& random) {
+    const RandomCase its(random);
+    scene = CollisionScene::build(its.description);
+    poses = randomPosesOf(random, its, *scene);
+  }
+  std::shared_ptr<const CollisionScene> scene;
+  BodyPoses poses;
+};
+
 // 0 is no number of a list: it keeps nothing, and does not hide that the number has changed.
 TEST(AListOfPairs, IsAskedOncePerNumberAndAnewWhenItChanges) {
   RandomInputs random;
@@ -90,13 +100,27 @@ TEST(AListOfPairs, IsAskedOncePerNumberAndAnewWhenItChanges) {
   EXPECT_GT(nb_ignored, 100);
 }
 
+TEST(AListOfPairs, WithoutANumberIsAskedAnew) {
+  RandomInputs random;
+  int nb_asked = 0;
+  for (int round = 0; round < 40; ++round) {
+    const Round with(random);
+    Matrix matrix;
+    CheckSettings settings;
+    settings.may_ignore = matrix.predicate();
+    CollisionDetector detector(with.scene);
+    for (int check = 0; check < 2; ++check) detector.detect(with.poses, settings);
+    for (const auto& [pair, times] : matrix.asked) EXPECT_EQ(times, 2);
+    nb_asked += !matrix.asked.empty();
+  }
+  EXPECT_GT(nb_asked, 20);
+}
+
 TEST(ASelection, ThatIsBuiltWhereAnotherWasIsNotTakenForIt) {
   RandomInputs random;
   int nb_differing = 0;
   for (int round = 0; round < 60; ++round) {
-    const RandomCase its(random);
-    const auto scene = CollisionScene::build(its.description);
-    const BodyPoses poses = randomPosesOf(random, its, *scene);
+    const auto [scene, poses] = Round(random);
     CollisionDetector detector(scene);
     std::optional<PairSelection> place(std::in_place, scene, Restriction{});
     CheckSettings settings;

@@ -287,6 +287,21 @@ TEST(CertifiedSurroundings, WhatIsLeftOutIsTheCallersButNotACloudThatIsUnknown) 
   }
 }
 
+TEST(CertifiedSurroundings, OfASceneInWhichNothingIsCheckedNothingIsSaid) {
+  SceneDescription description;
+  description.robots.push_back({turningBar(), Srdf(), ""});
+  const auto scene = CollisionScene::build(description);
+  ASSERT_FALSE(scene->unchecked().empty());
+  CertifiedSurroundings surroundings(scene, {"turn"}, Fidelity::MESH);
+  RobotState state;
+  state.positions = scene->robot().zeroPositions();
+  surroundings.setState(state);
+  std::vector<NearPair> near;
+  std::string why;
+  EXPECT_FALSE(surroundings.nearPairs(0.01, {1.0}, near, why));
+  EXPECT_EQ(why, scene->unchecked());
+}
+
 TEST(LimiterLaw, FarFromEverythingTheScaleIsExactlyOne) {
   RandomInputs random;
   const auto scene = sceneOf(turningBar(), {boxAt("far", {9.0, 0.0, 0.0}, {1.0, 1.0, 1.0})});

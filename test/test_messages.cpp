@@ -30,6 +30,21 @@ TEST_F(Report, AsAMessageSaysEveryPairWithItsState) {
   EXPECT_EQ(message.left_out, (std::vector<std::string>{"a_broken", "z_broken"}));
 }
 
+TEST_F(Report, AsAMessageSaysWhatEachStepTook) {
+  CollisionReport report = detector_.report();
+  report.times.boxes = 1.0;
+  report.times.broad_phase = 2.0;
+  report.times.narrow_phase = 3.0;
+  report.times.total = 7.0;
+  settings_.time_budget = 9.0;
+  const CollisionPairs message = toMessage(report, *scene_, settings_, "world", ros::Time(7), {});
+  EXPECT_EQ(message.time_boxes, 1.0);
+  EXPECT_EQ(message.time_broad_phase, 2.0);
+  EXPECT_EQ(message.time_narrow_phase, 3.0);
+  EXPECT_EQ(message.time_total, 7.0);
+  EXPECT_EQ(message.time_budget, 9.0);
+}
+
 TEST_F(Report, InContactIsCollisionAlsoWhereSomethingElseIsUnknown) {
   const CollisionPairs message =
       toMessage(detector_.report(), *scene_, settings_, "world", ros::Time(7), {"broken"});

@@ -146,6 +146,19 @@ TEST_F(OneTrack, NothingIsKnownWithinALongGap) {
   EXPECT_DOUBLE_EQ(x_, 3.0);
 }
 
+TEST_F(OneTrack, WhatHadNotArrivedDiffersFromWhatIsTooFarApart) {
+  add(1, 1);
+  add(2.5, 2);
+  add(3, 4);
+  const int arm = tracks_.findFrame("arm");
+  for (const bool as_it_arrived : {false, true}) {
+    EXPECT_EQ(tracks_.whyUnknown(arm, 2 * SECOND, as_it_arrived),
+              "no two of its transforms around that stamp are within 1.00 s of each other");
+  }
+  EXPECT_EQ(tracks_.whyUnknown(arm, 2750000000, true),
+            "at that stamp, its newest transform that had arrived was too old or in doubt");
+}
+
 TEST_F(OneTrack, AGapOfExactlyTheLongestIsBridged) {
   add(1, 1);
   add(2, 3);

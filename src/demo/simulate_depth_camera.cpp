@@ -136,8 +136,6 @@ class DepthCamera {
     sensor_msgs::PointCloud2 cloud;
     cloud.header.stamp = stamp;
     cloud.header.frame_id = FRAME;
-    cloud.width = image_.width();
-    cloud.height = image_.height();
     sensor_msgs::PointCloud2Modifier(cloud).setPointCloud2FieldsByString(1, "xyz");
     cloud.width = image_.width();  // the modifier makes it one row
     cloud.height = image_.height();

@@ -3,7 +3,7 @@
 // Montanari, Petrinic, Barbieri, "Improving the GJK algorithm for faster and more reliable distance
 // queries between convex objects" (2017): barycentric coordinates from signed volumes of
 // projections on the best conditioned axis or plane. Deviation: if a volume is zero, every face is
-// tried, so that flat simplices are handled correctly too.
+// tried. Of what is flat but for rounding the point may be another one; convex_query.h looks.
 #pragma once
 
 #include "convex_core.h"

@@ -1,0 +1,53 @@
+// The point of a simplex that is closest to the origin, by what makes it the closest.
+#include <gtest/gtest.h>
+
+#include "random_inputs.h"
+#include "simplex.h"
+
+namespace collision_pairs {
+namespace {
+
+using Eigen::Vector3d;
+
+/// In general position, around the origin and beside it. Where triangles and tetrahedra are flat
+/// but for rounding, the point may be another one: who searches with it looks at what it found.
+Simplex<double> randomSimplex(RandomInputs& random) {
+  Simplex<double> simplex;
+  simplex.size = random.integer(1, 4);
+  const Vector3d centre = random.vector(-1.0, 1.0) * random.integer(0, 2);
+  for (int i = 0; i < simplex.size; ++i) {
+    simplex.vertex[i].w = centre + random.vector(-1.0, 1.0);
+  }
+  if (simplex.size == 2 && random.integer(0, 9) == 0) simplex.vertex[0] = simplex.vertex[1];
+  return simplex;
+}
+
+// A point v of a convex set is the closest to the origin if and only if the plane through v with
+// normal v leaves the whole set behind it.
+TEST(Simplex, TheClosestPointIsAMixtureOfItsVerticesWithThemAllBehindIt) {
+  RandomInputs random;
+  int nb_inside = 0, nb_with_all = 0;
+  for (int i = 0; i < 200000; ++i) {
+    const Simplex<double> given = randomSimplex(random);
+    Simplex<double> reduced = given;
+    reduceToClosest(reduced);
+    ASSERT_GE(reduced.size, 1) << i;
+    double sum = 0.0;
+    for (int k = 0; k < reduced.size; ++k) {
+      ASSERT_GE(reduced.lambda[k], 0.0) << i;
+      sum += reduced.lambda[k];
+    }
+    ASSERT_NEAR(sum, 1.0, 1e-12) << i;
+    const Vector3d v = reduced.closest();
+    for (int k = 0; k < given.size; ++k) {
+      ASSERT_GE(given.vertex[k].w.dot(v), v.squaredNorm() - 1e-7) << i;
+    }
+    nb_inside += v.norm() < 1e-12;
+    nb_with_all += reduced.size == given.size;
+  }
+  EXPECT_GT(nb_inside, 1000);
+  EXPECT_GT(nb_with_all, 1000);
+}
+
+}  // namespace
+}  // namespace collision_pairs
