@@ -68,6 +68,7 @@ target_sources(test_limiter_law PRIVATE ${limiter_law} test/benchmark/benchmark_
   test/benchmark/limiter_simulation.cpp
   test/benchmark/motion_scenes.cpp test/benchmark/simulated_joints.cpp test/benchmark/simulated_limiters.cpp)
 collision_pairs_test(limiter_input collision_pairs_ros)
+collision_pairs_test(limiter_reasons collision_pairs_ros)
 collision_pairs_test(stopping_tube)
 target_sources(test_stopping_tube PRIVATE src/ros/limiter/stopping_tube.cpp
   test/benchmark/simulated_joints.cpp)

@@ -255,6 +255,32 @@ class NodeTest(unittest.TestCase):
         finally:
             client.update_configuration({"alarm_distance": 0.03, "fidelity": "mesh"})
 
+    def test_every_reconfigured_parameter_takes_effect(self):
+        client = Client("/collision_pairs_node", timeout=20)
+        self.report_in(NEAR)
+        before = client.get_configuration()
+        told = {"alarm_distance": 1e-4, "tolerance": 0.001, "time_budget": 0.4, "fidelity": "convex", "min_distance": True}
+        try:
+            client.update_configuration(dict(told, rate=4.0))
+            report = self.node.next(self.node.reports, lambda r: r.alarm_distance == told["alarm_distance"])
+            for field in ("tolerance", "time_budget", "fidelity"):
+                self.assertEqual(getattr(report, field), told[field])
+            self.assertFalse(report.min_distance_is_bound)
+            self.assertGreater(self.seconds_between_reports(), 0.2)
+            client.update_configuration({"rate": 50.0, "min_distance": False})
+            self.assertIsNotNone(self.node.next(self.node.reports, lambda r: r.min_distance_is_bound))
+            client.update_configuration({"alarm_distance": 0.3})
+            self.assertIsNotNone(self.node.next(self.node.reports, lambda r: r.pairs))
+            client.update_configuration({"verdict_only": True})
+            self.assertIsNotNone(self.node.next(self.node.reports, lambda r: not r.pairs))  # but contacts
+        finally:
+            client.update_configuration({key: before[key] for key in (*told, "rate", "verdict_only")})
+
+    def seconds_between_reports(self):
+        """Of two that follow each other; the least of three, since a message may be lost."""
+        stamps = [self.node.next(self.node.reports).header.stamp.to_sec() for _ in range(4)]
+        return min(after - before for before, after in zip(stamps, stamps[1:]))
+
     def test_reset_reads_the_robot_anew(self):
         self.report_in(FREE)
         reply = rospy.ServiceProxy("/collision_pairs_node/reset", Trigger)()
