@@ -41,7 +41,7 @@ collision_pairs_warnings(collision_pairs_io)
 
 # Meshes that are neither STL nor OBJ: src/io/meshes/mesh_process.h.
 add_executable(read_mesh_file src/io/meshes/read_mesh_file.cpp)
-target_include_directories(read_mesh_file PRIVATE include src/core/base)
+target_include_directories(read_mesh_file PRIVATE include)
 target_include_directories(read_mesh_file SYSTEM PRIVATE ${catkin_INCLUDE_DIRS})
 target_link_libraries(read_mesh_file PRIVATE ${catkin_LIBRARIES} Eigen3::Eigen)
 if(sanitizers)  # they reserve more memory than it may have

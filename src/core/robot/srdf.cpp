@@ -15,8 +15,7 @@ Srdf::LinkPair ordered(const std::string& a, const std::string& b) {
 
 std::vector<Srdf::LinkPair> readPairs(const tinyxml2::XMLElement& robot, const char* tag) {
   std::vector<Srdf::LinkPair> pairs;
-  for (auto* element = robot.FirstChildElement(tag); element;
-       element = element->NextSiblingElement(tag)) {
+  for (const auto* element : childrenOf(robot, tag)) {
     const std::string first = requiredAttribute(*element, "link1", WHAT);
     const std::string second = requiredAttribute(*element, "link2", WHAT);
     if (first != second) pairs.push_back(ordered(first, second));
@@ -24,42 +23,13 @@ std::vector<Srdf::LinkPair> readPairs(const tinyxml2::XMLElement& robot, const c
   return pairs;
 }
 
-std::vector<std::string> readNames(const tinyxml2::XMLElement& parent, const char* tag) {
+std::vector<std::string> readNames(const tinyxml2::XMLElement& parent, const char* tag,
+                                   const char* attribute = "name") {
   std::vector<std::string> names;
-  for (auto* element = parent.FirstChildElement(tag); element;
-       element = element->NextSiblingElement(tag)) {
-    names.push_back(requiredAttribute(*element, "name", WHAT));
+  for (const auto* element : childrenOf(parent, tag)) {
+    names.push_back(requiredAttribute(*element, attribute, WHAT));
   }
   return names;
-}
-
-std::vector<Srdf::Group> readGroups(const tinyxml2::XMLElement& robot) {
-  std::vector<Srdf::Group> groups;
-  for (auto* element = robot.FirstChildElement("group"); element;
-       element = element->NextSiblingElement("group")) {
-    Srdf::Group group;
-    group.name = requiredAttribute(*element, "name", WHAT);
-    group.links = readNames(*element, "link");
-    group.joints = readNames(*element, "joint");
-    group.subgroups = readNames(*element, "group");
-    for (auto* chain = element->FirstChildElement("chain"); chain;
-         chain = chain->NextSiblingElement("chain")) {
-      group.chains.emplace_back(requiredAttribute(*chain, "base_link", WHAT),
-                                requiredAttribute(*chain, "tip_link", WHAT));
-    }
-    groups.push_back(std::move(group));
-  }
-  return groups;
-}
-
-std::vector<Srdf::VirtualJoint> readVirtualJoints(const tinyxml2::XMLElement& robot) {
-  std::vector<Srdf::VirtualJoint> joints;
-  for (auto* element = robot.FirstChildElement("virtual_joint"); element;
-       element = element->NextSiblingElement("virtual_joint")) {
-    joints.push_back({requiredAttribute(*element, "name", WHAT),
-                      requiredAttribute(*element, "child_link", WHAT)});
-  }
-  return joints;
 }
 
 }  // namespace
@@ -70,12 +40,23 @@ Srdf Srdf::fromXml(const std::string& xml) {
   Srdf srdf;
   srdf.disabled_pairs = readPairs(*robot, "disable_collisions");
   srdf.enabled_pairs = readPairs(*robot, "enable_collisions");
-  for (auto* element = robot->FirstChildElement("disable_default_collisions"); element;
-       element = element->NextSiblingElement("disable_default_collisions")) {
-    srdf.disabled_links.push_back(requiredAttribute(*element, "link", WHAT));
+  srdf.disabled_links = readNames(*robot, "disable_default_collisions", "link");
+  for (const auto* element : childrenOf(*robot, "group")) {
+    Group group;
+    group.name = requiredAttribute(*element, "name", WHAT);
+    group.links = readNames(*element, "link");
+    group.joints = readNames(*element, "joint");
+    group.subgroups = readNames(*element, "group");
+    for (const auto* chain : childrenOf(*element, "chain")) {
+      group.chains.emplace_back(requiredAttribute(*chain, "base_link", WHAT),
+                                requiredAttribute(*chain, "tip_link", WHAT));
+    }
+    srdf.groups.push_back(std::move(group));
   }
-  srdf.groups = readGroups(*robot);
-  srdf.virtual_joints = readVirtualJoints(*robot);
+  for (const auto* element : childrenOf(*robot, "virtual_joint")) {
+    srdf.virtual_joints.push_back({requiredAttribute(*element, "name", WHAT),
+                                   requiredAttribute(*element, "child_link", WHAT)});
+  }
   srdf.passive_joints = readNames(*robot, "passive_joint");
   return srdf;
 }

@@ -1,160 +1,360 @@
-// Converts urdfdom's model to ours. The only file that includes urdfdom.
+// RobotModel::fromUrdf(): checks everything that a collision check relies on, with the line of a
+// fault. What it does not read (visuals, inertias, plugins, …) cannot make it fail.
 #include <map>
+#include <set>
 
-#include <urdf_model/model.h>
-#include <urdf_parser/urdf_parser.h>
+#include <urdf_model/pose.h>
 
 #include "collision_pairs/input_error.h"
 #include "collision_pairs/robot_model.h"
-#include "console_messages.h"
-#include "urdf_checks.h"
+#include "user_text.h"
+#include "xml_file.h"
 
 namespace collision_pairs {
 namespace {
 
 using Eigen::Isometry3d;
+using Eigen::Vector3d;
+using tinyxml2::XMLElement;
 
-Isometry3d toIsometry(const urdf::Pose& pose) {
+const std::string WHAT = "URDF";
+
+[[noreturn]] void fail(const XMLElement& element, const std::string& message) {
+  failAt(element, WHAT, message);
+}
+
+std::string quoted(const std::string& text) { return "'" + text + "'"; }
+
+struct Collision {
+  Shape shape;
+  std::string mesh_file;  ///< in place of the shape, unless it is empty
+  Vector3d scale = Vector3d::Ones();
+  Isometry3d X_LE = Isometry3d::Identity();
+};
+
+struct ReadLink {
+  const XMLElement* xml;
+  std::vector<Collision> collisions;
+  int index = -1;  ///< in the order of names
+};
+
+struct ReadJoint {
+  const XMLElement* xml;
+  Joint joint;  ///< without the indices of other parts
+  std::string parent, child;
+  std::string leader;  ///< that it mimics; empty: none
+  int index = -1;      ///< in the order of names
+};
+
+/// Everything read while walking the file once.
+struct Tree {
+  std::map<std::string, ReadLink> links;
+  std::map<std::string, ReadJoint> joints;
+  std::map<std::string, const ReadJoint*> above;  // by child link
+  std::vector<std::string> warnings;
+};
+
+double readNumber(const XMLElement& element, const char* attribute, const std::string& owner) {
+  const std::string text = requiredAttribute(element, attribute, WHAT, owner + ": ");
+  double value = 0.0;
+  if (!parseNumber(text, value)) {
+    fail(element, owner + ": " + attribute + " " + quoted(text) + " is not a finite number");
+  }
+  return value;
+}
+
+double readSize(const XMLElement& element, const char* attribute, const std::string& owner) {
+  const double size = readNumber(element, attribute, owner);
+  if (size >= 0.0) return size;
+  fail(element,
+       owner + ": " + attribute + " " + quoted(element.Attribute(attribute)) + " is negative");
+}
+
+Vector3d readVector(const XMLElement& element, const char* attribute, const std::string& owner) {
+  const std::string text = requiredAttribute(element, attribute, WHAT, owner + ": ");
+  Vector3d value;
+  if (!parseVector3(text, value)) {
+    fail(element, owner + ": " + attribute + " " + quoted(text) + " must be three finite numbers");
+  }
+  return value;
+}
+
+Isometry3d readOrigin(const XMLElement& parent, const std::string& owner) {
   Isometry3d X = Isometry3d::Identity();
-  X.translation() = Eigen::Vector3d(pose.position.x, pose.position.y, pose.position.z);
-  X.linear() =
-      Eigen::Quaterniond(pose.rotation.w, pose.rotation.x, pose.rotation.y, pose.rotation.z)
-          .normalized()
-          .toRotationMatrix();
+  const XMLElement* origin = parent.FirstChildElement("origin");
+  if (origin == nullptr) return X;
+  if (origin->Attribute("xyz")) X.translation() = readVector(*origin, "xyz", owner + ": origin");
+  if (origin->Attribute("rpy")) {
+    const Vector3d rpy = readVector(*origin, "rpy", owner + ": origin");
+    urdf::Rotation q;
+    q.setFromRPY(rpy[0], rpy[1], rpy[2]);
+    X.linear() = Eigen::Quaterniond(q.w, q.x, q.y, q.z).normalized().toRotationMatrix();
+  }
   return X;
 }
 
-Eigen::Vector3d toVector(const urdf::Vector3& v) { return {v.x, v.y, v.z}; }
+bool isShape(const XMLElement& element) {
+  const std::string kind = element.Name();
+  return kind == "box" || kind == "sphere" || kind == "cylinder" || kind == "mesh";
+}
 
-JointType toJointType(int type) {
-  switch (type) {
-    case urdf::Joint::REVOLUTE:
-      return JointType::REVOLUTE;
-    case urdf::Joint::CONTINUOUS:
-      return JointType::CONTINUOUS;
-    case urdf::Joint::PRISMATIC:
-      return JointType::PRISMATIC;
-    case urdf::Joint::FLOATING:
-      return JointType::FLOATING;
-    case urdf::Joint::PLANAR:
-      return JointType::PLANAR;
-    default:
-      return JointType::FIXED;
+/// <geometry> holds one shape and nothing else. Names the child that is no shape, or else the
+/// second.
+const XMLElement& onlyShape(const XMLElement& geometry, const std::string& owner) {
+  const XMLElement* first = geometry.FirstChildElement();
+  if (first == nullptr) fail(geometry, owner + ": <geometry> is empty");
+  const XMLElement* second = first->NextSiblingElement();
+  if (second == nullptr) return *first;
+  const XMLElement* stray = first;
+  while (stray != nullptr && isShape(*stray)) stray = stray->NextSiblingElement();
+  if (stray == nullptr) stray = second;
+  fail(*stray, owner + ": <geometry> holds one shape, and <" + stray->Name() + "> is one too many");
+}
+
+Collision readCollision(const XMLElement& collision, const std::string& owner) {
+  const XMLElement* geometry = collision.FirstChildElement("geometry");
+  if (geometry == nullptr) fail(collision, owner + ": <collision> without <geometry>");
+  const XMLElement& shape = onlyShape(*geometry, owner);
+  const std::string kind = shape.Name(), of_shape = owner + ": " + kind;
+  Collision read;
+  if (kind == "box") {
+    const Vector3d size = readVector(shape, "size", of_shape);
+    if ((size.array() < 0.0).any()) {
+      fail(shape, of_shape + " size " + quoted(shape.Attribute("size")) + " is negative");
+    }
+    read.shape = Box{size};
+  } else if (kind == "sphere") {
+    read.shape = Sphere{readSize(shape, "radius", of_shape)};
+  } else if (kind == "cylinder") {
+    const double radius = readSize(shape, "radius", of_shape);
+    read.shape = Cylinder{radius, readSize(shape, "length", of_shape)};
+  } else if (kind == "mesh") {
+    read.mesh_file = requiredAttribute(shape, "filename", WHAT, of_shape + ": ");
+    if (shape.Attribute("scale")) read.scale = readVector(shape, "scale", of_shape);
+    if ((read.scale.array() == 0.0).any()) {
+      fail(shape, of_shape + ": scale " + quoted(shape.Attribute("scale")) + " flattens the mesh");
+    }
+  } else {
+    fail(shape, owner + ": unknown shape <" + kind + ">; box, sphere, cylinder and mesh are known");
+  }
+  read.X_LE = readOrigin(collision, owner);
+  return read;
+}
+
+void readLink(const XMLElement& element, Tree& tree) {
+  const std::string name = requiredAttribute(element, "name", WHAT);
+  const auto [link, is_new] = tree.links.try_emplace(name, ReadLink{&element, {}, -1});
+  if (!is_new) fail(element, "a second link " + quoted(name));
+  for (const XMLElement* collision : childrenOf(element, "collision")) {
+    link->second.collisions.push_back(readCollision(*collision, "link " + quoted(name)));
   }
 }
 
-urdf::ModelInterfaceSharedPtr parseWithUrdfdom(const std::string& xml) {
-  ConsoleMessages messages;
-  urdf::ModelInterfaceSharedPtr model;
-  std::string reason;
-  try {
-    model = urdf::parseURDF(xml);
-  } catch (const std::exception& error) {
-    reason = error.what();
-  }
-  if (!model) throw InputError("URDF: " + (reason.empty() ? messages.firstError() : reason));
-  return model;
+JointType readType(const XMLElement& joint, const std::string& owner) {
+  static const std::map<std::string, JointType> TYPES = {
+      {"fixed", JointType::FIXED},           {"revolute", JointType::REVOLUTE},
+      {"continuous", JointType::CONTINUOUS}, {"prismatic", JointType::PRISMATIC},
+      {"floating", JointType::FLOATING},     {"planar", JointType::PLANAR}};
+  const std::string type = requiredAttribute(joint, "type", WHAT, owner + ": ");
+  const auto found = TYPES.find(type);
+  if (found == TYPES.end()) fail(joint, owner + ": unknown joint type " + quoted(type));
+  return found->second;
 }
 
-/// The links and joints of urdfdom's model, from the root outwards.
-class UrdfReader {
- public:
-  UrdfReader(const urdf::ModelInterface& source, const MeshLoader& load_mesh,
-             std::vector<BrokenElement>* broken)
-      : source_(source), load_mesh_(load_mesh), broken_(broken) {}
+void readLimits(const XMLElement& xml, const std::string& owner, Joint& joint) {
+  const XMLElement* limit = xml.FirstChildElement("limit");
+  if (limit == nullptr && joint.hasLimits()) fail(xml, owner + " has no <limit>");
+  if (limit == nullptr) return;
+  if (limit->Attribute("lower")) joint.lower = readNumber(*limit, "lower", owner);
+  if (limit->Attribute("upper")) joint.upper = readNumber(*limit, "upper", owner);
+  if (joint.hasLimits() && joint.lower > joint.upper) {
+    fail(*limit, owner + ": its lower limit is above its upper limit");
+  }
+}
 
-  std::shared_ptr<const RobotModel> read(std::vector<std::string> warnings,
-                                         const std::set<std::string>& leader_missing) {
-    addLink(*source_.getRoot());
-    // Parents first; no recursion, so that a chain of any length is read.
-    for (std::size_t i = 0; i < links_.size(); ++i) {
-      for (const auto& joint : source_.getLink(links_[i].name)->child_joints) {
-        addJoint(*joint, static_cast<int>(i));
+void readAxis(const XMLElement& xml, const std::string& owner, Joint& joint) {
+  const XMLElement* element = xml.FirstChildElement("axis");
+  const bool has_axis = joint.hasPosition() || joint.type == JointType::PLANAR;
+  if (element == nullptr || !has_axis) return;
+  const Vector3d axis = readVector(*element, "xyz", owner + ": axis");
+  if (axis.isZero(0.0)) fail(*element, owner + ": its axis is zero");
+  joint.axis = axis.stableNormalized();  // 1e-200 0 0 is valid, too
+}
+
+void readMimic(const XMLElement& xml, const std::string& of_joint, ReadJoint& read, Tree& tree) {
+  const XMLElement* mimic = xml.FirstChildElement("mimic");
+  if (mimic == nullptr) return;
+  const std::string owner = of_joint + ": mimic";
+  if (read.joint.type == JointType::FIXED) {
+    tree.warnings.push_back(placed(*mimic, WHAT, owner + " on a fixed joint has no effect"));
+    return;
+  }
+  if (!read.joint.hasPosition()) {
+    fail(*mimic,
+         owner + ": a " + xml.Attribute("type") + " joint has no position that could follow");
+  }
+  read.leader = requiredAttribute(*mimic, "joint", WHAT, owner + ": ");
+  read.joint.mimic = Joint::Mimic{-1, 1.0, 0.0};
+  if (mimic->Attribute("multiplier")) {
+    read.joint.mimic->multiplier = readNumber(*mimic, "multiplier", owner);
+  }
+  if (mimic->Attribute("offset")) read.joint.mimic->offset = readNumber(*mimic, "offset", owner);
+}
+
+void readJoint(const XMLElement& element, Tree& tree) {
+  const std::string name = requiredAttribute(element, "name", WHAT);
+  const std::string owner = "joint " + quoted(name);
+  const auto [entry, is_new] = tree.joints.try_emplace(name);
+  if (!is_new) fail(element, "a second " + owner);
+  ReadJoint& read = entry->second;
+  read.xml = &element;
+  read.joint.name = name;
+  read.joint.type = readType(element, owner);
+  for (auto [tag, link] : {std::pair("parent", &read.parent), std::pair("child", &read.child)}) {
+    const XMLElement* end = element.FirstChildElement(tag);
+    if (end == nullptr) fail(element, owner + " has no <" + tag + ">");
+    *link = requiredAttribute(*end, "link", WHAT, owner + ": ");
+  }
+  const auto [above, is_first] = tree.above.try_emplace(read.child, &read);
+  if (!is_first) {
+    fail(element, "link " + quoted(read.child) + " has two parents, joints " +
+                      quoted(above->second->joint.name) + " and " + quoted(name));
+  }
+  read.joint.X_PJ = readOrigin(element, owner);
+  readLimits(element, owner, read.joint);
+  readAxis(element, owner, read.joint);
+  readMimic(element, owner, read, tree);
+}
+
+void checkEndsExist(const Tree& tree) {
+  for (const auto& [child, joint] : tree.above) {
+    for (const std::string& link : {child, joint->parent}) {
+      if (tree.links.count(link) > 0) continue;
+      fail(*joint->xml, "joint " + quoted(joint->joint.name) + " names link " + quoted(link) +
+                            ", which does not exist");
+    }
+  }
+}
+
+void checkOneRoot(const Tree& tree, const XMLElement& robot) {
+  std::string root;
+  for (const auto& [name, link] : tree.links) {
+    if (tree.above.count(name)) continue;
+    if (!root.empty()) {
+      fail(*link.xml,
+           "two root links, " + quoted(root) + " and " + quoted(name) + "; join one to the other");
+    }
+    root = name;
+  }
+  if (root.empty()) fail(robot, "no root link: the links form a cycle");
+}
+
+// With one root and one parent per link, a link whose ancestors do not include the root is on, or
+// below, a cycle.
+void checkNoCycle(const Tree& tree) {
+  std::set<std::string> reaches_root;
+  for (const auto& [name, its] : tree.links) {
+    std::set<std::string> path;
+    std::string link = name;
+    while (reaches_root.count(link) == 0) {
+      if (!path.insert(link).second) {
+        fail(*its.xml, "link " + quoted(name) + " is part of, or attached to, a cycle of links");
       }
+      const auto above = tree.above.find(link);
+      if (above == tree.above.end()) break;
+      link = above->second->parent;
     }
-    addMimics();
-    for (Joint& joint : joints_) joint.leader_missing = leader_missing.count(joint.name) > 0;
-    return RobotModel::fromParts(source_.getName(), std::move(links_), std::move(joints_),
-                                 std::move(warnings));
+    reaches_root.merge(path);
   }
+}
 
- private:
-  void addLink(const urdf::Link& source) {
-    Link link;
-    link.name = source.name;
-    link.has_geometry = !source.collision_array.empty();
-    for (const auto& collision : source.collision_array) {
-      try {
-        link.elements.push_back({toShape(*collision->geometry), toIsometry(collision->origin)});
-      } catch (const std::exception& error) {
-        if (!broken_) throw InputError("URDF: link '" + source.name + "': " + error.what());
-        broken_->push_back({source.name, error.what()});
-      }
-    }
-    links_.push_back(std::move(link));
+/// Why the joint cannot be led as its <mimic> says, or empty.
+std::string whyNoLeader(const Tree& tree, const ReadJoint& joint) {
+  const auto found = tree.joints.find(joint.leader);
+  if (found == tree.joints.end()) return "which does not exist";
+  const ReadJoint* next = &found->second;
+  if (!next->joint.hasPosition()) return "which has no position";
+  for (std::size_t steps = 0; steps <= tree.joints.size() && next != &joint; ++steps) {
+    const auto above = tree.joints.find(next->leader);
+    if (above == tree.joints.end()) return "";
+    next = &above->second;
   }
+  return next == &joint ? "which mimics it in turn" : "";
+}
 
-  void addJoint(const urdf::Joint& source, int parent) {
-    Joint joint;
-    joint.name = source.name;
-    joint.type = toJointType(source.type);
-    joint.parent_link = parent;
-    joint.child_link = static_cast<int>(links_.size());
-    joint.X_PJ = toIsometry(source.parent_to_joint_origin_transform);
-    const Eigen::Vector3d axis = toVector(source.axis);
-    if (!axis.isZero(0.0)) joint.axis = axis.stableNormalized();  // 1e-200 0 0 is valid, too
-    if (source.limits) {
-      joint.lower = source.limits->lower;
-      joint.upper = source.limits->upper;
-    }
-    addLink(*source_.getLink(source.child_link_name));
-    joints_.push_back(std::move(joint));
+/// A joint whose leader is missing becomes a joint of its own: one link in doubt is no reason to
+/// check none.
+void freeOfMissingLeaders(Tree& tree) {
+  for (auto& [name, read] : tree.joints) {
+    const std::string why = read.leader.empty() ? "" : whyNoLeader(tree, read);
+    if (why.empty()) continue;
+    tree.warnings.push_back(placed(*read.xml, WHAT,
+                                   "joint " + quoted(name) + " mimics " + quoted(read.leader) +
+                                       ", " + why +
+                                       ": it is taken as a joint of its own, unknown where its "
+                                       "position is not given"));
+    read.leader.clear();
+    read.joint.mimic.reset();
+    read.joint.leader_missing = true;
   }
+}
 
-  void addMimics() {
-    std::map<std::string, int> ids;
-    for (const Joint& joint : joints_) ids.emplace(joint.name, ids.size());
-    for (Joint& joint : joints_) {
-      const auto& mimic = source_.getJoint(joint.name)->mimic;
-      if (!mimic) continue;
-      joint.mimic = Joint::Mimic{ids.at(mimic->joint_name), mimic->multiplier, mimic->offset};
-    }
+Tree readTree(const XMLElement& robot) {
+  Tree tree;
+  for (const XMLElement* link : childrenOf(robot, "link")) readLink(*link, tree);
+  if (tree.links.empty()) fail(robot, "the robot has no <link>");
+  for (const XMLElement* joint : childrenOf(robot, "joint")) readJoint(*joint, tree);
+  checkEndsExist(tree);
+  checkOneRoot(tree, robot);
+  checkNoCycle(tree);
+  freeOfMissingLeaders(tree);
+  return tree;
+}
+
+/// Without the elements: meshes are loaded once all else is known to be sound.
+std::shared_ptr<const RobotModel> skeletonOf(const std::string& name, Tree& tree) {
+  std::vector<Link> links;
+  for (auto& [link_name, read] : tree.links) {
+    read.index = static_cast<int>(links.size());
+    links.emplace_back();
+    links.back().name = link_name;
+    links.back().has_geometry = !read.collisions.empty();
   }
-
-  Shape toShape(const urdf::Geometry& geometry) const {
-    const Shape shape = convert(geometry);
-    validateShape(shape);
-    return shape;
+  int next = 0;
+  for (auto& entry : tree.joints) entry.second.index = next++;
+  std::vector<Joint> joints;
+  for (const auto& [joint_name, read] : tree.joints) {
+    joints.push_back(read.joint);
+    joints.back().parent_link = tree.links.at(read.parent).index;
+    joints.back().child_link = tree.links.at(read.child).index;
+    if (read.joint.mimic) joints.back().mimic->joint = tree.joints.at(read.leader).index;
   }
-
-  Shape convert(const urdf::Geometry& geometry) const {
-    if (const auto* box = dynamic_cast<const urdf::Box*>(&geometry)) return Box{toVector(box->dim)};
-    if (const auto* sphere = dynamic_cast<const urdf::Sphere*>(&geometry)) {
-      return Sphere{sphere->radius};
-    }
-    if (const auto* cylinder = dynamic_cast<const urdf::Cylinder*>(&geometry)) {
-      return Cylinder{cylinder->radius, cylinder->length};
-    }
-    const auto& mesh = dynamic_cast<const urdf::Mesh&>(geometry);
-    return Mesh{load_mesh_(mesh.filename, toVector(mesh.scale))};
-  }
-
-  const urdf::ModelInterface& source_;
-  const MeshLoader& load_mesh_;
-  std::vector<BrokenElement>* broken_;
-  std::vector<Link> links_;
-  std::vector<Joint> joints_;
-};
+  return RobotModel::fromParts(name, std::move(links), std::move(joints), std::move(tree.warnings));
+}
 
 }  // namespace
 
 std::shared_ptr<const RobotModel> RobotModel::fromUrdf(const std::string& xml,
                                                        const MeshLoader& load_mesh,
                                                        std::vector<BrokenElement>* broken) {
-  std::vector<std::string> warnings;
-  const CheckedUrdf checked = checkedUrdf(xml, warnings);
-  const auto source = parseWithUrdfdom(checked.xml);
-  return UrdfReader(*source, load_mesh, broken).read(std::move(warnings), checked.leader_missing);
+  tinyxml2::XMLDocument document;
+  const XMLElement* robot = parseXml(document, xml, "robot", WHAT);
+  const std::string name = requiredAttribute(*robot, "name", WHAT);
+  Tree tree = readTree(*robot);
+  return skeletonOf(name, tree)->withElements([&](const Link& link) {
+    std::vector<Element> elements;
+    for (Collision& read : tree.links.at(link.name).collisions) {
+      try {
+        if (!read.mesh_file.empty()) read.shape = Mesh{load_mesh(read.mesh_file, read.scale)};
+        validateShape(read.shape);
+        elements.push_back({read.shape, read.X_LE});
+      } catch (const std::exception& error) {
+        if (!broken) throw InputError("URDF: link '" + link.name + "': " + error.what());
+        broken->push_back({link.name, error.what()});
+      }
+    }
+    return elements;
+  });
 }
 
 }  // namespace collision_pairs

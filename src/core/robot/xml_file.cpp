@@ -30,6 +30,15 @@ tinyxml2::XMLElement* parseXml(tinyxml2::XMLDocument& document, const std::strin
   return element;
 }
 
+std::vector<const tinyxml2::XMLElement*> childrenOf(const tinyxml2::XMLElement& parent,
+                                                    const char* tag) {
+  std::vector<const tinyxml2::XMLElement*> children;
+  for (auto* child = parent.FirstChildElement(tag); child; child = child->NextSiblingElement(tag)) {
+    children.push_back(child);
+  }
+  return children;
+}
+
 std::string placed(const tinyxml2::XMLElement& element, const std::string& what,
                    const std::string& message) {
   return what + " line " + std::to_string(element.GetLineNum()) + ": " + message;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include <tinyxml2.h>
 
@@ -12,6 +13,10 @@ namespace collision_pairs {
 /// InputError; `what` ("URDF") begins the message.
 tinyxml2::XMLElement* parseXml(tinyxml2::XMLDocument& document, const std::string& xml,
                                const std::string& root, const std::string& what);
+
+/// The children with this tag, in their order.
+std::vector<const tinyxml2::XMLElement*> childrenOf(const tinyxml2::XMLElement& parent,
+                                                    const char* tag);
 
 /// Prefixes a message with "URDF line 12: ".
 std::string placed(const tinyxml2::XMLElement& element, const std::string& what,

@@ -7,12 +7,12 @@
 #include <new>
 #include <vector>
 
+#include <console_bridge/console.h>
 #include <geometric_shapes/mesh_operations.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
-#include "console_messages.h"
 #include "mesh_process.h"
 
 namespace {
@@ -64,6 +64,17 @@ void watchMemory() {
   });
 }
 
+/// The first error of geometric_shapes, which reports to console_bridge only.
+class FirstError : public console_bridge::OutputHandler {
+ public:
+  FirstError() { console_bridge::useOutputHandler(this); }
+  ~FirstError() override { console_bridge::restorePreviousOutputHandler(); }
+  void log(const std::string& message, console_bridge::LogLevel level, const char*, int) override {
+    if (level >= console_bridge::CONSOLE_BRIDGE_LOG_ERROR && text.empty()) text = message;
+  }
+  std::string text;
+};
+
 void refuse(const std::string& why) { std::cout << REFUSED << why; }
 
 template <class Number>
@@ -73,12 +84,12 @@ void write(const Number* numbers, std::size_t count) {
 }
 
 void answer(const std::string& path) {
-  collision_pairs::ConsoleMessages messages;
+  FirstError error;
   const std::unique_ptr<shapes::Mesh> mesh(shapes::createMeshFromResource("file://" + path));
   if (memory_ran_out) throw std::bad_alloc();
   if (!mesh) {
-    return refuse(messages.firstError().empty() ? "it is not a mesh that can be read (truncated?)"
-                                                : messages.firstError());
+    return refuse(error.text.empty() ? "it is not a mesh that can be read (truncated?)"
+                                     : error.text);
   }
   const std::uint64_t counts[] = {mesh->vertex_count, mesh->triangle_count};
   std::cout << MESH;
