@@ -12,7 +12,6 @@ add_library(collision_pairs SHARED
   src/core/spheres/sphere_cover.cpp
   src/core/spheres/sphere_distance.cpp
   src/core/spheres/covered_solid.cpp
-  src/core/spheres/enclosing_sphere.cpp
   src/core/spheres/outer_spheres.cpp
   src/core/batch/batch_kernel.cpp
   src/core/batch/batch_model.cpp
@@ -95,11 +94,9 @@ add_library(collision_pairs SHARED
   src/core/robot/xml_file.cpp
   src/core/scene/collision_scene.cpp
   src/core/scene/element_maker.cpp
-  src/core/scene/enclosing_box.cpp
   src/core/scene/mesh_bounds.cpp
   src/core/scene/pair_policy.cpp
   src/core/scene/pair_selection.cpp
-  src/core/scene/restricted_names.cpp
   src/core/scene/scene_changes.cpp
   src/core/scene/scene_classes.cpp
   src/core/scene/scene_description.cpp

@@ -1,6 +1,5 @@
 #include <gtest/gtest.h>
 
-#include "enclosing_box.h"
 #include "mesh_bounds.h"
 #include "random_inputs.h"
 

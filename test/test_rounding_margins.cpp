@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include "collision_pairs/aabb.h"
-#include "enclosing_box.h"
 #include "mesh_bounds.h"
 #include "random_inputs.h"
 #include "scene_element.h"

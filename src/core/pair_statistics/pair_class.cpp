@@ -1,5 +1,6 @@
 #include "pair_class.h"
 
+#include <array>
 #include <cmath>
 
 #include <boost/math/distributions/binomial.hpp>
@@ -29,21 +30,9 @@ std::uint64_t trialsNeeded(double probability, double confidence) {
 }
 
 const char* className(PairClass pair_class) {
-  switch (pair_class) {
-    case PairClass::ADJACENT:
-      return "Adjacent";
-    case PairClass::ALWAYS:
-      return "Always";
-    case PairClass::NEVER:
-      return "Never";
-    case PairClass::SOMETIMES:
-      return "Sometimes";
-    case PairClass::NEAR:
-      return "Near";
-    case PairClass::UNPROVEN:
-      return "Unproven";
-  }
-  return "";
+  static constexpr std::array<const char*, 6> NAMES = {"Adjacent",  "Always", "Never",
+                                                       "Sometimes", "Near",   "Unproven"};
+  return NAMES[static_cast<std::size_t>(pair_class)];
 }
 
 double upperBound(const PairEvidence& e, double confidence) {

@@ -40,14 +40,6 @@ std::vector<PairEvidence> allowedPairs(const CollisionScene& scene) {
   return pairs;
 }
 
-void noteZeroState(const CollisionScene& scene, PairProbe& probe,
-                   std::vector<PairEvidence>& pairs) {
-  probe.place(scene.robot().zeroPositions());
-  for (PairEvidence& pair : pairs) {
-    pair.touches_at_zero = probe.touches(pair.first, pair.second);
-  }
-}
-
 void askPair(std::uint64_t state, PairProbe& probe, PairEvidence& pair) {
   ++pair.trials;
   double distance = pair.nearest;
@@ -103,7 +95,8 @@ std::vector<PairEvidence> countContacts(const std::shared_ptr<const CollisionSce
   const std::vector<PairEvidence> start = allowedPairs(*scene);
   std::vector<PairEvidence> all = start;
   PairProbe zero_probe(scene);
-  noteZeroState(*scene, zero_probe, all);
+  zero_probe.place(scene->robot().zeroPositions());
+  for (PairEvidence& pair : all) pair.touches_at_zero = zero_probe.touches(pair.first, pair.second);
   const std::uint64_t nb_blocks = settings.samples / BLOCK + (settings.samples % BLOCK > 0);
   std::uint64_t done = 0;
   std::mutex mutex;

@@ -1,6 +1,5 @@
 #include "link_group.h"
 
-#include <algorithm>
 #include <set>
 
 #include "collision_pairs/input_error.h"

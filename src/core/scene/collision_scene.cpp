@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <map>
 #include <set>
 #include <stdexcept>
 
@@ -134,8 +133,6 @@ class SceneBuilder {
     }
   }
 
-  [[noreturn]] static void refuseVast(const std::string& name) { throw InputError(whyNoBox(name)); }
-
   void refuseVastShapes() const {
     for (const SceneMember& member : members_) {
       for (const Element& element : *member.elements) {
@@ -144,7 +141,9 @@ class SceneBuilder {
         const Eigen::Vector3d size = box.max - box.min;
         const bool has_square = std::isfinite(size.squaredNorm());  // OBBs of meshes need it
         const bool is_mesh = std::holds_alternative<Mesh>(element.shape);
-        if (!size.allFinite() || (is_mesh && !has_square)) refuseVast(member.name);
+        if (!size.allFinite() || (is_mesh && !has_square)) {
+          throw InputError(whyNoBox(member.name));
+        }
       }
     }
   }
@@ -168,7 +167,9 @@ class SceneBuilder {
     for (const SceneElement& element : scene_->elements_) {
       boxes.push_back(element.boxAt(element.X_BE));
       models.push_back(element.model);
-      if (!boxes.back().valid()) refuseVast(scene_->models_[element.model].name);
+      if (!boxes.back().valid()) {
+        throw InputError(whyNoBox(scene_->models_[element.model].name));
+      }
     }
     scene_->static_boxes_ = StaticBoxes(std::move(boxes), std::move(models));
     addElementsOf([](const SceneMember& member) { return !member.isStatic(); });

@@ -1,7 +1,6 @@
 #include <algorithm>
-#include <cstring>
 #include <set>
-#include <string>
+#include <string_view>
 
 #include "in_parallel.h"
 #include "scene_element.h"
@@ -13,42 +12,29 @@ namespace {
 
 constexpr std::uint64_t KEPT_ROUNDS = 16;  // a mesh that this many scenes did not use is dropped
 
-std::uint64_t mixed(std::uint64_t hash, const void* data, std::size_t nb_bytes) {
-  const auto* bytes = static_cast<const char*>(data);
-  for (; nb_bytes >= 8; nb_bytes -= 8, bytes += 8) {
-    std::uint64_t word;
-    std::memcpy(&word, bytes, 8);
-    hash = (hash ^ word) * 0x9e3779b97f4a7c15u;
-    hash ^= hash >> 29;
-  }
-  for (; nb_bytes > 0; --nb_bytes) hash = (hash ^ static_cast<unsigned char>(*bytes++)) * 0x100000001b3u;
-  return hash;
-}
-
 template <class T>
-std::size_t bytesOf(const std::vector<T>& values) {
-  return values.size() * sizeof(T);
+std::string_view bytesOf(const std::vector<T>& values) {
+  return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)};
 }
 
 std::uint64_t hashOf(const TriangleMesh& mesh) {
-  std::uint64_t hash = mixed(mesh.vertices.size(), mesh.name.data(), mesh.name.size());
-  hash = mixed(hash, mesh.vertices.data(), bytesOf(mesh.vertices));
-  return mixed(hash, mesh.triangles.data(), bytesOf(mesh.triangles));
-}
-
-template <class T>
-bool sameBytes(const std::vector<T>& a, const std::vector<T>& b) {
-  return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), bytesOf(a)) == 0);
+  std::uint64_t hash = mesh.vertices.size();
+  for (const std::string_view part :
+       {std::string_view(mesh.name), bytesOf(mesh.vertices), bytesOf(mesh.triangles)}) {
+    hash = hash * 0x9e3779b97f4a7c15u + std::hash<std::string_view>()(part);
+  }
+  return hash;
 }
 
 bool areSame(const TriangleMesh& a, const TriangleMesh& b) {
-  return a.name == b.name && sameBytes(a.vertices, b.vertices) && sameBytes(a.triangles, b.triangles);
+  return a.name == b.name && bytesOf(a.vertices) == bytesOf(b.vertices) &&
+         bytesOf(a.triangles) == bytesOf(b.triangles);
 }
 
 }  // namespace
 
-PreparedElements ElementMaker::prepare(
-    const std::vector<std::pair<const Shape*, Fidelity>>& wanted, const SceneSettings& settings) {
+PreparedElements ElementMaker::prepare(const std::vector<std::pair<const Shape*, Fidelity>>& wanted,
+                                       const SceneSettings& settings) {
   PreparedElements all;
   all.max_hull_vertices_ = settings.max_hull_vertices;
   all.method_ = settings.narrow_phase;

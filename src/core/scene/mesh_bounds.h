@@ -1,7 +1,9 @@
-// Enclosures of a mesh: the corners of its hull, fewer points, and its axis-aligned box.
+// Enclosures of a mesh: the corners of its hull, fewer points, and its axis-aligned box; and the
+// oriented box of any shape.
 #pragma once
 
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -51,5 +53,11 @@ struct MeshBounds {
   double margin;
   double reach;  ///< largest distance of a point from the centre along an axis; bounds the rounding
 };
+
+/// A box that encloses the shape tightly, and its pose in the shape's frame E. For vertices: the
+/// smallest of the boxes that have one axis along the frame or along a principal axis of the
+/// vertices, each rotated about that axis to the smallest cross section (rotating calipers,
+/// Toussaint 1983, by trying each edge of the planar hull). Enlarged by rounding.
+std::pair<Box, Eigen::Isometry3d> enclosingBox(const Shape& shape);
 
 }  // namespace collision_pairs

@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <map>
 #include <utility>
-#include <vector>
 
 #include "collision_pairs/pair_filter.h"
 #include "scene_classes.h"

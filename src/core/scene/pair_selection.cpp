@@ -3,7 +3,7 @@
 #include <map>
 
 #include "collision_pairs/input_error.h"
-#include "restricted_names.h"
+#include "scene_classes.h"
 #include "user_text.h"
 
 namespace collision_pairs {

@@ -2,9 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <set>
-#include <tuple>
 
 #include "collision_pairs/input_error.h"
 #include "scene_members.h"

@@ -2,7 +2,7 @@
 
 #include <limits>
 
-#include "enclosing_box.h"
+#include "covered_solid.h"
 #include "in_parallel.h"
 #include "mesh_bounds.h"
 #include "sphere_cover.h"
@@ -23,15 +23,12 @@ struct Hull {
 };
 
 Hull simplifiedHull(const std::vector<Vector3d>& corners, double margin, int max_vertices) {
-  if (max_vertices == 0 || corners.size() <= static_cast<std::size_t>(max_vertices)) {
-    auto all = std::make_shared<TriangleMesh>();
-    all->vertices = corners;
-    return {Convex{all}, margin, false};
-  }
-  FewerPoints fewer = atMostPoints(corners, static_cast<std::size_t>(max_vertices));
+  const std::size_t most =
+      max_vertices == 0 ? corners.size() : static_cast<std::size_t>(max_vertices);
+  FewerPoints fewer = atMostPoints(corners, most);
   auto kept = std::make_shared<TriangleMesh>();
   kept->vertices = std::move(fewer.points);
-  return {Convex{kept}, margin + fewer.margin, true};
+  return {Convex{kept}, margin + fewer.margin, corners.size() > most};
 }
 
 void setBox(const Vector3d& lower, const Vector3d& upper, double margin, SceneElement& element) {
@@ -46,12 +43,8 @@ Hull boundMesh(const Mesh& mesh, int max_hull_vertices, SceneElement& element) {
   const auto corners = hullVertices(*mesh.mesh);
   const double margin = hullMargin(*mesh.mesh);
   element.mesh_bounds = std::make_shared<MeshBounds>(corners->vertices, margin);
-  Vector3d lower = corners->vertices.front(), upper = lower;
-  for (const Vector3d& p : corners->vertices) {
-    lower = lower.cwiseMin(p);
-    upper = upper.cwiseMax(p);
-  }
-  setBox(lower, upper, margin, element);
+  const Aabb box = boxAround(corners->vertices);
+  setBox(box.min, box.max, margin, element);
   return simplifiedHull(corners->vertices, margin, max_hull_vertices);
 }
 

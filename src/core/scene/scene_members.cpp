@@ -79,18 +79,13 @@ class MemberCollector {
   /// Null if the link cannot be in a pair.
   SceneMember* addLink(const Link& link) {
     if (link.elements.empty() || matchesAny(settings_.ignored_links, link.name)) return nullptr;
-    SceneMember& member = add(link.name, link.elements);
-    member.cylinder_as_capsule = matchesAny(settings_.cylinder_as_capsule, link.name);
-    return &member;
+    members_.push_back(memberWith(link.name, link.elements, settings_));
+    members_.back().cylinder_as_capsule = matchesAny(settings_.cylinder_as_capsule, link.name);
+    return &members_.back();
   }
 
   SceneMember& addObject(const ObjectPtr& object) {
     members_.push_back(objectMember(object, settings_, merged_));
-    return members_.back();
-  }
-
-  SceneMember& add(const std::string& name, const std::vector<Element>& elements) {
-    members_.push_back(memberWith(name, elements, settings_));
     return members_.back();
   }
 

@@ -9,10 +9,13 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double CLOSE = 0.01;      // of the root's radius: leaves that stick out less are kept
-constexpr int MOST_DEPTH = 24;      // of a tree
-constexpr int MOST_HALVINGS = 3;    // of the step of the search for a centre
-constexpr int MOST_ROUNDS = 50;     // of that search
+constexpr double CLOSE = 0.01;    // of the root's radius: leaves that stick out less are kept
+constexpr int MOST_DEPTH = 24;    // of a tree
+constexpr int MOST_HALVINGS = 3;  // of the step of the search for a centre
+constexpr int MOST_ROUNDS = 50;   // of that search
+constexpr int CORE_POINTS = 24;   // of a set for enclosingSphere()
+constexpr int CORE_STEPS = 200;   // on that set, per round
+constexpr double CLOSE_ENOUGH = 1.002;
 constexpr double ROUNDING = 1e-12;  // relative, of results computed from coordinates
 
 /// The part on one side of a plane perpendicular to an axis; sign 1: above `at`, -1: below.
@@ -28,6 +31,16 @@ Polygon clipped(const Polygon& polygon, int axis, double at, double sign) {
     kept.back()[axis] = at;
   }
   return kept;
+}
+
+const Vector3d& furthestPoint(const std::vector<Vector3d>& points, const Vector3d& from) {
+  const Vector3d* best = &points.front();
+  double most = -1.0;
+  for (const Vector3d& p : points) {
+    const double squared = (p - from).squaredNorm();
+    if (squared > most) most = squared, best = &p;
+  }
+  return *best;
 }
 
 double furthest(const std::vector<Vector3d>& points, const Vector3d& from) {
@@ -216,6 +229,23 @@ class OuterTree {
 };
 
 }  // namespace
+
+PlacedSphere enclosingSphere(const std::vector<Vector3d>& points) {
+  std::vector<Vector3d> core{points.front(), furthestPoint(points, points.front())};
+  PlacedSphere best{core[0], (furthestPoint(points, core[0]) - core[0]).norm()};
+  Vector3d center = 0.5 * (core[0] + core[1]);
+  for (int round = 0; round < CORE_POINTS; ++round) {
+    for (int step = 1; step <= CORE_STEPS && round > 0; ++step) {
+      center += (furthestPoint(core, center) - center) / (step + 1.0);
+    }
+    const Vector3d& outermost = furthestPoint(points, center);
+    const double radius = (outermost - center).norm();
+    if (radius < best.radius) best = {center, radius};
+    if (radius <= CLOSE_ENOUGH * (furthestPoint(core, center) - center).norm()) break;
+    core.push_back(outermost);
+  }
+  return best;
+}
 
 std::vector<OuterSphere> treeOver(const std::vector<PlacedSphere>& leaves) {
   std::vector<OuterSphere> spheres(1);

@@ -4,9 +4,18 @@
 #include <vector>
 
 #include "covered_solid.h"
-#include "enclosing_sphere.h"
 
 namespace collision_pairs {
+
+struct PlacedSphere {
+  Eigen::Vector3d center;
+  double radius;
+};
+
+/// Encloses all points, up to the rounding of a distance; its radius is within about 1 % of the
+/// smallest. At least one point. By steps towards the furthest point (Badoiu, Clarkson: "Smaller
+/// core-sets for spheres", 2003), within the core set of points that have been furthest so far.
+PlacedSphere enclosingSphere(const std::vector<Eigen::Vector3d>& points);
 
 /// A sphere of a binary tree. Its children are `first_child` and the next one; 0: it is a leaf.
 struct OuterSphere : PlacedSphere {

@@ -17,12 +17,16 @@ constexpr int MOST_INNER = 12;       // spheres
 constexpr double WORTHWHILE = 0.08;  // of the largest inner sphere: the least that another one adds
 constexpr double NEARLY = 1e-9;      // relative: above the rounding of a distance
 
+void sortLargestFirst(std::vector<PlacedSphere>& spheres) {
+  std::sort(spheres.begin(), spheres.end(),
+            [](const PlacedSphere& a, const PlacedSphere& b) { return a.radius > b.radius; });
+}
+
 /// Of samples with their distances from the surface, those that are inside. A sphere that does not
 /// reach the surface is on the same side as its centre, so few centres have to be tested, the
 /// largest first.
 std::vector<PlacedSphere> insideOf(const CoveredSolid& solid, std::vector<PlacedSphere> samples) {
-  std::sort(samples.begin(), samples.end(),
-            [](const PlacedSphere& a, const PlacedSphere& b) { return a.radius > b.radius; });
+  sortLargestFirst(samples);
   enum { UNKNOWN, INSIDE, OUTSIDE };
   std::vector<int> where(samples.size(), UNKNOWN);
   std::vector<PlacedSphere> inside;
@@ -70,8 +74,7 @@ std::vector<PlacedSphere> innerSpheres(std::vector<PlacedSphere> samples) {
     }
     chosen.push_back(sphere);
   }
-  std::sort(chosen.begin(), chosen.end(),
-            [](const PlacedSphere& a, const PlacedSphere& b) { return a.radius > b.radius; });
+  sortLargestFirst(chosen);
   return chosen;
 }
 

@@ -1,7 +1,6 @@
 #include "sphere_distance.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 #include "closed_forms.h"
