@@ -8,7 +8,6 @@
 #include <octomap/OcTree.h>
 
 #include "collision_pairs/input_error.h"
-#include "moveit_bodies.h"
 #include "moveit_scene.h"
 #include "moveit_shapes.h"
 
@@ -128,13 +127,13 @@ class AScene : public testing::Test {
     }
   }
   Verdict check(const MoveitScene& scene, double moved = 0.0) const {
-    MoveitScene::Lease worker(scene);
+    const MoveitScene::Lease worker = scene.lease();
     setPoses(scene, moved, worker->poses);
     return worker->detector.detect(worker->poses, CheckSettings()).verdict;
   }
   /// "a b" for each pair that is asked about and touches, sorted.
   std::vector<std::string> contactsOf(const MoveitScene& scene, double moved) const {
-    MoveitScene::Lease worker(scene);
+    const MoveitScene::Lease worker = scene.lease();
     setPoses(scene, moved, worker->poses);
     std::vector<std::string> contacts;
     const auto& models = scene.scene().models();

@@ -85,7 +85,8 @@ bool setPoses(const MoveitScene& scene, const moveit::core::RobotState& state, B
   for (std::size_t i = 0; i < poses.X_WB.size(); ++i) {
     const MoveitBody& body = scene.moving(i);
     poses.X_WB[i] = state.getGlobalLinkTransform(links[static_cast<std::size_t>(body.link)]);
-    if (body.is_attached) poses.X_WB[i] = poses.X_WB[i] * state.getAttachedBody(body.name)->getPose();
+    if (body.is_attached)
+      poses.X_WB[i] = poses.X_WB[i] * state.getAttachedBody(body.name)->getPose();
   }
   if (!state.dirtyLinkTransforms()) return true;
   warnRarely("the state's link transforms are not up to date: call RobotState::update()");
@@ -168,9 +169,7 @@ class Results {
   bool wantsContacts() const {
     return request_.contacts && result_.contact_count < request_.max_contacts;
   }
-  bool isDone() {
-    return is_done_ || (result_.collision && !wantsContacts());
-  }
+  bool isDone() { return is_done_ || (result_.collision && !wantsContacts()); }
 
   void take(const CollisionReport& report, const Rules* conditions) {
     if (report.verdict == Verdict::UNKNOWN) warnOfUnknown(scene_, report);
@@ -238,10 +237,10 @@ void takePairs(const MoveitScene& scene, const CollisionReport& report,
     for (const Contact* contact : deepestFirst(report, pair)) {
       const auto data = toMoveit(scene, models[pair.first], models[pair.second], *contact);
       takeSmallest(data, result);
-      const std::size_t most =
-          request.type == DistanceRequestType::SINGLE    ? 1
-          : request.type == DistanceRequestType::LIMITED ? request.max_contacts_per_body
-                                                         : of_pair.max_size();
+      const std::size_t most = request.type == DistanceRequestType::SINGLE ? 1
+                               : request.type == DistanceRequestType::LIMITED
+                                   ? request.max_contacts_per_body
+                                   : of_pair.max_size();
       if (of_pair.size() >= most) break;
       of_pair.push_back(data);
     }
@@ -274,18 +273,19 @@ AllowedContact allowedBy(const MoveitLimits& limits, const MoveitBody* a, const 
   if (!isActive(limits, a) && !isActive(limits, b)) return AllowedContact::ALWAYS;
   return allowedContact(a, b, [&] {
     AllowedCollision::Type type;
-    const bool has_entry = limits.matrix && limits.matrix->getAllowedCollision(name_a, name_b, type);
+    const bool has_entry =
+        limits.matrix && limits.matrix->getAllowedCollision(name_a, name_b, type);
     if (!has_entry || type == AllowedCollision::NEVER) return AllowedContact::NEVER;
     return type == AllowedCollision::ALWAYS ? AllowedContact::ALWAYS : AllowedContact::CONDITIONAL;
   });
 }
 
 void addCollisions(const MoveitScene& scene, const moveit::core::RobotState& state,
-                    const MoveitLimits& limits, const CollisionRequest& request,
-                    CollisionResult& result) {
+                   const MoveitLimits& limits, const CollisionRequest& request,
+                   CollisionResult& result) {
   if (request.cost) warnRarely("costs of collisions are not computed");
   if (!scene.hasPairs()) return;
-  MoveitScene::Lease worker(scene);
+  const MoveitScene::Lease worker = scene.lease();
   if (!setPoses(scene, state, worker->poses)) {
     result.collision = true;
     return;
@@ -307,10 +307,10 @@ void addCollisions(const MoveitScene& scene, const moveit::core::RobotState& sta
 }
 
 void addDistances(const MoveitScene& scene, const moveit::core::RobotState& state,
-                     const MoveitLimits& limits, const DistanceRequest& request,
-                     DistanceResult& result) {
+                  const MoveitLimits& limits, const DistanceRequest& request,
+                  DistanceResult& result) {
   if (!scene.hasPairs()) return;
-  MoveitScene::Lease worker(scene);
+  const MoveitScene::Lease worker = scene.lease();
   const Rules rules(scene, limits);
   CheckSettings settings = settingsFor(scene, limits);
   settings.may_ignore = [&](std::uint32_t a, std::uint32_t b) {
@@ -331,10 +331,10 @@ void addDistances(const MoveitScene& scene, const moveit::core::RobotState& stat
     } else if (report.nearest) {
       const auto& models = scene.scene().models();
       const auto& elements = scene.scene().elements();
-      takeSmallest(toMoveit(scene, models[elements[report.nearest->elements.first].model],
-                            models[elements[report.nearest->elements.second].model],
-                            *report.nearest),
-                   result);
+      takeSmallest(
+          toMoveit(scene, models[elements[report.nearest->elements.first].model],
+                   models[elements[report.nearest->elements.second].model], *report.nearest),
+          result);
     } else if (report.unchecked.empty()) {  // of a pair that is not certain
       auto& smallest = result.minimum_distance.distance;
       smallest = std::min(smallest, report.min_distance);

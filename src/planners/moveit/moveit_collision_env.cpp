@@ -4,7 +4,6 @@
 
 #include <geometric_shapes/shapes.h>
 
-#include "collision_pairs/input_error.h"
 #include "moveit_check.h"
 #include "moveit_motion.h"
 
@@ -24,6 +23,15 @@ Shared& shared() {
   return *all;
 }
 
+template <class Shapes, class Poses>
+std::vector<Element> scaledElements(const Shapes& parts, const Poses& poses, double scale) {
+  std::vector<Element> elements;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    shared().shapes.append(parts[i], scale, poses[i], elements);
+  }
+  return elements;
+}
+
 void warnOfProblem(const std::string& problem) {
   warnRarely("cannot be checked, and so taken for a collision: " + problem);
 }
@@ -34,9 +42,8 @@ bool MoveitCollisionEnv::Attached::is(const moveit::core::AttachedBody& body) co
   const auto& poses = body.getShapePoses();
   return name == body.getName() && link == body.getAttachedLink() && shapes == body.getShapes() &&
          touch_links == body.getTouchLinks() && X_OE.size() == poses.size() &&
-         std::equal(X_OE.begin(), X_OE.end(), poses.begin(), [](const auto& a, const auto& b) {
-           return a.matrix() == b.matrix();
-         });
+         std::equal(X_OE.begin(), X_OE.end(), poses.begin(),
+                    [](const auto& a, const auto& b) { return a.matrix() == b.matrix(); });
 }
 
 MoveitCollisionEnv::MoveitCollisionEnv(const moveit::core::RobotModelConstPtr& model,
@@ -115,32 +122,23 @@ void MoveitCollisionEnv::noteOctreesThatChanged() const {
 }
 
 MovingBody MoveitCollisionEnv::movingLink(const moveit::core::LinkModel& link) const {
-  MovingBody made{{link.getName(), link.getLinkIndex(), false, {}}, {}, getLinkPadding(link.getName())};
-  for (std::size_t i = 0; i < link.getShapes().size(); ++i) {
-    shared().shapes.append(link.getShapes()[i], getLinkScale(link.getName()),
-                           link.getCollisionOriginTransforms()[i], made.elements);
-  }
-  return made;
+  const std::string& name = link.getName();
+  return {{name, link.getLinkIndex(), false, {}},
+          scaledElements(link.getShapes(), link.getCollisionOriginTransforms(), getLinkScale(name)),
+          getLinkPadding(name)};
 }
 
 MovingBody MoveitCollisionEnv::movingBody(const Attached& attached) const {
   const std::string& link = attached.link->getName();
-  MovingBody made{{attached.name, attached.link->getLinkIndex(), true, attached.touch_links},
-                  {},
-                  getLinkPadding(link)};
-  for (std::size_t i = 0; i < attached.shapes.size(); ++i) {
-    shared().shapes.append(attached.shapes[i], getLinkScale(link), attached.X_OE[i],
-                           made.elements);
-  }
-  return made;
+  return {{attached.name, attached.link->getLinkIndex(), true, attached.touch_links},
+          scaledElements(attached.shapes, attached.X_OE, getLinkScale(link)),
+          getLinkPadding(link)};
 }
 
 RigidObject MoveitCollisionEnv::rigidObject(const World::Object& object) const {
   RigidObject made;
   made.name = object.id_;
-  for (std::size_t i = 0; i < object.shapes_.size(); ++i) {
-    shared().shapes.append(object.shapes_[i], 1.0, object.global_shape_poses_[i], made.elements);
-  }
+  made.elements = scaledElements(object.shapes_, object.global_shape_poses_, 1.0);
   return made;
 }
 
@@ -183,7 +181,8 @@ void MoveitCollisionEnv::updateWorld(Scenes& scenes) const {
     if (!scenes.world && !scenes.attached.empty()) {
       Scenes& of_links = *scenes_.front();
       updateWorld(of_links);
-      if (of_links.world) scenes.world = of_links.world->withAttached(scenes.moving, shared().scenes);
+      if (of_links.world)
+        scenes.world = of_links.world->withAttached(scenes.moving, shared().scenes);
       if (scenes.world) scenes.changed.clear();
     }
     if (!scenes.world) {
@@ -222,15 +221,18 @@ MoveitCollisionEnv::Scenes& MoveitCollisionEnv::scenesOf(const State& state) con
     return *scenes;
   }
   if (scenes_.size() == MAX_SCENES) {  // the first, without attached bodies, stays
-    scenes_.erase(std::min_element(
-        scenes_.begin() + 1, scenes_.end(),
-        [](const auto& a, const auto& b) { return a->last_used < b->last_used; }));
+    scenes_.erase(
+        std::min_element(scenes_.begin() + 1, scenes_.end(),
+                         [](const auto& a, const auto& b) { return a->last_used < b->last_used; }));
   }
   auto scenes = std::make_unique<Scenes>();
   for (const moveit::core::AttachedBody* body : bodies) {
     const auto& poses = body->getShapePoses();
-    scenes->attached.push_back({body->getName(), body->getAttachedLink(), body->getShapes(),
-                                {poses.begin(), poses.end()}, body->getTouchLinks()});
+    scenes->attached.push_back({body->getName(),
+                                body->getAttachedLink(),
+                                body->getShapes(),
+                                {poses.begin(), poses.end()},
+                                body->getTouchLinks()});
   }
   makeScenes(*scenes);
   scenes->last_used = nb_uses_;

@@ -5,7 +5,6 @@
 #include <moveit/robot_model/prismatic_joint_model.h>
 #include <moveit/robot_model/revolute_joint_model.h>
 
-#include "collision_pairs/input_error.h"
 #include "collision_pairs/motion_check.h"
 
 namespace collision_pairs {
@@ -51,7 +50,8 @@ std::shared_ptr<const RobotModel> modelOf(const moveit::core::RobotModel& robot,
     joints.push_back(std::move(joint));
   }
   for (const MovingBody& one : moving) {
-    if (!one.body.is_attached) links[static_cast<std::size_t>(one.body.link)].elements = one.elements;
+    if (!one.body.is_attached)
+      links[static_cast<std::size_t>(one.body.link)].elements = one.elements;
   }
   return RobotModel::fromParts("MoveIt's", std::move(links), std::move(joints));
 }
@@ -142,8 +142,8 @@ bool MoveitMotions::follow(const RobotState& state, std::vector<double>& positio
     } else if (joints[j].type != JointType::FIXED) {
       continue;  // placed
     }
-    const Isometry3d X_PC = state.getGlobalLinkTransform(parent).inverse() *
-                            state.getGlobalLinkTransform(child);
+    const Isometry3d X_PC =
+        state.getGlobalLinkTransform(parent).inverse() * state.getGlobalLinkTransform(child);
     if (!areSame(X_PC, joints[j].X_PJ * joints[j].motion(positions[j]))) return false;
   }
   placed.assign(robot.bodies().size(), std::nullopt);

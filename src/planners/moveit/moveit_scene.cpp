@@ -71,8 +71,8 @@ RigidObject placeholder() {
 
 std::shared_ptr<const MoveitScene> MoveitScene::ofSelf(const std::vector<MovingBody>& moving,
                                                        SceneCache& cache) {
-  std::shared_ptr<MoveitScene> made(new MoveitScene);
-  made->scene_ = CollisionScene::build(descriptionOf(moving), &cache);
+  std::shared_ptr<MoveitScene> made(
+      new MoveitScene(CollisionScene::build(descriptionOf(moving), &cache), 0, false));
   made->setMoving(moving);
   return made;
 }
@@ -80,25 +80,23 @@ std::shared_ptr<const MoveitScene> MoveitScene::ofSelf(const std::vector<MovingB
 std::shared_ptr<const MoveitScene> MoveitScene::ofWorld(const std::vector<MovingBody>& moving,
                                                         std::vector<RigidObject> objects,
                                                         SceneCache& cache) {
-  std::shared_ptr<MoveitScene> made(new MoveitScene);
   SceneDescription description = descriptionOf(moving);
   description.check_self = false;
-  made->nb_objects_ = objects.size();
-  made->is_world_ = true;
+  const std::size_t nb_objects = objects.size();
   description.objects = std::move(objects);
   description.objects.push_back(placeholder());
-  made->scene_ = CollisionScene::build(std::move(description), &cache);
+  std::shared_ptr<MoveitScene> made(
+      new MoveitScene(CollisionScene::build(std::move(description), &cache), nb_objects, true));
   made->setMoving(moving);
   return made;
 }
 
 std::shared_ptr<const MoveitScene> MoveitScene::with(const SceneChanges& changes,
                                                      SceneCache& cache) const {
-  std::shared_ptr<MoveitScene> made(new MoveitScene);
   for (const RigidObject& object : changes.objects) refuseNameOfAttached(object.name);
-  made->scene_ = scene_->with(changes, &cache);
-  made->nb_objects_ = nb_objects_ + made->scene_->objects().size() - scene_->objects().size();
-  made->is_world_ = true;
+  auto scene = scene_->with(changes, &cache);
+  const std::size_t nb_objects = nb_objects_ + scene->objects().size() - scene_->objects().size();
+  std::shared_ptr<MoveitScene> made(new MoveitScene(std::move(scene), nb_objects, true));
   made->moving_ = moving_;  // its order is that of the names
   return made;
 }
@@ -118,10 +116,8 @@ std::shared_ptr<const MoveitScene> MoveitScene::withAttached(const std::vector<M
     changes.objects.push_back(std::move(object));
   }
   if (changes.objects.size() > NB_ANCHORS) return nullptr;
-  std::shared_ptr<MoveitScene> made(new MoveitScene);
-  made->scene_ = scene_->with(changes, &cache);
-  made->nb_objects_ = nb_objects_;
-  made->is_world_ = is_world_;
+  std::shared_ptr<MoveitScene> made(
+      new MoveitScene(scene_->with(changes, &cache), nb_objects_, is_world_));
   made->setMoving(moving);
   return made;
 }
@@ -191,21 +187,20 @@ std::shared_ptr<const PairSelection> MoveitScene::selectionOf(
   return selections_.back().second;
 }
 
-std::unique_ptr<MoveitScene::Worker> MoveitScene::take() const {
+MoveitScene::Lease MoveitScene::lease() const {
+  std::unique_ptr<Worker> worker;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     if (!idle_.empty()) {
-      auto worker = std::move(idle_.back());
+      worker = std::move(idle_.back());
       idle_.pop_back();
-      return worker;
     }
   }
-  return std::make_unique<Worker>(scene_);
-}
-
-void MoveitScene::putBack(std::unique_ptr<Worker> worker) const {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  idle_.push_back(std::move(worker));
+  if (!worker) worker = std::make_unique<Worker>(scene_);
+  return {worker.release(), [this](Worker* used) {
+            const std::lock_guard<std::mutex> lock(mutex_);
+            idle_.emplace_back(used);
+          }};
 }
 
 }  // namespace collision_pairs

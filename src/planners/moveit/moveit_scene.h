@@ -1,18 +1,53 @@
-// Scenes for MoveIt's questions, with detectors for all threads. Without types of MoveIt.
+// Scenes for MoveIt's questions, with detectors for all threads; what MoveIt calls bodies, and
+// which pairs of them may touch. Without types of MoveIt.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <mutex>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "collision_pairs/collision_detector.h"
 #include "collision_pairs/collision_scene.h"
-#include "moveit_bodies.h"
 
 namespace collision_pairs {
+
+/// A body of a robot; objects of the world, which do not move, are known by their names.
+struct MoveitBody {
+  std::string name;  ///< MoveIt's
+  /// Index of the link itself or, of an attached body, of the one that it is attached to.
+  int link = -1;
+  bool is_attached = false;
+  std::set<std::string> touch_links;  ///< names of links that an attached body may touch
+};
+
+/// As in an entry of MoveIt's allowed collision matrix; NEVER also if it has none.
+enum class AllowedContact { NEVER, ALWAYS, CONDITIONAL };
+
+/// Whether `one` is an attached body that may touch the other whatever the matrix says: a touch
+/// link, or another body attached to the same link. The link that carries it is no touch link
+/// unless it is named. Null: an object.
+inline bool mayAlwaysTouch(const MoveitBody* one, const MoveitBody* other) {
+  if (!one || !other || !one->is_attached) return false;
+  return other->is_attached ? one->link == other->link : one->touch_links.count(other->name) > 0;
+}
+
+/// MoveIt's rule for a pair. `entry()` returns that of the matrix; it is called once, and only if
+/// the bodies alone do not decide.
+template <class Entry>
+AllowedContact allowedContact(const MoveitBody* a, const MoveitBody* b, const Entry& entry) {
+  return mayAlwaysTouch(a, b) || mayAlwaysTouch(b, a) ? AllowedContact::ALWAYS : entry();
+}
+
+/// Where a continuous joint at `from` arrives if it turns to `to` the shorter way; rad.
+inline double afterShorterTurn(double from, double to) {
+  return from + std::remainder(to - from, 2.0 * 3.14159265358979323846);
+}
 
 /// A body of a robot whose pose is an input: each link of MoveIt by itself, because it may place
 /// also those apart that fixed joints connect, and each attached body.
@@ -75,33 +110,21 @@ class MoveitScene {
     BodyPoses poses;
     std::uint64_t revision = 1;  ///< of the pairs that the last checks left out
   };
-  /// A worker for as long as this lives.
-  class Lease {
-   public:
-    explicit Lease(const MoveitScene& scene) : scene_(scene), worker_(scene.take()) {}
-    ~Lease() { scene_.putBack(std::move(worker_)); }
-    Lease(const Lease&) = delete;
-    Lease& operator=(const Lease&) = delete;
-    Worker& operator*() { return *worker_; }
-    Worker* operator->() { return worker_.get(); }
-
-   private:
-    const MoveitScene& scene_;
-    std::unique_ptr<Worker> worker_;
-  };
+  /// Serves one thread for as long as it lives; the scene must outlive it.
+  using Lease = std::unique_ptr<Worker, std::function<void(Worker*)>>;
+  Lease lease() const;
 
  private:
-  MoveitScene() = default;
+  MoveitScene(std::shared_ptr<const CollisionScene> scene, std::size_t nb_objects, bool is_world)
+      : scene_(std::move(scene)), nb_objects_(nb_objects), is_world_(is_world) {}
   const RigidObject* findObject(const std::string& name) const;
   void refuseNameOfAttached(const std::string& name) const;
   void setMoving(const std::vector<MovingBody>& moving);
-  std::unique_ptr<Worker> take() const;
-  void putBack(std::unique_ptr<Worker> worker) const;
 
   std::shared_ptr<const CollisionScene> scene_;
   std::shared_ptr<const std::vector<MoveitBody>> moving_;
-  std::size_t nb_objects_ = 0;
-  bool is_world_ = false;
+  const std::size_t nb_objects_;
+  const bool is_world_;
 
   mutable std::mutex mutex_;
   mutable std::vector<std::unique_ptr<Worker>> idle_;
