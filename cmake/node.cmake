@@ -4,21 +4,16 @@ set(limiter_law src/ros/limiter/certified_surroundings.cpp src/ros/limiter/limit
 
 # The node. Its parts are a library, so that tests can call the pure ones without a master.
 add_library(collision_pairs_ros STATIC
-  src/ros/clouds/cloud_source.cpp
   src/ros/clouds/cloud_sources.cpp
   src/ros/collision_pairs_node.cpp
   src/ros/joint_query.cpp
-  src/ros/limiter/joint_positions.cpp
   src/ros/limiter/limited_command.cpp
   src/ros/limiter/limiter_parameters.cpp
-  src/ros/limiter/shown_limit.cpp
   src/ros/limiter/velocity_limiter.cpp
   ${limiter_law}
-  src/ros/low_priority.cpp
-  src/ros/master_watch.cpp
   src/ros/node_health.cpp
   src/ros/parameters.cpp
-  src/ros/query_service.cpp
+  src/ros/query_services.cpp
   src/ros/report_publisher.cpp
   src/ros/scene_loader.cpp
   src/ros/scene_service.cpp
@@ -26,9 +21,7 @@ add_library(collision_pairs_ros STATIC
   src/ros/scene_updates.cpp
   src/ros/tf_check.cpp
   src/ros/tf_poses.cpp
-  src/ros/trajectory_service.cpp
   src/ros/transform_input.cpp
-  src/ros/yaml_parameters.cpp
 )
 target_include_directories(collision_pairs_ros PUBLIC ${PROJECT_SOURCE_DIR}/src/ros
                                                       ${PROJECT_SOURCE_DIR}/src/ros/clouds

@@ -12,7 +12,6 @@
 #include "conversions.h"
 #include "markers.h"
 #include "mixed_robot.h"
-#include "shown_limit.h"
 
 namespace collision_pairs {
 

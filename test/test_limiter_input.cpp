@@ -6,7 +6,6 @@
 #include <gmock/gmock.h>
 
 #include "collision_pairs/input_error.h"
-#include "joint_positions.h"
 #include "limited_command.h"
 #include "limiter_parameters.h"
 

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "demo_scene.h"
-#include "query_defaults.h"
+#include "query_services.h"
 #include "tf_check.h"
 
 namespace collision_pairs {

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "voxel_markers.h"
+#include "scene_markers.h"
 
 namespace collision_pairs {
 namespace {

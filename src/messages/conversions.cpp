@@ -10,25 +10,13 @@ namespace collision_pairs {
 namespace {
 
 std::uint8_t toState(PairState state) {
-  switch (state) {
-    case PairState::NEAR:
-      return CollisionPair::NEAR;
-    case PairState::CONTACT:
-      return CollisionPair::CONTACT;
-    default:
-      return CollisionPair::UNRESOLVED;
-  }
+  if (state == PairState::NEAR) return CollisionPair::NEAR;
+  return state == PairState::CONTACT ? CollisionPair::CONTACT : CollisionPair::UNRESOLVED;
 }
 
 std::uint8_t toCertainty(Certainty certainty) {
-  switch (certainty) {
-    case Certainty::EXACT:
-      return CollisionPair::EXACT;
-    case Certainty::BOUND:
-      return CollisionPair::DEPTH_BOUND;
-    default:
-      return CollisionPair::LOWER_BOUND;
-  }
+  if (certainty == Certainty::EXACT) return CollisionPair::EXACT;
+  return certainty == Certainty::BOUND ? CollisionPair::DEPTH_BOUND : CollisionPair::LOWER_BOUND;
 }
 
 ContactPoint toMessage(const Contact& contact, const CollisionScene& scene) {
@@ -64,20 +52,6 @@ std::string firstOf(const std::vector<std::string>& names) {
          std::to_string(names.size() - MAX_NAMED) + " more";
 }
 
-struct LeftOut {
-  std::vector<std::string> bodies, clouds;
-};
-
-LeftOut namesOfLeftOut(const CollisionReport& report, const CollisionScene& scene) {
-  LeftOut names;
-  for (const std::uint32_t id : report.left_out) {
-    const CollisionModel& model = scene.models()[id];
-    const bool is_cloud = scene.cloudOf(model.first_element) >= 0;
-    (is_cloud ? names.clouds : names.bodies).push_back(model.name);
-  }
-  return names;
-}
-
 std::vector<std::string> namesOfUnresolved(const CollisionReport& report,
                                            const CollisionScene& scene) {
   std::vector<std::string> names;
@@ -97,13 +71,16 @@ std::vector<std::string> whyUnknown(const CollisionReport& report, const Collisi
     if (!names.empty()) reasons.push_back(what + ": " + firstOf(names));
   };
   // Of a scene that checks nothing there may be no report yet.
-  const std::string& unchecked =
-      report.unchecked.empty() ? scene.unchecked() : report.unchecked;
+  const std::string& unchecked = report.unchecked.empty() ? scene.unchecked() : report.unchecked;
   if (!scene.mayBeFree(unchecked)) reasons.push_back(unchecked);
   add("geometry that could not be read", broken_links);
-  const LeftOut left_out = namesOfLeftOut(report, scene);
-  add("no usable pose", left_out.bodies);
-  add("clouds that are unknown or incomplete", left_out.clouds);
+  std::vector<std::string> bodies, clouds;
+  for (const std::uint32_t id : report.left_out) {
+    const CollisionModel& model = scene.models()[id];
+    (scene.cloudOf(model.first_element) >= 0 ? clouds : bodies).push_back(model.name);
+  }
+  add("no usable pose", bodies);
+  add("clouds that are unknown or incomplete", clouds);
   add("unresolved pairs that may be in contact", namesOfUnresolved(report, scene));
   return reasons;
 }
@@ -151,9 +128,8 @@ CollisionPairs toMessage(const CollisionReport& report, const CollisionScene& sc
     message.pairs.push_back(toMessage(pair, report, scene));
   }
   message.left_out = broken_links;
-  const LeftOut left_out = namesOfLeftOut(report, scene);
-  for (const auto* names : {&left_out.bodies, &left_out.clouds}) {
-    message.left_out.insert(message.left_out.end(), names->begin(), names->end());
+  for (const std::uint32_t id : report.left_out) {
+    message.left_out.push_back(scene.models()[id].name);
   }
   std::sort(message.left_out.begin(), message.left_out.end());
   message.left_out.erase(std::unique(message.left_out.begin(), message.left_out.end()),

@@ -3,22 +3,26 @@
 #include <cmath>
 #include <sstream>
 
+#include "collision_pairs/input_error.h"
+
 namespace collision_pairs {
 
-geometry_msgs::Point toPoint(const Eigen::Vector3d& v) {
-  geometry_msgs::Point point;
-  point.x = v.x();
-  point.y = v.y();
-  point.z = v.z();
-  return point;
+namespace {
+
+template <class Xyz>
+Xyz toXyz(const Eigen::Vector3d& v) {
+  Xyz message;
+  message.x = v.x();
+  message.y = v.y();
+  message.z = v.z();
+  return message;
 }
 
+}  // namespace
+
+geometry_msgs::Point toPoint(const Eigen::Vector3d& v) { return toXyz<geometry_msgs::Point>(v); }
 geometry_msgs::Vector3 toVector3(const Eigen::Vector3d& v) {
-  geometry_msgs::Vector3 vector;
-  vector.x = v.x();
-  vector.y = v.y();
-  vector.z = v.z();
-  return vector;
+  return toXyz<geometry_msgs::Vector3>(v);
 }
 
 geometry_msgs::Pose toPose(const Eigen::Isometry3d& X) {
@@ -34,20 +38,11 @@ geometry_msgs::Pose toPose(const Eigen::Isometry3d& X) {
 
 Eigen::Vector3d toVector(const geometry_msgs::Point& point) { return {point.x, point.y, point.z}; }
 
-bool toIsometry(const Eigen::Vector3d& position, const geometry_msgs::Quaternion& orientation,
-                Eigen::Isometry3d& X) {
-  const Eigen::Quaterniond rotation(orientation.w, orientation.x, orientation.y, orientation.z);
-  if (!(std::abs(rotation.norm() - 1.0) < 1e-3)) return false;  // NaN is caught here too
-  X = Eigen::Isometry3d::Identity();
-  X.linear() = rotation.normalized().toRotationMatrix();
-  X.translation() = position;
-  return position.allFinite();
-}
-
 std::string whyNoIsometry(const geometry_msgs::Pose& pose) {
-  const auto& q = pose.orientation;
   if (!toVector(pose.position).allFinite()) return "its position is not finite";
+  const auto& q = pose.orientation;
   const double length = Eigen::Vector4d(q.x, q.y, q.z, q.w).norm();
+  if (std::abs(length - 1.0) < 1e-3) return "";
   if (!std::isfinite(length)) return "its quaternion is not finite";
   std::ostringstream text;
   text << "its quaternion is of length " << length << ", not 1";
@@ -55,20 +50,29 @@ std::string whyNoIsometry(const geometry_msgs::Pose& pose) {
 }
 
 std::string whyNoIsometry(const geometry_msgs::Transform& transform) {
+  const auto& t = transform.translation;
   geometry_msgs::Pose pose;
-  pose.position =
-      toPoint({transform.translation.x, transform.translation.y, transform.translation.z});
+  pose.position = toPoint({t.x, t.y, t.z});
   pose.orientation = transform.rotation;
   return whyNoIsometry(pose);
 }
 
 bool toIsometry(const geometry_msgs::Pose& pose, Eigen::Isometry3d& X) {
-  return toIsometry(toVector(pose.position), pose.orientation, X);
+  if (!whyNoIsometry(pose).empty()) return false;
+  const auto& q = pose.orientation;
+  const Eigen::Quaterniond rotation(q.w, q.x, q.y, q.z);
+  X = Eigen::Isometry3d::Identity();
+  X.linear() = rotation.normalized().toRotationMatrix();
+  X.translation() = toVector(pose.position);
+  return true;
 }
 
-bool toIsometry(const geometry_msgs::Transform& transform, Eigen::Isometry3d& X) {
-  const auto& t = transform.translation;
-  return toIsometry(Eigen::Vector3d(t.x, t.y, t.z), transform.rotation, X);
+Eigen::Isometry3d requiredIsometry(const geometry_msgs::Pose& pose) {
+  Eigen::Isometry3d X;
+  if (toIsometry(pose, X)) return X;
+  throw InputError(
+      "its pose is invalid: a finite position and a quaternion of length 1 are needed, but " +
+      whyNoIsometry(pose));
 }
 
 }  // namespace collision_pairs

@@ -16,15 +16,14 @@ geometry_msgs::Vector3 toVector3(const Eigen::Vector3d& v);
 geometry_msgs::Pose toPose(const Eigen::Isometry3d& X);
 Eigen::Vector3d toVector(const geometry_msgs::Point& point);
 
-/// False if it is not finite, or its quaternion is not of length 1 within 1e-3: a quaternion that
-/// was not filled in (0 0 0 0) is not a pose, and never identity.
-bool toIsometry(const Eigen::Vector3d& position, const geometry_msgs::Quaternion& orientation,
-                Eigen::Isometry3d& X);
-bool toIsometry(const geometry_msgs::Pose& pose, Eigen::Isometry3d& X);
-bool toIsometry(const geometry_msgs::Transform& transform, Eigen::Isometry3d& X);
-
-/// Why toIsometry() returned false, in words.
+/// Why it is no pose, in words: it is not finite, or its quaternion is not of length 1 within 1e-3.
+/// One that was not filled in (0 0 0 0) is not a pose, and never identity. Empty: it is one.
 std::string whyNoIsometry(const geometry_msgs::Pose& pose);
 std::string whyNoIsometry(const geometry_msgs::Transform& transform);
+
+/// False if there is a reason why not.
+bool toIsometry(const geometry_msgs::Pose& pose, Eigen::Isometry3d& X);
+/// Throws InputError with the reason.
+Eigen::Isometry3d requiredIsometry(const geometry_msgs::Pose& pose);
 
 }  // namespace collision_pairs

@@ -20,25 +20,22 @@ const std_msgs::ColorRGBA GREEN = color(0.10f, 0.75f, 0.20f, 1.0f);
 const std_msgs::ColorRGBA AMBER = color(1.0f, 0.55f, 0.0f, 1.0f);
 const std_msgs::ColorRGBA RED = color(1.0f, 0.0f, 0.0f, 1.0f);
 
-struct BoxStyle {
-  const char* ns;
+struct Style {
+  const char* text;  ///< namespace, or word
   std_msgs::ColorRGBA rgba;
 };
 
-BoxStyle styleOf(BoxKind kind) {
-  switch (kind) {
-    case BoxKind::IN_CONTACT:
-      return {"boxes_in_contact", color(0.90f, 0.10f, 0.10f, 0.45f)};
-    case BoxKind::INVESTIGATED:
-      return {"investigated_boxes", color(1.00f, 0.75f, 0.00f, 0.30f)};
-    default:
-      return {"other_boxes", color(0.60f, 0.65f, 0.70f, 0.12f)};
-  }
+Style styleOf(BoxKind kind) {
+  static const Style STYLES[] = {{"other_boxes", color(0.60f, 0.65f, 0.70f, 0.12f)},
+                                 {"investigated_boxes", color(1.00f, 0.75f, 0.00f, 0.30f)},
+                                 {"boxes_in_contact", color(0.90f, 0.10f, 0.10f, 0.45f)}};
+  return STYLES[static_cast<int>(kind)];
 }
 
-const char* verdictWord(std::uint8_t verdict) {
-  if (verdict == CollisionPairs::FREE) return "FREE";
-  return verdict == CollisionPairs::COLLISION ? "COLLISION" : "UNKNOWN";
+Style styleOf(std::uint8_t verdict) {
+  if (verdict == CollisionPairs::FREE) return {"FREE", GREEN};
+  if (verdict == CollisionPairs::COLLISION) return {"COLLISION", color(0.95f, 0.05f, 0.05f, 1.0f)};
+  return {"UNKNOWN", color(0.75f, 0.20f, 0.95f, 1.0f)};
 }
 
 /// Lines of at most `width` characters, broken at spaces if possible.
@@ -71,12 +68,6 @@ std::string verdictDetail(const CollisionPairs& message) {
   return wrapped(why, WIDTH);
 }
 
-std_msgs::ColorRGBA verdictColor(std::uint8_t verdict) {
-  if (verdict == CollisionPairs::FREE) return GREEN;
-  if (verdict == CollisionPairs::COLLISION) return color(0.95f, 0.05f, 0.05f, 1.0f);
-  return color(0.75f, 0.20f, 0.95f, 1.0f);
-}
-
 class MarkerWriter {
  public:
   MarkerWriter(std::string frame, const ros::Time& stamp)
@@ -85,15 +76,12 @@ class MarkerWriter {
   }
 
   void addBox(const Aabb& box, BoxKind kind, std::uint32_t id) {
-    const BoxStyle style = styleOf(kind);
-    Marker& marker = add(style.ns, id, Marker::CUBE, style.rgba);
-    const Vector3d center = box.center();
+    const Style style = styleOf(kind);
+    Marker& marker = add(style.text, id, Marker::CUBE, style.rgba);
     // rviz does not draw a box with an edge of length 0.
     const Vector3d size = (box.max - box.min).cwiseMax(1e-6);
-    marker.pose.position = toPoint(center);
-    marker.scale.x = size.x();
-    marker.scale.y = size.y();
-    marker.scale.z = size.z();
+    marker.pose.position = toPoint(box.center());
+    marker.scale = toVector3(size);
   }
 
   void addContact(const Contact& contact, std::uint32_t id, double size) {
@@ -109,8 +97,8 @@ class MarkerWriter {
 
   void addVerdict(const CollisionPairs& message, const Aabb& space) {
     const double height = textHeight(space);
-    const auto rgba = verdictColor(message.verdict);
-    addText("verdict", 0, verdictWord(message.verdict), rgba, space, height, 1.9 * height);
+    const auto [word, rgba] = styleOf(message.verdict);
+    addText("verdict", 0, word, rgba, space, height, 1.9 * height);
     const std::string detail = verdictDetail(message);
     if (!detail.empty()) {
       addText("verdict", 1, detail, rgba, space, 0.35 * height, 0.6 * height);
@@ -213,12 +201,6 @@ Aabb boundedSpace(const CollisionReport& report) {
   return space.valid() ? space : Aabb{Vector3d::Constant(-1.0), Vector3d::Constant(1.0)};
 }
 
-/// The region to which half-spaces are clipped: twice as large as all bounded boxes.
-Aabb shownSpace(const Aabb& space) {
-  const Vector3d size = space.max - space.min;
-  return {space.min - 0.5 * size, space.max + 0.5 * size};
-}
-
 Aabb cutTo(const Aabb& space, Aabb box) {
   box.min = box.min.cwiseMax(space.min).cwiseMin(space.max);
   box.max = box.max.cwiseMin(space.max).cwiseMax(box.min);
@@ -240,7 +222,9 @@ MarkerArray toMarkers(const CollisionPairs& message, const CollisionReport* repo
   const Aabb bounded = boundedSpace(*report);
   writer.addVerdict(message, bounded);
   const std::vector<BoxKind> kinds = kindsOf(*report);
-  const Aabb space = shownSpace(bounded);
+  // Half-spaces are clipped to twice the size of all bounded boxes.
+  const Vector3d margin = 0.5 * (bounded.max - bounded.min);
+  const Aabb space{bounded.min - margin, bounded.max + margin};
   for (std::uint32_t i = 0; i < report->boxes.size(); ++i) {
     if (!report->boxes[i].valid()) continue;
     if (only_investigated && kinds[i] == BoxKind::OTHER) continue;
@@ -253,6 +237,24 @@ MarkerArray toMarkers(const CollisionPairs& message, const CollisionReport* repo
   }
   if (limit) writer.addLimit(*limit, has_detail, bounded, size);
   return writer.take();
+}
+
+ShownLimit shownLimit(const SpeedLimit& limit, CollisionDetector& detector, const BodyPoses& poses,
+                      Fidelity fidelity) {
+  ShownLimit shown{limit, {}};
+  const int first = detector.scene().findModel(limit.first_link);
+  const int second = detector.scene().findModel(limit.second_link);
+  if (first < 0 || second < 0) return shown;
+  CheckSettings settings;
+  settings.alarm_distance = 1.0;
+  settings.fidelity = fidelity;
+  detector.beginNarrowPhase(poses, settings);
+  detector.addCollisionPair(static_cast<std::uint32_t>(first), static_cast<std::uint32_t>(second));
+  const CollisionReport& report = detector.endNarrowPhase();
+  if (report.pairs.empty()) return shown;
+  const Contact* nearest = report.nearestContact(report.pairs.front());
+  if (nearest) shown.nearest = *nearest;
+  return shown;
 }
 
 }  // namespace collision_pairs

@@ -7,7 +7,7 @@
 #include <collision_pairs/SpeedLimit.h>
 #include <visualization_msgs/MarkerArray.h>
 
-#include "collision_pairs/collision_report.h"
+#include "collision_pairs/collision_detector.h"
 
 namespace collision_pairs {
 
@@ -16,6 +16,11 @@ struct ShownLimit {
   SpeedLimit limit;
   std::optional<Contact> nearest;  ///< of the pair that limits, if it was looked for and found
 };
+
+/// With the nearest points of the pair that limits, if it is in the detector's scene and no further
+/// apart than a metre. Replaces the detector's report.
+ShownLimit shownLimit(const SpeedLimit& limit, CollisionDetector& detector, const BodyPoses& poses,
+                      Fidelity fidelity);
 
 /// "verdict": a large coloured text above everything, "FREE" green, "COLLISION" red or "UNKNOWN"
 /// violet, and below it in small letters the deepest pair or the first reason. These have no stamp,

@@ -1,7 +1,6 @@
 #include "object_conversions.h"
 
 #include <cmath>
-#include <functional>
 
 #include "collision_pairs/input_error.h"
 #include "cone.h"
@@ -78,64 +77,46 @@ Isometry3d poseOfPlane(const shape_msgs::Plane& plane) {
   return X;
 }
 
-class ObjectReader {
- public:
-  /// `part` creates the element, without the pose from the message.
-  template <class Parts, class Part>
-  void add(const Parts& parts, const std::vector<geometry_msgs::Pose>& poses, const char* field,
-           const Part& part) {
-    const std::string name(field);
-    if (!poses.empty() && poses.size() != parts.size()) {
-      throw InputError(name + " has " + std::to_string(parts.size()) + " entries, but " +
-                       std::to_string(poses.size()) + " poses; give one each, or none");
-    }
-    for (std::size_t i = 0; i < parts.size(); ++i) {
-      try {
-        Element element = part(parts[i]);
-        validateShape(element.shape);
-        if (!poses.empty()) element.X_LE = poseOf(poses[i]) * element.X_LE;
-        elements_.push_back(std::move(element));
-      } catch (const std::exception& error) {
-        throw InputError(name + "[" + std::to_string(i) + "]: " + error.what());
-      }
+/// `part` creates the element, without the pose from the message.
+template <class Parts, class Part>
+void addElements(const Parts& parts, const std::vector<geometry_msgs::Pose>& poses,
+                 const std::string& field, const Part& part, std::vector<Element>& elements) {
+  if (!poses.empty() && poses.size() != parts.size()) {
+    throw InputError(field + " has " + std::to_string(parts.size()) + " entries, but " +
+                     std::to_string(poses.size()) + " poses; give one each, or none");
+  }
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    try {
+      Element element = part(parts[i]);
+      validateShape(element.shape);
+      if (!poses.empty()) element.X_LE = requiredIsometry(poses[i]) * element.X_LE;
+      elements.push_back(std::move(element));
+    } catch (const std::exception& error) {
+      throw InputError(field + "[" + std::to_string(i) + "]: " + error.what());
     }
   }
-
-  std::vector<Element> take() { return std::move(elements_); }
-
- private:
-  static Isometry3d poseOf(const geometry_msgs::Pose& pose) {
-    Isometry3d X;
-    if (!toIsometry(pose, X))
-      throw InputError(
-          "its pose is invalid: a finite position and a quaternion of length 1 are needed, but " +
-          whyNoIsometry(pose));
-    return X;
-  }
-
-  std::vector<Element> elements_;
-};
+}
 
 }  // namespace
 
 RigidObject toObject(const SceneObject& message, const MeshLoader& load_mesh) {
-  ObjectReader reader;
+  RigidObject object;
+  object.name = message.name;
   const auto at_origin = [](Shape shape) {
     return Element{std::move(shape), Isometry3d::Identity()};
   };
-  reader.add(message.primitives, message.primitive_poses, "primitives",
-             [&](const SolidPrimitive& primitive) { return at_origin(toShape(primitive)); });
-  reader.add(message.meshes, message.mesh_poses, "meshes",
-             [&](const shape_msgs::Mesh& mesh) { return at_origin(toShape(mesh)); });
-  reader.add(
-      message.mesh_resources, message.mesh_resource_poses, "mesh_resources",
+  const auto add = [&](const auto& parts, const auto& poses, const char* field, const auto& part) {
+    addElements(parts, poses, field, part, object.elements);
+  };
+  add(message.primitives, message.primitive_poses, "primitives",
+      [&](const SolidPrimitive& primitive) { return at_origin(toShape(primitive)); });
+  add(message.meshes, message.mesh_poses, "meshes",
+      [&](const shape_msgs::Mesh& mesh) { return at_origin(toShape(mesh)); });
+  add(message.mesh_resources, message.mesh_resource_poses, "mesh_resources",
       [&](const std::string& uri) { return at_origin(Mesh{load_mesh(uri, Vector3d::Ones())}); });
-  reader.add(message.planes, message.plane_poses, "planes", [](const shape_msgs::Plane& plane) {
+  add(message.planes, message.plane_poses, "planes", [](const shape_msgs::Plane& plane) {
     return Element{HalfSpace{}, poseOfPlane(plane)};
   });
-  RigidObject object;
-  object.name = message.name;
-  object.elements = reader.take();
   object.attached_link = message.attached_link;
   object.touch_links = message.touch_links;
   object.padding = message.padding;

@@ -7,6 +7,7 @@
 #include <string>
 
 #include <boost/endian/conversion.hpp>
+#include <sensor_msgs/point_cloud2_iterator.h>
 
 #include "collision_pairs/input_error.h"
 
@@ -167,20 +168,12 @@ PointCloud2 toPointCloud2(const std::vector<Eigen::Vector3d>& points,
   PointCloud2 cloud;
   cloud.header = header;
   cloud.height = 1;
-  cloud.width = static_cast<std::uint32_t>(points.size());
-  cloud.point_step = 3 * sizeof(float);
-  cloud.row_step = cloud.width * cloud.point_step;
   cloud.is_bigendian = boost::endian::order::native == boost::endian::order::big;
   cloud.is_dense = true;
-  for (std::uint32_t axis = 0; axis < 3; ++axis) {
-    PointField field;
-    field.name = std::string(1, "xyz"[axis]);
-    field.offset = axis * static_cast<std::uint32_t>(sizeof(float));
-    field.datatype = PointField::FLOAT32;
-    field.count = 1;
-    cloud.fields.push_back(field);
-  }
-  cloud.data.resize(cloud.row_step);
+  sensor_msgs::PointCloud2Modifier layout(cloud);
+  constexpr auto FLOAT = PointField::FLOAT32;
+  layout.setPointCloud2Fields(3, "x", 1, FLOAT, "y", 1, FLOAT, "z", 1, FLOAT);
+  layout.resize(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Eigen::Vector3f point = points[i].cast<float>();
     std::memcpy(&cloud.data[i * cloud.point_step], point.data(), cloud.point_step);

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <map>
+#include <tuple>
 
 #include <geometric_shapes/bodies.h>
 #include <geometric_shapes/shapes.h>
@@ -159,28 +162,19 @@ class ElementDrawer {
   Isometry3d X_BE_;
 };
 
-enum class Kind { LINK, ATTACHED, STANDING };
-
-Kind kindOf(const CollisionScene& scene, const SceneElement& element) {
-  if (element.body < 0) return Kind::STANDING;
-  return scene.models()[element.model].is_object ? Kind::ATTACHED : Kind::LINK;
-}
-
-Marker patternFor(Kind kind) {
+/// With namespace and colour.
+Marker patternFor(const CollisionScene& scene, const SceneElement& element) {
   Marker pattern;
   pattern.action = Marker::ADD;
-  switch (kind) {
-    case Kind::LINK:
-      pattern.ns = "links";
-      pattern.color = color(0.25f, 0.45f, 0.80f, 0.5f);
-      break;
-    case Kind::ATTACHED:
-      pattern.ns = "attached_objects";
-      pattern.color = color(0.60f, 0.30f, 0.70f, 0.9f);
-      break;
-    case Kind::STANDING:
-      pattern.ns = "standing";
-      pattern.color = color(0.35f, 0.60f, 0.40f, 0.6f);
+  if (element.body < 0) {
+    pattern.ns = "standing";
+    pattern.color = color(0.35f, 0.60f, 0.40f, 0.6f);
+  } else if (scene.models()[element.model].is_object) {
+    pattern.ns = "attached_objects";
+    pattern.color = color(0.60f, 0.30f, 0.70f, 0.9f);
+  } else {
+    pattern.ns = "links";
+    pattern.color = color(0.25f, 0.45f, 0.80f, 0.5f);
   }
   return pattern;
 }
@@ -195,6 +189,37 @@ void draw(const SceneElement& element, Fidelity fidelity, Marker pattern, Marker
   std::visit(drawer, rung.shape ? rung.shape->shape() : element.shape);
 }
 
+struct ByCoordinates {
+  bool operator()(const VoxelCell& a, const VoxelCell& b) const {
+    return std::tie(a.x(), a.y(), a.z()) < std::tie(b.x(), b.y(), b.z());
+  }
+};
+/// 0: touching; 1: as far as reach.
+using Nearness = std::map<VoxelCell, float, ByCoordinates>;
+
+Nearness nearVoxels(const OccupiedVoxels& voxels, const std::vector<Aabb>& boxes, double reach) {
+  Nearness near;
+  for (const Aabb& box : boxes) {
+    if (!box.valid()) continue;
+    voxels.forEachWithin(box, reach, [&](const VoxelCell& cell) {
+      const double gap = std::sqrt(squaredGap(voxels.boxOf(cell, Eigen::Vector3i::Ones()), box));
+      const auto share = static_cast<float>(std::min(1.0, gap / reach));
+      const auto [known, is_new] = near.emplace(cell, share);
+      if (!is_new) known->second = std::min(known->second, share);
+    });
+  }
+  return near;
+}
+
+Marker markerOf(const std::string& name, const std::string& world_frame) {
+  Marker marker;
+  marker.header.frame_id = world_frame;
+  marker.ns = "cloud " + name;
+  marker.type = Marker::CUBE_LIST;
+  marker.pose.orientation.w = 1.0;
+  return marker;
+}
+
 }  // namespace
 
 MarkerArray toSceneMarkers(const CollisionScene& scene, Fidelity fidelity,
@@ -206,14 +231,44 @@ MarkerArray toSceneMarkers(const CollisionScene& scene, Fidelity fidelity,
   const std::size_t nb_drawn = std::min<std::size_t>(nb_elements, MOST_ELEMENTS);
   for (std::size_t n = 0; n < nb_drawn; ++n) {
     const std::uint32_t id = static_cast<std::uint32_t>(n + nb_standing) % nb_elements;
-    if (scene.cloudOf(id) >= 0) continue;  // drawn separately: voxel_markers.h
+    if (scene.cloudOf(id) >= 0) continue;  // drawn separately: toMarker()
     const SceneElement& element = scene.elements()[id];
-    Marker pattern = patternFor(kindOf(scene, element));
+    Marker pattern = patternFor(scene, element);
     pattern.header.frame_id = element.body < 0 ? world_frame : scene.bodies()[element.body].link;
     pattern.frame_locked = element.body >= 0;
     draw(element, fidelity, std::move(pattern), array);
   }
   return array;
+}
+
+Marker toMarker(const OccupiedVoxels& voxels, const std::string& name,
+                const std::vector<Aabb>& boxes, double reach, const std::string& world_frame) {
+  Marker marker = markerOf(name, world_frame);
+  marker.action = Marker::ADD;
+  marker.scale = toVector3(Eigen::Vector3d::Constant(voxels.voxelSize()));
+  marker.color = color(0.30f, 0.55f, 0.75f, 1.0f);
+  const auto add = [&](const VoxelCell& cell, const std_msgs::ColorRGBA& shade) {
+    if (marker.points.size() == MOST_DRAWN_VOXELS) return;
+    const Eigen::Vector3d center =
+        (cell.cast<double>() + Eigen::Vector3d::Constant(0.5)) * voxels.voxelSize();
+    marker.points.push_back(toPoint(center));
+    marker.colors.push_back(shade);
+  };
+  const Nearness near = nearVoxels(voxels, boxes, reach);
+  for (const auto& [cell, share] : near) {
+    add(cell, color(0.95f - 0.05f * share, 0.15f + 0.60f * share, 0.10f, 1.0f));
+  }
+  voxels.forEach([&](const VoxelCell& cell) {
+    if (near.empty() || near.count(cell) == 0) add(cell, marker.color);
+  });
+  if (marker.points.empty()) marker.action = Marker::DELETE;  // rviz complains
+  return marker;
+}
+
+Marker noMarker(const std::string& name, const std::string& world_frame) {
+  Marker marker = markerOf(name, world_frame);
+  marker.action = Marker::DELETE;
+  return marker;
 }
 
 }  // namespace collision_pairs

@@ -1,11 +1,13 @@
-// The modelled scene for rviz. Pure functions.
+// The modelled scene, and occupied voxels, for rviz. Pure functions.
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include <visualization_msgs/MarkerArray.h>
 
 #include "collision_pairs/collision_scene.h"
+#include "collision_pairs/occupied_voxels.h"
 
 namespace collision_pairs {
 
@@ -17,5 +19,17 @@ namespace collision_pairs {
 /// begins with DELETEALL.
 visualization_msgs::MarkerArray toSceneMarkers(const CollisionScene& scene, Fidelity fidelity,
                                                const std::string& world_frame);
+
+/// At most this many voxels are drawn; those nearest to the boxes are always included.
+constexpr std::size_t MOST_DRAWN_VOXELS = 100000;
+
+/// One list of cubes in namespace "cloud NAME". Voxels no further than `reach` from a box are
+/// coloured by that distance, from red to amber. `boxes`: of the robot, in W.
+visualization_msgs::Marker toMarker(const OccupiedVoxels& voxels, const std::string& name,
+                                    const std::vector<Aabb>& boxes, double reach,
+                                    const std::string& world_frame);
+
+/// Deletes the marker.
+visualization_msgs::Marker noMarker(const std::string& name, const std::string& world_frame);
 
 }  // namespace collision_pairs

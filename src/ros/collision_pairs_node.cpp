@@ -11,7 +11,6 @@
 #include "collision_pairs/input_error.h"
 #include "conversions.h"
 #include "frame_names.h"
-#include "shown_limit.h"
 #include "tf_check.h"
 
 namespace collision_pairs {
@@ -27,6 +26,18 @@ const ros::WallDuration IDLE_PERIOD(0.05);  // of cycles triggered by transforms
 struct WakeUp : ros::CallbackInterface {
   CallResult call() override { return Success; }
 };
+
+/// Of what can be reconfigured, but for the fidelity.
+template <class Do>
+void forEachReconfigured(NodeParameters& parameters, CollisionPairsConfig& config, const Do& act) {
+  act(parameters.check.alarm_distance, config.alarm_distance);
+  act(parameters.check.tolerance, config.tolerance);
+  act(parameters.check.time_budget, config.time_budget);
+  act(parameters.check.verdict_only, config.verdict_only);
+  act(parameters.check.min_distance, config.min_distance);
+  act(parameters.rate, config.rate);
+  act(parameters.show_only_investigated_boxes, config.show_only_investigated_boxes);
+}
 
 double secondsSince(const ros::WallTime& start) { return (ros::WallTime::now() - start).toSec(); }
 
@@ -45,9 +56,9 @@ CollisionPairsNode::CollisionPairsNode(ros::NodeHandle node, ros::NodeHandle pri
           private_node,
           [this](std::shared_ptr<const void> old) { scene_service_.release(std::move(old)); }),
       diagnostics_(node, private_node),
-      queries_(private_node, transforms_, scenes_, [this] { return settings(); }),
-      trajectories_(private_node, transforms_, scenes_, [this] { return settings(); }),
-      limiter_(node, private_node, transforms_, scenes_, [this] { return settings(); }) {
+      queries_(private_node, {transforms_, scenes_, [this] { return settings(); }}),
+      trajectories_(private_node, {transforms_, scenes_, [this] { return settings(); }}),
+      limiter_(node, private_node, {transforms_, scenes_, [this] { return settings(); }}) {
   diagnostics_.setHardwareID("none");
   diagnostics_.add("collision check", [this](auto& status) { health_.diagnose(status); });
   if (limiter_.isWanted()) {
@@ -196,31 +207,24 @@ void CollisionPairsNode::takeScene(const ActiveScenePtr& scene) {
 }
 
 void CollisionPairsNode::reconfigure(CollisionPairsConfig& config) {
+  const std::pair<const char*, double> numbers[] = {{"alarm_distance", config.alarm_distance},
+                                                    {"tolerance", config.tolerance},
+                                                    {"time_budget", config.time_budget},
+                                                    {"rate", config.rate}};
+  const auto set = [](auto& to, const auto& from) { to = from; };
+  const auto setBack = [](const auto& from, auto& to) { to = from; };
   try {
-    if (!std::isfinite(config.alarm_distance)) throw InputError("alarm_distance is not finite");
-    if (!std::isfinite(config.tolerance)) throw InputError("tolerance is not finite");
-    if (!std::isfinite(config.time_budget)) throw InputError("time_budget is not finite");
-    if (!std::isfinite(config.rate)) throw InputError("rate is not finite");
+    for (const auto& [name, number] : numbers) {
+      if (!std::isfinite(number)) throw InputError(std::string(name) + " is not finite");
+    }
     const Fidelity fidelity = parseFidelity(config.fidelity);
     const std::lock_guard<std::mutex> lock(mutex_);
-    parameters_.check.alarm_distance = config.alarm_distance;
     parameters_.check.fidelity = fidelity;
-    parameters_.check.tolerance = config.tolerance;
-    parameters_.check.time_budget = config.time_budget;
-    parameters_.check.verdict_only = config.verdict_only;
-    parameters_.check.min_distance = config.min_distance;
-    parameters_.rate = config.rate;
-    parameters_.show_only_investigated_boxes = config.show_only_investigated_boxes;
+    forEachReconfigured(parameters_, config, set);
   } catch (const InputError& error) {
     ROS_ERROR_STREAM("reconfigure: " << error.what() << "; nothing is changed");
-    config.alarm_distance = parameters_.check.alarm_distance;
     config.fidelity = fidelityName(parameters_.check.fidelity);
-    config.tolerance = parameters_.check.tolerance;
-    config.time_budget = parameters_.check.time_budget;
-    config.verdict_only = parameters_.check.verdict_only;
-    config.min_distance = parameters_.check.min_distance;
-    config.rate = parameters_.rate;
-    config.show_only_investigated_boxes = parameters_.show_only_investigated_boxes;
+    forEachReconfigured(parameters_, config, setBack);
     return;
   }
   next_cycle_ = ros::SteadyTime::now();  // the rate may have changed, too

@@ -16,11 +16,10 @@
 #include "collision_pairs/collision_detector.h"
 #include "node_health.h"
 #include "parameters.h"
-#include "query_service.h"
+#include "query_services.h"
 #include "report_publisher.h"
 #include "scene_service.h"
 #include "scene_store.h"
-#include "trajectory_service.h"
 #include "transform_input.h"
 #include "velocity_limiter.h"
 
@@ -70,7 +69,7 @@ class CollisionPairsNode {
   CollisionPairs last_message_;
   std::optional<ShownLimit> shown_limit_;
   bool last_is_checked_ = false;  // it was made from the detector's report
-  ros::SteadyTime next_cycle_;  // the earliest
+  ros::SteadyTime next_cycle_;    // the earliest
   ros::SteadyTime last_cycle_;
   std::uint64_t nb_taken_ = 0;  // messages of transforms before the last cycle
   NodeHealth health_;

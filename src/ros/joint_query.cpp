@@ -50,42 +50,38 @@ JointQuery::JointQuery(const std::vector<std::string>& names, const CollisionSce
   const std::vector<char> is_needed = bodiesNeeded(scene);
   for (const Body& body : scene.robot().bodies()) {
     std::string doubt;
-    sources_.push_back(sourceOf(body, tf, doubt));
-    if (!doubt.empty() && is_needed[sources_.size() - 1]) doubts_.push_back(std::move(doubt));
+    placed_.push_back(poseOf(body, tf, doubt));
+    if (!doubt.empty() && is_needed[placed_.size() - 1]) doubts_.push_back(std::move(doubt));
   }
   const std::string clock = tf.transforms.clockDoubt();
   if (!joints_from_tf_.empty() && !clock.empty()) doubts_.push_back(clock);
 }
 
-JointQuery::Source JointQuery::sourceOf(const Body& body, const JointQueryTf& tf,
-                                        std::string& doubt) {
+std::optional<Isometry3d> JointQuery::poseOf(const Body& body, const JointQueryTf& tf,
+                                             std::string& doubt) {
   const RobotModel& robot = scene_.robot();
   const std::string& link = robot.links()[body.link].name;
+  Isometry3d X_PB = Isometry3d::Identity();
   if (body.joint < 0) {
-    Source root;
-    root.X_PB = Isometry3d::Identity();
-    if (tf.frame == link || askTf(tf, tf.frame, link, root.X_PB, doubt)) return root;
+    if (tf.frame == link || askTf(tf, tf.frame, link, X_PB, doubt)) return X_PB;
     throw InputError("TF does not know root link '" + link + "' in frame '" + tf.frame +
                      "' at stamp " + std::to_string(tf.stamp.toSec()) +
                      (tf.now.isZero() ? std::string(": ") + NO_CLOCK : ""));
   }
-  Source source;
-  source.joint = columns_.sourceOf(body.joint);
-  if (source.joint.column >= 0) return source;
+  if (columns_.sourceOf(body.joint).column >= 0) return std::nullopt;
   const Joint& joint = robot.joints()[body.joint];
   const std::string& parent = robot.links()[robot.bodies()[body.parent].link].name;
-  if (askTf(tf, parent, link, source.X_PB, doubt)) {
+  if (askTf(tf, parent, link, X_PB, doubt)) {
     joints_from_tf_.push_back(joint.name);
-    if (!tf.held.empty() && tf.held[sources_.size()]) {
+    if (!tf.held.empty() && tf.held[placed_.size()]) {
       doubt = "joint '" + joint.name + "' is not named, and only /tf_static places its link";
     }
-    return source;
+    return X_PB;
   }
   joints_at_zero_.push_back(joint.name);
   doubt = "joint '" + joint.name + "' is neither named nor known to TF: it was taken as zero; " +
           (tf.now.isZero() ? NO_CLOCK : doubt);
-  source.X_PB = body.X_PJ * joint.motion(robot.zeroPositions()[body.joint]);
-  return source;
+  return body.X_PJ * joint.motion(robot.zeroPositions()[body.joint]);
 }
 
 void JointQuery::refuseOtherCount(const std::vector<double>& positions) const {
@@ -102,12 +98,10 @@ void JointQuery::bodyPosesAt(const std::vector<double>& positions,
   X_WB.resize(robot.bodies().size());
   for (std::size_t i = 0; i < robot.bodies().size(); ++i) {
     const Body& body = robot.bodies()[i];
-    const auto& [joint, X_PB] = sources_[i];
-    if (body.joint < 0) {
-      X_WB[i] = X_PB;
-    } else if (joint.column < 0) {
-      X_WB[i] = X_WB[body.parent] * X_PB;
+    if (placed_[i]) {
+      X_WB[i] = body.joint < 0 ? *placed_[i] : X_WB[body.parent] * *placed_[i];
     } else {
+      const JointColumns::Source& joint = columns_.sourceOf(body.joint);
       const double position = joint.multiplier * positions[joint.column] + joint.offset;
       X_WB[i] = X_WB[body.parent] * body.X_PJ * robot.joints()[body.joint].motion(position);
     }
@@ -125,15 +119,6 @@ std::vector<double> JointQuery::jointPositionsAt(const std::vector<double>& posi
   std::vector<double> all = scene_.robot().zeroPositions();
   columns_.apply(positions.data(), all);
   return all;
-}
-
-std::vector<std::optional<Isometry3d>> JointQuery::placedBodies() const {
-  std::vector<std::optional<Isometry3d>> placed;
-  for (const Source& source : sources_) {
-    placed.emplace_back();
-    if (source.joint.column < 0) placed.back() = source.X_PB;
-  }
-  return placed;
 }
 
 }  // namespace collision_pairs

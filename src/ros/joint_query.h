@@ -10,6 +10,7 @@
 #include "collision_pairs/body_poses.h"
 #include "collision_pairs/collision_scene.h"
 #include "collision_pairs/joint_columns.h"
+#include "collision_pairs/motion_check.h"
 #include "transform_input.h"
 
 namespace collision_pairs {
@@ -45,7 +46,7 @@ class JointQuery {
   /// The same state for MotionCheck: a position for each of RobotModel::joints(), and the bodies
   /// with poses not given by the positions.
   std::vector<double> jointPositionsAt(const std::vector<double>& positions) const;
-  std::vector<std::optional<Eigen::Isometry3d>> placedBodies() const;
+  const PlacedBodies& placedBodies() const { return placed_; }
 
   /// Movable joints not named: those with positions from TF, and those at zero because TF does not
   /// have them.
@@ -56,18 +57,14 @@ class JointQuery {
   const std::vector<std::string>& doubts() const { return doubts_; }
 
  private:
-  /// Source of the position of a body's joint.
-  struct Source {
-    JointColumns::Source joint;  ///< without a column: X_PB is the pose
-    Eigen::Isometry3d X_PB;      ///< pose of the body in its parent's frame
-  };
-
-  Source sourceOf(const Body& body, const JointQueryTf& tf, std::string& doubt);
+  /// Its pose in its parent's frame (of a root: in the frame); none: its joint has a column.
+  std::optional<Eigen::Isometry3d> poseOf(const Body& body, const JointQueryTf& tf,
+                                          std::string& doubt);
   void refuseOtherCount(const std::vector<double>& positions) const;
 
   const CollisionScene& scene_;
   const JointColumns columns_;
-  std::vector<Source> sources_;  // one per body; that of the root holds its pose in the frame
+  PlacedBodies placed_;
   std::vector<std::string> joints_from_tf_;
   std::vector<std::string> joints_at_zero_;
   std::vector<std::string> doubts_;

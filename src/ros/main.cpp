@@ -1,14 +1,86 @@
+#include <atomic>
 #include <chrono>
+#include <condition_variable>
 #include <cstdlib>
 #include <exception>
+#include <mutex>
 #include <thread>
 
 #include <ros/ros.h>
 
 #include "collision_pairs_node.h"
-#include "master_watch.h"
 
 namespace {
+
+constexpr std::chrono::seconds PERIOD{2};
+
+enum class Answer { KNOWN, NOT_KNOWN, NONE };
+
+// The service is registered early, so a restart of the master during the start of the node is
+// noticed too. http://wiki.ros.org/ROS/Master_API: for an unknown service lookupService returns
+// [-1, message, value].
+Answer askMaster() {
+  XmlRpc::XmlRpcValue question, answer, payload;
+  question[0] = ros::this_node::getName();
+  question[1] = ros::names::resolve("~update_scene");
+  const bool wait_for_master = false;
+  if (ros::master::execute("lookupService", question, answer, payload, wait_for_master)) {
+    return Answer::KNOWN;
+  }
+  return answer.valid() && answer.getType() == XmlRpc::XmlRpcValue::TypeArray ? Answer::NOT_KNOWN
+                                                                              : Answer::NONE;
+}
+
+/// roscpp registers a node once. A restarted master does not know it, so no new client can
+/// subscribe to it or call it, although it runs. This asks the master every two seconds, on a
+/// separate thread, and requests a shutdown if the master does not know the node. If the master
+/// does not answer, the node and its connections continue.
+class MasterWatch {
+ public:
+  /// Construct it after the node has advertised its services.
+  MasterWatch() : thread_([this] { run(); }) {}
+  ~MasterWatch() {
+    {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      ends_ = true;
+    }
+    ending_.notify_all();
+    thread_.join();
+  }
+
+  /// True if it has requested the shutdown.
+  bool isForgotten() const { return is_forgotten_; }
+
+ private:
+  void run() {
+    std::unique_lock<std::mutex> lock(mutex_);
+    bool answers = true;
+    while (!ending_.wait_for(lock, PERIOD, [this] { return ends_; })) {
+      lock.unlock();
+      const Answer answer = askMaster();
+      lock.lock();
+      if (answers && answer == Answer::NONE) {
+        ROS_WARN("the ROS master does not answer; existing connections continue");
+      }
+      answers = answer != Answer::NONE;
+      if (answer == Answer::NOT_KNOWN && ros::ok()) {
+        ROS_FATAL(
+            "the ROS master was restarted and does not know this node. A ROS 1 node registers only "
+            "once, so this one exits; restart it (respawn:=true of collision_pairs.launch does "
+            "so)");
+        is_forgotten_ = true;
+        ros::requestShutdown();
+        return;
+      }
+    }
+  }
+
+  std::atomic<bool> is_forgotten_{false};
+  std::mutex mutex_;  // guards ends_
+  std::condition_variable ending_;
+  bool ends_ = false;
+  std::thread thread_;  // last: it uses the other members
+};
 
 // Does not wait for a mesh being read or a long trajectory; neither leaves partial results.
 void endSoon(int status) {
@@ -26,7 +98,7 @@ int main(int argc, char** argv) {
   try {
     collision_pairs::CollisionPairsNode node{ros::NodeHandle(), ros::NodeHandle("~"),
                                              *ros::getGlobalCallbackQueue()};
-    const collision_pairs::MasterWatch master;
+    const MasterWatch master;
     node.run();
     const int status = master.isForgotten() ? 1 : 0;
     endSoon(status);

@@ -35,11 +35,6 @@ void NodeHealth::noteProblem(const std::string& problem) {
   nb_unresolved_ = 0;
 }
 
-void NodeHealth::noteTransforms(std::vector<std::string> refused, unsigned nb_clock_jumps) {
-  refused_ = std::move(refused);
-  nb_clock_jumps_ = nb_clock_jumps;
-}
-
 void NodeHealth::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
   using diagnostic_msgs::DiagnosticStatus;
   if (!problem_.empty()) {

@@ -27,7 +27,10 @@ class NodeHealth {
     warnings_ = std::move(warnings);
     open_meshes_ = std::move(open_meshes);
   }
-  void noteTransforms(std::vector<std::string> refused, unsigned nb_clock_jumps);
+  void noteTransforms(std::vector<std::string> refused, unsigned nb_clock_jumps) {
+    refused_ = std::move(refused);
+    nb_clock_jumps_ = nb_clock_jumps;
+  }
 
   /// Warns of overruns if more than a tenth of the cycles since the last call took longer than
   /// their period.

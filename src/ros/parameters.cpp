@@ -2,56 +2,59 @@
 
 #include <array>
 #include <cmath>
-#include <sstream>
 
 #include <collision_pairs/CollisionPairsConfig.h>
 #include <ros/console.h>
 
 #include "collision_pairs/input_error.h"
 #include "frame_names.h"
-#include "yaml_parameters.h"
 
 namespace collision_pairs {
 namespace {
 
-/// Reads numbers and words; invalid ones are replaced by the current `value`.
+YAML::Node toYaml(XmlRpc::XmlRpcValue& value) {
+  using XmlRpc::XmlRpcValue;
+  YAML::Node node;
+  switch (value.getType()) {
+    case XmlRpcValue::TypeBoolean:
+      return YAML::Node(static_cast<bool&>(value));
+    case XmlRpcValue::TypeInt:
+      return YAML::Node(static_cast<int&>(value));
+    case XmlRpcValue::TypeDouble:
+      return YAML::Node(static_cast<double&>(value));
+    case XmlRpcValue::TypeString:
+      return YAML::Node(static_cast<std::string&>(value));
+    case XmlRpcValue::TypeArray:
+      node = YAML::Node(YAML::NodeType::Sequence);
+      for (int i = 0; i < value.size(); ++i) node.push_back(toYaml(value[i]));
+      return node;
+    case XmlRpcValue::TypeStruct:
+      node = YAML::Node(YAML::NodeType::Map);
+      for (auto& entry : value) node[entry.first] = toYaml(entry.second);
+      return node;
+    default:
+      return YAML::Node(value.toXml());
+  }
+}
+
+/// Reads parameters; invalid ones are replaced by the current `value`.
 class Reader {
  public:
   explicit Reader(const ros::NodeHandle& node) : node_(node) {}
 
   void number(const std::string& name, double lowest, double highest, double& value) const {
-    XmlRpc::XmlRpcValue given;
-    if (!node_.getParam(name, given)) return;
-    double found = NAN;
-    if (given.getType() == XmlRpc::XmlRpcValue::TypeDouble) found = static_cast<double&>(given);
-    if (given.getType() == XmlRpc::XmlRpcValue::TypeInt) found = static_cast<int&>(given);
-    if (std::isfinite(found) && found >= lowest && found <= highest) {
-      value = found;
-      return;
-    }
-    replace(name, given.toXml(),
-            "must be a number from " + std::to_string(lowest) + " to " + std::to_string(highest),
-            value);
+    const std::string rule =
+        "must be a number from " + std::to_string(lowest) + " to " + std::to_string(highest);
+    read(name, rule, value,
+         [&](double found) { return std::isfinite(found) && found >= lowest && found <= highest; });
   }
 
   void flag(const std::string& name, bool& value) const {
-    XmlRpc::XmlRpcValue given;
-    if (!node_.getParam(name, given)) return;
-    if (given.getType() == XmlRpc::XmlRpcValue::TypeBoolean) {
-      value = static_cast<bool&>(given);
-    } else {
-      replace(name, given.toXml(), "must be true or false", value);
-    }
+    read(name, "must be true or false", value, [](bool) { return true; });
   }
 
   void word(const std::string& name, std::string& value) const {
-    XmlRpc::XmlRpcValue given;
-    if (!node_.getParam(name, given)) return;
-    if (given.getType() == XmlRpc::XmlRpcValue::TypeString) {
-      value = static_cast<std::string&>(given);
-    } else {
-      replace(name, given.toXml(), "must be text", value);
-    }
+    read(name, "must be text", value, [](const std::string&) { return true; });
   }
 
   void oneOf(const std::string& name, const std::array<std::string, 2>& words,
@@ -65,25 +68,41 @@ class Reader {
     }
   }
 
-  void complain(const std::string& name, const std::string& given, const std::string& rule) const {
-    ROS_ERROR_STREAM("parameter " << node_.resolveName(name) << " is " << given << ", but "
-                                  << rule);
-  }
-
   template <typename T>
   void replace(const std::string& name, const std::string& given, const std::string& rule,
                const T& value) const {
-    std::ostringstream repair;
-    repair << rule << "; using " << value;
-    complain(name, given, repair.str());
+    ROS_ERROR_STREAM("parameter " << node_.resolveName(name) << " is " << given << ", but " << rule
+                                  << "; using " << value);
     node_.setParam(name, value);
   }
 
  private:
+  template <typename T, class IsValid>
+  void read(const std::string& name, const std::string& rule, T& value,
+            const IsValid& is_valid) const {
+    XmlRpc::XmlRpcValue given;
+    if (!node_.getParam(name, given)) return;
+    T found = value;
+    if (node_.getParam(name, found) && is_valid(found)) {  // it has the type
+      value = found;
+    } else {
+      replace(name, given.toXml(), rule, value);
+    }
+  }
+
   const ros::NodeHandle& node_;
 };
 
 }  // namespace
+
+YAML::Node yamlParameters(const ros::NodeHandle& node, const std::vector<std::string>& keys) {
+  YAML::Node map(YAML::NodeType::Map);
+  for (const std::string& key : keys) {
+    XmlRpc::XmlRpcValue value;
+    if (node.getParam(key, value)) map[key] = toYaml(value);
+  }
+  return map;
+}
 
 std::vector<RobotParameters> readRobots(const ros::NodeHandle& private_node) {
   const std::string rule =
@@ -91,9 +110,8 @@ std::vector<RobotParameters> readRobots(const ros::NodeHandle& private_node) {
       "where semantic is optional";
   const std::string key = private_node.resolveName("robots");
   const YAML::Node given = yamlParameters(private_node, {"robots"})["robots"];
-  if (!given) return {RobotParameters()};
+  if (!given || (given.IsSequence() && given.size() == 0)) return {RobotParameters()};
   if (!given.IsSequence()) throw InputError("parameter " + key + rule);
-  if (given.size() == 0) return {RobotParameters()};
   std::vector<RobotParameters> robots;
   for (const YAML::Node& entry : given) {
     if (!entry.IsMap()) throw InputError("parameter " + key + rule);

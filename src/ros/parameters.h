@@ -5,11 +5,16 @@
 #include <vector>
 
 #include <ros/node_handle.h>
+#include <yaml-cpp/yaml.h>
 
 #include "collision_pairs/collision_detector.h"
 #include "track.h"
 
 namespace collision_pairs {
+
+/// A map with those of `keys` that are set below the node's namespace, so that one reader serves
+/// parameters and files.
+YAML::Node yamlParameters(const ros::NodeHandle& node, const std::vector<std::string>& keys);
 
 /// One of ~robots: the names of the parameters with its URDF and SRDF, and its TF prefix.
 struct RobotParameters {
@@ -42,8 +47,8 @@ struct NodeParameters {
   /// ~allow_paused: under use_sim_time, the clock may stand still.
   bool allow_paused = false;
 
-  /// ~trigger: when a cycle begins. `rate`: at the rate. `tf`: as soon as transforms have arrived, at
-  /// most at the rate, and without any each 0.05 s.
+  /// ~trigger: when a cycle begins. `rate`: at the rate. `tf`: as soon as transforms have arrived,
+  /// at most at the rate, and without any each 0.05 s.
   std::string trigger = "rate";
   static constexpr const char* TF = "tf";
 

@@ -7,7 +7,6 @@
 #include <visualization_msgs/MarkerArray.h>
 
 #include "scene_markers.h"
-#include "voxel_markers.h"
 
 namespace collision_pairs {
 namespace {

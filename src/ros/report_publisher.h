@@ -10,9 +10,9 @@
 #include <ros/node_handle.h>
 #include <ros/publisher.h>
 
-#include "active_scene.h"
 #include "collision_pairs/collision_detector.h"
 #include "markers.h"
+#include "scene_store.h"
 
 namespace collision_pairs {
 

@@ -10,32 +10,28 @@
 #include "collision_pairs/mesh_loader.h"
 #include "parameters.h"
 #include "user_text.h"
-#include "yaml_parameters.h"
 
 namespace collision_pairs {
 namespace {
 
-/// Writes the resolved name of the parameter to `key`; false if it does not exist. An empty value
-/// counts as missing: a launch file cannot set a parameter only if a command prints something.
-bool findText(const ros::NodeHandle& node, const std::string& name, std::string& key,
-              std::string& text) {
-  XmlRpc::XmlRpcValue value;
-  if (!node.searchParam(name, key) || !node.getParam(key, value)) return false;
-  if (value.getType() != XmlRpc::XmlRpcValue::TypeString) {
-    throw InputError("parameter " + key + " is not text; load an XML file into it with textfile=");
-  }
-  text = static_cast<std::string&>(value);
-  return !text.empty();
-}
-
 using Descriptions = std::map<std::string, std::size_t>;
 
-/// The same, and notes the hash of what it finds.
+/// Writes the resolved name of the parameter to `key`, and notes the hash of what it finds; false
+/// if it does not exist. An empty value counts as missing: a launch file cannot set a parameter
+/// only if a command prints something.
 bool findText(const ros::NodeHandle& node, const std::string& name, std::string& key,
               std::string& text, Descriptions& found) {
-  const bool is_there = findText(node, name, key, text);
-  found[name] = std::hash<std::string>()(is_there ? text : "");
-  return is_there;
+  XmlRpc::XmlRpcValue value;
+  text.clear();
+  if (node.searchParam(name, key) && node.getParam(key, value)) {
+    if (value.getType() != XmlRpc::XmlRpcValue::TypeString) {
+      throw InputError("parameter " + key +
+                       " is not text; load an XML file into it with textfile=");
+    }
+    text = static_cast<std::string&>(value);
+  }
+  found[name] = std::hash<std::string>()(text);
+  return !text.empty();
 }
 
 /// Adds the parameter's name to errors of `read`.
@@ -85,13 +81,6 @@ SceneSources::Robot loadRobot(const ros::NodeHandle& node, const RobotParameters
   return robot;
 }
 
-std::unique_ptr<RobotSource> loadEnvironment(const ros::NodeHandle& node,
-                                             const MeshLoader& load_mesh, Descriptions& found) {
-  std::string key, xml;
-  if (!findText(node, "environment_description", key, xml, found)) return nullptr;
-  return makeSource(key, xml, load_mesh);
-}
-
 /// Refuses a misspelt rule about pairs, which would otherwise silently not apply. Returns a warning
 /// of each other parameter that is none.
 std::vector<std::string> refuseMisspelt(const ros::NodeHandle& node,
@@ -135,7 +124,10 @@ SceneParameters readSceneParameters(const ros::NodeHandle& private_node) {
     sources.robots.push_back(loadRobot(private_node, robot, load_mesh, all.descriptions));
   }
   all.warnings = refuseMisspelt(private_node, robots);
-  sources.world = loadEnvironment(private_node, load_mesh, all.descriptions);
+  std::string key, xml;
+  if (findText(private_node, "environment_description", key, xml, all.descriptions)) {
+    sources.world = makeSource(key, xml, load_mesh);
+  }
   const YAML::Node parameters = yamlParameters(private_node, sceneConfigKeys());
   sources.config =
       fromParameter(private_node.getNamespace(), [&] { return readSceneConfig(parameters); });
@@ -148,10 +140,12 @@ SceneParameters readSceneParameters(const ros::NodeHandle& private_node) {
 std::vector<std::string> changedDescriptions(const ros::NodeHandle& private_node,
                                              const Descriptions& read) {
   std::vector<std::string> changed;
+  Descriptions found;
   for (const auto& [name, hash] : read) {
     std::string key, text;
-    if (!findText(private_node, name, key, text)) continue;
-    if (std::hash<std::string>()(text) != hash) changed.push_back(key);
+    if (findText(private_node, name, key, text, found) && found[name] != hash) {
+      changed.push_back(key);
+    }
   }
   return changed;
 }

@@ -1,7 +1,6 @@
 #include "scene_store.h"
 
 #include <algorithm>
-#include <functional>
 #include <set>
 
 #include <ros/console.h>
@@ -16,17 +15,6 @@ namespace {
 
 constexpr std::size_t KEPT_RESTRICTIONS = 8;
 
-Eigen::Isometry3d lookUp(TransformInput& transforms, const std::string& target,
-                         const std::string& source, const ros::Time& stamp) {
-  const ros::Time now = transforms.followClock();
-  try {
-    return transforms.lookUp(target, source, stamp).X_TS;
-  } catch (const InputError& error) {
-    throw InputError("TF does not know '" + source + "' in '" + target +
-                     "': " + (now.isZero() ? NO_CLOCK : error.what()));
-  }
-}
-
 /// TF may have frames that are not links, and gives no hint for a misspelt one.
 void requireLink(const RobotModel& robot, const std::string& name) {
   if (robot.findLink(name) >= 0) return;
@@ -36,15 +24,24 @@ void requireLink(const RobotModel& robot, const std::string& name) {
                    nearestName(name, links) + "'?");
 }
 
-/// Logs nothing if it takes less than a second.
-std::function<void(std::size_t, std::size_t)> progressOnLog(const ros::WallTime& start) {
-  return [start](std::size_t done, std::size_t total) {
-    if ((ros::WallTime::now() - start).toSec() < 1.0) return;
-    ROS_INFO_STREAM_THROTTLE(1.0, "prepared " << done << " of " << total << " meshes");
-  };
+}  // namespace
+
+std::vector<std::string> addVoxels(const ActiveScene& scene, const ros::Time& now,
+                                   BodyPoses& poses) {
+  std::vector<std::string> doubts;
+  if (!scene.clouds) return doubts;
+  for (CloudDoubt& doubt : addVoxels(scene.clouds->views(now), *scene.scene, poses)) {
+    doubts.push_back(std::move(doubt.why));
+  }
+  return doubts;
 }
 
-}  // namespace
+std::vector<std::string> addVoxels(const ActiveScene& scene, const ros::Time& stamp,
+                                   const ros::Time& now, BodyPoses& poses) {
+  if (stamp.isZero()) return addVoxels(scene, now, poses);
+  if (scene.scene->clouds().empty()) return {};
+  return {"the request has a stamp, and only the newest clouds are kept: leave stamp at 0"};
+}
 
 SceneStore::SceneStore(const ros::NodeHandle& node, const ros::NodeHandle& private_node,
                        TransformInput& transforms)
@@ -110,7 +107,13 @@ void SceneStore::update(const std::vector<SceneChange>& changes) {
   const auto look_up = [&](const std::string& target, const std::string& source,
                            const ros::Time& stamp) {
     if (target != frame) requireLink(scene_->scene->robot(), target);
-    return lookUp(transforms_, target, source, stamp);
+    const ros::Time now = transforms_.followClock();
+    try {
+      return transforms_.lookUp(target, source, stamp).X_TS;
+    } catch (const InputError& error) {
+      throw InputError("TF does not know '" + source + "' in '" + target +
+                       "': " + (now.isZero() ? NO_CLOCK : error.what()));
+    }
   };
   const ObjectEdits edits = editsBy(changes, objects_, {frame, look_up, load_mesh_});
   if (auto active = withAlike(edits)) {
@@ -132,20 +135,16 @@ std::shared_ptr<ActiveScene> SceneStore::withAlike(const ObjectEdits& edits) {
   if (std::any_of(edits.begin(), edits.end(), isOfParameters)) return nullptr;
   const auto scene = scene_->scene->withAlike(sceneChanges(edits, objects_), &cache_);
   if (!scene) return nullptr;
-  auto active = std::make_shared<ActiveScene>();
+  auto active = std::make_shared<ActiveScene>(*scene_);
   active->scene = scene;
-  active->broken_links = scene_->broken_links;
-  active->broken = scene_->broken;
-  active->warnings = scene_->warnings;
   active->open_meshes = scene->openMeshes();
-  active->frame = scene_->frame;
   const auto isSame = [](const SceneBody& a, const SceneBody& b) { return a.body == b.body; };
   const auto &bodies = scene->bodies(), &before = scene_->scene->bodies();
   const bool are_same =
       std::equal(bodies.begin(), bodies.end(), before.begin(), before.end(), isSame);
-  active->tf_poses = are_same
-                         ? scene_->tf_poses
-                         : posesOf(*scene, active->frame, parameters_.sources.config.static_joints);
+  if (!are_same) {
+    active->tf_poses = posesOf(*scene, active->frame, parameters_.sources.config.static_joints);
+  }
   return active;
 }
 
@@ -214,7 +213,11 @@ SceneStore::Built SceneStore::build(SceneParameters& parameters, const SceneObje
   SceneDescription description =
       describeScene(parameters.sources, std::move(present), restriction, broken);
   noteBroken(broken, *active);
-  description.settings.progress = progressOnLog(ros::WallTime::now());
+  const ros::WallTime start = ros::WallTime::now();
+  description.settings.progress = [start](std::size_t done, std::size_t total) {
+    if ((ros::WallTime::now() - start).toSec() < 1.0) return;  // not worth a line
+    ROS_INFO_STREAM_THROTTLE(1.0, "prepared " << done << " of " << total << " meshes");
+  };
   active->scene = CollisionScene::build(description, &cache_);
   const CollisionScene& scene = *active->scene;
   active->warnings = parameters.warnings;

@@ -1,6 +1,7 @@
 // Holds the active scene, and replaces it.
 #pragma once
 
+#include <memory>
 #include <mutex>
 #include <set>
 #include <string>
@@ -9,13 +10,40 @@
 
 #include <ros/node_handle.h>
 
-#include "active_scene.h"
-#include "parameters.h"
+#include "cloud_sources.h"
+#include "collision_pairs/collision_scene.h"
 #include "scene_loader.h"
 #include "scene_updates.h"
+#include "tf_poses.h"
 #include "transform_input.h"
 
 namespace collision_pairs {
+
+/// A scene with the node's data about it. Replaced as a whole; holders of the old one can continue.
+struct ActiveScene {
+  std::shared_ptr<const CollisionScene> scene;
+  /// Links with geometry that could not be read: listed as left out in every report.
+  std::vector<std::string> broken_links;
+  /// Their errors, one line each.
+  std::vector<std::string> broken;
+  /// Of its parameters; they concern no pair.
+  std::vector<std::string> warnings;
+  /// CollisionScene::openMeshes().
+  std::vector<std::string> open_meshes;
+  std::string frame;                        ///< of reports and markers
+  std::shared_ptr<const TfPoses> tf_poses;  ///< of its bodies
+  /// Sources of its clouds, which the next scene continues to use. Null if there are none.
+  std::shared_ptr<CloudSources> clouds;
+};
+
+using ActiveScenePtr = std::shared_ptr<const ActiveScene>;
+
+/// Fills in the voxels of the scene's clouds at `now`; returns why a report cannot be FREE.
+std::vector<std::string> addVoxels(const ActiveScene& scene, const ros::Time& now,
+                                   BodyPoses& poses);
+/// The same for a request at a stamp (0: now). Its clouds are unknown: only the newest are kept.
+std::vector<std::string> addVoxels(const ActiveScene& scene, const ros::Time& stamp,
+                                   const ros::Time& now, BodyPoses& poses);
 
 /// Thread safe. Getting the active scene never waits for one that is being built. A call that
 /// throws changes nothing.

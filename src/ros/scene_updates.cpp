@@ -134,12 +134,7 @@ class Updater {
   }
 
   Isometry3d poseOf(const SceneObject& message, const std::string& parent) const {
-    Isometry3d X_FO;
-    if (!toIsometry(message.pose, X_FO)) {
-      throw InputError(
-          "its pose is invalid: a finite position and a quaternion of length 1 are needed, but " +
-          whyNoIsometry(message.pose));
-    }
+    const Isometry3d X_FO = requiredIsometry(message.pose);
     const std::string frame = withoutLeadingSlash(message.header.frame_id);
     return pose(parent, frame.empty() ? context_.world_frame : frame, message.header.stamp) * X_FO;
   }

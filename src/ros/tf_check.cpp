@@ -6,6 +6,10 @@
 namespace collision_pairs {
 namespace {
 
+// Seconds. A shorter window is more recent, a longer one averages more encoder noise; TF
+// interpolates if its rate is lower.
+constexpr double VELOCITY_WINDOW = 0.1;
+
 /// Earlier poses of the bodies in the pairs, VELOCITY_WINDOW before.
 EarlierPoses posesBefore(const ActiveScene& active, const StampedPoses& stamped,
                          const CollisionReport& report) {

@@ -6,8 +6,8 @@
 
 #include <collision_pairs/CollisionPairs.h>
 
-#include "active_scene.h"
 #include "collision_pairs/collision_detector.h"
+#include "scene_store.h"
 #include "transform_input.h"
 
 namespace collision_pairs {
@@ -24,12 +24,8 @@ CollisionPairs checkPoses(const ActiveScene& scene, const StampedPoses& stamped,
                           const std::vector<std::string>& doubts, const CheckSettings& settings,
                           const ros::Time& now, double transform_time, CollisionDetector& detector);
 
-/// Seconds. A shorter window is more recent, a longer one averages more encoder noise; TF
-/// interpolates if its rate is lower.
-constexpr double VELOCITY_WINDOW = 0.1;
-
 /// Adds the closing speeds of the pairs of `report`, from which the message was made, using the TF
-/// poses VELOCITY_WINDOW before.
+/// poses 0.1 s before.
 void addClosingMotion(const ActiveScene& scene, const StampedPoses& stamped,
                       const CollisionReport& report, CollisionPairs& message);
 

@@ -2,10 +2,8 @@
 
 #include <ros/console.h>
 
-#include "collision_pairs/input_error.h"
 #include "geometry_conversions.h"
 #include "robot_poses.h"
-#include "stamps.h"
 #include "user_text.h"
 
 namespace collision_pairs {
@@ -76,8 +74,8 @@ std::string TransformInput::takeOne(const geometry_msgs::TransformStamped& trans
                                     const std::string& publisher) {
   const auto& p = transform.transform.translation;
   const auto& q = transform.transform.rotation;
-  Eigen::Isometry3d X;
-  if (!toIsometry(transform.transform, X)) return whyNoIsometry(transform.transform);
+  const std::string why = whyNoIsometry(transform.transform);
+  if (!why.empty()) return why;
   if (!is_static && now.isZero() && !transform.header.stamp.isZero()) return NO_CLOCK;
   return buffer_.take(
       {transform.header.frame_id, transform.child_frame_id, toNs(transform.header.stamp),

@@ -26,6 +26,11 @@ StampNs toNs(const ros::Time& stamp);
 /// NEVER (static) becomes 0.
 ros::Time toTime(StampNs stamp);
 
+/// Seconds. ros::Duration throws beyond 68 years, and stamps may be anything.
+inline double secondsBetween(const ros::Time& begin, const ros::Time& end) {
+  return end.toSec() - begin.toSec();
+}
+
 /// A TransformBuffer fed from topics, with the names of the publishers, and a watch on the clock.
 /// Thread safe: every call that reads the clock reads it under the lock.
 class TransformInput {

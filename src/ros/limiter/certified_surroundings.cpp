@@ -139,11 +139,6 @@ bool CertifiedSurroundings::moves(const PairReport& pair,
   return false;
 }
 
-bool CertifiedSurroundings::isRobot(const PairReport& pair) const {
-  const auto& models = scene_->models();
-  return models[pair.first].body >= 0 && models[pair.second].body >= 0;
-}
-
 bool CertifiedSurroundings::nearPairs(double reach, const std::vector<double>& direction,
                                       std::vector<NearPair>& pairs, std::string& why) {
   CheckSettings settings;
@@ -162,8 +157,9 @@ bool CertifiedSurroundings::nearPairs(double reach, const std::vector<double>& d
   pairs.clear();
   for (const PairReport& pair : report.pairs) {
     if (!moves(pair, direction)) continue;
-    NearPair found{models[pair.first].name, models[pair.second].name, pair.distance,
-                   std::numeric_limits<double>::quiet_NaN(), isRobot(pair)};
+    const CollisionModel &first = models[pair.first], &second = models[pair.second];
+    NearPair found{first.name, second.name, pair.distance, std::numeric_limits<double>::quiet_NaN(),
+                   first.body >= 0 && second.body >= 0};
     if (gradient_.compute(pair, report, X_WB_, rates_.data())) {
       found.derivative = 0.0;
       for (std::size_t i = 0; i < rates_.size(); ++i) found.derivative += rates_[i] * direction[i];

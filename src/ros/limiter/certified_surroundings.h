@@ -39,7 +39,6 @@ class CertifiedSurroundings : public Surroundings {
   const std::shared_ptr<const CollisionScene>& scene() const { return scene_; }
 
  private:
-  bool isRobot(const PairReport& pair) const;
   bool moves(const PairReport& pair, const std::vector<double>& direction) const;
 
   std::shared_ptr<const CollisionScene> scene_;

@@ -3,11 +3,33 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
 
 #include "collision_pairs/input_error.h"
 
 namespace collision_pairs {
+
+void JointPositions::take(const sensor_msgs::JointState& message, double now, double tolerance) {
+  const double stamp = message.header.stamp.toSec();
+  if (stamp > now + tolerance) return;
+  const std::size_t nb_joints = std::min(message.name.size(), message.position.size());
+  for (std::size_t i = 0; i < nb_joints; ++i) {
+    Position& position = newest_[message.name[i]];
+    if (stamp >= position.stamp) position = {stamp, message.position[i]};
+  }
+}
+
+double JointPositions::oldestOf(const std::vector<std::string>& joints) const {
+  double oldest = std::numeric_limits<double>::infinity();
+  for (const std::string& name : joints) {
+    const auto found = newest_.find(name);
+    if (found == newest_.end()) throw InputError("nobody reports joint '" + name + "'");
+    if (!std::isfinite(found->second.value)) {
+      throw InputError("the position of joint '" + name + "' is not finite");
+    }
+    oldest = std::min(oldest, found->second.stamp);
+  }
+  return oldest;
+}
 
 std::vector<double> velocitiesOf(const trajectory_msgs::JointTrajectory& command,
                                  const std::vector<std::string>& joints) {
@@ -21,15 +43,14 @@ std::vector<double> velocitiesOf(const trajectory_msgs::JointTrajectory& command
                      std::to_string(command.joint_names.size()) + " joints, but " +
                      std::to_string(joints.size()) + " joints are limited");
   }
-  std::map<std::string, double> by_name;
-  for (std::size_t i = 0; i < given.size(); ++i) by_name[command.joint_names[i]] = given[i];
   std::vector<double> velocities;
   for (const std::string& joint : joints) {
-    const auto found = by_name.find(joint);
-    if (found == by_name.end()) {
+    const auto& names = command.joint_names;
+    const auto found = std::find(names.begin(), names.end(), joint);
+    if (found == names.end()) {
       throw InputError("the command has no velocity for joint '" + joint + "'");
     }
-    velocities.push_back(found->second);
+    velocities.push_back(given[static_cast<std::size_t>(found - names.begin())]);
   }
   return velocities;
 }

@@ -76,6 +76,10 @@ LimiterDecision LimiterLaw::stop(double now, const std::string& reason) {
   return decision;
 }
 
+StoppingTube LimiterLaw::tubeAt(const LimiterInput& input, double scale) const {
+  return passed_.tube(input.stamp, input.now, input.command, scaled(input.command, scale));
+}
+
 // What comes towards the robot until it stands.
 double LimiterLaw::growth(const LimiterInput& input, const StoppingTube& tube) const {
   const double since_stamp = input.now - input.stamp;
@@ -137,8 +141,7 @@ LimiterDecision LimiterLaw::decide(const LimiterInput& input, Surroundings& surr
 
 bool LimiterLaw::isCertified(Question& question, double scale) {
   const LimiterInput& input = question.input;
-  const StoppingTube tube =
-      passed_.tube(input.stamp, input.now, input.command, scaled(input.command, scale));
+  const StoppingTube tube = tubeAt(input, scale);
   const double needed = settings_.stop_distance + ROOM_TO_RETREAT, coming = growth(input, tube);
   Surroundings::Certificate found = question.surroundings.certify(tube, needed, coming, {});
   if (found.is_free) return true;
@@ -172,8 +175,7 @@ double LimiterLaw::retreatScale(Question& question, double most) {
   const LimiterInput& input = question.input;
   double scale = std::min(settings_.retreat_scale, most);
   for (int i = 0; i < RETREATS; ++i, scale *= NEXT_RETREAT) {
-    const StoppingTube tube =
-        passed_.tube(input.stamp, input.now, input.command, scaled(input.command, scale));
+    const StoppingTube tube = tubeAt(input, scale);
     const double coming = growth(input, tube), travel = question.surroundings.travel(tube);
     const double reach = settings_.stop_distance + ROOM_TO_RETREAT + coming + 2.0 * travel;
     std::vector<NearPair> pairs;
@@ -202,8 +204,7 @@ bool LimiterLaw::mayRetreat(Question& question, double scale, std::vector<NearPa
   }
   question.refused.first = pairs.front().first;
   question.refused.second = pairs.front().second;
-  const StoppingTube tube =
-      passed_.tube(input.stamp, input.now, input.command, scaled(input.command, scale));
+  const StoppingTube tube = tubeAt(input, scale);
   const double stop_distance = settings_.stop_distance;
   std::vector<NearPair> nearer;
   for (NearPair& pair : pairs) {

@@ -89,8 +89,6 @@ class LimiterLaw {
   /// Zeros, for a reason that the caller knows.
   LimiterDecision stop(double now, const std::string& reason);
 
-  const LimiterSettings& settings() const { return settings_; }
-
  private:
   struct Question;
   std::string whyRefused(const LimiterInput& input) const;
@@ -98,6 +96,7 @@ class LimiterLaw {
   double largestScale(Question& question, double most);
   double retreatScale(Question& question, double most);
   bool mayRetreat(Question& question, double scale, std::vector<NearPair> pairs);
+  StoppingTube tubeAt(const LimiterInput& input, double scale) const;
   double growth(const LimiterInput& input, const StoppingTube& tube) const;
 
   LimiterSettings settings_;

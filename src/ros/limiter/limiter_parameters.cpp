@@ -20,25 +20,17 @@ struct Range {
   bool above_lowest;
 };
 
-const std::map<std::string, Range>& numbers() {
-  static const std::map<std::string, Range> ALL = {
-      {"reaction_time", {&LimiterSettings::reaction_time, 0.0, 10.0, false}},
-      {"command_timeout", {&LimiterSettings::command_timeout, 0.0, 10.0, true}},
-      {"max_joint_state_age",
-       {&LimiterSettings::max_joint_state_age, 0.0, OLDEST_JOINT_STATE, true}},
-      {"stop_distance", {&LimiterSettings::stop_distance, 0.0, 10.0, false}},
-      {"obstacle_speed", {&LimiterSettings::obstacle_speed, 0.0, 100.0, false}},
-      {"retreat_scale", {&LimiterSettings::retreat_scale, 0.0, 1.0, false}},
-      {"ramp_up", {&LimiterSettings::ramp_up, 0.0, 1e6, true}},
-  };
-  return ALL;
-}
-
-const std::vector<std::string>& words() {
-  static const std::vector<std::string> ALL = {"command", "command_type", "joints", "joint_states",
-                                               "deceleration"};
-  return ALL;
-}
+const std::map<std::string, Range> NUMBERS = {
+    {"reaction_time", {&LimiterSettings::reaction_time, 0.0, 10.0, false}},
+    {"command_timeout", {&LimiterSettings::command_timeout, 0.0, 10.0, true}},
+    {"max_joint_state_age", {&LimiterSettings::max_joint_state_age, 0.0, OLDEST_JOINT_STATE, true}},
+    {"stop_distance", {&LimiterSettings::stop_distance, 0.0, 10.0, false}},
+    {"obstacle_speed", {&LimiterSettings::obstacle_speed, 0.0, 100.0, false}},
+    {"retreat_scale", {&LimiterSettings::retreat_scale, 0.0, 1.0, false}},
+    {"ramp_up", {&LimiterSettings::ramp_up, 0.0, 1e6, true}},
+};
+const std::vector<std::string> WORDS = {"command", "command_type", "joints", "joint_states",
+                                        "deceleration"};
 
 double within(const std::string& key, const YAML::Node& value, const Range& range) {
   const std::string rule = "a number from " + std::to_string(range.lowest) +
@@ -90,8 +82,8 @@ std::optional<LimiterParameters> LimiterParameters::read(const YAML::Node& value
   YAML::Node deceleration;
   forEntries(KEY, value, rule, [&](const std::string& name, const YAML::Node& entry) {
     const std::string key = KEY + '/' + name;
-    const auto number = numbers().find(name);
-    if (number != numbers().end()) {
+    const auto number = NUMBERS.find(name);
+    if (number != NUMBERS.end()) {
       parameters.law.*number->second.number = within(key, entry, number->second);
     } else if (name == "command") {
       parameters.command = textOf(key, entry, "the name of a topic");
@@ -104,8 +96,8 @@ std::optional<LimiterParameters> LimiterParameters::read(const YAML::Node& value
     } else if (name == "deceleration") {
       deceleration = entry;
     } else {
-      std::vector<std::string> known = words();
-      for (const auto& other : numbers()) known.push_back(other.first);
+      std::vector<std::string> known = WORDS;
+      for (const auto& other : NUMBERS) known.push_back(other.first);
       throw InputError(KEY + ": '" + name + "' is not a setting of the limiter; did you mean '" +
                        nearestName(name, known) + "'?");
     }

@@ -1,7 +1,6 @@
 #include "velocity_limiter.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <utility>
 
@@ -10,9 +9,8 @@
 #include "cloud_view.h"
 #include "collision_pairs/input_error.h"
 #include "joint_query.h"
-#include "limited_command.h"
+#include "parameters.h"
 #include "user_text.h"
-#include "yaml_parameters.h"
 
 namespace collision_pairs {
 namespace {
@@ -24,12 +22,20 @@ constexpr double LONGEST_WAIT = 0.1;  // s, so that the thread ends soon
 constexpr double SHOWN_FOR = 1.0;     // s
 constexpr double WARN_PERIOD = 5.0;   // s between repeated warnings in the log
 
+template <class Message, class Take>
+ros::Subscriber subscribed(ros::NodeHandle& node, const std::string& topic,
+                           std::uint32_t queue_size, const Take& take) {
+  const boost::function<void(const boost::shared_ptr<const Message>&)> callback =
+      [take](const auto& message) { take(*message); };
+  return node.subscribe<Message>(topic, queue_size, callback, nullptr,
+                                 ros::TransportHints().tcpNoDelay());
+}
+
 }  // namespace
 
 VelocityLimiter::VelocityLimiter(const ros::NodeHandle& node, const ros::NodeHandle& private_node,
-                                 TransformInput& transforms, SceneStore& scenes,
-                                 std::function<CheckSettings()> defaults)
-    : transforms_(transforms), scenes_(scenes), defaults_(std::move(defaults)) {
+                                 const QueryContext& context)
+    : context_(context) {
   const std::string name = "velocity_limiter";
   try {
     parameters_ = LimiterParameters::read(yamlParameters(private_node, {name})[name]);
@@ -50,30 +56,27 @@ void VelocityLimiter::start(const ros::NodeHandle& node, const ros::NodeHandle& 
   law_ = std::make_unique<LimiterLaw>(parameters_->law);
   ros::NodeHandle own(node), own_private(private_node);
   own.setCallbackQueue(&queue_);
-  const ros::TransportHints no_delay = ros::TransportHints().tcpNoDelay();
   scale_ = own_private.advertise<std_msgs::Float64>("speed_scale", 1);
   limit_ = own_private.advertise<SpeedLimit>("speed_limit", 1);
-  const boost::function<void(const sensor_msgs::JointStateConstPtr&)> on_state =
-      [this](const auto& message) { onJointState(*message); };
-  subscribers_.push_back(own.subscribe<sensor_msgs::JointState>(parameters_->joint_states, 10,
-                                                                on_state, nullptr, no_delay));
+  subscribers_.push_back(subscribed<sensor_msgs::JointState>(
+      own, parameters_->joint_states, 10, [this](const sensor_msgs::JointState& message) {
+        positions_.take(message, ros::Time::now().toSec(), parameters_->law.max_joint_state_age);
+      }));
   // Only the newest command counts: one that waited is replaced.
   if (parameters_->is_trajectory) {
-    limited_ = own_private.advertise<trajectory_msgs::JointTrajectory>("limited_command", 1);
-    const boost::function<void(const trajectory_msgs::JointTrajectoryConstPtr&)> on_command =
-        [this](const auto& message) {
-          next_ = {{}, *message, ros::SteadyTime::now()};
-        };
-    subscribers_.push_back(own.subscribe<trajectory_msgs::JointTrajectory>(
-        parameters_->command, 1, on_command, nullptr, no_delay));
+    using trajectory_msgs::JointTrajectory;
+    limited_ = own_private.advertise<JointTrajectory>("limited_command", 1);
+    subscribers_.push_back(
+        subscribed<JointTrajectory>(own, parameters_->command, 1, [this](const auto& message) {
+          next_ = {{}, message, ros::SteadyTime::now()};
+        }));
   } else {
-    limited_ = own_private.advertise<std_msgs::Float64MultiArray>("limited_command", 1);
-    const boost::function<void(const std_msgs::Float64MultiArrayConstPtr&)> on_command =
-        [this](const auto& message) {
-          next_ = {*message, {}, ros::SteadyTime::now()};
-        };
-    subscribers_.push_back(own.subscribe<std_msgs::Float64MultiArray>(
-        parameters_->command, 1, on_command, nullptr, no_delay));
+    using std_msgs::Float64MultiArray;
+    limited_ = own_private.advertise<Float64MultiArray>("limited_command", 1);
+    subscribers_.push_back(
+        subscribed<Float64MultiArray>(own, parameters_->command, 1, [this](const auto& message) {
+          next_ = {message, {}, ros::SteadyTime::now()};
+        }));
   }
   thread_ = std::thread([this] { work(); });
 }
@@ -94,10 +97,6 @@ void VelocityLimiter::work() {
       stopAfterSilence();
     }
   }
-}
-
-void VelocityLimiter::onJointState(const sensor_msgs::JointState& message) {
-  positions_.take(message, ros::Time::now().toSec(), parameters_->law.max_joint_state_age);
 }
 
 void VelocityLimiter::answer(const Command& command) {
@@ -151,8 +150,8 @@ LimiterDecision VelocityLimiter::decide(const Command& command, double now) {
 
 // The scene, joint states, transforms and clouds of one instant.
 void VelocityLimiter::prepare(double now, LimiterInput& input) {
-  const Fidelity fidelity = defaults_().fidelity;
-  const ActiveScenePtr active = scenes_.active();
+  const Fidelity fidelity = context_.defaults().fidelity;
+  const ActiveScenePtr active = context_.scenes.active();
   if (!active) throw InputError("there is no robot yet");
   if (active != scene_ || fidelity != fidelity_) {
     surroundings_ =
@@ -165,7 +164,7 @@ void VelocityLimiter::prepare(double now, LimiterInput& input) {
   }
   input.stamp = std::min(positions_.oldestOf(parameters_->joints), now);
 
-  const ros::Time clock = transforms_.followClock();
+  const ros::Time clock = context_.transforms.followClock();
   const RobotModel& robot = active->scene->robot();
   std::vector<std::string> names;
   std::vector<double> values;
@@ -178,7 +177,7 @@ void VelocityLimiter::prepare(double now, LimiterInput& input) {
   }
   const JointQuery query(
       names, *active->scene,
-      {transforms_, active->frame, ros::Time(), clock, active->tf_poses->heldAt(clock)});
+      {context_.transforms, active->frame, ros::Time(), clock, active->tf_poses->heldAt(clock)});
   if (!query.doubts().empty()) throw InputError(query.doubts().front());
   RobotState state;
   state.positions = query.jointPositionsAt(values);

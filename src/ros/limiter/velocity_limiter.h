@@ -2,7 +2,6 @@
 #pragma once
 
 #include <atomic>
-#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -19,9 +18,9 @@
 #include <trajectory_msgs/JointTrajectory.h>
 
 #include "certified_surroundings.h"
-#include "joint_positions.h"
+#include "limited_command.h"
 #include "limiter_parameters.h"
-#include "query_defaults.h"
+#include "query_services.h"
 #include "transform_input.h"
 
 namespace collision_pairs {
@@ -30,10 +29,8 @@ namespace collision_pairs {
 /// never waits for it. Without its parameter, or with one that is refused, it passes nothing.
 class VelocityLimiter {
  public:
-  /// The references must outlive it; `defaults` is called from its thread.
   VelocityLimiter(const ros::NodeHandle& node, const ros::NodeHandle& private_node,
-                  TransformInput& transforms, SceneStore& scenes,
-                  std::function<CheckSettings()> defaults);
+                  const QueryContext& context);
   ~VelocityLimiter();
 
   bool isWanted() const { return !error_.empty() || parameters_; }
@@ -51,16 +48,13 @@ class VelocityLimiter {
 
   void start(const ros::NodeHandle& node, const ros::NodeHandle& private_node);
   void work();
-  void onJointState(const sensor_msgs::JointState& message);
   void answer(const Command& command);
   void stopAfterSilence();
   LimiterDecision decide(const Command& command, double now);
   void prepare(double now, LimiterInput& input);
   void publish(const Command& layout, const LimiterDecision& decision);
 
-  TransformInput& transforms_;
-  SceneStore& scenes_;
-  std::function<CheckSettings()> defaults_;
+  const QueryContext context_;
   std::string error_;  ///< why the parameter is refused
   std::optional<LimiterParameters> parameters_;
 
