@@ -1,8 +1,8 @@
 #include <gtest/gtest.h>
 
 #include "collision_pairs/narrow_phase.h"
+#include "every_shape.h"
 #include "random_inputs.h"
-#include "test_shapes.h"
 
 namespace collision_pairs {
 namespace {
@@ -41,6 +41,38 @@ TEST(NarrowPhase, YesOrNoIsTheSignOfTheDistance) {
                        const PreparedShape& B, const Isometry3d& X_AB) {
     ASSERT_EQ(narrow_phase.touches(A, B, X_AB), narrow_phase.distance(A, B, X_AB, INF).touches());
   });
+}
+
+// The direction in which a pair is further apart than in any other says most, and may be another
+// pair's.
+TEST(NarrowPhase, ADirectionThatIsTriedFirstChangesNoAnswer) {
+  RandomInputs random;
+  NarrowPhase asked, fresh;
+  std::size_t nb_told = 0;
+  for (const std::string& a : EVERY_KIND) {
+    for (const std::string& b : EVERY_KIND) {
+      SCOPED_TRACE(a + "-" + b);
+      const auto A = prepareShape(shapeOfKind(random, a, 0.3));
+      const auto B = prepareShape(shapeOfKind(random, b, 0.3));
+      Vector3d tried = Vector3d::Zero();
+      for (int i = 0; i < 60; ++i) {
+        const double margin = i % 3 == 0 ? 0.02 : 0.0;
+        const double size = std::pow(10.0, random.uniform(-18.0, -1.0));
+        const double gap = margin + (i % 2 == 0 ? size : -size);
+        const Isometry3d X_AB = poseWithGap(random, fresh, *A, *B, 0.3, gap);
+        const bool expected = fresh.touches(*A, *B, X_AB, margin);
+        const Vector3d best = fresh.distance(*A, *B, X_AB, INF).nhat_AB_A;
+        for (Vector3d along : {tried, best, Vector3d(-best), random.vector(-1, 1).normalized()}) {
+          ASSERT_EQ(asked.touches(*A, *B, X_AB, margin, 0.0, &along), expected) << gap;
+          ASSERT_TRUE(!expected || along.isZero(0.0)) << along;
+          tried = along;
+          nb_told += !along.isZero(0.0);
+        }
+      }
+    }
+  }
+  EXPECT_EQ(asked.numDegraded(), 4 * fresh.numDegraded());
+  EXPECT_GT(nb_told, 1000u);
 }
 
 TEST(NarrowPhase, TheAnswerDoesNotDependOnTheOrderOfTheShapes) {

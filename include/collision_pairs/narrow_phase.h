@@ -67,9 +67,10 @@ class NarrowPhase {
   NarrowPhase& operator=(NarrowPhase&&) noexcept;
 
   /// True if the two solids are in contact or no further apart than `margin` metres (>= 0). Never
-  /// throws.
+  /// throws. `apart_along`, if given, is tried first: a unit vector in A's frame along which the
+  /// two were apart before, or 0. It changes no answer, and is replaced where they are found apart.
   bool touches(const PreparedShape& A, const PreparedShape& B, const Eigen::Isometry3d& X_AB,
-               double margin = 0.0, double offset = 0.0);
+               double margin = 0.0, double offset = 0.0, Eigen::Vector3d* apart_along = nullptr);
 
   /// Signed distance (<= 0: contact), witness points and normal, in A's frame. If the two are
   /// further apart than max_distance (metres, >= 0, may be infinite), the search ends early and

@@ -34,6 +34,7 @@ using Eigen::Vector3d;
 // ROUNDING, by which the limit is raised before the query and lowered after it. An axis-aligned box
 // need not hold the OBB or a simplified hull: those rungs take the better of both answers.
 constexpr double ROUNDING = 64.0 * std::numeric_limits<double>::epsilon();
+constexpr double MOVED_LITTLE = 0.1;  // squared difference of two poses' matrices; metres
 
 const Prepared& preparedOf(const Rung& rung) { return static_cast<const Prepared&>(*rung.shape); }
 
@@ -173,7 +174,17 @@ bool PairLadder::meets(const BoxPair& pair, Fidelity rung) {
   const Rung& b = scene_->elements()[pair.second].rung(rung);
   const double margin = a.margin + b.margin + scene_->padding(pair.first, pair.second);
   const Isometry3d X = rung == Fidelity::OBB ? a.X_ER.inverse() * X_AB * b.X_ER : X_AB;
-  return narrow_phase_.touches(*a.shape, *b.shape, X, margin, offset(pair));
+  Vector3d& apart_along = lastApart(pair, X);
+  return narrow_phase_.touches(*a.shape, *b.shape, X, margin, offset(pair), &apart_along);
+}
+
+Vector3d& PairLadder::lastApart(const BoxPair& pair, const Isometry3d& X_AB) {
+  Apart& last = last_apart_[(pair.first * 31 + pair.second) % MOST_APART];
+  const bool has_moved = !((X_AB.matrix() - last.X_AB.matrix()).squaredNorm() < MOVED_LITTLE);
+  if (has_moved || !(last.pair == pair)) last.nhat_AB_A.setZero();
+  last.pair = pair;
+  last.X_AB = X_AB;
+  return last.nhat_AB_A;
 }
 
 PairLadder::Answer PairLadder::measureAt(const BoxPair& pair, const Isometry3d& X_AB, Fidelity rung,

@@ -114,12 +114,23 @@ class PairLadder {
                             double max_distance);
   /// True unless they are proved to be apart.
   bool meets(const BoxPair& pair, Fidelity rung);
+  Eigen::Vector3d& lastApart(const BoxPair& pair, const Eigen::Isometry3d& X_AB);
   /// A lower bound of the distance of the two OBBs minus the padding; <= 0 does not imply overlap.
   double obbGap(const BoxPair& pair, const Eigen::Isometry3d& X_AB) const;
 
   const CollisionScene* scene_ = nullptr;
   const std::vector<Eigen::Isometry3d>* X_WE_ = nullptr;
   const std::vector<Aabb>* boxes_ = nullptr;
+  // Of as many pairs, along what they were apart when they were last asked about. It is tried first
+  // where they have moved little since: that saves up to half the time of a verdict along motions,
+  // and changes no answer.
+  static constexpr std::size_t MOST_APART = 1024;
+  struct Apart {
+    BoxPair pair{};
+    Eigen::Isometry3d X_AB = Eigen::Isometry3d::Identity();
+    Eigen::Vector3d nhat_AB_A = Eigen::Vector3d::Zero();
+  };
+  std::vector<Apart> last_apart_ = std::vector<Apart>(MOST_APART);
   NarrowPhase narrow_phase_;
   SurfaceQuery surface_query_;
   std::uint64_t natively_before_ = 0;

@@ -76,6 +76,13 @@ struct NarrowPhase::Scratch {
                          : nativeTouches(A, B, X_AB, margin, result);
   }
 
+  // True if a plane keeps the two so far apart that no arithmetic could find them in contact.
+  bool areApartAlong(const Vector3d& n, const Prepared& A, const Prepared& B,
+                     const Isometry3d& X_AB, double margin) const {
+    if (n.isZero(0.0) || asksFcl(A, B) || A.isHalfSpace() || B.isHalfSpace()) return false;
+    return gapAlong(n, A.core, B.core, X_AB) > margin + band + doubtOf(A, B);
+  }
+
   // Whether the two are within contact_distance is what touches() says.
   PairDistance distance(const Prepared& A, const Prepared& B, const Isometry3d& X_AB,
                         double max_distance, const Accuracy& accuracy) {
@@ -200,7 +207,7 @@ struct NarrowPhase::Scratch {
       result = nativeDistance(A, B, X_AB, margin);
       return isWithin(result, margin);
     }
-    return !hullsMiss(A, B, X_AB, band) && solidsMeet(A, B, X_AB);
+    return !hullsMiss(A, B, X_AB, band, &result.nhat_AB_A) && solidsMeet(A, B, X_AB);
   }
 
   // For two whose hulls may overlap, one of them a mesh: surfaces that meet, or containment. All
@@ -365,16 +372,19 @@ NarrowPhase::NarrowPhase(NarrowPhase&&) noexcept = default;
 NarrowPhase& NarrowPhase::operator=(NarrowPhase&&) noexcept = default;
 
 bool NarrowPhase::touches(const PreparedShape& A, const PreparedShape& B, const Isometry3d& X_AB,
-                          double margin, double offset) {
+                          double margin, double offset, Vector3d* apart_along) {
   const auto& a = static_cast<const Prepared&>(A);
   const auto& b = static_cast<const Prepared&>(B);
   Isometry3d X = X_AB;
   scratch_->band = contactBand(a.core, b.core, X.translation(), offset);
   PairDistance detail;
   detail = repairPose(X) ? detail : worstCase(a, b);
-  const bool answer =
-      detail.certainty == Certainty::DEGRADED || scratch_->touches(a, b, X, margin, detail);
+  const bool is_pose = detail.certainty != Certainty::DEGRADED;
+  if (apart_along && is_pose && scratch_->areApartAlong(*apart_along, a, b, X, margin))
+    return false;
+  const bool answer = !is_pose || scratch_->touches(a, b, X, margin, detail);
   if (detail.certainty == Certainty::DEGRADED) ++scratch_->num_degraded;
+  if (apart_along) *apart_along = answer ? Vector3d(Vector3d::Zero()) : detail.nhat_AB_A;
   return answer;
 }
 

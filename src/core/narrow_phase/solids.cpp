@@ -8,16 +8,19 @@ namespace {
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
 
-bool coresMiss(const ConvexCore& a, const ConvexCore& b, const Isometry3d& X_AB, double band) {
+bool coresMiss(const ConvexCore& a, const ConvexCore& b, const Isometry3d& X_AB, double band,
+               Vector3d* nhat_AB_A = nullptr) {
   const double within = roundingOf(a, b) + band;
   const PairDistance gap = convexGap(a, b, X_AB, within, within);
+  if (nhat_AB_A) *nhat_AB_A = gap.nhat_AB_A;
   return gap.certainty != Certainty::DEGRADED && !gap.touches();
 }
 
 }  // namespace
 
-bool hullsMiss(const Prepared& A, const Prepared& B, const Isometry3d& X_AB, double band) {
-  return coresMiss(A.core, B.core, X_AB, band);
+bool hullsMiss(const Prepared& A, const Prepared& B, const Isometry3d& X_AB, double band,
+               Vector3d* nhat_AB_A) {
+  return coresMiss(A.core, B.core, X_AB, band, nhat_AB_A);
 }
 
 bool hullMisses(const Prepared& A, const Vector3d& p_AQ) {

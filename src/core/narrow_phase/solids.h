@@ -34,8 +34,10 @@ struct HullBounds {
 HullBounds boundsFromHulls(const Prepared& A, const Prepared& B, const Eigen::Isometry3d& X_AB,
                            double max_distance, double band);
 
-/// True if the convex hulls are more than `band` metres apart.
-bool hullsMiss(const Prepared& A, const Prepared& B, const Eigen::Isometry3d& X_AB, double band);
+/// True if the convex hulls are more than `band` metres apart; `nhat_AB_A` is then the normal of a
+/// plane between them, or 0.
+bool hullsMiss(const Prepared& A, const Prepared& B, const Eigen::Isometry3d& X_AB, double band,
+               Eigen::Vector3d* nhat_AB_A = nullptr);
 
 /// True if the point is certainly outside the hull.
 bool hullMisses(const Prepared& A, const Eigen::Vector3d& p_AQ);
