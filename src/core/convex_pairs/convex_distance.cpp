@@ -38,17 +38,6 @@ PairDistance solveTwice(const ConvexCore& A, const ConvexCore& B, const Eigen::I
   return result;
 }
 
-// The point nearest to p of a core without its outermost `rim` metres, in its frame. Not for hulls.
-Eigen::Vector3d nearestPoint(const ConvexCore& core, const Eigen::Vector3d& p, double rim) {
-  const Eigen::Vector3d half = (core.half.array() - rim).cwiseMax(0.0);
-  Eigen::Vector3d nearest = p.cwiseMax(-half).cwiseMin(half);
-  if (core.kind != ConvexCore::Kind::CYLINDER) return nearest;
-  const double across = p.head<2>().squaredNorm(), radius = half[0];
-  nearest.head<2>() = p.head<2>();
-  if (across > radius * radius) nearest.head<2>() *= radius / std::sqrt(across);
-  return nearest;
-}
-
 // Alternating projections: from the centre of B to the nearest point of A, from there to the
 // nearest point of B, and so on. They soon find two points within the margin for most bodies that
 // have such points; a failure proves nothing. Found by more than rounding: a point of the core
@@ -91,7 +80,7 @@ double roughGap(Eigen::Vector3d& n, const ConvexCore& A, const ConvexCore& B,
   const double magnitude = magnitudeOf(A, B, X_AB.translation());
   const double off =
       A.radius + B.radius + 10.0 * std::numeric_limits<double>::epsilon() * magnitude;
-  const auto found = gjk<double>({A, B, X_AB}, max_distance + off, -n, 0.0, SHARE);
+  const auto found = gjk<double>({A, B, X_AB}, -n, {max_distance + off, 0.0, SHARE});
   n = found.normal;
   return found.lower - off;
 }

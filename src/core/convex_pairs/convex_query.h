@@ -10,6 +10,7 @@
 #include <type_traits>
 
 #include "collision_pairs/pair_distance.h"
+#include "cylinder_gap.h"
 #include "epa.h"
 #include "least_height.h"
 #include "support_part.h"
@@ -46,7 +47,19 @@ class Query {
     const T within = wanted == Wanted::TOUCH ? limit
                      : wanted == Wanted::GAP ? band_ + radii_
                                              : T(0);
-    const GjkResult<T> found = gjk<T>(difference_, limit + sure, start, within - sure);
+    GjkLimits<T> limits{limit + sure, within - sure};
+    GjkResult<T> found;
+    found.v = start;
+    for (const double share : FEATURES_WITHIN) {
+      const bool is_rough = share > 0.0;
+      if (is_rough && (IS_FINEST || !curved_)) continue;
+      limits.narrow = T(share) * smaller_;
+      advance(difference_, limits, found);
+      if (found.end != GjkEnd::APART) break;
+      if constexpr (!IS_FINEST) {
+        if (is_rough && fillFromFeatures(found, wanted, result)) return true;
+      }
+    }
     if (found.end == GjkEnd::BEYOND) {
       result.distance = static_cast<double>(found.lower - rounding_ - radii_);
       result.nhat_AB_A = found.normal.template cast<double>();
@@ -97,6 +110,12 @@ class Query {
   // Closest points that are further than this from lying along the normal are computed again.
   static constexpr double WITNESS_TOLERANCE = 1e-10;
   static constexpr double LONGER_ARC = 1e-11;
+  // With a cylinder, the features of the closest points are tried at these intervals, relative to
+  // the smaller body, before GJK goes on to rounding.
+  static constexpr std::array<double, 3> FEATURES_WITHIN{0.01, 1e-4, 0.0};
+  // A point this far below the surface of a cylinder is one of both in exact arithmetic too; of the
+  // largest error.
+  static constexpr double COMMON_DEPTH = 8.0;
 
   // True if the two are certainly in contact, or certainly not, and the distance is as accurate as
   // promised.
@@ -170,7 +189,7 @@ class Query {
     const ConvexCore point;
     const auto meets = [&](const Difference<T>& difference) {
       const T near = largest_error_;
-      const GjkEnd end = gjk<T>(difference, near, difference.p_AB, near).end;
+      const GjkEnd end = gjk<T>(difference, difference.p_AB, {near, near}).end;
       return end == GjkEnd::OVERLAP || end == GjkEnd::WITHIN;
     };
     return meets({point, B_, difference_.R_AB, difference_.p_AB - a}) ||
@@ -216,8 +235,7 @@ class Query {
   // GJK took a sliver for an overlap: from the plane that proves otherwise it ends elsewhere.
   bool fillSeparated(const SupportPlane<T>& plane, PairDistance& result) const {
     if (curved_) return fillFromPlane(plane.normal, nullptr, result);
-    const T unlimited = std::numeric_limits<T>::infinity();
-    const GjkResult<T> found = gjk<T>(difference_, unlimited, -plane.normal, T(0));
+    const GjkResult<T> found = gjk<T>(difference_, -plane.normal);
     if (found.end == GjkEnd::OVERLAP) return fillFromPlane(plane.normal, nullptr, result);
     return fillFlatApart(found, result, plane);
   }
@@ -286,6 +304,29 @@ class Query {
     const bool is_settled = settles(lower, apart);
     result.certainty = is_settled ? Certainty::EXACT : Certainty::DEGRADED;
     return is_settled;
+  }
+
+  // False if the features are not those of the closest points, or if there is nothing between them
+  // but rounding.
+  bool fillFromFeatures(const GjkResult<double>& found, Wanted wanted, PairDistance& result) const {
+    const CylinderGapSearch search(difference_, found, COMMON_DEPTH * largest_error_);
+    return search.offer([&](const CylinderGap& gap) {
+      if (!gap.is_common) return fillFromWitnesses(gap.normal, gap.points, result);
+      if (wanted == Wanted::DEPTH) return false;
+      result.distance = reported(0.0);
+      result.p_ACa = result.p_ACb = gap.points.a;
+      return true;
+    });
+  }
+
+  bool fillFromWitnesses(const Vec3<T>& n, Witnesses<T> closest, PairDistance& result) const {
+    const T lower = -difference_.furthest(n).w.dot(n), apart = closest.apart();
+    if (!settles(lower, apart) || residualOf(closest, n, lower) > largest_error_) return false;
+    setApart(n, lower, closest);
+    result.nhat_AB_A = n.template cast<double>();
+    finish(lower, closest, result);
+    result.certainty = Certainty::EXACT;
+    return true;
   }
 
   static T residualOf(const Witnesses<T>& points, const Vec3<T>& n, T apart) {

@@ -31,20 +31,27 @@ struct GjkResult {
   T magnitude = T(0);                ///< largest |w| encountered; rounding errors scale with it
 };
 
-/// Distance of the cores in `difference`, in its scalar type. Stops as soon as the lower bound
-/// exceeds `stop_above`, or |v| is `enough` (if that is positive), or, below stop_above, the
-/// interval is this share of |v|. Starts at v. Cost: a few support evaluations for polytopes, 10 to
-/// 40 for cylinders.
+/// When a search may end before its interval has closed to rounding.
 template <class T>
-GjkResult<T> gjk(const Difference<T>& difference, T stop_above, Vec3<T> v, T enough,
-                 T share = T(0)) {
+struct GjkLimits {
+  T stop_above = std::numeric_limits<T>::infinity();  ///< at a lower bound larger than this
+  T enough = T(0);                                    ///< at a |v| of no more, if positive
+  T share = T(0);   ///< below stop_above, at an interval of this share of |v|
+  T narrow = T(0);  ///< at an interval of this, metres
+};
+
+/// Distance of the cores in `difference`, in its scalar type. Starts at result.v, with the simplex
+/// where an earlier search has left one. Cost: a few support evaluations for polytopes, 10 to 40
+/// for cylinders.
+template <class T>
+void advance(const Difference<T>& difference, const GjkLimits<T>& limits, GjkResult<T>& result) {
   constexpr int MAX_ITERATIONS = 128;
   const T epsilon = std::numeric_limits<T>::epsilon();
-  GjkResult<T> result;
   Simplex<T>& simplex = result.simplex;
+  Vec3<T> v = result.v;
   T length = v.norm();
+  T norm = simplex.size > 0 ? length : std::numeric_limits<T>::infinity();
   if (!(length > T(0))) v = Vec3<T>::UnitX(), length = T(1);
-  T norm = std::numeric_limits<T>::infinity();
   for (int i = 0; i < MAX_ITERATIONS; ++i) {
     const Vec3<T> direction = v / length;
     // Stored past the vertices of the simplex, which is unchanged if the search ends early.
@@ -53,13 +60,13 @@ GjkResult<T> gjk(const Difference<T>& difference, T stop_above, Vec3<T> v, T eno
     next = difference.furthest(Vec3<T>(-direction));
     const T bound = next.w.dot(direction);
     result.magnitude = std::max(result.magnitude, next.w.norm());
-    if (i == 0 || bound > result.lower) result.normal = -direction;
+    if (size == 1 || bound > result.lower) result.normal = -direction;
     if (bound > result.lower) result.lower = bound;
-    if (result.lower > stop_above) return result.end = GjkEnd::BEYOND, result;
+    if (result.lower > limits.stop_above) return void(result.end = GjkEnd::BEYOND);
     const T interval = norm - result.lower;
-    if (interval <= T(4) * epsilon * result.magnitude ||
-        (norm < stop_above && interval <= share * norm)) {
-      return result.end = GjkEnd::APART, result;
+    if (interval <= std::max(T(4) * epsilon * result.magnitude, limits.narrow) ||
+        (norm < limits.stop_above && interval <= limits.share * norm)) {
+      return void(result.end = GjkEnd::APART);
     }
     const std::array<T, 4> lambda = closestCoordinates(simplex.vertex, size);
     v.setZero();
@@ -69,7 +76,7 @@ GjkResult<T> gjk(const Difference<T>& difference, T stop_above, Vec3<T> v, T eno
       v += lambda[k] * simplex.vertex[k].w;
       ++nb_positive;
     }
-    if (nb_positive == 0) return result;
+    if (nb_positive == 0) return void(result.end = GjkEnd::STALLED);
     if constexpr (!std::is_same_v<T, double>) {
       // Of a thin triangle the plane is known better than the coordinates in it.
       Simplex<T> triangle = simplex;
@@ -80,17 +87,27 @@ GjkResult<T> gjk(const Difference<T>& difference, T stop_above, Vec3<T> v, T eno
     if (nb_positive == 4 || length <= T(4) * epsilon * result.magnitude) {
       // A sliver tetrahedron may appear to contain an origin that a plane has proved to be outside.
       const bool refuted = result.lower > T(8) * epsilon * result.magnitude;
-      if (refuted) return result;
+      if (refuted) return void(result.end = GjkEnd::STALLED);
       reduceTo(lambda, size, simplex);
       result.v = v;
-      return result.end = GjkEnd::OVERLAP, result;
+      return void(result.end = GjkEnd::OVERLAP);
     }
-    if (!(length < norm)) return result;  // rounding: no further progress
+    if (!(length < norm)) return void(result.end = GjkEnd::STALLED);  // no further progress
     reduceTo(lambda, size, simplex);
     norm = length;
     result.v = v;
-    if (length <= enough) return result.end = GjkEnd::WITHIN, result;
+    if (length <= limits.enough) return void(result.end = GjkEnd::WITHIN);
   }
+  result.end = GjkEnd::STALLED;
+}
+
+/// The same from v.
+template <class T>
+GjkResult<T> gjk(const Difference<T>& difference, const Vec3<T>& v,
+                 const GjkLimits<T>& limits = {}) {
+  GjkResult<T> result;
+  result.v = v;
+  advance(difference, limits, result);
   return result;
 }
 

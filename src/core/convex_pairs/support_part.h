@@ -6,6 +6,18 @@
 
 namespace collision_pairs {
 
+/// The point nearest to p of a core without its outermost `rim` metres, in its frame. Not for
+/// hulls.
+inline Eigen::Vector3d nearestPoint(const ConvexCore& core, const Eigen::Vector3d& p, double rim) {
+  const Eigen::Vector3d half = (core.half.array() - rim).cwiseMax(0.0);
+  Eigen::Vector3d nearest = p.cwiseMax(-half).cwiseMin(half);
+  if (core.kind != ConvexCore::Kind::CYLINDER) return nearest;
+  const double across = p.head<2>().squaredNorm(), radius = half[0];
+  nearest.head<2>() = p.head<2>();
+  if (across > radius * radius) nearest.head<2>() *= radius / std::sqrt(across);
+  return nearest;
+}
+
 // The part of a core that is furthest along a direction d, as a core of its own: a corner, an edge,
 // a face; of a cylinder a cap or, of rim or side, a piece that is flat to within `flat` metres, as
 // three points or lines. It may include what is at a small angle to it: including too much of the
@@ -112,7 +124,7 @@ Witnesses<T> closestOfParts(const Difference<T>& difference, const Vec3<T>& n, T
   const SupportPart<T> b(difference.B, back, flat, point_of_b);
   const Vec3<T> p = difference.p_AB + difference.R_AB * b.center - a.center + shift * n;
   const Difference<T> parts(a.core, b.core, difference.R_AB, p);
-  const GjkResult<T> found = gjk<T>(parts, std::numeric_limits<T>::infinity(), Vec3<T>(-n), T(0));
+  const GjkResult<T> found = gjk<T>(parts, -n);
   Witnesses<T> closest = witnessesOf(found.simplex);
   closest.a += a.center;
   closest.b += a.center - shift * n;
