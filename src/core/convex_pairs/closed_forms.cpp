@@ -24,6 +24,13 @@ struct Foot {
 };
 
 Foot footOnPoint(const Vector3d& q) {
+  // Of what is neither so large nor so small the squares can be summed as they are.
+  constexpr double SMALLEST = 1e-200, LARGEST = 1e200;
+  const double squared = q.squaredNorm();
+  if (squared > SMALLEST && squared < LARGEST) {
+    const double root = std::sqrt(squared);
+    return {root, q / root};
+  }
   const double distance = q.stableNorm();
   return {distance, distance > 0.0 ? Vector3d(q.stableNormalized()) : Vector3d::UnitZ()};
 }

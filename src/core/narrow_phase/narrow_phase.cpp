@@ -45,9 +45,19 @@ bool isWithin(const PairDistance& found, double metres) {
   return found.certainty != Certainty::BEYOND && found.distance <= metres;
 }
 
+// Whether repairPose() would leave X as it is: most are, and this is quicker.
+bool isSound(const Isometry3d& X) {
+  const Vector3d x = X.linear().col(0), y = X.linear().col(1), z = X.linear().col(2);
+  const auto isZero = [](double error) { return std::abs(error) <= ORTHONORMAL; };
+  return isZero(x.squaredNorm() - 1.0) && isZero(y.squaredNorm() - 1.0) &&
+         isZero(z.squaredNorm() - 1.0) && isZero(x.dot(y)) && isZero(y.dot(z)) &&
+         isZero(z.dot(x)) && x.cross(y).dot(z) > 0.0 && X.translation().allFinite();
+}
+
 // False if X has no meaning as a pose. A step of Newton's iteration for the polar decomposition
 // squares the error each time.
 bool repairPose(Isometry3d& X) {
+  if (isSound(X)) return true;
   if (!X.matrix().allFinite()) return false;
   for (int i = 0; i < 4; ++i) {
     const Matrix3d excess = X.linear().transpose() * X.linear() - Matrix3d::Identity();
