@@ -1,6 +1,7 @@
 """The pictures of docs/planners.md: what certifying a motion means, and how many checks it takes."""
 import math
 
+from measurements import panels, save
 
 # A bar that is hinged at the origin and 1 m long turns past a post.
 POST = (1.02, 0.35)
@@ -32,11 +33,8 @@ def certify(distance, kept=0.02):
     return covers
 
 
-def draw_idea(path):
-    import matplotlib
-    matplotlib.use("Agg")
-    from matplotlib import pyplot
-    figure, (scene, chart) = pyplot.subplots(1, 2, figsize=(12, 5), gridspec_kw={"width_ratios": [1, 1.5]})
+def draw_idea():
+    figure, (scene, chart) = panels(1, 2, figsize=(12, 5), gridspec_kw={"width_ratios": [1, 1.5]})
     covers = certify(distance_to_post)
     colours = ["tab:blue", "tab:orange", "tab:green", "tab:red", "tab:purple", "tab:brown", "tab:olive", "tab:cyan"]
 
@@ -81,15 +79,11 @@ def draw_idea(path):
     chart.set_title("One distance, less what the link can move from there, bounds the distance\n"
                     "beside it: the middle first, then the middle of what is left open", fontsize=10)
     chart.legend(loc="upper right", fontsize=9)
-    figure.tight_layout()
-    figure.savefig(path, dpi=100)
+    save(figure, "motions_idea.png")
 
 
-def draw_checks(lines, path):
-    import matplotlib
-    matplotlib.use("Agg")
-    from matplotlib import pyplot
-    figure, panels = pyplot.subplots(1, 2, figsize=(12, 4.8))
+def draw_checks(lines):
+    figure, (looked_at, took) = panels(1, 2, figsize=(12, 4.8))
     binned = [line for line in lines if line["length"] != "all"]
     lengths = list(dict.fromkeys(line["length"] for line in binned))
     places = range(len(lengths))
@@ -98,22 +92,21 @@ def draw_checks(lines, path):
         shown = [(i, float(cells[length]["checks"])) for i, length in enumerate(lengths)
                  if int(cells[length]["free"]) >= 5]
         if shown:
-            panels[0].plot(*zip(*shown), marker="o", label=clearance)
-    panels[0].plot(places, [(float(length.split()[0]) + float(length.split()[2])) / 2 / 0.05 for length in lengths],
+            looked_at.plot(*zip(*shown), marker="o", label=clearance)
+    looked_at.plot(places, [(float(length.split()[0]) + float(length.split()[2])) / 2 / 0.05 for length in lengths],
                    color="grey", linestyle="--", label="a loop at 0.05 rad")
-    panels[0].set_yscale("log")
-    panels[0].set_ylabel("configurations looked at (median)")
-    panels[0].legend(title="smallest distance", fontsize=8)
+    looked_at.set_yscale("log")
+    looked_at.set_ylabel("configurations looked at (median)")
+    looked_at.legend(title="smallest distance", fontsize=8)
     for key, name in (("us", "certified"), ("us_coarse", "loop at 0.05 rad"), ("us_fine", "loop at 0.01 rad")):
         cells = {line["length"]: line for line in binned if line["clearance"] == "all"}
-        panels[1].plot(places, [float(cells[length][key]) for length in lengths], marker="o", label=name)
-    panels[1].set_yscale("log")
-    panels[1].set_ylabel("median time of a free motion [µs]")
-    panels[1].legend(fontsize=8)
-    for panel in panels:
+        took.plot(places, [float(cells[length][key]) for length in lengths], marker="o", label=name)
+    took.set_yscale("log")
+    took.set_ylabel("median time of a free motion [µs]")
+    took.legend(fontsize=8)
+    for panel in (looked_at, took):
         panel.set_xticks(list(places))
         panel.set_xticklabels(lengths)
         panel.set_xlabel("length of the motion: the joint that moves most")
         panel.grid(True, which="major", alpha=0.3)
-    figure.tight_layout()
-    figure.savefig(path, dpi=100)
+    save(figure, "motions_checks.png")

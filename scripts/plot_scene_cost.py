@@ -1,25 +1,9 @@
 #!/usr/bin/python3
-"""Renews the tables of scenes.md and their picture from data/scene_*.csv, all in the folder given."""
-import csv
-import os
+"""Renews the tables of docs/scenes.md and their picture from docs/data/scene_*.csv."""
 import sys
 
 sys.dont_write_bytecode = True
-from measured_on import renew
-
-
-def rows_of(folder, name):
-    with open(os.path.join(folder, name), newline="") as table:
-        return list(csv.DictReader(table))
-
-
-def grouped(number):
-    return "{:,}".format(int(number))
-
-
-def table(heads, rows):
-    return "\n".join("| %s |" % " | ".join(row) for row in [heads, ["---"] * len(heads)] + rows)
-
+from measurements import grouped, panels, renew, rows_of, save, table
 
 WORLDS = {"none": "none", "far": "out of reach", "near": "near, never reached"}
 
@@ -50,11 +34,8 @@ def update_table(in_process, service):
     return table(heads, lines)
 
 
-def draw(rows, path):
-    import matplotlib
-    matplotlib.use("Agg")
-    from matplotlib import pyplot
-    figure, panel = pyplot.subplots(figsize=(7, 4.5))
+def draw(rows):
+    figure, panel = panels(figsize=(7, 4.5))
     for world, marker, color in (("far", "o", "tab:blue"), ("near", "s", "tab:orange")):
         line = [row for row in rows if row["world"] == world]
         counts = [int(row["nb_boxes"]) for row in line]
@@ -67,18 +48,11 @@ def draw(rows, path):
     panel.set_ylabel("median time [µs]")
     panel.grid(True, which="major", alpha=0.3)
     panel.legend(fontsize=8)
-    figure.tight_layout()
-    figure.savefig(path, dpi=100)
-
-
-def main(folder):
-    data = os.path.join(folder, "data")
-    rows = rows_of(data, "scene_cost.csv")
-    page = os.path.join(folder, "scenes.md")
-    renew(page, "cost", cost_table(rows))
-    renew(page, "updates", update_table(rows_of(data, "scene_updates.csv"), rows_of(data, "scene_service.csv")))
-    draw(rows, os.path.join(folder, "images", "scene_cost.png"))
+    save(figure, "scene_cost.png")
 
 
 if __name__ == "__main__":
-    main(sys.argv[1])
+    scene_costs = rows_of("scene_cost.csv")
+    renew("scenes.md", "cost", cost_table(scene_costs))
+    renew("scenes.md", "updates", update_table(rows_of("scene_updates.csv"), rows_of("scene_service.csv")))
+    draw(scene_costs)

@@ -51,8 +51,7 @@ def test_what_the_trade_off_page_says_of_hulls_is_what_its_table_says():
 
 
 def test_the_table_of_planners_is_what_its_script_makes_of_the_data(tmp_path):
-    for name in ("scripts/measure_planning", "scripts/measured_on.py", "scripts/plot_scene_cost.py", "docs/planners.md",
-                 "docs/data/planning.csv"):
+    for name in ("scripts/measure_planning", "scripts/measurements.py", "docs/planners.md", "docs/data/planning.csv"):
         os.makedirs(os.path.dirname(tmp_path / name), exist_ok=True)
         shutil.copy(os.path.join(PROJECT, name), tmp_path / name)
     subprocess.run([tmp_path / "scripts/measure_planning", "--draw-only"], check=True, timeout=60)
