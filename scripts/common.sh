@@ -63,6 +63,24 @@ ros_environment() {
   export ROS_PACKAGE_PATH="$PROJECT${given:+:$given}${ROS_PACKAGE_PATH:+:$ROS_PACKAGE_PATH}:/usr/share"
 }
 
+# A roslaunch in a group of its own, under a master on $port.
+start_launch() {  # [FILE] [ARGUMENT...]
+  setsid roslaunch -p "$port" collision_pairs "$@" & launch=$!
+}
+
+# roslaunch ends its nodes on SIGINT, in order; what is then still there is ended with its group.
+stop_launch() {
+  kill -INT "${launch:-}" 2>/dev/null || true
+  for _ in $(seq 100); do kill -0 "${launch:-}" 2>/dev/null || break; sleep 0.1; done
+  kill -KILL -- "-${launch:-}" 2>/dev/null || true
+}
+
+# An X server without a screen.
+start_screen() {
+  export DISPLAY=":$((90 + RANDOM % 100))" LIBGL_ALWAYS_SOFTWARE=1
+  Xvfb "$DISPLAY" -screen 0 1280x800x24 >/dev/null 2>&1 & screen=$!
+}
+
 # A TCP port that nobody listens on, beginning with the one given.
 free_port() {
   /usr/bin/python3 - "$1" <<'PY'
