@@ -1,4 +1,5 @@
 """A copy of the tree that scripts/mutate builds, breaks and tests."""
+import contextlib
 import hashlib
 import os
 import resource
@@ -110,19 +111,13 @@ class MutatedTree:
         listed = subprocess.run(["ctest", "-N"], cwd=self.build, stdout=subprocess.PIPE, check=True).stdout.decode()
         return [line.split(": ")[1].strip() for line in listed.splitlines() if line.startswith("  Test ")]
 
+    @contextlib.contextmanager
     def broken(self, mutant):
-        return BrokenFile(os.path.join(self.copy, mutant.file), mutant)
-
-
-class BrokenFile:
-    """with: the file has the mistake."""
-
-    def __init__(self, path, mutant):
-        self.path, self.mutant = path, mutant
-
-    def __enter__(self):
-        self.sound = read(self.path)
-        write(self.path, self.mutant.applied(self.sound))
-
-    def __exit__(self, *_):
-        write(self.path, self.sound)
+        """with: the file has the mistake."""
+        path = os.path.join(self.copy, mutant.file)
+        sound = read(path)
+        write(path, mutant.applied(sound))
+        try:
+            yield
+        finally:
+            write(path, sound)
