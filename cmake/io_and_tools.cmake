@@ -15,7 +15,6 @@ add_library(collision_pairs_io SHARED
   src/io/joint_limits.cpp
   src/io/joint_states_csv.cpp
   src/io/joint_tracks.cpp
-  src/io/lzf.cpp
   src/io/meshes/mesh_loader.cpp
   src/io/meshes/mesh_process.cpp
   src/io/meshes/obj_file.cpp

@@ -8,9 +8,9 @@
 #include <optional>
 #include <sstream>
 #include <string_view>
+#include <utility>
 
 #include "collision_pairs/input_error.h"
-#include "lzf.h"
 #include "user_text.h"
 
 namespace collision_pairs {
@@ -31,6 +31,72 @@ std::vector<std::string> wordsOf(const std::string& line) {
 struct Column {
   std::uint64_t byte = 0, bytes_a_value = 0;
   std::uint64_t value = 0;
+};
+
+constexpr std::size_t MOST_OF_A_BYTE = (7 + 255 + 2) / 3;  // LZF: the longest copy is three
+
+/// LZF (Marc Lehmann 2000), a sequence of runs that begin with a byte c. c < 32: the c + 1 bytes
+/// that follow are copied. Otherwise c >> 5 is a length, 7: to which the next byte is added; the
+/// next byte and, above it, c & 31 are an offset; length + 2 bytes are copied from offset + 1
+/// before the end of what there is, which may grow over what is copied. Cost: linear.
+class LzfReader {
+ public:
+  /// `size`: of what is read; nothing is allocated for one that cannot be true.
+  LzfReader(std::string_view compressed, std::size_t size) : left_(compressed), size_(size) {
+    if (size / MOST_OF_A_BYTE > compressed.size())
+      fail("they are too short for what they claim to hold");
+    text_.reserve(size);
+  }
+
+  std::string read() {
+    while (!left_.empty()) {
+      const std::size_t control = next();
+      if (control < 32) {
+        takeLiterally(control + 1);
+      } else {
+        copy(control);
+      }
+    }
+    if (text_.size() != size_) fail("they end too early");
+    return std::move(text_);
+  }
+
+ private:
+  [[noreturn]] static void fail(const std::string& why) {
+    throw InputError("the compressed data are damaged: " + why);
+  }
+
+  std::size_t next() {
+    if (left_.empty()) fail("they end within a run");
+    const auto byte = static_cast<std::uint8_t>(left_.front());
+    left_.remove_prefix(1);
+    return byte;
+  }
+
+  void requireRoom(std::size_t count) const {
+    if (count > size_ - text_.size()) fail("they hold more than they claim");
+  }
+
+  void takeLiterally(std::size_t count) {
+    requireRoom(count);
+    if (count > left_.size()) fail("they end within a run");
+    text_.append(left_.substr(0, count));
+    left_.remove_prefix(count);
+  }
+
+  void copy(std::size_t control) {
+    std::size_t count = control >> 5;
+    if (count == 7) count += next();
+    count += 2;
+    const std::size_t offset = ((control & 31) << 8) + next() + 1;
+    requireRoom(count);
+    if (offset > text_.size()) fail("they refer to what is before their beginning");
+    for (; count > 0; --count) text_.push_back(text_[text_.size() - offset]);
+  }
+
+  std::string_view left_;
+  const std::size_t size_;
+  std::string text_;
 };
 
 class PcdReader {
@@ -177,7 +243,7 @@ class PcdReader {
     }
     const std::string_view compressed = data().substr(sizeof sizes);
     if (compressed.size() < sizes[0]) failAfter(0);
-    const std::string fields = decompressLzf(compressed.substr(0, sizes[0]), sizes[1]);
+    const std::string fields = LzfReader(compressed.substr(0, sizes[0]), sizes[1]).read();
     std::vector<Vector3d> points(*nb_points_);
     for (int axis = 0; axis < 3; ++axis) {
       const Column& column = *columns_[static_cast<std::size_t>(axis)];
