@@ -3,7 +3,6 @@ add_library(collision_pairs_io SHARED
   src/io/bag_clouds.cpp
   src/io/bag_poses.cpp
   src/io/bag_poses_from_joints.cpp
-  src/io/bag_poses_from_tf.cpp
   src/io/bag_reader.cpp
   src/io/bag_records.cpp
   src/io/bag_table.cpp
@@ -52,19 +51,16 @@ add_dependencies(collision_pairs_io read_mesh_file)
 
 # Further source files of the tool may follow its name.
 function(collision_pairs_tool name)
-  add_executable(${name} src/tools/${name}.cpp src/tools/command_line.cpp src/tools/progress_bar.cpp
-                 src/tools/tool.cpp ${ARGN})
+  add_executable(${name} src/tools/${name}.cpp src/tools/command_line.cpp src/tools/progress_bar.cpp ${ARGN})
   target_include_directories(${name} PRIVATE src/core/base)
   target_link_libraries(${name} PRIVATE collision_pairs_io Boost::program_options)
   collision_pairs_warnings(${name})
 endfunction()
 
-set(bag_outputs src/tools/bag_outputs.cpp src/tools/bag_summary.cpp)
 collision_pairs_tool(check_states src/tools/scene_files.cpp)
-collision_pairs_tool(check_bag src/tools/bag_recorder.cpp src/tools/cloud_replay.cpp src/tools/scene_files.cpp ${bag_outputs})
+collision_pairs_tool(check_bag src/tools/bag_recorder.cpp src/tools/cloud_replay.cpp src/tools/scene_files.cpp src/tools/bag_outputs.cpp)
 target_link_libraries(check_bag PRIVATE collision_pairs_messages)
 collision_pairs_tool(check_motion src/tools/scene_files.cpp)
-collision_pairs_tool(generate_srdf src/tools/pair_verdicts.cpp src/tools/scene_files.cpp
-                     src/tools/verdict_texts.cpp)
+collision_pairs_tool(generate_srdf src/tools/pair_verdicts.cpp src/tools/scene_files.cpp)
 target_include_directories(generate_srdf PRIVATE ${CORE_MODULES})
-collision_pairs_tool(merge_bag_checks ${bag_outputs})
+collision_pairs_tool(merge_bag_checks src/tools/bag_outputs.cpp)

@@ -34,7 +34,7 @@ StampNs stampOf(const RawMessage& raw) {
 std::string problemOf(StampNs stamp, StampNs received, StampNs newest, StampNs tolerance) {
   if (stamp == 0) return "its stamp is zero";
   if (stamp - received > tolerance) {
-    return "its stamp is " + inWords(1e-9 * static_cast<double>(stamp - received)) +
+    return "its stamp is " + inWords(inSeconds(stamp - received)) +
            " ahead of the time at which it was recorded";
   }
   if (stamp <= newest) {
@@ -46,47 +46,43 @@ std::string problemOf(StampNs stamp, StampNs received, StampNs newest, StampNs t
 
 }  // namespace
 
-BagCloudIndex::BagCloudIndex(std::vector<std::string> topics, double clock_tolerance)
-    : topics_(std::move(topics)),
-      clock_tolerance_(std::llround(1e9 * clock_tolerance)),
-      newest_(topics_.size(), EVER_SINCE),
-      arrival_(topics_.size(), EVER_SINCE),
-      is_other_type_(topics_.size(), 0),
-      has_cloud_(topics_.size(), 0) {}
+BagCloudIndex::BagCloudIndex(const std::vector<std::string>& topics, double clock_tolerance)
+    : clock_tolerance_(std::llround(1e9 * clock_tolerance)) {
+  for (const std::string& topic : topics) sources_.push_back({topic});
+}
 
 int BagCloudIndex::sourceOf(const RawMessage& raw) const {
-  for (std::size_t i = 0; i < topics_.size(); ++i) {
-    if (nameOf(raw.topic) == nameOf(topics_[i])) return static_cast<int>(i);
+  for (std::size_t i = 0; i < sources_.size(); ++i) {
+    if (nameOf(raw.topic) == nameOf(sources_[i].topic)) return static_cast<int>(i);
   }
   return -1;
 }
 
 void BagCloudIndex::take(const RawMessage& raw) {
-  if (topics_.empty()) return;
-  const int source = sourceOf(raw);
-  if (isCloud(raw)) cloud_topics_.insert(raw.topic);
-  if (source < 0) return;
-  if (!isCloud(raw)) {
-    is_other_type_[source] = 1;
-    return;
-  }
-  has_cloud_[source] = 1;
+  if (sources_.empty()) return;
+  const int number = sourceOf(raw);
+  const bool is_cloud = isCloud(raw);
+  if (is_cloud) cloud_topics_.insert(raw.topic);
+  if (number < 0) return;
+  Source& source = sources_[number];
+  (is_cloud ? source.has_cloud : source.is_other_type) = true;
+  if (!is_cloud) return;
   const StampNs stamp = stampOf(raw);
-  std::string problem = problemOf(stamp, raw.received, newest_[source], clock_tolerance_);
-  if (problem.empty()) newest_[source] = stamp;
-  arrival_[source] = std::max(arrival_[source], raw.received);
-  entries_.push_back({source, stamp, arrival_[source], std::move(problem)});
+  std::string problem = problemOf(stamp, raw.received, source.newest, clock_tolerance_);
+  if (problem.empty()) source.newest = stamp;
+  source.arrival = std::max(source.arrival, raw.received);
+  entries_.push_back({number, stamp, source.arrival, std::move(problem)});
 }
 
 void BagCloudIndex::requireAllSources() const {
-  for (std::size_t i = 0; i < topics_.size(); ++i) {
-    if (is_other_type_[i]) {
-      throw InputError("--clouds: topic '" + topics_[i] +
+  for (const Source& source : sources_) {
+    if (source.is_other_type) {
+      throw InputError("--clouds: topic '" + source.topic +
                        "' is not of type sensor_msgs/PointCloud2");
     }
-    if (has_cloud_[i]) continue;
+    if (source.has_cloud) continue;
     const std::string found = joined({cloud_topics_.begin(), cloud_topics_.end()});
-    throw InputError("--clouds: the bag has no messages on topic '" + topics_[i] +
+    throw InputError("--clouds: the bag has no messages on topic '" + source.topic +
                      "'; topics with clouds: " + (found.empty() ? "none" : found));
   }
 }

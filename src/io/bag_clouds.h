@@ -22,7 +22,7 @@ struct CloudEntry {
 class BagCloudIndex {
  public:
   /// Leading slashes of topics are ignored.
-  explicit BagCloudIndex(std::vector<std::string> topics, double clock_tolerance = 0.5);
+  explicit BagCloudIndex(const std::vector<std::string>& topics, double clock_tolerance = 0.5);
 
   /// Adds a message of the bag. A cloud without a stamp, with a stamp more than clock_tolerance [s]
   /// after its recording, or not later than the previous one has a problem.
@@ -35,11 +35,14 @@ class BagCloudIndex {
   int sourceOf(const RawMessage& raw) const;
 
  private:
-  std::vector<std::string> topics_;
+  struct Source {
+    std::string topic;
+    StampNs newest = EVER_SINCE, arrival = EVER_SINCE;
+    bool is_other_type = false, has_cloud = false;
+  };
+  std::vector<Source> sources_;
   std::vector<CloudEntry> entries_;
   const StampNs clock_tolerance_;
-  std::vector<StampNs> newest_, arrival_;  ///< by source
-  std::vector<char> is_other_type_, has_cloud_;
   std::set<std::string> cloud_topics_;  ///< of all clouds in the bag
 };
 

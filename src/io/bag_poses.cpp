@@ -5,13 +5,96 @@
 
 #include "collision_pairs/input_error.h"
 #include "frame_names.h"
+#include "user_text.h"
 
 namespace collision_pairs {
 namespace {
 
+using Eigen::Isometry3d;
+
 bool endsWith(const std::string& text, const std::string& end) {
   return text.size() > end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
 }
+
+/// Attached to a movable joint: the stamps of its transforms are those of the robot's motion.
+bool isDriven(const Link& link, const RobotModel& robot) {
+  return link.parent_joint >= 0 && robot.joints()[link.parent_joint].type != JointType::FIXED;
+}
+
+class BagPosesFromTf : public BagPoses {
+ public:
+  BagPosesFromTf(const BagContents& bag, const CollisionScene& scene,
+                 const BagPosesOptions& options)
+      : BagPoses(bag, scene, options), all_(scene.robot().bodies().size(), 1) {
+    source_ = "TF";
+    collectStamps();
+    countKnown();
+  }
+
+  bool frameAt(StampNs stamp, const std::string& frame, Isometry3d& X_RF) const override {
+    FramePoses::Known found;
+    std::string why;
+    if (!robot_.frameIn(bag_.transforms, {Instant::AT, stamp}, frame, found, why)) return false;
+    X_RF = found.X_RF;
+    return true;
+  }
+
+ private:
+  FoundBodies robotAt(StampNs stamp) const override {
+    return robot_.place(bag_.transforms, {Instant::AS_IT_ARRIVED, stamp}, all_);
+  }
+
+  bool hasFrame(int body) const {
+    const auto& links = scene_.robot().links();
+    return std::any_of(links.begin(), links.end(), [&](const Link& link) {
+      return link.body == body && robot_.frameOf(bag_.transforms, link.name) >= 0;
+    });
+  }
+
+  void collectStamps() {
+    const RobotModel& robot = scene_.robot();
+    for (const bool driven : {true, false}) {
+      for (const Link& link : robot.links()) {
+        const int frame = link.body == 0 ? -1 : robot_.frameOf(bag_.transforms, link.name);
+        if (frame < 0 || isDriven(link, robot) != driven) continue;
+        const auto& stamps = bag_.stamps[static_cast<std::size_t>(frame)];
+        stamps_.insert(stamps_.end(), stamps.begin(), stamps.end());
+      }
+      if (!stamps_.empty()) break;  // frames of fixed joints only if there are no others
+    }
+    finishStamps(stamps_);
+  }
+
+  /// Bodies that only /tf_static places do not count: joint states may know them.
+  void countKnown() {
+    std::vector<std::string> missing;
+    std::size_t nb_named = 0;
+    for (const SceneBody& body : scene_.bodies()) {
+      if (body.body == 0) continue;
+      if (hasFrame(body.body)) {
+        ++nb_named;
+      } else {
+        missing.push_back(body.link);
+      }
+    }
+    if (!hasFrame(0) || nb_named == 0) return;
+    if (!missing.empty()) {
+      notes_.push_back("left out, because TF has no frame for them: " + joined(missing));
+    }
+    if (stamps_.empty()) {
+      why_none_ = "of its " + std::to_string(nb_named) +
+                  " links on moving joints that TF names, /tf moves none: they are on /tf_static "
+                  "only, and no joint states move them";
+      return;
+    }
+    const std::vector<char> is_held = robot_.heldAt(bag_.transforms, stamps_.back());
+    for (const SceneBody& body : scene_.bodies()) {
+      if (body.body != 0 && hasFrame(body.body) && !is_held[body.body]) ++nb_known_;
+    }
+  }
+
+  std::vector<char> all_;  ///< bodies of the robot
+};
 
 /// The prefix of the robot's link names in the bag's frames, if there is one.
 std::set<std::string> possiblePrefixes(const BagContents& bag, const RobotModel& robot) {
@@ -71,7 +154,7 @@ void finishStamps(std::vector<StampNs>& stamps) {
 
 std::unique_ptr<const BagPoses> makeBagPoses(const BagContents& bag, const CollisionScene& scene,
                                              const BagPosesOptions& options) {
-  auto by_tf = bagPosesFromTf(bag, scene, options);
+  auto by_tf = std::make_unique<const BagPosesFromTf>(bag, scene, options);
   auto by_joints = bagPosesFromJoints(bag, scene, options);
   if (by_tf->nbKnown() == 0 && by_joints->nbKnown() == 0) {
     const std::string why = by_tf->whyNone().empty() ? by_joints->whyNone() : by_tf->whyNone();

@@ -71,17 +71,14 @@ class BagPoses {
 /// Sorts, and removes repetitions.
 void finishStamps(std::vector<StampNs>& stamps);
 
-/// From the bag's transforms, and from its joint states by forward kinematics. All references must
-/// outlive the result.
-std::unique_ptr<const BagPoses> bagPosesFromTf(const BagContents& bag, const CollisionScene& scene,
-                                               const BagPosesOptions& options);
+/// From the bag's joint states by forward kinematics. All references must outlive the result.
 std::unique_ptr<const BagPoses> bagPosesFromJoints(const BagContents& bag,
                                                    const CollisionScene& scene,
                                                    const BagPosesOptions& options);
 
-/// By TF if it has as many bodies of the robot as the joint states, else by forward kinematics.
-/// Both references must outlive the result. Throws InputError, with a remedy (for example a
-/// prefix), if the bag has none.
+/// By the bag's transforms if they have as many bodies of the robot as the joint states, else by
+/// forward kinematics. All references must outlive the result. Throws InputError, with a remedy
+/// (for example a prefix), if the bag has none.
 std::unique_ptr<const BagPoses> makeBagPoses(const BagContents& bag, const CollisionScene& scene,
                                              const BagPosesOptions& options);
 

@@ -26,8 +26,7 @@ bool isType(const std::string& md5sum) {
   return md5sum == ros::message_traits::MD5Sum<Message>::value();
 }
 
-bool isWanted(const std::string& topic, const std::string& md5sum) {
-  const std::string name = lastPart(topic);
+bool isWanted(const std::string& name, const std::string& md5sum) {
   if (name == "tf" || name == "tf_static") return isType<tf2_msgs::TFMessage>(md5sum);
   if (name == "joint_states") return isType<sensor_msgs::JointState>(md5sum);
   return isType<std_msgs::String>(md5sum) &&
@@ -37,8 +36,8 @@ bool isWanted(const std::string& topic, const std::string& md5sum) {
 constexpr std::uint64_t SMALLEST_TRANSFORM = 76;  // bytes: two empty names, seven doubles
 constexpr int NB_ARRAYS_OF_DOUBLES = 3;           // position, velocity, effort
 
-bool jointStateFits(const std::uint8_t* data, std::uint32_t size) {
-  Walk walk(data, size);
+bool jointStateFits(const RawMessage& raw) {
+  Walk walk(raw.data, raw.size);
   std::uint32_t nb_names;
   if (!walk.skipHeader() || !walk.count(nb_names, 4)) return false;
   for (std::uint32_t i = 0; i < nb_names; ++i) {
@@ -50,9 +49,9 @@ bool jointStateFits(const std::uint8_t* data, std::uint32_t size) {
   return true;
 }
 
-bool tfMessageFits(const std::uint8_t* data, std::uint32_t size) {
+bool tfMessageFits(const RawMessage& raw) {
   std::uint32_t nb_transforms;
-  return Walk(data, size).count(nb_transforms, SMALLEST_TRANSFORM);
+  return Walk(raw.data, raw.size).count(nb_transforms, SMALLEST_TRANSFORM);
 }
 
 class Collector {
@@ -60,27 +59,21 @@ class Collector {
   explicit Collector(const PoseLimits& limits) : contents_(limits) {}
 
   void take(const RawMessage& raw) {
-    if (!isWanted(raw.topic, raw.md5sum)) return;
     const std::string name = lastPart(raw.topic);
-    const bool fits = name == "joint_states"                ? jointStateFits(raw.data, raw.size)
-                      : name == "tf" || name == "tf_static" ? tfMessageFits(raw.data, raw.size)
-                                                            : true;
-    if (!fits) {
-      ++nb_garbled_;
-      return;
-    }
+    if (!isWanted(name, raw.md5sum)) return;
+    bool fits = true;
     try {
-      if (name == "joint_states")
-        takeJoints(raw);
-      else if (name == "tf" || name == "tf_static")
-        takeTransforms(raw, name == "tf_static");
-      else
+      if (name == "joint_states") {
+        fits = takeJoints(raw);
+      } else if (name == "tf" || name == "tf_static") {
+        fits = takeTransforms(raw, name == "tf_static");
+      } else {
         takeText(raw, name == "robot_description" ? contents_.urdfs : contents_.srdfs);
+      }
     } catch (const ros::Exception&) {  // its length fields point beyond its end
-      ++nb_garbled_;
-      return;
+      fits = false;
     }
-    ++contents_.nb_messages;
+    ++(fits ? contents_.nb_messages : nb_garbled_);
   }
 
   BagContents finish() {
@@ -139,28 +132,27 @@ class Collector {
 
   const std::string* named(const std::string& name) { return &*names_.insert(name).first; }
 
-  void takeTransforms(const RawMessage& raw, bool is_static) {
+  bool takeTransforms(const RawMessage& raw, bool is_static) {
+    if (!tfMessageFits(raw)) return false;
     for (const auto& transform : read<tf2_msgs::TFMessage>(raw).transforms) {
       if (!is_static) watchClock(stampOf(transform.header.stamp, raw));
       const auto& p = transform.transform.translation;
       const auto& q = transform.transform.rotation;
-      const RecordedTransform recorded{raw.received,
-                                       static_cast<StampNs>(transform.header.stamp.toNSec()),
-                                       named(raw.publisher),
-                                       named(transform.header.frame_id),
-                                       named(transform.child_frame_id),
-                                       is_static,
-                                       Eigen::Vector3d(p.x, p.y, p.z),
-                                       Eigen::Quaterniond(q.w, q.x, q.y, q.z)};
-      if (isPose(recorded.p_PC, recorded.R_PC)) {
-        transforms_.push_back(recorded);
+      const Eigen::Vector3d p_PC(p.x, p.y, p.z);
+      const Eigen::Quaterniond R_PC(q.w, q.x, q.y, q.z);
+      if (isPose(p_PC, R_PC)) {
+        transforms_.push_back({raw.received, static_cast<StampNs>(transform.header.stamp.toNSec()),
+                               named(raw.publisher), named(transform.header.frame_id),
+                               named(transform.child_frame_id), is_static, p_PC, R_PC});
       } else {
         ++nb_unusable_;
       }
     }
+    return true;
   }
 
-  void takeJoints(const RawMessage& raw) {
+  bool takeJoints(const RawMessage& raw) {
+    if (!jointStateFits(raw)) return false;
     const auto message = read<sensor_msgs::JointState>(raw);
     const StampNs stamp = stampOf(message.header.stamp, raw);
     watchClock(stamp);
@@ -174,6 +166,7 @@ class Collector {
         ++nb_unusable_;
       }
     }
+    return true;
   }
 
   void keep(const RecordedTransform& recorded) {

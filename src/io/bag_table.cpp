@@ -19,12 +19,6 @@ const char* nameOf(Verdict verdict) {
                                          : "unknown";
 }
 
-std::string toText(double number) {
-  char text[64];
-  std::snprintf(text, sizeof text, "%.17g", number);
-  return text;
-}
-
 std::vector<std::string> split(const std::string& text, char separator) {
   std::vector<std::string> parts;
   if (text.empty()) return parts;
@@ -34,18 +28,6 @@ std::vector<std::string> split(const std::string& text, char separator) {
     if (end == std::string::npos) return parts;
     begin = end + 1;
   }
-}
-
-template <class Items, class ToText>
-std::string joinedBy(const Items& items, const ToText& text_of) {
-  std::string text;
-  for (const auto& item : items) {
-    const std::string word = text_of(item);
-    if (word.empty()) continue;
-    if (!text.empty()) text += ';';
-    text += word;
-  }
-  return text;
 }
 
 class LineReader {
@@ -126,24 +108,33 @@ const char* const BAG_TABLE_HEADER =
 const char* const BAG_TABLE_END = "# end";
 
 std::string toLine(const BagRow& row) {
-  char stamp[40];
-  std::snprintf(stamp, sizeof stamp, "%lld.%09lld",
-                static_cast<long long>(row.stamp / NS_PER_SECOND),
+  const std::string stamp =
+      formatted("%lld.%09lld", static_cast<long long>(row.stamp / NS_PER_SECOND),
                 static_cast<long long>(row.stamp % NS_PER_SECOND));
-  const std::string contacts =
-      joinedBy(row.pairs, [](const BagPair& p) { return p.in_contact ? p.links : ""; });
-  const std::string distances =
-      joinedBy(row.pairs, [](const BagPair& p) { return p.links + '=' + toText(p.distance); });
+  std::vector<std::string> contacts, distances;
+  for (const BagPair& pair : row.pairs) {
+    if (pair.in_contact) contacts.push_back(pair.links);
+    distances.push_back(pair.links + '=' + allDigits(pair.distance));
+  }
   return csvField(row.bag) + ',' + std::to_string(row.state) + ',' + stamp + ',' +
-         (row.verdict == Verdict::FREE ? '0' : '1') + ',' + csvField(contacts) + ',' +
-         (row.min_distance ? toText(*row.min_distance) : "") + ',' + std::to_string(row.nb_pairs) +
-         ',' + csvField(distances) + ',' +
-         csvField(joinedBy(row.left_out, [](const std::string& link) { return link; })) + ',' +
-         nameOf(row.verdict) + ',' + csvField(row.unknown_because);
+         (row.verdict == Verdict::FREE ? '0' : '1') + ',' + csvField(joined(contacts, ";")) + ',' +
+         (row.min_distance ? allDigits(*row.min_distance) : "") + ',' +
+         std::to_string(row.nb_pairs) + ',' + csvField(joined(distances, ";")) + ',' +
+         csvField(joined(row.left_out, ";")) + ',' + nameOf(row.verdict) + ',' +
+         csvField(row.unknown_because);
 }
 
 BagRow parseLine(const std::string& line, const std::string& name, std::size_t line_number) {
   return LineReader(name, line_number).read(line);
+}
+
+std::optional<Shard> shardFrom(const std::string& text) {
+  unsigned long long index = 0, count = 0;
+  char rest = 0;
+  const bool is_shard = text.find('-') == std::string::npos &&
+                        std::sscanf(text.c_str(), "%llu/%llu%c", &index, &count, &rest) == 2 &&
+                        index >= 1 && index <= count;
+  return is_shard ? std::optional<Shard>({index - 1, count}) : std::nullopt;
 }
 
 std::string partLine(const Shard& shard) {

@@ -56,6 +56,8 @@ std::string toLine(const BagRow& row);
 /// Throws InputError with the line number (and `name` of the file).
 BagRow parseLine(const std::string& line, const std::string& name, std::size_t line_number);
 
+/// Of "2/4"; nothing if it is not I/N with I from 1 to N.
+std::optional<Shard> shardFrom(const std::string& text);
 std::string partLine(const Shard& shard);
 std::string bagLine(const std::string& bag, std::uint64_t nb_rows);
 

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cstdio>
 #include <fstream>
 #include <memory>
 
@@ -20,13 +19,9 @@ class Table {
     if (!is_part_) return;
     std::string line;
     next(line);
-    unsigned long long index = 0, count = 0;
-    char rest = 0;
-    if (std::sscanf(line.c_str(), "# part %llu/%llu%c", &index, &count, &rest) != 2 || index < 1 ||
-        index > count) {
-      fail("'" + line + "' does not say which part it is");
-    }
-    shard_ = {index - 1, count};
+    const auto shard = shardFrom(line.compare(0, 7, "# part ") == 0 ? line.substr(7) : "");
+    if (!shard) fail("'" + line + "' does not say which part it is");
+    shard_ = *shard;
   }
 
   bool next(std::string& line) {

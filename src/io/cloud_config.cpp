@@ -20,16 +20,13 @@ double above0(const std::string& key, const YAML::Node& value) {
 }
 
 double secondsOf(const std::string& key, const YAML::Node& value) {
-  const std::string rule = "0 or more seconds";
-  const double found = numberOf(key, value, rule);
-  if (found < 0.0) refuseValue(key, value, rule);
-  return found;
+  return numberOf(key, value, "0 or more seconds", 0.0);
 }
 
 int countOf(const std::string& key, const YAML::Node& value, int least = 1) {
   const std::string rule = "a whole number from " + std::to_string(least) + " to 100000000";
-  const double found = numberOf(key, value, rule);
-  if (found < least || found > 1e8 || found != std::floor(found)) refuseValue(key, value, rule);
+  const double found = numberOf(key, value, rule, least);
+  if (found > 1e8 || found != std::floor(found)) refuseValue(key, value, rule);
   return static_cast<int>(found);
 }
 

@@ -1,7 +1,8 @@
 #include "csv.h"
 
 #include <algorithm>
-#include <cstdio>
+
+#include "user_text.h"
 
 namespace collision_pairs {
 namespace {
@@ -32,13 +33,7 @@ std::string listedName(const std::string& name) {
   std::string text;
   for (const char letter : name) {
     const auto byte = static_cast<unsigned char>(letter);
-    if (isAtomic(byte)) {
-      text += letter;
-      continue;
-    }
-    char encoded[4];
-    std::snprintf(encoded, sizeof encoded, "%%%02X", byte);
-    text += encoded;
+    text += isAtomic(byte) ? std::string(1, letter) : formatted("%%%02X", byte);
   }
   return text;
 }

@@ -47,7 +47,7 @@ bool JointTracks::lookUp(const OfJoint& joint, StampNs stamp, const TrackLimits&
   Track<JointPosition>::Neighbours found;
   if (!joint.track.find(stamp, limits.max_gap, found)) {
     why = "no two of its positions around that stamp are within " +
-          inWords(1e-9 * static_cast<double>(limits.max_gap)) + " of each other";
+          inWords(inSeconds(limits.max_gap)) + " of each other";
     return false;
   }
   if (joint.track.wasSilentAt(stamp)) {

@@ -1,7 +1,6 @@
 #include "robot_poses.h"
 
 #include <algorithm>
-#include <cstdio>
 
 #include "collision_pairs/input_error.h"
 #include "frame_names.h"
@@ -25,12 +24,9 @@ int topOf(const TransformBuffer& buffer, int frame, StampNs stamp) {
 }
 
 std::string lagging(StampNs lag, StampNs limit) {
-  char text[150];
-  std::snprintf(text, sizeof text,
-                "its newest transform is %.2f s older than the newest of all links, and "
-                "max_transform_age is %.2f s",
-                1e-9 * static_cast<double>(lag), 1e-9 * static_cast<double>(limit));
-  return text;
+  return "its newest transform is " + inWords(inSeconds(lag)) +
+         " older than the newest of all links, and max_transform_age is " +
+         inWords(inSeconds(limit));
 }
 
 }  // namespace

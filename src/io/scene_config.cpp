@@ -1,7 +1,6 @@
 #include "scene_config.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <functional>
 #include <map>
@@ -13,25 +12,6 @@
 
 namespace collision_pairs {
 namespace {
-
-/// All other keys of the node's parameter file, which can thus be used here unchanged.
-constexpr std::array<const char*, 17> OF_THE_NODE_ONLY = {"alarm_distance",
-                                                          "fidelity",
-                                                          "tolerance",
-                                                          "time_budget",
-                                                          "rate",
-                                                          "robots",
-                                                          "show_only_investigated_boxes",
-                                                          "verdict_only",
-                                                          "min_distance",
-                                                          "max_pose_age",
-                                                          "max_transform_age",
-                                                          "clock_tolerance",
-                                                          "allow_paused",
-                                                          "fixed_frame",
-                                                          "velocity_limiter",
-                                                          "reload",
-                                                          "trigger"};
 
 std::pair<std::string, std::string> twoNames(const std::string& key, const YAML::Node& value) {
   const auto found = namesOf(key, value);
@@ -147,10 +127,7 @@ void readMaxHullVertices(const YAML::Node& value, SceneConfig& config) {
 void readPoseLimits(const YAML::Node& map, PoseLimits& limits) {
   const auto read = [&](const char* key, double& value) {
     const YAML::Node given = map[key];
-    if (!given) return;
-    const std::string rule = "a number of seconds, 0 or more";
-    value = numberOf(key, given, rule);
-    if (value < 0.0) refuseValue(key, given, rule);
+    if (given) value = numberOf(key, given, "a number of seconds, 0 or more", 0.0);
   };
   read("max_pose_age", limits.max_pose_age);
   read("max_transform_age", limits.max_transform_age);
@@ -203,7 +180,13 @@ const std::vector<std::string>& sceneConfigKeys() {
 const std::vector<std::string>& nodeParameterKeys() {
   static const std::vector<std::string> KEYS = [] {
     std::vector<std::string> keys = sceneConfigKeys();
-    keys.insert(keys.end(), OF_THE_NODE_ONLY.begin(), OF_THE_NODE_ONLY.end());
+    for (const char* key :
+         {"alarm_distance", "fidelity", "tolerance", "time_budget", "rate", "robots",
+          "show_only_investigated_boxes", "verdict_only", "min_distance", "max_pose_age",
+          "max_transform_age", "clock_tolerance", "allow_paused", "fixed_frame", "velocity_limiter",
+          "reload", "trigger"}) {
+      keys.push_back(key);
+    }
     return keys;
   }();
   return KEYS;
@@ -236,7 +219,7 @@ SceneConfig readSceneSettings(const YAML::Node& map, const std::string& origin) 
     throw InputError(origin + ": '" + key + "' is not a setting; did you mean '" +
                      nearestName(key, known) + "'?");
   }
-  try {
+  return naming(origin, [&] {
     SceneConfig config = readSceneConfig(map);
     readPoseLimits(map, config.pose_limits);
     const auto isGiven = [&](const char* key) {
@@ -246,9 +229,7 @@ SceneConfig readSceneSettings(const YAML::Node& map, const std::string& origin) 
     if (isGiven("robots")) config.of_the_node_only.push_back("robots");
     if (config.floor && isGiven("fixed_frame")) config.of_the_node_only.push_back("fixed_frame");
     return config;
-  } catch (const InputError& error) {
-    throw InputError(origin + ": " + error.what());
-  }
+  });
 }
 
 SceneConfig readSceneConfigFile(const std::string& path) {

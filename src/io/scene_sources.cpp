@@ -4,6 +4,8 @@
 #include <stdexcept>
 
 #include "collision_pairs/collision_scene.h"
+#include "collision_pairs/mesh_loader.h"
+#include "user_text.h"
 
 namespace collision_pairs {
 namespace {
@@ -20,6 +22,26 @@ std::shared_ptr<const RobotModel> loadGeometry(RobotSource& source, const std::s
 }
 
 }  // namespace
+
+std::vector<std::string> linkNames(const RobotModel& robot) {
+  std::vector<std::string> names;
+  for (const Link& link : robot.links()) names.push_back(link.name);
+  return names;
+}
+
+std::shared_ptr<const RobotModel> robotFrom(const TextFrom& urdf, const Warn& warn) {
+  const auto robot =
+      naming(urdf.origin, [&] { return RobotModel::fromUrdf(urdf.content, makeMeshLoader()); });
+  for (const std::string& warning : robot->warnings()) warn(urdf.origin + ": " + warning);
+  return robot;
+}
+
+Srdf srdfFrom(const TextFrom& xml, const RobotModel& robot, const Warn& warn) {
+  Srdf srdf = naming(xml.origin, [&] { return Srdf::fromXml(xml.content); });
+  const auto unknown = srdf.unknownLinks(linkNames(robot));
+  if (!unknown.empty()) warn(xml.origin + ": not links of the robot, ignored: " + joined(unknown));
+  return srdf;
+}
 
 RobotSource::RobotSource(const std::string& urdf, MeshLoader load_mesh)
     : load_mesh_(std::move(load_mesh)) {

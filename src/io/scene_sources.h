@@ -10,8 +10,20 @@
 #include <vector>
 
 #include "scene_config.h"
+#include "text_files.h"
 
 namespace collision_pairs {
+
+/// Tells the user.
+using Warn = std::function<void(const std::string& warning)>;
+
+std::vector<std::string> linkNames(const RobotModel& robot);
+
+/// With all meshes. Warns of ineffective content. Errors and warnings name the origin.
+std::shared_ptr<const RobotModel> robotFrom(const TextFrom& urdf, const Warn& warn);
+
+/// Warns of links that the robot does not have. Errors and warnings name the origin.
+Srdf srdfFrom(const TextFrom& xml, const RobotModel& robot, const Warn& warn);
 
 /// A robot. Reads the URDF immediately, and each mesh when a link that has it is first requested.
 /// Loaded meshes are kept.

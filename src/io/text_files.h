@@ -1,11 +1,28 @@
-// Reads and writes complete text files.
+// Texts, where they come from and where they go.
 #pragma once
 
 #include <functional>
 #include <ostream>
 #include <string>
 
+#include "collision_pairs/input_error.h"
+
 namespace collision_pairs {
+
+/// A text and its source, a file or a topic of a bag, for messages.
+struct TextFrom {
+  std::string origin, content;
+};
+
+/// What `read` returns. An InputError of it gets the origin before it.
+template <class Read>
+auto naming(const std::string& origin, const Read& read) {
+  try {
+    return read();
+  } catch (const InputError& error) {
+    throw InputError(origin + ": " + error.what());
+  }
+}
 
 /// The file's content without a UTF-8 byte order mark. Throws InputError that names the file, also
 /// if it contains a zero byte and is therefore not text.

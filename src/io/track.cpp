@@ -24,13 +24,11 @@ TrackLimits::TrackLimits(const PoseLimits& limits, bool keeps_all)
 std::string whyRefused(StampNs stamp, StampNs now, const TrackLimits& limits) {
   if (stamp == 0) return "its stamp is zero";
   if (stamp - now > limits.tolerance) {
-    return "its stamp is " + inWords(1e-9 * static_cast<double>(stamp - now)) +
-           " ahead of the clock";
+    return "its stamp is " + inWords(inSeconds(stamp - now)) + " ahead of the clock";
   }
   if (now - stamp > limits.max_age) {
-    return "it was " + inWords(1e-9 * static_cast<double>(now - stamp)) +
-           " old when it arrived, and max_pose_age is " +
-           inWords(1e-9 * static_cast<double>(limits.max_age));
+    return "it was " + inWords(inSeconds(now - stamp)) +
+           " old when it arrived, and max_pose_age is " + inWords(inSeconds(limits.max_age));
   }
   return "";
 }

@@ -18,6 +18,8 @@ using StampNs = std::int64_t;
 constexpr StampNs NEVER = std::numeric_limits<StampNs>::max();
 constexpr StampNs EVER_SINCE = std::numeric_limits<StampNs>::min();
 
+inline double inSeconds(StampNs span) { return 1e-9 * static_cast<double>(span); }
+
 /// Limits for poses and their stamps, in seconds. The node's parameters have the same names.
 struct PoseLimits {
   /// A pose older than this relative to now is not used; 0: no limit.

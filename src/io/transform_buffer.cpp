@@ -1,7 +1,6 @@
 #include "transform_buffer.h"
 
 #include <cmath>
-#include <cstdio>
 
 #include "frame_names.h"
 #include "user_text.h"
@@ -32,14 +31,6 @@ Isometry3d toPose(const Eigen::Vector3d& p, const Eigen::Quaterniond& R) {
   return X;
 }
 
-std::string formatted(double seconds) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.2f", seconds);
-  return text;
-}
-
-double seconds(StampNs begin, StampNs end) { return 1e-9 * static_cast<double>(end - begin); }
-
 }  // namespace
 
 bool isPose(const Eigen::Vector3d& p, const Eigen::Quaterniond& R) {
@@ -63,9 +54,7 @@ bool contradicts(const FramePose& sample, const FramePose& earlier, const FrameP
   double metres = 0.0, radians = 0.0;
   const bool is_far = far(distance, metres), is_turned = far(angle, radians);
   if (!is_far && !is_turned) return false;
-  char text[100];
-  std::snprintf(text, sizeof text, "by %.4g m and %.4g rad", metres, radians);
-  how = text;
+  how = formatted("by %.4g m and %.4g rad", metres, radians);
   return true;
 }
 
@@ -233,7 +222,7 @@ std::string TransformBuffer::whyUnknown(int number, StampNs stamp, bool as_it_ar
   if (const std::string* doubt = doubtAt(frame, kind, stamp)) return *doubt;
   if (kind == TransformKind::STATIC || frame.moving.empty()) return "it had not arrived yet";
   if (stamp > frame.moving.newest()) {
-    return "its newest transform is " + inWords(seconds(frame.moving.newest(), stamp)) +
+    return "its newest transform is " + inWords(inSeconds(stamp - frame.moving.newest())) +
            " older than that stamp (no extrapolation)";
   }
   Track<FramePose>::Neighbours found;
@@ -241,7 +230,7 @@ std::string TransformBuffer::whyUnknown(int number, StampNs stamp, bool as_it_ar
     return "at that stamp, its newest transform that had arrived was too old or in doubt";
   }
   return "no two of its transforms around that stamp are within " +
-         inWords(1e-9 * static_cast<double>(limits_.max_gap)) + " of each other";
+         inWords(inSeconds(limits_.max_gap)) + " of each other";
 }
 
 std::string TransformBuffer::whyNoNewest(int number, StampNs now) const {
@@ -252,9 +241,8 @@ std::string TransformBuffer::whyNoNewest(int number, StampNs now) const {
   if (frame.moving.empty()) return "no transform of it was received since the clock went back";
   const StampNs stamp = frame.moving.newestAt(now, limits_.max_age);
   if (now - stamp <= limits_.max_age) return whyUnknown(number, stamp, false);
-  return "its newest transform is " + formatted(seconds(stamp, now)) +
-         " s old, and max_pose_age is " + formatted(1e-9 * static_cast<double>(limits_.max_age)) +
-         " s";
+  return "its newest transform is " + inWords(inSeconds(now - stamp)) +
+         " old, and max_pose_age is " + inWords(inSeconds(limits_.max_age));
 }
 
 }  // namespace collision_pairs

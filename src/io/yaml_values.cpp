@@ -24,11 +24,11 @@ std::string textOf(const std::string& key, const YAML::Node& value, const std::s
   return value.Scalar();
 }
 
-double numberOf(const std::string& key, const YAML::Node& value, const std::string& rule) {
+double numberOf(const std::string& key, const YAML::Node& value, const std::string& rule,
+                double least) {
   double found = NAN;
-  if (!value.IsScalar() || !YAML::convert<double>::decode(value, found) || !std::isfinite(found)) {
-    refuseValue(key, value, rule);
-  }
+  const bool is_number = value.IsScalar() && YAML::convert<double>::decode(value, found);
+  if (!is_number || !std::isfinite(found) || found < least) refuseValue(key, value, rule);
   return found;
 }
 
@@ -37,13 +37,6 @@ bool flagOf(const std::string& key, const YAML::Node& value) {
   if (!value.IsScalar() || !YAML::convert<bool>::decode(value, found)) {
     refuseValue(key, value, "true or false");
   }
-  return found;
-}
-
-double metresOf(const std::string& key, const YAML::Node& value) {
-  const std::string rule = "0 or more metres";
-  const double found = numberOf(key, value, rule);
-  if (found < 0.0) refuseValue(key, value, rule);
   return found;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -14,13 +15,16 @@ namespace collision_pairs {
 
 std::string textOf(const std::string& key, const YAML::Node& value, const std::string& rule);
 
-/// A finite number.
-double numberOf(const std::string& key, const YAML::Node& value, const std::string& rule);
+/// A finite number, not below `least`.
+double numberOf(const std::string& key, const YAML::Node& value, const std::string& rule,
+                double least = -std::numeric_limits<double>::max());
 
 bool flagOf(const std::string& key, const YAML::Node& value);
 
 /// 0 or more metres.
-double metresOf(const std::string& key, const YAML::Node& value);
+inline double metresOf(const std::string& key, const YAML::Node& value) {
+  return numberOf(key, value, "0 or more metres", 0.0);
+}
 
 /// A list of names or patterns.
 std::vector<std::string> namesOf(const std::string& key, const YAML::Node& value);

@@ -13,6 +13,7 @@
 #include "collision_pairs/fidelity.h"
 #include "collision_pairs/robot_model.h"
 #include "collision_pairs/srdf.h"
+#include "text_files.h"
 
 namespace collision_pairs {
 
@@ -46,11 +47,6 @@ inline std::string utf8From(const pybind11::handle& str) {
   return pybind11::bytes(str.attr("encode")());
 }
 
-/// A text and what it came from, for messages.
-struct TextFrom {
-  std::string origin, content;
-};
-
 /// Of a str or an os.PathLike. Throws InputError, which shows no more of it than its beginning, for
 /// a text that is longer than a path or has a line break or a '<' in it; TypeError for anything
 /// else.
@@ -59,9 +55,6 @@ std::string pathFrom(const pybind11::handle& value, const std::string& what);
 /// A str with a '<' in it is the XML itself, anything else a path. `what`: "urdf", its origin if it
 /// is the text. Throws as pathFrom().
 TextFrom xmlFrom(const pybind11::handle& value, const std::string& what);
-
-/// Warns of links that the robot does not have. Throws InputError that names the origin.
-Srdf srdfFrom(const TextFrom& xml, const RobotModel& robot);
 
 /// Python's warnings.warn(message).
 void warn(const std::string& message);

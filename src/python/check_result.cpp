@@ -90,6 +90,14 @@ auto byState(std::vector<T> CheckResult::*numbers) {
   };
 }
 
+/// The getter of a structured array.
+template <class Row>
+auto rows(std::vector<Row> CheckResult::*all) {
+  return [all](const py::object& self) {
+    return viewOf<Row>(self.cast<const CheckResult&>().*all, self);
+  };
+}
+
 py::array gradientOf(const py::object& self) {
   const auto& result = self.cast<const CheckResult&>();
   if (!result.has_gradient) {
@@ -209,37 +217,25 @@ void bindCheckResult(py::module& module) {
                              byState<bool>(&CheckResult::min_distance_is_bound),
                              "bool (n,): true if min_distance is only a lower bound.")
       .def_property_readonly(
-          "pairs",
-          [](const py::object& self) {
-            return viewOf<PairRow>(self.cast<const CheckResult&>().pairs, self);
-          },
+          "pairs", rows(&CheckResult::pairs),
           "Structured (p,): the pairs in contact, near or unresolved of all states, sorted by "
-          "state "
-          "and name. row: of the state; first, second: indices into models; state: PairState; "
-          "distance: m, "
-          "signed; certainty: Certainty; fidelity: Fidelity; first_point, second_point, normal: "
-          "(3,), m, in the root link's frame, for the nearest two elements; first_element, "
-          "second_element: index of the <collision> (or shape) within its link.")
+          "state and name. row: of the state; first, second: indices into models; state: "
+          "PairState; distance: m, signed; certainty: Certainty; fidelity: Fidelity; first_point, "
+          "second_point, normal: (3,), m, in the root link's frame, for the nearest two elements; "
+          "first_element, second_element: index of the <collision> (or shape) within its link.")
       .def_property_readonly(
-          "nearest",
-          [](const py::object& self) {
-            return viewOf<NearestRow>(self.cast<const CheckResult&>().nearest, self);
-          },
+          "nearest", rows(&CheckResult::nearest),
           "Structured (k,): what has min_distance, of each state in which it is not a bound; none "
           "with verdict_only. Fields as in pairs; distance is min_distance.")
       .def_property_readonly(
-          "left_out",
-          [](const py::object& self) {
-            return viewOf<LeftOutRow>(self.cast<const CheckResult&>().left_out, self);
-          },
+          "left_out", rows(&CheckResult::left_out),
           "Structured (l,): row, model: models that could not be checked, because their pose or "
           "size is not finite; the state is never FREE.")
       .def_property_readonly("gradient", &gradientOf,
                              "float64 (p, joints): d(distance)/d(position) of each pair, m/rad or "
                              "m/m; NaN if there is none. Requires gradient=True.")
-      .def_property_readonly(
-          "models", [](const CheckResult& result) { return result.model_names; },
-          "str (m,): model names of the scene, referred to by pairs and left_out.")
+      .def_readonly("models", &CheckResult::model_names,
+                    "str (m,): model names of the scene, referred to by pairs and left_out.")
       .def_readonly("joints_at_zero", &CheckResult::joints_at_zero,
                     "Moving joints that were not named: taken as zero, or their nearest limit.")
       .def_readonly(

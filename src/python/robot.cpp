@@ -6,24 +6,16 @@
 
 #include "bindings.h"
 #include "collision_pairs/input_error.h"
-#include "collision_pairs/mesh_loader.h"
-#include "text_files.h"
-#include "user_text.h"
+#include "scene_sources.h"
 
 namespace py = pybind11;
 
 namespace collision_pairs {
 namespace {
 
-PythonRobot robotFrom(const TextFrom& urdf, const py::object& srdf) {
-  PythonRobot robot;
-  try {
-    robot.model = RobotModel::fromUrdf(urdf.content, makeMeshLoader());
-  } catch (const InputError& error) {
-    throw InputError(urdf.origin + ": " + error.what());
-  }
-  for (const std::string& warning : robot.model->warnings()) warn(urdf.origin + ": " + warning);
-  if (!srdf.is_none()) robot.srdf = srdfFrom(xmlFrom(srdf, "srdf"), *robot.model);
+PythonRobot makeRobot(const TextFrom& urdf, const py::object& srdf) {
+  PythonRobot robot{robotFrom(urdf, warn), {}};
+  if (!srdf.is_none()) robot.srdf = srdfFrom(xmlFrom(srdf, "srdf"), *robot.model, warn);
   return robot;
 }
 
@@ -46,7 +38,7 @@ PythonRobot robotFromParameters(const std::string& description, const std::strin
     throw InputError("parameter '" + description +
                      "' is not set, neither here nor in a namespace above");
   }
-  return robotFrom({"parameter '" + description + "'", utf8From(urdf)}, srdf);
+  return makeRobot({"parameter '" + description + "'", utf8From(urdf)}, srdf);
 }
 
 /// By index: the joints that a state can name and that follow no other.
@@ -77,12 +69,6 @@ py::array_t<double> limits(const PythonRobot& robot) {
   return rows;
 }
 
-std::vector<std::string> linkNames(const PythonRobot& robot) {
-  std::vector<std::string> names;
-  for (const Link& link : robot.model->links()) names.push_back(link.name);
-  return names;
-}
-
 }  // namespace
 
 std::string pathFrom(const py::handle& value, const std::string& what) {
@@ -105,20 +91,6 @@ TextFrom xmlFrom(const py::handle& value, const std::string& what) {
   return {path, readTextFile(path)};
 }
 
-Srdf srdfFrom(const TextFrom& xml, const RobotModel& robot) {
-  std::vector<std::string> links;
-  for (const Link& link : robot.links()) links.push_back(link.name);
-  try {
-    Srdf srdf = Srdf::fromXml(xml.content);
-    const auto unknown = srdf.unknownLinks(links);
-    if (!unknown.empty())
-      warn(xml.origin + ": not links of the robot, ignored: " + joined(unknown));
-    return srdf;
-  } catch (const InputError& error) {
-    throw InputError(xml.origin + ": " + error.what());
-  }
-}
-
 void warn(const std::string& message) {
   if (PyErr_WarnEx(PyExc_UserWarning, message.c_str(), 1) < 0) throw py::error_already_set();
 }
@@ -128,7 +100,7 @@ void bindRobot(py::module& module) {
                           "Links with their collision geometry, and the joints between them. "
                           "Immutable: can be shared by threads.")
       .def(py::init([](const py::object& urdf, const py::object& srdf) {
-             return robotFrom(xmlFrom(urdf, "urdf"), srdf);
+             return makeRobot(xmlFrom(urdf, "urdf"), srdf);
            }),
            py::arg("urdf"), py::arg("srdf") = py::none(),
            "Reads a URDF, and optionally an SRDF: each either XML text or the path of a file. "
@@ -138,7 +110,7 @@ void bindRobot(py::module& module) {
       .def_static(
           "from_urdf",
           [](const std::string& urdf_text) {
-            return robotFrom({"urdf", urdf_text}, py::none());
+            return makeRobot({"urdf", urdf_text}, py::none());
           },
           py::arg("urdf_text"), "Reads the XML text of a URDF.")
       .def_static(
@@ -154,7 +126,9 @@ void bindRobot(py::module& module) {
       .def_property_readonly("limits", &limits,
                              "float64 (len(joints), 2): lower and upper limit, rad or m; infinite "
                              "without a limit.")
-      .def_property_readonly("links", &linkNames, "Names of all links.")
+      .def_property_readonly(
+          "links", [](const PythonRobot& robot) { return linkNames(*robot.model); },
+          "Names of all links.")
       .def("__repr__", [](const PythonRobot& robot) {
         return "<Robot '" + robot.model->name() + "', " +
                std::to_string(robot.model->links().size()) + " links, " +

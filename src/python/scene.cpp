@@ -5,7 +5,7 @@
 #include "bindings.h"
 #include "collision_pairs/input_error.h"
 #include "long_call.h"
-#include "scene_config.h"
+#include "scene_sources.h"
 
 namespace py = pybind11;
 
@@ -86,7 +86,7 @@ PythonScene sceneFrom(const PythonRobot& robot, const py::object& srdf, const Py
   PythonScene scene;
   scene.cache = std::make_shared<PythonScene::Cache>();
   SceneRobot described{robot.model, robot.srdf, ""};
-  if (!srdf.is_none()) described.srdf = srdfFrom(xmlFrom(srdf, "srdf"), *robot.model);
+  if (!srdf.is_none()) described.srdf = srdfFrom(xmlFrom(srdf, "srdf"), *robot.model, warn);
   scene.description.robots.push_back(std::move(described));
   if (world != nullptr) scene.description.world = world->model;
   scene.description.objects = std::move(objects);

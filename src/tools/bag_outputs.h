@@ -4,7 +4,6 @@
 #include <functional>
 #include <string>
 
-#include "bag_summary.h"
 #include "bag_table.h"
 
 namespace collision_pairs {

@@ -1,7 +1,5 @@
 // check_bag: recorded bags in, a verdict for each stamp out. Needs no roscore.
 #include <algorithm>
-#include <cmath>
-#include <cstdio>
 #include <memory>
 #include <optional>
 #include <string>
@@ -17,7 +15,7 @@
 #include "progress_bar.h"
 #include "scene_config.h"
 #include "scene_files.h"
-#include "tool.h"
+#include "text_files.h"
 #include "user_text.h"
 
 namespace collision_pairs {
@@ -25,9 +23,7 @@ namespace {
 
 struct Options {
   std::vector<std::string> bags;
-  std::string urdf, srdf, record, shard_text, max_gap;
-  std::string fidelity = "mesh";
-  bool min_distance = false, verdict_only = false;
+  std::string record, shard_text, max_gap;
   SceneOptions scene;
   BagPosesOptions poses;
   BagOutputOptions output;
@@ -39,9 +35,9 @@ struct Options {
 
 void declare(CommandLine& command_line, Options& options) {
   command_line.operands(options.bags, "BAG...", "the bags to check");
-  command_line.option("urdf", options.urdf, "ROBOT.urdf",
+  command_line.option("urdf", options.scene.urdf, "ROBOT.urdf",
                       "the robot (default: robot_description in the bag)");
-  command_line.option("srdf", options.srdf, "ROBOT.srdf",
+  command_line.option("srdf", options.scene.srdf, "ROBOT.srdf",
                       "pairs that it disables are not checked (default: robot_description_semantic "
                       "in the bag, if any)");
   declareScene(command_line, options.scene);
@@ -50,15 +46,15 @@ void declare(CommandLine& command_line, Options& options) {
       "topics of sensor_msgs/PointCloud2 in the bag that are obstacles; parameters in --settings");
   command_line.option("prefix", options.poses.prefix, "PREFIX",
                       "prefix of this robot's names in the bag");
-  declareFidelity(command_line, options.fidelity);
-  command_line.option("alarm-distance", options.output.alarm_distance, "METRES",
+  declareFidelity(command_line, options.scene);
+  command_line.metres("alarm-distance", options.output.alarm_distance,
                       "pairs within this distance are reported");
-  command_line.option("tolerance", options.settings.tolerance, "METRES",
+  command_line.metres("tolerance", options.settings.tolerance,
                       "distances may be too small by up to this; contact or not stays exact");
-  command_line.flag("min-distance", options.min_distance,
+  command_line.flag("min-distance", options.settings.min_distance,
                     "find the smallest distance even beyond the alarm distance");
   command_line.flag(
-      "verdict-only", options.verdict_only,
+      "verdict-only", options.settings.verdict_only,
       "only free, collision or unknown; stops at the first contact, the only pair listed");
   command_line.option("max-gap", options.max_gap, "SECONDS",
                       "poses are unknown in longer gaps (default: 1, or as in --settings)");
@@ -72,26 +68,6 @@ void declare(CommandLine& command_line, Options& options) {
                       "check only part I of N (1 to N); merge_bag_checks merges the parts");
 }
 
-double finiteNumber(double value, double least, const std::string& option) {
-  if (!(value >= least) || !std::isfinite(value)) {
-    throw InputError(option + " must be a finite number, " +
-                     (least > 0.0 ? "above 0" : "0 or more"));
-  }
-  return value;
-}
-
-Shard parseShard(const std::string& text) {
-  if (text.empty()) return {};
-  unsigned long long index = 0, count = 0;
-  char rest = 0;
-  if (text.find('-') != std::string::npos ||
-      std::sscanf(text.c_str(), "%llu/%llu%c", &index, &count, &rest) != 2 || index < 1 ||
-      index > count) {
-    throw InputError("--shard " + text + ": must be I/N with I from 1 to N, such as 2/4");
-  }
-  return {index - 1, count};
-}
-
 /// --max-gap stands for both ages.
 void takeLimits(Options& options) {
   if (!options.scene.settings.empty()) {
@@ -101,24 +77,28 @@ void takeLimits(Options& options) {
   }
   if (!options.max_gap.empty()) {
     double seconds = 0.0;
-    parseNumber(options.max_gap, seconds);
-    options.limits.max_pose_age = options.limits.max_transform_age =
-        finiteNumber(seconds, 1e-9, "--max-gap");
+    if (!parseNumber(options.max_gap, seconds) || seconds < 1e-9) {
+      throw InputError("--max-gap must be a finite number, above 0");
+    }
+    options.limits.max_pose_age = options.limits.max_transform_age = seconds;
   }
   options.output.max_gap = options.limits.max_transform_age;
 }
 
 void complete(Options& options) {
-  options.settings.fidelity = parseFidelity(options.fidelity);
-  options.settings.alarm_distance =
-      finiteNumber(options.output.alarm_distance, 0.0, "--alarm-distance");
-  finiteNumber(options.settings.tolerance, 0.0, "--tolerance");
-  options.settings.min_distance = options.min_distance;
-  options.settings.verdict_only = options.verdict_only;
+  options.settings.fidelity = parseFidelity(options.scene.fidelity);
+  options.settings.alarm_distance = options.output.alarm_distance;
   options.settings.list_boxes = true;  // for nb_pairs
   options.settings.stage_times = !options.record.empty();
   takeLimits(options);
-  options.shard = parseShard(options.shard_text);
+  if (!options.shard_text.empty()) {
+    const auto shard = shardFrom(options.shard_text);
+    if (!shard) {
+      throw InputError("--shard " + options.shard_text +
+                       ": must be I/N with I from 1 to N, such as 2/4");
+    }
+    options.shard = *shard;
+  }
   options.output.quiet = !options.record.empty();
   if (options.shard.count > 1 && !(options.record.empty() && options.output.report.empty())) {
     throw InputError(
@@ -165,10 +145,7 @@ std::string reasonsOf(const CollisionReport& report, std::vector<std::string> do
 class BagChecker {
  public:
   BagChecker(const Options& options, const BagLineSink& sink, BagRecorder* recorder)
-      : options_(options),
-        sink_(sink),
-        recorder_(recorder),
-        scenes_(options.urdf, options.srdf, options.scene) {}
+      : options_(options), sink_(sink), recorder_(recorder), scenes_(options.scene) {}
 
   void check(std::size_t number) {
     const std::string& path = options_.bags[number];
@@ -176,7 +153,7 @@ class BagChecker {
     const BagContents bag =
         readBag(path, options_.limits, [&](const RawMessage& raw) { clouds.take(raw); });
     for (const std::string& loss : bag.losses) warn(path + ": " + loss);
-    try {
+    naming(path, [&] {
       const BuiltScene& built = scenes_.sceneFor(bag);
       clouds.requireAllSources();
       const auto poses = makeBagPoses(bag, *built.scene, options_.poses);
@@ -184,9 +161,7 @@ class BagChecker {
       CloudReplay replay(clouds, built.clouds, built.description, *built.scene, *poses);
       checkStamps(number, built.scene, *poses, replay);
       for (const std::string& refusal : replay.refusals()) warn(path + ": " + refusal);
-    } catch (const InputError& error) {
-      throw InputError(path + ": " + error.what());
-    }
+    });
   }
 
  private:
@@ -241,11 +216,9 @@ class BagChecker {
     row.stamp = stamp;
     sink_(toLine(row), &row);
     if (!recorder_) return;
-    recorder_->write(report, scene, options_.settings, frameOf(scene), row.stamp, doubts);
-  }
-
-  std::string frameOf(const CollisionScene& scene) const {
-    return withPrefix(options_.poses.prefix, scene.robot().links().front().name);
+    recorder_->write(report, scene, options_.settings,
+                     withPrefix(options_.poses.prefix, scene.robot().links().front().name),
+                     row.stamp, doubts);
   }
 
   const Options& options_;
@@ -272,10 +245,8 @@ void checkAll(Options& options) {
 }  // namespace collision_pairs
 
 int main(int argc, char** argv) {
-  collision_pairs::Options options;
-  collision_pairs::CommandLine command_line(
-      "check_bag", "Checks the motion of a robot in recorded bags for collisions.");
-  collision_pairs::declare(command_line, options);
-  return collision_pairs::runTool(command_line, argc, argv,
-                                  [&] { collision_pairs::checkAll(options); });
+  using namespace collision_pairs;
+  return runTool(argc, argv,
+                 {"check_bag", "Checks the motion of a robot in recorded bags for collisions."},
+                 declare, checkAll);
 }

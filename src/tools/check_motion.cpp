@@ -1,6 +1,5 @@
 // check_motion: waypoints in, whether the straight motions between them are free. Needs no roscore.
 #include <cmath>
-#include <cstdio>
 #include <ostream>
 #include <string>
 
@@ -10,38 +9,28 @@
 #include "progress_bar.h"
 #include "scene_files.h"
 #include "text_files.h"
-#include "tool.h"
+#include "user_text.h"
 
 namespace collision_pairs {
 namespace {
 
 struct Options {
-  std::string robot, waypoints, srdf, out;
+  std::string waypoints, out;
   SceneOptions scene;
-  std::string fidelity = "mesh";
   MotionSettings settings;
   unsigned threads = 0;
 };
 
 void declare(CommandLine& command_line, Options& options) {
-  declareRobot(command_line, options.robot, options.srdf, options.scene, options.fidelity);
+  declareRobot(command_line, options.scene);
   command_line.requiredOption("waypoints", options.waypoints, "WAYPOINTS.csv",
                               "header with joint names, one row per waypoint; consecutive rows are "
                               "joined by straight lines in joint space");
-  command_line.option("clearance", options.settings.clearance, "METRES",
+  command_line.metres("clearance", options.settings.clearance,
                       "free means that no pair comes nearer than this");
   command_line.option("resolution", options.settings.resolution, "METRES",
                       "pairs that remain undecided down to motions of this size are unresolved");
   declareBatch(command_line, options.threads, options.out);
-}
-
-void refuseWrong(const MotionSettings& settings) {
-  if (!(settings.clearance >= 0.0) || !std::isfinite(settings.clearance)) {
-    throw InputError("--clearance must be a finite number of metres, 0 or more");
-  }
-  if (!(settings.resolution > 0.0) || !std::isfinite(settings.resolution)) {
-    throw InputError("--resolution must be a finite number of metres, more than 0");
-  }
 }
 
 const char* verdictName(Verdict verdict) {
@@ -51,30 +40,25 @@ const char* verdictName(Verdict verdict) {
 
 void writeRow(std::size_t segment, const MotionReport& report, const CollisionScene& scene,
               std::ostream& out) {
-  char clearance[64] = "", contact_at[64] = "", free_until[64], microseconds[64];
-  if (report.verdict == Verdict::FREE && std::isfinite(report.clearance)) {
-    std::snprintf(clearance, sizeof clearance, "%.17g", report.clearance);
-  }
-  if (report.verdict == Verdict::COLLISION) {
-    std::snprintf(contact_at, sizeof contact_at, "%.17g", report.contact_at);
-  }
-  std::snprintf(free_until, sizeof free_until, "%.17g", report.free_until);
-  std::snprintf(microseconds, sizeof microseconds, "%.1f", 1e6 * report.seconds);
-  out << segment << ',' << verdictName(report.verdict) << ',' << clearance << ',' << contact_at
-      << ',' << free_until << ',';
-  std::string pairs;
+  const bool has_clearance = report.verdict == Verdict::FREE && std::isfinite(report.clearance);
+  std::vector<std::string> pairs;
   for (const auto& [first, second] : report.pairs) {
-    pairs += (pairs.empty() ? "" : ";") + listedPair(scene, first, second);
+    pairs.push_back(listedPair(scene, first, second));
   }
-  out << csvField(pairs) << ',' << report.nb_checks << ',' << microseconds << '\n';
+  out << segment << ',' << verdictName(report.verdict) << ','
+      << (has_clearance ? allDigits(report.clearance) : "") << ','
+      << (report.verdict == Verdict::COLLISION ? allDigits(report.contact_at) : "") << ','
+      << allDigits(report.free_until) << ',' << csvField(joined(pairs, ";")) << ','
+      << report.nb_checks << ',' << formatted("%.1f", 1e6 * report.seconds) << '\n';
 }
 
 void checkAll(Options options) {
-  refuseWrong(options.settings);
-  options.settings.fidelity = parseFidelity(options.fidelity);
+  if (!(options.settings.resolution > 0.0) || !std::isfinite(options.settings.resolution)) {
+    throw InputError("--resolution must be a finite number of metres, more than 0");
+  }
+  options.settings.fidelity = parseFidelity(options.scene.fidelity);
   options.settings.from_start = true;
-  const auto scene =
-      buildScene(options.robot, options.srdf, options.scene, options.settings.fidelity, 0);
+  const auto scene = buildScene(options.scene, options.settings.fidelity);
   const JointStates waypoints =
       readJointStates(readTextFile(options.waypoints), scene->robot(), options.waypoints);
   if (waypoints.positions.size() < 2) {
@@ -98,11 +82,10 @@ void checkAll(Options options) {
 }  // namespace collision_pairs
 
 int main(int argc, char** argv) {
-  collision_pairs::Options options;
-  collision_pairs::CommandLine command_line(
-      "check_motion",
-      "Certifies the straight motions between waypoints of a robot, or finds a contact.");
-  collision_pairs::declare(command_line, options);
-  return collision_pairs::runTool(command_line, argc, argv,
-                                  [&] { collision_pairs::checkAll(options); });
+  using namespace collision_pairs;
+  return runTool(
+      argc, argv,
+      {"check_motion",
+       "Certifies the straight motions between waypoints of a robot, or finds a contact."},
+      declare, checkAll);
 }

@@ -1,6 +1,5 @@
 // check_states: recorded joint states in, a verdict for each out. Needs no roscore.
 #include <atomic>
-#include <cstdio>
 #include <iostream>
 #include <memory>
 #include <optional>
@@ -12,83 +11,60 @@
 #include "progress_bar.h"
 #include "scene_files.h"
 #include "text_files.h"
-#include "tool.h"
+#include "user_text.h"
 
 namespace collision_pairs {
 namespace {
 
 struct Options {
-  std::string robot, states, srdf, out;
+  std::string states, out;
   SceneOptions scene;
-  std::string fidelity = "mesh";
-  double alarm_distance = 0.0, tolerance = 0.0;
+  CheckSettings settings;
   double time_budget = 0.0;  // µs
-  int max_hull_vertices = 0;
-  bool min_distance = false, verdict_only = false;
   unsigned threads = 0;
+  Options() {
+    settings.alarm_distance = 0.0;
+    settings.stage_times = true;
+  }
 };
 
 void declare(CommandLine& command_line, Options& options) {
-  declareRobot(command_line, options.robot, options.srdf, options.scene, options.fidelity);
+  declareRobot(command_line, options.scene);
   command_line.requiredOption("states", options.states, "STATES.csv",
                               "header with joint names, one row per state");
-  command_line.option("alarm-distance", options.alarm_distance, "METRES",
+  command_line.metres("alarm-distance", options.settings.alarm_distance,
                       "boxes closer than this are investigated");
-  command_line.option("tolerance", options.tolerance, "METRES",
+  command_line.metres("tolerance", options.settings.tolerance,
                       "distances may be too small by up to this; contact or not stays exact");
   command_line.option("time-budget", options.time_budget, "MICROSECONDS",
                       "time limit per state; an unresolved pair counts as a contact unless its "
                       "lower bound is positive");
-  command_line.option("max-hull-vertices", options.max_hull_vertices, "COUNT",
+  command_line.option("max-hull-vertices", options.scene.max_hull_vertices, "COUNT",
                       "limit for the hulls of --fidelity convex; 0: as in --settings");
-  command_line.flag("min-distance", options.min_distance, "find the smallest signed distance");
-  command_line.flag("verdict-only", options.verdict_only,
+  command_line.flag("min-distance", options.settings.min_distance,
+                    "find the smallest signed distance");
+  command_line.flag("verdict-only", options.settings.verdict_only,
                     "only the verdict; stops at the first contact, the only pair listed");
   declareBatch(command_line, options.threads, options.out);
 }
 
-CheckSettings settingsFrom(const Options& options) {
-  CheckSettings settings;
-  settings.fidelity = parseFidelity(options.fidelity);
-  if (!(options.alarm_distance >= 0.0) || !std::isfinite(options.alarm_distance)) {
-    throw InputError("--alarm-distance must be a finite number of metres, 0 or more");
-  }
-  settings.alarm_distance = options.alarm_distance;
-  if (!(options.tolerance >= 0.0) || !std::isfinite(options.tolerance)) {
-    throw InputError("--tolerance must be a finite number of metres, 0 or more");
-  }
-  settings.tolerance = options.tolerance;
-  if (!(options.time_budget >= 0.0)) {
-    throw InputError("--time-budget must be a number of microseconds, 0 or more");
-  }
-  settings.time_budget = 1e-6 * options.time_budget;
-  settings.min_distance = options.min_distance;
-  settings.verdict_only = options.verdict_only;
-  settings.stage_times = true;
-  return settings;
-}
-
 std::string contactPairs(const CollisionReport& report, const CollisionScene& scene) {
-  std::string text;
+  std::vector<std::string> pairs;
   for (const PairReport& pair : report.pairs) {
     if (pair.distance > 0.0) continue;  // near, or unresolved and known to be apart
-    if (!text.empty()) text += ';';
-    text += listedPair(scene, pair.first, pair.second);
+    pairs.push_back(listedPair(scene, pair.first, pair.second));
   }
-  return csvField(text);
+  return csvField(joined(pairs, ";"));
 }
 
 std::string rowOf(std::size_t state, const CollisionReport& report, const CollisionScene& scene,
                   const CheckSettings& settings) {
-  char distance[64] = "", microseconds[64];
-  if (settings.min_distance && !report.min_distance_is_bound) {
-    std::snprintf(distance, sizeof distance, "%.17g", report.min_distance);
-  }
-  std::snprintf(microseconds, sizeof microseconds, "%.1f", 1e6 * report.times.total);
+  const bool has_distance = settings.min_distance && !report.min_distance_is_bound;
   const std::string nb_pairs =
       settings.verdict_only ? "" : std::to_string(report.candidates.size());  // not counted
   return std::to_string(state) + (report.in_collision ? ",1," : ",0,") +
-         contactPairs(report, scene) + ',' + distance + ',' + nb_pairs + ',' + microseconds + '\n';
+         contactPairs(report, scene) + ',' + (has_distance ? allDigits(report.min_distance) : "") +
+         ',' + nb_pairs + ',' + formatted("%.1f", 1e6 * report.times.total) + '\n';
 }
 
 void refuseLeftOut(std::size_t state, const CollisionReport& report, const CollisionScene& scene) {
@@ -124,10 +100,14 @@ std::vector<std::string> check(const JointStates& states,
   return rows;
 }
 
-void checkAll(const Options& options) {
-  const CheckSettings settings = settingsFrom(options);
-  const auto scene = buildScene(options.robot, options.srdf, options.scene, settings.fidelity,
-                                options.max_hull_vertices);
+void checkAll(Options& options) {
+  CheckSettings& settings = options.settings;
+  settings.fidelity = parseFidelity(options.scene.fidelity);
+  if (!(options.time_budget >= 0.0)) {
+    throw InputError("--time-budget must be a number of microseconds, 0 or more");
+  }
+  settings.time_budget = 1e-6 * options.time_budget;
+  const auto scene = buildScene(options.scene, settings.fidelity);
   const JointStates states =
       readJointStates(readTextFile(options.states), scene->robot(), options.states);
   warnOf(states, scene->robot(), "state");
@@ -143,10 +123,8 @@ void checkAll(const Options& options) {
 }  // namespace collision_pairs
 
 int main(int argc, char** argv) {
-  collision_pairs::Options options;
-  collision_pairs::CommandLine command_line(
-      "check_states", "Checks recorded joint states of a robot for collisions.");
-  collision_pairs::declare(command_line, options);
-  return collision_pairs::runTool(command_line, argc, argv,
-                                  [&] { collision_pairs::checkAll(options); });
+  using namespace collision_pairs;
+  return runTool(argc, argv,
+                 {"check_states", "Checks recorded joint states of a robot for collisions."},
+                 declare, checkAll);
 }

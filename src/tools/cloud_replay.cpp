@@ -13,8 +13,6 @@ namespace {
 
 constexpr std::size_t MOST_WAITING = 1000;  // clouds
 
-double seconds(StampNs stamp) { return static_cast<double>(stamp) * 1e-9; }
-
 bool isChecked(const CollisionScene& scene, const std::string& name) {
   return std::any_of(scene.clouds().begin(), scene.clouds().end(), [&](const SceneCloud& cloud) {
     return scene.models()[cloud.model].name == name;
@@ -22,7 +20,7 @@ bool isChecked(const CollisionScene& scene, const std::string& name) {
 }
 
 std::string whyLate(const CloudConfig& config, StampNs stamp, StampNs received) {
-  const double age = seconds(received) - seconds(stamp);
+  const double age = inSeconds(received) - inSeconds(stamp);
   if (config.source_timeout == 0.0 || age <= config.source_timeout) return "";
   return "it was " + inWords(age) + " old when it arrived, and source_timeout is " +
          inWords(config.source_timeout);
@@ -37,17 +35,8 @@ CloudReplay::CloudReplay(const BagCloudIndex& index, const std::vector<CloudConf
                          const BagPoses& poses)
     : index_(index), scene_(scene), poses_(poses) {
   for (const CloudConfig& config : configs) {
-    sources_.push_back({config,
-                        CloudGatherer(config),
-                        RobotFilter(description, scene, config),
-                        isChecked(scene, config.name()),
-                        {},
-                        {},
-                        0,
-                        0,
-                        0,
-                        "",
-                        ""});
+    sources_.push_back({config, CloudGatherer(config), RobotFilter(description, scene, config),
+                        isChecked(scene, config.name())});
   }
   least_since_.assign(index.entries().size() + 1, NEVER);
   for (std::size_t i = index.entries().size(); i-- > 0;) {
@@ -71,7 +60,7 @@ void CloudReplay::take(const RawMessage& raw, StampNs next_row) {
   if (latest.problem.empty()) {
     try {
       latest.voxels = gather(raw, entry.stamp, source);
-      latest.stamp = seconds(entry.stamp);
+      latest.stamp = inSeconds(entry.stamp);
       latest.may_touch = source.gatherer.mayTouch();
       const std::string& warning = source.gatherer.warning();
       if (!warning.empty() && source.nb_warned++ == 0) source.first_warning = warning;
@@ -107,7 +96,7 @@ std::shared_ptr<const OccupiedVoxels> CloudReplay::gather(const RawMessage& raw,
   }
   BodyPoses robot;
   poses_.at(stamp, source.filter.own.bodies(), robot);
-  return source.gatherer.add(points_, X_WS, robot, seconds(stamp), source.filter);
+  return source.gatherer.add(points_, X_WS, robot, inSeconds(stamp), source.filter);
 }
 
 void CloudReplay::advance(StampNs row) {
@@ -125,7 +114,7 @@ std::vector<CloudDoubt> CloudReplay::addVoxels(StampNs row, BodyPoses& poses) {
   std::map<std::string, CloudView> views;
   for (const Source& source : sources_) {
     views[source.config.name()] =
-        viewOf(source.config, source.latest, seconds(row), source.config.topic);
+        viewOf(source.config, source.latest, inSeconds(row), source.config.topic);
   }
   return collision_pairs::addVoxels(views, scene_, poses);
 }

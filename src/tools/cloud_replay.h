@@ -49,10 +49,10 @@ class CloudReplay {
     CloudGatherer gatherer;
     RobotFilter filter;
     bool is_checked;
-    LatestCloud latest;
-    std::deque<std::pair<StampNs, LatestCloud>> later;  ///< each applies from its stamp on
+    LatestCloud latest = {};
+    std::deque<std::pair<StampNs, LatestCloud>> later = {};  ///< each applies from its stamp on
     std::size_t nb_clouds = 0, nb_refused = 0, nb_warned = 0;
-    std::string first_problem, first_warning;
+    std::string first_problem = {}, first_warning = {};
   };
 
   std::shared_ptr<const OccupiedVoxels> gather(const RawMessage& raw, StampNs stamp,

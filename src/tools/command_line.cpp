@@ -1,5 +1,6 @@
 #include "command_line.h"
 
+#include <cmath>
 #include <cstddef>
 #include <iostream>
 
@@ -56,6 +57,11 @@ void CommandLine::flag(const std::string& name, bool& value, const std::string& 
   options_.add_options()(name.c_str(), po::bool_switch(&value), help.c_str());
 }
 
+void CommandLine::metres(const std::string& name, double& value, const std::string& help) {
+  option(name, value, "METRES", help);
+  metres_.emplace_back(name, &value);
+}
+
 void CommandLine::together(const std::string& first, const std::string& second) {
   together_.emplace_back(first, second);
   together_.emplace_back(second, first);
@@ -63,7 +69,10 @@ void CommandLine::together(const std::string& first, const std::string& second) 
 
 bool CommandLine::parse(int argc, char** argv) {
   try {
-    const po::parsed_options parsed = split(argc, argv);
+    constexpr int STYLE =
+        po::command_line_style::unix_style & ~po::command_line_style::allow_guessing;
+    const po::parsed_options parsed =
+        po::command_line_parser(argc, argv).options(options_).style(STYLE).run();
     po::variables_map values;
     po::store(parsed, values);
     if (values.count("help") > 0) {
@@ -78,19 +87,17 @@ bool CommandLine::parse(int argc, char** argv) {
       if (is_given && !is_there) throw InputError("--" + given + " requires --" + needed);
     }
     po::notify(values);
-    return true;
   } catch (const po::unknown_option& error) {
     throw InputError(error.what() + suggestion(error.get_option_name(), options_) + "; see " +
                      tool_ + " --help");
   } catch (const std::exception& error) {
     throw InputError(std::string(error.what()) + "; see " + tool_ + " --help");
   }
-}
-
-po::parsed_options CommandLine::split(int argc, char** argv) const {
-  constexpr int STYLE =
-      po::command_line_style::unix_style & ~po::command_line_style::allow_guessing;
-  return po::command_line_parser(argc, argv).options(options_).style(STYLE).run();
+  for (const auto& [name, value] : metres_) {
+    if (*value >= 0.0 && std::isfinite(*value)) continue;
+    throw InputError("--" + name + " must be a finite number of metres, 0 or more");
+  }
+  return true;
 }
 
 // Boost reads "-1" as the largest unsigned number.
@@ -122,6 +129,21 @@ void CommandLine::printHelp() const {
   std::cout << purpose_ << "\n\nUsage: " << tool_ << ' ' << operand_name_ << required_
             << " [OPTIONS]\n  " << operand_name_ << ": " << operand_help_ << "\n\n"
             << options_;
+}
+
+int runTool(CommandLine& command_line, int argc, char** argv, const std::function<void()>& work) {
+  constexpr int WRONG_INPUT = 2;
+  try {
+    if (command_line.parse(argc, argv)) work();
+    return 0;
+  } catch (const std::exception& error) {
+    std::cerr << "error: " << InputError(error.what()).what() << '\n';
+    return WRONG_INPUT;
+  }
+}
+
+void warn(const std::string& message) {
+  std::cerr << "warning: " << InputError(message).what() << '\n';
 }
 
 }  // namespace collision_pairs

@@ -1,6 +1,7 @@
-// The command line of a tool, parsed by Boost.Program_options.
+// The command line of a tool, parsed by Boost.Program_options, and what all tools do with it.
 #pragma once
 
+#include <functional>
 #include <set>
 #include <sstream>
 #include <string>
@@ -31,6 +32,8 @@ class CommandLine {
   /// A required option.
   void requiredOption(const std::string& name, std::string& value, const std::string& value_name,
                       const std::string& help);
+  /// A finite number, 0 or more.
+  void metres(const std::string& name, double& value, const std::string& help);
   void flag(const std::string& name, bool& value, const std::string& help);
   /// The two options must be given together.
   void together(const std::string& first, const std::string& second);
@@ -40,7 +43,6 @@ class CommandLine {
   bool parse(int argc, char** argv);
 
  private:
-  boost::program_options::parsed_options split(int argc, char** argv) const;
   void refuseNegativeCounts(const boost::program_options::parsed_options& parsed) const;
   void takeOperands(const boost::program_options::parsed_options& parsed);
   void printHelp() const;
@@ -52,6 +54,7 @@ class CommandLine {
   boost::program_options::options_description options_;
   std::set<std::string> counts_;  ///< options with unsigned values
   std::vector<std::pair<std::string, std::string>> together_;
+  std::vector<std::pair<std::string, const double*>> metres_;
 };
 
 template <typename T>
@@ -68,5 +71,21 @@ void CommandLine::option(const std::string& name, T& value, const std::string& v
   if (std::is_unsigned_v<T>) counts_.insert(name);
   options_.add_options()(name.c_str(), semantic, help.c_str());
 }
+
+/// Parses the command line and runs `work`; returns the exit code of the tool. 0: done; 2: wrong
+/// input, reported in one line on standard error.
+int runTool(CommandLine& command_line, int argc, char** argv, const std::function<void()>& work);
+
+/// main() of a tool, whose `declare` binds its Options.
+template <class Options, class Work>
+int runTool(int argc, char** argv, CommandLine command_line,
+            void (*declare)(CommandLine&, Options&), const Work& work) {
+  Options options;
+  declare(command_line, options);
+  return runTool(command_line, argc, argv, [&] { work(options); });
+}
+
+/// "warning: …" on standard error.
+void warn(const std::string& message);
 
 }  // namespace collision_pairs

@@ -1,19 +1,15 @@
 // generate_srdf: a URDF in, an SRDF out that switches off the pairs of links that need no check.
 #include <algorithm>
-#include <cmath>
-#include <cstdio>
 #include <iostream>
 #include <memory>
 #include <optional>
 #include <string>
 
 #include "collision_pairs/input_error.h"
-#include "collision_pairs/mesh_loader.h"
 #include "pair_verdicts.h"
 #include "progress_bar.h"
 #include "scene_files.h"
 #include "text_files.h"
-#include "tool.h"
 #include "user_text.h"
 
 namespace collision_pairs {
@@ -40,7 +36,7 @@ void declare(CommandLine& command_line, Options& options) {
   command_line.option(
       "max-probability", options.rules.max_probability, "SHARE",
       "'never' requires that the bound on the probability of contact is at most this");
-  command_line.option("clearance", options.rules.clearance, "METRES",
+  command_line.metres("clearance", options.rules.clearance,
                       "pairs that come this near are still checked");
   command_line.option("searches", options.searches, "COUNT",
                       "searches for a contact, per pair without contact in random states");
@@ -60,9 +56,6 @@ void refuseWrong(const Options& options) {
   }
   if (!isShare(options.rules.max_probability)) {
     throw InputError("--max-probability must lie between 0 and 1, like 1e-4");
-  }
-  if (!(options.rules.clearance >= 0.0) || !std::isfinite(options.rules.clearance)) {
-    throw InputError("--clearance must be a finite number of metres, 0 or more");
   }
 }
 
@@ -84,14 +77,13 @@ std::vector<PairEvidence> gather(const Options& options,
 
 /// Explains the numbers in the lines, above the first of them.
 SrdfLine headerOf(const Options& options) {
-  char text[256];
-  std::snprintf(text, sizeof text,
-                "generate_srdf: %llu random states, seed %llu, %u searches; bounds at "
+  return {
+      formatted("generate_srdf: %llu random states, seed %llu, %u searches; bounds at "
                 "confidence %g, never and always up to probability %g, clearance %g m",
                 static_cast<unsigned long long>(options.samples),
                 static_cast<unsigned long long>(options.seed), options.searches,
-                options.rules.confidence, options.rules.max_probability, options.rules.clearance);
-  return {text, "", "", ""};
+                options.rules.confidence, options.rules.max_probability, options.rules.clearance),
+      "", "", ""};
 }
 
 /// None if there is no pair to add to a given SRDF: a second run does not change the output of the
@@ -108,7 +100,7 @@ std::vector<SrdfLine> linesFor(const std::vector<PairVerdict>& verdicts, bool is
 
 void generate(const Options& options) {
   refuseWrong(options);
-  const auto robot = readRobot(options.robot, makeMeshLoader());
+  const auto robot = readRobot(options.robot);
   const std::string given_text = options.srdf.empty() ? "" : readTextFile(options.srdf);
   const auto given = readSrdf(options.srdf, *robot);
   SceneSettings settings;
@@ -138,11 +130,9 @@ void generate(const Options& options) {
 }  // namespace collision_pairs
 
 int main(int argc, char** argv) {
-  collision_pairs::Options options;
-  collision_pairs::CommandLine command_line(
-      "generate_srdf",
-      "Finds the pairs of links that need no collision check, and justifies each.");
-  collision_pairs::declare(command_line, options);
-  return collision_pairs::runTool(command_line, argc, argv,
-                                  [&] { collision_pairs::generate(options); });
+  using namespace collision_pairs;
+  return runTool(argc, argv,
+                 {"generate_srdf",
+                  "Finds the pairs of links that need no collision check, and justifies each."},
+                 declare, generate);
 }

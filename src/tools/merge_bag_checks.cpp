@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "bag_outputs.h"
-#include "tool.h"
+#include "command_line.h"
 
 namespace collision_pairs {
 namespace {
@@ -21,8 +21,7 @@ void declare(CommandLine& command_line, Options& options) {
                       "output file (default: standard output)");
   command_line.option("report", options.output.report, "DIR",
                       "write a report page to this folder: index.html");
-  command_line.option("alarm-distance", options.output.alarm_distance, "METRES",
-                      "as given to check_bag");
+  command_line.metres("alarm-distance", options.output.alarm_distance, "as given to check_bag");
   command_line.option("max-gap", options.output.max_gap, "SECONDS", "as given to check_bag");
 }
 
@@ -37,9 +36,7 @@ void mergeAll(const Options& options) {
 }  // namespace collision_pairs
 
 int main(int argc, char** argv) {
-  collision_pairs::Options options;
-  collision_pairs::CommandLine command_line("merge_bag_checks", "Merges tables of check_bag.");
-  collision_pairs::declare(command_line, options);
-  return collision_pairs::runTool(command_line, argc, argv,
-                                  [&] { collision_pairs::mergeAll(options); });
+  using namespace collision_pairs;
+  return runTool(argc, argv, {"merge_bag_checks", "Merges tables of check_bag."}, declare,
+                 mergeAll);
 }

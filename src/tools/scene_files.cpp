@@ -12,36 +12,20 @@
 #include "pcd_file.h"
 #include "scene_sources.h"
 #include "text_files.h"
-#include "tool.h"
 #include "user_text.h"
 
 namespace collision_pairs {
 namespace {
 
-/// `origin`: source of the text, a file or a topic of a bag.
-Srdf srdfFromText(const std::string& text, const std::string& origin, const RobotModel& robot) {
-  std::vector<std::string> links;
-  for (const Link& link : robot.links()) links.push_back(link.name);
-  try {
-    const Srdf srdf = Srdf::fromXml(text);
-    const auto unknown = srdf.unknownLinks(links);
-    if (!unknown.empty()) warn(origin + ": not links of the robot, ignored: " + joined(unknown));
-    return srdf;
-  } catch (const InputError& error) {
-    throw InputError(origin + ": " + error.what());
-  }
-}
+TextFrom textOf(const std::string& path) { return {path, readTextFile(path)}; }
 
 std::unique_ptr<RobotSource> sourceFrom(const TextFrom& urdf, const MeshLoader& load_mesh) {
-  try {
-    auto source = std::make_unique<RobotSource>(urdf.content, load_mesh);
-    for (const std::string& warning : source->skeleton()->warnings()) {
-      warn(urdf.origin + ": " + warning);
-    }
-    return source;
-  } catch (const InputError& error) {
-    throw InputError(urdf.origin + ": " + error.what());
+  auto source =
+      naming(urdf.origin, [&] { return std::make_unique<RobotSource>(urdf.content, load_mesh); });
+  for (const std::string& warning : source->skeleton()->warnings()) {
+    warn(urdf.origin + ": " + warning);
   }
+  return source;
 }
 
 /// The configurations of the chosen topics: from the settings, or else the default.
@@ -73,12 +57,8 @@ SceneSources readSources(const TextFrom& urdf, const TextFrom& srdf, const Scene
   sources.robots.emplace_back();
   SceneSources::Robot& robot = sources.robots.back();
   robot.source = sourceFrom(urdf, load_mesh);
-  if (!srdf.origin.empty()) {
-    robot.srdf = srdfFromText(srdf.content, srdf.origin, *robot.source->skeleton());
-  }
-  if (!options.world.empty()) {
-    sources.world = sourceFrom({options.world, readTextFile(options.world)}, load_mesh);
-  }
+  if (!srdf.origin.empty()) robot.srdf = srdfFrom(srdf, *robot.source->skeleton(), warn);
+  if (!options.world.empty()) sources.world = sourceFrom(textOf(options.world), load_mesh);
   if (!options.settings.empty()) {
     sources.config = readSceneConfigFile(options.settings);
   }
@@ -103,7 +83,7 @@ void readAllMeshes(SceneSources& sources) {
 /// From a file, or else the bag's only one; empty if there is neither.
 TextFrom chooseText(const std::string& path, const std::map<std::string, std::string>& in_bag,
                     const std::string& option) {
-  if (!path.empty()) return {path, readTextFile(path)};
+  if (!path.empty()) return textOf(path);
   if (in_bag.empty()) return {};
   if (in_bag.size() > 1) {
     throw InputError("several robots in it (" + in_bag.begin()->first + ", " +
@@ -122,20 +102,13 @@ std::string saysNothing(const CollisionScene& scene) {
 
 }  // namespace
 
-std::shared_ptr<const RobotModel> readRobot(const std::string& path, const MeshLoader& load_mesh) {
-  const std::string urdf = readTextFile(path);
-  try {
-    const auto robot = RobotModel::fromUrdf(urdf, load_mesh);
-    for (const std::string& warning : robot->warnings()) warn(path + ": " + warning);
-    return robot;
-  } catch (const InputError& error) {
-    throw InputError(path + ": " + error.what());
-  }
+std::shared_ptr<const RobotModel> readRobot(const std::string& path) {
+  return robotFrom(textOf(path), warn);
 }
 
 std::optional<Srdf> readSrdf(const std::string& path, const RobotModel& robot) {
   if (path.empty()) return std::nullopt;
-  return srdfFromText(readTextFile(path), path, robot);
+  return srdfFrom(textOf(path), robot, warn);
 }
 
 void declareScene(CommandLine& command_line, SceneOptions& options) {
@@ -152,14 +125,13 @@ void declareScene(CommandLine& command_line, SceneOptions& options) {
                       "only pairs with one of these links, names or patterns");
 }
 
-void declareFidelity(CommandLine& command_line, std::string& fidelity) {
-  command_line.option("fidelity", fidelity, "NAME", "aabb, spheres, obb, convex or mesh");
+void declareFidelity(CommandLine& command_line, SceneOptions& options) {
+  command_line.option("fidelity", options.fidelity, "NAME", "aabb, spheres, obb, convex or mesh");
 }
 
-void declareRobot(CommandLine& command_line, std::string& robot, std::string& srdf,
-                  SceneOptions& options, std::string& fidelity) {
-  command_line.operand(robot, "ROBOT.urdf", "the robot's URDF");
-  command_line.option("srdf", srdf, "ROBOT.srdf", "pairs that it disables are not checked");
+void declareRobot(CommandLine& command_line, SceneOptions& options) {
+  command_line.operand(options.urdf, "ROBOT.urdf", "the robot's URDF");
+  command_line.option("srdf", options.srdf, "ROBOT.srdf", "pairs that it disables are not checked");
   declareScene(command_line, options);
   command_line.option("cloud", options.cloud, "CLOUD.pcd",
                       "points in the frame of the robot's root link, without points of the robot "
@@ -167,7 +139,7 @@ void declareRobot(CommandLine& command_line, std::string& robot, std::string& sr
   command_line.option("voxel-size", options.voxel_size, "METRES",
                       "edge length of a voxel; required by --cloud");
   command_line.together("cloud", "voxel-size");
-  declareFidelity(command_line, fidelity);
+  declareFidelity(command_line, options);
 }
 
 std::string listedPair(const CollisionScene& scene, std::uint32_t first, std::uint32_t second) {
@@ -204,13 +176,16 @@ CloudVoxels readCloud(const SceneOptions& options, const CollisionScene& scene) 
   return voxels;
 }
 
+namespace {
+
+/// The scene of one robot. An SRDF with an empty origin means none.
 BuiltScene buildScene(const TextFrom& urdf, const TextFrom& srdf, const SceneOptions& options,
-                      Fidelity fidelity, int max_hull_vertices) {
+                      Fidelity fidelity) {
   SceneSources sources = readSources(urdf, srdf, options);
   SceneSettings& settings = sources.config.settings;
   settings.fidelity = fidelity;
   if (!options.narrow_phase.empty()) settings.narrow_phase = parseNarrowPhase(options.narrow_phase);
-  if (max_hull_vertices != 0) settings.max_hull_vertices = max_hull_vertices;
+  if (options.max_hull_vertices != 0) settings.max_hull_vertices = options.max_hull_vertices;
   const bool is_restricted = !options.group.empty() || !options.links.empty();
   // Points of links that are in no pair are not obstacles either.
   if (!is_restricted || !options.cloud_topics.empty()) readAllMeshes(sources);
@@ -234,14 +209,11 @@ BuiltScene buildScene(const TextFrom& urdf, const TextFrom& srdf, const SceneOpt
   return built;
 }
 
-std::shared_ptr<const CollisionScene> buildScene(const std::string& urdf_path,
-                                                 const std::string& srdf_path,
-                                                 const SceneOptions& options, Fidelity fidelity,
-                                                 int max_hull_vertices) {
-  TextFrom srdf;
-  if (!srdf_path.empty()) srdf = {srdf_path, readTextFile(srdf_path)};
-  const TextFrom urdf{urdf_path, readTextFile(urdf_path)};
-  return buildScene(urdf, srdf, options, fidelity, max_hull_vertices).scene;
+}  // namespace
+
+std::shared_ptr<const CollisionScene> buildScene(const SceneOptions& options, Fidelity fidelity) {
+  const TextFrom srdf = options.srdf.empty() ? TextFrom() : textOf(options.srdf);
+  return buildScene(textOf(options.urdf), srdf, options, fidelity).scene;
 }
 
 void warnOf(const JointStates& states, const RobotModel& robot, const std::string& what) {
@@ -262,11 +234,11 @@ void declareBatch(CommandLine& command_line, unsigned& threads, std::string& out
 }
 
 const BuiltScene& BagScenes::sceneFor(const BagContents& bag) {
-  const TextFrom urdf = chooseText(urdf_path_, bag.urdfs, "--urdf");
+  const TextFrom urdf = chooseText(options_.urdf, bag.urdfs, "--urdf");
   if (urdf.origin.empty()) throw InputError("there is no robot_description in it; give --urdf");
-  const TextFrom srdf = chooseText(srdf_path_, bag.srdfs, "--srdf");
+  const TextFrom srdf = chooseText(options_.srdf, bag.srdfs, "--srdf");
   if (built_.scene && urdf.content == urdf_ && srdf.content == srdf_) return built_;
-  built_ = buildScene(urdf, srdf, options_, Fidelity::MESH, 0);
+  built_ = buildScene(urdf, srdf, options_, Fidelity::MESH);
   urdf_ = urdf.content;
   srdf_ = srdf.content;
   return built_;

@@ -15,13 +15,16 @@
 namespace collision_pairs {
 
 /// Warns of ineffective content. Throws InputError.
-std::shared_ptr<const RobotModel> readRobot(const std::string& path, const MeshLoader& load_mesh);
+std::shared_ptr<const RobotModel> readRobot(const std::string& path);
 /// Empty for an empty path. Warns of links that the robot does not have. Throws InputError.
 std::optional<Srdf> readSrdf(const std::string& path, const RobotModel& robot);
 
 /// Paths, or values as of the node's parameters with these names.
 struct SceneOptions {
+  std::string urdf, srdf;  ///< empty: none, or that of the bag
   std::string world, settings, group, narrow_phase;
+  std::string fidelity = "mesh";
+  int max_hull_vertices = 0;  ///< 0: as in the settings
   std::vector<std::string> links;
   std::string cloud;  ///< a PCD file; empty: none
   double voxel_size = 0.0;
@@ -29,11 +32,10 @@ struct SceneOptions {
 };
 
 void declareScene(CommandLine& command_line, SceneOptions& options);
-void declareFidelity(CommandLine& command_line, std::string& fidelity);
+void declareFidelity(CommandLine& command_line, SceneOptions& options);
 /// Options of tools that check configurations of a robot: the robot, --srdf, the scene, --cloud and
 /// --voxel-size (see readCloud()), --fidelity.
-void declareRobot(CommandLine& command_line, std::string& robot, std::string& srdf,
-                  SceneOptions& options, std::string& fidelity);
+void declareRobot(CommandLine& command_line, SceneOptions& options);
 
 /// The names of two models as written in a list of a table, "a|b".
 std::string listedPair(const CollisionScene& scene, std::uint32_t first, std::uint32_t second);
@@ -43,11 +45,6 @@ std::string listedPair(const CollisionScene& scene, std::uint32_t first, std::ui
 /// Throws InputError.
 CloudVoxels readCloud(const SceneOptions& options, const CollisionScene& scene);
 
-/// A text and its source, a file or a topic of a bag, for messages.
-struct TextFrom {
-  std::string origin, content;
-};
-
 /// A scene and its sources.
 struct BuiltScene {
   std::shared_ptr<const CollisionScene> scene;
@@ -55,18 +52,9 @@ struct BuiltScene {
   std::vector<CloudConfig> clouds;  ///< of SceneOptions::cloud_topics
 };
 
-/// The scene of one robot. An SRDF with an empty origin means none. `fidelity` and
-/// `max_hull_vertices` (if not 0) replace those of the settings. Warns of unknown links in the
-/// SRDF. Throws InputError, also for a mesh that cannot be used: a tool checks everything or
-/// nothing.
-BuiltScene buildScene(const TextFrom& urdf, const TextFrom& srdf, const SceneOptions& options,
-                      Fidelity fidelity, int max_hull_vertices);
-
-/// The same from files; an empty SRDF path means none.
-std::shared_ptr<const CollisionScene> buildScene(const std::string& urdf_path,
-                                                 const std::string& srdf_path,
-                                                 const SceneOptions& options, Fidelity fidelity,
-                                                 int max_hull_vertices);
+/// The scene of one robot from files, prepared for `fidelity`. Warns of unknown links in the SRDF.
+/// Throws InputError, also for a mesh that cannot be used: a tool checks everything or nothing.
+std::shared_ptr<const CollisionScene> buildScene(const SceneOptions& options, Fidelity fidelity);
 
 /// Warns of joints without a column, and of positions outside joint limits. `what`: as in
 /// outsideLimits().
@@ -80,17 +68,12 @@ void declareBatch(CommandLine& command_line, unsigned& threads, std::string& out
 /// bags with the same robot share it.
 class BagScenes {
  public:
-  /// Empty paths: from the bag.
-  BagScenes(std::string urdf_path, std::string srdf_path, SceneOptions options)
-      : urdf_path_(std::move(urdf_path)),
-        srdf_path_(std::move(srdf_path)),
-        options_(std::move(options)) {}
+  explicit BagScenes(SceneOptions options) : options_(std::move(options)) {}
 
-  /// Throws InputError, also if there is no robot or more than one to choose from.
+  /// Throws InputError as buildScene(), also if there is no robot or more than one to choose from.
   const BuiltScene& sceneFor(const BagContents& bag);
 
  private:
-  std::string urdf_path_, srdf_path_;
   SceneOptions options_;
   std::string urdf_, srdf_;  ///< the sources of scene_
   BuiltScene built_;

@@ -26,4 +26,10 @@ std::string joined(const std::vector<std::string>& words, const std::string& sep
 /// "0.25 s"
 std::string inWords(double seconds);
 
+/// As printf() writes it; at most 511 characters.
+__attribute__((format(printf, 1, 2))) std::string formatted(const char* format, ...);
+
+/// The number with all its digits: "0.10000000000000001".
+inline std::string allDigits(double number) { return formatted("%.17g", number); }
+
 }  // namespace collision_pairs

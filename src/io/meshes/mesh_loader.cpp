@@ -20,10 +20,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-bool startsWith(const std::string& text, const std::string& beginning) {
-  return text.compare(0, beginning.size(), beginning) == 0;
-}
-
 [[noreturn]] void fail(const std::string& uri, const std::string& why) {
   throw InputError("mesh '" + uri + "': " + why);
 }
@@ -59,8 +55,8 @@ class Loader {
 
   fs::path resolve(const std::string& uri) {
     static const std::string PACKAGE = "package://", FILE = "file://";
-    if (startsWith(uri, FILE)) return uri.substr(FILE.size());
-    if (!startsWith(uri, PACKAGE)) fail(uri, "only package:// and file:// are read");
+    if (uri.rfind(FILE, 0) == 0) return uri.substr(FILE.size());
+    if (uri.rfind(PACKAGE, 0) != 0) fail(uri, "only package:// and file:// are read");
     const std::size_t slash = uri.find('/', PACKAGE.size());
     if (slash == std::string::npos) fail(uri, "it names a package, but no file");
     const std::string package = uri.substr(PACKAGE.size(), slash - PACKAGE.size());
