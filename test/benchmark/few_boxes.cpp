@@ -76,7 +76,7 @@ class FewBoxes {
       bins_.sweep(records_.data(), count, sweepAxis(sampleSpread(records_.data(), count, count)),
                   1);
       pairs_.swap(bins_.pairs());
-      sortPairs(&pairs_, count, &scratch_);
+      sorter_.sort(*kernel_, count, &pairs_);
       return pairs_;
     }
     if (method == "ranks") {
@@ -90,7 +90,7 @@ class FewBoxes {
     Candidates* found = candidates_.clear();
     kernel_->sweep(packed_.view(), row_end_.data(), count, UNSURE, found);
     appendMovingPairs(*found, test_, &pairs_);
-    if (method == "ranks") sortPairs(&pairs_, count, &scratch_);
+    if (method == "ranks") sorter_.sort(*kernel_, count, &pairs_);
     return pairs_;
   }
 
@@ -109,7 +109,8 @@ class FewBoxes {
   PackedStorage packed_;
   CandidateStorage candidates_;
   std::vector<std::uint32_t> row_end_;
-  std::vector<BoxPair> pairs_, scratch_;
+  std::vector<BoxPair> pairs_;
+  PairSorter sorter_;
 };
 
 const std::vector<std::string> METHODS = {"each", "ranks", "bins"};

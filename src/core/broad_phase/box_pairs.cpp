@@ -6,8 +6,7 @@ namespace collision_pairs {
 namespace {
 
 constexpr int MAX_DIGIT_BITS = 14;
-constexpr std::size_t IN_CACHE = 65536;  // pairs, 512 KiB
-constexpr std::size_t FEW = 64;          // up to here a comparison sort is as fast
+constexpr std::size_t FEW = 64;  // up to here a comparison sort is as fast
 
 /// Some bits of both ids as one number, the first id above the second.
 struct Digit {
@@ -70,50 +69,74 @@ void sortByLowBits(BoxPair* from, BoxPair* to, std::size_t nb_pairs, int id_bits
   }
 }
 
-// Splits by the highest bits into parts that fit the L1 cache, where the passes are fast.
-void sortInParts(BoxPair* pairs, BoxPair* scratch, std::size_t nb_pairs, int id_bits) {
-  constexpr std::size_t PART = 2048;
-  constexpr int MAX_TOP_BITS = 10, LOW_DIGIT_BITS = 10;
-  const int bits = 2 * id_bits;
-  const int top_bits = std::min({MAX_TOP_BITS, bitsOf(nb_pairs / PART), bits - 1});
-  const Digit top{id_bits, bits - top_bits, (1u << top_bits) - 1u};
-  Places places;
-  places.count(pairs, nb_pairs, top);
-  places.addUp(top);
-  for (std::size_t i = 0; i < nb_pairs; ++i) scratch[places.of[top(pairs[i])]++] = pairs[i];
-  const int low_bits = bits - top_bits;
-  const int passes = (low_bits + LOW_DIGIT_BITS - 1) / LOW_DIGIT_BITS | 1;  // odd
-  std::size_t begin = 0;
-  for (std::uint32_t value = 0; value <= top.mask; ++value) {
-    const std::size_t end = places.of[value], nb_in_part = end - begin;
-    if (nb_in_part > FEW) {
-      sortByLowBits(scratch + begin, pairs + begin, nb_in_part, id_bits, low_bits, passes);
-    } else {
-      std::sort(scratch + begin, scratch + end);
-      std::copy(scratch + begin, scratch + end, pairs + begin);
-    }
-    begin = end;
-  }
+/// Passes of digits so large that the counters of one cost about as much as its pairs.
+int passesFor(int bits, std::size_t nb_pairs) {
+  const int largest = std::min(MAX_DIGIT_BITS, bitsOf(nb_pairs));
+  return (bits + largest - 1) / largest;
 }
 
 }  // namespace
 
-void sortPairs(std::vector<BoxPair>* pairs, std::size_t nb_ids, std::vector<BoxPair>* scratch) {
-  if (pairs->size() <= FEW) {
+void PairSorter::sort(const SweepKernel& kernel, std::size_t nb_ids, std::vector<BoxPair>* pairs) {
+  const std::size_t nb_pairs = pairs->size();
+  if (nb_pairs <= FEW) {
     std::sort(pairs->begin(), pairs->end());
-    return;
+  } else if (nb_pairs < 2 * nb_ids) {
+    const int id_bits = bitsOf(nb_ids);
+    const int passes = passesFor(2 * id_bits, nb_pairs);
+    scratch_.resize(nb_pairs);
+    sortByLowBits(pairs->data(), scratch_.data(), nb_pairs, id_bits, 2 * id_bits, passes);
+    if (passes % 2 != 0) pairs->swap(scratch_);
+  } else {
+    fillRows(nb_ids, pairs);
+    pairs->resize(nb_pairs + 1);
+    kernel.sortRows(seconds_.data(), row_ends_.data(), nb_ids, &pairs->data()->first);
+    pairs->resize(nb_pairs);
+    if (longest_row_ > LONGEST_ROW) sortLongRows(pairs);
   }
-  const int id_bits = bitsOf(nb_ids);
-  scratch->resize(pairs->size());
-  // Digits so large that the counters of a pass cost about as much as its pairs.
-  const int largest = std::min(MAX_DIGIT_BITS, bitsOf(pairs->size()));
-  const int passes = (2 * id_bits + largest - 1) / largest;
-  if (passes > 2 && pairs->size() > IN_CACHE) {
-    sortInParts(pairs->data(), scratch->data(), pairs->size(), id_bits);
-    return;
+}
+
+// Counting sort by the first ids. The pairs come by cells of the grid, whose few rows stay in a
+// cache while it is done.
+void PairSorter::fillRows(std::size_t nb_ids, std::vector<BoxPair>* pairs) {
+  constexpr std::size_t AHEAD = 16;
+  const std::size_t nb_pairs = pairs->size();
+  row_ends_.assign(nb_ids, 0);
+  std::uint32_t* const ends = row_ends_.data();
+  for (const BoxPair& pair : *pairs) ++ends[pair.first];
+  std::uint32_t begin = 0;
+  longest_row_ = 0;
+  for (std::size_t id = 0; id < nb_ids; ++id) {
+    const std::uint32_t in_row = ends[id];
+    longest_row_ = std::max(longest_row_, in_row);
+    ends[id] = begin;
+    begin += in_row;
   }
-  sortByLowBits(pairs->data(), scratch->data(), pairs->size(), id_bits, 2 * id_bits, passes);
-  if (passes % 2 != 0) pairs->swap(*scratch);
+  if (seconds_.size() < nb_pairs + PADDING) seconds_.resize(nb_pairs + nb_pairs / 4 + PADDING);
+  std::uint32_t* const seconds = seconds_.data();
+  pairs->resize(nb_pairs + AHEAD);
+  const BoxPair* const from = pairs->data();
+  for (std::size_t i = 0; i < nb_pairs; ++i) {
+    __builtin_prefetch(seconds + ends[from[i + AHEAD].first], 1);
+    seconds[ends[from[i].first]++] = from[i].second;
+  }
+}
+
+void PairSorter::sortLongRows(std::vector<BoxPair>* pairs) {
+  const int id_bits = bitsOf(row_ends_.size());
+  std::uint32_t begin = 0;
+  for (std::uint32_t id = 0; id < row_ends_.size(); ++id) {
+    const std::uint32_t end = row_ends_[id];
+    if (end - begin > LONGEST_ROW) {
+      scratch_.clear();
+      for (std::uint32_t i = begin; i < end; ++i) scratch_.push_back({id, seconds_[i]});
+      const int passes =
+          passesFor(id_bits, scratch_.size()) | 1;  // odd: the last one ends in pairs
+      sortByLowBits(scratch_.data(), pairs->data() + begin, scratch_.size(), id_bits, id_bits,
+                    passes);
+    }
+    begin = end;
+  }
 }
 
 }  // namespace collision_pairs

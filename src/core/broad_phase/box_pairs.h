@@ -74,9 +74,21 @@ inline void appendStaticPairs(const Candidates& candidates, const PairTest& test
   appendPairs(candidates, test, Static{test, fixed}, pairs);
 }
 
-/// Radix sort of both ids as one number, least significant digit first; of very many in parts that
-/// fit a cache. All ids are below `nb_ids`. O(pairs), without a branch that depends on them; the
-/// contents of `scratch` are overwritten.
-void sortPairs(std::vector<BoxPair>* pairs, std::size_t nb_ids, std::vector<BoxPair>* scratch);
+/// Sorts pairs, without a branch that depends on them. Keeps its memory.
+class PairSorter {
+ public:
+  /// All ids are below `nb_ids`; no pair occurs twice. O(pairs): rows of the pairs of each first
+  /// id, each row then sorted by the kernel. Pairs that are few for so many ids: radix sort of both
+  /// ids as one number, least significant digit first.
+  void sort(const SweepKernel& kernel, std::size_t nb_ids, std::vector<BoxPair>* pairs);
+
+ private:
+  void fillRows(std::size_t nb_ids, std::vector<BoxPair>* pairs);
+  void sortLongRows(std::vector<BoxPair>* pairs);
+
+  std::vector<std::uint32_t> row_ends_, seconds_;
+  std::uint32_t longest_row_ = 0;
+  std::vector<BoxPair> scratch_;
+};
 
 }  // namespace collision_pairs

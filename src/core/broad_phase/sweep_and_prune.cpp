@@ -52,7 +52,7 @@ struct SweepAndPrune::Engine {
   std::vector<std::uint32_t> row_end;
   GridLevel columns{kernel};
   std::vector<std::unique_ptr<ColumnSweep>> sweepers;  // one for each thread
-  std::vector<BoxPair> scratch;
+  PairSorter sorter;
 };
 
 AllowedBoxPairs::AllowedBoxPairs(const std::vector<std::uint32_t>& models,
@@ -125,7 +125,7 @@ const std::vector<BoxPair>& SweepAndPrune::end() {
   const bool few = boxes_.size() <= engine.tuning.packed_up_to.value_or(engine.kernel->each_up_to);
   const std::size_t nb_ids = nb_static_ + boxes_.size();
   if (few) {
-    if (nb_static_ > 0) sortPairs(&pairs_, nb_ids, &engine.scratch);
+    if (nb_static_ > 0) engine.sorter.sort(*engine.kernel, nb_ids, &pairs_);
     if (engine.moving) {
       engine.sweepAllowed(boxes_, engine.moving->bits_, &pairs_);
     } else {
@@ -133,7 +133,7 @@ const std::vector<BoxPair>& SweepAndPrune::end() {
     }
   } else {
     engine.sweepColumns(boxes_, refused_, &pairs_);
-    sortPairs(&pairs_, nb_ids, &engine.scratch);
+    engine.sorter.sort(*engine.kernel, nb_ids, &pairs_);
   }
   return pairs_;
 }

@@ -92,6 +92,9 @@ struct TreeView {
 /// Up to this many boxes are all tested: descending a tree costs a mispredicted branch per node.
 constexpr std::uint32_t SCAN_UP_TO = 512;
 
+/// The time to sort a row grows with the square of its length; from here on a radix sort is faster.
+constexpr std::uint32_t LONGEST_ROW = 256;
+
 /// One instruction set's code.
 struct SweepKernel {
   const char* name;
@@ -122,6 +125,12 @@ struct SweepKernel {
 
   /// The cells of each record.
   void (*span)(const CellMap& map, const Record* records, std::size_t nb_records, CellSpan* out);
+
+  /// Row i of `seconds` ends at ends[i], and the next one begins there; no number occurs in a row
+  /// twice. Writes the pairs (i, number) of each row in the order of the numbers, leaving out rows
+  /// longer than LONGEST_ROW. Reads PADDING past the last row, and writes one pair past it.
+  void (*sortRows)(const std::uint32_t* seconds, const std::uint32_t* ends, std::size_t nb_rows,
+                   std::uint32_t* pairs);
 
   /// Up to this many boxes, testing each against each is faster than sorting and sweeping
   /// (measured: docs/performance.md).

@@ -282,6 +282,46 @@ void spanRows(const CellMap& map, const Record* records, std::size_t nb_records,
   }
 }
 
+// The place of a number in its row is that of those in it that are smaller. Lanes past the end of a
+// row are not skipped, because a branch for them would be mispredicted.
+template <class Lanes>
+void sortRows(const std::uint32_t* seconds, const std::uint32_t* ends, std::size_t nb_rows,
+              std::uint32_t* pairs) {
+  constexpr std::int32_t MAX = 0x7fffffff;
+  const Ints8 lane = {0, 1, 2, 3, 4, 5, 6, 7};
+  std::uint32_t begin = 0;
+  for (std::size_t row = 0; row < nb_rows; ++row) {
+    const auto count = static_cast<std::int32_t>(ends[row] - begin);
+    const std::uint32_t* const numbers = seconds + begin;
+    std::uint32_t* const out = pairs + 2 * std::size_t{begin};
+    begin = ends[row];
+    if (count > static_cast<std::int32_t>(LONGEST_ROW)) continue;
+    std::int32_t block = 0;
+    do {
+      Ints8 keys, others, place = {};
+      __builtin_memcpy(&keys, numbers + block, sizeof keys);
+      std::int32_t other_block = 0;
+      do {
+        __builtin_memcpy(&others, numbers + other_block, sizeof others);
+        others = lane < count - other_block ? others : MAX - Ints8{};
+        std::int32_t other[8];
+        __builtin_memcpy(other, &others, sizeof other);
+        for (int k = 0; k < 8; ++k) place -= other[k] < keys;
+        other_block += 8;
+      } while (other_block < count);
+      // What is past the end goes where the next row will be.
+      place = lane < count - block ? place : count - Ints8{};
+      std::int32_t places[8];
+      __builtin_memcpy(places, &place, sizeof places);
+      for (int k = 0; k < 8; ++k) {
+        out[2 * places[k]] = static_cast<std::uint32_t>(row);
+        out[2 * places[k] + 1] = numbers[block + k];
+      }
+      block += 8;
+    } while (block < count);
+  }
+}
+
 template <class Lanes>
 constexpr SweepKernel makeKernel(const char* name, std::uint32_t each_up_to) {
   return {name,
@@ -291,6 +331,7 @@ constexpr SweepKernel makeKernel(const char* name, std::uint32_t each_up_to) {
           narrowRows<Lanes>,
           packRows<Lanes>,
           spanRows<Lanes>,
+          sortRows<Lanes>,
           each_up_to};
 }
 
