@@ -60,7 +60,8 @@ def grouped(number):
 
 
 def table(heads, rows):
-    return "\n".join("| %s |" % " | ".join(row) for row in [heads, ["---"] * len(heads)] + rows)
+    lines = ["| %s |" % " | ".join(row) for row in [heads] + rows]
+    return "\n".join(lines[:1] + ["|" + "---|" * len(heads)] + lines[1:])
 
 
 def commit():
