@@ -67,6 +67,128 @@ def test_a_merge_that_is_not_complete_is_refused(run_tool, make_bag, tmp_path):
         assert not merged.exists()
 
 
+HEADER = "bag,state,stamp,in_collision,pairs,min_distance,nb_pairs,distances,left_out,verdict,unknown_because"
+
+
+def table_of(bag, rows):
+    """Of (seconds, verdict, {pair: (distance, in contact)}, links left out)."""
+    lines = []
+    for state, (seconds, verdict, pairs, left_out) in enumerate(rows):
+        closest = "%r" % min(distance for distance, _ in pairs.values()) if pairs else ""
+        lines.append(",".join([
+            bag, str(state), "%.9f" % seconds, "01"[verdict != "free"],
+            ";".join(pair for pair, (_, touches) in pairs.items() if touches), closest, "7",
+            ";".join("%s=%r" % (pair, distance) for pair, (distance, _) in pairs.items()), ";".join(left_out), verdict,
+            "no pose" if verdict == "unknown" else ""]))
+    return "".join(line + "\n" for line in lines)
+
+
+def summary_of(run_tool, tmp_path, tables, *options):
+    table, merged = tmp_path / "table.csv", tmp_path / "merged.csv"
+    table.write_text(HEADER + "\n" + "".join(tables))
+    done = run_tool("merge_bag_checks", table, "--out", merged, *options)
+    assert done.returncode == 0 and done.stderr == "", done.stderr
+    assert merged.read_text() == table.read_text()
+    return done.stdout
+
+
+def test_the_summary_of_a_table_is_these_lines(run_tool, tmp_path):
+    one = table_of("one.bag", [
+        (100.0, "free", {"a|b": (0.01, False)}, []),
+        (100.5, "collision", {"a|b": (-0.002, True), "c|d": (0.03, False)}, []),
+        (101.25, "unknown", {}, ["e", "f"]),
+        (102.0, "free", {}, []),
+        (103.5, "collision", {"a|b": (-0.005, True), "c|d": (-0.001, True)}, []),
+        (103.75, "collision", {"c|d": (-0.001, True)}, []),
+        (106.25, "unknown", {"c|d": (0.02, False)}, ["e"]),  # after a gap
+        (108.25, "free", {"a|b": (0.04, False)}, [])])  # after just as long as is none
+    assert summary_of(run_tool, tmp_path, [one, table_of("two.bag", [(5.0, "free", {}, [])])], "--max-gap", "2") == """\
+one.bag: 8 stamps over 8.250 s
+  in contact        1.000 s, 3 stamps
+  unknown           2.750 s, 2 stamps
+  near only         0.500 s
+  closest         -0.0050 m at +3.500 s
+  closest approach of each pair:
+      -0.0050 m at +3.500 s  a|b  (in contact 1.000 s)
+      -0.0010 m at +3.500 s  c|d  (in contact 0.250 s)
+  gaps longer than 2 s:
+    2.500 s after +3.750 s
+  left out (no pose; clouds: too old or incomplete):
+    e  at 2 stamps
+    f  at 1 stamps
+two.bag: 1 stamps over 0.000 s
+  in contact        0.000 s, 0 stamps
+  unknown           0.000 s, 0 stamps
+  near only         0.000 s
+  closest       beyond the alarm distance (--min-distance finds it)
+  no gap longer than 2 s
+"""
+
+
+@pytest.mark.parametrize("count", [20, 22])
+def test_of_pairs_gaps_and_links_twenty_are_listed_and_the_rest_is_counted(run_tool, tmp_path, count):
+    pairs = {"a|b%02d" % i: (0.001 * i, False) for i in range(count)}
+    rows = [(10.0 + 2 * i, "unknown", pairs, ["l%02d" % k for k in range(count)]) for i in range(count + 1)]
+    said = summary_of(run_tool, tmp_path, [table_of("many.bag", rows)], "--max-gap", "1.5")
+    for line in (r"      \+0\.0\d\d0 m at \+0\.000 s  a\|b\d\d", r"    2\.000 s after \+\d+\.000 s", r"    l\d\d  at %d stamps" % (count + 1)):
+        listed = re.findall("^" + line + "$", said, re.MULTILINE)
+        assert len(listed) == 20 and listed == sorted(listed, key=lambda text: (len(text), text)), said
+    assert said.count("    and 2 more\n") == said.count(" more") == (3 if count == 22 else 0)
+
+
+ROW = "a.bag,1,100.000000000,1,a|b,-0.01,3,a|b=-0.01;c|d=0.5,e;f,collision,"
+BROKEN = [  # the column, what it becomes, why it is refused
+    (1, "x", "'x' is not a number"), (1, "-1", "'-1' is not a number"), (1, "1.0", "'1.0' is not a number"),
+    (1, "", "'' is not a number"), (2, "100", "'100' is not a stamp"), (2, "100.12345678", "'100.12345678' is not a stamp"),
+    (2, "100.1234567890", "'100.1234567890' is not a stamp"), (2, "x.000000000", "'x' is not a number"),
+    (2, "1.00000000x", "'00000000x' is not a number"), (5, "near", "'near' is not a number"), (6, "3x", "'3x' is not a number"),
+    (7, "a|b", "'a|b' is not a distance of a pair"), (7, "a|b=0;c|d=far", "'far' is not a number"),
+    (9, "fre", "'fre' is not a verdict"), (9, "", "'' is not a verdict"), (9, "free,", "it has 12 fields, not 11"),
+    (10, '"', "a quotation mark is not closed")]
+
+
+def refusal(run_tool, tmp_path, *tables):
+    """Of the tables table0.csv, ... with these lines after the header."""
+    paths = [tmp_path / ("table%d.csv" % i) for i in range(len(tables))]
+    for path, lines in zip(paths, tables):
+        path.write_text("\n".join([HEADER, *lines]) + "\n")
+    done = run_tool("merge_bag_checks", *paths, "--out", tmp_path / "out.csv")
+    assert done.returncode == 2 and not (tmp_path / "out.csv").exists()
+    return done.stderr.replace("error: %s/" % tmp_path, "")
+
+
+def test_what_is_wrong_with_a_row_is_said_with_its_line(run_tool, tmp_path):
+    good = ROW.split(",")
+    assert summary_of(run_tool, tmp_path, [ROW + "\n"]).startswith("a.bag: 1 stamps")
+    for column, becomes, why in BROKEN:
+        bad = good[:column] + [becomes] + good[column + 1:]
+        assert refusal(run_tool, tmp_path, [ROW, ",".join(bad)]) == "table0.csv line 3: %s\n" % why
+    assert refusal(run_tool, tmp_path, [ROW, ",".join(good[1:])]) == "table0.csv line 3: it has 10 fields, not 11\n"
+
+
+def test_what_is_wrong_with_a_part_is_said_with_its_line(run_tool, tmp_path):
+    for part in ("# part 1", "# part 0/2", "# part 3/2", "# part 1/2x", "# part x/2", "#"):
+        assert refusal(run_tool, tmp_path, [part]) == "table0.csv line 2: '%s' does not say which part it is\n" % part
+    row = ROW.replace(",1,", ",0,", 1)
+    for line in ("# bog a.bag 1", "# bag a.bag", "# bag  1", "# bag a.bag x", "# bag a.bag 1x", "# bag a.bag -1",
+                 "# bag a.bag 99999999999999999999", row):
+        assert refusal(run_tool, tmp_path, ["# part 1/1", line]) == "table0.csv line 3: '%s' is not a bag\n" % line
+    for lines, where in (([], 2), (["# bag a.bag 1"], 3), (["# bag a.bag 1", row], 4)):
+        assert refusal(run_tool, tmp_path, ["# part 1/1"] + lines) == (
+            "table0.csv line %d: it is incomplete; its process may have been stopped\n" % where)
+    for wrong in (ROW, row.replace("a.bag", "b.bag")):
+        assert refusal(run_tool, tmp_path, ["# part 1/1", "# bag a.bag 1", wrong, "# end"]) == (
+            "table0.csv line 4: state 0 is missing\n")
+    end = ["# bag a.bag 0", "# end"]
+    assert refusal(run_tool, tmp_path, ["# part 1/2"] + end, ["# part 2/2", "# bag b.bag 0", "# end"]) == (
+        "table1.csv line 3: is a part of another run (expected '# bag a.bag 0')\n")
+    assert refusal(run_tool, tmp_path, ["# part 1/2"] + end, ["# part 2/3"] + end) == (
+        "table1.csv line 2: is a part of another run\n")
+    assert refusal(run_tool, tmp_path, ["# part 2/2"] + end, ["# part 2/2"] + end).endswith("part 1/2 is missing\n")
+    assert refusal(run_tool, tmp_path, ["# part 1/2"] + end, ["# part 1/2"] + end) == "table1.csv line 2: this part is given twice\n"
+    assert refusal(run_tool, tmp_path, ["# part 1/3"] + end, ["# part 2/3"] + end).endswith("part 3/3 is missing\n")
+
+
 @pytest.fixture
 def page(run_tool, tmp_path):
     folder = tmp_path / "report"

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <charconv>
 #include <fstream>
 #include <memory>
 
@@ -87,10 +88,12 @@ void mergeParts(Tables& parts, const BagLineVisitor& visit) {
   for (std::string line = nextCommonLine(parts); line != BAG_TABLE_END;
        line = nextCommonLine(parts), ++bag) {
     const std::size_t space = line.rfind(' ');
-    if (line.compare(0, 6, "# bag ") != 0 || space <= 6)
+    const char* const end = line.data() + line.size();
+    std::uint64_t nb_rows = 0;
+    const auto [rest, error] = std::from_chars(line.data() + (space + 1), end, nb_rows);
+    if (line.compare(0, 6, "# bag ") != 0 || space <= 6 || error != std::errc() || rest != end)
       parts.front()->fail("'" + line + "' is not a bag");
     const std::string name = line.substr(6, space - 6);
-    const std::uint64_t nb_rows = std::stoull(line.substr(space + 1));
     for (std::uint64_t state = 0; state < nb_rows; ++state) {
       Table& part = *parts[(state + bag) % parts.size()];
       const std::string row_line = part.expect();
