@@ -107,20 +107,47 @@ TEST_F(MeshLoaderTest, ColladaIsTakenAsItIsWhateverItsUpAxis) {
   }
 }
 
-TEST_F(MeshLoaderTest, WhatIsNoMeshIsRefusedByUri) {
-  EXPECT_THAT(refusal("file:///nowhere/x.stl"),
-              testing::HasSubstr("there is no file /nowhere/x.stl"));
-  EXPECT_THAT(refusal("package://no_such_package/x.stl"), testing::HasSubstr("'no_such_package'"));
-  EXPECT_THAT(refusal("package://collision_pairs"), testing::HasSubstr("no file"));
-  EXPECT_THAT(refusal("package://collision_pairs/none.stl"),
-              testing::HasSubstr("there is no file"));
-  EXPECT_THAT(refusal("http://127.0.0.1/x.stl"), testing::HasSubstr("only package:// and file://"));
-  EXPECT_THAT(refusal("x.stl"), testing::HasSubstr("only package:// and file://"));
-  EXPECT_THAT(refusal("file:///dev/zero"), testing::HasSubstr("is not a file"));
-  EXPECT_THAT(refusal("file://" + folder_.string()), testing::HasSubstr("is not a file"));
-  EXPECT_THAT(refusal(file("nothing.stl", "")), testing::HasSubstr("empty"));
-  EXPECT_THAT(refusal(file("text.stl", "this is no mesh at all")), testing::HasSubstr("text.stl"));
-  EXPECT_NE(refusal(file("text.stl", "this is no mesh at all")), "accepted");
+TEST_F(MeshLoaderTest, AMeshIsReadOnceAtAScaleAndCalledByItsUri) {
+  const std::string uri = file("t.stl", binaryStl({TRIANGLE}));
+  const auto mesh = load_(uri, ONE);
+  EXPECT_EQ(mesh->name, uri);
+  EXPECT_EQ(load_(uri, ONE), mesh);
+  EXPECT_NE(load_(uri, 2.0 * ONE), mesh);
+}
+
+TEST_F(MeshLoaderTest, EndingsMayBeInCapitals) {
+  const std::string stl =
+      "solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 x\n" + std::string(90, ' ');
+  for (const char* name : {"a.stl", "a.STL", "a.Stl"}) {
+    const std::string uri = file(name, stl);
+    EXPECT_EQ(refusal(uri),
+              "mesh '" + uri + "': line 4: 'x' found where a finite coordinate was expected");
+  }
+  for (const char* name : {"a.obj", "a.OBJ"}) {
+    const std::string uri = file(name, "v 0 0 0\nf 1 1");
+    EXPECT_EQ(refusal(uri), "mesh '" + uri + "': line 2: a face of 2 corners");
+  }
+}
+
+TEST_F(MeshLoaderTest, WhatIsNoMeshIsRefusedByUriInTheseWords) {
+  const std::string demo = std::string(PROJECT_SOURCE_DIR) + "/none.stl";
+  const std::vector<std::pair<std::string, std::string>> cases = {
+      {"file:///nowhere/x.stl", "there is no file /nowhere/x.stl"},
+      {"package://no_such_package/x.stl", "package 'no_such_package' is not on ROS_PACKAGE_PATH"},
+      {"package://collision_pairs", "it names a package, but no file"},
+      {"package://collision_pairs/none.stl", "there is no file " + demo},
+      {"http://127.0.0.1/x.stl", "only package:// and file:// are read"},
+      {"x.stl", "only package:// and file:// are read"},
+      {"xfile://x.stl", "only package:// and file:// are read"},
+      {"file:///dev/zero", "/dev/zero is not a file"},
+      {"file://" + folder_.string(), folder_.string() + " is not a file"},
+      {file("nothing.stl", ""), "the file is empty"},
+      {file("text.stl", "this is no mesh at all"), "it is too short for an STL file"},
+  };
+  testing::internal::CaptureStderr();
+  for (const auto& [uri, why] : cases) EXPECT_EQ(refusal(uri), "mesh '" + uri + "': " + why);
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "")
+      << "rospack would print that a package is missing";
 }
 
 TEST_F(MeshLoaderTest, TruncatedOrNanMeshesAreRefused) {

@@ -41,7 +41,7 @@ class MeshWords {
   /// For messages: its first characters.
   std::string quoted() const {
     constexpr std::size_t ENOUGH = 20;
-    if (begin_ == end_) return "the end of the file";
+    if (begin_ == end_) return end_ < text_.size() ? "the end of the line" : "the end of the file";
     const std::size_t length = std::min(end_ - begin_, ENOUGH);
     return "'" + text_.substr(begin_, length) + (length < end_ - begin_ ? "…'" : "'");
   }
