@@ -26,7 +26,7 @@ std::string refusal(const std::string& yaml) {
 
 TEST(CloudConfig, ReadsEveryKey) {
   const auto found = clouds(R"(
-- {topic: /camera/points, voxel_size: 0.01, max_range: 3, min_points: 2, min_valid_points: 0, decay: 0.5, replace: true,
+- {topic: /camera/points, voxel_size: 0.01, max_range: 3, min_points: 2, min_valid_points: 3, decay: 0.7, replace: true,
    box: [-1, -2, 0.1, 1, 2, 3], max_voxels: 5000, source_timeout: 0.25, self_filter_padding: 0.03,
    touch_links: [base, "wheel_*"]}
 - {topic: lidar}
@@ -37,8 +37,8 @@ TEST(CloudConfig, ReadsEveryKey) {
   EXPECT_EQ(found[0].voxel_size, 0.01);
   EXPECT_EQ(found[0].max_range, 3.0);
   EXPECT_EQ(found[0].min_points, 2);
-  EXPECT_EQ(found[0].min_valid_points, 0);
-  EXPECT_EQ(found[0].decay, 0.5);
+  EXPECT_EQ(found[0].min_valid_points, 3);
+  EXPECT_EQ(found[0].decay, 0.7);
   EXPECT_TRUE(found[0].replace);
   ASSERT_TRUE(found[0].box);
   EXPECT_EQ(found[0].box->min(), Eigen::Vector3d(-1, -2, 0.1));
@@ -52,6 +52,40 @@ TEST(CloudConfig, ReadsEveryKey) {
   EXPECT_TRUE(found[1] == lidar);
   EXPECT_FALSE(found[0] == lidar);
   EXPECT_TRUE(clouds("[]").empty());
+}
+
+/// A cloud is compared to find out whether it has to be set up anew.
+TEST(CloudConfig, CloudsThatDifferInOneKeyAreNotTheSame) {
+  const std::string first =
+      "topic: a, voxel_size: 0.01, max_range: 3, min_points: 2, "
+      "min_valid_points: 3, decay: 0.7, replace: true, box: [-1, -2, 0.1, 1, 2, 3], max_voxels: "
+      "5000, "
+      "source_timeout: 0.25, self_filter_padding: 0.03, touch_links: [base]";
+  const CloudConfig whole = clouds("[{" + first + "}]")[0];
+  EXPECT_TRUE(whole == clouds("[{" + first + "}]")[0]);
+  for (const std::string other :
+       {"topic: b", "voxel_size: 0.1", "max_range: 4", "min_points: 3", "min_valid_points: 2",
+        "decay: 0.25", "replace: false", "box: []", "box: [-1, -2, 0.1, 1, 2, 4]",
+        "box: [-1, -1, 0.1, 1, 2, 3]", "max_voxels: 5001", "source_timeout: 0.7",
+        "self_filter_padding: 0.02", "touch_links: [base, arm]"}) {
+    YAML::Node changed = YAML::Load("{" + first + "}");
+    const YAML::Node change = YAML::Load("{" + other + "}");
+    changed[change.begin()->first.Scalar()] = change.begin()->second;
+    YAML::Node list;
+    list.push_back(changed);
+    const CloudConfig found = readClouds(list)[0];
+    EXPECT_FALSE(found == whole) << other;
+    EXPECT_FALSE(whole == found) << other;
+    EXPECT_TRUE(found == found) << other;
+  }
+}
+
+TEST(CloudConfig, OneIsFoundByItsNameWithoutSlash) {
+  const auto given = clouds("[{topic: /a/b}, {topic: //c}]");
+  EXPECT_EQ(findCloud(given, "a/b"), &given[0]);
+  EXPECT_EQ(findCloud(given, "c"), &given[1]);
+  EXPECT_EQ(findCloud(given, "/c"), nullptr);
+  EXPECT_EQ(findCloud({}, "c"), nullptr);
 }
 
 TEST(CloudConfig, LinksKeepTheFiltersPaddingAndAVoxelFromACloud) {
@@ -70,30 +104,70 @@ TEST(CloudConfig, UnknownKeyIsRefusedWithTheNearestOne) {
               AllOf(HasSubstr("clouds[0]: 'voxelsize'"), HasSubstr("did you mean 'voxel_size'?")));
 }
 
-TEST(CloudConfig, WrongValueIsRefusedByKeyValueAndRule) {
-  EXPECT_THAT(refusal("{topic: a}"), HasSubstr("must be a list of maps"));
-  EXPECT_THAT(refusal("[a]"), HasSubstr("clouds[0] is a, but must be a map"));
-  EXPECT_THAT(refusal("[{topic: a}, {voxel_size: 1}]"), HasSubstr("clouds[1] has no topic"));
-  EXPECT_THAT(refusal("[{topic: a}, {topic: /a}]"), HasSubstr("topic '/a' is listed twice"));
-  EXPECT_THAT(refusal("[{topic: /}]"), HasSubstr("clouds[0]/topic is /, but must be"));
-  const std::string begin = "[{topic: a, ", end = "}]";
-  for (const std::string wrong :
-       {"voxel_size: 0", "voxel_size: -1", "voxel_size: .nan", "max_range: 0", "min_points: 0",
-        "min_points: 1.5", "min_valid_points: -1", "decay: -1", "decay: soon", "replace: 1.5",
-        "box: [1, 2, 3]", "box: [1, 0, 0, 0, 1, 1]", "box: 5", "max_voxels: 0",
-        "max_voxels: 100000001", "source_timeout: -0.1", "self_filter_padding: -0.1",
-        "touch_links: base"}) {
-    const std::string key = wrong.substr(0, wrong.find(':'));
-    EXPECT_THAT(refusal(begin + wrong + end), HasSubstr("clouds[0]/" + key + " is ")) << wrong;
-  }
+TEST(CloudConfig, WhatIsWrongIsRefusedInTheseWords) {
+  const std::string is_map = ", but must be a map such as {topic: camera/points, voxel_size: 0.02}";
+  const std::string is_topic = ", but must be the name of a topic, such as camera/points";
+  const std::vector<std::pair<std::string, std::string>> cases = {
+      {"{topic: a}",
+       "clouds is {topic: a}, but must be a list of maps such as {topic: "
+       "camera/points, voxel_size: 0.02}"},
+      {"[a]", "clouds[0] is a" + is_map},
+      {"[{topic: a}, {voxel_size: 1}]", "clouds[1] has no topic"},
+      {"[{topic: a}, {topic: /a}]", "clouds: topic '/a' is listed twice"},
+      {"[{topic: /}]", "clouds[0]/topic is /" + is_topic},
+      {"[{topic: [a]}]", "clouds[0]/topic is [a]" + is_topic},
+      {"[{[a]: b}]", "clouds[0] is [a]" + is_map},
+  };
+  for (const auto& [yaml, words] : cases) EXPECT_EQ(refusal(yaml), words) << yaml;
 }
 
-TEST(CloudConfig, NumbersReachTheEndsOfTheirRanges) {
-  const std::string begin = "[{topic: a, ", end = "}]";
-  for (const std::string right : {"min_points: 1", "min_valid_points: 0", "decay: 0",
-                                  "max_voxels: 1", "max_voxels: 100000000", "source_timeout: 0",
-                                  "self_filter_padding: 0", "box: [1, 1, 1, 1, 1, 1]"}) {
-    EXPECT_EQ(refusal(begin + right + end), "accepted") << right;
+/// The ends of each range, and what is just beyond or no such value at all.
+TEST(CloudConfig, ValuesReachTheEndsOfTheirRangesAndNoFurther) {
+  struct Range {
+    std::string key, rule;
+    std::vector<std::string> right, wrong;
+  };
+  const std::string length = "more than 0 metres", seconds = "0 or more seconds";
+  const std::string box =
+      "[min_x, min_y, min_z, max_x, max_y, max_z] in metres, or [] for everything";
+  const std::vector<Range> ranges = {
+      {"voxel_size", length, {"1e-300"}, {"0", "-1", ".nan", ".inf", "[1]", "wide"}},
+      {"max_range", length, {"1e-300"}, {"0", "-1", ".inf"}},
+      {"min_points",
+       "a whole number from 1 to 100000000",
+       {"1", "100000000", "1e8"},
+       {"0", "1.5", "100000001", "[1]"}},
+      {"min_valid_points",
+       "a whole number from 0 to 100000000",
+       {"0", "100000000"},
+       {"-1", "0.5", "100000001"}},
+      {"max_voxels", "a whole number from 1 to 100000000", {"1", "100000000"}, {"0", "100000001"}},
+      {"decay", seconds, {"0", "1e300"}, {"-1e-300", "soon", ".nan"}},
+      {"source_timeout", seconds, {"0"}, {"-0.1"}},
+      {"replace", "true or false", {"true", "false", "yes"}, {"1.5", "[true]", "maybe"}},
+      {"box",
+       box,
+       {"[]", "[1, 1, 1, 1, 1, 1]", "[-1, -1, -1, 1, 1, 1]"},
+       {"5", "[1, 2, 3]", "[0, 0, 0, 1, 1, 1, 1]", "[1, 0, 0, 0, 1, 1]", "[0, 1, 0, 1, 0, 1]",
+        "[0, 0, 1, 1, 1, 0]", "[0, 0, 0, 1, 1, a]", "{a: 1}"}},
+      {"self_filter_padding", "0 or more metres", {"0"}, {"-1e-300", ".inf"}},
+      {"touch_links",
+       "a list of names or patterns, such as [elbow, \"left_*\"]",
+       {"[]", "[a, b]"},
+       {"base", "[[a]]", "{a: b}"}},
+  };
+  const auto refusalOf = [](const std::string& key, const std::string& value) {
+    return refusal("[{topic: a, " + key + ": " + value + "}]");
+  };
+  for (const Range& range : ranges) {
+    for (const std::string& value : range.right) {
+      EXPECT_EQ(refusalOf(range.key, value), "accepted") << range.key << ": " << value;
+    }
+    for (const std::string& value : range.wrong) {
+      const std::string why = refusalOf(range.key, value);
+      EXPECT_THAT(why, testing::StartsWith("clouds[0]/" + range.key + " is ")) << value;
+      EXPECT_THAT(why, testing::EndsWith(", but must be " + range.rule)) << value;
+    }
   }
 }
 

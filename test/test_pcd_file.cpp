@@ -27,13 +27,17 @@ std::string bytesOf(const std::vector<T>& values) {
   return bytes;
 }
 
-void expectRefused(const std::string& file, const std::string& why) {
+std::string refusal(const std::string& file) {
   try {
     readPcd(file);
-    FAIL() << "was read; should say " << why;
   } catch (const InputError& error) {
-    EXPECT_THAT(error.what(), testing::HasSubstr(why));
+    return error.what();
   }
+  return "accepted";
+}
+
+void expectRefused(const std::string& file, const std::string& why) {
+  EXPECT_THAT(refusal(file), testing::HasSubstr(why));
 }
 
 TEST(PcdFile, TextIsRead) {
@@ -47,7 +51,7 @@ TEST(PcdFile, TextIsRead) {
 TEST(PcdFile, TextMayHaveEmptyLinesAndSayInAnyWayThatAPointIsMissing) {
   const auto points = readPcd(
       "#.PCD v0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 2\nHEIGHT 2\nDATA ascii\n"
-      "1 2 3\n\n-nan NaN inf\n-inf -Inf 5\n4 5 6\n");
+      "1 2 3\n\n-nan NAN inf\n-inf -Inf 5\n4 5 6\n");
   ASSERT_EQ(points.size(), 4u);
   EXPECT_TRUE(points[1].array().isNaN().all());
   EXPECT_TRUE(points[2].head<2>().array().isNaN().all());
@@ -175,34 +179,98 @@ TEST(PcdFile, NoPointsAreNone) {
   EXPECT_TRUE(readPcd(none + "DATA binary_compressed\n").empty());
 }
 
-TEST(PcdFile, WhatIsWrongIsSaidWithItsLine) {
-  expectRefused("", "no DATA line");
-  expectRefused("hello world\n", "line 1: 'hello'");
-  expectRefused(XYZ + "DATA gzip\n", "'gzip'");
-  expectRefused(XYZ + "DATA\n", "line 11: DATA");
-  expectRefused(XYZ + "DATA binary\n" + bytesOf<float>({1, 2, 3, 4, 5}), "ends after 1");
-  expectRefused(XYZ + "DATA ascii\n1 2 3\n", "ends after 1");
-  expectRefused(XYZ + "DATA ascii\n1 2\n4 5 6\n", "line 12: 2 values");
-  expectRefused(XYZ + "DATA ascii\n1 2 3\n4 5 6\n7 8 9\n", "line 14: there are more points");
-  expectRefused(XYZ + "DATA ascii\n1 2 3x\n4 5 6\n", "line 12: '3x' is not a number");
-  expectRefused("FIELDS x y\nSIZE 4 4\nTYPE F F\nPOINTS 1\nDATA ascii\n1 2\n", "no field z");
-  expectRefused("FIELDS x y z\nSIZE 4 4\nTYPE F F F\nPOINTS 1\nDATA ascii\n", "differ in length");
-  expectRefused("FIELDS x y z\nSIZE 4 4 2\nTYPE F F F\nPOINTS 1\nDATA ascii\n", "field z must be");
-  expectRefused("FIELDS x y z\nSIZE 4 4 16\nTYPE F F F\nPOINTS 1\nDATA ascii\n", "field z must be");
-  expectRefused("FIELDS x y z a\nSIZE 4 4 4 9999999\nTYPE F F F I\nPOINTS 1\nDATA ascii\n",
-                "field 'a' is too large");
-  expectRefused("FIELDS x y z\nSIZE 4 4 4\nTYPE F F I\nPOINTS 1\nDATA ascii\n", "field z must be");
-  expectRefused("FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 3\nPOINTS 1\nDATA ascii\n",
-                "field z must be");
-  expectRefused("FIELDS x y z x\nSIZE 4 4 4 4\nTYPE F F F F\nPOINTS 1\nDATA ascii\n", "twice");
-  expectRefused("FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nDATA ascii\n", "neither POINTS nor");
-  expectRefused("FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 3\nHEIGHT 2\nPOINTS 5\nDATA ascii\n",
-                "WIDTH times HEIGHT is 6");
-  expectRefused("POINTS -1\n", "line 1: POINTS: '-1' is not a whole number");
-  expectRefused("SIZE 4 4.5 4\n", "'4.5' is not a whole number");
-  expectRefused("POINTS 1e300\n", "is not a whole number");
-  expectRefused("FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nPOINTS 3999999999\nDATA binary\n1234",
-                "ends after 0");
+TEST(PcdFile, WhatIsWrongIsSaidInTheseWords) {
+  const std::string x20(20, 'x'), fields = "FIELDS x y z\n", sizes = "SIZE 4 4 4\n";
+  const std::string xyz = fields + sizes + "TYPE F F F\n";
+  const std::string field_z = ": field z must be one number of TYPE F and SIZE 4 or 8";
+  const std::string lengths = ": FIELDS, SIZE, TYPE and COUNT differ in length";
+  const std::vector<std::pair<std::string, std::string>> cases = {
+      {"", "it has no DATA line: it is not a PCD file, or is truncated"},
+      {xyz + "POINTS 0\n", "it has no DATA line: it is not a PCD file, or is truncated"},
+      {"hello world\n", "line 1: 'hello' is not a keyword of a PCD header"},
+      {"#\n\n" + x20 + "x\n", "line 3: '" + x20 + "' is not a keyword of a PCD header"},
+      {XYZ + "DATA gzip\n",
+       "line 11: DATA is 'gzip', but must be ascii, binary or binary_compressed"},
+      {XYZ + "DATA " + x20 + "x\n",
+       "line 11: DATA is '" + x20 + "', but must be ascii, binary or binary_compressed"},
+      {XYZ + "DATA\n", "line 11: DATA must be one word"},
+      {XYZ + "DATA ascii binary\n", "line 11: DATA must be one word"},
+      {"POINTS\n", "line 1: POINTS must have one number"},
+      {"WIDTH 1 2\n", "line 1: WIDTH must have one number"},
+      {"HEIGHT -1\n", "line 1: HEIGHT: '-1' is not a whole number"},
+      {"POINTS 4000000000\n", "line 1: POINTS: '4000000000' is not a whole number"},
+      {"POINTS " + x20 + "x\n", "line 1: POINTS: '" + x20 + "' is not a whole number"},
+      {"SIZE 4 4.5 4\n", "line 1: SIZE: '4.5' is not a whole number"},
+      {"COUNT 1 1 x\n", "line 1: COUNT: 'x' is not a whole number"},
+      {sizes + "TYPE F F F\nPOINTS 1\nDATA ascii\n", "line 4: there is no FIELDS line"},
+      {fields + "TYPE F F F\nPOINTS 1\nDATA ascii\n", "line 4" + lengths},
+      {fields + sizes + "POINTS 1\nDATA ascii\n", "line 4" + lengths},
+      {xyz + "COUNT 1 1\nPOINTS 1\nDATA ascii\n", "line 6" + lengths},
+      {"FIELDS x y\nSIZE 4 4\nTYPE F F\nPOINTS 1\nDATA ascii\n1 2\n",
+       "line 5: there is no field z"},
+      {"FIELDS y z\nSIZE 4 4\nTYPE F F\nPOINTS 1\nDATA ascii\n1 2\n",
+       "line 5: there is no field x"},
+      {fields + "SIZE 4 4 2\nTYPE F F F\nPOINTS 1\nDATA ascii\n", "line 5" + field_z},
+      {fields + "SIZE 4 4 16\nTYPE F F F\nPOINTS 1\nDATA ascii\n", "line 5" + field_z},
+      {fields + sizes + "TYPE F F I\nPOINTS 1\nDATA ascii\n", "line 5" + field_z},
+      {xyz + "COUNT 1 1 3\nPOINTS 1\nDATA ascii\n", "line 6" + field_z},
+      {"FIELDS x y z x\nSIZE 4 4 4 4\nTYPE F F F F\nPOINTS 1\nDATA ascii\n",
+       "line 5: field x occurs twice"},
+      {xyz + "DATA ascii\n", "line 4: there is neither POINTS nor WIDTH and HEIGHT"},
+      {xyz + "WIDTH 2\nDATA ascii\n", "line 5: there is neither POINTS nor WIDTH and HEIGHT"},
+      {xyz + "HEIGHT 2\nDATA ascii\n", "line 5: there is neither POINTS nor WIDTH and HEIGHT"},
+      {xyz + "WIDTH 3\nHEIGHT 2\nPOINTS 5\nDATA ascii\n",
+       "line 7: POINTS is 5, but WIDTH times HEIGHT is 6"},
+      {XYZ + "DATA binary\n" + bytesOf<float>({1, 2, 3, 4, 5}),
+       "it should have 2 points, but ends after 1 (truncated?)"},
+      {xyz + "POINTS 3999999999\nDATA binary\n1234",
+       "it should have 3999999999 points, but ends after 0 (truncated?)"},
+      {XYZ + "DATA ascii\n1 2 3\n", "it should have 2 points, but ends after 1 (truncated?)"},
+      {XYZ + "DATA ascii\n1 2\n4 5 6\n", "line 12: 2 values, but the fields have 3"},
+      {XYZ + "DATA ascii\n1 2 3 4\n4 5 6\n", "line 12: 4 values, but the fields have 3"},
+      {XYZ + "DATA ascii\n1 2 3\n4 5 6\n\n7 8 9\n",
+       "line 15: there are more points than POINTS says"},
+      {XYZ + "DATA ascii\n1 2 3x\n4 5 6\n", "line 12: '3x' is not a number"},
+      {XYZ + "DATA ascii\n1 2 3\n4 " + x20 + "x 6\n", "line 13: '" + x20 + "' is not a number"},
+  };
+  for (const auto& [file, words] : cases) EXPECT_EQ(refusal(file), words) << file;
+}
+
+TEST(PcdFile, OfWidthHeightAndPointsTwoAreEnough) {
+  const std::string xyz = "COLUMNS x y z\nSIZE 4 4 4\nTYPE F F F\n",
+                    data = "DATA ascii\n1 2 3\n4 5 6\n";
+  for (const char* size : {"POINTS 2\n", "WIDTH 1\nHEIGHT 2\n", "WIDTH 2\nPOINTS 2\n",
+                           "HEIGHT 7\nPOINTS 2\n", "WIDTH 2\nHEIGHT 1\nPOINTS 2\n"}) {
+    EXPECT_EQ(readPcd(xyz + size + data).size(), 2u) << size;
+  }
+}
+
+TEST(PcdFile, AFieldIsAMegabyteOrAMillionValuesAtMost) {
+  const auto withField = [](const std::string& size, const std::string& count) {
+    return "FIELDS x y z a\nSIZE 4 4 4 " + size + "\nTYPE F F F I\nCOUNT 1 1 1 " + count +
+           "\nPOINTS 0\nDATA binary\n";
+  };
+  EXPECT_TRUE(readPcd(withField("1048576", "1048576")).empty());
+  EXPECT_EQ(refusal(withField("1048577", "1")), "line 6: field 'a' is too large");
+  EXPECT_EQ(refusal(withField("1", "1048577")), "line 6: field 'a' is too large");
+}
+
+/// A byte and copies of it: three bytes for each 264.
+TEST(PcdFile, NoByteOfCompressedDataBecomesMoreThan88) {
+  constexpr std::size_t NB_COPIES = 1000, NB_POINTS = 22 * NB_COPIES;
+  std::string most = std::string("\x17") + std::string(24, '\0');  // 24 bytes: two points
+  for (std::size_t i = 0; i < NB_COPIES; ++i) most += std::string("\xe0\xff\x00", 3);
+  const auto file = [&](std::size_t nb_points) {
+    const auto sizes = bytesOf<std::uint32_t>(
+        {static_cast<std::uint32_t>(most.size()), static_cast<std::uint32_t>(12 * nb_points)});
+    return "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nPOINTS " + std::to_string(nb_points) +
+           "\nDATA binary_compressed\n" + sizes + most;
+  };
+  EXPECT_EQ(readPcd(file(NB_POINTS + 2)).size(), NB_POINTS + 2);
+  const std::size_t first_refused = (most.size() + 1) * 88 / 12;
+  EXPECT_THAT(refusal(file(first_refused - 1)), testing::HasSubstr("end too early"));
+  EXPECT_THAT(refusal(file(first_refused + 1)),
+              testing::HasSubstr("too short for what they claim"));
 }
 
 }  // namespace
