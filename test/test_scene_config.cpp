@@ -36,6 +36,9 @@ cylinder_as_capsule: ["*"]
 group: arm
 links: [wrist, "finger_?"]
 floor: {height: -0.5, touch_links: [base]}
+allow_empty_scene: true
+static_joints: [rail, "lift_*"]
+clouds: [{topic: /camera}]
 rate: 50.0
 )"));
   const SceneSettings& settings = config.settings;
@@ -50,15 +53,36 @@ rate: 50.0
   EXPECT_EQ(settings.pair_padding[0].metres, 0.1);
   ASSERT_EQ(settings.pair_rules.size(), 2u);
   EXPECT_EQ(settings.pair_rules[0].verdict, PairRule::Verdict::DENY);
+  EXPECT_EQ(settings.pair_rules[0].first, "a");
   EXPECT_EQ(settings.pair_rules[0].second, "b_*");
   EXPECT_EQ(settings.pair_rules[1].verdict, PairRule::Verdict::ALLOW);
   EXPECT_EQ(settings.pair_rules[1].first, "*");
+  EXPECT_EQ(settings.pair_rules[1].second, "c");
   EXPECT_EQ(settings.ignored_links, (std::vector<std::string>{"cable_*"}));
   EXPECT_EQ(settings.cylinder_as_capsule, (std::vector<std::string>{"*"}));
+  EXPECT_TRUE(settings.allow_empty_scene);
+  EXPECT_EQ(config.static_joints, (std::vector<std::string>{"rail", "lift_*"}));
+  ASSERT_EQ(config.clouds.size(), 1u);
+  EXPECT_EQ(config.clouds[0].topic, "/camera");
   EXPECT_EQ(config.restriction, (Restriction{"arm", {"wrist", "finger_?"}}));
   ASSERT_TRUE(config.floor);
   EXPECT_EQ(config.floor->X_PO.translation(), Eigen::Vector3d(0, 0, -0.5));
   EXPECT_EQ(config.floor->touch_links, (std::vector<std::string>{"base"}));
+}
+
+TEST(SceneConfig, EachWordOfAChoiceIsItsOwn) {
+  const auto read = [](const std::string& yaml) {
+    return readSceneConfig(YAML::Load(yaml)).settings;
+  };
+  const std::map<std::string, Fidelity> expected = {{"a", Fidelity::AABB},
+                                                    {"b", Fidelity::SPHERES},
+                                                    {"c", Fidelity::OBB},
+                                                    {"d", Fidelity::CONVEX},
+                                                    {"e", Fidelity::MESH}};
+  EXPECT_EQ(read("link_fidelity: {a: aabb, b: spheres, c: obb, d: convex, e: mesh}").link_fidelity,
+            expected);
+  EXPECT_EQ(read("narrow_phase: native").narrow_phase, NarrowPhaseMethod::NATIVE);
+  EXPECT_FALSE(read("allow_empty_scene: false").allow_empty_scene);
 }
 
 TEST(SceneConfig, ALinkWithAPrefixMayBeInAMapAsTheParameterServerHasIt) {
@@ -100,32 +124,142 @@ TEST(SceneConfig, OfNothingIsTheDefaults) {
   EXPECT_EQ(config.settings.padding, SceneSettings().padding);
 }
 
-TEST(SceneConfig, WhatIsWrongIsNamedWithWhatItMustBe) {
-  EXPECT_THAT(refusal("padding: -1"), AllOf(HasSubstr("padding is -1"), HasSubstr("0 or more")));
-  EXPECT_THAT(refusal("padding: thick"), HasSubstr("padding is thick"));
-  EXPECT_THAT(refusal("padding: .nan"), HasSubstr("padding is .nan"));
-  EXPECT_THAT(refusal("link_padding: 0.1"), HasSubstr("a map from links to metres"));
-  EXPECT_THAT(refusal("link_padding: {a: b}"), HasSubstr("link_padding/a is b"));
-  EXPECT_THAT(refusal("link_fidelity: {a: exact}"),
-              AllOf(HasSubstr("link_fidelity/a is exact"),
-                    HasSubstr("aabb, spheres, obb, convex or mesh")));
-  EXPECT_THAT(refusal("link_fidelity: {a: mehs}"), HasSubstr("did you mean 'mesh'?"));
-  EXPECT_THAT(refusal("pair_rules: {deny: [a, b]}"), HasSubstr("pair_rules is {deny: [a, b]}"));
-  EXPECT_THAT(refusal("pair_rules: [{forbid: [a, b]}]"), HasSubstr("{forbid: [a, b]}"));
-  EXPECT_THAT(refusal("pair_rules: [{deny: [a]}]"), HasSubstr("two names"));
-  EXPECT_THAT(refusal("pair_rules: [{deny: [a, b, c]}]"), HasSubstr("two names"));
-  EXPECT_THAT(refusal("pair_rules: [{deny: [a, b], allow: [a, c]}]"), HasSubstr("a list of"));
-  EXPECT_THAT(refusal("pair_padding: [{pair: [a, b]}]"), HasSubstr("{pair: [first, second]"));
-  EXPECT_THAT(refusal("pair_padding: [{pair: [a, b], padding: -1}]"), HasSubstr("0 or more"));
-  EXPECT_THAT(refusal("ignored_links: cable"), HasSubstr("ignored_links is cable"));
-  EXPECT_THAT(refusal("group: [a]"), HasSubstr("a group's name"));
-  EXPECT_THAT(refusal("floor: 0.0"), HasSubstr("floor is 0.0"));
-  EXPECT_THAT(refusal("floor: {touch_links: [a]}"), HasSubstr("{height: metres"));
-  EXPECT_THAT(refusal("floor: {hight: 0}"), HasSubstr("{height: metres"));
-  EXPECT_THAT(refusal("max_hull_vertices: 3"), HasSubstr("4 or more"));
-  EXPECT_THAT(refusal("max_hull_vertices: 4.5"), HasSubstr("4 or more"));
-  EXPECT_THAT(refusal("narrow_phase: bullet"), HasSubstr("narrow_phase is bullet, but must be"));
-  EXPECT_THAT(refusal("narrow_phase: [fcl]"), HasSubstr("native or fcl"));
+TEST(SceneConfig, ANameHasAHundredPartsAtMost) {
+  std::string inner = "0.5";
+  for (int i = 0; i < 101; ++i) inner = "{a: " + inner + "}";
+  EXPECT_EQ(refusal("link_padding: " + inner), "accepted");
+  EXPECT_EQ(refusal("link_padding: {a: " + inner + "}"),
+            "link_padding names more than 100000 links, or contains itself through an alias");
+}
+
+TEST(SceneConfig, WhatIsWrongIsRefusedInTheseWords) {
+  const std::string fidelity = "aabb, spheres, obb, convex or mesh", metres = "0 or more metres";
+  const std::string rules = "a list of {allow: [first, second]} and {deny: [first, second]}";
+  const std::string paddings = "a list of {pair: [first, second], padding: metres}";
+  const std::string two = "two names or patterns, such as [\"left_*\", base]";
+  const std::string names = "a list of names or patterns, such as [elbow, \"left_*\"]";
+  const std::string floor = "{height: metres, touch_links: [names]}, or {} for none";
+  const std::string hull = "4 or more, or 0 for exact hulls";
+  struct Case {
+    std::string key, value, rule, shown = "";
+    std::string place = "";  ///< of what is wrong, if not the key
+  };
+  const std::vector<Case> cases = {
+      {"padding", "-1", metres},
+      {"padding", "thick", metres},
+      {"padding", ".nan", metres},
+      {"padding", "[1]", metres},
+      {"link_padding", "0.1", "a map from links to metres"},
+      {"link_padding", "{a: b}", metres, "b", "link_padding/a"},
+      {"link_fidelity", "[a]", "a map from links to " + fidelity},
+      {"link_fidelity", "{a: [b]}", fidelity, "[b]", "link_fidelity/a"},
+      {"link_fidelity", "{a: mehs}", fidelity + "; did you mean 'mesh'?", "mehs",
+       "link_fidelity/a"},
+      {"pair_rules", "{deny: [a, b]}", rules},
+      {"pair_rules", "[deny]", rules, "deny"},
+      {"pair_rules", "[{forbid: [a, b]}]", rules, "{forbid: [a, b]}"},
+      {"pair_rules", "[{deny: [a, b], allow: [a, c]}]", rules, "{deny: [a, b], allow: [a, c]}"},
+      {"pair_rules", "[{}]", rules, "{}"},
+      {"pair_rules", "[{deny: [a]}]", two, "[a]"},
+      {"pair_rules", "[{allow: [a, b]}, {deny: [a, b, c]}]", two, "[a, b, c]"},
+      {"pair_padding", "{pair: [a, b], padding: 1}", paddings},
+      {"pair_padding", "[a]", paddings, "a"},
+      {"pair_padding", "[{pair: [a, b]}]", paddings, "{pair: [a, b]}"},
+      {"pair_padding", "[{padding: 1}]", paddings, "{padding: 1}"},
+      {"pair_padding", "[{pair: [a, b], pading: 1}]", paddings, "{pair: [a, b], pading: 1}"},
+      {"pair_padding", "[{pear: [a, b], padding: 1}]", paddings, "{pear: [a, b], padding: 1}"},
+      {"pair_padding", "[{pair: [a, b], padding: 1, x: 1}]", paddings,
+       "{pair: [a, b], padding: 1, x: 1}"},
+      {"pair_padding", "[{pair: [a, b], padding: -1}]", metres, "-1"},
+      {"pair_padding", "[{pair: [a], padding: 1}]", two, "[a]"},
+      {"ignored_links", "cable", names},
+      {"static_joints", "rail", names},
+      {"cylinder_as_capsule", "[[a]]", names, "[a]"},
+      {"links", "wrist", names},
+      {"group", "[a]", "a group's name"},
+      {"floor", "0.5", floor},
+      {"floor", "{touch_links: [a]}", floor},
+      {"floor", "{hight: 0}", floor},
+      {"floor", "{height: low}", "a number of metres", "low", "floor/height"},
+      {"floor", "{height: 0, touch_links: a}", names, "a", "floor/touch_links"},
+      {"max_hull_vertices", "3", hull},
+      {"max_hull_vertices", "-4", hull},
+      {"max_hull_vertices", "4.5", hull},
+      {"max_hull_vertices", "1000001", hull},
+      {"max_hull_vertices", "[4]", hull},
+      {"narrow_phase", "bullet", "native or fcl"},
+      {"narrow_phase", "[fcl]", "native or fcl"},
+      {"allow_empty_scene", "often", "true or false"},
+  };
+  for (const Case& wrong : cases) {
+    EXPECT_EQ(refusal(wrong.key + ": " + wrong.value),
+              (wrong.place.empty() ? wrong.key : wrong.place) + " is " +
+                  (wrong.shown.empty() ? wrong.value : wrong.shown) + ", but must be " +
+                  wrong.rule);
+  }
+}
+
+TEST(SceneConfig, NumbersReachTheEndsOfTheirRanges) {
+  for (const char* right :
+       {"max_hull_vertices: 0", "max_hull_vertices: 4", "max_hull_vertices: 1000000", "padding: 0",
+        "link_padding: {a: 0}", "pair_padding: [{pair: [a, b], padding: 0}]"}) {
+    EXPECT_EQ(refusal(right), "accepted") << right;
+  }
+}
+
+TEST(SceneSettingsMap, HasTheLimitsOfPosesAndSaysWhatOnlyTheNodeFollows) {
+  const auto read = [](const std::string& yaml) {
+    return readSceneSettings(YAML::Load(yaml), "x.yaml");
+  };
+  const PoseLimits defaults = read("{}").pose_limits;
+  const PoseLimits given =
+      read("{max_pose_age: 0.25, max_transform_age: 0.125, clock_tolerance: 0}").pose_limits;
+  EXPECT_EQ(given.max_pose_age, 0.25);
+  EXPECT_EQ(given.max_transform_age, 0.125);
+  EXPECT_EQ(given.clock_tolerance, 0.0);
+  EXPECT_EQ(defaults.max_pose_age, PoseLimits().max_pose_age);
+  const auto refused = [&](const std::string& yaml) {
+    try {
+      read(yaml);
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string("accepted");
+  };
+  for (const std::string key : {"max_pose_age", "max_transform_age", "clock_tolerance"}) {
+    EXPECT_EQ(refused(key + ": 0"), "accepted");
+    for (const std::string wrong : {"-0.1", "old"}) {
+      EXPECT_EQ(refused(key + ": " + wrong),
+                "x.yaml: " + key + " is " + wrong + ", but must be a number of seconds, 0 or more");
+    }
+  }
+  EXPECT_EQ(refused("words"), "x.yaml: must be a map of settings, such as padding: 0.01");
+  EXPECT_EQ(refused("~"), "accepted");
+  EXPECT_EQ(refused("rat: 1"), "x.yaml: 'rat' is not a setting; did you mean 'rate'?");
+  const std::vector<std::pair<std::string, std::vector<std::string>>> cases = {
+      {"robots: [a]", {"robots"}},
+      {"robots: x", {"robots"}},
+      {"robots: {a: b}", {"robots"}},
+      {"robots: []", {}},
+      {"robots: {}", {}},
+      {"robots: ''", {}},
+      {"robots: ~", {}},
+      {"fixed_frame: map", {}},
+      {"{floor: {height: 0}, fixed_frame: map}", {"fixed_frame"}},
+      {"{floor: {height: 0}, fixed_frame: ''}", {}},
+      {"{floor: {}, fixed_frame: map}", {}},
+      {"{floor: {height: 0}, fixed_frame: map, robots: [a]}", {"robots", "fixed_frame"}}};
+  for (const auto& [yaml, ignored] : cases) EXPECT_EQ(read(yaml).of_the_node_only, ignored) << yaml;
+}
+
+TEST(SceneSettingsMap, WhatIsIgnoredIsWarnedOfInOneSentence) {
+  SceneConfig config = readSceneConfig(YAML::Load("clouds: [{topic: /a}, {topic: b}]"));
+  const std::string warned = "ignored, so a state may be free only without them: ";
+  EXPECT_EQ(warningOfIgnored(config, {}), warned + "cloud '/a', cloud 'b'");
+  EXPECT_EQ(warningOfIgnored(config, {config.clouds[1]}), warned + "cloud '/a'");
+  EXPECT_EQ(warningOfIgnored(config, config.clouds), "");
+  config.of_the_node_only = {"robots"};
+  EXPECT_EQ(warningOfIgnored(config, config.clouds), warned + "robots");
 }
 
 class ConfigFile : public testing::Test {
