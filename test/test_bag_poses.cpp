@@ -44,9 +44,10 @@ class BagPosesTest : public testing::Test {
     bag_.stamps.resize(bag_.transforms.frames().size());
     if (!is_static) bag_.stamps[bag_.transforms.findFrame(child)].push_back(stamp);
   }
-  void position(const std::string& joint, double seconds, double value) {
+  void position(const std::string& joint, double seconds, double value,
+                const std::string& topic = "/joint_states") {
     const auto stamp = static_cast<StampNs>(seconds * 1e9);
-    bag_.joints["/joint_states"].take(joint, value, stamp, "", stamp, bag_.transforms.limits());
+    bag_.joints[topic].take(joint, value, stamp, "", stamp, bag_.transforms.limits());
   }
   void finish(const std::string& prefix = "") {
     BagPosesOptions options;
@@ -63,6 +64,20 @@ class BagPosesTest : public testing::Test {
   }
   bool knows(const std::string& link, double seconds) const {
     return at(link, seconds).allFinite();
+  }
+  /// Where any frame was in the base; not a number where that is not known.
+  Vector3d frameAt(const std::string& frame, double seconds) const {
+    Eigen::Isometry3d X = Eigen::Isometry3d::Identity();
+    const bool is_known = poses_->frameAt(static_cast<StampNs>(seconds * 1e9), frame, X);
+    return is_known ? Vector3d(X.translation()) : Vector3d::Constant(std::nan(""));
+  }
+  std::string refusal(const std::string& prefix = "") {
+    try {
+      finish(prefix);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "accepted";
   }
 
   std::shared_ptr<const CollisionScene> scene_ = armWithTool();
@@ -196,6 +211,136 @@ TEST_F(BagPosesTest, AFloatingJointIsSaidToBeTakenAtZeroSinceNoJointStateNamesIt
   finish();
   EXPECT_THAT(poses_->jointsAtZero(), ElementsAre("string"));
   EXPECT_THAT(poses_->notes(), ElementsAre(EndsWith("taken as zero: string")));
+}
+
+TEST_F(BagPosesTest, WhereBothKnowAsManyBodiesTransformsAreTaken) {
+  transform("base", "arm", 1, 1, 2);
+  transform("arm", "wheel", 1, 0);
+  position("slide", 1, 4);
+  position("spin", 1, 0);
+  finish();
+  EXPECT_EQ(poses_->source(), "TF");
+  EXPECT_EQ(poses_->nbKnown(), 2u);
+  EXPECT_EQ(at("arm", 1), Vector3d(1, 2, 0));
+}
+
+/// The joint of the arm is the first of all.
+TEST_F(BagPosesTest, OfJointsOnlyThoseCountThatMoveABodyOfTheScene) {
+  const std::string along_x = "<axis xyz='1 0 0'/><limit lower='-9' upper='9'/>";
+  scene_ = CollisionScene::build(
+      robotFrom(boxLink("base", 0.1) + boxLink("arm", 0.1) + boxLink("hand", 0.1) +
+                emptyLink("eye") + joint("slide", "prismatic", "base", "arm", "0 0 0", along_x) +
+                joint("reach", "prismatic", "arm", "hand", "0 0 1", along_x) +
+                joint("look", "prismatic", "arm", "eye", "0 0 0", along_x)),
+      Srdf{}, nullptr);
+  for (const double seconds : {1.0, 2.0, 3.0}) position("reach", seconds, 0.25);
+  finish();
+  EXPECT_EQ(poses_->nbKnown(), 1u) << "the hand";
+  EXPECT_THAT(poses_->jointsAtZero(), ElementsAre("slide"));
+  EXPECT_THAT(poses_->stamps(), ElementsAre(SECOND, 2 * SECOND, 3 * SECOND));
+  position("slide", 2, 0.5);
+  finish();
+  EXPECT_EQ(poses_->nbKnown(), 2u);
+  EXPECT_THAT(poses_->notes(), ElementsAre());
+  EXPECT_EQ(at("hand", 2), Vector3d(0.75, 0, 1));
+  BodyPoses poses;
+  const std::string why =
+      "joint 'slide': no two of its positions around that stamp are within "
+      "1.00 s of each other";
+  EXPECT_THAT(poses_->at(SECOND, poses), ElementsAre("link 'arm': " + why, "link 'hand': " + why));
+  EXPECT_THAT(poses_->at(2 * SECOND, poses), ElementsAre());
+}
+
+/// The plain names of joints, and those with the prefix in front.
+TEST_F(BagPosesTest, JointStatesAreThoseOfTheTopicThatBelongsToThePrefix) {
+  const std::string none = "none";
+  const auto sourceOf = [&](const std::vector<std::string>& topics, const std::string& joints,
+                            const std::string& prefix) {
+    bag_.joints.clear();
+    for (const std::string& topic : topics) position(joints + "slide", 1, 1, topic);
+    return refusal(prefix) == "accepted" ? poses_->source() : none;
+  };
+  const auto of = [](const std::string& topic) { return "joint states of " + topic; };
+  for (const std::string slash : {"/", ""}) {
+    const std::string plain = slash + "joint_states", left = slash + "left/joint_states",
+                      right = slash + "right/joint_states";
+    EXPECT_EQ(sourceOf({plain, left}, "", ""), of(plain));
+    EXPECT_EQ(sourceOf({left}, "", ""), of(left)) << "the only one";
+    EXPECT_EQ(sourceOf({left, right}, "", ""), none);
+    EXPECT_EQ(sourceOf({plain, left, right}, "", "left"), of(left));
+    EXPECT_EQ(sourceOf({plain, left, right}, "", "right"), of(right));
+    EXPECT_EQ(sourceOf({plain}, "", "left"), none);
+    EXPECT_EQ(sourceOf({plain, right}, "left/", "left"), of(plain));
+    EXPECT_EQ(sourceOf({plain, right}, "left_", "left_"), of(plain));
+    EXPECT_EQ(sourceOf({plain}, "right/", "left"), none);
+  }
+  bag_.joints.clear();
+  position("slide", 1, 1, "/joint_states");
+  for (const char* joint : {"slide", "spin"}) position(joint, 1, 1, "joint_states");
+  finish();
+  EXPECT_EQ(poses_->source(), of("joint_states")) << "it names more of the joints";
+}
+
+/// Frames and topics may each tell the prefix.
+TEST_F(BagPosesTest, ARobotThatTheBagDoesNotMentionIsRefusedWithThePrefixesOfThoseThatItMayBe) {
+  const std::string words = "neither its transforms nor its joint states mention robot 'test'";
+  EXPECT_EQ(refusal(), words);
+  transform("map", "cart", 1, 0);
+  transform("map", "xarm", 1, 0);
+  EXPECT_EQ(refusal(), words);
+  transform("map", "cell/left/arm", 1, 0);
+  EXPECT_EQ(refusal(), words + "; try --prefix cell/left");
+  transform("cell/left/arm", "right/tool", 1, 0);
+  EXPECT_EQ(refusal("l"), words + "; try --prefix cell/left or right");
+  position("elbow", 1, 0, "/far/joint_states");
+  position("elbow", 1, 0, "near/joint_states");
+  position("elbow", 1, 0, "/joint_states");
+  EXPECT_EQ(refusal(), words + "; try --prefix cell/left or far or near or right");
+}
+
+TEST_F(BagPosesTest, OfLinksThatAreOnlyStaticItIsSaidThatNoStampMovesThem) {
+  take("base", "arm", 1, Vector3d::Zero(), true);
+  take("arm", "wheel", 1, Vector3d::Zero(), true);
+  EXPECT_EQ(refusal(),
+            "there is no stamp to check: of its 2 links on moving joints that TF names, /tf moves "
+            "none: they are on /tf_static only, and no joint states move them");
+}
+
+TEST_F(BagPosesTest, AnyFrameIsPlacedByJointStatesAndWhatTransformsConnectToALink) {
+  for (const std::string prefix : {"", "left_", "left/"}) {
+    const std::string camera = prefix + "camera", lamp = prefix + "lamp";
+    position(prefix + "slide", 1, 4);
+    position(prefix + "spin", 2, 0);
+    transform(prefix + "tool", camera, 1, 0, 0, 0.5);
+    transform(prefix + "wheel", lamp, 1, 0, 0, 0.5);
+    transform("nowhere", "else", 1, 0);
+    finish(prefix == "left/" ? "left" : prefix);
+    ASSERT_EQ(poses_->source(), "joint states of /joint_states");
+    EXPECT_EQ(frameAt(prefix + "arm", 1), Vector3d(4, 2, 0));
+    EXPECT_EQ(frameAt("/" + prefix + "tool", 1), Vector3d(7, 2, 0));
+    EXPECT_EQ(frameAt(prefix + "mount", 1), Vector3d(0, 2, 0));
+    EXPECT_EQ(frameAt(camera, 1), Vector3d(7, 2, 0.5));
+    for (const std::string& unknown : {lamp, std::string("else"), std::string("no_frame")}) {
+      EXPECT_FALSE(frameAt(unknown, 1).allFinite()) << unknown;
+    }
+    EXPECT_FALSE(frameAt(prefix + "wheel", 1).allFinite()) << "its joint is not known then";
+    EXPECT_FALSE(frameAt(prefix + "arm", 2).allFinite());
+    EXPECT_FALSE(frameAt(camera, 2).allFinite());
+    if (!prefix.empty()) {
+      EXPECT_FALSE(frameAt("arm", 1).allFinite()) << "of another robot";
+    }
+  }
+}
+
+TEST_F(BagPosesTest, AnyFrameIsPlacedByTransforms) {
+  transform("base", "tool", 1, 5, 2);
+  transform("tool", "camera", 1, 0, 0, 0.5);
+  finish();
+  ASSERT_EQ(poses_->source(), "TF");
+  EXPECT_EQ(frameAt("camera", 1), Vector3d(5, 2, 0.5));
+  EXPECT_EQ(frameAt("/tool", 1), Vector3d(5, 2, 0));
+  EXPECT_FALSE(frameAt("camera", 2).allFinite());
+  EXPECT_FALSE(frameAt("no_frame", 1).allFinite());
 }
 
 }  // namespace
