@@ -9,7 +9,7 @@ import rospy
 from conftest import DEMO_BAG, DEMO_ROBOT, without_name
 from seed import given_seed
 from sensor_msgs.msg import JointState
-from std_msgs.msg import Header
+from std_msgs.msg import Header, String
 
 MAGIC = b"#ROSBAG V2.0\n"
 
@@ -174,3 +174,121 @@ def test_what_is_not_a_plain_bag_of_format_2_is_refused_with_the_way_out(run_too
         done = run_tool("check_bag", bag, "--out", tmp_path / "out.csv")
         assert done.returncode == 2 and says in done.stderr and str(bag) in done.stderr, (says, done.stderr)
         assert not (tmp_path / "out.csv").exists()
+
+
+BOX = "<link name='%s'><collision><geometry><box size='1 1 1'/></geometry></collision></link>"
+BOXES = "<robot name='boxes'><link name='root'/>" + "".join(
+    BOX % name + "<joint name='slide_%s' type='prismatic'><parent link='root'/><child link='%s'/><axis xyz='1 0 0'/>"
+    "<limit lower='-9' upper='9' effort='1' velocity='1'/></joint>" % (name, name) for name in "ab") + "</robot>"
+
+
+def at(stamp, b=3.0, a=0.0, names=("slide_a", "slide_b")):
+    message = JointState(name=names, position=[a, b])
+    message.header.stamp = rospy.Time.from_sec(stamp)
+    return message
+
+
+@pytest.fixture
+def run_bag(run_tool, tmp_path):
+    """Of a bag of (topic, recorded, message): the process, and what it warned of without the bag's name."""
+    def run(messages, *arguments, name="boxes.bag", change=lambda content: content):
+        bag, out = tmp_path / name, tmp_path / "out.csv"
+        with rosbag.Bag(str(bag), "w") as target:
+            for topic, recorded, message in messages:
+                target.write(topic, message, rospy.Time.from_sec(recorded))
+        bag.write_bytes(change(bag.read_bytes()))
+        done = run_tool("check_bag", bag, "--out", out, *arguments)
+        return done, [line.replace("warning: %s: " % bag, "") for line in done.stderr.splitlines()]
+    return run
+
+
+def described(text, topic="/robot_description"):
+    return (topic, 99.0, String(data=text))
+
+
+def states(*of, topic="/joint_states"):
+    """Recorded at their stamps, or of (recorded, message)."""
+    return [(topic, *each) if isinstance(each, tuple) else (topic, each.header.stamp.to_sec(), each) for each in of]
+
+
+def test_what_is_not_used_is_counted_and_the_first_of_it_is_said(run_bag):
+    odd = ("slide_a", "slide_b", "of_no_position")
+    messages = [described(BOXES)] + states(
+        at(100.0), at(100.5), at(101.0, b=float("nan")), (101.5, at(100.375)), at(102.0, names=odd), (102.5, at(101.25)), at(102.5))
+    done, said = run_bag(messages)
+    assert done.returncode == 0 and said == [
+        "1 transforms and joint positions that are not finite, or not a rotation",
+        "4 transforms and joint positions are not used, or are in doubt; the first: joint 'slide_a': it was 1.12 s old when it "
+        "arrived, and max_pose_age is 1.00 s"]
+    assert run_bag(messages[:3])[1] == []
+
+
+@pytest.mark.parametrize("back, count", [(5.0, 0), (5.125, 1)])
+def test_a_clock_goes_back_by_more_than_five_seconds(run_bag, back, count):
+    """Of the stamps, whenever they were recorded; for every time that it does."""
+    forward = [at(100.0 + 0.5 * i) for i in range(12)]
+    twice = states(*forward, at(forward[-1].header.stamp.to_sec() - back), at(106.0), at(106.0 - back))
+    said = [line for line in run_bag([described(BOXES)] + twice)[1] if "clock" in line]
+    assert said == ([] if not count else [
+        "2 times its clock goes back; what is then too old is not used, so split the bag there"])
+
+
+def test_topics_are_known_by_the_end_of_their_name_and_their_type(run_bag):
+    good = [described(BOXES, "/left/robot_description")] + states(at(100.0), at(100.5), topic="/left/joint_states")
+    others = [described("no robot", "/robot_description_2"), ("/tf", 99.0, String(data="x")), ("/joint_states", 99.0, String(data="y")),
+              ("/tf_static", 99.0, at(1.0)), ("/robot_description", 99.0, at(1.0)), ("/states", 99.0, at(1.0))]
+    for messages in (good, others + good):
+        done, said = run_bag(messages, "--prefix", "left")
+        assert done.returncode == 0 and said == [], said
+    assert done.stdout.split(":")[1].startswith(" 2 stamps")
+
+
+def test_of_robots_in_the_bag_the_last_of_a_topic_counts_and_two_topics_are_too_many(run_bag):
+    of = states(at(100.0), at(100.5))
+    assert run_bag([described("broken"), described(BOXES)] + of)[0].returncode == 0
+    off = "<robot name='boxes'><disable_collisions link1='a' link2='b'/><disable_collisions link1='a' link2='x'/></robot>"
+    semantic = "/robot_description_semantic"
+    done, said = run_bag([described(BOXES), described(off, semantic)] + of)
+    assert said[0] == "warning: topic /robot_description_semantic: not links of the robot, ignored: x"
+    for topic, option in (("robot_description", "--urdf"), ("robot_description_semantic", "--srdf")):
+        two = [described(BOXES)] + [described(BOXES, "/%s/%s" % (name, topic)) for name in ("one", "two")]
+        done, said = run_bag(two[option == "--urdf":] + of, name="two.bag")
+        assert done.returncode == 2 and said[0].endswith(
+            "two.bag: several robots in it (/one/%s, /two/%s); choose one with %s" % (topic, topic, option)), said
+    done, said = run_bag([described("broken")] + of)
+    assert done.returncode == 2 and "boxes.bag: topic /robot_description: " in said[0]
+
+
+def test_a_path_that_is_no_bag_is_said_to_be_none(run_tool, tmp_path):
+    for path, why in ((tmp_path / "none.bag", "there is no such file"), (tmp_path, "is not a file")):
+        done = run_tool("check_bag", path, "--urdf", DEMO_ROBOT[1])
+        assert (done.returncode, done.stderr) == (2, "error: %s: %s\n" % (path, why))
+
+
+@pytest.mark.parametrize("index", [bytes(8), b"\1" + bytes(7), bytes(4) + b"\1" + bytes(3)])
+def test_a_bag_has_an_index_wherever_that_is(run_bag, index):
+    def change(content):
+        place = content.index(b"index_pos=") + len(b"index_pos=")
+        return content[:place] + index + content[place + 8:]
+    done, said = run_bag([described(BOXES)] + states(at(100.0), at(100.5)), change=change)
+    assert said == ([] if any(index) else ["it has no index: its recording was not closed"])
+
+
+def test_where_a_bag_ends_too_early_is_said_by_the_byte(run_bag):
+    whole = []
+    messages = [described(BOXES)] + states(*(at(100.0 + 0.25 * i) for i in range(8)))
+    assert run_bag(messages, change=lambda content: whole.append(content) or content)[1] == []
+    place, nb_chunks = len(MAGIC), 0
+    for header, data in records_of(whole[0][len(MAGIC):]):
+        is_chunk = b"op=\x05" in header
+        cut = place + len(header) + len(data) // 2
+        said = run_bag(messages, "--urdf", DEMO_ROBOT[1], change=lambda content: content[:place + 2])[1]
+        assert "nothing could be read after byte %d" % place in "".join(said)
+        said = run_bag(messages, change=lambda content: content[:cut])[1]
+        assert "the file is truncated within the record that begins at byte %d" % place in "".join(said)
+        if is_chunk:
+            nb_chunks += 1
+            assert said[0] == "the end of the chunk at byte %d (of its %d bytes %d were read)" % (
+                place, len(data), len(data) // 2), said
+        place += len(header) + len(data)
+    assert nb_chunks == 1 and place == len(whole[0])

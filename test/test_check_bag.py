@@ -190,7 +190,7 @@ def test_the_summary_tells_when_each_pair_was_closest(check_bag):
         assert float(seconds) == pytest.approx(closest[name][1], abs=1e-3)
 
 
-@pytest.mark.parametrize("count, rest", [(20, None), (23, "and 3 more")])
+@pytest.mark.parametrize("count, rest", [(10, None), (11, None), (20, None), (23, "and 3 more")])
 def test_of_links_without_a_pose_twenty_are_listed_and_the_rest_is_counted(check_bag, tmp_path, count, rest):
     urdf, bag = tmp_path / "many.urdf", tmp_path / "few.bag"
     ball = "<link name='%s'><collision><geometry><sphere radius='0.01'/></geometry></collision></link>"
@@ -205,10 +205,13 @@ def test_of_links_without_a_pose_twenty_are_listed_and_the_rest_is_counted(check
                 transform = TransformStamped()
                 transform.header.stamp, transform.header.frame_id = rospy.Time(second), "root"
                 transform.child_frame_id, transform.transform.rotation.w = link, 1.0
+                transform.transform.translation.x = float(link == "known")
                 transforms.append(transform)
             target.write("/tf", TFMessage(transforms), rospy.Time(second))
-    _, summary = check_bag(bag, "--urdf", urdf, "--max-gap", "5")
-    assert len(re.findall(r"^    l\d+  at 2 stamps$", summary, re.MULTILINE)) == 20
+    rows, summary = check_bag(bag, "--urdf", urdf, "--max-gap", "5")
+    assert len(re.findall(r"^    l\d+  at 2 stamps$", summary, re.MULTILINE)) == min(20, count)
+    reasons = ["link '%s': TF has no frame of that name" % link for link in links[:count]]
+    assert rows[0]["unknown_because"].split("; ") == reasons[:10] + ["and more"] * (count > 10)
     assert re.search(r"^    (and .*)$", summary, re.MULTILINE) is None if rest is None else rest in summary
 
 
