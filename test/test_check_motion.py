@@ -160,3 +160,43 @@ def test_a_cloud_is_an_obstacle_of_motions(run_tool, tmp_path):
     assert rows_in(run_tool(*common, far).stdout)[0]["verdict"] == "free"
     row = rows_in(run_tool(*common, near).stdout)[0]
     assert row["verdict"] == "collision" and "cloud" in row["pairs"]
+
+
+BALL = "<link name='%s'><collision><geometry><sphere radius='0.5'/></geometry></collision></link>"
+SLIDE = ("<joint name='slide_%s' type='prismatic'><parent link='root'/><child link='%s'/><axis xyz='1 0 0'/>"
+         "<limit lower='-9' upper='9' effort='1' velocity='1'/></joint>")
+
+
+@pytest.fixture
+def check_balls(run_tool, tmp_path):
+    """Of balls a, b and c of half a metre on the x-axis at the positions of each waypoint: a row each segment."""
+    def run(waypoints, *options):
+        urdf, given, out = tmp_path / "balls.urdf", tmp_path / "given.csv", tmp_path / "out.csv"
+        urdf.write_text("<robot name='r'><link name='root'/>%s</robot>" % "".join(BALL % n + SLIDE % (n, n) for n in "abc"))
+        given.write_text("\n".join(["slide_a,slide_b,slide_c"] + [",".join(map(repr, state)) for state in waypoints]) + "\n")
+        done = run_tool("check_motion", urdf, "--waypoints", given, "--out", out, *options)
+        assert done.returncode == 0 and done.stderr == "", done.stderr
+        return rows_in(out.read_text())
+    return run
+
+
+def test_every_column_is_that_of_its_segment_and_its_option(check_balls):
+    apart, near, past = (0.0, 3.0, 9.0), (0.0, 1.5, 9.0), (4.0, 1.5, 2.25)
+    waypoints = [apart, near, past, past]
+    for options in ([], ["--clearance", "0"], ["--threads", "2"], ["--fidelity", "obb"]):
+        free, hit, rest = check_balls(waypoints, *options)
+        assert [row["segment"] for row in (free, hit, rest)] == ["0", "1", "2"]
+        assert [row["verdict"] for row in (free, hit, rest)] == ["free", "collision", "collision"]
+        assert 0 < float(free["clearance"]) <= 0.5 + 1e-9 and hit["clearance"] == rest["clearance"] == ""
+        assert free["contact_at"] == free["pairs"] == "" and free["free_until"] == "1"
+        # a meets b when it has gone half a metre of four; then c, which comes to b, meets a.
+        assert 1 / 8 - 1e-9 <= float(hit["contact_at"]) <= 1 and set(hit["pairs"].split(";")) <= {"a|b", "a|c", "b|c"}
+        assert 0.9 / 8 < float(hit["free_until"]) <= 1 / 8
+        assert (float(rest["free_until"]), rest["pairs"]) == (0, "b|c") and 0 <= float(rest["contact_at"]) <= 1
+        assert all(int(row["nb_checks"]) > 0 and 0 < float(row["microseconds"]) < 1e6 for row in (free, hit, rest))
+    kept, (lost, *_) = check_balls(waypoints, "--clearance", "0.49")[0], check_balls(waypoints, "--clearance", "0.51")
+    assert kept["verdict"] == "free" and 0.49 <= float(kept["clearance"]) <= 0.5 + 1e-9
+    assert (lost["verdict"], lost["clearance"], lost["contact_at"], lost["pairs"]) == ("unresolved", "", "", "a|b")
+    assert 0.98 < float(lost["free_until"]) < 1
+    coarse = check_balls(waypoints, "--clearance", "0.49", "--resolution", "100")[0]
+    assert int(coarse["nb_checks"]) < int(kept["nb_checks"]) and coarse["verdict"] == "unresolved"

@@ -1,7 +1,6 @@
 """check_states as a user meets it: what it prints, what it refuses, what it leaves behind."""
 import os
 import random
-import stat
 
 import pytest
 from conftest import DEMO, rows_of
@@ -192,10 +191,12 @@ def test_a_folder_that_cannot_be_written_is_named(run_tool, states, tmp_path):
     assert done.returncode == 2 and "out.csv" in done.stderr
 
 
-def test_a_pipe_is_written_in_place(run_tool, states):
-    done = run_tool("check_states", URDF, "--states", states, "--out", "/dev/stdout")
+def test_a_pipe_is_written_in_place(run_tool, states, tmp_path):
+    pipe = tmp_path / "pipe"  # which may be replaced: not the system's own
+    pipe.symlink_to("/dev/stdout")
+    done = run_tool("check_states", URDF, "--states", states, "--out", pipe)
     assert done.returncode == 0 and done.stdout.startswith("state,")
-    assert stat.S_ISLNK(os.lstat("/dev/stdout").st_mode)
+    assert pipe.is_symlink() and len(list(tmp_path.glob("pipe*"))) == 1
 
 
 def test_a_state_without_time_is_in_collision_unless_its_boxes_are_apart(run_tool, states, tmp_path):
@@ -268,3 +269,92 @@ def test_a_cloud_that_cannot_be_used_is_refused_by_name(run_tool, states, tmp_pa
         path.write_text(cloud)
     done = run_tool("check_states", URDF, "--states", states, "--cloud", path, *options, "--out", out)
     assert done.returncode == 2 and why in done.stderr and not out.exists()
+
+
+BOX = "<link name='%s'><collision><geometry><box size='1 1 1'/></geometry></collision></link>"
+SLIDE = ("<joint name='slide_%s' type='prismatic'><parent link='root'/><child link='%s'/><axis xyz='1 0 0'/>"
+         "<limit lower='-9' upper='9' effort='1' velocity='1'/></joint>")
+
+
+@pytest.fixture
+def check_boxes(run_tool, tmp_path):
+    """Of unit boxes a, b and c on the x-axis at the positions of each state: the process, and a row each."""
+    def run(states, *options, robot="<robot name='r'><link name='root'/>%s</robot>"):
+        urdf, given = tmp_path / "boxes.urdf", tmp_path / "given.csv"
+        urdf.write_text(robot % "".join(BOX % name + SLIDE % (name, name) for name in "abc") if "%s" in robot else robot)
+        given.write_text("\n".join(["slide_a,slide_b,slide_c"] + [",".join(map(repr, state)) for state in states]) + "\n")
+        done = run_tool("check_states", urdf, "--states", given, "--out", tmp_path / "out.csv", *options)
+        return done, rows_of(tmp_path / "out.csv") if done.returncode == 0 else []
+    return run
+
+
+def test_every_column_is_that_of_its_state_and_its_option(check_boxes):
+    states = [(0.0, 1.25, 5.0), (0.0, 0.5, 5.0), (0.0, 1.0, 2.0), (-7.0, 0.0, 7.0)]
+    pairs, distances = ["", "a|b", "a|b;b|c", ""], [0.25, -0.5, 0.0, 6.0]
+
+    def told(*options):
+        done, rows = check_boxes(states, *options)
+        assert done.returncode == 0 and done.stderr == "", done.stderr
+        assert [row["state"] for row in rows] == ["0", "1", "2", "3"]
+        assert [row["in_collision"] for row in rows] == ["0", "1", "1", "0"]
+        assert all(0 < float(row["microseconds"]) < 1e6 for row in rows)
+        return [[row[name] for row in rows] for name in ("pairs", "min_distance", "nb_pairs")]
+    assert told() == [pairs, [""] * 4, ["0", "1", "2", "0"]]
+    assert told("--alarm-distance", "0.3") == [pairs, [""] * 4, ["1", "1", "2", "0"]]
+    assert told("--verdict-only")[1:] == [[""] * 4] * 2
+    listed, found, _ = told("--min-distance")
+    assert listed == pairs and [float(distance) for distance in found] == pytest.approx(distances, abs=1e-12)
+    assert told("--tolerance", "0.1")[0] == pairs and told("--threads", "2")[0] == pairs
+
+
+def test_a_state_without_a_pose_is_refused_by_its_number_and_link(check_boxes):
+    done, _ = check_boxes([(0.0, 2.0, 4.0), (0.0, 2.0, 1.7e308)], robot="<robot name='r'><link name='root'/>" + BOX % "a" + SLIDE % (
+        "a", "a") + BOX % "b" + SLIDE % ("b", "b") + BOX % "c" + SLIDE.replace("'root'", "'far'") % ("c", "c") + (
+        "<link name='far'/><joint name='away' type='fixed'><parent link='root'/><child link='far'/><origin xyz='1.7e308 0 0'/></joint>"
+        "</robot>"))
+    errors = [line for line in done.stderr.splitlines() if line.startswith("error")]
+    assert done.returncode == 2 and len(errors) == 1 and errors[0].startswith("error: state 1: link 'c' "), done.stderr
+
+
+def test_hulls_of_few_vertices_are_larger(run_tool, states, tmp_path):
+    settings = tmp_path / "settings.yaml"
+
+    def distances(*options, limit=0):
+        settings.write_text("max_hull_vertices: %d" % limit)
+        done = run_tool("check_states", URDF, "--srdf", SRDF, "--states", states, "--out", tmp_path / "out.csv", "--min-distance",
+                        "--links", "palm", "--fidelity", "convex", "--settings", settings, *options)
+        assert done.returncode == 0, done.stderr
+        return [float(row["min_distance"]) for row in rows_of(tmp_path / "out.csv")]
+    exact, few = distances(), distances("--max-hull-vertices", "4")
+    assert few != exact and all(a <= b + 1e-9 for a, b in zip(few, exact))
+    assert distances(limit=4) == distances("--max-hull-vertices", "0", limit=4) == few == distances("--max-hull-vertices", "4", limit=9)
+
+
+def test_what_is_said_of_a_cloud_names_its_file_and_its_numbers(check_boxes, tmp_path):
+    cloud, nan, far = tmp_path / "cloud.pcd", float("nan"), 1e6
+    state = [(0.0, 2.0, 4.0)]
+    write_pcd(cloud, [(0.0, 5.0, 5.0), (nan, 0.0, 0.0), (0.0, 0.0, nan)])
+    done, _ = check_boxes(state, "--cloud", cloud, "--voxel-size", "0.5")
+    assert done.stderr == "warning: %s: 2 of 3 points are not finite and were ignored\n" % cloud
+    write_pcd(cloud, [(far, 0.0, 0.0), (0.0, -far, 0.0), (1.0, 1.0, 1.0)])
+    done, _ = check_boxes(state, "--cloud", cloud, "--voxel-size", "0.5")
+    assert done.stderr == ("error: %s: 2 points are more than 2^20 voxels of 0.500000 m from the robot's root; increase --voxel-size "
+                           "or remove them\n" % cloud)
+    cloud.write_text("FIELDS x y z\n")
+    done, _ = check_boxes(state, "--cloud", cloud, "--voxel-size", "0.5")
+    assert done.stderr == "error: %s: it has no DATA line: it is not a PCD file, or is truncated\n" % cloud
+    done, _ = check_boxes(state, "--cloud", tmp_path / "none.pcd", "--voxel-size", "0.5")
+    assert done.stderr == "error: %s/none.pcd: cannot be opened: No such file or directory\n" % tmp_path
+
+
+@pytest.mark.parametrize("restricted", [False, True])
+def test_a_mesh_that_is_missing_is_said_with_the_file_and_the_link_that_need_it(check_boxes, tmp_path, restricted):
+    mesh = "<link name='%s'><collision><geometry><mesh filename='file:///none.stl'/></geometry></collision></link>"
+    world = tmp_path / "world.urdf"
+    world.write_text("<robot name='w'>" + mesh % "wall" + "</robot>")
+    options = ["--links", "a"] if restricted else []
+    for done, of in ((check_boxes([(0, 2, 4)], "--world", world, *options)[0], (world, "wall")),
+                     (check_boxes([(0, 2, 4)], *options, robot="<robot name='r'><link name='root'/>%s" + mesh % "d" + SLIDE.replace(
+                         "%s", "d") + "</robot>")[0], (tmp_path / "boxes.urdf", "d"))):
+        error = done.stderr.splitlines()[-1]
+        assert done.returncode == 2 and error == "error: %s: URDF: link '%s': mesh 'file:///none.stl': there is no file /none.stl" % of

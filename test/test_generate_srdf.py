@@ -283,3 +283,113 @@ def test_no_pair_of_the_reference_collisions_is_switched_off(run_tool, shared, t
     assert len(collided) > 5 and not collided & set(reasons)
     assert {"Adjacent", "Never"} <= set(reasons.values())
     check_contact_states(run_tool, urdf, table(tmp_path / "pairs.csv"), tmp_path, packages=packages)
+
+
+def comments_of(srdf):
+    """By pair: what is said above its line; and what is said of pairs that stay checked."""
+    off = {"|".join(sorted((a, b))): text for text, a, b in re.findall(
+        r'<!-- ([^>]*) -->\s*<disable_collisions link1="(\w+)" link2="(\w+)"', srdf)}
+    return off, dict(re.findall(r"<!-- checked: (\w+\|\w+): ([^>]*) -->", srdf))
+
+
+RIGID = {"base|near_post", "base|far_post", "far_post|near_post"}
+ALL_OPTIONS = ["--samples", "700", "--seed", "7", "--searches", "3", "--confidence", "0.9", "--max-probability", "0.05",
+               "--clearance", "0.45"]
+
+
+@pytest.mark.parametrize("options, header", [
+    (QUICK, "5000 random states, seed 1, 20 searches; bounds at confidence 0.99, never and always up to probability 0.001, "
+            "clearance 0 m"),
+    (["--samples", "400"], "400 random states, seed 1, 20 searches; bounds at confidence 0.99, never and always up to probability "
+                           "0.0001, clearance 0 m"),
+    (ALL_OPTIONS, "700 random states, seed 7, 3 searches; bounds at confidence 0.9, never and always up to probability 0.05, "
+                  "clearance 0.45 m")], ids=["enough", "too_few", "all"])
+def test_comments_summary_and_table_say_the_same(run_tool, crane, tmp_path, options, header):
+    srdf, said = generate(run_tool, crane, *options, "--disable-default", "--report", tmp_path / "pairs.csv")
+    assert srdf.count("<!-- generate_srdf: %s -->" % header) == 1
+    samples = int(header.split()[0])
+    confidence = float(re.search(r"confidence (\S+),", header).group(1))
+    off, checked = comments_of(srdf)
+    rows, reasons = table(tmp_path / "pairs.csv"), switched_off(srdf)
+    assert set(off) == set(reasons) == {pair for pair, row in rows.items() if row["switched_off"] == "1"}
+    for pair, row in rows.items():
+        if pair in RIGID:
+            assert off[pair] == "on one rigid body: apart"
+            continue
+        contacts, trials = int(row["contacts"]), int(row["trials"])
+        assert trials == samples or 0 < contacts < trials or pair in ADJACENT  # enough to tell
+        above, below = float(row["probability_above"]), float(row["probability_below"])
+        assert row["given"] == ""
+        assert above <= contacts / trials <= below and (above == 0) == (contacts == 0) and (below == 1) == (contacts == trials)
+        count = "in contact in %d of %d states" % (contacts, trials)
+        text = off.get(pair) or checked.get(pair)
+        if pair in checked:
+            if row["class"] == "Unproven":
+                assert text.startswith(count + ", which are too few; ") and text.endswith(" are needed")
+            elif row["class"] == "Near":
+                assert text == count + ", but came as close as %.1f mm" % (1e3 * float(row["nearest"]))
+            else:
+                assert contacts == 0 and row["found_by_search"] == "1" and text == count + ", but a search found a contact"
+        elif text is None:
+            assert 0 < contacts < trials
+        elif contacts == trials:
+            bound = 1 - (1 - confidence) ** (1 / trials)
+            told = re.fullmatch(count + r"; probability of being apart below (\S+)", text).group(1)
+            assert bound <= float(told) < 1.01 * bound and len(told.split("e")[0].strip("0.")) <= 3
+        else:
+            told = re.fullmatch(count + r"; probability below ([-0-9.e]+?)(?:; nearest found (\S+) mm)?", text)
+            assert below * 0.999 <= float(told.group(1)) < 1.01 * below
+            assert (told.group(2) is None) == (contacts > 0 or pair in ADJACENT)
+            assert told.group(2) is None or float(told.group(2)) == pytest.approx(1e3 * float(row["nearest"]), abs=0.051, rel=1e-3)
+    assert float(rows["hub|mast"]["nearest"]) == pytest.approx(0.8 - 0.05 * 2 ** 0.5 - 0.015, abs=2e-3)
+    added = [" %d %s," % (list(reasons.values()).count(reason), reason) for reason in sorted(set(reasons.values()))]
+    open_rows = [row for row in rows.values() if row["switched_off"] == "0"]
+    seed = re.search(r"seed (\d+),", header).group(1)
+    assert said.splitlines()[-1] == "seed %s, 21 pairs:%s %d stay checked, of which %d were found in contact by search only" % (
+        seed, "".join(added), len(open_rows), sum(row["found_by_search"] == "1" for row in open_rows))
+
+
+def test_two_links_of_one_rigid_body_may_be_in_contact(run_tool, tmp_path):
+    urdf = tmp_path / "welded.urdf"
+    urdf.write_text("<robot name='welded'>" + box("a", "1 1 1") + box("m", "0.1 0.1 0.1") + box("b", "1 1 1") +
+                    joint("fixed", "a", "m", "0 0 0") + joint("fixed", "m", "b", "0.5 0 0") + "</robot>")
+    assert comments_of(generate(run_tool, urdf, "--samples", "10")[0])[0]["a|b"] == "on one rigid body: in contact"
+
+
+def warnings_in(said):
+    """(how many, what of them, those that are named with their count) a line."""
+    lines = re.findall(r"^warning: (\d+) (pairs? .*?): ([^:]*)$", said, re.MULTILINE)
+    return [(int(count), what, names.split(", ")) for count, what, names in lines]
+
+
+def test_of_pairs_that_are_warned_of_ten_are_named_and_those_most_often_in_contact_first(run_tool, crane, tmp_path):
+    (few,) = [each for each in warnings_in(generate(run_tool, crane, "--samples", "400")[1]) if "too few" in each[1]]
+    assert few[1] == ("pairs stay checked because there are too few states to conclude never or always; --samples 46050 are needed for "
+                      "--max-probability 0.0001")
+    assert few[0] > 10 and few[2][10:] == ["and %d more" % (few[0] - 10)]
+    assert few[2][0] == "arm|flange (400 of 400)" and all(name.endswith(" (0 of 400)") for name in few[2][1:10])
+    one = [each for each in warnings_in(generate(run_tool, crane, *QUICK)[1]) if "at zero" in each[1]]
+    assert [(count, what) for count, what, _ in one] == [
+        (1, "pair stay checked although they touch with all joints at zero, because in other states they do not "
+            "(--disable-default disables them)")] and one[0][2][0].startswith("arm|near_post (")
+    given = tmp_path / "given.srdf"
+    for first in range(2):  # of three pairs that are sometimes in contact, in whatever order
+        pairs = sorted(SOMETIMES)[first:] + sorted(SOMETIMES)[:first]
+        given.write_text("<robot name='crane'>%s</robot>" % "".join(
+            "<disable_collisions link1='%s' link2='%s' reason='User'/>" % tuple(pair.split("|")) for pair in pairs))
+        (kept,) = warnings_in(generate(run_tool, crane, *QUICK, "--srdf", given)[1])
+        assert kept[:2] == (3, "pairs that the given SRDF disables are in contact in some states; they stay disabled")
+        counts = [int(re.search(r"\((\d+) of 5000\)", name).group(1)) for name in kept[2]]
+        assert counts == sorted(counts, reverse=True) and {name.split()[0] for name in kept[2]} == SOMETIMES
+
+
+def test_what_is_given_is_told_apart_in_the_table(run_tool, crane, tmp_path):
+    given = tmp_path / "given.srdf"
+    given.write_text(GIVEN)
+    _, said = generate(run_tool, crane, "--srdf", given, *QUICK, "--report", tmp_path / "pairs.csv")
+    rows = table(tmp_path / "pairs.csv")
+    told = {pair: (row["given"], row["switched_off"]) for pair, row in rows.items() if row["given"]}
+    assert told == {"arm|near_post": ("off", "1"), "hub|mast": ("on", "0"), "base|mast": ("on", "0")}
+    given.write_text("<robot name='crane'><disable_collisions link1='nobody' link2='mast'/></robot>")
+    said = generate(run_tool, crane, "--srdf", given, "--samples", "10")[1]
+    assert "warning: %s: not links of the robot, ignored: nobody\n" % given in said

@@ -325,6 +325,18 @@ def test_states_of_a_shape_that_does_not_fit_are_refused_in_these_words():
                                       % shape)
 
 
+def test_the_number_of_a_state_is_said_where_there_are_several():
+    why = "joint 'slide': its position is not finite"
+    wrong = [0, np.nan]
+    for states, where in ((wrong, ""), ([wrong], "state 0: "), ([[0, 1], [0, 1], wrong], "state 2: ")):
+        with pytest.raises(cp.InputError) as refused:
+            detector().check(states)
+        assert str(refused.value) == where + why
+    with pytest.raises(cp.InputError) as refused:
+        cp.MotionCheck(scene_of()).check([[0, 1], [0, 1], wrong])
+    assert str(refused.value) == "waypoint 2: " + why
+
+
 def test_joints_of_the_call_before_are_not_taken_for_those_of_this_one():
     tested = detector()
     state = [0.5, 0.25]
