@@ -166,3 +166,20 @@ def test_a_text_that_is_no_path_is_refused_in_a_sentence(what, text):
     with pytest.raises(cp.InputError, match=what + " is .* no path") as refused:
         make(text)
     assert len(str(refused.value)) < 200, str(refused.value)
+
+
+def test_texts_that_are_no_paths_are_refused_in_these_words(tmp_path):
+    long = "/" + "x" * 4094  # a path may have 4095 bytes
+    for given, words in (("", "urdf is empty"), (b"", "urdf is empty"), (long, None),
+                         (long + "x", "urdf is a text that is no path, b'/%s' ...; give the path of a file, or what such a file says"
+                          % ("x" * 19)),
+                         (b"a\nb", "urdf is bytes that are no path, b'a\\nb' ...; give the path of a file, or decode() it to a str"),
+                         ("a\rb", "urdf is a text that is no path, b'a\\rb' ...; give the path of a file, or what such a file says"),
+                         (b"<robot/>", "urdf is bytes that are no path, b'<robot/>' ...; give the path of a file, or "
+                          "decode() it to a str")):
+        with pytest.raises(cp.InputError) as refused:
+            cp.Robot(given)
+        assert str(refused.value) == words if words else "no path" not in str(refused.value)
+    (tmp_path / "robot.urdf").write_text(URDF)
+    for path in (tmp_path / "robot.urdf", str(tmp_path / "robot.urdf"), bytes(tmp_path / "robot.urdf")):
+        assert cp.Robot(path).name == "slider"

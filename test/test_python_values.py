@@ -355,23 +355,6 @@ def test_joints_of_the_call_before_are_not_taken_for_those_of_this_one():
     assert said == [["slide"], [], ["turn"], [], ["slide"]], "once while the same joints are named"
 
 
-def test_texts_that_are_no_paths_are_refused_in_these_words(tmp_path):
-    long = "/" + "x" * 4094  # a path may have 4095 bytes
-    for given, words in (("", "urdf is empty"), (b"", "urdf is empty"), (long, None),
-                         (long + "x", "urdf is a text that is no path, b'/%s' ...; give the path of a file, or what such a file says"
-                          % ("x" * 19)),
-                         (b"a\nb", "urdf is bytes that are no path, b'a\\nb' ...; give the path of a file, or decode() it to a str"),
-                         ("a\rb", "urdf is a text that is no path, b'a\\rb' ...; give the path of a file, or what such a file says"),
-                         (b"<robot/>", "urdf is bytes that are no path, b'<robot/>' ...; give the path of a file, or "
-                          "decode() it to a str")):
-        with pytest.raises(cp.InputError) as refused:
-            cp.Robot(given)
-        assert str(refused.value) == words if words else "no path" not in str(refused.value)
-    (tmp_path / "robot.urdf").write_text(URDF)
-    for path in (tmp_path / "robot.urdf", str(tmp_path / "robot.urdf"), bytes(tmp_path / "robot.urdf")):
-        assert cp.Robot(path).name == "slider"
-
-
 def test_threads_are_at_most_1024():
     assert cp.MotionCheck(scene_of(), threads=1024).check([[0, 0.3], [1, 0.3]]).verdict.tolist() == [cp.Verdict.FREE]
     for make in (cp.MotionCheck, cp.Detector):
