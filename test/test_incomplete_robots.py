@@ -1,12 +1,15 @@
 """Robots with a mimic joint without a leader, or with a mesh that is not closed: they are checked, and what that leaves open is
 said by the tools and by Python. (The node: test/ros/test_bad_input.py.)"""
+import os
 import random
+import shutil
 import struct
+import subprocess
 import warnings
 
 import numpy as np
 import pytest
-from conftest import rows_of
+from conftest import TOOLS, rows_of
 from seed import given_seed
 
 import collision_pairs as cp
@@ -113,3 +116,47 @@ def test_a_mesh_that_does_not_hold_what_is_inside_it_is_named_with_the_share_tha
         if missing:
             assert "'base': about %.0f %% of the surface of mesh" % (100 * share) in told[0]
             assert "a body wholly inside it is not found" in told[0]
+
+
+ANSWERS = [  # what the program that reads meshes writes, its status, and what is said of it
+    ("printf ''", "ended without an answer, status 0"), ("exit 3", "ended without an answer, status 3"),
+    ("printf X", "ended without an answer, status 0"), ("printf Rwhy", "why"), ("printf R", ""), ("kill -KILL $$", "crashed on it (Killed)")]
+COUNTS = [(3, 1), (4, 1), (3, 2), (2, 1), (3, 0), (2**60, 1), (3, 2**60), (2**61, 2**61)]
+
+
+def test_whatever_the_program_that_reads_meshes_answers_is_a_mesh_or_refused(tmp_path):
+    """A program of our own in its place: it is looked for beside the library."""
+    library, fake = tmp_path / "lib/libcollision_pairs_io.so", tmp_path / "lib/collision_pairs/read_mesh_file"
+    fake.parent.mkdir(parents=True)
+    shutil.copy(os.path.join(TOOLS, "..", library.name), library)
+    mesh, urdf, states = tmp_path / "mesh.ply", tmp_path / "robot.urdf", tmp_path / "states.csv"
+    mesh.write_text("not read")
+    states.write_text("turn\n0\n")
+    urdf.write_text('<robot name="r"><link name="base"><collision><geometry><mesh filename="file://%s"/></geometry></collision></link>'
+                    % mesh + box_link("post", 0.1) + joint("turn", "base", "post", 5.0) + "</robot>")
+
+    def said(script):
+        fake.unlink(missing_ok=True)
+        if script is not None:
+            fake.write_text("#!/bin/sh\n%s\n" % script)
+            fake.chmod(0o755)
+        done = subprocess.run([os.path.join(TOOLS, "check_states"), str(urdf), "--states", str(states)], stdout=subprocess.PIPE,
+                              stderr=subprocess.PIPE, text=True, env=dict(os.environ, LD_LIBRARY_PATH="%s:%s" % (library.parent, os.environ.get("LD_LIBRARY_PATH", ""))), timeout=60)
+        error = [line for line in done.stderr.splitlines() if line.startswith("error")]
+        assert (done.returncode, len(error)) in ((0, 0), (2, 1)), done.stderr
+        return (error or [""])[0]
+    begin = "error: %s: URDF: link 'base': mesh 'file://%s': " % (urdf, mesh)
+    assisted = "assimp, which reads this format, "
+    for script, why in ANSWERS:
+        is_ours = why and not why.startswith("why")
+        assert said(script) == begin + (assisted if is_ours else "") + why
+    corners, triangle = struct.pack("<9f", 0, 0, 0, 1, 0, 0, 0, 1, 0), struct.pack("<3I", 0, 1, 2)
+    for nb_vertices, nb_triangles in COUNTS:
+        (tmp_path / "answer").write_bytes(b"M" + struct.pack("<2Q", nb_vertices, nb_triangles) + corners + triangle)
+        right = (nb_vertices, nb_triangles) == (3, 1)
+        assert said("cat %s/answer" % tmp_path) == ("" if right else begin + assisted + "ended without an answer, status 0")
+    whole = b"M" + struct.pack("<2Q", 3, 1) + corners + triangle
+    for size in (1, 5, 9, 16, 17, 28, 53, 60, len(whole) - 1):
+        (tmp_path / "answer").write_bytes(whole[:size])
+        assert said("cat %s/answer" % tmp_path) == begin + assisted + "ended without an answer, status 0"
+    assert said(None) == begin + "read_mesh_file, which reads this format, could not be started: No such file or directory"

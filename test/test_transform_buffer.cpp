@@ -221,6 +221,161 @@ TEST_F(OneTrack, FramesInARingAreUnknownAndEndNothing) {
   EXPECT_FALSE(frames.isPlaced(tracks_.findFrame("x")));
 }
 
+TEST_F(OneTrack, WhatIsRefusedIsRefusedInTheseWords) {
+  const Vector3d here = Vector3d::Zero();
+  EXPECT_EQ(take("base", "", 1, here), "a frame has no name");
+  EXPECT_EQ(take("/", "arm", 1, here), "a frame has no name");
+  EXPECT_EQ(take("arm", "/arm", 1, here), "it is its own parent");
+  EXPECT_EQ(take("base", "arm", 0, here), "its stamp is zero");
+  EXPECT_EQ(take("base", "arm", 0, here, true), "") << "a static one needs no stamp";
+  for (const double scale : {0.9989, 1.0011}) {
+    EXPECT_EQ(take("base", "bent", 1, here, false, Quaterniond(scale, 0, 0, 0)),
+              "it is not finite, or not a rotation");
+  }
+  for (const double scale : {0.9991, 1.0009}) {
+    EXPECT_EQ(take("base", "bent", 1, here, false, Quaterniond(0, 0, 0, scale)), "");
+  }
+  int parent = -1;
+  Isometry3d X = Isometry3d::Identity();
+  ASSERT_TRUE(tracks_.poseAt(tracks_.findFrame("bent"), SECOND, false, parent, X));
+  EXPECT_TRUE(X.linear().isApprox(Vector3d(-1, -1, 1).asDiagonal().toDenseMatrix(), 1e-12));
+  EXPECT_EQ(parent, tracks_.findFrame("base"));
+}
+
+TEST_F(OneTrack, WhyAPoseIsNotKnownIsSaidInTheseWords) {
+  add(10, 1);
+  add(10.5, 2);
+  take("base", "fixed", 9, Vector3d::Zero(), true);
+  const int arm = tracks_.findFrame("arm"), base = tracks_.findFrame("base");
+  const auto at = [](double seconds) { return static_cast<StampNs>(seconds * 1e9); };
+  EXPECT_EQ(tracks_.whyUnknown(base, at(10), false), "TF does not say where it is");
+  EXPECT_EQ(tracks_.whyNoNewest(base, at(10)), "TF does not say where it is");
+  EXPECT_EQ(tracks_.whyUnknown(arm, at(10.75), false),
+            "its newest transform is 0.25 s older than that stamp (no extrapolation)");
+  EXPECT_EQ(tracks_.whyUnknown(arm, at(9), false),
+            "no two of its transforms around that stamp are within 1.00 s of each other");
+  EXPECT_EQ(tracks_.whyUnknown(tracks_.findFrame("fixed"), at(9), true), "it had not arrived yet");
+  TransformBuffer live(PoseLimits{1.0, 1.0, 0.5});
+  live.take({"base", "arm", at(10), Vector3d::Zero(), NO_TURN}, false, "", at(10));
+  int parent = -1;
+  StampNs stamp = 0;
+  Isometry3d X;
+  EXPECT_TRUE(live.newestPose(live.findFrame("arm"), at(11), stamp, parent, X))
+      << "just as old as may be";
+  EXPECT_EQ(stamp, at(10));
+  EXPECT_FALSE(live.newestPose(live.findFrame("arm"), at(11) + 1, stamp, parent, X));
+  EXPECT_EQ(live.whyNoNewest(live.findFrame("arm"), at(12.5)),
+            "its newest transform is 2.50 s old, and max_pose_age is 1.00 s");
+  live.restart(at(3));
+  EXPECT_EQ(live.whyNoNewest(live.findFrame("arm"), at(3)),
+            "no transform of it was received since the clock went back");
+}
+
+TEST(TrackLimits, AreThoseOfTheParametersInNanoseconds) {
+  const TrackLimits limits({0.25, 0.5, 0.125}, false);
+  EXPECT_EQ(limits.max_age, SECOND / 4);
+  EXPECT_EQ(limits.max_gap, SECOND / 2);
+  EXPECT_EQ(limits.tolerance, SECOND / 8);
+  EXPECT_EQ(limits.kept, 10 * SECOND);
+  const TrackLimits none({0.0, 0.0, 1e300}, true);
+  EXPECT_EQ(none.max_age, NEVER);
+  EXPECT_EQ(none.max_gap, 0);
+  EXPECT_EQ(none.tolerance, NEVER);
+  EXPECT_EQ(none.kept, NEVER);
+}
+
+TEST(TrackLimits, StampsAreTakenUpToTheToleranceAheadAndTheAgeBehind) {
+  const TrackLimits limits({0.25, 1.0, 0.125}, false);
+  const StampNs now = 100 * SECOND;
+  EXPECT_EQ(whyRefused(0, now, limits), "its stamp is zero");
+  EXPECT_EQ(whyRefused(now + SECOND / 8, now, limits), "");
+  EXPECT_EQ(whyRefused(now + SECOND / 8 + 1, now, limits),
+            "its stamp is 0.13 s ahead of the clock");
+  EXPECT_EQ(whyRefused(now - SECOND / 4, now, limits), "");
+  EXPECT_EQ(whyRefused(now - SECOND / 4 - 1, now, limits),
+            "it was 0.25 s old when it arrived, and max_pose_age is 0.25 s");
+  JointTracks tracks;
+  const TrackLimits ageless({0.0, 1.0, 0.125}, false);
+  EXPECT_EQ(tracks.take("a", 0.0, now, "", now, ageless), "");
+  EXPECT_EQ(tracks.take("a", 0.0, now - 10 * SECOND, "", now, ageless), "");
+  EXPECT_EQ(tracks.take("a", 0.0, now - 10 * SECOND - 1, "", now, ageless),
+            "it is older than what is kept");
+}
+
+/// A sample beside three consecutive ones of another publisher.
+TEST(Contradictions, AreFurtherFromBothNeighboursThanTheseAreFromEachOther) {
+  std::string how;
+  const auto isOne = [&](double sample, double earlier, double before, double after) {
+    how = "";
+    return contradicts(JointPosition{sample}, JointPosition{earlier}, JointPosition{before},
+                       JointPosition{after}, how);
+  };
+  const double just = 0.9e-4, more = 1.1e-4;  // what rounding may do, and what it may not
+  for (const double sign : {1.0, -1.0}) {
+    for (const double turn : {0.0, 2.0 * M_PI, -4.0 * M_PI}) {
+      EXPECT_FALSE(isOne(sign * (1.0 + just) + turn, sign * 0.5, sign * 0.5, sign * 0.75 + turn));
+      EXPECT_FALSE(isOne(sign * (1.0 + just), sign * 0.5, sign * 0.5 + turn, sign * 0.75));
+      EXPECT_TRUE(isOne(sign * (1.0 + more) + turn, sign * 0.5, sign * 0.5, sign * 0.75));
+      EXPECT_EQ(how, "by 0.250110");
+      EXPECT_TRUE(isOne(sign * (0.25 - more), sign * 0.5, sign * 0.5 + turn, sign * 0.75));
+      EXPECT_FALSE(isOne(sign * (1.25 + just), sign * 0.0, sign * 0.5, sign * 0.75))
+          << "the step before";
+    }
+  }
+  const auto pose = [](int parent, double x, double angle) {
+    return FramePose{parent, Vector3d(0, x, 0),
+                     Quaterniond(Eigen::AngleAxisd(angle, Vector3d::UnitX()))};
+  };
+  const auto ofPoses = [&](const FramePose& sample, const FramePose& earlier) {
+    how = "";
+    return contradicts(sample, earlier, pose(1, 0.5, 0.5), pose(1, 0.75, 0.625), how);
+  };
+  const FramePose still = pose(1, 0.5, 0.5), came = pose(1, 0.0, 0.0);
+  EXPECT_FALSE(ofPoses(pose(1, 1.0 + just, 0.75 + just), still));
+  EXPECT_TRUE(ofPoses(pose(1, 1.0 + more, 0.5), still));
+  EXPECT_EQ(how, "by 0.2501 m and 0 rad");
+  EXPECT_TRUE(ofPoses(pose(1, 0.5, 0.75 + more), still));
+  EXPECT_EQ(how, "by 0 m and 0.1251 rad");
+  EXPECT_FALSE(ofPoses(pose(1, 1.25 + just, 1.125 + just), came)) << "as far as the step before";
+  EXPECT_TRUE(ofPoses(pose(1, 1.25, 0.5), pose(2, 0.0, 0.0))) << "that was to another parent";
+  EXPECT_TRUE(ofPoses(pose(3, 0.5, 0.5), still));
+  EXPECT_EQ(how, "they name different parents");
+  EXPECT_FALSE(contradicts(pose(2, 9, 0), still, still, pose(2, 0, 0), how)) << "one of the two";
+}
+
+TEST(JointTracks, WhyAPositionIsNotKnownIsSaidInTheseWords) {
+  JointTracks tracks;
+  const TrackLimits limits({1.0, 1.0, 0.5}, true);
+  tracks.take("a", 1.0, 10 * SECOND, "/one", 10 * SECOND, limits);
+  tracks.take("a", 2.0, 11 * SECOND, "/one", 11 * SECOND, limits);
+  tracks.take("a", 3.0, 12 * SECOND, "/one", 12 * SECOND + SECOND / 2, limits);
+  EXPECT_TRUE(tracks.has("a"));
+  EXPECT_FALSE(tracks.has("b"));
+  double position = 7.0;
+  std::string why;
+  const auto look = [&](StampNs stamp) {
+    position = 7.0;
+    why = "";
+    return JointTracks::lookUp(tracks.joints().at("a"), stamp, limits, false, position, why);
+  };
+  EXPECT_TRUE(look(11 * SECOND));
+  EXPECT_EQ(position, 2.0);
+  EXPECT_TRUE(look(10 * SECOND + SECOND / 4));
+  EXPECT_EQ(position, 1.25);
+  for (const StampNs unknown : {10 * SECOND - 1, 12 * SECOND + 1}) {
+    EXPECT_FALSE(look(unknown));
+    EXPECT_EQ(why, "no two of its positions around that stamp are within 1.00 s of each other");
+    EXPECT_EQ(position, 7.0);
+  }
+  EXPECT_FALSE(look(12 * SECOND));
+  EXPECT_EQ(why, "at that stamp, its newest position that had arrived was too old");
+  const std::string both =
+      "'/one' and '/two' both publish it, and contradict each other: by 3.000000";
+  EXPECT_EQ(tracks.take("a", 5.0 + 4.0 * M_PI, 11 * SECOND, "/two", 12 * SECOND, limits), both);
+  EXPECT_FALSE(look(11 * SECOND));
+  EXPECT_EQ(why, both);
+}
+
 TEST(JointTracks, AContinuousJointTakesTheShorterWayRound) {
   JointTracks tracks;
   const TrackLimits limits({1.0, 1.0, 0.5}, true);
