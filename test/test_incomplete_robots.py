@@ -160,3 +160,9 @@ def test_whatever_the_program_that_reads_meshes_answers_is_a_mesh_or_refused(tmp
         (tmp_path / "answer").write_bytes(whole[:size])
         assert said("cat %s/answer" % tmp_path) == begin + assisted + "ended without an answer, status 0"
     assert said(None) == begin + "read_mesh_file, which reads this format, could not be started: No such file or directory"
+
+
+@pytest.mark.parametrize("words", [[], ["one", "two"]])
+def test_the_program_that_reads_meshes_takes_one_file(words):
+    done = subprocess.run([os.path.join(TOOLS, "read_mesh_file"), *words], stdout=subprocess.PIPE)
+    assert (done.returncode, done.stdout) == (2, b"")

@@ -97,6 +97,13 @@ TEST_F(MeshProcess, WhatBreaksAssimpIsRefused) {
   EXPECT_NE(refusalOf("x.dae", collada("9", "0 1 7")), "accepted");
 }
 
+TEST_F(MeshProcess, AFileThatClaimsMoreThanItsMemoryIsRefusedForThat) {
+  const std::string many = "OFF\n2000000000 1 0\n0 0 0\n";
+  EXPECT_EQ(refusalOf("x.off", many), "it needs more than 4 GiB of memory");
+  const std::string vertices = ply("").replace(ply("").find("vertex 3"), 8, "vertex 4000000000");
+  EXPECT_EQ(refusalOf("x.ply", vertices + THREE), "it needs more than 4 GiB of memory");
+}
+
 /// The process that this one has started, or "".
 std::string child() {
   std::ifstream children("/proc/self/task/" + std::to_string(::getpid()) + "/children");
