@@ -63,6 +63,7 @@ def test_distances_name_every_pair_in_reach_and_agree_with_the_verdict(check_bag
         assert row["in_collision"] == ("1" if contacts else "0")
         assert row["verdict"] == ("collision" if contacts else "free")
         assert min(map(float, distances.values())) == float(row["min_distance"])
+        assert int(row["nb_pairs"]) >= len(distances)
 
 
 def test_old_tf_messages_and_leading_slashes_are_read(check_bag, tmp_path, make_bag):
@@ -267,11 +268,13 @@ def test_time_in_contact_is_counted_from_stamp_to_stamp(check_bag, tmp_path):
     ([DEMO_BAG, "--urdf", "none.urdf"], "none.urdf"), ([DEMO_BAG, "--srdf", "none.srdf"], "none.srdf"),
     ([DEMO_BAG, "--fidelity", "exact"], "exact"), ([DEMO_BAG, "--alarm-distance", "-1"], "alarm"),
     ([DEMO_BAG, "--alarm-distance", "nan"], "alarm"), ([DEMO_BAG, "--max-gap", "0"], "max-gap"),
-    ([DEMO_BAG, "--alarm-distance", "inf"], "--alarm-distance must be a finite number"),
-    ([DEMO_BAG, "--tolerance", "inf"], "--tolerance must be a finite number"),
-    ([DEMO_BAG, "--max-gap", "inf"], "--max-gap must be a finite number"),
-    ([DEMO_BAG, "--shard", "0/2"], "0/2"), ([DEMO_BAG, "--shard", "3/2"], "3/2"), ([DEMO_BAG, "--shard", "1"], "--shard"),
-    ([DEMO_BAG, "--shard", "-1/2"], "--shard"), ([DEMO_BAG, "--shard", "1/2", "--record", "x.bag"], "--record"),
+    ([DEMO_BAG, "--alarm-distance", "inf"], "error: --alarm-distance must be a finite number, 0 or more"),
+    ([DEMO_BAG, "--tolerance", "-0.1"], "error: --tolerance must be a finite number, 0 or more"),
+    ([DEMO_BAG, "--tolerance", "inf"], "error: --tolerance must be a finite number, 0 or more"),
+    ([DEMO_BAG, "--max-gap", "inf"], "error: --max-gap must be a finite number, above 0"),
+    ([DEMO_BAG, "--max-gap", "long"], "error: --max-gap must be a finite number, above 0"),
+    *(([DEMO_BAG, "--shard", shard], "error: --shard %s: must be I/N with I from 1 to N, such as 2/4" % shard)
+      for shard in ("0/2", "3/2", "1", "-1/2", "1/-2", "1/2x", "x/2")), ([DEMO_BAG, "--shard", "1/2", "--record", "x.bag"], "--record"),
     ([DEMO_BAG, "--prefix", "left"], "robot"), ([DEMO_BAG, "--speed", "3"], "--speed"),
     ([DEMO_BAG, "--record", "/none/x.bag"], "/none/x.bag"), ([DEMO_BAG, "--report", "/dev/null/x"], "/dev/null/x"),
 ])
@@ -308,3 +311,32 @@ def test_reports_and_markers_are_recorded_at_the_stamps_of_the_table(check_bag, 
         assert row["distances"].count("=") == len(report.pairs)
         assert ("boxes_in_contact" in {marker.ns for marker in array.markers}) == report.in_collision
     assert not list(tmp_path.glob("*.part*"))
+
+
+def distances_of(rows):
+    return {(row["state"], pair.rsplit("=", 1)[0]): float(pair.rsplit("=", 1)[1])
+            for row in rows for pair in filter(None, row["distances"].split(";"))}
+
+
+def test_fidelity_and_tolerance_are_those_of_the_options(check_bag):
+    (exact, found), (of_boxes, _), (rough, listed) = (
+        (distances_of(rows), verdicts(rows)) for rows in (
+            check_bag(DEMO_BAG, "--alarm-distance", "0.3", *options)[0]
+            for options in ([], ["--fidelity", "aabb"], ["--tolerance", "0.05"])))
+    for cheap, least in ((of_boxes, -9.0), (rough, -0.05)):
+        less = [cheap[key] - exact[key] for key in exact]
+        assert least - 1e-9 <= min(less) < -1e-6 and max(less) < 1e-9
+    assert listed == found
+
+
+def test_one_part_of_one_is_the_whole_and_can_be_recorded(run_tool, tmp_path):
+    out, recorded = tmp_path / "out.csv", tmp_path / "recorded.bag"
+    done = run_tool("check_bag", DEMO_BAG, "--shard", "1/1", "--out", out, "--record", recorded)
+    assert done.returncode == 0 and "#" not in out.read_text() and recorded.exists()
+
+
+def test_what_is_said_of_a_robot_is_said_once_for_consecutive_bags_with_it(run_tool, tmp_path):
+    srdf = tmp_path / "demo.srdf"
+    srdf.write_text("<robot name='demo'><disable_collisions link1='nobody' link2='table'/></robot>")
+    done = run_tool("check_bag", DEMO_BAG, DEMO_BAG, "--srdf", srdf)
+    assert done.returncode == 0 and done.stderr.count("not links of the robot, ignored: nobody") == 1

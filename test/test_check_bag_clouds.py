@@ -120,6 +120,9 @@ def test_a_cloud_of_the_settings_that_is_not_chosen_is_warned_of(check, check_ba
     warned = "ignored, so a state may be free only without them: cloud "
     assert warned + "'lidar/points'\n" in check(bag, "--settings", settings)[1]
     assert warned + "'camera/points', cloud 'lidar/points'\n" in check_bag(bag, "--settings", settings)[1]
+    said = check(bag, "--settings", write("{topic: lidar/points}"))[1]
+    assert "warning: %s: no entry of clouds has topic 'camera/points': using the defaults\n" % settings in said
+    assert "using the defaults" not in check(bag)[1]
 
 
 def test_a_block_that_a_link_comes_into_is_a_collision_with_the_cloud_and_the_link_named(check, make_bag, with_clouds, write):
@@ -277,16 +280,28 @@ def test_a_cloud_whose_lengths_lie_is_refused_and_ends_nothing(check, with_cloud
         assert all(row["verdict"] != "free" for row in rows)
 
 
-@pytest.mark.parametrize("topics, says", [(["lidar/points"], "/camera/points"), (["/image"], "sensor_msgs/PointCloud2"),
-                                          (["camera/points", "/camera/points"], "twice"), (["/"], "--clouds")])
+@pytest.mark.parametrize("topics, says", [
+    (["lidar/points"], "the bag has no messages on topic 'lidar/points'; topics with clouds: /camera/points"),
+    (["camera/points", "/lidar/points"], "the bag has no messages on topic '/lidar/points'; topics with clouds: /camera/points"),
+    (["/image"], "topic '/image' is not of type sensor_msgs/PointCloud2"),
+    (["camera/points", "image"], "topic 'image' is not of type sensor_msgs/PointCloud2"),
+    (["camera/points", "/camera/points"], "topic '/camera/points' is listed twice"), (["/"], "'/' is not a valid topic name"),
+    (["camera/points", ""], "'' is not a valid topic name")])
 def test_a_topic_that_is_no_cloud_of_the_bag_is_one_line_and_exit_code_2(run_tool, with_clouds, tmp_path, topics, says):
     bag = with_clouds(every(1.0, 2, FAR_SEEN))
     with rosbag.Bag(str(bag), "a") as target:
         target.write("/image", Image(), rospy.Time.from_sec(START + 1))
     done = run_tool("check_bag", bag, "--out", tmp_path / "out.csv", "--clouds", *topics)
     errors = [line for line in done.stderr.splitlines() if not line.startswith("warning: ")]
-    assert done.returncode == 2 and len(errors) == 1 and says in errors[0], done.stderr
+    of_bag = "%s: " % bag if says.startswith(("the bag", "topic")) and "twice" not in says else ""
+    assert done.returncode == 2 and errors in (["error: %s--clouds: %s" % (of_bag, says)], ["error: %s: --clouds: %s" % (bag, says)])
     assert not (tmp_path / "out.csv").exists()
+
+
+def test_of_a_bag_without_any_cloud_that_is_said(run_tool, make_bag):
+    done = run_tool("check_bag", make_bag("none.bag"), "--clouds", "camera/points")
+    assert done.returncode == 2 and done.stderr.splitlines()[-1].endswith(
+        "--clouds: the bag has no messages on topic 'camera/points'; topics with clouds: none")
 
 
 def test_clouds_that_were_recorded_too_late_are_refused(check, with_clouds, tmp_path):
