@@ -69,13 +69,43 @@ def test_progress_is_shown_on_a_terminal_and_erased(tool, tmp_path):
                    env=dict(os.environ, ROS_PACKAGE_PATH=PROJECT + ":/usr/share"))
     os.close(stderr)
     shown = os.read(terminal, 1 << 16).decode()
-    assert re.search(r"\[#* *\] \d+ % ", shown) and "\r\033[K" in shown.rsplit("%", 1)[1], shown
+    drawn = re.findall(r"\r\033\[K(.*?) \[(#* *)\] (\d+) % ", shown)
+    assert drawn and "\r\033[K" in shown.rsplit("%", 1)[1], shown
+    for title, line, percent in drawn:
+        assert title and len(line) == 40 and line.count("#") == 40 * int(percent) // 100 and int(percent) <= 100
 
 
-def test_defaults_are_printed_as_they_are_written(run_tool):
-    said = run_tool("generate_srdf", "--help").stdout
-    for default in ("--confidence SHARE (=0.99) ", "--max-probability SHARE (=0.0001)", "--samples COUNT (=50000) "):
-        assert default in said
+DEFAULTS = {
+    "check_states": "voxel-size=0 fidelity=mesh alarm-distance=0 tolerance=0 time-budget=0 max-hull-vertices=0 threads=0",
+    "check_motion": "voxel-size=0 fidelity=mesh clearance=0 resolution=0.001 threads=0",
+    "check_bag": "fidelity=mesh alarm-distance=0.05 tolerance=0",
+    "generate_srdf": "samples=50000 seed=1 threads=0 confidence=0.99 max-probability=0.0001 clearance=0 searches=20 "
+                     "narrow-phase=native",
+    "merge_bag_checks": "alarm-distance=0.05 max-gap=1"}
+BEGINS = {
+    "check_states": "Checks recorded joint states of a robot for collisions.\n\nUsage: check_states ROBOT.urdf --states STATES.csv "
+                    "[OPTIONS]\n  ROBOT.urdf: the robot's URDF\n\nOptions:\n",
+    "check_bag": "Checks the motion of a robot in recorded bags for collisions.\n\nUsage: check_bag BAG... [OPTIONS]\n"
+                 "  BAG...: the bags to check\n\nOptions:\n"}
+
+
+@pytest.mark.parametrize("tool", DEFAULTS)
+def test_defaults_are_printed_as_they_are_written(run_tool, tool):
+    said = run_tool(tool, "--help").stdout
+    assert " ".join("%s=%s" % each for each in re.findall(r"--([a-z-]+) \S+ \(=(\S+)\)", said)) == DEFAULTS[tool]
+    assert said.startswith(BEGINS.get(tool, "")), said
+
+
+def test_an_option_is_suggested_for_two_edits_and_not_for_three(refused):
+    words = "error: unrecognised option '%s'%s; see check_states --help\n"
+    for given, near in (("--stat", "; did you mean '--states'?"), ("--sta", ""), ("--verdict", ""), ("--tolerances", "; did you mean "
+                                                                                                    "'--tolerance'?")):
+        assert refused("check_states", URDF, "--states", "x", given) == words % (given, near)
+
+
+def test_a_count_below_zero_is_refused_in_these_words(refused):
+    for tool, option in (("generate_srdf", "--samples"), ("generate_srdf", "--threads"), ("check_states", "--threads")):
+        assert refused(tool, URDF, option, "-1") == "error: %s -1: must be 0 or more; see %s --help\n" % (option, tool)
 
 
 @pytest.mark.parametrize("command, says", [
