@@ -103,8 +103,10 @@ TEST_F(BagPosesTest, AfterAPrefixASlashMayFollow) {
   }
   finish("left_");
   EXPECT_EQ(at("arm", 1), Vector3d(2, 1, 0));
-  finish("right");
-  EXPECT_EQ(at("arm", 1), Vector3d(2, 0, 0));
+  for (const char* const prefix : {"right", "/right", "right/", "//right//"}) {
+    finish(prefix);
+    EXPECT_EQ(at("arm", 1), Vector3d(2, 0, 0)) << prefix;
+  }
 }
 
 TEST_F(BagPosesTest, AfterAPrefixASlashMayFollowInNamesOfJointsToo) {

@@ -162,6 +162,7 @@ TEST(PcdFile, DamagedCompressedDataAreRefused) {
   expectRefused(twoCompressed(4294967295u, whole), "its data claim 4294967295 bytes");
   expectRefused(twoCompressed(24, whole.substr(0, 4)), "end within a run");
   expectRefused(twoCompressed(24, whole.substr(0, 2)), "end too early");
+  expectRefused(twoCompressed(24, ""), "end too early");
   expectRefused(twoCompressed(24, whole + std::string(2, 0)), "more than they claim");
   expectRefused(twoCompressed(24, std::string(1, 5) + "012"), "end within a run");
   expectRefused(twoCompressed(24, std::string(1, 0) + "0" + std::string("\xe0\x0e\x01", 3)),
