@@ -9,10 +9,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "collision_pairs/input_error.h"
 #include "mesh_files.h"
 #include "mesh_process.h"
 #include "random_inputs.h"
+#include "refusal.h"
 
 namespace collision_pairs {
 namespace {
@@ -36,16 +36,6 @@ std::vector<Corners> sortedTriangles(const TriangleMesh& mesh) {
   }
   std::sort(triangles.begin(), triangles.end());
   return triangles;
-}
-
-template <class Read>
-std::string refusal(const Read& read) {
-  try {
-    read();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "accepted";
 }
 
 std::string stlRefusal(const std::string& bytes) {

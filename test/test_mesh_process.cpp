@@ -16,8 +16,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "collision_pairs/input_error.h"
 #include "mesh_process.h"
+#include "refusal.h"
 
 namespace collision_pairs {
 namespace {
@@ -25,16 +25,6 @@ namespace {
 namespace fs = std::filesystem;
 using testing::AnyOf;
 using testing::HasSubstr;
-
-template <class Read>
-std::string refusal(const Read& read) {
-  try {
-    read();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "accepted";
-}
 
 class MeshProcess : public testing::Test {
  protected:

@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include "collision_pairs/input_error.h"
 #include "csv.h"
+#include "refusal.h"
 #include "text_files.h"
 
 namespace collision_pairs {
@@ -51,16 +51,6 @@ TEST_F(TextFiles, ABinaryFileIsReadWholeWithItsZeroBytes) {
   const std::string bytes = std::string(100000, 'x') + '\0' + "rest";
   std::ofstream(path("binary")) << bytes;
   EXPECT_EQ(readBinaryFile(path("binary")), bytes);
-}
-
-template <class Work>
-std::string refusal(const Work& work) {
-  try {
-    work();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "accepted";
 }
 
 TEST_F(TextFiles, WhatCannotBeReadIsRefusedByNameThoughItNeverEnds) {
