@@ -2,6 +2,7 @@
 #include <sstream>
 
 #include "geometry_conversions.h"
+#include "printed.h"
 #include "report_of_boxes.h"
 
 namespace collision_pairs {
@@ -30,19 +31,120 @@ TEST_F(Report, AsAMessageSaysEveryPairWithItsState) {
   EXPECT_EQ(message.left_out, (std::vector<std::string>{"a_broken", "z_broken"}));
 }
 
-TEST_F(Report, AsAMessageSaysWhatEachStepTook) {
+TEST_F(Report, AsAMessageSaysEverythingThatIsInIt) {
   CollisionReport report = detector_.report();
-  report.times.boxes = 1.0;
-  report.times.broad_phase = 2.0;
-  report.times.narrow_phase = 3.0;
-  report.times.total = 7.0;
+  report.min_distance = -0.5;
+  report.min_distance_is_bound = true;
+  report.tolerance = 0.001;
+  report.nb_settled = {11, 12, 13, 14, 15};
+  report.nb_unresolved = 21;
+  report.budget_spent = true;
+  report.nb_degraded = 22;
+  report.nb_answered_natively = 23;
+  report.narrow_phase = NarrowPhaseMethod::FCL;
+  report.times = {1.0, 2.0, 3.0, 7.0};
+  report.left_out = {3};
+  report.contacts = {{{1, 2, 3}, {4, 5, 6}, {7, 8, 9}, 0.25, {0, 1}},
+                     {{-1, -2, -3}, {-4, -5, -6}, {-7, -8, -9}, -0.125, {1, 2}}};
+  report.pairs[0].nb_contacts = 2;
+  report.pairs[1].state = PairState::UNRESOLVED;
+  report.pairs[1].fidelity = Fidelity::SPHERES;
   settings_.time_budget = 9.0;
-  const CollisionPairs message = toMessage(report, *scene_, settings_, "world", ros::Time(7), {});
-  EXPECT_EQ(message.time_boxes, 1.0);
-  EXPECT_EQ(message.time_broad_phase, 2.0);
-  EXPECT_EQ(message.time_narrow_phase, 3.0);
-  EXPECT_EQ(message.time_total, 7.0);
-  EXPECT_EQ(message.time_budget, 9.0);
+  settings_.fidelity = Fidelity::CONVEX;
+  EXPECT_EQ(
+      printed(toMessage(report, *scene_, settings_, "world", ros::Time(7), {"gone"})),
+      "header stamp 7.000000000 frame_id world verdict 1 in_collision 1 nb_boxes 4 nb_pairs 2 "
+      "alarm_distance 0.2 tolerance 0.001 fidelity convex min_distance -0.5 min_distance_is_bound "
+      "1 pairs[0] first_link a second_link b state 1 distance -0.1 fidelity mesh contacts[0] "
+      "first_point x 1 y 2 z 3 second_point x 4 y 5 z 6 normal x 7 y 8 z 9 depth 0.25 contacts[1] "
+      "first_point x -1 y -2 z -3 second_point x -4 y -5 z -6 normal x -7 y -8 z -9 depth -0.125 "
+      "pairs[1] first_link b second_link c state 2 distance 0.1 fidelity spheres contacts[0] "
+      "first_point x -1 y -2 z -3 second_point x -4 y -5 z -6 normal x -7 y -8 z -9 depth -0.125 "
+      "left_out[0] d left_out[1] gone nb_degraded 22 narrow_phase fcl nb_answered_natively 23 "
+      "nb_settled[0] 11 nb_settled[1] 12 nb_settled[2] 13 nb_settled[3] 14 nb_settled[4] 15 "
+      "nb_unresolved 21 budget_spent 1 time_budget 9 time_boxes 1 time_broad_phase 2 "
+      "time_narrow_phase 3 time_total 7");
+}
+
+TEST_F(Report, AsAMessageSaysOfEveryStateAndCertaintyWhatItIs) {
+  CollisionReport report = detector_.report();
+  const auto pair = [&] {
+    return toMessage(report, *scene_, settings_, "world", ros::Time(7), {}).pairs[0];
+  };
+  const std::pair<PairState, std::uint8_t> states[] = {
+      {PairState::NEAR, CollisionPair::NEAR},
+      {PairState::CONTACT, CollisionPair::CONTACT},
+      {PairState::UNRESOLVED, CollisionPair::UNRESOLVED}};
+  for (const auto& [state, said] : states) {
+    report.pairs[0].state = state;
+    EXPECT_EQ(pair().state, said);
+  }
+  const std::pair<Certainty, std::uint8_t> certainties[] = {
+      {Certainty::EXACT, CollisionPair::EXACT},
+      {Certainty::TOLERATED, CollisionPair::LOWER_BOUND},
+      {Certainty::BEYOND, CollisionPair::LOWER_BOUND},
+      {Certainty::BOUND, CollisionPair::DEPTH_BOUND},
+      {Certainty::DEGRADED, CollisionPair::LOWER_BOUND},
+      {Certainty::UNFINISHED, CollisionPair::LOWER_BOUND}};
+  for (const auto& [certainty, said] : certainties) {
+    report.pairs[0].certainty = certainty;
+    EXPECT_EQ(pair().certainty, said);
+  }
+}
+
+TEST_F(Report, OfADistanceWithoutEndSaysSoOnlyIfNothingIsLeftOut) {
+  CollisionReport report = detector_.report();
+  report.min_distance = HUGE_VAL;
+  const auto distance = [&] {
+    return toMessage(report, *scene_, settings_, "world", ros::Time(7), {}).min_distance;
+  };
+  EXPECT_EQ(distance(), HUGE_VAL);
+  report.left_out = {3};
+  EXPECT_EQ(distance(), 0.0);
+  report.min_distance = 0.5;
+  EXPECT_EQ(distance(), 0.5) << "of the others";
+  report.left_out = {0, 1, 2, 3};
+  EXPECT_EQ(distance(), 0.0);
+}
+
+TEST_F(Report, OfNothingHasNoOtherField) {
+  EXPECT_EQ(
+      printed(unknown("there is no robot", "world", ros::Time(7))),
+      "header stamp 7.000000000 frame_id world verdict 2 unknown_because[0] there is no "
+      "robot in_collision 1 min_distance_is_bound 1 nb_settled[0] nb_settled[1] nb_settled[2] "
+      "nb_settled[3] nb_settled[4]");
+}
+
+TEST(PoseOfAMessage, ThatIsNoneSaysWhy) {
+  const double nan = std::nan("");
+  struct Case {
+    double position[3], quaternion[4];
+    const char* says;
+  };
+  const Case all[] = {{{nan, 2, 3}, {0, 0, 0, 1}, "its position is not finite"},
+                      {{1, nan, 3}, {0, 0, 0, 1}, "its position is not finite"},
+                      {{1, 2, HUGE_VAL}, {0, 0, 0, 1}, "its position is not finite"},
+                      {{1, 2, 3}, {nan, 0, 0, 1}, "its quaternion is not finite"},
+                      {{1, 2, 3}, {0, 0, 0, -HUGE_VAL}, "its quaternion is not finite"},
+                      {{1, 2, 3}, {1, 2, 4, 2}, "its quaternion is of length 5, not 1"}};
+  for (const Case& one : all) {
+    geometry_msgs::Pose pose;
+    geometry_msgs::Transform transform;
+    const auto fill = [](const double* values, std::initializer_list<double*> fields) {
+      for (double* field : fields) *field = *values++;
+    };
+    fill(one.position, {&pose.position.x, &pose.position.y, &pose.position.z});
+    fill(one.quaternion,
+         {&pose.orientation.x, &pose.orientation.y, &pose.orientation.z, &pose.orientation.w});
+    auto& p = transform.translation;
+    fill(one.position, {&p.x, &p.y, &p.z});
+    transform.rotation = pose.orientation;
+    EXPECT_EQ(whyNoIsometry(pose), one.says);
+    EXPECT_EQ(whyNoIsometry(transform), one.says);
+    Eigen::Isometry3d X;
+    EXPECT_FALSE(toIsometry(pose, X));
+    EXPECT_FALSE(toIsometry(transform, X));
+  }
 }
 
 TEST_F(Report, InContactIsCollisionAlsoWhereSomethingElseIsUnknown) {
@@ -192,6 +294,7 @@ TEST_F(Report, WithVerdictOnlySaysThatItsPairsAreNotAll) {
   const CollisionPairs message =
       toMessage(detector_.report(), *scene_, settings_, "world", ros::Time(7), {});
   EXPECT_TRUE(message.verdict_only);
+  EXPECT_TRUE(message.in_collision);
   EXPECT_EQ(message.alarm_distance, 0.0);
 }
 
@@ -228,6 +331,13 @@ TEST_F(OfMixedLinks, AContactNamesTheElementWithinItsLink) {
   ASSERT_EQ(found.pairs[0].contacts.size(), 1u);
   EXPECT_EQ(found.pairs[0].contacts[0].first_element, 0u);
   EXPECT_EQ(found.pairs[0].contacts[0].second_element, 1u);
+  const auto as_first = scene_->models()[scene_->findModel("z")].first_element + 1;
+  CollisionReport report = detector_.report();
+  std::swap(report.contacts[0].elements.first, report.contacts[0].elements.second);
+  ASSERT_EQ(report.contacts[0].elements.first, as_first);
+  const auto swapped = toMessage(report, *scene_, {}, "world", ros::Time(7), {}).pairs[0];
+  EXPECT_EQ(swapped.contacts[0].first_element, 1u);
+  EXPECT_EQ(swapped.contacts[0].second_element, 0u);
 }
 
 TEST_F(OfMixedLinks, TheDepthOfMeshesIsSaidToBeABound) {
@@ -259,6 +369,11 @@ TEST(PoseOfAMessage, IsThePose) {
     const Eigen::Isometry3d X = random.pose(2.0);
     Eigen::Isometry3d X_found;
     ASSERT_TRUE(toIsometry(toPose(X), X_found));
+    EXPECT_TRUE(X_found.isApprox(X, 1e-12));
+    geometry_msgs::Transform transform;
+    transform.translation = toVector3(X.translation());
+    transform.rotation = toPose(X).orientation;
+    ASSERT_TRUE(toIsometry(transform, X_found));
     EXPECT_TRUE(X_found.isApprox(X, 1e-12));
     for (const double length : {0.9989, 0.9991, 1.0009, 1.0011}) {  // float32 is 1e-7 off, at most
       geometry_msgs::Pose scaled = toPose(X);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "node_health.h"
+#include "printed.h"
 
 namespace collision_pairs {
 namespace {
@@ -88,6 +89,7 @@ TEST_F(Health, IsWellWhateverTheVerdictIfThereIsOne) {
   for (const std::uint8_t verdict : {CollisionPairs::FREE, CollisionPairs::COLLISION}) {
     noteCycle(verdict);
     EXPECT_EQ(status().level, DiagnosticStatus::OK);
+    EXPECT_EQ(status().message, "checking");
   }
   EXPECT_EQ(value("verdict"), "COLLISION");
   noteCycle(CollisionPairs::UNKNOWN);
@@ -127,6 +129,7 @@ TEST_F(Health, IsAnErrorWithoutAVerdictWhereNothingIsChecked) {
   message.pairs[0].state = CollisionPair::UNRESOLVED;
   health_.noteCycle(message, 0.01, 0.001, 0.02);
   EXPECT_EQ(value("unresolved pairs"), "1");
+  EXPECT_EQ(status().message, "links are left out; unresolved pairs");
   health_.noteProblem("there is no robot");
   EXPECT_EQ(status().level, DiagnosticStatus::ERROR);
   EXPECT_THAT(status().message, HasSubstr("there is no robot"));
@@ -135,6 +138,49 @@ TEST_F(Health, IsAnErrorWithoutAVerdictWhereNothingIsChecked) {
   EXPECT_EQ(value("links left out"), "") << "that was an earlier cycle's";
   EXPECT_EQ(value("nb_pairs"), "0");
   EXPECT_EQ(value("unresolved pairs"), "0");
+}
+
+/// Every sentence and number at once.
+TEST(NodeHealth, SaysAllThatItKnows) {
+  NodeHealth health;
+  CollisionPairs message;
+  message.verdict = CollisionPairs::UNKNOWN;
+  message.unknown_because = {"no usable pose: arm", "a cloud"};
+  message.left_out = {"arm", "hand"};
+  message.nb_boxes = 11;
+  message.nb_pairs = 12;
+  message.nb_degraded = 13;
+  message.budget_spent = true;
+  message.pairs.resize(3);
+  message.pairs[1].state = message.pairs[2].state = CollisionPair::UNRESOLVED;
+  for (int i = 0; i < 3; ++i) health.noteCycle(message, 0.125, 0.5, 0.25);
+  message.budget_spent = false;
+  health.noteCycle(message, 0.125, 0.25, 0.25);  // as long as the period is in time
+  health.noteScene({"a parameter is none", "another"}, {"'a': open", "'b': open"});
+  health.noteTransforms({"'a' refused", "'b' refused"}, 7);
+  health.noteDescriptions("/robot_description has changed");
+  diagnostic_updater::DiagnosticStatusWrapper status;
+  health.diagnose(status);
+  EXPECT_EQ(
+      printed(static_cast<DiagnosticStatus&>(status)),
+      "level 1 message the verdict is UNKNOWN: no usable pose: arm; a cloud; links are left out; "
+      "/robot_description has changed; unresolved pairs; transforms are refused; a parameter is "
+      "none; another; 3 of 4 cycles took longer than their period of 0.25 s: lower rate or "
+      "fidelity, or set time_budget values[0] key verdict value UNKNOWN values[1] key transform "
+      "age [s] value 0.125 values[2] key cycle time [s] value 0.25 values[3] key cycles value 4 "
+      "values[4] key overruns value 3 values[5] key cycles out of time value 3 values[6] key times "
+      "the clock went back value 7 values[7] key links left out value arm hand values[8] key "
+      "transforms refused value 'a' refused; 'b' refused values[9] key open meshes value 'a': "
+      "open; 'b': open values[10] key nb_boxes value 11 values[11] key nb_pairs value 12 "
+      "values[12] key degraded pairs value 13 values[13] key unresolved pairs value 2");
+  message.verdict = CollisionPairs::FREE;
+  message.unchecked = "nothing is checked";
+  health.noteCycle(message, std::nullopt, 0.125, 0.25);
+  health.diagnose(status);
+  EXPECT_THAT(status.message, HasSubstr("; nothing is checked; "));
+  health.noteProblem("why");
+  health.diagnose(status);
+  EXPECT_EQ(status.message.substr(0, 50), "not checking: why; /robot_description has changed;");
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 
 #include "collision_pairs/input_error.h"
 #include "point_cloud.h"
+#include "printed.h"
 #include "random_inputs.h"
 
 namespace collision_pairs {
@@ -194,8 +195,17 @@ TEST(PointCloud, WhoseCoordinatesAreWrongIsRefused) {
   cloud.fields[3].name = "y";
   expectRefused(cloud, "field 'y' occurs twice");
   cloud = sound;
+  cloud.fields[1].name = "x";
+  expectRefused(cloud, "field 'x' occurs twice");
+  cloud = sound;
+  cloud.fields[0].name = "first";
+  for (int i = 0; i < 8; ++i) cloud.fields.push_back(field(std::string(1, 'a' + i), 12, 7));
+  expectRefused(cloud, "(its fields: first, y, z, rgb, a, b, c, d, e, f)");
+  cloud = sound;
   cloud.fields[0].count = 3;
   expectRefused(cloud, "field 'x' has count 3");
+  cloud.fields[0].count = 2;
+  expectRefused(cloud, "field 'x' has count 2");
   cloud.fields[0].count = 0;  // of old publishers
   EXPECT_EQ(read(cloud), SIX);
 }
@@ -204,10 +214,14 @@ TEST(PointCloud, WhoseSizesDoNotFitIsRefused) {
   const PointCloud2 sound = cloudOf(SIX, packed(3, 2));
   PointCloud2 cloud = sound;
   cloud.point_step = 0;
-  expectRefused(cloud, "point_step is 0");
+  expectRefused(cloud, "its point_step is 0");
   cloud = sound;
   cloud.point_step = 11;
   expectRefused(cloud, "field 'z' ends 12 bytes into a point, but point_step is 11");
+  cloud = sound;
+  cloud.fields[1].datatype = PointField::FLOAT64;
+  cloud.fields[1].offset = 9;
+  expectRefused(cloud, "field 'y' ends 17 bytes into a point, but point_step is 16");
   cloud = sound;
   cloud.fields[1].offset = std::numeric_limits<std::uint32_t>::max();
   expectRefused(cloud, "field 'y' ends 4294967299 bytes");
@@ -243,7 +257,14 @@ TEST(PointCloud, ThatWasWrittenIsReadAsItWas) {
   const PointCloud2 cloud = toPointCloud2(SIX, header);
   EXPECT_EQ(read(cloud), SIX);
   EXPECT_EQ(cloud.header.frame_id, "camera");
-  EXPECT_TRUE(read(toPointCloud2({}, header)).empty());
+  const PointCloud2 none = toPointCloud2({}, header);
+  EXPECT_TRUE(read(none).empty());
+  EXPECT_EQ(
+      printed(none),
+      "header frame_id camera height 1 fields[0] name x datatype 7 count 1 fields[1] name y "
+      "offset 4 datatype 7 count 1 fields[2] name z offset 8 datatype 7 count 1 point_step 12 "
+      "is_dense 1");
+  EXPECT_EQ(cloud.row_step, 6u * 12u);
 }
 
 }  // namespace

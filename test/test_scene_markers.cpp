@@ -1,4 +1,5 @@
 // What rviz is shown of a scene, and of the boxes of a report about it, where they stand.
+#include <array>
 #include <set>
 
 #include <gtest/gtest.h>
@@ -8,8 +9,10 @@
 #include "demo_scene.h"
 #include "geometry_conversions.h"
 #include "markers.h"
+#include "printed.h"
 #include "random_inputs.h"
 #include "scene_markers.h"
+#include "sphere_cover.h"
 #include "test_shapes.h"
 
 namespace collision_pairs {
@@ -145,25 +148,153 @@ TEST(SceneMarkers, ReachAsFarAsTheirShapeInEveryDirection) {
       description.objects = {object};
       const auto scene = CollisionScene::build(description);
       const auto shown = of("standing", toSceneMarkers(*scene, Fidelity::MESH, "world").markers);
+      const auto hull = of("standing", toSceneMarkers(*scene, Fidelity::CONVEX, "world").markers);
       for (int i = 0; i < 10; ++i) {
         const Vector3d d = random.rotation() * Vector3d::UnitX();
         const double expected = reachOf(shape, object.X_PO * object.elements[0].X_LE, d);
         EXPECT_NEAR(reachOf(shown, d), expected, 1e-9) << shape.index();
+        EXPECT_NEAR(reachOf(hull, d), expected, 1e-6) << shape.index();
       }
     }
   }
+}
+
+TEST(SceneMarkers, HaveTheirPlaceSizeAndColour) {
+  SceneDescription description;
+  description.robots.push_back(
+      {robotFrom(linkWith("base", "<box size='1 2 3'/>", "<origin xyz='4 5 6'/>")), Srdf(), ""});
+  const Isometry3d X_PE = Isometry3d(Eigen::Translation3d(1, 2, 3)) *
+                          Eigen::AngleAxisd(EIGEN_PI / 2, Vector3d::UnitX());
+  RigidObject load, beside;
+  load.name = "load";
+  load.attached_link = "base";
+  load.elements.push_back({Sphere{0.25}, X_PE});
+  beside.name = "beside";
+  beside.elements = {{Cylinder{0.5, 8.0}, X_PE},
+                     {Capsule{0.125, 6.0}, X_PE},
+                     {HalfSpace{}, X_PE},
+                     {meshShape(LShape().mesh()), X_PE},
+                     {Box{{0.0, 1.0, 2.0}}, X_PE}};
+  beside.X_PO.translation().x() = 100.0;
+  description.objects = {load, beside};
+  description.clouds.push_back(cloudOf("camera", 0.1, {}));  // drawn apart
+  std::vector<std::string> all;
+  auto array = toSceneMarkers(*CollisionScene::build(description), Fidelity::MESH, "world");
+  for (Marker& marker : array.markers) {
+    const std::size_t nb_points = marker.points.size();
+    marker.points.clear();
+    all.push_back(printed(marker) + (nb_points ? " points " + std::to_string(nb_points) : ""));
+  }
+  const std::vector<std::string> expected = {
+      "header frame_id world action 3",
+      "header frame_id base ns links id 2 type 1 pose position x 4 y 5 z 6 orientation w 1 scale x "
+      "1 y 2 z 3 color r 0.25 g 0.45 b 0.8 a 0.5 frame_locked 1",
+      "header frame_id base ns attached_objects id 3 type 2 pose position x 1 y 2 z 3 orientation "
+      "x 0.707107 w 0.707107 scale x 0.5 y 0.5 z 0.5 color r 0.6 g 0.3 b 0.7 a 0.9 frame_locked 1",
+      "header frame_id world ns standing id 4 type 3 pose position x 101 y 2 z 3 orientation x "
+      "0.707107 w 0.707107 scale x 1 y 1 z 8 color r 0.35 g 0.6 b 0.4 a 0.6",
+      "header frame_id world ns standing id 5 type 3 pose position x 101 y 2 z 3 orientation x "
+      "0.707107 w 0.707107 scale x 0.25 y 0.25 z 6 color r 0.35 g 0.6 b 0.4 a 0.6",
+      "header frame_id world ns standing id 6 type 2 pose position x 101 y 5 z 3 orientation x "
+      "0.707107 w 0.707107 scale x 0.25 y 0.25 z 0.25 color r 0.35 g 0.6 b 0.4 a 0.6",
+      "header frame_id world ns standing id 7 type 2 pose position x 101 y -1 z 3 orientation x "
+      "0.707107 w 0.707107 scale x 0.25 y 0.25 z 0.25 color r 0.35 g 0.6 b 0.4 a 0.6",
+      "header frame_id world ns standing id 8 type 1 pose position x 101 y 2.0005 z 3 orientation "
+      "x 0.707107 w 0.707107 scale x 10 y 10 z 0.001 color r 0.35 g 0.6 b 0.4 a 0.6",
+      "header frame_id world ns standing id 9 type 11 pose position x 101 y 2 z 3 orientation x "
+      "0.707107 w 0.707107 scale x 1 y 1 z 1 color r 0.35 g 0.6 b 0.4 a 0.6 points 72",
+      "header frame_id world ns standing id 10 type 1 pose position x 101 y 2 z 3 orientation x "
+      "0.707107 w 0.707107 scale x 1e-06 y 1 z 2 color r 0.35 g 0.6 b 0.4 a 0.6"};
+  EXPECT_EQ(all, expected);
+}
+
+/// Triangles of a sphere of the tree.
+struct DrawnSphere {
+  PlacedSphere sphere;
+  std::vector<std::array<Vector3d, 3>> triangles;
+  /// Whether one of them is seen from the centre in this direction; then from outside, too.
+  bool covers(const Vector3d& d) const {
+    return std::any_of(triangles.begin(), triangles.end(), [&](const auto& t) {
+      const Vector3d a = t[0] - sphere.center, b = t[1] - sphere.center, c = t[2] - sphere.center;
+      return a.cross(b).dot(d) > -1e-9 && b.cross(c).dot(d) > -1e-9 && c.cross(a).dot(d) > -1e-9;
+    });
+  }
+};
+
+TEST(SceneMarkers, OfSpheresAreClosedFaceOutwardsAndHoldTheMesh) {
+  SceneDescription description;
+  description.robots.push_back({robotFrom(slidingBoxes(2)), std::nullopt, ""});
+  RigidObject slab;
+  slab.name = "slab";
+  slab.elements.push_back({meshShape(boxMesh({0.1, 0.075, 0.01})), Isometry3d::Identity()});
+  description.objects = {slab};
+  const auto scene = CollisionScene::build(description);
+  const auto lists = of("standing", toSceneMarkers(*scene, Fidelity::SPHERES, "world").markers);
+  ASSERT_EQ(lists.size(), 1u);
+  std::vector<DrawnSphere> all;
+  const SceneElement& element = scene->elements().front();
+  ASSERT_TRUE(element.spheres);
+  for (const OuterSphere& sphere : element.spheres->get()) all.push_back({sphere, {}});
+  for (std::size_t i = 0; i + 2 < lists[0].points.size(); i += 3) {
+    std::array<Vector3d, 3> t;
+    for (std::size_t k = 0; k < 3; ++k) t[k] = toVector(lists[0].points[i + k]);
+    const auto its = std::find_if(all.begin(), all.end(), [&](const DrawnSphere& one) {
+      const auto off = [&](int k) { return (t[k] - one.sphere.center).norm() - one.sphere.radius; };
+      return std::max({std::abs(off(0)), std::abs(off(1)), std::abs(off(2))}) < 1e-12;
+    });
+    ASSERT_NE(its, all.end()) << "its corners are on no sphere";
+    its->triangles.push_back(t);
+  }
+  const auto isHidden = [](const DrawnSphere& one) { return one.triangles.empty(); };
+  all.erase(std::remove_if(all.begin(), all.end(), isHidden), all.end());
+  RandomInputs random;
+  int nb_outside = 0;
+  for (const DrawnSphere& one : all) {
+    for (int i = 0; i < 50; ++i) {
+      const Vector3d d = random.rotation() * Vector3d::UnitX();
+      const Vector3d p = one.sphere.center + one.sphere.radius * d;
+      const auto isNear = [&](const DrawnSphere& other) {
+        return &other != &one && (p - other.sphere.center).norm() < 1.3 * other.sphere.radius;
+      };
+      if (std::any_of(all.begin(), all.end(), isNear)) continue;
+      ++nb_outside;
+      EXPECT_TRUE(one.covers(d)) << "a hole";
+    }
+  }
+  EXPECT_GT(nb_outside, 100);
+  for (int i = 0; i < 200; ++i) {
+    const Vector3d p = random.vector(-1.0, 1.0).cwiseProduct(Vector3d(0.1, 0.075, 0.01));
+    const auto holds = [&](const DrawnSphere& one) {
+      return (p - one.sphere.center).norm() <= one.sphere.radius + 1e-9;
+    };
+    EXPECT_TRUE(std::any_of(all.begin(), all.end(), holds));
+  }
+}
+
+TEST(SceneMarkers, OfAFlatHullHaveNoListWithoutPoints) {
+  const TriangleMesh sheet{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}, "sheet"};
+  for (const Marker& marker : drawn(meshShape(sheet), Sphere{0.1}, Fidelity::CONVEX)) {
+    EXPECT_TRUE(marker.type != Marker::TRIANGLE_LIST || !marker.points.empty());
+  }
+}
+
+TEST(SceneMarkers, BeginWithTheRobotBecauseAVastWorldIsNotDrawnWhole) {
+  SceneDescription description;
+  description.robots.push_back({robotFrom(slidingBoxes(2)), std::nullopt, ""});
+  RigidObject dust;
+  dust.name = "dust";
+  dust.elements.assign(10000, {Sphere{0.001}, Isometry3d::Identity()});
+  description.objects = {dust};
+  const auto array = toSceneMarkers(*CollisionScene::build(description), Fidelity::MESH, "world");
+  EXPECT_EQ(array.markers.size(), 1u + 10000u);
+  EXPECT_EQ(of("links", array.markers).size(), 2u);
+  EXPECT_EQ(array.markers.back().ns, "standing");
 }
 
 TEST(SceneMarkers, AFloorIsDrawnBelowItsSurface) {
   const auto floor = of("standing", drawn(Sphere{0.1}, HalfSpace{}, Fidelity::MESH));
   ASSERT_EQ(floor.size(), 1u);
   EXPECT_DOUBLE_EQ(floor[0].pose.position.z + 0.5 * floor[0].scale.z, -1.0);
-}
-
-TEST(SceneMarkers, BeginWithTheRobotBecauseAVastWorldIsNotDrawnWhole) {
-  const auto markers = drawn(Sphere{0.1}, Sphere{0.1}, Fidelity::MESH);
-  ASSERT_EQ(markers.size(), 4u);
-  EXPECT_EQ(markers.back().ns, "standing");
 }
 
 /// Link a (a box), a mesh on it, a capsule and a floor.

@@ -1,190 +1,18 @@
-// Objects in messages, and what changes make of them: no master needed.
+// What changes make of the scene's objects: no master needed.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "collision_pairs/input_error.h"
-#include "demo_scene.h"
-#include "geometry_conversions.h"
-#include "object_conversions.h"
-#include "random_inputs.h"
+#include "object_messages.h"
+#include "printed.h"
 #include "scene_updates.h"
-#include "test_shapes.h"
 
 namespace collision_pairs {
 namespace {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
-using shape_msgs::SolidPrimitive;
 using testing::AllOf;
 using testing::HasSubstr;
-
-geometry_msgs::Pose poseAt(double x, double y, double z) {
-  geometry_msgs::Pose pose;
-  pose.position.x = x;
-  pose.position.y = y;
-  pose.position.z = z;
-  pose.orientation.w = 1.0;
-  return pose;
-}
-
-SolidPrimitive primitive(std::uint8_t type, const std::vector<double>& dimensions) {
-  SolidPrimitive solid;
-  solid.type = type;
-  solid.dimensions.assign(dimensions.begin(), dimensions.end());
-  return solid;
-}
-
-SceneObject boxObject(const std::string& name, const geometry_msgs::Pose& pose) {
-  SceneObject object;
-  object.name = name;
-  object.pose = pose;
-  object.primitives = {primitive(SolidPrimitive::BOX, {1, 2, 3})};
-  return object;
-}
-
-MeshLoader noMeshLoader() {
-  return [](const std::string& uri, const Vector3d&) -> std::shared_ptr<const TriangleMesh> {
-    throw InputError("mesh '" + uri + "': there is no such file");
-  };
-}
-
-std::string refusal(const SceneObject& object) {
-  try {
-    toObject(object, noMeshLoader());
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "accepted";
-}
-
-TEST(ObjectOfAMessage, HasItsShapesWhereTheyAre) {
-  SceneObject message = boxObject("thing", poseAt(0, 0, 0));
-  message.primitives.push_back(primitive(SolidPrimitive::SPHERE, {0.5}));
-  message.primitives.push_back(primitive(SolidPrimitive::CYLINDER, {2.0, 0.25}));
-  message.primitive_poses = {poseAt(0, 0, 0), poseAt(1, 0, 0), poseAt(0, 2, 0)};
-  message.padding = 0.1;
-  message.touch_links = {"a"};
-  const RigidObject object = toObject(message, noMeshLoader());
-  ASSERT_EQ(object.elements.size(), 3u);
-  EXPECT_EQ(std::get<Box>(object.elements[0].shape).size, Vector3d(1, 2, 3));
-  EXPECT_EQ(std::get<Sphere>(object.elements[1].shape).radius, 0.5);
-  EXPECT_EQ(object.elements[1].X_LE.translation(), Vector3d(1, 0, 0));
-  EXPECT_EQ(std::get<Cylinder>(object.elements[2].shape).length, 2.0);
-  EXPECT_EQ(std::get<Cylinder>(object.elements[2].shape).radius, 0.25);
-  EXPECT_EQ(object.padding, 0.1);
-  EXPECT_EQ(object.touch_links, (std::vector<std::string>{"a"}));
-}
-
-TEST(ObjectOfAMessage, AMeshKeepsItsHollows) {
-  const TriangleMesh l = LShape().mesh();
-  SceneObject message;
-  message.name = "l";
-  message.meshes.resize(1);
-  message.mesh_poses = {poseAt(0, 0, 0)};
-  for (const Vector3d& p : l.vertices) message.meshes[0].vertices.push_back(toPoint(p));
-  for (const auto& t : l.triangles) {
-    shape_msgs::MeshTriangle triangle;
-    std::copy(t.begin(), t.end(), triangle.vertex_indices.begin());
-    message.meshes[0].triangles.push_back(triangle);
-  }
-  const RigidObject object = toObject(message, noMeshLoader());
-  ASSERT_EQ(object.elements.size(), 1u);
-  const auto* mesh = std::get_if<Mesh>(&object.elements[0].shape);
-  ASSERT_TRUE(mesh) << "it is not said to be convex";
-  EXPECT_EQ(mesh->mesh->vertices, l.vertices);
-  EXPECT_EQ(mesh->mesh->triangles, l.triangles);
-}
-
-TEST(ObjectOfAMessage, ConeLiesWithinItsPyramidAndIsHardlyNarrower) {
-  SceneObject message;
-  message.primitives = {primitive(SolidPrimitive::CONE, {0.6, 0.2})};
-  const RigidObject object = toObject(message, noMeshLoader());
-  const auto& hull = std::get<Convex>(object.elements.front().shape);
-  const Vector3d lower(0, 0, -0.3), upper(0, 0, 0.3);
-  double widest = 0.0;
-  for (const Vector3d& p : hull.mesh->vertices) widest = std::max(widest, p.head<2>().norm());
-  EXPECT_LT(widest, 0.2 * 1.0013);
-  // Every side of the pyramid is at least the radius away from the axis.
-  const auto& corners = hull.mesh->vertices;
-  for (std::size_t i = 0; i + 1 < corners.size(); ++i) {
-    const Vector3d& next = corners[(i + 1) % (corners.size() - 1)];
-    EXPECT_GE((0.5 * (corners[i] + next)).head<2>().norm(), 0.2 * (1.0 - 1e-12));
-  }
-  EXPECT_TRUE(corners.back().isApprox(upper));
-  EXPECT_DOUBLE_EQ(corners.front().z(), lower.z());
-}
-
-TEST(ObjectOfAMessage, PlaneIsSolidBehind) {
-  RandomInputs random;
-  for (int round = 0; round < 100; ++round) {
-    shape_msgs::Plane plane;
-    for (double& c : plane.coef) c = random.uniform(-2, 2);
-    SceneObject message;
-    message.planes = {plane};
-    const Isometry3d X_OE = toObject(message, noMeshLoader()).elements.front().X_LE;
-    const Vector3d normal(plane.coef[0], plane.coef[1], plane.coef[2]);
-    for (int i = 0; i < 10; ++i) {
-      const Vector3d p = random.vector(-3, 3);
-      const double side = (normal.dot(p) + plane.coef[3]) / normal.norm();
-      EXPECT_NEAR((X_OE.inverse() * p).z(), side, 1e-12);
-    }
-  }
-}
-
-TEST(ObjectOfAMessage, PoseOfAPlaneMovesThePlane) {
-  RandomInputs random;
-  shape_msgs::Plane plane;
-  plane.coef = {0.0, 0.0, 1.0, -2.0};  // z = 2
-  for (int round = 0; round < 20; ++round) {
-    const Isometry3d X_OP = random.pose(1.0);
-    SceneObject message;
-    message.planes = {plane};
-    message.plane_poses = {toPose(X_OP)};
-    const Isometry3d X_OE = toObject(message, noMeshLoader()).elements.front().X_LE;
-    const Vector3d on_plane(random.uniform(-3, 3), random.uniform(-3, 3), 2.0);
-    EXPECT_NEAR((X_OE.inverse() * X_OP * on_plane).z(), 0.0, 1e-12);
-  }
-}
-
-TEST(ObjectOfAMessage, PlaneThatFacesDownIsAsExactAsOneThatFacesUp) {
-  const Vector3d p(5, 2, 1);
-  for (const double slope : {0.0, 1e-7, 1e-6, 1.5e-6, 1e-5, 1e-4, 1e-3}) {
-    for (const double c : {-1.0, 1.0}) {
-      shape_msgs::Plane plane;
-      plane.coef = {slope, 0.0, c, 3.0};
-      SceneObject message;
-      message.planes = {plane};
-      const Isometry3d X_OH = toObject(message, noMeshLoader()).elements.front().X_LE;
-      const double side = (slope * p.x() + c * p.z() + 3.0) / std::hypot(slope, c);
-      EXPECT_NEAR((X_OH.inverse() * p).z(), side, 1e-14) << slope << " " << c;
-      EXPECT_LT((X_OH.linear().transpose() * X_OH.linear() - Eigen::Matrix3d::Identity()).norm(),
-                1e-14);
-    }
-  }
-}
-
-TEST(ObjectOfAMessage, WhatIsWrongIsNamed) {
-  const auto with = [](const auto& spoil) {
-    SceneObject object = boxObject("thing", poseAt(0, 0, 0));
-    spoil(object);
-    return refusal(object);
-  };
-  EXPECT_THAT(with([](SceneObject& o) { o.primitives[0].dimensions.pop_back(); }),
-              AllOf(HasSubstr("primitives[0]"), HasSubstr("2 dimensions, but needs 3: x, y, z")));
-  EXPECT_THAT(with([](SceneObject& o) { o.primitives[0].dimensions[1] = -1; }),
-              HasSubstr("primitives[0]"));
-  EXPECT_THAT(with([](SceneObject& o) { o.primitives[0].type = 9; }),
-              HasSubstr("type 9 is unknown"));
-  EXPECT_THAT(with([](SceneObject& o) { o.primitive_poses.resize(1); }),
-              HasSubstr("pose is invalid"));
-  EXPECT_THAT(with([](SceneObject& o) { o.primitive_poses.resize(2); }),
-              HasSubstr("1 entries, but 2 poses"));
-  EXPECT_THAT(with([](SceneObject& o) { o.meshes.resize(1); }), HasSubstr("meshes[0]"));
-  EXPECT_THAT(with([](SceneObject& o) { o.mesh_resources = {"file:///nowhere.stl"}; }),
-              AllOf(HasSubstr("mesh_resources[0]"), HasSubstr("no such file")));
-  EXPECT_THAT(with([](SceneObject& o) { o.planes.resize(1); }), HasSubstr("do not define a plane"));
-}
 
 /// A world in which frame "hand" stands at x = 1, turned by a quarter about z.
 class Changes : public testing::Test {
@@ -195,7 +23,8 @@ class Changes : public testing::Test {
     context_.world_frame = "world";
     context_.load_mesh = noMeshLoader();
     context_.look_up = [this](const std::string& target, const std::string& source,
-                              const ros::Time&) -> Isometry3d {
+                              const ros::Time& stamp) -> Isometry3d {
+      asked_stamp_ = stamp;
       if (target == "world" && source == "hand") return X_WH_;
       if (target == "hand" && source == "world") return X_WH_.inverse();
       throw InputError("TF does not know '" + source + "'");
@@ -221,6 +50,7 @@ class Changes : public testing::Test {
   const RigidObject& stored(const std::string& name) { return objects_.at(name).object; }
 
   Isometry3d X_WH_ = Isometry3d::Identity();
+  ros::Time asked_stamp_;
   UpdateContext context_;
   SceneObjects objects_;
 };
@@ -295,6 +125,74 @@ TEST_F(Changes, WhatIsRemovedIsInNobodysTouchLinks) {
   apply(SceneChange::ADD, boxObject("pot", poseAt(0, 0, 0)));
   apply(SceneChange::REMOVE, boxObject("pot", poseAt(0, 0, 0)));
   EXPECT_EQ(stored("lid").touch_links, (std::vector<std::string>{"hand"}));
+}
+
+TEST_F(Changes, OfOneRequestSeeThoseBeforeThem) {
+  apply(SceneChange::ADD, boxObject("old", poseAt(0, 0, 0)));
+  SceneObject lid = boxObject("lid", poseAt(0, 0, 1));
+  lid.touch_links = {"new", "hand"};
+  const auto change = [](std::uint8_t operation, const SceneObject& object) {
+    SceneChange made;
+    made.operation = operation;
+    made.object = object;
+    return made;
+  };
+  const auto why = [&](const std::vector<SceneChange>& changes) -> std::string {
+    try {
+      editsBy(changes, objects_, context_);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "accepted";
+  };
+  const SceneChange add = change(SceneChange::ADD, boxObject("new", poseAt(1, 0, 0))),
+                    move = change(SceneChange::MOVE, boxObject("new", poseAt(2, 0, 0))),
+                    remove = change(SceneChange::REMOVE, boxObject("new", poseAt(0, 0, 0))),
+                    add_lid = change(SceneChange::ADD, lid),
+                    clear = change(SceneChange::CLEAR, SceneObject());
+  ObjectEdits edits = editsBy({add_lid, add, move, remove, add_lid}, objects_, context_);
+  EXPECT_EQ(edits.size(), 2u);
+  EXPECT_FALSE(edits.at("new").has_value());
+  edits = editsBy({add, add_lid, remove}, objects_, context_);
+  EXPECT_EQ(edits.at("lid")->object.touch_links, std::vector<std::string>{"hand"});
+  SceneChanges changes = sceneChanges(edits, objects_);
+  EXPECT_TRUE(changes.removed.empty()) << "it was never there";
+  ASSERT_EQ(changes.objects.size(), 1u);
+  EXPECT_EQ(changes.objects[0].name, "lid");
+  edits = editsBy({clear, add, move}, objects_, context_);
+  changes = sceneChanges(edits, objects_);
+  EXPECT_EQ(changes.removed, std::vector<std::string>{"old"});
+  EXPECT_EQ(changes.objects.at(0).X_PO.translation().x(), 2.0);
+  EXPECT_THAT(why({add, remove, move}),
+              HasSubstr("changes[2], object 'new': there is no such object"
+                        "; did you mean 'old'?"));
+  EXPECT_FALSE(editsBy({add, clear}, objects_, context_).count("new"));
+  EXPECT_THAT(why({remove}), HasSubstr("no such object"));
+  EXPECT_THAT(why({clear, move}), HasSubstr("there is no such object; the scene has none"));
+  EXPECT_THAT(why({clear, add_lid, move}), HasSubstr("did you mean 'lid'?"));
+  EXPECT_EQ(objects_.size(), 1u);
+}
+
+TEST_F(Changes, AreOfTheStampThatTheyName) {
+  SceneObject object = boxObject("crate", poseAt(1, 2, 3));
+  object.header.frame_id = "hand";
+  object.attached_link = "";
+  std::uint32_t second = 0;
+  for (const auto operation :
+       {SceneChange::ADD, SceneChange::MOVE, SceneChange::ATTACH, SceneChange::DETACH}) {
+    object.header.stamp = ros::Time(++second, 0);
+    object.attached_link = operation == SceneChange::ATTACH ? "hand" : "";
+    apply(operation, object);
+    EXPECT_EQ(asked_stamp_, object.header.stamp) << operation;
+  }
+  object.attached_link = "hand";
+  object.touch_links = {"finger"};
+  object.padding = 0.25;
+  apply(SceneChange::ATTACH, object);
+  EXPECT_EQ(printed(listed(objects_, "world").at(0)),
+            "header frame_id hand name crate pose position x 1 y 2 z 3 orientation w 1 "
+            "primitives[0] type 1 dimensions[0] 1 dimensions[1] 2 dimensions[2] 3 attached_link "
+            "hand touch_links[0] finger");
 }
 
 TEST_F(Changes, WhatIsWrongIsNamedAndNothingIsChanged) {
