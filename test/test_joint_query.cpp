@@ -1,5 +1,7 @@
 // Poses for a joint state that a request names; what it does not name comes from TF. Without a
 // master.
+#include <cmath>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -110,6 +112,29 @@ TEST_F(JointQueryTest, TakesWhatNobodyKnowsAtZeroAndDoubtsIt) {
   const JointQuery lead = query({"lead"});
   EXPECT_THAT(lead.jointsAtZero(), ElementsAre("lift"));
   EXPECT_THAT(lead.doubts(), ElementsAre(HasSubstr("joint 'lift'")));
+}
+
+TEST_F(JointQueryTest, RefusesPositionsThatAreNotOneForEachNameOrNotFinite) {
+  const JointQuery lead = query({"lead"});
+  const std::vector<double> two = {1.0, 2.0}, none;
+  for (const auto& positions : {two, none}) {
+    EXPECT_THROW(at("a", lead, positions), InputError);
+    EXPECT_THROW(lead.jointPositionsAt(positions), InputError);
+  }
+  EXPECT_THROW(at("a", lead, {std::nan("")}), InputError);
+  try {
+    lead.jointPositionsAt(two);
+  } catch (const InputError& error) {
+    EXPECT_STREQ(error.what(), "1 joints are named, but there are 2 positions");
+  }
+}
+
+TEST_F(JointQueryTest, GivesThePositionsOfAllJoints) {
+  const auto positions = query({"lift", "lead"}).jointPositionsAt({7.0, 4.0});
+  const RobotModel& robot = scene_->robot();
+  EXPECT_EQ(positions[robot.findJoint("lead")], 4.0);
+  EXPECT_EQ(positions[robot.findJoint("lift")], 7.0);
+  EXPECT_EQ(positions[robot.findJoint("follower")], 3.0);
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
 // The limiter's parameter, joint states and trajectory commands.
+#include <cmath>
 #include <iomanip>
 #include <limits>
 #include <sstream>
@@ -8,6 +9,7 @@
 #include "collision_pairs/input_error.h"
 #include "limited_command.h"
 #include "limiter_parameters.h"
+#include "printed.h"
 
 namespace collision_pairs {
 namespace {
@@ -90,6 +92,51 @@ TEST(LimiterParameters, AreNumbersWithinTheirRangesEndsIncluded) {
   }
 }
 
+TEST(LimiterParameters, AreReadEachToItsPlace) {
+  const std::pair<const char*, double LimiterSettings::*> numbers[] = {
+      {"reaction_time", &LimiterSettings::reaction_time},
+      {"command_timeout", &LimiterSettings::command_timeout},
+      {"max_joint_state_age", &LimiterSettings::max_joint_state_age},
+      {"stop_distance", &LimiterSettings::stop_distance},
+      {"obstacle_speed", &LimiterSettings::obstacle_speed},
+      {"retreat_scale", &LimiterSettings::retreat_scale},
+      {"ramp_up", &LimiterSettings::ramp_up}};
+  const std::string good = "{command: c, joints: [a], deceleration: 1";
+  for (const auto& [name, number] : numbers) {
+    const auto read = LimiterParameters::read(YAML::Load(good + ", " + name + ": 0.75}"));
+    for (const auto& [other, value] : numbers) {
+      EXPECT_EQ(read->law.*value, number == value ? 0.75 : LimiterSettings().*value) << name;
+    }
+    EXPECT_THAT(refusal(good + ", " + name + "z: 1}"),
+                HasSubstr(std::string("'") + name +
+                          "z' is not a setting of the limiter; did you mean '" + name + "'?"));
+  }
+  const auto words = LimiterParameters::read(YAML::Load(
+      good + ", joint_states: measured, command_type: trajectory_msgs/JointTrajectory}"));
+  EXPECT_EQ(words->joint_states, "measured");
+  EXPECT_TRUE(words->is_trajectory);
+  EXPECT_THAT(words->joints, ElementsAre("a"));
+  const auto usual =
+      LimiterParameters::read(YAML::Load(good + ", command_type: std_msgs/Float64MultiArray}"));
+  EXPECT_EQ(usual->joint_states, "joint_states");
+  EXPECT_FALSE(usual->is_trajectory);
+  for (const char* word : {"command", "command_type", "joints", "joint_states", "deceleration"}) {
+    EXPECT_THAT(refusal(good + ", " + word + "z: 1}"),
+                HasSubstr(std::string("did you mean '") + word + "'?"));
+  }
+}
+
+TEST(LimiterParameters, ThatAreOutOfRangeAreToldTheirRange) {
+  const std::string good = "{command: c, joints: [elbow, wrist], deceleration: ";
+  EXPECT_THAT(refusal(good + "0}"),
+              HasSubstr("a number from 0.000000 (excluded) to 1000000.000000"));
+  EXPECT_THAT(refusal(good + "{elbow: 1, wrist: 0}}"), HasSubstr("deceleration/wrist"));
+  EXPECT_THAT(refusal(good + "1, reaction_time: 11}"),
+              HasSubstr("a number from 0.000000 to 10.0000"));
+  EXPECT_THAT(refusal(good + "{elbow: 1, wrist: 1, wrst: 1}}"),
+              HasSubstr("'wrst' is not in joints; did you mean 'wrist'?"));
+}
+
 sensor_msgs::JointState state(double stamp, std::vector<std::string> names,
                               std::vector<double> positions) {
   sensor_msgs::JointState message;
@@ -111,6 +158,91 @@ TEST(JointPositions, OfEachJointTheNewestStampCountsInWhateverOrderTheyCome) {
   EXPECT_THROW(positions.oldestOf({"a", "c"}), InputError);
   positions.take(state(4.0, {"a"}, {std::numeric_limits<double>::quiet_NaN()}), 4.0, 0.1);
   EXPECT_THROW(positions.oldestOf({"a"}), InputError);
+}
+
+template <class Ask>
+std::string refusalBy(const Ask& ask) {
+  try {
+    ask();
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(JointPositions, AheadOfTheClockAreTakenUpToTheToleranceAndAgainAtTheSameStamp) {
+  JointPositions positions;
+  positions.take(state(2.5, {"a", "b"}, {0.2}), 2.0, 0.5);  // b has no position
+  EXPECT_EQ(positions.all().size(), 1u);
+  positions.take(state(2.5, {"a"}, {0.3}), 2.0, 0.5);
+  EXPECT_EQ(positions.all().at("a").value, 0.3);
+  EXPECT_EQ(positions.oldestOf({"a"}), 2.5);
+  EXPECT_EQ(refusalBy([&] { positions.oldestOf({"b"}); }), "nobody reports joint 'b'");
+  positions.take(state(2.5, {"a"}, {HUGE_VAL}), 2.0, 0.5);
+  EXPECT_EQ(refusalBy([&] { positions.oldestOf({"a"}); }),
+            "the position of joint 'a' is not finite");
+}
+
+class TrajectoryOfTwo : public testing::Test {
+ protected:
+  TrajectoryOfTwo() {
+    command_.header.frame_id = "base";
+    command_.joint_names = {"b", "a"};
+    command_.points.resize(1);
+    command_.points[0].velocities = {2.0, 1.0};
+    command_.points[0].positions = {20.0, 11.0};
+    command_.points[0].time_from_start = ros::Duration(3.0);
+    measured_.take(state(1.0, {"a", "b"}, {10.0, 12.0}), 1.0, 0.1);
+    decision_.scale = 0.5;
+    decision_.command = {0.5, 1.0};
+  }
+  std::string refused() const {
+    return refusalBy([&] { velocitiesOf(command_, {"a", "b"}); });
+  }
+  std::string limited() const {
+    return printed(limitedTrajectory(command_, {"a", "b"}, decision_, measured_));
+  }
+  trajectory_msgs::JointTrajectory command_;
+  JointPositions measured_;
+  LimiterDecision decision_;
+};
+
+TEST_F(TrajectoryOfTwo, IsPassedWithAllThatItSays) {
+  const std::string begin = "header frame_id base joint_names[0] b joint_names[1] a points[0] ",
+                    end = " time_from_start 3.000000000";
+  const std::string velocities = "velocities[0] 1 velocities[1] 0.5";
+  EXPECT_EQ(limited(), begin + "positions[0] 16 positions[1] 10.5 " + velocities + end);
+  decision_.scale = 0.0;
+  EXPECT_EQ(limited(), begin + "positions[0] 12 positions[1] 10 " + velocities + end);
+  command_.points[0].positions[0] = std::nan("");
+  EXPECT_EQ(limited(), begin + "positions[0] 12 positions[1] 10 " + velocities + end);
+  measured_.take(state(2.0, {"b"}, {std::nan("")}), 2.0, 0.1);
+  EXPECT_EQ(limited(), begin + velocities + end) << "not from what nobody knows";
+  command_.points[0].positions.pop_back();
+  EXPECT_EQ(limited(), begin + velocities + end);
+  command_.joint_names = {"b", "unknown"};
+  EXPECT_EQ(limited(),
+            "header frame_id base joint_names[0] b joint_names[1] unknown points[0] "
+            "velocities[0] 1 velocities[1]" +
+                end);
+}
+
+TEST_F(TrajectoryOfTwo, IsRefusedWithTheReason) {
+  EXPECT_EQ(refused(), "");
+  command_.joint_names = {"b", "c"};
+  EXPECT_EQ(refused(), "the command has no velocity for joint 'a'");
+  command_.joint_names = {"b", "a", "c"};
+  EXPECT_EQ(refused(), "the command has 2 velocities for 3 joints, but 2 joints are limited");
+  command_.joint_names = {"b", "a"};
+  command_.points[0].velocities.push_back(1.0);
+  EXPECT_EQ(refused(), "the command has 3 velocities for 2 joints, but 2 joints are limited");
+  command_.points.resize(2);
+  EXPECT_EQ(refused(), "the command has 2 points, but must have one");
+  command_.points.clear();
+  EXPECT_EQ(refused(), "the command has 0 points, but must have one");
+  EXPECT_EQ(limited(),
+            "header frame_id base joint_names[0] b joint_names[1] a points[0] "
+            "velocities[0] 1 velocities[1] 0.5");
 }
 
 TEST(LimitedTrajectory, HasTheOrderOfTheCommandAndPositionsOnTheWay) {

@@ -139,5 +139,54 @@ TEST(StoppingTube, OfAnotherDirectionRemembersWhatIsInFlightAndForgetsItLater) {
   EXPECT_NEAR(later.from[0] + later.deviation[0], 0.0, 1e-6);
 }
 
+// Numbers by another program that follows the comments.
+TEST(StoppingTube, OfCommandsThatDifferIsNoLargerThanTheBoundsSay) {
+  PassedCommands passed({0.1, 0.2, {2.0, 4.0}});
+  passed.add(0.0, {1.0, 0.5});
+  passed.add(0.95, {0.5, -0.5});
+  const StoppingTube tube = passed.tube(1.0, 1.02, {0.5, 1.0}, {0.25, 0.5});
+  EXPECT_NEAR(tube.from[0], 0.0786875, 1e-6);
+  EXPECT_NEAR(tube.from[1], -0.077, 1e-6);
+  EXPECT_NEAR(tube.to[0], 0.1781875, 1e-6);
+  EXPECT_NEAR(tube.to[1], 0.122, 1e-6);
+  EXPECT_NEAR(tube.deviation[0], 0.2313125, 1e-6);
+  EXPECT_NEAR(tube.deviation[1], 0.33425, 1e-6);
+  EXPECT_NEAR(tube.seconds, 0.82, 1e-6);
+}
+
+// A fast robot brakes for longer than commands are kept.
+TEST(StoppingTube, RemembersACommandForAsLongAsTheRobotMayBrakeFromIt) {
+  const std::vector<double> next = {0.1};
+  PassedCommands passed({0.1, 0.2, {2.0}});
+  passed.add(0.0, {10.0});
+  passed.add(1.0, {0.0});
+  passed.add(3.4, next);
+  const double speed = 10.0 - 2.0 * (3.5 - 1.1);  // at least, and that at the measurement
+  const StoppingTube tube = passed.tube(3.5, 3.5, next, next);
+  EXPECT_GE(tube.to[0] + tube.deviation[0], 0.5 * speed * speed / 2.0);
+  EXPECT_GE(tube.seconds, speed / 2.0);
+  passed.add(9.0, {0.2});
+  EXPECT_LT(passed.tube(9.0, 9.0, next, next).to[0], 0.2) << "it has surely braked";
+}
+
+TEST(PassedCommands, AreAlongADirectionIfAllInEffectAreMultiplesOfIt) {
+  const auto areAlong = [](const std::vector<double>& first, const std::vector<double>& second,
+                           double stamp) {
+    PassedCommands passed({0.1, 0.2, {2.0, 2.0}});
+    passed.add(1.0, first);
+    passed.add(2.0, second);
+    return passed.areAlong({0.5, 2.0}, stamp);
+  };
+  const std::vector<double> along = {0.25, 1.0}, across = {2.0, -0.5}, back = {-0.25, -1.0};
+  EXPECT_TRUE(areAlong(along, along, 2.05));
+  EXPECT_TRUE(areAlong(along, {0.0, 0.0}, 2.05));
+  EXPECT_FALSE(areAlong(across, along, 2.05));
+  EXPECT_TRUE(areAlong(across, along, 2.15)) << "the first has no effect any more";
+  EXPECT_FALSE(areAlong(along, across, 2.15));
+  EXPECT_FALSE(areAlong(along, back, 2.15));
+  EXPECT_FALSE(areAlong({0.25 + 1e-6, 1.0}, along, 2.05));
+  EXPECT_FALSE(areAlong({0.25, 1.0 + 1e-6}, along, 2.05));
+}
+
 }  // namespace
 }  // namespace collision_pairs

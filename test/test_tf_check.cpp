@@ -1,4 +1,6 @@
 // What the report of a cycle, or of a request, says of poses from TF. Without a master.
+#include <cmath>
+
 #include <collision_pairs/CheckCollisions.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -116,6 +118,58 @@ TEST_F(TfCheck, ADoubtAboutTheSceneIsADoubtAboutEveryReport) {
   const CollisionPairs message = check();
   EXPECT_EQ(message.verdict, CollisionPairs::UNKNOWN);
   EXPECT_THAT(message.unknown_because, ElementsAre(HasSubstr("leave no pair")));
+}
+
+TEST_F(TfCheck, WhatNeverMovesIsSeenToStand) {
+  scene_.tf_poses =
+      std::make_unique<TfPoses>(transforms_, scene_.scene->robot(), scene_.scene->bodies(), "root",
+                                std::vector<std::string>{"to_a", "to_b", "to_c"});
+  double x = 0.0;
+  for (const char* link : {"a", "b", "c"}) publish(link, 1.0, x += 1.5, true);
+  const CollisionPairs message = check();
+  ASSERT_EQ(message.pairs.size(), 3u);
+  for (const CollisionPair& pair : message.pairs) {
+    EXPECT_TRUE(pair.closing_speed_is_known);
+    EXPECT_EQ(pair.closing_speed, 0.0);
+  }
+}
+
+TEST_F(TfCheck, DoubtsNameTenLinksCountTheRestAndSayWhatIsRefused) {
+  StampedPoses stamped;
+  EXPECT_TRUE(doubtsOf(stamped, transforms_, now_).empty());
+  std::vector<std::string> ten;
+  for (int i = 0; i < 10; ++i) ten.push_back("link " + std::to_string(i));
+  stamped.problems = ten;
+  EXPECT_EQ(doubtsOf(stamped, transforms_, now_), ten);
+  stamped.problems.insert(stamped.problems.end(), {"link 10", "link 11"});
+  std::vector<std::string> expected = ten;
+  expected.push_back("and 2 more links");
+  EXPECT_EQ(doubtsOf(stamped, transforms_, now_), expected);
+  expected.insert(expected.begin(), NO_CLOCK);
+  EXPECT_EQ(doubtsOf(stamped, transforms_, ros::Time(0)), expected);
+  for (int i = 0; i < 12; ++i) publish(std::string("f") + static_cast<char>('a' + i), 0.0, 1.0);
+  const std::vector<std::string> with_refused = doubtsOf(stamped, transforms_, now_);
+  ASSERT_EQ(with_refused.size(), 11u + 10u);
+  EXPECT_EQ(with_refused[11], "refused " + transforms_.refused()[0]);
+  EXPECT_TRUE(doubtsOf(StampedPoses(), transforms_, now_).empty()) << "it concerns nobody";
+}
+
+TEST(Request, IsRefusedForANumberThatIsNotFinite) {
+  CheckCollisions::Request request;
+  for (double* number : {&request.alarm_distance, &request.tolerance, &request.time_budget}) {
+    for (const double value : {HUGE_VAL, -HUGE_VAL, std::nan("")}) {
+      *number = value;
+      EXPECT_THROW(settingsFor(request, CheckSettings()), InputError);
+    }
+    *number = 0.0;
+  }
+  CheckSettings node;
+  node.tolerance = 0.25;
+  EXPECT_EQ(settingsFor(request, node).tolerance, 0.25);
+  request.tolerance = -1.0;  // none
+  EXPECT_EQ(settingsFor(request, node).tolerance, 0.0);
+  request.tolerance = 0.5;
+  EXPECT_EQ(settingsFor(request, node).tolerance, 0.5);
 }
 
 TEST(Request, SaysWhatIsOtherThanTheNodesSettings) {

@@ -145,6 +145,56 @@ TEST_F(Transforms, StayWhenThreadsTellTheClockOutOfOrder) {
   EXPECT_EQ(input_.nbClockJumps(), 1u);
 }
 
+TEST_F(Transforms, AreTakenWholeAndCounted) {
+  auto message = linkAt("a", now_, 1.0);
+  auto& transform = message.transforms[0].transform;
+  transform.translation.y = 2.0;
+  transform.translation.z = 3.0;
+  const Eigen::Quaterniond q = Eigen::Quaterniond(0.1, 0.3, 0.5, 0.7).normalized();
+  transform.rotation.w = q.w();
+  transform.rotation.x = q.x();
+  transform.rotation.y = q.y();
+  transform.rotation.z = q.z();
+  for (const bool is_static : {false, true}) {
+    TransformInput input;
+    EXPECT_EQ(input.nbTaken(), 0u);
+    input.take(message, is_static, now_);
+    EXPECT_EQ(input.nbTaken(), 1u);
+    const auto found = input.lookUp("root", "a", ros::Time(0));
+    EXPECT_EQ(found.X_TS.translation(), Eigen::Vector3d(1, 2, 3));
+    EXPECT_TRUE(found.X_TS.linear().isApprox(q.toRotationMatrix(), 1e-12));
+    EXPECT_EQ(found.stamp, is_static ? ros::Time(0) : now_);
+  }
+}
+
+TEST_F(Transforms, ThatAreRefusedAreNamedUpToAThousand) {
+  for (int i = 0; i < 1001; ++i) receive("f" + std::to_string(i), 0.0, 1.0);
+  EXPECT_EQ(input_.refused().size(), 1000u);
+  input_.followClock(ros::Time(500.0));
+  EXPECT_THAT(input_.refused(), IsEmpty()) << "of a clock that went back";
+}
+
+TEST_F(Transforms, AreInDoubtWhileASimulatedClockStandsStill) {
+  ros::Time::setNow(now_);  // simulated from now on
+  const auto doubtOf = [&](double max_pose_age, bool allow_paused, const ros::Time& now) {
+    TransformInput input(PoseLimits{max_pose_age, 1.0, TOLERANCE}, allow_paused);
+    input.followClock(now);
+    EXPECT_EQ(input.clockDoubt(), "");
+    ros::WallDuration(0.06).sleep();
+    const std::string doubt = input.clockDoubt();
+    if (!now.isZero()) input.followClock(now + ros::Duration(0.01));
+    EXPECT_EQ(input.clockDoubt(), "") << "it goes on";
+    return doubt;
+  };
+  EXPECT_THAT(doubtOf(0.03, false, now_), HasSubstr("/clock stands still since 0."));
+  EXPECT_EQ(doubtOf(0.03, true, now_), "");
+  EXPECT_EQ(doubtOf(0.0, false, now_), "") << "no age matters";
+  EXPECT_EQ(doubtOf(0.03, false, ros::Time(0)), "") << "it has not begun";
+  EXPECT_EQ(doubtOf(9.0, false, now_), "") << "not yet";
+  ros::Time::init();
+  EXPECT_EQ(doubtOf(0.03, false, now_), "") << "a real clock";
+}
+
 /// A sphere on a joint for each of "a" and "b", and one fixed to the root.
 class Ages : public Transforms {
  protected:
