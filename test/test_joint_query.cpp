@@ -137,5 +137,19 @@ TEST_F(JointQueryTest, GivesThePositionsOfAllJoints) {
   EXPECT_EQ(positions[robot.findJoint("follower")], 3.0);
 }
 
+TEST_F(JointQueryTest, DoubtsOnlyWhatAnythingThatIsCheckedHangsOn) {
+  scene_ = CollisionScene::build(
+      robotFrom(emptyLink("root") + emptyLink("carrier") + boxLink("a", 0.1) + boxLink("b", 0.1) +
+                emptyLink("sensor") + joint("carry", "prismatic", "root", "carrier") +
+                joint("lift", "prismatic", "carrier", "a") +
+                joint("lower", "prismatic", "root", "b") +
+                joint("look", "revolute", "a", "sensor")),
+      Srdf{}, nullptr);
+  const JointQuery some = query({"lift", "lower"});
+  EXPECT_THAT(some.jointsAtZero(), testing::UnorderedElementsAre("carry", "look"));
+  EXPECT_THAT(some.doubts(), ElementsAre(HasSubstr("joint 'carry'")));
+  EXPECT_THAT(query({"lift", "lower", "carry"}).doubts(), IsEmpty());
+}
+
 }  // namespace
 }  // namespace collision_pairs

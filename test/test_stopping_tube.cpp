@@ -139,19 +139,28 @@ TEST(StoppingTube, OfAnotherDirectionRemembersWhatIsInFlightAndForgetsItLater) {
   EXPECT_NEAR(later.from[0] + later.deviation[0], 0.0, 1e-6);
 }
 
-// Numbers by another program that follows the comments.
+void expectTube(const StoppingTube& tube, const StoppingTube& expected) {
+  for (std::size_t j = 0; j < expected.from.size(); ++j) {
+    EXPECT_NEAR(tube.from[j], expected.from[j], 1e-8) << j;
+    EXPECT_NEAR(tube.to[j], expected.to[j], 1e-8) << j;
+    EXPECT_NEAR(tube.deviation[j], expected.deviation[j], 1e-8) << j;
+  }
+  EXPECT_NEAR(tube.seconds, expected.seconds, 1e-8);
+}
+
+// Numbers by another program that follows the comments: of little change, and of much.
 TEST(StoppingTube, OfCommandsThatDifferIsNoLargerThanTheBoundsSay) {
   PassedCommands passed({0.1, 0.2, {2.0, 4.0}});
   passed.add(0.0, {1.0, 0.5});
   passed.add(0.95, {0.5, -0.5});
-  const StoppingTube tube = passed.tube(1.0, 1.02, {0.5, 1.0}, {0.25, 0.5});
-  EXPECT_NEAR(tube.from[0], 0.0786875, 1e-6);
-  EXPECT_NEAR(tube.from[1], -0.077, 1e-6);
-  EXPECT_NEAR(tube.to[0], 0.1781875, 1e-6);
-  EXPECT_NEAR(tube.to[1], 0.122, 1e-6);
-  EXPECT_NEAR(tube.deviation[0], 0.2313125, 1e-6);
-  EXPECT_NEAR(tube.deviation[1], 0.33425, 1e-6);
-  EXPECT_NEAR(tube.seconds, 0.82, 1e-6);
+  expectTube(passed.tube(1.0, 1.02, {0.5, 1.0}, {0.25, 0.5}),
+             {{0.0786875, -0.077}, {0.1781875, 0.122}, {0.2313125, 0.33425}, 0.82});
+  PassedCommands hectic({0.1, 0.2, {0.5, 0.25}});
+  hectic.add(0.0, {1.0, 0.5});
+  hectic.add(0.94, {-0.75, 1.5});
+  hectic.add(0.98, {1.25, -0.5});
+  expectTube(hectic.tube(1.0, 1.02, {0.5, 1.0}, {0.25, 0.5}),
+             {{0.524, 1.988}, {0.62, 2.18}, {1.8225, 3.2}, 6.32});
 }
 
 // A fast robot brakes for longer than commands are kept.
