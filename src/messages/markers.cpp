@@ -181,7 +181,7 @@ std::vector<BoxKind> kindsOf(const CollisionReport& report) {
   return kinds;
 }
 
-/// Size of spheres and arrows, suitable for a hand and for a crane: a fiftieth of the median box.
+/// Size of spheres and arrows, suitable for a hand and for a crane: a twentieth of the median box.
 double contactSize(const CollisionReport& report) {
   std::vector<double> sizes;
   for (const Aabb& box : report.boxes) {
