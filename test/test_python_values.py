@@ -3,6 +3,7 @@ import warnings
 
 import numpy as np
 import pytest
+from conftest import DEMO
 from test_python import BALL, CLEAR, TOUCHING, URDF, detector, translation
 
 import collision_pairs as cp
@@ -54,7 +55,7 @@ def test_the_srdf_of_a_scene_stands_for_that_of_its_robot(tmp_path):
 def test_shapes_are_where_and_as_large_as_their_arguments_say():
     tetrahedron = [[0, 0, 0], [-1, 0, 0], [0, -2, 0], [0, 0, -3]]
     faces = [[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]]
-    uri = "package://collision_pairs/config/demo/meshes/arch.obj"  # 0.36 x 0.06 x 0.34 m on its origin
+    uri = "file://" + DEMO + "/meshes/arch.obj"  # 0.36 x 0.06 x 0.34 m on its origin
     below = {"box": (cp.Box([0.2, 0.4, 0.6]), (0.1, 0.2, 0.3)), "cylinder": (cp.Cylinder(0.1, 0.8), (0.1, 0.1, 0.4)),
              "capsule": (cp.Capsule(0.1, 0.8), (0.1, 0.1, 0.5)), "sphere": (cp.Sphere(0.7), (0.7, 0.7, 0.7)),
              "convex": (cp.Convex(tetrahedron), (1, 2, 3)), "mesh": (cp.Mesh(tetrahedron, faces), (1, 2, 3)),
