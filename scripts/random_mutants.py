@@ -117,8 +117,10 @@ def draw(root, seed):
             text = file.read()
         # A statement may be dropped only where one begins: after the end of another.
         before = ";"
-        for row, (line, code) in enumerate(zip(text.split("\n"), masked(text).split("\n"))):
-            found = changes(code)
+        codes = masked(text).split("\n")
+        for row, (line, code) in enumerate(zip(text.split("\n"), codes)):
+            # Not who gets a signal, nor what is decided just before it: kill(-1, ...) would end everything.
+            found = {} if "::kill(" in "".join(codes[row:row + 2]) else changes(code)
             if before[-1] not in ";{}:":
                 found.pop("statement", None)
             before = code.rstrip() or before

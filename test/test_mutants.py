@@ -50,3 +50,11 @@ def changes(code):
 ])
 def test_a_line_is_changed_in_one_place_and_never_in_comments_strings_or_types(code, becomes):
     assert changes(code) == becomes
+
+
+def test_what_decides_who_gets_a_signal_is_not_changed():
+    sys.path.insert(0, os.path.join(PROJECT, "scripts"))
+    import random_mutants
+    lines = ["\n".join(place[2:4]) for place in random_mutants.draw(PROJECT, 1)]
+    assert len(lines) > 5000
+    assert not [line for line in lines if "kill(" in line or "if (pid_ > 0) {" in line]
