@@ -23,6 +23,7 @@
 #include "convex_distance.h"
 #include "mesh_query.h"
 #include "plain_pairs.h"
+#include "pose_repair.h"
 #include "solids.h"
 #include "surface_contact.h"
 
@@ -30,11 +31,8 @@ namespace collision_pairs {
 namespace {
 
 using Eigen::Isometry3d;
-using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr double ORTHONORMAL = 1e-14;  // rotations better than this are used as they are
-constexpr double MENDABLE = 1e-3;      // rotations worse than this are refused
 constexpr double NORMAL_FROM_TRIANGLES_BELOW = 1e-4;  // of the triangles' size
 constexpr double DOUBT = 1e-9;  // of the two bodies' size: the largest error of a native distance
 constexpr double INF = std::numeric_limits<double>::infinity();
@@ -43,30 +41,6 @@ double justAbove(double metres) { return std::nextafter(metres, INF); }
 
 bool isWithin(const PairDistance& found, double metres) {
   return found.certainty != Certainty::BEYOND && found.distance <= metres;
-}
-
-// Whether repairPose() would leave X as it is: most are, and this is quicker.
-bool isSound(const Isometry3d& X) {
-  const Vector3d x = X.linear().col(0), y = X.linear().col(1), z = X.linear().col(2);
-  const auto isZero = [](double error) { return std::abs(error) <= ORTHONORMAL; };
-  return isZero(x.squaredNorm() - 1.0) && isZero(y.squaredNorm() - 1.0) &&
-         isZero(z.squaredNorm() - 1.0) && isZero(x.dot(y)) && isZero(y.dot(z)) &&
-         isZero(z.dot(x)) && x.cross(y).dot(z) > 0.0 && X.translation().allFinite();
-}
-
-// False if X has no meaning as a pose. A step of Newton's iteration for the polar decomposition
-// squares the error each time.
-bool repairPose(Isometry3d& X) {
-  if (isSound(X)) return true;
-  if (!X.matrix().allFinite()) return false;
-  for (int i = 0; i < 4; ++i) {
-    const Matrix3d excess = X.linear().transpose() * X.linear() - Matrix3d::Identity();
-    const double error = excess.cwiseAbs().maxCoeff();
-    if (error > MENDABLE) return false;
-    if (error <= ORTHONORMAL) break;
-    X.linear() = X.linear() * (Matrix3d::Identity() - 0.5 * excess);
-  }
-  return X.linear().determinant() > 0.0;
 }
 
 double scaleOf(const Prepared& shape) { return shape.core.extent + shape.core.radius; }
