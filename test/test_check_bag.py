@@ -268,9 +268,9 @@ def test_time_in_contact_is_counted_from_stamp_to_stamp(check_bag, tmp_path):
     ([DEMO_BAG, "--urdf", "none.urdf"], "none.urdf"), ([DEMO_BAG, "--srdf", "none.srdf"], "none.srdf"),
     ([DEMO_BAG, "--fidelity", "exact"], "exact"), ([DEMO_BAG, "--alarm-distance", "-1"], "alarm"),
     ([DEMO_BAG, "--alarm-distance", "nan"], "alarm"), ([DEMO_BAG, "--max-gap", "0"], "max-gap"),
-    ([DEMO_BAG, "--alarm-distance", "inf"], "error: --alarm-distance must be a finite number, 0 or more"),
-    ([DEMO_BAG, "--tolerance", "-0.1"], "error: --tolerance must be a finite number, 0 or more"),
-    ([DEMO_BAG, "--tolerance", "inf"], "error: --tolerance must be a finite number, 0 or more"),
+    ([DEMO_BAG, "--alarm-distance", "inf"], "error: --alarm-distance must be a finite number of metres, 0 or more"),
+    ([DEMO_BAG, "--tolerance", "-0.1"], "error: --tolerance must be a finite number of metres, 0 or more"),
+    ([DEMO_BAG, "--tolerance", "inf"], "error: --tolerance must be a finite number of metres, 0 or more"),
     ([DEMO_BAG, "--max-gap", "inf"], "error: --max-gap must be a finite number, above 0"),
     ([DEMO_BAG, "--max-gap", "long"], "error: --max-gap must be a finite number, above 0"),
     *(([DEMO_BAG, "--shard", shard], "error: --shard %s: must be I/N with I from 1 to N, such as 2/4" % shard)

@@ -2,6 +2,7 @@
 #include <charconv>
 #include <fstream>
 #include <memory>
+#include <type_traits>
 
 #include "bag_table.h"
 #include "collision_pairs/input_error.h"
@@ -90,6 +91,7 @@ void mergeParts(Tables& parts, const BagLineVisitor& visit) {
     const std::size_t space = line.rfind(' ');
     const char* const end = line.data() + line.size();
     std::uint64_t nb_rows = 0;
+    static_assert(std::is_integral_v<decltype(nb_rows)>, "GCC 9 reads no other numbers so");
     const auto [rest, error] = std::from_chars(line.data() + (space + 1), end, nb_rows);
     if (line.compare(0, 6, "# bag ") != 0 || space <= 6 || error != std::errc() || rest != end)
       parts.front()->fail("'" + line + "' is not a bag");
