@@ -32,14 +32,15 @@ class JointQueryTest : public testing::Test {
         Srdf{}, nullptr);
   }
   /// As soon as it is so.
-  void publishLift(double stamp, double z) {
+  void publishLift(double stamp, double z) { publish("a", "c", stamp, z); }
+  void publish(const std::string& parent, const std::string& child, double stamp, double z) {
     now_ = ros::Time(stamp);
     tf2_msgs::TFMessage message;
     message.transforms.resize(1);
     auto& transform = message.transforms[0];
     transform.header.stamp = ros::Time(stamp);
-    transform.header.frame_id = "a";
-    transform.child_frame_id = "c";
+    transform.header.frame_id = parent;
+    transform.child_frame_id = child;
     transform.transform.translation.z = z;
     transform.transform.rotation.w = 1.0;
     transforms_.take(message, false, now_);
@@ -98,6 +99,16 @@ TEST_F(JointQueryTest, DoubtsWhatTfLastSaidTooLongAgo) {
               ElementsAre(HasSubstr("link 'c': its newest transform is 2.00 s old")));
   EXPECT_DOUBLE_EQ(at("c", query({"lead"}), {0.0}).z(), 0.25) << "where it was last";
   EXPECT_THAT(query({"lead", "lift"}).doubts(), IsEmpty());
+}
+
+TEST_F(JointQueryTest, DoubtsARootThatStandsInAnotherFrameAndWasPlacedTooLongAgo) {
+  publish("map", "root", 998.0, 0.5);
+  transforms_.followClock(now_ = ros::Time(1000.0));
+  const std::vector<std::string> all = {"lead", "lift"};
+  const JointQuery in_map(all, *scene_, {transforms_, "map", ros::Time(0), now_});
+  EXPECT_THAT(in_map.doubts(), ElementsAre(HasSubstr("link 'root': its newest transform")));
+  EXPECT_DOUBLE_EQ(at("a", in_map, {0.0, 0.0}).z(), 0.5);
+  EXPECT_THAT(query(all).doubts(), IsEmpty());
 }
 
 TEST_F(JointQueryTest, AStampThatTheRequestNamesMayBeLongAgo) {

@@ -155,6 +155,8 @@ TEST(Nearer, APairThatIsLeftOutMayTouchAndIfNothingIsLeftNothingIsFree) {
   const std::vector<double> touching = {1.0, 1.5};
   MotionSettings settings;
   EXPECT_EQ(checked(scene, touching, touching, settings).verdict, Verdict::COLLISION);
+  settings.nearer = {PairClearance{1, 0}};  // may come as near as it likes, but not touch
+  EXPECT_EQ(checked(scene, touching, touching, settings).verdict, Verdict::COLLISION);
   settings.nearer = {{1, 0, -1.0}};
   for (const bool only_moved : {false, true}) {
     settings.only_moved = only_moved;

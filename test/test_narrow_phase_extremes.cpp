@@ -134,6 +134,8 @@ TEST(Extremes, ShapesWithoutThicknessHaveDistancesAndTouch) {
                       (distanceOf(other, dot, at(9.0, 0.0, 0.0)).distance - 9.0) * -1.0,
                   1e-9);
       EXPECT_TRUE(distanceOf(flat, other, at(0.0, 0.0, 0.0)).touches());
+      const auto A = prepareShape(flat), B = prepareShape(other);
+      EXPECT_TRUE(NarrowPhase().touches(*A, *B, at(0.0, 0.0, 0.0)));
     }
   }
 }

@@ -187,8 +187,9 @@ class VerdictTest(unittest.TestCase):
         self.assertTrue(any("max_pose_age" in why for why in reply.result.unknown_because), reply.result)
         check = rospy.ServiceProxy("/node/check_trajectory", CheckTrajectory)
         points = [JointTrajectoryPoint(positions=[x]) for x in (-5, self.boxes.x["b"])]
-        reply = check(trajectory=JointTrajectory(joint_names=["slide_a"], points=points), between=True)
+        reply = check(trajectory=JointTrajectory(joint_names=["slide_a"], points=points), between=True, want_reports=True)
         self.assertEqual(list(reply.verdict), [UNKNOWN, COLLISION])
+        self.assertEqual([report.verdict for report in reply.reports], [UNKNOWN, COLLISION])
         self.assertEqual(list(reply.segment_verdict), [COLLISION])
         points[1].positions = [-6]
         beside = check(trajectory=JointTrajectory(joint_names=["slide_a"], points=points), between=True)
