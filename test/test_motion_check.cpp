@@ -62,8 +62,7 @@ TEST(MotionCheck, AClearanceIsCertifiedOrThePairIsNamed) {
 }
 
 TEST(MotionCheck, WhatStayedOpenInOneMotionIsNotOpenInTheNext) {
-  MotionCheck check(
-      sceneOf(turningBar(), {boxAt("plate", {1.15, 0.0, 0.0}, {0.2, 0.002, 0.2})}));
+  MotionCheck check(sceneOf(turningBar(), {boxAt("plate", {1.15, 0.0, 0.0}, {0.2, 0.002, 0.2})}));
   MotionSettings settings;
   settings.clearance = 0.055;
   EXPECT_EQ(check.check({{-1.0}, {1.3}}, settings).verdict, Verdict::UNKNOWN);
@@ -144,6 +143,38 @@ TEST(MotionCheck, AContactOverMuchOfTheWayIsFoundInAFewChecks) {
     const MotionReport report = checked(scene, {from}, {from + 3.0});
     EXPECT_EQ(report.verdict, Verdict::COLLISION);
     EXPECT_LE(report.nb_checks, 8u);
+  }
+}
+
+/// A wedge 0.4 m long in y. Its slanted face looks along (1, 0, 1), or away from it.
+std::shared_ptr<const TriangleMesh> wedge(bool looks_along) {
+  const double corner = looks_along ? 0.0 : 1.0;
+  TriangleMesh mesh;
+  for (const double y : {-0.2, 0.2}) {
+    mesh.vertices.insert(mesh.vertices.end(), {{corner, y, corner}, {1.0, y, 0.0}, {0.0, y, 1.0}});
+  }
+  mesh.triangles = {{0, 1, 2}, {3, 5, 4}, {0, 3, 4}, {0, 4, 1},
+                    {1, 4, 5}, {1, 5, 2}, {2, 5, 3}, {2, 3, 0}};
+  return std::make_shared<const TriangleMesh>(mesh);
+}
+
+// The boxes of the two overlap, and a distance of 2 mm certifies no more than 2 mm at a time.
+TEST(MotionCheck, OneWedgeThatSlidesAlongAnotherIsCertifiedByThePlaneBetweenThem) {
+  const auto robot = RobotModel::fromUrdf(
+      "<robot name='wedges'>" + emptyLink("root") + linkWith("wedge", "<mesh filename='wedge'/>") +
+          joint("slide", "prismatic", "root", "wedge", "0 0 0",
+                "<axis xyz='0 1 0'/><limit lower='-9' upper='9'/>") +
+          "</robot>",
+      [](const std::string&, const Eigen::Vector3d&) { return wedge(true); });
+  RigidObject other;
+  other.name = "other";
+  other.elements.push_back({Convex{wedge(false)}, Eigen::Isometry3d::Identity()});
+  for (const double gap : {0.002, -0.002}) {
+    other.X_PO = Eigen::Translation3d(gap * Eigen::Vector3d(1, 0, 1).normalized()) *
+                 Eigen::Isometry3d::Identity();
+    const MotionReport report = checked(sceneOf(robot, {other}), {-0.5}, {0.5});
+    EXPECT_EQ(report.verdict, gap > 0.0 ? Verdict::FREE : Verdict::COLLISION);
+    EXPECT_LE(report.nb_checks, 3u);
   }
 }
 
