@@ -106,19 +106,19 @@ void compare(unsigned seed, Counts& counts) {
   SCOPED_TRACE("seed " + std::to_string(seed));
   const std::vector<Arrival> arrivals = RandomStream(seed).make();
   const auto model = robot();
-  const RobotPoses poses(*model, "root");
   const std::vector<char> all(model->bodies().size(), 1);
   const PoseLimits limits;
   TransformBuffer live(limits), recorded(limits, true);
   for (const Arrival& a : arrivals) recorded.take(a.transform, a.is_static, a.publisher, a.now);
+  const RobotPoses from_live(live, *model, "root"), from_recorded(recorded, *model, "root");
   auto next = arrivals.begin();
   for (StampNs now = RandomStream::START; now < RandomStream::START + 9500 * MS; now += 7 * MS) {
     for (; next != arrivals.end() && next->now <= now; ++next) {
       live.take(next->transform, next->is_static, next->publisher, next->now);
     }
-    const FoundBodies node = poses.newest(live, now, all);
+    const FoundBodies node = from_live.newest(now, all);
     if (node.stamp == NEVER) continue;
-    const FoundBodies bag = poses.place(recorded, {Instant::AS_IT_ARRIVED, node.stamp}, all);
+    const FoundBodies bag = from_recorded.place({Instant::AS_IT_ARRIVED, node.stamp}, all);
     ++(areAllKnown(node) ? counts.complete : counts.incomplete);
     counts.recorded += areAllKnown(bag);
     if (!areAllKnown(node)) {

@@ -24,8 +24,8 @@ class NewestPoses : public testing::Test {
                  is_static, "", 10 * SECOND);
   }
   FoundBodies found(const std::vector<std::string>& static_joints = {}) const {
-    const RobotPoses poses(*robot_, "base", "", static_joints);
-    return poses.newest(buffer_, 10 * SECOND, std::vector<char>(poses.nbBodies(), 1));
+    const RobotPoses poses(buffer_, *robot_, "base", "", static_joints);
+    return poses.newest(10 * SECOND, std::vector<char>(poses.nbBodies(), 1));
   }
   std::string between(const std::string& target, const std::string& source,
                       StampNs stamp = 10 * SECOND) const {
@@ -50,6 +50,16 @@ TEST_F(NewestPoses, WhyOneIsNotKnownIsSaidInTheseWords) {
   EXPECT_THAT(found().problems, ElementsAre("", "", "")) << "the URDF fixes the tool to the arm";
   take("cart", "arm", 9.9375);
   EXPECT_EQ(found().problems[1], "transform of 'cart': TF does not say where it is (in 'base')");
+}
+
+TEST_F(NewestPoses, LinksThatTfNamesLaterAreFoundFromThenOn) {
+  const RobotPoses poses(buffer_, *robot_, "base");
+  const auto known = [&] { return poses.newest(10 * SECOND, std::vector<char>(3, 1)).known; };
+  EXPECT_THAT(known(), ElementsAre(1, 0, 0));
+  take("base", "arm", 9.875);
+  EXPECT_THAT(known(), ElementsAre(1, 1, 0));
+  take("tool", "wheel", 9.875);
+  EXPECT_THAT(known(), ElementsAre(1, 1, 1));
 }
 
 TEST_F(NewestPoses, OneThatLagsBehindTheOthersIsSaidTo) {

@@ -34,20 +34,20 @@ class BagPosesFromTf : public BagPoses {
   bool frameAt(StampNs stamp, const std::string& frame, Isometry3d& X_RF) const override {
     FramePoses::Known found;
     std::string why;
-    if (!robot_.frameIn(bag_.transforms, {Instant::AT, stamp}, frame, found, why)) return false;
+    if (!robot_.frameAt({Instant::AT, stamp}, frame, found, why)) return false;
     X_RF = found.X_RF;
     return true;
   }
 
  private:
   FoundBodies robotAt(StampNs stamp) const override {
-    return robot_.place(bag_.transforms, {Instant::AS_IT_ARRIVED, stamp}, all_);
+    return robot_.place({Instant::AS_IT_ARRIVED, stamp}, all_);
   }
 
   bool hasFrame(int body) const {
     const auto& links = scene_.robot().links();
     return std::any_of(links.begin(), links.end(), [&](const Link& link) {
-      return link.body == body && robot_.frameOf(bag_.transforms, link.name) >= 0;
+      return link.body == body && robot_.frameOf(link.name) >= 0;
     });
   }
 
@@ -55,7 +55,7 @@ class BagPosesFromTf : public BagPoses {
     const RobotModel& robot = scene_.robot();
     for (const bool driven : {true, false}) {
       for (const Link& link : robot.links()) {
-        const int frame = link.body == 0 ? -1 : robot_.frameOf(bag_.transforms, link.name);
+        const int frame = link.body == 0 ? -1 : robot_.frameOf(link.name);
         if (frame < 0 || isDriven(link, robot) != driven) continue;
         const auto& stamps = bag_.stamps[static_cast<std::size_t>(frame)];
         stamps_.insert(stamps_.end(), stamps.begin(), stamps.end());
@@ -87,7 +87,7 @@ class BagPosesFromTf : public BagPoses {
                   "only, and no joint states move them";
       return;
     }
-    const std::vector<char> is_held = robot_.heldAt(bag_.transforms, stamps_.back());
+    const std::vector<char> is_held = robot_.heldAt(stamps_.back());
     for (const SceneBody& body : scene_.bodies()) {
       if (body.body != 0 && hasFrame(body.body) && !is_held[body.body]) ++nb_known_;
     }
@@ -129,7 +129,8 @@ BagPoses::BagPoses(const BagContents& bag, const CollisionScene& scene,
     : bag_(bag),
       scene_(scene),
       prefix_(withoutSlashes(options.prefix)),
-      robot_(scene.robot(), scene.robot().links().front().name, prefix_, options.static_joints) {}
+      robot_(bag.transforms, scene.robot(), scene.robot().links().front().name, prefix_,
+             options.static_joints) {}
 
 std::vector<std::string> BagPoses::at(StampNs stamp, const std::vector<SceneBody>& bodies,
                                       BodyPoses& poses) const {

@@ -79,7 +79,7 @@ class BagPosesFromJoints : public BagPoses {
     if (number < 0) return false;
     FramePoses frames(transforms, {Instant::AT, stamp});
     for (const Link& link : scene_.robot().links()) {
-      const int of_link = robot_.frameOf(transforms, link.name);
+      const int of_link = robot_.frameOf(link.name);
       if (of_link < 0 || !placed.known[link.body]) continue;
       frames.anchor(of_link, {placed.X_WB[link.body] * link.X_BL});
     }

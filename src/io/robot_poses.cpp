@@ -13,14 +13,16 @@ using Eigen::Isometry3d;
 
 constexpr std::size_t DEEPEST_TREE = 1000;  // steps; tf2's limit, for cycles of frames
 
-/// The last frame that static transforms lead up to.
-int topOf(const TransformBuffer& buffer, int frame, StampNs stamp) {
-  for (std::size_t i = 0; i < DEEPEST_TREE; ++i) {
+/// The last frame that static transforms lead up to. `tops`: those found so far, by frame; or -1.
+int topOf(const TransformBuffer& buffer, int frame, StampNs stamp, std::vector<int>& tops) {
+  int top = frame;
+  for (std::size_t i = 0; i < DEEPEST_TREE && tops[top] < 0; ++i) {
     int parent;
-    if (!buffer.isStaticAt(frame, stamp, parent)) break;
-    frame = parent;
+    if (!buffer.isStaticAt(top, stamp, parent)) break;
+    top = parent;
   }
-  return frame;
+  if (tops[top] >= 0) top = tops[top];
+  return tops[frame] = top;
 }
 
 std::string lagging(StampNs lag, StampNs limit) {
@@ -32,7 +34,9 @@ std::string lagging(StampNs lag, StampNs limit) {
 }  // namespace
 
 FramePoses::FramePoses(const TransformBuffer& buffer, const Instant& instant)
-    : buffer_(buffer), instant_(instant), index_(buffer.frames().size(), -1) {}
+    : buffer_(buffer), instant_(instant), index_(buffer.frames().size(), -1) {
+  known_.reserve(index_.size());
+}
 
 bool FramePoses::step(int frame, StampNs& stamp, int& parent, Isometry3d& X_PF) const {
   if (instant_.kind == Instant::NEWEST) {
@@ -132,9 +136,10 @@ FramePoses::Known poseBetween(const TransformBuffer& buffer, const std::string& 
   return found;
 }
 
-RobotPoses::RobotPoses(const RobotModel& robot, const std::string& frame, const std::string& prefix,
+RobotPoses::RobotPoses(const TransformBuffer& buffer, const RobotModel& robot,
+                       const std::string& frame, const std::string& prefix,
                        const std::vector<std::string>& static_joints)
-    : frame_(frame), prefix_(prefix) {
+    : buffer_(buffer), frame_(frame), prefix_(prefix) {
   for (const std::string& name : static_joints) {
     if (robot.findJoint(name) >= 0) continue;
     std::vector<std::string> joints;
@@ -159,44 +164,51 @@ RobotPoses::RobotPoses(const RobotModel& robot, const std::string& frame, const 
     body_of_frame_ = link.body;
     X_WB_of_frame_ = link.X_BL.inverse();
   }
+  frames();
 }
 
-int RobotPoses::frameOf(const TransformBuffer& buffer, const std::string& link) const {
-  if (prefix_.empty()) return buffer.findFrame(link);
-  const int frame = buffer.findFrame(withPrefix(prefix_, link));
+int RobotPoses::frameOf(const std::string& link) const {
+  if (prefix_.empty()) return buffer_.findFrame(link);
+  const int frame = buffer_.findFrame(withPrefix(prefix_, link));
   if (frame >= 0) return frame;
-  const int joined = buffer.findFrame(prefix_ + link);
+  const int joined = buffer_.findFrame(prefix_ + link);
   // A root that TF does not have under its prefixed name may be there without prefix ("world").
-  return joined < 0 && link == bodies_[0].links.front().name ? buffer.findFrame(link) : joined;
+  return joined < 0 && link == bodies_[0].links.front().name ? buffer_.findFrame(link) : joined;
 }
 
-RobotPoses::Frames RobotPoses::framesIn(const TransformBuffer& buffer) const {
-  Frames ids(bodies_.size());
+const RobotPoses::Frames& RobotPoses::frames() const {
+  const std::size_t nb_known = buffer_.frames().size();
+  if (frames_.nb_known == nb_known && !frames_.of_links.empty()) return frames_;
+  frames_ = {nb_known, frameOf(frame_), std::vector<std::vector<int>>(bodies_.size())};
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
-    for (const LinkOfBody& link : bodies_[b].links) ids[b].push_back(frameOf(buffer, link.name));
+    for (const LinkOfBody& link : bodies_[b].links) {
+      frames_.of_links[b].push_back(frameOf(link.name));
+    }
   }
-  return ids;
+  return frames_;
 }
 
-void RobotPoses::start(FramePoses& frames, const TransformBuffer& buffer,
-                       FoundBodies& placed) const {
-  const int frame = frameOf(buffer, frame_);
-  if (frame >= 0) frames.anchor(frame, {Isometry3d::Identity()});
+FramePoses RobotPoses::start(const Instant& instant, FoundBodies& placed) const {
+  FramePoses poses(buffer_, instant);
+  const int frame = frames().frame;
+  if (frame >= 0) poses.anchor(frame, {Isometry3d::Identity()});
   placed.known.assign(bodies_.size(), 0);
   placed.X_WB.assign(bodies_.size(), Isometry3d::Identity());
   placed.stamps.assign(bodies_.size(), NEVER);
   placed.problems.assign(bodies_.size(), "");
-  if (body_of_frame_ < 0) return;
-  placed.known[body_of_frame_] = 1;
-  placed.X_WB[body_of_frame_] = X_WB_of_frame_;
+  if (body_of_frame_ >= 0) {
+    placed.known[body_of_frame_] = 1;
+    placed.X_WB[body_of_frame_] = X_WB_of_frame_;
+  }
+  return poses;
 }
 
-bool RobotPoses::placeByTf(std::size_t body, const Frames& ids, FramePoses& frames,
-                           FoundBodies& placed) const {
-  for (std::size_t i = 0; i < ids[body].size(); ++i) {
+bool RobotPoses::placeByTf(std::size_t body, FramePoses& poses, FoundBodies& placed) const {
+  const std::vector<int>& ids = frames_.of_links[body];
+  for (std::size_t i = 0; i < ids.size(); ++i) {
     FramePoses::Known found;
-    if (ids[body][i] < 0) continue;
-    if (!frames.find(ids[body][i], found)) {
+    if (ids[i] < 0) continue;
+    if (!poses.find(ids[i], found)) {
       placed.stamps[body] = std::min(placed.stamps[body], found.oldest);
       continue;
     }
@@ -211,18 +223,19 @@ bool RobotPoses::placeByTf(std::size_t body, const Frames& ids, FramePoses& fram
 
 /// Links of bodies that are known are where the URDF says if TF does not say, and what TF connects
 /// to these is known, too.
-void RobotPoses::placeByUrdf(const Frames& ids, FramePoses& frames, FoundBodies& placed) const {
+void RobotPoses::placeByUrdf(FramePoses& poses, FoundBodies& placed) const {
   std::vector<char> is_done(bodies_.size(), 0);
   for (bool is_new = true; is_new;) {
     is_new = false;
     for (std::size_t b = 0; b < bodies_.size(); ++b) {
-      if (is_done[b] || !(placed.known[b] || placeByTf(b, ids, frames, placed))) continue;
+      if (is_done[b] || !(placed.known[b] || placeByTf(b, poses, placed))) continue;
       is_done[b] = is_new = true;
-      for (std::size_t i = 0; i < ids[b].size(); ++i) {
+      const std::vector<int>& ids = frames_.of_links[b];
+      for (std::size_t i = 0; i < ids.size(); ++i) {
         FramePoses::Known found;
-        if (ids[b][i] < 0 || frames.find(ids[b][i], found)) continue;
-        frames.anchor(ids[b][i], {placed.X_WB[b] * bodies_[b].links[i].X_BL, placed.stamps[b],
-                                  placed.stamps[b] == NEVER ? EVER_SINCE : placed.stamps[b]});
+        if (ids[i] < 0 || poses.find(ids[i], found)) continue;
+        poses.anchor(ids[i], {placed.X_WB[b] * bodies_[b].links[i].X_BL, placed.stamps[b],
+                              placed.stamps[b] == NEVER ? EVER_SINCE : placed.stamps[b]});
       }
     }
   }
@@ -238,24 +251,20 @@ void RobotPoses::holdBetween(int a, int b, std::vector<int>& held_by) const {
   }
 }
 
-std::vector<int> RobotPoses::heldBy(const TransformBuffer& buffer, const Frames& ids,
-                                    StampNs stamp) const {
-  std::vector<std::pair<int, int>> first_below;  // by top frame, the first body
-  const int frame = frameOf(buffer, frame_);
-  if (frame >= 0)
-    first_below.emplace_back(topOf(buffer, frame, stamp), std::max(body_of_frame_, 0));
+std::vector<int> RobotPoses::heldBy(StampNs stamp) const {
+  const Frames& ids = frames();
+  std::vector<int> tops(ids.nb_known, -1);
+  std::vector<int> first_below(ids.nb_known, -1);  // by top frame, the first body
+  if (ids.frame >= 0) {
+    first_below[topOf(buffer_, ids.frame, stamp, tops)] = std::max(body_of_frame_, 0);
+  }
   std::vector<int> held_by(bodies_.size(), -1);
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
-    for (const int id : ids[b]) {
+    for (const int id : ids.of_links[b]) {
       if (id < 0) continue;
-      const int top = topOf(buffer, id, stamp), body = static_cast<int>(b);
-      const auto same = std::find_if(first_below.begin(), first_below.end(),
-                                     [&](const auto& entry) { return entry.first == top; });
-      if (same == first_below.end()) {
-        first_below.emplace_back(top, body);
-      } else {
-        holdBetween(same->second, body, held_by);
-      }
+      int& first = first_below[topOf(buffer_, id, stamp, tops)];
+      if (first < 0) first = static_cast<int>(b);
+      holdBetween(first, static_cast<int>(b), held_by);
     }
   }
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
@@ -265,15 +274,14 @@ std::vector<int> RobotPoses::heldBy(const TransformBuffer& buffer, const Frames&
   return held_by;
 }
 
-std::vector<char> RobotPoses::heldAt(const TransformBuffer& buffer, StampNs stamp) const {
+std::vector<char> RobotPoses::heldAt(StampNs stamp) const {
   std::vector<char> held;
-  for (const int by : heldBy(buffer, framesIn(buffer), stamp)) held.push_back(by >= 0);
+  for (const int by : heldBy(stamp)) held.push_back(by >= 0);
   return held;
 }
 
-void RobotPoses::leaveOutHeld(const TransformBuffer& buffer, const Frames& ids, StampNs stamp,
-                              FoundBodies& placed) const {
-  const std::vector<int> held_by = heldBy(buffer, ids, stamp);
+void RobotPoses::leaveOutHeld(StampNs stamp, FoundBodies& placed) const {
+  const std::vector<int> held_by = heldBy(stamp);
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     if (held_by[b] < 0 || !placed.known[b]) continue;
     placed.known[b] = 0;
@@ -282,36 +290,32 @@ void RobotPoses::leaveOutHeld(const TransformBuffer& buffer, const Frames& ids, 
   }
 }
 
-void RobotPoses::explain(std::size_t body, const Frames& ids, const FramePoses& frames,
-                         FoundBodies& placed) const {
+void RobotPoses::explain(std::size_t body, const FramePoses& poses, FoundBodies& placed) const {
   if (!placed.problems[body].empty()) return;
-  const int id = *std::max_element(ids[body].begin(), ids[body].end(),
-                                   [](int a, int b) { return a < 0 && b >= 0; });
+  const std::vector<int>& ids = frames_.of_links[body];
+  const int id =
+      *std::max_element(ids.begin(), ids.end(), [](int a, int b) { return a < 0 && b >= 0; });
   placed.problems[body] =
-      id < 0 ? "TF has no frame of that name" : frames.whyUnknown(id) + " (in '" + frame_ + "')";
+      id < 0 ? "TF has no frame of that name" : poses.whyUnknown(id) + " (in '" + frame_ + "')";
 }
 
-FoundBodies RobotPoses::place(const TransformBuffer& buffer, const Instant& instant,
-                              const std::vector<char>& wanted) const {
+FoundBodies RobotPoses::place(const Instant& instant, const std::vector<char>& wanted) const {
   FoundBodies placed;
-  FramePoses frames(buffer, instant);
-  const Frames ids = framesIn(buffer);
-  start(frames, buffer, placed);
+  FramePoses poses = start(instant, placed);
   bool are_all_known = true;
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
-    if (wanted[b] && !placed.known[b] && !placeByTf(b, ids, frames, placed)) are_all_known = false;
+    if (wanted[b] && !placed.known[b] && !placeByTf(b, poses, placed)) are_all_known = false;
   }
-  if (!are_all_known) placeByUrdf(ids, frames, placed);
-  leaveOutHeld(buffer, ids, instant.stamp, placed);
+  if (!are_all_known) placeByUrdf(poses, placed);
+  leaveOutHeld(instant.stamp, placed);
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
-    if (wanted[b] && !placed.known[b]) explain(b, ids, frames, placed);
+    if (wanted[b] && !placed.known[b]) explain(b, poses, placed);
   }
   return placed;
 }
 
-FoundBodies RobotPoses::newest(const TransformBuffer& buffer, StampNs now,
-                               const std::vector<char>& wanted) const {
-  FoundBodies found = place(buffer, {Instant::NEWEST, now}, wanted);
+FoundBodies RobotPoses::newest(StampNs now, const std::vector<char>& wanted) const {
+  FoundBodies found = place({Instant::NEWEST, now}, wanted);
   StampNs newest = EVER_SINCE, common = NEVER;
   // One that is not known now may be known at an earlier instant, if its own transforms are.
   const auto isDated = [&](std::size_t b) { return wanted[b] && found.stamps[b] != NEVER; };
@@ -326,15 +330,15 @@ FoundBodies RobotPoses::newest(const TransformBuffer& buffer, StampNs now,
     if (!isDated(b)) continue;
     is_one_instant &= found.stamps[b] == newest;
     const StampNs lag = newest - found.stamps[b];
-    if (lag <= buffer.limits().max_gap) {
+    if (lag <= buffer_.limits().max_gap) {
       common = std::min(common, found.stamps[b]);
     } else if (found.known[b]) {
-      found.problems[b] = lagging(lag, buffer.limits().max_gap);
+      found.problems[b] = lagging(lag, buffer_.limits().max_gap);
     }
   }
   found.stamp = common;
   if (is_one_instant) return found;
-  FoundBodies then = place(buffer, {Instant::AT, common}, wanted);
+  FoundBodies then = place({Instant::AT, common}, wanted);
   for (std::size_t b = 0; b < wanted.size(); ++b) {
     if (!then.known[b] && !found.problems[b].empty()) then.problems[b] = found.problems[b];
   }
@@ -342,21 +346,19 @@ FoundBodies RobotPoses::newest(const TransformBuffer& buffer, StampNs now,
   return then;
 }
 
-bool RobotPoses::frameIn(const TransformBuffer& buffer, const Instant& instant,
-                         const std::string& frame, FramePoses::Known& found,
+bool RobotPoses::frameAt(const Instant& instant, const std::string& frame, FramePoses::Known& found,
                          std::string& why) const {
-  const int id = buffer.findFrame(withoutLeadingSlash(frame));
-  FoundBodies placed;
-  FramePoses frames(buffer, instant);
-  start(frames, buffer, placed);
+  const int id = buffer_.findFrame(withoutLeadingSlash(frame));
   if (id < 0) {
     why = "TF has no frame of that name";
     return false;
   }
-  if (frames.find(id, found)) return true;
-  placeByUrdf(framesIn(buffer), frames, placed);
-  if (frames.find(id, found)) return true;
-  why = frames.whyUnknown(id);
+  FoundBodies placed;
+  FramePoses poses = start(instant, placed);
+  if (poses.find(id, found)) return true;
+  placeByUrdf(poses, placed);
+  if (poses.find(id, found)) return true;
+  why = poses.whyUnknown(id);
   return false;
 }
 

@@ -38,8 +38,8 @@ class FramePoses {
 
   /// Fixes the pose of a frame, and of its ancestors as far as they are not known.
   void anchor(int frame, const Known& known);
-  /// False if no path leads from a known frame to this one; `found` then has the oldest stamp of the
-  /// transforms up to where it ends.
+  /// False if no path leads from a known frame to this one; `found` then has the oldest stamp of
+  /// the transforms up to where it ends.
   bool find(int frame, Known& found);
   /// Why find() is false, in words.
   std::string whyUnknown(int frame) const;
@@ -85,33 +85,33 @@ struct FoundBodies {
   StampNs stamp = NEVER;              ///< of all of them, by newest() only; NEVER: all static
 };
 
-/// Looks bodies up; keeps no poses. A body is where TF places any of its links. Where TF lacks a
-/// transform between links that the URDF fixes to each other, the URDF provides it. A body that TF
-/// connects to another one by static transforms only, although a joint between them is not fixed,
-/// is unknown, unless the joint is in static_joints.
+/// Looks bodies up in a buffer; keeps no poses. A body is where TF places any of its links. Where
+/// TF lacks a transform between links that the URDF fixes to each other, the URDF provides it. A
+/// body that TF connects to another one by static transforms only, although a joint between them is
+/// not fixed, is unknown, unless the joint is in static_joints. Look-ups from several threads need
+/// a lock while the buffer grows.
 class RobotPoses {
  public:
-  /// W is `frame`; it need not be a link. `prefix`: of the robot's frames, P/link or Plink. Throws
-  /// InputError if a static joint is not a joint of the robot.
-  RobotPoses(const RobotModel& robot, const std::string& frame, const std::string& prefix = "",
-             const std::vector<std::string>& static_joints = {});
+  /// W is `frame`; it need not be a link. `prefix`: of the robot's frames, P/link or Plink. The
+  /// buffer must outlive this object. Throws InputError if a static joint is not a joint of the
+  /// robot.
+  RobotPoses(const TransformBuffer& buffer, const RobotModel& robot, const std::string& frame,
+             const std::string& prefix = "", const std::vector<std::string>& static_joints = {});
 
   /// Bodies with an entry in `wanted`; the others may be placed, too.
-  FoundBodies place(const TransformBuffer& buffer, const Instant& instant,
-                    const std::vector<char>& wanted) const;
+  FoundBodies place(const Instant& instant, const std::vector<char>& wanted) const;
   /// At the newest instant for which all are known, leaving out those that are older than the
   /// buffer's limits allow.
-  FoundBodies newest(const TransformBuffer& buffer, StampNs now,
-                     const std::vector<char>& wanted) const;
+  FoundBodies newest(StampNs now, const std::vector<char>& wanted) const;
   /// Pose of any frame, a link or not, in W. `why`: why it is unknown.
-  bool frameIn(const TransformBuffer& buffer, const Instant& instant, const std::string& frame,
-               FramePoses::Known& found, std::string& why) const;
+  bool frameAt(const Instant& instant, const std::string& frame, FramePoses::Known& found,
+               std::string& why) const;
 
   /// By body: only static transforms place it, although a joint above it is not fixed.
-  std::vector<char> heldAt(const TransformBuffer& buffer, StampNs stamp) const;
+  std::vector<char> heldAt(StampNs stamp) const;
 
   /// Number of the link's frame; -1 if TF does not name it.
-  int frameOf(const TransformBuffer& buffer, const std::string& link) const;
+  int frameOf(const std::string& link) const;
   /// The body to which W belongs; -1: none.
   int bodyOfFrame() const { return body_of_frame_; }
   std::size_t nbBodies() const { return bodies_.size(); }
@@ -127,22 +127,25 @@ class RobotPoses {
     std::string joint;
     bool may_be_static;  ///< of the joint above
   };
-  /// Numbers of the frames of all links, by body.
-  using Frames = std::vector<std::vector<int>>;
+  /// Numbers of frames, found again when the buffer has more of them.
+  struct Frames {
+    std::size_t nb_known = 0;                ///< of the buffer's frames, when these were found
+    int frame = -1;                          ///< W
+    std::vector<std::vector<int>> of_links;  ///< by body
+  };
 
-  Frames framesIn(const TransformBuffer& buffer) const;
-  void start(FramePoses& frames, const TransformBuffer& buffer, FoundBodies& placed) const;
-  bool placeByTf(std::size_t body, const Frames& ids, FramePoses& frames,
-                 FoundBodies& placed) const;
-  void placeByUrdf(const Frames& ids, FramePoses& frames, FoundBodies& placed) const;
+  const Frames& frames() const;
+  FramePoses start(const Instant& instant, FoundBodies& placed) const;
+  bool placeByTf(std::size_t body, FramePoses& poses, FoundBodies& placed) const;
+  void placeByUrdf(FramePoses& poses, FoundBodies& placed) const;
   /// By body: that of the joint which it is held at; -1: it is not held.
-  std::vector<int> heldBy(const TransformBuffer& buffer, const Frames& ids, StampNs stamp) const;
-  void leaveOutHeld(const TransformBuffer& buffer, const Frames& ids, StampNs stamp,
-                    FoundBodies& placed) const;
+  std::vector<int> heldBy(StampNs stamp) const;
+  void leaveOutHeld(StampNs stamp, FoundBodies& placed) const;
   void holdBetween(int a, int b, std::vector<int>& held_by) const;
-  void explain(std::size_t body, const Frames& ids, const FramePoses& frames,
-               FoundBodies& placed) const;
+  void explain(std::size_t body, const FramePoses& poses, FoundBodies& placed) const;
 
+  const TransformBuffer& buffer_;
+  mutable Frames frames_;
   std::vector<BodyOfRobot> bodies_;
   std::string frame_, prefix_;
   int body_of_frame_ = -1;
