@@ -12,11 +12,12 @@ NODES = {"/tf": "/honest", "tf": "/liar", "/tf_static": "/static", "/two/tf": "/
 BOX = "<link name='%s'><collision><geometry><box size='1 1 1'/></geometry></collision></link>"
 SLIDE = ("<joint name='slide_%s' type='prismatic'><parent link='root'/><child link='%s'/><axis xyz='1 0 0'/>"
          "<limit lower='-9' upper='9' effort='1' velocity='1'/></joint>")
+TIP = "<link name='tip'/><joint name='to_tip' type='fixed'><parent link='b'/><child link='tip'/></joint>"
 
 
-def link_at(link, seconds, x):
+def link_at(link, seconds, x, parent="root"):
     transform = TransformStamped()
-    transform.header.stamp, transform.header.frame_id = rospy.Time.from_sec(seconds), "root"
+    transform.header.stamp, transform.header.frame_id = rospy.Time.from_sec(seconds), parent
     transform.child_frame_id, transform.transform.rotation.w = link, 1.0
     transform.transform.translation.x = x
     return TFMessage([transform])
@@ -24,11 +25,11 @@ def link_at(link, seconds, x):
 
 @pytest.fixture
 def check(run_tool, tmp_path):
-    """Boxes a (still) and b; `messages` are (topic, recorded, message). The finished process and the rows."""
+    """Boxes a (still) and b, which has a tip; `messages` are (topic, recorded, message). The finished process and the rows."""
     def run(messages, *arguments):
         urdf, bag, out = tmp_path / "boxes.urdf", tmp_path / "boxes.bag", tmp_path / "out.csv"
         urdf.write_text("<robot name='r'><link name='root'/>%s</robot>" %
-                        "".join(BOX % n + SLIDE % (n, n) for n in "ab"))
+                        ("".join(BOX % n + SLIDE % (n, n) for n in "ab") + TIP))
         with rosbag.Bag(str(bag), "w") as target:
             for topic, recorded, message in sorted(messages, key=lambda m: m[1]):
                 header = {"topic": topic, "callerid": NODES[topic], "type": message._type, "md5sum": message._md5sum,
@@ -44,9 +45,9 @@ def rows_of(path):
         return list(csv.reader(lines))[1:]
 
 
-def stream(link, x, topic="/tf", begin=START, end=START + 3.0, ahead=0.0, late=0.0):
+def stream(link, x, topic="/tf", begin=START, end=START + 3.0, ahead=0.0, late=0.0, parent="root"):
     count = int((end - begin) / 0.05)
-    return [(topic, begin + 0.05 * i + late, link_at(link, begin + 0.05 * i + ahead, x)) for i in range(count)]
+    return [(topic, begin + 0.05 * i + late, link_at(link, begin + 0.05 * i + ahead, x, parent)) for i in range(count)]
 
 
 def static(link, x, recorded=START):
@@ -101,6 +102,14 @@ def test_a_moving_joint_on_tf_static_is_unknown_unless_it_is_said_to_stand(check
 def test_without_any_row_it_fails_and_says_why(check):
     done, rows = check([static("a", 0.0), static("b", 3.0)])
     assert done.returncode == 2 and not rows and "/tf_static only" in done.stderr
+
+
+def test_a_robot_of_which_only_a_fixed_joint_is_on_tf_is_not_said_to_be_another(check):
+    messages = [static("a", 0.0), static("b", 3.0)] + stream("tip", 0.0, parent="b")
+    done, rows = check(messages)
+    assert done.returncode == 2 and not rows
+    assert "where TF ends, /tf_static places all of its 2 links on moving joints" in done.stderr
+    assert "mention" not in done.stderr
 
 
 def test_transforms_that_came_too_late_make_unknown_rows(check, tmp_path):

@@ -91,6 +91,10 @@ class BagPosesFromTf : public BagPoses {
     for (const SceneBody& body : scene_.bodies()) {
       if (body.body != 0 && hasFrame(body.body) && !is_held[body.body]) ++nb_known_;
     }
+    if (nb_known_ == 0) {
+      why_none_ = "where TF ends, /tf_static places all of its " + std::to_string(nb_named) +
+                  " links on moving joints that TF names, and no joint states move them";
+    }
   }
 
   std::vector<char> all_;  ///< bodies of the robot
@@ -158,8 +162,9 @@ std::unique_ptr<const BagPoses> makeBagPoses(const BagContents& bag, const Colli
   auto by_tf = std::make_unique<const BagPosesFromTf>(bag, scene, options);
   auto by_joints = bagPosesFromJoints(bag, scene, options);
   if (by_tf->nbKnown() == 0 && by_joints->nbKnown() == 0) {
-    const std::string why = by_tf->whyNone().empty() ? by_joints->whyNone() : by_tf->whyNone();
-    if (!why.empty()) throw InputError("there is no stamp to check: " + why);
+    if (!by_tf->whyNone().empty()) {
+      throw InputError("there is no stamp to check: " + by_tf->whyNone());
+    }
     refuse(bag, scene.robot());
   }
   if (by_tf->nbKnown() >= by_joints->nbKnown()) return by_tf;
