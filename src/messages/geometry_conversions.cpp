@@ -61,7 +61,6 @@ bool toIsometry(const geometry_msgs::Pose& pose, Eigen::Isometry3d& X) {
   if (!whyNoIsometry(pose).empty()) return false;
   const auto& q = pose.orientation;
   const Eigen::Quaterniond rotation(q.w, q.x, q.y, q.z);
-  X = Eigen::Isometry3d::Identity();
   X.linear() = rotation.normalized().toRotationMatrix();
   X.translation() = toVector(pose.position);
   return true;

@@ -152,7 +152,6 @@ class MarkerWriter {
     marker.ns = ns;
     marker.id = static_cast<int>(id);
     marker.type = type;
-    marker.action = Marker::ADD;
     marker.color = rgba;
     marker.pose.orientation.w = 1.0;
     array_.markers.push_back(marker);

@@ -165,7 +165,6 @@ class ElementDrawer {
 /// With namespace and colour.
 Marker patternFor(const CollisionScene& scene, const SceneElement& element) {
   Marker pattern;
-  pattern.action = Marker::ADD;
   if (element.body < 0) {
     pattern.ns = "standing";
     pattern.color = color(0.35f, 0.60f, 0.40f, 0.6f);
@@ -244,7 +243,6 @@ MarkerArray toSceneMarkers(const CollisionScene& scene, Fidelity fidelity,
 Marker toMarker(const OccupiedVoxels& voxels, const std::string& name,
                 const std::vector<Aabb>& boxes, double reach, const std::string& world_frame) {
   Marker marker = markerOf(name, world_frame);
-  marker.action = Marker::ADD;
   marker.scale = toVector3(Eigen::Vector3d::Constant(voxels.voxelSize()));
   marker.color = color(0.30f, 0.55f, 0.75f, 1.0f);
   const auto add = [&](const VoxelCell& cell, const std_msgs::ColorRGBA& shade) {

@@ -54,7 +54,6 @@ bool isTrajectory(const std::string& key, const YAML::Node& value) {
 void readDeceleration(const YAML::Node& value, LimiterParameters& parameters) {
   const Range range{nullptr, 0.0, 1e6, true};
   const std::string key = KEY + "/deceleration";
-  parameters.law.deceleration.clear();
   if (!value.IsMap()) {
     parameters.law.deceleration.assign(parameters.joints.size(), within(key, value, range));
     return;
