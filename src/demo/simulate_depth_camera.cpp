@@ -173,6 +173,7 @@ class DepthCamera {
 
 int main(int argc, char** argv) {
   ros::init(argc, argv, "simulate_depth_camera");
+  const ros::NodeHandle keeps_log;  // the last one to go ends the log, and what follows is not said
   try {
     collision_pairs::DepthCamera(ros::NodeHandle(), ros::NodeHandle("~")).run();
   } catch (const std::exception& error) {

@@ -95,6 +95,7 @@ void endSoon(int status) {
 
 int main(int argc, char** argv) {
   ros::init(argc, argv, "collision_pairs_node");
+  const ros::NodeHandle keeps_log;  // the last one to go ends the log, and what follows is not said
   try {
     collision_pairs::CollisionPairsNode node{ros::NodeHandle(), ros::NodeHandle("~"),
                                              *ros::getGlobalCallbackQueue()};
