@@ -4,7 +4,6 @@ import os
 import resource
 import signal
 import socket
-import subprocess
 import sys
 import tempfile
 import time
@@ -13,16 +12,15 @@ import xmlrpc.client
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 
-import roslib.packages
 import rospy
 import rostest
 
 from collision_pairs.srv import UpdateScene
 from collision_pairs.watchdog import Watchdog
 from node_client import PATIENCE, JointPublisher, NodeClient
+from program import NODE, Program, wait_until
 from scene_client import add, add_box
 
-NODE = roslib.packages.find_node("collision_pairs", "collision_pairs_node")[0]
 PLY = """ply
 format ascii 1.0
 element vertex 4
@@ -41,32 +39,6 @@ end_header
 3 0 3 2
 3 1 2 3
 """
-
-
-def wait_until(condition, what):
-    end = time.time() + PATIENCE
-    while not condition():
-        if time.time() > end:
-            raise AssertionError("waited in vain: " + what)
-        time.sleep(0.05)
-
-
-class Program:
-    """A program under a master of its own choice, and what it says."""
-
-    def __init__(self, *command, master=None):
-        environment = dict(os.environ, ROS_MASTER_URI=master or os.environ["ROS_MASTER_URI"],
-                           PYTHONUNBUFFERED="1")  # roslaunch says at once what it does
-        self._said = tempfile.NamedTemporaryFile()
-        self.process = subprocess.Popen(command, env=environment, stdout=self._said, stderr=subprocess.STDOUT)
-
-    def said(self):
-        with open(self._said.name) as file:  # not by the descriptor that the program writes to
-            return file.read()
-
-    def end(self):
-        self.process.terminate()
-        self.process.wait(PATIENCE)
 
 
 class FaultsTest(unittest.TestCase):
