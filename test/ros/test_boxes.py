@@ -9,6 +9,7 @@ sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 
 import rospy
 import rostest
+from dynamic_reconfigure.client import Client
 
 from node_client import JointPublisher, NodeClient, boxes_by_namespace, gap
 
@@ -44,6 +45,34 @@ class BoxesTest(unittest.TestCase):
         self.assertEqual(self.node.reports[-1].pairs, [])
         self.assertTrue(self.node.reports[-1].min_distance_is_bound)
         self.assertAlmostEqual(self.node.reports[-1].min_distance, ALARM)
+
+    def test_a_reconfiguration_takes_effect_at_once_however_long_a_cycle_is(self):
+        client = Client("/boxes", timeout=20)
+        since = self.robot.hold([0, 1.2, 6])
+        self.assertIsNotNone(self.node.report_since(since, lambda r: not r.left_out))
+
+        def first_array_after(change):
+            begin, before = rospy.get_time(), len(self.node.marker_arrays)
+            client.update_configuration(change)
+            while len(self.node.marker_arrays) == before and rospy.get_time() < begin + 5.0:
+                rospy.sleep(0.01)
+            rospy.sleep(0.5)  # the cycle that each change begins is over
+            return self.node.marker_arrays[before]
+
+        try:
+            first_array_after({"rate": 0.1})
+            self.assertEqual(self.node.marker_arrays[-1].markers[0].lifetime.to_sec(), 30.0)
+            for hide in (True, False):
+                stamp = self.node.reports[-1].header.stamp
+                array = first_array_after({"show_only_investigated_boxes": hide})
+                self.assertEqual("other_boxes" in boxes_by_namespace(array), not hide)
+                self.assertIn("investigated_boxes", boxes_by_namespace(array))
+                self.assertEqual(array.markers[0].header.stamp, stamp, "of the last report")
+        finally:
+            begin = rospy.get_time()
+            client.update_configuration({"rate": 50.0, "show_only_investigated_boxes": False})
+        self.assertIsNotNone(self.node.next(self.node.reports))
+        self.assertLess(rospy.get_time() - begin, 5.0)
 
     def test_a_robot_without_geometry_publishes_empty_reports(self):
         empty = NodeClient("/empty/node")

@@ -297,6 +297,7 @@ class NodeTest(unittest.TestCase):
         values = {value.key: value.value for value in statuses[-1].values}
         self.assertEqual(statuses[-1].level, 0, statuses[-1].message)
         self.assertEqual(int(values["nb_boxes"]), 22)
+        self.assertEqual((statuses[-1].name, statuses[-1].hardware_id), ("collision_pairs_node: collision check", "none"))
 
 
 if __name__ == "__main__":

@@ -193,7 +193,9 @@ class VerdictTest(unittest.TestCase):
         self.assertEqual(list(reply.segment_verdict), [COLLISION])
         points[1].positions = [-6]
         beside = check(trajectory=JointTrajectory(joint_names=["slide_a"], points=points), between=True)
-        self.assertEqual((list(beside.segment_verdict), list(beside.clearance)), ([UNKNOWN], [0.0]))
+        self.assertEqual((list(beside.segment_verdict), list(beside.clearance), list(beside.free_until)),
+                         ([UNKNOWN], [0.0], [0.0]))
+        self.assertEqual((beside.joints_from_tf, beside.joints_at_zero), (["slide_b", "slide_c"], []))
         self.assertEqual(list(reply.in_collision), [True, True])
         self.assertTrue(reply.unknown_because)
 

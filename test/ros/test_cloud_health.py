@@ -1,0 +1,150 @@
+#!/usr/bin/python3
+"""What is shown of point clouds: every number of their diagnostics, and their voxels in rviz."""
+import os
+import sys
+import unittest
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+
+import rospy
+import rostest
+from diagnostic_msgs.msg import DiagnosticArray
+from dynamic_reconfigure.client import Client
+from std_srvs.srv import Trigger
+from visualization_msgs.msg import Marker, MarkerArray
+
+from cloud_client import CloudPublisher, cloud_diagnosis, cloud_of
+from node_client import PATIENCE, NodeClient
+from transform_faults import APART, BoxPublisher
+
+CLOUD = "camera/points"
+BASE = (0.30, 0.55, 0.75)  # the colour of a voxel that nothing is near to
+
+
+class CloudHealthTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.boxes = BoxPublisher(["a", "b", "c", "camera"])
+        cls.boxes.x = dict(APART, a=-0.09, camera=0.0)  # a ends at x = 0.41
+        cls.boxes.heal()
+        cls.node = NodeClient("/node")
+        cls.camera = CloudPublisher("/" + CLOUD, "camera")
+        cls.camera.silent = True
+        cls.clear = rospy.ServiceProxy("/node/clear_clouds", Trigger)
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.camera.stop()
+        cls.boxes.stop()
+
+    def numbers(self, condition=lambda numbers: True):
+        """Of the next diagnosis for which they are so."""
+        def of(values):
+            return {key[len(CLOUD) + 1:]: float(value) for key, value in values.items()
+                    if key.startswith(CLOUD) and not key.endswith("problem")}
+        found = cloud_diagnosis(lambda values: condition(of(values)))
+        self.assertIsNotNone(found)
+        return of(found)
+
+    def test_every_number_of_the_diagnostics(self):
+        before = self.numbers()
+        on_a = [(0.0, 0.5, 0.0), (0.1, 0.5, 0.0)]
+        for i, points in enumerate((on_a + [(0.05, 5.0, 0.05), (0.06, 5.0, 0.05), (9.05, 5.0, 0.05)],) * 3):
+            self.camera.send(cloud_of(points, "camera", rospy.Time.now() - rospy.Duration(0.2)))
+            self.numbers(lambda now: now["used"] == before["used"] + i + 1)
+        for _ in range(2):
+            self.camera.send(cloud_of([], "camera", rospy.Time(0)))
+            rospy.sleep(0.2)
+        now = self.numbers(lambda now: now["refused"] == before["refused"] + 2)
+        self.assertEqual({key: now[key] - before[key] for key in ("received", "used", "refused", "dropped")},
+                         {"received": 5, "used": 3, "refused": 2, "dropped": 0})
+        self.assertEqual((now["points"], now["points kept"], now["voxels"]), (5, 3, 2))
+        self.assertGreater(now["latency [s]"], 0.2)
+        self.assertLess(now["latency [s]"], 1.0)
+        self.assertGreater(now["processing [s]"], 0.0)
+        self.assertLess(now["processing [s]"], 1.0)
+
+        # One that waits for its transforms; of those that come meanwhile the newest is kept.
+        ahead = rospy.Time.now() + rospy.Duration(0.4)
+        for seconds in (0.0, 0.001, 0.002):
+            self.camera.send(cloud_of([(0.0, 5.0, 0.0)], "camera", ahead + rospy.Duration(seconds)))
+            rospy.sleep(0.05)
+        later = self.numbers(lambda later: later["used"] == now["used"] + 2)
+        self.assertEqual((later["received"] - now["received"], later["dropped"] - now["dropped"]), (3, 1))
+
+        self.camera.heal([(0.0, 5.0, 0.0)], "camera")
+        rate = self.numbers(lambda now: now["used"] > later["used"] + 60)["rate [Hz]"]  # 20 on an idle machine
+        self.assertTrue(4.0 < rate < 40.0, rate)
+        self.camera.silent = True
+        self.assertGreater(self.numbers()["rate [Hz]"], 0.0)
+        begin = rospy.get_time()
+        self.numbers(lambda now: now["rate [Hz]"] == 0.0)
+        self.assertGreater(rospy.get_time() - begin, 1.0)
+        self.assertLess(rospy.get_time() - begin, 6.0)
+
+    def shown(self, condition):
+        """{x of a voxel: its colour} in the next marker of the cloud that meets the condition."""
+        begin = len(self.markers)
+        end = rospy.get_time() + PATIENCE
+        while rospy.get_time() < end:
+            for marker in self.markers[begin:]:
+                colours = {round(p.x, 6): tuple(round(part, 2) for part in (c.r, c.g, c.b))
+                           for p, c in zip(marker.points, marker.colors)}
+                if condition(marker, colours):
+                    return colours
+            rospy.sleep(0.01)
+        self.fail("no such marker")
+
+    def test_voxels_are_drawn_in_red_where_a_link_comes_near_and_removed_with_their_cloud(self):
+        self.markers = []
+        subscriber = rospy.Subscriber("/node/scene_markers", MarkerArray,
+                                      lambda array: self.markers.extend(m for m in array.markers if m.ns == "cloud " + CLOUD))
+        client = Client("/node", timeout=20)
+        try:
+            self.clear()
+            self.shown(lambda marker, _: marker.action == Marker.DELETE and marker.header.frame_id == "root")
+            # 0.09, 0.19 and 0.29 m from a
+            self.camera.heal([(x, 0.05, 0.05) for x in (0.55, 0.65, 0.75)], "camera")
+            three = {0.55, 0.65, 0.75}
+            colours = self.shown(lambda marker, colours: marker.action == Marker.ADD and set(colours) == three)
+            self.assertGreater(colours[0.55][0], 0.85)
+            self.assertEqual((colours[0.65], colours[0.75]), (BASE, BASE))
+            begin, count = rospy.get_time(), len(self.markers)
+            rospy.sleep(2.0)
+            self.assertLess(len(self.markers) - count, 6 * (rospy.get_time() - begin))
+            client.update_configuration({"alarm_distance": 0.2})
+            self.shown(lambda _, colours: colours.get(0.65, BASE)[0] > 0.85 and colours.get(0.75) == BASE)
+        finally:
+            client.update_configuration({"alarm_distance": 0.05})
+            self.camera.silent = True
+            subscriber.unregister()
+
+    def test_a_node_without_clouds_says_nothing_of_them(self):
+        given = rospy.get_param("/node/clouds")
+        reset = rospy.ServiceProxy("/node/reset", Trigger)
+        names = set()
+        subscriber = rospy.Subscriber("/diagnostics", DiagnosticArray, lambda array: names.update(s.name for s in array.status))
+        self.assertIsNotNone(cloud_diagnosis(lambda _: True))
+        self.assertEqual(names, {"node: collision check", "node: point clouds"})
+        try:
+            rospy.set_param("/node/clouds", [])
+            self.assertTrue(reset().success)
+            end = rospy.get_time() + PATIENCE
+            names.add("node: point clouds")
+            while rospy.get_time() < end and "node: point clouds" in names:
+                names.clear()
+                rospy.sleep(2.5)
+            self.assertEqual(names, {"node: collision check"})
+            self.assertEqual((self.clear().success, self.clear().message), (False, "there are no clouds"))
+        finally:
+            rospy.set_param("/node/clouds", given)
+            self.assertTrue(reset().success)
+            subscriber.unregister()
+        self.assertIsNotNone(cloud_diagnosis(lambda _: True))
+        self.assertTrue(self.clear().success)
+        self.assertIn("UNKNOWN until a new cloud has arrived", self.clear().message)
+
+
+if __name__ == "__main__":
+    rospy.init_node("test_cloud_health")
+    rostest.rosrun("collision_pairs", "cloud_health", CloudHealthTest)
