@@ -6,9 +6,11 @@
 #include <gtest/gtest.h>
 #include <ompl/base/DiscreteMotionValidator.h>
 #include <ompl/base/ScopedState.h>
+#include <ompl/base/spaces/SE2StateSpace.h>
 #include <ompl/geometric/SimpleSetup.h>
 #include <ompl/geometric/planners/rrt/RRTConnect.h>
 
+#include "collision_pairs/occupied_voxels.h"
 #include "collision_pairs/ompl.h"
 #include "motion_fixtures.h"
 
@@ -201,8 +203,123 @@ TEST_F(Ompl, JointsThatAreNotNamedStayWhereTheyAreSaidToBe) {
   EXPECT_TRUE(OmplStateValidityChecker(space, scene_, only_turn).isValid(at_plate.get()));
 }
 
+/// A ball that slides along x.
+std::shared_ptr<const RobotModel> ball() {
+  return robotFrom(emptyLink("root") + linkWith("ball", "<sphere radius='0.5'/>") +
+                   joint("x", "prismatic", "root", "ball", "0 0 0",
+                         "<axis xyz='1 0 0'/><limit lower='-9' upper='9'/>"));
+}
+
+TEST(OmplStates, AreValidAndClearAsADirectCheckSaysThem) {
+  const auto scene = sceneOf(ball(), {boxAt("corner", {2.0, 1.4, 0.0}, {2.0, 2.0, 2.0}),
+                                      boxAt("far", {-7.0, 0.0, 0.0}, {1.0, 1.0, 1.0})});
+  const auto space = spaceOf(1);
+  CollisionDetector detector(scene);
+  int nb_valid[2] = {0, 0};
+  for (const Fidelity fidelity : {Fidelity::AABB, Fidelity::MESH}) {
+    CheckSettings settings;
+    settings.fidelity = fidelity;
+    settings.alarm_distance = 9.0;  // does not count
+    const OmplStateValidityChecker states(space, scene, {{"x"}, {}, {}}, settings);
+    EXPECT_EQ(states.getSpecs().clearanceComputationType, ob::StateValidityCheckerSpecs::EXACT);
+    settings.alarm_distance = 0.0;
+    settings.min_distance = true;
+    for (double x = -8.0; x < 3.0; x += 0.05) {
+      ob::ScopedState<ob::RealVectorStateSpace> state(space);
+      state[0] = x;
+      std::vector<double> positions = scene->robot().unnamedPositions();
+      positions[scene->robot().findJoint("x")] = x;
+      std::vector<Eigen::Isometry3d> X_RB;
+      BodyPoses poses;
+      scene->robot().forwardKinematics(positions, X_RB);
+      scene->gatherPoses(X_RB, poses);
+      const CollisionReport& report = detector.detect(poses, settings);
+      EXPECT_EQ(states.isValid(state.get()), report.verdict == Verdict::FREE) << x;
+      EXPECT_EQ(states.clearance(state.get()), report.min_distance) << x;
+      nb_valid[fidelity == Fidelity::MESH] += report.verdict == Verdict::FREE;
+    }
+  }
+  EXPECT_LT(nb_valid[0], nb_valid[1]);
+}
+
+TEST(OmplMotions, CountWithTheFidelityAndTheClearanceOfTheirSettings) {
+  const auto scene = sceneOf(ball(), {boxAt("corner", {2.0, 1.4, 0.0}, {2.0, 2.0, 2.0})});
+  const auto space = spaceOf(1);
+  ob::ScopedState<ob::RealVectorStateSpace> from(space), to(space);
+  from[0] = -3.0;
+  to[0] = 0.6;  // its cube reaches into the corner, which is 0.066 m from it
+  const auto isValid = [&](Fidelity fidelity, double clearance) {
+    MotionSettings settings;
+    settings.fidelity = fidelity;
+    settings.clearance = clearance;
+    const OmplMotionValidator motions(space, scene, {{"x"}, {}, {}}, settings);
+    std::pair<ob::State*, double> last_valid(nullptr, -1.0);
+    const bool is_valid = motions.checkMotion(from.get(), to.get());
+    EXPECT_EQ(motions.checkMotion(from.get(), to.get(), last_valid), is_valid);
+    return is_valid;
+  };
+  EXPECT_TRUE(isValid(Fidelity::MESH, 0.0));
+  EXPECT_FALSE(isValid(Fidelity::AABB, 0.0));
+  EXPECT_FALSE(isValid(Fidelity::MESH, 0.1));
+}
+
+TEST(OmplClouds, AreObstaclesOfStatesAndMotionsAndWithoutThemNothingIsValid) {
+  SceneDescription description =
+      described(ball(), {boxAt("far", {-9.0, 0.0, 0.0}, {1.0, 1.0, 1.0})});
+  description.clouds.push_back(cloudOf("cloud", 0.5, {}));
+  const auto scene = CollisionScene::build(description);
+  const auto space = spaceOf(1);
+  ob::ScopedState<ob::RealVectorStateSpace> from(space), before(space), behind(space), in(space);
+  from[0] = -2.0;
+  before[0] = -1.0;
+  in[0] = 0.3;
+  behind[0] = 2.0;
+  const std::vector<VoxelCell> at_zero = {VoxelCell(0, 0, 0)};
+  const OmplJoints seen{{"x"}, {}, {std::make_shared<const OccupiedVoxels>(0.5, at_zero)}};
+  const OmplStateValidityChecker states(space, scene, seen);
+  EXPECT_TRUE(states.isValid(from.get()));
+  EXPECT_FALSE(states.isValid(in.get()));
+  EXPECT_NEAR(states.clearance(from.get()), 1.5, 1e-9);
+  const OmplMotionValidator motions(space, scene, seen);
+  EXPECT_TRUE(motions.checkMotion(from.get(), before.get()));
+  EXPECT_FALSE(motions.checkMotion(from.get(), in.get()));
+  EXPECT_FALSE(motions.checkMotion(from.get(), behind.get()));
+  const OmplJoints unseen{{"x"}, {}, {}};
+  const OmplStateValidityChecker blind(space, scene, unseen);
+  EXPECT_FALSE(blind.isValid(from.get()));
+  EXPECT_EQ(blind.clearance(from.get()), 0.0) << "whatever is far from it";
+  EXPECT_FALSE(OmplMotionValidator(space, scene, unseen).checkMotion(from.get(), before.get()));
+}
+
+TEST(OmplJoints, ThatAreNotNamedStandWhereTheirLimitsAllow) {
+  const auto scene = sceneOf(
+      robotFrom(emptyLink("root") + linkWith("ball", "<sphere radius='0.5'/>") + emptyLink("rail") +
+                joint("y", "prismatic", "root", "rail", "0 0 0",
+                      "<axis xyz='0 1 0'/><limit lower='2' upper='3'/>") +
+                joint("x", "prismatic", "rail", "ball", "0 0 0",
+                      "<axis xyz='1 0 0'/><limit lower='-9' upper='9'/>")),
+      {boxAt("at_zero", {0.0, 0.0, 0.0}, {1.0, 1.0, 1.0})});
+  const auto space = spaceOf(1);
+  ob::ScopedState<ob::RealVectorStateSpace> state(space);
+  state[0] = 0.0;
+  EXPECT_NEAR(OmplStateValidityChecker(space, scene, {{"x"}, {}, {}}).clearance(state.get()), 1.0,
+              1e-9);
+}
+
 TEST_F(Ompl, ASpaceThatDoesNotFitIsRefused) {
-  EXPECT_THROW(OmplStateValidityChecker(spaceOf(3), scene_, joints_), InputError);
+  const auto turns = std::make_shared<ob::SpaceInformation>(std::make_shared<ob::SE2StateSpace>());
+  try {
+    OmplStateValidityChecker(turns, scene_, joints_);
+    ADD_FAILURE();
+  } catch (const InputError& error) {
+    EXPECT_STREQ(error.what(), "the state space is not a RealVectorStateSpace");
+  }
+  try {
+    OmplStateValidityChecker(spaceOf(3), scene_, joints_);
+    ADD_FAILURE();
+  } catch (const InputError& error) {
+    EXPECT_STREQ(error.what(), "the state space has 3 dimensions, but 2 joints are named");
+  }
   EXPECT_THROW(OmplMotionValidator(space_, scene_, {{"turn", "lft"}, {}, {}}), InputError);
   EXPECT_THROW(OmplMotionValidator(space_, scene_, {{"turn", "lift"}, {0.0}, {}}), InputError);
 }
