@@ -105,6 +105,20 @@ class MotionsTest(unittest.TestCase):
         self.assertIn("a|gate", " ".join(reply.unknown_because))
         self.scene.apply(clear(), add("gate", (5, 0, 0), meshes=[gate(0.51)]))
         self.assertEqual(list(self.ask([3, 8], between=True).segment_verdict), [FREE])
+        convex = self.ask([3, 8], between=True, fidelity="convex")  # there is no gap
+        self.assertEqual((list(convex.verdict), list(convex.segment_verdict)), ([FREE, FREE], [COLLISION]))
+
+    def test_a_long_answer_does_not_hold_up_the_cycle(self):
+        self.scene.apply(clear(), add("gate", (5, 0, 0), meshes=[gate(0.5 + 1e-5)]))
+        for nb_points in (2, 8, 32, 128, 512):
+            begin, before = rospy.get_time(), len(self.node.reports)
+            self.ask([3, 8] * (nb_points // 2), between=True)
+            took = rospy.get_time() - begin
+            if took > 2.0:
+                break
+        self.assertGreater(took, 2.0, "no test of it")
+        stamps = [begin] + [self.node.received[id(r)] for r in self.node.reports[before:]]
+        self.assertLess(max(b - a for a, b in zip(stamps, stamps[1:] + [begin + took])), 0.5 * took)
 
 
 if __name__ == "__main__":
