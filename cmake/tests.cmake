@@ -88,6 +88,7 @@ collision_pairs_test(motion_certificates collision_pairs_io)
 target_sources(test_motion_certificates PRIVATE test/benchmark/benchmark_robots.cpp
   test/benchmark/demo_motion.cpp test/benchmark/motion_scenes.cpp)
 collision_pairs_test(motion_check)
+collision_pairs_test(motion_costs)
 collision_pairs_test(motion_deviation)
 collision_pairs_test(motion_pitfalls)
 collision_pairs_test(motions_to_contact)
