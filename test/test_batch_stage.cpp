@@ -6,6 +6,7 @@
 
 #include "batch_stage.h"
 #include "batch_verdicts.h"
+#include "collision_pairs/collision_detector.h"
 #include "collision_pairs/input_error.h"
 #include "random_robot.h"
 
@@ -163,6 +164,72 @@ TEST(BatchStage, KernelsTellEachStateTheSame) {
   EXPECT_GT(nb_settled, nb_open);
 }
 
+// OPEN goes to the exact check: where nothing is open, that would be time for nothing.
+TEST(BatchStage, LeavesOpenOnlyWhatItNamesAndNamesWhatIsNearContact) {
+  RandomInputs random;
+  int nb_open = 0, nb_states = 0;
+  double furthest = 0.0, sum = 0.0;  // metres between the nearest two of an open state
+  for (int round = 0; round < 12; ++round) {
+    const auto scene = CollisionScene::build(randomScene(random));
+    const auto stage = BatchStage::make(*scene);
+    ASSERT_NE(stage, nullptr);
+    BatchStage::Group group(*stage);
+    CollisionDetector detector(scene);
+    CheckSettings settings;
+    settings.min_distance = true;
+    std::vector<std::vector<double>> states;
+    std::vector<BoxPair> pairs;
+    std::vector<std::uint32_t> beside_static;
+    std::vector<Eigen::Isometry3d> X_RB;
+    BodyPoses poses;
+    for (int i = 0; i < 32; i += group.lanes()) {
+      group.clear();
+      for (int lane = 0; lane < group.lanes(); ++lane) {
+        states.push_back(positionsFor(stage->model(), random, scene->robot()));
+        ASSERT_TRUE(group.set(lane, states.back()));
+      }
+      group.settle();
+      for (int lane = 0; lane < group.lanes(); ++lane) {
+        ++nb_states;
+        if (group.outcome(lane) == Outcome::CONTACT) continue;
+        group.openPairs(lane, pairs);
+        group.openBesideStatic(lane, beside_static);
+        EXPECT_EQ(group.outcome(lane) == Outcome::OPEN, !pairs.empty() || !beside_static.empty());
+        if (group.outcome(lane) == Outcome::FREE) continue;
+        ++nb_open;
+        scene->robot().forwardKinematics(states[static_cast<std::size_t>(i + lane)], X_RB);
+        scene->gatherPoses(X_RB, poses);
+        const double distance = detector.detect(poses, settings).min_distance;
+        furthest = std::max(furthest, distance);
+        sum += std::max(0.0, distance);
+      }
+    }
+  }
+  EXPECT_GT(nb_open, 20);
+  EXPECT_LT(nb_open, 0.3 * nb_states);
+  EXPECT_LT(sum, 0.006 * nb_open);
+  EXPECT_LT(furthest, 0.06);
+}
+
+TEST(BatchStage, MemoryIsThatOfItsFieldsTooOneForEachSetOfStaticThings) {
+  const auto memoryWith = [](int nb_things) {
+    SceneDescription description;
+    description.robots.push_back({robotFrom(slidingBoxes(3)), std::nullopt, ""});
+    for (int i = 0; i < nb_things; ++i) {
+      RigidObject thing;
+      thing.name = "thing" + std::to_string(i);
+      thing.elements.push_back({Box{{0.1, 0.1, 0.1}}, Eigen::Isometry3d::Identity()});
+      thing.X_PO.translation() = Vector3d(0, 3, i);
+      if (i > 0) thing.touch_links = {"a"};  // which has another set then
+      description.objects.push_back(thing);
+    }
+    return static_cast<double>(BatchStage::make(*CollisionScene::build(description))->memory());
+  };
+  const double of_field = 24.0 * StaticField::SIDE * StaticField::SIDE * StaticField::SIDE;
+  EXPECT_NEAR(memoryWith(1) - memoryWith(0), of_field, 0.01 * of_field);
+  EXPECT_NEAR(memoryWith(2) - memoryWith(0), 2.0 * of_field, 0.01 * of_field);
+}
+
 TEST(BatchStage, VerdictsAreThoseOfTheExactCheckInScenesOfAllKinds) {
   RandomInputs random;
   int nb[3] = {0, 0, 0}, nb_staged = 0;
@@ -255,10 +322,10 @@ TEST(BatchStage, IsMadeOnlyForBatchesThatRepayItAndForNothingButVerdicts) {
 
 TEST(BatchStage, LinksOfOneBodyThatAlwaysTouchAreInContactInEveryState) {
   for (const bool they_touch : {true, false}) {
-    const auto robot = robotFrom(
-        boxLink("base", 0.1) + boxLink("arm", 0.1) + boxLink("tool", 0.1) +
-        joint("turn", "continuous", "base", "arm", "0 0 1", "<axis xyz='0 0 1'/>") +
-        joint("weld", "fixed", "arm", "tool", they_touch ? "0.05 0 0" : "0.2 0 0"));
+    const auto robot =
+        robotFrom(boxLink("base", 0.1) + boxLink("arm", 0.1) + boxLink("tool", 0.1) +
+                  joint("turn", "continuous", "base", "arm", "0 0 1", "<axis xyz='0 0 1'/>") +
+                  joint("weld", "fixed", "arm", "tool", they_touch ? "0.05 0 0" : "0.2 0 0"));
     Verdicts verdicts(CollisionScene::build(robot, Srdf{}, nullptr));
     const std::vector<std::vector<double>> states(STATES, {0.5, 0.0});
     const Verdict expected = they_touch ? Verdict::COLLISION : Verdict::FREE;

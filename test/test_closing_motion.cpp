@@ -31,10 +31,11 @@ Isometry3d at(double x, double y, double z) {
 class TwoLinks {
  public:
   TwoLinks(const std::string& geometry_a, const std::string& geometry_b,
-           std::vector<RigidObject> objects = {}, double padding = 0.0) {
+           std::vector<RigidObject> objects = {}, double padding = 0.0,
+           const std::string& origin_b = "") {
     SceneDescription description = described(
         RobotModel::fromUrdf("<robot name='r'>" + emptyLink("root") + linkWith("a", geometry_a) +
-                                 linkWith("b", geometry_b) +
+                                 linkWith("b", geometry_b, origin_b) +
                                  joint("to_a", "floating", "root", "a", "0 0 0", "") +
                                  joint("to_b", "floating", "root", "b", "0 0 0", "") + "</robot>",
                              lShape),
@@ -133,6 +134,18 @@ TEST(ClosingMotion, AFloorStandsStillAndPaddingIsKept) {
     EXPECT_NEAR(closing.closing_speed, 0.1 / window, 1e-9);
     EXPECT_NEAR(closing.time_to_contact, 0.28 * window / 0.1, 2e-5);  // 0.3 m less the padding
   }
+}
+
+// It is over the floor by 5 cm where its circle of 3 m is highest, and level with the floor.
+TEST(ClosingMotion, WhatCirclesOverAFloorComesDownAsItsCircleDoes) {
+  TwoLinks links(BALL, BALL, {floorAt(0.0, {})}, 0.0, "<origin xyz='0 0 3'/>");
+  const Isometry3d X_WB = at(0, 0, 0.55 - 3.0), X_WA = at(9, 0, 9);
+  const ClosingMotion closing =
+      links.closing(X_WA, X_WB, X_WA, X_WB * AngleAxisd(-0.2, Vector3d::UnitY()));
+  EXPECT_NEAR(closing.closing_speed, 0.0, 1e-9);
+  const double contact = std::acos(1.0 - 0.05 / 3.0) * WINDOW / 0.2;
+  EXPECT_LT(closing.time_to_contact, contact);
+  EXPECT_GT(closing.time_to_contact, 0.8 * contact);
 }
 
 TEST(ClosingMotion, InContactTheTimeIsZeroAndTheDepthGrows) {

@@ -360,6 +360,7 @@ TEST_F(CloudCheck, TimeThatIsSpentLeavesNoPairOut) {
       EXPECT_LE(hurried.min_distance, exact.min_distance + 1e-9);
       EXPECT_FALSE(hurried.verdict == Verdict::FREE && exact.verdict != Verdict::FREE);
       EXPECT_FALSE(hurried.verdict == Verdict::COLLISION && exact.verdict != Verdict::COLLISION);
+      EXPECT_EQ(hurried.budget_spent, hurried.nb_unresolved > 0);
       std::uint32_t nb = hurried.nb_unresolved;
       for (const std::uint32_t count : hurried.nb_settled) nb += count;
       EXPECT_EQ(nb, hurried.candidates.size());

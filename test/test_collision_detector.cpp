@@ -44,6 +44,16 @@ CheckSettings alarm(double distance) {
   return settings;
 }
 
+TEST(CollisionDetector, ReportsTheToleranceOfEachCheck) {
+  const auto scene = sceneOf(slidingBoxes(2));
+  CollisionDetector detector(scene);
+  CheckSettings settings = alarm(0.2);
+  for (const double tolerance : {0.01, 0.0}) {
+    settings.tolerance = tolerance;
+    EXPECT_EQ(detector.detect(boxesAt(*scene, {0.0, 1.1}), settings).tolerance, tolerance);
+  }
+}
+
 TEST(CollisionDetector, ReportsContactNearAndNothingElse) {
   const auto scene = sceneOf(slidingBoxes(4));
   CollisionDetector detector(scene);

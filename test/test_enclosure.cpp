@@ -128,6 +128,19 @@ TEST(Enclosure, BoxOfAMeshHoldsTheVerticesThatItWasNotMadeOf) {
   }
 }
 
+TEST(Enclosure, NoSmallerMarginDoesWithAsFewPoints) {
+  RandomInputs random;
+  std::vector<Eigen::Vector3d> points;
+  for (int i = 0; i < 300; ++i) points.push_back(random.rotation() * Eigen::Vector3d::UnitX());
+  for (const std::size_t most : {4u, 20u, 100u}) {
+    const FewerPoints few = atMostPoints(points, most);
+    EXPECT_LE(few.points.size(), most);
+    EXPECT_GT(fewerPoints(points, 0.95 * few.margin).points.size(), most);
+  }
+  EXPECT_EQ(atMostPoints(points, 300).points.size(), 300u);
+  EXPECT_EQ(atMostPoints(points, 300).margin, 0.0);
+}
+
 TEST(Enclosure, HullVerticesReachAsFarAsAllVerticesInEveryDirection) {
   RandomInputs random;
   for (int round = 0; round < 50; ++round) {

@@ -121,6 +121,15 @@ TEST(MotionPitfalls, AJointThatIsPlacedDoesNotMove) {
   EXPECT_EQ(checked(scene, {-1.0}, {1.0}, {}, placed).verdict, Verdict::FREE);
 }
 
+TEST(MotionPitfalls, PlacedBodiesAreThoseOfTheRobotOrNone) {
+  const auto scene = sceneOf(turningBar(), {boxAt("plate", {0.8, 0.0, 0.0}, {0.2, 0.002, 0.2})});
+  const std::size_t nb_bodies = scene->robot().bodies().size();
+  for (const std::size_t number : {nb_bodies - 1, nb_bodies + 1}) {
+    EXPECT_THROW(checked(scene, {-1.0}, {1.0}, {}, PlacedBodies(number)), InputError) << number;
+  }
+  EXPECT_EQ(checked(scene, {-1.0}, {1.0}, {}, PlacedBodies(nb_bodies)).verdict, Verdict::COLLISION);
+}
+
 TEST(MotionPitfalls, AnAttachedObjectReachesFurtherThanItsLink) {
   RigidObject pole = boxAt("pole", {1.5, 0.0, 0.0}, {1.0, 0.02, 0.02});
   pole.attached_link = "arm";

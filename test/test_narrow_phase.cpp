@@ -2,6 +2,7 @@
 
 #include "collision_pairs/narrow_phase.h"
 #include "every_shape.h"
+#include "pose_repair.h"
 #include "random_inputs.h"
 
 namespace collision_pairs {
@@ -34,6 +35,35 @@ void forEveryPair(int poses, Check check) {
 bool bothHalfSpaces(const PreparedShape& A, const PreparedShape& B) {
   return std::holds_alternative<HalfSpace>(A.shape()) &&
          std::holds_alternative<HalfSpace>(B.shape());
+}
+
+TEST(PoseRepair, LeavesRotationsAsTheyAreAndRepairsEachEntryThatIsOff) {
+  RandomInputs random;
+  for (int round = 0; round < 100; ++round) {
+    const Isometry3d exact = random.pose(1.0);
+    EXPECT_TRUE(isSound(exact));
+    for (int i = 0; i < 9; ++i) {
+      for (const double off : {1e-11, 1e-5, -3e-4}) {
+        Isometry3d X = exact;
+        X.matrix()(i % 3, i / 3) += off;
+        EXPECT_FALSE(isSound(X) && std::abs(exact.matrix()(i % 3, i / 3)) > 1e-2) << i;
+        ASSERT_TRUE(repairPose(X)) << i;
+        EXPECT_TRUE(isSound(X)) << i;
+        EXPECT_LE((X.matrix() - exact.matrix()).norm(), 2.0 * std::abs(off));
+      }
+      Isometry3d none = exact;
+      none.matrix()(i % 3, i / 3) += 0.1;
+      EXPECT_FALSE(repairPose(none)) << i;
+    }
+    Isometry3d mirrored = exact;
+    mirrored.linear().col(round % 3) *= -1.0;
+    EXPECT_FALSE(isSound(mirrored));
+    EXPECT_FALSE(repairPose(mirrored));
+    Isometry3d nowhere = exact;
+    nowhere.translation()[round % 3] = round % 2 ? INF : std::nan("");
+    EXPECT_FALSE(isSound(nowhere));
+    EXPECT_FALSE(repairPose(nowhere));
+  }
 }
 
 TEST(NarrowPhase, YesOrNoIsTheSignOfTheDistance) {

@@ -299,6 +299,14 @@ TEST_F(Changed, WhatARuleOrATouchLinkNamesIsNotRemoved) {
   EXPECT_THAT(refusal({{}, {"far"}}), HasSubstr("'far'"));
 }
 
+TEST_F(Changed, TheNarrowPhaseIsStillTheOneThatWasAskedFor) {
+  description_.settings.narrow_phase = NarrowPhaseMethod::FCL;
+  scene_ = CollisionScene::build(description_)->with({{box("new", 5)}, {"far"}});
+  BodyPoses poses;
+  poses.resize(scene_->bodies().size());
+  EXPECT_EQ(CollisionDetector(scene_).detect(poses, {}).narrow_phase, NarrowPhaseMethod::FCL);
+}
+
 TEST_F(Changed, TheLastObjectTakesItsPairsWithIt) {
   description_.robots = {{robotFrom(slidingBoxes(1)), std::nullopt, ""}};
   scene_ = CollisionScene::build(description_);

@@ -233,9 +233,11 @@ TEST_F(TimeBudget, OfAVerdictEndsAtTheFirstContactWhichIsAllThatIsReported) {
     settings_.fidelity = fidelity;
     for (int round = 0; round < 50; ++round) {
       throwAbout(random_, 1.0, poses_);
+      poses_.X_WB.back().linear() *= 1.01;  // no pose: its pairs are degraded
       const CollisionReport& report = checkWithin(1e9);
       if (report.verdict != Verdict::COLLISION) continue;
       ++nb_contacts;
+      EXPECT_EQ(report.nb_degraded, 0u);
       ASSERT_EQ(report.pairs.size(), 1u);
       EXPECT_EQ(report.pairs[0].distance, 0.0);
       EXPECT_EQ(nbSettled(report), 1u);
