@@ -105,6 +105,42 @@ TEST(NarrowPhase, ADirectionThatIsTriedFirstChangesNoAnswer) {
   EXPECT_GT(nb_told, 1000u);
 }
 
+// Along motions that pass one another, touch and lie on parallel faces; sometimes with what was
+// found of another pair.
+TEST(NarrowPhase, WhereTheClosestPointsWereChangesNoDistance) {
+  RandomInputs random;
+  NarrowPhase asked, fresh;
+  const auto hullOfBox = [&]() -> Shape {
+    return Convex{std::make_shared<TriangleMesh>(boxMesh(random.vector(0.05, 0.2)))};
+  };
+  ClosestVertices between;
+  std::size_t nb_known = 0;
+  for (int motion = 0; motion < 120; ++motion) {
+    const std::string kind = EVERY_KIND[4 + motion % 4];
+    const auto A = prepareShape(motion % 3 == 0 ? hullOfBox() : shapeOfKind(random, kind, 0.3));
+    const auto B = prepareShape(motion % 5 == 0 ? hullOfBox() : shapeOfKind(random, "hull", 0.3));
+    const bool is_parallel = motion % 15 == 0, is_near = motion % 2 == 0;
+    Isometry3d X_AB = poseWithGap(random, fresh, *A, *B, 0.3, is_near ? 1e-3 : 0.1);
+    if (is_parallel) X_AB.linear().setIdentity();
+    const Vector3d step = random.vector(-2e-3, 2e-3), axis = random.vector(-1, 1).normalized();
+    for (int i = 0; i < 100; ++i) {
+      X_AB.translation() += step;
+      if (!is_parallel) X_AB.rotate(Eigen::AngleAxisd(0.005, axis));
+      const double limit = i % 10 == 9 ? 0.05 : INF;
+      const bool is_known = between.a[0] >= 0;
+      const PairDistance expected = fresh.distance(*A, *B, X_AB, limit);
+      const PairDistance found = asked.distance(*A, *B, X_AB, limit, {}, 0.0, &between);
+      ASSERT_EQ(found.distance, expected.distance) << motion << ' ' << i;
+      ASSERT_EQ(found.certainty, expected.certainty);
+      ASSERT_EQ(found.p_ACa, expected.p_ACa);
+      ASSERT_EQ(found.p_ACb, expected.p_ACb);
+      ASSERT_EQ(found.nhat_AB_A, expected.nhat_AB_A);
+      nb_known += is_known && between.a[0] >= 0;
+    }
+  }
+  EXPECT_GT(nb_known, 4000u);
+}
+
 TEST(NarrowPhase, TheAnswerDoesNotDependOnTheOrderOfTheShapes) {
   forEveryPair(50, [](NarrowPhase& narrow_phase, RandomInputs&, const PreparedShape& A,
                       const PreparedShape& B, const Isometry3d& X_AB) {

@@ -76,10 +76,13 @@ class NarrowPhase {
   /// further apart than max_distance (metres, >= 0, may be infinite), the search ends early and
   /// returns BEYOND. If `accuracy` lets the search in triangles end early, the answer is TOLERATED:
   /// the lower end of the interval, and two points of the solids that are no further apart than its
-  /// upper end. Never throws.
+  /// upper end. Never throws. `between`, if given, is tried first: the vertices of the hulls
+  /// between which the closest points were before. It changes no answer, and is replaced by those
+  /// of this one.
   PairDistance distance(const PreparedShape& A, const PreparedShape& B,
                         const Eigen::Isometry3d& X_AB, double max_distance,
-                        const Accuracy& accuracy = {}, double offset = 0.0);
+                        const Accuracy& accuracy = {}, double offset = 0.0,
+                        ClosestVertices* between = nullptr);
 
   /// Number of calls of touches() and distance() that ended DEGRADED.
   std::uint64_t numDegraded() const;

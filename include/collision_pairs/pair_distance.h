@@ -2,6 +2,8 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
+#include <cstdint>
 #include <limits>
 
 #include <Eigen/Core>
@@ -45,6 +47,14 @@ struct PairDistance {
   bool by_hulls = false;  ///< with a non-convex mesh: settled without its triangles
   /// Witness points and normal are meaningless when BEYOND.
   bool touches() const { return distance <= 0.0; }
+};
+
+/// Vertices of two hulls A and B between which their closest points lie: one to three of each, by
+/// increasing index, then negative numbers.
+struct ClosestVertices {
+  std::array<std::int32_t, 3> a{-1, -1, -1}, b{-1, -1, -1};
+
+  bool operator==(const ClosestVertices& other) const { return a == other.a && b == other.b; }
 };
 
 }  // namespace collision_pairs

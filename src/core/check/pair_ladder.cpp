@@ -174,17 +174,17 @@ bool PairLadder::meets(const BoxPair& pair, Fidelity rung) {
   const Rung& b = scene_->elements()[pair.second].rung(rung);
   const double margin = a.margin + b.margin + scene_->padding(pair.first, pair.second);
   const Isometry3d X = rung == Fidelity::OBB ? a.X_ER.inverse() * X_AB * b.X_ER : X_AB;
-  Vector3d& apart_along = lastApart(pair, X);
+  Vector3d& apart_along = lastOf(pair, X).apart_along;
   return narrow_phase_.touches(*a.shape, *b.shape, X, margin, offset(pair), &apart_along);
 }
 
-Vector3d& PairLadder::lastApart(const BoxPair& pair, const Isometry3d& X_AB) {
-  Apart& last = last_apart_[(pair.first * 31 + pair.second) % MOST_APART];
+PairLadder::Last& PairLadder::lastOf(const BoxPair& pair, const Isometry3d& X_AB) {
+  Last& last = last_[(pair.first * 31 + pair.second) % MOST_LAST];
   const bool has_moved = !((X_AB.matrix() - last.X_AB.matrix()).squaredNorm() < MOVED_LITTLE);
-  if (has_moved || !(last.pair == pair)) last.nhat_AB_A.setZero();
+  if (has_moved || !(last.pair == pair)) last = {};
   last.pair = pair;
   last.X_AB = X_AB;
-  return last.nhat_AB_A;
+  return last;
 }
 
 PairLadder::Answer PairLadder::measureAt(const BoxPair& pair, const Isometry3d& X_AB, Fidelity rung,
@@ -195,9 +195,9 @@ PairLadder::Answer PairLadder::measureAt(const BoxPair& pair, const Isometry3d& 
   const double margin = a.margin + b.margin + padding;
   const Isometry3d X = rung == Fidelity::OBB ? a.X_ER.inverse() * X_AB * b.X_ER : X_AB;
   const Accuracy accuracy{tolerance, margin};
-  Answer answer{
-      narrow_phase_.distance(*a.shape, *b.shape, X, max_distance + margin, accuracy, offset(pair)),
-      rung};
+  Answer answer{narrow_phase_.distance(*a.shape, *b.shape, X, max_distance + margin, accuracy,
+                                       offset(pair), &lastOf(pair, X).between),
+                rung};
   PairDistance& found = answer.found;
   found.distance -= margin;
   if (found.certainty == Certainty::BEYOND) return answer;

@@ -16,17 +16,37 @@ bool isBeyond(double gap, double max_distance, const ConvexCore& A, const Convex
 
 PairDistance solveTwice(const ConvexCore& A, const ConvexCore& B, const Eigen::Isometry3d& X_AB,
                         double max_distance, Wanted wanted, double band,
-                        CoreOverlap* overlap = nullptr) {
+                        CoreOverlap* overlap = nullptr, ClosestVertices* between = nullptr) {
   PairDistance result;
+  ClosestVertices ended;
+  const Query<double> query(A, B, X_AB, band, &ended);
+  // What is proved of vertices near the known ones is what a search from the centres proves too, if
+  // it does not end BEYOND: see closest_vertices.h.
+  const bool is_new = !between || *between == ClosestVertices{};
+  if (!is_new && query.fillNear(*between, result) && result.distance <= max_distance) {
+    *between = ended;
+    return result;
+  }
+  result = {};
+  ended = {};
   const double gap = boundingSphereDistance(A, B, X_AB);
   if (isBeyond(gap, std::max(max_distance, band), A, B, X_AB)) {
     result.distance = gap;
     result.certainty = Certainty::BEYOND;
     return result;
   }
-  if (!Query<double>(A, B, X_AB, band).solve(max_distance, wanted, result, overlap)) {
+  if (!query.solve(max_distance, wanted, result, overlap)) {
+    PairDistance finest;
+    Query<DoubleDouble>(A, B, X_AB, band, &ended).solve(max_distance, wanted, finest, nullptr);
     result = {};
-    Query<DoubleDouble>(A, B, X_AB, band).solve(max_distance, wanted, result, nullptr);
+    if (!query.fillBetween(ended, result)) result = finest;
+  }
+  if (between && result.certainty != Certainty::BEYOND) {
+    // Where vertices were known and no good, as of faces that are parallel, they are tried again
+    // only once they are.
+    PairDistance same;
+    if (!is_new && !query.fillBetween(ended, same)) ended = {}, ended.a[0] = -2;
+    *between = ended;
   }
   if (result.distance > max_distance && result.certainty == Certainty::EXACT) {
     const double error = largestError(A, B, magnitudeOf(A, B, X_AB.translation()));
@@ -91,13 +111,14 @@ double boundingSphereDistance(const ConvexCore& A, const ConvexCore& B,
 }
 
 PairDistance convexDistance(const ConvexCore& A, const ConvexCore& B, const Eigen::Isometry3d& X_AB,
-                            double max_distance, double band) {
-  return solveTwice(A, B, X_AB, max_distance, Wanted::DEPTH, band);
+                            double max_distance, double band, ClosestVertices* between) {
+  return solveTwice(A, B, X_AB, max_distance, Wanted::DEPTH, band, nullptr, between);
 }
 
 PairDistance convexGap(const ConvexCore& A, const ConvexCore& B, const Eigen::Isometry3d& X_AB,
-                       double max_distance, double band, CoreOverlap* overlap) {
-  return solveTwice(A, B, X_AB, max_distance, Wanted::GAP, band, overlap);
+                       double max_distance, double band, CoreOverlap* overlap,
+                       ClosestVertices* between) {
+  return solveTwice(A, B, X_AB, max_distance, Wanted::GAP, band, overlap, between);
 }
 
 PairDistance convexTouch(const ConvexCore& A, const ConvexCore& B, const Eigen::Isometry3d& X_AB,

@@ -15,14 +15,18 @@ namespace collision_pairs {
 /// narrow enough. The distance is <= 0 if the two overlap, or the gap between them is no larger
 /// than `band` metres: see contactBand(). All functions below decide alike; of a gap they know no
 /// better than 4e-30 of the coordinates. Never throws, allocates nothing.
+/// `between`, if given, is tried first: where the closest points of two hulls were before. It
+/// changes no answer, and is replaced.
 PairDistance convexDistance(const ConvexCore& A, const ConvexCore& B, const Eigen::Isometry3d& X_AB,
-                            double max_distance, double band = 0.0);
+                            double max_distance, double band = 0.0,
+                            ClosestVertices* between = nullptr);
 
 /// The same without depth: if the shapes touch, the distance is some number <= 0, and witness
 /// points and normal are undefined. `overlap`, if given, is set if cores that are not curved
 /// overlap. If BEYOND, nhat_AB_A is the normal of the separating plane that GJK found.
 PairDistance convexGap(const ConvexCore& A, const ConvexCore& B, const Eigen::Isometry3d& X_AB,
-                       double max_distance, double band = 0.0, CoreOverlap* overlap = nullptr);
+                       double max_distance, double band = 0.0, CoreOverlap* overlap = nullptr,
+                       ClosestVertices* between = nullptr);
 
 /// A certain lower bound of a distance that convexGap() returns as EXACT.
 inline double lowerEndOfGap(const PairDistance& gap, const ConvexCore& A, const ConvexCore& B) {

@@ -9,6 +9,7 @@
 
 #include <type_traits>
 
+#include "closest_vertices.h"
 #include "collision_pairs/pair_distance.h"
 #include "cylinder_gap.h"
 #include "epa.h"
@@ -25,14 +26,17 @@ enum class Wanted { DEPTH, GAP, TOUCH };
 template <class T>
 class Query {
  public:
-  Query(const ConvexCore& A, const ConvexCore& B, const Eigen::Isometry3d& X_AB, double band)
+  Query(const ConvexCore& A, const ConvexCore& B, const Eigen::Isometry3d& X_AB, double band,
+        ClosestVertices* between = nullptr)
       : A_(A),
         B_(B),
+        between_(between),
         curved_(A.curved() || B.curved()),
         smaller_(std::min(A.extent + A.radius, B.extent + B.radius)),
         radii_(T(A.radius) + T(B.radius)),
         difference_(A, B, X_AB) {
     const double magnitude = magnitudeOf(A, B, X_AB.translation());
+    magnitude_ = magnitude;
     rounding_ = T(10) * std::numeric_limits<T>::epsilon() * T(magnitude);
     largest_error_ = T(largestError(A, B, magnitude));
     band_ = IS_FINEST ? std::max(T(band), T(2) * rounding_) : T(band);
@@ -83,7 +87,7 @@ class Query {
     if (!certain && !IS_FINEST) return false;
     const T upper = std::max(depth.upper, T(0));
     Witnesses<T> deepest{depth.a, depth.b};
-    repairWitnesses(depth.normal, -depth.upper, deepest);
+    repairWitnesses(difference_, depth.normal, -depth.upper, largest_error_, deepest);
     result.nhat_AB_A = depth.normal.template cast<double>();
     setApart(depth.normal, -upper, deepest);
     finish(-upper, deepest, result);
@@ -97,19 +101,71 @@ class Query {
     return is_exact || (curved_ && sure) || !wants_exact;
   }
 
+  /// False if the closest points do not lie, or not clearly, between these vertices.
+  bool fillBetween(const ClosestVertices& vertices, PairDistance& result) const {
+    GjkResult<double> found;
+    return closestBetween(difference_, vertices, magnitude_, found) &&
+           areClosest(difference_, vertices, magnitude_, found.v) && fillFar(found, result);
+  }
+
+  /// The same for vertices near those. They are set.
+  bool fillNear(const ClosestVertices& vertices, PairDistance& result) const {
+    GjkResult<double> found;
+    *between_ = vertices;
+    if (closestBetween(difference_, vertices, magnitude_, found) &&
+        areClosest(difference_, vertices, magnitude_, found.v)) {
+      return fillFar(found, result);
+    }
+    if (found.simplex.size == 0) return false;
+    found.lower = 0.0;
+    advance(difference_, {}, found);
+    bool is_whole;
+    *between_ = closestVertices(found.simplex, is_whole);
+    return !(*between_ == vertices) && fillBetween(*between_, result);
+  }
+
  private:
+  bool isOfHulls() const {
+    return A_.kind == ConvexCore::Kind::POINTS && A_.edges && B_.kind == A_.kind && B_.edges;
+  }
+
+  // False if the two are in contact, or so near that the distance of the two points is no good.
+  bool fillFar(const GjkResult<double>& found, PairDistance& result) const {
+    const double distance = found.v.norm();
+    return isFar(found) && settles(found.lower, distance) &&
+           found.lower - rounding_ > band_ + radii_ &&
+           fillApart(found, -found.v / distance, result);
+  }
+
+  // From nothing but the vertices that the point found lies between, if any are clear. `lower`: of
+  // the distance.
+  bool fillFromVertices(const GjkResult<T>& found, T lower, PairDistance& result) const {
+    if (!isOfHulls()) return false;
+    bool is_whole;
+    *between_ = closestVertices(found.simplex, is_whole);
+    if constexpr (!IS_FINEST) {
+      GjkResult<double> clear;
+      if (closestBetween(difference_, *between_, magnitude_, clear) &&
+          ((is_whole && settles(lower, clear.v.norm())) ||
+           areClosest(difference_, *between_, magnitude_, clear.v)) &&
+          fillFar(clear, result)) {
+        return true;
+      }
+      *between_ = {};
+    }
+    return false;
+  }
+
   static constexpr bool IS_FINEST = !std::is_same_v<T, double>;
 
   // A closest point nearer to the origin than this has too few digits left to give a direction;
   // relative to the largest vertex.
   static constexpr double NORMAL_FROM_FEATURE_BELOW = 1e-4;
-  // A curved depth whose interval is wider than this is searched for all around the body, and its
-  // witness points are computed again with the shapes this far apart; relative to the smaller body.
+  // A curved depth whose interval is wider than this is searched for all around the body; relative
+  // to the smaller body.
   static constexpr double CLOSED_DEPTH = 1e-6;
-  static constexpr double WITNESS_SHIFT = 0.01;
   // Closest points that are further than this from lying along the normal are computed again.
   static constexpr double WITNESS_TOLERANCE = 1e-10;
-  static constexpr double LONGER_ARC = 1e-11;
   // With a cylinder, the features of the closest points are tried at these intervals, relative to
   // the smaller body, before GJK goes on to rounding.
   static constexpr std::array<double, 3> FEATURES_WITHIN{0.01, 1e-4, 0.0};
@@ -149,7 +205,7 @@ class Query {
   // Slivers, and four vertices in a plane, appear to enclose an origin that is beside them.
   bool fillOverlapFound(const GjkResult<T>& found, Wanted wanted, PairDistance& result,
                         CoreOverlap* overlap) const {
-    const bool sure = isInside(found), wants_depth = wanted == Wanted::DEPTH;
+    const bool sure = isInside(found, rounding_), wants_depth = wanted == Wanted::DEPTH;
     if (!sure || wants_depth) {
       const bool is_settled =
           fillOverlap(found.simplex, found.magnitude, sure, wants_depth, result);
@@ -161,20 +217,6 @@ class Query {
       if (overlap != nullptr && !curved_) *overlap = {found.simplex, found.magnitude};
     }
     return true;
-  }
-
-  // True if the origin is inside by more than rounding of the vertices can explain, judged by the
-  // volumes of the four tetrahedra that it forms with the faces. With vertices no longer than L and
-  // no further off than 7.2 u m, a volume w . (w x w) is off by 22 u m L^2 for the vertices and 12
-  // u L^3 for its own arithmetic.
-  bool isInside(const GjkResult<T>& found) const {
-    if (found.simplex.size != 4) return false;
-    using std::abs;
-    const auto& v = found.simplex.vertex;
-    const T volume = abs((v[1].w - v[0].w).dot((v[2].w - v[0].w).cross(v[3].w - v[0].w)));
-    const auto& lambda = found.simplex.lambda;
-    const T least = *std::min_element(lambda.begin(), lambda.end());
-    return least * volume > T(4) * rounding_ * found.magnitude * found.magnitude;
   }
 
   void findLeast(EpaResult<T>& depth) const {
@@ -245,12 +287,14 @@ class Query {
                      const SupportPlane<T>& known = {}) const {
     const T distance = found.v.norm();
     if (isFar(found) && settles(found.lower, distance)) {
-      return fillApart(found, -found.v / distance, result);
+      return fillFromVertices(found, found.lower, result) ||
+             fillApart(found, -found.v / distance, result);
     }
     SupportPlane<T> plane = bestPlane(found);
     if (known.height < plane.height) plane = known;
     if (settles(-plane.height, distance) && (!IS_FINEST || plane.height < -rounding_)) {
-      return fillApart(found, plane.normal, result);
+      return fillFromVertices(found, -plane.height, result) ||
+             fillApart(found, plane.normal, result);
     }
     if (!IS_FINEST) return false;
     // The polytope's faces give the separating plane that GJK misses because of rounding. If there
@@ -296,7 +340,7 @@ class Query {
     const T lower = -difference_.furthest(n).w.dot(n);
     Witnesses<T> closest{Vec3<T>::Zero(), Vec3<T>::Constant(std::numeric_limits<T>::infinity())};
     if (simplex != nullptr) closest = witnessesOf(*simplex);
-    repairWitnesses(n, lower, closest);
+    repairWitnesses(difference_, n, lower, largest_error_, closest);
     const T apart = closest.apart();
     if (residualOf(closest, n, lower) <= largest_error_) setApart(n, lower, closest);
     result.nhat_AB_A = n.template cast<double>();
@@ -329,51 +373,14 @@ class Query {
     return true;
   }
 
-  static T residualOf(const Witnesses<T>& points, const Vec3<T>& n, T apart) {
-    return (points.a - points.b + apart * n).norm();
-  }
-
-  // Moves both by the same amount, so that b - a is exactly `apart` along n.
-  static void setApart(const Vec3<T>& n, T apart, Witnesses<T>& points) {
-    const Vec3<T> middle = (points.a + points.b) / T(2);
-    const Vec3<T> half = n * (apart / T(2));
-    points.a = middle - half;
-    points.b = middle + half;
-  }
-
-  // Witness points whose difference is not `apart` along n come from GJK, which does not notice a
-  // tilt of the order of the square root of rounding, or from a polytope that is still coarse. The
-  // parts in the support planes with normal n have the same closest points, which are found more
-  // accurately with the planes moved onto each other, or near each other. Of a part that is nearly
-  // parallel to its plane, only one point may belong to it.
-  void repairWitnesses(const Vec3<T>& n, T apart, Witnesses<T>& witnesses) const {
-    T best = residualOf(witnesses, n, apart);
-    const auto tryParts = [&](T planes_apart, T flat, bool point_of_a, bool point_of_b) {
-      if (best <= T(0.25) * largest_error_) return;
-      const Witnesses<T> found =
-          closestOfParts(difference_, n, planes_apart - apart, flat, point_of_a, point_of_b);
-      const T residual = residualOf(found, n, apart);
-      if (!(residual < best)) return;
-      best = residual;
-      witnesses = found;
-    };
-    // A longer arc is less accurate, and holds the point even if the normal is.
-    for (const T flat : {T(512) * std::numeric_limits<T>::epsilon(), T(LONGER_ARC)}) {
-      for (const T planes_apart : {T(0), T(WITNESS_SHIFT) * smaller_}) {
-        tryParts(planes_apart, flat * smaller_, false, false);
-        tryParts(planes_apart, flat * smaller_, true, false);
-        tryParts(planes_apart, flat * smaller_, false, true);
-      }
-      if (!curved_) return;
-    }
-  }
-
   const ConvexCore& A_;
   const ConvexCore& B_;
+  ClosestVertices* const between_;
   const bool curved_;
   const T smaller_;  // size of the smaller body
   const T radii_;
   const Difference<T> difference_;
+  double magnitude_;
   T rounding_;       // of a height or a length
   T largest_error_;  // of an EXACT distance
   T band_;           // gaps up to this are contact

@@ -155,7 +155,8 @@ std::array<T, 4> closestOnTetrahedron(const std::array<Vec3<T>, 4>& w) {
 /// Barycentric coordinates of the point closest to the origin, of the first `size` vertices. Four
 /// are positive only if the origin is inside; none if rounding allows no result.
 template <class T>
-std::array<T, 4> closestCoordinates(const std::array<DifferencePoint<T>, 4>& v, int size) {
+[[gnu::always_inline]] inline std::array<T, 4> closestCoordinates(
+    const std::array<DifferencePoint<T>, 4>& v, int size) {
   using namespace simplex_detail;
   if (size == 4) {
     return closestOnTetrahedron(std::array<Vec3<T>, 4>{v[0].w, v[1].w, v[2].w, v[3].w});
@@ -167,7 +168,8 @@ std::array<T, 4> closestCoordinates(const std::array<DifferencePoint<T>, 4>& v, 
 
 /// Drops the vertices whose coordinate is not positive.
 template <class T>
-void reduceTo(const std::array<T, 4>& lambda, int size, Simplex<T>& simplex) {
+[[gnu::always_inline]] inline void reduceTo(const std::array<T, 4>& lambda, int size,
+                                            Simplex<T>& simplex) {
   int kept = 0;
   for (int i = 0; i < size; ++i) {
     if (!(lambda[i] > T(0))) continue;

@@ -131,4 +131,52 @@ Witnesses<T> closestOfParts(const Difference<T>& difference, const Vec3<T>& n, T
   return closest;
 }
 
+template <class T>
+T residualOf(const Witnesses<T>& points, const Vec3<T>& n, T apart) {
+  return (points.a - points.b + apart * n).norm();
+}
+
+/// Moves both by the same amount, so that b - a is exactly `apart` along n.
+template <class T>
+void setApart(const Vec3<T>& n, T apart, Witnesses<T>& points) {
+  const Vec3<T> middle = (points.a + points.b) / T(2);
+  const Vec3<T> half = n * (apart / T(2));
+  points.a = middle - half;
+  points.b = middle + half;
+}
+
+/// Witness points whose difference is not `apart` along n come from GJK, which does not notice a
+/// tilt of the order of the square root of rounding, or from a polytope that is still coarse. The
+/// parts in the support planes with normal n have the same closest points, which are found more
+/// accurately with the planes moved onto each other, or near each other. Of a part that is nearly
+/// parallel to its plane, only one point may belong to it.
+template <class T>
+void repairWitnesses(const Difference<T>& difference, const Vec3<T>& n, T apart, T largest_error,
+                     Witnesses<T>& witnesses) {
+  // The shapes are then this far apart; relative to the smaller body.
+  constexpr double WITNESS_SHIFT = 0.01;
+  constexpr double LONGER_ARC = 1e-11;
+  const ConvexCore &A = difference.A, &B = difference.B;
+  const T smaller = T(std::min(A.extent + A.radius, B.extent + B.radius));
+  T best = residualOf(witnesses, n, apart);
+  const auto tryParts = [&](T planes_apart, T flat, bool point_of_a, bool point_of_b) {
+    if (best <= T(0.25) * largest_error) return;
+    const Witnesses<T> found =
+        closestOfParts(difference, n, planes_apart - apart, flat, point_of_a, point_of_b);
+    const T residual = residualOf(found, n, apart);
+    if (!(residual < best)) return;
+    best = residual;
+    witnesses = found;
+  };
+  // A longer arc is less accurate, and holds the point even if the normal is.
+  for (const T flat : {T(512) * std::numeric_limits<T>::epsilon(), T(LONGER_ARC)}) {
+    for (const T planes_apart : {T(0), T(WITNESS_SHIFT) * smaller}) {
+      tryParts(planes_apart, flat * smaller, false, false);
+      tryParts(planes_apart, flat * smaller, true, false);
+      tryParts(planes_apart, flat * smaller, false, true);
+    }
+    if (!A.curved() && !B.curved()) return;
+  }
+}
+
 }  // namespace collision_pairs

@@ -115,7 +115,7 @@ int climb(const ConvexPoints& hull, const Vec3<T>& d, int best) {
 
 /// Index of the vertex furthest along d. Cost: with edges a few vertices, else all of them.
 template <class T>
-int furthestPoint(const ConvexCore& core, const Vec3<T>& d) {
+[[gnu::always_inline]] inline int furthestPoint(const ConvexCore& core, const Vec3<T>& d) {
   if (core.edges != nullptr && !core.edges->neighbours.empty()) {
     return climb<T>(*core.edges, d, static_cast<int>(core.edges->start[cubeCell<T>(d)]));
   }
@@ -138,8 +138,10 @@ int furthestPoint(const ConvexCore& core, const Vec3<T>& d) {
 }
 
 /// A point of the core furthest along d, which need not be of unit length; in the core's frame.
+/// `vertex`, if given, is set to its index if the core has POINTS.
 template <class T>
-Vec3<T> support(const ConvexCore& core, const Vec3<T>& d) {
+[[gnu::always_inline]] inline Vec3<T> support(const ConvexCore& core, const Vec3<T>& d,
+                                              int* vertex = nullptr) {
   using Kind = ConvexCore::Kind;
   const auto signedHalf = [&](int i) { return d[i] < T(0) ? T(-core.half[i]) : T(core.half[i]); };
   switch (core.kind) {
@@ -155,8 +157,11 @@ Vec3<T> support(const ConvexCore& core, const Vec3<T>& d) {
       const T scale = length > T(0) ? T(core.half[0]) / length : T(0);
       return Vec3<T>(scale * d[0], scale * d[1], signedHalf(2));
     }
-    case Kind::POINTS:
-      return core.points[furthestPoint<T>(core, d)].template cast<T>();
+    case Kind::POINTS: {
+      const int furthest = furthestPoint<T>(core, d);
+      if (vertex != nullptr) *vertex = furthest;
+      return core.points[furthest].template cast<T>();
+    }
   }
   return Vec3<T>::Zero();
 }
@@ -165,6 +170,7 @@ Vec3<T> support(const ConvexCore& core, const Vec3<T>& d) {
 template <class T>
 struct DifferencePoint {
   Vec3<T> w, a, b;
+  int vertex_a, vertex_b;  ///< which ones a and b are, if they are vertices of hulls
 };
 
 /// The Minkowski difference of two cores, A's frame: it contains the origin if they overlap.
@@ -177,8 +183,9 @@ struct Difference {
 
   [[gnu::always_inline]] DifferencePoint<T> furthest(const Vec3<T>& d) const {
     DifferencePoint<T> point;
-    point.a = support<T>(A, d);
-    point.b = R_AB * support<T>(B, Vec3<T>(-(R_AB.transpose() * d))) + p_AB;
+    point.vertex_a = point.vertex_b = 0;
+    point.a = support<T>(A, d, &point.vertex_a);
+    point.b = R_AB * support<T>(B, Vec3<T>(-(R_AB.transpose() * d)), &point.vertex_b) + p_AB;
     point.w = point.a - point.b;
     return point;
   }

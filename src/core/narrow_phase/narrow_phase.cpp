@@ -52,7 +52,8 @@ struct NarrowPhase::Scratch {
   SurfaceContact contacts;
   std::uint64_t num_degraded = 0;
   std::uint64_t num_answered_natively = 0;
-  double band = 0.0;  // of the pair that is asked about: contactBand()
+  double band = 0.0;                   // of the pair that is asked about: contactBand()
+  ClosestVertices* between = nullptr;  // of its hulls, or null
 
   bool touches(const Prepared& A, const Prepared& B, const Isometry3d& X_AB, double margin,
                PairDistance& result) {
@@ -320,8 +321,8 @@ struct NarrowPhase::Scratch {
   PairDistance nativeDistance(const Prepared& A, const Prepared& B, const Isometry3d& X_AB,
                               double max_distance, const Accuracy& accuracy = {}) {
     if (A.isHalfSpace() || B.isHalfSpace()) return halfSpaceWith(A, B, X_AB, band);
-    if (!A.mesh && !B.mesh) return convexPair(A, B, X_AB, max_distance, band);
-    HullBounds bounds = boundsFromHulls(A, B, X_AB, max_distance, band);
+    if (!A.mesh && !B.mesh) return convexPair(A, B, X_AB, max_distance, band, between);
+    HullBounds bounds = boundsFromHulls(A, B, X_AB, max_distance, band, between);
     using Outcome = HullBounds::Outcome;
     if (bounds.outcome == Outcome::BEYOND || bounds.outcome == Outcome::SETTLED) {
       bounds.hulls.by_hulls = true;
@@ -374,11 +375,13 @@ bool NarrowPhase::touches(const PreparedShape& A, const PreparedShape& B, const 
 
 PairDistance NarrowPhase::distance(const PreparedShape& A, const PreparedShape& B,
                                    const Isometry3d& X_AB, double max_distance,
-                                   const Accuracy& accuracy, double offset) {
+                                   const Accuracy& accuracy, double offset,
+                                   ClosestVertices* between) {
   const auto& a = static_cast<const Prepared&>(A);
   const auto& b = static_cast<const Prepared&>(B);
   Isometry3d X = X_AB;
   scratch_->band = contactBand(a.core, b.core, X.translation(), offset);
+  scratch_->between = between;
   const PairDistance result =
       repairPose(X) ? scratch_->distance(a, b, X, max_distance, accuracy) : worstCase(a, b);
   if (result.certainty == Certainty::DEGRADED) ++scratch_->num_degraded;

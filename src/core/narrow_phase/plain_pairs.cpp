@@ -8,9 +8,10 @@ namespace collision_pairs {
 using Eigen::Isometry3d;
 
 PairDistance convexPair(const Prepared& A, const Prepared& B, const Isometry3d& X_AB,
-                        double max_distance, double band) {
-  return hasClosedForm(A.core, B.core) ? closedForm(A.core, B.core, X_AB, band)
-                                       : convexDistance(A.core, B.core, X_AB, max_distance, band);
+                        double max_distance, double band, ClosestVertices* between) {
+  return hasClosedForm(A.core, B.core)
+             ? closedForm(A.core, B.core, X_AB, band)
+             : convexDistance(A.core, B.core, X_AB, max_distance, band, between);
 }
 
 PairDistance halfSpaceWith(const Prepared& A, const Prepared& B, const Isometry3d& X_AB,

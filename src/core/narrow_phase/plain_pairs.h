@@ -8,7 +8,7 @@ namespace collision_pairs {
 
 /// Signed distance of two convex shapes, by their cores.
 PairDistance convexPair(const Prepared& A, const Prepared& B, const Eigen::Isometry3d& X_AB,
-                        double max_distance, double band);
+                        double max_distance, double band, ClosestVertices* between = nullptr);
 
 /// Signed distance if one of the two is a half-space, or both.
 PairDistance halfSpaceWith(const Prepared& A, const Prepared& B, const Eigen::Isometry3d& X_AB,

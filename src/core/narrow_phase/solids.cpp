@@ -30,12 +30,12 @@ bool hullMisses(const Prepared& A, const Vector3d& p_AQ) {
 }
 
 HullBounds boundsFromHulls(const Prepared& A, const Prepared& B, const Isometry3d& X_AB,
-                           double max_distance, double band) {
+                           double max_distance, double band, ClosestVertices* between) {
   using Outcome = HullBounds::Outcome;
   const double rounding = roundingOf(A.core, B.core);
   HullBounds bounds;
-  bounds.hulls =
-      convexGap(A.core, B.core, X_AB, max_distance + rounding, rounding + band, &bounds.overlap);
+  bounds.hulls = convexGap(A.core, B.core, X_AB, max_distance + rounding, rounding + band,
+                           &bounds.overlap, between);
   if (bounds.hulls.certainty == Certainty::BEYOND) {
     bounds.outcome = Outcome::BEYOND;
     bounds.hulls.distance -= rounding;
