@@ -36,6 +36,7 @@ target_include_directories(collision_pairs_io SYSTEM PRIVATE ${catkin_INCLUDE_DI
 target_link_libraries(collision_pairs_io PUBLIC collision_pairs $<BUILD_INTERFACE:yaml-cpp>
                       PRIVATE ${catkin_LIBRARIES} BZip2::BZip2 ${ROSLZ4_LIBRARY} ${CMAKE_DL_LIBS})
 collision_pairs_warnings(collision_pairs_io)
+collision_pairs_checked_indices(collision_pairs_io)
 
 # Meshes that are neither STL nor OBJ: src/io/meshes/mesh_process.h.
 add_executable(read_mesh_file src/io/meshes/read_mesh_file.cpp)
@@ -47,6 +48,7 @@ if(sanitizers)  # they reserve more memory than it may have
   target_link_options(read_mesh_file PRIVATE -fno-sanitize=all)
 endif()
 collision_pairs_warnings(read_mesh_file)
+collision_pairs_checked_indices(read_mesh_file)
 add_dependencies(collision_pairs_io read_mesh_file)
 
 # Further source files of the tool may follow its name.
@@ -55,6 +57,7 @@ function(collision_pairs_tool name)
   target_include_directories(${name} PRIVATE src/core/base)
   target_link_libraries(${name} PRIVATE collision_pairs_io Boost::program_options)
   collision_pairs_warnings(${name})
+  collision_pairs_checked_indices(${name})
 endfunction()
 
 collision_pairs_tool(check_states src/tools/scene_files.cpp)

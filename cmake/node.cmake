@@ -31,14 +31,17 @@ target_include_directories(collision_pairs_ros SYSTEM PUBLIC ${catkin_INCLUDE_DI
 target_link_libraries(collision_pairs_ros PUBLIC collision_pairs_io collision_pairs_messages ${catkin_LIBRARIES})
 set_target_properties(collision_pairs_ros PROPERTIES POSITION_INDEPENDENT_CODE ON)  # for the nodelet
 collision_pairs_warnings(collision_pairs_ros)
+collision_pairs_checked_indices(collision_pairs_ros)
 add_dependencies(collision_pairs_ros ${PROJECT_NAME}_gencfg ${PROJECT_NAME}_generate_messages_cpp
                  ${catkin_EXPORTED_TARGETS})
 
 add_executable(collision_pairs_node src/ros/main.cpp)
 target_link_libraries(collision_pairs_node PRIVATE collision_pairs_ros)
 collision_pairs_warnings(collision_pairs_node)
+collision_pairs_checked_indices(collision_pairs_node)
 
 # The camera of the demo, of tests and of measurements.
 add_executable(simulate_depth_camera src/demo/depth_image.cpp src/demo/simulate_depth_camera.cpp)
 target_link_libraries(simulate_depth_camera PRIVATE collision_pairs_ros)
 collision_pairs_warnings(simulate_depth_camera)
+collision_pairs_checked_indices(simulate_depth_camera)

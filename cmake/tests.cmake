@@ -13,6 +13,7 @@ function(collision_pairs_test name)
   target_include_directories(test_${name} PRIVATE ${CORE_MODULES} test)
   target_compile_definitions(test_${name} PRIVATE PROJECT_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
   collision_pairs_warnings(test_${name})
+  collision_pairs_checked_indices(test_${name})
   add_test(NAME ${name} COMMAND test_${name})
 endfunction()
 
