@@ -78,6 +78,54 @@ TEST(PairTable, TellsWhatTheExactCheckSaysWhereverItTellsAnything) {
   EXPECT_GT(nb[static_cast<int>(PairTable::Cell::CONTACT)], 10000);
 }
 
+/// Just inside the corners of blocks of all sizes, where joints have moved most from the middle.
+TEST(PairTable, IsRightAtTheCornersOfItsBlocks) {
+  constexpr int BLOCKS = 64;
+  RandomInputs random;
+  const std::string shapes[] = {"<box size='0.3 0.1 0.2'/>", "<sphere radius='0.12'/>",
+                                "<mesh filename='l'/>", "<cylinder radius='0.1' length='0.3'/>"};
+  int nb[3] = {0, 0, 0};
+  for (const std::string types : {"rr", "rs", "sr", "cc", "cc", "cc", "cc", "cc", "cc", "cc"}) {
+    const std::string& second = shapes[random.integer(0, 3)];
+    const std::string& first = shapes[random.integer(0, 3)];  // in this order with every compiler
+    const auto arm = armWith(first, second, types, random.uniform(0.0, 0.2));
+    const auto scene = everyPair(arm, random.integer(0, 1) * 0.02);
+    const RobotModel& robot = scene->robot();
+    const BatchModel model(*scene);
+    PairTable table(*scene, model, {0, 1});
+    NarrowPhase narrow_phase, exact;
+    for (int i = 0; i < 4 * BLOCKS * BLOCKS; ++i) {
+      std::vector<double> q(2);
+      const int at[2] = {i / 4 % BLOCKS, i / 4 / BLOCKS};
+      for (int k = 0; k < 2; ++k) {
+        const Joint& joint = robot.joints()[static_cast<std::size_t>(table.joint(k))];
+        const double lower = joint.hasLimits() ? joint.lower : -M_PI;
+        const double width = (joint.hasLimits() ? joint.upper - joint.lower : 2.0 * M_PI) / BLOCKS;
+        const double within = (i >> k & 1) != 0 ? 1.0 - 1e-9 : 1e-9;
+        q[static_cast<std::size_t>(table.joint(k))] = lower + (at[k] + within) * width;
+      }
+      auto cell = PairTable::Cell::OPEN;
+      for (int read = 0; read < 12; ++read) {  // it learns
+        cell = table.at(q[static_cast<std::size_t>(table.joint(0))],
+                        q[static_cast<std::size_t>(table.joint(1))], narrow_phase);
+      }
+      ++nb[static_cast<int>(cell)];
+      if (cell == PairTable::Cell::OPEN) continue;
+      std::vector<Isometry3d> X_RB;
+      robot.forwardKinematics(q, X_RB);
+      const auto poseOf = [&](std::uint32_t e) -> Isometry3d {
+        return X_RB[scene->bodies()[scene->elements()[e].body].body] * scene->elements()[e].X_BE;
+      };
+      const bool touches = exact.touches(*scene->elements()[0].rung(Fidelity::MESH).shape,
+                                         *scene->elements()[1].rung(Fidelity::MESH).shape,
+                                         poseOf(0).inverse() * poseOf(1), scene->padding(0, 1));
+      ASSERT_EQ(cell == PairTable::Cell::CONTACT, touches) << types << ' ' << q[0] << ' ' << q[1];
+    }
+  }
+  EXPECT_GT(nb[static_cast<int>(PairTable::Cell::FREE)], 5000);
+  EXPECT_GT(nb[static_cast<int>(PairTable::Cell::CONTACT)], 1000);
+}
+
 // Inner spheres show only contacts that are deep within both; corners in the other mesh show more.
 TEST(PairTable, DecidesMostContactsOfMeshesAndAllRightly) {
   RandomInputs random;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "solids.h"
 
@@ -16,6 +17,7 @@ constexpr int FIRST_LEVEL = 6;  // within larger blocks the joints move links by
 constexpr int VISITS = 4;       // of an undecided block before it is certified; costs about as much
 constexpr double MARGIN = 2e-9;    // m: rounding of the exact check and of this one
 constexpr double ROUNDING = 1e-9;  // relative to the width of a cell
+constexpr double INFINITE = std::numeric_limits<double>::infinity();
 
 std::size_t indexOfBlock(int level, int x, int y) {
   const std::size_t before = ((std::size_t{1} << (2 * level)) - 1) / 3;
@@ -100,20 +102,13 @@ void PairTable::fill(const Block& block, std::uint8_t code) {
 }
 
 // From the middle of the block, a joint moves points by at most its angle times their distance from
-// its axis there. The two motions add up: with the joint nearer to the points first, the other turns
-// what the first has added, but does not stretch it. The distance of two elements changes by at most
-// the motion of either relative to the other, and two spheres that overlap by more than that still
-// overlap, as do two convex bodies of such a depth: along any direction one can move out of the
-// other by no more than it moves. (Schwarzer, Saha, Latombe 2005.)
+// its axis there. The two motions add up: with the joint nearer to the points first, the other
+// turns what the first has added, but does not stretch it. The distance of two elements changes by
+// at most the motion of either relative to the other, and two spheres that overlap by more than
+// that still overlap, as do two convex bodies of such a depth: along any direction one can move out
+// of the other by no more than it moves. (Schwarzer, Saha, Latombe 2005.)
 PairTable::Cell PairTable::certified(const Block& block, NarrowPhase& narrow_phase) {
-  double half[2] = {0.0, 0.0};
-  const int index[2] = {block.x, block.y};
-  for (std::size_t i = 0; i < joints_.size(); ++i) {
-    const double width = axes_[i].width / (1 << block.level);
-    positions_[static_cast<std::size_t>(joints_[i])] = axes_[i].lower + (index[i] + 0.5) * width;
-    half[i] = 0.5 * width * (1.0 + ROUNDING);
-  }
-  scene_.robot().forwardKinematics(positions_, X_WB_);
+  setMotions(block);
   const auto& elements = scene_.elements();
   const auto poseOf = [&](const SceneElement& element) -> Isometry3d {
     return X_WB_[static_cast<std::size_t>(scene_.bodies()[element.body].body)] * element.X_BE;
@@ -121,43 +116,113 @@ PairTable::Cell PairTable::certified(const Block& block, NarrowPhase& narrow_pha
   const SceneElement &a = elements[pair_.first], &b = elements[pair_.second];
   const Isometry3d X_WA = poseOf(a), X_WC = poseOf(b);
   const SphereCover &cover_a = model_.covers[pair_.first], &cover_b = model_.covers[pair_.second];
-  double moves_a = 0.0, moves_b = 0.0;
-  for (std::size_t i = 0; i < joints_.size(); ++i) {
-    moves_a += half[i] * reachOf(cover_a, X_WA, joints_[i]);
-    moves_b += half[i] * reachOf(cover_b, X_WC, joints_[i]);
-  }
-  const double moves = std::min(moves_a, moves_b) + MARGIN;
   const double padding = scene_.padding(pair_.first, pair_.second);
   const Isometry3d X_AC = X_WA.inverse() * X_WC;
   for (const PlacedSphere& of_a : cover_a.inner) {
+    const Vector3d p_W = X_WA * of_a.center;
+    const double moves = motionOf(p_W) + MARGIN;
     for (const PlacedSphere& of_b : cover_b.inner) {
-      const double gap = (X_AC * of_b.center - of_a.center).norm() - of_a.radius - of_b.radius;
+      const double gap = (X_WC * of_b.center - p_W).norm() - of_a.radius - of_b.radius;
       if (gap + moves < padding) return Cell::CONTACT;
     }
   }
-  const PreparedShape &A = *a.rung(Fidelity::MESH).shape, &C = *b.rung(Fidelity::MESH).shape;
+  const auto &A = static_cast<const Prepared&>(*a.rung(Fidelity::MESH).shape),
+             &C = static_cast<const Prepared&>(*b.rung(Fidelity::MESH).shape);
+  if (hullsStayApart(A.core, X_WA, C.core, X_WC, cover_b, padding)) return Cell::FREE;
+  const double moves = std::min(motionOf(cover_a, X_WA), motionOf(cover_b, X_WC)) + MARGIN;
   const PairDistance found = narrow_phase.distance(A, C, X_AC, moves + padding);
   if (found.certainty == Certainty::BEYOND) return Cell::FREE;
-  const bool stays = (found.certainty == Certainty::EXACT && found.distance + moves < padding) ||
-                     meshHoldsVertexDeep(A, C, X_AC, moves) ||
-                     meshHoldsVertexDeep(C, A, X_AC.inverse(), moves);
+  if (found.distance > padding) return Cell::OPEN;
+  if (found.certainty == Certainty::EXACT && found.distance + moves < padding) return Cell::CONTACT;
+  // Nothing but its surface bounds the inside of a closed mesh, which has inner spheres.
+  const auto moveOfA = [&](const Vector3d& p_A) { return motionOf(X_WA * p_A) + MARGIN; };
+  const auto moveOfC = [&](const Vector3d& p_C) { return motionOf(X_WC * p_C) + MARGIN; };
+  const bool stays = (!cover_a.inner.empty() && meshHoldsVertexDeep(A, C, X_AC, moveOfA)) ||
+                     (!cover_b.inner.empty() && meshHoldsVertexDeep(C, A, X_AC.inverse(), moveOfC));
   return stays ? Cell::CONTACT : Cell::OPEN;
 }
 
-/// Largest motion of a point of the element, in metres per radian or metre of the joint.
-double PairTable::reachOf(const SphereCover& cover, const Isometry3d& X_WE, int id) const {
+void PairTable::setMotions(const Block& block) {
+  motions_.clear();
   const RobotModel& robot = scene_.robot();
-  const Joint& joint = robot.joints()[id];
-  if (joint.type == JointType::PRISMATIC) return 1.0;
-  const Isometry3d& X_WB = X_WB_[static_cast<std::size_t>(robot.links()[joint.child_link].body)];
-  const Vector3d axis_W = X_WB.linear() * joint.axis;
+  const int index[2] = {block.x, block.y};
+  const auto widthOf = [&](std::size_t i) { return axes_[i].width / (1 << block.level); };
+  for (std::size_t i = 0; i < joints_.size(); ++i) {
+    positions_[static_cast<std::size_t>(joints_[i])] =
+        axes_[i].lower + (index[i] + 0.5) * widthOf(i);
+  }
+  robot.forwardKinematics(positions_, X_WB_);
+  for (std::size_t i = 0; i < joints_.size(); ++i) {
+    const Joint& joint = robot.joints()[joints_[i]];
+    const Isometry3d& X_WB = X_WB_[static_cast<std::size_t>(robot.links()[joint.child_link].body)];
+    motions_.push_back({0.5 * widthOf(i) * (1.0 + ROUNDING), X_WB.linear() * joint.axis,
+                        X_WB.translation(), joint.type != JointType::PRISMATIC});
+  }
+}
+
+/// A bound of the motion of a point, and of all points within `radius` of it.
+double PairTable::motionOf(const Vector3d& p_W, double radius) const {
+  double moves = 0.0;
+  for (const Motion& motion : motions_) moves += motion.half * motion.reachOf(p_W, radius);
+  return moves;
+}
+
+double PairTable::motionOf(const SphereCover& cover, const Isometry3d& X_WE) const {
+  double moves = 0.0;
+  for (const OuterSphere& sphere : cover.outer) {
+    if (sphere.first_child != 0) continue;
+    moves = std::max(moves, motionOf(X_WE * sphere.center, sphere.radius));
+  }
+  return moves;
+}
+
+double PairTable::Motion::reachOf(const Vector3d& p_W, double radius) const {
+  return turns ? (axis.cross(p_W - origin).norm() + radius) * (1.0 + ROUNDING) : 1.0;
+}
+
+double PairTable::Motion::reachOf(const SphereCover& cover, const Isometry3d& X_WE) const {
   double reach = 0.0;
   for (const OuterSphere& sphere : cover.outer) {
     if (sphere.first_child != 0) continue;
-    const Vector3d p_W = X_WE * sphere.center - X_WB.translation();
-    reach = std::max(reach, axis_W.cross(p_W).norm() + sphere.radius);
+    reach = std::max(reach, reachOf(X_WE * sphere.center, sphere.radius));
   }
-  return reach * (1.0 + ROUNDING);
+  return reach;
+}
+
+// Along the normal n of a plane between the hulls, with the first one at rest. A point p of the
+// second, which moves by d_i = u_i x (p - o_i) a radian of joint i, comes to p + t_1 d_1 + t_2 d_2
+// but for t_i^2 |d_i| / 2 and, since the joint next to the first one turns what the other has
+// moved, |t_1 t_2 d_2| (1 + |t_1| / 2). The height n . (p + t_1 d_1 + t_2 d_2) is linear in p: the
+// least is that of a support point along n + t_1 n x u_1 + t_2 n x u_2. It is linear in each t,
+// too: the least in the block is that of one of its corners.
+bool PairTable::hullsStayApart(const ConvexCore& a, const Isometry3d& X_WA, const ConvexCore& c,
+                               const Isometry3d& X_WC, const SphereCover& cover_c,
+                               double padding) const {
+  const PairDistance gap = convexGap(a, c, X_WA.inverse() * X_WC, INFINITE);
+  if (gap.certainty != Certainty::EXACT || !(gap.distance > padding)) return false;
+  const Vector3d n = X_WA.linear() * gap.nhat_AB_A;
+  const double top = n.dot(X_WA * support<double>(a, X_WA.linear().transpose() * n)) + a.radius;
+  double off = 0.0, moved = 0.0;  // moved: by the joints further from A
+  for (std::size_t i = motions_.size(); i-- > 0;) {
+    const double t = motions_[i].half, reach = motions_[i].reachOf(cover_c, X_WC);
+    if (motions_[i].turns) off += 0.5 * t * t * (reach + moved) + t * moved;
+    moved += t * reach;
+  }
+  double least = INFINITE;
+  for (unsigned corner = 0; corner < 1u << motions_.size(); ++corner) {
+    Vector3d along = n;
+    double shift = 0.0;
+    for (std::size_t i = 0; i < motions_.size(); ++i) {
+      const auto& [half, axis, origin, turns] = motions_[i];
+      const double t = corner >> i & 1u ? half : -half;
+      const Vector3d turned = t * n.cross(axis);
+      if (turns) along += turned;
+      shift += turns ? -turned.dot(origin) : t * n.dot(axis);
+    }
+    const Vector3d p = X_WC * support<double>(c, -X_WC.linear().transpose() * along);
+    least = std::min(least, along.dot(p) + shift - c.radius * along.norm());
+  }
+  return least - off - top > padding + MARGIN;
 }
 
 }  // namespace collision_pairs

@@ -10,8 +10,9 @@
 namespace collision_pairs {
 
 /// A square of cells over the ranges of the joints. Undecided cells that are read often are
-/// certified, a block of cells at a time, by the exact distance in the middle of the block and a
-/// bound of the motion within it. A block that cannot be certified is divided into four. So only
+/// certified, a block of cells at a time: free by a plane between the hulls in the middle of the
+/// block, or by the exact distance there and a bound of the motion within it; in contact by a point
+/// that is deeper than it moves. A block that cannot be certified is divided into four. So only
 /// regions that occur are computed. For one thread.
 class PairTable {
  public:
@@ -42,9 +43,24 @@ class PairTable {
     double lower = 0.0, width = 1.0;
     bool is_round = false;
   };
+  /// Of a joint, from the middle of a block; in W.
+  struct Motion {
+    double half;  ///< rad or m: at most so far
+    Eigen::Vector3d axis, origin;
+    bool turns;
+    /// Of a point and all within `radius` of it, or of the leaves of a cover: at most so many
+    /// metres per radian or metre.
+    double reachOf(const Eigen::Vector3d& p_W, double radius) const;
+    double reachOf(const SphereCover& cover, const Eigen::Isometry3d& X_WE) const;
+  };
   bool indexOf(const Axis& axis, double position, int& index) const;
   Cell certified(const Block& block, NarrowPhase& narrow_phase);
-  double reachOf(const SphereCover& cover, const Eigen::Isometry3d& X_WE, int joint) const;
+  void setMotions(const Block& block);
+  double motionOf(const Eigen::Vector3d& p_W, double radius = 0.0) const;
+  double motionOf(const SphereCover& cover, const Eigen::Isometry3d& X_WE) const;
+  bool hullsStayApart(const ConvexCore& a, const Eigen::Isometry3d& X_WA, const ConvexCore& c,
+                      const Eigen::Isometry3d& X_WC, const SphereCover& cover_c,
+                      double padding) const;
   void fill(const Block& block, std::uint8_t code);
 
   const CollisionScene& scene_;
@@ -54,6 +70,7 @@ class PairTable {
   Axis axes_[2];
   std::vector<std::uint8_t> cells_;   // a Cell, or OPEN_BLOCK + level if undecided
   std::vector<std::uint8_t> visits_;  // of undecided blocks, level by level
+  std::vector<Motion> motions_;       // in the block that is being certified
   std::vector<double> positions_;
   std::vector<Eigen::Isometry3d> X_WB_;
 };

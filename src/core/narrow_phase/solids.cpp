@@ -65,10 +65,9 @@ bool meshHoldsMesh(const Prepared& A, const Prepared& B, const Isometry3d& X_AB)
                      [&](const Vector3d& p_BQ) { return meshHoldsPoint(A, X_AB * p_BQ); });
 }
 
-bool meshHoldsVertexDeep(const PreparedShape& shape_a, const PreparedShape& shape_b,
-                         const Isometry3d& X_AB, double depth) {
+bool meshHoldsVertexDeep(const Prepared& A, const Prepared& B, const Isometry3d& X_AB,
+                         const std::function<double(const Vector3d&)>& moves) {
   constexpr std::size_t LOOKED_AT = 4000, TRIED = 24;
-  const auto &A = static_cast<const Prepared&>(shape_a), &B = static_cast<const Prepared&>(shape_b);
   if (!A.mesh || !B.mesh || A.mesh->solid.empty()) return false;
   const auto& [vertices, triangles, name] = *B.mesh->triangles;
   std::vector<std::pair<double, Vector3d>> deepest;  // in A's box
@@ -76,7 +75,9 @@ bool meshHoldsVertexDeep(const PreparedShape& shape_a, const PreparedShape& shap
     const Vector3d p_AV = X_AB * vertices[triangles[i][0]];
     const Vector3d p_box = A.box.R.transpose() * (p_AV - A.box.center);
     const double in_box = (A.box.half - p_box.cwiseAbs()).minCoeff();
-    if (in_box > depth) deepest.emplace_back(in_box, p_AV);
+    if (!(in_box > 0.0)) continue;
+    const double spare = in_box - moves(p_AV);
+    if (spare > 0.0) deepest.emplace_back(spare, p_AV);
   }
   const std::size_t tried = std::min(TRIED, deepest.size());
   std::partial_sort(deepest.begin(), deepest.begin() + static_cast<std::ptrdiff_t>(tried),
@@ -84,7 +85,7 @@ bool meshHoldsVertexDeep(const PreparedShape& shape_a, const PreparedShape& shap
   return std::any_of(deepest.begin(), deepest.begin() + static_cast<std::ptrdiff_t>(tried),
                      [&](const auto& vertex) {
                        const Vector3d& p_AV = vertex.second;
-                       return (closestOnMesh(*A.mesh, p_AV) - p_AV).norm() > depth &&
+                       return (closestOnMesh(*A.mesh, p_AV) - p_AV).norm() > moves(p_AV) &&
                               meshHoldsPoint(A, p_AV);
                      });
 }

@@ -1,6 +1,8 @@
 // Queries of two solids that need no triangles: by their hulls, and containment.
 #pragma once
 
+#include <functional>
+
 #include <Eigen/Geometry>
 
 #include "convex_distance.h"
@@ -49,11 +51,11 @@ bool meshHoldsPoint(const Prepared& A, const Eigen::Vector3d& p_AQ);
 /// True if a part of the mesh B, or all of it, is inside the mesh A.
 bool meshHoldsMesh(const Prepared& A, const Prepared& B, const Eigen::Isometry3d& X_AB);
 
-/// True if a vertex of the mesh B was found in one of the solid parts of the mesh A, with more than
-/// `depth` metres to its surface: then the two stay in contact if no point moves further than that.
-/// Looks at up to 4,000 vertices and tries the 24 deepest in the box of A.
-bool meshHoldsVertexDeep(const PreparedShape& A, const PreparedShape& B,
-                         const Eigen::Isometry3d& X_AB, double depth);
+/// True if a vertex p_A of the mesh B was found in one of the solid parts of the mesh A, with more
+/// than moves(p_A) metres to its surface: then the two stay in contact if it moves no further than
+/// that. Looks at up to 4,000 vertices and tries the 24 that the box of A holds deepest.
+bool meshHoldsVertexDeep(const Prepared& A, const Prepared& B, const Eigen::Isometry3d& X_AB,
+                         const std::function<double(const Eigen::Vector3d&)>& moves);
 
 /// True if the convex B is inside the mesh A.
 bool meshHoldsConvex(const Prepared& A, const Prepared& B, const Eigen::Isometry3d& X_AB);
