@@ -17,6 +17,8 @@ add_library(collision_pairs SHARED
   src/core/batch/batch_model.cpp
   src/core/batch/batch_stage.cpp
   src/core/batch/pair_table.cpp
+  src/core/batch/solid_field.cpp
+  src/core/batch/solid_pairs.cpp
   src/core/batch/static_field.cpp
   src/core/broad_phase/box_pairs.cpp
   src/core/broad_phase/column_sweep.cpp

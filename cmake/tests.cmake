@@ -23,6 +23,7 @@ collision_pairs_test(bag_poses collision_pairs_io)
 collision_pairs_test(batch_check)
 collision_pairs_test(batch_stage)
 collision_pairs_test(batch_tables)
+collision_pairs_test(solid_pairs)
 collision_pairs_test(batch_verdicts collision_pairs_io)
 target_sources(test_batch_verdicts PRIVATE test/benchmark/benchmark_robots.cpp
   test/benchmark/demo_motion.cpp)

@@ -39,6 +39,7 @@ BatchStage::BatchStage(const CollisionScene& scene, Fidelity fidelity, const Bat
     : scene_(scene),
       fidelity_(fidelity),
       model_(scene, fidelity == Fidelity::MESH),
+      solids_(scene, model_),
       kernel_(kernel) {}
 
 Aabb BatchStage::reachOfRobot() const {
@@ -81,7 +82,7 @@ bool BatchStage::addFields() {
 }
 
 std::size_t BatchStage::memory() const {
-  return model_.memory() + fields_.size() * StaticField::memory();
+  return model_.memory() + solids_.memory() + fields_.size() * StaticField::memory();
 }
 
 BatchStage::Group::Group(const BatchStage& stage) : stage_(stage), tables_(stage.model_.tables()) {

@@ -8,6 +8,7 @@
 
 #include "batch_model.h"
 #include "pair_table.h"
+#include "solid_pairs.h"
 #include "static_field.h"
 
 namespace collision_pairs {
@@ -31,6 +32,7 @@ class BatchStage {
 
   const BatchModel& model() const { return model_; }
   Fidelity fidelity() const { return fidelity_; }
+  const SolidPairs& solids() const { return solids_; }
   std::size_t memory() const;  ///< bytes
 
  private:
@@ -46,6 +48,7 @@ class BatchStage {
   const CollisionScene& scene_;
   const Fidelity fidelity_;
   BatchModel model_;
+  SolidPairs solids_;
   const BatchKernel kernel_;
   std::vector<BesideStatic> beside_static_;
   std::vector<std::unique_ptr<StaticField>> fields_;  // one per set of static elements

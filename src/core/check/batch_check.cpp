@@ -20,7 +20,7 @@ constexpr std::size_t STAGE_BLOCK = 64;  // the same, in whole groups of lanes
 /// Data of one thread for the batch stage, kept from batch to batch.
 struct BatchCheck::StageOfThread {
   StageOfThread(const std::shared_ptr<const CollisionScene>& scene, const BatchStage& stage)
-      : group(stage), open(scene, stage.fidelity()) {}
+      : group(stage), open(scene, stage.fidelity(), stage.solids()) {}
   BatchStage::Group group;
   OpenPairs open;
 };

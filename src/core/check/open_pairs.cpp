@@ -2,9 +2,11 @@
 
 namespace collision_pairs {
 
-OpenPairs::OpenPairs(std::shared_ptr<const CollisionScene> scene, Fidelity fidelity)
+OpenPairs::OpenPairs(std::shared_ptr<const CollisionScene> scene, Fidelity fidelity,
+                     const SolidPairs& solids)
     : scene_(std::move(scene)),
       fidelity_(fidelity),
+      solids_(solids),
       X_WE_(scene_->elements().size()),
       boxes_(scene_->elements().size()),
       placed_(scene_->elements().size(), 0) {
@@ -19,10 +21,20 @@ OpenPairs::Outcome OpenPairs::check(const std::vector<Eigen::Isometry3d>& X_RB,
                                     const std::vector<std::uint32_t>& beside_static) {
   ++state_;
   is_doubtful_ = false;
+  open_.clear();
   ladder_.begin(*scene_, X_WE_, boxes_);
   for (const BoxPair& pair : pairs) {
     if (!place(pair.first, X_RB) || !place(pair.second, X_RB)) return Outcome::NOT_SETTLED;
     if (squaredGap(boxes_[pair.first], boxes_[pair.second]) > squaredReach(0.0)) continue;
+    const SolidPairs::Outcome outcome =
+        solids_.settle(pair, X_WE_[pair.first].inverse(Eigen::Isometry) * X_WE_[pair.second]);
+    contact_ = ladder_.byModel(pair);
+    if (outcome == SolidPairs::Outcome::CONTACT) return Outcome::CONTACT;
+    // Spheres of Fidelity::SPHERES may meet where the elements do not.
+    const bool is_free = outcome == SolidPairs::Outcome::FREE && fidelity_ == Fidelity::MESH;
+    if (!is_free) open_.push_back(pair);
+  }
+  for (const BoxPair& pair : open_) {
     if (touches(pair)) return Outcome::CONTACT;
   }
   if (!beside_static.empty()) {

@@ -1,0 +1,152 @@
+#include "solid_pairs.h"
+
+#include <algorithm>
+#include <limits>
+#include <map>
+
+namespace collision_pairs {
+namespace {
+
+using Eigen::Isometry3d;
+using Eigen::Vector3d;
+
+const Prepared& preparedOf(const SceneElement& element) {
+  return static_cast<const Prepared&>(*element.rung(Fidelity::MESH).shape);
+}
+
+std::size_t nbTriangles(const Prepared& shape) {
+  return shape.mesh ? shape.mesh->triangles->triangles.size() : 0;
+}
+
+/// Points of the solid.
+std::vector<Vector3d> cornersOf(const Prepared& shape) {
+  if (!shape.mesh) return shape.hull.points.vertices;
+  std::vector<Vector3d> corners;
+  for (const auto& triangle : shape.mesh->triangles->triangles) {
+    for (const auto vertex : triangle) corners.push_back(shape.mesh->triangles->vertices[vertex]);
+  }
+  return corners;
+}
+
+/// Repeatedly the one furthest from those chosen so far.
+std::vector<Vector3d> spread(const std::vector<Vector3d>& points, std::size_t most) {
+  std::vector<Vector3d> chosen;
+  std::vector<double> apart(points.size(), std::numeric_limits<double>::infinity());
+  while (chosen.size() < most && !points.empty()) {
+    const auto furthest = std::max_element(apart.begin(), apart.end()) - apart.begin();
+    if (!(apart[static_cast<std::size_t>(furthest)] > 0.0)) break;
+    chosen.push_back(points[static_cast<std::size_t>(furthest)]);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      apart[i] = std::min(apart[i], (points[i] - chosen.back()).squaredNorm());
+    }
+  }
+  return chosen;
+}
+
+}  // namespace
+
+SolidPairs::SolidPairs(const CollisionScene& scene, const BatchModel& model)
+    : scene_(scene), model_(model), kept_(scene.elements().size()) {
+  std::map<const PreparedShape*, std::uint32_t> first_with;
+  for (std::uint32_t i = 0; i < kept_.size(); ++i) {
+    const PreparedShape* const shape = scene.elements()[i].rung(Fidelity::MESH).shape.get();
+    first_with_shape_.push_back(first_with.try_emplace(shape, i).first->second);
+  }
+  is_worth_.resize(kept_.size() * kept_.size());
+  for (const BatchPair& of_model : model.pairs) {
+    const BoxPair pair{model.element_of[static_cast<std::size_t>(of_model.first)],
+                       model.element_of[static_cast<std::size_t>(of_model.second)]};
+    const std::size_t nb_triangles = nbTriangles(preparedOf(scene.elements()[pair.first])) +
+                                     nbTriangles(preparedOf(scene.elements()[pair.second]));
+    is_worth_[indexOf(pair)] = !of_model.has_table && nb_triangles >= LEAST_TRIANGLES;
+  }
+}
+
+std::size_t SolidPairs::indexOf(const BoxPair& pair) const {
+  return pair.first * kept_.size() + pair.second;
+}
+
+const SolidPairs::Kept& SolidPairs::keptOf(std::uint32_t element) const {
+  element = first_with_shape_[element];
+  Kept& kept = kept_[element];
+  if (!kept.is_made.load(std::memory_order_acquire) &&
+      kept.nb_asked.fetch_add(1, std::memory_order_relaxed) >= ASKED) {
+    std::call_once(kept.once, [&] { make(element, kept); });
+  }
+  return kept;
+}
+
+void SolidPairs::make(std::uint32_t element, Kept& kept) const {
+  const Prepared& shape = preparedOf(scene_.elements()[element]);
+  kept.field = SolidField::make(shape);
+  kept.corners = spread(cornersOf(shape), SolidField::Points::MOST);
+  kept.of_corners = SolidField::Points(kept.corners);
+  std::vector<Vector3d> centers;
+  for (const OuterSphere& sphere : model_.covers[element].outer) {
+    if (sphere.first_child != 0) continue;
+    kept.spheres.push_back(sphere);
+    centers.push_back(sphere.center);
+  }
+  kept.of_spheres = SolidField::Points(centers);
+  kept.is_made.store(true, std::memory_order_release);
+}
+
+SolidPairs::Outcome SolidPairs::settle(const BoxPair& pair, const Isometry3d& X_AB) const {
+  if (!is_worth_[indexOf(pair)]) return Outcome::OPEN;
+  const Kept &a = keptOf(pair.first), &b = keptOf(pair.second);
+  if (!a.is_made.load(std::memory_order_acquire) || !b.is_made.load(std::memory_order_acquire)) {
+    return Outcome::OPEN;
+  }
+  const double padding = scene_.padding(pair.first, pair.second);
+  const Isometry3d X_BA = X_AB.inverse(Eigen::Isometry);
+  if (areApart(a, b, X_AB, padding) || areApart(b, a, X_BA, padding)) return Outcome::FREE;
+  return touch(a, b, X_AB) || touch(b, a, X_BA) ? Outcome::CONTACT : Outcome::OPEN;
+}
+
+// The sphere that seems nearest comes first: it soon tells that not all are apart.
+bool SolidPairs::areApart(const Kept& solid, const Kept& other, const Isometry3d& X,
+                          double padding) {
+  float nodes[SolidField::Points::MOST];
+  const auto& spheres = other.spheres;
+  if (!solid.field || !solid.field->nearestNodes(other.of_spheres, X, nodes)) return false;
+  const auto isApart = [&](std::size_t i) {
+    const double reach = spheres[i].radius + padding;
+    return nodes[i] - solid.field->off() > reach ||
+           solid.field->isFurther(X * spheres[i].center, reach);
+  };
+  std::size_t nearest = 0;
+  for (std::size_t i = 1; i < spheres.size(); ++i) {
+    const double gap = nodes[i] - spheres[i].radius;
+    if (gap < nodes[nearest] - spheres[nearest].radius) nearest = i;
+  }
+  if (!isApart(nearest)) return false;
+  for (std::size_t i = 0; i < spheres.size(); ++i) {
+    if (i != nearest && !isApart(i)) return false;
+  }
+  return true;
+}
+
+bool SolidPairs::touch(const Kept& solid, const Kept& other, const Isometry3d& X) {
+  float nodes[SolidField::Points::MOST];
+  if (!solid.field || !solid.field->nearestNodes(other.of_corners, X, nodes)) return false;
+  for (std::size_t i = 0; i < other.corners.size(); ++i) {
+    if (nodes[i] < 0.0f &&
+        (-nodes[i] > solid.field->off() || solid.field->isInside(X * other.corners[i]))) {
+      return true;
+    }
+  }
+  return false;
+}
+
+std::size_t SolidPairs::memory() const {
+  std::size_t bytes = kept_.size() * sizeof(Kept);
+  for (const Kept& kept : kept_) {
+    if (!kept.is_made.load(std::memory_order_acquire)) continue;
+    bytes +=
+        (kept.field ? kept.field->memory() : 0) +
+        (kept.spheres.size() + kept.corners.size()) * (sizeof(PlacedSphere) + 3 * sizeof(float));
+  }
+  return bytes;
+}
+
+}  // namespace collision_pairs
