@@ -108,7 +108,8 @@ bool SolidPairs::areApart(const Kept& solid, const Kept& other, const Isometry3d
                           double padding) {
   float nodes[SolidField::Points::MOST];
   const auto& spheres = other.spheres;
-  if (!solid.field || !solid.field->nearestNodes(other.of_spheres, X, nodes)) return false;
+  if (!solid.field || spheres.empty()) return false;  // static boxes have no spheres
+  if (!solid.field->nearestNodes(other.of_spheres, X, nodes)) return false;
   const auto isApart = [&](std::size_t i) {
     const double reach = spheres[i].radius + padding;
     return nodes[i] - solid.field->off() > reach ||
