@@ -305,15 +305,11 @@ double PairLadder::hullsApart(std::uint32_t element, Fidelity rung, const Convex
   return roughGap(nhat_E, prepared.core, shape, X_ES, max_distance + 2.0 * margin) - margin;
 }
 
-double PairLadder::surfaceApart(std::uint32_t element, const ConvexCore& shape,
-                                const Isometry3d& X_WS, double max_distance,
-                                std::vector<Vector3d>& normals) {
-  const Rung& of_element = scene_->elements()[element].rung(Fidelity::MESH);
+double PairLadder::errorOfSurface(std::uint32_t element, const ConvexCore& shape,
+                                  const Isometry3d& X_WS) const {
   const Isometry3d& X_WE = (*X_WE_)[element];
-  const Isometry3d X_ES = relativePose(X_WE, X_WS);
-  const double margin = errorOfBound(preparedOf(of_element), shape, X_ES, offset(X_WE, X_WS));
-  const double reach = max_distance + 2.0 * margin;
-  return surface_query_.roughGap(*of_element.shape, shape, X_ES, reach, normals) - margin;
+  const Prepared& prepared = preparedOf(scene_->elements()[element].rung(Fidelity::MESH));
+  return errorOfBound(prepared, shape, relativePose(X_WE, X_WS), offset(X_WE, X_WS));
 }
 
 double PairLadder::reachAlong(const Vector3d& nhat_W, std::uint32_t element, Fidelity rung,
@@ -325,13 +321,6 @@ double PairLadder::reachAlong(const Vector3d& nhat_W, std::uint32_t element, Fid
   const double furthest = nhat_W.dot(X_WE * support<double>(prepared.core, nhat_E));
   return furthest + prepared.core.radius + of_element.margin +
          errorOfBound(prepared, shape, X_WE, X_WE.translation().norm());
-}
-
-bool PairLadder::holds(std::uint32_t element, const Vector3d& p_W) const {
-  const Rung& of_element = scene_->elements()[element].rung(Fidelity::MESH);
-  const Isometry3d& X_WE = (*X_WE_)[element];
-  return SurfaceQuery::holds(*of_element.shape,
-                             X_WE.linear().transpose() * (p_W - X_WE.translation()));
 }
 
 PairLadder::Answer PairLadder::measureBoxes(const BoxPair& pair) const {

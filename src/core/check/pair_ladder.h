@@ -23,7 +23,7 @@
 #include "collision_pairs/aabb.h"
 #include "collision_pairs/collision_scene.h"
 #include "collision_pairs/narrow_phase.h"
-#include "surface_query.h"
+#include "convex_core.h"
 
 namespace collision_pairs {
 
@@ -65,22 +65,19 @@ class PairLadder {
   Answer boundOfBoxes(const BoxPair& pair, double max_distance) const;
   Answer boundOfHulls(const BoxPair& pair, const Answer& known, double max_distance) const;
 
-  // Lower bounds of the distance of an element from a convex shape at X_WS; <= 0 if they may be in
-  // contact. Padding is not subtracted. More than max_distance if such a bound can be. `nhat_E` and
-  // `normals` are where to begin: see roughGap().
-
-  /// By their hulls, at rung CONVEX or MESH; a tenth of a microsecond to one.
+  /// A lower bound of the distance of an element from a convex shape at X_WS, by their hulls, at
+  /// rung CONVEX or MESH; <= 0 if these may be in contact. Padding is not subtracted. More than
+  /// max_distance if such a bound can be. `nhat_E` is where to begin: see roughGap(). Costs a tenth
+  /// of a microsecond to one.
   double hullsApart(std::uint32_t element, Fidelity rung, const ConvexCore& shape,
                     const Eigen::Isometry3d& X_WS, double max_distance,
                     Eigen::Vector3d& nhat_E) const;
-  /// By the triangles of an element that has some; the shape may lie inside it.
-  double surfaceApart(std::uint32_t element, const ConvexCore& shape, const Eigen::Isometry3d& X_WS,
-                      double max_distance, std::vector<Eigen::Vector3d>& normals);
+  /// What a bound by its triangles may be off by.
+  double errorOfSurface(std::uint32_t element, const ConvexCore& shape,
+                        const Eigen::Isometry3d& X_WS) const;
   /// How far its hull reaches along a unit vector in W, measured from W; metres, rounded up.
   double reachAlong(const Eigen::Vector3d& nhat_W, std::uint32_t element, Fidelity rung,
                     const ConvexCore& shape) const;
-  /// True if an element that has triangles encloses the point.
-  bool holds(std::uint32_t element, const Eigen::Vector3d& p_W) const;
 
   /// The coarsest of `top` and the finest rungs of the two elements in the scene.
   Fidelity rungOf(const BoxPair& pair, Fidelity top) const;
@@ -134,7 +131,6 @@ class PairLadder {
   };
   std::vector<Last> last_ = std::vector<Last>(MOST_LAST);
   NarrowPhase narrow_phase_;
-  SurfaceQuery surface_query_;
   std::uint64_t natively_before_ = 0;
 };
 

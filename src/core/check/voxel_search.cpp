@@ -15,7 +15,6 @@ using Eigen::Vector3i;
 
 constexpr double INF = std::numeric_limits<double>::infinity();
 constexpr double ROUNDING = 64.0 * std::numeric_limits<double>::epsilon();
-constexpr double SAME = 1e-10;  // metres: smaller differences of voxels' distances are ignored
 
 Aabb grown(const Aabb& box, double metres) {
   const Vector3d all = Vector3d::Constant(metres);
@@ -44,10 +43,6 @@ Isometry3d poseOf(const Aabb& box) {
   return X;
 }
 
-double sizeOf(const Aabb& box) {
-  return box.min.cwiseAbs().cwiseMax(box.max.cwiseAbs()).maxCoeff();
-}
-
 }  // namespace
 
 void VoxelSearch::begin(const CollisionScene& scene, std::vector<Isometry3d>& X_WE,
@@ -68,7 +63,8 @@ void VoxelSearch::setBox(const BoxPair& pair, const OccupiedVoxels& voxels) {
   of_cloud_ = cloud_is_first ? pair.first : pair.second;
   of_link_ = cloud_is_first ? pair.second : pair.first;
   const double padding = scene_->elements()[of_cloud_].box_padding;
-  rounding_ = ROUNDING * (sizeOf(voxels.bounds()) + padding);
+  const Aabb& all = voxels.bounds();
+  rounding_ = ROUNDING * (all.min.cwiseAbs().cwiseMax(all.max.cwiseAbs()).maxCoeff() + padding);
   box_ = grown((*boxes_)[of_link_], padding + rounding_);
 }
 
@@ -81,7 +77,6 @@ void VoxelSearch::start(const BoxPair& pair, const OccupiedVoxels& voxels, Fidel
   padding_ = scene_->padding(pair.first, pair.second) + rounding_;
   rung_ = rung;
   size_ = element.box_half.norm();
-  has_triangles_ = ladder_->needsTriangles(pair, rung);
   // At rungs that are larger than the element's box, the box is no bound.
   const Rung& shape = element.rung(rung);
   has_oriented_ = rung >= Fidelity::CONVEX && !shape.loose && std::isfinite(element.box_half[0]);
@@ -90,19 +85,25 @@ void VoxelSearch::start(const BoxPair& pair, const OccupiedVoxels& voxels, Fidel
     oriented_ = {X_WE.linear(), X_WE * element.box_center, element.box_half};
     padding_ += ROUNDING * oriented_.center.lpNorm<1>();
   }
+  has_triangles_ = has_oriented_ && ladder_->needsTriangles(pair, rung);
   limit_ = max_distance;
   best_ = INF;
   nearest_ = contact_ = {};
   nearest_.answer.found.certainty = contact_.answer.found.certainty = Certainty::BEYOND;
   nhat_E_.setZero();
-  reach_along_ = INF;
-  normals_.clear();
+  planes_.clear();
+  has_candidates_ = false;
+  candidate_.bound = INF;
   heap_.clear();
   outside_.clear();
   cells_ = voxels.cellsWithin(box_, std::min(max_distance, 1e100));
-  Entry root{0.0, voxels.rootCorner(), 0, static_cast<std::int8_t>(voxels.levels().size() - 1),
-             Bound::ALIGNED_BOXES};
-  root.bound = boundOfAlignedBoxes(root);
+  Entry root{0.0, voxels.rootCorner(), 0, {}, static_cast<std::int8_t>(voxels.levels().size() - 1)};
+  if (has_triangles_) {
+    root.nodes = surface_.begin(*shape.shape, (*X_WE_)[of_link_]);
+    surface_error_ =
+        ladder_->errorOfSurface(of_link_, coreOf(voxels.bounds()), poseOf(voxels.bounds()));
+  }
+  root.bound = boundOfBoxes(boxOf(root));
   push(root);
 }
 
@@ -119,31 +120,27 @@ VoxelSearch::Entry VoxelSearch::pop() {
 }
 
 bool VoxelSearch::refine(Entry& entry) {
-  if (isHopeless(boundOfPlane(entry))) return true;
-  while (has_oriented_ && entry.by != Bound::TRIANGLES) {
-    entry.by = static_cast<Bound>(static_cast<int>(entry.by) + 1);
-    if (!isWorth(entry.by, entry)) continue;
-    const double finer = entry.by == Bound::BOXES   ? boundOfOrientedBoxes(entry)
-                         : entry.by == Bound::HULLS ? boundOfHulls(entry)
-                                                    : boundOfTriangles(entry);
-    if (!(finer > entry.bound)) continue;
-    entry.bound = finer;
-    if (!isHopeless(finer)) push(entry);
-    return true;
-  }
-  return false;
-}
-
-// A cube larger than the element mostly contains it.
-bool VoxelSearch::isWorth(Bound by, const Entry& entry) const {
-  if (by == Bound::BOXES) return true;
-  if (entry.level < 0 && !has_triangles_ && limit_ <= 0.0) return false;
+  if (!has_oriented_) return false;
   const Aabb box = boxOf(entry);
-  const bool is_small = entry.level <= 0 || (box.max - box.min).norm() <= 2.0 * size_;
-  return is_small && (by == Bound::HULLS || has_triangles_);
+  const double before = entry.bound;
+  entry.bound = std::max(before, boundOfPlanes(box));
+  if (!entry.is_fine && !isHopeless(entry.bound) && isWorthMore(entry, box)) {
+    entry.is_fine = true;
+    // Where no voxel was in reach so far, a plane may be all that is needed.
+    const bool wants_plane = best_ == INF && entry.level == 0 && entry.bound + padding_ > 0.0;
+    double gap = wants_plane || !has_triangles_ ? gapOfHulls(box) : -INF;
+    if (has_triangles_ && !isHopeless(gap - padding_)) {
+      gap = std::max(gap, gapOfTriangles(entry, box));
+    }
+    entry.bound = std::max(entry.bound, gap - padding_);
+  }
+  if (!(entry.bound > before)) return false;
+  if (!isHopeless(entry.bound)) push(entry);
+  return true;
 }
 
-void VoxelSearch::expand(const Entry& entry) {
+template <class Take>
+void VoxelSearch::forEachChild(const Entry& entry, const Take& take) {
   const auto level = static_cast<std::size_t>(entry.level);
   const OccupiedVoxels::Cube& cube = voxels_->levels()[level][entry.index];
   std::uint64_t left = cube.occupied & OccupiedVoxels::childrenIn(cells_, level, entry.corner);
@@ -153,10 +150,52 @@ void VoxelSearch::expand(const Entry& entry) {
     child.corner += OccupiedVoxels::childEdge(level) * OccupiedVoxels::childOffset(bit);
     child.level = static_cast<std::int8_t>(entry.level - 1);
     child.index = level > 0 ? OccupiedVoxels::childOf(cube, bit) : 0;
-    child.by = Bound::ALIGNED_BOXES;
-    child.bound = std::max(entry.bound, boundOfAlignedBoxes(child));
-    if (!isHopeless(child.bound)) push(child);
+    child.is_fine = false;
+    const Aabb box = boxOf(child);
+    child.bound = std::max(entry.bound, boundOfBoxes(box));
+    if (isHopeless(child.bound)) continue;
+    child.bound = std::max(child.bound, boundOfPlanes(box));
+    if (!isHopeless(child.bound)) take(child, box);
   }
+}
+
+void VoxelSearch::expand(const Entry& entry) {
+  forEachChild(entry, [&](const Entry& child, const Aabb& box) {
+    if (child.level >= 0 || !has_triangles_) return push(child);
+    takeVoxel(child, box);
+  });
+}
+
+// Once any distance is known, nothing further needs finer bounds.
+void VoxelSearch::takeNearestOf(const Entry& cube) {
+  Entry nearest = cube;
+  forEachChild(cube, [&](const Entry& voxel, const Aabb&) {
+    if (nearest.level >= 0 || voxel.bound < nearest.bound) nearest = voxel;
+  });
+  if (nearest.level < 0) takeVoxel(nearest, boxOf(nearest));
+}
+
+// A voxel that is inside, or too near for its distance to be known well enough, is left to the
+// ladder.
+void VoxelSearch::takeVoxel(Entry voxel, const Aabb& box) {
+  voxel.is_fine = true;
+  const DistanceBounds gap =
+      surface_.distance(box, reach() + 2.0 * surface_error_, 0.2 * SAME, voxel.nodes);
+  const double lower = gap.lower - surface_error_;
+  if (lower > 0.0 && isOutside(voxel, box)) {
+    outside_.push_back(box);
+    voxel.bound = std::max(voxel.bound, lower - padding_);
+    if (isHopeless(voxel.bound)) return;
+    const double upper = gap.upper + surface_error_ - scene_->padding(pair_.first, pair_.second);
+    if (has_candidates_ && upper - voxel.bound <= 0.5 * SAME) {
+      candidate_ = voxel;
+      best_ = upper;
+      cells_ = voxels_->cellsWithin(box_, std::max(std::min(limit_, best_), 0.0));
+      addPlane(-gap.nhat, box);
+      return;
+    }
+  }
+  push(voxel);
 }
 
 Aabb VoxelSearch::boxOf(const Entry& entry) const {
@@ -165,39 +204,46 @@ Aabb VoxelSearch::boxOf(const Entry& entry) const {
   return voxels_->boxOfCube(level, entry.index, entry.corner);
 }
 
-double VoxelSearch::boundOfAlignedBoxes(const Entry& entry) const {
-  const Aabb box = boxOf(entry);
-  return signedGap((box.min - box_.max).cwiseMax(box_.min - box.max));
-}
-
-double VoxelSearch::boundOfPlane(const Entry& entry) const {
-  if (reach_along_ == INF) return -INF;  // none yet
-  const Aabb box = boxOf(entry);
-  const double half = 0.5 * nhat_W_.cwiseAbs().dot(box.max - box.min);
-  return nhat_W_.dot(box.center()) - half - reach_along_ - padding_;
-}
-
-double VoxelSearch::boundOfOrientedBoxes(const Entry& entry) const {
-  const Aabb box = boxOf(entry);
+double VoxelSearch::boundOfBoxes(const Aabb& box) const {
+  const double aligned = signedGap((box.min - box_.max).cwiseMax(box_.min - box.max));
+  if (!has_oriented_ || isHopeless(aligned)) return aligned;
   const Vector3d half = 0.5 * (box.max - box.min);
   const Vector3d p_A = oriented_.R.transpose() * (box.center() - oriented_.center);
   const Vector3d reach = oriented_.half + oriented_.R.transpose().cwiseAbs() * half;
-  return signedGap(p_A.cwiseAbs() - reach) - padding_;
+  return std::max(aligned, signedGap(p_A.cwiseAbs() - reach) - padding_);
 }
 
-double VoxelSearch::boundOfHulls(const Entry& entry) {
-  const Aabb box = boxOf(entry);
+double VoxelSearch::boundOfPlanes(const Aabb& box) const {
+  double furthest = -INF;
+  const Vector3d center = box.center(), half = 0.5 * (box.max - box.min);
+  for (const Plane& plane : planes_) {
+    const double gap = plane.nhat.dot(center) - plane.nhat.cwiseAbs().dot(half) - plane.reach;
+    furthest = std::max(furthest, gap);
+  }
+  return furthest - padding_;
+}
+
+void VoxelSearch::addPlane(const Vector3d& nhat_W, const Aabb& box) {
+  constexpr std::size_t MOST = 8;
+  if (planes_.size() == MOST) planes_.erase(planes_.begin());
+  planes_.push_back({nhat_W, ladder_->reachAlong(nhat_W, of_link_, rung_, coreOf(box))});
+}
+
+double VoxelSearch::gapOfHulls(const Aabb& box) {
   const double gap =
       ladder_->hullsApart(of_link_, rung_, coreOf(box), poseOf(box), reach(), nhat_E_);
-  return gap > 0.0 ? gap - padding_ : -INF;
+  if (!(gap > 0.0)) return -INF;
+  addPlane((*X_WE_)[of_link_].linear() * nhat_E_, box);
+  return gap;
 }
 
-double VoxelSearch::boundOfTriangles(const Entry& entry) {
-  const Aabb box = boxOf(entry);
-  const double gap = ladder_->surfaceApart(of_link_, coreOf(box), poseOf(box), reach(), normals_);
+double VoxelSearch::gapOfTriangles(Entry& entry, const Aabb& box) {
+  const SurfaceQuery::Nodes larger = entry.nodes;
+  const double gap =
+      surface_.keepNear(box, reach() + 2.0 * surface_error_, larger, entry.nodes) - surface_error_;
   if (!(gap > 0.0) || !isOutside(entry, box)) return -INF;
   outside_.push_back(box);
-  return gap - padding_;
+  return gap;
 }
 
 // For a box that does not intersect the triangles. It is entirely inside or entirely outside, and
@@ -208,8 +254,7 @@ bool VoxelSearch::isOutside(const Entry& entry, const Aabb& box) const {
   const auto touchesBox = [&](const Aabb& other) {
     return (box.min.array() <= other.max.array() && other.min.array() <= box.max.array()).all();
   };
-  return std::any_of(outside_.begin(), outside_.end(), touchesBox) ||
-         !ladder_->holds(of_link_, box.center());
+  return std::any_of(outside_.begin(), outside_.end(), touchesBox) || !surface_.holds(box.center());
 }
 
 void VoxelSearch::placeVoxel(const VoxelCell& cell) {
@@ -218,9 +263,6 @@ void VoxelSearch::placeVoxel(const VoxelCell& cell) {
   (*boxes_)[of_cloud_] = scene_->elements()[of_cloud_].boxAt(X_WV);
 }
 
-// A voxel that is apart must not hide a contact.
-double VoxelSearch::slackOf(double bound) const { return bound > 0.0 || best_ <= 0.0 ? SAME : 0.0; }
-
 void VoxelSearch::keepBest(const PairLadder::Answer& answer, const VoxelCell& cell) {
   const PairDistance& found = answer.found;
   if (found.certainty == Certainty::BEYOND) return;
@@ -228,9 +270,8 @@ void VoxelSearch::keepBest(const PairLadder::Answer& answer, const VoxelCell& ce
   if (found.distance < nearest_.answer.found.distance) {
     nearest_ = {answer, cell};
     if (has_oriented_ && found.distance > 0.0) {
-      nhat_W_ = (pair_.first == of_link_ ? 1.0 : -1.0) * found.nhat_AB_A.normalized();
-      const Aabb voxel = voxels_->boxOf(cell, Vector3i::Ones());
-      reach_along_ = ladder_->reachAlong(nhat_W_, of_link_, rung_, coreOf(voxel));
+      const double side = pair_.first == of_link_ ? 1.0 : -1.0;
+      addPlane(side * found.nhat_AB_A.normalized(), voxels_->boxOf(cell, Vector3i::Ones()));
     }
   }
   if (is_certain && found.touches() && found.distance < contact_.answer.found.distance) {
@@ -238,7 +279,7 @@ void VoxelSearch::keepBest(const PairLadder::Answer& answer, const VoxelCell& ce
   }
   // If contact of the nearest is not certain, others may still be in contact.
   const bool is_sought = nearest_.answer.found.touches() && !contact_.answer.found.touches();
-  best_ = is_sought ? INF : nearest_.answer.found.distance;
+  best_ = is_sought ? INF : std::min(best_, nearest_.answer.found.distance);
   if (is_sought) limit_ = std::min(limit_, 0.0);
 }
 
@@ -318,43 +359,35 @@ void VoxelSearch::measureVoxel(const VoxelCell& cell, Fidelity top, double max_d
   keepBest(ladder_->climb(pair_, top, reach), cell);
 }
 
-// Once any distance is known, nothing further needs finer bounds.
-void VoxelSearch::measureOneOf(const Entry& cube, Fidelity top, double max_distance) {
-  Entry nearest = cube;
-  double least = INF;
-  for (std::uint64_t left = voxels_->levels()[0][cube.index].occupied; left != 0;
-       left &= left - 1) {
-    Entry voxel = cube;
-    voxel.corner += OccupiedVoxels::childOffset(__builtin_ctzll(left));
-    voxel.level = -1;
-    const double bound = boundOfOrientedBoxes(voxel);
-    if (bound >= least) continue;
-    least = bound;
-    nearest = voxel;
-  }
-  measureVoxel(nearest.corner, top, max_distance);
-}
-
 VoxelSearch::Found VoxelSearch::nearest(const BoxPair& pair, const OccupiedVoxels& voxels,
                                         Fidelity top, double max_distance,
                                         const Deadline& deadline) {
   const Fidelity rung = ladder_->rungOf(pair, top);
-  start(pair, voxels, rung, max_distance);
-  while (!heap_.empty()) {
-    Entry entry = pop();
-    if (isHopeless(entry.bound)) break;
-    if (refine(entry)) {
-      const bool is_first =
-          has_triangles_ && best_ == INF && entry.level == 0 && entry.by >= Bound::HULLS;
-      if (is_first && !isHopeless(entry.bound)) measureOneOf(entry, top, max_distance);
-      continue;
+  for (const bool settles : {true, false}) {
+    bool is_first = settles;
+    start(pair, voxels, rung, max_distance);
+    has_candidates_ = settles;
+    while (!heap_.empty()) {
+      Entry entry = pop();
+      if (isHopeless(entry.bound)) break;
+      if (is_first && has_triangles_ && entry.level == 0) {
+        is_first = false;
+        takeNearestOf(entry);
+      }
+      if (refine(entry)) continue;
+      if (deadline.spent()) return unfinished(entry);
+      if (entry.level >= 0) {
+        expand(entry);
+        continue;
+      }
+      measureVoxel(entry.corner, top, max_distance);
     }
-    if (deadline.spent()) return unfinished(entry);
-    if (entry.level >= 0) {
-      expand(entry);
-      continue;
-    }
-    measureVoxel(entry.corner, top, max_distance);
+    if (!(candidate_.bound < nearest_.answer.found.distance)) break;
+    if (deadline.spent()) return unfinished(candidate_);
+    best_ += SAME;
+    measureVoxel(candidate_.corner, top, max_distance);
+    const Certainty certainty = nearest_.answer.found.certainty;
+    if (nearest_.voxel == candidate_.corner && certainty == Certainty::EXACT) break;
   }
   return result();
 }

@@ -7,18 +7,21 @@
 #include "box_gap.h"
 #include "collision_pairs/occupied_voxels.h"
 #include "pair_ladder.h"
+#include "surface_query.h"
 #include "timed_climb.h"
 
 namespace collision_pairs {
 
 /// Best-first branch and bound (R. Hjaltason, H. Samet, "Distance browsing in spatial databases",
 /// 1999): a heap of cubes and voxels by a lower bound of their signed distance, which is refined
-/// when one reaches the top: axis-aligned boxes, oriented ones, then the element's hull and its
-/// triangles against the box around the occupied part of a cube, and at all times the plane between
-/// the element and the nearest so far, which keeps all of a floor away. Voxels are passed to the
-/// ladder like static boxes of a world, so that all rungs and methods give the same results. Voxels
-/// that are not nearer than the best so far by more than 1e-10 m are skipped: of the equally near
-/// voxels of a floor, only one is queried.
+/// when one reaches the top: axis-aligned boxes, oriented ones, then the element's hull or its
+/// triangles against the box around the occupied part of a cube, and at all times the planes that
+/// kept other boxes apart, which keep all of a floor away. Below a cube, only the triangles near it
+/// are searched. Voxels are passed to the ladder like static boxes of a world, so that all rungs
+/// and methods give the same results. Beside triangles only the nearest is, and all that may be in
+/// contact: how far any other is apart is known to 1e-10 m without. Voxels that are not nearer than
+/// the best so far by more than that are skipped: of the equally near voxels of a floor, only one
+/// is queried.
 class VoxelSearch {
  public:
   struct Found {
@@ -51,13 +54,15 @@ class VoxelSearch {
                 double max_distance, const Deadline& deadline);
 
  private:
-  enum class Bound : std::uint8_t { ALIGNED_BOXES, BOXES, HULLS, TRIANGLES };
+  /// Metres: smaller differences of voxels' distances are ignored.
+  static constexpr double SAME = 1e-10;
   struct Entry {
     double bound;  ///< metres
     VoxelCell corner;
-    std::uint32_t index;  ///< of the cube
-    std::int8_t level;    ///< of the cube; -1: a voxel
-    Bound by;
+    std::uint32_t index;                        ///< of the cube
+    SurfaceQuery::Nodes nodes;                  ///< of the surface, near the cube
+    std::int8_t level;                          ///< of the cube; -1: a voxel
+    bool is_fine = false;                       ///< bounded by the element's hull or triangles
     bool operator<(const Entry& other) const {  // for a heap whose top is the last in this order
       return bound != other.bound ? bound > other.bound : level > other.level;
     }
@@ -69,25 +74,40 @@ class VoxelSearch {
   Entry pop();
   /// Pushes it again with a finer bound; false if there is none.
   bool refine(Entry& entry);
-  bool isWorth(Bound by, const Entry& entry) const;
+  /// A cube larger than the element mostly contains it.
+  bool isWorthMore(const Entry& entry, const Aabb& box) const {
+    if (entry.level < 0) return limit_ > 0.0;
+    return entry.level == 0 || (box.max - box.min).norm() <= 2.0 * size_;
+  }
+  /// Those within cells_ that its boxes and the planes leave.
+  template <class Take>
+  void forEachChild(const Entry& cube, const Take& take);
   void expand(const Entry& cube);
   /// The box around the occupied part of a cube, or of a voxel.
   Aabb boxOf(const Entry& entry) const;
-  double boundOfAlignedBoxes(const Entry& entry) const;
-  /// By the plane that keeps the nearest so far apart from the element.
-  double boundOfPlane(const Entry& entry) const;
-  double boundOfOrientedBoxes(const Entry& entry) const;
-  /// Bounds by the element's hull, or its triangles, and the box.
-  double boundOfHulls(const Entry& entry);
-  double boundOfTriangles(const Entry& entry);
+
+  // Lower bounds of the signed distance of the element and a box: by the boxes around the element,
+  // and by the planes that have kept other boxes apart from it.
+  double boundOfBoxes(const Aabb& box) const;
+  double boundOfPlanes(const Aabb& box) const;
+  void addPlane(const Eigen::Vector3d& nhat_W, const Aabb& box);
+  // Lower bounds of the distance, padding left aside, by its hull or its triangles; negative if
+  // they may be in contact.
+  double gapOfHulls(const Aabb& box);
+  double gapOfTriangles(Entry& entry, const Aabb& box);
+
+  /// Of an element with triangles: makes it the candidate, pushes it if only the ladder can tell,
+  /// or skips it.
+  void takeVoxel(Entry voxel, const Aabb& box);
+  void takeNearestOf(const Entry& cube);
   bool isOutside(const Entry& entry, const Aabb& box) const;
   void measureVoxel(const VoxelCell& cell, Fidelity top, double max_distance);
-  void measureOneOf(const Entry& cube, Fidelity top, double max_distance);
   void placeVoxel(const VoxelCell& cell);
   bool isHopeless(double bound) const { return bound > limit_ || bound >= best_ - slackOf(bound); }
-  double slackOf(double bound) const;
-  /// Search distance from the shapes, metres.
-  double reach() const { return std::max(std::min(limit_, best_), 0.0) + padding_; }
+  /// A voxel that is apart must not hide a contact.
+  double slackOf(double bound) const { return bound > 0.0 || best_ <= 0.0 ? SAME : 0.0; }
+  /// Search distance from the shapes, metres: what lies beyond is hopeless.
+  double reach() const { return std::max(std::min(limit_, best_ - 0.5 * SAME), 0.0) + padding_; }
   void keepBest(const PairLadder::Answer& answer, const VoxelCell& cell);
   Found unfinished(const Entry& entry);
   Found result() const;
@@ -114,12 +134,17 @@ class VoxelSearch {
   double limit_ = 0.0;  ///< nothing further is searched
   double best_ = 0.0;   ///< nothing that is not nearer is searched
   OccupiedVoxels::CellRange cells_;
-  Found nearest_, contact_;               ///< so far: the nearest, and the deepest certain contact
-  Eigen::Vector3d nhat_E_;                ///< of the hull's last bound: where the next begins
-  std::vector<Eigen::Vector3d> normals_;  ///< likewise, of the mesh's patches
-  /// The unit normal at the nearest so far, towards its voxel, and the element's reach along it.
-  Eigen::Vector3d nhat_W_ = Eigen::Vector3d::Zero();
-  double reach_along_ = 0.0;
+  Found nearest_, contact_;  ///< so far: the nearest, and the deepest certain contact
+  Eigen::Vector3d nhat_E_;   ///< of the hull's last bound: where the next begins
+  struct Plane {
+    Eigen::Vector3d nhat;  ///< unit, away from the element
+    double reach;          ///< of the element along it
+  };
+  std::vector<Plane> planes_;  ///< in W; the newest last
+  SurfaceQuery surface_;
+  double surface_error_ = 0.0;  ///< metres, of bounds by triangles
+  bool has_candidates_ = false;
+  Entry candidate_;  ///< the nearest voxel so far, which is apart and not yet passed to the ladder
   std::vector<Entry> heap_;
   std::vector<Aabb> outside_;  ///< boxes that neither intersect the element nor lie inside it
 };

@@ -81,39 +81,6 @@ void MeshQuery::pushNearestLast(const Entry& parent, bool of_a, const TriangleTr
   }
 }
 
-double MeshQuery::roughGap(const PreparedMesh& A, const ConvexCore& B, const Isometry3d& X_AB,
-                           double max_distance, std::vector<Vector3d>& normals) {
-  const OrientedBox box_b = boxAround(B).movedBy(X_AB);
-  if (!worthHulls(A.tree.box(0), box_b, max_distance)) {
-    return meshConvex(A, B, X_AB, max_distance, 0.0).distance;
-  }
-  double least = std::nextafter(max_distance, std::numeric_limits<double>::infinity());
-  normals.resize(A.tree.nbPatches(), Vector3d::Zero());
-  slabs_.clear();
-  stack_.clear();
-  stack_.push_back({0, 0, 0.0});
-  while (!stack_.empty()) {
-    const Entry entry = stack_.back();
-    stack_.pop_back();
-    const TriangleTree::Node& a = A.tree.node(entry.a);
-    SearchLimit limit(square(least), {});
-    if (limit.excludes(entry.squared_gap)) continue;
-    if (isPiece(a)) {
-      Corners corners;
-      Vector3d any = Vector3d::UnitX();
-      Vector3d& n = a.isPatch() ? normals[a.patch] : any;
-      const double gap = collision_pairs::roughGap(n, pieceCore(A, a, corners), B, X_AB, least);
-      if (gap > 0.0) {
-        least = std::min(least, gap);
-        continue;
-      }
-      if (a.isLeaf()) return 0.0;
-    }
-    pushNearestLast(entry, true, a, squaredBoxGaps(A.tree.childBoxes(a), box_b), limit);
-  }
-  return least;
-}
-
 SurfaceGap MeshQuery::meshMesh(const PreparedMesh& A, const PreparedMesh& B, const Isometry3d& X_AB,
                                double max_distance, double band, const Vector3d* nhat_AB_A,
                                const Accuracy& accuracy) {

@@ -37,12 +37,6 @@ class MeshQuery {
   SurfaceGap meshConvex(const PreparedMesh& A, const ConvexCore& B, const Eigen::Isometry3d& X_AB,
                         double max_distance, double band, const Accuracy& accuracy = {});
 
-  /// A lower bound of that distance by the hulls of A's patches; more than max_distance (>= 0) if
-  /// those are further apart, 0 if they may touch. `normals`: of each patch, as roughGap() takes
-  /// and replaces it; empty at first.
-  double roughGap(const PreparedMesh& A, const ConvexCore& B, const Eigen::Isometry3d& X_AB,
-                  double max_distance, std::vector<Eigen::Vector3d>& normals);
-
  private:
   struct Entry {
     std::uint32_t a, b;

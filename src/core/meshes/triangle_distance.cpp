@@ -96,6 +96,46 @@ bool improveByEdges(const Triangle& a, const Triangle& b, ClosestPoints& best) {
   return improved;
 }
 
+// From the box around the origin to the point p.
+Vector3d fromBox(const Vector3d& p, const Vector3d& half) {
+  return p - p.cwiseMax(-half).cwiseMin(half);
+}
+
+// From the box around the origin to the point of the segment from a to a + d that is nearest to it.
+// The squared distance is convex, and quadratic between the planes of the box's faces: Newton's
+// method, and halving where it leaves what is left to search.
+Vector3d segmentFromBox(const Vector3d& a, const Vector3d& d, const Vector3d& half) {
+  constexpr int MAX_STEPS = 16;
+  constexpr double CLOSE = std::numeric_limits<double>::epsilon();
+  const double squared = d.squaredNorm();
+  double at = squared > 0.0 ? std::clamp(-a.dot(d) / squared, 0.0, 1.0) : 0.0;
+  double low = -1.0, high = 2.0;  // what was tried; the ends were not yet
+  Vector3d apart = fromBox(a + at * d, half);
+  for (int i = 0; i < MAX_STEPS; ++i) {
+    double slope = 0.0, curvature = 0.0;
+    for (int axis = 0; axis < 3; ++axis) {
+      slope += apart[axis] * d[axis];
+      curvature += apart[axis] != 0.0 ? d[axis] * d[axis] : 0.0;
+    }
+    if (!(curvature > 0.0)) break;
+    (slope > 0.0 ? high : low) = at;
+    double next = std::clamp(at - slope / curvature, 0.0, 1.0);
+    if (std::abs(next - at) <= CLOSE) break;
+    if (next <= low || next >= high) next = 0.5 * (low + high);
+    at = next;
+    apart = fromBox(a + at * d, half);
+  }
+  return apart;
+}
+
+// True if the point, which is moved along n, comes to lie in the triangle of this normal.
+bool isAbove(const Corners& t, const Vector3d& n, const Vector3d& p) {
+  for (int i = 0; i < 3; ++i) {
+    if ((t[(i + 1) % 3] - t[i]).cross(n).dot(p - t[i]) > 0.0) return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 Triangle::Triangle(const Vector3d& a, const Vector3d& b, const Vector3d& c)
@@ -151,6 +191,58 @@ bool improveByTriangles(const Triangle& a, const Triangle& b, ClosestPoints& bes
   improved |= improveByCorners(b, a, over_b, best.squared, best.on_b, best.on_a);
   improved |= improveByEdges(a, b, best);
   return improved;
+}
+
+// Apart, the closest point of the triangle is on an edge, or in its middle: then a corner of the
+// box is above it, and the distance is the corner's height.
+DistanceBounds distanceFromBox(const Corners& t, const Vector3d& half, double limit) {
+  constexpr double THIN = 1e-6;  // a triangle this thin has no normal that is worth using
+  const Vector3d low = t[0].cwiseMin(t[1]).cwiseMin(t[2]);
+  const Vector3d high = t[0].cwiseMax(t[1]).cwiseMax(t[2]);
+  DistanceBounds bounds{(low - half).cwiseMax(-half - high).cwiseMax(0.0).norm()};
+  if (bounds.lower > limit) return bounds;
+  const Vector3d first = t[1] - t[0], second = t[2] - t[0], n = first.cross(second);
+  const double length = n.norm();
+  const bool is_thin = !(length > THIN * (first.squaredNorm() + second.squaredNorm()));
+  const double h[] = {n.dot(t[0]), n.dot(t[1]), n.dot(t[2])}, reach = n.cwiseAbs().dot(half);
+  const double side = h[0] < 0.0 ? -1.0 : 1.0;
+  const double over = std::min({side * h[0], side * h[1], side * h[2]}) - reach;
+  const double most = std::max({side * h[0], side * h[1], side * h[2]}) - reach;
+  const Vector3d corner = (side * n.array() < 0.0).select(-half, half);  // of the box: the highest
+  if (over > 0.0) {
+    bounds.lower = std::max(bounds.lower, over / length);
+    if (bounds.lower > limit) return bounds;
+    if (!is_thin && isAbove(t, n, corner)) {
+      bounds.upper = most / length;
+      bounds.nhat = side / length * n;
+      return bounds;
+    }
+  }
+  Vector3d apart = Vector3d::Zero();
+  double squared = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < 3; ++i) {
+    const Vector3d& from = t[i];
+    const Vector3d& to = t[(i + 1) % 3];
+    const Vector3d gap = (from.cwiseMin(to) - half).cwiseMax(-half - from.cwiseMax(to));
+    if (gap.cwiseMax(0.0).squaredNorm() >= squared) continue;
+    const Vector3d of_edge = segmentFromBox(from, to - from, half);
+    if (of_edge.squaredNorm() >= squared) continue;
+    apart = of_edge;
+    squared = of_edge.squaredNorm();
+  }
+  bounds.upper = std::sqrt(squared);
+  // No edge meets the box: if its diagonal meets the triangle's plane inside, so does the box.
+  const bool is_pierced =
+      !is_thin && over <= 0.0 && reach > 0.0 && isAbove(t, n, side * h[0] / reach * corner);
+  if (!(bounds.upper > 0.0) || is_pierced) {
+    bounds.lower = bounds.upper = 0.0;
+    return bounds;
+  }
+  bounds.nhat = apart / bounds.upper;
+  const auto along = [&](int i) { return bounds.nhat.dot(t[i]); };
+  const double proved = std::min({along(0), along(1), along(2)}) - bounds.nhat.cwiseAbs().dot(half);
+  bounds.lower = std::max(bounds.lower, proved);
+  return bounds;
 }
 
 }  // namespace collision_pairs

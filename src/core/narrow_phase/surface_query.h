@@ -1,27 +1,63 @@
-// The two queries that a result for a mesh consists of, separately.
+// Which parts of a mesh are near a box, and how near?
 #pragma once
+
+#include <vector>
 
 #include <Eigen/Geometry>
 
+#include "collision_pairs/aabb.h"
 #include "collision_pairs/narrow_phase.h"
-#include "convex_core.h"
-#include "mesh_query.h"
+#include "prepared_mesh.h"
 
 namespace collision_pairs {
 
-/// For callers that query one mesh at many neighbouring places. Holds scratch memory only.
+/// For a caller that queries one mesh with many boxes that lie in larger ones. The surface near the
+/// larger one is kept as a range of nodes of the triangles' tree, with which the search for the
+/// smaller ones begins. All boxes are aligned with W; metres.
+///
+/// All bounds are off by no more than PairLadder::errorOfSurface().
 class SurfaceQuery {
  public:
-  /// MeshQuery::roughGap() of the triangles of A, a mesh that is not convex, and the solid B, which
-  /// may lie inside A.
-  double roughGap(const PreparedShape& A, const ConvexCore& B, const Eigen::Isometry3d& X_AB,
-                  double max_distance, std::vector<Eigen::Vector3d>& normals);
+  /// Of the nodes kept so far.
+  struct Nodes {
+    std::uint32_t begin, end;
+  };
 
-  /// True if A encloses the point.
-  static bool holds(const PreparedShape& A, const Eigen::Vector3d& p_AQ);
+  /// The shape is a mesh that is not convex, and must live until the last query. Returns the node
+  /// that holds all of it.
+  Nodes begin(const PreparedShape& mesh, const Eigen::Isometry3d& X_WM);
+
+  /// Of the surface below `larger`, keeps the nodes that are not further from the box than `reach`,
+  /// none of them much larger. Returns a lower bound of the distance of the surface below `larger`;
+  /// more than `reach` if nothing is kept. Cost: some 20 ns a node.
+  double keepNear(const Aabb& box, double reach, const Nodes& larger, Nodes& near);
+
+  /// The distance of the surface below `nodes` from the box, to within `tolerance` where the two
+  /// are apart; `lower` is more than `reach`, and no more is known, if the distance is.
+  DistanceBounds distance(const Aabb& box, double reach, double tolerance, const Nodes& nodes);
+
+  /// True if the mesh encloses the point.
+  bool holds(const Eigen::Vector3d& p_W) const;
 
  private:
-  MeshQuery query_;
+  struct Query {
+    OrientedBox box;       ///< in M
+    Eigen::Vector3d p_BM;  ///< from its centre to M, in W
+    double reach;
+    double tolerance = 0.0;
+  };
+  Query queryFor(const Aabb& box, double reach) const;
+  double keepNear(const Query& query, std::uint32_t node);
+  /// `best` has the least of all lower bounds, and the least upper one.
+  void improve(const Query& query, std::uint32_t node, DistanceBounds& best);
+  DistanceBounds distanceOfTriangle(const Query& query, std::uint32_t triangle, double limit) const;
+
+  const PreparedShape* shape_ = nullptr;
+  const PreparedMesh* mesh_ = nullptr;
+  Eigen::Isometry3d X_WM_;
+  std::vector<std::uint32_t> nodes_;
+  static constexpr std::uint32_t NONE = 0xffffffff;
+  std::uint32_t nearest_ = NONE;  ///< the triangle that was, to the last box: tried first
 };
 
 }  // namespace collision_pairs
