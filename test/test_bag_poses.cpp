@@ -121,6 +121,14 @@ TEST_F(BagPosesTest, AfterAPrefixASlashMayFollowInNamesOfJointsToo) {
   EXPECT_EQ(at("arm", 1), Vector3d(0.75, 2, 0));
 }
 
+// A live buffer forgets what is older than 10 s.
+TEST_F(BagPosesTest, OfALongRecordingTheBeginningIsKnownFromTransformsToo) {
+  for (int i = 1; i <= 50; ++i) transform("base", "arm", 0.5 * i, i, 2);
+  finish();
+  EXPECT_EQ(poses_->stamps().size(), 50u);
+  for (int i = 1; i <= 50; ++i) EXPECT_EQ(at("arm", 0.5 * i), Vector3d(i, 2, 0)) << i;
+}
+
 TEST_F(BagPosesTest, FramesOfFixedJointsAddNoStampsWhereOthersMove) {
   transform("base", "arm", 1, 0);
   transform("base", "arm", 2, 1);
