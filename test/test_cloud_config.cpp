@@ -1,11 +1,9 @@
-#include <fstream>
-#include <sstream>
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "cloud_config.h"
 #include "collision_pairs/input_error.h"
+#include "documented_defaults.h"
 
 namespace collision_pairs {
 namespace {
@@ -171,27 +169,15 @@ TEST(CloudConfig, ValuesReachTheEndsOfTheirRangesAndNoFurther) {
   }
 }
 
-/// Rows of the page's table: | `key` | `default` unit | effect |. All of them as YAML.
-TEST(CloudConfig, DefaultsOfThePageAreThoseOfTheCode) {
-  std::ifstream page(std::string(PROJECT_SOURCE_DIR) + "/docs/clouds.md");
-  std::ostringstream yaml;
-  int nb_rows = 0;
-  for (std::string line; std::getline(page, line);) {
-    if (line.rfind("| `", 0) != 0) continue;
-    std::istringstream cells(line.substr(1));
-    std::vector<std::string> row;
-    for (std::string cell; std::getline(cells, cell, '|');) {
-      cell.erase(0, cell.find_first_not_of(" `"));
-      row.push_back(cell.substr(0, cell.find('`')));
-    }
-    if (row.size() < 3 || row[0] == "topic") continue;
-    yaml << ", " << row[0] << ": " << row[1];
-    ++nb_rows;
+TEST(CloudConfig, HasTheDefaultsThatThePageStates) {
+  auto page = documentedDefaults("clouds.md");
+  EXPECT_EQ(page["topic"], "(required)");
+  page.erase("topic");
+  EXPECT_EQ(page.size(), 11u);
+  for (const auto& [key, value] : page) {
+    const CloudConfig stated = clouds("[{topic: a, " + key + ": " + value + "}]")[0];
+    EXPECT_TRUE(stated == clouds("[{topic: a}]")[0]) << key;
   }
-  EXPECT_EQ(nb_rows, 11) << "one for each key but topic";
-  CloudConfig defaults;
-  defaults.topic = "a";
-  EXPECT_TRUE(clouds("[{topic: a" + yaml.str() + "}]").at(0) == defaults) << yaml.str();
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <gmock/gmock.h>
 
 #include "collision_pairs/input_error.h"
+#include "documented_defaults.h"
 #include "limited_command.h"
 #include "limiter_parameters.h"
 #include "printed.h"
@@ -16,6 +17,16 @@ namespace {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
+using testing::Pair;
+
+const std::pair<const char*, double LimiterSettings::*> NUMBERS[] = {
+    {"reaction_time", &LimiterSettings::reaction_time},
+    {"command_timeout", &LimiterSettings::command_timeout},
+    {"max_joint_state_age", &LimiterSettings::max_joint_state_age},
+    {"stop_distance", &LimiterSettings::stop_distance},
+    {"obstacle_speed", &LimiterSettings::obstacle_speed},
+    {"retreat_scale", &LimiterSettings::retreat_scale},
+    {"ramp_up", &LimiterSettings::ramp_up}};
 
 std::string refusal(const std::string& yaml) {
   try {
@@ -38,6 +49,21 @@ TEST(LimiterParameters, AreReadWithTheirDefaults) {
   EXPECT_THAT(LimiterParameters::read(YAML::Load("{command: c, joints: [a, b], deceleration: 3}"))
                   ->law.deceleration,
               ElementsAre(3.0, 3.0));
+}
+
+TEST(LimiterParameters, HaveTheDefaultsThatThePageStates) {
+  auto page = documentedDefaults("limiter.md");
+  for (const auto& [name, number] : NUMBERS) {
+    EXPECT_EQ(std::stod(page.at(name)), LimiterSettings().*number) << name;
+    page.erase(name);
+  }
+  EXPECT_EQ(LimiterParameters().joint_states, "joint_states");
+  EXPECT_FALSE(LimiterParameters().is_trajectory);
+  EXPECT_THAT(
+      page,
+      ElementsAre(Pair("command", "(required)"), Pair("command_type", "std_msgs/Float64MultiArray"),
+                  Pair("deceleration", "(required;"), Pair("joint_states", "joint_states"),
+                  Pair("joints", "(required)")));
 }
 
 TEST(LimiterParameters, AreOffWhereThereIsNothing) {
@@ -93,18 +119,10 @@ TEST(LimiterParameters, AreNumbersWithinTheirRangesEndsIncluded) {
 }
 
 TEST(LimiterParameters, AreReadEachToItsPlace) {
-  const std::pair<const char*, double LimiterSettings::*> numbers[] = {
-      {"reaction_time", &LimiterSettings::reaction_time},
-      {"command_timeout", &LimiterSettings::command_timeout},
-      {"max_joint_state_age", &LimiterSettings::max_joint_state_age},
-      {"stop_distance", &LimiterSettings::stop_distance},
-      {"obstacle_speed", &LimiterSettings::obstacle_speed},
-      {"retreat_scale", &LimiterSettings::retreat_scale},
-      {"ramp_up", &LimiterSettings::ramp_up}};
   const std::string good = "{command: c, joints: [a], deceleration: 1";
-  for (const auto& [name, number] : numbers) {
+  for (const auto& [name, number] : NUMBERS) {
     const auto read = LimiterParameters::read(YAML::Load(good + ", " + name + ": 0.75}"));
-    for (const auto& [other, value] : numbers) {
+    for (const auto& [other, value] : NUMBERS) {
       EXPECT_EQ(read->law.*value, number == value ? 0.75 : LimiterSettings().*value) << name;
     }
     EXPECT_THAT(refusal(good + ", " + name + "z: 1}"),

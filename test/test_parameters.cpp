@@ -1,11 +1,11 @@
 // The defaults are said in the core, in the YAML, in the .cfg and in docs/node.md: all must agree.
 #include <fstream>
 #include <map>
-#include <sstream>
 
 #include <collision_pairs/CollisionPairsConfig.h>
 #include <gtest/gtest.h>
 
+#include "documented_defaults.h"
 #include "parameters.h"
 #include "scene_config.h"
 
@@ -24,23 +24,7 @@ std::map<std::string, std::string> yamlDefaults() {
   return values;
 }
 
-/// Of the parameter table in docs/node.md: | `~name` | `default` unit | effect |
-std::map<std::string, std::string> pageDefaults() {
-  std::map<std::string, std::string> values;
-  std::ifstream file(std::string(PROJECT_SOURCE_DIR) + "/docs/node.md");
-  std::string line;
-  while (std::getline(file, line)) {
-    if (line.rfind("| `~", 0) != 0) continue;
-    std::istringstream cells(line.substr(1));
-    std::vector<std::string> row;
-    for (std::string cell; std::getline(cells, cell, '|');) {
-      cell.erase(0, cell.find_first_not_of(" `~"));
-      row.push_back(cell.substr(0, cell.find('`')));
-    }
-    if (row.size() >= 3) values.emplace(row[0], row[1]);
-  }
-  return values;
-}
+std::map<std::string, std::string> pageDefaults() { return documentedDefaults("node.md"); }
 
 class Defaults : public testing::TestWithParam<std::map<std::string, std::string> (*)()> {};
 
