@@ -212,6 +212,35 @@ TEST_F(MixedLinks, AtEveryRungHaveWitnessPointsThatAreAsFarApartAsTheDistanceSay
   }
 }
 
+// All numbers are exact in binary. The boxes and spheres about them are larger, by little.
+TEST(TwoOfAShape, ExactlyAtTheAlarmDistanceAreListedAtEveryRung) {
+  const auto cube = [](const std::string&, const Eigen::Vector3d&) {
+    return std::make_shared<const TriangleMesh>(boxMesh({0.5, 0.5, 0.5}));
+  };
+  for (const char* const shape :
+       {"<sphere radius='0.5'/>", "<box size='1 1 1'/>", "<mesh filename='cube'/>"}) {
+    std::string xml = emptyLink("root");
+    for (const std::string name : {"a", "b"}) {
+      xml += linkWith(name, shape) + joint("to_" + name, "floating", "root", name, "0 0 0", "");
+    }
+    CollisionDetector detector(
+        CollisionScene::build(RobotModel::fromUrdf("<robot name='two'>" + xml + "</robot>", cube),
+                              std::nullopt, nullptr));
+    BodyPoses poses;
+    poses.resize(2);
+    poses.X_WB[1].translation().x() = 1.25;
+    for (const Fidelity rung :
+         {Fidelity::AABB, Fidelity::SPHERES, Fidelity::OBB, Fidelity::CONVEX, Fidelity::MESH}) {
+      CheckSettings settings = alarm(0.25);
+      settings.fidelity = rung;
+      const CollisionReport& report = detector.detect(poses, settings);
+      ASSERT_EQ(report.pairs.size(), 1u) << shape << " at " << fidelityName(rung);
+      EXPECT_LE(report.pairs[0].distance, 0.25) << shape << " at " << fidelityName(rung);
+      EXPECT_NEAR(report.pairs[0].distance, 0.25, 0.001) << shape << " at " << fidelityName(rung);
+    }
+  }
+}
+
 // Along an axis of both, the boxes about two spheres are as far apart as the spheres, but for
 // rounding.
 TEST(TinySpheres, ExactlyAtTheAlarmDistanceAreFoundHoweverTheyAreTurned) {

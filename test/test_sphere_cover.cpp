@@ -4,6 +4,7 @@
 
 #include "every_shape.h"
 #include "sphere_cover.h"
+#include "sphere_distance.h"
 
 namespace collision_pairs {
 namespace {
@@ -212,6 +213,27 @@ TEST(SphereCover, OfANearlyClosedMeshEnclosesItsHull) {
     const Vector3d p = pointOf(random, hull, 0.2);
     ASSERT_TRUE(std::any_of(leaves.begin(), leaves.end(),
                             [&](const PlacedSphere& b) { return isWithin(b, p); }));
+  }
+}
+
+TEST(SphereDistance, ThatIsExactlyTheRequestedOneIsNotBeyondIt) {
+  RandomInputs random;
+  for (int round = 0; round < 1000; ++round) {
+    const auto sphere = [&] {
+      return std::vector<OuterSphere>{{{random.vector(-1.0, 1.0), random.uniform(0.1, 0.5)}, 0}};
+    };
+    const std::vector<OuterSphere> a = sphere(), b = sphere();
+    const Eigen::Isometry3d X_AB(
+        Eigen::Translation3d(random.rotation() * Eigen::Vector3d(5.0, 0.0, 0.0)));
+    const auto found = [&](double max_distance) {
+      return sphereDistance({&a, nullptr}, {&b, nullptr}, X_AB, max_distance, 0.0);
+    };
+    const double distance = found(100.0).distance;
+    EXPECT_NEAR(distance, (X_AB * b[0].center - a[0].center).norm() - a[0].radius - b[0].radius,
+                1e-12);
+    EXPECT_EQ(found(distance).certainty, Certainty::EXACT);
+    EXPECT_EQ(found(distance).distance, distance);
+    EXPECT_EQ(found(std::nextafter(distance, 0.0)).certainty, Certainty::BEYOND);
   }
 }
 
