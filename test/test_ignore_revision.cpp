@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "collision_pairs/collision_detector.h"
+#include "ignored_pairs.h"
 #include "random_case.h"
 
 namespace collision_pairs {
@@ -160,6 +161,30 @@ TEST(AListOfPairs, OfAnotherSceneIsNotAskedForThisOne) {
       expectSame(detector->detect(poses, settings), fresh.detect(poses, anew));
     }
   }
+}
+
+TEST(AListOfPairs, IsOfEveryPairOnlyIfNoAllowedOneIsMissing) {
+  RandomInputs random;
+  int nb_with_world = 0;
+  for (int round = 0; round < 30; ++round) {
+    const auto scene = CollisionScene::build(RandomCase(random).description);
+    const auto& models = scene->models();
+    std::vector<ModelPair> all;
+    for (std::uint32_t a = 0; a < models.size(); ++a) {
+      for (std::uint32_t b = a + 1; b < models.size(); ++b) {
+        const bool one_moves = models[a].body >= 0 || models[b].body >= 0;
+        if (one_moves && scene->filter().allowed(a, b)) all.emplace_back(a, b);
+      }
+    }
+    EXPECT_FALSE(allowsMoreThan(all, *scene, scene->filter()));
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      std::vector<ModelPair> others = all;
+      others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
+      EXPECT_TRUE(allowsMoreThan(others, *scene, scene->filter()));
+      nb_with_world += models[all[i].first].body < 0 || models[all[i].second].body < 0;
+    }
+  }
+  EXPECT_GT(nb_with_world, 30);
 }
 
 }  // namespace
