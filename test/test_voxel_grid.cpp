@@ -279,34 +279,38 @@ TEST(VoxelGrid, OfTooManyVoxelsTheNearestStayAndTheRestIsSaidToBeMissing) {
   RandomInputs random;
   VoxelSettings settings = settingsOf(0.1);
   settings.max_voxels = 50;
-  VoxelGrid grid(settings);
-  const Vector3d sensor(1.0, 2.0, 3.0);
-  grid.begin(0.0, sensor);
-  Cells added;
-  for (int i = 0; i < 60; ++i) {
-    const VoxelCell cell(random.integer(-40, 40), random.integer(-40, 40), random.integer(-40, 40));
-    added.insert({cell[0], cell[1], cell[2]});
-    grid.add(0.1 * (cell.cast<double>() + Vector3d::Constant(0.5)));
-  }
-  const auto voxels = grid.end();
-  EXPECT_TRUE(voxels->isTruncated());
-  const Cells kept = cellsOf(*voxels);
-  ASSERT_EQ(kept.size(), 50u);
-  const auto away = [&](const std::array<int, 3>& c) {
-    return (0.1 * Vector3d(c[0] + 0.5, c[1] + 0.5, c[2] + 0.5) - sensor).norm();
-  };
-  double furthest_kept = 0.0, nearest_dropped = 1e9;
-  for (const auto& cell : added) {
-    if (kept.count(cell) > 0) {
-      furthest_kept = std::max(furthest_kept, away(cell));
-    } else {
-      nearest_dropped = std::min(nearest_dropped, away(cell));
+  for (int round = 0; round < 100; ++round) {
+    VoxelGrid grid(settings);
+    const Vector3d sensor = random.vector(-3.0, 3.0);
+    grid.begin(0.0, sensor);
+    const int reach = random.integer(4, 40);
+    Cells added;
+    while (added.size() < 60) {
+      const VoxelCell cell(random.integer(-reach, reach), random.integer(-reach, reach),
+                           random.integer(-reach, reach));
+      added.insert({cell[0], cell[1], cell[2]});
+      grid.add(0.1 * (cell.cast<double>() + Vector3d::Constant(0.5)));
     }
+    const auto voxels = grid.end();
+    EXPECT_TRUE(voxels->isTruncated());
+    const Cells kept = cellsOf(*voxels);
+    ASSERT_EQ(kept.size(), 50u);
+    const auto away = [&](const std::array<int, 3>& c) {
+      return (0.1 * Vector3d(c[0] + 0.5, c[1] + 0.5, c[2] + 0.5) - sensor).norm();
+    };
+    double furthest_kept = 0.0, nearest_dropped = 1e9;
+    for (const auto& cell : added) {
+      if (kept.count(cell) > 0) {
+        furthest_kept = std::max(furthest_kept, away(cell));
+      } else {
+        nearest_dropped = std::min(nearest_dropped, away(cell));
+      }
+    }
+    EXPECT_LE(furthest_kept, nearest_dropped + 1e-12);
+    grid.begin(1.0, sensor);
+    grid.add({0, 0, 0});
+    EXPECT_FALSE(grid.end()->isTruncated());
   }
-  EXPECT_LE(furthest_kept, nearest_dropped + 1e-12);
-  grid.begin(1.0, sensor);
-  grid.add({0, 0, 0});
-  EXPECT_FALSE(grid.end()->isTruncated());
 }
 
 // Cubes' faces of `n` by `n` bins, as many as the points are worth.
