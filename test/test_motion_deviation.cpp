@@ -66,6 +66,27 @@ TEST(MotionDeviation, IsCertifiedUpToThePlaceThatItReaches) {
   EXPECT_EQ(check.check(motion, {}).verdict, Verdict::UNKNOWN);
 }
 
+// The follower is at x = 1 - 2 q, and the wall 0.5 m beyond it.
+TEST(MotionDeviation, OfAJointThatMimicsIsThatOfItsLeaderTimesTheMultiplierWithoutTheOffset) {
+  const std::string along = "<axis xyz='1 0 0'/><limit lower='-9' upper='9'/>";
+  const auto robot =
+      robotFrom(emptyLink("root") + boxLink("leader", 1.0) + boxLink("follower", 1.0) +
+                joint("lead", "prismatic", "root", "leader", "0 9 0", along) +
+                joint("follow", "prismatic", "root", "follower", "0 0 0",
+                      along + "<mimic joint='lead' multiplier='-2' offset='1'/>"));
+  const auto scene = sceneOf(robot, {boxAt("wall", {2.5, 0.0, 0.0}, {1.0, 1.0, 1.0})});
+  MotionCheck check(scene);
+  std::vector<double> at = robot->zeroPositions(), deviation = at;
+  robot->applyMimics(at);
+  for (const double of_follower : {0.0, 0.7}) {  // its own says nothing
+    deviation[robot->findJoint("follow")] = of_follower;
+    deviation[robot->findJoint("lead")] = 0.24;
+    EXPECT_EQ(check.check({at, at, deviation}, {}).verdict, Verdict::FREE);
+    deviation[robot->findJoint("lead")] = 0.26;
+    EXPECT_EQ(check.check({at, at, deviation}, {}).verdict, Verdict::UNKNOWN);
+  }
+}
+
 TEST(MotionDeviation, ThatIsNotANumberForEachJointIsRefused) {
   const auto scene = sceneOf(turningBar(), {boxAt("box", {3.0, 0.0, 0.0}, {0.1, 0.1, 0.1})});
   MotionCheck check(scene);
