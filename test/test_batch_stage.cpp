@@ -230,6 +230,23 @@ TEST(BatchStage, MemoryIsThatOfItsFieldsTooOneForEachSetOfStaticThings) {
   EXPECT_NEAR(memoryWith(2) - memoryWith(0), 2.0 * of_field, 0.01 * of_field);
 }
 
+TEST(BatchModel, MemoryIsThatOfSpheresAboutStaticThingsToo) {
+  SceneDescription description;
+  description.robots.push_back({robotFrom(slidingBoxes(3)), std::nullopt, ""});
+  const BatchModel without(*CollisionScene::build(description));
+  RigidObject drum;
+  drum.name = "drum";
+  drum.elements.push_back({Cylinder{0.3, 1.0}, Eigen::Isometry3d::Identity()});
+  drum.X_PO.translation() = Vector3d(0, 3, 0);
+  description.objects.push_back(drum);
+  const auto scene = CollisionScene::build(description);
+  const BatchModel with(*scene);
+  const SphereCover& cover = with.covers[scene->models()[scene->findModel("drum")].first_element];
+  EXPECT_GT(cover.outer.size(), 50u);
+  EXPECT_EQ(with.memory() - without.memory(),
+            cover.outer.size() * sizeof(OuterSphere) + cover.inner.size() * sizeof(PlacedSphere));
+}
+
 TEST(BatchStage, VerdictsAreThoseOfTheExactCheckInScenesOfAllKinds) {
   RandomInputs random;
   int nb[3] = {0, 0, 0}, nb_staged = 0;

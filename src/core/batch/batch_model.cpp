@@ -252,7 +252,7 @@ std::size_t BatchModel::memory() const {
                       spheres.size() * sizeof(BatchSphere) + trees.size() * sizeof(BatchTree) +
                       pairs.size() * sizeof(BatchPair);
   for (const SphereCover& cover : covers) {
-    bytes += (cover.outer.size() + cover.inner.size()) * sizeof(PlacedSphere);
+    bytes += cover.outer.size() * sizeof(OuterSphere) + cover.inner.size() * sizeof(PlacedSphere);
   }
   return bytes;
 }
