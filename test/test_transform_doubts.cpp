@@ -12,6 +12,7 @@ namespace {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
+using testing::IsEmpty;
 
 TEST_F(Transforms, OfAFrameThatIsStaticAndMovesAreNotBelievedInEitherOrder) {
   receive("moves_first", 999.5, 1.0);
@@ -58,6 +59,17 @@ TEST_F(Transforms, OfTwoPublishersThatAgreeAreBelieved) {
     receiveBy("/second", "a", now_.toSec() - 0.005, x(now_.toSec() - 0.005));
     EXPECT_TRUE(knows("a")) << whyNot("a");
   });
+}
+
+TEST_F(Transforms, OfOneFrameAreTakenFromSixteenPublishersAndNoMore) {
+  for (int i = 1; i <= 17; ++i) {
+    EXPECT_THAT(input_.refused(), IsEmpty()) << i;
+    receiveBy("/node_" + std::to_string(i), "a", 999.9 + 0.001 * i, 0.0);
+  }
+  EXPECT_THAT(input_.refused(), ElementsAre(HasSubstr("too many nodes publish it")));
+  receiveBy("/node_17", "b", 999.9, 0.0);
+  EXPECT_TRUE(knows("b"));
+  EXPECT_EQ(input_.refused().size(), 1u);
 }
 
 TEST_F(Transforms, AheadOfTheClockAreNoNewerThanPresentOnes) {
