@@ -127,10 +127,7 @@ SurfaceGap MeshQuery::meshMesh(const PreparedMesh& A, const PreparedMesh& B, con
                                   : B.tree.squaredGaps(b, A.tree, entry.a, X_BA);
     pushNearestLast(entry, split_a, split_a ? a : b, gaps, limit);
   }
-  if (gap.beyond) {
-    gap.lower = limit.lowerEnd(std::numeric_limits<double>::infinity());
-    return gap;
-  }
+  if (gap.beyond) return gap;
   gap.distance = best.squared <= square(band) ? 0.0 : std::sqrt(best.squared);
   gap.lower = limit.lowerEnd(gap.distance);
   gap.p_ACa = best.on_a;
@@ -170,7 +167,6 @@ SurfaceGap MeshQuery::meshConvex(const PreparedMesh& A, const ConvexCore& B, con
   }
   if (gap.beyond) {
     gap.distance = std::nextafter(max_distance, std::numeric_limits<double>::infinity());
-    gap.lower = limit.lowerEnd(std::numeric_limits<double>::infinity());
     return gap;
   }
   gap.lower = limit.lowerEnd(gap.distance);

@@ -11,7 +11,8 @@ namespace collision_pairs {
 /// The closest points of two surfaces, in the first one's frame.
 struct SurfaceGap {
   double distance = std::numeric_limits<double>::infinity();  ///< 0 if they intersect
-  double lower = 0.0;  ///< lower bound of the distance; less than `distance` only with a tolerance
+  /// Lower bound of the distance, unless `beyond`; less than `distance` only with a tolerance.
+  double lower = 0.0;
   bool beyond = true;  ///< nothing within the limit; `distance` is a lower bound
   Eigen::Vector3d p_ACa = Eigen::Vector3d::Zero();
   Eigen::Vector3d p_ACb = Eigen::Vector3d::Zero();
