@@ -34,7 +34,7 @@ struct HullBounds {
 /// Cost: one GJK query, and for each mesh the point of its surface nearest to the closest point:
 /// one to three microseconds.
 HullBounds boundsFromHulls(const Prepared& A, const Prepared& B, const Eigen::Isometry3d& X_AB,
-                           double max_distance, double band, ClosestVertices* between);
+                           double max_distance, double band, ClosestVertices* between = nullptr);
 
 /// True if the convex hulls are more than `band` metres apart; `nhat_AB_A` is then the normal of a
 /// plane between them, or 0.
