@@ -98,6 +98,7 @@ TEST(ConvexDistance, DepthFromAnOverlapIsTheDepth) {
     core.points = hull.points.vertices.data();
     core.num_points = static_cast<int>(hull.points.vertices.size());
     core.extent = 0.2;
+    core.edges = &hull.points;
     return core;
   };
   int overlaps = 0;
@@ -113,6 +114,10 @@ TEST(ConvexDistance, DepthFromAnOverlapIsTheDepth) {
     const PairDistance depth = convexDepth(A, B, X_AB, overlap, 0.0);
     ASSERT_NEAR(depth.distance, whole.distance, 1e-15);
     ASSERT_TRUE(depth.nhat_AB_A.isApprox(whole.nhat_AB_A, 1e-12));
+    // Where a plane keeps the two apart after all, it is the distance.
+    const Eigen::Isometry3d X_apart = Eigen::Translation3d(1.0, 0.0, 0.0) * X_AB;
+    const double apart = convexDistance(A, B, X_apart, INF).distance;
+    ASSERT_NEAR(convexDepth(A, B, X_apart, CoreOverlap(), 0.0).distance, apart, 1e-15);
     ++overlaps;
   }
   EXPECT_GT(overlaps, 50);

@@ -28,8 +28,10 @@ OpenPairs::Outcome OpenPairs::check(const std::vector<Eigen::Isometry3d>& X_RB,
     if (squaredGap(boxes_[pair.first], boxes_[pair.second]) > squaredReach(0.0)) continue;
     const SolidPairs::Outcome outcome =
         solids_.settle(pair, X_WE_[pair.first].inverse(Eigen::Isometry) * X_WE_[pair.second]);
-    contact_ = ladder_.byModel(pair);
-    if (outcome == SolidPairs::Outcome::CONTACT) return Outcome::CONTACT;
+    if (outcome == SolidPairs::Outcome::CONTACT) {
+      contact_ = ladder_.byModel(pair);
+      return Outcome::CONTACT;
+    }
     // Spheres of Fidelity::SPHERES may meet where the elements do not.
     const bool is_free = outcome == SolidPairs::Outcome::FREE && fidelity_ == Fidelity::MESH;
     if (!is_free) open_.push_back(pair);

@@ -19,7 +19,7 @@ PairDistance solveTwice(const ConvexCore& A, const ConvexCore& B, const Eigen::I
                         CoreOverlap* overlap = nullptr, ClosestVertices* between = nullptr) {
   PairDistance result;
   ClosestVertices ended;
-  const Query<double> query(A, B, X_AB, band, &ended);
+  const Query<double> query(A, B, X_AB, band, ended);
   // What is proved of vertices near the known ones is what a search from the centres proves too, if
   // it does not end BEYOND: see closest_vertices.h.
   const bool is_new = !between || *between == ClosestVertices{};
@@ -37,7 +37,7 @@ PairDistance solveTwice(const ConvexCore& A, const ConvexCore& B, const Eigen::I
   }
   if (!query.solve(max_distance, wanted, result, overlap)) {
     PairDistance finest;
-    Query<DoubleDouble>(A, B, X_AB, band, &ended).solve(max_distance, wanted, finest, nullptr);
+    Query<DoubleDouble>(A, B, X_AB, band, ended).solve(max_distance, wanted, finest, nullptr);
     result = {};
     if (!query.fillBetween(ended, result)) result = finest;
   }
@@ -134,7 +134,8 @@ PairDistance convexTouch(const ConvexCore& A, const ConvexCore& B, const Eigen::
 PairDistance convexDepth(const ConvexCore& A, const ConvexCore& B, const Eigen::Isometry3d& X_AB,
                          const CoreOverlap& overlap, double band) {
   PairDistance result;
-  const Query<double> query(A, B, X_AB, band);
+  ClosestVertices ended;
+  const Query<double> query(A, B, X_AB, band, ended);
   if (query.fillOverlap(overlap.simplex, overlap.magnitude, true, false, result)) return result;
   return convexDistance(A, B, X_AB, std::numeric_limits<double>::infinity(), band);
 }

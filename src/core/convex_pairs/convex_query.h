@@ -27,7 +27,7 @@ template <class T>
 class Query {
  public:
   Query(const ConvexCore& A, const ConvexCore& B, const Eigen::Isometry3d& X_AB, double band,
-        ClosestVertices* between = nullptr)
+        ClosestVertices& between)
       : A_(A),
         B_(B),
         between_(between),
@@ -111,7 +111,7 @@ class Query {
   /// The same for vertices near those. They are set.
   bool fillNear(const ClosestVertices& vertices, PairDistance& result) const {
     GjkResult<double> found;
-    *between_ = vertices;
+    between_ = vertices;
     if (closestBetween(difference_, vertices, magnitude_, found) &&
         areClosest(difference_, vertices, magnitude_, found.v)) {
       return fillFar(found, result);
@@ -120,8 +120,8 @@ class Query {
     found.lower = 0.0;
     advance(difference_, {}, found);
     bool is_whole;
-    *between_ = closestVertices(found.simplex, is_whole);
-    return !(*between_ == vertices) && fillBetween(*between_, result);
+    between_ = closestVertices(found.simplex, is_whole);
+    return !(between_ == vertices) && fillBetween(between_, result);
   }
 
  private:
@@ -142,16 +142,16 @@ class Query {
   bool fillFromVertices(const GjkResult<T>& found, T lower, PairDistance& result) const {
     if (!isOfHulls()) return false;
     bool is_whole;
-    *between_ = closestVertices(found.simplex, is_whole);
+    between_ = closestVertices(found.simplex, is_whole);
     if constexpr (!IS_FINEST) {
       GjkResult<double> clear;
-      if (closestBetween(difference_, *between_, magnitude_, clear) &&
+      if (closestBetween(difference_, between_, magnitude_, clear) &&
           ((is_whole && settles(lower, clear.v.norm())) ||
-           areClosest(difference_, *between_, magnitude_, clear.v)) &&
+           areClosest(difference_, between_, magnitude_, clear.v)) &&
           fillFar(clear, result)) {
         return true;
       }
-      *between_ = {};
+      between_ = {};
     }
     return false;
   }
@@ -375,7 +375,7 @@ class Query {
 
   const ConvexCore& A_;
   const ConvexCore& B_;
-  ClosestVertices* const between_;
+  ClosestVertices& between_;
   const bool curved_;
   const T smaller_;  // size of the smaller body
   const T radii_;
