@@ -75,8 +75,9 @@ class NodeletTest(unittest.TestCase):
             rospy.set_param(name + "/alarm_distance", distance)
         first, second = [load(name) for name in names]
         stamp = self.publish(APART)
-        self.assertEqual(first.report_since(stamp).alarm_distance, 0.125)
-        self.assertEqual(second.report_since(stamp).alarm_distance, 4.0)
+        for node, distance in ((first, 0.125), (second, 4.0)):  # 0 until its scene is ready
+            report = node.report_since(stamp, lambda report: report.alarm_distance > 0.0)
+            self.assertEqual(report.alarm_distance, distance)
         self.assertTrue(unload(names[0]))
         stamp = self.publish(TOUCHING)
         self.assertEqual(second.report_since(stamp).verdict, CollisionPairs.COLLISION)
