@@ -25,7 +25,7 @@ struct BatchSphere {
   float radius;     ///< outer: enlarged by the error bound of the centre in W; inner: reduced by it
   int body;
   int first_child;  ///< of an outer sphere: index of its first child, the other follows; 0: a leaf
-  float rank;       ///< of two outer spheres the one of higher rank is descended first
+  float rank;       ///< of two outer spheres the one of higher rank is divided; a leaf: the lowest
 };
 
 /// The spheres of an element: a tree of outer ones, a list of inner ones.
@@ -34,10 +34,19 @@ struct BatchTree {
   int first_inner, nb_inner;
 };
 
+/// The inner spheres of a tree once more, the largest MOST_BATCH_LANES of them, for loops over
+/// spheres instead of states. Entries from nb on have a radius of minus infinity.
+struct alignas(64) BatchInner {
+  float center[3][MOST_BATCH_LANES], radius[MOST_BATCH_LANES];
+  int body, nb;
+};
+
 struct BatchPair {
   int first, second;                   ///< trees
   float outer_padding, inner_padding;  ///< rounded up and down, so that both answers are certain
   bool has_table;
+  int first_root, second_root;  ///< outer spheres
+  float squared_reach;          ///< of the roots: further apart, they do not overlap
 };
 
 /// What all states have in common.
@@ -47,6 +56,8 @@ struct BatchTables {
   const BatchSphere* spheres;
   int nb_spheres;
   const BatchTree* trees;
+  const BatchInner* inner;  ///< by tree
+  int nb_trees;
   const BatchPair* pairs;
   int nb_pairs;
 };
@@ -69,7 +80,8 @@ struct BatchLanes {
 /// origin + (i + 0.5) size, metres.
 struct BatchGrid {
   /// By cell, x fastest: a float, lower than the bound by more than the rounding of the kernels, or
-  /// minus infinity where it is not known yet. As the bits of an int, which other threads may write.
+  /// minus infinity where it is not known yet. As the bits of an int, which other threads may
+  /// write.
   const int* apart;
   int side;  ///< cells along each side
   float origin[3], size[3], cells_a_metre[3];

@@ -121,31 +121,24 @@ class BatchLoops {
     }
     alignas(64) int index[LANES], bits[LANES];
     *reinterpret_cast<Ints*>(index) = cell;
-    for (int l = 0; l < LANES; ++l) bits[l] = __atomic_load_n(grid.apart + index[l], __ATOMIC_RELAXED);
-    const Floats left = (reinterpret_cast<Floats>(*reinterpret_cast<const Ints*>(bits)) - reach) * 0.999999f;
+    for (int l = 0; l < LANES; ++l)
+      bits[l] = __atomic_load_n(grid.apart + index[l], __ATOMIC_RELAXED);
+    const Floats left =
+        (reinterpret_cast<Floats>(*reinterpret_cast<const Ints*>(bits)) - reach) * 0.999999f;
     return Set::bits(is_inside & (left > 0.0f) & (left * left > squared));
   }
 
-  struct Gap {
-    Floats squared;
-    float reach;  ///< sum of the two radii and the padding
-  };
-
-  static Gap gapOf(const BatchTables& tables, const BatchLanes& group, int a, int b,
-                   float padding) {
-    const float* const from = centerOf(tables, group, a);
-    const float* const to = centerOf(tables, group, b);
+  /// Of centres that were computed.
+  static Floats squaredGap(const BatchLanes& group, int a, int b) {
+    const float* const from = group.centers + a * 3 * LANES;
+    const float* const to = group.centers + b * 3 * LANES;
     const Floats x = load(to) - load(from), y = load(to + LANES) - load(from + LANES),
                  z = load(to + 2 * LANES) - load(from + 2 * LANES);
-    return {x * x + y * y + z * z, tables.spheres[a].radius + tables.spheres[b].radius + padding};
+    return x * x + y * y + z * z;
   }
 
-  /// The lanes in which the two may overlap: all except those in which they certainly do not.
-  static unsigned mayMeet(const Gap& gap) {
-    return ~Set::bits(gap.squared > Floats{} + gap.reach * gap.reach);
-  }
-
-  /// Of `lanes`, those in which leaves of both trees overlap.
+  /// Of `lanes`, in which the roots may overlap, those in which leaves of both trees do. Spheres
+  /// may overlap except where they certainly do not.
   static unsigned openLanes(const BatchTables& tables, const BatchLanes& group,
                             const BatchPair& pair, unsigned lanes) {
     struct Step {
@@ -154,63 +147,94 @@ class BatchLoops {
     };
     Step stack[64];  // the two paths to leaves leave at most one step per sphere
     int depth = 0;
-    stack[depth++] = {tables.trees[pair.first].first_outer, tables.trees[pair.second].first_outer,
-                      lanes};
+    stack[depth++] = {pair.first_root, pair.second_root, lanes};
     unsigned open = 0;
     while (depth > 0) {
       Step step = stack[--depth];
       step.lanes &= ~open;
       if (step.lanes == 0) continue;
-      step.lanes &= mayMeet(gapOf(tables, group, step.a, step.b, pair.outer_padding));
-      if (step.lanes == 0) continue;
-      const int in_a = tables.spheres[step.a].first_child,
-                in_b = tables.spheres[step.b].first_child;
-      if (in_a == 0 && in_b == 0) {
+      const BatchSphere &a = tables.spheres[step.a], &b = tables.spheres[step.b];
+      const bool divides_a = a.rank >= b.rank;
+      const BatchSphere &divided = divides_a ? a : b, &kept = divides_a ? b : a;
+      const int id = divides_a ? step.b : step.a;  // of the kept one
+      if (divided.first_child == 0) {
         open |= step.lanes;
-      } else if (in_b == 0 ||
-                 (in_a != 0 && tables.spheres[step.a].rank >= tables.spheres[step.b].rank)) {
-        stack[depth++] = {in_a, step.b, step.lanes};
-        stack[depth++] = {in_a + 1, step.b, step.lanes};
-      } else {
-        stack[depth++] = {step.a, in_b, step.lanes};
-        stack[depth++] = {step.a, in_b + 1, step.lanes};
+        continue;
+      }
+      for (int child = divided.first_child; child < divided.first_child + 2; ++child) {
+        centerOf(tables, group, child);
+        const float reach = tables.spheres[child].radius + kept.radius + pair.outer_padding;
+        const unsigned near =
+            step.lanes & ~Set::bits(squaredGap(group, id, child) > Floats{} + reach * reach);
+        if (near == 0) continue;
+        stack[depth++] = divides_a ? Step{child, id, near} : Step{id, child, near};
       }
     }
     return open;
   }
 
+  /// The centres of inner spheres in W, in one lane of the group; rounded as by centerOf().
+  static void placeInner(const BatchInner& inner, const BatchLanes& group, int lane,
+                         float (*centers)[MOST_BATCH_LANES]) {
+    const float* const pose = group.poses + inner.body * 12 * LANES + lane;
+    for (int row = 0; row < 3; ++row) {
+      const float* const r = pose + row * LANES;
+      const float x = r[0], y = r[3 * LANES], z = r[6 * LANES], p = r[9 * LANES];
+      for (int i = 0; i < inner.nb; i += LANES) {
+        store(x * load(inner.center[0] + i) + y * load(inner.center[1] + i) +
+                  z * load(inner.center[2] + i) + p,
+              centers[row] + i);
+      }
+    }
+  }
+
+  /// True if inner spheres overlap in the given lane. Few lanes are in doubt at once: the lanes of
+  /// this loop are the spheres of the second tree.
+  static bool innerMeet(const BatchTables& tables, const BatchLanes& group, const BatchPair& pair,
+                        int lane) {
+    const BatchInner &first = tables.inner[pair.first], &second = tables.inner[pair.second];
+    alignas(64) float a[3][MOST_BATCH_LANES], b[3][MOST_BATCH_LANES];
+    placeInner(first, group, lane, a);
+    placeInner(second, group, lane, b);
+    for (int i = 0; i < first.nb; ++i) {
+      unsigned meet = 0;
+      for (int j = 0; j < second.nb; j += LANES) {
+        const Floats x = load(b[0] + j) - a[0][i], y = load(b[1] + j) - a[1][i],
+                     z = load(b[2] + j) - a[2][i];
+        const Floats reach = first.radius[i] + load(second.radius + j) + pair.inner_padding;
+        const Floats positive = reach > 0.0f ? reach : Floats{};
+        meet |= Set::bits(x * x + y * y + z * z < positive * positive);
+      }
+      if (meet != 0) return true;
+    }
+    return false;
+  }
+
   /// Of `lanes`, those in which inner spheres overlap.
   static unsigned certainLanes(const BatchTables& tables, const BatchLanes& group,
                                const BatchPair& pair, unsigned lanes) {
-    const BatchTree &first = tables.trees[pair.first], &second = tables.trees[pair.second];
     unsigned certain = 0;
-    for (int i = 0; i < first.nb_inner; ++i) {
-      for (int j = 0; j < second.nb_inner; ++j) {
-        const Gap gap =
-            gapOf(tables, group, first.first_inner + i, second.first_inner + j, pair.inner_padding);
-        if (gap.reach > 0.0f) certain |= Set::bits(gap.squared < Floats{} + gap.reach * gap.reach);
-        if ((lanes & ~certain) == 0) return lanes;
-      }
+    for (; lanes != 0; lanes &= lanes - 1) {
+      if (innerMeet(tables, group, pair, __builtin_ctz(lanes))) certain |= lanes & -lanes;
     }
-    return certain & lanes;
+    return certain;
   }
 
   static int settle(const BatchTables& tables, const BatchLanes& group, unsigned lanes,
                     OpenBatchPair* open, int* contact) {
+    for (int i = 0; i < tables.nb_trees; ++i) centerOf(tables, group, tables.trees[i].first_outer);
     int nb_open = 0;
     for (int i = 0; i < tables.nb_pairs && lanes != 0; ++i) {
       const BatchPair& pair = tables.pairs[i];
-      unsigned near =
-          lanes & mayMeet(gapOf(tables, group, tables.trees[pair.first].first_outer,
-                                tables.trees[pair.second].first_outer, pair.outer_padding));
+      unsigned near = lanes & ~Set::bits(squaredGap(group, pair.first_root, pair.second_root) >
+                                         Floats{} + pair.squared_reach);
       if (near == 0) continue;
       unsigned certain = 0;
       if (pair.has_table) near = group.look_up(group.tables, i, near, &certain);
-      const unsigned unsettled = openLanes(tables, group, pair, near & ~certain);
+      unsigned unsettled = near & ~certain;
+      if (unsettled != 0) unsettled = openLanes(tables, group, pair, unsettled);
       if (unsettled != 0) certain |= certainLanes(tables, group, pair, unsettled);
-      for (int l = 0; l < LANES; ++l) {
-        if (certain >> l & 1u) contact[l] = i;
-      }
+      for (unsigned left = certain; left != 0; left &= left - 1) contact[__builtin_ctz(left)] = i;
       lanes &= ~certain;
       if ((unsettled & ~certain) != 0) open[nb_open++] = {i, unsettled & ~certain};
     }

@@ -161,6 +161,7 @@ class ModelMaker {
     for (const PlacedSphere& sphere : cover.inner) addSphere(sphere, X_CE, body, false);
     tree.nb_inner = static_cast<int>(model_.spheres.size()) - tree.first_inner;
     model_.trees.push_back(tree);
+    addInner(tree, body);
     model_.element_of.push_back(element);
   }
 
@@ -173,9 +174,27 @@ class ModelMaker {
     const double radius = is_outer ? (sphere.radius + error) * (1.0 + OF_DISTANCE)
                                    : (sphere.radius - error) * (1.0 - OF_DISTANCE);
     if (!is_outer && !(radius > 0.0)) return;
-    BatchSphere made{{}, is_outer ? roundedUp(radius) : roundedDown(radius), body, 0, 0.0f};
+    BatchSphere made{{},
+                     is_outer ? roundedUp(radius) : roundedDown(radius),
+                     body,
+                     0,
+                     -std::numeric_limits<float>::infinity()};
     for (int i = 0; i < 3; ++i) made.center[i] = static_cast<float>(center[i]);
     model_.spheres.push_back(made);
+  }
+
+  void addInner(const BatchTree& tree, int body) {
+    BatchInner made{};
+    made.body = body;
+    made.nb = std::min(tree.nb_inner, MOST_BATCH_LANES);
+    std::fill(std::begin(made.radius), std::end(made.radius),
+              -std::numeric_limits<float>::infinity());
+    for (int i = 0; i < made.nb; ++i) {
+      const BatchSphere& sphere = model_.spheres[static_cast<std::size_t>(tree.first_inner + i)];
+      for (int axis = 0; axis < 3; ++axis) made.center[axis][i] = sphere.center[axis];
+      made.radius[i] = sphere.radius;
+    }
+    model_.inner.push_back(made);
   }
 
   void addPairs() {
@@ -192,8 +211,11 @@ class ModelMaker {
         const bool has_table =
             with_tables_ && PairTable::joints(robot_, scene_.bodies()[first.body].body,
                                               scene_.bodies()[second.body].body, joints);
-        model_.pairs.push_back({a, b, roundedUp(padding * (1.0 + OF_DISTANCE)),
-                                roundedDown(padding * (1.0 - OF_DISTANCE)), has_table});
+        const int root_a = rootOf(a), root_b = rootOf(b);
+        const float outer_padding = roundedUp(padding * (1.0 + OF_DISTANCE));
+        const float reach = radiusOf(root_a) + radiusOf(root_b) + outer_padding;
+        model_.pairs.push_back({a, b, outer_padding, roundedDown(padding * (1.0 - OF_DISTANCE)),
+                                has_table, root_a, root_b, reach * reach});
       }
     }
   }
@@ -208,6 +230,10 @@ class ModelMaker {
                .certainty == Certainty::BEYOND;
   }
 
+  int rootOf(int tree) const { return model_.trees[static_cast<std::size_t>(tree)].first_outer; }
+  float radiusOf(int sphere) const {
+    return model_.spheres[static_cast<std::size_t>(sphere)].radius;
+  }
   std::uint32_t elementOf(int tree) const {
     return model_.element_of[static_cast<std::size_t>(tree)];
   }
@@ -250,7 +276,7 @@ BatchModel::BatchModel(const CollisionScene& scene, bool with_tables) {
 std::size_t BatchModel::memory() const {
   std::size_t bytes = bodies.size() * sizeof(BatchBody) + errors.size() * sizeof(PoseError) +
                       spheres.size() * sizeof(BatchSphere) + trees.size() * sizeof(BatchTree) +
-                      pairs.size() * sizeof(BatchPair);
+                      inner.size() * sizeof(BatchInner) + pairs.size() * sizeof(BatchPair);
   for (const SphereCover& cover : covers) {
     bytes += cover.outer.size() * sizeof(OuterSphere) + cover.inner.size() * sizeof(PlacedSphere);
   }

@@ -37,6 +37,8 @@ struct BatchModel {
             spheres.data(),
             static_cast<int>(spheres.size()),
             trees.data(),
+            inner.data(),
+            static_cast<int>(trees.size()),
             pairs.data(),
             static_cast<int>(pairs.size())};
   }
@@ -52,6 +54,7 @@ struct BatchModel {
   std::vector<int> robot_body;    ///< parallel to bodies: index in RobotModel::bodies()
   std::vector<BatchSphere> spheres;
   std::vector<BatchTree> trees;           ///< one for each moving element, in their order
+  std::vector<BatchInner> inner;          ///< parallel to trees
   std::vector<std::uint32_t> element_of;  ///< by tree
   std::vector<BatchPair> pairs;           ///< of moving elements
   std::vector<SphereCover> covers;        ///< by element; empty for static boxes

@@ -96,8 +96,7 @@ class BatchCheck::JointsOfThread {
     const Clock::time_point start = settings_.stage_times ? Clock::now() : Clock::time_point();
     group_->openPairs(lane, pairs_);
     group_->openBesideStatic(lane, beside_static_);
-    scene_.robot().forwardKinematics(q, X_RB_);
-    const OpenPairs::Outcome outcome = open_->check(X_RB_, pairs_, beside_static_);
+    const OpenPairs::Outcome outcome = open_->check(q, pairs_, beside_static_);
     if (outcome == OpenPairs::Outcome::NOT_SETTLED) return checkExactly(state, q);
     const double seconds = share_ + secondsSince(start);
     outcome == OpenPairs::Outcome::FREE ? takeFree(state, seconds)

@@ -7,6 +7,8 @@ OpenPairs::OpenPairs(std::shared_ptr<const CollisionScene> scene, Fidelity fidel
     : scene_(std::move(scene)),
       fidelity_(fidelity),
       solids_(solids),
+      X_WB_(scene_->robot().bodies().size()),
+      placed_bodies_(X_WB_.size(), 0),
       X_WE_(scene_->elements().size()),
       boxes_(scene_->elements().size()),
       placed_(scene_->elements().size(), 0) {
@@ -16,7 +18,7 @@ OpenPairs::OpenPairs(std::shared_ptr<const CollisionScene> scene, Fidelity fidel
   }
 }
 
-OpenPairs::Outcome OpenPairs::check(const std::vector<Eigen::Isometry3d>& X_RB,
+OpenPairs::Outcome OpenPairs::check(const std::vector<double>& positions,
                                     const std::vector<BoxPair>& pairs,
                                     const std::vector<std::uint32_t>& beside_static) {
   ++state_;
@@ -24,7 +26,8 @@ OpenPairs::Outcome OpenPairs::check(const std::vector<Eigen::Isometry3d>& X_RB,
   open_.clear();
   ladder_.begin(*scene_, X_WE_, boxes_);
   for (const BoxPair& pair : pairs) {
-    if (!place(pair.first, X_RB) || !place(pair.second, X_RB)) return Outcome::NOT_SETTLED;
+    if (!place(pair.first, positions) || !place(pair.second, positions))
+      return Outcome::NOT_SETTLED;
     if (squaredGap(boxes_[pair.first], boxes_[pair.second]) > squaredReach(0.0)) continue;
     const SolidPairs::Outcome outcome =
         solids_.settle(pair, X_WE_[pair.first].inverse(Eigen::Isometry) * X_WE_[pair.second]);
@@ -42,7 +45,7 @@ OpenPairs::Outcome OpenPairs::check(const std::vector<Eigen::Isometry3d>& X_RB,
   if (!beside_static.empty()) {
     sweep_.begin(0.0, &scene_->staticBoxes(), &scene_->filter());
     for (const std::uint32_t element : beside_static) {
-      if (!place(element, X_RB)) return Outcome::NOT_SETTLED;
+      if (!place(element, positions)) return Outcome::NOT_SETTLED;
       sweep_.add(boxes_[element], scene_->elements()[element].model);
     }
     const std::uint32_t nb_static = scene_->nbStaticElements();
@@ -54,13 +57,25 @@ OpenPairs::Outcome OpenPairs::check(const std::vector<Eigen::Isometry3d>& X_RB,
   return is_doubtful_ ? Outcome::NOT_SETTLED : Outcome::FREE;
 }
 
-bool OpenPairs::place(std::uint32_t id, const std::vector<Eigen::Isometry3d>& X_RB) {
+bool OpenPairs::place(std::uint32_t id, const std::vector<double>& positions) {
   if (placed_[id] == state_) return true;
   placed_[id] = state_;
   const SceneElement& element = scene_->elements()[id];
-  X_WE_[id] = X_RB[scene_->bodies()[element.body].body] * element.X_BE;
+  X_WE_[id] = placeBody(scene_->bodies()[element.body].body, positions) * element.X_BE;
   boxes_[id] = element.boxAt(X_WE_[id]);
   return boxes_[id].valid();
+}
+
+const Eigen::Isometry3d& OpenPairs::placeBody(int id, const std::vector<double>& positions) {
+  Eigen::Isometry3d& X_WB = X_WB_[static_cast<std::size_t>(id)];
+  if (placed_bodies_[static_cast<std::size_t>(id)] == state_) return X_WB;
+  placed_bodies_[static_cast<std::size_t>(id)] = state_;
+  const RobotModel& robot = scene_->robot();
+  const Body& body = robot.bodies()[id];
+  if (body.joint < 0) return X_WB = body.X_PJ;
+  const Eigen::Isometry3d& X_WP = placeBody(body.parent, positions);
+  robot.placeBody(id, X_WP, positions[static_cast<std::size_t>(body.joint)], X_WB);
+  return X_WB;
 }
 
 bool OpenPairs::touches(const BoxPair& pair) {

@@ -22,16 +22,18 @@ class OpenPairs {
             const SolidPairs& solids);
 
   enum class Outcome { FREE, CONTACT, NOT_SETTLED };
-  /// X_RB: from RobotModel::forwardKinematics(). `pairs`: of moving elements; `beside_static`:
-  /// moving elements to be checked against all static ones. NOT_SETTLED: an element has no finite
-  /// box, or no pair is certainly in contact but one is undecided: use the detector.
-  Outcome check(const std::vector<Eigen::Isometry3d>& X_RB, const std::vector<BoxPair>& pairs,
+  /// `positions`: as for RobotModel::forwardKinematics(). `pairs`: of moving elements;
+  /// `beside_static`: moving elements to be checked against all static ones. Only the bodies of
+  /// these and their ancestors are placed. NOT_SETTLED: an element has no finite box, or no pair is
+  /// certainly in contact but one is undecided: use the detector.
+  Outcome check(const std::vector<double>& positions, const std::vector<BoxPair>& pairs,
                 const std::vector<std::uint32_t>& beside_static);
   /// For CONTACT: the elements, by model.
   const BoxPair& contact() const { return contact_; }
 
  private:
-  bool place(std::uint32_t element, const std::vector<Eigen::Isometry3d>& X_RB);
+  bool place(std::uint32_t element, const std::vector<double>& positions);
+  const Eigen::Isometry3d& placeBody(int body, const std::vector<double>& positions);
   bool touches(const BoxPair& pair);
 
   std::shared_ptr<const CollisionScene> scene_;
@@ -39,7 +41,9 @@ class OpenPairs {
   const SolidPairs& solids_;
   PairLadder ladder_;
   SweepAndPrune sweep_;
-  std::vector<Eigen::Isometry3d> X_WE_;  // one per element
+  std::vector<Eigen::Isometry3d> X_WB_;       // one per body of the robot
+  std::vector<std::uint64_t> placed_bodies_;  // by body: the state for which it was placed
+  std::vector<Eigen::Isometry3d> X_WE_;       // one per element
   std::vector<Aabb> boxes_;
   std::vector<std::uint64_t> placed_;  // by element: the state for which it was placed
   std::uint64_t state_ = 0;
