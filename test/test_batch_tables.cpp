@@ -78,6 +78,19 @@ TEST(PairTable, TellsWhatTheExactCheckSaysWhereverItTellsAnything) {
   EXPECT_GT(nb[static_cast<int>(PairTable::Cell::CONTACT)], 10000);
 }
 
+TEST(PairTable, KnowsInTheFirstStatesWhatIsFarApart) {
+  RandomInputs random;
+  const auto robot = armWith("<mesh filename='l'/>", "<mesh filename='ball'/>", "rr", 1.0);
+  const auto scene = everyPair(robot, 0.0);
+  const BatchModel model(*scene);
+  PairTable table(*scene, model, {0, 1});
+  NarrowPhase narrow_phase;
+  for (int i = 0; i < 100; ++i) {
+    const double first = random.uniform(-1.2, 1.6), second = random.uniform(-1.2, 1.6);
+    EXPECT_EQ(table.at(first, second, narrow_phase), PairTable::Cell::FREE);
+  }
+}
+
 /// Just inside the corners of blocks of all sizes, where joints have moved most from the middle.
 TEST(PairTable, IsRightAtTheCornersOfItsBlocks) {
   constexpr int BLOCKS = 64;

@@ -13,8 +13,9 @@ using Eigen::Isometry3d;
 using Eigen::Vector3d;
 
 constexpr std::uint8_t OPEN_BLOCK = 16;
-constexpr int FIRST_LEVEL = 6;  // within larger blocks the joints move links by centimetres
-constexpr int VISITS = 4;       // of an undecided block before it is certified; costs about as much
+constexpr int FIRST_LEVEL = 4;
+constexpr int FULL_LEVEL = 7;  // coarser blocks are certified when first read, by what costs little
+constexpr int VISITS = 4;      // of a finer one before it is certified; costs about as much
 constexpr double MARGIN = 2e-9;    // m: rounding of the exact check and of this one
 constexpr double ROUNDING = 1e-9;  // relative to the width of a cell
 constexpr double INFINITE = std::numeric_limits<double>::infinity();
@@ -83,7 +84,7 @@ PairTable::Cell PairTable::at(double first, double second, NarrowPhase& narrow_p
   const int level = code - OPEN_BLOCK;
   const Block block{level, x >> (LEVELS - level), y >> (LEVELS - level)};
   std::uint8_t& visits = visits_[indexOfBlock(level, block.x, block.y)];
-  if (visits > VISITS || ++visits < VISITS) return Cell::OPEN;
+  if (visits > VISITS || (++visits < VISITS && level >= FULL_LEVEL)) return Cell::OPEN;
   visits = VISITS + 1;  // certification was tried
   const Cell cell = certified(block, narrow_phase);
   if (cell != Cell::OPEN) {
@@ -129,6 +130,7 @@ PairTable::Cell PairTable::certified(const Block& block, NarrowPhase& narrow_pha
   const auto &A = static_cast<const Prepared&>(*a.rung(Fidelity::MESH).shape),
              &C = static_cast<const Prepared&>(*b.rung(Fidelity::MESH).shape);
   if (hullsStayApart(A.core, X_WA, C.core, X_WC, cover_b, padding)) return Cell::FREE;
+  if (block.level < FULL_LEVEL) return Cell::OPEN;
   const double moves = std::min(motionOf(cover_a, X_WA), motionOf(cover_b, X_WC)) + MARGIN;
   const PairDistance found = narrow_phase.distance(A, C, X_AC, moves + padding);
   if (found.certainty == Certainty::BEYOND) return Cell::FREE;

@@ -9,11 +9,12 @@
 
 namespace collision_pairs {
 
-/// A square of cells over the ranges of the joints. Undecided cells that are read often are
-/// certified, a block of cells at a time: free by a plane between the hulls in the middle of the
-/// block, or by the exact distance there and a bound of the motion within it; in contact by a point
-/// that is deeper than it moves. A block that cannot be certified is divided into four. So only
-/// regions that occur are computed. For one thread.
+/// A square of cells over the ranges of the joints. Undecided blocks of cells are certified when
+/// they are read: free by a plane between the hulls in the middle of the block, or by the exact
+/// distance there and a bound of the motion within it; in contact by a point that is deeper than it
+/// moves. A block that cannot be certified is divided into four. Only planes and spheres are tried
+/// in large blocks; smaller ones have to be read several times. So only regions that occur are
+/// computed. For one thread.
 class PairTable {
  public:
   static constexpr int LEVELS = 8;  ///< 256 x 256 cells
