@@ -28,6 +28,7 @@ collision_pairs_test(batch_verdicts collision_pairs_io)
 target_sources(test_batch_verdicts PRIVATE test/benchmark/benchmark_robots.cpp
   test/benchmark/demo_motion.cpp)
 collision_pairs_test(box_gap)
+collision_pairs_test(certified_surroundings collision_pairs_ros)
 collision_pairs_test(closed_forms)
 collision_pairs_test(cloud_check)
 collision_pairs_test(cloud_motion)

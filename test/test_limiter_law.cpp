@@ -259,49 +259,6 @@ TEST(LimiterLaw, FreeGoalsAreReachedInLittleMoreTimeThanWithoutALimiter) {
   EXPECT_LE(all[all.size() / 2], 1.2);
 }
 
-TEST(CertifiedSurroundings, WhatIsLeftOutIsTheCallersButNotACloudThatIsUnknown) {
-  SceneDescription description;
-  description.robots.push_back({turningBar(), Srdf(), ""});
-  description.clouds = {cloudOf("cloud", 0.1, {})};
-  const auto scene = CollisionScene::build(description);
-  CertifiedSurroundings surroundings(scene, {"turn"}, Fidelity::MESH);
-  std::vector<NearPair> touching;
-  for (const CollisionModel& model : scene->models()) {
-    if (model.name != "cloud") touching.push_back({model.name, "cloud", -1.0, 1.0, false});
-  }
-  const StoppingTube tube{{0.0}, {0.01}, {0.0}, 0.0};
-  for (const bool is_known : {true, false}) {
-    RobotState state;
-    state.positions = scene->robot().zeroPositions();
-    if (is_known) {
-      state.voxels = {std::make_shared<const OccupiedVoxels>(0.1, std::vector<VoxelCell>())};
-    } else {
-      state.voxels = {nullptr};
-    }
-    surroundings.setState(state);
-    EXPECT_EQ(surroundings.certify(tube, 0.01, 0.0, touching).is_free, is_known);
-    std::vector<NearPair> near;
-    std::string why;
-    EXPECT_EQ(surroundings.nearPairs(0.01, {1.0}, near, why), is_known);
-    EXPECT_EQ(why, is_known ? "" : "cloud is not known");
-  }
-}
-
-TEST(CertifiedSurroundings, OfASceneInWhichNothingIsCheckedNothingIsSaid) {
-  SceneDescription description;
-  description.robots.push_back({turningBar(), Srdf(), ""});
-  const auto scene = CollisionScene::build(description);
-  ASSERT_FALSE(scene->unchecked().empty());
-  CertifiedSurroundings surroundings(scene, {"turn"}, Fidelity::MESH);
-  RobotState state;
-  state.positions = scene->robot().zeroPositions();
-  surroundings.setState(state);
-  std::vector<NearPair> near;
-  std::string why;
-  EXPECT_FALSE(surroundings.nearPairs(0.01, {1.0}, near, why));
-  EXPECT_EQ(why, scene->unchecked());
-}
-
 TEST(LimiterLaw, FarFromEverythingTheScaleIsExactlyOne) {
   RandomInputs random;
   const auto scene = sceneOf(turningBar(), {boxAt("far", {9.0, 0.0, 0.0}, {1.0, 1.0, 1.0})});

@@ -1,7 +1,12 @@
-// What the node says of its health.
+// What the node says of its health, and that its services' threads do not delay its cycle.
+#include <algorithm>
+#include <thread>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
+#include "low_priority.h"
 #include "node_health.h"
 #include "printed.h"
 
@@ -138,6 +143,36 @@ TEST_F(Health, IsAnErrorWithoutAVerdictWhereNothingIsChecked) {
   EXPECT_EQ(value("links left out"), "") << "that was an earlier cycle's";
   EXPECT_EQ(value("nb_pairs"), "0");
   EXPECT_EQ(value("unresolved pairs"), "0");
+}
+
+TEST(NodeHealth, HasCountedNothingBeforeTheFirstCycle) {
+  NodeHealth health;
+  diagnostic_updater::DiagnosticStatusWrapper status;
+  health.diagnose(status);
+  EXPECT_EQ(printed(static_cast<DiagnosticStatus&>(status)),
+            "level 2 message not checking: no cycle yet values[0] key verdict value UNKNOWN "
+            "values[1] key transform age [s] value no usable transform values[2] key cycle time "
+            "[s] values[3] key cycles values[4] key overruns values[5] key cycles out of time "
+            "values[6] key times the clock went back values[7] key links left out values[8] key "
+            "transforms refused values[9] key open meshes values[10] key nb_boxes values[11] key "
+            "nb_pairs values[12] key degraded pairs values[13] key unresolved pairs");
+}
+
+TEST(LowPriority, IsOfTheThreadAndOfThoseThatItStartsAndRaisesNone) {
+  const auto priority = [] { return getpriority(PRIO_PROCESS, 0); };
+  const int before = priority();
+  std::thread([&] {
+    setpriority(PRIO_PROCESS, 0,
+                0);  // may not be allowed, if the test itself runs with a lower one
+    const int expected = std::max(priority(), 10);
+    lowerThreadPriority();
+    EXPECT_EQ(priority(), expected);
+    std::thread([&] { EXPECT_EQ(priority(), expected); }).join();
+    setpriority(PRIO_PROCESS, 0, 15);
+    lowerThreadPriority();
+    EXPECT_EQ(priority(), 15);
+  }).join();
+  EXPECT_EQ(priority(), before);
 }
 
 /// Every sentence and number at once.

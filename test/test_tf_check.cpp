@@ -99,9 +99,39 @@ TEST_F(TfCheck, WhatNeverMovesIsReportedAsOfNow) {
   EXPECT_EQ(message.header.stamp, now_);
 }
 
-TEST_F(TfCheck, TheTotalIncludesTheTimeOfTheTransforms) {
+TEST_F(TfCheck, TheTotalIncludesTheTimeOfTheTransformsAndOfTheClosingMotion) {
+  slide("a", -1.5, 0.0);
+  slide("b", 0.0, 0.0);
   EXPECT_GE(check(100.0).time_total, 100.0);
-  EXPECT_EQ(check(100.0).time_transforms, 100.0);
+  CollisionPairs message = check(100.0);
+  EXPECT_EQ(message.time_transforms, 100.0);
+  message.time_total = 0.0;
+  addClosingMotion(scene_, scene_.tf_poses->latest(now_), detector_->report(), message);
+  EXPECT_GT(message.time_total, 0.0);
+}
+
+TEST_F(TfCheck, TheClosingSpeedIsThatOfTheLastTenthOfASecond) {
+  slide("b", 0.0, 0.0);
+  publish("a", 999.5, -2.5);
+  publish("a", 999.9, -2.5);
+  publish("a", 999.95, -2.25);
+  publish("a", 1000.0, -1.5);
+  const CollisionPairs message = check();
+  ASSERT_EQ(message.pairs.size(), 1u);
+  EXPECT_NEAR(message.pairs[0].closing_speed, 10.0, 1e-6);
+}
+
+TEST_F(TfCheck, TheClosingSpeedIsNotKnownBeforeTheFirstTenthOfASecondOfTheClock) {
+  for (const double now : {0.05, 0.5}) {
+    now_ = ros::Time(now);
+    for (const double earlier : {0.2, 0.0}) {
+      publish("a", now - earlier * now, -1.5);
+      publish("b", now - earlier * now, 0.0);
+    }
+    const CollisionPairs message = check();
+    ASSERT_EQ(message.pairs.size(), 1u);
+    EXPECT_EQ(message.pairs[0].closing_speed_is_known, now > 0.1) << now;
+  }
 }
 
 TEST_F(TfCheck, ADoubtAboutTheSceneIsADoubtAboutEveryReport) {

@@ -174,6 +174,14 @@ TEST_F(Transforms, ThatAreRefusedAreNamedUpToAThousand) {
   EXPECT_THAT(input_.refused(), IsEmpty()) << "of a clock that went back";
 }
 
+TEST_F(Transforms, ThatAreRefusedAreNamedForTwoSecondsAfterTheLast) {
+  receive("a", 0.0, 1.0);
+  ros::WallDuration(1.7).sleep();
+  EXPECT_THAT(input_.refused(), ElementsAre(HasSubstr("'a'")));
+  ros::WallDuration(0.4).sleep();
+  EXPECT_THAT(input_.refused(), IsEmpty());
+}
+
 TEST_F(Transforms, AreInDoubtWhileASimulatedClockStandsStill) {
   ros::Time::setNow(now_);  // simulated from now on
   const auto doubtOf = [&](double max_pose_age, bool allow_paused, const ros::Time& now) {

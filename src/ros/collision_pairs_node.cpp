@@ -101,11 +101,6 @@ void CollisionPairsNode::run() {
   }
 }
 
-void CollisionPairsNode::stop() {
-  stops_ = true;
-  queue_.addCallback(boost::make_shared<WakeUp>());
-}
-
 ros::SteadyTime CollisionPairsNode::nextCycle() const {
   const bool waits = isTriggeredByTf() && transforms_.nbTaken() == nb_taken_;
   return waits ? std::max(next_cycle_, last_cycle_ + IDLE_PERIOD) : next_cycle_;
@@ -119,9 +114,8 @@ void CollisionPairsNode::diagnoseClouds() {
     diagnostics_.removeByName("point clouds");
     return;
   }
-  diagnostics_.add("point clouds", [this](auto& status) {
-    if (checked_scene_->clouds) checked_scene_->clouds->diagnose(status);
-  });
+  diagnostics_.add("point clouds",
+                   [this](auto& status) { checked_scene_->clouds->diagnose(status); });
 }
 
 CheckSettings CollisionPairsNode::settings() const {
@@ -176,20 +170,17 @@ void CollisionPairsNode::check(const ActiveScenePtr& scene, const ros::WallTime&
     age = now.toSec() - message.header.stamp.toSec();
   }
   health_.noteCycle(message, age, secondsSince(start), 1.0 / parameters_.rate);
-  last_message_ = std::move(message);
-  last_is_checked_ = true;
 }
 
 void CollisionPairsNode::reportUnknown(const std::string& why) {
   const std::string frame = checked_scene_         ? checked_scene_->frame
                             : first_frame_.empty() ? FRAME_OF_NOTHING
                                                    : first_frame_;
-  last_message_ = unknown(why, frame, ros::Time::now());
-  last_is_checked_ = false;
-  publisher_.publish(last_message_);
+  const CollisionPairs message = unknown(why, frame, ros::Time::now());
+  publisher_.publish(message);
   shown_limit_.reset();
   if (const auto limit = limiter_.lastLimit()) shown_limit_ = ShownLimit{*limit, {}};
-  showMarkers(last_message_, nullptr);
+  showMarkers(message, nullptr);
   health_.noteProblem(why);
 }
 
@@ -200,7 +191,6 @@ void CollisionPairsNode::showMarkers(const CollisionPairs& message, const Collis
 
 void CollisionPairsNode::takeScene(const ActiveScenePtr& scene) {
   auto detector = std::make_unique<CollisionDetector>(scene->scene);
-  last_is_checked_ = false;
   scene_service_.release(std::exchange(detector_, std::move(detector)));
   scene_service_.release(std::exchange(checked_scene_, scene));
   health_.noteScene(scene->warnings, scene->open_meshes);
@@ -227,10 +217,7 @@ void CollisionPairsNode::reconfigure(CollisionPairsConfig& config) {
     forEachReconfigured(parameters_, config, setBack);
     return;
   }
-  next_cycle_ = ros::SteadyTime::now();  // the rate may have changed, too
-  if (!last_is_checked_) return;
-  // Boxes to be hidden are removed at once.
-  showMarkers(last_message_, &detector_->report());
+  next_cycle_ = ros::SteadyTime::now();  // whatever the rate was: the change is seen at once
 }
 
 }  // namespace collision_pairs

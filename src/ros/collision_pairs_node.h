@@ -35,8 +35,8 @@ class CollisionPairsNode {
 
   /// Runs cycles, and the callbacks of the queue between them, until ROS shuts down or stop().
   void run();
-  /// From another thread.
-  void stop();
+  /// From another thread: it ends after the cycle, within a second.
+  void stop() { stops_ = true; }
 
  private:
   CheckSettings settings() const;
@@ -66,10 +66,8 @@ class CollisionPairsNode {
   ReportPublisher publisher_;
   std::unique_ptr<CollisionDetector> detector_;
   ActiveScenePtr checked_scene_;
-  CollisionPairs last_message_;
   std::optional<ShownLimit> shown_limit_;
-  bool last_is_checked_ = false;  // it was made from the detector's report
-  ros::SteadyTime next_cycle_;    // the earliest
+  ros::SteadyTime next_cycle_;  // the earliest
   ros::SteadyTime last_cycle_;
   std::uint64_t nb_taken_ = 0;  // messages of transforms before the last cycle
   NodeHealth health_;

@@ -1,7 +1,6 @@
 #include "parameters.h"
 
 #include <array>
-#include <cmath>
 
 #include <collision_pairs/CollisionPairsConfig.h>
 #include <ros/console.h>
@@ -45,8 +44,7 @@ class Reader {
   void number(const std::string& name, double lowest, double highest, double& value) const {
     const std::string rule =
         "must be a number from " + std::to_string(lowest) + " to " + std::to_string(highest);
-    read(name, rule, value,
-         [&](double found) { return std::isfinite(found) && found >= lowest && found <= highest; });
+    read(name, rule, value, [&](double found) { return found >= lowest && found <= highest; });
   }
 
   void flag(const std::string& name, bool& value) const {

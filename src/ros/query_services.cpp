@@ -173,7 +173,6 @@ bool QueryService::onCheck(CheckCollisions::Request& request, CheckCollisions::R
     check(request, response);
     response.success = true;
   } catch (const std::exception& error) {
-    response.success = false;
     response.message = error.what();
     response.result = unknown(error.what(), "", ros::Time::now());
   }

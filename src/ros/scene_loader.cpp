@@ -22,7 +22,6 @@ using Descriptions = std::map<std::string, std::size_t>;
 bool findText(const ros::NodeHandle& node, const std::string& name, std::string& key,
               std::string& text, Descriptions& found) {
   XmlRpc::XmlRpcValue value;
-  text.clear();
   if (node.searchParam(name, key) && node.getParam(key, value)) {
     if (value.getType() != XmlRpc::XmlRpcValue::TypeString) {
       throw InputError("parameter " + key +
@@ -86,10 +85,8 @@ SceneSources::Robot loadRobot(const ros::NodeHandle& node, const RobotParameters
 std::vector<std::string> refuseMisspelt(const ros::NodeHandle& node,
                                         const std::vector<RobotParameters>& robots) {
   XmlRpc::XmlRpcValue given;
-  if (!ros::param::get(node.getNamespace(), given) ||
-      given.getType() != XmlRpc::XmlRpcValue::TypeStruct) {
-    return {};
-  }
+  ros::param::get(node.getNamespace(), given);
+  if (given.getType() != XmlRpc::XmlRpcValue::TypeStruct) return {};
   std::vector<std::string> warnings, known = nodeParameterKeys();
   known.push_back("environment_description");
   for (const RobotParameters& robot : robots) {

@@ -57,7 +57,7 @@ std::string SceneService::loadFirst() {
 void SceneService::load() {
   std::string problem;
   try {
-    if (!scenes_.active()) scenes_.load();
+    scenes_.load();
   } catch (const std::exception& error) {
     problem = error.what();
   }
@@ -70,8 +70,7 @@ void SceneService::load() {
 std::string SceneService::watchDescriptions(bool reload) {
   const std::lock_guard<std::mutex> lock(mutex_);
   const ros::SteadyTime now = ros::SteadyTime::now();
-  if (!is_watching_ && now >= next_watch_) {
-    is_watching_ = true;
+  if (now >= next_watch_) {
     next_watch_ = now + WATCH_PERIOD;
     queue_.addCallback(boost::make_shared<Task>([this, reload] { watch(reload); }));
   }
@@ -96,23 +95,19 @@ void SceneService::watch(bool reload) {
   }
   const std::lock_guard<std::mutex> lock(mutex_);
   if (!told.empty() && told != changed_) ROS_WARN_STREAM(told);
-  is_watching_ = false;
   changed_ = told;
 }
 
 void SceneService::release(std::shared_ptr<const void> what) {
-  if (!what) return;
   queue_.addCallback(
       boost::make_shared<Task>([what = std::move(what)]() mutable { what.reset(); }));
 }
 
 bool SceneService::onUpdate(UpdateScene::Request& request, UpdateScene::Response& response) {
-  lowerThreadPriority();
   try {
     scenes_.update(request.changes);
     response.success = true;
   } catch (const std::exception& error) {
-    response.success = false;
     response.message = error.what();
   }
   if (!request.no_list) response.objects = scenes_.list();
@@ -120,7 +115,6 @@ bool SceneService::onUpdate(UpdateScene::Request& request, UpdateScene::Response
 }
 
 bool SceneService::onReset(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
-  lowerThreadPriority();
   try {
     scenes_.load();
     response.success = true;
@@ -130,7 +124,6 @@ bool SceneService::onReset(std_srvs::Trigger::Request&, std_srvs::Trigger::Respo
     const std::string& unchecked = scene->scene->unchecked();
     if (!unchecked.empty()) response.message += "; " + unchecked;
   } catch (const std::exception& error) {
-    response.success = false;
     response.message =
         std::string(scenes_.active() ? "the old scene is kept: " : "there is no scene: ") +
         error.what();

@@ -72,7 +72,9 @@ class LogTest(unittest.TestCase):
                      joint("prismatic", "root", "a") + joint("prismatic", "root", "b") +
                      joint("fixed", "b", "c", "<mimic joint='to_a'/>") + "</robot>")
             srdf = "<robot name='boxes'><disable_collisions link1='zz' link2='b'/></robot>"
-            node = self.start("made", robot, srdf, max_pos_age=2.0)
+            # As far from a name as may be meant for it (one in six letters, and one more), and further.
+            misspelt = {"max_pos_age": "max_pose_age", "rat": "rate", "raeter": "rate", "mxx_pxse_xge": "max_pose_age"}
+            node = self.start("made", robot, srdf, ratio=2.0, **{name: 2.0 for name in misspelt})
             node.wait_for("robot 'boxes': 3 links with geometry to check, 4 elements, 2 moving bodies, ready after 0.")
             node.wait_for("'c': about 50 % of the surface of mesh")
             node.wait_for("left out, no usable transform: link 'a': ")
@@ -81,7 +83,18 @@ class LogTest(unittest.TestCase):
         self.assertIn("mimic on a fixed joint has no effect", said)
         self.assertIn("parameter /made/robot_description_semantic: 'zz' is not a link of the robot", said)
         self.assertNotIn("'b' is not a link", said)
-        self.assertIn("parameter /made/node/max_pos_age is not a parameter of this node; did you mean 'max_pose_age'?", said)
+        words = "parameter /made/node/%s is not a parameter of this node"
+        for name, meant in misspelt.items():
+            self.assertIn(words % name + "; did you mean '%s'?" % meant, said)
+        self.assertIn(words % "ratio" + "\n", said.replace("\x1b[0m", ""))
+
+    def test_descriptions_may_be_parameters_of_the_node_itself(self):
+        world = "<robot name='world'>" + link("post", BOX) + "</robot>"
+        node = self.start("own", robot_description=file_of("sliding_boxes.urdf"), robot_description_semantic="<robot name='r'/>",
+                          environment_description=world)
+        node.wait_for("4 links with geometry to check")
+        node.wait_for("left out, no usable transform")
+        self.assertNotIn("is not a parameter", node.said())
 
     RULES = {"alarm_distance": ("-1", "a number from 0.000000 to 1000000.000000", "0.05"),
              "tolerance": ("-1", "a number from 0.000000 to 1000000.000000", "0"),
@@ -117,9 +130,10 @@ class LogTest(unittest.TestCase):
 
     def test_the_smallest_and_the_largest_numbers_of_a_range_are_in_it(self):
         numbers = [name for name, (_, rule, _) in self.RULES.items() if "number" in rule]
-        for ns, which in (("least", 3), ("most", 5)):
+        for ns, which, words in (("least", 3, {"reload": "manual", "trigger": "rate"}),
+                                 ("most", 5, {"reload": "auto", "trigger": "tf"})):
             given = {name: float(self.RULES[name][1].split()[which]) for name in numbers}
-            node = self.start(ns, BARE, reload="auto", trigger="tf", **given)
+            node = self.start(ns, BARE, **words, **given)
             node.wait_for("the robot has no collision geometry")
             self.assertNotIn("must be", node.said())
             for name, value in given.items():
@@ -128,7 +142,13 @@ class LogTest(unittest.TestCase):
     def test_a_robot_that_leaves_nothing_to_check(self):
         words = "the robot has no collision geometry: the verdict "
         self.start("bare", BARE).wait_for(words + "is never FREE unless ~allow_empty_scene permits it")
+        self.assertEqual(self.service("bare", "reset", Trigger)().message,
+                         "the robot was reloaded; the robot has no collision geometry")
         self.start("allowed", BARE, allow_empty_scene=True).wait_for(words + "can be FREE because of ~allow_empty_scene")
+        status = diagnosis_of("allowed/node")
+        while status.level == DiagnosticStatus.ERROR:  # until the first cycle
+            status = diagnosis_of("allowed/node")
+        self.assertEqual({v.key: v.value for v in status.values}["transform age [s]"], "0", "nothing is asked of TF")
 
     def test_a_description_that_is_missing_is_said_once(self):
         node = self.start("nobody", robots=[{"description": "nowhere"}])
@@ -160,10 +180,12 @@ class LogTest(unittest.TestCase):
             rospy.set_param("/%s/robot_description" % ns, boxes.replace("1 1 1", "2 1 1"))
             rospy.set_param("/%s/robot_description_semantic" % ns, srdf % "c")
         both = "/%s/robot_description, /%s/robot_description_semantic"
-        nodes[0].wait_for(both % ("manual", "manual") + " have changed since the robot was loaded: the old one is checked "
-                          "until ~reset is called")
+        changed = both % ("manual", "manual") + " have changed since the robot was loaded: the old one is checked until ~reset is called"
         nodes[1].wait_for(both % ("auto", "auto") + " changed: the robot was reloaded")
+        nodes[0].wait_for(changed)
+        rospy.sleep(3.5)  # they look every 3 s
         self.assertNotIn("until ~reset is called", nodes[1].said())
+        self.assertEqual((nodes[0].said().count(changed), nodes[1].said().count("was reloaded")), (1, 1))
 
     def test_a_reconfiguration_that_is_refused_names_the_value_and_the_reply_has_what_stays(self):
         stays = {"alarm_distance": 0.25, "rate": 40.0, "tolerance": 0.125, "time_budget": 0.5, "fidelity": "obb"}
@@ -192,8 +214,10 @@ class LogTest(unittest.TestCase):
         try:
             node.wait_for("cloud 'cloud/points': a message was refused: ")
             node.wait_for("no field 'z'")
-            rospy.sleep(1.0)
+            rospy.sleep(4.0)
             self.assertEqual(node.said().count("a message was refused"), 1, "once in five seconds")
+            rospy.sleep(1.5)
+            self.assertEqual(node.said().count("a message was refused"), 2)
         finally:
             camera.stop()
 

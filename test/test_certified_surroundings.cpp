@@ -1,0 +1,109 @@
+// What the limiter's law is told of the scene. The law itself: test_limiter_law.cpp.
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "certified_surroundings.h"
+#include "collision_pairs/occupied_voxels.h"
+#include "motion_fixtures.h"
+
+namespace collision_pairs {
+namespace {
+
+RigidObject ballAt(const std::string& name, const Eigen::Vector3d& center, double radius) {
+  RigidObject object = boxAt(name, center, {1.0, 1.0, 1.0});
+  object.elements[0].shape = Sphere{radius};
+  return object;
+}
+
+TEST(CertifiedSurroundings, WhatIsLeftOutIsTheCallersButNotACloudThatIsUnknown) {
+  SceneDescription description;
+  description.robots.push_back({turningBar(), Srdf(), ""});
+  description.clouds = {cloudOf("cloud", 0.1, {})};
+  const auto scene = CollisionScene::build(description);
+  CertifiedSurroundings surroundings(scene, {"turn"}, Fidelity::MESH);
+  std::vector<NearPair> touching;
+  for (const CollisionModel& model : scene->models()) {
+    if (model.name != "cloud") touching.push_back({model.name, "cloud", -1.0, 1.0, false});
+  }
+  const StoppingTube tube{{0.0}, {0.01}, {0.0}, 0.0};
+  for (const bool is_known : {true, false}) {
+    RobotState state;
+    state.positions = scene->robot().zeroPositions();
+    if (is_known) {
+      state.voxels = {std::make_shared<const OccupiedVoxels>(0.1, std::vector<VoxelCell>())};
+    } else {
+      state.voxels = {nullptr};
+    }
+    surroundings.setState(state);
+    EXPECT_EQ(surroundings.certify(tube, 0.01, 0.0, touching).is_free, is_known);
+    std::vector<NearPair> near;
+    std::string why;
+    EXPECT_EQ(surroundings.nearPairs(0.01, {1.0}, near, why), is_known);
+    EXPECT_EQ(why, is_known ? "" : "cloud is not known");
+  }
+}
+
+TEST(CertifiedSurroundings, AnswerAtTheirFidelityAndNameTheNearestFirst) {
+  // The corner of a box is 6.6 cm from one ball and 20.7 cm from another, whose boxes it overlaps.
+  const auto scene = sceneOf(
+      slidingBox(), {ballAt("far", {-1.0, 1.0, 0.0}, 0.5), ballAt("ball", {0.9, 0.9, 0.0}, 0.5)});
+  const StoppingTube tube{{0.0}, {1e-4}, {0.0}, 0.0};
+  for (const Fidelity fidelity : {Fidelity::MESH, Fidelity::AABB}) {
+    const bool is_exact = fidelity == Fidelity::MESH;
+    CertifiedSurroundings surroundings(scene, {"slide_a"}, fidelity);
+    RobotState state;
+    state.positions = {0.0};
+    surroundings.setState(state);
+    const auto certificate = surroundings.certify(tube, 0.01, 0.0, {});
+    EXPECT_EQ(certificate.is_free, is_exact);
+    EXPECT_EQ(certificate.first + '|' + certificate.second, is_exact ? "|" : "a|ball");
+    EXPECT_EQ(certificate.why, "");
+    std::vector<NearPair> pairs;
+    std::string why;
+    ASSERT_TRUE(surroundings.nearPairs(0.3, {2.0}, pairs, why));
+    ASSERT_EQ(pairs.size(), 2u);
+    EXPECT_EQ(pairs[0].first + '|' + pairs[0].second, "a|ball");
+    EXPECT_EQ(pairs[1].second, "far");
+    EXPECT_FALSE(pairs[0].is_robot);
+    if (!is_exact) {
+      EXPECT_LT(pairs[0].distance, 0.0);
+      continue;
+    }
+    EXPECT_NEAR(pairs[0].distance, 0.4 * std::sqrt(2.0) - 0.5, 1e-9);
+    EXPECT_NEAR(pairs[0].derivative, -2.0 * std::sqrt(0.5), 1e-6);
+    EXPECT_NEAR(pairs[1].derivative, 2.0 * std::sqrt(0.5), 1e-6);
+    ASSERT_TRUE(surroundings.nearPairs(0.1, {2.0}, pairs, why));
+    EXPECT_EQ(pairs.size(), 1u);
+  }
+}
+
+TEST(CertifiedSurroundings, CertifyWhatKeepsHalfAMillimetreMore) {
+  const auto scene = sceneOf(slidingBox(), {boxAt("wall", {0.0, 1.0106, 0.0}, {20.0, 1.0, 1.0})});
+  CertifiedSurroundings surroundings(scene, {"slide_a"}, Fidelity::MESH);
+  RobotState state;
+  state.positions = {0.0};
+  surroundings.setState(state);
+  for (const double further : {0.0, 1e-4}) {
+    EXPECT_TRUE(surroundings.certify({{0.0}, {1.0}, {further}, 0.0}, 0.01, 0.0, {}).is_free)
+        << further;
+  }
+}
+
+TEST(CertifiedSurroundings, OfASceneInWhichNothingIsCheckedNothingIsSaid) {
+  SceneDescription description;
+  description.robots.push_back({turningBar(), Srdf(), ""});
+  const auto scene = CollisionScene::build(description);
+  ASSERT_FALSE(scene->unchecked().empty());
+  CertifiedSurroundings surroundings(scene, {"turn"}, Fidelity::MESH);
+  RobotState state;
+  state.positions = scene->robot().zeroPositions();
+  surroundings.setState(state);
+  std::vector<NearPair> near;
+  std::string why;
+  EXPECT_FALSE(surroundings.nearPairs(0.01, {1.0}, near, why));
+  EXPECT_EQ(why, scene->unchecked());
+}
+
+}  // namespace
+}  // namespace collision_pairs
