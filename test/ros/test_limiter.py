@@ -14,6 +14,7 @@ from std_srvs.srv import Trigger
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 from visualization_msgs.msg import Marker, MarkerArray
 
+from cloud_client import CloudPublisher
 from collision_pairs.msg import SpeedLimit
 from joint_simulator import JointSimulator
 from node_client import PATIENCE, diagnosis_of
@@ -122,7 +123,9 @@ class LimiterTest(unittest.TestCase):
         first, second = next(marker.points for marker in shown[-1].values() if marker.type == Marker.LINE_LIST)
         self.assertAlmostEqual(second.x - first.x, 3.0 - self.joints.position("slide_a"), delta=1e-3)
         self.drive(None)
+        begin = rospy.get_time()
         self.assertTrue(wait_until(lambda: not shown[-1]), "who sends no commands is not limited")
+        self.assertTrue(1.0 < rospy.get_time() - begin < 1.9, "a second after the zeros")
         subscriber.unregister()
 
     def test_below_the_stop_distance_only_a_retreat_passes_slowly(self):
@@ -178,6 +181,17 @@ class LimiterTest(unittest.TestCase):
         self.assertEqual(len(self.out.commands), nb_commands)
         self.assertEqual(len(self.out.scales), nb_commands)
 
+    def test_zeros_come_as_soon_as_the_timeout_is_over(self):
+        gaps = []
+        for _ in range(4):
+            self.drive(0.01)
+            self.limit_that(lambda x: x.scale > 0.0)
+            self.drive(None)
+            self.limit_that(lambda x: "no command for" in x.reason)
+            rospy.sleep(0.05)
+            gaps.append(self.out.when[-1] - self.out.when[-2])
+        self.assertTrue(0.17 < min(gaps) < 0.21, gaps)
+
     def test_while_the_scene_is_read_again_it_goes_on(self):
         reset = rospy.ServiceProxy("/array/reset", Trigger)
         self.drive(0.05)
@@ -225,9 +239,61 @@ class LimiterTest(unittest.TestCase):
         self.drive(0.1)
         self.assertTrue(wait_until(lambda: diagnosis_of("array: velocity limiter").message == "commands are limited"))
         values = {pair.key: pair.value for pair in diagnosis_of("array: velocity limiter").values}
-        self.assertGreater(float(values["commands"]), 0)
+        self.assertTrue(30 < float(values["commands"]) < 80, "those since the last one")
         self.assertGreater(float(values["longest decision [s]"]), 0.0)
         self.assertEqual(float(values["scale"]), self.out.scales[-1].data)
+        self.joints.place(slide_a=2.99)
+        limit = self.limit_that(lambda x: x.scale == 0.0 and x.first_link)
+        rospy.sleep(1.0)
+        status = diagnosis_of("array: velocity limiter")
+        self.assertEqual(status.message, "commands are limited", "a pair that is near is no fault")
+        self.assertEqual({pair.key: pair.value for pair in status.values}["reason"], limit.reason)
+        self.drive(None)
+        self.assertTrue(wait_until(lambda: diagnosis_of("array: velocity limiter").message.startswith("no commands")))
+        values = {pair.key: pair.value for pair in diagnosis_of("array: velocity limiter").values}
+        self.assertEqual((values["commands"], values["overruns"], values["longest decision [s]"]), ("0", "0", "0"))
+
+    def test_without_a_robot_nothing_passes_and_who_watches_sees_it(self):
+        shown = []
+        subscriber = rospy.Subscriber("/no_robot/markers", MarkerArray, lambda array: shown.append(
+            [marker.text for marker in array.markers if marker.ns == "speed_limit"]))
+        out = Limited("/no_robot", Float64MultiArray)
+        driver = Driver("/no_robot_command", Float64MultiArray)
+        driver.message = Float64MultiArray(data=[0.1])
+        self.assertTrue(wait_until(lambda: out.limits and out.limits[-1].reason == "there is no robot yet"))
+        self.assertEqual(out.commands[-1].data, (0.0,))
+        self.assertTrue(wait_until(lambda: ["speed 0 %"] in shown))
+        driver.message = None
+        self.assertTrue(wait_until(lambda: shown[-1] == []))
+        subscriber.unregister()
+
+    def test_a_cloud_stops_it_while_it_is_unknown_and_where_it_is_near(self):
+        """What is seen of it may have come nearer since then, at 0.1 m/s."""
+        out = Limited("/with_cloud", Float64MultiArray)
+        driver = Driver("/cloud_command", Float64MultiArray)
+        driver.message = Float64MultiArray(data=[0.1])
+        self.assertTrue(wait_until(lambda: out.limits and "none has arrived yet" in out.limits[-1].reason))
+        camera = CloudPublisher("/points", "root")
+        camera.heal([(-3.0, 0.0, 0.0)], "root")
+        self.assertTrue(wait_until(lambda: out.limits[-1].scale == 1.0))
+        camera.points = [(0.57, 0.0, 0.0)]  # 5 cm before a
+        self.assertTrue(wait_until(lambda: out.limits[-1].first_link == "a"))
+        self.assertEqual(out.limits[-1].second_link, "points")
+        camera.silent = True
+        rospy.sleep(0.5)
+
+        def told():
+            """When, and how far an object must be."""
+            start = len(out.limits)
+            self.assertTrue(wait_until(lambda: any(" m to an object" in x.reason for x in out.limits[start:])))
+            limit = next(x for x in out.limits[start:] if " m to an object" in x.reason)
+            return limit.stamp.to_sec(), float(limit.reason.split(", or than ")[1].split(" m")[0])
+        first, before = told()
+        rospy.sleep(1.5)
+        then, after = told()
+        self.assertAlmostEqual((after - before) / (then - first), 0.1, delta=0.02)
+        driver.message = None
+        camera.stop()
 
     def test_a_misspelt_key_is_an_error_of_the_diagnostics_and_nothing_passes(self):
         status = diagnosis_of("misspelt: velocity limiter")

@@ -9,7 +9,7 @@ sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 
 import rospy
 import rostest
-from diagnostic_msgs.msg import DiagnosticStatus
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from dynamic_reconfigure.msg import Config, DoubleParameter, StrParameter
 from dynamic_reconfigure.srv import Reconfigure
 from sensor_msgs.msg import JointState
@@ -18,7 +18,7 @@ from std_srvs.srv import Trigger
 from cloud_client import CloudPublisher
 from collision_pairs.srv import CheckCollisions
 from node_client import PATIENCE, diagnosis_of
-from program import NODE, Program
+from program import NODE, Program, wait_until
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 SHEET = ("solid sheet\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n"
@@ -170,8 +170,28 @@ class LogTest(unittest.TestCase):
         node.wait_for("no_such_mesh.stl")
         self.assertEqual(node.said().count(words), 2)
 
-    def test_descriptions_that_have_changed(self):
+    def test_descriptions_that_have_changed_are_said_once_and_a_cloud_that_is_refused_every_five_seconds(self):
         boxes = file_of("sliding_boxes.urdf")
+        cloud = self.start("cloud", boxes, clouds=[{"topic": "/cloud/points"}])
+        camera = CloudPublisher("/cloud/points", "root")
+        camera.points = [(1.0, 2.0, 3.0)]
+
+        def without_z(message):
+            del message.fields[2]
+        camera.spoil = without_z
+        cloud.wait_for("cloud 'cloud/points': a message was refused: ")
+        begin = rospy.get_time()
+        cloud.wait_for("no field 'z'")
+        try:
+            self.expect_changes_to_be_said_once(boxes)
+            rospy.sleep(begin + 4.5 - rospy.get_time())
+            self.assertEqual(cloud.said().count("a message was refused"), 1)
+            rospy.sleep(1.0)
+            self.assertEqual(cloud.said().count("a message was refused"), 2)
+        finally:
+            camera.stop()
+
+    def expect_changes_to_be_said_once(self, boxes):
         srdf = "<robot name='sliding_boxes'><disable_collisions link1='a' link2='%s'/></robot>"
         nodes = [self.start("manual", boxes, srdf % "b"), self.start("auto", boxes, srdf % "b", reload="auto")]
         for node in nodes:
@@ -183,7 +203,7 @@ class LogTest(unittest.TestCase):
         changed = both % ("manual", "manual") + " have changed since the robot was loaded: the old one is checked until ~reset is called"
         nodes[1].wait_for(both % ("auto", "auto") + " changed: the robot was reloaded")
         nodes[0].wait_for(changed)
-        rospy.sleep(3.5)  # they look every 3 s
+        rospy.sleep(3.2)  # they look every 3 s
         self.assertNotIn("until ~reset is called", nodes[1].said())
         self.assertEqual((nodes[0].said().count(changed), nodes[1].said().count("was reloaded")), (1, 1))
 
@@ -203,23 +223,16 @@ class LogTest(unittest.TestCase):
             self.assertEqual(found, dict(stays, **flags), name)
         self.assertEqual(node.said().count("; nothing is changed"), 5)
 
-    def test_a_cloud_that_is_refused(self):
-        node = self.start("cloud", file_of("sliding_boxes.urdf"), clouds=[{"topic": "/cloud/points"}])
-        camera = CloudPublisher("/cloud/points", "root")
-        camera.points = [(1.0, 2.0, 3.0)]
-
-        def without_z(cloud):
-            del cloud.fields[2]
-        camera.spoil = without_z
-        try:
-            node.wait_for("cloud 'cloud/points': a message was refused: ")
-            node.wait_for("no field 'z'")
-            rospy.sleep(4.0)
-            self.assertEqual(node.said().count("a message was refused"), 1, "once in five seconds")
-            rospy.sleep(1.5)
-            self.assertEqual(node.said().count("a message was refused"), 2)
-        finally:
-            camera.stop()
+    def test_a_limiter_has_counted_nothing_at_first(self):
+        first = []
+        subscriber = rospy.Subscriber("/diagnostics", DiagnosticArray, lambda array: first.extend(
+            status for status in array.status if status.name == "counts/node: velocity limiter"))
+        self.start("counts", BARE, velocity_limiter={"command": "/jog", "joints": ["a"], "deceleration": 1.0})
+        wait_until(lambda: first, "a diagnosis")
+        subscriber.unregister()
+        self.assertEqual((first[0].level, first[0].message), (DiagnosticStatus.OK, "no commands on /jog"))
+        self.assertEqual({pair.key: pair.value for pair in first[0].values},
+                         {"commands": "0", "overruns": "0", "longest decision [s]": "0", "scale": "0", "reason": "no command yet"})
 
     def test_a_limiter_that_cannot_be_had(self):
         node = self.start("wrong", BARE, velocity_limiter={"joints": ["a"]})

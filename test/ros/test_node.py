@@ -18,7 +18,7 @@ from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 import collision_pairs as cp
 from collision_pairs.msg import CollisionPair
 from collision_pairs.srv import CheckCollisionsRequest, CheckTrajectory
-from node_client import JointPublisher, NodeClient, boxes_by_namespace
+from node_client import JointPublisher, NodeClient, boxes_by_namespace, diagnosis_of
 
 JOINTS = ["shoulder_pan", "shoulder_lift", "upper_arm_roll", "elbow_flex", "forearm_roll",
           "wrist_flex", "wrist_roll", "gripper"]
@@ -266,7 +266,8 @@ class NodeTest(unittest.TestCase):
             for field in ("tolerance", "time_budget", "fidelity"):
                 self.assertEqual(getattr(report, field), told[field])
             self.assertFalse(report.min_distance_is_bound)
-            self.assertGreater(self.seconds_between_reports(), 0.2)
+            seconds = self.seconds_between_reports()
+            self.assertTrue(0.2 < seconds < 0.4, seconds)
             client.update_configuration({"rate": 50.0, "min_distance": False})
             self.assertIsNotNone(self.node.next(self.node.reports, lambda r: r.min_distance_is_bound))
             client.update_configuration({"alarm_distance": 0.3})
@@ -275,6 +276,31 @@ class NodeTest(unittest.TestCase):
             self.assertIsNotNone(self.node.next(self.node.reports, lambda r: not r.pairs))  # but contacts
         finally:
             client.update_configuration({key: before[key] for key in (*told, "rate", "verdict_only")})
+
+    def test_at_a_slow_rate_a_change_is_seen_at_once_and_markers_last_three_periods(self):
+        client = Client("/collision_pairs_node", timeout=20)
+        self.report_in(CONTACT)
+        try:
+            client.update_configuration({"rate": 0.1})
+            array = self.node.next(self.node.marker_arrays, lambda a: a.markers[0].lifetime.to_sec() > 2.0)
+            self.assertEqual({marker.lifetime.to_sec() for marker in array.markers}, {30.0})
+        finally:
+            begin = rospy.get_time()
+            client.update_configuration({"rate": 50.0})
+            self.assertIsNotNone(self.node.next(self.node.reports))
+        self.assertLess(rospy.get_time() - begin, 3.0)
+
+    def test_cycles_that_overrun_are_diagnosed_with_their_period(self):
+        client = Client("/collision_pairs_node", timeout=20)
+        try:
+            client.update_configuration({"rate": 10000.0})
+            words = "took longer than their period of 0.0001 s"
+            end = rospy.get_time() + 20.0
+            while rospy.get_time() < end and words not in diagnosis_of("collision_pairs_node").message:
+                pass
+            self.assertIn(words, diagnosis_of("collision_pairs_node").message)
+        finally:
+            client.update_configuration({"rate": 50.0})
 
     def seconds_between_reports(self):
         """Of two that follow each other; the least of three, since a message may be lost."""

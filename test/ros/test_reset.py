@@ -20,7 +20,7 @@ from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 from collision_pairs.msg import CollisionPairs
 from collision_pairs.srv import CheckTrajectory
 from node_client import PATIENCE, NodeClient, diagnosis_of, publish_transform
-from scene_client import SceneClient, add_box, clear
+from scene_client import SceneClient, add_box, attach, clear
 
 JOINTS = ["slide_a", "slide_b", "slide_c"]
 PLACES = [0.0, 3.0, 6.0]
@@ -168,7 +168,18 @@ class ResetTest(unittest.TestCase):
         self.assertFalse(reply.success)
         self.assertIn("fixed_frame", reply.message)
         self.assertEqual(self.check().header.frame_id, "root")
-        self.scene.apply(clear())
+        self.scene.apply(clear(), add_box("crate", frame="root"))
+        publisher = rospy.Publisher("/tf", TFMessage, queue_size=1)
+        timer = rospy.Timer(rospy.Duration(0.02), lambda _: publish_transform(publisher, "root", "a"))
+        try:
+            end = time.time() + PATIENCE
+            while not self.scene.send(attach("crate", "a")).success and time.time() < end:
+                time.sleep(0.05)
+            # What a link carries goes with it, whatever the frame is.
+            self.assertEqual(self.after("/cell/node/fixed_frame", "world").header.frame_id, "world")
+        finally:
+            timer.shutdown()
+            self.scene.apply(clear())
 
     def test_another_robot_and_a_mesh_that_is_missing(self):
         rospy.set_param("/cell/robot_description", robot(self.mesh, "2 1 1"))

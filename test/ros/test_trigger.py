@@ -8,6 +8,7 @@ sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 
 import rospy
 import rostest
+from dynamic_reconfigure.client import Client
 from node_client import NodeClient
 from tf2_msgs.msg import TFMessage
 from transform_faults import APART, TOUCHING, box_at
@@ -51,6 +52,23 @@ class TriggerTest(unittest.TestCase):
     def test_without_transforms_reports_go_on_and_end_as_unknown(self):
         self.publish(APART)
         self.assertIsNotNone(self.node.next(self.node.reports, lambda report: report.left_out))
+        first = len(self.node.reports)
+        rospy.sleep(1.0)
+        times = sorted(self.node.received[id(report)] for report in self.node.reports[first:])
+        gaps = sorted(after - before for before, after in zip(times, times[1:]))
+        self.assertTrue(0.04 < gaps[len(gaps) // 2] < 0.08, gaps)
+
+    def test_many_transforms_are_checked_at_most_at_the_rate(self):
+        client = Client("/node", timeout=20)
+        try:
+            client.update_configuration({"rate": 10.0})
+            first, begin = len(self.node.reports), rospy.get_time()
+            for _ in range(100):
+                self.publish(APART)
+                rospy.sleep(0.01)
+            self.assertLessEqual(len(self.node.reports) - first, 10.0 * (rospy.get_time() - begin) + 2)
+        finally:
+            client.update_configuration({"rate": RATE})
 
 
 if __name__ == "__main__":

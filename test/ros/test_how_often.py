@@ -1,0 +1,130 @@
+#!/usr/bin/python3
+"""How often a node asks its master and says how it is; how it ends; and that what it serves does not delay its cycle."""
+import glob
+import os
+import signal
+import socketserver
+import sys
+import tempfile
+import threading
+import time
+import unittest
+import xmlrpc.client
+import xmlrpc.server
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+
+import rospy
+import rostest
+from diagnostic_msgs.msg import DiagnosticArray
+from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
+
+from collision_pairs.srv import CheckTrajectory
+from node_client import PATIENCE
+from program import NODE, Program, wait_until
+from test_verdict import write_bumpy_sphere
+
+
+class ListeningMaster(socketserver.ThreadingMixIn, xmlrpc.server.SimpleXMLRPCServer):
+    """Hands everything on to the master, and keeps when it was asked what."""
+
+    def __init__(self):
+        super().__init__(("localhost", 0), logRequests=False, allow_none=True)
+        self.asked = []  # (time, name of the call, its arguments)
+        self.uri = "http://localhost:%d" % self.server_address[1]
+        threading.Thread(target=self.serve_forever, daemon=True).start()
+
+    def _dispatch(self, method, params):
+        self.asked.append((time.monotonic(), method, params))
+        return getattr(xmlrpc.client.ServerProxy(os.environ["ROS_MASTER_URI"]), method)(*params)
+
+    def seconds_between(self, method, *arguments):
+        """Of calls with these among their arguments."""
+        times = [t for t, name, given in self.asked if name == method and set(arguments) <= set(given)]
+        return [after - before for before, after in zip(times, times[1:])]
+
+
+class HowOftenTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        """Two nodes that are heard meanwhile."""
+        cls.master, cls.diagnoses = ListeningMaster(), []
+        rospy.Subscriber("/diagnostics", DiagnosticArray, lambda array: cls.diagnoses.extend(
+            time.monotonic() for status in array.status if status.name.startswith("looks:")))
+        rospy.set_param("/waits/robots", [{"description": "nowhere"}])
+        cls.heard = [Program(NODE, "__name:=" + name, master=cls.master.uri) for name in ("waits", "looks")]
+
+    @classmethod
+    def tearDownClass(cls):
+        for program in cls.heard:
+            program.end()
+
+    def setUp(self):
+        self.programs = []
+
+    def tearDown(self):
+        for program in self.programs:
+            program.end()
+
+    def start(self, name):
+        self.programs.append(Program(NODE, "__name:=" + name))
+        return self.programs[-1]
+
+    def assert_each(self, gaps, least, most):
+        self.assertGreater(len(gaps), 1)
+        self.assertTrue(least < sorted(gaps)[len(gaps) // 2] < most, gaps)
+
+    def test_a_node_that_is_asked_to_end_does_so_at_once_and_without_a_fault(self):
+        nodes = [self.start("ends_%d" % i) for i in range(4)]
+        for node in nodes:
+            node.wait_for("ready after")
+        begin = time.monotonic()
+        for node in nodes:
+            node.process.send_signal(signal.SIGINT)
+        for node in nodes:
+            self.assertEqual(node.process.wait(PATIENCE), 0)
+        self.assertLess(time.monotonic() - begin, 1.2, "its watch of the master need not end by itself")
+
+    def test_a_node_that_reads_meshes_tells_how_far_it_is_and_ends_within_seconds(self):
+        with tempfile.NamedTemporaryFile(suffix=".stl") as mesh:
+            write_bumpy_sphere(mesh, 300)
+            link = "<link name='l%d'><collision><geometry><mesh filename='file://%s' scale='%g 1 1'/></geometry></collision></link>"
+            joint = "<joint name='j%d' type='floating'><parent link='root'/><child link='l%d'/></joint>"
+            robot = "".join(link % (i, mesh.name, 1 + i) + joint % (i, i) for i in range(20))
+            rospy.set_param("/busy/robot", "<robot name='heavy'><link name='root'/>%s</robot>" % robot)
+            rospy.set_param("/busy/robots", [{"description": "robot"}])
+            node = self.start("busy")
+            node.wait_for(" of 20 meshes")
+            begin = time.monotonic()
+            node.process.send_signal(signal.SIGINT)
+            self.assertEqual(node.process.wait(PATIENCE), 0)
+            self.assertTrue(1.5 < time.monotonic() - begin < 2.9, time.monotonic() - begin)
+            self.assertNotIn("ready after", node.said())
+
+    @unittest.skipIf(os.getpriority(os.PRIO_PROCESS, 0) >= 10, "the test itself has a low priority")
+    def test_what_builds_scenes_and_checks_trajectories_has_a_low_priority(self):
+        node = self.start("polite")
+        node.wait_for("ready after")
+
+        def nb_low():
+            stats = [open(path).read() for path in glob.glob("/proc/%d/task/*/stat" % node.process.pid)]
+            return sum(int(stat.rsplit(")", 1)[1].split()[16]) == 10 for stat in stats)
+        self.assertEqual(nb_low(), 1)
+        points = [JointTrajectoryPoint(positions=[0.0])]
+        check = rospy.ServiceProxy("/polite/check_trajectory", CheckTrajectory)
+        self.assertTrue(check(trajectory=JointTrajectory(joint_names=["slide_a"], points=points)).success)
+        self.assertGreater(nb_low(), 1)
+
+    def test_z_a_node_asks_its_master_and_tells_its_health_every_few_seconds(self):
+        questions = self.master.seconds_between
+        wait_until(lambda: len(questions("searchParam", "/looks", "robot_description")) > 2, "questions")
+        self.assert_each(questions("lookupService", "/waits", "/waits/update_scene"), 1.8, 2.4)
+        self.assert_each(questions("searchParam", "/waits", "nowhere"), 1.8, 2.4)
+        # Of a description that has changed; the first gap begins at its load.
+        self.assert_each(questions("searchParam", "/looks", "robot_description")[1:], 2.7, 4.5)
+        self.assert_each([after - before for before, after in zip(self.diagnoses, self.diagnoses[1:])], 0.9, 1.4)
+
+
+if __name__ == "__main__":
+    rospy.init_node("test_how_often")
+    rostest.rosrun("collision_pairs", "how_often", HowOftenTest)
