@@ -78,16 +78,9 @@ TEST(CertifiedSurroundings, AnswerAtTheirFidelityAndNameTheNearestFirst) {
   }
 }
 
-TEST(CertifiedSurroundings, CertifyWhatKeepsHalfAMillimetreMore) {
-  const auto scene = sceneOf(slidingBox(), {boxAt("wall", {0.0, 1.0106, 0.0}, {20.0, 1.0, 1.0})});
-  CertifiedSurroundings surroundings(scene, {"slide_a"}, Fidelity::MESH);
-  RobotState state;
-  state.positions = {0.0};
-  surroundings.setState(state);
-  for (const double further : {0.0, 1e-4}) {
-    EXPECT_TRUE(surroundings.certify({{0.0}, {1.0}, {further}, 0.0}, 0.01, 0.0, {}).is_free)
-        << further;
-  }
+TEST(CertifiedSurroundings, AreAskedOfARobotThatRespondsAsTheSettingsSay) {
+  EXPECT_EQ(RobotResponse().reaction_time, LimiterSettings().reaction_time);
+  EXPECT_EQ(RobotResponse().hold, LimiterSettings().command_timeout);
 }
 
 TEST(CertifiedSurroundings, OfASceneInWhichNothingIsCheckedNothingIsSaid) {
@@ -103,6 +96,9 @@ TEST(CertifiedSurroundings, OfASceneInWhichNothingIsCheckedNothingIsSaid) {
   std::string why;
   EXPECT_FALSE(surroundings.nearPairs(0.01, {1.0}, near, why));
   EXPECT_EQ(why, scene->unchecked());
+  const auto certificate = surroundings.certify({{0.0}, {0.01}, {0.0}, 0.0}, 0.01, 0.0, {});
+  EXPECT_FALSE(certificate.is_free);
+  EXPECT_EQ(certificate.why, scene->unchecked());
 }
 
 }  // namespace

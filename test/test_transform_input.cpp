@@ -176,9 +176,9 @@ TEST_F(Transforms, ThatAreRefusedAreNamedUpToAThousand) {
 
 TEST_F(Transforms, ThatAreRefusedAreNamedForTwoSecondsAfterTheLast) {
   receive("a", 0.0, 1.0);
-  ros::WallDuration(1.7).sleep();
+  ros::WallDuration(1.5).sleep();
   EXPECT_THAT(input_.refused(), ElementsAre(HasSubstr("'a'")));
-  ros::WallDuration(0.4).sleep();
+  ros::WallDuration(0.7).sleep();
   EXPECT_THAT(input_.refused(), IsEmpty());
 }
 

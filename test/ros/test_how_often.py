@@ -83,7 +83,7 @@ class HowOftenTest(unittest.TestCase):
             node.process.send_signal(signal.SIGINT)
         for node in nodes:
             self.assertEqual(node.process.wait(PATIENCE), 0)
-        self.assertLess(time.monotonic() - begin, 1.2, "its watch of the master need not end by itself")
+        self.assertLess(time.monotonic() - begin, 1.5, "its watch of the master need not end by itself")
 
     def test_a_node_that_reads_meshes_tells_how_far_it_is_and_ends_within_seconds(self):
         with tempfile.NamedTemporaryFile(suffix=".stl") as mesh:
@@ -118,11 +118,11 @@ class HowOftenTest(unittest.TestCase):
     def test_z_a_node_asks_its_master_and_tells_its_health_every_few_seconds(self):
         questions = self.master.seconds_between
         wait_until(lambda: len(questions("searchParam", "/looks", "robot_description")) > 2, "questions")
-        self.assert_each(questions("lookupService", "/waits", "/waits/update_scene"), 1.8, 2.4)
-        self.assert_each(questions("searchParam", "/waits", "nowhere"), 1.8, 2.4)
+        self.assert_each(questions("lookupService", "/waits", "/waits/update_scene"), 1.8, 2.9)
+        self.assert_each(questions("searchParam", "/waits", "nowhere"), 1.8, 3.5)
         # Of a description that has changed; the first gap begins at its load.
-        self.assert_each(questions("searchParam", "/looks", "robot_description")[1:], 2.7, 4.5)
-        self.assert_each([after - before for before, after in zip(self.diagnoses, self.diagnoses[1:])], 0.9, 1.4)
+        self.assert_each(questions("searchParam", "/looks", "robot_description")[1:], 2.7, 5.5)
+        self.assert_each([after - before for before, after in zip(self.diagnoses, self.diagnoses[1:])], 0.9, 1.9)
 
 
 if __name__ == "__main__":

@@ -267,7 +267,7 @@ class NodeTest(unittest.TestCase):
                 self.assertEqual(getattr(report, field), told[field])
             self.assertFalse(report.min_distance_is_bound)
             seconds = self.seconds_between_reports()
-            self.assertTrue(0.2 < seconds < 0.4, seconds)
+            self.assertTrue(0.2 < seconds < 0.48, seconds)
             client.update_configuration({"rate": 50.0, "min_distance": False})
             self.assertIsNotNone(self.node.next(self.node.reports, lambda r: r.min_distance_is_bound))
             client.update_configuration({"alarm_distance": 0.3})
