@@ -71,7 +71,7 @@ class HowOftenTest(unittest.TestCase):
         return self.programs[-1]
 
     def assert_each(self, gaps, least, most):
-        self.assertGreater(len(gaps), 1)
+        self.assertTrue(gaps)
         self.assertTrue(least < sorted(gaps)[len(gaps) // 2] < most, gaps)
 
     def test_a_node_that_is_asked_to_end_does_so_at_once_and_without_a_fault(self):
@@ -117,7 +117,7 @@ class HowOftenTest(unittest.TestCase):
 
     def test_z_a_node_asks_its_master_and_tells_its_health_every_few_seconds(self):
         questions = self.master.seconds_between
-        wait_until(lambda: len(questions("searchParam", "/looks", "robot_description")) > 2, "questions")
+        wait_until(lambda: len(questions("searchParam", "/looks", "robot_description")) > 1, "questions")
         self.assert_each(questions("lookupService", "/waits", "/waits/update_scene"), 1.8, 2.9)
         self.assert_each(questions("searchParam", "/waits", "nowhere"), 1.8, 3.5)
         # Of a description that has changed; the first gap begins at its load.
