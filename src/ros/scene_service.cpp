@@ -57,7 +57,7 @@ std::string SceneService::loadFirst() {
 void SceneService::load() {
   std::string problem;
   try {
-    scenes_.load();
+    if (!scenes_.active()) scenes_.load();
   } catch (const std::exception& error) {
     problem = error.what();
   }
@@ -70,7 +70,8 @@ void SceneService::load() {
 std::string SceneService::watchDescriptions(bool reload) {
   const std::lock_guard<std::mutex> lock(mutex_);
   const ros::SteadyTime now = ros::SteadyTime::now();
-  if (now >= next_watch_) {
+  if (!is_watching_ && now >= next_watch_) {  // a master that hangs must not fill the queue
+    is_watching_ = true;
     next_watch_ = now + WATCH_PERIOD;
     queue_.addCallback(boost::make_shared<Task>([this, reload] { watch(reload); }));
   }
@@ -95,6 +96,7 @@ void SceneService::watch(bool reload) {
   }
   const std::lock_guard<std::mutex> lock(mutex_);
   if (!told.empty() && told != changed_) ROS_WARN_STREAM(told);
+  is_watching_ = false;
   changed_ = told;
 }
 

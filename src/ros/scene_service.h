@@ -43,7 +43,7 @@ class SceneService {
 
   SceneStore& scenes_;
   std::mutex mutex_;  // guards what follows
-  bool is_loading_ = false;
+  bool is_loading_ = false, is_watching_ = false;
   std::string problem_, changed_;
   ros::SteadyTime next_load_, next_watch_;
 
