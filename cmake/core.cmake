@@ -38,6 +38,7 @@ add_library(collision_pairs SHARED
   src/core/check/open_pairs.cpp
   src/core/check/pair_ladder.cpp
   src/core/check/timed_climb.cpp
+  src/core/check/voxel_bounds.cpp
   src/core/check/voxel_search.cpp
   src/core/clouds/cells_about_link.cpp
   src/core/clouds/depth_map.cpp

@@ -161,6 +161,16 @@ TEST(DistanceFromBox, IsThatOfTheTrianglesOfTheBox) {
   }
 }
 
+double distanceOfSurface(const PreparedMesh& mesh, const Isometry3d& X_WM, const Aabb& box) {
+  double least = std::numeric_limits<double>::infinity();
+  for (std::uint32_t i = 0; i < mesh.triangles->triangles.size(); ++i) {
+    Corners t = moved(cornersOf(*mesh.triangles, i), X_WM);
+    for (Vector3d& v : t) v -= box.center();
+    least = std::min(least, distanceByTriangles(t, 0.5 * (box.max - box.min)));
+  }
+  return least;
+}
+
 TEST(SurfaceQuery, FindsTheNearestTriangleFromTheNodesKeptForALargerBox) {
   RandomInputs random;
   const auto shape = bumpyShape(12, 0.3);
@@ -181,12 +191,7 @@ TEST(SurfaceQuery, FindsTheNearestTriangleFromTheNodesKeptForALargerBox) {
       const Vector3d size = larger.max - larger.min;
       const Vector3d from = random.vector(0.0, 0.5).cwiseProduct(size);
       const Aabb box{larger.min + from, larger.min + from + 0.3 * size};
-      double wanted = 1e300;
-      for (std::uint32_t i = 0; i < mesh.triangles->triangles.size(); ++i) {
-        Corners t = moved(cornersOf(*mesh.triangles, i), X_WM);
-        for (Vector3d& v : t) v -= box.center();
-        wanted = std::min(wanted, distanceByTriangles(t, 0.5 * (box.max - box.min)));
-      }
+      const double wanted = distanceOfSurface(mesh, X_WM, box);
       EXPECT_LE(bound, wanted + 1e-14);
       const DistanceBounds found = query.distance(box, reach, 1e-11, near);
       EXPECT_GE(found.upper, wanted - 1e-14);
@@ -202,6 +207,49 @@ TEST(SurfaceQuery, FindsTheNearestTriangleFromTheNodesKeptForALargerBox) {
   }
   EXPECT_GT(nb_near, 100);
   EXPECT_GT(nb_far, 100);
+}
+
+TEST(SurfaceQuery, KeepsForEachOfFourBoxesWhatIsNearThatOne) {
+  RandomInputs random;
+  const auto shape = bumpyShape(12, 0.3);
+  SurfaceQuery query;
+  int nb_near = 0, nb_far = 0, nb_bounded = 0;
+  for (int round = 0; round < 200; ++round) {
+    SCOPED_TRACE(round);
+    const Isometry3d X_WM = random.pose(1.0);
+    const Vector3d low = X_WM.translation() + random.vector(-0.6, 0.4);
+    const Vector3d size = random.vector(0.05, 0.4);
+    const double reach = random.uniform(0.0, 0.2);
+    SurfaceQuery::Nodes larger{};
+    query.keepNear({low, low + size}, 2.0 * reach, query.begin(*shape, X_WM), larger);
+    const auto count = static_cast<std::size_t>(random.integer(1, BOX_LANES));
+    std::array<Aabb, BOX_LANES> boxes;
+    for (std::size_t i = 0; i < count; ++i) {
+      const Vector3d from = low + random.vector(0.0, 0.7).cwiseProduct(size);
+      boxes[i] = {from, from + 0.3 * size};
+    }
+    std::array<SurfaceQuery::Nodes, BOX_LANES> near;
+    const FourGaps bounds = query.keepNear(boxes, count, reach, larger, near);
+    for (std::size_t i = 0; i < count; ++i) {
+      SCOPED_TRACE(i);
+      const double wanted = distanceOfSurface(meshOf(shape), X_WM, boxes[i]);
+      if (wanted <= 2.0 * reach) {
+        EXPECT_LE(bounds.of[i], wanted + 1e-14);
+      }
+      EXPECT_EQ(bounds.of[i] > reach, near[i].begin == near[i].end);
+      const DistanceBounds found = query.distance(boxes[i], reach, 1e-11, near[i]);
+      (wanted <= reach ? nb_near : nb_far) += 1;
+      nb_bounded += bounds.of[i] > 0.5 * wanted && wanted > 0.0;
+      EXPECT_GE(found.upper, wanted - 1e-14);
+      EXPECT_GT(found.lower, std::min(wanted - 1.1e-11, reach - 1e-14));
+      if (wanted <= reach) {
+        EXPECT_NEAR(found.upper, wanted, 1.1e-11);
+      }
+    }
+  }
+  EXPECT_GT(nb_near, 100);
+  EXPECT_GT(nb_far, 100);
+  EXPECT_GT(nb_bounded, 100);
 }
 
 }  // namespace

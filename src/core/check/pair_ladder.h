@@ -13,6 +13,7 @@
 // - minimum_search.cpp: which pairs can have the smallest distance, and what is it?
 // - cloud_pairs.cpp: which elements are near which clouds, and how near?
 // - voxel_search: which voxel of a cloud is nearest to an element?
+// - voxel_bounds.cpp: how near to the element may the voxels in a box be?
 // - found_pairs: what is reported of two models whose elements were found?
 #pragma once
 

@@ -4,8 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "convex_core.h"
-
 namespace collision_pairs {
 namespace {
 
@@ -14,33 +12,10 @@ using Eigen::Vector3d;
 using Eigen::Vector3i;
 
 constexpr double INF = std::numeric_limits<double>::infinity();
-constexpr double ROUNDING = 64.0 * std::numeric_limits<double>::epsilon();
 
 Aabb grown(const Aabb& box, double metres) {
   const Vector3d all = Vector3d::Constant(metres);
   return {box.min - all, box.max + all};
-}
-
-/// A lower bound of the signed distance of two boxes with the same axes, and of what they enclose:
-/// their gap, or minus the smallest translation along an axis that separates them.
-double signedGap(const Vector3d& between) {
-  const double widest = between.maxCoeff();
-  return widest > 0.0 ? between.cwiseMax(0.0).norm() : widest;
-}
-
-/// A box as a convex shape around its centre, and its pose; enlarged by rounding.
-ConvexCore coreOf(const Aabb& box) {
-  ConvexCore core;
-  core.kind = ConvexCore::Kind::BOX;
-  core.half = 0.5 * (1.0 + ROUNDING) * (box.max - box.min);
-  core.extent = core.half.norm();
-  return core;
-}
-
-Isometry3d poseOf(const Aabb& box) {
-  Isometry3d X = Isometry3d::Identity();
-  X.translation() = box.center();
-  return X;
 }
 
 }  // namespace
@@ -100,8 +75,7 @@ void VoxelSearch::start(const BoxPair& pair, const OccupiedVoxels& voxels, Fidel
   Entry root{0.0, voxels.rootCorner(), 0, {}, static_cast<std::int8_t>(voxels.levels().size() - 1)};
   if (has_triangles_) {
     root.nodes = surface_.begin(*shape.shape, (*X_WE_)[of_link_]);
-    surface_error_ =
-        ladder_->errorOfSurface(of_link_, coreOf(voxels.bounds()), poseOf(voxels.bounds()));
+    surface_error_ = errorOfSurface();
   }
   root.bound = boundOfBoxes(boxOf(root));
   push(root);
@@ -124,10 +98,14 @@ bool VoxelSearch::refine(Entry& entry) {
   const Aabb box = boxOf(entry);
   const double before = entry.bound;
   entry.bound = std::max(before, boundOfPlanes(box));
-  if (!entry.is_fine && !isHopeless(entry.bound) && isWorthMore(entry, box)) {
+  if (entry.bound > before) {
+    if (!isHopeless(entry.bound)) push(entry);
+    return true;
+  }
+  if (!entry.is_fine && isWorthMore(entry, box)) {
     entry.is_fine = true;
-    // Where no voxel was in reach so far, a plane may be all that is needed.
-    const bool wants_plane = best_ == INF && entry.level == 0 && entry.bound + padding_ > 0.0;
+    // A plane may be all that is needed.
+    const bool wants_plane = planes_.empty() && entry.level == 0 && entry.bound + padding_ > 0.0;
     double gap = wants_plane || !has_triangles_ ? gapOfHulls(box) : -INF;
     if (has_triangles_ && !isHopeless(gap - padding_)) {
       gap = std::max(gap, gapOfTriangles(entry, box));
@@ -139,8 +117,7 @@ bool VoxelSearch::refine(Entry& entry) {
   return true;
 }
 
-template <class Take>
-void VoxelSearch::forEachChild(const Entry& entry, const Take& take) {
+void VoxelSearch::pushChildren(const Entry& entry) {
   const auto level = static_cast<std::size_t>(entry.level);
   const OccupiedVoxels::Cube& cube = voxels_->levels()[level][entry.index];
   std::uint64_t left = cube.occupied & OccupiedVoxels::childrenIn(cells_, level, entry.corner);
@@ -149,38 +126,59 @@ void VoxelSearch::forEachChild(const Entry& entry, const Take& take) {
     Entry child = entry;
     child.corner += OccupiedVoxels::childEdge(level) * OccupiedVoxels::childOffset(bit);
     child.level = static_cast<std::int8_t>(entry.level - 1);
-    child.index = level > 0 ? OccupiedVoxels::childOf(cube, bit) : 0;
+    child.index = OccupiedVoxels::childOf(cube, bit);
     child.is_fine = false;
     const Aabb box = boxOf(child);
     child.bound = std::max(entry.bound, boundOfBoxes(box));
     if (isHopeless(child.bound)) continue;
     child.bound = std::max(child.bound, boundOfPlanes(box));
-    if (!isHopeless(child.bound)) take(child, box);
+    if (!isHopeless(child.bound)) push(child);
   }
 }
 
-void VoxelSearch::expand(const Entry& entry) {
-  forEachChild(entry, [&](const Entry& child, const Aabb& box) {
-    if (child.level >= 0 || !has_triangles_) return push(child);
-    takeVoxel(child, box);
-  });
+void VoxelSearch::expand(const Entry& cube) {
+  if (cube.level > 0) return pushChildren(cube);
+  findVoxels(cube);
+  if (has_triangles_) return takeVoxels(cube.nodes);
+  for (const Entry& voxel : near_) push(voxel);
 }
 
 // Once any distance is known, nothing further needs finer bounds.
 void VoxelSearch::takeNearestOf(const Entry& cube) {
-  Entry nearest = cube;
-  forEachChild(cube, [&](const Entry& voxel, const Aabb&) {
-    if (nearest.level >= 0 || voxel.bound < nearest.bound) nearest = voxel;
-  });
-  if (nearest.level < 0) takeVoxel(nearest, boxOf(nearest));
+  findVoxels(cube);
+  const auto is_nearer = [](const Entry& a, const Entry& b) { return a.bound < b.bound; };
+  const auto nearest = std::min_element(near_.begin(), near_.end(), is_nearer);
+  if (nearest != near_.end()) takeVoxel(*nearest, 0.0);
+}
+
+// In the order of their gaps, as the nearest often leaves no other.
+void VoxelSearch::takeVoxels(const SurfaceQuery::Nodes& nodes) {
+  if (near_.size() == 1) return takeVoxel(near_[0], 0.0);
+  std::array<Aabb, BOX_LANES> boxes;
+  std::array<SurfaceQuery::Nodes, BOX_LANES> of_boxes;
+  by_gap_.clear();
+  for (std::size_t i = 0; i < near_.size(); i += BOX_LANES) {
+    const std::size_t count = std::min<std::size_t>(BOX_LANES, near_.size() - i);
+    for (std::size_t lane = 0; lane < count; ++lane) boxes[lane] = boxOf(near_[i + lane]);
+    const FourGaps gaps = surface_.keepNear(boxes, count, searched(), nodes, of_boxes);
+    for (std::size_t lane = 0; lane < count; ++lane) {
+      near_[i + lane].nodes = of_boxes[lane];
+      by_gap_.emplace_back(gaps.of[lane], i + lane);
+    }
+  }
+  std::sort(by_gap_.begin(), by_gap_.end());
+  for (const auto& [gap, i] : by_gap_) {
+    if (!isHopeless(near_[i].bound)) takeVoxel(near_[i], gap);
+  }
 }
 
 // A voxel that is inside, or too near for its distance to be known well enough, is left to the
 // ladder.
-void VoxelSearch::takeVoxel(Entry voxel, const Aabb& box) {
+void VoxelSearch::takeVoxel(Entry voxel, double known) {
   voxel.is_fine = true;
-  const DistanceBounds gap =
-      surface_.distance(box, reach() + 2.0 * surface_error_, 0.2 * SAME, voxel.nodes);
+  const Aabb box = boxOf(voxel);
+  DistanceBounds gap{known};
+  if (known <= searched()) gap = surface_.distance(box, searched(), 0.2 * SAME, voxel.nodes);
   const double lower = gap.lower - surface_error_;
   if (lower > 0.0 && isOutside(voxel, box)) {
     outside_.push_back(box);
@@ -196,65 +194,6 @@ void VoxelSearch::takeVoxel(Entry voxel, const Aabb& box) {
     }
   }
   push(voxel);
-}
-
-Aabb VoxelSearch::boxOf(const Entry& entry) const {
-  if (entry.level < 0) return voxels_->boxOf(entry.corner, Vector3i::Ones());
-  const auto level = static_cast<std::size_t>(entry.level);
-  return voxels_->boxOfCube(level, entry.index, entry.corner);
-}
-
-double VoxelSearch::boundOfBoxes(const Aabb& box) const {
-  const double aligned = signedGap((box.min - box_.max).cwiseMax(box_.min - box.max));
-  if (!has_oriented_ || isHopeless(aligned)) return aligned;
-  const Vector3d half = 0.5 * (box.max - box.min);
-  const Vector3d p_A = oriented_.R.transpose() * (box.center() - oriented_.center);
-  const Vector3d reach = oriented_.half + oriented_.R.transpose().cwiseAbs() * half;
-  return std::max(aligned, signedGap(p_A.cwiseAbs() - reach) - padding_);
-}
-
-double VoxelSearch::boundOfPlanes(const Aabb& box) const {
-  double furthest = -INF;
-  const Vector3d center = box.center(), half = 0.5 * (box.max - box.min);
-  for (const Plane& plane : planes_) {
-    const double gap = plane.nhat.dot(center) - plane.nhat.cwiseAbs().dot(half) - plane.reach;
-    furthest = std::max(furthest, gap);
-  }
-  return furthest - padding_;
-}
-
-void VoxelSearch::addPlane(const Vector3d& nhat_W, const Aabb& box) {
-  constexpr std::size_t MOST = 8;
-  if (planes_.size() == MOST) planes_.erase(planes_.begin());
-  planes_.push_back({nhat_W, ladder_->reachAlong(nhat_W, of_link_, rung_, coreOf(box))});
-}
-
-double VoxelSearch::gapOfHulls(const Aabb& box) {
-  const double gap =
-      ladder_->hullsApart(of_link_, rung_, coreOf(box), poseOf(box), reach(), nhat_E_);
-  if (!(gap > 0.0)) return -INF;
-  addPlane((*X_WE_)[of_link_].linear() * nhat_E_, box);
-  return gap;
-}
-
-double VoxelSearch::gapOfTriangles(Entry& entry, const Aabb& box) {
-  const SurfaceQuery::Nodes larger = entry.nodes;
-  const double gap =
-      surface_.keepNear(box, reach() + 2.0 * surface_error_, larger, entry.nodes) - surface_error_;
-  if (!(gap > 0.0) || !isOutside(entry, box)) return -INF;
-  outside_.push_back(box);
-  return gap;
-}
-
-// For a box that does not intersect the triangles. It is entirely inside or entirely outside, and
-// so are boxes that touch it and do not intersect them either. So the expensive query is rarely
-// needed.
-bool VoxelSearch::isOutside(const Entry& entry, const Aabb& box) const {
-  if (entry.bound + padding_ > 0.0) return true;  // the hull, or that of its parent, is apart
-  const auto touchesBox = [&](const Aabb& other) {
-    return (box.min.array() <= other.max.array() && other.min.array() <= box.max.array()).all();
-  };
-  return std::any_of(outside_.begin(), outside_.end(), touchesBox) || !surface_.holds(box.center());
 }
 
 void VoxelSearch::placeVoxel(const VoxelCell& cell) {

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <algorithm>
+#include <limits>
+#include <utility>
 #include <vector>
 
 #include "box_gap.h"
@@ -56,6 +58,7 @@ class VoxelSearch {
  private:
   /// Metres: smaller differences of voxels' distances are ignored.
   static constexpr double SAME = 1e-10;
+  static constexpr double ROUNDING = 64.0 * std::numeric_limits<double>::epsilon();
   struct Entry {
     double bound;  ///< metres
     VoxelCell corner;
@@ -74,15 +77,18 @@ class VoxelSearch {
   Entry pop();
   /// Pushes it again with a finer bound; false if there is none.
   bool refine(Entry& entry);
-  /// A cube larger than the element mostly contains it.
+  /// A cube larger than the element mostly contains it. The planes that keep one box away from a
+  /// hull do for others, and the first voxel is measured at the cost of its bound.
   bool isWorthMore(const Entry& entry, const Aabb& box) const {
+    const bool is_next = entry.level < 0 && best_ < std::numeric_limits<double>::infinity();
+    if (!has_triangles_ && !planes_.empty() && !is_next) return false;
     if (entry.level < 0) return limit_ > 0.0;
     return entry.level == 0 || (box.max - box.min).norm() <= 2.0 * size_;
   }
-  /// Those within cells_ that its boxes and the planes leave.
-  template <class Take>
-  void forEachChild(const Entry& cube, const Take& take);
   void expand(const Entry& cube);
+  // Those within cells_ that its boxes and the planes leave.
+  void pushChildren(const Entry& cube);
+  void findVoxels(const Entry& cube);  ///< in near_; not the candidate
   /// The box around the occupied part of a cube, or of a voxel.
   Aabb boxOf(const Entry& entry) const;
 
@@ -96,10 +102,16 @@ class VoxelSearch {
   double gapOfHulls(const Aabb& box);
   double gapOfTriangles(Entry& entry, const Aabb& box);
 
-  /// Of an element with triangles: makes it the candidate, pushes it if only the ladder can tell,
-  /// or skips it.
-  void takeVoxel(Entry voxel, const Aabb& box);
+  double errorOfSurface() const;
+
+  // Of an element with triangles.
+
+  /// Makes it the candidate, pushes it if only the ladder can tell, or skips it. `known`: a lower
+  /// bound of the surface's distance.
+  void takeVoxel(Entry voxel, double known);
   void takeNearestOf(const Entry& cube);
+  /// Those in near_. `nodes`: of the surface near all of them.
+  void takeVoxels(const SurfaceQuery::Nodes& nodes);
   bool isOutside(const Entry& entry, const Aabb& box) const;
   void measureVoxel(const VoxelCell& cell, Fidelity top, double max_distance);
   void placeVoxel(const VoxelCell& cell);
@@ -108,6 +120,7 @@ class VoxelSearch {
   double slackOf(double bound) const { return bound > 0.0 || best_ <= 0.0 ? SAME : 0.0; }
   /// Search distance from the shapes, metres: what lies beyond is hopeless.
   double reach() const { return std::max(std::min(limit_, best_ - 0.5 * SAME), 0.0) + padding_; }
+  double searched() const { return reach() + 2.0 * surface_error_; }  ///< from the triangles
   void keepBest(const PairLadder::Answer& answer, const VoxelCell& cell);
   Found unfinished(const Entry& entry);
   Found result() const;
@@ -146,6 +159,8 @@ class VoxelSearch {
   bool has_candidates_ = false;
   Entry candidate_;  ///< the nearest voxel so far, which is apart and not yet passed to the ladder
   std::vector<Entry> heap_;
+  std::vector<Entry> near_;  ///< the voxels of a cube that may be nearer than the best
+  std::vector<std::pair<double, std::size_t>> by_gap_;  ///< of the surface; indices into near_
   std::vector<Aabb> outside_;  ///< boxes that neither intersect the element nor lie inside it
 };
 

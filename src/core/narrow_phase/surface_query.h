@@ -1,10 +1,13 @@
 // Which parts of a mesh are near a box, and how near?
 #pragma once
 
+#include <array>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Geometry>
 
+#include "box_gap.h"
 #include "collision_pairs/aabb.h"
 #include "collision_pairs/narrow_phase.h"
 #include "prepared_mesh.h"
@@ -32,6 +35,11 @@ class SurfaceQuery {
   /// more than `reach` if nothing is kept. Cost: some 20 ns a node.
   double keepNear(const Aabb& box, double reach, const Nodes& larger, Nodes& near);
 
+  /// The same for each of up to BOX_LANES boxes of one size, the nearest nodes first and none
+  /// smaller than they were. Costs little more than for one.
+  FourGaps keepNear(const std::array<Aabb, BOX_LANES>& boxes, std::size_t count, double reach,
+                    const Nodes& larger, std::array<Nodes, BOX_LANES>& near);
+
   /// The distance of the surface below `nodes` from the box, to within `tolerance` where the two
   /// are apart; `lower` is more than `reach`, and no more is known, if the distance is.
   DistanceBounds distance(const Aabb& box, double reach, double tolerance, const Nodes& nodes);
@@ -55,9 +63,15 @@ class SurfaceQuery {
   const PreparedShape* shape_ = nullptr;
   const PreparedMesh* mesh_ = nullptr;
   Eigen::Isometry3d X_WM_;
-  std::vector<std::uint32_t> nodes_;
+  struct Kept {
+    std::uint32_t node;
+    double gap;  ///< metres: a lower bound of its distance from the box it was kept for
+  };
+  std::vector<Kept> nodes_;
+  std::vector<std::pair<std::uint32_t, FourGaps>> tried_;  ///< nodes, and squared gaps of boxes
   static constexpr std::uint32_t NONE = 0xffffffff;
-  std::uint32_t nearest_ = NONE;  ///< the triangle that was, to the last box: tried first
+  std::uint32_t nearest_ = NONE;      ///< the triangle that was, to the last box: tried first
+  std::uint32_t tried_first_ = NONE;  ///< which one was
 };
 
 }  // namespace collision_pairs
