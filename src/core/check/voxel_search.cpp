@@ -168,7 +168,9 @@ void VoxelSearch::takeVoxels(const SurfaceQuery::Nodes& nodes) {
   }
   std::sort(by_gap_.begin(), by_gap_.end());
   for (const auto& [gap, i] : by_gap_) {
-    if (!isHopeless(near_[i].bound)) takeVoxel(near_[i], gap);
+    Entry& voxel = near_[i];
+    voxel.bound = std::max(voxel.bound, boundOfPlanes(boxOf(voxel)));  // some are new
+    if (!isHopeless(voxel.bound)) takeVoxel(voxel, gap);
   }
 }
 
