@@ -42,7 +42,7 @@ class CloudHealthTest(unittest.TestCase):
         def of(values):
             return {key[len(CLOUD) + 1:]: float(value) for key, value in values.items()
                     if key.startswith(CLOUD) and not key.endswith("problem")}
-        found = cloud_diagnosis(lambda values: condition(of(values)))
+        found = cloud_diagnosis(lambda values: "used" in of(values) and condition(of(values)))
         self.assertIsNotNone(found)
         return of(found)
 

@@ -289,7 +289,7 @@ class NodeTest(unittest.TestCase):
             self.assertIsNotNone(self.node.next(self.node.reports))
         self.assertLess(rospy.get_time() - begin, 9.0, "the period that has ended")
 
-    def test_cycles_that_overrun_are_diagnosed_with_their_period(self):
+    def test_z_cycles_that_overrun_are_diagnosed_with_their_period(self):
         client = Client("/collision_pairs_node", timeout=20)
         try:
             client.update_configuration({"rate": 10000.0})
