@@ -25,6 +25,7 @@ TEST(InputErrors, OfALongValueKeepBothEndsAndWholeCharacters) {
   }
   const std::string short_enough(1000, 'x');
   EXPECT_EQ(said(short_enough), short_enough);
+  EXPECT_EQ(said(short_enough + 'x').size(), 1000u);  // no byte is lost that has a place
 }
 
 }  // namespace

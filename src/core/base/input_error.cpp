@@ -5,8 +5,10 @@
 namespace collision_pairs {
 namespace {
 
-constexpr std::size_t LONGEST = 1000;          // bytes
-constexpr std::size_t BEGIN = 600, END = 390;  // bytes kept of longer texts
+constexpr std::size_t LONGEST = 1000;  // bytes
+constexpr const char ELLIPSIS[] = " … ";
+// Bytes kept of longer texts.
+constexpr std::size_t BEGIN = 600, END = LONGEST - BEGIN - (sizeof ELLIPSIS - 1);
 
 bool isControl(char byte) {  // char is unsigned on arm64
   constexpr char DELETE = 0x7f;
@@ -21,7 +23,7 @@ std::string printable(std::string text) {
     std::size_t begin = BEGIN, end = text.size() - END;
     while (begin > 0 && isWithinCharacter(text[begin])) --begin;
     while (end < text.size() && isWithinCharacter(text[end])) ++end;
-    text = text.substr(0, begin) + " … " + text.substr(end);
+    text = text.substr(0, begin) + ELLIPSIS + text.substr(end);
   }
   std::replace_if(text.begin(), text.end(), isControl, ' ');
   return text;
