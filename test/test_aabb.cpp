@@ -70,6 +70,32 @@ TEST(Aabb, OfAMeshIsTheBoxOfItsVertices) {
   EXPECT_TRUE(box.max.isApprox(Vector3d(11, 22, 33), 1e-14));
 }
 
+// The oracle computes with more digits.
+TEST(Aabb, OfTurnedVerticesHoldsThemInSpiteOfRoundingAndHardlyMore) {
+  using Vector3l = Eigen::Matrix<long double, 3, 1>;
+  RandomInputs random;
+  for (int round = 0; round < 300; ++round) {
+    auto mesh = std::make_shared<TriangleMesh>();
+    for (int i = 0; i < 5; ++i) mesh->vertices.push_back(random.vector(-4.0, 4.0));
+    mesh->triangles = {{0, 1, 2}, {2, 3, 4}};
+    const Eigen::Isometry3d X_WE = random.pose(round % 2 == 0 ? 0.0 : 4.0);
+    const Vector3l p_WE = X_WE.translation().cast<long double>();
+    Vector3l lower = Vector3l::Constant(1e9L), upper = -lower;
+    for (const Vector3d& p : mesh->vertices) {
+      const Vector3l v = X_WE.linear().cast<long double>() * p.cast<long double>() + p_WE;
+      lower = lower.cwiseMin(v);
+      upper = upper.cwiseMax(v);
+    }
+    for (const Shape& shape : {Shape(Mesh{mesh}), Shape(Convex{mesh})}) {
+      const Aabb box = computeAabb(shape, X_WE);
+      const Vector3l below = lower - box.min.cast<long double>();
+      const Vector3l above = box.max.cast<long double>() - upper;
+      ASSERT_GE(std::min(below.minCoeff(), above.minCoeff()), 0.0L);
+      ASSERT_LE(std::max(below.maxCoeff(), above.maxCoeff()), 1e-13L);
+    }
+  }
+}
+
 TEST(Aabb, OfAFloorEndsAtItsSurfaceAndOfACeilingBeginsThere) {
   Eigen::Isometry3d X_WE = Eigen::Isometry3d::Identity();
   X_WE.translation().z() = 2.0;

@@ -27,6 +27,17 @@ TEST(ClosedForms, SpheresThatTouchExactlyHaveANormal) {
   EXPECT_EQ(result.nhat_AB_A, Eigen::Vector3d(0.0, 1.0, 0.0));
 }
 
+// Also where the square of the distance is no number.
+TEST(ClosedForms, PointsHaveTheirDirectionHoweverNearOrFar) {
+  RandomInputs random;
+  for (const double length : {1e-300, 1e-170, 1e-99, 1e-3, 1.0, 1e3, 1e99, 1e170}) {
+    const Eigen::Vector3d n = random.rotation() * Eigen::Vector3d::UnitX(), p = length * n;
+    const PairDistance result = distanceOf(Sphere{0.0}, Sphere{0.0}, at(p[0], p[1], p[2]));
+    EXPECT_NEAR(result.distance / length, 1.0, 1e-14) << length;
+    EXPECT_LE((result.nhat_AB_A - n).norm(), 1e-14) << length;
+  }
+}
+
 TEST(ClosedForms, ConcentricSpheresSeparateByBothRadii) {
   const PairDistance result = distanceOf(Sphere{0.25}, Sphere{0.5}, at(0.0, 0.0, 0.0));
   EXPECT_EQ(result.distance, -0.75);

@@ -214,6 +214,20 @@ TEST(ConvexHullOfManyPoints, ClimbsToTheSameSupportPointAsLookingAtAll) {
   expectSupportOfAll(convexHull(points), points, random);
 }
 
+TEST(ConvexHullOfFewPoints, WithoutVolumeIsTheseWithoutDuplicates) {
+  const Eigen::Vector3d a(0.1, 0.2, 0.3), b(0.5, 0.2, 0.3), c(0.1, 0.9, 0.3), d(0.7, 0.8, 0.3);
+  using Points = std::vector<Eigen::Vector3d>;
+  for (const Points& points : {Points{a}, Points{a, b}, Points{a, c, b}, Points{a, c, d, b}}) {
+    Points twice = points;
+    twice.insert(twice.end(), points.begin(), points.end());
+    const ConvexHull hull = convexHull(twice);
+    EXPECT_EQ(hull.volume, 0.0);
+    EXPECT_TRUE(hull.faces.empty());
+    EXPECT_TRUE(std::is_permutation(points.begin(), points.end(), hull.points.vertices.begin(),
+                                    hull.points.vertices.end()));
+  }
+}
+
 // Of a face with more than three corners no corner may be lost. Beside the faces of the prism the
 // dome over it has triangles.
 TEST(ConvexHullOfManyPoints, OfAPrismUnderADomeKeepsTheCornersOfThePrism) {

@@ -168,6 +168,41 @@ TEST(PairProbe, APairPlacedAloneIsWhereAllPlacedTogetherHaveIt) {
   }
 }
 
+TEST_F(Counting, ProgressEndsWithAllStatesOnce) {
+  for (const std::uint64_t samples : {1, 256, 257, 1000}) {
+    std::vector<std::uint64_t> progress;
+    countContacts(scene_, JointSampler(robot_, 3),
+                  {samples, 2, [&](std::uint64_t done) { progress.push_back(done); }});
+    EXPECT_TRUE(std::is_sorted(progress.begin(), progress.end()));
+    EXPECT_EQ(progress.size(), (samples + 255) / 256);
+    EXPECT_EQ(progress.back(), samples);
+  }
+}
+
+TEST_F(Counting, ASearchLeavesAloneWhatTouchedAndWhatNoSearchIsFor) {
+  const JointSampler sampler(robot_, 3);
+  const std::vector<PairEvidence> before = count(300, 1);
+  std::vector<PairEvidence> after = before;
+  std::vector<std::uint64_t> progress;
+  searchContacts(scene_, sampler,
+                 {2, 300, 2, [&](std::uint64_t done) { progress.push_back(done); }}, after);
+  int left_alone = 0;
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    EXPECT_EQ(progress[i], i + 1);
+    const bool touched = before[i].contacts > 0 || before[i].touches_at_zero;
+    if (touched || before[i].adjacent || before[i].rigid) {
+      ++left_alone;
+      EXPECT_TRUE(after[i].found_state.empty());
+      EXPECT_EQ(after[i].nearest, before[i].nearest);
+    } else {
+      EXPECT_LE(after[i].nearest, before[i].nearest);
+      EXPECT_EQ(after[i].found_state.empty(), after[i].nearest > 0.0);
+    }
+  }
+  EXPECT_EQ(progress.size(), before.size());
+  EXPECT_GE(left_alone, 3);
+}
+
 TEST_F(Counting, ALinkWithoutAFiniteBoxIsRefused) {
   const auto far = robotFrom(
       emptyLink("root") + boxLink("a", 1.0) + boxLink("b", 1.0) +
