@@ -121,6 +121,30 @@ TEST(SphereCover, EverySolidIsEnclosedOnTheWayToTheLeavesOfItsTree) {
   }
 }
 
+// Each cell is divided in the middle, where these bodies have their corners.
+TEST(SphereCover, CornersWhereACellIsDividedAreEnclosed) {
+  RandomInputs random;
+  for (int longest = 0; longest < 3; ++longest) {
+    auto octahedron = std::make_shared<TriangleMesh>();
+    for (int axis = 0; axis < 3; ++axis) {
+      const double reach = axis == longest ? 1.0 : 0.5;
+      for (const double sign : {-1.0, 1.0}) {
+        octahedron->vertices.emplace_back(sign * reach * Vector3d::Unit(axis));
+      }
+    }
+    const Shape shape = Convex{octahedron};
+    for (const std::size_t most_spheres : {3, 7, 127}) {
+      const auto outer = coverOf(shape, most_spheres).outer;
+      for (const Vector3d& corner : octahedron->vertices) {
+        ASSERT_TRUE(leadsToLeaf(outer, 0, corner));
+      }
+      for (int i = 0; i < 1000; ++i) {
+        ASSERT_TRUE(leadsToLeaf(outer, 0, pointOf(random, shape, 1.0)));
+      }
+    }
+  }
+}
+
 TEST(SphereCover, ATreeOfFewerSpheresIsTheBeginningOfOneOfMore) {
   const Shape shape = meshShape(LShape().mesh());
   const auto few = coverOf(shape, 63).outer, many = coverOf(shape, 501).outer;
@@ -176,16 +200,20 @@ TEST(SphereCover, InnerSpheresLieInTheSolid) {
 }
 
 TEST(SphereCover, InnerSpheresLieInOneOfTheBodiesOfAMesh) {
-  const LShape l;
-  const auto inner = coverOf(meshShape(l.mesh())).inner;
-  ASSERT_FALSE(inner.empty());
-  for (const PlacedSphere& sphere : inner) {
-    bool is_inside = false;
-    for (int k = 0; k < 2; ++k) {
-      const Vector3d p = (sphere.center - l.piece_centers[k]).cwiseAbs();
-      is_inside |= (p - l.piece_halves[k]).maxCoeff() + sphere.radius <= ROUNDING;
+  LShape l;
+  // Also with what is inside opposite, across the origin, to what is outside.
+  for (const Vector3d& shift : {Vector3d(0, 0, 0), Vector3d(0, 0, -0.1), Vector3d(2, -1, 3)}) {
+    for (Vector3d& center : l.piece_centers) center += shift;
+    const auto inner = coverOf(meshShape(l.mesh())).inner;
+    ASSERT_FALSE(inner.empty());
+    for (const PlacedSphere& sphere : inner) {
+      bool is_inside = false;
+      for (int k = 0; k < 2; ++k) {
+        const Vector3d p = (sphere.center - l.piece_centers[k]).cwiseAbs();
+        is_inside |= (p - l.piece_halves[k]).maxCoeff() + sphere.radius <= ROUNDING;
+      }
+      EXPECT_TRUE(is_inside);
     }
-    EXPECT_TRUE(is_inside);
   }
 }
 
