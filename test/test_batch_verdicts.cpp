@@ -3,6 +3,7 @@
 // A small run by default; scripts/test --long makes it the run of 1,000,000 states each that
 // docs/planners.md states.
 #include <algorithm>
+#include <chrono>
 #include <cstdlib>
 #include <iostream>
 
@@ -44,6 +45,28 @@ void expectSameVerdicts(const BenchmarkRobot& robot) {
 }
 
 TEST(BatchVerdicts, AreThoseOfTheExactCheckOnTheDemoRobot) { expectSameVerdicts(demoRobot()); }
+
+TEST(BatchVerdicts, SayWhatEachStateTookIfAskedAndNothingOtherwise) {
+  const BenchmarkRobot demo = demoRobot();
+  const auto scene = CollisionScene::build(demo.robot, demo.srdf, nullptr);
+  const JointSampler sampler(demo.robot, SEED);
+  BatchCheck batch(scene, 1);
+  CheckSettings settings;
+  settings.verdict_only = true;
+  const auto position = [&](std::size_t i, std::vector<double>& q) { sampler.draw(i, q); };
+  batch.runJoints(BatchCheck::STATES_WORTH_A_STAGE, settings, position, {},
+                  [](std::size_t, const CollisionReport& r) { ASSERT_EQ(r.times.total, 0.0); });
+  ASSERT_GT(batch.stageMemory(), 0u) << "the stage was not in use";
+  settings.stage_times = true;
+  double sum = 0.0;
+  const auto start = std::chrono::steady_clock::now();
+  batch.runJoints(2000, settings, position, {}, [&](std::size_t, const CollisionReport& r) {
+    ASSERT_GT(r.times.total, 0.0);
+    sum += r.times.total;
+  });
+  const std::chrono::duration<double> whole = std::chrono::steady_clock::now() - start;
+  EXPECT_LE(sum, whole.count()) << "one thread";
+}
 
 TEST(BatchVerdicts, AreThoseOfTheExactCheckOnTheDemoRobotAmongObjects) {
   const BenchmarkRobot demo = demoRobot();

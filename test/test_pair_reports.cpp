@@ -1,6 +1,7 @@
 // What a report says of single pairs: state, distance, fidelity, witness points.
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include <gtest/gtest.h>
 
@@ -43,6 +44,29 @@ TEST_F(TwoSpheres, ThatTouchExactlyAreInContact) {
   EXPECT_EQ(report.pairs[0].distance, 0.0);
   EXPECT_EQ(report.pairs[0].state, PairState::CONTACT);
   EXPECT_EQ(report.verdict, Verdict::COLLISION);
+}
+
+// At AABB the boxes are larger than the spheres by rounding, so the pose is searched for at which
+// their faces coincide: there a distance and a direction cannot be computed from each other.
+TEST_F(TwoSpheres, WhoseBoxesTouchExactlyHaveANormalAndPointsOnTheCommonFace) {
+  CheckSettings settings = alarm(0.1);
+  settings.fidelity = Fidelity::AABB;
+  int nb_exact = 0;
+  for (const double side : {-1.0, 1.0}) {
+    double x = 1.0;
+    for (int step = 0; step < 400; ++step, x = std::nextafter(x, 2.0)) {
+      const CollisionReport& report = at(side * x, settings);
+      ASSERT_EQ(report.contacts.size(), 1u);
+      const Contact& contact = report.contacts[0];
+      EXPECT_EQ(contact.nhat_W, side * Eigen::Vector3d::UnitX()) << "at " << side * x;
+      EXPECT_NEAR(contact.p_WFirst.x(), 0.5 * side, 1e-12);
+      EXPECT_NEAR(contact.p_WSecond.x(), 0.5 * side, 1e-12);
+      EXPECT_EQ(report.pairs[0].state,
+                report.pairs[0].distance > 0.0 ? PairState::NEAR : PairState::CONTACT);
+      nb_exact += report.pairs[0].distance == 0.0;
+    }
+  }
+  EXPECT_GT(nb_exact, 0);
 }
 
 TEST_F(TwoSpheres, ExactlyAtTheAlarmDistanceAreNearAndTheirDistanceIsNoBound) {
