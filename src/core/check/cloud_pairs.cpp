@@ -60,7 +60,8 @@ void CollisionDetector::sortCloudPairs() {
     by_gap_.emplace_back(bound.answer.found.distance, pair);
   }
   std::sort(by_gap_.begin(), by_gap_.end());
-  for (std::size_t i = 0; i < by_gap_.size(); ++i) cloud_pairs_[i] = by_gap_[i].second;
+  cloud_pairs_.clear();
+  for (const auto& [gap, pair] : by_gap_) cloud_pairs_.push_back(pair);
 }
 
 void CollisionDetector::measureClouds(const Deadline& deadline) {

@@ -284,7 +284,6 @@ struct VoxelGrid::Store {
     if (!nb_points.empty()) nb_points.resize(nb_kept);
     if (!last_seen.empty()) last_seen.resize(nb_kept);
     seen.resize(nb_kept);
-    last_block = NONE;
     index.rebuild(blocks);
   }
 
@@ -333,7 +332,6 @@ struct VoxelGrid::Store {
     remembered.clear();
     stamps.clear();
     index.clear();
-    last_block = NONE;
     truncated_in = 0;
   }
 
@@ -353,7 +351,7 @@ struct VoxelGrid::Store {
   std::vector<Block> before;          ///< what the cloud before this one occupied
   std::vector<std::uint64_t> seen;    ///< in this cloud, by block: bits as in Block
   std::vector<VoxelCell> remembered;  ///< by keep(), since begin()
-  std::uint32_t last_block = NONE;    ///< the last one added to
+  std::uint32_t last_block = NONE;    ///< added to; told by its corner
   BlockIndex index;
 };
 
