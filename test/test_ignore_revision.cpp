@@ -1,4 +1,6 @@
 // Lists of pairs are known by what the caller says of them, never by where they are.
+#include <algorithm>
+#include <functional>
 #include <map>
 #include <optional>
 #include <set>
@@ -19,6 +21,8 @@ void expectSame(const CollisionReport& found, const CollisionReport& wanted) {
   EXPECT_EQ(found.verdict, wanted.verdict);
   EXPECT_EQ(found.min_distance, wanted.min_distance);
   EXPECT_EQ(found.ignored, wanted.ignored);
+  const auto& listed = found.ignored;  // in order, and none twice
+  EXPECT_EQ(std::adjacent_find(listed.begin(), listed.end(), std::greater_equal<>()), listed.end());
   EXPECT_EQ(found.candidates, wanted.candidates);
   ASSERT_EQ(found.pairs.size(), wanted.pairs.size());
   for (std::size_t i = 0; i < found.pairs.size(); ++i) {
