@@ -297,6 +297,8 @@ TEST(CollisionDetector, RefusesSettingsAndPosesThatDoNotFit) {
   EXPECT_THROW(detector.detect(BodyPoses{}, alarm(0.0)), InputError);
   EXPECT_THROW(detector.detect(boxesAt(*scene, {0, 1}), alarm(-0.1)), InputError);
   EXPECT_THROW(detector.detect(boxesAt(*scene, {0, 1}), alarm(std::nan(""))), InputError);
+  EXPECT_THROW(detector.beginNarrowPhase(BodyPoses{}, alarm(0.0)), InputError);
+  EXPECT_THROW(detector.beginNarrowPhase(boxesAt(*scene, {0, 1}), alarm(-0.1)), InputError);
 }
 
 TEST(CollisionScene, OfARobotWithoutGeometryIsEmptyAndUnknown) {
