@@ -104,6 +104,14 @@ class TwoRobotsTest(unittest.TestCase):
         self.assertEqual(pairs(self.report_at(APART, APART, 1.55)), [("right/a", "tool")])
         self.assertEqual(pairs(self.report_at([20, 3, 6], APART, 1.55)), [])
 
+    def test_an_object_may_be_given_in_any_frame_of_tf_though_the_fixed_frame_is_no_link(self):
+        self.report_at(APART, APART, 20.0)
+        held = self.scene.apply(add_box("post", (0.5, 0, 0), frame="right/root"))["post"]
+        self.assertEqual((held.header.frame_id, xyz_of(held)), ("world", (0.5, 20.0, 0)))
+        refused = self.scene.send(add_box("lost", frame="nowhere"))
+        self.assertFalse(refused.success)
+        self.assertIn("TF does not know 'nowhere' in 'world'", refused.message)
+
 
 if __name__ == "__main__":
     rospy.init_node("test_two_robots")
