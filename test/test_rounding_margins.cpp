@@ -111,7 +111,9 @@ void collectTriangles(const TriangleTree& tree, std::uint32_t at, std::vector<st
 void expectBoxesHoldTheirTriangles(const TriangleTree& tree, const TriangleMesh& mesh,
                                    std::uint32_t at) {
   const OrientedBox box = tree.box(at);
-  const Eigen::Matrix<long double, 3, 3> R_BM = box.R.cast<long double>().inverse();
+  const Eigen::Matrix<long double, 3, 3> R = box.R.cast<long double>(), R_BM = R.inverse();
+  ASSERT_LT((R.transpose() * R).eval().cwiseAbs().sum() - 3.0L, 1e-14L) << "node " << at;
+  ASSERT_GT(R.determinant(), 1.0L - 1e-14L) << "node " << at;
   std::vector<std::uint32_t> triangles;
   collectTriangles(tree, at, triangles);
   for (const std::uint32_t triangle : triangles) {

@@ -55,6 +55,56 @@ TEST(SolidField, SaysNothingThatTheExactDistanceOfAPointDenies) {
   }
 }
 
+/// The same, moved: a shape need not be about the origin of its frame.
+Shape moved(const Shape& shape, const Vector3d& by) {
+  const auto* convex = std::get_if<Convex>(&shape);
+  auto mesh = std::make_shared<TriangleMesh>(convex ? *convex->mesh : *std::get<Mesh>(shape).mesh);
+  for (Vector3d& v : mesh->vertices) v += by;
+  return convex ? Shape(Convex{mesh}) : Shape(meshShape(*mesh));
+}
+
+// Of a hull the distance from outside is bounded by its planes only, and of a mesh a depth is not
+// the distance from the nearest triangle.
+TEST(SolidField, TellsOfEachPointWhatItIsOffByAtMost) {
+  RandomInputs random;
+  const auto point = prepareShape(Sphere{0.0});
+  NarrowPhase exact;
+  for (const std::string kind : {"convex", "hull", "l", "ball"}) {
+    SCOPED_TRACE(kind);
+    const bool is_mesh = kind == "l" || kind == "ball";
+    const auto shape = prepareShape(moved(shapeOfKind(random, kind, 0.3), {0.7, -0.5, 1.1}));
+    const auto field = SolidField::make(preparedOf(shape));
+    Aabb box = noBox();
+    for (const Vector3d& p : preparedOf(shape).hull.points.vertices) box = enclosing(box, {p, p});
+    const double width = field->off() / 0.9;
+    const Vector3d size = box.max - box.min + Vector3d::Constant(2.0 * width);
+    int nb_told = 0;
+    for (int round = 0; round < 60; ++round) {
+      const Isometry3d X_FP = random.pose(0.4);
+      std::vector<Vector3d> p_F, p_P;
+      for (std::size_t i = 0; i < SolidField::Points::MOST; ++i) {
+        p_F.push_back(box.min - Vector3d::Constant(width) +
+                      size.cwiseProduct(random.vector(0.0, 1.0)));
+        p_P.push_back(X_FP.inverse() * p_F.back());
+      }
+      std::vector<float> nodes(p_P.size(), 1e6f);
+      ASSERT_TRUE(field->nearestNodes(SolidField::Points(p_P), X_FP, nodes.data()));
+      for (std::size_t i = 0; i < p_F.size(); ++i) {
+        Isometry3d X = Isometry3d::Identity();
+        X.translation() = p_F[i];
+        const double distance = exact.distance(*shape, *point, X, HUGE_VAL).distance;
+        const double off = field->off() + 2e-6 * std::abs(distance);
+        ASSERT_LE(nodes[i], std::max(distance, 0.0) + off) << i;
+        if (is_mesh == (distance <= field->off())) continue;
+        ASSERT_NEAR(nodes[i], distance, off) << i;
+        ++nb_told;
+      }
+    }
+    EXPECT_GT(nb_told, 1000);
+    EXPECT_LT(field->off(), 0.05 * size.norm());  // of 10,000 nodes
+  }
+}
+
 TEST(SolidField, SaysNothingFromSoFarThatFloatWouldMislead) {
   RandomInputs random;
   const auto shape = prepareShape(shapeOfKind(random, "l", 0.3));
