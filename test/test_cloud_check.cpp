@@ -59,6 +59,26 @@ TEST_F(CloudCheck, LinksThatOnlyAnOuterShapeBoundsMeanTheSame) {
   expectSameAtRandom({}, 60);
 }
 
+// All that is known then is how far apart the boxes are: of the nearest voxel, not of many.
+TEST_F(CloudCheck, BoundsAreThoseOfTheSameBoxesWhereTheTimeIsSpentAtOnce) {
+  const auto nothingLeft = [now = 0.0]() mutable { return now += 1.0; };
+  CheckSettings settings;
+  settings.time_budget = 0.5;
+  int nb_pairs = 0;
+  for (int round = 0; round < 100; ++round) {
+    SCOPED_TRACE("round " + std::to_string(round));
+    settings.alarm_distance = round % 2 == 0 ? 0.3 : 0.0;
+    const double size = random_.uniform(0.01, 0.1);
+    setVoxels(size, randomCells(random_, static_cast<int>(0.8 / size)));
+    object_->setClock(nothingLeft), cloud_->setClock(nothingLeft);
+    throwAbout(random_, 0.8, poses_);
+    expectSame(settings);
+    nb_pairs += static_cast<int>(cloud_->report().nb_unresolved);
+    if (testing::Test::HasFailure()) return;
+  }
+  EXPECT_GT(nb_pairs, 500);
+}
+
 TEST_F(CloudCheck, FclAnswersTheSameVoxelsAsItDoesTheSameBoxes) {
   description_.settings.narrow_phase = NarrowPhaseMethod::FCL;
   CheckSettings settings;

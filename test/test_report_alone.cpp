@@ -1,0 +1,144 @@
+// A report says what this check found and nothing of those before it, in any of its fields.
+#include <sstream>
+
+#include <gtest/gtest.h>
+
+#include "collision_pairs/batch_check.h"
+#include "collision_pairs/motion_check.h"
+#include "random_case.h"
+
+namespace collision_pairs {
+namespace {
+
+/// All fields, to the last bit.
+std::string everythingIn(const CollisionReport& report) {
+  std::ostringstream text;
+  text << std::hexfloat;
+  const auto vector = [&](const Eigen::Vector3d& v) {
+    for (int i = 0; i < 3; ++i) text << ' ' << v[i];
+  };
+  const auto contact = [&](const Contact& c) {
+    text << "\ncontact " << c.elements.first << ' ' << c.elements.second << ' ' << c.depth;
+    for (const Eigen::Vector3d& v : {c.p_WFirst, c.p_WSecond, c.nhat_W}) vector(v);
+    vector(c.voxel.cast<double>());
+  };
+  text << static_cast<int>(report.verdict) << report.in_collision << ' ' << report.min_distance
+       << report.min_distance_is_bound << report.ended_early << ' ' << report.unchecked << ' '
+       << report.tolerance << ' ' << report.nb_boxes << ' ' << report.nb_unresolved << ' '
+       << report.budget_spent << ' ' << report.nb_degraded << ' '
+       << static_cast<int>(report.narrow_phase) << ' ' << report.nb_answered_natively << ' '
+       << report.times.boxes << ' ' << report.times.broad_phase << ' ' << report.times.narrow_phase
+       << ' ' << report.times.total << "\nsettled";
+  for (const std::uint32_t nb : report.nb_settled) text << ' ' << nb;
+  if (report.nearest) contact(*report.nearest);
+  for (const PairReport& pair : report.pairs) {
+    text << "\npair " << pair.first << ' ' << pair.second << ' ' << static_cast<int>(pair.state)
+         << ' ' << pair.distance << ' ' << static_cast<int>(pair.fidelity) << ' '
+         << static_cast<int>(pair.certainty) << ' ' << pair.first_contact << ' '
+         << pair.nb_contacts;
+  }
+  for (const Contact& c : report.contacts) contact(c);
+  for (const auto& [a, b] : report.candidates) text << "\ncandidate " << a << ' ' << b;
+  for (const Aabb& box : report.boxes) text << "\nbox", vector(box.min), vector(box.max);
+  for (const auto& [a, b] : report.ignored) text << "\nignored " << a << ' ' << b;
+  for (const std::uint32_t model : report.left_out) text << "\nleft out " << model;
+  return text.str();
+}
+
+CheckSettings randomSettings(RandomInputs& random,
+                             const std::shared_ptr<const CollisionScene>& scene) {
+  CheckSettings settings;
+  const auto one = [&](int of) { return random.integer(1, of) == 1; };
+  settings.alarm_distance = one(2) ? random.uniform(0.0, 0.3) : 0.0;
+  const Fidelity all[] = {Fidelity::AABB, Fidelity::OBB, Fidelity::CONVEX, Fidelity::MESH,
+                          Fidelity::SPHERES};
+  if (one(2)) settings.fidelity = all[random.integer(0, one(8) ? 4 : 3)];
+  if (one(4)) settings.tolerance = 0.01;
+  settings.min_distance = one(2);
+  settings.verdict_only = one(4);
+  if (one(5)) settings.max_contacts = static_cast<std::uint32_t>(random.integer(1, 3));
+  if (one(5)) settings.is_enough = [](const Contact& c) { return c.depth > 0.05; };
+  if (one(3)) settings.time_budget = one(2) ? 1e9 : random.uniform(0.0, 60.0);
+  settings.list_boxes = one(4);
+  if (one(5)) settings.may_ignore = [](auto a, auto b) { return (a * 31 + b) % 3 == 0; };
+  if (one(5) && !scene->models().empty()) {
+    settings.selection = std::make_shared<PairSelection>(scene, Restriction{{}, {"left/*"}});
+  }
+  return settings;
+}
+
+/// As randomPosesOf(), or all a little further than before.
+void moveOn(RandomInputs& random, const RandomCase& its, const CollisionScene& scene,
+            BodyPoses& poses) {
+  if (poses.X_WB.empty() || random.integer(0, 1)) poses = randomPosesOf(random, its, scene);
+  for (Eigen::Isometry3d& X_WB : poses.X_WB) {
+    X_WB.translation() += random.vector(-0.01, 0.01);
+  }
+  for (char& known : poses.known) known = random.integer(0, 15) > 0;
+}
+
+/// A clock that advances by a second each time it is read.
+void setClock(CollisionDetector& detector) {
+  detector.setClock([now = 0.0]() mutable { return now += 1.0; });
+}
+
+TEST(AReport, DependsOnTheScenePosesAndSettingsAlone) {
+  RandomInputs random;
+  std::size_t nb_pairs = 0, nb_nearest = 0, nb_unresolved = 0, nb_early = 0, nb_ignored = 0;
+  for (int round = 0; round < 60; ++round) {
+    RandomCase its(random);
+    if (random.integer(0, 4) == 0) its.description.settings.narrow_phase = NarrowPhaseMethod::FCL;
+    const auto scene = CollisionScene::build(its.description);
+    CollisionDetector used(scene);
+    BodyPoses poses;
+    for (int check = 0; check < 12; ++check) {
+      SCOPED_TRACE(std::to_string(round) + ", check " + std::to_string(check));
+      moveOn(random, its, *scene, poses);
+      const CheckSettings settings = randomSettings(random, scene);
+      CollisionDetector fresh(scene);
+      setClock(used), setClock(fresh);
+      const CollisionReport& report = fresh.detect(poses, settings);
+      ASSERT_EQ(everythingIn(used.detect(poses, settings)), everythingIn(report));
+      nb_pairs += report.pairs.size(), nb_nearest += report.nearest.has_value();
+      nb_unresolved += report.nb_unresolved, nb_early += report.ended_early;
+      nb_ignored += report.ignored.size();
+      if (check % 4 != 3) continue;
+      used.beginNarrowPhase(poses, {});  // what was asked pair by pair is no longer
+      if (!scene->models().empty()) used.addCollisionPair(0, 1);
+      used.endNarrowPhase();
+    }
+  }
+  for (const auto nb : {nb_pairs, nb_nearest, nb_unresolved, nb_early, nb_ignored}) {
+    EXPECT_GT(nb, 20u);
+  }
+}
+
+TEST(AReport, IsEmptyBeforeTheFirstCheck) {
+  const auto isEmpty = [](const CollisionReport& report) {
+    EXPECT_EQ(report.verdict, Verdict::UNKNOWN);
+    EXPECT_TRUE(report.in_collision);
+    EXPECT_EQ(report.min_distance, 0.0);
+    EXPECT_TRUE(report.min_distance_is_bound);
+    EXPECT_FALSE(report.nearest || report.ended_early || report.budget_spent);
+    EXPECT_TRUE(report.unchecked.empty() && report.pairs.empty() && report.contacts.empty());
+    EXPECT_TRUE(report.candidates.empty() && report.boxes.empty() && report.ignored.empty());
+    EXPECT_TRUE(report.left_out.empty());
+    EXPECT_EQ(report.tolerance, 0.0);
+    for (const std::uint32_t nb : report.nb_settled) EXPECT_EQ(nb, 0u);
+    for (const std::uint32_t nb :
+         {report.nb_boxes, report.nb_unresolved, report.nb_degraded, report.nb_answered_natively}) {
+      EXPECT_EQ(nb, 0u);
+    }
+    const StageTimes& times = report.times;
+    for (const double t : {times.boxes, times.broad_phase, times.narrow_phase, times.total}) {
+      EXPECT_EQ(t, 0.0);
+    }
+  };
+  RandomInputs random;
+  const auto scene = CollisionScene::build(RandomCase(random).description);
+  isEmpty(CollisionDetector(scene).report());
+  isEmpty(CollisionReport());
+}
+
+}  // namespace
+}  // namespace collision_pairs
