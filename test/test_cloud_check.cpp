@@ -83,6 +83,42 @@ TEST_F(CloudCheck, BoundsAreThoseOfTheSameBoxesWhereTheTimeIsSpentAtOnce) {
   EXPECT_GT(nb_pairs, 500);
 }
 
+// They are of boxes around many voxels then, and so are their points.
+TEST_F(CloudCheck, BoundsAreTrueWheneverTheTimeIsSpent) {
+  int nb_open = 0, nb_told = 0;
+  description_.check_self = false;
+  for (int round = 0; round < 60; ++round) {
+    SCOPED_TRACE("round " + std::to_string(round));
+    setVoxels(0.02, randomCells(random_, 40));
+    cloud_->setClock([now = 0.0]() mutable { return now += 1.0; });
+    throwAbout(random_, 0.8, poses_);
+    CheckSettings settings;
+    settings.alarm_distance = 0.2;
+    object_->detect(poses_, settings);
+    const CloudPairs exact = byName(*object_);
+    settings.time_budget = random_.uniform(0.0, 40.0);
+    const CollisionReport& report = checkCloud(settings);
+    expectContactsAreOfVoxels(report);
+    for (const auto& [names, pair] : byName(*cloud_)) {
+      const auto truth = exact.find(names);
+      if (truth != exact.end()) {
+        EXPECT_LE(pair.distance, std::max(truth->second.distance, 0.0) + 1e-9);
+      }
+      if (pair.state != PairState::UNRESOLVED) {
+        ++nb_told;
+        continue;
+      }
+      ++nb_open;
+      if (pair.distance <= 0.0) continue;
+      const Contact& points = *report.nearestContact(pair);  // their boxes may overlap
+      EXPECT_LE(points.nhat_W.dot(points.p_WSecond - points.p_WFirst), pair.distance + 1e-9);
+    }
+    if (testing::Test::HasFailure()) return;
+  }
+  EXPECT_GT(nb_open, 20);
+  EXPECT_GT(nb_told, 20);
+}
+
 TEST_F(CloudCheck, FclAnswersTheSameVoxelsAsItDoesTheSameBoxes) {
   description_.settings.narrow_phase = NarrowPhaseMethod::FCL;
   CheckSettings settings;

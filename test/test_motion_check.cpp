@@ -102,7 +102,16 @@ TEST(MotionCheck, WhatIsNearerThanTheClearanceIsNotCutDownToTheResolution) {
   const MotionReport report = checked(scene, {-2.0}, {2.0}, settings);
   EXPECT_EQ(report.verdict, Verdict::UNKNOWN);
   EXPECT_EQ(report.pairs.size(), 1u);
-  EXPECT_LT(report.nb_checks, 10'000u);  // of the 600,000 that the resolution would allow
+  // Not the millions that the resolution would allow, but a few for each time it is halved.
+  const double halvings = std::log2(4.0 / settings.resolution);
+  EXPECT_LT(report.nb_checks, 5.0 * halvings);
+  settings.from_start = true;
+  const MotionReport from_start = checked(scene, {-2.0}, {2.0}, settings);
+  EXPECT_EQ(from_start.verdict, Verdict::UNKNOWN);
+  EXPECT_LT(from_start.nb_checks, 5.0 * halvings);
+  const double until = (2.0 - 0.6 - std::sqrt(0.02 * 0.02 - 0.004 * 0.004)) / 4.0;
+  EXPECT_LE(from_start.free_until, until);
+  EXPECT_GE(from_start.free_until, until - settings.resolution);
 }
 
 TEST(MotionCheck, WhatIsNearerThanTheResolutionMayStayUnknownAndFinerOnesSettleIt) {

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "collision_pairs/batch_check.h"
+#include "collision_pairs/collision_detector.h"
 #include "collision_pairs/motion_check.h"
 #include "random_case.h"
 
@@ -113,6 +113,51 @@ TEST(AReport, DependsOnTheScenePosesAndSettingsAlone) {
   }
 }
 
+/// All fields but the time.
+std::string everythingIn(const MotionReport& report) {
+  std::ostringstream text;
+  text << std::hexfloat << static_cast<int>(report.verdict) << ' ' << report.clearance << ' '
+       << report.contact_at << ' ' << report.free_until << ' ' << report.unchecked << ' '
+       << report.nb_checks << ' ' << report.nb_queries;
+  for (const auto& [a, b] : report.pairs) text << "\npair " << a << ' ' << b;
+  return text.str();
+}
+
+TEST(AReportOfAMotion, DependsOnTheSceneTheMotionAndTheSettingsAlone) {
+  RandomInputs random;
+  int nb[3] = {0, 0, 0};
+  for (int round = 0; round < 40; ++round) {
+    const RandomCase its(random);
+    const auto scene = CollisionScene::build(its.description);
+    MotionCheck used(scene);
+    for (int check = 0; check < 6; ++check) {
+      JointMotion motion;
+      motion.from = randomPositions(random, scene->robot());
+      motion.to = motion.from;
+      for (double& x : motion.to) x += random.uniform(-0.2, 0.2);
+      if (random.integer(0, 3) == 0) motion.deviation.assign(motion.from.size(), 0.001);
+      MotionSettings settings;
+      settings.resolution = 0.02;
+      settings.clearance = random.integer(0, 1) ? 0.03 : 0.0;
+      settings.from_start = random.integer(0, 1);
+      settings.only_free = random.integer(0, 3) == 0;
+      settings.only_moved = random.integer(0, 1);
+      if (random.integer(0, 3) == 0) settings.beside_objects = 0.02;
+      if (random.integer(0, 2) == 0) settings.fidelity = Fidelity::OBB;
+      if (random.integer(0, 2) == 0 && scene->models().size() > 1) {
+        settings.nearer = {{0, 1, random.integer(0, 1) ? -1.0 : 0.01}};
+      }
+      const CloudVoxels voxels = scene->clouds().empty() ? CloudVoxels() : its.voxels;
+      MotionCheck fresh(scene);
+      const MotionReport& report = fresh.check(motion, settings, {}, voxels);
+      ASSERT_EQ(everythingIn(used.check(motion, settings, {}, voxels)), everythingIn(report))
+          << round << ' ' << check;
+      ++nb[static_cast<int>(report.verdict)];
+    }
+  }
+  for (const int nb_of_verdict : nb) EXPECT_GT(nb_of_verdict, 2);
+}
+
 TEST(AReport, IsEmptyBeforeTheFirstCheck) {
   const auto isEmpty = [](const CollisionReport& report) {
     EXPECT_EQ(report.verdict, Verdict::UNKNOWN);
@@ -138,6 +183,8 @@ TEST(AReport, IsEmptyBeforeTheFirstCheck) {
   const auto scene = CollisionScene::build(RandomCase(random).description);
   isEmpty(CollisionDetector(scene).report());
   isEmpty(CollisionReport());
+  EXPECT_EQ(everythingIn(MotionReport()), "2 0x0p+0 0x0p+0 0x0p+0  0 0");
+  EXPECT_EQ(MotionReport().seconds, 0.0);
 }
 
 }  // namespace
