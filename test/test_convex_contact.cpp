@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "close_pairs.h"
+#include "closed_forms.h"
 #include "cube_cells.h"
 #include "double_double.h"
 #include "epa.h"
@@ -124,6 +125,53 @@ TEST(ConvexContact, AFloorAndWhatStandsOnItTouchWithinTheBandAndNotBeyondIt) {
     }
     ASSERT_EQ(narrow_phase.touches(*floor, *B, X_AB), found.touches());
   }
+}
+
+/// Two thin rods end to end, along one axis of A, some roundings from contact.
+ClosePair rodsEndToEnd(RandomInputs& random) {
+  ClosePair pair;
+  const int axis = random.integer(0, 2);
+  const auto rod = [&] {
+    Vector3d size = std::pow(10.0, random.uniform(-10.0, -3.0)) * random.vector(0.1, 1.0);
+    size[axis] = random.uniform(0.1, 2.0);
+    return size;
+  };
+  const Vector3d a = rod(), b = rod();
+  pair.a = Box{a}, pair.b = Box{b};
+  const Vector3d about = Vector3d::Unit(axis) + 1e-9 * random.vector(-1.0, 1.0);
+  pair.X_AB = Eigen::AngleAxisd(random.uniform(-3.0, 3.0), about.normalized());
+  pair.X_AB.translation() = 1e-11 * random.vector(-1.0, 1.0);
+  pair.X_AB.translation()[axis] =
+      0.5 * (a[axis] + b[axis]) * (1.0 + random.integer(-4, 4) * 1.2e-16);
+  if (random.integer(0, 1)) pair.X_AB.translation()[axis] *= -1.0;
+  return pair;
+}
+
+TEST(BoxesTouch, IsSureOfNothingThatIsNotTrueInExactArithmetic) {
+  RandomInputs random;
+  int nb_sure = 0, nb_told = 0;
+  for (int i = 0; i < 2000; ++i) {
+    const ClosePair pair = i % 2 == 0 ? rodsEndToEnd(random) : closePair(random, "box", "box", 1.0);
+    const double band = i % 4 < 2 ? 0.0 : 1e-15 * pair.larger();
+    const Vector3d half_a = 0.5 * std::get<Box>(pair.a).size;
+    const Vector3d half_b = 0.5 * std::get<Box>(pair.b).size;
+    const auto told = boxesTouch(half_a, half_b, pair.X_AB, band);
+    const DistanceInterval truth = ExactDistance::of(
+        oracleBody(pair.a), oracleBody(pair.b), pair.X_AB, Digits(pair.larger()) * Digits(1e-34));
+    if (truth.lower > Digits(1e-12 * pair.larger())) {
+      ASSERT_EQ(told, std::optional<bool>(false)) << i;
+      ++nb_sure;
+    }
+    if (!told) continue;
+    ++nb_told;
+    if (*told) {
+      ASSERT_TRUE(truth.touches()) << i << ' ' << truth.lower;
+    } else {
+      ASSERT_GT(truth.lower, Digits(band)) << i;
+    }
+  }
+  EXPECT_GT(nb_sure, 100);
+  EXPECT_GT(nb_told, 300);
 }
 
 // With a margin it is the distance that decides, and nothing beside it.
