@@ -364,6 +364,8 @@ TEST_F(TwoBoxes, RefuseASelectionThatNamesNothingOrIsOfAnotherScene) {
     return refusal([&] { PairSelection(scene_, restriction); });
   };
   EXPECT_THAT(select({"", {"aa"}}), HasSubstr("'aa', which is not in the scene; did you mean 'a'"));
+  EXPECT_EQ(select({"", {scene_->robot().links()[0].name}}), "accepted");  // of no geometry
+  EXPECT_EQ(select({"", {scene_->models()[0].name}}), "accepted");
   EXPECT_THAT(select({"arm", {}}), HasSubstr("has no SRDF"));
   const auto other = CollisionScene::build(robotFrom(slidingBoxes(2)), std::nullopt, nullptr);
   CheckSettings settings = alarm(0.0);

@@ -71,6 +71,46 @@ TEST_F(SharedMeshes, AreKeptAsLongAsASceneHoldsThem) {
             preparedOf(*holder, "p"));
 }
 
+// Each of the scenes between is let go again, and has a mesh of its own.
+TEST_F(SharedMeshes, AreDroppedIfSixteenScenesDidNotUseThem) {
+  std::size_t nb_prepared = 0;
+  description_.settings.progress = [&](std::size_t, std::size_t) { ++nb_prepared; };
+  int nb_meshes = 0;
+  for (const int nb_between : {1, 15, 16, 17}) {
+    SceneCache cache;
+    const auto build = [&](const RigidObject& object) {
+      description_.objects = {object};
+      CollisionScene::build(description_, &cache);
+    };
+    const auto other = [&] {
+      RigidObject object = ball("other");
+      object.elements[0].shape = meshShape(bumpyBall(6, 0.2 + 0.001 * ++nb_meshes));
+      return object;
+    };
+    RigidObject used = ball("p");
+    std::weak_ptr<const TriangleMesh> mesh = std::get<Mesh>(used.elements[0].shape).mesh;
+    build(used);
+    used = ball("p");
+    description_.objects.clear();
+    for (int i = 0; i < nb_between; ++i) {
+      EXPECT_EQ(mesh.expired(), i >= 16);
+      build(other());
+    }
+    description_.objects.clear();
+    EXPECT_EQ(mesh.expired(), nb_between >= 16);
+    nb_prepared = 0;
+    build(used);
+    EXPECT_EQ(nb_prepared, nb_between >= 16 ? 1u : 0u) << nb_between;
+    for (int i = 0; i < 40; ++i) {  // in use all the time
+      nb_prepared = 0;
+      build(other());
+      EXPECT_EQ(nb_prepared, 1u);
+      build(used);
+      EXPECT_EQ(nb_prepared, 1u);
+    }
+  }
+}
+
 TEST_F(SharedMeshes, ServeAllThreads) {
   SceneCache cache;
   std::vector<std::shared_ptr<const CollisionScene>> scenes(4);

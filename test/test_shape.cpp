@@ -49,13 +49,19 @@ TEST(Shape, WithAnySizeNegativeOrNotFiniteIsRefusedByName) {
 }
 
 TEST(Shape, MeshNamesItsBadVertexOrTriangle) {
+  for (int i = 0; i < 3; ++i) {
+    auto broken = triangle();
+    broken->vertices[i][i] = NAN;
+    const std::string vertex = "vertex " + std::to_string(i) + " is not finite";
+    EXPECT_THAT(refusal(Mesh{broken}), testing::HasSubstr("mesh 'one.stl': " + vertex));
+    EXPECT_THAT(refusal(Convex{broken}), testing::HasSubstr("convex 'one.stl': " + vertex));
+    broken = triangle();
+    broken->triangles.push_back({0, 1, 2});
+    broken->triangles[i / 2][i] = 3;
+    EXPECT_THAT(refusal(Mesh{broken}), testing::HasSubstr("triangle " + std::to_string(i / 2) +
+                                                          " refers to vertex 3 of 3"));
+  }
   auto broken = triangle();
-  broken->vertices[1].y() = NAN;
-  EXPECT_THAT(refusal(Mesh{broken}), testing::HasSubstr("'one.stl': vertex 1"));
-  broken = triangle();
-  broken->triangles[0][2] = 7;
-  EXPECT_THAT(refusal(Mesh{broken}), testing::HasSubstr("triangle 0 refers to vertex 7"));
-  broken = triangle();
   broken->triangles.clear();
   EXPECT_THAT(refusal(Mesh{broken}), testing::HasSubstr("no triangle"));
   EXPECT_THAT(refusal(Convex{std::make_shared<TriangleMesh>()}), testing::HasSubstr("no vertex"));

@@ -107,7 +107,7 @@ std::shared_ptr<const ElementMaker::Content> ElementMaker::contentOf(const MeshP
 // The rungs are shared by all scenes that hold them.
 void ElementMaker::drop() {
   const std::lock_guard<std::mutex> lock(mutex_);
-  const auto isOld = [&](std::uint64_t last_round) { return last_round + KEPT_ROUNDS < round_; };
+  const auto isOld = [&](std::uint64_t last_round) { return last_round + KEPT_ROUNDS <= round_; };
   std::set<const Content*> kept;
   for (auto i = prepared_.begin(); i != prepared_.end();) {
     Prepared& prepared = *i->second;
