@@ -17,8 +17,9 @@ constexpr double ROUNDING = 1e-6;      // relative: a bound is stored as float
 constexpr double MARGIN = 1e-7;        // relative to the size, and metres
 constexpr double MOST_CELLS = 4000.0;  // up to here float is off by less than 0.002 cells
 
-CoveredSolid solidOf(const Prepared& shape, double size) {
-  return shape.mesh ? meshSolid(shape, size) : hullSolid(shape.hull, size);
+// Its size is of use to what may_hold() alone, which is not asked here.
+CoveredSolid solidOf(const Prepared& shape) {
+  return shape.mesh ? meshSolid(shape, 0.0) : hullSolid(shape.hull, 0.0);
 }
 
 }  // namespace
@@ -37,7 +38,7 @@ std::unique_ptr<const SolidField> SolidField::make(const Prepared& shape) {
 
 SolidField::SolidField(const Prepared& shape)
     : margin_(MARGIN * (1.0 + shape.core.extent + shape.core.radius + shape.core.center.norm())) {
-  const CoveredSolid solid = solidOf(shape, margin_ / MARGIN);
+  const CoveredSolid solid = solidOf(shape);
   const Aabb box = boxAround(shape.hull.points.vertices);
   const Vector3d size = box.max - box.min;
   width_ = std::cbrt((size.array() + 0.2 * size.maxCoeff()).prod() / NODES);
