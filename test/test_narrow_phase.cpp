@@ -55,6 +55,12 @@ TEST(PoseRepair, LeavesRotationsAsTheyAreAndRepairsEachEntryThatIsOff) {
       none.matrix()(i % 3, i / 3) += 0.1;
       EXPECT_FALSE(repairPose(none)) << i;
     }
+    for (const double scale : {1.0 + 0.49e-3, 1.0 - 0.49e-3, 1.0 + 0.51e-3, 1.0 - 0.51e-3}) {
+      Isometry3d scaled = exact;  // x . x is off by twice as much, of 1e-3
+      scaled.linear().col(round % 3) *= scale;
+      EXPECT_FALSE(isSound(scaled));
+      EXPECT_EQ(repairPose(scaled), std::abs(scale - 1.0) < 0.5e-3) << scale;
+    }
     Isometry3d mirrored = exact;
     mirrored.linear().col(round % 3) *= -1.0;
     EXPECT_FALSE(isSound(mirrored));
