@@ -35,8 +35,13 @@ std::vector<double> randomCommand(RandomInputs& random, int nb_joints) {
   return command;
 }
 
-/// Commands like those before, or others: a scale that falls, jumps, reversals, noise.
-std::vector<double> nextCommand(RandomInputs& random, std::vector<double> command) {
+/// Commands like those before, or others: a scale that falls, jumps, reversals, noise; or noise
+/// alone, so that slow joints come near their command.
+std::vector<double> nextCommand(RandomInputs& random, std::vector<double> command, bool is_steady) {
+  if (is_steady) {
+    for (double& x : command) x += random.uniform(-0.001, 0.001);
+    return command;
+  }
   const int kind = random.integer(0, 19);
   if (kind == 0) return randomCommand(random, static_cast<int>(command.size()));
   for (double& x : command) {
@@ -57,8 +62,10 @@ TEST(StoppingTube, ContainsWhatARobotDoesWhateverItsDeadTimesAndAccelerations) {
     response.reaction_time = random.uniform(0.0, 0.2);
     response.hold = random.uniform(0.01, 0.3);
     std::vector<double> acceleration;
+    const bool is_steady = round % 2 == 0;
     for (int j = 0; j < nb_joints; ++j) {
-      response.deceleration.push_back(random.uniform(0.5, 8.0));
+      response.deceleration.push_back(random.integer(0, 1) ? random.uniform(0.2, 1.0)
+                                                           : random.uniform(0.5, 8.0));
       acceleration.push_back(response.deceleration.back() *
                              (random.integer(0, 1) ? 1.0 : random.uniform(1.0, 20.0)));
     }
@@ -69,17 +76,18 @@ TEST(StoppingTube, ContainsWhatARobotDoesWhateverItsDeadTimesAndAccelerations) {
       return kind == 0 ? most : kind == 1 ? 0.0 : random.uniform(0.0, most);
     };
     SimulatedJoints robot(std::vector<double>(nb_joints, 0.0), acceleration);
-    const double period = random.uniform(0.004, 0.05);
+    const double period = random.uniform(0.004, is_steady ? 2.0 : 0.05);
     std::vector<double> command = randomCommand(random, nb_joints);
     double next = 0.0, stamp = 0.0, now = 0.0;
     std::vector<double> measured = robot.positions();
-    const double decided = random.uniform(0.0, 1.0), age = random.uniform(0.0, 0.05);
+    const double decided = random.uniform(0.0, is_steady ? 5.0 : 1.0);
+    const double age = random.uniform(0.0, 0.05);
     for (; now < decided; now += STEP) {
       if (now >= next) {
         next = now + period;
         passed.add(now, command);
         robot.command(now + deadTime(), command);
-        command = nextCommand(random, command);
+        command = nextCommand(random, command, is_steady);
       }
       robot.step(now, STEP);
       if (now + STEP <= decided - age) {
@@ -91,7 +99,8 @@ TEST(StoppingTube, ContainsWhatARobotDoesWhateverItsDeadTimesAndAccelerations) {
     for (const double x : command) is_zero &= x == 0.0;
     if (is_zero) continue;
     std::vector<double> scaled = command;
-    for (double& x : scaled) x *= random.integer(0, 3) ? random.uniform(0.0, 1.0) : 0.0;
+    const double scale = std::min(1.0, std::max(0.0, random.uniform(-0.2, 2.0)));
+    for (double& x : scaled) x *= scale;
     const StoppingTube tube = passed.tube(stamp, now, command, scaled);
     std::vector<double> displacement(measured.size());
     const auto expectInside = [&] {
@@ -161,6 +170,18 @@ TEST(StoppingTube, OfCommandsThatDifferIsNoLargerThanTheBoundsSay) {
   hectic.add(0.98, {1.25, -0.5});
   expectTube(hectic.tube(1.0, 1.02, {0.5, 1.0}, {0.25, 0.5}),
              {{0.524, 1.988}, {0.62, 2.18}, {1.8225, 3.2}, 6.32});
+}
+
+// What a slow joint did before it began to move counts until it has reached its command.
+TEST(StoppingTube, RemembersACommandForAsLongAsAJointMayBeOnItsWayFromIt) {
+  PassedCommands passed({0.1, 0.2, {10.0, 0.5}});
+  const std::vector<double> next = {1.0, 1.0};
+  passed.add(0.0, next);
+  passed.add(1.2, {0.999, 1.0});
+  const StoppingTube tube = passed.tube(1.3, 1.3, next, next);
+  const double velocity = 0.5 * (1.3 - 0.1), seconds = 0.3;  // at the measurement, until zeros
+  const double slow = velocity * seconds + 0.5 * 0.5 * seconds * seconds;
+  EXPECT_LE(outside(tube, {0.999 * 0.1 + 0.2, slow}), ROUNDING);
 }
 
 // A fast robot brakes for longer than commands are kept.

@@ -66,14 +66,16 @@ double PassedCommands::endOf(std::size_t i, double now) const {
   return replaced + response_.reaction_time;
 }
 
-// The robot may have its velocity, and be slowing down from it, for as long as braking takes.
+// A joint may be on its way from a command for as long as it takes to the velocity of the last one.
+// From then on the bounds that begin at the last one enclose those that begin there.
 void PassedCommands::forget(double now) {
   const auto hasEffect = [&](const Passed& of) {
-    double braking = 0.0;
+    double way = 0.0;
     for (std::size_t i = 0; i < of.command.size(); ++i) {
-      braking = std::max(braking, std::abs(of.command[i]) / response_.deceleration[i]);
+      const double change = std::abs(of.command[i] - passed_.back().command[i]);
+      way = std::max(way, change / response_.deceleration[i]);
     }
-    return endOf(0, now) + braking > now - LATEST_JOINT_STATE;
+    return endOf(0, now) + way > now - LATEST_JOINT_STATE;
   };
   while (passed_.size() > 1 && !hasEffect(passed_.front())) passed_.pop_front();
 }
