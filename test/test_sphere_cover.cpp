@@ -162,7 +162,7 @@ TEST(SphereCover, MoreSpheresStickOutLess) {
   const SphereCover few = coverOf(shape, 31), many = coverOf(shape, 2047);
   int in_few = 0, in_many = 0;
   for (int i = 0; i < 20000; ++i) {
-    const Vector3d p = random.vector(-2.0, 2.0);
+    const Vector3d p = random.vector(-0.3, 0.3);
     in_few += leadsToLeaf(few.outer, 0, p);
     in_many += leadsToLeaf(many.outer, 0, p);
   }
