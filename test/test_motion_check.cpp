@@ -102,7 +102,7 @@ TEST(MotionCheck, WhatIsNearerThanTheClearanceIsNotCutDownToTheResolution) {
   const MotionReport report = checked(scene, {-2.0}, {2.0}, settings);
   EXPECT_EQ(report.verdict, Verdict::UNKNOWN);
   EXPECT_EQ(report.pairs.size(), 1u);
-  // Not the millions that the resolution would allow, but a few for each time it is halved.
+  // Not as many as the resolution would allow, but a few for each time the motion is halved.
   const double halvings = std::log2(4.0 / settings.resolution);
   EXPECT_LT(report.nb_checks, 5.0 * halvings);
   settings.from_start = true;

@@ -83,7 +83,8 @@ double leastDistance(const std::shared_ptr<const CollisionScene>& scene, const B
   return least;
 }
 
-// In the sum: the two distances differ in their last bits, which can cost a step of one motion in a thousand.
+// In the sum: the two distances differ in their last bits, which can cost a step of one motion in a
+// thousand.
 TEST(MotionCosts, AreTheSameWhicheverOfTheTwoMoves) {
   RandomInputs random;
   std::size_t checks = 0, queries = 0, other_checks = 0, other_queries = 0;

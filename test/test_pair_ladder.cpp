@@ -16,10 +16,6 @@ using Eigen::Vector3d;
 constexpr double INF = std::numeric_limits<double>::infinity();
 constexpr double ACCURACY = 2e-9;  // metres; of cylinders, see docs/accuracy.md
 
-const Prepared& preparedOf(const std::shared_ptr<const PreparedShape>& shape) {
-  return static_cast<const Prepared&>(*shape);
-}
-
 class Ladder {
  public:
   explicit Ladder(const SceneDescription& description)
@@ -49,7 +45,6 @@ class Ladder {
   }
 
   PairLadder& ladder() { return ladder_; }
-  const CollisionScene& scene() const { return *scene_; }
   const SceneElement& element(std::uint32_t i) const { return scene_->elements()[i]; }
   const Aabb& box(std::uint32_t i) const { return boxes_.boxes()[i]; }
   const Isometry3d& pose(std::uint32_t i) { return boxes_.X_WE()[i]; }
@@ -248,13 +243,13 @@ TEST(PairLadder, HullsReachAsFarAsTheirVerticesAndAreApartByNearlyTheirDistance)
   int nb_apart = 0;
   forEachPair([&](Ladder& its, const BoxPair& pair, RandomInputs& random) {
     const SceneElement& element = its.element(pair.second);
-    const Prepared& mesh = preparedOf(element.rung(Fidelity::MESH).shape);
+    const auto& mesh = static_cast<const Prepared&>(*element.rung(Fidelity::MESH).shape);
     if (!mesh.mesh) return;
     const Isometry3d X_WE = its.pose(pair.second);
     const auto voxel = prepareShape(Box{random.vector(0.01, 0.3)});
     Isometry3d X_WV = Isometry3d::Identity();
     X_WV.translation() = X_WE.translation() + random.vector(-0.6, 0.6);
-    const ConvexCore& core = preparedOf(voxel).core;
+    const ConvexCore& core = static_cast<const Prepared&>(*voxel).core;
     const Vector3d n = random.rotation() * Vector3d::UnitX();
     long double furthest = -1e30L;
     for (const Vector3d& v : mesh.mesh->triangles->vertices) {

@@ -34,8 +34,7 @@ struct StoppingTube {
 ///     u * (integral of lambda) + (integral of r) + (integral of v - w).
 /// Each integral is bounded, whatever the dead times are, and whenever zeros follow the next
 /// command within the hold: the first gives the segment, the other two the deviation. The bounds
-/// are derived at the functions. Cost: O(commands of the last reaction time x joints), some
-/// microseconds.
+/// are derived at the functions. Cost: O(commands kept x joints).
 class PassedCommands {
  public:
   explicit PassedCommands(RobotResponse response);
