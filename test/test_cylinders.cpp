@@ -4,6 +4,7 @@
 
 #include "benchmark/cylinder_rows.h"
 #include "certified_depth.h"
+#include "test_shapes.h"
 
 namespace collision_pairs {
 namespace {
@@ -69,22 +70,57 @@ TEST(Cylinders, BesideWhatIsAMillionTimesThinner) {
   for (const CylinderRow& row : thinRows()) holdRow(row, 8, 1e-8);
 }
 
-// The difference of two parallel cylinders is a cylinder.
-TEST(Cylinders, ParallelOnesHaveTheDepthOfTheFormula) {
+/// A body whose edges or axis are parallel to z: a rectangle or a point, rounded, times an
+/// interval, and a sphere added to that.
+struct Upright {
+  Shape shape;
+  Eigen::Vector2d half_across = Eigen::Vector2d::Zero();
+  double rounded = 0.0, half_length = 0.0, ball = 0.0;
+};
+
+Upright upright(RandomInputs& random, const std::string& kind) {
+  const double radius = random.uniform(0.03, 0.15), length = random.uniform(0.05, 0.3);
+  const Vector3d half = random.vector(0.02, 0.2);
+  if (kind == "cylinder") return {Cylinder{radius, length}, {0.0, 0.0}, radius, 0.5 * length};
+  if (kind == "capsule") return {Capsule{radius, length}, {0.0, 0.0}, 0.0, 0.5 * length, radius};
+  if (kind == "box") return {Box{2.0 * half}, half.head<2>(), 0.0, half[2]};
+  return {Convex{std::make_shared<TriangleMesh>(boxMesh(half))}, half.head<2>(), 0.0, half[2]};
+}
+
+/// The difference of two such bodies is one as well.
+double distanceByFormula(const Upright& a, const Upright& b, const Vector3d& p) {
+  const Eigen::Vector2d beside = p.head<2>().cwiseAbs() - a.half_across - b.half_across;
+  const double across =
+      beside.cwiseMax(0.0).norm() + std::min(beside.maxCoeff(), 0.0) - a.rounded - b.rounded;
+  const double along = std::abs(p[2]) - a.half_length - b.half_length;
+  const double cores =
+      across > 0.0 && along > 0.0 ? std::hypot(across, along) : std::max(across, along);
+  return cores - a.ball - b.ball;
+}
+
+// Edges that run along a cylinder or through its cap, where the nearest point of the cylinder gives
+// no direction across the edge.
+TEST(Cylinders, UprightBodiesBesideUponAndInOneHaveTheDistanceOfTheFormulaAlongTheNormal) {
   RandomInputs random;
-  for (int i = 0; i < 2000; ++i) {
-    const Cylinder a{random.uniform(0.03, 0.15), random.uniform(0.05, 0.3)};
-    const Cylinder b = i % 2 ? a : Cylinder{random.uniform(0.03, 0.15), random.uniform(0.05, 0.3)};
-    Isometry3d X_AB = Isometry3d::Identity();
-    X_AB.translation() =
-        std::pow(10.0, random.uniform(-16.0, -1.0)) * (random.rotation() * Vector3d::UnitX());
-    if (i % 5 == 0) X_AB.translation().head<2>().setZero();
-    const PairDistance result = distanceOf(a, b, X_AB);
-    const Vector3d p = X_AB.translation();
-    const double truth = std::min(a.radius + b.radius - std::hypot(p[0], p[1]),
-                                  0.5 * (a.length + b.length) - std::abs(p[2]));
-    ASSERT_NEAR(-result.distance, truth, 1e-14) << i;
-    ASSERT_NE(result.certainty, Certainty::DEGRADED) << i;
+  for (const std::string kind : {"cylinder", "capsule", "box", "convex"}) {
+    for (int i = 0; i < 4000; ++i) {
+      const Upright a = upright(random, "cylinder");
+      const Upright b = kind == "cylinder" && i % 2 ? a : upright(random, kind);
+      Vector3d p = random.vector(-0.4, 0.4);
+      if (i % 3 == 0) p *= std::pow(10.0, random.uniform(-16.0, 0.0));
+      if (i % 5 == 0) p.head<2>().setZero();
+      if (i % 7 == 0) p[2] = std::copysign(b.half_length - a.half_length, p[2]);  // level
+      Isometry3d X = Isometry3d::Identity();
+      X.translation() = i % 4 < 2 ? p : -p;
+      const PairDistance found =
+          i % 4 < 2 ? distanceOf(a.shape, b.shape, X) : distanceOf(b.shape, a.shape, X);
+      SCOPED_TRACE(kind + " " + std::to_string(i));
+      ASSERT_NEAR(found.distance, distanceByFormula(a, b, p), 1e-14);
+      ASSERT_NE(found.certainty, Certainty::DEGRADED);
+      ASSERT_NEAR(found.nhat_AB_A.norm(), 1.0, 1e-12);
+      const Vector3d touching = X.translation() - found.distance * found.nhat_AB_A;
+      ASSERT_NEAR(distanceByFormula(a, b, touching), 0.0, 1e-9);
+    }
   }
 }
 

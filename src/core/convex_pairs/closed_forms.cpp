@@ -121,7 +121,12 @@ PairDistance segmentDistance(const ConvexCore& A, const ConvexCore& B, const Iso
   const Vector3d across = half_a.cross(half_b);
   const double nn = across.squaredNorm();
   SegmentPair found = closestWithEnds(A.half[2], center, half_b);
-  Vector3d normal = nn > 0.0 ? Vector3d(across.stableNormalized()) : Vector3d::UnitX();
+  Vector3d normal = Vector3d::UnitX();  // of two that meet, but for rounding: across both
+  if (nn > 0.0) {
+    normal = across.stableNormalized();
+  } else if (B.half[2] > A.half[2]) {
+    normal = X_AB.linear().col(2).unitOrthogonal();
+  }
   double distance = std::sqrt(found.squared);
   const double s = center.cross(half_b).dot(across), t = center.cross(half_a).dot(across);
   if (nn > 0.0 && std::abs(s) <= nn && std::abs(t) <= nn) {
@@ -129,7 +134,7 @@ PairDistance segmentDistance(const ConvexCore& A, const ConvexCore& B, const Iso
     found.on_b = center + (t / nn) * half_b;
     distance = center.dot(normal);
     if (distance < 0.0) normal = -normal, distance = -distance;
-  } else if (distance > 0.0) {
+  } else if (distance > ROUNDING * magnitudeOf(A, B, center)) {
     normal = (found.on_b - found.on_a).stableNormalized();
   }
   PairDistance result;

@@ -364,6 +364,9 @@ class Query {
   }
 
   bool fillFromWitnesses(const Vec3<T>& n, Witnesses<T> closest, PairDistance& result) const {
+    // Along an edge that runs through a cap nothing is left of the normal, and a height along
+    // nothing is 0 wherever the two are.
+    if (!(n.squaredNorm() > T(0.5))) return false;
     const T lower = -difference_.furthest(n).w.dot(n), apart = closest.apart();
     if (!settles(lower, apart) || residualOf(closest, n, lower) > largest_error_) return false;
     setApart(n, lower, closest);
