@@ -46,7 +46,7 @@ TEST(BatchKinematics, AreOffByNoMoreThanDerived) {
     description.robots.push_back({randomRobot(random, 3), std::nullopt, "b"});
     description.robots.back().X_WR = random.pose(20.0);
     const auto scene = CollisionScene::build(description);
-    const BatchModel model(*scene);
+    const BatchModel model(*scene, true);
     for (const BatchKernel& kernel : batchKernels()) {
       const auto nb_lanes = static_cast<std::size_t>(kernel.lanes);
       std::vector<double> columns((model.columns.size() + 1) * nb_lanes);
@@ -106,7 +106,7 @@ TEST(BatchKinematics, SinesAreOffByNoMoreThanDerived) {
   SceneDescription description;
   description.robots.push_back({robot, Srdf(), ""});
   const auto unfiltered = CollisionScene::build(description);
-  const BatchModel model(*unfiltered);
+  const BatchModel model(*unfiltered, true);
   ASSERT_EQ(model.bodies.size(), 3u);
   const BatchKernel& kernel = batchKernels().front();
   const auto nb_lanes = static_cast<std::size_t>(kernel.lanes);
@@ -235,14 +235,14 @@ TEST(BatchStage, MemoryIsThatOfItsFieldsTooOneForEachSetOfStaticThings) {
 TEST(BatchModel, MemoryIsThatOfSpheresAboutStaticThingsToo) {
   SceneDescription description;
   description.robots.push_back({robotFrom(slidingBoxes(3)), std::nullopt, ""});
-  const BatchModel without(*CollisionScene::build(description));
+  const BatchModel without(*CollisionScene::build(description), true);
   RigidObject drum;
   drum.name = "drum";
   drum.elements.push_back({Cylinder{0.3, 1.0}, Eigen::Isometry3d::Identity()});
   drum.X_PO.translation() = Vector3d(0, 3, 0);
   description.objects.push_back(drum);
   const auto scene = CollisionScene::build(description);
-  const BatchModel with(*scene);
+  const BatchModel with(*scene, true);
   const SphereCover& cover = with.covers[scene->models()[scene->findModel("drum")].first_element];
   EXPECT_GT(cover.outer.size(), 50u);
   EXPECT_EQ(with.memory() - without.memory(),

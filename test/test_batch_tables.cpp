@@ -48,7 +48,7 @@ TEST(PairTable, TellsWhatTheExactCheckSaysWhereverItTellsAnything) {
     const std::string& first = shapes[random.integer(0, 3)];  // in this order with every compiler
     const auto robot = armWith(first, second, types);
     const auto scene = everyPair(robot, random.integer(0, 1) * 0.02);
-    const BatchModel model(*scene);
+    const BatchModel model(*scene, true);
     ASSERT_EQ(scene->elements().size(), 2u);
     for (const BoxPair pair : {BoxPair{0, 1}, BoxPair{1, 0}}) {
       PairTable table(*scene, model, pair);
@@ -82,7 +82,7 @@ TEST(PairTable, KnowsInTheFirstStatesWhatIsFarApart) {
   RandomInputs random;
   const auto robot = armWith("<mesh filename='l'/>", "<mesh filename='ball'/>", "rr", 1.0);
   const auto scene = everyPair(robot, 0.0);
-  const BatchModel model(*scene);
+  const BatchModel model(*scene, true);
   PairTable table(*scene, model, {0, 1});
   NarrowPhase narrow_phase;
   for (int i = 0; i < 100; ++i) {
@@ -104,7 +104,7 @@ TEST(PairTable, IsRightAtTheCornersOfItsBlocks) {
     const auto arm = armWith(first, second, types, random.uniform(0.0, 0.2));
     const auto scene = everyPair(arm, random.integer(0, 1) * 0.02);
     const RobotModel& robot = scene->robot();
-    const BatchModel model(*scene);
+    const BatchModel model(*scene, true);
     PairTable table(*scene, model, {0, 1});
     NarrowPhase narrow_phase, exact;
     for (int i = 0; i < 4 * BLOCKS * BLOCKS; ++i) {
@@ -150,7 +150,7 @@ TEST(PairTable, DecidesMostContactsOfMeshesAndAllRightly) {
     const auto robot =
         armWith("<mesh filename='l'/>", "<mesh filename='" + other + "'/>", "rr", apart);
     const auto scene = everyPair(robot, 0.0);
-    const BatchModel model(*scene);
+    const BatchModel model(*scene, true);
     PairTable table(*scene, model, {0, 1});
     NarrowPhase narrow_phase, exact;
     for (int i = 0; i < 220000; ++i) {
@@ -222,7 +222,7 @@ std::vector<std::uint32_t> staticElements(const CollisionScene& scene) {
 TEST(StaticField, BoundsAreThoseOfTheExactDistance) {
   RandomInputs random;
   const auto scene = cluttered(random);
-  const BatchModel model(*scene);
+  const BatchModel model(*scene, true);
   const std::vector<std::uint32_t> all = staticElements(*scene);
   const StaticField field(*scene, model, all, {Vector3d::Constant(-1), Vector3d::Constant(1)});
   const auto point = prepareShape(Sphere{0.0});
@@ -273,7 +273,7 @@ unsigned further(const BatchKernel& kernel, const BatchGrid& grid, float* points
 TEST(StaticField, KernelsFindFurtherWhatItsCellsTellButForTheirRounding) {
   RandomInputs random;
   const auto scene = cluttered(random, 5);  // so many that the cells alone are asked
-  const BatchModel model(*scene);
+  const BatchModel model(*scene, true);
   for (const BatchKernel& kernel : batchKernels()) {
     // Far from W and not round, so that places in the region are rounded.
     const Vector3d from(-1.1, -7.03, 0.017), to(1.3, 0.61, 1.9);
@@ -319,7 +319,7 @@ TEST(StaticField, KernelsFindFurtherWhatItsCellsTellButForTheirRounding) {
 TEST(StaticField, KernelsFindNothingFurtherOutsideTheRegionOrInCellsThatAreNotFilledIn) {
   RandomInputs random;
   const auto scene = cluttered(random);
-  const BatchModel model(*scene);
+  const BatchModel model(*scene, true);
   const StaticField field(*scene, model, {0}, {Vector3d::Constant(-1), Vector3d::Constant(1)});
   for (const BatchKernel& kernel : batchKernels()) {
     for (int axis = 0; axis < 3; ++axis) {

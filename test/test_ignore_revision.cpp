@@ -121,6 +121,31 @@ TEST(AListOfPairs, WithoutANumberIsAskedAnew) {
   EXPECT_GT(nb_asked, 20);
 }
 
+TEST(AListOfPairs, OfAnyLengthAsksForEachPairOnce) {
+  std::map<ModelPair, int> asked;
+  const MayIgnore may_ignore = [&](std::uint32_t first, std::uint32_t second) {
+    ++asked[{first, second}];
+    return (first + second) % 3 == 0;
+  };
+  constexpr std::uint32_t MODELS = 60;
+  IgnoredPairs pairs;
+  std::vector<ModelPair> ignored;
+  for (const std::uint64_t revision : {7, 7, 8}) {
+    pairs.begin(may_ignore, revision);
+    ignored.clear();
+    for (std::uint32_t a = 0; a < MODELS; ++a) {
+      for (std::uint32_t b = a + 1; b < MODELS; ++b) {
+        ASSERT_EQ(pairs.has(b, a), (a + b) % 3 == 0);
+        ASSERT_EQ(pairs.has(a, b), (a + b) % 3 == 0);
+        if ((a + b) % 3 == 0) ignored.push_back({a, b});
+      }
+    }
+    EXPECT_EQ(pairs.list(), ignored);
+  }
+  EXPECT_EQ(asked.size(), MODELS * (MODELS - 1) / 2);
+  for (const auto& [pair, times] : asked) ASSERT_EQ(times, 2) << pair.first << " " << pair.second;
+}
+
 TEST(ASelection, ThatIsBuiltWhereAnotherWasIsNotTakenForIt) {
   RandomInputs random;
   int nb_differing = 0;

@@ -100,6 +100,24 @@ TEST(NativeAndFcl, AgreeOnYesOrNoAndDistanceForEveryPairOfShapesAtEverySizeAndGa
   }
 }
 
+// Else nobody would notice that FCL is no longer asked.
+TEST(NativeAndFcl, FclAnswersForEveryPairThatIsClearlyApart) {
+  RandomInputs random;
+  NarrowPhase native;
+  for (const std::string& a : EVERY_KIND) {
+    for (const std::string& b : EVERY_KIND) {
+      NarrowPhase by_fcl;
+      for (int i = 0; i < 5; ++i) {
+        const Prepared2 A(shapeOfKind(random, a, 0.2)), B(shapeOfKind(random, b, 0.2));
+        const Isometry3d X_AB = poseWithGap(random, native, *A.native, *B.native, 0.2, 0.05);
+        EXPECT_NEAR(by_fcl.distance(*A.fcl, *B.fcl, X_AB, INF).distance, 0.05, 1e-7);
+        EXPECT_FALSE(by_fcl.touches(*A.fcl, *B.fcl, X_AB));
+      }
+      EXPECT_EQ(by_fcl.numAnsweredNatively(), 0u) << a << "-" << b;
+    }
+  }
+}
+
 TEST(NativeAndFcl, AgreeOnNormalsAndWitnessPointsOfBodiesApart) {
   NarrowPhase native, by_fcl;
   forEveryPairSizeAndGap(1, [&](const std::string&, const std::string&, double size,

@@ -1,4 +1,6 @@
 // A scene that was changed is the scene that is built of the changed description.
+#include <functional>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -289,14 +291,40 @@ TEST_F(Changed, WhatIsWrongIsNamedAsByABuild) {
   EXPECT_THAT(refusal({{bad}, {}}), HasSubstr("a shape of the scene"));
 }
 
-TEST_F(Changed, WhatARuleOrATouchLinkNamesIsNotRemoved) {
-  description_.objects[0].touch_links = {"near"};
-  scene_ = CollisionScene::build(description_);
-  EXPECT_THAT(refusal({{}, {"near"}}), HasSubstr("object 'far', touch_links names 'near'"));
-  description_.objects[0].touch_links.clear();
-  description_.settings.link_padding["far"] = 0.1;
-  scene_ = CollisionScene::build(description_);
-  EXPECT_THAT(refusal({{}, {"far"}}), HasSubstr("'far'"));
+TEST_F(Changed, WhatADescriptionNamesIsNotRemoved) {
+  using Naming = std::function<void(SceneDescription&)>;
+  const std::vector<std::pair<std::string, Naming>> by = {
+      {"link_fidelity", [](auto& d) { d.settings.link_fidelity["far"] = Fidelity::AABB; }},
+      {"link_padding", [](auto& d) { d.settings.link_padding["far"] = 0.1; }},
+      {"pair_rules",
+       [](auto& d) {
+         d.settings.pair_rules = {{PairRule::Verdict::DENY, "far", "near"}};
+       }},
+      {"pair_rules",
+       [](auto& d) {
+         d.settings.pair_rules = {{PairRule::Verdict::DENY, "near", "far"}};
+       }},
+      {"pair_padding",
+       [](auto& d) {
+         d.settings.pair_padding = {{"far", "near", 0.1}};
+       }},
+      {"pair_padding",
+       [](auto& d) {
+         d.settings.pair_padding = {{"near", "far", 0.1}};
+       }},
+      {"ignored_links", [](auto& d) { d.settings.ignored_links = {"far"}; }},
+      {"cylinder_as_capsule", [](auto& d) { d.settings.cylinder_as_capsule = {"far"}; }},
+      {"the restriction", [](auto& d) { d.restriction.names = {"far"}; }},
+      {"object 'near', touch_links", [](auto& d) { d.objects[1].touch_links = {"far"}; }},
+      {"cloud 'cloud', touch_links", [](auto& d) { d.clouds[0].touch_links = {"far"}; }},
+  };
+  description_.clouds = {cloudOf("cloud", 0.125, {})};
+  for (const auto& [where, name] : by) {
+    SceneDescription description = description_;
+    name(description);
+    scene_ = CollisionScene::build(description);
+    EXPECT_THAT(refusal({{}, {"far"}}), HasSubstr(where + " names 'far'"));
+  }
 }
 
 TEST_F(Changed, TheNarrowPhaseIsStillTheOneThatWasAskedFor) {

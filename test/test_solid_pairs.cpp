@@ -134,7 +134,7 @@ TEST(SolidPairs, SettleMostPairsOfLargeMeshesAndAllRightly) {
     settings.padding = padding;
     const auto scene = CollisionScene::build(robot, Srdf(), nullptr, settings);
     ASSERT_EQ(scene->elements().size(), 5u);
-    const BatchModel model(*scene);
+    const BatchModel model(*scene, true);
     const SolidPairs solids(*scene, model);
     NarrowPhase exact;
     int nb[3] = {0, 0, 0};

@@ -265,6 +265,20 @@ TEST(SphereDistance, ThatIsExactlyTheRequestedOneIsNotBeyondIt) {
   }
 }
 
+TEST(SphereDistance, OfASolidInItselfHasADirection) {
+  RandomInputs random;
+  for (const std::string& kind : EVERY_KIND) {
+    const auto prepared = prepareShape(shapeOfKind(random, kind, 0.2));
+    const auto& solid = static_cast<const Prepared&>(*prepared);
+    const auto outer = coverBySpheres(solid, 127).outer;
+    const PairDistance found =
+        sphereDistance({&outer, nullptr}, {&outer, nullptr}, Eigen::Isometry3d::Identity(), 1.0, 0);
+    EXPECT_LT(found.distance, 0.0) << kind;
+    EXPECT_NEAR(found.nhat_AB_A.norm(), 1.0, 1e-12) << kind;
+    EXPECT_TRUE(found.p_ACa.allFinite() && found.p_ACb.allFinite()) << kind;
+  }
+}
+
 TEST(SphereCover, OfSolidsWithoutVolumeIsWhole) {
   for (const Shape& shape :
        {Shape(Box{{0.2, 0.3, 0.0}}), Shape(Box{{0, 0, 0}}), Shape(Cylinder{0.0, 0.3}),

@@ -52,6 +52,21 @@ TEST(TransformKind,
   expectFrom(frame, at(9) + 1, TransformKind::MOVES, TransformKind::AMBIGUOUS);
 }
 
+// Of more conflicts than are kept one by one, whatever lies between the last two is ambiguous.
+TEST(TransformKind, IsAmbiguousInEachOfAnyNumberOfConflicts) {
+  constexpr int CONFLICTS = 1200;
+  TransformKind frame;
+  const auto begin = [](int i) { return at(10.0 * i); };
+  for (int i = 1; i <= CONFLICTS; ++i) {
+    frame.noteMoving(begin(i), AGE);
+    frame.noteStatic(begin(i) + SECOND / 2, AGE, true);
+    frame.noteMoving(begin(i) + 5 * SECOND, AGE);
+  }
+  for (int i = 1; i <= CONFLICTS; ++i) {
+    ASSERT_EQ(frame.at(begin(i) + SECOND / 2), TransformKind::AMBIGUOUS) << i;
+  }
+}
+
 TEST(TransformKind, BecomesStaticLongAfterItMovedIfThatIsSaidTwice) {
   for (const bool again : {false, true}) {
     TransformKind frame;

@@ -62,10 +62,13 @@ class NodeletTest(unittest.TestCase):
             self.assertEqual(node.check().result.in_collision, in_contact)
         self.assertTrue(unload("/cell/checks"))
 
-    def test_unloading_ends_its_topics_and_it_can_be_loaded_again(self):
+    def test_unloading_ends_its_topics_and_its_limiter_and_it_can_be_loaded_again(self):
+        rospy.set_param("/cell/again/velocity_limiter",
+                        {"command": "/cell/command", "joints": ["slide_a"], "deceleration": 2.0})
         for _ in range(3):
             load("/cell/again")
-            self.assertIn("/cell/again/collision_pairs", topics_of("/cell/again"))
+            for topic in ("collision_pairs", "limited_command", "speed_scale"):
+                self.assertIn("/cell/again/" + topic, topics_of("/cell/again"))
             self.assertTrue(unload("/cell/again"))
             self.assertEqual(topics_of("/cell/again"), [])
 

@@ -27,7 +27,7 @@ struct BatchModel {
   /// away.
   static std::string whyNot(const CollisionScene& scene, Fidelity fidelity);
   /// For a scene without such a reason. Cost: coverBySpheres() for each element, on all cores.
-  explicit BatchModel(const CollisionScene& scene, bool with_tables = true);
+  BatchModel(const CollisionScene& scene, bool with_tables);
   BatchModel(const BatchModel&) = delete;
   BatchModel& operator=(const BatchModel&) = delete;
 
