@@ -41,7 +41,8 @@ struct Contact {
   Eigen::Vector3d p_WFirst;   ///< on the element of the first model
   Eigen::Vector3d p_WSecond;  ///< on the element of the second model
   Eigen::Vector3d nhat_W;     ///< unit normal, from the first to the second model
-  double depth;               ///< metres; minus the distance if the two are apart
+  double depth;               ///< metres; minus the distance if the two are apart. An upper bound
+                              ///< where the time budget ended before the two were settled
   BoxPair elements;           ///< element of the first model, element of the second
   /// If one of the two is a cloud: the cell of the voxel in contact (OccupiedVoxels), else 0.
   Eigen::Vector3i voxel = Eigen::Vector3i::Zero();
