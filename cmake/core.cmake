@@ -55,7 +55,6 @@ add_library(collision_pairs SHARED
   src/core/geometry/geometry_kernel.cpp
   src/core/geometry/packed_points.cpp
   src/core/geometry/shape.cpp
-  src/core/gradient/closest_pair.cpp
   src/core/gradient/distance_gradient.cpp
   src/core/meshes/mesh_edges.cpp
   src/core/meshes/mesh_query.cpp

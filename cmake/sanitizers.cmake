@@ -27,7 +27,7 @@ if(runtime)
                   OUTPUT_STRIP_TRAILING_WHITESPACE)
 endif()
 if(sanitizers)  # GCC 12 warns falsely of std::variant, CGAL and replaced operators in what it inlines for a sanitizer
-  set_source_files_properties(test/test_mesh_query.cpp test/test_narrow_phase_extremes.cpp
+  set_source_files_properties(test/test_triangle_distance.cpp test/test_narrow_phase_extremes.cpp
                               PROPERTIES COMPILE_OPTIONS -Wno-maybe-uninitialized)
   set_source_files_properties(test/test_sweep_allocations.cpp PROPERTIES COMPILE_OPTIONS -Wno-mismatched-new-delete)
 endif()

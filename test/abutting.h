@@ -53,11 +53,13 @@ struct Abutting {
   Abutting(RandomInputs& random, int voxel, int reach)
       : a(random.integer(50, 100)),
         b(random.integer(50, 100)),
-        face(voxel * random.integer(-reach / voxel, reach / voxel)),
+        face(random.integer(0, 1) ? voxel * random.integer(-reach / voxel, reach / voxel) : 0),
         y(voxel * random.integer(-reach / voxel, reach / voxel) + voxel / 2),
         z(voxel * random.integer(-reach / voxel, reach / voxel) + voxel / 2) {}
   Eigen::Vector3d p_WA() const { return {metres(face - a), metres(y), metres(z)}; }
   Eigen::Vector3d p_WB() const { return {metres(face + b), metres(y), metres(z)}; }
+  /// Metres: of the band of contact, which grows with all coordinates.
+  double halfABand() const { return 5e-16 * (p_WA().norm() + p_WB().norm()); }
   /// Metres: far above the rounding of any coordinate, and far below what users mean.
   double severalBands() const {
     return 2e-14 * (std::max({std::abs(face), std::abs(y), std::abs(z)}) / 1000.0 + 1.0);

@@ -66,7 +66,7 @@ TEST(Aabb, OfAMeshIsTheBoxOfItsVertices) {
   Eigen::Isometry3d X_WE = Eigen::Isometry3d::Identity();
   X_WE.translation() = Vector3d(10, 20, 30);
   const Aabb box = computeAabb(Mesh{mesh}, X_WE);
-  EXPECT_TRUE(box.min.isApprox(Vector3d(10, 20, 30), 1e-14));
+  EXPECT_TRUE(box.min.isApprox(Vector3d(10, 20, 30), 2e-14));
   EXPECT_TRUE(box.max.isApprox(Vector3d(11, 22, 33), 1e-14));
 }
 

@@ -137,15 +137,19 @@ TEST(Abutting, LinksObjectsAndVoxelsAreInContactForEveryCheckAndApartAFewBandsFu
     const Abutting where(random, VOXEL, i % 3 == 0 ? FAR : i % 3 == 1 ? 1000 : 0);
     const std::string links[] = {"box", "sphere", "cylinder", "slab", "barred"};
     const std::string kind_b = links[random.integer(0, 4)];
-    const std::string kind_a =
-        i % 3 == 2 ? "voxel" : ABUTTING_KINDS[static_cast<std::size_t>(random.integer(0, 6))];
+    const std::string kind_a = random.integer(0, 2) == 0
+                                   ? "voxel"
+                                   : ABUTTING_KINDS[static_cast<std::size_t>(random.integer(0, 6))];
     SCOPED_TRACE(std::to_string(i) + ": " + kind_a + ", " + kind_b);
     Scenes scenes(where, kind_a, kind_b);
     const double touching = where.p_WB().x(), apart = touching + where.severalBands();
     const auto native = scenes.build(NarrowPhaseMethod::NATIVE, 0.0);
     ASSERT_NO_FATAL_FAILURE(scenes.expectVerdict(native, touching, Verdict::COLLISION));
+    const double within = touching + where.halfABand();
+    ASSERT_NO_FATAL_FAILURE(scenes.expectVerdict(native, within, Verdict::COLLISION));
     ASSERT_NO_FATAL_FAILURE(scenes.expectVerdict(native, apart, Verdict::FREE));
     ASSERT_EQ(scenes.ofMotion(native, touching, touching), Verdict::COLLISION);
+    ASSERT_EQ(scenes.ofMotion(native, within, within), Verdict::COLLISION);
     ASSERT_NE(scenes.ofMotion(native, touching, touching + 0.2), Verdict::FREE);
     ASSERT_EQ(scenes.ofMotion(native, touching + 0.02, touching + 0.2), Verdict::FREE);
     const auto fcl = scenes.build(NarrowPhaseMethod::FCL, 0.0);
@@ -169,12 +173,13 @@ TEST(Abutting, ABatchSaysWhatOneCheckSays) {
     batch.runJoints(
         verdicts.size(), settings,
         [&](std::size_t i, std::vector<double>& q) {
-          q = {i % 2 ? touching : touching + where.severalBands()};
+          const double gaps[] = {where.severalBands(), 0.0, where.halfABand()};
+          q = {touching + gaps[i % 3]};
         },
         {}, [&](std::size_t i, const CollisionReport& found) { verdicts[i] = found.verdict; });
     ASSERT_GT(batch.stageMemory(), 0u);
     for (std::size_t i = 0; i < verdicts.size(); ++i) {
-      ASSERT_EQ(verdicts[i], i % 2 ? Verdict::COLLISION : Verdict::FREE) << kind << ' ' << i;
+      ASSERT_EQ(verdicts[i], i % 3 ? Verdict::COLLISION : Verdict::FREE) << kind << ' ' << i;
     }
   }
 }

@@ -16,7 +16,7 @@ using Eigen::Vector3d;
 
 constexpr double INF = std::numeric_limits<double>::infinity();
 constexpr double STEP = 0.025;
-constexpr double ROUNDING = 1e-13;  // metres, of a height
+constexpr double ROUNDING = 3e-13;  // metres: 1e-12 of the smaller body (docs/accuracy.md)
 
 double steps(RandomInputs& random, int least, int most) {
   return STEP * random.integer(least, most);

@@ -7,6 +7,7 @@
 #include "collision_pairs/collision_detector.h"
 #include "collision_pairs/distance_gradient.h"
 #include "demo_scene.h"
+#include "mixed_robot.h"
 #include "random_inputs.h"
 #include "test_shapes.h"
 
@@ -209,8 +210,22 @@ TEST_F(GradientOfDistance, IsTheDifferenceQuotientOfPairsThatAreApart) {
   expectSlopes(compare(probe, 60, isApart, random_), 300);
 }
 
-// A cylinder near a box, at its rim mostly. What GJK says of the normal there is off by up to 3e-5,
-// so the truth is sought otherwise: from one to the nearest point of the other, to and fro.
+// Hulls of few vertices do not decide, but the exact ones do, beside the triangles.
+TEST_F(GradientOfDistance, IsNotThatOfSimplifiedHulls) {
+  const std::string xml = linkWith("l", "<mesh filename='l'/>") + emptyLink("arm") +
+                          linkWith("tip", "<cylinder radius='0.05' length='0.1'/>") +
+                          turning("arm", "l", "0 0 0.1") + turning("tip", "arm", "0.3 0.1 -0.1");
+  SceneDescription description;
+  description.robots.push_back(
+      {RobotModel::fromUrdf("<robot name='r'>" + xml + "</robot>", testMesh), Srdf(), ""});
+  description.settings.max_hull_vertices = 4;
+  Probe probe(description, {"j_arm", "j_tip"});
+  probe.settings.alarm_distance = 1.0;
+  expectSlopes(compare(probe, 200, isApart, random_), 100);
+}
+
+// A cylinder near a box, at its rim mostly, where GJK alone would be off by up to 3e-5. The truth
+// is sought otherwise: from one to the nearest point of the other, to and fro.
 class GradientAtTheRim : public GradientOfDistance, public testing::WithParamInterface<double> {};
 
 TEST_P(GradientAtTheRim, OfACylinderIsRightAlsoWithinThePadding) {

@@ -168,7 +168,7 @@ TEST(ElementBoxes, WhatHasAFiniteTightBoxIsNotLeftOut) {
   poses.resize(scene->bodies().size());
   const double largest = std::numeric_limits<double>::max();
   for (const double far :
-       {1e300, 0.25 * largest, 0.5 * largest, 0.9 * largest, (1.0 - 1e-14) * largest, largest}) {
+       {1e300, 0.25 * largest, 0.5 * largest, 0.9 * largest, (1.0 - 1e-13) * largest, largest}) {
     for (auto& X_WB : poses.X_WB) X_WB.translation().setConstant(far);
     CheckSettings settings;
     const auto left_out = detector.detect(poses, settings).left_out;

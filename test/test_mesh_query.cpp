@@ -1,5 +1,3 @@
-#include <CGAL/Exact_predicates_exact_constructions_kernel.h>
-#include <CGAL/Triangle_3.h>
 #include <gtest/gtest.h>
 
 #include "collision_pairs/collision_detector.h"
@@ -32,62 +30,6 @@ bool touch(const Shape& a, const Shape& b, const Isometry3d& X_AB) {
   EXPECT_EQ(narrow_phase.distance(*A, *B, X_AB, INF).touches(), answer);
   EXPECT_EQ(narrow_phase.distance(*A, *B, X_AB, 0.0).touches(), answer);
   return answer;
-}
-
-TEST(TriangleDistance, MeetsExactlyWhereCgalsExactKernelSaysSo) {
-  using Kernel = CGAL::Exact_predicates_exact_constructions_kernel;
-  const auto distance = [](const Kernel::Triangle_3& t, const Vector3d& p) {
-    const Kernel::Point_3 exact(p.x(), p.y(), p.z());
-    return std::sqrt(CGAL::to_double(CGAL::squared_distance(exact, t)));
-  };
-  RandomInputs random;
-  int met = 0;
-  for (int i = 0; i < 20000; ++i) {
-    std::array<Vector3d, 6> p;
-    std::array<Kernel::Point_3, 6> q;
-    for (std::size_t k = 0; k < 6;
-         ++k) {  // a small grid: many touch, share corners, lie in a plane
-      p[k] = Vector3d(random.integer(0, 4), random.integer(0, 4), random.integer(0, 2));
-      q[k] = Kernel::Point_3(p[k][0], p[k][1], p[k][2]);
-    }
-    const Kernel::Triangle_3 s(q[0], q[1], q[2]), t(q[3], q[4], q[5]);
-    if (s.is_degenerate() || t.is_degenerate()) continue;
-    ClosestPoints best{INF};
-    improveByTriangles(Triangle(p[0], p[1], p[2]), Triangle(p[3], p[4], p[5]), best);
-    const double exact = CGAL::to_double(CGAL::squared_distance(s, t));
-    ASSERT_NEAR(std::sqrt(best.squared), std::sqrt(exact), 4e-15) << i;
-    ASSERT_NEAR((best.on_a - best.on_b).norm(), std::sqrt(exact), 4e-15) << i;
-    ASSERT_LE(distance(s, best.on_a), 4e-15) << i;
-    ASSERT_LE(distance(t, best.on_b), 4e-15) << i;
-    met += exact == 0.0;
-  }
-  EXPECT_GT(met, 1000);
-}
-
-TEST(TriangleDistance, TrianglesWithoutAreaAreSegmentsAndPoints) {
-  const Triangle segment({0, 0, 0}, {1, 0, 0}, {2, 0, 0}), point({3, 4, 0}, {3, 4, 0}, {3, 4, 0});
-  ClosestPoints best{INF};
-  ASSERT_TRUE(improveByTriangles(segment, point, best));
-  EXPECT_DOUBLE_EQ(best.squared, 17.0);
-}
-
-TEST(TriangleDistance, APlaneKeepsApartOnlyWhatIsApart) {
-  RandomInputs random;
-  int apart = 0;
-  for (int i = 0; i < 20000; ++i) {
-    Corners a, b;
-    for (Corners* t : {&a, &b}) {  // a small grid: many touch, lie in a plane or have no area
-      for (Vector3d& v : *t)
-        v = Vector3d(random.integer(0, 4), random.integer(0, 4), random.integer(0, 2));
-    }
-    const double limit = random.integer(0, 3);
-    if (!planeKeepsApart(a, b, limit)) continue;
-    ClosestPoints best{INF};
-    improveByTriangles(Triangle(a), Triangle(b), best);
-    ASSERT_GT(best.squared, limit) << i;
-    ++apart;
-  }
-  EXPECT_GT(apart, 1000);
 }
 
 TEST(MeshQuery, AnOpenSheetHoldsNothingAndATornSeamDoes) {

@@ -66,13 +66,21 @@ class Judge {
     }
   }
 
-  /// Before free_until no sample is too near, and with from_start that is where one first is.
+  /// Before free_until no sample is too near, and with from_start that is where one first is; no
+  /// other setting puts it later.
   void expectFreeUntil(const JointMotion& motion, MotionSettings settings,
                        const MotionReport& report) {
     settings.from_start = true;
     const MotionReport longest = check_.check(motion, settings);
     ASSERT_EQ(longest.verdict == Verdict::FREE, report.verdict == Verdict::FREE);
     ASSERT_GE(longest.free_until, report.free_until);
+    settings.only_free = true;
+    for (const bool from_start : {false, true}) {
+      settings.from_start = from_start;
+      const MotionReport only_free = check_.check(motion, settings);
+      ASSERT_EQ(only_free.verdict == Verdict::FREE, report.verdict == Verdict::FREE);
+      ASSERT_GE(longest.free_until, only_free.free_until);
+    }
     ASSERT_EQ(longest.free_until == 1.0, report.verdict == Verdict::FREE);
     if (report.verdict == Verdict::FREE) return;
     ASSERT_LE(longest.free_until, longest.verdict == Verdict::COLLISION ? longest.contact_at : 1.0);

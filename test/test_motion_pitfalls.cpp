@@ -6,6 +6,7 @@
 #include "collision_pairs/collision_detector.h"
 #include "motion_fixtures.h"
 #include "random_inputs.h"
+#include "test_shapes.h"
 
 namespace collision_pairs {
 namespace {
@@ -155,6 +156,29 @@ TEST(MotionPitfalls, PaddingIsTakenOffTheDistance) {
   EXPECT_LE(checked(padded, {-2.0}, {2.0}).clearance, 0.001);
   description.settings.padding = 0.005;
   EXPECT_EQ(checked(CollisionScene::build(description), {-2.0}, {2.0}).verdict, Verdict::COLLISION);
+}
+
+// In the hull of a mesh, where only the distance of the shapes is of use: it is sought up to what
+// would be enough, and not a rounding less may be left of that.
+TEST(MotionPitfalls, WhatStandsStillIsCertifiedWhereItKeepsTheClearanceAndTheResolution) {
+  RandomInputs random;
+  for (int i = 0; i < 2000; ++i) {
+    const double gap = random.uniform(0.02, 0.2), wall = 0.5 + gap + 0.05;
+    RigidObject channel;
+    channel.name = "channel";
+    channel.elements.push_back(
+        {meshShape(joined(joined(movedBy(boxMesh({1.5, 0.05, 1}), {0, wall, 0}),
+                                 movedBy(boxMesh({1.5, 0.05, 1}), {0, -wall, 0})),
+                          movedBy(boxMesh({0.05, 1.2, 1}), {1.6, 0, 0}))),
+         Eigen::Isometry3d::Identity()});
+    SceneDescription description = described(slidingBox(), {channel});
+    description.settings.padding = random.integer(0, 1) ? random.uniform(0.0, 0.01) : 0.0;
+    MotionSettings settings;
+    settings.clearance =
+        random.uniform(0.0, gap - description.settings.padding - settings.resolution);
+    const auto scene = CollisionScene::build(description);
+    ASSERT_EQ(checked(scene, {0.0}, {0.0}, settings).verdict, Verdict::FREE) << i;
+  }
 }
 
 TEST(MotionPitfalls, ZeroClearanceIsNeverCertified) {

@@ -106,6 +106,14 @@ void expectWitnesses(const Contact& nearest, const CollisionScene& scene, double
   EXPECT_LE(one_by_one.fromElement(nearest, pair.second, nearest.p_WSecond), 0.5 * padding + 1e-7);
 }
 
+/// Of a cloud, when the time is spent, another voxel may be as deep as it says.
+bool isDepthCutShort(const Contact& nearest, const CollisionScene& scene,
+                     const CollisionReport& report) {
+  const auto isCloud = [&](std::uint32_t element) { return scene.cloudOf(element) >= 0; };
+  return nearest.depth > 0.0 && report.budget_spent &&
+         (isCloud(nearest.elements.first) || isCloud(nearest.elements.second));
+}
+
 void expectSame(const CollisionReport& found, const CollisionReport& again) {
   ASSERT_EQ(found.nearest.has_value(), again.nearest.has_value());
   if (!found.nearest) return;
@@ -164,6 +172,10 @@ TEST(TheNearestPair, HasTheSmallestDistanceOfAllPairsAndPointsThatAreSoFarApart)
     EXPECT_EQ(report.nearest->depth, -report.min_distance);
     if (in_time) {
       EXPECT_LE(report.min_distance, smallest + ACCURACY);
+    }
+    if (isDepthCutShort(*report.nearest, *scene, report)) {
+      EXPECT_GE(one_by_one.distanceOf(*report.nearest), report.min_distance - ACCURACY);
+      continue;
     }
     EXPECT_GE(report.min_distance, smallest - settings.tolerance - ACCURACY);
     expectWitnesses(*report.nearest, *scene, settings.tolerance, one_by_one);

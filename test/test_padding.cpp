@@ -128,7 +128,8 @@ TEST_F(Padding, OfAPairIsTheSameInEitherOrder) {
   const auto size = static_cast<std::uint32_t>(scene->elements().size());
   for (std::uint32_t a = 0; a < size; ++a) {
     for (std::uint32_t b = 0; b < size; ++b) {
-      if (!scene->filter().allowed(scene->elements()[a].model, scene->elements()[b].model)) continue;
+      if (!scene->filter().allowed(scene->elements()[a].model, scene->elements()[b].model))
+        continue;
       EXPECT_EQ(scene->padding(a, b), 0.25) << a << ' ' << b;
     }
   }
@@ -155,6 +156,42 @@ TEST_F(Padding, KeepsEveryCheaperRungASafeBound) {
       dearer = cheaper;
     }
   }
+}
+
+// A verdict ends early where a report goes on to the boxes along the elements' axes.
+TEST_F(Padding, MakesAPairAContactForTheVerdictWhereItDoesForTheReportAtEveryRung) {
+  int nb_contacts = 0, nb_free = 0;
+  for (const int max_hull_vertices : {0, 6}) {
+    SceneDescription padded = mixedDescription();
+    padded.settings.padding = random_.uniform(0.03, 0.2);
+    padded.settings.max_hull_vertices = max_hull_vertices;
+    const auto scene = CollisionScene::build(padded);
+    CollisionDetector detector(scene);
+    BodyPoses poses;
+    poses.resize(scene->bodies().size());
+    const auto nb_models = static_cast<std::uint32_t>(scene->models().size());
+    for (int round = 0; round < 40; ++round) {
+      throwAbout(random_, random_.uniform(0.5, 2.0), poses);
+      for (std::uint32_t i = 0; i < nb_models * nb_models * 4; ++i) {
+        const std::uint32_t a = i / 4 / nb_models, b = i / 4 % nb_models;
+        if (a >= b) continue;
+        CheckSettings settings;
+        settings.fidelity =
+            std::array{Fidelity::SPHERES, Fidelity::OBB, Fidelity::CONVEX, Fidelity::MESH}[i % 4];
+        const auto isContact = [&](bool verdict_only) {
+          settings.verdict_only = verdict_only;
+          detector.beginNarrowPhase(poses, settings);
+          detector.addCollisionPair(a, b);
+          return detector.endNarrowPhase().in_collision;
+        };
+        const bool reported = isContact(false);
+        ASSERT_EQ(isContact(true), reported) << fidelityName(settings.fidelity);
+        ++(reported ? nb_contacts : nb_free);
+      }
+    }
+  }
+  EXPECT_GT(nb_contacts, 1000);
+  EXPECT_GT(nb_free, 1000);
 }
 
 TEST_F(Padding, IsInVerdictsMinimaAndBoundsInTime) {

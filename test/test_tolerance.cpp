@@ -137,8 +137,8 @@ TEST(Tolerance, OfAMeshAndAConvexShapeLikewiseInEitherOrder) {
         if (HasFatalFailure()) FAIL() << shapeName(shape) << ' ' << i << ' ' << tolerance;
       }
     }
-    EXPECT_GT(first.nb_tolerated, 50) << shapeName(shape);
-    EXPECT_GT(second.nb_tolerated, 50) << shapeName(shape);
+    EXPECT_GT(first.nb_tolerated, 25) << shapeName(shape);
+    EXPECT_GT(second.nb_tolerated, 25) << shapeName(shape);
   }
 }
 

@@ -41,7 +41,8 @@ inline double squaredGap(const Aabb& a, const Aabb& b) {
 }
 
 /// The smallest axis-aligned box, in W, of a shape with its frame E at X_WE, enlarged by a few
-/// units in the last place, so that it encloses the shape in exact arithmetic as well. Tight for
+/// units in the last place of all of its coordinates, so that it encloses the shape in exact
+/// arithmetic as well, and boxes of shapes that are in contact (docs/accuracy.md) meet. Tight for
 /// every shape (no bounding spheres): |R|h for boxes, the extent of their circles for round shapes
 /// (r sqrt(1 - a_i^2) for an axis a), the vertices for meshes. The box of a half-space is
 /// unbounded, except at its plane if that is exactly perpendicular to an axis: nothing lies above a

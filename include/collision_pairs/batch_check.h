@@ -32,12 +32,14 @@ class BatchCheck {
   /// states are requested before the first of them is taken.
   ///
   /// With verdict_only, several states are processed together, and few of them need the exact
-  /// check: the batch stage (docs/planners.md). Verdicts are the same. For a state settled by it the
-  /// report contains only the verdict, one pair in contact or none, and times.total, its share of
-  /// the group's time; no counts and no boxes. The stage is prepared by the first batch with which
-  /// STATES_WORTH_A_STAGE states have been requested. It is not used with a time budget, a selection,
-  /// a predicate, a fidelity other than MESH and SPHERES, in scenes with clouds, coarser links or
-  /// FCL, nor for states beyond 10,000 rad; all of these are checked exactly.
+  /// check: the batch stage (docs/planners.md). Verdicts are the same, except that at SPHERES a
+  /// state may rightly be FREE where a single check takes spheres that lie outside the box of a
+  /// static element to be touched. For a state settled by it the report contains only the verdict,
+  /// one pair in contact or none, and times.total, its share of the group's time; no counts and no
+  /// boxes. The stage is prepared by the first batch with which STATES_WORTH_A_STAGE states have
+  /// been requested. It is not used with a time budget, a selection, a predicate, a fidelity other
+  /// than MESH and SPHERES, in scenes with clouds, coarser links or FCL, nor for states beyond
+  /// 10,000 rad; all of these are checked exactly.
   using Positions = std::function<void(std::size_t, std::vector<double>&)>;
   void runJoints(std::size_t count, const CheckSettings& settings, const Positions& positions,
                  const CloudVoxels& voxels, const Take& take);

@@ -8,12 +8,10 @@
 #include "collision_pairs/collision_report.h"
 #include "collision_pairs/collision_scene.h"
 #include "collision_pairs/joint_columns.h"
-#include "collision_pairs/narrow_phase.h"
 
 namespace collision_pairs {
 
 /// d(distance)/dq: the gradient of the distance of a reported pair with respect to the joints.
-/// Holds scratch memory only: use one per thread.
 ///
 /// With the witness points and the normal n of the pair's nearest elements a and b it is
 /// n^T (J_b(p_b) - J_a(p_a)), where J(p) is the Jacobian of a point fixed to the body: the
@@ -26,10 +24,8 @@ namespace collision_pairs {
 /// without witness points (verdict_only), if the distance is a lower bound (UNRESOLVED, DEGRADED),
 /// or if axis-aligned boxes decided, since these are not fixed to the bodies.
 ///
-/// Error: 1e-6 or better; for depths with a cylinder 1e-5. The normals that GJK returns at the rim
-/// of a cylinder are off by up to 3e-5, so witness points there are recomputed if the two are
-/// apart. Cost: about 10 ns for each joint between the two links; at a cylinder 1 µs more, with a
-/// mesh several.
+/// Error: 1e-6 or better; for depths with a cylinder 1e-5; with FCL as narrow phase that of its
+/// normals. Cost: about 10 ns for each joint between the two links.
 class DistanceGradient {
  public:
   /// Both must outlive it. q is the state with the numbers that `joints` names.
@@ -40,19 +36,15 @@ class DistanceGradient {
   /// `X_WB`: poses of all RobotModel::bodies() at which the report was made. Returns false, with
   /// NaN in all entries, if there is no gradient.
   bool compute(const PairReport& pair, const CollisionReport& report,
-               const std::vector<Eigen::Isometry3d>& X_WB, double* gradient);
+               const std::vector<Eigen::Isometry3d>& X_WB, double* gradient) const;
 
  private:
   /// Adds the speed of a point of a body along nhat_W due to the joint above the body.
   void addSpeed(int body, const Eigen::Vector3d& p_W, const Eigen::Vector3d& nhat_W,
                 const std::vector<Eigen::Isometry3d>& X_WB, double* gradient) const;
-  /// Recomputes witness points and normal to rounding.
-  void refineAtCylinders(const PairReport& pair, const std::vector<Eigen::Isometry3d>& X_WB,
-                         Contact& nearest);
 
   const CollisionScene& scene_;
   const JointColumns& joints_;
-  NarrowPhase narrow_phase_;
 };
 
 }  // namespace collision_pairs

@@ -34,8 +34,8 @@ struct MotionSettings {
   /// nothing if the motion is free; a motion in contact takes longer, since its search does not end
   /// at the first contact.
   bool from_start = false;
-  /// Only FREE is of interest: the search ends at the first pair that cannot be certified, and the
-  /// verdict is then UNKNOWN although a contact might have been found.
+  /// Only FREE is of interest: the search ends at the first pair that cannot be certified. The
+  /// verdict is then UNKNOWN although a contact might have been found, and free_until is 0.
   bool only_free = false;
   /// Leave out pairs whose relative pose the motion cannot change, for example a base that stands
   /// on its table. FREE then says nothing of them.

@@ -17,8 +17,8 @@ namespace collision_pairs {
 /// inner ones overlap, it is in contact; anything else is left open. Both answers are certain to be
 /// those of the exact check at Fidelity::MESH, float kinematics included (docs/planners.md). At
 /// Fidelity::SPHERES, whose spheres are those of this stage divided further, no lookup tables are
-/// used, since they would settle states that these spheres do not.
-/// Immutable except for cells that the static field fills in; shared by all threads.
+/// used, since they would settle states that these spheres do not; a static element's box still
+/// may. Immutable except for cells that the static field fills in; shared by all threads.
 class BatchStage {
  public:
   /// Null if BatchModel::whyNot() has a reason, or there are too many static elements or sets of

@@ -79,9 +79,9 @@ bool ElementBoxes::setLoose(const BodyBox& box, const Isometry3d& X_WB, Aabb& lo
   const auto column = [&](int i) -> Vector4d { return X_WB.matrix().col(i); };
   const Vector4d x = column(0), y = column(1), z = column(2), p_WB = column(3);
   const Vector4d center = p_WB + (x * box.center[0] + y * box.center[1] + z * box.center[2]);
-  const Vector4d half = x.cwiseAbs() * box.half[0] + y.cwiseAbs() * box.half[1] +
-                        z.cwiseAbs() * box.half[2] + ROUNDING * p_WB.cwiseAbs() +
-                        Vector4d::Constant(box.margin);
+  const Vector4d half =
+      x.cwiseAbs() * box.half[0] + y.cwiseAbs() * box.half[1] + z.cwiseAbs() * box.half[2] +
+      Vector4d::Constant(box.margin + (ROUNDING * p_WB.head<3>().cwiseAbs()).sum());
   loose.min = (center - half).head<3>();
   loose.max = (center + half).head<3>();
   return (half + center.cwiseAbs()).sum() <= std::numeric_limits<double>::max();

@@ -167,15 +167,18 @@ bool PairLadder::meets(const BoxPair& pair, Fidelity rung) {
   if (rung == Fidelity::AABB) return measureBoxes(pair).found.touches();
   const Isometry3d X_AB = relativePose(pair);
   if (obbGap(pair, X_AB) > 0.0) return false;
+  const double padding = scene_->padding(pair.first, pair.second);
   if (rung == Fidelity::SPHERES) {
-    return spheresApart(pair, X_AB, 0.0).distance <= scene_->padding(pair.first, pair.second);
+    return spheresApart(pair, X_AB, 0.0).distance <= padding &&
+           !(boxGap(pair, X_AB).distance > 0.0);
   }
   const Rung& a = scene_->elements()[pair.first].rung(rung);
   const Rung& b = scene_->elements()[pair.second].rung(rung);
-  const double margin = a.margin + b.margin + scene_->padding(pair.first, pair.second);
+  const double margin = a.margin + b.margin + padding;
   const Isometry3d X = rung == Fidelity::OBB ? a.X_ER.inverse() * X_AB * b.X_ER : X_AB;
   Vector3d& apart_along = lastOf(pair, X).apart_along;
-  return narrow_phase_.touches(*a.shape, *b.shape, X, margin, offset(pair), &apart_along);
+  return narrow_phase_.touches(*a.shape, *b.shape, X, margin, offset(pair), &apart_along) &&
+         !((a.loose || b.loose) && boxGap(pair, X_AB).distance > 0.0);
 }
 
 PairLadder::Last& PairLadder::lastOf(const BoxPair& pair, const Isometry3d& X_AB) {
@@ -216,19 +219,30 @@ PairLadder::Answer PairLadder::notBelowBoxes(const BoxPair& pair, const Isometry
                                              Answer answer) const {
   const Answer boxes = measureBoxes(pair);
   if (boxes.found.distance > answer.found.distance) answer.found = boxes.found;
+  PairDistance found = boxGap(pair, X_AB);
+  if (!(found.distance > answer.found.distance)) return answer;
+  Isometry3d X_AC = Isometry3d::Identity();
+  X_AC.translation() = scene_->elements()[pair.first].box_center;
+  inWorld((*X_WE_)[pair.first] * X_AC, scene_->padding(pair.first, pair.second), found);
+  return {found, answer.rung};
+}
+
+// Only of boxes that obbGap() shows to be disjoint, and nearer than the padding.
+PairDistance PairLadder::boxGap(const BoxPair& pair, const Isometry3d& X_AB) const {
+  PairDistance gap;
+  gap.distance = -std::numeric_limits<double>::infinity();
   const double padding = scene_->padding(pair.first, pair.second);
-  if (!(obbGap(pair, X_AB) > -padding)) return answer;
+  if (!(obbGap(pair, X_AB) > -padding)) return gap;
   const SceneElement &a = scene_->elements()[pair.first], &b = scene_->elements()[pair.second];
+  const ConvexCore core_a = coreOfBox(a), core_b = coreOfBox(b);
   Isometry3d X = X_AB;  // of the boxes' centres
   X.translation() = X_AB * b.box_center - a.box_center;
-  PairDistance found =
-      convexDistance(coreOfBox(a), coreOfBox(b), X, std::numeric_limits<double>::infinity());
-  found.distance -= padding;
-  if (found.certainty != Certainty::EXACT || found.distance <= answer.found.distance) return answer;
-  X.linear().setIdentity();
-  X.translation() = a.box_center;
-  inWorld((*X_WE_)[pair.first] * X, padding, found);
-  return {found, answer.rung};
+  const PairDistance found =
+      convexDistance(core_a, core_b, X, std::numeric_limits<double>::infinity());
+  if (found.certainty != Certainty::EXACT) return gap;
+  gap = found;
+  gap.distance -= padding + contactBand(core_a, core_b, X.translation(), offset(pair));
+  return gap;
 }
 
 PairDistance PairLadder::spheresApart(const BoxPair& pair, const Isometry3d& X_AB,

@@ -106,6 +106,9 @@ class PairLadder {
                    double max_distance, double tolerance);
   Answer measureBoxes(const BoxPair& pair) const;
   Answer notBelowBoxes(const BoxPair& pair, const Eigen::Isometry3d& X_AB, Answer answer) const;
+  /// Of the boxes along the elements' axes minus the padding, from the centre of the first; minus
+  /// infinity if they overlap.
+  PairDistance boxGap(const BoxPair& pair, const Eigen::Isometry3d& X_AB) const;
   Answer measureSpheres(const BoxPair& pair, const Eigen::Isometry3d& X_AB, double max_distance);
   /// In the frame of the first; the padding is not subtracted. BEYOND: by more than max_distance.
   PairDistance spheresApart(const BoxPair& pair, const Eigen::Isometry3d& X_AB,

@@ -8,12 +8,14 @@ namespace {
 
 using Eigen::Vector3d;
 
-// A coordinate is a sum of at most four products, and its rounding error is at most a few units in
-// the last place of the largest partial sum. Eight units are enough for all of them.
-constexpr double ROUNDING = 8.0 * std::numeric_limits<double>::epsilon();
+// What the box of a body is enlarged by along every axis, of the lengths of all axes. A coordinate
+// is a sum of at most four products, and off by a few units in the last place of the largest
+// partial sum: eight units are enough. The other eight are the body's share of contactBand(), which
+// knows no axes, so that boxes of bodies in contact meet.
+constexpr double ROUNDING = 16.0 * std::numeric_limits<double>::epsilon();
 
 Aabb aroundCenter(const Vector3d& center, const Vector3d& half) {
-  const Vector3d outwards = half + ROUNDING * (half + center.cwiseAbs());
+  const Vector3d outwards = half.array() + (ROUNDING * (half + center.cwiseAbs())).sum();
   return {center - outwards, center + outwards};
 }
 
@@ -40,7 +42,7 @@ Aabb aroundVertices(const TriangleMesh& mesh, const Eigen::Isometry3d& X_WE) {
     reach = reach.cwiseMax(p_EV.cwiseAbs());
   }
   const Vector3d slack =
-      ROUNDING * (Vector3d::Constant(reach.sum()) + X_WE.translation().cwiseAbs());
+      Vector3d::Constant((ROUNDING * (reach + X_WE.translation().cwiseAbs())).sum());
   return {X_WE.translation() + lower - slack, X_WE.translation() + upper + slack};
 }
 
@@ -68,10 +70,11 @@ struct AabbVisitor {
     const double everywhere = std::numeric_limits<double>::max();
     Aabb box{Vector3d::Constant(-everywhere), Vector3d::Constant(everywhere)};
     const Vector3d normal = X_WE.linear().col(2);
+    const Vector3d p = X_WE.translation();
+    const double slack = (ROUNDING * p.cwiseAbs()).sum();
     for (int k = 0; k < 3; ++k) {
-      const double p = X_WE.translation()[k];
-      if (normal == Vector3d::Unit(k)) box.max[k] = p + ROUNDING * std::abs(p);
-      if (normal == -Vector3d::Unit(k)) box.min[k] = p - ROUNDING * std::abs(p);
+      if (normal == Vector3d::Unit(k)) box.max[k] = p[k] + slack;
+      if (normal == -Vector3d::Unit(k)) box.min[k] = p[k] - slack;
     }
     return box;
   }

@@ -3,9 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <variant>
-
-#include "closest_pair.h"
 
 namespace collision_pairs {
 namespace {
@@ -43,15 +40,13 @@ int bodyOf(std::uint32_t model, const CollisionScene& scene) {
   return body < 0 ? -1 : scene.bodies()[body].body;
 }
 
-bool isCylinder(const Rung& rung) { return std::holds_alternative<Cylinder>(rung.shape->shape()); }
-
 }  // namespace
 
 DistanceGradient::DistanceGradient(const CollisionScene& scene, const JointColumns& joints)
     : scene_(scene), joints_(joints) {}
 
 bool DistanceGradient::compute(const PairReport& pair, const CollisionReport& report,
-                               const std::vector<Isometry3d>& X_WB, double* gradient) {
+                               const std::vector<Isometry3d>& X_WB, double* gradient) const {
   const Contact* found = report.nearestContact(pair);
   const bool is_measured = found != nullptr && (pair.certainty == Certainty::EXACT ||
                                                 pair.certainty == Certainty::BOUND);
@@ -59,8 +54,7 @@ bool DistanceGradient::compute(const PairReport& pair, const CollisionReport& re
     std::fill_n(gradient, joints_.size(), std::numeric_limits<double>::quiet_NaN());
     return false;
   }
-  Contact nearest = *found;
-  refineAtCylinders(pair, X_WB, nearest);
+  const Contact& nearest = *found;
   std::fill_n(gradient, joints_.size(), 0.0);
   // From both links up to their common ancestor: a parent has the smaller index. The joints above
   // move both alike and change nothing.
@@ -89,26 +83,6 @@ void DistanceGradient::addSpeed(int body, const Vector3d& p_W, const Vector3d& n
   const Vector3d velocity =
       joint.type == JointType::PRISMATIC ? axis_W : axis_W.cross(p_W - X_WB[body].translation());
   gradient[source.column] += source.multiplier * nhat_W.dot(velocity);
-}
-
-void DistanceGradient::refineAtCylinders(const PairReport& pair,
-                                         const std::vector<Isometry3d>& X_WB, Contact& nearest) {
-  const SceneElement& a = scene_.elements()[nearest.elements.first];
-  const SceneElement& b = scene_.elements()[nearest.elements.second];
-  const Rung &rung_a = a.rung(pair.fidelity), &rung_b = b.rung(pair.fidelity);
-  const double padding = scene_.padding(nearest.elements.first, nearest.elements.second);
-  const bool is_apart = pair.distance + padding > 0.0;
-  if (!is_apart || (!isCylinder(rung_a) && !isCylinder(rung_b))) return;
-  const Isometry3d X_WA = poseOf(nearest.elements.first, nearest, scene_, X_WB);
-  const Isometry3d X_AB = X_WA.inverse() * poseOf(nearest.elements.second, nearest, scene_, X_WB);
-  const Vector3d p_WShape = nearest.p_WSecond + 0.5 * padding * nearest.nhat_W;  // not its padding
-  const ClosestPair closest =
-      closestPairNear(*rung_a.shape, *rung_b.shape, X_AB, X_WA.inverse() * p_WShape, narrow_phase_);
-  const Vector3d apart = closest.p_ACb - closest.p_ACa;
-  if (!(apart.norm() > 0.0) || !apart.allFinite()) return;
-  nearest.p_WFirst = X_WA * closest.p_ACa;
-  nearest.p_WSecond = X_WA * closest.p_ACb;
-  nearest.nhat_W = X_WA.linear() * apart.normalized();
 }
 
 }  // namespace collision_pairs

@@ -74,22 +74,28 @@ bool improveByCorners(const Triangle& a, const Triangle& b, const Heights& heigh
   return improved;
 }
 
-// For closest points in the interior of both edges, by the common normal of the lines: accurate for
-// nearly parallel edges too. All other cases are corners against triangles.
+// For closest points in the interior of both edges, by the common normal of the lines, which is
+// mostly rounding if they are parallel: only the distance of two points counts. From the first two
+// on, the normal errs in proportion to their gap. All other cases are corners against triangles.
 bool improveByEdges(const Triangle& a, const Triangle& b, ClosestPoints& best) {
   bool improved = false;
   for (int i = 0; i < 3; ++i) {
     const Vector3d d_a = a.v[(i + 1) % 3] - a.v[i];
     for (int j = 0; j < 3; ++j) {
-      const Vector3d d_b = b.v[(j + 1) % 3] - b.v[j];
-      const Vector3d n = d_a.cross(d_b), r = b.v[j] - a.v[i];
+      const Vector3d &from_b = b.v[j], &to_b = b.v[(j + 1) % 3];
+      const Vector3d d_b = to_b - from_b, n = d_a.cross(d_b), r = from_b - a.v[i];
       const double nn = n.squaredNorm(), across = r.dot(n);
       if (!(nn > 0.0) || across * across >= best.squared * nn) continue;
       const double s = r.cross(d_b).dot(n), t = r.cross(d_a).dot(n);
       if (s < 0.0 || s > nn || t < 0.0 || t > nn) continue;
-      best.on_a = a.v[i] + (s / nn) * d_a;
-      best.on_b = b.v[j] + (t / nn) * d_b;
-      best.squared = across * across / nn;
+      const auto pointOfA = [&](double share) { return Vector3d(a.v[i] + share * d_a); };
+      Vector3d on_a = pointOfA(s / nn);
+      const Vector3d gap = closestOnSegment(from_b, to_b, on_a) - on_a;
+      on_a = pointOfA(std::clamp((s + gap.cross(d_b).dot(n)) / nn, 0.0, 1.0));
+      const Vector3d on_b = closestOnSegment(from_b, to_b, on_a);
+      const double squared = (on_b - on_a).squaredNorm();
+      if (squared >= best.squared) continue;
+      best = {squared, on_a, on_b};
       improved = true;
     }
   }
@@ -142,10 +148,14 @@ Triangle::Triangle(const Vector3d& a, const Vector3d& b, const Vector3d& c)
     : v{a, b, c}, normal(Vector3d::Zero()) {
   const Vector3d ab = b - a, bc = c - b, ca = a - c;
   const double x = ab.squaredNorm(), y = bc.squaredNorm(), z = ca.squaredNorm();
-  const Vector3d cross = z >= x && z >= y ? ab.cross(bc) : (x >= y ? bc.cross(ca) : ca.cross(ab));
+  const bool is_ca = z >= x && z >= y, is_ab = !is_ca && x >= y;  // the longest edge
+  const Vector3d longest = is_ca ? ca : is_ab ? ab : bc;
+  Vector3d cross = is_ca ? ab.cross(bc) : is_ab ? bc.cross(ca) : ca.cross(ab);
+  // Of a sliver it is mostly rounding, but any plane through its longest edge is as good.
+  const double squared = longest.squaredNorm();
+  if (squared > 0.0) cross -= (cross.dot(longest) / squared) * longest;
   const double length = cross.norm();
-  // Below this the cross product is mostly rounding and defines no plane.
-  if (length > 1e-15 * std::max({x, y, z})) normal = cross / length;
+  if (length > 1e-15 * squared) normal = cross / length;
 }
 
 Vector3d closestOnTriangle(const Triangle& triangle, const Vector3d& p) {

@@ -12,7 +12,8 @@ namespace collision_pairs {
 using Corners = std::array<Eigen::Vector3d, 3>;
 
 /// A triangle with its unit normal (zero if it has no area), computed from its two shortest edges,
-/// which is the most accurate.
+/// which is the most accurate, and perpendicular to the longest: the triangle lies in that plane to
+/// rounding, however thin it is.
 struct Triangle {
   Triangle(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c);
   explicit Triangle(const Corners& corners) : Triangle(corners[0], corners[1], corners[2]) {}

@@ -346,7 +346,8 @@ class MotionCheck::Search {
 
   void finishReport() {
     report_.nb_queries = certifier_.nbQueries();
-    report_.free_until = std::min(free_until_, std::nextafter(1.0, 0.0));
+    const bool has_ended = !goesOn();  // and other pairs may be in contact before the one found
+    report_.free_until = has_ended ? 0.0 : std::min(free_until_, std::nextafter(1.0, 0.0));
     if (report_.verdict == Verdict::COLLISION) return;
     report_.pairs.assign(uncertified_.begin(), uncertified_.end());
     if (!uncertified_.empty()) return;

@@ -14,6 +14,7 @@ using Eigen::Vector3d;
 
 constexpr double INF = std::numeric_limits<double>::infinity();
 constexpr double ROUNDED_UP = 1.0 + 1e-12;
+constexpr double BEYOND_ENOUGH = 1e-3;   // of the resolution
 constexpr double ROUNDING = 1e-12;       // relative to the coordinates
 constexpr double DISTANCE_ERROR = 1e-7;  // of the two bodies' size: five times docs/accuracy.md
 // Axis-aligned boxes do not rotate with their elements: their faces move as far as the elements
@@ -46,6 +47,7 @@ struct PairCertifier::Query {
   const double before, after;  ///< the open interval on either side
   const double radius_a, radius_b;
   const MovingPair& moving;
+  const double resolution;
   double box_gap = 0.0;  ///< metres between the boxes of the two elements
 
   double size() const { return std::min(radius_a, radius_b); }
@@ -54,8 +56,11 @@ struct PairCertifier::Query {
     const double length = std::max(before, after);
     return length > 0.0 ? moving.bound.speed * length : 0.0;
   }
-  /// A larger distance certifies the whole interval, for any direction.
-  double enough() const { return open.clearance + motion() / (1.0 - KEPT_SHARE); }
+  /// A larger distance certifies the whole interval, for any direction, and so does what a query
+  /// with this limit leaves of it after rounding.
+  double enough() const {
+    return open.clearance + motion() / (1.0 - KEPT_SHARE) + BEYOND_ENOUGH * resolution;
+  }
   double levelOf(double distance) const {
     return open.clearance + KEPT_SHARE * (distance - open.clearance);
   }
@@ -165,7 +170,8 @@ PairCertifier::Outcome PairCertifier::measure(double at, OpenPair& open,
   }
   open.speed = moving.bound.speed;
   certified = {};
-  Query query{open, certified, rigid, before, after, sphere_a.radius, sphere_b.radius, moving};
+  Query query{open,   certified,  rigid, before, after, sphere_a.radius, sphere_b.radius,
+              moving, resolution_};
   if (!rigid || !std::isfinite(open.speed)) return byShapes(query);
   if (cloudOf(open.pair) >= 0) {  // any voxel may be met, not only the nearest
     moving.twist_a = state_.twist(a, open.frame);

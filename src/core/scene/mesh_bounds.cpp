@@ -238,8 +238,9 @@ Aabb MeshBounds::boxAt(const Eigen::Isometry3d& X_WE) const {
   Aabb box;
   points.extent(X_WE.linear(), box.min, box.max);
   const Vector3d p_WC = X_WE * center;
+  // Along every axis, as computeAabb() does.
   const Vector3d outwards =
-      Vector3d::Constant(margin) + BOX_ROUNDING * X_WE.translation().cwiseAbs();
+      Vector3d::Constant(margin + (BOX_ROUNDING * X_WE.translation().cwiseAbs()).sum());
   box.min += p_WC - outwards;
   box.max += p_WC + outwards;
   return box;

@@ -86,7 +86,9 @@ SceneElement makeElement(const Shape& shape, Fidelity needed, int max_hull_verti
     obb = exact;
   } else if (needed >= Fidelity::OBB) {
     const auto [box, X_EO] = enclosingBox(hull.shape);
-    obb = {prepareShape(box, method), X_EO, hull.margin, true};
+    // The pose of its own frame is rounded once more than that of the element.
+    const double rounding = ROUNDING * (box.size.sum() + X_EO.translation().lpNorm<1>());
+    obb = {prepareShape(box, method), X_EO, hull.margin + rounding, true};
   }
   made.rungs = std::make_shared<const std::array<Rung, 5>>(
       std::array<Rung, 5>{Rung{}, Rung{}, obb, convex, exact});
