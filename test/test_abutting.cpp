@@ -55,6 +55,9 @@ TEST(Abutting, AllPairsOfShapesAreInContactForTheNarrowPhaseAndApartAFewBandsFur
     SCOPED_TRACE(std::to_string(i) + ": " + kind_a + ", " + kind_b);
     ASSERT_NO_FATAL_FAILURE(expectContact(narrow_phase, *A, *B, X_AB, offset, true));
     ASSERT_NO_FATAL_FAILURE(expectContact(narrow_phase, *B, *A, X_AB.inverse(), offset, true));
+    Isometry3d X_within = X_AB;
+    X_within.translation().x() += where.halfABand();
+    ASSERT_NO_FATAL_FAILURE(expectContact(narrow_phase, *A, *B, X_within, offset, true));
     const bool by_fcl = method == NarrowPhaseMethod::FCL;
     X_AB.translation().x() += by_fcl ? FCL_GAP : where.severalBands();
     ASSERT_NO_FATAL_FAILURE(expectContact(narrow_phase, *A, *B, X_AB, offset, false));

@@ -69,15 +69,17 @@ TEST(CollisionDetector, ReportsContactNearAndNothingElse) {
   EXPECT_EQ(report.candidates.size(), 2u);
 }
 
-// The distance of two spheres does not depend on how their links are turned, so the oracle needs the
-// two positions only, as they were given.
+// The distance of two spheres does not depend on how their links are turned, so the oracle needs
+// the two positions only, as they were given.
 TEST(CollisionDetector, AskedForAVerdictBeginsWithTheBoxesThatOverlapMost) {
   const auto scene = sceneOf(slidingBoxes(4));
   CollisionDetector detector(scene);
   CheckSettings settings;
   settings.verdict_only = true;
-  for (const auto& [x, deepest] : std::map<std::vector<double>, std::string>{
-           {{0.0, 0.9, 1.6, 2.5}, "b|c"}, {{0.0, 0.9, 1.8, 2.1}, "c|d"}, {{0.0, 0.3, 1.1, 1.9}, "a|b"}}) {
+  for (const auto& [x, deepest] :
+       std::map<std::vector<double>, std::string>{{{0.0, 0.9, 1.6, 2.5}, "b|c"},
+                                                  {{0.0, 0.9, 1.8, 2.1}, "c|d"},
+                                                  {{0.0, 0.3, 1.1, 1.9}, "a|b"}}) {
     const auto found = distances(detector.detect(boxesAt(*scene, x), settings), *scene);
     ASSERT_EQ(found.size(), 1u);
     EXPECT_EQ(found.begin()->first, deepest);
@@ -99,7 +101,8 @@ TEST(CollisionDetector, FarFromTheOriginDistancesAreThoseOfTheGivenPoses) {
       BodyPoses poses;
       poses.resize(2);
       for (Eigen::Isometry3d& X : poses.X_WB) X = random.pose(1.0);
-      for (Eigen::Isometry3d& X : poses.X_WB) X.translation() += offset * Eigen::Vector3d(1, -0.7, 0.3);
+      for (Eigen::Isometry3d& X : poses.X_WB)
+        X.translation() += offset * Eigen::Vector3d(1, -0.7, 0.3);
       const double expected =
           (poses.X_WB[1].translation() - poses.X_WB[0].translation()).norm() - 0.5;
       const auto& report = detector.detect(poses, alarm(10.0));
@@ -253,7 +256,7 @@ TEST(CollisionDetector, TheSmallestDistanceIsABoundWhereTheNarrowPhaseIsDegraded
     CheckSettings settings = alarm(0.5);
     settings.min_distance = true;
     EXPECT_FALSE(detector.detect(poses, settings).min_distance_is_bound) << x;
-    for (Eigen::Isometry3d& X_WB : poses.X_WB) X_WB.linear() *= 1.01;
+    for (Eigen::Isometry3d& X_WB : poses.X_WB) X_WB.linear().row(1) << 0.6, 0.8, 0.0;  // a shear
     const CollisionReport& report = detector.detect(poses, settings);
     EXPECT_TRUE(report.min_distance_is_bound) << x;
     EXPECT_LT(report.min_distance, x - 1.0);
@@ -337,8 +340,8 @@ TEST(CollisionScene, WorldIsCheckedAgainstTheRobotAndNotAgainstItself) {
 }
 
 TEST(CollisionScene, WhatIsStaticMayBeAddedPairByPair) {
-  const auto scene =
-      CollisionScene::build(robotFrom(slidingBoxes(2)), std::nullopt, robotFrom(boxLink("wall", 1)));
+  const auto scene = CollisionScene::build(robotFrom(slidingBoxes(2)), std::nullopt,
+                                           robotFrom(boxLink("wall", 1)));
   CollisionDetector detector(scene);
   detector.beginNarrowPhase(boxesAt(*scene, {0.0, 0.1}), alarm(0.0));
   detector.addCollisionPair(static_cast<std::uint32_t>(scene->findModel("wall")),

@@ -127,6 +127,43 @@ TEST(FidelityLadder, AVerdictIsThatOfTheContactsAtEveryRung) {
   }
 }
 
+// What is prepared of a mesh depends on the finest geometry of its pairs, and a check may ask for
+// any.
+TEST(FidelityLadder, EveryCombinationOfFidelitiesIsAnsweredAndMissesNoContact) {
+  const Fidelity all[] = {Fidelity::AABB, Fidelity::SPHERES, Fidelity::OBB, Fidelity::CONVEX,
+                          Fidelity::MESH};
+  const std::string other[] = {"<mesh filename='l'/>", "<sphere radius='0.1'/>"};
+  for (int i = 0; i < 5 * 5 * 5 * 2; ++i) {
+    const auto robot = RobotModel::fromUrdf(
+        "<robot name='r'>" + emptyLink("root") + linkWith("a", "<mesh filename='l'/>") +
+            linkWith("b", other[i % 2]) + joint("to_a", "floating", "root", "a", "0 0 0", "") +
+            joint("to_b", "floating", "root", "b", "0 0 0", "") + "</robot>",
+        testMesh);
+    SceneDescription description;
+    description.robots.push_back({robot, std::nullopt, ""});
+    description.settings.link_fidelity["a"] = all[i / 2 % 5];
+    description.settings.link_fidelity["b"] = all[i / 10 % 5];
+    description.settings.fidelity = all[i / 50];
+    CollisionDetector detector(CollisionScene::build(description));
+    BodyPoses poses;
+    poses.resize(2);
+    for (const double y : {0.0, 0.02, 3.0}) {
+      poses.X_WB[0].translation().y() = y;
+      for (const Fidelity asked : all) {
+        for (const bool verdict_only : {false, true}) {
+          CheckSettings settings;
+          settings.fidelity = asked;
+          settings.verdict_only = verdict_only;
+          settings.alarm_distance = verdict_only ? 0.0 : 5.0;
+          ASSERT_EQ(detector.detect(poses, settings).verdict,
+                    y < 1.0 ? Verdict::COLLISION : Verdict::FREE)
+              << i << ' ' << fidelityName(asked);
+        }
+      }
+    }
+  }
+}
+
 TEST(FidelityLadder, IsNestedAMillionMetresFromTheOrigin) {
   RandomInputs random;
   const auto scene = sceneWithHulls(0);

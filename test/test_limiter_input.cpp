@@ -232,6 +232,13 @@ TEST_F(TrajectoryOfTwo, IsPassedWithAllThatItSays) {
   EXPECT_EQ(limited(), begin + "positions[0] 16 positions[1] 10.5 " + velocities + end);
   decision_.scale = 0.0;
   EXPECT_EQ(limited(), begin + "positions[0] 12 positions[1] 10 " + velocities + end);
+  decision_ = {};
+  decision_.scale = 1.0;
+  decision_.command = {0.5, 0.0};  // b stays, wherever it should go
+  EXPECT_EQ(limited(),
+            begin + "positions[0] 12 positions[1] 11 velocities[0] velocities[1] 0.5" + end);
+  decision_.command = {0.5, 1.0};
+  decision_.scale = 0.0;
   command_.points[0].positions[0] = std::nan("");
   EXPECT_EQ(limited(), begin + "positions[0] 12 positions[1] 10 " + velocities + end);
   measured_.take(state(2.0, {"b"}, {std::nan("")}), 2.0, 0.1);

@@ -219,8 +219,13 @@ TEST(OmplStates, AreValidAndClearAsADirectCheckSaysThem) {
   for (const Fidelity fidelity : {Fidelity::AABB, Fidelity::MESH}) {
     CheckSettings settings;
     settings.fidelity = fidelity;
-    settings.alarm_distance = 9.0;  // does not count
-    const OmplStateValidityChecker states(space, scene, {{"x"}, {}, {}}, settings);
+    CheckSettings with_others = settings;  // which do not count
+    with_others.alarm_distance = 9.0;
+    with_others.time_budget = 1e-9;
+    with_others.max_contacts = 1;
+    with_others.verdict_only = true;
+    with_others.is_enough = [](const Contact&) -> bool { throw std::logic_error("is not asked"); };
+    const OmplStateValidityChecker states(space, scene, {{"x"}, {}, {}}, with_others);
     EXPECT_EQ(states.getSpecs().clearanceComputationType, ob::StateValidityCheckerSpecs::EXACT);
     settings.alarm_distance = 0.0;
     settings.min_distance = true;

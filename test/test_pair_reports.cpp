@@ -90,14 +90,18 @@ TEST_F(TwoSpheres, WithVerdictOnlyHaveNoAlarmDistanceAndNoContacts) {
   EXPECT_TRUE(in_contact.contacts.empty());
 }
 
-TEST_F(TwoSpheres, AtPosesThatAreNoneAreCountedAsNotSettled) {
+TEST_F(TwoSpheres, AtPosesThatAreNoneAreLeftOutOrCountedAsNotSettled) {
   BodyPoses poses;
   poses.resize(2);
   poses.X_WB[1].translation().x() = 0.5;
   EXPECT_EQ(detector_.detect(poses, alarm(0.0)).nb_degraded, 0u);
-  poses.X_WB[1].linear() *= 1.01;
+  poses.X_WB[1].linear().row(1) << 0.6, 0.8, 0.0;  // a shear
+  EXPECT_EQ(detector_.detect(poses, alarm(0.0)).nb_degraded, 1u);
+  EXPECT_EQ(detector_.report().verdict, Verdict::UNKNOWN);
+  poses.X_WB[1].linear() = 1.01 * Eigen::Matrix3d::Identity();
   const CollisionReport& report = detector_.detect(poses, alarm(0.0));
-  EXPECT_EQ(report.nb_degraded, 1u);
+  EXPECT_EQ(report.nb_degraded, 0u);
+  EXPECT_EQ(report.left_out.size(), 1u);
   EXPECT_EQ(report.verdict, Verdict::UNKNOWN);
 }
 

@@ -106,11 +106,10 @@ TEST(RobotModel, ForwardKinematicsIsTheProductOfTheJointsOnePerBody) {
 
 TEST(RobotModel, AtZeroAMimicJointIsWhereItsLeaderPutsIt) {
   const std::string axis = "<axis xyz='1 0 0'/><limit lower='2' upper='9'/>";
-  const auto robot = robotFrom(
-      emptyLink("root") + emptyLink("a") + emptyLink("b") +
-      joint("lead", "prismatic", "root", "a", "0 0 0", axis) +
-      joint("follow", "prismatic", "root", "b", "0 0 0",
-            axis + "<mimic joint='lead' multiplier='0.5' offset='3'/>"));
+  const auto robot = robotFrom(emptyLink("root") + emptyLink("a") + emptyLink("b") +
+                               joint("lead", "prismatic", "root", "a", "0 0 0", axis) +
+                               joint("follow", "prismatic", "root", "b", "0 0 0",
+                                     axis + "<mimic joint='lead' multiplier='0.5' offset='3'/>"));
   const auto q = robot->zeroPositions();
   EXPECT_EQ(q[robot->findJoint("lead")], 2.0) << "its nearest limit";
   EXPECT_EQ(q[robot->findJoint("follow")], 4.0);
@@ -140,6 +139,16 @@ TEST(RobotModel, RobotsThatAreMergedMoveAsEachAlone) {
   for (std::size_t i = 0; i < alone.size(); ++i) {
     EXPECT_TRUE(merged[i].isApprox(alone[i], 1e-15));
     EXPECT_TRUE(merged[alone.size() + i].isApprox(X_WR * alone[i], 1e-15));
+  }
+  // So does what was merged before.
+  std::vector<Eigen::Isometry3d> again;
+  RobotModel::merge({{both, "", X_WR}, {robot, "three", X_WR.inverse()}})
+      ->forwardKinematics(std::vector<double>(3 * robot->joints().size()), again);
+  ASSERT_EQ(again.size(), 3 * alone.size());
+  for (std::size_t i = 0; i < alone.size(); ++i) {
+    EXPECT_TRUE(again[i].isApprox(X_WR * alone[i], 1e-15));
+    EXPECT_TRUE(again[alone.size() + i].isApprox(X_WR * X_WR * alone[i], 1e-15));
+    EXPECT_TRUE(again[2 * alone.size() + i].isApprox(X_WR.inverse() * alone[i], 1e-15));
   }
   const Link& link = both->links()[both->findLink("two/z")];
   EXPECT_EQ(both->links()[both->joints()[link.parent_joint].parent_link].name, "two/root");

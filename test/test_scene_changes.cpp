@@ -284,6 +284,12 @@ TEST_F(Changed, WhatIsWrongIsNamedAsByABuild) {
   bad.X_PO.translation().y() = std::numeric_limits<double>::infinity();
   EXPECT_THAT(refusal({{bad}, {}}), HasSubstr("'bad' is too large or too far away"));
   bad = box("bad", 0);
+  bad.X_PO.linear() *= 1.001;
+  EXPECT_THAT(refusal({{bad}, {}}), HasSubstr("object 'bad': its pose, or that of a shape, is no"));
+  bad = box("bad", 0);
+  bad.elements[0].X_LE.linear().col(1) *= -1.0;
+  EXPECT_THAT(refusal({{bad}, {}}), HasSubstr("object 'bad': its pose, or that of a shape, is no"));
+  bad = box("bad", 0);
   bad.padding = -1.0;
   EXPECT_THAT(refusal({{bad}, {}}), HasSubstr("the padding of object 'bad'"));
   bad = box("bad", 0);

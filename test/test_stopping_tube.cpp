@@ -218,5 +218,17 @@ TEST(PassedCommands, AreAlongADirectionIfAllInEffectAreMultiplesOfIt) {
   EXPECT_FALSE(areAlong({0.25, 1.0 + 1e-6}, along, 2.05));
 }
 
+// Of a direction whose square is 0, or infinite, in doubles.
+TEST(StoppingTube, OfADirectionOfAnyLengthHoldsWhatIsInFlight) {
+  for (const double length : {1e-300, 1e-163, 1e-161, 1.0, 1e155, 1e300}) {
+    PassedCommands passed({0.1, 0.0, {5.0, 5.0}});
+    passed.add(1.0, {1.0, 0.0});
+    EXPECT_FALSE(passed.areAlong({0.0, length}, 1.05)) << length;
+    const StoppingTube tube = passed.tube(1.05, 1.05, {0.0, length}, {0.0, 0.0});
+    // On for the dead time, and braking.
+    EXPECT_LT(outside(tube, {0.1 + 0.5 / 5.0 - 1e-6, 0.0}), 1e-9) << length;
+  }
+}
+
 }  // namespace
 }  // namespace collision_pairs

@@ -237,6 +237,14 @@ TEST(VoxelGrid, AVoxelThatIsKeptStaysForOneCloudAndIsNotSeen) {
     EXPECT_EQ(cellsOf(*grid.seen(all)), (Cells{{0, 0, 0}}));
     EXPECT_TRUE(grid.seen({Vector3d::Constant(5.0), Vector3d::Constant(9.0)})->isEmpty());
     EXPECT_EQ(cellsOf(*grid.end()), (Cells{{0, 0, 0}, {7, 0, 0}}));
+    if (decay > 0.0) {
+      EXPECT_EQ(cellsOf(*grid.at(10.5)), (Cells{{7, 0, 0}}));
+    }
+    grid.clear();
+    grid.begin(0.0, Vector3d::Zero());
+    grid.add({0.5, 0.5, 0.5});
+    grid.keep({7, 0, 0});
+    grid.end();
     grid.begin(1.0, Vector3d::Zero());
     grid.add({0.5, 0.5, 0.5});
     EXPECT_EQ(cellsOf(*grid.end()), (Cells{{0, 0, 0}}));

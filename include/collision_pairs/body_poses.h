@@ -18,7 +18,8 @@ using CloudVoxels = std::vector<std::shared_ptr<const OccupiedVoxels>>;
 struct BodyPoses {
   std::vector<Eigen::Isometry3d> X_WB;
   /// Whether the pose is known. If not, the body's models are left out and reported; an unknown
-  /// pose is never treated as identity. A pose that is not finite counts as unknown.
+  /// pose is never treated as identity. A pose that is not finite counts as unknown, and so does
+  /// one whose rotation is off by more than 1e-3 in scale; a smaller error is mended.
   std::vector<char> known;
   CloudVoxels voxels;
 

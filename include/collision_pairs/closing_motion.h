@@ -36,8 +36,9 @@ struct ClosingMotion {
 /// Method: a plane between the hulls of two elements, along the normal at the witness points. The
 /// furthest reach of one hull along a tilting normal is followed to first order in time; the rest
 /// is bounded (see PlaneBound). Where no such plane lies between them, the distance is divided by
-/// the speed of the fastest point. Cost: about twenty support points of each hull for each pair of
-/// elements in reach, 1 to 10 us.
+/// the speed of the fastest point. Elements of the two models that are out of reach are no nearer
+/// than the nearest, but may be faster: planes between their hulls. Cost: about twenty support
+/// points of each hull for each pair of elements, 1 to 10 us.
 ClosingMotion closingMotion(const CollisionScene& scene, const CollisionReport& report,
                             const PairReport& pair, const BodyPoses& now,
                             const EarlierPoses& before);

@@ -90,7 +90,8 @@ struct CollisionReport {
   /// poses and settings.
   std::optional<Contact> nearest;
   /// The check ended at a contact (CheckSettings::verdict_only, max_contacts, is_enough). The
-  /// verdict is COLLISION; pairs that are not in the report may not have been measured. But for
+  /// verdict is COLLISION; pairs that are not in the report may not have been measured, and the
+  /// others may have elements that were not: state and distance are of those that were. But for
   /// verdict_only min_distance is then the smallest of those measured, and is called a bound.
   bool ended_early = false;
   /// CollisionScene::unchecked(), or that selection or predicate leave no pair: if not empty, the

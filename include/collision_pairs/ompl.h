@@ -115,15 +115,18 @@ class OmplWorkers {
 class OmplStateValidityChecker : public ompl::base::StateValidityChecker {
  public:
   /// Throws InputError if the space is no RealVectorStateSpace with one dimension per joint, or for
-  /// an unknown joint. Of the settings, fidelity, tolerance, selection and may_ignore count; the
-  /// predicate is asked from all threads of the planner.
+  /// an unknown joint. Of the settings, fidelity, tolerance, selection, may_ignore and
+  /// ignore_revision count; the predicate is asked from all threads of the planner.
   OmplStateValidityChecker(const ompl::base::SpaceInformationPtr& space,
                            std::shared_ptr<const CollisionScene> scene, OmplJoints joints,
                            const CheckSettings& settings = {})
-      : StateValidityChecker(space),
-        workers_(*space, std::move(scene), std::move(joints)),
-        settings_(settings) {
+      : StateValidityChecker(space), workers_(*space, std::move(scene), std::move(joints)) {
     settings_.alarm_distance = 0.0;
+    settings_.fidelity = settings.fidelity;
+    settings_.tolerance = settings.tolerance;
+    settings_.selection = settings.selection;
+    settings_.may_ignore = settings.may_ignore;
+    settings_.ignore_revision = settings.ignore_revision;
     specs_.clearanceComputationType = ompl::base::StateValidityCheckerSpecs::EXACT;
   }
 

@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "mesh_bounds.h"
+#include "pose_repair.h"
 
 namespace collision_pairs {
 namespace {
@@ -12,6 +13,13 @@ using Eigen::Vector3d;
 using Eigen::Vector4d;
 
 constexpr double ROUNDING = 64.0 * std::numeric_limits<double>::epsilon();
+
+// A quick test that finds all but shears.
+bool hasUnitRows(const Isometry3d& X) {
+  const auto column = [&](int i) -> Vector4d { return X.matrix().col(i); };
+  const Vector4d rows = column(0).cwiseAbs2() + column(1).cwiseAbs2() + column(2).cwiseAbs2();
+  return ((rows - Vector4d(1.0, 1.0, 1.0, 0.0)).cwiseAbs().array() <= ORTHONORMAL).all();
+}
 
 }  // namespace
 
@@ -49,7 +57,7 @@ void ElementBoxes::prepare(const CollisionScene& scene) {
 
 std::uint32_t ElementBoxes::rebuild(const BodyPoses& poses, bool all_tight,
                                     const PairSelection* selection) {
-  poses_ = &poses;
+  poses_ = &soundPoses(poses);
   without_box_.clear();
   const std::uint32_t first = scene_->nbStaticElements();
   auto nb_boxes = static_cast<std::uint32_t>(of_bodies_.size());
@@ -61,17 +69,32 @@ std::uint32_t ElementBoxes::rebuild(const BodyPoses& poses, bool all_tight,
       --nb_boxes;
       continue;
     }
-    if (!poses.known[of_body.body]) {
+    if (!poses_->known[of_body.body]) {
       boxes_[i] = noBox();
       without_box_.push_back(i);
       continue;
     }
     const bool is_loose = of_body.is_loose && !all_tight;
-    if (is_loose && setLoose(of_body, poses.X_WB[of_body.body], boxes_[i])) continue;
+    if (is_loose && setLoose(of_body, poses_->X_WB[of_body.body], boxes_[i])) continue;
     tighten(i);
     if (!boxes_[i].valid()) without_box_.push_back(i);
   }
   return nb_boxes - static_cast<std::uint32_t>(without_box_.size());
+}
+
+// The narrow phase mends rotations, or refuses them. A box of the matrix as it is would dismiss
+// what it has never seen.
+const BodyPoses& ElementBoxes::soundPoses(const BodyPoses& poses) {
+  bool are_sound = true;
+  for (std::size_t i = 0; i < poses.X_WB.size(); ++i) {
+    are_sound &= !poses.known[i] || hasUnitRows(poses.X_WB[i]);
+  }
+  if (are_sound) return poses;
+  mended_ = poses;
+  for (std::size_t i = 0; i < mended_.X_WB.size(); ++i) {
+    if (mended_.known[i] && !repairPose(mended_.X_WB[i])) mended_.known[i] = 0;
+  }
+  return mended_;
 }
 
 // False if it is not finite; the tight one may be finite.

@@ -65,9 +65,11 @@ class ElementBoxes {
     bool is_loose;  // false: the tight one costs no more
   };
   bool setLoose(const BodyBox& box, const Eigen::Isometry3d& X_WB, Aabb& loose) const;
+  const BodyPoses& soundPoses(const BodyPoses& poses);
 
   const CollisionScene* scene_ = nullptr;
   const BodyPoses* poses_ = nullptr;
+  BodyPoses mended_;
   std::vector<BodyBox> of_bodies_;
   std::vector<std::uint32_t> models_;
   std::vector<Known> known_;

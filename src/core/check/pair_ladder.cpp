@@ -60,7 +60,7 @@ double errorOfBound(const Prepared& a, const ConvexCore& b, const Isometry3d& X_
   return rounding + FCL_CONFIRMED * (a.core.extent + a.core.radius + b.extent + b.radius);
 }
 
-/// About the centre of the element's box.
+/// The element's box; its frame is at the centre.
 ConvexCore coreOfBox(const SceneElement& element) {
   ConvexCore core;
   core.kind = ConvexCore::Kind::BOX;
@@ -250,13 +250,18 @@ PairDistance PairLadder::spheresApart(const BoxPair& pair, const Isometry3d& X_A
   const SceneElement &a = scene_->elements()[pair.first], &b = scene_->elements()[pair.second];
   const double padding = scene_->padding(pair.first, pair.second);
   const double reach = max_distance + padding;
-  const Rung &mesh_a = a.rung(Fidelity::MESH), &mesh_b = b.rung(Fidelity::MESH);
   if (!a.spheres && !b.spheres) {
-    return narrow_phase_.distance(*mesh_a.shape, *mesh_b.shape, X_AB, reach, {0.0, padding},
-                                  offset(pair));
+    return narrow_phase_.distance(*a.rung(Fidelity::MESH).shape, *b.rung(Fidelity::MESH).shape,
+                                  X_AB, reach, {0.0, padding}, offset(pair));
   }
-  const double band = contactBand(preparedOf(mesh_a).core, preparedOf(mesh_b).core,
-                                  X_AB.translation(), offset(pair));
+  // The triangles of a mesh need not be prepared.
+  const auto coreOf = [](const SceneElement& element) {
+    if (!element.spheres) return preparedOf(element.rung(Fidelity::MESH)).core;
+    ConvexCore core = coreOfBox(element);
+    core.center = element.box_center;
+    return core;
+  };
+  const double band = contactBand(coreOf(a), coreOf(b), X_AB.translation(), offset(pair));
   PairDistance found =
       sphereDistance(spheresOf(a), spheresOf(b), X_AB, reach + band, padding + band);
   found.distance -= band;

@@ -161,12 +161,16 @@ struct VoxelGrid::Store {
     if (settings.decay > 0.0) last_seen[id][bit] = number;
   }
 
-  void keep(const VoxelCell& cell) {
+  bool occupy(const VoxelCell& cell) {
     unsigned bit;
     const std::uint32_t id = placeOf(cell, bit);
-    if (id == NONE) return;
+    if (id == NONE) return false;
     blocks[id].occupied |= std::uint64_t{1} << bit;
-    remembered.push_back(cell);
+    return true;
+  }
+
+  void keep(const VoxelCell& cell) {
+    if (occupy(cell)) remembered.push_back(cell);
   }
 
   void dropRemembered() {
@@ -372,6 +376,7 @@ void VoxelGrid::keep(const VoxelCell& cell) { store_->keep(cell); }
 std::shared_ptr<const OccupiedVoxels> VoxelGrid::at(double stamp) {
   store_->stamp = std::max(store_->stamp, stamp);
   store_->forget();
+  for (const VoxelCell& cell : store_->remembered) store_->occupy(cell);  // until the next cloud
   return store_->end();
 }
 

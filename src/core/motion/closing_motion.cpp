@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <set>
 
+#include "convex_distance.h"
 #include "plane_bound.h"
 #include "prepared_shape.h"
 
@@ -14,6 +16,7 @@ using Eigen::Isometry3d;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
+constexpr double INF = std::numeric_limits<double>::infinity();
 constexpr double ROUNDING = 1e-12;  // relative to the coordinates
 constexpr int NB_BISECTIONS = 20;   // of HORIZON: to 10 microseconds
 
@@ -86,70 +89,116 @@ double timeAbove(const Gap& gap) {
   return sure;
 }
 
-/// `n_W`: from the base to the mover; none if the base is a cloud, of which other parts than the
-/// nearest may be met. `distance`: of the two, padding subtracted.
-double timeToContact(const PlacedElement& base, const PlacedElement& mover,
-                     const RelativeVelocity& velocity, const Vector3d* n_W, double distance,
-                     double padding) {
-  const double reach = (mover.center_W - velocity.origin_W).norm() + mover.radius();
-  const double turning = velocity.omega.norm();
-  if (!std::isfinite(reach)) return 0.0;  // a moving half-space
-  MovingPair moving;
-  moving.p_AB_W = mover.center_W - base.center_W;
-  moving.twist_b = {velocity.at(mover.center_W), velocity.omega};
-  moving.bound.acceleration = turning * turning * reach;
-  moving.slack = ROUNDING * (mover.center_W.lpNorm<1>() + base.center_W.lpNorm<1>() + reach);
-  moving.padding = padding;
-  const double speed = moving.twist_b.v.norm() + turning * mover.radius();
-  const double time = timeAbove([&](double t) {
-    return distance - moving.slack - speed * t - 0.5 * moving.bound.acceleration * t * t;
-  });
-  if (mover.shape == nullptr || n_W == nullptr) return time;
-  if (base.isHalfSpace()) {
-    return std::max(time, timeAbove(PlaneBound(moving, PlaneSupport(), mover.hull(), *n_W)));
+/// Two elements, the mover relative to the base: that is the first, or the second if that is a
+/// half-space, which must not rotate, or a cloud, of which any voxel may be met first.
+struct ClosingElements {
+  bool of_cloud, is_swapped;
+  double padding;
+  PlacedElement base, mover;
+  RelativeVelocity velocity;
+
+  ClosingElements(const CollisionScene& scene, const BoxPair& pair, const Eigen::Vector3i& voxel,
+                  const BodyPair& first, const BodyPair& second, double window)
+      : of_cloud(scene.cloudOf(pair.first) >= 0 || scene.cloudOf(pair.second) >= 0),
+        is_swapped(scene.cloudOf(pair.second) >= 0 ||
+                   std::holds_alternative<HalfSpace>(scene.elements()[pair.second].shape)),
+        padding(scene.padding(pair.first, pair.second)),
+        base(placed(scene, is_swapped ? pair.second : pair.first, voxel,
+                    is_swapped ? second : first)),
+        mover(placed(scene, is_swapped ? pair.first : pair.second, voxel,
+                     is_swapped ? first : second)),
+        velocity(is_swapped ? second : first, is_swapped ? first : second, window) {}
+
+  static PlacedElement placed(const CollisionScene& scene, std::uint32_t element,
+                              const Eigen::Vector3i& voxel, const BodyPair& body) {
+    const bool is_voxel = scene.cloudOf(element) >= 0;
+    return {scene.elements()[element], is_voxel ? scene.poseOfVoxel(element, voxel) : body.X_WB};
   }
-  if (base.shape == nullptr) return time;
-  return std::max(time, timeAbove(PlaneBound(moving, base.hull(), mover.hull(), *n_W)));
-}
+
+  /// `n_W`: from the base to the mover; none if the base is a cloud, of which other parts than the
+  /// nearest may be met. `distance`: of the two, padding subtracted.
+  double timeToContact(const Vector3d* n_W, double distance) const {
+    const double reach = (mover.center_W - velocity.origin_W).norm() + mover.radius();
+    const double turning = velocity.omega.norm();
+    if (!std::isfinite(reach)) return 0.0;  // a moving half-space
+    MovingPair moving;
+    moving.p_AB_W = mover.center_W - base.center_W;
+    moving.twist_b = {velocity.at(mover.center_W), velocity.omega};
+    moving.bound.acceleration = turning * turning * reach;
+    moving.slack = ROUNDING * (mover.center_W.lpNorm<1>() + base.center_W.lpNorm<1>() + reach);
+    moving.padding = padding;
+    const double speed = moving.twist_b.v.norm() + turning * mover.radius();
+    const double time = timeAbove([&](double t) {
+      return distance - moving.slack - speed * t - 0.5 * moving.bound.acceleration * t * t;
+    });
+    if (mover.shape == nullptr || n_W == nullptr) return time;
+    if (base.isHalfSpace()) {
+      return std::max(time, timeAbove(PlaneBound(moving, PlaneSupport(), mover.hull(), *n_W)));
+    }
+    if (base.shape == nullptr) return time;
+    return std::max(time, timeAbove(PlaneBound(moving, base.hull(), mover.hull(), *n_W)));
+  }
+
+  /// Of two that are known to be at least that far apart. Any bound that is more than `enough` will
+  /// do.
+  double timeOutOfReach(double distance, double enough) const {
+    if (base.isHalfSpace()) {
+      const Vector3d up_W = base.R_WE.col(2);
+      return timeToContact(&up_W, distance);
+    }
+    if (of_cloud || base.shape == nullptr || mover.shape == nullptr) {
+      return timeToContact(nullptr, distance);
+    }
+    const double of_spheres =
+        (mover.center_W - base.center_W).norm() - base.radius() - mover.radius() - padding;
+    const double time = timeToContact(nullptr, std::max(distance, of_spheres));
+    if (time >= enough) return time;
+    Vector3d n = Vector3d::Zero();
+    const double gap = roughGap(n, base.shape->core, mover.shape->core,
+                                base.X_WE.inverse(Eigen::Isometry) * mover.X_WE, INF) -
+                       base.margin - mover.margin - padding;
+    const Vector3d n_W = base.R_WE * n;
+    return timeToContact(&n_W, std::max(distance, gap));
+  }
+};
 
 }  // namespace
 
 ClosingMotion closingMotion(const CollisionScene& scene, const CollisionReport& report,
                             const PairReport& pair, const BodyPoses& now,
                             const EarlierPoses& before) {
-  const auto& models = scene.models();
-  const auto first = posesOf(models[pair.first].body, now, before.poses);
-  const auto second = posesOf(models[pair.second].body, now, before.poses);
+  const CollisionModel &first = scene.models()[pair.first], &second = scene.models()[pair.second];
+  const auto of_first = posesOf(first.body, now, before.poses);
+  const auto of_second = posesOf(second.body, now, before.poses);
   ClosingMotion closing;
-  if (!first || !second || pair.nb_contacts == 0 || !(before.window > 0.0)) return closing;
+  if (!of_first || !of_second || pair.nb_contacts == 0 || !(before.window > 0.0)) return closing;
   closing.known = true;
-  closing.closing_speed = -std::numeric_limits<double>::infinity();
+  closing.closing_speed = -INF;
   closing.time_to_contact = pair.mayTouch() ? 0.0 : ClosingMotion::HORIZON;
+  std::set<BoxPair> in_reach;
   for (std::uint32_t i = 0; i < pair.nb_contacts; ++i) {
     const Contact& contact = report.contacts[pair.first_contact + i];
-    const auto [a, b] = contact.elements;
-    const auto placed = [&, &voxel = contact.voxel](std::uint32_t element, const BodyPair& body) {
-      const bool is_voxel = scene.cloudOf(element) >= 0;
-      return PlacedElement(scene.elements()[element],
-                           is_voxel ? scene.poseOfVoxel(element, voxel) : body.X_WB);
-    };
-    const PlacedElement of_first = placed(a, *first), of_second = placed(b, *second);
-    // Relative to the first, or to the second if that is a half-space, which must not rotate, or a
-    // cloud, of which any voxel may be met first.
-    const bool of_cloud = scene.cloudOf(a) >= 0 || scene.cloudOf(b) >= 0;
-    const bool swaps = of_second.isHalfSpace() || scene.cloudOf(b) >= 0;
-    const PlacedElement &base = swaps ? of_second : of_first, &mover = swaps ? of_first : of_second;
-    const RelativeVelocity velocity(swaps ? *second : *first, swaps ? *first : *second,
-                                    before.window);
-    const Vector3d n_W = swaps ? Vector3d(-contact.nhat_W) : contact.nhat_W;
-    const Vector3d& p_WMover = swaps ? contact.p_WFirst : contact.p_WSecond;
-    closing.closing_speed = std::max(closing.closing_speed, -n_W.dot(velocity.at(p_WMover)));
+    in_reach.insert(contact.elements);
+    const ClosingElements two(scene, contact.elements, contact.voxel, *of_first, *of_second,
+                              before.window);
+    const Vector3d n_W = two.is_swapped ? Vector3d(-contact.nhat_W) : contact.nhat_W;
+    const Vector3d& p_WMover = two.is_swapped ? contact.p_WFirst : contact.p_WSecond;
+    closing.closing_speed = std::max(closing.closing_speed, -n_W.dot(two.velocity.at(p_WMover)));
     if (closing.time_to_contact == 0.0) continue;
-    const double time = timeToContact(base, mover, velocity, of_cloud ? nullptr : &n_W,
-                                      -contact.depth, scene.padding(a, b));
+    const double time = two.timeToContact(two.of_cloud ? nullptr : &n_W, -contact.depth);
     closing.time_to_contact = std::min(closing.time_to_contact, time);
   }
   if (!std::isfinite(closing.closing_speed)) return {};  // decided by boxes, which have no normal
+  // The others are no nearer than the nearest, but may be faster.
+  for (std::uint32_t i = 0; i < first.nb_elements * second.nb_elements; ++i) {
+    const BoxPair elements{first.first_element + i / second.nb_elements,
+                           second.first_element + i % second.nb_elements};
+    if (closing.time_to_contact == 0.0) break;
+    if (in_reach.count(elements) > 0) continue;
+    const ClosingElements two(scene, elements, {0, 0, 0}, *of_first, *of_second, before.window);
+    const double time = two.timeOutOfReach(pair.distance, closing.time_to_contact);
+    closing.time_to_contact = std::min(closing.time_to_contact, time);
+  }
   return closing;
 }
 

@@ -208,7 +208,7 @@ struct NarrowPhase::Scratch {
   bool solidsMeet(const Prepared& A, const Prepared& B, const Isometry3d& X_AB) {
     const Isometry3d X_BA = X_AB.inverse(Eigen::Isometry);
     if (A.mesh && B.mesh) {
-      if (squaredBoxGap(A.box, B.box.movedBy(X_AB)) > 0.0) return false;
+      if (squaredBoxGap(A.box, B.box.movedBy(X_AB)) > band * band) return false;
       return contacts.surfacesMeet(*A.mesh, *B.mesh, X_AB, band) || meshHoldsMesh(A, B, X_AB) ||
              meshHoldsMesh(B, A, X_BA);
     }
@@ -267,8 +267,8 @@ struct NarrowPhase::Scratch {
 
   // For two that are apart: replaces the upper end of the certified interval by the lower one.
   static PairDistance tolerated(PairDistance found, double lower, const Accuracy& accuracy) {
-    if (found.certainty == Certainty::BEYOND || found.distance <= accuracy.contact_distance ||
-        lower >= found.distance) {
+    if (accuracy.isExact() || found.certainty == Certainty::BEYOND ||
+        found.distance <= accuracy.contact_distance || lower >= found.distance) {
       return found;
     }
     found.distance = std::max(lower, justAbove(accuracy.contact_distance));

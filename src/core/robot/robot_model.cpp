@@ -99,9 +99,16 @@ std::shared_ptr<const RobotModel> RobotModel::merge(const std::vector<Placed>& r
                      "' have links or joints of the same name; give each a different prefix");
   }
   all->groupIntoBodies();
+  // A robot has one root, or as many as it was merged of.
   std::size_t root = 0;
+  std::vector<Eigen::Isometry3d> X_WR;
+  for (const Placed& robot : robots) {
+    for (const Body& body : robot.model->bodies_) {
+      if (body.joint < 0) X_WR.push_back(robot.X_WR * body.X_PJ);
+    }
+  }
   for (Body& body : all->bodies_) {
-    if (body.joint < 0) body.X_PJ = robots[root++].X_WR;
+    if (body.joint < 0) body.X_PJ = X_WR[root++];
   }
   return all;
 }

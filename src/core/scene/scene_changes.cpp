@@ -128,7 +128,7 @@ class SceneEditor {
     };
     const bool is_sound = !name.empty() && !object->elements.empty() && object->padding >= 0.0 &&
                           std::isfinite(object->padding);
-    if (!is_sound ||
+    if (!is_sound || !areRotations(*object) ||
         !std::all_of(object->touch_links.begin(), object->touch_links.end(), isKnown)) {
       return false;
     }

@@ -89,6 +89,9 @@ class NameCheck {
                        nearestName(object.attached_link, links) + "'?");
     }
     for (const std::string& name : object.touch_links) require(name, where + ", touch_links");
+    if (!areRotations(object)) {
+      throw InputError(where + ": its pose, or that of a shape, is no rotation and translation");
+    }
   }
 
   void checkCloud(const RigidObject& cloud) const {

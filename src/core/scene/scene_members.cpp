@@ -106,6 +106,17 @@ void setPlace(const SceneMember& member, const Element& element, double half_pad
   made.box_padding = std::max(member.padding, half_padding);
 }
 
+bool areRotations(const RigidObject& object) {
+  constexpr double ROUNDING = 1e-6;
+  const auto isRotation = [](const Isometry3d& X) {
+    const Eigen::Matrix3d R = X.linear(), excess = R.transpose() * R - Eigen::Matrix3d::Identity();
+    return !R.allFinite() || (excess.cwiseAbs().maxCoeff() <= ROUNDING && R.determinant() > 0.0);
+  };
+  return isRotation(object.X_PO) &&
+         std::all_of(object.elements.begin(), object.elements.end(),
+                     [&](const Element& element) { return isRotation(element.X_LE); });
+}
+
 SceneMember objectMember(const ObjectPtr& object, const SceneSettings& settings,
                          const RobotModel& merged) {
   SceneMember member = memberWith(object->name, object->elements, settings);

@@ -49,6 +49,10 @@ void checkDescription(const SceneDescription& description, const Objects& object
 void setPlace(const SceneMember& member, const Element& element, double half_padding,
               SceneElement& made);
 
+/// Whether the rotations of its pose and of those of its shapes are such, but for a client's
+/// rounding. Of numbers that are not finite nothing is said: nor is the object's box.
+bool areRotations(const RigidObject& object);
+
 /// The object is not checked, but that the link it is attached to must exist.
 SceneMember objectMember(const ObjectPtr& object, const SceneSettings& settings,
                          const RobotModel& merged);

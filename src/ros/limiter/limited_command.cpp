@@ -71,12 +71,15 @@ trajectory_msgs::JointTrajectory limitedTrajectory(const trajectory_msgs::JointT
   for (std::size_t i = 0; i < command.joint_names.size(); ++i) {
     const auto joint = std::find(joints.begin(), joints.end(), command.joint_names[i]);
     const auto at = static_cast<std::size_t>(joint - joints.begin());
-    point.velocities.push_back(at < joints.size() ? decision.command[at] : 0.0);
+    const double velocity = at < joints.size() ? decision.command[at] : 0.0;
+    point.velocities.push_back(velocity);
     if (!has_positions) continue;
     const double given = command.points.front().positions[i];
     const auto found = measured.all().find(command.joint_names[i]);
     const double from = found == measured.all().end() ? NAN : found->second.value;
-    point.positions.push_back(decision.scale > 0.0 ? from + decision.scale * (given - from) : from);
+    // A joint that is given no velocity is certified where it is, and not where it should go.
+    const bool moves = decision.scale > 0.0 && velocity != 0.0;
+    point.positions.push_back(moves ? from + decision.scale * (given - from) : from);
   }
   const auto isKnown = [](double position) { return std::isfinite(position); };
   if (!std::all_of(point.positions.begin(), point.positions.end(), isKnown)) {

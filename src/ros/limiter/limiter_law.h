@@ -50,7 +50,8 @@ class Surroundings {
   virtual Certificate certify(const StoppingTube& tube, double clearance, double growth,
                               const std::vector<NearPair>& nearer) = 0;
 
-  /// Upper bound of how much nearer a pair can come anywhere in the tube, metres.
+  /// Upper bound of how far a point of the robot can go anywhere in the tube, metres: two links may
+  /// come nearer by twice as much.
   virtual double travel(const StoppingTube& tube) = 0;
 
   /// All pairs that the direction moves relative to each other and that are no further apart than

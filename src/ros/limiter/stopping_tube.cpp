@@ -20,6 +20,12 @@ double dot(const std::vector<double>& a, const std::vector<double>& b) {
   return sum;
 }
 
+/// Of the direction, the multiple that comes nearest to the command; a tube is true of any.
+double shareOf(const std::vector<double>& command, const std::vector<double>& direction) {
+  const double share = dot(command, direction) / dot(direction, direction);
+  return std::isfinite(share) ? share : 0.0;
+}
+
 /// Of a number that changes with time: the largest and smallest values of its integral from the
 /// measurement on, up to any instant.
 struct Integral {
@@ -89,7 +95,7 @@ std::size_t PassedCommands::firstInEffect(double stamp, double now) const {
 bool PassedCommands::areAlong(const std::vector<double>& direction, double stamp) const {
   for (std::size_t i = firstInEffect(stamp, stamp); i < passed_.size(); ++i) {
     const std::vector<double>& command = passed_[i].command;
-    const double share = dot(command, direction) / dot(direction, direction);
+    const double share = shareOf(command, direction);
     if (share < 0.0) return false;
     for (std::size_t j = 0; j < command.size(); ++j) {
       if (std::abs(command[j] - share * direction[j]) > 1e-9) return false;
@@ -113,9 +119,7 @@ StoppingTube PassedCommands::tube(double stamp, double now, const std::vector<do
   sequence.seconds.push_back(end - before);
 
   std::vector<double> shares;
-  for (const auto* command : sequence.commands) {
-    shares.push_back(dot(*command, direction) / dot(direction, direction));
-  }
+  for (const auto* command : sequence.commands) shares.push_back(shareOf(*command, direction));
   const Integral along = sequence.integral([&](std::size_t i) { return shares[i]; });
 
   StoppingTube tube;
