@@ -14,11 +14,11 @@ using Eigen::Vector4d;
 
 constexpr double ROUNDING = 64.0 * std::numeric_limits<double>::epsilon();
 
-// A quick test that finds all but shears.
-bool hasUnitRows(const Isometry3d& X) {
+// By how much the squares of the rows of the rotation differ from 1, squared: finds all but shears.
+Vector4d errorOfRows(const Isometry3d& X) {
   const auto column = [&](int i) -> Vector4d { return X.matrix().col(i); };
   const Vector4d rows = column(0).cwiseAbs2() + column(1).cwiseAbs2() + column(2).cwiseAbs2();
-  return ((rows - Vector4d(1.0, 1.0, 1.0, 0.0)).cwiseAbs().array() <= ORTHONORMAL).all();
+  return (rows - Vector4d(1.0, 1.0, 1.0, 0.0)).cwiseAbs2();
 }
 
 }  // namespace
@@ -85,11 +85,11 @@ std::uint32_t ElementBoxes::rebuild(const BodyPoses& poses, bool all_tight,
 // The narrow phase mends rotations, or refuses them. A box of the matrix as it is would dismiss
 // what it has never seen.
 const BodyPoses& ElementBoxes::soundPoses(const BodyPoses& poses) {
-  bool are_sound = true;
+  Vector4d error = Vector4d::Zero();
   for (std::size_t i = 0; i < poses.X_WB.size(); ++i) {
-    are_sound &= !poses.known[i] || hasUnitRows(poses.X_WB[i]);
+    if (poses.known[i]) error += errorOfRows(poses.X_WB[i]);
   }
-  if (are_sound) return poses;
+  if (error.sum() <= ORTHONORMAL * ORTHONORMAL) return poses;
   mended_ = poses;
   for (std::size_t i = 0; i < mended_.X_WB.size(); ++i) {
     if (mended_.known[i] && !repairPose(mended_.X_WB[i])) mended_.known[i] = 0;
