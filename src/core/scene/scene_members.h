@@ -50,7 +50,7 @@ void setPlace(const SceneMember& member, const Element& element, double half_pad
               SceneElement& made);
 
 /// Whether the rotations of its pose and of those of its shapes are such, but for a client's
-/// rounding. Of numbers that are not finite nothing is said: nor is the object's box.
+/// rounding. Numbers that are not finite pass: the object has no box then, which is refused.
 bool areRotations(const RigidObject& object);
 
 /// The object is not checked, but that the link it is attached to must exist.
