@@ -79,7 +79,7 @@ class StressClients:
                 # Of ROS 1's services a connection is lost at times, which dynamic_reconfigure hides; a node that died
                 # is noticed by its pid.
                 reasons = "%r, after %r" % (error, error.__context__)
-                if "transport error" in reasons:
+                if "transport error" in reasons or "terminated before handshake" in reasons:
                     self.counts["lost connections"] = self.counts.get("lost connections", 0) + 1
                 else:
                     self.wrong.append("%s: %s" % (name, reasons))
