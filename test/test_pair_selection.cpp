@@ -12,12 +12,11 @@
 namespace collision_pairs {
 namespace {
 
-constexpr double INF = std::numeric_limits<double>::infinity();
-constexpr double FAR = 50.0;  // metres
-
 using testing::HasSubstr;
 using ModelPair = std::pair<std::uint32_t, std::uint32_t>;
 using Among = PairSelection::Among;
+
+constexpr double FAR = 50.0;  // metres
 
 CheckSettings alarm(double distance) {
   CheckSettings settings;
@@ -168,7 +167,7 @@ TEST(APredicate, LeavesOutItsPairsAndNothingElseAndIsAskedOncePerPairWhoseBoxesM
     const double nearest = smallestWhere(isKept, whole.detect(poses, alarm(FAR)));
     const CollisionReport& found = checked.detect(poses, settings);
     if (found.unchecked.empty()) {
-      if (nearest == INF) {
+      if (std::isinf(nearest)) {
         EXPECT_GT(found.min_distance, FAR);
       } else {
         EXPECT_NEAR(found.min_distance, nearest, 1e-9);

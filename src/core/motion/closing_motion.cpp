@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <set>
 
 #include "convex_distance.h"
 #include "plane_bound.h"
@@ -175,10 +174,8 @@ ClosingMotion closingMotion(const CollisionScene& scene, const CollisionReport& 
   closing.known = true;
   closing.closing_speed = -INF;
   closing.time_to_contact = pair.mayTouch() ? 0.0 : ClosingMotion::HORIZON;
-  std::set<BoxPair> in_reach;
   for (std::uint32_t i = 0; i < pair.nb_contacts; ++i) {
     const Contact& contact = report.contacts[pair.first_contact + i];
-    in_reach.insert(contact.elements);
     const ClosingElements two(scene, contact.elements, contact.voxel, *of_first, *of_second,
                               before.window);
     const Vector3d n_W = two.is_swapped ? Vector3d(-contact.nhat_W) : contact.nhat_W;
@@ -189,12 +186,17 @@ ClosingMotion closingMotion(const CollisionScene& scene, const CollisionReport& 
     closing.time_to_contact = std::min(closing.time_to_contact, time);
   }
   if (!std::isfinite(closing.closing_speed)) return {};  // decided by boxes, which have no normal
+  const auto contacts = report.contacts.begin() + pair.first_contact;
+  const auto isInReach = [&](const BoxPair& elements) {
+    return std::any_of(contacts, contacts + pair.nb_contacts,
+                       [&](const Contact& contact) { return contact.elements == elements; });
+  };
   // The others are no nearer than the nearest, but may be faster.
   for (std::uint32_t i = 0; i < first.nb_elements * second.nb_elements; ++i) {
     const BoxPair elements{first.first_element + i / second.nb_elements,
                            second.first_element + i % second.nb_elements};
     if (closing.time_to_contact == 0.0) break;
-    if (in_reach.count(elements) > 0) continue;
+    if (isInReach(elements)) continue;
     const ClosingElements two(scene, elements, {0, 0, 0}, *of_first, *of_second, before.window);
     const double time = two.timeOutOfReach(pair.distance, closing.time_to_contact);
     closing.time_to_contact = std::min(closing.time_to_contact, time);

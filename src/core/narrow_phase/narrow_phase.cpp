@@ -145,9 +145,11 @@ struct NarrowPhase::Scratch {
     const bool has_fcl = A.fcl && B.fcl;
     const auto fcl = has_fcl ? askFcl(*A.fcl, *B.fcl, X_AB, max_distance) : FclAnswer();
     using Outcome = FclAnswer::Outcome;
-    if (fcl.outcome == Outcome::DEPTH && isDepthAlongNormal(fcl.found, A, B, X_AB)) {
-      return fcl.found;
-    }
+    // FCL's normal of two whose axes meet may lie along them.
+    const auto isAlongNormal = [&](const PairDistance& depth) {
+      return gapAlong(depth.nhat_AB_A, A.core, B.core, X_AB) >= depth.distance - doubtOf(A, B);
+    };
+    if (fcl.outcome == Outcome::DEPTH && isAlongNormal(fcl.found)) return fcl.found;
     const bool is_clear = fcl.found.distance > doubtOf(A, B) + band;
     if (fcl.outcome == Outcome::APART && !oneHoldsTheOther(A, B, X_AB) &&
         (is_clear || !abut(A, B, X_AB))) {
@@ -164,12 +166,6 @@ struct NarrowPhase::Scratch {
     depth.distance = std::min(depth.distance, 0.0);  // FCL decided that they touch
     if (depth.certainty == Certainty::DEGRADED) depth.certainty = Certainty::BOUND;
     return depth;
-  }
-
-  // FCL's normal of two whose axes meet may lie along them.
-  static bool isDepthAlongNormal(const PairDistance& found, const Prepared& A, const Prepared& B,
-                                 const Isometry3d& X_AB) {
-    return gapAlong(found.nhat_AB_A, A.core, B.core, X_AB) >= found.distance - doubtOf(A, B);
   }
 
   // For two that FCL has apart: true if the gap is too small for it, and natively a contact.

@@ -5,15 +5,14 @@
 
 #include "collision_pairs/input_error.h"
 #include "collision_pairs/robot_model.h"
+#include "pose_repair.h"
 
 namespace collision_pairs {
 namespace {
 
 using Eigen::Isometry3d;
-using Eigen::Matrix3d;
 
-constexpr double ROTATION = 1e-6;  // rounding of a client's rotation: largest entry of R^T R - I
-constexpr double UNIT = 2e-15;     // rounding of a unit axis: of its squared length
+constexpr double UNIT = 2e-15;  // rounding of a unit axis: of its squared length
 
 std::string quoted(const std::string& name) { return "'" + name + "'"; }
 
@@ -64,9 +63,7 @@ class PartsCheck {
   }
 
   void requirePose(const Isometry3d& X, const std::string& what) const {
-    const Matrix3d excess = X.linear().transpose() * X.linear() - Matrix3d::Identity();
-    const bool is_pose = X.matrix().allFinite() && excess.cwiseAbs().maxCoeff() <= ROTATION &&
-                         X.linear().determinant() > 0.0;
+    const bool is_pose = X.matrix().allFinite() && isRotation(X.linear());
     if (!is_pose) fail(what + " is not a rotation and a translation in finite numbers");
   }
 

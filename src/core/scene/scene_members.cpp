@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "pose_repair.h"
+
 namespace collision_pairs {
 namespace {
 
@@ -107,14 +109,12 @@ void setPlace(const SceneMember& member, const Element& element, double half_pad
 }
 
 bool areRotations(const RigidObject& object) {
-  constexpr double ROUNDING = 1e-6;
-  const auto isRotation = [](const Isometry3d& X) {
-    const Eigen::Matrix3d R = X.linear(), excess = R.transpose() * R - Eigen::Matrix3d::Identity();
-    return !R.allFinite() || (excess.cwiseAbs().maxCoeff() <= ROUNDING && R.determinant() > 0.0);
+  const auto passes = [](const Isometry3d& X) {
+    return !X.linear().allFinite() || isRotation(X.linear());
   };
-  return isRotation(object.X_PO) &&
+  return passes(object.X_PO) &&
          std::all_of(object.elements.begin(), object.elements.end(),
-                     [&](const Element& element) { return isRotation(element.X_LE); });
+                     [&](const Element& element) { return passes(element.X_LE); });
 }
 
 SceneMember objectMember(const ObjectPtr& object, const SceneSettings& settings,

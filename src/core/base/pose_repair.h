@@ -1,4 +1,4 @@
-// What a query does with a rotation that is not quite one.
+// What is done with a rotation that is not quite one: in a description, and by a query.
 #pragma once
 
 #include <cmath>
@@ -6,6 +6,13 @@
 #include <Eigen/Geometry>
 
 namespace collision_pairs {
+
+/// For robots and objects: whether R is a rotation, but for a client's rounding.
+inline bool isRotation(const Eigen::Matrix3d& R) {
+  constexpr double ROUNDING = 1e-6;  // largest entry of R^T R - I
+  const Eigen::Matrix3d excess = R.transpose() * R - Eigen::Matrix3d::Identity();
+  return excess.cwiseAbs().maxCoeff() <= ROUNDING && R.determinant() > 0.0;
+}
 
 constexpr double ORTHONORMAL = 1e-14;  // rotations better than this are used as they are
 constexpr double MENDABLE = 1e-3;      // rotations worse than this are refused
