@@ -78,6 +78,8 @@ class Probe {
         detector_(scene_),
         gradient_(*scene_, columns_) {}
 
+  std::size_t nbJoints() const { return columns_.size(); }
+
   const CollisionReport& at(const Eigen::VectorXd& q) {
     std::vector<double> positions = scene_->robot().zeroPositions();
     columns_.apply(q.data(), positions);
@@ -159,7 +161,7 @@ bool isBoundOfDepth(const PairReport& pair) { return pair.certainty == Certainty
 Tally compare(Probe& probe, int nb_states, Kind kind, RandomInputs& random) {
   Tally tally;
   for (int state = 0; state < nb_states; ++state) {
-    const Eigen::VectorXd q = randomState(random, NAMES.size());
+    const Eigen::VectorXd q = randomState(random, probe.nbJoints());
     const std::vector<PairReport> pairs = probe.at(q).pairs;
     std::vector<Eigen::VectorXd> gradients(pairs.size());
     std::vector<bool> given(pairs.size());
