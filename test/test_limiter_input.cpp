@@ -11,6 +11,7 @@
 #include "limited_command.h"
 #include "limiter_parameters.h"
 #include "printed.h"
+#include "random_inputs.h"
 
 namespace collision_pairs {
 namespace {
@@ -229,7 +230,8 @@ TEST_F(TrajectoryOfTwo, IsPassedWithAllThatItSays) {
   const std::string begin = "header frame_id base joint_names[0] b joint_names[1] a points[0] ",
                     end = " time_from_start 3.000000000";
   const std::string velocities = "velocities[0] 1 velocities[1] 0.5";
-  EXPECT_EQ(limited(), begin + "positions[0] 16 positions[1] 10.5 " + velocities + end);
+  EXPECT_EQ(limited(), begin + "positions[0] 15 positions[1] 10.5 " + velocities + end)
+      << "b, at 12 and on its way to 20, no further than 1.0 leads in 3 s";
   decision_.scale = 0.0;
   EXPECT_EQ(limited(), begin + "positions[0] 12 positions[1] 10 " + velocities + end);
   decision_ = {};
@@ -250,6 +252,26 @@ TEST_F(TrajectoryOfTwo, IsPassedWithAllThatItSays) {
             "header frame_id base joint_names[0] b joint_names[1] unknown points[0] "
             "velocities[0] 1 velocities[1]" +
                 end);
+}
+
+TEST_F(TrajectoryOfTwo, LeadsNowhereThatItsVelocitiesDoNot) {
+  RandomInputs random;
+  for (int i = 0; i < 1000; ++i) {
+    decision_.scale = random.uniform(0.0, 1.0);
+    decision_.command = {random.uniform(-2.0, 2.0), random.uniform(-2.0, 2.0)};
+    command_.points[0].positions = {12.0 + random.uniform(-2.0, 2.0),
+                                    10.0 + random.uniform(-2.0, 2.0)};
+    command_.points[0].time_from_start = ros::Duration(random.uniform(-1.0, 2.0));
+    const auto limited = limitedTrajectory(command_, {"a", "b"}, decision_, measured_).points[0];
+    const double seconds = limited.time_from_start.toSec();
+    for (std::size_t joint : {0, 1}) {
+      const double moved = limited.positions[joint] - (joint == 0 ? 12.0 : 10.0);
+      EXPECT_GE(moved * limited.velocities[joint], 0.0) << "against its velocity";
+      const double reach = std::abs(limited.velocities[joint]) * std::max(0.0, seconds);
+      EXPECT_LE(std::abs(moved), reach + 1e-14);
+      EXPECT_LE(std::abs(moved), 2.0 * decision_.scale);
+    }
+  }
 }
 
 TEST_F(TrajectoryOfTwo, IsRefusedWithTheReason) {
@@ -276,6 +298,7 @@ TEST(LimitedTrajectory, HasTheOrderOfTheCommandAndPositionsOnTheWay) {
   command.points.resize(1);
   command.points[0].velocities = {2.0, 1.0};
   command.points[0].positions = {20.0, 11.0};
+  command.points[0].time_from_start = ros::Duration(5.0);
   EXPECT_THAT(velocitiesOf(command, {"a", "b"}), ElementsAre(1.0, 2.0));
   EXPECT_THROW(velocitiesOf(command, {"a", "c"}), InputError);
   EXPECT_THROW(velocitiesOf(command, {"a"}), InputError);

@@ -7,6 +7,16 @@
 #include "collision_pairs/input_error.h"
 
 namespace collision_pairs {
+namespace {
+
+// On the way to `given`, and no further than the velocity that passes, which alone is certified,
+// leads in `seconds`.
+double limitedPosition(double from, double given, double scale, double velocity, double seconds) {
+  const double reach = velocity * std::max(0.0, seconds);
+  return from + std::clamp(scale * (given - from), std::min(0.0, reach), std::max(0.0, reach));
+}
+
+}  // namespace
 
 void JointPositions::take(const sensor_msgs::JointState& message, double now, double tolerance) {
   const double stamp = message.header.stamp.toSec();
@@ -79,7 +89,9 @@ trajectory_msgs::JointTrajectory limitedTrajectory(const trajectory_msgs::JointT
     const double from = found == measured.all().end() ? NAN : found->second.value;
     // A joint that is given no velocity is certified where it is, and not where it should go.
     const bool moves = decision.scale > 0.0 && velocity != 0.0;
-    point.positions.push_back(moves ? from + decision.scale * (given - from) : from);
+    point.positions.push_back(moves ? limitedPosition(from, given, decision.scale, velocity,
+                                                      point.time_from_start.toSec())
+                                    : from);
   }
   const auto isKnown = [](double position) { return std::isfinite(position); };
   if (!std::all_of(point.positions.begin(), point.positions.end(), isKnown)) {

@@ -41,8 +41,9 @@ std::vector<double> velocitiesOf(const trajectory_msgs::JointTrajectory& command
                                  const std::vector<std::string>& joints);
 
 /// The command with the velocities that the decision passes, in the command's order. Positions, if
-/// it has some, are on the way from the measured ones to the given ones, by the scale. Of a command
-/// that velocitiesOf() refuses: zeros.
+/// it has some, are on the way from the measured ones to the given ones, by the scale, and no
+/// further from them than these velocities lead in time_from_start. Of a command that
+/// velocitiesOf() refuses: zeros.
 trajectory_msgs::JointTrajectory limitedTrajectory(const trajectory_msgs::JointTrajectory& command,
                                                    const std::vector<std::string>& joints,
                                                    const LimiterDecision& decision,
