@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "demo_scene.h"
+#include "random_inputs.h"
 #include "robot_poses.h"
 
 namespace collision_pairs {
@@ -108,6 +109,82 @@ TEST_F(NewestPoses, WhyOneFrameIsNotKnownInAnotherIsSaidInTheseWords) {
       "its newest transform is 0.25 s older than that stamp (no extrapolation)";
   EXPECT_EQ(between("a", "b", 10 * SECOND + SECOND / 4), late);
   EXPECT_EQ(between("b", "a", 10 * SECOND + SECOND / 4), late);
+}
+
+TEST_F(NewestPoses, OfARobotWhoseRootHangsOnItsOwnToolAreUnknown) {
+  take("base", "arm", 9.75);
+  take("arm", "tool", 0, true);
+  take("tool", "wheel", 9.75);
+  take("wheel", "camera", 9.75);
+  take("camera", "base", 9.75);
+  const std::string why = "its ancestors form a cycle (in 'base')";
+  EXPECT_THAT(found().known, ElementsAre(1, 0, 0));
+  EXPECT_THAT(found().problems, ElementsAre("", why, why));
+  EXPECT_EQ(between("base", "wheel", 39 * SECOND / 4), "'wheel': its ancestors form a cycle");
+}
+
+/// By frame: the one on which it hangs, or -1. Some hang on themselves, by others.
+std::vector<int> randomParents(RandomInputs& random, int nb_frames) {
+  std::vector<int> parents;
+  for (int frame = 0; frame < nb_frames; ++frame) {
+    const int parent = random.integer(-1, nb_frames - 1);
+    parents.push_back(parent == frame ? -1 : parent);
+  }
+  return parents;
+}
+
+/// The last frame above, and the pose in it; -1 if there is no last one.
+int rootOf(int frame, const std::vector<int>& parents, const std::vector<Eigen::Isometry3d>& X_PF,
+           Eigen::Isometry3d& X_RF) {
+  X_RF.setIdentity();
+  for (std::size_t i = 0; i <= parents.size(); ++i) {
+    const auto at = static_cast<std::size_t>(frame);
+    if (parents[at] < 0) return frame;
+    X_RF = X_PF[at] * X_RF;
+    frame = parents[at];
+  }
+  return -1;
+}
+
+TEST(FramePoses, AreThoseOfWalksUpToOneRootAndUnknownWhereAWalkHasNoEnd) {
+  RandomInputs random;
+  int nb_known = 0, nb_rings = 0;
+  for (int i = 0; i < 500; ++i) {
+    const int nb_frames = random.integer(2, 7);
+    const std::vector<int> parents = randomParents(random, nb_frames);
+    const auto nameOf = [](int frame) { return "f" + std::to_string(frame); };
+    TransformBuffer buffer{PoseLimits{2.0, 1.0, 0.5}};
+    std::vector<Eigen::Isometry3d> X_PF;
+    for (int frame = 0; frame < nb_frames; ++frame) {
+      X_PF.push_back(random.pose(1.0));
+      const int parent = parents[static_cast<std::size_t>(frame)];
+      if (parent < 0) continue;
+      const Eigen::Quaterniond turn(X_PF.back().linear());
+      const Vector3d p = X_PF.back().translation();
+      buffer.take({nameOf(parent), nameOf(frame), 0, p, turn}, true, "", SECOND);
+    }
+    for (int target = 0; target < nb_frames; ++target) {
+      for (int source = 0; source < nb_frames; ++source) {
+        if (source == target) continue;
+        Eigen::Isometry3d X_RT, X_RS;
+        const int root = rootOf(target, parents, X_PF, X_RT);
+        const bool is_known = root >= 0 && root == rootOf(source, parents, X_PF, X_RS);
+        nb_rings += root < 0;
+        nb_known += is_known;
+        SCOPED_TRACE("case " + std::to_string(i));
+        try {
+          const auto found =
+              poseBetween(buffer, nameOf(target), nameOf(source), {Instant::AT, SECOND});
+          ASSERT_TRUE(is_known);
+          EXPECT_TRUE(found.X_RF.isApprox(X_RT.inverse() * X_RS, 1e-9));
+        } catch (const InputError& error) {
+          ASSERT_FALSE(is_known) << error.what();
+        }
+      }
+    }
+  }
+  EXPECT_GT(nb_known, 200);
+  EXPECT_GT(nb_rings, 200);
 }
 
 }  // namespace

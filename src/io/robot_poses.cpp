@@ -51,13 +51,24 @@ void FramePoses::learn(int frame, const Known& known) {
   known_.push_back(known);
 }
 
+void FramePoses::forgetFrom(int first) {
+  for (int& index : index_) {
+    if (index >= first) index = -1;
+  }
+  known_.resize(static_cast<std::size_t>(first));
+}
+
 void FramePoses::anchor(int frame, const Known& known) {
   if (index_[frame] >= 0) return;
+  const int first = static_cast<int>(known_.size());
   learn(frame, known);
   Known next = known;
   Isometry3d X_PF;
   StampNs stamp;
-  for (int parent; step(frame, stamp, parent, X_PF) && index_[parent] < 0; frame = parent) {
+  for (int parent; step(frame, stamp, parent, X_PF); frame = parent) {
+    // Round a cycle, what hangs on the frame was learned as what the frame hangs on.
+    if (index_[parent] >= first) return forgetFrom(first);
+    if (index_[parent] >= 0) return;
     next.X_RF = next.X_RF * X_PF.inverse();
     next.pass(stamp);
     learn(parent, next);
@@ -125,6 +136,10 @@ FramePoses::Known poseBetween(const TransformBuffer& buffer, const std::string& 
     if (frames.find(to, found)) return;
     for (const int frame : {to, from}) {
       if (frames.isPlaced(frame)) throw InputError(frames.whyUnknown(frame));
+    }
+    for (const int frame : {to, from}) {
+      if (!frames.isInCycle(frame)) continue;
+      throw NotConnected("'" + buffer.frames()[frame] + "': " + frames.whyUnknown(frame));
     }
     throw NotConnected("TF does not connect '" + target + "' and '" + source + "'");
   };

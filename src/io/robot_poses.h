@@ -36,7 +36,8 @@ class FramePoses {
 
   FramePoses(const TransformBuffer& buffer, const Instant& instant);
 
-  /// Fixes the pose of a frame, and of its ancestors as far as they are not known.
+  /// Fixes the pose of a frame, and of its ancestors as far as they are not known. One whose
+  /// ancestors form a cycle stays unknown.
   void anchor(int frame, const Known& known);
   /// False if no path leads from a known frame to this one; `found` then has the oldest stamp of
   /// the transforms up to where it ends.
@@ -45,12 +46,14 @@ class FramePoses {
   std::string whyUnknown(int frame) const;
   /// False if its ancestors end at one that TF does not place anywhere, or never.
   bool isPlaced(int frame) const;
+  bool isInCycle(int frame) const { return lastAncestor(frame) < 0; }
 
  private:
   /// The last ancestor that can be reached; -1: they form a cycle.
   int lastAncestor(int frame) const;
   bool step(int frame, StampNs& stamp, int& parent, Eigen::Isometry3d& X_PF) const;
   void learn(int frame, const Known& known);
+  void forgetFrom(int first);  ///< in known_
 
   const TransformBuffer& buffer_;
   const Instant instant_;
