@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "arm_scene.h"
-#include "random_inputs.h"
+#include "random_robot.h"
 
 namespace collision_pairs {
 namespace {
@@ -107,6 +107,54 @@ INSTANTIATE_TEST_SUITE_P(
                                                          "finger_1", "finger_2", "head"}),
                     std::make_pair("<joint name='nowhere'/><link name='head'/>",
                                    std::set<std::string>{"head"})));
+
+/// Of each link in the root.
+std::vector<Eigen::Isometry3d> linkPoses(const RobotModel& robot,
+                                         const std::vector<double>& positions) {
+  std::vector<Eigen::Isometry3d> X_RB, X_RL;
+  robot.forwardKinematics(positions, X_RB);
+  for (const Link& link : robot.links()) X_RL.push_back(X_RB[link.body] * link.X_BL);
+  return X_RL;
+}
+
+TEST(GroupsOfRandomRobots, MoveWhateverMovesWhenTheirJointsDoByMimicryToo) {
+  RandomInputs random;
+  int nb_by_mimicry = 0;
+  for (int i = 0; i < 300; ++i) {
+    const auto robot = randomRobot(random, random.integer(3, 8));
+    SceneDescription description;
+    description.robots.push_back({robot, Srdf(), ""});
+    Srdf::Group group;
+    group.name = "g";
+    std::vector<double> positions = randomPositions(random, *robot);
+    const auto before = linkPoses(*robot, positions);
+    for (const Joint& joint : robot->joints()) {
+      if (!joint.hasPosition() || joint.mimic || random.integer(0, 1)) continue;
+      group.joints.push_back(joint.name);
+      positions[static_cast<std::size_t>(robot->findJoint(joint.name))] += 0.1;
+    }
+    if (group.joints.empty()) continue;
+    robot->applyMimics(positions);
+    const auto after = linkPoses(*robot, positions);
+    const Names all = allowedPairs(description);
+    description.robots[0].srdf->groups = {group};
+    description.restriction.group = "g";
+    const Names checked = allowedPairs(description);
+    const auto moves = [&](const std::string& link) {
+      const auto at = static_cast<std::size_t>(robot->findLink(link));
+      return !before[at].isApprox(after[at], 1e-9);
+    };
+    for (const auto& pair : all) {
+      if (!moves(pair.first) && !moves(pair.second)) continue;
+      EXPECT_EQ(checked.count(pair), 1u)
+          << "case " << i << ": " << pair.first << " " << pair.second;
+    }
+    for (const Joint& joint : robot->joints()) {
+      nb_by_mimicry += joint.mimic && moves(robot->links()[joint.child_link].name);
+    }
+  }
+  EXPECT_GT(nb_by_mimicry, 30);
+}
 
 TEST(Restriction, NamesAnUnknownGroupOrLinkWithTheNearest) {
   SceneDescription description = armScene(

@@ -25,16 +25,28 @@ class GroupReader {
 
   // Links are numbered from the root outwards.
   std::vector<int> moved() {
+    while (spread()) continue;
     std::vector<int> moved;
     for (std::size_t i = 0; i < moves_.size(); ++i) {
-      const int joint = robot_.links()[i].parent_joint;
-      if (joint >= 0 && moves_[robot_.joints()[joint].parent_link]) moves_[i] = 1;
       if (moves_[i]) moved.push_back(static_cast<int>(i));
     }
     return moved;
   }
 
  private:
+  /// To what hangs on links that move, and to what mimics their joints; false: nothing new.
+  bool spread() {
+    bool is_new = false;
+    for (const Joint& joint : robot_.joints()) {
+      const bool moves = moves_[joint.parent_link] ||
+                         (joint.mimic && moves_[robot_.joints()[joint.mimic->joint].child_link]);
+      if (!moves || moves_[joint.child_link]) continue;
+      moves_[joint.child_link] = 1;
+      is_new = true;
+    }
+    return is_new;
+  }
+
   const Srdf::Group& find(const std::string& name) const {
     std::vector<std::string> names;
     for (const Srdf::Group& group : srdf_.groups) {
