@@ -245,6 +245,20 @@ TEST(MotionCheck, AMotionBeyondMeasureEndsInUnknownAndNamesItsPairs) {
   }
 }
 
+TEST(MotionCheck, AContactIsFoundHoweverFarFromItAMotionBeginsOrEnds) {
+  const auto scene = sceneOf(slidingBox(), {boxAt("plate", {0.0, 0.0, 0.0}, {0.2, 0.2, 0.2})});
+  RandomInputs random;
+  for (int i = 0; i < 15; ++i) {
+    const double far = (random.integer(0, 1) ? 1.0 : -1.0) * std::pow(10.0, random.uniform(3, 307));
+    MotionSettings settings;
+    settings.from_start = random.integer(0, 1);
+    const bool begins_there = random.integer(0, 1);
+    const MotionReport report = begins_there ? checked(scene, {0.0}, {far}, settings)
+                                             : checked(scene, {far}, {0.0}, settings);
+    EXPECT_NE(report.verdict, Verdict::FREE) << far << " " << begins_there;
+  }
+}
+
 /// Within 1 GB of the process's memory: more throws std::bad_alloc. Sanitizers reserve more than
 /// that.
 MotionReport checkedInOneGigabyte(const std::shared_ptr<const CollisionScene>& scene,

@@ -246,18 +246,18 @@ TEST(Scene, SettingsMayNameALinkOfTheEnvironmentWithoutGeometry) {
 }
 
 TEST(Scene, AnElementOfALinkThatIsFixedOnABodyStandsWhereTheUrdfSays) {
-  const auto robot = robotFrom(
-      boxLink("base", 0.1) + emptyLink("arm") +
-      linkWith("tool", "<sphere radius='0.1'/>", "<origin xyz='4 5 6' rpy='0 0 0.5'/>") +
-      joint("turn", "continuous", "base", "arm") +
-      "<joint name='weld' type='fixed'><origin xyz='1 2 3' rpy='0.4 -1.1 2.0'/>"
-      "<parent link='arm'/><child link='tool'/></joint>");
+  const auto robot =
+      robotFrom(boxLink("base", 0.1) + emptyLink("arm") +
+                linkWith("tool", "<sphere radius='0.1'/>", "<origin xyz='4 5 6' rpy='0 0 0.5'/>") +
+                joint("turn", "continuous", "base", "arm") +
+                "<joint name='weld' type='fixed'><origin xyz='1 2 3' rpy='0.4 -1.1 2.0'/>"
+                "<parent link='arm'/><child link='tool'/></joint>");
   const auto scene = CollisionScene::build(robot, Srdf{}, nullptr);
   const auto& model = scene->models()[static_cast<std::size_t>(scene->findModel("tool"))];
-  const Eigen::Matrix3d R = (Eigen::AngleAxisd(2.0, Vector3d::UnitZ()) *
-                             Eigen::AngleAxisd(-1.1, Vector3d::UnitY()) *
-                             Eigen::AngleAxisd(0.4, Vector3d::UnitX()))
-                                .toRotationMatrix();
+  const Eigen::Matrix3d R =
+      (Eigen::AngleAxisd(2.0, Vector3d::UnitZ()) * Eigen::AngleAxisd(-1.1, Vector3d::UnitY()) *
+       Eigen::AngleAxisd(0.4, Vector3d::UnitX()))
+          .toRotationMatrix();
   const Eigen::Matrix3d R_LE = Eigen::AngleAxisd(0.5, Vector3d::UnitZ()).toRotationMatrix();
   const Isometry3d& X_BE = scene->elements()[model.first_element].X_BE;
   EXPECT_LT((X_BE.translation() - (Vector3d(1, 2, 3) + R * Vector3d(4, 5, 6))).norm(), 1e-14);
@@ -376,6 +376,39 @@ TEST(SceneObjects, WithoutAFiniteBoxAreRefusedByName) {
   vast.X_PO = Isometry3d::Identity();
   description.objects = {vast};
   EXPECT_THAT(refusal(description), HasSubstr("'vast' is too large or too far away"));
+}
+
+// Volumes overflow long before lengths.
+TEST(SceneObjects, MeshesAreFoundWhateverTheirSizeOrRefused) {
+  int nb_found = 0, nb_refused = 0;
+  for (double size = 1.0; size < 1e300; size *= 1e3) {
+    SceneDescription description = twoSliders();
+    auto mesh = std::make_shared<TriangleMesh>();  // around everything
+    mesh->vertices = {{-1, -1, -1}, {3, -1, -1}, {-1, 3, -1}, {-1, -1, 3}};
+    for (Eigen::Vector3d& vertex : mesh->vertices) vertex *= 10.0 * size;
+    mesh->triangles = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
+    RigidObject around;
+    around.name = "around";
+    around.elements = {{Mesh{mesh}, Isometry3d::Identity()}};
+    description.objects = {around};
+    if (refusal(description) != "accepted") {
+      ++nb_refused;
+      continue;
+    }
+    ++nb_found;
+    const auto scene = CollisionScene::build(description);
+    BodyPoses poses;
+    poses.resize(scene->bodies().size());
+    poses.X_WB.back().translation().x() = 4.0;  // the two cubes are apart
+    for (const Fidelity fidelity : {Fidelity::CONVEX, Fidelity::MESH}) {
+      CheckSettings settings;
+      settings.fidelity = fidelity;
+      EXPECT_EQ(CollisionDetector(scene).detect(poses, settings).verdict, Verdict::COLLISION)
+          << size;
+    }
+  }
+  EXPECT_GT(nb_found, 30);
+  EXPECT_GT(nb_refused, 30);
 }
 
 TEST(SeveralRobots, OfOneNameAreRefused) {

@@ -67,9 +67,14 @@ struct PairCertifier::Query {
   bool isCertified() const { return certified.before >= before && certified.after >= after; }
   bool isPoor() const { return certified.before < POOR * before || certified.after < POOR * after; }
 
+  /// Not where it overflowed: then so did what it may change by.
+  bool isClear(double distance) const {
+    return distance > open.clearance && std::isfinite(distance);
+  }
+
   /// `distance`: lower bound of the distance of the two at this configuration.
   void certifyByDistance(double distance) {
-    if (!(distance > open.clearance)) return;
+    if (!isClear(distance)) return;
     const double level = levelOf(distance), speed = moving.bound.speed;
     const auto reach = [&](double length) {
       return distance - speed * length >= level ? length : (distance - level) / speed;
@@ -83,7 +88,7 @@ struct PairCertifier::Query {
   template <class Gap>
   void certifyByGap(const Gap& gap) {
     const double here = gap(0.0);
-    if (!(here > open.clearance)) return;
+    if (!isClear(here)) return;
     const double level = levelOf(here);
     CertifiedInterval found;
     found.before = lengthAbove(gap, here, level, -before, found.clearance);

@@ -18,6 +18,8 @@ namespace {
 // rest is for loose triangles.
 constexpr double TOLD_ABOVE = 0.01;
 
+constexpr double LARGEST_MESH = 1e100;  // m: what finds out what it encloses needs volumes
+
 }  // namespace
 
 /// Builds a scene step by step; its members are needed only while building.
@@ -139,9 +141,8 @@ class SceneBuilder {
         if (std::holds_alternative<HalfSpace>(element.shape)) continue;
         const Aabb box = computeAabb(element.shape, Eigen::Isometry3d::Identity());
         const Eigen::Vector3d size = box.max - box.min;
-        const bool has_square = std::isfinite(size.squaredNorm());  // OBBs of meshes need it
         const bool is_mesh = std::holds_alternative<Mesh>(element.shape);
-        if (!size.allFinite() || (is_mesh && !has_square)) {
+        if (!size.allFinite() || (is_mesh && size.maxCoeff() > LARGEST_MESH)) {
           throw InputError(whyNoBox(member.name));
         }
       }
@@ -203,6 +204,10 @@ class SceneBuilder {
     const auto* cylinder = std::get_if<Cylinder>(&shape);
     if (cylinder && member.cylinder_as_capsule) shape = Capsule{cylinder->radius, cylinder->length};
     SceneElement made = prepared_.make(shape, its_class.needed_fidelity);
+    const bool is_mesh = std::holds_alternative<Mesh>(shape);
+    if (is_mesh && made.box_half.maxCoeff() > 0.5 * LARGEST_MESH) {
+      throw InputError(whyNoBox(member.name));
+    }
     setPlace(member, element, its_class.half_padding, made);
     return made;
   }
