@@ -173,6 +173,34 @@ TEST(PcdFile, DamagedCompressedDataAreRefused) {
   expectRefused(wrapping + twoCompressed(8, whole).substr(XYZ.size()), "its data claim 8 bytes");
 }
 
+TEST(PcdFile, MorePointsThanTheHeaderSaysAreRefusedButNotAPageFilledWithZeros) {
+  RandomInputs random;
+  for (int i = 0; i < 300; ++i) {
+    const int nb = random.integer(0, 3), nb_more = random.integer(1, 3);
+    std::string points;
+    for (int p = 0; p < nb + nb_more; ++p) {
+      points += bytesOf<float>({static_cast<float>(random.uniform(0.1, 2.0)), 0.0f, 0.0f});
+    }
+    const auto size = static_cast<std::size_t>(12 * nb);
+    const std::string header = "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nPOINTS " + std::to_string(nb);
+    const std::string binary = header + "\nDATA binary\n";
+    const std::string why = "go on after the " + std::to_string(nb) + " points";
+    expectRefused(binary + points, why);
+    const std::string zeros(static_cast<std::size_t>(random.integer(0, 4096)), '\0');
+    EXPECT_EQ(readPcd(binary + points.substr(0, size) + zeros).size(),
+              static_cast<std::size_t>(nb));
+    const std::string in_fields = header + "\nDATA binary_compressed\n";
+    if (nb == 0) expectRefused(in_fields + points, why);
+    if (nb == 0 || size > 32) continue;  // a run has 1 to 32 bytes
+    const std::string run = char(size - 1) + points.substr(0, size);
+    const std::string compressed =
+        in_fields + bytesOf<std::uint32_t>(
+                        {static_cast<std::uint32_t>(run.size()), static_cast<std::uint32_t>(size)});
+    EXPECT_EQ(readPcd(compressed + run + zeros).size(), static_cast<std::size_t>(nb));
+    expectRefused(compressed + run + points.substr(size), why);
+  }
+}
+
 TEST(PcdFile, NoPointsAreNone) {
   const std::string none = "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nPOINTS 0\n";
   EXPECT_TRUE(readPcd(none + "DATA binary\n").empty());

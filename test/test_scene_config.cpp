@@ -6,6 +6,7 @@
 
 #include "collision_pairs/input_error.h"
 #include "scene_config.h"
+#include "yaml_values.h"
 
 namespace collision_pairs {
 namespace {
@@ -197,6 +198,36 @@ TEST(SceneConfig, WhatIsWrongIsRefusedInTheseWords) {
                   (wrong.shown.empty() ? wrong.value : wrong.shown) + ", but must be " +
                   wrong.rule);
   }
+}
+
+std::string refusalOfText(const std::string& text) {
+  try {
+    loadYaml(text);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+// rosparam would take the last, yaml-cpp the first, and a loop over a map's entries the last.
+TEST(SettingsFile, AKeyIsGivenOnceInEachMap) {
+  EXPECT_EQ(refusalOfText("padding: 0.0\npair_rules: []\npadding: 0.2\n"),
+            "line 3: 'padding' is given twice");
+  EXPECT_EQ(refusalOfText("floor: {height: 0, height: 1}"), "line 1: 'height' is given twice");
+  EXPECT_EQ(refusalOfText("clouds:\n- topic: a\n- topic: b\n  padding: 0\n  padding: 1\n"),
+            "line 5: 'padding' is given twice");
+  EXPECT_EQ(refusalOfText("link_padding:\n  a: {b: {c: 1, \"c\": 2}}\n"),
+            "line 2: 'c' is given twice");
+  EXPECT_EQ(refusalOfText("links: [a, a]\nclouds: [{topic: a}, {topic: a}]\n"), "accepted");
+}
+
+TEST(SettingsFile, HasOneDocument) {
+  for (const char* end : {"---", "..."}) {
+    EXPECT_EQ(refusalOfText(std::string("padding: 0\n") + end + "\npadding: 1\n"),
+              "it has 2 documents (after '---' or '...'), but must have one");
+  }
+  EXPECT_EQ(refusalOfText("---\npadding: 0\n"), "accepted");
+  EXPECT_TRUE(loadYaml("# nothing\n").IsNull());
 }
 
 TEST(SceneConfig, NumbersReachTheEndsOfTheirRanges) {

@@ -53,6 +53,13 @@ TEST_F(TextFiles, ABinaryFileIsReadWholeWithItsZeroBytes) {
   EXPECT_EQ(readBinaryFile(path("binary")), bytes);
 }
 
+TEST_F(TextFiles, WhoseReadingFailsAreNotTakenForTheirBeginning) {
+  const std::string never = "/proc/self/mem";  // opens; the first byte cannot be read
+  const std::string why = never + ": cannot be read to its end: ";
+  EXPECT_EQ(refusal([&] { readTextFile(never); }).substr(0, why.size()), why);
+  EXPECT_EQ(refusal([&] { readBinaryFile(never); }).substr(0, why.size()), why);
+}
+
 TEST_F(TextFiles, WhatCannotBeReadIsRefusedByNameThoughItNeverEnds) {
   std::ofstream(path("binary")) << std::string(100000, 'x') << '\0' << "rest";
   const auto text = [&](const std::string& of) { return refusal([&] { readTextFile(of); }); };

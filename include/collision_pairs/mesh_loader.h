@@ -8,7 +8,8 @@ namespace collision_pairs {
 /// A loader for package:// and file:// URIs. STL and OBJ are read by this package; COLLADA and
 /// other formats of assimp by geometric_shapes in a separate process. Vertices are in metres in the
 /// frame that rviz uses: coordinates as stored in the file, times the scale; COLLADA's up_axis is
-/// ignored. Each file is read once for each scale. Other schemes are refused, so that a robot
+/// ignored. A loader reads each file once for each scale: to see that a file has changed takes a new
+/// one. Other schemes are refused, so that a robot
 /// description cannot trigger network access. Throws InputError that names the URI and the problem.
 /// Not thread safe.
 MeshLoader makeMeshLoader();

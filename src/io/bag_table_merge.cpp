@@ -27,7 +27,10 @@ class Table {
   }
 
   bool next(std::string& line) {
-    if (!std::getline(file_, line)) return false;
+    if (!std::getline(file_, line)) {
+      if (file_.bad()) fail("it cannot be read to its end");
+      return false;
+    }
     ++line_number_;
     return true;
   }

@@ -218,9 +218,17 @@ class PcdReader {
 
   std::string_view data() const { return std::string_view(bytes_).substr(at_); }
 
+  /// Points that nobody would see. Older versions of PCL fill the last page with zeros.
+  void refuseAfter(std::size_t end) const {
+    if (data().find_first_not_of('\0', end) == std::string_view::npos) return;
+    throw InputError("its data go on after the " + std::to_string(*nb_points_) +
+                     " points that its header says");
+  }
+
   std::vector<Vector3d> readBinary() const {
     const std::uint64_t given = data().size() / point_bytes_;
     if (given < *nb_points_) failAfter(given);
+    refuseAfter(*nb_points_ * point_bytes_);
     std::vector<Vector3d> points(*nb_points_);
     for (int axis = 0; axis < 3; ++axis) {
       const Column& column = *columns_[static_cast<std::size_t>(axis)];
@@ -233,7 +241,10 @@ class PcdReader {
   /// after the one before.
   std::vector<Vector3d> readCompressed() const {
     std::array<std::uint32_t, 2> sizes{};
-    if (*nb_points_ == 0) return {};
+    if (*nb_points_ == 0) {
+      refuseAfter(0);
+      return {};
+    }
     if (data().size() < sizeof sizes) failAfter(0);
     std::memcpy(sizes.data(), data().data(), sizeof sizes);
     if (sizes[1] / point_bytes_ != *nb_points_ || sizes[1] % point_bytes_ != 0) {
@@ -243,6 +254,7 @@ class PcdReader {
     }
     const std::string_view compressed = data().substr(sizeof sizes);
     if (compressed.size() < sizes[0]) failAfter(0);
+    refuseAfter(sizeof sizes + sizes[0]);
     const std::string fields = LzfReader(compressed.substr(0, sizes[0]), sizes[1]).read();
     std::vector<Vector3d> points(*nb_points_);
     for (int axis = 0; axis < 3; ++axis) {

@@ -233,13 +233,8 @@ SceneConfig readSceneSettings(const YAML::Node& map, const std::string& origin) 
 }
 
 SceneConfig readSceneConfigFile(const std::string& path) {
-  YAML::Node map;
-  try {
-    map = YAML::Load(readTextFile(path));
-  } catch (const YAML::Exception& error) {
-    throw InputError(path + ": " + error.what());
-  }
-  return readSceneSettings(map, path);
+  const std::string text = readTextFile(path);
+  return readSceneSettings(naming(path, [&] { return loadYaml(text); }), path);
 }
 
 }  // namespace collision_pairs

@@ -30,6 +30,7 @@ void readBlocks(const std::string& path, const Take& take) {
     file.read(block.data(), BLOCK);
     take(block.data(), static_cast<std::size_t>(file.gcount()));
   }
+  if (file.bad()) throw InputError(path + ": cannot be read to its end: " + std::strerror(errno));
 }
 
 }  // namespace

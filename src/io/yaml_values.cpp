@@ -1,6 +1,7 @@
 #include "yaml_values.h"
 
 #include <cmath>
+#include <set>
 
 #include "collision_pairs/input_error.h"
 
@@ -13,7 +14,37 @@ std::string shown(const YAML::Node& node) {
   return out.c_str();
 }
 
+void refuseRepeatedKeys(const YAML::Node& node) {
+  std::set<std::string> keys;
+  for (const auto& entry : node) {
+    if (!node.IsMap()) {
+      refuseRepeatedKeys(entry);
+      continue;
+    }
+    if (!keys.insert(shown(entry.first)).second) {
+      throw InputError("line " + std::to_string(entry.first.Mark().line + 1) + ": '" +
+                       shown(entry.first) + "' is given twice");
+    }
+    refuseRepeatedKeys(entry.second);
+  }
+}
+
 }  // namespace
+
+YAML::Node loadYaml(const std::string& text) {
+  try {
+    const std::vector<YAML::Node> documents = YAML::LoadAll(text);
+    if (documents.size() > 1) {
+      throw InputError("it has " + std::to_string(documents.size()) +
+                       " documents (after '---' or '...'), but must have one");
+    }
+    if (documents.empty()) return YAML::Node(YAML::NodeType::Null);
+    refuseRepeatedKeys(documents.front());
+    return documents.front();
+  } catch (const YAML::Exception& error) {
+    throw InputError(error.what());
+  }
+}
 
 void refuseValue(const std::string& key, const YAML::Node& value, const std::string& rule) {
   throw InputError(key + " is " + shown(value) + ", but must be " + rule);

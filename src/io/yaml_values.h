@@ -13,6 +13,10 @@ namespace collision_pairs {
 [[noreturn]] void refuseValue(const std::string& key, const YAML::Node& value,
                               const std::string& rule);
 
+/// A text with one document. Throws InputError, with the line, for a key that a map has twice: of
+/// the two, rosparam takes the last and yaml-cpp the first.
+YAML::Node loadYaml(const std::string& text);
+
 std::string textOf(const std::string& key, const YAML::Node& value, const std::string& rule);
 
 /// A finite number, not below `least`.

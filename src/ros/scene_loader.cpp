@@ -14,6 +14,8 @@
 namespace collision_pairs {
 namespace {
 
+const std::string ENVIRONMENT = "environment_description";
+
 using Descriptions = std::map<std::string, std::size_t>;
 
 /// Writes the resolved name of the parameter to `key`, and notes the hash of what it finds; false
@@ -88,7 +90,7 @@ std::vector<std::string> refuseMisspelt(const ros::NodeHandle& node,
   ros::param::get(node.getNamespace(), given);
   if (given.getType() != XmlRpc::XmlRpcValue::TypeStruct) return {};
   std::vector<std::string> warnings, known = nodeParameterKeys();
-  known.push_back("environment_description");
+  known.push_back(ENVIRONMENT);
   for (const RobotParameters& robot : robots) {
     known.push_back(robot.description);
     known.push_back(robot.semantic);
@@ -100,8 +102,8 @@ std::vector<std::string> refuseMisspelt(const ros::NodeHandle& node,
     const std::string what =
         "parameter " + node.resolveName(name) + " is not a parameter of this node" +
         (nearest.empty() ? std::string() : "; did you mean '" + nearest + "'?");
-    const bool may_leave_out =
-        nearest == "robots" || std::count(of_scene.begin(), of_scene.end(), nearest) > 0;
+    const bool may_leave_out = nearest == "robots" || nearest == ENVIRONMENT ||
+                               std::count(of_scene.begin(), of_scene.end(), nearest) > 0;
     if (may_leave_out) throw InputError(what);
     ROS_WARN_STREAM(what);
     warnings.push_back(what);
@@ -122,7 +124,7 @@ SceneParameters readSceneParameters(const ros::NodeHandle& private_node) {
   }
   all.warnings = refuseMisspelt(private_node, robots);
   std::string key, xml;
-  if (findText(private_node, "environment_description", key, xml, all.descriptions)) {
+  if (findText(private_node, ENVIRONMENT, key, xml, all.descriptions)) {
     sources.world = makeSource(key, xml, load_mesh);
   }
   const YAML::Node parameters = yamlParameters(private_node, sceneConfigKeys());

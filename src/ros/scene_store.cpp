@@ -45,10 +45,7 @@ std::vector<std::string> addVoxels(const ActiveScene& scene, const ros::Time& st
 
 SceneStore::SceneStore(const ros::NodeHandle& node, const ros::NodeHandle& private_node,
                        TransformInput& transforms)
-    : node_(node),
-      private_node_(private_node),
-      transforms_(transforms),
-      load_mesh_(makeMeshLoader()) {}
+    : node_(node), private_node_(private_node), transforms_(transforms) {}
 
 ActiveScenePtr SceneStore::active() const {
   const std::lock_guard<std::mutex> lock(reading_);
@@ -115,7 +112,7 @@ void SceneStore::update(const std::vector<SceneChange>& changes) {
                        "': " + (now.isZero() ? NO_CLOCK : error.what()));
     }
   };
-  const ObjectEdits edits = editsBy(changes, objects_, {frame, look_up, load_mesh_});
+  const ObjectEdits edits = editsBy(changes, objects_, {frame, look_up, makeMeshLoader()});
   if (auto active = withAlike(edits)) {
     replace({std::move(active), {}});
     apply(edits, objects_);

@@ -100,7 +100,6 @@ class SceneStore {
   SceneCache cache_;
   SceneParameters parameters_;
   SceneObjects objects_;
-  MeshLoader load_mesh_;
   std::set<std::string> told_;  // broken elements logged since the last load()
   std::vector<std::pair<Restriction, ActiveScenePtr>> restricted_;  // of scene_; the newest last
 

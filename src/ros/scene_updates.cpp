@@ -109,24 +109,24 @@ class Updater {
   void attach(const SceneObject& message) {
     StoredObject& stored = known(message.name);
     if (message.attached_link.empty()) throw InputError("attached_link is empty");
-    hangOn(message.attached_link, message.header.stamp, stored);
+    hangOn(message.attached_link, stored);
     stored.object.touch_links = message.touch_links;
   }
 
   // The touch links that applied while it was attached are replaced.
   void detach(const SceneObject& message) {
     StoredObject& stored = known(message.name);
-    hangOn("", message.header.stamp, stored);
+    hangOn("", stored);
     stored.object.touch_links = message.touch_links;
   }
 
   // It keeps its current pose.
-  void hangOn(const std::string& link, const ros::Time& stamp, StoredObject& stored) {
+  void hangOn(const std::string& link, StoredObject& stored) {
     RigidObject& object = stored.object;
     if (object.attached_link.empty() && link.empty()) throw InputError("it is not attached");
     const std::string before = parentFrame(object);
     object.attached_link = link;
-    object.X_PO = pose(parentFrame(object), before, stamp) * object.X_PO;
+    object.X_PO = pose(parentFrame(object), before, ros::Time()) * object.X_PO;
   }
 
   const std::string& parentFrame(const RigidObject& object) const {

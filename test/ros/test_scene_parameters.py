@@ -32,6 +32,7 @@ REFUSED = (
     ("node/pair_rule", [{"deny": ["a", "b"]}], ("/ignored/node/pair_rule", "did you mean 'pair_rules'?")),
     ("node/robot", [{"description": "robot_description"}], ("/ignored/node/robot", "did you mean 'robots'?")),
     ("node/link", ["a"], ("/ignored/node/link", "did you mean 'links'?")),
+    ("node/environment_descriptoin", WRONG_WORLD, ("/ignored/node/env", "did you mean 'environment_description'?")),
     ("node/padding", "thick", ("padding is thick", "0 or more metres")),
     ("node/link_padding", {"cc": 0.1}, ("link_padding", "'cc'", "did you mean 'c'?")),
     ("node/ignored_links", "b", ("ignored_links is b", "a list of names")),

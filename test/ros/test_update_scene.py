@@ -68,6 +68,18 @@ class UpdateSceneTest(unittest.TestCase):
         self.scene.apply(add("rod", pose=pose((A, 0, TOP + 0.1 + GAP), lying), primitives=[cylinder(2.0, 0.1)]))
         self.assert_only_distance(("a", "rod"), GAP)
 
+    def test_a_mesh_is_what_its_file_holds_when_it_is_added(self):
+        with tempfile.NamedTemporaryFile("w", suffix=".obj") as mesh:
+            for lifted in (1.0, 0.0):  # as many bytes, and the same time to a second
+                mesh.seek(0)
+                mesh.write("".join("v %s %s %.1f\n" % (x, y, float(z) + lifted) if kind == "v" else
+                                   " ".join((kind, x, y, z)) + "\n"
+                                   for kind, x, y, z in map(str.split, OBJ_TETRAHEDRON.splitlines())))
+                mesh.flush()
+                self.scene.apply(clear(), add("part", (A, 0, TOP + GAP), mesh_resources=["file://" + mesh.name]))
+                expected = {} if lifted else {("a", "part"): GAP}
+                self.assertEqual({pair: round(d, 6) for pair, d in distances(self.checked()).items()}, expected)
+
     def test_a_cone_points_up(self):
         self.scene.apply(add("cone", (A, 0, -TOP - 0.1 - GAP), primitives=[cone(0.2, 0.1)]))
         self.assert_only_distance(("a", "cone"), GAP)

@@ -1,10 +1,7 @@
 #include "collision_pairs/mesh_loader.h"
 
 #include <cctype>
-#include <cerrno>
-#include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <map>
 #include <new>
 #include <tuple>
@@ -14,6 +11,7 @@
 #include "collision_pairs/input_error.h"
 #include "mesh_files.h"
 #include "mesh_process.h"
+#include "text_files.h"
 
 namespace collision_pairs {
 namespace {
@@ -81,19 +79,10 @@ class Loader {
   static TriangleMesh read(const fs::path& path) {
     std::string ending = path.extension().string();
     for (char& letter : ending) letter = static_cast<char>(std::tolower(letter));
-    if (ending == ".stl") return readStl(bytesOf(path));
+    if (ending == ".stl") return readStl(readBinaryFile(path));
     std::optional<TriangleMesh> mesh;
-    if (ending == ".obj") mesh = readObj(bytesOf(path));
+    if (ending == ".obj") mesh = readObj(readBinaryFile(path));
     return mesh ? std::move(*mesh) : readMeshInProcess(path.string());
-  }
-
-  static std::string bytesOf(const fs::path& path) {
-    std::string bytes(fs::file_size(path), '\0');
-    std::ifstream file(path, std::ios::binary);
-    if (!file) throw InputError(std::strerror(errno));
-    file.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-    bytes.resize(static_cast<std::size_t>(file.gcount()));
-    return bytes;
   }
 
   std::map<std::tuple<std::string, double, double, double>, std::shared_ptr<const TriangleMesh>>
