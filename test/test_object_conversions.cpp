@@ -179,7 +179,7 @@ TEST(ObjectOfAMessage, WhatAShapeNeedsIsSaid) {
   for (const auto& sizes : {std::vector<double>{-0.1, 1.0}, {1.0, -0.1}, {std::nan(""), 1.0}}) {
     SceneObject message;
     message.primitives = {primitive(SolidPrimitive::CONE, sizes)};
-    EXPECT_EQ(refusal(message), "primitives[0]: a cone has a negative size");
+    EXPECT_EQ(refusal(message), "primitives[0]: a cone's size is negative or not finite");
   }
   for (const auto& sizes : {std::vector<double>{0.0, 1.0}, {1.0, 0.0}}) {
     SceneObject message;

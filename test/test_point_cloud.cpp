@@ -110,6 +110,7 @@ TEST(PointCloud, OfRandomLayoutsGivesItsPoints) {
       offset += (is_double ? 8 : 4) + below(2) * below(9);
     }
     layout.point_step = offset + 8;
+    if (layout.height == 1) layout.row_padding %= layout.point_step;
     std::vector<Vector3d> points(layout.width * layout.height);
     for (Vector3d& p : points) p = Vector3f::Random().cast<double>();
     ASSERT_EQ(read(cloudOf(points, layout)), points) << "case " << i;
@@ -159,6 +160,8 @@ TEST(PointCloud, WhoseSizesLeavePointsUnreadIsRefused) {
   PointCloud2 cloud = cloudOf(SIX, packed(3, 2));
   cloud.height = 1;
   expectRefused(cloud, "data has 96 bytes, too many for 3 x 1 points");
+  cloud.row_step = 96;
+  expectRefused(cloud, "row_step is 96, but its one row of 3 points of 16 bytes takes only 48");
   cloud = cloudOf(SIX, packed(6));
   cloud.width = 5;
   cloud.row_step = 80;
@@ -225,6 +228,14 @@ TEST(PointCloud, WhoseSizesDoNotFitIsRefused) {
   cloud = sound;
   cloud.fields[1].offset = std::numeric_limits<std::uint32_t>::max();
   expectRefused(cloud, "field 'y' ends 4294967299 bytes");
+  for (std::uint32_t offset = 5; offset < 12; ++offset) {
+    cloud.fields[1].offset = offset;
+    expectRefused(cloud, "fields 'y' and 'z' overlap");
+  }
+  for (std::uint32_t offset = 0; offset < 4; ++offset) {
+    cloud.fields[1].offset = offset;
+    expectRefused(cloud, "fields 'x' and 'y' overlap");
+  }
   cloud = sound;
   cloud.row_step = 47;
   expectRefused(cloud, "row_step is 47, but a row of 3 points of 16 bytes takes 48");

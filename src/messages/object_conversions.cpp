@@ -39,7 +39,10 @@ Shape toShape(const SolidPrimitive& primitive) {
     }
     case SolidPrimitive::CONE: {
       const auto d = sizesOf(primitive, "cone", {"height", "radius"});
-      if (!(d[0] >= 0.0 && d[1] >= 0.0)) throw InputError("a cone has a negative size");
+      for (const double size : d) {
+        if (size >= 0.0 && std::isfinite(size)) continue;
+        throw InputError("a cone's size is negative or not finite");
+      }
       return pyramidAroundCone(d[SolidPrimitive::CONE_RADIUS], d[SolidPrimitive::CONE_HEIGHT]);
     }
     default:

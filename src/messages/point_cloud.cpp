@@ -82,6 +82,11 @@ void requireData(const PointCloud2& cloud) {
                      std::to_string(cloud.width) + " points of " +
                      std::to_string(cloud.point_step) + " bytes takes " + std::to_string(row));
   }
+  if (cloud.height == 1 && cloud.row_step - row >= cloud.point_step) {
+    throw InputError("its row_step is " + std::to_string(cloud.row_step) + ", but its one row of " +
+                     std::to_string(cloud.width) + " points of " +
+                     std::to_string(cloud.point_step) + " bytes takes only " + std::to_string(row));
+  }
   const std::uint64_t before_last = std::uint64_t{cloud.height - 1} * cloud.row_step;
   const std::string in_rows = sizeOf(cloud) + " in rows of " + std::to_string(cloud.row_step);
   if (row > available || before_last > available - row) {
@@ -150,6 +155,12 @@ void readPoints(const PointCloud2& cloud, std::vector<Eigen::Vector3d>& points) 
   if (cloud.point_step == 0) throw InputError("its point_step is 0");
   const Coordinates c = {findCoordinate(cloud, "x"), findCoordinate(cloud, "y"),
                          findCoordinate(cloud, "z")};
+  for (int axis = 0; axis < 3; ++axis) {
+    const Coordinate &a = c[axis], &b = c[(axis + 1) % 3];
+    if (a.offset + a.size() <= b.offset || b.offset + b.size() <= a.offset) continue;
+    throw InputError(std::string("its fields '") + "xyz"[axis] + "' and '" + "xyz"[(axis + 1) % 3] +
+                     "' overlap");
+  }
   requireData(cloud);
   if (cloud.width == 0 || cloud.height == 0) return;
   const bool is_native =
