@@ -55,6 +55,28 @@ def test_numbers_have_a_point_also_where_the_user_writes_a_comma(run_tool, tmp_p
     assert found.returncode == 0 and without_time[0] == without_time[1], found.stderr
 
 
+OVERWRITING = [
+    ("check_bag", ["IN", "--out", "IN"], "--out IN: would overwrite BAG... (IN)"),
+    ("check_bag", ["other", "IN", "--record", "FOLDER/../IN"], "--record FOLDER/../IN: would overwrite BAG... (IN)"),
+    ("check_bag", ["other", "--out", "new", "--record", "new"], "--record new: would overwrite --out (new)"),
+    ("check_bag", ["other", "--out", "FOLDER/index.html", "--report", "FOLDER"],
+     "--report FOLDER: would overwrite --out (FOLDER/index.html)"),
+    ("merge_bag_checks", ["other", "IN", "--out", "IN"], "--out IN: would overwrite TABLE.csv... (IN)"),
+    ("check_states", ["other", "--states", "IN", "--out", "IN"], "--out IN: would overwrite --states (IN)"),
+    ("check_motion", ["IN", "--waypoints", "other", "--out", "IN"], "--out IN: would overwrite ROBOT.urdf (IN)"),
+    ("generate_srdf", ["other", "--out", "new", "--report", "./new"], "--report ./new: would overwrite --out (new)")]
+
+
+@pytest.mark.parametrize("tool, words, why", OVERWRITING)
+def test_no_output_overwrites_an_input_or_another_output(refused, tmp_path, monkeypatch, tool, words, why):
+    monkeypatch.chdir(tmp_path)
+    os.mkdir("FOLDER")
+    for name in ("IN", "other"):
+        (tmp_path / name).write_text(name)
+    assert refused(tool, *words) == "error: %s\n" % why
+    assert sorted(os.listdir(".")) == ["FOLDER", "IN", "other"] and (tmp_path / "IN").read_text() == "IN"
+
+
 PROGRESS = {"check_states": [URDF, "--states", "FILE"], "check_motion": [URDF, "--waypoints", "FILE"],
             "check_bag": [DEMO_BAG], "generate_srdf": [URDF, "--samples", "1000", "--searches", "1"]}
 

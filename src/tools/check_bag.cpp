@@ -58,11 +58,11 @@ void declare(CommandLine& command_line, Options& options) {
       "only free, collision or unknown; stops at the first contact, the only pair listed");
   command_line.option("max-gap", options.max_gap, "SECONDS",
                       "poses are unknown in longer gaps (default: 1, or as in --settings)");
-  command_line.option("out", options.output.out, "OUT.csv",
+  command_line.output("out", options.output.out, "OUT.csv",
                       "output table (default: standard output)");
-  command_line.option("report", options.output.report, "DIR",
-                      "write a report page to this folder: index.html");
-  command_line.option("record", options.record, "OUT.bag",
+  command_line.output("report", options.output.report, "DIR",
+                      "write a report page to this folder: index.html", "/index.html");
+  command_line.output("record", options.record, "OUT.bag",
                       "write reports and markers for rviz to a bag");
   command_line.option("shard", options.shard_text, "I/N",
                       "check only part I of N (1 to N); merge_bag_checks merges the parts");

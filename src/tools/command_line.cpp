@@ -2,7 +2,9 @@
 
 #include <cmath>
 #include <cstddef>
+#include <filesystem>
 #include <iostream>
+#include <system_error>
 
 #include "collision_pairs/input_error.h"
 #include "user_text.h"
@@ -11,6 +13,7 @@ namespace collision_pairs {
 namespace {
 
 namespace po = boost::program_options;
+namespace fs = std::filesystem;
 
 constexpr unsigned LINE_LENGTH = 100, LEAST_DESCRIPTION_LENGTH = 66;  // characters of --help
 constexpr std::size_t MOST_EDITS = 2;                                 // of a misspelled option
@@ -21,6 +24,17 @@ std::string suggestion(const std::string& given, const po::options_description& 
   for (const auto& option : options.options()) names.push_back("--" + option->long_name());
   const std::string nearest = nearestName(given, names, MOST_EDITS);
   return nearest.empty() ? "" : "; did you mean '" + nearest + "'?";
+}
+
+bool isSameFile(const std::string& a, const std::string& b) {
+  std::error_code error;
+  if (fs::exists(a, error) && fs::exists(b, error)) {
+    return fs::is_regular_file(a, error) && fs::equivalent(a, b, error);
+  }
+  const auto whole = [&](const std::string& path) {
+    return fs::weakly_canonical(fs::absolute(path, error), error);
+  };
+  return whole(a) == whole(b);
 }
 
 }  // namespace
@@ -49,8 +63,15 @@ void CommandLine::operands(std::vector<std::string>& words, const std::string& v
 void CommandLine::requiredOption(const std::string& name, std::string& value,
                                  const std::string& value_name, const std::string& help) {
   required_ += " --" + name + ' ' + value_name;
+  required_files_.emplace_back("--" + name, &value);
   options_.add_options()(name.c_str(), po::value(&value)->value_name(value_name)->required(),
                          help.c_str());
+}
+
+void CommandLine::output(const std::string& name, std::string& path, const std::string& value_name,
+                         const std::string& help, const std::string& ending) {
+  option(name, path, value_name, help);
+  outputs_.push_back({"--" + name, &path, ending});
 }
 
 void CommandLine::flag(const std::string& name, bool& value, const std::string& help) {
@@ -97,7 +118,27 @@ bool CommandLine::parse(int argc, char** argv) {
     if (*value >= 0.0 && std::isfinite(*value)) continue;
     throw InputError("--" + name + " must be a finite number of metres, 0 or more");
   }
+  refuseOverwriting();
   return true;
+}
+
+void CommandLine::refuseOverwriting() const {
+  std::vector<std::pair<std::string, std::string>> taken;  // what it is, and its path
+  if (operand_ != nullptr) taken.emplace_back(operand_name_, *operand_);
+  if (operands_ != nullptr) {
+    for (const std::string& word : *operands_) taken.emplace_back(operand_name_, word);
+  }
+  for (const auto& [option, path] : required_files_) taken.emplace_back(option, *path);
+  for (const Output& output : outputs_) {
+    if (output.path->empty() || *output.path == "-") continue;
+    const std::string path = *output.path + output.ending;
+    for (const auto& [what, other] : taken) {
+      if (!isSameFile(path, other)) continue;
+      throw InputError(output.option + ' ' + *output.path + ": would overwrite " + what + " (" +
+                       other + ")");
+    }
+    taken.emplace_back(output.option, path);
+  }
 }
 
 // Boost reads "-1" as the largest unsigned number.

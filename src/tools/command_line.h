@@ -32,6 +32,10 @@ class CommandLine {
   /// A required option.
   void requiredOption(const std::string& name, std::string& value, const std::string& value_name,
                       const std::string& help);
+  /// A file to be written, or with `ending` one in that folder; empty: none. Refused if it is an
+  /// operand, the file of a required option, or another output too.
+  void output(const std::string& name, std::string& path, const std::string& value_name,
+              const std::string& help, const std::string& ending = "");
   /// A finite number, 0 or more.
   void metres(const std::string& name, double& value, const std::string& help);
   void flag(const std::string& name, bool& value, const std::string& help);
@@ -45,6 +49,7 @@ class CommandLine {
  private:
   void refuseNegativeCounts(const boost::program_options::parsed_options& parsed) const;
   void takeOperands(const boost::program_options::parsed_options& parsed);
+  void refuseOverwriting() const;
   void printHelp() const;
 
   std::string tool_, purpose_, operand_name_, operand_help_;
@@ -55,6 +60,13 @@ class CommandLine {
   std::set<std::string> counts_;  ///< options with unsigned values
   std::vector<std::pair<std::string, std::string>> together_;
   std::vector<std::pair<std::string, const double*>> metres_;
+  struct Output {
+    std::string option;
+    const std::string* path;
+    std::string ending;
+  };
+  std::vector<Output> outputs_;
+  std::vector<std::pair<std::string, const std::string*>> required_files_;
 };
 
 template <typename T>

@@ -44,8 +44,8 @@ void declare(CommandLine& command_line, Options& options) {
                     "disable pairs that touch with all joints at zero, even if not always");
   command_line.option("narrow-phase", options.narrow_phase, "NAME",
                       "method for pairs of shapes: native or fcl");
-  command_line.option("out", options.out, "OUT.srdf", "output file (default: standard output)");
-  command_line.option("report", options.report, "PAIRS.csv", "write a table of all pairs");
+  command_line.output("out", options.out, "OUT.srdf", "output file (default: standard output)");
+  command_line.output("report", options.report, "PAIRS.csv", "write a table of all pairs");
 }
 
 void refuseWrong(const Options& options) {

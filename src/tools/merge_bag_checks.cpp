@@ -17,10 +17,10 @@ void declare(CommandLine& command_line, Options& options) {
   command_line.operands(options.tables, "TABLE.csv...",
                         "all parts of one run (check_bag --shard) in any order, or complete "
                         "tables, which are concatenated");
-  command_line.option("out", options.output.out, "OUT.csv",
+  command_line.output("out", options.output.out, "OUT.csv",
                       "output file (default: standard output)");
-  command_line.option("report", options.output.report, "DIR",
-                      "write a report page to this folder: index.html");
+  command_line.output("report", options.output.report, "DIR",
+                      "write a report page to this folder: index.html", "/index.html");
   command_line.metres("alarm-distance", options.output.alarm_distance, "as given to check_bag");
   command_line.option("max-gap", options.output.max_gap, "SECONDS", "as given to check_bag");
 }

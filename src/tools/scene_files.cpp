@@ -230,7 +230,7 @@ void declareThreads(CommandLine& command_line, unsigned& threads) {
 
 void declareBatch(CommandLine& command_line, unsigned& threads, std::string& out) {
   declareThreads(command_line, threads);
-  command_line.option("out", out, "OUT.csv", "output file (default: standard output)");
+  command_line.output("out", out, "OUT.csv", "output file (default: standard output)");
 }
 
 const BuiltScene& BagScenes::sceneFor(const BagContents& bag) {
