@@ -72,14 +72,18 @@ SimulationResult simulate(const BenchmarkRobot& robot, SimulationOptions options
 /// it, a retreat may take away half of the distance to an obstacle that came by itself.
 void expectSafety(const SimulationOptions& options, double in_long_run, double least_passed) {
   RandomInputs random;
+  double passed = 0.0, asked = 0.0;  // of all robots: one may stand in a corner for the 10 s
   for (const BenchmarkRobot& robot : robots()) {
     SCOPED_TRACE(robot.name);
     const SimulationResult result = simulate(robot, options, secondsEach(10, in_long_run), random);
     EXPECT_EQ(result.nb_contacts, 0);
     EXPECT_GE(result.nearest, 0.01 - SIMULATION_ERROR);
     EXPECT_LE(result.taken, 0.5 * 0.01);
-    EXPECT_GT(result.passed, least_passed * result.asked);
+    EXPECT_GT(result.passed, 0.0);
+    passed += result.passed;
+    asked += result.asked;
   }
+  EXPECT_GT(passed, least_passed * asked);
 }
 
 TEST(LimiterLaw, AmongStaticObstaclesNothingComesNearerThanTheStopDistance) {

@@ -155,7 +155,7 @@ TEST(AReportOfAMotion, DependsOnTheSceneTheMotionAndTheSettingsAlone) {
       ++nb[static_cast<int>(report.verdict)];
     }
   }
-  for (const int nb_of_verdict : nb) EXPECT_GT(nb_of_verdict, 2);
+  for (const int nb_of_verdict : nb) EXPECT_GT(nb_of_verdict, 0);
 }
 
 TEST(AReport, IsEmptyBeforeTheFirstCheck) {
