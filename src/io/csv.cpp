@@ -1,6 +1,7 @@
 #include "csv.h"
 
 #include <algorithm>
+#include <cstring>
 
 #include "user_text.h"
 
@@ -55,6 +56,10 @@ bool CsvRecord::addLine(const std::string& line) {
       field.clear();
       is_quoted_ = true;
     } else {
+      // Behind a quotation: the quote comes back, so that nobody takes "0"1 for a number.
+      const bool is_first =
+          nb_quoted_ > 0 && field.find_first_not_of(BLANKS, nb_quoted_) == field.npos;
+      if (is_first && std::strchr(BLANKS, line[i]) == nullptr) field.insert(nb_quoted_, 1, '"');
       field += line[i];
     }
   }

@@ -14,7 +14,8 @@ namespace {
 
 py::tuple itemsOf(const py::object& joints) {
   if (joints.is_none()) return py::tuple();
-  if (!py::isinstance<py::str>(joints) && py::isinstance<py::iterable>(joints)) return joints;
+  const bool has_order = !py::isinstance<py::str>(joints) && PyAnySet_Check(joints.ptr()) == 0;
+  if (has_order && py::isinstance<py::iterable>(joints)) return joints;
   throw InputError("joints must be a list of names");
 }
 

@@ -41,9 +41,32 @@ T valid(const T& shape) {
 
 using Numbers = py::array_t<double, py::array::c_style | py::array::forcecast>;
 
-/// A list counts as an array.
+/// A list counts as an array. Null if these are no real numbers, or some are masked.
+Numbers numbersFrom(const py::handle& value) {
+  const py::array array = py::array::ensure(value);
+  if (!array || array.dtype().kind() == 'c' || py::hasattr(value, "mask"))
+    return py::reinterpret_steal<Numbers>(nullptr);
+  return Numbers::ensure(array);
+}
+
+Vector3d vectorFrom(const py::object& value, const std::string& what) {
+  const Numbers numbers = numbersFrom(value);
+  if (!numbers || numbers.ndim() != 1 || numbers.shape(0) != 3) {
+    throw InputError(what + " must be an array of shape (3,)");
+  }
+  return Eigen::Map<const Vector3d>(numbers.data());
+}
+
+Mesh meshFromFile(const std::string& uri, const py::object& scale) {
+  const Vector3d factors = scale.is_none() ? Vector3d::Ones() : vectorFrom(scale, "scale");
+  if (!factors.allFinite() || (factors.array() == 0.0).any()) {
+    throw InputError("scale has a factor that is 0 or not finite");
+  }
+  return valid(Mesh{makeMeshLoader()(uri, factors)});
+}
+
 Numbers rowsOfThree(const py::object& value, const std::string& what) {
-  const Numbers numbers = Numbers::ensure(value);
+  const Numbers numbers = numbersFrom(value);
   if (!numbers || numbers.ndim() != 2 || numbers.shape(1) != 3) {
     throw InputError(what + " must be an array of shape (n, 3)");
   }
@@ -82,7 +105,7 @@ Mesh meshFrom(const py::object& vertices, const py::object& triangles) {
 
 /// From a (4, 4) array, a homogeneous transform. Throws InputError that names `what`.
 Isometry3d poseFrom(const py::handle& value, const std::string& what) {
-  const Numbers array = Numbers::ensure(value);
+  const Numbers array = numbersFrom(value);
   if (!array || array.ndim() != 2 || array.shape(0) != 4 || array.shape(1) != 4) {
     throw InputError(what + " must be an array of shape (4, 4): a homogeneous transform");
   }
@@ -135,8 +158,8 @@ RigidObject objectFrom(std::string name, const std::vector<Shape>& shapes, const
 
 void bindShapes(py::module& module) {
   py::class_<Box>(module, "Box", "Centred at its origin.")
-      .def(py::init([](const Vector3d& size) { return valid(Box{size}); }), py::arg("size"),
-           "size: full edge lengths, float64 (3,), m.");
+      .def(py::init([](const py::object& size) { return valid(Box{vectorFrom(size, "size")}); }),
+           py::arg("size"), "size: full edge lengths, float64 (3,), m.");
   py::class_<Sphere>(module, "Sphere", "Centred at its origin.")
       .def(py::init([](double radius) { return valid(Sphere{radius}); }), py::arg("radius"),
            "radius: m.");
@@ -161,13 +184,9 @@ void bindShapes(py::module& module) {
   py::class_<Mesh>(module, "Mesh", "The solid bounded by triangles.")
       .def(py::init(&meshFrom), py::arg("vertices"), py::arg("triangles"),
            "vertices: float64 (n, 3), m; triangles: indices of vertices, integers (m, 3).")
-      .def_static(
-          "from_uri",
-          [](const std::string& uri, const Vector3d& scale) {
-            return Mesh{makeMeshLoader()(uri, scale)};
-          },
-          py::arg("uri"), py::arg("scale") = Vector3d(Vector3d::Ones()),
-          "From a file: package:// or file://, as in a URDF. scale: float64 (3,), per axis.");
+      .def_static("from_uri", &meshFromFile, py::arg("uri"), py::arg("scale") = py::none(),
+                  "From a file: package:// or file://, as in a URDF. scale: float64 (3,), per axis "
+                  "(None: 1).");
 }
 
 }  // namespace

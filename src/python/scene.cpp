@@ -20,13 +20,21 @@ struct RecursionGuard {
   ~RecursionGuard() { Py_LeaveRecursiveCall(); }
 };
 
+/// It counts as a number to Python.
+bool isNumpyBool(const py::handle& value) {
+  return py::hasattr(value, "dtype") && !py::hasattr(value, "__len__") &&
+         py::str(value.attr("dtype")).cast<std::string>() == "bool";
+}
+
 /// From dicts, lists, numbers and strings. Throws InputError that names what is none of these.
 YAML::Node yamlFrom(const py::handle& value) {
   const RecursionGuard no_endless_nesting;
   if (value.is_none()) return YAML::Node(YAML::NodeType::Null);
   if (py::isinstance<py::str>(value)) return YAML::Node(utf8From(value));
   if (const auto fidelity = fidelityMember(value)) return YAML::Node(fidelityName(*fidelity));
-  if (py::isinstance<py::bool_>(value)) return YAML::Node(value.cast<bool>());
+  if (py::isinstance<py::bool_>(value) || isNumpyBool(value)) {
+    return YAML::Node(value.cast<bool>());
+  }
   if (py::isinstance<py::dict>(value)) {
     YAML::Node map(YAML::NodeType::Map);
     for (const auto& [key, entry] : py::reinterpret_borrow<py::dict>(value)) {
