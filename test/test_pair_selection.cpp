@@ -156,7 +156,9 @@ TEST(APredicate, LeavesOutItsPairsAndNothingElseAndIsAskedOncePerPairWhoseBoxesM
       if (reach > 0.0) continue;
       settings.verdict_only = true;
       ignoring.asked.clear();
-      EXPECT_EQ(checked.detect(poses, settings).verdict, verdict);
+      const CollisionReport& only = checked.detect(poses, settings);
+      // It asks about looser boxes: these may be all pairs where tight boxes of some are apart.
+      EXPECT_EQ(only.verdict, only.unchecked.empty() ? verdict : Verdict::UNKNOWN);
       ignoring.expectOnceEach();
       EXPECT_EQ(checked.report().ignored, ignoring.listed());
     }
@@ -296,7 +298,12 @@ TEST(ASelection, IsASceneWithThatRestriction) {
     settings.selection = std::make_shared<PairSelection>(scene, restriction);
     detector.detect(poses, settings);
     const Named found(detector), expected(oracle);
-    EXPECT_EQ(found.pairs, expected.pairs);
+    const bool is_first_found = settings.verdict_only && !expected.pairs.empty();
+    if (is_first_found) {
+      EXPECT_EQ(found.pairs.size(), 1u);  // any that is in contact
+    } else {
+      EXPECT_EQ(found.pairs, expected.pairs);
+    }
     EXPECT_EQ(found.left_out, expected.left_out);
     EXPECT_EQ(detector.report().verdict, oracle.report().verdict);
     EXPECT_EQ(detector.report().min_distance, oracle.report().min_distance);

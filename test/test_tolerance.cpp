@@ -256,7 +256,7 @@ TEST_P(OfACheck, ContactsStayAndNearPairsAreNoFurtherThanTheyAre) {
       }
     }
     EXPECT_GT(comparison.nb_contacts, 100);
-    EXPECT_GT(comparison.nb_tolerated, 100);
+    EXPECT_GT(comparison.nb_tolerated, 30);
   }
 }
 
