@@ -80,6 +80,28 @@ TEST_F(JointQueryTest, LeavesWhatIsNotNamedWhereTfHasIt) {
   EXPECT_EQ(at("c", lead, {2.0}), Vector3d(2, 0, 0.25));
 }
 
+TEST_F(JointQueryTest, FindsLinksThatOnlyFixedJointsConnectWithWhatTfPlaces) {
+  const std::string up = "<axis xyz='0 0 1'/><limit lower='-9' upper='9'/>";
+  scene_ = CollisionScene::build(
+      robotFrom(emptyLink("root") + emptyLink("pedestal") + boxLink("a", 0.1) + emptyLink("hand") +
+                boxLink("c", 0.1) + joint("stands", "fixed", "root", "pedestal", "0 0 1") +
+                joint("lead", "prismatic", "root", "a", "0 0 0", up) +
+                joint("holds", "fixed", "a", "hand", "0 0 2") +
+                joint("lift", "prismatic", "hand", "c", "0 0 0", up)),
+      Srdf{}, nullptr);
+  publish("pedestal", "hand", 999.5, 4.0);
+  publish("hand", "c", 999.5, 0.25);
+  const TfPoses poses(transforms_, scene_->robot(), scene_->bodies(), "pedestal");
+  const JointQuery from_tf({}, *scene_, {transforms_, "pedestal", {}, now_, {}, &poses});
+  EXPECT_THAT(from_tf.doubts(), IsEmpty());
+  EXPECT_THAT(from_tf.jointsFromTf(), ElementsAre("lead", "lift"));
+  EXPECT_DOUBLE_EQ(at("a", from_tf, {}).z(), 2.0);
+  EXPECT_DOUBLE_EQ(at("c", from_tf, {}).z(), 4.25);
+  const JointQuery lead({"lead"}, *scene_, {transforms_, "pedestal", {}, now_, {}, &poses});
+  EXPECT_DOUBLE_EQ(at("a", lead, {0.5}).z(), -0.5);
+  EXPECT_DOUBLE_EQ(at("c", lead, {0.5}).z(), 1.75);
+}
+
 TEST_F(JointQueryTest, DoubtsAJointThatIsNotNamedAndThatOnlyStaticTransformsPlace) {
   publishLift(1000.0, 0.25);
   std::vector<char> held;

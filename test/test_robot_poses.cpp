@@ -111,6 +111,39 @@ TEST_F(NewestPoses, WhyOneFrameIsNotKnownInAnotherIsSaidInTheseWords) {
   EXPECT_EQ(between("b", "a", 10 * SECOND + SECOND / 4), late);
 }
 
+// TF knows the arm on the base, and the wheel on the tool, but not that the tool is fixed to the
+// arm.
+TEST_F(NewestPoses, OfLinksToEachOtherAreFoundByFixedJointsToo) {
+  take("base", "arm", 9.5);
+  take("tool", "wheel", 9.5);
+  const auto xOf = [&](const std::string& target, const std::string& source,
+                       const std::string& frame) {
+    const RobotPoses poses(buffer_, *robot_, frame);
+    return poses.between(target, source, {Instant::NEWEST, 10 * SECOND}).X_RF.translation().x();
+  };
+  for (const char* frame : {"base", "arm", "tool"}) {
+    EXPECT_EQ(xOf("base", "arm", frame), 1.0);
+    EXPECT_EQ(xOf("base", "tool", frame), 1.0);
+    EXPECT_EQ(xOf("tool", "arm", frame), 0.0);
+    EXPECT_EQ(xOf("/base", "wheel", frame), 2.0);
+    EXPECT_EQ(xOf("wheel", "/base", frame), -2.0);
+  }
+  const RobotPoses poses(buffer_, *robot_, "base");
+  EXPECT_THROW(poses.between("base", "nowhere", {Instant::NEWEST, 10 * SECOND}), NotConnected);
+  take("base", "arm", 9.75);
+  const auto mixed = poses.between("base", "wheel", {Instant::NEWEST, 10 * SECOND});
+  EXPECT_EQ(mixed.oldest, 19 * SECOND / 2) << "at one instant";
+}
+
+TEST_F(NewestPoses, OfLinksThatTfDoesNotNameAreFoundByFixedJointsToo) {
+  take("base", "arm", 9.5);
+  const RobotPoses poses(buffer_, *robot_, "base");
+  const Instant newest{Instant::NEWEST, 10 * SECOND};
+  EXPECT_EQ(poses.between("base", "tool", newest).X_RF.translation().x(), 1.0);
+  EXPECT_EQ(poses.between("base", "tool", newest).oldest, 19 * SECOND / 2);
+  EXPECT_THROW(poses.between("base", "wheel", newest), NotConnected);
+}
+
 TEST_F(NewestPoses, OfARobotWhoseRootHangsOnItsOwnToolAreUnknown) {
   take("base", "arm", 9.75);
   take("arm", "tool", 0, true);

@@ -363,18 +363,46 @@ FoundBodies RobotPoses::newest(StampNs now, const std::vector<char>& wanted) con
 
 bool RobotPoses::frameAt(const Instant& instant, const std::string& frame, FramePoses::Known& found,
                          std::string& why) const {
-  const int id = buffer_.findFrame(withoutLeadingSlash(frame));
-  if (id < 0) {
-    why = "TF has no frame of that name";
-    return false;
-  }
+  const std::string name = withoutLeadingSlash(frame);
+  const int id = buffer_.findFrame(name);
   FoundBodies placed;
   FramePoses poses = start(instant, placed);
-  if (poses.find(id, found)) return true;
+  if (id >= 0 && poses.find(id, found)) return true;
   placeByUrdf(poses, placed);
-  if (poses.find(id, found)) return true;
-  why = poses.whyUnknown(id);
+  if (id < 0 ? isLinkAt(name, placed, found) : poses.find(id, found)) return true;
+  why = id < 0 ? "TF has no frame of that name" : poses.whyUnknown(id);
   return false;
+}
+
+bool RobotPoses::isLinkAt(const std::string& frame, const FoundBodies& placed,
+                          FramePoses::Known& found) const {
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    for (const LinkOfBody& link : bodies_[b].links) {
+      if (!placed.known[b] || frame != withPrefix(prefix_, link.name)) continue;
+      const StampNs stamp = placed.stamps[b];
+      found = {placed.X_WB[b] * link.X_BL, stamp, stamp == NEVER ? EVER_SINCE : stamp};
+      return true;
+    }
+  }
+  return false;
+}
+
+FramePoses::Known RobotPoses::between(const std::string& target, const std::string& source,
+                                      const Instant& instant) const {
+  try {
+    return poseBetween(buffer_, target, source, instant);
+  } catch (const InputError&) {
+    FramePoses::Known in_target, in_source;
+    std::string why;
+    const auto look = [&](const Instant& when) {
+      return frameAt(when, target, in_target, why) && frameAt(when, source, in_source, why);
+    };
+    if (!look(instant)) throw;
+    const StampNs oldest = std::min(in_target.oldest, in_source.oldest);
+    const StampNs newest = std::max(in_target.newest, in_source.newest);
+    if (instant.kind == Instant::NEWEST && oldest < newest && !look({Instant::AT, oldest})) throw;
+    return {in_target.X_RF.inverse() * in_source.X_RF, oldest, newest};
+  }
 }
 
 }  // namespace collision_pairs

@@ -110,6 +110,11 @@ class RobotPoses {
   bool frameAt(const Instant& instant, const std::string& frame, FramePoses::Known& found,
                std::string& why) const;
 
+  /// As poseBetween(). Where TF does not connect the two, also by links that the URDF fixes to each
+  /// other; links that TF does not name count as frames then.
+  FramePoses::Known between(const std::string& target, const std::string& source,
+                            const Instant& instant) const;
+
   /// By body: only static transforms place it, although a joint above it is not fixed.
   std::vector<char> heldAt(StampNs stamp) const;
 
@@ -141,6 +146,8 @@ class RobotPoses {
   FramePoses start(const Instant& instant, FoundBodies& placed) const;
   bool placeByTf(std::size_t body, FramePoses& poses, FoundBodies& placed) const;
   void placeByUrdf(FramePoses& poses, FoundBodies& placed) const;
+  bool isLinkAt(const std::string& frame, const FoundBodies& placed,
+                FramePoses::Known& found) const;
   /// By body: that of the joint which it is held at; -1: it is not held.
   std::vector<int> heldBy(StampNs stamp) const;
   void leaveOutHeld(StampNs stamp, FoundBodies& placed) const;

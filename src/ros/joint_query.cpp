@@ -1,7 +1,6 @@
 #include "joint_query.h"
 
 #include "collision_pairs/input_error.h"
-#include "tf_poses.h"
 
 namespace collision_pairs {
 namespace {
@@ -25,7 +24,8 @@ std::vector<char> bodiesNeeded(const CollisionScene& scene) {
 bool askTf(const JointQueryTf& tf, const std::string& parent, const std::string& child,
            Isometry3d& X_PC, std::string& doubt) {
   try {
-    X_PC = tf.transforms.lookUp(parent, child, tf.stamp).X_TS;
+    X_PC = tf.poses != nullptr ? tf.poses->lookUp(parent, child, tf.stamp).X_TS
+                               : tf.transforms.lookUp(parent, child, tf.stamp).X_TS;
     return true;
   } catch (const InputError& error) {
     doubt = "link '" + child + "': " + error.what();

@@ -11,7 +11,7 @@
 #include "collision_pairs/collision_scene.h"
 #include "collision_pairs/joint_columns.h"
 #include "collision_pairs/motion_check.h"
-#include "transform_input.h"
+#include "tf_poses.h"
 
 namespace collision_pairs {
 
@@ -22,6 +22,8 @@ struct JointQueryTf {
   ros::Time stamp;              ///< time of the positions of joints not named; 0: the latest in TF
   ros::Time now;                ///< for messages
   std::vector<char> held = {};  ///< TfPoses::heldAt()
+  /// Of the scene's robot: for links that TF does not place. Null: none.
+  const TfPoses* poses = nullptr;
 };
 
 /// Forward kinematics for named joints: mimic joints follow, joints not named keep their positions

@@ -196,7 +196,7 @@ void QueryService::check(const CheckCollisions::Request& request,
   if (!request.joint_state.name.empty() || !request.joint_state.position.empty()) {
     query.emplace(request.joint_state.name, *scene,
                   JointQueryTf{context_.transforms, active.frame, stamped.stamp, now,
-                               active.tf_poses->heldAt(stamped.stamp)});
+                               active.tf_poses->heldAt(stamped.stamp), active.tf_poses.get()});
     query->bodyPosesAt(request.joint_state.position, X_WB);
     scene->gatherPoses(X_WB, stamped.poses);
     doubts = query->doubts();
@@ -259,9 +259,9 @@ void TrajectoryService::check(const CheckTrajectory::Request& request,
   if (!batch_ || &batch_->scene() != scene.get()) batch_ = std::make_unique<BatchCheck>(scene);
   const ros::Time now = context_.transforms.followClock();
   const ros::Time stamp = posesAt(*active, request.stamp, now).stamp;
-  const JointQuery query(
-      request.trajectory.joint_names, *scene,
-      {context_.transforms, active->frame, stamp, now, active->tf_poses->heldAt(stamp)});
+  const JointQuery query(request.trajectory.joint_names, *scene,
+                         {context_.transforms, active->frame, stamp, now,
+                          active->tf_poses->heldAt(stamp), active->tf_poses.get()});
   if (request.trajectory.points.empty()) throw InputError("the trajectory has no points");
   response.joints_from_tf = query.jointsFromTf();
   response.joints_at_zero = query.jointsAtZero();

@@ -106,7 +106,7 @@ void SceneStore::update(const std::vector<SceneChange>& changes) {
     if (target != frame) requireLink(scene_->scene->robot(), target);
     const ros::Time now = transforms_.followClock();
     try {
-      return transforms_.lookUp(target, source, stamp).X_TS;
+      return scene_->tf_poses->lookUp(target, source, stamp).X_TS;
     } catch (const InputError& error) {
       throw InputError("TF does not know '" + source + "' in '" + target +
                        "': " + (now.isZero() ? NO_CLOCK : error.what()));

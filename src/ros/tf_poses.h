@@ -42,6 +42,13 @@ class TfPoses {
   /// At the given instant, of the bodies with an entry in `wanted` only; the others stay unknown.
   BodyPoses at(const ros::Time& stamp, const std::vector<char>& wanted) const;
 
+  /// Pose of `source` in `target`, at 0 the newest; either may be a link that only the URDF places.
+  /// Throws InputError.
+  TransformInput::Found lookUp(const std::string& target, const std::string& source,
+                               const ros::Time& stamp) const {
+    return transforms_.lookUp(target, source, stamp, &robot_);
+  }
+
   /// By body of the robot: only static transforms place it, although a joint is not fixed.
   std::vector<char> heldAt(const ros::Time& stamp) const;
 

@@ -84,11 +84,13 @@ std::string TransformInput::takeOne(const geometry_msgs::TransformStamped& trans
 }
 
 TransformInput::Found TransformInput::lookUp(const std::string& target, const std::string& source,
-                                             const ros::Time& stamp) const {
+                                             const ros::Time& stamp,
+                                             const RobotPoses* robot) const {
   const std::lock_guard<std::mutex> lock(mutex_);
   const Instant newest{Instant::NEWEST, toNs(last_now_)};
-  const auto found = poseBetween(buffer_, target, source,
-                                 stamp.isZero() ? newest : Instant{Instant::AT, toNs(stamp)});
+  const Instant instant = stamp.isZero() ? newest : Instant{Instant::AT, toNs(stamp)};
+  const auto found = robot != nullptr ? robot->between(target, source, instant)
+                                      : poseBetween(buffer_, target, source, instant);
   return {found.X_RF, toTime(found.oldest)};
 }
 

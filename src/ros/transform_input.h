@@ -15,6 +15,7 @@
 #include <ros/spinner.h>
 #include <tf2_msgs/TFMessage.h>
 
+#include "robot_poses.h"
 #include "transform_buffer.h"
 
 namespace collision_pairs {
@@ -57,8 +58,9 @@ class TransformInput {
     ros::Time stamp;  ///< 0: of static transforms only
   };
   /// Pose of `source` in `target` at that stamp; at 0 the newest, as of the clock at the last call
-  /// that followed it. Throws InputError.
-  Found lookUp(const std::string& target, const std::string& source, const ros::Time& stamp) const;
+  /// that followed it. With a robot, of this buffer, also by its fixed joints. Throws InputError.
+  Found lookUp(const std::string& target, const std::string& source, const ros::Time& stamp,
+               const RobotPoses* robot = nullptr) const;
 
   /// Adds the valid transforms to the buffer. Stamps of static transforms are ignored.
   void take(const tf2_msgs::TFMessage& message, bool is_static, const ros::Time& now,

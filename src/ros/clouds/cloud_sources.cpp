@@ -150,7 +150,7 @@ void CloudSource::tell(const std::string& what) {
 CloudSource::Missing CloudSource::lookUp(const std_msgs::Header& header, const FollowedRobot& robot,
                                          Instant& found) {
   try {
-    found.X_WS = context_.transforms.lookUp(context_.frame, header.frame_id, header.stamp).X_TS;
+    found.X_WS = robot.poses.lookUp(context_.frame, header.frame_id, header.stamp).X_TS;
   } catch (const NotConnected& error) {
     return {error.what(), false};
   } catch (const InputError& error) {

@@ -175,9 +175,9 @@ void VelocityLimiter::prepare(double now, LimiterInput& input) {
     names.push_back(name);
     values.push_back(position.value);
   }
-  const JointQuery query(
-      names, *active->scene,
-      {context_.transforms, active->frame, ros::Time(), clock, active->tf_poses->heldAt(clock)});
+  const JointQuery query(names, *active->scene,
+                         {context_.transforms, active->frame, ros::Time(), clock,
+                          active->tf_poses->heldAt(clock), active->tf_poses.get()});
   if (!query.doubts().empty()) throw InputError(query.doubts().front());
   RobotState state;
   state.positions = query.jointPositionsAt(values);
