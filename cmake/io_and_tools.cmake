@@ -11,6 +11,7 @@ add_library(collision_pairs_io SHARED
   src/io/cloud_gatherer.cpp
   src/io/cloud_view.cpp
   src/io/csv.cpp
+  src/io/frame_poses.cpp
   src/io/joint_limits.cpp
   src/io/joint_states_csv.cpp
   src/io/joint_tracks.cpp

@@ -7,6 +7,7 @@
 #include "collision_pairs/collision_detector.h"
 #include "demo_scene.h"
 #include "random_inputs.h"
+#include "refusal.h"
 
 namespace collision_pairs {
 namespace {
@@ -348,6 +349,45 @@ TEST(CollisionScene, WhatIsStaticMayBeAddedPairByPair) {
                             static_cast<std::uint32_t>(scene->findModel("a")));
   EXPECT_THAT(distances(detector.endNarrowPhase(), *scene),
               testing::ElementsAre(testing::Key("a|wall")));
+}
+
+/// A mesh around the boxes, 10 m times `size`.
+RigidObject meshAround(double size) {
+  auto mesh = std::make_shared<TriangleMesh>();
+  mesh->vertices = {{-1, -1, -1}, {3, -1, -1}, {-1, 3, -1}, {-1, -1, 3}};
+  for (Eigen::Vector3d& vertex : mesh->vertices) vertex *= 10.0 * size;
+  mesh->triangles = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
+  RigidObject around;
+  around.name = "around";
+  around.elements = {{Mesh{mesh}, Eigen::Isometry3d::Identity()}};
+  return around;
+}
+
+// Volumes overflow long before lengths.
+TEST(CollisionScene, AMeshAroundTheRobotIsFoundWhateverItsSizeOrRefused) {
+  SceneDescription description;
+  description.robots.push_back({robotFrom(slidingBoxes(2)), std::nullopt, ""});
+  int nb_found = 0, nb_refused = 0;
+  for (double size = 1.0; size < 1e300; size *= 1e3) {
+    description.objects = {meshAround(size)};
+    std::shared_ptr<const CollisionScene> scene;
+    const std::string why = refusal([&] { scene = CollisionScene::build(description); });
+    if (!scene) {
+      EXPECT_THAT(why, testing::HasSubstr("'around' is too large or too far away"));
+      ++nb_refused;
+      continue;
+    }
+    ++nb_found;
+    for (const Fidelity fidelity : {Fidelity::CONVEX, Fidelity::MESH}) {
+      CheckSettings settings;
+      settings.fidelity = fidelity;
+      const Verdict verdict =
+          CollisionDetector(scene).detect(boxesAt(*scene, {0, 4}), settings).verdict;
+      EXPECT_EQ(verdict, Verdict::COLLISION) << size;
+    }
+  }
+  EXPECT_GT(nb_found, 30);
+  EXPECT_GT(nb_refused, 30);
 }
 
 TEST(CollisionScene, ANameInRobotAndWorldIsRefused) {
