@@ -6,6 +6,7 @@
 #include "motion_fixtures.h"
 #include "random_inputs.h"
 #include "random_robot.h"
+#include "refusal.h"
 
 namespace collision_pairs {
 namespace {
@@ -128,6 +129,51 @@ TEST(OnlyMoved, LeavesOutWhatTheMotionCannotChange) {
   settings.only_moved = true;
   EXPECT_EQ(checked(scene, {0.0}, {-0.5}, settings).verdict, Verdict::FREE);
   EXPECT_NE(checked(scene, {0.0}, {1.0}, settings).verdict, Verdict::FREE);
+  for (const bool from_start : {false, true}) {
+    settings.from_start = from_start;
+    const MotionReport report = checked(scene, {0.0}, {1.0}, settings);
+    EXPECT_EQ(report.verdict, Verdict::COLLISION);
+    const auto id = [&](const char* name) {
+      return static_cast<std::uint32_t>(scene->findModel(name));
+    };
+    const std::pair<std::uint32_t, std::uint32_t> arm_and_post = std::minmax(id("arm"), id("post"));
+    EXPECT_EQ(report.pairs, std::vector{arm_and_post}) << "not the base and the table";
+  }
+}
+
+// Whichever pairs are looked at.
+TEST(OnlyMoved, APlacedPoseHasARotation) {
+  const auto robot =
+      robotFrom(boxLink("base", 0.4) + bar("arm", 1.0) + hinge("turn", "base", "arm", "0 0 0.5"));
+  const auto scene = sceneOf(robot, {boxAt("post", {0.7, 0.7, 0.5}, {0.1, 0.1, 0.1})});
+  for (const double scale : {0.0, -1.0, 0.5, 0.99, 1.01, 2.0, 1.0 + 1e-5, 1.0}) {
+    PlacedBodies placed(robot->bodies().size());
+    placed[0] = Eigen::Isometry3d::Identity();
+    placed[0]->linear() *= scale;
+    for (const bool only_moved : {false, true}) {
+      MotionSettings settings;
+      settings.only_moved = only_moved;
+      if (std::abs(scale - 1.0) < 1e-4) {
+        EXPECT_EQ(checked(scene, {0.0}, {1.0}, settings, placed).verdict, Verdict::COLLISION);
+        continue;
+      }
+      EXPECT_EQ(refusal([&] { checked(scene, {0.0}, {1.0}, settings, placed); }),
+                "link 'base': the pose given for it is not finite, or has no rotation")
+          << scale;
+    }
+  }
+}
+
+TEST(Nearer, NamesModelsOfTheSceneAndAFiniteDistance) {
+  const auto scene = sceneOf(turningBar(), {boxAt("box", {0.9, 0.3, 0.0}, {0.1, 0.1, 0.1})});
+  for (const PairClearance& wrong :
+       {PairClearance{0, 2, 0.1}, PairClearance{2, 0, -1.0}, PairClearance{0, 1, std::nan("")},
+        PairClearance{0, 1, HUGE_VAL}}) {
+    MotionSettings settings;
+    settings.nearer = {wrong};
+    const std::string why = refusal([&] { checked(scene, {0.0}, {0.1}, settings); });
+    EXPECT_NE(why.find("they must be two of the scene's 2 models"), std::string::npos) << why;
+  }
 }
 
 TEST(BesideObjects, TheClearanceIsLargerThanBetweenLinks) {

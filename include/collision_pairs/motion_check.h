@@ -13,9 +13,9 @@
 
 namespace collision_pairs {
 
-/// What one pair of models keeps, metres; negative: the pair is left out, also where it touches.
-/// FREE says nothing of it, and is not said if every pair is left out (but for
-/// SceneSettings::allow_empty_scene).
+/// What one pair of models keeps, metres, or less where the settings ask for less; negative: the
+/// pair is left out, also where it touches. FREE says nothing of it, and is not said if every pair
+/// is left out (but for SceneSettings::allow_empty_scene).
 struct PairClearance {
   std::uint32_t first = 0, second = 0;
   double clearance = 0.0;
@@ -56,8 +56,9 @@ struct JointMotion {
   /// follow their leaders.
   std::vector<double> from, to;
   /// One entry per joint, rad or m, >= 0, or empty for none: at every fraction each joint may be
-  /// this far from its place on the line, independently of the others. FREE then holds for all
-  /// these configurations.
+  /// this far from its place on the line, independently of the others, but for mimic joints: they
+  /// follow their leaders, whatever their entries are. FREE then holds for all these
+  /// configurations.
   std::vector<double> deviation = {};
 };
 
@@ -117,9 +118,9 @@ class MotionCheck {
   MotionCheck& operator=(MotionCheck&&) noexcept;
 
   /// The result is valid until the next call. Throws InputError for settings out of range, for
-  /// positions or deviations that are not finite or not one per joint, and if a link is too far
-  /// away for a finite box. `voxels`: the occupied voxels of the scene's clouds. No pair with a
-  /// cloud whose voxels are unknown or truncated is certified.
+  /// positions or deviations that are not finite or not one per joint, for poses without a
+  /// rotation, and if a link is too far away for a finite box. `voxels`: the occupied voxels of the
+  /// scene's clouds. No pair with a cloud whose voxels are unknown or truncated is certified.
   const MotionReport& check(const JointMotion& motion, const MotionSettings& settings,
                             const PlacedBodies& placed = {}, const CloudVoxels& voxels = {});
 

@@ -126,7 +126,7 @@ class MotionCheck::Search {
     for (const MotionPairs::Pair& pair : pairs_.pairs) {
       open.pair = {pair.first, pair.second};
       open.frame = pair.frame;
-      if (settings_.only_moved && !moves(pair)) continue;
+      if (settings_.only_moved && !state_.moves(pair)) continue;
       using Voxels = PairCertifier::Voxels;
       const Voxels known = certifier_.voxelsOf(open.pair);
       const bool is_robot = known == Voxels::NO_CLOUD;
@@ -138,12 +138,6 @@ class MotionCheck::Search {
       if (!lookAt(one, before, after)) return false;
     }
     return goesOn() && pushIntervals(before, after);
-  }
-
-  bool moves(const MotionPairs::Pair& pair) {
-    const MotionBound a = state_.bound(pair.first, pair.frame);
-    const MotionBound b = state_.bound(pair.second, pair.frame);
-    return a.speed + b.speed + a.deviation + b.deviation > 0.0;
   }
 
   bool look(Interval& interval) {
@@ -266,9 +260,10 @@ class MotionCheck::Search {
     exact.alarm_distance = 0.0;
     exact.fidelity = settings_.fidelity;
     exact.verdict_only = verdict_only;
-    if (clearances_.leavesOutSome()) {
+    if (clearances_.leavesOutSome() || settings_.only_moved) {
       exact.may_ignore = [this](auto first, auto second) {
-        return clearances_.leavesOut(first, second);
+        return clearances_.leavesOut(first, second) ||
+               (settings_.only_moved && !state_.movesModels(first, second));
       };
     }
     const CollisionReport& found = detector_.detect(poses_, exact);

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "collision_pairs/input_error.h"
+#include "pose_repair.h"
 
 namespace collision_pairs {
 namespace {
@@ -98,9 +99,9 @@ void MotionState::beginBody(int id, const PlacedBodies& placed) {
   state.is_placed = !placed.empty() && placed[id].has_value();
   if (state.is_placed) {
     state.X_PB = *placed[id];
-    if (!state.X_PB.matrix().allFinite()) {
+    if (!repairPose(state.X_PB)) {
       throw InputError("link '" + robot_.links()[of_robot.link].name +
-                       "': the pose given for it is not finite");
+                       "': the pose given for it is not finite, or has no rotation");
     }
   } else if (of_robot.joint < 0) {
     state.X_PB = of_robot.X_PJ;
@@ -111,6 +112,26 @@ void MotionState::beginBody(int id, const PlacedBodies& placed) {
   }
   const int above = of_robot.parent < 0 ? 0 : bodies_[of_robot.parent].nb_moving;
   state.nb_moving = above + (state.moves() ? 1 : 0);
+}
+
+bool MotionState::moves(const MotionPairs::Pair& pair) {
+  const MotionBound a = bound(pair.first, pair.frame), b = bound(pair.second, pair.frame);
+  return a.speed + b.speed + a.deviation + b.deviation > 0.0;
+}
+
+bool MotionState::movesModels(std::uint32_t first, std::uint32_t second) {
+  const auto& models = scene_.models();
+  for (const auto& [still, other] : {std::pair(first, second), std::pair(second, first)}) {
+    if (models[still].body < 0 && models[other].body >= 0) {
+      return moves(models[other].first_element);
+    }
+  }
+  const auto& elements = scene_.elements();
+  const auto models_of = std::minmax(first, second);
+  return std::any_of(pairs_.pairs.begin(), pairs_.pairs.end(), [&](const MotionPairs::Pair& pair) {
+    return std::minmax(elements[pair.first].model, elements[pair.second].model) == models_of &&
+           moves(pair);
+  });
 }
 
 void MotionState::moveTo(double at, double half_width) {

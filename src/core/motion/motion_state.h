@@ -66,6 +66,10 @@ class MotionState {
   }
   Twist twist(std::uint32_t element, int frame);
 
+  /// Whether the motion moves the two relative to each other.
+  bool moves(const MotionPairs::Pair& pair);
+  bool movesModels(std::uint32_t first, std::uint32_t second);  ///< O(pairs of elements)
+
   /// X_WE of all elements: current for those that were requested at this configuration, else of an
   /// earlier one.
   const std::vector<Eigen::Isometry3d>& poses() const { return X_WE_; }

@@ -1,7 +1,9 @@
 #include "pair_clearances.h"
 
 #include <algorithm>
+#include <cmath>
 
+#include "collision_pairs/input_error.h"
 #include "ignored_pairs.h"
 
 namespace collision_pairs {
@@ -9,7 +11,14 @@ namespace collision_pairs {
 void PairClearances::begin(const MotionSettings& settings) {
   nearer_ = &settings.nearer;
   left_out_.clear();
+  const std::size_t nb_models = scene_.models().size();
   for (const PairClearance& pair : *nearer_) {
+    if (!std::isfinite(pair.clearance) || pair.first >= nb_models || pair.second >= nb_models) {
+      throw InputError("nearer: models " + std::to_string(pair.first) + " and " +
+                       std::to_string(pair.second) + " keep " + std::to_string(pair.clearance) +
+                       " m; they must be two of the scene's " + std::to_string(nb_models) +
+                       " models, and the distance finite");
+    }
     if (pair.clearance < 0.0) left_out_.push_back(std::minmax(pair.first, pair.second));
   }
   std::sort(left_out_.begin(), left_out_.end());
