@@ -125,6 +125,20 @@ two.bag: 1 stamps over 0.000 s
 """
 
 
+def test_a_bag_that_comes_twice_is_summed_up_twice(run_tool, tmp_path):
+    once = table_of("one.bag", [(100.0 + 0.25 * i, "free", {"a|b": (0.01, False)}, []) for i in range(9)])
+    summary = summary_of(run_tool, tmp_path, [once])
+    assert "near only         2.000 s" in summary
+    assert summary_of(run_tool, tmp_path, [once, once]) == 2 * summary
+
+
+@pytest.mark.parametrize("seconds", ["nan", "-1", "0", "inf"])
+def test_a_gap_is_a_finite_number_above_0(run_tool, tmp_path, seconds):
+    (tmp_path / "table.csv").write_text(HEADER + "\n" + table_of("one.bag", [(1.0, "free", {}, [])]))
+    done = run_tool("merge_bag_checks", tmp_path / "table.csv", "--max-gap", seconds)
+    assert done.returncode == 2 and done.stderr.startswith("error: --max-gap must be a finite number, above 0")
+
+
 @pytest.mark.parametrize("count", [20, 22])
 def test_of_pairs_gaps_and_links_twenty_are_listed_and_the_rest_is_counted(run_tool, tmp_path, count):
     pairs = {"a|b%02d" % i: (0.001 * i, False) for i in range(count)}

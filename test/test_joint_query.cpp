@@ -114,6 +114,38 @@ TEST_F(JointQueryTest, DoubtsAJointThatIsNotNamedAndThatOnlyStaticTransformsPlac
   EXPECT_THAT(ask({"lead", "lift"}), IsEmpty());
 }
 
+// Also where all joints are named: transforms and clouds cannot be seen to age.
+TEST_F(JointQueryTest, DoubtsARootAndCloudsWhileASimulatedClockStandsStill) {
+  ros::Time::setNow(now_);
+  const auto doubts = [&](const std::string& frame, bool is_static) {
+    TransformInput input(PoseLimits{0.03, 1.0, 0.5});
+    input.followClock(now_);
+    tf2_msgs::TFMessage message;
+    message.transforms.resize(1);
+    message.transforms[0].header.stamp = now_;
+    message.transforms[0].header.frame_id = "map";
+    message.transforms[0].child_frame_id = "root";
+    message.transforms[0].transform.rotation.w = 1.0;
+    input.take(message, is_static, now_);
+    ros::WallDuration(0.06).sleep();
+    return JointQuery({"lead", "lift"}, *scene_, {input, frame, {}, now_}).doubts();
+  };
+  EXPECT_THAT(doubts("map", false), ElementsAre(HasSubstr("/clock stands still")));
+  EXPECT_THAT(doubts("map", true), IsEmpty()) << "what is static does not age";
+  EXPECT_THAT(doubts("root", false), IsEmpty()) << "TF is not asked";
+  SceneDescription seen;
+  seen.robots.push_back(
+      {robotFrom(emptyLink("root") + boxLink("a", 0.1) +
+                 joint("lead", "prismatic", "root", "a", "0 0 0", "<limit lower='-9' upper='9'/>") +
+                 boxLink("c", 0.1) +
+                 joint("lift", "prismatic", "a", "c", "0 0 0", "<limit lower='-9' upper='9'/>")),
+       std::nullopt, ""});
+  seen.clouds.push_back(cloudOf("cloud", 0.1, {}));
+  scene_ = CollisionScene::build(seen);
+  EXPECT_THAT(doubts("root", false), ElementsAre(HasSubstr("/clock stands still")));
+  ros::Time::init();
+}
+
 TEST_F(JointQueryTest, DoubtsWhatTfLastSaidTooLongAgo) {
   publishLift(998.0, 0.25);
   transforms_.followClock(now_ = ros::Time(1000.0));

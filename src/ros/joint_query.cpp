@@ -20,12 +20,14 @@ std::vector<char> bodiesNeeded(const CollisionScene& scene) {
 }
 
 /// Pose of the child in the parent from TF; as it was last, if TF does not have it (`doubt`); false
-/// if it was never known.
+/// if it was never known. `can_age`: set if it is not static.
 bool askTf(const JointQueryTf& tf, const std::string& parent, const std::string& child,
-           Isometry3d& X_PC, std::string& doubt) {
+           Isometry3d& X_PC, std::string& doubt, bool& can_age) {
   try {
-    X_PC = tf.poses != nullptr ? tf.poses->lookUp(parent, child, tf.stamp).X_TS
-                               : tf.transforms.lookUp(parent, child, tf.stamp).X_TS;
+    const auto found = tf.poses != nullptr ? tf.poses->lookUp(parent, child, tf.stamp)
+                                           : tf.transforms.lookUp(parent, child, tf.stamp);
+    X_PC = found.X_TS;
+    can_age |= !found.stamp.isZero();
     return true;
   } catch (const InputError& error) {
     doubt = "link '" + child + "': " + error.what();
@@ -54,7 +56,8 @@ JointQuery::JointQuery(const std::vector<std::string>& names, const CollisionSce
     if (!doubt.empty() && is_needed[placed_.size() - 1]) doubts_.push_back(std::move(doubt));
   }
   const std::string clock = tf.transforms.clockDoubt();
-  if (!joints_from_tf_.empty() && !clock.empty()) doubts_.push_back(clock);
+  const bool can_age = has_aging_root_ || !joints_from_tf_.empty() || !scene.clouds().empty();
+  if (can_age && !clock.empty()) doubts_.push_back(clock);
 }
 
 std::optional<Isometry3d> JointQuery::poseOf(const Body& body, const JointQueryTf& tf,
@@ -63,7 +66,7 @@ std::optional<Isometry3d> JointQuery::poseOf(const Body& body, const JointQueryT
   const std::string& link = robot.links()[body.link].name;
   Isometry3d X_PB = Isometry3d::Identity();
   if (body.joint < 0) {
-    if (tf.frame == link || askTf(tf, tf.frame, link, X_PB, doubt)) return X_PB;
+    if (tf.frame == link || askTf(tf, tf.frame, link, X_PB, doubt, has_aging_root_)) return X_PB;
     throw InputError("TF does not know root link '" + link + "' in frame '" + tf.frame +
                      "' at stamp " + std::to_string(tf.stamp.toSec()) +
                      (tf.now.isZero() ? std::string(": ") + NO_CLOCK : ""));
@@ -71,7 +74,8 @@ std::optional<Isometry3d> JointQuery::poseOf(const Body& body, const JointQueryT
   if (columns_.sourceOf(body.joint).column >= 0) return std::nullopt;
   const Joint& joint = robot.joints()[body.joint];
   const std::string& parent = robot.links()[robot.bodies()[body.parent].link].name;
-  if (askTf(tf, parent, link, X_PB, doubt)) {
+  bool can_age = false;
+  if (askTf(tf, parent, link, X_PB, doubt, can_age)) {
     joints_from_tf_.push_back(joint.name);
     if (!tf.held.empty() && tf.held[placed_.size()]) {
       doubt = "joint '" + joint.name + "' is not named, and only /tf_static places its link";

@@ -70,6 +70,7 @@ class JointQuery {
   std::vector<std::string> joints_from_tf_;
   std::vector<std::string> joints_at_zero_;
   std::vector<std::string> doubts_;
+  bool has_aging_root_ = false;  // placed by transforms that are not static
 };
 
 }  // namespace collision_pairs

@@ -267,8 +267,13 @@ void TrajectoryService::check(const CheckTrajectory::Request& request,
   response.joints_at_zero = query.jointsAtZero();
 
   BodyPoses clouds;
-  Asked asked{
-      request, *active, query, settings, stamp, addVoxels(*active, request.stamp, now, clouds), {}};
+  Asked asked{request,
+              *active,
+              query,
+              settings,
+              stamp.isZero() ? now : stamp,
+              addVoxels(*active, request.stamp, now, clouds),
+              {}};
   asked.voxels = std::move(clouds.voxels);
   asked.doubts.insert(asked.doubts.end(), query.doubts().begin(), query.doubts().end());
   Reasons reasons;

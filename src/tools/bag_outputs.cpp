@@ -68,7 +68,7 @@ class BagSummary {
   explicit BagSummary(double max_gap) : max_gap_(max_gap) {}
 
   void add(const BagRow& row) {
-    if (bags_.empty() || bags_.back().name != row.bag) {
+    if (bags_.empty() || bags_.back().name != row.bag || row.state == 0) {
       bags_.emplace_back();
       bags_.back().name = row.bag;
       bags_.back().first_stamp = row.stamp;

@@ -75,6 +75,13 @@ class SimulatedClockTest(unittest.TestCase):
         self.at(50.0, lambda: self.limits[-1].reason == "nobody reports joint 'slide_a'", boxes)
         self.at(51.0, lambda: self.limits[-1].reason == "", boxes, 51.0)
 
+    def test_4_nothing_passes_while_the_clock_stands_still(self):
+        boxes = list(zip("abc", (0.0, 3.0, 6.0)))
+        self.at(60.0, lambda: self.limits[-1].reason == "", boxes, 60.0)
+        self.at(60.0, lambda: "/clock stands still" in self.limits[-1].reason, boxes, 60.0)
+        self.assertEqual((self.limits[-1].scale, self.limits[-1].verdict), (0.0, SpeedLimit.UNKNOWN))
+        self.at(61.0, lambda: self.limits[-1].reason == "", boxes, 61.0)
+
 
 if __name__ == "__main__":
     rospy.init_node("test_simulated_clock", disable_rostime=True)

@@ -165,6 +165,8 @@ void VelocityLimiter::prepare(double now, LimiterInput& input) {
   input.stamp = std::min(positions_.oldestOf(parameters_->joints), now);
 
   const ros::Time clock = context_.transforms.followClock();
+  const std::string still = context_.transforms.clockDoubt();
+  if (!still.empty()) throw InputError(still);  // nothing is seen to age
   const RobotModel& robot = active->scene->robot();
   std::vector<std::string> names;
   std::vector<double> values;
