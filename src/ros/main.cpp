@@ -63,7 +63,8 @@ class MasterWatch {
         ROS_WARN("the ROS master does not answer; existing connections continue");
       }
       answers = answer != Answer::NONE;
-      if (answer == Answer::NOT_KNOWN && ros::ok()) {
+      // A node that is asked to end takes its services back before ros::ok() says so.
+      if (answer == Answer::NOT_KNOWN && ros::ok() && !ros::isShuttingDown()) {
         ROS_FATAL(
             "the ROS master was restarted and does not know this node. A ROS 1 node registers only "
             "once, so this one exits; restart it (respawn:=true of collision_pairs.launch does "
