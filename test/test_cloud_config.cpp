@@ -4,6 +4,7 @@
 #include "cloud_config.h"
 #include "collision_pairs/input_error.h"
 #include "documented_defaults.h"
+#include "refusal.h"
 
 namespace collision_pairs {
 namespace {
@@ -14,12 +15,7 @@ using testing::HasSubstr;
 std::vector<CloudConfig> clouds(const std::string& yaml) { return readClouds(YAML::Load(yaml)); }
 
 std::string refusal(const std::string& yaml) {
-  try {
-    clouds(yaml);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "accepted";
+  return collision_pairs::refusal([&] { clouds(yaml); });
 }
 
 TEST(CloudConfig, ReadsEveryKey) {

@@ -4,6 +4,7 @@
 #include "demo_scene.h"
 #include "joint_limits.h"
 #include "joint_states_csv.h"
+#include "refusal.h"
 
 namespace collision_pairs {
 namespace {
@@ -21,12 +22,7 @@ std::shared_ptr<const RobotModel> robot() {
 JointStates read(const std::string& csv) { return readJointStates(csv, *robot(), "s.csv"); }
 
 std::string refusal(const std::string& csv) {
-  try {
-    read(csv);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "accepted";
+  return collision_pairs::refusal([&] { read(csv); });
 }
 
 TEST(JointStatesCsv, ColumnsMayComeInAnyOrderAndMimicsFollow) {

@@ -10,6 +10,7 @@
 #include "collision_pairs/input_error.h"
 #include "pcd_file.h"
 #include "random_inputs.h"
+#include "refusal.h"
 
 namespace collision_pairs {
 namespace {
@@ -28,12 +29,7 @@ std::string bytesOf(const std::vector<T>& values) {
 }
 
 std::string refusal(const std::string& file) {
-  try {
-    readPcd(file);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "accepted";
+  return collision_pairs::refusal([&] { readPcd(file); });
 }
 
 void expectRefused(const std::string& file, const std::string& why) {

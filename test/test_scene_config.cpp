@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "collision_pairs/input_error.h"
+#include "refusal.h"
 #include "scene_config.h"
 #include "yaml_values.h"
 
@@ -15,12 +16,7 @@ using testing::AllOf;
 using testing::HasSubstr;
 
 std::string refusal(const std::string& yaml) {
-  try {
-    readSceneConfig(YAML::Load(yaml));
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "accepted";
+  return collision_pairs::refusal([&] { readSceneConfig(YAML::Load(yaml)); });
 }
 
 TEST(SceneConfig, ReadsEveryKey) {
@@ -201,12 +197,7 @@ TEST(SceneConfig, WhatIsWrongIsRefusedInTheseWords) {
 }
 
 std::string refusalOfText(const std::string& text) {
-  try {
-    loadYaml(text);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "accepted";
+  return collision_pairs::refusal([&] { loadYaml(text); });
 }
 
 // rosparam would take the last, yaml-cpp the first, and a loop over a map's entries the last.

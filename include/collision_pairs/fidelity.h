@@ -7,8 +7,9 @@ namespace collision_pairs {
 
 /// The geometry that decides. Each encloses the elements, and AABB encloses all others, so that
 /// every contact is reported and distances are lower bounds. AABB, OBB, CONVEX and MESH are a
-/// ladder in which each rung encloses the next finer one. SPHERES encloses MESH only; its distances,
-/// which are called EXACT too, may be a fifth less than those of the coarser spheres of its trees.
+/// ladder in which each rung encloses the next finer one. SPHERES encloses MESH only; its
+/// distances, which are called EXACT too, may be a fifth less than those of the coarser spheres of
+/// its trees.
 enum class Fidelity {
   AABB,     ///< the axis-aligned boxes of the broad phase
   SPHERES,  ///< up to 1024 spheres that enclose each mesh; other shapes are unchanged

@@ -8,10 +8,9 @@ namespace collision_pairs {
 /// A loader for package:// and file:// URIs. STL and OBJ are read by this package; COLLADA and
 /// other formats of assimp by geometric_shapes in a separate process. Vertices are in metres in the
 /// frame that rviz uses: coordinates as stored in the file, times the scale; COLLADA's up_axis is
-/// ignored. A loader reads each file once for each scale: to see that a file has changed takes a new
-/// one. Other schemes are refused, so that a robot
-/// description cannot trigger network access. Throws InputError that names the URI and the problem.
-/// Not thread safe.
+/// ignored. A loader reads each file once for each scale: to see that a file has changed takes a
+/// new one. Other schemes are refused, so that a robot description cannot trigger network access.
+/// Throws InputError that names the URI and the problem. Not thread safe.
 MeshLoader makeMeshLoader();
 
 }  // namespace collision_pairs

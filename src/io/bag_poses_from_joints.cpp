@@ -69,8 +69,7 @@ class BagPosesFromJoints : public BagPoses {
     const FoundBodies placed = robotAt(stamp);
     const std::string name = withoutLeadingSlash(frame);
     for (const Link& link : scene_.robot().links()) {
-      const bool is_it = name == withPrefix(prefix_, link.name) || name == prefix_ + link.name;
-      if (!is_it || !placed.known[link.body]) continue;
+      if (!isFrameOf(link.name, prefix_, name) || !placed.known[link.body]) continue;
       X_RF = placed.X_WB[link.body] * link.X_BL;
       return true;
     }

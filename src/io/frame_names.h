@@ -3,6 +3,8 @@
 
 #include <string>
 
+#include "collision_pairs/robot_model.h"
+
 namespace collision_pairs {
 
 /// Drops the leading slash that tf used ("/base") and tf2 does not accept.
@@ -15,6 +17,12 @@ inline std::string withoutSlashes(std::string name) {
   while (!name.empty() && name.front() == '/') name.erase(0, 1);
   while (!name.empty() && name.back() == '/') name.pop_back();
   return name;
+}
+
+/// Whether a robot whose frames have the prefix P calls the link so: P/link, or Plink.
+inline bool isFrameOf(const std::string& link, const std::string& prefix,
+                      const std::string& frame) {
+  return frame == withPrefix(prefix, link) || frame == prefix + link;
 }
 
 }  // namespace collision_pairs

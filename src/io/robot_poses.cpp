@@ -258,7 +258,7 @@ bool RobotPoses::isLinkAt(const std::string& frame, const FoundBodies& placed,
                           FramePoses::Known& found) const {
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     for (const LinkOfBody& link : bodies_[b].links) {
-      if (!placed.known[b] || frame != withPrefix(prefix_, link.name)) continue;
+      if (!placed.known[b] || !isFrameOf(link.name, prefix_, frame)) continue;
       const StampNs stamp = placed.stamps[b];
       found = {placed.X_WB[b] * link.X_BL, stamp, stamp == NEVER ? EVER_SINCE : stamp};
       return true;

@@ -1,6 +1,7 @@
 #include "bag_outputs.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -220,6 +221,11 @@ class BagReport {
 };
 
 }  // namespace
+
+void requireGap(double seconds) {
+  if (seconds >= 1e-9 && std::isfinite(seconds)) return;
+  throw InputError("--max-gap must be a finite number, above 0");
+}
 
 void writeBagOutputs(const BagOutputOptions& options,
                      const std::function<void(const BagLineSink&)>& produce) {

@@ -16,6 +16,9 @@ struct BagOutputOptions {
   double max_gap = 1.0;
 };
 
+/// Of --max-gap. Throws InputError unless it is finite and at least a nanosecond.
+void requireGap(double seconds);
+
 /// Receives a line of the table and its row (null for comment lines of parts).
 using BagLineSink = std::function<void(const std::string& line, const BagRow* row)>;
 

@@ -77,9 +77,7 @@ void takeLimits(Options& options) {
   }
   if (!options.max_gap.empty()) {
     double seconds = 0.0;
-    if (!parseNumber(options.max_gap, seconds) || seconds < 1e-9) {
-      throw InputError("--max-gap must be a finite number, above 0");
-    }
+    requireGap(parseNumber(options.max_gap, seconds) ? seconds : 0.0);
     options.limits.max_pose_age = options.limits.max_transform_age = seconds;
   }
   options.output.max_gap = options.limits.max_transform_age;

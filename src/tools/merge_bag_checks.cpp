@@ -1,10 +1,8 @@
 // merge_bag_checks: tables of check_bag in, the table that one process would have written out.
-#include <cmath>
 #include <string>
 #include <vector>
 
 #include "bag_outputs.h"
-#include "collision_pairs/input_error.h"
 #include "command_line.h"
 
 namespace collision_pairs {
@@ -28,9 +26,7 @@ void declare(CommandLine& command_line, Options& options) {
 }
 
 void mergeAll(const Options& options) {
-  if (!(options.output.max_gap > 0.0) || !std::isfinite(options.output.max_gap)) {
-    throw InputError("--max-gap must be a finite number, above 0");
-  }
+  requireGap(options.output.max_gap);
   writeBagOutputs(options.output, [&](const BagLineSink& sink) {
     mergeBagTables(options.tables,
                    [&](const std::string& line, const BagRow& row) { sink(line, &row); });

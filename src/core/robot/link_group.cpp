@@ -23,7 +23,6 @@ class GroupReader {
     for (const std::string& subgroup : group.subgroups) add(subgroup);
   }
 
-  // Links are numbered from the root outwards.
   std::vector<int> moved() {
     while (spread()) continue;
     std::vector<int> moved;
