@@ -246,16 +246,20 @@ TEST(MotionCheck, AMotionBeyondMeasureEndsInUnknownAndNamesItsPairs) {
 }
 
 TEST(MotionCheck, AContactIsFoundHoweverFarFromItAMotionBeginsOrEnds) {
-  const auto scene = sceneOf(slidingBox(), {boxAt("plate", {0.0, 0.0, 0.0}, {0.2, 0.2, 0.2})});
+  const auto with_plate = sceneOf(slidingBox(), {boxAt("plate", {0.0, 0.0, 0.0}, {0.2, 0.2, 0.2})});
+  const auto two_boxes = sceneOf(robotFrom(slidingBoxes(2)), {});  // both at 0
   RandomInputs random;
-  for (int i = 0; i < 15; ++i) {
+  for (int i = 0; i < 6; ++i) {
     const double far = (random.integer(0, 1) ? 1.0 : -1.0) * std::pow(10.0, random.uniform(3, 307));
     MotionSettings settings;
     settings.from_start = random.integer(0, 1);
-    const bool begins_there = random.integer(0, 1);
-    const MotionReport report = begins_there ? checked(scene, {0.0}, {far}, settings)
-                                             : checked(scene, {far}, {0.0}, settings);
-    EXPECT_NE(report.verdict, Verdict::FREE) << far << " " << begins_there;
+    for (const auto& scene : {with_plate, two_boxes}) {
+      const std::vector<double> here = scene->robot().zeroPositions();
+      std::vector<double> there = here;
+      there.back() = far;
+      EXPECT_NE(checked(scene, here, there, settings).verdict, Verdict::FREE) << far;
+      EXPECT_NE(checked(scene, there, here, settings).verdict, Verdict::FREE) << far;
+    }
   }
 }
 
