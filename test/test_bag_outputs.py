@@ -16,6 +16,31 @@ def run_parts(run_tool, tmp_path, count, *arguments):
     return parts
 
 
+def test_parts_of_other_options_or_of_changed_files_are_not_merged(run_tool, tmp_path):
+    settings = tmp_path / "settings.yaml"
+    others = (["--settings", settings, "--alarm-distance", "0.1"], ["--settings", settings, "--verdict-only"],
+              ["--settings", settings, "--fidelity", "obb"], [])
+    for arguments in ([], *others):
+        settings.write_text("max_pose_age: 1\n")
+        first, second = run_parts(run_tool, tmp_path, 2, DEMO_BAG, *arguments)
+        for changed in [other for other in others if other != arguments] + [arguments] * (settings in arguments):
+            settings.write_text("max_pose_age: 2\n")
+            assert run_tool("check_bag", DEMO_BAG, *changed, "--shard", "2/2", "--out", second).returncode == 0
+            done = run_tool("merge_bag_checks", first, second, "--out", tmp_path / "merged.csv")
+            assert done.returncode == 2 and not (tmp_path / "merged.csv").exists(), (arguments, changed)
+            assert "is a part of another run: its options are " in done.stderr
+            assert all(word in done.stderr for word in changed[-1:] + arguments[-1:]), (changed, arguments, done.stderr)
+
+
+def test_the_order_of_options_and_the_name_of_the_output_make_no_other_run(run_tool, tmp_path):
+    options = [["--tolerance", "0.01"], ["--verdict-only"], ["--max-gap", "2"]]
+    parts = [tmp_path / "a.csv", tmp_path / "b.csv"]
+    for i, (part, groups) in enumerate(zip(parts, (options, options[::-1])), 1):
+        words = [word for group in groups for word in group]
+        assert run_tool("check_bag", DEMO_BAG, *words, "--out", part, "--shard", "%d/2" % i).returncode == 0
+    assert run_tool("merge_bag_checks", *parts, "--out", tmp_path / "merged.csv").returncode == 0
+
+
 @pytest.mark.parametrize("count", [1, 2, 3, 7])
 def test_parts_merge_to_the_bytes_of_one_run(run_tool, make_bag, tmp_path, count):
     bags = [DEMO_BAG, make_bag("second.bag", "--rate", "1.5"), make_bag("third.bag", "--rate", "3")]
@@ -194,6 +219,7 @@ def test_what_is_wrong_with_a_part_is_said_with_its_line(run_tool, tmp_path):
         assert refusal(run_tool, tmp_path, ["# part 1/1", "# bag a.bag 1", wrong, "# end"]) == (
             "table0.csv line 4: state 0 is missing\n")
     end = ["# bag a.bag 0", "# end"]
+    assert refusal(run_tool, tmp_path, ["# part 1/1", *end, row]) == "table0.csv line 5: '%s' after its end\n" % row
     assert refusal(run_tool, tmp_path, ["# part 1/2"] + end, ["# part 2/2", "# bag b.bag 0", "# end"]) == (
         "table1.csv line 3: is a part of another run (expected '# bag a.bag 0')\n")
     assert refusal(run_tool, tmp_path, ["# part 1/2"] + end, ["# part 2/3"] + end) == (

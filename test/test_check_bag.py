@@ -1,5 +1,6 @@
 """check_bag as a user meets it: verdicts, several robots, the summary, errors."""
 import re
+import xml.etree.ElementTree as ET
 
 import pytest
 import rosbag
@@ -283,6 +284,14 @@ def test_wrong_input_is_one_line_exit_code_2_and_no_file(run_tool, tmp_path, arg
     errors = [line for line in done.stderr.splitlines() if not line.startswith("warning: ")]
     assert done.returncode == 2 and len(errors) == 1 and says in errors[0], done.stderr
     assert not list(tmp_path.iterdir())
+
+
+def test_a_scene_in_which_nothing_moves_is_refused_for_that_reason(run_tool, tmp_path):
+    settings = tmp_path / "settings.yaml"
+    settings.write_text("links: [%s]\n" % ET.parse(DEMO_ROBOT[1]).find("link").get("name"))
+    done = run_tool("check_bag", DEMO_BAG, "--settings", settings, "--out", tmp_path / "out.csv")
+    assert done.returncode == 2 and not (tmp_path / "out.csv").exists()
+    assert "there is nothing to check: no link of robot 'demo_robot' that moves is in a pair" in done.stderr
 
 
 def test_a_bag_without_a_robot_asks_for_one(run_tool, make_bag):

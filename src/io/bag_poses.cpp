@@ -117,7 +117,13 @@ std::set<std::string> possiblePrefixes(const BagContents& bag, const RobotModel&
   return prefixes;
 }
 
-[[noreturn]] void refuse(const BagContents& bag, const RobotModel& robot) {
+[[noreturn]] void refuse(const BagContents& bag, const CollisionScene& scene) {
+  const RobotModel& robot = scene.robot();
+  const auto moves = [](const SceneBody& body) { return body.body != 0; };
+  if (std::none_of(scene.bodies().begin(), scene.bodies().end(), moves)) {
+    throw InputError("there is nothing to check: no link of robot '" + robot.name() +
+                     "' that moves is in a pair; do links, groups or disabled pairs leave one?");
+  }
   std::string hint;
   for (const std::string& prefix : possiblePrefixes(bag, robot)) {
     hint += (hint.empty() ? "; try --prefix " : " or ") + prefix;
@@ -165,7 +171,7 @@ std::unique_ptr<const BagPoses> makeBagPoses(const BagContents& bag, const Colli
     if (!by_tf->whyNone().empty()) {
       throw InputError("there is no stamp to check: " + by_tf->whyNone());
     }
-    refuse(bag, scene.robot());
+    refuse(bag, scene);
   }
   if (by_tf->nbKnown() >= by_joints->nbKnown()) return by_tf;
   return by_joints;

@@ -137,8 +137,9 @@ std::optional<Shard> shardFrom(const std::string& text) {
   return is_shard ? std::optional<Shard>({index - 1, count}) : std::nullopt;
 }
 
-std::string partLine(const Shard& shard) {
-  return "# part " + std::to_string(shard.index + 1) + "/" + std::to_string(shard.count);
+std::string partLine(const Shard& shard, const std::string& options) {
+  return "# part " + std::to_string(shard.index + 1) + "/" + std::to_string(shard.count) +
+         (options.empty() ? "" : " " + options);
 }
 
 std::string bagLine(const std::string& bag, std::uint64_t nb_rows) {

@@ -48,7 +48,7 @@ struct Shard {
 /// reasons of an unknown verdict. Names in lists are written
 /// by listedName() and fields by csvField(), so that a row is a line. Stamps are seconds with nine
 /// decimals, numbers have all their digits. A part also has lines that begin with '#': which part
-/// it is, and at the beginning of each bag the number of its rows in all parts together.
+/// it is and its options, and at the beginning of each bag the number of its rows in all parts together.
 extern const char* const BAG_TABLE_HEADER;
 extern const char* const BAG_TABLE_END;  ///< last line of a part
 
@@ -58,13 +58,14 @@ BagRow parseLine(const std::string& line, const std::string& name, std::size_t l
 
 /// Of "2/4"; nothing if it is not I/N with I from 1 to N.
 std::optional<Shard> shardFrom(const std::string& text);
-std::string partLine(const Shard& shard);
+/// `options`: on one line, those that all parts must have been made with.
+std::string partLine(const Shard& shard, const std::string& options);
 std::string bagLine(const std::string& bag, std::uint64_t nb_rows);
 
 /// Merges tables into the one that a single process would have written for all bags. `paths` are
 /// all parts of one run, in any order, or complete tables, which are concatenated in the given
 /// order. Every row is passed on as it is written. Throws InputError if a part or a row is missing,
-/// or parts of different runs are mixed. Memory: one row per part.
+/// or parts of different runs, or made with different options, are mixed. Memory: one row per part.
 using BagLineVisitor = std::function<void(const std::string& line, const BagRow& row)>;
 void mergeBagTables(const std::vector<std::string>& paths, const BagLineVisitor& visit);
 

@@ -21,9 +21,12 @@ class Table {
     if (!is_part_) return;
     std::string line;
     next(line);
-    const auto shard = shardFrom(line.compare(0, 7, "# part ") == 0 ? line.substr(7) : "");
+    const std::string part = line.compare(0, 7, "# part ") == 0 ? line.substr(7) : "";
+    const std::size_t space = std::min(part.find(' '), part.size());
+    const auto shard = shardFrom(part.substr(0, space));
     if (!shard) fail("'" + line + "' does not say which part it is");
     shard_ = *shard;
+    options_ = part.substr(space);
   }
 
   bool next(std::string& line) {
@@ -46,6 +49,7 @@ class Table {
   }
   bool isPart() const { return is_part_; }
   const Shard& shard() const { return shard_; }
+  const std::string& options() const { return options_; }
 
  private:
   std::string path_;
@@ -53,11 +57,12 @@ class Table {
   std::size_t line_number_ = 0;
   bool is_part_ = false;
   Shard shard_;
+  std::string options_;
 };
 
 using Tables = std::vector<std::unique_ptr<Table>>;
 
-/// Sorted by part; each part exactly once.
+/// Sorted by part; each part exactly once, and all made with the same options.
 void checkComplete(Tables& parts) {
   std::sort(parts.begin(), parts.end(),
             [](const auto& a, const auto& b) { return a->shard().index < b->shard().index; });
@@ -69,6 +74,10 @@ void checkComplete(Tables& parts) {
                        " is missing");
     }
     if (parts[i]->shard().index < i) parts[i]->fail("this part is given twice");
+    if (parts[i]->options() != parts.front()->options()) {
+      parts[i]->fail("is a part of another run: its options are '" + parts[i]->options() +
+                     " ', those of the first part '" + parts.front()->options() + " '");
+    }
   }
   if (parts.size() != count) {
     throw InputError("part " + std::to_string(parts.size() + 1) + "/" + std::to_string(count) +
@@ -107,6 +116,10 @@ void mergeParts(Tables& parts, const BagLineVisitor& visit) {
         part.fail("state " + std::to_string(state) + " is missing");
       visit(row_line, row);
     }
+  }
+  for (const auto& part : parts) {
+    std::string line;
+    if (part->next(line)) part->fail("'" + line + "' after its end");
   }
 }
 

@@ -23,7 +23,7 @@ namespace {
 
 struct Options {
   std::vector<std::string> bags;
-  std::string record, shard_text, max_gap;
+  std::string record, shard_text, max_gap, given;
   SceneOptions scene;
   BagPosesOptions poses;
   BagOutputOptions output;
@@ -66,6 +66,7 @@ void declare(CommandLine& command_line, Options& options) {
                       "write reports and markers for rviz to a bag");
   command_line.option("shard", options.shard_text, "I/N",
                       "check only part I of N (1 to N); merge_bag_checks merges the parts");
+  command_line.givenOptions(options.given, "shard");
 }
 
 /// --max-gap stands for both ages.
@@ -231,7 +232,7 @@ void checkAll(Options& options) {
   if (!options.record.empty()) recorder = std::make_unique<BagRecorder>(options.record);
   writeBagOutputs(options.output, [&](const BagLineSink& sink) {
     const bool is_part = options.shard.count > 1;
-    if (is_part) sink(partLine(options.shard), nullptr);
+    if (is_part) sink(partLine(options.shard, options.given), nullptr);
     BagChecker checker(options, sink, recorder.get());
     for (std::size_t i = 0; i < options.bags.size(); ++i) checker.check(i);
     if (is_part) sink(BAG_TABLE_END, nullptr);

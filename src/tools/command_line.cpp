@@ -1,12 +1,16 @@
 #include "command_line.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <filesystem>
 #include <iostream>
 #include <system_error>
 
+#include <boost/crc.hpp>
+
 #include "collision_pairs/input_error.h"
+#include "text_files.h"
 #include "user_text.h"
 
 namespace collision_pairs {
@@ -83,17 +87,22 @@ void CommandLine::metres(const std::string& name, double& value, const std::stri
   metres_.emplace_back(name, &value);
 }
 
+void CommandLine::givenOptions(std::string& text, const std::string& but) {
+  given_ = &text;
+  not_in_given_ = but;
+}
+
 void CommandLine::together(const std::string& first, const std::string& second) {
   together_.emplace_back(first, second);
   together_.emplace_back(second, first);
 }
 
 bool CommandLine::parse(int argc, char** argv) {
+  po::parsed_options parsed(&options_);
   try {
     constexpr int STYLE =
         po::command_line_style::unix_style & ~po::command_line_style::allow_guessing;
-    const po::parsed_options parsed =
-        po::command_line_parser(argc, argv).options(options_).style(STYLE).run();
+    parsed = po::command_line_parser(argc, argv).options(options_).style(STYLE).run();
     po::variables_map values;
     po::store(parsed, values);
     if (values.count("help") > 0) {
@@ -119,7 +128,31 @@ bool CommandLine::parse(int argc, char** argv) {
     throw InputError("--" + name + " must be a finite number of metres, 0 or more");
   }
   refuseOverwriting();
+  if (given_ != nullptr) describe(parsed);
   return true;
+}
+
+void CommandLine::describe(const po::parsed_options& parsed) const {
+  std::set<std::string> options;  // in whatever order they are given
+  for (const po::option& option : parsed.options) {
+    const std::string name = "--" + option.string_key;
+    const bool is_output = std::any_of(outputs_.begin(), outputs_.end(),
+                                       [&](const Output& output) { return output.option == name; });
+    if (option.string_key.empty() || option.string_key == not_in_given_ || is_output) continue;
+    std::string text = name;
+    for (const std::string& word : option.value) {
+      text += ' ' + word;
+      std::error_code error;
+      if (!fs::is_regular_file(word, error)) continue;
+      const std::string content = readBinaryFile(word);
+      boost::crc_32_type checksum;
+      checksum.process_bytes(content.data(), content.size());
+      text += formatted(" (%08x)", static_cast<unsigned>(checksum.checksum()));
+    }
+    options.insert(text);
+  }
+  *given_ = joined({options.begin(), options.end()}, " ");
+  std::replace(given_->begin(), given_->end(), '\n', ' ');
 }
 
 void CommandLine::refuseOverwriting() const {

@@ -39,6 +39,9 @@ class CommandLine {
   /// A finite number, 0 or more.
   void metres(const std::string& name, double& value, const std::string& help);
   void flag(const std::string& name, bool& value, const std::string& help);
+  /// Sets `text` to all options that are given but `but` and outputs, on one line, with a checksum
+  /// of the content after each file: equal texts, equal results.
+  void givenOptions(std::string& text, const std::string& but);
   /// The two options must be given together.
   void together(const std::string& first, const std::string& second);
 
@@ -50,12 +53,15 @@ class CommandLine {
   void refuseNegativeCounts(const boost::program_options::parsed_options& parsed) const;
   void takeOperands(const boost::program_options::parsed_options& parsed);
   void refuseOverwriting() const;
+  void describe(const boost::program_options::parsed_options& parsed) const;
   void printHelp() const;
 
   std::string tool_, purpose_, operand_name_, operand_help_;
   std::string required_;  ///< options as shown in the usage line
   std::string* operand_ = nullptr;
   std::vector<std::string>* operands_ = nullptr;
+  std::string* given_ = nullptr;
+  std::string not_in_given_;
   boost::program_options::options_description options_;
   std::set<std::string> counts_;  ///< options with unsigned values
   std::vector<std::pair<std::string, std::string>> together_;
