@@ -73,6 +73,21 @@ class TwoLinks {
     return closingMotion(*scene_, report, report.pairs[0], now, before);
   }
 
+  /// Of one pair of several; it must be there.
+  ClosingMotion closingOf(const std::string& first, const std::string& second,
+                          const Isometry3d& X_WA, const Isometry3d& X_WB,
+                          const Isometry3d& X_WA_before, const Isometry3d& X_WB_before) {
+    before.poses = {{X_WA_before, X_WB_before}, known_before, {}};
+    const CollisionReport& report = check(X_WA, X_WB);
+    for (const PairReport& pair : report.pairs) {
+      if (scene_->models()[pair.first].name == first &&
+          scene_->models()[pair.second].name == second)
+        return closingMotion(*scene_, report, pair, now, before);
+    }
+    ADD_FAILURE() << "no pair of " << first << " and " << second;
+    return {};
+  }
+
   CheckSettings settings;
   BodyPoses now;
   EarlierPoses before;
@@ -206,6 +221,36 @@ TEST(ClosingMotion, AnElementThatIsOutOfReachMayBeMetFirst) {
         links.closing(at(0, 0, 0), at(0, 1.04, 0), at(0, 0, 0), at(-0.1, 1.04, 0));
     EXPECT_NEAR(closing.time_to_contact, 1.0, 2e-5) << alarm_distance;
   }
+}
+
+// The contacts of a with either come before those of b with the object in the report.
+TEST(ClosingMotion, OfAPairIsTheSameBesideOtherPairs) {
+  RandomInputs random;
+  int nb_beside = 0, nb_before_the_horizon = 0;
+  for (int i = 0; i < 300; ++i) {
+    std::string of_b;
+    RigidObject object = boxAt("object", random.vector(-0.6, 0.6), Vector3d(0.1, 0.2, 0.3));
+    for (int k = 0; k < 2; ++k) {
+      const Vector3d p = random.vector(-0.5, 0.5);
+      of_b += collision("<box size='0.2 0.1 0.3'/>",
+                        std::to_string(p.x()) + " " + std::to_string(p.y()) + " 0.3");
+      object.elements.push_back({Box{Vector3d(0.3, 0.1, 0.2)}, random.pose(0.6)});
+    }
+    TwoLinks links(BALL, of_b, {object});
+    const Isometry3d X_WB = random.pose(0.6), X_WB_before = X_WB * random.pose(0.05);
+    const auto closingBeside = [&](const Isometry3d& X_WA) {
+      return links.closingOf("b", "object", X_WA, X_WB, X_WA, X_WB_before);
+    };
+    if (links.check(at(50, 0, 0), X_WB).pairs.empty()) continue;
+    const ClosingMotion expected = closingBeside(at(50, 0, 0)), found = closingBeside(at(0, 0, 0));
+    EXPECT_EQ(found.closing_speed, expected.closing_speed) << i;
+    EXPECT_EQ(found.time_to_contact, expected.time_to_contact) << i;
+    nb_beside += links.check(at(0, 0, 0), X_WB).pairs.size() > 1;
+    nb_before_the_horizon +=
+        expected.time_to_contact > 0.0 && expected.time_to_contact < ClosingMotion::HORIZON;
+  }
+  EXPECT_GT(nb_beside, 50);
+  EXPECT_GT(nb_before_the_horizon, 50);
 }
 
 TEST(ClosingMotion, NothingTouchesBeforeItsTime) {

@@ -220,5 +220,56 @@ TEST(FramePoses, AreThoseOfWalksUpToOneRootAndUnknownWhereAWalkHasNoEnd) {
   EXPECT_GT(nb_rings, 200);
 }
 
+/// The frames above one, and itself, up to the root.
+std::vector<int> wayUp(int frame, const std::vector<int>& parents) {
+  std::vector<int> way;
+  for (; frame >= 0; frame = parents[static_cast<std::size_t>(frame)]) way.push_back(frame);
+  return way;
+}
+
+TEST(FramePoses, AreAsOldAsTheOldestTransformBetweenTheTwoFrames) {
+  RandomInputs random;
+  int nb_up = 0, nb_mixed = 0;
+  for (int i = 0; i < 300; ++i) {
+    const int nb_frames = random.integer(3, 8);
+    const auto nameOf = [](int frame) { return "f" + std::to_string(frame); };
+    TransformBuffer buffer{PoseLimits{2.0, 1.0, 0.5}};
+    std::vector<int> parents;
+    std::vector<StampNs> newest;
+    for (int frame = 0; frame < nb_frames; ++frame) {
+      parents.push_back(frame == 0 ? -1 : random.integer(0, frame - 1));
+      const bool is_static = random.integer(0, 3) == 0;
+      newest.push_back(is_static ? NEVER : SECOND + random.integer(200, 900) * SECOND / 1000);
+      if (frame == 0) continue;
+      const auto take = [&](StampNs stamp) {
+        buffer.take({nameOf(parents.back()), nameOf(frame), stamp, random.vector(-1.0, 1.0),
+                     Eigen::Quaterniond::Identity()},
+                    is_static, "", 2 * SECOND);
+      };
+      take(SECOND);
+      if (!is_static) take(newest.back());
+    }
+    for (int target = 0; target < nb_frames; ++target) {
+      for (int source = 0; source < nb_frames; ++source) {
+        const std::vector<int> up = wayUp(target, parents), down = wayUp(source, parents);
+        StampNs oldest = NEVER;
+        for (const auto& [way, other] : {std::pair(&up, &down), std::pair(&down, &up)}) {
+          for (const int frame : *way) {
+            if (std::count(other->begin(), other->end(), frame) > 0) continue;
+            nb_up += way == &up && newest[static_cast<std::size_t>(frame)] < oldest;
+            nb_mixed += oldest != NEVER;
+            oldest = std::min(oldest, newest[static_cast<std::size_t>(frame)]);
+          }
+        }
+        const Instant now{Instant::NEWEST, 2 * SECOND};
+        EXPECT_EQ(poseBetween(buffer, nameOf(target), nameOf(source), now).oldest, oldest)
+            << i << ": " << nameOf(source) << " in " << nameOf(target);
+      }
+    }
+  }
+  EXPECT_GT(nb_up, 1000);
+  EXPECT_GT(nb_mixed, 1000);
+}
+
 }  // namespace
 }  // namespace collision_pairs

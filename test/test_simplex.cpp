@@ -49,5 +49,44 @@ TEST(Simplex, TheClosestPointIsAMixtureOfItsVerticesWithThemAllBehindIt) {
   EXPECT_GT(nb_with_all, 1000);
 }
 
+// On a line or in a plane to the last bit, where the volumes that decide are zero or rounding.
+TEST(Simplex, TheClosestPointOfAFlatOneIsAMixtureOfItsVerticesToo) {
+  RandomInputs random;
+  for (int i = 0; i < 200000; ++i) {
+    const int dimension = random.integer(1, 2);
+    const auto wholeVector = [&] {
+      return Vector3d(random.integer(-9, 9), random.integer(-9, 9), random.integer(-9, 9));
+    };
+    const Vector3d origin = wholeVector(), along = wholeVector(), across = wholeVector();
+    Simplex<double> given;
+    given.size = random.integer(2, 4);
+    for (int k = 0; k < given.size; ++k) {
+      given.vertex[k].w = origin + random.integer(-9, 9) * along;
+      if (dimension == 2) given.vertex[k].w += random.integer(-9, 9) * across;
+    }
+    Simplex<double> reduced = given;
+    reduceToClosest(reduced);
+    ASSERT_GE(reduced.size, 1) << i;
+    double sum = 0.0;
+    for (int k = 0; k < reduced.size; ++k) {
+      ASSERT_GE(reduced.lambda[k], 0.0) << i;
+      sum += reduced.lambda[k];
+    }
+    ASSERT_NEAR(sum, 1.0, 1e-12) << i;
+    double nearest = INFINITY;  // of the edges, for those on a line: of what they span
+    for (int k = 0; k < given.size; ++k) {
+      for (int j = 0; j < given.size; ++j) {
+        const Vector3d p = given.vertex[k].w, edge = given.vertex[j].w - p;
+        const double share = edge.isZero() ? 0.0 : -p.dot(edge) / edge.squaredNorm();
+        nearest = std::min(nearest, (p + std::clamp(share, 0.0, 1.0) * edge).norm());
+      }
+    }
+    ASSERT_LE(reduced.closest().norm(), nearest + 1e-7) << i;
+    if (dimension == 1) {
+      ASSERT_NEAR(reduced.closest().norm(), nearest, 1e-7) << i;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace collision_pairs
