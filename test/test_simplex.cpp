@@ -1,4 +1,7 @@
 // The point of a simplex that is closest to the origin, by what makes it the closest.
+#include <algorithm>
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 #include "random_inputs.h"
@@ -22,6 +25,17 @@ Simplex<double> randomSimplex(RandomInputs& random) {
   return simplex;
 }
 
+/// Weights of its vertices, and no other numbers.
+void expectMixture(const Simplex<double>& reduced) {
+  ASSERT_GE(reduced.size, 1);
+  double sum = 0.0;
+  for (int k = 0; k < reduced.size; ++k) {
+    ASSERT_GE(reduced.lambda[k], 0.0);
+    sum += reduced.lambda[k];
+  }
+  ASSERT_NEAR(sum, 1.0, 1e-12);
+}
+
 // A point v of a convex set is the closest to the origin if and only if the plane through v with
 // normal v leaves the whole set behind it.
 TEST(Simplex, TheClosestPointIsAMixtureOfItsVerticesWithThemAllBehindIt) {
@@ -31,13 +45,7 @@ TEST(Simplex, TheClosestPointIsAMixtureOfItsVerticesWithThemAllBehindIt) {
     const Simplex<double> given = randomSimplex(random);
     Simplex<double> reduced = given;
     reduceToClosest(reduced);
-    ASSERT_GE(reduced.size, 1) << i;
-    double sum = 0.0;
-    for (int k = 0; k < reduced.size; ++k) {
-      ASSERT_GE(reduced.lambda[k], 0.0) << i;
-      sum += reduced.lambda[k];
-    }
-    ASSERT_NEAR(sum, 1.0, 1e-12) << i;
+    ASSERT_NO_FATAL_FAILURE(expectMixture(reduced)) << i;
     const Vector3d v = reduced.closest();
     for (int k = 0; k < given.size; ++k) {
       ASSERT_GE(given.vertex[k].w.dot(v), v.squaredNorm() - 1e-7) << i;
@@ -66,13 +74,7 @@ TEST(Simplex, TheClosestPointOfAFlatOneIsAMixtureOfItsVerticesToo) {
     }
     Simplex<double> reduced = given;
     reduceToClosest(reduced);
-    ASSERT_GE(reduced.size, 1) << i;
-    double sum = 0.0;
-    for (int k = 0; k < reduced.size; ++k) {
-      ASSERT_GE(reduced.lambda[k], 0.0) << i;
-      sum += reduced.lambda[k];
-    }
-    ASSERT_NEAR(sum, 1.0, 1e-12) << i;
+    ASSERT_NO_FATAL_FAILURE(expectMixture(reduced)) << i;
     double nearest = INFINITY;  // of the edges, for those on a line: of what they span
     for (int k = 0; k < given.size; ++k) {
       for (int j = 0; j < given.size; ++j) {

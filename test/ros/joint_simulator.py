@@ -1,4 +1,4 @@
-"""Joints that follow velocity commands after a dead time, with a limited acceleration."""
+"""Joints that follow velocity commands after a dead time, with a limited acceleration; another robot's are on the topic, too."""
 import threading
 
 import rospy
@@ -50,7 +50,8 @@ class JointSimulator:
                 step = max(-ACCELERATION * seconds, min(ACCELERATION * seconds, change))
                 self._velocities[name] += step
                 self._positions[name] += self._velocities[name] * seconds
-            message = JointState(name=self.names, position=[self._positions[n] for n in self.names])
+            message = JointState(name=self.names + ["joint_of_another_robot"],
+                                 position=[self._positions[n] for n in self.names] + [0.5])
         message.header.stamp = rospy.Time.now()
         if self.is_broken:
             message.position[0] = float("nan")
