@@ -95,6 +95,20 @@ TEST(JointStatesCsv, ARobotWithoutAPositionHasABlankHeaderAndARowABlankLine) {
   }
 }
 
+// A quotation is a whole field: none of its neighbours makes a number of it.
+TEST(JointStatesCsv, WhatStandsBesideAQuotationIsNotTaken) {
+  for (const std::string before : {"", " ", "x"}) {
+    for (const std::string quoted : {"", " ", "0", "1"}) {
+      for (const std::string after : {"", " ", "5", " 5", "\"5\"", " \"5\""}) {
+        const std::string field = before + '"' + quoted + '"' + after;
+        const bool is_number = before != "x" && quoted.find_first_of("01") == 0 &&
+                               after.find('5') == std::string::npos;
+        EXPECT_EQ(refusal("pan\n" + field + "\n") == "accepted", is_number) << field;
+      }
+    }
+  }
+}
+
 TEST(JointStatesCsv, WrongNumbersAreRefused) {
   for (const char* text : {"nan", "inf", "1.0x", "one", "1 2", "0x10", "--1", "+-1", "1.2.3", "1-2",
                            "1e", "1e5e3", "e5", "."}) {

@@ -52,14 +52,14 @@ bool CsvRecord::addLine(const std::string& line) {
     } else if (line[i] == ',') {
       endField();
       fields_.emplace_back();
-    } else if (line[i] == '"' && field.find_first_not_of(BLANKS) == field.npos) {
+    } else if (line[i] == '"' && !nb_quoted_ && field.find_first_not_of(BLANKS) == field.npos) {
       field.clear();
       is_quoted_ = true;
     } else {
       // Behind a quotation: the quote comes back, so that nobody takes "0"1 for a number.
       const bool is_first =
-          nb_quoted_ > 0 && field.find_first_not_of(BLANKS, nb_quoted_) == field.npos;
-      if (is_first && std::strchr(BLANKS, line[i]) == nullptr) field.insert(nb_quoted_, 1, '"');
+          nb_quoted_ && field.find_first_not_of(BLANKS, *nb_quoted_) == field.npos;
+      if (is_first && std::strchr(BLANKS, line[i]) == nullptr) field.insert(*nb_quoted_, 1, '"');
       field += line[i];
     }
   }
@@ -70,9 +70,9 @@ bool CsvRecord::addLine(const std::string& line) {
 void CsvRecord::endField() {
   std::string& field = fields_.back();
   const std::size_t last = field.find_last_not_of(BLANKS);
-  field.erase(std::max(nb_quoted_, last + 1));  // none found: npos + 1 is 0
-  if (nb_quoted_ == 0) field.erase(0, field.find_first_not_of(BLANKS));
-  nb_quoted_ = 0;
+  field.erase(std::max(nb_quoted_.value_or(0), last + 1));  // none found: npos + 1 is 0
+  if (!nb_quoted_) field.erase(0, field.find_first_not_of(BLANKS));
+  nb_quoted_.reset();
 }
 
 }  // namespace collision_pairs

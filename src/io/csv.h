@@ -1,6 +1,8 @@
 // CSV as in RFC 4180, and names within fields.
 #pragma once
 
+#include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -27,8 +29,8 @@ class CsvRecord {
   void endField();
 
   std::vector<std::string> fields_ = {""};
-  bool is_quoted_ = false;     // within quotation marks
-  std::size_t nb_quoted_ = 0;  // characters of the last field that were quoted
+  bool is_quoted_ = false;                // within quotation marks
+  std::optional<std::size_t> nb_quoted_;  // characters of the last field that were quoted, if any
 };
 
 }  // namespace collision_pairs
