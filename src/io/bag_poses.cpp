@@ -121,8 +121,9 @@ std::set<std::string> possiblePrefixes(const BagContents& bag, const RobotModel&
   const RobotModel& robot = scene.robot();
   const auto moves = [](const SceneBody& body) { return body.body != 0; };
   if (std::none_of(scene.bodies().begin(), scene.bodies().end(), moves)) {
-    throw InputError("there is nothing to check: no link of robot '" + robot.name() +
-                     "' that moves is in a pair; do links, groups or disabled pairs leave one?");
+    throw InputError(
+        "there is nothing to check: no link of robot '" + robot.name() +
+        "' that moves is in a pair; links, group, pair_rules and the SRDF choose them");
   }
   std::string hint;
   for (const std::string& prefix : possiblePrefixes(bag, robot)) {

@@ -45,10 +45,10 @@ struct Shard {
 /// `verdict` is free, collision or unknown; `in_collision` is 0 if it is free. `pairs` are the
 /// links in contact, "a|b;c|d"; `distances` all pairs within the alarm distance,
 /// "a|b=0.012;c|d=-0.001"; `left_out` the links without a pose, "a;b"; `unknown_because` the
-/// reasons of an unknown verdict. Names in lists are written
-/// by listedName() and fields by csvField(), so that a row is a line. Stamps are seconds with nine
-/// decimals, numbers have all their digits. A part also has lines that begin with '#': which part
-/// it is and its options, and at the beginning of each bag the number of its rows in all parts together.
+/// reasons of an unknown verdict. Names in lists are written by listedName() and fields by
+/// csvField(), so that a row is a line. Stamps are seconds with nine decimals, numbers have all
+/// their digits. A part also has lines that begin with '#': which part it is and its options, and
+/// at the beginning of each bag the number of its rows in all parts together.
 extern const char* const BAG_TABLE_HEADER;
 extern const char* const BAG_TABLE_END;  ///< last line of a part
 

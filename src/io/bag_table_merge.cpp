@@ -26,7 +26,7 @@ class Table {
     const auto shard = shardFrom(part.substr(0, space));
     if (!shard) fail("'" + line + "' does not say which part it is");
     shard_ = *shard;
-    options_ = part.substr(space);
+    options_ = part.substr(std::min(space + 1, part.size()));
   }
 
   bool next(std::string& line) {
@@ -76,7 +76,7 @@ void checkComplete(Tables& parts) {
     if (parts[i]->shard().index < i) parts[i]->fail("this part is given twice");
     if (parts[i]->options() != parts.front()->options()) {
       parts[i]->fail("is a part of another run: its options are '" + parts[i]->options() +
-                     " ', those of the first part '" + parts.front()->options() + " '");
+                     "', those of the first part '" + parts.front()->options() + "'");
     }
   }
   if (parts.size() != count) {
