@@ -202,6 +202,17 @@ TEST(ClosingMotion, WhatWasNotSeenAtBothInstantsIsUnknownAndZero) {
   expectUnknown(touching);
 }
 
+TEST(ClosingMotion, WhatIsNoPoseAtOneOfTheInstantsIsUnknown) {
+  for (const double scale : {-1.0, 0.0, 0.5, 0.998, 1.002, 2.0}) {
+    TwoLinks links(BALL, CUBE);
+    Isometry3d X_WB_before = at(1.32, 0, 0);
+    EXPECT_TRUE(links.closing(at(0, 0, 0), at(1.3, 0, 0), at(0, 0, 0), X_WB_before).known);
+    X_WB_before.linear() *= scale;
+    EXPECT_FALSE(links.closing(at(0, 0, 0), at(1.3, 0, 0), at(0, 0, 0), X_WB_before).known)
+        << scale;
+  }
+}
+
 /// Where b would be after `t`, seen from a, by the words of ClosingMotion.
 Isometry3d ahead(const Isometry3d& X_AB, const Isometry3d& X_AB_before, double t) {
   const AngleAxisd turn(X_AB.linear() * X_AB_before.linear().transpose());

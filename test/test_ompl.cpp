@@ -13,6 +13,7 @@
 #include "collision_pairs/occupied_voxels.h"
 #include "collision_pairs/ompl.h"
 #include "motion_fixtures.h"
+#include "random_inputs.h"
 
 namespace collision_pairs {
 namespace {
@@ -309,6 +310,60 @@ TEST(OmplJoints, ThatAreNotNamedStandWhereTheirLimitsAllow) {
   state[0] = 0.0;
   EXPECT_NEAR(OmplStateValidityChecker(space, scene, {{"x"}, {}, {}}).clearance(state.get()), 1.0,
               1e-9);
+}
+
+// A bar follows a joint that no planner moves; what the caller says of the follower is anything.
+TEST(OmplJoints, ThatMimicOneThatIsNotNamedStandWhereItTakesThem) {
+  const auto robot =
+      robotFrom(emptyLink("root") + emptyLink("axle") + bar("arm", 1.0) + bar("other", 1.0) +
+                hinge("lead", "root", "axle", "0 0 5") + hinge("own", "root", "other", "0 0 9") +
+                joint("follow", "continuous", "root", "arm", "0 0 0",
+                      "<axis xyz='0 0 1'/><mimic joint='lead' multiplier='0.5' offset='0.1'/>"));
+  const auto scene = sceneOf(robot, {boxAt("post", {0.6, 0.3, 0.0}, {0.2, 0.2, 1.0})});
+  const auto space = spaceOf(1);
+  ob::ScopedState<ob::RealVectorStateSpace> from(space), to(space);
+  from[0] = 0.0;
+  to[0] = 0.1;
+  RandomInputs random;
+  int nb_in_contact = 0;
+  for (int i = 0; i < 200; ++i) {
+    OmplJoints joints{{"own"}, robot->zeroPositions(), {}};
+    const double lead = random.uniform(-PI, PI);
+    joints.positions[robot->findJoint("lead")] = lead;
+    joints.positions[robot->findJoint("follow")] = random.uniform(-PI, PI);
+    BodyPoses poses;
+    std::vector<Eigen::Isometry3d> X_RB;
+    std::vector<double> consistent = joints.positions;
+    consistent[robot->findJoint("follow")] = 0.5 * lead + 0.1;
+    robot->forwardKinematics(consistent, X_RB);
+    scene->gatherPoses(X_RB, poses);
+    const bool is_free = CollisionDetector(scene).detect(poses, {}).verdict == Verdict::FREE;
+    nb_in_contact += !is_free;
+    EXPECT_EQ(OmplStateValidityChecker(space, scene, joints).isValid(from.get()), is_free) << i;
+    const OmplMotionValidator motions(space, scene, joints);
+    std::pair<ob::State*, double> last_valid{nullptr, 0.0};
+    EXPECT_EQ(motions.checkMotion(from.get(), to.get()), is_free) << i;
+    EXPECT_EQ(motions.checkMotion(from.get(), to.get(), last_valid), is_free) << i;
+  }
+  EXPECT_GT(nb_in_contact, 20);
+  EXPECT_LT(nb_in_contact, 180);
+}
+
+// A planner would look for a valid state until its time is over.
+TEST_F(Ompl, SettingsForWhichNoStateIsValidAreRefused) {
+  CheckSettings negative;
+  negative.tolerance = -1.0;
+  EXPECT_THROW(OmplStateValidityChecker(space_, scene_, joints_, negative), InputError);
+  MotionSettings of_motions[3];
+  of_motions[0].clearance = -1.0;
+  of_motions[1].resolution = 0.0;
+  of_motions[2].nearer.push_back({1000, 1001, 0.1});
+  for (const MotionSettings& settings : of_motions) {
+    EXPECT_THROW(OmplMotionValidator(space_, scene_, joints_, settings), InputError);
+  }
+  const CloudVoxels surplus(3);
+  EXPECT_THROW(OmplStateValidityChecker(space_, scene_, {joints_.names, {}, surplus}), InputError);
+  EXPECT_THROW(OmplMotionValidator(space_, scene_, {joints_.names, {}, surplus}), InputError);
 }
 
 TEST_F(Ompl, ASpaceThatDoesNotFitIsRefused) {

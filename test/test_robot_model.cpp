@@ -247,5 +247,26 @@ TEST(RobotModel, AChainOfTenThousandLinksIsRead) {
   EXPECT_NEAR(linkPose(*robot, "l10000", robot->zeroPositions()).translation().z(), 10000.0, 1e-9);
 }
 
+TEST(RobotModel, PlacedAtWhatIsNoPoseIsRefused) {
+  const auto robot = robotFrom(boxLink("a", 1));
+  const auto expectRefused = [&](const Eigen::Isometry3d& X_WR) {
+    try {
+      RobotModel::merge({{robot, "", Eigen::Isometry3d::Identity()}, {robot, "two", X_WR}});
+      ADD_FAILURE() << X_WR.matrix();
+    } catch (const InputError& error) {
+      EXPECT_EQ(error.what(), "robot '" + robot->name() +
+                                  "': X_WR is not a rotation and a translation in finite numbers");
+    }
+  };
+  RandomInputs random;
+  for (int i = 0; i < 100; ++i) {
+    Eigen::Isometry3d mirrored = random.pose(1.0), scaled = mirrored, unknown = mirrored;
+    mirrored.linear().col(random.integer(0, 2)) *= -1.0;
+    scaled.linear() *= i % 2 ? random.uniform(1.001, 3.0) : random.uniform(0.0, 0.999);
+    unknown.matrix()(random.integer(0, 2), random.integer(0, 3)) = NAN;
+    for (const Eigen::Isometry3d& X_WR : {mirrored, scaled, unknown}) expectRefused(X_WR);
+  }
+}
+
 }  // namespace
 }  // namespace collision_pairs

@@ -288,6 +288,12 @@ TEST_F(SmallRobot, ALinkWithoutAPoseFiltersNothingAndIsNamed) {
   poses.X_WB[1].translation().x() = NAN;
   filter.begin(poses);
   EXPECT_EQ(filter.leftOut().size(), 1u);
+  for (const double scale : {-1.0, 0.0, 0.5, 0.998, 1.002, 3.0}) {
+    poses = posesOf(filter);
+    poses.X_WB[1].linear() *= scale;
+    filter.begin(poses);
+    EXPECT_EQ(filter.leftOut(), std::vector<std::string>{link}) << scale;
+  }
   filter.begin(posesOf(filter));
   EXPECT_TRUE(filter.leftOut().empty());
   EXPECT_TRUE(filter.isOwn({0, 0, 0}));

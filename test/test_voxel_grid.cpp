@@ -225,6 +225,20 @@ TEST(VoxelGrid, AVoxelThatIsNotSeenAgainIsForgottenAfterItsDecay) {
 }
 
 /// The oracle: the last stamp of each cell.
+TEST(VoxelGrid, WhatIsForgottenTakesNoRoomFromTheNextCloud) {
+  VoxelSettings settings = settingsOf(1.0);
+  settings.decay = 1.0;
+  settings.max_voxels = 100;
+  VoxelGrid grid(settings);
+  for (const auto& [stamp, count] : {std::pair{0.0, 100}, {10.0, 60}, {10.5, 40}, {20.0, 100}}) {
+    grid.begin(stamp, {0, 0, 0});
+    for (int i = 0; i < count; ++i) grid.add({10.0 * i + stamp, 10.0 * stamp, 0.5});
+    const auto voxels = grid.end();
+    EXPECT_EQ(voxels->size(), stamp == 10.5 ? 100u : static_cast<unsigned>(count)) << stamp;
+    EXPECT_FALSE(voxels->isTruncated()) << stamp;
+  }
+}
+
 TEST(VoxelGrid, AVoxelThatIsKeptStaysForOneCloudAndIsNotSeen) {
   for (const double decay : {0.0, 10.0}) {
     VoxelSettings settings = settingsOf(1.0);

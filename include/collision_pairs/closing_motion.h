@@ -25,8 +25,11 @@ struct ClosingMotion {
   /// the depth increases); the maximum if there are several contacts. Negative: they separate.
   double closing_speed = 0.0;
   /// Seconds, 0 to HORIZON: a lower bound, to 10 us, of the time until they touch if they keep
-  /// their relative velocity (seen from the one, the origin of the other's link frame continues
-  /// straight, and the link continues to turn about the same axis). 0 if they may be in contact.
+  /// their relative velocity: seen from the one, the origin of the other's body frame (BodyPoses)
+  /// continues straight, and the body continues to turn about the same axis. The other is the
+  /// second of the pair, or the first if the second is a half-space or a cloud. They touch where
+  /// their finest geometry in the scene does; a coarser one of the request, of link_fidelity or of
+  /// max_hull_vertices may be in contact earlier. 0 if they may be in contact now.
   double time_to_contact = 0.0;
 };
 

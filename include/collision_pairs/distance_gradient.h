@@ -21,8 +21,8 @@ namespace collision_pairs {
 /// apart, in no direction does the distance grow faster, or shrink more slowly, than this says.
 ///
 /// For a depth that is a bound (Certainty::BOUND) it is the derivative of that bound. There is none
-/// without witness points (verdict_only), if the distance is a lower bound (UNRESOLVED, DEGRADED),
-/// or if axis-aligned boxes decided, since these are not fixed to the bodies.
+/// without witness points (verdict_only), if the distance is a lower bound (UNRESOLVED, DEGRADED,
+/// TOLERATED, spheres), or if axis-aligned boxes decided, since these are not fixed to the bodies.
 ///
 /// Error: 1e-6 or better; for depths with a cylinder 1e-5; with FCL as narrow phase that of its
 /// normals. Cost: about 10 ns for each joint between the two links.

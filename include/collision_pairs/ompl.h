@@ -27,7 +27,8 @@ struct OmplJoints {
   /// One joint per dimension, in its order; rad or m.
   std::vector<std::string> names;
   /// Positions of all joints of the robot, for those that are not named: one entry per
-  /// RobotModel::joints(). Empty: RobotModel::unnamedPositions().
+  /// RobotModel::joints(). Entries of joints that mimic another are ignored. Empty:
+  /// RobotModel::unnamedPositions().
   std::vector<double> positions;
   /// Of the scene's clouds. Without them no state near a cloud is valid.
   CloudVoxels voxels;
@@ -70,6 +71,16 @@ class OmplWorkers {
     }
     if (joints_.positions.empty()) joints_.positions = scene_->robot().unnamedPositions();
     scene_->robot().requireOneEntryPerJoint(joints_.positions);
+    scene_->robot().applyMimics(joints_.positions);  // columns_ sets those of named joints only
+  }
+
+  /// Throws what later answers would take for a state that is not valid: the settings, or the
+  /// voxels, do not fit the scene. `ask` gets the positions of the joints that are not named.
+  template <class Ask>
+  void requireAnswer(const Ask& ask) {
+    auto worker = std::make_unique<Worker>(scene_);
+    ask(*worker, joints_.positions);
+    idle_.push_back(std::move(worker));
   }
 
   const CollisionScene& scene() const { return *scene_; }
@@ -115,8 +126,9 @@ class OmplWorkers {
 class OmplStateValidityChecker : public ompl::base::StateValidityChecker {
  public:
   /// Throws InputError if the space is no RealVectorStateSpace with one dimension per joint, or for
-  /// an unknown joint. Of the settings, fidelity, tolerance, selection, may_ignore and
-  /// ignore_revision count; the predicate is asked from all threads of the planner.
+  /// an unknown joint, or settings or voxels that do not fit the scene. Of the settings, fidelity,
+  /// tolerance, selection, may_ignore and ignore_revision count; the predicate is asked from all
+  /// threads of the planner.
   OmplStateValidityChecker(const ompl::base::SpaceInformationPtr& space,
                            std::shared_ptr<const CollisionScene> scene, OmplJoints joints,
                            const CheckSettings& settings = {})
@@ -128,6 +140,10 @@ class OmplStateValidityChecker : public ompl::base::StateValidityChecker {
     settings_.may_ignore = settings.may_ignore;
     settings_.ignore_revision = settings.ignore_revision;
     specs_.clearanceComputationType = ompl::base::StateValidityCheckerSpecs::EXACT;
+    workers_.requireAnswer([&](OmplDetector& worker, const std::vector<double>& positions) {
+      worker.positions = positions;
+      worker.check(settings_, workers_.voxels());
+    });
   }
 
   bool isValid(const ompl::base::State* state) const override {
@@ -175,7 +191,11 @@ class OmplMotionValidator : public ompl::base::MotionValidator {
                       const MotionSettings& settings = {})
       : MotionValidator(space),
         workers_(*space, std::move(scene), std::move(joints)),
-        settings_(settings) {}
+        settings_(settings) {
+    workers_.requireAnswer([&](Worker& worker, const std::vector<double>& positions) {
+      worker.check.check({positions, positions}, settings_, {}, workers_.voxels());
+    });
+  }
 
   bool checkMotion(const ompl::base::State* from, const ompl::base::State* to) const override {
     return counted(freeUntil(from, to, false) == 1.0);

@@ -123,7 +123,7 @@ class RobotModel {
     Eigen::Isometry3d X_WR = Eigen::Isometry3d::Identity();
   };
   /// Merges several robots into one model with several roots, for functions that take one robot.
-  /// Throws InputError if two links or joints then have the same name.
+  /// Throws InputError if two links or joints then have the same name, or an X_WR is not a pose.
   static std::shared_ptr<const RobotModel> merge(const std::vector<Placed>& robots);
 
   const std::string& name() const { return name_; }

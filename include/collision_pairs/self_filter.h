@@ -45,7 +45,7 @@ class SelfFilter {
   const std::vector<SceneBody>& bodies() const;
 
   /// Starts a cloud, with the poses of bodies() at its stamp. Throws InputError if their number
-  /// differs. Links of bodies without a known, finite pose are not filtered.
+  /// differs. Links of bodies without a known pose (BodyPoses) are not filtered.
   void begin(const BodyPoses& poses);
   /// Links and objects not filtered since begin(), whose points would appear as obstacles.
   const std::vector<std::string>& leftOut() const;

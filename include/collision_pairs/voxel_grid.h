@@ -18,8 +18,8 @@ struct VoxelSettings {
   /// of it later if clouds come faster than that. 0: each cloud replaces the previous one.
   double decay = 0.0;
   /// >= 1: beyond this number the voxels furthest from the sensor are dropped, and the result is
-  /// truncated. Also bounds the memory: typically 0.1 kB per voxel, at worst, if no two are near
-  /// each other, 1.4 kB.
+  /// truncated. Those with fewer points of a cloud than min_points count until its end. Also bounds
+  /// the memory: typically 0.1 kB per voxel, at worst, if no two are near each other, 1.4 kB.
   std::uint32_t max_voxels = 1'000'000;
 };
 

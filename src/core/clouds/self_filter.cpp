@@ -6,6 +6,7 @@
 #include "cells_about_link.h"
 #include "collision_pairs/input_error.h"
 #include "near_parts.h"
+#include "pose_repair.h"
 #include "scene_element.h"
 #include "scene_members.h"
 
@@ -109,8 +110,9 @@ void SelfFilter::begin(const BodyPoses& poses) {
   for (std::size_t i = 0; i < store.parts.size(); ++i) {
     const Store::Part& part = store.parts[i];
     const auto body = static_cast<std::size_t>(part.body);
-    const bool is_known = poses.known[body] != 0 && poses.X_WB[body].matrix().allFinite();
-    const Isometry3d X_WE = poses.X_WB[body] * part.X_BE;
+    Isometry3d X_WB = poses.X_WB[body];
+    const bool is_known = poses.known[body] != 0 && repairPose(X_WB);
+    const Isometry3d X_WE = X_WB * part.X_BE;
     store.X_EW[i] = X_WE.inverse(Eigen::Isometry);
     if (is_known) {
       store.near.add(part.cells.grownBox().movedBy(X_WE));

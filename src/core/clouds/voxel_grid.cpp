@@ -227,6 +227,7 @@ struct VoxelGrid::Store {
     numberCloud();
     forget();
     dropRemembered();
+    dropEmptyBlocks();  // they would count as voxels of this cloud
     for (OfVoxels& of_block : nb_points) of_block.fill(0);
     std::fill(seen.begin(), seen.end(), 0);
   }
@@ -273,6 +274,12 @@ struct VoxelGrid::Store {
     keepBlocks([&](std::size_t i) { return kept[i] != 0; });
   }
 
+  void dropEmptyBlocks() {
+    const auto isEmpty = [](const Block& block) { return block.occupied == 0; };
+    if (std::none_of(blocks.begin(), blocks.end(), isEmpty)) return;
+    keepBlocks([&](std::size_t i) { return !isEmpty(blocks[i]); });
+  }
+
   template <class IsKept>
   void keepBlocks(const IsKept& is_kept) {
     std::size_t nb_kept = 0;
@@ -315,10 +322,7 @@ struct VoxelGrid::Store {
 
   std::shared_ptr<const OccupiedVoxels> end() {
     keepNearestVoxels();
-    const auto isOccupied = [&](std::size_t i) { return blocks[i].occupied != 0; };
-    std::size_t nb_empty = 0;
-    for (std::size_t i = 0; i < blocks.size(); ++i) nb_empty += isOccupied(i) ? 0 : 1;
-    if (nb_empty > 0) keepBlocks(isOccupied);
+    dropEmptyBlocks();
     const bool truncated = truncated_in != 0 && truncated_in >= firstKept();
     return std::make_shared<const OccupiedVoxels>(settings.voxel_size, blocks, truncated);
   }

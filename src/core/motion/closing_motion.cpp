@@ -6,6 +6,7 @@
 
 #include "convex_distance.h"
 #include "plane_bound.h"
+#include "pose_repair.h"
 #include "prepared_shape.h"
 
 namespace collision_pairs {
@@ -28,10 +29,14 @@ std::optional<BodyPair> posesOf(int body, const BodyPoses& now, const BodyPoses&
   BodyPair poses;
   if (body < 0) return poses;  // static
   const auto i = static_cast<std::size_t>(body);
-  if (i >= before.known.size() || !now.known[i] || !before.known[i]) return std::nullopt;
-  poses = {now.X_WB[i], before.X_WB[i]};
-  const bool is_finite = poses.X_WB.matrix().allFinite() && poses.X_WB_before.matrix().allFinite();
-  return is_finite ? std::optional(poses) : std::nullopt;
+  for (const auto& [given, X_WB] :
+       {std::pair(&now, &poses.X_WB), std::pair(&before, &poses.X_WB_before)}) {
+    if (i >= given->known.size() || i >= given->X_WB.size() || !given->known[i])
+      return std::nullopt;
+    *X_WB = given->X_WB[i];
+    if (!repairPose(*X_WB)) return std::nullopt;
+  }
+  return poses;
 }
 
 /// Velocity of the mover's frame relative to the base; expressed in W.

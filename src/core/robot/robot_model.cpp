@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "collision_pairs/input_error.h"
+#include "pose_repair.h"
 
 namespace collision_pairs {
 
@@ -92,7 +93,13 @@ std::shared_ptr<const RobotModel> RobotModel::withElements(
 
 std::shared_ptr<const RobotModel> RobotModel::merge(const std::vector<Placed>& robots) {
   std::shared_ptr<RobotModel> all(new RobotModel);
-  for (const Placed& robot : robots) all->append(robot);
+  for (const Placed& robot : robots) {
+    if (!robot.X_WR.matrix().allFinite() || !isRotation(robot.X_WR.linear())) {
+      throw InputError("robot '" + robot.model->name() +
+                       "': X_WR is not a rotation and a translation in finite numbers");
+    }
+    all->append(robot);
+  }
   all->indexNames();
   if (all->link_ids_.size() < all->links_.size() || all->joint_ids_.size() < all->joints_.size()) {
     throw InputError("robots '" + all->name_ +
