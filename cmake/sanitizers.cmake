@@ -21,6 +21,7 @@ endif()
 if(sanitizers)
   add_compile_options(-g1 -fsanitize=${sanitizers} -fno-sanitize-recover=undefined -fno-omit-frame-pointer)
   add_link_options(-fsanitize=${sanitizers})
+  add_compile_definitions(_GLIBCXX_ASSERTIONS)  # within a vector's capacity, the address is sound
 endif()
 if(runtime)
   execute_process(COMMAND ${CMAKE_CXX_COMPILER} -print-file-name=${runtime} OUTPUT_VARIABLE SANITIZER_LIBRARY
