@@ -223,7 +223,6 @@ TEST(VoxelGrid, AVoxelThatIsNotSeenAgainIsForgottenAfterItsDecay) {
   EXPECT_EQ(cellsOf(*grid.at(1.0)), (Cells{}));
 }
 
-/// The oracle: the last stamp of each cell.
 TEST(VoxelGrid, WhatIsForgottenTakesNoRoomFromTheNextCloud) {
   VoxelSettings settings = settingsOf(1.0);
   settings.decay = 1.0;
@@ -273,6 +272,7 @@ TEST(VoxelGrid, AVoxelThatIsKeptStaysForOneCloudAndIsNotSeen) {
   }
 }
 
+// The oracle: the last stamp of each cell.
 TEST(VoxelGrid, DecayIsThatOfAListOfStamps) {
   RandomInputs random;
   VoxelSettings settings = settingsOf(0.1);

@@ -99,6 +99,7 @@ void CommandLine::together(const std::string& first, const std::string& second) 
 
 bool CommandLine::parse(int argc, char** argv) {
   po::parsed_options parsed(&options_);
+  bool is_described = false;
   try {
     constexpr int STYLE =
         po::command_line_style::unix_style & ~po::command_line_style::allow_guessing;
@@ -109,6 +110,7 @@ bool CommandLine::parse(int argc, char** argv) {
       printHelp();
       return false;
     }
+    is_described = given_ != nullptr && values.count(not_in_given_) > 0;
     refuseNegativeCounts(parsed);
     takeOperands(parsed);
     for (const auto& [given, needed] : together_) {
@@ -128,7 +130,7 @@ bool CommandLine::parse(int argc, char** argv) {
     throw InputError("--" + name + " must be a finite number of metres, 0 or more");
   }
   refuseOverwriting();
-  if (given_ != nullptr) describe(parsed);
+  if (is_described) describe(parsed);
   return true;
 }
 

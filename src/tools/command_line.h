@@ -39,8 +39,8 @@ class CommandLine {
   /// A finite number, 0 or more.
   void metres(const std::string& name, double& value, const std::string& help);
   void flag(const std::string& name, bool& value, const std::string& help);
-  /// Sets `text` to all options that are given but `but` and outputs, on one line, with a checksum
-  /// of the content after each file: equal texts, equal results.
+  /// If `but` is given, sets `text` to all other options that are but outputs, on one line, with a
+  /// checksum of the content after each file that they name.
   void givenOptions(std::string& text, const std::string& but);
   /// The two options must be given together.
   void together(const std::string& first, const std::string& second);

@@ -14,6 +14,11 @@ inline bool isRotation(const Eigen::Matrix3d& R) {
   return excess.cwiseAbs().maxCoeff() <= ROUNDING && R.determinant() > 0.0;
 }
 
+/// The same with a place.
+inline bool isPose(const Eigen::Isometry3d& X) {
+  return X.matrix().allFinite() && isRotation(X.linear());
+}
+
 constexpr double ORTHONORMAL = 1e-14;  // rotations better than this are used as they are
 constexpr double MENDABLE = 1e-3;      // rotations worse than this are refused
 

@@ -94,7 +94,7 @@ std::shared_ptr<const RobotModel> RobotModel::withElements(
 std::shared_ptr<const RobotModel> RobotModel::merge(const std::vector<Placed>& robots) {
   std::shared_ptr<RobotModel> all(new RobotModel);
   for (const Placed& robot : robots) {
-    if (!robot.X_WR.matrix().allFinite() || !isRotation(robot.X_WR.linear())) {
+    if (!isPose(robot.X_WR)) {
       throw InputError("robot '" + robot.model->name() +
                        "': X_WR is not a rotation and a translation in finite numbers");
     }

@@ -63,8 +63,7 @@ class PartsCheck {
   }
 
   void requirePose(const Isometry3d& X, const std::string& what) const {
-    const bool is_pose = X.matrix().allFinite() && isRotation(X.linear());
-    if (!is_pose) fail(what + " is not a rotation and a translation in finite numbers");
+    if (!isPose(X)) fail(what + " is not a rotation and a translation in finite numbers");
   }
 
   void checkElements(const Link& link) const {
