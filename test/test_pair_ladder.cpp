@@ -218,7 +218,7 @@ TEST(PairLadder, NoRungIsWorseThanTheBoxesAndItsPointsAreAsFarApartAsItSays) {
       const PairDistance found = its.ladder().measure(pair, rung, INF).found;
       ASSERT_NE(found.certainty, Certainty::BEYOND);
       EXPECT_LE(found.distance, std::max(truth, 0.0) + ACCURACY);
-      if (rung != Fidelity::AABB && its.alongAnAxis(pair) > 1e-9) {
+      if (rung != Fidelity::AABB && boxes + its.padding(pair) > 1e-9) {
         EXPECT_GE(found.distance, boxes - ACCURACY);
       }
       EXPECT_GE(found.distance, std::min(its.ofAlignedBoxes(pair), truth) - ACCURACY);

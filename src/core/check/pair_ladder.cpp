@@ -227,21 +227,22 @@ PairLadder::Answer PairLadder::notBelowBoxes(const BoxPair& pair, const Isometry
   return {found, answer.rung};
 }
 
-// Only of boxes that obbGap() shows to be disjoint, and nearer than the padding.
+// Their distance, also where obbGap() sees no gap along their axes: then this would jump, and a
+// motion is certified by how fast a distance can change.
 PairDistance PairLadder::boxGap(const BoxPair& pair, const Isometry3d& X_AB) const {
+  constexpr double INF = std::numeric_limits<double>::infinity();
   PairDistance gap;
-  gap.distance = -std::numeric_limits<double>::infinity();
-  const double padding = scene_->padding(pair.first, pair.second);
-  if (!(obbGap(pair, X_AB) > -padding)) return gap;
+  gap.distance = -INF;
   const SceneElement &a = scene_->elements()[pair.first], &b = scene_->elements()[pair.second];
+  if (std::isinf(a.box_half[0]) || std::isinf(b.box_half[0])) return gap;
   const ConvexCore core_a = coreOfBox(a), core_b = coreOfBox(b);
   Isometry3d X = X_AB;  // of the boxes' centres
   X.translation() = X_AB * b.box_center - a.box_center;
-  const PairDistance found =
-      convexDistance(core_a, core_b, X, std::numeric_limits<double>::infinity());
-  if (found.certainty != Certainty::EXACT) return gap;
+  const PairDistance found = convexGap(core_a, core_b, X, INF);
+  if (found.certainty != Certainty::EXACT || !(found.distance > 0.0)) return gap;
   gap = found;
-  gap.distance -= padding + contactBand(core_a, core_b, X.translation(), offset(pair));
+  gap.distance -= scene_->padding(pair.first, pair.second) +
+                  contactBand(core_a, core_b, X.translation(), offset(pair));
   return gap;
 }
 
