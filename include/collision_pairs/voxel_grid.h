@@ -64,7 +64,8 @@ class VoxelGrid {
   /// Occupies a voxel until the next cloud, as if it were remembered. Before end().
   void keep(const VoxelCell& cell);
 
-  /// The voxels at `stamp` without a new cloud; expired ones are dropped.
+  /// The voxels at `stamp` without a new cloud; expired ones are dropped. The next cloud may be
+  /// older than that: clouds arrive late.
   std::shared_ptr<const OccupiedVoxels> at(double stamp);
 
   void clear();

@@ -225,7 +225,7 @@ struct VoxelGrid::Store {
     counts = {};
     squared_limit = std::numeric_limits<double>::infinity();
     numberCloud();
-    forget();
+    forget(stamp);
     dropRemembered();
     dropEmptyBlocks();  // they would count as voxels of this cloud
     for (OfVoxels& of_block : nb_points) of_block.fill(0);
@@ -244,10 +244,10 @@ struct VoxelGrid::Store {
   }
 
   /// Removes voxels last seen in a cloud that is too old.
-  void forget() {
+  void forget(double now) {
     if (settings.decay == 0.0) return;
     const std::uint32_t first_before = firstKept();
-    while (!stamps.empty() && stamp - stamps.front() > settings.decay) stamps.pop_front();
+    while (!stamps.empty() && now - stamps.front() > settings.decay) stamps.pop_front();
     if (firstKept() == first_before) return;
     for (std::size_t i = 0; i < blocks.size(); ++i) {
       for (std::uint64_t left = blocks[i].occupied; left != 0; left &= left - 1) {
@@ -378,8 +378,7 @@ std::vector<VoxelCell> VoxelGrid::unseen(const Aabb& box) { return store_->unsee
 void VoxelGrid::keep(const VoxelCell& cell) { store_->keep(cell); }
 
 std::shared_ptr<const OccupiedVoxels> VoxelGrid::at(double stamp) {
-  store_->stamp = std::max(store_->stamp, stamp);
-  store_->forget();
+  store_->forget(stamp);
   for (const VoxelCell& cell : store_->remembered) store_->occupy(cell);  // until the next cloud
   return store_->end();
 }
