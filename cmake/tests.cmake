@@ -70,6 +70,7 @@ collision_pairs_test(joint_columns)
 collision_pairs_test(joint_query collision_pairs_ros)
 collision_pairs_test(joint_sampler)
 collision_pairs_test(joint_states_csv collision_pairs_io)
+collision_pairs_test(link_group)
 collision_pairs_test(limiter_law collision_pairs_io)
 target_sources(test_limiter_law PRIVATE ${limiter_law} test/benchmark/benchmark_robots.cpp
   test/benchmark/demo_motion.cpp test/benchmark/limiter_drives.cpp test/benchmark/limiter_judge.cpp

@@ -6,8 +6,8 @@
 #include <gtest/gtest.h>
 
 #include "collision_pairs/batch_check.h"
-#include "collision_pairs/input_error.h"
 #include "random_case.h"
+#include "refusal.h"
 
 namespace collision_pairs {
 namespace {
@@ -362,15 +362,6 @@ TEST(ASelection, OfAGroupHasTheLinksThatItMoves) {
   const std::pair<double, PairState> deep{-1.0, PairState::CONTACT};
   EXPECT_EQ(Named(detector).pairs,
             (decltype(Named::pairs){{{"left/a", "left/b"}, deep}, {{"left/b", "left/c"}, deep}}));
-}
-
-std::string refusal(const std::function<void()>& work) {
-  try {
-    work();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "accepted";
 }
 
 TEST_F(TwoBoxes, RefuseASelectionThatNamesNothingOrIsOfAnotherScene) {

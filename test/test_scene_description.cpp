@@ -3,9 +3,9 @@
 #include <gtest/gtest.h>
 
 #include "collision_pairs/collision_detector.h"
-#include "collision_pairs/input_error.h"
 #include "demo_scene.h"
 #include "mixed_robot.h"
+#include "refusal.h"
 
 namespace collision_pairs {
 namespace {
@@ -37,13 +37,8 @@ SceneDescription twoSliders() {
   return description;
 }
 
-std::string refusal(const SceneDescription& description) {
-  try {
-    CollisionScene::build(description);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "accepted";
+std::string refusalOf(const SceneDescription& description) {
+  return refusal([&] { CollisionScene::build(description); });
 }
 
 std::set<std::string> contacts(const CollisionScene& scene, const BodyPoses& poses) {
@@ -121,19 +116,19 @@ TEST(SceneObjects, TheMinimumIsThatOfTheNearestBesideAFloorAndWhatIsFarAway) {
 TEST(SceneObjects, WhatIsWrongWithOneIsNamed) {
   SceneDescription description = twoSliders();
   description.objects = {cube("a", at(0, 0, 0))};
-  EXPECT_THAT(refusal(description), HasSubstr("object 'a' has the name of a link"));
+  EXPECT_THAT(refusalOf(description), HasSubstr("object 'a' has the name of a link"));
   description.objects = {cube("load", at(0, 0, 0), "bb")};
-  EXPECT_THAT(refusal(description), HasSubstr("is attached to 'bb', which is not a link"));
-  EXPECT_THAT(refusal(description), HasSubstr("did you mean 'b'?"));
+  EXPECT_THAT(refusalOf(description), HasSubstr("is attached to 'bb', which is not a link"));
+  EXPECT_THAT(refusalOf(description), HasSubstr("did you mean 'b'?"));
   description.objects = {cube("load", at(0, 0, 0))};
   description.objects[0].touch_links = {"aa"};
-  EXPECT_THAT(refusal(description), HasSubstr("did you mean 'a'?"));
+  EXPECT_THAT(refusalOf(description), HasSubstr("did you mean 'a'?"));
   description.objects[0].touch_links.clear();
   description.objects[0].padding = -0.1;
-  EXPECT_THAT(refusal(description), HasSubstr("padding of object 'load'"));
+  EXPECT_THAT(refusalOf(description), HasSubstr("padding of object 'load'"));
   description.objects[0].padding = 0.0;
   description.objects[0].elements.clear();
-  EXPECT_THAT(refusal(description), HasSubstr("object 'load' has no shape"));
+  EXPECT_THAT(refusalOf(description), HasSubstr("object 'load' has no shape"));
 }
 
 TEST(SceneObjects, ManyThatMayTouchEachOtherAreStillTreatedAlike) {
@@ -232,7 +227,7 @@ TEST(Scene, RobotAndEnvironmentMayHaveARootOfOneNameWithoutGeometry) {
   EXPECT_GE(CollisionScene::build(description)->findModel("cell"), 0);
   description.world =
       robotFrom(boxLink("root", 1) + boxLink("cell", 1) + joint("j", "fixed", "root", "cell"));
-  EXPECT_THAT(refusal(description), HasSubstr("link 'root' is in the robot and in the world"));
+  EXPECT_THAT(refusalOf(description), HasSubstr("link 'root' is in the robot and in the world"));
 }
 
 TEST(Scene, SettingsMayNameALinkOfTheEnvironmentWithoutGeometry) {
@@ -240,9 +235,9 @@ TEST(Scene, SettingsMayNameALinkOfTheEnvironmentWithoutGeometry) {
   description.world =
       robotFrom(emptyLink("hall") + boxLink("cell", 1) + joint("j", "fixed", "hall", "cell"));
   description.settings.link_padding["hall"] = 0.1;
-  EXPECT_EQ(refusal(description), "accepted");
+  EXPECT_EQ(refusalOf(description), "accepted");
   description.settings.link_padding["hell"] = 0.1;
-  EXPECT_THAT(refusal(description), HasSubstr("'hell'"));
+  EXPECT_THAT(refusalOf(description), HasSubstr("'hell'"));
 }
 
 TEST(Scene, AnElementOfALinkThatIsFixedOnABodyStandsWhereTheUrdfSays) {
@@ -367,7 +362,7 @@ TEST(SceneObjects, WithoutAFiniteBoxAreRefusedByName) {
     vast.elements = {{Sphere{radius}, Isometry3d::Identity()}};
     vast.X_PO.translation().x() = x;
     description.objects = {vast};
-    EXPECT_THAT(refusal(description), HasSubstr("'vast' is too large or too far away")) << radius;
+    EXPECT_THAT(refusalOf(description), HasSubstr("'vast' is too large or too far away")) << radius;
   }
   auto mesh = std::make_shared<TriangleMesh>();  // as one that is scaled by 1e300
   mesh->vertices = {{0, 0, 0}, {1e299, 0, 0}, {0, 1e299, 0}, {0, 0, 1e299}};
@@ -375,13 +370,23 @@ TEST(SceneObjects, WithoutAFiniteBoxAreRefusedByName) {
   vast.elements = {{Mesh{mesh}, Isometry3d::Identity()}};
   vast.X_PO = Isometry3d::Identity();
   description.objects = {vast};
-  EXPECT_THAT(refusal(description), HasSubstr("'vast' is too large or too far away"));
+  EXPECT_THAT(refusalOf(description), HasSubstr("'vast' is too large or too far away"));
+}
+
+TEST(Scene, ARobotWithoutAModelIsRefused) {
+  SceneDescription description;
+  description.robots.push_back({robotFrom(slidingBoxes(2)), std::nullopt, ""});
+  description.robots.push_back({nullptr, std::nullopt, "two"});
+  EXPECT_EQ(refusal([&] { CollisionScene::build(description); }), "robots[1] has no model");
+  EXPECT_EQ(refusal([&] { CollisionScene::neededModels(description); }), "robots[1] has no model");
+  EXPECT_EQ(refusal([&] { CollisionScene::build(nullptr, std::nullopt, nullptr); }),
+            "robots[0] has no model");
 }
 
 TEST(SeveralRobots, OfOneNameAreRefused) {
   SceneDescription description = twoSliders();
   description.robots.push_back(description.robots[0]);
-  EXPECT_THAT(refusal(description), HasSubstr("give each a different prefix"));
+  EXPECT_THAT(refusalOf(description), HasSubstr("give each a different prefix"));
 }
 
 }  // namespace

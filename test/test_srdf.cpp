@@ -1,8 +1,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "collision_pairs/input_error.h"
 #include "collision_pairs/srdf.h"
+#include "refusal.h"
 
 namespace collision_pairs {
 namespace {
@@ -36,18 +36,13 @@ TEST(Srdf, UnknownLinksAreListedOnce) {
 }
 
 TEST(Srdf, BrokenTextIsRefusedWithItsLine) {
-  const auto refusal = [](const std::string& xml) -> std::string {
-    try {
-      Srdf::fromXml(xml);
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return "accepted";
-  };
-  EXPECT_THAT(refusal("<robot name='r'>\n<disable_collisions link1='a'/></robot>"),
+  const auto refused = [](const std::string& xml) { return refusal([&] { Srdf::fromXml(xml); }); };
+  EXPECT_THAT(refused("<robot name='r'>\n<disable_collisions link1='a'/></robot>"),
               testing::HasSubstr("SRDF line 2: <disable_collisions> has no link2"));
-  EXPECT_THAT(refusal("<robot"), testing::HasSubstr("not well-formed"));
-  EXPECT_THAT(refusal(""), testing::HasSubstr("empty"));
+  EXPECT_THAT(refused("<robot"), testing::HasSubstr("not well-formed"));
+  EXPECT_THAT(refused(""), testing::HasSubstr("empty"));
+  EXPECT_EQ(refused("<robot name='r'>\n<link name='a'/></robot>"),
+            "SRDF line 2: it has a <link>, so it is a URDF");
 }
 
 }  // namespace

@@ -29,8 +29,8 @@ struct Srdf {
   /// Joints without a drive. They move as TF says, so their links are checked like all others.
   std::vector<std::string> passive_joints;
 
-  /// Throws InputError with the line. Repeated pairs and a link paired with itself are common in
-  /// generated files and are ignored.
+  /// Throws InputError with the line, also for a URDF. Repeated pairs and a link paired with itself
+  /// are common in generated files and are ignored.
   static Srdf fromXml(const std::string& xml);
 
   /// The disabled pairs of `links`, in MoveIt's order: links disabled by default, then pairs

@@ -11,7 +11,7 @@ namespace {
 class GroupReader {
  public:
   GroupReader(const Srdf& srdf, const RobotModel& robot)
-      : srdf_(srdf), robot_(robot), moves_(robot.links().size(), 0) {}
+      : srdf_(srdf), robot_(robot), moves_(robot.joints().size(), 0) {}
 
   // Subgroups may refer to each other in a cycle.
   void add(const std::string& name) {
@@ -24,23 +24,26 @@ class GroupReader {
   }
 
   std::vector<int> moved() {
-    while (spread()) continue;
+    while (addMimics()) continue;
+    std::vector<char> is_moved(robot_.links().size(), 0);
     std::vector<int> moved;
-    for (std::size_t i = 0; i < moves_.size(); ++i) {
-      if (moves_[i]) moved.push_back(static_cast<int>(i));
+    for (std::size_t i = 0; i < is_moved.size(); ++i) {  // parents come first
+      const int joint = robot_.links()[i].parent_joint;
+      is_moved[i] =
+          joint < 0 ? root_moves_ : moves_[joint] || is_moved[robot_.joints()[joint].parent_link];
+      if (is_moved[i]) moved.push_back(static_cast<int>(i));
     }
     return moved;
   }
 
  private:
-  /// To what hangs on links that move, and to what mimics their joints; false: nothing new.
-  bool spread() {
+  /// Those of joints that move; false: nothing new.
+  bool addMimics() {
     bool is_new = false;
-    for (const Joint& joint : robot_.joints()) {
-      const bool moves = moves_[joint.parent_link] ||
-                         (joint.mimic && moves_[robot_.joints()[joint.mimic->joint].child_link]);
-      if (!moves || moves_[joint.child_link]) continue;
-      moves_[joint.child_link] = 1;
+    for (std::size_t i = 0; i < moves_.size(); ++i) {
+      const Joint& joint = robot_.joints()[i];
+      if (moves_[i] || !joint.mimic || !moves_[joint.mimic->joint]) continue;
+      moves_[i] = 1;
       is_new = true;
     }
     return is_new;
@@ -48,24 +51,34 @@ class GroupReader {
 
   const Srdf::Group& find(const std::string& name) const {
     std::vector<std::string> names;
+    const Srdf::Group* found = nullptr;
     for (const Srdf::Group& group : srdf_.groups) {
-      if (group.name == name) return group;
       names.push_back(group.name);
+      if (group.name != name) continue;
+      if (found) {
+        throw InputError("the SRDF of robot '" + robot_.name() + "' has two groups '" + name +
+                         "'; rename one of them");
+      }
+      found = &group;
     }
+    if (found) return *found;
     std::string error = "there is no group '" + name + "' in the SRDF of robot '" + robot_.name();
     error += names.empty() ? "', which has no groups"
                            : "'; did you mean '" + nearestName(name, names) + "'?";
     throw InputError(error);
   }
 
-  void addLink(const std::string& name) {
-    const int link = robot_.findLink(name);
-    if (link >= 0) moves_[link] = 1;
+  void addLink(const std::string& name) { moveAt(robot_.findLink(name)); }
+
+  void moveAt(int link) {
+    if (link < 0) return;
+    const int joint = robot_.links()[link].parent_joint;
+    (joint < 0 ? root_moves_ : moves_[joint]) = 1;
   }
 
   void addJoint(const std::string& name) {
     const int joint = robot_.findJoint(name);
-    if (joint >= 0) moves_[robot_.joints()[joint].child_link] = 1;
+    if (joint >= 0) moves_[joint] = 1;
     for (const Srdf::VirtualJoint& virtual_joint : srdf_.virtual_joints) {
       if (virtual_joint.name == name) addLink(virtual_joint.child_link);
     }
@@ -75,7 +88,7 @@ class GroupReader {
   void addChain(const std::string& base, const std::string& tip) {
     const int stop = robot_.findLink(base);
     for (int link = robot_.findLink(tip); link >= 0 && link != stop;) {
-      moves_[link] = 1;
+      moveAt(link);
       const int joint = robot_.links()[link].parent_joint;
       link = joint < 0 ? -1 : robot_.joints()[joint].parent_link;
     }
@@ -83,7 +96,8 @@ class GroupReader {
 
   const Srdf& srdf_;
   const RobotModel& robot_;
-  std::vector<char> moves_;  // by link
+  std::vector<char> moves_;  // by joint
+  char root_moves_ = 0;
   std::set<std::string> seen_;
 };
 

@@ -37,6 +37,8 @@ std::vector<std::string> readNames(const tinyxml2::XMLElement& parent, const cha
 Srdf Srdf::fromXml(const std::string& xml) {
   tinyxml2::XMLDocument document;
   const tinyxml2::XMLElement* robot = parseXml(document, xml, "robot", WHAT);
+  const auto* link = robot->FirstChildElement("link");
+  if (link) failAt(*link, WHAT, "it has a <link>, so it is a URDF");
   Srdf srdf;
   srdf.disabled_pairs = readPairs(*robot, "disable_collisions");
   srdf.enabled_pairs = readPairs(*robot, "enable_collisions");

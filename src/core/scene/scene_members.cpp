@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "collision_pairs/input_error.h"
 #include "pose_repair.h"
 
 namespace collision_pairs {
@@ -140,6 +141,9 @@ Objects objectsOf(const SceneDescription& description) {
 
 std::shared_ptr<const RobotModel> mergedRobot(const SceneDescription& description) {
   const auto& robots = description.robots;
+  for (std::size_t i = 0; i < robots.size(); ++i) {
+    if (!robots[i].model) throw InputError("robots[" + std::to_string(i) + "] has no model");
+  }
   const bool is_as_it_is = robots.size() == 1 && robots[0].prefix.empty() &&
                            robots[0].X_WR.isApprox(Isometry3d::Identity(), 0.0);
   if (is_as_it_is) return robots[0].model;
