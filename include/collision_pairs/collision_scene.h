@@ -134,8 +134,9 @@ class CollisionScene {
                                                      const SceneSettings& settings = {});
 
   /// The scene that build() makes of the description with these changes, to the last bit; shares
-  /// with this one what has not changed. Throws InputError as build() does, and if an object that
-  /// is to be removed does not exist. Cost: as withAlike() if that can do it, otherwise as build().
+  /// with this one what has not changed. Throws InputError as build() does, if an object that is to
+  /// be removed does not exist, and if a link comes into its first pair whose geometry was left out
+  /// (neededModels()). Cost: as withAlike() if that can do it, otherwise as build().
   std::shared_ptr<const CollisionScene> with(const SceneChanges& changes,
                                              SceneCache* cache = nullptr) const;
   /// The same, or null if that takes a build: unless the rules of the scene treat each static
@@ -229,6 +230,7 @@ class CollisionScene {
   std::vector<SceneCloud> clouds_;
   PairFilter filter_;
   std::string unchecked_;
+  std::set<std::string> missing_;  ///< links in a pair whose geometry was left out
   NarrowPhaseMethod narrow_phase_ = NarrowPhaseMethod::NATIVE;
   /// By classes of the filter, the smaller first: paddings that are not the sum of the two.
   std::map<std::pair<std::uint32_t, std::uint32_t>, double> pair_padding_;

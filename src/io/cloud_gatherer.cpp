@@ -1,6 +1,7 @@
 #include "cloud_gatherer.h"
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 #include <sstream>
 
@@ -42,12 +43,31 @@ SelfFilter nearFilter(const SceneDescription& description, const CollisionScene&
   return SelfFilter(description, cloud.near(), cache, &checked);
 }
 
+SelfFilter attachedFilter(const SceneDescription& description, const CloudConfig& cloud,
+                          SceneCache* cache) {
+  std::set<std::string> attached;
+  for (const RigidObject& object : description.objects) {
+    if (!object.attached_link.empty()) attached.insert(object.name);
+  }
+  const double half_diagonal = 0.5 * std::sqrt(3.0) * cloud.voxel_size;
+  return SelfFilter(description, cloud.self_filter_padding + half_diagonal, cache, &attached);
+}
+
+/// Those of the first that are not in the second.
+std::set<std::string> without(const std::vector<std::string>& names,
+                              const std::vector<std::string>& others) {
+  std::set<std::string> left(names.begin(), names.end());
+  for (const std::string& other : others) left.erase(other);
+  return left;
+}
+
 }  // namespace
 
 RobotFilter::RobotFilter(const SceneDescription& description, const CollisionScene& scene,
                          const CloudConfig& cloud, SceneCache* cache)
     : own(description, cloud.self_filter_padding, cache),
-      near(nearFilter(description, scene, cloud, cache)) {}
+      near(nearFilter(description, scene, cloud, cache)),
+      attached(attachedFilter(description, cloud, cache)) {}
 
 CloudGatherer::CloudGatherer(const CloudConfig& config)
     : config_(config),
@@ -72,9 +92,8 @@ std::shared_ptr<const OccupiedVoxels> CloudGatherer::add(const Points& points,
   filter.near.begin(robot);
   grid_.begin(stamp, X_WS.translation());
   sort(points, X_WS, filter.own);
-  if (own_names_ != filter.own.names()) memory_->startAnew();  // what is attached was an obstacle
+  remember(points, X_WS, robot, filter);
   own_names_ = filter.own.names();
-  remember(points, X_WS, robot, filter.near);
   return grid_.end();
 }
 
@@ -119,7 +138,8 @@ void CloudGatherer::sort(const Points& points, const Eigen::Isometry3d& X_WS, Se
 }
 
 void CloudGatherer::remember(const Points& points, const Eigen::Isometry3d& X_WS,
-                             const BodyPoses& robot, SelfFilter& near) {
+                             const BodyPoses& robot, RobotFilter& filter) {
+  SelfFilter& near = filter.near;
   const double around = NearMemory::FOUND_AGAIN + config_.near();
   Aabb box = enclosing(near.bounds(), memory_->missed());
   box.min.array() -= around;
@@ -139,7 +159,14 @@ void CloudGatherer::remember(const Points& points, const Eigen::Isometry3d& X_WS
     }
     return false;
   };
-  memory_->update({grid_.seen(box), grid_.unseen(near.bounds()), robot, near, isHidden, isLeftOut});
+  // What is attached since the last cloud was an obstacle in it.
+  const std::set<std::string> added = without(filter.attached.names(), own_names_);
+  if (!added.empty()) filter.attached.begin(robot);
+  const auto isTakenUp = [&](const Vector3d& p_W) {
+    return !added.empty() && !filter.attached.nearest(p_W, &added).name.empty();
+  };
+  memory_->update({grid_.seen(box), grid_.unseen(near.bounds()), robot, near, isHidden, isLeftOut,
+                   isTakenUp, !without(own_names_, filter.own.names()).empty()});
   for (const VoxelCell& cell : memory_->hidden()) grid_.keep(cell);
 }
 

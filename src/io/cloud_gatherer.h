@@ -23,6 +23,7 @@ struct RobotFilter {
               const CloudConfig& cloud, SceneCache* cache = nullptr);
 
   SelfFilter own, near;  ///< of the same bodies()
+  SelfFilter attached;   ///< of attached objects alone; as far as a voxel of their points may be
 };
 
 /// Crops, filters and collects points, and follows what it saw near the robot. Not thread safe.
@@ -54,7 +55,7 @@ class CloudGatherer {
   void requireValid(const Points& points);
   void sort(const Points& points, const Eigen::Isometry3d& X_WS, SelfFilter& own);
   void remember(const Points& points, const Eigen::Isometry3d& X_WS, const BodyPoses& robot,
-                SelfFilter& near);
+                RobotFilter& filter);
   void drawDepths(const Points& points);
 
   const CloudConfig config_;

@@ -54,7 +54,9 @@ ActiveScenePtr SceneStore::active() const {
 
 void SceneStore::replace(Built built) {
   restricted_.clear();
-  if (built.scene->clouds) built.scene->clouds->follow(std::move(built.filters));
+  if (built.scene->clouds) {
+    built.scene->clouds->follow(std::move(built.filters), built.may_keep_more);
+  }
   const std::lock_guard<std::mutex> lock(reading_);
   scene_ = std::move(built.scene);
 }
@@ -105,22 +107,34 @@ void SceneStore::update(const std::vector<SceneChange>& changes) {
                            const ros::Time& stamp) {
     if (target != frame) requireLink(scene_->scene->robot(), target);
     const ros::Time now = transforms_.followClock();
-    try {
-      return scene_->tf_poses->lookUp(target, source, stamp).X_TS;
-    } catch (const InputError& error) {
+    const auto fail = [&](const std::string& why) {
       throw InputError("TF does not know '" + source + "' in '" + target +
-                       "': " + (now.isZero() ? NO_CLOCK : error.what()));
+                       "': " + (now.isZero() ? NO_CLOCK : why));
+    };
+    TransformInput::Found found;
+    try {
+      found = scene_->tf_poses->lookUp(target, source, stamp);
+    } catch (const InputError& error) {
+      fail(error.what());
     }
+    const std::string still = transforms_.clockDoubt();
+    if (stamp.isZero() && !found.stamp.isZero() && !still.empty()) fail(still);
+    return found.X_TS;
   };
   const ObjectEdits edits = editsBy(changes, objects_, {frame, look_up, makeMeshLoader()});
   if (auto active = withAlike(edits)) {
-    replace({std::move(active), {}});
+    replace({std::move(active), {}, false});
     apply(edits, objects_);
     return;
   }
   SceneObjects objects = objects_;
   apply(edits, objects);
-  replace(build(parameters_, objects, {}));
+  Built built = build(parameters_, objects, {});
+  built.may_keep_more = std::any_of(edits.begin(), edits.end(), [&](const auto& edit) {
+    const auto before = objects_.find(edit.first);
+    return before != objects_.end() && !before->second.object.attached_link.empty();
+  });
+  replace(std::move(built));
   objects_ = std::move(objects);
 }
 
@@ -224,7 +238,8 @@ SceneStore::Built SceneStore::build(SceneParameters& parameters, const SceneObje
   const auto& static_joints = parameters.sources.config.static_joints;
   active->tf_poses = posesOf(scene, active->frame, static_joints);
   active->clouds = cloudsOf(parameters.sources.config.clouds, active->frame);
-  Built built{active, {}};
+  Built built;
+  built.scene = active;
   if (active->clouds && restriction.empty()) {
     built.filters = active->clouds->filtersFor(description, scene, static_joints, &cache_);
   }

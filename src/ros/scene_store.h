@@ -79,6 +79,7 @@ class SceneStore {
   struct Built {
     std::shared_ptr<ActiveScene> scene;
     CloudSources::FollowedRobots filters;  ///< of its clouds
+    bool may_keep_more = true;             ///< they, of the points: see CloudSource::follow()
   };
   Built build(SceneParameters& parameters, const SceneObjects& objects,
               const Restriction& restriction);

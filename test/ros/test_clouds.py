@@ -19,6 +19,7 @@ from cloud_client import CloudPublisher, cloud_diagnosis, cloud_of
 from collision_pairs.msg import CollisionPairs
 from collision_pairs.srv import CheckCollisionsRequest, CheckTrajectory
 from node_client import NodeClient
+from scene_client import SceneClient, add_box, attach, clear, detach, remove
 from seed import given_seed
 from transform_faults import APART, BoxPublisher
 
@@ -383,12 +384,23 @@ class CloudsTest(unittest.TestCase):
             rospy.set_param("/node/clouds", given)
             self.assertTrue(reset().success)
 
-    def test_the_diagnostics_count_what_came(self):
-        found = cloud_diagnosis(lambda d: float(d[CLOUD + " rate [Hz]"]) > 5.0)
-        self.assertIsNotNone(found)
-        self.assertEqual((found[CLOUD + " points"], found[CLOUD + " voxels"]), ("1", "1"))
-        self.assertLess(float(found[CLOUD + " latency [s]"]), 0.5)
-        self.assertGreaterEqual(int(found[CLOUD + " received"]), int(found[CLOUD + " used"]))
+    def test_what_was_filtered_with_an_object_is_not_free_before_a_cloud_without_it(self):
+        scene = SceneClient("/node")
+        held = [add_box("tool", (0.05, 0.72, 0.05), frame="root"), attach("tool", "a")]
+        for let_go in (remove("tool"), detach("tool"), clear()):
+            scene.apply(*held)
+            self.show(BESIDE_A)
+            self.wait_for(FREE)
+            self.camera.silent = True
+            reply = scene.send(let_go)
+            self.assertTrue(reply.success, reply.message)
+            self.wait_for(UNKNOWN, NAMED + "none has arrived since the robot, or what is attached to it, changed")
+            self.assertEqual(self.node.check().result.verdict, UNKNOWN)
+            self.camera.heal(BESIDE_A, "camera")
+            self.wait_for(COLLISION)
+            scene.apply(clear())
+            self.forget()
+            self.wait_for(FREE)
 
 
 if __name__ == "__main__":

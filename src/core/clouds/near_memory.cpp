@@ -95,7 +95,7 @@ void NearMemory::followWhatIsHidden(const Cloud& cloud) {
       one.is_in_contact = one.distance - HALF * cloud.now->voxelSize() <= padding_ &&
                           std::any_of(remembered_.begin(), remembered_.end(), isIn);
       hidden.push_back(one);
-    } else if (!anyWithin(cloud.now, one.p_W, reach_) &&
+    } else if (!cloud.isTakenUp(one.p_W) && !anyWithin(cloud.now, one.p_W, reach_) &&
                !anyWithin(cloud.now, placeOnLink(one, cloud), reach_) &&
                vanished_.size() < MOST_PLACES) {
       vanished_.push_back(one);
@@ -111,6 +111,7 @@ std::vector<NearMemory::Unseen> NearMemory::unseenIn(const Cloud& cloud) const {
   const auto take = [&](const VoxelCell& cell, bool was_alone, bool was_seen) {
     const Vector3d center = centerOf(*cloud.now, cell);
     if (!cloud.near.mayBeOwn(center) || anyWithin(cloud.now, center, 0.0)) return;
+    if (cloud.isTakenUp(center)) return;
     const bool is_beside = anyWithin(cloud.now, center, BESIDE * size);
     const bool is_hidden = cloud.isHidden(center);
     if (!is_hidden && (is_beside || anyWithin(cloud.now, center, reach_))) return;
@@ -172,15 +173,18 @@ std::optional<NearMemory::Vanished> NearMemory::placeOf(const std::vector<Unseen
   }
   if (nearest.name.empty()) return std::nullopt;
   const Eigen::Isometry3d X_BW = cloud.robot.X_WB[nearest.body].inverse(Eigen::Isometry);
-  std::vector<VoxelCell> around;
-  cloud.now->forEachWithin({place, place}, FOUND_AGAIN + reach_,
-                           [&](const VoxelCell& cell) { around.push_back(cell); });
   return Vanished{place,
                   X_BW * place,
                   cloud.near.bodies()[nearest.body].link,
                   nearest.name,
                   nearest.distance,
-                  std::make_shared<const OccupiedVoxels>(cloud.now->voxelSize(), around)};
+                  aboutPlace(place, FOUND_AGAIN + reach_, cloud)};
+}
+
+NearMemory::Voxels NearMemory::aboutPlace(const Vector3d& p_W, double reach, const Cloud& cloud) {
+  std::vector<VoxelCell> cells;
+  cloud.now->forEachWithin({p_W, p_W}, reach, [&](const VoxelCell& cell) { cells.push_back(cell); });
+  return std::make_shared<const OccupiedVoxels>(cloud.now->voxelSize(), cells);
 }
 
 void NearMemory::addVanished(const std::vector<Unseen>& obstacle, const Cloud& cloud) {
@@ -204,6 +208,10 @@ Vector3d NearMemory::placeOnLink(const Vanished& one, const Cloud& cloud) {
 void NearMemory::findWhatAppeared(const Cloud& cloud) {
   const auto find = [&](Vanished& one) {
     one.appeared.reset();
+    if (cloud.shows_more) {
+      one.around = aboutPlace(one.p_W, FOUND_AGAIN + reach_, cloud);
+      return;
+    }
     for (const Vector3d& place : {one.p_W, placeOnLink(one, cloud)}) {
       cloud.now->forEachWithin({place, place}, FOUND_AGAIN, [&](const VoxelCell& cell) {
         if (one.appeared) return;
@@ -248,15 +256,10 @@ std::string NearMemory::mayTouch() const {
   return what + std::to_string(centimetres) + " cm from " + nearest->link + ": it may touch";
 }
 
-void NearMemory::startAnew() {
+void NearMemory::clear() {
   before_ = earlier_ = nullptr;
   remembered_.clear();
   hidden_.clear();
-  for (Vanished& one : vanished_) one.appeared.reset();
-}
-
-void NearMemory::clear() {
-  startAnew();
   vanished_.clear();
 }
 

@@ -49,6 +49,9 @@ class NearMemory {
     std::function<bool(const Eigen::Vector3d& p_W)> isHidden;
     /// Whether the sensor saw anything within `reach` of the point that is left out of the voxels.
     std::function<bool(const Eigen::Vector3d& p_W)> isLeftOut;
+    /// Whether what was seen there before is part of the robot now: it is not missed.
+    std::function<bool(const Eigen::Vector3d& p_W)> isTakenUp;
+    bool shows_more = false;  ///< less is part of the robot, so what appears may be no obstacle new
   };
   void update(const Cloud& cloud);
 
@@ -59,8 +62,6 @@ class NearMemory {
   /// "vanished 2 cm from panda_link3: it may touch", or "hidden 6 cm …", or empty.
   std::string mayTouch() const;
 
-  /// What was seen is compared with no later cloud; what vanished remains so.
-  void startAnew();
   void clear();
 
  private:
@@ -93,6 +94,7 @@ class NearMemory {
   void addVanished(const std::vector<Unseen>& obstacle, const Cloud& cloud);
   void followWhatIsHidden(const Cloud& cloud);
   void findWhatAppeared(const Cloud& cloud);
+  static Voxels aboutPlace(const Eigen::Vector3d& p_W, double reach, const Cloud& cloud);
   static Eigen::Vector3d placeOnLink(const Vanished& one, const Cloud& cloud);
 
   const double reach_, padding_;

@@ -150,16 +150,17 @@ bool SelfFilter::mayBeOwn(const Vector3d& p_WP) {
   });
 }
 
-SelfFilter::Nearest SelfFilter::nearest(const Vector3d& p_WP) {
+SelfFilter::Nearest SelfFilter::nearest(const Vector3d& p_WP, const std::set<std::string>* only) {
   Store& store = *store_;
   Nearest found{"", 0, store.padding};
   for (const std::uint32_t i : store.near.at(p_WP)) {
     const Store::Part& part = store.parts[i];
+    const std::string& name = store.names[static_cast<std::size_t>(part.name)];
+    if (only && only->count(name) == 0) continue;
     const double metres =
         part.cells.distance(store.X_EW[i] * p_WP, store.padding, store.narrow_phase);
     if (metres > found.distance || (metres == found.distance && !found.name.empty())) continue;
-    found = {store.names[static_cast<std::size_t>(part.name)], static_cast<std::size_t>(part.body),
-             metres};
+    found = {name, static_cast<std::size_t>(part.body), metres};
   }
   return found;
 }

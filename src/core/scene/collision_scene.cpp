@@ -18,8 +18,6 @@ namespace {
 // rest is for loose triangles.
 constexpr double TOLD_ABOVE = 0.01;
 
-constexpr double LARGEST_MESH = 1e100;  // m: what finds out what it encloses needs volumes
-
 }  // namespace
 
 /// Builds a scene step by step; its members are needed only while building.
@@ -96,6 +94,10 @@ class SceneBuilder {
     std::size_t kept = 0;
     for (std::size_t i = 0; i < members_.size(); ++i) {
       if (!classOf(i).is_needed) continue;
+      if (members_[i].elements->empty()) {
+        scene_->missing_.insert(members_[i].name);
+        continue;
+      }
       members_[kept] = members_[i];
       class_of_[kept++] = class_of_[i];
     }
@@ -204,10 +206,6 @@ class SceneBuilder {
     const auto* cylinder = std::get_if<Cylinder>(&shape);
     if (cylinder && member.cylinder_as_capsule) shape = Capsule{cylinder->radius, cylinder->length};
     SceneElement made = prepared_.make(shape, its_class.needed_fidelity);
-    const bool is_mesh = std::holds_alternative<Mesh>(shape);
-    if (is_mesh && made.box_half.maxCoeff() > 0.5 * LARGEST_MESH) {
-      throw InputError(whyNoBox(member.name));
-    }
     setPlace(member, element, its_class.half_padding, made);
     return made;
   }
@@ -244,6 +242,10 @@ std::shared_ptr<const CollisionScene> CollisionScene::buildOf(
     const CollisionScene* before) {
   SceneCache of_this_scene;
   auto scene = SceneBuilder(*description, objects, before).build(cache ? *cache : of_this_scene);
+  for (const std::string& link : scene->missing_) {
+    if (!before || before->missing_.count(link) > 0) continue;
+    throw InputError("link '" + link + "' is in a pair now, but its geometry was left out");
+  }
   scene->objects_ = std::move(objects);
   scene->description_ = description;
   return scene;

@@ -94,7 +94,8 @@ class SceneEditor {
       return nullptr;  // build() says which
     }
     mergeModels();
-    if (!hasAllClasses() || !addBoxes()) return nullptr;
+    const bool may_be_unchecked = after_->models_.empty() != before_.models_.empty();
+    if (may_be_unchecked || !hasAllClasses() || !addBoxes()) return nullptr;
     after_->objects_ = merged(before_.objects_, edits_);
     return made;
   }
@@ -217,6 +218,7 @@ class SceneEditor {
     scene.robot_ = before_.robot_;
     scene.filter_ = before_.filter_;
     scene.unchecked_ = before_.unchecked_;
+    scene.missing_ = before_.missing_;
     scene.narrow_phase_ = before_.narrow_phase_;
     scene.pair_padding_ = before_.pair_padding_;
     return scene;

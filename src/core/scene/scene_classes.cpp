@@ -111,7 +111,9 @@ std::set<std::string> namesIn(const SceneDescription& description, const Objects
   const SceneSettings& settings = description.settings;
   std::set<std::string> names;
   const auto addAll = [&](const std::vector<std::string>& all) {
-    for (const std::string& name : all) names.insert(withoutMark(name));
+    for (const std::string& name : all) {
+      if (!isPattern(name)) names.insert(withoutMark(name));
+    }
   };
   for (const auto& entry : settings.link_fidelity) names.insert(entry.first);
   for (const auto& entry : settings.link_padding) names.insert(entry.first);

@@ -1,6 +1,7 @@
 #include "scene_members.h"
 
 #include <algorithm>
+#include <stdexcept>
 
 #include "collision_pairs/input_error.h"
 #include "pose_repair.h"
@@ -79,9 +80,10 @@ class MemberCollector {
     }
   }
 
-  /// Null if the link cannot be in a pair.
+  /// Null if the link cannot be in a pair. One whose geometry was left out can: see neededModels().
   SceneMember* addLink(const Link& link) {
-    if (link.elements.empty() || matchesAny(settings_.ignored_links, link.name)) return nullptr;
+    const bool is_bare = link.elements.empty() && !link.has_geometry;
+    if (is_bare || matchesAny(settings_.ignored_links, link.name)) return nullptr;
     members_.push_back(memberWith(link.name, link.elements, settings_));
     members_.back().cylinder_as_capsule = matchesAny(settings_.cylinder_as_capsule, link.name);
     return &members_.back();
@@ -103,6 +105,10 @@ class MemberCollector {
 
 void setPlace(const SceneMember& member, const Element& element, double half_padding,
               SceneElement& made) {
+  const bool is_mesh = std::holds_alternative<Mesh>(element.shape);
+  if (is_mesh && made.box_half.maxCoeff() > 0.5 * LARGEST_MESH) {
+    throw std::invalid_argument("mesh: it is too large");
+  }
   made.X_BE = member.X_BM * element.X_LE;
   made.finest = member.finest;
   made.padding = member.padding;

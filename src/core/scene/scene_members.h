@@ -13,7 +13,7 @@ namespace collision_pairs {
 using ObjectPtr = std::shared_ptr<const RigidObject>;
 using Objects = std::vector<ObjectPtr>;
 
-/// A link with geometry, an object or a cloud.
+/// A link with geometry, which may have been left out, an object or a cloud.
 struct SceneMember {
   std::string name;
   const std::vector<Element>* elements;
@@ -44,8 +44,10 @@ Objects objectsOf(const SceneDescription& description);
 void checkDescription(const SceneDescription& description, const Objects& objects,
                       const RobotModel& merged);
 
+constexpr double LARGEST_MESH = 1e100;  // metres: volumes tell what it encloses
+
 /// Sets the element's pose, fidelity and paddings. `half_padding`: half of the largest padding set
-/// for a single pair of the member.
+/// for a single pair of the member. Throws std::invalid_argument for a mesh that is too large.
 void setPlace(const SceneMember& member, const Element& element, double half_padding,
               SceneElement& made);
 

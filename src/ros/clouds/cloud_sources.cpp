@@ -42,9 +42,11 @@ CloudSource::~CloudSource() {
   worker_.join();
 }
 
-void CloudSource::follow(std::shared_ptr<FollowedRobot> robot) {
+void CloudSource::follow(std::shared_ptr<FollowedRobot> robot, bool may_keep_more) {
   {
     const std::lock_guard<std::mutex> lock(mutex_);
+    robot->number = robot_ ? robot_->number + 1 : 0;
+    if (may_keep_more) complete_from_ = robot->number;
     robot_ = std::move(robot);
   }
   wakes_worker_.notify_all();
@@ -99,17 +101,19 @@ void CloudSource::use(const Cloud& cloud, unsigned generation, FollowedRobot& ro
   const auto voxels =
       gatherer_.add(points_, instant.X_WS, instant.robot, cloud.header.stamp.toSec(), robot.filter);
   last_stamp_ = cloud.header.stamp;
-  keep(voxels, cloud.header.stamp, generation, (ros::WallTime::now() - start).toSec());
+  keep(voxels, cloud.header.stamp, generation, robot,
+       (ros::WallTime::now() - start).toSec());
   if (!gatherer_.warning().empty()) tell(gatherer_.warning());
   publishKept(cloud.header);
 }
 
 void CloudSource::keep(const std::shared_ptr<const OccupiedVoxels>& voxels, const ros::Time& stamp,
-                       unsigned generation, double processing) {
+                       unsigned generation, const FollowedRobot& robot, double processing) {
   const ros::SteadyTime now = ros::SteadyTime::now();
   const std::lock_guard<std::mutex> lock(mutex_);
   if (generation != generation_) return;  // cleared meanwhile
   latest_ = {voxels, stamp.toSec(), "", gatherer_.warning(), gatherer_.mayTouch()};
+  latest_robot_ = robot.number;
   latest_clock_jumps_ = nb_clock_jumps_;
   const double rate = 1.0 / std::max((now - last_use_).toSec(), 1e-6);
   if (health_.used == 1) health_.rate = rate;
@@ -191,10 +195,18 @@ CloudView CloudSource::view(const ros::Time& now) const {
   const std::lock_guard<std::mutex> lock(mutex_);
   const bool is_outdated =
       latest_.voxels && latest_clock_jumps_ != context_.transforms.nbClockJumps();
-  if (!is_outdated) return viewOf(config_, latest_, now.toSec(), subscriber_.getTopic());
+  const auto doubtSince = [&](const std::string& event) {
+    return "cloud '" + config_.name() + "': none has arrived since " + event + refusalOf(latest_);
+  };
   CloudView view;
-  view.doubt = "cloud '" + config_.name() + "': none has arrived since the clock went back" +
-               refusalOf(latest_);
+  if (is_outdated) {
+    view.doubt = doubtSince("the clock went back");
+    return view;
+  }
+  view = viewOf(config_, latest_, now.toSec(), subscriber_.getTopic());
+  if (view.voxels && view.doubt.empty() && latest_robot_ < complete_from_) {
+    view.doubt = doubtSince("the robot, or what is attached to it, changed");
+  }
   return view;
 }
 
@@ -247,8 +259,10 @@ CloudSources::FollowedRobots CloudSources::filtersFor(const SceneDescription& de
   return filters;
 }
 
-void CloudSources::follow(FollowedRobots filters) {
-  for (std::size_t i = 0; i < sources_.size(); ++i) sources_[i]->follow(std::move(filters[i]));
+void CloudSources::follow(FollowedRobots filters, bool may_keep_more) {
+  for (std::size_t i = 0; i < sources_.size(); ++i) {
+    sources_[i]->follow(std::move(filters[i]), may_keep_more);
+  }
 }
 
 std::map<std::string, CloudView> CloudSources::views(const ros::Time& now) const {

@@ -27,7 +27,8 @@ namespace collision_pairs {
 /// The robot of one scene, as one source sees it.
 struct FollowedRobot {
   RobotFilter filter;
-  TfPoses poses;  ///< of filter.own.bodies()
+  TfPoses poses;        ///< of filter.own.bodies()
+  unsigned number = 0;  ///< of those that the source has followed
 };
 
 /// For diagnostics.
@@ -58,8 +59,9 @@ class CloudSource {
 
   const CloudConfig& config() const { return config_; }
 
-  /// Applies from the next cloud on; clouds are not processed before the first call.
-  void follow(std::shared_ptr<FollowedRobot> robot);
+  /// Applies from the next cloud on; clouds are not processed before the first call. If the filter
+  /// may keep points that the one before left out, there is a doubt until that cloud.
+  void follow(std::shared_ptr<FollowedRobot> robot, bool may_keep_more);
 
   CloudView view(const ros::Time& now) const;
   /// Discards everything: there is no view until a cloud that arrives later is used.
@@ -77,7 +79,7 @@ class CloudSource {
   void work();
   void use(const Cloud& cloud, unsigned generation, FollowedRobot& robot);
   void keep(const std::shared_ptr<const OccupiedVoxels>& voxels, const ros::Time& stamp,
-            unsigned generation, double processing);
+            unsigned generation, const FollowedRobot& robot, double processing);
   void requireUsableStamp(const ros::Time& stamp, const ros::Time& now);
   Instant waitForInstant(const std_msgs::Header& header, unsigned generation,
                          const FollowedRobot& robot);
@@ -109,6 +111,8 @@ class CloudSource {
   Cloud::ConstPtr next_;
   std::shared_ptr<FollowedRobot> robot_;
   LatestCloud latest_;
+  unsigned latest_robot_ = 0;   // number of the robot that was filtered from it
+  unsigned complete_from_ = 0;  // that of the first whose filter leaves out no more than today's
   unsigned latest_clock_jumps_ = 0;  // on arrival of the latest cloud
   CloudHealth health_;
   ros::SteadyTime last_use_;
@@ -134,7 +138,7 @@ class CloudSources {
   using FollowedRobots = std::vector<std::shared_ptr<FollowedRobot>>;
   FollowedRobots filtersFor(const SceneDescription& description, const CollisionScene& scene,
                             const std::vector<std::string>& static_joints, SceneCache* cache) const;
-  void follow(FollowedRobots filters);
+  void follow(FollowedRobots filters, bool may_keep_more);
 
   /// The views of all sources by name; null if unknown.
   std::map<std::string, CloudView> views(const ros::Time& now) const;
