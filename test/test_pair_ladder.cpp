@@ -1,5 +1,7 @@
 // One pair at one rung or by finer and finer ones: what is a bound bounds the distance of the two,
 // which is measured beside it, and is no worse than a plain bound of the same geometry.
+#include <map>
+
 #include <gtest/gtest.h>
 
 #include "element_boxes.h"
@@ -28,8 +30,13 @@ class Ladder {
   void place(RandomInputs& random, double reach, const Vector3d& offset) {
     throwAbout(random, reach, poses_);
     for (Isometry3d& X_WB : poses_.X_WB) X_WB.pretranslate(offset);
-    boxes_.rebuild(poses_, true);
-    ladder_.begin(*scene_, boxes_.X_WE(), boxes_.boxes());
+    rebuild();
+  }
+
+  /// Translates one element's body in W.
+  void move(std::uint32_t element, const Vector3d& p_W) {
+    poses_.X_WB[scene_->elements()[element].body].pretranslate(p_W);
+    rebuild();
   }
 
   std::vector<BoxPair> pairs() const {
@@ -93,6 +100,11 @@ class Ladder {
   NarrowPhase& exact() { return exact_; }
 
  private:
+  void rebuild() {
+    boxes_.rebuild(poses_, true);
+    ladder_.begin(*scene_, boxes_.X_WE(), boxes_.boxes());
+  }
+
   std::shared_ptr<const CollisionScene> scene_;
   ElementBoxes boxes_;
   BodyPoses poses_;
@@ -237,6 +249,34 @@ TEST(PairLadder, NoRungIsWorseThanTheBoxesAndItsPointsAreAsFarApartAsItSays) {
     }
   });
   EXPECT_GT(nb_of_boxes, 50);
+}
+
+// Motions are certified by how fast a distance can change, so none may jump while the two are apart.
+// That of spheres is within a fifth of their gap (sphere_distance.h), which does not jump.
+TEST(PairLadder, NoDistanceChangesByMoreThanTheTwoMove) {
+  int nb_steps = 0;
+  forEachPair([&](Ladder& its, const BoxPair& pair, RandomInputs& random) {
+    if (its.element(pair.second).body < 0) return;  // the floor
+    const Vector3d step = 0.004 * (random.rotation() * Vector3d::UnitX());
+    std::map<Fidelity, double> before;
+    for (int i = 0; i < 20; ++i) {
+      for (const Fidelity rung :
+           {Fidelity::AABB, Fidelity::SPHERES, Fidelity::OBB, Fidelity::CONVEX, Fidelity::MESH}) {
+        const double distance = its.ladder().measure(pair, rung, INF).found.distance;
+        const double gap = std::max(distance, 0.0);
+        const double change = step.norm() + ACCURACY;
+        if (i > 0 && rung == Fidelity::SPHERES) {
+          EXPECT_TRUE(gap > 0.0 || before[rung] <= change);
+        } else if (i > 0) {
+          EXPECT_NEAR(gap, before[rung], change) << fidelityName(rung);
+          nb_steps += gap > 0.0 && gap < 0.1;
+        }
+        before[rung] = gap;
+      }
+      its.move(pair.second, step);
+    }
+  });
+  EXPECT_GT(nb_steps, 1000);
 }
 
 TEST(PairLadder, HullsReachAsFarAsTheirVerticesAndAreApartByNearlyTheirDistance) {

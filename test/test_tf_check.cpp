@@ -182,6 +182,8 @@ TEST_F(TfCheck, DoubtsNameTenLinksCountTheRestAndSayWhatIsRefused) {
   ASSERT_EQ(with_refused.size(), 11u + 10u);
   EXPECT_EQ(with_refused[11], "refused " + transforms_.refused()[0]);
   EXPECT_TRUE(doubtsOf(StampedPoses(), transforms_, now_).empty()) << "it concerns nobody";
+  EXPECT_EQ(doubtsOf(StampedPoses(), transforms_, ros::Time(0)),
+            std::vector{std::string(NO_CLOCK)});
 }
 
 TEST(Request, IsRefusedForANumberThatIsNotFinite) {

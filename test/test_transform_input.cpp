@@ -182,6 +182,18 @@ TEST_F(Transforms, ThatAreRefusedAreNamedForTwoSecondsAfterTheLast) {
   EXPECT_THAT(input_.refused(), IsEmpty());
 }
 
+TEST_F(Transforms, AreInDoubtAlsoWhereTheClockStandsStillAfterALittleStepBack) {
+  ros::Time::setNow(now_);  // simulated from now on
+  TransformInput input(PoseLimits{0.03, 1.0, TOLERANCE});
+  input.followClock(now_);
+  for (int i = 0; i < 5; ++i) {
+    input.followClock(now_ - ros::Duration(0.05));
+    ros::WallDuration(0.02).sleep();
+  }
+  EXPECT_THAT(input.clockDoubt(), HasSubstr("/clock stands still"));
+  EXPECT_EQ(input.nbClockJumps(), 0u);
+}
+
 TEST_F(Transforms, AreInDoubtWhileASimulatedClockStandsStill) {
   ros::Time::setNow(now_);  // simulated from now on
   const auto doubtOf = [&](double max_pose_age, bool allow_paused, const ros::Time& now) {

@@ -55,7 +55,7 @@ CollisionPairsNode::CollisionPairsNode(ros::NodeHandle node, ros::NodeHandle pri
       publisher_(
           private_node,
           [this](std::shared_ptr<const void> old) { scene_service_.release(std::move(old)); }),
-      diagnostics_(node, private_node),
+      diagnostics_(node, private_node, private_node.getNamespace()),
       queries_(private_node, {transforms_, scenes_, [this] { return settings(); }}),
       trajectories_(private_node, {transforms_, scenes_, [this] { return settings(); }}),
       limiter_(node, private_node, {transforms_, scenes_, [this] { return settings(); }}) {

@@ -43,7 +43,6 @@ std::vector<std::string> doubtsOf(const StampedPoses& stamped, const TransformIn
   std::vector<std::string> doubts;
   const std::string clock = transforms.clockDoubt();
   if (!clock.empty()) doubts.push_back(clock);
-  if (stamped.problems.empty()) return doubts;
   doubts.insert(doubts.end(), stamped.problems.begin(), stamped.problems.end());
   if (doubts.size() > MAX_NAMED) {
     const std::string rest = "and " + std::to_string(doubts.size() - MAX_NAMED) + " more links";
@@ -51,6 +50,7 @@ std::vector<std::string> doubtsOf(const StampedPoses& stamped, const TransformIn
     doubts.push_back(rest);
   }
   if (now.isZero()) doubts.insert(doubts.begin(), NO_CLOCK);
+  if (stamped.problems.empty()) return doubts;
   const std::vector<std::string> refused = transforms.refused();
   for (std::size_t i = 0; i < std::min(refused.size(), MAX_NAMED); ++i) {
     doubts.push_back("refused " + refused[i]);

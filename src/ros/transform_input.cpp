@@ -107,7 +107,8 @@ void TransformInput::followClock(const ros::Time& now) {
 }
 
 void TransformInput::followClockLocked(const ros::Time& now) {
-  if (now != last_now_) last_step_ = ros::SteadyTime::now();
+  if (now != last_seen_) last_step_ = ros::SteadyTime::now();
+  last_seen_ = now;
   if (now < last_now_) {
     if (secondsBetween(now, last_now_) <= SET_BACK) return;
     ROS_INFO_STREAM("the clock went back to " << now << " s: earlier transforms are discarded");

@@ -18,7 +18,7 @@ from sensor_msgs.msg import JointState
 from tf2_msgs.msg import TFMessage
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
-from scene_client import add_box
+from scene_client import SceneClient, add_box, attach, clear, detach
 
 PATIENCE = 10.0  # s of wall time
 STEP = 0.02      # s, of either time
@@ -131,6 +131,19 @@ class ClockJumpsTest(unittest.TestCase):
         self.assertEqual(reply.result.verdict, CollisionPairs.UNKNOWN)
         self.play(101.0, 101.5, 5.0)
         self.assertEqual(self.newest().verdict, CollisionPairs.FREE)
+
+    def test_while_the_clock_stands_still_no_object_is_placed_where_something_is(self):
+        scene = SceneClient("/node")
+        self.play(100.0, 101.0, 5.0)
+        scene.apply(add_box("held", (0.0, 5.0, 0.0)), attach("held", "a"))
+        time.sleep(2.0)
+        for change in (detach("held"), add_box("crate", frame="a"), add_box("crate", attached_link="b")):
+            reply = scene.send(change)
+            self.assertFalse(reply.success)
+            self.assertIn("/clock stands still", reply.message)
+        self.play(101.0, 101.5, 5.0)
+        scene.apply(detach("held"))
+        scene.apply(clear())
 
     def test_a_clock_that_runs_on_ages_the_poses(self):
         self.play(100.0, 101.0, 5.0)

@@ -9,6 +9,7 @@ sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import rosgraph
 import rospy
 import rostest
+from diagnostic_msgs.msg import DiagnosticArray
 from node_client import PATIENCE, NodeClient
 from nodelet.srv import NodeletLoad, NodeletUnload
 from tf2_msgs.msg import TFMessage
@@ -37,6 +38,18 @@ def unload(name):
 def topics_of(name):
     publishers = rosgraph.Master("/test_nodelet").getSystemState()[0]
     return [topic for topic, _ in publishers if topic.startswith(name + "/")]
+
+
+def diagnosed(count):
+    """The names under which so many collision checks are diagnosed."""
+    names = set()
+    subscriber = rospy.Subscriber("/diagnostics", DiagnosticArray, lambda array: names.update(
+        status.name for status in array.status if status.name.endswith("collision check")))
+    end = rospy.get_time() + PATIENCE
+    while rospy.get_time() < end and len(names) < count:
+        rospy.sleep(0.1)
+    subscriber.unregister()
+    return names
 
 
 class NodeletTest(unittest.TestCase):
@@ -81,6 +94,7 @@ class NodeletTest(unittest.TestCase):
         for node, distance in ((first, 0.125), (second, 4.0)):  # 0 until its scene is ready
             report = node.report_since(stamp, lambda report: report.alarm_distance > 0.0)
             self.assertEqual(report.alarm_distance, distance)
+        self.assertEqual(diagnosed(2), {name[1:] + ": collision check" for name in names})
         self.assertTrue(unload(names[0]))
         stamp = self.publish(TOUCHING)
         self.assertEqual(second.report_since(stamp).verdict, CollisionPairs.COLLISION)

@@ -38,7 +38,7 @@ class SimulatedClockTest(unittest.TestCase):
     def tearDownClass(cls):
         cls.node.end()
 
-    def at(self, now, condition, places=(), joint_stamp=None):
+    def at(self, now, condition, places=(), joint_stamp=None, commands=True):
         """Says the time, the places of boxes, and a command, until the condition holds."""
         def said():
             self.clock.publish(Clock(rospy.Time(now)))
@@ -50,7 +50,8 @@ class SimulatedClockTest(unittest.TestCase):
                 state = JointState(name=["slide_a"], position=[0.0])
                 state.header.stamp = rospy.Time(joint_stamp)
                 self.joint_states.publish(state)
-            self.command.publish(Float64MultiArray(data=[0.1]))
+            if commands:
+                self.command.publish(Float64MultiArray(data=[0.1]))
             return condition()
         wait_until(said, "the node at %s s" % now)
 
@@ -81,6 +82,19 @@ class SimulatedClockTest(unittest.TestCase):
         self.at(60.0, lambda: "/clock stands still" in self.limits[-1].reason, boxes, 60.0)
         self.assertEqual((self.limits[-1].scale, self.limits[-1].verdict), (0.0, SpeedLimit.UNKNOWN))
         self.at(61.0, lambda: self.limits[-1].reason == "", boxes, 61.0)
+
+    def test_5_a_clock_that_went_back_between_two_commands_leaves_no_joint_state(self):
+        boxes = list(zip("abc", (0.0, 3.0, 6.0)))
+
+        def without_commands(now, joint_stamp=None):
+            end = time.time() + 0.5
+            self.at(now, lambda: time.time() > end, boxes, joint_stamp, commands=False)
+        self.at(70.0, lambda: self.limits[-1].reason == "", boxes, 70.0)
+        without_commands(40.0)
+        self.at(70.05, lambda: self.limits[-1].reason == "nobody reports joint 'slide_a'", boxes)
+        without_commands(200.0, joint_stamp=200.0)
+        self.at(150.0, lambda: self.limits[-1].reason == "nobody reports joint 'slide_a'", boxes)
+        self.at(151.0, lambda: self.limits[-1].reason == "", boxes, 151.0)
 
 
 if __name__ == "__main__":

@@ -60,7 +60,7 @@ void VelocityLimiter::start(const ros::NodeHandle& node, const ros::NodeHandle& 
   limit_ = own_private.advertise<SpeedLimit>("speed_limit", 1);
   subscribers_.push_back(subscribed<sensor_msgs::JointState>(
       own, parameters_->joint_states, 10, [this](const sensor_msgs::JointState& message) {
-        positions_.take(message, ros::Time::now().toSec(), parameters_->law.max_joint_state_age);
+        positions_.take(message, followClock(), parameters_->law.max_joint_state_age);
       }));
   // Only the newest command counts: one that waited is replaced.
   if (parameters_->is_trajectory) {
@@ -99,14 +99,21 @@ void VelocityLimiter::work() {
   }
 }
 
-void VelocityLimiter::answer(const Command& command) {
-  const double now = ros::Time::now().toSec() + TIME_TO_DECIDE;
-  if (now < last_now_ - TIME_TO_DECIDE) {  // the clock went back: nothing is known any more
+double VelocityLimiter::followClock() {
+  const double now = context_.transforms.followClock().toSec();
+  const unsigned nb_jumps = context_.transforms.nbClockJumps();
+  if (now < last_clock_ - TIME_TO_DECIDE || nb_jumps != nb_clock_jumps_) {
     law_ = std::make_unique<LimiterLaw>(parameters_->law);
     positions_.clear();
-    last_now_ = now;
+    last_clock_ = last_now_ = now;
   }
-  last_now_ = std::max(last_now_, now);
+  last_clock_ = std::max(last_clock_, now);
+  nb_clock_jumps_ = nb_jumps;
+  return now;
+}
+
+void VelocityLimiter::answer(const Command& command) {
+  last_now_ = std::max(last_now_, followClock() + TIME_TO_DECIDE);
   LimiterDecision decision;
   try {
     decision = decide(command, last_now_);
@@ -133,7 +140,7 @@ void VelocityLimiter::stopAfterSilence() {
   const double silent = (ros::SteadyTime::now() - last_->arrived).toSec();
   if (silent < parameters_->law.command_timeout) return;
   has_stopped_ = true;
-  last_now_ = std::max(last_now_, ros::Time::now().toSec());
+  last_now_ = std::max(last_now_, followClock());
   const LimiterDecision decision =
       law_->stop(last_now_, "no command for " + inWords(parameters_->law.command_timeout));
   publish(*last_, decision);

@@ -48,6 +48,9 @@ class VelocityLimiter {
 
   void start(const ros::NodeHandle& node, const ros::NodeHandle& private_node);
   void work();
+  /// Returns the time, seconds. Where the clock went back since the last call, all that is known is
+  /// of another time, and dropped.
+  double followClock();
   void answer(const Command& command);
   void stopAfterSilence();
   LimiterDecision decide(const Command& command, double now);
@@ -66,7 +69,9 @@ class VelocityLimiter {
   Fidelity fidelity_ = Fidelity::MESH;
   std::optional<Command> next_, last_;
   bool has_stopped_ = true;
-  double last_now_ = 0.0;
+  double last_now_ = 0.0;    // of the law
+  double last_clock_ = 0.0;  // the latest, but for a jump back
+  unsigned nb_clock_jumps_ = 0;
   ros::Publisher limited_, scale_, limit_;
 
   mutable std::mutex mutex_;  // guards what diagnose() and lastLimit() read
