@@ -25,6 +25,8 @@ class Gatherer : public testing::Test {
                                             const std::vector<Eigen::Vector3d>& points) {
     description_.clouds = {obstacleOf(config_)};
     RobotFilter filter(description_, *CollisionScene::build(description_), config_);
+    filter.keeps_more = keeps_more_;
+    keeps_more_ = false;
     const std::vector<SceneBody>& bodies = filter.own.bodies();
     BodyPoses robot;
     robot.resize(bodies.size());
@@ -51,6 +53,7 @@ class Gatherer : public testing::Test {
   Eigen::Isometry3d X_WS_ = Eigen::Isometry3d::Identity();
   double stamp_ = 100.0, x_of_a_ = 0.0;
   std::string unknown_link_;
+  bool keeps_more_ = false;  ///< the next filter
 };
 
 }  // namespace collision_pairs

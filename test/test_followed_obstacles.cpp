@@ -150,18 +150,23 @@ TEST_F(Follower, IsNotDisturbedByWhatIsAttachedElsewhere) {
 }
 
 TEST_F(Follower, DoesNotTakeWhatWasHeldForWhatVanished) {
-  const Vector3d held(0.65, 0.22, 0.01);
-  description_.objects = {heldBy("a", "tool", held)};
-  const auto show = [&](const Vector3d& p_W) {
-    for (int i = 0; i < 3; ++i) add(gatherer_, {p_W, held});
-    return gatherer_.mayTouch();
-  };
-  approach();
-  const std::string doubt = "vanished 12 cm from tool: it may touch";
-  EXPECT_EQ(show({-3, 0, 0}), doubt);
-  description_.objects.clear();
-  EXPECT_EQ(show({-3, 0, 0}), doubt);
-  EXPECT_EQ(show({0.75, -0.15, 0.01}), "");
+  const Vector3d held(0.65, 0.22, 0.01), elsewhere(0.0, 0.0, 0.8);
+  for (const bool is_moved : {false, true}) {
+    CloudGatherer gatherer(config_);
+    const auto show = [&](const Vector3d& p_W) {
+      for (int i = 0; i < 3; ++i) add(gatherer, {p_W, held});
+      return gatherer.mayTouch();
+    };
+    description_.objects = {heldBy("a", "tool", held)};
+    for (const double x : {0.95, 0.85, 0.65, 0.52}) add(gatherer, {{x, 0.01, 0.01}});
+    const std::string doubt = "vanished 12 cm from tool: it may touch";
+    EXPECT_EQ(show({-3, 0, 0}), doubt);
+    description_.objects.clear();
+    if (is_moved) description_.objects = {heldBy("a", "tool", elsewhere)};
+    keeps_more_ = true;
+    EXPECT_EQ(show({-3, 0, 0}), doubt);
+    EXPECT_EQ(show({0.75, -0.15, 0.01}), "");
+  }
 }
 
 TEST_F(Follower, RemembersWhatTheRobotHidesForAsLongAsItDoes) {

@@ -166,7 +166,7 @@ void CloudGatherer::remember(const Points& points, const Eigen::Isometry3d& X_WS
     return !added.empty() && !filter.attached.nearest(p_W, &added).name.empty();
   };
   memory_->update({grid_.seen(box), grid_.unseen(near.bounds()), robot, near, isHidden, isLeftOut,
-                   isTakenUp, !without(own_names_, filter.own.names()).empty()});
+                   isTakenUp, filter.keeps_more});
   for (const VoxelCell& cell : memory_->hidden()) grid_.keep(cell);
 }
 

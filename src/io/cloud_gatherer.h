@@ -24,6 +24,8 @@ struct RobotFilter {
 
   SelfFilter own, near;  ///< of the same bodies()
   SelfFilter attached;   ///< of attached objects alone; as far as a voxel of their points may be
+  /// May keep points that the filter of the last cloud left out: what appears may be these.
+  bool keeps_more = false;
 };
 
 /// Crops, filters and collects points, and follows what it saw near the robot. Not thread safe.

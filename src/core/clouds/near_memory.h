@@ -51,7 +51,7 @@ class NearMemory {
     std::function<bool(const Eigen::Vector3d& p_W)> isLeftOut;
     /// Whether what was seen there before is part of the robot now: it is not missed.
     std::function<bool(const Eigen::Vector3d& p_W)> isTakenUp;
-    bool shows_more = false;  ///< less is part of the robot, so what appears may be no obstacle new
+    bool shows_more = false;  ///< less is part of the robot: what appears may have been that
   };
   void update(const Cloud& cloud);
 

@@ -54,7 +54,9 @@ void CloudSource::follow(std::shared_ptr<FollowedRobot> robot, bool may_keep_mor
 
 void CloudSource::onCloud(const Cloud::ConstPtr& cloud) {
   {
+    context_.transforms.followClock();
     const std::lock_guard<std::mutex> lock(mutex_);
+    next_clock_jumps_ = context_.transforms.nbClockJumps();
     ++health_.received;
     if (next_) ++health_.dropped;
     next_ = cloud;
@@ -70,9 +72,13 @@ void CloudSource::work() {
     const Cloud::ConstPtr cloud = std::exchange(next_, nullptr);
     const std::shared_ptr<FollowedRobot> robot = robot_;
     const unsigned generation = generation_;
+    context_.transforms.followClock();
+    const bool is_of_before = next_clock_jumps_ != context_.transforms.nbClockJumps();
+    robot->filter.keeps_more = latest_robot_ < complete_from_;
     lock.unlock();
     std::string problem;
     try {
+      if (is_of_before) throw InputError("it came before the clock went back");
       use(*cloud, generation, *robot);
     } catch (const std::exception& error) {
       problem = error.what();

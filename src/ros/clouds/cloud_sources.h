@@ -109,6 +109,7 @@ class CloudSource {
   bool stopping_ = false;
   unsigned generation_ = 0;  // counts calls of clear()
   Cloud::ConstPtr next_;
+  unsigned next_clock_jumps_ = 0;  // on its arrival
   std::shared_ptr<FollowedRobot> robot_;
   LatestCloud latest_;
   unsigned latest_robot_ = 0;   // number of the robot that was filtered from it

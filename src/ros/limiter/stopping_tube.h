@@ -39,7 +39,7 @@ class PassedCommands {
  public:
   explicit PassedCommands(RobotResponse response);
 
-  /// `now` in seconds of any clock, not before that of the last one.
+  /// `now` in seconds of any clock that does not jump, not before that of the last one.
   void add(double now, const std::vector<double>& command);
 
   /// `next`, which is to be passed `now`, is a multiple of `direction`, which is not zero; the

@@ -18,9 +18,10 @@ namespace {
 // Seconds: a decision is made as if the command were passed this much later than it begins. One
 // that takes longer is an overrun.
 constexpr double TIME_TO_DECIDE = 0.02;
-constexpr double LONGEST_WAIT = 0.1;  // s, so that the thread ends soon
-constexpr double SHOWN_FOR = 1.0;     // s
-constexpr double WARN_PERIOD = 5.0;   // s between repeated warnings in the log
+constexpr double LONGEST_WAIT = 0.1;      // s, so that the thread ends soon
+constexpr double SIMULATED_WAIT = 0.001;  // s: a simulated clock may be faster
+constexpr double SHOWN_FOR = 1.0;         // s
+constexpr double WARN_PERIOD = 5.0;       // s between repeated warnings in the log
 
 template <class Message, class Take>
 ros::Subscriber subscribed(ros::NodeHandle& node, const std::string& topic,
@@ -68,14 +69,14 @@ void VelocityLimiter::start(const ros::NodeHandle& node, const ros::NodeHandle& 
     limited_ = own_private.advertise<JointTrajectory>("limited_command", 1);
     subscribers_.push_back(
         subscribed<JointTrajectory>(own, parameters_->command, 1, [this](const auto& message) {
-          next_ = {{}, message, ros::SteadyTime::now()};
+          next_ = {{}, message, ros::SteadyTime::now(), timeOfLaw()};
         }));
   } else {
     using std_msgs::Float64MultiArray;
     limited_ = own_private.advertise<Float64MultiArray>("limited_command", 1);
     subscribers_.push_back(
         subscribed<Float64MultiArray>(own, parameters_->command, 1, [this](const auto& message) {
-          next_ = {message, {}, ros::SteadyTime::now()};
+          next_ = {message, {}, ros::SteadyTime::now(), timeOfLaw()};
         }));
   }
   thread_ = std::thread([this] { work(); });
@@ -85,8 +86,8 @@ void VelocityLimiter::work() {
   while (!stopping_ && ros::ok()) {
     double wait = LONGEST_WAIT;
     if (!has_stopped_) {
-      const double silent = (ros::SteadyTime::now() - last_->arrived).toSec();
-      wait = std::clamp(parameters_->law.command_timeout - silent, 0.0, wait);
+      wait = std::clamp(parameters_->law.command_timeout - silentFor(*last_), 0.0, wait);
+      if (ros::Time::isSimTime()) wait = std::min(wait, SIMULATED_WAIT);
     }
     queue_.callAvailable(ros::WallDuration(wait));
     if (next_) {
@@ -103,27 +104,41 @@ double VelocityLimiter::followClock() {
   const double now = context_.transforms.followClock().toSec();
   const unsigned nb_jumps = context_.transforms.nbClockJumps();
   if (now < last_clock_ - TIME_TO_DECIDE || nb_jumps != nb_clock_jumps_) {
-    law_ = std::make_unique<LimiterLaw>(parameters_->law);
     positions_.clear();
-    last_clock_ = last_now_ = now;
+    last_clock_ = now;
   }
+  law_now_ = ros::Time::isSimTime() ? law_now_ + std::max(0.0, now - last_clock_)
+                                    : ros::SteadyTime::now().toSec();
   last_clock_ = std::max(last_clock_, now);
   nb_clock_jumps_ = nb_jumps;
   return now;
 }
 
+double VelocityLimiter::timeOfLaw() {
+  followClock();
+  return law_now_;
+}
+
+/// Where a simulated clock stands still, or is slow, nobody waits for it.
+double VelocityLimiter::silentFor(const Command& command) {
+  return std::max((ros::SteadyTime::now() - command.arrived).toSec(),
+                  timeOfLaw() - command.law_arrived);
+}
+
 void VelocityLimiter::answer(const Command& command) {
-  last_now_ = std::max(last_now_, followClock() + TIME_TO_DECIDE);
+  const double now = followClock() + TIME_TO_DECIDE;
+  passed_at_ = std::max(passed_at_, law_now_ + TIME_TO_DECIDE);
   LimiterDecision decision;
   try {
-    decision = decide(command, last_now_);
+    decision = decide(command, now);
   } catch (const std::exception& error) {
-    decision = law_->stop(last_now_, error.what());
+    decision = law_->stop(passed_at_, error.what());
   }
   const double took = (ros::SteadyTime::now() - command.arrived).toSec();
-  const bool is_late = took > TIME_TO_DECIDE;
+  const bool is_late = took > TIME_TO_DECIDE || timeOfLaw() > passed_at_;
   if (is_late) {
-    decision = law_->stop(last_now_, "overrun: the decision took " + inWords(took));
+    passed_at_ = std::max(passed_at_, law_now_);
+    decision = law_->stop(passed_at_, "overrun: the decision took " + inWords(took));
   }
   publish(command, decision);
   has_stopped_ = false;
@@ -137,18 +152,17 @@ void VelocityLimiter::answer(const Command& command) {
 }
 
 void VelocityLimiter::stopAfterSilence() {
-  const double silent = (ros::SteadyTime::now() - last_->arrived).toSec();
-  if (silent < parameters_->law.command_timeout) return;
+  if (silentFor(*last_) < parameters_->law.command_timeout) return;
   has_stopped_ = true;
-  last_now_ = std::max(last_now_, followClock());
+  passed_at_ = std::max(passed_at_, law_now_);
   const LimiterDecision decision =
-      law_->stop(last_now_, "no command for " + inWords(parameters_->law.command_timeout));
+      law_->stop(passed_at_, "no command for " + inWords(parameters_->law.command_timeout));
   publish(*last_, decision);
 }
 
 LimiterDecision VelocityLimiter::decide(const Command& command, double now) {
   LimiterInput input;
-  input.now = now;
+  input.now = passed_at_;
   input.command =
       command.array ? command.array->data : velocitiesOf(*command.trajectory, parameters_->joints);
   prepare(now, input);
@@ -169,9 +183,11 @@ void VelocityLimiter::prepare(double now, LimiterInput& input) {
   if (!active->broken_links.empty()) {
     throw InputError("link '" + active->broken_links.front() + "' could not be read");
   }
-  input.stamp = std::min(positions_.oldestOf(parameters_->joints), now);
-
   const ros::Time clock = context_.transforms.followClock();
+  if (clock.isZero()) throw InputError(NO_CLOCK);
+  const double age = std::max(0.0, now - positions_.oldestOf(parameters_->joints));
+  input.stamp = passed_at_ - age;
+
   const std::string still = context_.transforms.clockDoubt();
   if (!still.empty()) throw InputError(still);  // nothing is seen to age
   const RobotModel& robot = active->scene->robot();

@@ -44,15 +44,19 @@ class VelocityLimiter {
     std::optional<std_msgs::Float64MultiArray> array;
     std::optional<trajectory_msgs::JointTrajectory> trajectory;
     ros::SteadyTime arrived;
+    double law_arrived = 0.0;  ///< seconds, as law_now_
   };
 
   void start(const ros::NodeHandle& node, const ros::NodeHandle& private_node);
   void work();
-  /// Returns the time, seconds. Where the clock went back since the last call, all that is known is
-  /// of another time, and dropped.
+  /// Returns the time, seconds, and brings law_now_ up to date. Where the clock went back since the
+  /// last call, the joint states are of another time, and dropped.
   double followClock();
+  double timeOfLaw();
+  double silentFor(const Command& command);
   void answer(const Command& command);
   void stopAfterSilence();
+  /// `now`: when the command is passed, on the clock of stamps.
   LimiterDecision decide(const Command& command, double now);
   void prepare(double now, LimiterInput& input);
   void publish(const Command& layout, const LimiterDecision& decision);
@@ -69,8 +73,11 @@ class VelocityLimiter {
   Fidelity fidelity_ = Fidelity::MESH;
   std::optional<Command> next_, last_;
   bool has_stopped_ = true;
-  double last_now_ = 0.0;    // of the law
-  double last_clock_ = 0.0;  // the latest, but for a jump back
+  // What was passed has an effect for as long as it takes the robot, whatever happens to the clock:
+  // the law has a time of its own, which no jump sets back. It is that of the steady clock, or goes
+  // on with a simulated one.
+  double law_now_ = 0.0, passed_at_ = 0.0;  // the latter: that of the last decision
+  double last_clock_ = 0.0;                 // the latest, but for a jump back
   unsigned nb_clock_jumps_ = 0;
   ros::Publisher limited_, scale_, limit_;
 
