@@ -11,6 +11,7 @@ import rostest
 from sensor_msgs.msg import JointState
 
 from node_client import JointPublisher, NodeClient
+from program import NODE, Program
 from scene_client import SceneClient, add_box, attach, clear, detach, move, xyz_of
 
 TOP = 0.5  # of the unit boxes a, b and c
@@ -56,6 +57,20 @@ class AttachedObjectsTest(unittest.TestCase):
         self.assertEqual(pairs(self.report_at(0, 4, 8)), [])
         self.assertEqual(pairs(self.report_at(2, 4, 8)), [("held", "post")])
         self.assertEqual(pairs(self.report_at(-2, 4, 8)), [])
+
+    def test_what_is_attached_meets_a_link_that_was_in_no_pair(self):
+        """Whose geometry the node has not loaded yet."""
+        rospy.set_param("/lean/pair_rules", [{"deny": ["c", "a"]}, {"deny": ["c", "b"]}])
+        lean = Program(NODE, "__name:=lean")
+        try:
+            node, scene = NodeClient("/lean"), SceneClient("/lean")
+            self.assertIsNotNone(node.next(node.reports, lambda r: r.verdict == r.FREE))
+            scene.apply(add_box("held", (8, 0, 0), attached_link="a"))
+            report = node.next(node.reports, lambda r: r.verdict == r.COLLISION)
+            self.assertIsNotNone(report)
+            self.assertEqual(pairs(report), [("c", "held")])
+        finally:
+            lean.end()
 
     def test_what_is_attached_moves_with_its_link_also_if_its_name_comes_before_all_links(self):
         self.scene.apply(add_box("post", (10.0, 0, ARM)))
