@@ -73,7 +73,9 @@ SimulationResult simulate(const BenchmarkRobot& robot, SimulationOptions options
 void expectSafety(const SimulationOptions& options, double in_long_run, double least_passed) {
   RandomInputs random;
   double passed = 0.0, asked = 0.0;  // of all robots: one may stand in a corner for the 10 s
-  for (const BenchmarkRobot& robot : robots()) {
+  std::vector<BenchmarkRobot> all = robots();
+  if (all.size() == 1) all.resize(4, all.front());  // from other states
+  for (const BenchmarkRobot& robot : all) {
     SCOPED_TRACE(robot.name);
     const SimulationResult result = simulate(robot, options, secondsEach(10, in_long_run), random);
     EXPECT_EQ(result.nb_contacts, 0);
