@@ -19,8 +19,8 @@ PairDistance distanceOf(const Shape& a, const Shape& b, const Isometry3d& X_AB) 
 }
 
 // Goals: distance 1e-12 of the smaller body's size or 64 roundings of the larger one; depth 1e-6 of
-// the smaller, whether or not it is called a bound. The direction of a bound is that of a minimum to
-// rounding, so to the root of a rounding; the larger the depth, the further off are its points.
+// the smaller, whether or not it is called a bound. The direction of a bound is that of a minimum
+// to rounding, so to the root of a rounding; the larger the depth, the further off are its points.
 void holdRow(const CylinderRow& row, int poses, double witness_accuracy) {
   SCOPED_TRACE(row.name);
   RandomInputs random;

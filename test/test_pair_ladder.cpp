@@ -251,8 +251,8 @@ TEST(PairLadder, NoRungIsWorseThanTheBoxesAndItsPointsAreAsFarApartAsItSays) {
   EXPECT_GT(nb_of_boxes, 50);
 }
 
-// Motions are certified by how fast a distance can change, so none may jump while the two are apart.
-// That of spheres is within a fifth of their gap (sphere_distance.h), which does not jump.
+// Motions are certified by how fast a distance can change, so none may jump while the two are
+// apart. That of spheres is within a fifth of their gap (sphere_distance.h), which does not jump.
 TEST(PairLadder, NoDistanceChangesByMoreThanTheTwoMove) {
   int nb_steps = 0;
   forEachPair([&](Ladder& its, const BoxPair& pair, RandomInputs& random) {

@@ -101,9 +101,9 @@ class TransformInput {
   mutable std::mutex mutex_;  // guards what follows
   TransformBuffer buffer_;
   std::map<std::string, Refusal> refusals_;  // by child frame
-  ros::Time last_now_;         // the latest, but for a jump back
-  ros::Time last_seen_;        // of the clock, which may be set back a little
-  ros::SteadyTime last_step_;  // when it was seen to move
+  ros::Time last_now_;                       // the latest, but for a jump back
+  ros::Time last_seen_;                      // of the clock, which may be set back a little
+  ros::SteadyTime last_step_;                // when it was seen to move
   unsigned nb_clock_jumps_ = 0;
 
   ros::CallbackQueue queue_;

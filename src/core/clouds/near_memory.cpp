@@ -173,17 +173,14 @@ std::optional<NearMemory::Vanished> NearMemory::placeOf(const std::vector<Unseen
   }
   if (nearest.name.empty()) return std::nullopt;
   const Eigen::Isometry3d X_BW = cloud.robot.X_WB[nearest.body].inverse(Eigen::Isometry);
-  return Vanished{place,
-                  X_BW * place,
-                  cloud.near.bodies()[nearest.body].link,
-                  nearest.name,
-                  nearest.distance,
-                  aboutPlace(place, FOUND_AGAIN + reach_, cloud)};
+  return Vanished{place,        X_BW * place,     cloud.near.bodies()[nearest.body].link,
+                  nearest.name, nearest.distance, aboutPlace(place, FOUND_AGAIN + reach_, cloud)};
 }
 
 NearMemory::Voxels NearMemory::aboutPlace(const Vector3d& p_W, double reach, const Cloud& cloud) {
   std::vector<VoxelCell> cells;
-  cloud.now->forEachWithin({p_W, p_W}, reach, [&](const VoxelCell& cell) { cells.push_back(cell); });
+  cloud.now->forEachWithin({p_W, p_W}, reach,
+                           [&](const VoxelCell& cell) { cells.push_back(cell); });
   return std::make_shared<const OccupiedVoxels>(cloud.now->voxelSize(), cells);
 }
 

@@ -107,8 +107,7 @@ void CloudSource::use(const Cloud& cloud, unsigned generation, FollowedRobot& ro
   const auto voxels =
       gatherer_.add(points_, instant.X_WS, instant.robot, cloud.header.stamp.toSec(), robot.filter);
   last_stamp_ = cloud.header.stamp;
-  keep(voxels, cloud.header.stamp, generation, robot,
-       (ros::WallTime::now() - start).toSec());
+  keep(voxels, cloud.header.stamp, generation, robot, (ros::WallTime::now() - start).toSec());
   if (!gatherer_.warning().empty()) tell(gatherer_.warning());
   publishKept(cloud.header);
 }
