@@ -402,6 +402,13 @@ class CloudsTest(unittest.TestCase):
             self.forget()
             self.wait_for(FREE)
 
+    def test_the_diagnostics_count_what_came(self):
+        found = cloud_diagnosis(lambda d: float(d[CLOUD + " rate [Hz]"]) > 5.0)
+        self.assertIsNotNone(found)
+        self.assertEqual((found[CLOUD + " points"], found[CLOUD + " voxels"]), ("1", "1"))
+        self.assertLess(float(found[CLOUD + " latency [s]"]), 0.5)
+        self.assertGreaterEqual(int(found[CLOUD + " received"]), int(found[CLOUD + " used"]))
+
 
 if __name__ == "__main__":
     rospy.init_node("test_clouds")

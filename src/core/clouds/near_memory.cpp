@@ -174,12 +174,12 @@ std::optional<NearMemory::Vanished> NearMemory::placeOf(const std::vector<Unseen
   if (nearest.name.empty()) return std::nullopt;
   const Eigen::Isometry3d X_BW = cloud.robot.X_WB[nearest.body].inverse(Eigen::Isometry);
   return Vanished{place,        X_BW * place,     cloud.near.bodies()[nearest.body].link,
-                  nearest.name, nearest.distance, aboutPlace(place, FOUND_AGAIN + reach_, cloud)};
+                  nearest.name, nearest.distance, aboutPlace(place, cloud)};
 }
 
-NearMemory::Voxels NearMemory::aboutPlace(const Vector3d& p_W, double reach, const Cloud& cloud) {
+NearMemory::Voxels NearMemory::aboutPlace(const Vector3d& p_W, const Cloud& cloud) const {
   std::vector<VoxelCell> cells;
-  cloud.now->forEachWithin({p_W, p_W}, reach,
+  cloud.now->forEachWithin({p_W, p_W}, FOUND_AGAIN + reach_,
                            [&](const VoxelCell& cell) { cells.push_back(cell); });
   return std::make_shared<const OccupiedVoxels>(cloud.now->voxelSize(), cells);
 }
@@ -206,7 +206,7 @@ void NearMemory::findWhatAppeared(const Cloud& cloud) {
   const auto find = [&](Vanished& one) {
     one.appeared.reset();
     if (cloud.shows_more) {
-      one.around = aboutPlace(one.p_W, FOUND_AGAIN + reach_, cloud);
+      one.around = aboutPlace(one.p_W, cloud);
       return;
     }
     for (const Vector3d& place : {one.p_W, placeOnLink(one, cloud)}) {

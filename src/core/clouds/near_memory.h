@@ -94,7 +94,8 @@ class NearMemory {
   void addVanished(const std::vector<Unseen>& obstacle, const Cloud& cloud);
   void followWhatIsHidden(const Cloud& cloud);
   void findWhatAppeared(const Cloud& cloud);
-  static Voxels aboutPlace(const Eigen::Vector3d& p_W, double reach, const Cloud& cloud);
+  /// What is seen about a place where something may be found again.
+  Voxels aboutPlace(const Eigen::Vector3d& p_W, const Cloud& cloud) const;
   static Eigen::Vector3d placeOnLink(const Vanished& one, const Cloud& cloud);
 
   const double reach_, padding_;
