@@ -1,6 +1,7 @@
 # The law of the velocity limiter knows the core alone.
-set(limiter_law src/ros/limiter/certified_surroundings.cpp src/ros/limiter/limiter_law.cpp
-                src/ros/limiter/stopping_tube.cpp)
+set(limiter_law src/ros/limiter/certified_surroundings.cpp src/ros/limiter/command_outlet.cpp
+                src/ros/limiter/limiter_clock.cpp src/ros/limiter/limiter_law.cpp
+                src/ros/limiter/prepared_surroundings.cpp src/ros/limiter/stopping_tube.cpp)
 
 # The node. Its parts are a library, so that tests can call the pure ones without a master.
 add_library(collision_pairs_ros STATIC

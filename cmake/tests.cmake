@@ -78,12 +78,17 @@ target_sources(test_limiter_law PRIVATE ${limiter_law} test/benchmark/benchmark_
   test/benchmark/demo_motion.cpp test/benchmark/limiter_drives.cpp test/benchmark/limiter_judge.cpp
   test/benchmark/limiter_simulation.cpp
   test/benchmark/motion_scenes.cpp test/benchmark/simulated_joints.cpp test/benchmark/simulated_limiters.cpp)
+collision_pairs_test(command_outlet)
+target_sources(test_command_outlet PRIVATE src/ros/limiter/command_outlet.cpp
+  src/ros/limiter/limiter_law.cpp src/ros/limiter/stopping_tube.cpp test/benchmark/simulated_joints.cpp)
+collision_pairs_test(limiter_clock)
+target_sources(test_limiter_clock PRIVATE src/ros/limiter/limiter_clock.cpp)
 collision_pairs_test(limiter_input collision_pairs_ros)
 collision_pairs_test(limiter_reasons collision_pairs_ros)
 collision_pairs_test(stopping_tube)
 target_sources(test_stopping_tube PRIVATE src/ros/limiter/stopping_tube.cpp
   test/benchmark/simulated_joints.cpp)
-foreach(test limiter_law stopping_tube)
+foreach(test command_outlet limiter_clock limiter_law stopping_tube)
   target_include_directories(test_${test} PRIVATE src/ros/limiter)
 endforeach()
 collision_pairs_test(markers collision_pairs_ros)

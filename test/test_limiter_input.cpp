@@ -173,10 +173,12 @@ TEST(JointPositions, OfEachJointTheNewestStampCountsInWhateverOrderTheyCome) {
   positions.take(state(9.0, {"a", "b"}, {9.0, 9.0}), 3.0, 0.1);  // of the future
   EXPECT_EQ(positions.all().at("a").value, 0.2);
   EXPECT_EQ(positions.all().at("b").value, 0.6);
-  EXPECT_EQ(positions.oldestOf({"a", "b"}), 2.0);
-  EXPECT_THROW(positions.oldestOf({"a", "c"}), InputError);
+  EXPECT_THROW(positions.oldestOf({"a", "b"}, 3.0, 0.1), InputError) << "ahead of the clock";
+  EXPECT_EQ(positions.oldestOf({"a", "b"}, 3.2, 0.1), 2.0) << "the clock goes on without more";
+  EXPECT_EQ(positions.newestStampOf({"a", "b", "c"}), 3.0);
+  EXPECT_THROW(positions.oldestOf({"a", "c"}, 3.2, 0.1), InputError);
   positions.take(state(4.0, {"a"}, {std::numeric_limits<double>::quiet_NaN()}), 4.0, 0.1);
-  EXPECT_THROW(positions.oldestOf({"a"}), InputError);
+  EXPECT_THROW(positions.oldestOf({"a"}, 4.0, 0.1), InputError);
 }
 
 template <class Ask>
@@ -195,11 +197,42 @@ TEST(JointPositions, AheadOfTheClockAreTakenUpToTheToleranceAndAgainAtTheSameSta
   EXPECT_EQ(positions.all().size(), 1u);
   positions.take(state(2.5, {"a"}, {0.3}), 2.0, 0.5);
   EXPECT_EQ(positions.all().at("a").value, 0.3);
-  EXPECT_EQ(positions.oldestOf({"a"}), 2.5);
-  EXPECT_EQ(refusalBy([&] { positions.oldestOf({"b"}); }), "nobody reports joint 'b'");
+  EXPECT_EQ(refusalBy([&] { positions.oldestOf({"b"}, 2.0, 0.5); }), "nobody reports joint 'b'");
   positions.take(state(2.5, {"a"}, {HUGE_VAL}), 2.0, 0.5);
-  EXPECT_EQ(refusalBy([&] { positions.oldestOf({"a"}); }),
+  EXPECT_EQ(refusalBy([&] { positions.oldestOf({"a"}, 2.0, 0.5); }),
             "the position of joint 'a' is not finite");
+}
+
+TEST(JointPositions, AreMeasuredNoLaterThanTheyArrive) {
+  RandomInputs random;
+  for (int i = 0; i < 1000; ++i) {
+    JointPositions positions;
+    const double arrived = random.uniform(1.0, 9.0), offset = random.uniform(-0.5, 0.1);
+    positions.take(state(arrived + offset, {"a"}, {0.2}), arrived, 0.1);
+    EXPECT_LE(positions.oldestOf({"a"}, arrived, 0.1), arrived) << offset;
+    EXPECT_NEAR(positions.oldestOf({"a"}, arrived, 0.1), arrived + std::min(offset, 0.0), 1e-6);
+    EXPECT_NEAR(positions.newestStampOf({"a"}), arrived + offset, 1e-6);
+  }
+}
+
+// Of a clock that is late, or of a sender whose clock is ahead: nobody knows which.
+TEST(JointPositions, ThatAreRefusedLeaveNoOlderOnesInForce) {
+  JointPositions positions;
+  positions.take(state(2.0, {"a", "b"}, {0.2, 0.3}), 2.0, 0.1);
+  positions.take(state(2.2, {"a"}, {0.4}), 2.0, 0.1);
+  EXPECT_EQ(refusalBy([&] {
+              positions.oldestOf({"a", "b"}, 2.0, 0.1);
+            }),
+            "the position of joint 'a' is stamped 0.20 s ahead of the clock: is /clock late, or "
+            "the clock of a computer ahead?");
+  EXPECT_EQ(positions.oldestOf({"b"}, 2.0, 0.1), 2.0) << "of other joints it says nothing";
+  positions.take(state(2.05, {"a"}, {0.3}), 2.0, 0.1);  // late, and not the newest
+  EXPECT_THROW(positions.oldestOf({"a"}, 2.05, 0.1), InputError);
+  positions.take(state(2.3, {"a"}, {0.5}), 2.3, 0.1);
+  EXPECT_EQ(positions.oldestOf({"a"}, 2.3, 0.1), 2.3) << "the clock has caught up";
+  positions.take(state(9.0, {"a"}, {0.5}), 2.3, 0.1);
+  positions.clear();
+  EXPECT_EQ(refusalBy([&] { positions.oldestOf({"a"}, 2.3, 0.1); }), "nobody reports joint 'a'");
 }
 
 class TrajectoryOfTwo : public testing::Test {
@@ -252,6 +285,34 @@ TEST_F(TrajectoryOfTwo, IsPassedWithAllThatItSays) {
             "header frame_id base joint_names[0] b joint_names[1] unknown points[0] "
             "velocities[0] 1 velocities[1]" +
                 end);
+}
+
+// A trajectory controller drops a point of the past, and takes all of its time for one that is far.
+TEST_F(TrajectoryOfTwo, StopsNowAndWithinTheTimeThatTheDecelerationNeeds) {
+  command_.header.stamp = ros::Time(17.0);
+  decision_.command = {0.5, 1.0};
+  EXPECT_EQ(limitedTrajectory(command_, {"a", "b"}, decision_, measured_).header.stamp.toSec(),
+            17.0);
+  decision_ = {};
+  decision_.command = {0.0, 0.0};
+  const auto stop = [&](double seconds_to_rest, double given) {
+    decision_.seconds_to_rest = seconds_to_rest;
+    command_.points[0].time_from_start = ros::Duration(given);
+    const auto limited = limitedTrajectory(command_, {"a", "b"}, decision_, measured_);
+    EXPECT_TRUE(limited.header.stamp.isZero()) << "at once";
+    EXPECT_EQ(limited.header.frame_id, "base");
+    EXPECT_THAT(limited.points[0].velocities, ElementsAre(0.0, 0.0));
+    EXPECT_THAT(limited.points[0].positions, ElementsAre(12.0, 10.0));
+    return limited.points[0].time_from_start.toSec();
+  };
+  EXPECT_DOUBLE_EQ(stop(0.25, 3.0), 0.25);
+  EXPECT_DOUBLE_EQ(stop(0.25, 0.1), 0.1);
+  EXPECT_DOUBLE_EQ(stop(0.0, 3.0), 0.01) << "a point of now is dropped";
+  EXPECT_DOUBLE_EQ(stop(0.0, 0.0), 0.01);
+  EXPECT_DOUBLE_EQ(stop(0.25, -1.0), 0.25);
+  command_.points.clear();
+  EXPECT_EQ(limitedTrajectory(command_, {"a", "b"}, decision_, measured_).points[0].time_from_start,
+            ros::Duration(0.25));
 }
 
 TEST_F(TrajectoryOfTwo, LeadsNowhereThatItsVelocitiesDoNot) {

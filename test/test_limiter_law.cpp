@@ -11,6 +11,7 @@
 #include "benchmark/simulated_limiters.h"
 #include "collision_pairs/occupied_voxels.h"
 #include "motion_fixtures.h"
+#include "published_decisions.h"
 
 namespace collision_pairs {
 namespace {
@@ -126,7 +127,7 @@ TEST(LimiterLaw, AnObstacleThatComesFindsTheRobotStandingAtTheStopDistance) {
       RobotState state;
       state.positions = joints.positions();
       surroundings.setState(state);
-      const auto decision = law.decide({now, now, SEEN_LATE, {1.0}}, surroundings);
+      const auto decision = published(law, {now, now, SEEN_LATE, {1.0}}, surroundings);
       passed += decision.command[0] * PERIOD;
       joints.command(now + settings.reaction_time - STEP, decision.command);
     }
@@ -164,7 +165,7 @@ double movedFromContact(double gap, double reaction_time) {
       state.positions = joints.positions();
       surroundings.setState(state);
       joints.command(now + settings.reaction_time - STEP,
-                     law.decide({now, now, 0.0, {1.0}}, surroundings).command);
+                     published(law, {now, now, 0.0, {1.0}}, surroundings).command);
     }
     joints.step(now, STEP);
     reached = std::max(reached, joints.positions()[0]);
@@ -195,6 +196,7 @@ class AskedSurroundings : public Surroundings {
     return {!nearer.empty(), "", "", ""};
   }
   double travel(const StoppingTube&) override { return 1e-4; }
+  bool leadsApart(const StoppingTube&, const NearPair&) override { return true; }
   bool nearPairs(double, const std::vector<double>&, std::vector<NearPair>& pairs,
                  std::string&) override {
     pairs = near_;
@@ -279,7 +281,7 @@ TEST(LimiterLaw, FarFromEverythingTheScaleIsExactlyOne) {
     surroundings.setState(state);
     const double now = 0.01 * i;
     const std::vector<double> command = {random.uniform(-2.0, 2.0)};
-    const LimiterDecision decision = law.decide({now, now - 0.005, 0.0, command}, surroundings);
+    const LimiterDecision decision = published(law, {now, now - 0.005, 0.0, command}, surroundings);
     ASSERT_EQ(decision.scale, 1.0) << decision.reason;
     ASSERT_EQ(decision.command, command);
     ASSERT_EQ(decision.verdict, Verdict::FREE);

@@ -6,6 +6,7 @@
 #include <gmock/gmock.h>
 
 #include "limiter_law.h"
+#include "published_decisions.h"
 
 namespace collision_pairs {
 namespace {
@@ -20,7 +21,7 @@ using testing::StartsWith;
 struct OnePair : Surroundings {
   NearPair pair{"hand", "ball", -0.002, 1.0, false};
   double travelled = 1e-4;
-  bool is_known = true, is_free_without = false;
+  bool is_known = true, is_free_without = false, leads_apart = true;
   std::string path;  // why it is not certified, if that is not the pair
 
   Certificate certify(const StoppingTube&, double, double,
@@ -28,6 +29,7 @@ struct OnePair : Surroundings {
     return {is_free_without && !nearer.empty(), "hand", "ball", path};
   }
   double travel(const StoppingTube&) override { return travelled; }
+  bool leadsApart(const StoppingTube&, const NearPair&) override { return leads_apart; }
   bool nearPairs(double, const std::vector<double>&, std::vector<NearPair>& pairs,
                  std::string& why) override {
     pairs = {pair};
@@ -91,6 +93,8 @@ TEST_F(Reasons, OfARetreatThatDoesNotPass) {
   EXPECT_THAT(refusal(input_), EndsWith("; its way back is not certified"));
   surroundings_.travelled = 1.0;
   EXPECT_THAT(refusal(input_), EndsWith("; it would lead too far"));
+  surroundings_.leads_apart = false;
+  EXPECT_THAT(refusal(input_), EndsWith("; it would lead deeper into contact"));
   surroundings_.pair.derivative = -1.0;
   EXPECT_THAT(refusal(input_), EndsWith("; it does not lead away from all that is near"));
   surroundings_.is_known = false;
@@ -101,8 +105,8 @@ TEST_F(Reasons, OfARetreatBeforeTheRobotStands) {
   surroundings_.is_free_without = true;
   LimiterLaw law(settings_);
   surroundings_.pair.derivative = 1.0;
-  ASSERT_GT(law.decide(input_, surroundings_).scale, 0.0);
-  const LimiterDecision back = law.decide({9.01, 9.01, 0.0, {-0.1}}, surroundings_);
+  ASSERT_GT(published(law, input_, surroundings_).scale, 0.0);
+  const LimiterDecision back = published(law, {9.01, 9.01, 0.0, {-0.1}}, surroundings_);
   EXPECT_EQ(back.scale, 0.0);
   EXPECT_THAT(back.reason, EndsWith("; the robot does not stand yet"));
 }
@@ -119,9 +123,9 @@ TEST_F(Reasons, OfAScaleThatIsNotTheWholeAndOfOneThatIs) {
     }
   } nothing;
   LimiterLaw law(settings_);
-  EXPECT_EQ(law.decide(input_, nothing).reason, "");
-  law.stop(9.1, "told to");
-  EXPECT_EQ(law.decide({9.11, 9.11, 0.0, {0.1}}, nothing).reason, "the scale is rising");
+  EXPECT_EQ(published(law, input_, nothing).reason, "");
+  publishStop(law, 9.1);
+  EXPECT_EQ(published(law, {9.11, 9.11, 0.0, {0.1}}, nothing).reason, "the scale is rising");
 }
 
 /// Certifies scales up to one, and remembers all questions.
@@ -130,9 +134,9 @@ struct Asked : Surroundings {
   double seconds = 0.31, command = 0.1;  // of the path along the command
   std::vector<double> scales, clearances, growths, retreats, reaches;
   double kept_scale = 0.0, kept_growth = 0.0;  // of the last retreat
-  std::vector<NearPair> near, nearer;
+  std::vector<NearPair> near, nearer, touching;
   double travelled = 1e-4;
-  bool may_retreat = false;
+  bool may_retreat = false, leads_apart = true;
 
   double scaleOf(const StoppingTube& tube) const {
     return (tube.to[0] - tube.from[0]) / (seconds * command);
@@ -153,6 +157,10 @@ struct Asked : Surroundings {
   double travel(const StoppingTube& tube) override {
     retreats.push_back(scaleOf(tube));
     return travelled;
+  }
+  bool leadsApart(const StoppingTube&, const NearPair& pair) override {
+    touching.push_back(pair);
+    return leads_apart;
   }
   bool nearPairs(double reach, const std::vector<double>&, std::vector<NearPair>& pairs,
                  std::string&) override {
@@ -201,37 +209,39 @@ TEST_F(Questions, OfASearchAreFiveScalesAtMost) {
 TEST_F(Questions, OfALaterSearchBeginBelowWhatPassedLast) {
   LimiterLaw law(settings_);
   asked_.certified = 0.5;
-  EXPECT_NEAR(law.decide({9.0, 9.0, 0.0, {0.1}}, asked_).scale, 0.425, 1e-9);
+  EXPECT_NEAR(published(law, {9.0, 9.0, 0.0, {0.1}}, asked_).scale, 0.425, 1e-9);
   asked_.scales.clear();
-  law.decide({9.1, 9.1, 0.0, {0.1}}, asked_);
+  published(law, {9.1, 9.1, 0.0, {0.1}}, asked_);
   ASSERT_EQ(asked_.scales.size(), 5u);
   EXPECT_NEAR(asked_.scales[0], 0.425 + 2.0 * 0.1, 1e-9);
   EXPECT_NEAR(asked_.scales[1], (0.21 * 0.85 * 0.425 + 0.1 * 0.425) / 0.31, 1e-9);
   asked_ = Asked();
   asked_.certified = 0.99;
   LimiterLaw nearly(settings_);
-  nearly.decide({9.0, 9.0, 0.0, {0.1}}, asked_);  // 0.925
+  published(nearly, {9.0, 9.0, 0.0, {0.1}}, asked_);  // 0.925
   asked_.scales.clear();
   asked_.certified = 0.84;
-  nearly.decide({9.001, 9.001, 0.0, {0.1}}, asked_);
+  published(nearly, {9.001, 9.001, 0.0, {0.1}}, asked_);
   EXPECT_EQ(asked_.scales.size(), 3u) << "near enough";
-  law.stop(9.2, "told to");
+  publishStop(law, 9.2);
   asked_ = Asked();
-  law.decide({9.205, 9.205, 0.0, {0.1}}, asked_);  // 0.01, then 0.0085, then less than is driven
+  published(law, {9.205, 9.205, 0.0, {0.1}},
+            asked_);  // 0.01, then 0.0085, then less than is driven
   EXPECT_EQ(asked_.scales.size(), 2u);
 }
 
 TEST_F(Questions, AfterAStopAreOfARobotThatBrakes) {
   LimiterLaw law(settings_);
   asked_.certified = 9.0;
-  law.decide({9.0, 9.0, 0.0, {0.2}}, asked_);
-  law.stop(9.1, "told to");
+  published(law, {9.0, 9.0, 0.0, {0.2}}, asked_);
+  publishStop(law, 9.1);
   asked_.scales.clear();
-  law.decide({9.7, 9.7, 0.0, {0.1}}, asked_);
+  published(law, {9.7, 9.7, 0.0, {0.1}}, asked_);
   EXPECT_THAT(asked_.scales, ElementsAre(DoubleNear(1.0, 1e-9)));
-  law.stop(9.8, "told to");
+  publishStop(law, 9.8);
   asked_.retreats.clear();
-  law.decide({9.85, 9.85, 0.0, {0.1}}, asked_);  // all that may pass is less than a retreat's scale
+  published(law, {9.85, 9.85, 0.0, {0.1}},
+            asked_);  // all that may pass is less than a retreat's scale
   EXPECT_TRUE(asked_.retreats.empty());
 }
 
@@ -284,8 +294,11 @@ TEST_F(Questions, ARetreatGivesAwayHalfOfADistanceThatIsTooSmall) {
     return asked_.nearer.empty() ? NAN : asked_.nearer[0].distance;
   };
   EXPECT_EQ(kept(-0.1), -1.0);
-  EXPECT_EQ(kept(0.0009999), -1.0);
+  EXPECT_EQ(kept(0.0000199), -1.0);
+  EXPECT_EQ(asked_.touching.size(), 2u) << "what is in contact is only looked at";
+  EXPECT_EQ(kept(0.00002), 0.00001);
   EXPECT_EQ(kept(0.001), 0.0005);
+  EXPECT_EQ(asked_.touching.size(), 2u);
   EXPECT_EQ(kept(0.008), 0.004);
   EXPECT_EQ(kept(0.0109), 0.005);
   EXPECT_TRUE(std::isnan(kept(settings_.stop_distance + 0.5 * 0.002)));
@@ -309,7 +322,11 @@ TEST_F(Questions, ARetreatFromContactIsShort) {
   EXPECT_TRUE(passes(0.002));
   EXPECT_FALSE(passes(0.00201));
   asked_.travelled = 0.1;
-  EXPECT_GT(retreatFrom({"hand", "ball", 0.001, 1.0, false}).scale, 0.0) << "not in contact";
+  EXPECT_GT(retreatFrom({"hand", "ball", 0.00002, 1.0, false}).scale, 0.0) << "not in contact";
+  asked_.travelled = 0.001;
+  EXPECT_TRUE(passes(0.001));
+  asked_.leads_apart = false;
+  EXPECT_FALSE(passes(0.001));
 }
 
 TEST_F(Questions, ARetreatLeadsAwayByMoreThanGradientsMayBeOff) {
@@ -358,8 +375,8 @@ TEST_F(Questions, TheRobotIsInContactFromADistanceOfZeroOn) {
 
 TEST_F(Questions, ZerosPassWithoutAny) {
   LimiterLaw law(settings_);
-  law.stop(9.0, "told to");
-  const LimiterDecision decision = law.decide({9.1, 9.1, 0.0, {0.0}}, asked_);
+  publishStop(law, 9.0);
+  const LimiterDecision decision = published(law, {9.1, 9.1, 0.0, {0.0}}, asked_);
   EXPECT_TRUE(asked_.scales.empty());
   EXPECT_EQ(decision.verdict, Verdict::FREE);
   EXPECT_EQ(decision.reason, "");

@@ -46,6 +46,9 @@ struct MotionSettings {
   double beside_objects = 0.0;
   /// Pairs that may come nearer than the settings above ask for, a few: it is searched for each.
   std::vector<PairClearance> nearer = {};
+  /// Seconds, >= 0, for the search; 0: no limit but one of about a second. When they are over, what
+  /// is still open is given up as at the resolution; a query in progress is finished.
+  double time_budget = 0.0;
 };
 
 /// A straight line in joint space: at fraction f of the segment joint i is at
@@ -94,7 +97,8 @@ struct MotionReport {
 };
 
 /// Certifies motions. Holds scratch memory only: the answer depends on (scene, motion, settings)
-/// alone. Use one per thread; the shared scene needs no lock.
+/// alone, but for what a time budget cuts short. Use one per thread; the shared scene needs no
+/// lock.
 ///
 /// Method: F. Schwarzer, M. Saha, J.-C. Latombe, "Adaptive dynamic collision checking for single
 /// and multiple articulated robots in complex environments" (T-RO 2005): a pair is free as long as

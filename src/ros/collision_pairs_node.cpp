@@ -58,7 +58,8 @@ CollisionPairsNode::CollisionPairsNode(ros::NodeHandle node, ros::NodeHandle pri
       diagnostics_(node, private_node, private_node.getNamespace()),
       queries_(private_node, {transforms_, scenes_, [this] { return settings(); }}),
       trajectories_(private_node, {transforms_, scenes_, [this] { return settings(); }}),
-      limiter_(node, private_node, {transforms_, scenes_, [this] { return settings(); }}) {
+      limiter_(node, private_node, {transforms_, scenes_, [this] { return settings(); }},
+               parameters_.allow_paused) {
   diagnostics_.setHardwareID("none");
   diagnostics_.add("collision check", [this](auto& status) { health_.diagnose(status); });
   if (limiter_.isWanted()) {

@@ -10,8 +10,10 @@ Limiter lawLimiter(std::shared_ptr<LimiterLaw> law,
                    std::shared_ptr<CertifiedSurroundings> surroundings) {
   return [law = std::move(law), surroundings = std::move(surroundings)](const LimiterView& view) {
     surroundings->setState(view.state);
-    return law->decide({view.now, view.stamp, view.obstacles_age, view.command}, *surroundings)
-        .command;
+    const LimiterDecision decision =
+        law->decide({view.now, view.stamp, view.obstacles_age, view.command}, *surroundings);
+    law->published(view.now, decision);
+    return decision.command;
   };
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <set>
+#include <string>
 #include <utility>
 
 #include "collision_pairs/collision_detector.h"
@@ -34,15 +35,16 @@ constexpr double SWEEP_BEYOND_MOTION = 0.25, SWEEP_BEYOND_SIZE = 0.05;
 constexpr std::uint32_t MOST_CHECKS = 300'000;
 constexpr std::size_t MOST_OPEN_PAIRS = 1'000'000;
 
+void requireNotNegative(const std::string& what, double value, const std::string& unit) {
+  if (value >= 0.0 && std::isfinite(value)) return;
+  throw InputError("the " + what + " is " + std::to_string(value) + ", but must be 0 or more " +
+                   unit + ", and finite");
+}
+
 void checkSettings(const MotionSettings& settings) {
-  if (!(settings.clearance >= 0.0) || !std::isfinite(settings.clearance)) {
-    throw InputError("the clearance is " + std::to_string(settings.clearance) +
-                     ", but must be 0 or more metres, and finite");
-  }
-  if (!(settings.beside_objects >= 0.0) || !std::isfinite(settings.beside_objects)) {
-    throw InputError("the clearance beside objects is " + std::to_string(settings.beside_objects) +
-                     ", but must be 0 or more metres, and finite");
-  }
+  requireNotNegative("clearance", settings.clearance, "metres");
+  requireNotNegative("clearance beside objects", settings.beside_objects, "metres");
+  requireNotNegative("time budget", settings.time_budget, "seconds");
   if (!(settings.resolution > 0.0) || !std::isfinite(settings.resolution)) {
     throw InputError("the resolution is " + std::to_string(settings.resolution) +
                      ", but must be more than 0 metres, and finite");
@@ -63,7 +65,7 @@ class MotionCheck::Search {
 
   const MotionReport& run(const JointMotion& motion, const MotionSettings& settings,
                           const PlacedBodies& placed, const CloudVoxels& voxels) {
-    const auto start = std::chrono::steady_clock::now();
+    start_ = std::chrono::steady_clock::now();
     checkSettings(settings);
     settings_ = settings;
     report_ = {};
@@ -85,12 +87,11 @@ class MotionCheck::Search {
       Interval interval = intervals_.pop();
       const bool goes_on = report_.nb_checks < MOST_CHECKS &&
                            intervals_.nbPairs() < MOST_OPEN_PAIRS &&
-                           interval.begin < relevantUntil();
+                           interval.begin < relevantUntil() && !isTimeOver();
       is_open = goes_on ? look(interval) : giveUp(interval);
     }
     finishReport();
-    const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
-    report_.seconds = took.count();
+    report_.seconds = secondsSpent();
     return report_;
   }
 
@@ -158,21 +159,29 @@ class MotionCheck::Search {
     return goesOn();
   }
 
+  double secondsSpent() const {
+    const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - start_;
+    return spent.count();
+  }
+  bool isTimeOver() const {
+    return settings_.time_budget > 0.0 && secondsSpent() >= settings_.time_budget;
+  }
+
   bool goesOn() const { return !settings_.only_free || uncertified_.empty(); }
 
-  /// From that fraction on.
-  void noteUncertified(const BoxPair& pair, double begin) {
+  /// From that fraction on. Returns goesOn().
+  bool noteUncertified(const BoxPair& pair, double begin) {
     free_until_ = std::min(free_until_, begin);
     const std::uint32_t model = scene_.elements()[pair.first].model;
     if (pair.second != ALL_STATIC) {
       uncertified_.insert(std::minmax(model, scene_.elements()[pair.second].model));
-      return;
+    } else if (std::exchange(beside_static_noted_[pair.first], 1) == 0) {
+      for (std::uint32_t other = 0; other < scene_.models().size() && goesOn(); ++other) {
+        if (!pairs_.static_pairs.allowed(model, other)) continue;
+        uncertified_.insert(std::minmax(model, other));  // all, or the first: they may be many
+      }
     }
-    if (std::exchange(beside_static_noted_[pair.first], 1) != 0) return;
-    for (std::uint32_t other = 0; other < scene_.models().size(); ++other) {
-      if (!pairs_.static_pairs.allowed(model, other)) continue;
-      uncertified_.insert(std::minmax(model, other));
-    }
+    return goesOn();
   }
 
   /// After a contact only what can change free_until is of interest.
@@ -224,6 +233,7 @@ class MotionCheck::Search {
   }
 
   bool settle(OpenPair& open, Interval& before, Interval& after) {
+    if (isTimeOver()) return noteUncertified(open.pair, open.begin);
     CertifiedInterval certified;
     using Outcome = PairCertifier::Outcome;
     Outcome outcome = certifier_.measure(at_, open, certified);
@@ -238,16 +248,12 @@ class MotionCheck::Search {
     }
     if (certified.before >= 0.0) clearance_ = std::min(clearance_, certified.clearance);
     if (outcome == Outcome::CERTIFIED) return true;
-    if (outcome == Outcome::GIVEN_UP) {
-      noteUncertified(open.pair, open.begin);
-      return goesOn();
-    }
+    if (outcome == Outcome::GIVEN_UP) return noteUncertified(open.pair, open.begin);
     double clearance_after = open.clearance;
     if (outcome == Outcome::NEARER) {
       clearance_after = 0.0;  // the search for a contact continues
       if (!settings_.from_start) open.clearance = 0.0;
-      noteUncertified(open.pair, settings_.from_start ? at_ : open.begin);
-      if (!goesOn()) return false;
+      if (!noteUncertified(open.pair, settings_.from_start ? at_ : open.begin)) return false;
     }
     cut(open, certified, clearance_after, before, after);
     return true;
@@ -362,6 +368,7 @@ class MotionCheck::Search {
   BodyPoses poses_;
 
   MotionSettings settings_;
+  std::chrono::steady_clock::time_point start_;
   MotionReport report_;
   std::set<std::pair<std::uint32_t, std::uint32_t>> uncertified_;  ///< models
   std::vector<char> beside_static_noted_;  ///< by element: noted with all static elements

@@ -1,6 +1,8 @@
 #include "motion_pairs.h"
 
 #include <algorithm>
+#include <iterator>
+#include <map>
 
 namespace collision_pairs {
 namespace {
@@ -18,14 +20,18 @@ bool isStatic(const CollisionScene& scene, std::uint32_t model) {
   return of_scene.body < 0 && scene.cloudOf(of_scene.first_element) < 0;
 }
 
-// The filter without pairs of two moving models, and without clouds.
+// The filter without pairs of two moving models, and without clouds. O(models + classes that move,
+// squared): the objects of a large world share a class.
 PairFilter withStaticOnly(const CollisionScene& scene) {
   PairFilter filter = scene.filter();
-  const auto& models = scene.models();
-  for (std::uint32_t a = 0; a < models.size(); ++a) {
-    for (std::uint32_t b = a + 1; b < models.size(); ++b) {
-      if (isStatic(scene, a) || isStatic(scene, b)) continue;
-      filter.setClassPair(filter.classOf(a), filter.classOf(b), false);
+  std::map<std::uint32_t, int> moving;  // how many models of each class
+  for (std::uint32_t model = 0; model < scene.models().size(); ++model) {
+    if (!isStatic(scene, model)) ++moving[filter.classOf(model)];
+  }
+  for (auto a = moving.begin(); a != moving.end(); ++a) {
+    if (a->second > 1) filter.setClassPair(a->first, a->first, false);
+    for (auto b = std::next(a); b != moving.end(); ++b) {
+      filter.setClassPair(a->first, b->first, false);
     }
   }
   return filter;

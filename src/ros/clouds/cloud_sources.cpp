@@ -8,6 +8,7 @@
 #include <ros/names.h>
 
 #include "collision_pairs/input_error.h"
+#include "measured_at.h"
 #include "point_cloud.h"
 #include "user_text.h"
 
@@ -54,8 +55,9 @@ void CloudSource::follow(std::shared_ptr<FollowedRobot> robot, bool may_keep_mor
 
 void CloudSource::onCloud(const Cloud::ConstPtr& cloud) {
   {
-    context_.transforms.followClock();
+    const ros::Time now = context_.transforms.followClock();
     const std::lock_guard<std::mutex> lock(mutex_);
+    next_arrived_ = now;
     next_clock_jumps_ = context_.transforms.nbClockJumps();
     ++health_.received;
     if (next_) ++health_.dropped;
@@ -72,6 +74,7 @@ void CloudSource::work() {
     const Cloud::ConstPtr cloud = std::exchange(next_, nullptr);
     const std::shared_ptr<FollowedRobot> robot = robot_;
     const unsigned generation = generation_;
+    const ros::Time arrived = next_arrived_;
     context_.transforms.followClock();
     const bool is_of_before = next_clock_jumps_ != context_.transforms.nbClockJumps();
     robot->filter.keeps_more = latest_robot_ < complete_from_;
@@ -79,7 +82,7 @@ void CloudSource::work() {
     std::string problem;
     try {
       if (is_of_before) throw InputError("it came before the clock went back");
-      use(*cloud, generation, *robot);
+      use(*cloud, arrived, generation, *robot);
     } catch (const std::exception& error) {
       problem = error.what();
     }
@@ -91,7 +94,8 @@ void CloudSource::work() {
   }
 }
 
-void CloudSource::use(const Cloud& cloud, unsigned generation, FollowedRobot& robot) {
+void CloudSource::use(const Cloud& cloud, const ros::Time& arrived, unsigned generation,
+                      FollowedRobot& robot) {
   const ros::Time now = context_.transforms.followClock();
   if (cleared_for_ != generation ||
       nb_clock_jumps_ != context_.transforms.nbClockJumps()) {  // the bag was restarted
@@ -107,17 +111,18 @@ void CloudSource::use(const Cloud& cloud, unsigned generation, FollowedRobot& ro
   const auto voxels =
       gatherer_.add(points_, instant.X_WS, instant.robot, cloud.header.stamp.toSec(), robot.filter);
   last_stamp_ = cloud.header.stamp;
-  keep(voxels, cloud.header.stamp, generation, robot, (ros::WallTime::now() - start).toSec());
+  const double measured = measuredAt(cloud.header.stamp.toSec(), arrived.toSec());
+  keep(voxels, measured, generation, robot, (ros::WallTime::now() - start).toSec());
   if (!gatherer_.warning().empty()) tell(gatherer_.warning());
   publishKept(cloud.header);
 }
 
-void CloudSource::keep(const std::shared_ptr<const OccupiedVoxels>& voxels, const ros::Time& stamp,
+void CloudSource::keep(const std::shared_ptr<const OccupiedVoxels>& voxels, double measured,
                        unsigned generation, const FollowedRobot& robot, double processing) {
   const ros::SteadyTime now = ros::SteadyTime::now();
   const std::lock_guard<std::mutex> lock(mutex_);
   if (generation != generation_) return;  // cleared meanwhile
-  latest_ = {voxels, stamp.toSec(), "", gatherer_.warning(), gatherer_.mayTouch()};
+  latest_ = {voxels, measured, "", gatherer_.warning(), gatherer_.mayTouch()};
   latest_robot_ = robot.number;
   latest_clock_jumps_ = nb_clock_jumps_;
   const double rate = 1.0 / std::max((now - last_use_).toSec(), 1e-6);
@@ -125,7 +130,7 @@ void CloudSource::keep(const std::shared_ptr<const OccupiedVoxels>& voxels, cons
   if (health_.used > 1) health_.rate += SHARE_OF_NEWEST * (rate - health_.rate);
   last_use_ = now;
   ++health_.used;
-  health_.latency = secondsBetween(stamp, ros::Time::now());
+  health_.latency = ros::Time::now().toSec() - measured;
   health_.processing = processing;
   health_.points = points_.size();
   health_.kept = gatherer_.kept().size();

@@ -77,8 +77,8 @@ class CloudSource {
 
   void onCloud(const Cloud::ConstPtr& cloud);
   void work();
-  void use(const Cloud& cloud, unsigned generation, FollowedRobot& robot);
-  void keep(const std::shared_ptr<const OccupiedVoxels>& voxels, const ros::Time& stamp,
+  void use(const Cloud& cloud, const ros::Time& arrived, unsigned generation, FollowedRobot& robot);
+  void keep(const std::shared_ptr<const OccupiedVoxels>& voxels, double measured,
             unsigned generation, const FollowedRobot& robot, double processing);
   void requireUsableStamp(const ros::Time& stamp, const ros::Time& now);
   Instant waitForInstant(const std_msgs::Header& header, unsigned generation,
@@ -109,6 +109,7 @@ class CloudSource {
   bool stopping_ = false;
   unsigned generation_ = 0;  // counts calls of clear()
   Cloud::ConstPtr next_;
+  ros::Time next_arrived_;
   unsigned next_clock_jumps_ = 0;  // on its arrival
   std::shared_ptr<FollowedRobot> robot_;
   LatestCloud latest_;

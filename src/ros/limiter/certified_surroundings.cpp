@@ -9,6 +9,10 @@ namespace collision_pairs {
 namespace {
 
 constexpr double RESOLUTION = 5e-4;  // m: a pair that keeps this much more than asked is certified
+constexpr double OF_SMALL = 0.5;     // the same, as a share of what a pair has to keep
+constexpr double DEEPER = 1e-4;      // m, by which a contact's depth may be off
+constexpr int PLACES = 4;            // of a path that leads out of contact, after its first
+const char* const TIME_IS_OVER = "the time for the decision is over";
 
 }  // namespace
 
@@ -23,12 +27,30 @@ CertifiedSurroundings::CertifiedSurroundings(std::shared_ptr<const CollisionScen
       gradient_(*scene_, columns_),
       rates_(joints.size()) {
   for (const std::string& name : joints) joint_ids_.push_back(scene_->robot().findJoint(name));
+  RobotState any;
+  any.positions = scene_->robot().zeroPositions();
+  any.voxels.resize(scene_->clouds().size());
+  setState(std::move(any));
+  std::vector<NearPair> pairs;
+  std::string why;
+  const std::vector<double> none(joints.size(), 0.0);
+  nearPairs(0.0, none, pairs, why);
+  certify({none, none, none, 0.0}, 0.0, 0.0, {});
+}
+
+double CertifiedSurroundings::secondsLeft() const {
+  const std::chrono::duration<double> left = deadline_ - std::chrono::steady_clock::now();
+  return left.count();
 }
 
 void CertifiedSurroundings::setState(RobotState state) {
   state_ = std::move(state);
+  scene_->robot().applyMimics(state_.positions);
+  place(state_.positions);
+}
+
+void CertifiedSurroundings::place(const std::vector<double>& positions) {
   const RobotModel& robot = scene_->robot();
-  robot.applyMimics(state_.positions);
   X_WB_.resize(robot.bodies().size());
   for (std::size_t i = 0; i < robot.bodies().size(); ++i) {
     const Body& body = robot.bodies()[i];
@@ -38,8 +60,7 @@ void CertifiedSurroundings::setState(RobotState state) {
     } else if (is_placed) {
       X_WB_[i] = X_WB_[body.parent] * *state_.placed[i];
     } else {
-      robot.placeBody(static_cast<int>(i), X_WB_[body.parent], state_.positions[body.joint],
-                      X_WB_[i]);
+      robot.placeBody(static_cast<int>(i), X_WB_[body.parent], positions[body.joint], X_WB_[i]);
     }
   }
   scene_->gatherPoses(X_WB_, poses_);
@@ -63,7 +84,13 @@ Surroundings::Certificate CertifiedSurroundings::certify(const StoppingTube& tub
   settings.beside_objects = growth;
   settings.resolution = RESOLUTION;
   settings.only_free = settings.only_moved = true;
+  const double left = secondsLeft();
+  if (left <= 0.0) return {false, "", "", TIME_IS_OVER};
+  if (deadline_ != std::chrono::steady_clock::time_point::max()) settings.time_budget = left;
   for (const NearPair& pair : nearer) {
+    if (pair.distance >= 0.0) {
+      settings.resolution = std::min(settings.resolution, OF_SMALL * pair.distance);
+    }
     const auto idOf = [&](const std::string& name) {
       return static_cast<std::uint32_t>(scene_->findModel(name));
     };
@@ -76,7 +103,7 @@ Surroundings::Certificate CertifiedSurroundings::certify(const StoppingTube& tub
   const bool is_all_left_out = report.unchecked != scene_->unchecked() && report.pairs.empty();
   certificate.is_free = report.verdict == Verdict::FREE || is_all_left_out;
   if (certificate.is_free) return certificate;
-  certificate.why = report.unchecked;
+  certificate.why = secondsLeft() > 0.0 ? report.unchecked : TIME_IS_OVER;
   if (!report.pairs.empty()) {
     certificate.first = scene_->models()[report.pairs.front().first].name;
     certificate.second = scene_->models()[report.pairs.front().second].name;
@@ -120,6 +147,33 @@ double CertifiedSurroundings::travel(const StoppingTube& tube) {
   return most;
 }
 
+bool CertifiedSurroundings::leadsApart(const StoppingTube& tube, const NearPair& pair) {
+  const auto idOf = [&](const std::string& name) {
+    return static_cast<std::uint32_t>(scene_->findModel(name));
+  };
+  const std::pair<std::uint32_t, std::uint32_t> models =
+      std::minmax(idOf(pair.first), idOf(pair.second));
+  CheckSettings settings;
+  settings.alarm_distance = std::max(0.0, pair.distance);
+  settings.fidelity = fidelity_;
+  settings.may_ignore = [models](auto a, auto b) { return std::pair(a, b) != models; };
+  bool is_apart = true;
+  for (int i = 0; i <= PLACES && is_apart && secondsLeft() > 0.0; ++i) {
+    const double share = static_cast<double>(i) / PLACES;
+    std::vector<double> positions = state_.positions;
+    for (std::size_t j = 0; j < joint_ids_.size(); ++j) {
+      positions[joint_ids_[j]] += tube.from[j] + share * (tube.to[j] - tube.from[j]);
+    }
+    scene_->robot().applyMimics(positions);
+    place(positions);
+    for (const PairReport& found : detector_.detect(poses_, settings).pairs) {
+      is_apart = is_apart && found.distance >= pair.distance - DEEPER;
+    }
+  }
+  place(state_.positions);
+  return is_apart && secondsLeft() > 0.0;
+}
+
 // From both links up to their common ancestor: a parent has the smaller index.
 bool CertifiedSurroundings::moves(const PairReport& pair,
                                   const std::vector<double>& direction) const {
@@ -144,8 +198,17 @@ bool CertifiedSurroundings::nearPairs(double reach, const std::vector<double>& d
   CheckSettings settings;
   settings.alarm_distance = reach;
   settings.fidelity = fidelity_;
-  const CollisionReport& report = detector_.detect(poses_, settings);
+  const double left = secondsLeft();
+  if (left > 0.0 && deadline_ != std::chrono::steady_clock::time_point::max()) {
+    settings.time_budget = left;
+  }
+  if (left > 0.0) detector_.detect(poses_, settings);
+  const CollisionReport& report = detector_.report();
   const auto& models = scene_->models();
+  if (left <= 0.0 || report.nb_unresolved > 0) {
+    why = TIME_IS_OVER;
+    return false;
+  }
   if (!report.left_out.empty()) {
     why = models[report.left_out.front()].name + " is not known";
     return false;

@@ -1,6 +1,7 @@
 // Answers the limiter's law from a scene: certificates, distances and their gradients.
 #pragma once
 
+#include <chrono>
 #include <memory>
 #include <string>
 #include <vector>
@@ -20,7 +21,8 @@ struct RobotState {
 };
 
 /// Holds scratch memory only: use one per thread and scene. Links move with the joints of the
-/// command; all others keep their positions.
+/// command; all others keep their positions. The constructor makes what a first answer needs, which
+/// takes seconds for large scenes, and at SPHERES for large meshes.
 class CertifiedSurroundings : public Surroundings {
  public:
   /// Joints of the command, by name. Throws InputError as JointColumns does.
@@ -29,16 +31,22 @@ class CertifiedSurroundings : public Surroundings {
 
   /// Throws InputError as MotionCheck::check() does.
   void setState(RobotState state);
+  /// From then on nothing more is certified or found: the answers are "not", with this reason.
+  void setDeadline(std::chrono::steady_clock::time_point deadline) { deadline_ = deadline; }
 
   Certificate certify(const StoppingTube& tube, double clearance, double growth,
                       const std::vector<NearPair>& nearer) override;
   double travel(const StoppingTube& tube) override;
+  bool leadsApart(const StoppingTube& tube, const NearPair& pair) override;
   bool nearPairs(double reach, const std::vector<double>& direction, std::vector<NearPair>& pairs,
                  std::string& why) override;  // pairs that the direction moves
 
   const std::shared_ptr<const CollisionScene>& scene() const { return scene_; }
 
  private:
+  /// Seconds until the deadline.
+  double secondsLeft() const;
+  void place(const std::vector<double>& positions);
   bool moves(const PairReport& pair, const std::vector<double>& direction) const;
 
   std::shared_ptr<const CollisionScene> scene_;
@@ -49,6 +57,7 @@ class CertifiedSurroundings : public Surroundings {
   CollisionDetector detector_;
   DistanceGradient gradient_;
   RobotState state_;
+  std::chrono::steady_clock::time_point deadline_ = std::chrono::steady_clock::time_point::max();
   std::vector<Eigen::Isometry3d> X_WB_;
   BodyPoses poses_;
   std::vector<double> rates_;

@@ -5,9 +5,13 @@
 #include <limits>
 
 #include "collision_pairs/input_error.h"
+#include "measured_at.h"
+#include "user_text.h"
 
 namespace collision_pairs {
 namespace {
+
+constexpr double SHORTEST_STOP = 0.01;  // s: a trajectory controller drops a point at once
 
 // On the way to `given`, and no further than the velocity that passes, which alone is certified,
 // leads in `seconds`.
@@ -20,25 +24,50 @@ double limitedPosition(double from, double given, double scale, double velocity,
 
 void JointPositions::take(const sensor_msgs::JointState& message, double now, double tolerance) {
   const double stamp = message.header.stamp.toSec();
-  if (stamp > now + tolerance) return;
   const std::size_t nb_joints = std::min(message.name.size(), message.position.size());
   for (std::size_t i = 0; i < nb_joints; ++i) {
+    if (stamp > now + tolerance) {
+      refused_[message.name[i]] = {stamp - now, now};
+      continue;
+    }
     Position& position = newest_[message.name[i]];
-    if (stamp >= position.stamp) position = {stamp, message.position[i]};
+    if (stamp < position.stamp) continue;
+    position = {stamp, measuredAt(stamp, now), message.position[i]};
   }
 }
 
-double JointPositions::oldestOf(const std::vector<std::string>& joints) const {
+void JointPositions::clear() {
+  newest_.clear();
+  refused_.clear();
+}
+
+double JointPositions::oldestOf(const std::vector<std::string>& joints, double now,
+                                double tolerance) const {
   double oldest = std::numeric_limits<double>::infinity();
   for (const std::string& name : joints) {
+    const auto refused = refused_.find(name);
+    if (refused != refused_.end() && now - refused->second.when <= tolerance) {
+      throw InputError("the position of joint '" + name + "' is stamped " +
+                       inWords(refused->second.ahead) +
+                       " ahead of the clock: is /clock late, or the clock of a computer ahead?");
+    }
     const auto found = newest_.find(name);
     if (found == newest_.end()) throw InputError("nobody reports joint '" + name + "'");
     if (!std::isfinite(found->second.value)) {
       throw InputError("the position of joint '" + name + "' is not finite");
     }
-    oldest = std::min(oldest, found->second.stamp);
+    oldest = std::min(oldest, found->second.measured);
   }
   return oldest;
+}
+
+double JointPositions::newestStampOf(const std::vector<std::string>& joints) const {
+  double newest = -std::numeric_limits<double>::infinity();
+  for (const std::string& name : joints) {
+    const auto found = newest_.find(name);
+    if (found != newest_.end()) newest = std::max(newest, found->second.stamp);
+  }
+  return newest;
 }
 
 std::vector<double> velocitiesOf(const trajectory_msgs::JointTrajectory& command,
@@ -76,6 +105,14 @@ trajectory_msgs::JointTrajectory limitedTrajectory(const trajectory_msgs::JointT
   auto& point = limited.points.front();
   const bool has_point = command.points.size() == 1;
   if (has_point) point.time_from_start = command.points.front().time_from_start;
+  const auto isZero = [](double velocity) { return velocity == 0.0; };
+  if (std::all_of(decision.command.begin(), decision.command.end(), isZero)) {
+    limited.header.stamp = ros::Time();
+    const ros::Duration stop(std::max(SHORTEST_STOP, decision.seconds_to_rest));
+    if (point.time_from_start <= ros::Duration() || point.time_from_start > stop) {
+      point.time_from_start = stop;
+    }
+  }
   const bool has_positions =
       has_point && command.points.front().positions.size() == command.joint_names.size();
   for (std::size_t i = 0; i < command.joint_names.size(); ++i) {

@@ -14,25 +14,35 @@
 namespace collision_pairs {
 
 /// The newest positions of joints. Messages may name some of the joints, and come late, twice or
-/// out of order: of each joint the position with the newest stamp counts.
+/// out of order: of each joint the position with the newest stamp counts. Times are those of the
+/// clock of stamps, in seconds.
 class JointPositions {
  public:
   struct Position {
-    double stamp = 0.0;  ///< s
-    double value = 0.0;  ///< rad or m; may be NaN
+    double stamp = 0.0;
+    double measured = 0.0;  ///< at the latest: measuredAt()
+    double value = 0.0;     ///< rad or m; may be NaN
   };
 
-  /// A stamp more than `tolerance` seconds ahead of `now` is refused, with the whole message.
+  /// A stamp more than `tolerance` ahead of `now` is refused, with the whole message: either the
+  /// clock is late, or that of the sender is ahead, so the age of nothing is known.
   void take(const sensor_msgs::JointState& message, double now, double tolerance);
-  void clear() { newest_.clear(); }
+  void clear();
   const std::map<std::string, Position>& all() const { return newest_; }
 
-  /// The oldest stamp of these joints. Throws InputError for a joint that nobody has reported, or
-  /// whose position is not finite.
-  double oldestOf(const std::vector<std::string>& joints) const;
+  /// When the oldest position of these joints was measured. Throws InputError for a joint that
+  /// nobody has reported, whose position is not finite, or of which positions are refused: until
+  /// the clock has gone on for `tolerance` without one.
+  double oldestOf(const std::vector<std::string>& joints, double now, double tolerance) const;
+  /// The newest stamp of these joints; -infinity if there is none.
+  double newestStampOf(const std::vector<std::string>& joints) const;
 
  private:
+  struct Refused {
+    double ahead = 0.0, when = 0.0;
+  };
   std::map<std::string, Position> newest_;
+  std::map<std::string, Refused> refused_;
 };
 
 /// In the order of `joints`. Throws InputError unless the command has one point with a velocity for
@@ -43,7 +53,8 @@ std::vector<double> velocitiesOf(const trajectory_msgs::JointTrajectory& command
 /// The command with the velocities that the decision passes, in the command's order. Positions, if
 /// it has some, are on the way from the measured ones to the given ones, by the scale, and no
 /// further from them than these velocities lead in time_from_start. Of a command that
-/// velocitiesOf() refuses: zeros.
+/// velocitiesOf() refuses: zeros. Zeros are a stop of their own: now, whatever stamp the command
+/// has, and within the time that the robot's deceleration needs, if the command does not say less.
 trajectory_msgs::JointTrajectory limitedTrajectory(const trajectory_msgs::JointTrajectory& command,
                                                    const std::vector<std::string>& joints,
                                                    const LimiterDecision& decision,

@@ -16,8 +16,8 @@ constexpr int MOST_CERTIFICATES = 5;   // of a search; each costs up to some 100
 constexpr double NEXT_GUESS = 0.85, FAR_GUESS = 1.0 / 3.0, NEAR_ENOUGH = 0.9;
 constexpr int RETREATS = 4;  // scales that are tried
 constexpr double NEXT_RETREAT = 0.25;
-// Nearer than this a motion cannot be certified; only the derivative says where it leads.
-constexpr double NOTHING_TO_CERTIFY = 1e-3;
+// Metres: nearer than this counts as contact, of which nothing is left to certify.
+constexpr double CONTACT = 2e-5;
 constexpr double LEAST_DERIVATIVE = 1e-5;  // m per rad or m: errors of gradients are smaller
 constexpr double GIVEN_AWAY = 0.5;         // share of a distance below stop_distance
 
@@ -66,14 +66,18 @@ std::string LimiterLaw::whyRefused(const LimiterInput& input) const {
   return "";
 }
 
-LimiterDecision LimiterLaw::stop(double now, const std::string& reason) {
+LimiterDecision LimiterLaw::stop(const std::string& reason) const {
   LimiterDecision decision;
   decision.command.assign(settings_.deceleration.size(), 0.0);
   decision.reason = reason;
-  scale_ = 0.0;
-  scale_time_ = now;
-  passed_.add(now, decision.command);
+  decision.seconds_to_rest = passed_.secondsToRest(decision.command);
   return decision;
+}
+
+void LimiterLaw::published(double now, const LimiterDecision& decision) {
+  scale_ = decision.scale;
+  scale_time_ = std::isfinite(decision.publish_by) ? decision.publish_by : now;
+  passed_.add(now, decision.command);
 }
 
 StoppingTube LimiterLaw::tubeAt(const LimiterInput& input, double scale) const {
@@ -87,15 +91,17 @@ double LimiterLaw::growth(const LimiterInput& input, const StoppingTube& tube) c
   return settings_.obstacle_speed * (tube.seconds + longer);
 }
 
-LimiterDecision LimiterLaw::decide(const LimiterInput& input, Surroundings& surroundings) {
+LimiterDecision LimiterLaw::decide(const LimiterInput& input, Surroundings& surroundings) const {
   const std::string refused = whyRefused(input);
-  if (!refused.empty()) return stop(input.now, refused);
+  LimiterDecision decision = stop(refused);
+  decision.publish_by = input.now;
+  if (!refused.empty()) return decision;
   const double risen = settings_.ramp_up * (input.now - scale_time_);
   const double most = std::min(1.0, scale_ + std::max(risen, 0.0));
   const auto isZero = [](double number) { return number == 0.0; };
-  LimiterDecision decision;
   if (std::all_of(input.command.begin(), input.command.end(), isZero)) {
-    decision = {input.command, most, Verdict::FREE, "", "", 0.0, false, ""};
+    decision.scale = most;
+    decision.verdict = Verdict::FREE;
   } else {
     Question question{input, surroundings};
     decision.scale = largestScale(question, most);
@@ -110,6 +116,7 @@ LimiterDecision LimiterLaw::decide(const LimiterInput& input, Surroundings& surr
     }
     if (question.touches) decision.verdict = Verdict::COLLISION;
     decision.command = scaled(input.command, decision.scale);
+    decision.seconds_to_rest = passed_.secondsToRest(decision.command);
     decision.first = question.refused.first;
     decision.second = question.refused.second;
     if (question.is_retreat) {
@@ -133,13 +140,10 @@ LimiterDecision LimiterLaw::decide(const LimiterInput& input, Surroundings& surr
       }
     }
   }
-  scale_ = decision.scale;
-  scale_time_ = input.now;
-  passed_.add(input.now, decision.command);
   return decision;
 }
 
-bool LimiterLaw::isCertified(Question& question, double scale) {
+bool LimiterLaw::isCertified(Question& question, double scale) const {
   const LimiterInput& input = question.input;
   const StoppingTube tube = tubeAt(input, scale);
   const double needed = settings_.stop_distance + ROOM_TO_RETREAT, coming = growth(input, tube);
@@ -154,7 +158,7 @@ bool LimiterLaw::isCertified(Question& question, double scale) {
 }
 
 // The whole first, since it passes nearly always, then what was last passed, a little less.
-double LimiterLaw::largestScale(Question& question, double most) {
+double LimiterLaw::largestScale(Question& question, double most) const {
   if (isCertified(question, most)) return most;
   double lowest = 0.0, highest = most;
   double guess = NEXT_GUESS * std::min(most, scale_ > 0.0 ? scale_ : most);
@@ -171,7 +175,7 @@ double LimiterLaw::largestScale(Question& question, double most) {
 }
 
 // All pairs that could come too near are looked at, each must become further apart.
-double LimiterLaw::retreatScale(Question& question, double most) {
+double LimiterLaw::retreatScale(Question& question, double most) const {
   const LimiterInput& input = question.input;
   double scale = std::min(settings_.retreat_scale, most);
   for (int i = 0; i < RETREATS; ++i, scale *= NEXT_RETREAT) {
@@ -190,7 +194,7 @@ double LimiterLaw::retreatScale(Question& question, double most) {
   return 0.0;
 }
 
-bool LimiterLaw::mayRetreat(Question& question, double scale, std::vector<NearPair> pairs) {
+bool LimiterLaw::mayRetreat(Question& question, double scale, std::vector<NearPair> pairs) const {
   const LimiterInput& input = question.input;
   if (pairs.empty()) return false;  // what is not certified lies ahead
   double speed = 0.0;
@@ -207,15 +211,22 @@ bool LimiterLaw::mayRetreat(Question& question, double scale, std::vector<NearPa
   const StoppingTube tube = tubeAt(input, scale);
   const double stop_distance = settings_.stop_distance;
   std::vector<NearPair> nearer;
+  bool is_contact = false;
   for (NearPair& pair : pairs) {
     if (pair.distance >= stop_distance + 0.5 * ROOM_TO_RETREAT) break;
-    pair.distance = pair.distance < NOTHING_TO_CERTIFY
-                        ? -1.0
-                        : GIVEN_AWAY * std::min(pair.distance, stop_distance);
+    if (pair.distance < CONTACT) {
+      is_contact = true;
+      if (!question.surroundings.leadsApart(tube, pair)) {
+        question.no_retreat = "it would lead deeper into contact";
+        return false;
+      }
+    }
+    pair.distance =
+        pair.distance < CONTACT ? -1.0 : GIVEN_AWAY * std::min(pair.distance, stop_distance);
     nearer.push_back(std::move(pair));
   }
   // Another part of the same two may be in the way: a cloud is one model.
-  if (!nearer.empty() && nearer.front().distance < 0.0) {
+  if (is_contact) {
     if (!passed_.areAlong(input.command, input.stamp)) {
       question.no_retreat = "the robot does not stand yet";
       return false;

@@ -1,6 +1,7 @@
 // The law of the velocity limiter: how much of a velocity command may pass.
 #pragma once
 
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -46,13 +47,18 @@ class Surroundings {
   };
   /// Whether no pair that the joints of the command move comes nearer than `clearance` metres
   /// anywhere in the tube; one with anything that the robot does not carry: `growth` more. Each of
-  /// `nearer` only has to keep its own distance; if that is negative, it is not asked about.
+  /// `nearer` only has to keep its own distance; if that is negative, it is not asked about. A
+  /// distance that is small is certified at a resolution of its own size.
   virtual Certificate certify(const StoppingTube& tube, double clearance, double growth,
                               const std::vector<NearPair>& nearer) = 0;
 
   /// Upper bound of how far a point of the robot can go anywhere in the tube, metres: two links may
   /// come nearer by twice as much.
   virtual double travel(const StoppingTube& tube) = 0;
+
+  /// Whether the pair, which touches or nearly does, is nowhere nearer than now at several places
+  /// along the tube.
+  virtual bool leadsApart(const StoppingTube& tube, const NearPair& pair) = 0;
 
   /// All pairs that the direction moves relative to each other and that are no further apart than
   /// `reach`, nearest first. False, with the reason, if
@@ -62,7 +68,9 @@ class Surroundings {
 };
 
 struct LimiterInput {
-  double now = 0.0;            ///< seconds, as all times; not before that of the last decision
+  /// Seconds, as all times: when the command is published, at the latest; not before the last
+  /// publication.
+  double now = 0.0;
   double stamp = 0.0;          ///< of the joint positions; <= now
   double obstacles_age = 0.0;  ///< seconds, >= 0: of the oldest information on what moves
   std::vector<double> command;
@@ -77,32 +85,40 @@ struct LimiterDecision {
   double distance = 0.0;      ///< its distance, metres, if known (see has_distance)
   bool has_distance = false;
   std::string reason;  ///< empty: the whole command passes
+  /// Until then it may be published: LimiterInput::now. Zeros of stop(): at any time.
+  double publish_by = std::numeric_limits<double>::infinity();
+  double seconds_to_rest = 0.0;  ///< s, until the robot stands after zeros, by its deceleration
 };
 
 /// Passes a command at the largest scale, found with a few certificates, at which the robot's whole
-/// stopping path is certified. Zeros are always passed: the certificate of what was passed before
-/// covers them. Keeps the commands that it passed, and the scale; everything else is an input.
+/// stopping path is certified. Zeros are always passed: the certificate of what was published
+/// before covers them. Keeps the commands that were published, and the scale; everything else is an
+/// input. A decision changes nothing: it may come too late to be published.
 class LimiterLaw {
  public:
   explicit LimiterLaw(const LimiterSettings& settings);
 
-  LimiterDecision decide(const LimiterInput& input, Surroundings& surroundings);
+  LimiterDecision decide(const LimiterInput& input, Surroundings& surroundings) const;
   /// Zeros, for a reason that the caller knows.
-  LimiterDecision stop(double now, const std::string& reason);
+  LimiterDecision stop(const std::string& reason) const;
+
+  /// This decision was published at `now`, not before the last one. Whoever publishes says so, and
+  /// nobody else.
+  void published(double now, const LimiterDecision& decision);
 
  private:
   struct Question;
   std::string whyRefused(const LimiterInput& input) const;
-  bool isCertified(Question& question, double scale);
-  double largestScale(Question& question, double most);
-  double retreatScale(Question& question, double most);
-  bool mayRetreat(Question& question, double scale, std::vector<NearPair> pairs);
+  bool isCertified(Question& question, double scale) const;
+  double largestScale(Question& question, double most) const;
+  double retreatScale(Question& question, double most) const;
+  bool mayRetreat(Question& question, double scale, std::vector<NearPair> pairs) const;
   StoppingTube tubeAt(const LimiterInput& input, double scale) const;
   double growth(const LimiterInput& input, const StoppingTube& tube) const;
 
   LimiterSettings settings_;
   PassedCommands passed_;
-  double scale_ = 1.0, scale_time_ = 0.0;  // the last one, and when
+  double scale_ = 1.0, scale_time_ = 0.0;  // the last that was published, and for when
 };
 
 }  // namespace collision_pairs

@@ -27,7 +27,8 @@ struct StoppingTube {
 };
 
 /// The commands that may still have an effect on the robot, and what it can do because of them.
-/// Before the first one the robot stands.
+/// Before the first one the robot stands. A command counts from its publication on: one that was
+/// decided and not published has no effect.
 ///
 /// Let w(t) be the command in effect and u the direction of the next one. Every command is split
 /// into lambda u + r. From the measurement at t0 on the displacement is
@@ -39,13 +40,17 @@ class PassedCommands {
  public:
   explicit PassedCommands(RobotResponse response);
 
-  /// `now` in seconds of any clock that does not jump, not before that of the last one.
+  /// A command was published at `now`: seconds of any clock that does not jump, not before that of
+  /// the last one.
   void add(double now, const std::vector<double>& command);
 
-  /// `next`, which is to be passed `now`, is a multiple of `direction`, which is not zero; the
-  /// positions were measured at `stamp` <= now.
+  /// `next`, which is to be passed `now` or before, is a multiple of `direction`, which is not
+  /// zero; the positions were measured at `stamp` <= now.
   StoppingTube tube(double stamp, double now, const std::vector<double>& direction,
                     const std::vector<double>& next) const;
+
+  /// The longest that a joint takes to rest, from `next` or a command that may be in effect.
+  double secondsToRest(const std::vector<double>& next) const;
 
   /// True if whatever is in effect from `stamp` on is a multiple, >= 0, of the direction.
   bool areAlong(const std::vector<double>& direction, double stamp) const;

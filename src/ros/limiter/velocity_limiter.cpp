@@ -4,12 +4,14 @@
 #include <limits>
 #include <utility>
 
+#include <pthread.h>
 #include <std_msgs/Float64.h>
 
 #include "cloud_view.h"
 #include "collision_pairs/input_error.h"
 #include "joint_query.h"
 #include "parameters.h"
+#include "real_time.h"
 #include "user_text.h"
 
 namespace collision_pairs {
@@ -18,6 +20,9 @@ namespace {
 // Seconds: a decision is made as if the command were passed this much later than it begins. One
 // that takes longer is an overrun.
 constexpr double TIME_TO_DECIDE = 0.02;
+constexpr double TIME_TO_PREPARE = 0.01,
+                 TIME_TO_SEARCH = 0.015;  // s of it: by then they have ended
+constexpr int PRIORITY = 40;              // of the thread that decides: below interrupts
 constexpr double LONGEST_WAIT = 0.1;      // s, so that the thread ends soon
 constexpr double SIMULATED_WAIT = 0.001;  // s: a simulated clock may be faster
 constexpr double SHOWN_FOR = 1.0;         // s
@@ -32,11 +37,16 @@ ros::Subscriber subscribed(ros::NodeHandle& node, const std::string& topic,
                                  ros::TransportHints().tcpNoDelay());
 }
 
+std::chrono::steady_clock::duration after(double seconds) {
+  using std::chrono::steady_clock;
+  return std::chrono::duration_cast<steady_clock::duration>(std::chrono::duration<double>(seconds));
+}
+
 }  // namespace
 
 VelocityLimiter::VelocityLimiter(const ros::NodeHandle& node, const ros::NodeHandle& private_node,
-                                 const QueryContext& context)
-    : context_(context) {
+                                 const QueryContext& context, bool allow_paused)
+    : context_(context), allow_paused_(allow_paused), clock_(ros::Time::isSimTime()) {
   const std::string name = "velocity_limiter";
   try {
     parameters_ = LimiterParameters::read(yamlParameters(private_node, {name})[name]);
@@ -50,7 +60,10 @@ VelocityLimiter::VelocityLimiter(const ros::NodeHandle& node, const ros::NodeHan
 
 VelocityLimiter::~VelocityLimiter() {
   stopping_ = true;
-  if (thread_.joinable()) thread_.join();
+  received_.notify_all();
+  for (std::thread* thread : {&listener_, &decider_}) {
+    if (thread->joinable()) thread->join();
+  }
 }
 
 void VelocityLimiter::start(const ros::NodeHandle& node, const ros::NodeHandle& private_node) {
@@ -60,88 +73,129 @@ void VelocityLimiter::start(const ros::NodeHandle& node, const ros::NodeHandle& 
   scale_ = own_private.advertise<std_msgs::Float64>("speed_scale", 1);
   limit_ = own_private.advertise<SpeedLimit>("speed_limit", 1);
   subscribers_.push_back(subscribed<sensor_msgs::JointState>(
-      own, parameters_->joint_states, 10, [this](const sensor_msgs::JointState& message) {
-        positions_.take(message, followClock(), parameters_->law.max_joint_state_age);
-      }));
+      own, parameters_->joint_states, 10, [this](const auto& message) { take(message); }));
   // Only the newest command counts: one that waited is replaced.
   if (parameters_->is_trajectory) {
     using trajectory_msgs::JointTrajectory;
     limited_ = own_private.advertise<JointTrajectory>("limited_command", 1);
     subscribers_.push_back(
         subscribed<JointTrajectory>(own, parameters_->command, 1, [this](const auto& message) {
-          next_ = {{}, message, ros::SteadyTime::now(), timeOfLaw()};
+          take({{}, message, {}});
         }));
   } else {
     using std_msgs::Float64MultiArray;
     limited_ = own_private.advertise<Float64MultiArray>("limited_command", 1);
     subscribers_.push_back(
         subscribed<Float64MultiArray>(own, parameters_->command, 1, [this](const auto& message) {
-          next_ = {message, {}, ros::SteadyTime::now(), timeOfLaw()};
+          take({message, {}, {}});
         }));
   }
-  thread_ = std::thread([this] { work(); });
+  const auto wanted = [this] {
+    const ActiveScenePtr active = context_.scenes.active();
+    return PreparedSurroundings::Wanted{active ? active->scene : nullptr,
+                                        context_.defaults().fidelity};
+  };
+  prepared_ = std::make_unique<PreparedSurroundings>(
+      wanted, [joints = parameters_->joints](const PreparedSurroundings::Wanted& of) {
+        return std::make_shared<CertifiedSurroundings>(of.scene, joints, of.fidelity);
+      });
+  CommandOutlet::Settings outlet;
+  outlet.command_timeout = parameters_->law.command_timeout;
+  outlet.nb_joints = parameters_->joints.size();
+  if (ros::Time::isSimTime()) outlet.poll = SIMULATED_WAIT;
+  outlet.now = [this] { return now(); };
+  outlet.began = [this] { beginThread("limiter_watch", PRIORITY + 2); };
+  outlet_ = std::make_unique<CommandOutlet>(std::move(outlet));
+  listener_ = std::thread([this] { listen(); });
+  decider_ = std::thread([this] { work(); });
+}
+
+void VelocityLimiter::beginThread(const char* name, int priority) {
+  pthread_setname_np(pthread_self(), name);
+  const std::string why = askForRealTime(priority);
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (!why.empty() && real_time_.empty()) ROS_WARN_STREAM("velocity limiter: " << why);
+  if (real_time_.empty()) real_time_ = why;
+}
+
+void VelocityLimiter::listen() {
+  beginThread("limiter_listen", PRIORITY + 1);
+  while (!stopping_ && ros::ok()) queue_.callAvailable(ros::WallDuration(LONGEST_WAIT));
 }
 
 void VelocityLimiter::work() {
+  beginThread("limiter_decide", PRIORITY);
   while (!stopping_ && ros::ok()) {
-    double wait = LONGEST_WAIT;
-    if (!has_stopped_) {
-      wait = std::clamp(parameters_->law.command_timeout - silentFor(*last_), 0.0, wait);
-      if (ros::Time::isSimTime()) wait = std::min(wait, SIMULATED_WAIT);
+    CommandPtr command;
+    {
+      std::unique_lock<std::mutex> lock(inputs_mutex_);
+      received_.wait_for(lock, std::chrono::duration<double>(LONGEST_WAIT),
+                         [this] { return next_ || stopping_; });
+      command = std::exchange(next_, nullptr);
     }
-    queue_.callAvailable(ros::WallDuration(wait));
-    if (next_) {
-      last_ = std::move(next_);
-      next_.reset();
-      answer(*last_);
-    } else if (!has_stopped_) {
-      stopAfterSilence();
-    }
+    if (command) answer(command);
   }
 }
 
-double VelocityLimiter::followClock() {
-  const double now = context_.transforms.followClock().toSec();
-  const unsigned nb_jumps = context_.transforms.nbClockJumps();
-  if (now < last_clock_ - TIME_TO_DECIDE || nb_jumps != nb_clock_jumps_) {
-    positions_.clear();
-    last_clock_ = now;
+void VelocityLimiter::take(const sensor_msgs::JointState& message) {
+  const unsigned nb_jumps = nbClockJumps();
+  const std::lock_guard<std::mutex> lock(inputs_mutex_);
+  followClock(nb_jumps);
+  positions_.take(message, clock_.clock(), parameters_->law.max_joint_state_age);
+  clock_.receive(positions_.newestStampOf(parameters_->joints));
+}
+
+void VelocityLimiter::take(Command command) {
+  const unsigned nb_jumps = nbClockJumps();
+  {
+    const std::lock_guard<std::mutex> lock(inputs_mutex_);
+    command.arrived = followClock(nb_jumps);
+    next_ = std::make_shared<const Command>(std::move(command));
   }
-  law_now_ = ros::Time::isSimTime() ? law_now_ + std::max(0.0, now - last_clock_)
-                                    : ros::SteadyTime::now().toSec();
-  last_clock_ = std::max(last_clock_, now);
+  received_.notify_all();
+}
+
+unsigned VelocityLimiter::nbClockJumps() const {
+  context_.transforms.followClock();
+  return context_.transforms.nbClockJumps();
+}
+
+CommandOutlet::Time VelocityLimiter::followClock(unsigned nb_jumps) {
+  const double steady = ros::SteadyTime::now().toSec();
+  if (clock_.follow(ros::Time::now().toSec(), steady, nb_jumps)) positions_.clear();
   nb_clock_jumps_ = nb_jumps;
-  return now;
+  return {clock_.law(), clock_.lawLatest(), steady};
 }
 
-double VelocityLimiter::timeOfLaw() {
-  followClock();
-  return law_now_;
+// Called by the watchdog, which waits for no transforms.
+CommandOutlet::Time VelocityLimiter::now() {
+  const std::lock_guard<std::mutex> lock(inputs_mutex_);
+  return followClock(nb_clock_jumps_);
 }
 
-/// Where a simulated clock stands still, or is slow, nobody waits for it.
-double VelocityLimiter::silentFor(const Command& command) {
-  return std::max((ros::SteadyTime::now() - command.arrived).toSec(),
-                  timeOfLaw() - command.law_arrived);
-}
-
-void VelocityLimiter::answer(const Command& command) {
-  const double now = followClock() + TIME_TO_DECIDE;
-  passed_at_ = std::max(passed_at_, law_now_ + TIME_TO_DECIDE);
+void VelocityLimiter::answer(const CommandPtr& command) {
+  const auto start = std::chrono::steady_clock::now();
+  const double began = ros::SteadyTime::now().toSec();
+  outlet_->tell(*law_);
   LimiterDecision decision;
-  try {
-    decision = decide(command, now);
-  } catch (const std::exception& error) {
-    decision = law_->stop(passed_at_, error.what());
+  const auto send = sendAs(command);
+  auto result = CommandOutlet::Result::LATE;
+  const bool has_waited = began - command->arrived.steady >= parameters_->law.command_timeout;
+  if (!has_waited) {
+    try {
+      decision = decide(*command, start);
+    } catch (const std::exception& error) {
+      decision = law_->stop(error.what());
+    }
+    result = outlet_->pass(decision, began + TIME_TO_DECIDE, command->arrived, send);
   }
-  const double took = (ros::SteadyTime::now() - command.arrived).toSec();
-  const bool is_late = took > TIME_TO_DECIDE || timeOfLaw() > passed_at_;
-  if (is_late) {
-    passed_at_ = std::max(passed_at_, law_now_);
-    decision = law_->stop(passed_at_, "overrun: the decision took " + inWords(took));
+  const double took = ros::SteadyTime::now().toSec() - command->arrived.steady;
+  const bool is_late = result == CommandOutlet::Result::LATE;
+  if (result != CommandOutlet::Result::PUBLISHED) {
+    decision = law_->stop(is_late ? "overrun: the decision took " + inWords(took)
+                                  : "zeros were published while it was decided");
+    outlet_->stop(decision, send);
   }
-  publish(command, decision);
-  has_stopped_ = false;
   const bool is_fault = decision.verdict == Verdict::UNKNOWN && decision.first.empty();
   if (is_fault) ROS_WARN_STREAM_THROTTLE(WARN_PERIOD, "a command is stopped: " << decision.reason);
   const std::lock_guard<std::mutex> lock(mutex_);
@@ -151,79 +205,96 @@ void VelocityLimiter::answer(const Command& command) {
   slowest_ = std::max(slowest_, took);
 }
 
-void VelocityLimiter::stopAfterSilence() {
-  if (silentFor(*last_) < parameters_->law.command_timeout) return;
-  has_stopped_ = true;
-  passed_at_ = std::max(passed_at_, law_now_);
-  const LimiterDecision decision =
-      law_->stop(passed_at_, "no command for " + inWords(parameters_->law.command_timeout));
-  publish(*last_, decision);
-}
-
-LimiterDecision VelocityLimiter::decide(const Command& command, double now) {
+LimiterDecision VelocityLimiter::decide(const Command& command,
+                                        std::chrono::steady_clock::time_point start) {
   LimiterInput input;
-  input.now = passed_at_;
   input.command =
       command.array ? command.array->data : velocitiesOf(*command.trajectory, parameters_->joints);
-  prepare(now, input);
-  return law_->decide(input, *surroundings_);
-}
-
-// The scene, joint states, transforms and clouds of one instant.
-void VelocityLimiter::prepare(double now, LimiterInput& input) {
-  const Fidelity fidelity = context_.defaults().fidelity;
   const ActiveScenePtr active = context_.scenes.active();
   if (!active) throw InputError("there is no robot yet");
-  if (active != scene_ || fidelity != fidelity_) {
-    surroundings_ =
-        std::make_unique<CertifiedSurroundings>(active->scene, parameters_->joints, fidelity);
-    scene_ = active;
-    fidelity_ = fidelity;
-  }
-  if (!active->broken_links.empty()) {
-    throw InputError("link '" + active->broken_links.front() + "' could not be read");
+  const auto surroundings =
+      prepared_->get({active->scene, context_.defaults().fidelity}, start + after(TIME_TO_PREPARE));
+  surroundings->setDeadline(start + after(TIME_TO_SEARCH));
+  surroundings->setState(readState(*active, input));
+  return law_->decide(input, *surroundings);
+}
+
+RobotState VelocityLimiter::readState(const ActiveScene& active, LimiterInput& input) {
+  if (!active.broken_links.empty()) {
+    throw InputError("link '" + active.broken_links.front() + "' could not be read");
   }
   const ros::Time clock = context_.transforms.followClock();
   if (clock.isZero()) throw InputError(NO_CLOCK);
-  const double age = std::max(0.0, now - positions_.oldestOf(parameters_->joints));
-  input.stamp = passed_at_ - age;
-
+  const unsigned nb_jumps = context_.transforms.nbClockJumps();
   const std::string still = context_.transforms.clockDoubt();
   if (!still.empty()) throw InputError(still);  // nothing is seen to age
-  const RobotModel& robot = active->scene->robot();
+
+  const RobotModel& robot = active.scene->robot();
+  const double most_age = parameters_->law.max_joint_state_age;
   std::vector<std::string> names;
   std::vector<double> values;
-  for (const auto& [name, position] : positions_.all()) {
-    const int id = robot.findJoint(name);
-    if (id < 0 || !robot.joints()[id].hasPosition() || robot.joints()[id].mimic) continue;
-    if (now - position.stamp > parameters_->law.max_joint_state_age) continue;
-    names.push_back(name);
-    values.push_back(position.value);
+  double now = 0.0;  // when the command is passed, on the clock of stamps
+  {
+    const std::lock_guard<std::mutex> lock(inputs_mutex_);
+    const CommandOutlet::Time time = followClock(nb_jumps);
+    now = clock_.latest() + TIME_TO_DECIDE;
+    input.now = time.law + TIME_TO_DECIDE;
+    const double stands = clock_.standsFor(time.steady);
+    if (!allow_paused_ && stands > parameters_->law.command_timeout) {
+      throw InputError("/clock stands still since " + inWords(stands) +
+                       " of wall time, and no joint state is later; if it may pause, set "
+                       "allow_paused");
+    }
+    const double oldest = positions_.oldestOf(parameters_->joints, clock_.clock(), most_age);
+    input.stamp = input.now - (now - oldest);
+    for (const auto& [name, position] : positions_.all()) {
+      const int id = robot.findJoint(name);
+      if (id < 0 || !robot.joints()[id].hasPosition() || robot.joints()[id].mimic) continue;
+      if (now - position.measured > most_age) continue;
+      names.push_back(name);
+      values.push_back(position.value);
+    }
   }
-  const JointQuery query(names, *active->scene,
-                         {context_.transforms, active->frame, ros::Time(), clock,
-                          active->tf_poses->heldAt(clock), active->tf_poses.get()});
+  const JointQuery query(names, *active.scene,
+                         {context_.transforms, active.frame, ros::Time(), clock,
+                          active.tf_poses->heldAt(clock), active.tf_poses.get()});
   if (!query.doubts().empty()) throw InputError(query.doubts().front());
   RobotState state;
   state.positions = query.jointPositionsAt(values);
   state.placed = query.placedBodies();
 
-  if (active->clouds) {
+  if (active.clouds) {
     BodyPoses poses;
-    const auto views = active->clouds->views(clock);
-    const std::vector<CloudDoubt> doubts = addVoxels(views, *active->scene, poses);
+    const auto views = active.clouds->views(clock);
+    const std::vector<CloudDoubt> doubts = addVoxels(views, *active.scene, poses);
     if (!doubts.empty()) throw InputError(doubts.front().why);
     state.voxels = std::move(poses.voxels);
     for (const auto& [name, view] : views) {
       input.obstacles_age = std::max(input.obstacles_age, now - view.stamp);
     }
   }
-  surroundings_->setState(std::move(state));
+  return state;
 }
 
-void VelocityLimiter::publish(const Command& layout, const LimiterDecision& decision) {
+CommandOutlet::Send VelocityLimiter::sendAs(const CommandPtr& layout) {
+  return [this, layout](const LimiterDecision& decision) { send(*layout, decision); };
+}
+
+void VelocityLimiter::send(const Command& layout, const LimiterDecision& decision) {
+  if (layout.array) {
+    std_msgs::Float64MultiArray limited = *layout.array;
+    limited.data = decision.command;
+    limited_.publish(limited);
+  } else {
+    std::unique_lock<std::mutex> lock(inputs_mutex_);
+    const auto limited =
+        limitedTrajectory(*layout.trajectory, parameters_->joints, decision, positions_);
+    lock.unlock();
+    limited_.publish(limited);
+  }
   std_msgs::Float64 scale;
   scale.data = decision.scale;
+  scale_.publish(scale);
   SpeedLimit limit;
   limit.stamp = ros::Time::now();
   limit.scale = decision.scale;
@@ -233,15 +304,6 @@ void VelocityLimiter::publish(const Command& layout, const LimiterDecision& deci
   limit.distance =
       decision.has_distance ? decision.distance : std::numeric_limits<double>::quiet_NaN();
   limit.reason = decision.reason;
-  if (layout.array) {
-    std_msgs::Float64MultiArray limited = *layout.array;
-    limited.data = decision.command;
-    limited_.publish(limited);
-  } else {
-    limited_.publish(
-        limitedTrajectory(*layout.trajectory, parameters_->joints, decision, positions_));
-  }
-  scale_.publish(scale);
   limit_.publish(limit);
   const std::lock_guard<std::mutex> lock(mutex_);
   last_limit_ = std::move(limit);
@@ -273,6 +335,7 @@ void VelocityLimiter::diagnose(diagnostic_updater::DiagnosticStatusWrapper& stat
   status.add("commands", nb_commands_);
   status.add("overruns", nb_overruns_);
   status.add("longest decision [s]", slowest_);
+  status.add("real-time scheduling", real_time_.empty() ? "yes" : real_time_);
   status.add("scale", last_limit_ ? last_limit_->scale : 0.0);
   status.add("reason", last_limit_ ? last_limit_->reason : "no command yet");
   nb_overruns_ = nb_commands_ = 0;

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
+#include <condition_variable>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -18,19 +20,25 @@
 #include <trajectory_msgs/JointTrajectory.h>
 
 #include "certified_surroundings.h"
+#include "command_outlet.h"
 #include "limited_command.h"
+#include "limiter_clock.h"
 #include "limiter_parameters.h"
+#include "prepared_surroundings.h"
 #include "query_services.h"
 #include "transform_input.h"
 
 namespace collision_pairs {
 
-/// Runs on a thread of its own, with a checker of its own for the node's active scene: the cycle
-/// never waits for it. Without its parameter, or with one that is refused, it passes nothing.
+/// Receives on one thread, decides on another, with a checker of its own for the node's active
+/// scene, and publishes through a CommandOutlet, whose watchdog is a third one: the cycle never
+/// waits for it, and no decision delays zeros. Without its parameter, or with one that is refused,
+/// it passes nothing.
 class VelocityLimiter {
  public:
+  /// allow_paused: a simulated clock may stand still.
   VelocityLimiter(const ros::NodeHandle& node, const ros::NodeHandle& private_node,
-                  const QueryContext& context);
+                  const QueryContext& context, bool allow_paused);
   ~VelocityLimiter();
 
   bool isWanted() const { return !error_.empty() || parameters_; }
@@ -43,55 +51,60 @@ class VelocityLimiter {
   struct Command {
     std::optional<std_msgs::Float64MultiArray> array;
     std::optional<trajectory_msgs::JointTrajectory> trajectory;
-    ros::SteadyTime arrived;
-    double law_arrived = 0.0;  ///< seconds, as law_now_
+    CommandOutlet::Time arrived;
   };
+  using CommandPtr = std::shared_ptr<const Command>;
 
   void start(const ros::NodeHandle& node, const ros::NodeHandle& private_node);
+  void beginThread(const char* name, int priority);
+  void listen();
   void work();
-  /// Returns the time, seconds, and brings law_now_ up to date. Where the clock went back since the
-  /// last call, the joint states are of another time, and dropped.
-  double followClock();
-  double timeOfLaw();
-  double silentFor(const Command& command);
-  void answer(const Command& command);
-  void stopAfterSilence();
-  /// `now`: when the command is passed, on the clock of stamps.
-  LimiterDecision decide(const Command& command, double now);
-  void prepare(double now, LimiterInput& input);
-  void publish(const Command& layout, const LimiterDecision& decision);
+  void take(Command command);
+  void take(const sensor_msgs::JointState& message);
+
+  /// Brings clock_ up to date, under inputs_mutex_; where it went back since the last call, the
+  /// joint states are of another time, and dropped.
+  CommandOutlet::Time followClock(unsigned nb_jumps);
+  CommandOutlet::Time now();
+  unsigned nbClockJumps() const;
+
+  void answer(const CommandPtr& command);
+  LimiterDecision decide(const Command& command, std::chrono::steady_clock::time_point start);
+  /// The scene, joint states, transforms and clouds of one instant.
+  RobotState readState(const ActiveScene& active, LimiterInput& input);
+  CommandOutlet::Send sendAs(const CommandPtr& layout);
+  void send(const Command& layout, const LimiterDecision& decision);
 
   const QueryContext context_;
+  const bool allow_paused_;
   std::string error_;  ///< why the parameter is refused
   std::optional<LimiterParameters> parameters_;
-
-  // Used by its thread only.
-  std::unique_ptr<LimiterLaw> law_;
-  JointPositions positions_;
-  ActiveScenePtr scene_;
-  std::unique_ptr<CertifiedSurroundings> surroundings_;
-  Fidelity fidelity_ = Fidelity::MESH;
-  std::optional<Command> next_, last_;
-  bool has_stopped_ = true;
-  // What was passed has an effect for as long as it takes the robot, whatever happens to the clock:
-  // the law has a time of its own, which no jump sets back. It is that of the steady clock, or goes
-  // on with a simulated one.
-  double law_now_ = 0.0, passed_at_ = 0.0;  // the latter: that of the last decision
-  double last_clock_ = 0.0;                 // the latest, but for a jump back
-  unsigned nb_clock_jumps_ = 0;
   ros::Publisher limited_, scale_, limit_;
+
+  std::mutex inputs_mutex_;  // guards what was received
+  std::condition_variable received_;
+  JointPositions positions_;
+  LimiterClock clock_;
+  unsigned nb_clock_jumps_ = 0;
+  CommandPtr next_;
+
+  // Used by the thread that decides only.
+  std::unique_ptr<LimiterLaw> law_;
 
   mutable std::mutex mutex_;  // guards what diagnose() and lastLimit() read
   std::optional<SpeedLimit> last_limit_;
   ros::SteadyTime last_limit_from_;
-  std::string fault_;     // why the last command was stopped, if it was not for what is near
-  double slowest_ = 0.0;  // seconds of a decision, since asked
+  std::string fault_;      // why the last command was stopped, if it was not for what is near
+  std::string real_time_;  // why it is not permitted; empty: it is
+  double slowest_ = 0.0;   // seconds of a decision, since asked
   std::size_t nb_commands_ = 0, nb_overruns_ = 0;
 
   ros::CallbackQueue queue_;
   std::vector<ros::Subscriber> subscribers_;
+  std::unique_ptr<PreparedSurroundings> prepared_;
+  std::unique_ptr<CommandOutlet> outlet_;
   std::atomic<bool> stopping_{false};
-  std::thread thread_;
+  std::thread listener_, decider_;
 };
 
 }  // namespace collision_pairs

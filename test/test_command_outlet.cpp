@@ -1,0 +1,187 @@
+// What leaves the limiter: decisions that are in time, zeros whatever the decisions do, and the law
+// knows of exactly that.
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <condition_variable>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "benchmark/simulated_joints.h"
+#include "command_outlet.h"
+
+namespace collision_pairs {
+namespace {
+
+constexpr double INF = std::numeric_limits<double>::infinity();
+
+LimiterDecision decisionOf(double speed, double publish_by = INF) {
+  LimiterDecision decision;
+  decision.command = {speed};
+  decision.scale = speed == 0.0 ? 0.0 : 1.0;
+  decision.publish_by = publish_by;
+  return decision;
+}
+
+/// An outlet with a clock that the test sets, and what it has sent.
+class Outlet : public testing::Test {
+ protected:
+  void begin(double command_timeout) {
+    CommandOutlet::Settings settings;
+    settings.command_timeout = command_timeout;
+    settings.nb_joints = 1;
+    settings.poll = 0.001;
+    settings.now = [this] {
+      const double now = now_;
+      return CommandOutlet::Time{now, now + ahead_, now};
+    };
+    outlet_ = std::make_unique<CommandOutlet>(settings);
+  }
+  CommandOutlet::Send send() {
+    return [this](const LimiterDecision& decision) {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      sent_.push_back(decision);
+      was_sent_.notify_all();
+    };
+  }
+  CommandOutlet::Time time() const { return {now_, now_ + ahead_, now_}; }
+  /// Of the watchdog; false: it did not come.
+  bool waitFor(std::size_t nb_sent) {
+    std::unique_lock<std::mutex> lock(mutex_);
+    return was_sent_.wait_for(lock, std::chrono::seconds(60),
+                              [&] { return sent_.size() >= nb_sent; });
+  }
+  std::vector<LimiterDecision> sent() {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return sent_;
+  }
+
+  using Result = CommandOutlet::Result;
+  std::atomic<double> now_{100.0}, ahead_{0.0};
+  std::mutex mutex_;
+  std::condition_variable was_sent_;
+  std::vector<LimiterDecision> sent_;
+  LimiterSettings settings_;
+  std::unique_ptr<CommandOutlet> outlet_;
+};
+
+TEST_F(Outlet, PublishesADecisionUntilItsTimeAndNoLater) {
+  begin(9.0);
+  settings_.deceleration = {2.0};
+  LimiterLaw law(settings_);
+  EXPECT_EQ(outlet_->pass(decisionOf(0.3, 100.0), 100.0, time(), send()), Result::PUBLISHED);
+  outlet_->tell(law);
+  EXPECT_EQ(outlet_->pass(decisionOf(0.4, 99.999), 100.0, time(), send()), Result::LATE);
+  EXPECT_EQ(outlet_->pass(decisionOf(0.5, 100.0), 99.999, time(), send()), Result::LATE);
+  ASSERT_EQ(sent().size(), 1u);
+  EXPECT_EQ(sent()[0].command[0], 0.3);
+}
+
+TEST_F(Outlet, SendsZerosWhileADecisionIsBlocked) {
+  begin(0.2);
+  settings_.deceleration = {2.0};
+  LimiterLaw law(settings_);
+  outlet_->tell(law);
+  ASSERT_EQ(outlet_->pass(decisionOf(0.3), INF, time(), send()), Result::PUBLISHED);
+  outlet_->tell(law);  // and then the decision does not come to its end
+  now_ = 100.19;
+  std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  EXPECT_EQ(sent().size(), 1u) << "the command is certified for as long";
+  now_ = 100.2001;
+  ASSERT_TRUE(waitFor(2));
+  EXPECT_EQ(sent()[1].command, std::vector<double>{0.0});
+  EXPECT_EQ(sent()[1].reason, "overrun: a decision lasts, and nothing was passed for 0.20 s");
+  // In time by its own clock, but it does not know of the zeros.
+  EXPECT_EQ(outlet_->pass(decisionOf(0.3), INF, time(), send()), Result::NOT_TOLD);
+  EXPECT_EQ(sent().size(), 2u);
+  outlet_->stop(law.stop("told to"), send());
+  outlet_->tell(law);
+  EXPECT_EQ(outlet_->pass(decisionOf(0.3), INF, time(), send()), Result::PUBLISHED);
+}
+
+TEST_F(Outlet, SendsZerosOnceAfterSilenceInWhicheverTimeIsOverFirst) {
+  begin(0.2);
+  ASSERT_EQ(outlet_->pass(decisionOf(0.3), INF, time(), send()), Result::PUBLISHED);
+  ahead_ = 0.2001;  // joint states of so much later, and a clock that stands still
+  ASSERT_TRUE(waitFor(2));
+  EXPECT_EQ(sent()[1].reason, "no command for 0.20 s");
+  now_ = 109.0;
+  std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  EXPECT_EQ(sent().size(), 2u);
+}
+
+/// Certifies everything, and keeps the tube.
+struct Free : Surroundings {
+  StoppingTube tube;
+  Certificate certify(const StoppingTube& of, double, double,
+                      const std::vector<NearPair>&) override {
+    tube = of;
+    return {true, "", "", ""};
+  }
+  double travel(const StoppingTube&) override { return 0.0; }
+  bool leadsApart(const StoppingTube&, const NearPair&) override { return true; }
+  bool nearPairs(double, const std::vector<double>&, std::vector<NearPair>&,
+                 std::string&) override {
+    return true;
+  }
+};
+
+// A robot at 2 m/s; one decision, to go on slowly, takes so long that zeros are published instead.
+TEST_F(Outlet, AfterAnOverrunTheRobotIsWhereTheNextTubeSays) {
+  constexpr double STEP = 0.001, PERIOD = 0.02, SPEED = 2.0;
+  for (const double took : {0.03, 0.10, 0.15, 0.20}) {
+    SCOPED_TRACE(took);
+    now_ = 100.0;
+    sent_.clear();
+    settings_.deceleration = {5.0};
+    settings_.ramp_up = 1e6;
+    settings_.command_timeout = 0.5;
+    begin(settings_.command_timeout);
+    LimiterLaw law(settings_);
+    Free surroundings;
+    SimulatedJoints robot({0.0}, settings_.deceleration);
+    std::size_t nb_followed = 0;
+    double now = 100.0;
+    const auto follow = [&](double until) {
+      for (; now < until; now += STEP) {
+        const auto published = sent();
+        for (; nb_followed < published.size(); ++nb_followed) {
+          robot.command(now + settings_.reaction_time - STEP, published[nb_followed].command);
+        }
+        robot.step(now, STEP);
+      }
+      now_ = now;
+    };
+    const auto decide = [&](double speed, double seconds) {
+      outlet_->tell(law);
+      const auto arrived = time();
+      const double by = now + 0.02, measured = robot.positions()[0];
+      const auto decision = law.decide({by, now, 0.0, {speed}}, surroundings);
+      follow(now + seconds);
+      if (outlet_->pass(decision, by, arrived, send()) != Result::PUBLISHED) {
+        outlet_->stop(law.stop("overrun"), send());
+      }
+      return measured;
+    };
+    for (int i = 0; i < 50; ++i) {
+      decide(SPEED, STEP);
+      follow(now + PERIOD - STEP);
+    }
+    decide(0.1 * SPEED, took);
+    const double measured = decide(0.1 * SPEED, STEP);
+    const StoppingTube tube = surroundings.tube;
+    const double furthest =
+        measured + std::max(tube.from[0], tube.to[0]) + tube.deviation[0] + 1e-6;
+    outlet_.reset();  // it holds no longer
+    sent_.push_back(decisionOf(0.0));
+    follow(now + 2.0);
+    EXPECT_LE(robot.positions()[0], furthest);
+    EXPECT_GT(robot.positions()[0], furthest - 0.6) << "the bound is of this robot";
+  }
+}
+
+}  // namespace
+}  // namespace collision_pairs

@@ -1,0 +1,79 @@
+// The times of the velocity limiter: those of a simulation are bounded by what was received.
+#include <gtest/gtest.h>
+
+#include "limiter_clock.h"
+#include "random_inputs.h"
+
+namespace collision_pairs {
+namespace {
+
+TEST(LimiterClock, IsNeverBehindAStampThatWasReceivedIfTheTimeIsSimulated) {
+  RandomInputs random;
+  for (int round = 0; round < 100; ++round) {
+    LimiterClock clock(true);
+    double now = 50.0, steady = 7.0, newest = 0.0;
+    for (int i = 0; i < 100; ++i) {
+      steady += random.uniform(0.0, 0.1);
+      if (random.integer(0, 2) > 0) now += random.uniform(0.0, 0.1);  // else it stands still
+      clock.follow(now, steady);
+      if (random.integer(0, 1)) {
+        const double stamp = now + random.uniform(-0.2, 0.2);
+        clock.receive(stamp);
+        newest = std::max(newest, stamp);
+      }
+      ASSERT_EQ(clock.latest(), std::max(now, newest));
+      ASSERT_GE(clock.lawLatest(), clock.law());
+      ASSERT_EQ(clock.clock(), now);
+    }
+    EXPECT_NEAR(clock.law(), now, 1e-9) << "no more than has certainly passed";
+  }
+}
+
+TEST(LimiterClock, IsThatOfTheWallOtherwise) {
+  LimiterClock clock(false);
+  clock.follow(1000.0, 7.0);
+  clock.receive(1000.09);  // of a sender whose clock is ahead
+  EXPECT_EQ(clock.latest(), 1000.0);
+  EXPECT_EQ(clock.law(), 7.0);
+  EXPECT_EQ(clock.lawLatest(), 7.0);
+  EXPECT_TRUE(clock.follow(500.0, 8.0)) << "it was set";
+  EXPECT_EQ(clock.law(), 8.0);
+  EXPECT_EQ(clock.standsFor(99.0), 0.0);
+}
+
+TEST(LimiterClock, ThatGoesBackForgetsWhatItReceivedButNotHowMuchTimeHasPassed) {
+  LimiterClock clock(true);
+  EXPECT_FALSE(clock.follow(100.0, 1.0));
+  clock.receive(100.05);
+  const double before = clock.law();
+  EXPECT_FALSE(clock.follow(99.99, 1.1)) << "a clock that is being set";
+  EXPECT_EQ(clock.clock(), 100.0);
+  EXPECT_TRUE(clock.follow(40.0, 1.2));
+  EXPECT_EQ(clock.latest(), 40.0);
+  EXPECT_EQ(clock.law(), before);
+  clock.follow(40.5, 1.3);
+  EXPECT_NEAR(clock.law(), before + 0.5, 1e-9);
+  EXPECT_TRUE(clock.follow(40.6, 1.4, 1)) << "it went back and forth, as others have seen";
+  EXPECT_FALSE(clock.follow(40.7, 1.5));
+}
+
+TEST(LimiterClock, StandsStillWhileNeitherItNorAStampGoesOn) {
+  LimiterClock clock(true);
+  EXPECT_EQ(clock.standsFor(3.0), 0.0) << "it was never read";
+  clock.follow(100.0, 3.0);
+  clock.follow(100.0, 3.5);
+  EXPECT_EQ(clock.standsFor(3.5), 0.5);
+  clock.receive(99.0);
+  clock.follow(100.0, 3.6);
+  EXPECT_NEAR(clock.standsFor(3.6), 0.6, 1e-9) << "an old stamp says nothing";
+  clock.receive(100.01);
+  clock.follow(100.0, 3.7);
+  EXPECT_EQ(clock.standsFor(3.7), 0.0);
+  clock.follow(100.005, 3.8);
+  EXPECT_NEAR(clock.standsFor(3.8), 0.1, 1e-9) << "that is no later than what was received";
+  clock.follow(100.02, 3.9);
+  EXPECT_EQ(clock.standsFor(3.9), 0.0);
+}
+
+}  // namespace
+}  // namespace collision_pairs
