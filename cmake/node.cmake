@@ -41,6 +41,12 @@ target_link_libraries(collision_pairs_node PRIVATE collision_pairs_ros)
 collision_pairs_warnings(collision_pairs_node)
 collision_pairs_checked_indices(collision_pairs_node)
 
+# Stops the robot beside the controller when the limiter does not.
+add_executable(limited_command_guard src/ros/limiter/limited_command_guard.cpp)
+target_link_libraries(limited_command_guard PRIVATE collision_pairs_ros)
+collision_pairs_warnings(limited_command_guard)
+collision_pairs_checked_indices(limited_command_guard)
+
 # The camera of the demo, of tests and of measurements.
 add_executable(simulate_depth_camera src/demo/depth_image.cpp src/demo/simulate_depth_camera.cpp)
 target_link_libraries(simulate_depth_camera PRIVATE collision_pairs_ros)

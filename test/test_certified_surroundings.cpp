@@ -1,11 +1,17 @@
 // What the limiter's law is told of the scene. The law itself: test_limiter_law.cpp.
+#include <chrono>
 #include <cmath>
+#include <condition_variable>
+#include <memory>
+#include <mutex>
 
 #include <gtest/gtest.h>
 
 #include "certified_surroundings.h"
+#include "collision_pairs/input_error.h"
 #include "collision_pairs/occupied_voxels.h"
 #include "motion_fixtures.h"
+#include "prepared_surroundings.h"
 
 namespace collision_pairs {
 namespace {
@@ -99,6 +105,102 @@ TEST(CertifiedSurroundings, OfASceneInWhichNothingIsCheckedNothingIsSaid) {
   const auto certificate = surroundings.certify({{0.0}, {0.01}, {0.0}, 0.0}, 0.01, 0.0, {});
   EXPECT_FALSE(certificate.is_free);
   EXPECT_EQ(certificate.why, scene->unchecked());
+}
+
+TEST(CertifiedSurroundings, SayNothingAfterTheirDeadline) {
+  const auto scene = sceneOf(slidingBox(), {boxAt("box", {9.0, 0.0, 0.0}, {1, 1, 1})});
+  CertifiedSurroundings surroundings(scene, {"slide_a"}, Fidelity::MESH);
+  RobotState state;
+  state.positions = {0.0};
+  surroundings.setState(state);
+  const StoppingTube tube{{0.0}, {1e-4}, {0.0}, 0.0};
+  std::vector<NearPair> pairs;
+  std::string why;
+  const auto now = std::chrono::steady_clock::now();
+  surroundings.setDeadline(now + std::chrono::hours(1));
+  EXPECT_TRUE(surroundings.certify(tube, 0.01, 0.0, {}).is_free);
+  EXPECT_TRUE(surroundings.nearPairs(0.3, {2.0}, pairs, why));
+  EXPECT_TRUE(surroundings.leadsApart(tube, {"a", "box", 0.0, 1.0, false}));
+  surroundings.setDeadline(now);
+  const auto certificate = surroundings.certify(tube, 0.01, 0.0, {});
+  EXPECT_FALSE(certificate.is_free);
+  EXPECT_EQ(certificate.why, "the time for the decision is over");
+  EXPECT_FALSE(surroundings.nearPairs(0.3, {2.0}, pairs, why));
+  EXPECT_EQ(why, "the time for the decision is over");
+  EXPECT_FALSE(surroundings.leadsApart(tube, {"a", "box", 0.0, 1.0, false}));
+}
+
+// The state that was set is the one that later questions are about.
+TEST(CertifiedSurroundings, LeadApartIfNoPlaceOfThePathIsNearerThanTheState) {
+  const auto scene = sceneOf(slidingBox(), {boxAt("box", {1.0, 0.0, 0.0}, {1, 1, 1})});
+  CertifiedSurroundings surroundings(scene, {"slide_a"}, Fidelity::MESH);
+  RobotState state;
+  state.positions = {0.05};  // 5 cm deep
+  surroundings.setState(state);
+  const NearPair pair{"a", "box", -0.05, 1.0, false};
+  EXPECT_TRUE(surroundings.leadsApart({{0.0}, {-0.01}, {0.0}, 0.0}, pair));
+  EXPECT_TRUE(surroundings.leadsApart({{0.0}, {-0.2}, {0.0}, 0.0}, pair));
+  EXPECT_FALSE(surroundings.leadsApart({{0.0}, {0.01}, {0.0}, 0.0}, pair));
+  EXPECT_FALSE(surroundings.leadsApart({{0.01}, {-0.2}, {0.0}, 0.0}, pair));
+  std::vector<NearPair> pairs;
+  std::string why;
+  ASSERT_TRUE(surroundings.nearPairs(0.3, {1.0}, pairs, why));
+  ASSERT_EQ(pairs.size(), 1u);
+  EXPECT_NEAR(pairs[0].distance, -0.05, 1e-9);
+}
+
+/// A checker that is being made for as long as the test wants.
+struct SlowlyMade {
+  std::mutex mutex;
+  std::condition_variable changed;
+  bool may_go_on = false;
+  PreparedSurroundings::Wanted wanted;
+
+  PreparedSurroundings::Wanted ask() {
+    const std::lock_guard<std::mutex> lock(mutex);
+    return wanted;
+  }
+  std::shared_ptr<CertifiedSurroundings> make(const PreparedSurroundings::Wanted& of) {
+    std::unique_lock<std::mutex> lock(mutex);
+    changed.wait(lock, [this] { return may_go_on; });
+    return std::make_shared<CertifiedSurroundings>(of.scene, std::vector<std::string>{"slide_a"},
+                                                   of.fidelity);
+  }
+  void set(const PreparedSurroundings::Wanted& next, bool goes_on) {
+    const std::lock_guard<std::mutex> lock(mutex);
+    wanted = next;
+    may_go_on = goes_on;
+    changed.notify_all();
+  }
+};
+
+TEST(PreparedSurroundings, AreThoseOfTheSceneThatIsWantedOrNone) {
+  using std::chrono::steady_clock;
+  const auto scene = [](double x) {
+    return sceneOf(slidingBox(), {boxAt("box", {x, 0.0, 0.0}, {1, 1, 1})});
+  };
+  const PreparedSurroundings::Wanted first{scene(5.0), Fidelity::MESH},
+      second{scene(6.0), Fidelity::MESH}, coarser{second.scene, Fidelity::OBB};
+  SlowlyMade slowly;
+  slowly.set(first, true);
+  PreparedSurroundings prepared([&] { return slowly.ask(); },
+                                [&](const auto& of) { return slowly.make(of); });
+  const auto patience = [] { return steady_clock::now() + std::chrono::minutes(1); };
+  EXPECT_EQ(prepared.get(first, patience())->scene(), first.scene);
+  slowly.set(second, false);
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_THROW(prepared.get(second, steady_clock::now()), InputError)
+        << "not the old one, and no waiting";
+  }
+  slowly.set(second, true);
+  EXPECT_EQ(prepared.get(second, patience())->scene(), second.scene);
+  slowly.set(coarser, true);
+  EXPECT_EQ(prepared.get(coarser, patience())->scene(), second.scene);
+  const PreparedSurroundings::Wanted refused{sceneOf(turningBar(), {}), Fidelity::MESH};
+  slowly.set(refused, true);  // it has no joint slide_a
+  EXPECT_THROW(prepared.get(refused, patience()), InputError);
+  slowly.set(first, true);
+  EXPECT_EQ(prepared.get(first, patience())->scene(), first.scene);
 }
 
 }  // namespace

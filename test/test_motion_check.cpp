@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
+#include "collision_pairs/input_error.h"
 #include "motion_fixtures.h"
 #include "random_inputs.h"
 
@@ -338,6 +339,27 @@ TEST(MotionCheck, SegmentsAreTheSameOnAnyNumberOfThreads) {
   waypoints[7][0] = NAN_POSITION;
   EXPECT_THROW(checkSegments(scene, waypoints, {}, options), InputError);
   EXPECT_TRUE(checkSegments(scene, {waypoints[0]}, {}, {}).empty());
+}
+
+// Never FREE for what there was no time to look at.
+TEST(MotionCheck, ThatHasNoTimeLeavesOpenWhatItHasNotCertified) {
+  const auto scene = sceneOf(turningBar(), {boxAt("post", {0.5, 0.6, 0.0}, {0.1, 0.1, 0.1})});
+  MotionSettings settings;
+  EXPECT_EQ(checked(scene, {-1.0}, {0.2}, settings).verdict, Verdict::FREE);
+  settings.time_budget = 3600.0;
+  EXPECT_EQ(checked(scene, {-1.0}, {0.2}, settings).verdict, Verdict::FREE);
+  settings.time_budget = 1e-9;
+  for (const bool only_free : {false, true}) {
+    settings.only_free = only_free;
+    const MotionReport report = checked(scene, {-1.0}, {0.2}, settings);
+    EXPECT_EQ(report.verdict, Verdict::UNKNOWN);
+    EXPECT_FALSE(report.pairs.empty());
+    EXPECT_EQ(report.free_until, 0.0);
+  }
+  for (const double budget : {-1.0, std::nan(""), HUGE_VAL}) {
+    settings.time_budget = budget;
+    EXPECT_THROW(checked(scene, {-1.0}, {0.2}, settings), InputError);
+  }
 }
 
 }  // namespace

@@ -266,5 +266,33 @@ TEST(MotionState, SpheresHoldTheElementsAndNearlyTheirCoarserShapes) {
   }
 }
 
+// Pairs of a moving model and a static one, whatever classes the filter has: with some objects that
+// are attached, and so many that stand about that their pairs cannot be looked at one by one.
+TEST(MotionPairs, BesideStaticModelsAreAllThatTheSceneAllows) {
+  RandomInputs random;
+  for (const int nb_objects : {20, 100'000}) {
+    SceneDescription description;
+    description.robots.push_back({randomRobot(random), std::nullopt, ""});
+    for (int i = 0; i < nb_objects; ++i) {
+      RigidObject object;
+      object.name = "object" + std::to_string(i);
+      object.elements.push_back({Box{{0.1, 0.1, 0.1}}, Isometry3d::Identity()});
+      if (i % (nb_objects / 5) == 0) object.attached_link = "l" + std::to_string(i % 7);
+      description.objects.push_back(std::move(object));
+    }
+    const auto scene = CollisionScene::build(description);
+    const MotionPairs pairs(*scene);
+    const auto nb_models = static_cast<int>(scene->models().size());
+    for (int i = 0; i < 100'000; ++i) {
+      const auto a = static_cast<std::uint32_t>(random.integer(0, nb_models - 1));
+      const auto b = static_cast<std::uint32_t>(random.integer(0, i % 2 ? 20 : nb_models - 1));
+      const auto isStatic = [&](std::uint32_t model) { return scene->models()[model].body < 0; };
+      ASSERT_EQ(pairs.static_pairs.allowed(a, b),
+                scene->filter().allowed(a, b) && (isStatic(a) || isStatic(b)))
+          << scene->models()[a].name << ' ' << scene->models()[b].name;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace collision_pairs

@@ -163,6 +163,35 @@ class SimulatedClockTest(unittest.TestCase):
         finally:
             seeing.end()
 
+    def test_9_a_clock_that_is_late_stops_the_robot_and_says_so(self):
+        """It pauses while joint states and commands go on: their stamps say how much time has passed."""
+        boxes = list(zip("abc", (0.0, 3.0, 6.0)))
+        self.at(700.0, lambda: self.limits[-1].reason == "", boxes, 700.0)
+        begin = len(self.limits)
+        self.at(700.0, lambda: "slide_a' is stamped 0.15 s ahead of the clock" in self.limits[-1].reason, boxes, 700.15,
+                tick=0.0)
+        self.assertEqual((self.limits[-1].scale, self.limits[-1].verdict), (0.0, SpeedLimit.UNKNOWN))
+        self.at(700.0, lambda: len(self.limits) > begin + 20, boxes, 700.05, tick=0.0)  # late, and not the newest
+        self.assertEqual({limit.scale for limit in self.limits[-10:]}, {0.0})
+        self.at(701.0, lambda: self.limits[-1].reason == "", boxes, 701.0)
+
+    def test_10_nothing_passes_once_no_time_is_heard_of_for_the_time_of_a_command(self):
+        boxes = list(zip("abc", (0.0, 3.0, 6.0)))
+        self.at(710.0, lambda: self.limits[-1].reason == "", boxes, 710.0)
+        stamps = iter(range(1, 10**6))
+
+        def heard():  # the clock stands still, and joint states go on a little
+            self.joint_states.publish(JointState(
+                header=rospy.Header(stamp=rospy.Time.from_sec(710.0 + 1e-6 * next(stamps))), name=["slide_a"],
+                position=[0.0]))
+            return "of wall time, and no joint state is later" in self.limits[-1].reason
+        begin, end = len(self.limits), time.time() + 0.5
+        self.at(710.0, lambda: heard() or time.time() > end, boxes, tick=0.0)
+        self.assertFalse(any("no joint state is later" in limit.reason for limit in self.limits[begin:]))
+        self.at(710.0, lambda: "/clock stands still" in self.limits[-1].reason, boxes, tick=0.0)
+        self.assertEqual(self.limits[-1].scale, 0.0)
+        self.at(711.0, lambda: self.limits[-1].reason == "", boxes, 711.0)
+
 
 if __name__ == "__main__":
     rospy.init_node("test_simulated_clock", disable_rostime=True)

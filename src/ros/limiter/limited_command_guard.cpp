@@ -1,0 +1,150 @@
+// A process beside the controller that stops the robot when the limiter does not.
+//
+// Passes ~limited_command on to ~command, and sends zeros itself when none comes for
+// command_timeout, in wall time or in simulated time, whichever is over first. It does nothing
+// else, so a machine that is loaded, and a limiter that hangs or has died, do not keep it from
+// that. Its settings are those of the limiter: the parameter ~velocity_limiter.
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+#include <ros/callback_queue.h>
+#include <ros/ros.h>
+#include <std_msgs/Float64MultiArray.h>
+
+#include "collision_pairs/input_error.h"
+#include "limited_command.h"
+#include "limiter_parameters.h"
+#include "parameters.h"
+#include "real_time.h"
+
+namespace collision_pairs {
+namespace {
+
+constexpr int PRIORITY = 43;              // above the limiter's, below that of interrupts
+constexpr double LONGEST_WAIT = 0.1;      // s, so that it ends soon
+constexpr double SIMULATED_WAIT = 0.001;  // s: a simulated clock may be faster
+
+template <class Command>
+class Guard {
+  static constexpr bool IS_ARRAY = std::is_same_v<Command, std_msgs::Float64MultiArray>;
+
+ public:
+  Guard(const ros::NodeHandle& node, const ros::NodeHandle& private_node,
+        const LimiterParameters& parameters)
+      : parameters_(parameters), came_(ros::SteadyTime::now()), came_at_(ros::Time::now()) {
+    // Whatever a guard before this one, which has died, let pass.
+    Command blank;
+    if constexpr (!IS_ARRAY) blank.joint_names = parameters.joints;
+    last_ = blank;
+    ros::NodeHandle own(node), own_private(private_node);
+    const auto hints = ros::TransportHints().tcpNoDelay();
+    publisher_ = own_private.advertise<Command>("command", 1);
+    commands_ = own_private.subscribe("limited_command", 1, &Guard::pass, this, hints);
+    if (parameters_.is_trajectory) {
+      states_ = own.subscribe(parameters_.joint_states, 10, &Guard::take, this, hints);
+    }
+  }
+
+  void run() {
+    while (ros::ok()) {
+      double wait = LONGEST_WAIT;
+      if (last_) {
+        wait = std::clamp(parameters_.law.command_timeout - silentFor(), 0.0, wait);
+        if (ros::Time::isSimTime()) wait = std::min(wait, SIMULATED_WAIT);
+      }
+      ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(wait));
+      if (!last_ || silentFor() < parameters_.law.command_timeout) continue;
+      publisher_.publish(zerosAs(*last_));
+      last_.reset();
+    }
+  }
+
+ private:
+  void pass(const Command& command) {
+    publisher_.publish(command);
+    last_ = command;
+    came_ = ros::SteadyTime::now();
+    came_at_ = ros::Time::now();
+  }
+  void take(const sensor_msgs::JointState& message) {
+    positions_.take(message, ros::Time::now().toSec(), parameters_.law.max_joint_state_age);
+  }
+
+  double silentFor() const {
+    return std::max((ros::SteadyTime::now() - came_).toSec(),
+                    ros::Time::now().toSec() - came_at_.toSec());
+  }
+
+  static std::vector<double> velocities(const std_msgs::Float64MultiArray& command) {
+    return command.data;
+  }
+  static std::vector<double> velocities(const trajectory_msgs::JointTrajectory& command) {
+    return command.points.empty() ? std::vector<double>() : command.points.front().velocities;
+  }
+  double secondsToRest(const Command& command) const {
+    double seconds = 0.0;
+    const auto& all = parameters_.law.deceleration;
+    const double slowest = *std::min_element(all.begin(), all.end());
+    for (const double velocity : velocities(command)) {
+      seconds = std::max(seconds, std::abs(velocity) / slowest);
+    }
+    return seconds;
+  }
+
+  Command zerosAs(const Command& command) const {
+    LimiterDecision zeros;
+    zeros.command.assign(parameters_.joints.size(), 0.0);
+    zeros.seconds_to_rest = secondsToRest(command);
+    if constexpr (IS_ARRAY) {
+      Command sent = command;
+      sent.data = zeros.command;
+      return sent;
+    } else {
+      return limitedTrajectory(command, parameters_.joints, zeros, positions_);
+    }
+  }
+
+  const LimiterParameters parameters_;
+  JointPositions positions_;
+  std::optional<Command> last_;  // until zeros have followed
+  ros::SteadyTime came_;
+  ros::Time came_at_;
+  ros::Publisher publisher_;
+  ros::Subscriber commands_, states_;
+};
+
+int run() {
+  const ros::NodeHandle node, private_node("~");
+  const std::string name = "velocity_limiter";
+  const auto parameters = LimiterParameters::read(yamlParameters(private_node, {name})[name]);
+  if (!parameters) {
+    throw InputError("the parameter ~" + name + " is not set: it is the limiter's");
+  }
+  if (parameters->is_trajectory) {
+    Guard<trajectory_msgs::JointTrajectory>(node, private_node, *parameters).run();
+  } else {
+    Guard<std_msgs::Float64MultiArray>(node, private_node, *parameters).run();
+  }
+  return 0;
+}
+
+}  // namespace
+}  // namespace collision_pairs
+
+int main(int argc, char** argv) {
+  // Before roscpp starts its threads, which inherit it: they receive and send.
+  const std::string no_real_time = collision_pairs::askForRealTime(collision_pairs::PRIORITY);
+  ros::init(argc, argv, "limited_command_guard");
+  const ros::NodeHandle keeps_log;
+  if (!no_real_time.empty()) ROS_WARN_STREAM("limited_command_guard: " << no_real_time);
+  try {
+    return collision_pairs::run();
+  } catch (const std::exception& error) {
+    ROS_FATAL_STREAM("cannot start, and passes no command: " << error.what());
+    return 1;
+  }
+}

@@ -1,0 +1,166 @@
+#!/usr/bin/python3
+"""Who stops the robot when a decision hangs, and when the limiter's process hangs or dies."""
+import ctypes
+import os
+import signal
+import sys
+import time
+import unittest
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+
+import roslib.packages
+import rospy
+import rostest
+from std_msgs.msg import Float64MultiArray
+from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
+
+from collision_pairs.msg import SpeedLimit
+from joint_simulator import JointSimulator
+from node_client import diagnosis_of
+from program import NODE, Program, wait_until
+
+GUARD = roslib.packages.find_node("collision_pairs", "limited_command_guard")[0]
+PERIOD, TIMEOUT, SPEED = 0.01, 0.2, 0.05   # s, s, m/s
+LATE = 1.0     # s: of a machine with much other work; what is measured is printed
+ATTACH, DETACH, ALL_THREADS = 16, 17, 0x40000000  # sys/ptrace.h, sys/wait.h
+LIMITER = {"joints": ["slide_a"], "deceleration": 2.0, "command_timeout": TIMEOUT}
+
+
+class Heard:
+    """The velocities that come on a topic, and when."""
+
+    def __init__(self, topic, kind):
+        self.messages, self.when = [], []
+        rospy.Subscriber(topic, kind, self._on_message, tcp_nodelay=True)
+
+    def _on_message(self, message):
+        self.when.append(time.monotonic())
+        self.messages.append(message)
+
+    def velocities(self):
+        return [list(m.data if hasattr(m, "data") else m.points[0].velocities) for m in self.messages[:]]
+
+    def moves(self):
+        return any(self.velocities()[-1:]) and any(self.velocities()[-1])
+
+    def seconds_to_zeros(self, what):
+        """From the last command that moves to the zeros that follow it."""
+        def stands():
+            return not any(self.velocities()[-1])
+        wait_until(stands, "zeros")
+        all_of = self.velocities()
+        last = max(i for i, velocities in enumerate(all_of) if any(velocities))
+        took = self.when[last + 1] - self.when[last]
+        print("%s: zeros %.1f ms after the last command, of which command_timeout is %.0f" % (
+            what, 1e3 * took, 1e3 * TIMEOUT), flush=True)
+        return took
+
+
+class LimiterGuardTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.joints = JointSimulator(["slide_a", "slide_b", "slide_c"])
+        cls.joints.place(slide_a=0.0, slide_b=4.0, slide_c=8.0)
+
+    def setUp(self):
+        self.programs, self.timers = [], []
+
+    def tearDown(self):
+        for timer in self.timers:
+            timer.shutdown()
+        for program in self.programs:
+            if program.process.poll() is None:
+                os.kill(program.process.pid, signal.SIGCONT)
+                program.end()
+
+    def start(self, name, message):
+        """A limiter, its guard, and commands that repeat the message. Returns the two and what comes out of each."""
+        kind = type(message)
+        settings = dict(LIMITER, command="/%s/asked" % name, command_type=kind._type)
+        for node in (name, name + "_guard"):
+            rospy.set_param("/%s/velocity_limiter" % node, settings)
+        limiter = Program(NODE, "__name:=" + name)
+        guard = Program(GUARD, "__name:=%s_guard" % name, "~limited_command:=/%s/limited_command" % name,
+                        "~command:=/%s/command" % name)
+        self.programs += [limiter, guard]
+        limited, passed = Heard("/%s/limited_command" % name, kind), Heard("/%s/command" % name, kind)
+        publisher = rospy.Publisher("/%s/asked" % name, kind, queue_size=1, tcp_nodelay=True)
+        self.timers.append(rospy.Timer(rospy.Duration(PERIOD), lambda _: publisher.publish(message)))
+        wait_until(passed.moves, "a command through limiter and guard")
+        time.sleep(0.5)
+        return limiter, guard, limited, passed
+
+    def array(self):
+        return Float64MultiArray(data=[SPEED])
+
+    def trajectory(self):
+        point = JointTrajectoryPoint(velocities=[SPEED], positions=[0.5], time_from_start=rospy.Duration(2.0))
+        message = JointTrajectory(joint_names=["slide_a"], points=[point])
+        message.header.stamp = rospy.Time.now()
+        return message
+
+    def test_a_decision_that_is_blocked_does_not_keep_zeros_back(self):
+        limiter, _, limited, _ = self.start("blocked", self.array())
+        limits = []
+        rospy.Subscriber("/blocked/speed_limit", SpeedLimit, limits.append)
+        tasks = "/proc/%d/task" % limiter.process.pid
+        decider = next(int(task) for task in os.listdir(tasks)
+                       if open(os.path.join(tasks, task, "comm")).read() == "limiter_decide\n")
+        ptrace = ctypes.CDLL(None, use_errno=True).ptrace
+        ptrace.argtypes = [ctypes.c_long, ctypes.c_int, ctypes.c_void_p, ctypes.c_void_p]
+        if ptrace(ATTACH, decider, None, None) != 0:
+            self.skipTest("ptrace is not permitted: " + os.strerror(ctypes.get_errno()))
+        try:
+            os.waitpid(decider, ALL_THREADS)
+            self.assertLess(limited.seconds_to_zeros("a blocked decision"), TIMEOUT + LATE)
+            wait_until(lambda: limits and limits[-1].scale == 0.0, "the reason")
+            time.sleep(5.0)
+            self.assertFalse(limited.moves(), "nothing passes while it is blocked")
+        finally:
+            ptrace(DETACH, decider, None, None)
+        wait_until(limited.moves, "commands that pass again")
+        wait_until(lambda: int({value.key: value.value for value in diagnosis_of("blocked: velocity limiter").values}
+                               ["commands"]) > 0, "diagnostics")
+
+    def test_a_limiter_that_hangs_does_not_keep_the_guard_from_zeros(self):
+        limiter, _, limited, passed = self.start("hangs", self.array())
+        os.kill(limiter.process.pid, signal.SIGSTOP)
+        self.assertLess(passed.seconds_to_zeros("a limiter that hangs"), TIMEOUT + LATE)
+        self.assertTrue(limited.moves(), "these zeros are of the guard")
+        nb_passed = len(passed.messages)
+        time.sleep(1.0)
+        self.assertEqual(len(passed.messages), nb_passed, "once, then silence")
+        os.kill(limiter.process.pid, signal.SIGCONT)
+        wait_until(passed.moves, "commands that pass again")
+
+    def test_a_limiter_that_is_killed_leaves_zeros_and_so_does_its_guard_when_it_is_started_again(self):
+        limiter, guard, _, passed = self.start("killed", self.array())
+        limiter.process.kill()
+        self.assertLess(passed.seconds_to_zeros("a limiter that is killed"), TIMEOUT + LATE)
+        guard.end()
+        nb_passed = len(passed.messages)
+        self.programs.append(Program(GUARD, "__name:=killed_guard", "~limited_command:=/killed/limited_command",
+                                     "~command:=/killed/command"))
+        wait_until(lambda: len(passed.messages) > nb_passed or passed.messages[-1].data == (0.0,), "zeros at the start")
+        self.assertEqual(list(passed.messages[-1].data), [0.0])
+
+    def test_a_trajectory_controller_is_stopped_at_once_and_where_the_robot_is(self):
+        limiter, _, _, passed = self.start("trajectory", self.trajectory())
+        os.kill(limiter.process.pid, signal.SIGSTOP)
+        self.assertLess(passed.seconds_to_zeros("a limiter of trajectories that hangs"), TIMEOUT + LATE)
+        stop = passed.messages[-1]
+        self.assertTrue(stop.header.stamp.is_zero(), "a point of the past is dropped")
+        self.assertEqual(stop.joint_names, ["slide_a"])
+        self.assertLessEqual(stop.points[0].time_from_start.to_sec(), SPEED / 2.0 + 1e-9)
+        self.assertEqual(len(stop.points[0].positions), 1)
+
+    def test_without_the_limiters_settings_a_guard_says_so(self):
+        guard = Program(GUARD, "__name:=no_settings")
+        guard.wait_for("the parameter ~velocity_limiter is not set")
+        self.assertEqual(guard.process.wait(60), 1)
+
+
+if __name__ == "__main__":
+    rospy.init_node("test_limiter_guard")
+    rostest.rosrun("collision_pairs", "limiter_guard", LimiterGuardTest)
