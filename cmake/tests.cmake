@@ -85,6 +85,8 @@ collision_pairs_test(limiter_clock)
 target_sources(test_limiter_clock PRIVATE src/ros/limiter/limiter_clock.cpp)
 collision_pairs_test(limiter_input collision_pairs_ros)
 collision_pairs_test(limiter_reasons collision_pairs_ros)
+collision_pairs_test(limiter_retreat collision_pairs_ros)
+target_sources(test_limiter_retreat PRIVATE test/benchmark/simulated_joints.cpp)
 collision_pairs_test(stopping_tube)
 target_sources(test_stopping_tube PRIVATE src/ros/limiter/stopping_tube.cpp
   test/benchmark/simulated_joints.cpp)

@@ -238,6 +238,11 @@ def test_the_watchdogs_of_the_page_wait_equally_long_and_longer_than_a_period_of
 
 CONSTANTS = [  # what a page says, the file, and what must stand there
     ("limiter", "longer than 20 ms", "src/ros/limiter/velocity_limiter.cpp", "TIME_TO_DECIDE = 0.02;"),
+    ("limiter", "prepared for longer than 10 ms", "src/ros/limiter/velocity_limiter.cpp", "TIME_TO_PREPARE = 0.01,"),
+    ("limiter", "the search stops after 15 ms", "src/ros/limiter/velocity_limiter.cpp", "TIME_TO_SEARCH = 0.015;"),
+    ("limiter", "nearer than 0.02 mm", "src/ros/limiter/limiter_law.cpp", "CONTACT = 2e-5;"),
+    ("limiter", "by more than 0.1 mm", "src/ros/limiter/certified_surroundings.cpp", "DEEPER = 1e-4;"),
+    ("limiter", "at five places", "src/ros/limiter/certified_surroundings.cpp", "PLACES = 4;"),
     ("limiter", "up to five certificates", "src/ros/limiter/limiter_law.cpp", "MOST_CERTIFICATES = 5;"),
     ("limiter", "`stop_distance` plus 2 mm", "src/ros/limiter/limiter_law.cpp", "ROOM_TO_RETREAT = 0.002;"),
     ("limiter", "down to a 64th of it", "src/ros/limiter/limiter_law.cpp", "RETREATS = 4;"),

@@ -9,7 +9,6 @@ namespace collision_pairs {
 namespace {
 
 constexpr double RESOLUTION = 5e-4;  // m: a pair that keeps this much more than asked is certified
-constexpr double OF_SMALL = 0.5;     // the same, as a share of what a pair has to keep
 constexpr double DEEPER = 1e-4;      // m, by which a contact's depth may be off
 constexpr int PLACES = 4;            // of a path that leads out of contact, after its first
 const char* const TIME_IS_OVER = "the time for the decision is over";
@@ -88,9 +87,6 @@ Surroundings::Certificate CertifiedSurroundings::certify(const StoppingTube& tub
   if (left <= 0.0) return {false, "", "", TIME_IS_OVER};
   if (deadline_ != std::chrono::steady_clock::time_point::max()) settings.time_budget = left;
   for (const NearPair& pair : nearer) {
-    if (pair.distance >= 0.0) {
-      settings.resolution = std::min(settings.resolution, OF_SMALL * pair.distance);
-    }
     const auto idOf = [&](const std::string& name) {
       return static_cast<std::uint32_t>(scene_->findModel(name));
     };

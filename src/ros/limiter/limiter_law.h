@@ -47,8 +47,7 @@ class Surroundings {
   };
   /// Whether no pair that the joints of the command move comes nearer than `clearance` metres
   /// anywhere in the tube; one with anything that the robot does not carry: `growth` more. Each of
-  /// `nearer` only has to keep its own distance; if that is negative, it is not asked about. A
-  /// distance that is small is certified at a resolution of its own size.
+  /// `nearer` only has to keep its own distance; if that is negative, it is not asked about.
   virtual Certificate certify(const StoppingTube& tube, double clearance, double growth,
                               const std::vector<NearPair>& nearer) = 0;
 
