@@ -9,7 +9,6 @@
 
 #include "benchmark/demo_motion.h"
 #include "benchmark/simulated_limiters.h"
-#include "collision_pairs/occupied_voxels.h"
 #include "motion_fixtures.h"
 #include "published_decisions.h"
 

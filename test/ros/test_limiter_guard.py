@@ -2,6 +2,7 @@
 """Who stops the robot when a decision hangs, and when the limiter's process hangs or dies."""
 import ctypes
 import os
+import shutil
 import signal
 import sys
 import time
@@ -154,6 +155,25 @@ class LimiterGuardTest(unittest.TestCase):
         self.assertEqual(stop.joint_names, ["slide_a"])
         self.assertLessEqual(stop.points[0].time_from_start.to_sec(), SPEED / 2.0 + 1e-9)
         self.assertEqual(len(stop.points[0].positions), 1)
+
+    def test_without_real_time_scheduling_log_and_diagnostics_have_the_line_that_permits_it(self):
+        refused = []
+        if os.geteuid() == 0:
+            if not shutil.which("setpriv"):
+                self.skipTest("setpriv is missing")
+            refused = ["setpriv", "--bounding-set", "-sys_nice", "--inh-caps", "-sys_nice"]
+        rospy.set_param("/idle/velocity_limiter", dict(LIMITER, command="/idle/asked"))
+        rospy.set_param("/idle_guard/velocity_limiter", dict(LIMITER, command="/idle/asked"))
+        for program, name in ((NODE, "idle"), (GUARD, "idle_guard")):
+            self.programs.append(Program(*refused, program, "__name:=" + name))
+        for program in self.programs:
+            wait_until(lambda: "scheduling" in program.said() or program.process.poll() is not None, "a word")
+            if not program.said() and not refused:
+                self.skipTest("it is permitted")
+            self.assertRegex(program.said(), r"no real-time scheduling: .*/etc/security/limits.conf .*- rtprio \d+'")
+            self.assertEqual(program.said().count("no real-time scheduling"), 1)
+        values = {pair.key: pair.value for pair in diagnosis_of("idle: velocity limiter").values}
+        self.assertRegex(values["real-time scheduling"], r"^no real-time scheduling: .*limits.conf .*- rtprio \d+'$")
 
     def test_without_the_limiters_settings_a_guard_says_so(self):
         guard = Program(GUARD, "__name:=no_settings")

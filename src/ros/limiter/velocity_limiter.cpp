@@ -114,8 +114,10 @@ void VelocityLimiter::beginThread(const char* name, int priority) {
   pthread_setname_np(pthread_self(), name);
   const std::string why = askForRealTime(priority);
   const std::lock_guard<std::mutex> lock(mutex_);
-  if (!why.empty() && real_time_.empty()) ROS_WARN_STREAM("velocity limiter: " << why);
-  if (real_time_.empty()) real_time_ = why;
+  if (!why.empty() && !std::exchange(lacks_real_time_, true)) {
+    ROS_WARN_STREAM("velocity limiter: " << why);
+  }
+  real_time_ = why.empty() ? "yes" : why;
 }
 
 void VelocityLimiter::listen() {
@@ -335,7 +337,7 @@ void VelocityLimiter::diagnose(diagnostic_updater::DiagnosticStatusWrapper& stat
   status.add("commands", nb_commands_);
   status.add("overruns", nb_overruns_);
   status.add("longest decision [s]", slowest_);
-  status.add("real-time scheduling", real_time_.empty() ? "yes" : real_time_);
+  status.add("real-time scheduling", real_time_);
   status.add("scale", last_limit_ ? last_limit_->scale : 0.0);
   status.add("reason", last_limit_ ? last_limit_->reason : "no command yet");
   nb_overruns_ = nb_commands_ = 0;

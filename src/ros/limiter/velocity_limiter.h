@@ -94,9 +94,10 @@ class VelocityLimiter {
   mutable std::mutex mutex_;  // guards what diagnose() and lastLimit() read
   std::optional<SpeedLimit> last_limit_;
   ros::SteadyTime last_limit_from_;
-  std::string fault_;      // why the last command was stopped, if it was not for what is near
-  std::string real_time_;  // why it is not permitted; empty: it is
-  double slowest_ = 0.0;   // seconds of a decision, since asked
+  std::string fault_;  // why the last command was stopped, if it was not for what is near
+  std::string real_time_ = "not asked for yet";  // or "yes", or why not
+  bool lacks_real_time_ = false;                 // and the log says so
+  double slowest_ = 0.0;                         // seconds of a decision, since asked
   std::size_t nb_commands_ = 0, nb_overruns_ = 0;
 
   ros::CallbackQueue queue_;
