@@ -11,27 +11,27 @@ add_library(collision_pairs_io SHARED
   src/io/cloud_gatherer.cpp
   src/io/cloud_view.cpp
   src/io/csv.cpp
-  src/io/frame_poses.cpp
   src/io/joint_limits.cpp
   src/io/joint_states_csv.cpp
-  src/io/joint_tracks.cpp
   src/io/meshes/mesh_loader.cpp
   src/io/meshes/mesh_process.cpp
   src/io/meshes/obj_file.cpp
   src/io/meshes/stl_file.cpp
   src/io/pcd_file.cpp
-  src/io/robot_poses.cpp
   src/io/scene_config.cpp
   src/io/scene_sources.cpp
   src/io/text_files.cpp
-  src/io/track.cpp
-  src/io/transform_buffer.cpp
-  src/io/transform_kind.cpp
   src/io/yaml_values.cpp
+  src/transforms/robot_poses.cpp
+  src/transforms/stamps.cpp
+  src/transforms/transform_buffer.cpp
+  src/transforms/transform_gate.cpp
+  src/transforms/transform_samples.cpp
 )
 target_include_directories(collision_pairs_io
   PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/src/io>
          $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/src/io/meshes>
+         $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/src/transforms>
   PRIVATE ${CORE_MODULES})
 target_include_directories(collision_pairs_io SYSTEM PRIVATE ${catkin_INCLUDE_DIRS})
 target_link_libraries(collision_pairs_io PUBLIC collision_pairs $<BUILD_INTERFACE:yaml-cpp>

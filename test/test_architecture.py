@@ -70,12 +70,18 @@ def assert_modules_know_only(below):
 
 
 def test_layers_know_only_the_layers_below():
-    assert_modules_know_only({"src/core": set(), "src/io": {"src/core"}, "src/messages": {"src/core"},
-                              "src/tools": {"src/messages", "src/io", "src/core"},
+    assert_modules_know_only({"src/core": set(), "src/transforms": {"src/core"}, "src/io": {"src/transforms", "src/core"},
+                              "src/messages": {"src/core"},
+                              "src/tools": {"src/messages", "src/io", "src/transforms", "src/core"},
                               "src/planners": {"src/messages", "src/core"},
-                              "src/python": {"src/io", "src/core"},
-                              "src/ros": {"src/messages", "src/io", "src/core"},
-                              "src/demo": {"src/ros", "src/messages", "src/io", "src/core"}})
+                              "src/python": {"src/io", "src/transforms", "src/core"},
+                              "src/ros": {"src/messages", "src/io", "src/transforms", "src/core"},
+                              "src/demo": {"src/ros", "src/messages", "src/io", "src/transforms", "src/core"}})
+
+
+def test_one_file_knows_the_buffer_of_tf2():
+    files = {file for folder in ("include", "src") for file, what in included_in(folder) if what.startswith("tf2/")}
+    assert files == {"src/transforms/transform_buffer.cpp"}, files
 
 
 # From the ground up. Public headers lie together in include/, so a module is also asked for the

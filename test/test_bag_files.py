@@ -218,7 +218,7 @@ def test_what_is_not_used_is_counted_and_the_first_of_it_is_said(run_bag):
     done, said = run_bag(messages)
     assert done.returncode == 0 and said == [
         "1 transforms and joint positions that are not finite, or not a rotation",
-        "4 transforms and joint positions are not used, or are in doubt; the first: joint 'slide_a': it was 1.12 s old when it "
+        "4 joint positions are not used, or are in doubt; the first: joint 'slide_a': it was 1.12 s old when it "
         "arrived, and max_pose_age is 1.00 s"]
     assert run_bag(messages[:3])[1] == []
 

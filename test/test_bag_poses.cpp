@@ -1,4 +1,6 @@
 // Where the bodies of a robot stood, from transforms and joint states put together here.
+#include <algorithm>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -39,19 +41,22 @@ class BagPosesTest : public testing::Test {
   void take(const std::string& parent, const std::string& child, double seconds, const Vector3d& p,
             bool is_static) {
     const auto stamp = static_cast<StampNs>(seconds * 1e9);
-    bag_.transforms.take({parent, child, stamp, p, Eigen::Quaterniond::Identity()}, is_static, "",
-                         stamp);
+    bag_.take({parent, child, stamp, p, Eigen::Quaterniond::Identity()}, is_static, "", stamp);
     bag_.stamps.resize(bag_.transforms.frames().size());
-    if (!is_static) bag_.stamps[bag_.transforms.findFrame(child)].push_back(stamp);
   }
   void position(const std::string& joint, double seconds, double value,
                 const std::string& topic = "/joint_states") {
     const auto stamp = static_cast<StampNs>(seconds * 1e9);
-    bag_.joints[topic].take(joint, value, stamp, "", stamp, bag_.transforms.limits());
+    bag_.joints[topic].push_back(
+        {stamp, stamp, bag_.names.add("/joints"), bag_.names.add(joint), value});
   }
   void finish(const std::string& prefix = "") {
     BagPosesOptions options;
     options.prefix = prefix;
+    for (auto& [topic, positions] : bag_.joints) {  // as they arrive
+      std::stable_sort(positions.begin(), positions.end(),
+                       [](const auto& a, const auto& b) { return a.received < b.received; });
+    }
     poses_ = makeBagPoses(bag_, *scene_, options);
   }
   /// Where a link stood in the base; not a number where that is not known.
@@ -255,9 +260,9 @@ TEST_F(BagPosesTest, OfJointsOnlyThoseCountThatMoveABodyOfTheScene) {
   EXPECT_EQ(at("hand", 2), Vector3d(0.75, 0, 1));
   BodyPoses poses;
   const std::string why =
-      "joint 'slide': no two of its positions around that stamp are within "
-      "1.00 s of each other";
-  EXPECT_THAT(poses_->at(SECOND, poses), ElementsAre("link 'arm': " + why, "link 'hand': " + why));
+      "no two of its transforms around that stamp are within 1.00 s of each other (in 'base')";
+  EXPECT_THAT(poses_->at(SECOND, poses),
+              ElementsAre("link 'arm': " + why, "link 'hand': transform of 'arm': " + why));
   EXPECT_THAT(poses_->at(2 * SECOND, poses), ElementsAre());
 }
 

@@ -77,6 +77,39 @@ TEST_F(NewestPoses, OneThatLagsBehindTheOthersIsSaidTo) {
   EXPECT_EQ(found().stamp, 9 * SECOND + 3 * SECOND / 4);
 }
 
+// The first joint, or the transform of the whole robot in the frame of the reports.
+TEST_F(NewestPoses, BelowAFrameThatFellSilentAreLeftOutThoughAgesDoNotMatter) {
+  RandomInputs random;
+  for (int i = 0; i < 100; ++i) {
+    TransformBuffer buffer{PoseLimits{0.0, 0.5, 0.5}};
+    const std::string frame = random.integer(0, 1) ? "world" : "base";
+    const RobotPoses poses(buffer, *robot_, frame);
+    const std::string silent = frame == "world" && random.integer(0, 1) ? "base" : "arm";
+    const double end = random.uniform(11.0, 12.0);  // of what falls silent
+    double last = 0.0;                              // that it sent
+    for (double now = 10.0; now < 16.0; now += random.uniform(0.01, 0.1)) {
+      for (const auto& [parent, child] : {std::pair<std::string, std::string>("world", "base"),
+                                          {"base", "arm"},
+                                          {"tool", "wheel"}}) {
+        if (child == silent && now > end) continue;
+        if (child == silent) last = now;
+        const auto stamp = static_cast<StampNs>(now * 1e9);
+        buffer.take({parent, child, stamp, Vector3d(now, 0, 0), Eigen::Quaterniond::Identity()},
+                    false, "", stamp);
+      }
+      const FoundBodies found =
+          poses.newest(static_cast<StampNs>(now * 1e9), std::vector<char>(3, 1));
+      const bool is_frozen = now - last > 0.5;
+      if (is_frozen) {
+        EXPECT_FALSE(found.known[1] && found.known[2]) << frame << ' ' << silent << ' ' << now;
+        EXPECT_THAT(found.problems[1], testing::HasSubstr("older than the newest of all links"));
+      } else {
+        EXPECT_THAT(found.known, ElementsAre(1, 1, 1)) << frame << ' ' << silent << ' ' << now;
+      }
+    }
+  }
+}
+
 TEST_F(NewestPoses, WhatStandsOnlyByStaticTransformsNamesTheJointThatIsNotFixed) {
   take("base", "arm", 0, true);
   take("tool", "wheel", 9.5);
@@ -119,7 +152,7 @@ TEST_F(NewestPoses, OfLinksToEachOtherAreFoundByFixedJointsToo) {
   const auto xOf = [&](const std::string& target, const std::string& source,
                        const std::string& frame) {
     const RobotPoses poses(buffer_, *robot_, frame);
-    return poses.between(target, source, {Instant::NEWEST, 10 * SECOND}).X_RF.translation().x();
+    return poses.between(target, source, {Instant::NEWEST, 10 * SECOND}).X_TS.translation().x();
   };
   for (const char* frame : {"base", "arm", "tool"}) {
     EXPECT_EQ(xOf("base", "arm", frame), 1.0);
@@ -139,7 +172,7 @@ TEST_F(NewestPoses, OfLinksThatTfDoesNotNameAreFoundByFixedJointsToo) {
   take("base", "arm", 9.5);
   const RobotPoses poses(buffer_, *robot_, "base");
   const Instant newest{Instant::NEWEST, 10 * SECOND};
-  EXPECT_EQ(poses.between("base", "tool", newest).X_RF.translation().x(), 1.0);
+  EXPECT_EQ(poses.between("base", "tool", newest).X_TS.translation().x(), 1.0);
   EXPECT_EQ(poses.between("base", "tool", newest).oldest, 19 * SECOND / 2);
   EXPECT_THROW(poses.between("base", "wheel", newest), NotConnected);
 }
@@ -209,7 +242,7 @@ TEST(FramePoses, AreThoseOfWalksUpToOneRootAndUnknownWhereAWalkHasNoEnd) {
           const auto found =
               poseBetween(buffer, nameOf(target), nameOf(source), {Instant::AT, SECOND});
           ASSERT_TRUE(is_known);
-          EXPECT_TRUE(found.X_RF.isApprox(X_RT.inverse() * X_RS, 1e-9));
+          EXPECT_TRUE(found.X_TS.isApprox(X_RT.inverse() * X_RS, 1e-9));
         } catch (const InputError& error) {
           ASSERT_FALSE(is_known) << error.what();
         }

@@ -7,7 +7,6 @@
 #include <tf2/buffer_core.h>
 #include <tf2/exceptions.h>
 
-#include "joint_tracks.h"
 #include "random_inputs.h"
 #include "robot_poses.h"
 
@@ -88,15 +87,16 @@ TEST(TransformBuffer, PosesAreThoseOfTf2AtAnyInstantInAnyOrderOfArrival) {
     int nb_known = 0;
     for (int i = 0; i < 60; ++i) {
       const StampNs stamp = 100 * SECOND + i * SECOND / 25;
-      FramePoses frames(tracks, {Instant::AT, stamp});
-      frames.anchor(tracks.findFrame("base"), {Isometry3d::Identity()});
+      const int base = tracks.findFrame("base");
+      const FrameWays ways(tracks, base, {Instant::AT, stamp});
       for (const std::string frame : {"map", "odom", "a", "b", "c"}) {
         Isometry3d expected = Isometry3d::Identity();
-        FramePoses::Known found;
         const bool known = ask(buffer, "base", frame, stamp, expected);
-        ASSERT_EQ(frames.find(tracks.findFrame(frame), found), known) << frame << " at " << i;
+        const int number = tracks.findFrame(frame);
+        ASSERT_EQ(ways.to(number).is_known, known) << frame << " at " << i;
         if (known) {
-          EXPECT_LT((found.X_RF.matrix() - expected.matrix()).cwiseAbs().maxCoeff(), 1e-12);
+          const Isometry3d found = tracks.poseAt(base, number, stamp);
+          EXPECT_LT((found.matrix() - expected.matrix()).cwiseAbs().maxCoeff(), 1e-12);
         }
         nb_known += known;
       }
@@ -108,11 +108,9 @@ TEST(TransformBuffer, PosesAreThoseOfTf2AtAnyInstantInAnyOrderOfArrival) {
 class OneTrack : public testing::Test {
  protected:
   bool known(StampNs stamp, double& x) {
-    FramePoses frames(tracks_, {Instant::AT, stamp});
-    frames.anchor(tracks_.findFrame("base"), {Isometry3d::Identity()});
-    FramePoses::Known found;
-    if (!frames.find(tracks_.findFrame("arm"), found)) return false;
-    x = found.X_RF.translation().x();
+    const int base = tracks_.findFrame("base"), arm = tracks_.findFrame("arm");
+    if (!FrameWays(tracks_, base, {Instant::AT, stamp}).to(arm).is_known) return false;
+    x = tracks_.poseAt(base, arm, stamp).translation().x();
     return true;
   }
   void add(double seconds, double x, bool is_static = false) {
@@ -152,10 +150,10 @@ TEST_F(OneTrack, WhatHadNotArrivedDiffersFromWhatIsTooFarApart) {
   add(3, 4);
   const int arm = tracks_.findFrame("arm");
   for (const bool as_it_arrived : {false, true}) {
-    EXPECT_EQ(tracks_.whyUnknown(arm, 2 * SECOND, as_it_arrived),
+    EXPECT_EQ(tracks_.gate().whyUnknown(arm, 2 * SECOND, as_it_arrived),
               "no two of its transforms around that stamp are within 1.00 s of each other");
   }
-  EXPECT_EQ(tracks_.whyUnknown(arm, 2750000000, true),
+  EXPECT_EQ(tracks_.gate().whyUnknown(arm, 2750000000, true),
             "at that stamp, its newest transform that had arrived was too old or in doubt");
 }
 
@@ -213,11 +211,9 @@ TEST_F(OneTrack, FramesInARingAreUnknownAndEndNothing) {
   take("arm", "base", 1, Vector3d::Zero());
   take("y", "x", 1, Vector3d::Zero());
   take("x", "y", 1, Vector3d::Zero());
-  FramePoses frames(tracks_, {Instant::AT, SECOND});
-  frames.anchor(tracks_.findFrame("base"), {Isometry3d::Identity()});
-  FramePoses::Known found;
-  EXPECT_FALSE(frames.find(tracks_.findFrame("x"), found));
-  EXPECT_FALSE(frames.isPlaced(tracks_.findFrame("x")));
+  const FrameWays ways(tracks_, tracks_.findFrame("base"), {Instant::AT, SECOND});
+  EXPECT_FALSE(ways.to(tracks_.findFrame("x")).is_known);
+  EXPECT_FALSE(ways.isPlaced(tracks_.findFrame("x")));
 }
 
 TEST_F(OneTrack, WhatIsRefusedIsRefusedInTheseWords) {
@@ -234,11 +230,11 @@ TEST_F(OneTrack, WhatIsRefusedIsRefusedInTheseWords) {
   for (const double scale : {0.9991, 1.0009}) {
     EXPECT_EQ(take("base", "bent", 1, here, false, Quaterniond(0, 0, 0, scale)), "");
   }
-  int parent = -1;
-  Isometry3d X = Isometry3d::Identity();
-  ASSERT_TRUE(tracks_.poseAt(tracks_.findFrame("bent"), SECOND, false, parent, X));
+  const int base = tracks_.findFrame("base"), bent = tracks_.findFrame("bent");
+  EXPECT_TRUE(tracks_.gate().isKnown(bent, SECOND, false));
+  const Isometry3d X = tracks_.poseAt(base, bent, SECOND);
   EXPECT_TRUE(X.linear().isApprox(Vector3d(-1, -1, 1).asDiagonal().toDenseMatrix(), 1e-12));
-  EXPECT_EQ(parent, tracks_.findFrame("base"));
+  EXPECT_EQ(tracks_.parentAt(bent, SECOND), base);
 }
 
 TEST_F(OneTrack, WhyAPoseIsNotKnownIsSaidInTheseWords) {
@@ -247,80 +243,64 @@ TEST_F(OneTrack, WhyAPoseIsNotKnownIsSaidInTheseWords) {
   take("base", "fixed", 9, Vector3d::Zero(), true);
   const int arm = tracks_.findFrame("arm"), base = tracks_.findFrame("base");
   const auto at = [](double seconds) { return static_cast<StampNs>(seconds * 1e9); };
-  EXPECT_EQ(tracks_.whyUnknown(base, at(10), false), "TF does not say where it is");
-  EXPECT_EQ(tracks_.whyNoNewest(base, at(10)), "TF does not say where it is");
-  EXPECT_EQ(tracks_.whyUnknown(arm, at(10.75), false),
+  EXPECT_EQ(tracks_.gate().whyUnknown(base, at(10), false), "TF does not say where it is");
+  EXPECT_EQ(tracks_.gate().whyUnknown(arm, at(10.75), false),
             "its newest transform is 0.25 s older than that stamp (no extrapolation)");
-  EXPECT_EQ(tracks_.whyUnknown(arm, at(9), false),
+  EXPECT_EQ(tracks_.gate().whyUnknown(arm, at(9), false),
             "no two of its transforms around that stamp are within 1.00 s of each other");
-  EXPECT_EQ(tracks_.whyUnknown(tracks_.findFrame("fixed"), at(9), true), "it had not arrived yet");
+  EXPECT_EQ(tracks_.gate().whyUnknown(tracks_.findFrame("fixed"), at(9), true),
+            "it had not arrived yet");
   TransformBuffer live(PoseLimits{1.0, 1.0, 0.5});
   live.take({"base", "arm", at(10), Vector3d::Zero(), NO_TURN}, false, "", at(10));
-  int parent = -1;
-  StampNs stamp = 0;
-  Isometry3d X;
-  EXPECT_TRUE(live.newestPose(live.findFrame("arm"), at(11), stamp, parent, X))
-      << "just as old as may be";
-  EXPECT_EQ(stamp, at(10));
-  EXPECT_FALSE(live.newestPose(live.findFrame("arm"), at(11) + 1, stamp, parent, X));
-  EXPECT_EQ(live.whyNoNewest(live.findFrame("arm"), at(12.5)),
+  const int root = live.findFrame("base"), link = live.findFrame("arm");
+  const auto newest = [&](StampNs now) { return FrameWays(live, root, {Instant::NEWEST, now}); };
+  EXPECT_EQ(newest(at(10)).whyNot(root), "TF does not say where it is");
+  EXPECT_TRUE(newest(at(11)).to(link).is_known) << "just as old as may be";
+  EXPECT_EQ(newest(at(11)).to(link).oldest, at(10));
+  EXPECT_FALSE(newest(at(11) + 1).to(link).is_known);
+  EXPECT_EQ(newest(at(12.5)).whyNot(link),
             "its newest transform is 2.50 s old, and max_pose_age is 1.00 s");
   live.restart(at(3));
-  EXPECT_EQ(live.whyNoNewest(live.findFrame("arm"), at(3)),
+  EXPECT_EQ(newest(at(3)).whyNot(link),
             "no transform of it was received since the clock went back");
 }
 
-TEST(TrackLimits, AreThoseOfTheParametersInNanoseconds) {
-  const TrackLimits limits({0.25, 0.5, 0.125}, false);
+TEST(StampLimits, AreThoseOfTheParametersInNanoseconds) {
+  const StampLimits limits({0.25, 0.5, 0.125}, false);
   EXPECT_EQ(limits.max_age, SECOND / 4);
   EXPECT_EQ(limits.max_gap, SECOND / 2);
   EXPECT_EQ(limits.tolerance, SECOND / 8);
   EXPECT_EQ(limits.kept, 10 * SECOND);
-  const TrackLimits none({0.0, 0.0, 1e300}, true);
+  const StampLimits none({0.0, 0.0, 1e300}, true);
   EXPECT_EQ(none.max_age, NEVER);
   EXPECT_EQ(none.max_gap, 0);
   EXPECT_EQ(none.tolerance, NEVER);
   EXPECT_EQ(none.kept, NEVER);
 }
 
-TEST(TrackLimits, StampsAreTakenUpToTheToleranceAheadAndTheAgeBehind) {
-  const TrackLimits limits({0.25, 1.0, 0.125}, false);
+TEST(StampLimits, StampsAreTakenUpToTheToleranceAheadAndTheAgeBehind) {
   const StampNs now = 100 * SECOND;
-  EXPECT_EQ(whyRefused(0, now, limits), "its stamp is zero");
-  EXPECT_EQ(whyRefused(now + SECOND / 8, now, limits), "");
-  EXPECT_EQ(whyRefused(now + SECOND / 8 + 1, now, limits),
-            "its stamp is 0.13 s ahead of the clock");
-  EXPECT_EQ(whyRefused(now - SECOND / 4, now, limits), "");
-  EXPECT_EQ(whyRefused(now - SECOND / 4 - 1, now, limits),
+  const auto refusal = [&](const PoseLimits& limits, StampNs newest, StampNs stamp) {
+    TransformBuffer buffer(limits);
+    if (newest != 0) buffer.take({"base", "arm", newest, {0, 0, 0}, NO_TURN}, false, "", now);
+    return buffer.take({"base", "arm", stamp, {0, 0, 0}, NO_TURN}, false, "", now);
+  };
+  const PoseLimits limits{0.25, 1.0, 0.125};
+  EXPECT_EQ(refusal(limits, 0, 0), "its stamp is zero");
+  EXPECT_EQ(refusal(limits, 0, now + SECOND / 8), "");
+  EXPECT_EQ(refusal(limits, 0, now + SECOND / 8 + 1), "its stamp is 0.13 s ahead of the clock");
+  EXPECT_EQ(refusal(limits, 0, now - SECOND / 4), "");
+  EXPECT_EQ(refusal(limits, 0, now - SECOND / 4 - 1),
             "it was 0.25 s old when it arrived, and max_pose_age is 0.25 s");
-  JointTracks tracks;
-  const TrackLimits ageless({0.0, 1.0, 0.125}, false);
-  EXPECT_EQ(tracks.take("a", 0.0, now, "", now, ageless), "");
-  EXPECT_EQ(tracks.take("a", 0.0, now - 10 * SECOND, "", now, ageless), "");
-  EXPECT_EQ(tracks.take("a", 0.0, now - 10 * SECOND - 1, "", now, ageless),
-            "it is older than what is kept");
+  const PoseLimits ageless{0.0, 1.0, 0.125};
+  EXPECT_EQ(refusal(ageless, now, now - 10 * SECOND), "");
+  EXPECT_EQ(refusal(ageless, now, now - 10 * SECOND - 1), "it is older than what is kept");
 }
 
 /// A sample beside three consecutive ones of another publisher.
 TEST(Contradictions, AreFurtherFromBothNeighboursThanTheseAreFromEachOther) {
   std::string how;
-  const auto isOne = [&](double sample, double earlier, double before, double after) {
-    how = "";
-    return contradicts(JointPosition{sample}, JointPosition{earlier}, JointPosition{before},
-                       JointPosition{after}, how);
-  };
   const double just = 0.9e-4, more = 1.1e-4;  // what rounding may do, and what it may not
-  for (const double sign : {1.0, -1.0}) {
-    for (const double turn : {0.0, 2.0 * M_PI, -4.0 * M_PI}) {
-      EXPECT_FALSE(isOne(sign * (1.0 + just) + turn, sign * 0.5, sign * 0.5, sign * 0.75 + turn));
-      EXPECT_FALSE(isOne(sign * (1.0 + just), sign * 0.5, sign * 0.5 + turn, sign * 0.75));
-      EXPECT_TRUE(isOne(sign * (1.0 + more) + turn, sign * 0.5, sign * 0.5, sign * 0.75));
-      EXPECT_EQ(how, "by 0.250110");
-      EXPECT_TRUE(isOne(sign * (0.25 - more), sign * 0.5, sign * 0.5 + turn, sign * 0.75));
-      EXPECT_FALSE(isOne(sign * (1.25 + just), sign * 0.0, sign * 0.5, sign * 0.75))
-          << "the step before";
-    }
-  }
   const auto pose = [](int parent, double x, double angle) {
     return FramePose{parent, Vector3d(0, x, 0),
                      Quaterniond(Eigen::AngleAxisd(angle, Vector3d::UnitX()))};
@@ -340,55 +320,6 @@ TEST(Contradictions, AreFurtherFromBothNeighboursThanTheseAreFromEachOther) {
   EXPECT_TRUE(ofPoses(pose(3, 0.5, 0.5), still));
   EXPECT_EQ(how, "they name different parents");
   EXPECT_FALSE(contradicts(pose(2, 9, 0), still, still, pose(2, 0, 0), how)) << "one of the two";
-}
-
-TEST(JointTracks, WhyAPositionIsNotKnownIsSaidInTheseWords) {
-  JointTracks tracks;
-  const TrackLimits limits({1.0, 1.0, 0.5}, true);
-  tracks.take("a", 1.0, 10 * SECOND, "/one", 10 * SECOND, limits);
-  tracks.take("a", 2.0, 11 * SECOND, "/one", 11 * SECOND, limits);
-  tracks.take("a", 3.0, 12 * SECOND, "/one", 12 * SECOND + SECOND / 2, limits);
-  EXPECT_TRUE(tracks.has("a"));
-  EXPECT_FALSE(tracks.has("b"));
-  double position = 7.0;
-  std::string why;
-  const auto look = [&](StampNs stamp) {
-    position = 7.0;
-    why = "";
-    return JointTracks::lookUp(tracks.joints().at("a"), stamp, limits, false, position, why);
-  };
-  EXPECT_TRUE(look(11 * SECOND));
-  EXPECT_EQ(position, 2.0);
-  EXPECT_TRUE(look(10 * SECOND + SECOND / 4));
-  EXPECT_EQ(position, 1.25);
-  for (const StampNs unknown : {10 * SECOND - 1, 12 * SECOND + 1}) {
-    EXPECT_FALSE(look(unknown));
-    EXPECT_EQ(why, "no two of its positions around that stamp are within 1.00 s of each other");
-    EXPECT_EQ(position, 7.0);
-  }
-  EXPECT_FALSE(look(12 * SECOND));
-  EXPECT_EQ(why, "at that stamp, its newest position that had arrived was too old");
-  const std::string both =
-      "'/one' and '/two' both publish it, and contradict each other: by 3.000000";
-  EXPECT_EQ(tracks.take("a", 5.0 + 4.0 * M_PI, 11 * SECOND, "/two", 12 * SECOND, limits), both);
-  EXPECT_FALSE(look(11 * SECOND));
-  EXPECT_EQ(why, both);
-}
-
-TEST(JointTracks, AContinuousJointTakesTheShorterWayRound) {
-  JointTracks tracks;
-  const TrackLimits limits({1.0, 1.0, 0.5}, true);
-  tracks.take("wheel", 3.0, SECOND, "", SECOND, limits);
-  tracks.take("wheel", -3.0, 2 * SECOND, "", 2 * SECOND, limits);
-  const auto& wheel = tracks.joints().at("wheel");
-  double position = 0.0;
-  std::string why;
-  ASSERT_TRUE(JointTracks::lookUp(wheel, SECOND * 3 / 2, limits, true, position, why));
-  EXPECT_NEAR(position, M_PI, 1e-12);
-  ASSERT_TRUE(JointTracks::lookUp(wheel, SECOND * 3 / 2, limits, false, position, why));
-  EXPECT_NEAR(position, 0.0, 1e-12);
-  const TrackLimits shorter({1.0, 0.5, 0.5}, true);
-  EXPECT_FALSE(JointTracks::lookUp(wheel, SECOND * 3 / 2, shorter, false, position, why));
 }
 
 }  // namespace

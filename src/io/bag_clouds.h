@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "bag_records.h"
-#include "track.h"
+#include "stamps.h"
 
 namespace collision_pairs {
 

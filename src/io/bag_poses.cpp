@@ -25,29 +25,17 @@ class BagPosesFromTf : public BagPoses {
  public:
   BagPosesFromTf(const BagContents& bag, const CollisionScene& scene,
                  const BagPosesOptions& options)
-      : BagPoses(bag, scene, options), all_(scene.robot().bodies().size(), 1) {
+      : BagPoses(bag, scene, options) {
     source_ = "TF";
     collectStamps();
     countKnown();
   }
 
-  bool frameAt(StampNs stamp, const std::string& frame, Isometry3d& X_RF) const override {
-    FramePoses::Known found;
-    std::string why;
-    if (!robot_.frameAt({Instant::AT, stamp}, frame, found, why)) return false;
-    X_RF = found.X_RF;
-    return true;
-  }
-
  private:
-  FoundBodies robotAt(StampNs stamp) const override {
-    return robot_.place({Instant::AS_IT_ARRIVED, stamp}, all_);
-  }
-
   bool hasFrame(int body) const {
     const auto& links = scene_.robot().links();
     return std::any_of(links.begin(), links.end(), [&](const Link& link) {
-      return link.body == body && robot_.frameOf(link.name) >= 0;
+      return link.body == body && robot_->frameOf(link.name) >= 0;
     });
   }
 
@@ -55,7 +43,7 @@ class BagPosesFromTf : public BagPoses {
     const RobotModel& robot = scene_.robot();
     for (const bool driven : {true, false}) {
       for (const Link& link : robot.links()) {
-        const int frame = link.body == 0 ? -1 : robot_.frameOf(link.name);
+        const int frame = link.body == 0 ? -1 : robot_->frameOf(link.name);
         if (frame < 0 || isDriven(link, robot) != driven) continue;
         const auto& stamps = bag_.stamps[static_cast<std::size_t>(frame)];
         stamps_.insert(stamps_.end(), stamps.begin(), stamps.end());
@@ -87,7 +75,7 @@ class BagPosesFromTf : public BagPoses {
                   "only, and no joint states move them";
       return;
     }
-    const std::vector<char> is_held = robot_.heldAt(stamps_.back());
+    const std::vector<char> is_held = robot_->heldAt(stamps_.back());
     for (const SceneBody& body : scene_.bodies()) {
       if (body.body != 0 && hasFrame(body.body) && !is_held[body.body]) ++nb_known_;
     }
@@ -96,8 +84,6 @@ class BagPosesFromTf : public BagPoses {
                   " links on moving joints that TF names, and no joint states move them";
     }
   }
-
-  std::vector<char> all_;  ///< bodies of the robot
 };
 
 /// The prefix of the robot's link names in the bag's frames, if there is one.
@@ -110,7 +96,7 @@ std::set<std::string> possiblePrefixes(const BagContents& bag, const RobotModel&
       }
     }
   }
-  for (const auto& [topic, tracks] : bag.joints) {
+  for (const auto& [topic, positions] : bag.joints) {
     const std::string ns = topic.substr(0, topic.rfind('/'));
     if (ns.size() > 1) prefixes.insert(ns.substr(ns.front() == '/' ? 1 : 0));
   }
@@ -140,12 +126,20 @@ BagPoses::BagPoses(const BagContents& bag, const CollisionScene& scene,
     : bag_(bag),
       scene_(scene),
       prefix_(withoutSlashes(options.prefix)),
-      robot_(bag.transforms, scene.robot(), scene.robot().links().front().name, prefix_,
-             options.static_joints) {}
+      all_(scene.robot().bodies().size(), 1) {
+  place(bag.transforms, options.static_joints);
+}
+
+void BagPoses::place(const TransformBuffer& transforms,
+                     const std::vector<std::string>& static_joints) {
+  const RobotModel& robot = scene_.robot();
+  robot_ = std::make_unique<const RobotPoses>(transforms, robot, robot.links().front().name,
+                                              prefix_, static_joints);
+}
 
 std::vector<std::string> BagPoses::at(StampNs stamp, const std::vector<SceneBody>& bodies,
                                       BodyPoses& poses) const {
-  const FoundBodies placed = robotAt(stamp);
+  const FoundBodies placed = robot_->place({Instant::AS_IT_ARRIVED, stamp}, all_);
   std::vector<std::string> problems;
   poses.resize(bodies.size());
   for (std::size_t i = 0; i < bodies.size(); ++i) {

@@ -23,7 +23,7 @@ struct BagPosesOptions {
 /// Poses of a scene's bodies at the stamps of the bag's samples.
 class BagPoses {
  public:
-  /// The references must outlive it.
+  /// By the bag's transforms.
   BagPoses(const BagContents& bag, const CollisionScene& scene, const BagPosesOptions& options);
   virtual ~BagPoses() = default;
 
@@ -40,7 +40,9 @@ class BagPoses {
                               BodyPoses& poses) const;
   /// Pose of any frame in that of the root link: a link, or a frame that the bag's transforms
   /// connect to one. False if unknown. `frame`: its name in the bag.
-  virtual bool frameAt(StampNs stamp, const std::string& frame, Eigen::Isometry3d& X_RF) const = 0;
+  bool frameAt(StampNs stamp, const std::string& frame, Eigen::Isometry3d& X_RF) const {
+    return robot_->frameAt({Instant::AT, stamp}, frame, X_RF);
+  }
   /// Where the poses come from: "TF" or "joint states of TOPIC".
   const std::string& source() const { return source_; }
   /// Assumptions made and data missing, one sentence each.
@@ -55,29 +57,33 @@ class BagPoses {
   const std::string& whyNone() const { return why_none_; }
 
  protected:
-  /// For all bodies of the robot.
-  virtual FoundBodies robotAt(StampNs stamp) const = 0;
+  /// From these transforms, which must outlive it.
+  void place(const TransformBuffer& transforms, const std::vector<std::string>& static_joints);
 
   const BagContents& bag_;
   const CollisionScene& scene_;
   std::string prefix_;  ///< without slashes
-  RobotPoses robot_;    ///< by transforms
+  std::unique_ptr<const RobotPoses> robot_;
   std::vector<StampNs> stamps_;
   std::string source_, why_none_;
   std::vector<std::string> notes_, joints_at_zero_;
   std::size_t nb_known_ = 0;
+
+ private:
+  std::vector<char> all_;  ///< bodies of the robot
 };
 
 /// Sorts, and removes repetitions.
 void finishStamps(std::vector<StampNs>& stamps);
 
-/// From the bag's joint states by forward kinematics. All references must outlive the result.
+/// From the transforms that robot_state_publisher would have made of the bag's joint states, and
+/// the bag's own for other frames. All references must outlive the result.
 std::unique_ptr<const BagPoses> bagPosesFromJoints(const BagContents& bag,
                                                    const CollisionScene& scene,
                                                    const BagPosesOptions& options);
 
 /// By the bag's transforms if they have as many bodies of the robot as the joint states, else by
-/// forward kinematics. All references must outlive the result. Throws InputError, with a remedy
+/// those. All references must outlive the result. Throws InputError, with a remedy
 /// (for example a prefix), if the bag has none.
 std::unique_ptr<const BagPoses> makeBagPoses(const BagContents& bag, const CollisionScene& scene,
                                              const BagPosesOptions& options);

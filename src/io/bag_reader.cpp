@@ -77,20 +77,20 @@ class Collector {
   }
 
   BagContents finish() {
-    const auto isEarlier = [](const auto& a, const auto& b) { return a.received < b.received; };
-    std::stable_sort(transforms_.begin(), transforms_.end(), isEarlier);
-    std::stable_sort(positions_.begin(), positions_.end(), isEarlier);
+    const auto sort = [](auto& list) {
+      std::stable_sort(list.begin(), list.end(),
+                       [](const auto& a, const auto& b) { return a.received < b.received; });
+    };
+    sort(transforms_);
     for (const RecordedTransform& transform : transforms_) keep(transform);
-    for (const RecordedPosition& position : positions_) keep(position);
+    for (auto& [topic, positions] : contents_.joints) sort(positions);
     contents_.stamps.resize(contents_.transforms.frames().size());
     note(nb_garbled_, "messages that do not match their type");
     note(nb_unusable_, "transforms and joint positions that are not finite, or not a rotation");
     note(nb_jumps_,
          "times its clock goes back; what is then too old is not used, so split the bag there");
     if (nb_refused_ > 0) {
-      note(nb_refused_,
-           "transforms and joint positions are not used, or are in doubt; the first: " +
-               first_refusal_);
+      note(nb_refused_, "transforms are not used, or are in doubt; the first: " + first_refusal_);
     }
     return std::move(contents_);
   }
@@ -104,12 +104,6 @@ class Collector {
     Eigen::Vector3d p_PC;
     Eigen::Quaterniond R_PC;
   };
-  struct RecordedPosition {
-    StampNs received, stamp;
-    const std::string *publisher, *topic, *joint;
-    double position;
-  };
-
   template <class Message>
   static Message read(const RawMessage& raw) {
     Message message;
@@ -156,12 +150,14 @@ class Collector {
     const auto message = read<sensor_msgs::JointState>(raw);
     const StampNs stamp = stampOf(message.header.stamp, raw);
     watchClock(stamp);
-    contents_.joints[raw.topic];
+    std::vector<RecordedPosition>& positions = contents_.joints[raw.topic];
     const std::size_t count = std::min(message.name.size(), message.position.size());
     for (std::size_t i = 0; i < count; ++i) {
       if (std::isfinite(message.position[i])) {
-        positions_.push_back({raw.received, stamp, named(raw.publisher), named(raw.topic),
-                              named(message.name[i]), message.position[i]});
+        const int by = contents_.names.add(raw.publisher);
+        const int joint = contents_.names.add(message.name[i]);
+        if (std::min(by, joint) < 0) continue;
+        positions.push_back({raw.received, stamp, by, joint, message.position[i]});
       } else {
         ++nb_unusable_;
       }
@@ -170,27 +166,12 @@ class Collector {
   }
 
   void keep(const RecordedTransform& recorded) {
-    TransformBuffer& buffer = contents_.transforms;
-    const std::string why = buffer.take(
+    const std::string why = contents_.take(
         {*recorded.parent, *recorded.child, recorded.stamp, recorded.p_PC, recorded.R_PC},
         recorded.is_static, *recorded.publisher, recorded.received);
-    noteRefusal("transform of '" + *recorded.child + "': ", why);
-    const int frame = buffer.findFrame(withoutLeadingSlash(*recorded.child));
-    if (frame < 0 || recorded.is_static) return;
-    contents_.stamps.resize(buffer.frames().size());
-    contents_.stamps[frame].push_back(recorded.stamp == 0 ? recorded.received : recorded.stamp);
-  }
-
-  void keep(const RecordedPosition& recorded) {
-    noteRefusal("joint '" + *recorded.joint + "': ",
-                contents_.joints[*recorded.topic].take(
-                    *recorded.joint, recorded.position, recorded.stamp, *recorded.publisher,
-                    recorded.received, contents_.transforms.limits()));
-  }
-
-  void noteRefusal(const std::string& of, const std::string& why) {
-    if (why.empty()) return;
-    if (nb_refused_++ == 0) first_refusal_ = of + why;
+    if (!why.empty() && nb_refused_++ == 0) {
+      first_refusal_ = "transform of '" + *recorded.child + "': " + why;
+    }
   }
 
   static void takeText(const RawMessage& raw, std::map<std::string, std::string>& texts) {
@@ -204,7 +185,6 @@ class Collector {
   BagContents contents_;
   std::set<std::string> names_;
   std::vector<RecordedTransform> transforms_;
-  std::vector<RecordedPosition> positions_;
   StampNs newest_ = 0;
   std::size_t nb_garbled_ = 0, nb_unusable_ = 0, nb_jumps_ = 0, nb_refused_ = 0;
   std::string first_refusal_;
@@ -217,6 +197,23 @@ void checkIsFile(const std::string& path) {
 }
 
 }  // namespace
+
+std::string BagContents::take(const ReceivedTransform& transform, bool is_static,
+                              const std::string& publisher, StampNs received) {
+  const std::string why = transforms.take(transform, is_static, publisher, received);
+  const int frame = transforms.findFrame(withoutLeadingSlash(transform.child));
+  if (frame >= 0 && !is_static) {
+    stamps.resize(transforms.frames().size());
+    stamps[frame].push_back(transform.stamp == 0 ? received : transform.stamp);
+  }
+  const int parent = names.add(transform.parent), child = names.add(transform.child),
+            by = names.add(publisher);
+  if (std::min({parent, child, by}) >= 0) {
+    recorded_.push_back(
+        {received, transform.stamp, parent, child, by, is_static, transform.p_PC, transform.R_PC});
+  }
+  return why;
+}
 
 BagContents readBag(const std::string& path, const PoseLimits& limits,
                     const RawMessageVisitor& also) {

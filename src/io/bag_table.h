@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "collision_pairs/collision_report.h"
-#include "track.h"
+#include "stamps.h"
 
 namespace collision_pairs {
 

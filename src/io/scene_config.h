@@ -9,7 +9,7 @@
 
 #include "cloud_config.h"
 #include "collision_pairs/scene_description.h"
-#include "track.h"
+#include "stamps.h"
 
 namespace collision_pairs {
 

@@ -35,8 +35,8 @@ bool askTf(const JointQueryTf& tf, const std::string& parent, const std::string&
   try {
     X_PC = tf.transforms.with([&](const TransformBuffer& buffer) {
       const int frame = buffer.findFrame(child);
-      const StampNs last = frame < 0 ? EVER_SINCE : buffer.newestStamp(frame);
-      return poseBetween(buffer, parent, child, {Instant::AT, last}).X_RF;
+      const StampNs last = frame < 0 ? EVER_SINCE : buffer.gate().newestStamp(frame);
+      return poseBetween(buffer, parent, child, {Instant::AT, last}).X_TS;
     });
     return true;
   } catch (const InputError&) {

@@ -8,7 +8,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include "collision_pairs/collision_detector.h"
-#include "track.h"
+#include "stamps.h"
 
 namespace collision_pairs {
 

@@ -91,7 +91,7 @@ TransformInput::Found TransformInput::lookUp(const std::string& target, const st
   const Instant instant = stamp.isZero() ? newest : Instant{Instant::AT, toNs(stamp)};
   const auto found = robot != nullptr ? robot->between(target, source, instant)
                                       : poseBetween(buffer_, target, source, instant);
-  return {found.X_RF, toTime(found.oldest)};
+  return {found.X_TS, toTime(found.oldest)};
 }
 
 ros::Time TransformInput::followClock() {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "collision_pairs/robot_model.h"
-#include "frame_poses.h"
+#include "transform_buffer.h"
 
 namespace collision_pairs {
 
@@ -13,10 +13,7 @@ namespace collision_pairs {
 struct FoundBodies {
   std::vector<char> known;
   std::vector<Eigen::Isometry3d> X_WB;
-  /// Of the oldest transform on the way, also on one that leads nowhere; NEVER: all static.
-  std::vector<StampNs> stamps;
   std::vector<std::string> problems;  ///< why a body that is wanted is not known
-  bool are_mixed = false;             ///< transforms of several stamps were joined
   StampNs stamp = NEVER;              ///< of all of them, by newest() only; NEVER: all static
 };
 
@@ -33,19 +30,19 @@ class RobotPoses {
   RobotPoses(const TransformBuffer& buffer, const RobotModel& robot, const std::string& frame,
              const std::string& prefix = "", const std::vector<std::string>& static_joints = {});
 
-  /// Bodies with an entry in `wanted`; the others may be placed, too.
+  /// Bodies with an entry in `wanted`; the others may be placed, too. Not at NEWEST.
   FoundBodies place(const Instant& instant, const std::vector<char>& wanted) const;
-  /// At the newest instant for which all are known, leaving out those that are older than the
-  /// buffer's limits allow.
+  /// At the newest instant for which all are known, leaving out those of which a transform is older
+  /// than max_pose_age, or than the newest transform of any of the robot's frames by more than
+  /// max_transform_age.
   FoundBodies newest(StampNs now, const std::vector<char>& wanted) const;
-  /// Pose of any frame, a link or not, in W. `why`: why it is unknown.
-  bool frameAt(const Instant& instant, const std::string& frame, FramePoses::Known& found,
-               std::string& why) const;
+  /// Pose of any frame, a link or not, in W; false if it is unknown.
+  bool frameAt(const Instant& instant, const std::string& frame, Eigen::Isometry3d& X_WF) const;
 
   /// As poseBetween(). Where TF does not connect the two, also by links that the URDF fixes to each
   /// other; links that TF does not name count as frames then.
-  FramePoses::Known between(const std::string& target, const std::string& source,
-                            const Instant& instant) const;
+  FoundPose between(const std::string& target, const std::string& source,
+                    const Instant& instant) const;
 
   /// By body: only static transforms place it, although a joint above it is not fixed.
   std::vector<char> heldAt(StampNs stamp) const;
@@ -73,18 +70,46 @@ class RobotPoses {
     int frame = -1;                          ///< W
     std::vector<std::vector<int>> of_links;  ///< by body
   };
+  /// Where a body is found: by transforms from an anchor to one of its links.
+  struct Place {
+    int anchor = -1;  ///< -1: not found, or W's own body
+    std::size_t link = 0;
+    FrameWays::Way way;  ///< from W; if it is not found, as far as one leads
+  };
+  /// A frame whose place is known: W, and those of links that the URDF fixes to placed ones.
+  struct Anchor {
+    FrameWays ways;
+    int body;  ///< -1: W
+    std::size_t link;
+    FrameWays::Way way;
+  };
+  /// What leads where at one instant.
+  struct Layout {
+    std::vector<Anchor> anchors;
+    std::vector<Place> places;  ///< by body
+  };
+
+  /// Any frame: in TF, or a link that TF does not name.
+  struct Located {
+    int anchor = -1;  ///< -1: a link of a body
+    int frame = -1;   ///< of the buffer, or the number of that body; -1: neither
+    Eigen::Isometry3d X_BL = Eigen::Isometry3d::Identity();
+    FrameWays::Way way = {};  ///< from W
+  };
 
   const Frames& frames() const;
-  FramePoses start(const Instant& instant, FoundBodies& placed) const;
-  bool placeByTf(std::size_t body, FramePoses& poses, FoundBodies& placed) const;
-  void placeByUrdf(FramePoses& poses, FoundBodies& placed) const;
-  bool isLinkAt(const std::string& frame, const FoundBodies& placed,
-                FramePoses::Known& found) const;
+  bool locate(const std::string& frame, const Layout& layout, Located& found) const;
+  Layout layOut(const Instant& instant, const std::vector<char>& wanted) const;
+  bool findPlace(std::size_t body, Layout& layout) const;
+  void joinByUrdf(const Instant& instant, Layout& layout) const;
+  bool isFound(const Layout& layout, std::size_t body) const;
+  Eigen::Isometry3d poseOf(std::size_t body, const Layout& layout, StampNs stamp) const;
+  Eigen::Isometry3d poseOf(const Anchor& anchor, const Layout& layout, StampNs stamp) const;
+  Eigen::Isometry3d poseOf(const Located& located, const Layout& layout, StampNs stamp) const;
   /// By body: that of the joint which it is held at; -1: it is not held.
   std::vector<int> heldBy(StampNs stamp) const;
-  void leaveOutHeld(StampNs stamp, FoundBodies& placed) const;
   void holdBetween(int a, int b, std::vector<int>& held_by) const;
-  void explain(std::size_t body, const FramePoses& poses, FoundBodies& placed) const;
+  std::string whyNot(std::size_t body, const Layout& layout) const;
 
   const TransformBuffer& buffer_;
   mutable Frames frames_;

@@ -1,0 +1,335 @@
+#include "robot_poses.h"
+
+#include <algorithm>
+
+#include "collision_pairs/input_error.h"
+#include "frame_names.h"
+#include "user_text.h"
+
+namespace collision_pairs {
+namespace {
+
+using Eigen::Isometry3d;
+
+/// The last frame that static transforms lead up to. `tops`: those found so far, by frame; or -1.
+int topOf(const TransformBuffer& buffer, int frame, StampNs stamp, std::vector<int>& tops) {
+  int top = frame;
+  for (std::size_t i = 0; i < buffer.frames().size() && tops[top] < 0; ++i) {
+    const int parent = buffer.gate().isStaticAt(top, stamp) ? buffer.parentAt(top, stamp) : -1;
+    if (parent < 0) break;
+    top = parent;
+  }
+  if (tops[top] >= 0) top = tops[top];
+  return tops[frame] = top;
+}
+
+}  // namespace
+
+RobotPoses::RobotPoses(const TransformBuffer& buffer, const RobotModel& robot,
+                       const std::string& frame, const std::string& prefix,
+                       const std::vector<std::string>& static_joints)
+    : buffer_(buffer), frame_(frame), prefix_(prefix) {
+  for (const std::string& name : static_joints) {
+    if (robot.findJoint(name) >= 0) continue;
+    std::vector<std::string> joints;
+    for (const Joint& joint : robot.joints()) joints.push_back(joint.name);
+    throw InputError("static_joints: '" + name + "' is not a joint of the robot; did you mean '" +
+                     nearestName(name, joints) + "'?");
+  }
+  for (const Body& body : robot.bodies()) {
+    BodyOfRobot entry{{}, body.parent, "", true};
+    if (body.joint >= 0) {
+      entry.joint = robot.joints()[body.joint].name;
+      entry.may_be_static = std::count(static_joints.begin(), static_joints.end(), entry.joint) > 0;
+    }
+    bodies_.push_back(std::move(entry));
+  }
+  for (std::size_t i = 0; i < robot.links().size(); ++i) {
+    const Link& link = robot.links()[i];
+    auto& links = bodies_[link.body].links;
+    const bool is_first = robot.bodies()[link.body].link == static_cast<int>(i);
+    links.insert(is_first ? links.begin() : links.end(), {link.name, link.X_BL});
+    if (link.name != frame_) continue;
+    body_of_frame_ = link.body;
+    X_WB_of_frame_ = link.X_BL.inverse();
+  }
+  frames();
+}
+
+int RobotPoses::frameOf(const std::string& link) const {
+  if (prefix_.empty()) return buffer_.findFrame(link);
+  const int frame = buffer_.findFrame(withPrefix(prefix_, link));
+  if (frame >= 0) return frame;
+  const int joined = buffer_.findFrame(prefix_ + link);
+  // A root that TF does not have under its prefixed name may be there without prefix ("world").
+  return joined < 0 && link == bodies_[0].links.front().name ? buffer_.findFrame(link) : joined;
+}
+
+const RobotPoses::Frames& RobotPoses::frames() const {
+  const std::size_t nb_known = buffer_.frames().size();
+  if (frames_.nb_known == nb_known && !frames_.of_links.empty()) return frames_;
+  frames_ = {nb_known, frameOf(frame_), std::vector<std::vector<int>>(bodies_.size())};
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    for (const LinkOfBody& link : bodies_[b].links) {
+      frames_.of_links[b].push_back(frameOf(link.name));
+    }
+  }
+  return frames_;
+}
+
+bool RobotPoses::isFound(const Layout& layout, std::size_t body) const {
+  return layout.places[body].anchor >= 0 || static_cast<int>(body) == body_of_frame_;
+}
+
+bool RobotPoses::findPlace(std::size_t body, Layout& layout) const {
+  const std::vector<int>& ids = frames_.of_links[body];
+  Place& place = layout.places[body];
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    for (std::size_t a = 0; ids[i] >= 0 && a < layout.anchors.size(); ++a) {
+      FrameWays::Way way = layout.anchors[a].ways.to(ids[i]);
+      if (!way.is_known) {
+        place.way.oldest = std::min(place.way.oldest, way.oldest);
+        continue;
+      }
+      way.join(layout.anchors[a].way);
+      place = {static_cast<int>(a), i, way};
+      return true;
+    }
+  }
+  return false;
+}
+
+/// Links of bodies that are found are where the URDF says if TF does not say, and what TF connects
+/// to these is found, too.
+void RobotPoses::joinByUrdf(const Instant& instant, Layout& layout) const {
+  std::vector<char> is_done(bodies_.size(), 0);
+  for (bool is_new = true; is_new;) {
+    is_new = false;
+    for (std::size_t b = 0; b < bodies_.size(); ++b) {
+      if (is_done[b] || !(isFound(layout, b) || findPlace(b, layout))) continue;
+      is_done[b] = is_new = true;
+      const std::vector<int>& ids = frames_.of_links[b];
+      for (std::size_t i = 0; i < ids.size(); ++i) {
+        const bool is_known =
+            ids[i] < 0 || std::any_of(layout.anchors.begin(), layout.anchors.end(),
+                                      [&](const Anchor& a) { return a.ways.to(ids[i]).is_known; });
+        if (is_known) continue;
+        layout.anchors.push_back(
+            {FrameWays(buffer_, ids[i], instant), static_cast<int>(b), i, layout.places[b].way});
+      }
+    }
+  }
+}
+
+RobotPoses::Layout RobotPoses::layOut(const Instant& instant,
+                                      const std::vector<char>& wanted) const {
+  Layout layout;
+  layout.places.resize(bodies_.size());
+  const int frame = frames().frame;
+  if (frame >= 0) layout.anchors.push_back({FrameWays(buffer_, frame, instant), -1, 0, {}});
+  bool are_all_found = true;
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    if (wanted[b] && !isFound(layout, b) && !findPlace(b, layout)) are_all_found = false;
+  }
+  if (!are_all_found) joinByUrdf(instant, layout);
+  return layout;
+}
+
+Isometry3d RobotPoses::poseOf(const Anchor& anchor, const Layout& layout, StampNs stamp) const {
+  if (anchor.body < 0) return Isometry3d::Identity();
+  const auto body = static_cast<std::size_t>(anchor.body);
+  return poseOf(body, layout, stamp) * bodies_[body].links[anchor.link].X_BL;
+}
+
+/// Throws InputError if tf2 does not know it.
+Isometry3d RobotPoses::poseOf(std::size_t body, const Layout& layout, StampNs stamp) const {
+  const Place& place = layout.places[body];
+  if (place.anchor < 0) return X_WB_of_frame_;
+  const Anchor& anchor = layout.anchors[static_cast<std::size_t>(place.anchor)];
+  return poseOf(anchor, layout, stamp) *
+         buffer_.poseAt(anchor.ways.target(), frames_.of_links[body][place.link], stamp) *
+         bodies_[body].links[place.link].X_BL.inverse();
+}
+
+/// Marks the joints on the way from one body to the other.
+void RobotPoses::holdBetween(int a, int b, std::vector<int>& held_by) const {
+  while (a != b) {
+    int& lower = a > b ? a : b;  // a parent comes before its children
+    if (!bodies_[lower].may_be_static) held_by[lower] = lower;
+    lower = bodies_[lower].parent;
+    if (lower < 0) return;  // of another robot
+  }
+}
+
+std::vector<int> RobotPoses::heldBy(StampNs stamp) const {
+  const Frames& ids = frames();
+  std::vector<int> tops(ids.nb_known, -1);
+  std::vector<int> first_below(ids.nb_known, -1);  // by top frame, the first body
+  if (ids.frame >= 0) {
+    first_below[topOf(buffer_, ids.frame, stamp, tops)] = std::max(body_of_frame_, 0);
+  }
+  std::vector<int> held_by(bodies_.size(), -1);
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    for (const int id : ids.of_links[b]) {
+      if (id < 0) continue;
+      int& first = first_below[topOf(buffer_, id, stamp, tops)];
+      if (first < 0) first = static_cast<int>(b);
+      holdBetween(first, static_cast<int>(b), held_by);
+    }
+  }
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    if (held_by[b] < 0 && bodies_[b].parent >= 0) held_by[b] = held_by[bodies_[b].parent];
+  }
+  if (body_of_frame_ >= 0) held_by[body_of_frame_] = -1;
+  return held_by;
+}
+
+std::vector<char> RobotPoses::heldAt(StampNs stamp) const {
+  std::vector<char> held;
+  for (const int by : heldBy(stamp)) held.push_back(by >= 0);
+  return held;
+}
+
+std::string RobotPoses::whyNot(std::size_t body, const Layout& layout) const {
+  const std::vector<int>& ids = frames_.of_links[body];
+  const int id =
+      *std::max_element(ids.begin(), ids.end(), [](int a, int b) { return a < 0 && b >= 0; });
+  if (id < 0) return "TF has no frame of that name";
+  if (layout.anchors.empty()) return "TF has no frame '" + frame_ + "'";
+  return layout.anchors.front().ways.whyNot(id) + " (in '" + frame_ + "')";
+}
+
+FoundBodies RobotPoses::place(const Instant& instant, const std::vector<char>& wanted) const {
+  const Layout layout = layOut(instant, wanted);
+  const std::vector<int> held_by = heldBy(instant.stamp);
+  FoundBodies found;
+  found.known.assign(bodies_.size(), 0);
+  found.X_WB.assign(bodies_.size(), Isometry3d::Identity());
+  found.problems.assign(bodies_.size(), "");
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    if (!isFound(layout, b)) {
+      if (wanted[b]) found.problems[b] = whyNot(b, layout);
+    } else if (held_by[b] >= 0) {
+      found.problems[b] = "only /tf_static places it, but joint '" + bodies_[held_by[b]].joint +
+                          "' is not fixed: publish it on /tf, or list the joint in static_joints";
+    } else if (wanted[b]) {
+      try {
+        found.X_WB[b] = poseOf(b, layout, instant.stamp);
+        found.known[b] = 1;
+      } catch (const InputError& error) {
+        found.problems[b] = error.what();
+      }
+    }
+  }
+  return found;
+}
+
+FoundBodies RobotPoses::newest(StampNs now, const std::vector<char>& wanted) const {
+  const Layout layout = layOut({Instant::NEWEST, now}, wanted);
+  StampNs newest = EVER_SINCE, common = NEVER;
+  // One that is not found now may be at an earlier instant, if its own transforms are.
+  const auto isDated = [&](std::size_t b) {
+    return wanted[b] && layout.places[b].way.oldest != NEVER;
+  };
+  for (std::size_t b = 0; b < wanted.size(); ++b) {
+    if (isDated(b) && isFound(layout, b)) newest = std::max(newest, layout.places[b].way.newest);
+  }
+  std::vector<std::string> problems(wanted.size());
+  for (std::size_t b = 0; b < wanted.size(); ++b) {
+    if (wanted[b] && !isFound(layout, b)) problems[b] = whyNot(b, layout);
+    if (newest == EVER_SINCE || !isDated(b)) continue;
+    const StampNs lag = newest - layout.places[b].way.oldest;
+    if (lag <= buffer_.limits().max_gap) {
+      common = std::min(common, layout.places[b].way.oldest);
+    } else if (isFound(layout, b)) {
+      problems[b] = "its newest transform is " + inWords(inSeconds(lag)) +
+                    " older than the newest of all links, and max_transform_age is " +
+                    inWords(inSeconds(buffer_.limits().max_gap));
+    }
+  }
+  FoundBodies found = place({Instant::AT, common == NEVER ? now : common}, wanted);
+  for (std::size_t b = 0; b < wanted.size(); ++b) {
+    const bool is_lagging = isFound(layout, b) && !problems[b].empty();
+    if (is_lagging) found.known[b] = 0;
+    if (!found.known[b] && !problems[b].empty()) found.problems[b] = problems[b];
+  }
+  found.stamp = common;
+  return found;
+}
+
+bool RobotPoses::locate(const std::string& frame, const Layout& layout, Located& found) const {
+  const int id = buffer_.findFrame(frame);
+  for (std::size_t a = 0; id >= 0 && a < layout.anchors.size(); ++a) {
+    found.way = layout.anchors[a].ways.to(id);
+    if (!found.way.is_known) continue;
+    found.way.join(layout.anchors[a].way);
+    found.anchor = static_cast<int>(a);
+    found.frame = id;
+    return true;
+  }
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    for (const LinkOfBody& link : bodies_[b].links) {
+      if (id >= 0 || !isFrameOf(link.name, prefix_, frame)) continue;
+      found = {-1, static_cast<int>(b), link.X_BL, layout.places[b].way};
+      return isFound(layout, b);
+    }
+  }
+  found.frame = -1;
+  return false;
+}
+
+Isometry3d RobotPoses::poseOf(const Located& located, const Layout& layout, StampNs stamp) const {
+  if (located.anchor < 0) {
+    return poseOf(static_cast<std::size_t>(located.frame), layout, stamp) * located.X_BL;
+  }
+  const Anchor& anchor = layout.anchors[static_cast<std::size_t>(located.anchor)];
+  return poseOf(anchor, layout, stamp) * buffer_.poseAt(anchor.ways.target(), located.frame, stamp);
+}
+
+bool RobotPoses::frameAt(const Instant& instant, const std::string& frame, Isometry3d& X_WF) const {
+  Layout layout = layOut(instant, std::vector<char>(bodies_.size(), 0));
+  joinByUrdf(instant, layout);
+  Located located;
+  if (!locate(withoutLeadingSlash(frame), layout, located)) return false;
+  try {
+    X_WF = poseOf(located, layout, instant.stamp);
+    return true;
+  } catch (const InputError&) {
+    return false;
+  }
+}
+
+FoundPose RobotPoses::between(const std::string& target, const std::string& source,
+                              const Instant& instant) const {
+  try {
+    return poseBetween(buffer_, target, source, instant);
+  } catch (const InputError&) {
+    Layout layout;
+    Located in_target, in_source;
+    const auto look = [&](const Instant& when) {
+      layout = layOut(when, std::vector<char>(bodies_.size(), 0));
+      joinByUrdf(when, layout);
+      for (const auto& [name, found] : {std::pair(&target, &in_target), {&source, &in_source}}) {
+        if (locate(withoutLeadingSlash(*name), layout, *found)) continue;
+        // TF does not name this link: what matters is why its body is not known.
+        if (found->frame < 0 || frames_.of_links.empty()) return false;
+        const auto body = static_cast<std::size_t>(found->frame);
+        const auto& ids = frames_.of_links[body];
+        if (std::all_of(ids.begin(), ids.end(), [](int id) { return id < 0; })) return false;
+        throw InputError("'" + *name + "': " + whyNot(body, layout));
+      }
+      return true;
+    };
+    if (!look(instant)) throw;
+    const StampNs oldest = std::min(in_target.way.oldest, in_source.way.oldest);
+    StampNs stamp = instant.stamp;
+    if (instant.kind == Instant::NEWEST && oldest != NEVER) {
+      stamp = oldest;
+      if (!look({Instant::AT, stamp})) throw;
+    }
+    const Isometry3d X_WT = poseOf(in_target, layout, stamp);
+    return {X_WT.inverse() * poseOf(in_source, layout, stamp), oldest};
+  }
+}
+
+}  // namespace collision_pairs

@@ -1,0 +1,79 @@
+#include "stamps.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace collision_pairs {
+namespace {
+
+constexpr double KEPT = 10.0;              // s of history, as in tf2
+constexpr std::size_t MOST_SPANS = 10000;  // stamps are external input
+
+StampNs nanoseconds(double seconds) {
+  return seconds < 9e9 ? static_cast<StampNs>(std::llround(1e9 * seconds)) : NEVER;
+}
+
+}  // namespace
+
+StampLimits::StampLimits(const PoseLimits& limits, bool keeps_all)
+    : max_age(limits.max_pose_age == 0.0 ? NEVER : nanoseconds(limits.max_pose_age)),
+      max_gap(nanoseconds(limits.max_transform_age)),
+      tolerance(nanoseconds(limits.clock_tolerance)),
+      kept(keeps_all ? NEVER : nanoseconds(KEPT)),
+      lasting(max_age == NEVER ? max_gap : max_age) {}
+
+std::vector<DoubtfulSpans::Doubt>::iterator DoubtfulSpans::firstEndingAfter(StampNs stamp) {
+  return std::upper_bound(spans_.begin(), spans_.end(), stamp,
+                          [](StampNs s, const Doubt& doubt) { return s < doubt.span.end; });
+}
+
+void DoubtfulSpans::add(Span span, std::string why) {
+  if (span.begin >= span.end) return;
+  const auto first = firstEndingAfter(span.begin);
+  auto last = first;
+  for (; last != spans_.end() && last->span.begin < span.end; ++last) {
+    span = {std::min(span.begin, last->span.begin), std::max(span.end, last->span.end)};
+  }
+  if (first != last) {
+    *first = {span, std::move(why)};
+    spans_.erase(std::next(first), last);
+    return;
+  }
+  spans_.insert(first, {span, std::move(why)});
+  if (spans_.size() <= MOST_SPANS) return;
+  spans_[1].span.begin = spans_[0].span.begin;
+  spans_.erase(spans_.begin());
+}
+
+const std::string* DoubtfulSpans::at(StampNs stamp) const {
+  const auto found = const_cast<DoubtfulSpans*>(this)->firstEndingAfter(stamp);
+  return found != spans_.end() && found->span.begin < stamp ? &found->why : nullptr;
+}
+
+std::vector<Span> DoubtfulSpans::remove(StampNs begin, StampNs end) {
+  std::vector<Span> removed;
+  const auto first = firstEndingAfter(begin);
+  auto last = first;
+  std::vector<Doubt> rest;
+  for (; last != spans_.end() && last->span.begin < end; ++last) {
+    const Span span = last->span;
+    if (span.begin < begin) rest.push_back({{span.begin, begin}, last->why});
+    if (end < span.end) rest.push_back({{end, span.end}, last->why});
+    const Span out{std::max(span.begin, begin), std::min(span.end, end)};
+    if (out.begin < out.end) removed.push_back(out);
+  }
+  spans_.insert(spans_.erase(first, last), rest.begin(), rest.end());
+  return removed;
+}
+
+void DoubtfulSpans::endBy(StampNs end) {
+  if (spans_.empty()) return;
+  spans_.back().span.end = std::min(spans_.back().span.end, end);
+  if (spans_.back().span.begin >= spans_.back().span.end) spans_.pop_back();
+}
+
+void DoubtfulSpans::forgetBefore(StampNs stamp) {
+  spans_.erase(spans_.begin(), firstEndingAfter(stamp));
+}
+
+}  // namespace collision_pairs

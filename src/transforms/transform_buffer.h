@@ -1,0 +1,145 @@
+// tf2's buffer behind a gate: poses of frames that are known beyond doubt, live or recorded.
+#pragma once
+
+#include <deque>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "collision_pairs/input_error.h"
+#include "transform_gate.h"
+
+namespace tf2 {
+class BufferCore;
+}
+
+namespace collision_pairs {
+
+/// Finite, and a rotation: its length is 1 within 1e-3.
+bool isPose(const Eigen::Vector3d& p, const Eigen::Quaterniond& R);
+
+/// A transform as received; names without a leading slash are not required.
+struct ReceivedTransform {
+  std::string parent, child;
+  StampNs stamp;  ///< not used if it is static
+  Eigen::Vector3d p_PC;
+  Eigen::Quaterniond R_PC;
+};
+
+/// Which pose of each frame.
+struct Instant {
+  enum Kind {
+    AT,             ///< at the stamp
+    AS_IT_ARRIVED,  ///< the same, if it was known in time (TransformGate::isKnown())
+    NEWEST          ///< the newest one when the clock is at the stamp
+  };
+  Kind kind;
+  StampNs stamp;
+};
+
+/// No stamp can help: TF does not connect two frames.
+class NotConnected : public InputError {
+ public:
+  using InputError::InputError;
+};
+
+/// A tf2::BufferCore stores the transforms that the gate admits, interpolates between two samples
+/// (straight line, and slerp) and walks from frame to frame. A pose is known if tf2 knows it, and
+/// no frame on the way is in doubt at that stamp.
+///
+/// tf2 keeps a frame static or moving for ever, and of a static one the last pose. Where either
+/// changes, a new BufferCore takes over for stamps from then on.
+///
+/// A recording gives the same answers if its transforms are added in the order of arrival, with the
+/// time of arrival as `now`. Not thread safe.
+class TransformBuffer {
+ public:
+  /// Live: 10 s of each frame are kept. Of a recording: everything.
+  explicit TransformBuffer(const PoseLimits& limits = {}, bool keeps_all = false);
+  TransformBuffer(TransformBuffer&&) noexcept;
+  ~TransformBuffer();
+
+  /// Returns why it was refused, or why the frame's poses are in doubt; empty if all is well.
+  /// `publisher`: any name that tells one from the other.
+  std::string take(const ReceivedTransform& transform, bool is_static, const std::string& publisher,
+                   StampNs now);
+  /// The clock went back to `now`: forgets all but static transforms.
+  void restart(StampNs now);
+
+  const TransformGate& gate() const { return gate_; }
+  const StampLimits& limits() const { return gate_.limits(); }
+  const std::vector<std::string>& frames() const { return gate_.names().all(); }
+  /// -1 if no transform names it. Numbers never change.
+  int findFrame(const std::string& name) const { return gate_.names().find(name); }
+  /// -1: it has none then.
+  int parentAt(int frame, StampNs stamp) const;
+  /// Whether its pose in its parent is known at that stamp, as TransformGate::isKnown().
+  bool isKnown(int frame, StampNs stamp, bool as_it_arrived) const {
+    return stamp >= epochs_.front().since && gate_.isKnown(frame, stamp, as_it_arrived);
+  }
+
+  /// Of buffers of tf2: bounded.
+  std::size_t nbEpochs() const { return epochs_.size(); }
+
+  /// Pose of one frame in another, at a stamp. Throws InputError if tf2 does not know it.
+  Eigen::Isometry3d poseAt(int target, int source, StampNs stamp) const;
+
+ private:
+  /// Of stamps from `since` on.
+  struct Epoch {
+    StampNs since;
+    std::unique_ptr<tf2::BufferCore> tf;
+  };
+
+  const Epoch& epochAt(StampNs stamp) const;
+  void store(Epoch& epoch, int frame, const FramePose& pose, StampNs stamp, bool is_static) const;
+  void beginEpoch(StampNs now);
+
+  TransformGate gate_;
+  std::deque<Epoch> epochs_;  ///< in order, never empty
+};
+
+/// Ways of transforms from one frame to others at one instant, as far as they are known.
+class FrameWays {
+ public:
+  FrameWays(const TransformBuffer& buffer, int target, const Instant& instant);
+
+  struct Way {
+    bool is_known = false;
+    /// Stamps of the transforms on the way but static ones, also of one that leads nowhere.
+    StampNs oldest = NEVER, newest = EVER_SINCE;
+    void pass(StampNs stamp);
+    void join(const Way& other);
+  };
+  Way to(int source) const;
+  /// Why to() is not known, in words.
+  std::string whyNot(int source) const;
+  /// False if its ancestors end at one that TF does not place anywhere, or never.
+  bool isPlaced(int frame) const;
+  bool isInCycle(int frame) const { return lastAncestor(frame) < 0; }
+  int target() const { return target_; }
+
+ private:
+  /// False: it is not known.
+  bool step(int frame, StampNs& stamp, int& parent) const;
+  /// The last ancestor that can be reached; -1: they form a cycle.
+  int lastAncestor(int frame) const;
+
+  const TransformBuffer& buffer_;
+  const int target_;
+  const Instant instant_;
+  std::vector<int> up_;       ///< the target and its ancestors
+  std::vector<Way> up_ways_;  ///< to each of them
+};
+
+/// Pose of one frame in another, and the stamps on the way. At NEWEST: at the newest instant that
+/// all transforms on the way have reached. Throws NotConnected, or InputError if that instant is
+/// missing.
+struct FoundPose {
+  Eigen::Isometry3d X_TS = Eigen::Isometry3d::Identity();
+  StampNs oldest = NEVER;  ///< NEVER: of static transforms only
+};
+FoundPose poseBetween(const TransformBuffer& buffer, const std::string& target,
+                      const std::string& source, Instant instant);
+
+}  // namespace collision_pairs

@@ -1,0 +1,195 @@
+// Samples of frames that move: rules 1 to 4 of the gate.
+#include <algorithm>
+
+#include "transform_gate.h"
+#include "user_text.h"
+
+namespace collision_pairs {
+namespace {
+
+/// Of a sample among those of one publisher around its stamp, unless they are too far apart.
+template <class Samples>
+bool contradictsAt(const Samples& others, typename Samples::const_iterator after, StampNs stamp,
+                   const FramePose& pose, StampNs max_gap, std::string& how) {
+  if (after == others.end()) return false;
+  auto before = after;
+  if (after->stamp != stamp) {
+    if (after == others.begin()) return false;
+    before = std::prev(after);
+    if (after->stamp - before->stamp > max_gap) return false;
+  }
+  const bool has_earlier =
+      before != others.begin() && before->stamp - std::prev(before)->stamp <= max_gap;
+  const auto earlier = has_earlier ? std::prev(before) : before;
+  return contradicts(pose, earlier->pose, before->pose, after->pose, how);
+}
+
+}  // namespace
+
+bool contradicts(const FramePose& sample, const FramePose& earlier, const FramePose& before,
+                 const FramePose& after, std::string& how) {
+  if (sample.parent != before.parent && sample.parent != after.parent) {
+    how = "they name different parents";
+    return true;
+  }
+  if (before.parent != after.parent) return false;
+  const bool has_earlier = earlier.parent == before.parent;
+  const auto far = [&](double (*measure)(const FramePose&, const FramePose&), double& off) {
+    const double step =
+        std::max(measure(before, after), has_earlier ? measure(earlier, before) : 0.0);
+    off = std::min(measure(sample, before), measure(sample, after));
+    return off > step + SAME_PLACE;
+  };
+  double metres = 0.0, radians = 0.0;
+  const bool is_far = far(distanceOf, metres), is_turned = far(angleOf, radians);
+  if (!is_far && !is_turned) return false;
+  how = formatted("by %.4g m and %.4g rad", metres, radians);
+  return true;
+}
+
+TransformGate::Answer TransformGate::admitMoving(Frame& frame, const FramePose& pose, int by,
+                                                 StampNs stamp, StampNs now) {
+  if (frame.newest != EVER_SINCE && frame.newest - stamp > limits_.kept) {
+    return {Store::NOTHING, "it is older than what is kept"};
+  }
+  if (frame.kinds.empty()) setKind(frame, false, now);
+  const bool has_changed = noteKind(frame, false, now);
+  if (frame.isStatic()) return {Store::NOTHING, IS_ON_BOTH};
+  const StampNs used = newestAt(frame, now);
+  const bool was_known = wasKnown(frame, used, pose.parent, now);
+  const bool is_stored =
+      std::any_of(frame.sources.begin(), frame.sources.end(), [&](const Source& source) {
+        const Place place = placeOf(source.samples, stamp);
+        return place != source.samples.end() && place->stamp == stamp;
+      });
+  Source* source = sourceOf(frame, by);
+  if (!source) return {Store::NOTHING, TOO_MANY_NODES};
+  std::string why, how;
+  auto place =
+      source->samples.begin() + (placeOf(source->samples, stamp) - source->samples.cbegin());
+  if (place != source->samples.end()) {  // out of order
+    if (contradictsAt(source->samples, Place(place), stamp, pose, limits_.max_gap, how)) {
+      why = note(frame, *source, place, by, now, how);
+    }
+    if (place->stamp == stamp) return {Store::NOTHING, why};  // the first one stays
+  }
+  if (!was_known && limits_.max_age != NEVER) frame.doubts[SILENCE].add({used, reached(now)}, "");
+  place = source->samples.insert(place, {stamp, pose});
+  noteParent(frame, pose.parent, stamp);
+  noteSample(frame, source->samples, place);
+  newest_ = std::max(newest_, stamp);
+  const std::string other = compare(frame, *source, place, now);
+  if (!other.empty()) why = other;
+  forget(frame, now);
+  if (frame.both_since != NEVER) why = IS_ON_BOTH;
+  return {has_changed ? Store::KIND : is_stored ? Store::NOTHING : Store::SAMPLE, why};
+}
+
+TransformGate::Source* TransformGate::sourceOf(Frame& frame, int publisher) const {
+  for (Source& source : frame.sources) {
+    if (source.publisher == publisher) return &source;
+  }
+  if (frame.sources.size() == MOST_PUBLISHERS) return nullptr;
+  frame.sources.push_back({publisher, {}});
+  return &frame.sources.back();
+}
+
+/// Whether the frame's newest pose, of the stamp `used`, was usable just now, and leads on to a
+/// sample with this parent.
+bool TransformGate::wasKnown(const Frame& frame, StampNs used, int parent, StampNs now) const {
+  if (used == EVER_SINCE || now - used > limits_.max_age || reached(now) - used > limits_.max_gap ||
+      doubtAt(frame, used, false)) {
+    return false;
+  }
+  return std::any_of(frame.sources.begin(), frame.sources.end(), [&](const Source& source) {
+    const Place place = placeOf(source.samples, used);
+    return place != source.samples.end() && place->stamp == used && place->pose.parent == parent;
+  });
+}
+
+/// Rule 2. Known are the stamps of samples, and those between two of one publisher; which of the
+/// stamps before the newest one were not known until now is noted, too.
+void TransformGate::noteSample(Frame& frame, const Samples& samples, Place added) {
+  const StampNs stamp = added->stamp;
+  DoubtfulSpans& gaps = frame.doubts[GAP];
+  const std::string words = "no two of its transforms around that stamp are within " +
+                            inWords(inSeconds(limits_.max_gap)) + " of each other";
+  if (frame.newest == EVER_SINCE) {
+    frame.oldest = frame.newest = stamp;
+  } else if (stamp > frame.newest) {
+    const bool is_bridged = added != samples.begin() && isBridge(frame, *std::prev(added), *added);
+    const StampNs from = is_bridged ? std::max(frame.newest, std::prev(added)->stamp) : stamp;
+    const std::string* doubt = doubtAt(frame, frame.newest, false);
+    gaps.add({frame.newest, from}, doubt ? *doubt : words);
+    frame.newest = stamp;
+  } else if (stamp < frame.oldest) {
+    gaps.add({stamp - 1, frame.oldest}, words);
+    frame.oldest = stamp;
+  }
+  if (gaps.at(stamp)) frame.doubts[SILENCE].add({stamp - 1, stamp + 1}, "");
+  const auto makeKnown = [&](StampNs begin, StampNs end) {
+    for (const Span& part : gaps.remove(begin, end)) frame.doubts[SILENCE].add(part, "");
+  };
+  makeKnown(stamp, stamp);
+  if (added != samples.begin() && isBridge(frame, *std::prev(added), *added)) {
+    makeKnown(std::prev(added)->stamp, stamp);
+  }
+  const Place next = std::next(added);
+  if (next != samples.end() && isBridge(frame, *added, *next)) makeKnown(stamp, next->stamp);
+}
+
+/// Whether a pose between two consecutive samples of one publisher is known.
+bool TransformGate::isBridge(const Frame& frame, const Sample& from, const Sample& to) const {
+  return to.stamp - from.stamp <= limits_.max_gap && !doubtAt(frame, from.stamp, false);
+}
+
+void TransformGate::noteParent(Frame& frame, int parent, StampNs stamp) {
+  const bool is_newest = stamp > frame.newest;
+  if (frame.parent != parent && frame.newest != EVER_SINCE) {
+    frame.parent_since = is_newest ? stamp : frame.newest;
+  }
+  if (is_newest) frame.parent = parent;
+}
+
+/// Rule 3: the added sample with the other publishers' neighbours, and their samples with it and
+/// its neighbours.
+std::string TransformGate::compare(Frame& frame, const Source& source, Place added, StampNs now) {
+  const Samples& samples = source.samples;
+  const Place first = added == samples.begin() ? added : std::prev(added);
+  const Place next = std::next(added);
+  const StampNs last = next == samples.end() ? added->stamp : next->stamp;
+  std::string why, how;
+  for (const Source& other : frame.sources) {
+    if (&other == &source || other.samples.empty()) continue;
+    const Samples& theirs = other.samples;
+    if (contradictsAt(theirs, placeOf(theirs, added->stamp), added->stamp, added->pose,
+                      limits_.max_gap, how)) {
+      why = note(frame, source, added, other.publisher, now, how);
+    }
+    for (Place their = placeOf(theirs, first->stamp); their != theirs.end() && their->stamp <= last;
+         ++their) {
+      const Place after = their->stamp <= added->stamp ? added : next;
+      if (!contradictsAt(samples, after, their->stamp, their->pose, limits_.max_gap, how)) continue;
+      why = note(frame, other, their, source.publisher, now, how);
+    }
+  }
+  return why;
+}
+
+/// Rule 4, after that sample of `source` was found to contradict `other`.
+std::string TransformGate::note(Frame& frame, const Source& source, Place sample, int other,
+                                StampNs now, const std::string& how) {
+  const auto [first, second] = std::minmax(source.publisher, other);
+  const std::vector<std::string>& names = publishers_.all();
+  const std::string by = first == second
+                             ? "'" + names[first] + "' publishes it in two sequences"
+                             : "'" + names[first] + "' and '" + names[second] + "' both publish it";
+  const std::string why = by + ", and contradict each other: " + how;
+  const bool is_first = sample == source.samples.begin();
+  const StampNs since = is_first ? sample->stamp - 1 : std::prev(sample)->stamp;
+  frame.doubts[PUBLISHERS].add(
+      {std::min(since, before(now, limits_.lasting)), after(sample->stamp, limits_.lasting)}, why);
+  return why;
+}
+
+}  // namespace collision_pairs
