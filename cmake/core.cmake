@@ -94,6 +94,7 @@ add_library(collision_pairs SHARED
   src/core/robot/srdf.cpp
   src/core/robot/urdf_reader.cpp
   src/core/robot/xml_file.cpp
+  src/core/robot/xml_names.cpp
   src/core/scene/collision_scene.cpp
   src/core/scene/element_maker.cpp
   src/core/scene/mesh_bounds.cpp

@@ -59,7 +59,7 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"TwoShapes", shape("<sphere radius='1'/><box size='1 1 1'/>"),
              "<box> is one too many"},
         Case{"AStrayChildAfterAShape", shape("<sphere radius='1'/><origin xyz='0 0 1'/>"),
-             "<origin> is one too many"},
+             "<origin> in <geometry> is not read; it belongs in <collision>"},
         Case{"AStrayChildBeforeAShape", shape("<material name='red'/><sphere radius='1'/>"),
              "<material> is one too many"},
         Case{"NoShape", shape(""), "<geometry> is empty"},

@@ -28,8 +28,11 @@ struct Srdf {
   std::vector<VirtualJoint> virtual_joints;
   /// Joints without a drive. They move as TF says, so their links are checked like all others.
   std::vector<std::string> passive_joints;
+  /// Elements and attributes that are unknown, with their lines.
+  std::vector<std::string> warnings;
 
-  /// Throws InputError with the line, also for a URDF. Repeated pairs and a link paired with itself
+  /// Throws InputError with the line, also for a URDF, and where a name is within two letters of one
+  /// that is read. Repeated pairs and a link paired with itself
   /// are common in generated files and are ignored.
   static Srdf fromXml(const std::string& xml);
 

@@ -38,6 +38,7 @@ std::shared_ptr<const RobotModel> robotFrom(const TextFrom& urdf, const Warn& wa
 
 Srdf srdfFrom(const TextFrom& xml, const RobotModel& robot, const Warn& warn) {
   Srdf srdf = naming(xml.origin, [&] { return Srdf::fromXml(xml.content); });
+  for (const std::string& warning : srdf.warnings) warn(xml.origin + ": " + warning);
   const auto unknown = srdf.unknownLinks(linkNames(robot));
   if (!unknown.empty()) warn(xml.origin + ": not links of the robot, ignored: " + joined(unknown));
   return srdf;

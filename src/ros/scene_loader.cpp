@@ -17,6 +17,13 @@ namespace {
 const std::string ENVIRONMENT = "environment_description";
 
 using Descriptions = std::map<std::string, std::size_t>;
+using Sentences = std::vector<std::string>;
+
+/// In the log, and in the diagnostics while the scene is checked.
+void warn(const std::string& key, const std::string& what, Sentences& warnings) {
+  warnings.push_back("parameter " + key + ": " + what);
+  ROS_WARN_STREAM(warnings.back());
+}
 
 /// Writes the resolved name of the parameter to `key`, and notes the hash of what it finds; false
 /// if it does not exist. An empty value counts as missing: a launch file cannot set a parameter
@@ -46,21 +53,20 @@ auto fromParameter(const std::string& key, const Read& read) {
 }
 
 std::unique_ptr<RobotSource> makeSource(const std::string& key, const std::string& xml,
-                                        const MeshLoader& load_mesh) {
+                                        const MeshLoader& load_mesh, Sentences& warnings) {
   auto source = fromParameter(key, [&] { return std::make_unique<RobotSource>(xml, load_mesh); });
-  for (const std::string& warning : source->skeleton()->warnings()) {
-    ROS_WARN_STREAM("parameter " << key << ": " << warning);
-  }
+  for (const std::string& what : source->skeleton()->warnings()) warn(key, what, warnings);
   return source;
 }
 
 std::optional<Srdf> loadSrdf(const ros::NodeHandle& node, const std::string& name,
-                             const RobotModel& robot, Descriptions& found) {
+                             const RobotModel& robot, Descriptions& found, Sentences& warnings) {
   std::string key, xml;
   if (name.empty() || !findText(node, name, key, xml, found)) return std::nullopt;
   std::vector<std::string> links;
   for (const Link& link : robot.links()) links.push_back(link.name);
   const Srdf srdf = fromParameter(key, [&] { return Srdf::fromXml(xml); });
+  for (const std::string& what : srdf.warnings) warn(key, what, warnings);
   for (const std::string& link : srdf.unknownLinks(links)) {
     ROS_WARN_STREAM("parameter " << key << ": '" << link << "' is not a link of the robot");
   }
@@ -68,7 +74,8 @@ std::optional<Srdf> loadSrdf(const ros::NodeHandle& node, const std::string& nam
 }
 
 SceneSources::Robot loadRobot(const ros::NodeHandle& node, const RobotParameters& parameters,
-                              const MeshLoader& load_mesh, Descriptions& found) {
+                              const MeshLoader& load_mesh, Descriptions& found,
+                              Sentences& warnings) {
   std::string key, xml;
   if (!findText(node, parameters.description, key, xml, found)) {
     throw InputError("there is no parameter " + parameters.description +
@@ -76,8 +83,8 @@ SceneSources::Robot loadRobot(const ros::NodeHandle& node, const RobotParameters
                      parameters.description + "\" textfile=\"robot.urdf\"/>");
   }
   SceneSources::Robot robot;
-  robot.source = makeSource(key, xml, load_mesh);
-  robot.srdf = loadSrdf(node, parameters.semantic, *robot.source->skeleton(), found);
+  robot.source = makeSource(key, xml, load_mesh, warnings);
+  robot.srdf = loadSrdf(node, parameters.semantic, *robot.source->skeleton(), found, warnings);
   robot.prefix = parameters.prefix;
   return robot;
 }
@@ -120,12 +127,14 @@ SceneParameters readSceneParameters(const ros::NodeHandle& private_node) {
   const MeshLoader load_mesh = makeMeshLoader();
   const std::vector<RobotParameters> robots = readRobots(private_node);
   for (const RobotParameters& robot : robots) {
-    sources.robots.push_back(loadRobot(private_node, robot, load_mesh, all.descriptions));
+    sources.robots.push_back(
+        loadRobot(private_node, robot, load_mesh, all.descriptions, all.warnings));
   }
-  all.warnings = refuseMisspelt(private_node, robots);
+  const Sentences misspelt = refuseMisspelt(private_node, robots);
+  all.warnings.insert(all.warnings.end(), misspelt.begin(), misspelt.end());
   std::string key, xml;
   if (findText(private_node, ENVIRONMENT, key, xml, all.descriptions)) {
-    sources.world = makeSource(key, xml, load_mesh);
+    sources.world = makeSource(key, xml, load_mesh, all.warnings);
   }
   const YAML::Node parameters = yamlParameters(private_node, sceneConfigKeys());
   sources.config =

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "xml_file.h"
+#include "xml_names.h"
 
 namespace collision_pairs {
 namespace {
@@ -40,6 +41,7 @@ Srdf Srdf::fromXml(const std::string& xml) {
   const auto* link = robot->FirstChildElement("link");
   if (link) failAt(*link, WHAT, "it has a <link>, so it is a URDF");
   Srdf srdf;
+  srdf.warnings = checkNames(*robot, srdfGrammar(), WHAT);
   srdf.disabled_pairs = readPairs(*robot, "disable_collisions");
   srdf.enabled_pairs = readPairs(*robot, "enable_collisions");
   srdf.disabled_links = readNames(*robot, "disable_default_collisions", "link");

@@ -1,5 +1,7 @@
 // RobotModel::fromUrdf(): checks everything that a collision check relies on, with the line of a
 // fault. What it does not read (visuals, inertias, plugins, …) cannot make it fail.
+#include <algorithm>
+#include <cstring>
 #include <map>
 #include <set>
 
@@ -9,6 +11,7 @@
 #include "collision_pairs/robot_model.h"
 #include "user_text.h"
 #include "xml_file.h"
+#include "xml_names.h"
 
 namespace collision_pairs {
 namespace {
@@ -94,26 +97,31 @@ Isometry3d readOrigin(const XMLElement& parent, const std::string& owner) {
 }
 
 bool isShape(const XMLElement& element) {
-  const std::string kind = element.Name();
-  return kind == "box" || kind == "sphere" || kind == "cylinder" || kind == "mesh";
+  const auto& shapes = urdfGrammar().at("geometry").read;
+  return std::find(shapes.begin(), shapes.end(), element.Name()) != shapes.end();
 }
 
-/// <geometry> holds one shape and nothing else. Names the child that is no shape, or else the
-/// second.
+/// <geometry> holds one shape, beside elements of other namespaces. Names the child that is no
+/// shape, or else the second.
 const XMLElement& onlyShape(const XMLElement& geometry, const std::string& owner) {
-  const XMLElement* first = geometry.FirstChildElement();
-  if (first == nullptr) fail(geometry, owner + ": <geometry> is empty");
-  const XMLElement* second = first->NextSiblingElement();
-  if (second == nullptr) return *first;
-  const XMLElement* stray = first;
-  while (stray != nullptr && isShape(*stray)) stray = stray->NextSiblingElement();
-  if (stray == nullptr) stray = second;
-  fail(*stray, owner + ": <geometry> holds one shape, and <" + stray->Name() + "> is one too many");
+  std::vector<const XMLElement*> own;
+  for (auto* child = geometry.FirstChildElement(); child; child = child->NextSiblingElement()) {
+    if (std::strchr(child->Name(), ':') == nullptr) own.push_back(child);
+  }
+  if (own.empty()) fail(geometry, owner + ": <geometry> is empty");
+  if (own.size() == 1) return *own[0];
+  const auto stray = std::find_if_not(own.begin(), own.end(), [](auto* e) { return isShape(*e); });
+  const XMLElement& named = stray == own.end() ? *own[1] : **stray;
+  fail(named, owner + ": <geometry> holds one shape, and <" + named.Name() + "> is one too many");
 }
 
 Collision readCollision(const XMLElement& collision, const std::string& owner) {
   const XMLElement* geometry = collision.FirstChildElement("geometry");
   if (geometry == nullptr) fail(collision, owner + ": <collision> without <geometry>");
+  if (const XMLElement* second = geometry->NextSiblingElement("geometry")) {
+    fail(*second,
+         owner + ": a second <geometry> in one <collision>; give it a <collision> of its own");
+  }
   const XMLElement& shape = onlyShape(*geometry, owner);
   const std::string kind = shape.Name(), of_shape = owner + ": " + kind;
   Collision read;
@@ -128,6 +136,9 @@ Collision readCollision(const XMLElement& collision, const std::string& owner) {
   } else if (kind == "cylinder") {
     const double radius = readSize(shape, "radius", of_shape);
     read.shape = Cylinder{radius, readSize(shape, "length", of_shape)};
+  } else if (kind == "capsule") {  // URDF 1.2; the length is that of the cylinder
+    const double radius = readSize(shape, "radius", of_shape);
+    read.shape = Capsule{radius, readSize(shape, "length", of_shape)};
   } else if (kind == "mesh") {
     read.mesh_file = requiredAttribute(shape, "filename", WHAT, of_shape + ": ");
     if (shape.Attribute("scale")) read.scale = readVector(shape, "scale", of_shape);
@@ -135,7 +146,8 @@ Collision readCollision(const XMLElement& collision, const std::string& owner) {
       fail(shape, of_shape + ": scale " + quoted(shape.Attribute("scale")) + " flattens the mesh");
     }
   } else {
-    fail(shape, owner + ": unknown shape <" + kind + ">; box, sphere, cylinder and mesh are known");
+    fail(shape, owner + ": unknown shape <" + kind +
+                    ">; box, sphere, cylinder, capsule and mesh are known");
   }
   read.X_LE = readOrigin(collision, owner);
   return read;
@@ -299,8 +311,31 @@ void freeOfMissingLeaders(Tree& tree) {
   }
 }
 
-Tree readTree(const XMLElement& robot) {
+/// Links that are drawn, but not checked, in one line.
+void noteBareVisuals(Tree& tree) {
+  std::vector<std::string> bare;
+  std::size_t nb_visual = 0;
+  for (const auto& [name, link] : tree.links) {
+    if (link.xml->FirstChildElement("visual") == nullptr) continue;
+    ++nb_visual;
+    if (link.collisions.empty()) bare.push_back(name);
+  }
+  if (bare.empty()) return;
+  constexpr std::size_t MOST_NAMED = 10;
+  const std::size_t nb_bare = bare.size();
+  if (nb_bare > MOST_NAMED) {
+    bare.resize(MOST_NAMED);
+    bare.push_back("and " + std::to_string(nb_bare - MOST_NAMED) + " more");
+  }
+  tree.warnings.push_back(std::to_string(nb_bare) + " of " + std::to_string(nb_visual) +
+                          " links with a visual have no collision geometry, so nothing checks "
+                          "them: " +
+                          joined(bare));
+}
+
+Tree readTree(const XMLElement& robot, std::vector<std::string> warnings) {
   Tree tree;
+  tree.warnings = std::move(warnings);
   for (const XMLElement* link : childrenOf(robot, "link")) readLink(*link, tree);
   if (tree.links.empty()) fail(robot, "the robot has no <link>");
   for (const XMLElement* joint : childrenOf(robot, "joint")) readJoint(*joint, tree);
@@ -308,6 +343,7 @@ Tree readTree(const XMLElement& robot) {
   checkOneRoot(tree, robot);
   checkNoCycle(tree);
   freeOfMissingLeaders(tree);
+  noteBareVisuals(tree);
   return tree;
 }
 
@@ -339,8 +375,9 @@ std::shared_ptr<const RobotModel> RobotModel::fromUrdf(const std::string& xml,
                                                        std::vector<BrokenElement>* broken) {
   tinyxml2::XMLDocument document;
   const XMLElement* robot = parseXml(document, xml, "robot", WHAT);
+  std::vector<std::string> warnings = checkNames(*robot, urdfGrammar(), WHAT);
   const std::string name = requiredAttribute(*robot, "name", WHAT);
-  Tree tree = readTree(*robot);
+  Tree tree = readTree(*robot, std::move(warnings));
   return skeletonOf(name, tree)->withElements([&](const Link& link) {
     std::vector<Element> elements;
     for (Collision& read : tree.links.at(link.name).collisions) {

@@ -20,9 +20,9 @@ tinyxml2::XMLElement* parseXml(tinyxml2::XMLDocument& document, const std::strin
   tinyxml2::XMLElement* element = document.FirstChildElement();
   if (element == nullptr) throw InputError(what + ": no <" + root + "> element");
   if (root != element->Name()) {
-    failAt(
-        *element, what,
-        "the root element is <" + std::string(element->Name()) + ">, but must be <" + root + ">");
+    failAt(*element, what,
+           "the root element is <" + std::string(element->Name()) + ">, but must be <" + root +
+               ">" + (std::string(element->Name()) == "sdf" ? "; an SDF is not read" : ""));
   }
   if (const auto* second = element->NextSiblingElement()) {
     failAt(*second, what, "a second root element <" + std::string(second->Name()) + ">");
