@@ -35,7 +35,7 @@ target_include_directories(collision_pairs_io
   PRIVATE ${CORE_MODULES})
 target_include_directories(collision_pairs_io SYSTEM PRIVATE ${catkin_INCLUDE_DIRS})
 target_link_libraries(collision_pairs_io PUBLIC collision_pairs $<BUILD_INTERFACE:yaml-cpp>
-                      PRIVATE ${catkin_LIBRARIES} BZip2::BZip2 ${ROSLZ4_LIBRARY} ${CMAKE_DL_LIBS})
+                      PRIVATE ${catkin_LIBRARIES} BZip2::BZip2 ${ROSLZ4_LIBRARY} ${TINYXML2_LIBRARIES} ${CMAKE_DL_LIBS})
 collision_pairs_warnings(collision_pairs_io)
 collision_pairs_checked_indices(collision_pairs_io)
 

@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -107,6 +109,116 @@ TEST_F(MeshLoaderTest, ColladaIsTakenAsItIsWhateverItsUpAxis) {
   }
 }
 
+/// A triangle with the corners 0, (1, 0, 0) and (0, 0, 3). `asset`: what <asset> holds.
+std::string collada(const std::string& asset) {
+  return "<?xml version='1.0'?><COLLADA xmlns='http://www.collada.org/2005/11/COLLADASchema' "
+         "version='1.4.1'><asset>" +
+         asset +
+         "</asset><library_geometries>"
+         "<geometry id='g'><mesh><source id='p'><float_array id='a' count='9'>0 0 0 1 0 0 0 0 3"
+         "</float_array><technique_common><accessor source='#a' count='3' stride='3'>"
+         "<param name='X' type='float'/><param name='Y' type='float'/><param name='Z' "
+         "type='float'/></accessor></technique_common></source><vertices id='v'><input "
+         "semantic='POSITION' source='#p'/></vertices><triangles count='1'><input "
+         "semantic='VERTEX' source='#v' offset='0'/><p>0 1 2</p></triangles></mesh></geometry>"
+         "</library_geometries><library_visual_scenes><visual_scene id='s'><node id='n'>"
+         "<instance_geometry url='#g'/></node></visual_scene></library_visual_scenes>"
+         "<scene><instance_visual_scene url='#s'/></scene></COLLADA>";
+}
+
+Eigen::Vector3d mostOf(const TriangleMesh& mesh) {
+  Eigen::Vector3d most = mesh.vertices.front();
+  for (const Eigen::Vector3d& vertex : mesh.vertices) most = most.cwiseMax(vertex);
+  return most;
+}
+
+TEST_F(MeshLoaderTest, ColladaIsInItsUnit) {
+  const std::vector<std::pair<std::string, double>> units = {
+      {"", 1.0},
+      {"<unit name='meter' meter='1'/>", 1.0},
+      {"<unit name='centimeter' meter='0.01'/>", 0.01},
+      {"<unit meter='2.5'/><up_axis>Y_UP</up_axis>", 2.5}};
+  int number = 0;
+  for (const auto& [asset, metres] : units) {
+    const auto mesh = load_(file(std::to_string(number++) + ".dae", collada(asset)), ONE);
+    EXPECT_TRUE(mostOf(*mesh).isApprox(metres * Eigen::Vector3d(1, 0, 3), 1e-6)) << asset;
+  }
+  for (const char* none : {"0", "-1", "nan", "inch"}) {
+    EXPECT_THAT(refusal(file("none.dae", collada("<unit meter='" + std::string(none) + "'/>"))),
+                testing::HasSubstr("is no length"));
+  }
+}
+
+TEST_F(MeshLoaderTest, AnyFormatIsReadFromAFolderOfAnyName) {
+  for (const std::string name : {"a b", "a#b", "a?b", "a%b", "100%25", "\u00e4", "a&b=c;d+e"}) {
+    const fs::path folder = folder_ / name;
+    fs::create_directories(folder);
+    std::ofstream(folder / "t.dae") << collada("");
+    std::ofstream(folder / "t.stl", std::ios::binary) << binaryStl({TRIANGLE});
+    std::ofstream(folder / "t.obj") << "v 0 0 0\nv 1 0 0\nv 0 2 0\nf 1 2 3\n";
+    for (const char* mesh : {"t.dae", "t.stl", "t.obj"}) {
+      EXPECT_EQ(refusal("file://" + (folder / mesh).string()), "accepted") << name << ' ' << mesh;
+    }
+  }
+}
+
+TEST_F(MeshLoaderTest, APathIsDecodedWhereThereIsNoFileAsItIsWritten) {
+  file("a b.stl", binaryStl({TRIANGLE}));
+  file("c%20d.stl", binaryStl({TRIANGLE}));
+  file("c d.stl", "not this one");
+  const std::string folder = "file://" + folder_.string();
+  EXPECT_EQ(refusal(folder + "/a%20b.stl"), "accepted");
+  EXPECT_EQ(refusal(folder + "/%61%20b.stl"), "accepted");
+  EXPECT_EQ(refusal(folder + "/c%20d.stl"), "accepted");
+  EXPECT_THAT(refusal(folder + "/e%2"), testing::HasSubstr("there is no file"));
+}
+
+TEST_F(MeshLoaderTest, AUrdfOfAFileHasPathsRelativeToItsFolder) {
+  fs::create_directories(folder_ / "meshes");
+  file("meshes/t.stl", binaryStl({TRIANGLE}));
+  const std::string written = file("u.stl", binaryStl({TRIANGLE}));
+  load_ = relativeTo((folder_ / "meshes").string(), makeMeshLoader());
+  for (const std::string& uri : {std::string("t.stl"), std::string("./t.stl"), written,
+                                 std::string("../u.stl"), (folder_ / "u.stl").string()}) {
+    EXPECT_EQ(refusal(uri), "accepted") << uri;
+  }
+  EXPECT_THAT(refusal("none.stl"), testing::HasSubstr("there is no file"));
+  EXPECT_THAT(refusal("http://x/t.stl"), testing::HasSubstr("only package:// and file://"));
+  load_ = relativeTo("", makeMeshLoader());
+  EXPECT_THAT(refusal("t.stl"), testing::HasSubstr("it is relative to a file"));
+}
+
+TEST_F(MeshLoaderTest, AsciiStlIsReadHoweverItIsWritten) {
+  const std::string plain =
+      "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 2 0\n"
+      "endloop\nendfacet\nendsolid a\n";
+  std::string capitals = plain, returns = plain, both = plain;
+  std::transform(plain.begin(), plain.end(), capitals.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
+  std::replace(returns.begin(), returns.end(), '\n', '\r');
+  for (std::size_t at = 0; (at = both.find('\n', at)) != std::string::npos; at += 2) {
+    both.replace(at, 1, "\r\n");
+  }
+  std::string end = plain;
+  end.replace(end.find("endsolid"), 8, "ENDSOLID");
+  const std::string bom = "\xEF\xBB\xBF";
+  for (const std::string& text : {plain, capitals, returns, both, end, bom + plain,
+                                  "  \n\t " + plain, bom + "\r\r" + returns, "\n" + capitals}) {
+    const auto mesh = makeMeshLoader()(file("a.stl", text), ONE);
+    EXPECT_TRUE(mostOf(*mesh).isApprox(Eigen::Vector3d(1, 2, 0))) << text;
+  }
+}
+
+TEST_F(MeshLoaderTest, ABinaryStlMayCallItselfSolidAndSpeakOfFacets) {
+  std::string named = binaryStl({TRIANGLE, TRIANGLE});
+  const std::string name = "solid facet endsolid, exported";
+  named.replace(0, name.size(), name);
+  for (const std::string& padding : {std::string(), std::string(7, '\0'), std::string(300, ' ')}) {
+    const auto mesh = makeMeshLoader()(file("b.stl", named + padding), ONE);
+    EXPECT_TRUE(mostOf(*mesh).isApprox(Eigen::Vector3d(1, 2, 0)));
+  }
+}
+
 TEST_F(MeshLoaderTest, AMeshIsReadOnceAtAScaleAndCalledByItsUri) {
   const std::string uri = file("t.stl", binaryStl({TRIANGLE}));
   const auto mesh = load_(uri, ONE);
@@ -137,7 +249,9 @@ TEST_F(MeshLoaderTest, WhatIsNoMeshIsRefusedByUriInTheseWords) {
       {"package://collision_pairs", "it names a package, but no file"},
       {"package://collision_pairs/none.stl", "there is no file " + demo},
       {"http://127.0.0.1/x.stl", "only package:// and file:// are read"},
-      {"x.stl", "only package:// and file:// are read"},
+      {"x.stl",
+       "it is relative to a file that is not known here; write package://PACKAGE/PATH or "
+       "file:///PATH, or give the URDF as a file"},
       {"xfile://x.stl", "only package:// and file:// are read"},
       {"file:///dev/zero", "/dev/zero is not a file"},
       {"file://" + folder_.string(), folder_.string() + " is not a file"},

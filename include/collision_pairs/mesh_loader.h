@@ -8,9 +8,13 @@ namespace collision_pairs {
 /// A loader for package:// and file:// URIs. STL and OBJ are read by this package; COLLADA and
 /// other formats of assimp by geometric_shapes in a separate process. Vertices are in metres in the
 /// frame that rviz uses: coordinates as stored in the file, times the scale; COLLADA's up_axis is
-/// ignored. A loader reads each file once for each scale: to see that a file has changed takes a
+/// ignored. What does not exist as written is looked for with %20 and the like decoded. A loader reads each file once for each scale: to see that a file has changed takes a
 /// new one. Other schemes are refused, so that a robot description cannot trigger network access.
 /// Throws InputError that names the URI and the problem. Not thread safe.
 MeshLoader makeMeshLoader();
+
+/// A loader for the URDF of a file in this folder: paths without a scheme are relative to the
+/// folder, all else is left to `load`. An empty folder: `load`, which refuses such paths.
+MeshLoader relativeTo(const std::string& folder, const MeshLoader& load);
 
 }  // namespace collision_pairs

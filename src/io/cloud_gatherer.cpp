@@ -14,7 +14,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double NOISE = 0.01;              // metres, of a range
+constexpr double NOISE = 0.01;             // metres, of a range
 constexpr std::size_t MOST_RAYS = 50'000;  // that are looked at for what they hide
 
 VoxelSettings settingsOf(const CloudConfig& config) {

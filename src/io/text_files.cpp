@@ -46,6 +46,10 @@ std::string readBinaryFile(const std::string& path) {
   return bytes;
 }
 
+TextFrom textFromFile(const std::string& path) {
+  return {path, readTextFile(path), fs::absolute(path).parent_path().string()};
+}
+
 std::string readTextFile(const std::string& path) {
   std::string text;
   readBlocks(path, [&](const char* block, std::size_t size) {

@@ -12,6 +12,7 @@ namespace collision_pairs {
 /// A text and its source, a file or a topic of a bag, for messages.
 struct TextFrom {
   std::string origin, content;
+  std::string folder = {};  ///< of the file; empty: it is from none
 };
 
 /// What `read` returns. An InputError of it gets the origin before it.
@@ -27,6 +28,8 @@ auto naming(const std::string& origin, const Read& read) {
 /// The file's content without a UTF-8 byte order mark. Throws InputError that names the file, also
 /// if it contains a zero byte and is therefore not text.
 std::string readTextFile(const std::string& path);
+
+TextFrom textFromFile(const std::string& path);
 
 /// The bytes of a regular file. Throws InputError that names it.
 std::string readBinaryFile(const std::string& path);

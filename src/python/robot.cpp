@@ -88,7 +88,7 @@ TextFrom xmlFrom(const py::handle& value, const std::string& what) {
     if (text.find('<') != std::string::npos) return {what, text};
   }
   const std::string path = pathFrom(value, what);
-  return {path, readTextFile(path)};
+  return textFromFile(path);
 }
 
 void warn(const std::string& message) {

@@ -17,11 +17,10 @@
 namespace collision_pairs {
 namespace {
 
-TextFrom textOf(const std::string& path) { return {path, readTextFile(path)}; }
-
 std::unique_ptr<RobotSource> sourceFrom(const TextFrom& urdf, const MeshLoader& load_mesh) {
-  auto source =
-      naming(urdf.origin, [&] { return std::make_unique<RobotSource>(urdf.content, load_mesh); });
+  auto source = naming(urdf.origin, [&] {
+    return std::make_unique<RobotSource>(urdf.content, relativeTo(urdf.folder, load_mesh));
+  });
   for (const std::string& warning : source->skeleton()->warnings()) {
     warn(urdf.origin + ": " + warning);
   }
@@ -58,7 +57,7 @@ SceneSources readSources(const TextFrom& urdf, const TextFrom& srdf, const Scene
   SceneSources::Robot& robot = sources.robots.back();
   robot.source = sourceFrom(urdf, load_mesh);
   if (!srdf.origin.empty()) robot.srdf = srdfFrom(srdf, *robot.source->skeleton(), warn);
-  if (!options.world.empty()) sources.world = sourceFrom(textOf(options.world), load_mesh);
+  if (!options.world.empty()) sources.world = sourceFrom(textFromFile(options.world), load_mesh);
   if (!options.settings.empty()) {
     sources.config = readSceneConfigFile(options.settings);
   }
@@ -83,7 +82,7 @@ void readAllMeshes(SceneSources& sources) {
 /// From a file, or else the bag's only one; empty if there is neither.
 TextFrom chooseText(const std::string& path, const std::map<std::string, std::string>& in_bag,
                     const std::string& option) {
-  if (!path.empty()) return textOf(path);
+  if (!path.empty()) return textFromFile(path);
   if (in_bag.empty()) return {};
   if (in_bag.size() > 1) {
     throw InputError("several robots in it (" + in_bag.begin()->first + ", " +
@@ -103,12 +102,12 @@ std::string saysNothing(const CollisionScene& scene) {
 }  // namespace
 
 std::shared_ptr<const RobotModel> readRobot(const std::string& path) {
-  return robotFrom(textOf(path), warn);
+  return robotFrom(textFromFile(path), warn);
 }
 
 std::optional<Srdf> readSrdf(const std::string& path, const RobotModel& robot) {
   if (path.empty()) return std::nullopt;
-  return srdfFrom(textOf(path), robot, warn);
+  return srdfFrom(textFromFile(path), robot, warn);
 }
 
 void declareScene(CommandLine& command_line, SceneOptions& options) {
@@ -212,8 +211,8 @@ BuiltScene buildScene(const TextFrom& urdf, const TextFrom& srdf, const SceneOpt
 }  // namespace
 
 std::shared_ptr<const CollisionScene> buildScene(const SceneOptions& options, Fidelity fidelity) {
-  const TextFrom srdf = options.srdf.empty() ? TextFrom() : textOf(options.srdf);
-  return buildScene(textOf(options.urdf), srdf, options, fidelity).scene;
+  const TextFrom srdf = options.srdf.empty() ? TextFrom() : textFromFile(options.srdf);
+  return buildScene(textFromFile(options.urdf), srdf, options, fidelity).scene;
 }
 
 void warnOf(const JointStates& states, const RobotModel& robot, const std::string& what) {

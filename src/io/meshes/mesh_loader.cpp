@@ -7,11 +7,13 @@
 #include <tuple>
 
 #include <rospack/rospack.h>
+#include <tinyxml2.h>
 
 #include "collision_pairs/input_error.h"
 #include "mesh_files.h"
 #include "mesh_process.h"
 #include "text_files.h"
+#include "user_text.h"
 
 namespace collision_pairs {
 namespace {
@@ -53,14 +55,40 @@ class Loader {
 
   fs::path resolve(const std::string& uri) {
     static const std::string PACKAGE = "package://", FILE = "file://";
-    if (uri.rfind(FILE, 0) == 0) return uri.substr(FILE.size());
+    if (uri.rfind(FILE, 0) == 0) return existing(uri.substr(FILE.size()));
+    if (uri.find("://") == std::string::npos) {
+      fail(uri,
+           "it is relative to a file that is not known here; write package://PACKAGE/PATH or "
+           "file:///PATH, or give the URDF as a file");
+    }
     if (uri.rfind(PACKAGE, 0) != 0) fail(uri, "only package:// and file:// are read");
     const std::size_t slash = uri.find('/', PACKAGE.size());
     if (slash == std::string::npos) fail(uri, "it names a package, but no file");
     const std::string package = uri.substr(PACKAGE.size(), slash - PACKAGE.size());
     const std::string folder = findPackage(package);
     if (folder.empty()) fail(uri, "package '" + package + "' is not on ROS_PACKAGE_PATH");
-    return fs::path(folder) / uri.substr(slash + 1);
+    return existing(fs::path(folder) / uri.substr(slash + 1));
+  }
+
+  /// The path as it is written, or, if there is no such file, with %20 and the like decoded, as
+  /// resource_retriever does.
+  static fs::path existing(const fs::path& written) {
+    std::error_code error;
+    const fs::path decoded = decode(written.string());
+    return !fs::exists(written, error) && fs::exists(decoded, error) ? decoded : written;
+  }
+
+  static std::string decode(const std::string& text) {
+    std::string decoded;
+    for (std::size_t i = 0; i < text.size(); ++i) {
+      const bool is_coded = text[i] == '%' && i + 2 < text.size() &&
+                            std::isxdigit(static_cast<unsigned char>(text[i + 1])) &&
+                            std::isxdigit(static_cast<unsigned char>(text[i + 2]));
+      decoded +=
+          is_coded ? static_cast<char>(std::stoi(text.substr(i + 1, 2), nullptr, 16)) : text[i];
+      if (is_coded) i += 2;
+    }
+    return decoded;
   }
 
   // Uses rospack directly, because ros::package::getPath prints two lines if a package is missing.
@@ -72,8 +100,10 @@ class Loader {
       rospack_->getSearchPathFromEnv(folders);
       rospack_->crawl(folders, false);
     }
-    std::string folder;
-    return rospack_->find(package, folder) ? folder : "";
+    // rospack looks anew at all folders for a package that it does not know.
+    const auto [known, is_new] = folders_.try_emplace(package);
+    if (is_new && !rospack_->find(package, known->second)) known->second.clear();
+    return known->second;
   }
 
   static TriangleMesh read(const fs::path& path) {
@@ -82,12 +112,32 @@ class Loader {
     if (ending == ".stl") return readStl(readBinaryFile(path));
     std::optional<TriangleMesh> mesh;
     if (ending == ".obj") mesh = readObj(readBinaryFile(path));
-    return mesh ? std::move(*mesh) : readMeshInProcess(path.string());
+    if (!mesh) mesh = readMeshInProcess(path.string());
+    if (ending == ".dae") toMetres(path, *mesh);
+    return std::move(*mesh);
+  }
+
+  /// COLLADA's unit, as rviz has it, which assimp and geometric_shapes leave out.
+  static void toMetres(const fs::path& path, TriangleMesh& mesh) {
+    tinyxml2::XMLDocument document;
+    const std::string text = readBinaryFile(path);
+    if (document.Parse(text.c_str(), text.size()) != tinyxml2::XML_SUCCESS) return;
+    const auto* collada = document.FirstChildElement("COLLADA");
+    const auto* asset = collada ? collada->FirstChildElement("asset") : nullptr;
+    const auto* unit = asset ? asset->FirstChildElement("unit") : nullptr;
+    const char* meter = unit ? unit->Attribute("meter") : nullptr;
+    double metres = 1.0;
+    if (meter == nullptr) return;
+    if (!parseNumber(meter, metres) || !(metres > 0.0)) {
+      throw InputError("its <unit meter=\"" + std::string(meter) + "\"> is no length");
+    }
+    for (Eigen::Vector3d& vertex : mesh.vertices) vertex *= metres;
   }
 
   std::map<std::tuple<std::string, double, double, double>, std::shared_ptr<const TriangleMesh>>
       meshes_;
   std::unique_ptr<rospack::Rospack> rospack_;
+  std::map<std::string, std::string> folders_;  ///< by package; empty: there is none
 };
 
 }  // namespace
@@ -96,6 +146,15 @@ MeshLoader makeMeshLoader() {
   const auto loader = std::make_shared<Loader>();
   return [loader](const std::string& uri, const Eigen::Vector3d& scale) {
     return (*loader)(uri, scale);
+  };
+}
+
+MeshLoader relativeTo(const std::string& folder, const MeshLoader& load) {
+  if (folder.empty()) return load;
+  const fs::path from = fs::absolute(folder);
+  return [from, load](const std::string& uri, const Eigen::Vector3d& scale) {
+    const bool is_path = !uri.empty() && uri.find("://") == std::string::npos;
+    return load(is_path ? "file://" + (from / uri).lexically_normal().string() : uri, scale);
   };
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <string>
 
@@ -37,6 +38,13 @@ class MeshWords {
   }
 
   bool is(const char* word) const { return text_.compare(begin_, end_ - begin_, word) == 0; }
+  bool isInAnyCase(const char* word) const {
+    const std::string given = this->word();
+    return given.size() == std::char_traits<char>::length(word) &&
+           std::equal(given.begin(), given.end(), word, [](char a, char b) {
+             return std::tolower(static_cast<unsigned char>(a)) == b;
+           });
+  }
   std::string word() const { return text_.substr(begin_, end_ - begin_); }
   /// For messages: its first characters.
   std::string quoted() const {

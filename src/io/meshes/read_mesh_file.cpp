@@ -1,6 +1,9 @@
 // read_mesh_file FILE: writes the mesh, or the reason why there is none, in the format of
 // mesh_process.h.
+#include <cctype>
 #include <csignal>
+#include <cstdio>
+#include <cstring>
 #include <filesystem>
 #include <iostream>
 #include <memory>
@@ -83,13 +86,31 @@ void write(const Number* numbers, std::size_t count) {
                   static_cast<std::streamsize>(count * sizeof(Number)));
 }
 
+/// As a URI: resource_retriever takes it apart.
+std::string uriOf(const std::string& path) {
+  std::string uri = "file://";
+  for (const unsigned char c : path) {
+    const bool is_plain = std::isalnum(c) || std::strchr("/-_.~", c) != nullptr;
+    char coded[4];
+    std::snprintf(coded, sizeof coded, "%%%02X", static_cast<unsigned>(c));
+    uri += is_plain ? std::string(1, static_cast<char>(c)) : coded;
+  }
+  return uri;
+}
+
+/// What geometric_shapes says may end where curl's reason would stand.
+bool saysWhy(const std::string& text) {
+  const std::size_t last = text.find_last_not_of(" \n");
+  return last != std::string::npos && text[last] != ':';
+}
+
 void answer(const std::string& path) {
   FirstError error;
-  const std::unique_ptr<shapes::Mesh> mesh(shapes::createMeshFromResource("file://" + path));
+  const std::unique_ptr<shapes::Mesh> mesh(shapes::createMeshFromResource(uriOf(path)));
   if (memory_ran_out) throw std::bad_alloc();
   if (!mesh) {
-    return refuse(error.text.empty() ? "it is not a mesh that can be read (truncated?)"
-                                     : error.text);
+    return refuse(saysWhy(error.text) ? error.text
+                                      : "it is not a mesh that can be read (truncated?)");
   }
   const std::uint64_t counts[] = {mesh->vertex_count, mesh->triangle_count};
   std::cout << MESH;

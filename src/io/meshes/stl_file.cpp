@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <cctype>
 #include <cstring>
 
 #include "collision_pairs/input_error.h"
@@ -31,11 +33,11 @@ class AsciiReader {
 
   TriangleMesh read() {
     while (words_.next()) {
-      if (words_.is("solid"))
+      if (words_.isInAnyCase("solid"))
         begin();
-      else if (words_.is("facet"))
+      else if (words_.isInAnyCase("facet"))
         readFacet();
-      else if (words_.is("endsolid"))
+      else if (words_.isInAnyCase("endsolid"))
         end();
       else
         fail("solid, facet or endsolid");
@@ -50,7 +52,7 @@ class AsciiReader {
                      " found where " + wanted + " was expected");
   }
   void expect(const char* word) {
-    if (!words_.next() || !words_.is(word)) fail(std::string("'") + word + "'");
+    if (!words_.next() || !words_.isInAnyCase(word)) fail(std::string("'") + word + "'");
   }
 
   void begin() {
@@ -87,12 +89,26 @@ class AsciiReader {
   bool in_solid_ = false;
 };
 
-// Binary files may begin with anything, "solid" included.
+/// Without a byte order mark and leading blanks, and with line breaks where there are carriage
+/// returns alone.
+std::string plainText(const std::string& bytes) {
+  std::string text = bytes.compare(0, 3, "\xEF\xBB\xBF") == 0 ? bytes.substr(3) : bytes;
+  if (text.find('\n') == std::string::npos) std::replace(text.begin(), text.end(), '\r', '\n');
+  return text;
+}
+
+bool isControl(char c) { return static_cast<unsigned char>(c) < ' ' && (c < '\t' || c > '\r'); }
+
+/// Binary files may begin with anything, "solid" and "facet" included.
 bool looksAscii(const std::string& bytes) {
   constexpr std::size_t FAR_ENOUGH = 1024;  // bytes: the solid's name comes before
-  const std::string beginning = bytes.substr(0, FAR_ENOUGH);
-  return beginning.compare(0, 5, "solid") == 0 && (beginning.find("facet") != std::string::npos ||
-                                                   beginning.find("endsolid") != std::string::npos);
+  std::string beginning = plainText(bytes.substr(0, FAR_ENOUGH));
+  std::transform(beginning.begin(), beginning.end(), beginning.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::size_t first = beginning.find_first_not_of(" \t\r\n");
+  return first != std::string::npos && beginning.compare(first, 5, "solid") == 0 &&
+         (beginning.find("facet") != std::string::npos ||
+          beginning.find("endsolid") != std::string::npos);
 }
 
 }  // namespace
@@ -102,8 +118,16 @@ TriangleMesh readStl(const std::string& bytes) {
   const bool has_count = bytes.size() >= HEADER + COUNT;
   if (has_count) std::memcpy(&nb_triangles, bytes.data() + HEADER, COUNT);
   const std::size_t wanted = HEADER + COUNT + TRIANGLE * std::size_t{nb_triangles};
-  if (has_count && bytes.size() == wanted) return readBinary(bytes, nb_triangles);
-  if (looksAscii(bytes)) return AsciiReader(bytes).read();
+  // The number of triangles is no text, and exporters pad at the end.
+  const bool is_number =
+      has_count && std::any_of(bytes.begin() + HEADER, bytes.begin() + HEADER + COUNT, isControl);
+  if (has_count && (bytes.size() == wanted || (is_number && bytes.size() > wanted))) {
+    return readBinary(bytes, nb_triangles);
+  }
+  if (looksAscii(bytes)) {
+    const std::string text = plainText(bytes);
+    return AsciiReader(text).read();
+  }
   if (!has_count) throw InputError("it is too short for an STL file");
   if (bytes.size() > wanted) return readBinary(bytes, nb_triangles);  // exporters pad at the end
   throw InputError("it should have " + std::to_string(nb_triangles) +
