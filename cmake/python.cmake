@@ -1,6 +1,6 @@
 # The Python package: compiled module, __init__ and type stubs, beside the generated messages of the
 # same name. messages.cmake keeps catkin from installing an __init__ of its own.
-find_package(Python3 REQUIRED COMPONENTS Interpreter Development)
+find_package(Python 3 REQUIRED COMPONENTS Interpreter Development)  # pybind11 takes this prefix
 find_package(pybind11 REQUIRED)
 
 pybind11_add_module(collision_pairs_python MODULE NO_EXTRAS

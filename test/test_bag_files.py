@@ -169,7 +169,7 @@ def test_what_is_not_a_plain_bag_of_format_2_is_refused_with_the_way_out(run_too
     header = fields + len(field).to_bytes(4, "little") + field
     encrypted = content[:13] + len(header).to_bytes(4, "little") + header + content[17 + size:]
     for broken, says in [(b"#ROSRECORD V1.2\n" + content[13:], "rosbag record"), (encrypted, "rosbag decrypt"),
-                         (content[1:], "is not a bag"), (b"", "is not a bag"), (b"#ROS", "rosbag record")]:
+                         (content[1:], "is not a bag\n"), (b"", "is not a bag"), (b"#ROS", "rosbag record")]:
         bag.write_bytes(broken)
         done = run_tool("check_bag", bag, "--out", tmp_path / "out.csv")
         assert done.returncode == 2 and says in done.stderr and str(bag) in done.stderr, (says, done.stderr)
@@ -209,6 +209,14 @@ def described(text, topic="/robot_description"):
 def states(*of, topic="/joint_states"):
     """Recorded at their stamps, or of (recorded, message)."""
     return [(topic, *each) if isinstance(each, tuple) else (topic, each.header.stamp.to_sec(), each) for each in of]
+
+
+@pytest.mark.parametrize("ending", ("db3", "mcap"))
+def test_a_bag_of_ros_2_is_refused_with_what_converts_it(run_tool, tmp_path, ending):
+    bag = tmp_path / ("recording." + ending)
+    bag.write_bytes(b"SQLite format 3\0")
+    done = run_tool("check_bag", bag)
+    assert done.returncode == 2 and "is not a bag of ROS 1; convert it with rosbags-convert" in done.stderr
 
 
 def test_what_is_not_used_is_counted_and_the_first_of_it_is_said(run_bag):

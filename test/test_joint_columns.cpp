@@ -61,6 +61,13 @@ TEST_F(JointColumnsTest, MoveWhatIsNamedAndWhatFollowsIt) {
   EXPECT_THAT(columns.notNamed(), ElementsAre());
 }
 
+TEST_F(JointColumnsTest, DropALeadingSlash) {
+  EXPECT_EQ(JointColumns({"/lead", "slide"}, *robot_).sourceOf(robot_->findJoint("lead")).column,
+            0);
+  EXPECT_THAT(refusal({"/lead", "lead"}, {0.0, 0.0}), HasSubstr("is named twice"));
+  EXPECT_THAT(refusal({"//lead"}, {0.0}), HasSubstr("joint '//lead' is not in robot"));
+}
+
 TEST_F(JointColumnsTest, LeaveAloneWhatIsNotNamed) {
   const JointColumns columns({"slide"}, *robot_);
   std::vector<double> positions = robot_->zeroPositions();
@@ -107,9 +114,7 @@ std::shared_ptr<const RobotModel> chainOf(const std::string& x, const std::strin
                    joint("z", "continuous", "b", "c", "0 0 0", z));
 }
 
-std::string mimicOf(const char* leader) {
-  return std::string("<mimic joint='") + leader + "'/>";
-}
+std::string mimicOf(const char* leader) { return std::string("<mimic joint='") + leader + "'/>"; }
 
 TEST(MissingLeader, MakesAJointOfItsOwnThatIsUnknownUnlessNamed) {
   const auto robot = chainOf("", "<mimic joint='nobody'/>", "<mimic joint='y' multiplier='2'/>");

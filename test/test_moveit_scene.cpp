@@ -45,9 +45,12 @@ TEST(AllowedContact, IsThatOfTheMatrixUnlessAnAttachedBodyMayTouch) {
 }
 
 TEST(AContinuousJoint, TurnsTheShorterWay) {
-  EXPECT_NEAR(afterShorterTurn(3.0, -3.0), 2.0 * M_PI - 3.0, 1e-12);
-  EXPECT_NEAR(afterShorterTurn(-3.0, 3.0), 3.0 - 2.0 * M_PI, 1e-12);
-  EXPECT_NEAR(afterShorterTurn(0.5, 1.0), 1.0, 1e-12);
+  EXPECT_NEAR(endOfTurn(3.0, -3.0), 2.0 * M_PI - 3.0, 1e-12);
+  EXPECT_NEAR(endOfTurn(-3.0, 3.0), 3.0 - 2.0 * M_PI, 1e-12);
+  EXPECT_NEAR(endOfTurn(0.5, 1.0), 1.0, 1e-12);
+  EXPECT_NEAR(endOfTurn(0.0, 10.0), 10.0 - 2.0 * M_PI, 1e-12) << "not shorter, but MoveIt's";
+  EXPECT_NEAR(endOfTurn(0.0, -10.0), 2.0 * M_PI - 10.0, 1e-12);
+  EXPECT_EQ(endOfTurn(0.0, M_PI), M_PI);
 }
 
 TEST(Shapes, BecomeElementsInTheirPlaces) {

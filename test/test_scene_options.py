@@ -139,6 +139,24 @@ def test_rules_floor_and_ignored_links_change_the_pairs(check):
     assert {"arm_base|floor", "crate|floor"} & floor and "floor|table" not in floor
 
 
+def test_the_mesh_of_a_link_that_is_ignored_is_not_read(run_tool, tmp_path):
+    urdf = tmp_path / "robot.urdf"
+    ball = "<link name='%s'><collision><geometry><sphere radius='0.1'/></geometry></collision></link>"
+    urdf.write_text("<robot name='r'>" + ball % "a" + ball % "b" +
+                    "<link name='c'><collision><geometry><mesh filename='none.stl'/></geometry></collision></link>"
+                    "<joint name='x' type='prismatic'><parent link='a'/><child link='b'/><axis xyz='1 0 0'/>"
+                    "<limit lower='-1' upper='1' effort='1' velocity='1'/></joint>"
+                    "<joint name='f' type='fixed'><parent link='a'/><child link='c'/></joint></robot>")
+    states, settings = tmp_path / "states.csv", tmp_path / "settings.yaml"
+    states.write_text("x\n0\n1\n")
+    done = run_tool("check_states", urdf, "--states", states)
+    assert done.returncode == 2 and "there is no file %s" % (tmp_path / "none.stl") in done.stderr
+    settings.write_text("ignored_links: [c]\n")
+    done = run_tool("check_states", urdf, "--states", states, "--settings", settings)
+    assert done.returncode == 0, done.stderr
+    assert [line.split(",")[1] for line in done.stdout.splitlines()[1:]] == ["1", "0"]
+
+
 def test_fcl_by_option_or_by_setting_gives_the_same_pairs_and_distances(check):
     native = check()[1]
     for done, rows in (check("--narrow-phase", "fcl"), check(settings="narrow_phase: fcl")):

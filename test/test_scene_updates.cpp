@@ -64,6 +64,33 @@ TEST_F(Changes, APoseIsOfItsFrame) {
   EXPECT_TRUE(stored("crate").X_PO.translation().isApprox(Vector3d(0.5, 0, 0)));
 }
 
+// Also where a later change of the request removes it again.
+TEST_F(Changes, ALinkThatTheRobotDoesNotHaveIsRefused) {
+  context_.require_link = [](const std::string& link) {
+    if (link != "hand") throw InputError("no link '" + link + "'");
+  };
+  for (const char* link : {"hand", "hnad"}) {
+    SceneChange add, attach, remove;
+    add.operation = SceneChange::ADD;
+    attach.operation = SceneChange::ATTACH;
+    remove.operation = SceneChange::REMOVE;
+    add.object = attach.object = remove.object = boxObject("crate", poseAt(0, 0, 0));
+    attach.object.attached_link = link;
+    SceneChange added_on = add;
+    added_on.object.attached_link = link;
+    added_on.object.header.frame_id = link;
+    for (const auto& changes : {std::vector<SceneChange>{added_on, remove},
+                                std::vector<SceneChange>{add, attach, remove}}) {
+      const auto apply = [&] { editsBy(changes, objects_, context_); };
+      if (std::string(link) == "hand") {
+        EXPECT_NO_THROW(apply());
+      } else {
+        EXPECT_THROW(apply(), InputError);
+      }
+    }
+  }
+}
+
 TEST_F(Changes, AttachAndDetachLeaveItWhereItIs) {
   apply(SceneChange::ADD, boxObject("crate", poseAt(3, 1, 0)));
   SceneObject grip;

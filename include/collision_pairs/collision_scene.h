@@ -167,7 +167,7 @@ class CollisionScene {
   /// Why a check would say nothing, in words: there is no pair to check, or a robot without any
   /// collision geometry. Empty: it says something.
   const std::string& unchecked() const { return unchecked_; }
-  /// One sentence for each model with a mesh that has open sheets, of which more than 1 % of its
+  /// One sentence for each mesh that has open sheets, with the models that have it, of which more than 1 % of its
   /// surface is missing: they enclose nothing, and a body wholly inside is not found.
   /// Of the meshes whose triangles the scene's fidelities need.
   std::vector<std::string> openMeshes() const;

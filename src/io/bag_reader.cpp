@@ -155,7 +155,7 @@ class Collector {
     for (std::size_t i = 0; i < count; ++i) {
       if (std::isfinite(message.position[i])) {
         const int by = contents_.names.add(raw.publisher);
-        const int joint = contents_.names.add(message.name[i]);
+        const int joint = contents_.names.add(withoutLeadingSlash(message.name[i]));
         if (std::min(by, joint) < 0) continue;
         positions.push_back({raw.received, stamp, by, joint, message.position[i]});
       } else {

@@ -127,7 +127,13 @@ class RecordReader {
     std::string magic(MAGIC.size(), ' ');
     file_.read(magic.data(), static_cast<std::streamsize>(magic.size()));
     if (magic.compare(0, ANY_MAGIC.size(), ANY_MAGIC) != 0) {
-      throw InputError(path_ + ": is not a bag");
+      const auto endsWith = [&](const std::string& end) {
+        return path_.size() >= end.size() &&
+               path_.compare(path_.size() - end.size(), end.size(), end) == 0;
+      };
+      const bool is_of_ros2 = endsWith(".db3") || endsWith(".mcap");
+      throw InputError(path_ + ": is not a bag" +
+                       (is_of_ros2 ? " of ROS 1; convert it with rosbags-convert" : ""));
     }
     if (magic != MAGIC) {
       throw InputError(path_ + ": is a bag of a format other than 2.0; convert it with " +

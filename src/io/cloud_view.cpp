@@ -29,7 +29,8 @@ CloudView viewOf(const CloudConfig& config, const LatestCloud& latest, double no
     view.doubt = name + "more than max_voxels (" + std::to_string(config.max_voxels) +
                  ") voxels are occupied, or some are out of range: the farthest are left out";
   } else if (!latest.may_touch.empty()) {
-    view.doubt = name + "something " + latest.may_touch;
+    view.doubt =
+        name + "something " + latest.may_touch + "; if it is gone, ~clear_clouds starts anew";
   }
   return view;
 }

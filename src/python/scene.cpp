@@ -6,6 +6,7 @@
 #include "collision_pairs/input_error.h"
 #include "long_call.h"
 #include "scene_sources.h"
+#include "user_text.h"
 
 namespace py = pybind11;
 
@@ -81,7 +82,8 @@ PythonScene built(PythonScene made) {
                                   : ": nothing is FREE; if that is meant, permit it by "
                                     "settings={'allow_empty_scene': True}"));
   }
-  for (const std::string& mesh : made.scene->openMeshes()) warn(mesh);
+  const auto open_meshes = made.scene->openMeshes();
+  if (!open_meshes.empty()) warn(joined(open_meshes, "; "));
   py::list names;
   for (const CollisionModel& model : made.scene->models()) names.append(model.name);
   made.model_names = py::module::import("numpy").attr("array")(names, py::arg("dtype") = "str");

@@ -16,6 +16,7 @@
 namespace collision_pairs {
 namespace {
 
+constexpr double LOWEST_RATE = 0.1;  // Hz; dynamic_reconfigure raises a lower one without a word
 constexpr double WARN_PERIOD = 5.0;  // s between repeated warnings in the log
 // Frame in which the verdict is drawn while there is no robot and so no frame.
 const char* const FRAME_OF_NOTHING = "world";
@@ -37,6 +38,16 @@ void forEachReconfigured(NodeParameters& parameters, CollisionPairsConfig& confi
   act(parameters.check.min_distance, config.min_distance);
   act(parameters.rate, config.rate);
   act(parameters.show_only_investigated_boxes, config.show_only_investigated_boxes);
+}
+
+/// What is shown, which can change nothing that was decided.
+template <class Draw>
+void drawing(const Draw& draw) {
+  try {
+    draw();
+  } catch (const std::exception& error) {
+    ROS_ERROR_STREAM_THROTTLE(WARN_PERIOD, "the markers are not drawn: " << error.what());
+  }
 }
 
 double secondsSince(const ros::WallTime& start) { return (ros::WallTime::now() - start).toSec(); }
@@ -147,25 +158,29 @@ void CollisionPairsNode::check(const ActiveScenePtr& scene, const ros::WallTime&
   const double transform_time = secondsSince(start);
   std::vector<std::string> doubts = doubtsOf(stamped, transforms_, now);
   if (!doubts.empty()) {
-    ROS_WARN_STREAM_THROTTLE(WARN_PERIOD, "left out, no usable transform: " << doubts.front());
+    const bool is_left_out = !stamped.problems.empty();
+    ROS_WARN_STREAM_THROTTLE(
+        WARN_PERIOD, (is_left_out ? "left out, no usable transform: " : "not known to be free: ")
+                         << (is_left_out ? stamped.problems : doubts).front());
   }
   for (std::string& doubt : addVoxels(*scene, now, stamped.poses)) {
     doubts.push_back(std::move(doubt));
   }
   shown_limit_.reset();
-  if (publisher_.showsMarkers()) {
-    if (const auto limit = limiter_.lastLimit()) {
-      shown_limit_ = shownLimit(*limit, *detector_, stamped.poses, settings.fidelity);
-    }
-  }
+  drawing([&] {
+    const auto limit = publisher_.showsMarkers() ? limiter_.lastLimit() : std::nullopt;
+    if (limit) shown_limit_ = shownLimit(*limit, *detector_, stamped.poses, settings.fidelity);
+  });
   CollisionPairs message =
       checkPoses(*scene, stamped, doubts, settings, now, transform_time, *detector_);
   addClosingMotion(*scene, stamped, detector_->report(), message);
   publisher_.publish(message);
-  showMarkers(message, &detector_->report());
-  publisher_.publishScene(scene, settings.fidelity, stamped.nb_found);
-  publisher_.publishVoxels(*scene, stamped.poses, detector_->report().boxes,
-                           settings.alarm_distance);
+  drawing([&] {
+    showMarkers(message, &detector_->report());
+    publisher_.publishScene(scene, settings.fidelity, stamped.nb_found);
+    publisher_.publishVoxels(*scene, stamped.poses, detector_->report().boxes,
+                             settings.alarm_distance);
+  });
   std::optional<double> age;
   if (stamped.nb_found > 0 || stamped.nb_asked == 0) {
     age = now.toSec() - message.header.stamp.toSec();
@@ -180,8 +195,10 @@ void CollisionPairsNode::reportUnknown(const std::string& why) {
   const CollisionPairs message = unknown(why, frame, ros::Time::now());
   publisher_.publish(message);
   shown_limit_.reset();
-  if (const auto limit = limiter_.lastLimit()) shown_limit_ = ShownLimit{*limit, {}};
-  showMarkers(message, nullptr);
+  drawing([&] {
+    if (const auto limit = limiter_.lastLimit()) shown_limit_ = ShownLimit{*limit, {}};
+    showMarkers(message, nullptr);
+  });
   health_.noteProblem(why);
 }
 
@@ -210,6 +227,9 @@ void CollisionPairsNode::reconfigure(CollisionPairsConfig& config) {
     }
     const Fidelity fidelity = parseFidelity(config.fidelity);
     const std::lock_guard<std::mutex> lock(mutex_);
+    if (config.rate <= LOWEST_RATE && parameters_.rate > LOWEST_RATE) {
+      ROS_WARN_STREAM("reconfigure: the rate is " << LOWEST_RATE << " Hz now, the lowest there is");
+    }
     parameters_.check.fidelity = fidelity;
     forEachReconfigured(parameters_, config, set);
   } catch (const InputError& error) {

@@ -36,6 +36,13 @@ YAML::Node toYaml(XmlRpc::XmlRpcValue& value) {
   }
 }
 
+/// As a YAML file has it, on one line.
+std::string asWritten(XmlRpc::XmlRpcValue& value) {
+  YAML::Emitter text;
+  text << YAML::Flow << toYaml(value);
+  return text.c_str();
+}
+
 /// Reads parameters; invalid ones are replaced by the current `value`.
 class Reader {
  public:
@@ -70,7 +77,7 @@ class Reader {
   void replace(const std::string& name, const std::string& given, const std::string& rule,
                const T& value) const {
     ROS_ERROR_STREAM("parameter " << node_.resolveName(name) << " is " << given << ", but " << rule
-                                  << "; using " << value);
+                                  << "; using " << std::boolalpha << value);
     node_.setParam(name, value);
   }
 
@@ -84,7 +91,7 @@ class Reader {
     if (node_.getParam(name, found) && is_valid(found)) {  // it has the type
       value = found;
     } else {
-      replace(name, given.toXml(), rule, value);
+      replace(name, asWritten(given), rule, value);
     }
   }
 

@@ -32,13 +32,14 @@ class Task : public ros::CallbackInterface {
 }  // namespace
 
 SceneService::SceneService(const ros::NodeHandle& private_node, SceneStore& scenes)
-    : scenes_(scenes), spinner_(1, &queue_) {
+    : scenes_(scenes), answering_(1, &requests_), working_(1, &tasks_) {
   ros::NodeHandle node(private_node);
-  node.setCallbackQueue(&queue_);
+  node.setCallbackQueue(&requests_);
   update_server_ = node.advertiseService("update_scene", &SceneService::onUpdate, this);
   reset_server_ = node.advertiseService("reset", &SceneService::onReset, this);
   clear_server_ = node.advertiseService("clear_clouds", &SceneService::onClearClouds, this);
-  spinner_.start();
+  answering_.start();
+  working_.start();
 }
 
 std::string SceneService::loadFirst() {
@@ -47,7 +48,7 @@ std::string SceneService::loadFirst() {
   if (!is_loading_ && now >= next_load_) {
     is_loading_ = true;
     next_load_ = now + LOAD_PERIOD;
-    queue_.addCallback(boost::make_shared<Task>([this] { load(); }));
+    tasks_.addCallback(boost::make_shared<Task>([this] { load(); }));
   }
   if (!is_loading_) return problem_;
   return "the robot is being loaded" +
@@ -73,7 +74,7 @@ std::string SceneService::watchDescriptions(bool reload) {
   if (!is_watching_ && now >= next_watch_) {  // a master that hangs must not fill the queue
     is_watching_ = true;
     next_watch_ = now + WATCH_PERIOD;
-    queue_.addCallback(boost::make_shared<Task>([this, reload] { watch(reload); }));
+    tasks_.addCallback(boost::make_shared<Task>([this, reload] { watch(reload); }));
   }
   return changed_;
 }
@@ -101,7 +102,7 @@ void SceneService::watch(bool reload) {
 }
 
 void SceneService::release(std::shared_ptr<const void> what) {
-  queue_.addCallback(
+  tasks_.addCallback(
       boost::make_shared<Task>([what = std::move(what)]() mutable { what.reset(); }));
 }
 

@@ -16,9 +16,10 @@
 
 namespace collision_pairs {
 
-/// Builds every scene of the cycle on a separate thread of low priority: preparing a large mesh
-/// delays neither the cycle nor queries, except the first with a restriction. Errors in a request
-/// are returned in its reply.
+/// Builds scenes on threads of their own: preparing a large mesh delays neither the cycle nor
+/// queries, except the first with a restriction. What nobody waits for (the first scene, reloads,
+/// freeing) is done by one of low priority; requests have the priority of the node, since a thread
+/// that lowers its own cannot raise it again. Errors in a request are returned in its reply.
 class SceneService {
  public:
   SceneService(const ros::NodeHandle& private_node, SceneStore& scenes);
@@ -31,7 +32,7 @@ class SceneService {
   /// again if `reload`. Returns what to tell people; empty: none has. Never waits.
   std::string watchDescriptions(bool reload);
 
-  /// Frees it on the service's thread, since freeing a large scene takes longer than a cycle.
+  /// Frees it on the thread of low priority, since freeing a large scene takes longer than a cycle.
   void release(std::shared_ptr<const void> what);
 
  private:
@@ -47,9 +48,9 @@ class SceneService {
   std::string problem_, changed_;
   ros::SteadyTime next_load_, next_watch_;
 
-  ros::CallbackQueue queue_;
+  ros::CallbackQueue requests_, tasks_;
   ros::ServiceServer update_server_, reset_server_, clear_server_;
-  ros::AsyncSpinner spinner_;  // last: stops before the others
+  ros::AsyncSpinner answering_, working_;  // last: stop before the others
 };
 
 }  // namespace collision_pairs

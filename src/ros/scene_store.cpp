@@ -74,7 +74,8 @@ void SceneStore::load() {
                             << " elements, " << scene.bodies().size()
                             << " moving bodies, ready after "
                             << (ros::WallTime::now() - start).toSec() << " s");
-  for (const std::string& mesh : built.scene->open_meshes) ROS_WARN_STREAM(mesh);
+  const auto& open_meshes = built.scene->open_meshes;
+  if (!open_meshes.empty()) ROS_WARN_STREAM(joined(open_meshes, "; "));
   if (!scene.unchecked().empty()) {
     ROS_WARN_STREAM(scene.unchecked()
                     << (scene.mayBeFree()
@@ -121,7 +122,11 @@ void SceneStore::update(const std::vector<SceneChange>& changes) {
     if (stamp.isZero() && !found.stamp.isZero() && !still.empty()) fail(still);
     return found.X_TS;
   };
-  const ObjectEdits edits = editsBy(changes, objects_, {frame, look_up, makeMeshLoader()});
+  const auto require_link = [&](const std::string& link) {
+    requireLink(scene_->scene->robot(), link);
+  };
+  const ObjectEdits edits =
+      editsBy(changes, objects_, {frame, look_up, makeMeshLoader(), require_link});
   if (auto active = withAlike(edits)) {
     replace({std::move(active), {}, false});
     apply(edits, objects_);

@@ -73,6 +73,7 @@ class Updater {
 
   void add(const SceneObject& message) {
     if (message.name.empty()) throw InputError("it has no name");
+    if (!message.attached_link.empty()) context_.require_link(message.attached_link);
     StoredObject stored{message, toObject(message, context_.load_mesh)};
     stored.object.X_PO = poseOf(message, parentFrame(stored.object));
     edits_[message.name] = std::move(stored);
@@ -109,6 +110,7 @@ class Updater {
   void attach(const SceneObject& message) {
     StoredObject& stored = known(message.name);
     if (message.attached_link.empty()) throw InputError("attached_link is empty");
+    context_.require_link(message.attached_link);
     hangOn(message.attached_link, stored);
     stored.object.touch_links = message.touch_links;
   }

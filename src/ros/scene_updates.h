@@ -31,13 +31,15 @@ struct UpdateContext {
                                   const ros::Time& stamp)>
       look_up;
   MeshLoader load_mesh;
+  /// Throws InputError unless the robot has the link.
+  std::function<void(const std::string& link)> require_link = [](const std::string&) {};
 };
 
 /// What changes make of objects, by name: the object, or nothing where it is removed.
 using ObjectEdits = std::map<std::string, std::optional<StoredObject>>;
 
 /// All changes, in their order. Throws InputError that names the change and the problem; whether
-/// links exist is checked by the scene.
+/// touch links exist is checked by the scene.
 ObjectEdits editsBy(const std::vector<SceneChange>& changes, const SceneObjects& objects,
                     const UpdateContext& context);
 

@@ -72,11 +72,16 @@ SceneSources readSources(const TextFrom& urdf, const TextFrom& srdf, const Scene
   return sources;
 }
 
-// A check of a whole robot reports missing meshes even if no pair needs them.
+// A check of a whole robot reports missing meshes even if no pair needs them, but for links that
+// are to be ignored.
 void readAllMeshes(SceneSources& sources) {
-  const auto all = [](const std::string&) { return true; };
-  sources.robots[0].source->withGeometryOf(all);
-  if (sources.world) sources.world->withGeometryOf(all);
+  const auto& ignored = sources.config.settings.ignored_links;
+  const auto isWanted = [&](const std::string& link) {
+    return std::none_of(ignored.begin(), ignored.end(),
+                        [&](const NamePattern& pattern) { return matches(pattern, link); });
+  };
+  sources.robots[0].source->withGeometryOf(isWanted);
+  if (sources.world) sources.world->withGeometryOf([](const std::string&) { return true; });
 }
 
 /// From a file, or else the bag's only one; empty if there is neither.
@@ -204,7 +209,8 @@ BuiltScene buildScene(const TextFrom& urdf, const TextFrom& srdf, const SceneOpt
     throw InputError("--group and --links leave no pair to check");
   }
   if (!unchecked.empty()) warn(unchecked + saysNothing(*built.scene));
-  for (const std::string& mesh : built.scene->openMeshes()) warn(mesh);
+  const std::vector<std::string> open_meshes = built.scene->openMeshes();
+  if (!open_meshes.empty()) warn(joined(open_meshes, "; "));
   return built;
 }
 

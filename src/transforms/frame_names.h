@@ -4,13 +4,9 @@
 #include <string>
 
 #include "collision_pairs/robot_model.h"
+#include "user_text.h"
 
 namespace collision_pairs {
-
-/// Drops the leading slash that tf used ("/base") and tf2 does not accept.
-inline std::string withoutLeadingSlash(const std::string& frame) {
-  return !frame.empty() && frame.front() == '/' ? frame.substr(1) : frame;
-}
 
 /// Removes leading and trailing slashes.
 inline std::string withoutSlashes(std::string name) {

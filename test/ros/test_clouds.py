@@ -91,7 +91,7 @@ class CloudsTest(unittest.TestCase):
     def test_what_is_held_against_a_link_is_unknown_for_as_long_as_it_is_not_seen_to_leave(self):
         for y in (0.9, 0.7, 0.58, 0.58, 0.52):  # the last is within the padding
             self.show([(0.05 - CAMERA_X, y, 0.05)])
-        words = NAMED + "something vanished 5 cm from a: it may touch"
+        words = NAMED + "something vanished 5 cm from a: it may touch; if it is gone, ~clear_clouds starts anew"
         self.wait_for(UNKNOWN, words)
         rospy.sleep(1.0)
         begin = len(self.node.reports)

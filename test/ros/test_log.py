@@ -104,10 +104,10 @@ class LogTest(unittest.TestCase):
              "max_pose_age": ("-1", "a number from 0.000000 to 1000000000.000000", "1"),
              "max_transform_age": ("-1", "a number from 0.000000 to 1000000000.000000", "1"),
              "clock_tolerance": ("-1", "a number from 0.000000 to 1000000000.000000", "0.5"),
-             "verdict_only": ("5", "true or false", "0"),
-             "min_distance": ("5", "true or false", "0"),
-             "allow_paused": ("5", "true or false", "0"),
-             "show_only_investigated_boxes": ("5", "true or false", "0"),
+             "verdict_only": ("5", "true or false", "false"),
+             "min_distance": ("5", "true or false", "false"),
+             "allow_paused": ("5", "true or false", "false"),
+             "show_only_investigated_boxes": ("5", "true or false", "false"),
              "fixed_frame": ("5", "text", ""),
              "reload": ("sometimes", "manual or auto", "manual"),
              "trigger": ("bell", "rate or tf", "rate"),
@@ -123,9 +123,12 @@ class LogTest(unittest.TestCase):
         for name, (value, rule, default) in self.RULES.items():
             [line] = [line for line in lines if "parameter /refused/node/%s is " % name in line]
             self.assertIn(value, line)
+            self.assertNotIn("<value>", line)
             self.assertIn(", but must be %s; using %s" % (rule, default), line)
             if isinstance(given[name], float):
-                self.assertEqual(float(rospy.get_param("/refused/node/" + name) or 0), float(default or 0), name)
+                in_words = {"": 0.0, "false": 0.0}
+                self.assertEqual(float(rospy.get_param("/refused/node/" + name) or 0),
+                                 float(in_words.get(default, default)), name)
             else:
                 self.assertEqual(rospy.get_param("/refused/node/" + name), default)
 

@@ -20,6 +20,11 @@ bool parseVector3(const std::string& text, Eigen::Vector3d& value);
 std::string nearestName(const std::string& given, const std::vector<std::string>& names,
                         std::size_t most_edits = std::numeric_limits<std::size_t>::max() - 1);
 
+/// Without the leading slash that tf used ("/base"), and some drivers do for joints.
+inline std::string withoutLeadingSlash(const std::string& name) {
+  return !name.empty() && name.front() == '/' ? name.substr(1) : name;
+}
+
 /// "a, b, c"
 std::string joined(const std::vector<std::string>& words, const std::string& separator = ", ");
 

@@ -10,6 +10,8 @@ namespace {
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
 
+constexpr std::size_t MOST_ELEMENTS = 4000;  // of a scene: one byte a pair, 16 MB
+
 const Prepared& preparedOf(const SceneElement& element) {
   return static_cast<const Prepared&>(*element.rung(Fidelity::MESH).shape);
 }
@@ -52,6 +54,7 @@ SolidPairs::SolidPairs(const CollisionScene& scene, const BatchModel& model)
     const PreparedShape* const shape = scene.elements()[i].rung(Fidelity::MESH).shape.get();
     first_with_shape_.push_back(first_with.try_emplace(shape, i).first->second);
   }
+  if (kept_.size() > MOST_ELEMENTS) return;
   is_worth_.resize(kept_.size() * kept_.size());
   for (const BatchPair& of_model : model.pairs) {
     const BoxPair pair{model.element_of[static_cast<std::size_t>(of_model.first)],
@@ -92,7 +95,7 @@ void SolidPairs::make(std::uint32_t element, Kept& kept) const {
 }
 
 SolidPairs::Outcome SolidPairs::settle(const BoxPair& pair, const Isometry3d& X_AB) const {
-  if (!is_worth_[indexOf(pair)]) return Outcome::OPEN;
+  if (is_worth_.empty() || !is_worth_[indexOf(pair)]) return Outcome::OPEN;
   const Kept &a = keptOf(pair.first), &b = keptOf(pair.second);
   if (!a.is_made.load(std::memory_order_acquire) || !b.is_made.load(std::memory_order_acquire)) {
     return Outcome::OPEN;

@@ -26,7 +26,8 @@ JointColumns::JointColumns(const std::vector<std::string>& names, const RobotMod
   const auto& joints = robot.joints();
   std::vector<int> column_of_joint(joints.size(), -1);
   for (const std::string& name : names) {
-    const int joint = robot.findJoint(name);
+    const int exact = robot.findJoint(name);
+    const int joint = exact < 0 ? robot.findJoint(withoutLeadingSlash(name)) : exact;
     if (joint < 0) refuseUnknown(name, robot);
     if (!joints[joint].hasPosition()) {
       throw InputError("joint '" + name +

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
+#include <map>
 #include <set>
 #include <stdexcept>
 
@@ -10,6 +10,7 @@
 #include "pair_policy.h"
 #include "scene_element.h"
 #include "scene_members.h"
+#include "user_text.h"
 
 namespace collision_pairs {
 namespace {
@@ -267,18 +268,21 @@ std::shared_ptr<const CollisionScene> CollisionScene::build(std::shared_ptr<cons
 }
 
 std::vector<std::string> CollisionScene::openMeshes() const {
-  std::set<std::string> sentences;
+  std::map<std::string, std::set<std::string>> models_of;  // by what is said of the mesh
   for (const SceneElement& element : elements_) {
     const auto& prepared = element.rung(Fidelity::MESH).shape;
     const double share = prepared ? prepared->missingShare() : 0.0;
     if (!(share > TOLD_ABOVE)) continue;
-    char percent[16];
-    std::snprintf(percent, sizeof percent, "%.0f %%", 100.0 * share);
-    sentences.insert("'" + models_[element.model].name + "': about " + percent +
-                     " of the surface of mesh " + std::get<Mesh>(element.shape).mesh->name +
-                     " is missing: a body wholly inside it is not found");
+    models_of[formatted("about %.0f %% of the surface of mesh ", 100.0 * share) +
+              std::get<Mesh>(element.shape).mesh->name +
+              " is missing: a body wholly inside it is not found"]
+        .insert("'" + models_[element.model].name + "'");
   }
-  return {sentences.begin(), sentences.end()};
+  std::vector<std::string> sentences;
+  for (const auto& [what, models] : models_of) {
+    sentences.push_back(joined({models.begin(), models.end()}) + ": " + what);
+  }
+  return sentences;
 }
 
 void CollisionScene::gatherPoses(const std::vector<Eigen::Isometry3d>& X_RB,

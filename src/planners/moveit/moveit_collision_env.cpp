@@ -318,6 +318,8 @@ void MoveitCollisionEnv::check(const CollisionRequest& req, CollisionResult& res
   distance.enableGroup(getRobotModel());
   DistanceResult found;
   measure(distance, found, state, among);
+  // That of another check with the same result may be smaller.
+  if (found.minimum_distance.distance >= res.distance) return;
   res.distance = found.minimum_distance.distance;
   if (req.detailed_distance) res.distance_result = found;
 }

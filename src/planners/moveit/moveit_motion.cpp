@@ -187,7 +187,7 @@ void MoveitMotions::check(const RobotState& from, const RobotState& to, const Mo
     const bool is_continuous =
         joint->getType() == JointModel::REVOLUTE &&
         static_cast<const moveit::core::RevoluteJointModel*>(joint)->isContinuous();
-    if (is_continuous) motion.to[j] = afterShorterTurn(motion.from[j], motion.to[j]);
+    if (is_continuous) motion.to[j] = endOfTurn(motion.from[j], motion.to[j]);
   }
   MotionCheck check(sceneFor(limits));
   const MotionReport& report = check.check(motion, MotionSettings(), placed);

@@ -44,9 +44,13 @@ AllowedContact allowedContact(const MoveitBody* a, const MoveitBody* b, const En
   return mayAlwaysTouch(a, b) || mayAlwaysTouch(b, a) ? AllowedContact::ALWAYS : entry();
 }
 
-/// Where a continuous joint at `from` arrives if it turns to `to` the shorter way; rad.
-inline double afterShorterTurn(double from, double to) {
-  return from + std::remainder(to - from, 2.0 * 3.14159265358979323846);
+/// Where the straight motion of a continuous joint from `from` to `to` ends, as MoveIt's
+/// RevoluteJointModel::interpolate() has it; rad. Beyond half a turn one turn is taken off: the
+/// shorter way, but where the two are more than one and a half turns apart.
+inline double endOfTurn(double from, double to) {
+  constexpr double PI = 3.14159265358979323846;
+  if (std::abs(to - from) <= PI) return to;
+  return to > from ? to - 2.0 * PI : to + 2.0 * PI;
 }
 
 /// A body of a robot whose pose is an input: each link of MoveIt by itself, because it may place

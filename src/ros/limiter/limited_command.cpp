@@ -11,7 +11,8 @@
 namespace collision_pairs {
 namespace {
 
-constexpr double SHORTEST_STOP = 0.01;  // s: a trajectory controller drops a point at once
+constexpr std::size_t MOST_NAMES = 10000;  // of joints: names are external input
+constexpr double SHORTEST_STOP = 0.01;     // s: a trajectory controller drops a point at once
 
 // On the way to `given`, and no further than the velocity that passes, which alone is certified,
 // leads in `seconds`.
@@ -26,11 +27,14 @@ void JointPositions::take(const sensor_msgs::JointState& message, double now, do
   const double stamp = message.header.stamp.toSec();
   const std::size_t nb_joints = std::min(message.name.size(), message.position.size());
   for (std::size_t i = 0; i < nb_joints; ++i) {
+    const std::string name = withoutLeadingSlash(message.name[i]);
+    const bool is_known = newest_.count(name) + refused_.count(name) > 0;
+    if (!is_known && newest_.size() + refused_.size() >= MOST_NAMES) continue;
     if (stamp > now + tolerance) {
-      refused_[message.name[i]] = {stamp - now, now};
+      refused_[name] = {stamp - now, now};
       continue;
     }
-    Position& position = newest_[message.name[i]];
+    Position& position = newest_[name];
     if (stamp < position.stamp) continue;
     position = {stamp, measuredAt(stamp, now), message.position[i]};
   }

@@ -26,7 +26,20 @@ class CollisionPairsNodelet : public nodelet::Nodelet {
     node.setCallbackQueue(&queue_);
     private_node.setCallbackQueue(&queue_);
     node_ = std::make_unique<CollisionPairsNode>(node, private_node, queue_);
-    thread_ = std::thread([this] { node_->run(); });
+    thread_ = std::thread([this] { run(); });
+  }
+
+  /// An exception that left the thread would end the manager, and all nodelets in it.
+  void run() {
+    for (bool goes_on = true; goes_on;) {
+      try {
+        node_->run();
+        goes_on = false;
+      } catch (const std::exception& error) {
+        ROS_ERROR_STREAM("collision_pairs failed, and begins anew: " << error.what());
+        ros::WallDuration(1.0).sleep();
+      }
+    }
   }
 
   ros::CallbackQueue queue_;
