@@ -68,6 +68,22 @@ TEST_F(Follower, SeesWhatGoesAwayGo) {
   }
 }
 
+// Box a stands across the border of the crop: its own points beyond are no obstacle that was seen.
+TEST_F(Follower, AsksForWhatVanishedBesideALinkThatCrossesTheBorderOfTheCrop) {
+  const std::vector<Vector3d> of_a = {{0.5, 0.0, -0.05}, {0.5, 0.0, 0.05}, {0.5, 0.05, -0.02}};
+  for (const bool has_box : {false, true}) {
+    config_.box = std::nullopt;
+    if (has_box) config_.box = Eigen::AlignedBox3d(Vector3d(-2, -2, 0), Vector3d(9, 2, 2));
+    CloudGatherer cropped(config_);
+    for (const double x : {0.95, 0.85, 0.65, 0.52}) {
+      std::vector<Vector3d> points = of_a;
+      points.emplace_back(x, 0.01, 0.01);
+      add(cropped, points);
+    }
+    EXPECT_EQ(cropped.mayTouch(), "vanished 15 cm from a: it may touch") << has_box;
+  }
+}
+
 TEST_F(Follower, DoesNotAskForWhatIsStillSeenOutsideOfTheBox) {
   config_.box = Eigen::AlignedBox3d(Vector3d(-2, -2, 0), Vector3d(9, 2, 2));
   CloudGatherer cropped(config_);

@@ -1,7 +1,11 @@
 #include "cloud_gatherer.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
+#include <map>
+#include <optional>
 #include <set>
 #include <sstream>
 
@@ -60,6 +64,42 @@ std::set<std::string> without(const std::vector<std::string>& names,
   for (const std::string& other : others) left.erase(other);
   return left;
 }
+
+/// Points by cells of the edge length `reach`.
+class PointGrid {
+ public:
+  explicit PointGrid(double reach) : reach_(reach) {}
+
+  void add(const Vector3d& p) { cells_[cellOf(p)].push_back(p); }
+  /// O(points of 27 cells).
+  bool hasWithinReach(const Vector3d& p) const {
+    const Cell cell = cellOf(p);
+    for (int i = 0; i < 27; ++i) {
+      const auto found =
+          cells_.find({cell[0] + i % 3 - 1, cell[1] + i / 3 % 3 - 1, cell[2] + i / 9 - 1});
+      if (found == cells_.end()) continue;
+      for (const Vector3d& q : found->second) {
+        if ((q - p).norm() < reach_) return true;
+      }
+    }
+    return false;
+  }
+
+ private:
+  using Cell = std::array<std::int64_t, 3>;
+  Cell cellOf(const Vector3d& p) const {
+    Cell cell;
+    for (int axis = 0; axis < 3; ++axis) {
+      constexpr double FAR = 1e15;
+      cell[static_cast<std::size_t>(axis)] =
+          static_cast<std::int64_t>(std::floor(std::clamp(p[axis] / reach_, -FAR, FAR)));
+    }
+    return cell;
+  }
+
+  const double reach_;
+  std::map<Cell, std::vector<Vector3d>> cells_;
+};
 
 }  // namespace
 
@@ -127,11 +167,16 @@ void CloudGatherer::sort(const Points& points, const Eigen::Isometry3d& X_WS, Se
   const double squared_range = config_.max_range * config_.max_range;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Vector3d& p_SP = points[i];
-    if (p_SP.squaredNorm() > squared_range) continue;
     const Vector3d p_WP = X_WS * p_SP;
+    // The robot's own points beyond the crop are asked for first: they are no obstacle that is
+    // seen.
+    if (own.isOwn(p_WP)) {
+      kinds_[i] = Kind::OWN;
+      continue;
+    }
+    if (p_SP.squaredNorm() > squared_range) continue;
     if (config_.box && !config_.box->contains(p_WP)) continue;
-    kinds_[i] = own.isOwn(p_WP) ? Kind::OWN : Kind::KEPT;
-    if (kinds_[i] == Kind::OWN) continue;
+    kinds_[i] = Kind::KEPT;
     grid_.add(p_WP);
     kept_.push_back(p_SP);
   }
@@ -151,13 +196,19 @@ void CloudGatherer::remember(const Points& points, const Eigen::Isometry3d& X_WS
     is_drawn = true;
     return depths_->hides(X_SW * p_W);
   };
+  std::optional<PointGrid> left_out;
   const auto isLeftOut = [&](const Vector3d& p_W) {
-    const Vector3d p_S = X_SW * p_W;
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      const bool is_near = kinds_[i] == Kind::LEFT_OUT && (points[i] - p_S).norm() < config_.near();
-      if (is_near) return true;
+    if (!left_out) {
+      left_out.emplace(config_.near());
+      for (std::size_t i = 0; i < points.size(); ++i) {
+        if (kinds_[i] != Kind::LEFT_OUT) continue;
+        const Vector3d p_WP = X_WS * points[i];
+        const bool may_be_near =
+            (p_WP.array() >= box.min.array()).all() && (p_WP.array() <= box.max.array()).all();
+        if (may_be_near) left_out->add(points[i]);
+      }
     }
-    return false;
+    return left_out->hasWithinReach(X_SW * p_W);
   };
   // What is attached since the last cloud was an obstacle in it.
   const std::set<std::string> added = without(filter.attached.names(), own_names_);
