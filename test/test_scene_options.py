@@ -144,9 +144,9 @@ def test_the_mesh_of_a_link_that_is_ignored_is_not_read(run_tool, tmp_path):
     ball = "<link name='%s'><collision><geometry><sphere radius='0.1'/></geometry></collision></link>"
     urdf.write_text("<robot name='r'>" + ball % "a" + ball % "b" +
                     "<link name='c'><collision><geometry><mesh filename='none.stl'/></geometry></collision></link>"
-                    "<joint name='x' type='prismatic'><parent link='a'/><child link='b'/><axis xyz='1 0 0'/>"
+                    "<joint name='x' type='prismatic'><parent link='c'/><child link='b'/><axis xyz='1 0 0'/>"
                     "<limit lower='-1' upper='1' effort='1' velocity='1'/></joint>"
-                    "<joint name='f' type='fixed'><parent link='a'/><child link='c'/></joint></robot>")
+                    "<joint name='f' type='fixed'><parent link='c'/><child link='a'/></joint></robot>")
     states, settings = tmp_path / "states.csv", tmp_path / "settings.yaml"
     states.write_text("x\n0\n1\n")
     done = run_tool("check_states", urdf, "--states", states)
