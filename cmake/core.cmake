@@ -93,6 +93,7 @@ add_library(collision_pairs SHARED
   src/core/robot/robot_parts.cpp
   src/core/robot/srdf.cpp
   src/core/robot/urdf_reader.cpp
+  src/core/robot/urdfdom_parser.cpp
   src/core/robot/xml_file.cpp
   src/core/robot/xml_names.cpp
   src/core/scene/collision_scene.cpp
@@ -110,7 +111,7 @@ add_library(collision_pairs SHARED
 include(cmake/kernels.cmake)
 target_include_directories(collision_pairs PUBLIC
   $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:include>
-  PRIVATE ${CORE_MODULES} ${URDFDOM_HEADERS_INCLUDE_DIRS})
+  PRIVATE ${CORE_MODULES} ${URDFDOM_INCLUDE_DIRS})
 target_link_libraries(collision_pairs PUBLIC Eigen3::Eigen PRIVATE
-  Boost::headers fcl ${TINYXML2_LIBRARIES} qhull_r Threads::Threads)
+  Boost::headers fcl ${TINYXML2_LIBRARIES} ${URDFDOM_MODEL_LIBRARY} ${CONSOLE_BRIDGE_LIBRARY} qhull_r Threads::Threads)
 collision_pairs_warnings(collision_pairs)

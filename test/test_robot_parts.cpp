@@ -269,7 +269,7 @@ TEST(RobotParts, ThatAreWrongAreNamed) {
 TEST(RobotParts, WithoutAMotionNeedNeitherAxisNorLimits) {
   Parts parts = threeLinks();
   parts.joints[1].mimic.reset();
-  for (const JointType type : {JointType::FIXED, JointType::FLOATING, JointType::PLANAR}) {
+  for (const JointType type : {JointType::FIXED, JointType::FLOATING}) {
     parts.joints[1].type = type;
     parts.joints[1].axis.setZero();
     parts.joints[1].upper = INF;

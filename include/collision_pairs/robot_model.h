@@ -64,6 +64,7 @@ struct Joint {
     return type == JointType::REVOLUTE || type == JointType::CONTINUOUS ||
            type == JointType::PRISMATIC;
   }
+  bool hasAxis() const { return hasPosition() || type == JointType::PLANAR; }
   bool hasLimits() const { return type == JointType::REVOLUTE || type == JointType::PRISMATIC; }
 
   /// Pose of the child link in the joint frame at `position` (rad or m). Identity for joints

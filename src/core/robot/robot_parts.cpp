@@ -3,8 +3,8 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "collision_pairs/input_error.h"
 #include "collision_pairs/robot_model.h"
+#include "part_error.h"
 #include "pose_repair.h"
 
 namespace collision_pairs {
@@ -49,7 +49,13 @@ class PartsCheck {
 
  private:
   [[noreturn]] void fail(const std::string& message) const {
-    throw InputError("robot " + quoted(robot_) + ": " + message);
+    throw PartError("robot", robot_, robot_, message);
+  }
+  [[noreturn]] void fail(const Link& link, const std::string& message) const {
+    throw PartError("link", link.name, robot_, message);
+  }
+  [[noreturn]] void fail(const Joint& joint, const std::string& message) const {
+    throw PartError("joint", joint.name, robot_, message);
   }
 
   template <class Part>
@@ -58,12 +64,13 @@ class PartsCheck {
     for (const Part& part : parts) {
       if (part.name.empty()) fail(kind + " " + std::to_string(ids.size()) + " has no name");
       if (!ids.emplace(part.name, ids.size()).second)
-        fail("a second " + kind + " " + quoted(part.name));
+        fail(part, "a second " + kind + " " + quoted(part.name));
     }
   }
 
-  void requirePose(const Isometry3d& X, const std::string& what) const {
-    if (!isPose(X)) fail(what + " is not a rotation and a translation in finite numbers");
+  template <class Part>
+  void requirePose(const Isometry3d& X, const Part& part, const std::string& what) const {
+    if (!isPose(X)) fail(part, what + " is not a rotation and a translation in finite numbers");
   }
 
   void checkElements(const Link& link) const {
@@ -72,9 +79,9 @@ class PartsCheck {
       try {
         validateShape(link.elements[i].shape);
       } catch (const std::invalid_argument& error) {
-        fail(where + error.what());
+        fail(link, where + error.what());
       }
-      requirePose(link.elements[i].X_LE, where + "X_LE of element " + std::to_string(i));
+      requirePose(link.elements[i].X_LE, link, where + "X_LE of element " + std::to_string(i));
     }
   }
 
@@ -82,48 +89,48 @@ class PartsCheck {
     const Joint& joint = joints_[index];
     for (const int link : {joint.parent_link, joint.child_link}) {
       if (!isWithin(link, links_.size())) {
-        fail("joint " + quoted(joint.name) + ": " + outOf("link", link, links_.size()));
+        fail(joint, "joint " + quoted(joint.name) + ": " + outOf("link", link, links_.size()));
       }
     }
     int& above = joint_above_[joint.child_link];
     if (above >= 0) {
-      fail("link " + quoted(links_[joint.child_link].name) + " has two parents, joints " +
-           quoted(joints_[above].name) + " and " + quoted(joint.name));
+      fail(joint, "link " + quoted(links_[joint.child_link].name) + " has two parents, joints " +
+                      quoted(joints_[above].name) + " and " + quoted(joint.name));
     }
     above = index;
   }
 
   void checkMotion(const Joint& joint, const std::string& where) const {
-    requirePose(joint.X_PJ, where + "X_PJ");
-    if (joint.hasPosition() && !(joint.axis.allFinite() && !joint.axis.isZero(0.0))) {
-      fail(where + "its axis is zero, or not finite");
+    requirePose(joint.X_PJ, joint, where + "X_PJ");
+    if (joint.hasAxis() && !(joint.axis.allFinite() && !joint.axis.isZero(0.0))) {
+      fail(joint, where + "its axis is zero, or not finite");
     }
     if (!joint.hasLimits()) return;
     if (!std::isfinite(joint.lower) || !std::isfinite(joint.upper)) {
-      fail(where + "its limits are not finite");
+      fail(joint, where + "its limits are not finite");
     }
-    if (joint.lower > joint.upper) fail(where + "its lower limit is above its upper limit");
+    if (joint.lower > joint.upper) fail(joint, where + "its lower limit is above its upper limit");
   }
 
   void checkMimic(const Joint& joint, const std::string& where) const {
     const Joint::Mimic& mimic = *joint.mimic;
     if (!joint.hasPosition())
-      fail(where + "it mimics another, but has no position that could follow");
+      fail(joint, where + "it mimics another, but has no position that could follow");
     if (!isWithin(mimic.joint, joints_.size())) {
-      fail(where + "what it mimics: " + outOf("joint", mimic.joint, joints_.size()));
+      fail(joint, where + "what it mimics: " + outOf("joint", mimic.joint, joints_.size()));
     }
     if (!std::isfinite(mimic.multiplier) || !std::isfinite(mimic.offset)) {
-      fail(where + "multiplier or offset of its mimic is not finite");
+      fail(joint, where + "multiplier or offset of its mimic is not finite");
     }
     const Joint* leader = &joints_[mimic.joint];
     if (!leader->hasPosition()) {
-      fail(where + "it mimics " + quoted(leader->name) + ", which has no position");
+      fail(joint, where + "it mimics " + quoted(leader->name) + ", which has no position");
     }
     for (std::size_t steps = 0; leader->mimic && isWithin(leader->mimic->joint, joints_.size());
          ++steps) {
       if (steps > joints_.size()) {
-        fail(where + "it mimics " + quoted(joints_[mimic.joint].name) +
-             ", which is part of a circle of mimics");
+        fail(joint, where + "it mimics " + quoted(joints_[mimic.joint].name) +
+                        ", which is part of a circle of mimics");
       }
       leader = &joints_[leader->mimic->joint];
     }
@@ -134,8 +141,9 @@ class PartsCheck {
     for (std::size_t i = 0; i < links_.size(); ++i) {
       if (joint_above_[i] >= 0) continue;
       if (root >= 0) {
-        fail("two root links, " + quoted(links_[root].name) + " and " + quoted(links_[i].name) +
-             "; join one to the other, or make them two robots of one scene");
+        fail(links_[i], "two root links, " + quoted(links_[root].name) + " and " +
+                            quoted(links_[i].name) +
+                            "; join one to the other, or make them two robots of one scene");
       }
       root = static_cast<int>(i);
     }
@@ -188,9 +196,9 @@ std::shared_ptr<const RobotModel> RobotModel::fromParts(std::string name, std::v
   // With one root and one parent for each link, what the root does not reach hangs on a cycle.
   const auto lost = std::find(new_link.begin(), new_link.end(), -1);
   if (lost != new_link.end()) {
-    throw InputError("robot " + quoted(name) + ": link " +
-                     quoted(links[lost - new_link.begin()].name) +
-                     " is part of, or attached to, a cycle of links");
+    const std::string& link = links[lost - new_link.begin()].name;
+    throw PartError("link", link, name,
+                    "link " + quoted(link) + " is part of, or attached to, a cycle of links");
   }
   std::shared_ptr<RobotModel> model(new RobotModel);
   for (const int old : order.links) {
@@ -205,7 +213,7 @@ std::shared_ptr<const RobotModel> RobotModel::fromParts(std::string name, std::v
     joint.child_link = new_link[joint.child_link];
     if (joint.mimic) joint.mimic->joint = new_joint[joint.mimic->joint];
     const bool is_unit = std::abs(joint.axis.squaredNorm() - 1.0) <= UNIT;
-    if (joint.hasPosition() && !is_unit) joint.axis.stableNormalize();  // also 1e-200 0 0
+    if (joint.hasAxis() && !is_unit) joint.axis.stableNormalize();  // also 1e-200 0 0
     model->joints_.push_back(std::move(joint));
   }
   model->name_ = std::move(name);

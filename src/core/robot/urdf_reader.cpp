@@ -1,14 +1,10 @@
-// RobotModel::fromUrdf(): checks everything that a collision check relies on, with the line of a
-// fault. What it does not read (visuals, inertias, plugins, …) cannot make it fail.
-#include <algorithm>
-#include <cstring>
+// RobotModel::fromUrdf(): from the model of urdfdom to ours. What urdfdom lets pass and a check
+// cannot use is refused, with its line; the tree is checked by RobotModel::fromParts().
 #include <map>
-#include <set>
 
-#include <urdf_model/pose.h>
-
-#include "collision_pairs/input_error.h"
 #include "collision_pairs/robot_model.h"
+#include "part_error.h"
+#include "urdfdom_parser.h"
 #include "user_text.h"
 #include "xml_file.h"
 #include "xml_names.h"
@@ -22,369 +18,242 @@ using tinyxml2::XMLElement;
 
 const std::string WHAT = "URDF";
 
-[[noreturn]] void fail(const XMLElement& element, const std::string& message) {
-  failAt(element, WHAT, message);
-}
-
 std::string quoted(const std::string& text) { return "'" + text + "'"; }
 
-struct Collision {
-  Shape shape;
-  std::string mesh_file;  ///< in place of the shape, unless it is empty
-  Vector3d scale = Vector3d::Ones();
-  Isometry3d X_LE = Isometry3d::Identity();
-};
+Vector3d fromUrdfdom(const urdf::Vector3& v) { return {v.x, v.y, v.z}; }
 
-struct ReadLink {
-  const XMLElement* xml;
-  std::vector<Collision> collisions;
-  int index = -1;  ///< in the order of names
-};
-
-struct ReadJoint {
-  const XMLElement* xml;
-  Joint joint;  ///< without the indices of other parts
-  std::string parent, child;
-  std::string leader;  ///< that it mimics; empty: none
-  int index = -1;      ///< in the order of names
-};
-
-/// Everything read while walking the file once.
-struct Tree {
-  std::map<std::string, ReadLink> links;
-  std::map<std::string, ReadJoint> joints;
-  std::map<std::string, const ReadJoint*> above;  // by child link
-  std::vector<std::string> warnings;
-};
-
-double readNumber(const XMLElement& element, const char* attribute, const std::string& owner) {
-  const std::string text = requiredAttribute(element, attribute, WHAT, owner + ": ");
-  double value = 0.0;
-  if (!parseNumber(text, value)) {
-    fail(element, owner + ": " + attribute + " " + quoted(text) + " is not a finite number");
-  }
-  return value;
-}
-
-double readSize(const XMLElement& element, const char* attribute, const std::string& owner) {
-  const double size = readNumber(element, attribute, owner);
-  if (size >= 0.0) return size;
-  fail(element,
-       owner + ": " + attribute + " " + quoted(element.Attribute(attribute)) + " is negative");
-}
-
-Vector3d readVector(const XMLElement& element, const char* attribute, const std::string& owner) {
-  const std::string text = requiredAttribute(element, attribute, WHAT, owner + ": ");
-  Vector3d value;
-  if (!parseVector3(text, value)) {
-    fail(element, owner + ": " + attribute + " " + quoted(text) + " must be three finite numbers");
-  }
-  return value;
-}
-
-Isometry3d readOrigin(const XMLElement& parent, const std::string& owner) {
+Isometry3d fromUrdfdom(const urdf::Pose& pose) {
   Isometry3d X = Isometry3d::Identity();
-  const XMLElement* origin = parent.FirstChildElement("origin");
-  if (origin == nullptr) return X;
-  if (origin->Attribute("xyz")) X.translation() = readVector(*origin, "xyz", owner + ": origin");
-  if (origin->Attribute("rpy")) {
-    const Vector3d rpy = readVector(*origin, "rpy", owner + ": origin");
-    urdf::Rotation q;
-    q.setFromRPY(rpy[0], rpy[1], rpy[2]);
-    X.linear() = Eigen::Quaterniond(q.w, q.x, q.y, q.z).normalized().toRotationMatrix();
-  }
+  const urdf::Rotation& q = pose.rotation;
+  X.translation() = fromUrdfdom(pose.position);
+  X.linear() = Eigen::Quaterniond(q.w, q.x, q.y, q.z).normalized().toRotationMatrix();
   return X;
 }
 
-bool isShape(const XMLElement& element) {
-  const auto& shapes = urdfGrammar().at("geometry").read;
-  return std::find(shapes.begin(), shapes.end(), element.Name()) != shapes.end();
-}
-
-/// <geometry> holds one shape, beside elements of other namespaces. Names the child that is no
-/// shape, or else the second.
-const XMLElement& onlyShape(const XMLElement& geometry, const std::string& owner) {
-  std::vector<const XMLElement*> own;
-  for (auto* child = geometry.FirstChildElement(); child; child = child->NextSiblingElement()) {
-    if (std::strchr(child->Name(), ':') == nullptr) own.push_back(child);
-  }
-  if (own.empty()) fail(geometry, owner + ": <geometry> is empty");
-  if (own.size() == 1) return *own[0];
-  const auto stray = std::find_if_not(own.begin(), own.end(), [](auto* e) { return isShape(*e); });
-  const XMLElement& named = stray == own.end() ? *own[1] : **stray;
-  fail(named, owner + ": <geometry> holds one shape, and <" + named.Name() + "> is one too many");
-}
-
-Collision readCollision(const XMLElement& collision, const std::string& owner) {
-  const XMLElement* geometry = collision.FirstChildElement("geometry");
-  if (geometry == nullptr) fail(collision, owner + ": <collision> without <geometry>");
-  if (const XMLElement* second = geometry->NextSiblingElement("geometry")) {
-    fail(*second,
-         owner + ": a second <geometry> in one <collision>; give it a <collision> of its own");
-  }
-  const XMLElement& shape = onlyShape(*geometry, owner);
-  const std::string kind = shape.Name(), of_shape = owner + ": " + kind;
-  Collision read;
-  if (kind == "box") {
-    const Vector3d size = readVector(shape, "size", of_shape);
-    if ((size.array() < 0.0).any()) {
-      fail(shape, of_shape + " size " + quoted(shape.Attribute("size")) + " is negative");
+/// Empty for a mesh, which is loaded once all else is known to be sound.
+std::optional<Shape> shapeOf(const urdf::Geometry& geometry, bool is_capsule) {
+  switch (geometry.type) {
+    case urdf::Geometry::BOX:
+      return Box{fromUrdfdom(static_cast<const urdf::Box&>(geometry).dim)};
+    case urdf::Geometry::SPHERE:
+      return Sphere{static_cast<const urdf::Sphere&>(geometry).radius};
+    case urdf::Geometry::CYLINDER: {
+      const auto& cylinder = static_cast<const urdf::Cylinder&>(geometry);
+      if (is_capsule) return Capsule{cylinder.radius, cylinder.length};
+      return Cylinder{cylinder.radius, cylinder.length};
     }
-    read.shape = Box{size};
-  } else if (kind == "sphere") {
-    read.shape = Sphere{readSize(shape, "radius", of_shape)};
-  } else if (kind == "cylinder") {
-    const double radius = readSize(shape, "radius", of_shape);
-    read.shape = Cylinder{radius, readSize(shape, "length", of_shape)};
-  } else if (kind == "capsule") {  // URDF 1.2; the length is that of the cylinder
-    const double radius = readSize(shape, "radius", of_shape);
-    read.shape = Capsule{radius, readSize(shape, "length", of_shape)};
-  } else if (kind == "mesh") {
-    read.mesh_file = requiredAttribute(shape, "filename", WHAT, of_shape + ": ");
-    if (shape.Attribute("scale")) read.scale = readVector(shape, "scale", of_shape);
-    if ((read.scale.array() == 0.0).any()) {
-      fail(shape, of_shape + ": scale " + quoted(shape.Attribute("scale")) + " flattens the mesh");
-    }
-  } else {
-    fail(shape, owner + ": unknown shape <" + kind +
-                    ">; box, sphere, cylinder, capsule and mesh are known");
+    case urdf::Geometry::MESH:
+      break;
   }
-  read.X_LE = readOrigin(collision, owner);
-  return read;
+  return std::nullopt;
 }
 
-void readLink(const XMLElement& element, Tree& tree) {
-  const std::string name = requiredAttribute(element, "name", WHAT);
-  const auto [link, is_new] = tree.links.try_emplace(name, ReadLink{&element, {}, -1});
-  if (!is_new) fail(element, "a second link " + quoted(name));
-  for (const XMLElement* collision : childrenOf(element, "collision")) {
-    link->second.collisions.push_back(readCollision(*collision, "link " + quoted(name)));
+JointType typeOf(const urdf::Joint& joint) {
+  switch (joint.type) {
+    case urdf::Joint::REVOLUTE:
+      return JointType::REVOLUTE;
+    case urdf::Joint::CONTINUOUS:
+      return JointType::CONTINUOUS;
+    case urdf::Joint::PRISMATIC:
+      return JointType::PRISMATIC;
+    case urdf::Joint::FLOATING:
+      return JointType::FLOATING;
+    case urdf::Joint::PLANAR:
+      return JointType::PLANAR;
+    default:
+      return JointType::FIXED;
   }
 }
 
-JointType readType(const XMLElement& joint, const std::string& owner) {
-  static const std::map<std::string, JointType> TYPES = {
-      {"fixed", JointType::FIXED},           {"revolute", JointType::REVOLUTE},
-      {"continuous", JointType::CONTINUOUS}, {"prismatic", JointType::PRISMATIC},
-      {"floating", JointType::FLOATING},     {"planar", JointType::PLANAR}};
-  const std::string type = requiredAttribute(joint, "type", WHAT, owner + ": ");
-  const auto found = TYPES.find(type);
-  if (found == TYPES.end()) fail(joint, owner + ": unknown joint type " + quoted(type));
-  return found->second;
-}
-
-void readLimits(const XMLElement& xml, const std::string& owner, Joint& joint) {
-  const XMLElement* limit = xml.FirstChildElement("limit");
-  if (limit == nullptr && joint.hasLimits()) fail(xml, owner + " has no <limit>");
-  if (limit == nullptr) return;
-  if (limit->Attribute("lower")) joint.lower = readNumber(*limit, "lower", owner);
-  if (limit->Attribute("upper")) joint.upper = readNumber(*limit, "upper", owner);
-  if (joint.hasLimits() && joint.lower > joint.upper) {
-    fail(*limit, owner + ": its lower limit is above its upper limit");
-  }
-}
-
-void readAxis(const XMLElement& xml, const std::string& owner, Joint& joint) {
-  const XMLElement* element = xml.FirstChildElement("axis");
-  const bool has_axis = joint.hasPosition() || joint.type == JointType::PLANAR;
-  if (element == nullptr || !has_axis) return;
-  const Vector3d axis = readVector(*element, "xyz", owner + ": axis");
-  if (axis.isZero(0.0)) fail(*element, owner + ": its axis is zero");
-  joint.axis = axis.stableNormalized();  // 1e-200 0 0 is valid, too
-}
-
-void readMimic(const XMLElement& xml, const std::string& of_joint, ReadJoint& read, Tree& tree) {
-  const XMLElement* mimic = xml.FirstChildElement("mimic");
-  if (mimic == nullptr) return;
-  const std::string owner = of_joint + ": mimic";
-  if (read.joint.type == JointType::FIXED) {
-    tree.warnings.push_back(placed(*mimic, WHAT, owner + " on a fixed joint has no effect"));
-    return;
-  }
-  if (!read.joint.hasPosition()) {
-    fail(*mimic,
-         owner + ": a " + xml.Attribute("type") + " joint has no position that could follow");
-  }
-  read.leader = requiredAttribute(*mimic, "joint", WHAT, owner + ": ");
-  read.joint.mimic = Joint::Mimic{-1, 1.0, 0.0};
-  if (mimic->Attribute("multiplier")) {
-    read.joint.mimic->multiplier = readNumber(*mimic, "multiplier", owner);
-  }
-  if (mimic->Attribute("offset")) read.joint.mimic->offset = readNumber(*mimic, "offset", owner);
-}
-
-void readJoint(const XMLElement& element, Tree& tree) {
-  const std::string name = requiredAttribute(element, "name", WHAT);
-  const std::string owner = "joint " + quoted(name);
-  const auto [entry, is_new] = tree.joints.try_emplace(name);
-  if (!is_new) fail(element, "a second " + owner);
-  ReadJoint& read = entry->second;
-  read.xml = &element;
-  read.joint.name = name;
-  read.joint.type = readType(element, owner);
-  for (auto [tag, link] : {std::pair("parent", &read.parent), std::pair("child", &read.child)}) {
-    const XMLElement* end = element.FirstChildElement(tag);
-    if (end == nullptr) fail(element, owner + " has no <" + tag + ">");
-    *link = requiredAttribute(*end, "link", WHAT, owner + ": ");
-  }
-  const auto [above, is_first] = tree.above.try_emplace(read.child, &read);
-  if (!is_first) {
-    fail(element, "link " + quoted(read.child) + " has two parents, joints " +
-                      quoted(above->second->joint.name) + " and " + quoted(name));
-  }
-  read.joint.X_PJ = readOrigin(element, owner);
-  readLimits(element, owner, read.joint);
-  readAxis(element, owner, read.joint);
-  readMimic(element, owner, read, tree);
-}
-
-void checkEndsExist(const Tree& tree) {
-  for (const auto& [child, joint] : tree.above) {
-    for (const std::string& link : {child, joint->parent}) {
-      if (tree.links.count(link) > 0) continue;
-      fail(*joint->xml, "joint " + quoted(joint->joint.name) + " names link " + quoted(link) +
-                            ", which does not exist");
-    }
-  }
-}
-
-void checkOneRoot(const Tree& tree, const XMLElement& robot) {
-  std::string root;
-  for (const auto& [name, link] : tree.links) {
-    if (tree.above.count(name)) continue;
-    if (!root.empty()) {
-      fail(*link.xml,
-           "two root links, " + quoted(root) + " and " + quoted(name) + "; join one to the other");
-    }
-    root = name;
-  }
-  if (root.empty()) fail(robot, "no root link: the links form a cycle");
-}
-
-// With one root and one parent per link, a link whose ancestors do not include the root is on, or
-// below, a cycle.
-void checkNoCycle(const Tree& tree) {
-  std::set<std::string> reaches_root;
-  for (const auto& [name, its] : tree.links) {
-    std::set<std::string> path;
-    std::string link = name;
-    while (reaches_root.count(link) == 0) {
-      if (!path.insert(link).second) {
-        fail(*its.xml, "link " + quoted(name) + " is part of, or attached to, a cycle of links");
+class UrdfReader {
+ public:
+  explicit UrdfReader(const std::string& xml) {
+    robot_ = parseXml(document_, xml, "robot", WHAT);
+    warnings_ = checkNames(*robot_, urdfGrammar(), WHAT);
+    urdf_ = parseWithUrdfdom(*robot_);
+    for (const char* tag : {"link", "joint"}) {
+      for (const XMLElement* element : childrenOf(*robot_, tag)) {
+        elements_[{tag, element->Attribute("name")}] = element;
       }
-      const auto above = tree.above.find(link);
-      if (above == tree.above.end()) break;
-      link = above->second->parent;
     }
-    reaches_root.merge(path);
+    for (const auto& link : urdf_->links_) {
+      collisions_[link.first] = childrenOf(*elements_.at({"link", link.first}), "collision");
+    }
   }
-}
 
-/// Why the joint cannot be led as its <mimic> says, or empty.
-std::string whyNoLeader(const Tree& tree, const ReadJoint& joint) {
-  const auto found = tree.joints.find(joint.leader);
-  if (found == tree.joints.end()) return "which does not exist";
-  const ReadJoint* next = &found->second;
-  if (!next->joint.hasPosition()) return "which has no position";
-  for (std::size_t steps = 0; steps <= tree.joints.size() && next != &joint; ++steps) {
-    const auto above = tree.joints.find(next->leader);
-    if (above == tree.joints.end()) return "";
-    next = &above->second;
+  /// Without the elements.
+  std::shared_ptr<const RobotModel> skeleton() {
+    for (const auto& [name, link] : urdf_->links_) {
+      checkShapes(*link);
+      link_ids_[name] = static_cast<int>(links_.size());
+      links_.emplace_back();
+      links_.back().name = name;
+      links_.back().has_geometry = !link->collision_array.empty();
+    }
+    for (const auto& [name, joint] : urdf_->joints_) {
+      joint_ids_[name] = static_cast<int>(joints_.size());
+      joints_.push_back(readJoint(*joint));
+    }
+    for (Joint& joint : joints_) readMimic(joint);
+    noteBareVisuals();
+    try {
+      return RobotModel::fromParts(urdf_->getName(), std::move(links_), std::move(joints_),
+                                   std::move(warnings_));
+    } catch (const PartError& error) {
+      const auto part = elements_.find({error.tag, error.name});
+      failAt(part == elements_.end() ? *robot_ : *part->second, WHAT, error.reason);
+    }
   }
-  return next == &joint ? "which mimics it in turn" : "";
-}
 
-/// A joint whose leader is missing becomes a joint of its own: one link in doubt is no reason to
-/// check none.
-void freeOfMissingLeaders(Tree& tree) {
-  for (auto& [name, read] : tree.joints) {
-    const std::string why = read.leader.empty() ? "" : whyNoLeader(tree, read);
-    if (why.empty()) continue;
-    tree.warnings.push_back(placed(*read.xml, WHAT,
-                                   "joint " + quoted(name) + " mimics " + quoted(read.leader) +
-                                       ", " + why +
-                                       ": it is taken as a joint of its own, unknown where its "
-                                       "position is not given"));
-    read.leader.clear();
-    read.joint.mimic.reset();
-    read.joint.leader_missing = true;
+  /// As of <collision> in the link's order. Throws what `load_mesh` throws.
+  Element element(const std::string& link, std::size_t index, const MeshLoader& load_mesh) const {
+    const urdf::Collision& collision = *urdf_->links_.at(link)->collision_array[index];
+    std::optional<Shape> shape = shapeOf(*collision.geometry, isCapsule(link, index));
+    if (!shape) {
+      const auto& mesh = static_cast<const urdf::Mesh&>(*collision.geometry);
+      shape = Mesh{load_mesh(mesh.filename, fromUrdfdom(mesh.scale))};
+      validateShape(*shape);
+    }
+    return {*shape, fromUrdfdom(collision.origin)};
   }
-}
 
-/// Links that are drawn, but not checked, in one line.
-void noteBareVisuals(Tree& tree) {
-  std::vector<std::string> bare;
-  std::size_t nb_visual = 0;
-  for (const auto& [name, link] : tree.links) {
-    if (link.xml->FirstChildElement("visual") == nullptr) continue;
-    ++nb_visual;
-    if (link.collisions.empty()) bare.push_back(name);
+  std::size_t nbElements(const std::string& link) const {
+    return urdf_->links_.at(link)->collision_array.size();
   }
-  if (bare.empty()) return;
-  constexpr std::size_t MOST_NAMED = 10;
-  const std::size_t nb_bare = bare.size();
-  if (nb_bare > MOST_NAMED) {
-    bare.resize(MOST_NAMED);
-    bare.push_back("and " + std::to_string(nb_bare - MOST_NAMED) + " more");
-  }
-  tree.warnings.push_back(std::to_string(nb_bare) + " of " + std::to_string(nb_visual) +
-                          " links with a visual have no collision geometry, so nothing checks "
-                          "them: " +
-                          joined(bare));
-}
 
-Tree readTree(const XMLElement& robot, std::vector<std::string> warnings) {
-  Tree tree;
-  tree.warnings = std::move(warnings);
-  for (const XMLElement* link : childrenOf(robot, "link")) readLink(*link, tree);
-  if (tree.links.empty()) fail(robot, "the robot has no <link>");
-  for (const XMLElement* joint : childrenOf(robot, "joint")) readJoint(*joint, tree);
-  checkEndsExist(tree);
-  checkOneRoot(tree, robot);
-  checkNoCycle(tree);
-  freeOfMissingLeaders(tree);
-  noteBareVisuals(tree);
-  return tree;
-}
+ private:
+  [[noreturn]] void fail(const XMLElement& element, const std::string& message) const {
+    failAt(element, WHAT, message);
+  }
 
-/// Without the elements: meshes are loaded once all else is known to be sound.
-std::shared_ptr<const RobotModel> skeletonOf(const std::string& name, Tree& tree) {
-  std::vector<Link> links;
-  for (auto& [link_name, read] : tree.links) {
-    read.index = static_cast<int>(links.size());
-    links.emplace_back();
-    links.back().name = link_name;
-    links.back().has_geometry = !read.collisions.empty();
+  const XMLElement& geometryOf(const std::string& link, std::size_t index) const {
+    return *collisions_.at(link)[index]->FirstChildElement("geometry");
   }
-  int next = 0;
-  for (auto& entry : tree.joints) entry.second.index = next++;
-  std::vector<Joint> joints;
-  for (const auto& [joint_name, read] : tree.joints) {
-    joints.push_back(read.joint);
-    joints.back().parent_link = tree.links.at(read.parent).index;
-    joints.back().child_link = tree.links.at(read.child).index;
-    if (read.joint.mimic) joints.back().mimic->joint = tree.joints.at(read.leader).index;
+
+  bool isCapsule(const std::string& link, std::size_t index) const {
+    return geometryOf(link, index).FirstChildElement("capsule") != nullptr;
   }
-  return RobotModel::fromParts(name, std::move(links), std::move(joints), std::move(tree.warnings));
-}
+
+  void checkShapes(const urdf::Link& link) const {
+    const std::string owner = "link " + quoted(link.name) + ": ";
+    for (std::size_t i = 0; i < link.collision_array.size(); ++i) {
+      const urdf::Geometry& geometry = *link.collision_array[i]->geometry;
+      const auto shape = shapeOf(geometry, isCapsule(link.name, i));
+      try {
+        if (shape) validateShape(*shape);
+      } catch (const std::invalid_argument& error) {
+        fail(geometryOf(link.name, i), owner + error.what());
+      }
+      if (shape) continue;
+      const auto& mesh = static_cast<const urdf::Mesh&>(geometry);
+      if (mesh.filename.empty()) fail(geometryOf(link.name, i), owner + "mesh: no filename");
+      if ((fromUrdfdom(mesh.scale).array() == 0.0).any()) {
+        fail(geometryOf(link.name, i), owner + "mesh: a scale of 0 flattens it");
+      }
+    }
+  }
+
+  Joint readJoint(const urdf::Joint& read) const {
+    Joint joint;
+    joint.name = read.name;
+    joint.type = typeOf(read);
+    joint.parent_link = link_ids_.at(read.parent_link_name);
+    joint.child_link = link_ids_.at(read.child_link_name);
+    joint.X_PJ = fromUrdfdom(read.parent_to_joint_origin_transform);
+    if (joint.hasAxis()) joint.axis = fromUrdfdom(read.axis);
+    if (read.limits) {
+      joint.lower = read.limits->lower;
+      joint.upper = read.limits->upper;
+    }
+    return joint;
+  }
+
+  /// A joint whose leader is missing becomes a joint of its own: one link in doubt is no reason to
+  /// check none.
+  void readMimic(Joint& joint) {
+    const auto& read = urdf_->joints_.at(joint.name)->mimic;
+    if (!read) return;
+    const XMLElement& mimic = *elements_.at({"joint", joint.name})->FirstChildElement("mimic");
+    if (joint.type == JointType::FIXED) {
+      warnings_.push_back(placed(
+          mimic, WHAT, "joint " + quoted(joint.name) + ": mimic on a fixed joint has no effect"));
+      return;
+    }
+    const std::string why = joint.hasPosition() ? whyNoLeader(joint.name) : "";
+    if (why.empty()) {
+      const auto leader = joint_ids_.find(read->joint_name);
+      joint.mimic = Joint::Mimic{leader == joint_ids_.end() ? -1 : leader->second, read->multiplier,
+                                 read->offset};
+      return;
+    }
+    warnings_.push_back(placed(mimic, WHAT,
+                               "joint " + quoted(joint.name) + " mimics " +
+                                   quoted(read->joint_name) + ", " + why +
+                                   ": it is taken as a joint of its own, unknown where its "
+                                   "position is not given"));
+    joint.leader_missing = true;
+  }
+
+  /// Why the joint cannot be led as its <mimic> says, or empty.
+  std::string whyNoLeader(const std::string& joint) const {
+    const urdf::Joint* next = urdf_->joints_.at(joint).get();
+    for (std::size_t steps = 0; steps <= joints_.size() && next->mimic; ++steps) {
+      const auto leader = joint_ids_.find(next->mimic->joint_name);
+      const bool is_there = leader != joint_ids_.end();
+      if (steps == 0 && !is_there) return "which does not exist";
+      const bool moves = is_there && joints_[leader->second].hasPosition();
+      if (steps == 0 && !moves) return "which has no position";
+      if (!moves || joints_[leader->second].leader_missing) return "";  // it leads itself
+      next = urdf_->joints_.at(leader->first).get();
+      if (next->name == joint) return "which mimics it in turn";
+    }
+    return "";
+  }
+
+  /// Links that are drawn, but not checked, in one line.
+  void noteBareVisuals() {
+    std::vector<std::string> bare;
+    std::size_t nb_visual = 0;
+    for (const auto& [name, link] : urdf_->links_) {
+      if (!elements_.at({"link", name})->FirstChildElement("visual")) continue;
+      ++nb_visual;
+      if (link->collision_array.empty()) bare.push_back(name);
+    }
+    if (bare.empty()) return;
+    constexpr std::size_t MOST_NAMED = 10;
+    const std::size_t nb_bare = bare.size();
+    if (nb_bare > MOST_NAMED) {
+      bare.resize(MOST_NAMED);
+      bare.push_back("and " + std::to_string(nb_bare - MOST_NAMED) + " more");
+    }
+    warnings_.push_back(std::to_string(nb_bare) + " of " + std::to_string(nb_visual) +
+                        " links with a visual have no collision geometry, so nothing checks "
+                        "them: " +
+                        joined(bare));
+  }
+
+  tinyxml2::XMLDocument document_;
+  const XMLElement* robot_;
+  urdf::ModelInterfaceSharedPtr urdf_;
+  std::map<std::pair<std::string, std::string>, const XMLElement*> elements_;  // by tag and name
+  std::map<std::string, std::vector<const XMLElement*>> collisions_;           // by link
+  std::map<std::string, int> link_ids_, joint_ids_;
+  std::vector<Link> links_;
+  std::vector<Joint> joints_;
+  std::vector<std::string> warnings_;
+};
 
 }  // namespace
 
 std::shared_ptr<const RobotModel> RobotModel::fromUrdf(const std::string& xml,
                                                        const MeshLoader& load_mesh,
                                                        std::vector<BrokenElement>* broken) {
-  tinyxml2::XMLDocument document;
-  const XMLElement* robot = parseXml(document, xml, "robot", WHAT);
-  std::vector<std::string> warnings = checkNames(*robot, urdfGrammar(), WHAT);
-  const std::string name = requiredAttribute(*robot, "name", WHAT);
-  Tree tree = readTree(*robot, std::move(warnings));
-  return skeletonOf(name, tree)->withElements([&](const Link& link) {
+  UrdfReader reader(xml);
+  return reader.skeleton()->withElements([&](const Link& link) {
     std::vector<Element> elements;
-    for (Collision& read : tree.links.at(link.name).collisions) {
+    for (std::size_t i = 0; i < reader.nbElements(link.name); ++i) {
       try {
-        if (!read.mesh_file.empty()) read.shape = Mesh{load_mesh(read.mesh_file, read.scale)};
-        validateShape(read.shape);
-        elements.push_back({read.shape, read.X_LE});
+        elements.push_back(reader.element(link.name, i, load_mesh));
       } catch (const std::exception& error) {
         if (!broken) throw InputError("URDF: link '" + link.name + "': " + error.what());
         broken->push_back({link.name, error.what()});
