@@ -8,6 +8,7 @@
 
 #include "box_pairs.h"
 #include "broad_phase_oracle.h"
+#include "collision_pairs/input_error.h"
 #include "collision_pairs/sweep_and_prune.h"
 #include "random_inputs.h"
 
@@ -34,6 +35,13 @@ void expectWhatBruteForceFinds(const BroadPhaseScene& scene, const std::string& 
           << tuning.column_size << ", threads " << tuning.threads << ", told " << is_told;
       ASSERT_TRUE(found == expected) << what;
     }
+  }
+  SweepAndPrune sweep;  // changes its way from cycle to cycle
+  for (const BroadPhase way : {BroadPhase::SWEEP, BroadPhase::AUTO, BroadPhase::SWEEP}) {
+    sweep.setBroadPhase(way);
+    ASSERT_TRUE(pairsBySweep(scene, &sweep) == expected) << what << ", " << broadPhaseName(way);
+    ASSERT_TRUE(pairsBySweep(filtered, &sweep, true) == expected)
+        << what << ", told, " << broadPhaseName(way);
   }
 }
 
@@ -66,6 +74,24 @@ TEST(SweepAndPrune, FindsWhatBruteForceFindsInRandomScenes) {
     scene.nb_static = round % 2 == 0 ? 0 : scene.boxes.size() / 2;
     expectWhatBruteForceFinds(scene, "round " + std::to_string(round));
   }
+}
+
+TEST(SweepAndPrune, FindsWhatBruteForceFindsAmongVeryFewBoxes) {
+  RandomInputs random;
+  for (int nb_boxes = 0; nb_boxes <= 12; ++nb_boxes) {
+    for (int nb_static = 0; nb_static <= nb_boxes; ++nb_static) {
+      BroadPhaseScene scene = randomScene(&random, nb_boxes, 0.7);
+      scene.nb_static = static_cast<std::size_t>(nb_static);
+      scene.alarm_distance = nb_boxes % 2 * 0.1;
+      expectWhatBruteForceFinds(scene, std::to_string(nb_boxes) + " boxes");
+    }
+  }
+}
+
+TEST(SweepAndPrune, IsAskedForByName) {
+  EXPECT_EQ(parseBroadPhase("auto"), BroadPhase::AUTO);
+  EXPECT_EQ(parseBroadPhase("sweep"), BroadPhase::SWEEP);
+  EXPECT_THROW(parseBroadPhase("Sweep"), InputError);
 }
 
 TEST(SweepAndPrune, FindsWhatBruteForceFindsAmongThousandsOfBoxes) {

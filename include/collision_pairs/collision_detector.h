@@ -36,6 +36,9 @@ struct CheckSettings {
   /// The geometry that decides. The first check at SPHERES prepares each mesh: 0.1 to 0.3 s of one
   /// core.
   Fidelity fidelity = Fidelity::MESH;
+  /// How pairs of moving boxes are found. The report is the same. A BatchCheck, which looks at
+  /// eight states at a time, asks it only for those that are checked one by one.
+  BroadPhase broad_phase = BroadPhase::AUTO;
   /// Metres, >= 0. The search for a distance may end as soon as its certified interval is no wider.
   /// The lower end is reported, with Certainty::TOLERATED. Larger values cost less. Contacts and
   /// depths are not affected. Pairs up to this much further apart than the alarm distance may be
@@ -72,10 +75,10 @@ struct CheckSettings {
   std::shared_ptr<const PairSelection> selection;
   /// Leaves out pairs for which it returns true, and lists them in CollisionReport::ignored: an
   /// allowed collision matrix that changes from check to check. Asked only about pairs whose boxes,
-  /// with verdict_only looser ones, are within the alarm distance, or the smallest distance found so
-  /// far if that is searched for; once per check. The time budget does not limit its time. What it
-  /// throws ends the check, whose report is then UNKNOWN. A BatchCheck asks from several threads at
-  /// a time. Cost: 10 ns a pair, and what it takes itself; none if it is empty.
+  /// with verdict_only looser ones, are within the alarm distance, or the smallest distance found
+  /// so far if that is searched for; once per check. The time budget does not limit its time. What
+  /// it throws ends the check, whose report is then UNKNOWN. A BatchCheck asks from several threads
+  /// at a time. Cost: 10 ns a pair, and what it takes itself; none if it is empty.
   MayIgnore may_ignore;
   /// Which list of pairs may_ignore answers from: the caller's number for what is in it, since the
   /// detector looks at no address. With the number of the check before, not 0, answers are kept and

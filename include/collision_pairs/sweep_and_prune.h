@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "collision_pairs/aabb.h"
@@ -36,6 +37,16 @@ inline double squaredReach(double alarm_distance) {
   return alarm_distance * alarm_distance * ROUNDING + UNDERFLOW_BOUND;
 }
 
+/// How the pairs of moving boxes are found. Both find the same pairs.
+enum class BroadPhase {
+  AUTO,  ///< few boxes each against each, many by direct sweep and prune: what is faster
+  SWEEP  ///< direct sweep and prune for any number of boxes
+};
+
+const char* broadPhaseName(BroadPhase broad_phase);
+/// Throws InputError that lists the known names.
+BroadPhase parseBroadPhase(const std::string& name);
+
 class StaticTree;
 
 /// Static boxes, prepared once when the scene changes and then shared by any number
@@ -55,8 +66,8 @@ class StaticBoxes {
   /// The same, from others that are alike: `new_ids[i]` is the id here of box i of `before`, or
   /// GONE. Their order in the tree is kept, and new boxes come last, until they are a sixteenth.
   /// Cost: O(n) in most cases, 10 ns per box.
-  StaticBoxes(std::vector<Aabb> boxes, std::vector<std::uint32_t> models,
-              const StaticBoxes& before, const std::vector<std::uint32_t>& new_ids);
+  StaticBoxes(std::vector<Aabb> boxes, std::vector<std::uint32_t> models, const StaticBoxes& before,
+              const std::vector<std::uint32_t>& new_ids);
   static constexpr std::uint32_t GONE = 0xffffffff;
 
   std::size_t size() const { return nb_boxes_; }
@@ -111,8 +122,8 @@ struct SweepTuning;
 /// Deviations: nothing is kept and sorted again by insertion; the order is a counting sort into
 /// bins, not exact within a bin, since the SIMD test compares all six sides anyway; the widths of
 /// the columns come from a sample; a column that is still crowded is split again; a pair that
-/// shares several columns is reported from the first of them. Few boxes are tested each against
-/// each.
+/// shares several columns is reported from the first of them. With BroadPhase::AUTO few boxes are
+/// tested each against each. Static boxes wait in a tree, which each moving box is compared with.
 ///
 /// Exactness: boxes are converted to float relative to an origin in their midst. One monotone map
 /// converts both ends of every interval, so the order of ends is kept and no pair is lost. A pair
@@ -129,6 +140,7 @@ class SweepAndPrune {
   SweepAndPrune();
   /// For tests and benchmarks; the default tuning is the best known.
   explicit SweepAndPrune(const SweepTuning& tuning);
+  void setBroadPhase(BroadPhase broad_phase);
   ~SweepAndPrune();
   SweepAndPrune(SweepAndPrune&&) noexcept;
   SweepAndPrune& operator=(SweepAndPrune&&) noexcept;
@@ -152,8 +164,8 @@ class SweepAndPrune {
   }
 
   /// Ends the cycle and returns all pairs, each once, sorted; valid until the next begin(). Throws
-  /// std::length_error for 2^29 or more moving boxes, and std::invalid_argument if `moving` was made
-  /// for another number of boxes.
+  /// std::length_error for 2^29 or more moving boxes, and std::invalid_argument if `moving` was
+  /// made for another number of boxes.
   const std::vector<BoxPair>& end();
 
   /// Ids of this cycle's boxes that were not finite or inverted, ascending.

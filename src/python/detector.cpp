@@ -166,13 +166,15 @@ void bindDetector(py::module& module) {
           "check",
           [](PythonDetector& detector, const py::object& states, const py::object& joints,
              double alarm_distance, const py::object& fidelity, bool min_distance,
-             bool verdict_only, double time_budget, bool gradient, double tolerance) {
+             bool verdict_only, double time_budget, bool gradient, double tolerance,
+             const py::str& broad_phase) {
             CheckSettings settings;
             settings.alarm_distance = alarm_distance;
             settings.fidelity = fidelityFrom(fidelity);
             settings.min_distance = min_distance;
             settings.verdict_only = verdict_only;
             settings.time_budget = time_budget;
+            settings.broad_phase = parseBroadPhase(utf8From(broad_phase));
             // NaN is refused with or without a gradient.
             settings.tolerance = gradient && tolerance > 0.0 ? 0.0 : tolerance;
             return detector.check(states, joints, settings, gradient);
@@ -184,6 +186,7 @@ void bindDetector(py::module& module) {
           py::arg("verdict_only") = defaults.verdict_only,
           py::arg("time_budget") = defaults.time_budget, py::arg("gradient") = false,
           py::arg("tolerance") = defaults.tolerance,
+          py::arg("broad_phase") = broadPhaseName(defaults.broad_phase),
           "states: float64 (n, len(joints)), or (len(joints),) for one; rad or m. Read in place, "
           "with any strides; float32, integers and lists are converted. joints: their names "
           "(None: Detector.joints); others are taken as zero, or their nearest limit, with a "
@@ -193,7 +196,9 @@ void bindDetector(py::module& module) {
           "distance, even "
           "beyond the alarm distance. verdict_only: ends at the first contact. time_budget: s per "
           "state, 0: no limit. gradient: also the gradient of each pair's distance. tolerance: m "
-          "by which a distance may be too small; 0 with gradient. Other Python threads run "
+          "by which a distance may be too small; 0 with gradient. broad_phase: 'auto' or 'sweep' "
+          "(direct sweep and prune for any "
+          "number of boxes; the same pairs). Other Python threads run "
           "meanwhile. Raises InputError that names the state and the joint.")
       .def_property_readonly("joints", &PythonDetector::joints,
                              "The joint names that check() uses by default.");

@@ -162,6 +162,9 @@ NodeParameters NodeParameters::read(const ros::NodeHandle& private_node) {
   reader.flag("show_only_investigated_boxes", parameters.show_only_investigated_boxes);
   reader.oneOf("reload", {"manual", AUTO}, parameters.reload);
   reader.oneOf("trigger", {"rate", TF}, parameters.trigger);
+  std::string broad_phase = broadPhaseName(parameters.check.broad_phase);
+  reader.oneOf("broad_phase", {"auto", "sweep"}, broad_phase);
+  parameters.check.broad_phase = parseBroadPhase(broad_phase);
   std::string fidelity = fidelityName(parameters.check.fidelity);
   reader.word("fidelity", fidelity);
   try {

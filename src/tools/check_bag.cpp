@@ -47,6 +47,7 @@ void declare(CommandLine& command_line, Options& options) {
   command_line.option("prefix", options.poses.prefix, "PREFIX",
                       "prefix of this robot's names in the bag");
   declareFidelity(command_line, options.scene);
+  declareBroadPhase(command_line, options.scene);
   command_line.metres("alarm-distance", options.output.alarm_distance,
                       "pairs within this distance are reported");
   command_line.metres("tolerance", options.settings.tolerance,
@@ -86,6 +87,7 @@ void takeLimits(Options& options) {
 
 void complete(Options& options) {
   options.settings.fidelity = parseFidelity(options.scene.fidelity);
+  options.settings.broad_phase = parseBroadPhase(options.scene.broad_phase);
   options.settings.alarm_distance = options.output.alarm_distance;
   options.settings.list_boxes = true;  // for nb_pairs
   options.settings.stage_times = !options.record.empty();

@@ -30,6 +30,7 @@ struct Options {
 
 void declare(CommandLine& command_line, Options& options) {
   declareRobot(command_line, options.scene);
+  declareBroadPhase(command_line, options.scene);
   command_line.requiredOption("states", options.states, "STATES.csv",
                               "header with joint names, one row per state");
   command_line.metres("alarm-distance", options.settings.alarm_distance,
@@ -103,6 +104,7 @@ std::vector<std::string> check(const JointStates& states,
 void checkAll(Options& options) {
   CheckSettings& settings = options.settings;
   settings.fidelity = parseFidelity(options.scene.fidelity);
+  settings.broad_phase = parseBroadPhase(options.scene.broad_phase);
   if (!(options.time_budget >= 0.0)) {
     throw InputError("--time-budget must be a number of microseconds, 0 or more");
   }

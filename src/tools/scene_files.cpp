@@ -133,6 +133,12 @@ void declareFidelity(CommandLine& command_line, SceneOptions& options) {
   command_line.option("fidelity", options.fidelity, "NAME", "aabb, spheres, obb, convex or mesh");
 }
 
+void declareBroadPhase(CommandLine& command_line, SceneOptions& options) {
+  command_line.option("broad-phase", options.broad_phase, "NAME",
+                      "auto (default): few boxes each against each, many by direct sweep and "
+                      "prune; sweep: always that");
+}
+
 void declareRobot(CommandLine& command_line, SceneOptions& options) {
   command_line.operand(options.urdf, "ROBOT.urdf", "the robot's URDF");
   command_line.option("srdf", options.srdf, "ROBOT.srdf", "pairs that it disables are not checked");

@@ -24,6 +24,7 @@ struct SceneOptions {
   std::string urdf, srdf;  ///< empty: none, or that of the bag
   std::string world, settings, group, narrow_phase;
   std::string fidelity = "mesh";
+  std::string broad_phase = "auto";
   int max_hull_vertices = 0;  ///< 0: as in the settings
   std::vector<std::string> links;
   std::string cloud;  ///< a PCD file; empty: none
@@ -33,6 +34,7 @@ struct SceneOptions {
 
 void declareScene(CommandLine& command_line, SceneOptions& options);
 void declareFidelity(CommandLine& command_line, SceneOptions& options);
+void declareBroadPhase(CommandLine& command_line, SceneOptions& options);
 /// Options of tools that check configurations of a robot: the robot, --srdf, the scene, --cloud and
 /// --voxel-size (see readCloud()), --fidelity.
 void declareRobot(CommandLine& command_line, SceneOptions& options);

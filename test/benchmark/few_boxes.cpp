@@ -1,8 +1,9 @@
 // The broad phase of as few boxes as a robot has, for each instruction set of this machine:
 //   few_boxes OUT.csv
 //   few_boxes SCENE BOXES KERNEL METHOD CYCLES     to count instructions
-// "each": each box against all that follow, as SweepAndPrune tests up to 160. "ranks": a sorted
-// sweep by RankSort. "bins": the sorted sweep of more boxes, without columns. All three give the
+// "each": each box against all that follow, as SweepAndPrune tests up to 160 (BroadPhase::AUTO).
+// "ranks": a sorted sweep by RankSort. "bins": the sorted sweep of more boxes, without columns, and
+// of any number with BroadPhase::SWEEP. All three give the
 // same pairs, sorted; a number is the median of rounds in which the methods take turns.
 // scripts/benchmark_broad_phase --few makes a table of it.
 #include <algorithm>
@@ -16,8 +17,11 @@
 #include "benchmark_robots.h"
 #include "broad_phase_scenes.h"
 #include "collision_pairs/collision_detector.h"
+#include "collision_pairs/mesh_loader.h"
 #include "column_sweep.h"
+#include "joint_sampler.h"
 #include "rank_sort.h"
+#include "text_files.h"
 
 namespace collision_pairs {
 namespace {
@@ -138,9 +142,28 @@ void measure(const Scene& scene, const SweepKernel& kernel, std::ostream& csv) {
   csv << std::endl;
 }
 
+/// No states of it were recorded: these are drawn at random.
+BenchmarkRobot baxter(const std::string& data) {
+  const std::string model = data + "/robots/baxter_model";
+  BenchmarkRobot loaded;
+  loaded.name = "baxter";
+  loaded.robot = RobotModel::fromUrdf(readTextFile(model + "/urdf/baxter.urdf"), makeMeshLoader());
+  loaded.srdf = Srdf::fromXml(readTextFile(model + "/srdf/baxter.srdf"));
+  const JointSampler sampler(loaded.robot, 1);
+  std::vector<double> positions;
+  for (std::uint64_t i = 0; i < 1000; ++i) {
+    sampler.draw(i, positions);
+    loaded.states.emplace_back();
+    loaded.robot->forwardKinematics(positions, loaded.states.back());
+  }
+  return loaded;
+}
+
 std::vector<Scene> scenes() {
   std::vector<Scene> all;
   for (const BenchmarkRobot& robot : benchmarkRobots()) all.push_back(ofRobot(robot));
+  const std::string data = sharedData();
+  if (!data.empty()) all.push_back(ofRobot(baxter(data)));
   for (const char* name : {"uniform2", "uniform10"}) {
     for (const std::size_t size : SIZES) all.push_back(uniform(name, size));
   }

@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "collision_pairs/input_error.h"
 #include "column_sweep.h"
 #include "in_parallel.h"
 #include "static_tree.h"
@@ -36,6 +37,7 @@ struct SweepAndPrune::Engine {
   Spread spreadOf(const std::vector<Aabb>& boxes) const;
 
   SweepTuning tuning;
+  bool always_sweeps = false;
   const SweepKernel* kernel = sweepKernels().front();
   double alarm_distance = 0.0;
   const StaticBoxes* fixed = nullptr;
@@ -55,8 +57,18 @@ struct SweepAndPrune::Engine {
   PairSorter sorter;
 };
 
-AllowedBoxPairs::AllowedBoxPairs(const std::vector<std::uint32_t>& models,
-                                 const PairFilter& filter)
+const char* broadPhaseName(BroadPhase broad_phase) {
+  return broad_phase == BroadPhase::SWEEP ? "sweep" : "auto";
+}
+
+BroadPhase parseBroadPhase(const std::string& name) {
+  for (const BroadPhase known : {BroadPhase::AUTO, BroadPhase::SWEEP}) {
+    if (name == broadPhaseName(known)) return known;
+  }
+  throw InputError("unknown broad phase '" + name + "'; known are auto and sweep");
+}
+
+AllowedBoxPairs::AllowedBoxPairs(const std::vector<std::uint32_t>& models, const PairFilter& filter)
     : nb_boxes_(models.size()) {
   const std::size_t words = (nb_boxes_ + 63) / 64;
   bits_.assign(nb_boxes_ * words, 0);
@@ -74,6 +86,10 @@ SweepAndPrune::SweepAndPrune(const SweepTuning& tuning)
 SweepAndPrune::~SweepAndPrune() = default;
 SweepAndPrune::SweepAndPrune(SweepAndPrune&&) noexcept = default;
 SweepAndPrune& SweepAndPrune::operator=(SweepAndPrune&&) noexcept = default;
+
+void SweepAndPrune::setBroadPhase(BroadPhase broad_phase) {
+  engine_->always_sweeps = broad_phase == BroadPhase::SWEEP;
+}
 
 void SweepAndPrune::begin(double alarm_distance, const StaticBoxes* static_boxes,
                           const PairFilter* filter, const AllowedBoxPairs* moving) {
@@ -114,7 +130,7 @@ const std::vector<BoxPair>& SweepAndPrune::end() {
     throw std::invalid_argument("allowed pairs of " + std::to_string(engine.moving->nbBoxes()) +
                                 " moving boxes, but " + std::to_string(boxes_.size()) + " boxes");
   }
-  if (nb_tests <= engine.tuning.direct_up_to) {
+  if (nb_tests <= engine.tuning.direct_up_to && !engine.always_sweeps) {
     const bool in_one_word = engine.moving && boxes_.size() <= 64;
     engine.testDirectly(boxes_, in_one_word ? engine.moving->bits_.data() : nullptr, &pairs_);
     return pairs_;
@@ -122,7 +138,8 @@ const std::vector<BoxPair>& SweepAndPrune::end() {
 
   // Static ids come first, so these pairs, once sorted, precede all others.
   if (nb_static_ > 0) engine.meetStatic(boxes_, &pairs_);
-  const bool few = boxes_.size() <= engine.tuning.packed_up_to.value_or(engine.kernel->each_up_to);
+  const bool few = !engine.always_sweeps &&
+                   boxes_.size() <= engine.tuning.packed_up_to.value_or(engine.kernel->each_up_to);
   const std::size_t nb_ids = nb_static_ + boxes_.size();
   if (few) {
     if (nb_static_ > 0) engine.sorter.sort(*engine.kernel, nb_ids, &pairs_);
@@ -233,8 +250,9 @@ void SweepAndPrune::Engine::sweepAllowed(const std::vector<Aabb>& boxes,
 void SweepAndPrune::Engine::sweepColumns(const std::vector<Aabb>& boxes,
                                          const std::vector<std::uint32_t>& refused,
                                          std::vector<BoxPair>* pairs) {
-  narrow(boxes, makeNarrowMap(sceneOrigin(boxes), 0.5 * axisReach(alarm_distance)));
   std::size_t count = boxes.size();
+  if (count == 0) return;
+  narrow(boxes, makeNarrowMap(sceneOrigin(boxes), 0.5 * axisReach(alarm_distance)));
   if (!refused.empty()) {  // left in one place, thousands of them would all overlap each other
     const auto is_refused = [&](const Record& record) {
       return std::binary_search(refused.begin(), refused.end(), test.nb_static + record.tag);

@@ -219,6 +219,7 @@ void CollisionDetector::sweep(double reach, std::vector<BoxPair>& candidates) {
   const auto& boxes = boxes_->boxes();
   const auto& models = boxes_->models();
   const bool is_listed = allowed_ && !settings_.selection;
+  sweep_.setBroadPhase(settings_.broad_phase);
   sweep_.begin(reach, &scene_->staticBoxes(), &filter(), is_listed ? &*allowed_ : nullptr);
   const std::size_t end = scene_->endOfMovingElements();
   for (std::size_t i = scene_->nbStaticElements(); i < end; ++i) {
