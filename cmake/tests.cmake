@@ -225,6 +225,7 @@ collision_pairs_pytest(check_states)
 collision_pairs_pytest(command_lines)
 collision_pairs_module_pytest(determinism)
 collision_pairs_pytest(docs)
+collision_pairs_pytest(dependencies)
 collision_pairs_pytest(generate_srdf)
 collision_pairs_module_pytest(incomplete_robots)
 if(NOT COLLISION_PAIRS_SANITIZE)  # what it builds against the package is built without

@@ -49,6 +49,7 @@ TEST_P(Defaults, AreThoseOfTheCode) {
   EXPECT_TRUE(text.count("fixed_frame"));
   EXPECT_EQ(text.at("reload"), code.reload);
   EXPECT_EQ(text.at("trigger"), code.trigger);
+  EXPECT_EQ(text.at("broad_phase"), broadPhaseName(code.check.broad_phase));
   EXPECT_EQ(text.at("allow_empty_scene"), SceneSettings().allow_empty_scene ? "true" : "false");
 }
 

@@ -68,6 +68,13 @@ def test_a_smallest_distance_of_which_only_a_bound_is_known_is_called_a_bound():
     np.testing.assert_array_equal(result.nearest["row"], [1])
 
 
+def test_either_broad_phase_finds_the_same_pairs():
+    states = [[0.1 * i, CLEAR - 0.05 * i] for i in range(30)]
+    auto, sweep = (detector().check(states, alarm_distance=1.0, broad_phase=name) for name in ("auto", "sweep"))
+    assert len(auto.pairs) > 0
+    np.testing.assert_array_equal(auto.pairs, sweep.pairs)
+
+
 def test_what_is_nearest_is_named_beyond_the_alarm_distance_too():
     tested = detector()
     result = tested.check([[0, CLEAR], [0, TOUCHING], [0, CLEAR + 1]], alarm_distance=0.01, min_distance=True)
@@ -280,6 +287,7 @@ REFUSED = {
     "scale has a factor that is 0 or not finit[e]": lambda: cp.Mesh.from_uri("file:///none.stl", [1, 1, np.inf]),
     "unknown fidelity 'hull'": lambda: detector().check([0, 1], fidelity="hull"),
     "the alarm distance is nan": lambda: detector().check([0, 1], alarm_distance=np.nan),
+    "unknown broad phase 'grid'": lambda: detector().check([0, 1], broad_phase="grid"),
     "the tolerance is -1": lambda: detector().check([0, 1], tolerance=-1),
     "the time budget is -1": lambda: detector().check([0, 1], time_budget=-1),
     "cannot be combined with verdict_only": lambda: detector().check([0, 1], gradient=True, verdict_only=True),

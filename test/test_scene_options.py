@@ -139,6 +139,17 @@ def test_rules_floor_and_ignored_links_change_the_pairs(check):
     assert {"arm_base|floor", "crate|floor"} & floor and "floor|table" not in floor
 
 
+def test_either_broad_phase_finds_the_same_pairs(check):
+    auto, sweep = (check("--alarm-distance", 0.1, "--broad-phase", name)[1] for name in ("auto", "sweep"))
+    for one, other in zip(auto, sweep):
+        assert int(one["nb_pairs"]) > 0 and dict(one, microseconds="") == dict(other, microseconds="")
+
+
+def test_an_unknown_broad_phase_is_refused(run_tool, tmp_path):
+    done = run_tool("check_states", "none.urdf", "--states", "none.csv", "--broad-phase", "grid")
+    assert done.returncode == 2 and "unknown broad phase 'grid'; known are auto and sweep" in done.stderr
+
+
 def test_the_mesh_of_a_link_that_is_ignored_is_not_read(run_tool, tmp_path):
     urdf = tmp_path / "robot.urdf"
     ball = "<link name='%s'><collision><geometry><sphere radius='0.1'/></geometry></collision></link>"
