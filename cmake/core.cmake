@@ -114,4 +114,10 @@ target_include_directories(collision_pairs PUBLIC
   PRIVATE ${CORE_MODULES} ${URDFDOM_INCLUDE_DIRS})
 target_link_libraries(collision_pairs PUBLIC Eigen3::Eigen PRIVATE
   Boost::headers fcl ${TINYXML2_LIBRARIES} ${URDFDOM_MODEL_LIBRARY} ${CONSOLE_BRIDGE_LIBRARY} qhull_r Threads::Threads)
+# After libqhull_r, for other users of that in the same process: libqhullcpp has a qh_fprintf(), too (convex_hull.cpp).
+find_library(QHULLCPP_LIBRARY NAMES libqhullcpp.so)
+if(QHULLCPP_LIBRARY)
+  target_compile_definitions(collision_pairs PRIVATE COLLISION_PAIRS_QHULLCPP)
+  target_link_libraries(collision_pairs PRIVATE ${QHULLCPP_LIBRARY})
+endif()
 collision_pairs_warnings(collision_pairs)

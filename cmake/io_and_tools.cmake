@@ -43,7 +43,7 @@ collision_pairs_checked_indices(collision_pairs_io)
 add_executable(read_mesh_file src/io/meshes/read_mesh_file.cpp)
 target_include_directories(read_mesh_file PRIVATE include)
 target_include_directories(read_mesh_file SYSTEM PRIVATE ${catkin_INCLUDE_DIRS})
-target_link_libraries(read_mesh_file PRIVATE ${catkin_LIBRARIES} Eigen3::Eigen)
+target_link_libraries(read_mesh_file PRIVATE ${catkin_LIBRARIES} assimp ${CONSOLE_BRIDGE_LIBRARY} Eigen3::Eigen)
 if(sanitizers)  # they reserve more memory than it may have
   target_compile_options(read_mesh_file PRIVATE -fno-sanitize=all)
   target_link_options(read_mesh_file PRIVATE -fno-sanitize=all)

@@ -11,7 +11,7 @@ import pytest
 PROJECT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 FOLDERS = ("cmake", "config", "examples", "include", "launch", "scripts", "src", "test", "CMakeLists.txt", "plugins")
 # What package.xml calls by another name than Debian.
-DEBIAN = {"bzip2": "libbz2-dev", "eigen": "libeigen3-dev", "fcl": "libfcl-dev", "libqhull": "libqhull-dev",
+DEBIAN = {"assimp": "libassimp-dev", "bzip2": "libbz2-dev", "eigen": "libeigen3-dev", "fcl": "libfcl-dev", "libqhull": "libqhull-dev",
           "tinyxml2": "libtinyxml2-dev", "yaml-cpp": "libyaml-cpp-dev", "gtest": "libgtest-dev", "google-mock": "libgmock-dev",
           "libgmp": "libgmp-dev", "libboost-program-options": "libboost-program-options-dev"}
 # What nothing of ours names, and why it is needed.

@@ -149,6 +149,49 @@ TEST_F(MeshLoaderTest, ColladaIsInItsUnit) {
   }
 }
 
+TEST_F(MeshLoaderTest, TheFirstMeshWhoseUnitIsNotTheMetreIsSaidAndNoOther) {
+  std::vector<std::string> said;
+  const MeshLoader load = makeMeshLoader([&](const std::string& what) { said.push_back(what); });
+  load(file("metres.dae", collada("<unit meter='1'/>")), ONE);
+  EXPECT_TRUE(said.empty());
+  for (const std::string name : {"one.dae", "other.dae"}) {
+    for (const double scale : {1.0, 2.0}) {
+      load(file(name, collada("<unit meter='0.01'/>")), scale * ONE);
+    }
+  }
+  ASSERT_EQ(said.size(), 1u);
+  EXPECT_THAT(said[0], testing::HasSubstr("one.dae' is in units of 0.01 m"));
+}
+
+/// One triangle whose corners are in the file triangle.bin beside it.
+std::string gltf(const std::string& nodes) {
+  return R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": )" +
+         nodes + R"(,
+    "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "mode": 4}]}],
+    "buffers": [{"uri": "triangle.bin", "byteLength": 36}],
+    "bufferViews": [{"buffer": 0, "byteLength": 36}],
+    "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3",
+                   "min": [0, 0, 0], "max": [1, 2, 0]}]})";
+}
+
+// rviz places the meshes of the root by the root, all others by the nodes below it.
+TEST_F(MeshLoaderTest, ANodeOfGltfPlacesItsMeshAsInRviz) {
+  const std::array<float, 9> corners = {0, 0, 0, 1, 0, 0, 0, 2, 0};
+  file("triangle.bin", {reinterpret_cast<const char*>(corners.data()), sizeof corners});
+  const auto most = [&](const std::string& nodes) {
+    return mostOf(*load_(file("t" + std::to_string(nodes.size()) + ".gltf", gltf(nodes)), ONE));
+  };
+  EXPECT_EQ(most(R"([{"mesh": 0}])"), Eigen::Vector3d(1, 2, 0));
+  EXPECT_EQ(most(R"([{"mesh": 0, "translation": [10, 20, 30], "scale": [2, 3, 4]}])"),
+            Eigen::Vector3d(12, 26, 30));
+  EXPECT_EQ(most(R"([{"children": [1], "translation": [5, 5, 5]},
+                     {"mesh": 0, "translation": [10, 20, 30]}])"),
+            Eigen::Vector3d(11, 22, 30));
+  EXPECT_EQ(most(R"([{"mesh": 0, "translation": [0, 0, 7], "children": [1]},
+                     {"mesh": 0, "translation": [10, 20, 3]}])"),
+            Eigen::Vector3d(11, 22, 7));
+}
+
 TEST_F(MeshLoaderTest, AnyFormatIsReadFromAFolderOfAnyName) {
   for (const std::string name : {"a b", "a#b", "a?b", "a%b", "100%25", "\u00e4", "a&b=c;d+e"}) {
     const fs::path folder = folder_ / name;

@@ -31,7 +31,7 @@ std::vector<std::string> linkNames(const RobotModel& robot) {
 
 std::shared_ptr<const RobotModel> robotFrom(const TextFrom& urdf, const Warn& warn) {
   const auto robot = naming(urdf.origin, [&] {
-    return RobotModel::fromUrdf(urdf.content, relativeTo(urdf.folder, makeMeshLoader()));
+    return RobotModel::fromUrdf(urdf.content, relativeTo(urdf.folder, makeMeshLoader(warn)));
   });
   for (const std::string& warning : robot->warnings()) warn(urdf.origin + ": " + warning);
   return robot;

@@ -9,13 +9,11 @@
 #include <string>
 #include <vector>
 
+#include "collision_pairs/mesh_loader.h"
 #include "scene_config.h"
 #include "text_files.h"
 
 namespace collision_pairs {
-
-/// Tells the user.
-using Warn = std::function<void(const std::string& warning)>;
 
 std::vector<std::string> linkNames(const RobotModel& robot);
 

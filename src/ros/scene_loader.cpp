@@ -124,7 +124,8 @@ SceneParameters readSceneParameters(const ros::NodeHandle& private_node) {
   SceneParameters all;
   all.fixed_frame = readFixedFrame(private_node);
   SceneSources& sources = all.sources;
-  const MeshLoader load_mesh = makeMeshLoader();
+  const MeshLoader load_mesh =
+      makeMeshLoader([](const std::string& warning) { ROS_WARN_STREAM(warning); });
   const std::vector<RobotParameters> robots = readRobots(private_node);
   for (const RobotParameters& robot : robots) {
     sources.robots.push_back(

@@ -52,7 +52,7 @@ std::vector<CloudConfig> cloudsOf(const SceneOptions& options,
 
 SceneSources readSources(const TextFrom& urdf, const TextFrom& srdf, const SceneOptions& options) {
   SceneSources sources;
-  const MeshLoader load_mesh = makeMeshLoader();
+  const MeshLoader load_mesh = makeMeshLoader(warn);
   sources.robots.emplace_back();
   SceneSources::Robot& robot = sources.robots.back();
   robot.source = sourceFrom(urdf, load_mesh);

@@ -2,12 +2,15 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <memory>
 #include <set>
 
+#ifdef COLLISION_PAIRS_QHULLCPP
+#include <libqhullcpp/QhullQh.h>
+#else
 extern "C" {
 #include <libqhull_r/qhull_ra.h>
 }
+#endif
 
 namespace collision_pairs {
 namespace {
@@ -25,31 +28,61 @@ std::vector<Eigen::Vector3d> withoutDuplicates(std::vector<Eigen::Vector3d> poin
   return points;
 }
 
+#ifdef COLLISION_PAIRS_QHULLCPP
+using QhullState = orgQhull::QhullQh;
+#else  // Ubuntu 20.04, whose libqhullcpp is static: no process can have loaded it
+using QhullState = qhT;
+#endif
+
 // Owns Qhull's state; its messages are discarded.
+//
+// A process may have loaded libqhullcpp, whose qh_fprintf() then stands for that of libqhull_r and
+// ends the process at the first message, unless the state is a QhullQh. So it is one. Its streams
+// must be real ones all the same: libqhull_r's qh_fprintf() writes to what it is given.
 class Qhull {
  public:
-  Qhull() : state_(std::make_unique<qhT>()), silence_(std::fopen("/dev/null", "w")) {
-    qh_zero(state_.get(), silence_);
-  }
+  Qhull() : silence_(std::fopen("/dev/null", "w")) {}
   ~Qhull() {
-    qh_freeqhull(state_.get(), !qh_ALL);
-    int left = 0, total = 0;
-    qh_memfreeshort(state_.get(), &left, &total);
-    if (silence_ != nullptr) std::fclose(silence_);
+    if (silence_ == nullptr) return;
+    free();
+    std::fclose(silence_);
   }
   Qhull(const Qhull&) = delete;
   Qhull& operator=(const Qhull&) = delete;
 
+  /// The steps of qh_new_qhull(), which would make the state that of C.
   bool run(std::vector<Eigen::Vector3d>& points) {
+    if (silence_ == nullptr) return false;
     char command[] = "qhull Qt";
-    return silence_ != nullptr &&
-           qh_new_qhull(state_.get(), 3, static_cast<int>(points.size()), points.front().data(),
-                        False, command, silence_, silence_) == 0;
+    qh_meminit(&state_, silence_);
+    qh_initqhull_start(&state_, nullptr, nullptr, silence_);
+    state_.ISqhullQh = True;
+    const int status = setjmp(state_.errexit);
+    if (status == 0) {
+      state_.NOerrexit = False;
+      qh_initflags(&state_, command);
+      qh_init_B(&state_, points.front().data(), static_cast<int>(points.size()), 3, False);
+      qh_qhull(&state_);
+      qh_check_output(&state_);
+      qh_prepare_output(&state_);
+      qh_check_points(&state_);
+    }
+    state_.NOerrexit = True;
+    return status == 0;
   }
-  qhT* state() { return state_.get(); }
+  qhT* state() { return &state_; }
 
  private:
-  std::unique_ptr<qhT> state_;
+  // What an error leaves unfreed would end the process in ~QhullQh(): it finds a new state.
+  void free() {
+    qh_freeqhull(&state_, !qh_ALL);
+    int left = 0, total = 0;
+    qh_memfreeshort(&state_, &left, &total);
+    qh_meminit(&state_, silence_);
+    qh_initqhull_start2(&state_, nullptr, nullptr, silence_);
+  }
+
+  QhullState state_{};
   std::FILE* silence_;
 };
 

@@ -26,6 +26,8 @@ namespace fs = std::filesystem;
 
 class Loader {
  public:
+  explicit Loader(Warn warn) : warn_(std::move(warn)) {}
+
   std::shared_ptr<const TriangleMesh> operator()(const std::string& uri,
                                                  const Eigen::Vector3d& scale) {
     auto& known = meshes_[std::make_tuple(uri, scale.x(), scale.y(), scale.z())];
@@ -106,7 +108,7 @@ class Loader {
     return known->second;
   }
 
-  static TriangleMesh read(const fs::path& path) {
+  TriangleMesh read(const fs::path& path) {
     std::string ending = path.extension().string();
     for (char& letter : ending) letter = static_cast<char>(std::tolower(letter));
     if (ending == ".stl") return readStl(readBinaryFile(path));
@@ -118,10 +120,12 @@ class Loader {
   }
 
   /// COLLADA's unit, as rviz has it, which assimp and geometric_shapes leave out.
-  static void toMetres(const fs::path& path, TriangleMesh& mesh) {
+  void toMetres(const fs::path& path, TriangleMesh& mesh) {
     tinyxml2::XMLDocument document;
     const std::string text = readBinaryFile(path);
-    if (document.Parse(text.c_str(), text.size()) != tinyxml2::XML_SUCCESS) return;
+    if (document.Parse(text.c_str(), text.size()) != tinyxml2::XML_SUCCESS) {
+      throw InputError("its <unit> cannot be read: it is not well-formed XML");
+    }
     const auto* collada = document.FirstChildElement("COLLADA");
     const auto* asset = collada ? collada->FirstChildElement("asset") : nullptr;
     const auto* unit = asset ? asset->FirstChildElement("unit") : nullptr;
@@ -132,18 +136,24 @@ class Loader {
       throw InputError("its <unit meter=\"" + std::string(meter) + "\"> is no length");
     }
     for (Eigen::Vector3d& vertex : mesh.vertices) vertex *= metres;
+    if (metres == 1.0 || !warn_) return;
+    warn_("mesh '" + path.string() + "' is in units of " + formatted("%g m", metres) +
+          " (COLLADA's <unit>), and drawn so by rviz; MoveIt takes its numbers for metres. Further "
+          "ones are not named");
+    warn_ = nullptr;
   }
 
   std::map<std::tuple<std::string, double, double, double>, std::shared_ptr<const TriangleMesh>>
       meshes_;
+  Warn warn_;  ///< empty: nobody is to be told, or has been
   std::unique_ptr<rospack::Rospack> rospack_;
   std::map<std::string, std::string> folders_;  ///< by package; empty: there is none
 };
 
 }  // namespace
 
-MeshLoader makeMeshLoader() {
-  const auto loader = std::make_shared<Loader>();
+MeshLoader makeMeshLoader(const Warn& warn) {
+  const auto loader = std::make_shared<Loader>(warn);
   return [loader](const std::string& uri, const Eigen::Vector3d& scale) {
     return (*loader)(uri, scale);
   };

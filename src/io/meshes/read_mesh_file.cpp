@@ -1,15 +1,16 @@
 // read_mesh_file FILE: writes the mesh, or the reason why there is none, in the format of
 // mesh_process.h.
-#include <cctype>
 #include <csignal>
-#include <cstdio>
-#include <cstring>
 #include <filesystem>
 #include <iostream>
 #include <memory>
 #include <new>
 #include <vector>
 
+#include <assimp/Importer.hpp>
+#include <assimp/config.h>
+#include <assimp/postprocess.h>
+#include <assimp/scene.h>
 #include <console_bridge/console.h>
 #include <geometric_shapes/mesh_operations.h>
 #include <sys/prctl.h>
@@ -67,15 +68,12 @@ void watchMemory() {
   });
 }
 
-/// The first error of geometric_shapes, which reports to console_bridge only.
-class FirstError : public console_bridge::OutputHandler {
+/// geometric_shapes reports to console_bridge, which prints.
+class Silence : public console_bridge::OutputHandler {
  public:
-  FirstError() { console_bridge::useOutputHandler(this); }
-  ~FirstError() override { console_bridge::restorePreviousOutputHandler(); }
-  void log(const std::string& message, console_bridge::LogLevel level, const char*, int) override {
-    if (level >= console_bridge::CONSOLE_BRIDGE_LOG_ERROR && text.empty()) text = message;
-  }
-  std::string text;
+  Silence() { console_bridge::useOutputHandler(this); }
+  ~Silence() override { console_bridge::restorePreviousOutputHandler(); }
+  void log(const std::string&, console_bridge::LogLevel, const char*, int) override {}
 };
 
 void refuse(const std::string& why) { std::cout << REFUSED << why; }
@@ -86,31 +84,48 @@ void write(const Number* numbers, std::size_t count) {
                   static_cast<std::streamsize>(count * sizeof(Number)));
 }
 
-/// As a URI: resource_retriever takes it apart.
-std::string uriOf(const std::string& path) {
-  std::string uri = "file://";
-  for (const unsigned char c : path) {
-    const bool is_plain = std::isalnum(c) || std::strchr("/-_.~", c) != nullptr;
-    char coded[4];
-    std::snprintf(coded, sizeof coded, "%%%02X", static_cast<unsigned>(c));
-    uri += is_plain ? std::string(1, static_cast<char>(c)) : coded;
+/// As rviz has it: a mesh of the root node is placed by the root's transform, all others by those
+/// of the nodes below it, since assimp expresses up_axis in the root. (geometric_shapes clears
+/// that.)
+void clearRootAsRvizDoes(aiScene& scene) {
+  aiNode& root = *scene.mRootNode;
+  if (root.mNumMeshes > 0) {
+    auto own = std::make_unique<aiNode>();
+    own->mTransformation = root.mTransformation;
+    std::swap(own->mNumMeshes, root.mNumMeshes);
+    std::swap(own->mMeshes, root.mMeshes);
+    aiNode* added = own.release();
+    root.addChildren(1, &added);
   }
-  return uri;
+  root.mTransformation = aiMatrix4x4();
 }
 
-/// What geometric_shapes says may end where curl's reason would stand.
-bool saysWhy(const std::string& text) {
-  const std::size_t last = text.find_last_not_of(" \n");
-  return last != std::string::npos && text[last] != ':';
+/// Positions and triangles of the file, read as geometric_shapes reads them from memory. By its
+/// path, since glTF may keep its numbers in a file beside it.
+std::unique_ptr<shapes::Mesh> read(const std::string& path, Assimp::Importer& importer) {
+  constexpr int NOT_USED = aiComponent_NORMALS | aiComponent_TANGENTS_AND_BITANGENTS |
+                           aiComponent_COLORS | aiComponent_TEXCOORDS | aiComponent_BONEWEIGHTS |
+                           aiComponent_ANIMATIONS | aiComponent_TEXTURES | aiComponent_LIGHTS |
+                           aiComponent_CAMERAS | aiComponent_MATERIALS;
+  importer.SetPropertyInteger(AI_CONFIG_PP_RVC_FLAGS, NOT_USED);
+  const aiScene* scene =
+      importer.ReadFile(path, aiProcess_Triangulate | aiProcess_JoinIdenticalVertices |
+                                  aiProcess_SortByPType | aiProcess_RemoveComponent);
+  if (!scene || !scene->mRootNode) return nullptr;
+  clearRootAsRvizDoes(const_cast<aiScene&>(*scene));  // the importer's
+  scene = importer.ApplyPostProcessing(aiProcess_OptimizeMeshes | aiProcess_OptimizeGraph);
+  if (!scene) return nullptr;
+  return std::unique_ptr<shapes::Mesh>(shapes::createMeshFromAsset(scene));
 }
 
 void answer(const std::string& path) {
-  FirstError error;
-  const std::unique_ptr<shapes::Mesh> mesh(shapes::createMeshFromResource(uriOf(path)));
+  const Silence silence;
+  Assimp::Importer importer;
+  const std::unique_ptr<shapes::Mesh> mesh = read(path, importer);
   if (memory_ran_out) throw std::bad_alloc();
   if (!mesh) {
-    return refuse(saysWhy(error.text) ? error.text
-                                      : "it is not a mesh that can be read (truncated?)");
+    const std::string why = importer.GetErrorString();
+    return refuse(why.empty() ? "it is not a mesh that can be read (truncated?)" : why);
   }
   const std::uint64_t counts[] = {mesh->vertex_count, mesh->triangle_count};
   std::cout << MESH;
