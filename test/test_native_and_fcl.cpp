@@ -48,7 +48,8 @@ void forEveryPairSizeAndGap(int poses, Check check) {
     for (const std::string& a : EVERY_KIND) {
       for (const std::string& b : EVERY_KIND) {
         if (b < a) continue;
-        for (const double gap : {3.0, 0.1, 1e-3, 1e-6, -1e-6, -1e-3, -1e-2, -INF}) {
+        for (const double gap : {3.0, 0.1, 1e-3, 1e-6, 1e-9, 1e-12, 4e-15, 1e-15, 0.0, -1e-12,
+                                 -1e-6, -1e-3, -1e-2, -INF}) {
           SCOPED_TRACE(a + "-" + b + " of " + std::to_string(size) + " m, gap " +
                        std::to_string(gap) + " sizes");
           for (int i = 0; i < poses; ++i) {
@@ -77,11 +78,8 @@ TEST(NativeAndFcl, AgreeOnYesOrNoAndDistanceForEveryPairOfShapesAtEverySizeAndGa
         ASSERT_NE(found.certainty, Certainty::DEGRADED);
         ASSERT_NEAR(found.nhat_AB_A.norm(), 1.0, 1e-12);
         ASSERT_TRUE(found.p_ACa.allFinite() && found.p_ACb.allFinite());
-        // Nearer to touching than this, FCL's own arithmetic decides.
-        if (std::abs(truth.distance) > 1e-8 * size) {
-          ASSERT_EQ(found.touches(), truth.touches()) << truth.distance / size;
-          ASSERT_EQ(by_fcl.touches(*A.fcl, *B.fcl, X_AB), truth.touches()) << truth.distance / size;
-        }
+        ASSERT_EQ(found.touches(), truth.touches()) << truth.distance / size;
+        ASSERT_EQ(by_fcl.touches(*A.fcl, *B.fcl, X_AB), truth.touches()) << truth.distance / size;
         ASSERT_EQ(found.certainty, truth.certainty);
         if (truth.certainty == Certainty::BOUND) {  // of meshes: any translation that separates
           Isometry3d X_apart = X_AB;

@@ -132,7 +132,9 @@ struct NarrowPhase::Scratch {
     }
     const auto fcl = A.fcl && B.fcl ? askFcl(*A.fcl, *B.fcl, X_AB, {}) : FclAnswer();
     using Outcome = FclAnswer::Outcome;
-    if (fcl.outcome == Outcome::TOUCHING || fcl.outcome == Outcome::DEPTH) return true;
+    if (fcl.outcome == Outcome::TOUCHING || fcl.outcome == Outcome::DEPTH) {
+      return !isHairApart(A, B, X_AB);
+    }
     if (fcl.outcome == Outcome::APART && !oneHoldsTheOther(A, B, X_AB) && !abut(A, B, X_AB)) {
       return false;
     }
@@ -149,6 +151,12 @@ struct NarrowPhase::Scratch {
     const auto isAlongNormal = [&](const PairDistance& depth) {
       return gapAlong(depth.nhat_AB_A, A.core, B.core, X_AB) >= depth.distance - doubtOf(A, B);
     };
+    const bool is_deep = fcl.found.distance < -doubtOf(A, B);
+    const bool touches = fcl.outcome == Outcome::TOUCHING || fcl.outcome == Outcome::DEPTH;
+    if (touches && !(fcl.outcome == Outcome::DEPTH && is_deep) && isHairApart(A, B, X_AB)) {
+      ++num_answered_natively;
+      return nativeDistance(A, B, X_AB, max_distance, accuracy);
+    }
     if (fcl.outcome == Outcome::DEPTH && isAlongNormal(fcl.found)) return fcl.found;
     const bool is_clear = fcl.found.distance > doubtOf(A, B) + band;
     if (fcl.outcome == Outcome::APART && !oneHoldsTheOther(A, B, X_AB) &&
@@ -175,6 +183,13 @@ struct NarrowPhase::Scratch {
     const double error = doubtOf(A, B) + band;
     const FclAnswer asked = askFcl(*A.fcl, *B.fcl, X_AB, error);
     return asked.outcome != FclAnswer::Outcome::APART || asked.found.distance <= error;
+  }
+
+  // For two that FCL has in contact: true if they are natively apart, by less than FCL can tell.
+  bool isHairApart(const Prepared& A, const Prepared& B, const Isometry3d& X_AB) {
+    PairDistance detail;
+    if (nativeTouches(A, B, X_AB, 0.0, detail)) return false;
+    return isWithin(nativeDistance(A, B, X_AB, doubtOf(A, B) + band), doubtOf(A, B) + band);
   }
 
   // For two whose surfaces are disjoint.
