@@ -68,6 +68,25 @@ def test_a_smallest_distance_of_which_only_a_bound_is_known_is_called_a_bound():
     np.testing.assert_array_equal(result.nearest["row"], [1])
 
 
+def test_a_file_that_is_not_in_utf_8_is_refused_with_its_line(tmp_path):
+    urdf, srdf = tmp_path / "robot.urdf", tmp_path / "robot.srdf"
+    for name in ("caf\u00e9", "na\u00efve", "\u30ed"):
+        urdf.write_text("<robot name='r'>\n<link name='%s'/></robot>" % name, encoding="utf-8")
+        srdf.write_text("<robot name='r'>\n<group name='g'><link name='%s'/></group></robot>" % name, encoding="utf-8")
+        cp.Robot(urdf, srdf)
+    for file in (urdf, srdf):
+        whole = file.read_bytes()
+        file.write_bytes(whole.replace("\u30ed".encode(), b"caf\xe9"))
+        with pytest.raises(cp.InputError, match="%s line 2: it is not in UTF-8" % file):
+            cp.Robot(urdf, srdf)
+        file.write_bytes(whole)
+
+
+def test_an_error_about_a_path_of_any_bytes_is_an_input_error(tmp_path):
+    with pytest.raises(cp.InputError, match=r"\\xff.urdf.*cannot be opened"):
+        cp.Robot(os.fsencode(tmp_path) + b"/\xff.urdf")
+
+
 def test_either_broad_phase_finds_the_same_pairs():
     states = [[0.1 * i, CLEAR - 0.05 * i] for i in range(30)]
     auto, sweep = (detector().check(states, alarm_distance=1.0, broad_phase=name) for name in ("auto", "sweep"))

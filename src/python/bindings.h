@@ -47,13 +47,20 @@ inline std::string utf8From(const pybind11::handle& str) {
   return pybind11::bytes(str.attr("encode")());
 }
 
+/// A message as a str: bytes that are not UTF-8 are written as \xff.
+inline pybind11::object messageFrom(const std::string& text) {
+  return pybind11::reinterpret_steal<pybind11::object>(PyUnicode_DecodeUTF8(
+      text.data(), static_cast<pybind11::ssize_t>(text.size()), "backslashreplace"));
+}
+
 /// Of a str or an os.PathLike. Throws InputError, which shows no more of it than its beginning, for
 /// a text that is longer than a path or has a line break or a '<' in it; TypeError for anything
 /// else.
 std::string pathFrom(const pybind11::handle& value, const std::string& what);
 
 /// A str with a '<' in it is the XML itself, anything else a path. `what`: "urdf", its origin if it
-/// is the text. Throws as pathFrom().
+/// is the text. Throws as pathFrom(), and InputError for a file that is not UTF-8, since every name
+/// in it may become a str.
 TextFrom xmlFrom(const pybind11::handle& value, const std::string& what);
 
 /// Python's warnings.warn(message).

@@ -62,7 +62,14 @@ void requireInitialised(const py::handle& value) {
 PYBIND11_MODULE(_native, module) {
   using namespace collision_pairs;
   module.attr("__name__") = "collision_pairs";  // where its classes are to be found
-  py::register_exception<InputError>(module, "InputError", PyExc_ValueError);
+  static const py::exception<InputError> input_error(module, "InputError", PyExc_ValueError);
+  py::register_exception_translator([](std::exception_ptr thrown) {
+    try {
+      if (thrown) std::rethrow_exception(thrown);
+    } catch (const InputError& error) {
+      PyErr_SetObject(input_error.ptr(), messageFrom(error.what()).ptr());
+    }
+  });
   addEnum<Verdict>(
       module, "Verdict", "The overall result of a check.",
       {{"FREE", Verdict::FREE}, {"COLLISION", Verdict::COLLISION}, {"UNKNOWN", Verdict::UNKNOWN}});

@@ -1,4 +1,5 @@
 // The Python class Robot.
+#include <algorithm>
 #include <climits>
 #include <limits>
 
@@ -39,6 +40,18 @@ PythonRobot robotFromParameters(const std::string& description, const std::strin
                      "' is not set, neither here nor in a namespace above");
   }
   return makeRobot({"parameter '" + description + "'", utf8From(urdf)}, srdf);
+}
+
+void requireUtf8(const TextFrom& file) {
+  try {
+    py::bytes(file.content).attr("decode")("utf-8");
+  } catch (const py::error_already_set& error) {
+    if (!error.matches(PyExc_UnicodeDecodeError)) throw;
+    const auto at = error.value().attr("start").cast<std::size_t>();
+    const auto line = std::count(file.content.begin(), file.content.begin() + at, '\n') + 1;
+    throw InputError(file.origin + " line " + std::to_string(line) +
+                     ": it is not in UTF-8; convert it, for example with iconv -f latin1 -t utf-8");
+  }
 }
 
 /// By index: the joints that a state can name and that follow no other.
@@ -87,12 +100,14 @@ TextFrom xmlFrom(const py::handle& value, const std::string& what) {
     const std::string text = utf8From(value);
     if (text.find('<') != std::string::npos) return {what, text};
   }
-  const std::string path = pathFrom(value, what);
-  return textFromFile(path);
+  const TextFrom file = textFromFile(pathFrom(value, what));
+  requireUtf8(file);
+  return file;
 }
 
 void warn(const std::string& message) {
-  if (PyErr_WarnEx(PyExc_UserWarning, message.c_str(), 1) < 0) throw py::error_already_set();
+  const py::object text = messageFrom(message);
+  if (PyErr_WarnFormat(PyExc_UserWarning, 1, "%U", text.ptr()) < 0) throw py::error_already_set();
 }
 
 void bindRobot(py::module& module) {
