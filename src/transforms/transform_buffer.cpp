@@ -155,17 +155,17 @@ void FrameWays::Way::join(const Way& other) {
 }
 
 FrameWays::FrameWays(const TransformBuffer& buffer, int target, const Instant& instant)
-    : buffer_(buffer), target_(target), instant_(instant) {
+    : buffer_(buffer), target_(target), instant_(instant), ways_(buffer.frames().size()) {
   Way way;
   way.is_known = true;
   StampNs stamp;
-  for (int frame = target, parent; up_.size() <= DEEPEST_TREE; frame = parent) {
-    up_.push_back(frame);
-    up_ways_.push_back(way);
+  for (int frame = target, parent; !ways_[frame].is_asked; frame = parent) {
+    ways_[frame] = {way, true};
     if (!step(frame, stamp, parent)) return;
     way.pass(stamp);
   }
-  up_.clear();  // a cycle: round it, what hangs on the target would be what it hangs on
+  ways_.assign(ways_.size(),
+               {});  // a cycle: round it, what hangs on the target would be what it hangs on
 }
 
 bool FrameWays::step(int frame, StampNs& stamp, int& parent) const {
@@ -187,22 +187,26 @@ bool FrameWays::step(int frame, StampNs& stamp, int& parent) const {
 }
 
 FrameWays::Way FrameWays::to(int source) const {
+  // Up to a frame whose way is known already, then down again: each frame is asked about once.
+  std::vector<std::pair<int, StampNs>> steps;  // frames, and the stamps above them
   Way way;
   way.is_known = source == target_;
   if (way.is_known) return way;
-  int frame = source;
-  for (std::size_t depth = 0; depth <= DEEPEST_TREE; ++depth) {
-    const auto met = std::find(up_.begin(), up_.end(), frame);
-    if (met != up_.end()) {
-      way.join(up_ways_[static_cast<std::size_t>(met - up_.begin())]);
-      way.is_known = true;
-      return way;
+  for (int frame = source, parent; steps.size() <= DEEPEST_TREE; frame = parent) {
+    if (ways_[frame].is_asked) {
+      way = ways_[frame];
+      break;
     }
     StampNs stamp;
-    int parent;
-    if (!step(frame, stamp, parent)) return way;
-    way.pass(stamp);
-    frame = parent;
+    if (!step(frame, stamp, parent)) {
+      ways_[frame].is_asked = true;
+      break;
+    }
+    steps.emplace_back(frame, stamp);
+  }
+  for (; !steps.empty(); steps.pop_back()) {
+    way.pass(steps.back().second);
+    ways_[steps.back().first] = {way, true};
   }
   return way;
 }

@@ -128,8 +128,10 @@ class FrameWays {
   const TransformBuffer& buffer_;
   const int target_;
   const Instant instant_;
-  std::vector<int> up_;       ///< the target and its ancestors
-  std::vector<Way> up_ways_;  ///< to each of them
+  struct Asked : Way {
+    bool is_asked = false;
+  };
+  mutable std::vector<Asked> ways_;  ///< by frame, as far as they were asked about
 };
 
 /// Pose of one frame in another, and the stamps on the way. At NEWEST: at the newest instant that

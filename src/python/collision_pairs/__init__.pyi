@@ -187,7 +187,8 @@ class Detector:
         """threads: of a batch; 0: one per core."""
     def check(self, states: ArrayLike, joints: Optional[Sequence[str]] = None, alarm_distance: float = 0.05,
               fidelity: Union[str, Fidelity] = "mesh", min_distance: bool = False, verdict_only: bool = False,
-              time_budget: float = 0.0, gradient: bool = False, tolerance: float = 0.0) -> CheckResult:
+              time_budget: float = 0.0, gradient: bool = False, tolerance: float = 0.0,
+              broad_phase: str = "auto") -> CheckResult:
         """states: (n, len(joints)), or (len(joints),) for one; rad or m. float64 is read in place, with any strides;
         float32, integers and lists are converted. joints: None: Detector.joints; joints that are not named are taken
         as zero, or their nearest limit, with a warning. alarm_distance: m, pairs up to this far apart are reported.
