@@ -98,9 +98,9 @@ def test_progress_is_shown_on_a_terminal_and_erased(tool, tmp_path):
 
 
 DEFAULTS = {
-    "check_states": "voxel-size=0 fidelity=mesh alarm-distance=0 tolerance=0 time-budget=0 max-hull-vertices=0 threads=0",
+    "check_states": "voxel-size=0 fidelity=mesh broad-phase=auto alarm-distance=0 tolerance=0 time-budget=0 max-hull-vertices=0 threads=0",
     "check_motion": "voxel-size=0 fidelity=mesh clearance=0 resolution=0.001 threads=0",
-    "check_bag": "fidelity=mesh alarm-distance=0.05 tolerance=0",
+    "check_bag": "fidelity=mesh broad-phase=auto alarm-distance=0.05 tolerance=0",
     "generate_srdf": "samples=50000 seed=1 threads=0 confidence=0.99 max-probability=0.0001 clearance=0 searches=20 "
                      "narrow-phase=native",
     "merge_bag_checks": "alarm-distance=0.05 max-gap=1"}

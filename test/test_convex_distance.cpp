@@ -1,4 +1,6 @@
 // The accuracy table in short, against an oracle that shares nothing with the code under test.
+#include <dlfcn.h>
+
 #include <gtest/gtest.h>
 
 #include "benchmark/accuracy_rows.h"
@@ -296,6 +298,17 @@ TEST(ConvexHullOfManyPoints, OfAPrismUnderADomeKeepsTheCornersOfThePrism) {
   EXPECT_GT(hull.volume, of_prism);
   points.resize(nb_of_prism);
   EXPECT_NEAR(convexHull(points).volume, of_prism, 1e-12);
+}
+
+// Else the calls of others to libqhull_r, geometric_shapes among them, would end the process
+// (test_qhullcpp_loaded).
+TEST(ConvexHullOfManyPoints, PutsNoOtherLibraryBeforeThatOfQhullInC) {
+  convexHull({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}});
+  Dl_info info;
+  void* const symbol = dlsym(RTLD_DEFAULT, "qh_fprintf");
+  ASSERT_NE(symbol, nullptr);
+  ASSERT_NE(dladdr(symbol, &info), 0);
+  EXPECT_NE(std::string(info.dli_fname).find("libqhull_r"), std::string::npos) << info.dli_fname;
 }
 
 }  // namespace

@@ -274,6 +274,65 @@ TEST(SceneSettingsMap, HasTheLimitsOfPosesAndSaysWhatOnlyTheNodeFollows) {
   for (const auto& [yaml, ignored] : cases) EXPECT_EQ(read(yaml).of_the_node_only, ignored) << yaml;
 }
 
+/// Calls visit(map) for each map in `node` whose keys are words, not names of links.
+void forEachMap(YAML::Node node, const std::function<void(YAML::Node map)>& visit) {
+  if (node.IsMap()) visit(node);
+  for (const auto& entry : node) {
+    const bool has_key = node.IsMap();
+    const std::string key = has_key ? entry.first.as<std::string>() : "";
+    if (key == "link_fidelity" || key == "link_padding") continue;
+    forEachMap(has_key ? entry.second : entry, visit);
+  }
+}
+
+// Whatever word is wrong or new, wherever it stands, its setting would not be followed.
+TEST(SceneSettingsMap, NoWordThatIsNotKnownIsSkippedAnywhere) {
+  const std::string whole =
+      "{padding: 0.01, link_padding: {arm: 0.02}, pair_padding: [{pair: [a, b], padding: 0.01}], "
+      "pair_rules: [{allow: [a, b]}, {deny: [b, c]}], floor: {height: 0, touch_links: [a]}, "
+      "clouds: [{topic: points, voxel_size: 0.02, max_range: 2, box: [0, 0, 0, 1, 1, 1]}], "
+      "ignored_links: [x], max_pose_age: 1, fidelity: mesh, rate: 50, group: arm, links: [a]}";
+  const auto refusal = [](const YAML::Node& map) {
+    try {
+      readSceneSettings(map, "x.yaml");
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string("accepted");
+  };
+  ASSERT_EQ(refusal(YAML::Load(whole)), "accepted");
+  std::size_t nb_tried = 0;
+  std::size_t nb_maps = 0;
+  YAML::Node first = YAML::Load(whole);
+  forEachMap(first, [&](const YAML::Node&) { ++nb_maps; });
+  for (std::size_t m = 0; m < nb_maps; ++m) {
+    // Of the map number m: with one word more, then with each of its words misspelt.
+    for (std::size_t word = 0; word <= 12; ++word) {
+      YAML::Node root = YAML::Load(whole);
+      std::size_t number = 0;
+      std::string wrong;
+      forEachMap(root, [&](YAML::Node map) {
+        if (number++ != m) return;
+        std::vector<std::string> keys;
+        for (const auto& entry : map) keys.push_back(entry.first.as<std::string>());
+        if (word == 0) {
+          wrong = "frobnicate";
+          map[wrong] = 1;
+        } else if (word <= keys.size()) {
+          const std::string key = keys[word - 1];
+          wrong = key.substr(0, 1) + "q" + key.substr(1);
+          map[wrong] = map[key];
+          map.remove(key);
+        }
+      });
+      if (wrong.empty()) continue;
+      ++nb_tried;
+      EXPECT_THAT(refusal(root), testing::HasSubstr(wrong)) << root;
+    }
+  }
+  EXPECT_GT(nb_tried, 25u);
+}
+
 TEST(SceneSettingsMap, WhatIsIgnoredIsWarnedOfInOneSentence) {
   SceneConfig config = readSceneConfig(YAML::Load("clouds: [{topic: /a}, {topic: b}]"));
   const std::string warned = "ignored, so a state may be free only without them: ";

@@ -135,7 +135,7 @@ void declareFidelity(CommandLine& command_line, SceneOptions& options) {
 
 void declareBroadPhase(CommandLine& command_line, SceneOptions& options) {
   command_line.option("broad-phase", options.broad_phase, "NAME",
-                      "auto (default): few boxes each against each, many by direct sweep and "
+                      "auto: few boxes each against each, many by direct sweep and "
                       "prune; sweep: always that");
 }
 
