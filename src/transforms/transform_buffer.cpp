@@ -164,8 +164,8 @@ FrameWays::FrameWays(const TransformBuffer& buffer, int target, const Instant& i
     if (!step(frame, stamp, parent)) return;
     way.pass(stamp);
   }
-  ways_.assign(ways_.size(),
-               {});  // a cycle: round it, what hangs on the target would be what it hangs on
+  // A cycle: round it, what hangs on the target would be what it hangs on.
+  ways_.assign(ways_.size(), {});
 }
 
 bool FrameWays::step(int frame, StampNs& stamp, int& parent) const {
