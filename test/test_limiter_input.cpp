@@ -203,6 +203,19 @@ TEST(JointPositions, AheadOfTheClockAreTakenUpToTheToleranceAndAgainAtTheSameSta
             "the position of joint 'a' is not finite");
 }
 
+// Whatever names arrive, those of the past and those that are refused.
+TEST(JointPositions, AreOfTenThousandNamesAtMost) {
+  JointPositions positions;
+  for (int i = 0; i < 30000; ++i) {
+    positions.take(state(i % 2 ? 1.0 : 9.0, {"joint" + std::to_string(i)}, {0.5}), 1.0, 0.1);
+  }
+  EXPECT_EQ(positions.all().size(), 5000u);
+  positions.take(state(1.0, {"joint1"}, {0.7}), 1.0, 0.1);
+  EXPECT_EQ(positions.all().at("joint1").value, 0.7);
+  EXPECT_EQ(refusalBy([&] { positions.oldestOf({"joint29999"}, 1.0, 0.1); }),
+            "nobody reports joint 'joint29999'");
+}
+
 TEST(JointPositions, AreMeasuredNoLaterThanTheyArrive) {
   RandomInputs random;
   for (int i = 0; i < 1000; ++i) {

@@ -160,5 +160,22 @@ TEST(SolidPairs, SettleMostPairsOfLargeMeshesAndAllRightly) {
   }
 }
 
+// A byte for each two elements: of a scene of many nothing is kept.
+TEST(SolidPairs, TakeLittleMemoryHoweverManyObjectsThereAre) {
+  std::string many = "<robot name='world'><link name='things'>";
+  for (int i = 0; i < 20000; ++i) {
+    many += "<collision><geometry><box size='1 1 1'/></geometry></collision>";
+  }
+  const auto world = RobotModel::fromUrdf(many + "</link></robot>", noMeshes);
+  const auto robot = RobotModel::fromUrdf("<robot name='r'>" + emptyLink("base") +
+                                              linkWith("a", "<box size='0.3 0.2 0.1'/>") +
+                                              joint("x", "floating", "base", "a") + "</robot>",
+                                          noMeshes);
+  const auto scene = CollisionScene::build(robot, Srdf(), world);
+  ASSERT_EQ(scene->elements().size(), 20001u);
+  const BatchModel model(*scene, true);
+  EXPECT_LT(SolidPairs(*scene, model).memory(), 20e6);
+}
+
 }  // namespace
 }  // namespace collision_pairs

@@ -143,7 +143,7 @@ bool SolidPairs::touch(const Kept& solid, const Kept& other, const Isometry3d& X
 }
 
 std::size_t SolidPairs::memory() const {
-  std::size_t bytes = kept_.size() * sizeof(Kept);
+  std::size_t bytes = kept_.size() * sizeof(Kept) + is_worth_.size();
   for (const Kept& kept : kept_) {
     if (!kept.is_made.load(std::memory_order_acquire)) continue;
     bytes +=
