@@ -155,17 +155,16 @@ void FrameWays::Way::join(const Way& other) {
 }
 
 FrameWays::FrameWays(const TransformBuffer& buffer, int target, const Instant& instant)
-    : buffer_(buffer), target_(target), instant_(instant), ways_(buffer.frames().size()) {
+    : buffer_(buffer), target_(target), instant_(instant) {
   Way way;
   way.is_known = true;
   StampNs stamp;
-  for (int frame = target, parent; !ways_[frame].is_asked; frame = parent) {
-    ways_[frame] = {way, true};
+  for (int frame = target, parent; ways_.try_emplace(frame, way).second; frame = parent) {
     if (!step(frame, stamp, parent)) return;
     way.pass(stamp);
   }
   // A cycle: round it, what hangs on the target would be what it hangs on.
-  ways_.assign(ways_.size(), {});
+  ways_.clear();
 }
 
 bool FrameWays::step(int frame, StampNs& stamp, int& parent) const {
@@ -193,20 +192,20 @@ FrameWays::Way FrameWays::to(int source) const {
   way.is_known = source == target_;
   if (way.is_known) return way;
   for (int frame = source, parent; steps.size() <= DEEPEST_TREE; frame = parent) {
-    if (ways_[frame].is_asked) {
-      way = ways_[frame];
+    if (const auto known = ways_.find(frame); known != ways_.end()) {
+      way = known->second;
       break;
     }
     StampNs stamp;
     if (!step(frame, stamp, parent)) {
-      ways_[frame].is_asked = true;
+      ways_[frame] = way;
       break;
     }
     steps.emplace_back(frame, stamp);
   }
   for (; !steps.empty(); steps.pop_back()) {
     way.pass(steps.back().second);
-    ways_[steps.back().first] = {way, true};
+    ways_[steps.back().first] = way;
   }
   return way;
 }

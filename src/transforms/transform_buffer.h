@@ -4,6 +4,7 @@
 #include <deque>
 #include <memory>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 #include "collision_pairs/input_error.h"
@@ -128,10 +129,7 @@ class FrameWays {
   const TransformBuffer& buffer_;
   const int target_;
   const Instant instant_;
-  struct Asked : Way {
-    bool is_asked = false;
-  };
-  mutable std::vector<Asked> ways_;  ///< by frame, as far as they were asked about
+  mutable std::unordered_map<int, Way> ways_;  ///< by frame, as far as they were asked about
 };
 
 /// Pose of one frame in another, and the stamps on the way. At NEWEST: at the newest instant that
