@@ -151,10 +151,8 @@ struct NarrowPhase::Scratch {
     const auto isAlongNormal = [&](const PairDistance& depth) {
       return gapAlong(depth.nhat_AB_A, A.core, B.core, X_AB) >= depth.distance - doubtOf(A, B);
     };
-    const bool is_deep = fcl.found.distance < -doubtOf(A, B);
-    const bool touches = fcl.outcome == Outcome::TOUCHING || fcl.outcome == Outcome::DEPTH;
-    if (touches && !(fcl.outcome == Outcome::DEPTH && is_deep) && isHairApart(A, B, X_AB)) {
-      ++num_answered_natively;
+    const bool is_shallow = fcl.outcome == Outcome::DEPTH && fcl.found.distance >= -doubtOf(A, B);
+    if ((fcl.outcome == Outcome::TOUCHING || is_shallow) && isHairApart(A, B, X_AB)) {
       return nativeDistance(A, B, X_AB, max_distance, accuracy);
     }
     if (fcl.outcome == Outcome::DEPTH && isAlongNormal(fcl.found)) return fcl.found;
@@ -189,7 +187,10 @@ struct NarrowPhase::Scratch {
   bool isHairApart(const Prepared& A, const Prepared& B, const Isometry3d& X_AB) {
     PairDistance detail;
     if (nativeTouches(A, B, X_AB, 0.0, detail)) return false;
-    return isWithin(nativeDistance(A, B, X_AB, doubtOf(A, B) + band), doubtOf(A, B) + band);
+    const double error = doubtOf(A, B) + band;
+    const bool is_apart = isWithin(nativeDistance(A, B, X_AB, error), error);
+    num_answered_natively += is_apart;
+    return is_apart;
   }
 
   // For two whose surfaces are disjoint.
