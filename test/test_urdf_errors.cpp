@@ -229,6 +229,17 @@ TEST(UrdfText, LineOfTheFaultIsNamed) {
   EXPECT_THAT(with(12, "-1", "low"), testing::StartsWith("URDF line 12: joint 'x': <limit>"));
 }
 
+// Of a joint between others, whose own links would be missing first in a part of the file.
+TEST(UrdfText, LineOfAJointWhoseLinkDoesNotExistIsNamedAmongMany) {
+  std::string xml = "<robot name='r'>\n";
+  for (int i = 0; i < 9; ++i) xml += emptyLink("l" + std::to_string(i)) + "\n";
+  for (int i = 1; i < 9; ++i) {
+    const std::string above = i == 4 ? "nobody" : "l" + std::to_string(i - 1);
+    xml += joint("j" + std::to_string(9 - i), "fixed", above, "l" + std::to_string(i)) + "\n";
+  }
+  EXPECT_THAT(refusal(xml + "</robot>"), testing::StartsWith("URDF line 14: joint 'j5': "));
+}
+
 TEST(UrdfText, NumbersMayStandBetweenAnyBlanks) {
   const auto robot =
       RobotModel::fromUrdf("<robot name='r'>" + shape("<box size=' 1\t2\n 3 '/>") +

@@ -41,7 +41,8 @@ std::string ownerOf(const XMLElement& element) {
 }
 
 bool isIn(const XMLElement& element, const char* parent) {
-  return std::strcmp(element.Parent()->Value(), parent) == 0;
+  const char* const above = element.Parent()->Value();  // null: the document
+  return above && std::strcmp(above, parent) == 0;
 }
 
 const XmlNames& namesIn(const XMLElement& element) {
@@ -172,9 +173,23 @@ urdf::ModelInterfaceSharedPtr parse(const std::string& text, std::vector<std::st
   return model;
 }
 
+/// The last link or joint that the complaint names in brackets; null: none.
+const XMLElement* named(const std::vector<const XMLElement*>& read, const std::string& complaint) {
+  const XMLElement* last = nullptr;
+  for (const XMLElement* element : read) {
+    if (!isIn(*element, "robot")) continue;
+    const std::string quoted = "[" + std::string(element->Attribute("name")) + "]";
+    if (complaint.find(quoted) != std::string::npos) last = element;
+  }
+  return last;
+}
+
 /// urdfdom names no line: the element is to blame with which the complaint begins; if it is of the
-/// tree ("Failed to build tree: ..."), the whole joint or link.
+/// tree ("Failed to build tree: ..."), the whole joint or link that it names.
 const XMLElement& blamed(const std::vector<const XMLElement*>& read, const std::string& complaint) {
+  const bool is_of_tree = complaint.rfind("Failed to ", 0) == 0;
+  const XMLElement* const whole = is_of_tree ? named(read, complaint) : nullptr;
+  if (whole) return *whole;
   std::size_t without = 0, with = read.size();
   while (with - without > 1) {
     const std::size_t middle = (without + with) / 2;
@@ -182,12 +197,7 @@ const XMLElement& blamed(const std::vector<const XMLElement*>& read, const std::
     parse(textOf(read, middle), said);
     (contains(said, complaint) ? with : without) = middle;
   }
-  const XMLElement* element = read[with - 1];
-  const bool is_of_tree = complaint.rfind("Failed to ", 0) == 0;
-  while (is_of_tree && with > 1 && !isIn(*element, "robot")) {
-    element = element->Parent()->ToElement();
-  }
-  return *element;
+  return *read[with - 1];
 }
 
 /// urdfdom skips some of what it does not understand, and goes on.
