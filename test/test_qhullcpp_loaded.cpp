@@ -1,5 +1,5 @@
-// In this program libqhullcpp comes before libqhull_r, as where PCL or another user of it was loaded
-// first. Its qh_fprintf() ends the process for states of C, at any message.
+// In this program libqhullcpp comes before libqhull_r, as where PCL or another user of it was
+// loaded first. Its qh_fprintf() ends the process for states of C, at any message.
 #include <dlfcn.h>
 
 #include <cmath>

@@ -167,8 +167,8 @@ class CollisionScene {
   /// Why a check would say nothing, in words: there is no pair to check, or a robot without any
   /// collision geometry. Empty: it says something.
   const std::string& unchecked() const { return unchecked_; }
-  /// One sentence for each mesh that has open sheets, with the models that have it, of which more than 1 % of its
-  /// surface is missing: they enclose nothing, and a body wholly inside is not found.
+  /// One sentence for each mesh that has open sheets, and of whose surface more than 1 % is missing,
+  /// with the models that have it: they enclose nothing, and a body wholly inside is not found.
   /// Of the meshes whose triangles the scene's fidelities need.
   std::vector<std::string> openMeshes() const;
   /// Whether a check can end FREE: something is checked, or settings.allow_empty_scene.

@@ -31,9 +31,9 @@ struct Srdf {
   /// Elements and attributes that are unknown, with their lines.
   std::vector<std::string> warnings;
 
-  /// Throws InputError with the line, also for a URDF, and where a name is within two letters of one
-  /// that is read. Repeated pairs and a link paired with itself
-  /// are common in generated files and are ignored.
+  /// Throws InputError with the line, also for a URDF, and where a name is within two letters of
+  /// one that is read. Repeated pairs and a link paired with itself are common in generated files
+  /// and are ignored.
   static Srdf fromXml(const std::string& xml);
 
   /// The disabled pairs of `links`, in MoveIt's order: links disabled by default, then pairs

@@ -45,13 +45,6 @@ CollisionPair toMessage(const PairReport& pair, const CollisionReport& report,
   return message;
 }
 
-std::string firstOf(const std::vector<std::string>& names) {
-  constexpr std::size_t MAX_NAMED = 10;  // left_out and pairs list all
-  if (names.size() <= MAX_NAMED) return joined(names);
-  return joined({names.begin(), names.begin() + MAX_NAMED}) + " and " +
-         std::to_string(names.size() - MAX_NAMED) + " more";
-}
-
 std::vector<std::string> namesOfUnresolved(const CollisionReport& report,
                                            const CollisionScene& scene) {
   std::vector<std::string> names;

@@ -30,7 +30,8 @@ inline StampNs before(StampNs stamp, StampNs span) {
 struct PoseLimits {
   /// A pose older than this relative to now is not used; 0: no limit.
   double max_pose_age = 1.0;
-  /// … nor one older than this relative to the newest transform of any frame that places the robot.
+  /// … nor one older than this relative to the newest transform of any frame that places the
+  /// robot.
   /// Between two transforms further apart than this nothing is interpolated.
   double max_transform_age = 1.0;
   /// A stamp further ahead of now is refused, because clocks of computers differ by less.

@@ -6,7 +6,6 @@
 #include <cstdio>
 #include <cstdlib>
 #include <numeric>
-#include <sstream>
 
 #include <locale.h>
 
@@ -43,15 +42,6 @@ bool parseNumber(const std::string& text, double& value) {
   return rest == number.c_str() + number.size() && std::isfinite(value);
 }
 
-bool parseVector3(const std::string& text, Eigen::Vector3d& value) {
-  std::istringstream words(text);
-  std::string word;
-  for (int i = 0; i < 3; ++i) {
-    if (!(words >> word) || !parseNumber(word, value[i])) return false;
-  }
-  return !(words >> word);
-}
-
 std::string nearestName(const std::string& given, const std::vector<std::string>& names,
                         std::size_t most_edits) {
   std::string nearest;
@@ -69,6 +59,17 @@ std::string joined(const std::vector<std::string>& words, const std::string& sep
   std::string text;
   for (const std::string& word : words) text += (text.empty() ? "" : separator) + word;
   return text;
+}
+
+std::string firstOf(const std::vector<std::string>& words) {
+  constexpr std::size_t MOST = 10;
+  if (words.size() <= MOST) return joined(words);
+  return joined({words.begin(), words.begin() + MOST}) + " and " +
+         std::to_string(words.size() - MOST) + " more";
+}
+
+bool contains(const std::vector<std::string>& words, const std::string& word) {
+  return std::find(words.begin(), words.end(), word) != words.end();
 }
 
 std::string inWords(double seconds) { return formatted("%.2f s", seconds); }

@@ -13,7 +13,6 @@ namespace collision_pairs {
 /// Parses the whole text, except blanks at its ends, as finite numbers; false for anything else.
 /// Independent of the locale.
 bool parseNumber(const std::string& text, double& value);
-bool parseVector3(const std::string& text, Eigen::Vector3d& value);
 
 /// The name with the smallest edit distance from `given` (Levenshtein 1965); the first of several,
 /// empty if none is within `most_edits`.
@@ -27,6 +26,11 @@ inline std::string withoutLeadingSlash(const std::string& name) {
 
 /// "a, b, c"
 std::string joined(const std::vector<std::string>& words, const std::string& separator = ", ");
+
+/// The same, of more than ten the first: "a, b, ... and 3 more".
+std::string firstOf(const std::vector<std::string>& words);
+
+bool contains(const std::vector<std::string>& words, const std::string& word);
 
 /// "0.25 s"
 std::string inWords(double seconds);

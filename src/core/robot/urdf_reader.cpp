@@ -220,16 +220,10 @@ class UrdfReader {
       if (link->collision_array.empty()) bare.push_back(name);
     }
     if (bare.empty()) return;
-    constexpr std::size_t MOST_NAMED = 10;
-    const std::size_t nb_bare = bare.size();
-    if (nb_bare > MOST_NAMED) {
-      bare.resize(MOST_NAMED);
-      bare.push_back("and " + std::to_string(nb_bare - MOST_NAMED) + " more");
-    }
-    warnings_.push_back(std::to_string(nb_bare) + " of " + std::to_string(nb_visual) +
+    warnings_.push_back(std::to_string(bare.size()) + " of " + std::to_string(nb_visual) +
                         " links with a visual have no collision geometry, so nothing checks "
                         "them: " +
-                        joined(bare));
+                        firstOf(bare));
   }
 
   tinyxml2::XMLDocument document_;

@@ -1,6 +1,5 @@
 #include "urdfdom_parser.h"
 
-#include <algorithm>
 #include <cstring>
 #include <mutex>
 #include <set>
@@ -11,6 +10,7 @@
 #include <urdf_parser/urdf_parser.h>
 
 #include "collision_pairs/input_error.h"
+#include "user_text.h"
 #include "xml_file.h"
 #include "xml_names.h"
 
@@ -20,10 +20,6 @@ namespace {
 using tinyxml2::XMLElement;
 
 const std::string WHAT = "URDF";
-
-bool contains(const std::vector<std::string>& words, const std::string& word) {
-  return std::find(words.begin(), words.end(), word) != words.end();
-}
 
 /// The link or joint that the element is, or is in: "link 'arm': ".
 std::string ownerOf(const XMLElement& element) {
@@ -57,9 +53,8 @@ void gather(const XMLElement& element, std::vector<const XMLElement*>& read) {
   read.push_back(&element);
   const bool is_geometry = std::strcmp(element.Name(), "geometry") == 0;
   for (auto* child = element.FirstChildElement(); child; child = child->NextSiblingElement()) {
-    const bool has_namespace = std::strchr(child->Name(), ':') != nullptr;
     const bool is_read =
-        is_geometry ? !has_namespace : contains(namesIn(element).read, child->Name());
+        is_geometry ? !hasNamespace(child->Name()) : contains(namesIn(element).read, child->Name());
     if (is_read) gather(*child, read);
   }
 }
@@ -78,7 +73,7 @@ void refuseSecond(const std::vector<const XMLElement*>& read) {
   }
 }
 
-/// What urdfdom would take, but give no reason for, or a link without a name.
+/// What urdfdom would take, a part without a name, and what it would refuse without a reason.
 void requireParts(const std::vector<const XMLElement*>& read) {
   for (const XMLElement* element : read) {
     const std::string tag = element->Name();

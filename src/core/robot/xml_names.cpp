@@ -1,7 +1,7 @@
 #include "xml_names.h"
 
-#include <algorithm>
 #include <cstring>
+#include <utility>
 
 #include "user_text.h"
 #include "xml_file.h"
@@ -15,22 +15,13 @@ using Words = std::vector<std::string>;
 constexpr std::size_t MISSPELT = 2;  // letters; further off it may be another word
 constexpr std::size_t MOST_WARNINGS = 20;
 
-bool has(const Words& words, const std::string& word) {
-  return std::find(words.begin(), words.end(), word) != words.end();
-}
-
-bool hasNamespace(const std::string& name) { return name.find(':') != std::string::npos; }
-
-/// What says that a text was to be expanded: "${x}", "$(find x)"; none: empty.
-std::string leftover(const std::string& text) {
-  for (const char* begin : {"${", "$("}) {
+/// Whether it was to be expanded: "${x}", "$(find x)".
+bool isLeftover(const std::string& text) {
+  for (const auto& [begin, end] : {std::pair("${", '}'), std::pair("$(", ')')}) {
     const std::size_t at = text.find(begin);
-    if (at != std::string::npos &&
-        text.find(begin[1] == '{' ? '}' : ')', at) != std::string::npos) {
-      return text;
-    }
+    if (at != std::string::npos && text.find(end, at) != std::string::npos) return true;
   }
-  return "";
+  return false;
 }
 
 class NameCheck {
@@ -38,7 +29,7 @@ class NameCheck {
   NameCheck(const XmlGrammar& grammar, const std::string& what) : grammar_(grammar), what_(what) {
     for (const auto& [element, names] : grammar) {
       for (const std::string& read : names.read) {
-        if (!has(anywhere_, read)) anywhere_.push_back(read);
+        if (!contains(anywhere_, read)) anywhere_.push_back(read);
       }
     }
   }
@@ -62,7 +53,7 @@ class NameCheck {
   void refuseLeftovers(const XMLElement& element) const {
     for (const auto* a = element.FirstAttribute(); a; a = a->Next()) {
       const bool declares = std::strncmp(a->Name(), "xmlns", 5) == 0;
-      if (!declares && !leftover(a->Value()).empty()) {
+      if (!declares && isLeftover(a->Value())) {
         refuse(element, std::string(a->Name()) + "='" + a->Value() + "'");
       }
     }
@@ -71,9 +62,9 @@ class NameCheck {
       const std::string name = child->Name();
       if (name.rfind("xacro:", 0) == 0) refuse(*child, "<" + name + ">");
       const auto known = grammar_.find(element.Name());
-      const bool is_others =
-          hasNamespace(name) || name == "gazebo" || name == "transmission" ||
-          (known != grammar_.end() && has(known->second.unread, name) && grammar_.count(name) == 0);
+      const bool is_others = hasNamespace(name) || name == "gazebo" || name == "transmission" ||
+                             (known != grammar_.end() && contains(known->second.unread, name) &&
+                              grammar_.count(name) == 0);
       if (!is_others) refuseLeftovers(*child);
     }
   }
@@ -84,8 +75,8 @@ class NameCheck {
     const XmlNames& names = found->second;
     for (const auto* a = element.FirstAttribute(); a; a = a->Next()) {
       const std::string name = a->Name();
-      if (name == "xmlns" || hasNamespace(name) || has(names.read_attributes, name) ||
-          has(names.unread_attributes, name)) {
+      if (name == "xmlns" || hasNamespace(name) || contains(names.read_attributes, name) ||
+          contains(names.unread_attributes, name)) {
         continue;
       }
       unknown(element, "attribute '" + name + "' of <" + element.Name() + ">", name,
@@ -95,12 +86,12 @@ class NameCheck {
          child = child->NextSiblingElement()) {
       const std::string name = child->Name();
       if (hasNamespace(name)) continue;
-      const bool is_read = has(names.read, name);
-      if (is_read || has(names.unread, name)) {
-        if (is_read || !has(anywhere_, name)) checkElement(*child);
+      const bool is_read = contains(names.read, name);
+      if (is_read || contains(names.unread, name)) {
+        if (is_read || !contains(anywhere_, name)) checkElement(*child);
         continue;
       }
-      if (has(anywhere_, name) && grammar_.count(name) > 0) {
+      if (contains(anywhere_, name) && grammar_.count(name) > 0) {
         failAt(*child, what_,
                "<" + name + "> in <" + element.Name() + "> is not read; it belongs in <" +
                    parentOf(name) + ">");
@@ -112,7 +103,7 @@ class NameCheck {
 
   std::string parentOf(const std::string& name) const {
     for (const auto& [element, names] : grammar_) {
-      if (has(names.read, name)) return element;
+      if (contains(names.read, name)) return element;
     }
     return "";
   }
@@ -125,7 +116,7 @@ class NameCheck {
     const std::string near_read = nearestName(name, read, MISSPELT);
     const std::string nearest_read = near_read.empty() ? nearestName(name, read) : near_read;
     // Nearer to a name that is not used, it is taken for that.
-    if (!near_read.empty() && !has(unread, nearest)) {
+    if (!near_read.empty() && !contains(unread, nearest)) {
       failAt(element, what_,
              subject + " is unknown; did you mean " + left + near_read + right + "?");
     }
@@ -145,6 +136,8 @@ class NameCheck {
 };
 
 }  // namespace
+
+bool hasNamespace(const std::string& name) { return name.find(':') != std::string::npos; }
 
 std::vector<std::string> checkNames(const XMLElement& root, const XmlGrammar& grammar,
                                     const std::string& what) {

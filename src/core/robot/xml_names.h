@@ -23,6 +23,9 @@ using XmlGrammar = std::map<std::string, XmlNames>;
 const XmlGrammar& urdfGrammar();
 const XmlGrammar& srdfGrammar();
 
+/// "drake:declare_convex"
+bool hasNamespace(const std::string& name);
+
 /// Throws InputError with the line where something is left of xacro (an element xacro:..., ${...},
 /// $(...)), where a name is within two letters of one that is read there, and where an element that
 /// decides what is checked stands in another one that does not read it. Returns a warning for each
