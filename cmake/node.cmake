@@ -3,33 +3,47 @@ set(limiter_law src/ros/limiter/certified_surroundings.cpp src/ros/limiter/comma
                 src/ros/limiter/limiter_clock.cpp src/ros/limiter/limiter_law.cpp
                 src/ros/limiter/prepared_surroundings.cpp src/ros/limiter/stopping_tube.cpp)
 
+# What is known at any time: without threads, clocks or roscpp.
+add_library(collision_pairs_monitor STATIC
+  src/monitor/cloud_source.cpp
+  src/monitor/joint_query.cpp
+  src/monitor/monitor.cpp
+  src/monitor/scene_store.cpp
+  src/monitor/scene_updates.cpp
+  src/monitor/tf_poses.cpp
+  src/monitor/transform_input.cpp
+)
+target_include_directories(collision_pairs_monitor PUBLIC ${PROJECT_SOURCE_DIR}/src/monitor
+                                                   PRIVATE ${CORE_MODULES})
+target_link_libraries(collision_pairs_monitor PUBLIC collision_pairs_io collision_pairs_messages)
+set_target_properties(collision_pairs_monitor PROPERTIES POSITION_INDEPENDENT_CODE ON)  # for the nodelet
+collision_pairs_warnings(collision_pairs_monitor)
+collision_pairs_checked_indices(collision_pairs_monitor)
+
 # The node. Its parts are a library, so that tests can call the pure ones without a master.
 add_library(collision_pairs_ros STATIC
-  src/ros/clouds/cloud_sources.cpp
+  src/ros/clouds/cloud_threads.cpp
   src/ros/collision_pairs_node.cpp
-  src/ros/joint_query.cpp
   src/ros/limiter/limited_command.cpp
   src/ros/limiter/limiter_parameters.cpp
   src/ros/limiter/velocity_limiter.cpp
   ${limiter_law}
+  src/ros/live_monitor.cpp
   src/ros/node_health.cpp
   src/ros/parameters.cpp
   src/ros/query_services.cpp
   src/ros/report_publisher.cpp
+  src/ros/scene_builder.cpp
   src/ros/scene_loader.cpp
   src/ros/scene_service.cpp
-  src/ros/scene_store.cpp
-  src/ros/scene_updates.cpp
-  src/ros/tf_check.cpp
-  src/ros/tf_poses.cpp
-  src/ros/transform_input.cpp
+  src/ros/snapshot_check.cpp
 )
 target_include_directories(collision_pairs_ros PUBLIC ${PROJECT_SOURCE_DIR}/src/ros
                                                       ${PROJECT_SOURCE_DIR}/src/ros/clouds
                                                       ${PROJECT_SOURCE_DIR}/src/ros/limiter
                                                PRIVATE ${CORE_MODULES})
 target_include_directories(collision_pairs_ros SYSTEM PUBLIC ${catkin_INCLUDE_DIRS})
-target_link_libraries(collision_pairs_ros PUBLIC collision_pairs_io collision_pairs_messages ${catkin_LIBRARIES})
+target_link_libraries(collision_pairs_ros PUBLIC collision_pairs_monitor ${catkin_LIBRARIES})
 set_target_properties(collision_pairs_ros PROPERTIES POSITION_INDEPENDENT_CODE ON)  # for the nodelet
 collision_pairs_warnings(collision_pairs_ros)
 collision_pairs_checked_indices(collision_pairs_ros)

@@ -221,17 +221,6 @@ TEST_F(Report, ALinkThatIsLeftOutForTwoReasonsIsNamedOnce) {
   EXPECT_EQ(message.left_out, (std::vector<std::string>{"a_broken", "c"}));
 }
 
-TEST_F(Report, NamesUpToTenLinksAndCountsTheRest) {
-  const auto reasonFor = [&](int count) {
-    std::vector<std::string> broken;
-    for (int i = 0; i < count; ++i) broken.push_back("l" + std::to_string(i));
-    return whyUnknown(detector_.report(), *scene_, broken).front();
-  };
-  EXPECT_EQ(reasonFor(10),
-            "geometry that could not be read: l0, l1, l2, l3, l4, l5, l6, l7, l8, l9");
-  EXPECT_EQ(reasonFor(12), reasonFor(10) + " and 2 more");
-}
-
 TEST_F(Report, DoesNotBlameOpenPairsThatAreKnownToBeApart) {
   BodyPoses poses;
   poses.resize(scene_->bodies().size());
@@ -240,7 +229,7 @@ TEST_F(Report, DoesNotBlameOpenPairsThatAreKnownToBeApart) {
     poses.X_WB[scene_->models()[i].body].translation().x() = x[i];
   }
   settings_.time_budget = 1e-12;
-  EXPECT_EQ(whyUnknown(detector_.detect(poses, settings_), *scene_, {}),
+  EXPECT_EQ(detector_.detect(poses, settings_).unknown_because,
             std::vector<std::string>{"unresolved pairs that may be in contact: a|b"});
 }
 
@@ -280,12 +269,6 @@ TEST_F(Report, OfACheckThatLeavesOutAllPairsSaysWhyItIsUnknown) {
   EXPECT_EQ(message.verdict, CollisionPairs::UNKNOWN);
   EXPECT_EQ(message.unchecked, "every pair is ignored");
   EXPECT_EQ(message.unknown_because, (std::vector<std::string>{"every pair is ignored"}));
-}
-
-TEST(WhyUnknown, NamesWhatASceneDoesNotCheckAlsoWithoutAReport) {
-  const auto scene = CollisionScene::build(robotFrom("<link name='only'/>"), std::nullopt, nullptr);
-  EXPECT_FALSE(scene->unchecked().empty());
-  EXPECT_EQ(whyUnknown({}, *scene, {}), std::vector<std::string>{scene->unchecked()});
 }
 
 TEST_F(Report, WithVerdictOnlySaysThatItsPairsAreNotAll) {

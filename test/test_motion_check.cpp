@@ -211,6 +211,22 @@ TEST(MotionCheck, WithoutPairsNothingIsCertifiedUnlessThatIsPermitted) {
   EXPECT_EQ(report.free_until, 1.0);
 }
 
+TEST(MotionCheck, WhatIsInDoubtIsNotFreeAndAContactIsCertainAllTheSame) {
+  const auto scene = sceneOf(turningBar(), {boxAt("plate", {1.15, 0.0, 0.0}, {0.2, 0.002, 0.2})});
+  MotionCheck check(scene);
+  const MotionReport doubtful = check.check({{-1.0}, {1.3}}, {}, {}, {}, {"the clock stands"});
+  EXPECT_EQ(doubtful.verdict, Verdict::UNKNOWN);
+  EXPECT_EQ(doubtful.unknown_because, std::vector<std::string>{"the clock stands"});
+  EXPECT_EQ(doubtful.free_until, 0.0);
+  EXPECT_EQ(doubtful.clearance, 0.0);
+  EXPECT_EQ(check.check({{-1.0}, {1.3}}, {}).verdict, Verdict::FREE);
+  MotionCheck touching(sceneOf(turningBar(), {boxAt("plate", {0.8, 0.0, 0.0}, {0.2, 0.002, 0.2})}));
+  const MotionReport& hit = touching.check({{-1.0}, {1.3}}, {}, {}, {}, {"the clock stands"});
+  EXPECT_EQ(hit.verdict, Verdict::COLLISION);
+  EXPECT_EQ(hit.free_until, 0.0);
+  EXPECT_TRUE(hit.unknown_because.empty());
+}
+
 TEST(MotionCheck, InputThatIsNoneIsRefusedWithTheReason) {
   const auto scene = sceneOf(turningBar(), {boxAt("plate", {0.8, 0.0, 0.0}, {0.2, 0.002, 0.2})});
   const auto message = [&](const std::vector<double>& from, const std::vector<double>& to,

@@ -191,7 +191,7 @@ TEST(ElementsOfALink, ThatTouchPrevailOverThoseThatAreOpenAndThoseOverNearOnes) 
     }
     CollisionReport report;
     report.min_distance = 1.0;
-    found.assemble(*scene, true, true, report);
+    found.assemble(*scene, true, true, {}, report);
     ASSERT_EQ(report.pairs.size(), 1u);
     EXPECT_EQ(report.pairs[0].state, worst.state) << i;
     EXPECT_EQ(report.verdict, worst.verdict) << i;

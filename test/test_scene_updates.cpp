@@ -21,7 +21,6 @@ class Changes : public testing::Test {
     X_WH_.translation().x() = 1.0;
     X_WH_.linear() = Eigen::AngleAxisd(EIGEN_PI / 2, Vector3d::UnitZ()).toRotationMatrix();
     context_.world_frame = "world";
-    context_.load_mesh = noMeshLoader();
     context_.look_up = [this](const std::string& target, const std::string& source,
                               const ros::Time& stamp) -> Isometry3d {
       asked_stamp_ = stamp;
@@ -35,7 +34,12 @@ class Changes : public testing::Test {
     SceneChange change;
     change.operation = operation;
     change.object = object;
-    collision_pairs::apply(editsBy({change}, objects_, context_), objects_);
+    collision_pairs::apply(editsBy({change}), objects_);
+  }
+
+  ObjectEdits editsBy(const std::vector<SceneChange>& changes) const {
+    return collision_pairs::editsBy(changes, readAdded(changes, noMeshLoader()), objects_,
+                                    context_);
   }
 
   std::string refusalOf(std::uint8_t operation, const SceneObject& object) {
@@ -81,7 +85,7 @@ TEST_F(Changes, ALinkThatTheRobotDoesNotHaveIsRefused) {
     added_on.object.header.frame_id = link;
     for (const auto& changes : {std::vector<SceneChange>{added_on, remove},
                                 std::vector<SceneChange>{add, attach, remove}}) {
-      const auto apply = [&] { editsBy(changes, objects_, context_); };
+      const auto apply = [&] { editsBy(changes); };
       if (std::string(link) == "hand") {
         EXPECT_NO_THROW(apply());
       } else {
@@ -166,7 +170,7 @@ TEST_F(Changes, OfOneRequestSeeThoseBeforeThem) {
   };
   const auto why = [&](const std::vector<SceneChange>& changes) -> std::string {
     try {
-      editsBy(changes, objects_, context_);
+      editsBy(changes);
     } catch (const InputError& error) {
       return error.what();
     }
@@ -177,23 +181,23 @@ TEST_F(Changes, OfOneRequestSeeThoseBeforeThem) {
                     remove = change(SceneChange::REMOVE, boxObject("new", poseAt(0, 0, 0))),
                     add_lid = change(SceneChange::ADD, lid),
                     clear = change(SceneChange::CLEAR, SceneObject());
-  ObjectEdits edits = editsBy({add_lid, add, move, remove, add_lid}, objects_, context_);
+  ObjectEdits edits = editsBy({add_lid, add, move, remove, add_lid});
   EXPECT_EQ(edits.size(), 2u);
   EXPECT_FALSE(edits.at("new").has_value());
-  edits = editsBy({add, add_lid, remove}, objects_, context_);
+  edits = editsBy({add, add_lid, remove});
   EXPECT_EQ(edits.at("lid")->object.touch_links, std::vector<std::string>{"hand"});
   SceneChanges changes = sceneChanges(edits, objects_);
   EXPECT_TRUE(changes.removed.empty()) << "it was never there";
   ASSERT_EQ(changes.objects.size(), 1u);
   EXPECT_EQ(changes.objects[0].name, "lid");
-  edits = editsBy({clear, add, move}, objects_, context_);
+  edits = editsBy({clear, add, move});
   changes = sceneChanges(edits, objects_);
   EXPECT_EQ(changes.removed, std::vector<std::string>{"old"});
   EXPECT_EQ(changes.objects.at(0).X_PO.translation().x(), 2.0);
   EXPECT_THAT(why({add, remove, move}),
               HasSubstr("changes[2], object 'new': there is no such object"
                         "; did you mean 'old'?"));
-  EXPECT_FALSE(editsBy({add, clear}, objects_, context_).count("new"));
+  EXPECT_FALSE(editsBy({add, clear}).count("new"));
   EXPECT_THAT(why({remove}), HasSubstr("no such object"));
   EXPECT_THAT(why({clear, move}), HasSubstr("there is no such object; the scene has none"));
   EXPECT_THAT(why({clear, add_lid, move}), HasSubstr("did you mean 'lid'?"));

@@ -176,43 +176,40 @@ TEST_F(Transforms, ThatAreRefusedAreNamedUpToAThousand) {
 
 TEST_F(Transforms, ThatAreRefusedAreNamedForTwoSecondsAfterTheLast) {
   receive("a", 0.0, 1.0);
-  ros::WallDuration(1.5).sleep();
+  const double steady = input_.now().steady;
+  input_.followClock({now_, steady + 1.9});
   EXPECT_THAT(input_.refused(), ElementsAre(HasSubstr("'a'")));
-  ros::WallDuration(0.7).sleep();
+  input_.followClock({now_, steady + 2.1});
   EXPECT_THAT(input_.refused(), IsEmpty());
 }
 
 TEST_F(Transforms, AreInDoubtAlsoWhereTheClockStandsStillAfterALittleStepBack) {
-  ros::Time::setNow(now_);  // simulated from now on
-  TransformInput input(PoseLimits{0.03, 1.0, TOLERANCE});
-  input.followClock(now_);
-  for (int i = 0; i < 5; ++i) {
-    input.followClock(now_ - ros::Duration(0.05));
-    ros::WallDuration(0.02).sleep();
-  }
+  TransformInput input(TransformSettings{PoseLimits{0.03, 1.0, TOLERANCE}, true});
+  input.followClock({now_, 0.0});
+  for (int i = 0; i < 5; ++i) input.followClock({now_ - ros::Duration(0.05), 0.02 * i});
   EXPECT_THAT(input.clockDoubt(), HasSubstr("/clock stands still"));
   EXPECT_EQ(input.nbClockJumps(), 0u);
 }
 
 TEST_F(Transforms, AreInDoubtWhileASimulatedClockStandsStill) {
-  ros::Time::setNow(now_);  // simulated from now on
-  const auto doubtOf = [&](double max_pose_age, bool allow_paused, const ros::Time& now) {
-    TransformInput input(PoseLimits{max_pose_age, 1.0, TOLERANCE}, allow_paused);
-    input.followClock(now);
+  const auto doubtOf = [&](double max_pose_age, bool is_simulated, bool allow_paused,
+                           const ros::Time& now) {
+    TransformInput input(
+        TransformSettings{PoseLimits{max_pose_age, 1.0, TOLERANCE}, is_simulated, allow_paused});
+    input.followClock({now, 7.0});
     EXPECT_EQ(input.clockDoubt(), "");
-    ros::WallDuration(0.06).sleep();
+    input.followClock({now, 7.25});
     const std::string doubt = input.clockDoubt();
-    if (!now.isZero()) input.followClock(now + ros::Duration(0.01));
+    if (!now.isZero()) input.followClock({now + ros::Duration(0.01), 7.5});
     EXPECT_EQ(input.clockDoubt(), "") << "it goes on";
     return doubt;
   };
-  EXPECT_THAT(doubtOf(0.03, false, now_), HasSubstr("/clock stands still since 0."));
-  EXPECT_EQ(doubtOf(0.03, true, now_), "");
-  EXPECT_EQ(doubtOf(0.0, false, now_), "") << "no age matters";
-  EXPECT_EQ(doubtOf(0.03, false, ros::Time(0)), "") << "it has not begun";
-  EXPECT_EQ(doubtOf(9.0, false, now_), "") << "not yet";
-  ros::Time::init();
-  EXPECT_EQ(doubtOf(0.03, false, now_), "") << "a real clock";
+  EXPECT_THAT(doubtOf(0.03, true, false, now_), HasSubstr("/clock stands still since 0.25 s"));
+  EXPECT_EQ(doubtOf(0.03, true, true, now_), "");
+  EXPECT_EQ(doubtOf(0.0, true, false, now_), "") << "no age matters";
+  EXPECT_EQ(doubtOf(0.03, true, false, ros::Time(0)), "") << "it has not begun";
+  EXPECT_EQ(doubtOf(9.0, true, false, now_), "") << "not yet";
+  EXPECT_EQ(doubtOf(0.03, false, false, now_), "") << "a real clock";
 }
 
 /// A sphere on a joint for each of "a" and "b", and one fixed to the root.

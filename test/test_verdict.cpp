@@ -9,13 +9,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tf_check.h"
+#include "monitored_robot.h"
 
 namespace collision_pairs {
 namespace {
 
 constexpr double RADIUS = 0.5;
-const PoseLimits LIMITS;           // the defaults
+const PoseLimits LIMITS;  // the defaults
 
 using LinkPair = std::pair<std::string, std::string>;
 
@@ -52,18 +52,17 @@ class Faults {
       }
       x_[links_[i]] = 2.0 * i;
     }
-    scene_.scene =
-        CollisionScene::build(RobotModel::fromUrdf(urdf + "</robot>", {}), srdf, nullptr);
+    SceneParameters parameters;
+    parameters.sources.robots.push_back(
+        {std::make_unique<RobotSource>(urdf + "</robot>", noMeshes), srdf, ""});
+    load(monitor_, std::move(parameters));
     faulty_ = links_[random_() % links_.size()];
     fault_ = static_cast<int>(random_() % 8);
-    scene_.frame = "root";
-    scene_.tf_poses = std::make_unique<TfPoses>(transforms_, scene_.scene->robot(),
-                                                scene_.scene->bodies(), "root");
-    detector_ = std::make_unique<CollisionDetector>(scene_.scene);
+    detector_ = std::make_unique<CollisionDetector>(monitor_.scenes().active()->scene);
   }
 
   /// A fiftieth of a second: links move, publish or fail to; the next report.
-  CollisionPairs step() {
+  CollisionReport step() {
     now_ += 0.02;
     if (random_() % 40 == 0) faulty_ = links_[random_() % links_.size()];
     if (random_() % 40 == 0) fault_ = static_cast<int>(random_() % 8);
@@ -73,16 +72,15 @@ class Faults {
       if (silent_steps_ == 0) publish(link, link == faulty_ ? fault_ : 0);
     }
     silent_steps_ = std::max(0, silent_steps_ - 1);
-    const ros::Time now(now_);
-    transforms_.followClock(now);
-    const StampedPoses stamped = scene_.tf_poses->latest(now);
-    return checkPoses(scene_, stamped, doubtsOf(stamped, transforms_, now), CheckSettings(), now,
-                      0.0, *detector_);
+    monitor_.advance(ros::Time(now_));
+    const Snapshot snapshot = monitor_.at(monitor_.scenes().active());
+    time_ = snapshot.stamp.toSec();
+    return detector_->detect(snapshot.poses, CheckSettings());
   }
 
   /// Is some required pair not known to be apart at the instant of the report?
-  ::testing::AssertionResult isTrulyFree(const CollisionPairs& report) const {
-    const double time = report.header.stamp.toSec();
+  ::testing::AssertionResult isTrulyFree() const {
+    const double time = time_;
     for (const auto& [a, b] : required_) {
       for (const std::string& link : {a, b}) {
         const auto known = published_.find(link);
@@ -99,8 +97,8 @@ class Faults {
     return ::testing::AssertionSuccess();
   }
 
-  bool isTrulyInContact(const CollisionPairs& report) const {
-    const double time = report.header.stamp.toSec();
+  bool isTrulyInContact() const {
+    const double time = time_;
     for (const auto& [a, b] : required_) {
       if (!published_.count(a) || !published_.count(b)) continue;
       if (published_.at(a).rbegin()->first < time - 1e-6) continue;
@@ -131,7 +129,8 @@ class Faults {
     if (fault == 7) transform.transform.translation.x = std::nan("");
     if (fault > 1 && fault < 6) transform.transform.translation.x = elsewhere;
     transform.header.stamp = ros::Time(stamp);
-    transforms_.take(message, false, ros::Time(now_));
+    monitor_.advance(ros::Time(now_));
+    monitor_.take(message, false, "");
     if (fault == 0) published_[link][transform.header.stamp.toSec()] = x_[link];
   }
 
@@ -144,8 +143,8 @@ class Faults {
   std::string faulty_;
   int fault_ = 0;
   int silent_steps_ = 0;  // of all publishers
-  TransformInput transforms_{LIMITS};
-  ActiveScene scene_;
+  Monitor monitor_{TransformSettings{LIMITS}};
+  double time_ = 0.0;  // of the last report
   std::unique_ptr<CollisionDetector> detector_;
 };
 
@@ -158,15 +157,15 @@ TEST(Verdict, FreeImpliesThatEveryRequiredPairIsKnownFreshAndApart) {
   for (unsigned robot = 0; robot < 100; ++robot) {
     Faults faults(seed + robot);
     for (int i = 0; i < 500; ++i) {
-      const CollisionPairs report = faults.step();
-      ++count[report.verdict];
-      ASSERT_EQ(report.in_collision, report.verdict != CollisionPairs::FREE);
-      ASSERT_EQ(report.unknown_because.empty(), report.verdict != CollisionPairs::UNKNOWN);
-      if (report.verdict == CollisionPairs::FREE) {
-        ASSERT_TRUE(faults.isTrulyFree(report)) << "robot " << robot << " step " << i;
+      const CollisionReport report = faults.step();
+      ++count[static_cast<int>(report.verdict)];
+      ASSERT_EQ(report.in_collision, report.verdict != Verdict::FREE);
+      ASSERT_EQ(report.unknown_because.empty(), report.verdict != Verdict::UNKNOWN);
+      if (report.verdict == Verdict::FREE) {
+        ASSERT_TRUE(faults.isTrulyFree()) << "robot " << robot << " step " << i;
       }
-      if (report.verdict == CollisionPairs::COLLISION) {
-        ASSERT_TRUE(faults.isTrulyInContact(report)) << "robot " << robot << " step " << i;
+      if (report.verdict == Verdict::COLLISION) {
+        ASSERT_TRUE(faults.isTrulyInContact()) << "robot " << robot << " step " << i;
       }
     }
   }

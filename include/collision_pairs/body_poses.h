@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -23,6 +24,9 @@ struct BodyPoses {
   /// mirrored, or sheared without a scale, is not looked at.
   std::vector<char> known;
   CloudVoxels voxels;
+  /// Why poses or voxels may not be what they seem, one sentence each: no verdict on them is FREE,
+  /// and they are among CollisionReport::unknown_because.
+  std::vector<std::string> doubts;
 
   /// Marks all poses as known, and sets new ones to identity; the caller overwrites them.
   void resize(std::size_t nb_bodies) {

@@ -1,6 +1,8 @@
 // Closing speed and time to contact of the pairs of a report, from earlier poses of their bodies.
 #pragma once
 
+#include <vector>
+
 #include "collision_pairs/body_poses.h"
 #include "collision_pairs/collision_report.h"
 #include "collision_pairs/collision_scene.h"
@@ -44,6 +46,22 @@ struct ClosingMotion {
 /// points of each hull for each pair of elements, 1 to 10 us.
 ClosingMotion closingMotion(const CollisionScene& scene, const CollisionReport& report,
                             const PairReport& pair, const BodyPoses& now,
+                            const EarlierPoses& before);
+
+/// Of all pairs of a report.
+struct ClosingReport {
+  std::vector<ClosingMotion> pairs;  ///< as CollisionReport::pairs
+  /// Seconds, 0 to ClosingMotion::HORIZON: the smallest of the pairs; 0 in contact, and where it is
+  /// not known: the verdict is UNKNOWN, pairs that are near were not looked for, or the closing
+  /// motion of one is not known.
+  double time_to_contact = 0.0;
+  bool time_to_contact_is_known = false;
+};
+
+/// For a report that was made with the poses `now`. `looks_for_near_pairs`: its alarm distance was
+/// not 0.
+ClosingReport closingReport(const CollisionScene& scene, const CollisionReport& report,
+                            bool looks_for_near_pairs, const BodyPoses& now,
                             const EarlierPoses& before);
 
 }  // namespace collision_pairs

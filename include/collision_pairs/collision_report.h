@@ -15,6 +15,7 @@
 #include "collision_pairs/narrow_phase.h"
 #include "collision_pairs/pair_distance.h"
 #include "collision_pairs/sweep_and_prune.h"
+#include "collision_pairs/verdict.h"
 
 namespace collision_pairs {
 
@@ -23,15 +24,6 @@ enum class PairState {
   CONTACT,    ///< touching or penetrating
   UNRESOLVED  ///< not settled; `distance` is a lower bound of the signed distance, so the two are
               ///< known to be apart if it is positive
-};
-
-/// The overall result. Treat everything but FREE as a collision.
-enum class Verdict : std::uint8_t {
-  FREE = 0,       ///< every pair that the scene requires, at least one, was checked and is apart;
-                  ///< but for those that the check left out: CheckSettings::selection, may_ignore
-  COLLISION = 1,  ///< some pair is certainly in contact, at the requested fidelity
-  UNKNOWN = 2     ///< neither: a model has no pose, a pair that may be in contact is unresolved, or
-                  ///< nothing is checked
 };
 
 /// Closest (or deepest) points of two elements, measured and expressed in the world frame W. They
@@ -78,6 +70,8 @@ struct StageTimes {
 struct CollisionReport {
   Verdict verdict = Verdict::UNKNOWN;
   bool in_collision = true;  ///< verdict != FREE
+  /// UNKNOWN: all reasons, one sentence each. Otherwise, and before the first check, empty.
+  std::vector<std::string> unknown_because;
   /// Smallest signed distance of all pairs that were not left out, in metres, if it is at most the
   /// alarm distance or was requested. Otherwise (`…_is_bound`) a lower bound of it: the alarm
   /// distance, or if a pair is UNRESOLVED the smallest of the lower bounds. With a tolerance it may

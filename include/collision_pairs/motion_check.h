@@ -90,7 +90,9 @@ struct MotionReport {
   /// Ids of models, first < second, sorted. COLLISION: pairs in contact at contact_at. UNKNOWN:
   /// pairs that could not be certified.
   std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;
-  std::string unchecked;         ///< CollisionScene::unchecked()
+  std::string unchecked;  ///< CollisionScene::unchecked()
+  /// UNKNOWN: all reasons, one sentence each.
+  std::vector<std::string> unknown_because;
   std::uint32_t nb_checks = 0;   ///< configurations that were checked
   std::uint32_t nb_queries = 0;  ///< queries of element pairs that needed more than their boxes
   double seconds = 0.0;          ///< duration of the check
@@ -125,8 +127,10 @@ class MotionCheck {
   /// positions or deviations that are not finite or not one per joint, for poses without a
   /// rotation, and if a link is too far away for a finite box. `voxels`: the occupied voxels of the
   /// scene's clouds. No pair with a cloud whose voxels are unknown or truncated is certified.
+  /// `doubts`: as BodyPoses::doubts; with one nothing is FREE, and free_until is 0.
   const MotionReport& check(const JointMotion& motion, const MotionSettings& settings,
-                            const PlacedBodies& placed = {}, const CloudVoxels& voxels = {});
+                            const PlacedBodies& placed = {}, const CloudVoxels& voxels = {},
+                            const std::vector<std::string>& doubts = {});
 
   const CollisionScene& scene() const { return *scene_; }
 
@@ -140,6 +144,7 @@ struct SegmentOptions {
   unsigned threads = 0;  ///< 0: one per core; the reports do not depend on it
   PlacedBodies placed;
   CloudVoxels voxels;
+  std::vector<std::string> doubts;
   /// Called after each segment, by one thread at a time. May be empty.
   std::function<void(std::size_t nb_done)> done;
 };

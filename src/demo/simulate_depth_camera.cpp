@@ -19,6 +19,7 @@
 #include "collision_pairs/mesh_loader.h"
 #include "depth_image.h"
 #include "geometry_conversions.h"
+#include "live_monitor.h"
 #include "tf_poses.h"
 
 namespace collision_pairs {
@@ -80,11 +81,13 @@ class DepthCamera {
       : settings_(private_node),
         robot_(loadRobot(private_node)),
         root_(robot_->links().front().name),
-        poses_(transforms_, *robot_, allBodies(*robot_), root_),
+        poses_(monitor_.with([this](const Monitor& monitor) {
+          return TfPoses(monitor.transforms(), *robot_, allBodies(*robot_), root_);
+        })),
         X_WC_(lookingAt(CAMERA, LOOKS_AT)),
         image_(WIDTH, HEIGHT, 0.5 * WIDTH / std::tan(0.5 * VIEW)),
         publisher_(node.advertise<sensor_msgs::PointCloud2>("points", 1)) {
-    transforms_.subscribe(node);
+    monitor_.subscribe(node);
     geometry_msgs::TransformStamped transform;
     transform.header.stamp = ros::Time::now();
     transform.header.frame_id = root_;
@@ -102,8 +105,10 @@ class DepthCamera {
   void run() {
     ros::Rate rate(RATE);
     for (; ros::ok(); rate.sleep()) {
-      const ros::Time now = transforms_.followClock();
-      const StampedPoses stamped = poses_.latest(now);
+      const auto [stamped, now] = monitor_.with([this](const Monitor& monitor) {
+        const ros::Time time = monitor.transforms().now().stamp;
+        return std::pair(poses_.latest(time), time);
+      });
       if (!stamped.problems.empty()) continue;  // a camera of a world that is not there yet
       const ros::Time stamp = stamped.stamp.isZero() ? now : stamped.stamp;
       if (stamp <= last_stamp_) continue;  // the robot was seen there already
@@ -157,7 +162,7 @@ class DepthCamera {
   const Settings settings_;
   std::shared_ptr<const RobotModel> robot_;
   std::string root_;
-  TransformInput transforms_;
+  LiveMonitor monitor_;
   TfPoses poses_;
   Isometry3d X_WC_;
   DepthImage image_;

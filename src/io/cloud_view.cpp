@@ -45,6 +45,7 @@ std::vector<CloudDoubt> addVoxels(const std::map<std::string, CloudView>& views,
     poses.voxels.push_back(view == views.end() ? nullptr : view->second.voxels);
     if (view != views.end() && !view->second.doubt.empty()) {
       doubts.push_back({name, view->second.doubt});
+      poses.doubts.push_back(view->second.doubt);
     }
   }
   return doubts;

@@ -39,8 +39,8 @@ struct CloudDoubt {
   std::string cloud, why;
 };
 
-/// Fills in the voxels of the scene's clouds, in its order, from views by name; returns the reasons
-/// why a report cannot be FREE. A cloud without a view is unknown.
+/// Fills in the voxels of the scene's clouds, in its order, from views by name, and adds to the
+/// doubts, which it returns, too. A cloud without a view is unknown.
 std::vector<CloudDoubt> addVoxels(const std::map<std::string, CloudView>& views,
                                   const CollisionScene& scene, BodyPoses& poses);
 

@@ -45,46 +45,7 @@ CollisionPair toMessage(const PairReport& pair, const CollisionReport& report,
   return message;
 }
 
-std::vector<std::string> namesOfUnresolved(const CollisionReport& report,
-                                           const CollisionScene& scene) {
-  std::vector<std::string> names;
-  for (const PairReport& pair : report.pairs) {
-    if (pair.state == PairState::CONTACT || !pair.mayTouch()) continue;
-    names.push_back(scene.models()[pair.first].name + '|' + scene.models()[pair.second].name);
-  }
-  return names;
-}
-
 }  // namespace
-
-std::vector<std::string> whyUnknown(const CollisionReport& report, const CollisionScene& scene,
-                                    const std::vector<std::string>& broken_links) {
-  std::vector<std::string> reasons;
-  const auto add = [&](const std::string& what, const std::vector<std::string>& names) {
-    if (!names.empty()) reasons.push_back(what + ": " + firstOf(names));
-  };
-  // Of a scene that checks nothing there may be no report yet.
-  const std::string& unchecked = report.unchecked.empty() ? scene.unchecked() : report.unchecked;
-  if (!scene.mayBeFree(unchecked)) reasons.push_back(unchecked);
-  add("geometry that could not be read", broken_links);
-  std::vector<std::string> bodies, clouds;
-  for (const std::uint32_t id : report.left_out) {
-    const CollisionModel& model = scene.models()[id];
-    (scene.cloudOf(model.first_element) >= 0 ? clouds : bodies).push_back(model.name);
-  }
-  add("no usable pose", bodies);
-  add("clouds that are unknown or incomplete", clouds);
-  add("unresolved pairs that may be in contact", namesOfUnresolved(report, scene));
-  return reasons;
-}
-
-void notFree(CollisionPairs& message, const std::vector<std::string>& reasons) {
-  if (reasons.empty()) return;
-  message.in_collision = true;
-  if (message.verdict == CollisionPairs::COLLISION) return;
-  message.verdict = CollisionPairs::UNKNOWN;
-  message.unknown_because.insert(message.unknown_because.end(), reasons.begin(), reasons.end());
-}
 
 CollisionPairs unknown(const std::string& reason, const std::string& frame,
                        const ros::Time& stamp) {
@@ -92,19 +53,22 @@ CollisionPairs unknown(const std::string& reason, const std::string& frame,
   message.header.frame_id = frame;
   message.header.stamp = stamp;
   message.min_distance_is_bound = true;
-  notFree(message, {reason});
+  message.verdict = static_cast<std::uint8_t>(verdictOf(false, true));
+  message.in_collision = true;
+  message.unknown_because = {reason};
   return message;
 }
 
 CollisionPairs toMessage(const CollisionReport& report, const CollisionScene& scene,
                          const CheckSettings& settings, const std::string& frame,
-                         const ros::Time& stamp, const std::vector<std::string>& broken_links) {
+                         const ros::Time& stamp, const std::vector<std::string>& broken_links,
+                         const ClosingReport* closing) {
   CollisionPairs message;
   message.header.frame_id = frame;
   message.header.stamp = stamp;
   message.verdict = static_cast<std::uint8_t>(report.verdict);
   message.in_collision = report.in_collision;
-  notFree(message, whyUnknown(report, scene, broken_links));
+  message.unknown_because = report.unknown_because;
   message.unchecked = report.unchecked;
   message.nb_boxes = report.nb_boxes;
   message.nb_pairs = static_cast<std::uint32_t>(report.candidates.size());
@@ -119,6 +83,14 @@ CollisionPairs toMessage(const CollisionReport& report, const CollisionScene& sc
   if (is_none && !report.left_out.empty()) message.min_distance = 0.0;
   for (const PairReport& pair : report.pairs) {
     message.pairs.push_back(toMessage(pair, report, scene));
+  }
+  if (closing != nullptr) {
+    for (std::size_t i = 0; i < closing->pairs.size(); ++i) {
+      message.pairs[i].closing_speed = closing->pairs[i].closing_speed;
+      message.pairs[i].closing_speed_is_known = closing->pairs[i].known;
+    }
+    message.time_to_contact = closing->time_to_contact;
+    message.time_to_contact_is_known = closing->time_to_contact_is_known;
   }
   message.left_out = broken_links;
   for (const std::uint32_t id : report.left_out) {

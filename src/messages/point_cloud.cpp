@@ -148,10 +148,7 @@ void readRows(const PointCloud2& cloud, const Layout& layout,
   points.resize(out - points.data());
 }
 
-}  // namespace
-
-void readPoints(const PointCloud2& cloud, std::vector<Eigen::Vector3d>& points) {
-  points.clear();
+Coordinates coordinatesOf(const PointCloud2& cloud) {
   if (cloud.point_step == 0) throw InputError("its point_step is 0");
   const Coordinates c = {findCoordinate(cloud, "x"), findCoordinate(cloud, "y"),
                          findCoordinate(cloud, "z")};
@@ -162,6 +159,16 @@ void readPoints(const PointCloud2& cloud, std::vector<Eigen::Vector3d>& points) 
                      "' overlap");
   }
   requireData(cloud);
+  return c;
+}
+
+}  // namespace
+
+void requireReadable(const PointCloud2& cloud) { coordinatesOf(cloud); }
+
+void readPoints(const PointCloud2& cloud, std::vector<Eigen::Vector3d>& points) {
+  points.clear();
+  const Coordinates c = coordinatesOf(cloud);
   if (cloud.width == 0 || cloud.height == 0) return;
   const bool is_native =
       (boost::endian::order::native == boost::endian::order::big) == (cloud.is_bigendian != 0);

@@ -18,6 +18,9 @@ namespace collision_pairs {
 /// Never reads outside cloud.data. 640 x 480 packed float32 points: about 0.5 ms.
 void readPoints(const sensor_msgs::PointCloud2& cloud, std::vector<Eigen::Vector3d>& points);
 
+/// Throws as readPoints(), without reading the points.
+void requireReadable(const sensor_msgs::PointCloud2& cloud);
+
 /// A cloud of one row, packed float32, to which the points are rounded.
 sensor_msgs::PointCloud2 toPointCloud2(const std::vector<Eigen::Vector3d>& points,
                                        const std_msgs::Header& header);

@@ -10,8 +10,7 @@
 
 #include "collision_pairs/input_error.h"
 #include "conversions.h"
-#include "frame_names.h"
-#include "tf_check.h"
+#include "snapshot_check.h"
 
 namespace collision_pairs {
 namespace {
@@ -60,16 +59,17 @@ CollisionPairsNode::CollisionPairsNode(ros::NodeHandle node, ros::NodeHandle pri
       private_node_(private_node),
       parameters_(NodeParameters::read(private_node)),
       first_frame_(readFixedFrame(private_node)),
-      transforms_(parameters_.pose_limits, parameters_.allow_paused),
-      scenes_(node, private_node, transforms_),
-      scene_service_(private_node, scenes_),
+      monitor_(parameters_.pose_limits, parameters_.allow_paused),
+      clouds_(node, private_node, monitor_),
+      scenes_(node, private_node, monitor_, clouds_),
+      scene_service_(private_node, monitor_, scenes_),
       publisher_(
           private_node,
           [this](std::shared_ptr<const void> old) { scene_service_.release(std::move(old)); }),
       diagnostics_(node, private_node, private_node.getNamespace()),
-      queries_(private_node, {transforms_, scenes_, [this] { return settings(); }}),
-      trajectories_(private_node, {transforms_, scenes_, [this] { return settings(); }}),
-      limiter_(node, private_node, {transforms_, scenes_, [this] { return settings(); }},
+      queries_(private_node, {monitor_, scenes_, [this] { return settings(); }}),
+      trajectories_(private_node, {monitor_, scenes_, [this] { return settings(); }}),
+      limiter_(node, private_node, {monitor_, scenes_, [this] { return settings(); }},
                parameters_.allow_paused) {
   diagnostics_.setHardwareID("none");
   diagnostics_.add("collision check", [this](auto& status) { health_.diagnose(status); });
@@ -84,7 +84,7 @@ CollisionPairsNode::CollisionPairsNode(ros::NodeHandle node, ros::NodeHandle pri
   if (isTriggeredByTf()) {
     taken = [this] { queue_.addCallback(boost::make_shared<WakeUp>()); };
   }
-  transforms_.subscribe(node, taken);
+  monitor_.subscribe(node, taken);
 }
 
 // A loop instead of ROS timers, so that only this thread decides when a cycle is due.
@@ -96,14 +96,16 @@ void CollisionPairsNode::run() {
     const ros::SteadyTime now = ros::SteadyTime::now();
     if (now >= nextCycle()) {
       last_cycle_ = now;
-      nb_taken_ = transforms_.nbTaken();
+      nb_taken_ = monitor_.nbTaken();
       cycle();
       const ros::WallDuration period(1.0 / parameters_.rate);
       // Missed cycles are skipped.
       next_cycle_ = isTriggeredByTf() ? now + period : std::max(next_cycle_ + period, now);
     }
     if (now >= next_diagnosis) {
-      health_.noteTransforms(transforms_.refused(), transforms_.nbClockJumps());
+      monitor_.with([this](const Monitor& monitor) {
+        health_.noteTransforms(monitor.transforms().refused(), monitor.transforms().nbClockJumps());
+      });
       const bool reload = parameters_.reload == NodeParameters::AUTO;
       health_.noteDescriptions(checked_scene_ ? scene_service_.watchDescriptions(reload) : "");
       diagnoseClouds();
@@ -114,20 +116,19 @@ void CollisionPairsNode::run() {
 }
 
 ros::SteadyTime CollisionPairsNode::nextCycle() const {
-  const bool waits = isTriggeredByTf() && transforms_.nbTaken() == nb_taken_;
+  const bool waits = isTriggeredByTf() && monitor_.nbTaken() == nb_taken_;
   return waits ? std::max(next_cycle_, last_cycle_ + IDLE_PERIOD) : next_cycle_;
 }
 
 void CollisionPairsNode::diagnoseClouds() {
-  const bool has_clouds = checked_scene_ && checked_scene_->clouds;
+  const bool has_clouds = checked_scene_ && !clouds_.isEmpty();
   if (has_clouds == diagnoses_clouds_) return;
   diagnoses_clouds_ = has_clouds;
   if (!has_clouds) {
     diagnostics_.removeByName("point clouds");
     return;
   }
-  diagnostics_.add("point clouds",
-                   [this](auto& status) { checked_scene_->clouds->diagnose(status); });
+  diagnostics_.add("point clouds", [this](auto& status) { clouds_.diagnose(status); });
 }
 
 CheckSettings CollisionPairsNode::settings() const {
@@ -138,8 +139,7 @@ CheckSettings CollisionPairsNode::settings() const {
 void CollisionPairsNode::cycle() {
   try {
     const ros::WallTime start = ros::WallTime::now();
-    const ActiveScenePtr scene = scenes_.active();
-    if (scene) {
+    if (const ActiveScenePtr scene = monitor_.activeScene()) {
       check(scene, start);
     } else {
       reportUnknown(scene_service_.loadFirst());
@@ -152,40 +152,47 @@ void CollisionPairsNode::cycle() {
 
 void CollisionPairsNode::check(const ActiveScenePtr& scene, const ros::WallTime& start) {
   if (scene != checked_scene_) takeScene(scene);
-  const ros::Time now = transforms_.followClock();
   const CheckSettings settings = this->settings();
-  StampedPoses stamped = scene->tf_poses->latest(now);
+  const auto [snapshot, now] = monitor_.with([&](const Monitor& monitor) {
+    return std::pair(monitor.at(scene), monitor.transforms().now().stamp);
+  });
   const double transform_time = secondsSince(start);
-  std::vector<std::string> doubts = doubtsOf(stamped, transforms_, now);
-  if (!doubts.empty()) {
-    const bool is_left_out = !stamped.problems.empty();
+  const bool is_left_out = !snapshot.first_left_out.empty();
+  if (is_left_out || !snapshot.poses.doubts.empty()) {
     ROS_WARN_STREAM_THROTTLE(
-        WARN_PERIOD, (is_left_out ? "left out, no usable transform: " : "not known to be free: ")
-                         << (is_left_out ? stamped.problems : doubts).front());
+        WARN_PERIOD,
+        (is_left_out ? "left out, no usable transform: " : "not known to be free: ")
+            << (is_left_out ? snapshot.first_left_out : snapshot.poses.doubts.front()));
   }
-  for (std::string& doubt : addVoxels(*scene, now, stamped.poses)) {
-    doubts.push_back(std::move(doubt));
-  }
-  shown_limit_.reset();
-  drawing([&] {
-    const auto limit = publisher_.showsMarkers() ? limiter_.lastLimit() : std::nullopt;
-    if (limit) shown_limit_ = shownLimit(*limit, *detector_, stamped.poses, settings.fidelity);
-  });
-  CollisionPairs message =
-      checkPoses(*scene, stamped, doubts, settings, now, transform_time, *detector_);
-  addClosingMotion(*scene, stamped, detector_->report(), message);
+  const CollisionPairs message =
+      checkedMessage(monitor_, snapshot, settings, transform_time, *detector_);
   publisher_.publish(message);
-  drawing([&] {
-    showMarkers(message, &detector_->report());
-    publisher_.publishScene(scene, settings.fidelity, stamped.nb_found);
-    publisher_.publishVoxels(*scene, stamped.poses, detector_->report().boxes,
-                             settings.alarm_distance);
-  });
+  draw(snapshot, message, settings);
   std::optional<double> age;
-  if (stamped.nb_found > 0 || stamped.nb_asked == 0) {
+  if (snapshot.isKnown()) {
     age = now.toSec() - message.header.stamp.toSec();
   }
   health_.noteCycle(message, age, secondsSince(start), 1.0 / parameters_.rate);
+}
+
+/// After the report is published: nothing can change it.
+void CollisionPairsNode::draw(const Snapshot& snapshot, const CollisionPairs& message,
+                              const CheckSettings& settings) {
+  drawing([&] {
+    const CollisionReport* report = &detector_->report();
+    CollisionReport kept;
+    std::optional<ShownLimit> shown;
+    const auto limit = publisher_.showsMarkers() ? limiter_.lastLimit() : std::nullopt;
+    if (limit) {  // the detector looks for its points
+      kept = *report;
+      report = &kept;
+      shown = shownLimit(*limit, *detector_, snapshot.poses, settings.fidelity);
+    }
+    showMarkers(message, report, shown);
+    publisher_.publishScene(snapshot.scene, settings.fidelity, snapshot.nb_found);
+    publisher_.publishVoxels(*snapshot.scene, snapshot.poses, report->boxes,
+                             settings.alarm_distance);
+  });
 }
 
 void CollisionPairsNode::reportUnknown(const std::string& why) {
@@ -194,16 +201,17 @@ void CollisionPairsNode::reportUnknown(const std::string& why) {
                                                    : first_frame_;
   const CollisionPairs message = unknown(why, frame, ros::Time::now());
   publisher_.publish(message);
-  shown_limit_.reset();
   drawing([&] {
-    if (const auto limit = limiter_.lastLimit()) shown_limit_ = ShownLimit{*limit, {}};
-    showMarkers(message, nullptr);
+    std::optional<ShownLimit> shown;
+    if (const auto limit = limiter_.lastLimit()) shown = ShownLimit{*limit, {}};
+    showMarkers(message, nullptr, shown);
   });
   health_.noteProblem(why);
 }
 
-void CollisionPairsNode::showMarkers(const CollisionPairs& message, const CollisionReport* report) {
-  publisher_.publishMarkers(message, report, parameters_.show_only_investigated_boxes, shown_limit_,
+void CollisionPairsNode::showMarkers(const CollisionPairs& message, const CollisionReport* report,
+                                     const std::optional<ShownLimit>& limit) {
+  publisher_.publishMarkers(message, report, parameters_.show_only_investigated_boxes, limit,
                             1.0 / parameters_.rate);
 }
 

@@ -13,14 +13,15 @@
 #include <ros/callback_queue.h>
 #include <ros/ros.h>
 
+#include "cloud_threads.h"
 #include "collision_pairs/collision_detector.h"
+#include "live_monitor.h"
 #include "node_health.h"
 #include "parameters.h"
 #include "query_services.h"
 #include "report_publisher.h"
+#include "scene_builder.h"
 #include "scene_service.h"
-#include "scene_store.h"
-#include "transform_input.h"
 #include "velocity_limiter.h"
 
 namespace collision_pairs {
@@ -46,7 +47,9 @@ class CollisionPairsNode {
   void cycle();
   void check(const ActiveScenePtr& scene, const ros::WallTime& start);
   void reportUnknown(const std::string& why);
-  void showMarkers(const CollisionPairs& message, const CollisionReport* report);
+  void draw(const Snapshot& snapshot, const CollisionPairs& message, const CheckSettings& settings);
+  void showMarkers(const CollisionPairs& message, const CollisionReport* report,
+                   const std::optional<ShownLimit>& limit);
   void takeScene(const ActiveScenePtr& scene);
   void diagnoseClouds();
 
@@ -57,16 +60,16 @@ class CollisionPairsNode {
   ros::NodeHandle private_node_;
   NodeParameters parameters_;      // written by reconfigure() under mutex_
   const std::string first_frame_;  // of reports while there is no scene; may be empty
-  TransformInput transforms_;
+  LiveMonitor monitor_;
   mutable std::mutex mutex_;  // guards parameters_
-  SceneStore scenes_;
+  CloudThreads clouds_;
+  SceneBuilder scenes_;
   SceneService scene_service_;
 
   // Used by the cycle's thread only.
   ReportPublisher publisher_;
   std::unique_ptr<CollisionDetector> detector_;
   ActiveScenePtr checked_scene_;
-  std::optional<ShownLimit> shown_limit_;
   ros::SteadyTime next_cycle_;  // the earliest
   ros::SteadyTime last_cycle_;
   std::uint64_t nb_taken_ = 0;  // messages of transforms before the last cycle

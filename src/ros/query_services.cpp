@@ -4,19 +4,26 @@
 #include <mutex>
 #include <optional>
 #include <set>
+#include <tuple>
 
 #include "collision_pairs/distance_gradient.h"
 #include "collision_pairs/motion_check.h"
-#include "conversions.h"
 #include "joint_limits.h"
-#include "joint_query.h"
 #include "low_priority.h"
-#include "tf_check.h"
+#include "conversions.h"
+#include "snapshot_check.h"
+#include "user_text.h"
 
 namespace collision_pairs {
 namespace {
 
 constexpr std::size_t KEPT_DETECTORS = 2;
+
+/// Those that are not empty.
+std::string joinedSentences(std::vector<std::string> sentences) {
+  sentences.erase(std::remove(sentences.begin(), sentences.end(), ""), sentences.end());
+  return joined(sentences, "; ");
+}
 
 void refuseGradientOfNothing(const CheckCollisions::Request& request) {
   if (!request.gradient) return;
@@ -39,21 +46,16 @@ void addGradients(const CollisionReport& report, const CollisionScene& scene,
   }
 }
 
-/// A parsed request.
-struct Asked {
-  const CheckTrajectory::Request& request;
-  const ActiveScene& active;
-  const JointQuery& query;
-  const CheckSettings& settings;
-  ros::Time stamp;
-  std::vector<std::string> doubts;  ///< why no point can be FREE
-  /// The voxels of the scene's clouds, the same for all points.
-  CloudVoxels voxels;
-};
-
 using Reasons = std::set<std::string>;
 
-/// posesAt() or jointPositionsAt() of a point; adds the point to errors.
+/// What was asked about, and all that is known of it.
+struct Asked {
+  const CheckTrajectory::Request& request;
+  const Snapshot& snapshot;
+  const CheckSettings& settings;
+};
+
+/// Calls ask(positions) of a point; adds the point to errors.
 template <class Ask>
 auto ofPoint(std::size_t i, const Asked& asked, const Ask& ask) {
   try {
@@ -63,27 +65,9 @@ auto ofPoint(std::size_t i, const Asked& asked, const Ask& ask) {
   }
 }
 
-/// All reasons why a report cannot be FREE.
-std::vector<std::string> allDoubts(const Asked& asked, const CollisionReport& report) {
-  std::vector<std::string> doubts = asked.doubts;
-  for (std::string& why : whyUnknown(report, *asked.active.scene, asked.active.broken_links)) {
-    doubts.push_back(std::move(why));
-  }
-  return doubts;
-}
-
-/// COLLISION is certain in spite of doubts; records them if they make the verdict UNKNOWN.
-std::uint8_t verdictWith(const std::vector<std::string>& doubts, Verdict verdict,
-                         Reasons& reasons) {
-  if (verdict == Verdict::COLLISION) return CollisionPairs::COLLISION;
-  if (verdict == Verdict::FREE && doubts.empty()) return CollisionPairs::FREE;
-  reasons.insert(doubts.begin(), doubts.end());
-  return CollisionPairs::UNKNOWN;
-}
-
 void checkPoints(BatchCheck& batch, const Asked& asked, CheckTrajectory::Response& response,
                  Reasons& reasons) {
-  const auto& active = asked.active;
+  const Snapshot& snapshot = asked.snapshot;
   const std::size_t nb_points = asked.request.trajectory.points.size();
   response.verdict.resize(nb_points);
   response.in_collision.resize(nb_points);
@@ -93,20 +77,20 @@ void checkPoints(BatchCheck& batch, const Asked& asked, CheckTrajectory::Respons
   batch.run(
       nb_points, asked.settings,
       [&](std::size_t i, BodyPoses& poses) {
-        ofPoint(i, asked, [&](const auto& positions) { asked.query.posesAt(positions, poses); });
-        poses.voxels = asked.voxels;
+        ofPoint(i, asked,
+                [&](const auto& positions) { snapshot.joints->posesAt(positions, poses); });
+        poses.voxels = snapshot.poses.voxels;
+        poses.doubts = snapshot.poses.doubts;
       },
       [&](std::size_t i, const CollisionReport& report) {
-        const std::vector<std::string> doubts = allDoubts(asked, report);
+        response.verdict[i] = static_cast<std::uint8_t>(report.verdict);
+        response.in_collision[i] = report.in_collision;
         response.min_distance[i] = report.min_distance;
         if (asked.request.want_reports) {
-          response.reports[i] = toMessage(report, *active.scene, asked.settings, active.frame,
-                                          asked.stamp, active.broken_links);
-          notFree(response.reports[i], asked.doubts);
+          response.reports[i] = toMessage(report, snapshot, asked.settings);
         }
         const std::lock_guard<std::mutex> lock(mutex);
-        response.verdict[i] = verdictWith(doubts, report.verdict, reasons);
-        response.in_collision[i] = response.verdict[i] != CollisionPairs::FREE;
+        reasons.insert(report.unknown_because.begin(), report.unknown_because.end());
       });
 }
 
@@ -114,34 +98,29 @@ void checkPoints(BatchCheck& batch, const Asked& asked, CheckTrajectory::Respons
 std::vector<std::vector<double>> waypointsOf(const Asked& asked) {
   std::vector<std::vector<double>> waypoints;
   for (std::size_t i = 0; i < asked.request.trajectory.points.size(); ++i) {
-    waypoints.push_back(ofPoint(
-        i, asked, [&](const auto& positions) { return asked.query.jointPositionsAt(positions); }));
+    waypoints.push_back(ofPoint(i, asked, [&](const auto& positions) {
+      return asked.snapshot.joints->jointPositionsAt(positions);
+    }));
   }
   return waypoints;
 }
 
 void checkBetween(const Asked& asked, const std::vector<std::vector<double>>& waypoints,
                   CheckTrajectory::Response& response, Reasons& reasons) {
-  const auto& active = asked.active;
   MotionSettings settings;
   settings.fidelity = asked.settings.fidelity;
   settings.from_start = true;
   SegmentOptions options;
-  options.placed = asked.query.placedBodies();
-  options.voxels = asked.voxels;
-  const std::vector<std::string> doubts = allDoubts(asked, {});
-  for (const MotionReport& report : checkSegments(active.scene, waypoints, settings, options)) {
-    const std::uint8_t verdict = verdictWith(doubts, report.verdict, reasons);
-    response.segment_verdict.push_back(verdict);
+  options.placed = asked.snapshot.joints->placedBodies();
+  options.voxels = asked.snapshot.poses.voxels;
+  options.doubts = asked.snapshot.poses.doubts;
+  const auto& scene = asked.snapshot.scene->scene;
+  for (const MotionReport& report : checkSegments(scene, waypoints, settings, options)) {
+    response.segment_verdict.push_back(static_cast<std::uint8_t>(report.verdict));
     response.contact_at.push_back(report.contact_at);
-    response.free_until.push_back(doubts.empty() ? report.free_until : 0.0);
-    response.clearance.push_back(verdict == CollisionPairs::FREE ? report.clearance : 0.0);
-    if (report.verdict != Verdict::UNKNOWN) continue;
-    for (const auto& [first, second] : report.pairs) {
-      const auto& models = active.scene->models();
-      reasons.insert("motions that could not be certified: " + models[first].name + '|' +
-                     models[second].name);
-    }
+    response.free_until.push_back(report.free_until);
+    response.clearance.push_back(report.clearance);
+    reasons.insert(report.unknown_because.begin(), report.unknown_because.end());
   }
 }
 
@@ -181,51 +160,40 @@ bool QueryService::onCheck(CheckCollisions::Request& request, CheckCollisions::R
 
 void QueryService::check(const CheckCollisions::Request& request,
                          CheckCollisions::Response& response) {
-  const ActiveScenePtr active_scene = sceneFor(request, context_.scenes);
-  const ActiveScene& active = *active_scene;
-  const auto& scene = active.scene;
+  const ActiveScenePtr active = context_.scenes.restrictedTo({request.group, request.links});
+  const CollisionScene& scene = *active->scene;
   CheckSettings settings = settingsFor(request, context_.defaults());
   refuseGradientOfNothing(request);
   if (request.gradient) settings.tolerance = 0.0;  // a gradient needs the exact distance
+  const auto& [names, positions] = std::tie(request.joint_state.name, request.joint_state.position);
+  const bool has_joints = !names.empty() || !positions.empty();
   const ros::WallTime start = ros::WallTime::now();
-  const ros::Time now = context_.transforms.followClock();
-  StampedPoses stamped = posesAt(active, request.stamp, now);
-  std::vector<std::string> doubts, limits_left;
-  std::optional<JointQuery> query;
+  Snapshot snapshot = context_.monitor.with([&](const Monitor& monitor) {
+    return has_joints ? monitor.withJoints(active, names, request.stamp)
+                      : monitor.at(active, request.stamp);
+  });
   std::vector<Eigen::Isometry3d> X_WB;
-  if (!request.joint_state.name.empty() || !request.joint_state.position.empty()) {
-    query.emplace(request.joint_state.name, *scene,
-                  JointQueryTf{context_.transforms, active.frame, stamped.stamp, now,
-                               active.tf_poses->heldAt(stamped.stamp), active.tf_poses.get()});
-    query->bodyPosesAt(request.joint_state.position, X_WB);
-    scene->gatherPoses(X_WB, stamped.poses);
-    doubts = query->doubts();
-    limits_left = outsideLimits({query->jointPositionsAt(request.joint_state.position)},
-                                scene->robot(), "state");
-    response.joints_from_tf = query->jointsFromTf();
-    response.joints_at_zero = query->jointsAtZero();
-  } else {
-    doubts = doubtsOf(stamped, context_.transforms, now);
-    if (stamped.nb_asked > 0 && stamped.nb_found == 0) {
-      throw InputError("no transform is known: " + doubts.front());
-    }
-  }
-  for (std::string& doubt : addVoxels(active, request.stamp, now, stamped.poses)) {
-    doubts.push_back(std::move(doubt));
+  std::vector<std::string> sentences;
+  if (has_joints) {
+    const JointQuery& joints = *snapshot.joints;
+    joints.bodyPosesAt(positions, X_WB);
+    scene.gatherPoses(X_WB, snapshot.poses);
+    sentences = outsideLimits({joints.jointPositionsAt(positions)}, scene.robot(), "state");
+    response.joints_from_tf = joints.jointsFromTf();
+    response.joints_at_zero = joints.jointsAtZero();
+  } else if (snapshot.nb_asked > 0 && snapshot.nb_found == 0) {
+    throw InputError("no transform is known: " + snapshot.poses.doubts.front());
   }
   const double transform_time = (ros::WallTime::now() - start).toSec();
-
-  CollisionDetector& detector = detectorFor(scene);
-  response.result = checkPoses(active, stamped, doubts, settings, now, transform_time, detector);
-  if (!query) addClosingMotion(active, stamped, detector.report(), response.result);
+  CollisionDetector& detector = detectorFor(active->scene);
+  response.result = checkedMessage(context_.monitor, snapshot, settings, transform_time, detector);
   if (request.gradient) {
-    addGradients(detector.report(), *scene, query->columns(), X_WB, response.result);
+    addGradients(detector.report(), scene, snapshot.joints->columns(), X_WB, response.result);
   }
-  response.message = scene->unchecked();
-  if (!doubts.empty() && response.message.empty()) response.message = doubts.front();
-  for (const std::string& sentence : limits_left) {
-    response.message += (response.message.empty() ? "" : "; ") + sentence;
-  }
+  const auto& doubts = snapshot.poses.doubts;
+  const bool is_first_told = scene.unchecked().empty() && !doubts.empty();
+  sentences.insert(sentences.begin(), is_first_told ? doubts.front() : scene.unchecked());
+  response.message = joinedSentences(sentences);
 }
 
 TrajectoryService::TrajectoryService(const ros::NodeHandle& private_node,
@@ -252,38 +220,25 @@ bool TrajectoryService::onCheck(CheckTrajectory::Request& request,
 
 void TrajectoryService::check(const CheckTrajectory::Request& request,
                               CheckTrajectory::Response& response) {
-  const ActiveScenePtr active = sceneFor(request, context_.scenes);
+  const ActiveScenePtr active = context_.scenes.restrictedTo({request.group, request.links});
   const auto& scene = active->scene;
   CheckSettings settings = settingsFor(request, context_.defaults());
   settings.list_boxes = request.want_reports;
   if (!batch_ || &batch_->scene() != scene.get()) batch_ = std::make_unique<BatchCheck>(scene);
-  const ros::Time now = context_.transforms.followClock();
-  const ros::Time stamp = posesAt(*active, request.stamp, now).stamp;
-  const JointQuery query(request.trajectory.joint_names, *scene,
-                         {context_.transforms, active->frame, stamp, now,
-                          active->tf_poses->heldAt(stamp), active->tf_poses.get()});
+  const Snapshot snapshot = context_.monitor.with([&](const Monitor& monitor) {
+    return monitor.withJoints(active, request.trajectory.joint_names, request.stamp);
+  });
   if (request.trajectory.points.empty()) throw InputError("the trajectory has no points");
-  response.joints_from_tf = query.jointsFromTf();
-  response.joints_at_zero = query.jointsAtZero();
-
-  BodyPoses clouds;
-  Asked asked{request,
-              *active,
-              query,
-              settings,
-              stamp.isZero() ? now : stamp,
-              addVoxels(*active, request.stamp, now, clouds),
-              {}};
-  asked.voxels = std::move(clouds.voxels);
-  asked.doubts.insert(asked.doubts.end(), query.doubts().begin(), query.doubts().end());
+  response.joints_from_tf = snapshot.joints->jointsFromTf();
+  response.joints_at_zero = snapshot.joints->jointsAtZero();
+  const Asked asked{request, snapshot, settings};
   Reasons reasons;
   checkPoints(*batch_, asked, response, reasons);
   const auto waypoints = waypointsOf(asked);
   if (request.between) checkBetween(asked, waypoints, response, reasons);
-  response.message = scene->unchecked();
-  for (const std::string& sentence : outsideLimits(waypoints, scene->robot(), "point")) {
-    response.message += (response.message.empty() ? "" : "; ") + sentence;
-  }
+  std::vector<std::string> sentences = outsideLimits(waypoints, scene->robot(), "point");
+  sentences.insert(sentences.begin(), scene->unchecked());
+  response.message = joinedSentences(sentences);
   response.unknown_because.assign(reasons.begin(), reasons.end());
 }
 

@@ -16,8 +16,8 @@
 
 #include "collision_pairs/batch_check.h"
 #include "collision_pairs/input_error.h"
-#include "scene_store.h"
-#include "transform_input.h"
+#include "live_monitor.h"
+#include "scene_builder.h"
 
 namespace collision_pairs {
 
@@ -39,25 +39,11 @@ CheckSettings settingsFor(const Request& request, CheckSettings settings) {
   return settings;
 }
 
-/// Throws InputError while there is no scene.
-template <class Request>
-ActiveScenePtr sceneFor(const Request& request, SceneStore& scenes) {
-  ActiveScenePtr scene = scenes.restrictedTo({request.group, request.links});
-  if (!scene) throw InputError("there is no robot yet; see the node's log and diagnostics");
-  return scene;
-}
-
-/// At `stamp`, or at 0 the latest.
-inline StampedPoses posesAt(const ActiveScene& scene, const ros::Time& stamp,
-                            const ros::Time& now) {
-  return stamp.isZero() ? scene.tf_poses->latest(now) : scene.tf_poses->at(stamp);
-}
-
 /// What the services answer from. `defaults` is called from their threads; the rest must outlive
 /// them.
 struct QueryContext {
-  TransformInput& transforms;
-  SceneStore& scenes;
+  LiveMonitor& monitor;
+  SceneBuilder& scenes;
   std::function<CheckSettings()> defaults;
 };
 

@@ -8,19 +8,9 @@
 
 #include <ros/node_handle.h>
 
-#include "scene_sources.h"
+#include "scene_store.h"
 
 namespace collision_pairs {
-
-/// The parameters of a scene.
-struct SceneParameters {
-  SceneSources sources;
-  /// By name, before it is resolved: a hash of each description; of one that is not there too.
-  std::map<std::string, std::size_t> descriptions;
-  std::string fixed_frame;  ///< empty: the robot's root link
-  /// Parameters in the node's namespace that are none of its own, and leave no pair out.
-  std::vector<std::string> warnings;
-};
 
 /// Reads ~fixed_frame, ~robots, or else robot_description and robot_description_semantic (both
 /// searched for from the node's private namespace upwards), environment_description (searched for,

@@ -31,8 +31,9 @@ class Task : public ros::CallbackInterface {
 
 }  // namespace
 
-SceneService::SceneService(const ros::NodeHandle& private_node, SceneStore& scenes)
-    : scenes_(scenes), answering_(1, &requests_), working_(1, &tasks_) {
+SceneService::SceneService(const ros::NodeHandle& private_node, LiveMonitor& monitor,
+                           SceneBuilder& scenes)
+    : monitor_(monitor), scenes_(scenes), answering_(1, &requests_), working_(1, &tasks_) {
   ros::NodeHandle node(private_node);
   node.setCallbackQueue(&requests_);
   update_server_ = node.advertiseService("update_scene", &SceneService::onUpdate, this);
@@ -58,7 +59,7 @@ std::string SceneService::loadFirst() {
 void SceneService::load() {
   std::string problem;
   try {
-    if (!scenes_.active()) scenes_.load();
+    if (!monitor_.activeScene()) scenes_.load();
   } catch (const std::exception& error) {
     problem = error.what();
   }
@@ -113,7 +114,9 @@ bool SceneService::onUpdate(UpdateScene::Request& request, UpdateScene::Response
   } catch (const std::exception& error) {
     response.message = error.what();
   }
-  if (!request.no_list) response.objects = scenes_.list();
+  if (!request.no_list) {
+    response.objects = monitor_.with([](Monitor& monitor) { return monitor.scenes().list(); });
+  }
   return true;  // false would hide the message from the caller
 }
 
@@ -122,13 +125,13 @@ bool SceneService::onReset(std_srvs::Trigger::Request&, std_srvs::Trigger::Respo
     scenes_.load();
     response.success = true;
     response.message = "the robot was reloaded";
-    const ActiveScenePtr scene = scenes_.active();
+    const ActiveScenePtr scene = monitor_.activeScene();
     for (const std::string& line : scene->broken) response.message += "; " + line;
     const std::string& unchecked = scene->scene->unchecked();
     if (!unchecked.empty()) response.message += "; " + unchecked;
   } catch (const std::exception& error) {
     response.message =
-        std::string(scenes_.active() ? "the old scene is kept: " : "there is no scene: ") +
+        std::string(monitor_.activeScene() ? "the old scene is kept: " : "there is no scene: ") +
         error.what();
   }
   return true;
@@ -136,10 +139,11 @@ bool SceneService::onReset(std_srvs::Trigger::Request&, std_srvs::Trigger::Respo
 
 bool SceneService::onClearClouds(std_srvs::Trigger::Request&,
                                  std_srvs::Trigger::Response& response) {
-  const ActiveScenePtr scene = scenes_.active();
-  response.success = scene && scene->clouds;
+  response.success = monitor_.with([](Monitor& monitor) {
+    monitor.clearClouds();
+    return !monitor.scenes().clouds().empty();
+  });
   if (response.success) {
-    scene->clouds->clear();
     response.message =
         "all voxels were discarded: UNKNOWN until a new cloud has arrived from each source";
   } else {

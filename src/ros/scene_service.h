@@ -12,7 +12,7 @@
 #include <ros/spinner.h>
 #include <std_srvs/Trigger.h>
 
-#include "scene_store.h"
+#include "scene_builder.h"
 
 namespace collision_pairs {
 
@@ -22,7 +22,7 @@ namespace collision_pairs {
 /// that lowers its own cannot raise it again. Errors in a request are returned in its reply.
 class SceneService {
  public:
-  SceneService(const ros::NodeHandle& private_node, SceneStore& scenes);
+  SceneService(const ros::NodeHandle& private_node, LiveMonitor& monitor, SceneBuilder& scenes);
 
   /// Call it once per cycle while there is no scene. Loads one, and retries every two seconds on
   /// failure. Returns why there is none yet.
@@ -42,7 +42,8 @@ class SceneService {
   bool onReset(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
   bool onClearClouds(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
 
-  SceneStore& scenes_;
+  LiveMonitor& monitor_;
+  SceneBuilder& scenes_;
   std::mutex mutex_;  // guards what follows
   bool is_loading_ = false, is_watching_ = false;
   std::string problem_, changed_;

@@ -49,12 +49,10 @@ BagRecorder::~BagRecorder() {
 }
 
 void BagRecorder::write(const CollisionReport& report, const CollisionScene& scene,
-                        const CheckSettings& settings, const std::string& frame, StampNs stamp,
-                        const std::vector<std::string>& doubts) {
+                        const CheckSettings& settings, const std::string& frame, StampNs stamp) {
   ros::Time time;
   time.fromNSec(static_cast<std::uint64_t>(stamp));
-  CollisionPairs message = toMessage(report, scene, settings, frame, time, {});
-  notFree(message, doubts);
+  const CollisionPairs message = toMessage(report, scene, settings, frame, time, {});
   std_msgs::Bool in_collision;
   in_collision.data = message.in_collision;
   try {

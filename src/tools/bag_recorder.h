@@ -23,11 +23,9 @@ class BagRecorder {
   BagRecorder(const BagRecorder&) = delete;
   BagRecorder& operator=(const BagRecorder&) = delete;
 
-  /// `frame` is the frame of the root link as the checked bag calls it. With a doubt the verdict
-  /// is not FREE.
+  /// `frame` is the frame of the root link as the checked bag calls it.
   void write(const CollisionReport& report, const CollisionScene& scene,
-             const CheckSettings& settings, const std::string& frame, StampNs stamp,
-             const std::vector<std::string>& doubts);
+             const CheckSettings& settings, const std::string& frame, StampNs stamp);
   void finish();
 
  private:

@@ -128,17 +128,13 @@ BagRow toRow(const CollisionReport& report, const CollisionScene& scene) {
 }
 
 /// As a line of the table may list them.
-std::string reasonsOf(const CollisionReport& report, std::vector<std::string> doubts) {
-  const bool is_unresolved =
-      std::any_of(report.pairs.begin(), report.pairs.end(),
-                  [](const PairReport& pair) { return pair.state == PairState::UNRESOLVED; });
-  if (is_unresolved) doubts.push_back("a pair is unresolved");
+std::string lineOf(std::vector<std::string> reasons) {
   constexpr std::size_t MAX_NAMED = 10;  // left_out names all links
-  if (doubts.size() > MAX_NAMED) {
-    doubts.resize(MAX_NAMED);
-    doubts.push_back("and more");
+  if (reasons.size() > MAX_NAMED) {
+    reasons.resize(MAX_NAMED);
+    reasons.push_back("and more");
   }
-  std::string text = joined(doubts, "; ");
+  std::string text = joined(reasons, "; ");
   std::replace(text.begin(), text.end(), '\n', ' ');
   return text;
 }
@@ -182,11 +178,11 @@ class BagChecker {
     const auto checkReady = [&] {
       for (; state < stamps.size() && clouds.isReady(stamps[state]); ++state) {
         if (!options_.shard.owns(number, state)) continue;
-        std::vector<std::string> doubts = source.at(stamps[state], poses);
-        doubts.insert(doubts.end(), at_zero.begin(), at_zero.end());
-        const auto cloud_doubts = clouds.addVoxels(stamps[state], poses);
+        poses.doubts = source.at(stamps[state], poses);
+        poses.doubts.insert(poses.doubts.end(), at_zero.begin(), at_zero.end());
+        const auto in_doubt = clouds.addVoxels(stamps[state], poses);
         const CollisionReport& report = detector.detect(poses, options_.settings);
-        writeRow(number, state, stamps[state], report, *scene, std::move(doubts), cloud_doubts);
+        writeRow(number, state, stamps[state], report, *scene, in_doubt);
         progress.show(state);
       }
     };
@@ -201,17 +197,14 @@ class BagChecker {
   }
 
   void writeRow(std::size_t number, std::size_t state, StampNs stamp, const CollisionReport& report,
-                const CollisionScene& scene, std::vector<std::string> doubts,
-                const std::vector<CloudDoubt>& cloud_doubts) {
+                const CollisionScene& scene, const std::vector<CloudDoubt>& in_doubt) {
     BagRow row = toRow(report, scene);
-    for (const auto& [cloud, why] : cloud_doubts) {
-      const std::string name = listedName(cloud);
-      doubts.push_back(why);
+    for (const CloudDoubt& doubt : in_doubt) {
+      const std::string name = listedName(doubt.cloud);
       const bool is_listed = std::count(row.left_out.begin(), row.left_out.end(), name) > 0;
       if (!is_listed) row.left_out.push_back(name);
     }
-    if (row.verdict == Verdict::FREE && !doubts.empty()) row.verdict = Verdict::UNKNOWN;
-    if (row.verdict == Verdict::UNKNOWN) row.unknown_because = reasonsOf(report, doubts);
+    row.unknown_because = lineOf(report.unknown_because);
     row.bag = options_.bags[number];
     row.state = state;
     row.stamp = stamp;
@@ -219,7 +212,7 @@ class BagChecker {
     if (!recorder_) return;
     recorder_->write(report, scene, options_.settings,
                      withPrefix(options_.poses.prefix, scene.robot().links().front().name),
-                     row.stamp, doubts);
+                     row.stamp);
   }
 
   const Options& options_;

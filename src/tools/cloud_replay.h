@@ -35,8 +35,8 @@ class CloudReplay {
   /// True if no message still to be added affects that instant.
   bool isReady(StampNs row) const { return least_since_[nb_taken_] > row; }
 
-  /// Writes the clouds' voxels at that instant to poses.voxels; returns why the verdict cannot be
-  /// FREE.
+  /// Writes the clouds' voxels at that instant to poses.voxels, and adds to its doubts, which it
+  /// returns, too.
   std::vector<CloudDoubt> addVoxels(StampNs row, BodyPoses& poses);
 
   /// Number of refused clouds of each source and the reason for the first, one sentence each; and

@@ -53,7 +53,6 @@ RobotPoses::RobotPoses(const TransformBuffer& buffer, const RobotModel& robot,
     body_of_frame_ = link.body;
     X_WB_of_frame_ = link.X_BL.inverse();
   }
-  frames();
 }
 
 int RobotPoses::frameOf(const std::string& link) const {

@@ -155,7 +155,6 @@ class RequestMaker {
       anyMesh);
   UpdateContext context;
   context.world_frame = "a";
-  context.load_mesh = anyMesh;
   context.look_up = [](const std::string& target, const std::string& source, const ros::Time&) {
     if (target != source) throw InputError("unknown frame");
     return Eigen::Isometry3d::Identity();
@@ -164,7 +163,8 @@ class RequestMaker {
   description.robots.resize(1);
   description.robots[0].model = robot;
   SceneObjects objects;
-  apply(editsBy(RequestMaker(bytes).changes(), objects, context), objects);
+  const std::vector<SceneChange> changes = RequestMaker(bytes).changes();
+  apply(editsBy(changes, readAdded(changes, anyMesh), objects, context), objects);
   for (const auto& entry : objects) description.objects.push_back(entry.second.object);
   check(description);
 }

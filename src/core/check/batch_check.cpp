@@ -111,7 +111,7 @@ class BatchCheck::JointsOfThread {
 
   void takeFree(std::size_t state, double seconds) {
     settled_.pairs.clear();
-    takeSettled(state, Verdict::FREE, seconds);
+    takeSettled(state, verdictOf(false, false), seconds);
   }
 
   void takeContact(std::size_t state, const BoxPair& elements, double seconds) {
@@ -119,7 +119,7 @@ class BatchCheck::JointsOfThread {
                                     scene_.elements()[elements.second].model);
     settled_.pairs.assign(1, {models.first, models.second, PairState::CONTACT, 0.0,
                               settings_.fidelity, Certainty::BOUND, 0, 0});
-    takeSettled(state, Verdict::COLLISION, seconds);
+    takeSettled(state, verdictOf(true, false), seconds);
   }
 
   void takeSettled(std::size_t state, Verdict verdict, double seconds) {

@@ -22,6 +22,7 @@ using Eigen::Isometry3d;
 using Eigen::Vector3d;
 
 constexpr std::ptrdiff_t MOST_LISTED = 160;  // SweepAndPrune uses no more
+const char* const CHECK_DID_NOT_END = "the check was ended by an exception";
 
 /// split() adds the time since construction, or since the last split(), to one stage; nothing
 /// unless `wanted`.
@@ -110,7 +111,7 @@ const CollisionReport& CollisionDetector::run(const BodyPoses& poses) {
   rebuildBoxes(poses);  // of every element at its pose; loose if tight ones cost more
   if (!scene_->clouds().empty()) takeVoxels(poses);
   clock.split(report_.times.boxes);
-  sweep(settings_.alarm_distance, report_.candidates);  // axis, sort, sweep
+  sweep(settings_.alarm_distance, report_.candidates);        // axis, sort, sweep
   const bool are_loose = mayEndEarly() && !deadline.isSet();  // tightened one by one
   if (!are_loose || settings_.list_boxes) dropLooseAndIgnored();
   if (!scene_->clouds().empty()) findCloudPairs();
@@ -127,7 +128,8 @@ const CollisionReport& CollisionDetector::run(const BodyPoses& poses) {
   clock.split(report_.times.narrow_phase);
   if (ignored_->isAsking()) report_.ignored = ignored_->list();
   const bool has_pairs = noteUnchecked();
-  found_->assemble(*scene_, has_pairs, !settings_.verdict_only, report_);  // one per pair of models
+  // One per pair of models.
+  found_->assemble(*scene_, has_pairs, !settings_.verdict_only, poses.doubts, report_);
   whole.split(report_.times.total);
   return report_;
 }
@@ -138,6 +140,7 @@ void CollisionDetector::beginPairs() {
   report_.ignored.clear();
   report_.verdict = Verdict::UNKNOWN;  // should the predicate throw
   report_.in_collision = true;
+  report_.unknown_because = {CHECK_DID_NOT_END};
   report_.times = {};
   report_.nb_degraded = 0;
   report_.narrow_phase = scene_->narrowPhase();
@@ -179,8 +182,7 @@ void CollisionDetector::dropLooseAndIgnored() {
     return !boxes_->inReach(pair, squared_reach) || isIgnored(pair);
   };
   auto& candidates = report_.candidates;
-  candidates.erase(std::remove_if(candidates.begin(), candidates.end(), is_none),
-                   candidates.end());
+  candidates.erase(std::remove_if(candidates.begin(), candidates.end(), is_none), candidates.end());
 }
 
 bool CollisionDetector::isIgnored(const BoxPair& pair) {

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <numeric>
 #include <tuple>
+#include <utility>
+
+#include "user_text.h"
 
 namespace collision_pairs {
 namespace {
@@ -26,15 +29,28 @@ void mergeInto(PairReport& pair, const PairReport& other) {
   pair.fidelity = other.fidelity;
 }
 
-Verdict verdictOf(const CollisionScene& scene, const CollisionReport& report) {
-  const bool is_complete = report.left_out.empty() && scene.mayBeFree(report.unchecked);
-  Verdict verdict = is_complete ? Verdict::FREE : Verdict::UNKNOWN;
-  for (const PairReport& pair : report.pairs) {
-    if (pair.state == PairState::CONTACT) return Verdict::COLLISION;
-    // A positive lower bound proves that the two are apart.
-    if (pair.mayTouch()) verdict = Verdict::UNKNOWN;
+/// Why the report cannot be FREE, given that no pair is in contact.
+std::vector<std::string> whyUnknown(const CollisionScene& scene, const CollisionReport& report,
+                                    const std::vector<std::string>& doubts) {
+  std::vector<std::string> reasons;
+  if (!scene.mayBeFree(report.unchecked)) reasons.push_back(report.unchecked);
+  const auto& models = scene.models();
+  std::vector<std::string> bodies, clouds, pairs;
+  for (const std::uint32_t id : report.left_out) {
+    (scene.cloudOf(models[id].first_element) >= 0 ? clouds : bodies).push_back(models[id].name);
   }
-  return verdict;
+  for (const PairReport& pair : report.pairs) {
+    // A positive lower bound proves that the two are apart.
+    if (!pair.mayTouch()) continue;
+    pairs.push_back(models[pair.first].name + '|' + models[pair.second].name);
+  }
+  for (const auto& [what, names] : {std::pair("no usable pose", &bodies),
+                                    {"clouds that are unknown or incomplete", &clouds},
+                                    {"unresolved pairs that may be in contact", &pairs}}) {
+    if (!names->empty()) reasons.push_back(std::string(what) + ": " + firstOf(*names));
+  }
+  reasons.insert(reasons.end(), doubts.begin(), doubts.end());
+  return reasons;
 }
 
 }  // namespace
@@ -78,7 +94,7 @@ void FoundPairs::sortByModels() {
 }
 
 void FoundPairs::assemble(const CollisionScene& scene, bool has_pairs, bool with_contacts,
-                          CollisionReport& report) {
+                          const std::vector<std::string>& doubts, CollisionReport& report) {
   sortByModels();
   auto& pairs = report.pairs;
   pairs.clear();
@@ -93,7 +109,12 @@ void FoundPairs::assemble(const CollisionScene& scene, bool has_pairs, bool with
     }
     if (with_contacts) report.contacts.push_back(contacts_[i]);
   }
-  report.verdict = verdictOf(scene, report);
+  const bool is_in_contact = std::any_of(pairs.begin(), pairs.end(), [](const PairReport& pair) {
+    return pair.state == PairState::CONTACT;
+  });
+  report.unknown_because.clear();
+  if (!is_in_contact) report.unknown_because = whyUnknown(scene, report, doubts);
+  report.verdict = verdictOf(is_in_contact, !report.unknown_because.empty());
   report.in_collision = report.verdict != Verdict::FREE;
   SmallestDistance smallest{report.min_distance, report.min_distance_is_bound};
   for (PairReport& pair : pairs) {

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <string>
 #include <vector>
 
 #include "collision_pairs/collision_report.h"
@@ -42,11 +43,12 @@ class FoundPairs {
 
   SmallestDistance smallestDistance() const;
 
-  /// Fills in pairs, contacts (if wanted) and the verdict, and lowers min_distance to the smallest
-  /// found; sets `nearest`, if it is not set, to what has that distance. left_out, unchecked
-  /// and ended_early must be set before. `has_pairs`: there was a pair to check. O(n log n).
+  /// Fills in pairs, contacts (if wanted) and the verdict with its reasons, and lowers min_distance
+  /// to the smallest found; sets `nearest`, if it is not set, to what has that distance. left_out,
+  /// unchecked and ended_early must be set before. `has_pairs`: there was a pair to check.
+  /// O(n log n).
   void assemble(const CollisionScene& scene, bool has_pairs, bool with_contacts,
-                CollisionReport& report);
+                const std::vector<std::string>& doubts, CollisionReport& report);
 
  private:
   void sortByModels();

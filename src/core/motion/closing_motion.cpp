@@ -209,4 +209,21 @@ ClosingMotion closingMotion(const CollisionScene& scene, const CollisionReport& 
   return closing;
 }
 
+ClosingReport closingReport(const CollisionScene& scene, const CollisionReport& report,
+                            bool looks_for_near_pairs, const BodyPoses& now,
+                            const EarlierPoses& before) {
+  ClosingReport closing;
+  bool is_known = report.verdict != Verdict::UNKNOWN && looks_for_near_pairs;
+  double time = ClosingMotion::HORIZON;
+  for (const PairReport& pair : report.pairs) {
+    closing.pairs.push_back(closingMotion(scene, report, pair, now, before));
+    is_known &= closing.pairs.back().known;
+    time = std::min(time, closing.pairs.back().time_to_contact);
+  }
+  const bool is_in_contact = report.verdict == Verdict::COLLISION;
+  closing.time_to_contact_is_known = is_in_contact || is_known;
+  closing.time_to_contact = is_in_contact || !is_known ? 0.0 : time;
+  return closing;
+}
+
 }  // namespace collision_pairs

@@ -15,6 +15,7 @@
 #include "open_intervals.h"
 #include "pair_certifier.h"
 #include "pair_clearances.h"
+#include "user_text.h"
 
 namespace collision_pairs {
 namespace {
@@ -64,7 +65,8 @@ class MotionCheck::Search {
         detector_(scene) {}
 
   const MotionReport& run(const JointMotion& motion, const MotionSettings& settings,
-                          const PlacedBodies& placed, const CloudVoxels& voxels) {
+                          const PlacedBodies& placed, const CloudVoxels& voxels,
+                          const std::vector<std::string>& doubts) {
     start_ = std::chrono::steady_clock::now();
     checkSettings(settings);
     settings_ = settings;
@@ -90,7 +92,7 @@ class MotionCheck::Search {
                            interval.begin < relevantUntil() && !isTimeOver();
       is_open = goes_on ? look(interval) : giveUp(interval);
     }
-    finishReport();
+    finishReport(doubts);
     report_.seconds = secondsSpent();
     return report_;
   }
@@ -345,17 +347,31 @@ class MotionCheck::Search {
     return swept_[box - scene_.nbStaticElements()].open;
   }
 
-  void finishReport() {
+  void finishReport(const std::vector<std::string>& doubts) {
     report_.nb_queries = certifier_.nbQueries();
     const bool has_ended = !goesOn();  // and other pairs may be in contact before the one found
-    report_.free_until = has_ended ? 0.0 : std::min(free_until_, std::nextafter(1.0, 0.0));
-    if (report_.verdict == Verdict::COLLISION) return;
-    report_.pairs.assign(uncertified_.begin(), uncertified_.end());
-    if (!uncertified_.empty()) return;
-    if (!scene_.mayBeFree(report_.unchecked)) return;
-    report_.verdict = Verdict::FREE;
+    const bool is_known = !has_ended && doubts.empty();
+    report_.free_until = is_known ? std::min(free_until_, std::nextafter(1.0, 0.0)) : 0.0;
+    const bool is_in_contact = report_.verdict == Verdict::COLLISION;
+    if (!is_in_contact) {
+      report_.pairs.assign(uncertified_.begin(), uncertified_.end());
+      noteReasons(doubts);
+    }
+    report_.verdict = verdictOf(is_in_contact, !report_.unknown_because.empty());
+    if (report_.verdict != Verdict::FREE) return;
     report_.free_until = 1.0;
     report_.clearance = clearance_;
+  }
+
+  void noteReasons(const std::vector<std::string>& doubts) {
+    auto& reasons = report_.unknown_because;
+    if (!scene_.mayBeFree(report_.unchecked)) reasons.push_back(report_.unchecked);
+    std::vector<std::string> names;
+    for (const auto& [first, second] : report_.pairs) {
+      names.push_back(scene_.models()[first].name + '|' + scene_.models()[second].name);
+    }
+    if (!names.empty()) reasons.push_back("motions that could not be certified: " + firstOf(names));
+    reasons.insert(reasons.end(), doubts.begin(), doubts.end());
   }
 
   const CollisionScene& scene_;
@@ -387,8 +403,9 @@ MotionCheck::MotionCheck(MotionCheck&&) noexcept = default;
 MotionCheck& MotionCheck::operator=(MotionCheck&&) noexcept = default;
 
 const MotionReport& MotionCheck::check(const JointMotion& motion, const MotionSettings& settings,
-                                       const PlacedBodies& placed, const CloudVoxels& voxels) {
-  return search_->run(motion, settings, placed, voxels);
+                                       const PlacedBodies& placed, const CloudVoxels& voxels,
+                                       const std::vector<std::string>& doubts) {
+  return search_->run(motion, settings, placed, voxels, doubts);
 }
 
 }  // namespace collision_pairs

@@ -7,9 +7,7 @@
 #include <pthread.h>
 #include <std_msgs/Float64.h>
 
-#include "cloud_view.h"
 #include "collision_pairs/input_error.h"
-#include "joint_query.h"
 #include "parameters.h"
 #include "real_time.h"
 #include "user_text.h"
@@ -91,7 +89,7 @@ void VelocityLimiter::start(const ros::NodeHandle& node, const ros::NodeHandle& 
         }));
   }
   const auto wanted = [this] {
-    const ActiveScenePtr active = context_.scenes.active();
+    const ActiveScenePtr active = context_.monitor.activeScene();
     return PreparedSurroundings::Wanted{active ? active->scene : nullptr,
                                         context_.defaults().fidelity};
   };
@@ -158,8 +156,8 @@ void VelocityLimiter::take(Command command) {
 }
 
 unsigned VelocityLimiter::nbClockJumps() const {
-  context_.transforms.followClock();
-  return context_.transforms.nbClockJumps();
+  return context_.monitor.with(
+      [](const Monitor& monitor) { return monitor.transforms().nbClockJumps(); });
 }
 
 CommandOutlet::Time VelocityLimiter::followClock(unsigned nb_jumps) {
@@ -212,30 +210,27 @@ LimiterDecision VelocityLimiter::decide(const Command& command,
   LimiterInput input;
   input.command =
       command.array ? command.array->data : velocitiesOf(*command.trajectory, parameters_->joints);
-  const ActiveScenePtr active = context_.scenes.active();
+  const ActiveScenePtr active = context_.monitor.activeScene();
   if (!active) throw InputError("there is no robot yet");
   const auto surroundings =
       prepared_->get({active->scene, context_.defaults().fidelity}, start + after(TIME_TO_PREPARE));
   surroundings->setDeadline(start + after(TIME_TO_SEARCH));
-  surroundings->setState(readState(*active, input));
+  RobotState state;
+  const Snapshot snapshot = takeSnapshot(active, input, state);
+  if (!snapshot.poses.doubts.empty()) return law_->stop(snapshot.poses.doubts.front());
+  surroundings->setState(std::move(state));
   return law_->decide(input, *surroundings);
 }
 
-RobotState VelocityLimiter::readState(const ActiveScene& active, LimiterInput& input) {
-  if (!active.broken_links.empty()) {
-    throw InputError("link '" + active.broken_links.front() + "' could not be read");
-  }
-  const ros::Time clock = context_.transforms.followClock();
-  if (clock.isZero()) throw InputError(NO_CLOCK);
-  const unsigned nb_jumps = context_.transforms.nbClockJumps();
-  const std::string still = context_.transforms.clockDoubt();
-  if (!still.empty()) throw InputError(still);  // nothing is seen to age
-
-  const RobotModel& robot = active.scene->robot();
+Snapshot VelocityLimiter::takeSnapshot(const ActiveScenePtr& active, LimiterInput& input,
+                                       RobotState& state) {
+  const unsigned nb_jumps = nbClockJumps();
+  const RobotModel& robot = active->scene->robot();
   const double most_age = parameters_->law.max_joint_state_age;
   std::vector<std::string> names;
   std::vector<double> values;
-  double now = 0.0;  // when the command is passed, on the clock of stamps
+  double now = 0.0;                 // when the command is passed, on the clock of stamps
+  std::vector<std::string> doubts;  // of the joint states
   {
     const std::lock_guard<std::mutex> lock(inputs_mutex_);
     const CommandOutlet::Time time = followClock(nb_jumps);
@@ -243,12 +238,16 @@ RobotState VelocityLimiter::readState(const ActiveScene& active, LimiterInput& i
     input.now = time.law + TIME_TO_DECIDE;
     const double stands = clock_.standsFor(time.steady);
     if (!allow_paused_ && stands > parameters_->law.command_timeout) {
-      throw InputError("/clock stands still since " + inWords(stands) +
+      doubts.push_back("/clock stands still since " + inWords(stands) +
                        " of wall time, and no joint state is later; if it may pause, set "
                        "allow_paused");
     }
-    const double oldest = positions_.oldestOf(parameters_->joints, clock_.clock(), most_age);
-    input.stamp = input.now - (now - oldest);
+    try {
+      const double oldest = positions_.oldestOf(parameters_->joints, clock_.clock(), most_age);
+      input.stamp = input.now - (now - oldest);
+    } catch (const InputError& error) {
+      doubts.push_back(error.what());
+    }
     for (const auto& [name, position] : positions_.all()) {
       const int id = robot.findJoint(name);
       if (id < 0 || !robot.joints()[id].hasPosition() || robot.joints()[id].mimic) continue;
@@ -257,25 +256,17 @@ RobotState VelocityLimiter::readState(const ActiveScene& active, LimiterInput& i
       values.push_back(position.value);
     }
   }
-  const JointQuery query(names, *active.scene,
-                         {context_.transforms, active.frame, ros::Time(), clock,
-                          active.tf_poses->heldAt(clock), active.tf_poses.get()});
-  if (!query.doubts().empty()) throw InputError(query.doubts().front());
-  RobotState state;
-  state.positions = query.jointPositionsAt(values);
-  state.placed = query.placedBodies();
-
-  if (active.clouds) {
-    BodyPoses poses;
-    const auto views = active.clouds->views(clock);
-    const std::vector<CloudDoubt> doubts = addVoxels(views, *active.scene, poses);
-    if (!doubts.empty()) throw InputError(doubts.front().why);
-    state.voxels = std::move(poses.voxels);
-    for (const auto& [name, view] : views) {
-      input.obstacles_age = std::max(input.obstacles_age, now - view.stamp);
-    }
+  Snapshot snapshot = context_.monitor.with(
+      [&](const Monitor& monitor) { return monitor.withMeasured(active, names); });
+  auto& all = snapshot.poses.doubts;
+  all.insert(all.end(), doubts.begin(), doubts.end());
+  state.positions = snapshot.joints->jointPositionsAt(values);
+  state.placed = snapshot.joints->placedBodies();
+  state.voxels = snapshot.poses.voxels;
+  if (!active->scene->clouds().empty()) {
+    input.obstacles_age = std::max(input.obstacles_age, now - snapshot.oldest_cloud);
   }
-  return state;
+  return snapshot;
 }
 
 CommandOutlet::Send VelocityLimiter::sendAs(const CommandPtr& layout) {

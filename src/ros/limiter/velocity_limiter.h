@@ -26,7 +26,6 @@
 #include "limiter_parameters.h"
 #include "prepared_surroundings.h"
 #include "query_services.h"
-#include "transform_input.h"
 
 namespace collision_pairs {
 
@@ -70,8 +69,8 @@ class VelocityLimiter {
 
   void answer(const CommandPtr& command);
   LimiterDecision decide(const Command& command, std::chrono::steady_clock::time_point start);
-  /// The scene, joint states, transforms and clouds of one instant.
-  RobotState readState(const ActiveScene& active, LimiterInput& input);
+  /// All that is known now, with the positions of joint states that are young enough.
+  Snapshot takeSnapshot(const ActiveScenePtr& active, LimiterInput& input, RobotState& state);
   CommandOutlet::Send sendAs(const CommandPtr& layout);
   void send(const Command& layout, const LimiterDecision& decision);
 

@@ -20,10 +20,11 @@ class Updater {
 
   ObjectEdits takeEdits() { return std::move(edits_); }
 
-  void apply(const SceneChange& change) {
+  /// `added`: the object that it adds.
+  void apply(const SceneChange& change, const RigidObject* added) {
     switch (change.operation) {
       case SceneChange::ADD:
-        return add(change.object);
+        return add(change.object, *added);
       case SceneChange::MOVE:
         return move(change.object);
       case SceneChange::REMOVE:
@@ -71,10 +72,9 @@ class Updater {
                                     : "; did you mean '" + nearestName(name, names) + "'?"));
   }
 
-  void add(const SceneObject& message) {
-    if (message.name.empty()) throw InputError("it has no name");
+  void add(const SceneObject& message, const RigidObject& object) {
     if (!message.attached_link.empty()) context_.require_link(message.attached_link);
-    StoredObject stored{message, toObject(message, context_.load_mesh)};
+    StoredObject stored{message, object};
     stored.object.X_PO = poseOf(message, parentFrame(stored.object));
     edits_[message.name] = std::move(stored);
   }
@@ -153,17 +153,40 @@ class Updater {
 
 }  // namespace
 
-ObjectEdits editsBy(const std::vector<SceneChange>& changes, const SceneObjects& objects,
-                    const UpdateContext& context) {
-  Updater updater(objects, context);
+namespace {
+
+/// Calls use(i); adds the change to errors.
+template <class Use>
+void forEachOf(const std::vector<SceneChange>& changes, const Use& use) {
   for (std::size_t i = 0; i < changes.size(); ++i) {
     try {
-      updater.apply(changes[i]);
+      use(i);
     } catch (const InputError& error) {
       throw InputError("changes[" + std::to_string(i) + "], object '" + changes[i].object.name +
                        "': " + error.what());
     }
   }
+}
+
+}  // namespace
+
+AddedObjects readAdded(const std::vector<SceneChange>& changes, const MeshLoader& load_mesh) {
+  AddedObjects added;
+  forEachOf(changes, [&](std::size_t i) {
+    if (changes[i].operation != SceneChange::ADD) return;
+    if (changes[i].object.name.empty()) throw InputError("it has no name");
+    added[i] = toObject(changes[i].object, load_mesh);
+  });
+  return added;
+}
+
+ObjectEdits editsBy(const std::vector<SceneChange>& changes, const AddedObjects& added,
+                    const SceneObjects& objects, const UpdateContext& context) {
+  Updater updater(objects, context);
+  forEachOf(changes, [&](std::size_t i) {
+    const auto object = added.find(i);
+    updater.apply(changes[i], object == added.end() ? nullptr : &object->second);
+  });
   return updater.takeEdits();
 }
 

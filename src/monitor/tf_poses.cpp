@@ -9,32 +9,25 @@ TfPoses::TfPoses(const TransformInput& transforms, const RobotModel& robot,
                  const std::vector<std::string>& static_joints)
     : transforms_(transforms),
       bodies_(std::move(bodies)),
-      robot_(transforms.with([&](const TransformBuffer& buffer) {
-        return RobotPoses(buffer, robot, frame, "", static_joints);
-      })),
+      robot_(transforms.buffer(), robot, frame, "", static_joints),
       all_(robot_.nbBodies(), 0) {
   for (const SceneBody& body : bodies_) all_[body.body] = 1;
 }
 
 StampedPoses TfPoses::latest(const ros::Time& now) const {
-  FoundBodies placed = transforms_.with([&](auto&) { return robot_.newest(toNs(now), all_); });
+  FoundBodies placed = robot_.newest(toNs(now), all_);
   const ros::Time stamp = toTime(placed.stamp);
   return gather(std::move(placed), stamp);
 }
 
 StampedPoses TfPoses::at(const ros::Time& stamp) const {
-  return gather(transforms_.with([&](auto&) {
-    return robot_.place({Instant::AT, toNs(stamp)}, all_);
-  }),
-                stamp);
+  return gather(robot_.place({Instant::AT, toNs(stamp)}, all_), stamp);
 }
 
 BodyPoses TfPoses::at(const ros::Time& stamp, const std::vector<char>& wanted) const {
   std::vector<char> of_robot(robot_.nbBodies(), 0);
   for (std::size_t i = 0; i < bodies_.size(); ++i) of_robot[bodies_[i].body] |= wanted[i];
-  const FoundBodies placed = transforms_.with([&](auto&) {
-    return robot_.place({Instant::AT, toNs(stamp)}, of_robot);
-  });
+  const FoundBodies placed = robot_.place({Instant::AT, toNs(stamp)}, of_robot);
   BodyPoses poses;
   poses.resize(bodies_.size());
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
@@ -45,7 +38,7 @@ BodyPoses TfPoses::at(const ros::Time& stamp, const std::vector<char>& wanted) c
 }
 
 std::vector<char> TfPoses::heldAt(const ros::Time& stamp) const {
-  return transforms_.with([&](auto&) { return robot_.heldAt(toNs(stamp)); });
+  return robot_.heldAt(toNs(stamp));
 }
 
 StampedPoses TfPoses::gather(FoundBodies placed, const ros::Time& stamp) const {

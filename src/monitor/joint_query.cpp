@@ -33,11 +33,10 @@ bool askTf(const JointQueryTf& tf, const std::string& parent, const std::string&
     doubt = "link '" + child + "': " + error.what();
   }
   try {
-    X_PC = tf.transforms.with([&](const TransformBuffer& buffer) {
-      const int frame = buffer.findFrame(child);
-      const StampNs last = frame < 0 ? EVER_SINCE : buffer.gate().newestStamp(frame);
-      return poseBetween(buffer, parent, child, {Instant::AT, last}).X_TS;
-    });
+    const TransformBuffer& buffer = tf.transforms.buffer();
+    const int frame = buffer.findFrame(child);
+    const StampNs last = frame < 0 ? EVER_SINCE : buffer.gate().newestStamp(frame);
+    X_PC = poseBetween(buffer, parent, child, {Instant::AT, last}).X_TS;
     return true;
   } catch (const InputError&) {
     return false;

@@ -1,6 +1,7 @@
 // Changes of the scene's objects by update_scene: pure functions over messages.
 #pragma once
 
+#include <cstddef>
 #include <functional>
 #include <map>
 #include <optional>
@@ -30,7 +31,6 @@ struct UpdateContext {
   std::function<Eigen::Isometry3d(const std::string& target, const std::string& source,
                                   const ros::Time& stamp)>
       look_up;
-  MeshLoader load_mesh;
   /// Throws InputError unless the robot has the link.
   std::function<void(const std::string& link)> require_link = [](const std::string&) {};
 };
@@ -38,10 +38,15 @@ struct UpdateContext {
 /// What changes make of objects, by name: the object, or nothing where it is removed.
 using ObjectEdits = std::map<std::string, std::optional<StoredObject>>;
 
+/// The objects that changes add, by the number of the change, but for their poses: reading meshes
+/// takes long. Throws as editsBy().
+using AddedObjects = std::map<std::size_t, RigidObject>;
+AddedObjects readAdded(const std::vector<SceneChange>& changes, const MeshLoader& load_mesh);
+
 /// All changes, in their order. Throws InputError that names the change and the problem; whether
 /// touch links exist is checked by the scene.
-ObjectEdits editsBy(const std::vector<SceneChange>& changes, const SceneObjects& objects,
-                    const UpdateContext& context);
+ObjectEdits editsBy(const std::vector<SceneChange>& changes, const AddedObjects& added,
+                    const SceneObjects& objects, const UpdateContext& context);
 
 void apply(const ObjectEdits& edits, SceneObjects& objects);
 

@@ -1,0 +1,141 @@
+#include "monitor.h"
+
+#include <algorithm>
+#include <map>
+
+#include "cloud_view.h"
+#include "user_text.h"
+
+namespace collision_pairs {
+namespace {
+
+// Seconds. A shorter window is more recent, a longer one averages more encoder noise; TF
+// interpolates if its rate is lower.
+constexpr double VELOCITY_WINDOW = 0.1;
+constexpr std::size_t MOST_NAMED = 10;  // left_out names all links
+
+StampedPoses posesAt(const ActiveScene& scene, const ros::Time& stamp, const ros::Time& now) {
+  return stamp.isZero() ? scene.tf_poses->latest(now) : scene.tf_poses->at(stamp);
+}
+
+}  // namespace
+
+Snapshot Monitor::begin(const ActiveScenePtr& scene) const {
+  Snapshot snapshot;
+  snapshot.scene = scene;
+  snapshot.stamp = transforms_.now().stamp;
+  if (!scene->broken_links.empty()) {
+    snapshot.poses.doubts.push_back("geometry that could not be read: " +
+                                    firstOf(scene->broken_links));
+  }
+  return snapshot;
+}
+
+Snapshot Monitor::at(const ActiveScenePtr& scene, const ros::Time& stamp) const {
+  Snapshot snapshot = begin(scene);
+  StampedPoses stamped = posesAt(*scene, stamp, transforms_.now().stamp);
+  snapshot.is_static = stamped.stamp.isZero();
+  if (!snapshot.is_static) snapshot.stamp = stamped.stamp;
+  snapshot.nb_asked = stamped.nb_asked;
+  snapshot.nb_found = stamped.nb_found;
+  snapshot.poses.X_WB = std::move(stamped.poses.X_WB);
+  snapshot.poses.known = std::move(stamped.poses.known);
+  addProblems(stamped.problems, snapshot);
+  addClouds(stamp, snapshot);
+  return snapshot;
+}
+
+void Monitor::addProblems(const std::vector<std::string>& problems, Snapshot& snapshot) const {
+  auto& doubts = snapshot.poses.doubts;
+  if (transforms_.now().stamp.isZero()) doubts.push_back(NO_CLOCK);
+  const std::string clock = transforms_.clockDoubt();
+  if (!clock.empty()) doubts.push_back(clock);
+  if (problems.empty()) return;
+  snapshot.first_left_out = problems.front();
+  const std::size_t nb_named = std::min(problems.size(), MOST_NAMED);
+  doubts.insert(doubts.end(), problems.begin(), problems.begin() + nb_named);
+  if (problems.size() > nb_named) {
+    doubts.push_back("and " + std::to_string(problems.size() - nb_named) + " more links");
+  }
+  const std::vector<std::string> refused = transforms_.refused();
+  for (std::size_t i = 0; i < std::min(refused.size(), MOST_NAMED); ++i) {
+    doubts.push_back("refused " + refused[i]);
+  }
+}
+
+void Monitor::addClouds(const ros::Time& stamp, Snapshot& snapshot) const {
+  const CollisionScene& scene = *snapshot.scene->scene;
+  snapshot.oldest_cloud = snapshot.stamp.toSec();
+  if (scene.clouds().empty()) return;
+  if (!stamp.isZero()) {
+    snapshot.poses.doubts.push_back(
+        "the request has a stamp, and only the newest clouds are kept: leave stamp at 0");
+    return;
+  }
+  std::map<std::string, CloudView> views;
+  for (const auto& source : scenes_.clouds()) {
+    const CloudView view = source->view();
+    views[source->config().name()] = view;
+    if (view.voxels) snapshot.oldest_cloud = std::min(snapshot.oldest_cloud, view.stamp);
+  }
+  addVoxels(views, scene, snapshot.poses);
+}
+
+void Monitor::addJoints(const std::vector<std::string>& names, const ros::Time& stamp,
+                        const ros::Time& held, Snapshot& snapshot) const {
+  const ActiveScene& active = *snapshot.scene;
+  snapshot.joints.emplace(names, *active.scene,
+                          JointQueryTf{transforms_, active.frame, stamp, transforms_.now().stamp,
+                                       active.tf_poses->heldAt(held), active.tf_poses.get()});
+  const auto& of_joints = snapshot.joints->doubts();
+  snapshot.poses.doubts.insert(snapshot.poses.doubts.end(), of_joints.begin(), of_joints.end());
+}
+
+Snapshot Monitor::withJoints(const ActiveScenePtr& scene, const std::vector<std::string>& names,
+                             const ros::Time& stamp) const {
+  Snapshot snapshot = begin(scene);
+  const ros::Time of_poses = posesAt(*scene, stamp, snapshot.stamp).stamp;
+  snapshot.is_static = of_poses.isZero();
+  if (!snapshot.is_static) snapshot.stamp = of_poses;
+  addJoints(names, of_poses, of_poses, snapshot);
+  addClouds(stamp, snapshot);
+  return snapshot;
+}
+
+Snapshot Monitor::withMeasured(const ActiveScenePtr& scene,
+                               const std::vector<std::string>& names) const {
+  Snapshot snapshot = begin(scene);
+  auto& doubts = snapshot.poses.doubts;
+  if (snapshot.stamp.isZero()) doubts.push_back(NO_CLOCK);
+  addJoints(names, ros::Time(), snapshot.stamp, snapshot);
+  const std::string clock = transforms_.clockDoubt();  // positions are not seen to age either
+  if (!clock.empty() && !contains(doubts, clock)) doubts.push_back(clock);
+  addClouds(ros::Time(), snapshot);
+  return snapshot;
+}
+
+EarlierPoses Monitor::before(const Snapshot& snapshot, const CollisionReport& report) const {
+  EarlierPoses before;
+  before.window = VELOCITY_WINDOW;
+  if (snapshot.is_static) {
+    before.poses = snapshot.poses;
+    return before;
+  }
+  std::vector<char> wanted(snapshot.poses.known.size(), 0);
+  for (const PairReport& pair : report.pairs) {
+    for (const std::uint32_t model : {pair.first, pair.second}) {
+      const int body = snapshot.scene->scene->models()[model].body;
+      if (body >= 0) wanted[static_cast<std::size_t>(body)] = 1;
+    }
+  }
+  if (!report.pairs.empty() && snapshot.stamp.toSec() > VELOCITY_WINDOW) {
+    const ros::Time then = snapshot.stamp - ros::Duration(VELOCITY_WINDOW);
+    before.poses = snapshot.scene->tf_poses->at(then, wanted);
+  } else {
+    before.poses.resize(wanted.size());
+    before.poses.known.assign(wanted.size(), 0);
+  }
+  return before;
+}
+
+}  // namespace collision_pairs

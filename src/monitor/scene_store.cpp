@@ -1,0 +1,226 @@
+#include "scene_store.h"
+
+#include <algorithm>
+
+#include "collision_pairs/input_error.h"
+#include "user_text.h"
+
+namespace collision_pairs {
+namespace {
+
+constexpr std::size_t KEPT_RESTRICTIONS = 8;
+const char* const NO_ROBOT = "there is no robot yet; see the node's log and diagnostics";
+
+/// TF may have frames that are not links, and gives no hint for a misspelt one.
+void requireLink(const RobotModel& robot, const std::string& name) {
+  if (robot.findLink(name) >= 0) return;
+  std::vector<std::string> links;
+  for (const Link& link : robot.links()) links.push_back(link.name);
+  throw InputError("'" + name + "' is not a link to attach it to; did you mean '" +
+                   nearestName(name, links) + "'?");
+}
+
+void noteBroken(const std::vector<BrokenElement>& broken, ActiveScene& active) {
+  std::set<std::string> links;
+  for (const BrokenElement& element : broken) {
+    links.insert(element.link);
+    active.broken.push_back("link '" + element.link + "' is left out: " + element.reason);
+  }
+  active.broken_links.assign(links.begin(), links.end());
+}
+
+}  // namespace
+
+void SceneJob::run(const Progress& progress) {
+  if (built_) return;
+  if (kind_ == Kind::UPDATE && changeBefore()) return;
+  SceneObjects objects = objects_;
+  collision_pairs::apply(edits_, objects);
+  build(objects, progress);
+  if (kind_ == Kind::LOAD) requireFrameOfObjects();
+}
+
+/// False: the scene has to be built anew.
+bool SceneJob::changeBefore() {
+  const SceneConfig& config = parameters_->sources.config;
+  if (!config.clouds.empty()) return false;  // their filters know the objects
+  const auto isOfParameters = [&](const auto& edit) {
+    return config.floor && edit.first == config.floor->name;
+  };
+  if (std::any_of(edits_.begin(), edits_.end(), isOfParameters)) return false;
+  const auto scene = before_->scene->withAlike(sceneChanges(edits_, objects_), cache_.get());
+  if (!scene) return false;
+  auto active = std::make_shared<ActiveScene>(*before_);
+  active->scene = scene;
+  active->open_meshes = scene->openMeshes();
+  const auto isSame = [](const SceneBody& a, const SceneBody& b) { return a.body == b.body; };
+  const auto &bodies = scene->bodies(), &before = before_->scene->bodies();
+  const bool are_same =
+      std::equal(bodies.begin(), bodies.end(), before.begin(), before.end(), isSame);
+  frame_ = active->frame;
+  if (!are_same) active->tf_poses = posesOf(*scene);
+  built_ = std::move(active);
+  return true;
+}
+
+void SceneJob::build(const SceneObjects& objects, const Progress& progress) {
+  auto active = std::make_shared<ActiveScene>();
+  std::vector<RigidObject> present;
+  for (const auto& entry : objects) present.push_back(entry.second.object);
+  std::vector<BrokenElement> broken;
+  SceneDescription description =
+      describeScene(parameters_->sources, std::move(present), restriction_, broken);
+  noteBroken(broken, *active);
+  description.settings.progress = progress;
+  active->scene = CollisionScene::build(description, cache_.get());
+  const CollisionScene& scene = *active->scene;
+  active->warnings = parameters_->warnings;
+  active->open_meshes = scene.openMeshes();
+  active->frame = frame_ = parameters_->fixed_frame.empty() ? scene.robot().links().front().name
+                                                            : parameters_->fixed_frame;
+  active->tf_poses = posesOf(scene);
+  const SceneConfig& config = parameters_->sources.config;
+  for (const CloudConfig& cloud : config.clouds) {
+    if (kind_ == Kind::RESTRICT) break;
+    RobotFilter filter(description, scene, cloud, cache_.get());
+    TfPoses poses(*transforms_, scene.robot(), filter.own.bodies(), frame_, config.static_joints);
+    followed_.push_back(
+        std::make_shared<FollowedRobot>(FollowedRobot{std::move(filter), std::move(poses)}));
+  }
+  built_ = std::move(active);
+}
+
+/// Of objects that stand: their poses would silently change.
+void SceneJob::requireFrameOfObjects() const {
+  if (!before_ || frame_ == before_->frame) return;
+  for (const auto& [name, stored] : objects_) {
+    if (!stored.object.attached_link.empty()) continue;
+    throw InputError("object '" + name + "' is fixed in frame '" + before_->frame +
+                     "', but reports would be in '" + frame_ +
+                     "': the root link or fixed_frame has changed; remove the object, and add it "
+                     "again afterwards");
+  }
+}
+
+std::shared_ptr<const TfPoses> SceneJob::posesOf(const CollisionScene& scene) const {
+  return std::make_shared<TfPoses>(*transforms_, scene.robot(), scene.bodies(), frame_,
+                                   parameters_->sources.config.static_joints);
+}
+
+SceneJob SceneStore::job(SceneJob::Kind kind) const {
+  SceneJob job(kind);
+  job.revision_ = revision_;
+  job.transforms_ = &transforms_;
+  job.parameters_ = parameters_;
+  job.cache_ = cache_;
+  job.before_ = scene_;
+  job.objects_ = objects_;
+  return job;
+}
+
+SceneJob SceneStore::load(SceneParameters parameters) const {
+  SceneJob made = job(SceneJob::Kind::LOAD);
+  made.parameters_ = std::make_shared<SceneParameters>(std::move(parameters));
+  return made;
+}
+
+SceneJob SceneStore::update(const std::vector<SceneChange>& changes,
+                            const AddedObjects& added) const {
+  if (!scene_) throw InputError(NO_ROBOT);
+  SceneJob made = job(SceneJob::Kind::UPDATE);
+  UpdateContext context;
+  context.world_frame = scene_->frame;
+  context.look_up = [this](const auto& target, const auto& source, const ros::Time& stamp) {
+    return lookUp(target, source, stamp);
+  };
+  context.require_link = [this](const std::string& link) {
+    requireLink(scene_->scene->robot(), link);
+  };
+  made.edits_ = editsBy(changes, added, objects_, context);
+  made.may_keep_more_ = std::any_of(made.edits_.begin(), made.edits_.end(), [&](const auto& edit) {
+    const auto before = objects_.find(edit.first);
+    return before != objects_.end() && !before->second.object.attached_link.empty();
+  });
+  if (changes.empty()) made.built_ = scene_;
+  return made;
+}
+
+Eigen::Isometry3d SceneStore::lookUp(const std::string& target, const std::string& source,
+                                     const ros::Time& stamp) const {
+  if (target != scene_->frame) requireLink(scene_->scene->robot(), target);
+  const auto fail = [&](const std::string& why) {
+    throw InputError("TF does not know '" + source + "' in '" + target +
+                     "': " + (transforms_.now().stamp.isZero() ? NO_CLOCK : why));
+  };
+  TransformInput::Found found;
+  try {
+    found = scene_->tf_poses->lookUp(target, source, stamp);
+  } catch (const InputError& error) {
+    fail(error.what());
+  }
+  const std::string still = transforms_.clockDoubt();
+  if (stamp.isZero() && !found.stamp.isZero() && !still.empty()) fail(still);
+  return found.X_TS;
+}
+
+SceneJob SceneStore::restrictedTo(const Restriction& restriction) {
+  if (!scene_) throw InputError(NO_ROBOT);
+  SceneJob made = job(SceneJob::Kind::RESTRICT);
+  made.restriction_ = restriction;
+  const auto known = std::find_if(restricted_.begin(), restricted_.end(),
+                                  [&](const auto& kept) { return kept.first == restriction; });
+  if (restriction.empty()) {
+    made.built_ = scene_;
+  } else if (known != restricted_.end()) {
+    std::rotate(known, known + 1, restricted_.end());
+    made.built_ = restricted_.back().second;
+  }
+  return made;
+}
+
+bool SceneStore::take(SceneJob& job) {
+  if (job.revision_ != revision_) return false;
+  if (job.kind_ == SceneJob::Kind::RESTRICT) {
+    const bool is_known =
+        job.built_ == scene_ || std::any_of(restricted_.begin(), restricted_.end(),
+                                            [&](auto& kept) { return kept.second == job.built_; });
+    if (is_known) return true;
+    restricted_.emplace_back(job.restriction_, job.built_);
+    if (restricted_.size() > KEPT_RESTRICTIONS) restricted_.erase(restricted_.begin());
+    return true;
+  }
+  if (job.built_ == scene_) return true;  // without changes
+  ++revision_;
+  std::swap(job.replaced_, restricted_);
+  follow(job);
+  std::swap(job.parameters_, parameters_);
+  collision_pairs::apply(job.edits_, objects_);
+  scene_ = job.built_;  // job.before_ is the old one
+  return true;
+}
+
+void SceneStore::follow(SceneJob& job) {
+  const auto& configs = job.parameters_->sources.config.clouds;
+  const bool are_of =
+      std::equal(clouds_.begin(), clouds_.end(), configs.begin(), configs.end(),
+                 [&](const auto& source, const CloudConfig& config) {
+                   return source->config() == config && source->frame() == job.frame_;
+                 });
+  if (!are_of) {
+    clouds_.clear();
+    for (std::size_t i = 0; i < configs.size(); ++i) {
+      const auto& topics = job.parameters_->cloud_topics;
+      clouds_.push_back(std::make_shared<CloudSource>(
+          configs[i], i < topics.size() ? topics[i] : configs[i].topic, job.frame_, transforms_));
+    }
+  }
+  for (std::size_t i = 0; i < job.followed_.size(); ++i) {
+    job.followed_[i] = clouds_[i]->follow(std::move(job.followed_[i]), job.may_keep_more_);
+  }
+}
+
+std::vector<SceneObject> SceneStore::list() const {
+  return listed(objects_, scene_ ? scene_->frame : std::string());
+}
+
+}  // namespace collision_pairs

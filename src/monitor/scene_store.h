@@ -1,0 +1,129 @@
+// The scene that is checked, and what replaces it.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "cloud_source.h"
+#include "collision_pairs/collision_scene.h"
+#include "scene_sources.h"
+#include "scene_updates.h"
+#include "tf_poses.h"
+
+namespace collision_pairs {
+
+/// What the parameters say of the scene.
+struct SceneParameters {
+  SceneSources sources;
+  /// By name, before it is resolved: a hash of each description; of one that is not there too.
+  std::map<std::string, std::size_t> descriptions;
+  std::string fixed_frame;  ///< empty: the robot's root link
+  /// Parameters in the node's namespace that are none of its own, and leave no pair out.
+  std::vector<std::string> warnings;
+  std::vector<std::string> cloud_topics;  ///< of sources.config.clouds, resolved: for messages
+};
+
+/// A scene with what belongs to it. Replaced as a whole; holders of the old one can continue.
+struct ActiveScene {
+  std::shared_ptr<const CollisionScene> scene;
+  /// Links with geometry that could not be read: listed as left out in every report.
+  std::vector<std::string> broken_links;
+  /// Their errors, one line each.
+  std::vector<std::string> broken;
+  /// Of its parameters; they concern no pair.
+  std::vector<std::string> warnings;
+  /// CollisionScene::openMeshes().
+  std::vector<std::string> open_meshes;
+  std::string frame;                        ///< of reports and markers
+  std::shared_ptr<const TfPoses> tf_poses;  ///< of its bodies
+};
+
+using ActiveScenePtr = std::shared_ptr<const ActiveScene>;
+
+/// A scene that is being built. The store hands it out, anyone runs it on any thread, one at a
+/// time, and the store takes it back.
+class SceneJob {
+ public:
+  using Progress = std::function<void(std::size_t done, std::size_t total)>;
+  /// Takes as long as its new meshes are large. `progress` counts these. Throws InputError: then
+  /// there is nothing to take back.
+  void run(const Progress& progress = nullptr);
+
+  const ActiveScenePtr& scene() const { return built_; }
+
+ private:
+  friend class SceneStore;
+  enum class Kind { LOAD, UPDATE, RESTRICT };
+
+  explicit SceneJob(Kind kind) : kind_(kind) {}
+  bool changeBefore();
+  void build(const SceneObjects& objects, const SceneJob::Progress& progress);
+  void requireFrameOfObjects() const;
+  std::shared_ptr<const TfPoses> posesOf(const CollisionScene& scene) const;
+
+  Kind kind_;
+  std::uint64_t revision_ = 0;
+  const TransformInput* transforms_ = nullptr;
+  std::shared_ptr<SceneParameters> parameters_;
+  std::shared_ptr<SceneCache> cache_;
+  ActiveScenePtr before_;
+  SceneObjects objects_;  ///< before the edits
+  ObjectEdits edits_;
+  Restriction restriction_;
+  bool may_keep_more_ = true;  ///< filters of clouds, of the points: see CloudSource::follow()
+  ActiveScenePtr built_;
+  std::string frame_;
+  std::vector<std::shared_ptr<FollowedRobot>> followed_;  ///< of each cloud
+  std::vector<std::pair<Restriction, ActiveScenePtr>> replaced_;
+};
+
+/// Not thread safe. A job changes nothing until it is taken back.
+class SceneStore {
+ public:
+  /// The transforms must outlive it.
+  explicit SceneStore(const TransformInput& transforms) : transforms_(transforms) {}
+
+  /// Null while there is none.
+  const ActiveScenePtr& active() const { return scene_; }
+  const std::shared_ptr<SceneParameters>& parameters() const { return parameters_; }
+  /// Of the active scene, in the order of its parameters.
+  const std::vector<std::shared_ptr<CloudSource>>& clouds() const { return clouds_; }
+  /// All current objects.
+  std::vector<SceneObject> list() const;
+
+  /// With new parameters; the objects are kept. Its run() throws InputError also if there are
+  /// static objects and the frame of the reports would change.
+  SceneJob load(SceneParameters parameters) const;
+  /// Throws InputError. `added`: of the changes.
+  SceneJob update(const std::vector<SceneChange>& changes, const AddedObjects& added) const;
+  /// With this restriction in place of that of the parameters. If it is known, or empty, scene() is
+  /// there at once. Throws InputError while there is no scene.
+  SceneJob restrictedTo(const Restriction& restriction);
+
+  /// False: the scene has changed since the job was handed out, and it is refused. What is replaced
+  /// is freed with the job.
+  bool take(SceneJob& job);
+
+ private:
+  SceneJob job(SceneJob::Kind kind) const;
+  Eigen::Isometry3d lookUp(const std::string& target, const std::string& source,
+                           const ros::Time& stamp) const;
+  void follow(SceneJob& job);
+
+  const TransformInput& transforms_;
+  ActiveScenePtr scene_;
+  std::uint64_t revision_ = 0;
+  std::shared_ptr<SceneParameters> parameters_;
+  std::shared_ptr<SceneCache> cache_ = std::make_shared<SceneCache>();
+  SceneObjects objects_;
+  std::vector<std::shared_ptr<CloudSource>> clouds_;
+  std::vector<std::pair<Restriction, ActiveScenePtr>> restricted_;  // of scene_; the newest last
+};
+
+}  // namespace collision_pairs

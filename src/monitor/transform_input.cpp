@@ -1,0 +1,92 @@
+#include "transform_input.h"
+
+#include "geometry_conversions.h"
+#include "user_text.h"
+
+namespace collision_pairs {
+namespace {
+
+constexpr double REFUSAL_SHOWN = 2.0;       // s
+constexpr std::size_t MAX_REFUSALS = 1000;  // frames: a limit, since names are external input
+constexpr double SET_BACK = 0.1;            // s
+
+}  // namespace
+
+const char* const NO_CLOCK = "use_sim_time is set, but nothing was received on /clock";
+
+StampNs toNs(const ros::Time& stamp) { return static_cast<StampNs>(stamp.toNSec()); }
+
+ros::Time toTime(StampNs stamp) {
+  ros::Time time;
+  if (stamp != NEVER) time.fromNSec(static_cast<std::uint64_t>(stamp));
+  return time;
+}
+
+void TransformInput::followClock(const Now& now) {
+  if (now.stamp != now_.stamp) last_step_ = now.steady;
+  now_ = now;
+  if (now.stamp < latest_) {
+    if (secondsBetween(now.stamp, latest_) <= SET_BACK) return;
+    buffer_.restart(toNs(now.stamp));
+    refusals_.clear();
+    ++nb_clock_jumps_;
+  }
+  latest_ = now.stamp;
+}
+
+std::string TransformInput::clockDoubt() const {
+  if (settings_.allow_paused || limits().max_pose_age == 0.0 || !settings_.is_simulated) return "";
+  if (latest_.isZero()) return "";  // then there is no pose at all
+  const double still = now_.steady - last_step_;
+  if (still <= limits().max_pose_age) return "";
+  return "use_sim_time is set, and /clock stands still since " + inWords(still) +
+         " of wall time: transforms cannot be seen to age; if it may pause, set allow_paused";
+}
+
+void TransformInput::take(const tf2_msgs::TFMessage& message, bool is_static, const Now& now,
+                          const std::string& publisher) {
+  followClock(now);
+  for (const auto& transform : message.transforms) {
+    const std::string why = takeOne(transform, is_static, publisher);
+    if (why.empty()) {
+      refusals_.erase(transform.child_frame_id);
+    } else if (refusals_.size() < MAX_REFUSALS || refusals_.count(transform.child_frame_id) > 0) {
+      refusals_[transform.child_frame_id] = {why, now_.steady};
+    }
+  }
+  ++nb_taken_;
+}
+
+std::string TransformInput::takeOne(const geometry_msgs::TransformStamped& transform,
+                                    bool is_static, const std::string& publisher) {
+  const auto& p = transform.transform.translation;
+  const auto& q = transform.transform.rotation;
+  const std::string why = whyNoIsometry(transform.transform);
+  if (!why.empty()) return why;
+  if (!is_static && now_.stamp.isZero() && !transform.header.stamp.isZero()) return NO_CLOCK;
+  return buffer_.take(
+      {transform.header.frame_id, transform.child_frame_id, toNs(transform.header.stamp),
+       Eigen::Vector3d(p.x, p.y, p.z), Eigen::Quaterniond(q.w, q.x, q.y, q.z)},
+      is_static, publisher, toNs(now_.stamp));
+}
+
+std::vector<std::string> TransformInput::refused() const {
+  std::vector<std::string> lines;
+  for (const auto& [frame, refusal] : refusals_) {
+    if (now_.steady - refusal.when > REFUSAL_SHOWN) continue;
+    lines.push_back("transform of '" + frame + "': " + refusal.why);
+  }
+  return lines;
+}
+
+TransformInput::Found TransformInput::lookUp(const std::string& target, const std::string& source,
+                                             const ros::Time& stamp,
+                                             const RobotPoses* robot) const {
+  const Instant newest{Instant::NEWEST, toNs(latest_)};
+  const Instant instant = stamp.isZero() ? newest : Instant{Instant::AT, toNs(stamp)};
+  const auto found = robot != nullptr ? robot->between(target, source, instant)
+                                      : poseBetween(buffer_, target, source, instant);
+  return {found.X_TS, toTime(found.oldest)};
+}
+
+}  // namespace collision_pairs

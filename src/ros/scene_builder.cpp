@@ -1,0 +1,84 @@
+#include "scene_builder.h"
+
+#include <utility>
+
+#include <ros/console.h>
+#include <ros/names.h>
+
+#include "collision_pairs/input_error.h"
+#include "collision_pairs/mesh_loader.h"
+#include "scene_loader.h"
+#include "user_text.h"
+
+namespace collision_pairs {
+
+template <class HandOut>
+ActiveScenePtr SceneBuilder::build(const HandOut& hand_out) {
+  SceneJob job = monitor_.with([&](Monitor& monitor) { return hand_out(monitor.scenes()); });
+  const ros::WallTime start = ros::WallTime::now();
+  job.run([start](std::size_t done, std::size_t total) {
+    if ((ros::WallTime::now() - start).toSec() < 1.0) return;  // not worth a line
+    ROS_INFO_STREAM_THROTTLE(1.0, "prepared " << done << " of " << total << " meshes");
+  });
+  const ActiveScenePtr scene = job.scene();
+  for (const std::string& line : scene->broken) {
+    if (told_.insert(line).second) ROS_ERROR_STREAM(line);
+  }
+  // It is the only one: nothing has changed meanwhile.
+  monitor_.with([&](Monitor& monitor) { monitor.scenes().take(job); });
+  clouds_.follow();
+  return scene;
+}
+
+void SceneBuilder::load() {
+  const std::lock_guard<std::mutex> lock(building_);
+  const ros::WallTime start = ros::WallTime::now();
+  told_.clear();
+  SceneParameters parameters = readSceneParameters(private_node_);
+  for (const CloudConfig& cloud : parameters.sources.config.clouds) {
+    std::string why;
+    if (!ros::names::validate(cloud.topic, why)) {
+      throw InputError("clouds: '" + cloud.topic + "' is not a valid topic name: " + why);
+    }
+    parameters.cloud_topics.push_back(node_.resolveName(cloud.topic));
+  }
+  const ActiveScenePtr active =
+      build([&](const SceneStore& scenes) { return scenes.load(std::move(parameters)); });
+  const CollisionScene& scene = *active->scene;
+  ROS_INFO_STREAM("robot '" << scene.robot().name() << "': " << scene.models().size()
+                            << " links with geometry to check, " << scene.elements().size()
+                            << " elements, " << scene.bodies().size()
+                            << " moving bodies, ready after "
+                            << (ros::WallTime::now() - start).toSec() << " s");
+  if (!active->open_meshes.empty()) ROS_WARN_STREAM(joined(active->open_meshes, "; "));
+  if (scene.unchecked().empty()) return;
+  ROS_WARN_STREAM(scene.unchecked() << (scene.mayBeFree() ? ": the verdict can be FREE because of "
+                                                            "~allow_empty_scene"
+                                                          : ": the verdict is never FREE unless "
+                                                            "~allow_empty_scene permits it"));
+}
+
+void SceneBuilder::update(const std::vector<SceneChange>& changes) {
+  const AddedObjects added = readAdded(changes, makeMeshLoader());
+  const std::lock_guard<std::mutex> lock(building_);
+  build([&](const SceneStore& scenes) { return scenes.update(changes, added); });
+}
+
+ActiveScenePtr SceneBuilder::restrictedTo(const Restriction& restriction) {
+  const auto hand_out = [&](SceneStore& scenes) { return scenes.restrictedTo(restriction); };
+  if (restriction.empty()) {
+    return monitor_.with([&](Monitor& monitor) { return hand_out(monitor.scenes()).scene(); });
+  }
+  const std::lock_guard<std::mutex> lock(building_);
+  return build(hand_out);
+}
+
+std::vector<std::string> SceneBuilder::changedDescriptions() {
+  const std::lock_guard<std::mutex> lock(building_);
+  const auto parameters =
+      monitor_.with([](Monitor& monitor) { return monitor.scenes().parameters(); });
+  if (!parameters) return {};
+  return collision_pairs::changedDescriptions(private_node_, parameters->descriptions);
+}
+
+}  // namespace collision_pairs

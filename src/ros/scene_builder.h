@@ -1,0 +1,50 @@
+// Builds the scenes of the monitor.
+#pragma once
+
+#include <mutex>
+#include <set>
+#include <string>
+#include <vector>
+
+#include <ros/node_handle.h>
+
+#include "cloud_threads.h"
+#include "live_monitor.h"
+
+namespace collision_pairs {
+
+/// Thread safe; one scene is built at a time, on the thread that asks for it. Nothing else waits
+/// for that. A call that throws changes nothing.
+class SceneBuilder {
+ public:
+  /// The monitor must outlive it.
+  /// Topics of clouds are names relative to `node`.
+  SceneBuilder(const ros::NodeHandle& node, const ros::NodeHandle& private_node,
+               LiveMonitor& monitor, CloudThreads& clouds)
+      : node_(node), private_node_(private_node), monitor_(monitor), clouds_(clouds) {}
+
+  /// Reads the parameters again and keeps the objects. Throws InputError.
+  void load();
+  /// Applies the changes. Throws InputError.
+  void update(const std::vector<SceneChange>& changes);
+  /// The active scene with this restriction in place of that of the parameters; with an empty one,
+  /// the active scene itself. The last few are kept. Throws InputError, also while there is none.
+  ActiveScenePtr restrictedTo(const Restriction& restriction);
+
+  /// The parameters with descriptions that have changed since they were read; none while there is
+  /// no scene. Asks the parameter server. Throws InputError.
+  std::vector<std::string> changedDescriptions();
+
+ private:
+  /// Runs the job that hand_out(scenes of the monitor) returns.
+  template <class HandOut>
+  ActiveScenePtr build(const HandOut& hand_out);
+
+  ros::NodeHandle node_, private_node_;
+  LiveMonitor& monitor_;
+  CloudThreads& clouds_;
+  std::mutex building_;         // guards what follows, and held while a scene is built
+  std::set<std::string> told_;  // broken elements logged since the last load()
+};
+
+}  // namespace collision_pairs

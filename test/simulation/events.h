@@ -1,0 +1,158 @@
+// What happens to a monitor: a robot, and a list of events from a seed.
+#pragma once
+
+#include <cstdio>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "plain_geometry.h"
+
+namespace simulation {
+
+/// Of a tree of links, each a ball in its frame's origin.
+struct SimulatedLink {
+  enum Joint { FLOATING, SLIDING, TURNING, FIXED };
+  int parent;  ///< -1: the root, which has no geometry
+  Joint joint;
+  Pose X_PJ;
+  double radius;
+};
+
+inline std::string linkName(int link) {
+  std::string name = "root";
+  if (link >= 0) name = 'l' + std::to_string(link);
+  return name;
+}
+
+struct Scenario {
+  std::vector<SimulatedLink> links;
+  double max_pose_age = 1.0, max_transform_age = 1.0;  // s
+  bool is_simulated = false, allow_paused = false;
+  bool has_cloud = false;
+  int camera_on = -1;  ///< link; -1: the root
+  Pose X_LC;
+};
+
+struct Event {
+  enum Kind {
+    WAIT,
+    PUBLISH,      ///< who: link; at: its joint, or where it floats
+    REPEAT,       ///< the last of link `who`, by another node
+    BREAK,        ///< what: kind of a transform that is not usable; of link `who`
+    LIE,          ///< what: 1: on /tf_static; another node says that link `who` is elsewhere
+    CAMERA,       ///< its mount, on /tf_static
+    STEP_CLOCK,   ///< by `number` seconds
+    RUN_CLOCK,    ///< at `number` times the speed
+    CLOUD,        ///< what: kind; at: where its obstacle is
+    CLOUD_BEGIN,  ///< of the work on a cloud
+    CLOUD_END,
+    CLEAR,        ///< all clouds
+    SCENE_BEGIN,  ///< what: the change, or to load; who: object, or link to ignore
+    SCENE_END,
+    NB_KINDS
+  };
+  Kind kind = WAIT;
+  double dt = 0.0;   ///< s since the event before
+  double lag = 0.0;  ///< s, of the stamp after the clock
+  int who = 0, what = 0, other = 0;
+  double number = 0.0;
+  Pose at;
+
+  std::string text() const {
+    char line[300];
+    std::snprintf(line, sizeof line,
+                  "  {Event::Kind(%d), %.17g, %.17g, %d, %d, %d, %.17g, {%.17g, %.17g, %.17g, "
+                  "%.17g}},\n",
+                  kind, dt, lag, who, what, other, number, at.x, at.y, at.z, at.yaw);
+    return line;
+  }
+};
+
+class Generator {
+ public:
+  explicit Generator(unsigned seed) : random_(seed) {}
+
+  Scenario setup() {
+    Scenario made;
+    const int nb_links = 2 + integer(4);
+    const bool floats = integer(2) == 0;
+    for (int i = 0; i < nb_links; ++i) {
+      SimulatedLink link;
+      link.parent = integer(i + 1) - 1;
+      const bool may_be_fixed = link.parent >= 0;
+      link.joint = may_be_fixed && integer(4) == 0 ? SimulatedLink::FIXED
+                   : floats                        ? SimulatedLink::FLOATING
+                   : integer(2) == 0               ? SimulatedLink::SLIDING
+                                                   : SimulatedLink::TURNING;
+      link.X_PJ = {0.0, std::pow(2.0, i), 0.0, 0.0};  // sums of powers of two differ
+      if (link.joint == SimulatedLink::FLOATING) link.X_PJ = {};
+      link.radius = 0.2 + 0.25 * real();
+      made.links.push_back(link);
+    }
+    const double ages[] = {1.0, 1.0, 0.4, 0.0}, gaps[] = {1.0, 0.5};
+    made.max_pose_age = ages[integer(4)];
+    made.max_transform_age = gaps[integer(2)];
+    made.is_simulated = integer(2) == 0;
+    made.allow_paused = integer(4) == 0;
+    made.has_cloud = integer(2) == 0;
+    made.camera_on = integer(3) == 0 ? integer(nb_links) : -1;
+    made.X_LC = {-3.0, 0.0, 0.0, 0.3};
+    return made;
+  }
+
+  std::vector<Event> events(const Scenario& setup, int count) {
+    // Each sequence has its own faults, and some have none.
+    double weights[Event::NB_KINDS] = {4, 60, 2, 3, 3, 1, 1, 1, 12, 16, 16, 1, 4, 4};
+    for (const Event::Kind fault :
+         {Event::BREAK, Event::LIE, Event::STEP_CLOCK, Event::RUN_CLOCK, Event::CAMERA}) {
+      if (integer(2) == 0) weights[fault] = 0;
+    }
+    if (!setup.has_cloud) {
+      for (int kind = Event::CLOUD; kind <= Event::CLEAR; ++kind) weights[kind] = 0;
+    }
+    std::discrete_distribution<int> kinds(std::begin(weights), std::end(weights));
+    const double spread = integer(3) == 0 ? 8.0 : 3.0;
+    std::vector<Event> events;
+    std::vector<Pose> walks;  // of each link
+    for (int i = 0; i < static_cast<int>(setup.links.size()); ++i) {
+      walks.push_back(anywhere(spread));
+      Event event;
+      event.kind = Event::PUBLISH;
+      event.who = i;
+      event.at = walks.back();
+      events.push_back(event);
+    }
+    while (static_cast<int>(events.size()) < count) {
+      Event event;
+      event.kind = static_cast<Event::Kind>(kinds(random_));
+      event.dt = integer(40) == 0 ? 1.5 * real() : 0.02 * real();
+      event.lag = integer(12) == 0 ? 1.2 * real() : 0.03 * real();
+      if (integer(15) == 0) event.lag = -0.4 * real();
+      event.who = integer(static_cast<int>(setup.links.size()));
+      event.other = integer(static_cast<int>(setup.links.size()));
+      event.what = integer(8);
+      event.number = integer(3) == 0 ? 0.0 : 2.0 * real() - 1.0;
+      event.at = anywhere(spread);
+      if (event.kind == Event::PUBLISH) {
+        Pose& walk = walks[static_cast<std::size_t>(event.who)];
+        const Pose step = anywhere(integer(50) == 0 ? 2.0 : 0.1);
+        walk = {walk.x + step.x, walk.y + step.y, 0.0, walk.yaw + 0.05 * step.yaw};
+        event.at = walk;
+      }
+      events.push_back(event);
+    }
+    return events;
+  }
+
+ private:
+  int integer(int below) { return static_cast<int>(random_() % static_cast<unsigned>(below)); }
+  double real() { return std::uniform_real_distribution<double>(0.0, 1.0)(random_); }
+  Pose anywhere(double spread) {
+    return {spread * (real() - 0.5), spread * (real() - 0.5), 0.5 * (real() - 0.5), 6.0 * real()};
+  }
+
+  std::mt19937 random_;
+};
+
+}  // namespace simulation

@@ -1,0 +1,106 @@
+// A monitor to which events happen, beside an oracle that is told the same.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "monitored_robot.h"
+#include "plain_knowledge.h"
+
+namespace simulation {
+
+using namespace collision_pairs;
+
+/// An object of the scene.
+struct PlainObject {
+  Solid solid;
+  int link = -1;          ///< that it is attached to; -1: it stands
+  Pose X_PO;              ///< in the link, or in the root's frame
+  std::set<int> touches;  ///< links
+};
+
+/// Runs one sequence of events. After each, `violation` says what is wrong; empty: nothing.
+class SimulatedNode {
+ public:
+  explicit SimulatedNode(const Scenario& setup);
+
+  void happen(const Event& event);
+  /// Everything is said again, apart, and by one node each, for that long [s].
+  void recover(double duration);
+  /// The report at this time, which is judged.
+  void report();
+
+  const std::string& violation() const { return violation_; }
+  Verdict verdict() const { return report_.verdict; }
+  std::string reasons() const;
+  /// Of all reports.
+  std::size_t digest() const { return digest_; }
+  std::map<Verdict, int> counts;
+
+ private:
+  struct SceneWork {
+    SceneJob job;
+    std::uint64_t revision;
+    std::map<std::string, PlainObject> objects;  ///< afterwards
+    std::set<int> ignored;
+  };
+  /// Of the last cloud that was used.
+  struct Seen {
+    double measured = 0.0;
+    std::vector<Pose> points;  ///< in W, but for the robot's own
+  };
+
+  void advance(double dt);
+  Ns stampOf(double lag) const;
+  void publish(int link, Ns stamp, const Pose& X_PB, const std::string& publisher,
+               bool is_static = false);
+  void publishBroken(const Event& event);
+  void publishCamera(const Pose& X_LC);
+  void sendCloud(const Event& event);
+  void beginCloud();
+  void endCloud();
+  void beginScene(const Event& event);
+  void endScene();
+  std::optional<Pose> newestPoseOf(int link) const;
+  SceneParameters parameters(const std::set<int>& ignored) const;
+
+  void judge(const Snapshot& snapshot);
+  void judgeFree(const Snapshot& snapshot);
+  void judgeBodies(const Snapshot& snapshot);
+  void judgeAgreement(const Snapshot& snapshot);
+  void judgeMemory();
+  bool isCheckedAgainst(int link, const PlainObject& object) const;
+  int bodyOf(int link) const;
+  bool areAdjacent(int a, int b) const;
+  void fail(const std::string& what);
+
+  const Scenario setup_;
+  Monitor monitor_;
+  Knowledge knowledge_;
+  Ns ros_ = 1000000000000;
+  double steady_ = 0.0, speed_ = 1.0;
+  std::vector<std::pair<Ns, Pose>> last_;  ///< of each link
+  std::map<std::string, PlainObject> objects_;
+  std::set<int> ignored_;
+  std::uint64_t revision_ = 0;
+  std::optional<SceneWork> scene_work_;
+  std::shared_ptr<CloudJob> cloud_work_;
+  std::vector<Pose> cloud_points_;        ///< in W, of cloud_work_
+  std::map<Ns, std::vector<Pose>> sent_;  ///< points in the camera's frame, by stamp
+  std::map<Ns, double> arrivals_;
+  int cloud_generation_ = 0, cloud_work_generation_ = 0, cloud_work_pass_ = 0;
+  std::optional<Seen> seen_;
+  bool is_camera_told_ = false;
+  Pose X_LC_;
+  CollisionReport report_;
+  std::unique_ptr<CollisionDetector> detector_;
+  std::size_t digest_ = 0;
+  std::string violation_;
+};
+
+}  // namespace simulation

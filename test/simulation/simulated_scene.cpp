@@ -1,0 +1,159 @@
+// Objects and robots of a SimulatedNode.
+#include <cmath>
+
+#include "object_messages.h"
+#include "simulated_node.h"
+
+namespace simulation {
+namespace {
+
+enum Change { ADD, ADD_IN_LINK, MOVE, REMOVE, ATTACH, DETACH, CLEAR, LOAD };
+
+SceneChange changeOf(std::uint8_t operation, const std::string& name) {
+  SceneChange change;
+  change.operation = operation;
+  change.object.name = name;
+  change.object.pose = poseAt(0.0, 0.0, 0.0);
+  return change;
+}
+
+void place(SceneObject& object, const Pose& at) {
+  object.pose = poseAt(at.x, at.y, at.z);
+  object.pose.orientation.w = std::cos(0.5 * at.yaw);
+  object.pose.orientation.z = std::sin(0.5 * at.yaw);
+}
+
+}  // namespace
+
+/// As TF has it newest, all at the stamp that the oldest of its frames has reached.
+std::optional<Pose> SimulatedNode::newestPoseOf(int link) const {
+  Ns oldest = std::numeric_limits<Ns>::max();
+  for (int i = link; i >= 0; i = setup_.links[static_cast<std::size_t>(i)].parent) {
+    if (setup_.links[static_cast<std::size_t>(i)].joint == SimulatedLink::FIXED) continue;
+    const auto& samples = knowledge_.told(i).samples;
+    if (samples.empty()) return std::nullopt;
+    const auto ahead = samples.upper_bound(ros_);
+    const bool has_reached =
+        ahead != samples.begin() && !knowledge_.isTooOld(std::prev(ahead)->first);
+    // Of a node whose clock is ahead, the first that is.
+    oldest = std::min(
+        oldest, has_reached || ahead == samples.end() ? std::prev(ahead)->first : ahead->first);
+  }
+  if (knowledge_.isTooOld(oldest)) return std::nullopt;
+  return knowledge_.poseOf(link, oldest);
+}
+
+void SimulatedNode::beginScene(const Event& event) {
+  const std::string name = "o" + std::to_string(event.other % 3);
+  SceneWork work{monitor_.scenes().restrictedTo({}), revision_, objects_, ignored_};
+  try {
+    if (event.what == LOAD) {
+      const bool ignores = event.number < 0.0;
+      work.ignored = ignores ? std::set<int>{event.who} : std::set<int>{};
+      work.job = monitor_.scenes().load(parameters(work.ignored));
+      scene_work_ = std::move(work);
+      return;
+    }
+    SceneChange change = changeOf(SceneChange::ADD, name);
+    const auto known = work.objects.find(name);
+    const auto X_WL = newestPoseOf(event.who);
+    const bool is_certain = !knowledge_.isLiedAbout(event.who);
+    switch (event.what) {
+      case ADD:
+      case ADD_IN_LINK: {
+        const bool is_box = event.number > 0.3;
+        const Solid solid{is_box, 0.15, {0.2, 0.3, 0.1}};
+        change.object.primitives = {
+            is_box ? primitive(shape_msgs::SolidPrimitive::BOX, {0.4, 0.6, 0.2})
+                   : primitive(shape_msgs::SolidPrimitive::SPHERE, {0.15})};
+        place(change.object, event.at);
+        PlainObject object{solid, -1, event.at, {}};
+        if (event.what == ADD_IN_LINK) {
+          if (!is_certain) return;
+          change.object.header.frame_id = linkName(event.who);
+          object.X_PO = X_WL.value_or(Pose{1e9, 0, 0, 0}) * event.at;
+        }
+        work.objects[name] = object;
+        break;
+      }
+      case MOVE:
+        change.operation = SceneChange::MOVE;
+        place(change.object, event.at);
+        if (known == work.objects.end() || known->second.link >= 0) return;
+        known->second.X_PO = event.at;
+        break;
+      case REMOVE:
+        change.operation = SceneChange::REMOVE;
+        work.objects.erase(name);
+        break;
+      case ATTACH: {
+        if (known == work.objects.end() || known->second.link >= 0 || !is_certain) return;
+        if (known->second.solid.is_box) return;  // two boxes may meet, which is not judged
+        change.operation = SceneChange::ATTACH;
+        change.object.attached_link = linkName(event.who);
+        PlainObject& object = known->second;
+        object.link = event.who;
+        if (event.number > 0.0)
+          object.touches = {(event.who + 1) % static_cast<int>(setup_.links.size())};
+        for (const int link : object.touches) change.object.touch_links.push_back(linkName(link));
+        object.X_PO = X_WL ? inverse(*X_WL) * object.X_PO : Pose{1e9, 0, 0, 0};
+        break;
+      }
+      case DETACH: {
+        if (known == work.objects.end() || known->second.link < 0) return;
+        if (knowledge_.isLiedAbout(known->second.link)) return;
+        change.operation = SceneChange::DETACH;
+        PlainObject& object = known->second;
+        const auto X_WP = newestPoseOf(object.link);
+        object.X_PO = X_WP ? *X_WP * object.X_PO : Pose{1e9, 0, 0, 0};
+        object.link = -1;
+        object.touches.clear();
+        break;
+      }
+      default:
+        change.operation = SceneChange::CLEAR;
+        work.objects.clear();
+    }
+    work.job = monitor_.scenes().update({change}, readAdded({change}, noMeshLoader()));
+    for (const auto& [other, object] : work.objects) {
+      if (object.X_PO.x > 1e8)
+        return fail("object " + other + " is placed by a link that is nowhere");
+    }
+    scene_work_ = std::move(work);
+  } catch (const InputError&) {
+  }
+}
+
+void SimulatedNode::endScene() {
+  if (!scene_work_) return;
+  SceneWork work = std::move(*scene_work_);
+  scene_work_.reset();
+  try {
+    work.job.run();
+  } catch (const InputError&) {
+    return;
+  }
+  const bool is_of_now = work.revision == revision_;
+  if (monitor_.scenes().take(work.job) != is_of_now) return fail("a scene is built of an old one");
+  if (!is_of_now) return;
+  ++revision_;
+  const bool is_reloaded = work.ignored != ignored_;
+  objects_ = work.objects;
+  ignored_ = work.ignored;
+  // Whatever was attached may have hidden what was seen.
+  if (is_reloaded) seen_.reset();
+}
+
+int SimulatedNode::bodyOf(int link) const {
+  while (setup_.links[static_cast<std::size_t>(link)].joint == SimulatedLink::FIXED) {
+    link = setup_.links[static_cast<std::size_t>(link)].parent;
+  }
+  return link;
+}
+
+bool SimulatedNode::isCheckedAgainst(int link, const PlainObject& object) const {
+  if (ignored_.count(link) > 0 || object.touches.count(link) > 0) return false;
+  return object.link < 0 || bodyOf(object.link) != bodyOf(link);
+}
+
+}  // namespace simulation
