@@ -1,4 +1,5 @@
 // The claims about a SimulatedNode.
+#include <algorithm>
 #include <cmath>
 #include <functional>
 
@@ -103,8 +104,7 @@ void SimulatedNode::judgeFree(const Snapshot& snapshot) {
   }
   if (!setup_.has_cloud) return;
   if (!seen_) return fail("FREE although no cloud is in use");
-  if (seconds(ros_) - seen_->measured > SOURCE_TIMEOUT + 1e-6)
-    fail("FREE of a cloud that is too old");
+  if (seconds(ros_) - seen_->measured > SOURCE_TIMEOUT + 1e-6) fail("FREE of an old cloud");
   for (int i = 0; i < nb_links; ++i) {
     for (const Pose& p : seen_->points) {
       if (!at[i] || ignored_.count(i) > 0) continue;
@@ -115,27 +115,38 @@ void SimulatedNode::judgeFree(const Snapshot& snapshot) {
 
 /// Requests, the limiter and the cycle say the same of the same.
 void SimulatedNode::judgeAgreement(const Snapshot& snapshot) {
-  if (report_.verdict == Verdict::UNKNOWN) return;
-  const CollisionScene& scene = *snapshot.scene->scene;
-  const auto verdictWith = [&](Snapshot other) {
-    std::vector<Eigen::Isometry3d> X_WB;
-    other.joints->bodyPosesAt({}, X_WB);
-    scene.gatherPoses(X_WB, other.poses);
-    return std::pair(detector_->detect(other.poses, {}).verdict, other.poses.doubts);
-  };
   const Verdict verdict = report_.verdict;
   try {
-    const auto [asked, doubts] = verdictWith(monitor_.withJoints(snapshot.scene, {}, ros::Time()));
-    if (doubts.empty() && asked != verdict) fail("a request and the cycle do not agree");
+    Snapshot asked = monitor_.withJoints(snapshot.scene, {}, ros::Time());
+    requireSharedDoubts(snapshot, asked, "a request");
+    // Of joints it takes what is newest of each: that may be in doubt where older poses are not.
+    requireSharedDoubts(snapshot, monitor_.withMeasured(snapshot.scene, {}), "the limiter");
+    if (verdict == Verdict::UNKNOWN) return;
+    std::vector<Eigen::Isometry3d> X_WB;
+    asked.joints->bodyPosesAt({}, X_WB);
+    snapshot.scene->scene->gatherPoses(X_WB, asked.poses);
+    const std::vector<std::string>& doubts = asked.poses.doubts;
+    const Verdict of_request = detector_->detect(asked.poses, {}).verdict;
+    if (doubts.empty() && of_request != verdict) fail("a request and the cycle do not agree");
     if (verdict == Verdict::FREE && !doubts.empty()) {
       fail("the cycle is FREE, a request is in doubt: " + doubts.front());
     }
-    const auto measured = monitor_.withMeasured(snapshot.scene, {}).poses.doubts;
-    if (verdict == Verdict::FREE && !measured.empty()) {
-      fail("the cycle is FREE, the limiter is in doubt: " + measured.front());
-    }
   } catch (const InputError& error) {
     if (verdict == Verdict::FREE) fail(std::string("a request fails: ") + error.what());
+  }
+}
+
+/// What is in doubt whatever the instant of the poses.
+void SimulatedNode::requireSharedDoubts(const Snapshot& cycle, const Snapshot& other,
+                                        const std::string& whose) {
+  for (const std::string& doubt : cycle.poses.doubts) {
+    const bool is_of_cloud = doubt.rfind("cloud '", 0) == 0;
+    const bool is_of_clock = doubt.rfind("use_sim_time", 0) == 0;
+    const auto& others = other.poses.doubts;
+    const bool is_shared = std::find(others.begin(), others.end(), doubt) != others.end();
+    const bool must_be =
+        is_of_cloud || (is_of_clock && (whose == "the limiter" || !cycle.is_static));
+    if (must_be && !is_shared) fail(whose + " does not know that " + doubt);
   }
 }
 

@@ -73,6 +73,7 @@ class SimulatedNode {
   void judgeFree(const Snapshot& snapshot);
   void judgeBodies(const Snapshot& snapshot);
   void judgeAgreement(const Snapshot& snapshot);
+  void requireSharedDoubts(const Snapshot& cycle, const Snapshot& other, const std::string& whose);
   void judgeMemory();
   bool isCheckedAgainst(int link, const PlainObject& object) const;
   int bodyOf(int link) const;
