@@ -72,11 +72,22 @@ def assert_modules_know_only(below):
 def test_layers_know_only_the_layers_below():
     assert_modules_know_only({"src/core": set(), "src/transforms": {"src/core"}, "src/io": {"src/transforms", "src/core"},
                               "src/messages": {"src/core"},
+                              "src/monitor": {"src/messages", "src/io", "src/transforms", "src/core"},
                               "src/tools": {"src/messages", "src/io", "src/transforms", "src/core"},
                               "src/planners": {"src/messages", "src/core"},
                               "src/python": {"src/io", "src/transforms", "src/core"},
-                              "src/ros": {"src/messages", "src/io", "src/transforms", "src/core"},
-                              "src/demo": {"src/ros", "src/messages", "src/io", "src/transforms", "src/core"}})
+                              "src/ros": {"src/monitor", "src/messages", "src/io", "src/transforms", "src/core"},
+                              "src/demo": {"src/ros", "src/monitor", "src/messages", "src/io", "src/transforms", "src/core"}})
+
+
+def test_the_monitor_has_no_threads_clocks_or_nodes():
+    threads = {"thread", "mutex", "atomic", "condition_variable"}
+    foreign = {(file, what) for file, what in included_in("src/monitor")
+               if what in threads or (what.startswith("ros/") and what != "ros/time.h")}
+    assert not foreign, foreign
+    reads_a_clock = re.compile(r"Time::now\(\)|ROS_[A-Z]+_STREAM|NodeHandle")
+    for file in {file for file, _ in included_in("src/monitor")}:
+        assert not reads_a_clock.search(open(os.path.join(PROJECT, file)).read()), file
 
 
 def test_one_file_knows_the_buffer_of_tf2():

@@ -313,3 +313,16 @@ def test_clouds_that_were_recorded_too_late_are_refused(check, with_clouds, tmp_
     rows, _ = check(late)
     assert {row["verdict"] for row in rows} == {"unknown", "collision"}
     assert any("1.50 s old when it arrived" in row["unknown_because"] for row in rows)
+
+
+def test_a_cloud_of_a_camera_whose_clock_is_ahead_ages_from_its_arrival_on(check, with_clouds, tmp_path):
+    ahead, at_stamp = tmp_path / "ahead.bag", with_clouds([cloud_of(FAR_SEEN, START + 0.9)])
+    with rosbag.Bag(str(at_stamp)) as source, rosbag.Bag(str(ahead), "w") as target:
+        for topic, message, stamp in source.read_messages():
+            target.write(topic, message, stamp - rospy.Duration(0.4 if topic == TOPIC else 0))
+    for bag in (at_stamp, ahead):
+        rows, _ = check(bag)
+        inside = [row for row in rows if START + 1.55 < float(row["stamp"]) < START + 1.85]
+        assert inside
+        assert all(("source_timeout" in row["unknown_because"]) == (bag == ahead) or row["verdict"] == "collision"
+                   for row in inside), inside

@@ -1,8 +1,6 @@
 // The time of an event.
 #pragma once
 
-#include <algorithm>
-
 #include <ros/time.h>
 
 namespace collision_pairs {
@@ -17,9 +15,5 @@ struct Now {
       stamp;      ///< ROS time, which is that of stamps: it may be simulated, stand still, or step
   double steady;  ///< seconds of a clock that does not
 };
-
-/// Seconds, on the clock of the stamp. Nothing is measured after it has arrived: a stamp ahead of
-/// the clock is that of a sender whose clock is ahead.
-inline double measuredAt(double stamp, double arrival) { return std::min(stamp, arrival); }
 
 }  // namespace collision_pairs

@@ -60,7 +60,7 @@ void CloudReplay::take(const RawMessage& raw, StampNs next_row) {
   if (latest.problem.empty()) {
     try {
       latest.voxels = gather(raw, entry.stamp, source);
-      latest.stamp = inSeconds(entry.stamp);
+      latest.stamp = measuredAt(inSeconds(entry.stamp), inSeconds(raw.received));
       latest.may_touch = source.gatherer.mayTouch();
       const std::string& warning = source.gatherer.warning();
       if (!warning.empty() && source.nb_warned++ == 0) source.first_warning = warning;

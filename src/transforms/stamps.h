@@ -1,6 +1,7 @@
 // Stamps, ages, and spans of stamps at which a pose is in doubt.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <limits>
 #include <string>
@@ -17,6 +18,11 @@ constexpr StampNs EVER_SINCE = std::numeric_limits<StampNs>::min();
 constexpr StampNs LAST_STAMP = 4000000000 * StampNs{1000000000};
 
 inline double inSeconds(StampNs span) { return 1e-9 * static_cast<double>(span); }
+
+/// When something that was received was measured, in seconds on the clock of the stamp. Nothing is
+/// measured after it has arrived: a stamp ahead of the clock is that of a sender whose clock is
+/// ahead.
+inline double measuredAt(double stamp, double arrival) { return std::min(stamp, arrival); }
 
 /// `stamp` + `span`; a span of NEVER has no end.
 inline StampNs after(StampNs stamp, StampNs span) {

@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "collision_pairs/input_error.h"
-#include "now.h"
+#include "stamps.h"
 #include "user_text.h"
 
 namespace collision_pairs {
