@@ -108,6 +108,7 @@ add_library(collision_pairs SHARED
   src/core/scene/scene_members.cpp
   src/core/scene/scene_settings.cpp
 )
+collision_pairs_together(collision_pairs)
 include(cmake/kernels.cmake)
 target_include_directories(collision_pairs PUBLIC
   $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:include>

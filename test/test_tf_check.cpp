@@ -10,7 +10,7 @@
 #include "tf_check.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_tf_check {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -233,5 +233,5 @@ TEST(Request, SaysWhatIsOtherThanTheNodesSettings) {
   EXPECT_EQ(settings.time_budget, 0.5);
 }
 
-}  // namespace
+}  // namespace test_tf_check
 }  // namespace collision_pairs

@@ -12,10 +12,10 @@
 #include "tf_check.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_verdict {
 
 constexpr double RADIUS = 0.5;
-const PoseLimits LIMITS;           // the defaults
+const PoseLimits LIMITS;  // the defaults
 
 using LinkPair = std::pair<std::string, std::string>;
 
@@ -173,5 +173,5 @@ TEST(Verdict, FreeImpliesThatEveryRequiredPairIsKnownFreshAndApart) {
   for (const int verdict : {0, 1, 2}) EXPECT_GT(count[verdict], 1000) << verdict;
 }
 
-}  // namespace
+}  // namespace test_verdict
 }  // namespace collision_pairs
