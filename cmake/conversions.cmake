@@ -12,6 +12,7 @@ target_include_directories(collision_pairs_messages PUBLIC ${PROJECT_SOURCE_DIR}
 target_include_directories(collision_pairs_messages SYSTEM PUBLIC ${catkin_INCLUDE_DIRS})
 target_link_libraries(collision_pairs_messages PUBLIC collision_pairs ${catkin_LIBRARIES})
 set_target_properties(collision_pairs_messages PROPERTIES POSITION_INDEPENDENT_CODE ON)  # for the nodelet
+collision_pairs_together(collision_pairs_messages)
 collision_pairs_warnings(collision_pairs_messages)
 collision_pairs_checked_indices(collision_pairs_messages)
 add_dependencies(collision_pairs_messages ${PROJECT_NAME}_generate_messages_cpp

@@ -108,10 +108,12 @@ add_library(collision_pairs SHARED
   src/core/scene/scene_members.cpp
   src/core/scene/scene_settings.cpp
 )
+collision_pairs_together(collision_pairs)
 include(cmake/kernels.cmake)
 target_include_directories(collision_pairs PUBLIC
   $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:include>
-  PRIVATE ${CORE_MODULES} ${URDFDOM_INCLUDE_DIRS})
+  PRIVATE ${CORE_MODULES})
+target_include_directories(collision_pairs SYSTEM PRIVATE ${URDFDOM_INCLUDE_DIRS})  # GCC 14 warns of urdfdom 4
 target_link_libraries(collision_pairs PUBLIC Eigen3::Eigen PRIVATE
   Boost::headers fcl ${TINYXML2_LIBRARIES} ${URDFDOM_MODEL_LIBRARY} ${CONSOLE_BRIDGE_LIBRARY} qhull_r Threads::Threads)
 # After libqhull_r, for other users of that in the same process: libqhullcpp has a qh_fprintf(), too (convex_hull.cpp).

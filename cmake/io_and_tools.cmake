@@ -36,6 +36,7 @@ target_include_directories(collision_pairs_io
 target_include_directories(collision_pairs_io SYSTEM PRIVATE ${catkin_INCLUDE_DIRS})
 target_link_libraries(collision_pairs_io PUBLIC collision_pairs $<BUILD_INTERFACE:yaml-cpp>
                       PRIVATE ${catkin_LIBRARIES} BZip2::BZip2 ${ROSLZ4_LIBRARY} ${TINYXML2_LIBRARIES} ${CMAKE_DL_LIBS})
+collision_pairs_together(collision_pairs_io)
 collision_pairs_warnings(collision_pairs_io)
 collision_pairs_checked_indices(collision_pairs_io)
 
@@ -57,6 +58,7 @@ function(collision_pairs_tool name)
   add_executable(${name} src/tools/${name}.cpp src/tools/command_line.cpp src/tools/progress_bar.cpp ${ARGN})
   target_include_directories(${name} PRIVATE src/core/base)
   target_link_libraries(${name} PRIVATE collision_pairs_io Boost::program_options)
+  collision_pairs_together(${name})
   collision_pairs_warnings(${name})
   collision_pairs_checked_indices(${name})
 endfunction()

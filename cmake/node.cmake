@@ -17,6 +17,7 @@ target_include_directories(collision_pairs_monitor PUBLIC ${PROJECT_SOURCE_DIR}/
                                                    PRIVATE ${CORE_MODULES})
 target_link_libraries(collision_pairs_monitor PUBLIC collision_pairs_io collision_pairs_messages)
 set_target_properties(collision_pairs_monitor PROPERTIES POSITION_INDEPENDENT_CODE ON)  # for the nodelet
+collision_pairs_together(collision_pairs_monitor)
 collision_pairs_warnings(collision_pairs_monitor)
 collision_pairs_checked_indices(collision_pairs_monitor)
 
@@ -45,6 +46,7 @@ target_include_directories(collision_pairs_ros PUBLIC ${PROJECT_SOURCE_DIR}/src/
 target_include_directories(collision_pairs_ros SYSTEM PUBLIC ${catkin_INCLUDE_DIRS})
 target_link_libraries(collision_pairs_ros PUBLIC collision_pairs_monitor ${catkin_LIBRARIES})
 set_target_properties(collision_pairs_ros PROPERTIES POSITION_INDEPENDENT_CODE ON)  # for the nodelet
+collision_pairs_together(collision_pairs_ros)
 collision_pairs_warnings(collision_pairs_ros)
 collision_pairs_checked_indices(collision_pairs_ros)
 add_dependencies(collision_pairs_ros ${PROJECT_NAME}_gencfg ${PROJECT_NAME}_generate_messages_cpp

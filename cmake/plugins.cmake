@@ -10,6 +10,7 @@ install(FILES ${index}/package DESTINATION ${installed_index}/packages RENAME ${
 function(collision_pairs_plugin name package)
   set(library collision_pairs_${name})
   set_target_properties(${library} PROPERTIES INSTALL_RPATH $ORIGIN INSTALL_RPATH_USE_LINK_PATH ON)
+  collision_pairs_together(${library})
   collision_pairs_warnings(${library})
   collision_pairs_checked_indices(${library})
   install(TARGETS ${library} LIBRARY DESTINATION ${CATKIN_PACKAGE_LIB_DESTINATION})

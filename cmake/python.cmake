@@ -15,6 +15,7 @@ pybind11_add_module(collision_pairs_python MODULE NO_EXTRAS
 )
 target_include_directories(collision_pairs_python PRIVATE src/core/base)
 target_link_libraries(collision_pairs_python PRIVATE collision_pairs_io)
+collision_pairs_together(collision_pairs_python)
 collision_pairs_warnings(collision_pairs_python)
 collision_pairs_checked_indices(collision_pairs_python)
 file(RELATIVE_PATH libraries /${CATKIN_PACKAGE_PYTHON_DESTINATION} /${CATKIN_PACKAGE_LIB_DESTINATION})

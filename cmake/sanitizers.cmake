@@ -27,8 +27,6 @@ if(runtime)
   execute_process(COMMAND ${CMAKE_CXX_COMPILER} -print-file-name=${runtime} OUTPUT_VARIABLE SANITIZER_LIBRARY
                   OUTPUT_STRIP_TRAILING_WHITESPACE)
 endif()
-if(sanitizers)  # GCC 12 warns falsely of std::variant, CGAL and replaced operators in what it inlines for a sanitizer
-  set_source_files_properties(test/test_triangle_distance.cpp test/test_narrow_phase_extremes.cpp
-                              PROPERTIES COMPILE_OPTIONS -Wno-maybe-uninitialized)
+if(sanitizers)  # GCC 12 warns falsely of replaced operators in what it inlines for a sanitizer
   set_source_files_properties(test/test_sweep_allocations.cpp PROPERTIES COMPILE_OPTIONS -Wno-mismatched-new-delete)
 endif()

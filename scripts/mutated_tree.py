@@ -78,7 +78,7 @@ class MutatedTree:
         generator = ["-G", "Ninja"] if shutil.which("ninja") else []
         os.environ["PATH"] = "/usr/bin:/bin:/usr/sbin:/sbin:" + os.environ["PATH"]  # ROS needs the system's Python
         if not self.run(["cmake", "-S", self.copy, "-B", self.build, "-DBUILD_TESTING=ON", "-DCMAKE_CXX_FLAGS=-w",
-                         "-DCMAKE_CXX_FLAGS_RELEASE=" + self.flags, "-DCMAKE_LINK_DEPENDS_NO_SHARED=ON",
+                         "-DCMAKE_CXX_FLAGS_RELEASE=" + self.flags, "-DCMAKE_LINK_DEPENDS_NO_SHARED=ON", "-DCMAKE_UNITY_BUILD=OFF",
                          *launcher, *generator]):
             sys.exit("error: cmake failed; see %s" % self.log.name)
         shell = subprocess.run(["bash", "-euc", ". %s/scripts/common.sh; ros_environment; env -0" % self.copy],

@@ -16,7 +16,7 @@
 
 namespace collision_pairs {
 
-using Names = std::pair<std::string, std::string>;
+using NamePair = std::pair<std::string, std::string>;
 using States = std::vector<std::vector<double>>;
 
 // Metres. States are so near contact that rounding matters, and reports reach further.
@@ -28,7 +28,7 @@ constexpr double OF_CYLINDERS = 2e-9, OF_FCL = 2e-7;
 
 struct Answer {
   Verdict verdict = Verdict::UNKNOWN;
-  std::map<Names, PairReport> pairs;
+  std::map<NamePair, PairReport> pairs;
   double min_distance = 0.0;
 };
 
@@ -150,7 +150,7 @@ class NearContact {
     std::vector<Answer> answers;
     for (const Asked& way : ways_) answers.push_back(renamed(way.way->ask(q), way.rename));
     const Answer& report = answers.front();
-    std::set<Names> seen;
+    std::set<NamePair> seen;
     for (std::size_t i = 0; i < ways_.size(); ++i) {
       SCOPED_TRACE(ways_[i].name);
       expectSame(report, answers[i], ways_[i], seen);
@@ -223,7 +223,7 @@ class NearContact {
 
   static Answer renamed(Answer answer, const Rename& rename) {
     if (!rename) return answer;
-    std::map<Names, PairReport> pairs;
+    std::map<NamePair, PairReport> pairs;
     for (const auto& [names, pair] : answer.pairs) {
       pairs[std::minmax(rename(names.first), rename(names.second))] = pair;
     }
@@ -238,7 +238,7 @@ class NearContact {
     const auto way = make(description_, contacts);
     RandomInputs random;
     const JointSampler sampler = samplerOf(*way, random);
-    std::map<Names, int> nb_contacts;
+    std::map<NamePair, int> nb_contacts;
     std::vector<double> q;
     for (std::uint64_t i = 0; i < 200; ++i) {
       sampler.draw(i, q);
@@ -251,7 +251,7 @@ class NearContact {
     }
   }
 
-  double slackOf(const Names& names) const {
+  double slackOf(const NamePair& names) const {
     double slack = rounding_;
     const CollisionScene& scene = *verdict_->scene();
     for (const std::string& name : {names.first, names.second}) {
@@ -266,7 +266,7 @@ class NearContact {
 
   /// Each near pair of one is in the other.
   void expectSame(const Answer& report, const Answer& other, const Asked& way,
-                  std::set<Names>& seen) {
+                  std::set<NamePair>& seen) {
     for (const auto& [one, another] : {std::pair(&report, &other), std::pair(&other, &report)}) {
       for (const auto& [names, pair] : one->pairs) {
         if (pair.distance > NEAR) continue;

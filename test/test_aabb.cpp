@@ -4,7 +4,7 @@
 #include "random_inputs.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_aabb {
 
 using Eigen::Vector3d;
 
@@ -129,5 +129,5 @@ TEST(Aabb, WithANanOrInvertedIsNotValid) {
   EXPECT_FALSE((Aabb{{0, 0, 0}, {1, INFINITY, 1}}.valid()));
 }
 
-}  // namespace
+}  // namespace test_aabb
 }  // namespace collision_pairs

@@ -8,7 +8,7 @@
 #include "motion_fixtures.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_abutting {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
@@ -187,5 +187,5 @@ TEST(Abutting, ABatchSaysWhatOneCheckSays) {
   }
 }
 
-}  // namespace
+}  // namespace test_abutting
 }  // namespace collision_pairs

@@ -8,7 +8,7 @@
 #include "test_shapes.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_aligned_shapes {
 
 using Eigen::Isometry3d;
 using Eigen::Matrix3d;
@@ -147,5 +147,5 @@ TEST(AlignedShapes, TheDepthIsTheLeastAndTheDistanceThatOfTheWitnessPoints) {
   }
 }
 
-}  // namespace
+}  // namespace test_aligned_shapes
 }  // namespace collision_pairs

@@ -8,7 +8,7 @@
 #include "demo_scene.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_bag_poses {
 
 using Eigen::Vector3d;
 using testing::ElementsAre;
@@ -358,5 +358,5 @@ TEST_F(BagPosesTest, AnyFrameIsPlacedByTransforms) {
   EXPECT_FALSE(frameAt("no_frame", 1).allFinite());
 }
 
-}  // namespace
+}  // namespace test_bag_poses
 }  // namespace collision_pairs

@@ -8,7 +8,7 @@
 #include "random_inputs.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_batch_check {
 
 class Batch : public testing::Test {
  protected:
@@ -66,5 +66,5 @@ TEST_F(Batch, OfNothingIsNothing) {
       [](std::size_t, const CollisionReport&) { FAIL(); });
 }
 
-}  // namespace
+}  // namespace test_batch_check
 }  // namespace collision_pairs

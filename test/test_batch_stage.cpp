@@ -12,7 +12,7 @@
 #include "random_robot.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_batch_stage {
 
 using Eigen::Vector3d;
 using Outcome = BatchStage::Group::Outcome;
@@ -390,5 +390,5 @@ TEST(BatchStage, WhatItDoesNotHandleComesToTheExactCheckAsAWhole) {
   }
 }
 
-}  // namespace
+}  // namespace test_batch_stage
 }  // namespace collision_pairs

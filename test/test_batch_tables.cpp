@@ -8,7 +8,7 @@
 #include "static_field.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_batch_tables {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
@@ -340,5 +340,5 @@ TEST(StaticField, KernelsFindNothingFurtherOutsideTheRegionOrInCellsThatAreNotFi
   }
 }
 
-}  // namespace
+}  // namespace test_batch_tables
 }  // namespace collision_pairs

@@ -12,7 +12,7 @@
 #include "joint_sampler.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_batch_verdicts {
 
 constexpr std::uint64_t SEED = 20261121;
 constexpr std::size_t AT_A_TIME = 10000;
@@ -96,5 +96,5 @@ TEST_P(OfRobot, AreThoseOfTheExactCheckAloneAndInItsWorld) {
 
 INSTANTIATE_TEST_SUITE_P(BatchVerdicts, OfRobot, testing::Values("panda", "ur5", "pr2"));
 
-}  // namespace
+}  // namespace test_batch_verdicts
 }  // namespace collision_pairs

@@ -7,7 +7,7 @@
 #include "triangle_tree.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_box_gap {
 
 using Eigen::Vector3d;
 
@@ -186,5 +186,5 @@ TEST(TriangleTree, HoldsEachTriangleOnceAndInTheBoxesAndOnePatchAboveIt) {
   }
 }
 
-}  // namespace
+}  // namespace test_box_gap
 }  // namespace collision_pairs

@@ -14,7 +14,7 @@
 #include "prepared_surroundings.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_certified_surroundings {
 
 RigidObject ballAt(const std::string& name, const Eigen::Vector3d& center, double radius) {
   RigidObject object = boxAt(name, center, {1.0, 1.0, 1.0});
@@ -203,5 +203,5 @@ TEST(PreparedSurroundings, AreThoseOfTheSceneThatIsWantedOrNone) {
   EXPECT_EQ(prepared.get(first, patience())->scene(), first.scene);
 }
 
-}  // namespace
+}  // namespace test_certified_surroundings
 }  // namespace collision_pairs

@@ -8,7 +8,7 @@
 #include "scene_inputs.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_changed_objects {
 
 using testing::HasSubstr;
 
@@ -188,5 +188,5 @@ TEST_F(Changed, TheOldSceneIsAsItWas) {
   EXPECT_EQ(after->objects()[1]->name, "here");
 }
 
-}  // namespace
+}  // namespace test_changed_objects
 }  // namespace collision_pairs

@@ -5,7 +5,7 @@
 #include "random_inputs.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_closed_forms {
 
 constexpr double INF = std::numeric_limits<double>::infinity();
 
@@ -133,5 +133,5 @@ TEST(ClosedForms, SeparatingAxesAgreeWithTheSignedDistanceOfBoxes) {
   }
 }
 
-}  // namespace
+}  // namespace test_closed_forms
 }  // namespace collision_pairs

@@ -11,7 +11,7 @@
 #include "test_shapes.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_closing_motion {
 
 using Eigen::AngleAxisd;
 using Eigen::Isometry3d;
@@ -312,5 +312,5 @@ TEST(ClosingMotion, NothingTouchesBeforeItsTime) {
   EXPECT_GT(nb_tight, 30);
 }
 
-}  // namespace
+}  // namespace test_closing_motion
 }  // namespace collision_pairs

@@ -4,7 +4,7 @@
 #include "cloud_as_boxes.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_cloud_check {
 
 using Eigen::Isometry3d;
 
@@ -208,5 +208,5 @@ TEST_F(CloudCheck, AVoxelInTheWallOfAHollowBodyIsInContactBesideOneInTheHollow) 
   }
 }
 
-}  // namespace
+}  // namespace test_cloud_check
 }  // namespace collision_pairs

@@ -7,7 +7,7 @@
 #include "refusal.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_cloud_config {
 
 using testing::AllOf;
 using testing::HasSubstr;
@@ -176,5 +176,5 @@ TEST(CloudConfig, HasTheDefaultsThatThePageStates) {
   }
 }
 
-}  // namespace
+}  // namespace test_cloud_config
 }  // namespace collision_pairs

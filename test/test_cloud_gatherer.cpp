@@ -7,7 +7,7 @@
 #include "gathered_clouds.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_cloud_gatherer {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
@@ -135,5 +135,5 @@ TEST_F(Gatherer, SaysWhenThereAreMoreVoxelsThanMayBe) {
   EXPECT_EQ(voxels->size(), 2u);
 }
 
-}  // namespace
+}  // namespace test_cloud_gatherer
 }  // namespace collision_pairs

@@ -6,7 +6,7 @@
 #include "collision_pairs/input_error.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_cloud_input {
 
 using Eigen::Isometry3d;
 
@@ -136,5 +136,5 @@ TEST_F(CloudCheck, NamesAndSizesOfCloudsAreChecked) {
   EXPECT_THROW(build(no_cube), InputError);
 }
 
-}  // namespace
+}  // namespace test_cloud_input
 }  // namespace collision_pairs

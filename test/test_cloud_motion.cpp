@@ -8,7 +8,7 @@
 #include "random_inputs.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_cloud_motion {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
@@ -139,5 +139,5 @@ TEST(CloudMotion, TheTimeToContactIsNoLaterThanThatOfAnyVoxel) {
   EXPECT_GT(closing.time_to_contact, 0.0);
 }
 
-}  // namespace
+}  // namespace test_cloud_motion
 }  // namespace collision_pairs

@@ -10,7 +10,7 @@
 #include "refusal.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_collision_detector {
 
 std::shared_ptr<const CollisionScene> sceneOf(const std::string& links_and_joints) {
   return CollisionScene::build(robotFrom(links_and_joints), std::nullopt, nullptr);
@@ -395,5 +395,5 @@ TEST(CollisionScene, ANameInRobotAndWorldIsRefused) {
   EXPECT_THROW(CollisionScene::build(robotFrom(slidingBoxes(2)), std::nullopt, world), InputError);
 }
 
-}  // namespace
+}  // namespace test_collision_detector
 }  // namespace collision_pairs

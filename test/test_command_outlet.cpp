@@ -14,7 +14,7 @@
 #include "command_outlet.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_command_outlet {
 
 constexpr double INF = std::numeric_limits<double>::infinity();
 
@@ -183,5 +183,5 @@ TEST_F(Outlet, AfterAnOverrunTheRobotIsWhereTheNextTubeSays) {
   }
 }
 
-}  // namespace
+}  // namespace test_command_outlet
 }  // namespace collision_pairs

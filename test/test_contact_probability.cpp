@@ -5,7 +5,7 @@
 #include "pair_class.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_contact_probability {
 
 /// Probability of at most `contacts` in `trials` states, summed up from the definition.
 double atMost(std::uint64_t contacts, std::uint64_t trials, double probability) {
@@ -62,5 +62,5 @@ TEST(ContactProbability, TrialsNeededAreTheFewestThatAreEnough) {
   EXPECT_EQ(trialsNeeded(1e-3, 0.95), 2995u);
 }
 
-}  // namespace
+}  // namespace test_contact_probability
 }  // namespace collision_pairs

@@ -10,7 +10,7 @@
 #include "test_shapes.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_convex_contact {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
@@ -277,5 +277,5 @@ TEST(DoubleDouble, IsAsAccurateAsItsEpsilonSays) {
   }
 }
 
-}  // namespace
+}  // namespace test_convex_contact
 }  // namespace collision_pairs

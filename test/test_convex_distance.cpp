@@ -1,6 +1,5 @@
 // The accuracy table in short, against an oracle that shares nothing with the code under test.
 #include <dlfcn.h>
-
 #include <gtest/gtest.h>
 
 #include "benchmark/accuracy_rows.h"
@@ -10,7 +9,7 @@
 #include "test_shapes.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_convex_distance {
 
 constexpr double INF = std::numeric_limits<double>::infinity();
 constexpr double SIZE = 0.2;
@@ -311,5 +310,5 @@ TEST(ConvexHullOfManyPoints, PutsNoOtherLibraryBeforeThatOfQhullInC) {
   EXPECT_NE(std::string(info.dli_fname).find("libqhull_r"), std::string::npos) << info.dli_fname;
 }
 
-}  // namespace
+}  // namespace test_convex_distance
 }  // namespace collision_pairs

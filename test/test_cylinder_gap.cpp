@@ -8,7 +8,7 @@
 #include "signed_distance_oracle.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_cylinder_gap {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
@@ -116,5 +116,5 @@ TEST(CylinderGap, CommonPointsAreInBoth) {
   EXPECT_GE(nb_found, pairs.size() / 4);
 }
 
-}  // namespace
+}  // namespace test_cylinder_gap
 }  // namespace collision_pairs

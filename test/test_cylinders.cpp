@@ -7,7 +7,7 @@
 #include "test_shapes.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_cylinders {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
@@ -26,13 +26,13 @@ void holdRow(const CylinderRow& row, int poses, double witness_accuracy) {
   RandomInputs random;
   for (int i = 0; i < poses; ++i) {
     const PosedPair pair = row.make(random, i);
-    const double size = std::min(sizeOf(pair.a), sizeOf(pair.b));
+    const double size = std::min(extentOf(pair.a), extentOf(pair.b));
     const PairDistance result = distanceOf(pair.a, pair.b, pair.X_AB);
     ASSERT_NE(result.certainty, Certainty::DEGRADED) << "pose " << i;
     const CylinderError error = judgeCylinder(pair, result, 5e-7 * size, 1500000);
     ASSERT_FALSE(error.wrong_verdict) << "pose " << i;
-    const double rounding =
-        64.0 * std::numeric_limits<double>::epsilon() * std::max(sizeOf(pair.a), sizeOf(pair.b));
+    const double rounding = 64.0 * std::numeric_limits<double>::epsilon() *
+                            std::max(extentOf(pair.a), extentOf(pair.b));
     ASSERT_LE(error.distance, std::max(1e-12 * size, rounding)) << "pose " << i;
     ASSERT_LE(error.depth, 1e-6 * size) << "pose " << i;
     const double of_bound = result.certainty == Certainty::BOUND ? -1e-7 * result.distance : 0.0;
@@ -118,7 +118,7 @@ TEST(Cylinders, UprightBodiesBesideUponAndInOneHaveTheDistanceOfTheFormulaAlongT
           i % 4 < 2 ? distanceOf(a.shape, b.shape, X) : distanceOf(b.shape, a.shape, X);
       SCOPED_TRACE(kind + " " + std::to_string(i));
       // What docs/accuracy.md promises of a distance that is EXACT.
-      const double error = 1e-12 * std::min(sizeOf(a.shape), sizeOf(b.shape));
+      const double error = 1e-12 * std::min(extentOf(a.shape), extentOf(b.shape));
       ASSERT_NEAR(found.distance, distanceByFormula(a, b, p), error);
       ASSERT_NE(found.certainty, Certainty::DEGRADED);
       ASSERT_NEAR(found.nhat_AB_A.norm(), 1.0, 1e-12);
@@ -152,7 +152,7 @@ TEST(Cylinders, YesOrNoOfSliversIsTheSignOfTheDistance) {
     const PosedPair pair = sliverPair(random, narrow_phase, i);
     const auto A = prepareShape(pair.a), B = prepareShape(pair.b);
     const PairDistance result = narrow_phase.distance(*A, *B, pair.X_AB, INF);
-    const double rounding = 1e-15 * (sizeOf(pair.a) + sizeOf(pair.b));
+    const double rounding = 1e-15 * (extentOf(pair.a) + extentOf(pair.b));
     if (std::abs(result.distance) <= rounding) continue;
     ASSERT_EQ(narrow_phase.touches(*A, *B, pair.X_AB), result.touches())
         << i << " " << result.distance;
@@ -178,5 +178,5 @@ TEST(Cylinders, YesOrNoWithAMarginIsThatOfTheDistance) {
   }
 }
 
-}  // namespace
+}  // namespace test_cylinders
 }  // namespace collision_pairs

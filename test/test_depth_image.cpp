@@ -10,7 +10,7 @@
 #include "random_inputs.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_depth_image {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
@@ -100,5 +100,5 @@ TEST(DepthImage, ShowsTheNearestOfSeveralShapes) {
   }
 }
 
-}  // namespace
+}  // namespace test_depth_image
 }  // namespace collision_pairs

@@ -7,7 +7,7 @@
 #include "depth_map.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_depth_map {
 
 using Eigen::Vector3d;
 
@@ -41,5 +41,5 @@ TEST(DepthMap, ABinWithoutRaysTakesThoseOfAllTheBinsAroundIt) {
   }
 }
 
-}  // namespace
+}  // namespace test_depth_map
 }  // namespace collision_pairs

@@ -11,7 +11,7 @@
 #include "test_shapes.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_distance_gradient {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
@@ -403,5 +403,5 @@ TEST_F(GradientOfDistance, IsNoneWhereThereIsNoDistance) {
   expectNone("no time");
 }
 
-}  // namespace
+}  // namespace test_distance_gradient
 }  // namespace collision_pairs

@@ -9,7 +9,7 @@
 #include "random_inputs.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_double_double {
 
 using Exact = boost::multiprecision::cpp_bin_float_100;
 
@@ -89,5 +89,5 @@ TEST(DoubleDouble, OverflowsToInfinityAndNotToNothing) {
   EXPECT_TRUE(isfinite(large));
 }
 
-}  // namespace
+}  // namespace test_double_double
 }  // namespace collision_pairs

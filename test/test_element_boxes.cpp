@@ -11,7 +11,7 @@
 #include "random_inputs.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_element_boxes {
 
 std::shared_ptr<const CollisionScene> mixedScene(double padding = 0.0, int max_hull_vertices = 0) {
   SceneDescription description;
@@ -210,5 +210,5 @@ TEST(ElementBoxes, WhatHasAFiniteTightBoxIsNotLeftOut) {
   }
 }
 
-}  // namespace
+}  // namespace test_element_boxes
 }  // namespace collision_pairs

@@ -10,7 +10,7 @@
 #include "random_inputs.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_empty_scenes {
 
 struct Case {
   std::string words;  ///< CollisionScene::unchecked()
@@ -198,5 +198,5 @@ TEST(EmptyScenes, AreNotThoseWhoseOwnBroadPhaseFindsNothing) {
   EXPECT_EQ(detector.report().unchecked, "");
 }
 
-}  // namespace
+}  // namespace test_empty_scenes
 }  // namespace collision_pairs

@@ -4,7 +4,7 @@
 #include "random_inputs.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_enclosure {
 
 TriangleMesh randomPoints(RandomInputs& random, int count, const Eigen::Vector3d& scale) {
   TriangleMesh mesh;
@@ -158,5 +158,5 @@ TEST(Enclosure, HullVerticesReachAsFarAsAllVerticesInEveryDirection) {
   }
 }
 
-}  // namespace
+}  // namespace test_enclosure
 }  // namespace collision_pairs

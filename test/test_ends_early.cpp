@@ -8,7 +8,7 @@
 #include "random_case.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_ends_early {
 
 /// All contacts of a report between elements that are certainly in contact, in the order in which
 /// a check without time budget finds them.
@@ -264,5 +264,5 @@ TEST(AVerdict, EndsAtTheFirstContactWhateverElseIsSet) {
   EXPECT_FALSE(detector.report().ended_early);
 }
 
-}  // namespace
+}  // namespace test_ends_early
 }  // namespace collision_pairs

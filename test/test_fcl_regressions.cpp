@@ -5,7 +5,7 @@
 #include "signed_distance_oracle.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_fcl_regressions {
 
 constexpr double INF = std::numeric_limits<double>::infinity();
 
@@ -214,5 +214,5 @@ TEST(FclRegressions, Issue492RegressionABodyInsideAMeshIsAContact) {
   EXPECT_EQ(result.certainty, Certainty::EXACT);
 }
 
-}  // namespace
+}  // namespace test_fcl_regressions
 }  // namespace collision_pairs

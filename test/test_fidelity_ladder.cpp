@@ -8,7 +8,7 @@
 #include "mixed_robot.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_fidelity_ladder {
 
 using Distances = std::map<std::pair<std::uint32_t, std::uint32_t>, double>;
 
@@ -213,5 +213,5 @@ TEST(FidelityLadder, IsNestedInAllReferenceStates) {
   }
 }
 
-}  // namespace
+}  // namespace test_fidelity_ladder
 }  // namespace collision_pairs

@@ -5,7 +5,7 @@
 #include "random_inputs.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_followed_obstacles {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
@@ -287,5 +287,5 @@ TEST_F(Follower, RemembersNoLongerWhatIsFarFromTheRobot) {
   EXPECT_EQ(add(gatherer_, wallAt(0.5))->size(), 0u);
 }
 
-}  // namespace
+}  // namespace test_followed_obstacles
 }  // namespace collision_pairs

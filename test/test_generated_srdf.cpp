@@ -6,7 +6,7 @@
 #include "generated_srdf.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_generated_srdf {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -71,5 +71,5 @@ TEST(GeneratedSrdf, ABrokenOneIsRefusedWithItsLine) {
   }
 }
 
-}  // namespace
+}  // namespace test_generated_srdf
 }  // namespace collision_pairs

@@ -12,7 +12,7 @@
 #include "random_case.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_ignore_revision {
 
 using ModelPair = std::pair<std::uint32_t, std::uint32_t>;
 
@@ -216,5 +216,5 @@ TEST(AListOfPairs, IsOfEveryPairOnlyIfNoAllowedOneIsMissing) {
   EXPECT_GT(nb_with_world, 30);
 }
 
-}  // namespace
+}  // namespace test_ignore_revision
 }  // namespace collision_pairs

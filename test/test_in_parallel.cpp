@@ -12,7 +12,7 @@
 #include "in_parallel.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_in_parallel {
 
 /// How often each index was asked for, how many threads did that, and whether two calls with one
 /// thread number overlapped.
@@ -91,5 +91,5 @@ TEST(InParallel, ZeroThreadsAreAsManyAsTheMachineHasAndNeverMoreThanThereIsWork)
   EXPECT_EQ(nbThreads(3, 2), 2u);
 }
 
-}  // namespace
+}  // namespace test_in_parallel
 }  // namespace collision_pairs

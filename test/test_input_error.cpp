@@ -4,7 +4,7 @@
 #include "collision_pairs/input_error.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_input_error {
 
 std::string said(const std::string& message) { return InputError(message).what(); }
 
@@ -28,5 +28,5 @@ TEST(InputErrors, OfALongValueKeepBothEndsAndWholeCharacters) {
   EXPECT_EQ(said(short_enough + 'x').size(), 1000u);  // no byte is lost that has a place
 }
 
-}  // namespace
+}  // namespace test_input_error
 }  // namespace collision_pairs

@@ -8,7 +8,7 @@
 #include "demo_scene.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_joint_columns {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -156,5 +156,5 @@ TEST(MissingLeader, IsOneThatIsFixedOrInACycleToo) {
   }
 }
 
-}  // namespace
+}  // namespace test_joint_columns
 }  // namespace collision_pairs

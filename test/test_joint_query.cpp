@@ -9,7 +9,7 @@
 #include "joint_query.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_joint_query {
 
 using Eigen::Vector3d;
 using testing::ElementsAre;
@@ -213,5 +213,5 @@ TEST_F(JointQueryTest, DoubtsOnlyWhatAnythingThatIsCheckedHangsOn) {
   EXPECT_THAT(query({"lift", "lower", "carry"}).doubts(), IsEmpty());
 }
 
-}  // namespace
+}  // namespace test_joint_query
 }  // namespace collision_pairs

@@ -8,7 +8,7 @@
 #include "joint_sampler.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_joint_sampler {
 
 using testing::ElementsAre;
 
@@ -119,5 +119,5 @@ TEST_F(Sampler, JointsBetweenTwoBodiesAreThoseThatMoveThemWithMimicsLed) {
   EXPECT_THAT(between("e", "g"), ElementsAre());  // floating, and endless
 }
 
-}  // namespace
+}  // namespace test_joint_sampler
 }  // namespace collision_pairs

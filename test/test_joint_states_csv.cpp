@@ -7,7 +7,7 @@
 #include "refusal.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_joint_states_csv {
 
 std::shared_ptr<const RobotModel> robot() {
   const std::string limit = "<limit lower='-3' upper='3'/>";
@@ -146,5 +146,5 @@ TEST(JointLimits, EachJointOutsideIsSaidOnceWithHowOftenAndWhereFirst) {
                           lift + "1 waypoint; it is waypoint 0, where it is 0.500001"));
 }
 
-}  // namespace
+}  // namespace test_joint_states_csv
 }  // namespace collision_pairs

@@ -5,7 +5,7 @@
 #include "random_inputs.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_limiter_clock {
 
 TEST(LimiterClock, IsNeverBehindAStampThatWasReceivedIfTheTimeIsSimulated) {
   RandomInputs random;
@@ -75,5 +75,5 @@ TEST(LimiterClock, StandsStillWhileNeitherItNorAStampGoesOn) {
   EXPECT_EQ(clock.standsFor(3.9), 0.0);
 }
 
-}  // namespace
+}  // namespace test_limiter_clock
 }  // namespace collision_pairs

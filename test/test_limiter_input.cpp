@@ -14,7 +14,7 @@
 #include "random_inputs.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_limiter_input {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -396,5 +396,5 @@ TEST(LimitedTrajectory, HasTheOrderOfTheCommandAndPositionsOnTheWay) {
   EXPECT_THAT(limited.points[0].velocities, ElementsAre(0.0, 0.0));
 }
 
-}  // namespace
+}  // namespace test_limiter_input
 }  // namespace collision_pairs

@@ -13,7 +13,7 @@
 #include "published_decisions.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_limiter_law {
 
 // m: the robot's positions are exact between two steps, and checked every 4 ms.
 constexpr double SIMULATION_ERROR = 1e-5;
@@ -279,5 +279,5 @@ TEST(LimiterLaw, FromEveryStopSomeCommandMovesTheRobot) {
   }
 }
 
-}  // namespace
+}  // namespace test_limiter_law
 }  // namespace collision_pairs

@@ -9,7 +9,7 @@
 #include "published_decisions.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_limiter_reasons {
 
 using testing::DoubleNear;
 using testing::ElementsAre;
@@ -385,5 +385,5 @@ TEST_F(Questions, ZerosPassWithoutAny) {
   EXPECT_EQ(decision.command, std::vector<double>{0.0});
 }
 
-}  // namespace
+}  // namespace test_limiter_reasons
 }  // namespace collision_pairs

@@ -15,7 +15,7 @@
 #include "random_inputs.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_limiter_retreat {
 
 /// Metres that the box moves, from a voxel that touches it to another of the same cloud, which
 /// begins at `gap` before it.
@@ -137,5 +137,5 @@ TEST(Retreat, FromAnyDistanceMoves) {
   }
 }
 
-}  // namespace
+}  // namespace test_limiter_retreat
 }  // namespace collision_pairs

@@ -7,7 +7,7 @@
 #include "refusal.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_link_group {
 
 using Names = std::set<std::string>;
 
@@ -182,5 +182,5 @@ TEST(LinksMovedBy, AGroupThatIsMissingAmbiguousOrEmptyIsRefused) {
   EXPECT_EQ(refused("hand"), "group 'hand' moves no link of robot 'tree'");
 }
 
-}  // namespace
+}  // namespace test_link_group
 }  // namespace collision_pairs

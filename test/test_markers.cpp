@@ -8,7 +8,7 @@
 #include "report_of_boxes.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_markers {
 
 using visualization_msgs::Marker;
 using visualization_msgs::MarkerArray;
@@ -310,5 +310,5 @@ TEST_F(Report, MarkersClearWhatWasThereAndAreDrawable) {
   }
 }
 
-}  // namespace
+}  // namespace test_markers
 }  // namespace collision_pairs

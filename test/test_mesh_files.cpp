@@ -15,7 +15,7 @@
 #include "refusal.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_mesh_files {
 
 namespace fs = std::filesystem;
 using testing::HasSubstr;
@@ -301,5 +301,5 @@ TEST(MeshFiles, MeshesOfRealRobotsAreWhatRosReads) {
   EXPECT_GT(nb_files, 50);
 }
 
-}  // namespace
+}  // namespace test_mesh_files
 }  // namespace collision_pairs

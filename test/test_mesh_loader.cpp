@@ -13,7 +13,7 @@
 #include "collision_pairs/mesh_loader.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_mesh_loader {
 
 namespace fs = std::filesystem;
 
@@ -302,5 +302,5 @@ TEST_F(MeshLoaderTest, TruncatedOrNanMeshesAreRefused) {
   EXPECT_NE(refusal(file("cut.dae", "<COLLADA><library_geometries>")), "accepted");
 }
 
-}  // namespace
+}  // namespace test_mesh_loader
 }  // namespace collision_pairs

@@ -20,7 +20,7 @@
 #include "refusal.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_mesh_process {
 
 namespace fs = std::filesystem;
 using testing::AnyOf;
@@ -103,8 +103,17 @@ std::string child() {
   return pid;
 }
 
+/// A pipe whose reader waits for a writer: what reads it as a mesh is still there to be looked at.
+std::string pipeIn(const fs::path& folder) {
+  const std::string pipe = folder / "pipe.ply";
+  EXPECT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  return pipe;
+}
+
 TEST_F(MeshProcess, LeavesNoProcessBehind) {
-  EXPECT_THAT(refusalOf("x.ply", ply(THREE).substr(0, 60)), HasSubstr("did not finish within"));
+  const std::string pipe = pipeIn(folder_);
+  EXPECT_THAT(refusal([&] { readMeshInProcess(pipe, std::chrono::seconds(1)); }),
+              HasSubstr("did not finish within"));
   EXPECT_EQ(child(), "");
 }
 
@@ -152,13 +161,6 @@ std::string limit(const std::string& lines, const std::string& of) {
 std::string contentOf(const std::string& path) {
   std::ifstream stream(path);
   return {std::istreambuf_iterator<char>(stream), {}};
-}
-
-/// A pipe whose reader waits for a writer: what reads it as a mesh is still there to be looked at.
-std::string pipeIn(const fs::path& folder) {
-  const std::string pipe = folder / "pipe.ply";
-  EXPECT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
-  return pipe;
 }
 
 TEST_F(MeshProcess, MayGainNoRightsStartNoProcessAndWriteNoFile) {
@@ -228,5 +230,5 @@ TEST_F(MeshProcess, EndsWithTheProgramThatStartedIt) {
   EXPECT_TRUE(WIFSIGNALED(status));
 }
 
-}  // namespace
+}  // namespace test_mesh_process
 }  // namespace collision_pairs

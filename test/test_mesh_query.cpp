@@ -10,7 +10,7 @@
 #include "test_shapes.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_mesh_query {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
@@ -272,5 +272,5 @@ TEST(MeshQuery, AConvexMeshIsAnsweredExactlyAsItsHull) {
   }
 }
 
-}  // namespace
+}  // namespace test_mesh_query
 }  // namespace collision_pairs

@@ -7,7 +7,7 @@
 #include "winding_number.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_mesh_solid {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
@@ -361,5 +361,5 @@ TEST(MeshSolid, ATornSeamStillCountsAsClosedAndAMissingTenthDoesNot) {
   EXPECT_FALSE(holds(ballWithoutItsTop(32), {0.0, 0.1, 0.2}));  // 10 %
 }
 
-}  // namespace
+}  // namespace test_mesh_solid
 }  // namespace collision_pairs

@@ -6,7 +6,7 @@
 #include "report_of_boxes.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_messages {
 
 using visualization_msgs::Marker;
 using visualization_msgs::MarkerArray;
@@ -372,5 +372,5 @@ TEST(PoseOfAMessage, IsThePose) {
   EXPECT_FALSE(toIsometry(pose, X_none));
 }
 
-}  // namespace
+}  // namespace test_messages
 }  // namespace collision_pairs

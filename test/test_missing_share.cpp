@@ -6,7 +6,7 @@
 #include "winding_number.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_missing_share {
 
 using Eigen::Vector3d;
 
@@ -55,5 +55,5 @@ TEST(MissingShare, IsToldOfEveryBallWithAHoleThatDoesNotHoldItsCentre) {
   EXPECT_LT(open, 20);
 }
 
-}  // namespace
+}  // namespace test_missing_share
 }  // namespace collision_pairs

@@ -9,7 +9,7 @@
 #include "query_services.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_monitor {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -226,5 +226,5 @@ TEST(Request, SaysWhatIsOtherThanTheNodesSettings) {
   EXPECT_EQ(settings.time_budget, 0.5);
 }
 
-}  // namespace
+}  // namespace test_monitor
 }  // namespace collision_pairs

@@ -9,7 +9,7 @@
 #include "benchmark/motion_scenes.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_motion_certificates {
 
 constexpr double TO_ROUNDING = 1e-7;  // m: beside a distance that was computed at one configuration
 constexpr double MUST_BE_CERTIFIED = 1e-3;  // m
@@ -196,5 +196,5 @@ std::string robotName(const testing::TestParamInfo<int>& robot) {
 
 INSTANTIATE_TEST_SUITE_P(RealRobots, CertificatesOf, testing::Values(0, 1, 2), robotName);
 
-}  // namespace
+}  // namespace test_motion_certificates
 }  // namespace collision_pairs

@@ -9,7 +9,7 @@
 #include "random_inputs.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_motion_check {
 
 /// Two bars of 1 m; the second is hinged at the end of the first.
 std::shared_ptr<const RobotModel> foldingArm() {
@@ -378,5 +378,5 @@ TEST(MotionCheck, ThatHasNoTimeLeavesOpenWhatItHasNotCertified) {
   }
 }
 
-}  // namespace
+}  // namespace test_motion_check
 }  // namespace collision_pairs

@@ -10,7 +10,7 @@
 #include "motion_fixtures.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_motion_costs {
 
 const std::string SHAPES[] = {"<box size='0.4 0.1 0.2'/>", "<cylinder radius='0.1' length='0.3'/>",
                               "<sphere radius='0.15'/>", "<mesh filename='l'/>"};
@@ -172,5 +172,5 @@ TEST(MotionCosts, AClearanceOfAShareOfTheSizeAndOfTheResolutionCostsOneConfigura
   }
 }
 
-}  // namespace
+}  // namespace test_motion_costs
 }  // namespace collision_pairs

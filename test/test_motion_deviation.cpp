@@ -9,7 +9,7 @@
 #include "refusal.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_motion_deviation {
 
 double smallestDistance(const std::shared_ptr<const CollisionScene>& scene,
                         const std::vector<double>& q) {
@@ -244,5 +244,5 @@ TEST(Nearer, APairThatIsLeftOutMayTouchAndIfNothingIsLeftNothingIsFree) {
   EXPECT_EQ(checked(with_third, touching, {1.0, 4.5}, settings).verdict, Verdict::COLLISION);
 }
 
-}  // namespace
+}  // namespace test_motion_deviation
 }  // namespace collision_pairs

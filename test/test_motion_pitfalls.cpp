@@ -9,7 +9,7 @@
 #include "test_shapes.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_motion_pitfalls {
 
 /// The oracle: is any of many states along the motion in contact?
 bool isTouchedIn(const std::shared_ptr<const CollisionScene>& scene, const JointMotion& motion,
@@ -255,5 +255,5 @@ TEST(MotionPitfalls, AHalfSpaceThatTurnsIsNeverCertified) {
   }
 }
 
-}  // namespace
+}  // namespace test_motion_pitfalls
 }  // namespace collision_pairs

@@ -8,7 +8,7 @@
 #include "random_inputs.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_motion_state {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
@@ -294,5 +294,5 @@ TEST(MotionPairs, BesideStaticModelsAreAllThatTheSceneAllows) {
   }
 }
 
-}  // namespace
+}  // namespace test_motion_state
 }  // namespace collision_pairs

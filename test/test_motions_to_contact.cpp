@@ -12,7 +12,7 @@
 #include "motion_fixtures.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_motions_to_contact {
 
 using Eigen::Isometry3d;
 
@@ -131,5 +131,5 @@ TEST(MotionsToContact, AreNeverFreeAtAnyFidelity) {
   EXPECT_GT(nb_free, nb_rounds / 20);
 }
 
-}  // namespace
+}  // namespace test_motions_to_contact
 }  // namespace collision_pairs

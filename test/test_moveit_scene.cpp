@@ -12,7 +12,7 @@
 #include "moveit_shapes.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_moveit_scene {
 
 using Eigen::Isometry3d;
 using Eigen::Translation3d;
@@ -271,5 +271,5 @@ TEST_F(AScene, SelectsWhatIsActive) {
   }
 }
 
-}  // namespace
+}  // namespace test_moveit_scene
 }  // namespace collision_pairs

@@ -7,7 +7,7 @@
 #include "random_inputs.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_name_patterns {
 
 using Verdict = PairRule::Verdict;
 
@@ -121,5 +121,5 @@ TEST(NamePatterns, ANameTakenLiterallyMustExist) {
   EXPECT_EQ(refusal(description), "accepted");
 }
 
-}  // namespace
+}  // namespace test_name_patterns
 }  // namespace collision_pairs

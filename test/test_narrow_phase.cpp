@@ -6,7 +6,7 @@
 #include "random_inputs.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_narrow_phase {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
@@ -275,5 +275,5 @@ TEST(NarrowPhase, DefectiveShapesAreRefusedByName) {
   EXPECT_THROW(prepareShape(Mesh{std::make_shared<TriangleMesh>()}), std::invalid_argument);
 }
 
-}  // namespace
+}  // namespace test_narrow_phase
 }  // namespace collision_pairs

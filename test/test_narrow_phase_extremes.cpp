@@ -7,7 +7,7 @@
 #include "test_shapes.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_narrow_phase_extremes {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
@@ -196,5 +196,5 @@ TEST(Extremes, AMeshOfAMillionTriangles) {
   EXPECT_FALSE(narrow_phase.touches(*large, *large, at(2.5, 0.0, 0.0)));
 }
 
-}  // namespace
+}  // namespace test_narrow_phase_extremes
 }  // namespace collision_pairs

@@ -12,7 +12,7 @@
 #include "random_inputs.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_native_and_fcl {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
@@ -278,5 +278,5 @@ TEST(NativeAndFcl, AWholeCheckFindsTheSameAtEveryRungAndForTheVerdictOnly) {
   EXPECT_GT(natively, 0u);
 }
 
-}  // namespace
+}  // namespace test_native_and_fcl
 }  // namespace collision_pairs

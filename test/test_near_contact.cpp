@@ -12,7 +12,7 @@
 #include "text_files.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_near_contact {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
@@ -219,5 +219,5 @@ TEST(NearContact, OfRealRobotsIsTheSameInEveryWay) {
   sum.print();
 }
 
-}  // namespace
+}  // namespace test_near_contact
 }  // namespace collision_pairs

@@ -7,7 +7,7 @@
 #include "random_case.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_nearest_pair {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
@@ -264,5 +264,5 @@ TEST(TheNearestPair, OfACloudThatWasNotReachedInTimeIsNeitherNamedNorPassedOver)
   EXPECT_LT(nb_spent, 29);
 }
 
-}  // namespace
+}  // namespace test_nearest_pair
 }  // namespace collision_pairs

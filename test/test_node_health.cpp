@@ -11,7 +11,7 @@
 #include "printed.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_node_health {
 
 using diagnostic_msgs::DiagnosticStatus;
 using testing::HasSubstr;
@@ -218,5 +218,5 @@ TEST(NodeHealth, SaysAllThatItKnows) {
   EXPECT_EQ(status.message.substr(0, 50), "not checking: why; /robot_description has changed;");
 }
 
-}  // namespace
+}  // namespace test_node_health
 }  // namespace collision_pairs

@@ -11,7 +11,7 @@
 #include "test_shapes.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_object_conversions {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
@@ -216,5 +216,5 @@ TEST(ObjectOfAMessage, HasItsNameItsLinkAndTheFilesOfItsMeshes) {
   EXPECT_EQ(std::vector<std::string>(message.mesh_resources), uris);
 }
 
-}  // namespace
+}  // namespace test_object_conversions
 }  // namespace collision_pairs

@@ -9,7 +9,7 @@
 #include "mixed_robot.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_octree_clouds {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
@@ -83,5 +83,5 @@ TEST(OctreeClouds, OfTwoSizesInAnyPoseAreWhatTheirBoxesAreInTheWorld) {
   EXPECT_GT(nb_pairs, 200u);
 }
 
-}  // namespace
+}  // namespace test_octree_clouds
 }  // namespace collision_pairs

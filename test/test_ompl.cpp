@@ -16,7 +16,7 @@
 #include "random_inputs.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_ompl {
 
 namespace ob = ompl::base;
 namespace og = ompl::geometric;
@@ -395,5 +395,5 @@ TEST_F(Ompl, APlannerFindsAPathThatNoSampleContradicts) {
   for (const ob::State* at : path.getStates()) ASSERT_TRUE(states_->isValid(at));
 }
 
-}  // namespace
+}  // namespace test_ompl
 }  // namespace collision_pairs

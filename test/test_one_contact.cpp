@@ -10,7 +10,7 @@
 #include "mixed_robot.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_one_contact {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
@@ -276,5 +276,5 @@ TEST(OneContact, OfBoxesThatAreApartByADigitIsTheSameForVerdictAndReport) {
 INSTANTIATE_TEST_SUITE_P(Native, OneContactBy, testing::Values(NarrowPhaseMethod::NATIVE));
 INSTANTIATE_TEST_SUITE_P(Fcl, OneContactBy, testing::Values(NarrowPhaseMethod::FCL));
 
-}  // namespace
+}  // namespace test_one_contact
 }  // namespace collision_pairs

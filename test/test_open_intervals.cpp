@@ -7,7 +7,7 @@
 #include "random_inputs.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_open_intervals {
 
 /// What was put into an interval, by the ids of its pairs.
 struct Plain {
@@ -92,5 +92,5 @@ TEST(OpenIntervals, ReturnTheOneWithMostMotionAndOfThoseTheFirstWithAllOfItsPair
   }
 }
 
-}  // namespace
+}  // namespace test_open_intervals
 }  // namespace collision_pairs

@@ -4,7 +4,7 @@
 #include "random_inputs.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_packed_points {
 
 using Eigen::Vector3d;
 
@@ -68,5 +68,5 @@ TEST(PackedPoints, ExtentIsThatOfThePointsOneByOne) {
   }
 }
 
-}  // namespace
+}  // namespace test_packed_points
 }  // namespace collision_pairs

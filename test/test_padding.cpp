@@ -7,7 +7,7 @@
 #include "mixed_robot.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_padding {
 
 using testing::HasSubstr;
 
@@ -273,5 +273,5 @@ TEST(CylinderAsCapsule, EnclosesTheCylinderAndIsForTheNamedLinksOnly) {
   EXPECT_TRUE(std::holds_alternative<Cylinder>(shapeOf("j")));
 }
 
-}  // namespace
+}  // namespace test_padding
 }  // namespace collision_pairs

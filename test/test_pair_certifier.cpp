@@ -10,7 +10,7 @@
 #include "test_shapes.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_pair_certifier {
 
 using Outcome = PairCertifier::Outcome;
 
@@ -150,5 +150,5 @@ TEST(PairCertifier, IsNoWiderThanThePairIsFreeAtAlignedBoxes) {
   expectTrueIntervals(Fidelity::AABB, 600);
 }
 
-}  // namespace
+}  // namespace test_pair_certifier
 }  // namespace collision_pairs

@@ -3,7 +3,7 @@
 #include "pair_class.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_pair_class {
 
 PairEvidence seen(std::uint64_t contacts, std::uint64_t trials) {
   PairEvidence evidence;
@@ -74,5 +74,5 @@ TEST_F(Classes, AsNearAsTheClearanceIsNotNever) {
   EXPECT_EQ(classify(seen(0, enough_), rules_), PairClass::NEVER);
 }
 
-}  // namespace
+}  // namespace test_pair_class
 }  // namespace collision_pairs

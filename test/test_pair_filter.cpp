@@ -6,7 +6,7 @@
 #include "random_inputs.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_pair_filter {
 
 TEST(PairFilter, SaysWhatASetOfPairsSays) {
   RandomInputs random;
@@ -36,5 +36,5 @@ TEST(PairFilter, ModelsOfOneClassAreTreatedAlike) {
   EXPECT_EQ(filter.nbClasses(), 2u);
 }
 
-}  // namespace
+}  // namespace test_pair_filter
 }  // namespace collision_pairs

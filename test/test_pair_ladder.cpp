@@ -11,7 +11,7 @@
 #include "scene_element.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_pair_ladder {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
@@ -319,5 +319,5 @@ TEST(PairLadder, HullsReachAsFarAsTheirVerticesAndAreApartByNearlyTheirDistance)
   EXPECT_GT(nb_apart, 100);
 }
 
-}  // namespace
+}  // namespace test_pair_ladder
 }  // namespace collision_pairs

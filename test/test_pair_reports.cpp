@@ -10,7 +10,7 @@
 #include "mixed_robot.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_pair_reports {
 
 CheckSettings alarm(double distance) {
   CheckSettings settings;
@@ -290,5 +290,5 @@ TEST(TinySpheres, ExactlyAtTheAlarmDistanceAreFoundHoweverTheyAreTurned) {
   }
 }
 
-}  // namespace
+}  // namespace test_pair_reports
 }  // namespace collision_pairs

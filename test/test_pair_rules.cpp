@@ -6,7 +6,7 @@
 #include "random_robot.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_pair_rules {
 
 using testing::HasSubstr;
 using Verdict = PairRule::Verdict;
@@ -354,5 +354,5 @@ TEST(PairRules, AllTogetherAreAsTheyReadPairByPair) {
   EXPECT_LT(nb_allowed, nb_pairs * 9 / 10);
 }
 
-}  // namespace
+}  // namespace test_pair_rules
 }  // namespace collision_pairs

@@ -10,7 +10,7 @@
 #include "refusal.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_pair_selection {
 
 using testing::HasSubstr;
 using ModelPair = std::pair<std::uint32_t, std::uint32_t>;
@@ -395,5 +395,5 @@ TEST(ASelection, LeavesOutACloudThatIsUnknownOnlyIfItUsesIt) {
   EXPECT_EQ(detector.detect(poses, settings).verdict, Verdict::UNKNOWN);
 }
 
-}  // namespace
+}  // namespace test_pair_selection
 }  // namespace collision_pairs

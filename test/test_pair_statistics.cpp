@@ -10,7 +10,7 @@
 #include "random_robot.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_pair_statistics {
 
 std::shared_ptr<const CollisionScene> everyPairOf(const std::shared_ptr<const RobotModel>& robot) {
   return CollisionScene::build(robot, Srdf{}, nullptr);
@@ -274,5 +274,5 @@ TEST(Search, NumberOfThreadsMakesNoDifference) {
   EXPECT_EQ(searchedPair(cranks(2.1), 10, 1).nearest, searchedPair(cranks(2.1), 10, 2).nearest);
 }
 
-}  // namespace
+}  // namespace test_pair_statistics
 }  // namespace collision_pairs

@@ -10,7 +10,7 @@
 #include "scene_config.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_parameters {
 
 std::map<std::string, std::string> yamlDefaults() {
   std::map<std::string, std::string> values;
@@ -85,5 +85,5 @@ TEST(Defaults, OfDynamicReconfigureAreThoseOfTheCode) {
   EXPECT_EQ(config.show_only_investigated_boxes, code.show_only_investigated_boxes);
 }
 
-}  // namespace
+}  // namespace test_parameters
 }  // namespace collision_pairs

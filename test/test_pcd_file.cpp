@@ -13,7 +13,7 @@
 #include "refusal.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_pcd_file {
 
 using Eigen::Vector3d;
 
@@ -298,5 +298,5 @@ TEST(PcdFile, NoByteOfCompressedDataBecomesMoreThan88) {
               testing::HasSubstr("too short for what they claim"));
 }
 
-}  // namespace
+}  // namespace test_pcd_file
 }  // namespace collision_pairs

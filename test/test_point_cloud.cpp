@@ -14,7 +14,7 @@
 #include "random_inputs.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_point_cloud {
 
 using Eigen::Vector3d;
 using Eigen::Vector3f;
@@ -278,5 +278,5 @@ TEST(PointCloud, ThatWasWrittenIsReadAsItWas) {
   EXPECT_EQ(cloud.row_step, 6u * 12u);
 }
 
-}  // namespace
+}  // namespace test_point_cloud
 }  // namespace collision_pairs

@@ -6,7 +6,7 @@
 #include "progress_bar.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_progress_bar {
 
 using std::chrono::milliseconds;
 using testing::internal::CaptureStderr;
@@ -45,5 +45,5 @@ TEST(ProgressBar, NoWorkIsNotDividedBy) {
   EXPECT_EQ(GetCapturedStderr(), "");
 }
 
-}  // namespace
+}  // namespace test_progress_bar
 }  // namespace collision_pairs

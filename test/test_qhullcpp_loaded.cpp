@@ -1,17 +1,16 @@
 // In this program libqhullcpp comes before libqhull_r, as where PCL or another user of it was
 // loaded first. Its qh_fprintf() ends the process for states of C, at any message.
-#include <dlfcn.h>
-
 #include <cmath>
 #include <string>
 
+#include <dlfcn.h>
 #include <gtest/gtest.h>
 
 #include "convex_hull.h"
 #include "random_inputs.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_qhullcpp_loaded {
 
 std::vector<Eigen::Vector3d> cube() {
   std::vector<Eigen::Vector3d> corners;
@@ -63,5 +62,5 @@ TEST(QhullcppLoaded, NoInputEndsTheProcess) {
   }
 }
 
-}  // namespace
+}  // namespace test_qhullcpp_loaded
 }  // namespace collision_pairs

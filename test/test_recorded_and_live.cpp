@@ -11,7 +11,7 @@
 #include "robot_poses.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_recorded_and_live {
 
 constexpr StampNs MS = 1000000;
 
@@ -149,5 +149,5 @@ TEST(RecordedAndLive, WhatTheNodeDoesNotKnowTheRecordingDoesNotKnowEither) {
   EXPECT_GT(counts.recorded, 1000) << "and it knows something";
 }
 
-}  // namespace
+}  // namespace test_recorded_and_live
 }  // namespace collision_pairs

@@ -8,7 +8,7 @@
 #include "random_case.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_report_alone {
 
 /// All fields, to the last bit.
 std::string everythingIn(const CollisionReport& report) {
@@ -187,5 +187,5 @@ TEST(AReport, IsEmptyBeforeTheFirstCheck) {
   EXPECT_EQ(MotionReport().seconds, 0.0);
 }
 
-}  // namespace
+}  // namespace test_report_alone
 }  // namespace collision_pairs

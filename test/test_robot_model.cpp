@@ -8,7 +8,7 @@
 #include "random_inputs.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_robot_model {
 
 using Pairs = std::vector<std::pair<std::string, std::string>>;
 
@@ -268,5 +268,5 @@ TEST(RobotModel, PlacedAtWhatIsNoPoseIsRefused) {
   }
 }
 
-}  // namespace
+}  // namespace test_robot_model
 }  // namespace collision_pairs

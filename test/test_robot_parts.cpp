@@ -9,7 +9,7 @@
 #include "random_robot.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_robot_parts {
 
 constexpr double NAN_ = std::numeric_limits<double>::quiet_NaN();
 constexpr double INF = std::numeric_limits<double>::infinity();
@@ -277,5 +277,5 @@ TEST(RobotParts, WithoutAMotionNeedNeitherAxisNorLimits) {
   }
 }
 
-}  // namespace
+}  // namespace test_robot_parts
 }  // namespace collision_pairs

@@ -7,7 +7,7 @@
 #include "robot_poses.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_robot_poses {
 
 using Eigen::Vector3d;
 using testing::ElementsAre;
@@ -304,5 +304,5 @@ TEST(FramePoses, AreAsOldAsTheOldestTransformBetweenTheTwoFrames) {
   EXPECT_GT(nb_mixed, 1000);
 }
 
-}  // namespace
+}  // namespace test_robot_poses
 }  // namespace collision_pairs

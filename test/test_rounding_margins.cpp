@@ -11,7 +11,7 @@
 #include "triangle_tree.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_rounding_margins {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
@@ -211,5 +211,5 @@ TEST(RoundingMargins, SlabsAreNoFurtherApartThanTheCorners) {
   EXPECT_GT(nb_apart, 100);
 }
 
-}  // namespace
+}  // namespace test_rounding_margins
 }  // namespace collision_pairs

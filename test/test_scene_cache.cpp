@@ -8,7 +8,7 @@
 #include "test_shapes.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_scene_cache {
 
 RigidObject ball(const std::string& name) {
   RigidObject object;
@@ -130,5 +130,5 @@ TEST_F(SharedMeshes, ServeAllThreads) {
   }
 }
 
-}  // namespace
+}  // namespace test_scene_cache
 }  // namespace collision_pairs

@@ -8,7 +8,7 @@
 #include "scene_inputs.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_scene_changes {
 
 /// A description, and what random changes make of it, one object at a time: the oracle.
 class Objects {
@@ -247,5 +247,5 @@ TEST(ASceneThatWasChanged, IsTheSceneBuiltOfTheChangedDescription) {
   EXPECT_GT(nb_empty, 10);
 }
 
-}  // namespace
+}  // namespace test_scene_changes
 }  // namespace collision_pairs

@@ -10,7 +10,7 @@
 #include "yaml_values.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_scene_config {
 
 using testing::AllOf;
 using testing::HasSubstr;
@@ -377,5 +377,5 @@ TEST_F(ConfigFile, OfTheNodeIsAsTheNodeHasIt) {
   EXPECT_FALSE(config.floor);
 }
 
-}  // namespace
+}  // namespace test_scene_config
 }  // namespace collision_pairs

@@ -8,7 +8,7 @@
 #include "refusal.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_scene_description {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
@@ -389,5 +389,5 @@ TEST(SeveralRobots, OfOneNameAreRefused) {
   EXPECT_THAT(refusalOf(description), HasSubstr("give each a different prefix"));
 }
 
-}  // namespace
+}  // namespace test_scene_description
 }  // namespace collision_pairs

@@ -16,7 +16,7 @@
 #include "test_shapes.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_scene_markers {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
@@ -394,5 +394,5 @@ TEST(BoxMarkers, OfWhatIsFlatAreDrawable) {
   }
 }
 
-}  // namespace
+}  // namespace test_scene_markers
 }  // namespace collision_pairs

@@ -11,7 +11,7 @@
 #include "mixed_robot.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_scene_settings {
 
 std::shared_ptr<const CollisionScene> mixedScene(const SceneSettings& settings) {
   return CollisionScene::build(mixedRobot(), std::nullopt, nullptr, settings);
@@ -145,5 +145,5 @@ TEST(SceneSettings, HullsOfLessThanATetrahedronAreRefused) {
   EXPECT_THROW(mixedScene(settings), InputError);
 }
 
-}  // namespace
+}  // namespace test_scene_settings
 }  // namespace collision_pairs

@@ -7,7 +7,7 @@
 #include "scene_sources.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_scene_sources {
 
 class CountingLoader {
  public:
@@ -132,5 +132,5 @@ TEST(SceneSources, ARestrictionOfTheRequestStandsForTheConfiguredOne) {
   EXPECT_EQ(pairsWith({"", {"d"}}), (std::set<std::string>{"ad", "bd"}));
 }
 
-}  // namespace
+}  // namespace test_scene_sources
 }  // namespace collision_pairs

@@ -7,7 +7,7 @@
 #include "scene_updates.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_scene_updates {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
@@ -250,5 +250,5 @@ TEST_F(Changes, WhatIsWrongIsNamedAndNothingIsChanged) {
   EXPECT_EQ(stored("crate").X_PO.matrix(), Isometry3d::Identity().matrix());
 }
 
-}  // namespace
+}  // namespace test_scene_updates
 }  // namespace collision_pairs

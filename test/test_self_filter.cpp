@@ -11,7 +11,7 @@
 #include "random_inputs.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_self_filter {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
@@ -326,5 +326,5 @@ TEST_F(SmallRobot, PaddingsAndPosesThatMeanNothingAreRefused) {
   EXPECT_FALSE(filter.isOwn({NAN, 0, 0}));
 }
 
-}  // namespace
+}  // namespace test_self_filter
 }  // namespace collision_pairs

@@ -6,9 +6,9 @@
 #include "collision_pairs/shape.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_shape {
 
-std::string refusal(const Shape& shape) {
+std::string shapeRefusal(const Shape& shape) {
   try {
     validateShape(shape);
   } catch (const std::invalid_argument& error) {
@@ -26,9 +26,9 @@ std::shared_ptr<TriangleMesh> triangle() {
 }
 
 TEST(Shape, OfNoSizeIsAccepted) {
-  EXPECT_EQ(refusal(Box{{0, 1, 2}}), "");
-  EXPECT_EQ(refusal(Cylinder{0, 0}), "");
-  EXPECT_EQ(refusal(Mesh{triangle()}), "");
+  EXPECT_EQ(shapeRefusal(Box{{0, 1, 2}}), "");
+  EXPECT_EQ(shapeRefusal(Cylinder{0, 0}), "");
+  EXPECT_EQ(shapeRefusal(Mesh{triangle()}), "");
 }
 
 TEST(Shape, WithAnySizeNegativeOrNotFiniteIsRefusedByName) {
@@ -38,13 +38,13 @@ TEST(Shape, WithAnySizeNegativeOrNotFiniteIsRefusedByName) {
     for (int i = 0; i < 3; ++i) {
       Box box{{1, 2, 3}};
       box.size[i] = bad;
-      EXPECT_THAT(refusal(box), HasSubstr("box")) << "size " << i << ": " << bad;
+      EXPECT_THAT(shapeRefusal(box), HasSubstr("box")) << "size " << i << ": " << bad;
     }
-    EXPECT_THAT(refusal(Sphere{bad}), HasSubstr("sphere: the radius")) << bad;
-    EXPECT_THAT(refusal(Cylinder{bad, 1}), HasSubstr("cylinder: the radius")) << bad;
-    EXPECT_THAT(refusal(Cylinder{1, bad}), HasSubstr("cylinder: the length")) << bad;
-    EXPECT_THAT(refusal(Capsule{bad, 1}), HasSubstr("capsule: the radius")) << bad;
-    EXPECT_THAT(refusal(Capsule{1, bad}), HasSubstr("capsule: the length")) << bad;
+    EXPECT_THAT(shapeRefusal(Sphere{bad}), HasSubstr("sphere: the radius")) << bad;
+    EXPECT_THAT(shapeRefusal(Cylinder{bad, 1}), HasSubstr("cylinder: the radius")) << bad;
+    EXPECT_THAT(shapeRefusal(Cylinder{1, bad}), HasSubstr("cylinder: the length")) << bad;
+    EXPECT_THAT(shapeRefusal(Capsule{bad, 1}), HasSubstr("capsule: the radius")) << bad;
+    EXPECT_THAT(shapeRefusal(Capsule{1, bad}), HasSubstr("capsule: the length")) << bad;
   }
 }
 
@@ -53,19 +53,20 @@ TEST(Shape, MeshNamesItsBadVertexOrTriangle) {
     auto broken = triangle();
     broken->vertices[i][i] = NAN;
     const std::string vertex = "vertex " + std::to_string(i) + " is not finite";
-    EXPECT_THAT(refusal(Mesh{broken}), testing::HasSubstr("mesh 'one.stl': " + vertex));
-    EXPECT_THAT(refusal(Convex{broken}), testing::HasSubstr("convex 'one.stl': " + vertex));
+    EXPECT_THAT(shapeRefusal(Mesh{broken}), testing::HasSubstr("mesh 'one.stl': " + vertex));
+    EXPECT_THAT(shapeRefusal(Convex{broken}), testing::HasSubstr("convex 'one.stl': " + vertex));
     broken = triangle();
     broken->triangles.push_back({0, 1, 2});
     broken->triangles[i / 2][i] = 3;
-    EXPECT_THAT(refusal(Mesh{broken}), testing::HasSubstr("triangle " + std::to_string(i / 2) +
-                                                          " refers to vertex 3 of 3"));
+    EXPECT_THAT(shapeRefusal(Mesh{broken}), testing::HasSubstr("triangle " + std::to_string(i / 2) +
+                                                               " refers to vertex 3 of 3"));
   }
   auto broken = triangle();
   broken->triangles.clear();
-  EXPECT_THAT(refusal(Mesh{broken}), testing::HasSubstr("no triangle"));
-  EXPECT_THAT(refusal(Convex{std::make_shared<TriangleMesh>()}), testing::HasSubstr("no vertex"));
+  EXPECT_THAT(shapeRefusal(Mesh{broken}), testing::HasSubstr("no triangle"));
+  EXPECT_THAT(shapeRefusal(Convex{std::make_shared<TriangleMesh>()}),
+              testing::HasSubstr("no vertex"));
 }
 
-}  // namespace
+}  // namespace test_shape
 }  // namespace collision_pairs

@@ -7,7 +7,7 @@
 #include "motion_fixtures.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_sheets {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
@@ -90,5 +90,5 @@ TEST(Sheets, AreNotPassedByAMotion) {
   }
 }
 
-}  // namespace
+}  // namespace test_sheets
 }  // namespace collision_pairs

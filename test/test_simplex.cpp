@@ -8,7 +8,7 @@
 #include "simplex.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_simplex {
 
 using Eigen::Vector3d;
 
@@ -90,5 +90,5 @@ TEST(Simplex, TheClosestPointOfAFlatOneIsAMixtureOfItsVerticesToo) {
   }
 }
 
-}  // namespace
+}  // namespace test_simplex
 }  // namespace collision_pairs

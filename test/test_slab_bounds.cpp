@@ -8,7 +8,7 @@
 #include "test_shapes.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_slab_bounds {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
@@ -253,5 +253,5 @@ TEST(SurfaceQuery, KeepsForEachOfFourBoxesWhatIsNearThatOne) {
   EXPECT_GT(nb_bounded, 100);
 }
 
-}  // namespace
+}  // namespace test_slab_bounds
 }  // namespace collision_pairs

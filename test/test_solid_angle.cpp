@@ -5,7 +5,7 @@
 #include "test_shapes.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_solid_angle {
 
 using Eigen::Vector3d;
 using Corners = std::array<Vector3d, 3>;
@@ -74,5 +74,5 @@ TEST(SolidAngle, SeenFromACornerIsNothingAndSpoilsNothing) {
   EXPECT_NEAR(sum.total(), 0.125, 1e-15);
 }
 
-}  // namespace
+}  // namespace test_solid_angle
 }  // namespace collision_pairs

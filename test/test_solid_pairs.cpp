@@ -8,7 +8,7 @@
 #include "solid_pairs.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_solid_pairs {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
@@ -177,5 +177,5 @@ TEST(SolidPairs, TakeLittleMemoryHoweverManyObjectsThereAre) {
   EXPECT_LT(SolidPairs(*scene, model).memory(), 20e6);
 }
 
-}  // namespace
+}  // namespace test_solid_pairs
 }  // namespace collision_pairs

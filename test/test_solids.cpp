@@ -5,7 +5,7 @@
 #include "triangle_distance.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_solids {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
@@ -137,5 +137,5 @@ TEST(HullBounds, NarrowPhaseOfBumpyBodiesIsThatOfAllTriangles) {
   }
 }
 
-}  // namespace
+}  // namespace test_solids
 }  // namespace collision_pairs

@@ -7,7 +7,7 @@
 #include "sphere_distance.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_sphere_cover {
 
 using Eigen::Vector3d;
 
@@ -289,5 +289,5 @@ TEST(SphereCover, OfSolidsWithoutVolumeIsWhole) {
   }
 }
 
-}  // namespace
+}  // namespace test_sphere_cover
 }  // namespace collision_pairs

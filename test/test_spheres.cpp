@@ -9,7 +9,7 @@
 #include "random_robot.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_spheres {
 
 constexpr std::size_t STATES = BatchCheck::STATES_WORTH_A_STAGE;
 constexpr std::uint64_t SEED = 20261122;
@@ -115,9 +115,9 @@ TEST(Spheres, AreFreeInNineteenOfTwentyFreeStatesOfTheDemoRobot) {
   EXPECT_LE(falseAlarms(CollisionScene::build(demo.robot, demo.srdf, nullptr), true), 0.05);
 }
 
-class OfRobot : public testing::TestWithParam<std::string> {};
+class SpheresOfRobot : public testing::TestWithParam<std::string> {};
 
-TEST_P(OfRobot, AreFreeInNineteenOfTwentyFreeStatesAloneAndInItsWorld) {
+TEST_P(SpheresOfRobot, AreFreeInNineteenOfTwentyFreeStatesAloneAndInItsWorld) {
   for (const BenchmarkRobot& robot : benchmarkRobots()) {
     if (robot.name != GetParam()) continue;
     SceneDescription description;
@@ -132,7 +132,7 @@ TEST_P(OfRobot, AreFreeInNineteenOfTwentyFreeStatesAloneAndInItsWorld) {
   GTEST_SKIP() << "skipped: no robots given";
 }
 
-INSTANTIATE_TEST_SUITE_P(Spheres, OfRobot, testing::Values("panda", "ur5", "pr2"));
+INSTANTIATE_TEST_SUITE_P(Spheres, SpheresOfRobot, testing::Values("panda", "ur5", "pr2"));
 
-}  // namespace
+}  // namespace test_spheres
 }  // namespace collision_pairs

@@ -5,7 +5,7 @@
 #include "refusal.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_srdf {
 
 using Pairs = std::set<Srdf::LinkPair>;
 const std::vector<std::string> LINKS = {"a", "b", "c", "d"};
@@ -45,5 +45,5 @@ TEST(Srdf, BrokenTextIsRefusedWithItsLine) {
             "SRDF line 2: it has a <link>, so it is a URDF");
 }
 
-}  // namespace
+}  // namespace test_srdf
 }  // namespace collision_pairs

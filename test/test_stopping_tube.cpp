@@ -6,7 +6,7 @@
 #include "stopping_tube.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_stopping_tube {
 
 constexpr double STEP = 0.0005;
 constexpr double ROUNDING = 1e-9;
@@ -230,5 +230,5 @@ TEST(StoppingTube, OfADirectionOfAnyLengthHoldsWhatIsInFlight) {
   }
 }
 
-}  // namespace
+}  // namespace test_stopping_tube
 }  // namespace collision_pairs

@@ -13,7 +13,7 @@
 #include "random_inputs.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_sweep_and_prune {
 
 using Eigen::Vector3d;
 
@@ -420,5 +420,5 @@ TEST(SortPairs, RowsOfEveryLengthAreSorted) {
   }
 }
 
-}  // namespace
+}  // namespace test_sweep_and_prune
 }  // namespace collision_pairs

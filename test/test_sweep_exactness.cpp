@@ -12,7 +12,7 @@
 #include "random_inputs.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_sweep_exactness {
 
 using Eigen::Vector3d;
 using Rational = boost::multiprecision::cpp_rational;
@@ -161,5 +161,5 @@ TEST(SweepExactness, SquaresThatUnderflowLoseNothing) {
   }
 }
 
-}  // namespace
+}  // namespace test_sweep_exactness
 }  // namespace collision_pairs

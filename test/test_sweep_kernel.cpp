@@ -13,7 +13,7 @@
 #include "sweep_kernel.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_sweep_kernel {
 
 using IdPairs = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
 
@@ -268,5 +268,5 @@ TEST(SweepKernel, ThisMachineCanRunAtLeastTheScalarOne) {
   EXPECT_STREQ(sweepKernels().back()->name, "scalar");
 }
 
-}  // namespace
+}  // namespace test_sweep_kernel
 }  // namespace collision_pairs

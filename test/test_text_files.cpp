@@ -9,7 +9,7 @@
 #include "text_files.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_text_files {
 
 namespace fs = std::filesystem;
 
@@ -181,5 +181,5 @@ TEST(Csv, AQuotationGoesOnInTheNextLine) {
   EXPECT_EQ(record.fields(), (std::vector<std::string>{"a", "b \n\n c", "d"}));
 }
 
-}  // namespace
+}  // namespace test_text_files
 }  // namespace collision_pairs

@@ -7,7 +7,7 @@
 #include "mixed_robot.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_time_budget {
 
 using Names = std::pair<std::uint32_t, std::uint32_t>;
 
@@ -252,5 +252,5 @@ TEST_F(TimeBudget, ThatIsNegativeOrNoNumberIsRefused) {
   EXPECT_THROW(checkWithin(std::nan("")), InputError);
 }
 
-}  // namespace
+}  // namespace test_time_budget
 }  // namespace collision_pairs

@@ -13,7 +13,7 @@
 #include "triangle_distance.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_tolerance {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
@@ -339,5 +339,5 @@ TEST(Tolerance, ThatIsNoLengthIsRefused) {
   }
 }
 
-}  // namespace
+}  // namespace test_tolerance
 }  // namespace collision_pairs

@@ -11,7 +11,7 @@
 #include "robot_poses.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_transform_buffer {
 
 using Eigen::Isometry3d;
 using Eigen::Quaterniond;
@@ -322,5 +322,5 @@ TEST(Contradictions, AreFurtherFromBothNeighboursThanTheseAreFromEachOther) {
   EXPECT_FALSE(contradicts(pose(2, 9, 0), still, still, pose(2, 0, 0), how)) << "one of the two";
 }
 
-}  // namespace
+}  // namespace test_transform_buffer
 }  // namespace collision_pairs

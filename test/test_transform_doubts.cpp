@@ -8,7 +8,7 @@
 #include "transform_test.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_transform_doubts {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -181,5 +181,5 @@ TEST_F(Transforms, ThatAGapPrecedesAreNeverInterpolatedOverItByAnotherThread) {
   EXPECT_FALSE(knows("a", ros::Time(1001.0)));
 }
 
-}  // namespace
+}  // namespace test_transform_doubts
 }  // namespace collision_pairs

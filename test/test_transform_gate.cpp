@@ -6,7 +6,7 @@
 #include "transform_buffer.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_transform_gate {
 
 using Eigen::Vector3d;
 using testing::HasSubstr;
@@ -254,5 +254,5 @@ TEST(TransformGate, KeepsOnePoseOfAStaticFrameThatChangesAHundredThousandTimes) 
   EXPECT_LT(buffer.nbEpochs(), 20u);
 }
 
-}  // namespace
+}  // namespace test_transform_gate
 }  // namespace collision_pairs

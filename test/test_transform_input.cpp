@@ -8,7 +8,7 @@
 #include "transform_test.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_transform_input {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -352,5 +352,5 @@ TEST_F(Ages, OfAChainOfStaticFramesThatBypassesTheJointCannotBeToldEither) {
   EXPECT_THAT(latest().problems, ElementsAre(HasSubstr("'a': only /tf_static places it")));
 }
 
-}  // namespace
+}  // namespace test_transform_input
 }  // namespace collision_pairs

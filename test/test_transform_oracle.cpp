@@ -12,7 +12,7 @@
 #include "transform_buffer.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_transform_oracle {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
@@ -273,5 +273,5 @@ TEST(TransformOracle, WhatIsKnownIsTrueAndIsKnownAgainTwoSecondsAfterAllIsWell) 
   EXPECT_GT(counts.lies, 100);
 }
 
-}  // namespace
+}  // namespace test_transform_oracle
 }  // namespace collision_pairs

@@ -8,7 +8,7 @@
 #include "triangle_distance.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_triangle_distance {
 
 using Eigen::Vector3d;
 using Kernel = CGAL::Exact_predicates_exact_constructions_kernel;
@@ -103,5 +103,5 @@ TEST(TriangleDistance, APlaneKeepsApartOnlyWhatIsApart) {
   EXPECT_GT(apart, 1000);
 }
 
-}  // namespace
+}  // namespace test_triangle_distance
 }  // namespace collision_pairs

@@ -8,7 +8,7 @@
 #include "demo_scene.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_urdf_errors {
 
 std::string refusal(const std::string& xml) {
   try {
@@ -304,5 +304,5 @@ TEST(UrdfText, WhatNobodyReadsCannotMakeItFail) {
             "accepted");
 }
 
-}  // namespace
+}  // namespace test_urdf_errors
 }  // namespace collision_pairs

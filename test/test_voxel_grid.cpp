@@ -12,7 +12,7 @@
 #include "random_inputs.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_voxel_grid {
 
 using Eigen::Vector3d;
 using Cells = std::set<std::array<int, 3>>;
@@ -384,5 +384,5 @@ TEST(VoxelGrid, SettingsOutOfTheirRangeAreRefused) {
   EXPECT_THROW(grid.begin(0.0, Vector3d(NAN, 0, 0)), InputError);
 }
 
-}  // namespace
+}  // namespace test_voxel_grid
 }  // namespace collision_pairs

@@ -8,7 +8,7 @@
 #include "scene_markers.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_voxel_markers {
 
 using visualization_msgs::Marker;
 
@@ -101,5 +101,5 @@ TEST(VoxelMarkers, OfNothingAreTakenAway) {
   EXPECT_EQ(noMarker("a", "w").ns, "cloud a");
 }
 
-}  // namespace
+}  // namespace test_voxel_markers
 }  // namespace collision_pairs

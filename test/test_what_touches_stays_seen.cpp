@@ -15,7 +15,7 @@
 #include "touched_robots.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_what_touches_stays_seen {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
@@ -350,5 +350,5 @@ TEST(WhatTouches, AFingertipThatComesSlowlyIsACollisionBeforeItTouches) {
   EXPECT_EQ(counts.followed, nb_wanted);
 }
 
-}  // namespace
+}  // namespace test_what_touches_stays_seen
 }  // namespace collision_pairs

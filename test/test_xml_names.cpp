@@ -9,7 +9,7 @@
 #include "random_inputs.h"
 
 namespace collision_pairs {
-namespace {
+namespace test_xml_names {
 
 using testing::HasSubstr;
 using testing::IsEmpty;
@@ -237,5 +237,5 @@ TEST(XmlNames, LinksThatAreDrawnButNotCheckedAreSaidInOneLine) {
             "c\n");
 }
 
-}  // namespace
+}  // namespace test_xml_names
 }  // namespace collision_pairs

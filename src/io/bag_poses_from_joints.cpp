@@ -13,8 +13,8 @@ namespace {
 using Positions = std::vector<RecordedPosition>;
 
 /// By joint of the robot: the number of its name with `prefix`; -1: none of the positions is its.
-std::vector<int> namesOf(const BagContents& bag, const Positions& positions,
-                         const RobotModel& robot, const std::string& prefix) {
+std::vector<int> numbersOfJoints(const BagContents& bag, const Positions& positions,
+                                 const RobotModel& robot, const std::string& prefix) {
   std::vector<char> is_named(bag.names.all().size(), 0);
   for (const RecordedPosition& position : positions) is_named[position.joint] = 1;
   std::vector<int> names;
@@ -39,7 +39,7 @@ Choice choose(const BagContents& bag, const RobotModel& robot, const std::string
     const std::string& topic = entry.first;
     const Positions& positions = entry.second;
     const auto offer = [&](const std::string& joint_prefix) {
-      std::vector<int> names = namesOf(bag, positions, robot, joint_prefix);
+      std::vector<int> names = numbersOfJoints(bag, positions, robot, joint_prefix);
       const auto count =
           static_cast<std::ptrdiff_t>(names.size()) - std::count(names.begin(), names.end(), -1);
       if (count > best.nb_named) best = {&topic, &positions, std::move(names), count};

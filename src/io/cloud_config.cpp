@@ -52,10 +52,10 @@ std::optional<Eigen::AlignedBox3d> boxOf(const std::string& key, const YAML::Nod
   return box;
 }
 
-using Reader = std::function<void(const std::string& key, const YAML::Node&, CloudConfig&)>;
+using CloudReader = std::function<void(const std::string& key, const YAML::Node&, CloudConfig&)>;
 
-const std::map<std::string, Reader>& readers() {
-  static const std::map<std::string, Reader> ALL = {
+const std::map<std::string, CloudReader>& cloudReaders() {
+  static const std::map<std::string, CloudReader> ALL = {
       {"topic", [](const auto& k, const auto& v, auto& c) { c.topic = topicOf(k, v); }},
       {"voxel_size", [](const auto& k, const auto& v, auto& c) { c.voxel_size = above0(k, v); }},
       {"max_range", [](const auto& k, const auto& v, auto& c) { c.max_range = above0(k, v); }},
@@ -77,7 +77,7 @@ const std::map<std::string, Reader>& readers() {
 
 std::vector<std::string> knownKeys() {
   std::vector<std::string> keys;
-  for (const auto& entry : readers()) keys.push_back(entry.first);
+  for (const auto& entry : cloudReaders()) keys.push_back(entry.first);
   return keys;
 }
 
@@ -85,8 +85,8 @@ CloudConfig readCloud(const std::string& origin, const YAML::Node& value) {
   const std::string rule = "a map such as {topic: camera/points, voxel_size: 0.02}";
   CloudConfig cloud;
   forEntries(origin, value, rule, [&](const std::string& key, const YAML::Node& entry) {
-    const auto reader = readers().find(key);
-    if (reader == readers().end()) {
+    const auto reader = cloudReaders().find(key);
+    if (reader == cloudReaders().end()) {
       throw InputError(origin + ": '" + key + "' is not a setting of a cloud; did you mean '" +
                        nearestName(key, knownKeys()) + "'?");
     }

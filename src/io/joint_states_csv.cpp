@@ -15,9 +15,9 @@ namespace {
 
 bool isBlank(const std::string& line) { return line.find_first_not_of(" \t\r") == line.npos; }
 
-class Reader {
+class TableReader {
  public:
-  Reader(const RobotModel& robot, const std::string& name)
+  TableReader(const RobotModel& robot, const std::string& name)
       : robot_(robot),
         name_(name),
         is_rigid_(std::none_of(robot.joints().begin(), robot.joints().end(),
@@ -108,7 +108,7 @@ class Reader {
 
 JointStates readJointStates(const std::string& csv, const RobotModel& robot,
                             const std::string& name) {
-  return Reader(robot, name).read(csv);
+  return TableReader(robot, name).read(csv);
 }
 
 }  // namespace collision_pairs

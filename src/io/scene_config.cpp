@@ -134,10 +134,10 @@ void readPoseLimits(const YAML::Node& map, PoseLimits& limits) {
   read("clock_tolerance", limits.clock_tolerance);
 }
 
-using Reader = std::function<void(const YAML::Node&, SceneConfig&)>;
+using SceneReader = std::function<void(const YAML::Node&, SceneConfig&)>;
 
-const std::map<std::string, Reader>& readers() {
-  static const std::map<std::string, Reader> ALL = {
+const std::map<std::string, SceneReader>& sceneReaders() {
+  static const std::map<std::string, SceneReader> ALL = {
       {"max_hull_vertices", readMaxHullVertices},
       {"narrow_phase", readNarrowPhase},
       {"link_fidelity", readLinkFidelity},
@@ -171,7 +171,7 @@ const std::map<std::string, Reader>& readers() {
 const std::vector<std::string>& sceneConfigKeys() {
   static const std::vector<std::string> KEYS = [] {
     std::vector<std::string> keys;
-    for (const auto& entry : readers()) keys.push_back(entry.first);
+    for (const auto& entry : sceneReaders()) keys.push_back(entry.first);
     return keys;
   }();
   return KEYS;
@@ -194,7 +194,7 @@ const std::vector<std::string>& nodeParameterKeys() {
 
 SceneConfig readSceneConfig(const YAML::Node& map) {
   SceneConfig config;
-  for (const auto& [key, read] : readers()) {
+  for (const auto& [key, read] : sceneReaders()) {
     if (const YAML::Node value = map[key]) read(value, config);
   }
   return config;

@@ -23,7 +23,7 @@ Worst measure(const CylinderRow& row, int poses) {
   Worst worst;
   for (int i = 0; i < poses; ++i) {
     const PosedPair pair = row.make(random, i);
-    const double size = std::min(sizeOf(pair.a), sizeOf(pair.b));
+    const double size = std::min(extentOf(pair.a), extentOf(pair.b));
     const PairDistance result =
         narrow_phase.distance(*prepareShape(pair.a), *prepareShape(pair.b), pair.X_AB,
                               std::numeric_limits<double>::infinity());

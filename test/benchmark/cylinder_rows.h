@@ -21,7 +21,7 @@ struct CylinderRow {
 };
 
 /// The largest extent, metres.
-inline double sizeOf(const Shape& shape) {
+inline double extentOf(const Shape& shape) {
   const Aabb box = computeAabb(shape, Eigen::Isometry3d::Identity());
   return (box.max - box.min).maxCoeff();
 }
@@ -153,7 +153,7 @@ inline PosedPair sliverPair(RandomInputs& random, NarrowPhase& narrow_phase, int
   const auto A = prepareShape(pair.a), B = prepareShape(pair.b);
   const PairDistance found =
       narrow_phase.distance(*A, *B, pair.X_AB, std::numeric_limits<double>::infinity());
-  const double size = std::min(sizeOf(pair.a), sizeOf(pair.b));
+  const double size = std::min(extentOf(pair.a), extentOf(pair.b));
   const double wanted = (i % 3 == 1 ? 1.0 : -1.0) * logUniform(random, -14.0, -6.0) * size;
   pair.X_AB.translation() += (wanted - found.distance) * found.nhat_AB_A;
   return pair;
@@ -172,7 +172,7 @@ struct CylinderError {
 inline CylinderError judgeCylinder(const PosedPair& pair, const PairDistance& result,
                                    double tolerance, int max_cones) {
   const OracleBody A = oracleBody(pair.a), B = oracleBody(pair.b);
-  const double size_a = sizeOf(pair.a), size_b = sizeOf(pair.b);
+  const double size_a = extentOf(pair.a), size_b = extentOf(pair.b);
   // A gap of 1e-15 of the coordinates is contact (docs/accuracy.md).
   const double of_coordinates =
       1e-15 * (2.0 * (size_a + size_b) + pair.X_AB.translation().lpNorm<1>());

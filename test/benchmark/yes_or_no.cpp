@@ -87,7 +87,7 @@ struct Differences {
     const auto A = prepareShape(pair.a), B = prepareShape(pair.b);
     const PairDistance found = narrow_phase.distance(*A, *B, pair.X_AB, INF);
     if (narrow_phase.touches(*A, *B, pair.X_AB) == found.touches()) return;
-    const double size = sizeOf(pair.a) + sizeOf(pair.b) + pair.X_AB.translation().norm();
+    const double size = extentOf(pair.a) + extentOf(pair.b) + pair.X_AB.translation().norm();
     ++(std::abs(found.distance) <= 1e-15 * size ? within_rounding : others);
   }
 

@@ -24,6 +24,8 @@ inline std::string withoutLeadingSlash(const std::string& name) {
   return !name.empty() && name.front() == '/' ? name.substr(1) : name;
 }
 
+inline std::string quoted(const std::string& name) { return "'" + name + "'"; }
+
 /// "a, b, c"
 std::string joined(const std::vector<std::string>& words, const std::string& separator = ", ");
 

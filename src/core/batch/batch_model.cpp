@@ -38,14 +38,10 @@ constexpr double PRODUCT = 9.0 * UNIT;       // of two rotations
 constexpr double TURN = (5.7 + 4.0) * UNIT;  // by a sine and a cosine with errors of 4 UNIT each
 constexpr double SECOND_ORDER = 1.001;
 constexpr double OF_DISTANCE = 16.0 * UNIT;  // of distances and radii, relative
-constexpr double MARGIN = 1e-9;           // m, and relative to sizes: rounding of the exact check
+constexpr double EXACT_MARGIN = 1e-9;     // m, and relative to sizes: rounding of the exact check
 constexpr double MOST_REACH = 1e3;        // m
 constexpr double MOST_SLIDE = 10.0;       // m, of a joint without limits
 constexpr std::size_t MOST_SPHERES = 63;  // of an element
-
-const Prepared& preparedOf(const SceneElement& element) {
-  return static_cast<const Prepared&>(*element.rung(Fidelity::MESH).shape);
-}
 
 float roundedUp(double x) {
   const auto rounded = static_cast<float>(x);
@@ -170,7 +166,7 @@ class ModelMaker {
     const PoseError& pose = model_.errors[static_cast<std::size_t>(body)];
     const double error = pose.position + pose.rotation * center.norm() +
                          SECOND_ORDER * ofSum(center.norm(), pose.reach) +
-                         MARGIN * (1.0 + center.norm() + sphere.radius);
+                         EXACT_MARGIN * (1.0 + center.norm() + sphere.radius);
     const double radius = is_outer ? (sphere.radius + error) * (1.0 + OF_DISTANCE)
                                    : (sphere.radius - error) * (1.0 - OF_DISTANCE);
     if (!is_outer && !(radius > 0.0)) return;

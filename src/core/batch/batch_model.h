@@ -8,9 +8,16 @@
 
 #include "batch_kernel.h"
 #include "collision_pairs/collision_scene.h"
+#include "prepared_shape.h"
+#include "scene_element.h"
 #include "sphere_cover.h"
 
 namespace collision_pairs {
+
+/// The shape at its finest.
+inline const Prepared& preparedOf(const SceneElement& element) {
+  return static_cast<const Prepared&>(*element.rung(Fidelity::MESH).shape);
+}
 
 /// Error bounds of the pose that the kernels compute for a body, for all positions; derived in
 /// batch_model.cpp.

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "infinity.h"
 #include "solids.h"
 
 namespace collision_pairs {
@@ -16,9 +17,8 @@ constexpr std::uint8_t OPEN_BLOCK = 16;
 constexpr int FIRST_LEVEL = 4;
 constexpr int FULL_LEVEL = 7;  // coarser blocks are certified when first read, by what costs little
 constexpr int VISITS = 4;      // of a finer one before it is certified; costs about as much
-constexpr double MARGIN = 2e-9;    // m: rounding of the exact check and of this one
-constexpr double ROUNDING = 1e-9;  // relative to the width of a cell
-constexpr double INFINITE = std::numeric_limits<double>::infinity();
+constexpr double TABLE_MARGIN = 2e-9;   // m: rounding of the exact check and of this one
+constexpr double CELL_ROUNDING = 1e-9;  // relative to the width of a cell
 
 std::size_t indexOfBlock(int level, int x, int y) {
   const std::size_t before = ((std::size_t{1} << (2 * level)) - 1) / 3;
@@ -121,7 +121,7 @@ PairTable::Cell PairTable::certified(const Block& block, NarrowPhase& narrow_pha
   const Isometry3d X_AC = X_WA.inverse() * X_WC;
   for (const PlacedSphere& of_a : cover_a.inner) {
     const Vector3d p_W = X_WA * of_a.center;
-    const double moves = motionOf(p_W) + MARGIN;
+    const double moves = motionOf(p_W) + TABLE_MARGIN;
     for (const PlacedSphere& of_b : cover_b.inner) {
       const double gap = (X_WC * of_b.center - p_W).norm() - of_a.radius - of_b.radius;
       if (gap + moves < padding) return Cell::CONTACT;
@@ -131,14 +131,14 @@ PairTable::Cell PairTable::certified(const Block& block, NarrowPhase& narrow_pha
              &C = static_cast<const Prepared&>(*b.rung(Fidelity::MESH).shape);
   if (hullsStayApart(A.core, X_WA, C.core, X_WC, cover_b, padding)) return Cell::FREE;
   if (block.level < FULL_LEVEL) return Cell::OPEN;
-  const double moves = std::min(motionOf(cover_a, X_WA), motionOf(cover_b, X_WC)) + MARGIN;
+  const double moves = std::min(motionOf(cover_a, X_WA), motionOf(cover_b, X_WC)) + TABLE_MARGIN;
   const PairDistance found = narrow_phase.distance(A, C, X_AC, moves + padding);
   if (found.certainty == Certainty::BEYOND) return Cell::FREE;
   if (found.distance > padding) return Cell::OPEN;
   if (found.certainty == Certainty::EXACT && found.distance + moves < padding) return Cell::CONTACT;
   // Nothing but its surface bounds the inside of a closed mesh, which has inner spheres.
-  const auto moveOfA = [&](const Vector3d& p_A) { return motionOf(X_WA * p_A) + MARGIN; };
-  const auto moveOfC = [&](const Vector3d& p_C) { return motionOf(X_WC * p_C) + MARGIN; };
+  const auto moveOfA = [&](const Vector3d& p_A) { return motionOf(X_WA * p_A) + TABLE_MARGIN; };
+  const auto moveOfC = [&](const Vector3d& p_C) { return motionOf(X_WC * p_C) + TABLE_MARGIN; };
   const bool stays = (!cover_a.inner.empty() && meshHoldsVertexDeep(A, C, X_AC, moveOfA)) ||
                      (!cover_b.inner.empty() && meshHoldsVertexDeep(C, A, X_AC.inverse(), moveOfC));
   return stays ? Cell::CONTACT : Cell::OPEN;
@@ -157,7 +157,7 @@ void PairTable::setMotions(const Block& block) {
   for (std::size_t i = 0; i < joints_.size(); ++i) {
     const Joint& joint = robot.joints()[joints_[i]];
     const Isometry3d& X_WB = X_WB_[static_cast<std::size_t>(robot.links()[joint.child_link].body)];
-    motions_.push_back({0.5 * widthOf(i) * (1.0 + ROUNDING), X_WB.linear() * joint.axis,
+    motions_.push_back({0.5 * widthOf(i) * (1.0 + CELL_ROUNDING), X_WB.linear() * joint.axis,
                         X_WB.translation(), joint.type != JointType::PRISMATIC});
   }
 }
@@ -179,7 +179,7 @@ double PairTable::motionOf(const SphereCover& cover, const Isometry3d& X_WE) con
 }
 
 double PairTable::Motion::reachOf(const Vector3d& p_W, double radius) const {
-  return turns ? (axis.cross(p_W - origin).norm() + radius) * (1.0 + ROUNDING) : 1.0;
+  return turns ? (axis.cross(p_W - origin).norm() + radius) * (1.0 + CELL_ROUNDING) : 1.0;
 }
 
 double PairTable::Motion::reachOf(const SphereCover& cover, const Isometry3d& X_WE) const {
@@ -200,7 +200,7 @@ double PairTable::Motion::reachOf(const SphereCover& cover, const Isometry3d& X_
 bool PairTable::hullsStayApart(const ConvexCore& a, const Isometry3d& X_WA, const ConvexCore& c,
                                const Isometry3d& X_WC, const SphereCover& cover_c,
                                double padding) const {
-  const PairDistance gap = convexGap(a, c, X_WA.inverse() * X_WC, INFINITE);
+  const PairDistance gap = convexGap(a, c, X_WA.inverse() * X_WC, INF);
   if (gap.certainty != Certainty::EXACT || !(gap.distance > padding)) return false;
   const Vector3d n = X_WA.linear() * gap.nhat_AB_A;
   const double top = n.dot(X_WA * support<double>(a, X_WA.linear().transpose() * n)) + a.radius;
@@ -210,7 +210,7 @@ bool PairTable::hullsStayApart(const ConvexCore& a, const Isometry3d& X_WA, cons
     if (motions_[i].turns) off += 0.5 * t * t * (reach + moved) + t * moved;
     moved += t * reach;
   }
-  double least = INFINITE;
+  double least = INF;
   for (unsigned corner = 0; corner < 1u << motions_.size(); ++corner) {
     Vector3d along = n;
     double shift = 0.0;
@@ -224,7 +224,7 @@ bool PairTable::hullsStayApart(const ConvexCore& a, const Isometry3d& X_WA, cons
     const Vector3d p = X_WC * support<double>(c, -X_WC.linear().transpose() * along);
     least = std::min(least, along.dot(p) + shift - c.radius * along.norm());
   }
-  return least - off - top > padding + MARGIN;
+  return least - off - top > padding + TABLE_MARGIN;
 }
 
 }  // namespace collision_pairs

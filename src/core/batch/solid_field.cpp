@@ -14,7 +14,7 @@ using Eigen::Vector3d;
 constexpr double NODES = 10000.0;
 constexpr double BORDER = 2.0;         // cells around the shape
 constexpr double ROUNDING = 1e-6;      // relative: a bound is stored as float
-constexpr double MARGIN = 1e-7;        // relative to the size, and metres
+constexpr double FIELD_MARGIN = 1e-7;  // relative to the size, and metres
 constexpr double MOST_CELLS = 4000.0;  // up to here float is off by less than 0.002 cells
 
 // Its size is of use to what may_hold() alone, which is not asked here.
@@ -37,7 +37,8 @@ std::unique_ptr<const SolidField> SolidField::make(const Prepared& shape) {
 }
 
 SolidField::SolidField(const Prepared& shape)
-    : margin_(MARGIN * (1.0 + shape.core.extent + shape.core.radius + shape.core.center.norm())) {
+    : margin_(FIELD_MARGIN *
+              (1.0 + shape.core.extent + shape.core.radius + shape.core.center.norm())) {
   const CoveredSolid solid = solidOf(shape);
   const Aabb box = boxAround(shape.hull.points.vertices);
   const Vector3d size = box.max - box.min;

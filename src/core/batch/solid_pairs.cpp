@@ -12,10 +12,6 @@ using Eigen::Vector3d;
 
 constexpr std::size_t MOST_ELEMENTS = 4000;  // of a scene: one byte a pair, 16 MB
 
-const Prepared& preparedOf(const SceneElement& element) {
-  return static_cast<const Prepared&>(*element.rung(Fidelity::MESH).shape);
-}
-
 std::size_t nbTriangles(const Prepared& shape) {
   return shape.mesh ? shape.mesh->triangles->triangles.size() : 0;
 }

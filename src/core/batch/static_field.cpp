@@ -5,14 +5,15 @@
 #include <cstring>
 #include <limits>
 
+#include "infinity.h"
+
 namespace collision_pairs {
 namespace {
 
 using Eigen::Vector3d;
 
-constexpr double INFINITE = std::numeric_limits<double>::infinity();
 constexpr int BLOCKS = StaticField::SIDE / 4;
-constexpr double ROUNDING = 1e-7;  // relative, of a bound stored as float
+constexpr double STORED_ROUNDING = 1e-7;  // relative, of a bound stored as float
 
 int bitsOf(double value) {
   const auto number = static_cast<float>(value);
@@ -46,7 +47,7 @@ StaticField::StaticField(const CollisionScene& scene, const BatchModel& model,
       slots_(std::make_unique<Slot[]>(SIDE * SIDE * SIDE)),
       apart_(std::make_unique<std::atomic<int>[]>(SIDE * SIDE * SIDE)),
       near_block_(BLOCKS * BLOCKS * BLOCKS) {
-  std::fill_n(apart_.get(), SIDE * SIDE * SIDE, bitsOf(-INFINITE));
+  std::fill_n(apart_.get(), SIDE * SIDE * SIDE, bitsOf(-INF));
   std::vector<std::uint32_t> all;
   for (const std::uint32_t element : elements) {
     const Eigen::Isometry3d X_EW = scene.elements()[element].X_BE.inverse();
@@ -79,7 +80,8 @@ int StaticField::cellOf(const Vector3d& p_W, Vector3d& center) const {
   const Eigen::Vector3i along = place.cast<int>();
   const int cell = (along[2] * SIDE + along[1]) * SIDE + along[0];
   center = origin_ + (along.cast<double>().array() + 0.5).matrix().cwiseProduct(cell_size_);
-  if (slots_[static_cast<std::size_t>(cell)].nb_near.load(std::memory_order_acquire) == NOT_FILLED) {
+  if (slots_[static_cast<std::size_t>(cell)].nb_near.load(std::memory_order_acquire) ==
+      NOT_FILLED) {
     const Eigen::Vector3i block = along / (SIDE / BLOCKS);
     fill(center,
          near_block_[static_cast<std::size_t>((block[2] * BLOCKS + block[1]) * BLOCKS + block[0])],
@@ -125,13 +127,13 @@ bool StaticField::isNearer(const Vector3d& p_W, double reach, std::uint32_t& ele
 double StaticField::findNear(const Vector3d& p_W, double diagonal,
                              const std::vector<std::uint32_t>& things,
                              std::vector<std::uint32_t>& near) const {
-  double apart = INFINITE;
+  double apart = INF;
   for (const std::uint32_t thing : things) {
-    apart = std::min(apart, apartFrom(things_[thing], p_W, -INFINITE));
+    apart = std::min(apart, apartFrom(things_[thing], p_W, -INF));
   }
-  const double within = apart + diagonal * (1.0 + ROUNDING);
+  const double within = apart + diagonal * (1.0 + STORED_ROUNDING);
   for (const std::uint32_t thing : things) {
-    if (apartFrom(things_[thing], p_W, -INFINITE) <= within) near.push_back(thing);
+    if (apartFrom(things_[thing], p_W, -INF) <= within) near.push_back(thing);
   }
   return apart;
 }
@@ -146,7 +148,8 @@ void StaticField::fill(const Vector3d& p_W, const std::vector<std::uint32_t>& th
     slot.near[i].store(near[i], std::memory_order_relaxed);
   }
   const double lower = apart - margin_;
-  apart_[static_cast<std::size_t>(cell)].store(bitsOf(lower - ROUNDING * std::abs(lower)), std::memory_order_relaxed);
+  apart_[static_cast<std::size_t>(cell)].store(bitsOf(lower - STORED_ROUNDING * std::abs(lower)),
+                                               std::memory_order_relaxed);
   slot.nb_near.store(static_cast<std::uint32_t>(near.size()), std::memory_order_release);
 }
 
@@ -155,9 +158,9 @@ double StaticField::apartFrom(const Thing& thing, const Vector3d& p_W, double en
   const Vector3d p_E = thing.R_EW * p_W + thing.p_EW;
   if (std::holds_alternative<HalfSpace>(element.shape)) return p_E[2];
   const double of_box = distanceFromBox(element.box_half, p_E - element.box_center);
-  const bool is_certain = enough > -INFINITE && of_box > enough;
+  const bool is_certain = enough > -INF && of_box > enough;
   if (is_certain || std::holds_alternative<Box>(element.shape)) return of_box;
-  double of_leaves = INFINITE;
+  double of_leaves = INF;
   for (const OuterSphere& sphere : model_.covers[thing.element].outer) {
     if (of_leaves <= enough) break;
     if (sphere.first_child != 0) continue;
@@ -173,7 +176,7 @@ double StaticField::upperOf(const Thing& thing, const Vector3d& p_W) const {
   if (const auto* box = std::get_if<Box>(&element.shape)) {
     return distanceFromBox(0.5 * box->size, p_E);
   }
-  double upper = INFINITE;
+  double upper = INF;
   for (const PlacedSphere& sphere : model_.covers[thing.element].inner) {
     upper = std::min(upper, (p_E - sphere.center).norm() - sphere.radius);
   }

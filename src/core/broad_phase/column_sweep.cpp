@@ -7,7 +7,7 @@ namespace {
 
 // Clusters within clusters are split at most this often; what is still crowded is swept as it is.
 constexpr std::size_t MAX_DEPTH = 6;
-constexpr std::size_t SAMPLE = 256;
+constexpr std::size_t COLUMN_SAMPLE = 256;
 
 // A monotone map from a coordinate to one of `count` bins that hold about as many records each.
 struct Bins {
@@ -80,7 +80,7 @@ void ColumnSweep::sweep(const Record* records, std::size_t count, int axis, std:
 bool ColumnSweep::cut(const Record* records, std::size_t count, double tests_per_box,
                       std::size_t depth) {
   if (depth >= MAX_DEPTH) return false;
-  const Spread spread = sampleSpread(records, count, SAMPLE);
+  const Spread spread = sampleSpread(records, count, COLUMN_SAMPLE);
   const int axis = chooseAxis(tuning_, spread);
   if (tests_per_box == 0.0) tests_per_box = static_cast<double>(count) * spread.crowd(axis);
   const SweepGrid grid = chooseGrid(spread, axis, count, tests_per_box, tuning_.column_size);

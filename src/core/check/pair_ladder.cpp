@@ -6,6 +6,7 @@
 
 #include "convex_distance.h"
 #include "fcl_answer.h"
+#include "infinity.h"
 #include "prepared_shape.h"
 #include "sphere_cover.h"
 #include "sphere_distance.h"
@@ -33,7 +34,7 @@ using Eigen::Vector3d;
 // reports "beyond" only by a separating plane, whose rounding, a few u of the sizes, is within
 // ROUNDING, by which the limit is raised before the query and lowered after it. An axis-aligned box
 // need not hold the OBB or a simplified hull: those rungs take the better of both answers.
-constexpr double ROUNDING = 64.0 * std::numeric_limits<double>::epsilon();
+constexpr double LADDER_ROUNDING = 64.0 * std::numeric_limits<double>::epsilon();
 constexpr double MOVED_LITTLE = 0.1;  // squared difference of two poses' matrices; metres
 
 const Prepared& preparedOf(const Rung& rung) { return static_cast<const Prepared&>(*rung.shape); }
@@ -230,7 +231,6 @@ PairLadder::Answer PairLadder::notBelowBoxes(const BoxPair& pair, const Isometry
 // Their distance, also where obbGap() sees no gap along their axes: then this would jump, and a
 // motion is certified by how fast a distance can change.
 PairDistance PairLadder::boxGap(const BoxPair& pair, const Isometry3d& X_AB) const {
-  constexpr double INF = std::numeric_limits<double>::infinity();
   PairDistance gap;
   gap.distance = -INF;
   const SceneElement &a = scene_->elements()[pair.first], &b = scene_->elements()[pair.second];
@@ -380,7 +380,7 @@ double PairLadder::obbGap(const BoxPair& pair, const Isometry3d& X_AB) const {
   const double coordinates = a.box_center.lpNorm<1>() + a.box_half.sum() +
                              X_AB.translation().lpNorm<1>() + b.box_center.lpNorm<1>() +
                              b.box_half.sum() + offset(pair);
-  return std::sqrt(squared_gap) - ROUNDING * coordinates - padding;
+  return std::sqrt(squared_gap) - LADDER_ROUNDING * coordinates - padding;
 }
 
 }  // namespace collision_pairs

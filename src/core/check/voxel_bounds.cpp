@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "convex_core.h"
+#include "infinity.h"
 #include "voxel_search.h"
 
 namespace collision_pairs {
@@ -12,8 +13,6 @@ namespace {
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
 using Eigen::Vector3i;
-
-constexpr double INF = std::numeric_limits<double>::infinity();
 
 /// A lower bound of the signed distance of two boxes with the same axes, and of what they enclose:
 /// their gap, or minus the smallest translation along an axis that separates them.

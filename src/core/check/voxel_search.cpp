@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+
+#include "infinity.h"
 
 namespace collision_pairs {
 namespace {
@@ -10,8 +11,6 @@ namespace {
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
 using Eigen::Vector3i;
-
-constexpr double INF = std::numeric_limits<double>::infinity();
 
 Aabb grown(const Aabb& box, double metres) {
   const Vector3d all = Vector3d::Constant(metres);

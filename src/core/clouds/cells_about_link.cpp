@@ -10,11 +10,11 @@ namespace {
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
 
-constexpr double LEAST_EDGE = 0.002;          // metres
+constexpr double LEAST_CELL_EDGE = 0.002;     // metres
 constexpr double MOST_CELLS_ALONG = 1 << 19;  // so that a cell fits in 62 bits
 constexpr double HALF_DIAGONAL = 0.87;        // relative to a cube's edge; rounded up
-constexpr double ROUNDING = 1e-9;             // metres, and relative to the size
-constexpr std::size_t FIRST_SLOTS = 256;
+constexpr double CELL_ROUNDING = 1e-9;        // metres, and relative to the size
+constexpr std::size_t FIRST_CELLS = 256;
 constexpr std::size_t MOST_KNOWN = 1u << 20;  // cells: 32 MB; then all are discarded
 
 const std::shared_ptr<const PreparedShape>& point() {
@@ -25,13 +25,13 @@ const std::shared_ptr<const PreparedShape>& point() {
 }  // namespace
 
 CellsAboutLink::CellsAboutLink(SceneElement element, double padding)
-    : shape_(element.rung(Fidelity::MESH).shape), padding_(padding), slots_(FIRST_SLOTS, 0) {
+    : shape_(element.rung(Fidelity::MESH).shape), padding_(padding), slots_(FIRST_CELLS, 0) {
   grown_.center = element.box_center;
   grown_.half = element.box_half;
-  grown_.half.array() += padding * (1.0 + ROUNDING) + ROUNDING;
+  grown_.half.array() += padding * (1.0 + CELL_ROUNDING) + CELL_ROUNDING;
   // A third of the padding: points on the surface, with noise of a quarter of the padding, are then
   // in cells that are entirely within it.
-  edge_ = std::max(padding / 3.0, LEAST_EDGE);
+  edge_ = std::max(padding / 3.0, LEAST_CELL_EDGE);
   if (grown_.half.allFinite()) edge_ = std::max(edge_, 2.0 * grown_.size() / MOST_CELLS_ALONG);
 }
 
@@ -57,7 +57,7 @@ CellsAboutLink::Points CellsAboutLink::ownAbout(const Vector3d& p_EP, NarrowPhas
 CellsAboutLink::Points CellsAboutLink::classify(const Vector3d& p_ECenter,
                                                 NarrowPhase& narrow_phase) const {
   const double size = grown_.half.maxCoeff() + grown_.center.cwiseAbs().maxCoeff();
-  const double radius = HALF_DIAGONAL * edge_ + ROUNDING * (1.0 + size);
+  const double radius = HALF_DIAGONAL * edge_ + CELL_ROUNDING * (1.0 + size);
   const double metres = distance(p_ECenter, padding_ + radius, narrow_phase);
   if (metres > padding_ + radius) return Points::NONE;
   return metres + radius <= padding_ ? Points::ALL : Points::SOME;

@@ -65,11 +65,10 @@ PairDistance solveTwice(const ConvexCore& A, const ConvexCore& B, const Eigen::I
 bool nearPointsFound(const ConvexCore& A, const ConvexCore& B, const Eigen::Isometry3d& X_AB,
                      double margin) {
   constexpr int MAX_STEPS = 3;
-  using Kind = ConvexCore::Kind;
-  if (A.kind == Kind::POINTS || B.kind == Kind::POINTS) return false;
+  if (A.kind == ConvexCore::Kind::POINTS || B.kind == ConvexCore::Kind::POINTS) return false;
   const double rim = 8.0 * largestError(A, B, magnitudeOf(A, B, X_AB.translation()));
   const double enough = A.radius + B.radius + margin - rim;
-  const bool is_thick = B.kind > Kind::SEGMENT && B.half.minCoeff() > rim;
+  const bool is_thick = B.kind > ConvexCore::Kind::SEGMENT && B.half.minCoeff() > rim;
   Eigen::Vector3d b = X_AB.translation();
   for (int i = 0; i < MAX_STEPS; ++i) {
     const Eigen::Vector3d a = nearestPoint(A, b, 0.0);

@@ -13,8 +13,6 @@ using Eigen::Isometry3d;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-double square(double x) { return x * x; }
-
 // Updates `gap` with one triangle of A against the solid B.
 void improveByConvex(const Triangle& t, const ConvexCore& B, const Isometry3d& X_AB, double band,
                      SearchLimit& limit, SurfaceGap& gap, std::uint32_t index) {

@@ -5,6 +5,7 @@
 #include <limits>
 #include <map>
 
+#include "infinity.h"
 #include "outer_faces.h"
 #include "solid_angle.h"
 #include "winding_number.h"
@@ -19,7 +20,6 @@ constexpr double CLOSED_BELOW = 0.02;   // mean error in turns: half the share o
 constexpr int NUM_SAMPLES = 64;         // per surface that may be closed
 constexpr double SAMPLE_HEIGHT = 1e-3;  // above a triangle, relative to its area / perimeter
 constexpr double NEARLY_MEET = 1e-5;    // distance of vertices, relative to the mesh's size
-constexpr double INF = std::numeric_limits<double>::infinity();
 constexpr double MIN_POSITIVE = std::numeric_limits<double>::min();
 constexpr double CONVEX_TOLERANCE = 1e-12;  // of the mesh's size
 

@@ -12,8 +12,6 @@ namespace {
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
 
-double square(double x) { return x * x; }
-
 void setGap(double distance, const Vector3d& p_ACa, const Vector3d& p_ACb,
             const Vector3d& nhat_AB_A, SurfaceGap& gap) {
   gap.distance = distance;

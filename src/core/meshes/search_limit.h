@@ -9,6 +9,8 @@
 
 namespace collision_pairs {
 
+inline double square(double x) { return x * x; }
+
 /// Decreases as the search finds nearer points; with an Accuracy by up to its tolerance below their
 /// distance. Records the smallest bound of all skipped parts, from which the certified lower bound
 /// is computed. Squares of metres.

@@ -9,8 +9,6 @@ namespace {
 
 using Eigen::Isometry3d;
 
-double square(double x) { return x * x; }
-
 }  // namespace
 
 // Children are written to the stack whether they overlap or not, and kept by moving its end: a

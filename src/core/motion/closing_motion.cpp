@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "convex_distance.h"
+#include "infinity.h"
 #include "plane_bound.h"
 #include "pose_repair.h"
 #include "prepared_shape.h"
@@ -16,7 +17,6 @@ using Eigen::Isometry3d;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr double INF = std::numeric_limits<double>::infinity();
 constexpr double ROUNDING = 1e-12;  // relative to the coordinates
 constexpr int NB_BISECTIONS = 20;   // of HORIZON: to 10 microseconds
 

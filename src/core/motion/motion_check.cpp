@@ -10,6 +10,7 @@
 
 #include "collision_pairs/collision_detector.h"
 #include "collision_pairs/input_error.h"
+#include "infinity.h"
 #include "motion_pairs.h"
 #include "motion_state.h"
 #include "open_intervals.h"
@@ -20,8 +21,6 @@
 namespace collision_pairs {
 namespace {
 
-constexpr double INF = std::numeric_limits<double>::infinity();
-constexpr double ROUNDED_UP = 1.0 + 1e-12;
 constexpr std::uint32_t ALL_STATIC = std::numeric_limits<std::uint32_t>::max();
 
 // Elements are compared with static ones once their motion is at most the radius of the largest

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "convex_distance.h"
+#include "infinity.h"
 #include "prepared_shape.h"
 
 namespace collision_pairs {
@@ -12,11 +13,9 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr double INF = std::numeric_limits<double>::infinity();
-constexpr double ROUNDED_UP = 1.0 + 1e-12;
-constexpr double BEYOND_ENOUGH = 1e-3;   // of the resolution
-constexpr double ROUNDING = 1e-12;       // relative to the coordinates
-constexpr double DISTANCE_ERROR = 1e-7;  // of the two bodies' size: five times docs/accuracy.md
+constexpr double BEYOND_ENOUGH = 1e-3;       // of the resolution
+constexpr double RELATIVE_ROUNDING = 1e-12;  // relative to the coordinates
+constexpr double DISTANCE_ERROR = 1e-7;      // of the two bodies' size: five times docs/accuracy.md
 // Axis-aligned boxes do not rotate with their elements: their faces move as far as the elements
 // move in W, on up to three axes at a time. OBBs do, but their corners lie outside the spheres: by
 // at most the same factor, since each of their faces touches the element.
@@ -158,8 +157,8 @@ PairCertifier::Outcome PairCertifier::measure(double at, OpenPair& open,
   const BoundingSphere &sphere_a = state_.sphere(a), &sphere_b = state_.sphere(b);
   MovingPair moving;
   moving.p_AB_W = sphere_b.center - sphere_a.center;
-  moving.slack = ROUNDING * (sphere_a.center.lpNorm<1>() + sphere_b.center.lpNorm<1>() +
-                             finiteOr0(sphere_a.radius) + finiteOr0(sphere_b.radius));
+  moving.slack = RELATIVE_ROUNDING * (sphere_a.center.lpNorm<1>() + sphere_b.center.lpNorm<1>() +
+                                      finiteOr0(sphere_a.radius) + finiteOr0(sphere_b.radius));
   moving.padding = scene_.padding(a, b);
   const bool rigid = isRigid(open.pair);
   const int frame = rigid ? open.frame : -1;

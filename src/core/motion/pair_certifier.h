@@ -25,6 +25,8 @@
 
 namespace collision_pairs {
 
+constexpr double ROUNDED_UP = 1.0 + 1e-12;  // more than the rounding of a few products
+
 constexpr double SHORTEST_INTERVAL = 1e-13;  // of the fraction: a shorter one cannot be split
 
 /// Part of a motion on which a pair is not yet known to be free.

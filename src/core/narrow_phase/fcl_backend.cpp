@@ -19,7 +19,6 @@
 #include "fcl_backend.h"
 
 #include <exception>
-#include <limits>
 #include <type_traits>
 #include <variant>
 #include <vector>
@@ -33,6 +32,7 @@
 #include <fcl/narrowphase/distance.h>
 
 #include "closed_forms.h"
+#include "infinity.h"
 
 namespace collision_pairs {
 namespace {
@@ -43,7 +43,6 @@ using Outcome = FclAnswer::Outcome;
 using Formulas = fcl::detail::GJKSolver_libccd<double>;
 using Tree = fcl::BVHModel<fcl::OBBRSSd>;
 
-constexpr double INF = std::numeric_limits<double>::infinity();
 constexpr double UNITS = FCL_UNITS;
 constexpr double CONVERGED = 1e-14;   // of the size of a pair: GJK ends at a smaller step
 constexpr unsigned MAX_STEPS = 1000;  // of GJK: about 50 us

@@ -21,6 +21,7 @@
 
 #include "closed_forms.h"
 #include "convex_distance.h"
+#include "infinity.h"
 #include "mesh_query.h"
 #include "plain_pairs.h"
 #include "pose_repair.h"
@@ -35,7 +36,6 @@ using Eigen::Vector3d;
 
 constexpr double NORMAL_FROM_TRIANGLES_BELOW = 1e-4;  // of the triangles' size
 constexpr double DOUBT = 1e-9;  // of the two bodies' size: the largest error of a native distance
-constexpr double INF = std::numeric_limits<double>::infinity();
 
 double justAbove(double metres) { return std::nextafter(metres, INF); }
 

@@ -2,16 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
+#include "infinity.h"
 #include "solids.h"
 
 namespace collision_pairs {
 namespace {
 
 using Eigen::Vector3d;
-
-constexpr double INF = std::numeric_limits<double>::infinity();
 
 }  // namespace
 

@@ -12,10 +12,11 @@
 namespace collision_pairs {
 namespace {
 
-constexpr int STEPS = 200;           // steps are then too small to matter
-constexpr double WORTHWHILE = 0.99;  // reduction of the distance that justifies as many steps again
-constexpr int STARTS = 100;          // random states, of which the nearest is the start of a search
-constexpr double FIRST_STEP = 0.1;   // relative to a joint's range
+constexpr int STEPS = 200;  // steps are then too small to matter
+constexpr double WORTHWHILE_STEP =
+    0.99;                           // reduction of the distance that justifies as many steps again
+constexpr int STARTS = 100;         // random states, of which the nearest is the start of a search
+constexpr double FIRST_STEP = 0.1;  // relative to a joint's range
 constexpr double GROWTH = 1.5;
 const double SHRINKAGE = std::pow(GROWTH, -0.25);  // so that one success in five keeps the size
 
@@ -61,7 +62,7 @@ class Search {
     do {
       before = best_distance_;
       takeSteps();
-    } while (best_distance_ < WORTHWHILE * before);
+    } while (best_distance_ < WORTHWHILE_STEP * before);
   }
 
   void takeSteps() {

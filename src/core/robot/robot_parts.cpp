@@ -6,6 +6,7 @@
 #include "collision_pairs/robot_model.h"
 #include "part_error.h"
 #include "pose_repair.h"
+#include "user_text.h"
 
 namespace collision_pairs {
 namespace {
@@ -13,8 +14,6 @@ namespace {
 using Eigen::Isometry3d;
 
 constexpr double UNIT = 2e-15;  // rounding of a unit axis: of its squared length
-
-std::string quoted(const std::string& name) { return "'" + name + "'"; }
 
 bool isWithin(int index, std::size_t size) {
   return index >= 0 && static_cast<std::size_t>(index) < size;

@@ -8,8 +8,6 @@
 namespace collision_pairs {
 namespace {
 
-const std::string WHAT = "SRDF";
-
 Srdf::LinkPair ordered(const std::string& a, const std::string& b) {
   return a < b ? Srdf::LinkPair(a, b) : Srdf::LinkPair(b, a);
 }
@@ -17,8 +15,8 @@ Srdf::LinkPair ordered(const std::string& a, const std::string& b) {
 std::vector<Srdf::LinkPair> readPairs(const tinyxml2::XMLElement& robot, const char* tag) {
   std::vector<Srdf::LinkPair> pairs;
   for (const auto* element : childrenOf(robot, tag)) {
-    const std::string first = requiredAttribute(*element, "link1", WHAT);
-    const std::string second = requiredAttribute(*element, "link2", WHAT);
+    const std::string first = requiredAttribute(*element, "link1", SRDF);
+    const std::string second = requiredAttribute(*element, "link2", SRDF);
     if (first != second) pairs.push_back(ordered(first, second));
   }
   return pairs;
@@ -28,7 +26,7 @@ std::vector<std::string> readNames(const tinyxml2::XMLElement& parent, const cha
                                    const char* attribute = "name") {
   std::vector<std::string> names;
   for (const auto* element : childrenOf(parent, tag)) {
-    names.push_back(requiredAttribute(*element, attribute, WHAT));
+    names.push_back(requiredAttribute(*element, attribute, SRDF));
   }
   return names;
 }
@@ -37,29 +35,29 @@ std::vector<std::string> readNames(const tinyxml2::XMLElement& parent, const cha
 
 Srdf Srdf::fromXml(const std::string& xml) {
   tinyxml2::XMLDocument document;
-  const tinyxml2::XMLElement* robot = parseXml(document, xml, "robot", WHAT);
+  const tinyxml2::XMLElement* robot = parseXml(document, xml, "robot", SRDF);
   const auto* link = robot->FirstChildElement("link");
-  if (link) failAt(*link, WHAT, "it has a <link>, so it is a URDF");
+  if (link) failAt(*link, SRDF, "it has a <link>, so it is a URDF");
   Srdf srdf;
-  srdf.warnings = checkNames(*robot, srdfGrammar(), WHAT);
+  srdf.warnings = checkNames(*robot, srdfGrammar(), SRDF);
   srdf.disabled_pairs = readPairs(*robot, "disable_collisions");
   srdf.enabled_pairs = readPairs(*robot, "enable_collisions");
   srdf.disabled_links = readNames(*robot, "disable_default_collisions", "link");
   for (const auto* element : childrenOf(*robot, "group")) {
     Group group;
-    group.name = requiredAttribute(*element, "name", WHAT);
+    group.name = requiredAttribute(*element, "name", SRDF);
     group.links = readNames(*element, "link");
     group.joints = readNames(*element, "joint");
     group.subgroups = readNames(*element, "group");
     for (const auto* chain : childrenOf(*element, "chain")) {
-      group.chains.emplace_back(requiredAttribute(*chain, "base_link", WHAT),
-                                requiredAttribute(*chain, "tip_link", WHAT));
+      group.chains.emplace_back(requiredAttribute(*chain, "base_link", SRDF),
+                                requiredAttribute(*chain, "tip_link", SRDF));
     }
     srdf.groups.push_back(std::move(group));
   }
   for (const auto* element : childrenOf(*robot, "virtual_joint")) {
-    srdf.virtual_joints.push_back({requiredAttribute(*element, "name", WHAT),
-                                   requiredAttribute(*element, "child_link", WHAT)});
+    srdf.virtual_joints.push_back({requiredAttribute(*element, "name", SRDF),
+                                   requiredAttribute(*element, "child_link", SRDF)});
   }
   srdf.passive_joints = readNames(*robot, "passive_joint");
   return srdf;

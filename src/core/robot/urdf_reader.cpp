@@ -16,10 +16,6 @@ using Eigen::Isometry3d;
 using Eigen::Vector3d;
 using tinyxml2::XMLElement;
 
-const std::string WHAT = "URDF";
-
-std::string quoted(const std::string& text) { return "'" + text + "'"; }
-
 Vector3d fromUrdfdom(const urdf::Vector3& v) { return {v.x, v.y, v.z}; }
 
 Isometry3d fromUrdfdom(const urdf::Pose& pose) {
@@ -68,8 +64,8 @@ JointType typeOf(const urdf::Joint& joint) {
 class UrdfReader {
  public:
   explicit UrdfReader(const std::string& xml) {
-    robot_ = parseXml(document_, xml, "robot", WHAT);
-    warnings_ = checkNames(*robot_, urdfGrammar(), WHAT);
+    robot_ = parseXml(document_, xml, "robot", URDF);
+    warnings_ = checkNames(*robot_, urdfGrammar(), URDF);
     urdf_ = parseWithUrdfdom(*robot_);
     for (const char* tag : {"link", "joint"}) {
       for (const XMLElement* element : childrenOf(*robot_, tag)) {
@@ -101,7 +97,7 @@ class UrdfReader {
                                    std::move(warnings_));
     } catch (const PartError& error) {
       const auto part = elements_.find({error.tag, error.name});
-      failAt(part == elements_.end() ? *robot_ : *part->second, WHAT, error.reason);
+      failAt(part == elements_.end() ? *robot_ : *part->second, URDF, error.reason);
     }
   }
 
@@ -123,7 +119,7 @@ class UrdfReader {
 
  private:
   [[noreturn]] void fail(const XMLElement& element, const std::string& message) const {
-    failAt(element, WHAT, message);
+    failAt(element, URDF, message);
   }
 
   const XMLElement& geometryOf(const std::string& link, std::size_t index) const {
@@ -176,7 +172,7 @@ class UrdfReader {
     const XMLElement& mimic = *elements_.at({"joint", joint.name})->FirstChildElement("mimic");
     if (joint.type == JointType::FIXED) {
       warnings_.push_back(placed(
-          mimic, WHAT, "joint " + quoted(joint.name) + ": mimic on a fixed joint has no effect"));
+          mimic, URDF, "joint " + quoted(joint.name) + ": mimic on a fixed joint has no effect"));
       return;
     }
     const std::string why = joint.hasPosition() ? whyNoLeader(joint.name) : "";
@@ -186,7 +182,7 @@ class UrdfReader {
                                  read->offset};
       return;
     }
-    warnings_.push_back(placed(mimic, WHAT,
+    warnings_.push_back(placed(mimic, URDF,
                                "joint " + quoted(joint.name) + " mimics " +
                                    quoted(read->joint_name) + ", " + why +
                                    ": it is taken as a joint of its own, unknown where its "

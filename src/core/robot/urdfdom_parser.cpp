@@ -19,8 +19,6 @@ namespace {
 
 using tinyxml2::XMLElement;
 
-const std::string WHAT = "URDF";
-
 /// The link or joint that the element is, or is in: "link 'arm': ".
 std::string ownerOf(const XMLElement& element) {
   for (const tinyxml2::XMLNode* node = &element; node; node = node->Parent()) {
@@ -33,7 +31,7 @@ std::string ownerOf(const XMLElement& element) {
 }
 
 [[noreturn]] void fail(const XMLElement& element, const std::string& message) {
-  failAt(element, WHAT, ownerOf(element) + message);
+  failAt(element, URDF, ownerOf(element) + message);
 }
 
 bool isIn(const XMLElement& element, const char* parent) {
@@ -78,7 +76,7 @@ void requireParts(const std::vector<const XMLElement*>& read) {
   for (const XMLElement* element : read) {
     const std::string tag = element->Name();
     if (tag == "robot" || tag == "link" || tag == "joint") {
-      requiredAttribute(*element, "name", WHAT);
+      requiredAttribute(*element, "name", URDF);
     }
     if (tag == "collision" && !element->FirstChildElement("geometry")) {
       fail(*element, "<collision> without <geometry>");

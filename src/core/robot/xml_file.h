@@ -8,6 +8,8 @@
 
 namespace collision_pairs {
 
+inline const std::string URDF = "URDF", SRDF = "SRDF";  // begin messages
+
 /// Parses `xml` into `document` and returns its only root element, which must be `root`. Nesting
 /// is bounded by tinyxml2 and entities are not expanded, so hostile input costs nothing. Throws
 /// InputError; `what` ("URDF") begins the message.

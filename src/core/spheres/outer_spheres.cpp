@@ -16,7 +16,7 @@ constexpr int MOST_ROUNDS = 50;   // of that search
 constexpr int CORE_POINTS = 24;   // of a set for enclosingSphere()
 constexpr int CORE_STEPS = 200;   // on that set, per round
 constexpr double CLOSE_ENOUGH = 1.002;
-constexpr double ROUNDING = 1e-12;  // relative, of results computed from coordinates
+constexpr double RELATIVE_ROUNDING = 1e-12;  // relative, of results computed from coordinates
 
 /// The part on one side of a plane perpendicular to an axis; sign 1: above `at`, -1: below.
 /// Sutherland, Hodgman: "Reentrant polygon clipping" (1974).
@@ -145,7 +145,7 @@ void buildOver(const std::vector<PlacedSphere>& leaves, std::size_t begin, std::
   sphere.center = 0.5 * (leaves[begin].center + leaves[end - 1].center);
   for (std::size_t i = begin; i < end; ++i) {
     const double reach = (leaves[i].center - sphere.center).norm() + leaves[i].radius;
-    sphere.radius = std::max(sphere.radius, reach * (1.0 + ROUNDING));
+    sphere.radius = std::max(sphere.radius, reach * (1.0 + RELATIVE_ROUNDING));
   }
   const int children = sphere.first_child = static_cast<int>(spheres.size());
   spheres.resize(spheres.size() + 2);
@@ -198,7 +198,8 @@ class OuterTree {
     leaf.box = boxAround(extremes);
     best_.around(extremes, leaf.box);
     static_cast<PlacedSphere&>(spheres_.back()) = best_.sphere;
-    spheres_.back().radius += ROUNDING * (best_.sphere.radius + best_.sphere.center.norm());
+    spheres_.back().radius +=
+        RELATIVE_ROUNDING * (best_.sphere.radius + best_.sphere.center.norm());
     leaf.sticks_out = best_.sticks_out;
     if (leaf.depth == MOST_DEPTH) return;
     open_.push_back(std::move(leaf));

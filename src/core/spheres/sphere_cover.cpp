@@ -15,7 +15,7 @@ constexpr int PRISM_SIDES = 24;      // enlarges a cylinder by 0.9 % of its radi
 constexpr int GRID = 14;             // samples along each side of the box
 constexpr int MOST_INNER = 12;       // spheres
 constexpr double WORTHWHILE = 0.08;  // of the largest inner sphere: the least that another one adds
-constexpr double NEARLY = 1e-9;      // relative: above the rounding of a distance
+constexpr double NEARLY_APART = 1e-9;  // relative: above the rounding of a distance
 
 void sortLargestFirst(std::vector<PlacedSphere>& spheres) {
   std::sort(spheres.begin(), spheres.end(),
@@ -35,7 +35,7 @@ std::vector<PlacedSphere> insideOf(const CoveredSolid& solid, std::vector<Placed
       const int here = solid.holds(samples[i].center) ? INSIDE : OUTSIDE;
       for (std::size_t j = i; j < samples.size(); ++j) {
         const double apart = (samples[j].center - samples[i].center).norm();
-        if (j == i || apart < (1.0 - NEARLY) * samples[i].radius) where[j] = here;
+        if (j == i || apart < (1.0 - NEARLY_APART) * samples[i].radius) where[j] = here;
       }
     }
     if (where[i] == INSIDE) inside.push_back(samples[i]);
