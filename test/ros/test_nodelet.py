@@ -20,13 +20,13 @@ from collision_pairs.msg import CollisionPairs
 TYPE = "collision_pairs/CollisionPairsNodelet"
 
 
-def call(service, kind, *arguments):
-    rospy.wait_for_service("/manager/" + service, PATIENCE)
-    return rospy.ServiceProxy("/manager/" + service, kind)(*arguments).success
+def call(service, kind, *arguments, manager="/manager"):
+    rospy.wait_for_service(manager + "/" + service, PATIENCE)
+    return rospy.ServiceProxy(manager + "/" + service, kind)(*arguments).success
 
 
-def load(name):
-    if not call("load_nodelet", NodeletLoad, name, TYPE, ["/tf"], ["/cell/tf"], [], ""):
+def load(name, manager="/manager"):
+    if not call("load_nodelet", NodeletLoad, name, TYPE, ["/tf"], ["/cell/tf"], [], "", manager=manager):
         raise RuntimeError("the manager did not load " + name)
     return NodeClient(name)
 
