@@ -35,7 +35,7 @@ def test_what_the_trade_off_page_says_of_hulls_is_what_its_table_says():
 
     def p99(rungs, rung):
         return float(rungs[rung]["p99_us"])
-    times = [p99(rungs, "adaptive") / p99(rungs, "convex") for rungs in robots.values()]
+    times = [p99(rungs, "mesh") / p99(rungs, "convex") for rungs in robots.values()]
     said = re.search(r"(\d+) to (\d+) times less than triangles", page)
     assert [round(min(times)), round(max(times))] == [int(n) for n in said.groups()]
     simplified = [(rungs, rung) for rungs in robots.values() for rung in ("convex32", "convex64")]
@@ -48,6 +48,12 @@ def test_what_the_trade_off_page_says_of_hulls_is_what_its_table_says():
     assert "contacts missed: none" in page
     missed = [float(rung["miss_share"]) for rungs in rows.values() for rung in rungs.values()]
     assert missed and max(missed) == 0
+
+
+def test_geometries_are_called_what_the_parameter_is_called():
+    fidelities = re.search(r"geometry that decides: (.*?)\.", read("config/collision_pairs_node.yaml")).group(1)
+    named = re.findall(r"^\| ([a-z]+)\d*(?: \d+ mm)? \|", part_of("docs/trade_off.md", "rungs"), re.MULTILINE)
+    assert len(named) > 10 and set(named) <= set(re.findall(r"\w+", fidelities))
 
 
 def test_the_table_of_planners_is_what_its_script_makes_of_the_data(tmp_path):
@@ -215,17 +221,27 @@ def test_what_the_readme_and_the_page_say_of_accuracy_was_measured():
     assert "Distances: at most %.0e m, for two hulls" % errors[worst] in page
 
 
-def test_each_fault_names_a_test_that_exists():
+def faults():
+    """{(section, what fails)} of the page."""
+    section, found = None, []
+    for line in read("docs/faults.md").splitlines():
+        section = line[4:] if line.startswith("### ") else section
+        if section and line.startswith("| ") and not line.startswith("| what fails |"):
+            cells = line.strip("| ").split(" | ")
+            assert len(cells) == 3, line
+            found.append((section, cells[0]))
+    assert len(found) == len(set(found)) > 30
+    return set(found)
+
+
+def test_each_fault_has_a_test_that_exists():
     folders = [os.path.join(PROJECT, "test", folder) for folder in ("", "ros")]
     sources = "".join(read(folder, name) for folder in folders for name in os.listdir(folder) if name.startswith("test_"))
     exist = set(re.findall(r"^ *def (test_\w+)\(", sources, re.MULTILINE))
     exist |= {".".join(names) for names in re.findall(r"^TEST(?:_[FP])?\((\w+),\s*(\w+)\)", sources, re.MULTILINE)}
-    rows = [line.strip("| ").split(" | ") for line in read("docs/faults.md").splitlines()
-            if line.startswith("| ") and not line.startswith("| what fails |")]
-    assert len(rows) > 30
-    for row in rows:
-        named = re.findall(r"`([\w.]+)`", row[-1])
-        assert len(row) == 4 and named and set(named) <= exist, row
+    rows = data("fault_tests.csv")
+    assert {row["test"] for row in rows} <= exist
+    assert {(row["section"], row["what fails"]) for row in rows} == faults()
 
 
 def test_the_watchdogs_of_the_page_wait_equally_long_and_longer_than_a_period_of_the_node():
@@ -249,10 +265,10 @@ CONSTANTS = [  # what a page says, the file, and what must stand there
     ("limiter", "down to a 64th of it", "src/ros/limiter/limiter_law.cpp", "NEXT_RETREAT = 0.25;"),
     ("limiter", "keeps half of its", "src/ros/limiter/limiter_law.cpp", "GIVEN_AWAY = 0.5;"),
     ("limiter", "when the decision is made: stop. At most 1 |", "src/ros/limiter/limiter_parameters.cpp", "OLDEST_JOINT_STATE = 1.0;"),
-    ("planners", "After 300,000 configurations", "src/core/motion/motion_check.cpp", "MOST_CHECKS = 300'000;"),
-    ("planners", "a million open parts", "src/core/motion/motion_check.cpp", "MOST_OPEN_PAIRS = 1'000'000;"),
-    ("planners", "once 30,000 verdicts", "include/collision_pairs/batch_check.h", "STATES_WORTH_A_STAGE = 30000;"),
-    ("planners", "More than eight attached bodies", "src/planners/moveit/moveit_scene.cpp", "NB_ANCHORS = 8;"),
+    ("motions", "After 300,000 configurations", "src/core/motion/motion_check.cpp", "MOST_CHECKS = 300'000;"),
+    ("motions", "a million open parts", "src/core/motion/motion_check.cpp", "MOST_OPEN_PAIRS = 1'000'000;"),
+    ("many_states", "once 30,000 verdicts", "include/collision_pairs/batch_check.h", "STATES_WORTH_A_STAGE = 30000;"),
+    ("moveit", "More than eight attached bodies", "src/planners/moveit/moveit_scene.cpp", "NB_ANCHORS = 8;"),
     ("scenes", "in the first 1,024 states", "src/core/pair_statistics/pair_statistics.h", "MEASURED_STATES = 1024;"),
     ("clouds", "something within 30 cm of its place", "src/core/clouds/near_memory.h", "FOUND_AGAIN = 0.3;"),
     ("clouds", "up to 100,000 voxels", "src/messages/scene_markers.h", "MOST_DRAWN_VOXELS = 100000;"),
