@@ -7,7 +7,7 @@ import subprocess
 
 import pytest
 import yaml
-from conftest import PROJECT
+from conftest import DEMO_BAG, DEMO_ROBOT, PROJECT
 
 # Measured by scripts/measure_trade_off and scripts/benchmark_detector; a number of one must not contradict the other.
 PAGES = ["docs/trade_off.md", "docs/performance.md"]
@@ -48,6 +48,14 @@ def test_what_the_trade_off_page_says_of_hulls_is_what_its_table_says():
     assert "contacts missed: none" in page
     missed = [float(rung["miss_share"]) for rungs in rows.values() for rung in rungs.values()]
     assert missed and max(missed) == 0
+
+
+def test_the_text_of_the_trade_off_picture_says_what_was_measured():
+    rows = data("trade_off.csv")
+    for rung, sentence in (("aabb", r"boxes take (\d+) to (\d+) µs"), ("mesh", r"meshes (\d+) to (\d+) µs")):
+        shown = {row["robot"]: float(row["median_us"]) for row in rows if row["rung"] == rung and row["query"] == (
+            "self" if row["robot"] == "demo" else "world")}
+        check_range(sentence, list(shown.values()), "README.md")
 
 
 def test_geometries_are_called_what_the_parameter_is_called():
@@ -96,7 +104,39 @@ def test_the_index_lists_every_page():
 
 
 def test_the_readme_is_read_in_a_few_minutes():
-    assert len(read("README.md").splitlines()) <= 200
+    assert len(read("README.md").split()) <= 900
+
+
+def test_the_readme_answers_on_its_first_two_screens_what_a_newcomer_asks():
+    two_screens = "\n".join(read("README.md").splitlines()[:60])
+    for answer in ("which links of a ROS 1 robot touch", "scripts/demo --headless", "| `UNKNOWN` | anything else", "2 to 4 µs",
+                   "none was wrong", "not safety-rated"):
+        assert answer in two_screens, answer
+
+
+def test_what_the_readme_calls_by_name_is_there():
+    recorded, page = read("docs/data/public_names.txt"), read("README.md")
+    for name in set(re.findall(r"`~(\w+)`", page)):
+        assert re.search(r"^(topic|service|parameter) ~%s\b" % name, recorded, re.MULTILINE), name
+    for argument in set(re.findall(r" (\w+):=", page)):
+        assert "argument collision_pairs.launch/%s:=" % argument in recorded, argument
+    for option in set(re.findall(r"`(--\w+)`", page)) - {"--clock"}:  # rosbag's
+        assert re.search(r"^  %s\)|^    %s\)" % (option, option), read("scripts/demo"), re.MULTILINE), option
+    rate, near = (re.search(r"^%s: ([\d.]+)" % name, read("config/collision_pairs_node.yaml"), re.MULTILINE).group(1)
+                  for name in ("rate", "alarm_distance"))
+    assert "%g times a second" % float(rate) in page and "within %s m (`~alarm_distance`)" % near in " ".join(page.split())
+
+
+def test_the_readme_shows_what_the_demo_prints(check_bag):
+    """The demo's recording is of the same motion."""
+    lines = re.findall(r"^ {3}\d+\.\d\d s  (\S+)  \((\d+) boxes, \d+ pairs investigated(?:, closest ([+-]\d+\.\d) mm)?\)$",
+                       read("README.md"), re.MULTILINE)
+    rows, _ = check_bag(DEMO_BAG, *DEMO_ROBOT)
+    touching = {pair for row in rows if row["in_collision"] == "1" for pair in row["pairs"].split(";")}
+    assert len(lines) == 5 and {boxes for _, boxes, _ in lines} == {"22"}
+    for pair, _, closest in lines:
+        assert pair == "free" and not closest.startswith("-") or pair in touching and closest.startswith("-"), pair
+    assert '"%7.2f s  %s  (%d boxes, %d pairs investigated%s)"' in read("scripts/print_collision_pairs")
 
 
 # Standard terms instead: finer, coarser, OBB, repair, attached to.
@@ -121,7 +161,7 @@ def data(name, **wanted):
     return found
 
 
-def check_range(sentence, values, page="README.md"):
+def check_range(sentence, values, page):
     """The two numbers in `sentence`, a pattern, are the least and the largest of the values, as far as they are written out."""
     said = re.search(sentence, read(page))
     assert said, sentence
@@ -130,29 +170,29 @@ def check_range(sentence, values, page="README.md"):
         assert float(number) == round(value, digits), "%s: %s, measured: %g to %g" % (page, said.group(), min(values), max(values))
 
 
-def check_least(sentence, values):
-    said = re.search(sentence, read("README.md"))
+def check_least(sentence, values, page="docs/performance.md"):
+    said = re.search(sentence, read(page))
     assert said, sentence
     digits = len(said.group(1).partition(".")[2])
-    assert float(said.group(1)) == round(min(values), digits), "README: %s, measured: at least %g" % (said.group(), min(values))
+    assert float(said.group(1)) == round(min(values), digits), "%s: %s, measured: at least %g" % (page, said.group(), min(values))
 
 
-def test_what_the_readme_says_of_many_states_was_measured():
+def test_what_the_performance_page_says_of_many_states_was_measured():
     check_least(r"\| ([\d.]+) times as fast \| a loop over the exact check \| the least .*, with AVX2; no verdict differs",
                 [float(row["ratio"]) for row in data("verdicts.csv", kernel="avx2")])
     assert {row["differ"] for row in data("verdicts.csv")} == {"0"}
 
 
-def test_what_the_readme_says_of_motions_was_measured():
+def test_what_the_performance_page_says_of_motions_was_measured():
     rows = data("motions.csv", length="all")
     ratios = [float(row["ratio"]) for row in rows if row["robot"] != "all"]
-    said = re.search(r"([\d.]+) of the time \| a loop with steps of 0.05 rad, which misses 1 of (\d+) contacts \| the most of four", read("README.md"))
+    said = re.search(r"([\d.]+) of the time \| a loop with steps of 0.05 rad, which misses 1 of (\d+) contacts \| the most of four", read("docs/performance.md"))
     every, = (row for row in rows if row["robot"] == "all")
     assert float(said.group(1)) == round(max(ratios), 1)
     assert int(said.group(2)) == round(int(every["contacts"]) / int(every["coarse_misses"]), -1)
 
 
-def test_what_the_readme_says_of_the_broad_phase_was_measured():
+def test_what_the_performance_page_says_of_the_broad_phase_was_measured():
     def ratios(instruction_set, chosen):
         times = {(row["scene"], int(row["boxes"]), row["peer"]): float(row["us"])
                  for row in data("broad_phase.csv", instruction_set=instruction_set)}
@@ -171,7 +211,7 @@ def test_what_the_performance_page_says_of_few_boxes_was_measured():
                 "docs/performance.md")
 
 
-def test_what_the_readme_says_of_whole_checks_was_measured():
+def test_what_the_pages_say_of_whole_checks_was_measured():
     def ratios(figure, *queries):
         return [float(row[figure + "_ratio"]) for row in data("detector.csv") if row["query"] in queries]
     assert {row["instruction_set"] for row in data("detector.csv")} == {"default", "avx2"}
@@ -179,6 +219,12 @@ def test_what_the_readme_says_of_whole_checks_was_measured():
     check_least(r"distance to a world \| (\d+) times as fast \|", ratios("median", "world_distance"))
     check_least(r"slowest percent of all these and of contacts \| (\d+) times as fast \|",
                 ratios("p99", "self_contacts", "self_distance", "world_distance", "self", "world"))
+    check_least(r"yes or no \| .* \| at least (\d+) times as long: FCL, called as MoveIt does", ratios("median", "world"), "README.md")
+    check_least(r"distance to the world \| .* \| at least (\d+) times as long: the same", ratios("median", "world_distance"), "README.md")
+    for sentence, query in ((r"yes or no \| (\d+) to (\d+) µs in the median", "world"),
+                            (r"a verdict takes (\d+) to (\d+) µs", "world"),
+                            (r"distance to the world \| (\d+) to (\d+) µs", "world_distance")):
+        check_range(sentence, [float(row["median_us"]) for row in data("detector.csv", query=query, instruction_set="default")], "README.md")
 
 
 def test_what_the_trade_off_page_says_of_whole_checks_with_fcl_was_measured():
@@ -209,7 +255,7 @@ def test_what_the_page_says_of_pairs_that_only_shipped_srdfs_disable_was_measure
 
 def test_what_the_readme_and_the_page_say_of_accuracy_was_measured():
     errors = {(row["first"], row["second"]): float(row["worst"]) for row in data("accuracy.csv", quantity="distance")}
-    said = re.search(r"error of a distance \| (\S+) m \|.*that of two hulls", read("README.md"))
+    said = re.search(r"error of a distance \| at most (\S+) m \|.*shapes of 20 cm", read("README.md"))
     worst = max(errors, key=errors.get)
     assert worst == ("convex", "convex") and float(said.group(1)) == float("%.0e" % errors[worst])
     rows = data("accuracy_ratio.csv")
