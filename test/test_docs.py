@@ -98,6 +98,11 @@ def test_links_lead_somewhere(page):
         assert not anchor or anchor in anchors_of(read(path)), target
 
 
+def test_every_picture_is_shown_on_a_page():
+    texts = "".join(map(read, pages()))
+    assert [name for name in os.listdir(os.path.join(PROJECT, "docs/images")) if "images/" + name not in texts] == []
+
+
 def test_the_index_lists_every_page():
     listed = re.findall(r"^\| \[(\w+\.md)\]", read("docs/README.md"), re.MULTILINE)
     assert sorted(listed) == sorted(os.path.basename(page) for page in pages() if os.path.basename(page) != "README.md")
