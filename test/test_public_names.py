@@ -5,6 +5,7 @@ import os
 import re
 import xml.etree.ElementTree as ElementTree
 
+import pytest
 from conftest import PROJECT, TOOLS
 
 import collision_pairs as cp
@@ -82,3 +83,17 @@ def test_the_version_is_the_same_everywhere():
     cmake = re.search(r"^project\(collision_pairs VERSION ([\d.]+) ", read("CMakeLists.txt"), re.MULTILINE).group(1)
     released = re.search(r"^(\d+\.\d+\.\d+) \(\d{4}-\d\d-\d\d\)\n-+$", read("CHANGELOG.rst"), re.MULTILINE).group(1)
     assert package == cmake == released == cp.__version__
+
+
+def test_the_newest_release_is_read_in_two_minutes():
+    """What it is, can and cannot, at 200 words a minute; what only users of an earlier commit need comes after it."""
+    newest = re.search(r"^\d+\.\d+\.\d+ \(.*?\)\n-+\n(.*?)\*\*For users of an earlier", read("CHANGELOG.rst"), re.MULTILINE | re.DOTALL)
+    assert len(newest.group(1).split()) <= 400
+    assert re.findall(r"^\*\*(.*)\*\*$", newest.group(1), re.MULTILINE) == ["What it is", "What it can", "What it cannot"]
+
+
+def test_the_changelog_is_one_that_catkin_reads():
+    changelog = pytest.importorskip("catkin_pkg.changelog")
+    pytest.importorskip("docutils")
+    versions = [version for version, _, _ in changelog.get_changelog_from_path(os.path.join(PROJECT, "CHANGELOG.rst")).foreach_version()]
+    assert versions[-1] == cp.__version__
