@@ -159,10 +159,10 @@ class CloudHealthTest(unittest.TestCase):
         def gaps():
             return [after - when for (when, is_scene), (after, _) in zip(arrays, arrays[1:]) if is_scene]
         end = rospy.get_time() + PATIENCE
-        while rospy.get_time() < end and len(gaps()) < 2:  # it is shown again
+        while rospy.get_time() < end and len(gaps()) < 4:  # it is shown again
             rospy.sleep(0.1)
         subscriber.unregister()
-        self.assertGreater(max(gaps()), 0.1)
+        self.assertGreater(sorted(gaps())[1], 0.15)  # one may have waited on a busy machine
 
     def test_a_node_without_clouds_says_nothing_of_them(self):
         given = rospy.get_param("/node/clouds")
