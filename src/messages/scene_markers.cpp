@@ -106,8 +106,8 @@ std::vector<Vector3d> cornersOfSpheres(const std::vector<OuterSphere>& tree) {
 /// their corners, and so draws those of a mesh that is inside out in black.
 std_msgs::ColorRGBA shaded(const std_msgs::ColorRGBA& of, const Vector3d& a, const Vector3d& b,
                            const Vector3d& c) {
-  static const Vector3d TO_LIGHT = Vector3d(0.35, 0.5, 0.8).normalized();  // of no axis: a box has
-                                                                           // three shades
+  // Along no axis and in no plane of symmetry: a box has three shades.
+  static const Vector3d TO_LIGHT = Vector3d(0.35, 0.5, 0.8).normalized();
   const Vector3d normal = (b - a).cross(c - a);
   const double length = normal.norm();
   const double facing = length > 0.0 ? std::abs(TO_LIGHT.dot(normal)) / length : 1.0;
@@ -178,7 +178,7 @@ class ElementDrawer {
   Isometry3d X_BE_;
 };
 
-/// With namespace and colour.
+/// With namespace and colour. Links are grey, since red, amber and green say how near they are.
 Marker patternFor(const CollisionScene& scene, const SceneElement& element) {
   const bool is_static = element.body < 0, is_object = scene.models()[element.model].is_object;
   Marker pattern;
