@@ -55,7 +55,7 @@ collision_pairs_benchmark(scene_cost SOURCES benchmark_robots scene_cases
   LIBRARIES collision_pairs_io)
 collision_pairs_benchmark(update_benchmark LIBRARIES collision_pairs_ros)
 
-# Certified motions beside loops over checks; scripts/measure_motions writes docs/planners.md.
+# Certified motions beside loops over checks; scripts/measure_motions writes docs/motions.md.
 collision_pairs_benchmark(motion_benchmark SOURCES benchmark_robots demo_motion motion_scenes
   LIBRARIES collision_pairs_io)
 
@@ -70,7 +70,7 @@ target_include_directories(limiter_benchmark PRIVATE src/ros/limiter)
 # What scripts/benchmark_python compares the Python module with.
 collision_pairs_benchmark(batch_benchmark LIBRARIES collision_pairs_io)
 
-# The batch stage beside the exact check; scripts/measure_verdicts writes docs/planners.md.
+# The batch stage beside the exact check; scripts/measure_verdicts writes docs/many_states.md.
 collision_pairs_benchmark(verdict_benchmark SOURCES benchmark_robots demo_motion
   LIBRARIES collision_pairs_io)
 

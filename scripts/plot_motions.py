@@ -1,4 +1,4 @@
-"""The pictures of docs/planners.md: what certifying a motion means, and how many checks it takes."""
+"""The pictures of docs/motions.md: what certifying a motion means, and how many checks it takes."""
 import math
 
 from measurements import panels, save

@@ -1,7 +1,7 @@
 // Verdicts of batches beside those of the exact check, on real robots.
 //
 // A small run by default; scripts/test --long makes it the run of 1,000,000 states each that
-// docs/planners.md states.
+// docs/many_states.md states.
 #include <algorithm>
 #include <chrono>
 #include <cstdlib>

@@ -7,7 +7,7 @@ import subprocess
 
 import pytest
 import yaml
-from conftest import PROJECT
+from conftest import DEMO_BAG, DEMO_ROBOT, PROJECT
 
 # Measured by scripts/measure_trade_off and scripts/benchmark_detector; a number of one must not contradict the other.
 PAGES = ["docs/trade_off.md", "docs/performance.md"]
@@ -35,7 +35,7 @@ def test_what_the_trade_off_page_says_of_hulls_is_what_its_table_says():
 
     def p99(rungs, rung):
         return float(rungs[rung]["p99_us"])
-    times = [p99(rungs, "adaptive") / p99(rungs, "convex") for rungs in robots.values()]
+    times = [p99(rungs, "mesh") / p99(rungs, "convex") for rungs in robots.values()]
     said = re.search(r"(\d+) to (\d+) times less than triangles", page)
     assert [round(min(times)), round(max(times))] == [int(n) for n in said.groups()]
     simplified = [(rungs, rung) for rungs in robots.values() for rung in ("convex32", "convex64")]
@@ -48,6 +48,20 @@ def test_what_the_trade_off_page_says_of_hulls_is_what_its_table_says():
     assert "contacts missed: none" in page
     missed = [float(rung["miss_share"]) for rungs in rows.values() for rung in rungs.values()]
     assert missed and max(missed) == 0
+
+
+def test_the_text_of_the_trade_off_picture_says_what_was_measured():
+    rows = data("trade_off.csv")
+    for rung, sentence in (("aabb", r"boxes take (\d+) to (\d+) µs"), ("mesh", r"meshes (\d+) to (\d+) µs")):
+        shown = {row["robot"]: float(row["median_us"]) for row in rows if row["rung"] == rung and row["query"] == (
+            "self" if row["robot"] == "demo" else "world")}
+        check_range(sentence, list(shown.values()), "README.md")
+
+
+def test_geometries_are_called_what_the_parameter_is_called():
+    fidelities = re.search(r"geometry that decides: (.*?)\.", read("config/collision_pairs_node.yaml")).group(1)
+    named = re.findall(r"^\| ([a-z]+)\d*(?: \d+ mm)? \|", part_of("docs/trade_off.md", "rungs"), re.MULTILINE)
+    assert len(named) > 10 and set(named) <= set(re.findall(r"\w+", fidelities))
 
 
 def test_the_table_of_planners_is_what_its_script_makes_of_the_data(tmp_path):
@@ -84,13 +98,50 @@ def test_links_lead_somewhere(page):
         assert not anchor or anchor in anchors_of(read(path)), target
 
 
+def test_every_picture_is_shown_on_a_page():
+    texts = "".join(map(read, pages()))
+    assert [name for name in os.listdir(os.path.join(PROJECT, "docs/images")) if "images/" + name not in texts] == []
+
+
 def test_the_index_lists_every_page():
     listed = re.findall(r"^\| \[(\w+\.md)\]", read("docs/README.md"), re.MULTILINE)
     assert sorted(listed) == sorted(os.path.basename(page) for page in pages() if os.path.basename(page) != "README.md")
 
 
 def test_the_readme_is_read_in_a_few_minutes():
-    assert len(read("README.md").splitlines()) <= 200
+    assert len(read("README.md").split()) <= 900
+
+
+def test_the_readme_answers_on_its_first_two_screens_what_a_newcomer_asks():
+    two_screens = "\n".join(read("README.md").splitlines()[:60])
+    for answer in ("which links of a ROS 1 robot touch", "scripts/demo --headless", "| `UNKNOWN` | anything else", "2 to 4 µs",
+                   "none was wrong", "not safety-rated"):
+        assert answer in two_screens, answer
+
+
+def test_what_the_readme_calls_by_name_is_there():
+    recorded, page = read("docs/data/public_names.txt"), read("README.md")
+    for name in set(re.findall(r"`~(\w+)`", page)):
+        assert re.search(r"^(topic|service|parameter) ~%s\b" % name, recorded, re.MULTILINE), name
+    for argument in set(re.findall(r" (\w+):=", page)):
+        assert "argument collision_pairs.launch/%s:=" % argument in recorded, argument
+    for option in set(re.findall(r"`(--\w+)`", page)) - {"--clock"}:  # rosbag's
+        assert re.search(r"^  %s\)|^    %s\)" % (option, option), read("scripts/demo"), re.MULTILINE), option
+    rate, near = (re.search(r"^%s: ([\d.]+)" % name, read("config/collision_pairs_node.yaml"), re.MULTILINE).group(1)
+                  for name in ("rate", "alarm_distance"))
+    assert "%g times a second" % float(rate) in page and "within %s m (`~alarm_distance`)" % near in " ".join(page.split())
+
+
+def test_the_readme_shows_what_the_demo_prints(check_bag):
+    """The demo's recording is of the same motion."""
+    lines = re.findall(r"^ {3}\d+\.\d\d s  (\S+)  \((\d+) boxes, \d+ pairs investigated(?:, closest ([+-]\d+\.\d) mm)?\)$",
+                       read("README.md"), re.MULTILINE)
+    rows, _ = check_bag(DEMO_BAG, *DEMO_ROBOT)
+    touching = {pair for row in rows if row["in_collision"] == "1" for pair in row["pairs"].split(";")}
+    assert len(lines) == 5 and {boxes for _, boxes, _ in lines} == {"22"}
+    for pair, _, closest in lines:
+        assert pair == "free" and not closest.startswith("-") or pair in touching and closest.startswith("-"), pair
+    assert '"%7.2f s  %s  (%d boxes, %d pairs investigated%s)"' in read("scripts/print_collision_pairs")
 
 
 # Standard terms instead: finer, coarser, OBB, repair, attached to.
@@ -115,7 +166,7 @@ def data(name, **wanted):
     return found
 
 
-def check_range(sentence, values, page="README.md"):
+def check_range(sentence, values, page):
     """The two numbers in `sentence`, a pattern, are the least and the largest of the values, as far as they are written out."""
     said = re.search(sentence, read(page))
     assert said, sentence
@@ -124,29 +175,29 @@ def check_range(sentence, values, page="README.md"):
         assert float(number) == round(value, digits), "%s: %s, measured: %g to %g" % (page, said.group(), min(values), max(values))
 
 
-def check_least(sentence, values):
-    said = re.search(sentence, read("README.md"))
+def check_least(sentence, values, page="docs/performance.md"):
+    said = re.search(sentence, read(page))
     assert said, sentence
     digits = len(said.group(1).partition(".")[2])
-    assert float(said.group(1)) == round(min(values), digits), "README: %s, measured: at least %g" % (said.group(), min(values))
+    assert float(said.group(1)) == round(min(values), digits), "%s: %s, measured: at least %g" % (page, said.group(), min(values))
 
 
-def test_what_the_readme_says_of_many_states_was_measured():
+def test_what_the_performance_page_says_of_many_states_was_measured():
     check_least(r"\| ([\d.]+) times as fast \| a loop over the exact check \| the least .*, with AVX2; no verdict differs",
                 [float(row["ratio"]) for row in data("verdicts.csv", kernel="avx2")])
     assert {row["differ"] for row in data("verdicts.csv")} == {"0"}
 
 
-def test_what_the_readme_says_of_motions_was_measured():
+def test_what_the_performance_page_says_of_motions_was_measured():
     rows = data("motions.csv", length="all")
     ratios = [float(row["ratio"]) for row in rows if row["robot"] != "all"]
-    said = re.search(r"([\d.]+) of the time \| a loop with steps of 0.05 rad, which misses 1 of (\d+) contacts \| the most of four", read("README.md"))
+    said = re.search(r"([\d.]+) of the time \| a loop with steps of 0.05 rad, which misses 1 of (\d+) contacts \| the most of four", read("docs/performance.md"))
     every, = (row for row in rows if row["robot"] == "all")
     assert float(said.group(1)) == round(max(ratios), 1)
     assert int(said.group(2)) == round(int(every["contacts"]) / int(every["coarse_misses"]), -1)
 
 
-def test_what_the_readme_says_of_the_broad_phase_was_measured():
+def test_what_the_performance_page_says_of_the_broad_phase_was_measured():
     def ratios(instruction_set, chosen):
         times = {(row["scene"], int(row["boxes"]), row["peer"]): float(row["us"])
                  for row in data("broad_phase.csv", instruction_set=instruction_set)}
@@ -165,7 +216,7 @@ def test_what_the_performance_page_says_of_few_boxes_was_measured():
                 "docs/performance.md")
 
 
-def test_what_the_readme_says_of_whole_checks_was_measured():
+def test_what_the_pages_say_of_whole_checks_was_measured():
     def ratios(figure, *queries):
         return [float(row[figure + "_ratio"]) for row in data("detector.csv") if row["query"] in queries]
     assert {row["instruction_set"] for row in data("detector.csv")} == {"default", "avx2"}
@@ -173,6 +224,12 @@ def test_what_the_readme_says_of_whole_checks_was_measured():
     check_least(r"distance to a world \| (\d+) times as fast \|", ratios("median", "world_distance"))
     check_least(r"slowest percent of all these and of contacts \| (\d+) times as fast \|",
                 ratios("p99", "self_contacts", "self_distance", "world_distance", "self", "world"))
+    check_least(r"yes or no \| .* \| at least (\d+) times as long: FCL, called as MoveIt does", ratios("median", "world"), "README.md")
+    check_least(r"distance to the world \| .* \| at least (\d+) times as long: the same", ratios("median", "world_distance"), "README.md")
+    for sentence, query in ((r"yes or no \| (\d+) to (\d+) µs in the median", "world"),
+                            (r"a verdict takes (\d+) to (\d+) µs", "world"),
+                            (r"distance to the world \| (\d+) to (\d+) µs", "world_distance")):
+        check_range(sentence, [float(row["median_us"]) for row in data("detector.csv", query=query, instruction_set="default")], "README.md")
 
 
 def test_what_the_trade_off_page_says_of_whole_checks_with_fcl_was_measured():
@@ -203,7 +260,7 @@ def test_what_the_page_says_of_pairs_that_only_shipped_srdfs_disable_was_measure
 
 def test_what_the_readme_and_the_page_say_of_accuracy_was_measured():
     errors = {(row["first"], row["second"]): float(row["worst"]) for row in data("accuracy.csv", quantity="distance")}
-    said = re.search(r"error of a distance \| (\S+) m \|.*that of two hulls", read("README.md"))
+    said = re.search(r"error of a distance \| at most (\S+) m \|.*shapes of 20 cm", read("README.md"))
     worst = max(errors, key=errors.get)
     assert worst == ("convex", "convex") and float(said.group(1)) == float("%.0e" % errors[worst])
     rows = data("accuracy_ratio.csv")
@@ -215,17 +272,27 @@ def test_what_the_readme_and_the_page_say_of_accuracy_was_measured():
     assert "Distances: at most %.0e m, for two hulls" % errors[worst] in page
 
 
-def test_each_fault_names_a_test_that_exists():
+def faults():
+    """{(section, what fails)} of the page."""
+    section, found = None, []
+    for line in read("docs/faults.md").splitlines():
+        section = line[4:] if line.startswith("### ") else section
+        if section and line.startswith("| ") and not line.startswith("| what fails |"):
+            cells = line.strip("| ").split(" | ")
+            assert len(cells) == 3, line
+            found.append((section, cells[0]))
+    assert len(found) == len(set(found)) > 30
+    return set(found)
+
+
+def test_each_fault_has_a_test_that_exists():
     folders = [os.path.join(PROJECT, "test", folder) for folder in ("", "ros")]
     sources = "".join(read(folder, name) for folder in folders for name in os.listdir(folder) if name.startswith("test_"))
     exist = set(re.findall(r"^ *def (test_\w+)\(", sources, re.MULTILINE))
     exist |= {".".join(names) for names in re.findall(r"^TEST(?:_[FP])?\((\w+),\s*(\w+)\)", sources, re.MULTILINE)}
-    rows = [line.strip("| ").split(" | ") for line in read("docs/faults.md").splitlines()
-            if line.startswith("| ") and not line.startswith("| what fails |")]
-    assert len(rows) > 30
-    for row in rows:
-        named = re.findall(r"`([\w.]+)`", row[-1])
-        assert len(row) == 4 and named and set(named) <= exist, row
+    rows = data("fault_tests.csv")
+    assert {row["test"] for row in rows} <= exist
+    assert {(row["section"], row["what fails"]) for row in rows} == faults()
 
 
 def test_the_watchdogs_of_the_page_wait_equally_long_and_longer_than_a_period_of_the_node():
@@ -249,10 +316,10 @@ CONSTANTS = [  # what a page says, the file, and what must stand there
     ("limiter", "down to a 64th of it", "src/ros/limiter/limiter_law.cpp", "NEXT_RETREAT = 0.25;"),
     ("limiter", "keeps half of its", "src/ros/limiter/limiter_law.cpp", "GIVEN_AWAY = 0.5;"),
     ("limiter", "when the decision is made: stop. At most 1 |", "src/ros/limiter/limiter_parameters.cpp", "OLDEST_JOINT_STATE = 1.0;"),
-    ("planners", "After 300,000 configurations", "src/core/motion/motion_check.cpp", "MOST_CHECKS = 300'000;"),
-    ("planners", "a million open parts", "src/core/motion/motion_check.cpp", "MOST_OPEN_PAIRS = 1'000'000;"),
-    ("planners", "once 30,000 verdicts", "include/collision_pairs/batch_check.h", "STATES_WORTH_A_STAGE = 30000;"),
-    ("planners", "More than eight attached bodies", "src/planners/moveit/moveit_scene.cpp", "NB_ANCHORS = 8;"),
+    ("motions", "After 300,000 configurations", "src/core/motion/motion_check.cpp", "MOST_CHECKS = 300'000;"),
+    ("motions", "a million open parts", "src/core/motion/motion_check.cpp", "MOST_OPEN_PAIRS = 1'000'000;"),
+    ("many_states", "once 30,000 verdicts", "include/collision_pairs/batch_check.h", "STATES_WORTH_A_STAGE = 30000;"),
+    ("moveit", "More than eight attached bodies", "src/planners/moveit/moveit_scene.cpp", "NB_ANCHORS = 8;"),
     ("scenes", "in the first 1,024 states", "src/core/pair_statistics/pair_statistics.h", "MEASURED_STATES = 1024;"),
     ("clouds", "something within 30 cm of its place", "src/core/clouds/near_memory.h", "FOUND_AGAIN = 0.3;"),
     ("clouds", "up to 100,000 voxels", "src/messages/scene_markers.h", "MOST_DRAWN_VOXELS = 100000;"),

@@ -1,6 +1,6 @@
 // What MotionCheck certifies, beside the exact check at many configurations of each segment.
 //
-// A small run by default; scripts/test --long makes it the run that docs/planners.md states.
+// A small run by default; scripts/test --long makes it the run that docs/motions.md states.
 #include <cstdlib>
 
 #include <gtest/gtest.h>

@@ -182,13 +182,13 @@ TEST(SceneMarkers, HaveTheirPlaceSizeAndColour) {
   auto array = toSceneMarkers(*CollisionScene::build(description), Fidelity::MESH, "world");
   for (Marker& marker : array.markers) {
     const std::size_t nb_points = marker.points.size();
-    marker.points.clear();
+    marker.points.clear(), marker.colors.clear();
     all.push_back(printed(marker) + (nb_points ? " points " + std::to_string(nb_points) : ""));
   }
   const std::vector<std::string> expected = {
       "header frame_id world action 3",
       "header frame_id base ns links id 2 type 1 pose position x 4 y 5 z 6 orientation w 1 scale x "
-      "1 y 2 z 3 color r 0.25 g 0.45 b 0.8 a 0.5 frame_locked 1",
+      "1 y 2 z 3 color r 0.72 g 0.74 b 0.77 a 1 frame_locked 1",
       "header frame_id base ns attached_objects id 3 type 2 pose position x 1 y 2 z 3 orientation "
       "x 0.707107 w 0.707107 scale x 0.5 y 0.5 z 0.5 color r 0.6 g 0.3 b 0.7 a 0.9 frame_locked 1",
       "header frame_id world ns standing id 4 type 3 pose position x 101 y 2 z 3 orientation x "
@@ -268,6 +268,44 @@ TEST(SceneMarkers, OfSpheresAreClosedFaceOutwardsAndHoldTheMesh) {
       return (p - one.sphere.center).norm() <= one.sphere.radius + 1e-9;
     };
     EXPECT_TRUE(std::any_of(all.begin(), all.end(), holds));
+  }
+}
+
+TEST(SceneMarkers, OfAMeshLookTheSameInWhateverOrderItsCornersAre) {
+  RandomInputs random;
+  TriangleMesh mesh = LShape().mesh(), mixed = mesh;
+  int nb_turned = 0;
+  for (auto& triangle : mixed.triangles) {
+    if (random.integer(0, 1)) std::swap(triangle[0], triangle[1]), ++nb_turned;
+  }
+  EXPECT_GT(nb_turned, 0);
+  const auto shown = of("standing", drawn(Sphere{0.1}, meshShape(mesh), Fidelity::MESH)).at(0);
+  const auto same = of("standing", drawn(Sphere{0.1}, meshShape(mixed), Fidelity::MESH)).at(0);
+  EXPECT_EQ(shown.colors, same.colors);
+  ASSERT_EQ(shown.colors.size(), mesh.triangles.size());
+  std::set<float> shades;
+  for (const std_msgs::ColorRGBA& shade : shown.colors) {
+    EXPECT_GE(shade.g, 0.5f * shown.color.g) << "nothing is black";
+    EXPECT_LE(shade.g, shown.color.g);
+    EXPECT_FLOAT_EQ(shade.r * shown.color.g, shade.g * shown.color.r) << "only darker";
+    shades.insert(shade.g);
+  }
+  EXPECT_EQ(shades.size(), 3u) << "of the six directions that its sides face";
+}
+
+TEST(SceneMarkers, OfLinksAreOfOneNeutralColourAndThoseOfObjectsAreNot) {
+  SceneDescription description;
+  description.robots.push_back({robotFrom(slidingBoxes(2)), std::nullopt, ""});
+  RigidObject object;
+  object.name = "beside";
+  object.elements.push_back({Sphere{0.1}, Isometry3d::Identity()});
+  description.objects = {object};
+  for (const Marker& marker :
+       toSceneMarkers(*CollisionScene::build(description), Fidelity::MESH, "world").markers) {
+    if (marker.action != Marker::ADD) continue;
+    const auto& of = marker.color;
+    const bool is_grey = std::max({of.r, of.g, of.b}) - std::min({of.r, of.g, of.b}) < 0.1f;
+    EXPECT_EQ(is_grey, marker.type == Marker::CUBE) << marker.ns;
   }
 }
 

@@ -32,7 +32,7 @@ class BatchCheck {
   /// states are requested before the first of them is taken.
   ///
   /// With verdict_only, several states are processed together, and few of them need the exact
-  /// check: the batch stage (docs/planners.md). Verdicts are the same, except that at SPHERES a
+  /// check: the batch stage (docs/many_states.md). Verdicts are the same, except that at SPHERES a
   /// state may rightly be FREE where a single check takes spheres that lie outside the box of a
   /// static element to be touched. For a state settled by it the report contains only the verdict,
   /// one pair in contact or none, and times.total, its share of the group's time; no counts and no

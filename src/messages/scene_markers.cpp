@@ -102,6 +102,19 @@ std::vector<Vector3d> cornersOfSpheres(const std::vector<OuterSphere>& tree) {
   return corners;
 }
 
+/// The colour of a triangle that is lit from both sides: rviz lights triangles by the order of
+/// their corners, and so draws those of a mesh that is inside out in black.
+std_msgs::ColorRGBA shaded(const std_msgs::ColorRGBA& of, const Vector3d& a, const Vector3d& b,
+                           const Vector3d& c) {
+  // Along no axis and in no plane of symmetry: a box has three shades.
+  static const Vector3d TO_LIGHT = Vector3d(0.35, 0.5, 0.8).normalized();
+  const Vector3d normal = (b - a).cross(c - a);
+  const double length = normal.norm();
+  const double facing = length > 0.0 ? std::abs(TO_LIGHT.dot(normal)) / length : 1.0;
+  const auto light = static_cast<float>(0.55 + 0.45 * facing);
+  return color(light * of.r, light * of.g, light * of.b, 1.0f);
+}
+
 /// Draws one element, in the frame of its body.
 class ElementDrawer {
  public:
@@ -146,6 +159,9 @@ class ElementDrawer {
     Marker& marker = add(Marker::TRIANGLE_LIST, X_BE_);
     marker.scale = toVector3(Vector3d::Ones());
     for (const Vector3d& corner : corners) marker.points.push_back(toPoint(corner));
+    for (std::size_t i = 0; i + 2 < corners.size(); i += 3) {
+      marker.colors.push_back(shaded(marker.color, corners[i], corners[i + 1], corners[i + 2]));
+    }
   }
 
   Marker& add(int type, const Isometry3d& X) {
@@ -162,19 +178,14 @@ class ElementDrawer {
   Isometry3d X_BE_;
 };
 
-/// With namespace and colour.
+/// With namespace and colour. Links are grey, since red, amber and green say how near they are.
 Marker patternFor(const CollisionScene& scene, const SceneElement& element) {
+  const bool is_static = element.body < 0, is_object = scene.models()[element.model].is_object;
   Marker pattern;
-  if (element.body < 0) {
-    pattern.ns = "standing";
-    pattern.color = color(0.35f, 0.60f, 0.40f, 0.6f);
-  } else if (scene.models()[element.model].is_object) {
-    pattern.ns = "attached_objects";
-    pattern.color = color(0.60f, 0.30f, 0.70f, 0.9f);
-  } else {
-    pattern.ns = "links";
-    pattern.color = color(0.25f, 0.45f, 0.80f, 0.5f);
-  }
+  pattern.ns = is_static ? "standing" : is_object ? "attached_objects" : "links";
+  pattern.color = !is_object  ? color(0.72f, 0.74f, 0.77f, 1.0f)
+                  : is_static ? color(0.35f, 0.60f, 0.40f, 0.6f)
+                              : color(0.60f, 0.30f, 0.70f, 0.9f);
   return pattern;
 }
 

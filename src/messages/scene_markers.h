@@ -15,8 +15,8 @@ namespace collision_pairs {
 /// for aabb, whose boxes are those of toMarkers()), of the spheres of a mesh the 64 that distances
 /// are measured from, capsules in place of cylinders; a half-space is a square. Padding is not
 /// drawn. In the namespaces "links" and "attached_objects" (locked to the frame of their link, so
-/// that rviz moves them) and "standing". At most 10,000 elements, moving ones first. The array
-/// begins with DELETEALL.
+/// that rviz moves them) and "standing"; links are grey. At most 10,000 elements, moving ones
+/// first. The array begins with DELETEALL.
 visualization_msgs::MarkerArray toSceneMarkers(const CollisionScene& scene, Fidelity fidelity,
                                                const std::string& world_frame);
 

@@ -11,9 +11,11 @@
 namespace collision_pairs {
 namespace {
 
-// Seconds for rviz to receive the frames: it marks earlier markers as errors and does not retry
-// them.
+// Seconds for rviz to receive the frames: it drops markers that come before them.
 constexpr double SUBSCRIBER_WARM_UP = 1.0;
+// Seconds, doubled from one to the next, after which a scene is shown again: frames may come later,
+// and a busy rviz drops what waits in its queue.
+constexpr double FIRST_REPEAT = 2.0, LAST_REPEAT = 16.0;
 constexpr double SHORTEST_LIFE = 2.0;  // s, lifetime of a marker
 const ros::WallDuration VOXEL_PERIOD(0.2);
 constexpr double LEAST_COLOURED = 0.1;  // m
@@ -54,9 +56,14 @@ void ReportPublisher::publishMarkers(const CollisionPairs& message, const Collis
 
 void ReportPublisher::publishScene(const ActiveScenePtr& scene, Fidelity fidelity,
                                    std::size_t nb_known) {
-  if (shown_scene_ == scene && shown_fidelity_ == fidelity && nb_known <= nb_shown_) return;
-  if (scene_markers_.getNumSubscribers() == 0) return;
-  if (ros::SteadyTime::now() < show_scene_from_) return;
+  const bool is_shown =
+      shown_scene_ == scene && shown_fidelity_ == fidelity && nb_known <= nb_shown_;
+  const ros::SteadyTime now = ros::SteadyTime::now();
+  if (is_shown && (repeat_after_ > LAST_REPEAT || now < next_repeat_)) return;
+  if (scene_markers_.getNumSubscribers() == 0 || now < show_scene_from_) return;
+  repeat_after_ = is_shown ? 2.0 * repeat_after_ : FIRST_REPEAT;
+  next_repeat_ = now + ros::WallDuration(repeat_after_);
+  next_voxels_ = now + VOXEL_PERIOD;  // in a queue of one they would take its place
   release_(std::exchange(shown_scene_, scene));
   shown_fidelity_ = fidelity;
   nb_shown_ = nb_known;

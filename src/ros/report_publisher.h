@@ -35,7 +35,8 @@ class ReportPublisher {
   bool showsMarkers() const { return markers_.getNumSubscribers() > 0; }
 
   /// The shapes of the scene: published only if it changed, for a new subscriber, or when TF has
-  /// more of its bodies (rviz moves them). nb_known: bodies with a pose.
+  /// more of its bodies (rviz moves them), and a few times again in the half minute after that.
+  /// nb_known: bodies with a pose.
   void publishScene(const ActiveScenePtr& scene, Fidelity fidelity, std::size_t nb_known);
 
   /// The occupied voxels, some times a second. `boxes`: of the scene's elements in
@@ -48,8 +49,9 @@ class ReportPublisher {
   std::function<void(std::shared_ptr<const void>)> release_;
   ActiveScenePtr shown_scene_;
   Fidelity shown_fidelity_ = Fidelity::MESH;
-  std::size_t nb_shown_ = 0;  // bodies with a pose then
-  ros::SteadyTime show_scene_from_, next_voxels_;
+  std::size_t nb_shown_ = 0;   // bodies with a pose then
+  double repeat_after_ = 0.0;  // s
+  ros::SteadyTime show_scene_from_, next_repeat_, next_voxels_;
 };
 
 }  // namespace collision_pairs

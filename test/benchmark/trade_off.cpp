@@ -3,9 +3,9 @@
 //   COLLISION_PAIRS_SHARED=DATA trade_off RUNGS.csv BUDGETS.csv
 //
 // A state's time is the least of its repetitions, forward kinematics not counted. All rows are of
-// the detector at its default alarm distance, but for "mesh": every candidate straight at its
-// triangles, without a cheaper geometry asked first ("adaptive" is what ~fidelity mesh does, and
-// "adaptive 1 mm" the same with that tolerance), and "spheres, many": a state's share of a batch of
+// the detector at its default alarm distance, but for "triangles": every candidate straight at its
+// triangles, without a coarser geometry asked first as ~fidelity mesh does ("mesh", and "mesh 1 mm"
+// with that tolerance), and "spheres, many": a state's share of a batch of
 // verdicts, forward kinematics counted.
 #include <algorithm>
 #include <chrono>
@@ -257,12 +257,12 @@ void writeRungs(const BenchmarkRobot& robot, std::ostream& out) {
             measure(question, truth, Fidelity::CONVEX, vertices));
     }
     write(out, question, "convex", measure(question, truth, Fidelity::CONVEX, 0));
-    write(out, question, "adaptive", measure(question, truth, Fidelity::MESH, 0));
+    write(out, question, "mesh", measure(question, truth, Fidelity::MESH, 0));
     for (const char* millimetres : {"0.1", "1", "5", "20"}) {
-      write(out, question, std::string("adaptive ") + millimetres + " mm",
+      write(out, question, std::string("mesh ") + millimetres + " mm",
             measure(question, truth, Fidelity::MESH, 0, 1e-3 * std::stod(millimetres)));
     }
-    if (!question.ofDistance()) write(out, question, "mesh", measureStraight(question, truth));
+    if (!question.ofDistance()) write(out, question, "triangles", measureStraight(question, truth));
   }
 }
 

@@ -151,6 +151,19 @@ class CloudHealthTest(unittest.TestCase):
             self.camera.silent = True
             subscriber.unregister()
 
+    def test_voxels_do_not_follow_so_close_on_the_scene_that_a_queue_of_one_would_drop_it(self):
+        arrays = []  # (when, whether it is the scene)
+        subscriber = rospy.Subscriber("/node/scene_markers", MarkerArray, lambda array: arrays.append(
+            (rospy.get_time(), any(marker.ns == "links" for marker in array.markers))))
+
+        def gaps():
+            return [after - when for (when, is_scene), (after, _) in zip(arrays, arrays[1:]) if is_scene]
+        end = rospy.get_time() + PATIENCE
+        while rospy.get_time() < end and len(gaps()) < 4:  # it is shown again
+            rospy.sleep(0.1)
+        subscriber.unregister()
+        self.assertGreater(sorted(gaps())[1], 0.15)  # one may have waited on a busy machine
+
     def test_a_node_without_clouds_says_nothing_of_them(self):
         given = rospy.get_param("/node/clouds")
         reset = rospy.ServiceProxy("/node/reset", Trigger)

@@ -17,11 +17,13 @@ sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import rospy
 import rostest
 from diagnostic_msgs.msg import DiagnosticArray
+from std_srvs.srv import Trigger
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
-from collision_pairs.srv import CheckTrajectory
+from collision_pairs.srv import CheckTrajectory, UpdateScene
 from node_client import PATIENCE
 from program import NODE, Program, wait_until
+from scene_client import add, tetrahedron
 from test_verdict import write_bumpy_sphere
 
 
@@ -110,6 +112,35 @@ class HowOftenTest(unittest.TestCase):
         check = rospy.ServiceProxy("/polite/check_trajectory", CheckTrajectory)
         self.assertTrue(check(trajectory=JointTrajectory(joint_names=["slide_a"], points=points)).success)
         self.assertGreater(nb_low(), 1)
+
+    @unittest.skipIf(os.getpriority(os.PRIO_PROCESS, 0) >= 10, "the test itself has a low priority")
+    def test_requests_that_change_the_scene_are_answered_with_the_priority_of_the_node_after_a_load(self):
+        rospy.set_param("/prompt/rate", 1.0)  # so that the work of a request exceeds that of the cycles meanwhile
+        rospy.set_param("/prompt/clouds", [{"topic": "points", "voxel_size": 0.05}])
+        node = self.start("prompt")
+        node.wait_for("ready after")
+
+        def work():
+            """{thread: (its nice value, ns that it ran)}"""
+            found = {}
+            for path in glob.glob("/proc/%d/task/*" % node.process.pid):
+                with open(path + "/stat") as stat, open(path + "/schedstat") as time_run:
+                    found[path] = int(stat.read().rsplit(")", 1)[1].split()[16]), int(time_run.read().split()[0])
+            return found
+        corner = tetrahedron(0.1)
+        heavy = add("heavy", (0, 5, 0), meshes=[corner] * 300)
+        calls = {"update_scene": (UpdateScene, lambda call: call(changes=[heavy], no_list=True)),
+                 "reset": (Trigger, lambda call: call()), "clear_clouds": (Trigger, lambda call: call())}
+        for name, (kind, ask) in calls.items():
+            rospy.wait_for_service("/prompt/" + name, PATIENCE)
+            service = rospy.ServiceProxy("/prompt/" + name, kind, persistent=True)
+            before = work()
+            for _ in range(50):
+                self.assertTrue(ask(service).success)
+            ran = {0: 0, 10: 0}
+            for thread, (nice, time_run) in work().items():
+                ran[nice] += time_run - before.get(thread, (nice, 0))[1]
+            self.assertLess(ran[10], 0.1 * ran[0], name)  # it frees the old scenes
 
     def test_z_a_node_asks_its_master_and_tells_its_health_no_more_than_every_few_seconds(self):
         questions = self.master.seconds_between

@@ -85,6 +85,9 @@ class RvizTest(unittest.TestCase):
         frame.load(config)
         frame.show()
         group = frame.getManager().getRootDisplayGroup()
+        robot, = (group.getDisplayAt(i) for i in range(group.numDisplays()) if group.getDisplayAt(i).getName() == "Robot")
+        self.assertFalse(robot.isEnabled(), "rviz draws it red where it has no materials; the scene draws the links")
+        robot.setEnabled(True)  # but it can be shown
         end = time.time() + PATIENCE
         # The first moments are without transforms, and a busy machine takes its time: what must be shown is
         # waited for, and an error that lasts is one.

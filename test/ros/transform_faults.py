@@ -25,13 +25,13 @@ class BoxPublisher:
               "last_stamp")
     AHEAD = {"hour_ahead": 3600.0, "two_seconds_ahead": 2.0, "old_stamp": -100.0}
 
-    def __init__(self, names):
+    def __init__(self, names, topic="/tf"):
         self._names = names
         self._lock = threading.Lock()
         self._history = []  # (time, were the sound ones apart), by time
         self.fault = {}     # by name; none: sound
         self.x = dict(APART)
-        self._publisher = rospy.Publisher("/tf", TFMessage, queue_size=100)
+        self._publisher = rospy.Publisher(topic, TFMessage, queue_size=100)
         self._timer = None
 
     def heal(self):

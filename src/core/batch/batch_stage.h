@@ -15,7 +15,7 @@ namespace collision_pairs {
 
 /// Spheres in place of links: if all pairs of outer spheres are apart, the state is free; if two
 /// inner ones overlap, it is in contact; anything else is left open. Both answers are certain to be
-/// those of the exact check at Fidelity::MESH, float kinematics included (docs/planners.md). At
+/// those of the exact check at Fidelity::MESH, float kinematics included (docs/many_states.md). At
 /// Fidelity::SPHERES, whose spheres are those of this stage divided further, no lookup tables are
 /// used, since they would settle states that these spheres do not; a static element's box still
 /// may. Immutable except for cells that the static field fills in; shared by all threads.

@@ -10,6 +10,7 @@ messages needs neither NumPy nor the library.
 """
 import importlib
 
+__version__ = "1.0.0"
 __all__ = ["Box", "Capsule", "Certainty", "CheckResult", "Convex", "Cylinder", "Detector", "Fidelity",
            "HalfSpace", "InputError", "Mesh", "MotionCheck", "MotionResult", "PairState", "RigidObject", "Robot",
            "Scene", "Sphere", "Verdict"]

@@ -11,6 +11,8 @@ from typing import Any, Dict, List, Optional, Sequence, Union
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+__version__: str
+
 cfg: ModuleType
 msg: ModuleType
 srv: ModuleType
