@@ -137,7 +137,8 @@ class Generator {
       if (event.kind == Event::PUBLISH) {
         Pose& walk = walks[static_cast<std::size_t>(event.who)];
         const Pose step = anywhere(integer(50) == 0 ? 2.0 : 0.1);
-        walk = {walk.x + step.x, walk.y + step.y, 0.9 * walk.z + step.z, walk.yaw + 0.05 * step.yaw};
+        walk = {walk.x + step.x, walk.y + step.y, 0.9 * walk.z + step.z,
+                walk.yaw + 0.05 * step.yaw};
         event.at = walk;
       }
       events.push_back(event);

@@ -102,6 +102,17 @@ class Knowledge {
     }
     return X_WB;
   }
+  /// Whether the newest that was said of a frame between the link and the root is older [s].
+  bool hasOldOn(int link, double age) const {
+    for (; link >= 0; link = parentOf(link)) {
+      const auto& samples = told(link).samples;
+      const bool is_fixed =
+          setup_.links[static_cast<std::size_t>(link)].joint == SimulatedLink::FIXED;
+      if (is_fixed) continue;
+      if (samples.empty() || seconds(ros_ - samples.rbegin()->first) > age) return true;
+    }
+    return false;
+  }
   bool isTooOld(Ns stamp) const {
     return setup_.max_pose_age > 0.0 && seconds(ros_ - stamp) > setup_.max_pose_age + 1e-6;
   }

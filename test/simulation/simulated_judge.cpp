@@ -38,6 +38,7 @@ void SimulatedNode::judge(const Snapshot& snapshot) {
     fail("FREE in spite of doubts");
   }
   judgeBodies(snapshot);
+  judgeReasons(snapshot);
   if (report_.verdict == Verdict::FREE) judgeFree(snapshot);
   judgeAgreement(snapshot);
   judgeMemory();
@@ -56,6 +57,25 @@ void SimulatedNode::judgeBodies(const Snapshot& snapshot) {
     if (!is_known || knowledge_.isLiedAbout(link)) continue;
     if (knowledge_.isTooOld(stamp)) fail("the pose of a link is too old");
     if (!knowledge_.poseOf(link, stamp)) fail(linkName(link) + " is known, but nobody said so");
+  }
+}
+
+/// What is said to be old is old, and whose clock is said to stand stands.
+void SimulatedNode::judgeReasons(const Snapshot& snapshot) {
+  const double rounding = 0.02;  // s: ages are said with two digits
+  for (const std::string& doubt : snapshot.poses.doubts) {
+    const auto says = [&](const char* words) { return doubt.find(words) != std::string::npos; };
+    if (says("/clock stands still") && !knowledge_.isClockInDoubt()) fail("it runs: " + doubt);
+    if (says("cloud 'points': the newest is") && seen_ &&
+        seconds(ros_) - seen_->measured < SOURCE_TIMEOUT - rounding) {
+      fail("it is young: " + doubt);
+    }
+    if (!says("and max_pose_age is")) continue;
+    for (int link = 0; link < static_cast<int>(setup_.links.size()); ++link) {
+      const bool is_of_link = doubt.rfind("link '" + linkName(link) + "'", 0) == 0;
+      if (!is_of_link || knowledge_.isLiedAbout(link)) continue;
+      if (!knowledge_.hasOldOn(link, setup_.max_pose_age - rounding)) fail("it is young: " + doubt);
+    }
   }
 }
 

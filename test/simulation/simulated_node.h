@@ -70,6 +70,7 @@ class SimulatedNode {
   SceneParameters parameters(const std::set<int>& ignored) const;
 
   void judge(const Snapshot& snapshot);
+  void judgeReasons(const Snapshot& snapshot);
   void judgeFree(const Snapshot& snapshot);
   void judgeBodies(const Snapshot& snapshot);
   void judgeAgreement(const Snapshot& snapshot);
