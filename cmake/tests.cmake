@@ -25,6 +25,7 @@ target_include_directories(test_parts PUBLIC test src/demo src/messages src/plan
                                       PRIVATE src/ros/limiter)
 target_include_directories(test_parts SYSTEM PUBLIC ${catkin_INCLUDE_DIRS})
 target_link_libraries(test_parts PUBLIC collision_pairs_io)
+collision_pairs_together(test_parts)
 collision_pairs_warnings(test_parts)
 collision_pairs_checked_indices(test_parts)
 
@@ -265,6 +266,7 @@ collision_pairs_pytest(mutants)
 collision_pairs_pytest(names_in_tables)
 collision_pairs_pytest(oldest_platform)
 collision_pairs_pytest(outputs_that_fail)
+collision_pairs_pytest(package)
 collision_pairs_module_pytest(public_names)
 collision_pairs_module_pytest(python)
 collision_pairs_module_pytest(python_examples)
@@ -279,10 +281,11 @@ collision_pairs_pytest(scene_options)
 collision_pairs_pytest(scripts)
 collision_pairs_pytest(test_programs)
 
-# Each under a master of its own: rostest takes a free port. The limit is for a machine under load.
+# Each under a master of its own: rostest takes a free port. They mostly wait, so other tests run beside them; one at a
+# time, from the start on. The limit is for a machine under load.
 function(collision_pairs_rostest name)
   add_test(NAME rostest_${name} COMMAND rostest ${PROJECT_SOURCE_DIR}/test/ros/${name}.test)
-  set_tests_properties(rostest_${name} PROPERTIES RUN_SERIAL TRUE TIMEOUT 900)
+  set_tests_properties(rostest_${name} PROPERTIES RESOURCE_LOCK ros COST 1000 TIMEOUT 900)
 endfunction()
 
 collision_pairs_rostest(node)

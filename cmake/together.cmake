@@ -2,12 +2,12 @@
 # compiled as one, ten at a time; what they keep in anonymous namespaces has different names. OFF is quicker only where
 # one file is built again and again.
 set(CMAKE_UNITY_BUILD ON CACHE BOOL "Compile the source files of a folder together")
+set(compile_together ${CMAKE_UNITY_BUILD})
+set(CMAKE_UNITY_BUILD OFF)  # that of CMake 3.16 itself would mix folders, and others with each file that is added
 
-# The sources that the target has so far. UNITY_BUILD itself, of CMake 3.16, would mix folders, and others with each
-# file that is added.
+# The sources that the target has so far.
 function(collision_pairs_together target)
-  set_target_properties(${target} PROPERTIES UNITY_BUILD OFF)
-  if(NOT CMAKE_UNITY_BUILD)
+  if(NOT compile_together)
     return()
   endif()
   get_target_property(sources ${target} SOURCES)
@@ -25,8 +25,9 @@ function(collision_pairs_together target)
     string(APPEND ${folder}_${part} "#include \"${source}\"\n")
     set(parts_${folder} ${part})
   endforeach()
-  # A class of which a member's type is in an anonymous namespace is no fault where it is in a source file.
-  target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
+  # A class of which a member's type is in an anonymous namespace is no fault where it is in a source file; and GCC 12
+  # warns falsely of std::string where more is inlined (GCC bug 105651).
+  target_compile_options(${target} PRIVATE "$<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage;-Wno-restrict>")
   set(together "")
   foreach(folder ${folders})
     foreach(part RANGE ${parts_${folder}})
