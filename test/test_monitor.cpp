@@ -174,6 +174,26 @@ TEST_F(TheMonitor, DoesNotMindWhatIsRefusedOfOthers) {
   EXPECT_THAT(snapshot().poses.doubts, testing::IsEmpty());
 }
 
+TEST_F(TheMonitor, DoubtsASceneThatWasReplacedMeanwhile) {
+  double x = 0.0;
+  for (const char* link : {"a", "b", "c"}) slide(link, x += 5.0, 0.0);
+  const ActiveScenePtr old = monitor_.scenes().active();
+  EXPECT_THAT(monitor_.at(old).poses.doubts, testing::IsEmpty());
+  load(monitor_, parametersOf(urdf_));
+  EXPECT_THAT(monitor_.at(old).poses.doubts, ElementsAre("the scene was replaced meanwhile"));
+  EXPECT_THAT(snapshot().poses.doubts, testing::IsEmpty());
+}
+
+TEST_F(TheMonitor, TakesNoSceneThatWasNotBuiltOrIsOfAnOldOne) {
+  SceneJob first = monitor_.scenes().load(parametersOf(urdf_)), second = first;
+  EXPECT_FALSE(monitor_.scenes().take(first)) << "it was not run";
+  first.run();
+  second.run();
+  EXPECT_TRUE(monitor_.scenes().take(first));
+  EXPECT_FALSE(monitor_.scenes().take(second));
+  EXPECT_EQ(monitor_.scenes().active(), first.scene());
+}
+
 TEST_F(TheMonitor, SaysThatNothingIsKnownBeforeTheFirstClock) {
   now_ = ros::Time();
   EXPECT_EQ(snapshot().poses.doubts.front(), NO_CLOCK);

@@ -95,6 +95,14 @@ TEST(MonitorSimulation, NothingThatTouchesOrIsNotKnownIsFreeAndWhatIsSoundIsSoon
   }
 }
 
+TEST(MonitorSimulation, NothingGrowsWithoutBound) {
+  for (unsigned seed = collision_pairs::givenSeed(), end = seed + 2; seed < end; ++seed) {
+    Generator generator(seed);
+    const Scenario setup = generator.setup();
+    EXPECT_EQ(run(setup, generator.events(setup, 20000), false).violation, "") << seed;
+  }
+}
+
 TEST(MonitorSimulation, TheSameEventsGiveTheSameReports) {
   for (unsigned seed = collision_pairs::givenSeed(), end = seed + 20; seed < end; ++seed) {
     Generator generator(seed);

@@ -42,11 +42,12 @@ std::vector<CloudDoubt> addVoxels(const std::map<std::string, CloudView>& views,
   for (const SceneCloud& cloud : scene.clouds()) {
     const std::string& name = scene.models()[cloud.model].name;
     const auto view = views.find(name);
-    poses.voxels.push_back(view == views.end() ? nullptr : view->second.voxels);
-    if (view != views.end() && !view->second.doubt.empty()) {
-      doubts.push_back({name, view->second.doubt});
-      poses.doubts.push_back(view->second.doubt);
-    }
+    const bool has_view = view != views.end();
+    poses.voxels.push_back(has_view ? view->second.voxels : nullptr);
+    const std::string why = has_view ? view->second.doubt : "cloud '" + name + "' has no source";
+    if (why.empty()) continue;
+    doubts.push_back({name, why});
+    poses.doubts.push_back(why);
   }
   return doubts;
 }

@@ -67,8 +67,9 @@ std::shared_ptr<CloudJob> CloudSource::next() {
   std::shared_ptr<CloudJob> job;
   try {
     job = begin(waiting_);
-    if (!job && next_.cloud) job = beginNewer();
-  } catch (const InputError& error) {
+    const bool has_newer = next_.cloud && next_.cloud->header.stamp > waiting_.cloud->header.stamp;
+    if (!job && has_newer) job = beginNewer();
+  } catch (const std::exception& error) {
     refuse(error.what());
     waiting_ = {};
   }
@@ -77,8 +78,9 @@ std::shared_ptr<CloudJob> CloudSource::next() {
   return job;
 }
 
-/// What it misses may never come: a doubt about that stamp stays. One that misses nothing need not
-/// wait for it. What is wrong with one is said when its turn comes.
+/// What the waiting cloud lacks may never come, since a doubt about its stamp stays. A newer one
+/// that lacks nothing need not wait for it. If something is wrong with that one, it is said when
+/// its turn comes.
 std::shared_ptr<CloudJob> CloudSource::beginNewer() {
   try {
     auto job = begin(next_);
@@ -110,6 +112,11 @@ std::shared_ptr<CloudJob> CloudSource::begin(Arrived& arrived) {
   if (is_new) {
     requireUsableStamp(header.stamp);
     requireReadable(*arrived.cloud);
+  }
+  // Another may have been used since it was looked at.
+  if (!last_stamp_.isZero() && header.stamp <= last_stamp_) {
+    throw InputError(
+        "its stamp is not later than that of the previous cloud: are there two publishers?");
   }
   arrived.nb_taken = transforms_.nbTaken();
 
@@ -146,13 +153,13 @@ CloudSource::Missing CloudSource::lookUp(const std_msgs::Header& header, CloudJo
   return {};
 }
 
-void CloudSource::take(const CloudJob& job) {
+void CloudSource::take(CloudJob& job) {
   running_.reset();
   if (job.generation_ != generation_) return;  // cleared meanwhile
   if (!job.latest_.problem.empty()) return refuse(job.latest_.problem);
   last_stamp_ = job.cloud_->header.stamp;
-  latest_ = job.latest_;
-  latest_.stamp = measuredAt(job.latest_.stamp, job.arrived_.toSec());
+  std::swap(latest_, job.latest_);  // what is replaced is freed with the job
+  latest_.stamp = measuredAt(latest_.stamp, job.arrived_.toSec());
   latest_robot_ = job.followed_->number;
   latest_clock_jumps_ = job.clock_jumps_;
   const Now& now = transforms_.now();
@@ -186,10 +193,6 @@ void CloudSource::requireUsableStamp(const ros::Time& stamp) const {
   if (config_.source_timeout > 0.0 && age > config_.source_timeout) {
     throw InputError("it was " + inWords(age) + " old when it arrived, and source_timeout is " +
                      inWords(config_.source_timeout));
-  }
-  if (!last_stamp_.isZero() && stamp <= last_stamp_) {
-    throw InputError(
-        "its stamp is not later than that of the previous cloud: are there two publishers?");
   }
 }
 

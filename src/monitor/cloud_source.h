@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <sensor_msgs/PointCloud2.h>
@@ -87,7 +88,9 @@ class CloudSource {
   std::shared_ptr<CloudJob> next();
   /// True while a cloud waits for what next() needs.
   bool isWaiting() const { return waiting_.cloud || next_.cloud; }
-  void take(const CloudJob& job);
+  void take(CloudJob& job);
+  /// There is a doubt until a cloud is used.
+  void refuse(const std::string& why);
 
   CloudView view() const;
   /// Discards everything: there is no view until a cloud that arrives later is used.
@@ -116,7 +119,6 @@ class CloudSource {
   /// Throws InputError if the cloud is to be refused; null: something is missing that may come.
   std::shared_ptr<CloudJob> begin(Arrived& arrived);
   std::shared_ptr<CloudJob> beginNewer();
-  void refuse(const std::string& why);
 
   const CloudConfig config_;
   const std::string topic_, frame_;

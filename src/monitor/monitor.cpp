@@ -24,6 +24,9 @@ Snapshot Monitor::begin(const ActiveScenePtr& scene) const {
   Snapshot snapshot;
   snapshot.scene = scene;
   snapshot.stamp = transforms_.now().stamp;
+  if (!scenes_.isCurrent(*scene)) {
+    snapshot.poses.doubts.push_back("the scene was replaced meanwhile");
+  }
   if (!scene->broken_links.empty()) {
     snapshot.poses.doubts.push_back("geometry that could not be read: " +
                                     firstOf(scene->broken_links));
@@ -73,7 +76,7 @@ void Monitor::addClouds(const ros::Time& stamp, Snapshot& snapshot) const {
     return;
   }
   std::map<std::string, CloudView> views;
-  for (const auto& source : scenes_.clouds()) {
+  for (const auto& source : snapshot.scene->clouds) {
     const CloudView view = source->view();
     views[source->config().name()] = view;
     if (view.voxels) snapshot.oldest_cloud = std::min(snapshot.oldest_cloud, view.stamp);

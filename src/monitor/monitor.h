@@ -21,6 +21,7 @@ class Monitor {
  public:
   explicit Monitor(const TransformSettings& settings)
       : transforms_(settings), scenes_(transforms_) {}
+  Monitor(const Monitor&) = delete;  // its parts refer to each other
 
   /// It is that time now.
   void advance(const Now& now) { transforms_.followClock(now); }
@@ -31,11 +32,14 @@ class Monitor {
   const SceneStore& scenes() const { return scenes_; }
   const TransformInput& transforms() const { return transforms_; }
   void clearClouds() {
-    for (const auto& cloud : scenes_.clouds()) cloud->clear();
+    if (!scenes_.active()) return;
+    for (const auto& cloud : scenes_.active()->clouds) cloud->clear();
   }
 
-  /// Of `scene`, which is the active one or a restricted one: at the newest instant for which all
-  /// poses are known, leaving out those that are too old; with a stamp other than 0, at that one.
+  /// Of `scene`, which is the active one or a restricted one; if it was replaced since, that is a
+  /// doubt: what is attached may have changed, and the clouds know. At the newest instant for which
+  /// all poses are known, leaving out those that are too old; with a stamp other than 0, at that
+  /// one.
   Snapshot at(const ActiveScenePtr& scene, const ros::Time& stamp = ros::Time()) const;
   /// The same for positions of named joints; joints that are not named are where TF has them.
   /// Throws InputError as JointQuery does.

@@ -1,6 +1,7 @@
 #include "scene_store.h"
 
 #include <algorithm>
+#include <set>
 
 #include "collision_pairs/input_error.h"
 #include "user_text.h"
@@ -34,10 +35,12 @@ void noteBroken(const std::vector<BrokenElement>& broken, ActiveScene& active) {
 void SceneJob::run(const Progress& progress) {
   if (built_) return;
   if (kind_ == Kind::UPDATE && changeBefore()) return;
-  SceneObjects objects = objects_;
-  collision_pairs::apply(edits_, objects);
-  build(objects, progress);
-  if (kind_ == Kind::LOAD) requireFrameOfObjects();
+  auto objects = std::make_shared<SceneObjects>(*objects_);
+  collision_pairs::apply(edits_, *objects);
+  objects_ = std::move(objects);
+  auto built = build(progress);
+  if (kind_ == Kind::LOAD) requireFrameOfObjects(built->frame);
+  built_ = std::move(built);
 }
 
 /// False: the scene has to be built anew.
@@ -48,25 +51,28 @@ bool SceneJob::changeBefore() {
     return config.floor && edit.first == config.floor->name;
   };
   if (std::any_of(edits_.begin(), edits_.end(), isOfParameters)) return false;
-  const auto scene = before_->scene->withAlike(sceneChanges(edits_, objects_), cache_.get());
+  const auto scene = before_->scene->withAlike(sceneChanges(edits_, *objects_), cache_.get());
   if (!scene) return false;
   auto active = std::make_shared<ActiveScene>(*before_);
   active->scene = scene;
   active->open_meshes = scene->openMeshes();
+  active->revision = revisionOfResult();
   const auto isSame = [](const SceneBody& a, const SceneBody& b) { return a.body == b.body; };
   const auto &bodies = scene->bodies(), &before = before_->scene->bodies();
   const bool are_same =
       std::equal(bodies.begin(), bodies.end(), before.begin(), before.end(), isSame);
-  frame_ = active->frame;
-  if (!are_same) active->tf_poses = posesOf(*scene);
+  if (!are_same) active->tf_poses = posesOf(*scene, active->frame);
+  auto objects = std::make_shared<SceneObjects>(*objects_);
+  collision_pairs::apply(edits_, *objects);
+  objects_ = std::move(objects);
   built_ = std::move(active);
   return true;
 }
 
-void SceneJob::build(const SceneObjects& objects, const Progress& progress) {
+std::shared_ptr<ActiveScene> SceneJob::build(const Progress& progress) {
   auto active = std::make_shared<ActiveScene>();
   std::vector<RigidObject> present;
-  for (const auto& entry : objects) present.push_back(entry.second.object);
+  for (const auto& entry : *objects_) present.push_back(entry.second.object);
   std::vector<BrokenElement> broken;
   SceneDescription description =
       describeScene(parameters_->sources, std::move(present), restriction_, broken);
@@ -76,34 +82,40 @@ void SceneJob::build(const SceneObjects& objects, const Progress& progress) {
   const CollisionScene& scene = *active->scene;
   active->warnings = parameters_->warnings;
   active->open_meshes = scene.openMeshes();
-  active->frame = frame_ = parameters_->fixed_frame.empty() ? scene.robot().links().front().name
-                                                            : parameters_->fixed_frame;
-  active->tf_poses = posesOf(scene);
+  active->frame = parameters_->fixed_frame.empty() ? scene.robot().links().front().name
+                                                   : parameters_->fixed_frame;
+  active->tf_poses = posesOf(scene, active->frame);
+  active->revision = revisionOfResult();
+  if (kind_ == Kind::RESTRICT) {
+    active->clouds = before_->clouds;
+    return active;
+  }
   const SceneConfig& config = parameters_->sources.config;
   for (const CloudConfig& cloud : config.clouds) {
-    if (kind_ == Kind::RESTRICT) break;
     RobotFilter filter(description, scene, cloud, cache_.get());
-    TfPoses poses(*transforms_, scene.robot(), filter.own.bodies(), frame_, config.static_joints);
+    TfPoses poses(*transforms_, scene.robot(), filter.own.bodies(), active->frame,
+                  config.static_joints);
     followed_.push_back(
         std::make_shared<FollowedRobot>(FollowedRobot{std::move(filter), std::move(poses)}));
   }
-  built_ = std::move(active);
+  return active;
 }
 
 /// Of objects that stand: their poses would silently change.
-void SceneJob::requireFrameOfObjects() const {
-  if (!before_ || frame_ == before_->frame) return;
-  for (const auto& [name, stored] : objects_) {
+void SceneJob::requireFrameOfObjects(const std::string& frame) const {
+  if (!before_ || frame == before_->frame) return;
+  for (const auto& [name, stored] : *objects_) {
     if (!stored.object.attached_link.empty()) continue;
     throw InputError("object '" + name + "' is fixed in frame '" + before_->frame +
-                     "', but reports would be in '" + frame_ +
+                     "', but reports would be in '" + frame +
                      "': the root link or fixed_frame has changed; remove the object, and add it "
                      "again afterwards");
   }
 }
 
-std::shared_ptr<const TfPoses> SceneJob::posesOf(const CollisionScene& scene) const {
-  return std::make_shared<TfPoses>(*transforms_, scene.robot(), scene.bodies(), frame_,
+std::shared_ptr<const TfPoses> SceneJob::posesOf(const CollisionScene& scene,
+                                                 const std::string& frame) const {
+  return std::make_shared<TfPoses>(*transforms_, scene.robot(), scene.bodies(), frame,
                                    parameters_->sources.config.static_joints);
 }
 
@@ -136,10 +148,10 @@ SceneJob SceneStore::update(const std::vector<SceneChange>& changes,
   context.require_link = [this](const std::string& link) {
     requireLink(scene_->scene->robot(), link);
   };
-  made.edits_ = editsBy(changes, added, objects_, context);
+  made.edits_ = editsBy(changes, added, *objects_, context);
   made.may_keep_more_ = std::any_of(made.edits_.begin(), made.edits_.end(), [&](const auto& edit) {
-    const auto before = objects_.find(edit.first);
-    return before != objects_.end() && !before->second.object.attached_link.empty();
+    const auto before = objects_->find(edit.first);
+    return before != objects_->end() && !before->second.object.attached_link.empty();
   });
   if (changes.empty()) made.built_ = scene_;
   return made;
@@ -179,14 +191,16 @@ SceneJob SceneStore::restrictedTo(const Restriction& restriction) {
 }
 
 bool SceneStore::take(SceneJob& job) {
-  if (job.revision_ != revision_) return false;
+  if (!job.built_ || job.revision_ != revision_) return false;
   if (job.kind_ == SceneJob::Kind::RESTRICT) {
     const bool is_known =
         job.built_ == scene_ || std::any_of(restricted_.begin(), restricted_.end(),
                                             [&](auto& kept) { return kept.second == job.built_; });
     if (is_known) return true;
     restricted_.emplace_back(job.restriction_, job.built_);
-    if (restricted_.size() > KEPT_RESTRICTIONS) restricted_.erase(restricted_.begin());
+    if (restricted_.size() <= KEPT_RESTRICTIONS) return true;
+    job.replaced_.push_back(std::move(restricted_.front()));
+    restricted_.erase(restricted_.begin());
     return true;
   }
   if (job.built_ == scene_) return true;  // without changes
@@ -194,33 +208,32 @@ bool SceneStore::take(SceneJob& job) {
   std::swap(job.replaced_, restricted_);
   follow(job);
   std::swap(job.parameters_, parameters_);
-  collision_pairs::apply(job.edits_, objects_);
+  std::swap(job.objects_, objects_);
   scene_ = job.built_;  // job.before_ is the old one
   return true;
 }
 
+/// The sources of the scene before, unless others are wanted.
 void SceneStore::follow(SceneJob& job) {
   const auto& configs = job.parameters_->sources.config.clouds;
-  const bool are_of =
-      std::equal(clouds_.begin(), clouds_.end(), configs.begin(), configs.end(),
-                 [&](const auto& source, const CloudConfig& config) {
-                   return source->config() == config && source->frame() == job.frame_;
-                 });
+  const std::string& frame = job.built_->frame;
+  auto& clouds = job.built_->clouds;
+  if (scene_) clouds = scene_->clouds;
+  const bool are_of = std::equal(clouds.begin(), clouds.end(), configs.begin(), configs.end(),
+                                 [&](const auto& source, const CloudConfig& config) {
+                                   return source->config() == config && source->frame() == frame;
+                                 });
   if (!are_of) {
-    clouds_.clear();
+    clouds.clear();
     for (std::size_t i = 0; i < configs.size(); ++i) {
       const auto& topics = job.parameters_->cloud_topics;
-      clouds_.push_back(std::make_shared<CloudSource>(
-          configs[i], i < topics.size() ? topics[i] : configs[i].topic, job.frame_, transforms_));
+      clouds.push_back(std::make_shared<CloudSource>(
+          configs[i], i < topics.size() ? topics[i] : configs[i].topic, frame, transforms_));
     }
   }
   for (std::size_t i = 0; i < job.followed_.size(); ++i) {
-    job.followed_[i] = clouds_[i]->follow(std::move(job.followed_[i]), job.may_keep_more_);
+    job.followed_[i] = clouds[i]->follow(std::move(job.followed_[i]), job.may_keep_more_);
   }
-}
-
-std::vector<SceneObject> SceneStore::list() const {
-  return listed(objects_, scene_ ? scene_->frame : std::string());
 }
 
 }  // namespace collision_pairs

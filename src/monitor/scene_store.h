@@ -5,7 +5,6 @@
 #include <functional>
 #include <map>
 #include <memory>
-#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -42,6 +41,9 @@ struct ActiveScene {
   std::vector<std::string> open_meshes;
   std::string frame;                        ///< of reports and markers
   std::shared_ptr<const TfPoses> tf_poses;  ///< of its bodies
+  /// Sources of its clouds, in the order of the parameters; the next scene continues to use them.
+  std::vector<std::shared_ptr<CloudSource>> clouds;
+  std::uint64_t revision = 0;  ///< of the store's scene, of which it is one
 };
 
 using ActiveScenePtr = std::shared_ptr<const ActiveScene>;
@@ -55,7 +57,8 @@ class SceneJob {
   /// there is nothing to take back.
   void run(const Progress& progress = nullptr);
 
-  const ActiveScenePtr& scene() const { return built_; }
+  /// Null before run().
+  ActiveScenePtr scene() const { return built_; }
 
  private:
   friend class SceneStore;
@@ -63,9 +66,11 @@ class SceneJob {
 
   explicit SceneJob(Kind kind) : kind_(kind) {}
   bool changeBefore();
-  void build(const SceneObjects& objects, const SceneJob::Progress& progress);
-  void requireFrameOfObjects() const;
-  std::shared_ptr<const TfPoses> posesOf(const CollisionScene& scene) const;
+  std::shared_ptr<ActiveScene> build(const Progress& progress);
+  void requireFrameOfObjects(const std::string& frame) const;
+  std::shared_ptr<const TfPoses> posesOf(const CollisionScene& scene,
+                                         const std::string& frame) const;
+  std::uint64_t revisionOfResult() const { return revision_ + (kind_ == Kind::RESTRICT ? 0 : 1); }
 
   Kind kind_;
   std::uint64_t revision_ = 0;
@@ -73,14 +78,13 @@ class SceneJob {
   std::shared_ptr<SceneParameters> parameters_;
   std::shared_ptr<SceneCache> cache_;
   ActiveScenePtr before_;
-  SceneObjects objects_;  ///< before the edits
+  std::shared_ptr<const SceneObjects> objects_;  ///< before the edits; by run() after them
   ObjectEdits edits_;
   Restriction restriction_;
   bool may_keep_more_ = true;  ///< filters of clouds, of the points: see CloudSource::follow()
-  ActiveScenePtr built_;
-  std::string frame_;
+  std::shared_ptr<ActiveScene> built_;
   std::vector<std::shared_ptr<FollowedRobot>> followed_;  ///< of each cloud
-  std::vector<std::pair<Restriction, ActiveScenePtr>> replaced_;
+  std::vector<std::pair<Restriction, std::shared_ptr<ActiveScene>>> replaced_;
 };
 
 /// Not thread safe. A job changes nothing until it is taken back.
@@ -90,12 +94,12 @@ class SceneStore {
   explicit SceneStore(const TransformInput& transforms) : transforms_(transforms) {}
 
   /// Null while there is none.
-  const ActiveScenePtr& active() const { return scene_; }
+  ActiveScenePtr active() const { return scene_; }
   const std::shared_ptr<SceneParameters>& parameters() const { return parameters_; }
-  /// Of the active scene, in the order of its parameters.
-  const std::vector<std::shared_ptr<CloudSource>>& clouds() const { return clouds_; }
   /// All current objects.
-  std::vector<SceneObject> list() const;
+  const std::shared_ptr<const SceneObjects>& objects() const { return objects_; }
+  /// False: it was replaced since.
+  bool isCurrent(const ActiveScene& scene) const { return scene.revision == revision_; }
 
   /// With new parameters; the objects are kept. Its run() throws InputError also if there are
   /// static objects and the frame of the reports would change.
@@ -117,13 +121,13 @@ class SceneStore {
   void follow(SceneJob& job);
 
   const TransformInput& transforms_;
-  ActiveScenePtr scene_;
+  std::shared_ptr<ActiveScene> scene_;
   std::uint64_t revision_ = 0;
   std::shared_ptr<SceneParameters> parameters_;
   std::shared_ptr<SceneCache> cache_ = std::make_shared<SceneCache>();
-  SceneObjects objects_;
-  std::vector<std::shared_ptr<CloudSource>> clouds_;
-  std::vector<std::pair<Restriction, ActiveScenePtr>> restricted_;  // of scene_; the newest last
+  std::shared_ptr<const SceneObjects> objects_ = std::make_shared<const SceneObjects>();
+  /// Of scene_; the newest last.
+  std::vector<std::pair<Restriction, std::shared_ptr<ActiveScene>>> restricted_;
 };
 
 }  // namespace collision_pairs

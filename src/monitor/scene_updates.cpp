@@ -74,7 +74,7 @@ class Updater {
 
   void add(const SceneObject& message, const RigidObject& object) {
     if (!message.attached_link.empty()) context_.require_link(message.attached_link);
-    StoredObject stored{message, object};
+    StoredObject stored{std::make_shared<const SceneObject>(message), object};
     stored.object.X_PO = poseOf(message, parentFrame(stored.object));
     edits_[message.name] = std::move(stored);
   }
@@ -216,7 +216,7 @@ std::vector<SceneObject> listed(const SceneObjects& objects, const std::string& 
   std::vector<SceneObject> list;
   for (const auto& [name, stored] : objects) {
     const RigidObject& object = stored.object;
-    SceneObject message = stored.message;
+    SceneObject message = *stored.message;
     message.header = std_msgs::Header();
     message.header.frame_id = object.attached_link.empty() ? world_frame : object.attached_link;
     message.pose = toPose(object.X_PO);

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <functional>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -19,7 +20,7 @@ namespace collision_pairs {
 
 /// By name: the message and the core's object.
 struct StoredObject {
-  SceneObject message;
+  std::shared_ptr<const SceneObject> message;  ///< large, if it has meshes
   RigidObject object;
 };
 using SceneObjects = std::map<std::string, StoredObject>;

@@ -15,7 +15,7 @@ namespace collision_pairs {
 /// The input of every check that the node makes. A Monitor makes it, and only a Monitor, so that no
 /// reason is left out why the answer cannot be FREE: `poses.doubts`.
 struct Snapshot {
-  ActiveScenePtr scene;  ///< null: there is none, and poses.doubts say why
+  ActiveScenePtr scene;
   /// The instant of the poses; the time at which it was made, if all that are known are static.
   ros::Time stamp;
   bool is_static = false;  ///< all known poses are

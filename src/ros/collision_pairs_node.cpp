@@ -139,8 +139,14 @@ CheckSettings CollisionPairsNode::settings() const {
 void CollisionPairsNode::cycle() {
   try {
     const ros::WallTime start = ros::WallTime::now();
-    if (const ActiveScenePtr scene = monitor_.activeScene()) {
-      check(scene, start);
+    std::optional<Snapshot> snapshot;
+    const ros::Time now = monitor_.with([&](const Monitor& monitor) {
+      const ActiveScenePtr scene = monitor.scenes().active();
+      if (scene) snapshot.emplace(monitor.at(scene));
+      return monitor.transforms().now().stamp;
+    });
+    if (snapshot) {
+      check(*snapshot, now, start);
     } else {
       reportUnknown(scene_service_.loadFirst());
     }
@@ -150,13 +156,11 @@ void CollisionPairsNode::cycle() {
   }
 }
 
-void CollisionPairsNode::check(const ActiveScenePtr& scene, const ros::WallTime& start) {
-  if (scene != checked_scene_) takeScene(scene);
-  const CheckSettings settings = this->settings();
-  const auto [snapshot, now] = monitor_.with([&](const Monitor& monitor) {
-    return std::pair(monitor.at(scene), monitor.transforms().now().stamp);
-  });
+void CollisionPairsNode::check(const Snapshot& snapshot, const ros::Time& now,
+                               const ros::WallTime& start) {
   const double transform_time = secondsSince(start);
+  if (snapshot.scene != checked_scene_) takeScene(snapshot.scene);
+  const CheckSettings settings = this->settings();
   const bool is_left_out = !snapshot.first_left_out.empty();
   if (is_left_out || !snapshot.poses.doubts.empty()) {
     ROS_WARN_STREAM_THROTTLE(

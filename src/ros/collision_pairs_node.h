@@ -45,7 +45,7 @@ class CollisionPairsNode {
   bool isTriggeredByTf() const { return parameters_.trigger == NodeParameters::TF; }
   ros::SteadyTime nextCycle() const;
   void cycle();
-  void check(const ActiveScenePtr& scene, const ros::WallTime& start);
+  void check(const Snapshot& snapshot, const ros::Time& now, const ros::WallTime& start);
   void reportUnknown(const std::string& why);
   void draw(const Snapshot& snapshot, const CollisionPairs& message, const CheckSettings& settings);
   void showMarkers(const CollisionPairs& message, const CollisionReport* report,

@@ -32,12 +32,16 @@ void LiveMonitor::subscribe(const ros::NodeHandle& node, const std::function<voi
   spinner_->start();
 }
 
-void LiveMonitor::advance() {
+ros::Time LiveMonitor::advance() {
   const unsigned nb_jumps = monitor_.transforms().nbClockJumps();
   const ros::Time now = ros::Time::now();
   monitor_.advance({now, ros::SteadyTime::now().toSec()});
-  if (monitor_.transforms().nbClockJumps() == nb_jumps) return;
-  ROS_INFO_STREAM("the clock went back to " << now << " s: earlier transforms are discarded");
+  return monitor_.transforms().nbClockJumps() == nb_jumps ? ros::Time() : now;
+}
+
+LiveMonitor::Jump::~Jump() {
+  if (to.isZero()) return;
+  ROS_INFO_STREAM("the clock went back to " << to << " s: earlier transforms are discarded");
 }
 
 }  // namespace collision_pairs

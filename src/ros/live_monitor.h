@@ -31,8 +31,9 @@ class LiveMonitor {
   /// belongs there.
   template <class Use>
   auto with(const Use& use) {
+    Jump jump;  // before the lock, and destroyed after it
     const std::lock_guard<std::mutex> lock(mutex_);
-    advance();
+    jump.to = advance();
     return use(monitor_);
   }
   /// Null while there is none.
@@ -44,7 +45,12 @@ class LiveMonitor {
   std::uint64_t nbTaken() const { return nb_taken_; }
 
  private:
-  void advance();
+  /// Says in the log that the clock went back; the log may block.
+  struct Jump {
+    ~Jump();
+    ros::Time to;  ///< 0: it did not
+  };
+  ros::Time advance();
 
   std::atomic<std::uint64_t> nb_taken_{0};
   std::mutex mutex_;  // guards monitor_

@@ -2,15 +2,13 @@
 
 #include <algorithm>
 #include <mutex>
-#include <optional>
 #include <set>
-#include <tuple>
 
 #include "collision_pairs/distance_gradient.h"
 #include "collision_pairs/motion_check.h"
+#include "conversions.h"
 #include "joint_limits.h"
 #include "low_priority.h"
-#include "conversions.h"
 #include "snapshot_check.h"
 #include "user_text.h"
 
@@ -165,7 +163,8 @@ void QueryService::check(const CheckCollisions::Request& request,
   CheckSettings settings = settingsFor(request, context_.defaults());
   refuseGradientOfNothing(request);
   if (request.gradient) settings.tolerance = 0.0;  // a gradient needs the exact distance
-  const auto& [names, positions] = std::tie(request.joint_state.name, request.joint_state.position);
+  const auto& names = request.joint_state.name;
+  const auto& positions = request.joint_state.position;
   const bool has_joints = !names.empty() || !positions.empty();
   const ros::WallTime start = ros::WallTime::now();
   Snapshot snapshot = context_.monitor.with([&](const Monitor& monitor) {
@@ -181,8 +180,9 @@ void QueryService::check(const CheckCollisions::Request& request,
     sentences = outsideLimits({joints.jointPositionsAt(positions)}, scene.robot(), "state");
     response.joints_from_tf = joints.jointsFromTf();
     response.joints_at_zero = joints.jointsAtZero();
-  } else if (snapshot.nb_asked > 0 && snapshot.nb_found == 0) {
-    throw InputError("no transform is known: " + snapshot.poses.doubts.front());
+  } else if (!snapshot.isKnown()) {
+    const bool has_clock = !contains(snapshot.poses.doubts, NO_CLOCK);
+    throw InputError("no transform is known: " + (has_clock ? snapshot.first_left_out : NO_CLOCK));
   }
   const double transform_time = (ros::WallTime::now() - start).toSec();
   CollisionDetector& detector = detectorFor(active->scene);
@@ -224,10 +224,10 @@ void TrajectoryService::check(const CheckTrajectory::Request& request,
   const auto& scene = active->scene;
   CheckSettings settings = settingsFor(request, context_.defaults());
   settings.list_boxes = request.want_reports;
-  if (!batch_ || &batch_->scene() != scene.get()) batch_ = std::make_unique<BatchCheck>(scene);
   const Snapshot snapshot = context_.monitor.with([&](const Monitor& monitor) {
     return monitor.withJoints(active, request.trajectory.joint_names, request.stamp);
   });
+  if (!batch_ || &batch_->scene() != scene.get()) batch_ = std::make_unique<BatchCheck>(scene);
   if (request.trajectory.points.empty()) throw InputError("the trajectory has no points");
   response.joints_from_tf = snapshot.joints->jointsFromTf();
   response.joints_at_zero = snapshot.joints->jointsAtZero();

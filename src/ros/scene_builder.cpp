@@ -26,7 +26,6 @@ ActiveScenePtr SceneBuilder::build(const HandOut& hand_out) {
   }
   // It is the only one: nothing has changed meanwhile.
   monitor_.with([&](Monitor& monitor) { monitor.scenes().take(job); });
-  clouds_.follow();
   return scene;
 }
 
@@ -44,6 +43,7 @@ void SceneBuilder::load() {
   }
   const ActiveScenePtr active =
       build([&](const SceneStore& scenes) { return scenes.load(std::move(parameters)); });
+  clouds_.follow();
   const CollisionScene& scene = *active->scene;
   ROS_INFO_STREAM("robot '" << scene.robot().name() << "': " << scene.models().size()
                             << " links with geometry to check, " << scene.elements().size()
@@ -62,19 +62,19 @@ void SceneBuilder::update(const std::vector<SceneChange>& changes) {
   const AddedObjects added = readAdded(changes, makeMeshLoader());
   const std::lock_guard<std::mutex> lock(building_);
   build([&](const SceneStore& scenes) { return scenes.update(changes, added); });
+  clouds_.follow();
 }
 
 ActiveScenePtr SceneBuilder::restrictedTo(const Restriction& restriction) {
   const auto hand_out = [&](SceneStore& scenes) { return scenes.restrictedTo(restriction); };
-  if (restriction.empty()) {
-    return monitor_.with([&](Monitor& monitor) { return hand_out(monitor.scenes()).scene(); });
-  }
+  const auto known =
+      monitor_.with([&](Monitor& monitor) { return hand_out(monitor.scenes()).scene(); });
+  if (known) return known;
   const std::lock_guard<std::mutex> lock(building_);
   return build(hand_out);
 }
 
 std::vector<std::string> SceneBuilder::changedDescriptions() {
-  const std::lock_guard<std::mutex> lock(building_);
   const auto parameters =
       monitor_.with([](Monitor& monitor) { return monitor.scenes().parameters(); });
   if (!parameters) return {};

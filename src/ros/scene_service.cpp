@@ -115,7 +115,10 @@ bool SceneService::onUpdate(UpdateScene::Request& request, UpdateScene::Response
     response.message = error.what();
   }
   if (!request.no_list) {
-    response.objects = monitor_.with([](Monitor& monitor) { return monitor.scenes().list(); });
+    const auto [objects, scene] = monitor_.with([](const Monitor& monitor) {
+      return std::pair(monitor.scenes().objects(), monitor.scenes().active());
+    });
+    response.objects = listed(*objects, scene ? scene->frame : std::string());
   }
   return true;  // false would hide the message from the caller
 }
@@ -141,7 +144,8 @@ bool SceneService::onClearClouds(std_srvs::Trigger::Request&,
                                  std_srvs::Trigger::Response& response) {
   response.success = monitor_.with([](Monitor& monitor) {
     monitor.clearClouds();
-    return !monitor.scenes().clouds().empty();
+    const ActiveScenePtr scene = monitor.scenes().active();
+    return scene && !scene->clouds.empty();
   });
   if (response.success) {
     response.message =

@@ -21,7 +21,7 @@ struct FoundBodies {
 /// TF lacks a transform between links that the URDF fixes to each other, the URDF provides it. A
 /// body that TF connects to another one by static transforms only, although a joint between them is
 /// not fixed, is unknown, unless the joint is in static_joints. Look-ups from several threads need
-/// a lock while the buffer grows.
+/// a lock.
 class RobotPoses {
  public:
   /// W is `frame`; it need not be a link. `prefix`: of the robot's frames, P/link or Plink. The

@@ -113,6 +113,16 @@ class Knowledge {
     }
     return false;
   }
+  /// Whether some link was heard of later, by more than is allowed; not of those lied about.
+  bool isBehind(Ns stamp) const {
+    for (const Told& told : told_) {
+      const auto ahead = told.samples.upper_bound(ros_);
+      if (told.is_lied_about || ahead == told.samples.begin()) continue;
+      const double lag = seconds(std::prev(ahead)->first - stamp);
+      if (lag > setup_.max_transform_age + 1e-6) return true;
+    }
+    return false;
+  }
   bool isTooOld(Ns stamp) const {
     return setup_.max_pose_age > 0.0 && seconds(ros_ - stamp) > setup_.max_pose_age + 1e-6;
   }

@@ -83,6 +83,7 @@ void SimulatedNode::judgeFree(const Snapshot& snapshot) {
   const Ns stamp = static_cast<Ns>(snapshot.stamp.toNSec());
   if (knowledge_.isClockInDoubt()) fail("FREE although the clock stands still");
   if (knowledge_.isTooOld(stamp)) fail("FREE although the poses are too old");
+  if (ignored_.empty() && knowledge_.isBehind(stamp)) fail("FREE although a link lags behind");
   const int nb_links = static_cast<int>(setup_.links.size());
   std::vector<std::optional<Pose>> at;
   for (int link = 0; link < nb_links; ++link) {
@@ -172,10 +173,10 @@ void SimulatedNode::requireSharedDoubts(const Snapshot& cycle, const Snapshot& o
 
 void SimulatedNode::judgeMemory() {
   const TransformBuffer& buffer = monitor_.transforms().buffer();
-  if (buffer.nbEpochs() > 1000) fail("epochs pile up");
+  if (buffer.nbEpochs() > 150) fail("epochs pile up");
   for (int frame = 0; frame < static_cast<int>(buffer.frames().size()); ++frame) {
     const bool is_heard = buffer.gate().isHeard(frame);
-    if (is_heard && buffer.gate().nbKept(frame) > 20000) fail("samples pile up");
+    if (is_heard && buffer.gate().nbKept(frame) > 1000) fail("samples pile up");
   }
 }
 
@@ -188,9 +189,8 @@ bool SimulatedNode::areAdjacent(int a, int b) const {
 }
 
 void SimulatedNode::recover(double duration) {
-  Event event;
   speed_ = 1.0;
-  scene_work_.reset();
+  scene_works_.clear();
   if (cloud_work_) endCloud();
   Event change;
   change.what = 6;  // no object

@@ -79,6 +79,7 @@ SceneParameters SimulatedNode::parameters(const std::set<int>& ignored) const {
     cloud.topic = CLOUD;
     cloud.voxel_size = 0.05;
     cloud.source_timeout = SOURCE_TIMEOUT;
+    cloud.max_range = 100.0;
     cloud.self_filter_padding = SELF_FILTER;
     config.clouds = {cloud};
     made.sources.clouds = {obstacleOf(cloud)};
@@ -104,7 +105,9 @@ void SimulatedNode::advance(double dt) {
   monitor_.advance({now, steady_});
   const int pass = knowledge_.pass();
   knowledge_.moveClock(ros_, steady_);
-  if (knowledge_.pass() != pass) seen_.reset();
+  if (knowledge_.pass() == pass) return;
+  seen_.reset();
+  last_cloud_ = 0;
 }
 
 Ns SimulatedNode::stampOf(double lag) const {
@@ -219,12 +222,13 @@ void SimulatedNode::happen(const Event& event) {
       monitor_.clearClouds();
       ++cloud_generation_;
       seen_.reset();
+      last_cloud_ = 0;
       break;
     case Event::SCENE_BEGIN:
       beginScene(event);
       break;
     case Event::SCENE_END:
-      endScene();
+      endScene(event.what % 2 == 0);
       break;
     default:
       break;
@@ -254,14 +258,14 @@ void SimulatedNode::sendCloud(const Event& event) {
   header.stamp.fromNSec(static_cast<std::uint64_t>(std::max<Ns>(0, stamp)));
   const auto cloud =
       boost::make_shared<const sensor_msgs::PointCloud2>(toPointCloud2(sent, header));
-  for (const auto& source : monitor_.scenes().clouds()) source->take(cloud);
+  for (const auto& source : monitor_.scenes().active()->clouds) source->take(cloud);
   sent_[stamp] = points;
   arrivals_[stamp] = seconds(ros_);
 }
 
 void SimulatedNode::beginCloud() {
-  if (monitor_.scenes().clouds().empty()) return;
-  const auto job = monitor_.scenes().clouds().front()->next();
+  if (!setup_.has_cloud) return;
+  const auto job = monitor_.scenes().active()->clouds.front()->next();
   if (!job) return;
   if (cloud_work_) return fail("a cloud is handed out while another is being processed");
   const Ns stamp = static_cast<Ns>(job->header().stamp.toNSec());
@@ -271,6 +275,7 @@ void SimulatedNode::beginCloud() {
   cloud_work_ = job;
   cloud_work_generation_ = cloud_generation_;
   cloud_work_pass_ = knowledge_.pass();
+  cloud_work_revision_ = revision_;
   cloud_points_.clear();
   if (!X_WL || knowledge_.isLiedAbout(setup_.camera_on)) return;
   for (const Pose& p : sent_[stamp]) {
@@ -296,11 +301,16 @@ void SimulatedNode::endCloud() {
   const auto job = std::move(cloud_work_);
   cloud_work_.reset();
   job->run();
-  if (!monitor_.scenes().clouds().empty()) monitor_.scenes().clouds().front()->take(*job);
+  const bool is_used = job->isUsed();
+  monitor_.scenes().active()->clouds.front()->take(*job);
   const bool is_of_now =
       cloud_work_generation_ == cloud_generation_ && cloud_work_pass_ == knowledge_.pass();
-  if (!job->isUsed() || !is_of_now) return;
+  if (!is_used || !is_of_now) return;
   const Ns stamp = static_cast<Ns>(job->header().stamp.toNSec());
+  if (stamp <= last_cloud_) fail("a cloud is used after a later one");
+  last_cloud_ = stamp;
+  // It may have been filtered by what was attached before.
+  if (cloud_work_revision_ < complete_revision_) return;
   seen_ = Seen{std::min(seconds(stamp), arrivals_[stamp]), cloud_points_};
 }
 

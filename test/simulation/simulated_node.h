@@ -1,7 +1,6 @@
 // A monitor to which events happen, beside an oracle that is told the same.
 #pragma once
 
-#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -48,6 +47,7 @@ class SimulatedNode {
     std::uint64_t revision;
     std::map<std::string, PlainObject> objects;  ///< afterwards
     std::set<int> ignored;
+    bool may_show_more;  ///< of the clouds: what was attached hid it
   };
   /// Of the last cloud that was used.
   struct Seen {
@@ -65,7 +65,7 @@ class SimulatedNode {
   void beginCloud();
   void endCloud();
   void beginScene(const Event& event);
-  void endScene();
+  void endScene(bool is_first);
   std::optional<Pose> newestPoseOf(int link) const;
   SceneParameters parameters(const std::set<int>& ignored) const;
 
@@ -90,12 +90,14 @@ class SimulatedNode {
   std::map<std::string, PlainObject> objects_;
   std::set<int> ignored_;
   std::uint64_t revision_ = 0;
-  std::optional<SceneWork> scene_work_;
+  std::vector<SceneWork> scene_works_;
   std::shared_ptr<CloudJob> cloud_work_;
   std::vector<Pose> cloud_points_;        ///< in W, of cloud_work_
   std::map<Ns, std::vector<Pose>> sent_;  ///< points in the camera's frame, by stamp
   std::map<Ns, double> arrivals_;
   int cloud_generation_ = 0, cloud_work_generation_ = 0, cloud_work_pass_ = 0;
+  std::uint64_t cloud_work_revision_ = 0, complete_revision_ = 0;
+  Ns last_cloud_ = 0;  ///< stamp of the last that was used
   std::optional<Seen> seen_;
   bool is_camera_told_ = false;
   Pose X_LC_;

@@ -1,5 +1,7 @@
 // Objects and robots of a SimulatedNode.
 #include <cmath>
+#include <iterator>
+#include <limits>
 
 #include "object_messages.h"
 #include "simulated_node.h"
@@ -45,17 +47,23 @@ std::optional<Pose> SimulatedNode::newestPoseOf(int link) const {
 
 void SimulatedNode::beginScene(const Event& event) {
   const std::string name = "o" + std::to_string(event.other % 3);
-  SceneWork work{monitor_.scenes().restrictedTo({}), revision_, objects_, ignored_};
+  if (scene_works_.size() == 2) return;
+  SceneWork work{monitor_.scenes().restrictedTo({}), revision_, objects_, ignored_, false};
   try {
     if (event.what == LOAD) {
       const bool ignores = event.number < 0.0;
       work.ignored = ignores ? std::set<int>{event.who} : std::set<int>{};
+      work.may_show_more = true;
       work.job = monitor_.scenes().load(parameters(work.ignored));
-      scene_work_ = std::move(work);
+      scene_works_.push_back(std::move(work));
       return;
     }
     SceneChange change = changeOf(SceneChange::ADD, name);
     const auto known = work.objects.find(name);
+    for (const auto& [other, object] : objects_) {
+      const bool is_changed = other == name || event.what == CLEAR;
+      work.may_show_more = work.may_show_more || (is_changed && object.link >= 0);
+    }
     const auto X_WL = newestPoseOf(event.who);
     const bool is_certain = !knowledge_.isLiedAbout(event.who);
     switch (event.what) {
@@ -119,15 +127,16 @@ void SimulatedNode::beginScene(const Event& event) {
       if (object.X_PO.x > 1e8)
         return fail("object " + other + " is placed by a link that is nowhere");
     }
-    scene_work_ = std::move(work);
+    scene_works_.push_back(std::move(work));
   } catch (const InputError&) {
   }
 }
 
-void SimulatedNode::endScene() {
-  if (!scene_work_) return;
-  SceneWork work = std::move(*scene_work_);
-  scene_work_.reset();
+void SimulatedNode::endScene(bool is_first) {
+  if (scene_works_.empty()) return;
+  const auto at = is_first ? scene_works_.begin() : std::prev(scene_works_.end());
+  SceneWork work = std::move(*at);
+  scene_works_.erase(at);
   try {
     work.job.run();
   } catch (const InputError&) {
@@ -137,11 +146,11 @@ void SimulatedNode::endScene() {
   if (monitor_.scenes().take(work.job) != is_of_now) return fail("a scene is built of an old one");
   if (!is_of_now) return;
   ++revision_;
-  const bool is_reloaded = work.ignored != ignored_;
   objects_ = work.objects;
   ignored_ = work.ignored;
-  // Whatever was attached may have hidden what was seen.
-  if (is_reloaded) seen_.reset();
+  if (!work.may_show_more) return;
+  complete_revision_ = revision_;
+  seen_.reset();
 }
 
 int SimulatedNode::bodyOf(int link) const {

@@ -71,13 +71,17 @@ bool CloudThread::workOnce() {
     is_waiting = source->isWaiting();
     return next;
   });
-  if (job) {
-    job->run();
-    const bool is_wanted = filtered_cloud_.getNumSubscribers() > 0 && job->isUsed();
-    if (is_wanted) filtered_cloud_.publish(toPointCloud2(job->kept(), job->header()));
-    monitor_.with([&](Monitor&) { source->take(*job); });
-  } else if (is_waiting) {
-    std::this_thread::sleep_for(PAUSE);
+  try {
+    if (job) {
+      job->run();
+      const bool is_wanted = filtered_cloud_.getNumSubscribers() > 0 && job->isUsed();
+      if (is_wanted) filtered_cloud_.publish(toPointCloud2(job->kept(), job->header()));
+      monitor_.with([&](Monitor&) { source->take(*job); });
+    } else if (is_waiting) {
+      std::this_thread::sleep_for(PAUSE);
+    }
+  } catch (const std::exception& error) {
+    monitor_.with([&](Monitor&) { source->refuse(error.what()); });
   }
   tell();
   return job || is_waiting;
@@ -93,8 +97,8 @@ void CloudThread::tell() {
 }
 
 void CloudThreads::follow() {
-  const auto wanted = monitor_.with([](Monitor& monitor) { return monitor.scenes().clouds(); });
-  const std::lock_guard<std::mutex> lock(mutex_);
+  const ActiveScenePtr scene = monitor_.activeScene();
+  const auto& wanted = scene->clouds;
   const bool are_same = std::equal(threads_.begin(), threads_.end(), wanted.begin(), wanted.end(),
                                    [](const auto& thread, const auto& source) {
                                      return thread->topic() == source->config().topic;
@@ -103,13 +107,17 @@ void CloudThreads::follow() {
     for (std::size_t i = 0; i < wanted.size(); ++i) threads_[i]->follow(wanted[i]);
     return;
   }
-  threads_.clear();
-  if (wanted.empty()) return;
-  const auto filtered = private_node_.advertise<sensor_msgs::PointCloud2>(
-      "filtered_cloud", static_cast<std::uint32_t>(wanted.size()));
-  for (const auto& source : wanted) {
-    threads_.push_back(std::make_unique<CloudThread>(node_, source, monitor_, filtered));
+  ros::Publisher filtered;
+  if (!wanted.empty()) {
+    filtered = private_node_.advertise<sensor_msgs::PointCloud2>(
+        "filtered_cloud", static_cast<std::uint32_t>(wanted.size()));
   }
+  std::vector<std::unique_ptr<CloudThread>> threads;  // the old ones end without the lock
+  for (const auto& source : wanted) {
+    threads.push_back(std::make_unique<CloudThread>(node_, source, monitor_, filtered));
+  }
+  const std::lock_guard<std::mutex> lock(mutex_);
+  std::swap(threads_, threads);
 }
 
 bool CloudThreads::isEmpty() const {

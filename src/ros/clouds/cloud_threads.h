@@ -6,6 +6,7 @@
 #include <mutex>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include <diagnostic_updater/diagnostic_updater.h>
@@ -28,7 +29,8 @@ class CloudThread {
 
   /// Another source of the same topic: no cloud is lost in between.
   void follow(const std::shared_ptr<CloudSource>& source) {
-    monitor_.with([&](Monitor&) { source_ = source; });
+    auto old = source;  // destroyed without the lock
+    monitor_.with([&](Monitor&) { std::swap(source_, old); });
   }
   const std::string& topic() const { return topic_; }
   /// To be used under the lock of the monitor.
@@ -64,7 +66,8 @@ class CloudThreads {
                LiveMonitor& monitor)
       : node_(node), private_node_(private_node), monitor_(monitor) {}
 
-  /// Subscribes to the sources that the monitor has now, and to no others.
+  /// Subscribes to the sources of the active scene, and to no others. Not from two threads at a
+  /// time; the others never wait for it.
   void follow();
   bool isEmpty() const;
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) const;

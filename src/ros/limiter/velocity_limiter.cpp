@@ -224,13 +224,20 @@ LimiterDecision VelocityLimiter::decide(const Command& command,
 
 Snapshot VelocityLimiter::takeSnapshot(const ActiveScenePtr& active, LimiterInput& input,
                                        RobotState& state) {
-  const unsigned nb_jumps = nbClockJumps();
+  unsigned nb_jumps = 0;
+  std::vector<std::string> doubts;  // of the clock and the joint states
+  context_.monitor.with([&](const Monitor& monitor) {
+    const TransformInput& transforms = monitor.transforms();
+    nb_jumps = transforms.nbClockJumps();
+    const std::string still = transforms.clockDoubt();  // nothing is seen to age
+    if (transforms.now().stamp.isZero()) doubts.push_back(NO_CLOCK);
+    if (!still.empty()) doubts.push_back(still);
+  });
   const RobotModel& robot = active->scene->robot();
   const double most_age = parameters_->law.max_joint_state_age;
   std::vector<std::string> names;
   std::vector<double> values;
-  double now = 0.0;                 // when the command is passed, on the clock of stamps
-  std::vector<std::string> doubts;  // of the joint states
+  double now = 0.0;  // when the command is passed, on the clock of stamps
   {
     const std::lock_guard<std::mutex> lock(inputs_mutex_);
     const CommandOutlet::Time time = followClock(nb_jumps);
@@ -256,10 +263,17 @@ Snapshot VelocityLimiter::takeSnapshot(const ActiveScenePtr& active, LimiterInpu
       values.push_back(position.value);
     }
   }
-  Snapshot snapshot = context_.monitor.with(
-      [&](const Monitor& monitor) { return monitor.withMeasured(active, names); });
-  auto& all = snapshot.poses.doubts;
-  all.insert(all.end(), doubts.begin(), doubts.end());
+  if (!doubts.empty()) {
+    Snapshot unusable;
+    unusable.poses.doubts = std::move(doubts);
+    return unusable;
+  }
+  Snapshot snapshot = context_.monitor.with([&](const Monitor& monitor) {
+    Snapshot taken = monitor.withMeasured(active, names);
+    const bool has_jumped = monitor.transforms().nbClockJumps() != nb_jumps;
+    if (has_jumped) taken.poses.doubts.push_back("the clock went back meanwhile");
+    return taken;
+  });
   state.positions = snapshot.joints->jointPositionsAt(values);
   state.placed = snapshot.joints->placedBodies();
   state.voxels = snapshot.poses.voxels;
