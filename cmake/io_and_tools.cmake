@@ -36,6 +36,8 @@ target_include_directories(collision_pairs_io
 target_include_directories(collision_pairs_io SYSTEM PRIVATE ${catkin_INCLUDE_DIRS})
 target_link_libraries(collision_pairs_io PUBLIC collision_pairs $<BUILD_INTERFACE:yaml-cpp>
                       PRIVATE ${catkin_LIBRARIES} BZip2::BZip2 ${ROSLZ4_LIBRARY} ${TINYXML2_LIBRARIES} ${CMAKE_DL_LIBS})
+file(RELATIVE_PATH programs_from_libraries /${CATKIN_PACKAGE_LIB_DESTINATION} /${CATKIN_PACKAGE_BIN_DESTINATION})
+target_compile_definitions(collision_pairs_io PRIVATE PROGRAMS_FROM_LIBRARIES="${programs_from_libraries}")
 collision_pairs_together(collision_pairs_io)
 collision_pairs_warnings(collision_pairs_io)
 collision_pairs_checked_indices(collision_pairs_io)

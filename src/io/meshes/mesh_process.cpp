@@ -24,14 +24,15 @@ using Clock = std::chrono::steady_clock;
 
 const char* const NOT_READ = "assimp, which reads this format, ";
 
-/// lib/collision_pairs/read_mesh_file beside lib/libcollision_pairs_io.so, installed or not.
+/// By its place beside this library, installed or not: lib/collision_pairs/read_mesh_file beside
+/// lib/libcollision_pairs_io.so, or lib/ARCHITECTURE/libcollision_pairs_io.so in Debian's /usr.
 std::string programPath() {
   Dl_info library{};
   if (::dladdr(reinterpret_cast<const void*>(&programPath), &library) == 0) return "";
   const std::string path = library.dli_fname;
   const std::size_t slash = path.rfind('/');
   const std::string folder = slash == std::string::npos ? "." : path.substr(0, slash);
-  return folder + "/collision_pairs/read_mesh_file";
+  return folder + "/" PROGRAMS_FROM_LIBRARIES "/read_mesh_file";
 }
 
 /// A running read_mesh_file, killed by the destructor.
