@@ -25,7 +25,7 @@ target_include_directories(test_parts PUBLIC test src/demo src/messages src/plan
                                       PRIVATE src/ros/limiter)
 target_include_directories(test_parts SYSTEM PUBLIC ${catkin_INCLUDE_DIRS})
 target_link_libraries(test_parts PUBLIC collision_pairs_io)
-collision_pairs_together(test_parts)
+target_compile_definitions(test_parts PRIVATE PROJECT_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
 collision_pairs_warnings(test_parts)
 collision_pairs_checked_indices(test_parts)
 
