@@ -5,7 +5,12 @@ find_dependency(Eigen3)
 @[if DEVELSPACE]@
 include("@(PROJECT_BINARY_DIR)/collision_pairsTargets.cmake")
 @[else]@
-include("${collision_pairs_DIR}/collision_pairsTargets.cmake")
+# In Debian's /usr this file is in lib/ARCHITECTURE/cmake/collision_pairs.
+set(collision_pairs_TARGETS "${collision_pairs_DIR}/collision_pairsTargets.cmake")
+if(NOT EXISTS "${collision_pairs_TARGETS}")
+  set(collision_pairs_TARGETS "${collision_pairs_DIR}/../../../../share/collision_pairs/cmake/collision_pairsTargets.cmake")
+endif()
+include("${collision_pairs_TARGETS}")
 @[end if]@
 find_package(ompl QUIET)
 if(ompl_FOUND AND NOT TARGET collision_pairs::ompl)

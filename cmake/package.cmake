@@ -46,6 +46,11 @@ execute_process(COMMAND gzip -9nf ${documents}/changelog)
 install(FILES ${documents}/changelog.gz DESTINATION share/doc/collision-pairs)
 install(FILES LICENSE DESTINATION share/doc/collision-pairs RENAME copyright)
 
+# No compiled Python, which generated messages bring: the system makes its own.
+install(CODE "file(GLOB_RECURSE folders LIST_DIRECTORIES true \"\$ENV{DESTDIR}/usr/lib/python3/dist-packages/collision_pairs/*\")
+list(FILTER folders INCLUDE REGEX __pycache__$)
+file(REMOVE_RECURSE \${folders})")
+
 # The libraries are in the system's folder: the linker is told so.
 file(WRITE ${documents}/triggers "activate-noawait ldconfig\n")
 set(CPACK_DEBIAN_PACKAGE_CONTROL_EXTRA ${documents}/triggers)
