@@ -293,7 +293,7 @@ collision_pairs_rostest(nodelet)
 add_library(failing_calls MODULE EXCLUDE_FROM_ALL test/ros/failing_calls.cpp)  # preloaded into the nodelet's manager
 add_dependencies(tests failing_calls)
 target_link_libraries(failing_calls PRIVATE collision_pairs_ros)
-set_target_properties(failing_calls PROPERTIES PREFIX "" LINK_FLAGS "-Wl,--exclude-libs,ALL"
+set_target_properties(failing_calls PROPERTIES PREFIX "" LINK_FLAGS "-Wl,--exclude-libs,ALL -Wl,--allow-multiple-definition"
   LIBRARY_OUTPUT_DIRECTORY ${CATKIN_DEVEL_PREFIX}/${CATKIN_PACKAGE_BIN_DESTINATION})
 collision_pairs_warnings(failing_calls)
 collision_pairs_rostest(boxes)
