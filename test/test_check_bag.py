@@ -212,8 +212,10 @@ def test_of_links_without_a_pose_twenty_are_listed_and_the_rest_is_counted(check
             target.write("/tf", TFMessage(transforms), rospy.Time(second))
     rows, summary = check_bag(bag, "--urdf", urdf, "--max-gap", "5")
     assert len(re.findall(r"^    l\d+  at 2 stamps$", summary, re.MULTILINE)) == min(20, count)
-    reasons = ["link '%s': TF has no frame of that name" % link for link in links[:count]]
-    assert rows[0]["unknown_because"].split("; ") == reasons[:10] + ["and more"] * (count > 10)
+    more = " and %d more" % (count - 10) if count > 10 else ""
+    reasons = ["no usable pose: " + ", ".join(links[:min(10, count)]) + more]
+    reasons += ["link '%s': TF has no frame of that name" % link for link in links[:count]]
+    assert rows[0]["unknown_because"].split("; ") == reasons[:10] + ["and more"]
     assert re.search(r"^    (and .*)$", summary, re.MULTILINE) is None if rest is None else rest in summary
 
 
