@@ -16,6 +16,7 @@ EXCUSED = {
     "unconfigured_build_depend": "Debian's roslz4 has no CMake configuration: CMakeLists.txt asks find_library",
     "unguarded_test_depend": "OMPL is looked for quietly, and used by a test only",
     "plugin_depend": "MoveIt is optional: that dependency has a condition",
+    "env_var": "DESTDIR is where an installation is to be made, which nothing else says",
     "missing_depend": "octomap is for a benchmark only, behind a switch that is off"}
 
 

@@ -16,7 +16,7 @@ def program_of(library):
     return os.path.join(TOOLS, "unit_tests_of_" + library)
 
 
-def tests_in(*command):
+def listed_in(*command):
     """As gtest lists them: "Suite.", and the tests of the suite below, indented."""
     done = subprocess.run([*command, "--gtest_list_tests"], stdout=subprocess.PIPE, text=True, check=True, timeout=60)
     suite, tests = "", []
@@ -36,10 +36,10 @@ def test_each_test_is_that_of_one_file(library):
     of_files = []
     for name, its_library in REGISTERED:
         if (its_library or "collision_pairs") == library:
-            tests = tests_in(program_of(library), "test_" + name)
+            tests = listed_in(program_of(library), "test_" + name)
             assert tests, name
             of_files += tests
-    assert sorted(of_files) == sorted(tests_in(program_of(library)))
+    assert sorted(of_files) == sorted(listed_in(program_of(library)))
 
 
 def test_a_file_that_is_not_there_is_an_error():
