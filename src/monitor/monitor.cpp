@@ -43,17 +43,22 @@ Snapshot Monitor::at(const ActiveScenePtr& scene, const ros::Time& stamp) const 
   snapshot.nb_found = stamped.nb_found;
   snapshot.poses.X_WB = std::move(stamped.poses.X_WB);
   snapshot.poses.known = std::move(stamped.poses.known);
+  addClock(snapshot);
   addProblems(stamped.problems, snapshot);
   addClouds(stamp, snapshot);
   return snapshot;
 }
 
-void Monitor::addProblems(const std::vector<std::string>& problems, Snapshot& snapshot) const {
+void Monitor::addClock(Snapshot& snapshot) const {
   auto& doubts = snapshot.poses.doubts;
   if (transforms_.now().stamp.isZero()) doubts.push_back(NO_CLOCK);
   const std::string clock = transforms_.clockDoubt();
-  if (!clock.empty()) doubts.push_back(clock);
+  if (!clock.empty() && !contains(doubts, clock)) doubts.push_back(clock);
+}
+
+void Monitor::addProblems(const std::vector<std::string>& problems, Snapshot& snapshot) const {
   if (problems.empty()) return;
+  auto& doubts = snapshot.poses.doubts;
   snapshot.first_left_out = problems.front();
   const std::size_t nb_named = std::min(problems.size(), MOST_NAMED);
   doubts.insert(doubts.end(), problems.begin(), problems.begin() + nb_named);
@@ -108,11 +113,8 @@ Snapshot Monitor::withJoints(const ActiveScenePtr& scene, const std::vector<std:
 Snapshot Monitor::withMeasured(const ActiveScenePtr& scene,
                                const std::vector<std::string>& names) const {
   Snapshot snapshot = begin(scene);
-  auto& doubts = snapshot.poses.doubts;
-  if (snapshot.stamp.isZero()) doubts.push_back(NO_CLOCK);
   addJoints(names, ros::Time(), snapshot.stamp, snapshot);
-  const std::string clock = transforms_.clockDoubt();  // positions are not seen to age either
-  if (!clock.empty() && !contains(doubts, clock)) doubts.push_back(clock);
+  addClock(snapshot);  // positions are not seen to age either
   addClouds(ros::Time(), snapshot);
   return snapshot;
 }

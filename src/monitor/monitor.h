@@ -53,6 +53,7 @@ class Monitor {
 
  private:
   Snapshot begin(const ActiveScenePtr& scene) const;
+  void addClock(Snapshot& snapshot) const;
   void addClouds(const ros::Time& stamp, Snapshot& snapshot) const;
   void addJoints(const std::vector<std::string>& names, const ros::Time& stamp,
                  const ros::Time& held, Snapshot& snapshot) const;

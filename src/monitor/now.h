@@ -11,8 +11,8 @@ struct Now {
   Now(const ros::Time& time) : stamp(time), steady(time.toSec()) {}
   Now(const ros::Time& time, double seconds) : stamp(time), steady(seconds) {}
 
-  ros::Time
-      stamp;      ///< ROS time, which is that of stamps: it may be simulated, stand still, or step
+  /// ROS time, which is that of stamps: it may be simulated, stand still, or step.
+  ros::Time stamp;
   double steady;  ///< seconds of a clock that does not
 };
 

@@ -34,24 +34,25 @@ void noteBroken(const std::vector<BrokenElement>& broken, ActiveScene& active) {
 
 void SceneJob::run(const Progress& progress) {
   if (built_) return;
-  if (kind_ == Kind::UPDATE && changeBefore()) return;
-  auto objects = std::make_shared<SceneObjects>(*objects_);
+  const auto before = objects_;
+  auto objects = std::make_shared<SceneObjects>(*before);
   collision_pairs::apply(edits_, *objects);
   objects_ = std::move(objects);
+  if (kind_ == Kind::UPDATE && changeBefore(*before)) return;
   auto built = build(progress);
   if (kind_ == Kind::LOAD) requireFrameOfObjects(built->frame);
   built_ = std::move(built);
 }
 
 /// False: the scene has to be built anew.
-bool SceneJob::changeBefore() {
+bool SceneJob::changeBefore(const SceneObjects& objects) {
   const SceneConfig& config = parameters_->sources.config;
   if (!config.clouds.empty()) return false;  // their filters know the objects
   const auto isOfParameters = [&](const auto& edit) {
     return config.floor && edit.first == config.floor->name;
   };
   if (std::any_of(edits_.begin(), edits_.end(), isOfParameters)) return false;
-  const auto scene = before_->scene->withAlike(sceneChanges(edits_, *objects_), cache_.get());
+  const auto scene = before_->scene->withAlike(sceneChanges(edits_, objects), cache_.get());
   if (!scene) return false;
   auto active = std::make_shared<ActiveScene>(*before_);
   active->scene = scene;
@@ -62,9 +63,6 @@ bool SceneJob::changeBefore() {
   const bool are_same =
       std::equal(bodies.begin(), bodies.end(), before.begin(), before.end(), isSame);
   if (!are_same) active->tf_poses = posesOf(*scene, active->frame);
-  auto objects = std::make_shared<SceneObjects>(*objects_);
-  collision_pairs::apply(edits_, *objects);
-  objects_ = std::move(objects);
   built_ = std::move(active);
   return true;
 }

@@ -65,7 +65,7 @@ class SceneJob {
   enum class Kind { LOAD, UPDATE, RESTRICT };
 
   explicit SceneJob(Kind kind) : kind_(kind) {}
-  bool changeBefore();
+  bool changeBefore(const SceneObjects& objects);
   std::shared_ptr<ActiveScene> build(const Progress& progress);
   void requireFrameOfObjects(const std::string& frame) const;
   std::shared_ptr<const TfPoses> posesOf(const CollisionScene& scene,

@@ -151,10 +151,6 @@ class Updater {
   ObjectEdits edits_;
 };
 
-}  // namespace
-
-namespace {
-
 /// Calls use(i); adds the change to errors.
 template <class Use>
 void forEachOf(const std::vector<SceneChange>& changes, const Use& use) {

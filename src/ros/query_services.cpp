@@ -158,19 +158,20 @@ bool QueryService::onCheck(CheckCollisions::Request& request, CheckCollisions::R
 
 void QueryService::check(const CheckCollisions::Request& request,
                          CheckCollisions::Response& response) {
-  const ActiveScenePtr active = context_.scenes.restrictedTo({request.group, request.links});
-  const CollisionScene& scene = *active->scene;
   CheckSettings settings = settingsFor(request, context_.defaults());
   refuseGradientOfNothing(request);
   if (request.gradient) settings.tolerance = 0.0;  // a gradient needs the exact distance
   const auto& names = request.joint_state.name;
   const auto& positions = request.joint_state.position;
   const bool has_joints = !names.empty() || !positions.empty();
-  const ros::WallTime start = ros::WallTime::now();
-  Snapshot snapshot = context_.monitor.with([&](const Monitor& monitor) {
-    return has_joints ? monitor.withJoints(active, names, request.stamp)
-                      : monitor.at(active, request.stamp);
-  });
+  ros::WallTime start;
+  Snapshot snapshot = context_.scenes.snapshot(
+      {request.group, request.links}, [&](const Monitor& monitor, const ActiveScenePtr& scene) {
+        start = ros::WallTime::now();
+        return has_joints ? monitor.withJoints(scene, names, request.stamp)
+                          : monitor.at(scene, request.stamp);
+      });
+  const CollisionScene& scene = *snapshot.scene->scene;
   std::vector<Eigen::Isometry3d> X_WB;
   std::vector<std::string> sentences;
   if (has_joints) {
@@ -185,7 +186,7 @@ void QueryService::check(const CheckCollisions::Request& request,
     throw InputError("no transform is known: " + (has_clock ? snapshot.first_left_out : NO_CLOCK));
   }
   const double transform_time = (ros::WallTime::now() - start).toSec();
-  CollisionDetector& detector = detectorFor(active->scene);
+  CollisionDetector& detector = detectorFor(snapshot.scene->scene);
   response.result = checkedMessage(context_.monitor, snapshot, settings, transform_time, detector);
   if (request.gradient) {
     addGradients(detector.report(), scene, snapshot.joints->columns(), X_WB, response.result);
@@ -220,13 +221,13 @@ bool TrajectoryService::onCheck(CheckTrajectory::Request& request,
 
 void TrajectoryService::check(const CheckTrajectory::Request& request,
                               CheckTrajectory::Response& response) {
-  const ActiveScenePtr active = context_.scenes.restrictedTo({request.group, request.links});
-  const auto& scene = active->scene;
   CheckSettings settings = settingsFor(request, context_.defaults());
   settings.list_boxes = request.want_reports;
-  const Snapshot snapshot = context_.monitor.with([&](const Monitor& monitor) {
-    return monitor.withJoints(active, request.trajectory.joint_names, request.stamp);
-  });
+  const Snapshot snapshot = context_.scenes.snapshot(
+      {request.group, request.links}, [&](const Monitor& monitor, const ActiveScenePtr& active) {
+        return monitor.withJoints(active, request.trajectory.joint_names, request.stamp);
+      });
+  const auto& scene = snapshot.scene->scene;
   if (!batch_ || &batch_->scene() != scene.get()) batch_ = std::make_unique<BatchCheck>(scene);
   if (request.trajectory.points.empty()) throw InputError("the trajectory has no points");
   response.joints_from_tf = snapshot.joints->jointsFromTf();

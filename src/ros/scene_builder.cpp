@@ -1,5 +1,6 @@
 #include "scene_builder.h"
 
+#include <optional>
 #include <utility>
 
 #include <ros/console.h>
@@ -11,6 +12,11 @@
 #include "user_text.h"
 
 namespace collision_pairs {
+namespace {
+
+constexpr int MOST_BUILDS = 20;  // of one restriction, while others change the scene
+
+}  // namespace
 
 template <class HandOut>
 ActiveScenePtr SceneBuilder::build(const HandOut& hand_out) {
@@ -24,8 +30,8 @@ ActiveScenePtr SceneBuilder::build(const HandOut& hand_out) {
   for (const std::string& line : scene->broken) {
     if (told_.insert(line).second) ROS_ERROR_STREAM(line);
   }
-  // It is the only one: nothing has changed meanwhile.
-  monitor_.with([&](Monitor& monitor) { monitor.scenes().take(job); });
+  const bool is_taken = monitor_.with([&](Monitor& monitor) { return monitor.scenes().take(job); });
+  if (!is_taken) throw InputError("the scene has changed meanwhile");  // only one builds at a time
   return scene;
 }
 
@@ -65,13 +71,19 @@ void SceneBuilder::update(const std::vector<SceneChange>& changes) {
   clouds_.follow();
 }
 
-ActiveScenePtr SceneBuilder::restrictedTo(const Restriction& restriction) {
+Snapshot SceneBuilder::snapshot(const Restriction& restriction, const TakeSnapshot& take) {
   const auto hand_out = [&](SceneStore& scenes) { return scenes.restrictedTo(restriction); };
-  const auto known =
-      monitor_.with([&](Monitor& monitor) { return hand_out(monitor.scenes()).scene(); });
-  if (known) return known;
-  const std::lock_guard<std::mutex> lock(building_);
-  return build(hand_out);
+  for (int i = 0; i < MOST_BUILDS; ++i) {
+    std::optional<Snapshot> snapshot;
+    monitor_.with([&](Monitor& monitor) {
+      const ActiveScenePtr scene = hand_out(monitor.scenes()).scene();
+      if (scene) snapshot.emplace(take(monitor, scene));
+    });
+    if (snapshot) return std::move(*snapshot);
+    const std::lock_guard<std::mutex> lock(building_);
+    build(hand_out);
+  }
+  throw InputError("the scene changes faster than it can be restricted");
 }
 
 std::vector<std::string> SceneBuilder::changedDescriptions() {

@@ -1,6 +1,7 @@
 // Builds the scenes of the monitor.
 #pragma once
 
+#include <functional>
 #include <mutex>
 #include <set>
 #include <string>
@@ -27,9 +28,12 @@ class SceneBuilder {
   void load();
   /// Applies the changes. Throws InputError.
   void update(const std::vector<SceneChange>& changes);
-  /// The active scene with this restriction in place of that of the parameters; with an empty one,
-  /// the active scene itself. The last few are kept. Throws InputError, also while there is none.
-  ActiveScenePtr restrictedTo(const Restriction& restriction);
+  /// What take(monitor, scene) returns for the active scene with this restriction in place of that
+  /// of the parameters; with an empty one, for the active scene itself: of one instant, so that the
+  /// scene is the one of the snapshot. The last few are kept. Throws InputError, also while there
+  /// is none.
+  using TakeSnapshot = std::function<Snapshot(const Monitor& monitor, const ActiveScenePtr& scene)>;
+  Snapshot snapshot(const Restriction& restriction, const TakeSnapshot& take);
 
   /// The parameters with descriptions that have changed since they were read; none while there is
   /// no scene. Asks the parameter server. Throws InputError.

@@ -113,6 +113,19 @@ class CloudHealthTest(unittest.TestCase):
             rospy.set_param("/node/clouds", given)
             self.assertTrue(reset().success)
 
+    def test_a_topic_that_the_node_knows_by_another_type_is_said_and_ends_nothing(self):
+        given = rospy.get_param("/node/clouds")
+        reset = rospy.ServiceProxy("/node/reset", Trigger)
+        try:
+            rospy.set_param("/node/clouds", [dict(given[0], topic="/tf")])
+            self.assertTrue(reset().success)
+            words = "its topic cannot be subscribed to"
+            report = self.node.next(self.node.reports, lambda report: words in " ".join(report.unknown_because))
+            self.assertEqual(report.verdict, report.UNKNOWN)
+        finally:
+            rospy.set_param("/node/clouds", given)
+            self.assertTrue(reset().success)
+
     def shown(self, condition):
         """{x of a voxel: its colour} in the next marker of the cloud that meets the condition."""
         begin = len(self.markers)

@@ -3,9 +3,8 @@
 #include <algorithm>
 #include <numeric>
 #include <tuple>
-#include <utility>
 
-#include "user_text.h"
+#include "unknown_because.h"
 
 namespace collision_pairs {
 namespace {
@@ -32,8 +31,6 @@ void mergeInto(PairReport& pair, const PairReport& other) {
 /// Why the report cannot be FREE, given that no pair is in contact.
 std::vector<std::string> whyUnknown(const CollisionScene& scene, const CollisionReport& report,
                                     const std::vector<std::string>& doubts) {
-  std::vector<std::string> reasons;
-  if (!scene.mayBeFree(report.unchecked)) reasons.push_back(report.unchecked);
   const auto& models = scene.models();
   std::vector<std::string> bodies, clouds, pairs;
   for (const std::uint32_t id : report.left_out) {
@@ -42,15 +39,13 @@ std::vector<std::string> whyUnknown(const CollisionScene& scene, const Collision
   for (const PairReport& pair : report.pairs) {
     // A positive lower bound proves that the two are apart.
     if (!pair.mayTouch()) continue;
-    pairs.push_back(models[pair.first].name + '|' + models[pair.second].name);
+    pairs.push_back(pairName(scene, pair.first, pair.second));
   }
-  for (const auto& [what, names] : {std::pair("no usable pose", &bodies),
-                                    {"clouds that are unknown or incomplete", &clouds},
-                                    {"unresolved pairs that may be in contact", &pairs}}) {
-    if (!names->empty()) reasons.push_back(std::string(what) + ": " + firstOf(*names));
-  }
-  reasons.insert(reasons.end(), doubts.begin(), doubts.end());
-  return reasons;
+  return unknownBecause(scene, report.unchecked,
+                        {{"no usable pose", bodies},
+                         {"clouds that are unknown or incomplete", clouds},
+                         {"unresolved pairs that may be in contact", pairs}},
+                        doubts);
 }
 
 }  // namespace

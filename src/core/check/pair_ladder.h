@@ -15,6 +15,7 @@
 // - voxel_search: which voxel of a cloud is nearest to an element?
 // - voxel_bounds.cpp: how near to the element may the voxels in a box be?
 // - found_pairs: what is reported of two models whose elements were found?
+// - unknown_because.h: what speaks against FREE, in words?
 #pragma once
 
 #include <vector>

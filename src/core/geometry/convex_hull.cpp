@@ -50,7 +50,8 @@ class Qhull {
   Qhull(const Qhull&) = delete;
   Qhull& operator=(const Qhull&) = delete;
 
-  /// The steps of qh_new_qhull(), which would make the state that of C.
+  /// The steps of qh_new_qhull(), which would make the state that of C. Its last, which compares
+  /// every point with every facet, it takes with option Tv only.
   bool run(std::vector<Eigen::Vector3d>& points) {
     if (silence_ == nullptr) return false;
     char command[] = "qhull Qt";
@@ -65,7 +66,6 @@ class Qhull {
       qh_qhull(&state_);
       qh_check_output(&state_);
       qh_prepare_output(&state_);
-      qh_check_points(&state_);
     }
     state_.NOerrexit = True;
     return status == 0;

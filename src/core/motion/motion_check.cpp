@@ -16,7 +16,7 @@
 #include "open_intervals.h"
 #include "pair_certifier.h"
 #include "pair_clearances.h"
-#include "user_text.h"
+#include "unknown_because.h"
 
 namespace collision_pairs {
 namespace {
@@ -354,23 +354,17 @@ class MotionCheck::Search {
     const bool is_in_contact = report_.verdict == Verdict::COLLISION;
     if (!is_in_contact) {
       report_.pairs.assign(uncertified_.begin(), uncertified_.end());
-      noteReasons(doubts);
+      std::vector<std::string> names;
+      for (const auto& [first, second] : report_.pairs) {
+        names.push_back(pairName(scene_, first, second));
+      }
+      report_.unknown_because = unknownBecause(
+          scene_, report_.unchecked, {{"motions that could not be certified", names}}, doubts);
     }
     report_.verdict = verdictOf(is_in_contact, !report_.unknown_because.empty());
     if (report_.verdict != Verdict::FREE) return;
     report_.free_until = 1.0;
     report_.clearance = clearance_;
-  }
-
-  void noteReasons(const std::vector<std::string>& doubts) {
-    auto& reasons = report_.unknown_because;
-    if (!scene_.mayBeFree(report_.unchecked)) reasons.push_back(report_.unchecked);
-    std::vector<std::string> names;
-    for (const auto& [first, second] : report_.pairs) {
-      names.push_back(scene_.models()[first].name + '|' + scene_.models()[second].name);
-    }
-    if (!names.empty()) reasons.push_back("motions that could not be certified: " + firstOf(names));
-    reasons.insert(reasons.end(), doubts.begin(), doubts.end());
   }
 
   const CollisionScene& scene_;

@@ -34,8 +34,15 @@ CloudThread::CloudThread(const ros::NodeHandle& node, std::shared_ptr<CloudSourc
         has_arrived_ = true;
         wakes_worker_.notify_all();
       };
-  subscriber_ = own_queue.subscribe<CloudSource::Cloud>(topic_, QUEUE_SIZE, callback, nullptr,
-                                                        ros::TransportHints().tcpNoDelay());
+  try {
+    subscriber_ = own_queue.subscribe<CloudSource::Cloud>(topic_, QUEUE_SIZE, callback, nullptr,
+                                                          ros::TransportHints().tcpNoDelay());
+  } catch (const ros::Exception& error) {  // this process knows the topic by another type
+    monitor_.with([&](Monitor&) {
+      source_->refuse("its topic cannot be subscribed to: " + std::string(error.what()));
+    });
+    tell();
+  }
   worker_ = std::thread([this] { work(); });
   spinner_.start();
 }

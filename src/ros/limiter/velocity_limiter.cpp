@@ -210,20 +210,17 @@ LimiterDecision VelocityLimiter::decide(const Command& command,
   LimiterInput input;
   input.command =
       command.array ? command.array->data : velocitiesOf(*command.trajectory, parameters_->joints);
-  const ActiveScenePtr active = context_.monitor.activeScene();
-  if (!active) throw InputError("there is no robot yet");
-  const auto surroundings =
-      prepared_->get({active->scene, context_.defaults().fidelity}, start + after(TIME_TO_PREPARE));
-  surroundings->setDeadline(start + after(TIME_TO_SEARCH));
   RobotState state;
-  const Snapshot snapshot = takeSnapshot(active, input, state);
+  const Snapshot snapshot = takeSnapshot(input, state);
   if (!snapshot.poses.doubts.empty()) return law_->stop(snapshot.poses.doubts.front());
+  const auto surroundings = prepared_->get({snapshot.scene->scene, context_.defaults().fidelity},
+                                           start + after(TIME_TO_PREPARE));
+  surroundings->setDeadline(start + after(TIME_TO_SEARCH));
   surroundings->setState(std::move(state));
   return law_->decide(input, *surroundings);
 }
 
-Snapshot VelocityLimiter::takeSnapshot(const ActiveScenePtr& active, LimiterInput& input,
-                                       RobotState& state) {
+Snapshot VelocityLimiter::takeSnapshot(LimiterInput& input, RobotState& state) {
   unsigned nb_jumps = 0;
   std::vector<std::string> doubts;  // of the clock and the joint states
   context_.monitor.with([&](const Monitor& monitor) {
@@ -233,10 +230,8 @@ Snapshot VelocityLimiter::takeSnapshot(const ActiveScenePtr& active, LimiterInpu
     if (transforms.now().stamp.isZero()) doubts.push_back(NO_CLOCK);
     if (!still.empty()) doubts.push_back(still);
   });
-  const RobotModel& robot = active->scene->robot();
   const double most_age = parameters_->law.max_joint_state_age;
-  std::vector<std::string> names;
-  std::vector<double> values;
+  std::vector<std::pair<std::string, double>> positions;  // of joints, young enough
   double now = 0.0;  // when the command is passed, on the clock of stamps
   {
     const std::lock_guard<std::mutex> lock(inputs_mutex_);
@@ -256,11 +251,7 @@ Snapshot VelocityLimiter::takeSnapshot(const ActiveScenePtr& active, LimiterInpu
       doubts.push_back(error.what());
     }
     for (const auto& [name, position] : positions_.all()) {
-      const int id = robot.findJoint(name);
-      if (id < 0 || !robot.joints()[id].hasPosition() || robot.joints()[id].mimic) continue;
-      if (now - position.measured > most_age) continue;
-      names.push_back(name);
-      values.push_back(position.value);
+      if (now - position.measured <= most_age) positions.emplace_back(name, position.value);
     }
   }
   if (!doubts.empty()) {
@@ -268,7 +259,18 @@ Snapshot VelocityLimiter::takeSnapshot(const ActiveScenePtr& active, LimiterInpu
     unusable.poses.doubts = std::move(doubts);
     return unusable;
   }
+  std::vector<double> values;
   Snapshot snapshot = context_.monitor.with([&](const Monitor& monitor) {
+    const ActiveScenePtr active = monitor.scenes().active();
+    if (!active) throw InputError("there is no robot yet");
+    const RobotModel& robot = active->scene->robot();
+    std::vector<std::string> names;
+    for (const auto& [name, value] : positions) {
+      const int id = robot.findJoint(name);
+      if (id < 0 || !robot.joints()[id].hasPosition() || robot.joints()[id].mimic) continue;
+      names.push_back(name);
+      values.push_back(value);
+    }
     Snapshot taken = monitor.withMeasured(active, names);
     const bool has_jumped = monitor.transforms().nbClockJumps() != nb_jumps;
     if (has_jumped) taken.poses.doubts.push_back("the clock went back meanwhile");
@@ -277,7 +279,7 @@ Snapshot VelocityLimiter::takeSnapshot(const ActiveScenePtr& active, LimiterInpu
   state.positions = snapshot.joints->jointPositionsAt(values);
   state.placed = snapshot.joints->placedBodies();
   state.voxels = snapshot.poses.voxels;
-  if (!active->scene->clouds().empty()) {
+  if (!snapshot.scene->scene->clouds().empty()) {
     input.obstacles_age = std::max(input.obstacles_age, now - snapshot.oldest_cloud);
   }
   return snapshot;

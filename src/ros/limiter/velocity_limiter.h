@@ -70,7 +70,7 @@ class VelocityLimiter {
   void answer(const CommandPtr& command);
   LimiterDecision decide(const Command& command, std::chrono::steady_clock::time_point start);
   /// All that is known now, with the positions of joint states that are young enough.
-  Snapshot takeSnapshot(const ActiveScenePtr& active, LimiterInput& input, RobotState& state);
+  Snapshot takeSnapshot(LimiterInput& input, RobotState& state);
   CommandOutlet::Send sendAs(const CommandPtr& layout);
   void send(const Command& layout, const LimiterDecision& decision);
 

@@ -1,0 +1,40 @@
+// The reasons of UNKNOWN in words: the same for a configuration and for a motion.
+#pragma once
+
+#include <cstdint>
+#include <initializer_list>
+#include <string>
+#include <vector>
+
+#include "collision_pairs/collision_scene.h"
+#include "user_text.h"
+
+namespace collision_pairs {
+
+/// "no usable pose: a, b"; without names there is nothing to say.
+struct NamedReason {
+  const char* what;
+  const std::vector<std::string>& names;
+};
+
+/// All that speaks against FREE, one sentence each. `unchecked`: of the report.
+inline std::vector<std::string> unknownBecause(const CollisionScene& scene,
+                                               const std::string& unchecked,
+                                               std::initializer_list<NamedReason> named,
+                                               const std::vector<std::string>& doubts) {
+  std::vector<std::string> reasons;
+  if (!scene.mayBeFree(unchecked)) reasons.push_back(unchecked);
+  for (const auto& [what, names] : named) {
+    if (!names.empty()) reasons.push_back(std::string(what) + ": " + firstOf(names));
+  }
+  reasons.insert(reasons.end(), doubts.begin(), doubts.end());
+  return reasons;
+}
+
+/// "a|b", of two models.
+inline std::string pairName(const CollisionScene& scene, std::uint32_t first,
+                            std::uint32_t second) {
+  return scene.models()[first].name + '|' + scene.models()[second].name;
+}
+
+}  // namespace collision_pairs
