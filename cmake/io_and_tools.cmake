@@ -1,9 +1,6 @@
 # What both the node and the tools read, and the tools: a page each.
 add_library(collision_pairs_io SHARED
-  src/io/bag_clouds.cpp
-  src/io/bag_poses.cpp
-  src/io/bag_poses_from_joints.cpp
-  src/io/bag_reader.cpp
+  src/io/bag_index.cpp
   src/io/bag_records.cpp
   src/io/bag_table.cpp
   src/io/bag_table_merge.cpp
@@ -13,11 +10,14 @@ add_library(collision_pairs_io SHARED
   src/io/csv.cpp
   src/io/joint_limits.cpp
   src/io/joint_states_csv.cpp
+  src/io/joint_transforms.cpp
+  src/io/message_layout.cpp
   src/io/meshes/mesh_loader.cpp
   src/io/meshes/mesh_process.cpp
   src/io/meshes/obj_file.cpp
   src/io/meshes/stl_file.cpp
   src/io/pcd_file.cpp
+  src/io/robot_frames.cpp
   src/io/scene_config.cpp
   src/io/scene_sources.cpp
   src/io/text_files.cpp
@@ -66,8 +66,8 @@ function(collision_pairs_tool name)
 endfunction()
 
 collision_pairs_tool(check_states src/tools/scene_files.cpp)
-collision_pairs_tool(check_bag src/tools/bag_recorder.cpp src/tools/cloud_replay.cpp src/tools/scene_files.cpp src/tools/bag_outputs.cpp)
-target_link_libraries(check_bag PRIVATE collision_pairs_messages)
+collision_pairs_tool(check_bag src/tools/bag_recorder.cpp src/tools/bag_replay.cpp src/tools/scene_files.cpp src/tools/bag_outputs.cpp)
+target_link_libraries(check_bag PRIVATE collision_pairs_monitor)
 collision_pairs_tool(check_motion src/tools/scene_files.cpp)
 collision_pairs_tool(generate_srdf src/tools/pair_verdicts.cpp src/tools/scene_files.cpp)
 target_include_directories(generate_srdf PRIVATE ${CORE_MODULES})

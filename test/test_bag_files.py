@@ -34,8 +34,9 @@ def test_of_a_truncated_bag_the_front_is_read_and_the_loss_is_said(check_bag, ma
     assert "truncated" in said
 
 
-def test_the_order_of_joint_states_in_the_file_does_not_matter(check_bag, make_bag, tmp_path):
-    straight, shuffled = make_bag("straight.bag", "--without", "tf"), tmp_path / "shuffled.bag"
+@pytest.mark.parametrize("options", [(), ("--without", "tf")], ids=["transforms", "joint states"])
+def test_the_order_of_messages_in_the_file_does_not_matter(check_bag, make_bag, tmp_path, options):
+    straight, shuffled = make_bag("straight.bag", *options), tmp_path / "shuffled.bag"
     with rosbag.Bag(str(straight)) as source, rosbag.Bag(str(shuffled), "w") as target:
         messages = list(source.read_messages())
         random.seed(given_seed())
@@ -226,7 +227,7 @@ def test_what_is_not_used_is_counted_and_the_first_of_it_is_said(run_bag):
     done, said = run_bag(messages)
     assert done.returncode == 0 and said == [
         "1 transforms and joint positions that are not finite, or not a rotation",
-        "4 joint positions are not used, or are in doubt; the first: joint 'slide_a': it was 1.12 s old when it "
+        "4 transforms are not used, or are in doubt; the first: transform of 'a': it was 1.12 s old when it "
         "arrived, and max_pose_age is 1.00 s"]
     assert run_bag(messages[:3])[1] == []
 

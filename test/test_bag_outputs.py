@@ -209,19 +209,20 @@ def test_what_is_wrong_with_a_part_is_said_with_its_line(run_tool, tmp_path):
     for part in ("# part 1", "# part 0/2", "# part 3/2", "# part 1/2x", "# part x/2", "#"):
         assert refusal(run_tool, tmp_path, [part]) == "table0.csv line 2: '%s' does not say which part it is\n" % part
     row = ROW.replace(",1,", ",0,", 1)
-    for line in ("# bog a.bag 1", "# bag a.bag", "# bag  1", "# bag a.bag x", "# bag a.bag 1x", "# bag a.bag -1",
-                 "# bag a.bag 99999999999999999999", row):
-        assert refusal(run_tool, tmp_path, ["# part 1/1", line]) == "table0.csv line 3: '%s' is not a bag\n" % line
-    for lines, where in (([], 2), (["# bag a.bag 1"], 3), (["# bag a.bag 1", row], 4)):
+    bag = "# bag a.bag 1"
+    for line in ("# bog a.bag 1", "# bag a.bag", "# bag  1", "# bag a.bag x", "# bag a.bag 2", "# bag b.bag 1", "# end"):
+        assert refusal(run_tool, tmp_path, ["# part 1/1", row, line]) == (
+            "table0.csv line 4: '%s' does not end a bag of 1 rows\n" % line)
+    for lines, where in (([], 2), ([row], 3), ([row, bag], 4)):
         assert refusal(run_tool, tmp_path, ["# part 1/1"] + lines) == (
             "table0.csv line %d: it is incomplete; its process may have been stopped\n" % where)
-    for wrong in (ROW, row.replace("a.bag", "b.bag")):
-        assert refusal(run_tool, tmp_path, ["# part 1/1", "# bag a.bag 1", wrong, "# end"]) == (
-            "table0.csv line 4: state 0 is missing\n")
-    end = ["# bag a.bag 0", "# end"]
-    assert refusal(run_tool, tmp_path, ["# part 1/1", *end, row]) == "table0.csv line 5: '%s' after its end\n" % row
-    assert refusal(run_tool, tmp_path, ["# part 1/2"] + end, ["# part 2/2", "# bag b.bag 0", "# end"]) == (
-        "table1.csv line 3: is a part of another run (expected '# bag a.bag 0')\n")
+    for lines, where in (([ROW], 0), ([row, ROW.replace("a.bag", "b.bag")], 1), ([row, row], 1)):
+        assert refusal(run_tool, tmp_path, ["# part 1/1", *lines, "# bag a.bag 2", "# end"]) == (
+            "table0.csv line %d: state %d is missing; is it a part of another run?\n" % (2 + len(lines), where))
+    end = ["# end"]
+    assert refusal(run_tool, tmp_path, ["# part 1/1", *end, row]) == "table0.csv line 4: '%s' after its end\n" % row
+    assert refusal(run_tool, tmp_path, ["# part 1/2", row, bag, "# end"], ["# part 2/2", "# bag b.bag 1", "# end"]) == (
+        "table0.csv line 4: is a part of another run (expected '# bag b.bag 1')\n")
     assert refusal(run_tool, tmp_path, ["# part 1/2"] + end, ["# part 2/3"] + end) == (
         "table1.csv line 2: is a part of another run\n")
     assert refusal(run_tool, tmp_path, ["# part 2/2"] + end, ["# part 2/2"] + end).endswith("part 1/2 is missing\n")

@@ -25,7 +25,7 @@ class NewestPoses : public testing::Test {
                  is_static, "", 10 * SECOND);
   }
   FoundBodies found(const std::vector<std::string>& static_joints = {}) const {
-    const RobotPoses poses(buffer_, *robot_, "base", "", static_joints);
+    const RobotPoses poses(buffer_, *robot_, "base", static_joints);
     return poses.newest(10 * SECOND, std::vector<char>(poses.nbBodies(), 1));
   }
   std::string between(const std::string& target, const std::string& source,

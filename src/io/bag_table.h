@@ -48,7 +48,7 @@ struct Shard {
 /// reasons of an unknown verdict. Names in lists are written by listedName() and fields by
 /// csvField(), so that a row is a line. Stamps are seconds with nine decimals, numbers have all
 /// their digits. A part also has lines that begin with '#': which part it is and its options, and
-/// at the beginning of each bag the number of its rows in all parts together.
+/// after the rows of each bag their number in all parts together.
 extern const char* const BAG_TABLE_HEADER;
 extern const char* const BAG_TABLE_END;  ///< last line of a part
 

@@ -1,8 +1,6 @@
 #include <algorithm>
-#include <charconv>
 #include <fstream>
 #include <memory>
-#include <type_traits>
 
 #include "bag_table.h"
 #include "collision_pairs/input_error.h"
@@ -85,37 +83,39 @@ void checkComplete(Tables& parts) {
   }
 }
 
-/// Reads a line that must be the same in all parts.
-std::string nextCommonLine(Tables& parts) {
-  const std::string line = parts.front()->expect();
-  for (std::size_t i = 1; i < parts.size(); ++i) {
-    if (parts[i]->expect() != line)
-      parts[i]->fail("is a part of another run (expected '" + line + "')");
+/// The line of one part must be the next of all others, too.
+void requireInAll(Tables& parts, const Table& first, const std::string& line) {
+  for (auto& part : parts) {
+    if (part.get() != &first && part->expect() != line) {
+      part->fail("is a part of another run (expected '" + line + "')");
+    }
   }
-  return line;
 }
 
 void mergeParts(Tables& parts, const BagLineVisitor& visit) {
   checkComplete(parts);
+  std::uint64_t state = 0;
   std::size_t bag = 0;
-  for (std::string line = nextCommonLine(parts); line != BAG_TABLE_END;
-       line = nextCommonLine(parts), ++bag) {
-    const std::size_t space = line.rfind(' ');
-    const char* const end = line.data() + line.size();
-    std::uint64_t nb_rows = 0;
-    static_assert(std::is_integral_v<decltype(nb_rows)>, "GCC 9 reads no other numbers so");
-    const auto [rest, error] = std::from_chars(line.data() + (space + 1), end, nb_rows);
-    if (line.compare(0, 6, "# bag ") != 0 || space <= 6 || error != std::errc() || rest != end)
-      parts.front()->fail("'" + line + "' is not a bag");
-    const std::string name = line.substr(6, space - 6);
-    for (std::uint64_t state = 0; state < nb_rows; ++state) {
-      Table& part = *parts[(state + bag) % parts.size()];
-      const std::string row_line = part.expect();
-      const BagRow row = part.parse(row_line);
-      if (row.bag != name || row.state != state)
-        part.fail("state " + std::to_string(state) + " is missing");
-      visit(row_line, row);
+  std::string name;  // of the bag
+  for (;;) {
+    Table& part = *parts[(state + bag) % parts.size()];
+    const std::string line = part.expect();
+    if (line.empty() || line.front() != '#') {
+      const BagRow row = part.parse(line);
+      if (row.state != state || (state > 0 && row.bag != name)) {
+        part.fail("state " + std::to_string(state) + " is missing; is it a part of another run?");
+      }
+      name = row.bag;
+      visit(line, row);
+      ++state;
+      continue;
     }
+    requireInAll(parts, part, line);
+    if (line == BAG_TABLE_END && state == 0) break;
+    if (line != bagLine(name, state))
+      part.fail("'" + line + "' does not end a bag of " + std::to_string(state) + " rows");
+    state = 0;
+    ++bag;
   }
   for (const auto& part : parts) {
     std::string line;

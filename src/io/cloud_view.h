@@ -16,8 +16,8 @@ namespace collision_pairs {
 struct LatestCloud {
   std::shared_ptr<const OccupiedVoxels> voxels;  ///< of the last cloud used; null: none yet
   double stamp = 0.0;                            ///< of that cloud, in seconds
-  std::string problem;   ///< why the last cloud was refused; empty: it was used
-  std::string warning;   ///< about the last cloud, which was used
+  std::string problem;    ///< why the last cloud was refused; empty: it was used
+  std::string warning;    ///< about the last cloud, which was used
   std::string may_touch;  ///< CloudGatherer::mayTouch()
 };
 

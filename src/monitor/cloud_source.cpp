@@ -17,6 +17,8 @@ constexpr double SHARE_OF_NEWEST = 0.1;  // weight in the mean rate
 
 }  // namespace
 
+const std::string CloudSource::REFUSED = "a message was refused: ";
+
 void CloudJob::run() {
   const auto start = std::chrono::steady_clock::now();
   try {
@@ -178,7 +180,7 @@ void CloudSource::take(CloudJob& job) {
 
 void CloudSource::refuse(const std::string& why) {
   latest_.problem = why;
-  note_ = "a message was refused: " + why;
+  note_ = REFUSED + why;
   ++health_.refused;
 }
 

@@ -69,6 +69,7 @@ class CloudJob {
 class CloudSource {
  public:
   using Cloud = sensor_msgs::PointCloud2;
+  static const std::string REFUSED;  ///< begins the note of a message that was refused
 
   /// `topic`: for messages. `frame`: W. The transforms must outlive it.
   CloudSource(const CloudConfig& config, std::string topic, std::string frame,

@@ -1,7 +1,9 @@
 // What is known of robot and surroundings, from everything that was received.
 #pragma once
 
+#include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <tf2_msgs/TFMessage.h>
@@ -19,8 +21,9 @@ namespace collision_pairs {
 /// events: SceneStore, CloudSource. Not thread safe.
 class Monitor {
  public:
-  explicit Monitor(const TransformSettings& settings)
-      : transforms_(settings), scenes_(transforms_) {}
+  /// With the prepared geometry of another one, if it is given.
+  explicit Monitor(const TransformSettings& settings, std::shared_ptr<SceneCache> cache = nullptr)
+      : transforms_(settings), scenes_(transforms_, std::move(cache)) {}
   Monitor(const Monitor&) = delete;  // its parts refer to each other
 
   /// It is that time now.

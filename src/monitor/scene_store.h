@@ -90,8 +90,9 @@ class SceneJob {
 /// Not thread safe. A job changes nothing until it is taken back.
 class SceneStore {
  public:
-  /// The transforms must outlive it.
-  explicit SceneStore(const TransformInput& transforms) : transforms_(transforms) {}
+  /// The transforms must outlive it. `cache`: null for a new one.
+  explicit SceneStore(const TransformInput& transforms, std::shared_ptr<SceneCache> cache = nullptr)
+      : transforms_(transforms), cache_(cache ? cache : std::make_shared<SceneCache>()) {}
 
   /// Null while there is none.
   ActiveScenePtr active() const { return scene_; }
@@ -124,7 +125,7 @@ class SceneStore {
   std::shared_ptr<ActiveScene> scene_;
   std::uint64_t revision_ = 0;
   std::shared_ptr<SceneParameters> parameters_;
-  std::shared_ptr<SceneCache> cache_ = std::make_shared<SceneCache>();
+  std::shared_ptr<SceneCache> cache_;
   std::shared_ptr<const SceneObjects> objects_ = std::make_shared<const SceneObjects>();
   /// Of scene_; the newest last.
   std::vector<std::pair<Restriction, std::shared_ptr<ActiveScene>>> restricted_;

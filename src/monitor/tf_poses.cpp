@@ -9,7 +9,7 @@ TfPoses::TfPoses(const TransformInput& transforms, const RobotModel& robot,
                  const std::vector<std::string>& static_joints)
     : transforms_(transforms),
       bodies_(std::move(bodies)),
-      robot_(transforms.buffer(), robot, frame, "", static_joints),
+      robot_(transforms.buffer(), robot, frame, static_joints),
       all_(robot_.nbBodies(), 0) {
   for (const SceneBody& body : bodies_) all_[body.body] = 1;
 }

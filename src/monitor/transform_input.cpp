@@ -48,6 +48,9 @@ void TransformInput::take(const tf2_msgs::TFMessage& message, bool is_static, co
   followClock(now);
   for (const auto& transform : message.transforms) {
     const std::string why = takeOne(transform, is_static, publisher);
+    if (!why.empty() && nb_refused_++ == 0) {
+      first_refused_ = "transform of '" + transform.child_frame_id + "': " + why;
+    }
     if (why.empty()) {
       refusals_.erase(transform.child_frame_id);
     } else if (refusals_.size() < MAX_REFUSALS || refusals_.count(transform.child_frame_id) > 0) {

@@ -60,6 +60,10 @@ class TransformInput {
   /// frame leaves the list with its next valid transform, or when nothing was wrong for 2 s.
   std::vector<std::string> refused() const;
 
+  /// Of all that were received: how many were refused or in doubt, and the first of them.
+  std::uint64_t nbRefused() const { return nb_refused_; }
+  const std::string& firstRefused() const { return first_refused_; }
+
   const PoseLimits& limits() const { return settings_.limits; }
   const TransformBuffer& buffer() const { return buffer_; }
 
@@ -83,7 +87,8 @@ class TransformInput {
 
   const TransformSettings settings_;
   TransformBuffer buffer_;
-  std::uint64_t nb_taken_ = 0;
+  std::uint64_t nb_taken_ = 0, nb_refused_ = 0;
+  std::string first_refused_;
   std::map<std::string, Refusal> refusals_;  // by child frame
   Now now_ = Now(ros::Time(), 0.0);
   ros::Time latest_;        // of the clock, but for a jump back

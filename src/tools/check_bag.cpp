@@ -6,9 +6,8 @@
 #include <vector>
 
 #include "bag_outputs.h"
-#include "bag_poses.h"
 #include "bag_recorder.h"
-#include "cloud_replay.h"
+#include "bag_replay.h"
 #include "collision_pairs/collision_detector.h"
 #include "collision_pairs/input_error.h"
 #include "csv.h"
@@ -25,11 +24,10 @@ struct Options {
   std::vector<std::string> bags;
   std::string record, shard_text, max_gap, given;
   SceneOptions scene;
-  BagPosesOptions poses;
+  BagReplayOptions replay;
   BagOutputOptions output;
   // Made of the above.
   Shard shard;
-  PoseLimits limits;
   CheckSettings settings;
 };
 
@@ -44,7 +42,7 @@ void declare(CommandLine& command_line, Options& options) {
   command_line.option(
       "clouds", options.scene.cloud_topics, "TOPIC...",
       "topics of sensor_msgs/PointCloud2 in the bag that are obstacles; parameters in --settings");
-  command_line.option("prefix", options.poses.prefix, "PREFIX",
+  command_line.option("prefix", options.replay.prefix, "PREFIX",
                       "prefix of this robot's names in the bag");
   declareFidelity(command_line, options.scene);
   declareBroadPhase(command_line, options.scene);
@@ -74,15 +72,14 @@ void declare(CommandLine& command_line, Options& options) {
 void takeLimits(Options& options) {
   if (!options.scene.settings.empty()) {
     const SceneConfig config = readSceneConfigFile(options.scene.settings);
-    options.limits = config.pose_limits;
-    options.poses.static_joints = config.static_joints;
+    options.replay.limits = config.pose_limits;
   }
   if (!options.max_gap.empty()) {
     double seconds = 0.0;
     requireGap(parseNumber(options.max_gap, seconds) ? seconds : 0.0);
-    options.limits.max_pose_age = options.limits.max_transform_age = seconds;
+    options.replay.limits.max_pose_age = options.replay.limits.max_transform_age = seconds;
   }
-  options.output.max_gap = options.limits.max_transform_age;
+  options.output.max_gap = options.replay.limits.max_transform_age;
 }
 
 void complete(Options& options) {
@@ -139,86 +136,105 @@ std::string lineOf(std::vector<std::string> reasons) {
   return text;
 }
 
+/// Throws InputError unless each topic of --clouds has clouds.
+void requireClouds(const std::vector<std::string>& topics, const BagIndex& index) {
+  const auto isIn = [](const std::set<std::string>& found, const std::string& topic) {
+    return std::any_of(found.begin(), found.end(), [&](const std::string& other) {
+      return withoutLeadingSlash(other) == withoutLeadingSlash(topic);
+    });
+  };
+  for (const std::string& topic : topics) {
+    if (isIn(index.cloud_topics, topic)) continue;
+    if (isIn(index.topics, topic)) {
+      throw InputError("--clouds: topic '" + topic + "' is not of type sensor_msgs/PointCloud2");
+    }
+    const auto& found = index.cloud_topics;
+    throw InputError("--clouds: the bag has no messages on topic '" + topic +
+                     "'; topics with clouds: " +
+                     (found.empty() ? "none" : joined({found.begin(), found.end()})));
+  }
+}
+
 class BagChecker {
  public:
   BagChecker(const Options& options, const BagLineSink& sink, BagRecorder* recorder)
-      : options_(options), sink_(sink), recorder_(recorder), scenes_(options.scene) {}
+      : options_(options), sink_(sink), recorder_(recorder) {}
 
   void check(std::size_t number) {
     const std::string& path = options_.bags[number];
-    BagCloudIndex clouds(options_.scene.cloud_topics, options_.limits.clock_tolerance);
-    const BagContents bag =
-        readBag(path, options_.limits, [&](const RawMessage& raw) { clouds.take(raw); });
-    for (const std::string& loss : bag.losses) warn(path + ": " + loss);
+    const RawMessageFilter wants = [this](const RawMessage& raw) {
+      const BagTopic kind = kindOf(raw);
+      return kind == BagTopic::TRANSFORMS || kind == BagTopic::STATIC_TRANSFORMS ||
+             kind == BagTopic::JOINT_STATES ||
+             (kind == BagTopic::CLOUDS && !options_.scene.cloud_topics.empty());
+    };
+    const BagIndex index = indexBag(path, wants);
+    for (const std::string& loss : index.losses) warn(path + ": " + loss);
     naming(path, [&] {
-      const BuiltScene& built = scenes_.sceneFor(bag);
-      clouds.requireAllSources();
-      const auto poses = makeBagPoses(bag, *built.scene, options_.poses);
-      for (const std::string& note : poses->notes()) warn(path + ": " + note);
-      CloudReplay replay(clouds, built.clouds, built.description, *built.scene, *poses);
-      checkStamps(number, built.scene, *poses, replay);
-      for (const std::string& refusal : replay.refusals()) warn(path + ": " + refusal);
+      const BagRobot robot = robotOf(index, options_.scene);
+      // Of consecutive bags with the same robot, all is read and said once.
+      const bool is_same = robot.urdf.content == urdf_ && robot.srdf.content == srdf_;
+      const Warn tell = is_same ? [](const std::string&) {} : Warn(warn);
+      if (!is_same) parameters_.sources = sourcesOf(robot, options_.scene, tell);
+      urdf_ = robot.urdf.content;
+      srdf_ = robot.srdf.content;
+      requireClouds(options_.scene.cloud_topics, index);
+      BagReplay replay(path, index, wants, options_.replay, std::move(parameters_), cache_);
+      requireWhole(replay.monitor().scenes().parameters()->sources, robot.urdf.origin,
+                   options_.scene.world);
+      reviewScene(*replay.scene()->scene, options_.scene, tell);
+      checkReports(number, index.times.size(), replay);
+      for (const std::string& note : replay.notes()) warn(path + ": " + note);
+      parameters_ = replay.takeParameters();
     });
   }
 
  private:
-  void checkStamps(std::size_t number, const std::shared_ptr<const CollisionScene>& scene,
-                   const BagPoses& source, CloudReplay& clouds) {
+  void checkReports(std::size_t number, std::size_t nb_messages, BagReplay& replay) {
     const std::string& path = options_.bags[number];
-    const auto& stamps = source.stamps();
-    if (options_.shard.count > 1) sink_(bagLine(path, stamps.size()), nullptr);
-    std::vector<std::string> at_zero;
-    for (const std::string& joint : source.jointsAtZero()) {
-      at_zero.push_back("joint '" + joint + "' is not in the bag: it was taken as zero");
-    }
-    ProgressBar progress(path, stamps.size());
-    CollisionDetector detector(scene);
-    BodyPoses poses;
-    std::size_t state = 0;
-    const auto checkReady = [&] {
-      for (; state < stamps.size() && clouds.isReady(stamps[state]); ++state) {
-        if (!options_.shard.owns(number, state)) continue;
-        poses.doubts = source.at(stamps[state], poses);
-        poses.doubts.insert(poses.doubts.end(), at_zero.begin(), at_zero.end());
-        const auto in_doubt = clouds.addVoxels(stamps[state], poses);
-        const CollisionReport& report = detector.detect(poses, options_.settings);
-        writeRow(number, state, stamps[state], report, *scene, in_doubt);
-        progress.show(state);
+    ProgressBar progress(path, nb_messages);
+    std::size_t nb_rows = 0;
+    replay.run([&](ReplayedReport& report, std::size_t nb_taken) {
+      const std::size_t state = nb_rows++;
+      progress.show(nb_taken);
+      if (!options_.shard.owns(number, state)) return;
+      const auto& scene = report.snapshot.scene->scene;
+      if (!detector_ || &detector_->scene() != scene.get()) {
+        detector_ = std::make_unique<CollisionDetector>(scene);
       }
-    };
-    checkReady();
-    if (state == stamps.size()) return;
-    readBagRecords(path, [&](const RawMessage& raw) {
-      if (state == stamps.size()) return;
-      clouds.take(raw, stamps[state]);
-      checkReady();
+      write(number, state, report, replay);
     });
-    if (state < stamps.size()) throw InputError(BAG_CHANGED);
+    if (nb_rows == 0) throw InputError("there is no stamp to check");
+    if (options_.shard.count > 1) sink_(bagLine(path, nb_rows), nullptr);
   }
 
-  void writeRow(std::size_t number, std::size_t state, StampNs stamp, const CollisionReport& report,
-                const CollisionScene& scene, const std::vector<CloudDoubt>& in_doubt) {
-    BagRow row = toRow(report, scene);
-    for (const CloudDoubt& doubt : in_doubt) {
-      const std::string name = listedName(doubt.cloud);
-      const bool is_listed = std::count(row.left_out.begin(), row.left_out.end(), name) > 0;
-      if (!is_listed) row.left_out.push_back(name);
+  void write(std::size_t number, std::size_t state, const ReplayedReport& replayed,
+             const BagReplay& replay) {
+    const Snapshot& snapshot = replayed.snapshot;
+    const CollisionReport& report = detector_->detect(snapshot.poses, options_.settings);
+    BagRow row = toRow(report, *snapshot.scene->scene);
+    for (const std::string& cloud : replayed.doubtful_clouds) {
+      const std::string name = listedName(cloud);
+      if (!contains(row.left_out, name)) row.left_out.push_back(name);
     }
     row.unknown_because = lineOf(report.unknown_because);
     row.bag = options_.bags[number];
     row.state = state;
-    row.stamp = stamp;
+    row.stamp = toNs(snapshot.stamp);
     sink_(toLine(row), &row);
-    if (!recorder_) return;
-    recorder_->write(report, scene, options_.settings,
-                     withPrefix(options_.poses.prefix, scene.robot().links().front().name),
-                     row.stamp);
+    if (recorder_) {
+      recorder_->write(report, *snapshot.scene->scene, options_.settings, replay.frameInBag(),
+                       row.stamp);
+    }
   }
 
   const Options& options_;
   const BagLineSink& sink_;
   BagRecorder* recorder_;
-  BagScenes scenes_;
+  std::string urdf_, srdf_;  // of parameters_
+  SceneParameters parameters_;
+  const std::shared_ptr<SceneCache> cache_ = std::make_shared<SceneCache>();
+  std::unique_ptr<CollisionDetector> detector_;
 };
 
 void checkAll(Options& options) {

@@ -17,19 +17,20 @@
 namespace collision_pairs {
 namespace {
 
-std::unique_ptr<RobotSource> sourceFrom(const TextFrom& urdf, const MeshLoader& load_mesh) {
+std::unique_ptr<RobotSource> sourceFrom(const TextFrom& urdf, const MeshLoader& load_mesh,
+                                        const Warn& tell) {
   auto source = naming(urdf.origin, [&] {
     return std::make_unique<RobotSource>(urdf.content, relativeTo(urdf.folder, load_mesh));
   });
   for (const std::string& warning : source->skeleton()->warnings()) {
-    warn(urdf.origin + ": " + warning);
+    tell(urdf.origin + ": " + warning);
   }
   return source;
 }
 
 /// The configurations of the chosen topics: from the settings, or else the default.
 std::vector<CloudConfig> cloudsOf(const SceneOptions& options,
-                                  const std::vector<CloudConfig>& in_settings) {
+                                  const std::vector<CloudConfig>& in_settings, const Warn& tell) {
   std::vector<CloudConfig> clouds;
   for (const std::string& topic : options.cloud_topics) {
     CloudConfig cloud;
@@ -43,33 +44,15 @@ std::vector<CloudConfig> cloudsOf(const SceneOptions& options,
     if (const CloudConfig* found = findCloud(in_settings, cloud.name())) {
       cloud = *found;
     } else if (!in_settings.empty()) {
-      warn(options.settings + ": no entry of clouds has topic '" + topic + "': using the defaults");
+      tell(options.settings + ": no entry of clouds has topic '" + topic + "': using the defaults");
     }
     clouds.push_back(std::move(cloud));
   }
   return clouds;
 }
 
-SceneSources readSources(const TextFrom& urdf, const TextFrom& srdf, const SceneOptions& options) {
-  SceneSources sources;
-  const MeshLoader load_mesh = makeMeshLoader(warn);
-  sources.robots.emplace_back();
-  SceneSources::Robot& robot = sources.robots.back();
-  robot.source = sourceFrom(urdf, load_mesh);
-  if (!srdf.origin.empty()) robot.srdf = srdfFrom(srdf, *robot.source->skeleton(), warn);
-  if (!options.world.empty()) sources.world = sourceFrom(textFromFile(options.world), load_mesh);
-  if (!options.settings.empty()) {
-    sources.config = readSceneConfigFile(options.settings);
-  }
-  std::vector<CloudConfig> clouds = cloudsOf(options, sources.config.clouds);
-  const std::string ignored = warningOfIgnored(sources.config, clouds);
-  if (!ignored.empty()) warn(options.settings + ": " + ignored);
-  sources.config.clouds = std::move(clouds);
-  for (const CloudConfig& cloud : sources.config.clouds) {
-    sources.clouds.push_back(obstacleOf(cloud));
-  }
-  if (!options.cloud.empty()) sources.clouds.push_back(cloudOf("cloud", options.voxel_size, {}));
-  return sources;
+bool isRestricted(const SceneOptions& options) {
+  return !options.group.empty() || !options.links.empty();
 }
 
 // A check of a whole robot reports missing meshes even if no pair needs them, but for links that
@@ -82,6 +65,38 @@ void readAllMeshes(SceneSources& sources) {
   };
   sources.robots[0].source->withGeometryOf(isWanted);
   if (sources.world) sources.world->withGeometryOf([](const std::string&) { return true; });
+}
+
+SceneSources readSources(const TextFrom& urdf, const TextFrom& srdf, const SceneOptions& options,
+                         const Warn& tell) {
+  SceneSources sources;
+  const MeshLoader load_mesh = makeMeshLoader(tell);
+  sources.robots.emplace_back();
+  SceneSources::Robot& robot = sources.robots.back();
+  robot.source = sourceFrom(urdf, load_mesh, tell);
+  if (!srdf.origin.empty()) robot.srdf = srdfFrom(srdf, *robot.source->skeleton(), tell);
+  if (!options.world.empty()) {
+    sources.world = sourceFrom(textFromFile(options.world), load_mesh, tell);
+  }
+  if (!options.settings.empty()) {
+    sources.config = readSceneConfigFile(options.settings);
+  }
+  std::vector<CloudConfig> clouds = cloudsOf(options, sources.config.clouds, tell);
+  const std::string ignored = warningOfIgnored(sources.config, clouds);
+  if (!ignored.empty()) tell(options.settings + ": " + ignored);
+  sources.config.clouds = std::move(clouds);
+  for (const CloudConfig& cloud : sources.config.clouds) {
+    sources.clouds.push_back(obstacleOf(cloud));
+  }
+  if (!options.cloud.empty()) sources.clouds.push_back(cloudOf("cloud", options.voxel_size, {}));
+  SceneSettings& settings = sources.config.settings;
+  settings.fidelity = Fidelity::MESH;
+  if (!options.narrow_phase.empty()) settings.narrow_phase = parseNarrowPhase(options.narrow_phase);
+  if (options.max_hull_vertices != 0) settings.max_hull_vertices = options.max_hull_vertices;
+  if (isRestricted(options)) sources.config.restriction = {options.group, options.links};
+  // Points of links that are in no pair are not obstacles either.
+  if (!isRestricted(options) || !options.cloud_topics.empty()) readAllMeshes(sources);
+  return sources;
 }
 
 /// From a file, or else the bag's only one; empty if there is neither.
@@ -186,45 +201,36 @@ CloudVoxels readCloud(const SceneOptions& options, const CollisionScene& scene) 
   return voxels;
 }
 
-namespace {
-
-/// The scene of one robot. An SRDF with an empty origin means none.
-BuiltScene buildScene(const TextFrom& urdf, const TextFrom& srdf, const SceneOptions& options,
-                      Fidelity fidelity) {
-  SceneSources sources = readSources(urdf, srdf, options);
-  SceneSettings& settings = sources.config.settings;
-  settings.fidelity = fidelity;
-  if (!options.narrow_phase.empty()) settings.narrow_phase = parseNarrowPhase(options.narrow_phase);
-  if (options.max_hull_vertices != 0) settings.max_hull_vertices = options.max_hull_vertices;
-  const bool is_restricted = !options.group.empty() || !options.links.empty();
-  // Points of links that are in no pair are not obstacles either.
-  if (!is_restricted || !options.cloud_topics.empty()) readAllMeshes(sources);
-  std::vector<BrokenElement> broken;
-  BuiltScene built;
-  built.description = describeScene(sources, {}, {options.group, options.links}, broken);
-  built.clouds = sources.config.clouds;
-  if (!broken.empty()) {
-    const auto& [link, reason] = broken.front();
-    const bool of_robot = sources.robots[0].source->skeleton()->findLink(link) >= 0;
-    const std::string& origin = of_robot ? urdf.origin : options.world;
+void requireWhole(const SceneSources& sources, const std::string& urdf, const std::string& world) {
+  const auto require = [](const RobotSource& source, const std::string& origin) {
+    if (source.broken().empty()) return;
+    const auto& [link, reason] = source.broken().front();
     throw InputError(origin + ": URDF: link '" + link + "': " + reason);
-  }
-  built.scene = CollisionScene::build(built.description);
-  const std::string& unchecked = built.scene->unchecked();
-  if (is_restricted && built.scene->models().empty() && !built.scene->mayBeFree()) {
-    throw InputError("--group and --links leave no pair to check");
-  }
-  if (!unchecked.empty()) warn(unchecked + saysNothing(*built.scene));
-  const std::vector<std::string> open_meshes = built.scene->openMeshes();
-  if (!open_meshes.empty()) warn(joined(open_meshes, "; "));
-  return built;
+  };
+  for (const SceneSources::Robot& robot : sources.robots) require(*robot.source, urdf);
+  if (sources.world) require(*sources.world, world);
 }
 
-}  // namespace
+void reviewScene(const CollisionScene& scene, const SceneOptions& options, const Warn& tell) {
+  const std::string& unchecked = scene.unchecked();
+  if (isRestricted(options) && scene.models().empty() && !scene.mayBeFree()) {
+    throw InputError("--group and --links leave no pair to check");
+  }
+  if (!unchecked.empty()) tell(unchecked + saysNothing(scene));
+  const std::vector<std::string> open_meshes = scene.openMeshes();
+  if (!open_meshes.empty()) tell(joined(open_meshes, "; "));
+}
 
 std::shared_ptr<const CollisionScene> buildScene(const SceneOptions& options, Fidelity fidelity) {
   const TextFrom srdf = options.srdf.empty() ? TextFrom() : textFromFile(options.srdf);
-  return buildScene(textFromFile(options.urdf), srdf, options, fidelity).scene;
+  SceneSources sources = readSources(textFromFile(options.urdf), srdf, options, warn);
+  sources.config.settings.fidelity = fidelity;
+  std::vector<BrokenElement> broken;
+  const SceneDescription description = describeScene(sources, {}, {}, broken);
+  requireWhole(sources, options.urdf, options.world);
+  const auto scene = CollisionScene::build(description);
+  reviewScene(*scene, options, warn);
+  return scene;
 }
 
 void warnOf(const JointStates& states, const RobotModel& robot, const std::string& what) {
@@ -244,15 +250,17 @@ void declareBatch(CommandLine& command_line, unsigned& threads, std::string& out
   command_line.output("out", out, "OUT.csv", "output file (default: standard output)");
 }
 
-const BuiltScene& BagScenes::sceneFor(const BagContents& bag) {
-  const TextFrom urdf = chooseText(options_.urdf, bag.urdfs, "--urdf");
-  if (urdf.origin.empty()) throw InputError("there is no robot_description in it; give --urdf");
-  const TextFrom srdf = chooseText(options_.srdf, bag.srdfs, "--srdf");
-  if (built_.scene && urdf.content == urdf_ && srdf.content == srdf_) return built_;
-  built_ = buildScene(urdf, srdf, options_, Fidelity::MESH);
-  urdf_ = urdf.content;
-  srdf_ = srdf.content;
-  return built_;
+BagRobot robotOf(const BagIndex& bag, const SceneOptions& options) {
+  BagRobot robot{chooseText(options.urdf, bag.urdfs, "--urdf"),
+                 chooseText(options.srdf, bag.srdfs, "--srdf")};
+  if (robot.urdf.origin.empty()) {
+    throw InputError("there is no robot_description in it; give --urdf");
+  }
+  return robot;
+}
+
+SceneSources sourcesOf(const BagRobot& robot, const SceneOptions& options, const Warn& tell) {
+  return readSources(robot.urdf, robot.srdf, options, tell);
 }
 
 }  // namespace collision_pairs

@@ -6,11 +6,12 @@
 #include <string>
 #include <vector>
 
-#include "bag_reader.h"
+#include "bag_index.h"
 #include "cloud_config.h"
 #include "collision_pairs/collision_scene.h"
 #include "command_line.h"
 #include "joint_states_csv.h"
+#include "scene_sources.h"
 
 namespace collision_pairs {
 
@@ -47,13 +48,6 @@ std::string listedPair(const CollisionScene& scene, std::uint32_t first, std::ui
 /// Throws InputError.
 CloudVoxels readCloud(const SceneOptions& options, const CollisionScene& scene);
 
-/// A scene and its sources.
-struct BuiltScene {
-  std::shared_ptr<const CollisionScene> scene;
-  SceneDescription description;
-  std::vector<CloudConfig> clouds;  ///< of SceneOptions::cloud_topics
-};
-
 /// The scene of one robot from files, prepared for `fidelity`. Warns of unknown links in the SRDF.
 /// Throws InputError, also for a mesh that cannot be used: a tool checks everything or nothing.
 std::shared_ptr<const CollisionScene> buildScene(const SceneOptions& options, Fidelity fidelity);
@@ -66,19 +60,19 @@ void declareThreads(CommandLine& command_line, unsigned& threads);
 /// Options --threads and --out of a tool that writes row by row.
 void declareBatch(CommandLine& command_line, unsigned& threads, std::string& out);
 
-/// Builds a scene from files, or from the bag's own contents where no file is given. Consecutive
-/// bags with the same robot share it.
-class BagScenes {
- public:
-  explicit BagScenes(SceneOptions options) : options_(std::move(options)) {}
-
-  /// Throws InputError as buildScene(), also if there is no robot or more than one to choose from.
-  const BuiltScene& sceneFor(const BagContents& bag);
-
- private:
-  SceneOptions options_;
-  std::string urdf_, srdf_;  ///< the sources of scene_
-  BuiltScene built_;
+/// The texts from files, or from the bag's own contents where no file is given; an SRDF with an
+/// empty origin means none.
+struct BagRobot {
+  TextFrom urdf, srdf;
 };
+/// Throws InputError if there is no robot, or more than one to choose from.
+BagRobot robotOf(const BagIndex& bag, const SceneOptions& options);
+/// Throws InputError; tells what is ineffective.
+SceneSources sourcesOf(const BagRobot& robot, const SceneOptions& options, const Warn& tell);
+
+/// Throws InputError for a mesh that could not be used. `urdf`, `world`: where they are from.
+void requireWhole(const SceneSources& sources, const std::string& urdf, const std::string& world);
+/// Tells what the scene does not check; throws InputError if the options leave no pair.
+void reviewScene(const CollisionScene& scene, const SceneOptions& options, const Warn& tell);
 
 }  // namespace collision_pairs

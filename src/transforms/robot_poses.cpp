@@ -25,10 +25,11 @@ int topOf(const TransformBuffer& buffer, int frame, StampNs stamp, std::vector<i
 
 }  // namespace
 
+const char* const RobotPoses::NO_FRAME = "TF has no frame of that name";
+
 RobotPoses::RobotPoses(const TransformBuffer& buffer, const RobotModel& robot,
-                       const std::string& frame, const std::string& prefix,
-                       const std::vector<std::string>& static_joints)
-    : buffer_(buffer), frame_(frame), prefix_(prefix) {
+                       const std::string& frame, const std::vector<std::string>& static_joints)
+    : buffer_(buffer), frame_(frame) {
   for (const std::string& name : static_joints) {
     if (robot.findJoint(name) >= 0) continue;
     std::vector<std::string> joints;
@@ -55,22 +56,13 @@ RobotPoses::RobotPoses(const TransformBuffer& buffer, const RobotModel& robot,
   }
 }
 
-int RobotPoses::frameOf(const std::string& link) const {
-  if (prefix_.empty()) return buffer_.findFrame(link);
-  const int frame = buffer_.findFrame(withPrefix(prefix_, link));
-  if (frame >= 0) return frame;
-  const int joined = buffer_.findFrame(prefix_ + link);
-  // A root that TF does not have under its prefixed name may be there without prefix ("world").
-  return joined < 0 && link == bodies_[0].links.front().name ? buffer_.findFrame(link) : joined;
-}
-
 const RobotPoses::Frames& RobotPoses::frames() const {
   const std::size_t nb_known = buffer_.frames().size();
   if (frames_.nb_known == nb_known && !frames_.of_links.empty()) return frames_;
-  frames_ = {nb_known, frameOf(frame_), std::vector<std::vector<int>>(bodies_.size())};
+  frames_ = {nb_known, buffer_.findFrame(frame_), std::vector<std::vector<int>>(bodies_.size())};
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     for (const LinkOfBody& link : bodies_[b].links) {
-      frames_.of_links[b].push_back(frameOf(link.name));
+      frames_.of_links[b].push_back(buffer_.findFrame(link.name));
     }
   }
   return frames_;
@@ -193,7 +185,7 @@ std::string RobotPoses::whyNot(std::size_t body, const Layout& layout) const {
   const std::vector<int>& ids = frames_.of_links[body];
   const int id =
       *std::max_element(ids.begin(), ids.end(), [](int a, int b) { return a < 0 && b >= 0; });
-  if (id < 0) return "TF has no frame of that name";
+  if (id < 0) return NO_FRAME;
   if (layout.anchors.empty()) return "TF has no frame '" + frame_ + "'";
   return layout.anchors.front().ways.whyNot(id) + " (in '" + frame_ + "')";
 }
@@ -268,7 +260,7 @@ bool RobotPoses::locate(const std::string& frame, const Layout& layout, Located&
   }
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     for (const LinkOfBody& link : bodies_[b].links) {
-      if (id >= 0 || !isFrameOf(link.name, prefix_, frame)) continue;
+      if (id >= 0 || link.name != frame) continue;
       found = {-1, static_cast<int>(b), link.X_BL, layout.places[b].way};
       return isFound(layout, b);
     }
@@ -283,19 +275,6 @@ Isometry3d RobotPoses::poseOf(const Located& located, const Layout& layout, Stam
   }
   const Anchor& anchor = layout.anchors[static_cast<std::size_t>(located.anchor)];
   return poseOf(anchor, layout, stamp) * buffer_.poseAt(anchor.ways.target(), located.frame, stamp);
-}
-
-bool RobotPoses::frameAt(const Instant& instant, const std::string& frame, Isometry3d& X_WF) const {
-  Layout layout = layOut(instant, std::vector<char>(bodies_.size(), 0));
-  joinByUrdf(instant, layout);
-  Located located;
-  if (!locate(withoutLeadingSlash(frame), layout, located)) return false;
-  try {
-    X_WF = poseOf(located, layout, instant.stamp);
-    return true;
-  } catch (const InputError&) {
-    return false;
-  }
 }
 
 FoundPose RobotPoses::between(const std::string& target, const std::string& source,

@@ -1,4 +1,4 @@
-// Poses of a robot's bodies from transforms: the same for the node and for recordings.
+// Poses of a robot's bodies from transforms.
 #pragma once
 
 #include <string>
@@ -24,11 +24,13 @@ struct FoundBodies {
 /// a lock.
 class RobotPoses {
  public:
-  /// W is `frame`; it need not be a link. `prefix`: of the robot's frames, P/link or Plink. The
-  /// buffer must outlive this object. Throws InputError if a static joint is not a joint of the
-  /// robot.
+  /// The problem of a body of which TF has no frame.
+  static const char* const NO_FRAME;
+
+  /// W is `frame`; it need not be a link. The buffer must outlive this object. Throws InputError if
+  /// a static joint is not a joint of the robot.
   RobotPoses(const TransformBuffer& buffer, const RobotModel& robot, const std::string& frame,
-             const std::string& prefix = "", const std::vector<std::string>& static_joints = {});
+             const std::vector<std::string>& static_joints = {});
 
   /// Bodies with an entry in `wanted`; the others may be placed, too. Not at NEWEST.
   FoundBodies place(const Instant& instant, const std::vector<char>& wanted) const;
@@ -36,8 +38,6 @@ class RobotPoses {
   /// than max_pose_age, or than the newest transform of any of the robot's frames by more than
   /// max_transform_age.
   FoundBodies newest(StampNs now, const std::vector<char>& wanted) const;
-  /// Pose of any frame, a link or not, in W; false if it is unknown.
-  bool frameAt(const Instant& instant, const std::string& frame, Eigen::Isometry3d& X_WF) const;
 
   /// As poseBetween(). Where TF does not connect the two, also by links that the URDF fixes to each
   /// other; links that TF does not name count as frames then.
@@ -47,8 +47,6 @@ class RobotPoses {
   /// By body: only static transforms place it, although a joint above it is not fixed.
   std::vector<char> heldAt(StampNs stamp) const;
 
-  /// Number of the link's frame; -1 if TF does not name it.
-  int frameOf(const std::string& link) const;
   /// The body to which W belongs; -1: none.
   int bodyOfFrame() const { return body_of_frame_; }
   std::size_t nbBodies() const { return bodies_.size(); }
@@ -114,7 +112,7 @@ class RobotPoses {
   const TransformBuffer& buffer_;
   mutable Frames frames_;
   std::vector<BodyOfRobot> bodies_;
-  std::string frame_, prefix_;
+  std::string frame_;
   int body_of_frame_ = -1;
   Eigen::Isometry3d X_WB_of_frame_ = Eigen::Isometry3d::Identity();
 };

@@ -15,11 +15,11 @@ StampNs nanoseconds(double seconds) {
 
 }  // namespace
 
-StampLimits::StampLimits(const PoseLimits& limits, bool keeps_all)
+StampLimits::StampLimits(const PoseLimits& limits)
     : max_age(limits.max_pose_age == 0.0 ? NEVER : nanoseconds(limits.max_pose_age)),
       max_gap(nanoseconds(limits.max_transform_age)),
       tolerance(nanoseconds(limits.clock_tolerance)),
-      kept(keeps_all ? NEVER : nanoseconds(KEPT)),
+      kept(nanoseconds(KEPT)),
       lasting(max_age == NEVER ? max_gap : max_age) {}
 
 std::vector<DoubtfulSpans::Doubt>::iterator DoubtfulSpans::firstEndingAfter(StampNs stamp) {
@@ -50,8 +50,7 @@ const std::string* DoubtfulSpans::at(StampNs stamp) const {
   return found != spans_.end() && found->span.begin < stamp ? &found->why : nullptr;
 }
 
-std::vector<Span> DoubtfulSpans::remove(StampNs begin, StampNs end) {
-  std::vector<Span> removed;
+void DoubtfulSpans::remove(StampNs begin, StampNs end) {
   const auto first = firstEndingAfter(begin);
   auto last = first;
   std::vector<Doubt> rest;
@@ -59,11 +58,8 @@ std::vector<Span> DoubtfulSpans::remove(StampNs begin, StampNs end) {
     const Span span = last->span;
     if (span.begin < begin) rest.push_back({{span.begin, begin}, last->why});
     if (end < span.end) rest.push_back({{end, span.end}, last->why});
-    const Span out{std::max(span.begin, begin), std::min(span.end, end)};
-    if (out.begin < out.end) removed.push_back(out);
   }
   spans_.insert(spans_.erase(first, last), rest.begin(), rest.end());
-  return removed;
 }
 
 void DoubtfulSpans::endBy(StampNs end) {

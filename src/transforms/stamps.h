@@ -46,10 +46,10 @@ struct PoseLimits {
 
 /// The same in nanoseconds.
 struct StampLimits {
-  StampLimits(const PoseLimits& limits, bool keeps_all);
+  explicit StampLimits(const PoseLimits& limits);
   StampNs max_age;  ///< NEVER: no limit
   StampNs max_gap, tolerance;
-  StampNs kept;     ///< history before the newest stamp; NEVER: all
+  StampNs kept;     ///< history before the newest stamp
   StampNs lasting;  ///< of a doubt: max_age, or max_gap if ages do not matter
 };
 
@@ -65,9 +65,8 @@ class DoubtfulSpans {
   void add(Span span, std::string why);
   /// Why that stamp is in doubt; null: it is not. O(log spans).
   const std::string* at(StampNs stamp) const;
-  /// Takes out all stamps from `begin` to `end`, both included; returns the spans that were in
-  /// doubt.
-  std::vector<Span> remove(StampNs begin, StampNs end);
+  /// Takes out all stamps from `begin` to `end`, both included.
+  void remove(StampNs begin, StampNs end);
   /// The last span, if it has no end or a later one, ends there.
   void endBy(StampNs end);
   bool isOpen() const { return !spans_.empty() && spans_.back().span.end == NEVER; }

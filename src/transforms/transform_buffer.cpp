@@ -19,11 +19,6 @@ constexpr std::size_t DEEPEST_TREE = tf2::BufferCore::MAX_GRAPH_DEPTH;
 constexpr std::size_t MOST_EPOCHS = 1000;
 constexpr StampNs SECOND = 1000000000;
 
-/// tf2's, of a recording: longer than any.
-ros::Duration cacheOf(const StampLimits& limits) {
-  return limits.kept == NEVER ? ros::Duration(200000000, 0) : ros::Duration().fromNSec(limits.kept);
-}
-
 ros::Time toTime(StampNs stamp) {
   const StampNs positive = std::clamp<StampNs>(stamp, 1, LAST_STAMP);
   return ros::Time(static_cast<std::uint32_t>(positive / SECOND),
@@ -36,8 +31,7 @@ bool isPose(const Eigen::Vector3d& p, const Eigen::Quaterniond& R) {
   return p.allFinite() && std::abs(R.norm() - 1.0) < 1e-3;
 }
 
-TransformBuffer::TransformBuffer(const PoseLimits& limits, bool keeps_all)
-    : gate_(limits, keeps_all) {
+TransformBuffer::TransformBuffer(const PoseLimits& limits) : gate_(limits) {
   beginEpoch(EVER_SINCE);
 }
 
@@ -94,7 +88,8 @@ void TransformBuffer::store(Epoch& epoch, int frame, const FramePose& pose, Stam
 
 /// With the static poses that count now, and the samples between which a pose may be asked for.
 void TransformBuffer::beginEpoch(StampNs now) {
-  epochs_.push_back({now, std::make_unique<tf2::BufferCore>(cacheOf(limits()))});
+  epochs_.push_back(
+      {now, std::make_unique<tf2::BufferCore>(ros::Duration().fromNSec(limits().kept))});
   for (std::size_t i = 0; i < frames().size(); ++i) {
     const int frame = static_cast<int>(i);
     gate_.forEachSince(frame, before(now, limits().max_gap),
@@ -180,7 +175,7 @@ bool FrameWays::step(int frame, StampNs& stamp, int& parent) const {
   } else {
     stamp = gate.isStaticAt(frame, at) ? NEVER : at;
   }
-  if (!buffer_.isKnown(frame, at, instant_.kind == Instant::AS_IT_ARRIVED)) return false;
+  if (!buffer_.isKnown(frame, at)) return false;
   parent = buffer_.parentAt(frame, at);
   return parent >= 0;
 }
@@ -236,8 +231,7 @@ std::string FrameWays::whyNot(int source) const {
   const std::string why =
       age > limits.max_age ? "its newest transform is " + inWords(inSeconds(age)) +
                                  " old, and max_pose_age is " + inWords(inSeconds(limits.max_age))
-                           : gate.whyUnknown(last, is_dated ? newest : instant_.stamp,
-                                             instant_.kind == Instant::AS_IT_ARRIVED);
+                           : gate.whyUnknown(last, is_dated ? newest : instant_.stamp);
   return last == source ? why : "transform of '" + buffer_.frames()[last] + "': " + why;
 }
 

@@ -1,4 +1,4 @@
-// tf2's buffer behind a gate: poses of frames that are known beyond doubt, live or recorded.
+// tf2's buffer behind a gate: poses of frames that are known beyond doubt.
 #pragma once
 
 #include <deque>
@@ -30,9 +30,8 @@ struct ReceivedTransform {
 /// Which pose of each frame.
 struct Instant {
   enum Kind {
-    AT,             ///< at the stamp
-    AS_IT_ARRIVED,  ///< the same, if it was known in time (TransformGate::isKnown())
-    NEWEST          ///< the newest one when the clock is at the stamp
+    AT,     ///< at the stamp
+    NEWEST  ///< the newest one when the clock is at the stamp
   };
   Kind kind;
   StampNs stamp;
@@ -51,12 +50,10 @@ class NotConnected : public InputError {
 /// tf2 keeps a frame static or moving for ever, and of a static one the last pose. Where either
 /// changes, a new BufferCore takes over for stamps from then on.
 ///
-/// A recording gives the same answers if its transforms are added in the order of arrival, with the
-/// time of arrival as `now`. Not thread safe.
+/// 10 s of each frame are kept. Not thread safe.
 class TransformBuffer {
  public:
-  /// Live: 10 s of each frame are kept. Of a recording: everything.
-  explicit TransformBuffer(const PoseLimits& limits = {}, bool keeps_all = false);
+  explicit TransformBuffer(const PoseLimits& limits = {});
   TransformBuffer(TransformBuffer&&) noexcept;
   ~TransformBuffer();
 
@@ -75,8 +72,8 @@ class TransformBuffer {
   /// -1: it has none then.
   int parentAt(int frame, StampNs stamp) const;
   /// Whether its pose in its parent is known at that stamp, as TransformGate::isKnown().
-  bool isKnown(int frame, StampNs stamp, bool as_it_arrived) const {
-    return stamp >= epochs_.front().since && gate_.isKnown(frame, stamp, as_it_arrived);
+  bool isKnown(int frame, StampNs stamp) const {
+    return stamp >= epochs_.front().since && gate_.isKnown(frame, stamp);
   }
 
   /// Of buffers of tf2: bounded.

@@ -125,7 +125,6 @@ TransformGate::Answer TransformGate::admitStatic(Frame& frame, const FramePose& 
     use();
     setKind(frame, true, now);
     frame.last_static = now;
-    frame.static_since = reached(now);
     return {Store::FIRST, ""};
   }
   const bool was_static = frame.isStatic();
@@ -138,10 +137,7 @@ TransformGate::Answer TransformGate::admitStatic(Frame& frame, const FramePose& 
     }
     setKind(frame, true, now);
   }
-  if (!was_static) {
-    frame.static_since = reached(now);
-    use();
-  }
+  if (!was_static) use();
   DoubtfulSpans& doubts = frame.doubts[STATIC_POSE];
   const bool counts = is_again || frame.statics.size() == 1;
   if (counts && doubts.isOpen()) doubts.endBy(after(now, limits_.lasting));
@@ -174,7 +170,6 @@ void TransformGate::forget(Frame& frame, StampNs now) const {
   const auto isOver = [](const Source& source) { return source.samples.empty(); };
   frame.sources.erase(std::remove_if(frame.sources.begin(), frame.sources.end(), isOver),
                       frame.sources.end());
-  if (limits_.kept == NEVER) return;
   if (frame.newest != EVER_SINCE) {
     frame.oldest = std::max(frame.oldest, frame.newest - limits_.kept);
   }
@@ -232,46 +227,39 @@ StampNs TransformGate::newestAt(int number, StampNs now) const {
   return isStaticAt(number, now) ? NEVER : newestAt(frames_[number], now);
 }
 
-const std::string* TransformGate::doubtAt(const Frame& frame, StampNs stamp,
-                                          bool as_it_arrived) const {
-  for (const Reason reason : {BOTH_KINDS, PUBLISHERS, GAP, SILENCE}) {
-    if (reason == SILENCE && !as_it_arrived) continue;
+const std::string* TransformGate::doubtAt(const Frame& frame, StampNs stamp) {
+  for (const Reason reason : {BOTH_KINDS, PUBLISHERS, GAP}) {
     if (const std::string* why = frame.doubts[reason].at(stamp)) return why;
   }
   return nullptr;
 }
 
-bool TransformGate::isKnown(int number, StampNs stamp, bool as_it_arrived) const {
+bool TransformGate::isKnown(int number, StampNs stamp) const {
   if (!isHeard(number)) return false;
   const Frame& frame = frames_[number];
   if (!isStaticAt(number, stamp)) {
-    return frame.oldest <= stamp && stamp <= frame.newest && !doubtAt(frame, stamp, as_it_arrived);
+    return frame.oldest <= stamp && stamp <= frame.newest && !doubtAt(frame, stamp);
   }
-  if (as_it_arrived && frame.static_since > stamp && limits_.max_age != NEVER) return false;
   return !frame.doubts[BOTH_KINDS].at(stamp) && !frame.doubts[STATIC_POSE].at(stamp);
 }
 
-std::string TransformGate::whyUnknown(int number, StampNs stamp, bool as_it_arrived) const {
+std::string TransformGate::whyUnknown(int number, StampNs stamp) const {
   if (number >= static_cast<int>(frames_.size()) || frames_[number].kinds.empty()) {
     return "TF does not say where it is";
   }
   const Frame& frame = frames_[number];
-  const bool is_static = isStaticAt(number, stamp);
   if (const std::string* both = frame.doubts[BOTH_KINDS].at(stamp)) return *both;
-  if (is_static) {
+  if (isStaticAt(number, stamp)) {
     const std::string* doubt = frame.doubts[STATIC_POSE].at(stamp);
-    return doubt ? *doubt : "it had not arrived yet";
+    return doubt ? *doubt : "it is older than what is kept";
   }
-  if (const std::string* doubt = doubtAt(frame, stamp, false)) return *doubt;
+  if (const std::string* doubt = doubtAt(frame, stamp)) return *doubt;
   if (frame.newest == EVER_SINCE) {
     return "no transform of it was received since the clock went back";
   }
   if (stamp > frame.newest) {
     return "its newest transform is " + inWords(inSeconds(stamp - frame.newest)) +
            " older than that stamp (no extrapolation)";
-  }
-  if (stamp >= frame.oldest && as_it_arrived) {
-    return "at that stamp, its newest transform that had arrived was too old or in doubt";
   }
   return "no two of its transforms around that stamp are within " +
          inWords(inSeconds(limits_.max_gap)) + " of each other";

@@ -71,7 +71,7 @@ class Names {
 /// spans in doubt. Cost of a sample in order: O(publishers of the frame * log samples).
 class TransformGate {
  public:
-  TransformGate(const PoseLimits& limits, bool keeps_all) : limits_(limits, keeps_all) {}
+  explicit TransformGate(const PoseLimits& limits) : limits_(limits) {}
 
   /// What the buffer is to do with an admitted transform.
   enum class Store {
@@ -115,11 +115,10 @@ class TransformGate {
   /// The newest stamp that `now` has reached, unless it is too old and there is one ahead of now.
   /// NEVER: static.
   StampNs newestAt(int frame, StampNs now) const;
-  /// Whether its pose in its parent is known at that stamp. With `as_it_arrived`, also whether it
-  /// was, and not too old, when that was the current time.
-  bool isKnown(int frame, StampNs stamp, bool as_it_arrived) const;
+  /// Whether its pose in its parent is known at that stamp.
+  bool isKnown(int frame, StampNs stamp) const;
   /// Why isKnown() is false, in words.
-  std::string whyUnknown(int frame, StampNs stamp, bool as_it_arrived) const;
+  std::string whyUnknown(int frame, StampNs stamp) const;
   /// Its parent at that stamp; -1: to be asked of tf2, because it has had several.
   int parentAt(int frame, StampNs stamp) const;
 
@@ -149,15 +148,14 @@ class TransformGate {
     StampNs since;
     bool is_static;
   };
-  enum Reason { GAP, PUBLISHERS, BOTH_KINDS, STATIC_POSE, SILENCE, NB_REASONS };
+  enum Reason { GAP, PUBLISHERS, BOTH_KINDS, STATIC_POSE, NB_REASONS };
   struct Frame {
     std::vector<Kind> kinds;                                     ///< in order; empty: not heard
     StampNs last_moving = EVER_SINCE, last_static = EVER_SINCE;  ///< arrivals
     StampNs both_since = NEVER;       ///< arrival from which on both kinds are heard; NEVER: one is
     std::vector<StaticPose> statics;  ///< the newest of each publisher
     StaticPose static_pose{-1, {-1, {}, {}}};  ///< the one that counts
-    StampNs static_since = EVER_SINCE;
-    bool has_moved_parent = false;  ///< its static poses had several parents
+    bool has_moved_parent = false;             ///< its static poses had several parents
     std::vector<Source> sources;
     StampNs oldest = NEVER, newest = EVER_SINCE;  ///< samples
     StampNs parent_since = EVER_SINCE;            ///< stamp from which on the parent is `parent`
@@ -173,7 +171,6 @@ class TransformGate {
   void setKind(Frame& frame, bool is_static, StampNs now);
   StampNs endOfBoth(const Frame& frame) const;
   Source* sourceOf(Frame& frame, int publisher) const;
-  bool wasKnown(const Frame& frame, StampNs used, int parent, StampNs now) const;
   void noteSample(Frame& frame, const Samples& samples, Place added);
   bool isBridge(const Frame& frame, const Sample& from, const Sample& to) const;
   void noteParent(Frame& frame, int parent, StampNs stamp);
@@ -182,7 +179,7 @@ class TransformGate {
                    const std::string& how);
   void forget(Frame& frame, StampNs now) const;
   StampNs newestAt(const Frame& frame, StampNs now) const;
-  const std::string* doubtAt(const Frame& frame, StampNs stamp, bool as_it_arrived) const;
+  static const std::string* doubtAt(const Frame& frame, StampNs stamp);
   /// `now`, or beyond the newest stamp of all frames: no look-up so far was as late.
   StampNs reached(StampNs now) const { return newest_ > now ? newest_ + 1 : now; }
 

@@ -55,8 +55,6 @@ TransformGate::Answer TransformGate::admitMoving(Frame& frame, const FramePose& 
   if (frame.kinds.empty()) setKind(frame, false, now);
   const bool has_changed = noteKind(frame, false, now);
   if (frame.isStatic()) return {Store::NOTHING, IS_ON_BOTH};
-  const StampNs used = newestAt(frame, now);
-  const bool was_known = wasKnown(frame, used, pose.parent, now);
   const bool is_stored =
       std::any_of(frame.sources.begin(), frame.sources.end(), [&](const Source& source) {
         const Place place = placeOf(source.samples, stamp);
@@ -73,7 +71,6 @@ TransformGate::Answer TransformGate::admitMoving(Frame& frame, const FramePose& 
     }
     if (place->stamp == stamp) return {Store::NOTHING, why};  // the first one stays
   }
-  if (!was_known && limits_.max_age != NEVER) frame.doubts[SILENCE].add({used, reached(now)}, "");
   place = source->samples.insert(place, {stamp, pose});
   noteParent(frame, pose.parent, stamp);
   noteSample(frame, source->samples, place);
@@ -94,21 +91,7 @@ TransformGate::Source* TransformGate::sourceOf(Frame& frame, int publisher) cons
   return &frame.sources.back();
 }
 
-/// Whether the frame's newest pose, of the stamp `used`, was usable just now, and leads on to a
-/// sample with this parent.
-bool TransformGate::wasKnown(const Frame& frame, StampNs used, int parent, StampNs now) const {
-  if (used == EVER_SINCE || now - used > limits_.max_age || reached(now) - used > limits_.max_gap ||
-      doubtAt(frame, used, false)) {
-    return false;
-  }
-  return std::any_of(frame.sources.begin(), frame.sources.end(), [&](const Source& source) {
-    const Place place = placeOf(source.samples, used);
-    return place != source.samples.end() && place->stamp == used && place->pose.parent == parent;
-  });
-}
-
-/// Rule 2. Known are the stamps of samples, and those between two of one publisher; which of the
-/// stamps before the newest one were not known until now is noted, too.
+/// Rule 2. Known are the stamps of samples, and those between two of one publisher.
 void TransformGate::noteSample(Frame& frame, const Samples& samples, Place added) {
   const StampNs stamp = added->stamp;
   DoubtfulSpans& gaps = frame.doubts[GAP];
@@ -119,28 +102,24 @@ void TransformGate::noteSample(Frame& frame, const Samples& samples, Place added
   } else if (stamp > frame.newest) {
     const bool is_bridged = added != samples.begin() && isBridge(frame, *std::prev(added), *added);
     const StampNs from = is_bridged ? std::max(frame.newest, std::prev(added)->stamp) : stamp;
-    const std::string* doubt = doubtAt(frame, frame.newest, false);
+    const std::string* doubt = doubtAt(frame, frame.newest);
     gaps.add({frame.newest, from}, doubt ? *doubt : words);
     frame.newest = stamp;
   } else if (stamp < frame.oldest) {
     gaps.add({stamp - 1, frame.oldest}, words);
     frame.oldest = stamp;
   }
-  if (gaps.at(stamp)) frame.doubts[SILENCE].add({stamp - 1, stamp + 1}, "");
-  const auto makeKnown = [&](StampNs begin, StampNs end) {
-    for (const Span& part : gaps.remove(begin, end)) frame.doubts[SILENCE].add(part, "");
-  };
-  makeKnown(stamp, stamp);
+  gaps.remove(stamp, stamp);
   if (added != samples.begin() && isBridge(frame, *std::prev(added), *added)) {
-    makeKnown(std::prev(added)->stamp, stamp);
+    gaps.remove(std::prev(added)->stamp, stamp);
   }
   const Place next = std::next(added);
-  if (next != samples.end() && isBridge(frame, *added, *next)) makeKnown(stamp, next->stamp);
+  if (next != samples.end() && isBridge(frame, *added, *next)) gaps.remove(stamp, next->stamp);
 }
 
 /// Whether a pose between two consecutive samples of one publisher is known.
 bool TransformGate::isBridge(const Frame& frame, const Sample& from, const Sample& to) const {
-  return to.stamp - from.stamp <= limits_.max_gap && !doubtAt(frame, from.stamp, false);
+  return to.stamp - from.stamp <= limits_.max_gap && !doubtAt(frame, from.stamp);
 }
 
 void TransformGate::noteParent(Frame& frame, int parent, StampNs stamp) {

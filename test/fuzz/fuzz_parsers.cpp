@@ -8,14 +8,16 @@
 #include <string>
 
 #include <fuzzer/FuzzedDataProvider.h>
+#include <sensor_msgs/PointCloud2.h>
 #include <unistd.h>
 #include <yaml-cpp/yaml.h>
 
-#include "bag_reader.h"
+#include "bag_index.h"
 #include "collision_pairs/collision_detector.h"
 #include "collision_pairs/input_error.h"
 #include "joint_states_csv.h"
 #include "mesh_files.h"
+#include "message_layout.h"
 #include "pcd_file.h"
 #include "scene_config.h"
 #include "scene_updates.h"
@@ -78,7 +80,11 @@ void check(const SceneDescription& description) {
   static const std::string path =
       std::filesystem::temp_directory_path() / ("fuzz_" + std::to_string(::getpid()) + ".bag");
   std::ofstream(path, std::ios::binary) << bytes;
-  readBag(path);
+  const auto all = [](const RawMessage&) { return true; };
+  const BagIndex index = indexBag(path, all);
+  replayBag(path, index, all, [](const RawMessage& raw) {
+    readMessage<sensor_msgs::PointCloud2>(raw.data, raw.size);
+  });
 }
 
 class RequestMaker {

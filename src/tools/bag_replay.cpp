@@ -1,0 +1,275 @@
+#include "bag_replay.h"
+
+#include <algorithm>
+#include <utility>
+
+#include <boost/make_shared.hpp>
+
+#include "collision_pairs/input_error.h"
+#include "message_layout.h"
+#include "user_text.h"
+
+namespace collision_pairs {
+namespace {
+
+/// As CloudConfig::name().
+std::string nameOf(const std::string& topic) {
+  return topic.substr(std::min(topic.find_first_not_of('/'), topic.size()));
+}
+
+bool isChecked(const CollisionScene& scene, const std::string& name) {
+  return std::any_of(scene.clouds().begin(), scene.clouds().end(), [&](const SceneCloud& cloud) {
+    return scene.models()[cloud.model].name == name;
+  });
+}
+
+/// Whether transforms connect the bodies, whatever they say: the bag's, each once.
+FoundBodies connected(const BagIndex& index, const RobotFrames& frames, const ActiveScene& scene,
+                      const std::vector<std::string>& static_joints) {
+  std::map<std::string, const BagIndex::Edge*> by_child;
+  for (const BagIndex::Edge& edge : index.transforms) {
+    const auto& known = by_child.try_emplace(frames.ofRobot(edge.child), &edge).first->second;
+    if (!edge.is_static && known->is_static) by_child[frames.ofRobot(edge.child)] = &edge;
+  }
+  constexpr StampNs ANY = 1000000000;
+  TransformBuffer buffer;
+  for (const auto& [child, edge] : by_child) {
+    buffer.take({frames.ofRobot(edge->parent), child, ANY, Eigen::Vector3d::Zero(),
+                 Eigen::Quaterniond::Identity()},
+                edge->is_static, "", ANY);
+  }
+  const RobotModel& robot = scene.scene->robot();
+  const RobotPoses poses(buffer, robot, scene.frame, static_joints);
+  return poses.place({Instant::AT, ANY}, std::vector<char>(robot.bodies().size(), 1));
+}
+
+}  // namespace
+
+BagReplay::BagReplay(std::string path, const BagIndex& index, const RawMessageFilter& wants,
+                     const BagReplayOptions& options, SceneParameters parameters,
+                     std::shared_ptr<SceneCache> cache)
+    : path_(std::move(path)),
+      index_(index),
+      wants_(wants),
+      options_(options),
+      monitor_({options.limits}, std::move(cache)),
+      frames_(index, linkNames(*parameters.sources.robots.front().source->skeleton()),
+              options.prefix) {
+  static_joints_ = parameters.sources.config.static_joints;
+  load(std::move(parameters));
+}
+
+void BagReplay::load(SceneParameters parameters) {
+  SceneJob job = monitor_.scenes().load(std::move(parameters));
+  job.run();
+  monitor_.scenes().take(job);
+  scene_ = monitor_.scenes().active();
+}
+
+SceneParameters BagReplay::takeParameters() {
+  SceneParameters parameters = std::move(*monitor_.scenes().parameters());
+  parameters.sources.config.static_joints = static_joints_;
+  return parameters;
+}
+
+void BagReplay::choosePoses() {
+  const CollisionScene& scene = *scene_->scene;
+  const RobotModel& robot = scene.robot();
+  SceneParameters& parameters = *monitor_.scenes().parameters();
+  std::vector<std::string>& static_joints = parameters.sources.config.static_joints;
+  const FoundBodies by_tf = connected(index_, frames_, *scene_, static_joints);
+  const auto moves = [&](const SceneBody& body) { return robot.bodies()[body.body].joint >= 0; };
+  std::size_t nb_by_tf = 0;
+  std::vector<std::string> missing, problems;
+  for (const SceneBody& body : scene.bodies()) {
+    if (!moves(body)) continue;
+    if (by_tf.known[body.body]) {
+      ++nb_by_tf;
+    } else if (by_tf.problems[body.body] == RobotPoses::NO_FRAME) {
+      missing.push_back(body.link);
+    } else {
+      problems.push_back("link '" + body.link + "': " + by_tf.problems[body.body]);
+    }
+  }
+  joints_.emplace(index_.joints, robot, options_.prefix);
+  const std::size_t nb_by_joints = joints_->nbMoved(scene.bodies());
+  if (nb_by_tf == 0 && nb_by_joints == 0) refuse(problems);
+  if (nb_by_tf >= nb_by_joints) {
+    joints_.reset();
+    if (!missing.empty()) {
+      notes_.push_back("left out, because TF has no frame for them: " + joined(missing));
+    }
+    return;
+  }
+  made_frames_ = joints_->frames();
+  const std::vector<std::string> unnamed = joints_->unnamedJoints(scene.bodies());
+  if (unnamed.empty()) return;
+  notes_.push_back("joints that it does not name are taken as zero: " + joined(unnamed));
+  for (const std::string& joint : unnamed) {
+    doubts_.push_back("joint '" + joint + "' is not in the bag: it was taken as zero");
+  }
+  for (const Joint& joint : robot.joints()) static_joints.push_back(joint.name);
+  load(std::move(parameters));
+}
+
+void BagReplay::refuse(const std::vector<std::string>& problems) const {
+  const RobotModel& robot = scene_->scene->robot();
+  const auto& bodies = scene_->scene->bodies();
+  if (std::none_of(bodies.begin(), bodies.end(),
+                   [&](const SceneBody& body) { return robot.bodies()[body.body].joint >= 0; })) {
+    throw InputError(
+        "there is nothing to check: no link of robot '" + robot.name() +
+        "' that moves is in a pair; links, group, pair_rules and the SRDF choose them");
+  }
+  if (!problems.empty()) {
+    throw InputError("there is no stamp to check: of its " + std::to_string(problems.size()) +
+                     " links on moving joints that TF names none is placed, and no joint states "
+                     "move them; " +
+                     problems.front());
+  }
+  const std::set<std::string> prefixes = possiblePrefixes(index_, linkNames(robot));
+  const std::string hint =
+      prefixes.empty() ? ""
+                       : "; try --prefix " + joined({prefixes.begin(), prefixes.end()}, " or ");
+  throw InputError("neither its transforms nor its joint states mention robot '" + robot.name() +
+                   "'" + hint);
+}
+
+void BagReplay::run(const Visit& visit) {
+  choosePoses();
+  visit_ = &visit;
+  if (joints_) monitor_.take(joints_->atZero(), true, "");
+  replayBag(path_, index_, wants_, [this](const RawMessage& raw) { take(raw); });
+  flush();
+}
+
+void BagReplay::take(const RawMessage& raw) {
+  ++nb_taken_;
+  advance(toTime(raw.received));
+  const BagTopic kind = kindOf(raw);
+  if (kind == BagTopic::TRANSFORMS || kind == BagTopic::STATIC_TRANSFORMS) {
+    auto message = readMessage<tf2_msgs::TFMessage>(raw.data, raw.size);
+    if (!message) return;
+    takeTransforms(std::move(*message), kind == BagTopic::STATIC_TRANSFORMS, raw.publisher);
+  } else if (kind == BagTopic::JOINT_STATES && joints_ && raw.topic == joints_->topic()) {
+    auto state = readMessage<sensor_msgs::JointState>(raw.data, raw.size);
+    if (!state) return;
+    if (state->header.stamp.isZero()) state->header.stamp = toTime(raw.received);
+    const tf2_msgs::TFMessage made = joints_->take(*state);
+    if (made.transforms.empty()) return;
+    take(made, false, raw.publisher);
+  } else if (kind == BagTopic::CLOUDS) {
+    takeCloud(raw);
+    return filterClouds();
+  } else {
+    return;
+  }
+  filterClouds();
+  report();
+}
+
+void BagReplay::advance(const ros::Time& now) {
+  while (!ahead_.empty() && *ahead_.begin() <= now) {
+    monitor_.advance(*ahead_.begin());
+    ahead_.erase(ahead_.begin());
+    filterClouds();
+    report();
+  }
+  monitor_.advance(now);
+}
+
+void BagReplay::takeTransforms(tf2_msgs::TFMessage message, bool is_static,
+                               const std::string& publisher) {
+  auto& transforms = message.transforms;
+  for (auto& transform : transforms) {
+    transform.header.frame_id = frames_.ofRobot(transform.header.frame_id);
+    transform.child_frame_id = frames_.ofRobot(transform.child_frame_id);
+  }
+  const auto isMade = [this](const auto& transform) {
+    return made_frames_.count(transform.child_frame_id) > 0;
+  };
+  transforms.erase(std::remove_if(transforms.begin(), transforms.end(), isMade), transforms.end());
+  take(message, is_static, publisher);
+}
+
+void BagReplay::take(const tf2_msgs::TFMessage& message, bool is_static,
+                     const std::string& publisher) {
+  const ros::Time& now = monitor_.transforms().now().stamp;
+  for (const auto& transform : message.transforms) {
+    if (!is_static && transform.header.stamp > now) ahead_.insert(transform.header.stamp);
+  }
+  monitor_.take(message, is_static, publisher);
+}
+
+void BagReplay::takeCloud(const RawMessage& raw) {
+  const std::string name = nameOf(raw.topic);
+  if (!isChecked(*scene_->scene, name)) return;
+  for (const auto& source : scene_->clouds) {
+    if (source->config().name() != name) continue;
+    ++clouds_[name].nb_clouds;
+    auto cloud = readMessage<sensor_msgs::PointCloud2>(raw.data, raw.size);
+    if (!cloud) return source->refuse("it is truncated");
+    cloud->header.frame_id = frames_.ofRobot(cloud->header.frame_id);
+    source->take(boost::make_shared<sensor_msgs::PointCloud2>(std::move(*cloud)));
+  }
+}
+
+void BagReplay::filterClouds() {
+  for (const auto& source : scene_->clouds) {
+    CloudNotes& notes = clouds_[source->config().name()];
+    while (auto job = source->next()) {
+      job->run();
+      source->take(*job);
+    }
+    const CloudHealth health = source->health();
+    notes.nb_dropped = health.dropped;
+    const std::string note = source->takeNote();
+    if (note.empty()) continue;
+    const bool is_refusal = health.refused > notes.nb_refused;
+    notes.nb_refused = health.refused;
+    if (!is_refusal) ++notes.nb_warned;
+    std::string& first = is_refusal ? notes.first_problem : notes.first_warning;
+    if (first.empty()) first = note.substr(is_refusal ? CloudSource::REFUSED.size() : 0);
+  }
+}
+
+void BagReplay::report() {
+  ReplayedReport report{monitor_.at(scene_), {}};
+  auto& doubts = report.snapshot.poses.doubts;
+  doubts.insert(doubts.end(), doubts_.begin(), doubts_.end());
+  for (const auto& source : scene_->clouds) {
+    const std::string name = source->config().name();
+    const bool is_doubtful = !source->view().doubt.empty() && isChecked(*scene_->scene, name);
+    if (is_doubtful) report.doubtful_clouds.push_back(name);
+  }
+  if (latest_ && latest_->snapshot.stamp != report.snapshot.stamp) flush();
+  latest_.emplace(std::move(report));
+}
+
+void BagReplay::flush() {
+  if (latest_) (*visit_)(*latest_, nb_taken_);
+  latest_.reset();
+}
+
+std::vector<std::string> BagReplay::notes() const {
+  std::vector<std::string> notes = notes_;
+  const TransformInput& transforms = monitor_.transforms();
+  if (transforms.nbRefused() > 0) {
+    notes.push_back(
+        std::to_string(transforms.nbRefused()) +
+        " transforms are not used, or are in doubt; the first: " + transforms.firstRefused());
+  }
+  for (const auto& [name, cloud] : clouds_) {
+    const auto add = [&, &name = name, &cloud = cloud](std::size_t count, const std::string& what) {
+      if (count == 0) return;
+      notes.push_back("cloud '" + name + "': " + std::to_string(count) + " of " +
+                      std::to_string(cloud.nb_clouds) + " messages " + what);
+    };
+    add(cloud.nb_refused, "were refused; the first: " + cloud.first_problem);
+    add(cloud.nb_warned, "show nothing; the first: " + cloud.first_warning);
+    add(cloud.nb_dropped, "were dropped: newer ones had the transforms at their stamps before");
+  }
+  return notes;
+}
+
+}  // namespace collision_pairs
