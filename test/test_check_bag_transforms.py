@@ -122,3 +122,13 @@ def test_transforms_that_came_too_late_make_unknown_rows(check, tmp_path):
     assert verdicts(check(messages, "--settings", settings)[1]) == {"unknown"}, "b lags behind a by more than a second"
     settings.write_text("{max_pose_age: 5.0, max_transform_age: 2.0}")
     assert verdicts(check(messages, "--settings", settings)[1], START + 1.6, START + 2.9) == {"free"}
+
+
+def test_each_stamp_has_its_row_though_the_clocks_of_sender_and_recorder_differ(check):
+    messages, stamps = [], []
+    for i in range(40):
+        stamps.append(START + 0.05 * i + (0.01 if i % 2 else -0.01))
+        messages += [("/tf", START + 0.05 * i, link_at(link, stamps[-1], x)) for link, x in (("a", 0.0), ("b", 3.0))]
+    done, rows = check(messages)
+    assert [round(float(row[2]), 3) for row in rows] == [round(stamp, 3) for stamp in stamps[:-1]], "the last is ahead at the end"
+    assert verdicts(rows) == {"free"}
