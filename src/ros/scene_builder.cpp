@@ -14,7 +14,7 @@
 namespace collision_pairs {
 namespace {
 
-constexpr std::uint32_t SCENES_IN_QUEUE = 100;  // scenes: none is to be missing in a recording
+constexpr std::uint32_t SCENES_IN_QUEUE = 100;  // none is to be missing in a recording
 constexpr int MOST_BUILDS = 20;                 // of one restriction, while others change the scene
 
 }  // namespace

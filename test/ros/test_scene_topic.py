@@ -1,12 +1,15 @@
 #!/usr/bin/python3
 """What ~scene says: all that is checked, at each change once, and to those who come later."""
 import os
+import subprocess
 import sys
+import tempfile
 import threading
 import unittest
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 
+import rosbag
 import rospy
 import rostest
 import yaml
@@ -29,20 +32,21 @@ class SceneTopicTest(unittest.TestCase):
 
     def setUp(self):
         since = self.robot.hold([0, 3, 6])
-        self.scene.apply(clear())
         self.assertIsNotNone(self.node.report_since(since, lambda r: not r.left_out))
-        self.newest_of(self.late_subscribers_scene().revision)
+        self.scene.apply(clear(), add_box("of " + self.id()))
+        self.newest(lambda scene: [listed.name for listed in scene.objects] == ["of " + self.id()])
+        self.scene.apply(clear())
+        self.newest(lambda scene: not scene.objects)
 
-    @staticmethod
-    def late_subscribers_scene():
-        return rospy.wait_for_message("/node/scene", Scene, PATIENCE)
-
-    def newest_of(self, revision):
-        """What this test's subscriber has, once that has arrived."""
+    def newest(self, is_wanted):
+        """Once it has arrived."""
         end = rospy.get_time() + PATIENCE
-        while rospy.get_time() < end and not (self.received and self.received[-1].revision >= revision):
+        while rospy.get_time() < end and not (self.received and is_wanted(self.received[-1])):
             rospy.sleep(0.01)
         return self.received[-1]
+
+    def newest_of(self, revision):
+        return self.newest(lambda scene: scene.revision >= revision)
 
     def do_reset(self):
         reply = self.reset()
@@ -70,14 +74,18 @@ class SceneTopicTest(unittest.TestCase):
             self.assertFalse(self.scene.send(add_box("crate"), attach("crate", "nowhere")).success)
             self.scene.apply()
             self.assertTrue(self.node.check(links=["a"] if count % 2 else ["b", "c"]).success)
-        self.assertEqual(self.late_subscribers_scene().revision, first + len(changes))
+        rospy.sleep(0.2)  # of one too many
         self.assertEqual([scene.revision for scene in self.received[before:]],
                          list(range(first + 1, first + len(changes) + 1)))
 
-    def test_who_comes_late_receives_the_newest(self):
-        listed = self.scene.apply(add_box("crate", (0, 0, 2)), add_box("tool", (3, 0, 2)))
-        scene = self.late_subscribers_scene()
-        self.assertEqual({listed.name: listed for listed in scene.objects}, listed)
+    def test_a_recording_that_begins_late_has_the_newest(self):
+        objects = self.scene.apply(add_box("crate", (0, 0, 2)), add_box("tool", (3, 0, 2)))
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "scene.bag")
+            subprocess.run(["rosbag", "record", "-l", "1", "-O", path, "/node/scene"], check=True, timeout=PATIENCE)
+            with rosbag.Bag(path) as bag:
+                (_, scene, _), = bag.read_messages()
+        self.assertEqual({listed.name: listed for listed in scene.objects}, objects)
 
     def test_it_has_the_robot_and_the_settings(self):
         scene = self.received[-1]
@@ -132,7 +140,7 @@ class SceneTopicTest(unittest.TestCase):
         finally:
             moving.clear()
             driver.join()
-        crate = self.late_subscribers_scene().objects[0]
+        crate = self.newest(lambda scene: scene.objects and scene.objects[0].attached_link).objects[0]
         self.assertEqual(crate, listed)
         self.assertEqual((crate.header.frame_id, crate.attached_link), ("a", "a"))
         x, y, z = xyz_of(crate)
