@@ -1,5 +1,5 @@
-add_message_files(FILES CollisionPair.msg CollisionPairs.msg ContactPoint.msg SceneChange.msg
-                  SceneObject.msg SpeedLimit.msg)
+add_message_files(FILES CollisionPair.msg CollisionPairs.msg ContactPoint.msg RobotDescription.msg
+                  Scene.msg SceneChange.msg SceneObject.msg SpeedLimit.msg)
 add_service_files(FILES CheckCollisions.srv CheckTrajectory.srv UpdateScene.srv)
 # The package has an __init__.py of its own (python.cmake): none is generated for installation.
 set(${PROJECT_NAME}_CATKIN_PYTHON_SETUP_HAS_PACKAGE_INIT TRUE)

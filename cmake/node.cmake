@@ -8,6 +8,7 @@ add_library(collision_pairs_monitor STATIC
   src/monitor/cloud_source.cpp
   src/monitor/joint_query.cpp
   src/monitor/monitor.cpp
+  src/monitor/scene_message.cpp
   src/monitor/scene_store.cpp
   src/monitor/scene_updates.cpp
   src/monitor/tf_poses.cpp

@@ -14,8 +14,8 @@ inline std::string threeNumbers(const Eigen::Vector3d& v) {
   return std::to_string(v[0]) + " " + std::to_string(v[1]) + " " + std::to_string(v[2]);
 }
 
-/// A tree of `nb_links` links and a root without geometry.
-inline std::shared_ptr<const RobotModel> randomRobot(RandomInputs& random, int nb_links) {
+/// A tree of `nb_links` links and a root without geometry; meshes are those of testMesh().
+inline std::string randomUrdf(RandomInputs& random, int nb_links) {
   const std::string shapes[] = {
       "<box size='0.3 0.1 0.2'/>", "<cylinder radius='0.07' length='0.3'/>",
       "<sphere radius='0.1'/>",    "<mesh filename='l'/>",
@@ -43,7 +43,11 @@ inline std::shared_ptr<const RobotModel> randomRobot(RandomInputs& random, int n
            threeNumbers(random.vector(-0.35, 0.35)) + "' rpy='" +
            threeNumbers(random.vector(-3, 3)) + "'/>" + extra + "</joint>";
   }
-  return RobotModel::fromUrdf("<robot name='random'>" + xml + "</robot>", testMesh);
+  return "<robot name='random'>" + xml + "</robot>";
+}
+
+inline std::shared_ptr<const RobotModel> randomRobot(RandomInputs& random, int nb_links) {
+  return RobotModel::fromUrdf(randomUrdf(random, nb_links), testMesh);
 }
 
 /// Positions of all joints; of those that turn, now and then many turns.

@@ -6,7 +6,6 @@
 #include <map>
 
 #include "collision_pairs/input_error.h"
-#include "text_files.h"
 #include "user_text.h"
 #include "yaml_values.h"
 
@@ -232,9 +231,26 @@ SceneConfig readSceneSettings(const YAML::Node& map, const std::string& origin) 
   });
 }
 
+SceneConfig readSceneSettings(const TextFrom& yaml) {
+  return readSceneSettings(naming(yaml.origin, [&] { return loadYaml(yaml.content); }),
+                           yaml.origin);
+}
+
 SceneConfig readSceneConfigFile(const std::string& path) {
-  const std::string text = readTextFile(path);
-  return readSceneSettings(naming(path, [&] { return loadYaml(text); }), path);
+  return readSceneSettings(textFromFile(path));
+}
+
+std::string settingsText(const YAML::Node& map, const PoseLimits& limits) {
+  YAML::Node all(YAML::NodeType::Map);
+  for (const std::string& key : sceneConfigKeys()) {
+    if (const YAML::Node value = map[key]) all[key] = value;
+  }
+  all["max_pose_age"] = limits.max_pose_age;
+  all["max_transform_age"] = limits.max_transform_age;
+  all["clock_tolerance"] = limits.clock_tolerance;
+  YAML::Emitter text;
+  text << all;
+  return text.c_str();
 }
 
 }  // namespace collision_pairs

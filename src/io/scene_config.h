@@ -10,6 +10,7 @@
 #include "cloud_config.h"
 #include "collision_pairs/scene_description.h"
 #include "stamps.h"
+#include "text_files.h"
 
 namespace collision_pairs {
 
@@ -46,7 +47,14 @@ SceneConfig readSceneConfig(const YAML::Node& map);
 /// `origin`: source of the map, for messages.
 SceneConfig readSceneSettings(const YAML::Node& map, const std::string& origin);
 
+/// The same from a text, whose origin errors name.
+SceneConfig readSceneSettings(const TextFrom& yaml);
+
 /// The same from a YAML file, for example the one that the node's parameters are loaded from.
 SceneConfig readSceneConfigFile(const std::string& path);
+
+/// The text of a settings file with the map's sceneConfigKeys() and these limits:
+/// readSceneSettings() gives the same configuration.
+std::string settingsText(const YAML::Node& map, const PoseLimits& limits);
 
 }  // namespace collision_pairs

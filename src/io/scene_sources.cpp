@@ -21,6 +21,12 @@ std::shared_ptr<const RobotModel> loadGeometry(RobotSource& source, const std::s
   return model;
 }
 
+Srdf parsed(const TextFrom& xml, const Warn& warn) {
+  Srdf srdf = naming(xml.origin, [&] { return Srdf::fromXml(xml.content); });
+  for (const std::string& warning : srdf.warnings) warn(xml.origin + ": " + warning);
+  return srdf;
+}
+
 }  // namespace
 
 std::vector<std::string> linkNames(const RobotModel& robot) {
@@ -38,15 +44,14 @@ std::shared_ptr<const RobotModel> robotFrom(const TextFrom& urdf, const Warn& wa
 }
 
 Srdf srdfFrom(const TextFrom& xml, const RobotModel& robot, const Warn& warn) {
-  Srdf srdf = naming(xml.origin, [&] { return Srdf::fromXml(xml.content); });
-  for (const std::string& warning : srdf.warnings) warn(xml.origin + ": " + warning);
+  Srdf srdf = parsed(xml, warn);
   const auto unknown = srdf.unknownLinks(linkNames(robot));
   if (!unknown.empty()) warn(xml.origin + ": not links of the robot, ignored: " + joined(unknown));
   return srdf;
 }
 
 RobotSource::RobotSource(const std::string& urdf, MeshLoader load_mesh)
-    : load_mesh_(std::move(load_mesh)) {
+    : urdf_(urdf), load_mesh_(std::move(load_mesh)) {
   skeleton_ =
       RobotModel::fromUrdf(urdf, [this](const std::string& uri, const Eigen::Vector3d& scale) {
         auto stand_in = std::make_shared<TriangleMesh>();
@@ -95,6 +100,27 @@ std::vector<Element> RobotSource::load(const Link& link) {
     }
   }
   return elements;
+}
+
+std::unique_ptr<RobotSource> robotSource(const TextFrom& urdf, const MeshLoader& load_mesh,
+                                         const Warn& warn) {
+  auto source = naming(urdf.origin, [&] {
+    return std::make_unique<RobotSource>(urdf.content, relativeTo(urdf.folder, load_mesh));
+  });
+  for (const std::string& what : source->skeleton()->warnings()) warn(urdf.origin + ": " + what);
+  return source;
+}
+
+void SceneSources::Robot::readSrdf(const TextFrom& xml, const Warn& warn) {
+  srdf = parsed(xml, warn);
+  srdf_text = xml.content;
+}
+
+void SceneSources::readSettings(const TextFrom& yaml) {
+  config = readSceneSettings(yaml);
+  settings_text = yaml.content;
+  clouds.clear();
+  for (const CloudConfig& cloud : config.clouds) clouds.push_back(obstacleOf(cloud));
 }
 
 SceneDescription describeScene(SceneSources& sources, std::vector<RigidObject> objects,

@@ -31,6 +31,9 @@ class RobotSource {
   /// read.
   RobotSource(const std::string& urdf, MeshLoader load_mesh);
 
+  /// The text that it was read from.
+  const std::string& urdf() const { return urdf_; }
+
   /// The robot with a small placeholder for each mesh: usable for everything except its geometry.
   const std::shared_ptr<const RobotModel>& skeleton() const { return skeleton_; }
 
@@ -51,6 +54,7 @@ class RobotSource {
 
   std::vector<Element> load(const Link& link);
 
+  std::string urdf_;
   MeshLoader load_mesh_;
   std::map<const TriangleMesh*, Reference> references_;  // by placeholder
   std::shared_ptr<const RobotModel> skeleton_;
@@ -59,17 +63,29 @@ class RobotSource {
   std::vector<BrokenElement> broken_;
 };
 
+/// Warns of ineffective content. Errors and warnings name the origin.
+std::unique_ptr<RobotSource> robotSource(const TextFrom& urdf, const MeshLoader& load_mesh,
+                                         const Warn& warn);
+
 /// Loaded meshes are kept.
 struct SceneSources {
   struct Robot {
     std::unique_ptr<RobotSource> source;
     std::optional<Srdf> srdf;
     std::string prefix;
+    std::string srdf_text = {};  ///< of readSrdf()
+
+    /// Warns of ineffective content. Errors and warnings name the origin.
+    void readSrdf(const TextFrom& xml, const Warn& warn);
   };
   std::vector<Robot> robots;
   std::unique_ptr<RobotSource> world;  ///< null: none
   std::vector<RigidObject> clouds;     ///< made by cloudOf()
   SceneConfig config;
+  std::string settings_text;  ///< of readSettings()
+
+  /// With the obstacles of its clouds. Throws as readSceneSettings().
+  void readSettings(const TextFrom& yaml);
 };
 
 /// With the geometry of only those links that are in some pair; the meshes of others are not read.

@@ -40,7 +40,7 @@ void SceneJob::run(const Progress& progress) {
   objects_ = std::move(objects);
   if (kind_ == Kind::UPDATE && changeBefore(*before)) return;
   auto built = build(progress);
-  if (kind_ == Kind::LOAD) requireFrameOfObjects(built->frame);
+  if (kind_ == Kind::LOAD && !replaces_objects_) requireFrameOfObjects(built->frame);
   built_ = std::move(built);
 }
 
@@ -128,9 +128,15 @@ SceneJob SceneStore::job(SceneJob::Kind kind) const {
   return job;
 }
 
-SceneJob SceneStore::load(SceneParameters parameters) const {
+StoredScene SceneStore::stored() const {
+  return {parameters_, objects_, scene_ ? scene_->frame : std::string(), revision_, since_};
+}
+
+SceneJob SceneStore::load(SceneParameters parameters, std::optional<SceneObjects> objects) const {
   SceneJob made = job(SceneJob::Kind::LOAD);
   made.parameters_ = std::make_shared<SceneParameters>(std::move(parameters));
+  made.replaces_objects_ = objects.has_value();
+  if (objects) made.objects_ = std::make_shared<const SceneObjects>(std::move(*objects));
   return made;
 }
 
@@ -203,6 +209,7 @@ bool SceneStore::take(SceneJob& job) {
   }
   if (job.built_ == scene_) return true;  // without changes
   ++revision_;
+  since_ = transforms_.now().stamp;
   std::swap(job.replaced_, restricted_);
   follow(job);
   std::swap(job.parameters_, parameters_);

@@ -5,6 +5,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -48,6 +49,15 @@ struct ActiveScene {
 
 using ActiveScenePtr = std::shared_ptr<const ActiveScene>;
 
+/// All that makes the scene of a store, as of one instant. Large parts are shared.
+struct StoredScene {
+  std::shared_ptr<const SceneParameters> parameters;  ///< null: there is none
+  std::shared_ptr<const SceneObjects> objects;
+  std::string frame;           ///< of the reports
+  std::uint64_t revision = 0;  ///< number of scenes so far
+  ros::Time since;             ///< when it was taken
+};
+
 /// A scene that is being built. The store hands it out, anyone runs it on any thread, one at a
 /// time, and the store takes it back.
 class SceneJob {
@@ -81,6 +91,7 @@ class SceneJob {
   std::shared_ptr<const SceneObjects> objects_;  ///< before the edits; by run() after them
   ObjectEdits edits_;
   Restriction restriction_;
+  bool replaces_objects_ = false;
   bool may_keep_more_ = true;  ///< filters of clouds, of the points: see CloudSource::follow()
   std::shared_ptr<ActiveScene> built_;
   std::vector<std::shared_ptr<FollowedRobot>> followed_;  ///< of each cloud
@@ -102,9 +113,11 @@ class SceneStore {
   /// False: it was replaced since.
   bool isCurrent(const ActiveScene& scene) const { return scene.revision == revision_; }
 
-  /// With new parameters; the objects are kept. Its run() throws InputError also if there are
-  /// static objects and the frame of the reports would change.
-  SceneJob load(SceneParameters parameters) const;
+  StoredScene stored() const;
+
+  /// With new parameters. The objects are replaced by those given, or kept: then its run() throws
+  /// InputError also if there are static ones and the frame of the reports would change.
+  SceneJob load(SceneParameters parameters, std::optional<SceneObjects> objects = {}) const;
   /// Throws InputError. `added`: of the changes.
   SceneJob update(const std::vector<SceneChange>& changes, const AddedObjects& added) const;
   /// With this restriction in place of that of the parameters. If it is known, or empty, scene() is
@@ -124,6 +137,7 @@ class SceneStore {
   const TransformInput& transforms_;
   std::shared_ptr<ActiveScene> scene_;
   std::uint64_t revision_ = 0;
+  ros::Time since_;
   std::shared_ptr<SceneParameters> parameters_;
   std::shared_ptr<SceneCache> cache_;
   std::shared_ptr<const SceneObjects> objects_ = std::make_shared<const SceneObjects>();

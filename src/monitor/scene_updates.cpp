@@ -1,6 +1,7 @@
 #include "scene_updates.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "collision_pairs/input_error.h"
 #include "frame_names.h"
@@ -12,6 +13,30 @@ namespace collision_pairs {
 namespace {
 
 using Eigen::Isometry3d;
+
+RigidObject readObject(const SceneObject& message, const MeshLoader& load_mesh) {
+  if (message.name.empty()) throw InputError("it has no name");
+  return toObject(message, load_mesh);
+}
+
+StoredObject storedAs(const SceneObject& message, RigidObject object) {
+  StoredObject stored;
+  stored.message = std::make_shared<const SceneObject>(message);
+  stored.object = std::move(object);
+  return stored;
+}
+
+void place(const Isometry3d& X_PO, const geometry_msgs::Pose& pose, StoredObject& stored) {
+  stored.X_PO = X_PO;
+  stored.pose = pose;
+  stored.object.X_PO = requiredIsometry(pose);
+}
+
+void place(const Isometry3d& X_PO, StoredObject& stored) { place(X_PO, toPose(X_PO), stored); }
+
+const std::string& parentFrame(const RigidObject& object, const std::string& world_frame) {
+  return object.attached_link.empty() ? world_frame : object.attached_link;
+}
 
 class Updater {
  public:
@@ -74,14 +99,14 @@ class Updater {
 
   void add(const SceneObject& message, const RigidObject& object) {
     if (!message.attached_link.empty()) context_.require_link(message.attached_link);
-    StoredObject stored{std::make_shared<const SceneObject>(message), object};
-    stored.object.X_PO = poseOf(message, parentFrame(stored.object));
+    StoredObject stored = storedAs(message, object);
+    place(poseOf(message, parentFrame(object)), stored);
     edits_[message.name] = std::move(stored);
   }
 
   void move(const SceneObject& message) {
     StoredObject& stored = known(message.name);
-    stored.object.X_PO = poseOf(message, parentFrame(stored.object));
+    place(poseOf(message, parentFrame(stored.object)), stored);
   }
 
   // Other objects' touch links must not apply to a new object of the same name.
@@ -128,11 +153,11 @@ class Updater {
     if (object.attached_link.empty() && link.empty()) throw InputError("it is not attached");
     const std::string before = parentFrame(object);
     object.attached_link = link;
-    object.X_PO = pose(parentFrame(object), before, ros::Time()) * object.X_PO;
+    place(pose(parentFrame(object), before, ros::Time()) * stored.X_PO, stored);
   }
 
   const std::string& parentFrame(const RigidObject& object) const {
-    return object.attached_link.empty() ? context_.world_frame : object.attached_link;
+    return collision_pairs::parentFrame(object, context_.world_frame);
   }
 
   Isometry3d poseOf(const SceneObject& message, const std::string& parent) const {
@@ -170,8 +195,7 @@ AddedObjects readAdded(const std::vector<SceneChange>& changes, const MeshLoader
   AddedObjects added;
   forEachOf(changes, [&](std::size_t i) {
     if (changes[i].operation != SceneChange::ADD) return;
-    if (changes[i].object.name.empty()) throw InputError("it has no name");
-    added[i] = toObject(changes[i].object, load_mesh);
+    added[i] = readObject(changes[i].object, load_mesh);
   });
   return added;
 }
@@ -210,17 +234,39 @@ SceneChanges sceneChanges(const ObjectEdits& edits, const SceneObjects& objects)
 
 std::vector<SceneObject> listed(const SceneObjects& objects, const std::string& world_frame) {
   std::vector<SceneObject> list;
+  list.reserve(objects.size());
   for (const auto& [name, stored] : objects) {
-    const RigidObject& object = stored.object;
-    SceneObject message = *stored.message;
+    list.push_back(*stored.message);
+    SceneObject& message = list.back();
     message.header = std_msgs::Header();
-    message.header.frame_id = object.attached_link.empty() ? world_frame : object.attached_link;
-    message.pose = toPose(object.X_PO);
-    message.attached_link = object.attached_link;
-    message.touch_links = object.touch_links;
-    list.push_back(std::move(message));
+    message.header.frame_id = parentFrame(stored.object, world_frame);
+    message.pose = stored.pose;
+    message.attached_link = stored.object.attached_link;
+    message.touch_links = stored.object.touch_links;
   }
   return list;
+}
+
+SceneObjects readListed(const std::vector<SceneObject>& list, const std::string& world_frame,
+                        const MeshLoader& load_mesh) {
+  SceneObjects objects;
+  for (const SceneObject& message : list) {
+    try {
+      StoredObject stored = storedAs(message, readObject(message, load_mesh));
+      place(requiredIsometry(message.pose), message.pose, stored);
+      const std::string& parent = parentFrame(stored.object, world_frame);
+      if (message.header.frame_id != parent) {
+        throw InputError("its pose is in frame '" + message.header.frame_id +
+                         "', but must be in '" + parent + "'");
+      }
+      if (!objects.emplace(message.name, std::move(stored)).second) {
+        throw InputError("it is listed twice");
+      }
+    } catch (const InputError& error) {
+      throw InputError("object '" + message.name + "': " + error.what());
+    }
+  }
+  return objects;
 }
 
 }  // namespace collision_pairs

@@ -22,6 +22,9 @@ namespace collision_pairs {
 struct StoredObject {
   std::shared_ptr<const SceneObject> message;  ///< large, if it has meshes
   RigidObject object;
+  Eigen::Isometry3d X_PO = Eigen::Isometry3d::Identity();  ///< before it was rounded to `pose`
+  /// What object.X_PO is made of: who reads it in a list has the same to the last bit.
+  geometry_msgs::Pose pose;
 };
 using SceneObjects = std::map<std::string, StoredObject>;
 
@@ -56,5 +59,10 @@ SceneChanges sceneChanges(const ObjectEdits& edits, const SceneObjects& objects)
 
 /// The list for the reply.
 std::vector<SceneObject> listed(const SceneObjects& objects, const std::string& world_frame);
+
+/// What was listed. Throws InputError that names the object and the problem; also if its pose is in
+/// another frame, or two have the same name. Whether links exist is checked by the scene.
+SceneObjects readListed(const std::vector<SceneObject>& list, const std::string& world_frame,
+                        const MeshLoader& load_mesh);
 
 }  // namespace collision_pairs

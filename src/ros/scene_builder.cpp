@@ -4,19 +4,28 @@
 #include <utility>
 
 #include <ros/console.h>
-#include <ros/names.h>
 
 #include "collision_pairs/input_error.h"
 #include "collision_pairs/mesh_loader.h"
 #include "scene_loader.h"
+#include "scene_message.h"
 #include "user_text.h"
 
 namespace collision_pairs {
 namespace {
 
-constexpr int MOST_BUILDS = 20;  // of one restriction, while others change the scene
+constexpr std::uint32_t SCENES_IN_QUEUE = 100;  // none is to be missing in a recording
+constexpr int MOST_BUILDS = 20;                 // of one restriction, while others change the scene
 
 }  // namespace
+
+SceneBuilder::SceneBuilder(const ros::NodeHandle& node, const ros::NodeHandle& private_node,
+                           LiveMonitor& monitor, CloudThreads& clouds)
+    : node_(node),
+      private_node_(private_node),
+      monitor_(monitor),
+      clouds_(clouds),
+      publisher_(private_node_.advertise<Scene>("scene", SCENES_IN_QUEUE, true)) {}
 
 template <class HandOut>
 ActiveScenePtr SceneBuilder::build(const HandOut& hand_out) {
@@ -32,21 +41,31 @@ ActiveScenePtr SceneBuilder::build(const HandOut& hand_out) {
   }
   const bool is_taken = monitor_.with([&](Monitor& monitor) { return monitor.scenes().take(job); });
   if (!is_taken) throw InputError("the scene has changed meanwhile");  // only one builds at a time
+  publishScene();
   return scene;
+}
+
+/// Each change once, in their order, since one is built at a time.
+void SceneBuilder::publishScene() {
+  const StoredScene scene =
+      monitor_.with([](const Monitor& monitor) { return monitor.scenes().stored(); });
+  if (scene.revision == published_revision_) return;  // nothing was changed
+  published_revision_ = scene.revision;
+  try {
+    publisher_.publish(toMessage(scene));
+  } catch (const std::exception& error) {  // the scene is checked nevertheless
+    ROS_ERROR_STREAM("revision " << scene.revision << " of the scene is not on "
+                                 << publisher_.getTopic() << ": " << error.what());
+  }
 }
 
 void SceneBuilder::load() {
   const std::lock_guard<std::mutex> lock(building_);
   const ros::WallTime start = ros::WallTime::now();
   told_.clear();
-  SceneParameters parameters = readSceneParameters(private_node_);
-  for (const CloudConfig& cloud : parameters.sources.config.clouds) {
-    std::string why;
-    if (!ros::names::validate(cloud.topic, why)) {
-      throw InputError("clouds: '" + cloud.topic + "' is not a valid topic name: " + why);
-    }
-    parameters.cloud_topics.push_back(node_.resolveName(cloud.topic));
-  }
+  const PoseLimits limits =
+      monitor_.with([](const Monitor& monitor) { return monitor.transforms().limits(); });
+  SceneParameters parameters = readSceneParameters(node_, private_node_, limits);
   const ActiveScenePtr active =
       build([&](const SceneStore& scenes) { return scenes.load(std::move(parameters)); });
   clouds_.follow();

@@ -1,6 +1,7 @@
 // Builds the scenes of the monitor.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <mutex>
 #include <set>
@@ -8,6 +9,7 @@
 #include <vector>
 
 #include <ros/node_handle.h>
+#include <ros/publisher.h>
 
 #include "cloud_threads.h"
 #include "live_monitor.h"
@@ -18,11 +20,10 @@ namespace collision_pairs {
 /// for that. A call that throws changes nothing.
 class SceneBuilder {
  public:
-  /// The monitor must outlive it.
-  /// Topics of clouds are names relative to `node`.
+  /// The monitor must outlive it. Topics of clouds are names relative to `node`. Each change is
+  /// published on ~scene before the call that made it returns.
   SceneBuilder(const ros::NodeHandle& node, const ros::NodeHandle& private_node,
-               LiveMonitor& monitor, CloudThreads& clouds)
-      : node_(node), private_node_(private_node), monitor_(monitor), clouds_(clouds) {}
+               LiveMonitor& monitor, CloudThreads& clouds);
 
   /// Reads the parameters again and keeps the objects. Throws InputError.
   void load();
@@ -43,12 +44,15 @@ class SceneBuilder {
   /// Runs the job that hand_out(scenes of the monitor) returns.
   template <class HandOut>
   ActiveScenePtr build(const HandOut& hand_out);
+  void publishScene();
 
   ros::NodeHandle node_, private_node_;
   LiveMonitor& monitor_;
   CloudThreads& clouds_;
   std::mutex building_;         // guards what follows, and held while a scene is built
   std::set<std::string> told_;  // broken elements logged since the last load()
+  ros::Publisher publisher_;
+  std::uint64_t published_revision_ = 0;
 };
 
 }  // namespace collision_pairs

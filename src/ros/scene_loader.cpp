@@ -4,6 +4,7 @@
 #include <functional>
 
 #include <ros/console.h>
+#include <ros/names.h>
 #include <ros/param.h>
 
 #include "collision_pairs/input_error.h"
@@ -18,12 +19,6 @@ const std::string ENVIRONMENT = "environment_description";
 
 using Descriptions = std::map<std::string, std::size_t>;
 using Sentences = std::vector<std::string>;
-
-/// In the log, and in the diagnostics while the scene is checked.
-void warn(const std::string& key, const std::string& what, Sentences& warnings) {
-  warnings.push_back("parameter " + key + ": " + what);
-  ROS_WARN_STREAM(warnings.back());
-}
 
 /// Writes the resolved name of the parameter to `key`, and notes the hash of what it finds; false
 /// if it does not exist. An empty value counts as missing: a launch file cannot set a parameter
@@ -42,40 +37,22 @@ bool findText(const ros::NodeHandle& node, const std::string& name, std::string&
   return !text.empty();
 }
 
-/// Adds the parameter's name to errors of `read`.
-template <class Read>
-auto fromParameter(const std::string& key, const Read& read) {
-  try {
-    return read();
-  } catch (const InputError& error) {
-    throw InputError("parameter " + key + ": " + error.what());
-  }
+TextFrom textOf(const std::string& key, const std::string& text) {
+  return {"parameter " + key, text};
 }
 
-std::unique_ptr<RobotSource> makeSource(const std::string& key, const std::string& xml,
-                                        const MeshLoader& load_mesh, Sentences& warnings) {
-  auto source = fromParameter(key, [&] { return std::make_unique<RobotSource>(xml, load_mesh); });
-  for (const std::string& what : source->skeleton()->warnings()) warn(key, what, warnings);
-  return source;
-}
-
-std::optional<Srdf> loadSrdf(const ros::NodeHandle& node, const std::string& name,
-                             const RobotModel& robot, Descriptions& found, Sentences& warnings) {
+void loadSrdf(const ros::NodeHandle& node, const std::string& name, Descriptions& found,
+              const Warn& warn, SceneSources::Robot& robot) {
   std::string key, xml;
-  if (name.empty() || !findText(node, name, key, xml, found)) return std::nullopt;
-  std::vector<std::string> links;
-  for (const Link& link : robot.links()) links.push_back(link.name);
-  const Srdf srdf = fromParameter(key, [&] { return Srdf::fromXml(xml); });
-  for (const std::string& what : srdf.warnings) warn(key, what, warnings);
-  for (const std::string& link : srdf.unknownLinks(links)) {
+  if (name.empty() || !findText(node, name, key, xml, found)) return;
+  robot.readSrdf(textOf(key, xml), warn);
+  for (const std::string& link : robot.srdf->unknownLinks(linkNames(*robot.source->skeleton()))) {
     ROS_WARN_STREAM("parameter " << key << ": '" << link << "' is not a link of the robot");
   }
-  return srdf;
 }
 
 SceneSources::Robot loadRobot(const ros::NodeHandle& node, const RobotParameters& parameters,
-                              const MeshLoader& load_mesh, Descriptions& found,
-                              Sentences& warnings) {
+                              const MeshLoader& load_mesh, Descriptions& found, const Warn& warn) {
   std::string key, xml;
   if (!findText(node, parameters.description, key, xml, found)) {
     throw InputError("there is no parameter " + parameters.description +
@@ -83,8 +60,8 @@ SceneSources::Robot loadRobot(const ros::NodeHandle& node, const RobotParameters
                      parameters.description + "\" textfile=\"robot.urdf\"/>");
   }
   SceneSources::Robot robot;
-  robot.source = makeSource(key, xml, load_mesh, warnings);
-  robot.srdf = loadSrdf(node, parameters.semantic, *robot.source->skeleton(), found, warnings);
+  robot.source = robotSource(textOf(key, xml), load_mesh, warn);
+  loadSrdf(node, parameters.semantic, found, warn, robot);
   robot.prefix = parameters.prefix;
   return robot;
 }
@@ -120,28 +97,37 @@ std::vector<std::string> refuseMisspelt(const ros::NodeHandle& node,
 
 }  // namespace
 
-SceneParameters readSceneParameters(const ros::NodeHandle& private_node) {
+SceneParameters readSceneParameters(const ros::NodeHandle& node,
+                                    const ros::NodeHandle& private_node, const PoseLimits& limits) {
   SceneParameters all;
+  const Warn warn = [&](const std::string& what) {  // also in the diagnostics
+    all.warnings.push_back(what);
+    ROS_WARN_STREAM(what);
+  };
   all.fixed_frame = readFixedFrame(private_node);
   SceneSources& sources = all.sources;
   const MeshLoader load_mesh =
       makeMeshLoader([](const std::string& warning) { ROS_WARN_STREAM(warning); });
   const std::vector<RobotParameters> robots = readRobots(private_node);
   for (const RobotParameters& robot : robots) {
-    sources.robots.push_back(
-        loadRobot(private_node, robot, load_mesh, all.descriptions, all.warnings));
+    sources.robots.push_back(loadRobot(private_node, robot, load_mesh, all.descriptions, warn));
   }
   const Sentences misspelt = refuseMisspelt(private_node, robots);
   all.warnings.insert(all.warnings.end(), misspelt.begin(), misspelt.end());
   std::string key, xml;
   if (findText(private_node, ENVIRONMENT, key, xml, all.descriptions)) {
-    sources.world = makeSource(key, xml, load_mesh, all.warnings);
+    sources.world = robotSource(textOf(key, xml), load_mesh, warn);
   }
-  const YAML::Node parameters = yamlParameters(private_node, sceneConfigKeys());
-  sources.config =
-      fromParameter(private_node.getNamespace(), [&] { return readSceneConfig(parameters); });
+  // As others will read it, so that they and this node have the same settings.
+  sources.readSettings(
+      textOf(private_node.getNamespace(),
+             settingsText(yamlParameters(private_node, sceneConfigKeys()), limits)));
   for (const CloudConfig& cloud : sources.config.clouds) {
-    sources.clouds.push_back(obstacleOf(cloud));
+    std::string why;
+    if (!ros::names::validate(cloud.topic, why)) {
+      throw InputError("clouds: '" + cloud.topic + "' is not a valid topic name: " + why);
+    }
+    all.cloud_topics.push_back(node.resolveName(cloud.topic));
   }
   return all;
 }
