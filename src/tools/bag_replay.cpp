@@ -46,24 +46,30 @@ FoundBodies connected(const BagIndex& index, const RobotFrames& frames, const Ac
 }  // namespace
 
 BagReplay::BagReplay(std::string path, const BagIndex& index, const RawMessageFilter& wants,
-                     const BagReplayOptions& options, SceneParameters parameters,
-                     std::shared_ptr<SceneCache> cache)
+                     const BagReplayOptions& options, const SceneSource& scenes,
+                     SceneParameters parameters, std::shared_ptr<SceneCache> cache)
     : path_(std::move(path)),
       index_(index),
       wants_(wants),
       options_(options),
+      scenes_(scenes),
       monitor_({options.limits}, std::move(cache)),
       frames_(index, linkNames(*parameters.sources.robots.front().source->skeleton()),
               options.prefix) {
   static_joints_ = parameters.sources.config.static_joints;
-  load(std::move(parameters));
+  std::optional<SceneObjects> objects;
+  if (scenes_.recorded) objects = scenes_.objects_of(scenes_.recorded->first());
+  load(std::move(parameters), std::move(objects));
 }
 
-void BagReplay::load(SceneParameters parameters) {
-  SceneJob job = monitor_.scenes().load(std::move(parameters));
+void BagReplay::load(SceneParameters parameters, std::optional<SceneObjects> objects) {
+  auto& static_joints = parameters.sources.config.static_joints;
+  static_joints.insert(static_joints.end(), at_zero_.begin(), at_zero_.end());
+  SceneJob job = monitor_.scenes().load(std::move(parameters), std::move(objects));
   job.run();
   monitor_.scenes().take(job);
   scene_ = monitor_.scenes().active();
+  scenes_.review(monitor_.scenes().parameters()->sources, *scene_->scene);
 }
 
 SceneParameters BagReplay::takeParameters() {
@@ -76,7 +82,7 @@ void BagReplay::choosePoses() {
   const CollisionScene& scene = *scene_->scene;
   const RobotModel& robot = scene.robot();
   SceneParameters& parameters = *monitor_.scenes().parameters();
-  std::vector<std::string>& static_joints = parameters.sources.config.static_joints;
+  const std::vector<std::string>& static_joints = parameters.sources.config.static_joints;
   const FoundBodies by_tf = connected(index_, frames_, *scene_, static_joints);
   const auto moves = [&](const SceneBody& body) { return robot.bodies()[body.body].joint >= 0; };
   std::size_t nb_by_tf = 0;
@@ -108,7 +114,7 @@ void BagReplay::choosePoses() {
   for (const std::string& joint : unnamed) {
     doubts_.push_back("joint '" + joint + "' is not in the bag: it was taken as zero");
   }
-  for (const Joint& joint : robot.joints()) static_joints.push_back(joint.name);
+  for (const Joint& joint : robot.joints()) at_zero_.push_back(joint.name);
   load(std::move(parameters));
 }
 
@@ -158,6 +164,8 @@ void BagReplay::take(const RawMessage& raw) {
     const tf2_msgs::TFMessage made = joints_->take(*state);
     if (made.transforms.empty()) return;
     take(made, false, raw.publisher);
+  } else if (scenes_.recorded && scenes_.recorded->isChosen(raw)) {
+    return takeScene(raw);
   } else if (kind == BagTopic::CLOUDS) {
     takeCloud(raw);
     return filterClouds();
@@ -203,15 +211,20 @@ void BagReplay::take(const tf2_msgs::TFMessage& message, bool is_static,
 
 void BagReplay::takeCloud(const RawMessage& raw) {
   const std::string name = nameOf(raw.topic);
-  if (!isChecked(*scene_->scene, name)) return;
   for (const auto& source : scene_->clouds) {
-    if (source->config().name() != name) continue;
-    ++clouds_[name].nb_clouds;
+    if (nameOf(source->topic()) != name) continue;
+    if (!isChecked(*scene_->scene, source->config().name())) return;
+    ++clouds_[source->config().name()].nb_clouds;
     auto cloud = readMessage<sensor_msgs::PointCloud2>(raw.data, raw.size);
     if (!cloud) return source->refuse("it is truncated");
     cloud->header.frame_id = frames_.ofRobot(cloud->header.frame_id);
     source->take(boost::make_shared<sensor_msgs::PointCloud2>(std::move(*cloud)));
   }
+}
+
+void BagReplay::takeScene(const RawMessage& raw) {
+  const auto message = readMessage<Scene>(raw.data, raw.size);
+  if (message) load(scenes_.parameters_of(*message), scenes_.objects_of(*message));
 }
 
 void BagReplay::filterClouds() {
@@ -237,6 +250,10 @@ void BagReplay::report() {
   ReplayedReport report{monitor_.at(scene_), {}};
   auto& doubts = report.snapshot.poses.doubts;
   doubts.insert(doubts.end(), doubts_.begin(), doubts_.end());
+  if (scenes_.recorded) {
+    const std::string doubt = scenes_.recorded->doubtAt(toNs(monitor_.transforms().now().stamp));
+    if (!doubt.empty()) doubts.push_back(doubt);
+  }
   for (const auto& source : scene_->clouds) {
     const std::string name = source->config().name();
     const bool is_doubtful = !source->view().doubt.empty() && isChecked(*scene_->scene, name);

@@ -10,6 +10,7 @@
 #include "bag_index.h"
 #include "joint_transforms.h"
 #include "monitor.h"
+#include "recorded_scenes.h"
 #include "robot_frames.h"
 
 namespace collision_pairs {
@@ -17,6 +18,15 @@ namespace collision_pairs {
 struct BagReplayOptions {
   PoseLimits limits;
   std::string prefix;  ///< of this robot's names in the bag
+};
+
+/// Where the scene is from, if it is recorded.
+struct SceneSource {
+  const RecordedScenes* recorded = nullptr;  ///< null: the parameters that are given stay
+  std::function<SceneParameters(const Scene&)> parameters_of = nullptr;
+  std::function<SceneObjects(const Scene&)> objects_of = nullptr;
+  /// Of each scene that was built; may throw.
+  std::function<void(const SceneSources&, const CollisionScene&)> review = nullptr;
 };
 
 /// What the node would have checked for one report.
@@ -32,9 +42,9 @@ struct ReplayedReport {
 /// its links.
 class BagReplay {
  public:
-  /// `wants`: of the index. Builds the scene; throws InputError.
+  /// `wants`: of the index. Builds the first scene; throws InputError.
   BagReplay(std::string path, const BagIndex& index, const RawMessageFilter& wants,
-            const BagReplayOptions& options, SceneParameters parameters,
+            const BagReplayOptions& options, const SceneSource& scenes, SceneParameters parameters,
             std::shared_ptr<SceneCache> cache);
 
   /// Once. Throws InputError also if there is no stamp at which a body of the robot could be known.
@@ -59,7 +69,7 @@ class BagReplay {
     std::string first_problem, first_warning;
   };
 
-  void load(SceneParameters parameters);
+  void load(SceneParameters parameters, std::optional<SceneObjects> objects = {});
   void choosePoses();
   [[noreturn]] void refuse(const std::vector<std::string>& problems) const;
   void take(const RawMessage& raw);
@@ -67,6 +77,7 @@ class BagReplay {
   void take(const tf2_msgs::TFMessage& message, bool is_static, const std::string& publisher);
   void takeTransforms(tf2_msgs::TFMessage message, bool is_static, const std::string& publisher);
   void takeCloud(const RawMessage& raw);
+  void takeScene(const RawMessage& raw);
   void filterClouds();
   void report();
   void flush();
@@ -75,9 +86,11 @@ class BagReplay {
   const BagIndex& index_;
   const RawMessageFilter wants_;
   const BagReplayOptions options_;
+  const SceneSource scenes_;
   Monitor monitor_;
   ActiveScenePtr scene_;
   std::vector<std::string> static_joints_;  ///< as given
+  std::vector<std::string> at_zero_;        ///< joints, all of them if some are at zero
   RobotFrames frames_;
   std::optional<JointTransforms> joints_;  ///< none: TF places the robot
   std::set<std::string> made_frames_;      ///< by joints_

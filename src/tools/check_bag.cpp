@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,7 @@
 #include "progress_bar.h"
 #include "scene_config.h"
 #include "scene_files.h"
+#include "scene_message.h"
 #include "text_files.h"
 #include "user_text.h"
 
@@ -22,7 +24,7 @@ namespace {
 
 struct Options {
   std::vector<std::string> bags;
-  std::string record, shard_text, max_gap, given;
+  std::string record, scene_topic, shard_text, max_gap, given;
   SceneOptions scene;
   BagReplayOptions replay;
   BagOutputOptions output;
@@ -34,7 +36,7 @@ struct Options {
 void declare(CommandLine& command_line, Options& options) {
   command_line.operands(options.bags, "BAG...", "the bags to check");
   command_line.option("urdf", options.scene.urdf, "ROBOT.urdf",
-                      "the robot (default: robot_description in the bag)");
+                      "the robot (default: the scenes of a node in the bag, or robot_description)");
   command_line.option("srdf", options.scene.srdf, "ROBOT.srdf",
                       "pairs that it disables are not checked (default: robot_description_semantic "
                       "in the bag, if any)");
@@ -42,6 +44,8 @@ void declare(CommandLine& command_line, Options& options) {
   command_line.option(
       "clouds", options.scene.cloud_topics, "TOPIC...",
       "topics of sensor_msgs/PointCloud2 in the bag that are obstacles; parameters in --settings");
+  command_line.option("scene", options.scene_topic, "TOPIC",
+                      "of several topics of collision_pairs/Scene in the bag, the one to check");
   command_line.option("prefix", options.replay.prefix, "PREFIX",
                       "prefix of this robot's names in the bag");
   declareFidelity(command_line, options.scene);
@@ -155,6 +159,30 @@ void requireClouds(const std::vector<std::string>& topics, const BagIndex& index
   }
 }
 
+/// Leaves the clouds of these topics, or all if there is none.
+void chooseClouds(const std::vector<std::string>& topics, SceneParameters& parameters) {
+  if (topics.empty()) return;
+  SceneSources& sources = parameters.sources;
+  std::vector<CloudConfig> clouds;
+  std::vector<std::string> resolved;
+  for (std::size_t i = 0; i < parameters.cloud_topics.size(); ++i) {
+    const bool is_chosen = std::any_of(topics.begin(), topics.end(), [&](const auto& topic) {
+      return withoutLeadingSlash(topic) == withoutLeadingSlash(parameters.cloud_topics[i]);
+    });
+    if (!is_chosen) continue;
+    clouds.push_back(sources.config.clouds[i]);
+    resolved.push_back(parameters.cloud_topics[i]);
+  }
+  const std::string ignored = warningOfIgnored(sources.config, clouds);
+  if (!ignored.empty()) warn(ignored);
+  sources.config.clouds = std::move(clouds);
+  parameters.cloud_topics = std::move(resolved);
+  sources.clouds.clear();
+  for (const CloudConfig& cloud : sources.config.clouds) {
+    sources.clouds.push_back(obstacleOf(cloud));
+  }
+}
+
 class BagChecker {
  public:
   BagChecker(const Options& options, const BagLineSink& sink, BagRecorder* recorder)
@@ -162,34 +190,94 @@ class BagChecker {
 
   void check(std::size_t number) {
     const std::string& path = options_.bags[number];
-    const RawMessageFilter wants = [this](const RawMessage& raw) {
+    RecordedScenes scenes;
+    const RawMessageFilter wants = [](const RawMessage& raw) {
       const BagTopic kind = kindOf(raw);
       return kind == BagTopic::TRANSFORMS || kind == BagTopic::STATIC_TRANSFORMS ||
-             kind == BagTopic::JOINT_STATES ||
-             (kind == BagTopic::CLOUDS && !options_.scene.cloud_topics.empty());
+             kind == BagTopic::JOINT_STATES || kind == BagTopic::CLOUDS ||
+             RecordedScenes::isScene(raw);
     };
-    const BagIndex index = indexBag(path, wants);
+    const BagIndex index = indexBag(path, [&](const RawMessage& raw) {
+      scenes.take(raw);
+      return wants(raw);
+    });
     for (const std::string& loss : index.losses) warn(path + ": " + loss);
     naming(path, [&] {
-      const BagRobot robot = robotOf(index, options_.scene);
-      // Of consecutive bags with the same robot, all is read and said once.
-      const bool is_same = robot.urdf.content == urdf_ && robot.srdf.content == srdf_;
-      const Warn tell = is_same ? [](const std::string&) {} : Warn(warn);
-      if (!is_same) parameters_.sources = sourcesOf(robot, options_.scene, tell);
-      urdf_ = robot.urdf.content;
-      srdf_ = robot.srdf.content;
       requireClouds(options_.scene.cloud_topics, index);
-      BagReplay replay(path, index, wants, options_.replay, std::move(parameters_), cache_);
-      requireWhole(replay.monitor().scenes().parameters()->sources, robot.urdf.origin,
-                   options_.scene.world);
-      reviewScene(*replay.scene()->scene, options_.scene, tell);
-      checkReports(number, index.times.size(), replay);
-      for (const std::string& note : replay.notes()) warn(path + ": " + note);
-      parameters_ = replay.takeParameters();
+      const bool has_scenes = scenes.choose(options_.scene_topic);
+      if (has_scenes && !givesScene(options_.scene)) {
+        checkRecordedScenes(number, index, wants, scenes);
+      } else {
+        if (has_scenes) {
+          warn(path + ": the scenes on " + scenes.topic() +
+               " are not checked, since a robot or settings are given; nor what was attached");
+        }
+        checkOneScene(number, index, wants);
+      }
     });
   }
 
  private:
+  static bool givesScene(const SceneOptions& options) {
+    return !options.urdf.empty() || !options.srdf.empty() || !options.world.empty() ||
+           !options.settings.empty();
+  }
+
+  void checkOneScene(std::size_t number, const BagIndex& index, const RawMessageFilter& wants) {
+    const BagRobot robot = robotOf(index, options_.scene);
+    // Of consecutive bags with the same robot, all is read and said once.
+    const bool is_same = robot.urdf.content == urdf_ && robot.srdf.content == srdf_;
+    const Warn tell = is_same ? [](const std::string&) {} : Warn(warn);
+    if (!is_same) parameters_.sources = sourcesOf(robot, options_.scene, tell);
+    urdf_ = robot.urdf.content;
+    srdf_ = robot.srdf.content;
+    SceneSource source;
+    source.review = [&](const SceneSources& sources, const CollisionScene& scene) {
+      requireWhole(sources, robot.urdf.origin, options_.scene.world);
+      reviewScene(scene, options_.scene, tell);
+    };
+    BagReplay replay(options_.bags[number], index, wants, options_.replay, source,
+                     std::move(parameters_), cache_);
+    checkReports(number, index.times.size(), replay);
+    parameters_ = replay.takeParameters();
+  }
+
+  void checkRecordedScenes(std::size_t number, const BagIndex& index, const RawMessageFilter& wants,
+                           const RecordedScenes& scenes) {
+    if (!options_.replay.prefix.empty()) {
+      throw InputError("--prefix: the scenes on " + scenes.topic() +
+                       " name the frames of their robots themselves");
+    }
+    const Warn tell = [this](const std::string& what) {
+      if (told_.insert(what).second) warn(what);
+    };
+    const MeshLoader load_mesh = makeMeshLoader(tell);
+    SceneSource source;
+    source.recorded = &scenes;
+    source.parameters_of = [&](const Scene& message) {
+      SceneParameters parameters = parametersOf(message, load_mesh, tell);
+      chooseClouds(options_.scene.cloud_topics, parameters);
+      apply(options_.scene, parameters.sources);
+      return parameters;
+    };
+    source.objects_of = [&](const Scene& message) { return objectsOf(message, load_mesh); };
+    source.review = [&](const SceneSources& sources, const CollisionScene& scene) {
+      requireWhole(sources, scenes.topic(), scenes.topic());
+      reviewScene(scene, options_.scene, tell);
+    };
+    SceneParameters parameters = source.parameters_of(scenes.first());
+    BagReplayOptions replay_options = options_.replay;
+    if (options_.max_gap.empty()) replay_options.limits = parameters.sources.config.pose_limits;
+    for (const std::string& topic : parameters.cloud_topics) {
+      if (index.cloud_topics.count(topic) > 0) continue;
+      warn(options_.bags[number] + ": it has no clouds on " + topic +
+           ", so nothing is free; --clouds chooses others");
+    }
+    BagReplay replay(options_.bags[number], index, wants, replay_options, source,
+                     std::move(parameters), cache_);
+    checkReports(number, index.times.size(), replay);
+  }
+
   void checkReports(std::size_t number, std::size_t nb_messages, BagReplay& replay) {
     const std::string& path = options_.bags[number];
     ProgressBar progress(path, nb_messages);
@@ -206,6 +294,7 @@ class BagChecker {
     });
     if (nb_rows == 0) throw InputError("there is no stamp to check");
     if (options_.shard.count > 1) sink_(bagLine(path, nb_rows), nullptr);
+    for (const std::string& note : replay.notes()) warn(path + ": " + note);
   }
 
   void write(std::size_t number, std::size_t state, const ReplayedReport& replayed,
@@ -233,6 +322,7 @@ class BagChecker {
   BagRecorder* recorder_;
   std::string urdf_, srdf_;  // of parameters_
   SceneParameters parameters_;
+  std::set<std::string> told_;
   const std::shared_ptr<SceneCache> cache_ = std::make_shared<SceneCache>();
   std::unique_ptr<CollisionDetector> detector_;
 };

@@ -17,17 +17,6 @@
 namespace collision_pairs {
 namespace {
 
-std::unique_ptr<RobotSource> sourceFrom(const TextFrom& urdf, const MeshLoader& load_mesh,
-                                        const Warn& tell) {
-  auto source = naming(urdf.origin, [&] {
-    return std::make_unique<RobotSource>(urdf.content, relativeTo(urdf.folder, load_mesh));
-  });
-  for (const std::string& warning : source->skeleton()->warnings()) {
-    tell(urdf.origin + ": " + warning);
-  }
-  return source;
-}
-
 /// The configurations of the chosen topics: from the settings, or else the default.
 std::vector<CloudConfig> cloudsOf(const SceneOptions& options,
                                   const std::vector<CloudConfig>& in_settings, const Warn& tell) {
@@ -59,11 +48,13 @@ bool isRestricted(const SceneOptions& options) {
 // are to be ignored.
 void readAllMeshes(SceneSources& sources) {
   const auto& ignored = sources.config.settings.ignored_links;
-  const auto isWanted = [&](const std::string& link) {
-    return std::none_of(ignored.begin(), ignored.end(),
-                        [&](const NamePattern& pattern) { return matches(pattern, link); });
-  };
-  sources.robots[0].source->withGeometryOf(isWanted);
+  for (const SceneSources::Robot& robot : sources.robots) {
+    robot.source->withGeometryOf([&](const std::string& link) {
+      const std::string name = withPrefix(robot.prefix, link);
+      return std::none_of(ignored.begin(), ignored.end(),
+                          [&](const NamePattern& pattern) { return matches(pattern, name); });
+    });
+  }
   if (sources.world) sources.world->withGeometryOf([](const std::string&) { return true; });
 }
 
@@ -73,10 +64,10 @@ SceneSources readSources(const TextFrom& urdf, const TextFrom& srdf, const Scene
   const MeshLoader load_mesh = makeMeshLoader(tell);
   sources.robots.emplace_back();
   SceneSources::Robot& robot = sources.robots.back();
-  robot.source = sourceFrom(urdf, load_mesh, tell);
+  robot.source = robotSource(urdf, load_mesh, tell);
   if (!srdf.origin.empty()) robot.srdf = srdfFrom(srdf, *robot.source->skeleton(), tell);
   if (!options.world.empty()) {
-    sources.world = sourceFrom(textFromFile(options.world), load_mesh, tell);
+    sources.world = robotSource(textFromFile(options.world), load_mesh, tell);
   }
   if (!options.settings.empty()) {
     sources.config = readSceneConfigFile(options.settings);
@@ -89,13 +80,7 @@ SceneSources readSources(const TextFrom& urdf, const TextFrom& srdf, const Scene
     sources.clouds.push_back(obstacleOf(cloud));
   }
   if (!options.cloud.empty()) sources.clouds.push_back(cloudOf("cloud", options.voxel_size, {}));
-  SceneSettings& settings = sources.config.settings;
-  settings.fidelity = Fidelity::MESH;
-  if (!options.narrow_phase.empty()) settings.narrow_phase = parseNarrowPhase(options.narrow_phase);
-  if (options.max_hull_vertices != 0) settings.max_hull_vertices = options.max_hull_vertices;
-  if (isRestricted(options)) sources.config.restriction = {options.group, options.links};
-  // Points of links that are in no pair are not obstacles either.
-  if (!isRestricted(options) || !options.cloud_topics.empty()) readAllMeshes(sources);
+  apply(options, sources);
   return sources;
 }
 
@@ -120,6 +105,16 @@ std::string saysNothing(const CollisionScene& scene) {
 }
 
 }  // namespace
+
+void apply(const SceneOptions& options, SceneSources& sources) {
+  SceneSettings& settings = sources.config.settings;
+  settings.fidelity = Fidelity::MESH;
+  if (!options.narrow_phase.empty()) settings.narrow_phase = parseNarrowPhase(options.narrow_phase);
+  if (options.max_hull_vertices != 0) settings.max_hull_vertices = options.max_hull_vertices;
+  if (isRestricted(options)) sources.config.restriction = {options.group, options.links};
+  // Points of links that are in no pair are not obstacles either.
+  if (!isRestricted(options) || !sources.clouds.empty()) readAllMeshes(sources);
+}
 
 std::shared_ptr<const RobotModel> readRobot(const std::string& path) {
   return robotFrom(textFromFile(path), warn);

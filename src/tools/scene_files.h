@@ -70,6 +70,9 @@ BagRobot robotOf(const BagIndex& bag, const SceneOptions& options);
 /// Throws InputError; tells what is ineffective.
 SceneSources sourcesOf(const BagRobot& robot, const SceneOptions& options, const Warn& tell);
 
+/// What the options say of any scene: narrow phase, hulls, restriction. Reads the meshes.
+void apply(const SceneOptions& options, SceneSources& sources);
+
 /// Throws InputError for a mesh that could not be used. `urdf`, `world`: where they are from.
 void requireWhole(const SceneSources& sources, const std::string& urdf, const std::string& world);
 /// Tells what the scene does not check; throws InputError if the options leave no pair.

@@ -1,0 +1,56 @@
+#include "recorded_scenes.h"
+
+#include <algorithm>
+#include <iterator>
+
+#include "collision_pairs/input_error.h"
+#include "message_layout.h"
+#include "user_text.h"
+
+namespace collision_pairs {
+
+bool RecordedScenes::isScene(const RawMessage& raw) {
+  return raw.md5sum == ros::message_traits::MD5Sum<Scene>::value();
+}
+
+void RecordedScenes::take(const RawMessage& raw) {
+  if (!isScene(raw)) return;
+  auto scene = readMessage<Scene>(raw.data, raw.size);
+  if (!scene) return;
+  Track& track = tracks_[raw.topic];
+  std::uint64_t& revision = track.revisions[raw.received];
+  revision = std::max(revision, scene->revision);
+  if (raw.received >= track.first_arrival) return;
+  track.first_arrival = raw.received;
+  track.first = std::move(*scene);
+}
+
+bool RecordedScenes::choose(const std::string& topic) {
+  std::vector<std::string> topics;
+  for (const auto& entry : tracks_) topics.push_back(entry.first);
+  if (topic.empty() && topics.size() > 1) {
+    throw InputError("several scenes in it (" + topics[0] + ", " + topics[1] +
+                     "); choose one with --scene");
+  }
+  topic_ = topic.empty() && !topics.empty() ? topics.front() : topic;
+  if (topic_.empty()) return false;
+  if (tracks_.count(topic_) > 0) return true;
+  throw InputError("--scene: it has no scenes on topic '" + topic_ +
+                   "'; topics with scenes: " + (topics.empty() ? "none" : joined(topics)));
+}
+
+std::string RecordedScenes::doubtAt(StampNs now) const {
+  const Track& track = tracks_.at(topic_);
+  const auto next = track.revisions.upper_bound(now);
+  if (next == track.revisions.begin()) {
+    const auto since = static_cast<StampNs>(track.first.header.stamp.toNSec());
+    return since <= now ? "" : "the first scene on " + topic_ + " is of a later time";
+  }
+  if (next == track.revisions.end()) return "";
+  const std::uint64_t last = std::prev(next)->second;
+  if (next->second <= last + 1) return "";  // a node that was started anew counts from 1
+  return std::to_string(next->second - last - 1) + " scenes after revision " +
+         std::to_string(last) + " on " + topic_ + " are not in the bag";
+}
+
+}  // namespace collision_pairs

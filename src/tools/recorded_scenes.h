@@ -1,0 +1,47 @@
+// The scenes that a node has published on ~scene, in a bag.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <collision_pairs/Scene.h>
+
+#include "bag_records.h"
+#include "stamps.h"
+
+namespace collision_pairs {
+
+class RecordedScenes {
+ public:
+  static bool isScene(const RawMessage& raw);
+
+  /// Adds a message of the bag. Scenes that cannot be read are as good as missing.
+  void take(const RawMessage& raw);
+
+  /// Chooses a topic; empty: the only one. Throws InputError if the bag has no scenes on it, or
+  /// several topics to choose from. False: there is none.
+  bool choose(const std::string& topic);
+
+  /// Of the chosen topic.
+  const std::string& topic() const { return topic_; }
+  /// The one with the earliest arrival.
+  const Scene& first() const { return tracks_.at(topic_).first; }
+  bool isChosen(const RawMessage& raw) const { return isScene(raw) && raw.topic == topic_; }
+  /// Why the scene may have been another one at that time; empty: it was the last that had arrived,
+  /// or the first if it was published before.
+  std::string doubtAt(StampNs now) const;
+
+ private:
+  struct Track {
+    Scene first;
+    StampNs first_arrival = NEVER;
+    std::map<StampNs, std::uint64_t> revisions;  ///< by arrival, the highest
+  };
+  std::map<std::string, Track> tracks_;  ///< by topic
+  std::string topic_;
+};
+
+}  // namespace collision_pairs

@@ -1,0 +1,133 @@
+"""check_bag with the scenes that a node has published: what was there, what was gripped, and what is missing."""
+import pytest
+import rosbag
+import rospy
+from collision_pairs.msg import RobotDescription, Scene, SceneObject
+from conftest import DEMO_BAG, DEMO_ROBOT
+from geometry_msgs.msg import Pose
+from shape_msgs.msg import SolidPrimitive
+
+TOPIC = "/collision_pairs_node/scene"
+START = 1000.0
+BALL = 0.05  # m, radius
+
+
+def text_of(path):
+    with open(path) as file:
+        return file.read()
+
+
+def ball(name, link="", x=0.0, touch=()):
+    made = SceneObject(name=name, attached_link=link, touch_links=list(touch))
+    made.header.frame_id = link or "world"
+    made.primitives = [SolidPrimitive(type=SolidPrimitive.SPHERE, dimensions=[BALL])]
+    made.pose = Pose()
+    made.pose.position.x, made.pose.orientation.w = x, 1.0
+    return made
+
+
+def scene_at(seconds, revision, objects=(), settings="{}", since=None):
+    scene = Scene(revision=revision, settings=settings, objects=list(objects))
+    scene.header.frame_id, scene.header.stamp = "world", rospy.Time.from_sec(START + (seconds if since is None else since))
+    scene.robots = [RobotDescription(urdf=text_of(DEMO_ROBOT[1]), srdf=text_of(DEMO_ROBOT[3]))]
+    return seconds, scene
+
+
+@pytest.fixture
+def bag_with(tmp_path):
+    """The demo's bag without its descriptions, and scenes."""
+    def make(*scenes, topics=(TOPIC,)):
+        path = tmp_path / "scenes.bag"
+        with rosbag.Bag(DEMO_BAG) as source, rosbag.Bag(str(path), "w") as target:
+            for topic in topics:
+                for seconds, scene in scenes:
+                    target.write(topic, scene, rospy.Time.from_sec(START + seconds))
+            for topic, message, stamp in source.read_messages(["/tf", "/tf_static", "/joint_states"]):
+                target.write(topic, message, stamp)
+        return path
+    return make
+
+
+def seconds_of(row):
+    return float(row["stamp"]) - START
+
+
+def names_in(row):
+    return {name for pair in row["distances"].split(";") if pair for name in pair.rsplit("=", 1)[0].split("|")}
+
+
+def test_a_scene_without_objects_is_what_the_robots_description_gives(check_bag, bag_with):
+    rows, _ = check_bag(bag_with(scene_at(0, 1)))
+    expected, _ = check_bag(DEMO_BAG)
+    shown = ("state", "stamp", "pairs", "verdict", "distances", "unknown_because")
+    assert [[row[key] for key in shown] for row in rows] == [[row[key] for key in shown] for row in expected]
+
+
+def test_what_is_added_attached_and_removed_is_checked_from_then_on(check_bag, bag_with):
+    free = "{pair_rules: [{allow: [ball, world]}]}"
+    rows, _ = check_bag(bag_with(scene_at(0, 1), scene_at(2, 2, [ball("held", "palm", 0.06, ["wrist"])], free),
+                                 scene_at(4, 3, [ball("there", x=5.0)]), scene_at(6, 4)), "--alarm-distance", "9")
+    for row in rows:
+        seconds = seconds_of(row)
+        if min(abs(seconds - t) for t in (2, 4, 6)) < 0.05:
+            continue
+        names = names_in(row)
+        assert ("held" in names) == (2 < seconds < 4), row
+        assert ("there" in names) == (4 < seconds < 6), row
+
+
+def test_where_scenes_are_missing_nothing_is_free_and_it_is_said(check_bag, bag_with):
+    rows, _ = check_bag(bag_with(scene_at(0, 1), scene_at(3, 4), scene_at(5, 5), scene_at(7, 1)))
+    for row in rows:
+        if seconds_of(row) < 2.95:
+            assert row["verdict"] != "free"
+            assert "2 scenes after revision 1 on %s are not in the bag" % TOPIC in row["unknown_because"] or row["pairs"]
+    assert any(row["verdict"] == "free" for row in rows if 3.05 < seconds_of(row) < 4.95)
+    assert any(row["verdict"] == "free" for row in rows if seconds_of(row) > 5.05), "a node that was started anew"
+
+
+@pytest.mark.parametrize("since, is_known", [(-100, True), (2, False)])
+def test_before_the_first_scene_arrived_it_counts_if_it_was_checked_already(check_bag, bag_with, since, is_known):
+    rows, _ = check_bag(bag_with(scene_at(2, 7, since=since)))
+    before = [row for row in rows if seconds_of(row) < 1.95 and not row["pairs"]]
+    assert before and {row["verdict"] for row in before} == {"free" if is_known else "unknown"}
+    if not is_known:
+        assert all("the first scene on %s is of a later time" % TOPIC in row["unknown_because"] for row in before)
+
+
+def test_of_several_topics_one_is_to_be_chosen(run_tool, check_bag, bag_with):
+    bag = bag_with(scene_at(0, 1), topics=("/left/scene", "/right/scene"))
+    done = run_tool("check_bag", bag)
+    assert done.returncode == 2 and "several scenes in it (/left/scene, /right/scene); choose one with --scene" in done.stderr
+    assert check_bag(bag, "--scene", "/right/scene")[0]
+    done = run_tool("check_bag", bag, "--scene", "/none")
+    assert done.returncode == 2 and "no scenes on topic '/none'; topics with scenes: /left/scene, /right/scene" in done.stderr
+
+
+def test_with_a_robot_that_is_given_the_scenes_are_not_checked_and_that_is_said(check_bag, bag_with):
+    bag = bag_with(scene_at(0, 1, [ball("there")]))
+    rows, said = check_bag(bag, *DEMO_ROBOT)
+    assert "the scenes on %s are not checked, since a robot or settings are given" % TOPIC in said
+    assert not any("there" in names_in(row) for row in rows)
+
+
+def test_a_cloud_of_the_scene_that_was_not_recorded_leaves_nothing_free(check_bag, bag_with):
+    seconds, scene = scene_at(0, 1, settings="{clouds: [{topic: eye}]}")
+    scene.cloud_topics = ["/eye"]
+    rows, said = check_bag(bag_with((seconds, scene)))
+    assert "it has no clouds on /eye, so nothing is free" in said
+    assert {row["verdict"] for row in rows} == {"unknown", "collision"}
+    assert "none has arrived yet on /eye" in rows[0]["unknown_because"]
+
+
+@pytest.mark.parametrize("spoil, says", [
+    (lambda s: s.robots.clear(), "it has no robot"),
+    (lambda s: setattr(s.robots[0], "urdf", "<robot"), "robots[0]/urdf"),
+    (lambda s: setattr(s, "settings", "{padings: 1}"), "did you mean 'padding'?"),
+    (lambda s: s.objects.append(ball("b", "nowhere")), "nowhere"),
+])
+def test_a_scene_that_cannot_be_built_is_refused(run_tool, bag_with, spoil, says):
+    seconds, scene = scene_at(3, 2)
+    spoil(scene)
+    done = run_tool("check_bag", bag_with(scene_at(0, 1), (seconds, scene)))
+    assert done.returncode == 2 and says in done.stderr, done.stderr
