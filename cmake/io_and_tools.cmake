@@ -66,7 +66,7 @@ function(collision_pairs_tool name)
 endfunction()
 
 collision_pairs_tool(check_states src/tools/scene_files.cpp)
-collision_pairs_tool(check_bag src/tools/bag_recorder.cpp src/tools/bag_replay.cpp src/tools/recorded_scenes.cpp src/tools/scene_files.cpp src/tools/bag_outputs.cpp)
+collision_pairs_tool(check_bag src/tools/bag_checker.cpp src/tools/bag_recorder.cpp src/tools/bag_replay.cpp src/tools/recorded_scenes.cpp src/tools/scene_files.cpp src/tools/bag_outputs.cpp)
 target_link_libraries(check_bag PRIVATE collision_pairs_monitor)
 collision_pairs_tool(check_motion src/tools/scene_files.cpp)
 collision_pairs_tool(generate_srdf src/tools/pair_verdicts.cpp src/tools/scene_files.cpp)

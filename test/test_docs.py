@@ -323,7 +323,6 @@ CONSTANTS = [  # what a page says, the file, and what must stand there
     ("scenes", "in the first 1,024 states", "src/core/pair_statistics/pair_statistics.h", "MEASURED_STATES = 1024;"),
     ("clouds", "something within 30 cm of its place", "src/core/clouds/near_memory.h", "FOUND_AGAIN = 0.3;"),
     ("clouds", "up to 100,000 voxels", "src/messages/scene_markers.h", "MOST_DRAWN_VOXELS = 100000;"),
-    ("clouds", "more than 1,000 clouds before one", "src/tools/cloud_replay.cpp", "MOST_WAITING = 1000;"),
     ("faults", "| 2 s, or three periods |", "src/ros/report_publisher.cpp", "SHORTEST_LIFE = 2.0;"),
     ("faults", "more than 10000 frames", "src/transforms/transform_gate.cpp", "MOST_NAMES = 10000;"),
     ("faults", "more than 1 % of its surface", "src/core/scene/collision_scene.cpp", "TOLD_ABOVE = 0.01;"),
