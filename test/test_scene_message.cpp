@@ -478,6 +478,18 @@ TEST_F(TheMessage, ThatIsWrongIsRefusedWithItsRevisionAndThePart) {
       HasSubstr("'z'"));
 }
 
+TEST_F(TheMessage, ReplacesTheObjectsSoThatTheFrameMayChange) {
+  Scene other = message_;
+  other.header.frame_id = other.objects[0].header.frame_id = "map";
+  other.objects.pop_back();
+  scenes_.load(other);
+  EXPECT_EQ(scenes_.message().header.frame_id, "map");
+  EXPECT_EQ(scenes_.message().objects.size(), 1u);
+  EXPECT_THAT(refusal([&] { scenes_.load(parametersOf(slidingBoxes(2))); }),
+              HasSubstr("object 'crate' is fixed in frame 'map'"))
+      << "they are kept";
+}
+
 // Each part counts: a scene without it is another one.
 TEST_F(TheMessage, WithoutAnyOfItsPartsIsAnotherScene) {
   Scene whole = message_;
