@@ -143,7 +143,6 @@ SceneJob SceneStore::load(SceneParameters parameters, std::optional<SceneObjects
 SceneJob SceneStore::update(const std::vector<SceneChange>& changes,
                             const AddedObjects& added) const {
   if (!scene_) throw InputError(NO_ROBOT);
-  SceneJob made = job(SceneJob::Kind::UPDATE);
   UpdateContext context;
   context.world_frame = scene_->frame;
   context.look_up = [this](const auto& target, const auto& source, const ros::Time& stamp) {
@@ -152,12 +151,18 @@ SceneJob SceneStore::update(const std::vector<SceneChange>& changes,
   context.require_link = [this](const std::string& link) {
     requireLink(scene_->scene->robot(), link);
   };
-  made.edits_ = editsBy(changes, added, *objects_, context);
+  SceneJob made = change(editsBy(changes, added, *objects_, context));
+  if (changes.empty()) made.built_ = scene_;
+  return made;
+}
+
+SceneJob SceneStore::change(ObjectEdits edits) const {
+  SceneJob made = job(SceneJob::Kind::UPDATE);
+  made.edits_ = std::move(edits);
   made.may_keep_more_ = std::any_of(made.edits_.begin(), made.edits_.end(), [&](const auto& edit) {
     const auto before = objects_->find(edit.first);
     return before != objects_->end() && !before->second.object.attached_link.empty();
   });
-  if (changes.empty()) made.built_ = scene_;
   return made;
 }
 

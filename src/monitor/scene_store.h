@@ -120,6 +120,8 @@ class SceneStore {
   SceneJob load(SceneParameters parameters, std::optional<SceneObjects> objects = {}) const;
   /// Throws InputError. `added`: of the changes.
   SceneJob update(const std::vector<SceneChange>& changes, const AddedObjects& added) const;
+  /// Of the scene that there is.
+  SceneJob change(ObjectEdits edits) const;
   /// With this restriction in place of that of the parameters. If it is known, or empty, scene() is
   /// there at once. Throws InputError while there is no scene.
   SceneJob restrictedTo(const Restriction& restriction);

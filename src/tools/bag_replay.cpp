@@ -23,6 +23,11 @@ bool isChecked(const CollisionScene& scene, const std::string& name) {
   });
 }
 
+bool haveSameParameters(const Scene& a, const Scene& b) {
+  return a.header.frame_id == b.header.frame_id && a.robots == b.robots && a.world == b.world &&
+         a.settings == b.settings && a.cloud_topics == b.cloud_topics;
+}
+
 /// Whether transforms connect the bodies, whatever they say: the bag's, each once.
 FoundBodies connected(const BagIndex& index, const RobotFrames& frames, const ActiveScene& scene,
                       const std::vector<std::string>& static_joints) {
@@ -58,14 +63,20 @@ BagReplay::BagReplay(std::string path, const BagIndex& index, const RawMessageFi
               options.prefix) {
   static_joints_ = parameters.sources.config.static_joints;
   std::optional<SceneObjects> objects;
-  if (scenes_.recorded) objects = scenes_.objects_of(scenes_.recorded->first());
+  if (scenes_.recorded) {
+    shown_ = scenes_.recorded->first();
+    objects = scenes_.objects_of(shown_);
+  }
   load(std::move(parameters), std::move(objects));
 }
 
 void BagReplay::load(SceneParameters parameters, std::optional<SceneObjects> objects) {
   auto& static_joints = parameters.sources.config.static_joints;
   static_joints.insert(static_joints.end(), at_zero_.begin(), at_zero_.end());
-  SceneJob job = monitor_.scenes().load(std::move(parameters), std::move(objects));
+  run(monitor_.scenes().load(std::move(parameters), std::move(objects)));
+}
+
+void BagReplay::run(SceneJob job) {
   job.run();
   monitor_.scenes().take(job);
   scene_ = monitor_.scenes().active();
@@ -223,8 +234,31 @@ void BagReplay::takeCloud(const RawMessage& raw) {
 }
 
 void BagReplay::takeScene(const RawMessage& raw) {
-  const auto message = readMessage<Scene>(raw.data, raw.size);
-  if (message) load(scenes_.parameters_of(*message), scenes_.objects_of(*message));
+  auto message = readMessage<Scene>(raw.data, raw.size);
+  if (!message) return;
+  Scene old = std::exchange(shown_, std::move(*message));
+  const auto differing = [](const Scene& scene, const Scene& other) {
+    std::map<std::string, const SceneObject*> objects;
+    for (const SceneObject& object : other.objects) objects[object.name] = &object;
+    std::vector<SceneObject> found;
+    for (const SceneObject& object : scene.objects) {
+      const auto same = objects.find(object.name);
+      if (same == objects.end() || !(*same->second == object)) found.push_back(object);
+    }
+    return found;
+  };
+  Scene changed = shown_;
+  changed.objects = differing(shown_, old);
+  old.objects = differing(old, shown_);
+  const bool has_edits = !old.objects.empty() || !changed.objects.empty();
+  // If nothing else differs, update_scene has changed the objects; ~reset reads all anew.
+  if (!has_edits || !haveSameParameters(shown_, old)) {
+    return load(scenes_.parameters_of(shown_), scenes_.objects_of(shown_));
+  }
+  ObjectEdits edits;
+  for (const SceneObject& object : old.objects) edits[object.name] = std::nullopt;
+  for (auto& [name, object] : scenes_.objects_of(changed)) edits[name] = std::move(object);
+  run(monitor_.scenes().change(std::move(edits)));
 }
 
 void BagReplay::filterClouds() {

@@ -70,6 +70,7 @@ class BagReplay {
   };
 
   void load(SceneParameters parameters, std::optional<SceneObjects> objects = {});
+  void run(SceneJob job);
   void choosePoses();
   [[noreturn]] void refuse(const std::vector<std::string>& problems) const;
   void take(const RawMessage& raw);
@@ -89,6 +90,7 @@ class BagReplay {
   const SceneSource scenes_;
   Monitor monitor_;
   ActiveScenePtr scene_;
+  Scene shown_;                             ///< the last one that was recorded
   std::vector<std::string> static_joints_;  ///< as given
   std::vector<std::string> at_zero_;        ///< joints, all of them if some are at zero
   RobotFrames frames_;

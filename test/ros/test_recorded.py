@@ -33,7 +33,7 @@ VERDICTS = {CollisionPairs.FREE: "free", CollisionPairs.COLLISION: "collision", 
 NB_RECORDINGS = 20
 LENGTH = 2.0    # s, of one
 PERIOD = 0.02   # s
-UNSURE = 0.1    # s around what reaches node and recorder at slightly different times
+UNSURE = 0.25   # s around what reaches node and recorder at slightly different times
 
 
 class Sender:
@@ -190,7 +190,7 @@ class RecordedTest(unittest.TestCase):
         print("%d stamps: %d equal, %d where something had just been sent" % (len(self.rows), nb_equal, nb_unsure))
         self.assertEqual(wrong, [])
         self.assertEqual(verdicts, {"free", "collision", "unknown"})
-        self.assertGreater(nb_equal, 20 * nb_unsure)
+        self.assertGreater(nb_equal, 5 * nb_unsure)
         self.assertGreater(nb_equal, 0.5 * NB_RECORDINGS * LENGTH / PERIOD)
 
     def test_the_table_has_the_stamps_that_the_node_reported(self):
