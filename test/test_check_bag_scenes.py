@@ -5,6 +5,7 @@ import rospy
 from collision_pairs.msg import RobotDescription, Scene, SceneObject
 from conftest import DEMO_BAG, DEMO_ROBOT
 from geometry_msgs.msg import Pose
+from sensor_msgs.msg import PointCloud2
 from shape_msgs.msg import SolidPrimitive
 
 TOPIC = "/collision_pairs_node/scene"
@@ -120,6 +121,18 @@ def test_a_cloud_of_the_scene_that_was_not_recorded_leaves_nothing_free(check_ba
     assert "none has arrived yet on /eye" in rows[0]["unknown_because"]
 
 
+def test_clouds_are_chosen_among_those_of_the_scene(run_tool, check_bag, bag_with):
+    seconds, scene = scene_at(0, 1, settings="{clouds: [{topic: eye}, {topic: ear}]}")
+    scene.cloud_topics = ["/eye", "/ear"]
+    bag = bag_with((seconds, scene))
+    with rosbag.Bag(str(bag), "a") as more:
+        for topic in ("/ear", "/nose"):
+            more.write(topic, PointCloud2(), rospy.Time.from_sec(START))
+    assert "ignored, so a state may be free only without them: cloud 'eye'" in check_bag(bag, "--clouds", "ear")[1]
+    done = run_tool("check_bag", bag, "--clouds", "nose")
+    assert done.returncode == 2 and "topic 'nose' is no cloud of the recorded scene; its are: /eye, /ear" in done.stderr
+
+
 @pytest.mark.parametrize("spoil, says", [
     (lambda s: s.robots.clear(), "it has no robot"),
     (lambda s: setattr(s.robots[0], "urdf", "<robot"), "robots[0]/urdf"),
@@ -131,3 +144,67 @@ def test_a_scene_that_cannot_be_built_is_refused(run_tool, bag_with, spoil, says
     spoil(scene)
     done = run_tool("check_bag", bag_with(scene_at(0, 1), (seconds, scene)))
     assert done.returncode == 2 and says in done.stderr, done.stderr
+
+
+def raw(seconds, data):
+    return seconds, (Scene._type, data, Scene._md5sum, Scene)
+
+
+def test_after_a_scene_that_cannot_be_read_nothing_is_free_until_the_next(check_bag, run_tool, tmp_path):
+    path = tmp_path / "garbled.bag"
+    for good in (True, False):
+        with rosbag.Bag(DEMO_BAG) as source, rosbag.Bag(str(path), "w") as target:
+            for seconds, scene in (scene_at(0, 1), scene_at(6, 3)) if good else ():
+                target.write(TOPIC, scene, rospy.Time.from_sec(START + seconds))
+            target.write(TOPIC, raw(3, b"\xff" * 200)[1], rospy.Time.from_sec(START + 3), raw=True)
+            for topic, message, stamp in source.read_messages(["/tf", "/tf_static"]):
+                target.write(topic, message, stamp)
+        if good:
+            rows, _ = check_bag(path)
+            for row in rows:
+                in_doubt = 3.05 < seconds_of(row) < 5.95
+                assert not (in_doubt and row["verdict"] == "free")
+                if in_doubt and not row["pairs"]:
+                    assert "the last scene on %s cannot be read" % TOPIC in row["unknown_because"]
+            assert any(row["verdict"] == "free" for row in rows if seconds_of(row) > 6.05)
+        else:
+            done = run_tool("check_bag", path)
+            assert done.returncode == 2 and "none of the scenes on %s can be read" % TOPIC in done.stderr
+
+
+def test_after_a_part_of_the_bag_that_is_lost_nothing_is_free_until_the_next_scene(check_bag, tmp_path):
+    path = tmp_path / "hole.bag"
+    with rosbag.Bag(DEMO_BAG) as source, rosbag.Bag(str(path), "w", compression="bz2", chunk_threshold=20000) as target:
+        messages = [(topic, message, stamp) for topic, message, stamp in source.read_messages(["/tf", "/tf_static"])]
+        messages += [(TOPIC, scene, rospy.Time.from_sec(START + seconds)) for seconds, scene in (scene_at(0, 1), scene_at(7, 2))]
+        for topic, message, stamp in sorted(messages, key=lambda m: m[2]):
+            target.write(topic, message, stamp)
+    content = bytearray(path.read_bytes())
+    places = [i for i in range(len(content)) if content[i:i + 4] == b"BZh9"]
+    middle = places[len(places) // 2]
+    content[middle + 30:middle + 60] = bytes(30)
+    path.write_bytes(content)
+    rows, said = check_bag(path, "--max-gap", "5")
+    assert "the end of the chunk" in said
+    lost = max(rows[i + 1:i + 2] and seconds_of(rows[i + 1]) - seconds_of(rows[i]) or 0.0 for i in range(len(rows) - 1))
+    assert lost > 0.2, "of the chunk"
+    after = next(seconds_of(rows[i + 1]) for i in range(len(rows) - 1) if seconds_of(rows[i + 1]) - seconds_of(rows[i]) > 0.2)
+    assert after < 6.5
+    for row in rows:
+        if after < seconds_of(row) < 6.95:
+            assert row["verdict"] != "free", row
+    assert any(row["verdict"] == "free" for row in rows if seconds_of(row) < after)
+    assert any(row["verdict"] == "free" for row in rows if seconds_of(row) > 7.05)
+
+
+def test_a_robot_that_changes_while_joint_states_place_it_is_refused(run_tool, tmp_path):
+    path = tmp_path / "other.bag"
+    seconds, other = scene_at(3, 2)
+    other.robots[0].urdf = other.robots[0].urdf.replace("<robot ", "<robot version='1.0' ")
+    with rosbag.Bag(DEMO_BAG) as source, rosbag.Bag(str(path), "w") as target:
+        for at, scene in (scene_at(0, 1), (seconds, other)):
+            target.write(TOPIC, scene, rospy.Time.from_sec(START + at))
+        for topic, message, stamp in source.read_messages(["/joint_states"]):
+            target.write(topic, message, stamp)
+    done = run_tool("check_bag", path)
+    assert done.returncode == 2 and "a robot changes in revision 2, but joint states place it" in done.stderr

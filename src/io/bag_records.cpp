@@ -227,7 +227,7 @@ class RecordReader {
     if (connection == connections_.end()) return;
     visit_({connection->second.topic, connection->second.md5sum, connection->second.publisher,
             std::int64_t{numberIn(fields, "time")} * 1000000000 + numberIn(fields, "time", 4),
-            reinterpret_cast<std::uint8_t*>(data), size});
+            reinterpret_cast<std::uint8_t*>(data), size, losses_.size()});
   }
 
   bool readSize(std::uint32_t& size) {

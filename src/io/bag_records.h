@@ -16,6 +16,7 @@ struct RawMessage {
   std::int64_t received;         ///< nanoseconds since the epoch
   std::uint8_t* data;
   std::uint32_t size;
+  std::size_t nb_losses = 0;  ///< parts of the file before it that could not be read
 };
 
 using RawMessageVisitor = std::function<void(const RawMessage&)>;

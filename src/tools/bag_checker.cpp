@@ -40,16 +40,18 @@ std::string lineOf(std::vector<std::string> reasons) {
   return text;
 }
 
+template <class Topics>
+bool isAmong(const Topics& topics, const std::string& topic) {
+  return std::any_of(topics.begin(), topics.end(), [&](const std::string& other) {
+    return withoutLeadingSlash(other) == withoutLeadingSlash(topic);
+  });
+}
+
 /// Throws InputError unless each topic of --clouds has clouds.
 void requireClouds(const std::vector<std::string>& topics, const BagIndex& index) {
-  const auto isIn = [](const std::set<std::string>& found, const std::string& topic) {
-    return std::any_of(found.begin(), found.end(), [&](const std::string& other) {
-      return withoutLeadingSlash(other) == withoutLeadingSlash(topic);
-    });
-  };
   for (const std::string& topic : topics) {
-    if (isIn(index.cloud_topics, topic)) continue;
-    if (isIn(index.topics, topic)) {
+    if (isAmong(index.cloud_topics, topic)) continue;
+    if (isAmong(index.topics, topic)) {
       throw InputError("--clouds: topic '" + topic + "' is not of type sensor_msgs/PointCloud2");
     }
     const auto& found = index.cloud_topics;
@@ -59,22 +61,27 @@ void requireClouds(const std::vector<std::string>& topics, const BagIndex& index
   }
 }
 
-/// Leaves the clouds of these topics, or all if there is none.
-void chooseClouds(const std::vector<std::string>& topics, SceneParameters& parameters) {
+/// Leaves the scene's clouds of these topics, or all if there is none. Throws InputError if a topic
+/// is not that of a cloud.
+void chooseClouds(const std::vector<std::string>& topics, SceneParameters& parameters,
+                  const Warn& tell) {
   if (topics.empty()) return;
+  for (const std::string& topic : topics) {
+    if (isAmong(parameters.cloud_topics, topic)) continue;
+    throw InputError("--clouds: topic '" + topic +
+                     "' is no cloud of the recorded scene; its are: " +
+                     (parameters.cloud_topics.empty() ? "none" : joined(parameters.cloud_topics)));
+  }
   SceneSources& sources = parameters.sources;
   std::vector<CloudConfig> clouds;
   std::vector<std::string> resolved;
   for (std::size_t i = 0; i < parameters.cloud_topics.size(); ++i) {
-    const bool is_chosen = std::any_of(topics.begin(), topics.end(), [&](const auto& topic) {
-      return withoutLeadingSlash(topic) == withoutLeadingSlash(parameters.cloud_topics[i]);
-    });
-    if (!is_chosen) continue;
+    if (!isAmong(topics, parameters.cloud_topics[i])) continue;
     clouds.push_back(sources.config.clouds[i]);
     resolved.push_back(parameters.cloud_topics[i]);
   }
   const std::string ignored = warningOfIgnored(sources.config, clouds);
-  if (!ignored.empty()) warn(ignored);
+  if (!ignored.empty()) tell(ignored);
   sources.config.clouds = std::move(clouds);
   parameters.cloud_topics = std::move(resolved);
   sources.clouds.clear();
@@ -153,7 +160,7 @@ void BagChecker::checkRecordedScenes(std::size_t number, const BagIndex& index,
   source.recorded = &scenes;
   source.parameters_of = [&](const Scene& message) {
     SceneParameters parameters = parametersOf(message, load_mesh, tell);
-    chooseClouds(options_.scene.cloud_topics, parameters);
+    chooseClouds(options_.scene.cloud_topics, parameters, tell);
     apply(options_.scene, parameters.sources);
     return parameters;
   };

@@ -108,6 +108,7 @@ void BagReplay::choosePoses() {
       problems.push_back("link '" + body.link + "': " + by_tf.problems[body.body]);
     }
   }
+  scene_of_joints_ = scene_;
   joints_.emplace(index_.joints, robot, options_.prefix);
   const std::size_t nb_by_joints = joints_->nbMoved(scene.bodies());
   if (nb_by_tf == 0 && nb_by_joints == 0) refuse(problems);
@@ -157,6 +158,7 @@ void BagReplay::run(const Visit& visit) {
   visit_ = &visit;
   if (joints_) monitor_.take(joints_->atZero(), true, "");
   replayBag(path_, index_, wants_, [this](const RawMessage& raw) { take(raw); });
+  if (!ahead_.empty()) advance(ros::Time(*ahead_.rbegin()));
   flush();
 }
 
@@ -215,7 +217,9 @@ void BagReplay::take(const tf2_msgs::TFMessage& message, bool is_static,
                      const std::string& publisher) {
   const ros::Time& now = monitor_.transforms().now().stamp;
   for (const auto& transform : message.transforms) {
-    if (!is_static && transform.header.stamp > now) ahead_.insert(transform.header.stamp);
+    const double ahead = secondsBetween(now, transform.header.stamp);
+    if (is_static || ahead <= 0.0 || ahead > options_.limits.clock_tolerance) continue;
+    ahead_.insert(transform.header.stamp);
   }
   monitor_.take(message, is_static, publisher);
 }
@@ -251,6 +255,10 @@ void BagReplay::takeScene(const RawMessage& raw) {
   changed.objects = differing(shown_, old);
   old.objects = differing(old, shown_);
   const bool has_edits = !old.objects.empty() || !changed.objects.empty();
+  if (joints_ && shown_.robots != old.robots) {
+    throw InputError("a robot changes in revision " + std::to_string(shown_.revision) +
+                     ", but joint states place it: split the bag there");
+  }
   // If nothing else differs, update_scene has changed the objects; ~reset reads all anew.
   if (!has_edits || !haveSameParameters(shown_, old)) {
     return load(scenes_.parameters_of(shown_), scenes_.objects_of(shown_));

@@ -14,12 +14,14 @@ bool RecordedScenes::isScene(const RawMessage& raw) {
 }
 
 void RecordedScenes::take(const RawMessage& raw) {
+  if (raw.nb_losses > nb_losses_) after_losses_.push_back(raw.received);
+  nb_losses_ = raw.nb_losses;
   if (!isScene(raw)) return;
   auto scene = readMessage<Scene>(raw.data, raw.size);
-  if (!scene) return;
   Track& track = tracks_[raw.topic];
-  std::uint64_t& revision = track.revisions[raw.received];
-  revision = std::max(revision, scene->revision);
+  auto& revision = track.revisions[raw.received];
+  if (!scene) return;
+  revision = std::max(revision, std::optional(scene->revision));
   if (raw.received >= track.first_arrival) return;
   track.first_arrival = raw.received;
   track.first = std::move(*scene);
@@ -34,23 +36,36 @@ bool RecordedScenes::choose(const std::string& topic) {
   }
   topic_ = topic.empty() && !topics.empty() ? topics.front() : topic;
   if (topic_.empty()) return false;
-  if (tracks_.count(topic_) > 0) return true;
-  throw InputError("--scene: it has no scenes on topic '" + topic_ +
-                   "'; topics with scenes: " + (topics.empty() ? "none" : joined(topics)));
+  if (tracks_.count(topic_) == 0) {
+    throw InputError("--scene: it has no scenes on topic '" + topic_ +
+                     "'; topics with scenes: " + (topics.empty() ? "none" : joined(topics)));
+  }
+  if (tracks_[topic_].first_arrival == NEVER) {
+    throw InputError("none of the scenes on " + topic_ + " can be read");
+  }
+  return true;
 }
 
 std::string RecordedScenes::doubtAt(StampNs now) const {
   const Track& track = tracks_.at(topic_);
   const auto next = track.revisions.upper_bound(now);
-  if (next == track.revisions.begin()) {
+  const bool is_before = next == track.revisions.begin();
+  const StampNs arrival = is_before ? EVER_SINCE : std::prev(next)->first;
+  for (const StampNs after : after_losses_) {
+    if (arrival < after && after <= now) {
+      return "parts of the bag could not be read, and there may have been scenes on " + topic_;
+    }
+  }
+  if (now < track.first_arrival) {
     const auto since = static_cast<StampNs>(track.first.header.stamp.toNSec());
     return since <= now ? "" : "the first scene on " + topic_ + " is of a later time";
   }
-  if (next == track.revisions.end()) return "";
-  const std::uint64_t last = std::prev(next)->second;
-  if (next->second <= last + 1) return "";  // a node that was started anew counts from 1
-  return std::to_string(next->second - last - 1) + " scenes after revision " +
-         std::to_string(last) + " on " + topic_ + " are not in the bag";
+  const std::optional<std::uint64_t>& last = std::prev(next)->second;
+  if (!last) return "the last scene on " + topic_ + " cannot be read";
+  if (next == track.revisions.end() || !next->second) return "";
+  if (*next->second <= *last + 1) return "";  // a node that was started anew counts from 1
+  return std::to_string(*next->second - *last - 1) + " scenes after revision " +
+         std::to_string(*last) + " on " + topic_ + " are not in the bag";
 }
 
 }  // namespace collision_pairs

@@ -18,11 +18,11 @@ class RecordedScenes {
  public:
   static bool isScene(const RawMessage& raw);
 
-  /// Adds a message of the bag. Scenes that cannot be read are as good as missing.
+  /// Adds a message of the bag, whatever it is; in the order of the file.
   void take(const RawMessage& raw);
 
-  /// Chooses a topic; empty: the only one. Throws InputError if the bag has no scenes on it, or
-  /// several topics to choose from. False: there is none.
+  /// Chooses a topic; empty: the only one. Throws InputError if the bag has no scenes on it, none
+  /// that can be read, or several topics to choose from. False: there is none.
   bool choose(const std::string& topic);
 
   /// Of the chosen topic.
@@ -38,9 +38,12 @@ class RecordedScenes {
   struct Track {
     Scene first;
     StampNs first_arrival = NEVER;
-    std::map<StampNs, std::uint64_t> revisions;  ///< by arrival, the highest
+    /// By arrival, the highest; none: it cannot be read.
+    std::map<StampNs, std::optional<std::uint64_t>> revisions;
   };
   std::map<std::string, Track> tracks_;  ///< by topic
+  std::size_t nb_losses_ = 0;
+  std::vector<StampNs> after_losses_;  ///< arrivals of the first messages after parts that are lost
   std::string topic_;
 };
 
