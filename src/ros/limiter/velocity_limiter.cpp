@@ -210,11 +210,16 @@ LimiterDecision VelocityLimiter::decide(const Command& command,
   LimiterInput input;
   input.command =
       command.array ? command.array->data : velocitiesOf(*command.trajectory, parameters_->joints);
+  const auto prepared = [&](const ActiveScenePtr& active) {
+    if (!active) throw InputError("there is no robot yet");
+    return prepared_->get({active->scene, context_.defaults().fidelity},
+                          start + after(TIME_TO_PREPARE));
+  };
+  prepared(context_.monitor.activeScene());  // may take long: before the states are looked at
   RobotState state;
   const Snapshot snapshot = takeSnapshot(input, state);
   if (!snapshot.poses.doubts.empty()) return law_->stop(snapshot.poses.doubts.front());
-  const auto surroundings = prepared_->get({snapshot.scene->scene, context_.defaults().fidelity},
-                                           start + after(TIME_TO_PREPARE));
+  const auto surroundings = prepared(snapshot.scene);
   surroundings->setDeadline(start + after(TIME_TO_SEARCH));
   surroundings->setState(std::move(state));
   return law_->decide(input, *surroundings);
