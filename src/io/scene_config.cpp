@@ -243,7 +243,9 @@ SceneConfig readSceneConfigFile(const std::string& path) {
 std::string settingsText(const YAML::Node& map, const PoseLimits& limits) {
   YAML::Node all(YAML::NodeType::Map);
   for (const std::string& key : sceneConfigKeys()) {
-    if (const YAML::Node value = map[key]) all[key] = value;
+    if (!map[key]) continue;
+    all[key] = YAML::Clone(map[key]);
+    all[key].SetStyle(YAML::EmitterStyle::Flow);  // a line each, as errors quote them
   }
   all["max_pose_age"] = limits.max_pose_age;
   all["max_transform_age"] = limits.max_transform_age;
