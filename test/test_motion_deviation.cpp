@@ -219,6 +219,26 @@ TEST(BesideObjects, TheClearanceIsLargerThanBetweenLinks) {
   EXPECT_EQ(scene->models()[report.pairs[0].second].name, "wall");
 }
 
+TEST(BetweenLinks, TheClearanceIsTheirOwn) {
+  const auto robot = robotFrom(slidingBoxes(2));
+  // Gaps of 0.2 m between the two, and to the wall.
+  const auto scene = sceneOf(robot, {boxAt("wall", {3.4, 0.0, 0.0}, {1.0, 1.0, 1.0})});
+  for (const double links : {0.15, 0.25}) {
+    for (const double others : {0.15, 0.25}) {
+      MotionSettings settings;
+      settings.between_links = links;
+      settings.clearance = others;
+      const auto pairs = checked(scene, {1.0, 2.2}, {1.0, 2.2}, settings).pairs;
+      EXPECT_EQ(pairs.size(), (links > 0.2 ? 1u : 0u) + (others > 0.2 ? 1u : 0u));
+      settings.nearer = {{0, 1, 0.15}};  // less is asked of it already, or not
+      EXPECT_LE(checked(scene, {1.0, 2.2}, {1.0, 2.2}, settings).pairs.size(), pairs.size());
+    }
+  }
+  MotionSettings settings;
+  settings.between_links = -0.1;
+  EXPECT_THROW(checked(scene, {1.0, 2.2}, {1.0, 2.2}, settings), InputError);
+}
+
 // The wall is static, so it is found by sweep and prune; the two boxes are a pair from the start.
 TEST(Nearer, APairOnlyKeepsItsOwnClearanceAndOthersThatOfTheSettings) {
   const auto robot = robotFrom(slidingBoxes(2));
