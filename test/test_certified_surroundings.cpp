@@ -16,6 +16,8 @@
 namespace collision_pairs {
 namespace test_certified_surroundings {
 
+constexpr KeptDistances ONE_CM = {0.01, 0.01, 0.0};
+
 RigidObject ballAt(const std::string& name, const Eigen::Vector3d& center, double radius) {
   RigidObject object = boxAt(name, center, {1.0, 1.0, 1.0});
   object.elements[0].shape = Sphere{radius};
@@ -42,7 +44,7 @@ TEST(CertifiedSurroundings, WhatIsLeftOutIsTheCallersButNotACloudThatIsUnknown) 
       state.voxels = {nullptr};
     }
     surroundings.setState(state);
-    EXPECT_EQ(surroundings.certify(tube, 0.01, 0.0, touching).is_free, is_known);
+    EXPECT_EQ(surroundings.certify(tube, ONE_CM, touching).is_free, is_known);
     std::vector<NearPair> near;
     std::string why;
     EXPECT_EQ(surroundings.nearPairs(0.01, {1.0}, near, why), is_known);
@@ -61,7 +63,7 @@ TEST(CertifiedSurroundings, AnswerAtTheirFidelityAndNameTheNearestFirst) {
     RobotState state;
     state.positions = {0.0};
     surroundings.setState(state);
-    const auto certificate = surroundings.certify(tube, 0.01, 0.0, {});
+    const auto certificate = surroundings.certify(tube, ONE_CM, {});
     EXPECT_EQ(certificate.is_free, is_exact);
     EXPECT_EQ(certificate.first + '|' + certificate.second, is_exact ? "|" : "a|ball");
     EXPECT_EQ(certificate.why, "");
@@ -102,7 +104,7 @@ TEST(CertifiedSurroundings, OfASceneInWhichNothingIsCheckedNothingIsSaid) {
   std::string why;
   EXPECT_FALSE(surroundings.nearPairs(0.01, {1.0}, near, why));
   EXPECT_EQ(why, scene->unchecked());
-  const auto certificate = surroundings.certify({{0.0}, {0.01}, {0.0}, 0.0}, 0.01, 0.0, {});
+  const auto certificate = surroundings.certify({{0.0}, {0.01}, {0.0}, 0.0}, ONE_CM, {});
   EXPECT_FALSE(certificate.is_free);
   EXPECT_EQ(certificate.why, scene->unchecked());
 }
@@ -118,11 +120,11 @@ TEST(CertifiedSurroundings, SayNothingAfterTheirDeadline) {
   std::string why;
   const auto now = std::chrono::steady_clock::now();
   surroundings.setDeadline(now + std::chrono::hours(1));
-  EXPECT_TRUE(surroundings.certify(tube, 0.01, 0.0, {}).is_free);
+  EXPECT_TRUE(surroundings.certify(tube, ONE_CM, {}).is_free);
   EXPECT_TRUE(surroundings.nearPairs(0.3, {2.0}, pairs, why));
   EXPECT_TRUE(surroundings.leadsApart(tube, {"a", "box", 0.0, 1.0, false}));
   surroundings.setDeadline(now);
-  const auto certificate = surroundings.certify(tube, 0.01, 0.0, {});
+  const auto certificate = surroundings.certify(tube, ONE_CM, {});
   EXPECT_FALSE(certificate.is_free);
   EXPECT_EQ(certificate.why, "the time for the decision is over");
   EXPECT_FALSE(surroundings.nearPairs(0.3, {2.0}, pairs, why));

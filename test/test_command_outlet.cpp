@@ -116,7 +116,7 @@ TEST_F(Outlet, SendsZerosOnceAfterSilenceInWhicheverTimeIsOverFirst) {
 /// Certifies everything, and keeps the tube.
 struct Free : Surroundings {
   StoppingTube tube;
-  Certificate certify(const StoppingTube& of, double, double,
+  Certificate certify(const StoppingTube& of, const KeptDistances&,
                       const std::vector<NearPair>&) override {
     tube = of;
     return {true, "", "", ""};

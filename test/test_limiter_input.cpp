@@ -15,7 +15,6 @@
 
 namespace collision_pairs {
 namespace test_limiter_input {
-
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::Pair;
@@ -25,6 +24,7 @@ const std::pair<const char*, double LimiterSettings::*> NUMBERS[] = {
     {"command_timeout", &LimiterSettings::command_timeout},
     {"max_joint_state_age", &LimiterSettings::max_joint_state_age},
     {"stop_distance", &LimiterSettings::stop_distance},
+    {"self_stop_distance", &LimiterSettings::self_stop_distance},
     {"obstacle_speed", &LimiterSettings::obstacle_speed},
     {"retreat_scale", &LimiterSettings::retreat_scale},
     {"ramp_up", &LimiterSettings::ramp_up}};
@@ -47,9 +47,9 @@ TEST(LimiterParameters, AreReadWithTheirDefaults) {
   EXPECT_THAT(read->law.deceleration, ElementsAre(1.5, 2.0));
   EXPECT_EQ(read->law.ramp_up, 4.0);
   EXPECT_EQ(read->law.stop_distance, LimiterSettings().stop_distance);
-  EXPECT_THAT(LimiterParameters::read(YAML::Load("{command: c, joints: [a, b], deceleration: 3}"))
-                  ->law.deceleration,
-              ElementsAre(3.0, 3.0));
+  const auto one =
+      LimiterParameters::read(YAML::Load("{command: c, joints: [a, b], deceleration: 3}"));
+  EXPECT_THAT(one->law.deceleration, ElementsAre(3.0, 3.0));
 }
 
 TEST(LimiterParameters, HaveTheDefaultsThatThePageStates) {
@@ -101,8 +101,9 @@ TEST(LimiterParameters, AreNumbersWithinTheirRangesEndsIncluded) {
   };
   const Case all[] = {{"reaction_time", 0, 10, true},       {"command_timeout", 0, 10, false},
                       {"max_joint_state_age", 0, 1, false}, {"stop_distance", 0, 10, true},
-                      {"obstacle_speed", 0, 100, true},     {"retreat_scale", 0, 1, true},
-                      {"ramp_up", 0, 1e6, false},           {"deceleration", 0, 1e6, false}};
+                      {"self_stop_distance", 0, 10, true},  {"obstacle_speed", 0, 100, true},
+                      {"retreat_scale", 0, 1, true},        {"ramp_up", 0, 1e6, false},
+                      {"deceleration", 0, 1e6, false}};
   for (const Case& one : all) {
     const auto isRead = [&](double value) {
       YAML::Node yaml = YAML::Load("{command: c, joints: [a], deceleration: 1}");

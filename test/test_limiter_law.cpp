@@ -60,16 +60,17 @@ SimulationResult simulate(const BenchmarkRobot& robot, SimulationOptions options
     all.add(scene.run(ours(scene), random, std::min(run, seconds)));
   }
   std::cout << robot.name << ": " << all.seconds << " s, " << all.nb_contacts
-            << " contacts, nearest " << 1e3 * all.nearest << " mm, taken " << 1e3 * all.taken
-            << " mm, run into " << all.nb_run_into << " times (" << all.nb_moved_into
+            << " contacts, nearest " << 1e3 * all.nearest << " mm, links "
+            << 1e3 * all.nearest_links << " mm, taken " << 1e3 * all.taken << " mm, run into "
+            << all.nb_run_into << " times (" << all.nb_moved_into
             << " while it moved nearer), passed " << 100.0 * all.passed / all.asked
             << " %, stopped " << all.nb_stops << " of " << all.nb_commands << ", retreats slowed "
             << all.nb_retreats_slowed << " of " << all.nb_retreats << std::endl;
   return all;
 }
 
-/// Simulates every robot. What does not move by itself is never nearer than stop_distance. Below
-/// it, a retreat may take away half of the distance to an obstacle that came by itself.
+/// Simulates every robot. What does not move by itself is never nearer than its stop distance.
+/// Below it, a retreat may take away half of the distance to an obstacle that came by itself.
 void expectSafety(const SimulationOptions& options, double in_long_run, double least_passed) {
   RandomInputs random;
   double passed = 0.0, asked = 0.0;  // of all robots: one may stand in a corner for the 10 s
@@ -80,6 +81,7 @@ void expectSafety(const SimulationOptions& options, double in_long_run, double l
     const SimulationResult result = simulate(robot, options, secondsEach(10, in_long_run), random);
     EXPECT_EQ(result.nb_contacts, 0);
     EXPECT_GE(result.nearest, 0.01 - SIMULATION_ERROR);
+    EXPECT_GE(result.nearest_links, 0.002 - SIMULATION_ERROR);
     EXPECT_LE(result.taken, 0.5 * 0.01);
     EXPECT_GT(result.passed, 0.0);
     passed += result.passed;
@@ -144,9 +146,9 @@ TEST(LimiterLaw, AnObstacleThatComesFindsTheRobotStandingAtTheStopDistance) {
 class AskedSurroundings : public Surroundings {
  public:
   explicit AskedSurroundings(std::vector<NearPair> near) : near_(std::move(near)) {}
-  Certificate certify(const StoppingTube&, double clearance, double,
+  Certificate certify(const StoppingTube&, const KeptDistances& kept,
                       const std::vector<NearPair>& nearer) override {
-    clearance_ = clearance;
+    kept_ = kept;
     nearer_ = nearer;
     return {!nearer.empty(), "", "", ""};
   }
@@ -157,7 +159,7 @@ class AskedSurroundings : public Surroundings {
     pairs = near_;
     return true;
   }
-  double clearance_ = 0.0;
+  KeptDistances kept_;
   std::vector<NearPair> nearer_;
 
  private:
@@ -172,7 +174,8 @@ TEST(LimiterLaw, ARetreatKeepsTheStopDistanceToAllThatIsNotNearerAlready) {
   settings.deceleration = {2.0};
   LimiterLaw law(settings);
   EXPECT_GT(law.decide({9.0, 9.0, 0.0, {0.1}}, surroundings).scale, 0.0);
-  EXPECT_EQ(surroundings.clearance_, settings.stop_distance);
+  EXPECT_EQ(surroundings.kept_.others, settings.stop_distance);
+  EXPECT_EQ(surroundings.kept_.links, settings.self_stop_distance);
   ASSERT_EQ(surroundings.nearer_.size(), 2u);
   EXPECT_LT(surroundings.nearer_[0].distance, 0.0);  // it touches
   EXPECT_EQ(surroundings.nearer_[1].second, "ball");
@@ -220,6 +223,44 @@ TEST(LimiterLaw, FreeGoalsAreReachedInLittleMoreTimeThanWithoutALimiter) {
   }
   std::sort(all.begin(), all.end());
   EXPECT_LE(all[all.size() / 2], 1.2);
+}
+
+// Positions are measured with noise, and arrive late, as those of a robot are.
+TEST(LimiterLaw, UnderASteadyCommandTheRobotIsStoppedOnce) {
+  RandomInputs random;
+  const auto scene = sceneOf(slidingBox(), {boxAt("box", {1.3, 0.0, 0.0}, {1, 1, 1})});
+  for (int run = 0; run < 8; ++run) {
+    CertifiedSurroundings surroundings(scene, {"slide_a"}, Fidelity::MESH);
+    LimiterSettings settings;
+    settings.deceleration = {2.0};
+    LimiterLaw law(settings);
+    SimulatedJoints joints({0.0}, settings.deceleration);
+    const double speed = random.uniform(0.05, 1.0), period = random.uniform(0.004, 0.02);
+    const double noise = run == 0 ? 0.0 : random.uniform(0.0, 5e-4);  // m
+    int nb_stops = 0;
+    double last = 1.0, stamp = 0.0, next = 0.0;
+    RobotState measured;
+    measured.positions = {0.0};
+    for (double now = 0.0; now < 20.0; now += 0.001) {
+      if (now - stamp >= random.uniform(0.005, 0.02)) {
+        stamp = now - 0.001;
+        measured.positions = {joints.positions()[0] + random.uniform(-noise, noise)};
+      }
+      if (now >= next) {
+        next = now + period;
+        surroundings.setState(measured);
+        const std::vector<double> command = {speed * random.uniform(0.99, 1.0)};
+        const LimiterDecision decision = published(law, {now, stamp, 0.0, command}, surroundings);
+        nb_stops += decision.scale == 0.0 && last > 0.0 ? 1 : 0;
+        last = decision.scale;
+        joints.command(now + random.uniform(0.0, settings.reaction_time - 0.001), decision.command);
+      }
+      joints.step(now, 0.001);
+    }
+    EXPECT_EQ(nb_stops, 1) << speed << " m/s, every " << period << " s, noise " << noise;
+    EXPECT_GT(joints.positions()[0], 0.3 - 0.016);
+    EXPECT_LT(joints.positions()[0], 0.3 - settings.stop_distance);
+  }
 }
 
 TEST(LimiterLaw, FarFromEverythingTheScaleIsExactlyOne) {

@@ -67,6 +67,33 @@ TEST(MotionDeviation, IsCertifiedUpToThePlaceThatItReaches) {
   EXPECT_EQ(check.check(motion, {}).verdict, Verdict::UNKNOWN);
 }
 
+// Joints deviate along their own motion: a box that slides, and a plate that turns, beside a wall.
+TEST(MotionDeviation, CountsOnlyTowardsWhatIsThere) {
+  const auto verdict = [](const std::shared_ptr<const RobotModel>& robot, const RigidObject& wall,
+                          double from, double to, double deviation) {
+    MotionSettings settings;
+    settings.clearance = 0.012;
+    settings.only_free = true;
+    return MotionCheck(sceneOf(robot, {wall})).check({{from}, {to}, {deviation}}, settings).verdict;
+  };
+  const Eigen::Vector3d wide(9.0, 1.0, 9.0), high(1.0, 9.0, 9.0);
+  const RigidObject beside = boxAt("wall", {0.0, 1.02, 0.0}, wide),
+                    ahead = boxAt("wall", {1.02, 0.0, 0.0}, high);
+  for (const double length : {0.0, 0.3, 2.0}) {
+    for (const double deviation : {0.007, 0.03, 0.5}) {
+      EXPECT_EQ(verdict(slidingBox(), beside, 0.0, length, deviation), Verdict::FREE);
+      EXPECT_EQ(verdict(slidingBox(), ahead, -length, 0.0, deviation),
+                deviation < 0.008 ? Verdict::FREE : Verdict::UNKNOWN);
+    }
+  }
+  const auto plate = robotFrom(emptyLink("root") + linkWith("plate", "<box size='0.8 0.3 0.02'/>") +
+                               hinge("turn", "root", "plate", "0 0 0"));
+  const RigidObject below = boxAt("floor", {0.0, 0.0, -0.53}, {2.0, 2.0, 1.0});
+  for (const double angle : {0.0, 0.5, 2.0}) {
+    EXPECT_EQ(verdict(plate, below, 0.3, 0.3 + angle, 0.1), Verdict::FREE) << angle;
+  }
+}
+
 // The follower is at x = 1 - 2 q, and the wall 0.5 m beyond it.
 TEST(MotionDeviation, OfAJointThatMimicsIsThatOfItsLeaderTimesTheMultiplierWithoutTheOffset) {
   const std::string along = "<axis xyz='1 0 0'/><limit lower='-9' upper='9'/>";
@@ -190,6 +217,26 @@ TEST(BesideObjects, TheClearanceIsLargerThanBetweenLinks) {
   EXPECT_EQ(report.verdict, Verdict::UNKNOWN);
   ASSERT_EQ(report.pairs.size(), 1u);
   EXPECT_EQ(scene->models()[report.pairs[0].second].name, "wall");
+}
+
+TEST(BetweenLinks, TheClearanceIsTheirOwn) {
+  const auto robot = robotFrom(slidingBoxes(2));
+  // Gaps of 0.2 m between the two, and to the wall.
+  const auto scene = sceneOf(robot, {boxAt("wall", {3.4, 0.0, 0.0}, {1.0, 1.0, 1.0})});
+  for (const double links : {0.15, 0.25}) {
+    for (const double others : {0.15, 0.25}) {
+      MotionSettings settings;
+      settings.between_links = links;
+      settings.clearance = others;
+      const auto pairs = checked(scene, {1.0, 2.2}, {1.0, 2.2}, settings).pairs;
+      EXPECT_EQ(pairs.size(), (links > 0.2 ? 1u : 0u) + (others > 0.2 ? 1u : 0u));
+      settings.nearer = {{0, 1, 0.15}};  // less is asked of it already, or not
+      EXPECT_LE(checked(scene, {1.0, 2.2}, {1.0, 2.2}, settings).pairs.size(), pairs.size());
+    }
+  }
+  MotionSettings settings;
+  settings.between_links = -0.1;
+  EXPECT_THROW(checked(scene, {1.0, 2.2}, {1.0, 2.2}, settings), InputError);
 }
 
 // The wall is static, so it is found by sweep and prune; the two boxes are a pair from the start.

@@ -47,7 +47,7 @@ std::shared_ptr<const CollisionScene> sceneOf(const std::shared_ptr<const RobotM
 
 /// The largest part of a bound that a point was seen to need.
 struct Used {
-  double speed = 0.0, acceleration = 0.0;
+  double speed = 0.0, acceleration = 0.0, deviation = 0.0;
 };
 
 class BoundsCheck {
@@ -65,23 +65,28 @@ class BoundsCheck {
   }
 
   /// All elements, seen from each body that carries them, and from W.
-  Used check(RandomInputs& random) {
+  Used check(RandomInputs& random) { return ofAll(random, &BoundsCheck::checkElement); }
+  Used checkDeviations(RandomInputs& random) { return ofAll(random, &BoundsCheck::checkDeviation); }
+
+ private:
+  using CheckOne = void (BoundsCheck::*)(std::uint32_t, int, RandomInputs&, Used&);
+  Used ofAll(RandomInputs& random, CheckOne look) {
     Used used;
     for (std::uint32_t e = scene_->nbStaticElements(); e < scene_->elements().size(); ++e) {
       int frame = pairs_.body_of[e];
       for (;; frame = scene_->robot().bodies()[frame].parent) {
-        checkElement(e, frame, random, used);
+        (this->*look)(e, frame, random, used);
         if (frame < 0) break;
       }
     }
     return used;
   }
 
- private:
-  std::vector<Isometry3d> bodiesAt(double fraction) const {
+  std::vector<Isometry3d> bodiesAt(double fraction, const std::vector<double>& off = {}) const {
     std::vector<double> q(motion_.from.size());
     for (std::size_t i = 0; i < q.size(); ++i) {
       q[i] = motion_.from[i] + fraction * (motion_.to[i] - motion_.from[i]);
+      if (!off.empty()) q[i] += off[i];
     }
     scene_->robot().applyMimics(q);
     std::vector<Isometry3d> X_WB;
@@ -119,6 +124,33 @@ class BoundsCheck {
     }
   }
 
+  /// From a place on the line to the furthest deviations, along a direction of the frame.
+  void checkDeviation(std::uint32_t e, int frame, RandomInputs& random, Used& used) {
+    const SceneElement& element = scene_->elements()[e];
+    const int body = pairs_.body_of[e];
+    const double in_all_directions = state_.bound(e, frame).deviation;
+    const Eigen::Matrix3d R_WF =
+        frame < 0 ? Eigen::Matrix3d::Identity() : Eigen::Matrix3d(X_WB_[frame].linear());
+    for (int k = 0; k < 24; ++k) {
+      const Vector3d n_W = random.rotation() * Vector3d::UnitX();
+      const double may_deviate = state_.deviationAlong(e, frame, n_W, half_width_);
+      ASSERT_LE(may_deviate, in_all_directions + ROUNDING);
+      const double at = at_ + random.uniform(-half_width_, half_width_);
+      std::vector<double> off = motion_.deviation;
+      for (double& x : off) x *= random.integer(0, 1) ? 1.0 : -1.0;
+      const Vector3d corner(k & 1 ? 1 : -1, k & 2 ? 1 : -1, k & 4 ? 1 : -1);
+      const Vector3d p_E = element.box_center + corner.cwiseProduct(element.box_half);
+      const auto pointIn = [&](const std::vector<Isometry3d>& X_WB) -> Vector3d {
+        const Vector3d p_W = X_WB[body] * element.X_BE * p_E;
+        return frame < 0 ? p_W : Vector3d(X_WB[frame].inverse() * p_W);
+      };
+      const Vector3d deviated_F = pointIn(bodiesAt(at, off)) - pointIn(bodiesAt(at));
+      const double deviated = std::abs((R_WF.transpose() * n_W).dot(deviated_F));
+      ASSERT_LE(deviated, may_deviate + ROUNDING) << "element " << e << " from " << frame;
+      if (may_deviate > 1e-6) used.deviation = std::max(used.deviation, deviated / may_deviate);
+    }
+  }
+
   std::shared_ptr<const CollisionScene> scene_;
   MotionPairs pairs_;
   MotionState state_;
@@ -144,6 +176,31 @@ TEST(MotionState, NoPointOfAnyElementLeavesItsBounds) {
       if (HasFatalFailure()) return;
     }
   }
+}
+
+TEST(MotionState, NoPointOfAnyElementDeviatesFurtherAlongADirectionThanItsBound) {
+  RandomInputs random;
+  double used = 0.0;
+  for (int i = 0; i < 150; ++i) {
+    const auto robot = randomRobot(random);
+    BoundsCheck check(sceneOf(robot));
+    for (int k = 0; k < 8; ++k) {
+      const double most = std::pow(10.0, random.uniform(-3.0, 0.0));
+      JointMotion motion;
+      for (std::size_t j = 0; j < robot->joints().size(); ++j) {
+        motion.from.push_back(random.uniform(-3.0, 3.0));
+        const bool moves = random.integer(0, 2) > 0, deviates = random.integer(0, 2) > 0;
+        motion.to.push_back(motion.from.back() + (moves ? random.uniform(-6.0, 6.0) : 0.0));
+        motion.deviation.push_back(deviates ? random.uniform(0.0, most) : 0.0);
+      }
+      const double half_width =
+          random.integer(0, 2) ? std::pow(10.0, random.uniform(-4.0, 0.0)) : 0;
+      check.begin(motion, random.uniform(0.0, 1.0), half_width);
+      used = std::max(used, check.checkDeviations(random).deviation);
+      if (HasFatalFailure()) return;
+    }
+  }
+  EXPECT_GT(used, 0.9) << "of the bound, at most";
 }
 
 // A bound that is no larger than it must be: a smaller one would be wrong.

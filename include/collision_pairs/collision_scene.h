@@ -205,6 +205,11 @@ class CollisionScene {
 
   /// Id of the model, or -1.
   int findModel(const std::string& name) const;
+  /// Of a link that joints with positions move: the body, in RobotModel::bodies(), above the first
+  /// of these joints. Otherwise -1: objects, also attached ones, and links that are fixed to such a
+  /// body, as a table in the URDF is. Two links with the same one are known better relative to each
+  /// other than to anything else: by joint positions alone.
+  int carrierOf(std::uint32_t model) const;
 
  private:
   friend class SceneBuilder;

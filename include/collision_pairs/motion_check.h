@@ -25,6 +25,7 @@ struct MotionSettings {
   /// The geometry that decides.
   Fidelity fidelity = Fidelity::MESH;
   /// Metres, >= 0: FREE means that no pair comes closer than this; for 0, that none touches.
+  /// Of some pairs other distances can be asked for: see below.
   double clearance = 0.0;
   /// Metres, > 0. A pair that is still open when its motion is split finer than this is given up,
   /// which makes the segment UNKNOWN unless a contact is found elsewhere. Pairs that stay further
@@ -44,6 +45,9 @@ struct MotionSettings {
   /// world, static objects, clouds. FREE then means this, too; MotionReport::clearance is of all
   /// pairs.
   double beside_objects = 0.0;
+  /// Metres, >= 0, between two links of one robot that its joints move (CollisionScene::carrierOf()),
+  /// in place of the clearance.
+  std::optional<double> between_links = {};
   /// Pairs that may come nearer than the settings above ask for, a few: it is searched for each.
   std::vector<PairClearance> nearer = {};
   /// Seconds, >= 0, for the search; 0: no limit but one of about a second. When they are over, what

@@ -1,7 +1,8 @@
 // The velocity limiter in the simulator, beside no limiter and MoveIt Servo's formula; what a
-// decision costs with a cloud. Prints CSV; scripts/measure_limiter makes the tables of it.
+// decision costs with a cloud; and how often it stops a robot that nothing is in the way of. Prints
+// CSV; scripts/measure_limiter makes the tables of it.
 //
-// usage: limiter_benchmark runs SECONDS | limiter_benchmark decisions NUMBER
+// usage: limiter_benchmark runs SECONDS | decisions NUMBER | alone NUMBER | retreats NUMBER | wall
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -12,6 +13,7 @@
 
 #include "collision_pairs/occupied_voxels.h"
 #include "demo_motion.h"
+#include "motion_fixtures.h"
 #include "simulated_limiters.h"
 
 namespace collision_pairs {
@@ -29,7 +31,8 @@ std::shared_ptr<CertifiedSurroundings> surroundingsOf(const LimiterScene& scene)
 
 void runs(double seconds) {
   constexpr double RUN = 10.0;
-  std::cout << "robot,limiter,seconds,contacts,nearest,passed,retreats,retreats_slowed\n";
+  std::cout
+      << "robot,limiter,seconds,contacts,nearest,nearest_links,passed,retreats,retreats_slowed\n";
   for (const BenchmarkRobot& robot : allRobots()) {
     for (const std::string limiter : {"none", "Servo", "this"}) {
       RandomInputs random;
@@ -44,8 +47,8 @@ void runs(double seconds) {
         all.add(scene.run(of, random, RUN));
       }
       std::cout << robot.name << ',' << limiter << ',' << all.seconds << ',' << all.nb_contacts
-                << ',' << all.nearest << ',' << all.passed / all.asked << ',' << all.nb_retreats
-                << ',' << all.nb_retreats_slowed << std::endl;
+                << ',' << all.nearest << ',' << all.nearest_links << ',' << all.passed / all.asked
+                << ',' << all.nb_retreats << ',' << all.nb_retreats_slowed << std::endl;
     }
   }
 }
@@ -107,6 +110,93 @@ void decisions(int nb_decisions) {
   }
 }
 
+LimiterDecision firstDecision(const LimiterScene& scene, const std::vector<double>& q,
+                              const std::vector<double>& command,
+                              CertifiedSurroundings& surroundings) {
+  RobotState state;
+  state.positions = scene.allPositions(q);
+  surroundings.setState(std::move(state));
+  return LimiterLaw(scene.settings()).decide({100.0, 100.0, 0.0, command}, surroundings);
+}
+
+/// Robots in empty space: decisions from rest at random states that keep 5 mm, and random commands
+/// in closed loop, 10 s each.
+void alone(int nb_decisions) {
+  std::cout << "robot,decisions,whole,mean_scale,passed_in_runs\n";
+  SimulationOptions options;
+  options.nb_things = 0;
+  for (const BenchmarkRobot& robot : allRobots()) {
+    RandomInputs random;
+    LimiterScene scene(robot, limitedJoints(robot), 0, options);
+    const auto surroundings = surroundingsOf(scene);
+    int nb_whole = 0;
+    double sum = 0.0;
+    for (int i = 0; i < nb_decisions; ++i) {
+      const std::vector<double> q = scene.freeState(random, 0.005);
+      std::vector<double> command(q.size());
+      for (double& x : command) x = random.uniform(-1.0, 1.0);
+      const double scale = firstDecision(scene, q, command, *surroundings).scale;
+      nb_whole += scale == 1.0 ? 1 : 0;
+      sum += scale;
+    }
+    SimulationResult all;
+    for (int i = 0; i < nb_decisions / 100; ++i) {
+      all.add(scene.run(lawLimiter(std::make_shared<LimiterLaw>(scene.settings()), surroundings),
+                        random, 10.0));
+    }
+    std::cout << robot.name << ',' << nb_decisions << ',' << 1.0 * nb_whole / nb_decisions << ','
+              << sum / nb_decisions << ',' << all.passed / all.asked << std::endl;
+  }
+}
+
+/// The reversed command from where a command was stopped, among objects.
+void retreats(int nb_stops) {
+  std::cout << "robot,stops,moved,median_of_retreat_scale\n";
+  for (const BenchmarkRobot& robot : allRobots()) {
+    RandomInputs random;
+    std::vector<double> scales;
+    for (std::uint64_t index = 0; static_cast<int>(scales.size()) < nb_stops; ++index) {
+      LimiterScene scene(robot, limitedJoints(robot), index, {});
+      const auto surroundings = surroundingsOf(scene);
+      for (int i = 0; i < 10 && static_cast<int>(scales.size()) < nb_stops; ++i) {
+        std::vector<double> stop, asked;
+        const auto limiter =
+            lawLimiter(std::make_shared<LimiterLaw>(scene.settings()), surroundings);
+        const auto noting = [&](const LimiterView& view) {
+          asked = view.command;
+          return limiter(view);
+        };
+        if (!scene.driveToAStop(random, noting, stop)) continue;
+        for (double& x : asked) x = -x;
+        scales.push_back(firstDecision(scene, stop, asked, *surroundings).scale);
+      }
+    }
+    const auto nb_moved =
+        std::count_if(scales.begin(), scales.end(), [](double x) { return x > 0; });
+    std::sort(scales.begin(), scales.end());
+    std::cout << robot.name << ',' << scales.size() << ',' << nb_moved << ','
+              << scales[scales.size() / 2] / LimiterSettings().retreat_scale << std::endl;
+  }
+}
+
+/// A box of 1 m that slides along a wall, 2 cm to its side.
+void wall() {
+  std::cout << "speed,scale\n";
+  CertifiedSurroundings surroundings(
+      sceneOf(slidingBox(), {boxAt("wall", {0.0, 1.02, 0.0}, {9.0, 1.0, 1.0})}), {"slide_a"},
+      Fidelity::MESH);
+  LimiterSettings settings;
+  settings.deceleration = {2.0};
+  for (const double speed : {0.1, 0.25, 0.5, 1.0}) {
+    RobotState state;
+    state.positions = {0.0};
+    surroundings.setState(std::move(state));
+    const LimiterDecision decision =
+        LimiterLaw(settings).decide({100.0, 100.0, 0.0, {speed}}, surroundings);
+    std::cout << speed << ',' << decision.scale << std::endl;
+  }
+}
+
 }  // namespace
 }  // namespace collision_pairs
 
@@ -117,8 +207,15 @@ int main(int argc, char** argv) {
     collision_pairs::runs(number);
   } else if (what == "decisions" && number >= 1.0) {
     collision_pairs::decisions(static_cast<int>(number));
+  } else if (what == "alone" && number >= 1.0) {
+    collision_pairs::alone(static_cast<int>(number));
+  } else if (what == "retreats" && number >= 1.0) {
+    collision_pairs::retreats(static_cast<int>(number));
+  } else if (what == "wall") {
+    collision_pairs::wall();
   } else {
-    std::cerr << "usage: limiter_benchmark runs SECONDS | limiter_benchmark decisions NUMBER\n";
+    std::cerr << "usage: limiter_benchmark runs SECONDS | decisions NUMBER | alone NUMBER | "
+                 "retreats NUMBER | wall\n";
     return 1;
   }
   return 0;

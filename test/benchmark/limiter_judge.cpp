@@ -24,6 +24,7 @@ void RobotsPart::add(const RobotsPart& other) {
   nb_run_into += other.nb_run_into;
   nb_moved_into += other.nb_moved_into;
   nearest = std::min(nearest, other.nearest);
+  nearest_links = std::min(nearest_links, other.nearest_links);
   taken = std::max(taken, other.taken);
 }
 
@@ -64,6 +65,15 @@ bool LimiterJudge::isMoved(const PairReport& pair) const {
   return false;
 }
 
+bool LimiterJudge::areLinks(const std::pair<std::uint32_t, std::uint32_t>& models) const {
+  const auto isMovedLink = [&](std::uint32_t id) {
+    const CollisionModel& model = truth_->models()[id];
+    if (model.is_object || model.body < 0) return false;
+    return truth_->robot().bodies()[truth_->bodies()[model.body].body].parent >= 0;
+  };
+  return isMovedLink(models.first) && isMovedLink(models.second);
+}
+
 LimiterJudge::Near LimiterJudge::nearPairs(const std::vector<double>& q, const Vector3d& mover,
                                            double alarm_distance) {
   std::vector<double> all = truth_->robot().zeroPositions();
@@ -102,7 +112,8 @@ bool LimiterJudge::judge(const std::vector<double>& before, const std::vector<do
     const bool begins =
         distance <= 0.0 && (at_last_check == were_.end() || at_last_check->second > 0.0);
     if (!isOfMover(pair.first) && !isOfMover(pair.second)) {
-      if (nearer > NEARER) part.nearest = std::min(part.nearest, distance);
+      double& nearest = areLinks(pair) ? part.nearest_links : part.nearest;
+      if (nearer > NEARER) nearest = std::min(nearest, distance);
       part.nb_contacts += begins ? 1 : 0;
       continue;
     }

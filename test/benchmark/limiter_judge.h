@@ -22,8 +22,10 @@ struct RobotsPart {
   int nb_contacts = 0;
   int nb_run_into = 0;    ///< times that contact with one that moves began otherwise
   int nb_moved_into = 0;  ///< of these: by the robot's motion since the check before
-  /// Metres: the smallest distance to what does not move by itself, where the robot moves nearer.
+  /// Metres: the smallest distance to what does not move by itself, links apart, where the robot
+  /// moves nearer.
   double nearest = 1.0;
+  double nearest_links = 1.0;  ///< the same between two links that joints move
   /// Metres: the most that the robot took away of a distance from stop_distance to contact with an
   /// obstacle that moves, without giving it back in between.
   double taken = 0.0;
@@ -53,6 +55,7 @@ class LimiterJudge {
   using Near = std::map<std::pair<std::uint32_t, std::uint32_t>, double>;
   Near nearPairs(const std::vector<double>& q, const Eigen::Vector3d& mover, double alarm_distance);
   bool isMoved(const PairReport& pair) const;
+  bool areLinks(const std::pair<std::uint32_t, std::uint32_t>& models) const;
   bool isOfMover(std::uint32_t model) const;
 
   std::shared_ptr<const CollisionScene> truth_;

@@ -20,7 +20,7 @@ from joint_simulator import JointSimulator
 from node_client import PATIENCE, diagnosis_of
 
 PERIOD = 0.02          # s between commands
-STOP_DISTANCE = 0.01   # m, the default
+STOP_DISTANCE = 0.01   # m, between the boxes, which are links of one robot
 
 
 class Limited:
@@ -241,6 +241,13 @@ class LimiterTest(unittest.TestCase):
             lambda: "stopped: joint 'slide_x'" in diagnosis_of("unknown_joint: velocity limiter").message))
         self.assertEqual(level_of(diagnosis_of("unknown_joint: velocity limiter")), 1)
         driver.message = None
+
+    def test_links_that_stop_every_command_are_named_in_the_diagnostics_with_the_remedy(self):
+        name = "always_near: velocity limiter"
+        self.assertTrue(wait_until(lambda: "lower and upper stop every command" in diagnosis_of(name).message))
+        status = diagnosis_of(name)
+        self.assertEqual(level_of(status), 1)
+        self.assertIn("self_stop_distance", status.message)
 
     def test_diagnostics_name_the_topic_on_which_no_commands_come(self):
         self.assertTrue(wait_until(lambda: diagnosis_of("array: velocity limiter").message ==

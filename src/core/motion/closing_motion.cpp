@@ -137,10 +137,12 @@ struct ClosingElements {
     });
     if (mover.shape == nullptr || n_W == nullptr) return time;
     if (base.isHalfSpace()) {
-      return std::max(time, timeAbove(PlaneBound(moving, PlaneSupport(), mover.hull(), *n_W)));
+      return std::max(
+          time, timeAbove(PlaneBound(moving, PlaneSupport(), mover.hull(), *n_W, moving.slack)));
     }
     if (base.shape == nullptr) return time;
-    return std::max(time, timeAbove(PlaneBound(moving, base.hull(), mover.hull(), *n_W)));
+    return std::max(time,
+                    timeAbove(PlaneBound(moving, base.hull(), mover.hull(), *n_W, moving.slack)));
   }
 
   /// Of two that are known to be at least that far apart. Any bound that is more than `enough` will

@@ -43,6 +43,7 @@ void requireNotNegative(const std::string& what, double value, const std::string
 
 void checkSettings(const MotionSettings& settings) {
   requireNotNegative("clearance", settings.clearance, "metres");
+  requireNotNegative("clearance between links", settings.between_links.value_or(0.0), "metres");
   requireNotNegative("clearance beside objects", settings.beside_objects, "metres");
   requireNotNegative("time budget", settings.time_budget, "seconds");
   if (!(settings.resolution > 0.0) || !std::isfinite(settings.resolution)) {
@@ -131,9 +132,7 @@ class MotionCheck::Search {
       if (settings_.only_moved && !state_.moves(pair)) continue;
       using Voxels = PairCertifier::Voxels;
       const Voxels known = certifier_.voxelsOf(open.pair);
-      const bool is_robot = known == Voxels::NO_CLOUD;
-      const double beside = is_robot ? 0.0 : settings_.beside_objects;
-      open.clearance = clearances_.of(open.pair, settings_.clearance + beside);
+      open.clearance = clearances_.of(open.pair, known != Voxels::NO_CLOUD);
       if (known == Voxels::UNKNOWN || known == Voxels::IN_PART) noteUncertified(open.pair, 0.0);
       if (known == Voxels::UNKNOWN || known == Voxels::NONE || open.clearance < 0.0) continue;
       OpenPair one = open;
@@ -335,7 +334,7 @@ class MotionCheck::Search {
       const auto& elements = scene_.elements();
       const bool in_order = elements[fixed].model < elements[open.pair.first].model;
       open.pair = in_order ? BoxPair{fixed, open.pair.first} : BoxPair{open.pair.first, fixed};
-      open.clearance = clearances_.of(open.pair, open.clearance);
+      open.clearance = clearances_.of(open.pair, true);
       if (open.clearance < 0.0) continue;
       if (!settle(open, before, after)) return false;
     }

@@ -244,6 +244,57 @@ Twist MotionState::twist(std::uint32_t element, int frame) {
   return twist;
 }
 
+// From a place on the line to its deviation: the joints turn one after the other, that nearest to
+// the frame first. So before joint j turns, those between it and the frame have turned all that it
+// carries, and nothing else has changed: its radius is that of the place on the line. It then moves
+// a point p by at most
+//     deviation * |n.v| + deviation^2 / 2 * radius,   v = axis x (p - origin),
+// the second term being that of the arc. At the middle of the interval p is within the sphere, so
+// that |n.v| is at most |(n x axis).(center - origin)| + |n x axis| * radius of the sphere. Until
+// another fraction, v changes by no more than p moves relative to the body above the joint, and by
+// the angle by which the joints between that body and the frame turn, from the middle to the line
+// and from the line to their deviations, times the radius. Of a prismatic joint v is its axis,
+// which only turns.
+double MotionState::deviationAlong(std::uint32_t element, int frame, const Vector3d& n_W,
+                                   double half_width) {
+  const auto isPrismatic = [this](int id) {
+    return robot_.joints()[robot_.bodies()[id].joint].type == JointType::PRISMATIC;
+  };
+  const auto nextMoving = [this, frame](int id) {
+    while (id != frame && id >= 0 && !bodies_[id].moves()) id = robot_.bodies()[id].parent;
+    return id == frame ? -1 : id;
+  };
+  const int first = nextMoving(pairs_.body_of[element]);
+  double turning = 0.0, turned = 0.0;  // rad, of all joints between the present one and the frame
+  for (int id = first; id >= 0; id = nextMoving(robot_.bodies()[id].parent)) {
+    if (isPrismatic(id)) continue;
+    turning += half_width * std::abs(bodies_[id].rate);
+    turned += bodies_[id].deviation;
+  }
+  const BoundingSphere& sphere = this->sphere(element);
+  double moved = 0.0, sum = 0.0;
+  for (int id = first; id >= 0; id = nextMoving(robot_.bodies()[id].parent)) {
+    const BodyState& state = body(id);
+    const double way = half_width * std::abs(state.rate), deviation = state.deviation;
+    if (isPrismatic(id)) {
+      sum += deviation * std::min(1.0, std::abs(n_W.dot(state.axis_W)) + turning + turned);
+      moved += way;
+      continue;
+    }
+    turning -= way;
+    turned -= deviation;
+    const Vector3d p_AxisCenter_W = sphere.center - state.X_WB.translation();
+    const double radius = state.axis_W.cross(p_AxisCenter_W).norm() + sphere.radius;
+    const double furthest = radius + moved;  // at any fraction
+    moved += way * radius;
+    const Vector3d across_W = n_W.cross(state.axis_W);
+    const double along = std::abs(across_W.dot(p_AxisCenter_W)) + across_W.norm() * sphere.radius;
+    sum += deviation *
+           std::min(furthest, along + moved + (turning + turned + 0.5 * deviation) * furthest);
+  }
+  return sum;
+}
+
 void MotionState::gatherPoses(BodyPoses& poses) {
   positions_.resize(from_.size());
   for (std::size_t i = 0; i < from_.size(); ++i) positions_[i] = positionOf(static_cast<int>(i));

@@ -65,6 +65,11 @@ class MotionState {
     return bounds_[element * stride_ + (frame < 0 ? 0 : pairs_.depth_of[frame] + 1)];
   }
   Twist twist(std::uint32_t element, int frame);
+  /// As MotionBound::deviation, but only along n_W, a unit vector that is fixed in the frame. At
+  /// every fraction within the half width, which is `half_width` here.
+  double deviationAlong(std::uint32_t element, int frame, const Eigen::Vector3d& n_W,
+                        double half_width);
+  double halfWidth() const { return half_width_; }
 
   /// Whether the motion moves the two relative to each other.
   bool moves(const MotionPairs::Pair& pair);

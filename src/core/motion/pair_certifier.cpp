@@ -165,7 +165,8 @@ PairCertifier::Outcome PairCertifier::measure(double at, OpenPair& open,
   const MotionBound bound_a = state_.bound(a, frame), bound_b = state_.bound(b, frame);
   moving.deviation =
       ROUNDED_UP * (rigid ? 1.0 : LOOSE_SPEED) * (bound_a.deviation + bound_b.deviation);
-  moving.slack += bound_a.rounding + bound_b.rounding + moving.deviation;
+  moving.rounding = moving.slack + bound_a.rounding + bound_b.rounding;
+  moving.slack = moving.rounding + moving.deviation;
   if (rigid) {
     moving.bound.speed = ROUNDED_UP * (bound_a.speed + bound_b.speed);
     moving.bound.acceleration = ROUNDED_UP * (bound_a.acceleration + bound_b.acceleration);
@@ -208,6 +209,19 @@ PairCertifier::Outcome PairCertifier::measure(double at, OpenPair& open,
   return found.certainty == Certainty::BOUND ? Outcome::CONTACT : Outcome::OPEN;
 }
 
+double PairCertifier::deviationAlong(const Query& query, const Vector3d& n_W, double half_width) {
+  const OpenPair& open = query.open;
+  const double deviation = query.moving.deviation;
+  if (!query.rigid || !(deviation > 0.0)) return deviation;
+  const double along = state_.deviationAlong(open.pair.first, open.frame, n_W, half_width) +
+                       state_.deviationAlong(open.pair.second, open.frame, n_W, half_width);
+  return std::min(deviation, ROUNDED_UP * along);
+}
+
+double PairCertifier::slackAlong(const Query& query, const Vector3d& n_W) {
+  return query.moving.rounding + deviationAlong(query, n_W, state_.halfWidth());
+}
+
 // The direction in which the boxes are furthest apart, along the axes of either: the part of the
 // vector between their centres that neither box covers.
 void PairCertifier::byBoxes(Query& query) {
@@ -227,7 +241,7 @@ void PairCertifier::byBoxes(Query& query) {
   if (!(query.box_gap > query.moving.padding)) return;
   const Vector3d n_W = gap_a > gap_b ? R_WA * (along_a / gap_a) : R_WB * (along_b / gap_b);
   const BoxSupport box_a{R_WA, half_a}, box_b{R_WB, half_b};
-  query.certifyByGap(PlaneBound(query.moving, box_a, box_b, n_W));
+  query.certifyByGap(PlaneBound(query.moving, box_a, box_b, n_W, slackAlong(query, n_W)));
 }
 
 void PairCertifier::byPlane(Query& query, const Vector3d& n_W) {
@@ -239,12 +253,13 @@ void PairCertifier::byPlane(Query& query, const Vector3d& n_W) {
   const HullSupport hull_a{shape_a.core, R_WA, of_a.box_center, of_a.rung(rung).margin};
   const HullSupport hull_b{shape_b.core, R_WB, of_b.box_center, of_b.rung(rung).margin};
   const PlaneSupport plane;
+  const double slack = slackAlong(query, n_W);
   if (shape_a.isHalfSpace()) {
-    query.certifyByGap(PlaneBound(query.moving, plane, hull_b, n_W));
+    query.certifyByGap(PlaneBound(query.moving, plane, hull_b, n_W, slack));
   } else if (shape_b.isHalfSpace()) {
-    query.certifyByGap(PlaneBound(query.moving, hull_a, plane, n_W));
+    query.certifyByGap(PlaneBound(query.moving, hull_a, plane, n_W, slack));
   } else {
-    query.certifyByGap(PlaneBound(query.moving, hull_a, hull_b, n_W));
+    query.certifyByGap(PlaneBound(query.moving, hull_a, hull_b, n_W, slack));
   }
 }
 
@@ -262,10 +277,14 @@ void PairCertifier::byHulls(Query& query) {
     byPlane(query, R_WF * open.normal_F);
     if (query.isCertified()) return;
   }
-  const double margin = rung_a.margin + rung_b.margin + query.moving.padding + query.moving.slack;
+  const double margin =
+      rung_a.margin + rung_b.margin + query.moving.padding + query.moving.rounding;
   const Eigen::Isometry3d X_AB = state_.pose(a).inverse(Eigen::Isometry) * state_.pose(b);
-  const PairDistance gap = convexGap(shape_a.core, shape_b.core, X_AB, query.enough() + margin);
-  if (gap.certainty == Certainty::BEYOND) return query.certifyByDistance(gap.distance - margin);
+  const PairDistance gap =
+      convexGap(shape_a.core, shape_b.core, X_AB, query.enough() + margin + query.moving.deviation);
+  if (gap.certainty == Certainty::BEYOND) {
+    return query.certifyByDistance(gap.distance - margin - query.moving.deviation);
+  }
   if (!(gap.distance > margin)) return;
   const Vector3d n_W = (state_.pose(a).linear() * gap.nhat_AB_A).normalized();
   open.has_normal = true;
@@ -316,8 +335,11 @@ PairCertifier::Outcome PairCertifier::byShapes(Query& query) {
                           std::max(query.before, query.after) > SHORTEST_INTERVAL;
   if (!can_be_cut) return Outcome::GIVEN_UP;
   // Or its deviation takes it there: no finer search can certify this configuration.
+  const double deviation =
+      open.has_normal ? deviationAlong(query, state_.rotation(open.frame) * open.normal_F, 0.0)
+                      : moving.deviation;
   const bool is_nearer = found.certainty == Certainty::EXACT &&
-                         found.distance + error - 2.0 * moving.deviation < open.clearance;
+                         found.distance + error - moving.deviation - deviation < open.clearance;
   return is_nearer ? Outcome::NEARER : Outcome::OPEN;
 }
 

@@ -81,6 +81,9 @@ class PairCertifier {
   /// Index in the scene's clouds, or -1.
   int cloudOf(const BoxPair& pair) const;
   PairDistance queryShapes(const Query& query, double max_distance);
+  /// Metres that both together deviate along n_W; and the error of a distance along it.
+  double deviationAlong(const Query& query, const Eigen::Vector3d& n_W, double half_width);
+  double slackAlong(const Query& query, const Eigen::Vector3d& n_W);
   void byBoxes(Query& query);
   void byHulls(Query& query);
   void byPlane(Query& query, const Eigen::Vector3d& n_W);

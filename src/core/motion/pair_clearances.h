@@ -1,4 +1,4 @@
-// MotionSettings::nearer: what single pairs of models keep.
+// What each pair of a motion has to keep.
 #pragma once
 
 #include <utility>
@@ -11,11 +11,12 @@ namespace collision_pairs {
 class PairClearances {
  public:
   /// Both must outlive this; begin() with the settings of each check.
-  explicit PairClearances(const CollisionScene& scene) : scene_(scene) {}
+  explicit PairClearances(const CollisionScene& scene);
   void begin(const MotionSettings& settings);
 
-  /// Metres, for a pair of elements that would have to keep `clearance`; negative: left out.
-  double of(const BoxPair& elements, double clearance) const;
+  /// Metres, for a pair of elements; `is_beside`: the robot does not carry both. Negative: left
+  /// out.
+  double of(const BoxPair& elements, bool is_beside) const;
   bool leavesOutSome() const { return !left_out_.empty(); }
   /// Models, first < second.
   bool leavesOut(std::uint32_t first, std::uint32_t second) const;
@@ -23,7 +24,8 @@ class PairClearances {
 
  private:
   const CollisionScene& scene_;
-  const std::vector<PairClearance>* nearer_ = nullptr;
+  std::vector<int> carriers_;  // by model
+  const MotionSettings* settings_ = nullptr;
   std::vector<std::pair<std::uint32_t, std::uint32_t>> left_out_;  // sorted
 };
 

@@ -15,8 +15,8 @@ struct MovingPair {
   Eigen::Vector3d p_AB_W;  ///< from the centre of A's sphere to that of B's
   Twist twist_a, twist_b;
   MotionBound bound;  ///< of both together, rounded up
-  /// Metres: largest error of a distance due to rounding and deviations, and the latters' share.
-  double slack = 0.0, deviation = 0.0;
+  /// Metres: largest error of a distance due to rounding and deviations; each alone.
+  double slack = 0.0, rounding = 0.0, deviation = 0.0;
   double padding = 0.0;  ///< metres
 };
 
@@ -57,8 +57,11 @@ struct PlaneSupport {
 template <class SupportA, class SupportB>
 class PlaneBound {
  public:
-  PlaneBound(const MovingPair& pair, const SupportA& a, const SupportB& b, const Eigen::Vector3d& n)
+  /// `slack`: metres, due to rounding and to deviations along n.
+  PlaneBound(const MovingPair& pair, const SupportA& a, const SupportB& b, const Eigen::Vector3d& n,
+             double slack)
       : pair_(pair),
+        slack_(slack),
         a_(a),
         b_(b),
         n_(n),
@@ -69,11 +72,12 @@ class PlaneBound {
   /// Metres, padding subtracted; |s| at most the half width of the pair's bounds.
   double operator()(double s) const {
     return n_.dot(pair_.p_AB_W) + s * speed_ - a_(n_ + s * tilt_a_) - b_(-n_ - s * tilt_b_) -
-           0.5 * pair_.bound.acceleration * s * s - pair_.slack - pair_.padding;
+           0.5 * pair_.bound.acceleration * s * s - slack_ - pair_.padding;
   }
 
  private:
   const MovingPair& pair_;
+  const double slack_;
   const SupportA& a_;
   const SupportB& b_;
   const Eigen::Vector3d n_, tilt_a_, tilt_b_;

@@ -305,6 +305,17 @@ Eigen::Isometry3d CollisionScene::poseOfVoxel(std::uint32_t element,
   return X_WV;
 }
 
+int CollisionScene::carrierOf(std::uint32_t model) const {
+  if (models_[model].is_object || models_[model].body < 0) return -1;
+  const auto& bodies = robot_->bodies();
+  const int own = bodies_[models_[model].body].body;
+  int body = own;
+  while (bodies[body].parent >= 0 && robot_->joints()[bodies[body].joint].hasPosition()) {
+    body = bodies[body].parent;
+  }
+  return body == own ? -1 : body;
+}
+
 int CollisionScene::findModel(const std::string& name) const {
   const auto found = std::lower_bound(
       models_.begin(), models_.end(), name,

@@ -3,14 +3,20 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <utility>
+
+#include "joint_sampler.h"
 
 namespace collision_pairs {
 namespace {
 
 constexpr double RESOLUTION = 5e-4;  // m: a pair that keeps this much more than asked is certified
-constexpr double DEEPER = 1e-4;      // m, by which a contact's depth may be off
-constexpr int PLACES = 4;            // of a path that leads out of contact, after its first
+constexpr std::size_t MOST_HALVED = 2;  // deviations of joints, of which each doubles the cost
+constexpr double OVERLAP = 1.0 + 1e-9;  // of halves, for rounding
+constexpr double DEEPER = 1e-4;         // m, by which a contact's depth may be off
+constexpr int STATES = 200;             // random ones, of alwaysNear()
+constexpr int PLACES = 4;               // of a path that leads out of contact, after its first
 const char* const TIME_IS_OVER = "the time for the decision is over";
 
 }  // namespace
@@ -34,7 +40,7 @@ CertifiedSurroundings::CertifiedSurroundings(std::shared_ptr<const CollisionScen
   std::string why;
   const std::vector<double> none(joints.size(), 0.0);
   nearPairs(0.0, none, pairs, why);
-  certify({none, none, none, 0.0}, 0.0, 0.0, {});
+  certify({none, none, none, 0.0}, {}, {});
 }
 
 double CertifiedSurroundings::secondsLeft() const {
@@ -66,9 +72,39 @@ void CertifiedSurroundings::place(const std::vector<double>& positions) {
   poses_.voxels = state_.voxels;
 }
 
-Surroundings::Certificate CertifiedSurroundings::certify(const StoppingTube& tube, double clearance,
-                                                         double growth,
+bool CertifiedSurroundings::areLinks(std::uint32_t first, std::uint32_t second) const {
+  const int carrier = scene_->carrierOf(first);
+  return carrier >= 0 && carrier == scene_->carrierOf(second);
+}
+
+// A tube is the union of those of which the deviations are halves of its own, on either side. Their
+// certificates ask for less, because a deviation counts as far as its joint moves a link.
+Surroundings::Certificate CertifiedSurroundings::certify(const StoppingTube& tube,
+                                                         const KeptDistances& kept,
                                                          const std::vector<NearPair>& nearer) {
+  Certificate found = certifyAtOnce(tube, kept, nearer);
+  if (found.is_free || !found.are_links) return found;
+  std::vector<int> halved = columnsBetween(idOf(found.first), idOf(found.second));
+  const auto isExact = [&tube](int column) { return tube.deviation[column] == 0.0; };
+  halved.erase(std::remove_if(halved.begin(), halved.end(), isExact), halved.end());
+  if (halved.empty() || halved.size() > MOST_HALVED) return found;
+  for (unsigned part = 0; part < 1U << halved.size(); ++part) {
+    StoppingTube of_part = tube;
+    for (std::size_t i = 0; i < halved.size(); ++i) {
+      const int column = halved[i];
+      const double half = 0.5 * tube.deviation[column], side = part >> i & 1U ? half : -half;
+      of_part.from[column] += side;
+      of_part.to[column] += side;
+      of_part.deviation[column] = half * OVERLAP;
+    }
+    found = certifyAtOnce(of_part, kept, nearer);
+    if (!found.is_free) return found;
+  }
+  return found;
+}
+
+Surroundings::Certificate CertifiedSurroundings::certifyAtOnce(
+    const StoppingTube& tube, const KeptDistances& kept, const std::vector<NearPair>& nearer) {
   JointMotion motion;
   motion.from = motion.to = state_.positions;
   motion.deviation.assign(motion.from.size(), 0.0);
@@ -79,17 +115,15 @@ Surroundings::Certificate CertifiedSurroundings::certify(const StoppingTube& tub
   }
   MotionSettings settings;
   settings.fidelity = fidelity_;
-  settings.clearance = clearance;
-  settings.beside_objects = growth;
+  settings.between_links = kept.links;
+  settings.clearance = kept.others;
+  settings.beside_objects = kept.coming;
   settings.resolution = RESOLUTION;
   settings.only_free = settings.only_moved = true;
   const double left = secondsLeft();
   if (left <= 0.0) return {false, "", "", TIME_IS_OVER};
   if (deadline_ != std::chrono::steady_clock::time_point::max()) settings.time_budget = left;
   for (const NearPair& pair : nearer) {
-    const auto idOf = [&](const std::string& name) {
-      return static_cast<std::uint32_t>(scene_->findModel(name));
-    };
     settings.nearer.push_back({idOf(pair.first), idOf(pair.second), pair.distance});
   }
   const MotionReport& report = motions_.check(motion, settings, state_.placed, state_.voxels);
@@ -101,8 +135,10 @@ Surroundings::Certificate CertifiedSurroundings::certify(const StoppingTube& tub
   if (certificate.is_free) return certificate;
   certificate.why = secondsLeft() > 0.0 ? report.unchecked : TIME_IS_OVER;
   if (!report.pairs.empty()) {
-    certificate.first = scene_->models()[report.pairs.front().first].name;
-    certificate.second = scene_->models()[report.pairs.front().second].name;
+    const auto [first, second] = report.pairs.front();
+    certificate.first = scene_->models()[first].name;
+    certificate.second = scene_->models()[second].name;
+    certificate.are_links = areLinks(first, second);
   }
   return certificate;
 }
@@ -144,9 +180,6 @@ double CertifiedSurroundings::travel(const StoppingTube& tube) {
 }
 
 bool CertifiedSurroundings::leadsApart(const StoppingTube& tube, const NearPair& pair) {
-  const auto idOf = [&](const std::string& name) {
-    return static_cast<std::uint32_t>(scene_->findModel(name));
-  };
   const std::pair<std::uint32_t, std::uint32_t> models =
       std::minmax(idOf(pair.first), idOf(pair.second));
   CheckSettings settings;
@@ -170,23 +203,81 @@ bool CertifiedSurroundings::leadsApart(const StoppingTube& tube, const NearPair&
   return is_apart && secondsLeft() > 0.0;
 }
 
+std::uint32_t CertifiedSurroundings::idOf(const std::string& name) const {
+  return static_cast<std::uint32_t>(scene_->findModel(name));
+}
+
 // From both links up to their common ancestor: a parent has the smaller index.
-bool CertifiedSurroundings::moves(const PairReport& pair,
-                                  const std::vector<double>& direction) const {
+std::vector<int> CertifiedSurroundings::columnsBetween(std::uint32_t first_model,
+                                                       std::uint32_t second_model) const {
   const auto& bodies = scene_->robot().bodies();
   const auto bodyOf = [&](std::uint32_t model) {
     const int body = scene_->models()[model].body;
     return body < 0 ? -1 : scene_->bodies()[body].body;
   };
-  int first = bodyOf(pair.first), second = bodyOf(pair.second);
+  std::vector<int> columns;
+  int first = bodyOf(first_model), second = bodyOf(second_model);
   while (first != second) {
     int& later = first > second ? first : second;
     const int joint = bodies[later].joint;
     const int column = joint < 0 ? -1 : columns_.sourceOf(joint).column;
-    if (column >= 0 && direction[column] != 0.0) return true;
+    if (column >= 0) columns.push_back(column);
     later = bodies[later].parent;
   }
-  return false;
+  std::sort(columns.begin(), columns.end());  // a joint and one that mimics it have the same
+  columns.erase(std::unique(columns.begin(), columns.end()), columns.end());
+  return columns;
+}
+
+bool CertifiedSurroundings::moves(const PairReport& pair,
+                                  const std::vector<double>& direction) const {
+  const std::vector<int> columns = columnsBetween(pair.first, pair.second);
+  return std::any_of(columns.begin(), columns.end(),
+                     [&](int column) { return direction[column] != 0.0; });
+}
+
+std::vector<std::string> CertifiedSurroundings::alwaysNear(const KeptDistances& kept) {
+  const JointSampler sampler({scene_, &scene_->robot()}, 1);
+  const std::vector<double> all(joint_ids_.size(), 1.0);
+  CheckSettings settings;
+  settings.alarm_distance = std::max(kept.links, kept.others) + RESOLUTION;
+  settings.fidelity = fidelity_;
+  std::map<std::pair<std::uint32_t, std::uint32_t>, double> furthest;  // metres
+  for (int i = 0; i < STATES && (i == 0 || !furthest.empty()); ++i) {
+    std::vector<double> positions;
+    sampler.draw(static_cast<std::uint64_t>(i), positions);
+    place(positions);
+    auto before = std::exchange(furthest, {});
+    for (const PairReport& pair : detector_.detect(poses_, settings).pairs) {
+      const NearPair near = nearPair(pair);
+      const std::pair<std::uint32_t, std::uint32_t> models(pair.first, pair.second);
+      const bool is_first = i == 0 || before.count(models) > 0;
+      if (!is_first || !near.is_robot || pair.distance >= kept.of(near) + RESOLUTION) continue;
+      if (moves(pair, all)) furthest[models] = std::max(pair.distance, before[models]);
+    }
+  }
+  std::vector<std::string> sentences;
+  for (const auto& [models, distance] : furthest) {
+    const std::string &first = scene_->models()[models.first].name,
+                      &second = scene_->models()[models.second].name;
+    sentences.push_back(first + " and " + second + " stop every command: in " +
+                        std::to_string(STATES) + " random states they were never more than " +
+                        std::to_string(1e3 * distance) +
+                        " mm apart; let the SRDF disable this pair if it cannot collide, or set a "
+                        "smaller velocity_limiter/self_stop_distance or stop_distance");
+  }
+  return sentences;
+}
+
+NearPair CertifiedSurroundings::nearPair(const PairReport& pair) const {
+  const CollisionModel &first = scene_->models()[pair.first],
+                       &second = scene_->models()[pair.second];
+  return {first.name,
+          second.name,
+          pair.distance,
+          std::numeric_limits<double>::quiet_NaN(),
+          first.body >= 0 && second.body >= 0,
+          areLinks(pair.first, pair.second)};
 }
 
 bool CertifiedSurroundings::nearPairs(double reach, const std::vector<double>& direction,
@@ -216,9 +307,7 @@ bool CertifiedSurroundings::nearPairs(double reach, const std::vector<double>& d
   pairs.clear();
   for (const PairReport& pair : report.pairs) {
     if (!moves(pair, direction)) continue;
-    const CollisionModel &first = models[pair.first], &second = models[pair.second];
-    NearPair found{first.name, second.name, pair.distance, std::numeric_limits<double>::quiet_NaN(),
-                   first.body >= 0 && second.body >= 0};
+    NearPair found = nearPair(pair);
     if (gradient_.compute(pair, report, X_WB_, rates_.data())) {
       found.derivative = 0.0;
       for (std::size_t i = 0; i < rates_.size(); ++i) found.derivative += rates_[i] * direction[i];

@@ -2,19 +2,25 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace collision_pairs {
 namespace {
 
-// Metres kept beyond stop_distance except by a command that leads away. It leaves room for what the
-// joints of a robot that sets out for a retreat do one after the other.
+// Metres kept beyond a pair's stop distance except by a command that leads away. It leaves room for
+// what the joints of a robot that sets out for a retreat do one after the other.
 constexpr double ROOM_TO_RETREAT = 0.002;
-constexpr double TIMER_ERROR = 0.01;   // s, by which zeros may come late after command_timeout
-constexpr double LEAST_SCALE = 0.005;  // below it the robot is stopped
-constexpr int MOST_CERTIFICATES = 5;   // of a search; each costs up to some 100 us
+// The same, in addition, for a command by which the robot was stopped: measured positions change a
+// little although it stands, and the scale would leave zero again and again.
+constexpr double ROOM_TO_GO_ON = 0.002;
+constexpr double SAME_DIRECTION = 0.9;  // cosine: such a command is the one that was stopped
+constexpr double TIMER_ERROR = 0.01;    // s, by which zeros may come late after command_timeout
+constexpr double LEAST_SCALE = 0.005;   // below it the robot is stopped
+constexpr int MOST_CERTIFICATES = 5;    // of a search; each costs up to some 100 us
 constexpr double NEXT_GUESS = 0.85, FAR_GUESS = 1.0 / 3.0, NEAR_ENOUGH = 0.9;
-constexpr int RETREATS = 4;  // scales that are tried
+constexpr double SHOWN = 0.1;  // m beyond stop_distance, to which a pair's distance is told
+constexpr int RETREATS = 4;    // scales that are tried
 constexpr double NEXT_RETREAT = 0.25;
 // Metres: nearer than this counts as contact, of which nothing is left to certify.
 constexpr double CONTACT = 2e-5;
@@ -32,6 +38,17 @@ std::string inMetres(double metres) {
   return text.substr(0, text.find('.') + 4) + " m";
 }
 
+bool isAlong(const std::vector<double>& a, const std::vector<double>& b) {
+  if (a.size() != b.size()) return false;
+  double ab = 0.0, aa = 0.0, bb = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    ab += a[i] * b[i];
+    aa += a[i] * a[i];
+    bb += b[i] * b[i];
+  }
+  return ab > SAME_DIRECTION * std::sqrt(aa) * std::sqrt(bb);
+}
+
 }  // namespace
 
 struct LimiterLaw::Question {
@@ -39,6 +56,7 @@ struct LimiterLaw::Question {
   Surroundings& surroundings;
   Surroundings::Certificate refused{};  ///< the last one that was not free
   std::string no_retreat{};
+  double room = ROOM_TO_RETREAT;
   bool touches = false;
   bool is_retreat = false;
 };
@@ -77,8 +95,15 @@ LimiterDecision LimiterLaw::stop(const std::string& reason) const {
 void LimiterLaw::published(double now, const LimiterDecision& decision) {
   scale_ = decision.scale;
   scale_time_ = std::isfinite(decision.publish_by) ? decision.publish_by : now;
+  stopped_ = decision.stopped;
   passed_.add(now, decision.command);
 }
+
+KeptDistances LimiterLaw::kept(double room, double coming) const {
+  return {settings_.self_stop_distance + room, settings_.stop_distance + room, coming};
+}
+
+KeptDistances LimiterLaw::needed() const { return kept(ROOM_TO_RETREAT, 0.0); }
 
 StoppingTube LimiterLaw::tubeAt(const LimiterInput& input, double scale) const {
   return passed_.tube(input.stamp, input.now, input.command, scaled(input.command, scale));
@@ -104,8 +129,11 @@ LimiterDecision LimiterLaw::decide(const LimiterInput& input, Surroundings& surr
     decision.verdict = Verdict::FREE;
   } else {
     Question question{input, surroundings};
+    if (isAlong(input.command, stopped_)) question.room += ROOM_TO_GO_ON;
     decision.scale = largestScale(question, most);
-    if (decision.scale > 0.0) decision.verdict = Verdict::FREE;
+    // Also of zeros, where no time has passed since others: the scale has not risen yet.
+    const bool is_certified = decision.scale > 0.0 || question.refused.why.empty();
+    if (is_certified) decision.verdict = Verdict::FREE;
     if (decision.scale < std::min(settings_.retreat_scale, most)) {
       const double retreat = retreatScale(question, most);
       if (retreat > decision.scale) {
@@ -132,13 +160,14 @@ LimiterDecision LimiterLaw::decide(const LimiterInput& input, Surroundings& surr
     std::vector<NearPair> pairs;
     std::string why;
     if (!decision.first.empty() &&
-        surroundings.nearPairs(settings_.stop_distance + 0.1, input.command, pairs, why)) {
+        surroundings.nearPairs(settings_.stop_distance + SHOWN, input.command, pairs, why)) {
       for (const NearPair& pair : pairs) {
         if (pair.first != decision.first || pair.second != decision.second) continue;
         decision.distance = pair.distance;
         decision.has_distance = true;
       }
     }
+    if (decision.scale == 0.0 && !decision.first.empty()) decision.stopped = input.command;
   }
   return decision;
 }
@@ -146,12 +175,15 @@ LimiterDecision LimiterLaw::decide(const LimiterInput& input, Surroundings& surr
 bool LimiterLaw::isCertified(Question& question, double scale) const {
   const LimiterInput& input = question.input;
   const StoppingTube tube = tubeAt(input, scale);
-  const double needed = settings_.stop_distance + ROOM_TO_RETREAT, coming = growth(input, tube);
-  Surroundings::Certificate found = question.surroundings.certify(tube, needed, coming, {});
+  const KeptDistances needed = kept(question.room, growth(input, tube));
+  Surroundings::Certificate found = question.surroundings.certify(tube, needed, {});
   if (found.is_free) return true;
   if (found.why.empty()) {
-    found.why = "on the stopping path a pair comes nearer than " + inMetres(needed);
-    if (coming > 0.0) found.why += ", or than " + inMetres(needed + coming) + " to an object";
+    found.why = "on the stopping path a pair comes nearer than " +
+                inMetres(found.are_links ? needed.links : needed.others);
+    if (needed.coming > 0.0 && !found.are_links) {
+      found.why += ", or than " + inMetres(needed.others + needed.coming) + " to an object";
+    }
   }
   question.refused = std::move(found);
   return false;
@@ -174,71 +206,82 @@ double LimiterLaw::largestScale(Question& question, double most) const {
   return lowest;
 }
 
-// All pairs that could come too near are looked at, each must become further apart.
+// All pairs that could come too near are looked at.
 double LimiterLaw::retreatScale(Question& question, double most) const {
   const LimiterInput& input = question.input;
   double scale = std::min(settings_.retreat_scale, most);
   for (int i = 0; i < RETREATS; ++i, scale *= NEXT_RETREAT) {
     const StoppingTube tube = tubeAt(input, scale);
-    const double coming = growth(input, tube), travel = question.surroundings.travel(tube);
-    const double reach = settings_.stop_distance + ROOM_TO_RETREAT + coming + 2.0 * travel;
+    const KeptDistances all = kept(ROOM_TO_RETREAT, growth(input, tube));
+    const double travel = question.surroundings.travel(tube);
+    const double reach = std::max(all.links, all.others + all.coming) + 2.0 * travel;
     std::vector<NearPair> pairs;
     if (!question.surroundings.nearPairs(reach, input.command, pairs, question.no_retreat))
       continue;
-    const auto isFarEnough = [&](const NearPair& pair) {
-      return pair.distance > reach - (pair.is_robot ? coming : travel);  // one of the two moves
+    const auto isFarEnough = [&](const NearPair& pair) {  // of a robot's pair both may move
+      return pair.distance > all.of(pair) + (pair.is_robot ? 2.0 : 1.0) * travel;
     };
     pairs.erase(std::remove_if(pairs.begin(), pairs.end(), isFarEnough), pairs.end());
-    if (mayRetreat(question, scale, std::move(pairs))) return scale;
+    if (mayRetreat(question, scale, pairs)) return scale;
   }
   return 0.0;
 }
 
-bool LimiterLaw::mayRetreat(Question& question, double scale, std::vector<NearPair> pairs) const {
+// Pairs that the command leads apart may keep less than the certificate asks of all others, and
+// those that are too near already have to be such pairs.
+bool LimiterLaw::mayRetreat(Question& question, double scale,
+                            const std::vector<NearPair>& pairs) const {
   const LimiterInput& input = question.input;
-  if (pairs.empty()) return false;  // what is not certified lies ahead
+  const StoppingTube tube = tubeAt(input, scale);
+  const KeptDistances least = kept(0.0, 0.0), asked = kept(0.0, growth(input, tube));
   double speed = 0.0;
   for (const double number : input.command) speed += std::abs(number);
-  question.touches = pairs.front().distance <= 0.0;
+  std::vector<NearPair> nearer;
+  const NearPair* nearest_apart = nullptr;
+  double furthest = std::numeric_limits<double>::infinity();  // that a path from contact may lead
   for (const NearPair& pair : pairs) {
-    if (pair.derivative > LEAST_DERIVATIVE * speed) continue;
-    question.refused = {false, pair.first, pair.second, question.refused.why};
-    question.no_retreat = "it does not lead away from all that is near";
+    const double stop_distance = least.of(pair);
+    question.touches = question.touches || pair.distance <= 0.0;
+    if (!(pair.derivative > LEAST_DERIVATIVE * speed)) {
+      if (pair.distance >= stop_distance + question.room) continue;
+      question.refused = {false, pair.first, pair.second, question.refused.why};
+      question.no_retreat = "it does not lead away from all that is near";
+      return false;
+    }
+    if (nearest_apart == nullptr) nearest_apart = &pair;
+    NearPair keeps = pair;
+    keeps.distance = stop_distance;
+    if (pair.distance < CONTACT) {
+      keeps.distance = -1.0;
+      furthest = std::min(furthest, std::max(GIVEN_AWAY * stop_distance, ROOM_TO_RETREAT));
+    } else if (pair.distance < stop_distance + 0.5 * ROOM_TO_RETREAT) {
+      keeps.distance = GIVEN_AWAY * std::min(pair.distance, stop_distance);
+    }
+    if (keeps.distance < asked.of(pair)) nearer.push_back(std::move(keeps));
+  }
+  if (nearest_apart == nullptr) {  // what is not certified lies ahead
+    if (!pairs.empty()) question.no_retreat = "it leads away from nothing that is near";
     return false;
   }
-  question.refused.first = pairs.front().first;
-  question.refused.second = pairs.front().second;
-  const StoppingTube tube = tubeAt(input, scale);
-  const double stop_distance = settings_.stop_distance;
-  std::vector<NearPair> nearer;
-  bool is_contact = false;
-  for (NearPair& pair : pairs) {
-    if (pair.distance >= stop_distance + 0.5 * ROOM_TO_RETREAT) break;
-    if (pair.distance < CONTACT) {
-      is_contact = true;
-      if (!question.surroundings.leadsApart(tube, pair)) {
-        question.no_retreat = "it would lead deeper into contact";
-        return false;
-      }
-    }
-    pair.distance =
-        pair.distance < CONTACT ? -1.0 : GIVEN_AWAY * std::min(pair.distance, stop_distance);
-    nearer.push_back(std::move(pair));
+  question.refused.first = nearest_apart->first;
+  question.refused.second = nearest_apart->second;
+  for (const NearPair& pair : pairs) {
+    if (pair.distance >= CONTACT || question.surroundings.leadsApart(tube, pair)) continue;
+    question.no_retreat = "it would lead deeper into contact";
+    return false;
   }
   // Another part of the same two may be in the way: a cloud is one model.
-  if (is_contact) {
+  if (std::isfinite(furthest)) {
     if (!passed_.areAlong(input.command, input.stamp)) {
       question.no_retreat = "the robot does not stand yet";
       return false;
     }
-    const double furthest = std::max(GIVEN_AWAY * stop_distance, ROOM_TO_RETREAT);
     if (question.surroundings.travel(tube) > furthest) {
       question.no_retreat = "it would lead too far";
       return false;
     }
   }
-  const Surroundings::Certificate found =
-      question.surroundings.certify(tube, stop_distance, 0.0, nearer);
+  const Surroundings::Certificate found = question.surroundings.certify(tube, asked, nearer);
   if (!found.is_free) question.no_retreat = "its way back is not certified";
   return found.is_free;
 }

@@ -17,8 +17,9 @@ struct LimiterSettings {
   /// Seconds, > 0: if no command arrives for this long, zeros are passed, once. A command must be
   /// safe for as long: see RobotResponse::hold.
   double command_timeout = 0.2;
-  double max_joint_state_age = 0.1;  ///< s: with older positions everything is stopped
-  double stop_distance = 0.01;       ///< metres, >= 0, that are left when the robot stands
+  double max_joint_state_age = 0.1;   ///< s: with older positions everything is stopped
+  double stop_distance = 0.01;        ///< metres, >= 0, that are left when the robot stands
+  double self_stop_distance = 0.002;  ///< the same between links: see NearPair::are_links
   /// Metres per second, >= 0, at which obstacles may approach: until the robot stands.
   double obstacle_speed = 0.0;
   /// 0 to 1: of a command that leads away from all that is near.
@@ -33,6 +34,19 @@ struct NearPair {
   /// Of the distance by time, under the command asked about: m/s. NaN: unknown.
   double derivative = 0.0;
   bool is_robot = false;  ///< the robot carries both
+  /// Two links of one robot that its joints move: their distance is known from joint positions
+  /// alone. That of what is attached, and between two robots, is not.
+  bool are_links = false;
+};
+
+/// Metres that pairs have to keep.
+struct KeptDistances {
+  double links = 0.0;   ///< NearPair::are_links
+  double others = 0.0;  ///< all others
+  double coming = 0.0;  ///< in addition, with anything that the robot does not carry
+  double of(const NearPair& pair) const {
+    return pair.are_links ? links : others + (pair.is_robot ? 0.0 : coming);
+  }
 };
 
 /// What the law asks about the robot's surroundings, for one state of the robot and the scene.
@@ -44,11 +58,12 @@ class Surroundings {
     bool is_free = false;
     std::string first, second;  ///< else a pair that could not be certified, if it is one
     std::string why;            ///< else why not, in words
+    bool are_links = false;     ///< of that pair: see NearPair
   };
-  /// Whether no pair that the joints of the command move comes nearer than `clearance` metres
-  /// anywhere in the tube; one with anything that the robot does not carry: `growth` more. Each of
-  /// `nearer` only has to keep its own distance; if that is negative, it is not asked about.
-  virtual Certificate certify(const StoppingTube& tube, double clearance, double growth,
+  /// Whether no pair that the joints of the command move comes nearer than it has to keep anywhere
+  /// in the tube. Each of `nearer` only has to keep its own distance, if that is less; if it is
+  /// negative, it is not asked about.
+  virtual Certificate certify(const StoppingTube& tube, const KeptDistances& kept,
                               const std::vector<NearPair>& nearer) = 0;
 
   /// Upper bound of how far a point of the robot can go anywhere in the tube, metres: two links may
@@ -86,6 +101,7 @@ struct LimiterDecision {
   std::string reason;  ///< empty: the whole command passes
   /// Until then it may be published: LimiterInput::now. Zeros of stop(): at any time.
   double publish_by = std::numeric_limits<double>::infinity();
+  std::vector<double> stopped;   ///< the command, if it is stopped for a pair; else empty
   double seconds_to_rest = 0.0;  ///< s, until the robot stands after zeros, by its deceleration
 };
 
@@ -97,6 +113,8 @@ class LimiterLaw {
  public:
   explicit LimiterLaw(const LimiterSettings& settings);
 
+  /// What a command that passes leaves between things that stand still.
+  KeptDistances needed() const;
   LimiterDecision decide(const LimiterInput& input, Surroundings& surroundings) const;
   /// Zeros, for a reason that the caller knows.
   LimiterDecision stop(const std::string& reason) const;
@@ -111,13 +129,16 @@ class LimiterLaw {
   bool isCertified(Question& question, double scale) const;
   double largestScale(Question& question, double most) const;
   double retreatScale(Question& question, double most) const;
-  bool mayRetreat(Question& question, double scale, std::vector<NearPair> pairs) const;
+  bool mayRetreat(Question& question, double scale, const std::vector<NearPair>& pairs) const;
+  /// What is left when the robot stands, and `room` more: the one place that knows of the settings.
+  KeptDistances kept(double room, double coming) const;
   StoppingTube tubeAt(const LimiterInput& input, double scale) const;
   double growth(const LimiterInput& input, const StoppingTube& tube) const;
 
   LimiterSettings settings_;
   PassedCommands passed_;
   double scale_ = 1.0, scale_time_ = 0.0;  // the last that was published, and for when
+  std::vector<double> stopped_;            // by it: see LimiterDecision
 };
 
 }  // namespace collision_pairs

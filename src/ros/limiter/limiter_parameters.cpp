@@ -25,6 +25,7 @@ const std::map<std::string, Range> NUMBERS = {
     {"command_timeout", {&LimiterSettings::command_timeout, 0.0, 10.0, true}},
     {"max_joint_state_age", {&LimiterSettings::max_joint_state_age, 0.0, OLDEST_JOINT_STATE, true}},
     {"stop_distance", {&LimiterSettings::stop_distance, 0.0, 10.0, false}},
+    {"self_stop_distance", {&LimiterSettings::self_stop_distance, 0.0, 10.0, false}},
     {"obstacle_speed", {&LimiterSettings::obstacle_speed, 0.0, 100.0, false}},
     {"retreat_scale", {&LimiterSettings::retreat_scale, 0.0, 1.0, false}},
     {"ramp_up", {&LimiterSettings::ramp_up, 0.0, 1e6, true}},

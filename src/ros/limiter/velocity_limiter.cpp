@@ -94,8 +94,11 @@ void VelocityLimiter::start(const ros::NodeHandle& node, const ros::NodeHandle& 
                                         context_.defaults().fidelity};
   };
   prepared_ = std::make_unique<PreparedSurroundings>(
-      wanted, [joints = parameters_->joints](const PreparedSurroundings::Wanted& of) {
-        return std::make_shared<CertifiedSurroundings>(of.scene, joints, of.fidelity);
+      wanted, [this, needed = law_->needed()](const PreparedSurroundings::Wanted& of) {
+        auto made =
+            std::make_shared<CertifiedSurroundings>(of.scene, parameters_->joints, of.fidelity);
+        if (!std::exchange(is_first_scene_known_, true)) warnOf(made->alwaysNear(needed));
+        return made;
       });
   CommandOutlet::Settings outlet;
   outlet.command_timeout = parameters_->law.command_timeout;
@@ -116,6 +119,12 @@ void VelocityLimiter::beginThread(const char* name, int priority) {
     ROS_WARN_STREAM("velocity limiter: " << why);
   }
   real_time_ = why.empty() ? "yes" : why;
+}
+
+void VelocityLimiter::warnOf(std::vector<std::string> always_near) {
+  for (const std::string& pair : always_near) ROS_WARN_STREAM("velocity limiter: " << pair);
+  const std::lock_guard<std::mutex> lock(mutex_);
+  always_near_ = std::move(always_near);
 }
 
 void VelocityLimiter::listen() {
@@ -337,7 +346,9 @@ void VelocityLimiter::diagnose(diagnostic_updater::DiagnosticStatusWrapper& stat
     return;
   }
   const std::lock_guard<std::mutex> lock(mutex_);
-  if (nb_commands_ == 0) {
+  if (!always_near_.empty()) {
+    status.summary(DiagnosticStatus::WARN, always_near_.front());
+  } else if (nb_commands_ == 0) {
     status.summary(DiagnosticStatus::OK, "no commands on " + subscribers_.back().getTopic());
   } else if (nb_overruns_ > 0) {
     status.summary(DiagnosticStatus::WARN, "decisions took too long");

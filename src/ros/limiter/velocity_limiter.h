@@ -56,6 +56,7 @@ class VelocityLimiter {
 
   void start(const ros::NodeHandle& node, const ros::NodeHandle& private_node);
   void beginThread(const char* name, int priority);
+  void warnOf(std::vector<std::string> always_near);
   void listen();
   void work();
   void take(Command command);
@@ -87,6 +88,8 @@ class VelocityLimiter {
   unsigned nb_clock_jumps_ = 0;
   CommandPtr next_;
 
+  bool is_first_scene_known_ = false;  // used by the thread that prepares checkers only
+
   // Used by the thread that decides only.
   std::unique_ptr<LimiterLaw> law_;
 
@@ -95,6 +98,7 @@ class VelocityLimiter {
   ros::SteadyTime last_limit_from_;
   std::string fault_;  // why the last command was stopped, if it was not for what is near
   std::string real_time_ = "not asked for yet";  // or "yes", or why not
+  std::vector<std::string> always_near_;         // what stops every command, and the remedy
   bool lacks_real_time_ = false;                 // and the log says so
   double slowest_ = 0.0;                         // seconds of a decision, since asked
   std::size_t nb_commands_ = 0, nb_overruns_ = 0;
