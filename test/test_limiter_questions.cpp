@@ -18,6 +18,8 @@ using testing::StartsWith;
 /// Certifies scales up to one, and remembers all questions.
 struct Asked : Surroundings {
   double certified = 0.0, stop_distance = 0.01;
+  double nearest = 1.0;  // of this pair: no more is certified
+  std::string first = "hand", second = "ball";
   double seconds = 0.31, command = 0.1;  // of the path along the command
   std::vector<double> scales, clearances, of_links, growths, retreats, reaches;
   double kept_scale = 0.0, kept_growth = 0.0;  // of the last retreat
@@ -40,7 +42,7 @@ struct Asked : Surroundings {
     clearances.push_back(all.others);
     of_links.push_back(all.links);
     growths.push_back(all.coming);
-    return {scales.back() <= certified, "hand", "ball", ""};
+    return {scales.back() <= certified && all.others <= nearest, first, second, ""};
   }
   double travel(const StoppingTube& tube) override {
     retreats.push_back(scaleOf(tube));
@@ -316,6 +318,22 @@ TEST_F(Questions, OfACommandThatWasStoppedAreAboutMoreUntilAnotherOneComes) {
   EXPECT_DOUBLE_EQ(clearanceOf(9.5, {-0.1, 0.0}), 0.014);
   publishStop(law, 9.6);
   EXPECT_DOUBLE_EQ(clearanceOf(9.7, {-0.1, 0.0}), 0.012) << "stopped for another reason";
+}
+
+// As long as a servo that leads along a wall goes on.
+TEST_F(Questions, WhatWasNotStoppedForMayStayAsNearAsItIs) {
+  settings_.deceleration = {2.0};
+  for (const bool is_another : {true, false}) {
+    LimiterLaw law(settings_);
+    asked_ = Asked();
+    asked_.certified = -1.0;
+    EXPECT_EQ(published(law, {9.0, 9.0, 0.0, {0.1}}, asked_).scale, 0.0);
+    asked_.certified = 1.0;
+    asked_.nearest = 0.013;
+    if (is_another) asked_.second = "wall";
+    const double scale = published(law, {9.5, 9.5, 0.0, {0.1}}, asked_).scale;
+    EXPECT_EQ(scale > 0.0, is_another);
+  }
 }
 
 TEST_F(Questions, ZerosPassWithoutAny) {

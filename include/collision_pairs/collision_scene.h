@@ -167,9 +167,9 @@ class CollisionScene {
   /// Why a check would say nothing, in words: there is no pair to check, or a robot without any
   /// collision geometry. Empty: it says something.
   const std::string& unchecked() const { return unchecked_; }
-  /// One sentence for each mesh that has open sheets, and of whose surface more than 1 % is missing,
-  /// with the models that have it: they enclose nothing, and a body wholly inside is not found.
-  /// Of the meshes whose triangles the scene's fidelities need.
+  /// One sentence for each mesh that has open sheets, and of whose surface more than 1 % is
+  /// missing, with the models that have it: they enclose nothing, and a body wholly inside is not
+  /// found. Of the meshes whose triangles the scene's fidelities need.
   std::vector<std::string> openMeshes() const;
   /// Whether a check can end FREE: something is checked, or settings.allow_empty_scene.
   bool mayBeFree() const { return mayBeFree(unchecked_); }
@@ -205,11 +205,14 @@ class CollisionScene {
 
   /// Id of the model, or -1.
   int findModel(const std::string& name) const;
-  /// Of a link that joints with positions move: the body, in RobotModel::bodies(), above the first
-  /// of these joints. Otherwise -1: objects, also attached ones, and links that are fixed to such a
-  /// body, as a table in the URDF is. Two links with the same one are known better relative to each
-  /// other than to anything else: by joint positions alone.
-  int carrierOf(std::uint32_t model) const;
+  /// Of a link that joints with positions move: the first body, in RobotModel::bodies(), that they
+  /// move, from the root or from a floating or planar joint on. Otherwise -1: objects, also
+  /// attached ones, links that no joint moves, as a table in the URDF, and what a body in `placed`
+  /// (by body; a transform places it) is or carries. Two links with the same one are known better
+  /// relative to each other than to anything else: by joint positions alone. Two arms on one base
+  /// are not: where they stand was measured.
+  int carrierOf(std::uint32_t model,
+                const std::vector<std::optional<Eigen::Isometry3d>>& placed = {}) const;
 
  private:
   friend class SceneBuilder;

@@ -45,8 +45,8 @@ struct MotionSettings {
   /// world, static objects, clouds. FREE then means this, too; MotionReport::clearance is of all
   /// pairs.
   double beside_objects = 0.0;
-  /// Metres, >= 0, between two links of one robot that its joints move (CollisionScene::carrierOf()),
-  /// in place of the clearance.
+  /// Metres, >= 0, between two links that the same joints carry (CollisionScene::carrierOf()), in
+  /// place of the clearance.
   std::optional<double> between_links = {};
   /// Pairs that may come nearer than the settings above ask for, a few: it is searched for each.
   std::vector<PairClearance> nearer = {};

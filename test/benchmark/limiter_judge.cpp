@@ -66,12 +66,19 @@ bool LimiterJudge::isMoved(const PairReport& pair) const {
 }
 
 bool LimiterJudge::areLinks(const std::pair<std::uint32_t, std::uint32_t>& models) const {
-  const auto isMovedLink = [&](std::uint32_t id) {
+  const auto& bodies = truth_->robot().bodies();
+  const auto firstMoved = [&](std::uint32_t id) {
     const CollisionModel& model = truth_->models()[id];
-    if (model.is_object || model.body < 0) return false;
-    return truth_->robot().bodies()[truth_->bodies()[model.body].body].parent >= 0;
+    int first = -1;
+    if (model.is_object || model.body < 0) return first;
+    for (int body = truth_->bodies()[model.body].body; bodies[body].parent >= 0;
+         body = bodies[body].parent) {
+      first = body;
+    }
+    return first;
   };
-  return isMovedLink(models.first) && isMovedLink(models.second);
+  const int first = firstMoved(models.first);
+  return first >= 0 && first == firstMoved(models.second);
 }
 
 LimiterJudge::Near LimiterJudge::nearPairs(const std::vector<double>& q, const Vector3d& mover,

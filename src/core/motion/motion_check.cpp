@@ -72,7 +72,7 @@ class MotionCheck::Search {
     settings_ = settings;
     report_ = {};
     report_.unchecked = scene_.unchecked();
-    clearances_.begin(settings_);
+    clearances_.begin(settings_, placed);
     if (clearances_.leavesOutAll() && report_.unchecked.empty()) {
       report_.unchecked = "every pair is left out";
     }

@@ -8,17 +8,16 @@
 
 namespace collision_pairs {
 
-PairClearances::PairClearances(const CollisionScene& scene) : scene_(scene) {
-  const auto nb_models = static_cast<std::uint32_t>(scene.models().size());
-  for (std::uint32_t model = 0; model < nb_models; ++model) {
-    carriers_.push_back(scene.carrierOf(model));
-  }
-}
-
-void PairClearances::begin(const MotionSettings& settings) {
+void PairClearances::begin(const MotionSettings& settings, const PlacedBodies& placed) {
   settings_ = &settings;
   left_out_.clear();
   const std::size_t nb_models = scene_.models().size();
+  carriers_.clear();
+  if (settings.between_links) {
+    for (std::uint32_t model = 0; model < nb_models; ++model) {
+      carriers_.push_back(scene_.carrierOf(model, placed));
+    }
+  }
   for (const PairClearance& pair : settings.nearer) {
     if (!std::isfinite(pair.clearance) || pair.first >= nb_models || pair.second >= nb_models) {
       throw InputError("nearer: models " + std::to_string(pair.first) + " and " +
@@ -34,10 +33,12 @@ void PairClearances::begin(const MotionSettings& settings) {
 double PairClearances::of(const BoxPair& pair, bool is_beside) const {
   const auto& elements = scene_.elements();
   const auto models = std::minmax(elements[pair.first].model, elements[pair.second].model);
-  const int carrier = carriers_[models.first];
-  const bool are_links = carrier >= 0 && carrier == carriers_[models.second];
   double clearance = settings_->clearance + (is_beside ? settings_->beside_objects : 0.0);
-  if (are_links && settings_->between_links) clearance = *settings_->between_links;
+  if (settings_->between_links) {
+    const int carrier = carriers_[models.first];
+    const bool are_links = carrier >= 0 && carrier == carriers_[models.second];
+    if (are_links) clearance = *settings_->between_links;
+  }
   for (const PairClearance& known : settings_->nearer) {
     if (std::minmax(known.first, known.second) != models) continue;
     clearance = std::min(clearance, known.clearance);

@@ -11,8 +11,8 @@ namespace collision_pairs {
 class PairClearances {
  public:
   /// Both must outlive this; begin() with the settings of each check.
-  explicit PairClearances(const CollisionScene& scene);
-  void begin(const MotionSettings& settings);
+  explicit PairClearances(const CollisionScene& scene) : scene_(scene) {}
+  void begin(const MotionSettings& settings, const PlacedBodies& placed);
 
   /// Metres, for a pair of elements; `is_beside`: the robot does not carry both. Negative: left
   /// out.
@@ -24,7 +24,7 @@ class PairClearances {
 
  private:
   const CollisionScene& scene_;
-  std::vector<int> carriers_;  // by model
+  std::vector<int> carriers_;  // by model, if links keep a distance of their own
   const MotionSettings* settings_ = nullptr;
   std::vector<std::pair<std::uint32_t, std::uint32_t>> left_out_;  // sorted
 };

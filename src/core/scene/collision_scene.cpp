@@ -305,15 +305,19 @@ Eigen::Isometry3d CollisionScene::poseOfVoxel(std::uint32_t element,
   return X_WV;
 }
 
-int CollisionScene::carrierOf(std::uint32_t model) const {
+int CollisionScene::carrierOf(std::uint32_t model,
+                              const std::vector<std::optional<Eigen::Isometry3d>>& placed) const {
   if (models_[model].is_object || models_[model].body < 0) return -1;
   const auto& bodies = robot_->bodies();
-  const int own = bodies_[models_[model].body].body;
-  int body = own;
-  while (bodies[body].parent >= 0 && robot_->joints()[bodies[body].joint].hasPosition()) {
-    body = bodies[body].parent;
+  int first = -1;
+  for (int body = bodies_[models_[model].body].body;
+       bodies[body].parent >= 0 && robot_->joints()[bodies[body].joint].hasPosition();
+       body = bodies[body].parent) {
+    const auto number = static_cast<std::size_t>(body);
+    if (number < placed.size() && placed[number]) return -1;
+    first = body;
   }
-  return body == own ? -1 : body;
+  return first;
 }
 
 int CollisionScene::findModel(const std::string& name) const {

@@ -73,8 +73,8 @@ void CertifiedSurroundings::place(const std::vector<double>& positions) {
 }
 
 bool CertifiedSurroundings::areLinks(std::uint32_t first, std::uint32_t second) const {
-  const int carrier = scene_->carrierOf(first);
-  return carrier >= 0 && carrier == scene_->carrierOf(second);
+  const int carrier = scene_->carrierOf(first, state_.placed);
+  return carrier >= 0 && carrier == scene_->carrierOf(second, state_.placed);
 }
 
 // A tube is the union of those of which the deviations are halves of its own, on either side. Their

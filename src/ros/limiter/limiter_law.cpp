@@ -96,6 +96,7 @@ void LimiterLaw::published(double now, const LimiterDecision& decision) {
   scale_ = decision.scale;
   scale_time_ = std::isfinite(decision.publish_by) ? decision.publish_by : now;
   stopped_ = decision.stopped;
+  stopped_for_ = {decision.first, decision.second};
   passed_.add(now, decision.command);
 }
 
@@ -177,6 +178,12 @@ bool LimiterLaw::isCertified(Question& question, double scale) const {
   const StoppingTube tube = tubeAt(input, scale);
   const KeptDistances needed = kept(question.room, growth(input, tube));
   Surroundings::Certificate found = question.surroundings.certify(tube, needed, {});
+  // What was not stopped for may stay as near as ever.
+  const bool is_another = std::pair(found.first, found.second) != stopped_for_;
+  if (!found.is_free && question.room > ROOM_TO_RETREAT && is_another) {
+    const KeptDistances least = kept(ROOM_TO_RETREAT, growth(input, tube));
+    found = question.surroundings.certify(tube, least, {});
+  }
   if (found.is_free) return true;
   if (found.why.empty()) {
     found.why = "on the stopping path a pair comes nearer than " +

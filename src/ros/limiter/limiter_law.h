@@ -139,6 +139,7 @@ class LimiterLaw {
   PassedCommands passed_;
   double scale_ = 1.0, scale_time_ = 0.0;  // the last that was published, and for when
   std::vector<double> stopped_;            // by it: see LimiterDecision
+  std::pair<std::string, std::string> stopped_for_;
 };
 
 }  // namespace collision_pairs

@@ -94,9 +94,9 @@ void VelocityLimiter::start(const ros::NodeHandle& node, const ros::NodeHandle& 
                                         context_.defaults().fidelity};
   };
   prepared_ = std::make_unique<PreparedSurroundings>(
-      wanted, [this, needed = law_->needed()](const PreparedSurroundings::Wanted& of) {
-        auto made =
-            std::make_shared<CertifiedSurroundings>(of.scene, parameters_->joints, of.fidelity);
+      wanted, [this, joints = parameters_->joints,
+               needed = law_->needed()](const PreparedSurroundings::Wanted& of) {
+        auto made = std::make_shared<CertifiedSurroundings>(of.scene, joints, of.fidelity);
         if (!std::exchange(is_first_scene_known_, true)) warnOf(made->alwaysNear(needed));
         return made;
       });
@@ -346,14 +346,14 @@ void VelocityLimiter::diagnose(diagnostic_updater::DiagnosticStatusWrapper& stat
     return;
   }
   const std::lock_guard<std::mutex> lock(mutex_);
-  if (!always_near_.empty()) {
-    status.summary(DiagnosticStatus::WARN, always_near_.front());
-  } else if (nb_commands_ == 0) {
+  if (nb_commands_ == 0 && always_near_.empty()) {
     status.summary(DiagnosticStatus::OK, "no commands on " + subscribers_.back().getTopic());
   } else if (nb_overruns_ > 0) {
     status.summary(DiagnosticStatus::WARN, "decisions took too long");
   } else if (!fault_.empty()) {
     status.summary(DiagnosticStatus::WARN, "commands are stopped: " + fault_);
+  } else if (!always_near_.empty()) {
+    status.summary(DiagnosticStatus::WARN, always_near_.front());
   } else {
     status.summary(DiagnosticStatus::OK, "commands are limited");
   }
