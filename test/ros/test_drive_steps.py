@@ -56,9 +56,15 @@ class DriveSteps(unittest.TestCase):
 
     def drive(self, *parameters):
         """Where nothing else is said: of both joints."""
+        if rospy.has_param("/drive_steps"):
+            rospy.delete_param("/drive_steps")  # of the last one
         given = {word.split(":=")[0] for word in parameters}
         joints = [] if "_joints" in given else ["_joints:=[slide_a, slide_b]"]
         return Program(DRIVE, *joints, *parameters)
+
+    def wait_until_it_moves(self, program):
+        wait_until(lambda: self.moves() or program.process.poll() is not None, "it moves")
+        self.assertTrue(self.moves(), program.said())
 
     def moves(self):
         return bool(self.commands) and any(self.commands[-1])
@@ -93,14 +99,14 @@ class DriveSteps(unittest.TestCase):
     def test_interrupted_or_ended_it_sends_zeros(self):
         for number in (signal.SIGINT, signal.SIGTERM):
             program = self.drive("_hold:=2.0")
-            wait_until(self.moves, "it moves")
+            self.wait_until_it_moves(program)
             program.process.send_signal(number)
             self.assert_ends_with_zeros(program, 1)
             self.assertIn("interrupted", program.said())
 
     def test_without_positions_it_sends_zeros(self):
-        program = self.drive("_hold:=5.0")
-        wait_until(self.moves, "it moves")
+        program = self.drive("_hold:=3.0")
+        self.wait_until_it_moves(program)
         self.simulator.is_silent = True
         self.assert_ends_with_zeros(program, 1)
         self.assertIn("no position of joint 'slide_a' in the last 0.5 s", program.said())
@@ -114,7 +120,7 @@ class DriveSteps(unittest.TestCase):
         self.assertLess(self.furthest, 9.0)
         self.simulator.place(slide_a=8.99)
         del self.commands[:]
-        for parameters, says in ((("_velocity:=0.5",), "at 8.990 needs 0.800 on one side and 0.300 on the other"), (("_velocity:=1.1",), "faster than its limit"),
+        for parameters, says in ((("_velocity:=0.5",), "at 8.990 needs 1.050 on one side and 0.300 on the other"), (("_velocity:=1.1",), "faster than its limit"),
                                  (("_joints:=[slide_a, slid_b]",), "the URDF has no joint slid_b"),
                                  (("_hold:=0.3",), "hold must be at least 0.4 s")):
             program = self.drive(*parameters)
