@@ -261,6 +261,7 @@ TEST(StoppingAnalysis, ASlowTailIsCoveredAsAWholeAndInItsParts) {
     its.servo.slope = random.uniform(5.0, 20.0);
     its.servo.dead_time = its.servo.least_dead_time = random.uniform(0.01, 0.05);
     its.recorder = {500.0, 1e-6};
+    its.velocity = std::exp(random.uniform(std::log(0.03), std::log(1.0)));
     its.hold = 2.0;
     SCOPED_TRACE(its.servo.creep);
     Truth truth;
