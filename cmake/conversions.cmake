@@ -6,6 +6,7 @@ add_library(collision_pairs_messages STATIC
   src/messages/object_conversions.cpp
   src/messages/point_cloud.cpp
   src/messages/scene_markers.cpp
+  src/messages/trajectory_command.cpp
 )
 target_include_directories(collision_pairs_messages PUBLIC ${PROJECT_SOURCE_DIR}/src/messages
                                                     PRIVATE ${CORE_MODULES})

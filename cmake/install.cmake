@@ -19,7 +19,7 @@ install(TARGETS ${programs}
   RUNTIME DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
 install(DIRECTORY include/collision_pairs/ DESTINATION ${CATKIN_PACKAGE_INCLUDE_DESTINATION})
 install(DIRECTORY launch config DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION})
-catkin_install_python(PROGRAMS scripts/drive_demo_robot scripts/move_demo_robot scripts/plot_bag_report
-                      scripts/print_bag_robot scripts/print_collision_pairs
-                      scripts/replay_transforms
+catkin_install_python(PROGRAMS scripts/drive_demo_robot scripts/drive_steps scripts/move_demo_robot
+                      scripts/plot_bag_report scripts/plot_stopping scripts/print_bag_robot
+                      scripts/print_collision_pairs scripts/replay_transforms
   DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})

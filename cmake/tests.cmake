@@ -12,6 +12,8 @@ add_library(test_parts STATIC EXCLUDE_FROM_ALL
   src/planners/moveit/moveit_scene.cpp
   src/planners/moveit/moveit_shapes.cpp
   src/tools/progress_bar.cpp
+  src/tools/stopping_analysis.cpp
+  src/tools/stopping_steps.cpp
   test/benchmark/benchmark_robots.cpp
   test/benchmark/demo_motion.cpp
   test/benchmark/limiter_drives.cpp
@@ -177,6 +179,7 @@ collision_pairs_test(scene_config collision_pairs_io)
 collision_pairs_test(scene_sources collision_pairs_io)
 collision_pairs_test(self_filter collision_pairs_io)
 collision_pairs_test(spheres collision_pairs_io)
+collision_pairs_test(stopping_analysis collision_pairs_io)
 collision_pairs_test(text_files collision_pairs_io)
 collision_pairs_test(tolerance collision_pairs_io)
 collision_pairs_test(transform_gate collision_pairs_io)
@@ -267,6 +270,7 @@ collision_pairs_module_pytest(incomplete_robots)
 if(NOT COLLISION_PAIRS_SANITIZE)  # what it builds against the package is built without
 collision_pairs_pytest(install)
 endif()
+collision_pairs_pytest(measure_stopping)
 collision_pairs_pytest(mutants)
 collision_pairs_pytest(names_in_tables)
 collision_pairs_pytest(oldest_platform)
@@ -307,6 +311,7 @@ collision_pairs_rostest(clock_jumps)
 collision_pairs_rostest(clouds)
 set_tests_properties(rostest_clouds PROPERTIES TIMEOUT 360)
 collision_pairs_rostest(depth_camera)
+collision_pairs_rostest(drive_steps)
 collision_pairs_rostest(faults)
 collision_pairs_rostest(late_start)
 collision_pairs_rostest(limiter)

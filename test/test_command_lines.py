@@ -10,7 +10,7 @@ from conftest import TOOLS as LIBRARY
 
 URDF = os.path.join(DEMO, "demo_robot.urdf")
 TOOLS = {"check_states": ["ROBOT.urdf", "--states STATES.csv"], "check_motion": ["ROBOT.urdf", "--waypoints WAYPOINTS.csv"],
-         "check_bag": ["BAG..."], "generate_srdf": ["ROBOT.urdf"], "merge_bag_checks": ["TABLE.csv..."]}
+         "check_bag": ["BAG..."], "generate_srdf": ["ROBOT.urdf"], "measure_stopping": ["BAG"], "merge_bag_checks": ["TABLE.csv..."]}
 
 
 def documented(tool):
@@ -64,7 +64,8 @@ OVERWRITING = [
     ("merge_bag_checks", ["other", "IN", "--out", "IN"], "--out IN: would overwrite TABLE.csv... (IN)"),
     ("check_states", ["other", "--states", "IN", "--out", "IN"], "--out IN: would overwrite --states (IN)"),
     ("check_motion", ["IN", "--waypoints", "other", "--out", "IN"], "--out IN: would overwrite ROBOT.urdf (IN)"),
-    ("generate_srdf", ["other", "--out", "new", "--report", "./new"], "--report ./new: would overwrite --out (new)")]
+    ("generate_srdf", ["other", "--out", "new", "--report", "./new"], "--report ./new: would overwrite --out (new)"),
+    ("measure_stopping", ["IN", "--plot", "IN"], "--plot IN: would overwrite BAG (IN)")]
 
 
 @pytest.mark.parametrize("tool, words, why", OVERWRITING)

@@ -12,6 +12,7 @@
 #include "limiter_parameters.h"
 #include "printed.h"
 #include "random_inputs.h"
+#include "trajectory_command.h"
 
 namespace collision_pairs {
 namespace test_limiter_input {

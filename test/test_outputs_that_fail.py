@@ -6,6 +6,7 @@ import subprocess
 
 import pytest
 from conftest import DEMO, PROJECT, SYSTEM_PATH, TOOLS
+from step_recording import JOINTS, write_steps
 
 URDF, SRDF, BAG = (os.path.join(DEMO, name) for name in ("demo_robot.urdf", "demo_robot.srdf", "demo.bag"))
 MOST_BYTES = 200  # of a file, as if the disk were full then
@@ -22,6 +23,7 @@ def command(run_tool, tmp_path):
             "check_motion": [URDF, "--srdf", SRDF, "--waypoints", states],
             "generate_srdf": [URDF, "--samples", "10", "--searches", "0"],
             "check_bag": [BAG],
+            "measure_stopping": [write_steps(tmp_path / "steps.bag", shares=(1.0, 0.0)), "--joints", *JOINTS],
             "merge_bag_checks": [table]}
 
 
@@ -39,9 +41,9 @@ def assert_refused(done, *words):
         assert word in errors[0]
 
 
-ALL_TOOLS = ["check_states", "check_motion", "generate_srdf", "check_bag", "merge_bag_checks"]
+ALL_TOOLS = ["check_states", "check_motion", "generate_srdf", "check_bag", "measure_stopping", "merge_bag_checks"]
 OUTPUTS = [(name, "--out") for name in ALL_TOOLS] + [("generate_srdf", "--report"), ("check_bag", "--record"),
-                                                      ("check_bag", "--report"), ("merge_bag_checks", "--report")]
+                                                      ("check_bag", "--report"), ("merge_bag_checks", "--report"), ("measure_stopping", "--plot")]
 
 
 @pytest.mark.parametrize("name", ALL_TOOLS)

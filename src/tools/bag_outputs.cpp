@@ -10,11 +10,10 @@
 #include <memory>
 #include <vector>
 
-#include <spawn.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include "collision_pairs/input_error.h"
+#include "plot_script.h"
 #include "text_files.h"
 #include "user_text.h"
 
@@ -22,28 +21,6 @@ namespace collision_pairs {
 namespace {
 
 namespace fs = std::filesystem;
-
-fs::path plotScript() {
-  const fs::path script = fs::read_symlink("/proc/self/exe").parent_path() / "plot_bag_report";
-  if (!fs::exists(script))
-    throw InputError(script.string() + ", which makes the page, does not exist");
-  return script;
-}
-
-/// Returns the exit status; its output goes to standard error.
-int run(const std::vector<std::string>& command) {
-  std::vector<char*> arguments;
-  for (const std::string& word : command) arguments.push_back(const_cast<char*>(word.c_str()));
-  arguments.push_back(nullptr);
-  pid_t child = 0;
-  if (::posix_spawn(&child, arguments[0], nullptr, nullptr, arguments.data(), ::environ) != 0)
-    return -1;
-  int status = 0;
-  while (::waitpid(child, &status, 0) < 0) {
-    if (errno != EINTR) return -1;
-  }
-  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-}
 
 constexpr std::size_t LONGEST_LIST = 20;  // lines of pairs or gaps; the table lists all
 
@@ -208,10 +185,10 @@ class BagReport {
   void finish(double alarm_distance, double max_gap) {
     table_.close();
     if (!table_) throw InputError(folder_ + ": writing failed (disk full?)");
-    const int status = run({plotScript().string(), table_path_, "--out", folder_ + "/index.html",
-                            "--alarm-distance", std::to_string(alarm_distance), "--max-gap",
-                            std::to_string(max_gap)});
-    if (status != 0) throw InputError(folder_ + ": the page could not be made; see the line above");
+    const bool is_made = runPlotScript(
+        "plot_bag_report", {table_path_, "--out", folder_ + "/index.html", "--alarm-distance",
+                            std::to_string(alarm_distance), "--max-gap", std::to_string(max_gap)});
+    if (!is_made) throw InputError(folder_ + ": the page could not be made; see the line above");
   }
 
  private:

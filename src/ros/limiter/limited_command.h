@@ -45,11 +45,6 @@ class JointPositions {
   std::map<std::string, Refused> refused_;
 };
 
-/// In the order of `joints`. Throws InputError unless the command has one point with a velocity for
-/// each of them, in any order, and no other.
-std::vector<double> velocitiesOf(const trajectory_msgs::JointTrajectory& command,
-                                 const std::vector<std::string>& joints);
-
 /// The command with the velocities that the decision passes, in the command's order. Positions, if
 /// it has some, are on the way from the measured ones to the given ones, by the scale, and no
 /// further from them than these velocities lead in time_from_start. Of a command that

@@ -1,0 +1,324 @@
+// What measure_stopping finds in simulated recordings.
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+
+#include "collision_pairs/input_error.h"
+#include "random_inputs.h"
+#include "stopping_analysis.h"
+
+namespace collision_pairs {
+namespace test_stopping_analysis {
+
+using testing::Contains;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+constexpr double DT = 0.0005;
+
+/// A joint that follows commands: dead time, ramp, then a lag of first order or a servo of second.
+struct Servo {
+  double least_dead_time = 0.05, dead_time = 0.05, slope = 4.0, lag = 0.0;
+  double frequency = 0.0, damping = 1.0;  ///< rad/s; 0: no servo of second order
+  double creep = 0.0, creep_time = 0.12;  ///< share of the velocity that comes later; s
+  double slope_up = 0.0;                  ///< of rising velocities; 0: as the others
+};
+
+struct Recorder {
+  double rate = 200.0, noise = 0.001, delay = 0.01;
+  double stamped_late = 0.0;  ///< stamp, after the measurement
+};
+
+struct Truth {
+  std::vector<double> changes, values;  ///< commands: times and velocities
+  std::vector<double> positions;        ///< by DT
+  double dead_time = 0.0;               ///< the longest that occurred
+};
+
+/// To each velocity, and back to zero, both ways, then reversed.
+std::vector<double> stepsAt(const std::vector<double>& velocities) {
+  std::vector<double> steps;
+  for (const double v : velocities) {
+    for (const double step : {v, 0.0, -v, 0.0, v, -v, 0.0}) steps.push_back(step);
+  }
+  return steps;
+}
+
+Truth drive(RandomInputs& random, const Servo& servo, const std::vector<double>& steps,
+            double begin, double hold, double end) {
+  Truth truth;
+  std::vector<double> in_effect;
+  double ready = 0.0;
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    const double dead_time = random.uniform(servo.least_dead_time, servo.dead_time);
+    truth.changes.push_back(begin + hold * static_cast<double>(i));
+    truth.values.push_back(steps[i]);
+    ready = std::max(ready, truth.changes.back() + dead_time);
+    in_effect.push_back(ready);
+    truth.dead_time = std::max(truth.dead_time, dead_time);
+  }
+  double wanted = 0.0, ramp = 0.0, lagging = 0.0, creeping = 0.0, v = 0.0, a = 0.0, q = 0.0;
+  std::size_t next = 0;
+  for (double t = 0.0; t < end; t += DT) {
+    truth.positions.push_back(q);
+    while (next < steps.size() && in_effect[next] <= t) wanted = steps[next++];
+    const double up = servo.slope_up > 0.0 ? servo.slope_up : servo.slope;
+    ramp += std::clamp(wanted - ramp, -servo.slope * DT, up * DT);
+    lagging = servo.lag > 0.0 ? lagging + (ramp - lagging) * DT / servo.lag : ramp;
+    if (servo.frequency > 0.0) {
+      const double w = servo.frequency;
+      a += (w * w * (lagging - v) - 2.0 * servo.damping * w * a) * DT;
+      v += a * DT;
+    } else {
+      v = lagging;
+    }
+    creeping += (v - creeping) * DT / servo.creep_time;
+    q += (v + servo.creep * (creeping - v)) * DT;
+  }
+  return truth;
+}
+
+void record(RandomInputs& random, const Truth& truth, const Recorder& recorder,
+            std::vector<StoppingRecording::State>& states) {
+  const double end = DT * static_cast<double>(truth.positions.size() - 1);
+  for (double t = 0.0; t < end; t += 1.0 / recorder.rate) {
+    const double at = t / DT;
+    const auto i = static_cast<std::size_t>(at);
+    const double share = at - static_cast<double>(i);
+    const double q =
+        i + 1 < truth.positions.size()
+            ? truth.positions[i] + share * (truth.positions[i + 1] - truth.positions[i])
+            : truth.positions[i];
+    const double stamp = t + recorder.stamped_late;
+    states.push_back({stamp, stamp + random.uniform(0.0, recorder.delay),
+                      q + recorder.noise * random.uniform(-1.0, 1.0)});
+  }
+}
+
+StoppingRecording recordingOf(const Truth& truth, std::vector<StoppingRecording::State> states) {
+  StoppingRecording recording;
+  recording.joints = {"elbow"};
+  recording.commands.push_back({0.0, {0.0}});
+  for (std::size_t i = 0; i < truth.changes.size(); ++i) {
+    recording.commands.push_back({truth.changes[i], {truth.values[i]}});
+  }
+  recording.states = {std::move(states)};
+  return recording;
+}
+
+struct Outside {
+  double at_all = -1.0, of_a_part = 0.0;
+};
+
+/// Metres or rad by which the joint goes further than the limiter assumes after a command: at the
+/// former velocity for the reaction time, then slower at the deceleration. From the command on, and
+/// from any position on the way.
+Outside outsideOf(const Truth& truth, double hold, const StoppingAnalysis& found, double late) {
+  Outside outside;
+  double before = 0.0;
+  for (std::size_t i = 0; i < truth.changes.size(); ++i) {
+    const double to = truth.values[i], sign = before > to ? 1.0 : -1.0;
+    double velocity = sign * before, assumed = 0.0, lowest = 0.0;
+    // Positions are those that a stamp names.
+    const auto first = static_cast<std::size_t>((truth.changes[i] - late) / DT);
+    const auto count = static_cast<std::size_t>(hold / DT);
+    for (std::size_t k = 0; k < count && first + k < truth.positions.size(); ++k) {
+      const double way = sign * (truth.positions[first + k] - truth.positions[first]);
+      lowest = std::min(lowest, way - assumed);
+      outside.at_all = std::max(outside.at_all, way - assumed);
+      outside.of_a_part = std::max(outside.of_a_part, way - assumed - lowest);
+      assumed += velocity * DT;
+      if (static_cast<double>(k) * DT > found.reaction_time) {
+        velocity = std::max(sign * to, velocity - found.joints[0].deceleration * DT);
+      }
+    }
+    before = to;
+  }
+  return outside;
+}
+
+std::string printed(const Servo& servo, const Recorder& recorder) {
+  return "dead time " + std::to_string(servo.dead_time) + " slope " + std::to_string(servo.slope) +
+         " lag " + std::to_string(servo.lag) + " frequency " + std::to_string(servo.frequency) +
+         " rate " + std::to_string(recorder.rate) + " late " +
+         std::to_string(recorder.stamped_late) + " noise " + std::to_string(recorder.noise);
+}
+
+Recorder randomRecorder(RandomInputs& random) {
+  Recorder recorder;
+  recorder.rate = std::exp(random.uniform(std::log(50.0), std::log(500.0)));
+  recorder.delay = random.uniform(0.005, 0.02);
+  if (random.integer(0, 1) == 1) recorder.stamped_late = random.uniform(0.005, 0.02);
+  return recorder;
+}
+
+/// The ramp has 12 joint states at least: of fewer, with this noise, nobody can tell the slope to
+/// 15 %, and the analysis says so.
+double velocityThatTells(RandomInputs& random, const Servo& servo, const Recorder& recorder) {
+  const double ramp = std::max(12.0 / recorder.rate, random.uniform(0.1, 0.3));
+  return std::max(0.3, servo.slope * ramp);
+}
+
+struct Case {
+  Servo servo;
+  Recorder recorder;
+  double velocity = 1.0, hold = 1.0;
+};
+
+/// Drives, records and analyses; says how far the truth leaves what was found.
+StoppingAnalysis analysisOf(RandomInputs& random, const Case& its, Truth& truth, Outside& outside) {
+  const auto steps = stepsAt({its.velocity, 0.5 * its.velocity, its.velocity});
+  const double begin = 1.0 + random.uniform(0.0, 0.1);
+  const double end = begin + its.hold * static_cast<double>(steps.size());
+  truth = drive(random, its.servo, steps, begin, its.hold, end);
+  std::vector<StoppingRecording::State> states;
+  record(random, truth, its.recorder, states);
+  const auto found = analyseStopping(recordingOf(truth, std::move(states)));
+  outside = outsideOf(truth, its.hold, found, its.recorder.stamped_late);
+  truth.dead_time += its.recorder.stamped_late;
+  return found;
+}
+
+TEST(StoppingAnalysis, DeadTimeAndSlopeOfRampsAreFoundOnTheSafeSide) {
+  RandomInputs random;
+  for (int i = 0; i < 30; ++i) {
+    Case its;
+    its.servo.dead_time = random.uniform(0.008, 0.15);
+    its.servo.least_dead_time = its.servo.dead_time * random.uniform(0.7, 1.0);
+    its.servo.slope = std::exp(random.uniform(std::log(1.0), std::log(10.0)));
+    its.recorder = randomRecorder(random);
+    its.velocity = velocityThatTells(random, its.servo, its.recorder);
+    SCOPED_TRACE(printed(its.servo, its.recorder));
+    Truth truth;
+    Outside outside;
+    const auto found = analysisOf(random, its, truth, outside);
+    EXPECT_GE(found.reaction_time, truth.dead_time);
+    EXPECT_LE(found.reaction_time, 1.15 * truth.dead_time + 1.0 / its.recorder.rate + 0.02);
+    EXPECT_LE(found.joints[0].deceleration, its.servo.slope);
+    EXPECT_GE(found.joints[0].deceleration, 0.85 * its.servo.slope);
+    EXPECT_LE(outside.at_all, 1e-6);
+    EXPECT_THAT(found.warnings, IsEmpty());
+  }
+}
+
+Servo randomServo(RandomInputs& random) {
+  Servo servo;
+  servo.dead_time = random.uniform(0.008, 0.1);
+  servo.least_dead_time = servo.dead_time * random.uniform(0.7, 1.0);
+  servo.slope = std::exp(random.uniform(std::log(2.0), std::log(20.0)));
+  if (random.integer(0, 1) == 1) {
+    servo.lag = random.uniform(0.01, 0.06);
+  } else {
+    servo.frequency = random.uniform(15.0, 60.0);
+    servo.damping = random.uniform(0.5, 1.0);
+  }
+  return servo;
+}
+
+TEST(StoppingAnalysis, EveryStopOfALaggingOrOvershootingJointIsCovered) {
+  RandomInputs random;
+  for (int i = 0; i < 30; ++i) {
+    Case its;
+    its.servo = randomServo(random);
+    its.recorder = randomRecorder(random);
+    its.velocity = std::min(random.uniform(0.3, 1.5), 0.3 * its.servo.slope);
+    its.hold = 1.8;  // until it is at rest to 1e-6
+    SCOPED_TRACE(printed(its.servo, its.recorder));
+    Truth truth;
+    Outside outside;
+    const auto found = analysisOf(random, its, truth, outside);
+    EXPECT_GE(found.reaction_time, truth.dead_time);
+    EXPECT_LE(outside.at_all, 1e-6);
+  }
+}
+
+TEST(StoppingAnalysis, NoPartOfAStopIsMoreThanAMillimetreOutsideWhereThereIsNoNoise) {
+  RandomInputs random;
+  for (int i = 0; i < 12; ++i) {
+    Case its;
+    its.servo = randomServo(random);
+    its.recorder = randomRecorder(random);
+    its.recorder.noise = 1e-6;
+    its.recorder.rate = 500.0;
+    its.velocity = std::min(random.uniform(0.3, 1.5), 0.3 * its.servo.slope);
+    its.hold = 1.8;
+    SCOPED_TRACE(printed(its.servo, its.recorder));
+    Truth truth;
+    Outside outside;
+    analysisOf(random, its, truth, outside);
+    EXPECT_LE(outside.of_a_part, 1.2e-3);  // means over 20 ms are compared with 1e-3
+  }
+}
+
+TEST(StoppingAnalysis, ASlowTailIsCoveredAsAWholeAndInItsParts) {
+  RandomInputs random;
+  for (int i = 0; i < 10; ++i) {
+    Case its;
+    its.servo.creep = random.uniform(0.1, 0.4);
+    its.servo.slope = random.uniform(5.0, 20.0);
+    its.servo.dead_time = its.servo.least_dead_time = random.uniform(0.01, 0.05);
+    its.recorder = {500.0, 1e-6};
+    its.velocity = std::exp(random.uniform(std::log(0.03), std::log(1.0)));
+    its.hold = 2.0;
+    SCOPED_TRACE(its.servo.creep);
+    Truth truth;
+    Outside outside;
+    analysisOf(random, its, truth, outside);
+    EXPECT_LE(outside.at_all, 1e-6);
+    EXPECT_LE(outside.of_a_part, 1.2e-3);  // means over 20 ms are compared with 1e-3
+  }
+}
+
+TEST(StoppingAnalysis, OfTwoDirectionsTheSlowerCounts) {
+  RandomInputs random;
+  Case its;
+  its.recorder.noise = 1e-5;
+  its.servo.slope_up = 2.0;
+  its.velocity = 0.6;
+  Truth truth;
+  Outside outside;
+  const auto found = analysisOf(random, its, truth, outside);
+  EXPECT_LE(found.joints[0].deceleration, 2.0);
+  EXPECT_GE(found.joints[0].deceleration, 1.7);
+  EXPECT_LE(outside.at_all, 1e-6);
+}
+
+TEST(StoppingAnalysis, AJointThatHasNotSettledWhenTheNextCommandComesIsNoStep) {
+  RandomInputs random;
+  Case its;
+  its.servo.slope = 1.6;  // 0.63 s for a step by 1: more than half of what it is held
+  Truth truth;
+  Outside outside;
+  const auto found = analysisOf(random, its, truth, outside);
+  EXPECT_GE(found.joints[0].joint.nb_other, 3u);
+  for (const StoppingStep& step : found.joints[0].joint.steps) EXPECT_LE(step.change(), 0.6);
+}
+
+TEST(StoppingAnalysis, OvershootAndSlopesThatCannotBeToldAreSaid) {
+  RandomInputs random;
+  Case its;
+  its.recorder.noise = 1e-5;
+  Truth truth;
+  Outside outside;
+  EXPECT_THAT(analysisOf(random, its, truth, outside).warnings, IsEmpty());
+  its.servo.frequency = 20.0;
+  its.servo.damping = 0.4;
+  its.hold = 1.8;
+  EXPECT_THAT(analysisOf(random, its, truth, outside).warnings,
+              Contains(HasSubstr("joint 'elbow': it overshoots by ")));
+  its.servo.frequency = 0.0;
+  its.servo.slope = 50.0;
+  its.recorder.rate = 50.0;
+  its.recorder.noise = 1e-3;
+  its.velocity = 0.1;
+  const auto found = analysisOf(random, its, truth, outside);
+  EXPECT_THAT(found.warnings, Contains(HasSubstr("joint 'elbow': its slope is between")));
+  EXPECT_LE(found.joints[0].deceleration, 50.0);
+  EXPECT_LE(outside.at_all, 1e-6);
+}
+
+}  // namespace test_stopping_analysis
+}  // namespace collision_pairs
