@@ -220,23 +220,29 @@ TEST(BesideObjects, TheClearanceIsLargerThanBetweenLinks) {
 }
 
 TEST(BetweenLinks, TheClearanceIsTheirOwn) {
-  const auto robot = robotFrom(slidingBoxes(2));
+  const std::string along_x = "<axis xyz='1 0 0'/><limit lower='-9' upper='9'/>";
+  const auto robot =
+      robotFrom(emptyLink("root") + emptyLink("torso") + boxLink("a", 1.0) + boxLink("b", 1.0) +
+                joint("lift", "prismatic", "root", "torso", "0 0 0", along_x) +
+                joint("slide_a", "prismatic", "torso", "a", "0 0 0", along_x) +
+                joint("slide_b", "prismatic", "torso", "b", "0 0 0", along_x));
   // Gaps of 0.2 m between the two, and to the wall.
   const auto scene = sceneOf(robot, {boxAt("wall", {3.4, 0.0, 0.0}, {1.0, 1.0, 1.0})});
+  const std::vector<double> there = {0.0, 1.0, 2.2};
   for (const double links : {0.15, 0.25}) {
     for (const double others : {0.15, 0.25}) {
       MotionSettings settings;
       settings.between_links = links;
       settings.clearance = others;
-      const auto pairs = checked(scene, {1.0, 2.2}, {1.0, 2.2}, settings).pairs;
+      const auto pairs = checked(scene, there, there, settings).pairs;
       EXPECT_EQ(pairs.size(), (links > 0.2 ? 1u : 0u) + (others > 0.2 ? 1u : 0u));
       settings.nearer = {{0, 1, 0.15}};  // less is asked of it already, or not
-      EXPECT_LE(checked(scene, {1.0, 2.2}, {1.0, 2.2}, settings).pairs.size(), pairs.size());
+      EXPECT_LE(checked(scene, there, there, settings).pairs.size(), pairs.size());
     }
   }
   MotionSettings settings;
   settings.between_links = -0.1;
-  EXPECT_THROW(checked(scene, {1.0, 2.2}, {1.0, 2.2}, settings), InputError);
+  EXPECT_THROW(checked(scene, there, there, settings), InputError);
 }
 
 // The wall is static, so it is found by sweep and prune; the two boxes are a pair from the start.
