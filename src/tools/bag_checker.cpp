@@ -50,6 +50,9 @@ bool isAmong(const Topics& topics, const std::string& topic) {
 /// Throws InputError unless each topic of --clouds has clouds.
 void requireClouds(const std::vector<std::string>& topics, const BagIndex& index) {
   for (const std::string& topic : topics) {
+    if (topic.find_first_not_of('/') == std::string::npos) {
+      throw InputError("--clouds: '" + topic + "' is not a valid topic name");
+    }
     if (isAmong(index.cloud_topics, topic)) continue;
     if (isAmong(index.topics, topic)) {
       throw InputError("--clouds: topic '" + topic + "' is not of type sensor_msgs/PointCloud2");

@@ -24,9 +24,6 @@ std::vector<CloudConfig> cloudsOf(const SceneOptions& options,
   for (const std::string& topic : options.cloud_topics) {
     CloudConfig cloud;
     cloud.topic = topic;
-    if (topic.find_first_not_of('/') == std::string::npos) {
-      throw InputError("--clouds: '" + topic + "' is not a valid topic name");
-    }
     if (findCloud(clouds, cloud.name())) {
       throw InputError("--clouds: topic '" + topic + "' is listed twice");
     }
