@@ -34,8 +34,9 @@ class Indexer {
     if (wants_(raw)) index_.times.push_back(raw.received);
     switch (kindOf(raw)) {
       case BagTopic::TRANSFORMS:
+        return count(takeTransforms(raw, false));
       case BagTopic::STATIC_TRANSFORMS:
-        return count(takeTransforms(raw));
+        return count(takeTransforms(raw, true));
       case BagTopic::JOINT_STATES:
         return count(takeJoints(raw));
       case BagTopic::DESCRIPTION:
@@ -78,10 +79,9 @@ class Indexer {
     newest_ = stamp;
   }
 
-  bool takeTransforms(const RawMessage& raw) {
+  bool takeTransforms(const RawMessage& raw, bool is_static) {
     const auto message = readMessage<tf2_msgs::TFMessage>(raw.data, raw.size);
     if (!message) return false;
-    const bool is_static = kindOf(raw) == BagTopic::STATIC_TRANSFORMS;
     for (const auto& transform : message->transforms) {
       if (!is_static) watchClock(transform.header.stamp, raw);
       const auto& p = transform.transform.translation;

@@ -119,6 +119,11 @@ void SceneSources::Robot::readSrdf(const TextFrom& xml, const Warn& warn) {
 void SceneSources::readSettings(const TextFrom& yaml) {
   config = readSceneSettings(yaml);
   settings_text = yaml.content;
+  setClouds(config.clouds);
+}
+
+void SceneSources::setClouds(std::vector<CloudConfig> configs) {
+  config.clouds = std::move(configs);
   clouds.clear();
   for (const CloudConfig& cloud : config.clouds) clouds.push_back(obstacleOf(cloud));
 }

@@ -86,6 +86,8 @@ struct SceneSources {
 
   /// With the obstacles of its clouds. Throws as readSceneSettings().
   void readSettings(const TextFrom& yaml);
+  /// In place of those of the settings; with their obstacles.
+  void setClouds(std::vector<CloudConfig> configs);
 };
 
 /// With the geometry of only those links that are in some pair; the meshes of others are not read.

@@ -86,7 +86,9 @@ void Monitor::addClouds(const ros::Time& stamp, Snapshot& snapshot) const {
     views[source->config().name()] = view;
     if (view.voxels) snapshot.oldest_cloud = std::min(snapshot.oldest_cloud, view.stamp);
   }
-  addVoxels(views, scene, snapshot.poses);
+  for (CloudDoubt& doubt : addVoxels(views, scene, snapshot.poses)) {
+    snapshot.doubtful_clouds.push_back(std::move(doubt.cloud));
+  }
 }
 
 void Monitor::addJoints(const std::vector<std::string>& names, const ros::Time& stamp,

@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <ros/time.h>
 
@@ -25,6 +26,7 @@ struct Snapshot {
   std::optional<JointQuery> joints;
   /// Bodies looked up in TF, and those of them that are known.
   std::size_t nb_asked = 0, nb_found = 0;
+  std::vector<std::string> doubtful_clouds;  ///< names of those that poses.doubts are about
   std::string first_left_out;  ///< of poses.doubts: why a link has no pose; empty: all have one
   /// Seconds, of the oldest cloud; the stamp's own if there is none.
   double oldest_cloud = 0.0;

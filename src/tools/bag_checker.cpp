@@ -85,12 +85,8 @@ void chooseClouds(const std::vector<std::string>& topics, SceneParameters& param
   }
   const std::string ignored = warningOfIgnored(sources.config, clouds);
   if (!ignored.empty()) tell(ignored);
-  sources.config.clouds = std::move(clouds);
+  sources.setClouds(std::move(clouds));
   parameters.cloud_topics = std::move(resolved);
-  sources.clouds.clear();
-  for (const CloudConfig& cloud : sources.config.clouds) {
-    sources.clouds.push_back(obstacleOf(cloud));
-  }
 }
 
 bool givesScene(const SceneOptions& options) {
@@ -189,27 +185,26 @@ void BagChecker::checkReports(std::size_t number, std::size_t nb_messages, BagRe
   const std::string& path = options_.bags[number];
   ProgressBar progress(path, nb_messages);
   std::size_t nb_rows = 0;
-  replay.run([&](ReplayedReport& report, std::size_t nb_taken) {
+  replay.run([&](const Snapshot& snapshot, std::size_t nb_taken) {
     const std::size_t state = nb_rows++;
     progress.show(nb_taken);
     if (!options_.shard.owns(number, state)) return;
-    const auto& scene = report.snapshot.scene->scene;
+    const auto& scene = snapshot.scene->scene;
     if (!detector_ || &detector_->scene() != scene.get()) {
       detector_ = std::make_unique<CollisionDetector>(scene);
     }
-    write(number, state, report, replay);
+    write(number, state, snapshot, replay);
   });
   if (nb_rows == 0) throw InputError("there is no stamp to check");
   if (options_.shard.count > 1) sink_(bagLine(path, nb_rows), nullptr);
   for (const std::string& note : replay.notes()) warn(path + ": " + note);
 }
 
-void BagChecker::write(std::size_t number, std::size_t state, const ReplayedReport& replayed,
+void BagChecker::write(std::size_t number, std::size_t state, const Snapshot& snapshot,
                        const BagReplay& replay) {
-  const Snapshot& snapshot = replayed.snapshot;
   const CollisionReport& report = detector_->detect(snapshot.poses, options_.settings);
   BagRow row = toRow(report, *snapshot.scene->scene);
-  for (const std::string& cloud : replayed.doubtful_clouds) {
+  for (const std::string& cloud : snapshot.doubtful_clouds) {
     const std::string name = listedName(cloud);
     if (!contains(row.left_out, name)) row.left_out.push_back(name);
   }

@@ -38,7 +38,7 @@ class BagChecker {
   void checkRecordedScenes(std::size_t number, const BagIndex& index, const RawMessageFilter& wants,
                            const RecordedScenes& scenes);
   void checkReports(std::size_t number, std::size_t nb_messages, BagReplay& replay);
-  void write(std::size_t number, std::size_t state, const ReplayedReport& replayed,
+  void write(std::size_t number, std::size_t state, const Snapshot& snapshot,
              const BagReplay& replay);
 
   const BagCheckOptions& options_;

@@ -289,19 +289,14 @@ void BagReplay::filterClouds() {
 }
 
 void BagReplay::report() {
-  ReplayedReport report{monitor_.at(scene_), {}};
-  auto& doubts = report.snapshot.poses.doubts;
+  Snapshot report = monitor_.at(scene_);
+  auto& doubts = report.poses.doubts;
   doubts.insert(doubts.end(), doubts_.begin(), doubts_.end());
   if (scenes_.recorded) {
     const std::string doubt = scenes_.recorded->doubtAt(toNs(monitor_.transforms().now().stamp));
     if (!doubt.empty()) doubts.push_back(doubt);
   }
-  for (const auto& source : scene_->clouds) {
-    const std::string name = source->config().name();
-    const bool is_doubtful = !source->view().doubt.empty() && isChecked(*scene_->scene, name);
-    if (is_doubtful) report.doubtful_clouds.push_back(name);
-  }
-  if (latest_ && latest_->snapshot.stamp != report.snapshot.stamp) flush();
+  if (latest_ && latest_->stamp != report.stamp) flush();
   latest_.emplace(std::move(report));
 }
 

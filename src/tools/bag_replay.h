@@ -29,12 +29,6 @@ struct SceneSource {
   std::function<void(const SceneSources&, const CollisionScene&)> review = nullptr;
 };
 
-/// What the node would have checked for one report.
-struct ReplayedReport {
-  Snapshot snapshot;
-  std::vector<std::string> doubtful_clouds;  ///< names
-};
-
 /// Feeds a Monitor with the messages of a bag, in the order and at the times at which they were
 /// recorded, and takes a snapshot after each message of transforms, as a node with ~trigger: tf,
 /// and when the clock reaches a stamp that was ahead of it. If joint states know more of the robot
@@ -50,7 +44,7 @@ class BagReplay {
   /// Once. Throws InputError also if there is no stamp at which a body of the robot could be known.
   /// Visits the last report of each stamp, in their order; consecutive stamps differ. `nb_taken`:
   /// messages so far.
-  using Visit = std::function<void(ReplayedReport& report, std::size_t nb_taken)>;
+  using Visit = std::function<void(const Snapshot& report, std::size_t nb_taken)>;
   void run(const Visit& visit);
 
   const Monitor& monitor() const { return monitor_; }
@@ -100,7 +94,7 @@ class BagReplay {
   std::vector<std::string> doubts_;        ///< of every report
   std::vector<std::string> notes_;
   std::map<std::string, CloudNotes> clouds_;  ///< by name
-  std::optional<ReplayedReport> latest_;
+  std::optional<Snapshot> latest_;
   std::set<ros::Time> ahead_;  ///< stamps of transforms that the clock has not reached
   std::size_t nb_taken_ = 0;
   const Visit* visit_ = nullptr;

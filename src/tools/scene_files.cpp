@@ -72,10 +72,7 @@ SceneSources readSources(const TextFrom& urdf, const TextFrom& srdf, const Scene
   std::vector<CloudConfig> clouds = cloudsOf(options, sources.config.clouds, tell);
   const std::string ignored = warningOfIgnored(sources.config, clouds);
   if (!ignored.empty()) tell(options.settings + ": " + ignored);
-  sources.config.clouds = std::move(clouds);
-  for (const CloudConfig& cloud : sources.config.clouds) {
-    sources.clouds.push_back(obstacleOf(cloud));
-  }
+  sources.setClouds(std::move(clouds));
   if (!options.cloud.empty()) sources.clouds.push_back(cloudOf("cloud", options.voxel_size, {}));
   apply(options, sources);
   return sources;
