@@ -139,8 +139,9 @@ TEST(ResponseWatch, SaysNothingOfRobotsThatDoWhatIsAssumed) {
     const std::size_t nb_joints = 3;
     const LimiterSettings settings = randomSettings(random, nb_joints);
     std::vector<double> acceleration = settings.deceleration;
-    for (double& a : acceleration) a *= random.integer(0, 1) ? 1.0 : random.uniform(1.0, 10.0);
+    for (double& a : acceleration) a *= random.integer(0, 1) ? 1.0 : random.uniform(1.0, 100.0);
     WatchedRobot robot(random, settings, acceleration);
+    if (random.integer(0, 2) == 0) robot.dead_time = [] { return 0.0; };
     const double period = random.uniform(0.004, 0.03);
     std::vector<double> command(nb_joints, 0.0);
     const double end = robot.now() + run;

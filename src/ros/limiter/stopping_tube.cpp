@@ -106,8 +106,7 @@ PassedCommands::Way PassedCommands::way(std::size_t joint, double from, double t
       highest = std::max(highest, velocity - change);
     };
     for (std::size_t i = 0; i < passed_.size() && passed_[i].begun - early <= end; ++i) {
-      const bool is_last = i + 1 == passed_.size();
-      mayBe(passed_[i].command[joint], is_last ? INF : endOf(i, INF));
+      mayBe(passed_[i].command[joint], endOf(i, INF));
     }
     // Whoever stands behind the limiter sends zeros then.
     if (end > renewed_ + response_.hold - early) mayBe(0.0, INF);
