@@ -28,6 +28,7 @@ add_library(collision_pairs_ros STATIC
   src/ros/clouds/cloud_threads.cpp
   src/ros/collision_pairs_node.cpp
   src/ros/limiter/limited_command.cpp
+  src/ros/limiter/limiter_inputs.cpp
   src/ros/limiter/limiter_parameters.cpp
   src/ros/limiter/velocity_limiter.cpp
   ${limiter_law}

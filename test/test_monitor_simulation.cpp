@@ -17,7 +17,7 @@ constexpr double RECOVERY = 2.0;  // s
 struct Outcome {
   std::string violation;
   std::size_t digest = 0;
-  int nb_events = 0;
+  int nb_events = 0, nb_limited = 0;
   std::map<Verdict, int> counts;
 };
 
@@ -33,6 +33,7 @@ Outcome run(const Scenario& setup, const std::vector<Event>& events, bool recove
   outcome.violation = node.violation();
   outcome.digest = node.digest();
   outcome.counts = node.counts;
+  outcome.nb_limited = node.nb_limited;
   return outcome;
 }
 
@@ -71,7 +72,7 @@ TEST(MonitorSimulation, NothingThatTouchesOrIsNotKnownIsFreeAndWhatIsSoundIsSoon
   const int wanted = given ? std::atoi(given) : 200000;
   const unsigned first = collision_pairs::givenSeed();
   std::map<Verdict, int> counts;
-  int nb_events = 0;
+  int nb_events = 0, nb_limited = 0;
   unsigned seed = first;
   for (; nb_events < wanted; ++seed) {
     Generator generator(seed);
@@ -79,6 +80,7 @@ TEST(MonitorSimulation, NothingThatTouchesOrIsNotKnownIsFreeAndWhatIsSoundIsSoon
     const std::vector<Event> events = generator.events(setup, EVENTS);
     const Outcome outcome = run(setup, events, true);
     nb_events += outcome.nb_events;
+    nb_limited += outcome.nb_limited;
     for (const auto& [verdict, count] : outcome.counts) counts[verdict] += count;
     if (outcome.violation.empty()) continue;
     const bool while_sound = run(setup, events, false).violation.empty();
@@ -87,12 +89,15 @@ TEST(MonitorSimulation, NothingThatTouchesOrIsNotKnownIsFreeAndWhatIsSoundIsSoon
            << "): " << run(setup, fewest, while_sound).violation << '\n'
            << printed(fewest);
   }
-  std::printf("%u sequences, %d events: %d free, %d in collision, %d unknown\n", seed - first,
-              nb_events, counts[Verdict::FREE], counts[Verdict::COLLISION],
-              counts[Verdict::UNKNOWN]);
+  std::printf(
+      "%u sequences, %d events: %d free, %d in collision, %d unknown; the limiter could "
+      "decide %d times\n",
+      seed - first, nb_events, counts[Verdict::FREE], counts[Verdict::COLLISION],
+      counts[Verdict::UNKNOWN], nb_limited);
   for (const Verdict verdict : {Verdict::FREE, Verdict::COLLISION, Verdict::UNKNOWN}) {
     EXPECT_GT(counts[verdict], wanted / 100) << static_cast<int>(verdict);
   }
+  EXPECT_GT(nb_limited, wanted / 10);
 }
 
 TEST(MonitorSimulation, NothingGrowsWithoutBound) {

@@ -50,6 +50,7 @@ struct Event {
     CLEAR,        ///< all clouds
     SCENE_BEGIN,  ///< what: the change, or to load; who: object, or link to ignore
     SCENE_END,
+    JOINTS,  ///< joint states; what: 6: of link `who` alone, 7: not finite
     NB_KINDS
   };
   Kind kind = WAIT;
@@ -103,7 +104,7 @@ class Generator {
 
   std::vector<Event> events(const Scenario& setup, int count) {
     // Each sequence has its own faults, and some have none.
-    double weights[Event::NB_KINDS] = {4, 60, 2, 3, 3, 1, 1, 1, 12, 16, 16, 1, 4, 4};
+    double weights[Event::NB_KINDS] = {4, 60, 2, 3, 3, 1, 1, 1, 12, 16, 16, 1, 4, 4, 20};
     for (const Event::Kind fault :
          {Event::BREAK, Event::LIE, Event::STEP_CLOCK, Event::RUN_CLOCK, Event::CAMERA}) {
       if (integer(2) == 0) weights[fault] = 0;

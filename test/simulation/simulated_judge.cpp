@@ -41,6 +41,11 @@ void SimulatedNode::judge(const Snapshot& snapshot) {
   judgeReasons(snapshot);
   if (report_.verdict == Verdict::FREE) judgeFree(snapshot);
   judgeAgreement(snapshot);
+  if (limiter_) {
+    const std::string wrong = limiter_->violation(monitor_);
+    if (!wrong.empty()) fail(wrong);
+    nb_limited += limiter_->doubt().empty() ? 1 : 0;
+  }
   judgeMemory();
 }
 
@@ -211,6 +216,10 @@ void SimulatedNode::recover(double duration) {
       publish.at = {10.0 * std::pow(2.0, link), 0.0, 0.0, 0.0};
       happen(publish);
     }
+    Event joints;
+    joints.kind = Event::JOINTS;
+    joints.at = {10.0, 0.0, 0.0, 0.0};
+    happen(joints);
     if (step % 5 == 0) {
       Event cloud;
       cloud.at = {-2.0, -2.0, 0.0, 0.0};
@@ -227,6 +236,9 @@ void SimulatedNode::recover(double duration) {
       monitor_.scenes().active()->scene->unchecked().empty() && !knowledge_.isAmbiguousForEver();
   if (checks && report_.verdict != Verdict::FREE)
     fail("everything is sound, but not FREE: " + reasons());
+  if (checks && limiter_ && !limiter_->doubt().empty()) {
+    fail("everything is sound, but the limiter stands: " + limiter_->doubt());
+  }
 }
 
 }  // namespace simulation

@@ -1,5 +1,6 @@
 #include "simulated_node.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -65,6 +66,9 @@ SimulatedNode::SimulatedNode(const Scenario& setup)
       knowledge_(setup_),
       last_(setup.links.size()),
       X_LC_(setup.X_LC) {
+  if (std::any_of(setup_.links.begin(), setup_.links.end(), SimulatedLimiter::isMeasured)) {
+    limiter_.emplace(setup_, knowledge_);
+  }
   advance(0.0);
   load(monitor_, parameters({}));
   ++revision_;
@@ -105,6 +109,7 @@ void SimulatedNode::advance(double dt) {
   monitor_.advance({now, steady_});
   const int pass = knowledge_.pass();
   knowledge_.moveClock(ros_, steady_);
+  if (limiter_) limiter_->advance(ros_, steady_, monitor_.transforms().nbClockJumps());
   if (knowledge_.pass() == pass) return;
   seen_.reset();
   last_cloud_ = 0;
@@ -229,6 +234,9 @@ void SimulatedNode::happen(const Event& event) {
       break;
     case Event::SCENE_END:
       endScene(event.what % 2 == 0);
+      break;
+    case Event::JOINTS:
+      if (limiter_) limiter_->hear(event);
       break;
     default:
       break;

@@ -10,6 +10,7 @@
 
 #include "monitored_robot.h"
 #include "plain_knowledge.h"
+#include "simulated_limiter.h"
 
 namespace simulation {
 
@@ -40,6 +41,7 @@ class SimulatedNode {
   /// Of all reports.
   std::size_t digest() const { return digest_; }
   std::map<Verdict, int> counts;
+  int nb_limited = 0;  ///< moments at which the limiter could decide
 
  private:
   struct SceneWork {
@@ -84,6 +86,7 @@ class SimulatedNode {
   const Scenario setup_;
   Monitor monitor_;
   Knowledge knowledge_;
+  std::optional<SimulatedLimiter> limiter_;  ///< if a joint slides or turns
   Ns ros_ = 1000000000000;
   double steady_ = 0.0, speed_ = 1.0;
   std::vector<std::pair<Ns, Pose>> last_;  ///< of each link

@@ -41,15 +41,20 @@ std::chrono::steady_clock::duration after(double seconds) {
   return std::chrono::duration_cast<steady_clock::duration>(std::chrono::duration<double>(seconds));
 }
 
+/// To be read under the lock of the inputs: their time does not go back because a thread was late.
+LimiterInputs::Clocks clocksNow(unsigned nb_jumps) {
+  return {ros::Time::now().toSec(), ros::SteadyTime::now().toSec(), nb_jumps};
+}
+
 }  // namespace
 
 VelocityLimiter::VelocityLimiter(const ros::NodeHandle& node, const ros::NodeHandle& private_node,
                                  const QueryContext& context, bool allow_paused)
-    : context_(context), allow_paused_(allow_paused), clock_(ros::Time::isSimTime()) {
+    : context_(context) {
   const std::string name = "velocity_limiter";
   try {
     parameters_ = LimiterParameters::read(yamlParameters(private_node, {name})[name]);
-    if (parameters_) start(node, private_node);
+    if (parameters_) start(node, private_node, allow_paused);
   } catch (const std::exception& error) {
     error_ = error.what();
     parameters_.reset();
@@ -66,7 +71,12 @@ VelocityLimiter::~VelocityLimiter() {
   }
 }
 
-void VelocityLimiter::start(const ros::NodeHandle& node, const ros::NodeHandle& private_node) {
+void VelocityLimiter::start(const ros::NodeHandle& node, const ros::NodeHandle& private_node,
+                            bool allow_paused) {
+  const LimiterSettings& settings = parameters_->law;
+  inputs_.emplace(LimiterInputs::Settings{parameters_->joints, settings.max_joint_state_age,
+                                          settings.command_timeout, ros::Time::isSimTime(),
+                                          allow_paused});
   law_ = std::make_unique<LimiterLaw>(parameters_->law);
   ros::NodeHandle own(node), own_private(private_node);
   own.setCallbackQueue(&queue_);
@@ -151,23 +161,13 @@ void VelocityLimiter::work() {
 
 void VelocityLimiter::take(const sensor_msgs::JointState& message) {
   const unsigned nb_jumps = nbClockJumps();
-  std::vector<ResponseWatch::Position> positions;
-  bool has_jumped = false;
+  LimiterInputs::Taken taken;
   {
     const std::lock_guard<std::mutex> lock(inputs_mutex_);
-    followClock(nb_jumps);
-    positions_.take(message, clock_.clock(), parameters_->law.max_joint_state_age);
-    clock_.receive(positions_.newestStampOf(parameters_->joints));
-    for (std::size_t joint = 0; joint < parameters_->joints.size(); ++joint) {
-      const auto found = positions_.all().find(parameters_->joints[joint]);
-      if (found == positions_.all().end()) continue;
-      const JointPositions::Position& position = found->second;
-      positions.push_back({joint, clock_.lawAt(position.stamp, position.measured), position.value});
-    }
-    has_jumped = std::exchange(has_jumped_, false);
+    taken = inputs_->take(message, clocksNow(nb_jumps));
   }
-  if (has_jumped) outlet_->forgetMeasured();
-  const std::string fault = outlet_->measured(positions);
+  if (taken.has_jumped) outlet_->forgetMeasured();
+  const std::string fault = outlet_->measured(taken.positions);
   if (fault.empty()) return;
   ROS_ERROR_STREAM("velocity limiter: " << fault);
   const std::lock_guard<std::mutex> lock(mutex_);
@@ -178,7 +178,7 @@ void VelocityLimiter::take(Command command) {
   const unsigned nb_jumps = nbClockJumps();
   {
     const std::lock_guard<std::mutex> lock(inputs_mutex_);
-    command.arrived = followClock(nb_jumps);
+    command.arrived = inputs_->follow(clocksNow(nb_jumps));
     next_ = std::make_shared<const Command>(std::move(command));
   }
   received_.notify_all();
@@ -189,20 +189,10 @@ unsigned VelocityLimiter::nbClockJumps() const {
       [](const Monitor& monitor) { return monitor.transforms().nbClockJumps(); });
 }
 
-CommandOutlet::Time VelocityLimiter::followClock(unsigned nb_jumps) {
-  const double steady = ros::SteadyTime::now().toSec();
-  if (clock_.follow(ros::Time::now().toSec(), steady, nb_jumps)) {
-    positions_.clear();
-    has_jumped_ = true;
-  }
-  nb_clock_jumps_ = nb_jumps;
-  return {clock_.law(), clock_.lawLatest(), steady};
-}
-
 // Called by the watchdog, which waits for no transforms.
 CommandOutlet::Time VelocityLimiter::now() {
   const std::lock_guard<std::mutex> lock(inputs_mutex_);
-  return followClock(nb_clock_jumps_);
+  return inputs_->follow(clocksNow(inputs_->nbJumps()));
 }
 
 void VelocityLimiter::answer(const CommandPtr& command) {
@@ -260,68 +250,14 @@ LimiterDecision VelocityLimiter::decide(const Command& command,
 }
 
 Snapshot VelocityLimiter::takeSnapshot(LimiterInput& input, RobotState& state) {
-  unsigned nb_jumps = 0;
-  std::vector<std::string> doubts;  // of the clock and the joint states
-  context_.monitor.with([&](const Monitor& monitor) {
-    const TransformInput& transforms = monitor.transforms();
-    nb_jumps = transforms.nbClockJumps();
-    const std::string still = transforms.clockDoubt();  // nothing is seen to age
-    if (transforms.now().stamp.isZero()) doubts.push_back(NO_CLOCK);
-    if (!still.empty()) doubts.push_back(still);
-  });
-  const double most_age = parameters_->law.max_joint_state_age;
-  std::vector<std::pair<std::string, double>> positions;  // of joints, young enough
-  double now = 0.0;  // when the command is passed, on the clock of stamps
+  const unsigned nb_jumps = nbClockJumps();
+  LimiterInputs::Moment moment;
   {
     const std::lock_guard<std::mutex> lock(inputs_mutex_);
-    const CommandOutlet::Time time = followClock(nb_jumps);
-    now = clock_.latest() + TIME_TO_DECIDE;
-    input.now = time.law + TIME_TO_DECIDE;
-    const double stands = clock_.standsFor(time.steady);
-    if (!allow_paused_ && stands > parameters_->law.command_timeout) {
-      doubts.push_back("/clock stands still since " + inWords(stands) +
-                       " of wall time, and no joint state is later; if it may pause, set "
-                       "allow_paused");
-    }
-    try {
-      const double oldest = positions_.oldestOf(parameters_->joints, clock_.clock(), most_age);
-      input.stamp = input.now - (now - oldest);
-    } catch (const InputError& error) {
-      doubts.push_back(error.what());
-    }
-    for (const auto& [name, position] : positions_.all()) {
-      if (now - position.measured <= most_age) positions.emplace_back(name, position.value);
-    }
+    moment = inputs_->at(clocksNow(nb_jumps), TIME_TO_DECIDE);
   }
-  if (!doubts.empty()) {
-    Snapshot unusable;
-    unusable.poses.doubts = std::move(doubts);
-    return unusable;
-  }
-  std::vector<double> values;
-  Snapshot snapshot = context_.monitor.with([&](const Monitor& monitor) {
-    const ActiveScenePtr active = monitor.scenes().active();
-    if (!active) throw InputError("there is no robot yet");
-    const RobotModel& robot = active->scene->robot();
-    std::vector<std::string> names;
-    for (const auto& [name, value] : positions) {
-      const int id = robot.findJoint(name);
-      if (id < 0 || !robot.joints()[id].hasPosition() || robot.joints()[id].mimic) continue;
-      names.push_back(name);
-      values.push_back(value);
-    }
-    Snapshot taken = monitor.withMeasured(active, names);
-    const bool has_jumped = monitor.transforms().nbClockJumps() != nb_jumps;
-    if (has_jumped) taken.poses.doubts.push_back("the clock went back meanwhile");
-    return taken;
-  });
-  state.positions = snapshot.joints->jointPositionsAt(values);
-  state.placed = snapshot.joints->placedBodies();
-  state.voxels = snapshot.poses.voxels;
-  if (!snapshot.scene->scene->clouds().empty()) {
-    input.obstacles_age = std::max(input.obstacles_age, now - snapshot.oldest_cloud);
-  }
-  return snapshot;
+  return context_.monitor.with(
+      [&](const Monitor& monitor) { return snapshotAt(moment, monitor, input, state); });
 }
 
 CommandOutlet::Send VelocityLimiter::sendAs(const CommandPtr& layout) {
@@ -336,7 +272,7 @@ void VelocityLimiter::send(const Command& layout, const LimiterDecision& decisio
   } else {
     std::unique_lock<std::mutex> lock(inputs_mutex_);
     const auto limited =
-        limitedTrajectory(*layout.trajectory, parameters_->joints, decision, positions_);
+        limitedTrajectory(*layout.trajectory, parameters_->joints, decision, inputs_->positions());
     lock.unlock();
     limited_.publish(limited);
   }

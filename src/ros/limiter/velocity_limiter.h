@@ -21,8 +21,7 @@
 
 #include "certified_surroundings.h"
 #include "command_outlet.h"
-#include "limited_command.h"
-#include "limiter_clock.h"
+#include "limiter_inputs.h"
 #include "limiter_parameters.h"
 #include "prepared_surroundings.h"
 #include "query_services.h"
@@ -54,7 +53,7 @@ class VelocityLimiter {
   };
   using CommandPtr = std::shared_ptr<const Command>;
 
-  void start(const ros::NodeHandle& node, const ros::NodeHandle& private_node);
+  void start(const ros::NodeHandle& node, const ros::NodeHandle& private_node, bool allow_paused);
   void beginThread(const char* name, int priority);
   void warnOf(std::vector<std::string> always_near);
   void listen();
@@ -62,11 +61,8 @@ class VelocityLimiter {
   void take(Command command);
   void take(const sensor_msgs::JointState& message);
 
-  /// Brings clock_ up to date, under inputs_mutex_; where it went back since the last call, the
-  /// joint states are of another time, and dropped.
-  CommandOutlet::Time followClock(unsigned nb_jumps);
-  CommandOutlet::Time now();
   unsigned nbClockJumps() const;
+  CommandOutlet::Time now();
 
   void answer(const CommandPtr& command);
   LimiterDecision decide(const Command& command, std::chrono::steady_clock::time_point start);
@@ -76,17 +72,13 @@ class VelocityLimiter {
   void send(const Command& layout, const LimiterDecision& decision);
 
   const QueryContext context_;
-  const bool allow_paused_;
   std::string error_;  ///< why the parameter is refused
   std::optional<LimiterParameters> parameters_;
   ros::Publisher limited_, scale_, limit_;
 
   std::mutex inputs_mutex_;  // guards what was received
   std::condition_variable received_;
-  JointPositions positions_;
-  LimiterClock clock_;
-  unsigned nb_clock_jumps_ = 0;
-  bool has_jumped_ = false;  // and the outlet does not know yet
+  std::optional<LimiterInputs> inputs_;
   CommandPtr next_;
 
   bool is_first_scene_known_ = false;  // used by the thread that prepares checkers only

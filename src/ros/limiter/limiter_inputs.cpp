@@ -1,0 +1,105 @@
+#include "limiter_inputs.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "collision_pairs/input_error.h"
+#include "user_text.h"
+
+namespace collision_pairs {
+
+LimiterInputs::LimiterInputs(Settings settings)
+    : settings_(std::move(settings)), clock_(settings_.is_simulated) {}
+
+CommandOutlet::Time LimiterInputs::follow(const Clocks& clocks) {
+  if (clock_.follow(clocks.ros, clocks.steady, clocks.nb_jumps)) {
+    positions_.clear();
+    has_jumped_ = true;
+  }
+  nb_jumps_ = clocks.nb_jumps;
+  return {clock_.law(), clock_.lawLatest(), clocks.steady};
+}
+
+LimiterInputs::Taken LimiterInputs::take(const sensor_msgs::JointState& message,
+                                         const Clocks& clocks) {
+  follow(clocks);
+  positions_.take(message, clock_.clock(), settings_.max_joint_state_age);
+  clock_.receive(positions_.newestStampOf(settings_.joints));
+  Taken taken{std::exchange(has_jumped_, false), {}};
+  for (std::size_t joint = 0; joint < settings_.joints.size(); ++joint) {
+    const auto found = positions_.all().find(settings_.joints[joint]);
+    if (found == positions_.all().end()) continue;
+    const JointPositions::Position& position = found->second;
+    taken.positions.push_back(
+        {joint, clock_.lawAt(position.stamp, position.measured), position.value});
+  }
+  return taken;
+}
+
+LimiterInputs::Moment LimiterInputs::at(const Clocks& clocks, double later) {
+  Moment moment;
+  const CommandOutlet::Time time = follow(clocks);
+  moment.nb_jumps = clocks.nb_jumps;
+  moment.now = clock_.latest() + later;
+  moment.input.now = time.law + later;
+  const double stands = clock_.standsFor(time.steady);
+  if (!settings_.allow_paused && stands > settings_.command_timeout) {
+    moment.doubts.push_back("/clock stands still since " + inWords(stands) +
+                            " of wall time, and no joint state is later; if it may pause, set "
+                            "allow_paused");
+  }
+  const double most_age = settings_.max_joint_state_age;
+  try {
+    const double oldest = positions_.oldestOf(settings_.joints, clock_.clock(), most_age);
+    moment.input.stamp = moment.input.now - (moment.now - oldest);
+  } catch (const InputError& error) {
+    moment.doubts.push_back(error.what());
+  }
+  for (const auto& [name, position] : positions_.all()) {
+    if (moment.now - position.measured <= most_age) {
+      moment.positions.emplace_back(name, position.value);
+    }
+  }
+  return moment;
+}
+
+Snapshot snapshotAt(const LimiterInputs::Moment& moment, const Monitor& monitor,
+                    LimiterInput& input, RobotState& state) {
+  const TransformInput& transforms = monitor.transforms();
+  std::vector<std::string> doubts;
+  const std::string still = transforms.clockDoubt();  // nothing is seen to age
+  if (transforms.now().stamp.isZero()) doubts.push_back(NO_CLOCK);
+  if (!still.empty()) doubts.push_back(still);
+  doubts.insert(doubts.end(), moment.doubts.begin(), moment.doubts.end());
+  if (!doubts.empty()) {
+    Snapshot unusable;
+    unusable.poses.doubts = std::move(doubts);
+    return unusable;
+  }
+  const ActiveScenePtr active = monitor.scenes().active();
+  if (!active) throw InputError("there is no robot yet");
+  const RobotModel& robot = active->scene->robot();
+  std::vector<std::string> names;
+  std::vector<double> values;
+  for (const auto& [name, value] : moment.positions) {
+    const int id = robot.findJoint(name);
+    if (id < 0 || !robot.joints()[id].hasPosition() || robot.joints()[id].mimic) continue;
+    names.push_back(name);
+    values.push_back(value);
+  }
+  Snapshot snapshot = monitor.withMeasured(active, names);
+  if (transforms.nbClockJumps() != moment.nb_jumps) {
+    snapshot.poses.doubts.push_back("the clock went back meanwhile");
+  }
+  input.now = moment.input.now;
+  input.stamp = moment.input.stamp;
+  state.positions = snapshot.joints->jointPositionsAt(values);
+  state.placed = snapshot.joints->placedBodies();
+  state.voxels = snapshot.poses.voxels;
+  if (!active->scene->clouds().empty()) {
+    input.obstacles_age = std::max(0.0, moment.now - snapshot.oldest_cloud);
+  }
+  return snapshot;
+}
+
+}  // namespace collision_pairs

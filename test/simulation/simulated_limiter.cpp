@@ -1,0 +1,167 @@
+#include "simulated_limiter.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "collision_pairs/input_error.h"
+
+namespace simulation {
+
+using namespace collision_pairs;
+
+namespace {
+
+constexpr double MAX_AGE = 0.3, COMMAND_TIMEOUT = 0.2, LATER = 0.02;  // s
+constexpr double SET_BACK = 0.02;  // s: more is a clock that was set
+constexpr double ROUNDING = 1e-6;
+
+std::string jointName(int link) { return 'j' + std::to_string(link); }
+
+LimiterInputs::Settings settingsOf(const Scenario& setup, const std::vector<int>& joints) {
+  LimiterInputs::Settings settings{
+      {}, MAX_AGE, COMMAND_TIMEOUT, setup.is_simulated, setup.allow_paused};
+  for (const int link : joints) settings.joints.push_back(jointName(link));
+  return settings;
+}
+
+std::vector<int> measuredJoints(const Scenario& setup) {
+  std::vector<int> links;
+  for (int i = 0; i < static_cast<int>(setup.links.size()); ++i) {
+    if (SimulatedLimiter::isMeasured(setup.links[static_cast<std::size_t>(i)])) links.push_back(i);
+  }
+  return links;
+}
+
+}  // namespace
+
+SimulatedLimiter::SimulatedLimiter(const Scenario& setup, const Knowledge& knowledge)
+    : setup_(setup),
+      knowledge_(knowledge),
+      joints_(measuredJoints(setup)),
+      inputs_(settingsOf(setup, joints_)) {}
+
+double SimulatedLimiter::latest() const {
+  double latest = clock_;
+  for (const auto& [link, reported] : newest_) {
+    if (setup_.is_simulated) latest = std::max(latest, seconds(reported.stamp));
+  }
+  return latest;
+}
+
+void SimulatedLimiter::advance(Ns ros, double steady, unsigned nb_jumps) {
+  const double now = seconds(ros);
+  if (now < clock_ - SET_BACK || nb_jumps != clocks_.nb_jumps) {
+    newest_.clear();
+    refused_.clear();
+    clock_ = now;
+  }
+  clock_ = std::max(clock_, now);
+  clocks_ = {now, steady, nb_jumps};
+  inputs_.follow(clocks_);
+  if (latest() != last_latest_) last_step_ = steady;
+  last_latest_ = latest();
+}
+
+void SimulatedLimiter::hear(const Event& event) {
+  const Ns stamp = static_cast<Ns>(std::llround(1e9 * (clocks_.ros - event.lag)));
+  if (stamp <= 0) return;
+  sensor_msgs::JointState message;
+  message.header.stamp.fromNSec(static_cast<std::uint64_t>(stamp));
+  for (const int link : joints_) {
+    if (event.what == 6 && link != event.who) continue;
+    const bool slides =
+        setup_.links[static_cast<std::size_t>(link)].joint == SimulatedLink::SLIDING;
+    double value = slides ? event.at.x * std::pow(2.0, link) : event.at.yaw;
+    if (event.what == 7) value = std::numeric_limits<double>::quiet_NaN();
+    message.name.push_back(jointName(link));
+    message.position.push_back(value);
+    if (seconds(stamp) > clock_ + MAX_AGE) {
+      refused_[link] = clock_;
+    } else if (newest_.count(link) == 0 || stamp >= newest_[link].stamp) {
+      newest_[link] = {stamp, std::min(seconds(stamp), clock_), value};
+    }
+  }
+  inputs_.take(message, clocks_);
+  if (latest() != last_latest_) last_step_ = clocks_.steady;
+  last_latest_ = latest();
+}
+
+/// By the rules of docs/limiter.md.
+std::string SimulatedLimiter::whyInDoubt() const {
+  if (knowledge_.isClockInDoubt()) return "the clock stands still";
+  const bool stands = clocks_.steady - last_step_ > COMMAND_TIMEOUT;
+  if (setup_.is_simulated && !setup_.allow_paused && stands) return "nothing later was heard";
+  for (const int link : joints_) {
+    const auto refused = refused_.find(link);
+    if (refused != refused_.end() && clock_ - refused->second <= MAX_AGE) return "a clock is ahead";
+    const auto found = newest_.find(link);
+    if (found == newest_.end()) return "a joint was not reported";
+    if (!std::isfinite(found->second.value)) return "a position is not finite";
+  }
+  return "";
+}
+
+/// By the positions alone; nothing if a floating joint is on the way.
+std::optional<Pose> SimulatedLimiter::poseOf(int link) const {
+  Pose X_WB;
+  for (; link >= 0; link = setup_.links[static_cast<std::size_t>(link)].parent) {
+    const SimulatedLink& of = setup_.links[static_cast<std::size_t>(link)];
+    if (of.joint == SimulatedLink::FLOATING) return std::nullopt;
+    Pose motion;
+    if (of.joint == SimulatedLink::SLIDING) motion.x = newest_.at(link).value;
+    if (of.joint == SimulatedLink::TURNING) motion.yaw = newest_.at(link).value;
+    X_WB = of.X_PJ * (motion * X_WB);
+  }
+  return X_WB;
+}
+
+std::string SimulatedLimiter::violation(const Monitor& monitor) {
+  const LimiterInputs::Moment moment = inputs_.at(clocks_, LATER);
+  LimiterInput input;
+  RobotState state;
+  doubt_ = whyInDoubt();
+  try {
+    const Snapshot snapshot = snapshotAt(moment, monitor, input, state);
+    const auto& doubts = snapshot.poses.doubts;
+    if (!doubt_.empty()) return doubts.empty() ? "the limiter does not know: " + doubt_ : "";
+    double oldest = latest() + LATER;
+    for (const int link : joints_) oldest = std::min(oldest, newest_.at(link).measured);
+    const double age = latest() + LATER - oldest;
+    if (doubts.empty() && std::abs(input.now - input.stamp - age) > ROUNDING) {
+      return "the limiter takes the positions for younger or older than they are";
+    }
+    if (age > MAX_AGE) {
+      doubt_ = "positions are too old";  // by input.stamp, the law stops
+      return "";
+    }
+    if (!doubts.empty()) {
+      doubt_ = doubts.front();
+      return "";
+    }
+    const RobotModel& robot = snapshot.scene->scene->robot();
+    std::vector<Eigen::Isometry3d> X_WB;
+    std::vector<double> values;
+    for (const auto& [name, value] : moment.positions) values.push_back(value);
+    snapshot.joints->bodyPosesAt(values, X_WB);
+    for (const int link : joints_) {
+      const int joint = robot.findJoint(jointName(link));
+      if (state.positions[static_cast<std::size_t>(joint)] != newest_.at(link).value) {
+        return "the limiter decides on another position of " + jointName(link);
+      }
+      const auto expected = poseOf(link);
+      const int body = robot.links()[static_cast<std::size_t>(robot.findLink(linkName(link)))].body;
+      if (!expected || body < 0) continue;
+      const Eigen::Vector3d p = X_WB[static_cast<std::size_t>(body)].translation();
+      if ((p - Eigen::Vector3d(expected->x, expected->y, expected->z)).norm() > 1e-6) {
+        return "the limiter has " + linkName(link) + " elsewhere";
+      }
+    }
+    if (input.obstacles_age < 0.0) return "a cloud of the future";
+  } catch (const InputError& error) {
+    doubt_ = error.what();
+  }
+  return "";
+}
+
+}  // namespace simulation

@@ -1,0 +1,52 @@
+// The velocity limiter's inputs in a simulated node, and what they may be, restated plainly.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "limiter_inputs.h"
+#include "monitored_robot.h"
+#include "plain_knowledge.h"
+
+namespace simulation {
+
+/// Limits all joints that slide or turn; there has to be one.
+class SimulatedLimiter {
+ public:
+  SimulatedLimiter(const Scenario& setup, const Knowledge& knowledge);
+
+  static bool isMeasured(const SimulatedLink& link) {
+    return link.joint == SimulatedLink::SLIDING || link.joint == SimulatedLink::TURNING;
+  }
+  void advance(Ns ros, double steady, unsigned nb_jumps);
+  /// Joint states: of all joints, or of one.
+  void hear(const Event& event);
+  /// What a decision would be made of now: empty, or what is wrong with it.
+  std::string violation(const collision_pairs::Monitor& monitor);
+  /// What keeps it from deciding; empty: nothing.
+  const std::string& doubt() const { return doubt_; }
+
+ private:
+  struct Reported {
+    Ns stamp = 0;
+    double measured = 0.0, value = 0.0;
+  };
+  double latest() const;
+  std::string whyInDoubt() const;
+  std::optional<Pose> poseOf(int link) const;
+
+  const Scenario& setup_;
+  const Knowledge& knowledge_;
+  std::vector<int> joints_;  ///< links
+  collision_pairs::LimiterInputs inputs_;
+  collision_pairs::LimiterInputs::Clocks clocks_;
+  std::map<int, Reported> newest_;
+  std::map<int, double> refused_;  ///< s, of the clock, when a stamp was too far ahead
+  double clock_ = 0.0;             ///< s: the latest, but for a jump
+  double last_latest_ = 0.0, last_step_ = 0.0;
+  std::string doubt_;
+};
+
+}  // namespace simulation
