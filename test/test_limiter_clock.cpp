@@ -29,6 +29,26 @@ TEST(LimiterClock, IsNeverBehindAStampThatWasReceivedIfTheTimeIsSimulated) {
   }
 }
 
+// A command that was published before the next tick may have an effect as much later.
+TEST(LimiterClock, KnowsHowFarASimulatedClockThatIsSlowMayBeBehind) {
+  RandomInputs random;
+  for (int round = 0; round < 60; ++round) {
+    const int tick = random.integer(1, 100), period = random.integer(2, 30);  // ms
+    const int late = random.integer(0, 30);
+    const bool has_states = random.integer(0, 1);
+    LimiterClock clock(true);
+    for (int ms = 0; ms < 4000; ++ms) {
+      const int said = ms / tick * tick;
+      clock.follow(50.0 + 1e-3 * said, 1e-3 * ms);
+      if (has_states && ms % period == 0) clock.receive(50.0 + 1e-3 * (ms - late));
+      if (ms < 2000) continue;
+      const double now = 50.0 + 1e-3 * ms;
+      ASSERT_GE(clock.upper(), now - (has_states ? 1e-3 * period : 1e-9));
+      ASSERT_LE(clock.upper(), now + 1e-3 * tick + 1e-9) << "and not more";
+    }
+  }
+}
+
 TEST(LimiterClock, IsThatOfTheWallOtherwise) {
   LimiterClock clock(false);
   clock.follow(1000.0, 7.0);

@@ -33,20 +33,37 @@ std::vector<int> measuredJoints(const Scenario& setup) {
   return links;
 }
 
+std::vector<int> everySecond(const std::vector<int>& all) {
+  std::vector<int> some;
+  for (std::size_t i = 0; i < all.size(); i += 2) some.push_back(all[i]);
+  return some;
+}
+
 }  // namespace
 
 SimulatedLimiter::SimulatedLimiter(const Scenario& setup, const Knowledge& knowledge)
     : setup_(setup),
       knowledge_(knowledge),
-      joints_(measuredJoints(setup)),
+      measured_(measuredJoints(setup)),
+      joints_(everySecond(measured_)),
       inputs_(settingsOf(setup, joints_)) {}
 
 double SimulatedLimiter::latest() const {
   double latest = clock_;
-  for (const auto& [link, reported] : newest_) {
-    if (setup_.is_simulated) latest = std::max(latest, seconds(reported.stamp));
+  for (const int link : joints_) {
+    const auto found = newest_.find(link);
+    if (!setup_.is_simulated || found == newest_.end()) continue;
+    latest = std::max(latest, seconds(found->second.stamp));
   }
   return latest;
+}
+
+double SimulatedLimiter::upper() const {
+  double most = 0.0;
+  for (const auto& [when, lag] : lags_) {
+    if (clocks_.steady - when <= 1.0) most = std::max(most, lag);
+  }
+  return latest() + most;
 }
 
 void SimulatedLimiter::advance(Ns ros, double steady, unsigned nb_jumps) {
@@ -54,8 +71,13 @@ void SimulatedLimiter::advance(Ns ros, double steady, unsigned nb_jumps) {
   if (now < clock_ - SET_BACK || nb_jumps != clocks_.nb_jumps) {
     newest_.clear();
     refused_.clear();
+    lags_.clear();
     clock_ = now;
   }
+  if (setup_.is_simulated && is_clock_known_ && now > latest()) {
+    lags_.emplace_back(steady, now - latest());
+  }
+  is_clock_known_ = true;
   clock_ = std::max(clock_, now);
   clocks_ = {now, steady, nb_jumps};
   inputs_.follow(clocks_);
@@ -68,7 +90,7 @@ void SimulatedLimiter::hear(const Event& event) {
   if (stamp <= 0) return;
   sensor_msgs::JointState message;
   message.header.stamp.fromNSec(static_cast<std::uint64_t>(stamp));
-  for (const int link : joints_) {
+  for (const int link : measured_) {
     if (event.what == 6 && link != event.who) continue;
     const bool slides =
         setup_.links[static_cast<std::size_t>(link)].joint == SimulatedLink::SLIDING;
@@ -102,12 +124,14 @@ std::string SimulatedLimiter::whyInDoubt() const {
   return "";
 }
 
-/// By the positions alone; nothing if a floating joint is on the way.
+/// By the positions alone; nothing if a joint that is not limited is on the way.
 std::optional<Pose> SimulatedLimiter::poseOf(int link) const {
   Pose X_WB;
   for (; link >= 0; link = setup_.links[static_cast<std::size_t>(link)].parent) {
     const SimulatedLink& of = setup_.links[static_cast<std::size_t>(link)];
-    if (of.joint == SimulatedLink::FLOATING) return std::nullopt;
+    const bool is_unknown =
+        isMeasured(of) && std::find(joints_.begin(), joints_.end(), link) == joints_.end();
+    if (of.joint == SimulatedLink::FLOATING || is_unknown) return std::nullopt;
     Pose motion;
     if (of.joint == SimulatedLink::SLIDING) motion.x = newest_.at(link).value;
     if (of.joint == SimulatedLink::TURNING) motion.yaw = newest_.at(link).value;
@@ -125,9 +149,9 @@ std::string SimulatedLimiter::violation(const Monitor& monitor) {
     const Snapshot snapshot = snapshotAt(moment, monitor, input, state);
     const auto& doubts = snapshot.poses.doubts;
     if (!doubt_.empty()) return doubts.empty() ? "the limiter does not know: " + doubt_ : "";
-    double oldest = latest() + LATER;
+    double oldest = upper() + LATER;
     for (const int link : joints_) oldest = std::min(oldest, newest_.at(link).measured);
-    const double age = latest() + LATER - oldest;
+    const double age = upper() + LATER - oldest;
     if (doubts.empty() && std::abs(input.now - input.stamp - age) > ROUNDING) {
       return "the limiter takes the positions for younger or older than they are";
     }
@@ -139,6 +163,15 @@ std::string SimulatedLimiter::violation(const Monitor& monitor) {
       doubt_ = doubts.front();
       return "";
     }
+    for (const auto& [name, value] : moment.positions) {
+      const Reported& reported = newest_.at(std::stoi(name.substr(1)));
+      if (upper() + LATER - reported.measured > MAX_AGE + ROUNDING) {
+        return "the limiter uses an old position of " + name;
+      }
+      if (value != reported.value && std::isfinite(reported.value)) {
+        return "the limiter decides on another position of " + name;
+      }
+    }
     const RobotModel& robot = snapshot.scene->scene->robot();
     std::vector<Eigen::Isometry3d> X_WB;
     std::vector<double> values;
@@ -147,7 +180,7 @@ std::string SimulatedLimiter::violation(const Monitor& monitor) {
     for (const int link : joints_) {
       const int joint = robot.findJoint(jointName(link));
       if (state.positions[static_cast<std::size_t>(joint)] != newest_.at(link).value) {
-        return "the limiter decides on another position of " + jointName(link);
+        return "the limiter loses the position of " + jointName(link);
       }
       const auto expected = poseOf(link);
       const int body = robot.links()[static_cast<std::size_t>(robot.findLink(linkName(link)))].body;

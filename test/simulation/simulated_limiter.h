@@ -4,6 +4,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "limiter_inputs.h"
@@ -12,7 +13,7 @@
 
 namespace simulation {
 
-/// Limits all joints that slide or turn; there has to be one.
+/// Limits every second joint that slides or turns; there has to be one. Joint states are of all.
 class SimulatedLimiter {
  public:
   SimulatedLimiter(const Scenario& setup, const Knowledge& knowledge);
@@ -34,17 +35,21 @@ class SimulatedLimiter {
     double measured = 0.0, value = 0.0;
   };
   double latest() const;
+  /// What the clock may have been behind.
+  double upper() const;
   std::string whyInDoubt() const;
   std::optional<Pose> poseOf(int link) const;
 
   const Scenario& setup_;
   const Knowledge& knowledge_;
-  std::vector<int> joints_;  ///< links
+  std::vector<int> measured_, joints_;  ///< links: of all joints that are measured, and limited
   collision_pairs::LimiterInputs inputs_;
   collision_pairs::LimiterInputs::Clocks clocks_;
   std::map<int, Reported> newest_;
   std::map<int, double> refused_;  ///< s, of the clock, when a stamp was too far ahead
   double clock_ = 0.0;             ///< s: the latest, but for a jump
+  bool is_clock_known_ = false;
+  std::vector<std::pair<double, double>> lags_;  ///< when, and by how much it was seen to be behind
   double last_latest_ = 0.0, last_step_ = 0.0;
   std::string doubt_;
 };

@@ -10,7 +10,7 @@ namespace collision_pairs {
 
 CommandOutlet::CommandOutlet(Settings settings)
     : settings_(std::move(settings)),
-      watch_(settings_.joints, settings_.law),
+      watch_(settings_.joints, settings_.law, settings_.may_stand),
       watchdog_([this] { watch(); }) {}
 
 CommandOutlet::~CommandOutlet() {
@@ -33,10 +33,10 @@ void CommandOutlet::tell(LimiterLaw& law, bool moves) {
 CommandOutlet::Result CommandOutlet::pass(const LimiterDecision& decision, double deadline,
                                           const Time& arrived, Send send) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  if (!untold_.empty()) return Result::NOT_TOLD;
   const Time now = settings_.now();
   if (!watch_.fault(now.latest).empty()) return Result::FAULT;
-  if (now.steady > deadline || now.law > decision.publish_by) return Result::LATE;
+  if (!untold_.empty()) return Result::NOT_TOLD;
+  if (now.steady > deadline || now.latest > decision.publish_by) return Result::LATE;
   send_ = std::move(send);
   is_deciding_ = false;
   publish(decision, arrived);
@@ -56,8 +56,7 @@ std::string CommandOutlet::measured(const std::vector<ResponseWatch::Position>& 
   const bool was_sound = watch_.fault(now.latest).empty();
   for (const ResponseWatch::Position& position : positions) watch_.measured(position, now.latest);
   const std::string fault = watch_.fault(now.latest);
-  if (!was_sound || fault.empty()) return "";
-  if (is_watched_) publish(zeros(fault), now);
+  if (was_sound && !fault.empty() && is_watched_) publish(zeros(fault), now);
   return fault;
 }
 
@@ -76,7 +75,7 @@ void CommandOutlet::publish(const LimiterDecision& decision, const Time& since) 
   const double begun = settings_.now().law;
   send_(decision);
   const Time now = settings_.now();
-  untold_.push_back({now.law, decision});
+  untold_.push_back({now.latest, decision});
   watch_.published(begun, now.latest, decision.command);
   seconds_to_rest_ = decision.seconds_to_rest;
   since_ = since;
@@ -103,9 +102,13 @@ void CommandOutlet::watch() {
       continue;
     }
     const std::string timeout = inWords(settings_.law.command_timeout);
-    publish(zeros(is_deciding_ ? "overrun: a decision lasts, and nothing was passed for " + timeout
-                               : "no command for " + timeout),
-            settings_.now());
+    const Time now = settings_.now();
+    std::string reason = watch_.fault(now.latest);
+    if (reason.empty()) {
+      reason = is_deciding_ ? "overrun: a decision lasts, and nothing was passed for " + timeout
+                            : "no command for " + timeout;
+    }
+    publish(zeros(std::move(reason)), now);
     is_watched_ = false;
   }
 }

@@ -32,7 +32,8 @@ class CommandOutlet {
     std::vector<std::string> joints;  ///< of the command
     /// Zeros follow after command_timeout, in whichever time is over first.
     LimiterSettings law;
-    double poll = 1e9;  ///< s, at most, between two looks of the watchdog at the time
+    bool may_stand = false;  ///< see ResponseWatch
+    double poll = 1e9;       ///< s, at most, between two looks of the watchdog at the time
     std::function<Time()> now;
     std::function<void()> began;  ///< called by the watchdog's thread when it begins; may be empty
   };
@@ -46,7 +47,7 @@ class CommandOutlet {
   void tell(LimiterLaw& law, bool moves);
 
   /// Joint states came. If one shows that the robot does not do what was published, and it may
-  /// still have a command, zeros are published at once. Returns the reason if it is a new one.
+  /// still have a command, zeros are published at once. Returns fault().
   std::string measured(const std::vector<ResponseWatch::Position>& positions);
   /// What was measured before is of another time.
   void forgetMeasured();

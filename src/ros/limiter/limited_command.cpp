@@ -15,6 +15,8 @@ constexpr std::size_t MOST_NAMES = 10000;  // of joints: names are external inpu
 constexpr double SHORTEST_STOP = 0.01;     // s: a trajectory controller drops a point at once
 
 bool isNotZero(double velocity) { return velocity != 0.0; }
+// Splines and joysticks leave something of a zero.
+bool isWanted(double velocity) { return !(std::abs(velocity) <= 1e-6); }
 
 // On the way to `given`, and no further than the velocity that passes, which alone is certified,
 // leads in `seconds`.
@@ -77,12 +79,12 @@ double JointPositions::newestStampOf(const std::vector<std::string>& joints) con
 }
 
 bool asksToMove(const std_msgs::Float64MultiArray& command) {
-  return std::any_of(command.data.begin(), command.data.end(), isNotZero);
+  return std::any_of(command.data.begin(), command.data.end(), isWanted);
 }
 
 bool asksToMove(const trajectory_msgs::JointTrajectory& command) {
   return std::any_of(command.points.begin(), command.points.end(), [](const auto& point) {
-    return std::any_of(point.velocities.begin(), point.velocities.end(), isNotZero);
+    return std::any_of(point.velocities.begin(), point.velocities.end(), isWanted);
   });
 }
 

@@ -46,7 +46,7 @@ class JointPositions {
   std::map<std::string, Refused> refused_;
 };
 
-/// Whether a velocity is not zero.
+/// Whether a velocity is more than 1e-6 rad/s or m/s, or not a number.
 bool asksToMove(const std_msgs::Float64MultiArray& command);
 bool asksToMove(const trajectory_msgs::JointTrajectory& command);
 

@@ -1,6 +1,7 @@
 // The times that the velocity limiter counts in.
 #pragma once
 
+#include <deque>
 #include <limits>
 #include <optional>
 
@@ -28,8 +29,11 @@ class LimiterClock {
   /// Has certainly passed, whatever happens to the clock: that of the wall, or goes on with a
   /// simulated clock; never back.
   double law() const { return law_; }
-  /// The same, of latest(): may have passed.
-  double lawLatest() const { return law_ + (latest() - clock_); }
+  /// No earlier than the present: latest(), and as much more as it has been behind a simulated
+  /// clock that moved, at most, within the last second: what comes at 10 Hz is up to 0.1 s behind.
+  double upper() const;
+  /// The same, of upper(): may have passed.
+  double lawLatest() const { return law_ + (upper() - clock_); }
 
   /// When a position was measured, on the time of law(): that of its stamp, which a simulated clock
   /// may not have reached; else that by which it was measured.
@@ -45,7 +49,11 @@ class LimiterClock {
   double clock_ = 0.0, law_ = 0.0;
   double newest_ = -std::numeric_limits<double>::infinity();  // stamp
   unsigned nb_jumps_ = 0;
-  double last_latest_ = 0.0;         // of the last call
+  double last_latest_ = 0.0;  // of the last call
+  struct Lag {
+    double steady, seconds;
+  };
+  std::deque<Lag> lags_;             // of the last second, each followed by smaller ones only
   std::optional<double> last_step_;  // when it moved, by the wall
 };
 

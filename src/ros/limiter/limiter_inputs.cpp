@@ -1,15 +1,23 @@
 #include "limiter_inputs.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "collision_pairs/input_error.h"
 #include "user_text.h"
 
 namespace collision_pairs {
+namespace {
+
+constexpr double CLOCK_SET = 0.003;  // s, by which the computer's clock was set, at least
+
+}  // namespace
 
 LimiterInputs::LimiterInputs(Settings settings)
-    : settings_(std::move(settings)), clock_(settings_.is_simulated) {}
+    : settings_(std::move(settings)),
+      clock_(settings_.is_simulated),
+      taken_stamps_(settings_.joints.size(), -1.0) {}
 
 CommandOutlet::Time LimiterInputs::follow(const Clocks& clocks) {
   if (clock_.follow(clocks.ros, clocks.steady, clocks.nb_jumps)) {
@@ -26,10 +34,16 @@ LimiterInputs::Taken LimiterInputs::take(const sensor_msgs::JointState& message,
   positions_.take(message, clock_.clock(), settings_.max_joint_state_age);
   clock_.receive(positions_.newestStampOf(settings_.joints));
   Taken taken{std::exchange(has_jumped_, false), {}};
+  if (!settings_.is_simulated) {  // stamps are brought to the time of the law by their difference
+    const double offset = clocks.ros - clocks.steady;
+    taken.has_jumped = taken.has_jumped || std::abs(offset - offset_) > CLOCK_SET;
+    offset_ = offset;
+  }
   for (std::size_t joint = 0; joint < settings_.joints.size(); ++joint) {
     const auto found = positions_.all().find(settings_.joints[joint]);
-    if (found == positions_.all().end()) continue;
+    if (found == positions_.all().end() || found->second.stamp == taken_stamps_[joint]) continue;
     const JointPositions::Position& position = found->second;
+    taken_stamps_[joint] = position.stamp;
     taken.positions.push_back(
         {joint, clock_.lawAt(position.stamp, position.measured), position.value});
   }
@@ -40,8 +54,8 @@ LimiterInputs::Moment LimiterInputs::at(const Clocks& clocks, double later) {
   Moment moment;
   const CommandOutlet::Time time = follow(clocks);
   moment.nb_jumps = clocks.nb_jumps;
-  moment.now = clock_.latest() + later;
-  moment.input.now = time.law + later;
+  moment.now = clock_.upper() + later;
+  moment.input.now = time.latest + later;
   const double stands = clock_.standsFor(time.steady);
   if (!settings_.allow_paused && stands > settings_.command_timeout) {
     moment.doubts.push_back("/clock stands still since " + inWords(stands) +

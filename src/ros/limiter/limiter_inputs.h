@@ -40,8 +40,7 @@ class LimiterInputs {
   /// Of the last call: for a time about which the monitor was not asked.
   unsigned nbJumps() const { return nb_jumps_; }
 
-  /// What the message says of joints of the command, and whether the clock went back since the last
-  /// one.
+  /// What is new of joints of the command, and whether the clock was set since the last message.
   struct Taken {
     bool has_jumped = false;
     std::vector<ResponseWatch::Position> positions;
@@ -64,7 +63,9 @@ class LimiterInputs {
   JointPositions positions_;
   LimiterClock clock_;
   unsigned nb_jumps_ = 0;
-  bool has_jumped_ = false;  // since the last message
+  bool has_jumped_ = false;           // since the last message
+  double offset_ = 0.0;               // of the clocks, then
+  std::vector<double> taken_stamps_;  // by joint, of the last that was taken
 };
 
 /// All that is known for the decision: the monitor's snapshot for the measured positions, with the

@@ -19,7 +19,9 @@ namespace collision_pairs {
 /// All times are seconds of one clock that does not jump.
 class ResponseWatch {
  public:
-  ResponseWatch(std::vector<std::string> joints, const LimiterSettings& settings);
+  /// Of a robot that `may_stand`, or be slower, whatever was published, only what goes further or
+  /// moves without a command is noticed: a trajectory controller is on its way to positions.
+  ResponseWatch(std::vector<std::string> joints, const LimiterSettings& settings, bool may_stand);
 
   /// Sending a command began at `begun` and had ended `now`.
   void published(double begun, double now, const std::vector<double>& command);
@@ -45,9 +47,10 @@ class ResponseWatch {
   struct Predicted {
     double stamp = 0.0, low = 0.0, high = 0.0;
   };
-  std::string wordsOf(const Position& position, double off, const PassedCommands::Way& way) const;
+  std::string wordsOf(const Position& position, double off) const;
 
   const std::vector<std::string> joints_;
+  const bool may_stand_;
   const double hold_, tolerance_;
   PassedCommands passed_;
   std::vector<std::optional<Predicted>> predicted_;  // by joint

@@ -12,6 +12,7 @@ namespace {
 constexpr double LATEST_JOINT_STATE = 1.0;
 constexpr double ROUNDED_UP = 1.0 + 1e-9;
 constexpr double STEP = 0.002;  // s, in which the bounds of a velocity are taken as constant
+constexpr int MOST_STEPS = 20;  // of a longer time, each is longer
 constexpr double INF = std::numeric_limits<double>::infinity();
 
 double square(double x) { return x * x; }
@@ -64,7 +65,7 @@ PassedCommands::PassedCommands(RobotResponse response)
 }
 
 void PassedCommands::add(double now, const std::vector<double>& command, double begun) {
-  renewed_ = now;
+  renewed_ = begun;
   if (passed_.back().command == command) return;
   passed_.push_back({now, begun, command});
   forget(now);
@@ -76,12 +77,12 @@ double PassedCommands::endOf(std::size_t i, double now) const {
 }
 
 // A joint may be on its way from a command for as long as it takes to the velocity of the last one.
-// From then on the bounds that begin at the last one enclose those that begin there.
+// From then on the bounds that begin at the one after it enclose those that begin there.
 void PassedCommands::forget(double now) {
   const auto hasEffect = [&](const Passed& of) {
     double way = 0.0;
     for (std::size_t i = 0; i < of.command.size(); ++i) {
-      const double change = std::abs(of.command[i] - passed_.back().command[i]);
+      const double change = std::abs(of.command[i] - passed_[1].command[i]);
       way = std::max(way, change / response_.deceleration[i]);
     }
     return endOf(0, now) + way > now - LATEST_JOINT_STATE;
@@ -91,11 +92,11 @@ void PassedCommands::forget(double now) {
 
 // A velocity is never above all commands that may be in effect, except on its way down from one
 // that was: it then falls at least at the deceleration. The same for below.
-PassedCommands::Way PassedCommands::way(std::size_t joint, double from, double to,
-                                        double early) const {
+PassedCommands::Way PassedCommands::way(std::size_t joint, double from, double to, double early,
+                                        bool may_stand) const {
   const double rate = response_.deceleration[joint];
   Way way;
-  const int nb_steps = std::max(1, static_cast<int>(std::ceil((to - from) / STEP)));
+  const int nb_steps = std::clamp(static_cast<int>(std::ceil((to - from) / STEP)), 1, MOST_STEPS);
   const double seconds = (to - from) / nb_steps;
   for (int step = 0; step < nb_steps; ++step) {
     const double begin = from + step * seconds, end = begin + seconds;
@@ -109,7 +110,7 @@ PassedCommands::Way PassedCommands::way(std::size_t joint, double from, double t
       mayBe(passed_[i].command[joint], endOf(i, INF));
     }
     // Whoever stands behind the limiter sends zeros then.
-    if (end > renewed_ + response_.hold - early) mayBe(0.0, INF);
+    if (may_stand || end > renewed_ + response_.hold - early) mayBe(0.0, INF);
     way.low += lowest * seconds;
     way.high += highest * seconds;
     way.fastest = std::max({way.fastest, std::abs(lowest), std::abs(highest)});

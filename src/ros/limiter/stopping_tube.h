@@ -52,12 +52,12 @@ class PassedCommands {
 
   /// Bounds of what a joint moved between two instants of the past, of which the first is at most a
   /// second old: rad or m. Commands may have had an effect `early`, seconds >= 0: where instants
-  /// are stamps of a clock that may be late.
+  /// are stamps of a clock that may be late. It may also stand at any time, if `may_stand`.
   struct Way {
     double low = 0.0, high = 0.0;
     double fastest = 0.0;  ///< of either direction, per second
   };
-  Way way(std::size_t joint, double from, double to, double early) const;
+  Way way(std::size_t joint, double from, double to, double early, bool may_stand) const;
 
   /// The longest that a joint takes to rest, from `next` or a command that may be in effect.
   double secondsToRest(const std::vector<double>& next) const;
@@ -79,7 +79,7 @@ class PassedCommands {
 
   RobotResponse response_;
   std::deque<Passed> passed_;
-  double renewed_;  // when the last one was published, again
+  double renewed_;  // when the last one was published, again: sending it began
 };
 
 }  // namespace collision_pairs

@@ -116,6 +116,7 @@ void VelocityLimiter::start(const ros::NodeHandle& node, const ros::NodeHandle& 
   CommandOutlet::Settings outlet;
   outlet.joints = parameters_->joints;
   outlet.law = parameters_->law;
+  outlet.may_stand = parameters_->is_trajectory;
   if (ros::Time::isSimTime()) outlet.poll = SIMULATED_WAIT;
   outlet.now = [this] { return now(); };
   outlet.began = [this] { beginThread("limiter_watch", PRIORITY + 2); };
@@ -168,10 +169,12 @@ void VelocityLimiter::take(const sensor_msgs::JointState& message) {
   }
   if (taken.has_jumped) outlet_->forgetMeasured();
   const std::string fault = outlet_->measured(taken.positions);
-  if (fault.empty()) return;
-  ROS_ERROR_STREAM("velocity limiter: " << fault);
+  const bool is_new = !fault.empty() && !is_at_fault_;
+  is_at_fault_ = !fault.empty();
+  if (is_new) ROS_ERROR_STREAM("velocity limiter: " << fault);
   const std::lock_guard<std::mutex> lock(mutex_);
-  response_fault_ = fault;
+  if (!fault.empty()) response_fault_ = fault;
+  is_fault_over_ = fault.empty();
 }
 
 void VelocityLimiter::take(Command command) {
@@ -306,11 +309,10 @@ void VelocityLimiter::diagnose(diagnostic_updater::DiagnosticStatusWrapper& stat
     status.summary(DiagnosticStatus::ERROR, error_);
     return;
   }
-  const bool is_past = outlet_->fault().empty();
   const std::lock_guard<std::mutex> lock(mutex_);
   if (!response_fault_.empty()) {
     status.summary(DiagnosticStatus::ERROR, response_fault_);
-    if (is_past) response_fault_.clear();
+    if (is_fault_over_) response_fault_.clear();
   } else if (nb_commands_ == 0 && always_near_.empty()) {
     status.summary(DiagnosticStatus::OK, "no commands on " + subscribers_.back().getTopic());
   } else if (nb_overruns_ > 0) {

@@ -81,6 +81,7 @@ class VelocityLimiter {
   std::optional<LimiterInputs> inputs_;
   CommandPtr next_;
 
+  bool is_at_fault_ = false;           // used by the thread that listens only
   bool is_first_scene_known_ = false;  // used by the thread that prepares checkers only
 
   // Used by the thread that decides only.
@@ -90,7 +91,8 @@ class VelocityLimiter {
   std::optional<SpeedLimit> last_limit_;
   ros::SteadyTime last_limit_from_;
   std::string fault_;           // why the last command was stopped, if it was not for what is near
-  std::string response_fault_;  // of the watch, until it is past and was diagnosed
+  std::string response_fault_;  // of the watch, until it is over and was diagnosed
+  bool is_fault_over_ = true;
   std::string real_time_ = "not asked for yet";  // or "yes", or why not
   std::vector<std::string> always_near_;         // what stops every command, and the remedy
   bool lacks_real_time_ = false;                 // and the log says so

@@ -1,0 +1,105 @@
+// What the limiter makes of the joint states and times that it has received.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "benchmark/simulated_joints.h"
+#include "limiter_inputs.h"
+
+namespace collision_pairs {
+namespace test_limiter_inputs {
+
+constexpr double STEP = 0.001;  // s
+
+sensor_msgs::JointState jointState(double stamp, double position, const char* name = "slide") {
+  sensor_msgs::JointState message;
+  message.header.stamp.fromSec(stamp);
+  message.name = {name};
+  message.position = {position};
+  return message;
+}
+
+/// Certifies everything, and keeps the tube.
+struct Free : Surroundings {
+  StoppingTube tube;
+  Certificate certify(const StoppingTube& of, const KeptDistances&,
+                      const std::vector<NearPair>&) override {
+    tube = of;
+    Certificate free;
+    free.is_free = true;
+    return free;
+  }
+  double travel(const StoppingTube&) override { return 0.0; }
+  bool leadsApart(const StoppingTube&, const NearPair&) override { return true; }
+  bool nearPairs(double, const std::vector<double>&, std::vector<NearPair>&,
+                 std::string&) override {
+    return true;
+  }
+};
+
+// At 2 m/s; commands of 0.2 m/s, and then zeros, come at every phase of the clock.
+TEST(LimiterInputs, WithAClockOf10HertzASimulatedRobotStaysWithinTheTube) {
+  constexpr int TICK = 100, MOST = 5000;  // steps
+  LimiterSettings settings;
+  settings.deceleration = {5.0};
+  settings.ramp_up = 1e6;
+  settings.max_joint_state_age = 0.4;
+  for (int slower_at = 2000; slower_at < 2100; slower_at += 3) {
+    LimiterInputs inputs({{"slide"}, settings.max_joint_state_age, 0.2, true, false});
+    LimiterLaw law(settings);
+    Free free;
+    SimulatedJoints robot({0.0}, {5.0});
+    double measured = 0.0, furthest = std::numeric_limits<double>::infinity();
+    LimiterInputs::Clocks clocks;
+    for (int i = 0; i < MOST; ++i) {
+      const double now = 50.0 + i * STEP;
+      clocks = {50.0 + i / TICK * TICK * STEP, now, 0};
+      if (i % 4 == 0) {
+        measured = robot.positions()[0];
+        inputs.take(jointState(now, measured), clocks);
+      }
+      if (i % 10 == slower_at % 10) {
+        const double speed = i < slower_at ? 2.0 : i < slower_at + 30 ? 0.2 : 0.0;
+        LimiterInput input = inputs.at(clocks, 0.02).input;
+        input.command = {speed};
+        const LimiterDecision decision = law.decide(input, free);
+        law.published(inputs.follow(clocks).latest, decision);
+        robot.command(now + settings.reaction_time - STEP, decision.command);
+        if (i == slower_at + 20) {
+          furthest =
+              measured + std::max(free.tube.from[0], free.tube.to[0]) + free.tube.deviation[0];
+        }
+      }
+      robot.step(now, STEP);
+    }
+    ASSERT_LE(robot.positions()[0], furthest + 1e-6) << slower_at;
+    ASSERT_GT(robot.positions()[0], 1.0);
+  }
+}
+
+TEST(LimiterInputs, HandOnWhatIsNewOfAJointOnce) {
+  LimiterInputs inputs({{"slide"}, 0.1, 0.2, false, false});
+  const auto taken = inputs.take(jointState(99.99, 0.5), {100.0, 7.0, 0});
+  ASSERT_EQ(taken.positions.size(), 1u);
+  EXPECT_NEAR(taken.positions[0].stamp, 6.99, 1e-9);
+  EXPECT_EQ(taken.positions[0].value, 0.5);
+  EXPECT_TRUE(inputs.take(jointState(100.0, 0.1, "other"), {100.0, 7.0, 0}).positions.empty());
+  EXPECT_TRUE(inputs.take(jointState(99.98, 0.6), {100.01, 7.01, 0}).positions.empty()) << "older";
+  EXPECT_EQ(inputs.take(jointState(100.02, 0.6), {100.02, 7.02, 0}).positions.size(), 1u);
+}
+
+TEST(LimiterInputs, SayWhenTheComputersClockWasSet) {
+  LimiterInputs inputs({{"slide"}, 0.1, 0.2, false, false});
+  inputs.take(jointState(100.0, 0.5), {100.0, 7.0, 0});
+  EXPECT_FALSE(inputs.take(jointState(100.01, 0.5), {100.01, 7.0102, 0}).has_jumped);
+  for (const double by : {-0.015, 0.015, -5.0, 60.0}) {
+    LimiterInputs set = inputs;
+    EXPECT_TRUE(set.take(jointState(100.02, 0.5), {100.02 + by, 7.02, 0}).has_jumped) << by;
+    EXPECT_FALSE(set.take(jointState(100.03, 0.5), {100.03 + by, 7.03, 0}).has_jumped) << by;
+  }
+}
+
+}  // namespace test_limiter_inputs
+}  // namespace collision_pairs
