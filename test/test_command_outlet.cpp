@@ -26,6 +26,22 @@ LimiterDecision decisionOf(double speed, double publish_by = INF) {
   return decision;
 }
 
+/// Certifies everything, and keeps the tube.
+struct Free : Surroundings {
+  StoppingTube tube;
+  Certificate certify(const StoppingTube& of, const KeptDistances&,
+                      const std::vector<NearPair>&) override {
+    tube = of;
+    return {true, "", "", ""};
+  }
+  double travel(const StoppingTube&) override { return 0.0; }
+  bool leadsApart(const StoppingTube&, const NearPair&) override { return true; }
+  bool nearPairs(double, const std::vector<double>&, std::vector<NearPair>&,
+                 std::string&) override {
+    return true;
+  }
+};
+
 /// An outlet with a clock that the test sets, and what it has sent.
 class Outlet : public testing::Test {
  protected:
@@ -114,6 +130,24 @@ TEST_F(Outlet, SendsZerosOnceAfterSilenceInWhicheverTimeIsOverFirst) {
   EXPECT_EQ(sent().size(), 2u);
 }
 
+// A simulated clock may be late: the command before is in effect for as much longer.
+TEST_F(Outlet, ToTheLawACommandWasPublishedWhenItMayHaveBeen) {
+  begin(9.0);
+  ahead_ = 0.1;
+  settings_.deceleration = {2.0};
+  LimiterLaw law(settings_);
+  ASSERT_EQ(outlet_->pass(decisionOf(0.3), INF, time(), send()), Result::PUBLISHED);
+  outlet_->tell(law, true);
+  Free surroundings;
+  law.decide({100.17, 100.15, 0.0, {0.3}}, surroundings);
+  PassedCommands passed({settings_.reaction_time, settings_.command_timeout + 0.01, {2.0}});
+  passed.add(100.1, {0.3});
+  const StoppingTube expected = passed.tube(100.15, 100.17, {0.3}, {0.3});
+  EXPECT_NEAR(surroundings.tube.from[0], expected.from[0], 1e-9);
+  EXPECT_NEAR(surroundings.tube.to[0], expected.to[0], 1e-9);
+  EXPECT_NEAR(surroundings.tube.deviation[0], expected.deviation[0], 1e-9);
+}
+
 TEST_F(Outlet, ARobotThatDoesNotDoWhatWasPublishedIsSentZerosAtOnceAndNothingElse) {
   begin(0.2);
   const auto measured = [&](double position) { return outlet_->measured({{0, now_, position}}); };
@@ -159,22 +193,6 @@ TEST_F(Outlet, ARobotWithoutACommandIsSentNothing) {
   now_ = 101.02;
   EXPECT_EQ(outlet_->fault(), "");
 }
-
-/// Certifies everything, and keeps the tube.
-struct Free : Surroundings {
-  StoppingTube tube;
-  Certificate certify(const StoppingTube& of, const KeptDistances&,
-                      const std::vector<NearPair>&) override {
-    tube = of;
-    return {true, "", "", ""};
-  }
-  double travel(const StoppingTube&) override { return 0.0; }
-  bool leadsApart(const StoppingTube&, const NearPair&) override { return true; }
-  bool nearPairs(double, const std::vector<double>&, std::vector<NearPair>&,
-                 std::string&) override {
-    return true;
-  }
-};
 
 // A robot at 2 m/s; one decision, to go on slowly, takes so long that zeros are published instead.
 TEST_F(Outlet, AfterAnOverrunTheRobotIsWhereTheNextTubeSays) {

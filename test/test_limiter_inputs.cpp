@@ -1,6 +1,7 @@
 // What the limiter makes of the joint states and times that it has received.
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <limits>
 
 #include <gtest/gtest.h>
@@ -39,9 +40,10 @@ struct Free : Surroundings {
   }
 };
 
-// At 2 m/s; commands of 0.2 m/s, and then zeros, come at every phase of the clock.
+// At 2 m/s; commands of 0.2 m/s, and then zeros, come at every phase of the clock, and joint states
+// 20 ms late.
 TEST(LimiterInputs, WithAClockOf10HertzASimulatedRobotStaysWithinTheTube) {
-  constexpr int TICK = 100, MOST = 5000;  // steps
+  constexpr int TICK = 100, LATE = 21, MOST = 5000;  // steps
   LimiterSettings settings;
   settings.deceleration = {5.0};
   settings.ramp_up = 1e6;
@@ -51,15 +53,15 @@ TEST(LimiterInputs, WithAClockOf10HertzASimulatedRobotStaysWithinTheTube) {
     LimiterLaw law(settings);
     Free free;
     SimulatedJoints robot({0.0}, {5.0});
-    double measured = 0.0, furthest = std::numeric_limits<double>::infinity();
+    std::deque<double> measured(LATE, 0.0);
+    double furthest = std::numeric_limits<double>::infinity();
     LimiterInputs::Clocks clocks;
     for (int i = 0; i < MOST; ++i) {
       const double now = 50.0 + i * STEP;
       clocks = {50.0 + i / TICK * TICK * STEP, now, 0};
-      if (i % 4 == 0) {
-        measured = robot.positions()[0];
-        inputs.take(jointState(now, measured), clocks);
-      }
+      measured.push_back(robot.positions()[0]);
+      measured.pop_front();
+      if (i % 4 == 0) inputs.take(jointState(now - (LATE - 1) * STEP, measured.front()), clocks);
       if (i % 10 == slower_at % 10) {
         const double speed = i < slower_at ? 2.0 : i < slower_at + 30 ? 0.2 : 0.0;
         LimiterInput input = inputs.at(clocks, 0.02).input;
@@ -68,8 +70,8 @@ TEST(LimiterInputs, WithAClockOf10HertzASimulatedRobotStaysWithinTheTube) {
         law.published(inputs.follow(clocks).latest, decision);
         robot.command(now + settings.reaction_time - STEP, decision.command);
         if (i == slower_at + 20) {
-          furthest =
-              measured + std::max(free.tube.from[0], free.tube.to[0]) + free.tube.deviation[0];
+          furthest = inputs.positions().all().at("slide").value +
+                     std::max(free.tube.from[0], free.tube.to[0]) + free.tube.deviation[0];
         }
       }
       robot.step(now, STEP);

@@ -172,6 +172,19 @@ TEST(StoppingTube, OfCommandsThatDifferIsNoLargerThanTheBoundsSay) {
              {{0.524, 1.988}, {0.62, 2.18}, {1.8225, 3.2}, 6.32});
 }
 
+// Zeros came too late for it to have stopped before it is sent the same speed again.
+TEST(StoppingTube, RemembersWhatAJointStillBrakesFromWhenItIsSentTheSameAgain) {
+  PassedCommands passed({0.02, 0.2, {0.8}});
+  passed.add(0.0, {1.5});
+  passed.add(4.0, {0.0});
+  passed.add(5.1, {1.5});
+  const double speed = 1.5 - 0.8 * (5.08 - 4.02);
+  const auto way = passed.way(0, 5.08, 5.09, 0.0, false);
+  EXPECT_NEAR(way.high, 0.01 * speed, 1e-4);
+  EXPECT_GE(way.high, 0.01 * (speed - 0.8 * 0.01));
+  EXPECT_EQ(way.low, 0.0);
+}
+
 // What a slow joint did before it began to move counts until it has reached its command.
 TEST(StoppingTube, RemembersACommandForAsLongAsAJointMayBeOnItsWayFromIt) {
   PassedCommands passed({0.1, 0.2, {10.0, 0.5}});
