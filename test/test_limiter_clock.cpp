@@ -49,6 +49,17 @@ TEST(LimiterClock, KnowsHowFarASimulatedClockThatIsSlowMayBeBehind) {
   }
 }
 
+TEST(LimiterClock, TakesAJumpForwardForTimeThatHasPassed) {
+  LimiterClock clock(true);
+  clock.follow(100.0, 1.0);
+  clock.follow(100.4, 1.1);
+  EXPECT_NEAR(clock.upper(), 100.8, 1e-9);
+  clock.follow(105.0, 1.2);
+  EXPECT_NEAR(clock.upper(), 105.4, 1e-9);
+  clock.follow(105.001, 2.11);
+  EXPECT_NEAR(clock.upper(), 105.002, 1e-9) << "a second later";
+}
+
 TEST(LimiterClock, IsThatOfTheWallOtherwise) {
   LimiterClock clock(false);
   clock.follow(1000.0, 7.0);

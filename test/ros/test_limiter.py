@@ -254,7 +254,7 @@ class LimiterTest(unittest.TestCase):
         self.assertTrue(newest(out.limits, lambda x: x.scale == 1.0), out.limits[-1:])
         driver.message = out.hand_on = None
         self.joints.command({"slide_a": 0.0})
-        rospy.sleep(1.2)
+        rospy.sleep(2.5)  # reaction_time, braking, and what the words speak of
         nb_commands = len(out.commands)
         self.joints.place(slide_a=0.6)
         self.assertTrue(wait_until(lambda: "it moves without a command" in diagnosis_of(name).message))

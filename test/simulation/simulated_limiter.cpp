@@ -74,7 +74,7 @@ void SimulatedLimiter::advance(Ns ros, double steady, unsigned nb_jumps) {
     lags_.clear();
     clock_ = now;
   }
-  if (setup_.is_simulated && is_clock_known_ && now > latest()) {
+  if (setup_.is_simulated && is_clock_known_ && now > latest() && now - latest() < 0.5) {
     lags_.emplace_back(steady, now - latest());
   }
   is_clock_known_ = true;

@@ -6,6 +6,7 @@ namespace collision_pairs {
 namespace {
 
 constexpr double LAG_COUNTS = 1.0;  // s of the wall
+constexpr double JUMP = 0.5;        // s forward: no step of a clock that runs slowly
 constexpr double SET_BACK = 0.02;   // s: less is a clock that is being set
 
 }  // namespace
@@ -19,7 +20,7 @@ bool LimiterClock::follow(double clock, double steady, unsigned nb_jumps) {
     lags_.clear();
   }
   while (!lags_.empty() && steady - lags_.front().steady > LAG_COUNTS) lags_.pop_front();
-  if (is_simulated_ && last_step_ && clock > latest()) {
+  if (is_simulated_ && last_step_ && clock > latest() && clock - latest() < JUMP) {
     const double lag = clock - latest();
     while (!lags_.empty() && lags_.back().seconds <= lag) lags_.pop_back();
     lags_.push_back({steady, lag});
