@@ -5,6 +5,7 @@
 
 #include <gmock/gmock.h>
 
+#include "random_inputs.h"
 #include "transform_test.h"
 
 namespace collision_pairs {
@@ -158,6 +159,63 @@ TEST_F(Transforms, OfTwoStaticPublishersThatContradictEachOtherAreInDoubtUntilOn
   now_ = ros::Time(2001.1);
   input_.followClock(now_);
   EXPECT_EQ(newestOf("a"), 1.0);
+}
+
+// Either kind is silent for about as long as it takes, and either is heard first again. A pose that
+// moves is the time since 1,000 s; static ones are a million, or one more.
+TEST_F(Transforms, OfAFrameThatChangesItsKindAreThoseOfTheKindThatIsHeard) {
+  RandomInputs random;
+  int nb_static = 0, nb_moving = 0;
+  double now = 1000.0;
+  for (int round = 0; round < 600; ++round) {
+    const std::string hand = "hand" + std::to_string(round);
+    double moved = 0.0, fixed = 0.0;  // s: when either was heard
+    for (int i = 0; i < 40; ++i) {
+      now += random.integer(0, 3) > 0 ? random.uniform(0.0, 0.2) : random.uniform(0.8, 1.2);
+      now_ = ros::Time(now);
+      input_.followClock(now_);
+      const int kind = random.integer(0, 9);
+      const std::string by = random.integer(0, 4) > 0 ? "one" : "other";
+      if (kind < 5) {
+        receiveBy(by, hand, now, now - 1000.0);
+        moved = now;
+      } else if (kind < 9) {
+        receiveBy(by, hand, 0.0, 1e6 + random.integer(0, 1), true);
+        fixed = now;
+      } else if (random.integer(0, 3) == 0) {  // a new buffer, as of the clock that goes back
+        receiveBy("x", hand + "_" + std::to_string(i), 0.0, 0.0, true);
+        receiveBy("x", hand + "_" + std::to_string(i), 0.0, 1.0, true);
+        receiveBy("x", hand + "_" + std::to_string(i), 0.0, 1.0, true);
+      }
+      if (!knows(hand, now_)) continue;
+      const double x = input_.lookUp("root", hand, now_).X_TS.translation().x();
+      const bool is_static = x > 1e6 - 0.5;
+      ++(is_static ? nb_static : nb_moving);
+      ASSERT_TRUE(is_static || std::abs(x - (now - 1000.0)) < 1e-6) << round << ": " << x;
+      ASSERT_FALSE(is_static && now - moved < 0.99) << round << ": it is ambiguous";
+      ASSERT_FALSE(!is_static && now - fixed < 0.99) << round << ": it is ambiguous";
+    }
+  }
+  EXPECT_GT(nb_static, 1000);
+  EXPECT_GT(nb_moving, 1000);
+}
+
+// What makes a frame static again is a sample that comes after its silence.
+TEST_F(Transforms, OfAFrameThatIsFoundToBeStaticByASampleThatMovesItSurviveAnotherClock) {
+  receive("hand", 1000.0, 1.0);
+  now_ = ros::Time(1000.5);
+  receiveBy("other", "hand", 0.0, 5.0, true);
+  now_ = ros::Time(1000.9);
+  receiveBy("other", "hand", 0.0, 5.0, true);
+  now_ = ros::Time(1001.6);
+  receive("hand", 1001.6, 1.0);
+  EXPECT_FALSE(knows("hand"));
+  now_ = ros::Time(10.0);
+  input_.followClock(now_);
+  EXPECT_FALSE(knows("hand")) << "it is heard on both";
+  now_ = ros::Time(12.0);
+  receiveBy("other", "hand", 0.0, 5.0, true);
+  EXPECT_EQ(newestOf("hand"), 5.0);
 }
 
 TEST_F(Transforms, OfMoreFramesThanAnyRobotHasAreRefused) {

@@ -30,6 +30,8 @@ std::string whyRefused(StampNs stamp, StampNs now, const StampLimits& limits) {
 }  // namespace
 
 const char* const TransformGate::TOO_MANY_NODES = "too many nodes publish it";
+const char* const TransformGate::SENT_ONCE =
+    "several nodes publish it on /tf_static, and the newest pose was sent once; send it again";
 const char* const TransformGate::IS_ON_BOTH =
     "it is published both on /tf and on /tf_static, so its pose is ambiguous; stop one of the two "
     "publishers";
@@ -57,7 +59,12 @@ TransformGate::Answer TransformGate::admit(int number, const FramePose& pose, bo
   if (by < 0) return {Store::NOTHING, "more than 10000 nodes publish on TF"};
   frames_.resize(names_.all().size());
   Frame& frame = frames_[number];
-  return is_static ? admitStatic(frame, pose, by, now) : admitMoving(frame, pose, by, stamp, now);
+  const bool was_heard = !frame.kinds.empty(), was_static = frame.isStatic();
+  Answer answer =
+      is_static ? admitStatic(frame, pose, by, now) : admitMoving(frame, pose, by, stamp, now);
+  // By whichever kind it is noticed: the buffer of the one before stores nothing of the other.
+  if (was_heard && frame.isStatic() != was_static) answer.store = Store::KIND;
+  return answer;
 }
 
 void TransformGate::setKind(Frame& frame, bool is_static, StampNs now) {
@@ -66,6 +73,12 @@ void TransformGate::setKind(Frame& frame, bool is_static, StampNs now) {
     frame.kinds.erase(frame.kinds.begin());
   }
   frame.kinds.push_back({frame.kinds.empty() ? EVER_SINCE : now, is_static});
+}
+
+void TransformGate::use(Frame& frame, const StaticPose& pose) {
+  frame.has_moved_parent |=
+      !frame.kinds.empty() && frame.static_pose.pose.parent != pose.pose.parent;
+  frame.static_pose = pose;
 }
 
 StampNs TransformGate::endOfBoth(const Frame& frame) const {
@@ -87,6 +100,12 @@ bool TransformGate::noteKind(Frame& frame, bool is_static, StampNs now) {
     has_changed = isNewerStatic() != frame.isStatic();
     frame.doubts[BOTH_KINDS].endBy(has_changed ? now : endOfBoth(frame));
     if (has_changed) setKind(frame, !frame.isStatic(), now);
+    if (has_changed && frame.isStatic()) {
+      use(frame, frame.newest_static);
+      if (!frame.newest_counts) {
+        frame.doubts[STATIC_POSE].add({before(now, limits_.lasting), NEVER}, SENT_ONCE);
+      }
+    }
     frame.both_since = NEVER;
   }
   const StampNs other = is_static ? frame.last_moving : frame.last_static;
@@ -117,18 +136,21 @@ TransformGate::Answer TransformGate::admitStatic(Frame& frame, const FramePose& 
     own = frame.statics.insert(own, {by, pose});
   }
   own->pose = pose;
-  const auto use = [&] {
-    frame.has_moved_parent |= !frame.kinds.empty() && frame.static_pose.pose.parent != pose.parent;
-    frame.static_pose = {by, pose};
+  const bool counts = is_again || frame.statics.size() == 1;
+  const auto note = [&] {  // after what it was noted for
+    frame.newest_static = {by, pose};
+    frame.newest_counts = counts;
   };
   if (frame.kinds.empty()) {
-    use();
+    note();
+    use(frame, frame.newest_static);
     setKind(frame, true, now);
     frame.last_static = now;
     return {Store::FIRST, ""};
   }
   const bool was_static = frame.isStatic();
   noteKind(frame, true, now);
+  note();
   if (!frame.isStatic()) {
     if (frame.both_since != NEVER) return {Store::NOTHING, IS_ON_BOTH};
     if (!is_again) {
@@ -137,9 +159,8 @@ TransformGate::Answer TransformGate::admitStatic(Frame& frame, const FramePose& 
     }
     setKind(frame, true, now);
   }
-  if (!was_static) use();
+  if (!was_static) use(frame, frame.newest_static);
   DoubtfulSpans& doubts = frame.doubts[STATIC_POSE];
-  const bool counts = is_again || frame.statics.size() == 1;
   if (counts && doubts.isOpen()) doubts.endBy(after(now, limits_.lasting));
   std::string why = frame.both_since != NEVER ? IS_ON_BOTH : "";
   if (was_static && !differ(frame.static_pose.pose, pose)) return {Store::NOTHING, why};
@@ -147,7 +168,7 @@ TransformGate::Answer TransformGate::admitStatic(Frame& frame, const FramePose& 
     if (was_static) {
       doubts.add({before(now, limits_.lasting), reached(now)}, "its static transform changed");
     }
-    use();
+    use(frame, frame.newest_static);
     return {was_static ? Store::POSE : Store::KIND, why};
   }
   why = "'" + publishers_.all()[frame.static_pose.publisher] + "' and '" + publishers_.all()[by] +
@@ -185,6 +206,8 @@ void TransformGate::restart(StampNs now) {
     if (!frame.kinds.empty()) fresh.kinds = {{EVER_SINCE, frame.isStatic()}};
     fresh.statics = std::move(frame.statics);
     fresh.static_pose = frame.static_pose;  // of tf2's new buffer the only one
+    fresh.newest_static = frame.newest_static;
+    fresh.newest_counts = frame.newest_counts;
     if (is_open) fresh.doubts[STATIC_POSE].add({EVER_SINCE, NEVER}, why);
     if (is_both) {
       fresh.last_moving = fresh.last_static = fresh.both_since = now;

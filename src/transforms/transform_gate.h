@@ -154,8 +154,10 @@ class TransformGate {
     StampNs last_moving = EVER_SINCE, last_static = EVER_SINCE;  ///< arrivals
     StampNs both_since = NEVER;       ///< arrival from which on both kinds are heard; NEVER: one is
     std::vector<StaticPose> statics;  ///< the newest of each publisher
-    StaticPose static_pose{-1, {-1, {}, {}}};  ///< the one that counts
-    bool has_moved_parent = false;             ///< its static poses had several parents
+    StaticPose static_pose{-1, {-1, {}, {}}};    ///< the one that counts, if it is static
+    StaticPose newest_static{-1, {-1, {}, {}}};  ///< the one that was received last
+    bool newest_counts = false;                  ///< by rule 7
+    bool has_moved_parent = false;               ///< its static poses had several parents
     std::vector<Source> sources;
     StampNs oldest = NEVER, newest = EVER_SINCE;  ///< samples
     StampNs parent_since = EVER_SINCE;            ///< stamp from which on the parent is `parent`
@@ -169,6 +171,7 @@ class TransformGate {
   Answer admitMoving(Frame& frame, const FramePose& pose, int by, StampNs stamp, StampNs now);
   bool noteKind(Frame& frame, bool is_static, StampNs now);
   void setKind(Frame& frame, bool is_static, StampNs now);
+  static void use(Frame& frame, const StaticPose& pose);
   StampNs endOfBoth(const Frame& frame) const;
   Source* sourceOf(Frame& frame, int publisher) const;
   void noteSample(Frame& frame, const Samples& samples, Place added);
@@ -184,7 +187,7 @@ class TransformGate {
   StampNs reached(StampNs now) const { return newest_ > now ? newest_ + 1 : now; }
 
   static constexpr std::size_t MOST_PUBLISHERS = 16;  // of one frame
-  static const char *const TOO_MANY_NODES, *const IS_ON_BOTH;
+  static const char *const TOO_MANY_NODES, *const IS_ON_BOTH, *const SENT_ONCE;
 
   const StampLimits limits_;
   Names names_, publishers_;
