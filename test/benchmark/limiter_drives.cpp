@@ -33,7 +33,7 @@ double LimiterScene::secondsTo(const std::vector<double>& from, const std::vecto
       }
       view.now = view.stamp = now;
       view.state.positions = allPositions(robot.positions());
-      robot.command(now + DEAD_TIME, limiter(view));
+      robot.command(now + DEAD_TIME, limiter(view)->command);
     }
     robot.step(now, STEP);
   }
@@ -53,7 +53,7 @@ bool LimiterScene::driveToAStop(RandomInputs& random, const Limiter& limiter,
   for (double now = 0.0; now < LONGEST; now += PERIOD) {
     view.now = view.stamp = now;
     view.state.positions = allPositions(robot.positions());
-    std::vector<double> passed = limiter(view);
+    std::vector<double> passed = limiter(view)->command;
     const auto moves = [](double x) { return x != 0.0; };
     if (std::any_of(passed.begin(), passed.end(), moves)) passed_at = now;
     robot.command(now + options_.reaction_time - PERIOD, std::move(passed));

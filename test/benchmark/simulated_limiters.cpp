@@ -9,11 +9,34 @@ namespace collision_pairs {
 Limiter lawLimiter(std::shared_ptr<LimiterLaw> law,
                    std::shared_ptr<CertifiedSurroundings> surroundings) {
   return [law = std::move(law), surroundings = std::move(surroundings)](const LimiterView& view) {
-    surroundings->setState(view.state);
-    const LimiterDecision decision =
-        law->decide({view.now, view.stamp, view.obstacles_age, view.command}, *surroundings);
+    LimiterDecision decision = law->stop("no command");
+    if (!view.command.empty()) {
+      surroundings->setState(view.state);
+      decision =
+          law->decide({view.now, view.stamp, view.obstacles_age, view.command}, *surroundings);
+    }
     law->published(view.now, decision);
     return decision.command;
+  };
+}
+
+Limiter nodeLimiter(std::shared_ptr<LimiterLaw> law,
+                    std::shared_ptr<CertifiedSurroundings> surroundings, RandomInputs& random) {
+  constexpr double TIME_TO_DECIDE = 0.02, OFTEN = 0.005, SELDOM = 0.03;  // s
+  return [law = std::move(law), surroundings = std::move(surroundings),
+          &random](const LimiterView& view) -> Passed {
+    double took = 0.0;
+    LimiterDecision decision = law->stop("no command");
+    if (!view.command.empty()) {
+      took = random.uniform(0.0, random.integer(0, 99) == 0 ? SELDOM : OFTEN);
+      surroundings->setState(view.state);
+      const double publish_by = view.now + TIME_TO_DECIDE;
+      decision =
+          law->decide({publish_by, view.stamp, view.obstacles_age, view.command}, *surroundings);
+      if (took > TIME_TO_DECIDE) decision = law->stop("overrun");
+    }
+    law->published(view.now + took, decision);
+    return {decision.command, took};
   };
 }
 
