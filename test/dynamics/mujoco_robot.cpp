@@ -26,8 +26,9 @@ constexpr double LEAST_ARMATURE = 0.02;  // kg m^2
 constexpr double FRICTION = 0.05;        // of the most torque: dry; the same at 1 rad/s: viscous
 constexpr double RAMPS[] = {5.0, 4.0, 6.0};  // rad/s^2, of joints in turn
 // 1/s. Of the ramp's tracking, critically damped; of the velocity loop and its integral.
-constexpr double TRACKING = 80.0, VELOCITY_LOOP = 80.0, INTEGRAL = 6.0;
-constexpr double KNOWN_GRAVITY = 0.95;  // share of gravity that the ramp's feed-forward knows
+constexpr double TRACKING = 80.0, VELOCITY_LOOP = 100.0, INTEGRAL = 25.0;
+constexpr double MOST_PROPORTIONAL = 0.4;  // share of the torque: where the velocity loop saturates
+constexpr double KNOWN_GRAVITY = 0.95;     // share of gravity that the ramp's feed-forward knows
 
 std::string inXml(const Vector3d& p) {
   std::ostringstream text;
@@ -216,10 +217,10 @@ double MujocoRobot::proportional(std::size_t joint, double wanted, double second
   const RobotWithMass::Motor& motor = robot_->motors()[joint];
   const double slower = wanted - data_->qvel[motor.address];
   const double gain = VELOCITY_LOOP * motor.inertia;
-  const double torque = gain * slower + integrals_[joint];
-  const bool is_saturated = std::abs(torque) > motor.most_torque && torque * slower > 0.0;
+  const double most = MOST_PROPORTIONAL * motor.most_torque;
+  const bool is_saturated = std::abs(gain * slower) > most;
   if (!is_saturated) integrals_[joint] += gain * INTEGRAL * slower * seconds;
-  return torque;
+  return std::clamp(gain * slower, -most, most) + integrals_[joint];
 }
 
 void MujocoRobot::move(const std::vector<double>& wanted, double seconds) {
