@@ -1,7 +1,8 @@
 # The law of the velocity limiter knows the core alone.
 set(limiter_law src/ros/limiter/certified_surroundings.cpp src/ros/limiter/command_outlet.cpp
                 src/ros/limiter/limiter_clock.cpp src/ros/limiter/limiter_law.cpp
-                src/ros/limiter/prepared_surroundings.cpp src/ros/limiter/stopping_tube.cpp)
+                src/ros/limiter/prepared_surroundings.cpp src/ros/limiter/response_watch.cpp
+                src/ros/limiter/stopping_tube.cpp)
 
 # What is known at any time: without threads, clocks or roscpp.
 add_library(collision_pairs_monitor STATIC

@@ -31,8 +31,9 @@ class Outlet : public testing::Test {
  protected:
   void begin(double command_timeout) {
     CommandOutlet::Settings settings;
-    settings.command_timeout = command_timeout;
-    settings.nb_joints = 1;
+    settings.joints = {"slide"};
+    settings.law.command_timeout = command_timeout;
+    settings.law.deceleration = {2.0};
     settings.poll = 0.001;
     settings.now = [this] {
       const double now = now_;
@@ -73,7 +74,7 @@ TEST_F(Outlet, PublishesADecisionUntilItsTimeAndNoLater) {
   settings_.deceleration = {2.0};
   LimiterLaw law(settings_);
   EXPECT_EQ(outlet_->pass(decisionOf(0.3, 100.0), 100.0, time(), send()), Result::PUBLISHED);
-  outlet_->tell(law);
+  outlet_->tell(law, true);
   EXPECT_EQ(outlet_->pass(decisionOf(0.4, 99.999), 100.0, time(), send()), Result::LATE);
   EXPECT_EQ(outlet_->pass(decisionOf(0.5, 100.0), 99.999, time(), send()), Result::LATE);
   ASSERT_EQ(sent().size(), 1u);
@@ -84,9 +85,9 @@ TEST_F(Outlet, SendsZerosWhileADecisionIsBlocked) {
   begin(0.2);
   settings_.deceleration = {2.0};
   LimiterLaw law(settings_);
-  outlet_->tell(law);
+  outlet_->tell(law, true);
   ASSERT_EQ(outlet_->pass(decisionOf(0.3), INF, time(), send()), Result::PUBLISHED);
-  outlet_->tell(law);  // and then the decision does not come to its end
+  outlet_->tell(law, true);  // and then the decision does not come to its end
   now_ = 100.19;
   std::this_thread::sleep_for(std::chrono::milliseconds(50));
   EXPECT_EQ(sent().size(), 1u) << "the command is certified for as long";
@@ -98,7 +99,7 @@ TEST_F(Outlet, SendsZerosWhileADecisionIsBlocked) {
   EXPECT_EQ(outlet_->pass(decisionOf(0.3), INF, time(), send()), Result::NOT_TOLD);
   EXPECT_EQ(sent().size(), 2u);
   outlet_->stop(law.stop("told to"), send());
-  outlet_->tell(law);
+  outlet_->tell(law, true);
   EXPECT_EQ(outlet_->pass(decisionOf(0.3), INF, time(), send()), Result::PUBLISHED);
 }
 
@@ -111,6 +112,46 @@ TEST_F(Outlet, SendsZerosOnceAfterSilenceInWhicheverTimeIsOverFirst) {
   now_ = 109.0;
   std::this_thread::sleep_for(std::chrono::milliseconds(50));
   EXPECT_EQ(sent().size(), 2u);
+}
+
+TEST_F(Outlet, ARobotThatDoesNotDoWhatWasPublishedIsSentZerosAtOnceAndNothingElse) {
+  begin(0.2);
+  const auto measured = [&](double position) { return outlet_->measured({{0, now_, position}}); };
+  ASSERT_EQ(outlet_->pass(decisionOf(0.3), INF, time(), send()), Result::PUBLISHED);
+  EXPECT_EQ(measured(0.0), "");
+  now_ = 100.05;
+  EXPECT_EQ(measured(0.012), "") << "it may have been at 0.3 m/s";
+  EXPECT_EQ(sent().size(), 1u);
+  now_ = 100.06;
+  const std::string fault = measured(0.05);
+  ASSERT_EQ(sent().size(), 2u);
+  EXPECT_EQ(sent()[1].command[0], 0.0);
+  EXPECT_EQ(sent()[1].reason, fault);
+  EXPECT_EQ(outlet_->fault(), fault);
+  EXPECT_EQ(measured(0.05), "") << "it is known";
+  settings_.deceleration = {2.0};
+  LimiterLaw law(settings_);
+  outlet_->tell(law, true);
+  EXPECT_EQ(outlet_->pass(decisionOf(0.3), INF, time(), send()), Result::FAULT);
+  EXPECT_EQ(sent().size(), 2u);
+  now_ = 101.05;
+  EXPECT_NE(outlet_->fault(), "") << "a second after it was asked for";
+  now_ = 101.07;
+  EXPECT_EQ(outlet_->fault(), "");
+  EXPECT_EQ(outlet_->pass(decisionOf(0.3), INF, time(), send()), Result::PUBLISHED);
+}
+
+TEST_F(Outlet, ARobotWithoutACommandIsSentNothing) {
+  begin(0.2);
+  EXPECT_EQ(outlet_->measured({{0, 100.0, 0.0}}), "");
+  now_ = 100.01;
+  EXPECT_NE(outlet_->measured({{0, now_, 1.0}}), "");
+  EXPECT_TRUE(sent().empty());
+  now_ = 100.02;
+  outlet_->forgetMeasured();  // the clock has jumped
+  outlet_->measured({{0, now_, 5.0}});
+  now_ = 101.02;
+  EXPECT_EQ(outlet_->fault(), "");
 }
 
 /// Certifies everything, and keeps the tube.
@@ -156,7 +197,7 @@ TEST_F(Outlet, AfterAnOverrunTheRobotIsWhereTheNextTubeSays) {
       now_ = now;
     };
     const auto decide = [&](double speed, double seconds) {
-      outlet_->tell(law);
+      outlet_->tell(law, true);
       const auto arrived = time();
       const double by = now + 0.02, measured = robot.positions()[0];
       const auto decision = law.decide({by, now, 0.0, {speed}}, surroundings);

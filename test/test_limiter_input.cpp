@@ -28,7 +28,8 @@ const std::pair<const char*, double LimiterSettings::*> NUMBERS[] = {
     {"self_stop_distance", &LimiterSettings::self_stop_distance},
     {"obstacle_speed", &LimiterSettings::obstacle_speed},
     {"retreat_scale", &LimiterSettings::retreat_scale},
-    {"ramp_up", &LimiterSettings::ramp_up}};
+    {"ramp_up", &LimiterSettings::ramp_up},
+    {"tracking_tolerance", &LimiterSettings::tracking_tolerance}};
 
 std::string refusal(const std::string& yaml) {
   try {
@@ -104,7 +105,7 @@ TEST(LimiterParameters, AreNumbersWithinTheirRangesEndsIncluded) {
                       {"max_joint_state_age", 0, 1, false}, {"stop_distance", 0, 10, true},
                       {"self_stop_distance", 0, 10, true},  {"obstacle_speed", 0, 100, true},
                       {"retreat_scale", 0, 1, true},        {"ramp_up", 0, 1e6, false},
-                      {"deceleration", 0, 1e6, false}};
+                      {"tracking_tolerance", 0, 10, false}, {"deceleration", 0, 1e6, false}};
   for (const Case& one : all) {
     const auto isRead = [&](double value) {
       YAML::Node yaml = YAML::Load("{command: c, joints: [a], deceleration: 1}");

@@ -71,11 +71,13 @@ def play_robot(name, hertz):
         wanted[:] = message.data
     rospy.Subscriber("collision_pairs_node/limited_command", Float64MultiArray, follow, tcp_nodelay=True)
     publisher = rospy.Publisher("joint_states", JointState, queue_size=1, tcp_nodelay=True)
-    rate, most = rospy.Rate(hertz), DECELERATION / hertz
+    rate, last = rospy.Rate(hertz), time.monotonic()
     while not rospy.is_shutdown():
+        seconds, last = time.monotonic() - last, time.monotonic()
+        most = DECELERATION * seconds
         for i, joint in enumerate(ROBOTS[name][1]):
             speeds[i] += max(-most, min(most, wanted[i] - speeds[i]))
-            at[joint] += speeds[i] / hertz
+            at[joint] += speeds[i] * seconds
         publisher.publish(JointState(name=joints, position=[at[joint] for joint in joints],
                                      header=rospy.Header(stamp=rospy.Time.now())))
         rate.sleep()

@@ -231,6 +231,44 @@ class LimiterTest(unittest.TestCase):
         self.assertTrue(newest(out.limits, lambda x: "0 points" in x.reason))
         driver.message = None
 
+    def test_a_robot_that_moves_without_a_command_is_said_and_stopped_until_commands_have_rested(self):
+        name = "watched: velocity limiter"
+        out = Limited("/watched", Float64MultiArray)
+        driver = Driver("/watched_command", Float64MultiArray)
+        out.hand_on = lambda m: self.joints.command({"slide_a": m.data[0]})
+        rospy.sleep(1.2)  # since it was placed
+        driver.message = Float64MultiArray(data=[0.1])
+        self.assertTrue(newest(out.limits, lambda x: x.scale == 1.0))
+        self.joints.place(slide_a=0.3)  # something pushes it
+        self.assertTrue(newest(out.limits, lambda x: "joint 'slide_a' is 0." in x.reason), out.limits[-1:])
+        self.assertEqual((out.limits[-1].scale, out.limits[-1].verdict), (0.0, SpeedLimit.UNKNOWN))
+        self.assertTrue(newest(out.commands, lambda x: x.data == (0.0,)))
+        self.assertTrue(wait_until(lambda: "off what was passed" in diagnosis_of(name).message))
+        self.assertEqual(level_of(diagnosis_of(name)), 2)
+        start = len(out.commands)
+        rospy.sleep(1.5)
+        self.assertTrue(all(m.data == (0.0,) for m in out.commands[start:]), "who still commands has not noticed")
+        driver.message = None
+        rospy.sleep(1.2)
+        driver.message = Float64MultiArray(data=[0.1])
+        self.assertTrue(newest(out.limits, lambda x: x.scale == 1.0), out.limits[-1:])
+        driver.message = out.hand_on = None
+        self.joints.command({"slide_a": 0.0})
+        rospy.sleep(1.2)
+        nb_commands = len(out.commands)
+        self.joints.place(slide_a=0.6)
+        self.assertTrue(wait_until(lambda: "it moves without a command" in diagnosis_of(name).message))
+        self.assertEqual(len(out.commands), nb_commands, "nothing is sent to a robot that had no command")
+
+    def test_a_robot_that_does_not_follow_is_said_and_stopped(self):
+        out = Limited("/watched", Float64MultiArray)
+        driver = Driver("/watched_command", Float64MultiArray)
+        rospy.sleep(1.2)  # since it was placed
+        driver.message = Float64MultiArray(data=[0.2])
+        self.assertTrue(newest(out.limits, lambda x: "it does not follow" in x.reason), out.limits[-1:])
+        self.assertEqual(out.limits[-1].verdict, SpeedLimit.UNKNOWN)
+        driver.message = None
+
     def test_a_joint_that_is_not_the_robots_is_named_and_nothing_passes(self):
         out = Limited("/unknown_joint", Float64MultiArray)
         driver = Driver("/unknown_command", Float64MultiArray)

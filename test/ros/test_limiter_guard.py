@@ -25,7 +25,8 @@ GUARD = roslib.packages.find_node("collision_pairs", "limited_command_guard")[0]
 PERIOD, TIMEOUT, SPEED = 0.01, 0.2, 0.05   # s, s, m/s
 LATE = 1.0     # s: of a machine with much other work; what is measured is printed
 ATTACH, DETACH, ALL_THREADS = 16, 17, 0x40000000  # sys/ptrace.h, sys/wait.h
-LIMITER = {"joints": ["slide_a"], "deceleration": 2.0, "command_timeout": TIMEOUT}
+# The robot stands all the time.
+LIMITER = {"joints": ["slide_a"], "deceleration": 2.0, "command_timeout": TIMEOUT, "tracking_tolerance": 10.0}
 
 
 class Heard:
@@ -174,6 +175,16 @@ class LimiterGuardTest(unittest.TestCase):
             self.assertEqual(program.said().count("no real-time scheduling"), 1)
         values = {pair.key: pair.value for pair in diagnosis_of("idle: velocity limiter").values}
         self.assertRegex(values["real-time scheduling"], r"^no real-time scheduling: .*limits.conf .*- rtprio \d+'$")
+
+    def test_a_command_that_comes_back_as_the_limited_one_is_refused(self):
+        for node, topic in (("loop", "/loop/limited_command"), ("loop_guard", "/loop_guard/command")):
+            rospy.set_param("/%s/velocity_limiter" % node, dict(LIMITER, command=topic))
+        guard = Program(GUARD, "__name:=loop_guard")
+        guard.wait_for("velocity_limiter/command is the topic of the limited commands, /loop_guard/command")
+        self.assertEqual(guard.process.wait(60), 1)
+        self.programs.append(Program(NODE, "__name:=loop"))
+        self.programs[-1].wait_for("the topic of the limited commands, /loop/limited_command: the limiter would hear itself")
+        self.assertRegex(diagnosis_of("loop: velocity limiter").message, "would hear itself")
 
     def test_without_the_limiters_settings_a_guard_says_so(self):
         guard = Program(GUARD, "__name:=no_settings")

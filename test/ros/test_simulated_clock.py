@@ -32,7 +32,7 @@ class SimulatedClockTest(unittest.TestCase):
         cls.limits = []
         rospy.Subscriber("/own/speed_limit", SpeedLimit, cls.limits.append)
         rospy.set_param("/own/velocity_limiter", {"command": "/command", "joints": ["slide_a"], "deceleration": 2.0,
-                                                  "ramp_up": 1000.0})
+                                                  "ramp_up": 1000.0, "tracking_tolerance": 10.0})
         cls.node = Program(NODE, "__name:=own")
         wait_until(lambda: cls.command.get_num_connections() > 0 and cls.tf.get_num_connections() > 0, "the node")
 

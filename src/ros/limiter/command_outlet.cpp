@@ -9,7 +9,9 @@
 namespace collision_pairs {
 
 CommandOutlet::CommandOutlet(Settings settings)
-    : settings_(std::move(settings)), watchdog_([this] { watch(); }) {}
+    : settings_(std::move(settings)),
+      watch_(settings_.joints, settings_.law),
+      watchdog_([this] { watch(); }) {}
 
 CommandOutlet::~CommandOutlet() {
   {
@@ -20,8 +22,9 @@ CommandOutlet::~CommandOutlet() {
   watchdog_.join();
 }
 
-void CommandOutlet::tell(LimiterLaw& law) {
+void CommandOutlet::tell(LimiterLaw& law, bool moves) {
   const std::lock_guard<std::mutex> lock(mutex_);
+  if (moves) watch_.asked(settings_.now().latest);
   for (const Published& published : untold_) law.published(published.time, published.decision);
   untold_.clear();
   is_deciding_ = true;
@@ -32,6 +35,7 @@ CommandOutlet::Result CommandOutlet::pass(const LimiterDecision& decision, doubl
   const std::lock_guard<std::mutex> lock(mutex_);
   if (!untold_.empty()) return Result::NOT_TOLD;
   const Time now = settings_.now();
+  if (!watch_.fault(now.latest).empty()) return Result::FAULT;
   if (now.steady > deadline || now.law > decision.publish_by) return Result::LATE;
   send_ = std::move(send);
   is_deciding_ = false;
@@ -46,10 +50,34 @@ void CommandOutlet::stop(const LimiterDecision& decision, Send send) {
   publish(decision, settings_.now());
 }
 
+std::string CommandOutlet::measured(const std::vector<ResponseWatch::Position>& positions) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const Time now = settings_.now();
+  const bool was_sound = watch_.fault(now.latest).empty();
+  for (const ResponseWatch::Position& position : positions) watch_.measured(position, now.latest);
+  const std::string fault = watch_.fault(now.latest);
+  if (!was_sound || fault.empty()) return "";
+  if (is_watched_) publish(zeros(fault), now);
+  return fault;
+}
+
+void CommandOutlet::forgetMeasured() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  watch_.clear();
+}
+
+std::string CommandOutlet::fault() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return watch_.fault(settings_.now().latest);
+}
+
 // The command before may be in effect until this one was sent, and for the dead time after that.
 void CommandOutlet::publish(const LimiterDecision& decision, const Time& since) {
+  const double begun = settings_.now().law;
   send_(decision);
-  untold_.push_back({settings_.now().law, decision});
+  const Time now = settings_.now();
+  untold_.push_back({now.law, decision});
+  watch_.published(begun, now.latest, decision.command);
   seconds_to_rest_ = decision.seconds_to_rest;
   since_ = since;
   if (!std::exchange(is_watched_, true)) changed_.notify_all();
@@ -57,7 +85,7 @@ void CommandOutlet::publish(const LimiterDecision& decision, const Time& since) 
 
 double CommandOutlet::secondsLeft() const {
   const Time now = settings_.now();
-  return settings_.command_timeout -
+  return settings_.law.command_timeout -
          std::max({now.steady - since_.steady, now.law - since_.law, now.latest - since_.latest});
 }
 
@@ -74,17 +102,18 @@ void CommandOutlet::watch() {
       changed_.wait_for(lock, std::chrono::duration<double>(std::min(left, settings_.poll)));
       continue;
     }
-    publish(zeros(), settings_.now());
+    const std::string timeout = inWords(settings_.law.command_timeout);
+    publish(zeros(is_deciding_ ? "overrun: a decision lasts, and nothing was passed for " + timeout
+                               : "no command for " + timeout),
+            settings_.now());
     is_watched_ = false;
   }
 }
 
-LimiterDecision CommandOutlet::zeros() const {
-  const std::string timeout = inWords(settings_.command_timeout);
+LimiterDecision CommandOutlet::zeros(std::string reason) const {
   LimiterDecision zeros;
-  zeros.command.assign(settings_.nb_joints, 0.0);
-  zeros.reason = is_deciding_ ? "overrun: a decision lasts, and nothing was passed for " + timeout
-                              : "no command for " + timeout;
+  zeros.command.assign(settings_.joints.size(), 0.0);
+  zeros.reason = std::move(reason);
   zeros.seconds_to_rest = seconds_to_rest_;
   return zeros;
 }

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "limiter_law.h"
+#include "response_watch.h"
 
 namespace collision_pairs {
 
@@ -16,7 +17,8 @@ namespace collision_pairs {
 /// watchdog on a thread of its own that does nothing else, so they come in time whatever a decision
 /// does meanwhile. What is published and what is recorded is the same by construction: both happen
 /// here, under one lock, in one order. A decision that is late, or that does not know of all that
-/// was published, is not published. Thread safe.
+/// was published, is not published; nor is one for a robot that does not do what was published.
+/// Thread safe.
 class CommandOutlet {
  public:
   struct Time {
@@ -27,8 +29,9 @@ class CommandOutlet {
   /// Sends one message of the command's type.
   using Send = std::function<void(const LimiterDecision&)>;
   struct Settings {
-    double command_timeout = 0.2;  ///< s, in whichever time is over first
-    std::size_t nb_joints = 0;
+    std::vector<std::string> joints;  ///< of the command
+    /// Zeros follow after command_timeout, in whichever time is over first.
+    LimiterSettings law;
     double poll = 1e9;  ///< s, at most, between two looks of the watchdog at the time
     std::function<Time()> now;
     std::function<void()> began;  ///< called by the watchdog's thread when it begins; may be empty
@@ -38,12 +41,22 @@ class CommandOutlet {
   ~CommandOutlet();
   CommandOutlet(const CommandOutlet&) = delete;
 
-  /// A decision begins: records in the law what was published since the last call.
-  void tell(LimiterLaw& law);
+  /// A decision begins, on a command that moves or zeros: records in the law what was published
+  /// since the last call.
+  void tell(LimiterLaw& law, bool moves);
 
-  enum class Result { PUBLISHED, LATE, NOT_TOLD };
+  /// Joint states came. If one shows that the robot does not do what was published, and it may
+  /// still have a command, zeros are published at once. Returns the reason if it is a new one.
+  std::string measured(const std::vector<ResponseWatch::Position>& positions);
+  /// What was measured before is of another time.
+  void forgetMeasured();
+  /// See ResponseWatch.
+  std::string fault();
+
+  enum class Result { PUBLISHED, LATE, NOT_TOLD, FAULT };
   /// Publishes a decision on a command that `arrived` then, unless it is later than its publish_by
-  /// or `deadline`, seconds of the steady clock, or something was published since tell().
+  /// or `deadline`, seconds of the steady clock, something was published since tell(), or there is
+  /// a fault().
   Result pass(const LimiterDecision& decision, double deadline, const Time& arrived, Send send);
   /// Publishes zeros, at any time.
   void stop(const LimiterDecision& decision, Send send);
@@ -56,7 +69,7 @@ class CommandOutlet {
 
   void publish(const LimiterDecision& decision, const Time& since);
   double secondsLeft() const;
-  LimiterDecision zeros() const;
+  LimiterDecision zeros(std::string reason) const;
   void watch();
 
   const Settings settings_;
@@ -64,6 +77,7 @@ class CommandOutlet {
   std::condition_variable changed_;
   bool ends_ = false;
   std::vector<Published> untold_;
+  ResponseWatch watch_;
   Send send_;                // of the last command
   bool is_watched_ = false;  // zeros are due after the time-out
   Time since_;               // it counts from here

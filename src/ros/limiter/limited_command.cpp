@@ -14,6 +14,8 @@ namespace {
 constexpr std::size_t MOST_NAMES = 10000;  // of joints: names are external input
 constexpr double SHORTEST_STOP = 0.01;     // s: a trajectory controller drops a point at once
 
+bool isNotZero(double velocity) { return velocity != 0.0; }
+
 // On the way to `given`, and no further than the velocity that passes, which alone is certified,
 // leads in `seconds`.
 double limitedPosition(double from, double given, double scale, double velocity, double seconds) {
@@ -74,6 +76,23 @@ double JointPositions::newestStampOf(const std::vector<std::string>& joints) con
   return newest;
 }
 
+bool asksToMove(const std_msgs::Float64MultiArray& command) {
+  return std::any_of(command.data.begin(), command.data.end(), isNotZero);
+}
+
+bool asksToMove(const trajectory_msgs::JointTrajectory& command) {
+  return std::any_of(command.points.begin(), command.points.end(), [](const auto& point) {
+    return std::any_of(point.velocities.begin(), point.velocities.end(), isNotZero);
+  });
+}
+
+void refuseLoop(const std::string& command, const std::string& limited) {
+  if (command != limited) return;
+  throw InputError("velocity_limiter/command is the topic of the limited commands, " + limited +
+                   ": the limiter would hear itself; who commands and the controller need a topic "
+                   "each");
+}
+
 trajectory_msgs::JointTrajectory limitedTrajectory(const trajectory_msgs::JointTrajectory& command,
                                                    const std::vector<std::string>& joints,
                                                    const LimiterDecision& decision,
@@ -85,8 +104,7 @@ trajectory_msgs::JointTrajectory limitedTrajectory(const trajectory_msgs::JointT
   auto& point = limited.points.front();
   const bool has_point = command.points.size() == 1;
   if (has_point) point.time_from_start = command.points.front().time_from_start;
-  const auto isZero = [](double velocity) { return velocity == 0.0; };
-  if (std::all_of(decision.command.begin(), decision.command.end(), isZero)) {
+  if (std::none_of(decision.command.begin(), decision.command.end(), isNotZero)) {
     limited.header.stamp = ros::Time();
     const ros::Duration stop(std::max(SHORTEST_STOP, decision.seconds_to_rest));
     if (point.time_from_start <= ros::Duration() || point.time_from_start > stop) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <sensor_msgs/JointState.h>
+#include <std_msgs/Float64MultiArray.h>
 #include <trajectory_msgs/JointTrajectory.h>
 
 #include "limiter_law.h"
@@ -44,6 +45,13 @@ class JointPositions {
   std::map<std::string, Position> newest_;
   std::map<std::string, Refused> refused_;
 };
+
+/// Whether a velocity is not zero.
+bool asksToMove(const std_msgs::Float64MultiArray& command);
+bool asksToMove(const trajectory_msgs::JointTrajectory& command);
+
+/// Throws InputError if the limiter would hear what it has passed, in the end: topics, resolved.
+void refuseLoop(const std::string& command, const std::string& limited);
 
 /// The command with the velocities that the decision passes, in the command's order. Positions, if
 /// it has some, are on the way from the measured ones to the given ones, by the scale, and no

@@ -43,6 +43,7 @@ class Guard {
     ros::NodeHandle own(node), own_private(private_node);
     const auto hints = ros::TransportHints().tcpNoDelay();
     publisher_ = own_private.advertise<Command>("command", 1);
+    refuseLoop(own.resolveName(parameters.command), publisher_.getTopic());
     commands_ = own_private.subscribe("limited_command", 1, &Guard::pass, this, hints);
     if (parameters_.is_trajectory) {
       states_ = own.subscribe(parameters_.joint_states, 10, &Guard::take, this, hints);

@@ -31,6 +31,12 @@ class LimiterClock {
   /// The same, of latest(): may have passed.
   double lawLatest() const { return law_ + (latest() - clock_); }
 
+  /// When a position was measured, on the time of law(): that of its stamp, which a simulated clock
+  /// may not have reached; else that by which it was measured.
+  double lawAt(double stamp, double measured) const {
+    return law_ + ((is_simulated_ ? stamp : measured) - clock_);
+  }
+
   /// Wall time since latest() last moved, if the time is simulated; else 0.
   double standsFor(double steady) const;
 

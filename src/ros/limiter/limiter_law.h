@@ -25,6 +25,7 @@ struct LimiterSettings {
   /// 0 to 1: of a command that leads away from all that is near.
   double retreat_scale = 0.2;
   double ramp_up = 2.0;  ///< per second, > 0: the scale rises at most this fast; it falls at once
+  double tracking_tolerance = 0.01;  ///< rad or m, > 0: see ResponseWatch
 };
 
 /// Two models that are near each other, or may come.

@@ -29,6 +29,7 @@ const std::map<std::string, Range> NUMBERS = {
     {"obstacle_speed", {&LimiterSettings::obstacle_speed, 0.0, 100.0, false}},
     {"retreat_scale", {&LimiterSettings::retreat_scale, 0.0, 1.0, false}},
     {"ramp_up", {&LimiterSettings::ramp_up, 0.0, 1e6, true}},
+    {"tracking_tolerance", {&LimiterSettings::tracking_tolerance, 0.0, 10.0, true}},
 };
 const std::vector<std::string> WORDS = {"command", "command_type", "joints", "joint_states",
                                         "deceleration"};

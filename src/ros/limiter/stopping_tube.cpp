@@ -11,6 +11,8 @@ namespace {
 // Commands are kept this much longer than needed, for joint states that are late: seconds.
 constexpr double LATEST_JOINT_STATE = 1.0;
 constexpr double ROUNDED_UP = 1.0 + 1e-9;
+constexpr double STEP = 0.002;  // s, in which the bounds of a velocity are taken as constant
+constexpr double INF = std::numeric_limits<double>::infinity();
 
 double square(double x) { return x * x; }
 
@@ -56,14 +58,15 @@ struct PassedCommands::Sequence {
   }
 };
 
-PassedCommands::PassedCommands(RobotResponse response) : response_(std::move(response)) {
-  passed_.push_back({-std::numeric_limits<double>::infinity(),
-                     std::vector<double>(response_.deceleration.size(), 0.0)});
+PassedCommands::PassedCommands(RobotResponse response)
+    : response_(std::move(response)), renewed_(-INF) {
+  passed_.push_back({-INF, -INF, std::vector<double>(response_.deceleration.size(), 0.0)});
 }
 
-void PassedCommands::add(double now, const std::vector<double>& command) {
+void PassedCommands::add(double now, const std::vector<double>& command, double begun) {
+  renewed_ = now;
   if (passed_.back().command == command) return;
-  passed_.push_back({now, command});
+  passed_.push_back({now, begun, command});
   forget(now);
 }
 
@@ -84,6 +87,35 @@ void PassedCommands::forget(double now) {
     return endOf(0, now) + way > now - LATEST_JOINT_STATE;
   };
   while (passed_.size() > 1 && !hasEffect(passed_.front())) passed_.pop_front();
+}
+
+// A velocity is never above all commands that may be in effect, except on its way down from one
+// that was: it then falls at least at the deceleration. The same for below.
+PassedCommands::Way PassedCommands::way(std::size_t joint, double from, double to,
+                                        double early) const {
+  const double rate = response_.deceleration[joint];
+  Way way;
+  const int nb_steps = std::max(1, static_cast<int>(std::ceil((to - from) / STEP)));
+  const double seconds = (to - from) / nb_steps;
+  for (int step = 0; step < nb_steps; ++step) {
+    const double begin = from + step * seconds, end = begin + seconds;
+    double lowest = INF, highest = -INF;
+    const auto mayBe = [&](double velocity, double in_effect_until) {
+      const double change = rate * std::max(0.0, begin - in_effect_until);
+      lowest = std::min(lowest, velocity + change);
+      highest = std::max(highest, velocity - change);
+    };
+    for (std::size_t i = 0; i < passed_.size() && passed_[i].begun - early <= end; ++i) {
+      const bool is_last = i + 1 == passed_.size();
+      mayBe(passed_[i].command[joint], is_last ? INF : endOf(i, INF));
+    }
+    // Whoever stands behind the limiter sends zeros then.
+    if (end > renewed_ + response_.hold - early) mayBe(0.0, INF);
+    way.low += lowest * seconds;
+    way.high += highest * seconds;
+    way.fastest = std::max({way.fastest, std::abs(lowest), std::abs(highest)});
+  }
+  return way;
 }
 
 double PassedCommands::secondsToRest(const std::vector<double>& next) const {

@@ -41,13 +41,23 @@ class PassedCommands {
   explicit PassedCommands(RobotResponse response);
 
   /// A command was published at `now`: seconds of any clock that does not jump, not before that of
-  /// the last one.
-  void add(double now, const std::vector<double>& command);
+  /// the last one. Sending it began at `begun`.
+  void add(double now, const std::vector<double>& command, double begun);
+  void add(double now, const std::vector<double>& command) { add(now, command, now); }
 
   /// `next`, which is to be passed `now` or before, is a multiple of `direction`, which is not
   /// zero; the positions were measured at `stamp` <= now.
   StoppingTube tube(double stamp, double now, const std::vector<double>& direction,
                     const std::vector<double>& next) const;
+
+  /// Bounds of what a joint moved between two instants of the past, of which the first is at most a
+  /// second old: rad or m. Commands may have had an effect `early`, seconds >= 0: where instants
+  /// are stamps of a clock that may be late.
+  struct Way {
+    double low = 0.0, high = 0.0;
+    double fastest = 0.0;  ///< of either direction, per second
+  };
+  Way way(std::size_t joint, double from, double to, double early) const;
 
   /// The longest that a joint takes to rest, from `next` or a command that may be in effect.
   double secondsToRest(const std::vector<double>& next) const;
@@ -57,7 +67,7 @@ class PassedCommands {
 
  private:
   struct Passed {
-    double time;
+    double time, begun;
     std::vector<double> command;
   };
   struct Sequence;
@@ -69,6 +79,7 @@ class PassedCommands {
 
   RobotResponse response_;
   std::deque<Passed> passed_;
+  double renewed_;  // when the last one was published, again
 };
 
 }  // namespace collision_pairs

@@ -53,6 +53,7 @@ VelocityLimiter::VelocityLimiter(const ros::NodeHandle& node, const ros::NodeHan
   } catch (const std::exception& error) {
     error_ = error.what();
     parameters_.reset();
+    subscribers_.clear();
     ROS_ERROR_STREAM("nothing is limited, and no command is passed: " << error_);
   }
 }
@@ -89,6 +90,7 @@ void VelocityLimiter::start(const ros::NodeHandle& node, const ros::NodeHandle& 
           take({message, {}, {}});
         }));
   }
+  refuseLoop(subscribers_.back().getTopic(), limited_.getTopic());
   const auto wanted = [this] {
     const ActiveScenePtr active = context_.monitor.activeScene();
     return PreparedSurroundings::Wanted{active ? active->scene : nullptr,
@@ -102,8 +104,8 @@ void VelocityLimiter::start(const ros::NodeHandle& node, const ros::NodeHandle& 
         return made;
       });
   CommandOutlet::Settings outlet;
-  outlet.command_timeout = parameters_->law.command_timeout;
-  outlet.nb_joints = parameters_->joints.size();
+  outlet.joints = parameters_->joints;
+  outlet.law = parameters_->law;
   if (ros::Time::isSimTime()) outlet.poll = SIMULATED_WAIT;
   outlet.now = [this] { return now(); };
   outlet.began = [this] { beginThread("limiter_watch", PRIORITY + 2); };
@@ -149,10 +151,27 @@ void VelocityLimiter::work() {
 
 void VelocityLimiter::take(const sensor_msgs::JointState& message) {
   const unsigned nb_jumps = nbClockJumps();
-  const std::lock_guard<std::mutex> lock(inputs_mutex_);
-  followClock(nb_jumps);
-  positions_.take(message, clock_.clock(), parameters_->law.max_joint_state_age);
-  clock_.receive(positions_.newestStampOf(parameters_->joints));
+  std::vector<ResponseWatch::Position> positions;
+  bool has_jumped = false;
+  {
+    const std::lock_guard<std::mutex> lock(inputs_mutex_);
+    followClock(nb_jumps);
+    positions_.take(message, clock_.clock(), parameters_->law.max_joint_state_age);
+    clock_.receive(positions_.newestStampOf(parameters_->joints));
+    for (std::size_t joint = 0; joint < parameters_->joints.size(); ++joint) {
+      const auto found = positions_.all().find(parameters_->joints[joint]);
+      if (found == positions_.all().end()) continue;
+      const JointPositions::Position& position = found->second;
+      positions.push_back({joint, clock_.lawAt(position.stamp, position.measured), position.value});
+    }
+    has_jumped = std::exchange(has_jumped_, false);
+  }
+  if (has_jumped) outlet_->forgetMeasured();
+  const std::string fault = outlet_->measured(positions);
+  if (fault.empty()) return;
+  ROS_ERROR_STREAM("velocity limiter: " << fault);
+  const std::lock_guard<std::mutex> lock(mutex_);
+  response_fault_ = fault;
 }
 
 void VelocityLimiter::take(Command command) {
@@ -172,7 +191,10 @@ unsigned VelocityLimiter::nbClockJumps() const {
 
 CommandOutlet::Time VelocityLimiter::followClock(unsigned nb_jumps) {
   const double steady = ros::SteadyTime::now().toSec();
-  if (clock_.follow(ros::Time::now().toSec(), steady, nb_jumps)) positions_.clear();
+  if (clock_.follow(ros::Time::now().toSec(), steady, nb_jumps)) {
+    positions_.clear();
+    has_jumped_ = true;
+  }
   nb_clock_jumps_ = nb_jumps;
   return {clock_.law(), clock_.lawLatest(), steady};
 }
@@ -186,7 +208,8 @@ CommandOutlet::Time VelocityLimiter::now() {
 void VelocityLimiter::answer(const CommandPtr& command) {
   const auto start = std::chrono::steady_clock::now();
   const double began = ros::SteadyTime::now().toSec();
-  outlet_->tell(*law_);
+  outlet_->tell(*law_,
+                command->array ? asksToMove(*command->array) : asksToMove(*command->trajectory));
   LimiterDecision decision;
   const auto send = sendAs(command);
   auto result = CommandOutlet::Result::LATE;
@@ -200,10 +223,11 @@ void VelocityLimiter::answer(const CommandPtr& command) {
     result = outlet_->pass(decision, began + TIME_TO_DECIDE, command->arrived, send);
   }
   const double took = ros::SteadyTime::now().toSec() - command->arrived.steady;
-  const bool is_late = result == CommandOutlet::Result::LATE;
-  if (result != CommandOutlet::Result::PUBLISHED) {
-    decision = law_->stop(is_late ? "overrun: the decision took " + inWords(took)
-                                  : "zeros were published while it was decided");
+  using Result = CommandOutlet::Result;
+  if (result != Result::PUBLISHED) {
+    decision = law_->stop(result == Result::LATE    ? "overrun: the decision took " + inWords(took)
+                          : result == Result::FAULT ? outlet_->fault()
+                                                    : "zeros were published while it was decided");
     outlet_->stop(decision, send);
   }
   const bool is_fault = decision.verdict == Verdict::UNKNOWN && decision.first.empty();
@@ -211,7 +235,7 @@ void VelocityLimiter::answer(const CommandPtr& command) {
   const std::lock_guard<std::mutex> lock(mutex_);
   fault_ = is_fault ? decision.reason : "";
   ++nb_commands_;
-  nb_overruns_ += is_late ? 1 : 0;
+  nb_overruns_ += result == Result::LATE ? 1 : 0;
   slowest_ = std::max(slowest_, took);
 }
 
@@ -346,8 +370,12 @@ void VelocityLimiter::diagnose(diagnostic_updater::DiagnosticStatusWrapper& stat
     status.summary(DiagnosticStatus::ERROR, error_);
     return;
   }
+  const bool is_past = outlet_->fault().empty();
   const std::lock_guard<std::mutex> lock(mutex_);
-  if (nb_commands_ == 0 && always_near_.empty()) {
+  if (!response_fault_.empty()) {
+    status.summary(DiagnosticStatus::ERROR, response_fault_);
+    if (is_past) response_fault_.clear();
+  } else if (nb_commands_ == 0 && always_near_.empty()) {
     status.summary(DiagnosticStatus::OK, "no commands on " + subscribers_.back().getTopic());
   } else if (nb_overruns_ > 0) {
     status.summary(DiagnosticStatus::WARN, "decisions took too long");

@@ -86,6 +86,7 @@ class VelocityLimiter {
   JointPositions positions_;
   LimiterClock clock_;
   unsigned nb_clock_jumps_ = 0;
+  bool has_jumped_ = false;  // and the outlet does not know yet
   CommandPtr next_;
 
   bool is_first_scene_known_ = false;  // used by the thread that prepares checkers only
@@ -96,7 +97,8 @@ class VelocityLimiter {
   mutable std::mutex mutex_;  // guards what diagnose() and lastLimit() read
   std::optional<SpeedLimit> last_limit_;
   ros::SteadyTime last_limit_from_;
-  std::string fault_;  // why the last command was stopped, if it was not for what is near
+  std::string fault_;           // why the last command was stopped, if it was not for what is near
+  std::string response_fault_;  // of the watch, until it is past and was diagnosed
   std::string real_time_ = "not asked for yet";  // or "yes", or why not
   std::vector<std::string> always_near_;         // what stops every command, and the remedy
   bool lacks_real_time_ = false;                 // and the log says so

@@ -1,0 +1,105 @@
+#include "response_watch.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "user_text.h"
+
+namespace collision_pairs {
+namespace {
+
+constexpr double PI = 3.14159265358979323846;
+constexpr double LONGEST_GAP =
+    1.0;                      // s between states that are compared: commands are kept so long
+constexpr double REST = 1.0;  // s without a fault or a command, after which commands pass
+constexpr double SPEED_ERROR = 0.02;  // share of its speed by which a joint may miss it
+
+RobotResponse responseOf(const LimiterSettings& settings) {
+  return {settings.reaction_time, settings.command_timeout, settings.deceleration};
+}
+
+}  // namespace
+
+ResponseWatch::ResponseWatch(std::vector<std::string> joints, const LimiterSettings& settings)
+    : joints_(std::move(joints)),
+      hold_(settings.command_timeout),
+      tolerance_(settings.tracking_tolerance),
+      passed_(responseOf(settings)),
+      predicted_(joints_.size()),
+      last_published_(-std::numeric_limits<double>::infinity()) {}
+
+void ResponseWatch::published(double begun, double now, const std::vector<double>& command) {
+  const double zeros_due = last_published_ + hold_;  // somebody else may have sent them: the guard
+  if (begun > zeros_due) passed_.add(now, std::vector<double>(joints_.size(), 0.0), zeros_due);
+  passed_.add(now, command, begun);
+  last_published_ = now;
+}
+
+void ResponseWatch::clear() { predicted_.assign(joints_.size(), std::nullopt); }
+
+void ResponseWatch::measured(const Position& position, double now) {
+  if (!std::isfinite(position.value)) return;
+  std::optional<Predicted>& predicted = predicted_[position.joint];
+  const double half = 0.5 * tolerance_;
+  const Predicted alone{position.stamp, position.value - half, position.value + half};
+  if (!predicted || position.stamp - predicted->stamp > LONGEST_GAP) {
+    predicted = alone;
+    return;
+  }
+  if (!(position.stamp > predicted->stamp)) return;
+  const double early = std::max(0.0, now - position.stamp);
+  const PassedCommands::Way way =
+      passed_.way(position.joint, predicted->stamp, position.stamp, early);
+  const double missed = SPEED_ERROR * way.fastest * (position.stamp - predicted->stamp);
+  double low = predicted->low + way.low - missed, high = predicted->high + way.high + missed;
+  // A joint without limits may be reported within a turn.
+  const double jump = position.value - 0.5 * (low + high);
+  const double turns = std::abs(jump) > PI ? 2.0 * PI * std::round(jump / (2.0 * PI)) : 0.0;
+  low = std::max(low + turns, alone.low);
+  high = std::min(high + turns, alone.high);
+  if (low <= high) {
+    predicted = Predicted{position.stamp, low, high};
+    return;
+  }
+  // Of the two ends one is the position's own, less or more half the tolerance.
+  const double off = (low > alone.low ? -1.0 : 1.0) * (low - high + tolerance_);
+  fault_time_ = now;
+  if (fault_.empty()) fault_ = wordsOf(position, off, way);
+  predicted = alone;
+}
+
+std::string ResponseWatch::wordsOf(const Position& position, double off,
+                                   const PassedCommands::Way& way) const {
+  const auto moves = [&](std::size_t joint) {
+    const auto of = passed_.way(joint, position.stamp - 1e-3, position.stamp, 0.0);
+    return of.fastest > 0.0;
+  };
+  bool others_move = false;
+  for (std::size_t joint = 0; joint < joints_.size(); ++joint) {
+    others_move = others_move || (joint != position.joint && moves(joint));
+  }
+  std::string words = "joint '" + joints_[position.joint] + "' is " +
+                      formatted("%.3f", std::abs(off)) + " (rad or m) off what was passed: ";
+  if (way.fastest == 0.0) {
+    words +=
+        "it moves without a command; does gravity or somebody push it, or another program "
+        "command it?";
+  } else if (off > 0.0 ? way.high > 0.0 : way.low < 0.0) {
+    words += "it goes further; is deceleration too high, or reaction_time too short?";
+  } else {
+    words += "it does not follow; is its drive on, is it at a limit, is reaction_time too short?";
+  }
+  if (others_move) words += " Are joints in the order of the command?";
+  return words + " Let commands rest for a second to go on";
+}
+
+void ResponseWatch::asked(double now) { fault_time_ = std::max(fault_time_, now); }
+
+std::string ResponseWatch::fault(double now) {
+  if (now - fault_time_ > REST) fault_.clear();
+  return fault_;
+}
+
+}  // namespace collision_pairs
