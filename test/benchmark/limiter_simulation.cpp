@@ -60,6 +60,7 @@ double lengthOf(const std::vector<double>& v) {
 void SimulationResult::add(const SimulationResult& other) {
   RobotsPart::add(other);
   seconds += other.seconds;
+  first_contact = std::min(first_contact, other.first_contact);
   nb_stops += other.nb_stops;
   nb_commands += other.nb_commands;
   passed += other.passed;
@@ -261,12 +262,13 @@ SimulationResult LimiterScene::run(const Limiter& limiter, RandomInputs& random,
       if (options_.disturbed && random.uniform(0, 1) < 0.1) late.high = 0.15;
       if (!is_lost) coming.push_back({now + late.draw(random), now, measured()});
     }
+    bool stops = false;
     for (auto it = coming.begin(); it != coming.end();) {
       if (it->known_from > now) {
         ++it;
         continue;
       }
-      if (options_.watch) options_.watch(now, it->stamp, it->positions);
+      stops = (options_.watch && options_.watch(now, it->stamp, it->positions)) || stops;
       if (it->stamp > view.stamp) {  // the newest, in whatever order they come
         view.stamp = it->stamp;
         newest = it->positions;
@@ -302,7 +304,7 @@ SimulationResult LimiterScene::run(const Limiter& limiter, RandomInputs& random,
         }
       }
     }
-    if (!has_passed_zeros && now - last_command >= options_.command_timeout) {
+    if (!has_passed_zeros && (stops || now - last_command >= options_.command_timeout)) {
       has_passed_zeros = true;
       view.command.clear();
       passed = limiter(view);
@@ -319,6 +321,7 @@ SimulationResult LimiterScene::run(const Limiter& limiter, RandomInputs& random,
       const bool touches = judge_->judge(checked, robot->positions(), mover.position(),
                                          settings().stop_distance, result);
       checked = robot->positions();
+      if (result.nb_contacts > 0) result.first_contact = std::min(result.first_contact, now);
       if (touches && options_.obstacle_speed > 0.0) mover.turnBack(0.05);
     }
   }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -64,8 +65,8 @@ struct SimulationOptions {
   std::function<std::vector<double>(double now, const std::vector<double>& q)> commands;
   /// Called in each step, before the robot moves.
   std::function<void(double now, SimulatedRobot& robot)> pace;
-  /// Told of each joint state that arrives.
-  std::function<void(double now, double stamp, const std::vector<double>& measured)> watch;
+  /// Told of each joint state that arrives. True: zeros are to be passed at once.
+  std::function<bool(double now, double stamp, const std::vector<double>& measured)> watch;
 };
 
 /// A box beyond all that the robot's last joint moves.
@@ -74,6 +75,7 @@ RigidObject heldBox(const RobotModel& robot, const std::string& last_joint);
 /// What happened to the robot, and what was passed.
 struct SimulationResult : RobotsPart {
   double seconds = 0.0;
+  double first_contact = std::numeric_limits<double>::infinity();  ///< s
   int nb_stops = 0;                             ///< commands that were stopped, of …
   int nb_commands = 0;                          ///< … all that were not zero
   double passed = 0.0;                          ///< integral of passed speed, of …

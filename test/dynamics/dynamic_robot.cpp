@@ -111,6 +111,7 @@ class RealTimeRobot {
     options.pace = [this](double now, SimulatedRobot& of) { pace(now, of); };
     options.watch = [&](double, double stamp, const std::vector<double>& q) {
       publish(robot, *scene_, stamp, q);
+      return false;
     };
     scene_ = std::make_unique<LimiterScene>(robot.robot, robot.joints, seed_, options);
     addObjects(clutter(robot.robot, seed_, options.nb_things));

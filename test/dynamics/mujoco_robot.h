@@ -24,8 +24,10 @@ const char* servoName(Servo servo);
 /// What is wrong with a robot.
 struct RobotFault {
   bool exchanges_joints = false;  ///< the second and the third: each moves as the other is told
-  bool sags = false;              ///< at zero command the servos are off
-  double push = 0.0;              ///< torque on each joint, as a share of what its motor has
+  double sags = 0.0;              ///< share of the torque that is missing at zero command
+  /// Torque on each joint from push_from, s, on: in shares of what the motors have.
+  std::vector<double> push;
+  double push_from = 0.0;
 };
 
 /// Made from the collision geometry: links are the boxes around their elements, of one density, and
@@ -66,6 +68,7 @@ class MujocoRobot : public SimulatedRobot {
   std::shared_ptr<const RobotWithMass> robot_;
   Servo servo_;
   RobotFault fault_;
+  double time_ = 0.0;
   std::unique_ptr<mjData, void (*)(mjData*)> data_;
   std::vector<double> set_velocities_, set_positions_, integrals_;
 };
