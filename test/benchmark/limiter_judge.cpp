@@ -104,7 +104,14 @@ LimiterJudge::Near LimiterJudge::nearPairs(const std::vector<double>& q, const V
 bool LimiterJudge::judge(const std::vector<double>& before, const std::vector<double>& now,
                          const Vector3d& mover, double stop_distance, RobotsPart& part) {
   const Near near = nearPairs(now, mover, ALARM);
-  const Near was = near.empty() || before == now ? near : nearPairs(before, mover, ALARM + 0.05);
+  const auto isMovers = [&](const auto& of) {
+    return isOfMover(of.first.first) || isOfMover(of.first.second);
+  };
+  // Only what moves by itself has to be asked again where it is now.
+  const bool is_mover_near = std::any_of(near.begin(), near.end(), isMovers);
+  const Near was = before == now   ? near
+                   : is_mover_near ? nearPairs(before, mover, ALARM + 0.05)
+                                   : were_;
   const auto isFar = [&](const auto& pair) {
     const auto found = near.find(pair);
     return found == near.end() || found->second >= stop_distance;

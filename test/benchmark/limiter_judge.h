@@ -46,8 +46,8 @@ class LimiterJudge {
   double distanceAt(const std::vector<double>& q, const Eigen::Vector3d& mover,
                     double alarm_distance);
 
-  /// What the robot did between two checks, with the obstacle where it is now. True if something
-  /// touches.
+  /// What the robot did between two checks, with the obstacle where it is now: `before` is `now` of
+  /// the last call. True if something touches.
   bool judge(const std::vector<double>& before, const std::vector<double>& now,
              const Eigen::Vector3d& mover, double stop_distance, RobotsPart& part);
 

@@ -26,7 +26,7 @@ constexpr double LEAST_ARMATURE = 0.02;  // kg m^2
 constexpr double FRICTION = 0.05;        // of the most torque: dry; the same at 1 rad/s: viscous
 constexpr double RAMPS[] = {5.0, 4.0, 6.0};  // rad/s^2, of joints in turn
 // 1/s. Of the ramp's tracking, critically damped; of the velocity loop and its integral.
-constexpr double TRACKING = 80.0, VELOCITY_LOOP = 100.0, INTEGRAL = 25.0;
+constexpr double TRACKING = 80.0, VELOCITY_LOOP = 150.0, INTEGRAL = 40.0;
 constexpr double MOST_PROPORTIONAL = 0.4;  // share of the torque: where the velocity loop saturates
 constexpr double KNOWN_GRAVITY = 0.95;     // share of gravity that the ramp's feed-forward knows
 
