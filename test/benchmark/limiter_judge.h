@@ -51,6 +51,10 @@ class LimiterJudge {
   bool judge(const std::vector<double>& before, const std::vector<double>& now,
              const Eigen::Vector3d& mover, double stop_distance, RobotsPart& part);
 
+  /// Metres that anything may come nearer after the last call without a contact or a new smallest
+  /// distance.
+  double room() const { return room_; }
+
  private:
   using Near = std::map<std::pair<std::uint32_t, std::uint32_t>, double>;
   Near nearPairs(const std::vector<double>& q, const Eigen::Vector3d& mover, double alarm_distance);
@@ -65,6 +69,7 @@ class LimiterJudge {
   BodyPoses poses_;
   Near taken_;  ///< metres that the robot took away, of each obstacle that is too near
   Near were_;   ///< distances at the last check
+  double room_ = 0.0;
 };
 
 }  // namespace collision_pairs

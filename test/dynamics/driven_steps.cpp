@@ -12,6 +12,7 @@ namespace collision_pairs {
 namespace {
 
 constexpr double STEP = 0.001, COMMAND_PERIOD = 0.01;  // s
+constexpr double VELOCITY = 1.0, HOLD = 0.6;           // rad/s, s
 constexpr double START = 1000.0;                       // s: a bag has no time 0
 // As drive_steps has them: they end where they begin.
 constexpr double SHARES[] = {0.0, 1.0, 0.0,  -1.0, 0.0, 0.5,  0.0, -0.5,
@@ -59,30 +60,31 @@ class Drive {
 
 }  // namespace
 
-StoppingRecording driveSteps(const SimulationOptions& options, const StepsOptions& steps,
+StoppingRecording driveSteps(const SimulationOptions& options,
                              const std::vector<std::string>& joints,
-                             const std::vector<double>& from, RandomInputs& random) {
+                             const std::vector<std::vector<double>>& postures,
+                             RandomInputs& random) {
   const std::vector<double> zeros(joints.size(), 0.0);
-  Drive drive(options, joints, from, random);
-  for (int posture = 0; posture <= steps.nb_postures; ++posture) {
+  Drive drive(options, joints, postures.front(), random);
+  for (const std::vector<double>& posture : postures) {
     for (std::size_t j = 0; j < joints.size(); ++j) {
+      std::vector<double> velocities = zeros;
+      const double way = posture[j] - drive.positions()[j];
+      velocities[j] = std::copysign(VELOCITY, way);
+      drive.hold(velocities, std::abs(way) / VELOCITY);
+      drive.hold(zeros, HOLD);
+    }
+    std::vector<double> all = zeros;
+    for (double& x : all) x = random.integer(0, 1) ? VELOCITY : -VELOCITY;
+    for (std::size_t j = 0; j <= joints.size(); ++j) {
       for (const double share : SHARES) {
         std::vector<double> velocities = zeros;
-        velocities[j] = share * steps.velocity;
-        drive.hold(velocities, steps.hold);
+        for (std::size_t k = 0; k < joints.size(); ++k) {
+          if (k == j || j == joints.size()) velocities[k] = share * all[k];
+        }
+        drive.hold(velocities, HOLD);
       }
     }
-    if (posture == steps.nb_postures) break;
-    std::vector<double> velocities(joints.size());
-    double largest = 0.0;
-    for (std::size_t j = 0; j < joints.size(); ++j) {
-      const double way = random.uniform(1.0, 2.0);  // across zero: no joint is slow
-      velocities[j] = drive.positions()[j] > 0.0 ? -way : way;
-      largest = std::max(largest, std::abs(velocities[j]));
-    }
-    for (double& x : velocities) x *= steps.velocity / largest;
-    drive.hold(velocities, largest / steps.velocity);
-    drive.hold(zeros, steps.hold);
   }
   return drive.recording();
 }

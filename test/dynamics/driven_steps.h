@@ -9,15 +9,12 @@
 
 namespace collision_pairs {
 
-struct StepsOptions {
-  double velocity = 1.0, hold = 1.0;  ///< rad/s, s
-  int nb_postures = 3;  ///< others than the first, each at the end of a motion of all joints
-};
-
-/// Dead times, rates, lateness and noise are those of the options; the robot stands in `from`.
-StoppingRecording driveSteps(const SimulationOptions& options, const StepsOptions& steps,
+/// In each posture, which are reached joint by joint: steps of one joint after the other, and of
+/// all together. Dead times, rates, lateness and noise are those of the options.
+StoppingRecording driveSteps(const SimulationOptions& options,
                              const std::vector<std::string>& joints,
-                             const std::vector<double>& from, RandomInputs& random);
+                             const std::vector<std::vector<double>>& postures,
+                             RandomInputs& random);
 
 /// Topics /command and /joint_states.
 void writeBag(const StoppingRecording& recording, const std::string& path);

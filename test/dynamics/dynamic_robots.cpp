@@ -30,9 +30,7 @@ SimulationOptions DynamicRobot::options(bool holds_box, const RobotFault& fault)
 }
 
 StoppingRecording DynamicRobot::steps(RandomInputs& random) const {
-  std::vector<double> from(joints.size());
-  for (double& x : from) x = random.uniform(-1.0, 1.0);
-  return driveSteps(options(true), {}, joints, from, random);
+  return driveSteps(options(true), joints, with_box->heaviest(), random);
 }
 
 void tell(const StoppingAnalysis& found, SimulationOptions& options) {

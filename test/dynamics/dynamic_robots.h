@@ -23,7 +23,7 @@ struct DynamicRobot {
   /// Among objects: dead times of 8 to 20 ms, joint states at 100 to 250 Hz, 5 to 20 ms late, with
   /// noise of up to 1 mrad; judged at 1 kHz.
   SimulationOptions options(bool holds_box, const RobotFault& fault = {}) const;
-  /// Steps with the box, from a random posture.
+  /// Steps with the box, in the postures in which joints move most.
   StoppingRecording steps(RandomInputs& random) const;
 };
 

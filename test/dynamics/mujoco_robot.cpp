@@ -145,9 +145,10 @@ RobotWithMass::RobotWithMass(const RobotModel& robot, const std::vector<std::str
 void RobotWithMass::findMotors(const std::vector<std::string>& joints) {
   mjModel& model = *model_;
   const auto nb = static_cast<std::size_t>(model.nv);
-  std::vector<double> gravity(nb), coupled(nb), mean(nb), full(nb * nb), ramp(nb);
+  std::vector<double> gravity(nb), coupled(nb), mean(nb), most(nb), full(nb * nb), ramp(nb);
   for (std::size_t i = 0; i < joints.size(); ++i) {
     const int id = mj_name2id(&model, mjOBJ_JOINT, joints[i].c_str());
+    heaviest_.emplace_back(joints.size(), 0.0);
     motors_.push_back({model.jnt_dofadr[id], RAMPS[i % 3], 0.0, 0.0});
     ramp[motors_.back().address] = motors_.back().ramp;
   }
@@ -156,16 +157,25 @@ void RobotWithMass::findMotors(const std::vector<std::string>& joints) {
   // First for the links alone, then with the motors' inertia.
   for (int round = 0; round < 2; ++round) {
     std::fill(mean.begin(), mean.end(), 0.0);
+    std::fill(most.begin(), most.end(), 0.0);
     for (int i = 0; i < POSTURES; ++i) {
-      for (std::size_t j = 0; j < nb; ++j) data->qpos[j] = random.uniform(-3.0, 3.0);
+      for (std::size_t j = 0; j < nb; ++j) data->qpos[j] = random.uniform(-2.0, 2.0);
       mj_forward(&model, data.get());
       mj_fullM(&model, full.data(), data->qM);
+      for (std::size_t m = 0; m < motors_.size(); ++m) {
+        const auto j = static_cast<std::size_t>(motors_[m].address);
+        if (full[j * nb + j] <= most[j]) continue;
+        for (std::size_t k = 0; k < motors_.size(); ++k) {
+          heaviest_[m][k] = data->qpos[motors_[k].address];
+        }
+      }
       for (std::size_t j = 0; j < nb; ++j) {
         double sum = 0.0;
         for (std::size_t k = 0; k < nb; ++k) sum += std::abs(full[j * nb + k]) * ramp[k];
         gravity[j] = std::max(gravity[j], std::abs(data->qfrc_bias[j]));
         coupled[j] = std::max(coupled[j], sum);
         mean[j] += full[j * nb + j] / POSTURES;
+        most[j] = std::max(most[j], full[j * nb + j]);
       }
     }
     for (std::size_t j = 0; j < nb && round == 0; ++j) {

@@ -46,12 +46,15 @@ class RobotWithMass {
     double most_torque;  ///< Nm
   };
   const std::vector<Motor>& motors() const { return motors_; }
+  /// For each joint, of many random postures within 2 rad the one in which it moves most.
+  const std::vector<std::vector<double>>& heaviest() const { return heaviest_; }
   const mjModel* model() const { return model_.get(); }
 
  private:
   void findMotors(const std::vector<std::string>& joints);
   std::unique_ptr<mjModel, void (*)(mjModel*)> model_;
   std::vector<Motor> motors_;
+  std::vector<std::vector<double>> heaviest_;
 };
 
 class MujocoRobot : public SimulatedRobot {
