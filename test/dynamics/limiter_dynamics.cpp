@@ -140,6 +140,7 @@ double largestOf(const std::vector<double>& v) {
 
 struct Noticed {
   double contact, fault, onset;  ///< s; infinite: none
+  double nearest;                ///< m
   std::string words;
 };
 
@@ -149,7 +150,7 @@ Noticed broken(const DynamicRobot& robot, const SimulationOptions& told, const s
   RandomInputs random(seed);
   RobotFault fault;
   fault.exchanges_joints = wrong == "exchanged";
-  fault.sags = wrong == "sags" ? 0.3 : 0.0;
+  fault.sags = wrong == "sags" ? 0.5 : 0.0;
   SimulationOptions options = robot.options(false);
   options.reaction_time = told.reaction_time;
   options.decelerations = told.decelerations;
@@ -181,7 +182,7 @@ Noticed broken(const DynamicRobot& robot, const SimulationOptions& told, const s
   limiter = std::make_unique<NodeLimiter>(scene, random, true);
   const std::vector<double> from = stateNear(scene, *probe, random);
   constexpr double NEVER = std::numeric_limits<double>::infinity();
-  Noticed found{NEVER, NEVER, wrong == "sags" ? 0.0 : NEVER, ""};
+  Noticed found{NEVER, NEVER, wrong == "sags" ? 0.0 : NEVER, 1.0, ""};
   if (wrong == "pushed") {  // harder than the motor of the joint that leads nearest
     const std::vector<double> towards = scene.towardsNearest(from, false, *probe);
     const double largest = largestOf(towards);
@@ -201,6 +202,7 @@ Noticed broken(const DynamicRobot& robot, const SimulationOptions& told, const s
       },
       random, BROKEN_RUN, from);
   found.contact = result.first_contact;
+  found.nearest = result.nearest;
   found.fault = limiter->firstFault();
   found.words = limiter->fault();
   return found;
@@ -208,23 +210,27 @@ Noticed broken(const DynamicRobot& robot, const SimulationOptions& told, const s
 
 void broken(int number, const std::string& name, const std::string& servo) {
   const unsigned seed = givenSeed();
-  std::cout << "robot,servo,wrong,runs,noticed,contacts,contacts_before,median_s,longest_s\n";
+  std::cout
+      << "robot,servo,wrong,runs,noticed,contacts,contacts_before,nearest,median_s,longest_s\n";
   for (const DynamicRobot& robot : chosen(name, servo)) {
     SimulationOptions told;
     tell(measured(robot, seed), told);
     for (const std::string wrong : {"nothing", "exchanged", "sags", "late", "pushed", "slow"}) {
       std::vector<double> took;
       int nb_contacts = 0, nb_before = 0;
+      double nearest = 1.0;
       for (int i = 0; i < number; ++i) {
         const Noticed found = broken(robot, told, wrong, seed + static_cast<unsigned>(i));
         if (std::isfinite(found.fault)) took.push_back(found.fault - found.onset);
         if (i == 0) std::cerr << wrong << ": " << found.words << '\n';
         nb_contacts += std::isfinite(found.contact) ? 1 : 0;
+        nearest = std::min(nearest, found.nearest);
         nb_before += found.contact < found.fault ? 1 : 0;
       }
       std::sort(took.begin(), took.end());
       std::cout << robot.robot.name << ',' << servoName(robot.servo) << ',' << wrong << ','
-                << number << ',' << took.size() << ',' << nb_contacts << ',' << nb_before << ',';
+                << number << ',' << took.size() << ',' << nb_contacts << ',' << nb_before << ','
+                << nearest << ',';
       if (!took.empty()) std::cout << took[took.size() / 2];
       std::cout << ',';
       if (!took.empty()) std::cout << took.back();

@@ -237,16 +237,18 @@ void MujocoRobot::move(const std::vector<double>& wanted, double seconds) {
   const auto& motors = robot_->motors();
   const auto isZero = [](double x) { return x == 0.0; };
   const bool stands = std::all_of(wanted.begin(), wanted.end(), isZero);
-  const double share = stands ? 1.0 - fault_.sags : 1.0;
   const bool is_pushed = !fault_.push.empty() && time_ >= fault_.push_from;
   std::vector<double> told = wanted;
   if (fault_.exchanges_joints) std::swap(told[1], told[2]);
   for (std::size_t j = 0; j < motors.size(); ++j) {
     const double most = motors[j].most_torque;
-    const double torque =
+    double torque =
         servo_ == Servo::RAMP ? ramped(j, told[j], seconds) : proportional(j, told[j], seconds);
+    if (stands && fault_.sags > 0.0) {
+      torque = (1.0 - fault_.sags) * data_->qfrc_bias[motors[j].address];
+    }
     data_->qfrc_applied[motors[j].address] =
-        share * std::clamp(torque, -most, most) + (is_pushed ? fault_.push[j] * most : 0.0);
+        std::clamp(torque, -most, most) + (is_pushed ? fault_.push[j] * most : 0.0);
   }
   time_ += seconds;
   mj_step(robot_->model(), data_.get());

@@ -24,7 +24,7 @@ const char* servoName(Servo servo);
 /// What is wrong with a robot.
 struct RobotFault {
   bool exchanges_joints = false;  ///< the second and the third: each moves as the other is told
-  double sags = 0.0;              ///< share of the torque that is missing at zero command
+  double sags = 0.0;              ///< share of gravity that is not held at zero command
   /// Torque on each joint from push_from, s, on: in shares of what the motors have.
   std::vector<double> push;
   double push_from = 0.0;
