@@ -28,7 +28,8 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using std_msgs::Float64MultiArray;
 
-constexpr double START = 1000.0;  // s of simulated time
+constexpr double START = 1000.0;    // s of simulated time
+constexpr int LONGEST_START = 600;  // 0.1 s
 // Of /clock, in s of simulated time: how often it pauses and steps back, and for how long or far.
 constexpr double PAUSE_EVERY = 7.0, PAUSE = 0.7, STEP_EVERY = 11.0, STEP_BACK = 0.5;
 
@@ -128,19 +129,21 @@ class RealTimeRobot {
   }
 
   void addObjects(const std::vector<RigidObject>& objects) {
-    const std::string service = "collision_pairs_node/update_scene";
-    while (ros::ok() && !ros::service::exists(service, false)) {
-      if (factor_ > 0.0) tellTime(0.0);
-      std::this_thread::sleep_for(std::chrono::milliseconds(100));
-    }
     UpdateScene update;
     for (const RigidObject& object : objects) {
       update.request.changes.emplace_back();
       update.request.changes.back().operation = SceneChange::ADD;
       update.request.changes.back().object = messageOf(object);
     }
-    const bool is_called = ros::service::call(service, update);
-    if (!is_called || !update.response.success) throw std::runtime_error(update.response.message);
+    const std::string service = "collision_pairs_node/update_scene";
+    for (int i = 0; ros::ok() && i < LONGEST_START; ++i) {  // the node may not have its robot yet
+      if (factor_ > 0.0) tellTime(0.0);
+      const bool is_called =
+          ros::service::exists(service, false) && ros::service::call(service, update);
+      if (is_called && update.response.success) return;
+      std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    }
+    throw std::runtime_error("no objects could be added: " + update.response.message);
   }
 
   double wallFactor() const { return factor_ > 0.0 ? factor_ : 1.0; }
