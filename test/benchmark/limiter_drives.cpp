@@ -43,8 +43,9 @@ double LimiterScene::secondsTo(const std::vector<double>& from, const std::vecto
 bool LimiterScene::driveToAStop(RandomInputs& random, const Limiter& limiter,
                                 std::vector<double>& stop) {
   constexpr double PERIOD = 0.01, LONGEST = 10.0, STANDS_FOR = 0.5;
-  SimulatedJoints robot(freeState(random, 0.0135),
-                        std::vector<double>(joints_.size(), options_.deceleration));
+  const std::vector<double> from = freeState(random, 0.0135);
+  if (from.empty()) return false;
+  SimulatedJoints robot(from, std::vector<double>(joints_.size(), options_.deceleration));
   LimiterView view{0.0, 0.0, 0.0, {}, {}};
   for (std::size_t j = 0; j < joints_.size(); ++j) {
     view.command.push_back(random.uniform(-1.0, 1.0) * options_.max_speed);

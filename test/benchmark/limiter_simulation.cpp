@@ -20,7 +20,8 @@ using Eigen::Vector3d;
 
 constexpr double STEP = 0.001;  // s of the robot
 constexpr double MOVER_SIZE = 0.12, VOXEL_SIZE = 0.05;
-constexpr double REACH = 2.0;         // m: no point of a robot is further from the axis of a joint
+constexpr double REACH = 2.0;  // m: no point of a robot is further from the axis of a joint
+constexpr int MOST_DRAWS = 10000;
 constexpr double VIEW_EVERY = 0.033;  // s between views of the moving box
 const char* const CLOUD = "camera";
 
@@ -203,10 +204,11 @@ std::vector<double> LimiterScene::drawState(RandomInputs& random) const {
 
 std::vector<double> LimiterScene::freeState(RandomInputs& random, double clearance,
                                             const Vector3d& mover) {
-  for (;;) {
+  for (int i = 0; i < MOST_DRAWS; ++i) {
     std::vector<double> q = drawState(random);
     if (judge_->distanceAt(q, mover, clearance) > clearance) return q;
   }
+  return {};
 }
 
 std::unique_ptr<SimulatedRobot> LimiterScene::robotAt(std::vector<double> q,
@@ -228,6 +230,7 @@ SimulationResult LimiterScene::run(const Limiter& limiter, RandomInputs& random,
   CertifiedSurroundings probe(seen_, joints_, Fidelity::MESH);
   Commands commands(*this, random, probe);
   if (from.empty()) from = freeState(random, 0.0135, mover.position());
+  if (from.empty()) return {};
   const std::unique_ptr<SimulatedRobot> robot = robotAt(std::move(from), random);
   // Dead times change with every command, between a bound of this run and the reaction time.
   const double shortest = random.uniform(0.0, 1.0) * options_.reaction_time;

@@ -90,7 +90,8 @@ class LimiterScene {
   LimiterScene(const BenchmarkRobot& robot, std::vector<std::string> joints, std::uint64_t index,
                const SimulationOptions& options);
 
-  /// From a random state that keeps 13.5 mm, unless one is given. `seconds` of simulated time.
+  /// From a random state that keeps 13.5 mm, unless one is given. `seconds` of simulated time, or
+  /// none if there is no such state.
   SimulationResult run(const Limiter& limiter, RandomInputs& random, double seconds,
                        std::vector<double> from = {});
 
@@ -116,7 +117,8 @@ class LimiterScene {
   /// All joints of the robot, with those of the command at `q`.
   std::vector<double> allPositions(const std::vector<double>& q) const;
   std::vector<double> drawState(RandomInputs& random) const;
-  /// One where the limited joints keep this clearance, metres.
+  /// One where the limited joints keep this clearance, metres. Empty if none is found: something is
+  /// always near some link.
   std::vector<double> freeState(RandomInputs& random, double clearance,
                                 const Eigen::Vector3d& mover = Eigen::Vector3d(9, 9, 9));
 

@@ -9,6 +9,7 @@
 #include <iostream>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -23,6 +24,7 @@ namespace {
 
 constexpr double RUN = 20.0;  // s in one scene
 // Of broken robots: where they set out, as the limiter is told; m, s, m/s.
+constexpr int MOST_STATES = 2000;
 constexpr double NEAR = 0.03, RESTS = 0.3, BROKEN_RUN = 3.0, FASTEST = 0.5;
 
 std::vector<DynamicRobot> chosen(const std::string& name, const std::string& servo) {
@@ -102,7 +104,7 @@ void runs(double seconds, const std::vector<std::string>& of) {
       tell(YAML::LoadFile(of[2])["velocity_limiter"], told);
     }
     Run all;
-    for (unsigned i = 0; i * RUN < seconds; ++i) {
+    for (unsigned i = 0; all.result.seconds < seconds; ++i) {
       const Run one = run(robot, told, seed + i);
       all.result.add(one.result);
       all.nb_alarms += one.nb_alarms;
@@ -114,14 +116,15 @@ void runs(double seconds, const std::vector<std::string>& of) {
   }
 }
 
-/// A state near an object.
+/// A state near an object; empty if none is found.
 std::vector<double> stateNear(LimiterScene& scene, CertifiedSurroundings& probe,
                               RandomInputs& random) {
   const std::vector<double> all(scene.joints().size(), 1.0);
   std::vector<NearPair> pairs;
   std::string why;
-  for (;;) {
+  for (int i = 0; i < MOST_STATES; ++i) {
     const std::vector<double> q = scene.freeState(random, 0.0135);
+    if (q.empty()) return {};
     RobotState state;
     state.positions = scene.allPositions(q);
     probe.setState(std::move(state));
@@ -130,6 +133,7 @@ std::vector<double> stateNear(LimiterScene& scene, CertifiedSurroundings& probe,
     const auto found = std::find_if(pairs.begin(), pairs.end(), isObject);
     if (found != pairs.end() && found->distance > NEAR) return q;
   }
+  return {};
 }
 
 double largestOf(const std::vector<double>& v) {
@@ -144,9 +148,9 @@ struct Noticed {
   std::string words;
 };
 
-/// One robot of which this is wrong, and which is driven towards an object.
-Noticed broken(const DynamicRobot& robot, const SimulationOptions& told, const std::string& wrong,
-               unsigned seed) {
+/// One robot of which this is wrong, and which is driven towards an object, if one can be near.
+std::optional<Noticed> broken(const DynamicRobot& robot, const SimulationOptions& told,
+                              const std::string& wrong, unsigned seed) {
   RandomInputs random(seed);
   RobotFault fault;
   fault.exchanges_joints = wrong == "exchanged";
@@ -181,6 +185,7 @@ Noticed broken(const DynamicRobot& robot, const SimulationOptions& told, const s
   probe = std::make_unique<CertifiedSurroundings>(scene.seen(), scene.joints(), Fidelity::MESH);
   limiter = std::make_unique<NodeLimiter>(scene, random, true);
   const std::vector<double> from = stateNear(scene, *probe, random);
+  if (from.empty()) return std::nullopt;
   constexpr double NEVER = std::numeric_limits<double>::infinity();
   Noticed found{NEVER, NEVER, wrong == "sags" ? 0.0 : NEVER, 1.0, ""};
   if (wrong == "pushed") {  // harder than the motor of the joint that leads nearest
@@ -219,13 +224,15 @@ void broken(int number, const std::string& name, const std::string& servo) {
       std::vector<double> took;
       int nb_contacts = 0, nb_before = 0;
       double nearest = 1.0;
-      for (int i = 0; i < number; ++i) {
-        const Noticed found = broken(robot, told, wrong, seed + static_cast<unsigned>(i));
-        if (std::isfinite(found.fault)) took.push_back(found.fault - found.onset);
-        if (i == 0) std::cerr << wrong << ": " << found.words << '\n';
-        nb_contacts += std::isfinite(found.contact) ? 1 : 0;
-        nearest = std::min(nearest, found.nearest);
-        nb_before += found.contact < found.fault ? 1 : 0;
+      unsigned number_of_scene = seed;
+      for (int i = 0; i < number;) {
+        const auto found = broken(robot, told, wrong, number_of_scene++);
+        if (!found) continue;
+        if (i++ == 0) std::cerr << wrong << ": " << found->words << '\n';
+        if (std::isfinite(found->fault)) took.push_back(found->fault - found->onset);
+        nb_contacts += std::isfinite(found->contact) ? 1 : 0;
+        nearest = std::min(nearest, found->nearest);
+        nb_before += found->contact < found->fault ? 1 : 0;
       }
       std::sort(took.begin(), took.end());
       std::cout << robot.robot.name << ',' << servoName(robot.servo) << ',' << wrong << ','
