@@ -60,12 +60,31 @@ collision_pairs_benchmark(motion_benchmark SOURCES benchmark_robots demo_motion 
   LIBRARIES collision_pairs_io)
 
 # The velocity limiter beside MoveIt Servo's formula; scripts/measure_limiter writes docs/limiter.md.
-collision_pairs_benchmark(limiter_benchmark
-  SOURCES benchmark_robots demo_motion limiter_drives limiter_judge limiter_simulation motion_scenes simulated_joints
-    simulated_limiters
-  LIBRARIES collision_pairs_io)
-target_sources(limiter_benchmark PRIVATE ${limiter_law})
+set(limiter_simulation benchmark_robots demo_motion limiter_commands limiter_drives limiter_judge limiter_simulation
+  motion_scenes simulated_joints simulated_limiters)
+list(TRANSFORM limiter_simulation REPLACE "(.+)" "test/benchmark/\\1.cpp")
+collision_pairs_benchmark(limiter_benchmark LIBRARIES collision_pairs_io)
+target_sources(limiter_benchmark PRIVATE ${limiter_simulation} ${limiter_law})
 target_include_directories(limiter_benchmark PRIVATE src/ros/limiter)
+
+# The same with robots that have mass, in process and through ROS. Debian: libmujoco-dev.
+find_package(mujoco QUIET)
+if(mujoco_FOUND)
+  add_library(dynamic_robots STATIC test/dynamics/driven_steps.cpp test/dynamics/dynamic_robots.cpp
+    test/dynamics/mujoco_robot.cpp src/tools/stopping_analysis.cpp src/tools/stopping_steps.cpp
+    ${limiter_simulation} ${limiter_law})
+  target_include_directories(dynamic_robots PUBLIC ${CORE_MODULES} src/ros/limiter src/tools test test/benchmark)
+  target_include_directories(dynamic_robots SYSTEM PUBLIC ${catkin_INCLUDE_DIRS})
+  target_link_libraries(dynamic_robots PUBLIC collision_pairs_io mujoco::mujoco yaml-cpp ${catkin_LIBRARIES})
+  target_compile_definitions(dynamic_robots PRIVATE PROJECT_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+  collision_pairs_warnings(dynamic_robots)
+  foreach(program limiter_dynamics dynamic_robot)
+    add_executable(${program} test/dynamics/${program}.cpp)
+    target_link_libraries(${program} PRIVATE dynamic_robots)
+    collision_pairs_warnings(${program})
+  endforeach()
+  add_dependencies(dynamic_robot ${PROJECT_NAME}_generate_messages_cpp)
+endif()
 
 # What scripts/benchmark_python compares the Python module with.
 collision_pairs_benchmark(batch_benchmark LIBRARIES collision_pairs_io)

@@ -16,6 +16,7 @@ add_library(test_parts STATIC EXCLUDE_FROM_ALL
   src/tools/stopping_steps.cpp
   test/benchmark/benchmark_robots.cpp
   test/benchmark/demo_motion.cpp
+  test/benchmark/limiter_commands.cpp
   test/benchmark/limiter_drives.cpp
   test/benchmark/limiter_judge.cpp
   test/benchmark/limiter_simulation.cpp

@@ -33,7 +33,7 @@ double LimiterScene::secondsTo(const std::vector<double>& from, const std::vecto
       }
       view.now = view.stamp = now;
       view.state.positions = allPositions(robot.positions());
-      robot.command(now + DEAD_TIME, limiter(view));
+      robot.command(now + DEAD_TIME, limiter(view)->command);
     }
     robot.step(now, STEP);
   }
@@ -43,8 +43,9 @@ double LimiterScene::secondsTo(const std::vector<double>& from, const std::vecto
 bool LimiterScene::driveToAStop(RandomInputs& random, const Limiter& limiter,
                                 std::vector<double>& stop) {
   constexpr double PERIOD = 0.01, LONGEST = 10.0, STANDS_FOR = 0.5;
-  SimulatedJoints robot(freeState(random, 0.0135),
-                        std::vector<double>(joints_.size(), options_.deceleration));
+  const std::vector<double> from = freeState(random, 0.0135);
+  if (from.empty()) return false;
+  SimulatedJoints robot(from, std::vector<double>(joints_.size(), options_.deceleration));
   LimiterView view{0.0, 0.0, 0.0, {}, {}};
   for (std::size_t j = 0; j < joints_.size(); ++j) {
     view.command.push_back(random.uniform(-1.0, 1.0) * options_.max_speed);
@@ -53,7 +54,7 @@ bool LimiterScene::driveToAStop(RandomInputs& random, const Limiter& limiter,
   for (double now = 0.0; now < LONGEST; now += PERIOD) {
     view.now = view.stamp = now;
     view.state.positions = allPositions(robot.positions());
-    std::vector<double> passed = limiter(view);
+    std::vector<double> passed = limiter(view)->command;
     const auto moves = [](double x) { return x != 0.0; };
     if (std::any_of(passed.begin(), passed.end(), moves)) passed_at = now;
     robot.command(now + options_.reaction_time - PERIOD, std::move(passed));

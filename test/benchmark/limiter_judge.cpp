@@ -10,6 +10,9 @@ using Eigen::Vector3d;
 
 constexpr double ALARM = 0.02;   // m
 constexpr double NEARER = 1e-8;  // m: a change that counts
+// Metres: what is nearer than the first is looked at each time; smallest distances are exact below
+// the second.
+constexpr double LEAST = 0.001, EXACT = 0.015;
 
 double distanceOf(const std::map<std::pair<std::uint32_t, std::uint32_t>, double>& near) {
   double nearest = std::numeric_limits<double>::infinity();
@@ -35,6 +38,7 @@ LimiterJudge::LimiterJudge(std::shared_ptr<const CollisionScene> truth,
 void LimiterJudge::begin() {
   taken_.clear();
   were_.clear();
+  room_ = 0.0;
 }
 
 double LimiterJudge::distanceAt(const std::vector<double>& q, const Vector3d& mover,
@@ -104,7 +108,14 @@ LimiterJudge::Near LimiterJudge::nearPairs(const std::vector<double>& q, const V
 bool LimiterJudge::judge(const std::vector<double>& before, const std::vector<double>& now,
                          const Vector3d& mover, double stop_distance, RobotsPart& part) {
   const Near near = nearPairs(now, mover, ALARM);
-  const Near was = near.empty() || before == now ? near : nearPairs(before, mover, ALARM + 0.05);
+  const auto isMovers = [&](const auto& of) {
+    return isOfMover(of.first.first) || isOfMover(of.first.second);
+  };
+  // Only what moves by itself has to be asked again where it is now.
+  const bool is_mover_near = std::any_of(near.begin(), near.end(), isMovers);
+  const Near was = before == now   ? near
+                   : is_mover_near ? nearPairs(before, mover, ALARM + 0.05)
+                                   : were_;
   const auto isFar = [&](const auto& pair) {
     const auto found = near.find(pair);
     return found == near.end() || found->second >= stop_distance;
@@ -135,6 +146,12 @@ bool LimiterJudge::judge(const std::vector<double>& before, const std::vector<do
     part.nb_moved_into += was_apart > 0.0 ? 1 : 0;
   }
   were_ = near;
+  const double links = std::clamp(part.nearest_links, LEAST, EXACT);
+  const double others = std::clamp(part.nearest, LEAST, EXACT);
+  room_ = ALARM - std::max(links, others);
+  for (const auto& [pair, distance] : near) {
+    room_ = std::min(room_, distance - (areLinks(pair) ? links : others));
+  }
   return distanceOf(near) <= 0.0;
 }
 

@@ -46,10 +46,14 @@ class LimiterJudge {
   double distanceAt(const std::vector<double>& q, const Eigen::Vector3d& mover,
                     double alarm_distance);
 
-  /// What the robot did between two checks, with the obstacle where it is now. True if something
-  /// touches.
+  /// What the robot did between two checks, with the obstacle where it is now: `before` is `now` of
+  /// the last call. True if something touches.
   bool judge(const std::vector<double>& before, const std::vector<double>& now,
              const Eigen::Vector3d& mover, double stop_distance, RobotsPart& part);
+
+  /// Metres that anything may come nearer after the last call without a contact or a new smallest
+  /// distance.
+  double room() const { return room_; }
 
  private:
   using Near = std::map<std::pair<std::uint32_t, std::uint32_t>, double>;
@@ -65,6 +69,7 @@ class LimiterJudge {
   BodyPoses poses_;
   Near taken_;  ///< metres that the robot took away, of each obstacle that is too near
   Near were_;   ///< distances at the last check
+  double room_ = 0.0;
 };
 
 }  // namespace collision_pairs

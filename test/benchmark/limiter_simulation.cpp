@@ -6,9 +6,11 @@
 #include <limits>
 #include <utility>
 
+#include "collision_pairs/aabb.h"
 #include "collision_pairs/occupied_voxels.h"
 #include "demo_scene.h"
 #include "joint_sampler.h"
+#include "limiter_commands.h"
 #include "motion_scenes.h"
 
 namespace collision_pairs {
@@ -16,9 +18,10 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double STEP = 0.001;         // s of the robot
-constexpr double CHECK_EVERY = 0.004;  // s between exact checks
+constexpr double STEP = 0.001;  // s of the robot
 constexpr double MOVER_SIZE = 0.12, VOXEL_SIZE = 0.05;
+constexpr double REACH = 2.0;  // m: no point of a robot is further from the axis of a joint
+constexpr int MOST_DRAWS = 10000;
 constexpr double VIEW_EVERY = 0.033;  // s between views of the moving box
 const char* const CLOUD = "camera";
 
@@ -59,6 +62,7 @@ double lengthOf(const std::vector<double>& v) {
 void SimulationResult::add(const SimulationResult& other) {
   RobotsPart::add(other);
   seconds += other.seconds;
+  first_contact = std::min(first_contact, other.first_contact);
   nb_stops += other.nb_stops;
   nb_commands += other.nb_commands;
   passed += other.passed;
@@ -91,6 +95,36 @@ std::vector<std::string> limitedJoints(const BenchmarkRobot& robot) {
   return joints;
 }
 
+RigidObject heldBox(const RobotModel& robot, const std::string& last_joint) {
+  const int id = robot.findJoint(last_joint), first = robot.joints()[id].child_link;
+  const auto& bodies = robot.bodies();
+  std::vector<Eigen::Isometry3d> X_RB;
+  robot.forwardKinematics(robot.zeroPositions(), X_RB);
+  const int hand = robot.links()[first].body;
+  const Vector3d axis = robot.joints()[id].axis;
+  double along = 0.0, against = 0.0;  // m from the joint to where all it moves ends
+  for (const Link& link : robot.links()) {
+    int body = link.body;
+    while (body > hand) body = bodies[body].parent;
+    if (body != hand) continue;
+    for (const Element& element : link.elements) {
+      const Aabb box = computeAabb(
+          element.shape, X_RB[hand].inverse() * X_RB[link.body] * link.X_BL * element.X_LE);
+      const double middle = axis.dot(box.center());
+      const double half = axis.cwiseAbs().dot(0.5 * (box.max - box.min));
+      along = std::max(along, middle + half);
+      against = std::min(against, middle - half);
+    }
+  }
+  constexpr double SIZE = 0.08;
+  RigidObject held;
+  held.name = "held";
+  held.attached_link = robot.links()[first].name;
+  held.elements.push_back({Box{Vector3d::Constant(SIZE)}, Eigen::Isometry3d::Identity()});
+  held.X_PO.translation() = axis * (along > -against ? along + SIZE : against - SIZE);
+  return held;
+}
+
 /// A box that crosses the robot's surroundings at less than the obstacle speed, and turns back
 /// where it would leave them or has run into a robot that stands.
 class LimiterScene::Mover {
@@ -121,69 +155,13 @@ class LimiterScene::Mover {
   Vector3d position_, velocity_;
 };
 
-/// Jumps, reversals, sinusoids, ways to random states, rests.
-class LimiterScene::Commands {
- public:
-  Commands(const LimiterScene& scene, RandomInputs& random)
-      : scene_(scene), random_(random), base_(scene.joints_.size(), 0.0) {}
-
-  std::vector<double> at(double now, const std::vector<double>& q) {
-    if (now >= until_) choose(now);
-    const double most = scene_.options_.max_speed;
-    std::vector<double> command = base_;
-    for (std::size_t i = 0; i < command.size(); ++i) {
-      if (kind_ == Kind::SINUSOID)
-        command[i] *= std::sin(frequency_ * now + static_cast<double>(i));
-      if (kind_ == Kind::GOAL) command[i] = 2.0 * (goal_[i] - q[i]);
-      // Not far beyond the limits of the joint.
-      if (q[i] < scene_.lower_[i]) command[i] = std::abs(command[i]);
-      if (q[i] > scene_.upper_[i]) command[i] = -std::abs(command[i]);
-    }
-    double largest = 0.0;
-    for (const double x : command) largest = std::max(largest, std::abs(x));
-    if (largest > most) {
-      for (double& x : command) x *= most / largest;
-    }
-    return command;
-  }
-  bool isSilent() const { return kind_ == Kind::SILENCE; }
-
- private:
-  enum class Kind { JUMP, REVERSAL, SINUSOID, GOAL, REST, SILENCE };
-  void choose(double now) {
-    const double draw = random_.uniform(0, 1);
-    kind_ = draw < 0.3    ? Kind::JUMP
-            : draw < 0.5  ? Kind::REVERSAL
-            : draw < 0.65 ? Kind::SINUSOID
-            : draw < 0.9  ? Kind::GOAL
-            : draw < 0.94 ? Kind::REST
-                          : Kind::SILENCE;
-    until_ = now + random_.uniform(0.1, kind_ == Kind::GOAL ? 3.0 : 1.0);
-    frequency_ = random_.uniform(2.0, 20.0);
-    goal_ = scene_.drawState(random_);
-    const double speed = scene_.options_.max_speed * random_.uniform(0.1, 1.0);
-    for (double& x : base_) {
-      if (kind_ == Kind::REVERSAL) {
-        x = -x;
-      } else {
-        x = kind_ == Kind::REST || random_.integer(0, 2) == 0 ? 0.0
-                                                              : random_.uniform(-speed, speed);
-      }
-    }
-  }
-  const LimiterScene& scene_;
-  RandomInputs& random_;
-  Kind kind_ = Kind::REST;
-  double until_ = 0.0, frequency_ = 1.0;
-  std::vector<double> base_, goal_;
-};
-
 LimiterScene::LimiterScene(const BenchmarkRobot& robot, std::vector<std::string> joints,
                            std::uint64_t index, const SimulationOptions& options)
     : joints_(std::move(joints)), options_(options), zero_(robot.robot->zeroPositions()) {
   SceneDescription description;
   description.robots.push_back({robot.robot, robot.srdf, ""});
   description.objects = clutter(robot, index, options.nb_things);
+  if (options.holds_box) description.objects.push_back(heldBox(*robot.robot, joints_.back()));
   if (options.obstacle_speed > 0.0) {
     description.clouds.push_back(cloudOf(CLOUD, VOXEL_SIZE, {}));
   }
@@ -203,7 +181,8 @@ LimiterScene::LimiterScene(const BenchmarkRobot& robot, std::vector<std::string>
 
 LimiterSettings LimiterScene::settings() const {
   LimiterSettings settings;
-  settings.deceleration.assign(joints_.size(), options_.deceleration);
+  settings.deceleration = options_.decelerations;
+  settings.deceleration.resize(joints_.size(), options_.deceleration);
   settings.reaction_time = options_.reaction_time;
   settings.command_timeout = options_.command_timeout;
   settings.obstacle_speed = options_.obstacle_speed;
@@ -225,28 +204,46 @@ std::vector<double> LimiterScene::drawState(RandomInputs& random) const {
 
 std::vector<double> LimiterScene::freeState(RandomInputs& random, double clearance,
                                             const Vector3d& mover) {
-  for (;;) {
+  for (int i = 0; i < MOST_DRAWS; ++i) {
     std::vector<double> q = drawState(random);
     if (judge_->distanceAt(q, mover, clearance) > clearance) return q;
   }
+  return {};
 }
 
-SimulationResult LimiterScene::run(const Limiter& limiter, RandomInputs& random, double seconds) {
-  SimulationResult result;
-  result.seconds = seconds;
-  judge_->begin();
-  Mover mover(options_.obstacle_speed, random);
-  Commands commands(*this, random);
+std::unique_ptr<SimulatedRobot> LimiterScene::robotAt(std::vector<double> q,
+                                                      RandomInputs& random) const {
+  if (options_.robot) return options_.robot(std::move(q));
   std::vector<double> acceleration(joints_.size());
   for (double& a : acceleration) a = options_.deceleration * random.uniform(1.0, 4.0);
   const bool is_slowest = random.integer(0, 1) == 0;
   if (is_slowest) acceleration.assign(joints_.size(), options_.deceleration);
-  SimulatedJoints robot(freeState(random, 0.0135, mover.position()), acceleration);
+  return std::make_unique<SimulatedJoints>(std::move(q), std::move(acceleration));
+}
+
+SimulationResult LimiterScene::run(const Limiter& limiter, RandomInputs& random, double seconds,
+                                   std::vector<double> from) {
+  SimulationResult result;
+  result.seconds = seconds;
+  judge_->begin();
+  Mover mover(options_.obstacle_speed, random);
+  CertifiedSurroundings probe(seen_, joints_, Fidelity::MESH);
+  Commands commands(*this, random, probe);
+  if (from.empty()) from = freeState(random, 0.0135, mover.position());
+  if (from.empty()) return {};
+  const std::unique_ptr<SimulatedRobot> robot = robotAt(std::move(from), random);
   // Dead times change with every command, between a bound of this run and the reaction time.
   const double shortest = random.uniform(0.0, 1.0) * options_.reaction_time;
-  const double state_period = 1.0 / random.uniform(50.0, 250.0);
+  const Between dead_time = options_.dead_time.value_or(
+      Between{shortest, std::max(options_.reaction_time - STEP, shortest)});
+  const double state_period = 1.0 / options_.state_rate.draw(random);
   const double command_period = 1.0 / random.uniform(30.0, 250.0);
-  CertifiedSurroundings probe(seen_, joints_, Fidelity::MESH);
+  const double noise = options_.state_noise * random.uniform(0.0, 1.0);
+  const auto measured = [&] {
+    std::vector<double> q = robot->positions();
+    for (double& x : q) x += noise > 0.0 ? random.uniform(-noise, noise) : 0.0;
+    return q;
+  };
 
   struct Measured {
     double known_from, stamp;
@@ -254,7 +251,7 @@ SimulationResult LimiterScene::run(const Limiter& limiter, RandomInputs& random,
   };
   std::deque<Measured> coming;
   LimiterView view{0.0, 0.0, 0.0, {}, {}};
-  std::vector<double> newest = robot.positions(), checked = robot.positions();
+  std::vector<double> newest = robot->positions(), checked = robot->positions();
   double next_state = 0.0, next_command = 0.0, next_view = 0.0, next_check = 0.0, viewed = 0.0;
   double last_command = 0.0, view_stops_until = 0.0;
   bool has_passed_zeros = true;
@@ -265,14 +262,17 @@ SimulationResult LimiterScene::run(const Limiter& limiter, RandomInputs& random,
     if (now >= next_state) {
       next_state = now + state_period;
       const bool is_lost = options_.disturbed && random.uniform(0, 1) < 0.2;
-      const double most = options_.disturbed && random.uniform(0, 1) < 0.1 ? 0.15 : 0.01;
-      if (!is_lost) coming.push_back({now + random.uniform(0.0, most), now, robot.positions()});
+      Between late = options_.state_late;
+      if (options_.disturbed && random.uniform(0, 1) < 0.1) late.high = 0.15;
+      if (!is_lost) coming.push_back({now + late.draw(random), now, measured()});
     }
+    bool stops = false;
     for (auto it = coming.begin(); it != coming.end();) {
       if (it->known_from > now) {
         ++it;
         continue;
       }
+      stops = (options_.watch && options_.watch(now, it->stamp, it->positions)) || stops;
       if (it->stamp > view.stamp) {  // the newest, in whatever order they come
         view.stamp = it->stamp;
         newest = it->positions;
@@ -285,15 +285,15 @@ SimulationResult LimiterScene::run(const Limiter& limiter, RandomInputs& random,
       viewed = now;
       seen_at = mover.position();
     }
+    std::optional<Passed> passed;
+    view.now = now;
     if (now >= next_command) {
       next_command = now + command_period;
-      const std::vector<double> wanted = commands.at(now, robot.positions());
-      view.now = now;
+      const std::vector<double> wanted = commands.at(now, robot->positions());
       view.obstacles_age = options_.obstacle_speed > 0.0 ? now - viewed : 0.0;
       view.state.positions = allPositions(newest);
       view.state.voxels.clear();
       if (options_.obstacle_speed > 0.0) view.state.voxels = {voxelsOf(seen_at)};
-      std::vector<double> passed;
       if (!commands.isSilent()) {
         last_command = now;
         view.command = wanted;
@@ -302,27 +302,35 @@ SimulationResult LimiterScene::run(const Limiter& limiter, RandomInputs& random,
         if (options_.disturbed && view.obstacles_age > 0.5) view.state.voxels = {nullptr};
         passed = limiter(view);
         has_passed_zeros = false;
-        note(view, passed, probe, result);
-      } else if (!has_passed_zeros &&
-                 now - last_command >= options_.command_timeout - command_period) {
-        has_passed_zeros = true;
-        view.command.assign(joints_.size(), 0.0);
-        passed = limiter(view);
-      }
-      if (!passed.empty()) {
-        robot.command(
-            now + random.uniform(shortest, std::max(options_.reaction_time - STEP, shortest)),
-            std::move(passed));
+        if (passed) {
+          next_command = std::max(next_command, now + passed->took);
+          note(view, passed->command, probe, result);
+        }
       }
     }
-    robot.step(now, STEP);
+    if (!has_passed_zeros && (stops || now - last_command >= options_.command_timeout)) {
+      has_passed_zeros = true;
+      view.command.clear();
+      passed = limiter(view);
+    }
+    if (passed) {
+      passed->command.resize(joints_.size(), 0.0);
+      robot->command(now + passed->took + dead_time.draw(random), std::move(passed->command));
+    }
+    if (options_.pace) options_.pace(now, *robot);
+    robot->step(now, STEP);
     mover.step(STEP);
-    if (now >= next_check) {
-      next_check = now + CHECK_EVERY;
-      const bool touches =
-          judge_->judge(checked, robot.positions(), mover.position(), settings().stop_distance,
-                        result);
-      checked = robot.positions();
+    double moved = 0.0;  // by any point, relative to any other, since the last check
+    for (std::size_t j = 0; j < joints_.size(); ++j) {
+      moved += REACH * std::abs(robot->positions()[j] - checked[j]);
+    }
+    const bool may_be_nearer = options_.obstacle_speed > 0.0 || moved > judge_->room();
+    if (now >= next_check && may_be_nearer) {
+      next_check = now + options_.check_every - 0.5 * STEP;
+      const bool touches = judge_->judge(checked, robot->positions(), mover.position(),
+                                         settings().stop_distance, result);
+      checked = robot->positions();
+      if (result.nb_contacts > 0) result.first_contact = std::min(result.first_contact, now);
       if (touches && options_.obstacle_speed > 0.0) mover.turnBack(0.05);
     }
   }

@@ -9,12 +9,58 @@ namespace collision_pairs {
 Limiter lawLimiter(std::shared_ptr<LimiterLaw> law,
                    std::shared_ptr<CertifiedSurroundings> surroundings) {
   return [law = std::move(law), surroundings = std::move(surroundings)](const LimiterView& view) {
-    surroundings->setState(view.state);
-    const LimiterDecision decision =
-        law->decide({view.now, view.stamp, view.obstacles_age, view.command}, *surroundings);
+    LimiterDecision decision = law->stop("no command");
+    if (!view.command.empty()) {
+      surroundings->setState(view.state);
+      decision =
+          law->decide({view.now, view.stamp, view.obstacles_age, view.command}, *surroundings);
+    }
     law->published(view.now, decision);
     return decision.command;
   };
+}
+
+NodeLimiter::NodeLimiter(const LimiterScene& scene, RandomInputs& random, bool obeys)
+    : random_(random),
+      obeys_(obeys),
+      law_(scene.settings()),
+      watch_(scene.joints(), scene.settings()),
+      surroundings_(scene.seen(), scene.joints(), Fidelity::MESH) {}
+
+Passed NodeLimiter::operator()(const LimiterView& view) {
+  constexpr double TIME_TO_DECIDE = 0.02, OFTEN = 0.005, SELDOM = 0.03;  // s
+  double took = 0.0;
+  LimiterDecision decision = law_.stop("no command");
+  if (!view.command.empty()) {
+    const auto moves = [](double x) { return x != 0.0; };
+    const bool asks = std::any_of(view.command.begin(), view.command.end(), moves);
+    if (obeys_ && asks) watch_.asked(view.now);
+    took = random_.uniform(0.0, random_.integer(0, 99) == 0 ? SELDOM : OFTEN);
+    surroundings_.setState(view.state);
+    const double publish_by = view.now + TIME_TO_DECIDE;
+    decision =
+        law_.decide({publish_by, view.stamp, view.obstacles_age, view.command}, surroundings_);
+    if (took > TIME_TO_DECIDE) decision = law_.stop("overrun");
+    if (obeys_ && !watch_.fault(view.now).empty()) decision = law_.stop("fault");
+  }
+  const double published = view.now + took;
+  law_.published(published, decision);
+  watch_.published(published, published, decision.command);
+  return {decision.command, took};
+}
+
+bool NodeLimiter::measured(double now, double stamp, const std::vector<double>& positions) {
+  const bool was_sound = watch_.fault(now).empty();
+  for (std::size_t j = 0; j < positions.size(); ++j) {
+    watch_.measured({j, stamp, positions[j]}, now);
+  }
+  const std::string fault = watch_.fault(now);
+  if (!was_sound || fault.empty()) return false;
+  if (nb_faults_++ == 0) {
+    first_fault_ = now;
+    fault_ = fault;
+  }
+  return obeys_;
 }
 
 Limiter servoLimiter(std::shared_ptr<CertifiedSurroundings> surroundings) {
