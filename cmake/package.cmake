@@ -7,10 +7,12 @@ set(CPACK_PACKAGE_NAME collision-pairs)
 set(CPACK_PACKAGE_VERSION ${PROJECT_VERSION})
 set(CPACK_PACKAGE_CONTACT "collision_pairs maintainers <maintainers@collision-pairs.invalid>")
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "collision monitor for ROS 1: which links touch or nearly touch")
-set(CPACK_DEBIAN_PACKAGE_DESCRIPTION "${CPACK_PACKAGE_DESCRIPTION_SUMMARY}
- Takes collision geometry from the URDF and poses from TF, and publishes contact
- pairs, near pairs and rviz markers of a robot, its surroundings and point clouds.
- Contains the node, its nodelet, tools, the library of C++ and the module of Python.")
+# CPack puts the summary before it, and a space before each line.
+set(CPACK_DEBIAN_PACKAGE_DESCRIPTION
+"Takes collision geometry from the URDF and poses from TF, and publishes
+contact pairs, near pairs and rviz markers of a robot, its surroundings and
+point clouds. Contains the node, its nodelet, tools, the library of C++ and the
+module of Python.")
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_PRIORITY optional)
