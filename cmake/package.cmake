@@ -28,11 +28,11 @@ set(needed python3 python3-numpy python3-dynamic-reconfigure python3-geometry-ms
   python3-roslib python3-rospy python3-sensor-msgs python3-shape-msgs python3-std-msgs python3-tf2-msgs
   python3-trajectory-msgs ros-robot-state-publisher rosbash)
 list(JOIN needed ", " CPACK_DEBIAN_PACKAGE_DEPENDS)
-set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "rviz, python3-matplotlib")
+set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "rviz, python3-matplotlib, python3-rosservice, python3-rostopic")
 # For find_package(collision_pairs), beside a compiler and CMake.
 set(to_build_with catkin libdynamic-reconfigure-config-init-mutex-dev libeigen3-dev libgeometry-msgs-dev
-  libmessage-runtime-dev libroscpp-dev libsensor-msgs-dev libshape-msgs-dev libstd-msgs-dev libstd-srvs-dev
-  libtrajectory-msgs-dev libvisualization-msgs-dev libyaml-cpp-dev libompl-dev)
+  libroscpp-dev libsensor-msgs-dev libshape-msgs-dev libstd-msgs-dev libstd-srvs-dev
+  libtrajectory-msgs-dev libvisualization-msgs-dev libyaml-cpp-dev libompl-dev ros-message-runtime)
 list(JOIN to_build_with ", " CPACK_DEBIAN_PACKAGE_SUGGESTS)
 
 # Licence and changelog where Debian has them.
