@@ -162,6 +162,9 @@ class RecordedTest(unittest.TestCase):
         subscriber.unregister()
         recorder.send_signal(signal.SIGINT)
         recorder.wait(PATIENCE)
+        end = time.time() + PATIENCE
+        while not os.path.exists(bag) and time.time() < end:  # Debian 13's rosbag ends before its recorder has closed the bag
+            time.sleep(0.1)
         out = os.path.join(cls.folder.name, "out.csv")
         cls.done = subprocess.run([CHECK_BAG, bag, "--out", out, "--alarm-distance", "0.5"], stdout=subprocess.PIPE,
                                   stderr=subprocess.STDOUT, text=True, timeout=120)
