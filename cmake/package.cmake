@@ -24,10 +24,13 @@ set(CPACK_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS
 # Libraries are found by dpkg-shlibdeps; the rest is what launch files start and Python imports.
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${CATKIN_DEVEL_PREFIX}/${CATKIN_PACKAGE_LIB_DESTINATION})
-set(needed python3 python3-numpy python3-dynamic-reconfigure python3-geometry-msgs python3-rosbag python3-roslaunch
+set(needed python3-numpy python3-dynamic-reconfigure python3-geometry-msgs python3-rosbag python3-roslaunch
   python3-roslib python3-rospy python3-sensor-msgs python3-shape-msgs python3-std-msgs python3-tf2-msgs
   python3-trajectory-msgs ros-robot-state-publisher rosbash)
 list(JOIN needed ", " CPACK_DEBIAN_PACKAGE_DEPENDS)
+# The compiled module is of one version of Python.
+math(EXPR next "${Python_VERSION_MINOR} + 1")
+string(APPEND CPACK_DEBIAN_PACKAGE_DEPENDS ", python3 (>= 3.${Python_VERSION_MINOR}~), python3 (<< 3.${next})")
 set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "rviz, python3-matplotlib, python3-rosservice, python3-rostopic")
 # For find_package(collision_pairs), beside a compiler and CMake.
 set(to_build_with catkin libdynamic-reconfigure-config-init-mutex-dev libeigen3-dev libgeometry-msgs-dev

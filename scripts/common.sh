@@ -1,5 +1,5 @@
 # What scripts/demo and scripts/test share: packages, build, environment. To be sourced.
-# Supported: Debian 11 and 12 with their own ROS packages (in /usr). On Ubuntu 20.04 with /opt/ros/noetic
+# Supported: Debian 11, 12 and 13 with their own ROS packages (in /usr). On Ubuntu 20.04 with /opt/ros/noetic
 # build the package in a catkin workspace instead; rosdep knows its dependencies.
 
 PROJECT="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"

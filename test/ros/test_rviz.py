@@ -2,13 +2,14 @@
 """rviz, on a screen of its own, shows our configuration without a complaint: topics, frames, robot."""
 import os
 import shutil
-import subprocess
 import sys
 import time
 import unittest
 
-import rosgraph
-import rostest
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+
+from screen import Screen
+from skipping_runner import run_or_skip
 
 try:
     from python_qt_binding.QtWidgets import QApplication
@@ -19,7 +20,6 @@ except ImportError:  # Debian 13: python3-rviz 1.14.25 cannot be loaded, "sip.si
 CONFIG = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../config/collision_pairs.rviz")
 PATIENCE = 150.0  # s
 ALL_WELL = {"Global Status": "Ok", "Grid": "Ok", "Robot": "Ok", "Collision pairs": "Ok", "Scene": "Ok"}
-TOPICS = {"/collision_pairs_node/markers", "/collision_pairs_node/scene_markers"}
 MUST_BE_SHOWN = {"Robot": "forearm", "Collision pairs": "investigated_boxes", "Scene": "links"}
 
 
@@ -51,49 +51,10 @@ def statuses(group):
     return found
 
 
-class Screen:
-    """An X server without a screen, on a display that is free."""
-
-    def __init__(self):
-        reading, writing = os.pipe()
-        self._process = subprocess.Popen(["Xvfb", "-displayfd", str(writing), "-screen", "0", "1024x768x24"],
-                                         pass_fds=[writing], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        os.close(writing)
-        with os.fdopen(reading) as answer:
-            self.name = ":" + answer.readline().strip()
-
-    def close(self):
-        self._process.terminate()
-        self._process.wait()
-
-
-def heard_by(node):
-    subscriptions = rosgraph.Master("/rviz_test").getSystemState()[1]
-    return {topic for topic, subscribers in subscriptions if node in subscribers}
-
-
-@unittest.skipUnless(shutil.which("Xvfb"), "no Xvfb")
 class RvizTest(unittest.TestCase):
-    def setUp(self):
+    def test_no_display_raises_an_error_status(self):
         screen = Screen()
         self.addCleanup(screen.close)
-        os.environ.update(DISPLAY=screen.name, LIBGL_ALWAYS_SOFTWARE="1", QT_QPA_PLATFORM="xcb")
-
-    def test_the_program_takes_our_configuration_and_listens(self):
-        program = subprocess.Popen(["rosrun", "rviz", "rviz", "-d", CONFIG, "__name:=shown"])
-        try:
-            end = time.time() + PATIENCE
-            while not heard_by("/shown") >= TOPICS and program.poll() is None and time.time() < end:
-                time.sleep(0.1)
-            self.assertGreaterEqual(heard_by("/shown"), TOPICS)
-            time.sleep(3.0)  # in which it draws
-            self.assertIsNone(program.poll(), "rviz ended by itself")
-        finally:
-            program.terminate()
-            program.wait()
-
-    @unittest.skipUnless(rviz, "skipped: rviz's module of Python does not load")
-    def test_no_display_raises_an_error_status(self):
         found, shown = self.show()
         self.assertEqual(found, ALL_WELL)
         for display, name in MUST_BE_SHOWN.items():
@@ -127,4 +88,5 @@ class RvizTest(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    rostest.rosrun("collision_pairs", "rviz", RvizTest)
+    WHY_NOT = "no Xvfb" if not shutil.which("Xvfb") else "" if rviz else "rviz's module of Python does not load"
+    run_or_skip("collision_pairs", "rviz", RvizTest, WHY_NOT)
