@@ -14,8 +14,15 @@ include("${collision_pairs_TARGETS}")
 @[end if]@
 find_package(ompl QUIET)
 if(ompl_FOUND AND NOT TARGET collision_pairs::ompl)
+  # CMake refuses folders that do not exist, and Debian 13's OMPL names one of HDF5, which it does not depend on.
+  set(collision_pairs_OMPL_FOLDERS "")
+  foreach(folder ${OMPL_INCLUDE_DIRS})
+    if(IS_DIRECTORY "${folder}")
+      list(APPEND collision_pairs_OMPL_FOLDERS "${folder}")
+    endif()
+  endforeach()
   add_library(collision_pairs::ompl INTERFACE IMPORTED)
   set_target_properties(collision_pairs::ompl PROPERTIES
-    INTERFACE_INCLUDE_DIRECTORIES "${OMPL_INCLUDE_DIRS}"
+    INTERFACE_INCLUDE_DIRECTORIES "${collision_pairs_OMPL_FOLDERS}"
     INTERFACE_LINK_LIBRARIES "collision_pairs::core;${OMPL_LIBRARIES}")
 endif()

@@ -18,7 +18,8 @@ export(EXPORT collision_pairsTargets NAMESPACE collision_pairs::
 install(TARGETS ${programs}
   RUNTIME DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
 install(DIRECTORY include/collision_pairs/ DESTINATION ${CATKIN_PACKAGE_INCLUDE_DESTINATION})
-install(DIRECTORY launch config DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION})
+install(DIRECTORY launch config DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION}
+  PATTERN "make_*" EXCLUDE)  # programs that made the files beside them
 catkin_install_python(PROGRAMS scripts/drive_demo_robot scripts/drive_steps scripts/move_demo_robot
                       scripts/plot_bag_report scripts/plot_stopping scripts/print_bag_robot
                       scripts/print_collision_pairs scripts/replay_transforms

@@ -7,10 +7,12 @@ set(CPACK_PACKAGE_NAME collision-pairs)
 set(CPACK_PACKAGE_VERSION ${PROJECT_VERSION})
 set(CPACK_PACKAGE_CONTACT "collision_pairs maintainers <maintainers@collision-pairs.invalid>")
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "collision monitor for ROS 1: which links touch or nearly touch")
-set(CPACK_DEBIAN_PACKAGE_DESCRIPTION "${CPACK_PACKAGE_DESCRIPTION_SUMMARY}
- Takes collision geometry from the URDF and poses from TF, and publishes contact
- pairs, near pairs and rviz markers of a robot, its surroundings and point clouds.
- Contains the node, its nodelet, tools, the library of C++ and the module of Python.")
+# CPack puts the summary before it, and a space before each line.
+set(CPACK_DEBIAN_PACKAGE_DESCRIPTION
+"Takes collision geometry from the URDF and poses from TF, and publishes
+contact pairs, near pairs and rviz markers of a robot, its surroundings and
+point clouds. Contains the node, its nodelet, tools, the library of C++ and the
+module of Python.")
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_PRIORITY optional)
@@ -22,15 +24,18 @@ set(CPACK_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS
 # Libraries are found by dpkg-shlibdeps; the rest is what launch files start and Python imports.
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${CATKIN_DEVEL_PREFIX}/${CATKIN_PACKAGE_LIB_DESTINATION})
-set(needed python3 python3-numpy python3-dynamic-reconfigure python3-geometry-msgs python3-rosbag python3-roslaunch
+set(needed python3-numpy python3-dynamic-reconfigure python3-geometry-msgs python3-rosbag python3-roslaunch
   python3-roslib python3-rospy python3-sensor-msgs python3-shape-msgs python3-std-msgs python3-tf2-msgs
   python3-trajectory-msgs ros-robot-state-publisher rosbash)
 list(JOIN needed ", " CPACK_DEBIAN_PACKAGE_DEPENDS)
-set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "rviz, python3-matplotlib")
+# The compiled module is of one version of Python.
+math(EXPR next "${Python_VERSION_MINOR} + 1")
+string(APPEND CPACK_DEBIAN_PACKAGE_DEPENDS ", python3 (>= 3.${Python_VERSION_MINOR}~), python3 (<< 3.${next})")
+set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "rviz, python3-matplotlib, python3-rosservice, python3-rostopic")
 # For find_package(collision_pairs), beside a compiler and CMake.
 set(to_build_with catkin libdynamic-reconfigure-config-init-mutex-dev libeigen3-dev libgeometry-msgs-dev
-  libmessage-runtime-dev libroscpp-dev libsensor-msgs-dev libshape-msgs-dev libstd-msgs-dev libstd-srvs-dev
-  libtrajectory-msgs-dev libvisualization-msgs-dev libyaml-cpp-dev libompl-dev)
+  libroscpp-dev libsensor-msgs-dev libshape-msgs-dev libstd-msgs-dev libstd-srvs-dev
+  libtrajectory-msgs-dev libvisualization-msgs-dev libyaml-cpp-dev libompl-dev ros-message-runtime)
 list(JOIN to_build_with ", " CPACK_DEBIAN_PACKAGE_SUGGESTS)
 
 # Licence and changelog where Debian has them.

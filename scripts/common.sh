@@ -1,5 +1,5 @@
 # What scripts/demo and scripts/test share: packages, build, environment. To be sourced.
-# Supported: Debian 11 and 12 with their own ROS packages (in /usr). On Ubuntu 20.04 with /opt/ros/noetic
+# Supported: Debian 11, 12 and 13 with their own ROS packages (in /usr). On Ubuntu 20.04 with /opt/ros/noetic
 # build the package in a catkin workspace instead; rosdep knows its dependencies.
 
 PROJECT="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
@@ -17,6 +17,15 @@ missing_packages() {
   done
 }
 
+# Says how far a long command is. Not by awk: Debian's keeps what it reads until much has come.
+count_lines() {
+  local line number=0
+  while read -r line; do
+    number=$((number + 1))
+    [ $((number % 100)) != 0 ] || echo "   $number steps"
+  done
+}
+
 install_packages() {
   local missing as_root=()
   missing="$(missing_packages "$@")"
@@ -28,10 +37,10 @@ install_packages() {
     command -v sudo >/dev/null || die "packages are missing and there is no sudo; run as root: apt-get install $(echo $missing)"
     as_root=(sudo)
   fi
-  say "installing $(echo "$missing" | wc -l) packages and their dependencies (a minute or two)"
+  say "installing $(echo "$missing" | wc -l) packages and their dependencies (several minutes)"
   "${as_root[@]}" apt-get update -qq
   "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends \
-    -o Dpkg::Use-Pty=0 $missing | awk 'NR % 100 == 0 {printf "   %d steps\n", NR; fflush()}'
+    -o Dpkg::Use-Pty=0 $missing | count_lines
   missing="$(missing_packages "$@")"
   [ -z "$missing" ] || die "could not be installed: $(echo $missing)"
 }
@@ -50,7 +59,7 @@ build() {
   say "building (several minutes the first time; log: $log)"
   cmake -S "$PROJECT" -B "$BUILD" "$@" >"$log" 2>&1 || { tail -20 "$log"; die "cmake failed"; }
   cmake --build "$BUILD" -j"$(nproc)" --target $target 2>&1 | tee -a "$log" |
-    awk '/^\[ *[0-9]+%\] Built target (collision|test|check)/ {print "   " $0; fflush()}' ||
+    sed -unE 's/^\[ *[0-9]+%\] Built target (collision|test|check)/   &/p' ||
     { grep -E -A5 'error|Error' "$log" | head -40; die "the build failed"; }
 }
 

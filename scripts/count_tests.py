@@ -18,6 +18,12 @@ def outcome(case):
     return "skipped" if skipped or case.get("status") == "notrun" else "passed"
 
 
+def files_of(test):
+    """In which gtest, pytest or rostest say what came of it."""
+    short = test.replace("rostest_", "")
+    return {"test_%s.xml" % test, test + ".xml", "rosunit-%s_test.xml" % short, "rostest-test_ros_%s.xml" % short}
+
+
 def silent_failures(ctest_failed, failed_files):
     """Names of the ctests that failed without a file of theirs saying so."""
     if not os.path.exists(ctest_failed):
@@ -25,7 +31,7 @@ def silent_failures(ctest_failed, failed_files):
     with open(ctest_failed) as lines:
         for line in lines:  # "12:rostest_node"
             name = line.strip().split(":", 1)[-1]
-            if name and not any(name.replace("rostest_", "") in file for file in failed_files):
+            if name and not files_of(name) & set(failed_files):
                 yield name
 
 

@@ -19,6 +19,7 @@ EXCUSES = {
     "libboost-program-options-dev": "a library whose headers are in libboost-dev",
     "libgmp-dev": "under CGAL's exact numbers",
     "libmpfr-dev": "under CGAL's exact numbers",
+    "locales": "character maps for localedef",
     "pkg-config": "find_package(PkgConfig) is of CMake, and calls it",
     "python3-dev": "headers that those of pybind11 include",
 }
@@ -64,7 +65,7 @@ def use_of(files):
     """How code of ours uses one of the files; None: not at all."""
     includes, imports, _ = sources()
     for path in files:
-        header = re.match(r"/usr/include/(?:[^/]*-linux-gnu/|eigen3/)?(.*)", path)
+        header = re.match(r"/usr/include/(?:[^/]*-linux-gnu/|eigen3/|urdfdom/)?(.*)", path)
         if header and header.group(1) in includes:
             return "#include <%s>" % header.group(1)
         module = re.match(r"/usr/lib/python3/dist-packages/(\w+)(?:/__init__)?(?:\.py|\.cpython.*\.so)?$", path)

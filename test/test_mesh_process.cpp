@@ -12,7 +12,6 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <sys/prctl.h>
-#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -103,16 +102,29 @@ std::string child() {
   return pid;
 }
 
-/// A pipe whose reader waits for a writer: what reads it as a mesh is still there to be looked at.
-std::string pipeIn(const fs::path& folder) {
-  const std::string pipe = folder / "pipe.ply";
-  EXPECT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
-  return pipe;
-}
+/// A file that nobody else can open for 45 s (/proc/sys/fs/lease-break-time): what reads it as a
+/// mesh is still there to be looked at. Assimp 5.4 refuses pipes.
+class ShutFile {
+ public:
+  explicit ShutFile(const fs::path& folder)
+      : path_(folder / "shut.ply"),
+        descriptor_(::open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600)) {
+    ::signal(SIGIO, SIG_IGN);  // comes when somebody waits for it
+    EXPECT_EQ(::fcntl(descriptor_, F_SETLEASE, F_WRLCK), 0);
+  }
+  ~ShutFile() { ::close(descriptor_); }
+  ShutFile(const ShutFile&) = delete;
+  ShutFile& operator=(const ShutFile&) = delete;
+  const std::string& path() const { return path_; }
+
+ private:
+  std::string path_;
+  int descriptor_;
+};
 
 TEST_F(MeshProcess, LeavesNoProcessBehind) {
-  const std::string pipe = pipeIn(folder_);
-  EXPECT_THAT(refusal([&] { readMeshInProcess(pipe, std::chrono::seconds(1)); }),
+  const ShutFile mesh(folder_);
+  EXPECT_THAT(refusal([&] { readMeshInProcess(mesh.path(), std::chrono::seconds(1)); }),
               HasSubstr("did not finish within"));
   EXPECT_EQ(child(), "");
 }
@@ -164,7 +176,7 @@ std::string contentOf(const std::string& path) {
 }
 
 TEST_F(MeshProcess, MayGainNoRightsStartNoProcessAndWriteNoFile) {
-  const std::string pipe = pipeIn(folder_);
+  const ShutFile mesh(folder_);
   const std::string inherited = file("inherited", "");
   const int descriptor = ::open(inherited.c_str(), O_RDONLY);
   ASSERT_GT(descriptor, STDERR_FILENO);
@@ -182,7 +194,7 @@ TEST_F(MeshProcess, MayGainNoRightsStartNoProcessAndWriteNoFile) {
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
     }
   });
-  EXPECT_NE(refusal([&] { readMeshInProcess(pipe, std::chrono::seconds(5)); }), "accepted");
+  EXPECT_NE(refusal([&] { readMeshInProcess(mesh.path(), std::chrono::seconds(5)); }), "accepted");
   look.join();
   ::close(descriptor);
   EXPECT_FALSE(has_inherited);
@@ -196,11 +208,11 @@ TEST_F(MeshProcess, MayGainNoRightsStartNoProcessAndWriteNoFile) {
 }
 
 TEST_F(MeshProcess, EndsWithTheProgramThatStartedIt) {
-  const std::string pipe = pipeIn(folder_);
+  const ShutFile mesh(folder_);
   ASSERT_EQ(::prctl(PR_SET_CHILD_SUBREAPER, 1), 0);  // then its reader becomes a child of this
   const pid_t program = ::fork();
   if (program == 0) {
-    refusal([&] { readMeshInProcess(pipe, std::chrono::seconds(20)); });
+    refusal([&] { readMeshInProcess(mesh.path(), std::chrono::seconds(20)); });
     ::_exit(0);
   }
   const std::string children =

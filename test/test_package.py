@@ -69,6 +69,20 @@ def test_what_launch_files_start_comes_with_the_package():
         assert not owner or owner in packages, "cmake/package.cmake does not name %s, of which a launch file starts a node" % owner
 
 
+def test_what_find_package_calls_for_is_suggested():
+    needed = re.search(r"CATKIN_DEPENDS ([\w\s]+?)\s+DEPENDS EIGEN3", read("cmake", "messages.cmake")).group(1).split()
+    suggested = set(re.search(r"set\(to_build_with ([^)]*)\)", read("cmake", "package.cmake")).group(1).split())
+    owners = {name: owner_of("/usr/share/%s/cmake/%sConfig.cmake" % (name, name), "/usr/lib/*/cmake/%s/%sConfig.cmake" % (name, name))
+              for name in needed + ["catkin"]}
+    assert len(owners) > 5
+    for name, owner in owners.items():
+        assert not owner or owner in suggested, "cmake/package.cmake does not suggest %s, which has %s" % (owner, name)
+    if "" not in owners.values():  # all that scripts/test installs is there, these among it
+        for name in sorted(suggested):
+            status = ["dpkg-query", "-W", "-f", "${db:Status-Status}", name]
+            assert subprocess.run(status, stdout=subprocess.PIPE, text=True, check=False).stdout == "installed", name
+
+
 @pytest.mark.skipif("COLLISION_PAIRS_LONG" not in os.environ, reason="skipped: a build of its own (scripts/test --long)")
 def test_a_package_has_all_that_is_installed_and_no_error_of_lintian(tmp_path):
     subprocess.run([os.path.join(PROJECT, "scripts/package"), str(tmp_path)], check=True, timeout=3000)

@@ -46,3 +46,12 @@ def test_each_script_can_be_started(name):
         assert done.returncode == 0 and "usage" in done.stdout
     else:
         compile(text, path, "exec")
+
+
+def test_a_test_that_crashed_counts_as_failed_beside_one_of_a_longer_name(tmp_path):
+    (tmp_path / "python_values.xml").write_text(
+        "<testsuite><testcase classname='a' name='b'><failure/></testcase><testcase classname='a' name='c'/></testsuite>")
+    failed = tmp_path / "failed.log"
+    failed.write_text("170:python\n177:python_values\n")
+    done = subprocess.run([os.path.join(PROJECT, "scripts/count_tests.py"), tmp_path, failed], stdout=subprocess.PIPE, text=True, check=False)
+    assert (done.returncode, done.stdout.splitlines()[1:]) == (1, ["failed: python ended without a result", "1 passed, 2 failed, 0 skipped"])

@@ -16,6 +16,12 @@ def program_of(library):
     return os.path.join(TOOLS, "unit_tests_of_" + library)
 
 
+# Nothing that is started here writes over the results of the tests themselves.
+@pytest.fixture(autouse=True)
+def no_results(monkeypatch):
+    monkeypatch.delenv("GTEST_OUTPUT", raising=False)
+
+
 def listed_in(*command):
     """As gtest lists them: "Suite.", and the tests of the suite below, indented."""
     done = subprocess.run([*command, "--gtest_list_tests"], stdout=subprocess.PIPE, text=True, check=True, timeout=60)

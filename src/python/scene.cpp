@@ -13,13 +13,9 @@ namespace py = pybind11;
 namespace collision_pairs {
 namespace {
 
-/// Throws Python's RecursionError where calls are nested too deeply.
-struct RecursionGuard {
-  RecursionGuard() {
-    if (Py_EnterRecursiveCall(" in settings") != 0) throw py::error_already_set();
-  }
-  ~RecursionGuard() { Py_LeaveRecursiveCall(); }
-};
+/// A setting is three deep. Py_EnterRecursiveCall() allows more calls in Python 3.13 than the stack
+/// has room for.
+constexpr int MAX_NESTING = 100;
 
 /// It counts as a number to Python.
 bool isNumpyBool(const py::handle& value) {
@@ -28,8 +24,10 @@ bool isNumpyBool(const py::handle& value) {
 }
 
 /// From dicts, lists, numbers and strings. Throws InputError that names what is none of these.
-YAML::Node yamlFrom(const py::handle& value) {
-  const RecursionGuard no_endless_nesting;
+YAML::Node yamlFrom(const py::handle& value, int depth = 0) {
+  if (depth > MAX_NESTING) {
+    throw InputError("settings: nesting of more than " + std::to_string(MAX_NESTING) + " levels");
+  }
   if (value.is_none()) return YAML::Node(YAML::NodeType::Null);
   if (py::isinstance<py::str>(value)) return YAML::Node(utf8From(value));
   if (const auto fidelity = fidelityMember(value)) return YAML::Node(fidelityName(*fidelity));
@@ -39,18 +37,20 @@ YAML::Node yamlFrom(const py::handle& value) {
   if (py::isinstance<py::dict>(value)) {
     YAML::Node map(YAML::NodeType::Map);
     for (const auto& [key, entry] : py::reinterpret_borrow<py::dict>(value)) {
-      map[utf8From(py::str(key))] = yamlFrom(entry);
+      map[utf8From(py::str(key))] = yamlFrom(entry, depth + 1);
     }
     return map;
   }
   if (py::isinstance<py::list>(value) || py::isinstance<py::tuple>(value)) {
     YAML::Node list(YAML::NodeType::Sequence);
-    for (const py::handle entry : value) list.push_back(yamlFrom(entry));
+    for (const py::handle entry : value) list.push_back(yamlFrom(entry, depth + 1));
     return list;
   }
   if (PyNumber_Check(value.ptr()) && !py::hasattr(value, "__len__")) {
-    return YAML::Node(
-        py::repr(py::float_(py::reinterpret_borrow<py::object>(value))).cast<std::string>());
+    const double number = PyFloat_AsDouble(value.ptr());
+    if (number == -1.0 && PyErr_Occurred() != nullptr) throw py::error_already_set();
+    // Of a float of Python's own: NumPy 2 writes np.float64(1.0).
+    return YAML::Node(py::repr(py::float_(number)).cast<std::string>());
   }
   throw InputError("settings: " + py::repr(value).cast<std::string>() +
                    " is not a number, text, list or map");

@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 """What is wrong is named, what is right is still checked, and no node ends."""
+import fcntl
 import os
 import re
 import signal
@@ -139,8 +140,10 @@ class BadInputTest(unittest.TestCase):
 
     def test_a_mesh_that_is_never_read_is_unknown_and_does_not_keep_the_node_from_ending(self):
         with tempfile.NamedTemporaryFile("w", suffix=".ply") as mesh:
-            mesh.write("ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nprop")  # assimp never returns from this
+            mesh.write("ply")
             mesh.flush()
+            signal.signal(signal.SIGIO, signal.SIG_IGN)  # comes when somebody else wants to open it
+            fcntl.fcntl(mesh, fcntl.F_SETLEASE, fcntl.F_WRLCK)  # and waits for 45 s (lease-break-time)
             with open(os.path.join(os.path.dirname(os.path.abspath(__file__)), "broken_mesh.urdf")) as urdf:
                 description = re.sub('filename="[^"]*"', 'filename="file://%s"' % mesh.name, urdf.read())
             rospy.set_param("/endless/robot_description", description)
