@@ -194,6 +194,32 @@ TEST_F(TheMonitor, TakesNoSceneThatWasNotBuiltOrIsOfAnOldOne) {
   EXPECT_EQ(monitor_.scenes().active(), first.scene());
 }
 
+// Before the doubt begins b is known, at an instant that a was heard of last.
+TEST_F(TheMonitor, DoubtsALinkThatIsBehindOneThatIsInDoubt) {
+  for (const bool are_two : {false, true}) {
+    Monitor monitor({{0.0, 1.0, 0.5}, false, false});
+    std::string urdf = emptyLink("root");
+    for (const std::string link : {"a", "b"}) {
+      urdf += linkWith(link, "<sphere radius='0.5'/>") +
+              joint("to_" + link, "floating", "root", link, "0 0 0", "");
+    }
+    load(monitor, parametersOf(urdf));
+    const auto publish = [&](const std::string& link, double stamp, double x,
+                             const std::string& by) {
+      monitor.advance(ros::Time(stamp));
+      monitor.take(transformOf("root", link, ros::Time(stamp), x), false, by);
+    };
+    publish("a", 1000.0, 0.0, "one");
+    for (double stamp = 999.9; stamp < 1001.2; stamp += 0.05) {
+      publish("b", stamp, 5.0, "one");
+      if (are_two && stamp > 1001.1) publish("b", stamp + 0.02, 7.0, "other");
+    }
+    monitor.advance(ros::Time(1001.3));
+    const Snapshot snapshot = monitor.at(monitor.scenes().active());
+    EXPECT_THAT(snapshot.poses.doubts, testing::Contains(HasSubstr("link 'a'"))) << are_two;
+  }
+}
+
 TEST_F(TheMonitor, SaysThatNothingIsKnownBeforeTheFirstClock) {
   now_ = ros::Time();
   EXPECT_EQ(snapshot().poses.doubts.front(), NO_CLOCK);

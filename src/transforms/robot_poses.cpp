@@ -215,6 +215,19 @@ FoundBodies RobotPoses::place(const Instant& instant, const std::vector<char>& w
   return found;
 }
 
+StampNs RobotPoses::newestAbove(int frame, StampNs now) const {
+  const TransformGate& gate = buffer_.gate();
+  StampNs newest = EVER_SINCE;
+  const std::size_t most = buffer_.frames().size();  // a cycle ends, too
+  for (std::size_t step = 0; step < most && frame >= 0 && gate.isHeard(frame); ++step) {
+    const StampNs at = gate.newestAt(frame, now);
+    if (at == EVER_SINCE) break;
+    if (at != NEVER) newest = std::max(newest, at);
+    frame = buffer_.parentAt(frame, at == NEVER ? now : at);
+  }
+  return newest;
+}
+
 FoundBodies RobotPoses::newest(StampNs now, const std::vector<char>& wanted) const {
   const Layout layout = layOut({Instant::NEWEST, now}, wanted);
   StampNs newest = EVER_SINCE, common = NEVER;
@@ -225,11 +238,16 @@ FoundBodies RobotPoses::newest(StampNs now, const std::vector<char>& wanted) con
   for (std::size_t b = 0; b < wanted.size(); ++b) {
     if (isDated(b) && isFound(layout, b)) newest = std::max(newest, layout.places[b].way.newest);
   }
+  StampNs heard = newest;  // also of what is in doubt now: others may be behind it
+  for (std::size_t b = 0; b < wanted.size(); ++b) {
+    if (!wanted[b] || isFound(layout, b)) continue;
+    for (const int id : frames().of_links[b]) heard = std::max(heard, newestAbove(id, now));
+  }
   std::vector<std::string> problems(wanted.size());
   for (std::size_t b = 0; b < wanted.size(); ++b) {
     if (wanted[b] && !isFound(layout, b)) problems[b] = whyNot(b, layout);
     if (newest == EVER_SINCE || !isDated(b)) continue;
-    const StampNs lag = newest - layout.places[b].way.oldest;
+    const StampNs lag = heard - layout.places[b].way.oldest;
     if (lag <= buffer_.limits().max_gap) {
       common = std::min(common, layout.places[b].way.oldest);
     } else if (isFound(layout, b)) {

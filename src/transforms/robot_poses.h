@@ -108,6 +108,8 @@ class RobotPoses {
   std::vector<int> heldBy(StampNs stamp) const;
   void holdBetween(int a, int b, std::vector<int>& held_by) const;
   std::string whyNot(std::size_t body, const Layout& layout) const;
+  /// The newest stamp, up to now, of the frame and those above it, in doubt or not.
+  StampNs newestAbove(int frame, StampNs now) const;
 
   const TransformBuffer& buffer_;
   mutable Frames frames_;

@@ -24,7 +24,7 @@ NodeLimiter::NodeLimiter(const LimiterScene& scene, RandomInputs& random, bool o
     : random_(random),
       obeys_(obeys),
       law_(scene.settings()),
-      watch_(scene.joints(), scene.settings()),
+      watch_(scene.joints(), scene.settings(), false),
       surroundings_(scene.seen(), scene.joints(), Fidelity::MESH) {}
 
 Passed NodeLimiter::operator()(const LimiterView& view) {
