@@ -54,7 +54,7 @@ TransformGate::Answer TransformGate::admitMoving(Frame& frame, const FramePose& 
   }
   if (frame.kinds.empty()) setKind(frame, false, now);
   const bool has_changed = noteKind(frame, false, now);
-  if (frame.isStatic()) return {Store::NOTHING, IS_ON_BOTH};
+  // While it counts as static, samples are kept for what they say of publishers once it moves.
   const bool is_stored =
       std::any_of(frame.sources.begin(), frame.sources.end(), [&](const Source& source) {
         const Place place = placeOf(source.samples, stamp);
@@ -79,6 +79,7 @@ TransformGate::Answer TransformGate::admitMoving(Frame& frame, const FramePose& 
   if (!other.empty()) why = other;
   forget(frame, now);
   if (frame.both_since != NEVER) why = IS_ON_BOTH;
+  if (frame.isStatic()) return {Store::NOTHING, IS_ON_BOTH};
   return {has_changed ? Store::KIND : is_stored ? Store::NOTHING : Store::SAMPLE, why};
 }
 
