@@ -200,6 +200,16 @@ TEST_F(Transforms, OfAFrameThatChangesItsKindAreThoseOfTheKindThatIsHeard) {
   EXPECT_GT(nb_moving, 1000);
 }
 
+TEST_F(Transforms, ThatContradictEachOtherWhileTheFrameStillCountsAsStaticAreInDoubtOnceItMoves) {
+  receiveBy("other", "hand", 0.0, 5.0, true);
+  play(1001.5, 1002.3, [&] { receiveBy("one", "hand", now_.toSec(), 1.0); });
+  receiveBy("other", "hand", 1002.29, 9.0);
+  play(1002.3, 1002.6, [&] { receiveBy("one", "hand", now_.toSec(), 1.0); });
+  EXPECT_THAT(whyNot("hand"), HasSubstr("contradict"));
+  play(1002.6, 1003.4, [&] { receiveBy("one", "hand", now_.toSec(), 1.0); });
+  EXPECT_EQ(newestOf("hand"), 1.0);
+}
+
 // What makes a frame static again is a sample that comes after its silence.
 TEST_F(Transforms, OfAFrameThatIsFoundToBeStaticByASampleThatMovesItSurviveAnotherClock) {
   receive("hand", 1000.0, 1.0);
