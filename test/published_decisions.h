@@ -1,5 +1,8 @@
-// Decisions of the limiter's law that are published in time.
+// Decisions of the limiter's law that are published in time, and surroundings without anything.
 #pragma once
+
+#include <string>
+#include <vector>
 
 #include "limiter_law.h"
 
@@ -14,5 +17,21 @@ inline LimiterDecision published(LimiterLaw& law, const LimiterInput& input,
 }
 
 inline void publishStop(LimiterLaw& law, double now) { law.published(now, law.stop("told to")); }
+
+/// Certifies everything, and keeps the tube.
+struct FreeSurroundings : Surroundings {
+  StoppingTube tube;
+  Certificate certify(const StoppingTube& of, const KeptDistances&,
+                      const std::vector<NearPair>&) override {
+    tube = of;
+    return {true, "", "", ""};
+  }
+  double travel(const StoppingTube&) override { return 0.0; }
+  bool leadsApart(const StoppingTube&, const NearPair&) override { return true; }
+  bool nearPairs(double, const std::vector<double>&, std::vector<NearPair>&,
+                 std::string&) override {
+    return true;
+  }
+};
 
 }  // namespace collision_pairs

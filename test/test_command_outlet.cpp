@@ -12,6 +12,7 @@
 
 #include "benchmark/simulated_joints.h"
 #include "command_outlet.h"
+#include "published_decisions.h"
 
 namespace collision_pairs {
 namespace test_command_outlet {
@@ -25,22 +26,6 @@ LimiterDecision decisionOf(double speed, double publish_by = INF) {
   decision.publish_by = publish_by;
   return decision;
 }
-
-/// Certifies everything, and keeps the tube.
-struct Free : Surroundings {
-  StoppingTube tube;
-  Certificate certify(const StoppingTube& of, const KeptDistances&,
-                      const std::vector<NearPair>&) override {
-    tube = of;
-    return {true, "", "", ""};
-  }
-  double travel(const StoppingTube&) override { return 0.0; }
-  bool leadsApart(const StoppingTube&, const NearPair&) override { return true; }
-  bool nearPairs(double, const std::vector<double>&, std::vector<NearPair>&,
-                 std::string&) override {
-    return true;
-  }
-};
 
 /// An outlet with a clock that the test sets, and what it has sent.
 class Outlet : public testing::Test {
@@ -138,7 +123,7 @@ TEST_F(Outlet, ToTheLawACommandWasPublishedWhenItMayHaveBeen) {
   LimiterLaw law(settings_);
   ASSERT_EQ(outlet_->pass(decisionOf(0.3), INF, time(), send()), Result::PUBLISHED);
   outlet_->tell(law, true);
-  Free surroundings;
+  FreeSurroundings surroundings;
   law.decide({100.17, 100.15, 0.0, {0.3}}, surroundings);
   PassedCommands passed({settings_.reaction_time, settings_.command_timeout + 0.01, {2.0}});
   passed.add(100.1, {0.3});
@@ -206,7 +191,7 @@ TEST_F(Outlet, AfterAnOverrunTheRobotIsWhereTheNextTubeSays) {
     settings_.command_timeout = 0.5;
     begin(settings_.command_timeout);
     LimiterLaw law(settings_);
-    Free surroundings;
+    FreeSurroundings surroundings;
     SimulatedJoints robot({0.0}, settings_.deceleration);
     std::size_t nb_followed = 0;
     double now = 100.0;

@@ -8,6 +8,7 @@
 
 #include "benchmark/simulated_joints.h"
 #include "limiter_inputs.h"
+#include "published_decisions.h"
 
 namespace collision_pairs {
 namespace test_limiter_inputs {
@@ -22,24 +23,6 @@ sensor_msgs::JointState jointState(double stamp, double position, const char* na
   return message;
 }
 
-/// Certifies everything, and keeps the tube.
-struct Free : Surroundings {
-  StoppingTube tube;
-  Certificate certify(const StoppingTube& of, const KeptDistances&,
-                      const std::vector<NearPair>&) override {
-    tube = of;
-    Certificate free;
-    free.is_free = true;
-    return free;
-  }
-  double travel(const StoppingTube&) override { return 0.0; }
-  bool leadsApart(const StoppingTube&, const NearPair&) override { return true; }
-  bool nearPairs(double, const std::vector<double>&, std::vector<NearPair>&,
-                 std::string&) override {
-    return true;
-  }
-};
-
 // At 2 m/s; commands of 0.2 m/s, and then zeros, come at every phase of the clock, and joint states
 // 20 ms late.
 TEST(LimiterInputs, WithAClockOf10HertzASimulatedRobotStaysWithinTheTube) {
@@ -51,7 +34,7 @@ TEST(LimiterInputs, WithAClockOf10HertzASimulatedRobotStaysWithinTheTube) {
   for (int slower_at = 2000; slower_at < 2100; slower_at += 3) {
     LimiterInputs inputs({{"slide"}, settings.max_joint_state_age, 0.2, true, false});
     LimiterLaw law(settings);
-    Free free;
+    FreeSurroundings free;
     SimulatedJoints robot({0.0}, {5.0});
     std::deque<double> measured(LATE, 0.0);
     double furthest = std::numeric_limits<double>::infinity();
