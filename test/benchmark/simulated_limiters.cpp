@@ -71,6 +71,7 @@ Limiter servoLimiter(std::shared_ptr<CertifiedSurroundings> surroundings) {
   };
   return [state = std::make_shared<State>(),
           surroundings = std::move(surroundings)](const LimiterView& view) {
+    if (view.command.empty()) return view.command;
     if (view.now - state->checked >= PERIOD) {
       state->checked = view.now;
       surroundings->setState(view.state);

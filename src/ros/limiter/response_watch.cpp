@@ -11,10 +11,9 @@ namespace collision_pairs {
 namespace {
 
 constexpr double PI = 3.14159265358979323846;
-constexpr double LONGEST_GAP =
-    1.0;                        // s between states that are compared: commands are kept so long
-constexpr double REST = 1.0;    // s without a fault or a command, after which commands pass
-constexpr double LATELY = 0.5;  // s of which the words speak
+constexpr double LONGEST_GAP = 1.0;    // s between compared states: commands are kept as long
+constexpr double REST = 1.0;           // s without fault or command, after which commands pass
+constexpr double LATELY = 0.5;         // s of which the words speak
 constexpr double STAMP_ERROR = 0.005;  // s by which stamps may err, either way
 constexpr double SPEED_ERROR = 0.02;   // share of its speed by which a joint may miss it
 
