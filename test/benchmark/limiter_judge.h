@@ -23,7 +23,7 @@ struct RobotsPart {
   int nb_run_into = 0;    ///< times that contact with one that moves began otherwise
   int nb_moved_into = 0;  ///< of these: by the robot's motion since the check before
   /// Metres: the smallest distance to what does not move by itself, links apart, where the robot
-  /// moves nearer.
+  /// moves nearer. Looked for below 15 mm only; 1: there was none.
   double nearest = 1.0;
   double nearest_links = 1.0;  ///< the same between two links that joints move
   /// Metres: the most that the robot took away of a distance from stop_distance to contact with an
