@@ -117,6 +117,13 @@ class WatchedRobot {
   std::vector<State> coming_;
 };
 
+/// Of one joint.
+LimiterSettings slideSettings(double deceleration) {
+  LimiterSettings settings;
+  settings.deceleration = {deceleration};
+  return settings;
+}
+
 LimiterSettings randomSettings(RandomInputs& random, std::size_t nb_joints) {
   LimiterSettings settings;
   settings.reaction_time = random.uniform(0.02, 0.2);
@@ -247,9 +254,7 @@ TEST(ResponseWatch, NoticesThatTheDecelerationIsAThirdWithin200MillisecondsAfter
 
 TEST(ResponseWatch, ComparesAStateWithAllBeforeItSoThatASlowDriftIsSeen) {
   RandomInputs random;
-  LimiterSettings settings;
-  settings.deceleration.assign(1, 2.0);
-  WatchedRobot robot(random, settings, {2.0});
+  WatchedRobot robot(random, slideSettings(2.0), {2.0});
   robot.carried = {0.001};
   const double took = robot.secondsToFault({0.0}, 60.0);
   EXPECT_GT(took, 7.0) << "of tolerance 0.01 the noise may have taken 0.002";
@@ -258,9 +263,7 @@ TEST(ResponseWatch, ComparesAStateWithAllBeforeItSoThatASlowDriftIsSeen) {
 
 TEST(ResponseWatch, LeavesAPushBelowTheToleranceAlone) {
   RandomInputs random;
-  LimiterSettings settings;
-  settings.deceleration.assign(1, 2.0);
-  WatchedRobot robot(random, settings, {2.0});
+  WatchedRobot robot(random, slideSettings(2.0), {2.0});
   robot.carried = {0.07};
   EXPECT_EQ(robot.secondsToFault({0.0}, 0.1), INF);
   robot.carried = {0.0};
@@ -268,8 +271,7 @@ TEST(ResponseWatch, LeavesAPushBelowTheToleranceAlone) {
 }
 
 TEST(ResponseWatch, FollowsAJointThatIsReportedWithinATurn) {
-  LimiterSettings settings;
-  settings.deceleration = {2.0};
+  const LimiterSettings settings = slideSettings(2.0);
   ResponseWatch watch({"wheel"}, settings, false);
   watch.published(0.0, 0.0, {1.0});
   for (double now = 1.0; now < 20.0; now += 0.01) {
@@ -284,8 +286,7 @@ TEST(ResponseWatch, FollowsAJointThatIsReportedWithinATurn) {
 // The guard counts from when it hears of a command, and the limiter's thread may be held up after
 // it has sent one.
 TEST(ResponseWatch, ExpectsTheZerosOfTheGuardAlthoughPublishingTookLong) {
-  LimiterSettings settings;
-  settings.deceleration = {5.0};
+  const LimiterSettings settings = slideSettings(5.0);
   ResponseWatch watch({"slide"}, settings, false);
   SimulatedJoints robot({0.0}, {5.0});
   double now = 10.0;
@@ -310,8 +311,7 @@ TEST(ResponseWatch, ExpectsTheZerosOfTheGuardAlthoughPublishingTookLong) {
 }
 
 TEST(ResponseWatch, OfARobotThatMayStandNoticesOnlyWhatGoesFurtherOrMovesWithoutACommand) {
-  LimiterSettings settings;
-  settings.deceleration = {5.0};
+  const LimiterSettings settings = slideSettings(5.0);
   const auto faultOf = [&](double commanded, double speed) {
     ResponseWatch watch({"elbow"}, settings, true);
     for (double now = 1.0; now < 3.0; now += 0.01) {
@@ -331,8 +331,7 @@ TEST(ResponseWatch, OfARobotThatMayStandNoticesOnlyWhatGoesFurtherOrMovesWithout
 }
 
 TEST(ResponseWatch, LetsCommandsPassOnceTheyHaveRestedForASecondAndNothingElseHappened) {
-  LimiterSettings settings;
-  settings.deceleration = {2.0};
+  const LimiterSettings settings = slideSettings(2.0);
   ResponseWatch watch({"slide"}, settings, false);
   watch.measured({0, 1.0, 0.0}, 1.0);
   watch.measured({0, 1.01, 0.5}, 1.01);
@@ -351,8 +350,7 @@ TEST(ResponseWatch, LetsCommandsPassOnceTheyHaveRestedForASecondAndNothingElseHa
 }
 
 TEST(ResponseWatch, DoesNotCompareWhatIsOlderNotFiniteOrOfAnotherTime) {
-  LimiterSettings settings;
-  settings.deceleration = {2.0};
+  const LimiterSettings settings = slideSettings(2.0);
   ResponseWatch watch({"slide"}, settings, false);
   watch.measured({0, 1.0, 0.0}, 1.0);
   watch.measured({0, 0.9, 5.0}, 1.1);

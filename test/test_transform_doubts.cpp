@@ -210,6 +210,24 @@ TEST_F(Transforms, ThatContradictEachOtherWhileTheFrameStillCountsAsStaticAreInD
   EXPECT_EQ(newestOf("hand"), 1.0);
 }
 
+// By a sample it is found to be static, and its newest pose was sent by one of two nodes, once.
+TEST_F(Transforms, OfAFrameThatBecomesStaticAreInDoubtUntilAnAmbiguousPoseIsSentAgain) {
+  receive("hand", 1000.0, 1.0);
+  now_ = ros::Time(1000.5);
+  receiveBy("one", "hand", 0.0, 5.0, true);
+  now_ = ros::Time(1000.9);
+  receiveBy("two", "hand", 0.0, 7.0, true);
+  now_ = ros::Time(1001.6);
+  receive("hand", 1001.6, 1.0);
+  now_ = ros::Time(1004.0);
+  input_.followClock(now_);
+  EXPECT_THAT(whyNot("hand"), HasSubstr("sent once"));
+  receiveBy("two", "hand", 0.0, 7.0, true);
+  now_ = ros::Time(1005.5);
+  input_.followClock(now_);
+  EXPECT_EQ(newestOf("hand"), 7.0);
+}
+
 // What makes a frame static again is a sample that comes after its silence.
 TEST_F(Transforms, OfAFrameThatIsFoundToBeStaticByASampleThatMovesItSurviveAnotherClock) {
   receive("hand", 1000.0, 1.0);

@@ -29,6 +29,7 @@ bool LimiterClock::follow(double clock, double steady, unsigned nb_jumps) {
   clock_ = std::max(clock_, clock);
   if (!last_step_ || latest() != last_latest_) last_step_ = steady;
   last_latest_ = latest();
+  law_latest_ = lawLatest();
   return went_back;
 }
 
@@ -39,6 +40,8 @@ double LimiterClock::latest() const { return is_simulated_ ? std::max(clock_, ne
 double LimiterClock::upper() const {
   return latest() + (lags_.empty() ? 0.0 : lags_.front().seconds);
 }
+
+double LimiterClock::lawLatest() const { return std::max(law_latest_, law_ + (upper() - clock_)); }
 
 double LimiterClock::standsFor(double steady) const {
   return is_simulated_ && last_step_ ? steady - *last_step_ : 0.0;

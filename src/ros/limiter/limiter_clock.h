@@ -17,7 +17,8 @@ class LimiterClock {
   /// former jump. Returns true if it went back since the last call: what was received before is of
   /// another time.
   bool follow(double clock, double steady, unsigned nb_jumps);
-  bool follow(double clock, double steady) { return follow(clock, steady, nb_jumps_); }
+  /// Of the last call: for a time about which nobody was asked.
+  unsigned nbJumps() const { return nb_jumps_; }
 
   /// A joint position with this stamp was received.
   void receive(double stamp);
@@ -32,8 +33,9 @@ class LimiterClock {
   /// No earlier than the present: latest(), and as much more as it has been behind a simulated
   /// clock that moved, at most, within the last second: what comes at 10 Hz is up to 0.1 s behind.
   double upper() const;
-  /// The same, of upper(): may have passed.
-  double lawLatest() const { return law_ + (upper() - clock_); }
+  /// The same, of upper(): may have passed. Never back, either: what is published is recorded at
+  /// it.
+  double lawLatest() const;
 
   /// When a position was measured, on the time of law(): that of its stamp, which a simulated clock
   /// may not have reached; else that by which it was measured.
@@ -47,7 +49,8 @@ class LimiterClock {
  private:
   const bool is_simulated_;
   double clock_ = 0.0, law_ = 0.0;
-  double newest_ = -std::numeric_limits<double>::infinity();  // stamp
+  double law_latest_ = -std::numeric_limits<double>::infinity();  // of the last call
+  double newest_ = -std::numeric_limits<double>::infinity();      // stamp
   unsigned nb_jumps_ = 0;
   double last_latest_ = 0.0;  // of the last call
   struct Lag {

@@ -24,7 +24,6 @@ CommandOutlet::Time LimiterInputs::follow(const Clocks& clocks) {
     positions_.clear();
     has_jumped_ = true;
   }
-  nb_jumps_ = clocks.nb_jumps;
   return {clock_.law(), clock_.lawLatest(), clocks.steady};
 }
 

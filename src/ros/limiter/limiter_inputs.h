@@ -38,7 +38,7 @@ class LimiterInputs {
   /// and dropped.
   CommandOutlet::Time follow(const Clocks& clocks);
   /// Of the last call: for a time about which the monitor was not asked.
-  unsigned nbJumps() const { return nb_jumps_; }
+  unsigned nbJumps() const { return clock_.nbJumps(); }
 
   /// What is new of joints of the command, and whether the clock was set since the last message.
   struct Taken {
@@ -62,7 +62,6 @@ class LimiterInputs {
   const Settings settings_;
   JointPositions positions_;
   LimiterClock clock_;
-  unsigned nb_jumps_ = 0;
   bool has_jumped_ = false;           // since the last message
   double offset_ = 0.0;               // of the clocks, then
   std::vector<double> taken_stamps_;  // by joint, of the last that was taken

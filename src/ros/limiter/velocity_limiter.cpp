@@ -169,12 +169,12 @@ void VelocityLimiter::take(const sensor_msgs::JointState& message) {
   }
   if (taken.has_jumped) outlet_->forgetMeasured();
   const std::string fault = outlet_->measured(taken.positions);
-  const bool is_new = !fault.empty() && !is_at_fault_;
-  is_at_fault_ = !fault.empty();
-  if (is_new) ROS_ERROR_STREAM("velocity limiter: " << fault);
-  const std::lock_guard<std::mutex> lock(mutex_);
-  if (!fault.empty()) response_fault_ = fault;
+  std::unique_lock<std::mutex> lock(mutex_);
+  const bool is_new = !fault.empty() && is_fault_over_;
   is_fault_over_ = fault.empty();
+  if (!fault.empty()) response_fault_ = fault;
+  lock.unlock();
+  if (is_new) ROS_ERROR_STREAM("velocity limiter: " << fault);
 }
 
 void VelocityLimiter::take(Command command) {

@@ -81,7 +81,6 @@ class VelocityLimiter {
   std::optional<LimiterInputs> inputs_;
   CommandPtr next_;
 
-  bool is_at_fault_ = false;           // used by the thread that listens only
   bool is_first_scene_known_ = false;  // used by the thread that prepares checkers only
 
   // Used by the thread that decides only.
