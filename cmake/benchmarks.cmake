@@ -4,21 +4,21 @@ find_package(benchmark REQUIRED)
 find_package(CGAL REQUIRED)
 find_package(Bullet REQUIRED)
 
-# A program of test/benchmark: of the file of its name and SOURCES, with LIBRARIES.
+# A program of benchmark/: of the file of its name and SOURCES, with LIBRARIES.
 function(collision_pairs_benchmark name)
   cmake_parse_arguments(PARSE_ARGV 1 its "" "" "SOURCES;LIBRARIES")
-  list(TRANSFORM its_SOURCES REPLACE "(.+)" "test/benchmark/\\1.cpp")
-  add_executable(${name} test/benchmark/${name}.cpp ${its_SOURCES})
+  list(TRANSFORM its_SOURCES REPLACE "(.+)" "benchmark/\\1.cpp")
+  add_executable(${name} benchmark/${name}.cpp ${its_SOURCES})
   target_link_libraries(${name} PRIVATE ${its_LIBRARIES})
-  target_include_directories(${name} PRIVATE ${CORE_MODULES} test)
+  target_include_directories(${name} PRIVATE ${CORE_MODULES} . test)
   target_compile_definitions(${name} PRIVATE PROJECT_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
   collision_pairs_warnings(${name})
 endfunction()
 
 # A library of its own: CGAL asks for -frounding-math, which must not slow the others.
 add_library(broad_phase_references STATIC test/plain_direct_sap.cpp
-                                          test/benchmark/packed_brute_force.cpp)
-target_include_directories(broad_phase_references PUBLIC test ${CORE_MODULES})
+                                          benchmark/packed_brute_force.cpp)
+target_include_directories(broad_phase_references PUBLIC . test ${CORE_MODULES})
 target_link_libraries(broad_phase_references PUBLIC collision_pairs)
 collision_pairs_warnings(broad_phase_references)
 
@@ -62,7 +62,7 @@ collision_pairs_benchmark(motion_benchmark SOURCES benchmark_robots demo_motion 
 # The velocity limiter beside MoveIt Servo's formula; scripts/measure_limiter writes docs/limiter.md.
 set(limiter_simulation benchmark_robots demo_motion limiter_commands limiter_drives limiter_judge limiter_simulation
   motion_scenes simulated_joints simulated_limiters)
-list(TRANSFORM limiter_simulation REPLACE "(.+)" "test/benchmark/\\1.cpp")
+list(TRANSFORM limiter_simulation REPLACE "(.+)" "benchmark/\\1.cpp")
 collision_pairs_benchmark(limiter_benchmark LIBRARIES collision_pairs_io)
 target_sources(limiter_benchmark PRIVATE ${limiter_simulation} ${limiter_law})
 target_include_directories(limiter_benchmark PRIVATE src/ros/limiter)
@@ -73,7 +73,7 @@ if(mujoco_FOUND)
   add_library(dynamic_robots STATIC test/dynamics/driven_steps.cpp test/dynamics/dynamic_robots.cpp
     test/dynamics/mujoco_robot.cpp src/tools/stopping_analysis.cpp src/tools/stopping_steps.cpp
     ${limiter_simulation} ${limiter_law})
-  target_include_directories(dynamic_robots PUBLIC ${CORE_MODULES} src/ros/limiter src/tools test test/benchmark)
+  target_include_directories(dynamic_robots PUBLIC ${CORE_MODULES} src/ros/limiter src/tools . test)
   target_include_directories(dynamic_robots SYSTEM PUBLIC ${catkin_INCLUDE_DIRS})
   target_link_libraries(dynamic_robots PUBLIC collision_pairs_io mujoco::mujoco yaml-cpp ${catkin_LIBRARIES})
   target_compile_definitions(dynamic_robots PRIVATE PROJECT_SOURCE_DIR="${PROJECT_SOURCE_DIR}")

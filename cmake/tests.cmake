@@ -14,17 +14,17 @@ add_library(test_parts STATIC EXCLUDE_FROM_ALL
   src/tools/progress_bar.cpp
   src/tools/stopping_analysis.cpp
   src/tools/stopping_steps.cpp
-  test/benchmark/benchmark_robots.cpp
-  test/benchmark/demo_motion.cpp
-  test/benchmark/limiter_commands.cpp
-  test/benchmark/limiter_drives.cpp
-  test/benchmark/limiter_judge.cpp
-  test/benchmark/limiter_simulation.cpp
-  test/benchmark/motion_scenes.cpp
-  test/benchmark/simulated_joints.cpp
-  test/benchmark/simulated_limiters.cpp
+  benchmark/benchmark_robots.cpp
+  benchmark/demo_motion.cpp
+  benchmark/limiter_commands.cpp
+  benchmark/limiter_drives.cpp
+  benchmark/limiter_judge.cpp
+  benchmark/limiter_simulation.cpp
+  benchmark/motion_scenes.cpp
+  benchmark/simulated_joints.cpp
+  benchmark/simulated_limiters.cpp
 )
-target_include_directories(test_parts PUBLIC test src/demo src/messages src/planners/moveit src/tools ${CORE_MODULES}
+target_include_directories(test_parts PUBLIC . test src/demo src/messages src/planners/moveit src/tools ${CORE_MODULES}
                                       PRIVATE src/ros/limiter)
 target_include_directories(test_parts SYSTEM PUBLIC ${catkin_INCLUDE_DIRS})
 target_link_libraries(test_parts PUBLIC collision_pairs_io)
@@ -34,7 +34,7 @@ collision_pairs_checked_indices(test_parts)
 
 function(collision_pairs_test_options target)
   add_dependencies(tests ${target})
-  target_include_directories(${target} PRIVATE ${CORE_MODULES} test)
+  target_include_directories(${target} PRIVATE ${CORE_MODULES} . test)
   target_compile_definitions(${target} PRIVATE PROJECT_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
   target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)  # two thirds of the time to build
   collision_pairs_warnings(${target})

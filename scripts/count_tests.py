@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Counts the test cases in a folder of JUnit-like XML: prints "N passed, N failed, N skipped".
+"""Counts the test cases in a folder of JUnit-like XML: prints "N passed, N failed, N skipped" and why they were skipped.
 
 usage: count_tests.py FOLDER FAILED: FAILED is ctest's list of failed tests, absent where none failed.
 
@@ -16,6 +16,13 @@ def outcome(case):
         return "failed"
     skipped = case.find("skipped") is not None or case.get("result") == "skipped"
     return "skipped" if skipped or case.get("status") == "notrun" else "passed"
+
+
+def why_skipped(case):
+    """As pytest, rosunit and gtest (in what GTEST_SKIP() prints) say it."""
+    said = case.find("skipped")
+    text = (said.get("message") or said.text or "") if said is not None else ""
+    return " ".join(text.split()) or "no reason is given"
 
 
 def files_of(test):
@@ -36,7 +43,7 @@ def silent_failures(ctest_failed, failed_files):
 
 
 def main(folder, ctest_failed):
-    failed_files = []
+    failed_files, reasons = [], set()
     counts = {"passed": 0, "failed": 0, "skipped": 0}
     for path, _, names in os.walk(folder):
         for name in sorted(names):
@@ -53,12 +60,15 @@ def main(folder, ctest_failed):
                 counts[result] += 1
                 if result == "failed":
                     failed_files.append(name)
+                elif result == "skipped":
+                    reasons.add(why_skipped(case))
                 if result != "passed":
                     print("%s: %s.%s" % (result, case.get("classname"), case.get("name")))
     for name in silent_failures(ctest_failed, failed_files):
         print("failed: %s ended without a result" % name)
         counts["failed"] += 1
-    print("%(passed)d passed, %(failed)d failed, %(skipped)d skipped" % counts)
+    why = " (%s)" % "; ".join(sorted(reasons)) if reasons else ""
+    print("%(passed)d passed, %(failed)d failed, %(skipped)d skipped" % counts + why)
     return 0 if counts["failed"] == 0 and counts["passed"] > 0 else 1
 
 

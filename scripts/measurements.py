@@ -68,7 +68,7 @@ def commit():
     """Of what is built: with a "+" where sources differ from it."""
     git = ["git", "-C", ROOT]
     name = subprocess.run(git + ["rev-parse", "--short=10", "HEAD"], check=True, stdout=subprocess.PIPE, text=True).stdout
-    changed = subprocess.run(git + ["status", "--porcelain", "--", "src", "include", "test/benchmark"], check=True,
+    changed = subprocess.run(git + ["status", "--porcelain", "--", "src", "include", "benchmark"], check=True,
                              stdout=subprocess.PIPE, text=True).stdout
     return name.strip() + ("+" if changed else "")
 

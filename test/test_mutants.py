@@ -12,7 +12,8 @@ def test_each_mistake_of_the_list_still_has_its_line():
     listed = subprocess.run([os.path.join(PROJECT, "scripts", "mutate"), "--list"], stdout=subprocess.PIPE,
                             stderr=subprocess.PIPE, text=True, timeout=60)
     assert listed.returncode == 0, listed.stderr
-    assert len(listed.stdout.splitlines()) >= 100
+    with open(os.path.join(PROJECT, "test", "mutants.yaml")) as file:  # a file that is there twice would hide its first entries
+        assert len(listed.stdout.splitlines()) == file.read().count("\n- line: ")
 
 
 def drawn(number, seed):

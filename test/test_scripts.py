@@ -22,17 +22,22 @@ def readers():
         yield from filter(os.path.isfile, glob.glob(os.path.join(PROJECT, pattern)))
 
 
+def uses(text, name):
+    """Whether it names the path of this script, imports it, or sources it."""
+    stem = os.path.splitext(name)[0]
+    patterns = re.findall(r"`scripts/(\w+\*)`", text)
+    return (re.search(r"scripts/%s(?![\w.])|[\"'/]%s(?![\w.])|(?:import|from) %s\b" % ((re.escape(name),) * 2 + (re.escape(stem),)), text)
+            or any(fnmatch.fnmatch(name, pattern) for pattern in patterns))
+
+
 @pytest.mark.parametrize("name", FILES)
 def test_each_script_is_named_by_a_page_or_by_what_runs_it(name):
-    stem = os.path.splitext(name)[0]
-    for path in readers():
-        if os.path.basename(path) == name:
-            continue
-        text = read(path)
-        patterns = re.findall(r"`scripts/(\w+\*)`", text)
-        if re.search(r"\b%s\b" % re.escape(stem), text) or any(fnmatch.fnmatch(name, pattern) for pattern in patterns):
-            return
-    raise AssertionError("nobody names scripts/" + name)
+    assert any(uses(read(path), name) for path in readers() if os.path.basename(path) != name), "nobody names scripts/" + name
+
+
+def test_a_word_is_not_the_name_of_a_script():
+    assert uses("run `scripts/test`", "test") and uses('"$(dirname "$0")/common.sh"', "common.sh")
+    assert not uses("a test of the demo: scripts/test_more", "test") and not uses("the demo", "demo")
 
 
 @pytest.mark.parametrize("name", FILES)
@@ -55,3 +60,11 @@ def test_a_test_that_crashed_counts_as_failed_beside_one_of_a_longer_name(tmp_pa
     failed.write_text("170:python\n177:python_values\n")
     done = subprocess.run([os.path.join(PROJECT, "scripts/count_tests.py"), tmp_path, failed], stdout=subprocess.PIPE, text=True, check=False)
     assert (done.returncode, done.stdout.splitlines()[1:]) == (1, ["failed: python ended without a result", "1 passed, 2 failed, 0 skipped"])
+
+
+def test_the_last_line_says_how_many_were_skipped_and_why(tmp_path):
+    (tmp_path / "a.xml").write_text("<testsuite><testcase name='a'/><testcase name='b'><skipped message='no data'/></testcase>"
+                                    "<testcase name='c'><skipped>\n no data </skipped></testcase></testsuite>")
+    done = subprocess.run([os.path.join(PROJECT, "scripts/count_tests.py"), tmp_path, tmp_path / "none"], stdout=subprocess.PIPE,
+                          text=True, check=False)
+    assert (done.returncode, done.stdout.splitlines()[-1]) == (0, "1 passed, 0 failed, 2 skipped (no data)")
