@@ -272,6 +272,45 @@ TEST(StoppingAnalysis, ASlowTailIsCoveredAsAWholeAndInItsParts) {
   }
 }
 
+TEST(StoppingAnalysis, WhatNoDecelerationCoversDoesNotLowerItAndIsSaid) {
+  RandomInputs random;
+  for (const double push :
+       {0.0, 0.004}) {  // rad, 0.4 s after each command, when all ramps are over
+    Truth truth = drive(random, {}, stepsAt({0.5, 0.25, 0.5}), 1.0, 1.0, 22.0);
+    for (std::size_t k = 0; k < truth.positions.size(); ++k) {
+      const double since = std::fmod(DT * static_cast<double>(k), 1.0) - 0.4;
+      if (k >= 1.0 / DT)
+        truth.positions[k] += push * std::exp(-since * since / (2 * 0.015 * 0.015));
+    }
+    std::vector<StoppingRecording::State> states;
+    record(random, truth, {500.0, 1e-5}, states);
+    const auto found = analyseStopping(recordingOf(truth, std::move(states)));
+    EXPECT_GE(found.joints[0].deceleration, 0.85 * Servo().slope) << push;
+    const auto said = Contains(HasSubstr("whatever the deceleration: add that to stop_distance"));
+    if (push > 0.0) {
+      EXPECT_THAT(found.warnings, said);
+    } else {
+      EXPECT_THAT(found.warnings, IsEmpty());
+    }
+  }
+}
+
+TEST(StoppingAnalysis, ADecelerationThatIsMuchLowerThanTheSlopeIsSaid) {
+  RandomInputs random;
+  Case its;
+  its.servo.creep = 0.3;
+  its.servo.slope = 20.0;
+  its.recorder = {500.0, 1e-6};
+  its.velocity = 1.0;
+  its.hold = 2.0;
+  Truth truth;
+  Outside outside;
+  const auto found = analysisOf(random, its, truth, outside);
+  EXPECT_LT(found.joints[0].deceleration, 10.0);
+  EXPECT_THAT(found.warnings,
+              Contains(HasSubstr("but its steps are covered only by a deceleration of")));
+}
+
 TEST(StoppingAnalysis, OfTwoDirectionsTheSlowerCounts) {
   RandomInputs random;
   Case its;

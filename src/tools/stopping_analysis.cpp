@@ -19,8 +19,10 @@ constexpr double LEAST_WAY = 1e-3;  // rad or m: less is not worth a slower limi
 constexpr double LEAST_DRIFT = 1e-3;
 constexpr double OLDEST_STATE = 0.08;  // s: max_joint_state_age, but for the time of a decision
 constexpr std::size_t LEAST_STOPS = 4;
-constexpr double TWO_SPEEDS = 1.5;   // ratio
-constexpr double KNOWN_SLOPE = 1.2;  // ratio of the ends of its interval: 15 % with the margin
+constexpr double TWO_SPEEDS = 1.5;     // ratio
+constexpr double KNOWN_SLOPE = 1.2;    // ratio of the ends of its interval: 15 % with the margin
+constexpr double LOWEST_SHARE = 0.25;  // of the fitted deceleration
+constexpr double WORTH_LOWERING = 0.8, MUCH_LOWER = 0.8;  // ratios
 constexpr int SLOPES = 24, BISECTIONS = 10;
 
 /// The lowest point of a function with one minimum, by golden section search.
@@ -171,16 +173,22 @@ double outsideOf(const StoppingStep& step, const JointStopping& found, double re
   return way;
 }
 
+/// A lower one makes the limiter slower: it counts only where more is covered by it.
 void lowerDeceleration(JointStopping& found, double reaction_time) {
-  const double allowed = allowedWay(found.joint);
-  const double least = 0.25 * found.deceleration;
-  for (;; found.deceleration *= 0.97) {
-    found.outside = 0.0;
+  const double allowed = allowedWay(found.joint), fitted = found.deceleration;
+  double best = fitted, least_outside = INFINITY;
+  while (least_outside > allowed && found.deceleration > LOWEST_SHARE * fitted) {
+    double outside = 0.0;
     for (const StoppingStep& step : found.joint.steps) {
-      found.outside = std::max(found.outside, outsideOf(step, found, reaction_time));
+      outside = std::max(outside, outsideOf(step, found, reaction_time));
     }
-    if (found.outside <= allowed || found.deceleration < least) return;
+    if (outside <= allowed || outside < WORTH_LOWERING * least_outside) {
+      best = found.deceleration, least_outside = outside;
+    }
+    found.deceleration *= 0.97;
   }
+  found.deceleration = best;
+  found.outside = least_outside;
 }
 
 void warnOf(const JointStopping& found, std::vector<std::string>& warnings) {
@@ -223,8 +231,13 @@ void warnOf(const JointStopping& found, std::vector<std::string>& warnings) {
                 joint.drift));
   say(found.coupled > LEAST_WAY, formatted("it moves by %.2g at zero command when joint '%s' does",
                                            found.coupled, found.coupled_to.c_str()));
+  say(found.deceleration < MUCH_LOWER * found.slope_low,
+      formatted("its slope is %.3g, but its steps are covered only by a deceleration of %.3g: its "
+                "velocity does not change evenly",
+                found.slope, found.deceleration));
   say(found.outside > allowedWay(joint),
-      formatted("it leaves what the limiter assumes by %.2g, whatever the deceleration",
+      formatted("it leaves what the limiter assumes by %.2g, whatever the deceleration: add that "
+                "to stop_distance",
                 found.outside));
 }
 

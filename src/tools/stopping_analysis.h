@@ -38,10 +38,11 @@ struct StoppingAnalysis {
 double lagOf(double x, double ramp);
 
 /// To each kind of steps a ramp after a dead time is fitted by least squares. Then the reaction
-/// time is raised until the whole way of each step is covered, and the deceleration lowered until
-/// each part of the way is, up to 1 mrad or mm or the noise. Margins: of the slope 5 % below the
-/// least that is within two standard errors; of the reaction time 5 % and 5 ms. Throws InputError
-/// that names a joint without states or steps. Cost: some 1,000 times the states of steps.
+/// time is raised until the whole way of each step is covered, and the deceleration lowered, to a
+/// quarter at most, until each part of the way is, up to 1 mrad or mm or the noise, or as long as
+/// that covers more. Margins: of the slope 5 % below the least that is within two standard errors;
+/// of the reaction time 5 % and 5 ms. Throws InputError that names a joint without states or steps.
+/// Cost: some 1,000 times the states of steps.
 StoppingAnalysis analyseStopping(const StoppingRecording& recording);
 
 }  // namespace collision_pairs
