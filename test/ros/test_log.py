@@ -167,6 +167,7 @@ class LogTest(unittest.TestCase):
         node = self.start("broken", file_of("broken_mesh.urdf"))
         words = "link 'broken' is left out: "
         node.wait_for(words)
+        node.wait_for("ready after")
         check = self.service("broken", "check_collisions", CheckCollisions)
         self.assertTrue(check(joint_state=JointState(), links=["broken"]).success)  # builds a scene of its own
         self.assertEqual(node.said().count(words), 1)

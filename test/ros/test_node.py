@@ -37,7 +37,7 @@ class NodeTest(unittest.TestCase):
 
     def report_in(self, posture):
         since = self.robot.hold(posture)
-        report = self.node.report_since(since, lambda r: not r.left_out)
+        report = self.node.report_since(since, lambda r: r.nb_boxes and not r.left_out)  # none: the robot is not read yet
         self.assertIsNotNone(report, "no report of a posture")
         return report
 
