@@ -64,16 +64,15 @@ set(limiter_simulation benchmark_robots demo_motion limiter_commands limiter_dri
   motion_scenes simulated_joints simulated_limiters)
 list(TRANSFORM limiter_simulation REPLACE "(.+)" "benchmark/\\1.cpp")
 collision_pairs_benchmark(limiter_benchmark LIBRARIES collision_pairs_io)
-target_sources(limiter_benchmark PRIVATE ${limiter_simulation} ${limiter_law})
-target_include_directories(limiter_benchmark PRIVATE src/ros/limiter)
+target_sources(limiter_benchmark PRIVATE ${limiter_simulation})
 
 # The same with robots that have mass, in process and through ROS. Debian: libmujoco-dev.
 find_package(mujoco QUIET)
 if(mujoco_FOUND)
   add_library(dynamic_robots STATIC test/dynamics/driven_steps.cpp test/dynamics/dynamic_robots.cpp
-    test/dynamics/mujoco_robot.cpp src/tools/stopping_analysis.cpp src/tools/stopping_steps.cpp
-    ${limiter_simulation} ${limiter_law})
-  target_include_directories(dynamic_robots PUBLIC ${CORE_MODULES} src/ros/limiter src/tools . test)
+    test/dynamics/mujoco_robot.cpp src/tools/measure_stopping/stopping_analysis.cpp src/tools/measure_stopping/stopping_steps.cpp
+    ${limiter_simulation})
+  target_include_directories(dynamic_robots PUBLIC ${CORE_MODULES} src/tools/measure_stopping . test)
   target_include_directories(dynamic_robots SYSTEM PUBLIC ${catkin_INCLUDE_DIRS})
   target_link_libraries(dynamic_robots PUBLIC collision_pairs_io mujoco::mujoco yaml-cpp ${catkin_LIBRARIES})
   target_compile_definitions(dynamic_robots PRIVATE PROJECT_SOURCE_DIR="${PROJECT_SOURCE_DIR}")

@@ -1,7 +1,7 @@
 # The core: URDF and poses in, pairs out. Links no ROS library (test_architecture holds it so).
 # Its modules; the dependency rules stand in test_architecture.
-set(core_modules base geometry broad_phase convex_pairs meshes narrow_phase spheres robot scene clouds batch check
-  motion gradient pair_statistics)
+set(core_modules base geometry broad_phase convex_pairs mesh_solid mesh_surface narrow_phase spheres robot scene clouds
+  pair_query check batch motion derivatives limiter pair_statistics)
 list(TRANSFORM core_modules PREPEND ${PROJECT_SOURCE_DIR}/src/core/ OUTPUT_VARIABLE CORE_MODULES)
 
 add_library(collision_pairs SHARED
@@ -9,13 +9,11 @@ add_library(collision_pairs SHARED
   src/core/base/input_error.cpp
   src/core/base/pair_filter.cpp
   src/core/base/user_text.cpp
-  src/core/spheres/sphere_cover.cpp
-  src/core/spheres/sphere_distance.cpp
-  src/core/spheres/covered_solid.cpp
-  src/core/spheres/outer_spheres.cpp
+  src/core/batch/batch_check.cpp
   src/core/batch/batch_kernel.cpp
   src/core/batch/batch_model.cpp
   src/core/batch/batch_stage.cpp
+  src/core/batch/open_pairs.cpp
   src/core/batch/pair_table.cpp
   src/core/batch/solid_field.cpp
   src/core/batch/solid_pairs.cpp
@@ -27,7 +25,6 @@ add_library(collision_pairs SHARED
   src/core/broad_phase/sweep_and_prune.cpp
   src/core/broad_phase/sweep_grid.cpp
   src/core/broad_phase/sweep_kernel.cpp
-  src/core/check/batch_check.cpp
   src/core/check/check_input.cpp
   src/core/check/cloud_pairs.cpp
   src/core/check/collision_detector.cpp
@@ -35,11 +32,6 @@ add_library(collision_pairs SHARED
   src/core/check/found_pairs.cpp
   src/core/check/ignored_pairs.cpp
   src/core/check/minimum_search.cpp
-  src/core/check/open_pairs.cpp
-  src/core/check/pair_ladder.cpp
-  src/core/check/timed_climb.cpp
-  src/core/check/voxel_bounds.cpp
-  src/core/check/voxel_search.cpp
   src/core/clouds/cells_about_link.cpp
   src/core/clouds/depth_map.cpp
   src/core/clouds/near_memory.cpp
@@ -49,31 +41,38 @@ add_library(collision_pairs SHARED
   src/core/clouds/voxel_grid.cpp
   src/core/convex_pairs/closed_forms.cpp
   src/core/convex_pairs/convex_distance.cpp
+  src/core/derivatives/closing_motion.cpp
+  src/core/derivatives/distance_gradient.cpp
   src/core/geometry/aabb.cpp
   src/core/geometry/box_gap.cpp
   src/core/geometry/convex_hull.cpp
   src/core/geometry/geometry_kernel.cpp
   src/core/geometry/packed_points.cpp
   src/core/geometry/shape.cpp
-  src/core/gradient/distance_gradient.cpp
-  src/core/meshes/mesh_edges.cpp
-  src/core/meshes/mesh_query.cpp
-  src/core/meshes/mesh_solid.cpp
-  src/core/meshes/outer_faces.cpp
-  src/core/meshes/patch_hulls.cpp
-  src/core/meshes/prepared_mesh.cpp
-  src/core/meshes/solid_angle.cpp
-  src/core/meshes/surface_contact.cpp
-  src/core/meshes/triangle_distance.cpp
-  src/core/meshes/triangle_tree.cpp
-  src/core/meshes/winding_number.cpp
-  src/core/motion/closing_motion.cpp
+  src/core/limiter/certified_surroundings.cpp
+  src/core/limiter/command_outlet.cpp
+  src/core/limiter/limiter_clock.cpp
+  src/core/limiter/limiter_law.cpp
+  src/core/limiter/prepared_surroundings.cpp
+  src/core/limiter/response_watch.cpp
+  src/core/limiter/stopping_tube.cpp
+  src/core/mesh_solid/mesh_edges.cpp
+  src/core/mesh_solid/mesh_solid.cpp
+  src/core/mesh_solid/outer_faces.cpp
+  src/core/mesh_solid/solid_angle.cpp
+  src/core/mesh_solid/winding_number.cpp
+  src/core/mesh_surface/mesh_query.cpp
+  src/core/mesh_surface/patch_hulls.cpp
+  src/core/mesh_surface/prepared_mesh.cpp
+  src/core/mesh_surface/surface_contact.cpp
+  src/core/mesh_surface/triangle_distance.cpp
+  src/core/mesh_surface/triangle_tree.cpp
   src/core/motion/check_segments.cpp
   src/core/motion/motion_check.cpp
-  src/core/motion/pair_clearances.cpp
   src/core/motion/motion_pairs.cpp
   src/core/motion/motion_state.cpp
   src/core/motion/pair_certifier.cpp
+  src/core/motion/pair_clearances.cpp
   src/core/narrow_phase/fcl_answer.cpp
   src/core/narrow_phase/fcl_backend.cpp
   src/core/narrow_phase/narrow_phase.cpp
@@ -81,6 +80,10 @@ add_library(collision_pairs SHARED
   src/core/narrow_phase/prepared_shape.cpp
   src/core/narrow_phase/solids.cpp
   src/core/narrow_phase/surface_query.cpp
+  src/core/pair_query/pair_ladder.cpp
+  src/core/pair_query/timed_climb.cpp
+  src/core/pair_query/voxel_bounds.cpp
+  src/core/pair_query/voxel_search.cpp
   src/core/pair_statistics/contact_search.cpp
   src/core/pair_statistics/generated_srdf.cpp
   src/core/pair_statistics/joint_sampler.cpp
@@ -107,6 +110,10 @@ add_library(collision_pairs SHARED
   src/core/scene/scene_element.cpp
   src/core/scene/scene_members.cpp
   src/core/scene/scene_settings.cpp
+  src/core/spheres/covered_solid.cpp
+  src/core/spheres/outer_spheres.cpp
+  src/core/spheres/sphere_cover.cpp
+  src/core/spheres/sphere_distance.cpp
 )
 collision_pairs_together(collision_pairs)
 include(cmake/kernels.cmake)

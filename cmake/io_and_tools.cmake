@@ -1,38 +1,37 @@
 # What both the node and the tools read, and the tools: a page each.
 add_library(collision_pairs_io SHARED
-  src/io/bag_index.cpp
-  src/io/bag_records.cpp
-  src/io/bag_table.cpp
-  src/io/bag_table_merge.cpp
-  src/io/cloud_config.cpp
-  src/io/cloud_gatherer.cpp
-  src/io/cloud_view.cpp
-  src/io/csv.cpp
-  src/io/joint_limits.cpp
-  src/io/joint_states_csv.cpp
-  src/io/joint_transforms.cpp
-  src/io/message_layout.cpp
+  src/io/bags/bag_index.cpp
+  src/io/bags/bag_records.cpp
+  src/io/bags/bag_table.cpp
+  src/io/bags/bag_table_merge.cpp
+  src/io/bags/joint_transforms.cpp
+  src/io/bags/message_layout.cpp
+  src/io/bags/robot_frames.cpp
+  src/io/clouds/cloud_gatherer.cpp
+  src/io/clouds/cloud_view.cpp
+  src/io/config/cloud_config.cpp
+  src/io/config/joint_limits.cpp
+  src/io/config/scene_config.cpp
+  src/io/config/scene_sources.cpp
+  src/io/config/yaml_values.cpp
   src/io/meshes/mesh_loader.cpp
   src/io/meshes/mesh_process.cpp
   src/io/meshes/obj_file.cpp
   src/io/meshes/stl_file.cpp
-  src/io/pcd_file.cpp
-  src/io/robot_frames.cpp
-  src/io/scene_config.cpp
-  src/io/scene_sources.cpp
-  src/io/text_files.cpp
-  src/io/yaml_values.cpp
+  src/io/text/csv.cpp
+  src/io/text/joint_states_csv.cpp
+  src/io/text/pcd_file.cpp
+  src/io/text/text_files.cpp
   src/transforms/robot_poses.cpp
   src/transforms/stamps.cpp
   src/transforms/transform_buffer.cpp
   src/transforms/transform_gate.cpp
   src/transforms/transform_samples.cpp
 )
-target_include_directories(collision_pairs_io
-  PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/src/io>
-         $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/src/io/meshes>
-         $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/src/transforms>
-  PRIVATE ${CORE_MODULES})
+foreach(module io/bags io/clouds io/config io/meshes io/text transforms)
+  target_include_directories(collision_pairs_io PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/src/${module}>)
+endforeach()
+target_include_directories(collision_pairs_io PRIVATE ${CORE_MODULES})
 target_include_directories(collision_pairs_io SYSTEM PRIVATE ${catkin_INCLUDE_DIRS})
 target_link_libraries(collision_pairs_io PUBLIC collision_pairs $<BUILD_INTERFACE:yaml-cpp>
                       PRIVATE ${catkin_LIBRARIES} BZip2::BZip2 ${ROSLZ4_LIBRARY} ${TINYXML2_LIBRARIES} ${CMAKE_DL_LIBS})
@@ -55,22 +54,29 @@ collision_pairs_warnings(read_mesh_file)
 collision_pairs_checked_indices(read_mesh_file)
 add_dependencies(collision_pairs_io read_mesh_file)
 
-# Further source files of the tool may follow its name.
+set(modules common check_bag generate_srdf measure_stopping)
+list(TRANSFORM modules PREPEND ${PROJECT_SOURCE_DIR}/src/tools/ OUTPUT_VARIABLE TOOL_MODULES)
+
+# Source files follow its name, without src/tools and .cpp.
 function(collision_pairs_tool name)
-  add_executable(${name} src/tools/${name}.cpp src/tools/command_line.cpp src/tools/progress_bar.cpp ${ARGN})
-  target_include_directories(${name} PRIVATE src/core/base)
+  list(TRANSFORM ARGN REPLACE "(.+)" "src/tools/\\1.cpp" OUTPUT_VARIABLE sources)
+  add_executable(${name} ${sources} src/tools/common/command_line.cpp src/tools/common/progress_bar.cpp)
+  target_include_directories(${name} PRIVATE ${TOOL_MODULES} src/core/base)
   target_link_libraries(${name} PRIVATE collision_pairs_io Boost::program_options)
   collision_pairs_together(${name})
   collision_pairs_warnings(${name})
   collision_pairs_checked_indices(${name})
 endfunction()
 
-collision_pairs_tool(check_states src/tools/scene_files.cpp)
-collision_pairs_tool(check_bag src/tools/bag_checker.cpp src/tools/bag_recorder.cpp src/tools/bag_replay.cpp src/tools/recorded_scenes.cpp src/tools/scene_files.cpp src/tools/bag_outputs.cpp src/tools/plot_script.cpp)
+collision_pairs_tool(check_states check_states common/scene_files)
+collision_pairs_tool(check_motion check_motion common/scene_files)
+set(bag_table check_bag/bag_outputs common/plot_script)
+collision_pairs_tool(check_bag check_bag/check_bag check_bag/bag_checker check_bag/bag_recorder check_bag/bag_replay
+                     check_bag/recorded_scenes common/scene_files ${bag_table})
 target_link_libraries(check_bag PRIVATE collision_pairs_monitor)
-collision_pairs_tool(check_motion src/tools/scene_files.cpp)
-collision_pairs_tool(generate_srdf src/tools/pair_verdicts.cpp src/tools/scene_files.cpp)
+collision_pairs_tool(merge_bag_checks check_bag/merge_bag_checks ${bag_table})
+collision_pairs_tool(generate_srdf generate_srdf/generate_srdf generate_srdf/pair_verdicts common/scene_files)
 target_include_directories(generate_srdf PRIVATE ${CORE_MODULES})
-collision_pairs_tool(measure_stopping src/tools/plot_script.cpp src/tools/stopping_analysis.cpp src/tools/stopping_steps.cpp)
+collision_pairs_tool(measure_stopping measure_stopping/measure_stopping measure_stopping/stopping_analysis
+                     measure_stopping/stopping_steps common/plot_script)
 target_link_libraries(measure_stopping PRIVATE collision_pairs_messages)
-collision_pairs_tool(merge_bag_checks src/tools/bag_outputs.cpp src/tools/plot_script.cpp)

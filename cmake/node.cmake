@@ -1,9 +1,3 @@
-# The law of the velocity limiter knows the core alone.
-set(limiter_law src/ros/limiter/certified_surroundings.cpp src/ros/limiter/command_outlet.cpp
-                src/ros/limiter/limiter_clock.cpp src/ros/limiter/limiter_law.cpp
-                src/ros/limiter/prepared_surroundings.cpp src/ros/limiter/response_watch.cpp
-                src/ros/limiter/stopping_tube.cpp)
-
 # What is known at any time: without threads, clocks or roscpp.
 add_library(collision_pairs_monitor STATIC
   src/monitor/cloud_source.cpp
@@ -25,27 +19,25 @@ collision_pairs_checked_indices(collision_pairs_monitor)
 
 # The node. Its parts are a library, so that tests can call the pure ones without a master.
 add_library(collision_pairs_ros STATIC
-  src/ros/clouds/cloud_threads.cpp
-  src/ros/collision_pairs_node.cpp
+  src/ros/input/cloud_threads.cpp
+  src/ros/input/live_monitor.cpp
   src/ros/limiter/limited_command.cpp
   src/ros/limiter/limiter_inputs.cpp
   src/ros/limiter/limiter_parameters.cpp
   src/ros/limiter/velocity_limiter.cpp
-  ${limiter_law}
-  src/ros/live_monitor.cpp
-  src/ros/node_health.cpp
-  src/ros/parameters.cpp
-  src/ros/query_services.cpp
-  src/ros/report_publisher.cpp
-  src/ros/scene_builder.cpp
-  src/ros/scene_loader.cpp
-  src/ros/scene_service.cpp
-  src/ros/snapshot_check.cpp
+  src/ros/node/collision_pairs_node.cpp
+  src/ros/node/node_health.cpp
+  src/ros/node/parameters.cpp
+  src/ros/node/report_publisher.cpp
+  src/ros/queries/query_services.cpp
+  src/ros/queries/snapshot_check.cpp
+  src/ros/scene/scene_builder.cpp
+  src/ros/scene/scene_loader.cpp
+  src/ros/scene/scene_service.cpp
 )
-target_include_directories(collision_pairs_ros PUBLIC ${PROJECT_SOURCE_DIR}/src/ros
-                                                      ${PROJECT_SOURCE_DIR}/src/ros/clouds
-                                                      ${PROJECT_SOURCE_DIR}/src/ros/limiter
-                                               PRIVATE ${CORE_MODULES})
+set(modules ros/node ros/input ros/scene ros/queries ros/limiter core/limiter)
+list(TRANSFORM modules PREPEND ${PROJECT_SOURCE_DIR}/src/ OUTPUT_VARIABLE ROS_MODULES)
+target_include_directories(collision_pairs_ros PUBLIC ${ROS_MODULES} PRIVATE ${CORE_MODULES})
 target_include_directories(collision_pairs_ros SYSTEM PUBLIC ${catkin_INCLUDE_DIRS})
 target_link_libraries(collision_pairs_ros PUBLIC collision_pairs_monitor ${catkin_LIBRARIES})
 set_target_properties(collision_pairs_ros PROPERTIES POSITION_INDEPENDENT_CODE ON)  # for the nodelet
@@ -55,7 +47,7 @@ collision_pairs_checked_indices(collision_pairs_ros)
 add_dependencies(collision_pairs_ros ${PROJECT_NAME}_gencfg ${PROJECT_NAME}_generate_messages_cpp
                  ${catkin_EXPORTED_TARGETS})
 
-add_executable(collision_pairs_node src/ros/main.cpp)
+add_executable(collision_pairs_node src/ros/node/main.cpp)
 target_link_libraries(collision_pairs_node PRIVATE collision_pairs_ros)
 collision_pairs_warnings(collision_pairs_node)
 collision_pairs_checked_indices(collision_pairs_node)

@@ -19,7 +19,7 @@ function(collision_pairs_plugin name package)
 endfunction()
 
 # The node as a nodelet.
-add_library(collision_pairs_nodelet SHARED src/ros/nodelet/collision_pairs_nodelet.cpp)
+add_library(collision_pairs_nodelet SHARED src/ros/node/collision_pairs_nodelet.cpp)
 target_link_libraries(collision_pairs_nodelet PRIVATE collision_pairs_ros)
 collision_pairs_plugin(nodelet nodelet)
 

@@ -11,9 +11,9 @@ add_library(test_parts STATIC EXCLUDE_FROM_ALL
   src/demo/depth_image.cpp
   src/planners/moveit/moveit_scene.cpp
   src/planners/moveit/moveit_shapes.cpp
-  src/tools/progress_bar.cpp
-  src/tools/stopping_analysis.cpp
-  src/tools/stopping_steps.cpp
+  src/tools/common/progress_bar.cpp
+  src/tools/measure_stopping/stopping_analysis.cpp
+  src/tools/measure_stopping/stopping_steps.cpp
   benchmark/benchmark_robots.cpp
   benchmark/demo_motion.cpp
   benchmark/limiter_commands.cpp
@@ -24,8 +24,7 @@ add_library(test_parts STATIC EXCLUDE_FROM_ALL
   benchmark/simulated_joints.cpp
   benchmark/simulated_limiters.cpp
 )
-target_include_directories(test_parts PUBLIC . test src/demo src/messages src/planners/moveit src/tools ${CORE_MODULES}
-                                      PRIVATE src/ros/limiter)
+target_include_directories(test_parts PUBLIC . test src/demo src/messages src/planners/moveit ${TOOL_MODULES} ${CORE_MODULES})
 target_include_directories(test_parts SYSTEM PUBLIC ${catkin_INCLUDE_DIRS})
 target_link_libraries(test_parts PUBLIC collision_pairs_io)
 target_compile_definitions(test_parts PRIVATE PROJECT_SOURCE_DIR="${PROJECT_SOURCE_DIR}")

@@ -98,19 +98,22 @@ def test_one_file_knows_the_buffer_of_tf2():
 # From the ground up. Public headers lie together in include/, so a module is also asked for the
 # files that implement what it includes.
 CORE_MODULES = {"base": set(), "geometry": {"base"}, "broad_phase": {"base", "geometry"},
-                "convex_pairs": {"base", "geometry"}, "meshes": {"base", "geometry", "convex_pairs"},
-                "narrow_phase": {"base", "geometry", "convex_pairs", "meshes"},
-                "spheres": {"geometry", "convex_pairs", "meshes", "narrow_phase"},
+                "convex_pairs": {"base", "geometry"}, "mesh_solid": {"base", "geometry"},
+                "mesh_surface": {"base", "geometry", "convex_pairs", "mesh_solid"},
+                "narrow_phase": {"base", "geometry", "convex_pairs", "mesh_solid", "mesh_surface"},
+                "spheres": {"geometry", "convex_pairs", "mesh_solid", "mesh_surface", "narrow_phase"},
                 "robot": {"base", "geometry"},
                 "scene": {"base", "geometry", "broad_phase", "convex_pairs", "narrow_phase", "spheres", "robot"},
                 "clouds": {"base", "geometry", "broad_phase", "convex_pairs", "narrow_phase", "robot", "scene"},
-                "batch": {"base", "geometry", "broad_phase", "convex_pairs", "narrow_phase", "spheres", "robot", "scene"},
-                "check": {"base", "geometry", "broad_phase", "convex_pairs", "narrow_phase", "spheres", "robot", "scene",
-                          "clouds", "batch"},
+                "pair_query": {"base", "geometry", "convex_pairs", "narrow_phase", "spheres", "robot", "scene", "clouds"},
+                "check": {"base", "geometry", "broad_phase", "narrow_phase", "robot", "scene", "clouds", "pair_query"},
+                "batch": {"base", "geometry", "broad_phase", "convex_pairs", "narrow_phase", "spheres", "robot", "scene",
+                          "pair_query", "check"},
                 "motion": {"base", "geometry", "broad_phase", "convex_pairs", "narrow_phase", "robot", "scene", "clouds",
-                           "check"},
-                "gradient": {"base", "geometry", "narrow_phase", "robot", "scene"},
-                "pair_statistics": {"base", "geometry", "narrow_phase", "robot", "scene", "check"}}
+                           "pair_query", "check"},
+                "derivatives": {"base", "geometry", "convex_pairs", "narrow_phase", "robot", "scene", "motion"},
+                "pair_statistics": {"base", "geometry", "narrow_phase", "robot", "scene", "pair_query", "check", "batch"},
+                "limiter": {"base", "robot", "scene", "check", "motion", "derivatives", "pair_statistics"}}
 
 
 def test_modules_of_the_core_know_only_the_modules_below():
@@ -132,6 +135,11 @@ def test_every_file_of_the_core_stands_in_a_module():
     assert sorted(os.listdir(os.path.join(PROJECT, "src/core"))) == sorted(CORE_MODULES)
 
 
+def test_no_folder_has_more_than_twenty_files():
+    for path, _, names in os.walk(os.path.join(PROJECT, "src")):
+        assert len(names) <= 20, path
+
+
 def test_the_drawing_of_the_modules_is_of_this_code():
     drawn = subprocess.run([os.path.join(PROJECT, "scripts/draw_modules"), "--dot"], check=True,
                            stdout=subprocess.PIPE, text=True).stdout
@@ -139,7 +147,8 @@ def test_the_drawing_of_the_modules_is_of_this_code():
         assert drawing.read() == drawn, "run scripts/draw_modules"
 
 
-@pytest.mark.parametrize("header", ("motion/pair_certifier.h", "check/pair_ladder.h", "meshes/mesh_query.h"))
+@pytest.mark.parametrize("header", ("motion/pair_certifier.h", "pair_query/pair_ladder.h", "check/found_pairs.h", "mesh_solid/mesh_solid.h",
+                                    "mesh_surface/mesh_query.h"))
 def test_the_map_of_a_folder_names_all_of_its_files(header):
     path = os.path.join(PROJECT, "src/core", header)
     with open(path) as text:

@@ -38,7 +38,7 @@ def test_the_list_has_names_of_each_kind_that_the_page_promises():
                  "parameter ~velocity_limiter/stop_distance", "argument collision_pairs.launch/overlay:=",
                  "option check_bag --out", "column check_bag unknown_because", "column check_states min_distance",
                  "column check_motion contact_at", "CMake target collision_pairs::core", "plugin CollisionPairs",
-                 "collision_detector.h: CheckSettings: double time_budget",
+                 "check_settings.h: CheckSettings: double time_budget",
                  "collision_pairs.Detector.__init__(scene", "collision_pairs.watchdog.Watchdog"):
         assert re.search("^%s" % re.escape(line), recorded, re.MULTILINE), line
 

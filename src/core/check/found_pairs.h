@@ -1,4 +1,14 @@
 // Merges results for pairs of elements into one entry per pair of models.
+//
+// This folder checks one state (CollisionDetector). In the order of a check:
+// - check_input: are settings and poses valid?
+// - collision_detector.cpp: places the elements, sweeps their boxes, settles the pairs.
+// - ignored_pairs: which pairs does the caller leave out?
+// - element_boxes: where are the elements in this cycle, and what are their boxes?
+// - minimum_search.cpp: which pairs can have the smallest distance, and what is it?
+// - cloud_pairs.cpp: which elements are near which clouds, and how near?
+// - found_pairs: what is reported of two models whose elements were found?
+// - unknown_because.h: what speaks against FREE, in words?
 #pragma once
 
 #include <cstdint>

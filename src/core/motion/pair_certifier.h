@@ -10,8 +10,6 @@
 // - pair_certifier: how far around it is a pair free? By spheres, boxes, hulls, then triangles.
 // - pair_clearances: how near may it come?
 // - plane_bound.h: how long does a plane separate two moving convex bodies?
-// - closing_motion.cpp: how soon can a pair of a report touch, by its present velocities? (Not part
-//   of the search.)
 #pragma once
 
 #include <cstdint>

@@ -4,7 +4,7 @@
 #include <functional>
 #include <vector>
 
-#include "collision_pairs/collision_detector.h"
+#include "collision_pairs/check_settings.h"
 #include "pair_ladder.h"
 
 namespace collision_pairs {

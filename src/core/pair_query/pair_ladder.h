@@ -1,21 +1,11 @@
 // Queries one pair of elements at one rung of the fidelity ladder, or at finer and finer rungs
 // until it is settled.
 //
-// This folder checks states (CollisionDetector). In the order of a check:
-// - batch_check.cpp: which thread checks which state, and which states does the batch stage settle?
-// - open_pairs: are the pairs that the batch stage left open in contact?
-// - check_input: are settings and poses valid?
-// - collision_detector.cpp: one state: places the elements, sweeps their boxes, settles the pairs.
-// - ignored_pairs: which pairs does the caller leave out?
-// - element_boxes: where are the elements in this cycle, and what are their boxes?
-// - pair_ladder: how far apart is one pair, at one fidelity or by finer and finer ones?
+// This folder measures one pair:
+// - pair_ladder: how far apart are two elements, at one fidelity or by finer and finer ones?
 // - timed_climb: which pairs are settled first if there is a deadline?
-// - minimum_search.cpp: which pairs can have the smallest distance, and what is it?
-// - cloud_pairs.cpp: which elements are near which clouds, and how near?
 // - voxel_search: which voxel of a cloud is nearest to an element?
 // - voxel_bounds.cpp: how near to the element may the voxels in a box be?
-// - found_pairs: what is reported of two models whose elements were found?
-// - unknown_because.h: what speaks against FREE, in words?
 #pragma once
 
 #include <vector>

@@ -1,12 +1,8 @@
 // Distance and contact between meshes, and between a mesh and a convex shape: surfaces by their
 // trees of oriented boxes, containment by winding numbers.
 //
-// This folder knows triangles. Prepared once for a mesh:
-// - mesh_edges: which triangles share which edges, and which parts do these connect?
-// - outer_faces: which triangles separate inside from outside?
-// - mesh_solid: what solid does the mesh enclose, if its triangles are missing, repeated, inverted?
-// - winding_number, by solid_angle: is a point inside that solid?
-// - triangle_tree: the boxes by which searches skip triangles; prepared_mesh holds all of these.
+// This folder knows surfaces of triangles; mesh_solid knows what they enclose. Prepared once:
+// - triangle_tree: the boxes by which searches skip triangles; prepared_mesh holds it.
 // For each query:
 // - mesh_query: how far apart are two meshes, or a mesh and a convex shape, and do they touch?
 // - surface_contact: do two surfaces intersect?

@@ -12,7 +12,7 @@
 namespace collision_pairs {
 namespace {
 
-constexpr std::uint32_t QUEUE_SIZE = 2;    // messages waiting for the callback
+constexpr std::uint32_t CLOUDS_WAITING = 2;    // messages waiting for the callback
 const std::chrono::milliseconds PAUSE(1);  // between two looks whether its transforms are there
 const ros::WallDuration TELL_PERIOD(5.0);  // between two warnings in the log
 
@@ -35,7 +35,7 @@ CloudThread::CloudThread(const ros::NodeHandle& node, std::shared_ptr<CloudSourc
         wakes_worker_.notify_all();
       };
   try {
-    subscriber_ = own_queue.subscribe<CloudSource::Cloud>(topic_, QUEUE_SIZE, callback, nullptr,
+    subscriber_ = own_queue.subscribe<CloudSource::Cloud>(topic_, CLOUDS_WAITING, callback, nullptr,
                                                           ros::TransportHints().tcpNoDelay());
   } catch (const ros::Exception& error) {  // this process knows the topic by another type
     monitor_.with([&](Monitor&) {

@@ -1,5 +1,11 @@
 // The solid enclosed by a mesh, for meshes as found in robot descriptions: vertices not shared,
 // triangles inverted, repeated, opposed or missing, several bodies in one file.
+//
+// This folder knows which solid triangles enclose:
+// - mesh_edges: which triangles share which edges, and which parts do these connect?
+// - outer_faces: which triangles separate inside from outside?
+// - mesh_solid: what solid does the mesh enclose, if its triangles are missing, repeated, inverted?
+// - winding_number, by solid_angle: is a point inside that solid?
 #pragma once
 
 #include <array>
