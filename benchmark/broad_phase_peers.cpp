@@ -22,8 +22,7 @@ using Boxes = std::vector<Aabb>;
 
 class SweepAndPrunePeer : public BroadPhasePeer {
  public:
-  SweepAndPrunePeer(const MovingScene& scene, const SweepTuning& tuning)
-      : sweep_(tuning), fixed_(makeStatic(scene)) {}
+  explicit SweepAndPrunePeer(const MovingScene& scene) : fixed_(makeStatic(scene)) {}
   std::size_t cycle(const Boxes& boxes) override {
     sweep_.begin(0.0, &fixed_);
     for (std::size_t i = fixed_.size(); i < boxes.size(); ++i) {
@@ -198,21 +197,11 @@ std::unique_ptr<BroadPhasePeer> makeOf(const MovingScene& scene) {
   return std::make_unique<Peer>(scene);
 }
 
-std::unique_ptr<BroadPhasePeer> makeTuned(const MovingScene& scene, int axis, int threads) {
-  SweepTuning tuning;
-  tuning.axis = axis;
-  tuning.threads = threads;
-  return std::make_unique<SweepAndPrunePeer>(scene, tuning);
-}
-
 const std::map<std::string, PeerEntry>& peers() {
   using Tree = fcl::DynamicAABBTreeCollisionManagerd;
   using SaP = fcl::SaPCollisionManagerd;
   static const std::map<std::string, PeerEntry> PEERS = {
-      {"SweepAndPrune", {1000000, [](const MovingScene& s) { return makeTuned(s, -1, 1); }}},
-      {"SweepAndPruneAxis1", {1000000, [](const MovingScene& s) { return makeTuned(s, 1, 1); }}},
-      {"SweepAndPruneThreads2",
-       {1000000, [](const MovingScene& s) { return makeTuned(s, -1, 2); }}},
+      {"SweepAndPrune", {1000000, makeOf<SweepAndPrunePeer>}},
       {"PlainDirectSap", {100000, makeOf<PlainDirectSapPeer>}},
       {"FclDynamicAabbTree", {1000000, makeOf<FclPeer<Tree>>}},
       {"FclSaP", {10000, makeOf<FclPeer<SaP>>}},

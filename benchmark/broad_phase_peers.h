@@ -19,8 +19,7 @@ class BroadPhasePeer {
   virtual std::size_t cycle(const std::vector<Aabb>& boxes) = 0;
 };
 
-/// SweepAndPrune, PlainDirectSap, FclDynamicAabbTree, FclSaP, Cgal, BulletDbvt, BruteForce; and
-/// SweepAndPruneAxis1, which is told to sweep along axis 1, and SweepAndPruneThreads2.
+/// SweepAndPrune, PlainDirectSap, FclDynamicAabbTree, FclSaP, Cgal, BulletDbvt, BruteForce.
 const std::vector<std::string>& peerNames();
 
 /// The largest scene that a peer can be asked to do in reasonable time.

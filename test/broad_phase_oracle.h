@@ -66,9 +66,7 @@ inline std::vector<SweepTuning> allPaths() {
   SweepTuning columns = one_sweep;
   columns.column_size = 8;
   columns.tests_per_box = 2;
-  SweepTuning threads = columns;
-  threads.threads = 3;
-  return {usual, packed, one_sweep, columns, threads};
+  return {usual, packed, one_sweep, columns};
 }
 
 }  // namespace collision_pairs

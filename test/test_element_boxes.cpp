@@ -164,7 +164,7 @@ TEST(ElementBoxes, LooseOnesEncloseTheTightOnes) {
   EXPECT_GT(nb_looser, 100);
 }
 
-// As the narrow phase has it: one that is nearly a rotation is mended, anything else is no pose.
+// As the narrow phase has it: one that is nearly a rotation is repaired, anything else is no pose.
 TEST(ElementBoxes, OfAPoseWithAScaleAreThoseOfItsRotationOrNone) {
   RandomInputs random;
   const auto scene = mixedScene();

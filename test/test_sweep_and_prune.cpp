@@ -32,7 +32,7 @@ void expectWhatBruteForceFinds(const BroadPhaseScene& scene, const std::string& 
           is_told ? pairsBySweep(filtered, &sweep, true) : pairsBySweep(scene, &sweep);
       ASSERT_EQ(found.size(), expected.size())
           << what << ", packed " << !tuning.packed_up_to.has_value() << ", columns of "
-          << tuning.column_size << ", threads " << tuning.threads << ", told " << is_told;
+          << tuning.column_size << ", told " << is_told;
       ASSERT_TRUE(found == expected) << what;
     }
   }
@@ -103,18 +103,6 @@ TEST(SweepAndPrune, FindsWhatBruteForceFindsAmongThousandsOfBoxes) {
       scene.nb_static = nb_static;
       expectWhatBruteForceFinds(scene, "alarm " + std::to_string(alarm));
     }
-  }
-}
-
-TEST(SweepAndPrune, FindsWhatBruteForceFindsAtAnyNumberOfThreads) {
-  RandomInputs random;
-  BroadPhaseScene scene = randomScene(&random, 20000, 0.05);
-  const std::vector<BoxPair> expected = pairsByBruteForce(scene);
-  for (int threads : {1, 2, 5}) {
-    SweepTuning tuning;
-    tuning.threads = threads;
-    SweepAndPrune sweep(tuning);
-    EXPECT_TRUE(pairsBySweep(scene, &sweep) == expected) << threads << " threads";
   }
 }
 

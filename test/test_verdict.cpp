@@ -78,7 +78,7 @@ class Faults {
     return detector_->detect(snapshot.poses, CheckSettings());
   }
 
-  /// Is some required pair not known to be apart at the instant of the report?
+  /// Is every required pair known to be apart at the instant of the report?
   ::testing::AssertionResult isTrulyFree() const {
     const double time = time_;
     for (const auto& [a, b] : required_) {

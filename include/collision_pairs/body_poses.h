@@ -20,8 +20,8 @@ struct BodyPoses {
   std::vector<Eigen::Isometry3d> X_WB;
   /// Whether the pose is known. If not, the body's models are left out and reported; an unknown
   /// pose is never treated as identity. A pose that is not finite counts as unknown, and so does
-  /// one whose rotation is off by more than 1e-3 in scale; a smaller error is mended. Whether it is
-  /// mirrored, or sheared without a scale, is not looked at.
+  /// one whose rotation is off by more than 1e-3 in scale; a smaller error is repaired. Whether it
+  /// is mirrored, or sheared without a scale, is not looked at.
   std::vector<char> known;
   CloudVoxels voxels;
   /// Why poses or voxels may not be what they seem, one sentence each: no verdict on them is FREE,

@@ -78,18 +78,19 @@ struct CollisionReport {
   /// be smaller than the true value by up to that amount.
   double min_distance = 0.0;
   bool min_distance_is_bound = true;
-  /// The two elements that have min_distance, which is minus its depth to the last bit. Empty if
-  /// min_distance is a bound, and with verdict_only. Of pairs equally near: the first in the order
+  /// The nearest two elements; its depth is exactly -min_distance. Empty if min_distance is a
+  /// bound, and with verdict_only. Of pairs equally near: the first in the order
   /// of `contacts`, or beyond the alarm distance the first measured; the same for the same scene,
   /// poses and settings.
   std::optional<Contact> nearest;
   /// The check ended at a contact (CheckSettings::verdict_only, max_contacts, is_enough). The
-  /// verdict is COLLISION; pairs that are not in the report may not have been measured, and the
-  /// others may have elements that were not: state and distance are of those that were. But for
-  /// verdict_only min_distance is then the smallest of those measured, and is called a bound.
+  /// verdict is COLLISION. Pairs that are not in the report may not have been measured; state and
+  /// distance of a pair in the report are those of its elements that were. Except with
+  /// verdict_only, min_distance is the smallest distance measured, and counts as a bound.
   bool ended_early = false;
-  /// CollisionScene::unchecked(), or that selection or predicate leave no pair: if not empty, the
-  /// verdict is FREE only where the scene's settings allow that, otherwise UNKNOWN; without pairs
+  /// Reason why this check is not conclusive: CollisionScene::unchecked(), or that the selection or
+  /// may_ignore leaves no pair. Empty if it is. With a reason, what is not in collision is FREE
+  /// only if SceneSettings::allow_empty_scene permits it, otherwise UNKNOWN; without pairs
   /// min_distance is then 0, a bound.
   std::string unchecked;
   double tolerance = 0.0;         ///< CheckSettings::tolerance
@@ -103,9 +104,9 @@ struct CollisionReport {
   /// The boxes of all elements, in W; not valid() for elements without a pose and for clouds. Empty
   /// unless CheckSettings::list_boxes is set.
   std::vector<Aabb> boxes;
-  /// Pairs of models, first < second, sorted, that CheckSettings::may_ignore left out: nothing is
-  /// said of them, FREE included. With verdict_only also those of which only looser boxes are in
-  /// reach; with max_contacts or is_enough those met until the check ended.
+  /// Pairs of models, first < second, sorted, that CheckSettings::may_ignore left out: no
+  /// result, not even FREE, includes them. With verdict_only also those of which only looser boxes
+  /// are in reach; with max_contacts or is_enough those met until the check ended.
   std::vector<std::pair<std::uint32_t, std::uint32_t>> ignored;
   /// Models without a usable pose, and clouds whose voxels are unknown or truncated; ascending.
   std::vector<std::uint32_t> left_out;

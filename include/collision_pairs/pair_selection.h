@@ -13,9 +13,9 @@ namespace collision_pairs {
 
 /// Limits checks of a scene (CheckSettings::selection) to some of its pairs, in place of a scene of
 /// its own for these. What is in no selected pair gets no box and needs no pose. Verdicts, pairs
-/// and distances are those of a scene with the same Restriction, but that boxes (AABB, OBB) stay
-/// enlarged by the pair_padding of pairs that are not selected, and may be nearer. A check with an
-/// empty selection is not FREE, unless SceneSettings::allow_empty_scene permits it.
+/// and distances are those of a scene with the same Restriction, except that boxes (AABB, OBB) stay
+/// enlarged by the pair_padding of pairs that are not selected, so their distances may be smaller.
+/// A check with an empty selection is not FREE, unless SceneSettings::allow_empty_scene permits it.
 ///
 /// Immutable: one serves all threads. Cost: 20 ns per model and 5 ns per pair of classes of the
 /// scene's filter, once.

@@ -142,6 +142,18 @@ class RobotModel {
   /// or only through links without geometry.
   std::vector<std::pair<int, int>> adjacentLinks() const;
 
+  /// Calls visit(body, is_above_first) for the bodies from either of the two up to the last that
+  /// carries both, which it returns; -1, W, carries all.
+  template <class Visit>
+  int visitBetween(int first, int second, const Visit& visit) const {
+    while (first != second) {  // a parent comes before its children
+      int& later = first > second ? first : second;
+      visit(later, &later == &first);
+      later = bodies_[later].parent;
+    }
+    return first;
+  }
+
   /// Every joint at zero, or at the limit nearest to zero if zero is out of bounds; mimic joints
   /// follow. One entry per joint, rad or m (joints without a position: 0).
   std::vector<double> zeroPositions() const;

@@ -108,7 +108,7 @@ struct SweepTuning;
 /// exactly the alarm distance counts, so touching boxes are found at 0; see squaredReach()).
 ///
 /// Only memory is kept between cycles: the pairs depend on this cycle's boxes alone, and the same
-/// boxes in another order, or on more threads, give the same pairs. Pairs of boxes of one model,
+/// boxes in another order give the same pairs. Pairs of boxes of one model,
 /// pairs that the filter forbids, and pairs of static boxes are not reported.
 ///
 ///   sweep.begin(alarm_distance, &static_boxes, &filter);

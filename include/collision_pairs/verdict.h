@@ -7,8 +7,8 @@ namespace collision_pairs {
 
 /// The overall result. Treat everything but FREE as a collision.
 enum class Verdict : std::uint8_t {
-  FREE = 0,       ///< every pair that the scene requires, at least one, was checked and is apart;
-                  ///< but for those that the check left out: CheckSettings::selection, may_ignore
+  FREE = 0,       ///< every pair that the scene requires (at least one) was checked and is apart,
+                  ///< except pairs left out by CheckSettings::selection or may_ignore
   COLLISION = 1,  ///< some pair is certainly in contact, at the requested fidelity
   UNKNOWN = 2     ///< neither: a model has no pose, a pair that may be in contact is unresolved,
                   ///< nothing is checked, or the input is in doubt (BodyPoses::doubts)

@@ -27,8 +27,8 @@ struct VoxelSettings {
 struct PointCounts {
   std::uint64_t added = 0;
   std::uint64_t not_finite = 0;  ///< skipped
-  std::uint64_t out_of_range =
-      0;  ///< more than VOXEL_RANGE voxels from W's origin: the result is truncated
+  /// More than VOXEL_RANGE voxels from W's origin: the result is truncated.
+  std::uint64_t out_of_range = 0;
 };
 
 /// A point p lies in cell floor(p / voxel_size), exactly: cell k holds it if k s <= p < (k + 1) s

@@ -14,11 +14,6 @@
 
 namespace collision_pairs {
 
-/// The shape at its finest.
-inline const Prepared& preparedOf(const SceneElement& element) {
-  return static_cast<const Prepared&>(*element.rung(Fidelity::MESH).shape);
-}
-
 /// Error bounds of the pose that the kernels compute for a body, for all positions; derived in
 /// batch_model.cpp.
 struct PoseError {

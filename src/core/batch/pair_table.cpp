@@ -28,20 +28,15 @@ std::size_t indexOfBlock(int level, int x, int y) {
 }  // namespace
 
 bool PairTable::joints(const RobotModel& robot, int body_a, int body_b, std::vector<int>& joints) {
-  const auto& bodies = robot.bodies();
   std::vector<int> from_a, from_b;
-  while (body_a != body_b) {  // a parent always comes before its children
-    int& later = body_a > body_b ? body_a : body_b;
-    const int joint = bodies[later].joint;
-    if (joint < 0) return false;  // they belong to two robots
-    if (robot.joints()[joint].hasPosition()) {
-      (&later == &body_a ? from_a : from_b).push_back(joint);
-    }
-    later = bodies[later].parent;
-  }
+  const int common = robot.visitBetween(body_a, body_b, [&](int body, bool is_above_a) {
+    const int joint = robot.bodies()[body].joint;
+    if (joint < 0 || !robot.joints()[joint].hasPosition()) return;
+    (is_above_a ? from_a : from_b).push_back(joint);
+  });
   joints = from_a;
   joints.insert(joints.end(), from_b.rbegin(), from_b.rend());
-  return !joints.empty() && joints.size() <= 2 &&
+  return common >= 0 && !joints.empty() && joints.size() <= 2 &&
          std::all_of(joints.begin(), joints.end(), [&](int id) {
            const Joint& joint = robot.joints()[id];
            return joint.type != JointType::PRISMATIC || joint.upper > joint.lower;
@@ -127,8 +122,7 @@ PairTable::Cell PairTable::certified(const Block& block, NarrowPhase& narrow_pha
       if (gap + moves < padding) return Cell::CONTACT;
     }
   }
-  const auto &A = static_cast<const Prepared&>(*a.rung(Fidelity::MESH).shape),
-             &C = static_cast<const Prepared&>(*b.rung(Fidelity::MESH).shape);
+  const Prepared &A = preparedOf(a), &C = preparedOf(b);
   if (hullsStayApart(A.core, X_WA, C.core, X_WC, cover_b, padding)) return Cell::FREE;
   if (block.level < FULL_LEVEL) return Cell::OPEN;
   const double moves = std::min(motionOf(cover_a, X_WA), motionOf(cover_b, X_WC)) + TABLE_MARGIN;

@@ -26,8 +26,8 @@ std::vector<Vector3d> cornersOf(const Prepared& shape) {
   return corners;
 }
 
-/// Repeatedly the one furthest from those chosen so far.
-std::vector<Vector3d> spread(const std::vector<Vector3d>& points, std::size_t most) {
+/// Farthest point sampling: repeatedly the one furthest from those chosen so far.
+std::vector<Vector3d> farthestPoints(const std::vector<Vector3d>& points, std::size_t most) {
   std::vector<Vector3d> chosen;
   std::vector<double> apart(points.size(), std::numeric_limits<double>::infinity());
   while (chosen.size() < most && !points.empty()) {
@@ -44,14 +44,14 @@ std::vector<Vector3d> spread(const std::vector<Vector3d>& points, std::size_t mo
 }  // namespace
 
 SolidPairs::SolidPairs(const CollisionScene& scene, const BatchModel& model)
-    : scene_(scene), model_(model), kept_(scene.elements().size()) {
+    : scene_(scene), model_(model), data_(scene.elements().size()) {
   std::map<const PreparedShape*, std::uint32_t> first_with;
-  for (std::uint32_t i = 0; i < kept_.size(); ++i) {
+  for (std::uint32_t i = 0; i < data_.size(); ++i) {
     const PreparedShape* const shape = scene.elements()[i].rung(Fidelity::MESH).shape.get();
     first_with_shape_.push_back(first_with.try_emplace(shape, i).first->second);
   }
-  if (kept_.size() > MOST_ELEMENTS) return;
-  is_worth_.resize(kept_.size() * kept_.size());
+  if (data_.size() > MOST_ELEMENTS) return;
+  is_worth_.resize(data_.size() * data_.size());
   for (const BatchPair& of_model : model.pairs) {
     const BoxPair pair{model.element_of[static_cast<std::size_t>(of_model.first)],
                        model.element_of[static_cast<std::size_t>(of_model.second)]};
@@ -62,37 +62,37 @@ SolidPairs::SolidPairs(const CollisionScene& scene, const BatchModel& model)
 }
 
 std::size_t SolidPairs::indexOf(const BoxPair& pair) const {
-  return pair.first * kept_.size() + pair.second;
+  return pair.first * data_.size() + pair.second;
 }
 
-const SolidPairs::Kept& SolidPairs::keptOf(std::uint32_t element) const {
+const SolidPairs::ElementData& SolidPairs::dataOf(std::uint32_t element) const {
   element = first_with_shape_[element];
-  Kept& kept = kept_[element];
-  if (!kept.is_made.load(std::memory_order_acquire) &&
-      kept.nb_asked.fetch_add(1, std::memory_order_relaxed) >= ASKED) {
-    std::call_once(kept.once, [&] { make(element, kept); });
+  ElementData& data = data_[element];
+  if (!data.is_made.load(std::memory_order_acquire) &&
+      data.nb_asked.fetch_add(1, std::memory_order_relaxed) >= ASKED) {
+    std::call_once(data.once, [&] { make(element, data); });
   }
-  return kept;
+  return data;
 }
 
-void SolidPairs::make(std::uint32_t element, Kept& kept) const {
+void SolidPairs::make(std::uint32_t element, ElementData& data) const {
   const Prepared& shape = preparedOf(scene_.elements()[element]);
-  kept.field = SolidField::make(shape);
-  kept.corners = spread(cornersOf(shape), SolidField::Points::MOST);
-  kept.of_corners = SolidField::Points(kept.corners);
+  data.field = SolidField::make(shape);
+  data.corners = farthestPoints(cornersOf(shape), SolidField::Points::MOST);
+  data.of_corners = SolidField::Points(data.corners);
   std::vector<Vector3d> centers;
   for (const OuterSphere& sphere : model_.covers[element].outer) {
     if (sphere.first_child != 0) continue;
-    kept.spheres.push_back(sphere);
+    data.spheres.push_back(sphere);
     centers.push_back(sphere.center);
   }
-  kept.of_spheres = SolidField::Points(centers);
-  kept.is_made.store(true, std::memory_order_release);
+  data.of_spheres = SolidField::Points(centers);
+  data.is_made.store(true, std::memory_order_release);
 }
 
 SolidPairs::Outcome SolidPairs::settle(const BoxPair& pair, const Isometry3d& X_AB) const {
   if (is_worth_.empty() || !is_worth_[indexOf(pair)]) return Outcome::OPEN;
-  const Kept &a = keptOf(pair.first), &b = keptOf(pair.second);
+  const ElementData &a = dataOf(pair.first), &b = dataOf(pair.second);
   if (!a.is_made.load(std::memory_order_acquire) || !b.is_made.load(std::memory_order_acquire)) {
     return Outcome::OPEN;
   }
@@ -103,7 +103,7 @@ SolidPairs::Outcome SolidPairs::settle(const BoxPair& pair, const Isometry3d& X_
 }
 
 // The sphere that seems nearest comes first: it soon tells that not all are apart.
-bool SolidPairs::areApart(const Kept& solid, const Kept& other, const Isometry3d& X,
+bool SolidPairs::areApart(const ElementData& solid, const ElementData& other, const Isometry3d& X,
                           double padding) {
   float nodes[SolidField::Points::MOST];
   const auto& spheres = other.spheres;
@@ -126,7 +126,7 @@ bool SolidPairs::areApart(const Kept& solid, const Kept& other, const Isometry3d
   return true;
 }
 
-bool SolidPairs::touch(const Kept& solid, const Kept& other, const Isometry3d& X) {
+bool SolidPairs::touch(const ElementData& solid, const ElementData& other, const Isometry3d& X) {
   float nodes[SolidField::Points::MOST];
   if (!solid.field || !solid.field->nearestNodes(other.of_corners, X, nodes)) return false;
   for (std::size_t i = 0; i < other.corners.size(); ++i) {
@@ -139,12 +139,12 @@ bool SolidPairs::touch(const Kept& solid, const Kept& other, const Isometry3d& X
 }
 
 std::size_t SolidPairs::memory() const {
-  std::size_t bytes = kept_.size() * sizeof(Kept) + is_worth_.size();
-  for (const Kept& kept : kept_) {
-    if (!kept.is_made.load(std::memory_order_acquire)) continue;
+  std::size_t bytes = data_.size() * sizeof(ElementData) + is_worth_.size();
+  for (const ElementData& data : data_) {
+    if (!data.is_made.load(std::memory_order_acquire)) continue;
     bytes +=
-        (kept.field ? kept.field->memory() : 0) +
-        (kept.spheres.size() + kept.corners.size()) * (sizeof(PlacedSphere) + 3 * sizeof(float));
+        (data.field ? data.field->memory() : 0) +
+        (data.spheres.size() + data.corners.size()) * (sizeof(PlacedSphere) + 3 * sizeof(float));
   }
   return bytes;
 }

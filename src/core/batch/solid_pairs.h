@@ -17,7 +17,7 @@ namespace collision_pairs {
 /// it is inside, it is in contact. What neither tells is left open. Nothing is said in error: both
 /// answers are those of the exact check. Only for two that move, are large meshes and have no
 /// table: small ones cost the exact check little, and where a table is undecided, they are too
-/// close to contact for this. What is kept of an element is made when pairs with it have been asked
+/// close to contact for this. The data of an element are made when pairs with it have been asked
 /// for so often that it pays. Thread safe.
 class SolidPairs {
  public:
@@ -29,11 +29,11 @@ class SolidPairs {
   Outcome settle(const BoxPair& pair, const Eigen::Isometry3d& X_AB) const;
   std::size_t memory() const;  ///< bytes
 
-  static constexpr int ASKED = 10000;                   ///< before what is kept is made
+  static constexpr int ASKED = 10000;                   ///< before the data are made
   static constexpr std::size_t LEAST_TRIANGLES = 1000;  ///< of the two together
 
  private:
-  struct Kept {
+  struct ElementData {
     std::atomic<int> nb_asked{0};
     std::once_flag once;
     std::atomic<bool> is_made{false};
@@ -43,15 +43,15 @@ class SolidPairs {
     SolidField::Points of_spheres, of_corners;
   };
   std::size_t indexOf(const BoxPair& pair) const;
-  const Kept& keptOf(std::uint32_t element) const;
-  void make(std::uint32_t element, Kept& kept) const;
-  static bool areApart(const Kept& solid, const Kept& other, const Eigen::Isometry3d& X,
-                       double padding);
-  static bool touch(const Kept& solid, const Kept& other, const Eigen::Isometry3d& X);
+  const ElementData& dataOf(std::uint32_t element) const;
+  void make(std::uint32_t element, ElementData& data) const;
+  static bool areApart(const ElementData& solid, const ElementData& other,
+                       const Eigen::Isometry3d& X, double padding);
+  static bool touch(const ElementData& solid, const ElementData& other, const Eigen::Isometry3d& X);
 
   const CollisionScene& scene_;
   const BatchModel& model_;
-  mutable std::vector<Kept> kept_;  // by element, in that of the first one with its shape
+  mutable std::vector<ElementData> data_;  // by element, in that of the first one with its shape
   std::vector<std::uint32_t> first_with_shape_;
   std::vector<char> is_worth_;  // by indexOf()
 };

@@ -51,8 +51,8 @@ StaticField::StaticField(const CollisionScene& scene, const BatchModel& model,
   std::vector<std::uint32_t> all;
   for (const std::uint32_t element : elements) {
     const Eigen::Isometry3d X_EW = scene.elements()[element].X_BE.inverse();
-    all.push_back(static_cast<std::uint32_t>(things_.size()));
-    things_.push_back({element, X_EW.linear(), X_EW.translation()});
+    all.push_back(static_cast<std::uint32_t>(placed_.size()));
+    placed_.push_back({element, X_EW.linear(), X_EW.translation()});
   }
   const Vector3d block_size = cell_size_ * (SIDE / BLOCKS);
   for (int i = 0; i < BLOCKS * BLOCKS * BLOCKS; ++i) {
@@ -101,8 +101,8 @@ bool StaticField::isFurther(const Vector3d& p_W, double reach) const {
   const std::uint32_t nb_near = slot.nb_near.load(std::memory_order_relaxed);
   if (nb_near > MOST_NEAR) return false;
   for (std::uint32_t i = 0; i < nb_near; ++i) {
-    const Thing& thing = things_[slot.near[i].load(std::memory_order_relaxed)];
-    if (!(apartFrom(thing, p_W, reach) > reach)) return false;
+    const PlacedElement& placed = placed_[slot.near[i].load(std::memory_order_relaxed)];
+    if (!(apartFrom(placed, p_W, reach) > reach)) return false;
   }
   return true;
 }
@@ -114,9 +114,9 @@ bool StaticField::isNearer(const Vector3d& p_W, double reach, std::uint32_t& ele
   const Slot& slot = slots_[static_cast<std::size_t>(cell)];
   const std::uint32_t nb_near = slot.nb_near.load(std::memory_order_relaxed);
   for (std::uint32_t i = 0; i < std::min(nb_near, MOST_NEAR); ++i) {
-    const Thing& thing = things_[slot.near[i].load(std::memory_order_relaxed)];
-    if (!(upperOf(thing, p_W) < reach)) continue;
-    element = thing.element;
+    const PlacedElement& placed = placed_[slot.near[i].load(std::memory_order_relaxed)];
+    if (!(upperOf(placed, p_W) < reach)) continue;
+    element = placed.element;
     return true;
   }
   return false;
@@ -125,25 +125,25 @@ bool StaticField::isNearer(const Vector3d& p_W, double reach, std::uint32_t& ele
 // The bound of an element changes by at most the distance between two points. So an element whose
 // bound exceeds the smallest one by more than the diagonal is the nearest nowhere in the cell.
 double StaticField::findNear(const Vector3d& p_W, double diagonal,
-                             const std::vector<std::uint32_t>& things,
+                             const std::vector<std::uint32_t>& elements,
                              std::vector<std::uint32_t>& near) const {
   double apart = INF;
-  for (const std::uint32_t thing : things) {
-    apart = std::min(apart, apartFrom(things_[thing], p_W, -INF));
+  for (const std::uint32_t i : elements) {
+    apart = std::min(apart, apartFrom(placed_[i], p_W, -INF));
   }
   const double within = apart + diagonal * (1.0 + STORED_ROUNDING);
-  for (const std::uint32_t thing : things) {
-    if (apartFrom(things_[thing], p_W, -INF) <= within) near.push_back(thing);
+  for (const std::uint32_t i : elements) {
+    if (apartFrom(placed_[i], p_W, -INF) <= within) near.push_back(i);
   }
   return apart;
 }
 
-void StaticField::fill(const Vector3d& p_W, const std::vector<std::uint32_t>& things,
+void StaticField::fill(const Vector3d& p_W, const std::vector<std::uint32_t>& elements,
                        int cell) const {
   Slot& slot = slots_[static_cast<std::size_t>(cell)];
   thread_local std::vector<std::uint32_t> near;
   near.clear();
-  const double apart = findNear(p_W, cell_size_.norm(), things, near);
+  const double apart = findNear(p_W, cell_size_.norm(), elements, near);
   for (std::size_t i = 0; i < near.size() && i < MOST_NEAR; ++i) {
     slot.near[i].store(near[i], std::memory_order_relaxed);
   }
@@ -153,15 +153,16 @@ void StaticField::fill(const Vector3d& p_W, const std::vector<std::uint32_t>& th
   slot.nb_near.store(static_cast<std::uint32_t>(near.size()), std::memory_order_release);
 }
 
-double StaticField::apartFrom(const Thing& thing, const Vector3d& p_W, double enough) const {
-  const SceneElement& element = scene_.elements()[thing.element];
-  const Vector3d p_E = thing.R_EW * p_W + thing.p_EW;
+double StaticField::apartFrom(const PlacedElement& placed, const Vector3d& p_W,
+                              double enough) const {
+  const SceneElement& element = scene_.elements()[placed.element];
+  const Vector3d p_E = placed.R_EW * p_W + placed.p_EW;
   if (std::holds_alternative<HalfSpace>(element.shape)) return p_E[2];
   const double of_box = distanceFromBox(element.box_half, p_E - element.box_center);
   const bool is_certain = enough > -INF && of_box > enough;
   if (is_certain || std::holds_alternative<Box>(element.shape)) return of_box;
   double of_leaves = INF;
-  for (const OuterSphere& sphere : model_.covers[thing.element].outer) {
+  for (const OuterSphere& sphere : model_.covers[placed.element].outer) {
     if (of_leaves <= enough) break;
     if (sphere.first_child != 0) continue;
     of_leaves = std::min(of_leaves, (p_E - sphere.center).norm() - sphere.radius);
@@ -169,15 +170,15 @@ double StaticField::apartFrom(const Thing& thing, const Vector3d& p_W, double en
   return std::max(of_box, of_leaves);
 }
 
-double StaticField::upperOf(const Thing& thing, const Vector3d& p_W) const {
-  const SceneElement& element = scene_.elements()[thing.element];
-  const Vector3d p_E = thing.R_EW * p_W + thing.p_EW;
+double StaticField::upperOf(const PlacedElement& placed, const Vector3d& p_W) const {
+  const SceneElement& element = scene_.elements()[placed.element];
+  const Vector3d p_E = placed.R_EW * p_W + placed.p_EW;
   if (std::holds_alternative<HalfSpace>(element.shape)) return p_E[2];
   if (const auto* box = std::get_if<Box>(&element.shape)) {
     return distanceFromBox(0.5 * box->size, p_E);
   }
   double upper = INF;
-  for (const PlacedSphere& sphere : model_.covers[thing.element].inner) {
+  for (const PlacedSphere& sphere : model_.covers[placed.element].inner) {
     upper = std::min(upper, (p_E - sphere.center).norm() - sphere.radius);
   }
   return upper;

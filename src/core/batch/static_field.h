@@ -44,33 +44,34 @@ class StaticField {
     std::atomic<std::uint32_t> nb_near{NOT_FILLED}, near[MOST_NEAR] = {};
   };
   /// A static element and its inverse pose.
-  struct Thing {
+  struct PlacedElement {
     std::uint32_t element;
     Eigen::Matrix3d R_EW;
     Eigen::Vector3d p_EW;
   };
-  /// Returns a lower bound of the distance of p_W from all `things`. Appends those to `near` that
+  /// Returns a lower bound of the distance of p_W from all `elements`. Appends those to `near` that
   /// can be nearest to a point of a cell around it with the given diagonal.
   double findNear(const Eigen::Vector3d& p_W, double diagonal,
-                  const std::vector<std::uint32_t>& things, std::vector<std::uint32_t>& near) const;
+                  const std::vector<std::uint32_t>& elements,
+                  std::vector<std::uint32_t>& near) const;
   /// The cell of p_W, filled in, and its centre; -1 outside of the region.
   int cellOf(const Eigen::Vector3d& p_W, Eigen::Vector3d& center) const;
-  void fill(const Eigen::Vector3d& p_W, const std::vector<std::uint32_t>& things, int cell) const;
+  void fill(const Eigen::Vector3d& p_W, const std::vector<std::uint32_t>& elements, int cell) const;
   /// A lower bound of the distance. It is computed no more tightly than needed to exceed `enough`.
-  double apartFrom(const Thing& thing, const Eigen::Vector3d& p_W, double enough) const;
+  double apartFrom(const PlacedElement& placed, const Eigen::Vector3d& p_W, double enough) const;
   /// An upper bound of the signed distance, negative inside.
-  double upperOf(const Thing& thing, const Eigen::Vector3d& p_W) const;
+  double upperOf(const PlacedElement& placed, const Eigen::Vector3d& p_W) const;
 
   const CollisionScene& scene_;
   const BatchModel& model_;
-  std::vector<Thing> things_;
+  std::vector<PlacedElement> placed_;
   Eigen::Vector3d origin_, cell_size_;  ///< floats
   double margin_;                       ///< m: far above the rounding of a place as float
   std::unique_ptr<Slot[]> slots_;
   /// Lower bound of the distance of a cell's centre to any element, as BatchGrid has it: apart from
   /// the rest, so that what is read most stays in the cache.
   std::unique_ptr<std::atomic<int>[]> apart_;
-  std::vector<std::vector<std::uint32_t>> near_block_;  // things, by block of 4 x 4 x 4 cells
+  std::vector<std::vector<std::uint32_t>> near_block_;  // elements, by block of 4 x 4 x 4 cells
 };
 
 }  // namespace collision_pairs

@@ -45,10 +45,6 @@ Bins chooseBins(const Record* records, std::size_t count, int axis) {
 
 }  // namespace
 
-int chooseAxis(const SweepTuning& tuning, const Spread& spread) {
-  return tuning.axis >= 0 && tuning.axis < 3 ? tuning.axis : sweepAxis(spread);
-}
-
 Spread sampleSpread(const Record* records, std::size_t count, std::size_t sample) {
   const std::size_t used = std::min(count, sample);
   return measureSpread([&](std::size_t i) -> const Record& { return records[i * count / used]; },
@@ -81,7 +77,7 @@ bool ColumnSweep::cut(const Record* records, std::size_t count, double tests_per
                       std::size_t depth) {
   if (depth >= MAX_DEPTH) return false;
   const Spread spread = sampleSpread(records, count, COLUMN_SAMPLE);
-  const int axis = chooseAxis(tuning_, spread);
+  const int axis = sweepAxis(spread);
   if (tests_per_box == 0.0) tests_per_box = static_cast<double>(count) * spread.crowd(axis);
   const SweepGrid grid = chooseGrid(spread, axis, count, tests_per_box, tuning_.column_size);
   while (levels_.size() <= depth) levels_.push_back(std::make_unique<GridLevel>(kernel_));

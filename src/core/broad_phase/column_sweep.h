@@ -24,14 +24,9 @@ struct SweepTuning {
   std::uint32_t column_size = 2048;
   /// A sweep that would test a box against more than this many others on average is cut too.
   std::uint32_t tests_per_box = 48;
-  /// The axis to sweep along: 0, 1, 2, or -1 to choose it from the boxes.
-  int axis = -1;
-  /// Threads that share the columns of one cycle. They are started for the cycle, which allocates,
-  /// so more than one pays off from about 20,000 moving boxes on.
-  int threads = 1;
 };
 
-/// One thread's sweeper, with its memory and its share of the pairs (in no order).
+/// Sweeps the columns of one cycle, and keeps its memory. Pairs in no order.
 class ColumnSweep {
  public:
   explicit ColumnSweep(const SweepKernel* kernel) : kernel_(kernel) {}
@@ -59,9 +54,6 @@ class ColumnSweep {
   std::vector<std::unique_ptr<GridLevel>> levels_;
   std::vector<BoxPair> pairs_;
 };
-
-/// The axis set in `tuning`, or else sweepAxis() of the boxes.
-int chooseAxis(const SweepTuning& tuning, const Spread& spread);
 
 /// The spread of at most `sample` of the records, evenly spaced in their order.
 Spread sampleSpread(const Record* records, std::size_t count, std::size_t sample);

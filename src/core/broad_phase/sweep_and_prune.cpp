@@ -8,7 +8,6 @@
 
 #include "collision_pairs/input_error.h"
 #include "column_sweep.h"
-#include "in_parallel.h"
 #include "static_tree.h"
 
 namespace collision_pairs {
@@ -33,7 +32,6 @@ struct SweepAndPrune::Engine {
                     std::vector<BoxPair>* pairs);
   void narrow(const std::vector<Aabb>& boxes, const NarrowMap& map);
   void pack(const std::vector<Aabb>& boxes, const NarrowMap& map);
-  void shareCells();
   Spread spreadOf(const std::vector<Aabb>& boxes) const;
 
   SweepTuning tuning;
@@ -53,7 +51,7 @@ struct SweepAndPrune::Engine {
   CandidateStorage candidates;
   std::vector<std::uint32_t> row_end;
   GridLevel columns{kernel};
-  std::vector<std::unique_ptr<ColumnSweep>> sweepers;  // one for each thread
+  ColumnSweep sweeper{kernel};
   PairSorter sorter;
 };
 
@@ -157,7 +155,7 @@ const std::vector<BoxPair>& SweepAndPrune::end() {
 
 int SweepAndPrune::axis() const {
   if (engine_->axis < 0) {
-    engine_->axis = chooseAxis(engine_->tuning, engine_->spreadOf(boxes_));
+    engine_->axis = sweepAxis(engine_->spreadOf(boxes_));
   }
   return engine_->axis;
 }
@@ -262,33 +260,25 @@ void SweepAndPrune::Engine::sweepColumns(const std::vector<Aabb>& boxes,
                                      records.begin());
     if (count == 0) return;
   }
-  while (static_cast<int>(sweepers.size()) < std::max(1, tuning.threads)) {
-    sweepers.push_back(std::make_unique<ColumnSweep>(kernel));
-  }
-  for (auto& sweeper : sweepers) sweeper->begin(tuning, test, unsure);
+  sweeper.begin(tuning, test, unsure);
 
   const Spread spread = sampleSpread(records.data(), count, SAMPLE);
-  axis = chooseAxis(tuning, spread);
+  axis = sweepAxis(spread);
   const double tests_per_box = static_cast<double>(count) * spread.crowd(axis);
   const SweepGrid grid = chooseGrid(spread, axis, count, tests_per_box, tuning.column_size);
   const bool long_sweep = count > tuning.column_size || tests_per_box > tuning.tests_per_box;
   if (long_sweep && columns.fill(grid, records.data(), count)) {
-    shareCells();
+    for (std::uint32_t cell = 0; cell < columns.nbCells(); ++cell) {
+      sweeper.sweep(columns.cellBegin(cell), columns.cellSize(cell), axis, 1);
+    }
   } else {
-    sweepers[0]->sweep(records.data(), count, axis, 1);
+    sweeper.sweep(records.data(), count, axis, 1);
   }
-  if (pairs->empty()) pairs->swap(sweepers[0]->pairs());
-  for (auto& sweeper : sweepers) {
-    pairs->insert(pairs->end(), sweeper->pairs().begin(), sweeper->pairs().end());
+  if (pairs->empty()) {
+    pairs->swap(sweeper.pairs());
+  } else {
+    pairs->insert(pairs->end(), sweeper.pairs().begin(), sweeper.pairs().end());
   }
-}
-
-// Which thread sweeps which column does not matter: the pairs are sorted afterwards.
-void SweepAndPrune::Engine::shareCells() {
-  inParallel(sweepers.size(), columns.nbCells(), [this](std::size_t thread, std::size_t cell) {
-    const auto id = static_cast<std::uint32_t>(cell);
-    sweepers[thread]->sweep(columns.cellBegin(id), columns.cellSize(id), axis, 1);
-  });
 }
 
 Spread SweepAndPrune::Engine::spreadOf(const std::vector<Aabb>& boxes) const {

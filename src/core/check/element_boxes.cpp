@@ -82,7 +82,7 @@ std::uint32_t ElementBoxes::rebuild(const BodyPoses& poses, bool all_tight,
   return nb_boxes - static_cast<std::uint32_t>(without_box_.size());
 }
 
-// The narrow phase mends rotations, or refuses them. A box of the matrix as it is would dismiss
+// The narrow phase repairs rotations, or refuses them. A box of the matrix as it is would dismiss
 // what it has never seen.
 const BodyPoses& ElementBoxes::soundPoses(const BodyPoses& poses) {
   Vector4d error = Vector4d::Zero();
@@ -90,11 +90,11 @@ const BodyPoses& ElementBoxes::soundPoses(const BodyPoses& poses) {
     if (poses.known[i]) error += errorOfRows(poses.X_WB[i]);
   }
   if (error.sum() <= ORTHONORMAL * ORTHONORMAL) return poses;
-  mended_ = poses;
-  for (std::size_t i = 0; i < mended_.X_WB.size(); ++i) {
-    if (mended_.known[i] && !repairPose(mended_.X_WB[i])) mended_.known[i] = 0;
+  repaired_ = poses;
+  for (std::size_t i = 0; i < repaired_.X_WB.size(); ++i) {
+    if (repaired_.known[i] && !repairPose(repaired_.X_WB[i])) repaired_.known[i] = 0;
   }
-  return mended_;
+  return repaired_;
 }
 
 // False if it is not finite; the tight one may be finite.

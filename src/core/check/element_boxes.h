@@ -69,7 +69,7 @@ class ElementBoxes {
 
   const CollisionScene* scene_ = nullptr;
   const BodyPoses* poses_ = nullptr;
-  BodyPoses mended_;
+  BodyPoses repaired_;
   std::vector<BodyBox> of_bodies_;
   std::vector<std::uint32_t> models_;
   std::vector<Known> known_;

@@ -34,12 +34,6 @@ bool isOfAlignedBoxes(const PairReport& pair, const Contact& nearest, const Coll
   return pair.distance == (widest > 0.0 ? std::sqrt(squaredGap(a, b)) : widest);
 }
 
-/// Index in RobotModel::bodies(); -1: static.
-int bodyOf(std::uint32_t model, const CollisionScene& scene) {
-  const int body = scene.models()[model].body;
-  return body < 0 ? -1 : scene.bodies()[body].body;
-}
-
 }  // namespace
 
 DistanceGradient::DistanceGradient(const CollisionScene& scene, const JointColumns& joints)
@@ -56,19 +50,13 @@ bool DistanceGradient::compute(const PairReport& pair, const CollisionReport& re
   }
   const Contact& nearest = *found;
   std::fill_n(gradient, joints_.size(), 0.0);
-  // From both links up to their common ancestor: a parent has the smaller index. The joints above
-  // move both alike and change nothing.
-  const auto& bodies = scene_.robot().bodies();
-  int first = bodyOf(pair.first, scene_), second = bodyOf(pair.second, scene_);
-  while (first != second) {
-    if (first > second) {
-      addSpeed(first, nearest.p_WFirst, -nearest.nhat_W, X_WB, gradient);
-      first = bodies[first].parent;
-    } else {
-      addSpeed(second, nearest.p_WSecond, nearest.nhat_W, X_WB, gradient);
-      second = bodies[second].parent;
-    }
-  }
+  // The joints above move both alike and change nothing.
+  scene_.robot().visitBetween(
+      scene_.robotBody(scene_.models()[pair.first]), scene_.robotBody(scene_.models()[pair.second]),
+      [&](int body, bool is_above_first) {
+        addSpeed(body, is_above_first ? nearest.p_WFirst : nearest.p_WSecond,
+                 is_above_first ? Vector3d(-nearest.nhat_W) : nearest.nhat_W, X_WB, gradient);
+      });
   return true;
 }
 

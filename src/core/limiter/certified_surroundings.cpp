@@ -207,23 +207,16 @@ std::uint32_t CertifiedSurroundings::idOf(const std::string& name) const {
   return static_cast<std::uint32_t>(scene_->findModel(name));
 }
 
-// From both links up to their common ancestor: a parent has the smaller index.
 std::vector<int> CertifiedSurroundings::columnsBetween(std::uint32_t first_model,
                                                        std::uint32_t second_model) const {
-  const auto& bodies = scene_->robot().bodies();
-  const auto bodyOf = [&](std::uint32_t model) {
-    const int body = scene_->models()[model].body;
-    return body < 0 ? -1 : scene_->bodies()[body].body;
-  };
+  const auto bodyOf = [&](auto model) { return scene_->robotBody(scene_->models()[model]); };
+  const RobotModel& robot = scene_->robot();
   std::vector<int> columns;
-  int first = bodyOf(first_model), second = bodyOf(second_model);
-  while (first != second) {
-    int& later = first > second ? first : second;
-    const int joint = bodies[later].joint;
+  robot.visitBetween(bodyOf(first_model), bodyOf(second_model), [&](int body, bool) {
+    const int joint = robot.bodies()[body].joint;
     const int column = joint < 0 ? -1 : columns_.sourceOf(joint).column;
     if (column >= 0) columns.push_back(column);
-    later = bodies[later].parent;
-  }
+  });
   std::sort(columns.begin(), columns.end());  // a joint and one that mimics it have the same
   columns.erase(std::unique(columns.begin(), columns.end()), columns.end());
   return columns;

@@ -55,7 +55,6 @@ class TriangleTree {
   }
   bool empty() const { return nodes_.empty(); }
 
-  std::size_t nbPatches() const { return patches_.size(); }
   /// The corners of a patch, as a convex shape that refers to them.
   ConvexCore patchCore(std::uint32_t patch) const;
 

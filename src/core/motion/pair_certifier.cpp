@@ -5,7 +5,7 @@
 
 #include "convex_distance.h"
 #include "infinity.h"
-#include "prepared_shape.h"
+#include "scene_element.h"
 
 namespace collision_pairs {
 namespace {
@@ -31,8 +31,6 @@ constexpr double MOTION_FOR_HULLS = 1.0;   // hulls of boxes that are …
 constexpr double GAP_FOR_HULLS = 0.3;      // … no further apart than this, or for less motion
 constexpr double MOTION_FOR_SHAPES = 0.5;  // distance of shapes whose hulls overlap
 constexpr double POOR = 0.05;              // share of the interval: below it shapes follow hulls
-
-const Prepared& preparedOf(const Rung& rung) { return static_cast<const Prepared&>(*rung.shape); }
 
 double finiteOr0(double radius) { return std::isfinite(radius) ? radius : 0.0; }
 

@@ -245,11 +245,10 @@ struct NarrowPhase::Scratch {
   // triangle and the convex shape.
   static void setNormal(const SurfaceGap& gap, const ConvexCore& a, const ConvexCore& b,
                         const Isometry3d& X_AB, PairDistance& result) {
-    if (gap.distance > NORMAL_FROM_TRIANGLES_BELOW * (a.extent + b.extent + b.radius)) {
-      result.nhat_AB_A = (gap.p_ACb - gap.p_ACa).normalized();
-      return;
-    }
-    result.nhat_AB_A = convexDistance(a, b, X_AB, INF).nhat_AB_A;
+    const bool is_clear =
+        gap.distance > NORMAL_FROM_TRIANGLES_BELOW * (a.extent + b.extent + b.radius);
+    result.nhat_AB_A = is_clear ? Vector3d((gap.p_ACb - gap.p_ACa).normalized())
+                                : convexDistance(a, b, X_AB, INF).nhat_AB_A;
   }
 
   // The result for two that do not meet, but may be nearer than any number. Without triangles: too
@@ -288,40 +287,27 @@ struct NarrowPhase::Scratch {
     return found;
   }
 
-  PairDistance meshMesh(const Prepared& A, const Prepared& B, const Isometry3d& X_AB,
-                        double max_distance, const Accuracy& accuracy, const HullBounds& bounds) {
-    const bool hulls_meet = bounds.outcome == HullBounds::Outcome::OPEN;
-    const Vector3d* nhat_AB_A = hulls_meet ? nullptr : &bounds.hulls.nhat_AB_A;
-    const SurfaceGap gap =
-        query.meshMesh(*A.mesh, *B.mesh, X_AB, max_distance, band, nhat_AB_A, accuracy);
-    PairDistance result = apart(gap);
-    if (!gap.beyond && !gap.by_hulls) {
-      const Triangle a = triangleOf(*A.mesh->triangles, gap.triangle_a);
-      const Triangle b = triangleOf(*B.mesh->triangles, gap.triangle_b);
-      setNormal(gap, cornersCore(a.v), cornersCore(b.v), X_AB, result);
-    }
-    return tolerated(result, std::max(gap.lower, bounds.lower), accuracy);
-  }
-
-  PairDistance meshConvex(const Prepared& A, const Prepared& B, const Isometry3d& X_AB,
-                          double max_distance, const Accuracy& accuracy, const HullBounds& bounds) {
-    const SurfaceGap gap = query.meshConvex(*A.mesh, B.core, X_AB, max_distance, band, accuracy);
-    PairDistance result = apart(gap);
-    if (!gap.beyond && !gap.by_hulls) {
-      const Triangle a = triangleOf(*A.mesh->triangles, gap.triangle_a);
-      setNormal(gap, cornersCore(a.v), B.core, X_AB, result);
-    }
-    return tolerated(result, std::max(gap.lower, bounds.lower), accuracy);
-  }
-
   // For two that do not meet.
   PairDistance meshDistance(const Prepared& A, const Prepared& B, const Isometry3d& X_AB,
                             double max_distance, const Accuracy& accuracy,
                             const HullBounds& bounds) {
-    if (A.mesh && B.mesh) return meshMesh(A, B, X_AB, max_distance, accuracy, bounds);
-    if (A.mesh) return meshConvex(A, B, X_AB, max_distance, accuracy, bounds);
-    const Isometry3d X_BA = X_AB.inverse(Eigen::Isometry);
-    return exchanged(meshConvex(B, A, X_BA, max_distance, accuracy, bounds), X_AB);
+    if (!A.mesh) {
+      const Isometry3d X_BA = X_AB.inverse(Eigen::Isometry);
+      return exchanged(meshDistance(B, A, X_BA, max_distance, accuracy, bounds), X_AB);
+    }
+    const bool hulls_meet = bounds.outcome == HullBounds::Outcome::OPEN;
+    const Vector3d* nhat_AB_A = hulls_meet ? nullptr : &bounds.hulls.nhat_AB_A;
+    const SurfaceGap gap =
+        B.mesh ? query.meshMesh(*A.mesh, *B.mesh, X_AB, max_distance, band, nhat_AB_A, accuracy)
+               : query.meshConvex(*A.mesh, B.core, X_AB, max_distance, band, accuracy);
+    PairDistance result = apart(gap);
+    if (!gap.beyond && !gap.by_hulls) {
+      const auto corners_a = cornersOf(*A.mesh->triangles, gap.triangle_a);
+      const auto corners_b = B.mesh ? cornersOf(*B.mesh->triangles, gap.triangle_b) : corners_a;
+      setNormal(gap, cornersCore(corners_a), B.mesh ? cornersCore(corners_b) : B.core, X_AB,
+                result);
+    }
+    return tolerated(result, std::max(gap.lower, bounds.lower), accuracy);
   }
 
   // For two that are apart: searches for points nearer than the two known ones by more than the
@@ -382,8 +368,7 @@ bool NarrowPhase::touches(const PreparedShape& A, const PreparedShape& B, const 
   const auto& b = static_cast<const Prepared&>(B);
   Isometry3d X = X_AB;
   scratch_->band = contactBand(a.core, b.core, X.translation(), offset);
-  PairDistance detail;
-  detail = repairPose(X) ? detail : worstCase(a, b);
+  PairDistance detail = repairPose(X) ? PairDistance() : worstCase(a, b);
   const bool is_pose = detail.certainty != Certainty::DEGRADED;
   if (apart_along && is_pose && scratch_->areApartAlong(*apart_along, a, b, X, margin))
     return false;

@@ -106,7 +106,7 @@ FourGaps SurfaceQuery::keepNear(const std::array<Aabb, BOX_LANES>& boxes, std::s
     }
     least.of[lane] = std::min(std::sqrt(least.of[lane]), skipped);
     near[lane] = {begin, static_cast<std::uint32_t>(nodes_.size())};
-    std::sort(nodes_.begin() + begin, nodes_.end(), [](const Kept& a, const Kept& b) {
+    std::sort(nodes_.begin() + begin, nodes_.end(), [](const NearNode& a, const NearNode& b) {
       return a.gap != b.gap ? a.gap < b.gap : a.node < b.node;
     });
   }

@@ -63,11 +63,11 @@ class SurfaceQuery {
   const PreparedShape* shape_ = nullptr;
   const PreparedMesh* mesh_ = nullptr;
   Eigen::Isometry3d X_WM_;
-  struct Kept {
+  struct NearNode {
     std::uint32_t node;
     double gap;  ///< metres: a lower bound of its distance from the box it was kept for
   };
-  std::vector<Kept> nodes_;
+  std::vector<NearNode> nodes_;
   std::vector<std::pair<std::uint32_t, FourGaps>> tried_;  ///< nodes, and squared gaps of boxes
   static constexpr std::uint32_t NONE = 0xffffffff;
   std::uint32_t nearest_ = NONE;      ///< the triangle that was, to the last box: tried first

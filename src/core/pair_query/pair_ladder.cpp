@@ -7,7 +7,7 @@
 #include "convex_distance.h"
 #include "fcl_answer.h"
 #include "infinity.h"
-#include "prepared_shape.h"
+#include "scene_element.h"
 #include "sphere_cover.h"
 #include "sphere_distance.h"
 
@@ -17,6 +17,7 @@ namespace {
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
 
+// clang-format off
 // Why no rung misses what a finer one finds, with u = 2^-53 and r the largest coordinate of an
 // element in its own frame. Every shape is enlarged by more than the possible error:
 // - hull of a mesh: vertices are copied; Qhull drops a point within its own rounding of a facet,
@@ -24,9 +25,8 @@ using Eigen::Vector3d;
 // - hull with fewer vertices: one is left out only where GJK finds it within t of the hull so far,
 //   up to 16 u r. Enlarged by t and the hull's own.
 // - OBB: 3 products a coordinate, 9 u r (Higham), and axes orthonormal within 8 u, 14 u r: 32 u r.
-// - box along the element's axes: minima and maxima, 2 u r; comparing two rotates both, 9 u (r1 +
-// r2
-//   + |p|). 128 u of the sum of half sizes and centre.
+// - box along the element's axes: minima and maxima, 2 u r; comparing two rotates both,
+//   9 u (r1 + r2 + |p|). 128 u of the sum of half sizes and centre.
 // - axis-aligned box in the world: 4 products and sums, 4 u (3 r + |p|) with |p| its distance from
 //   W. 16 to 32 u (r + |p|).
 // - sphere: corners of clipped triangles. 1e-12 of its radius and of its centre's distance from E.
@@ -34,14 +34,13 @@ using Eigen::Vector3d;
 // reports "beyond" only by a separating plane, whose rounding, a few u of the sizes, is within
 // ROUNDING, by which the limit is raised before the query and lowered after it. An axis-aligned box
 // need not hold the OBB or a simplified hull: those rungs take the better of both answers.
+// clang-format on
 constexpr double LADDER_ROUNDING = 64.0 * std::numeric_limits<double>::epsilon();
 constexpr double MOVED_LITTLE = 0.1;  // squared difference of two poses' matrices; metres
 
-const Prepared& preparedOf(const Rung& rung) { return static_cast<const Prepared&>(*rung.shape); }
-
 SpheresOrShape spheresOf(const SceneElement& element) {
   return {element.spheres ? &element.spheres->get() : nullptr,
-          element.spheres ? nullptr : &preparedOf(element.rung(Fidelity::MESH))};
+          element.spheres ? nullptr : &preparedOf(element)};
 }
 
 /// A lower bound of what convexGap() found, but for roundingOf(). With a cylinder, a distance that
@@ -127,8 +126,8 @@ Fidelity PairLadder::rungOf(const BoxPair& pair, Fidelity top) const {
 
 bool PairLadder::needsTriangles(const BoxPair& pair, Fidelity top) const {
   if (rungOf(pair, top) != Fidelity::MESH) return false;
-  const Prepared& a = preparedOf(scene_->elements()[pair.first].rung(Fidelity::MESH));
-  const Prepared& b = preparedOf(scene_->elements()[pair.second].rung(Fidelity::MESH));
+  const Prepared& a = preparedOf(scene_->elements()[pair.first]);
+  const Prepared& b = preparedOf(scene_->elements()[pair.second]);
   return (a.mesh || b.mesh) && !a.isHalfSpace() && !b.isHalfSpace();
 }
 
@@ -257,7 +256,7 @@ PairDistance PairLadder::spheresApart(const BoxPair& pair, const Isometry3d& X_A
   }
   // The triangles of a mesh need not be prepared.
   const auto coreOf = [](const SceneElement& element) {
-    if (!element.spheres) return preparedOf(element.rung(Fidelity::MESH)).core;
+    if (!element.spheres) return preparedOf(element).core;
     ConvexCore core = coreOfBox(element);
     core.center = element.box_center;
     return core;
@@ -298,8 +297,8 @@ PairLadder::Answer PairLadder::boundOfBoxes(const BoxPair& pair, double max_dist
 
 PairLadder::Answer PairLadder::boundOfHulls(const BoxPair& pair, const Answer& known,
                                             double max_distance) const {
-  const Prepared& a = preparedOf(scene_->elements()[pair.first].rung(Fidelity::MESH));
-  const Prepared& b = preparedOf(scene_->elements()[pair.second].rung(Fidelity::MESH));
+  const Prepared& a = preparedOf(scene_->elements()[pair.first]);
+  const Prepared& b = preparedOf(scene_->elements()[pair.second]);
   const Isometry3d X_AB = relativePose(pair);
   const double error = errorOfBound(a, b.core, X_AB, offset(pair));
   const double margin = error + scene_->padding(pair.first, pair.second);
@@ -328,7 +327,7 @@ double PairLadder::hullsApart(std::uint32_t element, Fidelity rung, const Convex
 double PairLadder::errorOfSurface(std::uint32_t element, const ConvexCore& shape,
                                   const Isometry3d& X_WS) const {
   const Isometry3d& X_WE = (*X_WE_)[element];
-  const Prepared& prepared = preparedOf(scene_->elements()[element].rung(Fidelity::MESH));
+  const Prepared& prepared = preparedOf(scene_->elements()[element]);
   return errorOfBound(prepared, shape, relativePose(X_WE, X_WS), offset(X_WE, X_WS));
 }
 

@@ -80,7 +80,7 @@ void VoxelSearch::findVoxels(const Entry& cube) {
     for (; left != 0; left &= left - 1) {
       const int x = __builtin_ctz(left);
       const double bound = std::max(cube.bound, bounds[x]);
-      if (isHopeless(bound)) continue;
+      if (isPruned(bound)) continue;
       const VoxelCell cell = cube.corner + VoxelCell(x, row & 3, row >> 2);
       if (candidate_.bound < INF && cell == candidate_.corner) continue;  // known already
       near_.push_back({bound, cell, 0, cube.nodes, -1});
@@ -96,7 +96,7 @@ Aabb VoxelSearch::boxOf(const Entry& entry) const {
 
 double VoxelSearch::boundOfBoxes(const Aabb& box) const {
   const double aligned = signedGap((box.min - box_.max).cwiseMax(box_.min - box.max));
-  if (!has_oriented_ || isHopeless(aligned)) return aligned;
+  if (!has_oriented_ || isPruned(aligned)) return aligned;
   const Vector3d half = 0.5 * (box.max - box.min);
   const Vector3d p_A = oriented_.R.transpose() * (box.center() - oriented_.center);
   const Vector3d reach = oriented_.half + oriented_.R.transpose().cwiseAbs() * half;

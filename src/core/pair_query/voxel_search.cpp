@@ -98,7 +98,7 @@ bool VoxelSearch::refine(Entry& entry) {
   const double before = entry.bound;
   entry.bound = std::max(before, boundOfPlanes(box));
   if (entry.bound > before) {
-    if (!isHopeless(entry.bound)) push(entry);
+    if (!isPruned(entry.bound)) push(entry);
     return true;
   }
   if (!entry.is_fine && isWorthMore(entry, box)) {
@@ -106,13 +106,13 @@ bool VoxelSearch::refine(Entry& entry) {
     // A plane may be all that is needed.
     const bool wants_plane = planes_.empty() && entry.level == 0 && entry.bound + padding_ > 0.0;
     double gap = wants_plane || !has_triangles_ ? gapOfHulls(box) : -INF;
-    if (has_triangles_ && !isHopeless(gap - padding_)) {
+    if (has_triangles_ && !isPruned(gap - padding_)) {
       gap = std::max(gap, gapOfTriangles(entry, box));
     }
     entry.bound = std::max(entry.bound, gap - padding_);
   }
   if (!(entry.bound > before)) return false;
-  if (!isHopeless(entry.bound)) push(entry);
+  if (!isPruned(entry.bound)) push(entry);
   return true;
 }
 
@@ -129,9 +129,9 @@ void VoxelSearch::pushChildren(const Entry& entry) {
     child.is_fine = false;
     const Aabb box = boxOf(child);
     child.bound = std::max(entry.bound, boundOfBoxes(box));
-    if (isHopeless(child.bound)) continue;
+    if (isPruned(child.bound)) continue;
     child.bound = std::max(child.bound, boundOfPlanes(box));
-    if (!isHopeless(child.bound)) push(child);
+    if (!isPruned(child.bound)) push(child);
   }
 }
 
@@ -169,7 +169,7 @@ void VoxelSearch::takeVoxels(const SurfaceQuery::Nodes& nodes) {
   for (const auto& [gap, i] : by_gap_) {
     Entry& voxel = near_[i];
     voxel.bound = std::max(voxel.bound, boundOfPlanes(boxOf(voxel)));  // some are new
-    if (!isHopeless(voxel.bound)) takeVoxel(voxel, gap);
+    if (!isPruned(voxel.bound)) takeVoxel(voxel, gap);
   }
 }
 
@@ -184,7 +184,7 @@ void VoxelSearch::takeVoxel(Entry voxel, double known) {
   if (lower > 0.0 && isOutside(voxel, box)) {
     outside_.push_back(box);
     voxel.bound = std::max(voxel.bound, lower - padding_);
-    if (isHopeless(voxel.bound)) return;
+    if (isPruned(voxel.bound)) return;
     const double upper = gap.upper + surface_error_ - scene_->padding(pair_.first, pair_.second);
     if (has_candidates_ && upper - voxel.bound <= 0.5 * SAME) {
       candidate_ = voxel;
@@ -264,7 +264,7 @@ VoxelSearch::Found VoxelSearch::boundOfBoxes(const BoxPair& pair, const Occupied
   start(pair, voxels, Fidelity::AABB, max_distance);
   while (!heap_.empty()) {
     const Entry entry = pop();
-    if (isHopeless(entry.bound)) break;
+    if (isPruned(entry.bound)) break;
     if (entry.level < 0) return unfinished(entry);
     expand(entry);
   }
@@ -309,7 +309,7 @@ VoxelSearch::Found VoxelSearch::nearest(const BoxPair& pair, const OccupiedVoxel
     has_candidates_ = settles;
     while (!heap_.empty()) {
       Entry entry = pop();
-      if (isHopeless(entry.bound)) break;
+      if (isPruned(entry.bound)) break;
       if (is_first && has_triangles_ && entry.level == 0) {
         is_first = false;
         takeNearestOf(entry);

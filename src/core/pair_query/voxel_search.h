@@ -115,7 +115,7 @@ class VoxelSearch {
   bool isOutside(const Entry& entry, const Aabb& box) const;
   void measureVoxel(const VoxelCell& cell, Fidelity top, double max_distance);
   void placeVoxel(const VoxelCell& cell);
-  bool isHopeless(double bound) const { return bound > limit_ || bound >= best_ - slackOf(bound); }
+  bool isPruned(double bound) const { return bound > limit_ || bound >= best_ - slackOf(bound); }
   /// A voxel that is apart must not hide a contact.
   double slackOf(double bound) const { return bound > 0.0 || best_ <= 0.0 ? SAME : 0.0; }
   /// Search distance from the shapes, metres: what lies beyond is hopeless.

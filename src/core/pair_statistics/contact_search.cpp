@@ -29,7 +29,8 @@ class Search {
   void run(const RandomStream& random, unsigned searches, PairEvidence& pair) {
     random_ = random;
     pair_ = &pair;
-    joints_ = sampler_.jointsBetween(bodyOf(pair.first), bodyOf(pair.second));
+    joints_ = sampler_.jointsBetween(scene_.robotBody(scene_.models()[pair.first]),
+                                     scene_.robotBody(scene_.models()[pair.second]));
     if (joints_.empty()) return;
     sampler_.draw(pair.nearest_state, best_);
     best_distance_ = pair.nearest;
@@ -42,10 +43,6 @@ class Search {
   }
 
  private:
-  int bodyOf(std::uint32_t model) const {
-    return scene_.bodies()[scene_.models()[model].body].body;
-  }
-
   void beginAnew() {
     best_distance_ = std::numeric_limits<double>::infinity();
     for (int i = 0; i < STARTS; ++i) {

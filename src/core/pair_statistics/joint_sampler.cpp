@@ -23,14 +23,6 @@ JointSampler::Range rangeOf(const Joint& joint) {
   return {-PI, PI};
 }
 
-std::set<int> jointsAbove(const RobotModel& robot, int body) {
-  std::set<int> joints;
-  for (; robot.bodies()[body].joint >= 0; body = robot.bodies()[body].parent) {
-    joints.insert(robot.bodies()[body].joint);
-  }
-  return joints;
-}
-
 }  // namespace
 
 RandomStream::RandomStream(std::uint64_t seed, std::uint64_t index)
@@ -57,16 +49,13 @@ void JointSampler::draw(std::uint64_t index, std::vector<double>& positions) con
 }
 
 std::vector<int> JointSampler::jointsBetween(int body_a, int body_b) const {
-  const std::set<int> above_a = jointsAbove(*robot_, body_a);
-  const std::set<int> above_b = jointsAbove(*robot_, body_b);
-  std::vector<int> between;
-  std::set_symmetric_difference(above_a.begin(), above_a.end(), above_b.begin(), above_b.end(),
-                                std::back_inserter(between));
   std::set<int> moving;
-  for (int joint : between) {
+  robot_->visitBetween(body_a, body_b, [&](int body, bool) {
+    int joint = robot_->bodies()[body].joint;
+    if (joint < 0) return;  // a root
     while (robot_->joints()[joint].mimic) joint = robot_->joints()[joint].mimic->joint;
     if (ranges_[joint].lower < ranges_[joint].upper) moving.insert(joint);
-  }
+  });
   return {moving.begin(), moving.end()};
 }
 

@@ -66,7 +66,7 @@ std::vector<int> PairProbe::movingBodiesAbove(std::uint32_t first, std::uint32_t
   const auto& bodies = scene_->robot().bodies();
   std::set<int> above;
   for (const std::uint32_t model : {first, second}) {
-    int i = scene_->bodies()[scene_->models()[model].body].body;
+    int i = scene_->robotBody(scene_->models()[model]);
     for (; i >= 0 && bodies[i].joint >= 0; i = bodies[i].parent) above.insert(i);
   }
   return {above.begin(), above.end()};

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "collision_pairs/collision_scene.h"
+#include "prepared_shape.h"
 
 namespace collision_pairs {
 
@@ -22,6 +23,14 @@ namespace collision_pairs {
 SceneElement makeElement(const Shape& shape, Fidelity needed, int max_hull_vertices,
                          NarrowPhaseMethod method,
                          std::shared_ptr<const FineSpheres> spheres = nullptr);
+
+inline const Prepared& preparedOf(const Rung& rung) {
+  return static_cast<const Prepared&>(*rung.shape);
+}
+/// The shape at its finest.
+inline const Prepared& preparedOf(const SceneElement& element) {
+  return preparedOf(element.rung(Fidelity::MESH));
+}
 
 /// Makes the spheres of all meshes, on all cores; nothing for those that have been made.
 void makeSpheres(const std::vector<SceneElement>& elements);

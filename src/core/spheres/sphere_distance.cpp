@@ -64,7 +64,7 @@ class LeastGap {
     stack[depth++] = {0, 0, gap(0, 0)};
     while (depth > 0 && least_ > enough) {
       const Step step = stack[--depth];
-      if (isHopeless(step.bound, enough)) continue;
+      if (isPruned(step.bound, enough)) continue;
       const int in_a = childOf(A_, step.a), in_b = childOf(B_, step.b);
       const bool is_coarsely_apart = step.bound > enough && isFine(in_a) && isFine(in_b);
       if ((in_a == 0 && in_b == 0) || is_coarsely_apart) {
@@ -95,7 +95,7 @@ class LeastGap {
   };
   // Finding the smallest gap among hundreds of pairs with nearly the same gap is not worth the
   // search.
-  bool isHopeless(double bound, double enough) {
+  bool isPruned(double bound, double enough) {
     if (bound >= least_) return true;
     if (!found() || bound <= enough) return false;
     if (bound < enough + NEARLY_LEAST * (least_ - enough)) return false;

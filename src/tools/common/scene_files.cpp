@@ -114,11 +114,6 @@ std::shared_ptr<const RobotModel> readRobot(const std::string& path) {
   return robotFrom(textFromFile(path), warn);
 }
 
-std::optional<Srdf> readSrdf(const std::string& path, const RobotModel& robot) {
-  if (path.empty()) return std::nullopt;
-  return srdfFrom(textFromFile(path), robot, warn);
-}
-
 void declareScene(CommandLine& command_line, SceneOptions& options) {
   command_line.option("world", options.world, "WORLD.urdf",
                       "URDF of static obstacles; its root coincides with the robot's root");

@@ -17,8 +17,6 @@ namespace collision_pairs {
 
 /// Warns of ineffective content. Throws InputError.
 std::shared_ptr<const RobotModel> readRobot(const std::string& path);
-/// Empty for an empty path. Warns of links that the robot does not have. Throws InputError.
-std::optional<Srdf> readSrdf(const std::string& path, const RobotModel& robot);
 
 /// Paths, or values as of the node's parameters with these names.
 struct SceneOptions {

@@ -101,8 +101,12 @@ std::vector<SrdfLine> linesFor(const std::vector<PairVerdict>& verdicts, bool is
 void generate(const Options& options) {
   refuseWrong(options);
   const auto robot = readRobot(options.robot);
-  const std::string given_text = options.srdf.empty() ? "" : readTextFile(options.srdf);
-  const auto given = readSrdf(options.srdf, *robot);
+  std::optional<Srdf> given;
+  TextFrom given_text;
+  if (!options.srdf.empty()) {
+    given_text = textFromFile(options.srdf);
+    given = srdfFrom(given_text, *robot, warn);
+  }
   SceneSettings settings;
   settings.narrow_phase = parseNarrowPhase(options.narrow_phase);
   const auto scene = CollisionScene::build(robot, Srdf{}, nullptr, settings);  // every pair
@@ -115,7 +119,7 @@ void generate(const Options& options) {
   const auto evidence = gather(options, scene, sampler);
   const auto verdicts = decide(evidence, *scene, given, options.rules, options.disable_default);
   const std::vector<SrdfLine> lines = linesFor(verdicts, given.has_value(), options);
-  const std::string srdf = srdfWithLines(given_text, robot->name(), lines);
+  const std::string srdf = srdfWithLines(given_text.content, robot->name(), lines);
   if (!options.report.empty()) {
     writeTextFile(options.report, [&](std::ostream& out) {
       writePairTable(verdicts, *scene, sampler, options.rules, out);

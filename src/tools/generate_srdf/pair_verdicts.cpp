@@ -14,8 +14,6 @@
 namespace collision_pairs {
 namespace {
 
-constexpr std::size_t MAX_NAMED = 10;  // pairs in a warning; the table lists all
-
 std::string reasonFor(const PairVerdict& v, bool disable_default) {
   if (v.given != Given::NOTHING) return "";
   switch (v.pair_class) {
@@ -84,14 +82,11 @@ void warnOfPairs(const std::vector<PairVerdict>& verdicts, const std::string& wh
     return a->evidence.contacts > b->evidence.contacts;
   });
   std::vector<std::string> names;
-  for (std::size_t i = 0; i < std::min(pairs.size(), MAX_NAMED); ++i) {
-    names.push_back(nameOf(*pairs[i]) + " (" + countOf(pairs[i]->evidence) + ')');
-  }
-  if (pairs.size() > MAX_NAMED) {
-    names.push_back("and " + std::to_string(pairs.size() - MAX_NAMED) + " more");
+  for (const PairVerdict* pair : pairs) {
+    names.push_back(nameOf(*pair) + " (" + countOf(pair->evidence) + ')');
   }
   warn(std::to_string(pairs.size()) + (pairs.size() == 1 ? " pair " : " pairs ") + what + ": " +
-       joined(names));
+       firstOf(names));
 }
 
 const char* givenName(Given given) {
@@ -116,9 +111,7 @@ std::string contactState(const PairEvidence& e, const CollisionScene& scene,
   } else if (positions.empty()) {
     return "";
   }
-  const auto bodyOf = [&](std::uint32_t model) {
-    return scene.bodies()[scene.models()[model].body].body;
-  };
+  const auto bodyOf = [&](auto model) { return scene.robotBody(scene.models()[model]); };
   std::vector<std::string> words;
   for (const int joint : sampler.jointsBetween(bodyOf(e.first), bodyOf(e.second))) {
     words.push_back(listedName(sampler.robot().joints()[joint].name) + '=' +
