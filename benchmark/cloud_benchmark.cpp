@@ -15,7 +15,7 @@
 #include <time.h>
 
 #include "benchmark_robots.h"
-#include "cloud_gatherer.h"
+#include "cloud_processor.h"
 #include "cloud_scenes.h"
 #include "collision_pairs/collision_detector.h"
 #include "collision_pairs/self_filter.h"
@@ -183,14 +183,14 @@ void measureFollowing(const BenchmarkRobot& robot, const Room& room) {
     std::vector<double> plain = whole;
     RobotFilter filter(description, *scene, config);
     for (int pass = 0; pass < PASSES; ++pass) {
-      CloudGatherer gatherer(config);
+      CloudProcessor processor(config);
       VoxelGrid grid(VoxelSettings{voxel_size, 1, config.decay});
       Points kept;
       for (std::size_t i = 0; i < NB_FOLLOWED; ++i) {
         const double stamp = static_cast<double>(i) / 15.0;
         const BodyPoses poses = posesFor(filter.own.bodies(), X_WB[i]);
         whole[i] = std::min(
-            whole[i], microseconds([&] { gatherer.add(clouds[i], X_WS, poses, stamp, filter); }));
+            whole[i], microseconds([&] { processor.add(clouds[i], X_WS, poses, stamp, filter); }));
         plain[i] = std::min(plain[i], microseconds([&] {
                               filter.own.begin(poses);
                               grid.begin(stamp, camera);

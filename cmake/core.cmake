@@ -34,7 +34,7 @@ add_library(collision_pairs SHARED
   src/core/check/minimum_search.cpp
   src/core/clouds/cells_about_link.cpp
   src/core/clouds/depth_map.cpp
-  src/core/clouds/near_memory.cpp
+  src/core/clouds/occluded_obstacles.cpp
   src/core/clouds/near_parts.cpp
   src/core/clouds/occupied_voxels.cpp
   src/core/clouds/self_filter.cpp
@@ -81,7 +81,7 @@ add_library(collision_pairs SHARED
   src/core/narrow_phase/solids.cpp
   src/core/narrow_phase/surface_query.cpp
   src/core/pair_query/pair_ladder.cpp
-  src/core/pair_query/timed_climb.cpp
+  src/core/pair_query/anytime_query.cpp
   src/core/pair_query/voxel_bounds.cpp
   src/core/pair_query/voxel_search.cpp
   src/core/pair_statistics/contact_search.cpp

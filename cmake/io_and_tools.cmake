@@ -7,7 +7,7 @@ add_library(collision_pairs_io SHARED
   src/io/bags/joint_transforms.cpp
   src/io/bags/message_layout.cpp
   src/io/bags/robot_frames.cpp
-  src/io/clouds/cloud_gatherer.cpp
+  src/io/clouds/cloud_processor.cpp
   src/io/clouds/cloud_view.cpp
   src/io/config/cloud_config.cpp
   src/io/config/joint_limits.cpp

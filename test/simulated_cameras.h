@@ -79,9 +79,9 @@ class Cameras {
 
  private:
   struct One {
-    One(const Eigen::Isometry3d& X, const CloudConfig& config) : X_CW(X), gatherer(config) {}
+    One(const Eigen::Isometry3d& X, const CloudConfig& config) : X_CW(X), processor(config) {}
     Eigen::Isometry3d X_CW;
-    CloudGatherer gatherer;
+    CloudProcessor processor;
     VoxelGrid plain{plainSettings()};
     LatestCloud latest;
     Poses robot_drawn = {};
@@ -149,8 +149,8 @@ class Cameras {
     RobotFilter& filter = setting_.filters[i];
     const double stamp = PERIOD * number_;
     const BodyPoses robot = setting_.posesOf(filter.own.bodies(), X_WB);
-    const auto voxels = one.gatherer.add(points, one.X_CW.inverse(), robot, stamp, filter);
-    one.latest = {voxels, stamp, "", "", one.gatherer.mayTouch()};
+    const auto voxels = one.processor.add(points, one.X_CW.inverse(), robot, stamp, filter);
+    one.latest = {voxels, stamp, "", "", one.processor.mayTouch()};
     if (compares_) {
       one.plain.begin(stamp, one.X_CW.inverse().translation());
       for (const Eigen::Vector3d& p_C : points) {

@@ -97,7 +97,7 @@ TEST(ConvexDistance, DepthFromAnOverlapIsTheDepth) {
     ConvexCore core;
     core.kind = ConvexCore::Kind::POINTS;
     core.points = hull.points.vertices.data();
-    core.num_points = static_cast<int>(hull.points.vertices.size());
+    core.nb_points = static_cast<int>(hull.points.vertices.size());
     core.extent = 0.2;
     core.edges = &hull.points;
     return core;
@@ -242,7 +242,7 @@ void expectSupportOfAll(const ConvexHull& hull, const std::vector<Eigen::Vector3
   ConvexCore core;
   core.kind = ConvexCore::Kind::POINTS;
   core.points = hull.points.vertices.data();
-  core.num_points = static_cast<int>(hull.points.vertices.size());
+  core.nb_points = static_cast<int>(hull.points.vertices.size());
   core.edges = &hull.points;
   for (int i = 0; i < 2000; ++i) {
     const Eigen::Vector3d d = random.rotation() * Eigen::Vector3d::UnitX();

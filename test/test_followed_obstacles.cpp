@@ -1,7 +1,7 @@
 // What was seen near the robot and no longer is, from cloud to cloud.
 #include <gmock/gmock.h>
 
-#include "gathered_clouds.h"
+#include "processed_clouds.h"
 #include "random_inputs.h"
 
 namespace collision_pairs {
@@ -12,11 +12,11 @@ using Eigen::Vector3d;
 using testing::HasSubstr;
 
 /// With the voxels of this test, what is seen up to 25 cm from a link is followed.
-class Follower : public Gatherer {
+class Follower : public CloudProcessing {
  protected:
   /// Up to face x = 0.5 of box a; the last point is within the padding.
   void approach() {
-    for (const double x : {0.95, 0.85, 0.65, 0.52}) add(gatherer_, {{x, 0.01, 0.01}});
+    for (const double x : {0.95, 0.85, 0.65, 0.52}) add(processor_, {{x, 0.01, 0.01}});
   }
 
   /// Points of a wall across the sensor's view.
@@ -28,43 +28,43 @@ class Follower : public Gatherer {
     return points;
   }
 
-  CloudGatherer gatherer_{config_};
+  CloudProcessor processor_{config_};
 };
 
 TEST_F(Follower, NamesWhatVanishedBesideALinkUntilItStaysInSightAgain) {
   approach();
-  EXPECT_EQ(gatherer_.mayTouch(), "vanished 15 cm from a: it may touch");
-  add(gatherer_, {{0.52, 0.01, 0.01}});
-  EXPECT_NE(gatherer_.mayTouch(), "");
+  EXPECT_EQ(processor_.mayTouch(), "vanished 15 cm from a: it may touch");
+  add(processor_, {{0.52, 0.01, 0.01}});
+  EXPECT_NE(processor_.mayTouch(), "");
   for (const double x : {0.65, 0.52, 0.65}) {  // one cloud alone does not count
-    add(gatherer_, {{x, 0.01, 0.01}});
-    EXPECT_NE(gatherer_.mayTouch(), "") << x;
+    add(processor_, {{x, 0.01, 0.01}});
+    EXPECT_NE(processor_.mayTouch(), "") << x;
   }
-  add(gatherer_, {{0.75, 0.01, 0.01}});
-  EXPECT_EQ(gatherer_.mayTouch(), "");
+  add(processor_, {{0.75, 0.01, 0.01}});
+  EXPECT_EQ(processor_.mayTouch(), "");
 }
 
 TEST_F(Follower, FindsAgainWhatComesFromWhereNothingWasWhenItVanished) {
   const Vector3d rest(0.65, 0.45, 0.01);  // of the same obstacle, and seen all the time
-  for (const double x : {0.95, 0.85, 0.65, 0.52}) add(gatherer_, {{x, 0.01, 0.01}, rest});
+  for (const double x : {0.95, 0.85, 0.65, 0.52}) add(processor_, {{x, 0.01, 0.01}, rest});
   for (const Vector3d& p : {rest, Vector3d(0.72, 0.38, 0.01), Vector3d(0.79, 0.3, 0.01)}) {
-    add(gatherer_, {p});
-    EXPECT_EQ(gatherer_.mayTouch(), "vanished 15 cm from a: it may touch");
+    add(processor_, {p});
+    EXPECT_EQ(processor_.mayTouch(), "vanished 15 cm from a: it may touch");
   }
-  for (const double y : {0.2, 0.1, 0.1}) add(gatherer_, {{0.85, y, 0.01}});
-  EXPECT_EQ(gatherer_.mayTouch(), "");
+  for (const double y : {0.2, 0.1, 0.1}) add(processor_, {{0.85, y, 0.01}});
+  EXPECT_EQ(processor_.mayTouch(), "");
 }
 
 TEST_F(Follower, TakesOnePointThatOneCloudShowsForNoise) {
-  add(gatherer_, {{0.65, 0.01, 0.01}});
-  add(gatherer_, {{5, 2, 0}});
-  EXPECT_EQ(gatherer_.mayTouch(), "");
+  add(processor_, {{0.65, 0.01, 0.01}});
+  add(processor_, {{5, 2, 0}});
+  EXPECT_EQ(processor_.mayTouch(), "");
 }
 
 TEST_F(Follower, SeesWhatGoesAwayGo) {
   for (const double x : {0.95, 0.75, 0.65, 0.85, 1.05, 1.25, 1.45}) {
-    add(gatherer_, {{x, 0.01, 0.01}});
-    EXPECT_EQ(gatherer_.mayTouch(), "") << x;
+    add(processor_, {{x, 0.01, 0.01}});
+    EXPECT_EQ(processor_.mayTouch(), "") << x;
   }
 }
 
@@ -74,7 +74,7 @@ TEST_F(Follower, AsksForWhatVanishedBesideALinkThatCrossesTheBorderOfTheCrop) {
   for (const bool has_box : {false, true}) {
     config_.box = std::nullopt;
     if (has_box) config_.box = Eigen::AlignedBox3d(Vector3d(-2, -2, 0), Vector3d(9, 2, 2));
-    CloudGatherer cropped(config_);
+    CloudProcessor cropped(config_);
     for (const double x : {0.95, 0.85, 0.65, 0.52}) {
       std::vector<Vector3d> points = of_a;
       points.emplace_back(x, 0.01, 0.01);
@@ -86,7 +86,7 @@ TEST_F(Follower, AsksForWhatVanishedBesideALinkThatCrossesTheBorderOfTheCrop) {
 
 TEST_F(Follower, DoesNotAskForWhatIsStillSeenOutsideOfTheBox) {
   config_.box = Eigen::AlignedBox3d(Vector3d(-2, -2, 0), Vector3d(9, 2, 2));
-  CloudGatherer cropped(config_);
+  CloudProcessor cropped(config_);
   for (const double z : {0.45, 0.25, 0.05, -0.05}) add(cropped, {{0.65, 0, z}});
   EXPECT_EQ(cropped.mayTouch(), "");
   for (const double z : {0.05, 0.05, 5.0}) add(cropped, {{0.65, 0, z}});
@@ -96,13 +96,13 @@ TEST_F(Follower, DoesNotAskForWhatIsStillSeenOutsideOfTheBox) {
 TEST_F(Follower, DoesNotFollowWhatMayTouch) {
   config_.touch_links = {"a"};
   approach();
-  EXPECT_EQ(gatherer_.mayTouch(), "");
+  EXPECT_EQ(processor_.mayTouch(), "");
 }
 
 TEST_F(Follower, ForgetsWhatVanishedWhenItIsCleared) {
   approach();
-  gatherer_.clear();
-  EXPECT_EQ(gatherer_.mayTouch(), "");
+  processor_.clear();
+  EXPECT_EQ(processor_.mayTouch(), "");
 }
 
 /// A cube of 10 cm.
@@ -122,14 +122,14 @@ TEST_F(Follower, DoesNotMissWhatWasAttachedToALink) {
   };
   for (const Case& one : {Case{0.65, 0.65, false}, {0.705, 0.61, false}, {-0.65, -0.65, true}}) {
     description_.objects.clear();
-    CloudGatherer gatherer(config_);
-    for (int i = 0; i < 3; ++i) add(gatherer, {{one.x, 0.01, 0.01}});
-    if (one.is_hidden) add(gatherer, wallAt(0.5));
+    CloudProcessor processor(config_);
+    for (int i = 0; i < 3; ++i) add(processor, {{one.x, 0.01, 0.01}});
+    if (one.is_hidden) add(processor, wallAt(0.5));
     description_.objects.push_back(heldBy("a", "tool", {one.x_of_tool, 0, 0}));
-    EXPECT_EQ(add(gatherer, wallAt(one.is_hidden ? 0.5 : -0.5))->size(), 0u);
-    EXPECT_EQ(gatherer.mayTouch(), "");
-    EXPECT_EQ(add(gatherer, {{one.x, 0.01, 0.01}})->size(), 0u);
-    EXPECT_EQ(gatherer.mayTouch(), "");
+    EXPECT_EQ(add(processor, wallAt(one.is_hidden ? 0.5 : -0.5))->size(), 0u);
+    EXPECT_EQ(processor.mayTouch(), "");
+    EXPECT_EQ(add(processor, {{one.x, 0.01, 0.01}})->size(), 0u);
+    EXPECT_EQ(processor.mayTouch(), "");
   }
 }
 
@@ -138,7 +138,7 @@ TEST_F(Follower, IsNotDisturbedByWhatIsAttachedElsewhere) {
   RandomInputs random;
   int nb_doubts = 0, nb_hidden = 0;
   for (int series = 0; series < 100; ++series) {
-    CloudGatherer alone(config_), disturbed(config_);
+    CloudProcessor alone(config_), disturbed(config_);
     std::vector<RigidObject> held, tools;
     if (series % 2) held = tools = {heldBy("a", "held", {0.75, 0, 0})};
     for (int cloud = 0; cloud < 12; ++cloud) {
@@ -168,13 +168,13 @@ TEST_F(Follower, IsNotDisturbedByWhatIsAttachedElsewhere) {
 TEST_F(Follower, DoesNotTakeWhatWasHeldForWhatVanished) {
   const Vector3d held(0.65, 0.22, 0.01), elsewhere(0.0, 0.0, 0.8);
   for (const bool is_moved : {false, true}) {
-    CloudGatherer gatherer(config_);
+    CloudProcessor processor(config_);
     const auto show = [&](const Vector3d& p_W) {
-      for (int i = 0; i < 3; ++i) add(gatherer, {p_W, held});
-      return gatherer.mayTouch();
+      for (int i = 0; i < 3; ++i) add(processor, {p_W, held});
+      return processor.mayTouch();
     };
     description_.objects = {heldBy("a", "tool", held)};
-    for (const double x : {0.95, 0.85, 0.65, 0.52}) add(gatherer, {{x, 0.01, 0.01}});
+    for (const double x : {0.95, 0.85, 0.65, 0.52}) add(processor, {{x, 0.01, 0.01}});
     const std::string doubt = "vanished 12 cm from tool: it may touch";
     EXPECT_EQ(show({-3, 0, 0}), doubt);
     description_.objects.clear();
@@ -186,31 +186,31 @@ TEST_F(Follower, DoesNotTakeWhatWasHeldForWhatVanished) {
 }
 
 TEST_F(Follower, RemembersWhatTheRobotHidesForAsLongAsItDoes) {
-  for (int i = 0; i < 2; ++i) add(gatherer_, {{-0.65, 0.01, 0.01}});
+  for (int i = 0; i < 2; ++i) add(processor_, {{-0.65, 0.01, 0.01}});
   for (int i = 0; i < 5; ++i) {
-    EXPECT_EQ(add(gatherer_, wallAt(0.5))->size(), 1u);  // box a, seen from the front
+    EXPECT_EQ(add(processor_, wallAt(0.5))->size(), 1u);  // box a, seen from the front
   }
-  EXPECT_EQ(gatherer_.mayTouch(), "");
+  EXPECT_EQ(processor_.mayTouch(), "");
   std::vector<Vector3d> beside = wallAt(-3.0);
-  EXPECT_GT(add(gatherer_, beside)->size(), 1u);
-  const auto voxels = add(gatherer_, beside);
+  EXPECT_GT(add(processor_, beside)->size(), 1u);
+  const auto voxels = add(processor_, beside);
   EXPECT_FALSE(voxels->anyWithin({{-0.65, 0, 0}, {-0.65, 0, 0}}, 0.2));
-  EXPECT_THAT(gatherer_.mayTouch(), HasSubstr("vanished 15 cm from a"));
+  EXPECT_THAT(processor_.mayTouch(), HasSubstr("vanished 15 cm from a"));
 }
 
 TEST_F(Follower, TakesWhatTheRobotHidAndLeftForWhatItMayCarryUntilItIsSeen) {
   for (const int nb_seen : {1, 2}) {  // in one cloud alone it is noise
-    CloudGatherer gatherer(config_);
+    CloudProcessor processor(config_);
     x_of_a_ = 0.0;
-    add(gatherer, wallAt(3.0));
-    for (int i = 0; i < nb_seen; ++i) add(gatherer, {{-0.65, 0.01, 0.01}});
-    for (int i = 0; i < 3; ++i) add(gatherer, wallAt(0.5));
-    EXPECT_EQ(gatherer.mayTouch(), "");
+    add(processor, wallAt(3.0));
+    for (int i = 0; i < nb_seen; ++i) add(processor, {{-0.65, 0.01, 0.01}});
+    for (int i = 0; i < 3; ++i) add(processor, wallAt(0.5));
+    EXPECT_EQ(processor.mayTouch(), "");
     x_of_a_ = 1.0;
-    add(gatherer, wallAt(1.5));
-    EXPECT_EQ(gatherer.mayTouch() != "", nb_seen > 1) << gatherer.mayTouch();
-    for (int i = 0; i < 2; ++i) add(gatherer, {{-0.65, 0.01, 0.01}});
-    EXPECT_EQ(gatherer.mayTouch(), "");
+    add(processor, wallAt(1.5));
+    EXPECT_EQ(processor.mayTouch() != "", nb_seen > 1) << processor.mayTouch();
+    for (int i = 0; i < 2; ++i) add(processor, {{-0.65, 0.01, 0.01}});
+    EXPECT_EQ(processor.mayTouch(), "");
   }
 }
 
@@ -224,32 +224,32 @@ TEST_F(Follower, DoesNotTakeWhatStandsNearByForWhatTheRobotHid) {
     return points;
   };
   for (const bool robot_leaves : {false, true}) {
-    CloudGatherer gatherer(config_);
+    CloudProcessor processor(config_);
     x_of_a_ = 0.0;
-    for (int i = 0; i < 2; ++i) add(gatherer, {hidden, stands, there});
-    for (int i = 0; i < 3; ++i) add(gatherer, wallAndWhatStands(0.5));
-    EXPECT_THAT(gatherer.mayTouch(), HasSubstr("hidden 9 cm from a"));
+    for (int i = 0; i < 2; ++i) add(processor, {hidden, stands, there});
+    for (int i = 0; i < 3; ++i) add(processor, wallAndWhatStands(0.5));
+    EXPECT_THAT(processor.mayTouch(), HasSubstr("hidden 9 cm from a"));
     x_of_a_ = robot_leaves ? 1.0 : 0.0;
-    for (int i = 0; i < 2; ++i) add(gatherer, wallAndWhatStands(robot_leaves ? 1.5 : -3.0));
-    EXPECT_THAT(gatherer.mayTouch(), HasSubstr("vanished 9 cm from a"));
+    for (int i = 0; i < 2; ++i) add(processor, wallAndWhatStands(robot_leaves ? 1.5 : -3.0));
+    EXPECT_THAT(processor.mayTouch(), HasSubstr("vanished 9 cm from a"));
   }
 }
 
 TEST_F(Follower, DoubtsWhatIsHiddenInPart) {
   const Vector3d nearest(-0.65, -0.05, 0.05);
   const std::vector<Vector3d> obstacle = {nearest, {-0.75, 0.05, 0.05}, {-0.75, 0.15, 0.05}};
-  for (int i = 0; i < 2; ++i) add(gatherer_, obstacle);
-  add(gatherer_, wallAt(0.5));
-  EXPECT_EQ(gatherer_.mayTouch(), "");  // the nearest voxel is remembered, and in contact
+  for (int i = 0; i < 2; ++i) add(processor_, obstacle);
+  add(processor_, wallAt(0.5));
+  EXPECT_EQ(processor_.mayTouch(), "");  // the nearest voxel is remembered, and in contact
   std::vector<Vector3d> seen_through = {{-3.0, -0.1, 0.1}};  // beside the nearest voxel
   for (const Vector3d& p : wallAt(0.5)) {
     const bool is_before_it = p.y() < 0.0 && p.y() > -0.19 && p.z() > -0.01 && p.z() < 0.19;
     if (!is_before_it) seen_through.push_back(p);
   }
   for (int i = 0; i < 3; ++i) {
-    const auto voxels = add(gatherer_, seen_through);
+    const auto voxels = add(processor_, seen_through);
     EXPECT_FALSE(voxels->anyWithin({nearest, nearest}, 0.0));
-    EXPECT_EQ(gatherer_.mayTouch(), "hidden 15 cm from a: it may touch");
+    EXPECT_EQ(processor_.mayTouch(), "hidden 15 cm from a: it may touch");
   }
 }
 
@@ -257,34 +257,34 @@ TEST_F(Follower, DoubtsWhatIsHiddenInPart) {
 TEST_F(Follower, DoubtsWhatIsHiddenAndNotWithinThePaddingOfALink) {
   const auto hide = [&](double x_of_a) {
     x_of_a_ = x_of_a;
-    add(gatherer_, wallAt(x_of_a + 0.5));
-    return gatherer_.mayTouch();
+    add(processor_, wallAt(x_of_a + 0.5));
+    return processor_.mayTouch();
   };
-  for (int i = 0; i < 2; ++i) add(gatherer_, {{-0.71, 0.01, 0.01}});
+  for (int i = 0; i < 2; ++i) add(processor_, {{-0.71, 0.01, 0.01}});
   EXPECT_EQ(hide(-0.06), "");  // its voxel, of 10 cm, is in contact: 14 cm away
   EXPECT_EQ(hide(-0.04), "hidden 21 cm from a: it may touch");
   EXPECT_EQ(hide(-0.05), "hidden 20 cm from a: it may touch");  // as near as rounding tells
   EXPECT_EQ(hide(-0.06), "");
   EXPECT_EQ(hide(-0.02), "hidden 23 cm from a: it may touch");
-  add(gatherer_, {{-0.71, 0.01, 0.01}});
-  EXPECT_EQ(gatherer_.mayTouch(), "");
+  add(processor_, {{-0.71, 0.01, 0.01}});
+  EXPECT_EQ(processor_.mayTouch(), "");
 }
 
 TEST_F(Follower, DoesNotMissWhatTheRobotHidWhereItHasShownItsPlaceSince) {
-  for (int i = 0; i < 2; ++i) add(gatherer_, {{-0.65, 0.01, 0.01}});
-  for (int i = 0; i < 3; ++i) add(gatherer_, wallAt(0.5));
-  for (int i = 0; i < 2; ++i) add(gatherer_, {{-0.85, 0.15, 0.01}});  // it has moved
-  add(gatherer_, wallAt(-3.0));
-  EXPECT_EQ(gatherer_.mayTouch(), "");
+  for (int i = 0; i < 2; ++i) add(processor_, {{-0.65, 0.01, 0.01}});
+  for (int i = 0; i < 3; ++i) add(processor_, wallAt(0.5));
+  for (int i = 0; i < 2; ++i) add(processor_, {{-0.85, 0.15, 0.01}});  // it has moved
+  add(processor_, wallAt(-3.0));
+  EXPECT_EQ(processor_.mayTouch(), "");
   x_of_a_ = 1.0;
-  add(gatherer_, wallAt(1.5));
-  EXPECT_EQ(gatherer_.mayTouch(), "");
+  add(processor_, wallAt(1.5));
+  EXPECT_EQ(processor_.mayTouch(), "");
 }
 
 TEST_F(Follower, RemembersNoLongerWhatIsFarFromTheRobot) {
-  for (int i = 0; i < 2; ++i) add(gatherer_, {{-1.65, 0.01, 0.01}});
-  add(gatherer_, wallAt(0.5));
-  EXPECT_EQ(add(gatherer_, wallAt(0.5))->size(), 0u);
+  for (int i = 0; i < 2; ++i) add(processor_, {{-1.65, 0.01, 0.01}});
+  add(processor_, wallAt(0.5));
+  EXPECT_EQ(add(processor_, wallAt(0.5))->size(), 0u);
 }
 
 }  // namespace test_followed_obstacles

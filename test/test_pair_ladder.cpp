@@ -171,7 +171,7 @@ TEST(PairLadder, ClimbsToTheDistanceOrToAProofThatItIsBeyondTheLimit) {
     const double truth = its.truth(pair);
     for (const double max_distance : {0.0, 0.5 * truth, random.uniform(0.0, 1.0), INF}) {
       const double limit = std::max(max_distance, 0.0);
-      expectTold(its.ladder().climb(pair, Fidelity::MESH, limit).found, truth, limit);
+      expectTold(its.ladder().refine(pair, Fidelity::MESH, limit).found, truth, limit);
       expectTold(its.ladder().measure(pair, Fidelity::MESH, limit).found, truth, limit);
     }
     if (std::abs(truth) < ACCURACY) return;

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "benchmark/benchmark_robots.h"
-#include "cloud_gatherer.h"
+#include "cloud_processor.h"
 #include "collision_pairs/collision_scene.h"
 #include "collision_pairs/narrow_phase.h"
 #include "random_inputs.h"

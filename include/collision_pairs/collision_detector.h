@@ -19,7 +19,7 @@ class FoundPairs;
 class IgnoredPairs;
 class PairLadder;
 struct SmallestDistance;
-class TimedClimb;
+class AnytimeQuery;
 class VoxelSearch;
 
 /// Runs the check. Holds scratch memory only: the answer depends on (scene, poses and voxels,
@@ -112,7 +112,7 @@ class CollisionDetector {
   std::uint32_t nb_contacts_ = 0;
   SweepAndPrune sweep_;
   std::unique_ptr<PairLadder> ladder_;
-  std::unique_ptr<TimedClimb> timed_climb_;
+  std::unique_ptr<AnytimeQuery> anytime_query_;
   std::unique_ptr<VoxelSearch> voxel_search_;
   std::unique_ptr<FoundPairs> found_;
   std::unique_ptr<IgnoredPairs> ignored_;

@@ -26,10 +26,10 @@ void CloudJob::run() {
     readPoints(*cloud_, points);
     nb_points_ = points.size();
     latest_.stamp = cloud_->header.stamp.toSec();
-    latest_.voxels = gatherer_->add(points, X_WS_, robot_, latest_.stamp, followed_->filter);
-    nb_kept_ = gatherer_->kept().size();
-    latest_.warning = gatherer_->warning();
-    latest_.may_touch = gatherer_->mayTouch();
+    latest_.voxels = processor_->add(points, X_WS_, robot_, latest_.stamp, followed_->filter);
+    nb_kept_ = processor_->kept().size();
+    latest_.warning = processor_->warning();
+    latest_.may_touch = processor_->mayTouch();
   } catch (const std::exception& error) {
     latest_.problem = error.what();
   }
@@ -42,7 +42,7 @@ CloudSource::CloudSource(const CloudConfig& config, std::string topic, std::stri
       topic_(std::move(topic)),
       frame_(std::move(frame)),
       transforms_(transforms),
-      gatherer_(std::make_shared<CloudGatherer>(config)) {
+      processor_(std::make_shared<CloudProcessor>(config)) {
   gathered_clock_jumps_ = transforms.nbClockJumps();
 }
 
@@ -108,7 +108,7 @@ std::shared_ptr<CloudJob> CloudSource::begin(Arrived& arrived) {
       gathered_clock_jumps_ != transforms_.nbClockJumps()) {  // the bag was restarted
     gathered_generation_ = generation_;
     gathered_clock_jumps_ = transforms_.nbClockJumps();
-    gatherer_ = std::make_shared<CloudGatherer>(config_);
+    processor_ = std::make_shared<CloudProcessor>(config_);
     last_stamp_ = ros::Time();
   }
   if (is_new) {
@@ -135,7 +135,7 @@ std::shared_ptr<CloudJob> CloudSource::begin(Arrived& arrived) {
   job->cloud_ = arrived.cloud;
   job->arrived_ = arrived.when;
   job->followed_ = robot_;
-  job->gatherer_ = gatherer_;
+  job->processor_ = processor_;
   job->generation_ = generation_;
   job->clock_jumps_ = gathered_clock_jumps_;
   return job;

@@ -10,7 +10,7 @@
 
 #include <sensor_msgs/PointCloud2.h>
 
-#include "cloud_gatherer.h"
+#include "cloud_processor.h"
 #include "cloud_view.h"
 #include "tf_poses.h"
 #include "transform_input.h"
@@ -41,7 +41,7 @@ class CloudJob {
   /// Never throws: what is wrong with the cloud becomes its problem.
   void run();
   /// The points that are obstacles, in the cloud's own frame. Until the source takes it back.
-  const std::vector<Eigen::Vector3d>& kept() const { return gatherer_->kept(); }
+  const std::vector<Eigen::Vector3d>& kept() const { return processor_->kept(); }
   const std_msgs::Header& header() const { return cloud_->header; }
   /// False: it had a problem.
   bool isUsed() const { return latest_.problem.empty(); }
@@ -53,7 +53,7 @@ class CloudJob {
   Eigen::Isometry3d X_WS_ = Eigen::Isometry3d::Identity();
   BodyPoses robot_;  ///< at its stamp
   std::shared_ptr<FollowedRobot> followed_;
-  std::shared_ptr<CloudGatherer> gatherer_;
+  std::shared_ptr<CloudProcessor> processor_;
   unsigned generation_ = 0, clock_jumps_ = 0;
   // Results.
   LatestCloud latest_;
@@ -127,8 +127,8 @@ class CloudSource {
 
   Arrived next_, waiting_;
   std::weak_ptr<const CloudJob> running_;
-  std::shared_ptr<CloudGatherer> gatherer_;
-  unsigned gathered_clock_jumps_ = 0, gathered_generation_ = 0;  // of the gatherer
+  std::shared_ptr<CloudProcessor> processor_;
+  unsigned gathered_clock_jumps_ = 0, gathered_generation_ = 0;  // of the processor
   ros::Time last_stamp_;
   unsigned generation_ = 0;  // counts calls of clear()
   std::shared_ptr<FollowedRobot> robot_;

@@ -1,12 +1,12 @@
 #include <algorithm>
 
+#include "anytime_query.h"
 #include "check_input.h"
 #include "collision_pairs/collision_detector.h"
 #include "element_boxes.h"
 #include "found_pairs.h"
 #include "ignored_pairs.h"
 #include "pair_ladder.h"
-#include "timed_climb.h"
 #include "voxel_search.h"
 
 // The pairs of an element and a cloud.

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "anytime_query.h"
 #include "check_input.h"
 #include "collision_pairs/input_error.h"
 #include "element_boxes.h"
@@ -12,7 +13,6 @@
 #include "ignored_pairs.h"
 #include "pair_ladder.h"
 #include "scene_element.h"
-#include "timed_climb.h"
 #include "voxel_search.h"
 
 namespace collision_pairs {
@@ -54,7 +54,7 @@ CollisionDetector::CollisionDetector(std::shared_ptr<const CollisionScene> scene
     : scene_(std::move(scene)),
       boxes_(std::make_unique<ElementBoxes>()),
       ladder_(std::make_unique<PairLadder>()),
-      timed_climb_(std::make_unique<TimedClimb>()),
+      anytime_query_(std::make_unique<AnytimeQuery>()),
       voxel_search_(std::make_unique<VoxelSearch>()),
       found_(std::make_unique<FoundPairs>()),
       ignored_(std::make_unique<IgnoredPairs>()),
@@ -273,8 +273,8 @@ void CollisionDetector::measureCandidates(bool are_loose) {
     }
     const auto [found, rung] = settings_.verdict_only
                                    ? ladder_->touches(pair, settings_.fidelity)
-                                   : ladder_->climb(pair, settings_.fidelity,
-                                                    settings_.alarm_distance, settings_.tolerance);
+                                   : ladder_->refine(pair, settings_.fidelity,
+                                                     settings_.alarm_distance, settings_.tolerance);
     const bool is_apart = found.certainty == Certainty::BEYOND;
     if (are_loose && !is_apart && !boxes_->inReach(pair, squared_reach)) continue;
     take(pair, found, rung);
@@ -283,17 +283,17 @@ void CollisionDetector::measureCandidates(bool are_loose) {
 }
 
 void CollisionDetector::measureInTime(const Deadline& deadline) {
-  timed_climb_->run(report_.candidates, settings_, deadline, *ladder_,
-                    [this](const TimedClimb::Result& result) {
-                      const PairDistance& found = result.answer.found;
-                      if (settings_.verdict_only && found.certainty == Certainty::BOUND) {
-                        found_->clear();  // a verdict's contact is all that is reported
-                        report_.nb_settled = {};
-                        report_.nb_degraded = 0;
-                      }
-                      take(result.pair, found, result.answer.rung);
-                      return !report_.ended_early;
-                    });
+  anytime_query_->run(report_.candidates, settings_, deadline, *ladder_,
+                      [this](const AnytimeQuery::Result& result) {
+                        const PairDistance& found = result.answer.found;
+                        if (settings_.verdict_only && found.certainty == Certainty::BOUND) {
+                          found_->clear();  // a verdict's contact is all that is reported
+                          report_.nb_settled = {};
+                          report_.nb_degraded = 0;
+                        }
+                        take(result.pair, found, result.answer.rung);
+                        return !report_.ended_early;
+                      });
   report_.budget_spent = report_.nb_unresolved > 0;
 }
 

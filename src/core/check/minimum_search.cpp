@@ -1,12 +1,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "anytime_query.h"
 #include "check_input.h"
 #include "collision_pairs/collision_detector.h"
 #include "element_boxes.h"
 #include "found_pairs.h"
 #include "pair_ladder.h"
-#include "timed_climb.h"
 
 // The search for the smallest distance of all pairs.
 namespace collision_pairs {
@@ -70,7 +70,7 @@ bool CollisionDetector::measureNearestFirst(const std::vector<BoxPair>& pairs, d
     if (isIgnored(candidate)) continue;
     const BoxPair pair = ladder_->byModel(candidate);
     PairDistance found =
-        ladder_->climb(pair, settings_.fidelity, best.metres, settings_.tolerance).found;
+        ladder_->refine(pair, settings_.fidelity, best.metres, settings_.tolerance).found;
     endAtBoxes(pair, found);
     if (found.certainty == Certainty::BEYOND) continue;
     if (best.offer(found.distance, found.certainty)) report_.nearest = contactOf(pair, found);

@@ -33,7 +33,7 @@ class Feature {
 
   bool isValid() const {
     return core_.kind == ConvexCore::Kind::POINTS && core_.edges != nullptr && size > 0 &&
-           *std::max_element(vertices_.begin(), vertices_.end()) < core_.num_points;
+           *std::max_element(vertices_.begin(), vertices_.end()) < core_.nb_points;
   }
   const Eigen::Vector3d& operator[](int i) const { return core_.points[vertices_[i]]; }
 
@@ -47,7 +47,7 @@ class Feature {
     };
     const ConvexPoints& hull = *core_.edges;
     if (hull.neighbours.empty()) {
-      for (int i = 0; i < core_.num_points; ++i) {
+      for (int i = 0; i < core_.nb_points; ++i) {
         if (!isAbove(i)) return false;
       }
       return true;

@@ -56,7 +56,7 @@ class Epa {
  public:
   Epa(const Difference<T>& difference, const Simplex<T>& simplex, T magnitude)
       : difference_(difference), magnitude_(magnitude) {
-    for (int i = 0; i < simplex.size; ++i) point_[num_points_++] = simplex.vertex[i];
+    for (int i = 0; i < simplex.size; ++i) point_[nb_points_++] = simplex.vertex[i];
   }
 
   /// True if a ball around the origin is certainly inside what run() left: it is on the inner side
@@ -70,13 +70,13 @@ class Epa {
       const auto vertex = [&](int k) -> const Vec3<T>& { return point_[face.id[k]].w; };
       return leastPlaneDistance(vertex(0), vertex(1), vertex(2), rounding) > radius;
     };
-    return is_closed_ && std::all_of(face_.begin(), face_.begin() + num_faces_, holds_it);
+    return is_closed_ && std::all_of(face_.begin(), face_.begin() + nb_faces_, holds_it);
   }
 
   /// Until upper - lower <= tolerance (metres), or no progress can be made.
   EpaResult<T> run(T tolerance) {
     if (!growToTetrahedron()) return best_;
-    while (num_points_ < MAX_VERTICES) {
+    while (nb_points_ < MAX_VERTICES) {
       const int closest = closestFace();
       if (closest < 0) break;
       const Face face = face_[closest];
@@ -90,7 +90,7 @@ class Epa {
       if (next.w.dot(face.normal) - face.distance <= roundingError()) break;
       if (!grow(closest, next)) {
         face_[0] = face;  // the rest is no polytope: the last valid face gives the witness points
-        num_faces_ = 1;
+        nb_faces_ = 1;
         is_closed_ = false;
         break;
       }
@@ -127,7 +127,7 @@ class Epa {
   void setWitnesses() {
     T closest = std::numeric_limits<T>::infinity();
     const T limit = best_.upper + roundingError();
-    for (int i = 0; i < num_faces_; ++i) {
+    for (int i = 0; i < nb_faces_; ++i) {
       if (!(face_[i].distance <= limit)) continue;
       Simplex<T> simplex;
       simplex.size = 3;
@@ -153,24 +153,24 @@ class Epa {
     offerPlane(n, up);
     offerPlane(Vec3<T>(-n), down);
     if (std::max(height_up, height_down) <= roundingError()) return false;
-    point_[num_points_++] = height_up >= height_down ? up : down;
+    point_[nb_points_++] = height_up >= height_down ? up : down;
     return true;
   }
 
   // Four points that are not coplanar, from GJK's final simplex.
   bool growToTetrahedron() {
-    if (num_points_ == 4 && tetrahedronIsFlat()) num_points_ = 3;
-    if (num_points_ == 3 && areaNormal().norm() <= roundingError() * magnitude_) num_points_ = 2;
-    if (num_points_ == 2 && (point_[1].w - point_[0].w).norm() <= roundingError()) num_points_ = 1;
-    if (num_points_ == 0) point_[num_points_++] = difference_.furthest(Vec3<T>::UnitX());
-    for (int axis = 0; num_points_ == 1 && axis < 3; ++axis) addAlong(Vec3<T>::Unit(axis));
-    if (num_points_ == 2) {
+    if (nb_points_ == 4 && tetrahedronIsFlat()) nb_points_ = 3;
+    if (nb_points_ == 3 && areaNormal().norm() <= roundingError() * magnitude_) nb_points_ = 2;
+    if (nb_points_ == 2 && (point_[1].w - point_[0].w).norm() <= roundingError()) nb_points_ = 1;
+    if (nb_points_ == 0) point_[nb_points_++] = difference_.furthest(Vec3<T>::UnitX());
+    for (int axis = 0; nb_points_ == 1 && axis < 3; ++axis) addAlong(Vec3<T>::Unit(axis));
+    if (nb_points_ == 2) {
       const Vec3<T> edge = (point_[1].w - point_[0].w).normalized();
       const Vec3<T> side = edge.unitOrthogonal();
       if (!addAlong(side)) addAlong(edge.cross(side));
     }
-    if (num_points_ == 3) addAlong(areaNormal());
-    if (num_points_ < 4) return false;
+    if (nb_points_ == 3) addAlong(areaNormal());
+    if (nb_points_ < 4) return false;
     makeTetrahedron();
     return true;
   }
@@ -188,7 +188,7 @@ class Epa {
   void makeTetrahedron() {
     const bool flip = areaNormal().dot(point_[3].w - point_[0].w) > T(0);
     const int faces[4][3] = {{0, 1, 2}, {0, 3, 1}, {0, 2, 3}, {1, 3, 2}};
-    num_faces_ = 0;
+    nb_faces_ = 0;
     is_closed_ = true;
     for (const auto& f : faces) addFace(f[0], flip ? f[2] : f[1], flip ? f[1] : f[2]);
   }
@@ -202,13 +202,13 @@ class Epa {
       face.normal = normal / area;
       face.distance = p.dot(face.normal);
     }
-    face_[num_faces_++] = face;
+    face_[nb_faces_++] = face;
   }
 
   int closestFace() const {
     int closest = -1;
     T distance = std::numeric_limits<T>::infinity();
-    for (int i = 0; i < num_faces_; ++i) {
+    for (int i = 0; i < nb_faces_; ++i) {
       if (face_[i].distance < distance) closest = i, distance = face_[i].distance;
     }
     return closest;
@@ -217,35 +217,35 @@ class Epa {
   // Replaces the faces visible from `next` by a fan from it to their border. False if, due to
   // rounding, the visible part is not a disc.
   bool grow(int closest, const DifferencePoint<T>& next) {
-    const int tip = num_points_;
-    point_[num_points_++] = next;
+    const int tip = nb_points_;
+    point_[nb_points_++] = next;
     magnitude_ = std::max(magnitude_, next.w.norm());
-    num_border_ = 0;
-    for (int i = num_faces_ - 1; i >= 0; --i) {
+    nb_border_ = 0;
+    for (int i = nb_faces_ - 1; i >= 0; --i) {
       const Face& face = face_[i];
       const bool sees = i == closest || face.normal.dot(next.w) - face.distance > roundingError();
       if (!sees) continue;
       for (int k = 0; k < 3; ++k) {
         if (!toggleBorder(face.id[k], face.id[(k + 1) % 3])) return false;
       }
-      face_[i] = face_[--num_faces_];
+      face_[i] = face_[--nb_faces_];
     }
-    if (num_faces_ + num_border_ > MAX_FACES) return false;
-    for (int i = 0; i < num_border_; ++i) addFace(border_[i][0], border_[i][1], tip);
-    return num_border_ >= 3;
+    if (nb_faces_ + nb_border_ > MAX_FACES) return false;
+    for (int i = 0; i < nb_border_; ++i) addFace(border_[i][0], border_[i][1], tip);
+    return nb_border_ >= 3;
   }
 
   // An edge that two visible faces share is not on the border.
   bool toggleBorder(int from, int to) {
-    for (int i = 0; i < num_border_; ++i) {
+    for (int i = 0; i < nb_border_; ++i) {
       if (border_[i][0] == to && border_[i][1] == from) {
-        border_[i] = border_[--num_border_];
+        border_[i] = border_[--nb_border_];
         return true;
       }
       if (border_[i][0] == from && border_[i][1] == to) return false;
     }
-    if (num_border_ == MAX_FACES) return false;
-    border_[num_border_++] = {from, to};
+    if (nb_border_ == MAX_FACES) return false;
+    border_[nb_border_++] = {from, to};
     return true;
   }
 
@@ -255,9 +255,9 @@ class Epa {
   std::array<DifferencePoint<T>, MAX_VERTICES + 4> point_;
   std::array<Face, MAX_FACES> face_;
   std::array<std::array<int, 2>, MAX_FACES> border_;
-  int num_points_ = 0;
-  int num_faces_ = 0;
-  int num_border_ = 0;
+  int nb_points_ = 0;
+  int nb_faces_ = 0;
+  int nb_border_ = 0;
   bool is_closed_ = false;  // the faces are those of a whole polytope
 };
 

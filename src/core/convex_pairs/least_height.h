@@ -32,11 +32,11 @@ class LeastHeight {
   /// The best so far, after a search from `near` with the edges that A and B have at their support
   /// points there. Cost: 20 to 100 support evaluations.
   SupportPlane<T> search(const Vec3<T>& near) {
-    num_edges_ = 0;
+    nb_edges_ = 0;
     noteEdges(difference_.A, Mat3<T>::Identity(), near);
     noteEdges(difference_.B, difference_.R_AB, -near);
     offerNormals();
-    for (int i = 0; i < num_edges_; ++i) descend(near, &edge_[i]);
+    for (int i = 0; i < nb_edges_; ++i) descend(near, &edge_[i]);
     descend(near, nullptr);
     leaveKinks();
     return best_;
@@ -45,7 +45,7 @@ class LeastHeight {
   /// The same, starting from directions all around each of these edges, for cases in which a whole
   /// circle of directions is nearly as good.
   SupportPlane<T> searchAround() {
-    for (int i = 0; i < num_edges_; ++i) {
+    for (int i = 0; i < nb_edges_; ++i) {
       const Vec3<T> u = edge_[i].unitOrthogonal(), v = edge_[i].cross(u);
       for (int k = 0; k < NUM_AROUND; ++k) {
         const double angle = 2.0 * M_PI * k / NUM_AROUND;
@@ -73,7 +73,7 @@ class LeastHeight {
   };
 
   void noteEdge(const Vec3<T>& e) {
-    if (num_edges_ < MAX_EDGES) edge_[num_edges_++] = e;
+    if (nb_edges_ < MAX_EDGES) edge_[nb_edges_++] = e;
   }
 
   void noteEdges(const ConvexCore& core, const Mat3<T>& R, const Vec3<T>& near) {
@@ -108,7 +108,7 @@ class LeastHeight {
         offer(static_cast<int>(hull.neighbours[k]));
       }
     } else {
-      for (int i = 0; i < core.num_points; ++i) offer(i);
+      for (int i = 0; i < core.nb_points; ++i) offer(i);
     }
     for (int i = 0; i < size; ++i) noteEdge(R * flattest[i].second);
   }
@@ -154,15 +154,15 @@ class LeastHeight {
     };
     if (difference_.A.curved()) offerBoth(Vec3<T>::UnitZ());
     if (difference_.B.curved()) offerBoth(difference_.R_AB.col(2));
-    for (int i = 0; i < num_edges_; ++i) {
-      for (int k = i + 1; k < num_edges_; ++k) offerBoth(edge_[i].cross(edge_[k]));
+    for (int i = 0; i < nb_edges_; ++i) {
+      for (int k = i + 1; k < nb_edges_; ++k) offerBoth(edge_[i].cross(edge_[k]));
     }
   }
 
   // A kink is where two smooth pieces meet, and a lower direction may lie just inside either.
   void leaveKinks() {
     const Vec3<T> kink = best_.normal;
-    for (int i = 0; i < num_edges_; ++i) {
+    for (int i = 0; i < nb_edges_; ++i) {
       using std::abs;
       if (abs(edge_[i].dot(kink)) > T(BESIDE)) continue;
       descend(Vec3<T>(kink + T(BESIDE) * edge_[i]), nullptr);
@@ -225,7 +225,7 @@ class LeastHeight {
   const Difference<T>& difference_;
   const T rounding_;  // of a height
   std::array<Vec3<T>, MAX_EDGES> edge_;
-  int num_edges_ = 0;
+  int nb_edges_ = 0;
   SupportPlane<T> best_;
 };
 

@@ -58,7 +58,7 @@ struct SupportPart {
   void takeCorners(const Vec3<T>& d) {
     const int tip = furthestPoint<T>(core, d);
     std::size_t size = 0;
-    for (int i = 0; i < core.num_points; ++i) {
+    for (int i = 0; i < core.nb_points; ++i) {
       const Vec3<T> step = (core.points[tip] - core.points[i]).template cast<T>();
       if (!(step.dot(d) <= T(PARALLEL) * step.norm())) continue;
       if (size == points_.size()) return;
@@ -92,7 +92,7 @@ struct SupportPart {
   void setPoints(std::size_t size) {
     core.kind = ConvexCore::Kind::POINTS;
     core.points = points_.data();
-    core.num_points = static_cast<int>(size);
+    core.nb_points = static_cast<int>(size);
     core.edges = nullptr;
     core.blocks = nullptr;
   }

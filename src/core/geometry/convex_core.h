@@ -41,7 +41,7 @@ struct ConvexCore {
   Eigen::Vector3d center = Eigen::Vector3d::Zero();  ///< a point inside
   double extent = 0.0;  ///< no point of the core is further from the centre
   const Eigen::Vector3d* points = nullptr;
-  int num_points = 0;
+  int nb_points = 0;
   const ConvexPoints* edges = nullptr;  ///< for walking along edges; may be null
   const PointBlock* blocks = nullptr;   ///< the same points, to compare all of them; may be null
 
@@ -121,7 +121,7 @@ template <class T>
   }
   if constexpr (std::is_same_v<T, double>) {
     if (core.blocks != nullptr) {
-      const auto nb_points = static_cast<std::size_t>(core.num_points);
+      const auto nb_points = static_cast<std::size_t>(core.nb_points);
       const std::size_t nb_blocks = (nb_points + POINT_LANES - 1) / POINT_LANES;
       const std::size_t found = furthestInBlocks(core.blocks, nb_blocks, d).index;
       return static_cast<int>(std::min(found, nb_points - 1));
@@ -130,7 +130,7 @@ template <class T>
   const auto along = [&](int i) { return core.points[i].template cast<T>().dot(d); };
   int best = 0;
   T best_dot = along(best);
-  for (int i = 1; i < core.num_points; ++i) {
+  for (int i = 1; i < core.nb_points; ++i) {
     const T dot = along(i);
     if (dot > best_dot) best = i, best_dot = dot;
   }

@@ -115,7 +115,7 @@ double volumeAround(const Eigen::Vector3d& center, const std::vector<Eigen::Vect
   return volume;
 }
 
-void buildEdges(const std::vector<std::array<int, 3>>& faces, std::size_t num_vertices,
+void buildEdges(const std::vector<std::array<int, 3>>& faces, std::size_t nb_vertices,
                 ConvexPoints& hull) {
   std::set<std::pair<int, int>> edges;
   for (const auto& f : faces) {
@@ -125,12 +125,12 @@ void buildEdges(const std::vector<std::array<int, 3>>& faces, std::size_t num_ve
       edges.insert({j, i});
     }
   }
-  hull.first_neighbour.assign(num_vertices + 1, 0);
+  hull.first_neighbour.assign(nb_vertices + 1, 0);
   for (const auto& edge : edges) {
     hull.neighbours.push_back(static_cast<std::uint32_t>(edge.second));
     ++hull.first_neighbour[edge.first + 1];
   }
-  for (std::size_t i = 0; i < num_vertices; ++i) {
+  for (std::size_t i = 0; i < nb_vertices; ++i) {
     hull.first_neighbour[i + 1] += hull.first_neighbour[i];
   }
 }

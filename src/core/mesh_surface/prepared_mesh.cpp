@@ -69,7 +69,7 @@ ConvexCore cornersCore(const Corners& corners) {
   ConvexCore core;
   core.kind = ConvexCore::Kind::POINTS;
   core.points = corners.data();
-  core.num_points = 3;
+  core.nb_points = 3;
   core.center = (corners[0] + corners[1] + corners[2]) / 3.0;
   for (const Vector3d& v : corners) core.extent = std::max(core.extent, (v - core.center).norm());
   return core;

@@ -231,7 +231,7 @@ ConvexCore TriangleTree::patchCore(std::uint32_t index) const {
   ConvexCore core;
   core.kind = ConvexCore::Kind::POINTS;
   core.points = &patch_points_[patch.first_point];
-  core.num_points = static_cast<int>(patch.nb_points);
+  core.nb_points = static_cast<int>(patch.nb_points);
   core.blocks = &patch_blocks_[patch.first_block];
   core.center = patch.center;
   core.extent = patch.extent;

@@ -35,10 +35,10 @@ class OpenIntervals {
   void push(const Interval& interval) {
     if (interval.isEmpty()) return;
     intervals_.push_back(interval);
-    std::push_heap(intervals_.begin(), intervals_.end(), &isLessSuspicious);
+    std::push_heap(intervals_.begin(), intervals_.end(), &hasLowerPriority);
   }
   Interval pop() {
-    std::pop_heap(intervals_.begin(), intervals_.end(), &isLessSuspicious);
+    std::pop_heap(intervals_.begin(), intervals_.end(), &hasLowerPriority);
     const Interval interval = intervals_.back();
     intervals_.pop_back();
     return interval;
@@ -72,7 +72,7 @@ class OpenIntervals {
     OpenPair open;
     int next = Interval::NONE;  ///< the next one of the same interval, or the next unused one
   };
-  static bool isLessSuspicious(const Interval& a, const Interval& b) {
+  static bool hasLowerPriority(const Interval& a, const Interval& b) {
     return a.motion != b.motion ? a.motion < b.motion : a.begin > b.begin;
   }
 

@@ -293,7 +293,7 @@ void PairCertifier::byHulls(Query& query) {
 PairDistance PairCertifier::queryShapes(const Query& query, double max_distance) {
   const BoxPair& pair = query.open.pair;
   const int cloud = cloudOf(pair);
-  if (cloud < 0) return ladder_.climb(pair, fidelity_, max_distance).found;
+  if (cloud < 0) return ladder_.refine(pair, fidelity_, max_distance).found;
   const OccupiedVoxels& voxels = *voxels_[static_cast<std::size_t>(cloud)];
   const double reach = max_distance * ROUNDED_UP;  // so that BEYOND implies enough
   PairDistance found =

@@ -50,8 +50,8 @@ double scaleOf(const Prepared& shape) { return shape.core.extent + shape.core.ra
 struct NarrowPhase::Scratch {
   MeshQuery query;
   SurfaceContact contacts;
-  std::uint64_t num_degraded = 0;
-  std::uint64_t num_answered_natively = 0;
+  std::uint64_t nb_degraded = 0;
+  std::uint64_t nb_answered_natively = 0;
   double band = 0.0;                   // of the pair that is asked about: contactBand()
   ClosestVertices* between = nullptr;  // of its hulls, or null
 
@@ -72,7 +72,7 @@ struct NarrowPhase::Scratch {
   PairDistance distance(const Prepared& A, const Prepared& B, const Isometry3d& X_AB,
                         double max_distance, const Accuracy& accuracy) {
     const bool asks_fcl = asksFcl(A, B);
-    const std::uint64_t natively_before = num_answered_natively;
+    const std::uint64_t natively_before = nb_answered_natively;
     PairDistance found = search(A, B, X_AB, max_distance, accuracy);
     const double within = accuracy.contact_distance;
     const bool is_doubtful = found.certainty == Certainty::DEGRADED ||
@@ -81,7 +81,7 @@ struct NarrowPhase::Scratch {
     const bool is_same = (within == 0.0 || (within == max_distance && accuracy.isExact())) &&
                          (A.mesh || B.mesh || asks_fcl);
     if (is_doubtful && !is_same) decide(A, B, X_AB, within, found);
-    num_answered_natively = std::min(num_answered_natively, natively_before + 1);
+    nb_answered_natively = std::min(nb_answered_natively, natively_before + 1);
     if (found.certainty == Certainty::BEYOND) {
       found.distance = std::max(found.distance, justAbove(max_distance));
     } else if (found.distance > max_distance) {
@@ -138,7 +138,7 @@ struct NarrowPhase::Scratch {
     if (fcl.outcome == Outcome::APART && !oneHoldsTheOther(A, B, X_AB) && !abut(A, B, X_AB)) {
       return false;
     }
-    ++num_answered_natively;
+    ++nb_answered_natively;
     return fcl.outcome == Outcome::APART || nativeTouches(A, B, X_AB, 0.0, result);
   }
 
@@ -161,7 +161,7 @@ struct NarrowPhase::Scratch {
         (is_clear || !abut(A, B, X_AB))) {
       return fcl.found;
     }
-    ++num_answered_natively;
+    ++nb_answered_natively;
     if (fcl.outcome == Outcome::NONE) {
       PairDistance native = nativeDistance(A, B, X_AB, max_distance, accuracy);
       if (has_fcl) decide(A, B, X_AB, 0.0, native);  // FCL may say yes or no without a distance
@@ -189,7 +189,7 @@ struct NarrowPhase::Scratch {
     if (nativeTouches(A, B, X_AB, 0.0, detail)) return false;
     const double error = doubtOf(A, B) + band;
     const bool is_apart = isWithin(nativeDistance(A, B, X_AB, error), error);
-    num_answered_natively += is_apart;
+    nb_answered_natively += is_apart;
     return is_apart;
   }
 
@@ -373,7 +373,7 @@ bool NarrowPhase::touches(const PreparedShape& A, const PreparedShape& B, const 
   if (apart_along && is_pose && scratch_->areApartAlong(*apart_along, a, b, X, margin))
     return false;
   const bool answer = !is_pose || scratch_->touches(a, b, X, margin, detail);
-  if (detail.certainty == Certainty::DEGRADED) ++scratch_->num_degraded;
+  if (detail.certainty == Certainty::DEGRADED) ++scratch_->nb_degraded;
   if (apart_along) *apart_along = answer ? Vector3d(Vector3d::Zero()) : detail.nhat_AB_A;
   return answer;
 }
@@ -389,12 +389,12 @@ PairDistance NarrowPhase::distance(const PreparedShape& A, const PreparedShape& 
   scratch_->between = between;
   const PairDistance result =
       repairPose(X) ? scratch_->distance(a, b, X, max_distance, accuracy) : worstCase(a, b);
-  if (result.certainty == Certainty::DEGRADED) ++scratch_->num_degraded;
+  if (result.certainty == Certainty::DEGRADED) ++scratch_->nb_degraded;
   return result;
 }
 
-std::uint64_t NarrowPhase::numDegraded() const { return scratch_->num_degraded; }
+std::uint64_t NarrowPhase::numDegraded() const { return scratch_->nb_degraded; }
 
-std::uint64_t NarrowPhase::numAnsweredNatively() const { return scratch_->num_answered_natively; }
+std::uint64_t NarrowPhase::numAnsweredNatively() const { return scratch_->nb_answered_natively; }
 
 }  // namespace collision_pairs

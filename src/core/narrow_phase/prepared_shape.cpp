@@ -27,7 +27,7 @@ ConvexCore hullCore(const ConvexHull& hull) {
   ConvexCore core;
   core.kind = ConvexCore::Kind::POINTS;
   core.points = hull.points.vertices.data();
-  core.num_points = static_cast<int>(hull.points.vertices.size());
+  core.nb_points = static_cast<int>(hull.points.vertices.size());
   core.edges = &hull.points;
   if (!hull.points.blocks.empty()) core.blocks = hull.points.blocks.data();
   Vector3d low = core.points[0], high = low;

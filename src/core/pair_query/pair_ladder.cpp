@@ -138,8 +138,8 @@ BoxPair PairLadder::byModel(const BoxPair& pair) const {
              : BoxPair{pair.second, pair.first};
 }
 
-PairLadder::Answer PairLadder::climb(const BoxPair& pair, Fidelity top, double max_distance,
-                                     double tolerance) {
+PairLadder::Answer PairLadder::refine(const BoxPair& pair, Fidelity top, double max_distance,
+                                      double tolerance) {
   top = rungOf(pair, top);
   if (top == Fidelity::AABB) return measureBoxes(pair);
   const Isometry3d X_AB = relativePose(pair);

@@ -3,7 +3,7 @@
 //
 // This folder measures one pair:
 // - pair_ladder: how far apart are two elements, at one fidelity or by finer and finer ones?
-// - timed_climb: which pairs are settled first if there is a deadline?
+// - anytime_query: which pairs are settled first if there is a deadline?
 // - voxel_search: which voxel of a cloud is nearest to an element?
 // - voxel_bounds.cpp: how near to the element may the voxels in a box be?
 #pragma once
@@ -42,9 +42,9 @@ class PairLadder {
   /// With a tolerance (metres) a search in triangles stops when the certified interval of the
   /// distance is no wider; its lower end is returned as TOLERATED. Contact or not, padding
   /// included, is not affected.
-  Answer climb(const BoxPair& pair, Fidelity top, double max_distance, double tolerance = 0.0);
+  Answer refine(const BoxPair& pair, Fidelity top, double max_distance, double tolerance = 0.0);
 
-  /// Only whether the two are in contact at rung `top`, which costs less than climb(): BOUND at
+  /// Only whether the two are in contact at rung `top`, which costs less than refine(): BOUND at
   /// distance 0 if they are, BEYOND if not, DEGRADED if neither could be proved. At a rung larger
   /// than the elements, pairs may be in contact whose tight boxes are not: the caller has to test
   /// these.
@@ -73,7 +73,7 @@ class PairLadder {
 
   /// The coarsest of `top` and the finest rungs of the two elements in the scene.
   Fidelity rungOf(const BoxPair& pair, Fidelity top) const;
-  /// True if climb() to `top` would use triangles, which boundOfHulls() may avoid.
+  /// True if refine() to `top` would use triangles, which boundOfHulls() may avoid.
   bool needsTriangles(const BoxPair& pair, Fidelity top) const;
   /// As NarrowPhase::numAnsweredNatively(), since begin().
   std::uint32_t numAnsweredNatively() const;

@@ -296,7 +296,7 @@ void VoxelSearch::measureVoxel(const VoxelCell& cell, Fidelity top, double max_d
   // Rungs larger than the element use the better of two bounds, so their search distance must not
   // depend on what else is near.
   const double reach = has_oriented_ ? std::max(std::min(limit_, best_), 0.0) : max_distance;
-  keepBest(ladder_->climb(pair_, top, reach), cell);
+  keepBest(ladder_->refine(pair_, top, reach), cell);
 }
 
 VoxelSearch::Found VoxelSearch::nearest(const BoxPair& pair, const OccupiedVoxels& voxels,

@@ -6,11 +6,11 @@
 #include <utility>
 #include <vector>
 
+#include "anytime_query.h"
 #include "box_gap.h"
 #include "collision_pairs/occupied_voxels.h"
 #include "pair_ladder.h"
 #include "surface_query.h"
-#include "timed_climb.h"
 
 namespace collision_pairs {
 
@@ -49,7 +49,7 @@ class VoxelSearch {
   /// As PairLadder::touches().
   Found touches(const BoxPair& pair, const OccupiedVoxels& voxels, Fidelity top,
                 const Deadline& deadline);
-  /// As PairLadder::climb(), for the nearest voxel, or for one that is certainly in contact if the
+  /// As PairLadder::refine(), for the nearest voxel, or for one that is certainly in contact if the
   /// nearest is not certain. If the time runs out: the deepest contact so far, else a lower bound,
   /// UNFINISHED. The depth of a contact is a BOUND where another voxel may be deeper.
   Found nearest(const BoxPair& pair, const OccupiedVoxels& voxels, Fidelity top,

@@ -87,7 +87,7 @@ double PairProbe::distance(std::uint32_t first, std::uint32_t second, double lim
   const auto& models = scene_->models();
   forEachElementPair(models[first], models[second], [&](const BoxPair& pair) {
     if (squaredGap(boxes_[pair.first], boxes_[pair.second]) > limit * limit) return false;
-    const PairDistance found = ladder_.climb(pair, Fidelity::MESH, limit).found;
+    const PairDistance found = ladder_.refine(pair, Fidelity::MESH, limit).found;
     if (found.certainty != Certainty::BEYOND) limit = std::clamp(found.distance, 0.0, limit);
     return limit == 0.0;
   });

@@ -18,7 +18,7 @@ struct LatestCloud {
   double stamp = 0.0;                            ///< of that cloud, in seconds
   std::string problem;    ///< why the last cloud was refused; empty: it was used
   std::string warning;    ///< about the last cloud, which was used
-  std::string may_touch;  ///< CloudGatherer::mayTouch()
+  std::string may_touch;  ///< CloudProcessor::mayTouch()
 };
 
 struct CloudView {

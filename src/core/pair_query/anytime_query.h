@@ -33,7 +33,7 @@ class Deadline {
 /// query at most; boxes are compared even after it, about 10 ns per pair.
 ///
 /// Never drops a pair, and keeps only memory between calls.
-class TimedClimb {
+class AnytimeQuery {
  public:
   /// If `answer.found.certainty` is UNFINISHED, the distance is a lower bound; everything else is
   /// settled.
@@ -54,7 +54,7 @@ class TimedClimb {
 
   void boundByBoxes(const std::vector<BoxPair>& candidates, const Deadline& deadline,
                     const Take& take);
-  void climb(Round round, const Deadline& deadline, const Take& take);
+  void refine(Round round, const Deadline& deadline, const Take& take);
   PairLadder::Answer step(const Result& open, Round round);
   void sortOut(const Result& result, const Take& take);
 

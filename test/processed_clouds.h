@@ -1,17 +1,17 @@
-// Clouds of points about two boxes, for a CloudGatherer.
+// Clouds of points about two boxes, for a CloudProcessor.
 #pragma once
 
 #include <gtest/gtest.h>
 
-#include "cloud_gatherer.h"
+#include "cloud_processor.h"
 #include "demo_scene.h"
 
 namespace collision_pairs {
 
 /// Box a at x = 0 and box b at x = 10; the sensor stands at x = 5 and looks along W.
-class Gatherer : public testing::Test {
+class CloudProcessing : public testing::Test {
  protected:
-  Gatherer() {
+  CloudProcessing() {
     config_.topic = "camera";
     config_.voxel_size = 0.1;
     config_.max_range = 20.0;
@@ -21,7 +21,7 @@ class Gatherer : public testing::Test {
   }
 
   /// Points in W; the voxels after each cloud, a second later than the one before.
-  std::shared_ptr<const OccupiedVoxels> add(CloudGatherer& gatherer,
+  std::shared_ptr<const OccupiedVoxels> add(CloudProcessor& processor,
                                             const std::vector<Eigen::Vector3d>& points) {
     description_.clouds = {obstacleOf(config_)};
     RobotFilter filter(description_, *CollisionScene::build(description_), config_);
@@ -40,12 +40,12 @@ class Gatherer : public testing::Test {
       in_sensor.push_back(X_WS_.inverse() * p_WP);
     }
     stamp_ += 1.0;
-    return gatherer.add(in_sensor, X_WS_, robot, stamp_, filter);
+    return processor.add(in_sensor, X_WS_, robot, stamp_, filter);
   }
 
   std::size_t nbVoxels(const std::vector<Eigen::Vector3d>& points) {
-    CloudGatherer gatherer(config_);
-    return add(gatherer, points)->size();
+    CloudProcessor processor(config_);
+    return add(processor, points)->size();
   }
 
   CloudConfig config_;

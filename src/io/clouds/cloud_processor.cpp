@@ -1,4 +1,4 @@
-#include "cloud_gatherer.h"
+#include "cloud_processor.h"
 
 #include <algorithm>
 #include <array>
@@ -11,7 +11,7 @@
 
 #include "collision_pairs/input_error.h"
 #include "depth_map.h"
-#include "near_memory.h"
+#include "occluded_obstacles.h"
 
 namespace collision_pairs {
 namespace {
@@ -109,19 +109,19 @@ RobotFilter::RobotFilter(const SceneDescription& description, const CollisionSce
       near(nearFilter(description, scene, cloud, cache)),
       attached(attachedFilter(description, cloud, cache)) {}
 
-CloudGatherer::CloudGatherer(const CloudConfig& config)
+CloudProcessor::CloudProcessor(const CloudConfig& config)
     : config_(config),
       grid_(settingsOf(config)),
-      memory_(std::make_unique<NearMemory>(config.near(), config.padding())),
+      memory_(std::make_unique<OccludedObstacles>(config.near(), config.padding())),
       depths_(std::make_unique<DepthMap>()) {}
 
-CloudGatherer::~CloudGatherer() = default;
-CloudGatherer::CloudGatherer(CloudGatherer&&) noexcept = default;
+CloudProcessor::~CloudProcessor() = default;
+CloudProcessor::CloudProcessor(CloudProcessor&&) noexcept = default;
 
-std::shared_ptr<const OccupiedVoxels> CloudGatherer::add(const Points& points,
-                                                         const Eigen::Isometry3d& X_WS,
-                                                         const BodyPoses& robot, double stamp,
-                                                         RobotFilter& filter) {
+std::shared_ptr<const OccupiedVoxels> CloudProcessor::add(const Points& points,
+                                                          const Eigen::Isometry3d& X_WS,
+                                                          const BodyPoses& robot, double stamp,
+                                                          RobotFilter& filter) {
   requireValid(points);
   filter.own.begin(robot);
   if (!filter.own.leftOut().empty()) {
@@ -137,7 +137,7 @@ std::shared_ptr<const OccupiedVoxels> CloudGatherer::add(const Points& points,
   return grid_.end();
 }
 
-void CloudGatherer::requireValid(const Points& points) {
+void CloudProcessor::requireValid(const Points& points) {
   const auto needed = static_cast<std::size_t>(config_.min_valid_points);
   const std::size_t enough = std::max<std::size_t>(needed, 1);
   const double squared_range = config_.max_range * config_.max_range;
@@ -161,7 +161,7 @@ void CloudGatherer::requireValid(const Points& points) {
   warning_ = found.str();
 }
 
-void CloudGatherer::sort(const Points& points, const Eigen::Isometry3d& X_WS, SelfFilter& own) {
+void CloudProcessor::sort(const Points& points, const Eigen::Isometry3d& X_WS, SelfFilter& own) {
   kept_.clear();
   kinds_.assign(points.size(), Kind::LEFT_OUT);
   const double squared_range = config_.max_range * config_.max_range;
@@ -182,10 +182,10 @@ void CloudGatherer::sort(const Points& points, const Eigen::Isometry3d& X_WS, Se
   }
 }
 
-void CloudGatherer::remember(const Points& points, const Eigen::Isometry3d& X_WS,
-                             const BodyPoses& robot, RobotFilter& filter) {
+void CloudProcessor::remember(const Points& points, const Eigen::Isometry3d& X_WS,
+                              const BodyPoses& robot, RobotFilter& filter) {
   SelfFilter& near = filter.near;
-  const double around = NearMemory::FOUND_AGAIN + config_.near();
+  const double around = OccludedObstacles::FOUND_AGAIN + config_.near();
   Aabb box = enclosing(near.bounds(), memory_->missed());
   box.min.array() -= around;
   box.max.array() += around;
@@ -223,7 +223,7 @@ void CloudGatherer::remember(const Points& points, const Eigen::Isometry3d& X_WS
 
 /// A ray that ends on the robot hides what lies further. One that ends on an obstacle may be of the
 /// same obstacle as a voxel, so it hides only what is clearly behind.
-void CloudGatherer::drawDepths(const Points& points) {
+void CloudProcessor::drawDepths(const Points& points) {
   depths_->begin(points.size());
   const double obstacle = 2.0 * config_.voxel_size + 2.0 * NOISE;
   const std::size_t step = 1 + points.size() / MOST_RAYS;
@@ -232,9 +232,9 @@ void CloudGatherer::drawDepths(const Points& points) {
   }
 }
 
-std::string CloudGatherer::mayTouch() const { return memory_->mayTouch(); }
+std::string CloudProcessor::mayTouch() const { return memory_->mayTouch(); }
 
-void CloudGatherer::clear() {
+void CloudProcessor::clear() {
   grid_.clear();
   memory_->clear();
 }

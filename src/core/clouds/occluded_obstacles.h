@@ -31,13 +31,13 @@ namespace collision_pairs {
 /// Does not follow the shape of obstacles, nor what one leaves behind when it moves on. Single
 /// points that only one cloud shows are noise. Cost: a few look-ups in trees per voxel near the
 /// robot that is not seen again.
-class NearMemory {
+class OccludedObstacles {
  public:
   static constexpr double FOUND_AGAIN = 0.3;  ///< metres
 
   /// Metres. `reach`: also the distance from the robot within which voxels are followed. `padding`:
   /// links in whose padding a voxel is are in contact with it.
-  NearMemory(double reach, double padding) : reach_(reach), padding_(padding) {}
+  OccludedObstacles(double reach, double padding) : reach_(reach), padding_(padding) {}
 
   struct Cloud {
     /// The voxels of this cloud alone, at least those within FOUND_AGAIN of near.bounds() and

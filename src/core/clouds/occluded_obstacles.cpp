@@ -1,4 +1,4 @@
-#include "near_memory.h"
+#include "occluded_obstacles.h"
 
 #include <algorithm>
 #include <cmath>
@@ -28,7 +28,7 @@ bool isBefore(const VoxelCell& a, const VoxelCell& b) {
 
 }  // namespace
 
-void NearMemory::update(const Cloud& cloud) {
+void OccludedObstacles::update(const Cloud& cloud) {
   takeWhatStayed(cloud);
   std::vector<Unseen> left = unseenIn(cloud);
   remembered_.clear();
@@ -60,7 +60,7 @@ void NearMemory::update(const Cloud& cloud) {
   before_ = cloud.now;
 }
 
-void NearMemory::takeWhatStayed(const Cloud& cloud) {
+void OccludedObstacles::takeWhatStayed(const Cloud& cloud) {
   const auto isFound = [&](const Vanished& one) {
     return one.appeared && anyWithin(cloud.now, *one.appeared, reach_);
   };
@@ -76,13 +76,14 @@ void NearMemory::takeWhatStayed(const Cloud& cloud) {
   }
 }
 
-bool NearMemory::isPartOf(const Vanished& obstacle, const Remembered& one, const Cloud& cloud) {
+bool OccludedObstacles::isPartOf(const Vanished& obstacle, const Remembered& one,
+                                 const Cloud& cloud) {
   return one.is_alone && (centerOf(*cloud.now, one.cell) - obstacle.p_W).norm() < FOUND_AGAIN;
 }
 
 /// Those of which nothing is hidden any more have vanished unless something is seen there: the
 /// robot may have moved away and carry them.
-void NearMemory::followWhatIsHidden(const Cloud& cloud) {
+void OccludedObstacles::followWhatIsHidden(const Cloud& cloud) {
   std::vector<Vanished> hidden;
   for (Vanished one : hidden_) {
     const auto isIn = [&](const Remembered& other) {
@@ -105,7 +106,7 @@ void NearMemory::followWhatIsHidden(const Cloud& cloud) {
 }
 
 /// Sorted by cell.
-std::vector<NearMemory::Unseen> NearMemory::unseenIn(const Cloud& cloud) const {
+std::vector<OccludedObstacles::Unseen> OccludedObstacles::unseenIn(const Cloud& cloud) const {
   std::vector<Unseen> unseen;
   const double size = cloud.now->voxelSize();
   const auto take = [&](const VoxelCell& cell, bool was_alone, bool was_seen) {
@@ -129,7 +130,7 @@ std::vector<NearMemory::Unseen> NearMemory::unseenIn(const Cloud& cloud) const {
   return unseen;
 }
 
-void NearMemory::judge(const std::vector<Unseen>& obstacle, const Cloud& cloud) {
+void OccludedObstacles::judge(const std::vector<Unseen>& obstacle, const Cloud& cloud) {
   const auto any = [&](const auto& holds) {
     return std::any_of(obstacle.begin(), obstacle.end(), holds);
   };
@@ -159,8 +160,8 @@ void NearMemory::judge(const std::vector<Unseen>& obstacle, const Cloud& cloud) 
   if (is_no_noise) addVanished(obstacle, cloud);
 }
 
-std::optional<NearMemory::Vanished> NearMemory::placeOf(const std::vector<Unseen>& obstacle,
-                                                        const Cloud& cloud) const {
+std::optional<OccludedObstacles::Vanished> OccludedObstacles::placeOf(
+    const std::vector<Unseen>& obstacle, const Cloud& cloud) const {
   SelfFilter::Nearest nearest;
   Vector3d place;
   for (std::size_t i = 0; i < std::min(obstacle.size(), MOST_PLACES); ++i) {
@@ -177,14 +178,15 @@ std::optional<NearMemory::Vanished> NearMemory::placeOf(const std::vector<Unseen
                   nearest.name, nearest.distance, aboutPlace(place, cloud)};
 }
 
-NearMemory::Voxels NearMemory::aboutPlace(const Vector3d& p_W, const Cloud& cloud) const {
+OccludedObstacles::Voxels OccludedObstacles::aboutPlace(const Vector3d& p_W,
+                                                        const Cloud& cloud) const {
   std::vector<VoxelCell> cells;
   cloud.now->forEachWithin({p_W, p_W}, FOUND_AGAIN + reach_,
                            [&](const VoxelCell& cell) { cells.push_back(cell); });
   return std::make_shared<const OccupiedVoxels>(cloud.now->voxelSize(), cells);
 }
 
-void NearMemory::addVanished(const std::vector<Unseen>& obstacle, const Cloud& cloud) {
+void OccludedObstacles::addVanished(const std::vector<Unseen>& obstacle, const Cloud& cloud) {
   for (std::size_t i = 0; i < std::min(obstacle.size(), MOST_PLACES); ++i) {
     const Vector3d center = centerOf(*cloud.now, obstacle[i].cell);
     if (cloud.isLeftOut(center)) return;  // seen, but not to be an obstacle
@@ -194,7 +196,7 @@ void NearMemory::addVanished(const std::vector<Unseen>& obstacle, const Cloud& c
 }
 
 /// The robot may carry what touches it.
-Vector3d NearMemory::placeOnLink(const Vanished& one, const Cloud& cloud) {
+Vector3d OccludedObstacles::placeOnLink(const Vanished& one, const Cloud& cloud) {
   const auto& bodies = cloud.near.bodies();
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     if (bodies[i].link == one.link_of_body) return cloud.robot.X_WB[i] * one.p_B;
@@ -202,7 +204,7 @@ Vector3d NearMemory::placeOnLink(const Vanished& one, const Cloud& cloud) {
   return one.p_W;
 }
 
-void NearMemory::findWhatAppeared(const Cloud& cloud) {
+void OccludedObstacles::findWhatAppeared(const Cloud& cloud) {
   const auto find = [&](Vanished& one) {
     one.appeared.reset();
     if (cloud.shows_more) {
@@ -222,13 +224,13 @@ void NearMemory::findWhatAppeared(const Cloud& cloud) {
   std::for_each(hidden_.begin(), hidden_.end(), find);
 }
 
-std::vector<VoxelCell> NearMemory::hidden() const {
+std::vector<VoxelCell> OccludedObstacles::hidden() const {
   std::vector<VoxelCell> cells;
   for (const Remembered& one : remembered_) cells.push_back(one.cell);
   return cells;
 }
 
-Aabb NearMemory::missed() const {
+Aabb OccludedObstacles::missed() const {
   Aabb box = noBox();
   for (const auto* missed : {&vanished_, &hidden_}) {
     for (const Vanished& one : *missed) box = enclosing(box, {one.p_W, one.p_W});
@@ -236,7 +238,7 @@ Aabb NearMemory::missed() const {
   return box;
 }
 
-std::string NearMemory::mayTouch() const {
+std::string OccludedObstacles::mayTouch() const {
   const Vanished* nearest = nullptr;
   const char* what = "";
   const auto take = [&](const Vanished& one, const char* is) {
@@ -253,7 +255,7 @@ std::string NearMemory::mayTouch() const {
   return what + std::to_string(centimetres) + " cm from " + nearest->link + ": it may touch";
 }
 
-void NearMemory::clear() {
+void OccludedObstacles::clear() {
   before_ = earlier_ = nullptr;
   remembered_.clear();
   hidden_.clear();

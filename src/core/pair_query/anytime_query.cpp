@@ -1,26 +1,26 @@
-#include "timed_climb.h"
+#include "anytime_query.h"
 
 #include <algorithm>
 #include <tuple>
 
 namespace collision_pairs {
 
-void TimedClimb::run(const std::vector<BoxPair>& candidates, const CheckSettings& settings,
-                     const Deadline& deadline, PairLadder& ladder, const Take& take) {
+void AnytimeQuery::run(const std::vector<BoxPair>& candidates, const CheckSettings& settings,
+                       const Deadline& deadline, PairLadder& ladder, const Take& take) {
   settings_ = &settings;
   ladder_ = &ladder;
   still_open_.clear();
   has_ended_ = false;
   boundByBoxes(candidates, deadline, take);
-  climb(Round::HULLS, deadline, take);
-  climb(Round::ALL, deadline, take);
+  refine(Round::HULLS, deadline, take);
+  refine(Round::ALL, deadline, take);
   for (std::size_t i = 0; i < still_open_.size() && !has_ended_; ++i) {
     has_ended_ = !take(still_open_[i]);
   }
 }
 
-void TimedClimb::boundByBoxes(const std::vector<BoxPair>& candidates, const Deadline& deadline,
-                              const Take& take) {
+void AnytimeQuery::boundByBoxes(const std::vector<BoxPair>& candidates, const Deadline& deadline,
+                                const Take& take) {
   const double reach = settings_->alarm_distance;
   for (const BoxPair& candidate : candidates) {
     const BoxPair pair = ladder_->byModel(candidate);
@@ -36,7 +36,7 @@ void TimedClimb::boundByBoxes(const std::vector<BoxPair>& candidates, const Dead
   }
 }
 
-void TimedClimb::climb(Round round, const Deadline& deadline, const Take& take) {
+void AnytimeQuery::refine(Round round, const Deadline& deadline, const Take& take) {
   std::swap(open_, still_open_);
   still_open_.clear();
   const auto suspicion = [](const Result& open) {
@@ -54,16 +54,16 @@ void TimedClimb::climb(Round round, const Deadline& deadline, const Take& take) 
   }
 }
 
-PairLadder::Answer TimedClimb::step(const Result& open, Round round) {
+PairLadder::Answer AnytimeQuery::step(const Result& open, Round round) {
   const double reach = settings_->alarm_distance;
   if (round == Round::HULLS && ladder_->needsTriangles(open.pair, settings_->fidelity)) {
     return ladder_->boundOfHulls(open.pair, open.answer, reach);
   }
   if (settings_->verdict_only) return ladder_->touches(open.pair, settings_->fidelity);
-  return ladder_->climb(open.pair, settings_->fidelity, reach, settings_->tolerance);
+  return ladder_->refine(open.pair, settings_->fidelity, reach, settings_->tolerance);
 }
 
-void TimedClimb::sortOut(const Result& result, const Take& take) {
+void AnytimeQuery::sortOut(const Result& result, const Take& take) {
   if (result.answer.found.certainty == Certainty::UNFINISHED) {
     still_open_.push_back(result);
   } else {

@@ -14,7 +14,7 @@
 namespace collision_pairs {
 
 class DepthMap;
-class NearMemory;
+class OccludedObstacles;
 
 /// What tells points of the robot from obstacles, and obstacles near it from others.
 struct RobotFilter {
@@ -29,11 +29,11 @@ struct RobotFilter {
 };
 
 /// Crops, filters and collects points, and follows what it saw near the robot. Not thread safe.
-class CloudGatherer {
+class CloudProcessor {
  public:
-  explicit CloudGatherer(const CloudConfig& config);
-  ~CloudGatherer();
-  CloudGatherer(CloudGatherer&&) noexcept;
+  explicit CloudProcessor(const CloudConfig& config);
+  ~CloudProcessor();
+  CloudProcessor(CloudProcessor&&) noexcept;
 
   /// Points in the sensor's frame S, the pose of S in W and the robot's poses at that stamp, and
   /// the stamp in seconds. Throws InputError, and changes nothing, if a link of the robot has no
@@ -62,7 +62,7 @@ class CloudGatherer {
 
   const CloudConfig config_;
   VoxelGrid grid_;
-  std::unique_ptr<NearMemory> memory_;
+  std::unique_ptr<OccludedObstacles> memory_;
   std::unique_ptr<DepthMap> depths_;
   std::vector<Kind> kinds_;  ///< of the points
   Points kept_;
