@@ -7,7 +7,7 @@
 #include "processed_clouds.h"
 
 namespace collision_pairs {
-namespace test_cloud_gatherer {
+namespace test_cloud_processor {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
@@ -135,5 +135,5 @@ TEST_F(CloudProcessing, SaysWhenThereAreMoreVoxelsThanMayBe) {
   EXPECT_EQ(voxels->size(), 2u);
 }
 
-}  // namespace test_cloud_gatherer
+}  // namespace test_cloud_processor
 }  // namespace collision_pairs
