@@ -367,8 +367,8 @@ def test_of_pairs_that_are_warned_of_ten_are_named_and_those_most_often_in_conta
     (few,) = [each for each in warnings_in(said) if "too few" in each[1]]
     assert few[1] == ("pairs stay checked because there are too few states to conclude never or always; --samples 46050 are needed for "
                       "--max-probability 0.0001")
-    assert few[0] > 10 and few[2][10:] == ["and %d more" % (few[0] - 10)]
-    assert few[2][0] == "arm|flange (400 of 400)" and all(name.endswith(" (0 of 400)") for name in few[2][1:10])
+    assert few[0] > 10 and len(few[2]) == 10 and few[2][9].endswith(" (0 of 400) and %d more" % (few[0] - 10))
+    assert few[2][0] == "arm|flange (400 of 400)" and all(name.endswith(" (0 of 400)") for name in few[2][1:9])
     one = [each for each in warnings_in(generate(run_tool, crane, *QUICK)[1]) if "at zero" in each[1]]
     assert [(count, what) for count, what, _ in one] == [
         (1, "pair stay checked although they touch with all joints at zero, because in other states they do not "

@@ -14,6 +14,11 @@ bool isBeyond(double gap, double max_distance, const ConvexCore& A, const Convex
          gap - 4.0 * largestError(A, B, magnitudeOf(A, B, X_AB.translation())) > max_distance;
 }
 
+// The rungs, and how often each left a query to the next: of 514,000 of panda, ur5 and pr2 in
+// recorded states and along motions (detector_benchmark).
+//   bounding spheres   93 %: not beyond the limit
+//   double             gaps 2.9 %, contact or not none of 13,481, depths 5 of 110
+//   double-double      none: what it left would be DEGRADED
 PairDistance solveTwice(const ConvexCore& A, const ConvexCore& B, const Eigen::Isometry3d& X_AB,
                         double max_distance, Wanted wanted, double band,
                         CoreOverlap* overlap = nullptr, ClosestVertices* between = nullptr) {
