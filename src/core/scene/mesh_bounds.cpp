@@ -197,7 +197,7 @@ FewerPoints fewerPoints(const std::vector<Vector3d>& points, double tolerance) {
   for (const std::size_t i : outermostFirst(points)) {
     if (!fewer.points.empty()) {
       taken.points = fewer.points.data();
-      taken.num_points = static_cast<int>(fewer.points.size());
+      taken.nb_points = static_cast<int>(fewer.points.size());
       taken.center = fewer.points.front();
       taken.extent = std::max(taken.extent, (points[i] - taken.center).norm());
       X.translation() = points[i];
