@@ -16,6 +16,7 @@ add_library(collision_pairs SHARED
   src/core/batch/batch_kernel.cpp
   src/core/batch/batch_model.cpp
   src/core/batch/batch_stage.cpp
+  src/core/batch/edge_group.cpp
   src/core/batch/pair_table.cpp
   src/core/batch/solid_field.cpp
   src/core/batch/solid_pairs.cpp
@@ -68,12 +69,15 @@ add_library(collision_pairs SHARED
   src/core/meshes/triangle_tree.cpp
   src/core/meshes/winding_number.cpp
   src/core/motion/closing_motion.cpp
+  src/core/motion/edge_stage.cpp
+  src/core/motion/exact_configuration.cpp
   src/core/motion/check_segments.cpp
   src/core/motion/motion_check.cpp
   src/core/motion/pair_clearances.cpp
   src/core/motion/motion_pairs.cpp
   src/core/motion/motion_state.cpp
   src/core/motion/pair_certifier.cpp
+  src/core/motion/uncertified_pairs.cpp
   src/core/narrow_phase/fcl_answer.cpp
   src/core/narrow_phase/fcl_backend.cpp
   src/core/narrow_phase/narrow_phase.cpp

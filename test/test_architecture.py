@@ -108,7 +108,7 @@ CORE_MODULES = {"base": set(), "geometry": {"base"}, "broad_phase": {"base", "ge
                 "check": {"base", "geometry", "broad_phase", "convex_pairs", "narrow_phase", "spheres", "robot", "scene",
                           "clouds", "batch"},
                 "motion": {"base", "geometry", "broad_phase", "convex_pairs", "narrow_phase", "robot", "scene", "clouds",
-                           "check"},
+                           "batch", "check"},
                 "gradient": {"base", "geometry", "narrow_phase", "robot", "scene"},
                 "pair_statistics": {"base", "geometry", "narrow_phase", "robot", "scene", "check"}}
 
