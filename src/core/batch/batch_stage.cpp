@@ -182,6 +182,7 @@ void BatchStage::Group::settle() {
   stage_.kernel_.place(tables_, arrays());
   unsigned lanes = set_;
   lanes &= ~settlePairs(lanes);
+  if (one_contact_will_do_ && lanes != set_) return;
   lanes &= ~settleStatic(lanes);
   for (int i = 0; i < nb_open_; ++i) lanes &= ~open_[static_cast<std::size_t>(i)].lanes;
   for (const OpenTree& open : open_static_) lanes &= ~open.lanes;
@@ -209,6 +210,7 @@ unsigned BatchStage::Group::settleStatic(unsigned lanes) {
     if (open == 0) continue;
     const unsigned touching = contactWithStatic(beside, open);
     in_contact |= touching;
+    if (one_contact_will_do_ && touching != 0) return touching;
     if (open != touching) open_static_.push_back({beside.tree, open & ~touching});
   }
   return in_contact;
@@ -264,6 +266,7 @@ unsigned BatchStage::Group::contactWithStatic(const BesideStatic& beside, unsign
       outcomes_[lane] = Outcome::CONTACT;
       contacts_[lane] = {element, stage_.model_.element_of[static_cast<std::size_t>(beside.tree)]};
     });
+    if (one_contact_will_do_ && in_contact != 0) break;
   }
   return in_contact;
 }

@@ -95,6 +95,8 @@ class BatchStage::Group {
   BoxPair elementsOf(int pair) const;
 
   const BatchStage& stage_;
+  /// A contact in one lane ends settle(): the outcomes of the others are then unknown.
+  bool one_contact_will_do_ = false;
   BatchTables tables_;
   std::vector<BatchPair> pairs_;             // the model's, with this group's outer paddings
   std::vector<BesideStatic> beside_static_;  // the stage's, likewise

@@ -16,6 +16,7 @@ constexpr double RELATIVE_MARGIN = 1e-5;  // far above the rounding of reaches a
 }  // namespace
 
 BatchStage::EdgeGroup::EdgeGroup(const BatchStage& stage) : Group(stage) {
+  one_contact_will_do_ = true;
   const CollisionScene& scene = stage_.scene_;
   const auto& bodies = scene.robot().bodies();
   const auto bodyOf = [&](std::uint32_t element) {

@@ -13,8 +13,8 @@ namespace collision_pairs {
 /// they are read: free by a plane between the hulls in the middle of the block, or by the exact
 /// distance there and a bound of the motion within it; in contact by a point that is deeper than it
 /// moves. A block that cannot be certified is divided into four. Only planes and spheres are tried
-/// in large blocks; smaller ones have to be read several times, or crossed once. So only regions that
-/// occur are computed. What is free keeps APART, but in the smallest blocks. For one thread.
+/// in large blocks; smaller ones have to be read several times, or crossed once. So only regions
+/// that occur are computed. What is free keeps APART, but in the smallest blocks. For one thread.
 class PairTable {
  public:
   static constexpr int LEVELS = 8;  ///< 256 x 256 cells
