@@ -231,6 +231,37 @@ TEST(EdgeGroup, WhatItSaysOfAMotionIsTrueOfItsConfigurations) {
   EXPECT_GT(nb[static_cast<int>(Outcome::OPEN)], 100);
 }
 
+/// A ball on a long slide passes a bead: the further out it is, the further it moves between lanes.
+TEST(EdgeGroup, AllowsForWhatSlidesOut) {
+  RandomInputs random;
+  const auto robot =
+      robotFrom(emptyLink("root") + emptyLink("arm") + linkWith("ball", "<sphere radius='0.01'/>") +
+                joint("turn", "continuous", "root", "arm", "0 0 0", "<axis xyz='0 0 1'/>") +
+                joint("slide", "prismatic", "arm", "ball", "0 0 0",
+                      "<axis xyz='1 0 0'/><limit lower='0' upper='1.5'/>"));
+  for (int i = 0; i < 200; ++i) {
+    const double angle = random.uniform(-0.9, 0.9);
+    RigidObject bead;
+    bead.name = "bead";
+    bead.elements.push_back({Sphere{0.01}, Eigen::Isometry3d::Identity()});
+    bead.X_PO = Eigen::Translation3d(1.4 * std::cos(angle), 1.4 * std::sin(angle), 0.0) *
+                Eigen::Isometry3d::Identity();
+    SceneDescription description;
+    description.robots.push_back({robot, std::nullopt, ""});
+    description.objects.push_back(bead);
+    const auto scene = CollisionScene::build(description);
+    const auto stage = BatchStage::make(*scene);
+    ASSERT_TRUE(stage);
+    std::vector<double> from = scene->robot().zeroPositions(), to = from;
+    const auto turn = static_cast<std::size_t>(scene->robot().findJoint("turn"));
+    const auto slide = static_cast<std::size_t>(scene->robot().findJoint("slide"));
+    from[slide] = to[slide] = 1.4;
+    from[turn] = -1.0;
+    to[turn] = 1.0;
+    ASSERT_NE(BatchStage::EdgeGroup(*stage).settle(from, to), Outcome::FREE) << angle;
+  }
+}
+
 /// Two checks of the same motions: one has been asked for nothing else, the other for so much that
 /// it has its stage.
 TEST(MotionCheck, OnlyFreeIsWhatTheSearchSaysHoweverMuchWasAskedBefore) {

@@ -48,7 +48,7 @@ bool ExactConfiguration::meetsAtSteps(double& at, std::uint32_t& nb_checks) {
     return meets(true);
   };
   if (meetsAt(1.0)) return true;
-  for (double part = 1.0; part * length > FIRST_STEP; part *= 0.5) {
+  for (double part = 1.0; part == 1.0 || part * length > FIRST_STEP; part *= 0.5) {
     for (double fraction = 0.5 * part; fraction < 1.0; fraction += part) {
       if (meetsAt(fraction)) return true;
     }

@@ -98,6 +98,7 @@ class MotionCheck::Search {
       noteContact({std::minmax(elements[first].model, elements[second].model)});
       return true;
     }
+    if (outcome == Outcome::OPEN && meetsAtSteps()) return true;
     for (const OpenPair& open : openPairsOf(*edge_, scene_, pairs_)) {
       Interval interval;
       intervals_.addPair(open, interval);
@@ -133,15 +134,11 @@ class MotionCheck::Search {
 
   /// At the middle of the segment; the cheapest check first.
   bool lookAtAll() {
-    const bool may_sample = settings_.only_free && !settings_.only_moved && !settings_.from_start;
-    if (may_sample && exact_.meetsAtSteps(at_, report_.nb_checks)) {
-      noteContact(exact_.pairs());
-      return false;
-    }
+    const bool samples = settings_.only_free && !settings_.only_moved && !settings_.from_start;
+    if (samples && meetsAtSteps()) return false;
     moveTo(0.0, 1.0);
-    if (!settings_.only_moved && exact_.meets(true) && confirmContact() && !settings_.from_start) {
-      return false;
-    }
+    const bool looks = !samples && !settings_.only_moved;
+    if (looks && exact_.meets(true) && confirmContact() && !settings_.from_start) return false;
     Interval before, after;
     OpenPair open;
     open.clearance = settings_.clearance + settings_.beside_objects;
@@ -278,6 +275,12 @@ class MotionCheck::Search {
 
   bool confirmContact() {
     if (!exact_.meets(false)) return false;
+    noteContact(exact_.pairs());
+    return true;
+  }
+
+  bool meetsAtSteps() {
+    if (!exact_.meetsAtSteps(at_, report_.nb_checks)) return false;
     noteContact(exact_.pairs());
     return true;
   }
