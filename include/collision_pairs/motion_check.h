@@ -119,13 +119,13 @@ struct MotionReport {
 /// motion along a normal to first order). The interval that may contain the earliest contact comes
 /// first.
 ///
-/// With only_free, no clearance, deviation, placed body, budget nor pair left out, at Fidelity::MESH
-/// and a resolution of at most a millimetre, once as much has been searched as it costs to prepare,
-/// the batch stage (BatchCheck) comes first: several configurations of the motion at a time, by
-/// enclosing spheres that are enlarged by what moves between them, and for pairs that one or two
-/// joints move, tables of these joints, in which the motion is a straight line. The search has to
-/// look only at what these leave open. All checks of a scene that live share it; memory:
-/// docs/motions.md.
+/// With only_free, no clearance, deviation, placed body, budget nor pair left out, at
+/// Fidelity::MESH and a resolution of at most a millimetre, once as much has been searched as it
+/// costs to prepare, the batch stage (BatchCheck) comes first: several configurations of the motion
+/// at a time, by enclosing spheres that are enlarged by what moves between them, and for pairs that
+/// one or two joints move, tables of these joints, in which the motion is a straight line. The
+/// search has to look only at what these leave open. All checks of a scene that live share it;
+/// memory: docs/motions.md.
 ///
 /// Cost (docs/data/motions.csv): a free segment of 0.5 to 2 rad takes 1 to 20 configurations in the
 /// median, more if it passes something closely; at each only the pairs that are still open are
