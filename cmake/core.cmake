@@ -1,7 +1,7 @@
 # The core: URDF and poses in, pairs out. Links no ROS library (test_architecture holds it so).
 # Its modules; the dependency rules stand in test_architecture.
 set(core_modules base geometry broad_phase convex_pairs mesh_solid mesh_surface narrow_phase spheres robot scene clouds
-  pair_query check batch motion derivatives limiter pair_statistics)
+  pair_query check batch_model batch motion derivatives limiter pair_statistics)
 list(TRANSFORM core_modules PREPEND ${PROJECT_SOURCE_DIR}/src/core/ OUTPUT_VARIABLE CORE_MODULES)
 
 add_library(collision_pairs SHARED
@@ -10,14 +10,15 @@ add_library(collision_pairs SHARED
   src/core/base/pair_filter.cpp
   src/core/base/user_text.cpp
   src/core/batch/batch_check.cpp
-  src/core/batch/batch_kernel.cpp
-  src/core/batch/batch_model.cpp
+  src/core/batch_model/batch_kernel.cpp
+  src/core/batch_model/batch_model.cpp
   src/core/batch/batch_stage.cpp
+  src/core/batch/edge_group.cpp
   src/core/batch/open_pairs.cpp
-  src/core/batch/pair_table.cpp
-  src/core/batch/solid_field.cpp
-  src/core/batch/solid_pairs.cpp
-  src/core/batch/static_field.cpp
+  src/core/batch_model/pair_table.cpp
+  src/core/batch_model/solid_field.cpp
+  src/core/batch_model/solid_pairs.cpp
+  src/core/batch_model/static_field.cpp
   src/core/broad_phase/box_pairs.cpp
   src/core/broad_phase/column_sweep.cpp
   src/core/broad_phase/packed_records.cpp
@@ -34,8 +35,8 @@ add_library(collision_pairs SHARED
   src/core/check/minimum_search.cpp
   src/core/clouds/cells_about_link.cpp
   src/core/clouds/depth_map.cpp
-  src/core/clouds/occluded_obstacles.cpp
   src/core/clouds/near_parts.cpp
+  src/core/clouds/occluded_obstacles.cpp
   src/core/clouds/occupied_voxels.cpp
   src/core/clouds/self_filter.cpp
   src/core/clouds/voxel_grid.cpp
@@ -68,11 +69,14 @@ add_library(collision_pairs SHARED
   src/core/mesh_surface/triangle_distance.cpp
   src/core/mesh_surface/triangle_tree.cpp
   src/core/motion/check_segments.cpp
+  src/core/motion/edge_stage.cpp
+  src/core/motion/exact_configuration.cpp
   src/core/motion/motion_check.cpp
   src/core/motion/motion_pairs.cpp
   src/core/motion/motion_state.cpp
   src/core/motion/pair_certifier.cpp
   src/core/motion/pair_clearances.cpp
+  src/core/motion/uncertified_pairs.cpp
   src/core/narrow_phase/fcl_answer.cpp
   src/core/narrow_phase/fcl_backend.cpp
   src/core/narrow_phase/narrow_phase.cpp
@@ -80,8 +84,8 @@ add_library(collision_pairs SHARED
   src/core/narrow_phase/prepared_shape.cpp
   src/core/narrow_phase/solids.cpp
   src/core/narrow_phase/surface_query.cpp
-  src/core/pair_query/pair_ladder.cpp
   src/core/pair_query/anytime_query.cpp
+  src/core/pair_query/pair_ladder.cpp
   src/core/pair_query/voxel_bounds.cpp
   src/core/pair_query/voxel_search.cpp
   src/core/pair_statistics/contact_search.cpp

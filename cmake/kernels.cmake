@@ -3,7 +3,7 @@
 if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64|amd64")
   set(sweep ${PROJECT_SOURCE_DIR}/src/core/broad_phase/sweep_kernel)
   set(geometry ${PROJECT_SOURCE_DIR}/src/core/geometry/geometry_kernel)
-  set(batch ${PROJECT_SOURCE_DIR}/src/core/batch/batch_kernel)
+  set(batch ${PROJECT_SOURCE_DIR}/src/core/batch_model/batch_kernel)
   target_sources(collision_pairs PRIVATE ${sweep}_avx2.cpp ${sweep}_avx512.cpp
                                          ${geometry}_avx2.cpp ${geometry}_avx512.cpp
                                          ${batch}_avx2.cpp ${batch}_avx512.cpp)

@@ -159,6 +159,7 @@ collision_pairs_test(xml_names)
 
 collision_pairs_test(joint_transforms collision_pairs_messages)
 collision_pairs_test(message_layout collision_pairs_messages)
+collision_pairs_test(edges collision_pairs_io)
 collision_pairs_test(robot_frames collision_pairs_io)
 collision_pairs_test(batch_verdicts collision_pairs_io)
 collision_pairs_test(cloud_config collision_pairs_io)

@@ -36,7 +36,9 @@ struct MotionSettings {
   /// at the first contact.
   bool from_start = false;
   /// Only FREE is of interest: the search ends at the first pair that cannot be certified. The
-  /// verdict is then UNKNOWN although a contact might have been found, and free_until is 0.
+  /// verdict is then UNKNOWN although a contact might have been found, free_until is 0, and
+  /// MotionReport::clearance is that of these settings. Many such motions are settled by the batch
+  /// stage: see MotionCheck.
   bool only_free = false;
   /// Leave out pairs whose relative pose the motion cannot change, for example a base that stands
   /// on its table. FREE then says nothing of them.
@@ -91,8 +93,8 @@ struct MotionReport {
   /// closer, or is still open at the resolution; without, COLLISION gives 0, and UNKNOWN what was
   /// certified without extra work. 0 where nothing is checked.
   double free_until = 0.0;
-  /// Ids of models, first < second, sorted. COLLISION: pairs in contact at contact_at. UNKNOWN:
-  /// pairs that could not be certified.
+  /// Ids of models, first < second, sorted. COLLISION: pairs in contact at contact_at; with
+  /// only_free one of them. UNKNOWN: pairs that could not be certified.
   std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;
   std::string unchecked;  ///< CollisionScene::unchecked()
   /// UNKNOWN: all reasons, one sentence each.
@@ -102,9 +104,9 @@ struct MotionReport {
   double seconds = 0.0;          ///< duration of the check
 };
 
-/// Certifies motions. Holds scratch memory only: the answer depends on (scene, motion, settings)
-/// alone, but for what a time budget cuts short. Use one per thread; the shared scene needs no
-/// lock.
+/// Certifies motions. The answer depends on (scene, motion, settings) alone, but for what a time
+/// budget cuts short; with only_free that is whether it is FREE. Use one per thread; the shared
+/// scene needs no lock.
 ///
 /// Method: F. Schwarzer, M. Saha, J.-C. Latombe, "Adaptive dynamic collision checking for single
 /// and multiple articulated robots in complex environments" (T-RO 2005): a pair is free as long as
@@ -116,6 +118,14 @@ struct MotionReport {
 /// Manocha, Y. J. Kim, "Fast continuous collision detection for articulated models", 2005, bound
 /// motion along a normal to first order). The interval that may contain the earliest contact comes
 /// first.
+///
+/// With only_free, no clearance, deviation, placed body, budget nor pair left out, at
+/// Fidelity::MESH and a resolution of at most a millimetre, once as much has been searched as it
+/// costs to prepare, the batch stage (BatchCheck) comes first: several configurations of the motion
+/// at a time, by enclosing spheres that are enlarged by what moves between them, and for pairs that
+/// one or two joints move, tables of these joints, in which the motion is a straight line. The
+/// search has to look only at what these leave open. All checks of a scene that live share it;
+/// memory: docs/motions.md.
 ///
 /// Cost (docs/data/motions.csv): a free segment of 0.5 to 2 rad takes 1 to 20 configurations in the
 /// median, more if it passes something closely; at each only the pairs that are still open are

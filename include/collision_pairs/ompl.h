@@ -214,49 +214,11 @@ class OmplMotionValidator : public ompl::base::MotionValidator {
   }
 
  private:
-  /// Most edges of a planner are in collision: states along an edge, no more than this far apart
-  /// (rad or m of the joint that moves most), are checked before anything is certified. Halves the
-  /// time that RRT-Connect spends on edges; with half and twice this step it is 8 and 20 % longer.
-  static constexpr double FIRST_STEP = 0.4;
-  static constexpr double LONGEST_SAMPLED = 100.0;  ///< rad or m: longer ones are only certified
-
   struct Worker {
-    explicit Worker(const std::shared_ptr<const CollisionScene>& scene) : check(scene), at(scene) {}
+    explicit Worker(const std::shared_ptr<const CollisionScene>& scene) : check(scene) {}
     MotionCheck check;
-    OmplDetector at;
     JointMotion motion;
   };
-
-  /// The end, which may be a random state, then the middle, the quarters, … None with
-  /// MotionSettings::only_moved or nearer, since a state's check leaves out no pair.
-  bool meetsAtSteps(Worker& worker) const {
-    const JointMotion& motion = worker.motion;
-    double length = 0.0;
-    for (std::size_t i = 0; i < motion.from.size(); ++i) {
-      length = std::max(length, std::abs(motion.to[i] - motion.from[i]));
-    }
-    const bool may_leave_out = settings_.only_moved || !settings_.nearer.empty();
-    if (may_leave_out || !(length <= LONGEST_SAMPLED)) return false;
-    if (meetsAt(worker, 1.0)) return true;
-    for (double part = 1.0; part * length > FIRST_STEP; part *= 0.5) {
-      for (double fraction = 0.5 * part; fraction < 1.0; fraction += part) {
-        if (meetsAt(worker, fraction)) return true;
-      }
-    }
-    return false;
-  }
-
-  bool meetsAt(Worker& worker, double fraction) const {
-    const JointMotion& motion = worker.motion;
-    worker.at.positions = motion.to;
-    for (std::size_t i = 0; fraction < 1.0 && i < motion.to.size(); ++i) {
-      worker.at.positions[i] = motion.from[i] + fraction * (motion.to[i] - motion.from[i]);
-    }
-    CheckSettings settings;
-    settings.fidelity = settings_.fidelity;
-    settings.verdict_only = true;
-    return worker.at.check(settings, workers_.voxels()).verdict == Verdict::COLLISION;
-  }
 
   /// Without `from_start` only 1 is of interest.
   double freeUntil(const ompl::base::State* from, const ompl::base::State* to,
@@ -268,7 +230,6 @@ class OmplMotionValidator : public ompl::base::MotionValidator {
         [&](Worker& worker) {
           workers_.read(from, worker.motion.from);
           workers_.read(to, worker.motion.to);
-          if (!from_start && meetsAtSteps(worker)) return 0.0;
           return worker.check.check(worker.motion, settings, {}, workers_.voxels()).free_until;
         },
         0.0);

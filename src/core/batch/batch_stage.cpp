@@ -85,7 +85,12 @@ std::size_t BatchStage::memory() const {
   return model_.memory() + solids_.memory() + fields_.size() * StaticField::memory();
 }
 
-BatchStage::Group::Group(const BatchStage& stage) : stage_(stage), tables_(stage.model_.tables()) {
+BatchStage::Group::Group(const BatchStage& stage)
+    : stage_(stage),
+      tables_(stage.model_.tables()),
+      pairs_(stage.model_.pairs),
+      beside_static_(stage.beside_static_) {
+  tables_.pairs = pairs_.data();
   const auto nb_lanes = static_cast<std::size_t>(lanes());
   positions_.resize(std::max<std::size_t>(1, stage.model_.columns.size()) * nb_lanes);
   const std::size_t nb_spheres = stage.model_.spheres.size();
@@ -113,17 +118,15 @@ void BatchStage::Group::addTable(const BatchPair& pair) {
   }
 }
 
-unsigned BatchStage::Group::lookUp(void* group, int pair, unsigned lanes, unsigned* certain) {
-  auto& self = *static_cast<Group*>(group);
-  PairTable& table = *self.pair_tables_[static_cast<std::size_t>(pair)];
-  const auto [first, second] = self.table_columns_[static_cast<std::size_t>(pair)];
+unsigned BatchStage::Group::lookUp(int pair, unsigned lanes, unsigned* certain) {
+  PairTable& table = *pair_tables_[static_cast<std::size_t>(pair)];
+  const auto [first, second] = table_columns_[static_cast<std::size_t>(pair)];
   unsigned open = 0;
   forEachLane(lanes, [&](int lane) {
     const auto position = [&](int column) {
-      return column < 0 ? 0.0
-                        : self.positions_[static_cast<std::size_t>(column * self.lanes() + lane)];
+      return column < 0 ? 0.0 : positions_[static_cast<std::size_t>(column * this->lanes() + lane)];
     };
-    const PairTable::Cell cell = table.at(position(first), position(second), self.narrow_phase_);
+    const PairTable::Cell cell = table.at(position(first), position(second), narrow_phase_);
     if (cell == PairTable::Cell::OPEN) open |= 1u << lane;
     if (cell == PairTable::Cell::CONTACT) *certain |= 1u << lane;
   });
@@ -157,7 +160,10 @@ BatchLanes BatchStage::Group::arrays() {
   float* const poses = floats_.data() + beside;
   float* const centers =
       poses + 12 * stage_.model_.bodies.size() * static_cast<std::size_t>(lanes());
-  return {positions_.data(), poses, centers, placed_.data(), group_, &lookUp, this};
+  const auto look_up = [](void* group, int pair, unsigned of_lanes, unsigned* certain) {
+    return static_cast<Group*>(group)->lookUp(pair, of_lanes, certain);
+  };
+  return {positions_.data(), poses, centers, placed_.data(), group_, look_up, this};
 }
 
 void BatchStage::Group::settle() {
@@ -176,6 +182,7 @@ void BatchStage::Group::settle() {
   stage_.kernel_.place(tables_, arrays());
   unsigned lanes = set_;
   lanes &= ~settlePairs(lanes);
+  if (one_contact_will_do_ && lanes != set_) return;
   lanes &= ~settleStatic(lanes);
   for (int i = 0; i < nb_open_; ++i) lanes &= ~open_[static_cast<std::size_t>(i)].lanes;
   for (const OpenTree& open : open_static_) lanes &= ~open.lanes;
@@ -198,11 +205,12 @@ unsigned BatchStage::Group::settlePairs(unsigned lanes) {
 
 unsigned BatchStage::Group::settleStatic(unsigned lanes) {
   unsigned in_contact = 0;
-  for (const BesideStatic& beside : stage_.beside_static_) {
+  for (const BesideStatic& beside : beside_static_) {
     unsigned open = openBesideStatic(beside, lanes & ~in_contact);
     if (open == 0) continue;
     const unsigned touching = contactWithStatic(beside, open);
     in_contact |= touching;
+    if (one_contact_will_do_ && touching != 0) return touching;
     if (open != touching) open_static_.push_back({beside.tree, open & ~touching});
   }
   return in_contact;
@@ -228,7 +236,8 @@ unsigned BatchStage::Group::openBesideStatic(const BesideStatic& beside, unsigne
     const float* const centers = centersOf(step.sphere);
     const double reach = sphere.radius + beside.outer_padding + MARGIN;
     const auto above = std::nextafter(static_cast<float>(reach), std::numeric_limits<float>::max());
-    unsigned near = step.lanes & ~stage_.kernel_.further(tables_, arrays(), step.sphere, grid, above);
+    unsigned near =
+        step.lanes & ~stage_.kernel_.further(tables_, arrays(), step.sphere, grid, above);
     forEachLane(near, [&](int lane) {
       if (field.isFurther(pointOf(centers, this->lanes(), lane), reach)) near &= ~(1u << lane);
     });
@@ -257,6 +266,7 @@ unsigned BatchStage::Group::contactWithStatic(const BesideStatic& beside, unsign
       outcomes_[lane] = Outcome::CONTACT;
       contacts_[lane] = {element, stage_.model_.element_of[static_cast<std::size_t>(beside.tree)]};
     });
+    if (one_contact_will_do_ && in_contact != 0) break;
   }
   return in_contact;
 }

@@ -29,6 +29,8 @@ class BatchStage {
 
   /// The data of one thread.
   class Group;
+  /// The same for straight motions: edge_group.h.
+  class EdgeGroup;
 
   const BatchModel& model() const { return model_; }
   Fidelity fidelity() const { return fidelity_; }
@@ -59,6 +61,9 @@ class BatchStage {
 class BatchStage::Group {
  public:
   explicit Group(const BatchStage& stage);
+  virtual ~Group() = default;
+  Group(const Group&) = delete;
+  Group& operator=(const Group&) = delete;
   int lanes() const { return stage_.kernel_.lanes; }
 
   /// Begins a group of states.
@@ -79,28 +84,24 @@ class BatchStage::Group {
   void openPairs(int lane, std::vector<BoxPair>& pairs) const;
   void openBesideStatic(int lane, std::vector<std::uint32_t>& elements) const;
 
- private:
+ protected:
   struct OpenTree {
     int tree;
     unsigned lanes;
   };
-  BatchLanes arrays();
-  static unsigned lookUp(void* group, int pair, unsigned lanes, unsigned* certain);
-  const float* centersOf(int sphere);
+  /// BatchLanes::look_up.
+  virtual unsigned lookUp(int pair, unsigned lanes, unsigned* certain);
+
   BoxPair elementsOf(int pair) const;
-  void addTable(const BatchPair& pair);
-  // Return those of `lanes` that are certainly in contact; open pairs are recorded.
-  unsigned settlePairs(unsigned lanes);
-  unsigned settleStatic(unsigned lanes);
-  unsigned openBesideStatic(const BesideStatic& beside, unsigned lanes);
-  unsigned contactWithStatic(const BesideStatic& beside, unsigned lanes);
 
   const BatchStage& stage_;
+  /// A contact in one lane ends settle(): the outcomes of the others are then unknown.
+  bool one_contact_will_do_ = false;
   BatchTables tables_;
+  std::vector<BatchPair> pairs_;             // the model's, with this group's outer paddings
+  std::vector<BesideStatic> beside_static_;  // the stage's, likewise
   std::vector<double> positions_;
-  std::vector<float> floats_;  // poses, then centres; aligned
-  std::vector<unsigned> placed_;
-  unsigned group_ = 0, set_ = 0;
+  unsigned set_ = 0;
   std::vector<std::unique_ptr<PairTable>> pair_tables_;  // by pair; null: no table
   std::vector<std::array<int, 2>> table_columns_;        // of the joints of the table
   NarrowPhase narrow_phase_;
@@ -109,6 +110,20 @@ class BatchStage::Group {
   int nb_open_ = 0;
   Outcome outcomes_[MOST_BATCH_LANES];
   BoxPair contacts_[MOST_BATCH_LANES];
+
+ private:
+  BatchLanes arrays();
+  const float* centersOf(int sphere);
+  void addTable(const BatchPair& pair);
+  // Return those of `lanes` that are certainly in contact; open pairs are recorded.
+  unsigned settlePairs(unsigned lanes);
+  unsigned settleStatic(unsigned lanes);
+  unsigned openBesideStatic(const BesideStatic& beside, unsigned lanes);
+  unsigned contactWithStatic(const BesideStatic& beside, unsigned lanes);
+
+  std::vector<float> floats_;  // poses, then centres; aligned
+  std::vector<unsigned> placed_;
+  unsigned group_ = 0;
 };
 
 }  // namespace collision_pairs

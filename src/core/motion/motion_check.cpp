@@ -3,25 +3,22 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <limits>
-#include <set>
 #include <string>
 #include <utility>
 
-#include "collision_pairs/collision_detector.h"
-#include "collision_pairs/input_error.h"
+#include "edge_stage.h"
+#include "exact_configuration.h"
 #include "infinity.h"
 #include "motion_pairs.h"
 #include "motion_state.h"
 #include "open_intervals.h"
 #include "pair_certifier.h"
 #include "pair_clearances.h"
+#include "uncertified_pairs.h"
 #include "unknown_because.h"
 
 namespace collision_pairs {
 namespace {
-
-constexpr std::uint32_t ALL_STATIC = std::numeric_limits<std::uint32_t>::max();
 
 // Elements are compared with static ones once their motion is at most the radius of the largest
 // one; before that their swept boxes would overlap nearly everything.
@@ -35,23 +32,6 @@ constexpr double SWEEP_BEYOND_MOTION = 0.25, SWEEP_BEYOND_SIZE = 0.05;
 constexpr std::uint32_t MOST_CHECKS = 300'000;
 constexpr std::size_t MOST_OPEN_PAIRS = 1'000'000;
 
-void requireNotNegative(const std::string& what, double value, const std::string& unit) {
-  if (value >= 0.0 && std::isfinite(value)) return;
-  throw InputError("the " + what + " is " + std::to_string(value) + ", but must be 0 or more " +
-                   unit + ", and finite");
-}
-
-void checkSettings(const MotionSettings& settings) {
-  requireNotNegative("clearance", settings.clearance, "metres");
-  requireNotNegative("clearance between links", settings.between_links.value_or(0.0), "metres");
-  requireNotNegative("clearance beside objects", settings.beside_objects, "metres");
-  requireNotNegative("time budget", settings.time_budget, "seconds");
-  if (!(settings.resolution > 0.0) || !std::isfinite(settings.resolution)) {
-    throw InputError("the resolution is " + std::to_string(settings.resolution) +
-                     ", but must be more than 0 metres, and finite");
-  }
-}
-
 }  // namespace
 
 class MotionCheck::Search {
@@ -62,13 +42,14 @@ class MotionCheck::Search {
         state_(*scene, pairs_),
         certifier_(*scene, state_),
         clearances_(*scene),
-        detector_(scene) {}
+        exact_(scene, state_, clearances_),
+        stage_(EdgeStage::of(scene)),
+        uncertified_(*scene, pairs_) {}
 
   const MotionReport& run(const JointMotion& motion, const MotionSettings& settings,
                           const PlacedBodies& placed, const CloudVoxels& voxels,
                           const std::vector<std::string>& doubts) {
     start_ = std::chrono::steady_clock::now();
-    checkSettings(settings);
     settings_ = settings;
     report_ = {};
     report_.unchecked = scene_.unchecked();
@@ -79,20 +60,18 @@ class MotionCheck::Search {
     clearance_ = INF;
     free_until_ = scene_.mayBeFree(report_.unchecked) ? 1.0 : 0.0;
     uncertified_.clear();
-    beside_static_noted_.assign(scene_.elements().size(), 0);
-    poses_.voxels = voxels;
+    exact_.begin(settings_, voxels);
     certifier_.begin(settings, voxels);
     state_.begin(motion, placed);
     intervals_.clear();
-    bool is_open = lookAtAll();
-    while (is_open && !intervals_.isEmpty()) {
-      Interval interval = intervals_.pop();
-      const bool goes_on = report_.nb_checks < MOST_CHECKS &&
-                           intervals_.nbPairs() < MOST_OPEN_PAIRS &&
-                           interval.begin < relevantUntil() && !isTimeOver();
-      is_open = goes_on ? look(interval) : giveUp(interval);
-    }
+    setSize();
+    const bool may_use_stage =
+        EdgeStage::maySettle(settings, motion, placed) && report_.unchecked.empty();
+    if (may_use_stage && !edge_ && stage_->isMade()) edge_ = stage_->makeGroup();
+    const bool is_settled = may_use_stage && edge_ && settleByStage();
+    if (!is_settled && lookAtAll()) lookAtOpen();
     finishReport(doubts);
+    if (may_use_stage && !edge_) stage_->count(report_);
     report_.seconds = secondsSpent();
     return report_;
   }
@@ -106,20 +85,63 @@ class MotionCheck::Search {
   // All of these return false if the search ends: a contact was found, or with only_free a pair
   // that cannot be certified.
 
+  /// What the stage leaves open is searched, with the clearance that all else keeps: so whether the
+  /// motion is FREE does not depend on what has been asked before. False if it is not certified so.
+  bool settleByStage() {
+    using Outcome = BatchStage::EdgeGroup::Outcome;
+    const Outcome outcome = edge_->settle(state_.from(), state_.to());
+    report_.nb_checks += static_cast<std::uint32_t>(edge_->nbConfigurations());
+    if (outcome == Outcome::CONTACT) {
+      const auto& elements = scene_.elements();
+      const auto [first, second] = edge_->contact();
+      at_ = edge_->contactAt();
+      noteContact({std::minmax(elements[first].model, elements[second].model)});
+      return true;
+    }
+    if (outcome == Outcome::OPEN && meetsAtSteps()) return true;
+    for (const OpenPair& open : openPairsOf(*edge_, scene_, pairs_)) {
+      Interval interval;
+      intervals_.addPair(open, interval);
+      intervals_.push(interval);
+    }
+    beyond_ = PairTable::APART;
+    lookAtOpen();
+    beyond_ = 0.0;
+    if (report_.verdict == Verdict::COLLISION || uncertified_.models().empty()) return true;
+    intervals_.clear();
+    uncertified_.clear();
+    return false;
+  }
+
+  void lookAtOpen() {
+    bool is_open = true;
+    while (is_open && !intervals_.isEmpty()) {
+      Interval interval = intervals_.pop();
+      const bool goes_on = report_.nb_checks < MOST_CHECKS &&
+                           intervals_.nbPairs() < MOST_OPEN_PAIRS &&
+                           interval.begin < relevantUntil() && !isTimeOver();
+      is_open = goes_on ? look(interval) : giveUp(interval);
+    }
+  }
+
+  void setSize() {
+    size_ = settings_.resolution;
+    for (const std::uint32_t element : pairs_.beside_static) {
+      const double radius = scene_.elements()[element].box_half.norm();
+      if (radius < INF) size_ = std::max(size_, radius);
+    }
+  }
+
   /// At the middle of the segment; the cheapest check first.
   bool lookAtAll() {
+    const bool samples = settings_.only_free && !settings_.only_moved && !settings_.from_start;
+    if (samples && meetsAtSteps()) return false;
     moveTo(0.0, 1.0);
-    if (!settings_.only_moved && meetsAnything(true) && confirmContact() && !settings_.from_start) {
-      return false;
-    }
-    size_ = settings_.resolution;
+    const bool looks = !samples && !settings_.only_moved;
+    if (looks && exact_.meets(true) && confirmContact() && !settings_.from_start) return false;
     Interval before, after;
     OpenPair open;
     open.clearance = settings_.clearance + settings_.beside_objects;
-    for (const std::uint32_t element : pairs_.beside_static) {
-      const double radius = state_.sphere(element).radius;
-      if (radius < INF) size_ = std::max(size_, radius);
-    }
     for (const std::uint32_t element : pairs_.beside_static) {
       if (settings_.only_moved && !state_.moves(element)) continue;
       open.pair = {element, ALL_STATIC};
@@ -167,20 +189,12 @@ class MotionCheck::Search {
     return settings_.time_budget > 0.0 && secondsSpent() >= settings_.time_budget;
   }
 
-  bool goesOn() const { return !settings_.only_free || uncertified_.empty(); }
+  bool goesOn() const { return !settings_.only_free || uncertified_.models().empty(); }
 
   /// From that fraction on. Returns goesOn().
   bool noteUncertified(const BoxPair& pair, double begin) {
     free_until_ = std::min(free_until_, begin);
-    const std::uint32_t model = scene_.elements()[pair.first].model;
-    if (pair.second != ALL_STATIC) {
-      uncertified_.insert(std::minmax(model, scene_.elements()[pair.second].model));
-    } else if (std::exchange(beside_static_noted_[pair.first], 1) == 0) {
-      for (std::uint32_t other = 0; other < scene_.models().size() && goesOn(); ++other) {
-        if (!pairs_.static_pairs.allowed(model, other)) continue;
-        uncertified_.insert(std::minmax(model, other));  // all, or the first: they may be many
-      }
-    }
+    uncertified_.note(pair, settings_.only_free);
     return goesOn();
   }
 
@@ -259,40 +273,23 @@ class MotionCheck::Search {
     return true;
   }
 
-  /// The exact check of this configuration.
-  bool meetsAnything(bool verdict_only) {
-    state_.gatherPoses(poses_);
-    CheckSettings exact;
-    exact.alarm_distance = 0.0;
-    exact.fidelity = settings_.fidelity;
-    exact.verdict_only = verdict_only;
-    if (clearances_.leavesOutSome() || settings_.only_moved) {
-      exact.may_ignore = [this](auto first, auto second) {
-        return clearances_.leavesOut(first, second) ||
-               (settings_.only_moved && !state_.movesModels(first, second));
-      };
-    }
-    const CollisionReport& found = detector_.detect(poses_, exact);
-    for (const std::uint32_t model : found.left_out) {
-      if (scene_.cloudOf(scene_.models()[model].first_element) < 0) refuseBox(model);
-    }
-    return found.verdict == Verdict::COLLISION;
-  }
-
   bool confirmContact() {
-    if (!meetsAnything(false)) return false;
-    report_.verdict = Verdict::COLLISION;
-    report_.contact_at = at_;
-    free_until_ = std::min(free_until_, settings_.from_start ? at_ : 0.0);
-    report_.pairs.clear();
-    for (const PairReport& pair : detector_.report().pairs) {
-      if (pair.state == PairState::CONTACT) report_.pairs.emplace_back(pair.first, pair.second);
-    }
+    if (!exact_.meets(false)) return false;
+    noteContact(exact_.pairs());
     return true;
   }
 
-  [[noreturn]] void refuseBox(std::uint32_t model) const {
-    throw InputError("link " + whyNoBox(scene_.models()[model].name));
+  bool meetsAtSteps() {
+    if (!exact_.meetsAtSteps(at_, report_.nb_checks)) return false;
+    noteContact(exact_.pairs());
+    return true;
+  }
+
+  void noteContact(std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs) {
+    report_.verdict = Verdict::COLLISION;
+    report_.contact_at = at_;
+    report_.pairs = std::move(pairs);
+    free_until_ = std::min(free_until_, settings_.from_start ? at_ : 0.0);
   }
 
   bool isReadyToSweep(OpenPair& open) {
@@ -304,7 +301,7 @@ class MotionCheck::Search {
     const double speed = twist.v.norm() + twist.omega.norm() * state_.sphere(element).radius;
     const double growth =
         std::min(bound.speed * length, speed * length + 0.5 * bound.acceleration * length * length);
-    if (!(growth < INF) && length > 0.0) refuseBox(scene_.elements()[element].model);
+    if (!(growth < INF) && length > 0.0) refuseBox(scene_, scene_.elements()[element].model);
     if (growth > MOTION_TO_SWEEP * size_) return false;
     swept_.push_back({open, ROUNDED_UP * (growth + bound.deviation) + bound.rounding});
     return true;
@@ -314,7 +311,7 @@ class MotionCheck::Search {
   bool sweep(Interval& before, Interval& after) {
     double most = 0.0;
     for (const Swept& swept : swept_) most = std::max(most, swept.growth);
-    const double reach = settings_.clearance + settings_.beside_objects +
+    const double reach = settings_.clearance + settings_.beside_objects + beyond_ +
                          std::max(SWEEP_BEYOND_MOTION * most, SWEEP_BEYOND_SIZE * size_);
     clearance_ = std::min(clearance_, reach);
     sweep_.begin(reach, &scene_.staticBoxes(), &pairs_.static_pairs);
@@ -327,7 +324,7 @@ class MotionCheck::Search {
     }
     const std::vector<BoxPair>& found = sweep_.end();
     for (const std::uint32_t refused : sweep_.refused()) {
-      refuseBox(scene_.elements()[sweptAs(refused).pair.first].model);
+      refuseBox(scene_, scene_.elements()[sweptAs(refused).pair.first].model);
     }
     for (const auto& [fixed, moving] : found) {
       OpenPair open = sweptAs(moving);
@@ -336,6 +333,7 @@ class MotionCheck::Search {
       open.pair = in_order ? BoxPair{fixed, open.pair.first} : BoxPair{open.pair.first, fixed};
       open.clearance = clearances_.of(open.pair, true);
       if (open.clearance < 0.0) continue;
+      open.clearance += beyond_;
       if (!settle(open, before, after)) return false;
     }
     return true;
@@ -352,18 +350,15 @@ class MotionCheck::Search {
     report_.free_until = is_known ? std::min(free_until_, std::nextafter(1.0, 0.0)) : 0.0;
     const bool is_in_contact = report_.verdict == Verdict::COLLISION;
     if (!is_in_contact) {
-      report_.pairs.assign(uncertified_.begin(), uncertified_.end());
-      std::vector<std::string> names;
-      for (const auto& [first, second] : report_.pairs) {
-        names.push_back(pairName(scene_, first, second));
-      }
+      report_.pairs.assign(uncertified_.models().begin(), uncertified_.models().end());
+      const std::vector<std::string> names = uncertified_.names();
       report_.unknown_because = unknownBecause(
           scene_, report_.unchecked, {{"motions that could not be certified", names}}, doubts);
     }
     report_.verdict = verdictOf(is_in_contact, !report_.unknown_because.empty());
     if (report_.verdict != Verdict::FREE) return;
     report_.free_until = 1.0;
-    report_.clearance = clearance_;
+    report_.clearance = settings_.only_free ? settings_.clearance : clearance_;
   }
 
   const CollisionScene& scene_;
@@ -371,19 +366,20 @@ class MotionCheck::Search {
   MotionState state_;
   PairCertifier certifier_;
   PairClearances clearances_;
-  CollisionDetector detector_;
+  ExactConfiguration exact_;
+  const std::shared_ptr<EdgeStage> stage_;
+  std::unique_ptr<BatchStage::EdgeGroup> edge_;  // null until the stage is made
   SweepAndPrune sweep_;
-  BodyPoses poses_;
 
   MotionSettings settings_;
   std::chrono::steady_clock::time_point start_;
   MotionReport report_;
-  std::set<std::pair<std::uint32_t, std::uint32_t>> uncertified_;  ///< models
-  std::vector<char> beside_static_noted_;  ///< by element: noted with all static elements
-  double clearance_ = INF;                 ///< certified so far
-  double free_until_ = 1.0;                ///< from there on some pair is not certified
-  double size_ = 0.0;  ///< metres, of the largest element with static ones near it
-  double at_ = 0.0;    ///< the current configuration
+  UncertifiedPairs uncertified_;
+  double clearance_ = INF;   ///< certified so far
+  double free_until_ = 1.0;  ///< from there on some pair is not certified
+  double beyond_ = 0.0;      ///< metres that static elements keep beyond their clearance
+  double size_ = 0.0;        ///< metres, of the largest element with static ones near it
+  double at_ = 0.0;          ///< the current configuration
   OpenIntervals intervals_;
   std::vector<Swept> swept_;
 };

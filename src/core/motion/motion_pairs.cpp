@@ -7,14 +7,6 @@
 namespace collision_pairs {
 namespace {
 
-int lastCommonBody(const std::vector<Body>& bodies, int a, int b) {
-  while (a != b) {  // a parent always comes before its children
-    int& later = a > b ? a : b;
-    later = bodies[later].parent;
-  }
-  return a;
-}
-
 bool isStatic(const CollisionScene& scene, std::uint32_t model) {
   const CollisionModel& of_scene = scene.models()[model];
   return of_scene.body < 0 && scene.cloudOf(of_scene.first_element) < 0;
@@ -55,8 +47,7 @@ MotionPairs::MotionPairs(const CollisionScene& scene) : static_pairs(withStaticO
     for (std::uint32_t j = i + 1; j < elements.size(); ++j) {
       if (!scene.filter().allowed(model, elements[j].model)) continue;
       const bool in_order = model < elements[j].model;
-      pairs.push_back(
-          {in_order ? i : j, in_order ? j : i, lastCommonBody(bodies, body_of[i], body_of[j])});
+      pairs.push_back({in_order ? i : j, in_order ? j : i, frameOf(scene.robot(), {i, j})});
     }
     for (std::uint32_t m = 0; m < models.size(); ++m) {
       if (!isStatic(scene, m) || !scene.filter().allowed(model, m)) continue;
@@ -64,6 +55,15 @@ MotionPairs::MotionPairs(const CollisionScene& scene) : static_pairs(withStaticO
       break;
     }
   }
+}
+
+int MotionPairs::frameOf(const RobotModel& robot, const BoxPair& pair) const {
+  int a = body_of[pair.first], b = body_of[pair.second];
+  while (a != b) {  // a parent always comes before its children
+    int& later = a > b ? a : b;
+    later = robot.bodies()[later].parent;
+  }
+  return a;
 }
 
 }  // namespace collision_pairs

@@ -20,6 +20,7 @@ struct MotionPairs {
     int frame;  ///< the last body of the robot that carries both; -1: only W does
   };
   std::vector<Pair> pairs;
+  int frameOf(const RobotModel& robot, const BoxPair& pair) const;
 
   /// Moving elements that are checked against something static; the filter has only these pairs.
   std::vector<std::uint32_t> beside_static;

@@ -134,6 +134,14 @@ bool MotionState::movesModels(std::uint32_t first, std::uint32_t second) {
   });
 }
 
+double MotionState::length() const {
+  double length = 0.0;
+  for (std::size_t i = 0; i < from_.size(); ++i) {
+    length = std::max(length, std::abs(to_[i] - from_[i]));
+  }
+  return length;
+}
+
 void MotionState::moveTo(double at, double half_width) {
   at_ = at;
   half_width_ = half_width;

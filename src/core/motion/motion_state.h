@@ -51,6 +51,11 @@ class MotionState {
   /// The configuration at fraction `at`; bounds are for all fractions within `half_width` of it.
   void moveTo(double at, double half_width);
 
+  /// The ends of the line, mimic joints applied, and the most that a joint moves on it (rad or m).
+  const std::vector<double>& from() const { return from_; }
+  const std::vector<double>& to() const { return to_; }
+  double length() const;
+
   /// True if joints between W and the element move.
   bool moves(std::uint32_t element) const { return elements_[element].moves; }
   const BoundingSphere& sphere(std::uint32_t element) {

@@ -9,6 +9,11 @@
 // - motion_state: where are the elements at that configuration, and how fast can they move?
 // - pair_certifier: how far around it is a pair free? By spheres, boxes, hulls, then triangles.
 // - pair_clearances: how near may it come?
+// - exact_configuration: is anything touched at that configuration?
+// - uncertified_pairs: which pairs are not free?
+// - edge_stage: where only FREE is of interest, the batch stage settles most motions, and the
+// search
+//   has to look only at what it leaves open.
 // - plane_bound.h: how long does a plane separate two moving convex bodies?
 #pragma once
 

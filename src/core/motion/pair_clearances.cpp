@@ -7,8 +7,29 @@
 #include "ignored_pairs.h"
 
 namespace collision_pairs {
+namespace {
+
+void requireNotNegative(const std::string& what, double value, const std::string& unit) {
+  if (value >= 0.0 && std::isfinite(value)) return;
+  throw InputError("the " + what + " is " + std::to_string(value) + ", but must be 0 or more " +
+                   unit + ", and finite");
+}
+
+void requireInRange(const MotionSettings& settings) {
+  requireNotNegative("clearance", settings.clearance, "metres");
+  requireNotNegative("clearance between links", settings.between_links.value_or(0.0), "metres");
+  requireNotNegative("clearance beside objects", settings.beside_objects, "metres");
+  requireNotNegative("time budget", settings.time_budget, "seconds");
+  if (!(settings.resolution > 0.0) || !std::isfinite(settings.resolution)) {
+    throw InputError("the resolution is " + std::to_string(settings.resolution) +
+                     ", but must be more than 0 metres, and finite");
+  }
+}
+
+}  // namespace
 
 void PairClearances::begin(const MotionSettings& settings, const PlacedBodies& placed) {
+  requireInRange(settings);
   settings_ = &settings;
   left_out_.clear();
   const std::size_t nb_models = scene_.models().size();

@@ -10,7 +10,8 @@ namespace collision_pairs {
 
 class PairClearances {
  public:
-  /// Both must outlive this; begin() with the settings of each check.
+  /// Both must outlive this; begin() with the settings of each check: throws InputError for those
+  /// out of range.
   explicit PairClearances(const CollisionScene& scene) : scene_(scene) {}
   void begin(const MotionSettings& settings, const PlacedBodies& placed);
 
