@@ -3,6 +3,7 @@
 Each is one line of one file, changed in one place by one of OPERATORS. Lines are drawn with equal probability among
 those that any operator can change, so layers are met in proportion to their size; then the operator, then the place.
 """
+import fnmatch
 import glob
 import os
 import random
@@ -107,10 +108,11 @@ def changes(code):
     return {name: places for name, places in found.items() if places}
 
 
-def draw(root, seed):
+def draw(root, seed, files=("*",)):
     """Yields (file, row from 0, line, changed line, operator), without end repeated but for lines drawn before."""
     paths = sorted(path for ending in ("cpp", "h") for top in ("src", "include")
-                   for path in glob.glob(os.path.join(root, top, "**", "*." + ending), recursive=True))
+                   for path in glob.glob(os.path.join(root, top, "**", "*." + ending), recursive=True)
+                   if any(fnmatch.fnmatch(os.path.relpath(path, root), pattern) for pattern in files))
     lines = []
     for path in paths:
         with open(path, encoding="utf-8") as file:

@@ -11,6 +11,7 @@
 namespace collision_pairs {
 namespace test_monitor {
 
+using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
@@ -218,6 +219,27 @@ TEST_F(TheMonitor, DoubtsALinkThatIsBehindOneThatIsInDoubt) {
     const Snapshot snapshot = monitor.at(monitor.scenes().active());
     EXPECT_THAT(snapshot.poses.doubts, testing::Contains(HasSubstr("link 'a'"))) << are_two;
   }
+}
+
+/// Who says that the root hangs on a link makes a cycle.
+TEST_F(TheMonitor, KnowsNoLinkOfACycleWhereAllThatIsKnownStands) {
+  loadStanding();
+  for (const char* const link : {"a", "b", "c"}) publish(link, 0.0, 2.0 * (link[0] - 'a'), true);
+  ASSERT_EQ(check().report.verdict, Verdict::FREE);
+  monitor_.take(transformOf("a", "root", ros::Time(999.9), 50.0), false, "calibration");
+  EXPECT_THAT(check().report.unknown_because, Contains(HasSubstr("form a cycle")));
+}
+
+TEST_F(TheMonitor, PlacesNoLinkInDoubtByTheRootThatHangsOnIt) {
+  slide("b", 2.0, 0.0);
+  slide("c", 4.0, 0.0);
+  for (const double stamp : {999.7, 999.8, 1000.0}) publish("a", stamp, 0.0);
+  ASSERT_EQ(check().report.verdict, Verdict::FREE);
+  monitor_.take(transformOf("root", "a", ros::Time(999.9), -20.0), false, "another");
+  for (const double stamp : {999.9, 1000.0}) {
+    monitor_.take(transformOf("a", "root", ros::Time(stamp), 50.0), false, "calibration");
+  }
+  EXPECT_EQ(check().report.verdict, Verdict::UNKNOWN);
 }
 
 TEST_F(TheMonitor, SaysThatNothingIsKnownBeforeTheFirstClock) {

@@ -85,7 +85,8 @@ TEST(MonitorSimulation, NothingThatTouchesOrIsNotKnownIsFreeAndWhatIsSoundIsSoon
     if (outcome.violation.empty()) continue;
     const bool while_sound = run(setup, events, false).violation.empty();
     const auto fewest = shrunk(setup, events, while_sound);
-    FAIL() << "seed " << seed << ": " << outcome.violation << "\nfewest events (" << fewest.size()
+    FAIL() << "seed " << seed << ", after " << nb_events << " events: " << outcome.violation
+           << "\nfewest events (" << fewest.size()
            << "): " << run(setup, fewest, while_sound).violation << '\n'
            << printed(fewest);
   }

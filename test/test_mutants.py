@@ -16,9 +16,9 @@ def test_each_mistake_of_the_list_still_has_its_line():
         assert len(listed.stdout.splitlines()) == file.read().count("\n- line: ")
 
 
-def drawn(number, seed):
+def drawn(number, seed, *options):
     listed = subprocess.run([os.path.join(PROJECT, "scripts", "mutate"), "--list", "--random", str(number), "--seed",
-                             str(seed)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, timeout=60)
+                             str(seed), *options], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, timeout=60)
     assert listed.returncode == 0, listed.stderr
     return listed.stdout
 
@@ -28,6 +28,12 @@ def test_a_seed_draws_the_same_mistakes_again_and_another_seed_others():
     assert drawn(50, 1) == sample
     assert drawn(50, 2) != sample
     assert drawn(10, 1) == "".join(sample.splitlines(keepends=True)[:30])
+
+
+def test_a_sample_can_be_of_some_files():
+    mistakes = drawn(50, 1, "--files", "src/monitor/*", "src/transforms/stamps.*").splitlines()[::3]
+    assert len(mistakes) == 50
+    assert {os.path.dirname(mistake.split()[1]) for mistake in mistakes} == {"src/monitor", "src/transforms"}
 
 
 def changes(code):

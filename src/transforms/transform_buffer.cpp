@@ -154,12 +154,31 @@ FrameWays::FrameWays(const TransformBuffer& buffer, int target, const Instant& i
   Way way;
   way.is_known = true;
   StampNs stamp;
-  for (int frame = target, parent; ways_.try_emplace(frame, way).second; frame = parent) {
-    if (!step(frame, stamp, parent)) return;
-    way.pass(stamp);
+  bool is_known = true;
+  for (int frame = target, parent = -1, i = 0; i <= static_cast<int>(DEEPEST_TREE); ++i) {
+    const bool is_met = is_known ? !ways_.try_emplace(frame, way).second : ways_.count(frame) > 0;
+    if (is_met) {  // a cycle: round it, what hangs on the target would be what it hangs on
+      ways_.clear();
+      return;
+    }
+    is_known = is_known && step(frame, stamp, parent);
+    if (is_known) {
+      way.pass(stamp);
+    } else {
+      parent = lastParent(frame);
+    }
+    if (parent < 0) return;
+    frame = parent;
   }
-  // A cycle: round it, what hangs on the target would be what it hangs on.
-  ways_.clear();
+}
+
+int FrameWays::lastParent(int frame) const {
+  const TransformGate& gate = buffer_.gate();
+  if (!gate.isHeard(frame)) return -1;
+  const StampNs at = gate.newestAt(frame, instant_.stamp);
+  if (at == NEVER) return buffer_.parentAt(frame, instant_.stamp);
+  const bool is_old = at == EVER_SINCE || instant_.stamp - at > buffer_.limits().max_age;
+  return is_old ? -1 : buffer_.parentAt(frame, at);
 }
 
 bool FrameWays::step(int frame, StampNs& stamp, int& parent) const {

@@ -120,6 +120,8 @@ class FrameWays {
  private:
   /// False: it is not known.
   bool step(int frame, StampNs& stamp, int& parent) const;
+  /// On what a frame hung, known or in doubt, when it was last heard of; -1: that is too long ago.
+  int lastParent(int frame) const;
   /// The last ancestor that can be reached; -1: they form a cycle.
   int lastAncestor(int frame) const;
 

@@ -17,6 +17,8 @@ struct SimulatedLink {
   Joint joint;
   Pose X_PJ;
   double radius;
+  bool is_static = false;  ///< published on /tf_static
+  bool is_listed = false;  ///< … as static_joints allows
 };
 
 inline std::string linkName(int link) {
@@ -25,10 +27,14 @@ inline std::string linkName(int link) {
   return name;
 }
 
+inline std::string jointName(int link) { return 'j' + std::to_string(link); }
+
 struct Scenario {
   std::vector<SimulatedLink> links;
   double max_pose_age = 1.0, max_transform_age = 1.0;  // s
   bool is_simulated = false, allow_paused = false;
+  double clock_begins = 0.0;  ///< s of wall time; before, ROS time is 0
+  int cycle_through = 0;      ///< link on which the root is hung by who makes a cycle
   bool has_cloud = false;
   int camera_on = -1;  ///< link; -1: the root
   Pose X_LC;
@@ -40,7 +46,9 @@ struct Event {
     PUBLISH,      ///< who: link; at: its joint, or where it floats
     REPEAT,       ///< the last of link `who`, by another node
     BREAK,        ///< what: kind of a transform that is not usable; of link `who`
-    LIE,          ///< what: 1: on /tf_static; another node says that link `who` is elsewhere
+    LIE,          ///< another node says that link `who` is elsewhere; what: 1: on /tf_static, 2: in
+                  ///< another parent, 3: that the root hangs on a link, which makes a cycle; 4: at
+                  ///< the stamp of a truth
     CAMERA,       ///< its mount, on /tf_static
     STEP_CLOCK,   ///< by `number` seconds
     RUN_CLOCK,    ///< at `number` times the speed
@@ -50,7 +58,8 @@ struct Event {
     CLEAR,        ///< all clouds
     SCENE_BEGIN,  ///< what: the change, or to load; who: object, or link to ignore
     SCENE_END,
-    JOINTS,  ///< joint states; what: 6: of link `who` alone, 7: not finite
+    JOINTS,   ///< joint states; what: 6: of link `who` alone, 7: not finite
+    REQUEST,  ///< what: of a stamp `number` from now, of joints at `at`, of a part of the scene
     NB_KINDS
   };
   Kind kind = WAIT;
@@ -89,6 +98,8 @@ class Generator {
       link.X_PJ = {0.0, std::pow(2.0, i), 0.0, 0.0};  // sums of powers of two differ
       if (link.joint == SimulatedLink::FLOATING) link.X_PJ = {};
       link.radius = 0.2 + 0.25 * real();
+      link.is_static = integer(8) == 0;
+      link.is_listed = integer(12) != 0;
       made.links.push_back(link);
     }
     const double ages[] = {1.0, 1.0, 0.4, 0.0}, gaps[] = {1.0, 0.5};
@@ -96,6 +107,11 @@ class Generator {
     made.max_transform_age = gaps[integer(2)];
     made.is_simulated = integer(2) == 0;
     made.allow_paused = integer(4) == 0;
+    if (made.is_simulated && integer(6) == 0) made.clock_begins = 1.5 * real();
+    made.cycle_through = integer(nb_links);
+    while (made.links[static_cast<std::size_t>(made.cycle_through)].joint == SimulatedLink::FIXED) {
+      made.cycle_through = made.links[static_cast<std::size_t>(made.cycle_through)].parent;
+    }
     made.has_cloud = integer(2) == 0;
     made.camera_on = integer(3) == 0 ? integer(nb_links) : -1;
     made.X_LC = {-3.0, 0.0, 0.0, 0.3};
@@ -104,7 +120,7 @@ class Generator {
 
   std::vector<Event> events(const Scenario& setup, int count) {
     // Each sequence has its own faults, and some have none.
-    double weights[Event::NB_KINDS] = {4, 60, 2, 3, 3, 1, 1, 1, 12, 16, 16, 1, 4, 4, 20};
+    double weights[Event::NB_KINDS] = {4, 60, 2, 3, 3, 1, 1, 1, 12, 16, 16, 1, 4, 4, 20, 12};
     for (const Event::Kind fault :
          {Event::BREAK, Event::LIE, Event::STEP_CLOCK, Event::RUN_CLOCK, Event::CAMERA}) {
       if (integer(2) == 0) weights[fault] = 0;
@@ -136,9 +152,11 @@ class Generator {
       event.number = integer(3) == 0 ? 0.0 : 2.0 * real() - 1.0;
       event.at = anywhere(spread);
       if (event.kind == Event::PUBLISH) {
+        const bool is_static = setup.links[static_cast<std::size_t>(event.who)].is_static;
         Pose& walk = walks[static_cast<std::size_t>(event.who)];
-        const Pose step = anywhere(integer(50) == 0 ? 2.0 : 0.1);
-        walk = {walk.x + step.x, walk.y + step.y, 0.9 * walk.z + step.z,
+        Pose step = anywhere(integer(50) == 0 ? 2.0 : 0.1);
+        if (is_static && integer(20) != 0) step = {};
+        walk = {walk.x + step.x, walk.y + step.y, (is_static ? 1.0 : 0.9) * walk.z + step.z,
                 walk.yaw + 0.05 * step.yaw};
         event.at = walk;
       }

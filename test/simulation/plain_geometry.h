@@ -29,6 +29,12 @@ inline Pose between(const Pose& a, const Pose& b, double share) {
           a.yaw + share * turn};
 }
 
+/// Metres, or radians where these are more.
+inline double distanceOf(const Pose& a, const Pose& b) {
+  const double turn = std::abs(std::remainder(b.yaw - a.yaw, 2.0 * M_PI));
+  return std::max(std::hypot(a.x - b.x, a.y - b.y, a.z - b.z), turn);
+}
+
 /// A ball, or an upright box with half edges.
 struct Solid {
   bool is_box = false;

@@ -3,13 +3,11 @@
 #include <cmath>
 #include <functional>
 
+#include "collision_pairs/occupied_voxels.h"
 #include "simulated_node.h"
 
 namespace simulation {
 namespace {
-
-constexpr double ROUNDING = 1e-6;  // m
-constexpr double SOURCE_TIMEOUT = 1.0;
 
 void mix(std::size_t& digest, std::size_t value) {
   digest = digest * 1099511628211u + value + 0x9e3779b97f4a7c15u;
@@ -23,12 +21,19 @@ void SimulatedNode::report() {
     detector_ = std::make_unique<CollisionDetector>(scene->scene);
   }
   const Snapshot snapshot = monitor_.at(scene);
-  report_ = detector_->detect(snapshot.poses, {});
+  const bool is_thorough = digest_ % 4 == 0;  // else a run takes twice as long
+  CheckSettings settings;
+  if (is_thorough) settings.alarm_distance = ALARM_DISTANCE;
+  report_ = detector_->detect(snapshot.poses, settings);
   ++counts[report_.verdict];
   mix(digest_, static_cast<std::size_t>(report_.verdict));
   mix(digest_, static_cast<std::size_t>(snapshot.stamp.toNSec()));
   mix(digest_, std::hash<std::string>()(reasons()));
   judge(snapshot);
+  if (!is_thorough) return;
+  judgePlain(snapshot);
+  judgePairs(snapshot);
+  judgeBefore(snapshot);
 }
 
 void SimulatedNode::judge(const Snapshot& snapshot) {
@@ -37,7 +42,17 @@ void SimulatedNode::judge(const Snapshot& snapshot) {
   if (report_.verdict != Verdict::COLLISION && !snapshot.poses.doubts.empty() && !is_unknown) {
     fail("FREE in spite of doubts");
   }
+  bool can_move = false;
+  for (int i = 0; i < static_cast<int>(setup_.links.size()); ++i) {
+    const SimulatedLink& link = setup_.links[static_cast<std::size_t>(i)];
+    const bool is_checked = snapshot.scene->scene->findModel(linkName(i)) >= 0;
+    can_move = can_move || (is_checked && !link.is_static && link.joint != SimulatedLink::FIXED);
+  }
+  if (can_move && snapshot.is_static && report_.verdict == Verdict::FREE) {
+    fail("what moves is said to stand");
+  }
   judgeBodies(snapshot);
+  judgeSame(snapshot);
   judgeReasons(snapshot);
   if (report_.verdict == Verdict::FREE) judgeFree(snapshot);
   judgeAgreement(snapshot);
@@ -49,92 +64,172 @@ void SimulatedNode::judge(const Snapshot& snapshot) {
   judgeMemory();
 }
 
-/// A pose that is known is one that may be known.
+SimulatedNode::Poses SimulatedNode::posesAt(Ns stamp) const {
+  Poses at;
+  for (int link = 0; link < static_cast<int>(setup_.links.size()); ++link) {
+    at.push_back(knowledge_.poseOf(link, stamp));
+    if (knowledge_.isLiedAbout(link, stamp)) at.back().reset();
+  }
+  return at;
+}
+
+/// Whether a link's body is where the truth has it at that stamp.
+bool SimulatedNode::isBody(int link, const Eigen::Isometry3d& X_WB, Ns stamp) const {
+  const auto expected = knowledge_.poseOf(bodyOf(link), stamp);
+  if (!expected) return false;
+  const Eigen::Vector3d p(expected->x, expected->y, expected->z);
+  const Eigen::AngleAxisd R(expected->yaw, Eigen::Vector3d::UnitZ());
+  return (X_WB.translation() - p).norm() + (X_WB.linear() - R.toRotationMatrix()).norm() < 1e-5;
+}
+
+/// A pose that is known is one that was said, and one that was said plainly is known.
 void SimulatedNode::judgeBodies(const Snapshot& snapshot) {
   const CollisionScene& scene = *snapshot.scene->scene;
   const Ns stamp = static_cast<Ns>(snapshot.stamp.toNSec());
   for (int link = 0; link < static_cast<int>(setup_.links.size()); ++link) {
     const int model = scene.findModel(linkName(link));
-    if (model < 0) continue;
-    const int body = scene.models()[static_cast<std::size_t>(model)].body;
+    const int body = model < 0 ? -1 : scene.models()[static_cast<std::size_t>(model)].body;
     if (body < 0) continue;
     const bool is_known = snapshot.poses.known[static_cast<std::size_t>(body)] != 0;
-    if (!is_known || knowledge_.isLiedAbout(link)) continue;
-    if (knowledge_.isTooOld(stamp)) fail("the pose of a link is too old");
+    if (!is_known || knowledge_.isLiedAbout(link, stamp)) continue;
+    if (knowledge_.isHeld(link)) fail("only /tf_static places " + linkName(link));
     if (!knowledge_.poseOf(link, stamp)) fail(linkName(link) + " is known, but nobody said so");
+    if (!isBody(link, snapshot.poses.X_WB[static_cast<std::size_t>(body)], stamp)) {
+      fail(linkName(link) + " is elsewhere");
+    }
+  }
+  const auto& known = snapshot.poses.known;
+  const bool are_all_known = std::count(known.begin(), known.end(), 0) == 0;
+  if (are_all_known != (snapshot.nb_found == snapshot.nb_asked) ||
+      are_all_known != snapshot.first_left_out.empty()) {
+    fail("the number of bodies found is wrong");
   }
 }
 
-/// What is said to be old is old, and whose clock is said to stand stands.
+/// What was said plainly of all links is known, and old where it is said to be.
+void SimulatedNode::judgePlain(const Snapshot& snapshot) {
+  const CollisionScene& scene = *snapshot.scene->scene;
+  const Ns stamp = static_cast<Ns>(snapshot.stamp.toNSec());
+  const bool is_plain = knowledge_.isPlain() && !knowledge_.isBehind(stamp, 600000000) && ros_ > 0;
+  for (const SceneBody& body : scene.bodies()) {
+    const int link = body.link == "root" ? -1 : std::stoi(body.link.substr(1));
+    const std::size_t i = static_cast<std::size_t>(&body - scene.bodies().data());
+    if (knowledge_.isTooOld(stamp) && snapshot.poses.known[i] && !knowledge_.isLiedAbout(link) &&
+        !snapshot.is_static) {
+      fail("the pose of a link is too old");
+    }
+    const bool must_be = is_plain && knowledge_.poseOf(link, stamp) && !knowledge_.isHeld(link) &&
+                         !knowledge_.isTooOld(stamp);
+    if (must_be && !snapshot.poses.known[i]) {
+      fail(body.link + " is not known, but was plainly said: " + reasons());
+    }
+  }
+}
+
+/// What is said to be old is old, whose clock is said to stand stands, and so on.
 void SimulatedNode::judgeReasons(const Snapshot& snapshot) {
   const double rounding = 0.02;  // s: ages are said with two digits
+  bool is_of_cloud = false;
   for (const std::string& doubt : snapshot.poses.doubts) {
     const auto says = [&](const char* words) { return doubt.find(words) != std::string::npos; };
     if (says("/clock stands still") && !knowledge_.isClockInDoubt()) fail("it runs: " + doubt);
+    if (doubt == NO_CLOCK && ros_ > 0) fail("it was received: " + doubt);
+    if (says("the scene was replaced")) fail("it was not: " + doubt);
+    if (says("geometry that could not be read") && broken_ < 0) fail("it could: " + doubt);
+    is_of_cloud = is_of_cloud || doubt.rfind("cloud '", 0) == 0;
     if (says("cloud 'points': the newest is") && seen_ &&
         seconds(ros_) - seen_->measured < SOURCE_TIMEOUT - rounding) {
       fail("it is young: " + doubt);
     }
-    if (!says("and max_pose_age is")) continue;
+    const bool is_of_frame = doubt.rfind("link '", 0) == 0 || doubt.rfind("refused ", 0) == 0;
+    if (is_of_frame && knowledge_.isPlain() &&
+        (says("contradict") || says("ambiguous") || says("several nodes"))) {
+      fail("nobody contradicts: " + doubt);
+    }
     for (int link = 0; link < static_cast<int>(setup_.links.size()); ++link) {
-      const bool is_of_link = doubt.rfind("link '" + linkName(link) + "'", 0) == 0;
-      if (!is_of_link || knowledge_.isLiedAbout(link)) continue;
-      if (!knowledge_.hasOldOn(link, setup_.max_pose_age - rounding)) fail("it is young: " + doubt);
+      if (doubt.rfind("link '" + linkName(link) + "'", 0) != 0) continue;
+      const bool is_held = knowledge_.isHeld(link) || knowledge_.isLiedAbout(link);
+      if (says("only /tf_static places it") && !is_held) fail("it moves: " + doubt);
+      if (says("and max_pose_age is") && !knowledge_.isLiedAbout(link) &&
+          !knowledge_.hasOldOn(link, setup_.max_pose_age - rounding)) {
+        fail("it is young: " + doubt);
+      }
     }
   }
+  if (is_of_cloud && snapshot.doubtful_clouds.empty()) fail("a doubtful cloud is not named");
 }
 
 void SimulatedNode::judgeFree(const Snapshot& snapshot) {
   const Ns stamp = static_cast<Ns>(snapshot.stamp.toNSec());
+  if (ros_ == 0) fail("FREE without a clock");
+  if (broken_ >= 0 && ignored_.count(broken_) == 0) fail("FREE although geometry is missing");
   if (knowledge_.isClockInDoubt()) fail("FREE although the clock stands still");
-  if (knowledge_.isTooOld(stamp)) fail("FREE although the poses are too old");
+  if (knowledge_.isTooOld(stamp) && !snapshot.is_static) fail("FREE although poses are too old");
   if (ignored_.empty() && knowledge_.isBehind(stamp)) fail("FREE although a link lags behind");
-  const int nb_links = static_cast<int>(setup_.links.size());
-  std::vector<std::optional<Pose>> at;
-  for (int link = 0; link < nb_links; ++link) {
+  Poses at;
+  for (int link = 0; link < static_cast<int>(setup_.links.size()); ++link) {
     at.push_back(knowledge_.poseOf(link, stamp));
+    if (knowledge_.isReplaced(link) || knowledge_.isRootHung(stamp)) at.back().reset();
     if (ignored_.count(link) > 0) continue;
-    if (!at.back() && !knowledge_.isLiedAbout(link)) return fail("FREE although a link is nowhere");
+    const bool is_known = at.back() || knowledge_.isLiedAbout(link, stamp);
+    if (!is_known) return fail("FREE although a link is nowhere");
     if (knowledge_.isInDoubt(link, stamp)) fail("FREE although two nodes contradict each other");
+    if (knowledge_.isOnBoth(link)) fail("FREE although a frame is on /tf and on /tf_static");
   }
-  const auto solidOf = [&](int link) {
-    return Solid{false, setup_.links[static_cast<std::size_t>(link)].radius, {}};
-  };
-  const auto require = [&](double gap, const std::string& a, const std::string& b) {
-    if (gap <= -ROUNDING) fail("FREE although " + a + " touches " + b);
-  };
-  for (int i = 0; i < nb_links; ++i) {
-    for (int j = 0; j < i; ++j) {
-      const int parent = setup_.links[static_cast<std::size_t>(i)].parent;
-      const bool is_checked = at[i] && at[j] && bodyOf(i) != bodyOf(j) && parent != j &&
-                              ignored_.count(i) + ignored_.count(j) == 0 &&
-                              setup_.links[static_cast<std::size_t>(j)].parent != i;
-      if (is_checked && !areAdjacent(i, j)) {
-        require(distance(solidOf(i), *at[i], solidOf(j), *at[j]), linkName(i), linkName(j));
-      }
-    }
-  }
-  for (const auto& [name, object] : objects_) {
-    const bool is_placed = object.link < 0 || at[static_cast<std::size_t>(object.link)];
-    if (!is_placed) continue;
-    const Pose X_WO =
-        object.link < 0 ? object.X_PO : *at[static_cast<std::size_t>(object.link)] * object.X_PO;
-    for (int i = 0; i < nb_links; ++i) {
-      if (!at[i] || !isCheckedAgainst(i, object)) continue;
-      require(distance(solidOf(i), *at[i], object.solid, X_WO), linkName(i), name);
-    }
-    for (const auto& [other_name, other] : objects_) {
-      if (object.link < 0 || other.link >= 0) continue;
-      require(distance(object.solid, X_WO, other.solid, other.X_PO), name, other_name);
-    }
-  }
+  judgeApart(at);
   if (!setup_.has_cloud) return;
   if (!seen_) return fail("FREE although no cloud is in use");
   if (seconds(ros_) - seen_->measured > SOURCE_TIMEOUT + 1e-6) fail("FREE of an old cloud");
-  for (int i = 0; i < nb_links; ++i) {
+  const double oldest = std::min(seen_->measured, snapshot.stamp.toSec());
+  if (std::abs(snapshot.oldest_cloud - oldest) > 1e-6) fail("a cloud has another age");
+  const OccupiedVoxels& voxels = *snapshot.poses.voxels.front();
+  for (const Pose& p : seen_->points) {
+    const Eigen::Vector3d at_p(p.x, p.y, p.z);
+    if (!voxels.anyWithin({at_p, at_p}, 1e-3)) fail("what a camera saw is elsewhere");
+  }
+  for (int i = 0; i < static_cast<int>(setup_.links.size()); ++i) {
     for (const Pose& p : seen_->points) {
       if (!at[i] || ignored_.count(i) > 0) continue;
-      require(distance(solidOf(i), *at[i], {}, p), linkName(i), "what a camera saw");
+      if (distance(ballOf(i), *at[i], {}, p) > -ROUNDING) continue;
+      fail("FREE although " + linkName(i) + " touches what a camera saw");
+    }
+  }
+}
+
+Pose SimulatedNode::poseOf(const PlainObject& object, const Poses& at) const {
+  if (object.link < 0) return object.X_PO;
+  return *at[static_cast<std::size_t>(object.link)] * object.X_PO;
+}
+
+void SimulatedNode::judgeApart(const Poses& at, const std::set<std::string>& members) {
+  const auto isMember = [&](const std::string& name) {
+    const auto object = objects_.find(name);
+    const bool is_on = object != objects_.end() && object->second.link >= 0 &&
+                       members.count(linkName(object->second.link)) > 0;
+    return members.empty() || members.count(name) > 0 || is_on;
+  };
+  const auto require = [&](double gap, const std::string& a, const std::string& b) {
+    if (gap > -ROUNDING || !(isMember(a) || isMember(b))) return;
+    fail("FREE although " + a + " touches " + b);
+  };
+  for (int i = 0; i < static_cast<int>(setup_.links.size()); ++i) {
+    for (int j = 0; j < i; ++j) {
+      if (!at[i] || !at[j] || !areChecked(i, j)) continue;
+      require(distance(ballOf(i), *at[i], ballOf(j), *at[j]), linkName(i), linkName(j));
+    }
+  }
+  for (const auto& [name, object] : objects_) {
+    if (!isPlaced(object, at)) continue;
+    const Pose X_WO = poseOf(object, at);
+    for (int i = 0; i < static_cast<int>(setup_.links.size()); ++i) {
+      if (!at[i] || !isCheckedAgainst(i, object)) continue;
+      require(distance(ballOf(i), *at[i], object.solid, X_WO), linkName(i), name);
+    }
+    for (const auto& [other_name, other] : objects_) {
+      if (object.link < 0 || other.link >= 0 || object.touched_objects.count(other_name) > 0) {
+        continue;
+      }
+      require(distance(object.solid, X_WO, other.solid, other.X_PO), name, other_name);
     }
   }
 }
@@ -142,9 +237,13 @@ void SimulatedNode::judgeFree(const Snapshot& snapshot) {
 /// Requests, the limiter and the cycle say the same of the same.
 void SimulatedNode::judgeAgreement(const Snapshot& snapshot) {
   const Verdict verdict = report_.verdict;
+  if (verdict == Verdict::UNKNOWN && digest_ % 4 != 0) return;  // takes longest, and says least
   try {
     Snapshot asked = monitor_.withJoints(snapshot.scene, {}, ros::Time());
     requireSharedDoubts(snapshot, asked, "a request");
+    if (asked.stamp != snapshot.stamp || asked.is_static != snapshot.is_static) {
+      fail("a request is of another instant");
+    }
     // Of joints it takes what is newest of each: that may be in doubt where older poses are not.
     requireSharedDoubts(snapshot, monitor_.withMeasured(snapshot.scene, {}), "the limiter");
     if (verdict == Verdict::UNKNOWN) return;
@@ -185,6 +284,14 @@ void SimulatedNode::judgeMemory() {
   }
 }
 
+bool SimulatedNode::areChecked(int i, int j) const {
+  const auto parentOf = [&](int link) {
+    return setup_.links[static_cast<std::size_t>(link)].parent;
+  };
+  return bodyOf(i) != bodyOf(j) && parentOf(i) != j && parentOf(j) != i && !areAdjacent(i, j) &&
+         ignored_.count(i) + ignored_.count(j) == 0;
+}
+
 bool SimulatedNode::areAdjacent(int a, int b) const {
   const auto parentBody = [&](int link) {
     const int parent = setup_.links[static_cast<std::size_t>(bodyOf(link))].parent;
@@ -198,16 +305,18 @@ void SimulatedNode::recover(double duration) {
   scene_works_.clear();
   if (cloud_work_) endCloud();
   Event change;
-  change.what = 6;  // no object
-  change.kind = Event::SCENE_BEGIN;
-  happen(change);
-  change.kind = Event::SCENE_END;
-  happen(change);
+  for (const int what : {6, 7}) {  // no object, and nothing ignored
+    change.what = what;
+    change.kind = Event::SCENE_BEGIN;
+    happen(change);
+    change.kind = Event::SCENE_END;
+    happen(change);
+  }
   change.kind = Event::CAMERA;
   happen(change);
   change.kind = Event::CLEAR;
   happen(change);
-  const double begin = steady_;
+  const double begin = std::max(steady_, setup_.clock_begins);
   for (int step = 0; steady_ < begin + duration; ++step) {
     for (int link = 0; link < static_cast<int>(setup_.links.size()); ++link) {
       Event publish;
@@ -232,8 +341,11 @@ void SimulatedNode::recover(double duration) {
     wait.dt = 0.02;
     happen(wait);
   }
-  const bool checks =
+  bool checks =
       monitor_.scenes().active()->scene->unchecked().empty() && !knowledge_.isAmbiguousForEver();
+  for (int link = 0; link < static_cast<int>(setup_.links.size()); ++link) {
+    checks = checks && !knowledge_.isHeld(link);
+  }
   if (checks && report_.verdict != Verdict::FREE)
     fail("everything is sound, but not FREE: " + reasons());
   if (checks && limiter_ && !limiter_->doubt().empty()) {

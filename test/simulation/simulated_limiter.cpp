@@ -16,8 +16,6 @@ constexpr double MAX_AGE = 0.3, COMMAND_TIMEOUT = 0.2, LATER = 0.02;  // s
 constexpr double SET_BACK = 0.02;  // s: more is a clock that was set
 constexpr double ROUNDING = 1e-6;
 
-std::string jointName(int link) { return 'j' + std::to_string(link); }
-
 LimiterInputs::Settings settingsOf(const Scenario& setup, const std::vector<int>& joints) {
   LimiterInputs::Settings settings{
       {}, MAX_AGE, COMMAND_TIMEOUT, setup.is_simulated, setup.allow_paused};

@@ -12,8 +12,7 @@
 namespace simulation {
 namespace {
 
-const char* const CLOUD = "points";
-constexpr double SOURCE_TIMEOUT = 1.0, SELF_FILTER = 0.02;
+constexpr double SELF_FILTER = 0.02, MAX_RANGE = 100.0;
 
 Pose motionOf(SimulatedLink::Joint joint, const Pose& at) {
   switch (joint) {
@@ -29,14 +28,19 @@ Pose motionOf(SimulatedLink::Joint joint, const Pose& at) {
   return {};
 }
 
-std::string urdfOf(const Scenario& setup) {
+/// Of link `broken` a mesh cannot be read; -1: of none.
+std::string urdfOf(const Scenario& setup, int broken) {
   std::string urdf = emptyLink("root");
   for (int i = 0; i < static_cast<int>(setup.links.size()); ++i) {
     const SimulatedLink& link = setup.links[static_cast<std::size_t>(i)];
     const char* const types[] = {"floating", "prismatic", "continuous", "fixed"};
     const char* const axes[] = {"", "<axis xyz='1 0 0'/><limit lower='-1e6' upper='1e6'/>",
                                 "<axis xyz='0 0 1'/>", ""};
-    urdf += linkWith(linkName(i), "<sphere radius='" + std::to_string(link.radius) + "'/>") +
+    const std::string ball = "<sphere radius='" + std::to_string(link.radius) + "'/>";
+    const std::string mesh =
+        "<collision><geometry><mesh filename='package://none/a.stl'/></geometry></collision>";
+    urdf += "<link name='" + linkName(i) + "'><collision><geometry>" + ball +
+            "</geometry></collision>" + (i == broken ? mesh : "") + "</link>" +
             joint("j" + std::to_string(i), types[link.joint], linkName(link.parent), linkName(i),
                   "0 " + std::to_string(link.X_PJ.y) + " 0", axes[link.joint]);
   }
@@ -70,24 +74,26 @@ SimulatedNode::SimulatedNode(const Scenario& setup)
     limiter_.emplace(setup_, knowledge_);
   }
   advance(0.0);
-  load(monitor_, parameters({}));
+  load(monitor_, parameters({}, -1));
   ++revision_;
 }
 
-SceneParameters SimulatedNode::parameters(const std::set<int>& ignored) const {
-  SceneParameters made = parametersOf(urdfOf(setup_));
-  SceneConfig& config = made.sources.config;
-  for (const int link : ignored) config.settings.ignored_links.push_back({linkName(link)});
-  if (setup_.has_cloud) {
-    CloudConfig cloud;
-    cloud.topic = CLOUD;
-    cloud.voxel_size = 0.05;
-    cloud.source_timeout = SOURCE_TIMEOUT;
-    cloud.max_range = 100.0;
-    cloud.self_filter_padding = SELF_FILTER;
-    config.clouds = {cloud};
-    made.sources.clouds = {obstacleOf(cloud)};
+SceneParameters SimulatedNode::parameters(const std::set<int>& ignored, int broken) const {
+  SceneParameters made = parametersOf(urdfOf(setup_, broken));
+  std::string settings = "ignored_links: [";
+  for (const int link : ignored) settings += linkName(link);
+  settings += "]\nstatic_joints: [";
+  for (int i = 0; i < static_cast<int>(setup_.links.size()); ++i) {
+    if (setup_.links[static_cast<std::size_t>(i)].is_listed) settings += jointName(i) + ", ";
   }
+  settings += "]\n";
+  if (setup_.has_cloud) {
+    settings += "clouds: [{topic: points, voxel_size: 0.05, source_timeout: " +
+                std::to_string(SOURCE_TIMEOUT) + ", max_range: " + std::to_string(MAX_RANGE) +
+                ", self_filter_padding: " + std::to_string(SELF_FILTER) + "}]\n";
+    made.cloud_topics = {"/points"};
+  }
+  made.sources.readSettings({"settings", settings});
   return made;
 }
 
@@ -103,7 +109,8 @@ std::string SimulatedNode::reasons() const {
 
 void SimulatedNode::advance(double dt) {
   steady_ += dt;
-  ros_ += static_cast<Ns>(std::llround(1e9 * dt * speed_));
+  if (ros_ > 0) ros_ += static_cast<Ns>(std::llround(1e9 * dt * speed_));
+  if (ros_ == 0 && steady_ >= setup_.clock_begins) ros_ = BEGIN;
   ros::Time now;
   now.fromNSec(static_cast<std::uint64_t>(ros_));
   monitor_.advance({now, steady_});
@@ -116,13 +123,12 @@ void SimulatedNode::advance(double dt) {
 }
 
 Ns SimulatedNode::stampOf(double lag) const {
-  return ros_ - static_cast<Ns>(std::llround(1e9 * lag));
+  return std::max<Ns>(0, ros_ - static_cast<Ns>(std::llround(1e9 * lag)));
 }
 
-void SimulatedNode::publish(int link, Ns stamp, const Pose& X_PB, const std::string& publisher,
-                            bool is_static) {
-  const int parent = setup_.links[static_cast<std::size_t>(link)].parent;
-  tf2_msgs::TFMessage tf = transformOf(linkName(parent), linkName(link), ros::Time(), 0.0);
+void SimulatedNode::publish(const std::string& parent, const std::string& link, Ns stamp,
+                            const Pose& X_PB, const std::string& publisher, bool is_static) {
+  tf2_msgs::TFMessage tf = transformOf(parent, link, ros::Time(), 0.0);
   tf.transforms[0].header.stamp.fromNSec(static_cast<std::uint64_t>(stamp));
   const geometry_msgs::Pose pose = message(X_PB);
   tf.transforms[0].transform.translation.x = X_PB.x;
@@ -130,6 +136,31 @@ void SimulatedNode::publish(int link, Ns stamp, const Pose& X_PB, const std::str
   tf.transforms[0].transform.translation.z = X_PB.z;
   tf.transforms[0].transform.rotation = pose.orientation;
   monitor_.take(tf, is_static, publisher);
+}
+
+/// As /tf, or /tf_static, has it.
+void SimulatedNode::publish(int link, const std::string& publisher) {
+  const SimulatedLink& of = setup_.links[static_cast<std::size_t>(link)];
+  const auto& [stamp, X_PB] = last_[static_cast<std::size_t>(link)];
+  publish(linkName(of.parent), linkName(link), stamp, X_PB, publisher, of.is_static);
+  knowledge_.hear(link, stamp, X_PB, publisher);
+}
+
+void SimulatedNode::lie(const Event& event) {
+  const Pose elsewhere{1000.0 + 300.0 * event.other, 0.0, 0.0, 0.0};
+  Ns stamp = stampOf(event.lag);
+  if (event.what == 3) {
+    publish(linkName(setup_.cycle_through), linkName(-1), stamp, elsewhere, "liar", false);
+    return knowledge_.hearRootLie(stamp);
+  }
+  const SimulatedLink& of = setup_.links[static_cast<std::size_t>(event.who)];
+  if (of.joint == SimulatedLink::FIXED) return;
+  std::string parent = linkName(of.parent);
+  if (event.what == 4) stamp = last_[static_cast<std::size_t>(event.who)].first;
+  if (event.what == 2) parent = event.other == event.who ? "nowhere" : linkName(event.other);
+  const std::string publisher = "liar" + std::to_string(event.other % 2);
+  publish(parent, linkName(event.who), stamp, elsewhere, publisher, event.what == 1);
+  knowledge_.hearLie(event.who, stamp, event.what == 1);
 }
 
 void SimulatedNode::publishBroken(const Event& event) {
@@ -181,34 +212,27 @@ void SimulatedNode::happen(const Event& event) {
   const auto joint = setup_.links[static_cast<std::size_t>(event.who)].joint;
   switch (event.kind) {
     case Event::PUBLISH:
-      if (joint != SimulatedLink::FIXED) {
-        const auto& of = setup_.links[static_cast<std::size_t>(event.who)];
-        auto& last = last_[static_cast<std::size_t>(event.who)];
-        last = {stampOf(event.lag), of.X_PJ * motionOf(joint, event.at)};
-        publish(event.who, last.first, last.second, "honest");
-        knowledge_.hear(event.who, last.first, last.second);
+      if (const auto& of = setup_.links[static_cast<std::size_t>(event.who)];
+          joint != SimulatedLink::FIXED || of.is_static) {
+        last_[static_cast<std::size_t>(event.who)] = {stampOf(event.lag),
+                                                      of.X_PJ * motionOf(joint, event.at)};
+        publish(event.who, "honest");
       }
       break;
     case Event::REPEAT:
-      if (const auto& last = last_[static_cast<std::size_t>(event.who)]; last.first > 0) {
-        publish(event.who, last.first, last.second, "repeats");
-        knowledge_.hear(event.who, last.first, last.second);
-      }
+      if (last_[static_cast<std::size_t>(event.who)].first > 0) publish(event.who, "repeats");
       break;
     case Event::BREAK:
       if (joint != SimulatedLink::FIXED) publishBroken(event);
       break;
     case Event::LIE:
-      if (joint != SimulatedLink::FIXED) {
-        publish(event.who, stampOf(event.lag), {1000.0, 0.0, 0.0, 0.0}, "liar", event.what == 1);
-        knowledge_.hearLie(event.who, stampOf(event.lag), event.what == 1);
-      }
+      lie(event);
       break;
     case Event::CAMERA:
       if (setup_.has_cloud) publishCamera(setup_.X_LC);
       break;
     case Event::STEP_CLOCK:
-      ros_ = std::max<Ns>(1, ros_ + static_cast<Ns>(1e9 * 3.0 * event.number));
+      if (ros_ > 0) ros_ = std::max<Ns>(1, ros_ + static_cast<Ns>(1e9 * 3.0 * event.number));
       advance(0.0);
       break;
     case Event::RUN_CLOCK:
@@ -242,6 +266,7 @@ void SimulatedNode::happen(const Event& event) {
       break;
   }
   report();
+  if (event.kind == Event::REQUEST) request(event);
 }
 
 void SimulatedNode::sendCloud(const Event& event) {
@@ -278,7 +303,8 @@ void SimulatedNode::beginCloud() {
   if (cloud_work_) return fail("a cloud is handed out while another is being processed");
   const Ns stamp = static_cast<Ns>(job->header().stamp.toNSec());
   const auto X_WL = knowledge_.poseOf(setup_.camera_on, stamp);
-  const bool can_be_known = is_camera_told_ && (X_WL || knowledge_.isLiedAbout(setup_.camera_on));
+  const bool can_be_known =
+      is_camera_told_ && (X_WL || knowledge_.isLiedAbout(setup_.camera_on, stamp));
   if (!can_be_known) return fail("a cloud is processed whose camera is nowhere");
   cloud_work_ = job;
   cloud_work_generation_ = cloud_generation_;
@@ -287,6 +313,7 @@ void SimulatedNode::beginCloud() {
   cloud_points_.clear();
   if (!X_WL || knowledge_.isLiedAbout(setup_.camera_on)) return;
   for (const Pose& p : sent_[stamp]) {
+    if (std::hypot(p.x, p.y, p.z) > 0.99 * MAX_RANGE) continue;
     const Pose in_world = *X_WL * X_LC_ * p;
     bool is_own = false;  // or it may be
     for (int i = 0; i < static_cast<int>(setup_.links.size()); ++i) {

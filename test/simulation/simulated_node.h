@@ -16,12 +16,18 @@ namespace simulation {
 
 using namespace collision_pairs;
 
+constexpr Ns BEGIN = 1000000000000;     // of ROS time
+constexpr double SOURCE_TIMEOUT = 1.0;  // s, of the cloud
+constexpr double ALARM_DISTANCE = 0.3;  // m
+constexpr double ROUNDING = 1e-6;       // m
+
 /// An object of the scene.
 struct PlainObject {
   Solid solid;
   int link = -1;          ///< that it is attached to; -1: it stands
   Pose X_PO;              ///< in the link, or in the root's frame
   std::set<int> touches;  ///< links
+  std::set<std::string> touched_objects = {};
 };
 
 /// Runs one sequence of events. After each, `violation` says what is wrong; empty: nothing.
@@ -49,6 +55,7 @@ class SimulatedNode {
     std::uint64_t revision;
     std::map<std::string, PlainObject> objects;  ///< afterwards
     std::set<int> ignored;
+    int broken;          ///< link with a mesh that cannot be read; -1: none
     bool may_show_more;  ///< of the clouds: what was attached hid it
   };
   /// Of the last cloud that was used.
@@ -59,8 +66,10 @@ class SimulatedNode {
 
   void advance(double dt);
   Ns stampOf(double lag) const;
-  void publish(int link, Ns stamp, const Pose& X_PB, const std::string& publisher,
-               bool is_static = false);
+  void publish(const std::string& parent, const std::string& link, Ns stamp, const Pose& X_PB,
+               const std::string& publisher, bool is_static);
+  void publish(int link, const std::string& publisher);
+  void lie(const Event& event);
   void publishBroken(const Event& event);
   void publishCamera(const Pose& X_LC);
   void sendCloud(const Event& event);
@@ -69,16 +78,40 @@ class SimulatedNode {
   void beginScene(const Event& event);
   void endScene(bool is_first);
   std::optional<Pose> newestPoseOf(int link) const;
-  SceneParameters parameters(const std::set<int>& ignored) const;
+  SceneParameters parameters(const std::set<int>& ignored, int broken) const;
+  void readAgain();
+
+  void request(const Event& event);
+  void requestAt(Ns stamp);
+  void requestJoints(const Event& event);
+  void requestPart(const Event& event);
+  void requestReplaced();
 
   void judge(const Snapshot& snapshot);
   void judgeReasons(const Snapshot& snapshot);
   void judgeFree(const Snapshot& snapshot);
   void judgeBodies(const Snapshot& snapshot);
+  void judgePlain(const Snapshot& snapshot);
+  void judgePairs(const Snapshot& snapshot);
+  void judgeBefore(const Snapshot& snapshot);
+  void judgeSame(const Snapshot& snapshot);
+  using Poses = std::vector<std::optional<Pose>>;  ///< of links; nothing: it is not known
+  Poses posesAt(Ns stamp) const;
+  /// Of all pairs, or of those with one of these members.
+  void judgeApart(const Poses& at, const std::set<std::string>& members = {});
+  Pose poseOf(const PlainObject& object, const Poses& at) const;
+  bool isPlaced(const PlainObject& object, const Poses& at) const {
+    return object.link < 0 || at[static_cast<std::size_t>(object.link)];
+  }
+  Solid ballOf(int link) const {
+    return {false, setup_.links[static_cast<std::size_t>(link)].radius, {}};
+  }
+  bool isBody(int link, const Eigen::Isometry3d& X_WB, Ns stamp) const;
   void judgeAgreement(const Snapshot& snapshot);
   void requireSharedDoubts(const Snapshot& cycle, const Snapshot& other, const std::string& whose);
   void judgeMemory();
   bool isCheckedAgainst(int link, const PlainObject& object) const;
+  bool areChecked(int i, int j) const;
   int bodyOf(int link) const;
   bool areAdjacent(int a, int b) const;
   void fail(const std::string& what);
@@ -87,13 +120,16 @@ class SimulatedNode {
   Monitor monitor_;
   Knowledge knowledge_;
   std::optional<SimulatedLimiter> limiter_;  ///< if a joint slides or turns
-  Ns ros_ = 1000000000000;
+  Ns ros_ = 0;
   double steady_ = 0.0, speed_ = 1.0;
   std::vector<std::pair<Ns, Pose>> last_;  ///< of each link
   std::map<std::string, PlainObject> objects_;
   std::set<int> ignored_;
+  int broken_ = -1;
   std::uint64_t revision_ = 0;
   std::vector<SceneWork> scene_works_;
+  ActiveScenePtr replaced_;                 ///< some earlier scene, or part of one
+  std::unique_ptr<SceneStore> read_again_;  ///< the scene, as its message says
   std::shared_ptr<CloudJob> cloud_work_;
   std::vector<Pose> cloud_points_;        ///< in W, of cloud_work_
   std::map<Ns, std::vector<Pose>> sent_;  ///< points in the camera's frame, by stamp

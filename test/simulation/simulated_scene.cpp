@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "object_messages.h"
+#include "scene_message.h"
 #include "simulated_node.h"
 
 namespace simulation {
@@ -31,7 +32,8 @@ void place(SceneObject& object, const Pose& at) {
 std::optional<Pose> SimulatedNode::newestPoseOf(int link) const {
   Ns oldest = std::numeric_limits<Ns>::max();
   for (int i = link; i >= 0; i = setup_.links[static_cast<std::size_t>(i)].parent) {
-    if (setup_.links[static_cast<std::size_t>(i)].joint == SimulatedLink::FIXED) continue;
+    const SimulatedLink& of = setup_.links[static_cast<std::size_t>(i)];
+    if (of.joint == SimulatedLink::FIXED || of.is_static) continue;
     const auto& samples = knowledge_.told(i).samples;
     if (samples.empty()) return std::nullopt;
     const auto ahead = samples.upper_bound(ros_);
@@ -41,6 +43,7 @@ std::optional<Pose> SimulatedNode::newestPoseOf(int link) const {
     oldest = std::min(
         oldest, has_reached || ahead == samples.end() ? std::prev(ahead)->first : ahead->first);
   }
+  if (oldest == std::numeric_limits<Ns>::max()) oldest = knowledge_.latest();
   if (knowledge_.isTooOld(oldest)) return std::nullopt;
   return knowledge_.poseOf(link, oldest);
 }
@@ -48,13 +51,14 @@ std::optional<Pose> SimulatedNode::newestPoseOf(int link) const {
 void SimulatedNode::beginScene(const Event& event) {
   const std::string name = "o" + std::to_string(event.other % 3);
   if (scene_works_.size() == 2) return;
-  SceneWork work{monitor_.scenes().restrictedTo({}), revision_, objects_, ignored_, false};
+  SceneWork work{monitor_.scenes().restrictedTo({}), revision_, objects_, ignored_, broken_, false};
   try {
     if (event.what == LOAD) {
       const bool ignores = event.number < 0.0;
       work.ignored = ignores ? std::set<int>{event.who} : std::set<int>{};
+      work.broken = event.number > 0.7 ? event.other : -1;
       work.may_show_more = true;
-      work.job = monitor_.scenes().load(parameters(work.ignored));
+      work.job = monitor_.scenes().load(parameters(work.ignored, work.broken));
       scene_works_.push_back(std::move(work));
       return;
     }
@@ -93,6 +97,7 @@ void SimulatedNode::beginScene(const Event& event) {
       case REMOVE:
         change.operation = SceneChange::REMOVE;
         work.objects.erase(name);
+        for (auto& entry : work.objects) entry.second.touched_objects.erase(name);
         break;
       case ATTACH: {
         if (known == work.objects.end() || known->second.link >= 0 || !is_certain) return;
@@ -104,6 +109,11 @@ void SimulatedNode::beginScene(const Event& event) {
         if (event.number > 0.0)
           object.touches = {(event.who + 1) % static_cast<int>(setup_.links.size())};
         for (const int link : object.touches) change.object.touch_links.push_back(linkName(link));
+        const std::string touched = "o" + std::to_string((event.other + 1) % 3);
+        if (event.number < -0.3 && work.objects.count(touched) > 0) {
+          object.touched_objects = {touched};
+          change.object.touch_links.push_back(touched);
+        }
         object.X_PO = X_WL ? inverse(*X_WL) * object.X_PO : Pose{1e9, 0, 0, 0};
         break;
       }
@@ -116,6 +126,7 @@ void SimulatedNode::beginScene(const Event& event) {
         object.X_PO = X_WP ? *X_WP * object.X_PO : Pose{1e9, 0, 0, 0};
         object.link = -1;
         object.touches.clear();
+        object.touched_objects.clear();
         break;
       }
       default:
@@ -137,6 +148,7 @@ void SimulatedNode::endScene(bool is_first) {
   const auto at = is_first ? scene_works_.begin() : std::prev(scene_works_.end());
   SceneWork work = std::move(*at);
   scene_works_.erase(at);
+  const ActiveScenePtr before = monitor_.scenes().active();
   try {
     work.job.run();
   } catch (const InputError&) {
@@ -145,12 +157,30 @@ void SimulatedNode::endScene(bool is_first) {
   const bool is_of_now = work.revision == revision_;
   if (monitor_.scenes().take(work.job) != is_of_now) return fail("a scene is built of an old one");
   if (!is_of_now) return;
+  replaced_ = before;
   ++revision_;
   objects_ = work.objects;
   ignored_ = work.ignored;
+  broken_ = work.broken;
+  readAgain();
   if (!work.may_show_more) return;
   complete_revision_ = revision_;
   seen_.reset();
+}
+
+/// What was recorded of the scene makes the same scene.
+void SimulatedNode::readAgain() {
+  const Scene message = toMessage(monitor_.scenes().stored());
+  if (message.revision != revision_) fail("a scene's message has another revision");
+  if (static_cast<Ns>(message.header.stamp.toNSec()) != ros_) {
+    fail("a scene's message has another time");
+  }
+  read_again_ = std::make_unique<SceneStore>(monitor_.transforms());
+  const MeshLoader none = noMeshLoader();
+  SceneJob job = read_again_->load(parametersOf(message, none, [](const std::string&) {}),
+                                   objectsOf(message, none));
+  job.run();
+  read_again_->take(job);
 }
 
 int SimulatedNode::bodyOf(int link) const {

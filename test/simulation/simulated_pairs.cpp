@@ -1,0 +1,103 @@
+// The claims about pairs, speeds and the scene's message in reports of a SimulatedNode.
+#include <algorithm>
+#include <cmath>
+
+#include "simulated_node.h"
+
+namespace simulation {
+
+/// Contacts are contacts, distances are distances, and none that is near is missing.
+void SimulatedNode::judgePairs(const Snapshot& snapshot) {
+  const CollisionScene& scene = *snapshot.scene->scene;
+  const Poses at = posesAt(static_cast<Ns>(snapshot.stamp.toNSec()));
+  const auto solidOf = [&](const std::string& name, Solid& solid, Pose& X_WS) {
+    if (name.front() == 'l') {
+      const int link = std::stoi(name.substr(1));
+      solid = ballOf(link);
+      X_WS = at[static_cast<std::size_t>(link)].value_or(Pose());
+      return at[static_cast<std::size_t>(link)].has_value();
+    }
+    const auto found = objects_.find(name);
+    if (found == objects_.end() || !isPlaced(found->second, at)) return false;
+    solid = found->second.solid;
+    X_WS = poseOf(found->second, at);
+    return true;
+  };
+  std::set<std::pair<std::string, std::string>> reported;
+  double smallest = ALARM_DISTANCE;
+  bool is_all = broken_ < 0;  // pairs are judged, of balls
+  for (const PairReport& pair : report_.pairs) {
+    const std::string &a = scene.models()[pair.first].name, &b = scene.models()[pair.second].name;
+    reported.insert(std::minmax(a, b));
+    Solid of_a, of_b;
+    Pose X_WA, X_WB;
+    if (!solidOf(a, of_a, X_WA) || !solidOf(b, of_b, X_WB)) {
+      is_all = false;
+      continue;
+    }
+    const double expected = distance(of_a, X_WA, of_b, X_WB);
+    const bool is_contact = pair.state == PairState::CONTACT;
+    if (is_contact != (expected <= 0.0) && std::abs(expected) > ROUNDING) {
+      fail(a + " and " + b + ": " + (is_contact ? "no contact" : "a contact"));
+    }
+    const bool is_depth = expected < 0.0 && (of_a.is_box || of_b.is_box);  // not judged
+    is_all = is_all && !is_depth;
+    if (!is_depth && std::abs(pair.distance - expected) > 1e-5)
+      fail(a + " and " + b + ": distance");
+    smallest = std::min(smallest, expected);
+  }
+  if (is_all && report_.left_out.empty() && !reported.empty() &&
+      std::abs(report_.min_distance - smallest) > 1e-5) {
+    fail("the smallest distance is another");
+  }
+  const bool has_nearest = !report_.pairs.empty() && !report_.min_distance_is_bound;
+  if (has_nearest != report_.nearest.has_value() ||
+      (has_nearest && report_.nearest->depth != -report_.min_distance)) {
+    fail("the nearest is another");
+  }
+  for (int i = 0; i < static_cast<int>(setup_.links.size()); ++i) {
+    if (!at[i] || !report_.left_out.empty()) continue;
+    for (int j = 0; j < i; ++j) {
+      if (!at[j] || !areChecked(i, j)) continue;
+      const bool is_near = distance(ballOf(i), *at[i], ballOf(j), *at[j]) < ALARM_DISTANCE - 1e-5;
+      if (is_near && reported.count(std::minmax(linkName(i), linkName(j))) == 0) {
+        fail(linkName(i) + " and " + linkName(j) + " are near, and not reported");
+      }
+    }
+  }
+}
+
+/// What speeds are computed from.
+void SimulatedNode::judgeBefore(const Snapshot& snapshot) {
+  if (report_.pairs.empty()) return;
+  const EarlierPoses before = monitor_.before(snapshot, report_);
+  const Ns then = static_cast<Ns>(snapshot.stamp.toNSec()) - static_cast<Ns>(1e8);
+  if (snapshot.is_static) return;
+  const auto& bodies = snapshot.scene->scene->bodies();
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    if (!before.poses.known[i]) continue;
+    const int link = bodies[i].link == "root" ? -1 : std::stoi(bodies[i].link.substr(1));
+    if (knowledge_.isLiedAbout(link, then)) continue;
+    if (!isBody(link, before.poses.X_WB[i], then)) fail(linkName(link) + " was elsewhere before");
+  }
+}
+
+/// Of the scene as its message says.
+void SimulatedNode::judgeSame(const Snapshot& snapshot) {
+  if (!read_again_) return;
+  const auto store = std::move(read_again_);
+  if (!store->active()) return fail("the scene's message cannot be read");
+  CollisionDetector original(snapshot.scene->scene), detector(store->active()->scene);
+  CheckSettings settings;
+  settings.alarm_distance = ALARM_DISTANCE;
+  const CollisionReport& expected = original.detect(snapshot.poses, settings);
+  const CollisionReport& same = detector.detect(snapshot.poses, settings);
+  if (same.verdict != expected.verdict || same.unknown_because != expected.unknown_because ||
+      same.min_distance != expected.min_distance || same.pairs.size() != expected.pairs.size()) {
+    fail("the scene's message says another scene");
+  }
+  const StampedPoses stamped = store->active()->tf_poses->latest(monitor_.transforms().now().stamp);
+  if (stamped.poses.known != snapshot.poses.known) fail("the scene's message has other poses");
+}
+
+}  // namespace simulation

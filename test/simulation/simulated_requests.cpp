@@ -1,0 +1,122 @@
+// Requests to a SimulatedNode, and the claims about their answers.
+#include <algorithm>
+
+#include "simulated_node.h"
+
+namespace simulation {
+
+void SimulatedNode::request(const Event& event) {
+  const Ns stamp = ros_ + static_cast<Ns>(1.5e9 * event.number);
+  switch (event.what % 4) {
+    case 0:
+      if (stamp > 0 && stamp != ros_) requestAt(stamp);
+      break;
+    case 1:
+      requestJoints(event);
+      break;
+    case 2:
+      requestPart(event);
+      break;
+    default:
+      requestReplaced();
+  }
+}
+
+/// Of a stamp: with the poses of then, and never with clouds, which are of now.
+void SimulatedNode::requestAt(Ns stamp) {
+  ros::Time time;
+  time.fromNSec(static_cast<std::uint64_t>(stamp));
+  const Snapshot snapshot = monitor_.at(monitor_.scenes().active(), time);
+  judgeBodies(snapshot);
+  if (setup_.has_cloud && snapshot.poses.doubts.empty()) fail("clouds of now count for then");
+  const Verdict verdict = detector_->detect(snapshot.poses, {}).verdict;
+  if (verdict != Verdict::FREE) return;
+  if (ros_ == 0 || knowledge_.isClockInDoubt()) fail("FREE then although the clock is in doubt");
+  judgeApart(posesAt(stamp));
+}
+
+/// Of joints that it names, all that slide or turn: the others are as TF has them.
+void SimulatedNode::requestJoints(const Event& event) {
+  const ActiveScenePtr scene = monitor_.scenes().active();
+  std::vector<std::string> names;
+  std::vector<double> positions;
+  for (int i = 0; i < static_cast<int>(setup_.links.size()); ++i) {
+    const SimulatedLink& link = setup_.links[static_cast<std::size_t>(i)];
+    if (!SimulatedLimiter::isMeasured(link)) continue;
+    names.push_back(jointName(i));
+    positions.push_back(link.joint == SimulatedLink::SLIDING ? event.at.x + i : event.at.yaw * i);
+  }
+  try {
+    Snapshot asked = monitor_.withJoints(scene, names, ros::Time());
+    const Ns stamp = static_cast<Ns>(asked.stamp.toNSec());
+    Poses at;
+    bool can_age = setup_.has_cloud;
+    for (int i = 0; i < static_cast<int>(setup_.links.size()); ++i) {
+      const SimulatedLink& link = setup_.links[static_cast<std::size_t>(i)];
+      const auto named = std::find(names.begin(), names.end(), jointName(i));
+      std::optional<Pose> X_PB = knowledge_.inParent(i, stamp);
+      if (named != names.end()) {
+        const double position = positions[static_cast<std::size_t>(named - names.begin())];
+        Pose motion;
+        (link.joint == SimulatedLink::SLIDING ? motion.x : motion.yaw) = position;
+        X_PB = link.X_PJ * motion;
+      } else if (link.joint != SimulatedLink::FIXED) {
+        const bool is_checked = scene->scene->findModel(linkName(i)) >= 0;
+        can_age = can_age || (X_PB && is_checked && !link.is_static);
+        if (knowledge_.isLiedAbout(i)) X_PB.reset();
+      }
+      const std::optional<Pose> X_WP =
+          link.parent < 0 ? Pose() : at[static_cast<std::size_t>(link.parent)];
+      at.push_back(X_WP && X_PB ? std::optional<Pose>(*X_WP * *X_PB) : std::nullopt);
+    }
+    if (can_age && knowledge_.isClockInDoubt() && asked.poses.doubts.empty()) {
+      fail("a request does not know that the clock stands still");
+    }
+    if (!asked.poses.doubts.empty()) return;
+    asked.joints->posesAt(positions, asked.poses);
+    if (detector_->detect(asked.poses, {}).verdict == Verdict::FREE) judgeApart(at);
+    for (std::size_t i = 0; i < scene->scene->bodies().size(); ++i) {
+      const SceneBody& body = scene->scene->bodies()[i];
+      const int link = body.link == "root" ? -1 : bodyOf(std::stoi(body.link.substr(1)));
+      const Eigen::Vector3d p = asked.poses.X_WB[i].translation();
+      const std::optional<Pose> expected = link < 0 ? Pose() : at[static_cast<std::size_t>(link)];
+      if (expected && (p - Eigen::Vector3d(expected->x, expected->y, expected->z)).norm() > 1e-5) {
+        fail("a request has " + body.link + " elsewhere");
+      }
+    }
+  } catch (const InputError&) {
+  }
+}
+
+/// Of pairs with one of some links.
+void SimulatedNode::requestPart(const Event& event) {
+  const std::set<std::string> members = {linkName(event.who), linkName(event.other)};
+  Restriction restriction;
+  for (const std::string& name : members) restriction.names.push_back({name});
+  SceneJob job = monitor_.scenes().restrictedTo(restriction);
+  try {
+    job.run();
+  } catch (const InputError&) {
+    return;
+  }
+  if (!monitor_.scenes().take(job)) return fail("a part of the scene is refused");
+  const ActiveScenePtr part = job.scene();
+  const Snapshot snapshot = monitor_.at(part);
+  judgeBodies(snapshot);
+  CollisionDetector detector(part->scene);
+  const Verdict verdict = detector.detect(snapshot.poses, {}).verdict;
+  if (verdict == Verdict::FREE) {
+    judgeApart(posesAt(static_cast<Ns>(snapshot.stamp.toNSec())), members);
+  }
+  replaced_ = part;
+}
+
+/// Of a scene that was replaced, by who still has it.
+void SimulatedNode::requestReplaced() {
+  if (!replaced_) return;
+  const Snapshot snapshot = monitor_.at(replaced_);
+  const bool is_replaced = replaced_->revision != revision_;
+  if (is_replaced && snapshot.poses.doubts.empty()) fail("a scene counts that was replaced");
+}
+
+}  // namespace simulation
