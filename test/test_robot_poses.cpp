@@ -189,6 +189,23 @@ TEST_F(NewestPoses, OfARobotWhoseRootHangsOnItsOwnToolAreUnknown) {
   EXPECT_EQ(between("base", "wheel", 39 * SECOND / 4), "'wheel': its ancestors form a cycle");
 }
 
+TEST_F(NewestPoses, OfARobotWhoseRootHangsOnALinkThatOnlyTheUrdfPlacesAreUnknown) {
+  take("base", "arm", 9.75);
+  take("tool", "wheel", 9.75);
+  EXPECT_THAT(found().known, ElementsAre(1, 1, 1));
+  take("tool", "base", 9.75);
+  const std::string why = "its ancestors form a cycle (in 'base')";
+  EXPECT_THAT(found().problems, ElementsAre("", why, why));
+}
+
+TEST_F(NewestPoses, OfLinksThatHangOnTheOtherLinkOfTheirBodyAreKnown) {
+  take("tool", "arm", 0, true);
+  take("arm", "base", 9.75);
+  take("tool", "wheel", 9.75);
+  const RobotPoses poses(buffer_, *robot_, "arm");
+  EXPECT_THAT(poses.newest(10 * SECOND, {1, 1, 1}).known, ElementsAre(1, 1, 1));
+}
+
 /// By frame: the one on which it hangs, or -1. Some hang on themselves, by others.
 std::vector<int> randomParents(RandomInputs& random, int nb_frames) {
   std::vector<int> parents;

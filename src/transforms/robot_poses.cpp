@@ -11,6 +11,10 @@ namespace {
 
 using Eigen::Isometry3d;
 
+bool isAmong(const std::vector<int>& frames, int frame) {
+  return std::find(frames.begin(), frames.end(), frame) != frames.end();
+}
+
 /// The last frame that static transforms lead up to. `tops`: those found so far, by frame; or -1.
 int topOf(const TransformBuffer& buffer, int frame, StampNs stamp, std::vector<int>& tops) {
   int top = frame;
@@ -72,6 +76,64 @@ bool RobotPoses::isFound(const Layout& layout, std::size_t body) const {
   return layout.places[body].anchor >= 0 || static_cast<int>(body) == body_of_frame_;
 }
 
+int RobotPoses::bodyOf(int frame) const {
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    if (isAmong(frames_.of_links[b], frame)) return static_cast<int>(b);
+  }
+  return -1;
+}
+
+FrameWays RobotPoses::waysFrom(int frame, const Instant& instant) const {
+  FrameWays ways(buffer_, frame, instant);
+  if (isInCycle(ways)) ways.breakCycle();
+  return ways;
+}
+
+/// Whether one body at least hangs on another that hangs on it. Links of one body that hang on each
+/// other in another order than in the URDF are none.
+bool RobotPoses::isInCycle(const FrameWays& ways) const {
+  std::vector<int> path{ways.target()};
+  // The frame of the path that a chain meets on its way up; -1: none.
+  const auto climb = [&](std::vector<int>& chain) {
+    for (int parent = ways.lastParent(chain.back()); parent >= 0;) {
+      if (isAmong(path, parent)) return parent;
+      if (isAmong(chain, parent)) return -1;  // a cycle beside the path
+      chain.push_back(parent);
+      parent = ways.lastParent(parent);
+    }
+    return -1;
+  };
+  for (int parent = ways.lastParent(ways.target()); parent >= 0 && !isAmong(path, parent);) {
+    path.push_back(parent);
+    parent = ways.lastParent(parent);
+  }
+  for (bool is_longer = path.size() > 1; is_longer;) {
+    is_longer = false;
+    const int top = path.back(), body = bodyOf(top);
+    if (body < 0) break;
+    for (const int fixed : frames_.of_links[static_cast<std::size_t>(body)]) {
+      if (fixed < 0 || fixed == top) continue;
+      std::vector<int> chain{fixed};
+      const int met = isAmong(path, fixed) ? fixed : climb(chain);
+      if (met == top) continue;  // it hangs on it
+      if (met < 0) {
+        path.insert(path.end(), chain.begin(), chain.end());
+        is_longer = true;
+        break;
+      }
+      std::vector<int> loop(std::find(path.begin(), path.end(), met), path.end());
+      loop.insert(loop.end(), chain.begin(), chain.end());
+      if (std::any_of(loop.begin(), loop.end(), [&](int frame) {
+            const int other = bodyOf(frame);
+            return other >= 0 && other != body;
+          })) {
+        return true;
+      }
+    }
+  }
+  return false;
+}
+
 bool RobotPoses::findPlace(std::size_t body, Layout& layout) const {
   const std::vector<int>& ids = frames_.of_links[body];
   Place& place = layout.places[body];
@@ -106,7 +168,7 @@ void RobotPoses::joinByUrdf(const Instant& instant, Layout& layout) const {
                                       [&](const Anchor& a) { return a.ways.to(ids[i]).is_known; });
         if (is_known) continue;
         layout.anchors.push_back(
-            {FrameWays(buffer_, ids[i], instant), static_cast<int>(b), i, layout.places[b].way});
+            {waysFrom(ids[i], instant), static_cast<int>(b), i, layout.places[b].way});
       }
     }
   }
@@ -117,7 +179,7 @@ RobotPoses::Layout RobotPoses::layOut(const Instant& instant,
   Layout layout;
   layout.places.resize(bodies_.size());
   const int frame = frames().frame;
-  if (frame >= 0) layout.anchors.push_back({FrameWays(buffer_, frame, instant), -1, 0, {}});
+  if (frame >= 0) layout.anchors.push_back({waysFrom(frame, instant), -1, 0, {}});
   bool are_all_found = true;
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     if (wanted[b] && !isFound(layout, b) && !findPlace(b, layout)) are_all_found = false;

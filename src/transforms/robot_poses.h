@@ -98,6 +98,10 @@ class RobotPoses {
   const Frames& frames() const;
   bool locate(const std::string& frame, const Layout& layout, Located& found) const;
   Layout layOut(const Instant& instant, const std::vector<char>& wanted) const;
+  FrameWays waysFrom(int frame, const Instant& instant) const;
+  /// Of TF, and of links that TF does not place and the URDF fixes to such that it does.
+  bool isInCycle(const FrameWays& ways) const;
+  int bodyOf(int frame) const;
   bool findPlace(std::size_t body, Layout& layout) const;
   void joinByUrdf(const Instant& instant, Layout& layout) const;
   bool isFound(const Layout& layout, std::size_t body) const;

@@ -157,10 +157,7 @@ FrameWays::FrameWays(const TransformBuffer& buffer, int target, const Instant& i
   bool is_known = true;
   for (int frame = target, parent = -1, i = 0; i <= static_cast<int>(DEEPEST_TREE); ++i) {
     const bool is_met = is_known ? !ways_.try_emplace(frame, way).second : ways_.count(frame) > 0;
-    if (is_met) {  // a cycle: round it, what hangs on the target would be what it hangs on
-      ways_.clear();
-      return;
-    }
+    if (is_met) return breakCycle();
     is_known = is_known && step(frame, stamp, parent);
     if (is_known) {
       way.pass(stamp);
@@ -170,6 +167,11 @@ FrameWays::FrameWays(const TransformBuffer& buffer, int target, const Instant& i
     if (parent < 0) return;
     frame = parent;
   }
+}
+
+void FrameWays::breakCycle() {
+  is_in_cycle_ = true;
+  ways_.clear();
 }
 
 int FrameWays::lastParent(int frame) const {
@@ -240,7 +242,7 @@ bool FrameWays::isPlaced(int frame) const {
 
 std::string FrameWays::whyNot(int source) const {
   const int last = lastAncestor(source);
-  if (last < 0) return "its ancestors form a cycle";
+  if (is_in_cycle_ || last < 0) return "its ancestors form a cycle";
   const TransformGate& gate = buffer_.gate();
   const StampLimits& limits = buffer_.limits();
   const bool is_newest = instant_.kind == Instant::NEWEST && gate.isHeard(last);

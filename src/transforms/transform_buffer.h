@@ -114,20 +114,23 @@ class FrameWays {
   std::string whyNot(int source) const;
   /// False if its ancestors end at one that TF does not place anywhere, or never.
   bool isPlaced(int frame) const;
-  bool isInCycle(int frame) const { return lastAncestor(frame) < 0; }
+  bool isInCycle(int frame) const { return is_in_cycle_ || lastAncestor(frame) < 0; }
+  /// On what a frame hung, known or in doubt, when it was last heard of; -1: that is too long ago.
+  int lastParent(int frame) const;
+  /// Forgets all ways: round a cycle, what hangs on the target would be what it hangs on.
+  void breakCycle();
   int target() const { return target_; }
 
  private:
   /// False: it is not known.
   bool step(int frame, StampNs& stamp, int& parent) const;
-  /// On what a frame hung, known or in doubt, when it was last heard of; -1: that is too long ago.
-  int lastParent(int frame) const;
   /// The last ancestor that can be reached; -1: they form a cycle.
   int lastAncestor(int frame) const;
 
   const TransformBuffer& buffer_;
   const int target_;
   const Instant instant_;
+  bool is_in_cycle_ = false;                   ///< the target
   mutable std::unordered_map<int, Way> ways_;  ///< by frame, as far as they were asked about
 };
 

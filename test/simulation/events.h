@@ -109,9 +109,6 @@ class Generator {
     made.allow_paused = integer(4) == 0;
     if (made.is_simulated && integer(6) == 0) made.clock_begins = 1.5 * real();
     made.cycle_through = integer(nb_links);
-    while (made.links[static_cast<std::size_t>(made.cycle_through)].joint == SimulatedLink::FIXED) {
-      made.cycle_through = made.links[static_cast<std::size_t>(made.cycle_through)].parent;
-    }
     made.has_cloud = integer(2) == 0;
     made.camera_on = integer(3) == 0 ? integer(nb_links) : -1;
     made.X_LC = {-3.0, 0.0, 0.0, 0.3};
