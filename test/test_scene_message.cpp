@@ -224,7 +224,7 @@ class Scenes {
 
 std::string bytesOf(const Scene& message) {
   const ros::SerializedMessage bytes = ros::serialization::serializeMessage(message);
-  return {reinterpret_cast<const char*>(bytes.buf.get()), bytes.nb_bytes};
+  return {reinterpret_cast<const char*>(bytes.buf.get()), bytes.num_bytes};
 }
 
 Scene received(const Scene& message) {

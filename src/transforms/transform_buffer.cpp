@@ -157,7 +157,10 @@ FrameWays::FrameWays(const TransformBuffer& buffer, int target, const Instant& i
   bool is_known = true;
   for (int frame = target, parent = -1, i = 0; i <= static_cast<int>(DEEPEST_TREE); ++i) {
     const bool is_met = is_known ? !ways_.try_emplace(frame, way).second : ways_.count(frame) > 0;
-    if (is_met) return breakCycle();
+    if (is_met) {
+      breakCycle();
+      return;
+    }
     is_known = is_known && step(frame, stamp, parent);
     if (is_known) {
       way.pass(stamp);
