@@ -162,7 +162,15 @@ void SimulatedNode::judgeReasons(const Snapshot& snapshot) {
 void SimulatedNode::judgeFree(const Snapshot& snapshot) {
   const Ns stamp = static_cast<Ns>(snapshot.stamp.toNSec());
   if (ros_ == 0) fail("FREE without a clock");
-  if (broken_ >= 0 && ignored_.count(broken_) == 0) fail("FREE although geometry is missing");
+  // Of a link that nothing is checked against no geometry is read.
+  bool is_checked = setup_.has_cloud;
+  for (const auto& [name, object] : objects_) is_checked = is_checked || object.link < 0;
+  for (int i = 0; broken_ >= 0 && i < static_cast<int>(setup_.links.size()); ++i) {
+    is_checked = is_checked || (i != broken_ && areChecked(broken_, i));
+  }
+  if (broken_ >= 0 && ignored_.count(broken_) == 0 && is_checked) {
+    fail("FREE although geometry is missing");
+  }
   if (knowledge_.isClockInDoubt()) fail("FREE although the clock stands still");
   if (knowledge_.isTooOld(stamp) && !snapshot.is_static) fail("FREE although poses are too old");
   if (ignored_.empty() && knowledge_.isBehind(stamp)) fail("FREE although a link lags behind");
