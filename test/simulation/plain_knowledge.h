@@ -222,7 +222,8 @@ class Knowledge {
 
   /// The newest pose counts that was sent twice, or by one node alone.
   void hearStatic(Told& told, const Pose& X_PB, const std::string& publisher) {
-    const auto isThis = [&](const Pose& pose) { return distanceOf(pose, X_PB) == 0.0; };
+    // Poses within 0.1 mm and 0.1 mrad are the same.
+    const auto isThis = [&](const Pose& pose) { return distanceOf(pose, X_PB) < 1e-4; };
     const bool is_again = std::any_of(told.statics.begin(), told.statics.end(),
                                       [&](const auto& sent) { return isThis(sent.second); });
     told.statics[publisher] = X_PB;
