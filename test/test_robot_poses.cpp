@@ -198,6 +198,19 @@ TEST_F(NewestPoses, OfARobotWhoseRootHangsOnALinkThatOnlyTheUrdfPlacesAreUnknown
   EXPECT_THAT(found().problems, ElementsAre("", why, why));
 }
 
+TEST_F(NewestPoses, OfARobotWhoseRootHangsOnItByAnyLinkOfABodyAreUnknown) {
+  const auto robot =
+      robotFrom(emptyLink("base") + emptyLink("arm") + emptyLink("tool") + emptyLink("hook") +
+                joint("slide", "prismatic", "base", "arm") +
+                joint("flange", "fixed", "arm", "tool") + joint("weld", "fixed", "arm", "hook"));
+  take("tool", "base", 9.75);
+  take("cart", "arm", 9.75);  // leads elsewhere
+  const RobotPoses poses(buffer_, *robot, "base");
+  EXPECT_THAT(poses.newest(10 * SECOND, {1, 1}).known, ElementsAre(1, 1)) << "by its tool";
+  take("base", "hook", 9.75);
+  EXPECT_THAT(poses.newest(10 * SECOND, {1, 1}).known, ElementsAre(1, 0));
+}
+
 TEST_F(NewestPoses, OfLinksThatHangOnTheOtherLinkOfTheirBodyAreKnown) {
   take("tool", "arm", 0, true);
   take("arm", "base", 9.75);

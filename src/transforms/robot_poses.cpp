@@ -85,51 +85,35 @@ int RobotPoses::bodyOf(int frame) const {
 
 FrameWays RobotPoses::waysFrom(int frame, const Instant& instant) const {
   FrameWays ways(buffer_, frame, instant);
-  if (isInCycle(ways)) ways.breakCycle();
+  std::vector<int> tried;
+  if (hangsOnItself(ways, {frame}, -1, tried)) ways.breakCycle();
   return ways;
 }
 
-/// Whether one body at least hangs on another that hangs on it. Links of one body that hang on each
-/// other in another order than in the URDF are none.
-bool RobotPoses::isInCycle(const FrameWays& ways) const {
-  std::vector<int> path{ways.target()};
-  // The frame of the path that a chain meets on its way up; -1: none.
-  const auto climb = [&](std::vector<int>& chain) {
-    for (int parent = ways.lastParent(chain.back()); parent >= 0;) {
-      if (isAmong(path, parent)) return parent;
-      if (isAmong(chain, parent)) return -1;  // a cycle beside the path
-      chain.push_back(parent);
-      parent = ways.lastParent(parent);
-    }
-    return -1;
-  };
-  for (int parent = ways.lastParent(ways.target()); parent >= 0 && !isAmong(path, parent);) {
-    path.push_back(parent);
-    parent = ways.lastParent(parent);
+/// Links of one body that hang on each other in another order than in the URDF are no cycle.
+bool RobotPoses::isCycle(const std::vector<int>& path, int met) const {
+  int first = -1;
+  return std::any_of(std::find(path.begin(), path.end(), met), path.end(), [&](int frame) {
+    const int body = bodyOf(frame);
+    if (first < 0) first = body;
+    return body >= 0 && body != first;
+  });
+}
+
+bool RobotPoses::hangsOnItself(const FrameWays& ways, std::vector<int> path, int below,
+                               std::vector<int>& tried) const {
+  for (int parent; (parent = ways.lastParent(path.back())) >= 0; path.push_back(parent)) {
+    if (isAmong(path, parent)) return parent != below && isCycle(path, parent);
   }
-  for (bool is_longer = path.size() > 1; is_longer;) {
-    is_longer = false;
-    const int top = path.back(), body = bodyOf(top);
-    if (body < 0) break;
-    for (const int fixed : frames_.of_links[static_cast<std::size_t>(body)]) {
-      if (fixed < 0 || fixed == top) continue;
-      std::vector<int> chain{fixed};
-      const int met = isAmong(path, fixed) ? fixed : climb(chain);
-      if (met == top) continue;  // it hangs on it
-      if (met < 0) {
-        path.insert(path.end(), chain.begin(), chain.end());
-        is_longer = true;
-        break;
-      }
-      std::vector<int> loop(std::find(path.begin(), path.end(), met), path.end());
-      loop.insert(loop.end(), chain.begin(), chain.end());
-      if (std::any_of(loop.begin(), loop.end(), [&](int frame) {
-            const int other = bodyOf(frame);
-            return other >= 0 && other != body;
-          })) {
-        return true;
-      }
-    }
+  const int top = path.back(), body = path.size() > 1 ? bodyOf(top) : -1;
+  if (body < 0 || isAmong(tried, top)) return false;
+  tried.push_back(top);
+  for (const int fixed : frames_.of_links[static_cast<std::size_t>(body)]) {
+    if (fixed < 0 || ways.lastParent(fixed) < 0) continue;
+    std::vector<int> longer = path;
+    longer.push_back(fixed);
+    const bool is_met = isAmong(path, fixed);
+    if (is_met ? isCycle(path, fixed) : hangsOnItself(ways, longer, top, tried)) return true;
   }
   return false;
 }

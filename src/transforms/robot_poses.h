@@ -99,8 +99,13 @@ class RobotPoses {
   bool locate(const std::string& frame, const Layout& layout, Located& found) const;
   Layout layOut(const Instant& instant, const std::vector<char>& wanted) const;
   FrameWays waysFrom(int frame, const Instant& instant) const;
-  /// Of TF, and of links that TF does not place and the URDF fixes to such that it does.
-  bool isInCycle(const FrameWays& ways) const;
+  /// Whether a path upward leads back to itself: by TF, and from a link that TF does not place by
+  /// those that the URDF fixes to it. It is not one if it leads back to `below`, from which the
+  /// URDF led to its last frame. `tried`: the ends that were found before.
+  bool hangsOnItself(const FrameWays& ways, std::vector<int> path, int below,
+                     std::vector<int>& tried) const;
+  /// Whether the rest of the path, from the frame that it has met, is of several bodies.
+  bool isCycle(const std::vector<int>& path, int met) const;
   int bodyOf(int frame) const;
   bool findPlace(std::size_t body, Layout& layout) const;
   void joinByUrdf(const Instant& instant, Layout& layout) const;
