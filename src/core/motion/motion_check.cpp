@@ -68,8 +68,9 @@ class MotionCheck::Search {
     const bool may_use_stage =
         EdgeStage::maySettle(settings, motion, placed) && report_.unchecked.empty();
     if (may_use_stage && !edge_ && stage_->isMade()) edge_ = stage_->makeGroup();
-    const bool is_settled = may_use_stage && edge_ && settleByStage();
-    if (!is_settled && lookAtAll()) lookAtOpen();
+    const bool uses_stage = may_use_stage && edge_;
+    const bool is_settled = uses_stage && settleByStage();
+    if (!is_settled && lookAtAll(uses_stage)) lookAtOpen();
     finishReport(doubts);
     if (may_use_stage && !edge_) stage_->count(report_);
     report_.seconds = secondsSpent();
@@ -132,10 +133,10 @@ class MotionCheck::Search {
     }
   }
 
-  /// At the middle of the segment; the cheapest check first.
-  bool lookAtAll() {
+  /// At the middle of the segment; the cheapest check first. `was_sampled`: not meetsAtSteps().
+  bool lookAtAll(bool was_sampled) {
     const bool samples = settings_.only_free && !settings_.only_moved && !settings_.from_start;
-    if (samples && meetsAtSteps()) return false;
+    if (samples && !was_sampled && meetsAtSteps()) return false;
     moveTo(0.0, 1.0);
     const bool looks = !samples && !settings_.only_moved;
     if (looks && exact_.meets(true) && confirmContact() && !settings_.from_start) return false;
