@@ -136,6 +136,8 @@ def test_the_readme_shows_what_the_demo_prints(check_bag):
     """The demo's recording is of the same motion."""
     lines = re.findall(r"^ {3}\d+\.\d\d s  (\S+)  \((\d+) boxes, \d+ pairs investigated(?:, closest ([+-]\d+\.\d) mm)?\)$",
                        read("README.md"), re.MULTILINE)
+    near = re.search(r"^alarm_distance: ([\d.]+)", read("config/demo/node.yaml"), re.MULTILINE).group(1)
+    assert "Investigated: pairs whose boxes are within %s m." % near in read("README.md")
     rows, _ = check_bag(DEMO_BAG, *DEMO_ROBOT)
     touching = {pair for row in rows if row["in_collision"] == "1" for pair in row["pairs"].split(";")}
     assert len(lines) == 5 and {boxes for _, boxes, _ in lines} == {"22"}
