@@ -198,6 +198,18 @@ TEST_F(NewestPoses, OfARobotWhoseRootHangsOnALinkThatOnlyTheUrdfPlacesAreUnknown
   EXPECT_THAT(found().problems, ElementsAre("", why, why));
 }
 
+TEST_F(NewestPoses, OfACameraOnARobotWhoseRootHangsOnItselfAreUnknown) {
+  take("base", "arm", 9.75);
+  take("arm", "camera", 9.75);
+  const RobotPoses poses(buffer_, *robot_, "base");
+  const Instant at{Instant::AT, 39 * SECOND / 4}, newest{Instant::NEWEST, 10 * SECOND};
+  EXPECT_EQ(poses.between("base", "camera", at).X_TS.translation().x(), 2.0);
+  take("tool", "base", 9.75);
+  EXPECT_THROW(poses.between("base", "camera", at), NotConnected);
+  EXPECT_THROW(poses.between("base", "camera", newest), NotConnected);
+  EXPECT_THROW(poses.between("camera", "arm", newest), NotConnected);
+}
+
 TEST_F(NewestPoses, OfARobotWhoseRootHangsOnItByAnyLinkOfABodyAreUnknown) {
   const auto robot =
       robotFrom(emptyLink("base") + emptyLink("arm") + emptyLink("tool") + emptyLink("hook") +

@@ -343,8 +343,10 @@ Isometry3d RobotPoses::poseOf(const Located& located, const Layout& layout, Stam
 
 FoundPose RobotPoses::between(const std::string& target, const std::string& source,
                               const Instant& instant) const {
+  frames();
   try {
-    return poseBetween(buffer_, target, source, instant);
+    return poseBetween(buffer_, target, source, instant,
+                       [&](int from, const Instant& when) { return waysFrom(from, when); });
   } catch (const InputError&) {
     Layout layout;
     Located in_target, in_source;

@@ -150,14 +150,14 @@ void FrameWays::Way::join(const Way& other) {
 }
 
 FrameWays::FrameWays(const TransformBuffer& buffer, int target, const Instant& instant)
-    : buffer_(buffer), target_(target), instant_(instant) {
+    : buffer_(buffer), target_(target), instant_(instant), numbers_(buffer.frames().size(), -1) {
   Way way;
   way.is_known = true;
   StampNs stamp;
   bool is_known = true;
   for (int frame = target, parent = -1, i = 0; i <= static_cast<int>(DEEPEST_TREE); ++i) {
-    const bool is_met = is_known ? !ways_.try_emplace(frame, way).second : ways_.count(frame) > 0;
-    if (is_met) {
+    const auto at = static_cast<std::size_t>(frame);
+    if (is_known ? !note(frame, way) : numbers_[at] >= 0) {
       breakCycle();
       return;
     }
@@ -174,7 +174,16 @@ FrameWays::FrameWays(const TransformBuffer& buffer, int target, const Instant& i
 
 void FrameWays::breakCycle() {
   is_in_cycle_ = true;
+  std::fill(numbers_.begin(), numbers_.end(), -1);
   ways_.clear();
+}
+
+bool FrameWays::note(int frame, const Way& way) const {
+  int& number = numbers_[static_cast<std::size_t>(frame)];
+  if (number >= 0) return false;
+  number = static_cast<int>(ways_.size());
+  ways_.push_back(way);
+  return true;
 }
 
 int FrameWays::lastParent(int frame) const {
@@ -205,28 +214,22 @@ bool FrameWays::step(int frame, StampNs& stamp, int& parent) const {
 }
 
 FrameWays::Way FrameWays::to(int source) const {
-  // Up to a frame whose way is known already, then down again: each frame is asked about once.
-  std::vector<std::pair<int, StampNs>> steps;  // frames, and the stamps above them
+  if (source != target_) return climb(source);
   Way way;
-  way.is_known = source == target_;
-  if (way.is_known) return way;
-  for (int frame = source, parent; steps.size() <= DEEPEST_TREE; frame = parent) {
-    if (const auto known = ways_.find(frame); known != ways_.end()) {
-      way = known->second;
-      break;
-    }
-    StampNs stamp;
-    if (!step(frame, stamp, parent)) {
-      ways_[frame] = way;
-      break;
-    }
-    steps.emplace_back(frame, stamp);
-  }
-  for (; !steps.empty(); steps.pop_back()) {
-    way.pass(steps.back().second);
-    ways_[steps.back().first] = way;
-  }
+  way.is_known = true;
   return way;
+}
+
+FrameWays::Way FrameWays::climb(int frame) const {
+  Way way;
+  const auto at = static_cast<std::size_t>(frame);
+  if (!note(frame, way)) return ways_[static_cast<std::size_t>(numbers_[at])];
+  StampNs stamp;
+  int parent;
+  if (!step(frame, stamp, parent)) return way;
+  way = climb(parent);  // what hangs on itself meets its own, which is not known
+  way.pass(stamp);
+  return ways_[static_cast<std::size_t>(numbers_[at])] = way;
 }
 
 int FrameWays::lastAncestor(int frame) const {
@@ -260,7 +263,7 @@ std::string FrameWays::whyNot(int source) const {
 }
 
 FoundPose poseBetween(const TransformBuffer& buffer, const std::string& target,
-                      const std::string& source, Instant instant) {
+                      const std::string& source, Instant instant, const WaysFrom& waysFrom) {
   const int from = buffer.findFrame(withoutLeadingSlash(target));
   const int to = buffer.findFrame(withoutLeadingSlash(source));
   if (from >= 0 && from == to) return {};
@@ -268,7 +271,7 @@ FoundPose poseBetween(const TransformBuffer& buffer, const std::string& target,
     throw NotConnected("TF has no frame '" + (from < 0 ? target : source) + "'");
   }
   const auto find = [&] {
-    const FrameWays ways(buffer, from, instant);
+    const FrameWays ways = waysFrom(from, instant);
     const FrameWays::Way way = ways.to(to);
     if (way.is_known) return way;
     for (const int frame : {to, from}) {

@@ -2,9 +2,9 @@
 #pragma once
 
 #include <deque>
+#include <functional>
 #include <memory>
 #include <string>
-#include <unordered_map>
 #include <vector>
 
 #include "collision_pairs/input_error.h"
@@ -126,22 +126,35 @@ class FrameWays {
   bool step(int frame, StampNs& stamp, int& parent) const;
   /// The last ancestor that can be reached; -1: they form a cycle.
   int lastAncestor(int frame) const;
+  /// Up to a frame that has been asked about.
+  Way climb(int frame) const;
+  /// False: it was noted before.
+  bool note(int frame, const Way& way) const;
 
   const TransformBuffer& buffer_;
   const int target_;
   const Instant instant_;
-  bool is_in_cycle_ = false;                   ///< the target
-  mutable std::unordered_map<int, Way> ways_;  ///< by frame, as far as they were asked about
+  bool is_in_cycle_ = false;          ///< the target
+  mutable std::vector<int> numbers_;  ///< by frame, in ways_; -1: nobody has asked about it
+  mutable std::vector<Way> ways_;
 };
 
-/// Pose of one frame in another, and the stamps on the way. At NEWEST: at the newest instant that
-/// all transforms on the way have reached. Throws NotConnected, or InputError if that instant is
-/// missing.
 struct FoundPose {
   Eigen::Isometry3d X_TS = Eigen::Isometry3d::Identity();
   StampNs oldest = NEVER;  ///< NEVER: of static transforms only
 };
+/// From which ways are looked for; of a frame of the buffer.
+using WaysFrom = std::function<FrameWays(int target, const Instant& instant)>;
+
+/// Pose of one frame in another, and the stamps on the way. At NEWEST: at the newest instant that
+/// all transforms on the way have reached. Throws NotConnected, or InputError if that instant is
+/// missing.
 FoundPose poseBetween(const TransformBuffer& buffer, const std::string& target,
-                      const std::string& source, Instant instant);
+                      const std::string& source, Instant instant, const WaysFrom& waysFrom);
+inline FoundPose poseBetween(const TransformBuffer& buffer, const std::string& target,
+                             const std::string& source, const Instant& instant) {
+  return poseBetween(buffer, target, source, instant,
+                     [&](int from, const Instant& when) { return FrameWays(buffer, from, when); });
+}
 
 }  // namespace collision_pairs
