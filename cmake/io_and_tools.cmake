@@ -57,26 +57,39 @@ add_dependencies(collision_pairs_io read_mesh_file)
 set(modules common check_bag generate_srdf measure_stopping)
 list(TRANSFORM modules PREPEND ${PROJECT_SOURCE_DIR}/src/tools/ OUTPUT_VARIABLE TOOL_MODULES)
 
+# What several tools share.
+add_library(tool_parts STATIC
+  src/tools/check_bag/bag_outputs.cpp
+  src/tools/common/command_line.cpp
+  src/tools/common/plot_script.cpp
+  src/tools/common/progress_bar.cpp
+  src/tools/common/scene_files.cpp
+)
+target_include_directories(tool_parts PUBLIC ${TOOL_MODULES} PRIVATE src/core/base)
+target_link_libraries(tool_parts PUBLIC collision_pairs_io Boost::program_options)
+collision_pairs_together(tool_parts)
+collision_pairs_warnings(tool_parts)
+collision_pairs_checked_indices(tool_parts)
+
 # Source files follow its name, without src/tools and .cpp.
 function(collision_pairs_tool name)
   list(TRANSFORM ARGN REPLACE "(.+)" "src/tools/\\1.cpp" OUTPUT_VARIABLE sources)
-  add_executable(${name} ${sources} src/tools/common/command_line.cpp src/tools/common/progress_bar.cpp)
-  target_include_directories(${name} PRIVATE ${TOOL_MODULES} src/core/base)
-  target_link_libraries(${name} PRIVATE collision_pairs_io Boost::program_options)
+  add_executable(${name} ${sources})
+  target_include_directories(${name} PRIVATE src/core/base)
+  target_link_libraries(${name} PRIVATE tool_parts)
   collision_pairs_together(${name})
   collision_pairs_warnings(${name})
   collision_pairs_checked_indices(${name})
 endfunction()
 
-collision_pairs_tool(check_states check_states common/scene_files)
-collision_pairs_tool(check_motion check_motion common/scene_files)
-set(bag_table check_bag/bag_outputs common/plot_script)
+collision_pairs_tool(check_states check_states)
+collision_pairs_tool(check_motion check_motion)
 collision_pairs_tool(check_bag check_bag/check_bag check_bag/bag_checker check_bag/bag_recorder check_bag/bag_replay
-                     check_bag/recorded_scenes common/scene_files ${bag_table})
+                     check_bag/recorded_scenes)
 target_link_libraries(check_bag PRIVATE collision_pairs_monitor)
-collision_pairs_tool(merge_bag_checks check_bag/merge_bag_checks ${bag_table})
-collision_pairs_tool(generate_srdf generate_srdf/generate_srdf generate_srdf/pair_verdicts common/scene_files)
+collision_pairs_tool(merge_bag_checks check_bag/merge_bag_checks)
+collision_pairs_tool(generate_srdf generate_srdf/generate_srdf generate_srdf/pair_verdicts)
 target_include_directories(generate_srdf PRIVATE ${CORE_MODULES})
 collision_pairs_tool(measure_stopping measure_stopping/measure_stopping measure_stopping/stopping_analysis
-                     measure_stopping/stopping_steps common/plot_script)
+                     measure_stopping/stopping_steps)
 target_link_libraries(measure_stopping PRIVATE collision_pairs_messages)

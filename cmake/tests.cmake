@@ -11,7 +11,6 @@ add_library(test_parts STATIC EXCLUDE_FROM_ALL
   src/demo/depth_image.cpp
   src/planners/moveit/moveit_scene.cpp
   src/planners/moveit/moveit_shapes.cpp
-  src/tools/common/progress_bar.cpp
   src/tools/measure_stopping/stopping_analysis.cpp
   src/tools/measure_stopping/stopping_steps.cpp
   benchmark/benchmark_robots.cpp
@@ -26,7 +25,7 @@ add_library(test_parts STATIC EXCLUDE_FROM_ALL
 )
 target_include_directories(test_parts PUBLIC . test src/demo src/messages src/planners/moveit ${TOOL_MODULES} ${CORE_MODULES})
 target_include_directories(test_parts SYSTEM PUBLIC ${catkin_INCLUDE_DIRS})
-target_link_libraries(test_parts PUBLIC collision_pairs_io)
+target_link_libraries(test_parts PUBLIC tool_parts)
 target_compile_definitions(test_parts PRIVATE PROJECT_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
 collision_pairs_warnings(test_parts)
 collision_pairs_checked_indices(test_parts)
