@@ -23,7 +23,7 @@ from collision_pairs.srv import CheckCollisions, CheckCollisionsRequest
 from rosgraph import Master
 from tf2_msgs.msg import TFMessage
 
-PROJECT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+PROJECT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 TOOLS = os.environ.get("COLLISION_PAIRS_TOOLS", os.path.join(PROJECT, "build/devel/lib/collision_pairs"))
 DEMO = os.path.join(PROJECT, "config/demo/demo")
 NB_STAMPS = 5

@@ -21,7 +21,7 @@ import time
 
 from node_load import Robot, cpu_seconds, peak_memory_mib, quantile
 
-DEMO = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../config/demo")
+DEMO = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../config/demo")
 NB_CODES = 8
 WIDTH, HEIGHT = 640, 480
 

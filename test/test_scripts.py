@@ -3,6 +3,7 @@ import fnmatch
 import glob
 import os
 import re
+import runpy
 import subprocess
 
 import pytest
@@ -51,6 +52,18 @@ def test_each_script_can_be_started(name):
         assert done.returncode == 0 and "usage" in done.stdout
     else:
         compile(text, path, "exec")
+
+
+BENCHMARKS = sorted(os.path.relpath(path, PROJECT) for folder in ("benchmark", "test/dynamics")
+                    for path in glob.glob(os.path.join(PROJECT, folder, "*.py")))
+
+
+@pytest.mark.parametrize("name", BENCHMARKS)
+def test_the_folders_that_a_benchmark_names_are_there(name, monkeypatch):
+    path = os.path.join(PROJECT, name)
+    monkeypatch.syspath_prepend(os.path.dirname(path))
+    constants = [value for word, value in runpy.run_path(path, run_name="imported").items() if word.isupper() and isinstance(value, str)]
+    assert not [value for value in constants if value.startswith("/") and "/build/" not in value and not glob.glob(value + "*")]
 
 
 def test_a_test_that_crashed_counts_as_failed_beside_one_of_a_longer_name(tmp_path):
