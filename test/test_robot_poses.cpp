@@ -231,6 +231,22 @@ TEST_F(NewestPoses, OfLinksThatHangOnTheOtherLinkOfTheirBodyAreKnown) {
   EXPECT_THAT(poses.newest(10 * SECOND, {1, 1, 1}).known, ElementsAre(1, 1, 1));
 }
 
+TEST_F(NewestPoses, AreThoseOfTheFirstLinkOfTheirBodyThatIsKnown) {
+  const auto say = [&](const std::string& link, double x, const std::string& publisher) {
+    for (const StampNs stamp : {19 * SECOND / 2, 39 * SECOND / 4}) {
+      const Vector3d p(x, 0, 0);
+      buffer_.take({"base", link, stamp, p, Eigen::Quaterniond::Identity()}, false, publisher,
+                   10 * SECOND);
+    }
+  };
+  say("arm", 1.0, "driver");
+  say("tool", 3.0, "tracker");
+  EXPECT_EQ(found().X_WB[1].translation().x(), 1.0) << "where TF has the tool is not asked";
+  say("arm", 2.0, "other");
+  EXPECT_EQ(found().known[1], 1);
+  EXPECT_EQ(found().X_WB[1].translation().x(), 3.0) << "the arm is in doubt, the tool is not";
+}
+
 /// By frame: the one on which it hangs, or -1. Some hang on themselves, by others.
 std::vector<int> randomParents(RandomInputs& random, int nb_frames) {
   std::vector<int> parents;
