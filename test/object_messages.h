@@ -1,6 +1,7 @@
 // Objects in messages, for tests.
 #pragma once
 
+#include <algorithm>
 #include <memory>
 #include <string>
 #include <vector>
@@ -9,6 +10,7 @@
 
 #include "collision_pairs/input_error.h"
 #include "collision_pairs/mesh_loader.h"
+#include "geometry_conversions.h"
 
 namespace collision_pairs {
 
@@ -35,6 +37,16 @@ inline SceneObject boxObject(const std::string& name, const geometry_msgs::Pose&
   object.pose = pose;
   object.primitives = {primitive(shape_msgs::SolidPrimitive::BOX, {1, 2, 3})};
   return object;
+}
+
+inline shape_msgs::Mesh messageOf(const TriangleMesh& mesh) {
+  shape_msgs::Mesh message;
+  for (const Eigen::Vector3d& v : mesh.vertices) message.vertices.push_back(toPoint(v));
+  for (const auto& t : mesh.triangles) {
+    message.triangles.emplace_back();
+    std::copy(t.begin(), t.end(), message.triangles.back().vertex_indices.begin());
+  }
+  return message;
 }
 
 inline MeshLoader noMeshLoader() {

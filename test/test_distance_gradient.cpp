@@ -55,16 +55,11 @@ const std::vector<std::string> NAMES = {"j_a1", "j_a2", "j_a3", "j_a4", "j_b2"};
 SceneDescription describe(const std::shared_ptr<const RobotModel>& robot) {
   SceneDescription description;
   description.robots.push_back({robot, std::nullopt, ""});
-  RigidObject box{"object",
-                  {{Box{{0.4, 0.3, 0.5}}, Isometry3d::Identity()}},
-                  "",
-                  Isometry3d(Eigen::Translation3d(0.2, 0.9, 0.1)),
-                  {}};
-  RigidObject held{"held",
-                   {{Sphere{0.05}, Isometry3d::Identity()}},
-                   "a4",
-                   Isometry3d(Eigen::Translation3d(0.4, 0.1, 0.0)),
-                   {}};
+  const auto at = [](double x, double y, double z) {
+    return Isometry3d(Eigen::Translation3d(x, y, z));
+  };
+  const RigidObject box{"object", {{Box{{0.4, 0.3, 0.5}}, at(0, 0, 0)}}, "", at(0.2, 0.9, 0.1), {}};
+  const RigidObject held{"held", {{Sphere{0.05}, at(0, 0, 0)}}, "a4", at(0.4, 0.1, 0), {}};
   description.objects = {box, held, floorAt(-0.5, {"base"})};
   return description;
 }
@@ -126,9 +121,8 @@ class Probe {
 };
 
 Eigen::VectorXd randomState(RandomInputs& random, std::size_t size) {
-  Eigen::VectorXd q(size);
-  for (auto& x : q) x = random.uniform(-3.0, 3.0);
-  return q;
+  const auto each = [&] { return random.uniform(-3.0, 3.0); };
+  return Eigen::VectorXd::NullaryExpr(static_cast<Eigen::Index>(size), each);
 }
 
 /// d(distance)/dq by differences of fourth order in the step h.
@@ -183,8 +177,8 @@ Tally compare(Probe& probe, int nb_states, Kind kind, RandomInputs& random) {
       const double error = (gradients[i] - slopes).cwiseAbs().maxCoeff();
       if (!(error <= tally.worst)) {
         tally.worst = error;
-        tally.worst_pair = probe.scene().models()[pairs[i].first].name + "|" +
-                           probe.scene().models()[pairs[i].second].name;
+        const auto& models = probe.scene().models();
+        tally.worst_pair = models[pairs[i].first].name + "|" + models[pairs[i].second].name;
       }
     }
   }

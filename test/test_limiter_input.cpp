@@ -369,35 +369,5 @@ TEST_F(TrajectoryOfTwo, IsRefusedWithTheReason) {
             "velocities[0] 1 velocities[1] 0.5");
 }
 
-TEST(LimitedTrajectory, HasTheOrderOfTheCommandAndPositionsOnTheWay) {
-  trajectory_msgs::JointTrajectory command;
-  command.joint_names = {"b", "a"};
-  command.points.resize(1);
-  command.points[0].velocities = {2.0, 1.0};
-  command.points[0].positions = {20.0, 11.0};
-  command.points[0].time_from_start = ros::Duration(5.0);
-  EXPECT_THAT(velocitiesOf(command, {"a", "b"}), ElementsAre(1.0, 2.0));
-  EXPECT_THROW(velocitiesOf(command, {"a", "c"}), InputError);
-  EXPECT_THROW(velocitiesOf(command, {"a"}), InputError);
-  JointPositions measured;
-  measured.take(state(1.0, {"a", "b"}, {10.0, 10.0}), 1.0, 0.1);
-  LimiterDecision decision;
-  decision.scale = 0.5;
-  decision.command = {0.5, 1.0};
-  auto limited = limitedTrajectory(command, {"a", "b"}, decision, measured);
-  EXPECT_THAT(limited.joint_names, ElementsAre("b", "a"));
-  EXPECT_THAT(limited.points[0].velocities, ElementsAre(1.0, 0.5));
-  EXPECT_THAT(limited.points[0].positions, ElementsAre(15.0, 10.5));
-  measured.clear();  // no position at all rather than one that nobody measured
-  limited = limitedTrajectory(command, {"a", "b"}, decision, measured);
-  EXPECT_TRUE(limited.points[0].positions.empty());
-  command.points.push_back(command.points[0]);
-  EXPECT_THROW(velocitiesOf(command, {"a", "b"}), InputError);
-  decision.scale = 0.0;
-  decision.command = {0.0, 0.0};
-  limited = limitedTrajectory(command, {"a", "b"}, decision, measured);
-  EXPECT_THAT(limited.points[0].velocities, ElementsAre(0.0, 0.0));
-}
-
 }  // namespace test_limiter_input
 }  // namespace collision_pairs

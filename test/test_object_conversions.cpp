@@ -50,14 +50,8 @@ TEST(ObjectOfAMessage, AMeshKeepsItsHollows) {
   const TriangleMesh l = LShape().mesh();
   SceneObject message;
   message.name = "l";
-  message.meshes.resize(1);
+  message.meshes = {messageOf(l)};
   message.mesh_poses = {poseAt(0, 0, 0)};
-  for (const Vector3d& p : l.vertices) message.meshes[0].vertices.push_back(toPoint(p));
-  for (const auto& t : l.triangles) {
-    shape_msgs::MeshTriangle triangle;
-    std::copy(t.begin(), t.end(), triangle.vertex_indices.begin());
-    message.meshes[0].triangles.push_back(triangle);
-  }
   const RigidObject object = toObject(message, noMeshLoader());
   ASSERT_EQ(object.elements.size(), 1u);
   const auto* mesh = std::get_if<Mesh>(&object.elements[0].shape);

@@ -394,43 +394,5 @@ TEST(SceneMarkers, ShowALinkAsCoarselyAsItIsCompared) {
   for (const Marker& marker : markers) EXPECT_EQ(marker.type, Marker::CUBE) << marker.ns;
 }
 
-/// Of a report about the scene with all links at their root.
-std::vector<Marker> boxesOf(const std::shared_ptr<const CollisionScene>& scene) {
-  CollisionDetector detector(scene);
-  BodyPoses poses;
-  poses.resize(scene->bodies().size());
-  CheckSettings settings;
-  settings.list_boxes = true;
-  const auto& report = detector.detect(poses, settings);
-  const auto message = toMessage(report, *scene, settings, "world", ros::Time(7), {});
-  std::vector<Marker> boxes;
-  for (const Marker& marker : toMarkers(message, &report, false).markers) {
-    if (marker.type == Marker::CUBE && marker.action == Marker::ADD) boxes.push_back(marker);
-  }
-  return boxes;
-}
-
-TEST(BoxMarkers, OfAFloorAreFinite) {
-  const auto boxes = boxesOf(drawnScene());
-  EXPECT_EQ(boxes.size(), 5u);
-  for (const Marker& marker : boxes) {
-    for (const double size : {marker.scale.x, marker.scale.y, marker.scale.z}) {
-      EXPECT_GT(size, 0.0);
-      EXPECT_LT(size, 100.0);
-    }
-  }
-}
-
-TEST(BoxMarkers, OfWhatIsFlatAreDrawable) {
-  const auto boxes = boxesOf(
-      CollisionScene::build(robotFrom(linkWith("root", "<box size='1 1 0'/>") + boxLink("a", 1.0) +
-                                      joint("j", "floating", "root", "a", "0 0 0", "")),
-                            Srdf{}, nullptr));
-  EXPECT_EQ(boxes.size(), 2u);
-  for (const Marker& marker : boxes) {
-    EXPECT_GE(marker.scale.z, 1e-6);  // rviz shows nothing where an edge has no length
-  }
-}
-
 }  // namespace test_scene_markers
 }  // namespace collision_pairs

@@ -2,6 +2,7 @@
 // corners and planes and have parallel edges, and thin ones.
 #include <CGAL/Exact_predicates_exact_constructions_kernel.h>
 #include <CGAL/Triangle_3.h>
+#include <CGAL/intersections.h>
 #include <gtest/gtest.h>
 
 #include "random_inputs.h"
@@ -22,9 +23,26 @@ Kernel::Triangle_3 exactly(const Corners& t) {
   return {exactly(t[0]), exactly(t[1]), exactly(t[2])};
 }
 
-template <class A, class B>
-double exactDistance(const A& a, const B& b) {
-  return std::sqrt(CGAL::to_double(CGAL::squared_distance(a, b)));
+double rootOf(const Kernel::FT& squared) { return std::sqrt(CGAL::to_double(squared)); }
+
+double exactDistance(const Kernel::Triangle_3& t, const Kernel::Point_3& p) {
+  return rootOf(CGAL::squared_distance(t, p));
+}
+
+/// CGAL before 5.5 has it of a corner and a triangle, and of two edges, but not of two triangles.
+double exactDistance(const Kernel::Triangle_3& a, const Kernel::Triangle_3& b) {
+  if (CGAL::do_intersect(a, b)) return 0.0;
+  Kernel::FT least = CGAL::squared_distance(a.vertex(0), b);
+  for (int i = 0; i < 3; ++i) {
+    least = std::min(least, CGAL::squared_distance(a.vertex(i), b));
+    least = std::min(least, CGAL::squared_distance(b.vertex(i), a));
+    for (int j = 0; j < 3; ++j) {
+      const Kernel::Segment_3 edge_a(a.vertex(i), a.vertex(i + 1)),
+          edge_b(b.vertex(j), b.vertex(j + 1));
+      least = std::min(least, CGAL::squared_distance(edge_a, edge_b));
+    }
+  }
+  return rootOf(least);
 }
 
 /// Returns whether they meet. `rounding`: metres.
