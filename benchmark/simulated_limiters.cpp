@@ -64,8 +64,8 @@ bool NodeLimiter::measured(double now, double stamp, const std::vector<double>& 
 }
 
 Limiter servoLimiter(std::shared_ptr<CertifiedSurroundings> surroundings) {
-  constexpr double SELF = 0.01, SCENE = 0.02;  // m: its default thresholds
-  constexpr double PERIOD = 0.1;               // s: its default rate of checks is 10 Hz
+  static constexpr double SELF = 0.01, SCENE = 0.02;  // m: its default thresholds
+  static constexpr double PERIOD = 0.1;               // s: its default rate of checks is 10 Hz
   struct State {
     double checked = -1.0, scale = 1.0;
   };

@@ -62,10 +62,12 @@ Matrix3d quarterTurn(RandomInputs& random) {
 Isometry3d somePose(RandomInputs& random) {
   Isometry3d X = Isometry3d::Identity();
   X.linear() = quarterTurn(random);
-  for (double& p : X.translation()) {
+  for (int i = 0; i < 3; ++i) {  // Eigen 3.3 iterates over no block
     const int where = random.integer(0, 3);
     if (where < 3)
-      p = where == 0 ? 0.0 : where == 1 ? steps(random, -10, 10) : random.uniform(-0.3, 0.3);
+      X.translation()[i] = where == 0   ? 0.0
+                           : where == 1 ? steps(random, -10, 10)
+                                        : random.uniform(-0.3, 0.3);
   }
   return X;
 }

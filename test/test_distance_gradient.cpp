@@ -1,6 +1,5 @@
 // The gradient of distances against differences of the distances themselves.
 #include <cmath>
-#include <map>
 
 #include <gtest/gtest.h>
 

@@ -327,7 +327,7 @@ TEST(MeshSolid, MinusZeroIsZero) {
   RandomInputs random;
   TriangleMesh soup = asSoup(movedBy(boxMesh({1, 1, 1}), {1, 1, 1}), random);
   for (Vector3d& v : soup.vertices) {
-    for (double& x : v) x = random.integer(0, 1) && x == 0.0 ? -0.0 : x;
+    v = v.unaryExpr([&](double x) { return random.integer(0, 1) && x == 0.0 ? -0.0 : x; }).eval();
   }
   soup = turnedAtRandom(soup, random);  // so that it takes the edges to put it right
   EXPECT_TRUE(holds(soup, {0.1, 0.2, 0.1}));

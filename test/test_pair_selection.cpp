@@ -1,4 +1,5 @@
 // Checks that are limited to some of a scene's pairs: by a selection, and by a predicate.
+#include <atomic>
 #include <map>
 #include <set>
 

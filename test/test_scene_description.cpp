@@ -1,4 +1,6 @@
 // Objects, several robots, and what a scene prepares of them.
+#include <atomic>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
