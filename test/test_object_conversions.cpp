@@ -51,7 +51,7 @@ TEST(ObjectOfAMessage, AMeshKeepsItsHollows) {
   SceneObject message;
   message.name = "l";
   message.meshes.resize(1);
-  message.mesh_poses = {poseAt(0, 0, 0)};
+  message.mesh_poses = {poseAt(1, 2, 3)};
   for (const Vector3d& p : l.vertices) message.meshes[0].vertices.push_back(toPoint(p));
   for (const auto& t : l.triangles) {
     shape_msgs::MeshTriangle triangle;
@@ -62,6 +62,7 @@ TEST(ObjectOfAMessage, AMeshKeepsItsHollows) {
   ASSERT_EQ(object.elements.size(), 1u);
   const auto* mesh = std::get_if<Mesh>(&object.elements[0].shape);
   ASSERT_TRUE(mesh) << "it is not said to be convex";
+  EXPECT_EQ(object.elements[0].X_LE.translation(), Vector3d(1, 2, 3));
   EXPECT_EQ(mesh->mesh->name, "mesh of a message");
   EXPECT_EQ(mesh->mesh->vertices, l.vertices);
   EXPECT_EQ(mesh->mesh->triangles, l.triangles);
@@ -204,6 +205,7 @@ TEST(ObjectOfAMessage, HasItsNameItsLinkAndTheFilesOfItsMeshes) {
   message.name = "thing";
   message.attached_link = "hand";
   message.mesh_resources = {"package://a/b.stl", "package://a/c.stl"};
+  message.mesh_resource_poses = {poseAt(0, 0, 0), poseAt(1, 2, 3)};
   std::vector<std::string> uris;
   const RigidObject object = toObject(message, [&](const std::string& uri, const Vector3d& scale) {
     EXPECT_EQ(scale, Vector3d::Ones());
@@ -212,7 +214,8 @@ TEST(ObjectOfAMessage, HasItsNameItsLinkAndTheFilesOfItsMeshes) {
   });
   EXPECT_EQ(object.name, "thing");
   EXPECT_EQ(object.attached_link, "hand");
-  EXPECT_EQ(object.elements.size(), 2u);
+  ASSERT_EQ(object.elements.size(), 2u);
+  EXPECT_EQ(object.elements[1].X_LE.translation(), Vector3d(1, 2, 3));
   EXPECT_EQ(std::vector<std::string>(message.mesh_resources), uris);
 }
 
