@@ -72,7 +72,7 @@ class DriveSteps(unittest.TestCase):
     def assert_ends_with_zeros(self, program, code):
         self.assertEqual(program.process.wait(PATIENCE), code, program.said())
         wait_until(lambda: not self.moves(), "zeros")
-        rospy.sleep(0.5)
+        rospy.sleep(0.2)
         self.assertFalse(self.moves())
 
     def test_a_recording_of_its_steps_gives_the_robot_s_parameters(self):
@@ -80,7 +80,7 @@ class DriveSteps(unittest.TestCase):
             path, out = os.path.join(folder, "steps.bag"), os.path.join(folder, "limiter.yaml")
             with self.lock:
                 type(self).bag = rosbag.Bag(path, "w")
-            program = self.drive("_velocity:=0.3", "_hold:=0.8")
+            program = self.drive("_velocity:=0.3", "_hold:=0.4")
             self.assert_ends_with_zeros(program, 0)
             with self.lock:
                 self.bag.close()
@@ -98,14 +98,14 @@ class DriveSteps(unittest.TestCase):
 
     def test_interrupted_or_ended_it_sends_zeros(self):
         for number in (signal.SIGINT, signal.SIGTERM):
-            program = self.drive("_hold:=2.0")
+            program = self.drive()
             self.wait_until_it_moves(program)
             program.process.send_signal(number)
             self.assert_ends_with_zeros(program, 1)
             self.assertIn("interrupted", program.said())
 
     def test_without_positions_it_sends_zeros(self):
-        program = self.drive("_hold:=3.0")
+        program = self.drive()
         self.wait_until_it_moves(program)
         self.simulator.is_silent = True
         self.assert_ends_with_zeros(program, 1)
@@ -115,15 +115,17 @@ class DriveSteps(unittest.TestCase):
         self.simulator.place(slide_a=8.6)
         with self.lock:
             type(self).furthest = 0.0
-        program = self.drive("_joints:=[slide_a]", "_velocity:=0.5", "_hold:=0.5")
+        program = self.drive("_joints:=[slide_a]", "_velocity:=0.5", "_hold:=0.4")
         self.assert_ends_with_zeros(program, 0)
         self.assertLess(self.furthest, 9.0)
         self.simulator.place(slide_a=8.99)
         del self.commands[:]
+        refused = []
         for parameters, says in ((("_velocity:=0.5",), "at 8.990 needs 1.050 on one side and 0.300 on the other"), (("_velocity:=1.1",), "faster than its limit"),
                                  (("_joints:=[slide_a, slid_b]",), "the URDF has no joint slid_b"),
                                  (("_hold:=0.3",), "hold must be at least 0.4 s")):
-            program = self.drive(*parameters)
+            refused.append((self.drive(*parameters, "__name:=refused_%d" % len(refused)), says))
+        for program, says in refused:
             self.assert_ends_with_zeros(program, 1)
             self.assertIn(says, program.said())
             self.assertFalse([command for command in self.commands if any(command)])
