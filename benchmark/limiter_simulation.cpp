@@ -165,12 +165,13 @@ LimiterScene::LimiterScene(const BenchmarkRobot& robot, std::vector<std::string>
   if (options.obstacle_speed > 0.0) {
     description.clouds.push_back(cloudOf(CLOUD, VOXEL_SIZE, {}));
   }
-  seen_ = CollisionScene::build(description);
+  seen_ = CollisionScene::build(description, &sceneCache());
   description.clouds.clear();
   if (options.obstacle_speed > 0.0) {
     description.robots.push_back({moverRobot(), std::nullopt, LimiterJudge::MOVER});
   }
-  judge_ = std::make_unique<LimiterJudge>(CollisionScene::build(description), joints_);
+  judge_ =
+      std::make_unique<LimiterJudge>(CollisionScene::build(description, &sceneCache()), joints_);
   const JointSampler sampler(robot.robot, 1);
   for (const std::string& name : joints_) {
     const auto& range = sampler.ranges()[robot.robot->findJoint(name)];

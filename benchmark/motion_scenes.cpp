@@ -51,7 +51,7 @@ std::shared_ptr<const CollisionScene> sceneOf(const BenchmarkRobot& robot,
   description.robots.push_back({robot.robot, robot.srdf, ""});
   description.objects = std::move(objects);
   description.settings = settings;
-  return CollisionScene::build(description);
+  return CollisionScene::build(description, &sceneCache());
 }
 
 bool isTouched(const std::shared_ptr<const CollisionScene>& scene) {
@@ -66,6 +66,11 @@ bool isTouched(const std::shared_ptr<const CollisionScene>& scene) {
 }
 
 }  // namespace
+
+SceneCache& sceneCache() {
+  static SceneCache cache;
+  return cache;
+}
 
 std::vector<RigidObject> clutter(const BenchmarkRobot& robot, std::uint64_t index, int nb_things,
                                  const SceneSettings& settings) {

@@ -10,6 +10,9 @@
 
 namespace collision_pairs {
 
+/// Of the scenes that a program builds here: the meshes of its robots are prepared once.
+SceneCache& sceneCache();
+
 /// Plates of 2 mm, boxes and meshes that are not convex, each at a random place where it does not
 /// touch the robot in its zero state. Others for each index.
 std::vector<RigidObject> clutter(const BenchmarkRobot& robot, std::uint64_t index, int nb_things,

@@ -28,12 +28,20 @@ def run_tool():
     return run
 
 
+@pytest.fixture(scope="session")
+def made_bags():
+    return {}
+
+
 @pytest.fixture
-def make_bag(tmp_path):
-    """Makes a bag of the demo robot, by the script that makes the demo's; returns its path."""
+def make_bag(tmp_path, made_bags):
+    """Makes a bag of the demo robot, by the script that makes the demo's, once for each options; returns its path."""
     def make(name, *options):
         path = tmp_path / name
-        subprocess.run([os.path.join(DEMO, "make_bag"), str(path), *options], check=True, timeout=120)
+        if options not in made_bags:
+            subprocess.run([os.path.join(DEMO, "make_bag"), str(path), *options], check=True, timeout=120)
+            made_bags[options] = path.read_bytes()
+        path.write_bytes(made_bags[options])
         return path
     return make
 

@@ -133,6 +133,7 @@ TEST(FidelityLadder, EveryCombinationOfFidelitiesIsAnsweredAndMissesNoContact) {
   const Fidelity all[] = {Fidelity::AABB, Fidelity::SPHERES, Fidelity::OBB, Fidelity::CONVEX,
                           Fidelity::MESH};
   const std::string other[] = {"<mesh filename='l'/>", "<sphere radius='0.1'/>"};
+  SceneCache cache;  // of what is prepared for each fidelity; the spheres are made once
   for (int i = 0; i < 5 * 5 * 5 * 2; ++i) {
     const auto robot = RobotModel::fromUrdf(
         "<robot name='r'>" + emptyLink("root") + linkWith("a", "<mesh filename='l'/>") +
@@ -144,7 +145,7 @@ TEST(FidelityLadder, EveryCombinationOfFidelitiesIsAnsweredAndMissesNoContact) {
     description.settings.link_fidelity["a"] = all[i / 2 % 5];
     description.settings.link_fidelity["b"] = all[i / 10 % 5];
     description.settings.fidelity = all[i / 50];
-    CollisionDetector detector(CollisionScene::build(description));
+    CollisionDetector detector(CollisionScene::build(description, &cache));
     BodyPoses poses;
     poses.resize(2);
     for (const double y : {0.0, 0.02, 3.0}) {

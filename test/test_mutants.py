@@ -24,10 +24,11 @@ def drawn(number, seed, *options):
 
 
 def test_a_seed_draws_the_same_mistakes_again_and_another_seed_others():
-    sample = drawn(50, 1)
-    assert drawn(50, 1) == sample
-    assert drawn(50, 2) != sample
-    assert drawn(10, 1) == "".join(sample.splitlines(keepends=True)[:30])
+    files = ["--files", "src/transforms/*"]
+    sample = drawn(50, 1, *files)
+    assert drawn(50, 1, *files) == sample
+    assert drawn(50, 2, *files) != sample
+    assert drawn(10, 1, *files) == "".join(sample.splitlines(keepends=True)[:30])
 
 
 def test_a_sample_can_be_of_some_files():

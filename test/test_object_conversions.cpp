@@ -51,11 +51,12 @@ TEST(ObjectOfAMessage, AMeshKeepsItsHollows) {
   SceneObject message;
   message.name = "l";
   message.meshes = {messageOf(l)};
-  message.mesh_poses = {poseAt(0, 0, 0)};
+  message.mesh_poses = {poseAt(1, 2, 3)};
   const RigidObject object = toObject(message, noMeshLoader());
   ASSERT_EQ(object.elements.size(), 1u);
   const auto* mesh = std::get_if<Mesh>(&object.elements[0].shape);
   ASSERT_TRUE(mesh) << "it is not said to be convex";
+  EXPECT_EQ(object.elements[0].X_LE.translation(), Vector3d(1, 2, 3));
   EXPECT_EQ(mesh->mesh->name, "mesh of a message");
   EXPECT_EQ(mesh->mesh->vertices, l.vertices);
   EXPECT_EQ(mesh->mesh->triangles, l.triangles);
@@ -198,6 +199,7 @@ TEST(ObjectOfAMessage, HasItsNameItsLinkAndTheFilesOfItsMeshes) {
   message.name = "thing";
   message.attached_link = "hand";
   message.mesh_resources = {"package://a/b.stl", "package://a/c.stl"};
+  message.mesh_resource_poses = {poseAt(0, 0, 0), poseAt(1, 2, 3)};
   std::vector<std::string> uris;
   const RigidObject object = toObject(message, [&](const std::string& uri, const Vector3d& scale) {
     EXPECT_EQ(scale, Vector3d::Ones());
@@ -206,7 +208,8 @@ TEST(ObjectOfAMessage, HasItsNameItsLinkAndTheFilesOfItsMeshes) {
   });
   EXPECT_EQ(object.name, "thing");
   EXPECT_EQ(object.attached_link, "hand");
-  EXPECT_EQ(object.elements.size(), 2u);
+  ASSERT_EQ(object.elements.size(), 2u);
+  EXPECT_EQ(object.elements[1].X_LE.translation(), Vector3d(1, 2, 3));
   EXPECT_EQ(std::vector<std::string>(message.mesh_resources), uris);
 }
 

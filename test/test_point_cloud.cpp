@@ -117,6 +117,40 @@ TEST(PointCloud, OfRandomLayoutsGivesItsPoints) {
   }
 }
 
+TEST(PointCloud, OfAnySizesIsReadWithinItsDataOrRefused) {
+  std::mt19937 random(givenSeed());
+  const std::uint32_t sizes[] = {0, 1, 3, 11, 12, 13, 100, 1u << 16, 1u << 31, ~0u};
+  const auto below = [&](std::uint32_t n) { return static_cast<std::uint32_t>(random() % n); };
+  const auto spoil = [&](std::uint32_t& size) {
+    if (below(10) < 3) size = sizes[below(10)];
+  };
+  int nb_read = 0, nb_refused = 0;
+  for (int i = 0; i < 20000; ++i) {
+    PointCloud2 cloud = cloudOf(SIX, packed(6));
+    for (auto* size : {&cloud.width, &cloud.height, &cloud.point_step, &cloud.row_step}) {
+      spoil(*size);
+    }
+    for (PointField& f : cloud.fields) {
+      if (below(10) == 0) spoil(f.offset), spoil(f.count);
+      if (below(20) == 0) f.datatype = static_cast<std::uint8_t>(random());
+    }
+    if (below(3) == 0) {
+      std::vector<std::uint8_t> data(below(2000));  // of its own, so that a sanitizer sees its end
+      for (std::uint8_t& byte : data) byte = static_cast<std::uint8_t>(random());
+      cloud.data = data;
+    }
+    cloud.is_bigendian = below(3) == 0;
+    try {
+      nb_read += read(cloud).size() <= cloud.data.size();
+    } catch (const InputError&) {
+      ++nb_refused;
+    }
+  }
+  EXPECT_EQ(nb_read + nb_refused, 20000);
+  EXPECT_GT(nb_read, 1000);
+  EXPECT_GT(nb_refused, 1000);
+}
+
 TEST(PointCloud, OfTheUsualLayoutGivesItsPointsWithAndWithoutRowPadding) {
   Layout layout = packed(3, 2);
   EXPECT_EQ(read(cloudOf(SIX, layout)), SIX);

@@ -20,7 +20,7 @@ def in_a_process(program):
     """Its output; the test fails if it crashes, or hangs for a minute."""
     header = "import os, sys\nsys.path[:0] = %r\nimport collision_pairs as cp\nimport test_python_misuse as own\n" % [
         PYTHON, os.path.dirname(os.path.abspath(__file__))]
-    done = subprocess.run([sys.executable, "-X", "faulthandler", "-c", header + program], timeout=60,
+    done = subprocess.run([sys.executable, "-u", "-X", "faulthandler", "-c", header + program], timeout=60,
                           stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
     assert done.returncode == 0, done.stdout[-3000:]
     return done.stdout
@@ -56,10 +56,10 @@ def use_without_init(cls):
         print(cls.__name__, name)
 
 
-@pytest.mark.parametrize("name", CLASSES)
-def test_an_object_made_without_init_raises_whatever_is_asked_of_it(name):
-    used = in_a_process("own.use_without_init(cp.%s)" % name).split("\n")
-    assert name in ("Box", "Sphere", "Cylinder", "Capsule", "HalfSpace", "Convex", "Mesh") or len(used) > 1
+def test_an_object_made_without_init_raises_whatever_is_asked_of_it():
+    used = in_a_process("for name in own.CLASSES: own.use_without_init(getattr(cp, name))").split("\n")
+    without_methods = {"Box", "Sphere", "Cylinder", "Capsule", "HalfSpace", "Convex", "Mesh"}
+    assert {line.split(" ")[0] for line in used} >= set(CLASSES) - without_methods
 
 
 class Late(cp.Detector):

@@ -68,6 +68,32 @@ TEST_F(Changes, APoseIsOfItsFrame) {
   EXPECT_TRUE(stored("crate").X_PO.translation().isApprox(Vector3d(0.5, 0, 0)));
 }
 
+TEST_F(Changes, AnObjectThatIsAddedTakesThePlaceOfTheOneOfItsName) {
+  apply(SceneChange::ADD, boxObject("crate", poseAt(0, 0.5, 0)));
+  SceneObject grip = boxObject("crate", poseAt(0, 0, 0));
+  grip.attached_link = "hand";
+  apply(SceneChange::ATTACH, grip);
+  SceneObject other = boxObject("crate", poseAt(1, 2, 3));
+  other.padding = 0.25;
+  apply(SceneChange::ADD, other);
+  EXPECT_EQ(objects_.size(), 1u);
+  EXPECT_EQ(stored("crate").attached_link, "");
+  EXPECT_EQ(stored("crate").padding, 0.25);
+  EXPECT_EQ(stored("crate").X_PO.translation(), Vector3d(1, 2, 3));
+}
+
+// No frame is that of the reports, whatever it hangs on.
+TEST_F(Changes, WhatIsAttachedIsAddedAndMovedToWhereTheFrameSays) {
+  SceneObject object = boxObject("crate", poseAt(0, 0, 2));
+  object.attached_link = object.header.frame_id = "hand";
+  apply(SceneChange::ADD, object);
+  EXPECT_EQ(stored("crate").X_PO.translation(), Vector3d(0, 0, 2));
+  object.header.frame_id.clear();
+  apply(SceneChange::MOVE, object);
+  EXPECT_EQ(stored("crate").attached_link, "hand");
+  EXPECT_TRUE((X_WH_ * stored("crate").X_PO).translation().isApprox(Vector3d(0, 0, 2)));
+}
+
 // Also where a later change of the request removes it again.
 TEST_F(Changes, ALinkThatTheRobotDoesNotHaveIsRefused) {
   context_.require_link = [](const std::string& link) {

@@ -33,7 +33,7 @@ class JointSimulator:
             self._positions.update(positions)
             self._velocities = {name: 0.0 for name in self.names}
             self._commands, self._wanted = [], {}
-        rospy.sleep(0.3)
+        rospy.sleep(0.15)
 
     def position(self, name):
         with self._lock:

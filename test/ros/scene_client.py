@@ -1,7 +1,7 @@
 """How the rostests write changes of the scene and send them to update_scene."""
 import rospy
 from geometry_msgs.msg import Point, Pose, Quaternion
-from shape_msgs.msg import Mesh, MeshTriangle, Plane, SolidPrimitive
+from shape_msgs.msg import Mesh, MeshTriangle, SolidPrimitive
 
 from collision_pairs.msg import SceneChange, SceneObject
 from collision_pairs.srv import UpdateScene
@@ -14,22 +14,6 @@ def pose(xyz=(0, 0, 0), xyzw=(0, 0, 0, 1)):
 
 def box(*size):
     return SolidPrimitive(type=SolidPrimitive.BOX, dimensions=size)
-
-
-def sphere(radius):
-    return SolidPrimitive(type=SolidPrimitive.SPHERE, dimensions=[radius])
-
-
-def cylinder(height, radius):
-    return SolidPrimitive(type=SolidPrimitive.CYLINDER, dimensions=[height, radius])
-
-
-def cone(height, radius):
-    return SolidPrimitive(type=SolidPrimitive.CONE, dimensions=[height, radius])
-
-
-def plane(a, b, c, d):
-    return Plane(coef=[a, b, c, d])
 
 
 def tetrahedron(size):

@@ -158,66 +158,6 @@ class BadInputTest(unittest.TestCase):
             finally:
                 process.kill()
 
-    def test_parameters_that_cannot_be_used_give_way_to_defaults(self):
-        node = NodeClient("/bad_parameters/node")
-        report = node.next(node.reports, lambda r: r.left_out)
-        self.assertEqual((report.alarm_distance, report.fidelity), (0.05, "mesh"))
-        self.assertEqual(rospy.get_param("/bad_parameters/node/alarm_distance"), 0.05)
-        self.assertEqual(rospy.get_param("/bad_parameters/node/rate"), 50.0)
-
-    def test_a_fidelity_for_a_link_that_is_none_is_named_with_the_one_that_is_meant(self):
-        status = diagnosis_of("unknown_link/node")
-        self.assertEqual(status.level, 2)
-        self.assertIn("'aa'", status.message)
-        self.assertIn("did you mean 'a'?", status.message)
-
-    def test_a_fidelity_that_is_none_is_refused_with_the_one_that_is_meant(self):
-        node = NodeClient("/bad_fidelity/node")
-        report = node.next(node.reports)
-        self.assertEqual(report.verdict, report.UNKNOWN)
-        status = diagnosis_of("bad_fidelity/node")
-        self.assertEqual(status.level, 2)
-        self.assertIn("link_fidelity/a is mehs", status.message)
-        self.assertIn("did you mean 'mesh'?", status.message)
-        self.assertEqual(rospy.get_param("/bad_fidelity/node/time_budget"), 0.0)
-        rospy.set_param("/bad_fidelity/node/link_fidelity", {"a": "mesh", "b": "obb"})
-        self.assertTrue(rospy.ServiceProxy("/bad_fidelity/node/reset", Trigger)().success)
-
-    def test_too_few_hull_vertices_are_refused_with_how_many_may_be(self):
-        status = diagnosis_of("bad_hulls/node")
-        self.assertEqual(status.level, 2)
-        self.assertIn("max_hull_vertices is -3", status.message)
-        self.assertIn("4 or more", status.message)
-
-    def test_transforms_that_are_none_or_old_leave_their_links_out(self):
-        node = NodeClient("/bad_transforms/node")
-        self.assertEqual(node.next(node.reports, lambda r: r.left_out).left_out, ["a", "b", "c"])
-        self.assertIn("no transform", node.check().message)
-        publisher = rospy.Publisher("/tf", TFMessage, queue_size=10)
-
-        def publish(_):
-            publish_transform(publisher, "root", "a")
-            publish_transform(publisher, "root", "b", xyzw=(NAN, 0, 0, 1))
-            publish_transform(publisher, "root", "c", xyzw=(0, 0, 0, 0))
-        timer = rospy.Timer(rospy.Duration(0.05), publish)
-        report = node.next(node.reports, lambda r: "a" not in r.left_out)
-        self.assertEqual(report.left_out, ["b", "c"])
-        self.assertEqual(report.nb_boxes, 1)
-        timer.shutdown()
-        mended = rospy.Timer(rospy.Duration(0.05), lambda _: [
-            publish_transform(publisher, "root", link, (x, 0, 0)) for link, x in (("a", 0), ("b", 0.5), ("c", 5))])
-        report = node.next(node.reports, lambda r: not r.left_out)
-        self.assertEqual([(p.first_link, p.second_link) for p in report.pairs], [("a", "b")])
-        mended.shutdown()
-
-        # A link that falls silent does not hold the others back.
-        speaking = rospy.Timer(rospy.Duration(0.05), lambda _: [
-            publish_transform(publisher, "root", link) for link in ("a", "b")])
-        report = node.next(node.reports, lambda r: r.left_out == ["c"])
-        self.assertIsNotNone(report)
-        self.assertLess((rospy.Time.now() - report.header.stamp).to_sec(), 0.5)
-        speaking.shutdown()
-
 
 if __name__ == "__main__":
     rospy.init_node("test_bad_input")

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Markers and reports against brute force over the published boxes; a robot without geometry."""
+"""Markers and reports against brute force over the published boxes."""
 import itertools
 import os
 import sys
@@ -40,8 +40,8 @@ class BoxesTest(unittest.TestCase):
     def test_every_cycle_is_published_also_when_nothing_is_close(self):
         self.robot.hold([0, 3, 6])
         before = len(self.node.reports)
-        rospy.sleep(2.0)
-        self.assertGreater(len(self.node.reports) - before, 50)
+        rospy.sleep(0.6)
+        self.assertGreater(len(self.node.reports) - before, 15)
         self.assertEqual(self.node.reports[-1].pairs, [])
         self.assertTrue(self.node.reports[-1].min_distance_is_bound)
         self.assertAlmostEqual(self.node.reports[-1].min_distance, ALARM)
@@ -73,15 +73,6 @@ class BoxesTest(unittest.TestCase):
             client.update_configuration({"rate": 50.0, "show_only_investigated_boxes": False})
         self.assertIsNotNone(self.node.next(self.node.reports))
         self.assertLess(rospy.get_time() - begin, 5.0)
-
-    def test_a_robot_without_geometry_publishes_empty_reports(self):
-        empty = NodeClient("/empty/node")
-        report = empty.next(empty.reports)
-        self.assertIsNotNone(report)
-        self.assertEqual((report.nb_boxes, report.nb_pairs, report.pairs, report.left_out), (0, 0, [], []))
-        self.assertEqual((report.verdict, report.in_collision), (report.UNKNOWN, True))
-        self.assertEqual(report.unchecked, "the robot has no collision geometry")
-        self.assertTrue(empty.check().success)
 
 
 if __name__ == "__main__":

@@ -58,21 +58,6 @@ class ClosingMotionTest(unittest.TestCase):
                 return result
         self.fail("no report with a known closing speed")
 
-    def test_a_pair_that_closes_says_how_fast_and_when_it_can_touch(self):
-        for speed in (SPEED, 2 * SPEED):
-            result = self.report(3.5, speed)
-            pair = result.pairs[0]
-            self.assertEqual((pair.first_link, pair.second_link), ("a", "wall"))
-            self.assertAlmostEqual(pair.closing_speed, speed, places=3)
-            self.assertTrue(result.time_to_contact_is_known)
-            self.assertAlmostEqual(result.time_to_contact, pair.distance / speed, delta=0.02 * pair.distance / speed)
-
-    def test_one_that_parts_or_stands_still_is_not_slowed(self):
-        for speed in (-SPEED, 0.0):
-            result = self.report(4.45, speed)
-            self.assertAlmostEqual(result.pairs[0].closing_speed, speed, places=3)
-            self.assertEqual((result.time_to_contact, result.time_to_contact_is_known), (10.0, True))
-
     def test_the_cycle_says_it_as_well(self):
         self.report(4.2, 0.0)  # what is put there is fast for as long as the window
         self.robot.go(4.2, SPEED)

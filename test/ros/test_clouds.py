@@ -2,16 +2,14 @@
 """Point clouds as obstacles: what is seen, what is not believed, and never FREE without a fresh cloud."""
 import os
 import random
-import struct
 import sys
 import unittest
 
-HERE = os.path.dirname(os.path.abspath(__file__))
-sys.path[:0] = [HERE, os.path.dirname(HERE)]
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 
 import rospy
 import rostest
-from sensor_msgs.msg import JointState, PointCloud2, PointField
+from sensor_msgs.msg import JointState, PointCloud2
 from std_srvs.srv import Trigger
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
@@ -20,7 +18,6 @@ from collision_pairs.msg import CollisionPairs
 from collision_pairs.srv import CheckCollisionsRequest, CheckTrajectory
 from node_client import NodeClient
 from scene_client import SceneClient, add_box, attach, clear, detach, remove
-from seed import given_seed
 from transform_faults import APART, BoxPublisher
 
 FREE, COLLISION, UNKNOWN = CollisionPairs.FREE, CollisionPairs.COLLISION, CollisionPairs.UNKNOWN
@@ -93,7 +90,7 @@ class CloudsTest(unittest.TestCase):
             self.show([(0.05 - CAMERA_X, y, 0.05)])
         words = NAMED + "something vanished 5 cm from a: it may touch; if it is gone, ~clear_clouds starts anew"
         self.wait_for(UNKNOWN, words)
-        rospy.sleep(1.0)
+        rospy.sleep(0.6)  # longer than source_timeout
         begin = len(self.node.reports)
         self.wait_for(UNKNOWN, words)
         self.assertIn(words, self.node.check().result.unknown_because)
@@ -102,42 +99,15 @@ class CloudsTest(unittest.TestCase):
             self.show([(0.05 - CAMERA_X, y, 0.05)])
         self.wait_for(FREE)
 
-    def test_a_near_voxel_is_a_near_pair_with_its_distance(self):
-        self.boxes.x["a"] = 0.06
-        self.camera.points = [(0.65 - CAMERA_X, 0.05, 0.05)]  # a ends at 0.56, its voxel begins at 0.6
-        report = self.node.next(self.node.reports, lambda r: r.verdict == FREE and len(r.pairs) == 1)
-        self.assertIsNotNone(report)
-        self.assertAlmostEqual(report.pairs[0].distance, 0.04)
-        self.assertAlmostEqual(report.pairs[0].contacts[0].second_point.x, 0.6)
-
-    def test_the_robot_does_not_see_itself(self):
-        surface = [(0.1 * i - 0.5 - CAMERA_X, y, 0.1 * j - 0.5) for i in range(11) for j in range(11) for y in (0.5, 0.54)]
-        self.camera.points = surface
-        self.assertIsNotNone(self.node.next(self.filtered, lambda cloud: cloud.width == 0), "some points were kept")
-        self.assertEqual(self.wait_for(FREE).pairs, [])
-        self.camera.points = surface + [(0.0 - CAMERA_X, 0.56, 0.0)]  # further than the padding
-        self.wait_for(COLLISION)
-
-    def test_points_are_placed_by_the_transform_at_the_stamp_of_their_cloud(self):
-        self.camera.silent = True
-        seen = rospy.Time.now()
-        self.assertIsNotNone(self.node.report_since(seen))
-        self.boxes.x["camera"] = 40.0
-        then = rospy.Time.now()
-        self.assertIsNotNone(self.node.report_since(then + rospy.Duration(0.05)))
-        self.camera.send(cloud_of(BESIDE_A, "camera", seen))
-        self.wait_for(COLLISION)
-
     def test_a_source_that_stops_is_unknown_by_name_until_it_comes_again(self):
-        for points in (FAR, BESIDE_A):
-            self.camera.points = points
-            self.wait_for(FREE if points is FAR else COLLISION)
-            self.camera.silent = True
-            report = self.wait_for(UNKNOWN, NAMED + "the newest is", "source_timeout is 0.50 s")
-            self.assertIn(CLOUD, report.left_out)
-            self.assertEqual(self.node.check().result.verdict, UNKNOWN)
-            self.camera.silent = False
-            self.wait_for(FREE if points is FAR else COLLISION)
+        self.camera.points = BESIDE_A
+        self.wait_for(COLLISION)
+        self.camera.silent = True
+        report = self.wait_for(UNKNOWN, NAMED + "the newest is", "source_timeout is 0.50 s")
+        self.assertIn(CLOUD, report.left_out)
+        self.assertEqual(self.node.check().result.verdict, UNKNOWN)
+        self.camera.silent = False
+        self.wait_for(COLLISION)
 
     def test_without_a_transform_of_the_sensor_the_cloud_is_not_used(self):
         self.camera.frame = "nowhere"
@@ -147,18 +117,6 @@ class CloudsTest(unittest.TestCase):
     def test_without_the_robots_pose_at_its_stamp_the_cloud_is_not_used(self):
         self.boxes.fault = {"b": "silent"}
         self.wait_for(UNKNOWN, "TF has no poses of the sensor ('camera') and the robot at", "'b'")
-
-    def test_stamps_from_the_past_and_the_future_are_refused(self):
-        for seconds, words in ((-10.0, "s old when it arrived"), (10.0, "ahead of the clock"), (None, "its stamp is zero")):
-            def spoil(cloud):
-                if seconds is None:
-                    cloud.header.stamp = rospy.Time(0)
-                else:
-                    cloud.header.stamp += rospy.Duration(seconds)
-            self.camera.spoil = spoil
-            self.wait_for(UNKNOWN, NAMED, words)
-            self.camera.spoil = None
-            self.wait_for(FREE)
 
     def test_an_earlier_stamp_than_the_one_before_is_refused(self):
         def spoil(cloud):
@@ -172,28 +130,7 @@ class CloudsTest(unittest.TestCase):
 
         def short_data(cloud):
             cloud.data = cloud.data[:-1]
-
-        def short_rows(cloud):
-            cloud.row_step = 11
-
-        def huge(cloud):
-            cloud.width = 2**32 - 1
-
-        def of_integers(cloud):
-            cloud.fields[1].datatype = 5
-
-        def no_step(cloud):
-            cloud.point_step = 0
-
-        def no_rows(cloud):
-            cloud.height = 0
-
-        def no_columns(cloud):
-            cloud.width = 0
-        for spoil, words in ((without_z, "no field 'z'"), (short_data, "its data has 11 bytes"), (short_rows, "row_step is 11"),
-                             (huge, "but a row of 4294967295 points"), (of_integers, "field 'y' is of datatype 5"),
-                             (no_step, "point_step is 0"), (no_rows, "but its width is 1 and its height 0"),
-                             (no_columns, "but its width is 0 and its height 1")):
+        for spoil, words in ((without_z, "no field 'z'"), (short_data, "its data has 11 bytes")):
             self.camera.spoil = spoil
             self.wait_for(UNKNOWN, NAMED, words)
             found = cloud_diagnosis(lambda d: words in d["message"])
@@ -201,37 +138,6 @@ class CloudsTest(unittest.TestCase):
             self.assertIn(words, found[CLOUD + " problem"])
             self.camera.spoil = None
             self.wait_for(FREE)
-
-    def test_clouds_that_show_nothing_are_unknown_and_never_free(self):
-        beyond = [(1000.0 * x, 1000.0 * y, 1000.0 * z) for x, y, z in BESIDE_A]  # in millimetres
-        for points, words in (([], "it has no finite point"), ([(float("nan"),) * 3] * 100, "it has no finite point"),
-                              (beyond * 3, "only 0 of its 3 finite points are within max_range (50 m)")):
-            self.camera.points = points
-            self.wait_for(UNKNOWN, NAMED, words, "min_valid_points is 1")
-            self.assertIsNotNone(cloud_diagnosis(lambda d: words in d["message"]))
-            before = len(self.node.reports)
-            self.assertEqual(self.node.check().result.verdict, UNKNOWN)
-            self.wait_for(UNKNOWN, "the newest is")  # what was known is too old by now
-            self.assertNotIn(FREE, {r.verdict for r in self.node.reports[before:]})
-            self.camera.points = FAR
-            self.wait_for(FREE)
-
-    def test_clouds_that_show_nothing_are_free_with_a_warning_where_they_are_allowed(self):
-        reset = rospy.ServiceProxy("/node/reset", Trigger)
-        given = rospy.get_param("/node/clouds")
-        try:
-            rospy.set_param("/node/clouds", [dict(given[0], min_valid_points=0)])
-            self.assertTrue(reset().success)
-            for _ in range(3):
-                self.show(BESIDE_A)
-            self.camera.points = []
-            self.wait_for(UNKNOWN, "vanished")
-            self.assertTrue(rospy.ServiceProxy("/node/clear_clouds", Trigger)().success)
-            self.wait_for(FREE)
-            self.assertIsNotNone(cloud_diagnosis(lambda d: "it has no finite point" in d["message"]))
-        finally:
-            rospy.set_param("/node/clouds", given)
-            self.assertTrue(reset().success)
 
     def test_in_a_frame_that_nothing_connects_is_not_free_from_the_first_cloud_on(self):
         self.camera.silent = True
@@ -254,53 +160,6 @@ class CloudsTest(unittest.TestCase):
         self.assertEqual((list(bytes(answer.verdict)), list(bytes(answer.segment_verdict))), ([UNKNOWN] * 2, [UNKNOWN]))
         self.assertIn("only the newest clouds are kept", " ".join(answer.unknown_because))
 
-    def test_points_that_are_doubles_far_from_their_frame_are_not_moved(self):
-        """As in UTM. As float32 they would be 5 m, in steps of 0.5 m, beside box a."""
-        reset = rospy.ServiceProxy("/node/reset", Trigger)
-        given = rospy.get_param("/node/clouds")
-        try:
-            rospy.set_param("/node/clouds", [dict(given[0], max_range=1e7)])
-            self.assertTrue(reset().success)
-            self.boxes.x["camera"] = -5e6
-            for y, verdict in ((0.58, COLLISION), (0.75, FREE)):
-                def doubles(cloud):
-                    cloud.fields = [PointField(name, 8 * i, PointField.FLOAT64, 1) for i, name in enumerate("xyz")]
-                    cloud.point_step = cloud.row_step = 24
-                    cloud.data = struct.pack("<3d", 5e6 + y, 0.25, 0.05)
-                self.camera.spoil = doubles
-                self.wait_for(verdict)
-                report = self.wait_for(verdict)
-                before = len(self.node.reports)
-                rospy.sleep(0.5)
-                self.assertEqual({r.verdict for r in self.node.reports[before:]}, {verdict})
-        finally:
-            self.boxes.x["camera"] = CAMERA_X
-            self.camera.heal(FAR, "camera")
-            rospy.set_param("/node/clouds", given)
-            self.assertTrue(reset().success)
-
-    def test_random_clouds_end_nothing_and_the_next_sound_one_is_used(self):
-        chance = random.Random(given_seed())
-        sizes = [0, 1, 3, 11, 12, 13, 100, 2**16, 2**31, 2**32 - 1]
-        self.camera.silent = True
-        for _ in range(300):
-            cloud = cloud_of([[chance.uniform(-9, 9) for _ in range(3)] for _ in range(chance.randrange(50))], "camera")
-            for field in ("width", "height", "point_step", "row_step"):
-                if chance.random() < 0.3:
-                    setattr(cloud, field, chance.choice(sizes))
-            for field in cloud.fields:
-                if chance.random() < 0.1:
-                    field.offset, field.count = chance.choice(sizes), chance.choice(sizes)
-                if chance.random() < 0.1:
-                    field.datatype = chance.randrange(256)
-            if chance.random() < 0.3:
-                cloud.data = bytes(chance.randrange(256) for _ in range(chance.randrange(2000)))
-            cloud.is_bigendian = chance.random() < 0.3
-            self.camera.send(cloud)
-            rospy.sleep(0.003)
-        self.camera.silent = False
-        self.wait_for(FREE)
-
     def test_ten_million_points_end_nothing(self):
         self.camera.silent = True
         before = int(cloud_diagnosis(lambda d: True)[CLOUD + " received"])
@@ -321,12 +180,6 @@ class CloudsTest(unittest.TestCase):
         self.camera.heal(FAR, "camera")
         self.wait_for(FREE)
 
-    def test_more_voxels_than_the_bound_are_unknown_and_not_free(self):
-        self.camera.points = [(0.1 * i - CAMERA_X, 5.0 + 0.1 * j, 0.0) for i in range(50) for j in range(50)]
-        report = self.wait_for(UNKNOWN, NAMED + "more than max_voxels (1000)")
-        self.assertIn(CLOUD, report.left_out)
-        self.assertIsNotNone(cloud_diagnosis(lambda d: 0 < int(d[CLOUD + " voxels"]) <= 1000))
-
     def test_services_see_the_clouds_of_the_cycle(self):
         self.show([(1.53 - CAMERA_X, 0.0, 0.0)])  # between a (to 0.5) and b (from 2.5), not on a border of voxels
         self.wait_for(FREE)
@@ -341,16 +194,6 @@ class CloudsTest(unittest.TestCase):
         self.assertEqual(list(bytes(answer.verdict)), [FREE, COLLISION, FREE])
         # Into the voxel, and through it.
         self.assertEqual(list(bytes(answer.segment_verdict)), [COLLISION, COLLISION])
-
-    def test_services_say_unknown_where_the_source_is_late(self):
-        self.camera.silent = True
-        self.wait_for(UNKNOWN, NAMED)
-        points = [JointTrajectoryPoint(positions=p) for p in ([0, 3, 6], [0, 4, 8])]
-        answer = self.trajectory(between=True, trajectory=JointTrajectory(
-            joint_names=["slide_a", "slide_b", "slide_c"], points=points))
-        self.assertEqual(list(bytes(answer.verdict)), [UNKNOWN, UNKNOWN])
-        self.assertEqual(list(bytes(answer.segment_verdict)), [UNKNOWN])
-        self.assertIn(NAMED, " ".join(answer.unknown_because))
 
     def test_a_scene_that_is_reset_goes_on_with_its_clouds(self):
         self.camera.points = BESIDE_A
@@ -392,6 +235,9 @@ class CloudsTest(unittest.TestCase):
             self.show(BESIDE_A)
             self.wait_for(FREE)
             self.camera.silent = True
+            last = cloud_of(BESIDE_A, "camera")
+            self.camera.send(last)  # once it is used no other is on its way
+            self.assertIsNotNone(self.node.next(self.filtered, lambda cloud: cloud.header.stamp >= last.header.stamp))
             reply = scene.send(let_go)
             self.assertTrue(reply.success, reply.message)
             self.wait_for(UNKNOWN, NAMED + "none has arrived since the robot, or what is attached to it, changed")
@@ -401,13 +247,6 @@ class CloudsTest(unittest.TestCase):
             scene.apply(clear())
             self.forget()
             self.wait_for(FREE)
-
-    def test_the_diagnostics_count_what_came(self):
-        found = cloud_diagnosis(lambda d: float(d[CLOUD + " rate [Hz]"]) > 5.0)
-        self.assertIsNotNone(found)
-        self.assertEqual((found[CLOUD + " points"], found[CLOUD + " voxels"]), ("1", "1"))
-        self.assertLess(float(found[CLOUD + " latency [s]"]), 0.5)
-        self.assertGreaterEqual(int(found[CLOUD + " received"]), int(found[CLOUD + " used"]))
 
 
 if __name__ == "__main__":

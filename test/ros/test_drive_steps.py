@@ -72,15 +72,16 @@ class DriveSteps(unittest.TestCase):
     def assert_ends_with_zeros(self, program, code):
         self.assertEqual(program.process.wait(PATIENCE), code, program.said())
         wait_until(lambda: not self.moves(), "zeros")
-        rospy.sleep(0.5)
+        rospy.sleep(0.2)
         self.assertFalse(self.moves())
 
     def test_a_recording_of_its_steps_gives_the_robot_s_parameters(self):
+        self.simulator.place(slide_a=8.78)  # it has to begin towards the other side
         with tempfile.TemporaryDirectory() as folder:
             path, out = os.path.join(folder, "steps.bag"), os.path.join(folder, "limiter.yaml")
             with self.lock:
-                type(self).bag = rosbag.Bag(path, "w")
-            program = self.drive("_velocity:=0.3", "_hold:=0.8")
+                type(self).bag, type(self).furthest = rosbag.Bag(path, "w"), 0.0
+            program = self.drive("_velocity:=0.3", "_hold:=0.4")
             self.assert_ends_with_zeros(program, 0)
             with self.lock:
                 self.bag.close()
@@ -88,6 +89,7 @@ class DriveSteps(unittest.TestCase):
             for number in range(2):
                 self.assertEqual({round(command[number], 6) for command in self.commands}, {0.3, 0.0, -0.3, 0.15, -0.15})
             self.assertTrue(all(not all(command) for command in self.commands), "one at a time")
+            self.assertLess(self.furthest, 9.0, "its limit")
             subprocess.run([MEASURE, path, "--out", out, "--joints"] + JOINTS, check=True)
             with open(out) as file:
                 found = yaml.safe_load(file)["velocity_limiter"]
@@ -98,32 +100,27 @@ class DriveSteps(unittest.TestCase):
 
     def test_interrupted_or_ended_it_sends_zeros(self):
         for number in (signal.SIGINT, signal.SIGTERM):
-            program = self.drive("_hold:=2.0")
+            program = self.drive()
             self.wait_until_it_moves(program)
             program.process.send_signal(number)
             self.assert_ends_with_zeros(program, 1)
             self.assertIn("interrupted", program.said())
 
     def test_without_positions_it_sends_zeros(self):
-        program = self.drive("_hold:=3.0")
+        program = self.drive()
         self.wait_until_it_moves(program)
         self.simulator.is_silent = True
         self.assert_ends_with_zeros(program, 1)
         self.assertIn("no position of joint 'slide_a' in the last 0.5 s", program.said())
 
-    def test_no_limit_is_passed(self):
-        self.simulator.place(slide_a=8.6)
-        with self.lock:
-            type(self).furthest = 0.0
-        program = self.drive("_joints:=[slide_a]", "_velocity:=0.5", "_hold:=0.5")
-        self.assert_ends_with_zeros(program, 0)
-        self.assertLess(self.furthest, 9.0)
+    def test_what_would_pass_a_limit_is_refused_before_anything_moves(self):
         self.simulator.place(slide_a=8.99)
-        del self.commands[:]
+        refused = []
         for parameters, says in ((("_velocity:=0.5",), "at 8.990 needs 1.050 on one side and 0.300 on the other"), (("_velocity:=1.1",), "faster than its limit"),
                                  (("_joints:=[slide_a, slid_b]",), "the URDF has no joint slid_b"),
                                  (("_hold:=0.3",), "hold must be at least 0.4 s")):
-            program = self.drive(*parameters)
+            refused.append((self.drive(*parameters, "__name:=refused_%d" % len(refused)), says))
+        for program, says in refused:
             self.assert_ends_with_zeros(program, 1)
             self.assertIn(says, program.said())
             self.assertFalse([command for command in self.commands if any(command)])

@@ -6,7 +6,6 @@ import signal
 import socket
 import sys
 import tempfile
-import time
 import unittest
 import xmlrpc.client
 

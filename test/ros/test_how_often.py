@@ -87,7 +87,7 @@ class HowOftenTest(unittest.TestCase):
 
     def test_a_node_that_reads_meshes_tells_how_far_it_is_and_can_be_ended(self):
         with tempfile.NamedTemporaryFile(suffix=".stl") as mesh:
-            write_bumpy_sphere(mesh, 300)
+            write_bumpy_sphere(mesh, 200)
             link = "<link name='l%d'><collision><geometry><mesh filename='file://%s' scale='%g 1 1'/></geometry></collision></link>"
             joint = "<joint name='j%d' type='floating'><parent link='root'/><child link='l%d'/></joint>"
             robot = "".join(link % (i, mesh.name, 1 + i) + joint % (i, i) for i in range(20))

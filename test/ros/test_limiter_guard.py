@@ -117,7 +117,7 @@ class LimiterGuardTest(unittest.TestCase):
             os.waitpid(decider, ALL_THREADS)
             self.assertLess(limited.seconds_to_zeros("a blocked decision"), TIMEOUT + LATE)
             wait_until(lambda: limits and limits[-1].scale == 0.0, "the reason")
-            time.sleep(5.0)
+            time.sleep(1.0)
             self.assertFalse(limited.moves(), "nothing passes while it is blocked")
         finally:
             ptrace(DETACH, decider, None, None)
@@ -131,7 +131,7 @@ class LimiterGuardTest(unittest.TestCase):
         self.assertLess(passed.seconds_to_zeros("a limiter that hangs"), TIMEOUT + LATE)
         self.assertTrue(limited.moves(), "these zeros are of the guard")
         nb_passed = len(passed.messages)
-        time.sleep(1.0)
+        time.sleep(0.5)
         self.assertEqual(len(passed.messages), nb_passed, "once, then silence")
         os.kill(limiter.process.pid, signal.SIGCONT)
         wait_until(passed.moves, "commands that pass again")

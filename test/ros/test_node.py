@@ -18,7 +18,7 @@ from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 import collision_pairs as cp
 from collision_pairs.msg import CollisionPair
 from collision_pairs.srv import CheckCollisionsRequest, CheckTrajectory
-from node_client import JointPublisher, NodeClient, boxes_by_namespace
+from node_client import JointPublisher, NodeClient
 
 JOINTS = ["shoulder_pan", "shoulder_lift", "upper_arm_roll", "elbow_flex", "forearm_roll",
           "wrist_flex", "wrist_roll", "gripper"]
@@ -115,24 +115,6 @@ class NodeTest(unittest.TestCase):
             self.assertIn(verdict, said.stdout)
         self.assertIn("contact arch|wrist_ball", said.stdout)
 
-    def test_joints_not_named_stay_where_tf_has_them(self):
-        self.report_in(CONTACT)
-        reply = self.request(joint_state=JointState(name=["shoulder_pan"], position=[CONTACT[0]]))
-        self.assertTrue(reply.success, reply.message)
-        self.assertEqual(set(reply.joints_from_tf) | {"shoulder_pan"}, set(JOINTS) | {"gripper_mirror"})
-        self.assertEqual(reply.joints_at_zero, [])
-        self.assertTrue(reply.result.in_collision)
-
-    def test_a_mimicking_joint_follows_its_leader(self):
-        self.report_in(FREE)
-        closed = self.request(joint_state=JointState(name=["gripper"], position=[0.0]))
-        both = self.request(joint_state=JointState(name=["gripper", "gripper_mirror"], position=[0.0, 0.0]))
-        self.assertTrue(both.success, both.message)
-        self.assertNotIn("gripper_mirror", closed.joints_from_tf)
-        torn = self.request(joint_state=JointState(name=["gripper", "gripper_mirror"], position=[0.0, 0.02]))
-        self.assertFalse(torn.success)
-        self.assertIn("gripper_mirror", torn.message)
-
     def test_a_gradient_is_the_difference_quotient_of_the_distance_for_each_joint_of_the_request(self):
         self.report_in(FREE)
         names = ["elbow_flex", "shoulder_pan", "wrist_roll"]  # not all, and not in the URDF's order
@@ -191,23 +173,6 @@ class NodeTest(unittest.TestCase):
         self.assertLessEqual(cheap.result.min_distance, wide.result.min_distance)
         self.assertAlmostEqual(self.node.next(self.node.reports).alarm_distance, 0.03)
 
-    def test_a_request_without_time_is_answered_by_bounds(self):
-        exact = self.report_in(CONTACT)
-        reply = self.request(time_budget=1e-9)
-        self.assertTrue(reply.success, reply.message)
-        result = reply.result
-        self.assertTrue(result.budget_spent and result.in_collision)
-        self.assertEqual(result.time_budget, 1e-9)
-        self.assertEqual(result.nb_unresolved, result.nb_pairs)
-        self.assertEqual(sum(result.nb_settled), 0)
-        bounds = {(p.first_link, p.second_link): p for p in result.pairs}
-        for pair in exact.pairs:
-            bound = bounds[(pair.first_link, pair.second_link)]
-            self.assertEqual((bound.state, bound.fidelity), (CollisionPair.UNRESOLVED, "aabb"))
-            self.assertLessEqual(bound.distance, pair.distance + 1e-6)
-        self.assertEqual(exact.nb_unresolved, 0)
-        self.assertEqual(sum(exact.nb_settled), exact.nb_pairs)
-
     def test_wrong_requests_are_refused_by_name_and_the_cycle_goes_on(self):
         self.report_in(FREE)
         nan = float("nan")
@@ -230,30 +195,6 @@ class NodeTest(unittest.TestCase):
             self.assertFalse(reply.success, says)
             self.assertIn(says, reply.message)
         self.assertIsNotNone(self.node.next(self.node.reports))
-
-    def test_markers_show_the_boxes_and_hide_the_others_at_once(self):
-        client = Client("/collision_pairs_node", timeout=20)
-        self.report_in(CONTACT)
-        for hide in (True, False):
-            client.update_configuration({"show_only_investigated_boxes": hide})
-            published = len(self.node.marker_arrays)
-            array = self.node.next(self.node.marker_arrays,
-                                   lambda a: ("other_boxes" in boxes_by_namespace(a)) != hide)
-            self.assertIn("boxes_in_contact", boxes_by_namespace(array))
-            # What was under way when the answer came may still arrive.
-            self.assertLess(self.node.marker_arrays.index(array) - published, 3)
-
-    def test_alarm_distance_changes_while_running(self):
-        client = Client("/collision_pairs_node", timeout=20)
-        self.report_in(NEAR)
-        try:
-            client.update_configuration({"alarm_distance": 0.3})
-            report = self.node.next(self.node.reports, lambda r: r.alarm_distance == 0.3)
-            self.assertGreater(len(report.pairs), 1)
-            client.update_configuration({"fidelity": "nonsense"})
-            self.assertEqual(self.node.next(self.node.reports).fidelity, "mesh")
-        finally:
-            client.update_configuration({"alarm_distance": 0.03, "fidelity": "mesh"})
 
     def test_every_reconfigured_parameter_takes_effect(self):
         client = Client("/collision_pairs_node", timeout=20)

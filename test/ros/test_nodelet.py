@@ -46,10 +46,10 @@ def topics_of(name):
 
 
 def diagnosed(count):
-    """The names under which so many collision checks are diagnosed."""
+    """The names under which so many collision checks of nodelets are diagnosed."""
     names = set()
     subscriber = rospy.Subscriber("/diagnostics", DiagnosticArray, lambda array: names.update(
-        status.name for status in array.status if status.name.endswith("collision check")))
+        status.name for status in array.status if status.name.startswith("cell/") and status.name.endswith("collision check")))
     end = rospy.get_time() + PATIENCE
     while rospy.get_time() < end and len(names) < count:
         rospy.sleep(0.1)

@@ -31,7 +31,7 @@ class Robot:
         from control_msgs.msg import JointTrajectoryControllerState
         from ur_msgs.srv import SetSpeedSliderFraction, SetSpeedSliderFractionResponse
         self.joints = JointSimulator(["slide_a", "slide_b", "slide_c"])
-        self.joints.place(slide_a=0.0, slide_b=4.0, slide_c=8.0)
+        self.joints.place(slide_a=1.5, slide_b=4.0, slide_c=8.0)
         self.velocity, self.slider, self.is_paused, self.is_silent = 0.0, 1.0, False, False
         self._state, self._answer = JointTrajectoryControllerState, SetSpeedSliderFractionResponse
         self._publisher = rospy.Publisher("/scaled_pos_joint_traj_controller/state", self._state, queue_size=1)
@@ -79,13 +79,13 @@ class RelayTest(unittest.TestCase):
             try:
                 self.until(lambda: robot.is_paused)  # nobody limits it yet
                 robot.velocity = 0.4
-                self.until(lambda: robot.slider == 1.0 and not robot.is_paused and robot.position() > 0.5)
+                self.until(lambda: robot.slider == 1.0 and not robot.is_paused and robot.position() > 1.6)
                 self.until(lambda: robot.is_paused)  # box b is ahead
-                for _ in range(100):
+                for _ in range(40):
                     rospy.sleep(0.03)
                     self.assertTrue(2.5 < robot.position() < 3.0 - STOP_DISTANCE, robot.position())
                 robot.velocity = -0.4
-                self.until(lambda: not robot.is_paused and robot.position() < 2.0 and robot.slider == 1.0)
+                self.until(lambda: not robot.is_paused and robot.position() < 2.4 and robot.slider == 1.0)
                 robot.is_silent = True
                 self.until(lambda: robot.is_paused)
                 robot.is_silent = False

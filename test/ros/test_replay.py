@@ -16,7 +16,7 @@ from collision_pairs.msg import CollisionPairs
 from rosgraph_msgs.msg import Clock
 
 BAG = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../config/demo/demo.bag")
-PATIENCE = 170.0  # s of wall time, of which two passes take about 25
+PATIENCE = 170.0  # s of wall time, of which two passes take about 10
 ENOUGH = 0.8      # of the stamps, to be seen in two passes
 WINDOW = 0.1  # s of TF before a report that say how fast its links moved
 TIMES = ("time_transforms", "time_boxes", "time_broad_phase", "time_narrow_phase", "time_total")

@@ -13,7 +13,7 @@ from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 from collision_pairs.msg import CollisionPairs
 from collision_pairs.srv import CheckTrajectory
 from node_client import JointPublisher, NodeClient
-from scene_client import SceneClient, add_box, attach, clear, remove
+from scene_client import SceneClient, add_box, clear, remove
 
 ALL = {("a", "b"), ("a", "c"), ("b", "c"), ("a", "post"), ("b", "post"), ("c", "post")}
 
@@ -49,15 +49,6 @@ class RestrictedRequestsTest(unittest.TestCase):
             self.assertEqual(self.pairs(**fields), with_any(*names), fields)
         self.assertEqual(self.pairs(links=["po*"]), with_any("post"))
         self.assertEqual(self.pairs(), ALL)
-
-    def test_what_is_in_no_pair_that_is_asked_for_gets_no_box(self):
-        self.scene.apply(add_box("far", (0, 9, 0)), add_box("farther", (0, 99, 0)))
-        self.assertEqual(self.node.check(links=["far"]).result.nb_boxes, 4)  # a, b, c and itself
-        self.assertEqual(self.node.check().result.nb_boxes, 6)
-
-    def test_an_object_goes_with_the_link_that_it_hangs_on(self):
-        self.scene.apply(attach("post", "a"))
-        self.assertEqual(self.pairs(group="first"), with_any("a", "post") - {("a", "post")})
 
     def test_a_restriction_is_of_its_request_alone(self):
         self.pairs(group="first")

@@ -61,20 +61,6 @@ class TwoRobotsTest(unittest.TestCase):
         report = self.report_at(APART, [3, -6, 9], 0.5)
         self.assertEqual(pairs(report), [("left/b", "right/a")])
 
-    def test_each_srdf_switches_off_pairs_of_its_own_robot_alone(self):
-        report = self.report_at([0, 0, 0], [0, 0, 0], 20.0)
-        self.assertEqual(pairs(report), [("left/a", "left/c"), ("left/b", "left/c"), ("right/a", "right/b"),
-                                         ("right/a", "right/c"), ("right/b", "right/c")])
-
-    def test_distances_between_them_are_those_of_where_they_stand(self):
-        report = self.report_at(APART, APART, 1.0 + 0.02)
-        self.assertEqual([round(pair.distance, 9) for pair in report.pairs], [0.02, 0.02, 0.0121875])
-
-    def test_settings_of_a_link_name_it_with_its_prefix(self):
-        report = self.report_at(APART, APART, 1.0 + 0.02)
-        self.assertEqual([(pair.first_link, pair.fidelity) for pair in report.pairs],
-                         [("left/a", "mesh"), ("left/b", "mesh"), ("left/c", "obb")])
-
     def test_a_hypothetical_state_names_the_joints_with_their_prefix(self):
         self.report_at(APART, APART, 20.0)
         reply = self.node.check(joint_state=JointState(name=["right/slide_a", "left/slide_c"], position=[3.0, 3.0]))

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Objects that stand still: every kind of shape, every change, and when the node knows of it."""
+"""Objects that stand still: what a request and its reply say, and when the node knows of it."""
 import os
 import sys
 import tempfile
@@ -11,10 +11,8 @@ import rospy
 import rostest
 from std_srvs.srv import Trigger
 
-from collision_pairs.msg import CollisionPair
 from node_client import JointPublisher, NodeClient
-from scene_client import (SceneClient, add, add_box, box, clear, cone, cylinder, move, plane, pose, remove, sphere,
-                          tetrahedron, xyz_of)
+from scene_client import SceneClient, add, add_box, box, clear, move, remove, xyz_of
 
 A, B, C = 0.0, 3.0, 6.0  # where the unit boxes a, b and c stand, along x
 TOP = 0.5                # of each of them
@@ -56,18 +54,6 @@ class UpdateSceneTest(unittest.TestCase):
         refused = self.scene.send(move("none", (0, 0, 0)), no_list=True)
         self.assertEqual((refused.success, refused.objects), (False, []))
 
-    def test_primitives_keep_their_distance(self):
-        shapes = {"box": box(0.4, 0.3, 0.2), "sphere": sphere(0.1), "cylinder": cylinder(0.2, 0.1),
-                  "cone": cone(0.2, 0.1)}
-        for name, shape in shapes.items():  # each reaches 0.1 m down
-            self.scene.apply(clear(), add(name, (A, 0, TOP + 0.1 + GAP), primitives=[shape]))
-            self.assert_only_distance(("a", name), GAP)
-
-    def test_a_cylinder_is_measured_across_by_its_radius_and_along_by_its_height(self):
-        lying = (0, 0.5 ** 0.5, 0, 0.5 ** 0.5)
-        self.scene.apply(add("rod", pose=pose((A, 0, TOP + 0.1 + GAP), lying), primitives=[cylinder(2.0, 0.1)]))
-        self.assert_only_distance(("a", "rod"), GAP)
-
     def test_a_mesh_is_what_its_file_holds_when_it_is_added(self):
         with tempfile.NamedTemporaryFile("w", suffix=".obj") as mesh:
             for lifted in (1.0, 0.0):  # as many bytes, and the same time to a second
@@ -80,52 +66,6 @@ class UpdateSceneTest(unittest.TestCase):
                 expected = {} if lifted else {("a", "part"): GAP}
                 self.assertEqual({pair: round(d, 6) for pair, d in distances(self.checked()).items()}, expected)
 
-    def test_a_cone_points_up(self):
-        self.scene.apply(add("cone", (A, 0, -TOP - 0.1 - GAP), primitives=[cone(0.2, 0.1)]))
-        self.assert_only_distance(("a", "cone"), GAP)
-        beside = A + TOP + 0.065  # nearer than its base is wide, further than it is at half its height
-        self.scene.apply(move("cone", (beside, 0, TOP - 0.001)))  # its lower half is beside a
-        self.assertTrue(self.checked().in_collision)
-        self.scene.apply(move("cone", (beside, 0, -TOP - 0.001)))  # its upper half
-        self.assertFalse(self.checked().in_collision)
-
-    def test_meshes_keep_their_distance(self):
-        self.scene.apply(add("mesh", (A, 0, TOP + GAP), meshes=[tetrahedron(0.2)]))
-        self.assert_only_distance(("a", "mesh"), GAP)
-
-    def test_mesh_resources_are_read_from_their_files(self):
-        with tempfile.NamedTemporaryFile("w", suffix=".obj") as file:
-            file.write(OBJ_TETRAHEDRON)
-            file.flush()
-            self.scene.apply(add("mesh", (A, 0, TOP + GAP), mesh_resources=["file://" + file.name]))
-        self.assert_only_distance(("a", "mesh"), GAP, places=7)
-        self.scene.apply(clear(), add("arch", (A, 0, TOP + 1.0),
-                                      mesh_resources=["package://collision_pairs/config/demo/meshes/arch.obj"]))
-
-    def test_planes_are_solid_below_and_free_where_they_point_to(self):
-        self.scene.apply(add("ceiling", planes=[plane(0, 0, -2, 2 * (TOP + GAP))]))  # of any length
-        found = distances(self.checked())
-        self.assertEqual(set(found), {("a", "ceiling"), ("b", "ceiling"), ("c", "ceiling")})
-        for distance in found.values():
-            self.assertAlmostEqual(distance, GAP, places=9)
-        self.scene.apply(add("ceiling", planes=[plane(0, 0, 2, -2 * (TOP + GAP))]))
-        self.assertEqual(len(distances(self.checked())), 3)
-        self.assertTrue(self.checked().in_collision)
-
-    def test_parts_of_an_object_stand_at_their_own_poses(self):
-        parts = [pose((A, 0, TOP + 0.1 + GAP)), pose((B, 0, TOP + 0.1 + 2 * GAP / 3))]
-        self.scene.apply(add("two", (0, 0, 0.001), primitives=[box(0.2, 0.2, 0.2)] * 2, primitive_poses=parts,
-                             meshes=[tetrahedron(0.2)], mesh_poses=[pose((C, 0, TOP + GAP / 3))]))
-        found = distances(self.checked())
-        for link, gap in (("a", GAP), ("b", 2 * GAP / 3), ("c", GAP / 3)):
-            self.assertAlmostEqual(found[link, "two"], gap + 0.001, places=9)
-
-    def test_an_object_keeps_its_padding(self):
-        self.scene.apply(add_box("box", (A, 0, TOP + 0.1 + GAP), padding=GAP / 3))
-        self.assert_only_distance(("a", "box"), 2 * GAP / 3)
-        self.scene.apply(add_box("box", (A, 0, TOP + 0.1 + GAP), padding=GAP + 0.001))
-        self.assertTrue(self.checked().in_collision)
-
     def test_the_reply_lists_the_scene_by_name_in_the_frame_of_the_reports(self):
         objects = self.scene.apply(add_box("y", (1, 2, 3)), add_box("x", (4, 5, 6), touch_links=["b"]))
         self.assertEqual(list(objects), ["x", "y"])
@@ -137,17 +77,6 @@ class UpdateSceneTest(unittest.TestCase):
         self.assertEqual(list(self.scene.apply(remove("x"))), ["y"])
         self.assertEqual(self.scene.apply(clear()), {})
 
-    def test_changes_of_one_request_are_made_in_their_order(self):
-        objects = self.scene.apply(add_box("x"), clear(), add_box("y"), move("y", (1, 0, 0)), add_box("z"),
-                                   remove("z"), add_box("y", (2, 0, 0)), move("y", (9, 9, 9)))
-        self.assertEqual([(name, xyz_of(o)) for name, o in objects.items()], [("y", (9, 9, 9))])
-
-    def test_an_added_object_takes_the_place_of_the_one_of_that_name(self):
-        self.scene.apply(add_box("it", (A, 0, TOP)))
-        self.assertTrue(self.checked().in_collision)
-        self.scene.apply(add("it", (A, 0, TOP + 0.5 + GAP), primitives=[sphere(0.5)]))
-        self.assert_only_distance(("a", "it"), GAP)
-
     def test_an_object_that_is_placed_in_a_links_frame_stays_where_that_was(self):
         objects = self.scene.apply(add_box("box", (0, 0, TOP + 0.1 + GAP), frame="b"))
         self.assertEqual((objects["box"].header.frame_id, objects["box"].attached_link), ("root", ""))
@@ -156,18 +85,6 @@ class UpdateSceneTest(unittest.TestCase):
         since = self.robot.hold([B, -3, C])
         report = self.node.report_since(since, lambda r: not r.left_out)
         self.assertEqual(list(distances(report)), [("a", "box")])
-
-    def test_objects_that_stand_still_are_not_checked_against_each_other(self):
-        self.scene.apply(add_box("x", (0, 3, 0)), add_box("y", (0, 3, 0)))
-        self.assertFalse(self.checked().in_collision)
-        self.assertEqual(self.checked().nb_pairs, 0)
-
-    def test_touch_links_of_an_object_that_stands_still_are_not_checked(self):
-        self.scene.apply(add_box("base", (A, 0, TOP), touch_links=["a"]))
-        self.assertEqual(self.checked().pairs, [])
-        self.scene.apply(move("base", (B, 0, TOP)))
-        self.assertEqual([(p.first_link, p.second_link, p.state) for p in self.checked().pairs],
-                         [("b", "base", CollisionPair.CONTACT)])
 
     def test_objects_survive_a_reset(self):
         before = self.scene.apply(add_box("box", (A, 0, TOP + 0.1 + GAP)))
@@ -195,7 +112,7 @@ class UpdateSceneTest(unittest.TestCase):
         self.assert_only_distance(("a", "box"), GAP)
 
     def test_an_update_is_known_to_the_next_query_and_to_every_report_of_a_later_stamp(self):
-        for _ in range(15):
+        for _ in range(5):
             for changes, expected in (([add_box("box", (A, 0, TOP))], [("a", "box")]), ([remove("box")], [])):
                 self.scene.apply(*changes)
                 since = rospy.Time.now()

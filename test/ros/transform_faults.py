@@ -1,7 +1,4 @@
 """Publishes the transforms of boxes a, b, c along x, each well or with a fault of its own."""
-import bisect
-import threading
-
 import rospy
 from geometry_msgs.msg import TransformStamped
 from tf2_msgs.msg import TFMessage
@@ -21,15 +18,9 @@ def box_at(name, x):
 
 
 class BoxPublisher:
-    FAULTS = ("silent", "nan", "zero_stamp", "old_stamp", "not_a_rotation", "hour_ahead", "two_seconds_ahead",
-              "last_stamp")
-    AHEAD = {"hour_ahead": 3600.0, "two_seconds_ahead": 2.0, "old_stamp": -100.0}
-
     def __init__(self, names, topic="/tf"):
         self._names = names
-        self._lock = threading.Lock()
-        self._history = []  # (time, were the sound ones apart), by time
-        self.fault = {}     # by name; none: sound
+        self.fault = {}  # by name; none: sound
         self.x = dict(APART)
         self._publisher = rospy.Publisher(topic, TFMessage, queue_size=100)
         self._timer = None
@@ -53,24 +44,10 @@ class BoxPublisher:
                 continue
             transform = TransformStamped()
             transform.header.frame_id, transform.child_frame_id = "root", name
-            transform.header.stamp = now + rospy.Duration(self.AHEAD.get(kind, 0.0))
-            if kind == "zero_stamp":
-                transform.header.stamp = rospy.Time(0)
+            transform.header.stamp = now + rospy.Duration(2.0 if kind == "two_seconds_ahead" else 0.0)
             if kind == "last_stamp":
                 transform.header.stamp = rospy.Time(2**32 - 1, 999999999)
             transform.transform.translation.x = ELSEWHERE * (i + 1) if kind else x[name]
-            transform.transform.rotation.w = {"nan": float("nan"), "not_a_rotation": 0.0}.get(kind, 1.0)
+            transform.transform.rotation.w = float("nan") if kind == "nan" else 1.0
             message.transforms.append(transform)
-        sound = sorted(x[name] for name in self._names if name not in fault)
-        with self._lock:
-            self._history.append((now.to_sec(), all(b - a > 1.0 for a, b in zip(sound, sound[1:]))))
         self._publisher.publish(message)
-
-    def was_free_at(self, time):
-        """Whether what was soundly published just before and after that time was apart; between the two TF
-        interpolates, and where a box fell silent over up to a second."""
-        with self._lock:
-            times = [t for t, _ in self._history]
-            at = bisect.bisect_left(times, time - 1e-6)
-            near = self._history[max(0, at - 1):at + 2]
-            return any(free for _, free in near)
