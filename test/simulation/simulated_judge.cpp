@@ -31,7 +31,7 @@ void SimulatedNode::report() {
   mix(digest_, std::hash<std::string>()(reasons()));
   judge(snapshot);
   if (!is_thorough) return;
-  judgePlain(snapshot);
+  judgeCertain(snapshot);
   judgePairs(snapshot);
   judgeBefore(snapshot);
 }
@@ -46,7 +46,9 @@ void SimulatedNode::judge(const Snapshot& snapshot) {
   for (int i = 0; i < static_cast<int>(setup_.links.size()); ++i) {
     const SimulatedLink& link = setup_.links[static_cast<std::size_t>(i)];
     const bool is_checked = snapshot.scene->scene->findModel(linkName(i)) >= 0;
-    can_move = can_move || (is_checked && !link.is_static && link.joint != SimulatedLink::FIXED);
+    const Told& told = knowledge_.told(i);
+    const bool moves = link.joint != SimulatedLink::FIXED && !told.is_static && told.is_settled;
+    can_move = can_move || (is_checked && moves);
   }
   if (can_move && snapshot.is_static && report_.verdict == Verdict::FREE) {
     fail("what moves is said to stand");
@@ -106,11 +108,21 @@ void SimulatedNode::judgeBodies(const Snapshot& snapshot) {
   }
 }
 
-/// What was said plainly of all links is known, and old where it is said to be.
-void SimulatedNode::judgePlain(const Snapshot& snapshot) {
+/// What was said beyond doubt is known, at the newest stamp that all have reached, unless it is too
+/// old, or older than others.
+void SimulatedNode::judgeCertain(const Snapshot& snapshot) {
   const CollisionScene& scene = *snapshot.scene->scene;
   const Ns stamp = static_cast<Ns>(snapshot.stamp.toNSec());
-  const bool is_plain = knowledge_.isPlain() && !knowledge_.isBehind(stamp, 600000000) && ros_ > 0;
+  const double lag = seconds(knowledge_.newest() - stamp);
+  const bool is_new = lag < setup_.max_transform_age - 1e-6 && !knowledge_.isTooOld(stamp);
+  Ns expected = NEVER;
+  bool are_certain = ros_ > 0;
+  for (const SceneBody& body : scene.bodies()) {
+    const int link = body.link == "root" ? -1 : std::stoi(body.link.substr(1));
+    const auto newest = newestStampOf(link);
+    are_certain = are_certain && newest;
+    expected = std::min(expected, newest.value_or(NEVER));
+  }
   for (const SceneBody& body : scene.bodies()) {
     const int link = body.link == "root" ? -1 : std::stoi(body.link.substr(1));
     const std::size_t i = static_cast<std::size_t>(&body - scene.bodies().data());
@@ -118,11 +130,16 @@ void SimulatedNode::judgePlain(const Snapshot& snapshot) {
         !snapshot.is_static) {
       fail("the pose of a link is too old");
     }
-    const bool must_be = is_plain && knowledge_.poseOf(link, stamp) && !knowledge_.isHeld(link) &&
-                         !knowledge_.isTooOld(stamp);
-    if (must_be && !snapshot.poses.known[i]) {
-      fail(body.link + " is not known, but was plainly said: " + reasons());
+    are_certain = are_certain && (expected == NEVER || knowledge_.isCertain(link, expected));
+    if (snapshot.poses.known[i] || !is_new || ros_ == 0) continue;
+    if (knowledge_.isCertain(link, stamp)) {
+      fail(body.link + " is not known, but beyond doubt: " + reasons());
     }
+  }
+  const bool is_sound = are_certain && !knowledge_.isTooOld(expected) &&
+                        seconds(knowledge_.newest() - expected) < setup_.max_transform_age - 1e-6;
+  if (is_sound && expected != NEVER && stamp != expected) {
+    fail("the poses are of " + std::to_string(seconds(stamp - expected)) + " s after the newest");
   }
 }
 
@@ -148,7 +165,8 @@ void SimulatedNode::judgeReasons(const Snapshot& snapshot) {
     }
     for (int link = 0; link < static_cast<int>(setup_.links.size()); ++link) {
       if (doubt.rfind("link '" + linkName(link) + "'", 0) != 0) continue;
-      const bool is_held = knowledge_.isHeld(link) || knowledge_.isLiedAbout(link);
+      const bool is_held =
+          knowledge_.isHeld(link) || knowledge_.isLiedAbout(link) || knowledge_.isUnsettled(link);
       if (says("only /tf_static places it") && !is_held) fail("it moves: " + doubt);
       if (says("and max_pose_age is") && !knowledge_.isLiedAbout(link) &&
           !knowledge_.hasOldOn(link, setup_.max_pose_age - rounding)) {
@@ -177,10 +195,13 @@ void SimulatedNode::judgeFree(const Snapshot& snapshot) {
   Poses at;
   for (int link = 0; link < static_cast<int>(setup_.links.size()); ++link) {
     at.push_back(knowledge_.poseOf(link, stamp));
-    if (knowledge_.isReplaced(link) || knowledge_.isRootHung(stamp)) at.back().reset();
+    const bool is_open = knowledge_.isReplaced(link) || knowledge_.isOpen(link, stamp);
+    if (is_open || knowledge_.isRootHung(stamp)) at.back().reset();
     if (ignored_.count(link) > 0) continue;
     const bool is_known = at.back() || knowledge_.isLiedAbout(link, stamp);
     if (!is_known) return fail("FREE although a link is nowhere");
+    // Who hangs the frame of the reports on a base places that base, whatever it hangs on itself.
+    if (setup_.is_apart && knowledge_.isRootHung(stamp)) continue;
     if (knowledge_.isInDoubt(link, stamp)) fail("FREE although two nodes contradict each other");
     if (knowledge_.isOnBoth(link)) fail("FREE although a frame is on /tf and on /tf_static");
   }
@@ -346,7 +367,7 @@ void SimulatedNode::recover(double duration) {
       }
     }
     Event wait;
-    wait.dt = 0.02;
+    wait.dt = 0.023;  // no divisor of the ages
     happen(wait);
   }
   bool checks =

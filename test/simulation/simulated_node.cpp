@@ -28,11 +28,13 @@ Pose motionOf(SimulatedLink::Joint joint, const Pose& at) {
   return {};
 }
 
-/// Of link `broken` a mesh cannot be read; -1: of none.
-std::string urdfOf(const Scenario& setup, int broken) {
-  std::string urdf = emptyLink("root");
+/// Of link `broken` a mesh cannot be read; -1: of none. `robot`: its base; -1: there is one robot,
+/// whose root is the frame of the reports.
+std::string urdfOf(const Scenario& setup, int broken, int robot) {
+  std::string urdf = robot < 0 ? emptyLink("root") : "";
   for (int i = 0; i < static_cast<int>(setup.links.size()); ++i) {
     const SimulatedLink& link = setup.links[static_cast<std::size_t>(i)];
+    if (robot >= 0 && setup.baseOf(i) != robot) continue;
     const char* const types[] = {"floating", "prismatic", "continuous", "fixed"};
     const char* const axes[] = {"", "<axis xyz='1 0 0'/><limit lower='-1e6' upper='1e6'/>",
                                 "<axis xyz='0 0 1'/>", ""};
@@ -40,8 +42,9 @@ std::string urdfOf(const Scenario& setup, int broken) {
     const std::string mesh =
         "<collision><geometry><mesh filename='package://none/a.stl'/></geometry></collision>";
     urdf += "<link name='" + linkName(i) + "'><collision><geometry>" + ball +
-            "</geometry></collision>" + (i == broken ? mesh : "") + "</link>" +
-            joint("j" + std::to_string(i), types[link.joint], linkName(link.parent), linkName(i),
+            "</geometry></collision>" + (i == broken ? mesh : "") + "</link>";
+    if (i == robot) continue;
+    urdf += joint("j" + std::to_string(i), types[link.joint], linkName(link.parent), linkName(i),
                   "0 " + std::to_string(link.X_PJ.y) + " 0", axes[link.joint]);
   }
   return urdf;
@@ -70,6 +73,7 @@ SimulatedNode::SimulatedNode(const Scenario& setup)
       knowledge_(setup_),
       last_(setup.links.size()),
       X_LC_(setup.X_LC) {
+  for (const SimulatedLink& link : setup_.links) stands_.push_back(link.is_static);
   if (std::any_of(setup_.links.begin(), setup_.links.end(), SimulatedLimiter::isMeasured)) {
     limiter_.emplace(setup_, knowledge_);
   }
@@ -79,12 +83,20 @@ SimulatedNode::SimulatedNode(const Scenario& setup)
 }
 
 SceneParameters SimulatedNode::parameters(const std::set<int>& ignored, int broken) const {
-  SceneParameters made = parametersOf(urdfOf(setup_, broken));
+  SceneParameters made;
+  if (!setup_.is_apart) made = parametersOf(urdfOf(setup_, broken, -1));
+  if (setup_.is_apart) made.fixed_frame = linkName(-1);
+  for (int i = 0; i < static_cast<int>(setup_.links.size()); ++i) {
+    if (!setup_.isBase(i)) continue;
+    auto robots = std::move(parametersOf(urdfOf(setup_, broken, i)).sources.robots);
+    made.sources.robots.push_back(std::move(robots.front()));
+  }
   std::string settings = "ignored_links: [";
   for (const int link : ignored) settings += linkName(link);
   settings += "]\nstatic_joints: [";
   for (int i = 0; i < static_cast<int>(setup_.links.size()); ++i) {
-    if (setup_.links[static_cast<std::size_t>(i)].is_listed) settings += jointName(i) + ", ";
+    const bool is_listed = setup_.links[static_cast<std::size_t>(i)].is_listed;
+    if (is_listed && !setup_.isBase(i)) settings += jointName(i) + ", ";
   }
   settings += "]\n";
   if (setup_.has_cloud) {
@@ -142,8 +154,9 @@ void SimulatedNode::publish(const std::string& parent, const std::string& link, 
 void SimulatedNode::publish(int link, const std::string& publisher) {
   const SimulatedLink& of = setup_.links[static_cast<std::size_t>(link)];
   const auto& [stamp, X_PB] = last_[static_cast<std::size_t>(link)];
-  publish(linkName(of.parent), linkName(link), stamp, X_PB, publisher, of.is_static);
-  knowledge_.hear(link, stamp, X_PB, publisher);
+  const bool stands = stands_[static_cast<std::size_t>(link)];
+  publish(linkName(of.parent), linkName(link), stamp, X_PB, publisher, stands);
+  knowledge_.hear(link, stamp, X_PB, stands, publisher);
 }
 
 void SimulatedNode::lie(const Event& event) {
@@ -217,7 +230,13 @@ void SimulatedNode::happen(const Event& event) {
         last_[static_cast<std::size_t>(event.who)] = {stampOf(event.lag),
                                                       of.X_PJ * motionOf(joint, event.at)};
         publish(event.who, "honest");
+        if (of.is_relayed) publish(event.who, "relay");
       }
+      break;
+    case Event::SWITCH:
+      if (joint == SimulatedLink::FIXED) break;
+      stands_[static_cast<std::size_t>(event.who)] ^= 1;
+      last_[static_cast<std::size_t>(event.who)].first = 0;
       break;
     case Event::REPEAT:
       if (last_[static_cast<std::size_t>(event.who)].first > 0) publish(event.who, "repeats");
@@ -312,6 +331,7 @@ void SimulatedNode::beginCloud() {
   cloud_work_revision_ = revision_;
   cloud_points_.clear();
   if (!X_WL || knowledge_.isLiedAbout(setup_.camera_on)) return;
+  if (knowledge_.isOpen(setup_.camera_on, stamp)) return;
   for (const Pose& p : sent_[stamp]) {
     if (std::hypot(p.x, p.y, p.z) > 0.99 * MAX_RANGE) continue;
     const Pose in_world = *X_WL * X_LC_ * p;
@@ -319,13 +339,15 @@ void SimulatedNode::beginCloud() {
     for (int i = 0; i < static_cast<int>(setup_.links.size()); ++i) {
       const auto X_WB = knowledge_.poseOf(i, stamp);
       const double radius = setup_.links[static_cast<std::size_t>(i)].radius;
-      is_own = is_own || !X_WB || knowledge_.isLiedAbout(i) ||
+      is_own = is_own || !X_WB || knowledge_.isLiedAbout(i) || knowledge_.isOpen(i, stamp) ||
                distance({false, radius, {}}, *X_WB, {}, in_world) < SELF_FILTER + 1e-3;
     }
     for (const auto& [name, object] : objects_) {
       const auto X_WB = knowledge_.poseOf(object.link, stamp);
-      is_own = is_own || (object.link >= 0 && (!X_WB || distance(object.solid, *X_WB * object.X_PO,
-                                                                 {}, in_world) < 0.15));
+      const bool is_nowhere = !X_WB || knowledge_.isOpen(object.link, stamp);
+      is_own = is_own ||
+               (object.link >= 0 &&
+                (is_nowhere || distance(object.solid, *X_WB * object.X_PO, {}, in_world) < 0.15));
     }
     if (!is_own) cloud_points_.push_back(in_world);
   }

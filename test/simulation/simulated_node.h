@@ -19,7 +19,6 @@ using namespace collision_pairs;
 constexpr Ns BEGIN = 1000000000000;     // of ROS time
 constexpr double SOURCE_TIMEOUT = 1.0;  // s, of the cloud
 constexpr double ALARM_DISTANCE = 0.3;  // m
-constexpr double ROUNDING = 1e-6;       // m
 
 /// An object of the scene.
 struct PlainObject {
@@ -77,6 +76,7 @@ class SimulatedNode {
   void endCloud();
   void beginScene(const Event& event);
   void endScene(bool is_first);
+  std::optional<Ns> newestStampOf(int link) const;
   std::optional<Pose> newestPoseOf(int link) const;
   SceneParameters parameters(const std::set<int>& ignored, int broken) const;
   void readAgain();
@@ -91,7 +91,7 @@ class SimulatedNode {
   void judgeReasons(const Snapshot& snapshot);
   void judgeFree(const Snapshot& snapshot);
   void judgeBodies(const Snapshot& snapshot);
-  void judgePlain(const Snapshot& snapshot);
+  void judgeCertain(const Snapshot& snapshot);
   void judgePairs(const Snapshot& snapshot);
   void judgeBefore(const Snapshot& snapshot);
   void judgeSame(const Snapshot& snapshot);
@@ -123,6 +123,7 @@ class SimulatedNode {
   Ns ros_ = 0;
   double steady_ = 0.0, speed_ = 1.0;
   std::vector<std::pair<Ns, Pose>> last_;  ///< of each link
+  std::vector<char> stands_;               ///< of each link: it is published on /tf_static
   std::map<std::string, PlainObject> objects_;
   std::set<int> ignored_;
   int broken_ = -1;

@@ -62,8 +62,8 @@ void SimulatedNode::requestJoints(const Event& event) {
         X_PB = link.X_PJ * motion;
       } else if (link.joint != SimulatedLink::FIXED) {
         const bool is_checked = scene->scene->findModel(linkName(i)) >= 0;
-        can_age = can_age || (X_PB && is_checked && !link.is_static);
-        if (knowledge_.isLiedAbout(i)) X_PB.reset();
+        can_age = can_age || (X_PB && is_checked && !knowledge_.told(i).is_static);
+        if (knowledge_.isLiedAbout(i) || knowledge_.isUnsettled(i)) X_PB.reset();
       }
       const std::optional<Pose> X_WP =
           link.parent < 0 ? Pose() : at[static_cast<std::size_t>(link.parent)];

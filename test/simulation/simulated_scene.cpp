@@ -28,12 +28,12 @@ void place(SceneObject& object, const Pose& at) {
 
 }  // namespace
 
-/// As TF has it newest, all at the stamp that the oldest of its frames has reached.
-std::optional<Pose> SimulatedNode::newestPoseOf(int link) const {
+/// That the oldest of the frames which place it has reached; nothing if one was not heard of.
+std::optional<Ns> SimulatedNode::newestStampOf(int link) const {
   Ns oldest = std::numeric_limits<Ns>::max();
   for (int i = link; i >= 0; i = setup_.links[static_cast<std::size_t>(i)].parent) {
     const SimulatedLink& of = setup_.links[static_cast<std::size_t>(i)];
-    if (of.joint == SimulatedLink::FIXED || of.is_static) continue;
+    if (of.joint == SimulatedLink::FIXED || knowledge_.told(i).is_static) continue;
     const auto& samples = knowledge_.told(i).samples;
     if (samples.empty()) return std::nullopt;
     const auto ahead = samples.upper_bound(ros_);
@@ -43,9 +43,15 @@ std::optional<Pose> SimulatedNode::newestPoseOf(int link) const {
     oldest = std::min(
         oldest, has_reached || ahead == samples.end() ? std::prev(ahead)->first : ahead->first);
   }
-  if (oldest == std::numeric_limits<Ns>::max()) oldest = knowledge_.latest();
-  if (knowledge_.isTooOld(oldest)) return std::nullopt;
-  return knowledge_.poseOf(link, oldest);
+  return oldest;
+}
+
+/// As TF has it newest.
+std::optional<Pose> SimulatedNode::newestPoseOf(int link) const {
+  std::optional<Ns> stamp = newestStampOf(link);
+  if (stamp == std::numeric_limits<Ns>::max()) stamp = knowledge_.latest();
+  if (!stamp || knowledge_.isTooOld(*stamp)) return std::nullopt;
+  return knowledge_.poseOf(link, *stamp);
 }
 
 void SimulatedNode::beginScene(const Event& event) {
@@ -69,7 +75,8 @@ void SimulatedNode::beginScene(const Event& event) {
       work.may_show_more = work.may_show_more || (is_changed && object.link >= 0);
     }
     const auto X_WL = newestPoseOf(event.who);
-    const bool is_certain = !knowledge_.isLiedAbout(event.who);
+    const bool is_certain =
+        !knowledge_.isLiedAbout(event.who) && !knowledge_.isUnsettled(event.who);
     switch (event.what) {
       case ADD:
       case ADD_IN_LINK: {
@@ -120,6 +127,7 @@ void SimulatedNode::beginScene(const Event& event) {
       case DETACH: {
         if (known == work.objects.end() || known->second.link < 0) return;
         if (knowledge_.isLiedAbout(known->second.link)) return;
+        if (knowledge_.isUnsettled(known->second.link)) return;
         change.operation = SceneChange::DETACH;
         PlainObject& object = known->second;
         const auto X_WP = newestPoseOf(object.link);
