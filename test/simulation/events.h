@@ -141,6 +141,9 @@ class Generator {
     if (!setup.has_cloud) {
       for (int kind = Event::CLOUD; kind <= Event::CLEAR; ++kind) weights[kind] = 0;
     }
+    if (integer(4) == 0) {
+      for (const Event::Kind kind : {Event::SCENE_BEGIN, Event::SCENE_END}) weights[kind] *= 4;
+    }
     std::discrete_distribution<int> kinds(std::begin(weights), std::end(weights));
     const double spread = integer(3) == 0 ? 8.0 : 3.0;
     std::vector<Event> events;

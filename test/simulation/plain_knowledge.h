@@ -34,6 +34,8 @@ struct Told {
   bool is_heard = false;       ///< ever
   bool is_static = false, is_settled = true;  ///< by which topic; if it is settled, since when
   Ns settled_since = EVER;
+  bool was_static = false;       ///< before that
+  bool is_static_again = false;  ///< since it is not, a static pose was sent that had been
   bool is_run_static = false, has_run = false;  ///< heard of on one topic since it was unsettled
   Ns run_begin = EVER;
   Ns moved = EVER, stood = EVER;        ///< when it was last heard of on /tf, and on /tf_static
@@ -73,7 +75,9 @@ class Knowledge {
   void hear(int link, Ns stamp, const Pose& X_PB, bool is_static, const std::string& publisher) {
     Told& told = told_[static_cast<std::size_t>(link)];
     if (!is_static && !isUsable(stamp)) return;
+    const bool is_again = is_static && wasSent(told, X_PB);
     hearOn(told, is_static);
+    told.is_static_again = told.is_static_again || is_again;
     if (is_static) return hearStatic(told, X_PB, publisher);
     newest_ = std::max(newest_, stamp);
     const bool is_late = !told.samples.empty() && stamp <= told.samples.rbegin()->first;
@@ -173,6 +177,19 @@ class Knowledge {
   bool isOpen(int link, Ns stamp) const {
     for (; link >= 0; link = of(link).parent) {
       if (!told(link).is_settled || stamp <= told(link).settled_since) return true;
+    }
+    return false;
+  }
+  /// Whether the rules forbid to use it at that stamp: the static pose of a frame that has begun to
+  /// move, or one that was sent once after it moved.
+  bool isForbidden(int link, Ns stamp) const {
+    for (; link >= 0; link = of(link).parent) {
+      const Told& told = this->told(link);
+      const bool has_begun = told.is_settled && told.was_static && !told.is_static;
+      if (has_begun && told.run_begin < stamp && stamp < told.settled_since) return true;
+      const bool is_new = told.samples.empty() || told.samples.rbegin()->first < stamp;
+      const bool is_one = !told.is_settled && !told.is_static && told.is_run_static;
+      if (is_one && is_new && !told.is_lied_about && !told.is_static_again) return true;
     }
     return false;
   }
@@ -280,7 +297,7 @@ class Knowledge {
     if (told.is_settled && is_static == told.is_static) return;
     if (told.is_settled || is_static != told.is_run_static) {
       endure();
-      told.is_plain = told.is_settled = told.has_run = false;
+      told.is_plain = told.is_settled = told.has_run = told.is_static_again = false;
       told.is_run_static = is_static;
       told.run_begin = ros_;
     } else if (ros_ > last && ros_ < end) {
@@ -290,6 +307,7 @@ class Knowledge {
       told.has_run = false;
     } else if (setup_.max_pose_age > 0.0 && ros_ > last) {
       told.is_settled = true;
+      told.was_static = told.is_static;
       told.is_static = is_static;
       told.settled_since = ros_;
     }
@@ -305,6 +323,7 @@ class Knowledge {
       fresh.is_static = told.is_static;
       fresh.is_settled = told.is_settled;
       fresh.is_run_static = told.is_run_static;
+      fresh.is_static_again = told.is_static_again;
       if (!told.is_settled) fresh.run_begin = ros_;
       if (!told.is_settled && isOnBoth(told)) fresh.moved = fresh.stood = ros_;
       fresh.statics = told.statics;
@@ -318,12 +337,15 @@ class Knowledge {
     ++pass_;
   }
 
+  static bool isSame(const Pose& a, const Pose& b) { return distanceOf(a, b) < 1e-4; }
+  static bool wasSent(const Told& told, const Pose& X_PB) {
+    return std::any_of(told.statics.begin(), told.statics.end(),
+                       [&](const auto& sent) { return isSame(sent.second, X_PB); });
+  }
   /// The newest pose counts that was sent twice, or by one node alone.
   void hearStatic(Told& told, const Pose& X_PB, const std::string& publisher) {
-    // Poses within 0.1 mm and 0.1 mrad are the same.
-    const auto isThis = [&](const Pose& pose) { return distanceOf(pose, X_PB) < 1e-4; };
-    const bool is_again = std::any_of(told.statics.begin(), told.statics.end(),
-                                      [&](const auto& sent) { return isThis(sent.second); });
+    const auto isThis = [&](const Pose& pose) { return isSame(pose, X_PB); };
+    const bool is_again = wasSent(told, X_PB);
     told.statics[publisher] = X_PB;
     const bool counts = is_again || told.statics.size() == 1;
     const bool is_first = told.static_poses.empty();
