@@ -213,5 +213,20 @@ TEST_F(JointQueryTest, DoubtsOnlyWhatAnythingThatIsCheckedHangsOn) {
   EXPECT_THAT(query({"lift", "lower", "carry"}).doubts(), IsEmpty());
 }
 
+TEST_F(JointQueryTest, DoesNotAskWhereARobotIsOfWhichNothingIsChecked) {
+  SceneDescription description;
+  description.robots.push_back(
+      {robotFrom(emptyLink("root") + boxLink("a", 0.1) + boxLink("b", 0.1) +
+                 joint("lift", "prismatic", "root", "a") +
+                 joint("lower", "prismatic", "root", "b")),
+       std::nullopt, ""});
+  description.robots.push_back({robotFrom(boxLink("other", 0.1)), std::nullopt, ""});
+  EXPECT_THROW(JointQuery({}, *CollisionScene::build(description), {transforms_, "root", {}, now_}),
+               InputError);
+  description.settings.ignored_links = {{"other"}};
+  scene_ = CollisionScene::build(description);
+  EXPECT_THAT(query({"lift", "lower"}).doubts(), IsEmpty());
+}
+
 }  // namespace test_joint_query
 }  // namespace collision_pairs

@@ -48,24 +48,26 @@ bool askTf(const JointQueryTf& tf, const std::string& parent, const std::string&
 JointQuery::JointQuery(const std::vector<std::string>& names, const CollisionScene& scene,
                        const JointQueryTf& tf)
     : scene_(scene), columns_(names, scene.robot()) {
-  const std::vector<char> is_needed = bodiesNeeded(scene);
+  const std::vector<char> are_needed = bodiesNeeded(scene);
   for (const Body& body : scene.robot().bodies()) {
     std::string doubt;
-    placed_.push_back(poseOf(body, tf, doubt));
-    if (!doubt.empty() && is_needed[placed_.size() - 1]) doubts_.push_back(std::move(doubt));
+    const bool is_needed = are_needed[placed_.size()];
+    placed_.push_back(poseOf(body, is_needed, tf, doubt));
+    if (!doubt.empty() && is_needed) doubts_.push_back(std::move(doubt));
   }
   const std::string clock = tf.transforms.clockDoubt();
   const bool can_age = has_aging_root_ || !joints_from_tf_.empty() || !scene.clouds().empty();
   if (can_age && !clock.empty()) doubts_.push_back(clock);
 }
 
-std::optional<Isometry3d> JointQuery::poseOf(const Body& body, const JointQueryTf& tf,
-                                             std::string& doubt) {
+std::optional<Isometry3d> JointQuery::poseOf(const Body& body, bool is_needed,
+                                             const JointQueryTf& tf, std::string& doubt) {
   const RobotModel& robot = scene_.robot();
   const std::string& link = robot.links()[body.link].name;
   Isometry3d X_PB = Isometry3d::Identity();
   if (body.joint < 0) {
     if (tf.frame == link || askTf(tf, tf.frame, link, X_PB, doubt, has_aging_root_)) return X_PB;
+    if (!is_needed) return X_PB;  // of another robot
     throw InputError("TF does not know root link '" + link + "' in frame '" + tf.frame +
                      "' at stamp " + std::to_string(tf.stamp.toSec()) +
                      (tf.now.isZero() ? std::string(": ") + NO_CLOCK : ""));

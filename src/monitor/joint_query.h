@@ -32,7 +32,8 @@ struct JointQueryTf {
 class JointQuery {
  public:
   /// Throws InputError that names the joint if it is unknown, repeated or without a position to
-  /// set, or mimics one that is not named; also if TF does not have the root link.
+  /// set, or mimics one that is not named; also if TF does not have the root link of a robot of
+  /// which something is checked.
   JointQuery(const std::vector<std::string>& names, const CollisionScene& scene,
              const JointQueryTf& tf);
 
@@ -60,7 +61,7 @@ class JointQuery {
 
  private:
   /// Its pose in its parent's frame (of a root: in the frame); none: its joint has a column.
-  std::optional<Eigen::Isometry3d> poseOf(const Body& body, const JointQueryTf& tf,
+  std::optional<Eigen::Isometry3d> poseOf(const Body& body, bool is_needed, const JointQueryTf& tf,
                                           std::string& doubt);
   void refuseOtherCount(const std::vector<double>& positions) const;
 

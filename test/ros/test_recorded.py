@@ -30,7 +30,7 @@ from seed import given_seed
 
 CHECK_BAG = roslib.packages.find_node("collision_pairs", "check_bag")[0]
 VERDICTS = {CollisionPairs.FREE: "free", CollisionPairs.COLLISION: "collision", CollisionPairs.UNKNOWN: "unknown"}
-NB_RECORDINGS = 10
+NB_RECORDINGS = 20 if "COLLISION_PAIRS_LONG" in os.environ else 10
 LENGTH = 1.5    # s, of one
 PERIOD = 0.02   # s
 UNSURE = 0.25   # s around what reaches node and recorder at slightly different times

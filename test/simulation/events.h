@@ -17,8 +17,9 @@ struct SimulatedLink {
   Joint joint;
   Pose X_PJ;
   double radius;
-  bool is_static = false;  ///< published on /tf_static
-  bool is_listed = false;  ///< … as static_joints allows
+  bool is_static = false;   ///< published on /tf_static
+  bool is_listed = false;   ///< … as static_joints allows
+  bool is_relayed = false;  ///< a second node says the same of it
 };
 
 inline std::string linkName(int link) {
@@ -38,6 +39,17 @@ struct Scenario {
   bool has_cloud = false;
   int camera_on = -1;  ///< link; -1: the root
   Pose X_LC;
+  /// Reports are in a frame of TF that is no link. Links without a parent hang in it, each the root
+  /// of a robot of its own.
+  bool is_apart = false;
+
+  int baseOf(int link) const {
+    while (!isBase(link)) link = links[static_cast<std::size_t>(link)].parent;
+    return link;
+  }
+  bool isBase(int link) const {
+    return is_apart && links[static_cast<std::size_t>(link)].parent < 0;
+  }
 };
 
 struct Event {
@@ -49,6 +61,7 @@ struct Event {
     LIE,          ///< another node says that link `who` is elsewhere; what: 1: on /tf_static, 2: in
                   ///< another parent, 3: that the root hangs on a link, which makes a cycle; 4: at
                   ///< the stamp of a truth
+    SWITCH,       ///< to the other of /tf and /tf_static, of link `who`
     CAMERA,       ///< its mount, on /tf_static
     STEP_CLOCK,   ///< by `number` seconds
     RUN_CLOCK,    ///< at `number` times the speed
@@ -87,12 +100,14 @@ class Generator {
     Scenario made;
     const int nb_links = 2 + integer(4);
     const bool floats = integer(2) == 0;
+    made.is_apart = integer(3) == 0;
     for (int i = 0; i < nb_links; ++i) {
       SimulatedLink link;
       link.parent = integer(i + 1) - 1;
+      const bool is_base = made.is_apart && link.parent < 0;
       const bool may_be_fixed = link.parent >= 0;
       link.joint = may_be_fixed && integer(4) == 0 ? SimulatedLink::FIXED
-                   : floats                        ? SimulatedLink::FLOATING
+                   : floats || is_base             ? SimulatedLink::FLOATING
                    : integer(2) == 0               ? SimulatedLink::SLIDING
                                                    : SimulatedLink::TURNING;
       link.X_PJ = {0.0, std::pow(2.0, i), 0.0, 0.0};  // sums of powers of two differ
@@ -100,6 +115,7 @@ class Generator {
       link.radius = 0.2 + 0.25 * real();
       link.is_static = integer(8) == 0;
       link.is_listed = integer(12) != 0;
+      link.is_relayed = integer(6) == 0;
       made.links.push_back(link);
     }
     const double ages[] = {1.0, 1.0, 0.4, 0.0}, gaps[] = {1.0, 0.5};
@@ -117,20 +133,25 @@ class Generator {
 
   std::vector<Event> events(const Scenario& setup, int count) {
     // Each sequence has its own faults, and some have none.
-    double weights[Event::NB_KINDS] = {4, 60, 2, 3, 3, 1, 1, 1, 12, 16, 16, 1, 4, 4, 20, 12};
-    for (const Event::Kind fault :
-         {Event::BREAK, Event::LIE, Event::STEP_CLOCK, Event::RUN_CLOCK, Event::CAMERA}) {
+    double weights[Event::NB_KINDS] = {4, 60, 2, 3, 3, 0.5, 1, 1, 1, 12, 16, 16, 1, 4, 4, 20, 12};
+    for (const Event::Kind fault : {Event::BREAK, Event::LIE, Event::STEP_CLOCK, Event::RUN_CLOCK,
+                                    Event::CAMERA, Event::SWITCH, Event::REPEAT}) {
       if (integer(2) == 0) weights[fault] = 0;
     }
     if (!setup.has_cloud) {
       for (int kind = Event::CLOUD; kind <= Event::CLEAR; ++kind) weights[kind] = 0;
     }
+    if (integer(4) == 0) {
+      for (const Event::Kind kind : {Event::SCENE_BEGIN, Event::SCENE_END}) weights[kind] *= 4;
+    }
     std::discrete_distribution<int> kinds(std::begin(weights), std::end(weights));
     const double spread = integer(3) == 0 ? 8.0 : 3.0;
     std::vector<Event> events;
-    std::vector<Pose> walks;  // of each link
+    std::vector<Pose> walks;   // of each link
+    std::vector<char> stands;  // of each, whether it is on /tf_static
     for (int i = 0; i < static_cast<int>(setup.links.size()); ++i) {
       walks.push_back(anywhere(spread));
+      stands.push_back(setup.links[static_cast<std::size_t>(i)].is_static);
       Event event;
       event.kind = Event::PUBLISH;
       event.who = i;
@@ -148,8 +169,9 @@ class Generator {
       event.what = integer(8);
       event.number = integer(3) == 0 ? 0.0 : 2.0 * real() - 1.0;
       event.at = anywhere(spread);
+      char& is_static = stands[static_cast<std::size_t>(event.who)];
+      if (event.kind == Event::SWITCH) is_static = !is_static;
       if (event.kind == Event::PUBLISH) {
-        const bool is_static = setup.links[static_cast<std::size_t>(event.who)].is_static;
         Pose& walk = walks[static_cast<std::size_t>(event.who)];
         Pose step = anywhere(integer(50) == 0 ? 2.0 : 0.1);
         if (is_static && integer(20) != 0) step = {};

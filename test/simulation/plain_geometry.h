@@ -7,6 +7,8 @@
 
 namespace simulation {
 
+constexpr double ROUNDING = 1e-6;  // m, or s
+
 /// Turned about z.
 struct Pose {
   double x = 0.0, y = 0.0, z = 0.0, yaw = 0.0;

@@ -25,11 +25,19 @@ inline double seconds(Ns span) { return 1e-9 * static_cast<double>(span); }
 
 /// Of one frame, since the clock went back.
 struct Told {
-  std::map<Ns, Pose> samples;           ///< by stamp, of the node that says the truth
-  std::vector<Ns> lies;                 ///< stamps of those of another, on /tf
-  bool is_lied_about = false;           ///< on either topic
-  bool is_static_lie = false;           ///< … on /tf_static, or both topics have it: also before
-  bool is_plain = true;                 ///< by one node, in order, and no static pose that changes
+  std::map<Ns, Pose> samples;  ///< by stamp, of the node that says the truth
+  std::vector<Ns> lies;        ///< stamps of those of another, on /tf
+  bool is_lied_about = false;  ///< on either topic
+  bool is_static_lie = false;  ///< … on /tf_static, or both topics have it: also before
+  bool is_plain = true;        ///< by one node, in order, and no static pose that changes
+  Ns disturbed = EVER;         ///< stamps up to which what was said may be in doubt
+  bool is_heard = false;       ///< ever
+  bool is_static = false, is_settled = true;  ///< by which topic; if it is settled, since when
+  Ns settled_since = EVER;
+  bool was_static = false;       ///< before that
+  bool is_static_again = false;  ///< since it is not, a static pose was sent that had been
+  bool is_run_static = false, has_run = false;  ///< heard of on one topic since it was unsettled
+  Ns run_begin = EVER;
   Ns moved = EVER, stood = EVER;        ///< when it was last heard of on /tf, and on /tf_static
   std::map<std::string, Pose> statics;  ///< the newest static pose of each node
   std::vector<std::pair<Ns, Pose>> static_poses;  ///< that counted, and since when
@@ -38,7 +46,9 @@ struct Told {
 
 class Knowledge {
  public:
-  explicit Knowledge(const Scenario& setup) : setup_(setup), told_(setup.links.size()) {}
+  explicit Knowledge(const Scenario& setup) : setup_(setup), told_(setup.links.size()) {
+    for (std::size_t i = 0; i < told_.size(); ++i) told_[i].is_static = setup.links[i].is_static;
+  }
 
   void moveClock(Ns ros, double steady) {
     if (ros != ros_) last_step_ = steady;
@@ -62,23 +72,32 @@ class Knowledge {
     const bool is_old = setup_.max_pose_age > 0.0 && age > setup_.max_pose_age;
     return ros_ > 0 && stamp > 0 && age >= -CLOCK_TOLERANCE && !is_old;
   }
-  void hear(int link, Ns stamp, const Pose& X_PB, const std::string& publisher) {
+  void hear(int link, Ns stamp, const Pose& X_PB, bool is_static, const std::string& publisher) {
     Told& told = told_[static_cast<std::size_t>(link)];
-    if (of(link).is_static) return hearStatic(told, X_PB, publisher);
-    if (!isUsable(stamp)) return;
+    if (!is_static && !isUsable(stamp)) return;
+    const bool is_again = is_static && wasSent(told, X_PB);
+    hearOn(told, is_static);
+    told.is_static_again = told.is_static_again || is_again;
+    if (is_static) return hearStatic(told, X_PB, publisher);
+    newest_ = std::max(newest_, stamp);
     const bool is_late = !told.samples.empty() && stamp <= told.samples.rbegin()->first;
-    if (is_late || publisher != "honest") told.is_plain = false;
+    const bool agrees = publisher == "relay" && told.samples.count(stamp) > 0;
+    if ((is_late && !agrees) || publisher == "repeats") {
+      told.is_plain = false;
+      disturb(told, stamp);
+    }
     told.samples.emplace(stamp, X_PB);
-    told.moved = ros_;
   }
   void hearLie(int link, Ns stamp, bool is_static) {
     if (!is_static && !isUsable(stamp)) return;
     Told& told = told_[static_cast<std::size_t>(link)];
-    const bool is_for_ever = is_static || of(link).is_static;
+    const bool is_for_ever = is_static || told.is_static;
+    hearOn(told, is_static);
+    if (!is_static) newest_ = std::max(newest_, stamp);
+    disturb(told, is_static ? ros_ : stamp);
     told.is_lied_about = true;
     told.is_static_lie = told.is_static_lie || is_for_ever;
     told.is_plain = false;
-    (is_static ? told.stood : told.moved) = ros_;
     if (!is_static) told.lies.push_back(stamp);
     if (is_for_ever) endure();
   }
@@ -86,6 +105,7 @@ class Knowledge {
   void hearRootLie(Ns stamp) {
     if (!isUsable(stamp)) return;
     root_lies_.insert(stamp);
+    newest_ = std::max(newest_, stamp);
     endure();
   }
   /// Without a limit of the age no node that was heard ever counts as silent: a frame on /tf and
@@ -98,8 +118,9 @@ class Knowledge {
     }
     return !root_lies_.empty();
   }
-  /// Whether a pose at that stamp may be made of a lie.
+  /// Whether a pose at that stamp may be made of a lie, or of what the other topic had.
   bool isLiedAbout(int link, Ns stamp) const {
+    if (isOpen(link, stamp)) return true;
     for (; link >= 0; link = of(link).parent) {
       if (told(link).is_static_lie) return true;
       for (const Ns lie : told(link).lies) {
@@ -125,28 +146,81 @@ class Knowledge {
   /// Whether a static frame may have become one that moves, by lies.
   bool isReplaced(int link) const {
     for (; link >= 0; link = of(link).parent) {
-      if (of(link).is_static && told(link).is_lied_about) return true;
+      if (told(link).is_static && told(link).is_static_lie) return true;
     }
     return false;
   }
-  /// Whether a frame was heard of on both topics lately.
+  /// Whether a frame was heard of on both topics lately: a static one is until it has moved long.
   bool isOnBoth(int link) const {
     for (; link >= 0; link = of(link).parent) {
-      const Ns last = std::min(told(link).moved, told(link).stood);
-      if (last == EVER) continue;
-      const bool is_late = seconds(latest_ - last) > 0.95 * setup_.max_pose_age;
-      if (setup_.max_pose_age == 0.0 || !is_late) return true;
+      if (isOnBoth(told(link))) return true;
     }
     return false;
+  }
+  bool isOnBoth(const Told& told) const {
+    const bool may_stand = told.is_static && !told.is_settled && !told.is_run_static;
+    Ns last = std::min(told.moved, told.stood);
+    if (may_stand && told.moved != EVER) last = std::max(last, told.run_begin);
+    const bool is_late = last == EVER || seconds(latest_ - last) > 0.95 * setup_.max_pose_age;
+    return last != EVER && (setup_.max_pose_age == 0.0 || !is_late);
   }
   /// Whether /tf_static alone places it although its joint, or one above, may move.
   bool isHeld(int link) const {
     for (; link >= 0; link = of(link).parent) {
-      const bool is_fixed = of(link).joint == SimulatedLink::FIXED;
-      if (!is_fixed && of(link).is_static && !of(link).is_listed) return true;
+      const bool may_stand = of(link).joint == SimulatedLink::FIXED || setup_.isBase(link);
+      const Told& told = this->told(link);
+      if (!may_stand && told.is_settled && told.is_static && !of(link).is_listed) return true;
     }
     return false;
   }
+  /// Whether it is open which topic places it at that stamp.
+  bool isOpen(int link, Ns stamp) const {
+    for (; link >= 0; link = of(link).parent) {
+      if (!told(link).is_settled || stamp <= told(link).settled_since) return true;
+    }
+    return false;
+  }
+  /// Whether the rules forbid to use it at that stamp: the static pose of a frame that has begun to
+  /// move, or one that was sent once after it moved.
+  bool isForbidden(int link, Ns stamp) const {
+    for (; link >= 0; link = of(link).parent) {
+      const Told& told = this->told(link);
+      const bool has_begun = told.is_settled && told.was_static && !told.is_static;
+      if (has_begun && told.run_begin < stamp && stamp < told.settled_since) return true;
+      const bool is_new = told.samples.empty() || told.samples.rbegin()->first < stamp;
+      const bool is_one = !told.is_settled && !told.is_static && told.is_run_static;
+      if (is_one && is_new && !told.is_lied_about && !told.is_static_again) return true;
+    }
+    return false;
+  }
+  /// Whether it is open now, or was lately.
+  bool isUnsettled(int link) const {
+    for (; link >= 0; link = of(link).parent) {
+      const Told& told = this->told(link);
+      if (!told.is_settled) return true;
+      const bool has_changed = told.settled_since != EVER;
+      if (has_changed && seconds(latest_ - told.settled_since) < 3.0) return true;
+    }
+    return false;
+  }
+  /// Whether the rules leave no doubt about where it is at that stamp.
+  bool isCertain(int link, Ns stamp) const {
+    const double lasts = seconds(stamp - (root_lies_.empty() ? EVER / 2 : *root_lies_.rbegin()));
+    const bool is_cycle_over = lasts > setup_.max_pose_age + 1e-6 && setup_.max_pose_age > 0.0;
+    if (isHeld(link) || !(is_cycle_over || root_lies_.empty())) return false;
+    for (; link >= 0; link = of(link).parent) {
+      if (of(link).joint == SimulatedLink::FIXED) continue;
+      const Told& told = this->told(link);
+      const Ns sound_after = std::max(told.disturbed, told.settled_since);
+      if (!told.is_settled || told.is_static_lie || !inParent(link, stamp)) return false;
+      const auto after = told.is_static ? told.samples.end() : told.samples.upper_bound(stamp);
+      const Ns known = told.is_static ? stamp : std::prev(after)->first;
+      if (known <= sound_after) return false;
+    }
+    return true;
+  }
+  /// The latest stamp of all that was said, true or not.
+  Ns newest() const { return newest_; }
   /// Whether all of it was said by one node each, in order.
   bool isPlain() const {
     return root_lies_.empty() &&
@@ -171,13 +245,14 @@ class Knowledge {
   }
   std::optional<Pose> inParent(int link, Ns stamp) const {
     if (of(link).joint == SimulatedLink::FIXED) return of(link).X_PJ;
-    return of(link).is_static ? standing(told(link), stamp) : moving(told(link), stamp);
+    return told(link).is_static ? standing(told(link), stamp) : moving(told(link), stamp);
   }
   /// Whether the newest that was said of a frame between the link and the root is older [s].
   bool hasOldOn(int link, double age) const {
     for (; link >= 0; link = of(link).parent) {
       const auto& samples = told(link).samples;
-      if (of(link).joint == SimulatedLink::FIXED || of(link).is_static) continue;
+      if (!told(link).is_settled) return true;
+      if (of(link).joint == SimulatedLink::FIXED || told(link).is_static) continue;
       if (samples.empty() || seconds(ros_ - samples.rbegin()->first) > age) return true;
     }
     return false;
@@ -187,7 +262,8 @@ class Knowledge {
   bool isBehind(Ns stamp, Ns ahead_of_now = 0) const {
     for (const Told& told : told_) {
       const auto ahead = told.samples.upper_bound(ros_ + ahead_of_now);
-      if (told.is_lied_about || ahead == told.samples.begin()) continue;
+      if (told.is_lied_about || !told.is_settled || told.is_static) continue;
+      if (ahead == told.samples.begin()) continue;
       const double lag = seconds(std::prev(ahead)->first - stamp);
       if (lag > setup_.max_transform_age + 1e-6) return true;
     }
@@ -203,13 +279,53 @@ class Knowledge {
     return setup_.max_pose_age > 0.0 ? setup_.max_pose_age : setup_.max_transform_age;
   }
   void endure() { is_ambiguous_for_ever_ |= setup_.max_pose_age == 0.0; }
+  Ns after(Ns stamp, double span) const { return stamp + static_cast<Ns>(1e9 * span + 1e3); }
+  /// By a sample that may contradict those around it, up to a gap away.
+  void disturb(Told& told, Ns stamp) const {
+    const Ns end = after(stamp, setup_.max_transform_age + lasting());
+    told.disturbed = std::max(told.disturbed, end);
+  }
+
+  /// A frame is not used while it is heard of on both topics. It is of the kind that goes on alone
+  /// for max_pose_age, which is seen by what is heard then.
+  void hearOn(Told& told, bool is_static) {
+    const Ns last = std::max(told.moved, told.stood);
+    const Ns end = told.run_begin + static_cast<Ns>(1e9 * setup_.max_pose_age);
+    (is_static ? told.stood : told.moved) = ros_;
+    if (!told.is_heard) told.is_static = is_static;
+    told.is_heard = true;
+    if (told.is_settled && is_static == told.is_static) return;
+    if (told.is_settled || is_static != told.is_run_static) {
+      endure();
+      told.is_plain = told.is_settled = told.has_run = told.is_static_again = false;
+      told.is_run_static = is_static;
+      told.run_begin = ros_;
+    } else if (ros_ > last && ros_ < end) {
+      told.has_run = told.has_run || ros_ > told.run_begin;
+    } else if (setup_.max_pose_age > 0.0 && (!told.has_run || (ros_ == end && is_static))) {
+      told.run_begin = ros_;
+      told.has_run = false;
+    } else if (setup_.max_pose_age > 0.0 && ros_ > last) {
+      told.is_settled = true;
+      told.was_static = told.is_static;
+      told.is_static = is_static;
+      told.settled_since = ros_;
+    }
+  }
 
   /// All but static poses.
   void forget() {
     for (Told& told : told_) {
       Told fresh;
       fresh.is_lied_about = fresh.is_static_lie = told.is_static_lie;
-      fresh.is_plain = !told.is_static_lie && told.statics.size() < 2;
+      fresh.is_plain = !told.is_static_lie && told.statics.size() < 2 && told.is_settled;
+      fresh.is_heard = told.is_heard;
+      fresh.is_static = told.is_static;
+      fresh.is_settled = told.is_settled;
+      fresh.is_run_static = told.is_run_static;
+      fresh.is_static_again = told.is_static_again;
+      if (!told.is_settled) fresh.run_begin = ros_;
+      if (!told.is_settled && isOnBoth(told)) fresh.moved = fresh.stood = ros_;
       fresh.statics = told.statics;
       if (!told.static_poses.empty())
         fresh.static_poses = {{EVER, told.static_poses.back().second}};
@@ -217,24 +333,29 @@ class Knowledge {
       told = fresh;
     }
     root_lies_.clear();
+    newest_ = EVER;
     ++pass_;
   }
 
+  static bool isSame(const Pose& a, const Pose& b) { return distanceOf(a, b) < 1e-4; }
+  static bool wasSent(const Told& told, const Pose& X_PB) {
+    return std::any_of(told.statics.begin(), told.statics.end(),
+                       [&](const auto& sent) { return isSame(sent.second, X_PB); });
+  }
   /// The newest pose counts that was sent twice, or by one node alone.
   void hearStatic(Told& told, const Pose& X_PB, const std::string& publisher) {
-    // Poses within 0.1 mm and 0.1 mrad are the same.
-    const auto isThis = [&](const Pose& pose) { return distanceOf(pose, X_PB) < 1e-4; };
-    const bool is_again = std::any_of(told.statics.begin(), told.statics.end(),
-                                      [&](const auto& sent) { return isThis(sent.second); });
+    const auto isThis = [&](const Pose& pose) { return isSame(pose, X_PB); };
+    const bool is_again = wasSent(told, X_PB);
     told.statics[publisher] = X_PB;
-    told.stood = ros_;
     const bool counts = is_again || told.statics.size() == 1;
     const bool is_first = told.static_poses.empty();
     if (publisher != "honest") told.is_plain = false;
+    if (counts && told.open_since) told.disturbed = after(ros_, lasting());
     if (counts) told.open_since.reset();
     if (is_first) told.static_poses.emplace_back(EVER, X_PB);
     if (is_first || isThis(told.static_poses.back().second)) return;
     told.is_plain = false;
+    told.disturbed = std::max({told.disturbed, ros_, newest_});
     if (counts) told.static_poses.emplace_back(ros_, X_PB);
     if (!counts && !told.open_since) told.open_since = ros_;
   }
@@ -267,7 +388,7 @@ class Knowledge {
   const Scenario& setup_;
   std::vector<Told> told_;
   std::set<Ns> root_lies_;
-  Ns ros_ = 0, latest_ = 0;
+  Ns ros_ = 0, latest_ = 0, newest_ = EVER;
   double steady_ = 0.0, last_step_ = 0.0;
   int pass_ = 0;
   bool is_ambiguous_for_ever_ = false;

@@ -14,7 +14,6 @@ namespace {
 
 constexpr double MAX_AGE = 0.3, COMMAND_TIMEOUT = 0.2, LATER = 0.02;  // s
 constexpr double SET_BACK = 0.02;  // s: more is a clock that was set
-constexpr double ROUNDING = 1e-6;
 
 LimiterInputs::Settings settingsOf(const Scenario& setup, const std::vector<int>& joints) {
   LimiterInputs::Settings settings{

@@ -4,15 +4,10 @@
 #include <cmath>
 #include <limits>
 
-#include <boost/make_shared.hpp>
-
 #include "object_messages.h"
-#include "point_cloud.h"
 
 namespace simulation {
 namespace {
-
-constexpr double SELF_FILTER = 0.02, MAX_RANGE = 100.0;
 
 Pose motionOf(SimulatedLink::Joint joint, const Pose& at) {
   switch (joint) {
@@ -28,11 +23,13 @@ Pose motionOf(SimulatedLink::Joint joint, const Pose& at) {
   return {};
 }
 
-/// Of link `broken` a mesh cannot be read; -1: of none.
-std::string urdfOf(const Scenario& setup, int broken) {
-  std::string urdf = emptyLink("root");
+/// Of link `broken` a mesh cannot be read; -1: of none. `robot`: its base; -1: there is one robot,
+/// whose root is the frame of the reports.
+std::string urdfOf(const Scenario& setup, int broken, int robot) {
+  std::string urdf = robot < 0 ? emptyLink("root") : "";
   for (int i = 0; i < static_cast<int>(setup.links.size()); ++i) {
     const SimulatedLink& link = setup.links[static_cast<std::size_t>(i)];
+    if (robot >= 0 && setup.baseOf(i) != robot) continue;
     const char* const types[] = {"floating", "prismatic", "continuous", "fixed"};
     const char* const axes[] = {"", "<axis xyz='1 0 0'/><limit lower='-1e6' upper='1e6'/>",
                                 "<axis xyz='0 0 1'/>", ""};
@@ -40,8 +37,9 @@ std::string urdfOf(const Scenario& setup, int broken) {
     const std::string mesh =
         "<collision><geometry><mesh filename='package://none/a.stl'/></geometry></collision>";
     urdf += "<link name='" + linkName(i) + "'><collision><geometry>" + ball +
-            "</geometry></collision>" + (i == broken ? mesh : "") + "</link>" +
-            joint("j" + std::to_string(i), types[link.joint], linkName(link.parent), linkName(i),
+            "</geometry></collision>" + (i == broken ? mesh : "") + "</link>";
+    if (i == robot) continue;
+    urdf += joint("j" + std::to_string(i), types[link.joint], linkName(link.parent), linkName(i),
                   "0 " + std::to_string(link.X_PJ.y) + " 0", axes[link.joint]);
   }
   return urdf;
@@ -70,6 +68,7 @@ SimulatedNode::SimulatedNode(const Scenario& setup)
       knowledge_(setup_),
       last_(setup.links.size()),
       X_LC_(setup.X_LC) {
+  for (const SimulatedLink& link : setup_.links) stands_.push_back(link.is_static);
   if (std::any_of(setup_.links.begin(), setup_.links.end(), SimulatedLimiter::isMeasured)) {
     limiter_.emplace(setup_, knowledge_);
   }
@@ -79,12 +78,20 @@ SimulatedNode::SimulatedNode(const Scenario& setup)
 }
 
 SceneParameters SimulatedNode::parameters(const std::set<int>& ignored, int broken) const {
-  SceneParameters made = parametersOf(urdfOf(setup_, broken));
+  SceneParameters made;
+  if (!setup_.is_apart) made = parametersOf(urdfOf(setup_, broken, -1));
+  if (setup_.is_apart) made.fixed_frame = linkName(-1);
+  for (int i = 0; i < static_cast<int>(setup_.links.size()); ++i) {
+    if (!setup_.isBase(i)) continue;
+    auto robots = std::move(parametersOf(urdfOf(setup_, broken, i)).sources.robots);
+    made.sources.robots.push_back(std::move(robots.front()));
+  }
   std::string settings = "ignored_links: [";
   for (const int link : ignored) settings += linkName(link);
   settings += "]\nstatic_joints: [";
   for (int i = 0; i < static_cast<int>(setup_.links.size()); ++i) {
-    if (setup_.links[static_cast<std::size_t>(i)].is_listed) settings += jointName(i) + ", ";
+    const bool is_listed = setup_.links[static_cast<std::size_t>(i)].is_listed;
+    if (is_listed && !setup_.isBase(i)) settings += jointName(i) + ", ";
   }
   settings += "]\n";
   if (setup_.has_cloud) {
@@ -118,6 +125,7 @@ void SimulatedNode::advance(double dt) {
   knowledge_.moveClock(ros_, steady_);
   if (limiter_) limiter_->advance(ros_, steady_, monitor_.transforms().nbClockJumps());
   if (knowledge_.pass() == pass) return;
+  for (auto& [link, refusal] : refusals_) refusal = {"", -1e9};
   seen_.reset();
   last_cloud_ = 0;
 }
@@ -142,8 +150,10 @@ void SimulatedNode::publish(const std::string& parent, const std::string& link, 
 void SimulatedNode::publish(int link, const std::string& publisher) {
   const SimulatedLink& of = setup_.links[static_cast<std::size_t>(link)];
   const auto& [stamp, X_PB] = last_[static_cast<std::size_t>(link)];
-  publish(linkName(of.parent), linkName(link), stamp, X_PB, publisher, of.is_static);
-  knowledge_.hear(link, stamp, X_PB, publisher);
+  const bool stands = stands_[static_cast<std::size_t>(link)];
+  publish(linkName(of.parent), linkName(link), stamp, X_PB, publisher, stands);
+  knowledge_.hear(link, stamp, X_PB, stands, publisher);
+  noteHeard(link, stamp);
 }
 
 void SimulatedNode::lie(const Event& event) {
@@ -157,16 +167,25 @@ void SimulatedNode::lie(const Event& event) {
   if (of.joint == SimulatedLink::FIXED) return;
   std::string parent = linkName(of.parent);
   if (event.what == 4) stamp = last_[static_cast<std::size_t>(event.who)].first;
-  if (event.what == 2) parent = event.other == event.who ? "nowhere" : linkName(event.other);
+  const bool is_other = event.other != event.who && event.other != of.parent;
+  if (event.what == 2) parent = is_other ? linkName(event.other) : "nowhere";
   const std::string publisher = "liar" + std::to_string(event.other % 2);
-  publish(parent, linkName(event.who), stamp, elsewhere, publisher, event.what == 1);
+  // In another parent it may have the same numbers.
+  const bool is_near = event.what == 2 && event.number > 0.0;
+  const Pose& X_PB = is_near ? last_[static_cast<std::size_t>(event.who)].second : elsewhere;
+  publish(parent, linkName(event.who), stamp, X_PB, publisher, event.what == 1);
   knowledge_.hearLie(event.who, stamp, event.what == 1);
+  refusals_.erase(event.who);
 }
 
 void SimulatedNode::publishBroken(const Event& event) {
   const int parent = setup_.links[static_cast<std::size_t>(event.who)].parent;
   tf2_msgs::TFMessage tf = transformOf(linkName(parent), linkName(event.who), ros::Time(), 1000.0);
   auto& transform = tf.transforms[0];
+  const char* const words[] = {"not finite", "not finite",   "its quaternion is of length",
+                               "is zero",    "ahead of the", "ahead of the",
+                               "own parent", "has no name"};
+  noteTransform(event.who, ros_ > 0 ? words[event.what] : "");
   transform.header.stamp.fromNSec(static_cast<std::uint64_t>(ros_));
   const double nan = std::numeric_limits<double>::quiet_NaN();
   switch (event.what) {
@@ -217,7 +236,13 @@ void SimulatedNode::happen(const Event& event) {
         last_[static_cast<std::size_t>(event.who)] = {stampOf(event.lag),
                                                       of.X_PJ * motionOf(joint, event.at)};
         publish(event.who, "honest");
+        if (of.is_relayed) publish(event.who, "relay");
       }
+      break;
+    case Event::SWITCH:
+      if (joint == SimulatedLink::FIXED) break;
+      stands_[static_cast<std::size_t>(event.who)] ^= 1;
+      last_[static_cast<std::size_t>(event.who)].first = 0;
       break;
     case Event::REPEAT:
       if (last_[static_cast<std::size_t>(event.who)].first > 0) publish(event.who, "repeats");
@@ -248,10 +273,7 @@ void SimulatedNode::happen(const Event& event) {
       endCloud();
       break;
     case Event::CLEAR:
-      monitor_.clearClouds();
-      ++cloud_generation_;
-      seen_.reset();
-      last_cloud_ = 0;
+      clearClouds();
       break;
     case Event::SCENE_BEGIN:
       beginScene(event);
@@ -267,86 +289,6 @@ void SimulatedNode::happen(const Event& event) {
   }
   report();
   if (event.kind == Event::REQUEST) request(event);
-}
-
-void SimulatedNode::sendCloud(const Event& event) {
-  if (!setup_.has_cloud) return;
-  const Ns stamp = event.what == 7 ? 0 : stampOf(event.lag);
-  const auto X_WL = knowledge_.poseOf(setup_.camera_on, stamp);
-  const Pose X_CW = inverse(X_WL.value_or(Pose()) * X_LC_);
-  std::vector<Pose> points;
-  if (event.what != 5) {
-    points = {{4.0, 0.0, 1.0, 0.0}, {4.0, 0.1, 1.0, 0.0}};  // a wall far away
-    for (int i = 0; i < 4; ++i) {
-      points.push_back(X_CW * Pose{event.at.x + 0.01 * i, event.at.y, event.at.z, 0.0});
-    }
-  }
-  std::vector<Eigen::Vector3d> sent;
-  const double nan = std::numeric_limits<double>::quiet_NaN();
-  for (const Pose& p : points) {
-    sent.emplace_back(event.what == 6 ? nan : p.x, p.y, p.z);
-  }
-  std_msgs::Header header;
-  header.frame_id = "camera";
-  header.stamp.fromNSec(static_cast<std::uint64_t>(std::max<Ns>(0, stamp)));
-  const auto cloud =
-      boost::make_shared<const sensor_msgs::PointCloud2>(toPointCloud2(sent, header));
-  for (const auto& source : monitor_.scenes().active()->clouds) source->take(cloud);
-  sent_[stamp] = points;
-  arrivals_[stamp] = seconds(ros_);
-}
-
-void SimulatedNode::beginCloud() {
-  if (!setup_.has_cloud) return;
-  const auto job = monitor_.scenes().active()->clouds.front()->next();
-  if (!job) return;
-  if (cloud_work_) return fail("a cloud is handed out while another is being processed");
-  const Ns stamp = static_cast<Ns>(job->header().stamp.toNSec());
-  const auto X_WL = knowledge_.poseOf(setup_.camera_on, stamp);
-  const bool can_be_known =
-      is_camera_told_ && (X_WL || knowledge_.isLiedAbout(setup_.camera_on, stamp));
-  if (!can_be_known) return fail("a cloud is processed whose camera is nowhere");
-  cloud_work_ = job;
-  cloud_work_generation_ = cloud_generation_;
-  cloud_work_pass_ = knowledge_.pass();
-  cloud_work_revision_ = revision_;
-  cloud_points_.clear();
-  if (!X_WL || knowledge_.isLiedAbout(setup_.camera_on)) return;
-  for (const Pose& p : sent_[stamp]) {
-    if (std::hypot(p.x, p.y, p.z) > 0.99 * MAX_RANGE) continue;
-    const Pose in_world = *X_WL * X_LC_ * p;
-    bool is_own = false;  // or it may be
-    for (int i = 0; i < static_cast<int>(setup_.links.size()); ++i) {
-      const auto X_WB = knowledge_.poseOf(i, stamp);
-      const double radius = setup_.links[static_cast<std::size_t>(i)].radius;
-      is_own = is_own || !X_WB || knowledge_.isLiedAbout(i) ||
-               distance({false, radius, {}}, *X_WB, {}, in_world) < SELF_FILTER + 1e-3;
-    }
-    for (const auto& [name, object] : objects_) {
-      const auto X_WB = knowledge_.poseOf(object.link, stamp);
-      is_own = is_own || (object.link >= 0 && (!X_WB || distance(object.solid, *X_WB * object.X_PO,
-                                                                 {}, in_world) < 0.15));
-    }
-    if (!is_own) cloud_points_.push_back(in_world);
-  }
-}
-
-void SimulatedNode::endCloud() {
-  if (!cloud_work_) return;
-  const auto job = std::move(cloud_work_);
-  cloud_work_.reset();
-  job->run();
-  const bool is_used = job->isUsed();
-  monitor_.scenes().active()->clouds.front()->take(*job);
-  const bool is_of_now =
-      cloud_work_generation_ == cloud_generation_ && cloud_work_pass_ == knowledge_.pass();
-  if (!is_used || !is_of_now) return;
-  const Ns stamp = static_cast<Ns>(job->header().stamp.toNSec());
-  if (stamp <= last_cloud_) fail("a cloud is used after a later one");
-  last_cloud_ = stamp;
-  // It may have been filtered by what was attached before.
-  if (cloud_work_revision_ < complete_revision_) return;
-  seen_ = Seen{std::min(seconds(stamp), arrivals_[stamp]), cloud_points_};
 }
 
 }  // namespace simulation

@@ -16,10 +16,10 @@ namespace simulation {
 
 using namespace collision_pairs;
 
-constexpr Ns BEGIN = 1000000000000;     // of ROS time
-constexpr double SOURCE_TIMEOUT = 1.0;  // s, of the cloud
-constexpr double ALARM_DISTANCE = 0.3;  // m
-constexpr double ROUNDING = 1e-6;       // m
+constexpr Ns BEGIN = 1000000000000;                         // of ROS time
+constexpr double SOURCE_TIMEOUT = 1.0, LONGEST_WAIT = 1.0;  // s, of the cloud
+constexpr double SELF_FILTER = 0.02, MAX_RANGE = 100.0;     // m
+constexpr double ALARM_DISTANCE = 0.3;                      // m
 
 /// An object of the scene.
 struct PlainObject {
@@ -58,10 +58,31 @@ class SimulatedNode {
     int broken;          ///< link with a mesh that cannot be read; -1: none
     bool may_show_more;  ///< of the clouds: what was attached hid it
   };
+  /// What a change has to ask TF about.
+  struct PoseQuestion {
+    int link = -1;  ///< -1: nothing
+    Ns stamp = 0;   ///< 0: the newest
+  };
   /// Of the last cloud that was used.
   struct Seen {
     double measured = 0.0;
     std::vector<Pose> points;  ///< in W, but for the robot's own
+  };
+
+  struct SentCloud {
+    Ns stamp;
+    int what;
+    std::vector<Pose> points;  ///< in the camera's frame
+    double arrival;            ///< s, of ROS time
+    int pass;
+    double since = 0.0;                     ///< of wall time, when it was looked at first
+    bool is_new = true, may_be_new = true;  ///< it was not looked at yet
+  };
+  /// What is in use since clouds were cleared.
+  struct UsedCloud {
+    double measured;
+    int pass;
+    std::uint64_t revision;  ///< of the scene that it was filtered with
   };
 
   void advance(double dt);
@@ -75,11 +96,21 @@ class SimulatedNode {
   void sendCloud(const Event& event);
   void beginCloud();
   void endCloud();
+  void clearClouds();
+  bool arePosesCertain(Ns stamp) const;
+  void requireRefusable(const SentCloud& cloud);
+  void requireUsable(const SentCloud& cloud);
+  std::string expectedCloudDoubt(bool is_refused) const;
+  void judgeClouds(const Snapshot& snapshot);
   void beginScene(const Event& event);
   void endScene(bool is_first);
+  std::optional<Ns> newestStampOf(int link) const;
   std::optional<Pose> newestPoseOf(int link) const;
   SceneParameters parameters(const std::set<int>& ignored, int broken) const;
   void readAgain();
+  void judgeObjects();
+  bool isStale(const PoseQuestion& question) const;
+  bool isAnswered(const PoseQuestion& question) const;
 
   void request(const Event& event);
   void requestAt(Ns stamp);
@@ -88,10 +119,15 @@ class SimulatedNode {
   void requestReplaced();
 
   void judge(const Snapshot& snapshot);
+  void noteTransform(int link, const std::optional<std::string>& refusal);
+  void noteHeard(int link, Ns stamp);
+  void judgeRefusals(const Snapshot& snapshot);
   void judgeReasons(const Snapshot& snapshot);
+  void judgeLeftOut(const Snapshot& snapshot);
+  bool isGeometryMissing() const;
   void judgeFree(const Snapshot& snapshot);
-  void judgeBodies(const Snapshot& snapshot);
-  void judgePlain(const Snapshot& snapshot);
+  void judgeBodies(const Snapshot& snapshot, bool is_newest = false);
+  void judgeCertain(const Snapshot& snapshot);
   void judgePairs(const Snapshot& snapshot);
   void judgeBefore(const Snapshot& snapshot);
   void judgeSame(const Snapshot& snapshot);
@@ -123,6 +159,9 @@ class SimulatedNode {
   Ns ros_ = 0;
   double steady_ = 0.0, speed_ = 1.0;
   std::vector<std::pair<Ns, Pose>> last_;  ///< of each link
+  std::vector<char> stands_;               ///< of each link: it is published on /tf_static
+  /// Of each link whose last transform was certainly refused, or right: why, and when.
+  std::map<int, std::pair<std::string, double>> refusals_;
   std::map<std::string, PlainObject> objects_;
   std::set<int> ignored_;
   int broken_ = -1;
@@ -131,9 +170,13 @@ class SimulatedNode {
   ActiveScenePtr replaced_;                 ///< some earlier scene, or part of one
   std::unique_ptr<SceneStore> read_again_;  ///< the scene, as its message says
   std::shared_ptr<CloudJob> cloud_work_;
-  std::vector<Pose> cloud_points_;        ///< in W, of cloud_work_
-  std::map<Ns, std::vector<Pose>> sent_;  ///< points in the camera's frame, by stamp
-  std::map<Ns, double> arrivals_;
+  std::vector<Pose> cloud_points_;  ///< in W, of cloud_work_
+  std::optional<SentCloud> next_cloud_, waiting_cloud_;
+  SentCloud sent_work_;  ///< of cloud_work_
+  std::optional<UsedCloud> used_cloud_;
+  bool is_cloud_refused_ = false;  ///< the last, or it waits for what nobody connects
+  bool may_cloud_be_refused_ = false;
+  int nb_clouds_ = 0, nb_cleared_ = 0;
   int cloud_generation_ = 0, cloud_work_generation_ = 0, cloud_work_pass_ = 0;
   std::uint64_t cloud_work_revision_ = 0, complete_revision_ = 0;
   Ns last_cloud_ = 0;  ///< stamp of the last that was used

@@ -74,9 +74,18 @@ void SimulatedNode::judgeBefore(const Snapshot& snapshot) {
   const Ns then = static_cast<Ns>(snapshot.stamp.toNSec()) - static_cast<Ns>(1e8);
   if (snapshot.is_static) return;
   const auto& bodies = snapshot.scene->scene->bodies();
+  std::set<int> wanted;
+  for (const PairReport& pair : report_.pairs) {
+    for (const auto model : {pair.first, pair.second}) {
+      wanted.insert(snapshot.scene->scene->models()[model].body);
+    }
+  }
+  if (before.window != 0.1) fail("speeds are of another span");
   for (std::size_t i = 0; i < bodies.size(); ++i) {
-    if (!before.poses.known[i]) continue;
     const int link = bodies[i].link == "root" ? -1 : std::stoi(bodies[i].link.substr(1));
+    const bool must_be = wanted.count(static_cast<int>(i)) > 0 && knowledge_.isCertain(link, then);
+    if (must_be && !before.poses.known[i]) fail(linkName(link) + " has no speed");
+    if (!before.poses.known[i]) continue;
     if (knowledge_.isLiedAbout(link, then)) continue;
     if (!isBody(link, before.poses.X_WB[i], then)) fail(linkName(link) + " was elsewhere before");
   }

@@ -28,6 +28,12 @@ void SimulatedNode::requestAt(Ns stamp) {
   time.fromNSec(static_cast<std::uint64_t>(stamp));
   const Snapshot snapshot = monitor_.at(monitor_.scenes().active(), time);
   judgeBodies(snapshot);
+  const auto& bodies = snapshot.scene->scene->bodies();
+  for (std::size_t i = 0; i < bodies.size() && ros_ > 0; ++i) {
+    const int link = bodies[i].link == "root" ? -1 : std::stoi(bodies[i].link.substr(1));
+    if (snapshot.poses.known[i] || !knowledge_.isCertain(link, stamp)) continue;
+    fail(linkName(link) + " was known then");
+  }
   if (setup_.has_cloud && snapshot.poses.doubts.empty()) fail("clouds of now count for then");
   const Verdict verdict = detector_->detect(snapshot.poses, {}).verdict;
   if (verdict != Verdict::FREE) return;
@@ -54,20 +60,26 @@ void SimulatedNode::requestJoints(const Event& event) {
     for (int i = 0; i < static_cast<int>(setup_.links.size()); ++i) {
       const SimulatedLink& link = setup_.links[static_cast<std::size_t>(i)];
       const auto named = std::find(names.begin(), names.end(), jointName(i));
-      std::optional<Pose> X_PB = knowledge_.inParent(i, stamp);
+      const std::optional<Pose> heard = knowledge_.inParent(i, stamp);
+      Pose X_PB = heard.value_or(Pose());
+      bool is_placed = heard.has_value();
       if (named != names.end()) {
         const double position = positions[static_cast<std::size_t>(named - names.begin())];
         Pose motion;
         (link.joint == SimulatedLink::SLIDING ? motion.x : motion.yaw) = position;
         X_PB = link.X_PJ * motion;
+        is_placed = true;
       } else if (link.joint != SimulatedLink::FIXED) {
         const bool is_checked = scene->scene->findModel(linkName(i)) >= 0;
-        can_age = can_age || (X_PB && is_checked && !link.is_static);
-        if (knowledge_.isLiedAbout(i)) X_PB.reset();
+        can_age = can_age || (heard && is_checked && !knowledge_.told(i).is_static);
+        is_placed = heard && !knowledge_.isLiedAbout(i) && !knowledge_.isUnsettled(i);
       }
-      const std::optional<Pose> X_WP =
-          link.parent < 0 ? Pose() : at[static_cast<std::size_t>(link.parent)];
-      at.push_back(X_WP && X_PB ? std::optional<Pose>(*X_WP * *X_PB) : std::nullopt);
+      if (link.parent >= 0) {
+        const auto& X_WP = at[static_cast<std::size_t>(link.parent)];
+        is_placed = is_placed && X_WP;
+        X_PB = X_WP.value_or(Pose()) * X_PB;
+      }
+      at.push_back(is_placed ? std::optional<Pose>(X_PB) : std::nullopt);
     }
     if (can_age && knowledge_.isClockInDoubt() && asked.poses.doubts.empty()) {
       fail("a request does not know that the clock stands still");
@@ -103,6 +115,7 @@ void SimulatedNode::requestPart(const Event& event) {
   const ActiveScenePtr part = job.scene();
   const Snapshot snapshot = monitor_.at(part);
   judgeBodies(snapshot);
+  if (part->revision != revision_) fail("a part is of a scene that was replaced");
   CollisionDetector detector(part->scene);
   const Verdict verdict = detector.detect(snapshot.poses, {}).verdict;
   if (verdict == Verdict::FREE) {

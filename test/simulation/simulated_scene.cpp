@@ -28,12 +28,12 @@ void place(SceneObject& object, const Pose& at) {
 
 }  // namespace
 
-/// As TF has it newest, all at the stamp that the oldest of its frames has reached.
-std::optional<Pose> SimulatedNode::newestPoseOf(int link) const {
+/// That the oldest of the frames which place it has reached; nothing if one was not heard of.
+std::optional<Ns> SimulatedNode::newestStampOf(int link) const {
   Ns oldest = std::numeric_limits<Ns>::max();
   for (int i = link; i >= 0; i = setup_.links[static_cast<std::size_t>(i)].parent) {
     const SimulatedLink& of = setup_.links[static_cast<std::size_t>(i)];
-    if (of.joint == SimulatedLink::FIXED || of.is_static) continue;
+    if (of.joint == SimulatedLink::FIXED || knowledge_.told(i).is_static) continue;
     const auto& samples = knowledge_.told(i).samples;
     if (samples.empty()) return std::nullopt;
     const auto ahead = samples.upper_bound(ros_);
@@ -43,15 +43,43 @@ std::optional<Pose> SimulatedNode::newestPoseOf(int link) const {
     oldest = std::min(
         oldest, has_reached || ahead == samples.end() ? std::prev(ahead)->first : ahead->first);
   }
-  if (oldest == std::numeric_limits<Ns>::max()) oldest = knowledge_.latest();
-  if (knowledge_.isTooOld(oldest)) return std::nullopt;
-  return knowledge_.poseOf(link, oldest);
+  return oldest;
+}
+
+/// As TF has it newest.
+std::optional<Pose> SimulatedNode::newestPoseOf(int link) const {
+  std::optional<Ns> stamp = newestStampOf(link);
+  if (stamp == std::numeric_limits<Ns>::max()) stamp = knowledge_.latest();
+  if (!stamp || knowledge_.isTooOld(*stamp)) return std::nullopt;
+  return knowledge_.poseOf(link, *stamp);
+}
+
+/// Whether what TF has newest cannot be seen to age.
+bool SimulatedNode::isStale(const PoseQuestion& question) const {
+  bool moves = false;
+  for (int i = question.link; i >= 0; i = setup_.links[static_cast<std::size_t>(i)].parent) {
+    const bool is_fixed = setup_.links[static_cast<std::size_t>(i)].joint == SimulatedLink::FIXED;
+    moves = moves || !(is_fixed || knowledge_.told(i).is_static);
+  }
+  return moves && question.stamp == 0 && knowledge_.isClockInDoubt();
+}
+
+bool SimulatedNode::isAnswered(const PoseQuestion& question) const {
+  if (question.link < 0) return true;
+  if (ros_ == 0 || isStale(question)) return false;
+  std::optional<Ns> stamp = question.stamp;
+  if (stamp == 0) stamp = newestStampOf(question.link);
+  if (stamp == std::numeric_limits<Ns>::max()) stamp = knowledge_.latest();
+  const bool is_old = question.stamp == 0 && stamp && knowledge_.isTooOld(*stamp);
+  return stamp && !is_old && knowledge_.isCertain(question.link, *stamp);
 }
 
 void SimulatedNode::beginScene(const Event& event) {
   const std::string name = "o" + std::to_string(event.other % 3);
   if (scene_works_.size() == 2) return;
   SceneWork work{monitor_.scenes().restrictedTo({}), revision_, objects_, ignored_, broken_, false};
+  PoseQuestion question;
+  bool is_known = true;
   try {
     if (event.what == LOAD) {
       const bool ignores = event.number < 0.0;
@@ -68,8 +96,9 @@ void SimulatedNode::beginScene(const Event& event) {
       const bool is_changed = other == name || event.what == CLEAR;
       work.may_show_more = work.may_show_more || (is_changed && object.link >= 0);
     }
-    const auto X_WL = newestPoseOf(event.who);
-    const bool is_certain = !knowledge_.isLiedAbout(event.who);
+    auto X_WL = newestPoseOf(event.who);
+    const bool is_certain =
+        !knowledge_.isLiedAbout(event.who) && !knowledge_.isUnsettled(event.who);
     switch (event.what) {
       case ADD:
       case ADD_IN_LINK: {
@@ -83,6 +112,13 @@ void SimulatedNode::beginScene(const Event& event) {
         if (event.what == ADD_IN_LINK) {
           if (!is_certain) return;
           change.object.header.frame_id = linkName(event.who);
+          question = {event.who};
+          if (event.number < -0.6 && ros_ > BEGIN) {
+            question.stamp = ros_ - static_cast<Ns>(3e8);
+            change.object.header.stamp.fromNSec(static_cast<std::uint64_t>(question.stamp));
+            X_WL = knowledge_.poseOf(event.who, question.stamp);
+            if (knowledge_.isOpen(event.who, question.stamp)) return;
+          }
           object.X_PO = X_WL.value_or(Pose{1e9, 0, 0, 0}) * event.at;
         }
         work.objects[name] = object;
@@ -96,6 +132,7 @@ void SimulatedNode::beginScene(const Event& event) {
         break;
       case REMOVE:
         change.operation = SceneChange::REMOVE;
+        is_known = known != work.objects.end();
         work.objects.erase(name);
         for (auto& entry : work.objects) entry.second.touched_objects.erase(name);
         break;
@@ -106,6 +143,7 @@ void SimulatedNode::beginScene(const Event& event) {
         change.object.attached_link = linkName(event.who);
         PlainObject& object = known->second;
         object.link = event.who;
+        question = {event.who};
         if (event.number > 0.0)
           object.touches = {(event.who + 1) % static_cast<int>(setup_.links.size())};
         for (const int link : object.touches) change.object.touch_links.push_back(linkName(link));
@@ -120,8 +158,10 @@ void SimulatedNode::beginScene(const Event& event) {
       case DETACH: {
         if (known == work.objects.end() || known->second.link < 0) return;
         if (knowledge_.isLiedAbout(known->second.link)) return;
+        if (knowledge_.isUnsettled(known->second.link)) return;
         change.operation = SceneChange::DETACH;
         PlainObject& object = known->second;
+        question = {object.link};
         const auto X_WP = newestPoseOf(object.link);
         object.X_PO = X_WP ? *X_WP * object.X_PO : Pose{1e9, 0, 0, 0};
         object.link = -1;
@@ -138,8 +178,11 @@ void SimulatedNode::beginScene(const Event& event) {
       if (object.X_PO.x > 1e8)
         return fail("object " + other + " is placed by a link that is nowhere");
     }
+    if (!is_known) fail("an object is removed that is not there");
+    if (isStale(question)) fail("an object is placed although the clock stands still");
     scene_works_.push_back(std::move(work));
-  } catch (const InputError&) {
+  } catch (const InputError& error) {
+    if (is_known && isAnswered(question)) fail(std::string("a change is refused: ") + error.what());
   }
 }
 
@@ -151,8 +194,8 @@ void SimulatedNode::endScene(bool is_first) {
   const ActiveScenePtr before = monitor_.scenes().active();
   try {
     work.job.run();
-  } catch (const InputError&) {
-    return;
+  } catch (const InputError& error) {
+    return fail(std::string("a scene is refused: ") + error.what());
   }
   const bool is_of_now = work.revision == revision_;
   if (monitor_.scenes().take(work.job) != is_of_now) return fail("a scene is built of an old one");
@@ -163,9 +206,28 @@ void SimulatedNode::endScene(bool is_first) {
   ignored_ = work.ignored;
   broken_ = work.broken;
   readAgain();
+  judgeObjects();
   if (!work.may_show_more) return;
   complete_revision_ = revision_;
   seen_.reset();
+}
+
+void SimulatedNode::judgeObjects() {
+  const SceneObjects& known = *monitor_.scenes().objects();
+  if (known.size() != objects_.size()) return fail("the objects are others");
+  for (const auto& [name, object] : objects_) {
+    const auto found = known.find(name);
+    if (found == known.end()) return fail("there is no object " + name);
+    const RigidObject& is = found->second.object;
+    const std::string link = object.link < 0 ? "" : linkName(object.link);
+    const Eigen::Vector3d p(object.X_PO.x, object.X_PO.y, object.X_PO.z);
+    if (is.attached_link != link || (is.X_PO.translation() - p).norm() > 1e-5) {
+      fail(name + " is elsewhere, or on another link");
+    }
+    if (is.touch_links.size() != object.touches.size() + object.touched_objects.size()) {
+      fail(name + " may touch others");
+    }
+  }
 }
 
 /// What was recorded of the scene makes the same scene.

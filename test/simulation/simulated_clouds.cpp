@@ -1,0 +1,229 @@
+// Clouds of a SimulatedNode, and the claims about what becomes of them.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include <boost/make_shared.hpp>
+
+#include "point_cloud.h"
+#include "simulated_node.h"
+
+namespace simulation {
+namespace {
+
+enum { OF_NO_FRAME = 4, EMPTY, NOT_FINITE, WITHOUT_STAMP };  // kinds of clouds; others are sound
+
+}  // namespace
+
+void SimulatedNode::sendCloud(const Event& event) {
+  if (!setup_.has_cloud) return;
+  const Ns stamp = event.what == WITHOUT_STAMP ? 0 : stampOf(event.lag);
+  const auto X_WL = knowledge_.poseOf(setup_.camera_on, stamp);
+  const Pose X_CW = inverse(X_WL.value_or(Pose()) * X_LC_);
+  std::vector<Pose> points;
+  if (event.what != EMPTY) {
+    points = {{4.0, 0.0, 1.0, 0.0}, {4.0, 0.1, 1.0, 0.0}};  // a wall far away
+    for (int i = 0; i < 4; ++i) {
+      points.push_back(X_CW * Pose{event.at.x + 0.01 * i, event.at.y, event.at.z, 0.0});
+    }
+  }
+  std::vector<Eigen::Vector3d> sent;
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  for (const Pose& p : points) {
+    sent.emplace_back(event.what == NOT_FINITE ? nan : p.x, p.y, p.z);
+  }
+  std_msgs::Header header;
+  header.frame_id = event.what == OF_NO_FRAME ? "elsewhere" : "camera";
+  header.stamp.fromNSec(static_cast<std::uint64_t>(std::max<Ns>(0, stamp)));
+  const auto cloud =
+      boost::make_shared<const sensor_msgs::PointCloud2>(toPointCloud2(sent, header));
+  for (const auto& source : monitor_.scenes().active()->clouds) source->take(cloud);
+  next_cloud_ = SentCloud{stamp, event.what, points, seconds(ros_), knowledge_.pass()};
+  ++nb_clouds_;
+}
+
+void SimulatedNode::clearClouds() {
+  monitor_.clearClouds();
+  ++cloud_generation_;
+  nb_cleared_ += (next_cloud_ ? 1 : 0) + (waiting_cloud_ ? 1 : 0) + (cloud_work_ ? 1 : 0);
+  next_cloud_.reset();
+  waiting_cloud_.reset();
+  used_cloud_.reset();
+  is_cloud_refused_ = may_cloud_be_refused_ = false;
+  seen_.reset();
+  last_cloud_ = 0;
+}
+
+/// Of all that a cloud needs.
+bool SimulatedNode::arePosesCertain(Ns stamp) const {
+  bool are_certain = is_camera_told_;
+  for (int i = 0; i < static_cast<int>(setup_.links.size()); ++i) {
+    are_certain = are_certain && knowledge_.isCertain(i, stamp);
+  }
+  return are_certain && (setup_.is_apart || knowledge_.isCertain(-1, stamp));
+}
+
+/// It was refused when it was looked at.
+void SimulatedNode::requireRefusable(const SentCloud& cloud) {
+  const double age = seconds(ros_ - cloud.stamp);
+  const bool is_stamp_bad = cloud.may_be_new && (ros_ == 0 || cloud.stamp == 0 ||
+                                                 -age > 0.5 - 1e-6 || age > SOURCE_TIMEOUT - 1e-6);
+  const bool is_late = cloud.pass != knowledge_.pass() || cloud.stamp <= last_cloud_;
+  const bool has_waited = steady_ - cloud.since > LONGEST_WAIT - 1e-6;
+  const bool is_known = cloud.what != OF_NO_FRAME && arePosesCertain(cloud.stamp);
+  if (!is_stamp_bad && !is_late && (is_known || !has_waited)) fail("a sound cloud is refused");
+}
+
+/// It was handed out when it was looked at.
+void SimulatedNode::requireUsable(const SentCloud& cloud) {
+  const double age = seconds(ros_ - cloud.stamp);
+  if (cloud.is_new &&
+      (ros_ == 0 || cloud.stamp == 0 || -age > 0.5 + 1e-6 || age > SOURCE_TIMEOUT + 1e-6)) {
+    fail("a cloud is processed that has no usable stamp");
+  }
+  if (cloud.pass != knowledge_.pass()) fail("a cloud is processed of before the clock went back");
+  const auto X_WL = knowledge_.poseOf(setup_.camera_on, cloud.stamp);
+  const bool can_be_known =
+      is_camera_told_ && (X_WL || knowledge_.isLiedAbout(setup_.camera_on, cloud.stamp));
+  if (!can_be_known || cloud.what == OF_NO_FRAME)
+    fail("a cloud is processed whose camera is nowhere");
+}
+
+void SimulatedNode::beginCloud() {
+  if (!setup_.has_cloud) return;
+  CloudSource& source = *monitor_.scenes().active()->clouds.front();
+  const auto nb_refused = source.health().refused;
+  const auto job = source.next();
+  if (cloud_work_) {
+    if (job) fail("a cloud is handed out while another is being processed");
+    return;
+  }
+  if (!waiting_cloud_ && next_cloud_) {
+    waiting_cloud_ = std::exchange(next_cloud_, std::nullopt);
+    waiting_cloud_->since = steady_;
+  }
+  const bool is_refused = source.health().refused > nb_refused;
+  if (!waiting_cloud_) {
+    if (job || is_refused) fail("a cloud comes from nowhere");
+    return;
+  }
+  if (is_refused) {
+    requireRefusable(*waiting_cloud_);
+    waiting_cloud_.reset();
+    is_cloud_refused_ = true;
+    return;
+  }
+  if (!job) {
+    const SentCloud& cloud = *waiting_cloud_;
+    if (steady_ - cloud.since > LONGEST_WAIT + 1e-6) fail("a cloud waits for too long");
+    const bool is_connected = cloud.what != OF_NO_FRAME;
+    if (is_connected && arePosesCertain(cloud.stamp)) fail("a cloud waits for what is known");
+    is_cloud_refused_ = is_cloud_refused_ || !is_connected || !is_camera_told_;
+    may_cloud_be_refused_ = true;  // of its camera, what is above may not be connected
+    waiting_cloud_->is_new = waiting_cloud_->may_be_new = false;
+    if (next_cloud_ && next_cloud_->stamp > cloud.stamp) next_cloud_->is_new = false;
+    return;
+  }
+  const Ns stamp = static_cast<Ns>(job->header().stamp.toNSec());
+  const bool is_newer = stamp != waiting_cloud_->stamp;
+  if (is_newer && !(next_cloud_ && next_cloud_->stamp == stamp))
+    return fail("a cloud was not sent");
+  sent_work_ = is_newer ? *next_cloud_ : *waiting_cloud_;
+  if (is_newer) next_cloud_.reset();
+  waiting_cloud_.reset();
+  requireUsable(sent_work_);
+  cloud_work_ = job;
+  cloud_work_generation_ = cloud_generation_;
+  cloud_work_pass_ = knowledge_.pass();
+  cloud_work_revision_ = revision_;
+  cloud_points_.clear();
+  const auto X_WL = knowledge_.poseOf(setup_.camera_on, stamp);
+  if (!X_WL || knowledge_.isLiedAbout(setup_.camera_on)) return;
+  if (knowledge_.isOpen(setup_.camera_on, stamp)) return;
+  for (const Pose& p : sent_work_.points) {
+    if (std::hypot(p.x, p.y, p.z) > 0.99 * MAX_RANGE) continue;
+    const Pose in_world = *X_WL * X_LC_ * p;
+    bool is_own = false;  // or it may be
+    for (int i = 0; i < static_cast<int>(setup_.links.size()); ++i) {
+      const auto X_WB = knowledge_.poseOf(i, stamp);
+      const double radius = setup_.links[static_cast<std::size_t>(i)].radius;
+      is_own = is_own || !X_WB || knowledge_.isLiedAbout(i) || knowledge_.isOpen(i, stamp) ||
+               distance({false, radius, {}}, *X_WB, {}, in_world) < SELF_FILTER + 1e-3;
+    }
+    for (const auto& [name, object] : objects_) {
+      const auto X_WB = knowledge_.poseOf(object.link, stamp);
+      const bool is_nowhere = !X_WB || knowledge_.isOpen(object.link, stamp);
+      is_own = is_own ||
+               (object.link >= 0 &&
+                (is_nowhere || distance(object.solid, *X_WB * object.X_PO, {}, in_world) < 0.15));
+    }
+    if (!is_own) cloud_points_.push_back(in_world);
+  }
+}
+
+void SimulatedNode::endCloud() {
+  if (!cloud_work_) return;
+  const auto job = std::move(cloud_work_);
+  cloud_work_.reset();
+  job->run();
+  const bool is_used = job->isUsed();
+  monitor_.scenes().active()->clouds.front()->take(*job);
+  if (is_used == (sent_work_.what == EMPTY || sent_work_.what == NOT_FINITE)) {
+    fail(is_used ? "a cloud without points is used" : "a cloud with points is not used");
+  }
+  if (cloud_work_generation_ != cloud_generation_) return;
+  is_cloud_refused_ = !is_used;
+  may_cloud_be_refused_ = false;
+  if (!is_used) return;
+  const double measured = std::min(seconds(sent_work_.stamp), sent_work_.arrival);
+  used_cloud_ = {measured, cloud_work_pass_, cloud_work_revision_};
+  if (cloud_work_pass_ != knowledge_.pass()) return;
+  if (sent_work_.stamp <= last_cloud_) fail("a cloud is used after a later one");
+  last_cloud_ = sent_work_.stamp;
+  // It may have been filtered by what was attached before.
+  if (cloud_work_revision_ < complete_revision_) return;
+  seen_ = Seen{measured, cloud_points_};
+}
+
+/// Empty: there is none, but that something may have come too near to be seen.
+std::string SimulatedNode::expectedCloudDoubt(bool is_refused) const {
+  if (!used_cloud_) return is_refused ? "none is usable" : "none has arrived yet on /points";
+  if (used_cloud_->pass != knowledge_.pass()) return "none has arrived since the clock went back";
+  if (seconds(ros_) - used_cloud_->measured > SOURCE_TIMEOUT) return "the newest is ";
+  if (is_refused) return "the last was refused";
+  if (used_cloud_->revision < complete_revision_)
+    return "none has arrived since the robot, or what";
+  return "";
+}
+
+void SimulatedNode::judgeClouds(const Snapshot& snapshot) {
+  if (!setup_.has_cloud) return;
+  const double age = used_cloud_ ? seconds(ros_) - used_cloud_->measured : 0.0;
+  std::string said;
+  for (const std::string& doubt : snapshot.poses.doubts) {
+    if (doubt.rfind("cloud '", 0) == 0) said = doubt;
+  }
+  const auto isSaid = [&](bool is_refused) {
+    const std::string expected = expectedCloudDoubt(is_refused), begin = "cloud 'points': ";
+    const bool is_filter = used_cloud_ && used_cloud_->revision < complete_revision_;
+    const bool may_touch = said.rfind(begin + "something ", 0) == 0;
+    if (expected.empty() || (is_filter && !is_refused && may_touch))
+      return said.empty() || may_touch;
+    return said.rfind(begin + expected, 0) == 0;
+  };
+  const bool is_edge = std::abs(age - SOURCE_TIMEOUT) < 1e-6;
+  if (!isSaid(is_cloud_refused_) && !(may_cloud_be_refused_ && isSaid(true)) && !is_edge) {
+    fail("of clouds is said: '" + said + "', not: " + expectedCloudDoubt(is_cloud_refused_));
+  }
+  const CloudHealth health = monitor_.scenes().active()->clouds.front()->health();
+  const int nb_here = (next_cloud_ ? 1 : 0) + (waiting_cloud_ ? 1 : 0) +
+                      (cloud_work_ && cloud_work_generation_ == cloud_generation_ ? 1 : 0);
+  const auto nb_gone = health.used + health.refused + health.dropped;
+  if (health.received != static_cast<std::uint64_t>(nb_clouds_) ||
+      nb_gone + static_cast<std::uint64_t>(nb_here + nb_cleared_) != health.received) {
+    fail("clouds are lost, or counted twice");
+  }
+}
+
+}  // namespace simulation

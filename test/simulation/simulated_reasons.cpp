@@ -1,0 +1,133 @@
+// The claims about the reasons in reports of a SimulatedNode: each is true, and none is missing.
+#include <algorithm>
+#include <cmath>
+
+#include "simulated_node.h"
+
+namespace simulation {
+namespace {
+
+constexpr double REFUSAL_SHOWN = 2.0;  // s
+
+}  // namespace
+
+/// What is certain of a transform that arrived: it was refused with these words, or nothing is
+/// wrong.
+void SimulatedNode::noteTransform(int link, const std::optional<std::string>& refusal) {
+  if (refusal) {
+    refusals_[link] = {*refusal, steady_};
+  } else {
+    refusals_[link] = {"", -1e9};
+  }
+}
+
+void SimulatedNode::noteHeard(int link, Ns stamp) {
+  const Told& told = knowledge_.told(link);
+  const bool stands = stands_[static_cast<std::size_t>(link)];
+  if (!stands && !knowledge_.isUsable(stamp)) {
+    const bool is_ahead = stamp > ros_;
+    return noteTransform(link, stamp == 0  ? "its stamp is zero"
+                               : ros_ == 0 ? NO_CLOCK
+                               : is_ahead  ? "ahead of the clock"
+                                           : "old when it arrived");
+  }
+  const bool is_alone = stands ? told.statics.size() == 1 : stamp > told.disturbed;
+  if (told.is_settled && !told.is_lied_about && is_alone) return noteTransform(link, std::nullopt);
+  refusals_.erase(link);
+}
+
+/// Transforms that were refused lately, and their reasons.
+void SimulatedNode::judgeRefusals(const Snapshot& snapshot) {
+  const std::vector<std::string> refused = monitor_.transforms().refused();
+  for (const auto& [link, refusal] : refusals_) {
+    const double age = steady_ - refusal.second;
+    if (std::abs(age - REFUSAL_SHOWN) < 1e-6) continue;
+    const std::string begin = "transform of '" + linkName(link) + "': ";
+    const auto line = std::find_if(refused.begin(), refused.end(), [&](const std::string& each) {
+      return each.rfind(begin, 0) == 0;
+    });
+    const bool is_there = line != refused.end();
+    if (is_there != (age < REFUSAL_SHOWN)) {
+      fail(begin + (is_there ? "nothing is wrong with it: " + *line : "it was refused"));
+    }
+    if (is_there && line->find(refusal.first) == std::string::npos) {
+      fail("it is refused, but because '" + refusal.first + "': " + *line);
+    }
+  }
+  const auto& doubts = snapshot.poses.doubts;
+  for (std::size_t i = 0; i < refused.size() && !snapshot.first_left_out.empty(); ++i) {
+    if (std::find(doubts.begin(), doubts.end(), "refused " + refused[i]) == doubts.end()) {
+      fail("a reason is missing: " + refused[i]);
+    }
+  }
+}
+
+/// What is said to be old is old, whose clock is said to stand stands, and so on.
+void SimulatedNode::judgeReasons(const Snapshot& snapshot) {
+  const double rounding = 0.02;  // s: ages are said with two digits
+  bool is_of_cloud = false, is_clock_named = false, is_no_clock_named = false;
+  for (const std::string& doubt : snapshot.poses.doubts) {
+    const auto says = [&](const char* words) { return doubt.find(words) != std::string::npos; };
+    const auto begins = [&](const char* words) { return doubt.rfind(words, 0) == 0; };
+    is_clock_named = is_clock_named || says("/clock stands still");
+    is_no_clock_named = is_no_clock_named || doubt == NO_CLOCK;
+    if (says("/clock stands still") && !knowledge_.isClockInDoubt()) fail("it runs: " + doubt);
+    if (doubt == NO_CLOCK && ros_ > 0) fail("it was received: " + doubt);
+    if (says("the scene was replaced")) fail("it was not: " + doubt);
+    if (says("geometry that could not be read") && broken_ < 0) fail("it could: " + doubt);
+    is_of_cloud = is_of_cloud || begins("cloud '");
+    if (begins("refused ") && snapshot.first_left_out.empty()) fail("it matters not: " + doubt);
+    const bool is_of_frame = begins("link '") || begins("refused ");
+    const bool is_of_rest = begins("use_sim_time") || begins("geometry") || begins("cloud '");
+    if (!is_of_frame && !is_of_rest && doubt != NO_CLOCK) fail("a strange doubt: " + doubt);
+    if (is_of_frame && knowledge_.isPlain() &&
+        (says("contradict") || says("ambiguous") || says("several nodes"))) {
+      fail("nobody contradicts: " + doubt);
+    }
+    for (int link = 0; link < static_cast<int>(setup_.links.size()); ++link) {
+      if (doubt.rfind("link '" + linkName(link) + "'", 0) != 0) continue;
+      const bool is_uncertain = knowledge_.isLiedAbout(link) || knowledge_.isUnsettled(link);
+      if (says("only /tf_static places it") && !knowledge_.isHeld(link) && !is_uncertain) {
+        fail("it moves: " + doubt);
+      }
+      if (says("and max_pose_age is") && !is_uncertain &&
+          !knowledge_.hasOldOn(link, setup_.max_pose_age - rounding)) {
+        fail("it is young: " + doubt);
+      }
+      const auto newest = newestStampOf(link);
+      if (says("and max_transform_age is") && !is_uncertain &&
+          !(newest &&
+            seconds(knowledge_.newest() - *newest) > setup_.max_transform_age - rounding)) {
+        fail("it is as new as others: " + doubt);
+      }
+    }
+  }
+  if (is_of_cloud && snapshot.doubtful_clouds.empty()) fail("a doubtful cloud is not named");
+  if (knowledge_.isClockInDoubt() && !is_clock_named) fail("nothing is said of /clock");
+  if (ros_ == 0 && !is_no_clock_named) fail("nothing is said of no /clock");
+  judgeLeftOut(snapshot);
+  judgeRefusals(snapshot);
+}
+
+/// Links without a pose are named, and no others.
+void SimulatedNode::judgeLeftOut(const Snapshot& snapshot) {
+  const auto& bodies = snapshot.scene->scene->bodies();
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    const std::string begin = "link '" + bodies[i].link + "': ";
+    const auto& doubts = snapshot.poses.doubts;
+    const auto line = std::find_if(doubts.begin(), doubts.end(), [&](const std::string& doubt) {
+      return doubt.rfind(begin, 0) == 0 && doubt.size() > begin.size();
+    });
+    if ((line == doubts.end()) != static_cast<bool>(snapshot.poses.known[i])) {
+      fail(begin + "its pose and the reasons do not agree");
+    }
+  }
+  if (!isGeometryMissing()) return;
+  const std::string broken = "geometry that could not be read: " + linkName(broken_);
+  const auto& doubts = snapshot.poses.doubts;
+  if (std::find(doubts.begin(), doubts.end(), broken) == doubts.end()) {
+    fail("a reason is missing: " + broken);
+  }
+}
+
+}  // namespace simulation
