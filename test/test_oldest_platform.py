@@ -13,7 +13,8 @@ CXX = {
     r"\[\[(un)?likely\]\]": "C++20",
     r"__builtin_bit_cast|__has_builtin": "GCC 10 or 11",
     r"_mm(256|512)?_(loadu|storeu)_epi(8|16|32|64)\b": "GCC 10 or 11",
-    r"Eigen::(seq|seqN|placeholders|last|all)\b|\.reshaped\(": "Eigen 3.4"}
+    r"Eigen::(seq|seqN|placeholders|last|all)\b|\.reshaped\(": "Eigen 3.4",
+    r"isinstance<py(bind11)?::str>": "pybind11 2.7: before it, bytes are taken for a str"}
 LAUNCH = {r"<arg [^>]*value=\"[^\"]*\$\(dirname\)": "roslaunch 1.15.14 (ros_comm issue 1487): $(find collision_pairs)"}
 CMAKE = {
     r"\bcmake_path\s*\(": "3.20", r"\bcmake_language\s*\(": "3.18", r"\bblock\s*\(": "3.25", r"\bstring\s*\(\s*JSON": "3.19",

@@ -42,6 +42,9 @@ struct PythonScene {
   pybind11::array model_names;  ///< str (models,)
 };
 
+/// pybind11 before 2.7 takes bytes for a str.
+inline bool isStr(const pybind11::handle& value) { return PyUnicode_Check(value.ptr()) != 0; }
+
 /// Of a str. Raises UnicodeEncodeError for one that is no Unicode text (lone surrogates).
 inline std::string utf8From(const pybind11::handle& str) {
   return pybind11::bytes(str.attr("encode")());

@@ -14,7 +14,7 @@ namespace {
 
 py::tuple itemsOf(const py::object& joints) {
   if (joints.is_none()) return py::tuple();
-  const bool has_order = !py::isinstance<py::str>(joints) && PyAnySet_Check(joints.ptr()) == 0;
+  const bool has_order = !isStr(joints) && PyAnySet_Check(joints.ptr()) == 0;
   if (has_order && py::isinstance<py::iterable>(joints)) return joints;
   throw InputError("joints must be a list of names");
 }
@@ -22,7 +22,7 @@ py::tuple itemsOf(const py::object& joints) {
 std::vector<std::string> namesFrom(const py::tuple& items) {
   std::vector<std::string> names;
   for (const py::handle name : items) {
-    if (!py::isinstance<py::str>(name)) throw InputError("joints must be a list of names");
+    if (!isStr(name)) throw InputError("joints must be a list of names");
     names.push_back(utf8From(name));
   }
   return names;

@@ -39,7 +39,7 @@ std::optional<Fidelity> fidelityMember(const py::handle& value) {
 }
 
 Fidelity fidelityFrom(const py::handle& value) {
-  if (py::isinstance<py::str>(value)) return parseFidelity(utf8From(value));
+  if (isStr(value)) return parseFidelity(utf8From(value));
   if (const auto member = fidelityMember(value)) return *member;
   throw py::type_error("fidelity is " + py::repr(value).cast<std::string>() +
                        ", but must be a name ('mesh') or a member of Fidelity");

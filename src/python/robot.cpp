@@ -27,7 +27,7 @@ py::object parameter(const std::string& name) {
   const py::object found = rospy.attr("search_param")(name);
   if (found.is_none()) return py::none();
   const py::object text = rospy.attr("get_param")(found);
-  if (!py::isinstance<py::str>(text)) {
+  if (!isStr(text)) {
     throw InputError("parameter '" + found.cast<std::string>() + "' is not text");
   }
   return text;
@@ -96,7 +96,7 @@ std::string pathFrom(const py::handle& value, const std::string& what) {
 }
 
 TextFrom xmlFrom(const py::handle& value, const std::string& what) {
-  if (py::isinstance<py::str>(value)) {
+  if (isStr(value)) {
     const std::string text = utf8From(value);
     if (text.find('<') != std::string::npos) return {what, text};
   }

@@ -29,7 +29,7 @@ YAML::Node yamlFrom(const py::handle& value, int depth = 0) {
     throw InputError("settings: nesting of more than " + std::to_string(MAX_NESTING) + " levels");
   }
   if (value.is_none()) return YAML::Node(YAML::NodeType::Null);
-  if (py::isinstance<py::str>(value)) return YAML::Node(utf8From(value));
+  if (isStr(value)) return YAML::Node(utf8From(value));
   if (const auto fidelity = fidelityMember(value)) return YAML::Node(fidelityName(*fidelity));
   if (py::isinstance<py::bool_>(value) || isNumpyBool(value)) {
     return YAML::Node(value.cast<bool>());
