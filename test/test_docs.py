@@ -297,6 +297,12 @@ def test_each_fault_has_a_test_that_exists():
     assert {(row["section"], row["what fails"]) for row in rows} == faults()
 
 
+@pytest.mark.parametrize("page", pages())
+def test_the_rostests_that_a_page_names_exist(page):
+    exist = set(re.findall(r"collision_pairs_rostest\((\w+)\)", read("cmake", "tests.cmake")))
+    assert set(re.findall(r"`rostest_(\w+)`", read(page))) <= exist
+
+
 def test_the_watchdogs_of_the_page_wait_equally_long_and_longer_than_a_period_of_the_node():
     page, rate = read("docs/faults.md"), float(re.search(r"^rate: ([\d.]+)", read("config/collision_pairs_node.yaml"), re.MULTILINE).group(1))
     lock = yaml.safe_load(re.search(r"```yaml\n(.*?)```", page, re.DOTALL).group(1))[0]
