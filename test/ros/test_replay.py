@@ -75,9 +75,9 @@ class Passes:
         self._clock = message.clock
 
     def _on_report(self, report):
-        if report.left_out:
-            return  # before the first transforms of a pass
         stamp = report.header.stamp
+        if report.left_out or stamp == self._newest == rospy.Time(0):
+            return  # before the first transforms of a pass, or the first clock
         if stamp < self._newest:
             self.reports.append({})
         self._newest = stamp

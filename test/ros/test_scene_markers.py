@@ -74,7 +74,7 @@ class SceneMarkersTest(unittest.TestCase):
     def tearDown(self):
         self.viewer.close()
 
-    def test_everyone_who_comes_late_sees_the_scene_again_after_two_and_four_seconds_more(self):
+    def test_01_everyone_who_comes_late_sees_the_scene_again_after_two_and_four_seconds_more(self):
         begin, times = rospy.get_time(), self.viewer.times
         self.assertEqual(drawn(self.viewer.wait_for(1)), LINKS)
         end = begin + PATIENCE
