@@ -45,8 +45,8 @@ void SimulatedNode::sendCloud(const Event& event) {
 
 void SimulatedNode::clearClouds() {
   monitor_.clearClouds();
+  nb_cleared_ += nbCloudsHere();
   ++cloud_generation_;
-  nb_cleared_ += (next_cloud_ ? 1 : 0) + (waiting_cloud_ ? 1 : 0) + (cloud_work_ ? 1 : 0);
   next_cloud_.reset();
   waiting_cloud_.reset();
   used_cloud_.reset();
@@ -197,6 +197,12 @@ std::string SimulatedNode::expectedCloudDoubt(bool is_refused) const {
   return "";
 }
 
+/// That are in the node, but for one that was cleared while it was processed.
+int SimulatedNode::nbCloudsHere() const {
+  const bool is_processed = cloud_work_ && cloud_work_generation_ == cloud_generation_;
+  return (next_cloud_ ? 1 : 0) + (waiting_cloud_ ? 1 : 0) + (is_processed ? 1 : 0);
+}
+
 void SimulatedNode::judgeClouds(const Snapshot& snapshot) {
   if (!setup_.has_cloud) return;
   const double age = used_cloud_ ? seconds(ros_) - used_cloud_->measured : 0.0;
@@ -217,11 +223,9 @@ void SimulatedNode::judgeClouds(const Snapshot& snapshot) {
     fail("of clouds is said: '" + said + "', not: " + expectedCloudDoubt(is_cloud_refused_));
   }
   const CloudHealth health = monitor_.scenes().active()->clouds.front()->health();
-  const int nb_here = (next_cloud_ ? 1 : 0) + (waiting_cloud_ ? 1 : 0) +
-                      (cloud_work_ && cloud_work_generation_ == cloud_generation_ ? 1 : 0);
   const auto nb_gone = health.used + health.refused + health.dropped;
   if (health.received != static_cast<std::uint64_t>(nb_clouds_) ||
-      nb_gone + static_cast<std::uint64_t>(nb_here + nb_cleared_) != health.received) {
+      nb_gone + static_cast<std::uint64_t>(nbCloudsHere() + nb_cleared_) != health.received) {
     fail("clouds are lost, or counted twice");
   }
 }

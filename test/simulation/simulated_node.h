@@ -102,6 +102,7 @@ class SimulatedNode {
   void requireUsable(const SentCloud& cloud);
   std::string expectedCloudDoubt(bool is_refused) const;
   void judgeClouds(const Snapshot& snapshot);
+  int nbCloudsHere() const;
   void beginScene(const Event& event);
   void endScene(bool is_first);
   std::optional<Ns> newestStampOf(int link) const;
