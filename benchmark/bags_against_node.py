@@ -11,7 +11,6 @@ out differs, a distance by more than 1e-9 m, or if less than 0.9 of the stamps w
 import argparse
 import csv
 import os
-import socket
 import subprocess
 import sys
 import tempfile
@@ -20,6 +19,7 @@ import time
 import rosbag
 import rospy
 from collision_pairs.msg import CollisionPair, CollisionPairs, Scene
+from node_load import free_port
 from rosgraph import Master
 
 PROJECT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
@@ -122,9 +122,7 @@ def main():
     parser.add_argument("folder", nargs="?", default=os.environ.get("COLLISION_PAIRS_SHARED", ""))
     parser.add_argument("--factor", type=float, default=0.5)
     given = parser.parse_args()
-    with socket.socket() as probe:
-        probe.bind(("", 0))
-        port = probe.getsockname()[1]
+    port = free_port()
     packages = [os.path.join(given.folder, "robots"), os.environ.get("ROS_PACKAGE_PATH", "")]
     os.environ.update(ROS_MASTER_URI="http://localhost:%d" % port, ROS_HOSTNAME="localhost", ROS_PACKAGE_PATH=":".join(packages))
     master = subprocess.Popen(["roscore", "-p", str(port)], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)

@@ -65,7 +65,7 @@ add_library(tool_parts STATIC
   src/tools/common/progress_bar.cpp
   src/tools/common/scene_files.cpp
 )
-target_include_directories(tool_parts PUBLIC ${TOOL_MODULES} PRIVATE src/core/base)
+target_include_directories(tool_parts PUBLIC ${TOOL_MODULES} src/core/base)
 target_link_libraries(tool_parts PUBLIC collision_pairs_io Boost::program_options)
 collision_pairs_together(tool_parts)
 collision_pairs_warnings(tool_parts)
@@ -75,7 +75,6 @@ collision_pairs_checked_indices(tool_parts)
 function(collision_pairs_tool name)
   list(TRANSFORM ARGN REPLACE "(.+)" "src/tools/\\1.cpp" OUTPUT_VARIABLE sources)
   add_executable(${name} ${sources})
-  target_include_directories(${name} PRIVATE src/core/base)
   target_link_libraries(${name} PRIVATE tool_parts)
   collision_pairs_together(${name})
   collision_pairs_warnings(${name})

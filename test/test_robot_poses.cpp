@@ -247,6 +247,14 @@ TEST_F(NewestPoses, AreThoseOfTheFirstLinkOfTheirBodyThatIsKnown) {
   EXPECT_EQ(found().X_WB[1].translation().x(), 3.0) << "the arm is in doubt, the tool is not";
 }
 
+TEST_F(NewestPoses, FurtherFromEachOtherThanTf2WalksAreUnknown) {
+  const auto name = [](int i) { return i == 0 ? std::string("base") : "f" + std::to_string(i); };
+  for (int i = 0; i < 9000; ++i) take(name(i), name(i + 1), 9.75);
+  take(name(9000), "arm", 9.75);
+  EXPECT_EQ(found().problems[1], "its ancestors form a cycle (in 'base')");
+  EXPECT_EQ(between("base", name(900), 39 * SECOND / 4), "known");
+}
+
 /// By frame: the one on which it hangs, or -1. Some hang on themselves, by others.
 std::vector<int> randomParents(RandomInputs& random, int nb_frames) {
   std::vector<int> parents;

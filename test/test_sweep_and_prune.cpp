@@ -1,8 +1,6 @@
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <numeric>
-#include <set>
 
 #include <gtest/gtest.h>
 

@@ -67,7 +67,7 @@ std::optional<Isometry3d> JointQuery::poseOf(const Body& body, bool is_needed,
   Isometry3d X_PB = Isometry3d::Identity();
   if (body.joint < 0) {
     if (tf.frame == link || askTf(tf, tf.frame, link, X_PB, doubt, has_aging_root_)) return X_PB;
-    if (!is_needed) return X_PB;  // of another robot
+    if (!is_needed) return X_PB;  // the scene has none of its bodies
     throw InputError("TF does not know root link '" + link + "' in frame '" + tf.frame +
                      "' at stamp " + std::to_string(tf.stamp.toSec()) +
                      (tf.now.isZero() ? std::string(": ") + NO_CLOCK : ""));

@@ -78,7 +78,7 @@ bool RobotPoses::isFound(const Layout& layout, std::size_t body) const {
 
 int RobotPoses::bodyOf(int frame) const {
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
-    if (isAmong(frames_.of_links[b], frame)) return static_cast<int>(b);
+    if (isAmong(frames().of_links[b], frame)) return static_cast<int>(b);
   }
   return -1;
 }
@@ -108,7 +108,7 @@ bool RobotPoses::hangsOnItself(const FrameWays& ways, std::vector<int> path, int
   const int top = path.back(), body = path.size() > 1 ? bodyOf(top) : -1;
   if (body < 0 || isAmong(tried, top)) return false;
   tried.push_back(top);
-  for (const int fixed : frames_.of_links[static_cast<std::size_t>(body)]) {
+  for (const int fixed : frames().of_links[static_cast<std::size_t>(body)]) {
     if (fixed < 0 || ways.lastParent(fixed) < 0) continue;
     std::vector<int> longer = path;
     longer.push_back(fixed);
@@ -343,7 +343,6 @@ Isometry3d RobotPoses::poseOf(const Located& located, const Layout& layout, Stam
 
 FoundPose RobotPoses::between(const std::string& target, const std::string& source,
                               const Instant& instant) const {
-  frames();
   try {
     return poseBetween(buffer_, target, source, instant,
                        [&](int from, const Instant& when) { return waysFrom(from, when); });

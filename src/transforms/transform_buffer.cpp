@@ -214,20 +214,21 @@ bool FrameWays::step(int frame, StampNs& stamp, int& parent) const {
 }
 
 FrameWays::Way FrameWays::to(int source) const {
-  if (source != target_) return climb(source);
+  if (source != target_) return climb(source, 0);
   Way way;
   way.is_known = true;
   return way;
 }
 
-FrameWays::Way FrameWays::climb(int frame) const {
+FrameWays::Way FrameWays::climb(int frame, std::size_t nb_steps) const {
   Way way;
+  if (nb_steps > DEEPEST_TREE) return way;
   const auto at = static_cast<std::size_t>(frame);
   if (!note(frame, way)) return ways_[static_cast<std::size_t>(numbers_[at])];
   StampNs stamp;
   int parent;
   if (!step(frame, stamp, parent)) return way;
-  way = climb(parent);  // what hangs on itself meets its own, which is not known
+  way = climb(parent, nb_steps + 1);  // what hangs on itself meets its own, which is not known
   way.pass(stamp);
   return ways_[static_cast<std::size_t>(numbers_[at])] = way;
 }

@@ -126,8 +126,8 @@ class FrameWays {
   bool step(int frame, StampNs& stamp, int& parent) const;
   /// The last ancestor that can be reached; -1: they form a cycle.
   int lastAncestor(int frame) const;
-  /// Up to a frame that has been asked about.
-  Way climb(int frame) const;
+  /// Up to a frame that has been asked about, but no further than tf2 walks.
+  Way climb(int frame, std::size_t nb_steps) const;
   /// False: it was noted before.
   bool note(int frame, const Way& way) const;
 
@@ -143,7 +143,7 @@ struct FoundPose {
   Eigen::Isometry3d X_TS = Eigen::Isometry3d::Identity();
   StampNs oldest = NEVER;  ///< NEVER: of static transforms only
 };
-/// From which ways are looked for; of a frame of the buffer.
+/// The ways from a frame of the buffer at an instant.
 using WaysFrom = std::function<FrameWays(int target, const Instant& instant)>;
 
 /// Pose of one frame in another, and the stamps on the way. At NEWEST: at the newest instant that
