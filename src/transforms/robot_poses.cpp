@@ -237,8 +237,12 @@ std::string RobotPoses::whyNot(std::size_t body, const Layout& layout) const {
 }
 
 FoundBodies RobotPoses::place(const Instant& instant, const std::vector<char>& wanted) const {
-  const Layout layout = layOut(instant, wanted);
-  const std::vector<int> held_by = heldBy(instant.stamp);
+  return place(layOut(instant, wanted), instant.stamp, wanted);
+}
+
+FoundBodies RobotPoses::place(const Layout& layout, StampNs stamp,
+                              const std::vector<char>& wanted) const {
+  const std::vector<int> held_by = heldBy(stamp);
   FoundBodies found;
   found.known.assign(bodies_.size(), 0);
   found.X_WB.assign(bodies_.size(), Isometry3d::Identity());
@@ -251,7 +255,7 @@ FoundBodies RobotPoses::place(const Instant& instant, const std::vector<char>& w
                           "' is not fixed: publish it on /tf, or list the joint in static_joints";
     } else if (wanted[b]) {
       try {
-        found.X_WB[b] = poseOf(b, layout, instant.stamp);
+        found.X_WB[b] = poseOf(b, layout, stamp);
         found.known[b] = 1;
       } catch (const InputError& error) {
         found.problems[b] = error.what();
@@ -272,6 +276,21 @@ StampNs RobotPoses::newestAbove(int frame, StampNs now) const {
     frame = buffer_.parentAt(frame, at == NEVER ? now : at);
   }
   return newest;
+}
+
+/// All wanted ones hang on a frame that hangs on nothing, by transforms of that very stamp and by
+/// static ones that nothing can have changed since. So it is wherever one program sends them all.
+bool RobotPoses::holdsAt(StampNs stamp, const Layout& layout,
+                         const std::vector<char>& wanted) const {
+  const bool is_one_tree = layout.anchors.size() == 1 && layout.anchors[0].body < 0;
+  if (!is_one_tree || buffer_.gate().isHeard(layout.anchors[0].ways.target())) return false;
+  for (std::size_t b = 0; b < wanted.size(); ++b) {
+    if (!wanted[b]) continue;
+    const auto& [anchor, link, way] = layout.places[b];  // another link may be known at that stamp
+    if (!isFound(layout, b) || link > 0 || !way.is_settled) return false;
+    if (way.oldest != NEVER && (way.oldest != stamp || way.newest != stamp)) return false;
+  }
+  return true;
 }
 
 FoundBodies RobotPoses::newest(StampNs now, const std::vector<char>& wanted) const {
@@ -302,7 +321,9 @@ FoundBodies RobotPoses::newest(StampNs now, const std::vector<char>& wanted) con
                     inWords(inSeconds(buffer_.limits().max_gap));
     }
   }
-  FoundBodies found = place({Instant::AT, common == NEVER ? now : common}, wanted);
+  const StampNs stamp = common == NEVER ? now : common;
+  FoundBodies found = holdsAt(stamp, layout, wanted) ? place(layout, stamp, wanted)
+                                                     : place({Instant::AT, stamp}, wanted);
   for (std::size_t b = 0; b < wanted.size(); ++b) {
     const bool is_lagging = isFound(layout, b) && !problems[b].empty();
     if (is_lagging) found.known[b] = 0;

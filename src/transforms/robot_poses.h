@@ -96,6 +96,10 @@ class RobotPoses {
   };
 
   const Frames& frames() const;
+  /// With what layOut() found for that stamp.
+  FoundBodies place(const Layout& layout, StampNs stamp, const std::vector<char>& wanted) const;
+  /// Whether a layout of the newest transforms is that of the stamp, too.
+  bool holdsAt(StampNs stamp, const Layout& layout, const std::vector<char>& wanted) const;
   bool locate(const std::string& frame, const Layout& layout, Located& found) const;
   Layout layOut(const Instant& instant, const std::vector<char>& wanted) const;
   FrameWays waysFrom(int frame, const Instant& instant) const;

@@ -139,31 +139,27 @@ Isometry3d TransformBuffer::poseAt(int target, int source, StampNs stamp) const 
   }
 }
 
-void FrameWays::Way::pass(StampNs stamp) {
-  oldest = std::min(oldest, stamp);
-  if (stamp != NEVER) newest = std::max(newest, stamp);
-}
-
 void FrameWays::Way::join(const Way& other) {
   oldest = std::min(oldest, other.oldest);
   newest = std::max(newest, other.newest);
+  is_settled = is_settled && other.is_settled;
 }
 
 FrameWays::FrameWays(const TransformBuffer& buffer, int target, const Instant& instant)
-    : buffer_(buffer), target_(target), instant_(instant), numbers_(buffer.frames().size(), -1) {
+    : buffer_(buffer), target_(target), instant_(instant) {
+  makeRoom(64);
   Way way;
   way.is_known = true;
   StampNs stamp;
   bool is_known = true;
   for (int frame = target, parent = -1, i = 0; i <= static_cast<int>(DEEPEST_TREE); ++i) {
-    const auto at = static_cast<std::size_t>(frame);
-    if (is_known ? !note(frame, way) : numbers_[at] >= 0) {
+    if (is_known ? !note(frame, way).second : slots_[slotOf(frame)] >= 0) {
       breakCycle();
       return;
     }
     is_known = is_known && step(frame, stamp, parent);
     if (is_known) {
-      way.pass(stamp);
+      pass(frame, stamp, way);
     } else {
       parent = lastParent(frame);
     }
@@ -174,16 +170,33 @@ FrameWays::FrameWays(const TransformBuffer& buffer, int target, const Instant& i
 
 void FrameWays::breakCycle() {
   is_in_cycle_ = true;
-  std::fill(numbers_.begin(), numbers_.end(), -1);
-  ways_.clear();
+  noted_.clear();
+  makeRoom(slots_.size());
 }
 
-bool FrameWays::note(int frame, const Way& way) const {
-  int& number = numbers_[static_cast<std::size_t>(frame)];
-  if (number >= 0) return false;
-  number = static_cast<int>(ways_.size());
-  ways_.push_back(way);
-  return true;
+std::size_t FrameWays::slotOf(int frame) const {
+  const std::size_t last = slots_.size() - 1;  // their number is a power of two
+  std::size_t slot = static_cast<std::size_t>(frame) & last;
+  while (slots_[slot] >= 0 && noted_[static_cast<std::size_t>(slots_[slot])].frame != frame) {
+    slot = (slot + 1) & last;
+  }
+  return slot;
+}
+
+void FrameWays::makeRoom(std::size_t nb_slots) const {
+  slots_.assign(nb_slots, -1);
+  for (std::size_t i = 0; i < noted_.size(); ++i) {
+    slots_[slotOf(noted_[i].frame)] = static_cast<int>(i);
+  }
+}
+
+std::pair<std::size_t, bool> FrameWays::note(int frame, const Way& way) const {
+  const std::size_t slot = slotOf(frame), index = noted_.size();
+  if (slots_[slot] >= 0) return {static_cast<std::size_t>(slots_[slot]), false};
+  slots_[slot] = static_cast<int>(index);
+  noted_.push_back({frame, way});
+  if (2 * noted_.size() > slots_.size()) makeRoom(2 * slots_.size());
+  return {index, true};
 }
 
 int FrameWays::lastParent(int frame) const {
@@ -213,6 +226,15 @@ bool FrameWays::step(int frame, StampNs& stamp, int& parent) const {
   return parent >= 0;
 }
 
+void FrameWays::pass(int frame, StampNs stamp, Way& way) const {
+  way.oldest = std::min(way.oldest, stamp);
+  if (stamp != NEVER) {
+    way.newest = std::max(way.newest, stamp);
+  } else {
+    way.is_settled = way.is_settled && buffer_.gate().isSettled(frame);
+  }
+}
+
 FrameWays::Way FrameWays::to(int source) const {
   if (source != target_) return climb(source, 0);
   Way way;
@@ -223,14 +245,14 @@ FrameWays::Way FrameWays::to(int source) const {
 FrameWays::Way FrameWays::climb(int frame, std::size_t nb_steps) const {
   Way way;
   if (nb_steps > DEEPEST_TREE) return way;
-  const auto at = static_cast<std::size_t>(frame);
-  if (!note(frame, way)) return ways_[static_cast<std::size_t>(numbers_[at])];
+  const auto [at, is_new] = note(frame, way);
+  if (!is_new) return noted_[at].way;
   StampNs stamp;
   int parent;
   if (!step(frame, stamp, parent)) return way;
   way = climb(parent, nb_steps + 1);  // what hangs on itself meets its own, which is not known
-  way.pass(stamp);
-  return ways_[static_cast<std::size_t>(numbers_[at])] = way;
+  pass(frame, stamp, way);
+  return noted_[at].way = way;
 }
 
 int FrameWays::lastAncestor(int frame) const {

@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "collision_pairs/input_error.h"
@@ -106,7 +107,7 @@ class FrameWays {
     bool is_known = false;
     /// Stamps of the transforms on the way but static ones, also of one that leads nowhere.
     StampNs oldest = NEVER, newest = EVER_SINCE;
-    void pass(StampNs stamp);
+    bool is_settled = true;  ///< all of its static frames are
     void join(const Way& other);
   };
   Way to(int source) const;
@@ -124,19 +125,28 @@ class FrameWays {
  private:
   /// False: it is not known.
   bool step(int frame, StampNs& stamp, int& parent) const;
+  void pass(int frame, StampNs stamp, Way& way) const;
   /// The last ancestor that can be reached; -1: they form a cycle.
   int lastAncestor(int frame) const;
   /// Up to a frame that has been asked about, but no further than tf2 walks.
   Way climb(int frame, std::size_t nb_steps) const;
-  /// False: it was noted before.
-  bool note(int frame, const Way& way) const;
+  /// As emplace() of a map: its index in noted_, and whether it is new.
+  std::pair<std::size_t, bool> note(int frame, const Way& way) const;
+  /// Its slot, or the one where it would be.
+  std::size_t slotOf(int frame) const;
+  void makeRoom(std::size_t nb_slots) const;
 
   const TransformBuffer& buffer_;
   const int target_;
   const Instant instant_;
-  bool is_in_cycle_ = false;          ///< the target
-  mutable std::vector<int> numbers_;  ///< by frame, in ways_; -1: nobody has asked about it
-  mutable std::vector<Way> ways_;
+  bool is_in_cycle_ = false;  ///< the target
+  // Of the frames that were asked about, not of all: a look-up costs the same among any number.
+  struct Noted {
+    int frame;
+    Way way;
+  };
+  mutable std::vector<Noted> noted_;
+  mutable std::vector<int> slots_;  ///< a hash table of indices of noted_; -1: empty
 };
 
 struct FoundPose {

@@ -266,6 +266,12 @@ bool TransformGate::isKnown(int number, StampNs stamp) const {
   return !frame.doubts[BOTH_KINDS].at(stamp) && !frame.doubts[STATIC_POSE].at(stamp);
 }
 
+bool TransformGate::isSettled(int number) const {
+  const Frame& frame = frames_[number];
+  return frame.kinds.size() == 1 && !frame.has_moved_parent &&
+         frame.doubts[BOTH_KINDS].size() == 0 && frame.doubts[STATIC_POSE].size() == 0;
+}
+
 std::string TransformGate::whyUnknown(int number, StampNs stamp) const {
   if (number >= static_cast<int>(frames_.size()) || frames_[number].kinds.empty()) {
     return "TF does not say where it is";

@@ -117,6 +117,8 @@ class TransformGate {
   StampNs newestAt(int frame, StampNs now) const;
   /// Whether its pose in its parent is known at that stamp.
   bool isKnown(int frame, StampNs stamp) const;
+  /// Whether a frame that is static has been so for all stamps, with one parent and without doubt.
+  bool isSettled(int frame) const;
   /// Why isKnown() is false, in words.
   std::string whyUnknown(int frame, StampNs stamp) const;
   /// Its parent at that stamp; -1: to be asked of tf2, because it has had several.
