@@ -7,6 +7,9 @@ type trajectory_msgs/JointTrajectory. Its scale moves the speed slider. ur_robot
 
 Usage: relay_speed_scale.py [_controller:=/scaled_pos_joint_traj_controller] [_limiter:=/collision_pairs_node]
 """
+import signal
+import threading
+
 import rospy
 from control_msgs.msg import JointTrajectoryControllerState
 from std_msgs.msg import Float64
@@ -17,7 +20,7 @@ from ur_msgs.srv import SetSpeedSliderFraction
 LEAST, TIMEOUT, RATE = 0.01, 0.2, 100  # fraction, s, Hz
 DRIVER = "/ur_hardware_interface/"
 
-rospy.init_node("relay_speed_scale")
+rospy.init_node("relay_speed_scale", disable_signals=True)
 slider = rospy.ServiceProxy(DRIVER + "set_speed_slider", SetSpeedSliderFraction)
 pause, play = (rospy.ServiceProxy(DRIVER + "dashboard/" + name, Trigger) for name in ("pause", "play"))
 newest = {"scale": 0.0, "at": 0.0}
@@ -27,9 +30,13 @@ rospy.Subscriber(rospy.get_param("~controller", "/scaled_pos_joint_traj_controll
                      JointTrajectoryPoint(velocities=state.desired.velocities)])), queue_size=1, tcp_nodelay=True)
 rospy.Subscriber(rospy.get_param("~limiter", "/collision_pairs_node") + "/speed_scale", Float64,
                  lambda scale: newest.update(scale=scale.data, at=rospy.get_time()), queue_size=1, tcp_nodelay=True)
-rospy.on_shutdown(pause)
+# Whatever asks it to end is only noted, so that nothing plays the program again after the last pause.
+asked, paused = threading.Event(), threading.Event()
+for number in (signal.SIGINT, signal.SIGTERM):
+    signal.signal(number, lambda *_: asked.set())
+rospy.on_shutdown(lambda: asked.set() or paused.wait(2.0))  # while services can still be called
 is_paused, rate = False, rospy.Rate(RATE)
-while not rospy.is_shutdown():
+while not asked.is_set():
     scale = newest["scale"] if rospy.get_time() - newest["at"] < TIMEOUT else 0.0
     try:
         done = slider(max(scale, LEAST)).success
@@ -41,3 +48,5 @@ while not rospy.is_shutdown():
         rate.sleep()
     except (rospy.ServiceException, rospy.ROSInterruptException) as error:
         rospy.logerr_throttle(1.0, str(error))
+pause()
+paused.set()

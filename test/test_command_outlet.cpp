@@ -116,6 +116,21 @@ TEST_F(Outlet, SendsZerosOnceAfterSilenceInWhicheverTimeIsOverFirst) {
 }
 
 // A simulated clock may be late: the command before is in effect for as much longer.
+TEST_F(Outlet, SendsZerosBeforeItEndsUnlessItHas) {
+  for (const bool has_sent : {false, true}) {
+    sent_.clear();
+    begin(has_sent ? 0.2 : 1000.0);
+    outlet_->pass(decisionOf(0.5), INF, time(), send());
+    if (has_sent) {
+      now_ = now_ + 0.3;
+      ASSERT_TRUE(waitFor(2));
+    }
+    outlet_.reset();
+    ASSERT_EQ(sent().size(), 2u) << has_sent;
+    EXPECT_EQ(sent()[1].command, std::vector<double>{0.0});
+  }
+}
+
 TEST_F(Outlet, ToTheLawACommandWasPublishedWhenItMayHaveBeen) {
   begin(9.0);
   ahead_ = 0.1;

@@ -12,6 +12,7 @@ sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 
 import roslib.packages
 import rosbag
+import rosnode
 import rospy
 import rostest
 import yaml
@@ -99,12 +100,16 @@ class DriveSteps(unittest.TestCase):
                 self.assertLessEqual(found["deceleration"][name], ACCELERATION)
 
     def test_interrupted_or_ended_it_sends_zeros(self):
-        for number in (signal.SIGINT, signal.SIGTERM):
-            program = self.drive()
+        for number in 5 * (signal.SIGINT, signal.SIGTERM):
+            program = self.drive("_rate:=10000")  # so that most signals come while it publishes
             self.wait_until_it_moves(program)
             program.process.send_signal(number)
             self.assert_ends_with_zeros(program, 1)
             self.assertIn("interrupted", program.said())
+        program = self.drive()
+        self.wait_until_it_moves(program)
+        rosnode.kill_nodes(["/drive_steps"])
+        self.assert_ends_with_zeros(program, 1)
 
     def test_without_positions_it_sends_zeros(self):
         program = self.drive()

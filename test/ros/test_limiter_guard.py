@@ -11,6 +11,7 @@ import unittest
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 
 import roslib.packages
+import rosnode
 import rospy
 import rostest
 from std_msgs.msg import Float64MultiArray
@@ -18,7 +19,7 @@ from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 from collision_pairs.msg import SpeedLimit
 from joint_simulator import JointSimulator
-from node_client import diagnosis_of
+from node_client import PATIENCE, diagnosis_of
 from program import NODE, Program, wait_until
 
 GUARD = roslib.packages.find_node("collision_pairs", "limited_command_guard")[0]
@@ -146,6 +147,19 @@ class LimiterGuardTest(unittest.TestCase):
                                      "~command:=/killed/command"))
         wait_until(lambda: len(passed.messages) > nb_passed or passed.messages[-1].data == (0.0,), "zeros at the start")
         self.assertEqual(list(passed.messages[-1].data), [0.0])
+
+    def test_a_guard_that_is_asked_to_end_sends_zeros_first(self):
+        _, guard, _, passed = self.start("asked", self.array())
+        ends = [lambda number=number: guard.process.send_signal(number) for number in (signal.SIGINT, signal.SIGTERM)]
+        for end in ends + [lambda: rosnode.kill_nodes(["/asked_guard"])]:
+            wait_until(passed.moves, "a command through limiter and guard")
+            end()
+            self.assertEqual(guard.process.wait(PATIENCE), 0)
+            wait_until(lambda: not passed.moves(), "zeros")
+            time.sleep(0.2)
+            self.assertFalse(passed.moves())
+            guard = Program(GUARD, "__name:=asked_guard", "~limited_command:=/asked/limited_command", "~command:=/asked/command")
+            self.programs.append(guard)
 
     def test_a_trajectory_controller_is_stopped_at_once_and_where_the_robot_is(self):
         limiter, _, _, passed = self.start("trajectory", self.trajectory())

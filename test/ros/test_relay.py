@@ -74,8 +74,13 @@ class RelayTest(unittest.TestCase):
             write_modules(modules)
             sys.path.insert(0, modules)
             self.robot = robot = Robot()
-            relay = subprocess.Popen([sys.executable, RELAY],
-                                     env=dict(os.environ, PYTHONPATH=modules + ":" + os.environ["PYTHONPATH"]))
+            relays = []
+
+            def start():
+                relays.append(subprocess.Popen([sys.executable, RELAY],
+                                               env=dict(os.environ, PYTHONPATH=modules + ":" + os.environ["PYTHONPATH"])))
+
+            start()
             try:
                 self.until(lambda: robot.is_paused)  # nobody limits it yet
                 robot.velocity = 0.4
@@ -90,15 +95,23 @@ class RelayTest(unittest.TestCase):
                 self.until(lambda: robot.is_paused)
                 robot.is_silent = False
                 self.until(lambda: not robot.is_paused)
+                for end in (signal.SIGINT, signal.SIGTERM, "rosnode kill"):
+                    robot.velocity = 0.4 if robot.position() < 2.0 else -0.4
+                    self.until(lambda: not robot.is_paused)
+                    if end == "rosnode kill":
+                        rosnode.kill_nodes(["/relay_speed_scale"])
+                    else:
+                        relays[-1].send_signal(end)
+                    relays[-1].wait(PATIENCE)
+                    self.assertTrue(robot.is_paused, end)
+                    start()
+                self.until(lambda: not robot.is_paused)
                 rosnode.kill_nodes(["/collision_pairs_node"])
                 self.until(lambda: robot.is_paused)
-                rospy.sleep(0.5)  # until the relay has the answer
-                robot.is_paused = False
-                relay.send_signal(signal.SIGINT)
-                self.until(lambda: robot.is_paused)
             finally:
-                relay.kill()
-                relay.wait()
+                for relay in relays:
+                    relay.kill()
+                    relay.wait()
 
 
 if __name__ == "__main__":

@@ -111,6 +111,7 @@ void CommandOutlet::watch() {
     publish(zeros(std::move(reason)), now);
     is_watched_ = false;
   }
+  if (is_watched_) publish(zeros("the limiter ends"), settings_.now());
 }
 
 LimiterDecision CommandOutlet::zeros(std::string reason) const {

@@ -15,10 +15,10 @@ namespace collision_pairs {
 
 /// Publishes decisions, and zeros once no command was published for a while: these come from a
 /// watchdog on a thread of its own that does nothing else, so they come in time whatever a decision
-/// does meanwhile. What is published and what is recorded is the same by construction: both happen
-/// here, under one lock, in one order. A decision that is late, or that does not know of all that
-/// was published, is not published; nor is one for a robot that does not do what was published.
-/// Thread safe.
+/// does meanwhile, and before it ends. What is published and what is recorded is the same by
+/// construction: both happen here, under one lock, in one order. A decision that is late, or that
+/// does not know of all that was published, is not published; nor is one for a robot that does not
+/// do what was published. Thread safe.
 class CommandOutlet {
  public:
   struct Time {

@@ -1,11 +1,14 @@
 // A process beside the controller that stops the robot when the limiter does not.
 //
 // Passes ~limited_command on to ~command, and sends zeros itself when none comes for
-// command_timeout, in wall time or in simulated time, whichever is over first. It does nothing
-// else, so a machine that is loaded, and a limiter that hangs or has died, do not keep it from
-// that. Its settings are those of the limiter: the parameter ~velocity_limiter.
+// command_timeout, in wall time or in simulated time, whichever is over first, and before it ends
+// when it is asked to. It does nothing else, so a machine that is loaded, and a limiter that hangs
+// or has died, do not keep it from that. Its settings are those of the limiter: the parameter
+// ~velocity_limiter.
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <csignal>
 #include <optional>
 #include <string>
 #include <type_traits>
@@ -13,6 +16,7 @@
 
 #include <ros/callback_queue.h>
 #include <ros/ros.h>
+#include <ros/xmlrpc_manager.h>
 #include <std_msgs/Float64MultiArray.h>
 
 #include "collision_pairs/input_error.h"
@@ -27,6 +31,25 @@ namespace {
 constexpr int PRIORITY = 43;              // above the limiter's, below that of interrupts
 constexpr double LONGEST_WAIT = 0.1;      // s, so that it ends soon
 constexpr double SIMULATED_WAIT = 0.001;  // s: a simulated clock may be faster
+constexpr double TO_BE_SENT = 0.1;        // s, the last zeros: roscpp sends on a thread of its own
+
+std::atomic<bool> is_asked_to_end{false};
+
+void endOnSignal(int) { is_asked_to_end = true; }
+
+void endOnRequest(XmlRpc::XmlRpcValue&, XmlRpc::XmlRpcValue& result) {
+  is_asked_to_end = true;
+  result = ros::xmlrpc::responseInt(1, "", 0);
+}
+
+/// By Ctrl-C, roslaunch or `rosnode kill`. roscpp itself would close the publisher at once, before
+/// zeros could be sent. The node has been started, and roscpp has no handler of SIGINT.
+void noteWhenAskedToEnd() {
+  for (const int number : {SIGINT, SIGTERM}) std::signal(number, endOnSignal);
+  const ros::XMLRPCManagerPtr& requests = ros::XMLRPCManager::instance();
+  requests->unbind("shutdown");
+  requests->bind("shutdown", endOnRequest);
+}
 
 template <class Command>
 class Guard {
@@ -51,17 +74,18 @@ class Guard {
   }
 
   void run() {
-    while (ros::ok()) {
+    while (ros::ok() && !is_asked_to_end) {
       double wait = LONGEST_WAIT;
       if (last_) {
         wait = std::clamp(parameters_.law.command_timeout - silentFor(), 0.0, wait);
         if (ros::Time::isSimTime()) wait = std::min(wait, SIMULATED_WAIT);
       }
       ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(wait));
-      if (!last_ || silentFor() < parameters_.law.command_timeout) continue;
-      publisher_.publish(zerosAs(*last_));
-      last_.reset();
+      if (last_ && silentFor() >= parameters_.law.command_timeout) stop();
     }
+    if (!last_) return;
+    stop();
+    ros::WallDuration(TO_BE_SENT).sleep();
   }
 
  private:
@@ -70,6 +94,10 @@ class Guard {
     last_ = command;
     came_ = ros::SteadyTime::now();
     came_at_ = ros::Time::now();
+  }
+  void stop() {
+    publisher_.publish(zerosAs(*last_));
+    last_.reset();
   }
   void take(const sensor_msgs::JointState& message) {
     positions_.take(message, ros::Time::now().toSec(), parameters_.law.max_joint_state_age);
@@ -120,6 +148,7 @@ class Guard {
 
 int run() {
   const ros::NodeHandle node, private_node("~");
+  noteWhenAskedToEnd();
   const std::string name = "velocity_limiter";
   const auto parameters = LimiterParameters::read(yamlParameters(private_node, {name})[name]);
   if (!parameters) {
@@ -139,7 +168,7 @@ int run() {
 int main(int argc, char** argv) {
   // Before roscpp starts its threads, which inherit it: they receive and send.
   const std::string no_real_time = collision_pairs::askForRealTime(collision_pairs::PRIORITY);
-  ros::init(argc, argv, "limited_command_guard");
+  ros::init(argc, argv, "limited_command_guard", ros::init_options::NoSigintHandler);
   const ros::NodeHandle keeps_log;
   if (!no_real_time.empty()) ROS_WARN_STREAM("limited_command_guard: " << no_real_time);
   try {
