@@ -49,6 +49,11 @@ int Names::find(const std::string& name) const {
   return found == numbers_.end() ? -1 : found->second;
 }
 
+TransformGate::TransformGate(const PoseLimits& limits)
+    : limits_(limits),
+      too_far_apart_("no two of its transforms around that stamp are within " +
+                     inWords(inSeconds(limits_.max_gap)) + " of each other") {}
+
 TransformGate::Answer TransformGate::admit(int number, const FramePose& pose, bool is_static,
                                            const std::string& publisher, StampNs stamp,
                                            StampNs now) {
@@ -290,8 +295,7 @@ std::string TransformGate::whyUnknown(int number, StampNs stamp) const {
     return "its newest transform is " + inWords(inSeconds(stamp - frame.newest)) +
            " older than that stamp (no extrapolation)";
   }
-  return "no two of its transforms around that stamp are within " +
-         inWords(inSeconds(limits_.max_gap)) + " of each other";
+  return too_far_apart_;
 }
 
 int TransformGate::parentAt(int number, StampNs stamp) const {

@@ -71,7 +71,7 @@ class Names {
 /// spans in doubt. Cost of a sample in order: O(publishers of the frame * log samples).
 class TransformGate {
  public:
-  explicit TransformGate(const PoseLimits& limits) : limits_(limits) {}
+  explicit TransformGate(const PoseLimits& limits);
 
   /// What the buffer is to do with an admitted transform.
   enum class Store {
@@ -135,6 +135,7 @@ class TransformGate {
   using Samples = std::deque<Sample>;  // by stamp, each once
   using Place = Samples::const_iterator;
   static Place placeOf(const Samples& samples, StampNs stamp) {
+    if (samples.empty() || samples.back().stamp < stamp) return samples.end();  // most often
     return std::lower_bound(samples.begin(), samples.end(), stamp,
                             [](const Sample& sample, StampNs t) { return sample.stamp < t; });
   }
@@ -192,6 +193,7 @@ class TransformGate {
   static const char *const TOO_MANY_NODES, *const IS_ON_BOTH, *const SENT_ONCE;
 
   const StampLimits limits_;
+  std::string too_far_apart_;
   Names names_, publishers_;
   std::vector<Frame> frames_;
   StampNs newest_ = EVER_SINCE;  ///< of all that move

@@ -96,18 +96,18 @@ TransformGate::Source* TransformGate::sourceOf(Frame& frame, int publisher) cons
 void TransformGate::noteSample(Frame& frame, const Samples& samples, Place added) {
   const StampNs stamp = added->stamp;
   DoubtfulSpans& gaps = frame.doubts[GAP];
-  const std::string words = "no two of its transforms around that stamp are within " +
-                            inWords(inSeconds(limits_.max_gap)) + " of each other";
   if (frame.newest == EVER_SINCE) {
     frame.oldest = frame.newest = stamp;
   } else if (stamp > frame.newest) {
     const bool is_bridged = added != samples.begin() && isBridge(frame, *std::prev(added), *added);
     const StampNs from = is_bridged ? std::max(frame.newest, std::prev(added)->stamp) : stamp;
-    const std::string* doubt = doubtAt(frame, frame.newest);
-    gaps.add({frame.newest, from}, doubt ? *doubt : words);
+    if (from > frame.newest) {
+      const std::string* doubt = doubtAt(frame, frame.newest);
+      gaps.add({frame.newest, from}, doubt ? *doubt : too_far_apart_);
+    }
     frame.newest = stamp;
   } else if (stamp < frame.oldest) {
-    gaps.add({stamp - 1, frame.oldest}, words);
+    gaps.add({stamp - 1, frame.oldest}, too_far_apart_);
     frame.oldest = stamp;
   }
   gaps.remove(stamp, stamp);
