@@ -163,6 +163,15 @@ class LogTest(unittest.TestCase):
         node.wait_for("parameter /nobody/nowhere: ")
         self.assertEqual(node.said().count(words), 1)
 
+    def test_a_warning_beside_an_error_is_said_once_too(self):
+        words = "alarm_distanc is not a parameter of this node; did you mean 'alarm_distance'?"
+        node = self.start("beside", file_of("sliding_boxes.urdf"), alarm_distanc=0.1, ignored_links=["nobody"])
+        node.wait_for("ignored_links names 'nobody'")
+        rospy.sleep(2.5)  # it is tried each 2 s
+        rospy.set_param("/beside/node/ignored_links", ["a"])
+        node.wait_for("ready after")
+        self.assertEqual(node.said().count(words), 1)
+
     def test_a_link_that_cannot_be_read_is_said_once_a_robot(self):
         node = self.start("broken", file_of("broken_mesh.urdf"))
         words = "link 'broken' is left out: "

@@ -62,12 +62,16 @@ void SceneBuilder::publishScene() {
 void SceneBuilder::load() {
   const std::lock_guard<std::mutex> lock(building_);
   const ros::WallTime start = ros::WallTime::now();
-  told_.clear();
+  if (std::exchange(is_loaded_, false)) told_.clear();
   const PoseLimits limits =
       monitor_.with([](const Monitor& monitor) { return monitor.transforms().limits(); });
-  SceneParameters parameters = readSceneParameters(node_, private_node_, limits);
+  SceneParameters parameters =
+      readSceneParameters(node_, private_node_, limits, [this](const std::string& line) {
+        if (told_.insert(line).second) ROS_WARN_STREAM(line);
+      });
   const ActiveScenePtr active =
       build([&](const SceneStore& scenes) { return scenes.load(std::move(parameters)); });
+  is_loaded_ = true;
   clouds_.follow();
   const CollisionScene& scene = *active->scene;
   ROS_INFO_STREAM("robot '" << scene.robot().name() << "': " << scene.models().size()

@@ -50,7 +50,8 @@ class SceneBuilder {
   LiveMonitor& monitor_;
   CloudThreads& clouds_;
   std::mutex building_;         // guards what follows, and held while a scene is built
-  std::set<std::string> told_;  // broken elements logged since the last load()
+  std::set<std::string> told_;  // what was logged since the load() before succeeded
+  bool is_loaded_ = false;
   ros::Publisher publisher_;
   std::uint64_t published_revision_ = 0;
 };

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <functional>
 
-#include <ros/console.h>
 #include <ros/names.h>
 #include <ros/param.h>
 
@@ -18,7 +17,6 @@ namespace {
 const std::string ENVIRONMENT = "environment_description";
 
 using Descriptions = std::map<std::string, std::size_t>;
-using Sentences = std::vector<std::string>;
 
 /// Writes the resolved name of the parameter to `key`, and notes the hash of what it finds; false
 /// if it does not exist. An empty value counts as missing: a launch file cannot set a parameter
@@ -42,17 +40,18 @@ TextFrom textOf(const std::string& key, const std::string& text) {
 }
 
 void loadSrdf(const ros::NodeHandle& node, const std::string& name, Descriptions& found,
-              const Warn& warn, SceneSources::Robot& robot) {
+              const Warn& warn, const Warn& log, SceneSources::Robot& robot) {
   std::string key, xml;
   if (name.empty() || !findText(node, name, key, xml, found)) return;
   robot.readSrdf(textOf(key, xml), warn);
   for (const std::string& link : robot.srdf->unknownLinks(linkNames(*robot.source->skeleton()))) {
-    ROS_WARN_STREAM("parameter " << key << ": '" << link << "' is not a link of the robot");
+    log("parameter " + key + ": '" + link + "' is not a link of the robot");
   }
 }
 
 SceneSources::Robot loadRobot(const ros::NodeHandle& node, const RobotParameters& parameters,
-                              const MeshLoader& load_mesh, Descriptions& found, const Warn& warn) {
+                              const MeshLoader& load_mesh, Descriptions& found, const Warn& warn,
+                              const Warn& log) {
   std::string key, xml;
   if (!findText(node, parameters.description, key, xml, found)) {
     throw InputError("there is no parameter " + parameters.description +
@@ -61,19 +60,19 @@ SceneSources::Robot loadRobot(const ros::NodeHandle& node, const RobotParameters
   }
   SceneSources::Robot robot;
   robot.source = robotSource(textOf(key, xml), load_mesh, warn);
-  loadSrdf(node, parameters.semantic, found, warn, robot);
+  loadSrdf(node, parameters.semantic, found, warn, log, robot);
   robot.prefix = parameters.prefix;
   return robot;
 }
 
-/// Refuses a misspelt rule about pairs, which would otherwise silently not apply. Returns a warning
-/// of each other parameter that is none.
-std::vector<std::string> refuseMisspelt(const ros::NodeHandle& node,
-                                        const std::vector<RobotParameters>& robots) {
+/// Refuses a misspelt rule about pairs, which would otherwise silently not apply. Warns of each
+/// other parameter that is none.
+void refuseMisspelt(const ros::NodeHandle& node, const std::vector<RobotParameters>& robots,
+                    const Warn& warn) {
   XmlRpc::XmlRpcValue given;
   ros::param::get(node.getNamespace(), given);
-  if (given.getType() != XmlRpc::XmlRpcValue::TypeStruct) return {};
-  std::vector<std::string> warnings, known = nodeParameterKeys();
+  if (given.getType() != XmlRpc::XmlRpcValue::TypeStruct) return;
+  std::vector<std::string> known = nodeParameterKeys();
   known.push_back(ENVIRONMENT);
   for (const RobotParameters& robot : robots) {
     known.push_back(robot.description);
@@ -89,31 +88,29 @@ std::vector<std::string> refuseMisspelt(const ros::NodeHandle& node,
     const bool may_leave_out = nearest == "robots" || nearest == ENVIRONMENT ||
                                std::count(of_scene.begin(), of_scene.end(), nearest) > 0;
     if (may_leave_out) throw InputError(what);
-    ROS_WARN_STREAM(what);
-    warnings.push_back(what);
+    warn(what);
   }
-  return warnings;
 }
 
 }  // namespace
 
 SceneParameters readSceneParameters(const ros::NodeHandle& node,
-                                    const ros::NodeHandle& private_node, const PoseLimits& limits) {
+                                    const ros::NodeHandle& private_node, const PoseLimits& limits,
+                                    const Warn& log) {
   SceneParameters all;
   const Warn warn = [&](const std::string& what) {  // also in the diagnostics
     all.warnings.push_back(what);
-    ROS_WARN_STREAM(what);
+    log(what);
   };
   all.fixed_frame = readFixedFrame(private_node);
   SceneSources& sources = all.sources;
-  const MeshLoader load_mesh =
-      makeMeshLoader([](const std::string& warning) { ROS_WARN_STREAM(warning); });
+  const MeshLoader load_mesh = makeMeshLoader(log);
   const std::vector<RobotParameters> robots = readRobots(private_node);
   for (const RobotParameters& robot : robots) {
-    sources.robots.push_back(loadRobot(private_node, robot, load_mesh, all.descriptions, warn));
+    sources.robots.push_back(
+        loadRobot(private_node, robot, load_mesh, all.descriptions, warn, log));
   }
-  const Sentences misspelt = refuseMisspelt(private_node, robots);
-  all.warnings.insert(all.warnings.end(), misspelt.begin(), misspelt.end());
+  refuseMisspelt(private_node, robots, warn);
   std::string key, xml;
   if (findText(private_node, ENVIRONMENT, key, xml, all.descriptions)) {
     sources.world = robotSource(textOf(key, xml), load_mesh, warn);

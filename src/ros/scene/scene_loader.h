@@ -14,11 +14,12 @@ namespace collision_pairs {
 
 /// Reads ~fixed_frame, ~robots, or else robot_description and robot_description_semantic (both
 /// searched for from the node's private namespace upwards), environment_description (searched for,
-/// too) and what sceneConfigKeys() lists. Unknown links of an SRDF and ineffective content of a
-/// URDF are logged. Topics of clouds are names relative to `node`; `limits` are those in use.
-/// Throws InputError that names the parameter.
+/// too) and what sceneConfigKeys() lists. `log` is told of unknown links of an SRDF, ineffective
+/// content of a URDF and misspelt parameters. Topics of clouds are names relative to `node`;
+/// `limits` are those in use. Throws InputError that names the parameter.
 SceneParameters readSceneParameters(const ros::NodeHandle& node,
-                                    const ros::NodeHandle& private_node, const PoseLimits& limits);
+                                    const ros::NodeHandle& private_node, const PoseLimits& limits,
+                                    const Warn& log);
 
 /// The descriptions of SceneParameters that are not what they were when they were read: their
 /// names, resolved. Asks the parameter server for all of them. One that was deleted is not among
