@@ -187,6 +187,7 @@ LimiterSettings LimiterScene::settings() const {
   settings.reaction_time = options_.reaction_time;
   settings.command_timeout = options_.command_timeout;
   settings.obstacle_speed = options_.obstacle_speed;
+  settings.tracking_tolerance = options_.tracking_tolerance;
   return settings;
 }
 

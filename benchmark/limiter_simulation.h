@@ -54,6 +54,7 @@ struct SimulationOptions {
   // The robot. By default one without mass, which has the deceleration or more.
   std::function<std::unique_ptr<SimulatedRobot>(std::vector<double> positions)> robot;
   std::vector<double> decelerations;  ///< told by joint; empty: the one number for all
+  double tracking_tolerance = 0.01;   ///< told; rad or m
   std::optional<Between> dead_time;   ///< s, of each command; default: up to the reaction time
   Between state_rate{50.0, 250.0};    ///< Hz, of a run
   Between state_late{0.0, 0.01};      ///< s, of each joint state

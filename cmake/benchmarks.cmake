@@ -66,27 +66,6 @@ list(TRANSFORM limiter_simulation REPLACE "(.+)" "benchmark/\\1.cpp")
 collision_pairs_benchmark(limiter_benchmark LIBRARIES collision_pairs_io)
 target_sources(limiter_benchmark PRIVATE ${limiter_simulation})
 
-# The same with robots that have mass, in process and through ROS. Debian: libmujoco-dev.
-find_package(mujoco QUIET)
-if(mujoco_FOUND)
-  add_library(dynamic_robots STATIC test/dynamics/driven_steps.cpp test/dynamics/dynamic_robots.cpp
-    test/dynamics/mujoco_robot.cpp src/tools/measure_stopping/stopping_analysis.cpp src/tools/measure_stopping/stopping_steps.cpp
-    ${limiter_simulation})
-  target_include_directories(dynamic_robots PUBLIC ${CORE_MODULES} src/tools/measure_stopping . test)
-  target_include_directories(dynamic_robots SYSTEM PUBLIC ${catkin_INCLUDE_DIRS})
-  target_link_libraries(dynamic_robots PUBLIC collision_pairs_io mujoco::mujoco yaml-cpp ${catkin_LIBRARIES})
-  target_compile_definitions(dynamic_robots PRIVATE PROJECT_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
-  collision_pairs_warnings(dynamic_robots)
-  function(collision_pairs_dynamics name)
-    add_executable(${name} test/dynamics/${name}.cpp)
-    target_link_libraries(${name} PRIVATE dynamic_robots)
-    collision_pairs_warnings(${name})
-  endfunction()
-  collision_pairs_dynamics(limiter_dynamics)
-  collision_pairs_dynamics(dynamic_robot)
-  add_dependencies(dynamic_robot ${PROJECT_NAME}_generate_messages_cpp)
-endif()
-
 # What scripts/benchmark_python compares the Python module with.
 collision_pairs_benchmark(batch_benchmark LIBRARIES collision_pairs_io)
 

@@ -240,6 +240,23 @@ if(QHULLCPP_LIBRARY)
   collision_pairs_test_alone(qhullcpp_loaded -Wl,--no-as-needed ${QHULLCPP_LIBRARY} -Wl,--as-needed ${CMAKE_DL_LIBS})
 endif()
 
+# The velocity limiter on robots with mass, in process and through ROS. Debian: libmujoco-dev.
+find_package(mujoco QUIET)
+if(mujoco_FOUND)
+  add_library(dynamic_robots STATIC EXCLUDE_FROM_ALL test/dynamics/driven_steps.cpp test/dynamics/dynamic_robots.cpp
+    test/dynamics/mujoco_robot.cpp)
+  target_include_directories(dynamic_robots PUBLIC benchmark)
+  target_link_libraries(dynamic_robots PUBLIC test_parts collision_pairs_io mujoco::mujoco yaml-cpp ${catkin_LIBRARIES})
+  collision_pairs_warnings(dynamic_robots)
+  foreach(program limiter_dynamics dynamic_robot)
+    add_executable(${program} EXCLUDE_FROM_ALL test/dynamics/${program}.cpp)
+    target_link_libraries(${program} PRIVATE dynamic_robots)
+    collision_pairs_warnings(${program})
+    add_dependencies(${program} ${PROJECT_NAME}_generate_messages_cpp)
+    add_dependencies(tests ${program})
+  endforeach()
+endif()
+
 function(collision_pairs_pytest name)
   add_test(NAME ${name}
     COMMAND ${PYTHON_EXECUTABLE} -m pytest -q -p no:cacheprovider
@@ -274,6 +291,7 @@ collision_pairs_pytest(docs)
 collision_pairs_pytest(dependencies)
 collision_pairs_pytest(generate_srdf)
 collision_pairs_module_pytest(incomplete_robots)
+collision_pairs_pytest(limiter_dynamics)
 if(NOT COLLISION_PAIRS_SANITIZE)  # what it builds against the package is built without
 collision_pairs_pytest(install)
 endif()

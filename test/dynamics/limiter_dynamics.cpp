@@ -2,7 +2,9 @@
 //
 // usage: limiter_dynamics runs SECONDS [ROBOT [SERVO [LIMITER.yaml]]]
 //        limiter_dynamics steps BAG ROBOT SERVO
-//        limiter_dynamics broken NUMBER [ROBOT [SERVO]]
+//        limiter_dynamics broken NUMBER [ROBOT [SERVO [TOLERANCE]]]
+//
+// Broken robots are driven towards an object that is near, or, fast, to and fro in empty space.
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -26,6 +28,9 @@ constexpr double RUN = 20.0;  // s in one scene
 // Of broken robots: where they set out, as the limiter is told; m, s, m/s.
 constexpr int MOST_STATES = 2000;
 constexpr double NEAR = 0.03, RESTS = 0.3, BROKEN_RUN = 3.0, FASTEST = 0.5;
+// In empty space: speeds of joints, rad/s, and s until they are reversed.
+constexpr Between FREE_SPEED{0.5, 1.0};
+constexpr double REVERSED_AFTER = 0.6;
 
 std::vector<DynamicRobot> chosen(const std::string& name, const std::string& servo) {
   std::vector<DynamicRobot> found;
@@ -145,12 +150,14 @@ double largestOf(const std::vector<double>& v) {
 struct Noticed {
   double contact, fault, onset;  ///< s; infinite: none
   double nearest;                ///< m
+  double fastest;                ///< rad/s that were passed to a joint
   std::string words;
 };
 
-/// One robot of which this is wrong, and which is driven towards an object, if one can be near.
+/// One robot of which this is wrong, in empty space, or driven towards an object, if one can be
+/// near.
 std::optional<Noticed> broken(const DynamicRobot& robot, const SimulationOptions& told,
-                              const std::string& wrong, unsigned seed) {
+                              const std::string& wrong, bool is_near, unsigned seed) {
   RandomInputs random(seed);
   RobotFault fault;
   fault.exchanges_joints = wrong == "exchanged";
@@ -158,6 +165,8 @@ std::optional<Noticed> broken(const DynamicRobot& robot, const SimulationOptions
   SimulationOptions options = robot.options(false);
   options.reaction_time = told.reaction_time;
   options.decelerations = told.decelerations;
+  options.tracking_tolerance = told.tracking_tolerance;
+  if (!is_near) options.nb_things = 0;
   if (wrong == "late") options.dead_time = {0.15, 0.25};
   if (wrong == "slow") {
     for (double& x : options.decelerations) x *= 3.0;
@@ -166,6 +175,10 @@ std::optional<Noticed> broken(const DynamicRobot& robot, const SimulationOptions
   std::unique_ptr<CertifiedSurroundings> probe;
   LimiterScene* scene_of = nullptr;
   const double speed = random.uniform(0.1, FASTEST);
+  std::vector<double> to_and_fro;
+  for (std::size_t j = 0; j < robot.joints.size(); ++j) {
+    to_and_fro.push_back((random.integer(0, 1) ? 1.0 : -1.0) * FREE_SPEED.draw(random));
+  }
   options.robot = [&](std::vector<double> q) {
     return std::make_unique<MujocoRobot>(robot.bare, robot.servo, std::move(q), fault);
   };
@@ -175,6 +188,12 @@ std::optional<Noticed> broken(const DynamicRobot& robot, const SimulationOptions
   options.commands = [&](double now, const std::vector<double>& q) {
     std::vector<double> command(q.size(), 0.0);
     if (now < RESTS || wrong == "sags" || wrong == "pushed") return command;
+    if (!is_near) {
+      command = to_and_fro;
+      const bool is_back = std::fmod(now - RESTS, 2.0 * REVERSED_AFTER) > REVERSED_AFTER;
+      for (double& x : command) x *= is_back ? -1.0 : 1.0;
+      return command;
+    }
     command = scene_of->towardsNearest(q, false, *probe);
     const double most = std::max(largestOf(command) * speed, 1.0);
     for (double& x : command) x *= speed / most;
@@ -184,10 +203,11 @@ std::optional<Noticed> broken(const DynamicRobot& robot, const SimulationOptions
   scene_of = &scene;
   probe = std::make_unique<CertifiedSurroundings>(scene.seen(), scene.joints(), Fidelity::MESH);
   limiter = std::make_unique<NodeLimiter>(scene, random, true);
-  const std::vector<double> from = stateNear(scene, *probe, random);
+  const std::vector<double> from =
+      is_near ? stateNear(scene, *probe, random) : scene.freeState(random, 0.0135);
   if (from.empty()) return std::nullopt;
   constexpr double NEVER = std::numeric_limits<double>::infinity();
-  Noticed found{NEVER, NEVER, wrong == "sags" ? 0.0 : NEVER, 1.0, ""};
+  Noticed found{NEVER, NEVER, wrong == "sags" ? 0.0 : NEVER, 1.0, 0.0, ""};
   if (wrong == "pushed") {  // harder than the motor of the joint that leads nearest
     const std::vector<double> towards = scene.towardsNearest(from, false, *probe);
     const double largest = largestOf(towards);
@@ -195,53 +215,69 @@ std::optional<Noticed> broken(const DynamicRobot& robot, const SimulationOptions
       fault.push.push_back(std::abs(x) < largest ? 0.0 : 1.3 * x / largest);
     fault.push_from = found.onset = RESTS;
   }
-  double before = 0.0;
+  double before = 0.0, fastest = 0.0;
   const SimulationResult result = scene.run(
       [&](const LimiterView& view) {
         const Passed passed = (*limiter)(view);
         const double now = largestOf(passed.command);
-        const bool shows = wrong == "slow" ? now < before : now > 0.0;
+        // Of a robot that is slow to follow: where it is to brake, or has far to go.
+        const bool shows = wrong == "slow" && is_near ? now < before : now > 0.0;
         if (shows) found.onset = std::min(found.onset, view.now + passed.took);
         before = now;
+        fastest = std::max(fastest, now);
         return passed;
       },
       random, BROKEN_RUN, from);
   found.contact = result.first_contact;
   found.nearest = result.nearest;
+  found.fastest = fastest;
   found.fault = limiter->firstFault();
   found.words = limiter->fault();
   return found;
 }
 
-void broken(int number, const std::string& name, const std::string& servo) {
+void broken(int number, const DynamicRobot& robot, const SimulationOptions& told,
+            const std::string& wrong, bool is_near, unsigned seed) {
+  std::vector<double> took, fastest;
+  int nb_contacts = 0, nb_before = 0;
+  double nearest = 1.0;
+  for (int i = 0; i < number;) {
+    const auto found = broken(robot, told, wrong, is_near, seed++);
+    if (!found) continue;
+    if (i++ == 0) std::cerr << wrong << ": " << found->words << '\n';
+    if (std::isfinite(found->fault)) took.push_back(found->fault - found->onset);
+    fastest.push_back(found->fastest);
+    nb_contacts += std::isfinite(found->contact) ? 1 : 0;
+    nearest = std::min(nearest, found->nearest);
+    nb_before += found->contact < found->fault ? 1 : 0;
+  }
+  std::sort(took.begin(), took.end());
+  std::sort(fastest.begin(), fastest.end());
+  const auto nb_in_time =
+      std::count_if(took.begin(), took.end(), [](double x) { return x <= 0.2; });
+  std::cout << robot.robot.name << ',' << servoName(robot.servo) << ',' << wrong << ','
+            << (is_near ? "near" : "free") << ',' << number << ',' << took.size() << ','
+            << nb_in_time << ',' << nb_contacts << ',' << nb_before << ',' << nearest << ','
+            << fastest[fastest.size() / 2] << ',';
+  if (!took.empty()) std::cout << took[took.size() / 2];
+  std::cout << ',';
+  if (!took.empty()) std::cout << took.back();
+  std::cout << std::endl;
+}
+
+void broken(int number, const std::string& name, const std::string& servo, double tolerance) {
+  std::cout << "robot,servo,wrong,where,runs,noticed,in_time,contacts,contacts_before,nearest,"
+               "speed,median_s,longest_s\n";
   const unsigned seed = givenSeed();
-  std::cout
-      << "robot,servo,wrong,runs,noticed,contacts,contacts_before,nearest,median_s,longest_s\n";
   for (const DynamicRobot& robot : chosen(name, servo)) {
     SimulationOptions told;
     tell(measured(robot, seed), told);
-    for (const std::string wrong : {"nothing", "exchanged", "sags", "late", "pushed", "slow"}) {
-      std::vector<double> took;
-      int nb_contacts = 0, nb_before = 0;
-      double nearest = 1.0;
-      unsigned number_of_scene = seed;
-      for (int i = 0; i < number;) {
-        const auto found = broken(robot, told, wrong, number_of_scene++);
-        if (!found) continue;
-        if (i++ == 0) std::cerr << wrong << ": " << found->words << '\n';
-        if (std::isfinite(found->fault)) took.push_back(found->fault - found->onset);
-        nb_contacts += std::isfinite(found->contact) ? 1 : 0;
-        nearest = std::min(nearest, found->nearest);
-        nb_before += found->contact < found->fault ? 1 : 0;
+    if (tolerance > 0.0) told.tracking_tolerance = tolerance;
+    for (const bool is_near : {true, false}) {
+      for (const std::string wrong : {"nothing", "exchanged", "sags", "late", "pushed", "slow"}) {
+        const bool needs_object = wrong == "sags" || wrong == "pushed";
+        if (is_near || !needs_object) broken(number, robot, told, wrong, is_near, seed);
       }
-      std::sort(took.begin(), took.end());
-      std::cout << robot.robot.name << ',' << servoName(robot.servo) << ',' << wrong << ','
-                << number << ',' << took.size() << ',' << nb_contacts << ',' << nb_before << ','
-                << nearest << ',';
-      if (!took.empty()) std::cout << took[took.size() / 2];
-      std::cout << ',';
-      if (!took.empty()) std::cout << took.back();
-      std::cout << std::endl;
     }
   }
 }
@@ -258,11 +294,11 @@ int main(const std::vector<std::string>& arguments) {
       writeBag(robot.steps(random), arguments[1]);
     }
   } else if (what == "broken" && number >= 1.0) {
-    broken(static_cast<int>(number), argument(2), argument(3));
+    broken(static_cast<int>(number), argument(2), argument(3), std::atof(argument(4).c_str()));
   } else {
     std::cerr << "usage: limiter_dynamics runs SECONDS [ROBOT [SERVO [LIMITER.yaml]]]\n"
                  "       limiter_dynamics steps BAG ROBOT SERVO\n"
-                 "       limiter_dynamics broken NUMBER [ROBOT [SERVO]]\n";
+                 "       limiter_dynamics broken NUMBER [ROBOT [SERVO [TOLERANCE]]]\n";
     return 1;
   }
   return 0;

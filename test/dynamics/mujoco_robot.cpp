@@ -79,7 +79,7 @@ class Mjcf {
       if (robot_.bodies()[i].parent < 0) bodies += body(static_cast<int>(i));
     }
     return "<mujoco><compiler angle='radian'/><option timestep='" + std::to_string(STEP) +
-           "' integrator='implicit'><flag contact='disable'/></option><default><geom contype='0' "
+           "' integrator='Euler'><flag contact='disable'/></option><default><geom contype='0' "
            "conaffinity='0'/></default><worldbody>" +
            bodies + "</worldbody></mujoco>";
   }

@@ -257,8 +257,9 @@ Twist MotionState::twist(std::uint32_t element, int frame) {
 // carries, and nothing else has changed: its radius is that of the place on the line. It then moves
 // a point p by at most
 //     deviation * |n.v| + deviation^2 / 2 * radius,   v = axis x (p - origin),
-// the second term being that of the arc. At the middle of the interval p is within the sphere, so
-// that |n.v| is at most |(n x axis).(center - origin)| + |n x axis| * radius of the sphere. Until
+// the second term being that of the arc. At the middle of the interval p is within the box along
+// the element's own axes: |n.v| is at most |(n x axis).(center - origin)| and what the box reaches
+// along n x axis, which of a long element is less than what its sphere does. Until
 // another fraction, v changes by no more than p moves relative to the body above the joint, and by
 // the angle by which the joints between that body and the frame turn, from the middle to the line
 // and from the line to their deviations, times the radius. Of a prismatic joint v is its axis,
@@ -280,6 +281,8 @@ double MotionState::deviationAlong(std::uint32_t element, int frame, const Vecto
     turned += bodies_[id].deviation;
   }
   const BoundingSphere& sphere = this->sphere(element);
+  const Matrix3d axes_EW = pose(element).linear().transpose();
+  const Vector3d& half = scene_.elements()[element].box_half;
   double moved = 0.0, sum = 0.0;
   for (int id = first; id >= 0; id = nextMoving(robot_.bodies()[id].parent)) {
     const BodyState& state = body(id);
@@ -296,7 +299,8 @@ double MotionState::deviationAlong(std::uint32_t element, int frame, const Vecto
     const double furthest = radius + moved;  // at any fraction
     moved += way * radius;
     const Vector3d across_W = n_W.cross(state.axis_W);
-    const double along = std::abs(across_W.dot(p_AxisCenter_W)) + across_W.norm() * sphere.radius;
+    const double along =
+        std::abs(across_W.dot(p_AxisCenter_W)) + (axes_EW * across_W).cwiseAbs().dot(half);
     sum += deviation *
            std::min(furthest, along + moved + (turning + turned + 0.5 * deviation) * furthest);
   }
