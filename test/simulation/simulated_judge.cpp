@@ -34,7 +34,7 @@ void SimulatedNode::report() {
   judgeCertain(snapshot);
   judgePairs(snapshot);
   judgeBefore(snapshot);
-  if (digest_ % 16 == 0) judgeMessage(snapshot);
+  if (digest_ % 64 == 0) judgeMessage(snapshot);
 }
 
 void SimulatedNode::judge(const Snapshot& snapshot) {

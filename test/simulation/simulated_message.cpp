@@ -85,6 +85,9 @@ void SimulatedNode::judgeMessage(const Snapshot& snapshot) {
   require(message.time_to_contact == closing.time_to_contact &&
               message.time_to_contact_is_known == closing.time_to_contact_is_known,
           "time_to_contact");
+  if (!report.unchecked.empty() && report.candidates.empty()) {
+    require(message.min_distance <= 0.0 && message.min_distance_is_bound, "distance of nothing");
+  }
   std::set<std::string> left_out(snapshot.scene->broken_links.begin(),
                                  snapshot.scene->broken_links.end());
   for (const std::uint32_t model : report.left_out) left_out.insert(scene.models()[model].name);

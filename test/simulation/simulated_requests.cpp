@@ -19,7 +19,7 @@ void SimulatedNode::request(const Event& event) {
       break;
     default:
       requestReplaced();
-      if (event.what > 3) requestWrong();  // takes long
+      if (event.what > 3 && event.number > 0.0) requestWrong();  // takes long
   }
 }
 
