@@ -20,6 +20,7 @@ struct SimulatedLink {
   bool is_static = false;   ///< published on /tf_static
   bool is_listed = false;   ///< … as static_joints allows
   bool is_relayed = false;  ///< a second node says the same of it
+  bool is_double = false;   ///< there is a second ball in the first
 };
 
 inline std::string linkName(int link) {
@@ -37,7 +38,8 @@ struct Scenario {
   double clock_begins = 0.0;  ///< s of wall time; before, ROS time is 0
   int cycle_through = 0;      ///< link on which the root is hung by who makes a cycle
   bool has_cloud = false;
-  int camera_on = -1;  ///< link; -1: the root
+  bool has_world = false;  ///< of a ball that is far away
+  int camera_on = -1;      ///< link; -1: the root
   Pose X_LC;
   /// Reports are in a frame of TF that is no link. Links without a parent hang in it, each the root
   /// of a robot of its own.
@@ -116,6 +118,7 @@ class Generator {
       link.is_static = integer(8) == 0;
       link.is_listed = integer(12) != 0;
       link.is_relayed = integer(6) == 0;
+      link.is_double = integer(3) == 0;
       made.links.push_back(link);
     }
     const double ages[] = {1.0, 1.0, 0.4, 0.0}, gaps[] = {1.0, 0.5};
@@ -126,6 +129,7 @@ class Generator {
     if (made.is_simulated && integer(6) == 0) made.clock_begins = 1.5 * real();
     made.cycle_through = integer(nb_links);
     made.has_cloud = integer(2) == 0;
+    made.has_world = integer(5) == 0;
     made.camera_on = integer(3) == 0 ? integer(nb_links) : -1;
     made.X_LC = {-3.0, 0.0, 0.0, 0.3};
     return made;
@@ -146,6 +150,8 @@ class Generator {
     }
     std::discrete_distribution<int> kinds(std::begin(weights), std::end(weights));
     const double spread = integer(3) == 0 ? 8.0 : 3.0;
+    const bool has_cycles = integer(8) == 0;
+    if (has_cycles) weights[Event::LIE] *= 8;
     std::vector<Event> events;
     std::vector<Pose> walks;   // of each link
     std::vector<char> stands;  // of each, whether it is on /tf_static
@@ -167,6 +173,7 @@ class Generator {
       event.who = integer(static_cast<int>(setup.links.size()));
       event.other = integer(static_cast<int>(setup.links.size()));
       event.what = integer(8);
+      if (event.kind == Event::LIE && has_cycles) event.what = 3;
       event.number = integer(3) == 0 ? 0.0 : 2.0 * real() - 1.0;
       event.at = anywhere(spread);
       char& is_static = stands[static_cast<std::size_t>(event.who)];

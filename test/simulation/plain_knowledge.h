@@ -186,10 +186,11 @@ class Knowledge {
     for (; link >= 0; link = of(link).parent) {
       const Told& told = this->told(link);
       const bool has_begun = told.is_settled && told.was_static && !told.is_static;
+      if (told.is_lied_about) continue;
       if (has_begun && told.run_begin < stamp && stamp < told.settled_since) return true;
       const bool is_new = told.samples.empty() || told.samples.rbegin()->first < stamp;
       const bool is_one = !told.is_settled && !told.is_static && told.is_run_static;
-      if (is_one && is_new && !told.is_lied_about && !told.is_static_again) return true;
+      if (is_one && is_new && !told.is_static_again) return true;
     }
     return false;
   }
@@ -226,12 +227,16 @@ class Knowledge {
     return root_lies_.empty() &&
            std::all_of(told_.begin(), told_.end(), [](const Told& told) { return told.is_plain; });
   }
+  /// Whether the root is placed by who says that it hangs on a link; round a cycle, it is not.
   bool isRootHung(Ns stamp) const {
+    if (isCycle(stamp)) return false;
     const auto after = root_lies_.lower_bound(stamp);
     if (after == root_lies_.end()) return false;
     return *after == stamp || (after != root_lies_.begin() &&
                                seconds(*after - *std::prev(after)) <= setup_.max_transform_age);
   }
+  /// Whether the root hangs on a link that hangs on the root, all of which was heard of lately.
+  bool isCycle(Ns stamp) const;
 
   /// Where the link is in the root's frame at that stamp; nothing if it may not be known.
   std::optional<Pose> poseOf(int link, Ns stamp) const {
@@ -286,104 +291,16 @@ class Knowledge {
     told.disturbed = std::max(told.disturbed, end);
   }
 
-  /// A frame is not used while it is heard of on both topics. It is of the kind that goes on alone
-  /// for max_pose_age, which is seen by what is heard then.
-  void hearOn(Told& told, bool is_static) {
-    const Ns last = std::max(told.moved, told.stood);
-    const Ns end = told.run_begin + static_cast<Ns>(1e9 * setup_.max_pose_age);
-    (is_static ? told.stood : told.moved) = ros_;
-    if (!told.is_heard) told.is_static = is_static;
-    told.is_heard = true;
-    if (told.is_settled && is_static == told.is_static) return;
-    if (told.is_settled || is_static != told.is_run_static) {
-      endure();
-      told.is_plain = told.is_settled = told.has_run = told.is_static_again = false;
-      told.is_run_static = is_static;
-      told.run_begin = ros_;
-    } else if (ros_ > last && ros_ < end) {
-      told.has_run = told.has_run || ros_ > told.run_begin;
-    } else if (setup_.max_pose_age > 0.0 && (!told.has_run || (ros_ == end && is_static))) {
-      told.run_begin = ros_;
-      told.has_run = false;
-    } else if (setup_.max_pose_age > 0.0 && ros_ > last) {
-      told.is_settled = true;
-      told.was_static = told.is_static;
-      told.is_static = is_static;
-      told.settled_since = ros_;
-    }
-  }
-
-  /// All but static poses.
-  void forget() {
-    for (Told& told : told_) {
-      Told fresh;
-      fresh.is_lied_about = fresh.is_static_lie = told.is_static_lie;
-      fresh.is_plain = !told.is_static_lie && told.statics.size() < 2 && told.is_settled;
-      fresh.is_heard = told.is_heard;
-      fresh.is_static = told.is_static;
-      fresh.is_settled = told.is_settled;
-      fresh.is_run_static = told.is_run_static;
-      fresh.is_static_again = told.is_static_again;
-      if (!told.is_settled) fresh.run_begin = ros_;
-      if (!told.is_settled && isOnBoth(told)) fresh.moved = fresh.stood = ros_;
-      fresh.statics = told.statics;
-      if (!told.static_poses.empty())
-        fresh.static_poses = {{EVER, told.static_poses.back().second}};
-      if (told.open_since) fresh.open_since = EVER;
-      told = fresh;
-    }
-    root_lies_.clear();
-    newest_ = EVER;
-    ++pass_;
-  }
-
+  void hearOn(Told& told, bool is_static);
+  void forget();
   static bool isSame(const Pose& a, const Pose& b) { return distanceOf(a, b) < 1e-4; }
   static bool wasSent(const Told& told, const Pose& X_PB) {
     return std::any_of(told.statics.begin(), told.statics.end(),
                        [&](const auto& sent) { return isSame(sent.second, X_PB); });
   }
-  /// The newest pose counts that was sent twice, or by one node alone.
-  void hearStatic(Told& told, const Pose& X_PB, const std::string& publisher) {
-    const auto isThis = [&](const Pose& pose) { return isSame(pose, X_PB); };
-    const bool is_again = wasSent(told, X_PB);
-    told.statics[publisher] = X_PB;
-    const bool counts = is_again || told.statics.size() == 1;
-    const bool is_first = told.static_poses.empty();
-    if (publisher != "honest") told.is_plain = false;
-    if (counts && told.open_since) told.disturbed = after(ros_, lasting());
-    if (counts) told.open_since.reset();
-    if (is_first) told.static_poses.emplace_back(EVER, X_PB);
-    if (is_first || isThis(told.static_poses.back().second)) return;
-    told.is_plain = false;
-    told.disturbed = std::max({told.disturbed, ros_, newest_});
-    if (counts) told.static_poses.emplace_back(ros_, X_PB);
-    if (!counts && !told.open_since) told.open_since = ros_;
-  }
-
-  /// Not at stamps shortly before it changed, nor while it is open what counts.
-  std::optional<Pose> standing(const Told& told, Ns stamp) const {
-    const auto isShortlyBefore = [&](Ns change) { return seconds(change - stamp) < lasting(); };
-    if (told.static_poses.empty()) return std::nullopt;
-    if (told.open_since && (*told.open_since == EVER || isShortlyBefore(*told.open_since))) {
-      return std::nullopt;
-    }
-    for (auto change = told.static_poses.rbegin(); change != told.static_poses.rend(); ++change) {
-      if (change->first <= stamp) return change->second;
-      if (isShortlyBefore(change->first)) return std::nullopt;
-    }
-    return std::nullopt;
-  }
-
-  std::optional<Pose> moving(const Told& told, Ns stamp) const {
-    const auto after = told.samples.lower_bound(stamp);
-    if (after == told.samples.end()) return std::nullopt;
-    if (after->first == stamp) return after->second;
-    if (after == told.samples.begin()) return std::nullopt;
-    const auto before = std::prev(after);
-    const double gap = seconds(after->first - before->first);
-    if (gap > setup_.max_transform_age) return std::nullopt;
-    return between(before->second, after->second, seconds(stamp - before->first) / gap);
-  }
+  void hearStatic(Told& told, const Pose& X_PB, const std::string& publisher);
+  std::optional<Pose> standing(const Told& told, Ns stamp) const;
+  std::optional<Pose> moving(const Told& told, Ns stamp) const;
 
   const Scenario& setup_;
   std::vector<Told> told_;

@@ -104,6 +104,10 @@ void SimulatedNode::beginCloud() {
     waiting_cloud_->since = steady_;
   }
   const bool is_refused = source.health().refused > nb_refused;
+  const std::string note = source.takeNote();
+  if (note.empty() == is_refused || (is_refused && note.rfind(CloudSource::REFUSED, 0) != 0)) {
+    fail("what is told of a refused cloud is '" + note + "'");
+  }
   if (!waiting_cloud_) {
     if (job || is_refused) fail("a cloud comes from nowhere");
     return;
@@ -168,7 +172,12 @@ void SimulatedNode::endCloud() {
   cloud_work_.reset();
   job->run();
   const bool is_used = job->isUsed();
-  monitor_.scenes().active()->clouds.front()->take(*job);
+  CloudSource& source = *monitor_.scenes().active()->clouds.front();
+  source.take(*job);
+  const bool is_told = source.takeNote().rfind(CloudSource::REFUSED, 0) == 0;
+  if (is_told == (is_used || cloud_work_generation_ != cloud_generation_)) {
+    fail(is_told ? "it is told that a sound cloud was refused" : "no one is told of a refusal");
+  }
   if (is_used == (sent_work_.what == EMPTY || sent_work_.what == NOT_FINITE)) {
     fail(is_used ? "a cloud without points is used" : "a cloud with points is not used");
   }
@@ -177,6 +186,8 @@ void SimulatedNode::endCloud() {
   may_cloud_be_refused_ = false;
   if (!is_used) return;
   const double measured = std::min(seconds(sent_work_.stamp), sent_work_.arrival);
+  noteUse(seconds(ros_) - measured);
+  sent_points_ = sent_work_.points.size();
   used_cloud_ = {measured, cloud_work_pass_, cloud_work_revision_};
   if (cloud_work_pass_ != knowledge_.pass()) return;
   if (sent_work_.stamp <= last_cloud_) fail("a cloud is used after a later one");
@@ -184,6 +195,33 @@ void SimulatedNode::endCloud() {
   // It may have been filtered by what was attached before.
   if (cloud_work_revision_ < complete_revision_) return;
   seen_ = Seen{measured, cloud_points_};
+}
+
+/// For diagnostics: the rate is a mean in which each interval weighs a tenth.
+void SimulatedNode::noteUse(double latency) {
+  const double rate = 1.0 / std::max(steady_ - last_use_, 1e-6);
+  if (nb_used_ == 1) rate_ = rate;
+  if (nb_used_ > 1) rate_ = 0.9 * rate_ + 0.1 * rate;
+  ++nb_used_;
+  last_use_ = steady_;
+  latency_ = latency;
+}
+
+void SimulatedNode::judgeHealth(const CloudHealth& health) {
+  if (health.used != static_cast<std::uint64_t>(nb_used_)) fail("another number of used clouds");
+  const double age = steady_ - last_use_;
+  const double rate = age > 3.0 ? 0.0 : rate_;
+  if (std::abs(age - 3.0) > 1e-6 && std::abs(health.rate - rate) > 1e-3 * (1.0 + rate)) {
+    fail("the rate of clouds is another");
+  }
+  if (nb_used_ == 0) return;
+  if (std::abs(health.latency - latency_) > ROUNDING) fail("the latency of clouds is another");
+  if (health.points != sent_points_) fail("the number of points is another");
+  if (health.kept > health.points || health.processing <= 0.0) {
+    fail("the numbers of points do not agree");
+  }
+  const CloudView view = monitor_.scenes().active()->clouds.front()->view();
+  if (view.voxels && view.voxels->size() != health.voxels) fail("other voxels are counted");
 }
 
 /// Empty: there is none, but that something may have come too near to be seen.
@@ -228,6 +266,9 @@ void SimulatedNode::judgeClouds(const Snapshot& snapshot) {
       nb_gone + static_cast<std::uint64_t>(nbCloudsHere() + nb_cleared_) != health.received) {
     fail("clouds are lost, or counted twice");
   }
+  judgeHealth(health);
+  const bool is_waiting = monitor_.scenes().active()->clouds.front()->isWaiting();
+  if (is_waiting != (next_cloud_ || waiting_cloud_)) fail("whether a cloud waits is not said");
 }
 
 }  // namespace simulation

@@ -34,10 +34,13 @@ std::string urdfOf(const Scenario& setup, int broken, int robot) {
     const char* const axes[] = {"", "<axis xyz='1 0 0'/><limit lower='-1e6' upper='1e6'/>",
                                 "<axis xyz='0 0 1'/>", ""};
     const std::string ball = "<sphere radius='" + std::to_string(link.radius) + "'/>";
+    const std::string inner = "<collision><geometry><sphere radius='" +
+                              std::to_string(0.5 * link.radius) + "'/></geometry></collision>";
     const std::string mesh =
         "<collision><geometry><mesh filename='package://none/a.stl'/></geometry></collision>";
     urdf += "<link name='" + linkName(i) + "'><collision><geometry>" + ball +
-            "</geometry></collision>" + (i == broken ? mesh : "") + "</link>";
+            "</geometry></collision>" + (link.is_double ? inner : "") + (i == broken ? mesh : "") +
+            "</link>";
     if (i == robot) continue;
     urdf += joint("j" + std::to_string(i), types[link.joint], linkName(link.parent), linkName(i),
                   "0 " + std::to_string(link.X_PJ.y) + " 0", axes[link.joint]);
@@ -85,6 +88,12 @@ SceneParameters SimulatedNode::parameters(const std::set<int>& ignored, int brok
     if (!setup_.isBase(i)) continue;
     auto robots = std::move(parametersOf(urdfOf(setup_, broken, i)).sources.robots);
     made.sources.robots.push_back(std::move(robots.front()));
+  }
+  if (setup_.has_world) {
+    const std::string ball = "<collision><origin xyz='500 0 500'/><geometry><sphere radius='1'/>";
+    made.sources.world = std::make_unique<RobotSource>(
+        "<robot name='world'><link name='far'>" + ball + "</geometry></collision></link></robot>",
+        noMeshes);
   }
   std::string settings = "ignored_links: [";
   for (const int link : ignored) settings += linkName(link);
@@ -134,6 +143,15 @@ Ns SimulatedNode::stampOf(double lag) const {
   return std::max<Ns>(0, ros_ - static_cast<Ns>(std::llround(1e9 * lag)));
 }
 
+void SimulatedNode::take(const tf2_msgs::TFMessage& tf, bool is_static,
+                         const std::string& publisher) {
+  const TransformInput& transforms = monitor_.transforms();
+  nb_refused_ = transforms.nbRefused();
+  const std::uint64_t nb_taken = transforms.nbTaken();
+  monitor_.take(tf, is_static, publisher);
+  if (transforms.nbTaken() != nb_taken + 1) fail("another number of transforms is counted");
+}
+
 void SimulatedNode::publish(const std::string& parent, const std::string& link, Ns stamp,
                             const Pose& X_PB, const std::string& publisher, bool is_static) {
   tf2_msgs::TFMessage tf = transformOf(parent, link, ros::Time(), 0.0);
@@ -143,7 +161,7 @@ void SimulatedNode::publish(const std::string& parent, const std::string& link, 
   tf.transforms[0].transform.translation.y = X_PB.y;
   tf.transforms[0].transform.translation.z = X_PB.z;
   tf.transforms[0].transform.rotation = pose.orientation;
-  monitor_.take(tf, is_static, publisher);
+  take(tf, is_static, publisher);
 }
 
 /// As /tf, or /tf_static, has it.
@@ -185,7 +203,6 @@ void SimulatedNode::publishBroken(const Event& event) {
   const char* const words[] = {"not finite", "not finite",   "its quaternion is of length",
                                "is zero",    "ahead of the", "ahead of the",
                                "own parent", "has no name"};
-  noteTransform(event.who, ros_ > 0 ? words[event.what] : "");
   transform.header.stamp.fromNSec(static_cast<std::uint64_t>(ros_));
   const double nan = std::numeric_limits<double>::quiet_NaN();
   switch (event.what) {
@@ -213,7 +230,8 @@ void SimulatedNode::publishBroken(const Event& event) {
     default:
       transform.header.frame_id = "";
   }
-  monitor_.take(tf, false, "honest");
+  take(tf, false, "honest");
+  noteTransform(event.who, ros_ > 0 ? words[event.what] : "");
 }
 
 void SimulatedNode::publishCamera(const Pose& X_LC) {
@@ -221,7 +239,7 @@ void SimulatedNode::publishCamera(const Pose& X_LC) {
       transformOf(linkName(setup_.camera_on), "camera", ros::Time(1.0), X_LC.x);
   tf.transforms[0].transform.translation.y = X_LC.y;
   tf.transforms[0].transform.rotation = message(X_LC).orientation;
-  monitor_.take(tf, true, "mount");
+  take(tf, true, "mount");
   X_LC_ = X_LC;
   is_camera_told_ = true;
 }

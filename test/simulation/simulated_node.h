@@ -1,12 +1,15 @@
 // A monitor to which events happen, beside an oracle that is told the same.
 #pragma once
 
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
 #include <set>
 #include <string>
 #include <vector>
+
+#include <collision_pairs/Scene.h>
 
 #include "monitored_robot.h"
 #include "plain_knowledge.h"
@@ -90,6 +93,7 @@ class SimulatedNode {
   void publish(const std::string& parent, const std::string& link, Ns stamp, const Pose& X_PB,
                const std::string& publisher, bool is_static);
   void publish(int link, const std::string& publisher);
+  void take(const tf2_msgs::TFMessage& tf, bool is_static, const std::string& publisher);
   void lie(const Event& event);
   void publishBroken(const Event& event);
   void publishCamera(const Pose& X_LC);
@@ -103,6 +107,8 @@ class SimulatedNode {
   std::string expectedCloudDoubt(bool is_refused) const;
   void judgeClouds(const Snapshot& snapshot);
   int nbCloudsHere() const;
+  void noteUse(double latency);
+  void judgeHealth(const CloudHealth& health);
   void beginScene(const Event& event);
   void endScene(bool is_first);
   std::optional<Ns> newestStampOf(int link) const;
@@ -118,6 +124,10 @@ class SimulatedNode {
   void requestJoints(const Event& event);
   void requestPart(const Event& event);
   void requestReplaced();
+  void requireRefusal(const std::vector<std::string>& words, const std::function<void()>& attempt);
+  void requestWrong();
+  void requestWrongScenes();
+  void judgeListed(const collision_pairs::Scene& message);
 
   void judge(const Snapshot& snapshot);
   void noteTransform(int link, const std::optional<std::string>& refusal);
@@ -130,7 +140,10 @@ class SimulatedNode {
   void judgeBodies(const Snapshot& snapshot, bool is_newest = false);
   void judgeCertain(const Snapshot& snapshot);
   void judgePairs(const Snapshot& snapshot);
+  void judgeContacts(const PairReport& pair, const std::string& a, const std::string& b,
+                     double gap);
   void judgeBefore(const Snapshot& snapshot);
+  void judgeMessage(const Snapshot& snapshot);
   void judgeSame(const Snapshot& snapshot);
   using Poses = std::vector<std::optional<Pose>>;  ///< of links; nothing: it is not known
   Poses posesAt(Ns stamp) const;
@@ -163,6 +176,7 @@ class SimulatedNode {
   std::vector<char> stands_;               ///< of each link: it is published on /tf_static
   /// Of each link whose last transform was certainly refused, or right: why, and when.
   std::map<int, std::pair<std::string, double>> refusals_;
+  std::uint64_t nb_refused_ = 0;  ///< before the last transform
   std::map<std::string, PlainObject> objects_;
   std::set<int> ignored_;
   int broken_ = -1;
@@ -177,7 +191,9 @@ class SimulatedNode {
   std::optional<UsedCloud> used_cloud_;
   bool is_cloud_refused_ = false;  ///< the last, or it waits for what nobody connects
   bool may_cloud_be_refused_ = false;
-  int nb_clouds_ = 0, nb_cleared_ = 0;
+  int nb_clouds_ = 0, nb_cleared_ = 0, nb_used_ = 0;
+  double last_use_ = 0.0, rate_ = 0.0, latency_ = 0.0;  ///< of clouds that were used
+  std::size_t sent_points_ = 0;
   int cloud_generation_ = 0, cloud_work_generation_ = 0, cloud_work_pass_ = 0;
   std::uint64_t cloud_work_revision_ = 0, complete_revision_ = 0;
   Ns last_cloud_ = 0;  ///< stamp of the last that was used

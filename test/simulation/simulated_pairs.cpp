@@ -45,6 +45,7 @@ void SimulatedNode::judgePairs(const Snapshot& snapshot) {
     if (!is_depth && std::abs(pair.distance - expected) > 1e-5)
       fail(a + " and " + b + ": distance");
     smallest = std::min(smallest, expected);
+    if (broken_ < 0) judgeContacts(pair, a, b, expected);
   }
   if (is_all && report_.left_out.empty() && !reported.empty() &&
       std::abs(report_.min_distance - smallest) > 1e-5) {
@@ -67,6 +68,28 @@ void SimulatedNode::judgePairs(const Snapshot& snapshot) {
   }
 }
 
+/// Of links, each of one ball or two: one contact for each two balls that are near.
+void SimulatedNode::judgeContacts(const PairReport& pair, const std::string& a,
+                                  const std::string& b, double gap) {
+  std::vector<double> shrinks_a = {0.0}, shrinks_b = {0.0};
+  for (const auto& [name, shrinks] : {std::pair(&a, &shrinks_a), {&b, &shrinks_b}}) {
+    if (name->front() != 'l') continue;
+    const SimulatedLink& link = setup_.links[static_cast<std::size_t>(std::stoi(name->substr(1)))];
+    if (link.is_double) shrinks->push_back(0.5 * link.radius);
+  }
+  std::size_t least = 0, most = 0;
+  for (const double of_a : shrinks_a) {
+    for (const double of_b : shrinks_b) {
+      least += gap + of_a + of_b < ALARM_DISTANCE - 1e-5 ? 1 : 0;
+      most += gap + of_a + of_b < ALARM_DISTANCE + 1e-5 ? 1 : 0;
+    }
+  }
+  const bool is_ball = a.front() == 'l' && b.front() == 'l';  // boxes: gaps do not simply add
+  if (is_ball && (pair.nb_contacts < least || pair.nb_contacts > most)) {
+    fail(a + " and " + b + ": number of contacts");
+  }
+}
+
 /// What speeds are computed from.
 void SimulatedNode::judgeBefore(const Snapshot& snapshot) {
   if (report_.pairs.empty()) return;
@@ -86,6 +109,7 @@ void SimulatedNode::judgeBefore(const Snapshot& snapshot) {
     const bool must_be = wanted.count(static_cast<int>(i)) > 0 && knowledge_.isCertain(link, then);
     if (must_be && !before.poses.known[i]) fail(linkName(link) + " has no speed");
     if (!before.poses.known[i]) continue;
+    if (wanted.count(static_cast<int>(i)) == 0) fail(linkName(link) + " is in no pair");
     if (knowledge_.isLiedAbout(link, then)) continue;
     if (!isBody(link, before.poses.X_WB[i], then)) fail(linkName(link) + " was elsewhere before");
   }
@@ -101,6 +125,9 @@ void SimulatedNode::judgeSame(const Snapshot& snapshot) {
   settings.alarm_distance = ALARM_DISTANCE;
   const CollisionReport& expected = original.detect(snapshot.poses, settings);
   const CollisionReport& same = detector.detect(snapshot.poses, settings);
+  if (store->active()->scene->models().size() != snapshot.scene->scene->models().size()) {
+    fail("the scene's message says a scene of others");
+  }
   if (same.verdict != expected.verdict || same.unknown_because != expected.unknown_because ||
       same.min_distance != expected.min_distance || same.pairs.size() != expected.pairs.size()) {
     fail("the scene's message says another scene");

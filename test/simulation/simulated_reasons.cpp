@@ -9,11 +9,33 @@ namespace {
 
 constexpr double REFUSAL_SHOWN = 2.0;  // s
 
+/// What was left out is a reason by itself; empty: nothing is missing.
+std::string missingName(const CollisionScene& scene, const CollisionReport& report) {
+  bool lacks_pose = false, lacks_cloud = false;
+  for (const std::uint32_t model : report.left_out) {
+    (scene.models()[model].name == "points" ? lacks_cloud : lacks_pose) = true;
+  }
+  const auto isSaid = [&](const std::string& words) {
+    return std::any_of(report.unknown_because.begin(), report.unknown_because.end(),
+                       [&](const std::string& reason) { return reason.rfind(words, 0) == 0; });
+  };
+  const bool are_said = isSaid("no usable pose: ") == lacks_pose &&
+                        isSaid("clouds that are unknown or incomplete: ") == lacks_cloud;
+  return are_said ? "" : "what was left out is not among the reasons";
+}
+
 }  // namespace
 
 /// What is certain of a transform that arrived: it was refused with these words, or nothing is
 /// wrong.
 void SimulatedNode::noteTransform(int link, const std::optional<std::string>& refusal) {
+  const TransformInput& transforms = monitor_.transforms();
+  if (transforms.nbRefused() != nb_refused_ + (refusal ? 1 : 0)) {
+    fail("another number of refused transforms is counted");
+  }
+  if (transforms.firstRefused().empty() != (transforms.nbRefused() == 0)) {
+    fail("the first refused transform is not named");
+  }
   if (refusal) {
     refusals_[link] = {*refusal, steady_};
   } else {
@@ -81,7 +103,8 @@ void SimulatedNode::judgeReasons(const Snapshot& snapshot) {
     const bool is_of_rest = begins("use_sim_time") || begins("geometry") || begins("cloud '");
     if (!is_of_frame && !is_of_rest && doubt != NO_CLOCK) fail("a strange doubt: " + doubt);
     if (is_of_frame && knowledge_.isPlain() &&
-        (says("contradict") || says("ambiguous") || says("several nodes"))) {
+        (says("contradict") || says("ambiguous") || says("several nodes") ||
+         says("form a cycle"))) {
       fail("nobody contradicts: " + doubt);
     }
     for (int link = 0; link < static_cast<int>(setup_.links.size()); ++link) {
@@ -106,6 +129,10 @@ void SimulatedNode::judgeReasons(const Snapshot& snapshot) {
   if (knowledge_.isClockInDoubt() && !is_clock_named) fail("nothing is said of /clock");
   if (ros_ == 0 && !is_no_clock_named) fail("nothing is said of no /clock");
   judgeLeftOut(snapshot);
+  if (report_.verdict != Verdict::COLLISION) {
+    const std::string missing = missingName(*snapshot.scene->scene, report_);
+    if (!missing.empty()) fail(missing);
+  }
   judgeRefusals(snapshot);
 }
 

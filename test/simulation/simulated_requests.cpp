@@ -19,6 +19,7 @@ void SimulatedNode::request(const Event& event) {
       break;
     default:
       requestReplaced();
+      if (event.what > 3 && event.number > 0.0) requestWrong();  // takes long
   }
 }
 
@@ -116,6 +117,14 @@ void SimulatedNode::requestPart(const Event& event) {
   const Snapshot snapshot = monitor_.at(part);
   judgeBodies(snapshot);
   if (part->revision != revision_) fail("a part is of a scene that was replaced");
+  SceneJob all = monitor_.scenes().restrictedTo({});
+  all.run();
+  if (!monitor_.scenes().take(all) || all.scene() != monitor_.scenes().active()) {
+    fail("all of the scene is another scene");
+  }
+  SceneJob again = monitor_.scenes().restrictedTo(restriction);
+  again.run();
+  if (!monitor_.scenes().take(again) || again.scene() != part) fail("a part is built again");
   CollisionDetector detector(part->scene);
   const Verdict verdict = detector.detect(snapshot.poses, {}).verdict;
   if (verdict == Verdict::FREE) {

@@ -237,6 +237,7 @@ void SimulatedNode::readAgain() {
   if (static_cast<Ns>(message.header.stamp.toNSec()) != ros_) {
     fail("a scene's message has another time");
   }
+  judgeListed(message);
   read_again_ = std::make_unique<SceneStore>(monitor_.transforms());
   const MeshLoader none = noMeshLoader();
   SceneJob job = read_again_->load(parametersOf(message, none, [](const std::string&) {}),

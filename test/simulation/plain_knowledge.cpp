@@ -1,0 +1,122 @@
+// What becomes of what a simulated node hears.
+#include "plain_knowledge.h"
+
+namespace simulation {
+
+/// A frame is not used while it is heard of on both topics. It is of the kind that goes on alone
+/// for max_pose_age, which is seen by what is heard then.
+void Knowledge::hearOn(Told& told, bool is_static) {
+  const Ns last = std::max(told.moved, told.stood);
+  const Ns end = told.run_begin + static_cast<Ns>(1e9 * setup_.max_pose_age);
+  (is_static ? told.stood : told.moved) = ros_;
+  if (!told.is_heard) told.is_static = is_static;
+  told.is_heard = true;
+  if (told.is_settled && is_static == told.is_static) return;
+  if (told.is_settled || is_static != told.is_run_static) {
+    endure();
+    told.is_plain = told.is_settled = told.has_run = told.is_static_again = false;
+    told.is_run_static = is_static;
+    told.run_begin = ros_;
+  } else if (ros_ > last && ros_ < end) {
+    told.has_run = told.has_run || ros_ > told.run_begin;
+  } else if (setup_.max_pose_age > 0.0 && (!told.has_run || (ros_ == end && is_static))) {
+    told.run_begin = ros_;
+    told.has_run = false;
+  } else if (setup_.max_pose_age > 0.0 && ros_ > last) {
+    told.is_settled = true;
+    told.was_static = told.is_static;
+    told.is_static = is_static;
+    told.settled_since = ros_;
+  }
+}
+
+/// All but static poses.
+void Knowledge::forget() {
+  for (Told& told : told_) {
+    Told fresh;
+    fresh.is_lied_about = fresh.is_static_lie = told.is_static_lie;
+    fresh.is_plain = !told.is_static_lie && told.statics.size() < 2 && told.is_settled;
+    fresh.is_heard = told.is_heard;
+    fresh.is_static = told.is_static;
+    fresh.is_settled = told.is_settled;
+    fresh.is_run_static = told.is_run_static;
+    fresh.is_static_again = told.is_static_again;
+    if (!told.is_settled) fresh.run_begin = ros_;
+    if (!told.is_settled && isOnBoth(told)) fresh.moved = fresh.stood = ros_;
+    fresh.statics = told.statics;
+    if (!told.static_poses.empty()) fresh.static_poses = {{EVER, told.static_poses.back().second}};
+    if (told.open_since) fresh.open_since = EVER;
+    told = fresh;
+  }
+  root_lies_.clear();
+  newest_ = EVER;
+  ++pass_;
+}
+
+/// The newest pose counts that was sent twice, or by one node alone.
+void Knowledge::hearStatic(Told& told, const Pose& X_PB, const std::string& publisher) {
+  const auto isThis = [&](const Pose& pose) { return isSame(pose, X_PB); };
+  const bool is_again = wasSent(told, X_PB);
+  told.statics[publisher] = X_PB;
+  const bool counts = is_again || told.statics.size() == 1;
+  const bool is_first = told.static_poses.empty();
+  if (publisher != "honest") told.is_plain = false;
+  if (counts && told.open_since) told.disturbed = after(ros_, lasting());
+  if (counts) told.open_since.reset();
+  if (is_first) told.static_poses.emplace_back(EVER, X_PB);
+  if (is_first || isThis(told.static_poses.back().second)) return;
+  told.is_plain = false;
+  told.disturbed = std::max({told.disturbed, ros_, newest_});
+  if (counts) told.static_poses.emplace_back(ros_, X_PB);
+  if (!counts && !told.open_since) told.open_since = ros_;
+}
+
+/// Not at stamps shortly before it changed, nor while it is open what counts.
+std::optional<Pose> Knowledge::standing(const Told& told, Ns stamp) const {
+  const auto isShortlyBefore = [&](Ns change) { return seconds(change - stamp) < lasting(); };
+  if (told.static_poses.empty()) return std::nullopt;
+  if (told.open_since && (*told.open_since == EVER || isShortlyBefore(*told.open_since))) {
+    return std::nullopt;
+  }
+  for (auto change = told.static_poses.rbegin(); change != told.static_poses.rend(); ++change) {
+    if (change->first <= stamp) return change->second;
+    if (isShortlyBefore(change->first)) return std::nullopt;
+  }
+  return std::nullopt;
+}
+
+std::optional<Pose> Knowledge::moving(const Told& told, Ns stamp) const {
+  const auto after = told.samples.lower_bound(stamp);
+  if (after == told.samples.end()) return std::nullopt;
+  if (after->first == stamp) return after->second;
+  if (after == told.samples.begin()) return std::nullopt;
+  const auto before = std::prev(after);
+  const double gap = seconds(after->first - before->first);
+  if (gap > setup_.max_transform_age) return std::nullopt;
+  return between(before->second, after->second, seconds(stamp - before->first) / gap);
+}
+
+bool Knowledge::isCycle(Ns stamp) const {
+  const double lasts = std::min(5.0, setup_.max_pose_age > 0.0 ? setup_.max_pose_age : 5.0) - 1e-6;
+  const auto wasHeard = [&](const auto& stamps, auto stampOf) {
+    const auto after = stamps.upper_bound(stamp);
+    return after != stamps.begin() && seconds(stamp - stampOf(*std::prev(after))) < lasts;
+  };
+  if (!wasHeard(root_lies_, [](Ns lie) { return lie; })) return false;
+  int nb_moving = 0;
+  for (int link = setup_.cycle_through; link >= 0; link = of(link).parent) {
+    if (of(link).joint == SimulatedLink::FIXED) continue;
+    const Told& told = this->told(link);
+    if (told.is_lied_about || !told.is_settled) return false;
+    ++nb_moving;
+    const bool is_heard =
+        told.is_static ? standing(told, stamp).has_value()
+                       : wasHeard(told.samples, [](const auto& sample) { return sample.first; });
+    if (!is_heard) return false;
+  }
+  // That links of one body hang on each other in another order than in the URDF is none.
+  const bool is_of_body = setup_.is_apart && of(setup_.cycle_through).joint == SimulatedLink::FIXED;
+  return nb_moving > (is_of_body ? 1 : 0);
+}
+
+}  // namespace simulation

@@ -1,0 +1,147 @@
+// What a SimulatedNode must refuse, with words that name what is wrong: changes of the scene that
+// cannot be made, and messages of scenes that cannot be read.
+#include <functional>
+
+#include "object_messages.h"
+#include "scene_message.h"
+#include "simulated_node.h"
+
+namespace simulation {
+namespace {
+
+SceneChange changeOf(std::uint8_t operation, const std::string& name, const std::string& link) {
+  SceneChange change;
+  change.operation = operation;
+  change.object.name = name;
+  change.object.attached_link = link;
+  change.object.pose = poseAt(1.0, 2.0, 3.0);
+  change.object.primitives = {primitive(shape_msgs::SolidPrimitive::SPHERE, {0.1})};
+  return change;
+}
+
+}  // namespace
+
+void SimulatedNode::requireRefusal(const std::vector<std::string>& words,
+                                   const std::function<void()>& attempt) {
+  std::string said;
+  try {
+    attempt();
+  } catch (const InputError& error) {
+    said = error.what();
+  }
+  for (const std::string& word : words) {
+    if (said.find(word) != std::string::npos) continue;
+    fail("not refused because '" + word + "', but: '" + said + "'");
+  }
+}
+
+void SimulatedNode::requestWrong() {
+  const SceneChange add = changeOf(SceneChange::ADD, "x", "");
+  const SceneChange remove = changeOf(SceneChange::REMOVE, "x", "");
+  const SceneChange clear = changeOf(SceneChange::CLEAR, "", "");
+  const SceneChange move = changeOf(SceneChange::MOVE, "x", "");
+  const auto refuses = [&](const std::vector<SceneChange>& changes,
+                           std::vector<std::string> words) {
+    const std::size_t last = changes.size() - 1;
+    words.push_back("changes[" + std::to_string(last) + "], object '" + changes[last].object.name);
+    requireRefusal(words, [&] {
+      monitor_.scenes().update(changes, readAdded(changes, noMeshLoader())).run();
+    });
+  };
+  const std::string none = "there is no such object";
+  refuses({move}, {none, objects_.empty() ? "the scene has none" : "did you mean"});
+  refuses({add, remove, move}, {none});
+  refuses({add, changeOf(SceneChange::MOVE, "xy", "")}, {none, "did you mean 'x'"});
+  refuses({add, clear, move}, {none, "the scene has none"});
+  for (const auto& [name, object] : objects_) {
+    refuses({clear, changeOf(SceneChange::MOVE, name, "")}, {none, "the scene has none"});
+    if (object.link < 0) refuses({changeOf(SceneChange::DETACH, name, "")}, {"it is not attached"});
+  }
+  refuses({add, changeOf(SceneChange::DETACH, "x", "")}, {"it is not attached"});
+  refuses({add, changeOf(SceneChange::ATTACH, "x", "")}, {"attached_link is empty"});
+  refuses({add, changeOf(SceneChange::ATTACH, "x", "l99")}, {"'l99' is not a link"});
+  refuses({changeOf(SceneChange::ADD, "x", "l99")}, {"'l99' is not a link"});
+  refuses({changeOf(SceneChange::ADD, "", "")}, {"it has no name"});
+  refuses({changeOf(9, "x", "")}, {"operation 9 is unknown"});
+  SceneChange lost = add;
+  lost.object.header.frame_id = "unheard";
+  refuses({lost},
+          {"TF does not know 'unheard' in '" + linkName(-1) + "'", ros_ == 0 ? NO_CLOCK : ""});
+  // No change makes no other scene.
+  SceneJob same = monitor_.scenes().update({}, {});
+  same.run();
+  if (!monitor_.scenes().take(same) || monitor_.scenes().active()->revision != revision_) {
+    fail("no change makes another scene");
+  }
+  requestWrongScenes();
+}
+
+void SimulatedNode::requestWrongScenes() {
+  const Scene sound = toMessage(monitor_.scenes().stored());
+  const std::string origin = "scene of revision " + std::to_string(revision_);
+  const MeshLoader no_meshes = noMeshLoader();
+  const auto refuses = [&](const std::function<void(Scene&)>& spoil, const std::string& why) {
+    Scene spoilt = sound;
+    spoil(spoilt);
+    requireRefusal({origin, why}, [&] {
+      parametersOf(spoilt, no_meshes, [](const std::string&) {});
+      objectsOf(spoilt, no_meshes);
+    });
+  };
+  refuses([](Scene& scene) { scene.header.frame_id.clear(); }, "header.frame_id is empty");
+  refuses([](Scene& scene) { scene.robots.clear(); }, "it has no robot");
+  refuses([](Scene& scene) { scene.robots[0].urdf = "<robot"; }, "robots[0]/urdf");
+  refuses([](Scene& scene) { scene.settings = "x: ["; }, "settings");
+  refuses([](Scene& scene) { scene.robots[0].srdf = "<robot"; }, "robots[0]/srdf");
+  refuses([](Scene& scene) { scene.world = "<robot"; }, "world");
+  refuses([](Scene& scene) { scene.cloud_topics.push_back("more"); }, "cloud_topics has");
+  requireRefusal({origin, "header.frame_id is empty"}, [&] {
+    Scene spoilt = sound;
+    spoilt.header.frame_id.clear();
+    objectsOf(spoilt, no_meshes);
+  });
+  SceneParameters strange = parameters(ignored_, broken_);
+  strange.sources.readSettings({"settings", "static_joints: [none]"});
+  requireRefusal({"static_joints", "'none'"},
+                 [&] { monitor_.scenes().load(std::move(strange)).run(); });
+  // Objects that stand would be elsewhere in another frame.
+  SceneParameters moved = parameters(ignored_, broken_);
+  moved.fixed_frame = "elsewhere";
+  SceneJob job = monitor_.scenes().load(std::move(moved));
+  const auto standing = std::find_if(objects_.begin(), objects_.end(),
+                                     [](const auto& entry) { return entry.second.link < 0; });
+  if (standing == objects_.end()) {
+    job.run();
+  } else {
+    requireRefusal({"is fixed in frame '" + linkName(-1) + "'", "'elsewhere'"}, [&] { job.run(); });
+  }
+  if (sound.objects.empty()) return;
+  const std::string object = "object '" + sound.objects[0].name + "'";
+  refuses([](Scene& scene) { scene.objects[0].name.clear(); }, "it has no name");
+  refuses([](Scene& scene) { scene.objects.push_back(scene.objects[0]); },
+          object + ": it is listed twice");
+  refuses([](Scene& scene) { scene.objects[0].header.frame_id = "elsewhere"; },
+          object + ": its pose is in frame 'elsewhere'");
+}
+
+/// It says what is there.
+void SimulatedNode::judgeListed(const Scene& message) {
+  if (message.header.frame_id != linkName(-1)) fail("a scene's message has another frame");
+  if (message.objects.size() != objects_.size()) return fail("a scene's message has others");
+  for (const SceneObject& said : message.objects) {
+    const auto known = objects_.find(said.name);
+    if (known == objects_.end()) return fail("a scene's message has another object");
+    const PlainObject& object = known->second;
+    const std::string link = object.link < 0 ? "" : linkName(object.link);
+    const Eigen::Vector3d p(object.X_PO.x, object.X_PO.y, object.X_PO.z);
+    const auto& at = said.pose.position;
+    const bool is_there = (Eigen::Vector3d(at.x, at.y, at.z) - p).norm() < 1e-5;
+    const bool is_in_frame = said.header.frame_id == (link.empty() ? linkName(-1) : link);
+    if (said.attached_link != link || !is_in_frame || !is_there || said.primitives.size() != 1 ||
+        said.touch_links.size() != object.touches.size() + object.touched_objects.size()) {
+      fail("a scene's message has " + said.name + " elsewhere");
+    }
+  }
+}
+
+}  // namespace simulation
