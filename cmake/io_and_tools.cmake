@@ -24,6 +24,7 @@ add_library(collision_pairs_io SHARED
   src/io/text/text_files.cpp
   src/transforms/robot_poses.cpp
   src/transforms/stamps.cpp
+  src/transforms/standing_joints.cpp
   src/transforms/transform_buffer.cpp
   src/transforms/transform_gate.cpp
   src/transforms/transform_samples.cpp

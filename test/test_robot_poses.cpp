@@ -168,6 +168,30 @@ TEST_F(NewestPoses, OfLinksToEachOtherAreFoundByFixedJointsToo) {
   EXPECT_EQ(mixed.oldest, 19 * SECOND / 2) << "at one instant";
 }
 
+TEST_F(NewestPoses, BeyondAJointThatStaticTransformsHoldNothingIsKnownFromAnyFrame) {
+  take("base", "arm", 0.0, true);
+  take("tool", "wheel", 9.5);
+  const auto knownIn = [&](const char* frame, const std::vector<std::string>& static_joints = {}) {
+    const RobotPoses poses(buffer_, *robot_, frame, static_joints);
+    return poses.newest(10 * SECOND, std::vector<char>(3, 1)).known;
+  };
+  take("tool", "camera", 0.0, true);  // no link
+  take("wheel", "gimbal", 9.5);
+  EXPECT_THAT(knownIn("base"), ElementsAre(1, 0, 0));
+  for (const char* frame : {"arm", "tool", "wheel", "camera", "gimbal"}) {
+    EXPECT_THAT(knownIn(frame), ElementsAre(0, 1, 1)) << frame;
+    EXPECT_THAT(knownIn(frame, {"slide"}), ElementsAre(1, 1, 1)) << frame;
+  }
+}
+
+TEST_F(NewestPoses, AreKnownFromAFrameThatIsFixedToALinkBehindAMovingJoint) {
+  take("base", "arm", 9.5);
+  take("tool", "wheel", 9.5);
+  take("wheel", "camera", 0.0, true);  // no link
+  const RobotPoses poses(buffer_, *robot_, "camera");
+  EXPECT_THAT(poses.newest(10 * SECOND, std::vector<char>(3, 1)).known, ElementsAre(1, 1, 1));
+}
+
 TEST_F(NewestPoses, OfLinksThatTfDoesNotNameAreFoundByFixedJointsToo) {
   take("base", "arm", 9.5);
   const RobotPoses poses(buffer_, *robot_, "base");

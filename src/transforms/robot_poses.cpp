@@ -15,18 +15,6 @@ bool isAmong(const std::vector<int>& frames, int frame) {
   return std::find(frames.begin(), frames.end(), frame) != frames.end();
 }
 
-/// The last frame that static transforms lead up to. `tops`: those found so far, by frame; or -1.
-int topOf(const TransformBuffer& buffer, int frame, StampNs stamp, std::vector<int>& tops) {
-  int top = frame;
-  for (std::size_t i = 0; i < buffer.frames().size() && tops[top] < 0; ++i) {
-    const int parent = buffer.gate().isStaticAt(top, stamp) ? buffer.parentAt(top, stamp) : -1;
-    if (parent < 0) break;
-    top = parent;
-  }
-  if (tops[top] >= 0) top = tops[top];
-  return tops[frame] = top;
-}
-
 }  // namespace
 
 const char* const RobotPoses::NO_FRAME = "TF has no frame of that name";
@@ -42,7 +30,10 @@ RobotPoses::RobotPoses(const TransformBuffer& buffer, const RobotModel& robot,
                      nearestName(name, joints) + "'?");
   }
   for (const Body& body : robot.bodies()) {
-    BodyOfRobot entry{{}, body.parent, "", true};
+    const bool is_root = body.parent < 0;
+    const int root = is_root ? static_cast<int>(bodies_.size())
+                             : bodies_[static_cast<std::size_t>(body.parent)].root;
+    BodyOfRobot entry{{}, body.parent, root, "", true};
     if (body.joint >= 0) {
       entry.joint = robot.joints()[body.joint].name;
       entry.may_be_static = std::count(static_joints.begin(), static_joints.end(), entry.joint) > 0;
@@ -186,45 +177,6 @@ Isometry3d RobotPoses::poseOf(std::size_t body, const Layout& layout, StampNs st
   return poseOf(anchor, layout, stamp) *
          buffer_.poseAt(anchor.ways.target(), frames_.of_links[body][place.link], stamp) *
          bodies_[body].links[place.link].X_BL.inverse();
-}
-
-/// Marks the joints on the way from one body to the other.
-void RobotPoses::holdBetween(int a, int b, std::vector<int>& held_by) const {
-  while (a != b) {
-    int& lower = a > b ? a : b;  // a parent comes before its children
-    if (!bodies_[lower].may_be_static) held_by[lower] = lower;
-    lower = bodies_[lower].parent;
-    if (lower < 0) return;  // of another robot
-  }
-}
-
-std::vector<int> RobotPoses::heldBy(StampNs stamp) const {
-  const Frames& ids = frames();
-  std::vector<int> tops(ids.nb_known, -1);
-  std::vector<int> first_below(ids.nb_known, -1);  // by top frame, the first body
-  if (ids.frame >= 0) {
-    first_below[topOf(buffer_, ids.frame, stamp, tops)] = std::max(body_of_frame_, 0);
-  }
-  std::vector<int> held_by(bodies_.size(), -1);
-  for (std::size_t b = 0; b < bodies_.size(); ++b) {
-    for (const int id : ids.of_links[b]) {
-      if (id < 0) continue;
-      int& first = first_below[topOf(buffer_, id, stamp, tops)];
-      if (first < 0) first = static_cast<int>(b);
-      holdBetween(first, static_cast<int>(b), held_by);
-    }
-  }
-  for (std::size_t b = 0; b < bodies_.size(); ++b) {
-    if (held_by[b] < 0 && bodies_[b].parent >= 0) held_by[b] = held_by[bodies_[b].parent];
-  }
-  if (body_of_frame_ >= 0) held_by[body_of_frame_] = -1;
-  return held_by;
-}
-
-std::vector<char> RobotPoses::heldAt(StampNs stamp) const {
-  std::vector<char> held;
-  for (const int by : heldBy(stamp)) held.push_back(by >= 0);
-  return held;
 }
 
 std::string RobotPoses::whyNot(std::size_t body, const Layout& layout) const {

@@ -44,7 +44,7 @@ class RobotPoses {
   FoundPose between(const std::string& target, const std::string& source,
                     const Instant& instant) const;
 
-  /// By body: only static transforms place it, although a joint above it is not fixed.
+  /// By body: only static transforms place it, although a joint between it and W is not fixed.
   std::vector<char> heldAt(StampNs stamp) const;
 
   /// The body to which W belongs; -1: none.
@@ -58,7 +58,7 @@ class RobotPoses {
   };
   struct BodyOfRobot {
     std::vector<LinkOfBody> links;  ///< its first link, then the others
-    int parent;
+    int parent, root;
     std::string joint;
     bool may_be_static;  ///< of the joint above
   };
@@ -117,9 +117,14 @@ class RobotPoses {
   Eigen::Isometry3d poseOf(std::size_t body, const Layout& layout, StampNs stamp) const;
   Eigen::Isometry3d poseOf(const Anchor& anchor, const Layout& layout, StampNs stamp) const;
   Eigen::Isometry3d poseOf(const Located& located, const Layout& layout, StampNs stamp) const;
-  /// By body: that of the joint which it is held at; -1: it is not held.
+  template <class Visit>
+  void visitBetween(int a, int b, const Visit& visit) const;
+  /// The body that W is a link of, or hangs on; -1: none.
+  int bodyUnderFrame(StampNs stamp) const;
+  /// By the body below.
+  std::vector<char> standingJoints(int under_frame, StampNs stamp) const;
+  /// By body: that below the joint which stands between it and W; -1: none.
   std::vector<int> heldBy(StampNs stamp) const;
-  void holdBetween(int a, int b, std::vector<int>& held_by) const;
   std::string whyNot(std::size_t body, const Layout& layout) const;
   /// The newest stamp, up to now, of the frame and those above it, in doubt or not.
   StampNs newestAbove(int frame, StampNs now) const;
