@@ -114,6 +114,24 @@ TEST_F(JointQueryTest, DoubtsAJointThatIsNotNamedAndThatOnlyStaticTransformsPlac
   EXPECT_THAT(ask({"lead", "lift"}), IsEmpty());
 }
 
+TEST_F(JointQueryTest, DoubtsTheRootWhereOnlyStaticTransformsLeadToItFromALinkOfTheRobot) {
+  tf2_msgs::TFMessage message;
+  message.transforms.resize(1);
+  message.transforms[0].header.frame_id = "a";
+  message.transforms[0].child_frame_id = "c";
+  message.transforms[0].transform.rotation.w = 1.0;
+  transforms_.take(message, true, now_);
+  publish("root", "a", 999.5, 0.0);
+  const TfPoses poses(transforms_, scene_->robot(), scene_->bodies(), "c");
+  const auto doubts = [&](const std::vector<std::string>& names) {
+    const ros::Time stamp(999.5);
+    return JointQuery(names, *scene_, {transforms_, "c", stamp, now_, poses.heldAt(stamp), &poses})
+        .doubts();
+  };
+  EXPECT_THAT(doubts({"lead"}),
+              testing::Contains(HasSubstr("a joint between it and 'c' is not fixed")));
+}
+
 // Also where all joints are named: transforms and clouds cannot be seen to age.
 TEST_F(JointQueryTest, DoubtsARootAndCloudsWhileASimulatedClockStandsStill) {
   const auto doubts = [&](const std::string& frame, bool is_static) {

@@ -129,8 +129,10 @@ class DepthCameraTest(unittest.TestCase):
             center = (1 - share) * BALL_FROM + share * BALL_TO
             depth = points_of(cloud)[:, :, 2]
             truth = np.fmin(of_robot, depth_of_ball(center, RADIUS))
-            self.assertTrue(np.isfinite(depth[np.isfinite(truth)]).all())
-            errors.append((depth - truth)[np.isfinite(truth)])
+            # Time in double precision has steps of 2e-7 s: a ray that grazes the ball may pass it.
+            is_hit = np.isfinite(np.fmin(of_robot, depth_of_ball(center, RADIUS - 1e-5)))
+            self.assertTrue(np.isfinite(depth[is_hit]).all())
+            errors.append((depth - truth)[is_hit])
             places.append(share)
         self.assert_noise(np.concatenate(errors))
         self.assertGreater(max(places) - min(places), 0.3, "the ball did not move")
