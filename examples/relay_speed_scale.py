@@ -35,7 +35,7 @@ asked, paused = threading.Event(), threading.Event()
 for number in (signal.SIGINT, signal.SIGTERM):
     signal.signal(number, lambda *_: asked.set())
 rospy.on_shutdown(lambda: asked.set() or paused.wait(2.0))  # while services can still be called
-is_paused, rate = False, rospy.Rate(RATE)
+is_paused = False
 while not asked.is_set():
     scale = newest["scale"] if rospy.get_time() - newest["at"] < TIMEOUT else 0.0
     try:
@@ -45,8 +45,8 @@ while not asked.is_set():
             is_paused ^= done
         if not done:
             rospy.logerr_throttle(1.0, "the driver refuses scale %g" % scale)
-        rate.sleep()
     except (rospy.ServiceException, rospy.ROSInterruptException) as error:
         rospy.logerr_throttle(1.0, str(error))
+    asked.wait(1.0 / RATE)  # of wall time: a clock that stands still does not keep it from ending
 pause()
 paused.set()

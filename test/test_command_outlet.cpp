@@ -115,7 +115,6 @@ TEST_F(Outlet, SendsZerosOnceAfterSilenceInWhicheverTimeIsOverFirst) {
   EXPECT_EQ(sent().size(), 2u);
 }
 
-// A simulated clock may be late: the command before is in effect for as much longer.
 TEST_F(Outlet, SendsZerosBeforeItEndsUnlessItHas) {
   for (const bool has_sent : {false, true}) {
     sent_.clear();
@@ -131,6 +130,7 @@ TEST_F(Outlet, SendsZerosBeforeItEndsUnlessItHas) {
   }
 }
 
+// A simulated clock may be late: the command before is in effect for as much longer.
 TEST_F(Outlet, ToTheLawACommandWasPublishedWhenItMayHaveBeen) {
   begin(9.0);
   ahead_ = 0.1;

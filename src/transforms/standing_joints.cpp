@@ -72,8 +72,7 @@ std::vector<int> RobotPoses::heldBy(StampNs stamp) const {
   const int under_frame = bodyUnderFrame(stamp);
   const std::vector<char> stands = standingJoints(under_frame, stamp);
   std::vector<int> held_by(bodies_.size(), -1);
-  if (std::count(stands.begin(), stands.end(), 0) == static_cast<int>(stands.size()))
-    return held_by;
+  if (std::find(stands.begin(), stands.end(), 1) == stands.end()) return held_by;
   for (int b = 0; b < static_cast<int>(bodies_.size()); ++b) {
     visitBetween(b, under_frame, [&](int below) {
       if (stands[below] && held_by[b] < 0) held_by[b] = below;

@@ -129,8 +129,9 @@ class DepthCameraTest(unittest.TestCase):
             center = (1 - share) * BALL_FROM + share * BALL_TO
             depth = points_of(cloud)[:, :, 2]
             truth = np.fmin(of_robot, depth_of_ball(center, RADIUS))
-            # Time in double precision has steps of 2e-7 s: a ray that grazes the ball may pass it.
-            is_hit = np.isfinite(np.fmin(of_robot, depth_of_ball(center, RADIUS - 1e-5)))
+            # Phases of today's time in double precision have steps of 2.4e-7 rad, by which the node, which rounds in
+            # another order, may have the ball up to 2.1e-7 m elsewhere: a ray that grazes it here may pass it there.
+            is_hit = np.isfinite(np.fmin(of_robot, depth_of_ball(center, RADIUS - 1e-6)))
             missing = np.argwhere(is_hit & ~np.isfinite(depth))
             self.assertEqual(missing.size, 0, "missing: %s in cloud %d of %d, %.3f s after the first, ball at %s" % (
                 missing[:5], len(errors), nb_clouds, stamp - stamps[0], center))
