@@ -22,6 +22,7 @@ add_library(collision_pairs_io SHARED
   src/io/text/joint_states_csv.cpp
   src/io/text/pcd_file.cpp
   src/io/text/text_files.cpp
+  src/transforms/frame_ways.cpp
   src/transforms/robot_poses.cpp
   src/transforms/stamps.cpp
   src/transforms/standing_joints.cpp

@@ -33,7 +33,8 @@ class JointQueryTest : public testing::Test {
   }
   /// As soon as it is so.
   void publishLift(double stamp, double z) { publish("a", "c", stamp, z); }
-  void publish(const std::string& parent, const std::string& child, double stamp, double z) {
+  void publish(const std::string& parent, const std::string& child, double stamp, double z,
+               bool is_static = false) {
     now_ = ros::Time(stamp);
     tf2_msgs::TFMessage message;
     message.transforms.resize(1);
@@ -43,7 +44,7 @@ class JointQueryTest : public testing::Test {
     transform.child_frame_id = child;
     transform.transform.translation.z = z;
     transform.transform.rotation.w = 1.0;
-    transforms_.take(message, false, now_);
+    transforms_.take(message, is_static, now_);
   }
   JointQuery query(const std::vector<std::string>& names, ros::Time stamp = ros::Time(0)) const {
     return {names, *scene_, {transforms_, "root", stamp, now_}};
@@ -92,44 +93,36 @@ TEST_F(JointQueryTest, FindsLinksThatOnlyFixedJointsConnectWithWhatTfPlaces) {
   publish("pedestal", "hand", 999.5, 4.0);
   publish("hand", "c", 999.5, 0.25);
   const TfPoses poses(transforms_, scene_->robot(), scene_->bodies(), "pedestal");
-  const JointQuery from_tf({}, *scene_, {transforms_, "pedestal", {}, now_, {}, &poses});
+  const JointQuery from_tf({}, *scene_, {transforms_, "pedestal", {}, now_, &poses});
   EXPECT_THAT(from_tf.doubts(), IsEmpty());
   EXPECT_THAT(from_tf.jointsFromTf(), ElementsAre("lead", "lift"));
   EXPECT_DOUBLE_EQ(at("a", from_tf, {}).z(), 2.0);
   EXPECT_DOUBLE_EQ(at("c", from_tf, {}).z(), 4.25);
-  const JointQuery lead({"lead"}, *scene_, {transforms_, "pedestal", {}, now_, {}, &poses});
+  const JointQuery lead({"lead"}, *scene_, {transforms_, "pedestal", {}, now_, &poses});
   EXPECT_DOUBLE_EQ(at("a", lead, {0.5}).z(), -0.5);
   EXPECT_DOUBLE_EQ(at("c", lead, {0.5}).z(), 1.75);
 }
 
 TEST_F(JointQueryTest, DoubtsAJointThatIsNotNamedAndThatOnlyStaticTransformsPlace) {
-  publishLift(1000.0, 0.25);
-  std::vector<char> held;
-  const int lift = scene_->robot().findJoint("lift");
-  for (const Body& body : scene_->robot().bodies()) held.push_back(body.joint == lift);
+  publish("a", "c", 999.5, 0.25, true);
+  const TfPoses poses(transforms_, scene_->robot(), scene_->bodies(), "root");
   const auto ask = [&](const std::vector<std::string>& names) {
-    return JointQuery(names, *scene_, {transforms_, "root", ros::Time(0), now_, held}).doubts();
+    return JointQuery(names, *scene_, {transforms_, "root", ros::Time(0), now_, &poses});
   };
-  EXPECT_THAT(ask({"lead"}), ElementsAre(HasSubstr("only /tf_static places its link")));
-  EXPECT_THAT(ask({"lead", "lift"}), IsEmpty());
+  EXPECT_THAT(ask({"lead"}).doubts(),
+              ElementsAre(HasSubstr("link 'c': only /tf_static places it, but joint 'lift'")));
+  EXPECT_EQ(at("c", ask({"lead"}), {2.0}), Vector3d(2, 0, 0.25)) << "where it is said to be";
+  EXPECT_THAT(ask({"lead", "lift"}).doubts(), IsEmpty());
 }
 
 TEST_F(JointQueryTest, DoubtsTheRootWhereOnlyStaticTransformsLeadToItFromALinkOfTheRobot) {
-  tf2_msgs::TFMessage message;
-  message.transforms.resize(1);
-  message.transforms[0].header.frame_id = "a";
-  message.transforms[0].child_frame_id = "c";
-  message.transforms[0].transform.rotation.w = 1.0;
-  transforms_.take(message, true, now_);
+  publish("a", "c", 999.5, 0.25, true);
   publish("root", "a", 999.5, 0.0);
   const TfPoses poses(transforms_, scene_->robot(), scene_->bodies(), "c");
-  const auto doubts = [&](const std::vector<std::string>& names) {
-    const ros::Time stamp(999.5);
-    return JointQuery(names, *scene_, {transforms_, "c", stamp, now_, poses.heldAt(stamp), &poses})
-        .doubts();
-  };
-  EXPECT_THAT(doubts({"lead"}),
-              testing::Contains(HasSubstr("a joint between it and 'c' is not fixed")));
+  const JointQuery lead({"lead"}, *scene_, {transforms_, "c", ros::Time(999.5), now_, &poses});
+  EXPECT_THAT(
+      lead.doubts(),
+      testing::Contains(HasSubstr("link 'root': only /tf_static places it, but joint 'lift'")));
 }
 
 // Also where all joints are named: transforms and clouds cannot be seen to age.

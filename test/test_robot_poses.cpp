@@ -184,6 +184,32 @@ TEST_F(NewestPoses, BeyondAJointThatStaticTransformsHoldNothingIsKnownFromAnyFra
   }
 }
 
+TEST_F(NewestPoses, OfACameraBeyondAJointThatStaticTransformsHoldAreUnknown) {
+  take("base", "arm", 0.0, true);
+  take("tool", "wheel", 9.5);
+  take("tool", "camera", 0.0, true);  // no link
+  take("wheel", "gimbal", 9.5);
+  const auto why = [&](const char* target, const char* source,
+                       const std::vector<std::string>& static_joints = {}) -> std::string {
+    try {
+      RobotPoses(buffer_, *robot_, "base", static_joints)
+          .between(target, source, {Instant::AT, 19 * SECOND / 2});
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "known";
+  };
+  const std::string held =
+      "only /tf_static places it, but joint 'slide' is not fixed: publish it "
+      "on /tf, or list the joint in static_joints";
+  for (const char* source : {"arm", "tool", "wheel", "camera", "gimbal"}) {
+    EXPECT_EQ(why("base", source), held);
+    EXPECT_EQ(why(source, "base"), held);
+    EXPECT_EQ(why("base", source, {"slide"}), "known");
+    EXPECT_EQ(why("camera", source), "known");
+  }
+}
+
 TEST_F(NewestPoses, AreKnownFromAFrameThatIsFixedToALinkBehindAMovingJoint) {
   take("base", "arm", 9.5);
   take("tool", "wheel", 9.5);

@@ -2,8 +2,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "frame_ways.h"
 #include "random_inputs.h"
-#include "transform_buffer.h"
 
 namespace collision_pairs {
 namespace test_transform_gate {

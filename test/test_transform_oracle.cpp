@@ -8,8 +8,8 @@
 
 #include <gtest/gtest.h>
 
+#include "frame_ways.h"
 #include "random_inputs.h"
-#include "transform_buffer.h"
 
 namespace collision_pairs {
 namespace test_transform_oracle {

@@ -36,7 +36,10 @@ bool askTf(const JointQueryTf& tf, const std::string& parent, const std::string&
     const TransformBuffer& buffer = tf.transforms.buffer();
     const int frame = buffer.findFrame(child);
     const StampNs last = frame < 0 ? EVER_SINCE : buffer.gate().newestStamp(frame);
-    X_PC = poseBetween(buffer, parent, child, {Instant::AT, last}).X_TS;
+    const Instant newest{Instant::NEWEST, toNs(tf.transforms.now().stamp)};  // of static ones
+    X_PC =
+        poseBetween(buffer, parent, child, last == EVER_SINCE ? newest : Instant{Instant::AT, last})
+            .X_TS;
     return true;
   } catch (const InputError&) {
     return false;
@@ -65,15 +68,8 @@ std::optional<Isometry3d> JointQuery::poseOf(const Body& body, bool is_needed,
   const RobotModel& robot = scene_.robot();
   const std::string& link = robot.links()[body.link].name;
   Isometry3d X_PB = Isometry3d::Identity();
-  const bool is_held = !tf.held.empty() && tf.held[placed_.size()] != 0;
   if (body.joint < 0) {
-    if (tf.frame == link || askTf(tf, tf.frame, link, X_PB, doubt, has_aging_root_)) {
-      if (is_held) {
-        doubt = "link '" + link + "': only /tf_static places it, but a joint between it and '" +
-                tf.frame + "' is not fixed";
-      }
-      return X_PB;
-    }
+    if (tf.frame == link || askTf(tf, tf.frame, link, X_PB, doubt, has_aging_root_)) return X_PB;
     if (!is_needed) return X_PB;  // the scene has none of its bodies
     throw InputError("TF does not know root link '" + link + "' in frame '" + tf.frame +
                      "' at stamp " + std::to_string(tf.stamp.toSec()) +
@@ -85,9 +81,6 @@ std::optional<Isometry3d> JointQuery::poseOf(const Body& body, bool is_needed,
   bool can_age = false;
   if (askTf(tf, parent, link, X_PB, doubt, can_age)) {
     joints_from_tf_.push_back(joint.name);
-    if (is_held) {
-      doubt = "joint '" + joint.name + "' is not named, and only /tf_static places its link";
-    }
     return X_PB;
   }
   joints_at_zero_.push_back(joint.name);

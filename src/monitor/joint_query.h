@@ -18,10 +18,9 @@ namespace collision_pairs {
 /// TF lookup settings of a JointQuery.
 struct JointQueryTf {
   const TransformInput& transforms;
-  std::string frame;            ///< of the poses
-  ros::Time stamp;              ///< time of the positions of joints not named; 0: the latest in TF
-  ros::Time now;                ///< for messages
-  std::vector<char> held = {};  ///< TfPoses::heldAt()
+  std::string frame;  ///< of the poses
+  ros::Time stamp;    ///< time of the positions of joints not named; 0: the latest in TF
+  ros::Time now;      ///< for messages
   /// Of the scene's robot: for links that TF does not place. Null: none.
   const TfPoses* poses = nullptr;
 };

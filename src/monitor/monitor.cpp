@@ -92,11 +92,11 @@ void Monitor::addClouds(const ros::Time& stamp, Snapshot& snapshot) const {
 }
 
 void Monitor::addJoints(const std::vector<std::string>& names, const ros::Time& stamp,
-                        const ros::Time& held, Snapshot& snapshot) const {
+                        Snapshot& snapshot) const {
   const ActiveScene& active = *snapshot.scene;
   snapshot.joints.emplace(names, *active.scene,
                           JointQueryTf{transforms_, active.frame, stamp, transforms_.now().stamp,
-                                       active.tf_poses->heldAt(held), active.tf_poses.get()});
+                                       active.tf_poses.get()});
   const auto& of_joints = snapshot.joints->doubts();
   snapshot.poses.doubts.insert(snapshot.poses.doubts.end(), of_joints.begin(), of_joints.end());
 }
@@ -107,7 +107,7 @@ Snapshot Monitor::withJoints(const ActiveScenePtr& scene, const std::vector<std:
   const ros::Time of_poses = posesAt(*scene, stamp, snapshot.stamp).stamp;
   snapshot.is_static = of_poses.isZero();
   if (!snapshot.is_static) snapshot.stamp = of_poses;
-  addJoints(names, of_poses, of_poses, snapshot);
+  addJoints(names, of_poses, snapshot);
   addClouds(stamp, snapshot);
   return snapshot;
 }
@@ -115,7 +115,7 @@ Snapshot Monitor::withJoints(const ActiveScenePtr& scene, const std::vector<std:
 Snapshot Monitor::withMeasured(const ActiveScenePtr& scene,
                                const std::vector<std::string>& names) const {
   Snapshot snapshot = begin(scene);
-  addJoints(names, ros::Time(), snapshot.stamp, snapshot);
+  addJoints(names, ros::Time(), snapshot);
   addClock(snapshot);  // positions are not seen to age either
   addClouds(ros::Time(), snapshot);
   return snapshot;

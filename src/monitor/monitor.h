@@ -59,7 +59,7 @@ class Monitor {
   void addClock(Snapshot& snapshot) const;
   void addClouds(const ros::Time& stamp, Snapshot& snapshot) const;
   void addJoints(const std::vector<std::string>& names, const ros::Time& stamp,
-                 const ros::Time& held, Snapshot& snapshot) const;
+                 Snapshot& snapshot) const;
   void addProblems(const std::vector<std::string>& problems, Snapshot& snapshot) const;
 
   TransformInput transforms_;

@@ -37,10 +37,6 @@ BodyPoses TfPoses::at(const ros::Time& stamp, const std::vector<char>& wanted) c
   return poses;
 }
 
-std::vector<char> TfPoses::heldAt(const ros::Time& stamp) const {
-  return robot_.heldAt(toNs(stamp));
-}
-
 StampedPoses TfPoses::gather(FoundBodies placed, const ros::Time& stamp) const {
   StampedPoses result;
   result.stamp = stamp;

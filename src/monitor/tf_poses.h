@@ -49,9 +49,6 @@ class TfPoses {
     return transforms_.lookUp(target, source, stamp, &robot_);
   }
 
-  /// By body of the robot: only static transforms place it, although a joint is not fixed.
-  std::vector<char> heldAt(const ros::Time& stamp) const;
-
  private:
   StampedPoses gather(FoundBodies placed, const ros::Time& stamp) const;
 

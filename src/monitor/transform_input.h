@@ -10,7 +10,6 @@
 
 #include "now.h"
 #include "robot_poses.h"
-#include "transform_buffer.h"
 
 namespace collision_pairs {
 

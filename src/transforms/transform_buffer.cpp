@@ -7,6 +7,7 @@
 #include <tf2/buffer_core.h>
 #include <tf2/exceptions.h>
 
+#include "collision_pairs/input_error.h"
 #include "frame_names.h"
 #include "user_text.h"
 
@@ -15,7 +16,6 @@ namespace {
 
 using Eigen::Isometry3d;
 
-constexpr std::size_t DEEPEST_TREE = tf2::BufferCore::MAX_GRAPH_DEPTH;
 constexpr std::size_t MOST_EPOCHS = 1000;
 constexpr StampNs SECOND = 1000000000;
 
@@ -124,6 +124,7 @@ int TransformBuffer::parentAt(int frame, StampNs stamp) const {
 }
 
 Isometry3d TransformBuffer::poseAt(int target, int source, StampNs stamp) const {
+  if (target == source) return Isometry3d::Identity();
   try {
     const auto X = epochAt(stamp)
                        .tf->lookupTransform(frames()[target], frames()[source], toTime(stamp))
@@ -137,181 +138,6 @@ Isometry3d TransformBuffer::poseAt(int target, int source, StampNs stamp) const 
   } catch (const tf2::TransformException& error) {
     throw InputError(error.what());
   }
-}
-
-void FrameWays::Way::join(const Way& other) {
-  oldest = std::min(oldest, other.oldest);
-  newest = std::max(newest, other.newest);
-  is_settled = is_settled && other.is_settled;
-}
-
-FrameWays::FrameWays(const TransformBuffer& buffer, int target, const Instant& instant)
-    : buffer_(buffer), target_(target), instant_(instant) {
-  makeRoom(64);
-  Way way;
-  way.is_known = true;
-  StampNs stamp;
-  bool is_known = true;
-  for (int frame = target, parent = -1, i = 0; i <= static_cast<int>(DEEPEST_TREE); ++i) {
-    if (is_known ? !note(frame, way).second : slots_[slotOf(frame)] >= 0) {
-      breakCycle();
-      return;
-    }
-    is_known = is_known && step(frame, stamp, parent);
-    if (is_known) {
-      pass(frame, stamp, way);
-    } else {
-      parent = lastParent(frame);
-    }
-    if (parent < 0) return;
-    frame = parent;
-  }
-}
-
-void FrameWays::breakCycle() {
-  is_in_cycle_ = true;
-  noted_.clear();
-  makeRoom(slots_.size());
-}
-
-std::size_t FrameWays::slotOf(int frame) const {
-  const std::size_t last = slots_.size() - 1;  // their number is a power of two
-  std::size_t slot = static_cast<std::size_t>(frame) & last;
-  while (slots_[slot] >= 0 && noted_[static_cast<std::size_t>(slots_[slot])].frame != frame) {
-    slot = (slot + 1) & last;
-  }
-  return slot;
-}
-
-void FrameWays::makeRoom(std::size_t nb_slots) const {
-  slots_.assign(nb_slots, -1);
-  for (std::size_t i = 0; i < noted_.size(); ++i) {
-    slots_[slotOf(noted_[i].frame)] = static_cast<int>(i);
-  }
-}
-
-std::pair<std::size_t, bool> FrameWays::note(int frame, const Way& way) const {
-  const std::size_t slot = slotOf(frame), index = noted_.size();
-  if (slots_[slot] >= 0) return {static_cast<std::size_t>(slots_[slot]), false};
-  slots_[slot] = static_cast<int>(index);
-  noted_.push_back({frame, way});
-  if (2 * noted_.size() > slots_.size()) makeRoom(2 * slots_.size());
-  return {index, true};
-}
-
-int FrameWays::lastParent(int frame) const {
-  const TransformGate& gate = buffer_.gate();
-  if (!gate.isHeard(frame)) return -1;
-  const StampNs at = gate.newestAt(frame, instant_.stamp);
-  if (at == NEVER) return buffer_.parentAt(frame, instant_.stamp);
-  const bool is_old = at == EVER_SINCE || instant_.stamp - at > buffer_.limits().max_age;
-  return is_old ? -1 : buffer_.parentAt(frame, at);
-}
-
-bool FrameWays::step(int frame, StampNs& stamp, int& parent) const {
-  const TransformGate& gate = buffer_.gate();
-  if (!gate.isHeard(frame)) return false;
-  StampNs at = instant_.stamp;
-  if (instant_.kind == Instant::NEWEST) {
-    at = gate.newestAt(frame, instant_.stamp);
-    if (at == EVER_SINCE) return false;
-    stamp = at;
-    if (at == NEVER) at = instant_.stamp;
-    if (stamp != NEVER && instant_.stamp - at > buffer_.limits().max_age) return false;
-  } else {
-    stamp = gate.isStaticAt(frame, at) ? NEVER : at;
-  }
-  if (!buffer_.isKnown(frame, at)) return false;
-  parent = buffer_.parentAt(frame, at);
-  return parent >= 0;
-}
-
-void FrameWays::pass(int frame, StampNs stamp, Way& way) const {
-  way.oldest = std::min(way.oldest, stamp);
-  if (stamp != NEVER) {
-    way.newest = std::max(way.newest, stamp);
-  } else {
-    way.is_settled = way.is_settled && buffer_.gate().isSettled(frame);
-  }
-}
-
-FrameWays::Way FrameWays::to(int source) const {
-  if (source != target_) return climb(source, 0);
-  Way way;
-  way.is_known = true;
-  return way;
-}
-
-FrameWays::Way FrameWays::climb(int frame, std::size_t nb_steps) const {
-  Way way;
-  if (nb_steps > DEEPEST_TREE) return way;
-  const auto [at, is_new] = note(frame, way);
-  if (!is_new) return noted_[at].way;
-  StampNs stamp;
-  int parent;
-  if (!step(frame, stamp, parent)) return way;
-  way = climb(parent, nb_steps + 1);  // what hangs on itself meets its own, which is not known
-  pass(frame, stamp, way);
-  return noted_[at].way = way;
-}
-
-int FrameWays::lastAncestor(int frame) const {
-  StampNs stamp;
-  std::size_t nb_steps = 0;
-  for (int parent; step(frame, stamp, parent); frame = parent) {
-    if (++nb_steps > DEEPEST_TREE) return -1;
-  }
-  return frame;
-}
-
-bool FrameWays::isPlaced(int frame) const {
-  const int last = lastAncestor(frame);
-  return last >= 0 && buffer_.gate().isHeard(last);
-}
-
-std::string FrameWays::whyNot(int source) const {
-  const int last = lastAncestor(source);
-  if (is_in_cycle_ || last < 0) return "its ancestors form a cycle";
-  const TransformGate& gate = buffer_.gate();
-  const StampLimits& limits = buffer_.limits();
-  const bool is_newest = instant_.kind == Instant::NEWEST && gate.isHeard(last);
-  const StampNs newest = is_newest ? gate.newestAt(last, instant_.stamp) : NEVER;
-  const bool is_dated = newest != NEVER && newest != EVER_SINCE;
-  const StampNs age = is_dated ? instant_.stamp - newest : 0;
-  const std::string why =
-      age > limits.max_age ? "its newest transform is " + inWords(inSeconds(age)) +
-                                 " old, and max_pose_age is " + inWords(inSeconds(limits.max_age))
-                           : gate.whyUnknown(last, is_dated ? newest : instant_.stamp);
-  return last == source ? why : "transform of '" + buffer_.frames()[last] + "': " + why;
-}
-
-FoundPose poseBetween(const TransformBuffer& buffer, const std::string& target,
-                      const std::string& source, Instant instant, const WaysFrom& waysFrom) {
-  const int from = buffer.findFrame(withoutLeadingSlash(target));
-  const int to = buffer.findFrame(withoutLeadingSlash(source));
-  if (from >= 0 && from == to) return {};
-  if (from < 0 || to < 0) {
-    throw NotConnected("TF has no frame '" + (from < 0 ? target : source) + "'");
-  }
-  const auto find = [&] {
-    const FrameWays ways = waysFrom(from, instant);
-    const FrameWays::Way way = ways.to(to);
-    if (way.is_known) return way;
-    for (const int frame : {to, from}) {
-      if (ways.isPlaced(frame)) throw InputError(ways.whyNot(frame));
-    }
-    for (const int frame : {to, from}) {
-      if (!ways.isInCycle(frame)) continue;
-      throw NotConnected("'" + buffer.frames()[frame] + "': " + ways.whyNot(frame));
-    }
-    throw NotConnected("TF does not connect '" + target + "' and '" + source + "'");
-  };
-  FrameWays::Way way = find();
-  if (instant.kind == Instant::NEWEST && way.oldest != NEVER) {
-    instant = {Instant::AT, way.oldest};
-    way = find();
-  }
-  return {buffer.poseAt(from, to, instant.stamp), way.oldest};
 }
 
 }  // namespace collision_pairs
