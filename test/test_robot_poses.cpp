@@ -53,6 +53,15 @@ TEST_F(NewestPoses, WhyOneIsNotKnownIsSaidInTheseWords) {
   EXPECT_EQ(found().problems[1], "transform of 'cart': TF does not say where it is (in 'base')");
 }
 
+TEST_F(NewestPoses, AreNotKnownInAFrameThatNobodyNames) {
+  take("base", "arm", 9.875);
+  const RobotPoses poses(buffer_, *robot_, "world");
+  const FoundBodies found = poses.newest(10 * SECOND, std::vector<char>(3, 1));
+  EXPECT_THAT(found.known, ElementsAre(0, 0, 0));
+  EXPECT_THAT(found.problems, ElementsAre("TF has no frame 'world'", "TF has no frame 'world'",
+                                          "TF has no frame of that name"));
+}
+
 TEST_F(NewestPoses, LinksThatTfNamesLaterAreFoundFromThenOn) {
   const RobotPoses poses(buffer_, *robot_, "base");
   const auto known = [&] { return poses.newest(10 * SECOND, std::vector<char>(3, 1)).known; };

@@ -134,7 +134,7 @@ TEST_F(Gate, Rule6AStaticFrameMovesAfterAnAgeOfMovingTransformsAndNotAfterOne) {
   EXPECT_DOUBLE_EQ(newestX(21.125), 5.0);
   for (double t = 30.0; t < 31.5; t += 0.125) send(t, t);
   EXPECT_DOUBLE_EQ(newestX(31.375), 31.375);
-  EXPECT_DOUBLE_EQ(xAt(25.0), 5.0) << "then it was static";
+  EXPECT_TRUE(std::isnan(xAt(25.0))) << "then it was static";
 }
 
 TEST_F(Gate, Rule6AFrameThatMovedBecomesStaticIfThatIsSaidTwice) {
@@ -143,7 +143,7 @@ TEST_F(Gate, Rule6AFrameThatMovedBecomesStaticIfThatIsSaidTwice) {
   EXPECT_TRUE(std::isnan(newestX(15.0)));
   EXPECT_EQ(sendStatic(16.0, 5.0), "");
   EXPECT_DOUBLE_EQ(newestX(16.0), 5.0);
-  EXPECT_DOUBLE_EQ(xAt(10.5), 10.5) << "then it moved";
+  EXPECT_TRUE(std::isnan(xAt(10.5))) << "then it moved";
 }
 
 TEST_F(Gate, Rule7AndRule8OfStaticPosesThatContradictTheNewestSentTwiceCounts) {
@@ -180,12 +180,15 @@ TEST_F(Gate, Rule7AndRule8OfStaticPosesThatContradictTheNewestSentTwiceCounts) {
   }
 }
 
-TEST_F(Gate, Rule9BeforeAStaticPoseChangesStampsAreInDoubtAndEarlierOnesHaveTheEarlierPose) {
+TEST_F(Gate, Rule9StampsBeforeAStaticPoseChangesAreInDoubtHoweverLongAgo) {
   sendStatic(10.0, 1.0);
+  EXPECT_EQ(xAt(5.0), 1.0);
   sendStatic(20.0, 2.0);
-  EXPECT_EQ(xAt(18.5), 1.0);
-  EXPECT_TRUE(std::isnan(xAt(19.5)));
-  EXPECT_EQ(xAt(20.0), 2.0);
+  for (const double t : {20.0, 25.0, 50.0}) {
+    sendStatic(t, 2.0);
+    for (const double before : {5.0, 15.0, 19.5}) EXPECT_TRUE(std::isnan(xAt(before))) << t;
+    EXPECT_EQ(xAt(20.0), 2.0);
+  }
 }
 
 TEST_F(Gate, Rule10WhenTheClockGoesBackStaticPosesStay) {
@@ -251,7 +254,6 @@ TEST(TransformGate, KeepsOnePoseOfAStaticFrameThatChangesAHundredThousandTimes) 
                 at(10.0 + 0.01 * i));
   }
   EXPECT_LT(buffer.gate().nbKept(buffer.findFrame("a")), 20u);
-  EXPECT_LT(buffer.nbEpochs(), 20u);
 }
 
 }  // namespace test_transform_gate

@@ -56,6 +56,7 @@ int LinkFrames::find(const std::string& name) const {
 FrameWays::FrameWays(const TransformBuffer& buffer, int target, const Instant& instant,
                      const LinkFrames* links)
     : buffer_(buffer), links_(links), target_(target), instant_(instant) {
+  if (target < 0) return;  // no transform names it
   noted_.reserve(64);
   anchors_.push_back({target, target, -1});
   Way way;
@@ -140,9 +141,9 @@ bool FrameWays::step(int frame, StampNs& stamp, int& parent) const {
     if (at == NEVER) at = instant_.stamp;
     if (stamp != NEVER && instant_.stamp - at > buffer_.limits().max_age) return false;
   } else {
-    stamp = gate.isStaticAt(frame, at) ? NEVER : at;
+    stamp = gate.isStatic(frame) ? NEVER : at;
   }
-  if (!buffer_.isKnown(frame, at)) return false;
+  if (!buffer_.gate().isKnown(frame, at)) return false;
   parent = buffer_.parentAt(frame, at);
   return parent >= 0;
 }

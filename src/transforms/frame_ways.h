@@ -66,7 +66,7 @@ class LinkFrames {
 /// Nothing is known if the target hangs on itself.
 class FrameWays {
  public:
-  /// `links`: null for transforms only.
+  /// `target` may be -1, to which no way leads. `links`: null for transforms only.
   FrameWays(const TransformBuffer& buffer, int target, const Instant& instant,
             const LinkFrames* links = nullptr);
 

@@ -8,7 +8,7 @@ namespace {
 int topOf(const TransformBuffer& buffer, int frame, StampNs stamp, std::vector<int>& tops) {
   int top = frame;
   for (std::size_t i = 0; i < buffer.frames().size() && tops[top] < 0; ++i) {
-    const int parent = buffer.gate().isStaticAt(top, stamp) ? buffer.parentAt(top, stamp) : -1;
+    const int parent = buffer.gate().isStatic(top) ? buffer.parentAt(top, stamp) : -1;
     if (parent < 0) break;
     top = parent;
   }
@@ -22,7 +22,7 @@ int RobotPoses::bodyUnder(int frame, StampNs stamp) const {
   for (std::size_t i = 0; i < links_.nbFrames() && frame >= 0; ++i) {  // a cycle ends, too
     const int body = links_.bodyOf(frame);
     if (body >= 0) return body;
-    frame = buffer_.isKnown(frame, stamp) ? buffer_.parentAt(frame, stamp) : -1;
+    frame = buffer_.gate().isKnown(frame, stamp) ? buffer_.parentAt(frame, stamp) : -1;
   }
   return -1;
 }

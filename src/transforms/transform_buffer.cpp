@@ -16,7 +16,6 @@ namespace {
 
 using Eigen::Isometry3d;
 
-constexpr std::size_t MOST_EPOCHS = 1000;
 constexpr StampNs SECOND = 1000000000;
 
 ros::Time toTime(StampNs stamp) {
@@ -31,9 +30,7 @@ bool isPose(const Eigen::Vector3d& p, const Eigen::Quaterniond& R) {
   return p.allFinite() && std::abs(R.norm() - 1.0) < 1e-3;
 }
 
-TransformBuffer::TransformBuffer(const PoseLimits& limits) : gate_(limits) {
-  beginEpoch(EVER_SINCE);
-}
+TransformBuffer::TransformBuffer(const PoseLimits& limits) : gate_(limits) { begin(); }
 
 TransformBuffer::TransformBuffer(TransformBuffer&&) noexcept = default;
 TransformBuffer::~TransformBuffer() = default;
@@ -51,27 +48,15 @@ std::string TransformBuffer::take(const ReceivedTransform& transform, bool is_st
   if (parent_frame < 0) return "more than 10000 frames are named on TF";
   const FramePose pose{parent_frame, transform.p_PC, transform.R_PC.normalized()};
   const auto [what, why] = gate_.admit(frame, pose, is_static, publisher, transform.stamp, now);
-  using Store = TransformGate::Store;
-  if (what == Store::NOTHING) return why;
-  // All stamps of an epoch that is as young as a doubt are in doubt where a static pose changes.
-  const bool is_young = epochs_.back().since > before(now, limits().lasting);
-  if (what == Store::KIND || (what == Store::POSE && !is_young)) {
-    beginEpoch(now);
-    return why;
-  }
-  for (std::size_t i = 0; i < epochs_.size(); ++i) {
-    const bool is_last = i + 1 == epochs_.size();
-    const bool is_over =
-        !is_last && epochs_[i + 1].since < before(transform.stamp, limits().max_gap);
-    const bool takes = is_static ? is_last || what == Store::FIRST
-                                 : !is_over && !gate_.isStaticAt(frame, epochs_[i].since);
-    if (takes) store(epochs_[i], frame, pose, transform.stamp, is_static);
+  if (what == TransformGate::Store::KIND) {
+    begin();
+  } else if (what == TransformGate::Store::IT) {
+    store(frame, pose, transform.stamp, is_static);
   }
   return why;
 }
 
-void TransformBuffer::store(Epoch& epoch, int frame, const FramePose& pose, StampNs stamp,
-                            bool is_static) const {
+void TransformBuffer::store(int frame, const FramePose& pose, StampNs stamp, bool is_static) const {
   geometry_msgs::TransformStamped message;
   message.header.stamp = toTime(stamp);
   message.header.frame_id = frames()[pose.parent];
@@ -83,52 +68,38 @@ void TransformBuffer::store(Epoch& epoch, int frame, const FramePose& pose, Stam
   message.transform.rotation.y = pose.R_PC.y();
   message.transform.rotation.z = pose.R_PC.z();
   message.transform.rotation.w = pose.R_PC.w();
-  epoch.tf->setTransform(message, "", is_static);
+  tf_->setTransform(message, "", is_static);
 }
 
-/// With the static poses that count now, and the samples between which a pose may be asked for.
-void TransformBuffer::beginEpoch(StampNs now) {
-  epochs_.push_back(
-      {now, std::make_unique<tf2::BufferCore>(ros::Duration().fromNSec(limits().kept))});
+/// With the static poses that count now, and the samples that are kept.
+void TransformBuffer::begin() {
+  tf_ = std::make_unique<tf2::BufferCore>(ros::Duration().fromNSec(limits().kept));
   for (std::size_t i = 0; i < frames().size(); ++i) {
     const int frame = static_cast<int>(i);
-    gate_.forEachSince(frame, before(now, limits().max_gap),
-                       [&](const FramePose& pose, StampNs stamp) {
-                         store(epochs_.back(), frame, pose, stamp, stamp == NEVER);
-                       });
-  }
-  while (epochs_.size() > MOST_EPOCHS ||
-         (epochs_.size() > 1 && epochs_[1].since < before(now, limits().kept))) {
-    epochs_.pop_front();
+    gate_.forEach(frame, [&](const FramePose& pose, StampNs stamp) {
+      store(frame, pose, stamp, stamp == NEVER);
+    });
   }
 }
 
 void TransformBuffer::restart(StampNs now) {
   gate_.restart(now);
-  epochs_.clear();
-  beginEpoch(EVER_SINCE);
-}
-
-const TransformBuffer::Epoch& TransformBuffer::epochAt(StampNs stamp) const {
-  auto epoch = epochs_.rbegin();
-  while (epoch->since > stamp && std::next(epoch) != epochs_.rend()) ++epoch;
-  return *epoch;
+  begin();
 }
 
 int TransformBuffer::parentAt(int frame, StampNs stamp) const {
   const int parent = gate_.parentAt(frame, stamp);
   if (parent >= 0) return parent;
   std::string name;
-  const bool has = epochAt(stamp).tf->_getParent(frames()[frame], toTime(stamp), name);
+  const bool has = tf_->_getParent(frames()[frame], toTime(stamp), name);
   return has ? findFrame(name) : -1;
 }
 
 Isometry3d TransformBuffer::poseAt(int target, int source, StampNs stamp) const {
   if (target == source) return Isometry3d::Identity();
   try {
-    const auto X = epochAt(stamp)
-                       .tf->lookupTransform(frames()[target], frames()[source], toTime(stamp))
-                       .transform;
+    const auto X =
+        tf_->lookupTransform(frames()[target], frames()[source], toTime(stamp)).transform;
     Isometry3d X_TS = Isometry3d::Identity();
     X_TS.linear() = Eigen::Quaterniond(X.rotation.w, X.rotation.x, X.rotation.y, X.rotation.z)
                         .normalized()

@@ -1,7 +1,6 @@
 // tf2's buffer behind a gate: poses of frames that are known beyond doubt.
 #pragma once
 
-#include <deque>
 #include <memory>
 #include <string>
 #include <vector>
@@ -29,8 +28,7 @@ struct ReceivedTransform {
 /// (straight line, and slerp) and walks from frame to frame. A pose is known if tf2 knows it, and
 /// no frame on the way is in doubt at that stamp.
 ///
-/// tf2 keeps a frame static or moving for ever, and of a static one the last pose. Where either
-/// changes, a new BufferCore takes over for stamps from then on.
+/// tf2 keeps a frame static or moving for ever: where that changes, a new BufferCore takes over.
 ///
 /// 10 s of each frame are kept. Not thread safe.
 class TransformBuffer {
@@ -53,31 +51,16 @@ class TransformBuffer {
   int findFrame(const std::string& name) const { return gate_.names().find(name); }
   /// -1: it has none then.
   int parentAt(int frame, StampNs stamp) const;
-  /// Whether its pose in its parent is known at that stamp, as TransformGate::isKnown().
-  bool isKnown(int frame, StampNs stamp) const {
-    return stamp >= epochs_.front().since && gate_.isKnown(frame, stamp);
-  }
-
-  /// Of buffers of tf2: bounded.
-  std::size_t nbEpochs() const { return epochs_.size(); }
-
   /// Pose of one frame in another, at a stamp; of a frame in itself even if no transform names it.
   /// Throws InputError if tf2 does not know it.
   Eigen::Isometry3d poseAt(int target, int source, StampNs stamp) const;
 
  private:
-  /// Of stamps from `since` on.
-  struct Epoch {
-    StampNs since;
-    std::unique_ptr<tf2::BufferCore> tf;
-  };
-
-  const Epoch& epochAt(StampNs stamp) const;
-  void store(Epoch& epoch, int frame, const FramePose& pose, StampNs stamp, bool is_static) const;
-  void beginEpoch(StampNs now);
+  void store(int frame, const FramePose& pose, StampNs stamp, bool is_static) const;
+  void begin();
 
   TransformGate gate_;
-  std::deque<Epoch> epochs_;  ///< in order, never empty
+  std::unique_ptr<tf2::BufferCore> tf_;
 };
 
 }  // namespace collision_pairs

@@ -8,7 +8,6 @@ namespace collision_pairs {
 namespace {
 
 constexpr std::size_t MOST_NAMES = 10000;  // frames or publishers: names are external input
-constexpr std::size_t MOST_KINDS = 100;    // changes of one frame that are kept
 
 bool differ(const FramePose& a, const FramePose& b) {
   return a.parent != b.parent || distanceOf(a, b) > SAME_PLACE || angleOf(a, b) > SAME_PLACE;
@@ -32,6 +31,7 @@ std::string whyRefused(StampNs stamp, StampNs now, const StampLimits& limits) {
 const char* const TransformGate::TOO_MANY_NODES = "too many nodes publish it";
 const char* const TransformGate::SENT_ONCE =
     "several nodes publish it on /tf_static, and the newest pose was sent once; send it again";
+const char* const TransformGate::CHANGED = "its static transform changed";
 const char* const TransformGate::IS_ON_BOTH =
     "it is published both on /tf and on /tf_static, so its pose is ambiguous; stop one of the two "
     "publishers";
@@ -64,26 +64,16 @@ TransformGate::Answer TransformGate::admit(int number, const FramePose& pose, bo
   if (by < 0) return {Store::NOTHING, "more than 10000 nodes publish on TF"};
   frames_.resize(names_.all().size());
   Frame& frame = frames_[number];
-  const bool was_heard = !frame.kinds.empty(), was_static = frame.isStatic();
+  const bool was_heard = frame.is_heard, was_static = frame.is_static;
   Answer answer =
       is_static ? admitStatic(frame, pose, by, now) : admitMoving(frame, pose, by, stamp, now);
-  // By whichever kind it is noticed: the buffer of the one before stores nothing of the other.
-  if (was_heard && frame.isStatic() != was_static) answer.store = Store::KIND;
-  return answer;
-}
-
-void TransformGate::setKind(Frame& frame, bool is_static, StampNs now) {
-  if (frame.kinds.size() == MOST_KINDS) {
-    frame.doubts[BOTH_KINDS].add({EVER_SINCE, frame.kinds[1].since}, IS_ON_BOTH);
-    frame.kinds.erase(frame.kinds.begin());
+  frame.is_heard = true;
+  // By whichever kind it is noticed: the buffer stores nothing of the other.
+  if (was_heard && frame.is_static != was_static) {
+    answer.store = Store::KIND;
+    frame.since = frame.is_static ? now : EVER_SINCE;
   }
-  frame.kinds.push_back({frame.kinds.empty() ? EVER_SINCE : now, is_static});
-}
-
-void TransformGate::use(Frame& frame, const StaticPose& pose) {
-  frame.has_moved_parent |=
-      !frame.kinds.empty() && frame.static_pose.pose.parent != pose.pose.parent;
-  frame.static_pose = pose;
+  return answer;
 }
 
 StampNs TransformGate::endOfBoth(const Frame& frame) const {
@@ -92,21 +82,19 @@ StampNs TransformGate::endOfBoth(const Frame& frame) const {
   return after(std::min(moving, fixed), limits_.max_age);
 }
 
-/// Rules 5 and 6, but for a frame that becomes static after it was silent. True: it is of the other
-/// kind from now on.
-bool TransformGate::noteKind(Frame& frame, bool is_static, StampNs now) {
+/// Rules 5 and 6, but for a frame that becomes static after it was silent.
+void TransformGate::noteKind(Frame& frame, bool is_static, StampNs now) {
   const auto isNewerStatic = [&] {
     const StampNs moving = std::max(frame.last_moving, frame.both_since);
     const StampNs fixed = std::max(frame.last_static, frame.both_since);
-    return fixed == moving ? frame.isStatic() : fixed > moving;
+    return fixed == moving ? frame.is_static : fixed > moving;
   };
-  bool has_changed = false;
   if (frame.both_since != NEVER && endOfBoth(frame) <= now && limits_.max_age != NEVER) {
-    has_changed = isNewerStatic() != frame.isStatic();
+    const bool has_changed = isNewerStatic() != frame.is_static;
     frame.doubts[BOTH_KINDS].endBy(has_changed ? now : endOfBoth(frame));
-    if (has_changed) setKind(frame, !frame.isStatic(), now);
-    if (has_changed && frame.isStatic()) {
-      use(frame, frame.newest_static);
+    frame.is_static = frame.is_static != has_changed;
+    if (has_changed && frame.is_static) {
+      frame.static_pose = frame.newest_static;
       if (!frame.newest_counts) {
         frame.doubts[STATIC_POSE].add({before(now, limits_.lasting), NEVER}, SENT_ONCE);
       }
@@ -116,16 +104,15 @@ bool TransformGate::noteKind(Frame& frame, bool is_static, StampNs now) {
   const StampNs other = is_static ? frame.last_moving : frame.last_static;
   const StampNs silent = after(other, limits_.max_age);  // from then on
   const bool is_other_heard = other != EVER_SINCE && (is_static ? now <= silent : now < silent);
-  const bool was_static = frame.isStatic();
+  const bool was_static = frame.is_static;
   (is_static ? frame.last_static : frame.last_moving) = now;
   const bool is_lasting = was_static || limits_.max_age == NEVER;  // static poses do not age
   const bool begins = is_other_heard || (was_static != is_static && is_lasting);
   if (frame.both_since == NEVER && begins) frame.both_since = now;
-  if (frame.both_since == NEVER) return has_changed;
+  if (frame.both_since == NEVER) return;
   DoubtfulSpans& doubts = frame.doubts[BOTH_KINDS];
   doubts.add({before(frame.both_since, limits_.max_age), NEVER}, IS_ON_BOTH);
-  if (isNewerStatic() == frame.isStatic()) doubts.endBy(endOfBoth(frame));
-  return has_changed;
+  if (isNewerStatic() == frame.is_static) doubts.endBy(endOfBoth(frame));
 }
 
 TransformGate::Answer TransformGate::admitStatic(Frame& frame, const FramePose& pose, int by,
@@ -146,40 +133,38 @@ TransformGate::Answer TransformGate::admitStatic(Frame& frame, const FramePose& 
     frame.newest_static = {by, pose};
     frame.newest_counts = counts;
   };
-  if (frame.kinds.empty()) {
+  if (!frame.is_heard) {
     note();
-    use(frame, frame.newest_static);
-    setKind(frame, true, now);
+    frame.static_pose = frame.newest_static;
+    frame.is_static = true;
     frame.last_static = now;
-    return {Store::FIRST, ""};
+    return {Store::IT, ""};
   }
-  const bool was_static = frame.isStatic();
+  const bool was_static = frame.is_static;
   noteKind(frame, true, now);
   note();
-  if (!frame.isStatic()) {
+  if (!frame.is_static) {
     if (frame.both_since != NEVER) return {Store::NOTHING, IS_ON_BOTH};
     if (!is_again) {
       return {Store::NOTHING,
               "it moved, so its static pose does not count before it is sent again"};
     }
-    setKind(frame, true, now);
+    frame.is_static = true;
   }
-  if (!was_static) use(frame, frame.newest_static);
+  if (!was_static) frame.static_pose = frame.newest_static;
   DoubtfulSpans& doubts = frame.doubts[STATIC_POSE];
   if (counts && doubts.isOpen()) doubts.endBy(after(now, limits_.lasting));
   std::string why = frame.both_since != NEVER ? IS_ON_BOTH : "";
   if (was_static && !differ(frame.static_pose.pose, pose)) return {Store::NOTHING, why};
   if (counts) {
-    if (was_static) {
-      doubts.add({before(now, limits_.lasting), reached(now)}, "its static transform changed");
-    }
-    use(frame, frame.newest_static);
-    return {was_static ? Store::POSE : Store::KIND, why};
+    if (was_static) frame.since = reached(now);
+    frame.static_pose = frame.newest_static;
+    return {Store::IT, why};
   }
   why = "'" + publishers_.all()[frame.static_pose.publisher] + "' and '" + publishers_.all()[by] +
         "' contradict each other on /tf_static; stop one of them, and start the other again";
   doubts.add({before(now, limits_.lasting), NEVER}, why);
-  return {was_static ? Store::NOTHING : Store::KIND, why};
+  return {Store::NOTHING, why};
 }
 
 void TransformGate::forget(Frame& frame, StampNs now) const {
@@ -208,7 +193,8 @@ void TransformGate::restart(StampNs now) {
     const bool is_open = frame.doubts[STATIC_POSE].isOpen();
     const std::string why = is_open ? *frame.doubts[STATIC_POSE].at(last_now_) : "";
     Frame fresh;
-    if (!frame.kinds.empty()) fresh.kinds = {{EVER_SINCE, frame.isStatic()}};
+    fresh.is_heard = frame.is_heard;
+    fresh.is_static = frame.is_static;
     fresh.statics = std::move(frame.statics);
     fresh.static_pose = frame.static_pose;  // of tf2's new buffer the only one
     fresh.newest_static = frame.newest_static;
@@ -225,15 +211,8 @@ void TransformGate::restart(StampNs now) {
 }
 
 bool TransformGate::isHeard(int number) const {
-  return number < static_cast<int>(frames_.size()) && !frames_[number].kinds.empty() &&
-         (frames_[number].isStatic() || !frames_[number].sources.empty());
-}
-
-bool TransformGate::isStaticAt(int number, StampNs stamp) const {
-  if (number >= static_cast<int>(frames_.size()) || frames_[number].kinds.empty()) return false;
-  auto kind = frames_[number].kinds.rbegin();
-  while (kind->since > stamp && std::next(kind) != frames_[number].kinds.rend()) ++kind;
-  return kind->is_static;
+  return number < static_cast<int>(frames_.size()) && frames_[number].is_heard &&
+         (frames_[number].is_static || !frames_[number].sources.empty());
 }
 
 StampNs TransformGate::newestStamp(int number) const {
@@ -252,7 +231,7 @@ StampNs TransformGate::newestAt(const Frame& frame, StampNs now) const {
 }
 
 StampNs TransformGate::newestAt(int number, StampNs now) const {
-  return isStaticAt(number, now) ? NEVER : newestAt(frames_[number], now);
+  return isStatic(number) ? NEVER : newestAt(frames_[number], now);
 }
 
 const std::string* TransformGate::doubtAt(const Frame& frame, StampNs stamp) {
@@ -265,27 +244,28 @@ const std::string* TransformGate::doubtAt(const Frame& frame, StampNs stamp) {
 bool TransformGate::isKnown(int number, StampNs stamp) const {
   if (!isHeard(number)) return false;
   const Frame& frame = frames_[number];
-  if (!isStaticAt(number, stamp)) {
+  if (!frame.is_static) {
     return frame.oldest <= stamp && stamp <= frame.newest && !doubtAt(frame, stamp);
   }
-  return !frame.doubts[BOTH_KINDS].at(stamp) && !frame.doubts[STATIC_POSE].at(stamp);
+  return stamp >= frame.since && !frame.doubts[BOTH_KINDS].at(stamp) &&
+         !frame.doubts[STATIC_POSE].at(stamp);
 }
 
 bool TransformGate::isSettled(int number) const {
   const Frame& frame = frames_[number];
-  return frame.kinds.size() == 1 && !frame.has_moved_parent &&
-         frame.doubts[BOTH_KINDS].size() == 0 && frame.doubts[STATIC_POSE].size() == 0;
+  return frame.since == EVER_SINCE && frame.doubts[BOTH_KINDS].size() == 0 &&
+         frame.doubts[STATIC_POSE].size() == 0;
 }
 
 std::string TransformGate::whyUnknown(int number, StampNs stamp) const {
-  if (number >= static_cast<int>(frames_.size()) || frames_[number].kinds.empty()) {
+  if (number >= static_cast<int>(frames_.size()) || !frames_[number].is_heard) {
     return "TF does not say where it is";
   }
   const Frame& frame = frames_[number];
   if (const std::string* both = frame.doubts[BOTH_KINDS].at(stamp)) return *both;
-  if (isStaticAt(number, stamp)) {
+  if (frame.is_static) {
     const std::string* doubt = frame.doubts[STATIC_POSE].at(stamp);
-    return doubt ? *doubt : "it is older than what is kept";
+    return doubt ? *doubt : CHANGED;
   }
   if (const std::string* doubt = doubtAt(frame, stamp)) return *doubt;
   if (frame.newest == EVER_SINCE) {
@@ -299,14 +279,12 @@ std::string TransformGate::whyUnknown(int number, StampNs stamp) const {
 }
 
 int TransformGate::parentAt(int number, StampNs stamp) const {
-  if (isStaticAt(number, stamp)) {
-    return frames_[number].has_moved_parent ? -1 : frames_[number].static_pose.pose.parent;
-  }
+  if (frames_[number].is_static) return frames_[number].static_pose.pose.parent;
   return stamp >= frames_[number].parent_since ? frames_[number].parent : -1;
 }
 
 std::size_t TransformGate::nbKept(int number) const {
-  std::size_t count = frames_[number].kinds.size() + frames_[number].statics.size();
+  std::size_t count = frames_[number].statics.size();
   for (const Source& source : frames_[number].sources) count += source.samples.size();
   for (const DoubtfulSpans& spans : frames_[number].doubts) count += spans.size();
   return count;

@@ -63,10 +63,10 @@ class Names {
 ///     static pose was sent twice.
 ///  7. Of static poses the newest counts that one node alone has sent, or that was sent twice.
 ///  8. Until there is one again, a frame whose static publishers contradict each other is in doubt.
-///  9. Where a static pose changes, stamps of the last max_pose_age before are in doubt.
+///  9. Where a static pose changes, or a frame becomes static, earlier stamps are in doubt.
 /// 10. When the clock goes back, all but static poses is forgotten.
 ///
-/// Without a limit of the age, max_transform_age stands for max_pose_age in rules 4 and 9. Of a
+/// Without a limit of the age, max_transform_age stands for max_pose_age in rule 4. Of a
 /// frame are kept its static pose of each publisher, their samples of the last few seconds, and the
 /// spans in doubt. Cost of a sample in order: O(publishers of the frame * log samples).
 class TransformGate {
@@ -76,10 +76,8 @@ class TransformGate {
   /// What the buffer is to do with an admitted transform.
   enum class Store {
     NOTHING,
-    SAMPLE,  ///< of a frame that moves
-    FIRST,   ///< the first pose of a static frame
-    POSE,    ///< another one of a static frame
-    KIND     ///< the frame is of the other kind from now on
+    IT,
+    KIND  ///< the frame is of the other kind from now on, which tf2 cannot change
   };
   struct Answer {
     Store store;
@@ -95,18 +93,18 @@ class TransformGate {
 
   /// False if nothing was received of it: it is a parent only.
   bool isHeard(int frame) const;
-  bool isStaticAt(int frame, StampNs stamp) const;
-  /// visit(pose, stamp): the static pose that counts, at NEVER; or the samples from `since` on.
+  bool isStatic(int frame) const {
+    return frame < static_cast<int>(frames_.size()) && frames_[frame].is_static;
+  }
+  /// visit(pose, stamp): the static pose that counts, at NEVER; or all samples that are kept.
   template <class Visit>
-  void forEachSince(int number, StampNs since, const Visit& visit) const {
+  void forEach(int number, const Visit& visit) const {
     if (number >= static_cast<int>(frames_.size())) return;
     const Frame& frame = frames_[number];
-    if (frame.isStatic()) return visit(frame.static_pose.pose, NEVER);
+    if (frame.is_static) return visit(frame.static_pose.pose, NEVER);
     std::map<StampNs, const FramePose*> samples;
     for (const Source& source : frame.sources) {
-      for (const Sample& sample : source.samples) {
-        if (sample.stamp >= since) samples.emplace(sample.stamp, &sample.pose);
-      }
+      for (const Sample& sample : source.samples) samples.emplace(sample.stamp, &sample.pose);
     }
     for (const auto& [stamp, pose] : samples) visit(*pose, stamp);
   }
@@ -117,7 +115,7 @@ class TransformGate {
   StampNs newestAt(int frame, StampNs now) const;
   /// Whether its pose in its parent is known at that stamp.
   bool isKnown(int frame, StampNs stamp) const;
-  /// Whether a frame that is static has been so for all stamps, with one parent and without doubt.
+  /// Whether a frame that is static has been so for all stamps, with one pose and without doubt.
   bool isSettled(int frame) const;
   /// Why isKnown() is false, in words.
   std::string whyUnknown(int frame, StampNs stamp) const;
@@ -147,34 +145,26 @@ class TransformGate {
     int publisher;
     FramePose pose;
   };
-  struct Kind {
-    StampNs since;
-    bool is_static;
-  };
   enum Reason { GAP, PUBLISHERS, BOTH_KINDS, STATIC_POSE, NB_REASONS };
   struct Frame {
-    std::vector<Kind> kinds;                                     ///< in order; empty: not heard
+    bool is_heard = false, is_static = false;
+    StampNs since = EVER_SINCE;  ///< stamps before had another static pose, or it moved
     StampNs last_moving = EVER_SINCE, last_static = EVER_SINCE;  ///< arrivals
     StampNs both_since = NEVER;       ///< arrival from which on both kinds are heard; NEVER: one is
     std::vector<StaticPose> statics;  ///< the newest of each publisher
     StaticPose static_pose{-1, {-1, {}, {}}};    ///< the one that counts, if it is static
     StaticPose newest_static{-1, {-1, {}, {}}};  ///< the one that was received last
     bool newest_counts = false;                  ///< by rule 7
-    bool has_moved_parent = false;               ///< its static poses had several parents
     std::vector<Source> sources;
     StampNs oldest = NEVER, newest = EVER_SINCE;  ///< samples
     StampNs parent_since = EVER_SINCE;            ///< stamp from which on the parent is `parent`
     int parent = -1;
     std::array<DoubtfulSpans, NB_REASONS> doubts;
-
-    bool isStatic() const { return !kinds.empty() && kinds.back().is_static; }
   };
 
   Answer admitStatic(Frame& frame, const FramePose& pose, int by, StampNs now);
   Answer admitMoving(Frame& frame, const FramePose& pose, int by, StampNs stamp, StampNs now);
-  bool noteKind(Frame& frame, bool is_static, StampNs now);
-  void setKind(Frame& frame, bool is_static, StampNs now);
-  static void use(Frame& frame, const StaticPose& pose);
+  void noteKind(Frame& frame, bool is_static, StampNs now);
   StampNs endOfBoth(const Frame& frame) const;
   Source* sourceOf(Frame& frame, int publisher) const;
   void noteSample(Frame& frame, const Samples& samples, Place added);
@@ -190,7 +180,7 @@ class TransformGate {
   StampNs reached(StampNs now) const { return newest_ > now ? newest_ + 1 : now; }
 
   static constexpr std::size_t MOST_PUBLISHERS = 16;  // of one frame
-  static const char *const TOO_MANY_NODES, *const IS_ON_BOTH, *const SENT_ONCE;
+  static const char *const TOO_MANY_NODES, *const IS_ON_BOTH, *const SENT_ONCE, *const CHANGED;
 
   const StampLimits limits_;
   std::string too_far_apart_;

@@ -52,8 +52,7 @@ TransformGate::Answer TransformGate::admitMoving(Frame& frame, const FramePose& 
   if (frame.newest != EVER_SINCE && frame.newest - stamp > limits_.kept) {
     return {Store::NOTHING, "it is older than what is kept"};
   }
-  if (frame.kinds.empty()) setKind(frame, false, now);
-  const bool has_changed = noteKind(frame, false, now);
+  noteKind(frame, false, now);
   // While it counts as static, samples are kept for what they say of publishers once it moves.
   const bool is_stored =
       std::any_of(frame.sources.begin(), frame.sources.end(), [&](const Source& source) {
@@ -79,8 +78,8 @@ TransformGate::Answer TransformGate::admitMoving(Frame& frame, const FramePose& 
   if (!other.empty()) why = other;
   forget(frame, now);
   if (frame.both_since != NEVER) why = IS_ON_BOTH;
-  if (frame.isStatic()) return {Store::NOTHING, IS_ON_BOTH};
-  return {has_changed ? Store::KIND : is_stored ? Store::NOTHING : Store::SAMPLE, why};
+  if (frame.is_static) return {Store::NOTHING, IS_ON_BOTH};
+  return {is_stored ? Store::NOTHING : Store::IT, why};
 }
 
 TransformGate::Source* TransformGate::sourceOf(Frame& frame, int publisher) const {

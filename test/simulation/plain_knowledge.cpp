@@ -71,18 +71,16 @@ void Knowledge::hearStatic(Told& told, const Pose& X_PB, const std::string& publ
   if (!counts && !told.open_since) told.open_since = ros_;
 }
 
-/// Not at stamps shortly before it changed, nor while it is open what counts.
+/// Not at stamps before it changed or came to stand, nor while it is open what counts.
 std::optional<Pose> Knowledge::standing(const Told& told, Ns stamp) const {
-  const auto isShortlyBefore = [&](Ns change) { return seconds(change - stamp) < lasting(); };
   if (told.static_poses.empty()) return std::nullopt;
-  if (told.open_since && (*told.open_since == EVER || isShortlyBefore(*told.open_since))) {
+  if (told.open_since &&
+      (*told.open_since == EVER || seconds(*told.open_since - stamp) < lasting())) {
     return std::nullopt;
   }
-  for (auto change = told.static_poses.rbegin(); change != told.static_poses.rend(); ++change) {
-    if (change->first <= stamp) return change->second;
-    if (isShortlyBefore(change->first)) return std::nullopt;
-  }
-  return std::nullopt;
+  const auto& [since, pose] = told.static_poses.back();
+  if (stamp < std::max(since, told.settled_since)) return std::nullopt;
+  return pose;
 }
 
 std::optional<Pose> Knowledge::moving(const Told& told, Ns stamp) const {

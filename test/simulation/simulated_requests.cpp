@@ -73,7 +73,8 @@ void SimulatedNode::requestJoints(const Event& event) {
       } else if (link.joint != SimulatedLink::FIXED) {
         const bool is_checked = scene->scene->findModel(linkName(i)) >= 0;
         can_age = can_age || (heard && is_checked && !knowledge_.told(i).is_static);
-        is_placed = heard && !knowledge_.isLiedAbout(i) && !knowledge_.isUnsettled(i);
+        const bool is_newest = asked.is_static && !knowledge_.told(i).is_static;  // not of a stamp
+        is_placed = heard && !is_newest && !knowledge_.isLiedAbout(i) && !knowledge_.isUnsettled(i);
       }
       if (link.parent >= 0) {
         const auto& X_WP = at[static_cast<std::size_t>(link.parent)];
