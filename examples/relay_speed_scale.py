@@ -9,6 +9,7 @@ Usage: relay_speed_scale.py [_controller:=/scaled_pos_joint_traj_controller] [_l
 """
 import signal
 import threading
+import time
 
 import rospy
 from control_msgs.msg import JointTrajectoryControllerState
@@ -23,13 +24,13 @@ DRIVER = "/ur_hardware_interface/"
 rospy.init_node("relay_speed_scale", disable_signals=True)
 slider = rospy.ServiceProxy(DRIVER + "set_speed_slider", SetSpeedSliderFraction)
 pause, play = (rospy.ServiceProxy(DRIVER + "dashboard/" + name, Trigger) for name in ("pause", "play"))
-newest = {"scale": 0.0, "at": 0.0}
+newest = {"scale": 0.0, "at": -TIMEOUT}  # of the steady clock: a /clock that stands makes no scale fresh
 command = rospy.Publisher("trajectory_velocities", JointTrajectory, queue_size=1)
 rospy.Subscriber(rospy.get_param("~controller", "/scaled_pos_joint_traj_controller") + "/state", JointTrajectoryControllerState,
                  lambda state: command.publish(JointTrajectory(joint_names=state.joint_names, points=[
                      JointTrajectoryPoint(velocities=state.desired.velocities)])), queue_size=1, tcp_nodelay=True)
 rospy.Subscriber(rospy.get_param("~limiter", "/collision_pairs_node") + "/speed_scale", Float64,
-                 lambda scale: newest.update(scale=scale.data, at=rospy.get_time()), queue_size=1, tcp_nodelay=True)
+                 lambda scale: newest.update(scale=scale.data, at=time.monotonic()), queue_size=1, tcp_nodelay=True)
 # Whatever asks it to end is only noted, so that nothing plays the program again after the last pause.
 asked, paused = threading.Event(), threading.Event()
 for number in (signal.SIGINT, signal.SIGTERM):
@@ -37,7 +38,7 @@ for number in (signal.SIGINT, signal.SIGTERM):
 rospy.on_shutdown(lambda: asked.set() or paused.wait(2.0))  # while services can still be called
 is_paused = False
 while not asked.is_set():
-    scale = newest["scale"] if rospy.get_time() - newest["at"] < TIMEOUT else 0.0
+    scale = newest["scale"] if time.monotonic() - newest["at"] < TIMEOUT else 0.0
     try:
         done = slider(max(scale, LEAST)).success
         if done and is_paused != (scale < LEAST):

@@ -290,6 +290,18 @@ TEST_F(NewestPoses, OfLinksThatHangOnTheOtherLinkOfTheirBodyAreKnown) {
   EXPECT_THAT(poses.newest(10 * SECOND, {1, 1, 1}).known, ElementsAre(1, 1, 1));
 }
 
+// As base_footprint, base_stabilized and base_link.
+TEST_F(NewestPoses, OfABodyBetweenTwoLinksOfWhichTfHasAnotherFrameAreKnownInThatFrame) {
+  take("tool", "level", 9.75);
+  take("level", "arm", 9.75);
+  take("arm", "base", 9.75);
+  take("tool", "wheel", 9.75);
+  for (const char* frame : {"level", "arm", "tool", "base"}) {
+    const RobotPoses poses(buffer_, *robot_, frame);
+    EXPECT_THAT(poses.newest(10 * SECOND, {1, 1, 1}).known, ElementsAre(1, 1, 1)) << frame;
+  }
+}
+
 TEST_F(NewestPoses, AreThoseOfTheFirstLinkOfTheirBodyThatIsKnown) {
   const auto say = [&](const std::string& link, double x, const std::string& publisher) {
     for (const StampNs stamp : {19 * SECOND / 2, 39 * SECOND / 4}) {

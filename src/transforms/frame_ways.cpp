@@ -102,8 +102,7 @@ bool FrameWays::goUp(int frame, Way way, std::vector<int>& path) const {
     parent = lastParent(frame);
     if (parent >= 0) has_end = goUp(parent, {}, path);
     for (const int fixed : linksFixedTo(frame)) {
-      const bool is_above = lastParent(fixed) >= 0 && firstAbove(fixed, path) != frame;
-      if (!has_end || !is_above || isAmong(path, fixed)) continue;
+      if (!has_end || lastParent(fixed) < 0 || isBelow(fixed, path)) continue;
       Way by_urdf = way;
       passFixedJoint(frame, fixed, by_urdf);
       has_end = goUp(fixed, by_urdf, path);
@@ -111,6 +110,21 @@ bool FrameWays::goUp(int frame, Way way, std::vector<int>& path) const {
   }
   path.pop_back();
   return has_end;
+}
+
+/// On the path, or by transforms on a frame of it: on its last one, or on one from which the path
+/// leads by links of the same body alone, whose transforms have another order than its joints.
+bool FrameWays::isBelow(int link, const std::vector<int>& path) const {
+  const int met = firstAbove(link, path);
+  if (met < 0 || met == link || met == path.back()) return met >= 0;
+  const auto isOfOther = [&](int frame) {
+    const int body = links_->bodyOf(frame);
+    return body >= 0 && body != links_->bodyOf(link);
+  };
+  for (int frame = link; frame != met; frame = lastParent(frame)) {
+    if (isOfOther(frame)) return false;
+  }
+  return std::none_of(std::find(path.begin(), path.end(), met), path.end(), isOfOther);
 }
 
 int FrameWays::firstAbove(int frame, const std::vector<int>& frames) const {
@@ -171,25 +185,30 @@ FrameWays::Way FrameWays::to(int source) const {
 }
 
 FrameWays::Way FrameWays::climb(int frame, std::size_t nb_steps) const {
-  if (nb_steps > DEEPEST_TREE) return {};
   const auto [entry, is_new] = noted_.try_emplace(frame);
   Way& way = entry->second;
   if (!is_new) return way;  // what hangs on itself meets its own, which is not known
-  StampNs stamp;
-  int parent;
-  if (step(frame, stamp, parent)) {
-    Way up = climb(parent, nb_steps + 1);
-    pass(frame, stamp, up);
-    way = up;
-  }
-  for (const int fixed : linksFixedTo(frame)) {
-    if (way.is_known) break;
+  way = stepUp(frame, nb_steps);
+  if (way.is_known) return way;
+  const std::vector<int>& links = linksFixedTo(frame);
+  for (const int fixed : links) {
     if (firstAbove(fixed, {frame}) >= 0) continue;
-    Way up = climb(fixed, nb_steps + 1);
+    const auto seen = noted_.find(fixed);
+    Way up = seen == noted_.end() ? stepUp(fixed, nb_steps) : seen->second;
     if (!up.is_known) continue;
     passFixedJoint(fixed, frame, up);
-    way = up;
+    return way = up;
   }
+  for (const int fixed : links) noted_.try_emplace(fixed, stepUp(fixed, nb_steps));
+  return way;
+}
+
+FrameWays::Way FrameWays::stepUp(int frame, std::size_t nb_steps) const {
+  StampNs stamp;
+  int parent;
+  if (nb_steps >= DEEPEST_TREE || !step(frame, stamp, parent)) return {};
+  Way way = climb(parent, nb_steps + 1);
+  pass(frame, stamp, way);
   return way;
 }
 

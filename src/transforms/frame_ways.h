@@ -106,10 +106,13 @@ class FrameWays {
   /// All ways up from the target, noted as far as they are known. False: one leads back to itself.
   bool goUp(int frame, Way way, std::vector<int>& path) const;
   bool isBack(int frame, const std::vector<int>& path) const;
+  bool isBelow(int link, const std::vector<int>& path) const;
   /// The last ancestor that can be reached; -1: they form a cycle.
   int lastAncestor(int frame) const;
   /// Up to a frame that has been asked about, but no further than tf2 walks.
   Way climb(int frame, std::size_t nb_steps) const;
+  /// The same, but for the first step by its own transform.
+  Way stepUp(int frame, std::size_t nb_steps) const;
 
   const TransformBuffer& buffer_;
   const LinkFrames* links_;

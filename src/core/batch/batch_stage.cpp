@@ -120,13 +120,13 @@ void BatchStage::Group::addTable(const BatchPair& pair) {
 
 unsigned BatchStage::Group::lookUp(int pair, unsigned lanes, unsigned* certain) {
   PairTable& table = *pair_tables_[static_cast<std::size_t>(pair)];
-  const auto [first, second] = table_columns_[static_cast<std::size_t>(pair)];
+  const auto& columns = table_columns_[static_cast<std::size_t>(pair)];
   unsigned open = 0;
   forEachLane(lanes, [&](int lane) {
     const auto position = [&](int column) {
       return column < 0 ? 0.0 : positions_[static_cast<std::size_t>(column * this->lanes() + lane)];
     };
-    const PairTable::Cell cell = table.at(position(first), position(second), narrow_phase_);
+    const PairTable::Cell cell = table.at(position(columns[0]), position(columns[1]), narrow_phase_);
     if (cell == PairTable::Cell::OPEN) open |= 1u << lane;
     if (cell == PairTable::Cell::CONTACT) *certain |= 1u << lane;
   });
