@@ -4,8 +4,6 @@
 #include <optional>
 #include <utility>
 
-#include <tf2/buffer_core.h>
-
 #include "frame_names.h"
 #include "user_text.h"
 
@@ -13,8 +11,6 @@ namespace collision_pairs {
 namespace {
 
 using Eigen::Isometry3d;
-
-constexpr std::size_t DEEPEST_TREE = tf2::BufferCore::MAX_GRAPH_DEPTH;
 
 bool isAmong(const std::vector<int>& frames, int frame) {
   return std::find(frames.begin(), frames.end(), frame) != frames.end();
@@ -89,7 +85,7 @@ bool FrameWays::isBack(int frame, const std::vector<int>& path) const {
 
 bool FrameWays::goUp(int frame, Way way, std::vector<int>& path) const {
   if (isBack(frame, path)) return false;
-  if (path.size() > DEEPEST_TREE) return true;
+  if (path.size() > TransformBuffer::DEEPEST_TREE) return true;
   if (way.is_known) noted_.emplace(frame, way);
   path.push_back(frame);
   bool has_end = true;
@@ -128,7 +124,7 @@ bool FrameWays::isBelow(int link, const std::vector<int>& path) const {
 }
 
 int FrameWays::firstAbove(int frame, const std::vector<int>& frames) const {
-  for (std::size_t i = 0; i <= DEEPEST_TREE && frame >= 0; ++i) {
+  for (std::size_t i = 0; i <= TransformBuffer::DEEPEST_TREE && frame >= 0; ++i) {
     if (isAmong(frames, frame)) return frame;
     frame = lastParent(frame);
   }
@@ -206,7 +202,7 @@ FrameWays::Way FrameWays::climb(int frame, std::size_t nb_steps) const {
 FrameWays::Way FrameWays::stepUp(int frame, std::size_t nb_steps) const {
   StampNs stamp;
   int parent;
-  if (nb_steps >= DEEPEST_TREE || !step(frame, stamp, parent)) return {};
+  if (nb_steps >= TransformBuffer::DEEPEST_TREE || !step(frame, stamp, parent)) return {};
   Way way = climb(parent, nb_steps + 1);
   pass(frame, stamp, way);
   return way;
@@ -226,7 +222,7 @@ int FrameWays::lastAncestor(int frame) const {
   StampNs stamp;
   std::size_t nb_steps = 0;
   for (int parent; step(frame, stamp, parent); frame = parent) {
-    if (++nb_steps > DEEPEST_TREE) return -1;
+    if (++nb_steps > TransformBuffer::DEEPEST_TREE) return -1;
   }
   return frame;
 }

@@ -30,6 +30,8 @@ bool isPose(const Eigen::Vector3d& p, const Eigen::Quaterniond& R) {
   return p.allFinite() && std::abs(R.norm() - 1.0) < 1e-3;
 }
 
+const std::size_t TransformBuffer::DEEPEST_TREE = tf2::BufferCore::MAX_GRAPH_DEPTH;
+
 TransformBuffer::TransformBuffer(const PoseLimits& limits) : gate_(limits) { begin(); }
 
 TransformBuffer::TransformBuffer(TransformBuffer&&) noexcept = default;

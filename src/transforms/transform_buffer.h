@@ -33,6 +33,8 @@ struct ReceivedTransform {
 /// 10 s of each frame are kept. Not thread safe.
 class TransformBuffer {
  public:
+  static const std::size_t DEEPEST_TREE;  ///< of frames: further tf2 does not walk
+
   explicit TransformBuffer(const PoseLimits& limits = {});
   TransformBuffer(TransformBuffer&&) noexcept;
   ~TransformBuffer();
