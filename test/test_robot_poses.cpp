@@ -290,6 +290,25 @@ TEST_F(NewestPoses, OfLinksThatHangOnTheOtherLinkOfTheirBodyAreKnown) {
   EXPECT_THAT(poses.newest(10 * SECOND, {1, 1, 1}).known, ElementsAre(1, 1, 1));
 }
 
+// By either of two links of each body: 2^40 ways.
+TEST_F(NewestPoses, AreFoundWhereBodiesHangOnEachOtherByManyWays) {
+  std::string links, tree;
+  for (int i = 0; i < 40; ++i) {
+    const std::string body = "b" + std::to_string(i), left = body + "l", right = body + "r";
+    links += emptyLink(body) + emptyLink(left) + emptyLink(right);
+    tree += joint(left, "fixed", body, left) + joint(right, "fixed", body, right);
+    if (i == 0) continue;
+    const std::string above = "b" + std::to_string(i - 1);
+    tree += joint(body, "continuous", above, body);
+    for (const char* side : {"l", "r"}) take(body, above + side, 9.75);
+  }
+  const auto robot = robotFrom(links + tree);
+  const RobotPoses poses(buffer_, *robot, "b0");
+  const FoundBodies found = poses.newest(10 * SECOND, std::vector<char>(40, 1));
+  EXPECT_THAT(found.known, testing::Each(1));
+  EXPECT_EQ(found.X_WB[39].translation().x(), -39.0);
+}
+
 // As base_footprint, base_stabilized and base_link.
 TEST_F(NewestPoses, OfABodyBetweenTwoLinksOfWhichTfHasAnotherFrameAreKnownInThatFrame) {
   take("tool", "level", 9.75);

@@ -57,8 +57,8 @@ FrameWays::FrameWays(const TransformBuffer& buffer, int target, const Instant& i
   anchors_.push_back({target, target, -1});
   Way way;
   way.is_known = true;
-  std::vector<int> path;
-  if (goUp(target, way, path)) return;
+  std::vector<int> path, done;
+  if (goUp(target, way, path, done)) return;
   is_in_cycle_ = true;  // what hangs on the target would be what the target hangs on
   noted_.clear();
 }
@@ -83,9 +83,10 @@ bool FrameWays::isBack(int frame, const std::vector<int>& path) const {
   return false;
 }
 
-bool FrameWays::goUp(int frame, Way way, std::vector<int>& path) const {
+bool FrameWays::goUp(int frame, Way way, std::vector<int>& path, std::vector<int>& done) const {
   if (isBack(frame, path)) return false;
-  if (path.size() > TransformBuffer::DEEPEST_TREE) return true;
+  const bool is_done = isAmong(done, frame) && (!way.is_known || noted_.count(frame) > 0);
+  if (is_done || path.size() > TransformBuffer::DEEPEST_TREE) return true;
   if (way.is_known) noted_.emplace(frame, way);
   path.push_back(frame);
   bool has_end = true;
@@ -93,18 +94,19 @@ bool FrameWays::goUp(int frame, Way way, std::vector<int>& path) const {
   int parent;
   if (way.is_known && step(frame, stamp, parent)) {
     pass(frame, stamp, way);
-    has_end = goUp(parent, way, path);
+    has_end = goUp(parent, way, path, done);
   } else {
     parent = lastParent(frame);
-    if (parent >= 0) has_end = goUp(parent, {}, path);
+    if (parent >= 0) has_end = goUp(parent, {}, path, done);
     for (const int fixed : linksFixedTo(frame)) {
       if (!has_end || lastParent(fixed) < 0 || isBelow(fixed, path)) continue;
       Way by_urdf = way;
       passFixedJoint(frame, fixed, by_urdf);
-      has_end = goUp(fixed, by_urdf, path);
+      has_end = goUp(fixed, by_urdf, path, done);
     }
   }
   path.pop_back();
+  done.push_back(frame);
   return has_end;
 }
 

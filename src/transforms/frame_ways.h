@@ -103,8 +103,9 @@ class FrameWays {
   /// The first of some frames on the way of transforms up from one, known or in doubt; -1: none.
   int firstAbove(int frame, const std::vector<int>& frames) const;
   const std::vector<int>& linksFixedTo(int frame) const;
-  /// All ways up from the target, noted as far as they are known. False: one leads back to itself.
-  bool goUp(int frame, Way way, std::vector<int>& path) const;
+  /// All ways up from a frame, noted as far as they are known. False: one leads back to itself.
+  /// `path`: from the target to the frame; `done`: frames from which all ways have been gone.
+  bool goUp(int frame, Way way, std::vector<int>& path, std::vector<int>& done) const;
   bool isBack(int frame, const std::vector<int>& path) const;
   bool isBelow(int link, const std::vector<int>& path) const;
   /// The last ancestor that can be reached; -1: they form a cycle.
