@@ -55,6 +55,14 @@ def test_its_servo_is_measured_on_the_safe_side_and_what_is_measured_keeps_it_fr
     assert_nothing_was_touched(dynamics("runs", 200 if LONG else 20, "demo", "ramp", out))
 
 
+def test_goals_that_a_free_straight_way_leads_to_are_reached_in_little_more_time_than_without_limiter():
+    rows = dynamics("goals", 40, "", "ramp") if LONG else dynamics("goals", 4, "demo", "ramp")
+    assert_nothing_was_touched(rows)
+    for row in rows:
+        assert row["reached"] == row["goals"], row
+        assert float(row["median"]) <= 1.15, row
+
+
 @pytest.mark.skipif(not LONG, reason="skipped: minutes of broken robots (scripts/test --long)")
 def test_what_is_wrong_is_noticed_before_contact():
     rows = dynamics("broken", 5)
