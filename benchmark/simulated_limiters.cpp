@@ -20,9 +20,10 @@ Limiter lawLimiter(std::shared_ptr<LimiterLaw> law,
   };
 }
 
-NodeLimiter::NodeLimiter(const LimiterScene& scene, RandomInputs& random, bool obeys)
+NodeLimiter::NodeLimiter(const LimiterScene& scene, RandomInputs& random, bool obeys, bool overruns)
     : random_(random),
       obeys_(obeys),
+      overruns_(overruns),
       law_(scene.settings()),
       watch_(scene.joints(), scene.settings(), false),
       surroundings_(scene.seen(), scene.joints(), Fidelity::MESH) {}
@@ -35,13 +36,14 @@ Passed NodeLimiter::operator()(const LimiterView& view) {
     const auto moves = [](double x) { return x != 0.0; };
     const bool asks = std::any_of(view.command.begin(), view.command.end(), moves);
     if (obeys_ && asks) watch_.asked(view.now);
-    took = random_.uniform(0.0, random_.integer(0, 99) == 0 ? SELDOM : OFTEN);
+    took = random_.uniform(0.0, overruns_ && random_.integer(0, 99) == 0 ? SELDOM : OFTEN);
     surroundings_.setState(view.state);
     const double publish_by = view.now + TIME_TO_DECIDE;
     decision =
         law_.decide({publish_by, view.stamp, view.obstacles_age, view.command}, surroundings_);
     if (took > TIME_TO_DECIDE) decision = law_.stop("overrun");
     if (obeys_ && !watch_.fault(view.now).empty()) decision = law_.stop("fault");
+    if (!decision.reason.empty()) reason_ = decision.reason;
   }
   const double published = view.now + took;
   law_.published(published, decision);

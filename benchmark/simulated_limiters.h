@@ -20,8 +20,9 @@ Limiter lawLimiter(std::shared_ptr<LimiterLaw> law,
 /// says a fault, zeros. For one run.
 class NodeLimiter {
  public:
-  /// Without `obeys` faults of the watch are counted only.
-  NodeLimiter(const LimiterScene& scene, RandomInputs& random, bool obeys);
+  /// Without `obeys` faults of the watch are counted only; with `overruns` one decision in 300
+  /// does.
+  NodeLimiter(const LimiterScene& scene, RandomInputs& random, bool obeys, bool overruns = true);
 
   Passed operator()(const LimiterView& view);
   /// A joint state arrived. True if zeros have to be passed at once.
@@ -30,16 +31,19 @@ class NodeLimiter {
   int nbFaults() const { return nb_faults_; }
   double firstFault() const { return first_fault_; }   ///< s
   const std::string& fault() const { return fault_; }  ///< the first, in words
+  const std::string& reason() const {
+    return reason_;
+  }  ///< of the last command that did not pass whole
 
  private:
   RandomInputs& random_;
-  const bool obeys_;
+  const bool obeys_, overruns_;
   LimiterLaw law_;
   ResponseWatch watch_;
   CertifiedSurroundings surroundings_;
   int nb_faults_ = 0;
   double first_fault_ = std::numeric_limits<double>::infinity();
-  std::string fault_;
+  std::string fault_, reason_;
 };
 
 /// MoveIt Servo's (moveit_servo/src/collision_check.cpp): from the nearest distance at the joint

@@ -311,6 +311,43 @@ TEST(StoppingAnalysis, ADecelerationThatIsMuchLowerThanTheSlopeIsSaid) {
               Contains(HasSubstr("but its steps are covered only by a deceleration of")));
 }
 
+/// Pushed on by another joint, so far, and back, whenever both change: always, or in the second
+/// half.
+StoppingRecording recordingWithPushes(RandomInputs& random, double push, bool is_ever_alone) {
+  const auto steps = stepsAt({1.0, 0.5, 1.0, 1.0, 0.5, 1.0});
+  const std::size_t first = is_ever_alone ? steps.size() / 2 : 0;
+  Truth truth = drive(random, {}, steps, 1.0, 1.0, 1.0 + static_cast<double>(steps.size()));
+  for (std::size_t k = 0; k < truth.positions.size(); ++k) {
+    const double since = DT * static_cast<double>(k) - 1.0;
+    if (since < static_cast<double>(first)) continue;
+    const auto i = std::min(static_cast<std::size_t>(since), steps.size() - 1);
+    const double way = (i > 0 ? steps[i - 1] : 0.0) > steps[i] ? push : -push;
+    truth.positions[k] += way * std::exp(-std::pow((std::fmod(since, 1.0) - 0.35) / 0.04, 2.0));
+  }
+  std::vector<StoppingRecording::State> states;
+  record(random, truth, {200.0, 5e-4}, states);
+  StoppingRecording recording = recordingOf(truth, states);
+  recording.joints.emplace_back("wrist");
+  recording.states.push_back(states);
+  for (std::size_t i = 0; i < recording.commands.size(); ++i)
+    recording.commands[i].velocities.push_back(i > first ? steps[i - 1] : 0.0);
+  return recording;
+}
+
+TEST(StoppingAnalysis, HowFarOtherJointsPushOneIsSaidAndDoesNotLowerItsDeceleration) {
+  RandomInputs random;
+  for (const double push : {0.002, 0.006}) {
+    const auto found = analyseStopping(recordingWithPushes(random, push, true));
+    EXPECT_GE(found.joints[0].deceleration, 0.85 * Servo().slope) << push;
+    EXPECT_LE(found.joints[0].deceleration, Servo().slope) << push;
+    EXPECT_GE(found.joints[0].pushed, 0.8 * push);
+    EXPECT_THAT(found.warnings,
+                Contains(HasSubstr("joint 'elbow': where other joints change too")));
+  }
+  const auto never_alone = analyseStopping(recordingWithPushes(random, 0.006, false));
+  EXPECT_LE(never_alone.joints[0].deceleration, 0.7 * Servo().slope);
+}
+
 TEST(StoppingAnalysis, OfTwoDirectionsTheSlowerCounts) {
   RandomInputs random;
   Case its;

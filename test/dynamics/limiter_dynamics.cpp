@@ -3,8 +3,10 @@
 // usage: limiter_dynamics runs SECONDS [ROBOT [SERVO [LIMITER.yaml]]]
 //        limiter_dynamics steps BAG ROBOT SERVO
 //        limiter_dynamics broken NUMBER [ROBOT [SERVO [TOLERANCE]]]
+//        limiter_dynamics goals NUMBER [ROBOT [SERVO]]
 //
 // Broken robots are driven towards an object that is near, or, fast, to and fro in empty space.
+// Goals are at the end of straight free ways, with and without limiter.
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -18,6 +20,7 @@
 
 #include <yaml-cpp/yaml.h>
 
+#include "collision_pairs/motion_check.h"
 #include "dynamic_robots.h"
 #include "simulated_limiters.h"
 
@@ -25,12 +28,16 @@ namespace collision_pairs {
 namespace {
 
 constexpr double RUN = 20.0;  // s in one scene
+constexpr double NEVER = std::numeric_limits<double>::infinity();
 // Of broken robots: where they set out, as the limiter is told; m, s, m/s.
 constexpr int MOST_STATES = 2000;
 constexpr double NEAR = 0.03, RESTS = 0.3, BROKEN_RUN = 3.0, FASTEST = 0.5;
 // In empty space: speeds of joints, rad/s, and s until they are reversed.
 constexpr Between FREE_SPEED{0.5, 1.0};
 constexpr double REVERSED_AFTER = 0.6;
+// Of ways to goals: what they keep, links of each other, and within what they pass something, m;
+// where a goal is reached, rad; when it counts as lost, s.
+constexpr double KEPT = 0.0125, LINKS_KEEP = 0.0045, PASSED = 0.05, THERE = 0.02, LOST = 20.0;
 
 std::vector<DynamicRobot> chosen(const std::string& name, const std::string& servo) {
   std::vector<DynamicRobot> found;
@@ -206,7 +213,6 @@ std::optional<Noticed> broken(const DynamicRobot& robot, const SimulationOptions
   const std::vector<double> from =
       is_near ? stateNear(scene, *probe, random) : scene.freeState(random, 0.0135);
   if (from.empty()) return std::nullopt;
-  constexpr double NEVER = std::numeric_limits<double>::infinity();
   Noticed found{NEVER, NEVER, wrong == "sags" ? 0.0 : NEVER, 1.0, 0.0, ""};
   if (wrong == "pushed") {  // harder than the motor of the joint that leads nearest
     const std::vector<double> towards = scene.towardsNearest(from, false, *probe);
@@ -282,6 +288,85 @@ void broken(int number, const std::string& name, const std::string& servo, doubl
   }
 }
 
+struct Goal {
+  double seconds[2] = {NEVER, NEVER};  ///< without and with limiter
+  SimulationResult result;
+  std::string reason;
+};
+
+/// Straight from one random state to another; nothing if the robot without limiter does not get
+/// there, or touches something.
+std::optional<Goal> driven(const DynamicRobot& robot, const SimulationOptions& told,
+                           unsigned seed) {
+  Goal goal;
+  std::vector<double> from, to;
+  double* reached = goal.seconds;
+  std::unique_ptr<NodeLimiter> limiter;
+  SimulationOptions options = robot.options(false);
+  options.reaction_time = told.reaction_time;
+  options.decelerations = told.decelerations;
+  options.watch = [&](double now, double stamp, const std::vector<double>& q) {
+    return limiter && limiter->measured(now, stamp, q);
+  };
+  options.commands = [&](double now, const std::vector<double>& q) {
+    std::vector<double> command(q.size());
+    for (std::size_t j = 0; j < q.size(); ++j) command[j] = to[j] - q[j];
+    const double left = largestOf(command);
+    if (left < THERE) *reached = std::min(*reached, now);
+    const double factor = std::isfinite(*reached) ? 0.0 : std::min(1.0 / left, 4.0);
+    for (double& x : command) x *= factor;
+    return command;
+  };
+  LimiterScene scene(robot.robot, robot.joints, seed, options);
+  MotionCheck check(scene.seen());
+  MotionSettings settings;
+  settings.only_free = settings.only_moved = true;
+  settings.between_links = LINKS_KEEP;
+  const auto keeps = [&](double clearance) {
+    settings.clearance = clearance;
+    const JointMotion way{scene.allPositions(from), scene.allPositions(to)};
+    return check.check(way, settings).verdict == Verdict::FREE;
+  };
+  RandomInputs random(seed);
+  do {
+    from = scene.drawState(random), to = scene.drawState(random);
+    const double share = random.uniform(0.05, 1.0);
+    for (std::size_t j = 0; j < to.size(); ++j) to[j] = from[j] + share * (to[j] - from[j]);
+  } while (!keeps(KEPT) || keeps(PASSED));
+  RandomInputs same(seed), same_again(seed);
+  const auto none = [](const LimiterView& view) { return Passed(view.command); };
+  const bool touches = scene.run(none, same, LOST, from).nb_contacts > 0;
+  if (touches || *reached++ == NEVER) return std::nullopt;
+  limiter = std::make_unique<NodeLimiter>(scene, random, true, false);
+  goal.result =
+      scene.run([&](const LimiterView& view) { return (*limiter)(view); }, same_again, LOST, from);
+  goal.reason = limiter->reason();
+  return goal;
+}
+
+void goals(int number, const std::string& name, const std::string& servo) {
+  std::cout << "robot,servo,goals,reached,median,worst,contacts,nearest,nearest_links\n";
+  for (const DynamicRobot& robot : chosen(name, servo)) {
+    unsigned seed = givenSeed();
+    SimulationOptions told;
+    tell(measured(robot, seed), told);
+    std::vector<double> ratios;
+    SimulationResult all;
+    while (ratios.size() < static_cast<std::size_t>(number)) {
+      const auto goal = driven(robot, told, seed++);
+      if (!goal) continue;
+      all.add(goal->result);
+      ratios.push_back(goal->seconds[1] / goal->seconds[0]);
+      std::cerr << seed - 1 << ": " << ratios.back() << " times, " << goal->reason << '\n';
+    }
+    std::sort(ratios.begin(), ratios.end());
+    const auto nb_reached = std::lower_bound(ratios.begin(), ratios.end(), NEVER) - ratios.begin();
+    std::cout << robot.robot.name << ',' << servoName(robot.servo) << ',' << number << ','
+              << nb_reached << ',' << ratios[ratios.size() / 2] << ',' << ratios.back() << ','
+              << all.nb_contacts << ',' << all.nearest << ',' << all.nearest_links << std::endl;
+  }
+}
+
 int main(const std::vector<std::string>& arguments) {
   const std::string what = arguments.empty() ? "" : arguments[0];
   const auto argument = [&](std::size_t i) { return i < arguments.size() ? arguments[i] : ""; };
@@ -295,10 +380,13 @@ int main(const std::vector<std::string>& arguments) {
     }
   } else if (what == "broken" && number >= 1.0) {
     broken(static_cast<int>(number), argument(2), argument(3), std::atof(argument(4).c_str()));
+  } else if (what == "goals" && number >= 1.0) {
+    goals(static_cast<int>(number), argument(2), argument(3));
   } else {
     std::cerr << "usage: limiter_dynamics runs SECONDS [ROBOT [SERVO [LIMITER.yaml]]]\n"
                  "       limiter_dynamics steps BAG ROBOT SERVO\n"
-                 "       limiter_dynamics broken NUMBER [ROBOT [SERVO [TOLERANCE]]]\n";
+                 "       limiter_dynamics broken NUMBER [ROBOT [SERVO [TOLERANCE]]]\n"
+                 "       limiter_dynamics goals NUMBER [ROBOT [SERVO]]\n";
     return 1;
   }
   return 0;

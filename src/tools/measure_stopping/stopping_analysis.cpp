@@ -4,6 +4,8 @@
 #include <cmath>
 #include <functional>
 #include <map>
+#include <set>
+#include <tuple>
 #include <utility>
 
 #include <Eigen/Cholesky>
@@ -110,11 +112,18 @@ SlopeInterval slopeOf(const std::vector<const StoppingStep*>& steps, const Recor
           std::exp(endOf(std::max(last, best)))};
 }
 
+/// Down or up, slower or faster, of the joint alone or not.
+using Kind = std::tuple<bool, bool, bool>;
+
+Kind kindOf(const StoppingStep& step, bool is_alone) {
+  const bool is_slower = std::abs(step.commanded_from) > std::abs(step.commanded_to);
+  return {step.from > step.to, is_slower, is_alone};
+}
+
 void findSlope(JointStopping& found) {
-  std::map<std::pair<bool, bool>, std::vector<const StoppingStep*>> kinds;
+  std::map<Kind, std::vector<const StoppingStep*>> kinds;
   for (const StoppingStep& step : found.joint.steps) {
-    const bool is_slower = std::abs(step.commanded_from) > std::abs(step.commanded_to);
-    kinds[{step.from > step.to, is_slower}].push_back(&step);
+    kinds[kindOf(step, step.is_alone)].push_back(&step);
   }
   for (const auto& [kind, steps] : kinds) {
     const SlopeInterval slope = slopeOf(steps, found.joint);
@@ -173,15 +182,39 @@ double outsideOf(const StoppingStep& step, const JointStopping& found, double re
   return way;
 }
 
-/// A lower one makes the limiter slower: it counts only where more is covered by it.
+/// Of each kind of step those of the joint alone, or all if there is a kind without such.
+std::vector<const StoppingStep*> ownSteps(const std::vector<StoppingStep>& steps) {
+  std::set<Kind> kinds;
+  std::vector<const StoppingStep*> own, all;
+  for (const StoppingStep& step : steps) {
+    all.push_back(&step);
+    if (!step.is_alone) continue;
+    own.push_back(&step);
+    kinds.insert(kindOf(step, true));
+  }
+  const auto isKnown = [&](const StoppingStep& step) {
+    return kinds.count(kindOf(step, true)) > 0;
+  };
+  return std::all_of(steps.begin(), steps.end(), isKnown) ? own : all;
+}
+
+double furthestOutside(const std::vector<const StoppingStep*>& steps, const JointStopping& found,
+                       double reaction_time) {
+  double outside = 0.0;
+  for (const StoppingStep* step : steps) {
+    outside = std::max(outside, outsideOf(*step, found, reaction_time));
+  }
+  return outside;
+}
+
+/// A lower one makes the limiter slower: it counts only where more is covered by it. Where others
+/// move the joint is no matter of its deceleration.
 void lowerDeceleration(JointStopping& found, double reaction_time) {
   const double allowed = allowedWay(found.joint), fitted = found.deceleration;
+  const std::vector<const StoppingStep*> steps = ownSteps(found.joint.steps);
   double best = fitted, least_outside = INFINITY;
   while (least_outside > allowed && found.deceleration > LOWEST_SHARE * fitted) {
-    double outside = 0.0;
-    for (const StoppingStep& step : found.joint.steps) {
-      outside = std::max(outside, outsideOf(step, found, reaction_time));
-    }
+    const double outside = furthestOutside(steps, found, reaction_time);
     if (outside <= allowed || outside < WORTH_LOWERING * least_outside) {
       best = found.deceleration, least_outside = outside;
     }
@@ -189,6 +222,10 @@ void lowerDeceleration(JointStopping& found, double reaction_time) {
   }
   found.deceleration = best;
   found.outside = least_outside;
+  for (const StoppingStep& step : found.joint.steps) {
+    if (!step.is_alone)
+      found.pushed = std::max(found.pushed, outsideOf(step, found, reaction_time));
+  }
 }
 
 void warnOf(const JointStopping& found, std::vector<std::string>& warnings) {
@@ -239,6 +276,10 @@ void warnOf(const JointStopping& found, std::vector<std::string>& warnings) {
       formatted("it leaves what the limiter assumes by %.2g, whatever the deceleration: add that "
                 "to stop_distance",
                 found.outside));
+  say(found.pushed > std::max(found.outside, allowedWay(joint)),
+      formatted("where other joints change too, it leaves what the limiter assumes by %.2g: add "
+                "that to stop_distance",
+                found.pushed));
 }
 
 }  // namespace

@@ -13,14 +13,15 @@ struct JointStopping {
 
   RecordedJoint joint;
   double deceleration = 0.0;  ///< for the limiter, with its margin; rad/s^2 or m/s^2
-  /// Of the kind of steps (up or down, slower or faster) that has the least; what is within two
-  /// standard errors.
+  /// Of the kind of steps (up or down, slower or faster, alone or not) that has the least; what is
+  /// within two standard errors.
   double slope = 0.0, slope_low = 0.0, slope_high = 0.0;
   double dead_time = 0.0;      ///< s, the longest of its steps
   double reaction_time = 0.0;  ///< s, with its margin
   double overshoot = 0.0;      ///< rad or m: how far beyond, and back
   double settled = 0.0;        ///< s from a command until the joint moves as it says, at most
   double outside = 0.0;        ///< rad or m: how far positions leave what is assumed, with noise
+  double pushed = 0.0;         ///< the same of steps that are not of the joint alone
   double coupled = 0.0;        ///< rad or m moved at zero command while another joint changes
   std::string coupled_to;
 };
@@ -40,7 +41,8 @@ double lagOf(double x, double ramp);
 /// To each kind of steps a ramp after a dead time is fitted by least squares. Then the reaction
 /// time is raised until the whole way of each step is covered, and the deceleration lowered, to a
 /// quarter at most, until each part of the way is, up to 1 mrad or mm or the noise, or as long as
-/// that covers more. Margins: of the slope 5 % below the least that is within two standard errors;
+/// that covers more; of steps of the joint alone, if there is one of each kind (where others move
+/// it then is said). Margins: of the slope 5 % below the least that is within two standard errors;
 /// of the reaction time 5 % and 5 ms. Throws InputError that names a joint without states or steps.
 /// Cost: some 1,000 times the states of steps.
 StoppingAnalysis analyseStopping(const StoppingRecording& recording);

@@ -75,8 +75,13 @@ std::vector<double> StoppingStep::beyond() const {
 RecordedJoint::RecordedJoint(const StoppingRecording& recording, std::size_t joint)
     : name(recording.joints[joint]), velocities_{0.0} {
   takeStates(recording.states[joint]);
+  std::vector<double> others(recording.joints.size(), 0.0);
   for (const auto& command : recording.commands) {
     const double velocity = command.velocities[joint];
+    std::vector<double> now = command.velocities;
+    now[joint] = 0.0;
+    if (now != others) times_of_others_.push_back(command.arrival);
+    others = std::move(now);
     if (velocity == velocities_.back()) continue;
     times_.push_back(command.arrival);
     velocities_.push_back(velocity);
@@ -150,6 +155,9 @@ bool RecordedJoint::takeStep(std::size_t i, double before, double after) {
   step.start = first->at_zero, step.end = last->at_zero;
   step.error = std::hypot(first->error, last->error);
   step.velocity_error = std::hypot(first->slope_error, last->slope_error);
+  const auto other =
+      std::lower_bound(times_of_others_.begin(), times_of_others_.end(), step.time - STEP_HOLD);
+  step.is_alone = other == times_of_others_.end() || *other > step.time + step.seconds;
   steps.push_back(std::move(step));
   return true;
 }

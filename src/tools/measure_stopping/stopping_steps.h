@@ -34,7 +34,8 @@ struct StoppingStep {
   double from = 0.0, to = 0.0;    ///< velocities as they were measured: slopes of the lines
   double start = 0.0, end = 0.0;  ///< positions of the lines at `time`
   double error = 0.0, velocity_error = 0.0;  ///< standard errors of end - start, and of velocities
-  std::vector<double> t, q;                  ///< joint states: seconds since `time`, positions
+  bool is_alone = true;      ///< no other joint's command changes in its time, nor STEP_HOLD before
+  std::vector<double> t, q;  ///< joint states: seconds since `time`, positions
 
   double change() const { return from > to ? from - to : to - from; }
   /// Seconds: as if the velocity had changed at once, so much later.
@@ -73,6 +74,7 @@ class RecordedJoint {
 
   std::vector<StoppingRecording::State> states_;  ///< `stamp`: when it was measured, at the latest
   std::vector<double> times_, velocities_;        ///< velocities_[i] is commanded until times_[i]
+  std::vector<double> times_of_others_;           ///< when the command of another joint changes
   double squares_ = 0.0;
   int nb_free_ = 0;
 };
