@@ -20,8 +20,7 @@ constexpr double LEAST_SCALE = 0.005;   // below it the robot is stopped
 constexpr int MOST_CERTIFICATES = 5;    // of a search; each costs up to some 100 us
 constexpr double NEXT_GUESS = 0.85, FAR_GUESS = 1.0 / 3.0, NEAR_ENOUGH = 0.9;
 constexpr double SHOWN = 0.1;  // m beyond stop_distance, to which a pair's distance is told
-constexpr int RETREATS = 4;    // scales that are tried
-constexpr double NEXT_RETREAT = 0.25;
+constexpr double RETREATS[] = {1.0, 0.5, 0.125, 1.0 / 64.0};  // of its scale, as they are tried
 // Metres: nearer than this counts as contact, of which nothing is left to certify.
 constexpr double CONTACT = 2e-5;
 constexpr double LEAST_DERIVATIVE = 1e-5;  // m per rad or m: errors of gradients are smaller
@@ -216,8 +215,8 @@ double LimiterLaw::largestScale(Question& question, double most) const {
 // All pairs that could come too near are looked at.
 double LimiterLaw::retreatScale(Question& question, double most) const {
   const LimiterInput& input = question.input;
-  double scale = std::min(settings_.retreat_scale, most);
-  for (int i = 0; i < RETREATS; ++i, scale *= NEXT_RETREAT) {
+  for (const double share : RETREATS) {
+    const double scale = share * std::min(settings_.retreat_scale, most);
     const StoppingTube tube = tubeAt(input, scale);
     const KeptDistances all = kept(ROOM_TO_RETREAT, growth(input, tube));
     const double travel = question.surroundings.travel(tube);
