@@ -151,6 +151,7 @@ class Knowledge {
         const bool is_among = seconds(after->first - earlier->first) < setup_.max_transform_age;
         if (is_among && std::abs(seconds(stamp - lie)) < 0.95 * lasting()) return true;
       }
+      if (told(i).is_lied_about) return false;  // the lie may lead past the rest
     }
     return false;
   }

@@ -384,7 +384,7 @@ void SimulatedNode::recover(double duration) {
   }
   bool checks =
       monitor_.scenes().active()->scene->unchecked().empty() && !knowledge_.isAmbiguousForEver();
-  for (int link = 0; link < static_cast<int>(setup_.links.size()); ++link) {
+  for (int link = -1; link < static_cast<int>(setup_.links.size()); ++link) {
     checks = checks && !knowledge_.isHeld(link);
   }
   if (checks && report_.verdict != Verdict::FREE)
