@@ -49,8 +49,8 @@ class Names {
 ///
 ///  1. A stamp that is zero, further ahead of the clock than clock_tolerance, or older than
 ///     max_pose_age on arrival is refused.
-///  2. Between samples a pose is known where two of one publisher are at most max_transform_age
-///     apart, the first of which is not in doubt.
+///  2. Between samples a pose is known where two of one publisher, in one parent, are at most
+///     max_transform_age apart, the first of which is not in doubt.
 ///  3. Two publishers of one frame, or one that publishes it in two sequences, contradict each
 ///  other
 ///     where a sample of one is further from both neighbours in time of the other than these, or

@@ -7,6 +7,8 @@
 namespace collision_pairs {
 namespace {
 
+const char* const PARENT_CHANGES = "its parent changes between two of its transforms";
+
 /// Of a sample among those of one publisher around its stamp, unless they are too far apart.
 template <class Samples>
 bool contradictsAt(const Samples& others, typename Samples::const_iterator after, StampNs stamp,
@@ -102,7 +104,10 @@ void TransformGate::noteSample(Frame& frame, const Samples& samples, Place added
     const StampNs from = is_bridged ? std::max(frame.newest, std::prev(added)->stamp) : stamp;
     if (from > frame.newest) {
       const std::string* doubt = doubtAt(frame, frame.newest);
-      gaps.add({frame.newest, from}, doubt ? *doubt : too_far_apart_);
+      const bool is_rehung = added != samples.begin() &&
+                             stamp - std::prev(added)->stamp <= limits_.max_gap &&
+                             added->pose.parent != std::prev(added)->pose.parent;
+      gaps.add({frame.newest, from}, doubt ? *doubt : is_rehung ? PARENT_CHANGES : too_far_apart_);
     }
     frame.newest = stamp;
   } else if (stamp < frame.oldest) {
@@ -119,7 +124,9 @@ void TransformGate::noteSample(Frame& frame, const Samples& samples, Place added
 
 /// Whether a pose between two consecutive samples of one publisher is known.
 bool TransformGate::isBridge(const Frame& frame, const Sample& from, const Sample& to) const {
-  return to.stamp - from.stamp <= limits_.max_gap && !doubtAt(frame, from.stamp);
+  // tf2 does not interpolate between parents: it would hold the earlier pose.
+  return to.stamp - from.stamp <= limits_.max_gap && to.pose.parent == from.pose.parent &&
+         !doubtAt(frame, from.stamp);
 }
 
 void TransformGate::noteParent(Frame& frame, int parent, StampNs stamp) {

@@ -1,6 +1,7 @@
 // What happens to a monitor: a robot, and a list of events from a seed.
 #pragma once
 
+#include <algorithm>
 #include <cstdio>
 #include <random>
 #include <string>
@@ -44,7 +45,52 @@ struct Scenario {
   /// Reports are in a frame of TF that is no link. Links without a parent hang in it, each the root
   /// of a robot of its own.
   bool is_apart = false;
+  int fixed_frame = -1;  ///< W: a link; -1: the root
 
+  /// Links whose joints lie between a link and W: up from the link, and up from W.
+  struct Path {
+    std::vector<int> links;
+    std::size_t nb_up;
+    auto begin() const { return links.begin(); }
+    auto end() const { return links.end(); }
+  };
+  std::vector<Path> paths;  ///< by link + 1
+  bool isOnPath(int link) const {
+    return std::any_of(paths.begin() + 1, paths.end(), [&](const Path& path) {
+      return std::find(path.begin(), path.end(), link) != path.end();
+    });
+  }
+  const Path& pathTo(int link) const { return paths[static_cast<std::size_t>(link + 1)]; }
+  void findPaths() {
+    const auto above = [&](int link) {
+      std::vector<int> all;
+      for (; link >= 0; link = links[static_cast<std::size_t>(link)].parent) all.push_back(link);
+      return all;
+    };
+    for (int link = -1; link < static_cast<int>(links.size()); ++link) {
+      std::vector<int> up = above(link), down = above(fixed_frame);
+      for (; !up.empty() && !down.empty() && up.back() == down.back(); down.pop_back())
+        up.pop_back();
+      const std::size_t nb_up = up.size();
+      up.insert(up.end(), down.begin(), down.end());
+      paths.push_back({up, nb_up});
+    }
+  }
+
+  std::string text() const {
+    std::string all = "W " + linkName(fixed_frame) + ", ages " + std::to_string(max_pose_age) +
+                      " " + std::to_string(max_transform_age);
+    if (is_simulated) all += ", simulated";
+    if (is_apart) all += ", apart";
+    if (has_cloud) all += ", camera on " + linkName(camera_on);
+    for (int i = 0; i < static_cast<int>(links.size()); ++i) {
+      const SimulatedLink& link = links[static_cast<std::size_t>(i)];
+      const char* const joints[] = {"floats", "slides", "turns", "fixed"};
+      all += "\n" + linkName(i) + " on " + linkName(link.parent) + ", " + joints[link.joint] +
+             (link.is_static ? ", static" : "") + (link.is_listed ? ", listed" : "");
+    }
+    return all + '\n';
+  }
   int baseOf(int link) const {
     while (!isBase(link)) link = links[static_cast<std::size_t>(link)].parent;
     return link;
@@ -74,6 +120,7 @@ struct Event {
     SCENE_BEGIN,  ///< what: the change, or to load; who: object, or link to ignore
     SCENE_END,
     JOINTS,   ///< joint states; what: 6: of link `who` alone, 7: not finite
+    REHANG,   ///< link `who` in another parent, which is fixed to its own, or back
     REQUEST,  ///< what: of a stamp `number` from now, of joints at `at`, of a part of the scene
     NB_KINDS
   };
@@ -132,14 +179,17 @@ class Generator {
     made.has_world = integer(5) == 0;
     made.camera_on = integer(3) == 0 ? integer(nb_links) : -1;
     made.X_LC = {-3.0, 0.0, 0.0, 0.3};
+    if (integer(4) == 0) made.fixed_frame = integer(nb_links);
+    made.findPaths();
     return made;
   }
 
   std::vector<Event> events(const Scenario& setup, int count) {
     // Each sequence has its own faults, and some have none.
-    double weights[Event::NB_KINDS] = {4, 60, 2, 3, 3, 0.5, 1, 1, 1, 12, 16, 16, 1, 4, 4, 20, 12};
+    double weights[Event::NB_KINDS] = {4,  60, 2,  3, 3, 0.5, 1,  1, 1,
+                                       12, 16, 16, 1, 4, 4,   20, 1, 12};
     for (const Event::Kind fault : {Event::BREAK, Event::LIE, Event::STEP_CLOCK, Event::RUN_CLOCK,
-                                    Event::CAMERA, Event::SWITCH, Event::REPEAT}) {
+                                    Event::CAMERA, Event::SWITCH, Event::REPEAT, Event::REHANG}) {
       if (integer(2) == 0) weights[fault] = 0;
     }
     if (!setup.has_cloud) {

@@ -14,6 +14,11 @@ struct Pose {
   double x = 0.0, y = 0.0, z = 0.0, yaw = 0.0;
 };
 
+/// In a frame's parent, or in another one that is fixed to that.
+struct Said : Pose {
+  bool is_rehung = false;
+};
+
 inline Pose operator*(const Pose& a, const Pose& b) {
   const double c = std::cos(a.yaw), s = std::sin(a.yaw);
   return {a.x + c * b.x - s * b.y, a.y + s * b.x + c * b.y, a.z + b.z, a.yaw + b.yaw};

@@ -54,19 +54,19 @@ void Knowledge::forget() {
 }
 
 /// The newest pose counts that was sent twice, or by one node alone.
-void Knowledge::hearStatic(Told& told, const Pose& X_PB, const std::string& publisher) {
-  const auto isThis = [&](const Pose& pose) { return isSame(pose, X_PB); };
+void Knowledge::hearStatic(Told& told, const Said& X_PB, const std::string& publisher) {
+  const auto isThis = [&](const Said& pose) { return isSame(pose, X_PB); };
   const bool is_again = wasSent(told, X_PB);
   told.statics[publisher] = X_PB;
   const bool counts = is_again || told.statics.size() == 1;
   const bool is_first = told.static_poses.empty();
   if (publisher != "honest") told.is_plain = false;
-  if (counts && told.open_since) told.disturbed = after(ros_, lasting());
+  if (counts && told.open_since) told.disturbed.emplace_back(EVER, after(ros_, lasting()));
   if (counts) told.open_since.reset();
   if (is_first) told.static_poses.emplace_back(EVER, X_PB);
   if (is_first || isThis(told.static_poses.back().second)) return;
   told.is_plain = false;
-  told.disturbed = std::max({told.disturbed, ros_, newest_});
+  told.disturbed.emplace_back(after(ros_, -lasting()) - 2000, std::max(ros_, newest_));
   if (counts) told.static_poses.emplace_back(ros_, X_PB);
   if (!counts && !told.open_since) told.open_since = ros_;
 }
@@ -89,6 +89,7 @@ std::optional<Pose> Knowledge::moving(const Told& told, Ns stamp) const {
   if (after->first == stamp) return after->second;
   if (after == told.samples.begin()) return std::nullopt;
   const auto before = std::prev(after);
+  if (before->second.is_rehung != after->second.is_rehung) return std::nullopt;
   const double gap = seconds(after->first - before->first);
   if (gap > setup_.max_transform_age) return std::nullopt;
   return between(before->second, after->second, seconds(stamp - before->first) / gap);

@@ -25,13 +25,13 @@ inline double seconds(Ns span) { return 1e-9 * static_cast<double>(span); }
 
 /// Of one frame, since the clock went back.
 struct Told {
-  std::map<Ns, Pose> samples;  ///< by stamp, of the node that says the truth
+  std::map<Ns, Said> samples;  ///< by stamp, of the node that says the truth
   std::vector<Ns> lies;        ///< stamps of those of another, on /tf
   bool is_lied_about = false;  ///< on either topic
   bool is_static_lie = false;  ///< … on /tf_static, or both topics have it: also before
   bool is_plain = true;        ///< by one node, in order, and no static pose that changes
-  Ns disturbed = EVER;         ///< stamps up to which what was said may be in doubt
-  bool is_heard = false;       ///< ever
+  std::vector<std::pair<Ns, Ns>> disturbed;   ///< spans where what was said may be in doubt
+  bool is_heard = false;                      ///< ever
   bool is_static = false, is_settled = true;  ///< by which topic; if it is settled, since when
   Ns settled_since = EVER;
   bool was_static = false;       ///< before that
@@ -39,8 +39,8 @@ struct Told {
   bool is_run_static = false, has_run = false;  ///< heard of on one topic since it was unsettled
   Ns run_begin = EVER;
   Ns moved = EVER, stood = EVER;        ///< when it was last heard of on /tf, and on /tf_static
-  std::map<std::string, Pose> statics;  ///< the newest static pose of each node
-  std::vector<std::pair<Ns, Pose>> static_poses;  ///< that counted, and since when
+  std::map<std::string, Said> statics;  ///< the newest static pose of each node
+  std::vector<std::pair<Ns, Said>> static_poses;  ///< that counted, and since when
   std::optional<Ns> open_since;                   ///< which static pose counts
 };
 
@@ -72,7 +72,7 @@ class Knowledge {
     const bool is_old = setup_.max_pose_age > 0.0 && age > setup_.max_pose_age;
     return ros_ > 0 && stamp > 0 && age >= -CLOCK_TOLERANCE && !is_old;
   }
-  void hear(int link, Ns stamp, const Pose& X_PB, bool is_static, const std::string& publisher) {
+  void hear(int link, Ns stamp, const Said& X_PB, bool is_static, const std::string& publisher) {
     Told& told = told_[static_cast<std::size_t>(link)];
     if (!is_static && !isUsable(stamp)) return;
     const bool is_again = is_static && wasSent(told, X_PB);
@@ -80,7 +80,14 @@ class Knowledge {
     told.is_static_again = told.is_static_again || is_again;
     if (is_static) return hearStatic(told, X_PB, publisher);
     newest_ = std::max(newest_, stamp);
-    const bool is_late = !told.samples.empty() && stamp <= told.samples.rbegin()->first;
+    const auto later = told.samples.lower_bound(stamp);
+    // Late among others that are near in time: it may contradict them.
+    const bool is_late =
+        later != told.samples.end() &&
+        (later->first == stamp ||
+         (later != told.samples.begin() &&
+          seconds(later->first - std::prev(later)->first) <= setup_.max_transform_age));
+    if (later != told.samples.end()) told.is_plain = false;
     const bool agrees = publisher == "relay" && told.samples.count(stamp) > 0;
     if ((is_late && !agrees) || publisher == "repeats") {
       told.is_plain = false;
@@ -113,17 +120,17 @@ class Knowledge {
   bool isAmbiguousForEver() const { return is_ambiguous_for_ever_; }
   const Told& told(int link) const { return told_[static_cast<std::size_t>(link)]; }
   bool isLiedAbout(int link) const {
-    for (; link >= 0; link = of(link).parent) {
-      if (told(link).is_lied_about) return true;
+    for (const int i : setup_.pathTo(link)) {
+      if (told(i).is_lied_about) return true;
     }
     return !root_lies_.empty();
   }
   /// Whether a pose at that stamp may be made of a lie, or of what the other topic had.
   bool isLiedAbout(int link, Ns stamp) const {
     if (isOpen(link, stamp)) return true;
-    for (; link >= 0; link = of(link).parent) {
-      if (told(link).is_static_lie) return true;
-      for (const Ns lie : told(link).lies) {
+    for (const int i : setup_.pathTo(link)) {
+      if (told(i).is_static_lie) return true;
+      for (const Ns lie : told(i).lies) {
         if (std::abs(seconds(stamp - lie)) <= setup_.max_transform_age) return true;
       }
     }
@@ -131,29 +138,34 @@ class Knowledge {
   }
   /// A lie among truths, two before and one after it, puts stamps around it in doubt.
   bool isInDoubt(int link, Ns stamp) const {
-    for (; link >= 0; link = of(link).parent) {
-      const auto& truths = told(link).samples;
-      for (const Ns lie : told(link).lies) {
+    for (const int i : setup_.pathTo(link)) {
+      const auto& truths = told(i).samples;
+      for (const Ns lie : told(i).lies) {
         const auto after = truths.upper_bound(lie);
         if (after == truths.end() || std::distance(truths.begin(), after) < 2) continue;
         const auto before = std::prev(after), earlier = std::prev(before);
+        const bool is_rehung = after->second.is_rehung;
+        if (before->second.is_rehung != is_rehung || earlier->second.is_rehung != is_rehung) {
+          continue;
+        }
         const bool is_among = seconds(after->first - earlier->first) < setup_.max_transform_age;
         if (is_among && std::abs(seconds(stamp - lie)) < 0.95 * lasting()) return true;
       }
+      if (told(i).is_lied_about) return false;  // the lie may lead past the rest
     }
     return false;
   }
   /// Whether a static frame may have become one that moves, by lies.
   bool isReplaced(int link) const {
-    for (; link >= 0; link = of(link).parent) {
-      if (told(link).is_static && told(link).is_static_lie) return true;
+    for (const int i : setup_.pathTo(link)) {
+      if (told(i).is_static && told(i).is_static_lie) return true;
     }
     return false;
   }
   /// Whether a frame was heard of on both topics lately: a static one is until it has moved long.
   bool isOnBoth(int link) const {
-    for (; link >= 0; link = of(link).parent) {
-      if (isOnBoth(told(link))) return true;
+    for (const int i : setup_.pathTo(link)) {
+      if (isOnBoth(told(i))) return true;
     }
     return false;
   }
@@ -166,25 +178,25 @@ class Knowledge {
   }
   /// Whether /tf_static alone places it although its joint, or one above, may move.
   bool isHeld(int link) const {
-    for (; link >= 0; link = of(link).parent) {
-      const bool may_stand = of(link).joint == SimulatedLink::FIXED || setup_.isBase(link);
-      const Told& told = this->told(link);
-      if (!may_stand && told.is_settled && told.is_static && !of(link).is_listed) return true;
+    for (const int i : setup_.pathTo(link)) {
+      const bool may_stand = of(i).joint == SimulatedLink::FIXED || setup_.isBase(i);
+      const Told& told = this->told(i);
+      if (!may_stand && told.is_settled && told.is_static && !of(i).is_listed) return true;
     }
     return false;
   }
   /// Whether it is open which topic places it at that stamp.
   bool isOpen(int link, Ns stamp) const {
-    for (; link >= 0; link = of(link).parent) {
-      if (!told(link).is_settled || stamp <= told(link).settled_since) return true;
+    for (const int i : setup_.pathTo(link)) {
+      if (!told(i).is_settled || stamp <= told(i).settled_since) return true;
     }
     return false;
   }
   /// Whether the rules forbid to use it at that stamp: the static pose of a frame that has begun to
   /// move, or one that was sent once after it moved.
   bool isForbidden(int link, Ns stamp) const {
-    for (; link >= 0; link = of(link).parent) {
-      const Told& told = this->told(link);
+    for (const int i : setup_.pathTo(link)) {
+      const Told& told = this->told(i);
       const bool has_begun = told.is_settled && told.was_static && !told.is_static;
       if (told.is_lied_about) continue;
       if (has_begun && told.run_begin < stamp && stamp < told.settled_since) return true;
@@ -196,8 +208,8 @@ class Knowledge {
   }
   /// Whether it is open now, or was lately.
   bool isUnsettled(int link) const {
-    for (; link >= 0; link = of(link).parent) {
-      const Told& told = this->told(link);
+    for (const int i : setup_.pathTo(link)) {
+      const Told& told = this->told(i);
       if (!told.is_settled) return true;
       const bool has_changed = told.settled_since != EVER;
       if (has_changed && seconds(latest_ - told.settled_since) < 3.0) return true;
@@ -206,19 +218,34 @@ class Knowledge {
   }
   /// Whether the rules leave no doubt about where it is at that stamp.
   bool isCertain(int link, Ns stamp) const {
-    const double lasts = seconds(stamp - (root_lies_.empty() ? EVER / 2 : *root_lies_.rbegin()));
+    const Ns earliest = std::min(stamp, ros_);
+    const double lasts = seconds(earliest - (root_lies_.empty() ? EVER / 2 : *root_lies_.rbegin()));
     const bool is_cycle_over = lasts > setup_.max_pose_age + 1e-6 && setup_.max_pose_age > 0.0;
     if (isHeld(link) || !(is_cycle_over || root_lies_.empty())) return false;
-    for (; link >= 0; link = of(link).parent) {
-      if (of(link).joint == SimulatedLink::FIXED) continue;
-      const Told& told = this->told(link);
-      const Ns sound_after = std::max(told.disturbed, told.settled_since);
-      if (!told.is_settled || told.is_static_lie || !inParent(link, stamp)) return false;
+    if (mayHangOnItself(stamp)) return false;
+    for (const int i : setup_.pathTo(link)) {
+      if (of(i).joint == SimulatedLink::FIXED) continue;
+      const Told& told = this->told(i);
+      if (!told.is_settled || told.is_static_lie || !inParent(i, stamp)) return false;
       const auto after = told.is_static ? told.samples.end() : told.samples.upper_bound(stamp);
       const Ns known = told.is_static ? stamp : std::prev(after)->first;
-      if (known <= sound_after) return false;
+      if (known <= told.settled_since || isDisturbed(told, known, stamp)) return false;
     }
     return true;
+  }
+  /// Whether W does by a lie about one of its ancestors, or did lately: then nothing is known.
+  bool mayHangOnItself(Ns stamp) const {
+    const double lasts = setup_.max_pose_age + setup_.max_transform_age;
+    for (int link = setup_.fixed_frame; link >= 0; link = of(link).parent) {
+      for (const Ns lie : told(link).lies) {
+        if (setup_.max_pose_age == 0.0 || std::abs(seconds(stamp - lie)) < lasts) return true;
+      }
+    }
+    return false;
+  }
+  bool isDisturbed(const Told& told, Ns begin, Ns end) const {
+    return std::any_of(told.disturbed.begin(), told.disturbed.end(),
+                       [&](const auto& span) { return begin <= span.second && span.first <= end; });
   }
   /// The latest stamp of all that was said, true or not.
   Ns newest() const { return newest_; }
@@ -238,15 +265,17 @@ class Knowledge {
   /// Whether the root hangs on a link that hangs on the root, all of which was heard of lately.
   bool isCycle(Ns stamp) const;
 
-  /// Where the link is in the root's frame at that stamp; nothing if it may not be known.
+  /// Where the link is in W at that stamp; nothing if it may not be known.
   std::optional<Pose> poseOf(int link, Ns stamp) const {
-    Pose X_WB;
-    for (; link >= 0; link = of(link).parent) {
-      const std::optional<Pose> X_PB = inParent(link, stamp);
-      if (!X_PB) return std::nullopt;
-      X_WB = *X_PB * X_WB;
+    const Scenario::Path& path = setup_.pathTo(link);
+    Pose X_PL, X_PW;  // P: the last that both hang on
+    for (std::size_t i = 0; i < path.links.size(); ++i) {
+      const std::optional<Pose> X_AB = inParent(path.links[i], stamp);
+      if (!X_AB) return std::nullopt;
+      Pose& X = i < path.nb_up ? X_PL : X_PW;
+      X = *X_AB * X;
     }
-    return X_WB;
+    return inverse(X_PW) * X_PL;
   }
   std::optional<Pose> inParent(int link, Ns stamp) const {
     if (of(link).joint == SimulatedLink::FIXED) return of(link).X_PJ;
@@ -254,19 +283,21 @@ class Knowledge {
   }
   /// Whether the newest that was said of a frame between the link and the root is older [s].
   bool hasOldOn(int link, double age) const {
-    for (; link >= 0; link = of(link).parent) {
-      const auto& samples = told(link).samples;
-      if (!told(link).is_settled) return true;
-      if (of(link).joint == SimulatedLink::FIXED || told(link).is_static) continue;
+    for (const int i : setup_.pathTo(link)) {
+      const auto& samples = told(i).samples;
+      if (!told(i).is_settled) return true;
+      if (of(i).joint == SimulatedLink::FIXED || told(i).is_static) continue;
       if (samples.empty() || seconds(ros_ - samples.rbegin()->first) > age) return true;
     }
     return false;
   }
-  /// Whether some link was heard of later, by more than is allowed; not of those lied about. Stamps
-  /// count that are no further `ahead` of now.
-  bool isBehind(Ns stamp, Ns ahead_of_now = 0) const {
-    for (const Told& told : told_) {
-      const auto ahead = told.samples.upper_bound(ros_ + ahead_of_now);
+  /// Whether some link that places others was heard of later, by more than is allowed; not of those
+  /// lied about.
+  bool isBehind(Ns stamp) const {
+    for (int link = 0; link < static_cast<int>(told_.size()); ++link) {
+      const Told& told = this->told(link);
+      const auto ahead = told.samples.upper_bound(ros_);
+      if (!setup_.isOnPath(link)) continue;
       if (told.is_lied_about || !told.is_settled || told.is_static) continue;
       if (ahead == told.samples.begin()) continue;
       const double lag = seconds(std::prev(ahead)->first - stamp);
@@ -287,18 +318,21 @@ class Knowledge {
   Ns after(Ns stamp, double span) const { return stamp + static_cast<Ns>(1e9 * span + 1e3); }
   /// By a sample that may contradict those around it, up to a gap away.
   void disturb(Told& told, Ns stamp) const {
-    const Ns end = after(stamp, setup_.max_transform_age + lasting());
-    told.disturbed = std::max(told.disturbed, end);
+    const double span = setup_.max_transform_age + lasting();
+    told.disturbed.emplace_back(std::min(after(stamp, -span), after(ros_, -lasting())) - 2000,
+                                after(stamp, span));
   }
 
   void hearOn(Told& told, bool is_static);
   void forget();
-  static bool isSame(const Pose& a, const Pose& b) { return distanceOf(a, b) < 1e-4; }
-  static bool wasSent(const Told& told, const Pose& X_PB) {
+  static bool isSame(const Said& a, const Said& b) {
+    return distanceOf(a, b) < 1e-4 && a.is_rehung == b.is_rehung;
+  }
+  static bool wasSent(const Told& told, const Said& X_PB) {
     return std::any_of(told.statics.begin(), told.statics.end(),
                        [&](const auto& sent) { return isSame(sent.second, X_PB); });
   }
-  void hearStatic(Told& told, const Pose& X_PB, const std::string& publisher);
+  void hearStatic(Told& told, const Said& X_PB, const std::string& publisher);
   std::optional<Pose> standing(const Told& told, Ns stamp) const;
   std::optional<Pose> moving(const Told& told, Ns stamp) const;
 

@@ -12,12 +12,25 @@
 namespace simulation {
 namespace {
 
-enum { OF_NO_FRAME = 4, EMPTY, NOT_FINITE, WITHOUT_STAMP };  // kinds of clouds; others are sound
+enum {
+  REPEATED = 3,
+  OF_NO_FRAME,
+  EMPTY,
+  NOT_FINITE,
+  WITHOUT_STAMP
+};  // kinds of clouds; others are sound
 
 }  // namespace
 
 void SimulatedNode::sendCloud(const Event& event) {
   if (!setup_.has_cloud) return;
+  if (event.what == REPEATED && sent_) {
+    for (const auto& source : monitor_.scenes().active()->clouds) source->take(sent_);
+    next_cloud_ = SentCloud{sent_cloud_.stamp, sent_cloud_.what, sent_cloud_.points, seconds(ros_),
+                            knowledge_.pass()};
+    ++nb_clouds_;
+    return;
+  }
   const Ns stamp = event.what == WITHOUT_STAMP ? 0 : stampOf(event.lag);
   const auto X_WL = knowledge_.poseOf(setup_.camera_on, stamp);
   const Pose X_CW = inverse(X_WL.value_or(Pose()) * X_LC_);
@@ -40,6 +53,8 @@ void SimulatedNode::sendCloud(const Event& event) {
       boost::make_shared<const sensor_msgs::PointCloud2>(toPointCloud2(sent, header));
   for (const auto& source : monitor_.scenes().active()->clouds) source->take(cloud);
   next_cloud_ = SentCloud{stamp, event.what, points, seconds(ros_), knowledge_.pass()};
+  sent_ = cloud;
+  sent_cloud_ = *next_cloud_;
   ++nb_clouds_;
 }
 
@@ -55,20 +70,29 @@ void SimulatedNode::clearClouds() {
   last_cloud_ = 0;
 }
 
+/// There is a new source.
+void SimulatedNode::forgetClouds() {
+  clearClouds();
+  cloud_work_.reset();
+  nb_clouds_ = nb_cleared_ = nb_used_ = 0;
+  last_use_ = rate_ = latency_ = 0.0;
+  sent_points_ = 0;
+}
+
 /// Of all that a cloud needs.
 bool SimulatedNode::arePosesCertain(Ns stamp) const {
   bool are_certain = is_camera_told_;
   for (int i = 0; i < static_cast<int>(setup_.links.size()); ++i) {
     are_certain = are_certain && knowledge_.isCertain(i, stamp);
   }
-  return are_certain && (setup_.is_apart || knowledge_.isCertain(-1, stamp));
+  return are_certain && knowledge_.isCertain(-1, stamp);
 }
 
 /// It was refused when it was looked at.
 void SimulatedNode::requireRefusable(const SentCloud& cloud) {
   const double age = seconds(ros_ - cloud.stamp);
   const bool is_stamp_bad = cloud.may_be_new && (ros_ == 0 || cloud.stamp == 0 ||
-                                                 -age > 0.5 - 1e-6 || age > SOURCE_TIMEOUT - 1e-6);
+                                                 -age > 0.5 - 1e-6 || age > timeout() - 1e-6);
   const bool is_late = cloud.pass != knowledge_.pass() || cloud.stamp <= last_cloud_;
   const bool has_waited = steady_ - cloud.since > LONGEST_WAIT - 1e-6;
   const bool is_known = cloud.what != OF_NO_FRAME && arePosesCertain(cloud.stamp);
@@ -79,7 +103,7 @@ void SimulatedNode::requireRefusable(const SentCloud& cloud) {
 void SimulatedNode::requireUsable(const SentCloud& cloud) {
   const double age = seconds(ros_ - cloud.stamp);
   if (cloud.is_new &&
-      (ros_ == 0 || cloud.stamp == 0 || -age > 0.5 + 1e-6 || age > SOURCE_TIMEOUT + 1e-6)) {
+      (ros_ == 0 || cloud.stamp == 0 || -age > 0.5 + 1e-6 || age > timeout() + 1e-6)) {
     fail("a cloud is processed that has no usable stamp");
   }
   if (cloud.pass != knowledge_.pass()) fail("a cloud is processed of before the clock went back");
@@ -228,7 +252,7 @@ void SimulatedNode::judgeHealth(const CloudHealth& health) {
 std::string SimulatedNode::expectedCloudDoubt(bool is_refused) const {
   if (!used_cloud_) return is_refused ? "none is usable" : "none has arrived yet on /points";
   if (used_cloud_->pass != knowledge_.pass()) return "none has arrived since the clock went back";
-  if (seconds(ros_) - used_cloud_->measured > SOURCE_TIMEOUT) return "the newest is ";
+  if (seconds(ros_) - used_cloud_->measured > timeout()) return "the newest is ";
   if (is_refused) return "the last was refused";
   if (used_cloud_->revision < complete_revision_)
     return "none has arrived since the robot, or what";
@@ -256,7 +280,7 @@ void SimulatedNode::judgeClouds(const Snapshot& snapshot) {
       return said.empty() || may_touch;
     return said.rfind(begin + expected, 0) == 0;
   };
-  const bool is_edge = std::abs(age - SOURCE_TIMEOUT) < 1e-6;
+  const bool is_edge = std::abs(age - timeout()) < 1e-6;
   if (!isSaid(is_cloud_refused_) && !(may_cloud_be_refused_ && isSaid(true)) && !is_edge) {
     fail("of clouds is said: '" + said + "', not: " + expectedCloudDoubt(is_cloud_refused_));
   }

@@ -13,6 +13,12 @@ void mix(std::size_t& digest, std::size_t value) {
   digest = digest * 1099511628211u + value + 0x9e3779b97f4a7c15u;
 }
 
+/// Requests need the root, and the cycle only what lies between W and what is checked.
+bool isRootNowhere(const Scenario& setup, const Knowledge& knowledge, const Snapshot& snapshot) {
+  const Ns stamp = static_cast<Ns>(snapshot.stamp.toNSec());
+  return setup.fixed_frame >= 0 && !knowledge.isCertain(-1, stamp);
+}
+
 }  // namespace
 
 void SimulatedNode::report() {
@@ -45,11 +51,13 @@ void SimulatedNode::judge(const Snapshot& snapshot) {
   }
   bool can_move = false;
   for (int i = 0; i < static_cast<int>(setup_.links.size()); ++i) {
-    const SimulatedLink& link = setup_.links[static_cast<std::size_t>(i)];
-    const bool is_checked = snapshot.scene->scene->findModel(linkName(i)) >= 0;
-    const Told& told = knowledge_.told(i);
-    const bool moves = link.joint != SimulatedLink::FIXED && !told.is_static && told.is_settled;
-    can_move = can_move || (is_checked && moves);
+    if (snapshot.scene->scene->findModel(linkName(i)) < 0) continue;
+    for (const int joint : setup_.pathTo(i)) {
+      const Told& told = knowledge_.told(joint);
+      const bool is_fixed =
+          setup_.links[static_cast<std::size_t>(joint)].joint == SimulatedLink::FIXED;
+      can_move = can_move || (!is_fixed && !told.is_static && told.is_settled);
+    }
   }
   if (can_move && snapshot.is_static && report_.verdict == Verdict::FREE) {
     fail("what moves is said to stand");
@@ -102,7 +110,8 @@ void SimulatedNode::judgeBodies(const Snapshot& snapshot, bool is_newest) {
     if (!is_known || knowledge_.isLiedAbout(link, stamp)) continue;
     if (knowledge_.isHeld(link)) fail("only /tf_static places " + linkName(link));
     if (knowledge_.isInDoubt(link, stamp)) fail(linkName(link) + " is known, but in doubt");
-    if (ignored_.empty() && !snapshot.is_static && is_newest && knowledge_.isBehind(stamp)) {
+    const bool are_all_wanted = settings_.ignored.empty() && setup_.fixed_frame < 0;
+    if (are_all_wanted && is_newest && !snapshot.is_static && knowledge_.isBehind(stamp)) {
       fail(linkName(link) + " lags behind");
     }
     if (!knowledge_.poseOf(link, stamp)) fail(linkName(link) + " is known, but nobody said so");
@@ -115,7 +124,7 @@ void SimulatedNode::judgeBodies(const Snapshot& snapshot, bool is_newest) {
   for (std::size_t i = 0; i < scene.bodies().size(); ++i) {
     const bool is_known = snapshot.poses.known[i] != 0;
     are_all_known = are_all_known && is_known;
-    if (scene.bodies()[i].link == linkName(-1)) continue;  // the frame of the reports
+    if (scene.bodies()[i].link == linkName(bodyOf(setup_.fixed_frame))) continue;
     ++nb_asked;
     nb_found += is_known ? 1 : 0;
   }
@@ -166,10 +175,10 @@ void SimulatedNode::judgeCertain(const Snapshot& snapshot) {
 bool SimulatedNode::isGeometryMissing() const {
   bool is_checked = setup_.has_cloud || setup_.has_world;
   for (const auto& [name, object] : objects_) is_checked = is_checked || object.link < 0;
-  for (int i = 0; broken_ >= 0 && i < static_cast<int>(setup_.links.size()); ++i) {
-    is_checked = is_checked || (i != broken_ && areChecked(broken_, i));
+  for (int i = 0; settings_.broken >= 0 && i < static_cast<int>(setup_.links.size()); ++i) {
+    is_checked = is_checked || (i != settings_.broken && areChecked(settings_.broken, i));
   }
-  return broken_ >= 0 && ignored_.count(broken_) == 0 && is_checked;
+  return settings_.broken >= 0 && settings_.ignored.count(settings_.broken) == 0 && is_checked;
 }
 
 void SimulatedNode::judgeFree(const Snapshot& snapshot) {
@@ -178,7 +187,8 @@ void SimulatedNode::judgeFree(const Snapshot& snapshot) {
   if (isGeometryMissing()) fail("FREE although geometry is missing");
   if (knowledge_.isClockInDoubt()) fail("FREE although the clock stands still");
   if (knowledge_.isTooOld(stamp) && !snapshot.is_static) fail("FREE although poses are too old");
-  if (ignored_.empty() && knowledge_.isBehind(stamp)) fail("FREE although a link lags behind");
+  if (settings_.ignored.empty() && knowledge_.isBehind(stamp))
+    fail("FREE although a link lags behind");
   Poses at;
   for (int link = 0; link < static_cast<int>(setup_.links.size()); ++link) {
     at.push_back(knowledge_.poseOf(link, stamp));
@@ -195,7 +205,7 @@ void SimulatedNode::judgeFree(const Snapshot& snapshot) {
   judgeApart(at);
   if (!setup_.has_cloud) return;
   if (!seen_) return fail("FREE although no cloud is in use");
-  if (seconds(ros_) - seen_->measured > SOURCE_TIMEOUT + 1e-6) fail("FREE of an old cloud");
+  if (seconds(ros_) - seen_->measured > timeout() + 1e-6) fail("FREE of an old cloud");
   const double oldest = std::min(seen_->measured, snapshot.stamp.toSec());
   if (std::abs(snapshot.oldest_cloud - oldest) > 1e-6) fail("a cloud has another age");
   const OccupiedVoxels& voxels = *snapshot.poses.voxels.front();
@@ -205,8 +215,8 @@ void SimulatedNode::judgeFree(const Snapshot& snapshot) {
   }
   for (int i = 0; i < static_cast<int>(setup_.links.size()); ++i) {
     for (const Pose& p : seen_->points) {
-      if (!at[i] || ignored_.count(i) > 0) continue;
-      if (distance(ballOf(i), *at[i], {}, p) > -ROUNDING) continue;
+      if (!at[i] || settings_.ignored.count(i) > 0) continue;
+      if (distance(ballOf(i), *at[i], {}, p) > settings_.padding - ROUNDING) continue;
       fail("FREE although " + linkName(i) + " touches what a camera saw");
     }
   }
@@ -225,7 +235,8 @@ void SimulatedNode::judgeApart(const Poses& at, const std::set<std::string>& mem
     return members.empty() || members.count(name) > 0 || is_on;
   };
   const auto require = [&](double gap, const std::string& a, const std::string& b) {
-    if (gap > -ROUNDING || !(isMember(a) || isMember(b))) return;
+    const int nb_padded = (a.front() == 'l' ? 1 : 0) + (b.front() == 'l' ? 1 : 0);
+    if (gap > nb_padded * settings_.padding - ROUNDING || !(isMember(a) || isMember(b))) return;
     fail("FREE although " + a + " touches " + b);
   };
   for (int i = 0; i < static_cast<int>(setup_.links.size()); ++i) {
@@ -273,7 +284,7 @@ void SimulatedNode::judgeAgreement(const Snapshot& snapshot) {
     const Verdict of_request = detector_->detect(asked.poses, {}).verdict;
     if (doubts.empty() && of_request != verdict) fail("a request and the cycle do not agree");
     // A lie may lead past a link that is in no pair, so the cycle does not need it.
-    bool is_nowhere = false;
+    bool is_nowhere = isRootNowhere(setup_, knowledge_, snapshot);
     for (int i = 0; i < static_cast<int>(setup_.links.size()); ++i) {
       const bool is_checked = snapshot.scene->scene->findModel(linkName(i)) >= 0;
       const Ns stamp = static_cast<Ns>(snapshot.stamp.toNSec());
@@ -283,7 +294,8 @@ void SimulatedNode::judgeAgreement(const Snapshot& snapshot) {
       fail("the cycle is FREE, a request is in doubt: " + doubts.front());
     }
   } catch (const InputError& error) {
-    if (verdict == Verdict::FREE) fail(std::string("a request fails: ") + error.what());
+    const bool is_needed = verdict == Verdict::FREE && !isRootNowhere(setup_, knowledge_, snapshot);
+    if (is_needed) fail(std::string("a request fails: ") + error.what());
   }
 }
 
@@ -317,7 +329,7 @@ bool SimulatedNode::areChecked(int i, int j) const {
     return setup_.links[static_cast<std::size_t>(link)].parent;
   };
   return bodyOf(i) != bodyOf(j) && parentOf(i) != j && parentOf(j) != i && !areAdjacent(i, j) &&
-         ignored_.count(i) + ignored_.count(j) == 0;
+         settings_.ignored.count(i) + settings_.ignored.count(j) == 0;
 }
 
 bool SimulatedNode::areAdjacent(int a, int b) const {
@@ -371,7 +383,7 @@ void SimulatedNode::recover(double duration) {
   }
   bool checks =
       monitor_.scenes().active()->scene->unchecked().empty() && !knowledge_.isAmbiguousForEver();
-  for (int link = 0; link < static_cast<int>(setup_.links.size()); ++link) {
+  for (int link = -1; link < static_cast<int>(setup_.links.size()); ++link) {
     checks = checks && !knowledge_.isHeld(link);
   }
   if (checks && report_.verdict != Verdict::FREE)

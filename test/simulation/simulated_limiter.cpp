@@ -123,6 +123,7 @@ std::string SimulatedLimiter::whyInDoubt() const {
 
 /// By the positions alone; nothing if a joint that is not limited is on the way.
 std::optional<Pose> SimulatedLimiter::poseOf(int link) const {
+  if (setup_.fixed_frame >= 0) return std::nullopt;  // of W no pose is measured
   Pose X_WB;
   for (; link >= 0; link = setup_.links[static_cast<std::size_t>(link)].parent) {
     const SimulatedLink& of = setup_.links[static_cast<std::size_t>(link)];

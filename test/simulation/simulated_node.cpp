@@ -9,6 +9,11 @@
 namespace simulation {
 namespace {
 
+/// Far from its parent: the same pose has other numbers in it.
+const Pose X_PM{5000.0, 0.0, 0.0, 0.2};
+
+std::string mountName(int parent) { return "mount_of_" + linkName(parent); }
+
 Pose motionOf(SimulatedLink::Joint joint, const Pose& at) {
   switch (joint) {
     case SimulatedLink::FLOATING:
@@ -76,17 +81,17 @@ SimulatedNode::SimulatedNode(const Scenario& setup)
     limiter_.emplace(setup_, knowledge_);
   }
   advance(0.0);
-  load(monitor_, parameters({}, -1));
+  load(monitor_, parameters(settings_));
   ++revision_;
 }
 
-SceneParameters SimulatedNode::parameters(const std::set<int>& ignored, int broken) const {
+SceneParameters SimulatedNode::parameters(const PlainSettings& wanted) const {
   SceneParameters made;
-  if (!setup_.is_apart) made = parametersOf(urdfOf(setup_, broken, -1));
-  if (setup_.is_apart) made.fixed_frame = linkName(-1);
+  if (!setup_.is_apart) made = parametersOf(urdfOf(setup_, wanted.broken, -1));
+  if (setup_.is_apart || setup_.fixed_frame >= 0) made.fixed_frame = linkName(setup_.fixed_frame);
   for (int i = 0; i < static_cast<int>(setup_.links.size()); ++i) {
     if (!setup_.isBase(i)) continue;
-    auto robots = std::move(parametersOf(urdfOf(setup_, broken, i)).sources.robots);
+    auto robots = std::move(parametersOf(urdfOf(setup_, wanted.broken, i)).sources.robots);
     made.sources.robots.push_back(std::move(robots.front()));
   }
   if (setup_.has_world) {
@@ -96,16 +101,17 @@ SceneParameters SimulatedNode::parameters(const std::set<int>& ignored, int brok
         noMeshes);
   }
   std::string settings = "ignored_links: [";
-  for (const int link : ignored) settings += linkName(link);
+  for (const int link : wanted.ignored) settings += linkName(link);
   settings += "]\nstatic_joints: [";
   for (int i = 0; i < static_cast<int>(setup_.links.size()); ++i) {
     const bool is_listed = setup_.links[static_cast<std::size_t>(i)].is_listed;
     if (is_listed && !setup_.isBase(i)) settings += jointName(i) + ", ";
   }
-  settings += "]\n";
+  settings += "]\npadding: " + std::to_string(wanted.padding) + '\n';
   if (setup_.has_cloud) {
     settings += "clouds: [{topic: points, voxel_size: 0.05, source_timeout: " +
-                std::to_string(SOURCE_TIMEOUT) + ", max_range: " + std::to_string(MAX_RANGE) +
+                std::to_string(wanted.source_timeout) +
+                ", max_range: " + std::to_string(MAX_RANGE) +
                 ", self_filter_padding: " + std::to_string(SELF_FILTER) + "}]\n";
     made.cloud_topics = {"/points"};
   }
@@ -154,7 +160,9 @@ void SimulatedNode::take(const tf2_msgs::TFMessage& tf, bool is_static,
 
 void SimulatedNode::publish(const std::string& parent, const std::string& link, Ns stamp,
                             const Pose& X_PB, const std::string& publisher, bool is_static) {
-  tf2_msgs::TFMessage tf = transformOf(parent, link, ros::Time(), 0.0);
+  // Older nodes begin names with a slash.
+  const bool has_slash = monitor_.transforms().nbTaken() % 7 == 0;
+  tf2_msgs::TFMessage tf = transformOf((has_slash ? "/" : "") + parent, link, ros::Time(), 0.0);
   tf.transforms[0].header.stamp.fromNSec(static_cast<std::uint64_t>(stamp));
   const geometry_msgs::Pose pose = message(X_PB);
   tf.transforms[0].transform.translation.x = X_PB.x;
@@ -169,7 +177,9 @@ void SimulatedNode::publish(int link, const std::string& publisher) {
   const SimulatedLink& of = setup_.links[static_cast<std::size_t>(link)];
   const auto& [stamp, X_PB] = last_[static_cast<std::size_t>(link)];
   const bool stands = stands_[static_cast<std::size_t>(link)];
-  publish(linkName(of.parent), linkName(link), stamp, X_PB, publisher, stands);
+  const bool is_rehung = X_PB.is_rehung;
+  publish(is_rehung ? mountName(of.parent) : linkName(of.parent), linkName(link), stamp,
+          (is_rehung ? inverse(X_PM) : Pose()) * X_PB, publisher, stands);
   knowledge_.hear(link, stamp, X_PB, stands, publisher);
   noteHeard(link, stamp);
 }
@@ -177,6 +187,8 @@ void SimulatedNode::publish(int link, const std::string& publisher) {
 void SimulatedNode::lie(const Event& event) {
   const Pose elsewhere{1000.0 + 300.0 * event.other, 0.0, 0.0, 0.0};
   Ns stamp = stampOf(event.lag);
+  // Not seen from a link yet: who hangs the root then places others by other ways.
+  if (event.what == 3 && setup_.fixed_frame >= 0) return;
   if (event.what == 3) {
     publish(linkName(setup_.cycle_through), linkName(-1), stamp, elsewhere, "liar", false);
     return knowledge_.hearRootLie(stamp);
@@ -190,7 +202,7 @@ void SimulatedNode::lie(const Event& event) {
   const std::string publisher = "liar" + std::to_string(event.other % 2);
   // In another parent it may have the same numbers.
   const bool is_near = event.what == 2 && event.number > 0.0;
-  const Pose& X_PB = is_near ? last_[static_cast<std::size_t>(event.who)].second : elsewhere;
+  const Pose X_PB = is_near ? Pose(last_[static_cast<std::size_t>(event.who)].second) : elsewhere;
   publish(parent, linkName(event.who), stamp, X_PB, publisher, event.what == 1);
   knowledge_.hearLie(event.who, stamp, event.what == 1);
   refusals_.erase(event.who);
@@ -251,8 +263,8 @@ void SimulatedNode::happen(const Event& event) {
     case Event::PUBLISH:
       if (const auto& of = setup_.links[static_cast<std::size_t>(event.who)];
           joint != SimulatedLink::FIXED || of.is_static) {
-        last_[static_cast<std::size_t>(event.who)] = {stampOf(event.lag),
-                                                      of.X_PJ * motionOf(joint, event.at)};
+        auto& last = last_[static_cast<std::size_t>(event.who)];
+        last = {stampOf(event.lag), {of.X_PJ * motionOf(joint, event.at), last.second.is_rehung}};
         publish(event.who, "honest");
         if (of.is_relayed) publish(event.who, "relay");
       }
@@ -262,6 +274,14 @@ void SimulatedNode::happen(const Event& event) {
       stands_[static_cast<std::size_t>(event.who)] ^= 1;
       last_[static_cast<std::size_t>(event.who)].first = 0;
       break;
+    case Event::REHANG: {
+      if (joint == SimulatedLink::FIXED) break;
+      const int parent = setup_.links[static_cast<std::size_t>(event.who)].parent;
+      publish(linkName(parent), mountName(parent), 0, X_PM, "mount", true);
+      last_[static_cast<std::size_t>(event.who)].first = 0;
+      last_[static_cast<std::size_t>(event.who)].second.is_rehung ^= true;
+      break;
+    }
     case Event::REPEAT:
       if (last_[static_cast<std::size_t>(event.who)].first > 0) publish(event.who, "repeats");
       break;

@@ -19,10 +19,10 @@ namespace simulation {
 
 using namespace collision_pairs;
 
-constexpr Ns BEGIN = 1000000000000;                         // of ROS time
-constexpr double SOURCE_TIMEOUT = 1.0, LONGEST_WAIT = 1.0;  // s, of the cloud
-constexpr double SELF_FILTER = 0.02, MAX_RANGE = 100.0;     // m
-constexpr double ALARM_DISTANCE = 0.3;                      // m
+constexpr Ns BEGIN = 1000000000000;                      // of ROS time
+constexpr double LONGEST_WAIT = 1.0;                     // s, of the cloud
+constexpr double SELF_FILTER = 0.02, MAX_RANGE = 100.0;  // m
+constexpr double ALARM_DISTANCE = 0.3;                   // m
 
 /// An object of the scene.
 struct PlainObject {
@@ -31,6 +31,14 @@ struct PlainObject {
   Pose X_PO;              ///< in the link, or in the root's frame
   std::set<int> touches;  ///< links
   std::set<std::string> touched_objects = {};
+};
+
+/// Parameters that change.
+struct PlainSettings {
+  std::set<int> ignored = {};   ///< links
+  int broken = -1;              ///< link with a mesh that cannot be read; -1: none
+  double padding = 0.0;         ///< m, of each link
+  double source_timeout = 1.0;  ///< s; 0: none
 };
 
 /// Runs one sequence of events. After each, `violation` says what is wrong; empty: nothing.
@@ -57,8 +65,7 @@ class SimulatedNode {
     SceneJob job;
     std::uint64_t revision;
     std::map<std::string, PlainObject> objects;  ///< afterwards
-    std::set<int> ignored;
-    int broken;          ///< link with a mesh that cannot be read; -1: none
+    PlainSettings settings;
     bool may_show_more;  ///< of the clouds: what was attached hid it
   };
   /// What a change has to ask TF about.
@@ -101,6 +108,8 @@ class SimulatedNode {
   void beginCloud();
   void endCloud();
   void clearClouds();
+  void forgetClouds();
+  double timeout() const { return settings_.source_timeout > 0.0 ? settings_.source_timeout : 1e9; }
   bool arePosesCertain(Ns stamp) const;
   void requireRefusable(const SentCloud& cloud);
   void requireUsable(const SentCloud& cloud);
@@ -113,7 +122,7 @@ class SimulatedNode {
   void endScene(bool is_first);
   std::optional<Ns> newestStampOf(int link) const;
   std::optional<Pose> newestPoseOf(int link) const;
-  SceneParameters parameters(const std::set<int>& ignored, int broken) const;
+  SceneParameters parameters(const PlainSettings& wanted) const;
   void readAgain();
   void judgeObjects();
   bool isStale(const PoseQuestion& question) const;
@@ -121,7 +130,7 @@ class SimulatedNode {
 
   void request(const Event& event);
   void requestAt(Ns stamp);
-  void requestJoints(const Event& event);
+  void requestJoints(const Event& event, Ns at_stamp);
   void requestPart(const Event& event);
   void requestReplaced();
   void requireRefusal(const std::vector<std::string>& words, const std::function<void()>& attempt);
@@ -172,14 +181,13 @@ class SimulatedNode {
   std::optional<SimulatedLimiter> limiter_;  ///< if a joint slides or turns
   Ns ros_ = 0;
   double steady_ = 0.0, speed_ = 1.0;
-  std::vector<std::pair<Ns, Pose>> last_;  ///< of each link
+  std::vector<std::pair<Ns, Said>> last_;  ///< of each link
   std::vector<char> stands_;               ///< of each link: it is published on /tf_static
   /// Of each link whose last transform was certainly refused, or right: why, and when.
   std::map<int, std::pair<std::string, double>> refusals_;
   std::uint64_t nb_refused_ = 0;  ///< before the last transform
   std::map<std::string, PlainObject> objects_;
-  std::set<int> ignored_;
-  int broken_ = -1;
+  PlainSettings settings_;
   std::uint64_t revision_ = 0;
   std::vector<SceneWork> scene_works_;
   ActiveScenePtr replaced_;                 ///< some earlier scene, or part of one
@@ -187,6 +195,8 @@ class SimulatedNode {
   std::shared_ptr<CloudJob> cloud_work_;
   std::vector<Pose> cloud_points_;  ///< in W, of cloud_work_
   std::optional<SentCloud> next_cloud_, waiting_cloud_;
+  sensor_msgs::PointCloud2::ConstPtr sent_;  ///< the last, which may be sent again
+  SentCloud sent_cloud_;
   SentCloud sent_work_;  ///< of cloud_work_
   std::optional<UsedCloud> used_cloud_;
   bool is_cloud_refused_ = false;  ///< the last, or it waits for what nobody connects

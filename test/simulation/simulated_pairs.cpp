@@ -23,9 +23,12 @@ void SimulatedNode::judgePairs(const Snapshot& snapshot) {
     X_WS = poseOf(found->second, at);
     return true;
   };
+  const auto paddingOf = [&](const std::string& name) {
+    return name.front() == 'l' ? settings_.padding : 0.0;
+  };
   std::set<std::pair<std::string, std::string>> reported;
   double smallest = ALARM_DISTANCE;
-  bool is_all = broken_ < 0;  // pairs are judged, of balls
+  bool is_all = settings_.broken < 0;  // pairs are judged, of balls
   for (const PairReport& pair : report_.pairs) {
     const std::string &a = scene.models()[pair.first].name, &b = scene.models()[pair.second].name;
     reported.insert(std::minmax(a, b));
@@ -35,7 +38,7 @@ void SimulatedNode::judgePairs(const Snapshot& snapshot) {
       is_all = false;
       continue;
     }
-    const double expected = distance(of_a, X_WA, of_b, X_WB);
+    const double expected = distance(of_a, X_WA, of_b, X_WB) - paddingOf(a) - paddingOf(b);
     const bool is_contact = pair.state == PairState::CONTACT;
     if (is_contact != (expected <= 0.0) && std::abs(expected) > ROUNDING) {
       fail(a + " and " + b + ": " + (is_contact ? "no contact" : "a contact"));
@@ -45,7 +48,7 @@ void SimulatedNode::judgePairs(const Snapshot& snapshot) {
     if (!is_depth && std::abs(pair.distance - expected) > 1e-5)
       fail(a + " and " + b + ": distance");
     smallest = std::min(smallest, expected);
-    if (broken_ < 0) judgeContacts(pair, a, b, expected);
+    if (settings_.broken < 0) judgeContacts(pair, a, b, expected);
   }
   if (is_all && report_.left_out.empty() && !reported.empty() &&
       std::abs(report_.min_distance - smallest) > 1e-5) {
@@ -60,7 +63,8 @@ void SimulatedNode::judgePairs(const Snapshot& snapshot) {
     if (!at[i] || !report_.left_out.empty()) continue;
     for (int j = 0; j < i; ++j) {
       if (!at[j] || !areChecked(i, j)) continue;
-      const bool is_near = distance(ballOf(i), *at[i], ballOf(j), *at[j]) < ALARM_DISTANCE - 1e-5;
+      const double gap = distance(ballOf(i), *at[i], ballOf(j), *at[j]) - 2.0 * settings_.padding;
+      const bool is_near = gap < ALARM_DISTANCE - 1e-5;
       if (is_near && reported.count(std::minmax(linkName(i), linkName(j))) == 0) {
         fail(linkName(i) + " and " + linkName(j) + " are near, and not reported");
       }

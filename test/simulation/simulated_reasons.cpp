@@ -53,7 +53,8 @@ void SimulatedNode::noteHeard(int link, Ns stamp) {
                                : is_ahead  ? "ahead of the clock"
                                            : "old when it arrived");
   }
-  const bool is_alone = stands ? told.statics.size() == 1 : stamp > told.disturbed;
+  const bool is_alone =
+      stands ? told.statics.size() == 1 : !knowledge_.isDisturbed(told, stamp, stamp);
   if (told.is_settled && !told.is_lied_about && is_alone) return noteTransform(link, std::nullopt);
   refusals_.erase(link);
 }
@@ -96,7 +97,7 @@ void SimulatedNode::judgeReasons(const Snapshot& snapshot) {
     if (says("/clock stands still") && !knowledge_.isClockInDoubt()) fail("it runs: " + doubt);
     if (doubt == NO_CLOCK && ros_ > 0) fail("it was received: " + doubt);
     if (says("the scene was replaced")) fail("it was not: " + doubt);
-    if (says("geometry that could not be read") && broken_ < 0) fail("it could: " + doubt);
+    if (says("geometry that could not be read") && settings_.broken < 0) fail("it could: " + doubt);
     is_of_cloud = is_of_cloud || begins("cloud '");
     if (begins("refused ") && snapshot.first_left_out.empty()) fail("it matters not: " + doubt);
     const bool is_of_frame = begins("link '") || begins("refused ");
@@ -113,7 +114,8 @@ void SimulatedNode::judgeReasons(const Snapshot& snapshot) {
       if (says("only /tf_static places it") && !knowledge_.isHeld(link) && !is_uncertain) {
         fail("it moves: " + doubt);
       }
-      if (says("and max_pose_age is") && !is_uncertain &&
+      // Seen from a link, it may be the transform of another one that is said to be old.
+      if (says("and max_pose_age is") && !is_uncertain && setup_.fixed_frame < 0 &&
           !knowledge_.hasOldOn(link, setup_.max_pose_age - rounding)) {
         fail("it is young: " + doubt);
       }
@@ -150,7 +152,7 @@ void SimulatedNode::judgeLeftOut(const Snapshot& snapshot) {
     }
   }
   if (!isGeometryMissing()) return;
-  const std::string broken = "geometry that could not be read: " + linkName(broken_);
+  const std::string broken = "geometry that could not be read: " + linkName(settings_.broken);
   const auto& doubts = snapshot.poses.doubts;
   if (std::find(doubts.begin(), doubts.end(), broken) == doubts.end()) {
     fail("a reason is missing: " + broken);

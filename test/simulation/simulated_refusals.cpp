@@ -65,8 +65,8 @@ void SimulatedNode::requestWrong() {
   refuses({changeOf(9, "x", "")}, {"operation 9 is unknown"});
   SceneChange lost = add;
   lost.object.header.frame_id = "unheard";
-  refuses({lost},
-          {"TF does not know 'unheard' in '" + linkName(-1) + "'", ros_ == 0 ? NO_CLOCK : ""});
+  refuses({lost}, {"TF does not know 'unheard' in '" + linkName(setup_.fixed_frame) + "'",
+                   ros_ == 0 ? NO_CLOCK : ""});
   // No change makes no other scene.
   SceneJob same = monitor_.scenes().update({}, {});
   same.run();
@@ -100,12 +100,12 @@ void SimulatedNode::requestWrongScenes() {
     spoilt.header.frame_id.clear();
     objectsOf(spoilt, no_meshes);
   });
-  SceneParameters strange = parameters(ignored_, broken_);
+  SceneParameters strange = parameters(settings_);
   strange.sources.readSettings({"settings", "static_joints: [none]"});
   requireRefusal({"static_joints", "'none'"},
                  [&] { monitor_.scenes().load(std::move(strange)).run(); });
   // Objects that stand would be elsewhere in another frame.
-  SceneParameters moved = parameters(ignored_, broken_);
+  SceneParameters moved = parameters(settings_);
   moved.fixed_frame = "elsewhere";
   SceneJob job = monitor_.scenes().load(std::move(moved));
   const auto standing = std::find_if(objects_.begin(), objects_.end(),
@@ -113,7 +113,8 @@ void SimulatedNode::requestWrongScenes() {
   if (standing == objects_.end()) {
     job.run();
   } else {
-    requireRefusal({"is fixed in frame '" + linkName(-1) + "'", "'elsewhere'"}, [&] { job.run(); });
+    requireRefusal({"is fixed in frame '" + linkName(setup_.fixed_frame) + "'", "'elsewhere'"},
+                   [&] { job.run(); });
   }
   if (sound.objects.empty()) return;
   const std::string object = "object '" + sound.objects[0].name + "'";
@@ -126,7 +127,8 @@ void SimulatedNode::requestWrongScenes() {
 
 /// It says what is there.
 void SimulatedNode::judgeListed(const Scene& message) {
-  if (message.header.frame_id != linkName(-1)) fail("a scene's message has another frame");
+  if (message.header.frame_id != linkName(setup_.fixed_frame))
+    fail("a scene's message has another frame");
   if (message.objects.size() != objects_.size()) return fail("a scene's message has others");
   for (const SceneObject& said : message.objects) {
     const auto known = objects_.find(said.name);
@@ -136,7 +138,8 @@ void SimulatedNode::judgeListed(const Scene& message) {
     const Eigen::Vector3d p(object.X_PO.x, object.X_PO.y, object.X_PO.z);
     const auto& at = said.pose.position;
     const bool is_there = (Eigen::Vector3d(at.x, at.y, at.z) - p).norm() < 1e-5;
-    const bool is_in_frame = said.header.frame_id == (link.empty() ? linkName(-1) : link);
+    const bool is_in_frame =
+        said.header.frame_id == (link.empty() ? linkName(setup_.fixed_frame) : link);
     if (said.attached_link != link || !is_in_frame || !is_there || said.primitives.size() != 1 ||
         said.touch_links.size() != object.touches.size() + object.touched_objects.size()) {
       fail("a scene's message has " + said.name + " elsewhere");

@@ -12,7 +12,7 @@ void SimulatedNode::request(const Event& event) {
       if (stamp > 0 && stamp != ros_) requestAt(stamp);
       break;
     case 1:
-      requestJoints(event);
+      requestJoints(event, event.what > 3 && stamp > 0 ? stamp : 0);
       break;
     case 2:
       requestPart(event);
@@ -42,26 +42,38 @@ void SimulatedNode::requestAt(Ns stamp) {
   judgeApart(posesAt(stamp));
 }
 
-/// Of joints that it names, all that slide or turn: the others are as TF has them.
-void SimulatedNode::requestJoints(const Event& event) {
+/// Of joints that it names, which slide or turn: the others are as TF has them; `at_stamp` 0: now.
+void SimulatedNode::requestJoints(const Event& event, Ns at_stamp) {
   const ActiveScenePtr scene = monitor_.scenes().active();
   std::vector<std::string> names;
   std::vector<double> positions;
   for (int i = 0; i < static_cast<int>(setup_.links.size()); ++i) {
     const SimulatedLink& link = setup_.links[static_cast<std::size_t>(i)];
-    if (!SimulatedLimiter::isMeasured(link)) continue;
+    const bool is_named = event.who != i || event.other % 2 == 0;
+    if (!SimulatedLimiter::isMeasured(link) || !is_named) continue;
     names.push_back(jointName(i));
     positions.push_back(link.joint == SimulatedLink::SLIDING ? event.at.x + i : event.at.yaw * i);
   }
   try {
-    Snapshot asked = monitor_.withJoints(scene, names, ros::Time());
+    Snapshot asked = monitor_.withJoints(scene, names, toTime(at_stamp));
     const Ns stamp = static_cast<Ns>(asked.stamp.toNSec());
+    if (at_stamp > 0 && stamp != at_stamp) fail("a request is of another stamp");
     Poses at;
+    bool are_certain = ros_ > 0 && !knowledge_.isClockInDoubt() && !setup_.has_cloud &&
+                       knowledge_.isCertain(-1, stamp);
+    // Where TF has it, whatever is named.
+    std::optional<Pose> X_WR = knowledge_.poseOf(-1, stamp);
+    if (asked.is_static || knowledge_.isLiedAbout(-1) || knowledge_.isUnsettled(-1)) {
+      X_WR.reset();
+    }
+    if (setup_.fixed_frame < 0) X_WR = Pose();
     bool can_age = setup_.has_cloud;
     for (int i = 0; i < static_cast<int>(setup_.links.size()); ++i) {
       const SimulatedLink& link = setup_.links[static_cast<std::size_t>(i)];
       const auto named = std::find(names.begin(), names.end(), jointName(i));
-      const std::optional<Pose> heard = knowledge_.inParent(i, stamp);
+      const bool is_base = setup_.isBase(i);
+      are_certain = are_certain && knowledge_.isCertain(i, stamp);
+      const auto heard = is_base ? knowledge_.poseOf(i, stamp) : knowledge_.inParent(i, stamp);
       Pose X_PB = heard.value_or(Pose());
       bool is_placed = heard.has_value();
       if (named != names.end()) {
@@ -76,8 +88,8 @@ void SimulatedNode::requestJoints(const Event& event) {
         const bool is_newest = asked.is_static && !knowledge_.told(i).is_static;  // not of a stamp
         is_placed = heard && !is_newest && !knowledge_.isLiedAbout(i) && !knowledge_.isUnsettled(i);
       }
-      if (link.parent >= 0) {
-        const auto& X_WP = at[static_cast<std::size_t>(link.parent)];
+      if (!is_base) {
+        const auto X_WP = link.parent < 0 ? X_WR : at[static_cast<std::size_t>(link.parent)];
         is_placed = is_placed && X_WP;
         X_PB = X_WP.value_or(Pose()) * X_PB;
       }
@@ -86,6 +98,9 @@ void SimulatedNode::requestJoints(const Event& event) {
     if (can_age && knowledge_.isClockInDoubt() && asked.poses.doubts.empty()) {
       fail("a request does not know that the clock stands still");
     }
+    if (are_certain && settings_.broken < 0 && !asked.poses.doubts.empty()) {
+      fail("a request is in doubt without a reason: " + asked.poses.doubts.front());
+    }
     if (!asked.poses.doubts.empty()) return;
     asked.joints->posesAt(positions, asked.poses);
     if (detector_->detect(asked.poses, {}).verdict == Verdict::FREE) judgeApart(at);
@@ -93,7 +108,7 @@ void SimulatedNode::requestJoints(const Event& event) {
       const SceneBody& body = scene->scene->bodies()[i];
       const int link = body.link == "root" ? -1 : bodyOf(std::stoi(body.link.substr(1)));
       const Eigen::Vector3d p = asked.poses.X_WB[i].translation();
-      const std::optional<Pose> expected = link < 0 ? Pose() : at[static_cast<std::size_t>(link)];
+      const std::optional<Pose> expected = link < 0 ? X_WR : at[static_cast<std::size_t>(link)];
       if (expected && (p - Eigen::Vector3d(expected->x, expected->y, expected->z)).norm() > 1e-5) {
         fail("a request has " + body.link + " elsewhere");
       }

@@ -31,7 +31,7 @@ void place(SceneObject& object, const Pose& at) {
 /// That the oldest of the frames which place it has reached; nothing if one was not heard of.
 std::optional<Ns> SimulatedNode::newestStampOf(int link) const {
   Ns oldest = std::numeric_limits<Ns>::max();
-  for (int i = link; i >= 0; i = setup_.links[static_cast<std::size_t>(i)].parent) {
+  for (const int i : setup_.pathTo(link)) {
     const SimulatedLink& of = setup_.links[static_cast<std::size_t>(i)];
     if (of.joint == SimulatedLink::FIXED || knowledge_.told(i).is_static) continue;
     const auto& samples = knowledge_.told(i).samples;
@@ -56,8 +56,9 @@ std::optional<Pose> SimulatedNode::newestPoseOf(int link) const {
 
 /// Whether what TF has newest cannot be seen to age.
 bool SimulatedNode::isStale(const PoseQuestion& question) const {
+  if (question.link < 0) return false;
   bool moves = false;
-  for (int i = question.link; i >= 0; i = setup_.links[static_cast<std::size_t>(i)].parent) {
+  for (const int i : setup_.pathTo(question.link)) {
     const bool is_fixed = setup_.links[static_cast<std::size_t>(i)].joint == SimulatedLink::FIXED;
     moves = moves || !(is_fixed || knowledge_.told(i).is_static);
   }
@@ -77,16 +78,18 @@ bool SimulatedNode::isAnswered(const PoseQuestion& question) const {
 void SimulatedNode::beginScene(const Event& event) {
   const std::string name = "o" + std::to_string(event.other % 3);
   if (scene_works_.size() == 2) return;
-  SceneWork work{monitor_.scenes().restrictedTo({}), revision_, objects_, ignored_, broken_, false};
+  SceneWork work{monitor_.scenes().restrictedTo({}), revision_, objects_, settings_, false};
   PoseQuestion question;
   bool is_known = true;
   try {
     if (event.what == LOAD) {
-      const bool ignores = event.number < 0.0;
-      work.ignored = ignores ? std::set<int>{event.who} : std::set<int>{};
-      work.broken = event.number > 0.7 ? event.other : -1;
+      work.settings = {};
+      if (event.number < 0.0) work.settings.ignored = {event.who};
+      if (event.number > 0.7) work.settings.broken = event.other;
+      if (event.at.x > 1.0) work.settings.padding = 0.1;
+      if (event.at.y > 1.0) work.settings.source_timeout = event.at.y > 1.25 ? 0.0 : 0.4;
       work.may_show_more = true;
-      work.job = monitor_.scenes().load(parameters(work.ignored, work.broken));
+      work.job = monitor_.scenes().load(parameters(work.settings));
       scene_works_.push_back(std::move(work));
       return;
     }
@@ -96,10 +99,20 @@ void SimulatedNode::beginScene(const Event& event) {
       const bool is_changed = other == name || event.what == CLEAR;
       work.may_show_more = work.may_show_more || (is_changed && object.link >= 0);
     }
+    // What is not possible becomes what is.
+    int what = event.what;
+    if (known == work.objects.end()) {
+      if (what == MOVE || what == ATTACH || what == DETACH) what = ADD;
+    } else if (known->second.link < 0) {
+      if (what == DETACH) what = ATTACH;
+      if (what == ATTACH && known->second.solid.is_box) what = REMOVE;
+    } else if (what == MOVE || what == ATTACH) {
+      what = DETACH;
+    }
     auto X_WL = newestPoseOf(event.who);
     const bool is_certain =
         !knowledge_.isLiedAbout(event.who) && !knowledge_.isUnsettled(event.who);
-    switch (event.what) {
+    switch (what) {
       case ADD:
       case ADD_IN_LINK: {
         const bool is_box = event.number > 0.3;
@@ -109,7 +122,7 @@ void SimulatedNode::beginScene(const Event& event) {
                    : primitive(shape_msgs::SolidPrimitive::SPHERE, {0.15})};
         place(change.object, event.at);
         PlainObject object{solid, -1, event.at, {}};
-        if (event.what == ADD_IN_LINK) {
+        if (what == ADD_IN_LINK) {
           if (!is_certain) return;
           change.object.header.frame_id = linkName(event.who);
           question = {event.who};
@@ -127,7 +140,6 @@ void SimulatedNode::beginScene(const Event& event) {
       case MOVE:
         change.operation = SceneChange::MOVE;
         place(change.object, event.at);
-        if (known == work.objects.end() || known->second.link >= 0) return;
         known->second.X_PO = event.at;
         break;
       case REMOVE:
@@ -137,7 +149,7 @@ void SimulatedNode::beginScene(const Event& event) {
         for (auto& entry : work.objects) entry.second.touched_objects.erase(name);
         break;
       case ATTACH: {
-        if (known == work.objects.end() || known->second.link >= 0 || !is_certain) return;
+        if (!is_certain) return;
         if (known->second.solid.is_box) return;  // two boxes may meet, which is not judged
         change.operation = SceneChange::ATTACH;
         change.object.attached_link = linkName(event.who);
@@ -147,16 +159,15 @@ void SimulatedNode::beginScene(const Event& event) {
         if (event.number > 0.0)
           object.touches = {(event.who + 1) % static_cast<int>(setup_.links.size())};
         for (const int link : object.touches) change.object.touch_links.push_back(linkName(link));
-        const std::string touched = "o" + std::to_string((event.other + 1) % 3);
-        if (event.number < -0.3 && work.objects.count(touched) > 0) {
-          object.touched_objects = {touched};
+        for (const auto& [touched, unused] : work.objects) {
+          if (event.number > -0.3 || touched == name) continue;
+          object.touched_objects.insert(touched);
           change.object.touch_links.push_back(touched);
         }
         object.X_PO = X_WL ? inverse(*X_WL) * object.X_PO : Pose{1e9, 0, 0, 0};
         break;
       }
       case DETACH: {
-        if (known == work.objects.end() || known->second.link < 0) return;
         if (knowledge_.isLiedAbout(known->second.link)) return;
         if (knowledge_.isUnsettled(known->second.link)) return;
         change.operation = SceneChange::DETACH;
@@ -203,8 +214,9 @@ void SimulatedNode::endScene(bool is_first) {
   replaced_ = before;
   ++revision_;
   objects_ = work.objects;
-  ignored_ = work.ignored;
-  broken_ = work.broken;
+  const bool is_other_source = settings_.source_timeout != work.settings.source_timeout;
+  settings_ = work.settings;
+  if (is_other_source && setup_.has_cloud) forgetClouds();
   readAgain();
   judgeObjects();
   if (!work.may_show_more) return;
@@ -247,14 +259,14 @@ void SimulatedNode::readAgain() {
 }
 
 int SimulatedNode::bodyOf(int link) const {
-  while (setup_.links[static_cast<std::size_t>(link)].joint == SimulatedLink::FIXED) {
+  while (link >= 0 && setup_.links[static_cast<std::size_t>(link)].joint == SimulatedLink::FIXED) {
     link = setup_.links[static_cast<std::size_t>(link)].parent;
   }
   return link;
 }
 
 bool SimulatedNode::isCheckedAgainst(int link, const PlainObject& object) const {
-  if (ignored_.count(link) > 0 || object.touches.count(link) > 0) return false;
+  if (settings_.ignored.count(link) > 0 || object.touches.count(link) > 0) return false;
   return object.link < 0 || bodyOf(object.link) != bodyOf(link);
 }
 
