@@ -158,7 +158,7 @@ TEST_F(Questions, OfARetreatAreFourScalesAndHowFarItCouldMeetAnything) {
   asked_.seconds = 0.36;
   const LimiterDecision decision = LimiterLaw(settings_).decide({9.0, 8.95, 0.0, {0.1}}, asked_);
   EXPECT_EQ(decision.scale, 0.0);
-  EXPECT_THAT(asked_.retreats, Pointwise(DoubleNear(1e-9), {0.2, 0.05, 0.0125, 0.003125}));
+  EXPECT_THAT(asked_.retreats, Pointwise(DoubleNear(1e-9), {0.2, 0.1, 0.025, 0.003125}));
   ASSERT_EQ(asked_.reaches.size(), 5u);
   for (int i = 0; i < 4; ++i) {
     const double braking = 0.1 * asked_.retreats[i] / 2.0;
