@@ -187,8 +187,6 @@ void SimulatedNode::publish(int link, const std::string& publisher) {
 void SimulatedNode::lie(const Event& event) {
   const Pose elsewhere{1000.0 + 300.0 * event.other, 0.0, 0.0, 0.0};
   Ns stamp = stampOf(event.lag);
-  // Not seen from a link yet: who hangs the root then places others by other ways.
-  if (event.what == 3 && setup_.fixed_frame >= 0) return;
   if (event.what == 3) {
     publish(linkName(setup_.cycle_through), linkName(-1), stamp, elsewhere, "liar", false);
     return knowledge_.hearRootLie(stamp);
