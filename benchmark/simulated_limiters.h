@@ -31,9 +31,8 @@ class NodeLimiter {
   int nbFaults() const { return nb_faults_; }
   double firstFault() const { return first_fault_; }   ///< s
   const std::string& fault() const { return fault_; }  ///< the first, in words
-  const std::string& reason() const {
-    return reason_;
-  }  ///< of the last command that did not pass whole
+  /// Of the last command that did not pass whole.
+  const std::string& reason() const { return reason_; }
 
  private:
   RandomInputs& random_;
