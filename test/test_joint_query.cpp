@@ -81,6 +81,25 @@ TEST_F(JointQueryTest, LeavesWhatIsNotNamedWhereTfHasIt) {
   EXPECT_EQ(at("c", lead, {2.0}), Vector3d(2, 0, 0.25));
 }
 
+TEST_F(JointQueryTest, TakesWhatIsNewestAtOneInstantOrTheNewestOfEach) {
+  publish("map", "root", 999.5, 1.0);
+  publishLift(999.5, 0.25);
+  publishLift(999.75, 0.5);
+  const auto ask = [&](bool is_of_one_instant, double heard = 0.0) {
+    return JointQuery({"lead"}, *scene_,
+                      {transforms_, "map", {}, now_, nullptr, ros::Time(heard), is_of_one_instant});
+  };
+  EXPECT_EQ(at("c", ask(true), {2.0}), Vector3d(2, 0, 1.25));
+  EXPECT_EQ(ask(true).stamp(), ros::Time(999.5));
+  EXPECT_EQ(at("c", ask(false), {2.0}), Vector3d(2, 0, 1.5));
+  for (const bool is_of_one_instant : {true, false}) {
+    EXPECT_THAT(ask(is_of_one_instant, 1000.5).doubts(), IsEmpty());
+    EXPECT_THAT(ask(is_of_one_instant, 1000.625).doubts(),
+                ElementsAre(HasSubstr("link 'root': its newest transform is ")));
+    EXPECT_EQ(ask(is_of_one_instant, 1001.0).doubts().size(), 2u) << "nothing may be used";
+  }
+}
+
 TEST_F(JointQueryTest, FindsLinksThatOnlyFixedJointsConnectWithWhatTfPlaces) {
   const std::string up = "<axis xyz='0 0 1'/><limit lower='-9' upper='9'/>";
   scene_ = CollisionScene::build(

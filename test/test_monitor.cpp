@@ -133,6 +133,63 @@ TEST_F(TheMonitor, SeesThatWhatNeverMovesStands) {
   }
 }
 
+/// A tool on an arm that slides on a base; reports are in the tool's frame, which lags.
+class MonitorInAToolFrame : public testing::Test {
+ protected:
+  MonitorInAToolFrame() {
+    SceneParameters parameters = parametersOf(
+        emptyLink("base") + linkWith("arm", "<sphere radius='0.1'/>") +
+        linkWith("tool", "<sphere radius='0.1'/>") + linkWith("cup", "<sphere radius='0.1'/>") +
+        joint("slide", "prismatic", "base", "arm", "0 0 0", ALONG_X) +
+        joint("lift", "prismatic", "arm", "tool", "0 0 0", ALONG_X) +
+        joint("tilt", "prismatic", "base", "cup", "0 0 0", ALONG_X));
+    parameters.fixed_frame = "tool";
+    load(monitor_, std::move(parameters));
+  }
+  void publish(const std::string& parent, const std::string& child, double stamp, double x) {
+    monitor_.take(transformOf(parent, child, ros::Time(stamp), x), false, "");
+  }
+  /// The tool was heard of that long before the others [s].
+  void publishAll(double lag) {
+    monitor_.advance(ros::Time(1000.0));
+    publish("arm", "tool", 1000.0 - lag, 1.0);
+    publish("base", "arm", 1000.0 - lag, 1.0);
+    publish("base", "cup", 1000.0 - lag, 5.0);
+    publish("base", "arm", 1000.0, 2.0);
+    publish("base", "cup", 1000.0, 6.0);
+  }
+  Snapshot asked() const { return monitor_.withJoints(monitor_.scenes().active(), {}, {}); }
+
+  static constexpr const char* ALONG_X = "<axis xyz='1 0 0'/><limit lower='-9' upper='9'/>";
+  Monitor monitor_{[] {
+    TransformSettings settings;
+    settings.limits = {0.0, 0.5, 0.5};
+    return settings;
+  }()};
+};
+
+TEST_F(MonitorInAToolFrame, ARequestIsInDoubtWhereTheReportIsForATransformThatLags) {
+  publishAll(0.75);
+  const ActiveScenePtr scene = monitor_.scenes().active();
+  EXPECT_THAT(monitor_.at(scene).poses.doubts, Contains(HasSubstr("older than the newest of all")));
+  const auto lags = Contains(HasSubstr("its newest transform is 0.75 s older"));
+  EXPECT_THAT(asked().poses.doubts, lags);
+  EXPECT_THAT(monitor_.withMeasured(scene, {}).poses.doubts, lags);
+}
+
+TEST_F(MonitorInAToolFrame, ARequestHasAllPosesAtOneInstantAsTheReport) {
+  publishAll(0.25);
+  const Snapshot report = monitor_.at(monitor_.scenes().active()), request = asked();
+  EXPECT_THAT(request.poses.doubts, testing::IsEmpty());
+  EXPECT_EQ(request.stamp, ros::Time(999.75));
+  BodyPoses poses;
+  poses.resize(report.poses.known.size());
+  request.joints->posesAt({}, poses);
+  for (std::size_t i = 0; i < poses.X_WB.size(); ++i) {
+    EXPECT_TRUE(poses.X_WB[i].isApprox(report.poses.X_WB[i])) << i;
+  }
+}
+
 TEST_F(TheMonitor, NamesTenDoubtfulLinksCountsTheRestAndSaysWhatIsRefused) {
   std::string urdf = emptyLink("root");
   for (char link = 'a'; link < 'm'; ++link) {

@@ -72,6 +72,45 @@ TEST_F(NewestPoses, LinksThatTfNamesLaterAreFoundFromThenOn) {
   EXPECT_THAT(known(), ElementsAre(1, 1, 1));
 }
 
+// Transforms of any frame, static and not, on any parent: what is kept between look-ups is found
+// anew whenever it has to be.
+TEST_F(NewestPoses, DoNotDependOnWhatWasAskedBefore) {
+  RandomInputs random;
+  const std::vector<std::string> frames = {"base", "arm", "tool", "wheel", "camera", "world"};
+  const auto anyFrame = [&] { return frames[random.integer(0, 5)]; };
+  const RobotPoses kept(buffer_, *robot_, "base"), kept_in_world(buffer_, *robot_, "world");
+  const auto answers = [&](const RobotPoses& poses, StampNs now) {
+    const FoundBodies found = poses.newest(now, std::vector<char>(3, 1));
+    std::vector<std::string> all = found.problems;
+    for (const std::string& target : frames) {
+      for (const std::string& source : frames) {
+        try {
+          poses.between(target, source, {Instant::NEWEST, now});
+          all.push_back("known");
+        } catch (const InputError& error) {
+          all.push_back(error.what());
+        }
+      }
+    }
+    return all;
+  };
+  int nb_held = 0;
+  for (int i = 0; i < 1000; ++i) {
+    const StampNs now = 10 * SECOND + i * (SECOND / 10);
+    const bool is_static = random.integer(0, 1) == 1;
+    buffer_.take({anyFrame(), anyFrame(), now, Vector3d(1, 0, 0), Eigen::Quaterniond::Identity()},
+                 is_static, "", now);
+    const auto now_kept = answers(kept, now);
+    ASSERT_EQ(now_kept, answers(RobotPoses(buffer_, *robot_, "base"), now)) << i;
+    ASSERT_EQ(answers(kept_in_world, now), answers(RobotPoses(buffer_, *robot_, "world"), now))
+        << i;
+    nb_held += std::count_if(now_kept.begin(), now_kept.end(), [](const std::string& why) {
+      return why.rfind("only /tf_static", 0) == 0;
+    });
+  }
+  EXPECT_GT(nb_held, 100) << "of 39,000";
+}
+
 TEST_F(NewestPoses, OneThatLagsBehindTheOthersIsSaidTo) {
   take("base", "arm", 8.5);
   for (const double seconds : {8.5, 9.5}) take("base", "wheel", seconds);
@@ -255,6 +294,11 @@ TEST_F(NewestPoses, OfARobotWhoseRootHangsOnALinkThatOnlyTheUrdfPlacesAreUnknown
   take("tool", "base", 9.75);
   const std::string why = "its ancestors form a cycle (in 'base')";
   EXPECT_THAT(found().problems, ElementsAre("", why, why));
+  for (const char* frame : {"arm", "tool", "wheel"}) {
+    const RobotPoses poses(buffer_, *robot_, frame);
+    const std::vector<char> known = poses.newest(10 * SECOND, {1, 1, 1}).known;
+    EXPECT_EQ(std::count(known.begin(), known.end(), 1), 1) << "but itself, in " << frame;
+  }
 }
 
 TEST_F(NewestPoses, OfACameraOnARobotWhoseRootHangsOnItselfAreUnknown) {

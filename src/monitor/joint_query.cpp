@@ -1,5 +1,7 @@
 #include "joint_query.h"
 
+#include <algorithm>
+
 #include "collision_pairs/input_error.h"
 
 namespace collision_pairs {
@@ -20,14 +22,14 @@ std::vector<char> bodiesNeeded(const CollisionScene& scene) {
 }
 
 /// Pose of the child in the parent from TF; as it was last, if TF does not have it (`doubt`); false
-/// if it was never known. `can_age`: set if it is not static.
+/// if it was never known. `stamp`: set if it is not static.
 bool askTf(const JointQueryTf& tf, const std::string& parent, const std::string& child,
-           Isometry3d& X_PC, std::string& doubt, bool& can_age) {
+           Isometry3d& X_PC, std::string& doubt, ros::Time& stamp) {
   try {
     const auto found = tf.poses != nullptr ? tf.poses->lookUp(parent, child, tf.stamp)
                                            : tf.transforms.lookUp(parent, child, tf.stamp);
     X_PC = found.X_TS;
-    can_age |= !found.stamp.isZero();
+    stamp = found.stamp;
     return true;
   } catch (const InputError& error) {
     doubt = "link '" + child + "': " + error.what();
@@ -51,25 +53,53 @@ bool askTf(const JointQueryTf& tf, const std::string& parent, const std::string&
 JointQuery::JointQuery(const std::vector<std::string>& names, const CollisionScene& scene,
                        const JointQueryTf& tf)
     : scene_(scene), columns_(names, scene.robot()) {
-  const std::vector<char> are_needed = bodiesNeeded(scene);
-  for (const Body& body : scene.robot().bodies()) {
+  const ros::Time common = place(tf);
+  if (!tf.is_of_one_instant || common.isZero()) return;
+  JointQueryTf then = tf;
+  then.stamp = common;
+  place(then);
+}
+
+ros::Time JointQuery::place(const JointQueryTf& tf) {
+  stamp_ = tf.stamp;
+  placed_.clear();
+  joints_from_tf_.clear();
+  joints_at_zero_.clear();
+  doubts_.clear();
+  const std::vector<char> are_needed = bodiesNeeded(scene_);
+  std::vector<std::pair<std::string, ros::Time>> newest;  // by link
+  bool can_age = !scene_.clouds().empty();
+  for (const Body& body : scene_.robot().bodies()) {
     std::string doubt;
+    ros::Time stamp;
     const bool is_needed = are_needed[placed_.size()];
-    placed_.push_back(poseOf(body, is_needed, tf, doubt));
+    placed_.push_back(poseOf(body, is_needed, tf, doubt, stamp));
     if (!doubt.empty() && is_needed) doubts_.push_back(std::move(doubt));
+    if (stamp.isZero()) continue;
+    can_age = can_age || body.joint < 0;
+    if (is_needed) newest.emplace_back(scene_.robot().links()[body.link].name, stamp);
   }
   const std::string clock = tf.transforms.clockDoubt();
-  const bool can_age = has_aging_root_ || !joints_from_tf_.empty() || !scene.clouds().empty();
-  if (can_age && !clock.empty()) doubts_.push_back(clock);
+  if ((can_age || !joints_from_tf_.empty()) && !clock.empty()) doubts_.push_back(clock);
+  if (!tf.stamp.isZero()) return ros::Time();
+  ros::Time heard = tf.heard, common;
+  for (const auto& [link, stamp] : newest) heard = std::max(heard, stamp);
+  for (const auto& [link, stamp] : newest) {
+    const std::string why = whyBehind(toNs(heard) - toNs(stamp), tf.transforms.buffer().limits());
+    if (!why.empty()) doubts_.push_back("link '" + link + "': " + why);
+    if (why.empty()) common = common.isZero() ? stamp : std::min(common, stamp);
+  }
+  return common;
 }
 
 std::optional<Isometry3d> JointQuery::poseOf(const Body& body, bool is_needed,
-                                             const JointQueryTf& tf, std::string& doubt) {
+                                             const JointQueryTf& tf, std::string& doubt,
+                                             ros::Time& stamp) {
   const RobotModel& robot = scene_.robot();
   const std::string& link = robot.links()[body.link].name;
   Isometry3d X_PB = Isometry3d::Identity();
   if (body.joint < 0) {
-    if (tf.frame == link || askTf(tf, tf.frame, link, X_PB, doubt, has_aging_root_)) return X_PB;
+    if (tf.frame == link || askTf(tf, tf.frame, link, X_PB, doubt, stamp)) return X_PB;
     if (!is_needed) return X_PB;  // the scene has none of its bodies
     throw InputError("TF does not know root link '" + link + "' in frame '" + tf.frame +
                      "' at stamp " + std::to_string(tf.stamp.toSec()) +
@@ -78,8 +108,7 @@ std::optional<Isometry3d> JointQuery::poseOf(const Body& body, bool is_needed,
   if (columns_.sourceOf(body.joint).column >= 0) return std::nullopt;
   const Joint& joint = robot.joints()[body.joint];
   const std::string& parent = robot.links()[robot.bodies()[body.parent].link].name;
-  bool can_age = false;
-  if (askTf(tf, parent, link, X_PB, doubt, can_age)) {
+  if (askTf(tf, parent, link, X_PB, doubt, stamp)) {
     joints_from_tf_.push_back(joint.name);
     return X_PB;
   }

@@ -23,11 +23,15 @@ struct JointQueryTf {
   ros::Time now;      ///< for messages
   /// Of the scene's robot: for links that TF does not place. Null: none.
   const TfPoses* poses = nullptr;
+  /// At stamp 0, what is older than this by more than max_transform_age is in doubt.
+  ros::Time heard = {};
+  /// At stamp 0: the newest instant that all transforms have reached, or else the newest of each.
+  bool is_of_one_instant = true;
 };
 
 /// Forward kinematics for named joints: mimic joints follow, joints not named keep their positions
 /// in TF at a stamp, or else are at zero (or their nearer limit). The root link's pose is from TF.
-/// TF is queried once, by the constructor; afterwards it may be used from several threads.
+/// TF is queried by the constructor alone; afterwards it may be used from several threads.
 class JointQuery {
  public:
   /// Throws InputError that names the joint if it is unknown, repeated or without a position to
@@ -57,11 +61,16 @@ class JointQuery {
   /// Reasons why the checked state may differ from the requested one: joints at zero because their
   /// positions are unknown, poses from TF that are too old. With any of these, no verdict is FREE.
   const std::vector<std::string>& doubts() const { return doubts_; }
+  /// Of what came from TF; 0: nothing but static transforms did, or all that is newest.
+  const ros::Time& stamp() const { return stamp_; }
 
  private:
+  /// Notes placed bodies and doubts. Returns the newest instant that all transforms have reached
+  /// that may be used; 0: there is none, or they are of one instant.
+  ros::Time place(const JointQueryTf& tf);
   /// Its pose in its parent's frame (of a root: in the frame); none: its joint has a column.
   std::optional<Eigen::Isometry3d> poseOf(const Body& body, bool is_needed, const JointQueryTf& tf,
-                                          std::string& doubt);
+                                          std::string& doubt, ros::Time& stamp);
   void refuseOtherCount(const std::vector<double>& positions) const;
 
   const CollisionScene& scene_;
@@ -70,7 +79,7 @@ class JointQuery {
   std::vector<std::string> joints_from_tf_;
   std::vector<std::string> joints_at_zero_;
   std::vector<std::string> doubts_;
-  bool has_aging_root_ = false;  // placed by transforms that are not static
+  ros::Time stamp_;
 };
 
 }  // namespace collision_pairs

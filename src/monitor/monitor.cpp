@@ -91,12 +91,14 @@ void Monitor::addClouds(const ros::Time& stamp, Snapshot& snapshot) const {
   }
 }
 
-void Monitor::addJoints(const std::vector<std::string>& names, const ros::Time& stamp,
-                        Snapshot& snapshot) const {
+void Monitor::addJoints(const std::vector<std::string>& names, const StampedPoses& poses,
+                        bool are_of_one_instant, Snapshot& snapshot) const {
   const ActiveScene& active = *snapshot.scene;
-  snapshot.joints.emplace(names, *active.scene,
-                          JointQueryTf{transforms_, active.frame, stamp, transforms_.now().stamp,
-                                       active.tf_poses.get()});
+  snapshot.joints.emplace(
+      names, *active.scene,
+      JointQueryTf{transforms_, active.frame, are_of_one_instant ? poses.stamp : ros::Time(),
+                   transforms_.now().stamp, active.tf_poses.get(), poses.heard,
+                   are_of_one_instant});
   const auto& of_joints = snapshot.joints->doubts();
   snapshot.poses.doubts.insert(snapshot.poses.doubts.end(), of_joints.begin(), of_joints.end());
 }
@@ -104,10 +106,9 @@ void Monitor::addJoints(const std::vector<std::string>& names, const ros::Time& 
 Snapshot Monitor::withJoints(const ActiveScenePtr& scene, const std::vector<std::string>& names,
                              const ros::Time& stamp) const {
   Snapshot snapshot = begin(scene);
-  const ros::Time of_poses = posesAt(*scene, stamp, snapshot.stamp).stamp;
-  snapshot.is_static = of_poses.isZero();
-  if (!snapshot.is_static) snapshot.stamp = of_poses;
-  addJoints(names, of_poses, snapshot);
+  addJoints(names, posesAt(*scene, stamp, snapshot.stamp), true, snapshot);
+  snapshot.is_static = snapshot.joints->stamp().isZero();
+  if (!snapshot.is_static) snapshot.stamp = snapshot.joints->stamp();
   addClouds(stamp, snapshot);
   return snapshot;
 }
@@ -115,7 +116,7 @@ Snapshot Monitor::withJoints(const ActiveScenePtr& scene, const std::vector<std:
 Snapshot Monitor::withMeasured(const ActiveScenePtr& scene,
                                const std::vector<std::string>& names) const {
   Snapshot snapshot = begin(scene);
-  addJoints(names, ros::Time(), snapshot);
+  addJoints(names, posesAt(*scene, ros::Time(), snapshot.stamp), false, snapshot);
   addClock(snapshot);  // positions are not seen to age either
   addClouds(ros::Time(), snapshot);
   return snapshot;

@@ -17,6 +17,8 @@ struct StampedPoses {
   BodyPoses poses;
   /// The instant of all of them; 0 if all known poses are static.
   ros::Time stamp;
+  /// Newest transform of any of them, also of one that is in doubt; 0: none. By latest() only.
+  ros::Time heard;
   /// Number of bodies looked up in TF (all but one that is the frame itself), and of those found.
   std::size_t nb_asked = 0;
   std::size_t nb_found = 0;

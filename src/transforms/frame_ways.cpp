@@ -110,11 +110,12 @@ bool FrameWays::goUp(int frame, Way way, std::vector<int>& path, std::vector<int
   return has_end;
 }
 
-/// On the path, or by transforms on a frame of it: on its last one, or on one from which the path
-/// leads by links of the same body alone, whose transforms have another order than its joints.
+/// On the path, or by transforms of its body alone on a frame of it: on its last one, or on one
+/// from which the path leads by links of that body, whose transforms have another order than its
+/// joints.
 bool FrameWays::isBelow(int link, const std::vector<int>& path) const {
   const int met = firstAbove(link, path);
-  if (met < 0 || met == link || met == path.back()) return met >= 0;
+  if (met < 0 || met == link) return met >= 0;
   const auto isOfOther = [&](int frame) {
     const int body = links_->bodyOf(frame);
     return body >= 0 && body != links_->bodyOf(link);
@@ -122,7 +123,8 @@ bool FrameWays::isBelow(int link, const std::vector<int>& path) const {
   for (int frame = link; frame != met; frame = lastParent(frame)) {
     if (isOfOther(frame)) return false;
   }
-  return std::none_of(std::find(path.begin(), path.end(), met), path.end(), isOfOther);
+  return met == path.back() ||
+         std::none_of(std::find(path.begin(), path.end(), met), path.end(), isOfOther);
 }
 
 int FrameWays::firstAbove(int frame, const std::vector<int>& frames) const {

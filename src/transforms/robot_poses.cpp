@@ -90,7 +90,7 @@ FoundBodies RobotPoses::place(const Instant& instant, const std::vector<char>& w
 FoundBodies RobotPoses::place(const Layout& layout, StampNs stamp,
                               const std::vector<char>& wanted) const {
   const int W = layout.ways.target(), under = bodyUnder(W, stamp);
-  const std::vector<char> stands = standingJoints(W, under, stamp);
+  const std::vector<char> stands = standingJoints(W, under);
   FoundBodies found;
   found.known.assign(joints_.size(), 0);
   found.X_WB.assign(joints_.size(), Eigen::Isometry3d::Identity());
@@ -165,13 +165,11 @@ FoundBodies RobotPoses::newest(StampNs now, const std::vector<char>& wanted) con
   for (std::size_t b = 0; b < wanted.size(); ++b) {
     if (wanted[b] && !isFound(b)) problems[b] = whyNot(static_cast<int>(b), layout);
     if (newest == EVER_SINCE || !isDated(b)) continue;
-    const StampNs lag = heard - layout.places[b].way.oldest;
-    if (lag <= buffer_.limits().max_gap) {
+    const std::string why = whyBehind(heard - layout.places[b].way.oldest, buffer_.limits());
+    if (why.empty()) {
       common = std::min(common, layout.places[b].way.oldest);
     } else if (isFound(b)) {
-      problems[b] = "its newest transform is " + inWords(inSeconds(lag)) +
-                    " older than the newest of all links, and max_transform_age is " +
-                    inWords(inSeconds(buffer_.limits().max_gap));
+      problems[b] = why;
     }
   }
   const StampNs stamp = common == NEVER ? now : common;
@@ -183,6 +181,7 @@ FoundBodies RobotPoses::newest(StampNs now, const std::vector<char>& wanted) con
     if (!found.known[b] && !problems[b].empty()) found.problems[b] = problems[b];
   }
   found.stamp = common;
+  if (heard != EVER_SINCE) found.heard = heard;
   return found;
 }
 
@@ -194,7 +193,7 @@ FoundPose RobotPoses::between(const std::string& target, const std::string& sour
   const int from = links_.find(withoutLeadingSlash(target));
   const int under = bodyUnder(from, stamp);
   const int below =
-      firstStanding(standingJoints(from, under, stamp),
+      firstStanding(standingJoints(from, under),
                     bodyUnder(links_.find(withoutLeadingSlash(source)), stamp), under);
   if (below >= 0) throw InputError(whyHeld(below));
   return found;

@@ -1,8 +1,10 @@
 // Poses of a robot's bodies from transforms.
 #pragma once
 
+#include <map>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "collision_pairs/robot_model.h"
@@ -15,7 +17,9 @@ struct FoundBodies {
   std::vector<char> known;
   std::vector<Eigen::Isometry3d> X_WB;
   std::vector<std::string> problems;  ///< why a body that is wanted is not known
-  StampNs stamp = NEVER;              ///< of all of them, by newest() only; NEVER: all static
+  // By newest() only.
+  StampNs stamp = NEVER;  ///< of all of them; NEVER: all static
+  StampNs heard = NEVER;  ///< newest transform, also of what is in doubt; NEVER: there is none
 };
 
 /// Looks bodies up in a buffer; keeps no poses. A body is where TF places any of its links. Where
@@ -74,15 +78,26 @@ class RobotPoses {
 
   /// The body that a frame is a link of, or hangs on; -1: none.
   int bodyUnder(int frame, StampNs stamp) const;
-  /// By the body below: joints that are not fixed, but that static transforms hold. The frame
-  /// counts as on that body, or else on the root.
-  std::vector<char> standingJoints(int frame, int under, StampNs stamp) const;
+  /// Joints that are not fixed, but that static transforms hold.
+  struct Standing {
+    std::pair<std::size_t, std::size_t> version;  ///< of the static transforms and of frames
+    std::vector<char> joints;                     ///< by the body below
+    std::vector<int> tops;  ///< by frame: the last that static transforms lead up to; -1: not asked
+    std::map<int, std::vector<int>> first_below;  ///< by root and top: the first body; -1: none
+  };
+  /// Between links.
+  const Standing& standing() const;
+  void noteStanding(int body, int other, std::vector<char>& stands) const;
+  /// By the body below: those of standing(), and those between links and a frame that counts as on
+  /// the body `under`, or else on each root.
+  std::vector<char> standingJoints(int frame, int under) const;
   /// The body below the first of them between two bodies; -1: there is none.
   int firstStanding(const std::vector<char>& stands, int body, int other) const;
   std::string whyHeld(int below) const;
 
   const TransformBuffer& buffer_;
   mutable LinkFrames links_;
+  mutable Standing standing_;
   std::shared_ptr<const RobotModel> robot_;  ///< without geometry
   std::vector<int> roots_;                   ///< by body
   std::vector<JointAbove> joints_;           ///< by body

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "user_text.h"
+
 namespace collision_pairs {
 namespace {
 
@@ -21,6 +23,13 @@ StampLimits::StampLimits(const PoseLimits& limits)
       tolerance(nanoseconds(limits.clock_tolerance)),
       kept(nanoseconds(KEPT)),
       lasting(max_age == NEVER ? max_gap : max_age) {}
+
+std::string whyBehind(StampNs lag, const StampLimits& limits) {
+  if (lag <= limits.max_gap) return "";
+  return "its newest transform is " + inWords(inSeconds(lag)) +
+         " older than the newest of all links, and max_transform_age is " +
+         inWords(inSeconds(limits.max_gap));
+}
 
 std::vector<DoubtfulSpans::Doubt>::iterator DoubtfulSpans::firstEndingAfter(StampNs stamp) {
   return std::upper_bound(spans_.begin(), spans_.end(), stamp,

@@ -53,6 +53,9 @@ struct StampLimits {
   StampNs lasting;  ///< of a doubt: max_age, or max_gap if ages do not matter
 };
 
+/// Why a pose that lags behind the newest transform of a robot is not used; empty: it may be.
+std::string whyBehind(StampNs lag, const StampLimits& limits);
+
 /// Open at both ends.
 struct Span {
   StampNs begin, end;

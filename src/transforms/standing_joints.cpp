@@ -5,12 +5,11 @@ namespace collision_pairs {
 namespace {
 
 /// The last frame that static transforms lead up to. `tops`: those found so far, by frame; or -1.
-int topOf(const TransformBuffer& buffer, int frame, StampNs stamp, std::vector<int>& tops) {
+int topOf(const TransformBuffer& buffer, int frame, std::vector<int>& tops) {
   int top = frame;
-  for (std::size_t i = 0; i < buffer.frames().size() && tops[top] < 0; ++i) {
-    const int parent = buffer.gate().isStatic(top) ? buffer.parentAt(top, stamp) : -1;
-    if (parent < 0) break;
-    top = parent;
+  for (std::size_t i = 0; i < buffer.frames().size() && tops[top] < 0; ++i) {  // a cycle ends, too
+    if (!buffer.gate().isStatic(top)) break;
+    top = buffer.parentAt(top, NEVER);
   }
   if (tops[top] >= 0) top = tops[top];
   return tops[frame] = top;
@@ -27,24 +26,41 @@ int RobotPoses::bodyUnder(int frame, StampNs stamp) const {
   return -1;
 }
 
-/// They lie between bodies of one robot that static transforms place relative to each other.
-std::vector<char> RobotPoses::standingJoints(int frame, int under, StampNs stamp) const {
-  std::vector<char> stands(joints_.size(), 0);
-  std::vector<int> tops(links_.nbFrames(), -1);
+/// They lie between links of one robot that static transforms place relative to each other.
+const RobotPoses::Standing& RobotPoses::standing() const {
+  const std::pair<std::size_t, std::size_t> version{buffer_.nbStaticChanges(), links().nbFrames()};
+  if (standing_.version == version) return standing_;
+  standing_ = {
+      version, std::vector<char>(joints_.size(), 0), std::vector<int>(version.second, -1), {}};
   for (int root = 0; root < static_cast<int>(joints_.size()); ++root) {
     if (roots_[root] != root) continue;
-    std::vector<int> first_below(links_.nbFrames(), -1);  // by top frame, the first body
-    const bool is_on_it = under >= 0 && roots_[under] == root;
-    if (frame >= 0) first_below[topOf(buffer_, frame, stamp, tops)] = is_on_it ? under : root;
+    std::vector<int>& first_below = standing_.first_below[root];
+    first_below.assign(links_.nbFrames(), -1);
     for (int b = root; b < static_cast<int>(joints_.size()); ++b) {
       if (roots_[b] != root) continue;
       for (const int link : links_.ofBody(b)) {
-        int& first = first_below[topOf(buffer_, link, stamp, tops)];
+        int& first = first_below[topOf(buffer_, link, standing_.tops)];
         if (first < 0) first = b;
-        robot_->visitBetween(
-            first, b, [&](int below, bool) { stands[below] |= !joints_[below].may_be_static; });
+        noteStanding(first, b, standing_.joints);
       }
     }
+  }
+  return standing_;
+}
+
+void RobotPoses::noteStanding(int body, int other, std::vector<char>& stands) const {
+  robot_->visitBetween(body, other,
+                       [&](int below, bool) { stands[below] |= !joints_[below].may_be_static; });
+}
+
+std::vector<char> RobotPoses::standingJoints(int frame, int under) const {
+  standing();
+  std::vector<char> stands = standing_.joints;
+  if (frame < 0 || links_.bodyOf(frame) >= 0) return stands;
+  const int top = topOf(buffer_, frame, standing_.tops);
+  for (const auto& [root, first_below] : standing_.first_below) {
+    const bool is_on_it = under >= 0 && roots_[under] == root;
+    if (first_below[top] >= 0) noteStanding(is_on_it ? under : root, first_below[top], stands);
   }
   return stands;
 }

@@ -50,9 +50,11 @@ std::string TransformBuffer::take(const ReceivedTransform& transform, bool is_st
   if (parent_frame < 0) return "more than 10000 frames are named on TF";
   const FramePose pose{parent_frame, transform.p_PC, transform.R_PC.normalized()};
   const auto [what, why] = gate_.admit(frame, pose, is_static, publisher, transform.stamp, now);
-  if (what == TransformGate::Store::KIND) {
+  using Store = TransformGate::Store;
+  if (what == Store::KIND || (what == Store::IT && is_static)) ++nb_static_changes_;
+  if (what == Store::KIND) {
     begin();
-  } else if (what == TransformGate::Store::IT) {
+  } else if (what == Store::IT) {
     store(frame, pose, transform.stamp, is_static);
   }
   return why;

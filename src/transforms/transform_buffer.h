@@ -48,6 +48,8 @@ class TransformBuffer {
 
   const TransformGate& gate() const { return gate_; }
   const StampLimits& limits() const { return gate_.limits(); }
+  /// How often a frame became static, moved again, or got another static pose.
+  std::size_t nbStaticChanges() const { return nb_static_changes_; }
   const std::vector<std::string>& frames() const { return gate_.names().all(); }
   /// -1 if no transform names it. Numbers never change.
   int findFrame(const std::string& name) const { return gate_.names().find(name); }
@@ -62,6 +64,7 @@ class TransformBuffer {
   void begin();
 
   TransformGate gate_;
+  std::size_t nb_static_changes_ = 0;
   std::unique_ptr<tf2::BufferCore> tf_;
 };
 

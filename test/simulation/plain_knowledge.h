@@ -127,12 +127,18 @@ class Knowledge {
   }
   /// Whether a pose at that stamp may be made of a lie, or of what the other topic had.
   bool isLiedAbout(int link, Ns stamp) const {
+    const auto isThen = [&](int i) {
+      return std::any_of(told(i).lies.begin(), told(i).lies.end(), [&](Ns lie) {
+        return std::abs(seconds(stamp - lie)) <= setup_.max_transform_age;
+      });
+    };
     if (isOpen(link, stamp)) return true;
     for (const int i : setup_.pathTo(link)) {
-      if (told(i).is_static_lie) return true;
-      for (const Ns lie : told(i).lies) {
-        if (std::abs(seconds(stamp - lie)) <= setup_.max_transform_age) return true;
-      }
+      if (told(i).is_static_lie || isThen(i)) return true;
+    }
+    // From a link it may lead past the joints between the two, by what both hang on.
+    for (int i = setup_.fixed_frame < 0 ? -1 : link; i >= 0; i = of(i).parent) {
+      if (isThen(i)) return true;
     }
     return isRootHung(stamp);
   }
@@ -305,8 +311,9 @@ class Knowledge {
     }
     return false;
   }
-  bool isTooOld(Ns stamp) const {
-    return setup_.max_pose_age > 0.0 && seconds(ros_ - stamp) > setup_.max_pose_age + 1e-6;
+  bool isTooOld(Ns stamp) const { return isTooOld(stamp, ros_); }
+  bool isTooOld(Ns stamp, Ns now) const {
+    return setup_.max_pose_age > 0.0 && seconds(now - stamp) > setup_.max_pose_age + 1e-6;
   }
 
  private:

@@ -145,7 +145,7 @@ void SimulatedNode::judgeCertain(const Snapshot& snapshot) {
   bool are_certain = ros_ > 0;
   for (const SceneBody& body : scene.bodies()) {
     const int link = body.link == "root" ? -1 : std::stoi(body.link.substr(1));
-    const auto newest = newestStampOf(link);
+    const auto newest = newestStampOf(link, ros_);
     are_certain = are_certain && newest;
     expected = std::min(expected, newest.value_or(NEVER));
   }
@@ -158,7 +158,7 @@ void SimulatedNode::judgeCertain(const Snapshot& snapshot) {
     }
     are_certain = are_certain && (expected == NEVER || knowledge_.isCertain(link, expected));
     if (snapshot.poses.known[i] || !may_be_known) continue;
-    const Ns newest = std::min(stamp, newestStampOf(link).value_or(EVER / 2));
+    const Ns newest = std::min(stamp, newestStampOf(link, ros_).value_or(EVER / 2));
     const double lag = seconds(knowledge_.newest() - newest);
     if (lag < setup_.max_transform_age - 1e-6 && knowledge_.isCertain(link, stamp)) {
       fail(body.link + " is not known, but beyond doubt: " + reasons());
@@ -268,7 +268,8 @@ void SimulatedNode::judgeAgreement(const Snapshot& snapshot) {
   try {
     Snapshot asked = monitor_.withJoints(snapshot.scene, {}, ros::Time());
     requireSharedDoubts(snapshot, asked, "a request");
-    if (asked.stamp != snapshot.stamp || asked.is_static != snapshot.is_static) {
+    // What the cycle cannot place at any instant, a request may not have to ask about.
+    if (!snapshot.is_static && (asked.stamp != snapshot.stamp || asked.is_static)) {
       fail("a request is of another instant");
     }
     // Of joints it takes what is newest of each: that may be in doubt where older poses are not.

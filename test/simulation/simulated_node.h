@@ -120,7 +120,7 @@ class SimulatedNode {
   void judgeHealth(const CloudHealth& health);
   void beginScene(const Event& event);
   void endScene(bool is_first);
-  std::optional<Ns> newestStampOf(int link) const;
+  std::optional<Ns> newestStampOf(int link, Ns now) const;
   std::optional<Pose> newestPoseOf(int link) const;
   SceneParameters parameters(const PlainSettings& wanted) const;
   void readAgain();

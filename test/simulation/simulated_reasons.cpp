@@ -119,7 +119,7 @@ void SimulatedNode::judgeReasons(const Snapshot& snapshot) {
           !knowledge_.hasOldOn(link, setup_.max_pose_age - rounding)) {
         fail("it is young: " + doubt);
       }
-      const auto newest = newestStampOf(link);
+      const auto newest = newestStampOf(link, ros_);
       if (says("and max_transform_age is") && !is_uncertain &&
           !(newest &&
             seconds(knowledge_.newest() - *newest) > setup_.max_transform_age - rounding)) {

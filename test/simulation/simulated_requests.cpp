@@ -63,9 +63,7 @@ void SimulatedNode::requestJoints(const Event& event, Ns at_stamp) {
                        knowledge_.isCertain(-1, stamp);
     // Where TF has it, whatever is named.
     std::optional<Pose> X_WR = knowledge_.poseOf(-1, stamp);
-    if (asked.is_static || knowledge_.isLiedAbout(-1) || knowledge_.isUnsettled(-1)) {
-      X_WR.reset();
-    }
+    if (knowledge_.isLiedAbout(-1) || knowledge_.isUnsettled(-1)) X_WR.reset();
     if (setup_.fixed_frame < 0) X_WR = Pose();
     bool can_age = setup_.has_cloud;
     for (int i = 0; i < static_cast<int>(setup_.links.size()); ++i) {
@@ -84,9 +82,9 @@ void SimulatedNode::requestJoints(const Event& event, Ns at_stamp) {
         is_placed = true;
       } else if (link.joint != SimulatedLink::FIXED) {
         const bool is_checked = scene->scene->findModel(linkName(i)) >= 0;
-        can_age = can_age || (heard && is_checked && !knowledge_.told(i).is_static);
-        const bool is_newest = asked.is_static && !knowledge_.told(i).is_static;  // not of a stamp
-        is_placed = heard && !is_newest && !knowledge_.isLiedAbout(i) && !knowledge_.isUnsettled(i);
+        const bool is_asked = !(is_base && i == setup_.fixed_frame);
+        can_age = can_age || (is_asked && heard && is_checked && !knowledge_.told(i).is_static);
+        is_placed = heard && !knowledge_.isLiedAbout(i) && !knowledge_.isUnsettled(i);
       }
       if (!is_base) {
         const auto X_WP = link.parent < 0 ? X_WR : at[static_cast<std::size_t>(link.parent)];

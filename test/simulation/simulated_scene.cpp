@@ -29,16 +29,16 @@ void place(SceneObject& object, const Pose& at) {
 }  // namespace
 
 /// That the oldest of the frames which place it has reached; nothing if one was not heard of.
-std::optional<Ns> SimulatedNode::newestStampOf(int link) const {
+std::optional<Ns> SimulatedNode::newestStampOf(int link, Ns now) const {
   Ns oldest = std::numeric_limits<Ns>::max();
   for (const int i : setup_.pathTo(link)) {
     const SimulatedLink& of = setup_.links[static_cast<std::size_t>(i)];
     if (of.joint == SimulatedLink::FIXED || knowledge_.told(i).is_static) continue;
     const auto& samples = knowledge_.told(i).samples;
     if (samples.empty()) return std::nullopt;
-    const auto ahead = samples.upper_bound(ros_);
+    const auto ahead = samples.upper_bound(now);
     const bool has_reached =
-        ahead != samples.begin() && !knowledge_.isTooOld(std::prev(ahead)->first);
+        ahead != samples.begin() && !knowledge_.isTooOld(std::prev(ahead)->first, now);
     // Of a node whose clock is ahead, the first that is.
     oldest = std::min(
         oldest, has_reached || ahead == samples.end() ? std::prev(ahead)->first : ahead->first);
@@ -46,11 +46,11 @@ std::optional<Ns> SimulatedNode::newestStampOf(int link) const {
   return oldest;
 }
 
-/// As TF has it newest.
+/// As TF has it newest, at the latest time: a clock that is set back a little does not count.
 std::optional<Pose> SimulatedNode::newestPoseOf(int link) const {
-  std::optional<Ns> stamp = newestStampOf(link);
+  std::optional<Ns> stamp = newestStampOf(link, knowledge_.latest());
   if (stamp == std::numeric_limits<Ns>::max()) stamp = knowledge_.latest();
-  if (!stamp || knowledge_.isTooOld(*stamp)) return std::nullopt;
+  if (!stamp || knowledge_.isTooOld(*stamp, knowledge_.latest())) return std::nullopt;
   return knowledge_.poseOf(link, *stamp);
 }
 
@@ -69,9 +69,10 @@ bool SimulatedNode::isAnswered(const PoseQuestion& question) const {
   if (question.link < 0) return true;
   if (ros_ == 0 || isStale(question)) return false;
   std::optional<Ns> stamp = question.stamp;
-  if (stamp == 0) stamp = newestStampOf(question.link);
+  if (stamp == 0) stamp = newestStampOf(question.link, knowledge_.latest());
   if (stamp == std::numeric_limits<Ns>::max()) stamp = knowledge_.latest();
-  const bool is_old = question.stamp == 0 && stamp && knowledge_.isTooOld(*stamp);
+  const bool is_old =
+      question.stamp == 0 && stamp && knowledge_.isTooOld(*stamp, knowledge_.latest());
   return stamp && !is_old && knowledge_.isCertain(question.link, *stamp);
 }
 
