@@ -91,6 +91,17 @@ TEST_F(Gate, Rule3AndRule4PublishersThatContradictEachOtherAreInDoubtForAnAgeBef
   EXPECT_DOUBLE_EQ(xAt(13.25), 3.25) << "more than an age after it";
 }
 
+TEST_F(Gate, Rule4FromASampleInDoubtNothingIsInterpolatedBeyondTheDoubtThatCameLater) {
+  for (int i = 0; i < 10; ++i) send(100.0 + 0.1 * i, 0.0);
+  now_ = 101.0;
+  send(101.2, 0.0);
+  EXPECT_EQ(xAt(101.1), 0.0);
+  send(100.05, 3.0, "/two");  // until 101.05
+  EXPECT_TRUE(std::isnan(xAt(101.0)));
+  EXPECT_TRUE(std::isnan(xAt(101.1))) << "between 100.9 and 101.2";
+  EXPECT_EQ(xAt(101.2), 0.0);
+}
+
 TEST_F(Gate, Rule3OnePublisherInTwoSequencesContradictsItself) {
   for (double t = 10.0; t < 12.0; t += 0.125) send(t, 0.0);
   now_ = 11.875;

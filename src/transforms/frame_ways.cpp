@@ -192,8 +192,8 @@ FrameWays::Way FrameWays::climb(int frame, std::size_t nb_steps) const {
   if (way.is_known) return way;
   const std::vector<int>& links = linksFixedTo(frame);
   for (const int fixed : links) {
-    if (firstAbove(fixed, {frame}) >= 0) continue;
     const auto seen = noted_.find(fixed);
+    if (seen == noted_.end() && firstAbove(fixed, {frame}) >= 0) continue;
     Way up = seen == noted_.end() ? stepUp(fixed, nb_steps) : seen->second;
     if (!up.is_known) continue;
     passFixedJoint(fixed, frame, up);

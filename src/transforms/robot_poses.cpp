@@ -128,6 +128,14 @@ StampNs RobotPoses::newestAbove(int frame, StampNs now) const {
   return newest;
 }
 
+StampNs RobotPoses::newestOfRobot(int frame, StampNs now) const {
+  StampNs newest = newestAbove(frame, now);
+  for (int b = 0; b < static_cast<int>(joints_.size()); ++b) {
+    for (const int link : links_.ofBody(b)) newest = std::max(newest, newestAbove(link, now));
+  }
+  return newest;
+}
+
 /// All wanted ones hang on a frame that hangs on nothing, by transforms of that very stamp and by
 /// static ones that nothing can have changed since. So it is wherever one program sends them all.
 bool RobotPoses::holdsAt(StampNs stamp, const Layout& layout,
@@ -155,12 +163,9 @@ FoundBodies RobotPoses::newest(StampNs now, const std::vector<char>& wanted) con
     if (isDated(b) && isFound(b)) newest = std::max(newest, layout.places[b].way.newest);
   }
   StampNs heard = newest;  // also of what is in doubt now: others may be behind it
-  for (std::size_t b = 0; b < wanted.size(); ++b) {
-    if (!wanted[b] || isFound(b)) continue;
-    for (const int link : links_.ofBody(static_cast<int>(b))) {
-      heard = std::max(heard, newestAbove(link, now));
-    }
-  }
+  bool are_found = true;
+  for (std::size_t b = 0; b < wanted.size(); ++b) are_found &= !wanted[b] || isFound(b);
+  if (!are_found) heard = std::max(heard, newestOfRobot(layout.ways.target(), now));
   std::vector<std::string> problems(wanted.size());
   for (std::size_t b = 0; b < wanted.size(); ++b) {
     if (wanted[b] && !isFound(b)) problems[b] = whyNot(static_cast<int>(b), layout);
@@ -179,6 +184,10 @@ FoundBodies RobotPoses::newest(StampNs now, const std::vector<char>& wanted) con
     const bool is_lagging = isFound(b) && !problems[b].empty();
     if (is_lagging) found.known[b] = 0;
     if (!found.known[b] && !problems[b].empty()) found.problems[b] = problems[b];
+  }
+  // What is in doubt at its newest transform may be known now, between two that are not.
+  for (std::size_t b = 0; b < wanted.size() && common == NEVER; ++b) {
+    if (found.known[b] && isDated(b)) common = now;
   }
   found.stamp = common;
   if (heard != EVER_SINCE) found.heard = heard;

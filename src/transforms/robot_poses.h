@@ -75,6 +75,8 @@ class RobotPoses {
   std::string whyNot(int body, const Layout& layout) const;
   /// The newest stamp, up to now, of the frame and those above it, in doubt or not.
   StampNs newestAbove(int frame, StampNs now) const;
+  /// Of that frame and all links, and those above them.
+  StampNs newestOfRobot(int frame, StampNs now) const;
 
   /// The body that a frame is a link of, or hangs on; -1: none.
   int bodyUnder(int frame, StampNs stamp) const;

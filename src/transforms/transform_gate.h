@@ -52,13 +52,13 @@ class Names {
 ///  2. Between samples a pose is known where two of one publisher, in one parent, are at most
 ///     max_transform_age apart, the first of which is not in doubt.
 ///  3. Two publishers of one frame, or one that publishes it in two sequences, contradict each
-///  other
-///     where a sample of one is further from both neighbours in time of the other than these, or
-///     the two before, are from each other (0.1 mm, 0.1 mrad), or names another parent than both.
-///  4. Then stamps from max_pose_age before to max_pose_age after are in doubt.
+///     other where a sample of one is further from both neighbours in time of the other than these,
+///     or the two before, are from each other (0.1 mm, 0.1 mrad), or names another parent than
+///     both.
+///  4. Then stamps from max_pose_age before to the first sample that is max_pose_age after it are
+///     in doubt.
 ///  5. A frame is static or moves, as it was heard first. While the other kind is heard too, it is
-///  in
-///     doubt, until one of them has been silent for max_pose_age.
+///     in doubt, until one of them has been silent for max_pose_age.
 ///  6. Then it moves if that was heard last, for at least max_pose_age; it becomes static if its
 ///     static pose was sent twice.
 ///  7. Of static poses the newest counts that one node alone has sent, or that was sent twice.
@@ -66,9 +66,9 @@ class Names {
 ///  9. Where a static pose changes, or a frame becomes static, earlier stamps are in doubt.
 /// 10. When the clock goes back, all but static poses is forgotten.
 ///
-/// Without a limit of the age, max_transform_age stands for max_pose_age in rule 4. Of a
-/// frame are kept its static pose of each publisher, their samples of the last few seconds, and the
-/// spans in doubt. Cost of a sample in order: O(publishers of the frame * log samples).
+/// Without a limit of the age, max_transform_age stands for max_pose_age in rule 4. Of a frame are
+/// kept its static pose of each publisher, their samples of the last few seconds, and the spans in
+/// doubt. Cost of a sample in order: O(publishers of the frame * log samples).
 class TransformGate {
  public:
   explicit TransformGate(const PoseLimits& limits);

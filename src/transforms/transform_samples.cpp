@@ -173,8 +173,15 @@ std::string TransformGate::note(Frame& frame, const Source& source, Place sample
   const std::string why = by + ", and contradict each other: " + how;
   const bool is_first = sample == source.samples.begin();
   const StampNs since = is_first ? sample->stamp - 1 : std::prev(sample)->stamp;
+  // Before the next sample of all it would be interpolated from one in doubt.
+  const StampNs end = after(sample->stamp, limits_.lasting);
+  StampNs next = NEVER;
+  for (const Source& of : frame.sources) {
+    const Place from = placeOf(of.samples, end);
+    if (from != of.samples.end()) next = std::min(next, from->stamp);
+  }
   frame.doubts[PUBLISHERS].add(
-      {std::min(since, before(now, limits_.lasting)), after(sample->stamp, limits_.lasting)}, why);
+      {std::min(since, before(now, limits_.lasting)), next == NEVER ? end : next}, why);
   return why;
 }
 

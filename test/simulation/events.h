@@ -108,7 +108,7 @@ struct Event {
     BREAK,        ///< what: kind of a transform that is not usable; of link `who`
     LIE,          ///< another node says that link `who` is elsewhere; what: 1: on /tf_static, 2: in
                   ///< another parent, 3: that the root hangs on a link, which makes a cycle; 4: at
-                  ///< the stamp of a truth
+                  ///< the stamp of a truth, 6 and 7: `number` m from the last one
     SWITCH,       ///< to the other of /tf and /tf_static, of link `who`
     CAMERA,       ///< its mount, on /tf_static
     STEP_CLOCK,   ///< by `number` seconds

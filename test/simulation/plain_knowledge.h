@@ -23,10 +23,17 @@ constexpr Ns EVER = std::numeric_limits<Ns>::min();
 
 inline double seconds(Ns span) { return 1e-9 * static_cast<double>(span); }
 
+/// Of a frame, on /tf.
+struct Lie {
+  Ns stamp;
+  Pose X_PB;
+  bool is_in_other_parent;
+};
+
 /// Of one frame, since the clock went back.
 struct Told {
   std::map<Ns, Said> samples;  ///< by stamp, of the node that says the truth
-  std::vector<Ns> lies;        ///< stamps of those of another, on /tf
+  std::vector<Lie> lies;       ///< of others
   bool is_lied_about = false;  ///< on either topic
   bool is_static_lie = false;  ///< … on /tf_static, or both topics have it: also before
   bool is_plain = true;        ///< by one node, in order, and no static pose that changes
@@ -95,7 +102,8 @@ class Knowledge {
     }
     told.samples.emplace(stamp, X_PB);
   }
-  void hearLie(int link, Ns stamp, bool is_static) {
+  void hearLie(int link, const Lie& lie, bool is_static) {
+    const Ns stamp = lie.stamp;
     if (!is_static && !isUsable(stamp)) return;
     Told& told = told_[static_cast<std::size_t>(link)];
     const bool is_for_ever = is_static || told.is_static;
@@ -105,7 +113,7 @@ class Knowledge {
     told.is_lied_about = true;
     told.is_static_lie = told.is_static_lie || is_for_ever;
     told.is_plain = false;
-    if (!is_static) told.lies.push_back(stamp);
+    if (!is_static) told.lies.push_back(lie);
     if (is_for_ever) endure();
   }
   /// That the root hangs on Scenario::cycle_through.
@@ -128,8 +136,8 @@ class Knowledge {
   /// Whether a pose at that stamp may be made of a lie, or of what the other topic had.
   bool isLiedAbout(int link, Ns stamp) const {
     const auto isThen = [&](int i) {
-      return std::any_of(told(i).lies.begin(), told(i).lies.end(), [&](Ns lie) {
-        return std::abs(seconds(stamp - lie)) <= setup_.max_transform_age;
+      return std::any_of(told(i).lies.begin(), told(i).lies.end(), [&](const Lie& lie) {
+        return std::abs(seconds(stamp - lie.stamp)) <= setup_.max_transform_age;
       });
     };
     if (isOpen(link, stamp)) return true;
@@ -142,20 +150,33 @@ class Knowledge {
     }
     return isRootHung(stamp);
   }
-  /// A lie among truths, two before and one after it, puts stamps around it in doubt.
+  /// Whether a lie about W, or about what it hangs on, leads past the joint of that link.
+  bool isLedPast(int link) const {
+    for (int i = setup_.fixed_frame; i >= 0; i = of(i).parent) {
+      if (i != link && told(i).is_lied_about) return true;
+    }
+    return false;
+  }
+  /// A lie between two truths, further from both than they are from each other, or the one before
+  /// from the first of them, puts stamps around it in doubt.
   bool isInDoubt(int link, Ns stamp) const {
     for (const int i : setup_.pathTo(link)) {
       const auto& truths = told(i).samples;
-      for (const Ns lie : told(i).lies) {
-        const auto after = truths.upper_bound(lie);
-        if (after == truths.end() || std::distance(truths.begin(), after) < 2) continue;
-        const auto before = std::prev(after), earlier = std::prev(before);
-        const bool is_rehung = after->second.is_rehung;
-        if (before->second.is_rehung != is_rehung || earlier->second.is_rehung != is_rehung) {
-          continue;
-        }
-        const bool is_among = seconds(after->first - earlier->first) < setup_.max_transform_age;
-        if (is_among && std::abs(seconds(stamp - lie)) < 0.95 * lasting()) return true;
+      if (isLedPast(i)) return false;
+      if (told(i).is_static) continue;  // what was said of it while it moved is over
+      for (const Lie& lie : told(i).lies) {
+        const auto after = truths.upper_bound(lie.stamp);
+        if (after == truths.end() || after == truths.begin()) continue;
+        const auto before = std::prev(after);
+        const auto earlier = before == truths.begin() ? before : std::prev(before);
+        if (before->second.is_rehung != after->second.is_rehung) continue;
+        const double step = std::max(distanceOf(before->second, after->second),
+                                     distanceOf(earlier->second, before->second));
+        const double off =
+            std::min(distanceOf(lie.X_PB, before->second), distanceOf(lie.X_PB, after->second));
+        if (off < step + 1e-3 && !lie.is_in_other_parent) continue;
+        const bool is_among = seconds(after->first - before->first) < setup_.max_transform_age;
+        if (is_among && std::abs(seconds(stamp - lie.stamp)) < 0.95 * lasting()) return true;
       }
       if (told(i).is_lied_about) return false;  // the lie may lead past the rest
     }
@@ -243,11 +264,16 @@ class Knowledge {
   bool mayHangOnItself(Ns stamp) const {
     const double lasts = setup_.max_pose_age + setup_.max_transform_age;
     for (int link = setup_.fixed_frame; link >= 0; link = of(link).parent) {
-      for (const Ns lie : told(link).lies) {
-        if (setup_.max_pose_age == 0.0 || std::abs(seconds(stamp - lie)) < lasts) return true;
+      for (const Lie& lie : told(link).lies) {
+        if (setup_.max_pose_age == 0.0 || std::abs(seconds(stamp - lie.stamp)) < lasts) return true;
       }
     }
     return false;
+  }
+  /// Whether it is open now which static pose counts: then earlier instants are not looked for.
+  bool isStaticPoseOpen(int link) const {
+    const Scenario::Path& path = setup_.pathTo(link);
+    return std::any_of(path.begin(), path.end(), [&](int i) { return told(i).open_since; });
   }
   bool isDisturbed(const Told& told, Ns begin, Ns end) const {
     return std::any_of(told.disturbed.begin(), told.disturbed.end(),

@@ -156,7 +156,8 @@ void SimulatedNode::judgeCertain(const Snapshot& snapshot) {
         !snapshot.is_static) {
       fail("the pose of a link is too old");
     }
-    are_certain = are_certain && (expected == NEVER || knowledge_.isCertain(link, expected));
+    are_certain = are_certain && (expected == NEVER || knowledge_.isCertain(link, expected)) &&
+                  !knowledge_.isStaticPoseOpen(link);
     if (snapshot.poses.known[i] || !may_be_known) continue;
     const Ns newest = std::min(stamp, newestStampOf(link, ros_).value_or(EVER / 2));
     const double lag = seconds(knowledge_.newest() - newest);
@@ -187,8 +188,10 @@ void SimulatedNode::judgeFree(const Snapshot& snapshot) {
   if (isGeometryMissing()) fail("FREE although geometry is missing");
   if (knowledge_.isClockInDoubt()) fail("FREE although the clock stands still");
   if (knowledge_.isTooOld(stamp) && !snapshot.is_static) fail("FREE although poses are too old");
-  if (settings_.ignored.empty() && knowledge_.isBehind(stamp))
+  // Who hangs the root on a link places the others, whatever was heard of that link.
+  if (settings_.ignored.empty() && !knowledge_.isRootHung(stamp) && knowledge_.isBehind(stamp)) {
     fail("FREE although a link lags behind");
+  }
   Poses at;
   for (int link = 0; link < static_cast<int>(setup_.links.size()); ++link) {
     at.push_back(knowledge_.poseOf(link, stamp));

@@ -199,10 +199,12 @@ void SimulatedNode::lie(const Event& event) {
   if (event.what == 2) parent = is_other ? linkName(event.other) : "nowhere";
   const std::string publisher = "liar" + std::to_string(event.other % 2);
   // In another parent it may have the same numbers.
-  const bool is_near = event.what == 2 && event.number > 0.0;
-  const Pose X_PB = is_near ? Pose(last_[static_cast<std::size_t>(event.who)].second) : elsewhere;
+  const bool is_same = event.what == 2 && event.number > 0.0, is_near = event.what > 5;
+  Pose X_PB =
+      is_same || is_near ? Pose(last_[static_cast<std::size_t>(event.who)].second) : elsewhere;
+  if (is_near) X_PB.x += event.number;
   publish(parent, linkName(event.who), stamp, X_PB, publisher, event.what == 1);
-  knowledge_.hearLie(event.who, stamp, event.what == 1);
+  knowledge_.hearLie(event.who, {stamp, X_PB, event.what == 2}, event.what == 1);
   refusals_.erase(event.who);
 }
 

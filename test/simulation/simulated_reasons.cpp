@@ -99,6 +99,7 @@ void SimulatedNode::judgeReasons(const Snapshot& snapshot) {
     if (says("the scene was replaced")) fail("it was not: " + doubt);
     if (says("geometry that could not be read") && settings_.broken < 0) fail("it could: " + doubt);
     is_of_cloud = is_of_cloud || begins("cloud '");
+    if (doubt.empty() || doubt.back() == ' ') fail("a reason has no end: " + doubt);
     if (begins("refused ") && snapshot.first_left_out.empty()) fail("it matters not: " + doubt);
     const bool is_of_frame = begins("link '") || begins("refused ");
     const bool is_of_rest = begins("use_sim_time") || begins("geometry") || begins("cloud '");
