@@ -95,20 +95,28 @@ TEST_F(NewestPoses, DoNotDependOnWhatWasAskedBefore) {
     return all;
   };
   int nb_held = 0;
-  for (int i = 0; i < 1000; ++i) {
+  for (int i = 0; i < 1000 || (nb_held == 0 && i < 10000); ++i) {
     const StampNs now = 10 * SECOND + i * (SECOND / 10);
     const bool is_static = random.integer(0, 1) == 1;
-    buffer_.take({anyFrame(), anyFrame(), now, Vector3d(1, 0, 0), Eigen::Quaterniond::Identity()},
-                 is_static, "", now);
+    const StampNs stamp = now + static_cast<StampNs>(random.uniform(-0.4, 0.4) * 1e9);
+    const Vector3d p(random.uniform(0.0, 2.0), 0, 0);
+    buffer_.take({anyFrame(), anyFrame(), stamp, p, Eigen::Quaterniond::Identity()}, is_static,
+                 random.integer(0, 19) == 0 ? "liar" : "", now);
     const auto now_kept = answers(kept, now);
     ASSERT_EQ(now_kept, answers(RobotPoses(buffer_, *robot_, "base"), now)) << i;
     ASSERT_EQ(answers(kept_in_world, now), answers(RobotPoses(buffer_, *robot_, "world"), now))
         << i;
+    const FoundBodies found = kept.newest(now, {1, 1, 1});
+    for (std::size_t b = 0; b < 3 && found.stamp == NEVER; ++b) {
+      if (!found.known[b]) continue;
+      const std::string link = robot_->links()[robot_->bodies()[b].link].name;
+      ASSERT_EQ(kept.between("base", link, {Instant::AT, now}).oldest, NEVER) << i;
+    }
     nb_held += std::count_if(now_kept.begin(), now_kept.end(), [](const std::string& why) {
       return why.rfind("only /tf_static", 0) == 0;
     });
   }
-  EXPECT_GT(nb_held, 100) << "of 39,000";
+  EXPECT_GT(nb_held, 0);
 }
 
 TEST_F(NewestPoses, OneThatLagsBehindTheOthersIsSaidTo) {

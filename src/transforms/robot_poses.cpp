@@ -185,10 +185,6 @@ FoundBodies RobotPoses::newest(StampNs now, const std::vector<char>& wanted) con
     if (is_lagging) found.known[b] = 0;
     if (!found.known[b] && !problems[b].empty()) found.problems[b] = problems[b];
   }
-  // What is in doubt at its newest transform may be known now, between two that are not.
-  for (std::size_t b = 0; b < wanted.size() && common == NEVER; ++b) {
-    if (found.known[b] && isDated(b)) common = now;
-  }
   found.stamp = common;
   if (heard != EVER_SINCE) found.heard = heard;
   return found;
