@@ -42,6 +42,9 @@ struct Scenario {
   bool has_world = false;  ///< of a ball that is far away
   int camera_on = -1;      ///< link; -1: the root
   Pose X_LC;
+  /// The camera is on a mast on that link, without geometry, whose joint may move; on /tf_static.
+  bool has_mast = false, is_mast_listed = false;
+  bool isCameraHeld() const { return has_mast && !is_mast_listed; }
   /// Reports are in a frame of TF that is no link. Links without a parent hang in it, each the root
   /// of a robot of its own.
   bool is_apart = false;
@@ -111,7 +114,7 @@ struct Event {
                   ///< the stamp of a truth, 6 and 7: `number` m from the last one
     SWITCH,       ///< to the other of /tf and /tf_static, of link `who`
     CAMERA,       ///< its mount, on /tf_static
-    STEP_CLOCK,   ///< by `number` seconds
+    STEP_CLOCK,   ///< by up to 3 s; what: 0 to 5: by less, as of a computer that is being set
     RUN_CLOCK,    ///< at `number` times the speed
     CLOUD,        ///< what: kind; at: where its obstacle is
     CLOUD_BEGIN,  ///< of the work on a cloud
@@ -163,7 +166,7 @@ class Generator {
       if (link.joint == SimulatedLink::FLOATING) link.X_PJ = {};
       link.radius = 0.2 + 0.25 * real();
       link.is_static = integer(8) == 0;
-      link.is_listed = integer(12) != 0;
+      link.is_listed = integer(6) != 0;
       link.is_relayed = integer(6) == 0;
       link.is_double = integer(3) == 0;
       made.links.push_back(link);
@@ -179,6 +182,8 @@ class Generator {
     made.has_world = integer(5) == 0;
     made.camera_on = integer(3) == 0 ? integer(nb_links) : -1;
     made.X_LC = {-3.0, 0.0, 0.0, 0.3};
+    made.has_mast = made.has_cloud && (made.camera_on >= 0 || !made.is_apart) && integer(6) == 0;
+    made.is_mast_listed = integer(2) == 0;
     if (integer(4) == 0) made.fixed_frame = integer(nb_links);
     made.findPaths();
     return made;
@@ -198,10 +203,11 @@ class Generator {
     if (integer(4) == 0) {
       for (const Event::Kind kind : {Event::SCENE_BEGIN, Event::SCENE_END}) weights[kind] *= 4;
     }
-    std::discrete_distribution<int> kinds(std::begin(weights), std::end(weights));
     const double spread = integer(3) == 0 ? 8.0 : 3.0;
-    const bool has_cycles = integer(8) == 0;
+    // From links it is not known yet what of a cycle may be known.
+    const bool has_cycles = integer(8) == 0 && setup.fixed_frame < 0;
     if (has_cycles) weights[Event::LIE] *= 8;
+    std::discrete_distribution<int> kinds(std::begin(weights), std::end(weights));
     std::vector<Event> events;
     std::vector<Pose> walks;   // of each link
     std::vector<char> stands;  // of each, whether it is on /tf_static
@@ -213,6 +219,10 @@ class Generator {
       event.who = i;
       event.at = walks.back();
       events.push_back(event);
+    }
+    if (setup.has_cloud && integer(4) != 0) {
+      events.emplace_back();
+      events.back().kind = Event::CAMERA;
     }
     while (static_cast<int>(events.size()) < count) {
       Event event;

@@ -36,10 +36,15 @@ inline Pose between(const Pose& a, const Pose& b, double share) {
           a.yaw + share * turn};
 }
 
+inline double metresOf(const Pose& a, const Pose& b) {
+  return std::hypot(a.x - b.x, a.y - b.y, a.z - b.z);
+}
+inline double radiansOf(const Pose& a, const Pose& b) {
+  return std::abs(std::remainder(b.yaw - a.yaw, 2.0 * M_PI));
+}
 /// Metres, or radians where these are more.
 inline double distanceOf(const Pose& a, const Pose& b) {
-  const double turn = std::abs(std::remainder(b.yaw - a.yaw, 2.0 * M_PI));
-  return std::max(std::hypot(a.x - b.x, a.y - b.y, a.z - b.z), turn);
+  return std::max(metresOf(a, b), radiansOf(a, b));
 }
 
 /// A ball, or an upright box with half edges.

@@ -14,14 +14,17 @@ void Knowledge::hearOn(Told& told, bool is_static) {
   if (told.is_settled && is_static == told.is_static) return;
   if (told.is_settled || is_static != told.is_run_static) {
     endure();
+    told.is_run_vague = !told.is_settled && (told.has_run || told.is_run_vague);
     told.is_plain = told.is_settled = told.has_run = told.is_static_again = false;
     told.is_run_static = is_static;
     told.run_begin = ros_;
   } else if (ros_ > last && ros_ < end) {
     told.has_run = told.has_run || ros_ > told.run_begin;
   } else if (setup_.max_pose_age > 0.0 && (!told.has_run || (ros_ == end && is_static))) {
-    told.run_begin = ros_;
+    told.run_begin = std::max(told.run_begin, ros_);
     told.has_run = false;
+  } else if (setup_.max_pose_age > 0.0 && ros_ > last && is_static && !told.is_static_again) {
+    told.is_run_vague = true;  // after silence, what moved has to be sent again
   } else if (setup_.max_pose_age > 0.0 && ros_ > last) {
     told.is_settled = true;
     told.was_static = told.is_static;
@@ -41,8 +44,10 @@ void Knowledge::forget() {
     fresh.is_settled = told.is_settled;
     fresh.is_run_static = told.is_run_static;
     fresh.is_static_again = told.is_static_again;
-    if (!told.is_settled) fresh.run_begin = ros_;
-    if (!told.is_settled && isOnBoth(told)) fresh.moved = fresh.stood = ros_;
+    // Else it begins with what is heard next, or has begun if nothing else was heard meanwhile.
+    const bool goes_on = isOnBoth(told);
+    fresh.is_run_vague = !told.is_settled && !goes_on;
+    if (!told.is_settled && goes_on) fresh.run_begin = fresh.moved = fresh.stood = ros_;
     fresh.statics = told.statics;
     if (!told.static_poses.empty()) fresh.static_poses = {{EVER, told.static_poses.back().second}};
     if (told.open_since) fresh.open_since = EVER;

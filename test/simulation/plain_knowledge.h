@@ -45,6 +45,7 @@ struct Told {
   bool is_static_again = false;  ///< since it is not, a static pose was sent that had been
   bool is_run_static = false, has_run = false;  ///< heard of on one topic since it was unsettled
   Ns run_begin = EVER;
+  bool is_run_vague = false;            ///< when it began, or what was before, is open
   Ns moved = EVER, stood = EVER;        ///< when it was last heard of on /tf, and on /tf_static
   std::map<std::string, Said> statics;  ///< the newest static pose of each node
   std::vector<std::pair<Ns, Said>> static_poses;  ///< that counted, and since when
@@ -131,24 +132,22 @@ class Knowledge {
     for (const int i : setup_.pathTo(link)) {
       if (told(i).is_lied_about) return true;
     }
-    return !root_lies_.empty();
+    return !root_lies_.empty() || isFrameLiedAbout(EVER);
   }
   /// Whether a pose at that stamp may be made of a lie, or of what the other topic had.
   bool isLiedAbout(int link, Ns stamp) const {
-    const auto isThen = [&](int i) {
-      return std::any_of(told(i).lies.begin(), told(i).lies.end(), [&](const Lie& lie) {
-        return std::abs(seconds(stamp - lie.stamp)) <= setup_.max_transform_age;
-      });
-    };
     if (isOpen(link, stamp)) return true;
     for (const int i : setup_.pathTo(link)) {
-      if (told(i).is_static_lie || isThen(i)) return true;
+      if (isLieOf(told(i), stamp)) return true;
     }
-    // From a link it may lead past the joints between the two, by what both hang on.
-    for (int i = setup_.fixed_frame < 0 ? -1 : link; i >= 0; i = of(i).parent) {
-      if (isThen(i)) return true;
+    return isRootHung(stamp) || isFrameLiedAbout(stamp);
+  }
+  /// Whether W, or what it hangs on, was lied about: that places what W is said to hang on.
+  bool isFrameLiedAbout(Ns stamp) const {
+    for (int link = setup_.fixed_frame; link >= 0; link = of(link).parent) {
+      if (isLieOf(told(link), stamp)) return true;
     }
-    return isRootHung(stamp);
+    return false;
   }
   /// Whether a lie about W, or about what it hangs on, leads past the joint of that link.
   bool isLedPast(int link) const {
@@ -170,11 +169,13 @@ class Knowledge {
         const auto before = std::prev(after);
         const auto earlier = before == truths.begin() ? before : std::prev(before);
         if (before->second.is_rehung != after->second.is_rehung) continue;
-        const double step = std::max(distanceOf(before->second, after->second),
-                                     distanceOf(earlier->second, before->second));
-        const double off =
-            std::min(distanceOf(lie.X_PB, before->second), distanceOf(lie.X_PB, after->second));
-        if (off < step + 1e-3 && !lie.is_in_other_parent) continue;
+        const auto isFar = [&](double (*measure)(const Pose&, const Pose&)) {
+          const double step = std::max(measure(before->second, after->second),
+                                       measure(earlier->second, before->second));
+          return std::min(measure(lie.X_PB, before->second), measure(lie.X_PB, after->second)) >
+                 step + 1e-3;
+        };
+        if (!isFar(metresOf) && !isFar(radiansOf) && !lie.is_in_other_parent) continue;
         const bool is_among = seconds(after->first - before->first) < setup_.max_transform_age;
         if (is_among && std::abs(seconds(stamp - lie.stamp)) < 0.95 * lasting()) return true;
       }
@@ -225,8 +226,13 @@ class Knowledge {
     for (const int i : setup_.pathTo(link)) {
       const Told& told = this->told(i);
       const bool has_begun = told.is_settled && told.was_static && !told.is_static;
-      if (told.is_lied_about) continue;
-      if (has_begun && told.run_begin < stamp && stamp < told.settled_since) return true;
+      if (told.is_lied_about) return false;  // the lie may lead past the rest
+      if (told.is_run_vague) continue;
+      const Ns alone =
+          told.stood == EVER ? stamp : told.stood;  // at least until max_pose_age later
+      const Ns end =
+          std::min(told.settled_since, alone + static_cast<Ns>(1e9 * setup_.max_pose_age));
+      if (has_begun && told.run_begin < stamp && stamp < end) return true;
       const bool is_new = told.samples.empty() || told.samples.rbegin()->first < stamp;
       const bool is_one = !told.is_settled && !told.is_static && told.is_run_static;
       if (is_one && is_new && !told.is_static_again) return true;
@@ -269,11 +275,6 @@ class Knowledge {
       }
     }
     return false;
-  }
-  /// Whether it is open now which static pose counts: then earlier instants are not looked for.
-  bool isStaticPoseOpen(int link) const {
-    const Scenario::Path& path = setup_.pathTo(link);
-    return std::any_of(path.begin(), path.end(), [&](int i) { return told(i).open_since; });
   }
   bool isDisturbed(const Told& told, Ns begin, Ns end) const {
     return std::any_of(told.disturbed.begin(), told.disturbed.end(),
@@ -323,14 +324,16 @@ class Knowledge {
     }
     return false;
   }
-  /// Whether some link that places others was heard of later, by more than is allowed; not of those
-  /// lied about.
+  /// Whether some link that places others was heard of later, by more than is allowed. Not after a
+  /// lie, which may lead past a link, so that it places no others.
   bool isBehind(Ns stamp) const {
+    const auto isLied = [](const Told& told) { return told.is_lied_about; };
+    if (std::any_of(told_.begin(), told_.end(), isLied)) return false;
     for (int link = 0; link < static_cast<int>(told_.size()); ++link) {
       const Told& told = this->told(link);
       const auto ahead = told.samples.upper_bound(ros_);
       if (!setup_.isOnPath(link)) continue;
-      if (told.is_lied_about || !told.is_settled || told.is_static) continue;
+      if (!told.is_settled || told.is_static) continue;
       if (ahead == told.samples.begin()) continue;
       const double lag = seconds(std::prev(ahead)->first - stamp);
       if (lag > setup_.max_transform_age + 1e-6) return true;
@@ -346,6 +349,14 @@ class Knowledge {
   const SimulatedLink& of(int link) const { return setup_.links[static_cast<std::size_t>(link)]; }
   double lasting() const {
     return setup_.max_pose_age > 0.0 ? setup_.max_pose_age : setup_.max_transform_age;
+  }
+  /// At EVER: of any stamp.
+  bool isLieOf(const Told& told, Ns stamp) const {
+    return told.is_static_lie ||
+           std::any_of(told.lies.begin(), told.lies.end(), [&](const Lie& lie) {
+             return stamp == EVER ||
+                    std::abs(seconds(stamp - lie.stamp)) <= setup_.max_transform_age;
+           });
   }
   void endure() { is_ambiguous_for_ever_ |= setup_.max_pose_age == 0.0; }
   Ns after(Ns stamp, double span) const { return stamp + static_cast<Ns>(1e9 * span + 1e3); }

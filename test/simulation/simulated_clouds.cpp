@@ -17,8 +17,9 @@ enum {
   OF_NO_FRAME,
   EMPTY,
   NOT_FINITE,
-  WITHOUT_STAMP
-};  // kinds of clouds; others are sound
+  WITHOUT_STAMP,
+  MALFORMED  // it has more points than it says
+};           // kinds of clouds; others are sound
 
 }  // namespace
 
@@ -31,11 +32,12 @@ void SimulatedNode::sendCloud(const Event& event) {
     ++nb_clouds_;
     return;
   }
-  const Ns stamp = event.what == WITHOUT_STAMP ? 0 : stampOf(event.lag);
+  const int what = event.what == EMPTY && event.other % 2 == 1 ? MALFORMED : event.what;
+  const Ns stamp = what == WITHOUT_STAMP ? 0 : stampOf(event.lag);
   const auto X_WL = knowledge_.poseOf(setup_.camera_on, stamp);
   const Pose X_CW = inverse(X_WL.value_or(Pose()) * X_LC_);
   std::vector<Pose> points;
-  if (event.what != EMPTY) {
+  if (what != EMPTY) {
     points = {{4.0, 0.0, 1.0, 0.0}, {4.0, 0.1, 1.0, 0.0}};  // a wall far away
     for (int i = 0; i < 4; ++i) {
       points.push_back(X_CW * Pose{event.at.x + 0.01 * i, event.at.y, event.at.z, 0.0});
@@ -44,15 +46,15 @@ void SimulatedNode::sendCloud(const Event& event) {
   std::vector<Eigen::Vector3d> sent;
   const double nan = std::numeric_limits<double>::quiet_NaN();
   for (const Pose& p : points) {
-    sent.emplace_back(event.what == NOT_FINITE ? nan : p.x, p.y, p.z);
+    sent.emplace_back(what == NOT_FINITE ? nan : p.x, p.y, p.z);
   }
   std_msgs::Header header;
-  header.frame_id = event.what == OF_NO_FRAME ? "elsewhere" : "camera";
+  header.frame_id = what == OF_NO_FRAME ? "elsewhere" : "camera";
   header.stamp.fromNSec(static_cast<std::uint64_t>(std::max<Ns>(0, stamp)));
-  const auto cloud =
-      boost::make_shared<const sensor_msgs::PointCloud2>(toPointCloud2(sent, header));
+  const auto cloud = boost::make_shared<sensor_msgs::PointCloud2>(toPointCloud2(sent, header));
+  if (what == MALFORMED) cloud->width -= 4;
   for (const auto& source : monitor_.scenes().active()->clouds) source->take(cloud);
-  next_cloud_ = SentCloud{stamp, event.what, points, seconds(ros_), knowledge_.pass()};
+  next_cloud_ = SentCloud{stamp, what, points, seconds(ros_), knowledge_.pass()};
   sent_ = cloud;
   sent_cloud_ = *next_cloud_;
   ++nb_clouds_;
@@ -81,11 +83,19 @@ void SimulatedNode::forgetClouds() {
 
 /// Of all that a cloud needs.
 bool SimulatedNode::arePosesCertain(Ns stamp) const {
-  bool are_certain = is_camera_told_;
+  bool are_certain = is_camera_told_ && !setup_.isCameraHeld();
   for (int i = 0; i < static_cast<int>(setup_.links.size()); ++i) {
     are_certain = are_certain && knowledge_.isCertain(i, stamp);
   }
   return are_certain && knowledge_.isCertain(-1, stamp);
+}
+
+/// It can be handed out.
+bool SimulatedNode::isSound(const SentCloud& cloud) const {
+  const double age = seconds(ros_ - cloud.stamp);
+  return ros_ > 0 && cloud.stamp > last_cloud_ && cloud.pass == knowledge_.pass() &&
+         cloud.what != OF_NO_FRAME && cloud.what != MALFORMED && age > -0.5 + 1e-6 &&
+         age < timeout() - 1e-6 && arePosesCertain(cloud.stamp);
 }
 
 /// It was refused when it was looked at.
@@ -96,6 +106,7 @@ void SimulatedNode::requireRefusable(const SentCloud& cloud) {
   const bool is_late = cloud.pass != knowledge_.pass() || cloud.stamp <= last_cloud_;
   const bool has_waited = steady_ - cloud.since > LONGEST_WAIT - 1e-6;
   const bool is_known = cloud.what != OF_NO_FRAME && arePosesCertain(cloud.stamp);
+  if (cloud.what == MALFORMED) return;
   if (!is_stamp_bad && !is_late && (is_known || !has_waited)) fail("a sound cloud is refused");
 }
 
@@ -112,6 +123,8 @@ void SimulatedNode::requireUsable(const SentCloud& cloud) {
       is_camera_told_ && (X_WL || knowledge_.isLiedAbout(setup_.camera_on, cloud.stamp));
   if (!can_be_known || cloud.what == OF_NO_FRAME)
     fail("a cloud is processed whose camera is nowhere");
+  if (setup_.isCameraHeld()) fail("a cloud is processed whose camera only /tf_static places");
+  if (cloud.what == MALFORMED) fail("a cloud is processed that hides points");
 }
 
 void SimulatedNode::beginCloud() {
@@ -147,6 +160,9 @@ void SimulatedNode::beginCloud() {
     if (steady_ - cloud.since > LONGEST_WAIT + 1e-6) fail("a cloud waits for too long");
     const bool is_connected = cloud.what != OF_NO_FRAME;
     if (is_connected && arePosesCertain(cloud.stamp)) fail("a cloud waits for what is known");
+    if (next_cloud_ && next_cloud_->stamp > cloud.stamp && isSound(*next_cloud_)) {
+      fail("a newer cloud waits, of which all is known");
+    }
     is_cloud_refused_ = is_cloud_refused_ || !is_connected || !is_camera_told_;
     may_cloud_be_refused_ = true;  // of its camera, what is above may not be connected
     waiting_cloud_->is_new = waiting_cloud_->may_be_new = false;

@@ -13,10 +13,10 @@ void mix(std::size_t& digest, std::size_t value) {
   digest = digest * 1099511628211u + value + 0x9e3779b97f4a7c15u;
 }
 
-/// Requests need the root, and the cycle only what lies between W and what is checked.
+/// Requests need it, the cycle what lies between W and what is checked: a lie may lead past it.
 bool isRootNowhere(const Scenario& setup, const Knowledge& knowledge, const Snapshot& snapshot) {
   const Ns stamp = static_cast<Ns>(snapshot.stamp.toNSec());
-  return setup.fixed_frame >= 0 && !knowledge.isCertain(-1, stamp);
+  return setup.fixed_frame < 0 ? knowledge.isRootHung(stamp) : !knowledge.isCertain(-1, stamp);
 }
 
 }  // namespace
@@ -103,7 +103,7 @@ void SimulatedNode::judgeBodies(const Snapshot& snapshot, bool is_newest) {
     const int body = model < 0 ? -1 : scene.models()[static_cast<std::size_t>(model)].body;
     if (body < 0) continue;
     const bool is_known = snapshot.poses.known[static_cast<std::size_t>(body)] != 0;
-    const bool is_hung = knowledge_.isRootHung(stamp);
+    const bool is_hung = knowledge_.isRootHung(stamp) || knowledge_.isFrameLiedAbout(stamp);
     if (is_known && !is_hung && knowledge_.isForbidden(link, stamp)) {
       fail(linkName(link) + " is known by a topic that does not count");
     }
@@ -143,6 +143,9 @@ void SimulatedNode::judgeCertain(const Snapshot& snapshot) {
   const bool may_be_known = ros_ > 0 && !knowledge_.isTooOld(stamp);
   Ns expected = NEVER;
   bool are_certain = ros_ > 0;
+  for (const int link : setup_.pathTo(-1)) {  // of W now, too
+    are_certain = are_certain && !knowledge_.told(link).open_since;
+  }
   for (const SceneBody& body : scene.bodies()) {
     const int link = body.link == "root" ? -1 : std::stoi(body.link.substr(1));
     const auto newest = newestStampOf(link, ros_);
@@ -156,8 +159,7 @@ void SimulatedNode::judgeCertain(const Snapshot& snapshot) {
         !snapshot.is_static) {
       fail("the pose of a link is too old");
     }
-    are_certain = are_certain && (expected == NEVER || knowledge_.isCertain(link, expected)) &&
-                  !knowledge_.isStaticPoseOpen(link);
+    are_certain = are_certain && (expected == NEVER || knowledge_.isCertain(link, expected));
     if (snapshot.poses.known[i] || !may_be_known) continue;
     const Ns newest = std::min(stamp, newestStampOf(link, ros_).value_or(EVER / 2));
     const double lag = seconds(knowledge_.newest() - newest);
@@ -186,12 +188,11 @@ void SimulatedNode::judgeFree(const Snapshot& snapshot) {
   const Ns stamp = static_cast<Ns>(snapshot.stamp.toNSec());
   if (ros_ == 0) fail("FREE without a clock");
   if (isGeometryMissing()) fail("FREE although geometry is missing");
+  if (!isAnyChecked({})) fail("FREE although nothing is checked");
   if (knowledge_.isClockInDoubt()) fail("FREE although the clock stands still");
   if (knowledge_.isTooOld(stamp) && !snapshot.is_static) fail("FREE although poses are too old");
-  // Who hangs the root on a link places the others, whatever was heard of that link.
-  if (settings_.ignored.empty() && !knowledge_.isRootHung(stamp) && knowledge_.isBehind(stamp)) {
-    fail("FREE although a link lags behind");
-  }
+  const bool are_all_wanted = settings_.ignored.empty() && !knowledge_.isRootHung(stamp);
+  if (are_all_wanted && knowledge_.isBehind(stamp)) fail("FREE although a link lags behind");
   Poses at;
   for (int link = 0; link < static_cast<int>(setup_.links.size()); ++link) {
     at.push_back(knowledge_.poseOf(link, stamp));
@@ -203,6 +204,7 @@ void SimulatedNode::judgeFree(const Snapshot& snapshot) {
     // Who hangs the frame of the reports on a link places that link, whatever it hangs on itself.
     if (knowledge_.isRootHung(stamp)) continue;
     if (knowledge_.isInDoubt(link, stamp)) fail("FREE although two nodes contradict each other");
+    if (knowledge_.isLiedAbout(link, stamp)) continue;
     if (knowledge_.isOnBoth(link)) fail("FREE although a frame is on /tf and on /tf_static");
   }
   judgeApart(at);
@@ -231,15 +233,9 @@ Pose SimulatedNode::poseOf(const PlainObject& object, const Poses& at) const {
 }
 
 void SimulatedNode::judgeApart(const Poses& at, const std::set<std::string>& members) {
-  const auto isMember = [&](const std::string& name) {
-    const auto object = objects_.find(name);
-    const bool is_on = object != objects_.end() && object->second.link >= 0 &&
-                       members.count(linkName(object->second.link)) > 0;
-    return members.empty() || members.count(name) > 0 || is_on;
-  };
   const auto require = [&](double gap, const std::string& a, const std::string& b) {
     const int nb_padded = (a.front() == 'l' ? 1 : 0) + (b.front() == 'l' ? 1 : 0);
-    if (gap > nb_padded * settings_.padding - ROUNDING || !(isMember(a) || isMember(b))) return;
+    if (gap > nb_padded * settings_.padding - ROUNDING || !isOneOf(members, a, b)) return;
     fail("FREE although " + a + " touches " + b);
   };
   for (int i = 0; i < static_cast<int>(setup_.links.size()); ++i) {
@@ -329,10 +325,14 @@ void SimulatedNode::judgeMemory() {
 }
 
 bool SimulatedNode::areChecked(int i, int j) const {
+  return mayBeChecked(i, j) && bodyOf(i) != bodyOf(j) && !areAdjacent(i, j);
+}
+
+bool SimulatedNode::mayBeChecked(int i, int j) const {
   const auto parentOf = [&](int link) {
     return setup_.links[static_cast<std::size_t>(link)].parent;
   };
-  return bodyOf(i) != bodyOf(j) && parentOf(i) != j && parentOf(j) != i && !areAdjacent(i, j) &&
+  return parentOf(i) != j && parentOf(j) != i &&
          settings_.ignored.count(i) + settings_.ignored.count(j) == 0;
 }
 
@@ -385,8 +385,8 @@ void SimulatedNode::recover(double duration) {
     wait.dt = 0.023;  // no divisor of the ages
     happen(wait);
   }
-  bool checks =
-      monitor_.scenes().active()->scene->unchecked().empty() && !knowledge_.isAmbiguousForEver();
+  bool checks = monitor_.scenes().active()->scene->unchecked().empty() &&
+                !knowledge_.isAmbiguousForEver() && !setup_.isCameraHeld();
   for (int link = -1; link < static_cast<int>(setup_.links.size()); ++link) {
     checks = checks && !knowledge_.isHeld(link);
   }

@@ -50,6 +50,10 @@ std::string urdfOf(const Scenario& setup, int broken, int robot) {
     urdf += joint("j" + std::to_string(i), types[link.joint], linkName(link.parent), linkName(i),
                   "0 " + std::to_string(link.X_PJ.y) + " 0", axes[link.joint]);
   }
+  if (setup.has_mast && (robot < 0 || setup.baseOf(setup.camera_on) == robot)) {
+    urdf += emptyLink("mast") + joint("j_mast", "continuous", linkName(setup.camera_on), "mast",
+                                      "0 0 0", "<axis xyz='0 0 1'/>");
+  }
   return urdf;
 }
 
@@ -107,6 +111,7 @@ SceneParameters SimulatedNode::parameters(const PlainSettings& wanted) const {
     const bool is_listed = setup_.links[static_cast<std::size_t>(i)].is_listed;
     if (is_listed && !setup_.isBase(i)) settings += jointName(i) + ", ";
   }
+  if (setup_.is_mast_listed && setup_.has_mast) settings += "j_mast";
   settings += "]\npadding: " + std::to_string(wanted.padding) + '\n';
   if (setup_.has_cloud) {
     settings += "clouds: [{topic: points, voxel_size: 0.05, source_timeout: " +
@@ -247,10 +252,14 @@ void SimulatedNode::publishBroken(const Event& event) {
 }
 
 void SimulatedNode::publishCamera(const Pose& X_LC) {
+  const std::string link = linkName(setup_.camera_on);
   tf2_msgs::TFMessage tf =
-      transformOf(linkName(setup_.camera_on), "camera", ros::Time(1.0), X_LC.x);
+      transformOf(setup_.has_mast ? "mast" : link, "camera", ros::Time(1.0), X_LC.x);
   tf.transforms[0].transform.translation.y = X_LC.y;
   tf.transforms[0].transform.rotation = message(X_LC).orientation;
+  if (setup_.has_mast) {
+    tf.transforms.push_back(transformOf(link, "mast", ros::Time(1.0), 0.0).transforms[0]);
+  }
   take(tf, true, "mount");
   X_LC_ = X_LC;
   is_camera_told_ = true;
@@ -295,7 +304,10 @@ void SimulatedNode::happen(const Event& event) {
       if (setup_.has_cloud) publishCamera(setup_.X_LC);
       break;
     case Event::STEP_CLOCK:
-      if (ros_ > 0) ros_ = std::max<Ns>(1, ros_ + static_cast<Ns>(1e9 * 3.0 * event.number));
+      if (ros_ > 0) {
+        const double most = event.what < 3 ? 0.1 : event.what < 6 ? 0.5 : 3.0;
+        ros_ = std::max<Ns>(1, ros_ + static_cast<Ns>(1e9 * most * event.number));
+      }
       advance(0.0);
       break;
     case Event::RUN_CLOCK:

@@ -111,6 +111,7 @@ class SimulatedNode {
   void forgetClouds();
   double timeout() const { return settings_.source_timeout > 0.0 ? settings_.source_timeout : 1e9; }
   bool arePosesCertain(Ns stamp) const;
+  bool isSound(const SentCloud& cloud) const;
   void requireRefusable(const SentCloud& cloud);
   void requireUsable(const SentCloud& cloud);
   std::string expectedCloudDoubt(bool is_refused) const;
@@ -171,6 +172,10 @@ class SimulatedNode {
   void judgeMemory();
   bool isCheckedAgainst(int link, const PlainObject& object) const;
   bool areChecked(int i, int j) const;
+  bool mayBeChecked(int i, int j) const;
+  bool isOneOf(const std::set<std::string>& members, const std::string& a,
+               const std::string& b) const;
+  bool isAnyChecked(const std::set<std::string>& members) const;
   int bodyOf(int link) const;
   bool areAdjacent(int a, int b) const;
   void fail(const std::string& what);

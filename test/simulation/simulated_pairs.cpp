@@ -94,6 +94,40 @@ void SimulatedNode::judgeContacts(const PairReport& pair, const std::string& a,
   }
 }
 
+/// What is attached to a member is one.
+bool SimulatedNode::isOneOf(const std::set<std::string>& members, const std::string& a,
+                            const std::string& b) const {
+  const auto isMember = [&](const std::string& name) {
+    const auto object = objects_.find(name);
+    const bool is_on = object != objects_.end() && object->second.link >= 0 &&
+                       members.count(linkName(object->second.link)) > 0;
+    return members.count(name) > 0 || is_on;
+  };
+  return members.empty() || isMember(a) || isMember(b);
+}
+
+/// Whether the rules may leave a pair with one of these members, or any.
+bool SimulatedNode::isAnyChecked(const std::set<std::string>& members) const {
+  const bool has_surroundings = setup_.has_cloud || setup_.has_world;
+  for (int i = 0; i < static_cast<int>(setup_.links.size()); ++i) {
+    const std::string link = linkName(i);
+    if (settings_.ignored.count(i) > 0) continue;
+    if (has_surroundings && isOneOf(members, link, link)) return true;
+    for (int j = 0; j < i; ++j) {
+      if (mayBeChecked(i, j) && isOneOf(members, link, linkName(j))) return true;
+    }
+    for (const auto& [name, object] : objects_) {
+      if (object.link != i && object.touches.count(i) == 0 && isOneOf(members, link, name))
+        return true;
+    }
+  }
+  for (const auto& [name, object] : objects_) {
+    const bool has_other = has_surroundings || objects_.size() > 1;
+    if (object.link >= 0 && has_other) return true;
+  }
+  return false;
+}
+
 /// What speeds are computed from.
 void SimulatedNode::judgeBefore(const Snapshot& snapshot) {
   if (report_.pairs.empty()) return;

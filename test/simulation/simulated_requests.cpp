@@ -82,8 +82,14 @@ void SimulatedNode::requestJoints(const Event& event, Ns at_stamp) {
         is_placed = true;
       } else if (link.joint != SimulatedLink::FIXED) {
         const bool is_checked = scene->scene->findModel(linkName(i)) >= 0;
-        const bool is_asked = !(is_base && i == setup_.fixed_frame);
-        can_age = can_age || (is_asked && heard && is_checked && !knowledge_.told(i).is_static);
+        const auto moves = [&](int joint) {
+          const bool is_fixed =
+              setup_.links[static_cast<std::size_t>(joint)].joint == SimulatedLink::FIXED;
+          return !is_fixed && !knowledge_.told(joint).is_static;
+        };
+        const auto& path = setup_.pathTo(i);
+        const bool ages = is_base ? std::any_of(path.begin(), path.end(), moves) : moves(i);
+        can_age = can_age || (heard && is_checked && ages);
         is_placed = heard && !knowledge_.isLiedAbout(i) && !knowledge_.isUnsettled(i);
       }
       if (!is_base) {
@@ -100,6 +106,10 @@ void SimulatedNode::requestJoints(const Event& event, Ns at_stamp) {
       fail("a request is in doubt without a reason: " + asked.poses.doubts.front());
     }
     if (!asked.poses.doubts.empty()) return;
+    if (!setup_.is_apart && !scene->scene->bodies().empty() && knowledge_.isHeld(-1) &&
+        !knowledge_.isLiedAbout(-1)) {
+      fail("only /tf_static places the root");
+    }
     asked.joints->posesAt(positions, asked.poses);
     if (detector_->detect(asked.poses, {}).verdict == Verdict::FREE) judgeApart(at);
     for (std::size_t i = 0; i < scene->scene->bodies().size(); ++i) {
@@ -142,6 +152,7 @@ void SimulatedNode::requestPart(const Event& event) {
   CollisionDetector detector(part->scene);
   const Verdict verdict = detector.detect(snapshot.poses, {}).verdict;
   if (verdict == Verdict::FREE) {
+    if (!isAnyChecked(members)) fail("a part is FREE although nothing of it is checked");
     judgeApart(posesAt(static_cast<Ns>(snapshot.stamp.toNSec())), members);
   }
   replaced_ = part;

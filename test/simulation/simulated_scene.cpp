@@ -123,7 +123,11 @@ void SimulatedNode::beginScene(const Event& event) {
                    : primitive(shape_msgs::SolidPrimitive::SPHERE, {0.15})};
         place(change.object, event.at);
         PlainObject object{solid, -1, event.at, {}};
-        if (what == ADD_IN_LINK) {
+        const bool is_attached = event.number > -0.6 && event.number < -0.2;
+        if (what == ADD_IN_LINK && is_attached) {
+          change.object.header.frame_id = change.object.attached_link = linkName(event.who);
+          object.link = event.who;
+        } else if (what == ADD_IN_LINK) {
           if (!is_certain) return;
           change.object.header.frame_id = linkName(event.who);
           question = {event.who};
@@ -185,6 +189,9 @@ void SimulatedNode::beginScene(const Event& event) {
         change.operation = SceneChange::CLEAR;
         work.objects.clear();
     }
+    // Who attaches or detaches means now, whatever the stamp.
+    const bool is_hung = what == ATTACH || what == DETACH;
+    if (is_hung && event.at.x > 0.0) change.object.header.stamp = toTime(stampOf(0.3));
     work.job = monitor_.scenes().update({change}, readAdded({change}, noMeshLoader()));
     for (const auto& [other, object] : work.objects) {
       if (object.X_PO.x > 1e8)
