@@ -65,8 +65,8 @@ class JointQuery {
   const ros::Time& stamp() const { return stamp_; }
 
  private:
-  /// Notes placed bodies and doubts. Returns the newest instant that all transforms have reached
-  /// that may be used; 0: there is none, or they are of one instant.
+  /// Notes placed bodies and doubts. At stamp 0 returns the newest instant that all transforms have
+  /// reached which may be used; 0: there is none.
   ros::Time place(const JointQueryTf& tf);
   /// Its pose in its parent's frame (of a root: in the frame); none: its joint has a column.
   std::optional<Eigen::Isometry3d> poseOf(const Body& body, bool is_needed, const JointQueryTf& tf,
