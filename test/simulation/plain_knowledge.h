@@ -156,8 +156,8 @@ class Knowledge {
     }
     return false;
   }
-  /// A lie between two truths, further from both than they are from each other, or the one before
-  /// from the first of them, puts stamps around it in doubt.
+  /// A lie among truths, two before and one after it, puts stamps around it in doubt if it is
+  /// further from its neighbours than these, or the two before, are from each other.
   bool isInDoubt(int link, Ns stamp) const {
     for (const int i : setup_.pathTo(link)) {
       const auto& truths = told(i).samples;
@@ -165,9 +165,8 @@ class Knowledge {
       if (told(i).is_static) continue;  // what was said of it while it moved is over
       for (const Lie& lie : told(i).lies) {
         const auto after = truths.upper_bound(lie.stamp);
-        if (after == truths.end() || after == truths.begin()) continue;
-        const auto before = std::prev(after);
-        const auto earlier = before == truths.begin() ? before : std::prev(before);
+        if (after == truths.end() || std::distance(truths.begin(), after) < 2) continue;
+        const auto before = std::prev(after), earlier = std::prev(before);
         if (before->second.is_rehung != after->second.is_rehung) continue;
         const auto isFar = [&](double (*measure)(const Pose&, const Pose&)) {
           const double step = std::max(measure(before->second, after->second),

@@ -197,7 +197,7 @@ void SimulatedNode::judgeFree(const Snapshot& snapshot) {
   for (int link = 0; link < static_cast<int>(setup_.links.size()); ++link) {
     at.push_back(knowledge_.poseOf(link, stamp));
     const bool is_open = knowledge_.isReplaced(link) || knowledge_.isOpen(link, stamp);
-    if (is_open || knowledge_.isRootHung(stamp)) at.back().reset();
+    if (is_open || knowledge_.isLiedAbout(link, stamp)) at.back().reset();
     if (snapshot.scene->scene->findModel(linkName(link)) < 0) continue;  // it is in no pair
     const bool is_known = at.back() || knowledge_.isLiedAbout(link, stamp);
     if (!is_known) return fail("FREE although a link is nowhere");
