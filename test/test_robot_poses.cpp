@@ -2,47 +2,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "demo_scene.h"
+#include "newest_poses.h"
 #include "random_inputs.h"
-#include "robot_poses.h"
 
 namespace collision_pairs {
 namespace test_robot_poses {
 
 using Eigen::Vector3d;
 using testing::ElementsAre;
-
-constexpr StampNs SECOND = 1000000000;
-
-/// The newest poses of a base, of an arm that slides on it with a tool fixed to the arm, and of a
-/// wheel that spins on the tool.
-class NewestPoses : public testing::Test {
- protected:
-  void take(const std::string& parent, const std::string& child, double seconds,
-            bool is_static = false) {
-    const auto stamp = static_cast<StampNs>(seconds * 1e9);
-    buffer_.take({parent, child, stamp, Vector3d(1, 0, 0), Eigen::Quaterniond::Identity()},
-                 is_static, "", 10 * SECOND);
-  }
-  FoundBodies found(const std::vector<std::string>& static_joints = {}) const {
-    const RobotPoses poses(buffer_, *robot_, "base", static_joints);
-    return poses.newest(10 * SECOND, std::vector<char>(poses.nbBodies(), 1));
-  }
-  std::string between(const std::string& target, const std::string& source,
-                      StampNs stamp = 10 * SECOND) const {
-    try {
-      poseBetween(buffer_, target, source, {Instant::AT, stamp});
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return "known";
-  }
-  const std::shared_ptr<const RobotModel> robot_ = robotFrom(
-      emptyLink("base") + emptyLink("arm") + emptyLink("tool") + emptyLink("wheel") +
-      joint("slide", "prismatic", "base", "arm") + joint("flange", "fixed", "arm", "tool") +
-      joint("spin", "continuous", "tool", "wheel"));
-  TransformBuffer buffer_{PoseLimits{2.0, 1.0, 0.5}};
-};
 
 TEST_F(NewestPoses, WhyOneIsNotKnownIsSaidInTheseWords) {
   take("base", "arm", 9.875);
@@ -70,53 +37,6 @@ TEST_F(NewestPoses, LinksThatTfNamesLaterAreFoundFromThenOn) {
   EXPECT_THAT(known(), ElementsAre(1, 1, 0));
   take("tool", "wheel", 9.875);
   EXPECT_THAT(known(), ElementsAre(1, 1, 1));
-}
-
-// Transforms of any frame, static and not, on any parent: what is kept between look-ups is found
-// anew whenever it has to be.
-TEST_F(NewestPoses, DoNotDependOnWhatWasAskedBefore) {
-  RandomInputs random;
-  const std::vector<std::string> frames = {"base", "arm", "tool", "wheel", "camera", "world"};
-  const auto anyFrame = [&] { return frames[random.integer(0, 5)]; };
-  const RobotPoses kept(buffer_, *robot_, "base"), kept_in_world(buffer_, *robot_, "world");
-  const auto answers = [&](const RobotPoses& poses, StampNs now) {
-    const FoundBodies found = poses.newest(now, std::vector<char>(3, 1));
-    std::vector<std::string> all = found.problems;
-    for (const std::string& target : frames) {
-      for (const std::string& source : frames) {
-        try {
-          poses.between(target, source, {Instant::NEWEST, now});
-          all.push_back("known");
-        } catch (const InputError& error) {
-          all.push_back(error.what());
-        }
-      }
-    }
-    return all;
-  };
-  int nb_held = 0;
-  for (int i = 0; i < 1000 || (nb_held == 0 && i < 10000); ++i) {
-    const StampNs now = 10 * SECOND + i * (SECOND / 10);
-    const bool is_static = random.integer(0, 1) == 1;
-    const StampNs stamp = now + static_cast<StampNs>(random.uniform(-0.4, 0.4) * 1e9);
-    const Vector3d p(random.uniform(0.0, 2.0), 0, 0);
-    buffer_.take({anyFrame(), anyFrame(), stamp, p, Eigen::Quaterniond::Identity()}, is_static,
-                 random.integer(0, 19) == 0 ? "liar" : "", now);
-    const auto now_kept = answers(kept, now);
-    ASSERT_EQ(now_kept, answers(RobotPoses(buffer_, *robot_, "base"), now)) << i;
-    ASSERT_EQ(answers(kept_in_world, now), answers(RobotPoses(buffer_, *robot_, "world"), now))
-        << i;
-    const FoundBodies found = kept.newest(now, {1, 1, 1});
-    for (std::size_t b = 0; b < 3 && found.stamp == NEVER; ++b) {
-      if (!found.known[b]) continue;
-      const std::string link = robot_->links()[robot_->bodies()[b].link].name;
-      ASSERT_EQ(kept.between("base", link, {Instant::AT, now}).oldest, NEVER) << i;
-    }
-    nb_held += std::count_if(now_kept.begin(), now_kept.end(), [](const std::string& why) {
-      return why.rfind("only /tf_static", 0) == 0;
-    });
-  }
-  EXPECT_GT(nb_held, 0);
 }
 
 TEST_F(NewestPoses, OneThatLagsBehindTheOthersIsSaidTo) {
@@ -186,24 +106,6 @@ TEST_F(NewestPoses, AreNotThoseOfBeforeTheFrameThatTheyAreInFellIntoDoubt) {
   EXPECT_THAT(known(), ElementsAre(0, 1, 0)) << "the wheel was heard of eight seconds earlier";
 }
 
-TEST_F(NewestPoses, WhatStandsOnlyByStaticTransformsNamesTheJointThatIsNotFixed) {
-  take("base", "arm", 0, true);
-  take("tool", "wheel", 9.5);
-  const std::string why =
-      "only /tf_static places it, but joint 'slide' is not fixed: publish it on "
-      "/tf, or list the joint in static_joints";
-  EXPECT_THAT(found().problems, ElementsAre("", why, why));
-  EXPECT_THAT(found({"slide"}).problems, ElementsAre("", "", ""));
-  EXPECT_THAT(found({"spin"}).problems, ElementsAre("", why, why));
-  try {
-    found({"spin", "slid"});
-    ADD_FAILURE() << "was taken";
-  } catch (const InputError& error) {
-    EXPECT_STREQ(error.what(),
-                 "static_joints: 'slid' is not a joint of the robot; did you mean 'slide'?");
-  }
-}
-
 TEST_F(NewestPoses, WhyOneFrameIsNotKnownInAnotherIsSaidInTheseWords) {
   take("map", "a", 9.75);
   take("map", "a", 10);
@@ -242,56 +144,6 @@ TEST_F(NewestPoses, OfLinksToEachOtherAreFoundByFixedJointsToo) {
   take("base", "arm", 9.75);
   const auto mixed = poses.between("base", "wheel", {Instant::NEWEST, 10 * SECOND});
   EXPECT_EQ(mixed.oldest, 19 * SECOND / 2) << "at one instant";
-}
-
-TEST_F(NewestPoses, BeyondAJointThatStaticTransformsHoldNothingIsKnownFromAnyFrame) {
-  take("base", "arm", 0.0, true);
-  take("tool", "wheel", 9.5);
-  const auto knownIn = [&](const char* frame, const std::vector<std::string>& static_joints = {}) {
-    const RobotPoses poses(buffer_, *robot_, frame, static_joints);
-    return poses.newest(10 * SECOND, std::vector<char>(3, 1)).known;
-  };
-  take("tool", "camera", 0.0, true);  // no link
-  take("wheel", "gimbal", 9.5);
-  EXPECT_THAT(knownIn("base"), ElementsAre(1, 0, 0));
-  for (const char* frame : {"arm", "tool", "wheel", "camera", "gimbal"}) {
-    EXPECT_THAT(knownIn(frame), ElementsAre(0, 1, 1)) << frame;
-    EXPECT_THAT(knownIn(frame, {"slide"}), ElementsAre(1, 1, 1)) << frame;
-  }
-}
-
-TEST_F(NewestPoses, OfACameraBeyondAJointThatStaticTransformsHoldAreUnknown) {
-  take("base", "arm", 0.0, true);
-  take("tool", "wheel", 9.5);
-  take("tool", "camera", 0.0, true);  // no link
-  take("wheel", "gimbal", 9.5);
-  const auto why = [&](const char* target, const char* source,
-                       const std::vector<std::string>& static_joints = {}) -> std::string {
-    try {
-      RobotPoses(buffer_, *robot_, "base", static_joints)
-          .between(target, source, {Instant::AT, 19 * SECOND / 2});
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return "known";
-  };
-  const std::string held =
-      "only /tf_static places it, but joint 'slide' is not fixed: publish it "
-      "on /tf, or list the joint in static_joints";
-  for (const char* source : {"arm", "tool", "wheel", "camera", "gimbal"}) {
-    EXPECT_EQ(why("base", source), held);
-    EXPECT_EQ(why(source, "base"), held);
-    EXPECT_EQ(why("base", source, {"slide"}), "known");
-    EXPECT_EQ(why("camera", source), "known");
-  }
-}
-
-TEST_F(NewestPoses, AreKnownFromAFrameThatIsFixedToALinkBehindAMovingJoint) {
-  take("base", "arm", 9.5);
-  take("tool", "wheel", 9.5);
-  take("wheel", "camera", 0.0, true);  // no link
-  const RobotPoses poses(buffer_, *robot_, "camera");
-  EXPECT_THAT(poses.newest(10 * SECOND, std::vector<char>(3, 1)).known, ElementsAre(1, 1, 1));
 }
 
 TEST_F(NewestPoses, OfLinksThatTfDoesNotNameAreFoundByFixedJointsToo) {
@@ -360,6 +212,15 @@ TEST_F(NewestPoses, OfLinksThatHangOnTheOtherLinkOfTheirBodyAreKnown) {
   take("tool", "wheel", 9.75);
   const RobotPoses poses(buffer_, *robot_, "arm");
   EXPECT_THAT(poses.newest(10 * SECOND, {1, 1, 1}).known, ElementsAre(1, 1, 1));
+}
+
+TEST_F(NewestPoses, OfALinkOnABodyAreKnownFromTheLinkOfItThatHungOnWhatHangsOnItLately) {
+  take("cart", "arm", 9.5);
+  take("tool", "cart", 9.75);
+  take("tool", "wheel", 9.75);
+  const RobotPoses poses(buffer_, *robot_, "cart");
+  const auto found = poses.between("arm", "wheel", {Instant::AT, 39 * SECOND / 4});
+  EXPECT_EQ(found.X_TS.translation().x(), 1.0);
 }
 
 // By either of two links of each body: 2^40 ways.

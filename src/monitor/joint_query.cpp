@@ -86,8 +86,11 @@ ros::Time JointQuery::place(const JointQueryTf& tf) {
   for (const auto& [link, stamp] : newest) heard = std::max(heard, stamp);
   for (const auto& [link, stamp] : newest) {
     const std::string why = whyBehind(toNs(heard) - toNs(stamp), tf.transforms.buffer().limits());
-    if (!why.empty()) doubts_.push_back("link '" + link + "': " + why);
-    if (why.empty()) common = common.isZero() ? stamp : std::min(common, stamp);
+    if (!why.empty()) {
+      doubts_.push_back("link '" + link + "': " + why);
+    } else {
+      common = common.isZero() ? stamp : std::min(common, stamp);
+    }
   }
   return common;
 }

@@ -14,10 +14,6 @@ namespace {
 constexpr double VELOCITY_WINDOW = 0.1;
 constexpr std::size_t MOST_NAMED = 10;  // left_out names all links
 
-StampedPoses posesAt(const ActiveScene& scene, const ros::Time& stamp, const ros::Time& now) {
-  return stamp.isZero() ? scene.tf_poses->latest(now) : scene.tf_poses->at(stamp);
-}
-
 }  // namespace
 
 Snapshot Monitor::begin(const ActiveScenePtr& scene) const {
@@ -36,7 +32,8 @@ Snapshot Monitor::begin(const ActiveScenePtr& scene) const {
 
 Snapshot Monitor::at(const ActiveScenePtr& scene, const ros::Time& stamp) const {
   Snapshot snapshot = begin(scene);
-  StampedPoses stamped = posesAt(*scene, stamp, transforms_.now().stamp);
+  StampedPoses stamped =
+      stamp.isZero() ? scene->tf_poses->latest(snapshot.stamp) : scene->tf_poses->at(stamp);
   snapshot.is_static = stamped.stamp.isZero();
   if (!snapshot.is_static) snapshot.stamp = stamped.stamp;
   snapshot.nb_asked = stamped.nb_asked;
@@ -91,14 +88,17 @@ void Monitor::addClouds(const ros::Time& stamp, Snapshot& snapshot) const {
   }
 }
 
-void Monitor::addJoints(const std::vector<std::string>& names, const StampedPoses& poses,
+void Monitor::addJoints(const std::vector<std::string>& names, const ros::Time& stamp,
                         bool are_of_one_instant, Snapshot& snapshot) const {
   const ActiveScene& active = *snapshot.scene;
-  snapshot.joints.emplace(
-      names, *active.scene,
-      JointQueryTf{transforms_, active.frame, are_of_one_instant ? poses.stamp : ros::Time(),
-                   transforms_.now().stamp, active.tf_poses.get(), poses.heard,
-                   are_of_one_instant});
+  JointQueryTf tf{transforms_, active.frame, stamp, snapshot.stamp, active.tf_poses.get()};
+  tf.is_of_one_instant = are_of_one_instant;
+  if (stamp.isZero()) {
+    const NewestStamps newest = active.tf_poses->newestStamps(snapshot.stamp);
+    tf.heard = toTime(newest.heard);
+    if (are_of_one_instant) tf.stamp = toTime(newest.common);
+  }
+  snapshot.joints.emplace(names, *active.scene, tf);
   const auto& of_joints = snapshot.joints->doubts();
   snapshot.poses.doubts.insert(snapshot.poses.doubts.end(), of_joints.begin(), of_joints.end());
 }
@@ -106,7 +106,7 @@ void Monitor::addJoints(const std::vector<std::string>& names, const StampedPose
 Snapshot Monitor::withJoints(const ActiveScenePtr& scene, const std::vector<std::string>& names,
                              const ros::Time& stamp) const {
   Snapshot snapshot = begin(scene);
-  addJoints(names, posesAt(*scene, stamp, snapshot.stamp), true, snapshot);
+  addJoints(names, stamp, true, snapshot);
   snapshot.is_static = snapshot.joints->stamp().isZero();
   if (!snapshot.is_static) snapshot.stamp = snapshot.joints->stamp();
   addClouds(stamp, snapshot);
@@ -116,7 +116,7 @@ Snapshot Monitor::withJoints(const ActiveScenePtr& scene, const std::vector<std:
 Snapshot Monitor::withMeasured(const ActiveScenePtr& scene,
                                const std::vector<std::string>& names) const {
   Snapshot snapshot = begin(scene);
-  addJoints(names, posesAt(*scene, ros::Time(), snapshot.stamp), false, snapshot);
+  addJoints(names, ros::Time(), false, snapshot);
   addClock(snapshot);  // positions are not seen to age either
   addClouds(ros::Time(), snapshot);
   return snapshot;

@@ -58,8 +58,8 @@ class Monitor {
   Snapshot begin(const ActiveScenePtr& scene) const;
   void addClock(Snapshot& snapshot) const;
   void addClouds(const ros::Time& stamp, Snapshot& snapshot) const;
-  /// `poses`: of the same scene. At their stamp, or at the newest one of each transform.
-  void addJoints(const std::vector<std::string>& names, const StampedPoses& poses,
+  /// At stamp 0, those of one instant are at that of latest poses, others at the newest of each.
+  void addJoints(const std::vector<std::string>& names, const ros::Time& stamp,
                  bool are_of_one_instant, Snapshot& snapshot) const;
   void addProblems(const std::vector<std::string>& problems, Snapshot& snapshot) const;
 

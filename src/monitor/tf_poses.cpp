@@ -16,10 +16,8 @@ TfPoses::TfPoses(const TransformInput& transforms, const RobotModel& robot,
 
 StampedPoses TfPoses::latest(const ros::Time& now) const {
   FoundBodies placed = robot_.newest(toNs(now), all_);
-  const ros::Time stamp = toTime(placed.stamp), heard = toTime(placed.heard);
-  StampedPoses poses = gather(std::move(placed), stamp);
-  poses.heard = heard;
-  return poses;
+  const ros::Time stamp = toTime(placed.stamp);
+  return gather(std::move(placed), stamp);
 }
 
 StampedPoses TfPoses::at(const ros::Time& stamp) const {

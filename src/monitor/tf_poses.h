@@ -17,8 +17,6 @@ struct StampedPoses {
   BodyPoses poses;
   /// The instant of all of them; 0 if all known poses are static.
   ros::Time stamp;
-  /// Newest transform of any of them, also of one that is in doubt; 0: none. By latest() only.
-  ros::Time heard;
   /// Number of bodies looked up in TF (all but one that is the frame itself), and of those found.
   std::size_t nb_asked = 0;
   std::size_t nb_found = 0;
@@ -37,6 +35,11 @@ class TfPoses {
   /// The newest instant for which all bodies are known, leaving out those that are older than the
   /// limits allow.
   StampedPoses latest(const ros::Time& now) const;
+
+  /// The instant of latest(), without the poses.
+  NewestStamps newestStamps(const ros::Time& now) const {
+    return robot_.newestStamps(toNs(now), all_);
+  }
 
   /// At the given instant.
   StampedPoses at(const ros::Time& stamp) const;

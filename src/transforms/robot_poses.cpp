@@ -151,42 +151,49 @@ bool RobotPoses::holdsAt(StampNs stamp, const Layout& layout,
   return true;
 }
 
-FoundBodies RobotPoses::newest(StampNs now, const std::vector<char>& wanted) const {
-  const Layout layout = layOut({Instant::NEWEST, now}, wanted);
+RobotPoses::NewestLayout RobotPoses::layOutNewest(StampNs now,
+                                                  const std::vector<char>& wanted) const {
+  NewestLayout found{layOut({Instant::NEWEST, now}, wanted), {}, {}};
+  const Layout& layout = found.layout;
   const auto isFound = [&](std::size_t b) { return layout.places[b].frame >= 0; };
-  StampNs newest = EVER_SINCE, common = NEVER;
+  StampNs newest = EVER_SINCE;
   // One that is not found now may be at an earlier instant, if its own transforms are.
   const auto isDated = [&](std::size_t b) {
     return wanted[b] && layout.places[b].way.oldest != NEVER;
   };
+  bool are_found = true;
   for (std::size_t b = 0; b < wanted.size(); ++b) {
+    are_found = are_found && (!wanted[b] || isFound(b));
     if (isDated(b) && isFound(b)) newest = std::max(newest, layout.places[b].way.newest);
   }
   StampNs heard = newest;  // also of what is in doubt now: others may be behind it
-  bool are_found = true;
-  for (std::size_t b = 0; b < wanted.size(); ++b) are_found &= !wanted[b] || isFound(b);
   if (!are_found) heard = std::max(heard, newestOfRobot(layout.ways.target(), now));
-  std::vector<std::string> problems(wanted.size());
+  if (heard != EVER_SINCE) found.stamps.heard = heard;
+  found.problems.resize(wanted.size());
   for (std::size_t b = 0; b < wanted.size(); ++b) {
-    if (wanted[b] && !isFound(b)) problems[b] = whyNot(static_cast<int>(b), layout);
+    if (wanted[b] && !isFound(b)) found.problems[b] = whyNot(static_cast<int>(b), layout);
     if (newest == EVER_SINCE || !isDated(b)) continue;
     const std::string why = whyBehind(heard - layout.places[b].way.oldest, buffer_.limits());
     if (why.empty()) {
-      common = std::min(common, layout.places[b].way.oldest);
+      found.stamps.common = std::min(found.stamps.common, layout.places[b].way.oldest);
     } else if (isFound(b)) {
-      problems[b] = why;
+      found.problems[b] = why;
     }
   }
-  const StampNs stamp = common == NEVER ? now : common;
+  return found;
+}
+
+FoundBodies RobotPoses::newest(StampNs now, const std::vector<char>& wanted) const {
+  const auto [layout, stamps, problems] = layOutNewest(now, wanted);
+  const StampNs stamp = stamps.common == NEVER ? now : stamps.common;
   FoundBodies found = holdsAt(stamp, layout, wanted) ? place(layout, stamp, wanted)
                                                      : place({Instant::AT, stamp}, wanted);
   for (std::size_t b = 0; b < wanted.size(); ++b) {
-    const bool is_lagging = isFound(b) && !problems[b].empty();
+    const bool is_lagging = layout.places[b].frame >= 0 && !problems[b].empty();
     if (is_lagging) found.known[b] = 0;
     if (!found.known[b] && !problems[b].empty()) found.problems[b] = problems[b];
   }
-  found.stamp = common;
-  if (heard != EVER_SINCE) found.heard = heard;
+  found.stamp = stamps.common;
   return found;
 }
 

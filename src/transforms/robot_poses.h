@@ -17,9 +17,13 @@ struct FoundBodies {
   std::vector<char> known;
   std::vector<Eigen::Isometry3d> X_WB;
   std::vector<std::string> problems;  ///< why a body that is wanted is not known
-  // By newest() only.
-  StampNs stamp = NEVER;  ///< of all of them; NEVER: all static
-  StampNs heard = NEVER;  ///< newest transform, also of what is in doubt; NEVER: there is none
+  StampNs stamp = NEVER;              ///< of all of them, by newest() only; NEVER: all static
+};
+
+/// The newest instant for which bodies are known, and their newest transform, also of one in doubt.
+/// NEVER: there is none.
+struct NewestStamps {
+  StampNs common = NEVER, heard = NEVER;
 };
 
 /// Looks bodies up in a buffer; keeps no poses. A body is where TF places any of its links. Where
@@ -42,6 +46,10 @@ class RobotPoses {
   /// than max_pose_age, or than the newest transform of any of the robot's frames by more than
   /// max_transform_age.
   FoundBodies newest(StampNs now, const std::vector<char>& wanted) const;
+  /// The instant of newest(), without the poses.
+  NewestStamps newestStamps(StampNs now, const std::vector<char>& wanted) const {
+    return layOutNewest(now, wanted).stamps;
+  }
 
   /// As poseBetween(), of frames and of links that TF does not name.
   FoundPose between(const std::string& target, const std::string& source,
@@ -65,9 +73,15 @@ class RobotPoses {
     };
     std::vector<Place> places;  ///< by body
   };
+  struct NewestLayout {
+    Layout layout;
+    NewestStamps stamps;
+    std::vector<std::string> problems;  ///< by body: why it is not known now
+  };
 
   const LinkFrames& links() const;
   Layout layOut(const Instant& instant, const std::vector<char>& wanted) const;
+  NewestLayout layOutNewest(StampNs now, const std::vector<char>& wanted) const;
   /// With what layOut() found for that stamp.
   FoundBodies place(const Layout& layout, StampNs stamp, const std::vector<char>& wanted) const;
   /// Whether a layout of the newest transforms is that of the stamp, too.
