@@ -126,5 +126,58 @@ TEST(FramePoses, AreAsOldAsTheOldestTransformBetweenTheTwoFrames) {
   EXPECT_GT(nb_mixed, 1000);
 }
 
+// tf2 walks up from one frame before it walks up from the other, also by what is not known: above
+// where the two ways meet it must not come.
+TEST(FramePoses, AreThoseOfKnownTransformsAloneWhateverElseTf2Has) {
+  RandomInputs random;
+  int nb_known = 0, nb_from_below = 0;
+  for (int i = 0; i < 500; ++i) {
+    const int nb_frames = random.integer(3, 7);
+    const auto nameOf = [](int frame) { return "f" + std::to_string(frame); };
+    TransformBuffer buffer{PoseLimits{0.4, 0.5, 0.5}};
+    const auto take = [&](const std::string& parent, int frame, const Eigen::Isometry3d& X_PF,
+                          const std::vector<double>& stamps) {
+      for (const double seconds : stamps) {
+        const auto stamp = static_cast<StampNs>(seconds * 1e9);
+        buffer.take({parent, nameOf(frame), stamp, X_PF.translation(),
+                     Eigen::Quaterniond(X_PF.linear())},
+                    false, "", stamp);
+      }
+    };
+    std::vector<int> parents;
+    std::vector<Eigen::Isometry3d> X_PF;
+    for (int frame = 0; frame < nb_frames; ++frame) {
+      const bool is_known = frame > 0 && random.integer(0, 2) > 0;
+      const int parent = frame == 0 ? -1 : random.integer(0, frame - 1);
+      parents.push_back(is_known ? parent : -1);
+      X_PF.push_back(random.pose(1.0));
+      const int other = (frame + random.integer(1, nb_frames - 1)) % nb_frames;
+      if (!is_known) take(nameOf(other), frame, random.pose(1.0), {1.0});
+      const std::string name = parent < 0 ? "map" : nameOf(parent);
+      take(name, frame, X_PF.back(), is_known ? std::vector{1.95, 2.05} : std::vector{2.05});
+    }
+    for (int target = 0; target < nb_frames; ++target) {
+      for (int source = 0; source < nb_frames; ++source) {
+        Eigen::Isometry3d X_RT, X_RS;
+        const int root = rootOf(target, parents, X_PF, X_RT);
+        const bool is_known = root == rootOf(source, parents, X_PF, X_RS);
+        nb_known += is_known && source != target;
+        nb_from_below += is_known && root == source && source != target;
+        SCOPED_TRACE("case " + std::to_string(i));
+        try {
+          const auto found =
+              poseBetween(buffer, nameOf(target), nameOf(source), {Instant::AT, 2 * SECOND});
+          ASSERT_TRUE(is_known);
+          EXPECT_TRUE(found.X_TS.isApprox(X_RT.inverse() * X_RS, 1e-9));
+        } catch (const InputError& error) {
+          ASSERT_FALSE(is_known) << error.what();
+        }
+      }
+    }
+  }
+  EXPECT_GT(nb_known, 1000);
+  EXPECT_GT(nb_from_below, 200);
+}
+
 }  // namespace test_frame_ways
 }  // namespace collision_pairs

@@ -122,6 +122,33 @@ TEST_F(JointQueryTest, FindsLinksThatOnlyFixedJointsConnectWithWhatTfPlaces) {
   EXPECT_DOUBLE_EQ(at("c", lead, {0.5}).z(), 1.75);
 }
 
+TEST_F(JointQueryTest, TakesTheBodyOfItsFrameFromWhereTheCycleTakesIt) {
+  const std::string joints = joint("mount", "fixed", "root", "base", "1 0 0") +
+                             joint("lift", "floating", "root", "arm", "0 0 0", "") +
+                             joint("turn", "floating", "arm", "tool", "0 0 0", "");
+  const auto scene =
+      CollisionScene::build(robotFrom(boxLink("root", 0.1) + emptyLink("base") +
+                                      boxLink("arm", 0.1) + boxLink("tool", 0.1) + joints),
+                            Srdf{}, nullptr);
+  const TfPoses poses(transforms_, scene->robot(), scene->bodies(), "base");
+  const auto requireBoth = [&](double stamp, const Vector3d& p_WB) {
+    publish("root", "arm", stamp, 1.0);
+    publish("arm", "tool", stamp, 1.0);
+    const JointQuery query({}, *scene, {transforms_, "base", ros::Time(0), now_, &poses});
+    std::vector<Eigen::Isometry3d> X_WB;
+    query.bodyPosesAt({}, X_WB);
+    EXPECT_EQ(X_WB.front().translation(), p_WB);
+    const StampedPoses cycle = poses.latest(now_);
+    for (std::size_t i = 0; i < scene->bodies().size(); ++i) {
+      ASSERT_TRUE(cycle.poses.known[i]);
+      EXPECT_TRUE(cycle.poses.X_WB[i].isApprox(X_WB[scene->bodies()[i].body])) << i;
+    }
+  };
+  requireBoth(999.8, {-1, 0, 0});  // as the URDF has it
+  publish("base", "root", 999.9, 5.0);
+  requireBoth(999.9, {0, 0, 5});  // as TF has it
+}
+
 TEST_F(JointQueryTest, DoubtsAJointThatIsNotNamedAndThatOnlyStaticTransformsPlace) {
   publish("a", "c", 999.5, 0.25, true);
   const TfPoses poses(transforms_, scene_->robot(), scene_->bodies(), "root");

@@ -95,7 +95,7 @@ TEST(TransformBuffer, PosesAreThoseOfTf2AtAnyInstantInAnyOrderOfArrival) {
         const int number = tracks.findFrame(frame);
         ASSERT_EQ(ways.to(number).is_known, known) << frame << " at " << i;
         if (known) {
-          const Isometry3d found = tracks.poseAt(base, number, stamp);
+          const Isometry3d found = ways.poseOf(number, ways.to(number), stamp);
           EXPECT_LT((found.matrix() - expected.matrix()).cwiseAbs().maxCoeff(), 1e-12);
         }
         nb_known += known;
@@ -110,7 +110,7 @@ class OneTrack : public testing::Test {
   bool known(StampNs stamp, double& x) {
     const int base = tracks_.findFrame("base"), arm = tracks_.findFrame("arm");
     if (!FrameWays(tracks_, base, {Instant::AT, stamp}).to(arm).is_known) return false;
-    x = tracks_.poseAt(base, arm, stamp).translation().x();
+    x = tracks_.poseBelow(base, arm, stamp).translation().x();
     return true;
   }
   void add(double seconds, double x, bool is_static = false) {
@@ -227,7 +227,7 @@ TEST_F(OneTrack, WhatIsRefusedIsRefusedInTheseWords) {
   }
   const int base = tracks_.findFrame("base"), bent = tracks_.findFrame("bent");
   EXPECT_TRUE(tracks_.gate().isKnown(bent, SECOND));
-  const Isometry3d X = tracks_.poseAt(base, bent, SECOND);
+  const Isometry3d X = tracks_.poseBelow(base, bent, SECOND);
   EXPECT_TRUE(X.linear().isApprox(Vector3d(-1, -1, 1).asDiagonal().toDenseMatrix(), 1e-12));
   EXPECT_EQ(tracks_.parentAt(bent, SECOND), base);
 }

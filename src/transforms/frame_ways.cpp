@@ -54,7 +54,7 @@ FrameWays::FrameWays(const TransformBuffer& buffer, int target, const Instant& i
     : buffer_(buffer), links_(links), target_(target), instant_(instant) {
   if (target < 0) return;  // no transform names it
   noted_.reserve(64);
-  anchors_.push_back({target, target, -1});
+  anchors_.push_back({target, target, -1, target});
   Way way;
   way.is_known = true;
   std::vector<int> path, done;
@@ -87,6 +87,7 @@ bool FrameWays::goUp(int frame, Way way, std::vector<int>& path, std::vector<int
   if (isBack(frame, path)) return false;
   const bool is_done = isAmong(done, frame) && (!way.is_known || noted_.count(frame) > 0);
   if (is_done || path.size() > TransformBuffer::DEEPEST_TREE) return true;
+  way.top = frame;
   if (way.is_known) noted_.emplace(frame, way);
   path.push_back(frame);
   bool has_end = true;
@@ -172,8 +173,9 @@ void FrameWays::pass(int frame, StampNs stamp, Way& way) const {
 }
 
 void FrameWays::passFixedJoint(int from, int to, Way& way) const {
-  anchors_.push_back({to, from, way.anchor});
+  anchors_.push_back({to, from, way.anchor, way.top});
   way.anchor = static_cast<int>(anchors_.size()) - 1;
+  way.top = to;
   way.is_settled = false;
 }
 
@@ -181,6 +183,7 @@ FrameWays::Way FrameWays::to(int source) const {
   if (source != target_) return climb(source, 0);
   Way way;
   way.is_known = true;
+  way.top = target_;
   return way;
 }
 
@@ -212,13 +215,12 @@ FrameWays::Way FrameWays::stepUp(int frame, std::size_t nb_steps) const {
   return way;
 }
 
-Isometry3d FrameWays::poseOf(int source, const Way& way, StampNs stamp) const {
-  const Anchor& anchor = anchors_[static_cast<std::size_t>(way.anchor)];
-  const Isometry3d X_AS = buffer_.poseAt(anchor.frame, source, stamp);
+Isometry3d FrameWays::poseOf(int source, int number, int top, StampNs stamp) const {
+  const Anchor& anchor = anchors_[static_cast<std::size_t>(number)];
+  Isometry3d X_AS = buffer_.poseBelow(top, source, stamp);
+  if (anchor.frame != top) X_AS = buffer_.poseBelow(top, anchor.frame, stamp).inverse() * X_AS;
   if (anchor.before < 0) return X_AS;
-  Way to_via = way;
-  to_via.anchor = anchor.before;
-  return poseOf(anchor.via, to_via, stamp) * links_->X_BL(anchor.via).inverse() *
+  return poseOf(anchor.via, anchor.before, anchor.top, stamp) * links_->X_BL(anchor.via).inverse() *
          links_->X_BL(anchor.frame) * X_AS;
 }
 

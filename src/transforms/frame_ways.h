@@ -76,10 +76,13 @@ class FrameWays {
     StampNs oldest = NEVER, newest = EVER_SINCE;
     bool is_settled = true;  ///< transforms only, and the static ones among them can never change
     int anchor = 0;          ///< by fixed joints, from this one on by transforms
+    int top = -1;            ///< … up to here, and from here down to the frame
   };
   Way to(int source) const;
   /// Of a known way. Throws InputError if tf2 does not know it.
-  Eigen::Isometry3d poseOf(int source, const Way& way, StampNs stamp) const;
+  Eigen::Isometry3d poseOf(int source, const Way& way, StampNs stamp) const {
+    return poseOf(source, way.anchor, way.top, stamp);
+  }
   /// Why to() is not known, in words.
   std::string whyNot(int source) const;
   /// False if its ancestors end at one that TF does not place anywhere, or never.
@@ -92,10 +95,12 @@ class FrameWays {
   struct Anchor {
     int frame, via;
     int before;  ///< from which transforms lead to `via`; -1: it is the target
+    int top;     ///< … up to here, and from here down to `via`
   };
 
   /// False: it is not known.
   bool step(int frame, StampNs& stamp, int& parent) const;
+  Eigen::Isometry3d poseOf(int source, int anchor, int top, StampNs stamp) const;
   void pass(int frame, StampNs stamp, Way& way) const;
   void passFixedJoint(int from, int to, Way& way) const;
   /// On what a frame hung, known or in doubt, when it was last heard of; -1: that is too long ago.

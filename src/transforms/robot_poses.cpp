@@ -59,8 +59,7 @@ RobotPoses::Layout RobotPoses::layOut(const Instant& instant,
   Layout layout{{buffer_, W, instant, &links_}, std::vector<Layout::Place>(joints_.size())};
   for (int b = 0; b < static_cast<int>(joints_.size()); ++b) {
     auto& [frame, way] = layout.places[b];
-    if (b == body_of_frame_) frame = W;
-    if (W < 0 || frame >= 0 || !wanted[b]) continue;
+    if (W < 0 || !wanted[b]) continue;
     for (const int link : links_.ofBody(b)) {
       const FrameWays::Way found = layout.ways.to(link);
       if (found.is_known) {
@@ -143,7 +142,7 @@ bool RobotPoses::holdsAt(StampNs stamp, const Layout& layout,
   const int W = layout.ways.target();
   if (W < 0 || buffer_.gate().isHeard(W)) return false;
   for (int b = 0; b < static_cast<int>(wanted.size()); ++b) {
-    if (!wanted[b] || b == body_of_frame_) continue;
+    if (!wanted[b]) continue;
     const auto& [frame, way] = layout.places[b];  // another link may be known at that stamp
     if (frame != links_.ofBody(b).front() || !way.is_settled) return false;
     if (way.oldest != NEVER && (way.oldest != stamp || way.newest != stamp)) return false;

@@ -99,17 +99,16 @@ int TransformBuffer::parentAt(int frame, StampNs stamp) const {
   return has ? findFrame(name) : -1;
 }
 
-Isometry3d TransformBuffer::poseAt(int target, int source, StampNs stamp) const {
-  if (target == source) return Isometry3d::Identity();
+Isometry3d TransformBuffer::poseBelow(int top, int frame, StampNs stamp) const {
+  if (top == frame) return Isometry3d::Identity();
   try {
-    const auto X =
-        tf_->lookupTransform(frames()[target], frames()[source], toTime(stamp)).transform;
-    Isometry3d X_TS = Isometry3d::Identity();
-    X_TS.linear() = Eigen::Quaterniond(X.rotation.w, X.rotation.x, X.rotation.y, X.rotation.z)
+    const auto X = tf_->lookupTransform(frames()[top], frames()[frame], toTime(stamp)).transform;
+    Isometry3d X_TF = Isometry3d::Identity();
+    X_TF.linear() = Eigen::Quaterniond(X.rotation.w, X.rotation.x, X.rotation.y, X.rotation.z)
                         .normalized()
                         .toRotationMatrix();
-    X_TS.translation() = Eigen::Vector3d(X.translation.x, X.translation.y, X.translation.z);
-    return X_TS;
+    X_TF.translation() = Eigen::Vector3d(X.translation.x, X.translation.y, X.translation.z);
+    return X_TF;
   } catch (const tf2::TransformException& error) {
     throw InputError(error.what());
   }

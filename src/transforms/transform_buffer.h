@@ -55,9 +55,10 @@ class TransformBuffer {
   int findFrame(const std::string& name) const { return gate_.names().find(name); }
   /// -1: it has none then.
   int parentAt(int frame, StampNs stamp) const;
-  /// Pose of one frame in another, at a stamp; of a frame in itself even if no transform names it.
-  /// Throws InputError if tf2 does not know it.
-  Eigen::Isometry3d poseAt(int target, int source, StampNs stamp) const;
+  /// Pose of a frame in one above it, at a stamp; of a frame in itself even if no transform names
+  /// it. In any other frame tf2 would look for it above the first one too, by transforms that are
+  /// in doubt. Throws InputError if tf2 does not know it.
+  Eigen::Isometry3d poseBelow(int top, int frame, StampNs stamp) const;
 
  private:
   void store(int frame, const FramePose& pose, StampNs stamp, bool is_static) const;

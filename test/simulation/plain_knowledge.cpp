@@ -17,7 +17,8 @@ void Knowledge::hearOn(Told& told, bool is_static) {
     told.is_run_vague = !told.is_settled && (told.has_run || told.is_run_vague);
     told.is_plain = told.is_settled = told.has_run = told.is_static_again = false;
     told.is_run_static = is_static;
-    told.run_begin = ros_;
+    // A clock that is being set may be behind what was heard last.
+    told.run_begin = std::max(ros_, is_static ? told.moved : told.stood);
   } else if (ros_ > last && ros_ < end) {
     told.has_run = told.has_run || ros_ > told.run_begin;
   } else if (setup_.max_pose_age > 0.0 && (!told.has_run || (ros_ == end && is_static))) {

@@ -37,6 +37,7 @@ struct Told {
   bool is_lied_about = false;  ///< on either topic
   bool is_static_lie = false;  ///< … on /tf_static, or both topics have it: also before
   bool is_plain = true;        ///< by one node, in order, and no static pose that changes
+  bool is_of_others = false;   ///< some samples are of a second node alone
   std::vector<std::pair<Ns, Ns>> disturbed;   ///< spans where what was said may be in doubt
   bool is_heard = false;                      ///< ever
   bool is_static = false, is_settled = true;  ///< by which topic; if it is settled, since when
@@ -101,7 +102,8 @@ class Knowledge {
       told.is_plain = false;
       disturb(told, stamp);
     }
-    told.samples.emplace(stamp, X_PB);
+    const bool is_new = told.samples.emplace(stamp, X_PB).second;
+    told.is_of_others = told.is_of_others || (is_new && publisher != "honest");
   }
   void hearLie(int link, const Lie& lie, bool is_static) {
     const Ns stamp = lie.stamp;
@@ -163,6 +165,7 @@ class Knowledge {
       const auto& truths = told(i).samples;
       if (isLedPast(i)) return false;
       if (told(i).is_static) continue;  // what was said of it while it moved is over
+      if (told(i).is_of_others) continue;  // then it may not be among three of one node
       for (const Lie& lie : told(i).lies) {
         const auto after = truths.upper_bound(lie.stamp);
         if (after == truths.end() || std::distance(truths.begin(), after) < 2) continue;
