@@ -191,6 +191,23 @@ TEST_F(Gate, Rule7AndRule8OfStaticPosesThatContradictTheNewestSentTwiceCounts) {
   }
 }
 
+TEST_F(Gate, Rule7ANodeThatSendsAnotherStaticPoseIsNotSaidToContradictItself) {
+  sendStatic(10.0, 1.0);
+  sendStatic(11.0, 1.0, "/two");
+  EXPECT_THAT(sendStatic(12.0, 2.0), HasSubstr("the newest pose was sent once; send it again"));
+  EXPECT_THAT(sendStatic(13.0, 3.0, "/two"), HasSubstr("'/one' and '/two' contradict each other"));
+}
+
+TEST_F(Gate, Rule8ADoubtOfWhenAFrameWasStaticBeforeIsOverIfItsPoseIsSentTwiceMeanwhile) {
+  sendStatic(10.0, 1.0);
+  sendStatic(11.0, 1.0, "/two");
+  sendStatic(12.0, 2.0);  // once: in doubt
+  for (double t = 20.0; t < 21.5; t += 0.125) send(t, t);
+  sendStatic(21.5, 3.0);
+  for (double t = 21.5; t < 22.75; t += 0.125) sendStatic(t, 3.0);
+  EXPECT_DOUBLE_EQ(newestX(22.75), 3.0);
+}
+
 TEST_F(Gate, Rule9StampsBeforeAStaticPoseChangesAreInDoubtHoweverLongAgo) {
   sendStatic(10.0, 1.0);
   EXPECT_EQ(xAt(5.0), 1.0);

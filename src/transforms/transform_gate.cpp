@@ -143,6 +143,8 @@ TransformGate::Answer TransformGate::admitStatic(Frame& frame, const FramePose& 
   const bool was_static = frame.is_static;
   noteKind(frame, true, now);
   note();
+  DoubtfulSpans& doubts = frame.doubts[STATIC_POSE];  // also of when it was static before
+  if (counts && doubts.isOpen()) doubts.endBy(after(now, limits_.lasting));
   if (!frame.is_static) {
     if (frame.both_since != NEVER) return {Store::NOTHING, IS_ON_BOTH};
     if (!is_again) {
@@ -152,8 +154,6 @@ TransformGate::Answer TransformGate::admitStatic(Frame& frame, const FramePose& 
     frame.is_static = true;
   }
   if (!was_static) frame.static_pose = frame.newest_static;
-  DoubtfulSpans& doubts = frame.doubts[STATIC_POSE];
-  if (counts && doubts.isOpen()) doubts.endBy(after(now, limits_.lasting));
   std::string why = frame.both_since != NEVER ? IS_ON_BOTH : "";
   if (was_static && !differ(frame.static_pose.pose, pose)) return {Store::NOTHING, why};
   if (counts) {
@@ -161,8 +161,11 @@ TransformGate::Answer TransformGate::admitStatic(Frame& frame, const FramePose& 
     frame.static_pose = frame.newest_static;
     return {Store::IT, why};
   }
-  why = "'" + publishers_.all()[frame.static_pose.publisher] + "' and '" + publishers_.all()[by] +
-        "' contradict each other on /tf_static; stop one of them, and start the other again";
+  const int other = frame.static_pose.publisher;
+  why = other == by ? SENT_ONCE
+                    : "'" + publishers_.all()[other] + "' and '" + publishers_.all()[by] +
+                          "' contradict each other on /tf_static; stop one of them, and start "
+                          "the other again";
   doubts.add({before(now, limits_.lasting), NEVER}, why);
   return {Store::NOTHING, why};
 }

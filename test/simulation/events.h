@@ -203,6 +203,9 @@ class Generator {
     if (integer(4) == 0) {
       for (const Event::Kind kind : {Event::SCENE_BEGIN, Event::SCENE_END}) weights[kind] *= 4;
     }
+    // One that changes between /tf and /tf_static again and again; -1: any does, now and then.
+    const int switching = integer(8) == 0 ? integer(static_cast<int>(setup.links.size())) : -1;
+    if (switching >= 0) weights[Event::SWITCH] = 3;
     const double spread = integer(3) == 0 ? 8.0 : 3.0;
     // From links it is not known yet what of a cycle may be known.
     const bool has_cycles = integer(8) == 0 && setup.fixed_frame < 0;
@@ -234,6 +237,7 @@ class Generator {
       event.other = integer(static_cast<int>(setup.links.size()));
       event.what = integer(8);
       if (event.kind == Event::LIE && has_cycles) event.what = 3;
+      if (event.kind == Event::SWITCH && switching >= 0) event.who = switching;
       event.number = integer(3) == 0 ? 0.0 : 2.0 * real() - 1.0;
       event.at = anywhere(spread);
       char& is_static = stands[static_cast<std::size_t>(event.who)];

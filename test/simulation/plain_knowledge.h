@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <iterator>
 #include <limits>
 #include <map>
 #include <optional>
@@ -158,18 +157,25 @@ class Knowledge {
     }
     return false;
   }
-  /// A lie among truths, two before and one after it, puts stamps around it in doubt if it is
-  /// further from its neighbours than these, or the two before, are from each other.
+  /// A lie among truths puts stamps around it in doubt if it is further from its neighbours than
+  /// these, or the two before, are from each other.
   bool isInDoubt(int link, Ns stamp) const {
+    // When it was noticed, stamps of longer ago were too old.
+    if (seconds(latest_ - stamp) > 0.95 * lasting()) return false;
     for (const int i : setup_.pathTo(link)) {
       const auto& truths = told(i).samples;
       if (isLedPast(i)) return false;
-      if (told(i).is_static) continue;  // what was said of it while it moved is over
+      if (told(i).is_static) continue;     // what was said of it while it moved is over
       if (told(i).is_of_others) continue;  // then it may not be among three of one node
       for (const Lie& lie : told(i).lies) {
         const auto after = truths.upper_bound(lie.stamp);
-        if (after == truths.end() || std::distance(truths.begin(), after) < 2) continue;
-        const auto before = std::prev(after), earlier = std::prev(before);
+        if (after == truths.end() || after == truths.begin()) continue;
+        const auto before = std::prev(after);
+        auto earlier = before;
+        if (before != truths.begin() &&
+            seconds(before->first - std::prev(before)->first) < setup_.max_transform_age + 1e-6) {
+          earlier = std::prev(before);
+        }
         if (before->second.is_rehung != after->second.is_rehung) continue;
         const auto isFar = [&](double (*measure)(const Pose&, const Pose&)) {
           const double step = std::max(measure(before->second, after->second),

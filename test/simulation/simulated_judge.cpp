@@ -13,13 +13,16 @@ void mix(std::size_t& digest, std::size_t value) {
   digest = digest * 1099511628211u + value + 0x9e3779b97f4a7c15u;
 }
 
-/// Requests need it, the cycle what lies between W and what is checked: a lie may lead past it.
-bool isRootNowhere(const Scenario& setup, const Knowledge& knowledge, const Snapshot& snapshot) {
-  const Ns stamp = static_cast<Ns>(snapshot.stamp.toNSec());
-  return setup.fixed_frame < 0 ? knowledge.isRootHung(stamp) : !knowledge.isCertain(-1, stamp);
-}
-
 }  // namespace
+
+/// Requests need it, the cycle what lies between W and what is checked: a lie may lead past it.
+bool SimulatedNode::isRootNowhere(const Snapshot& snapshot) const {
+  const Ns stamp = static_cast<Ns>(snapshot.stamp.toNSec());
+  if (setup_.fixed_frame < 0) return knowledge_.isRootHung(stamp);
+  const std::optional<Ns> newest = newestStampOf(-1, ros_);
+  const auto isCertain = [&](Ns at) { return knowledge_.isCertain(-1, at); };
+  return !newest || !isCertain(stamp) || !isCertain(std::min(stamp, *newest));
+}
 
 void SimulatedNode::report() {
   const ActiveScenePtr scene = monitor_.scenes().active();
@@ -143,13 +146,17 @@ void SimulatedNode::judgeCertain(const Snapshot& snapshot) {
   const bool may_be_known = ros_ > 0 && !knowledge_.isTooOld(stamp);
   Ns expected = NEVER;
   bool are_certain = ros_ > 0;
-  for (const int link : setup_.pathTo(-1)) {  // of W now, too
-    are_certain = are_certain && !knowledge_.told(link).open_since;
-  }
+  const auto isOpen = [&](int link) { return knowledge_.told(link).open_since.has_value(); };
+  const auto isAnyOpen = [&](const Scenario::Path& path) {  // what stands is asked for now
+    return std::any_of(path.begin(), path.end(), isOpen);
+  };
+  are_certain = are_certain && !isAnyOpen(setup_.pathTo(-1));
   for (const SceneBody& body : scene.bodies()) {
     const int link = body.link == "root" ? -1 : std::stoi(body.link.substr(1));
     const auto newest = newestStampOf(link, ros_);
-    are_certain = are_certain && newest;
+    // Of what is ahead of the clock alone, a lie of before would be newer.
+    const bool may_be_lie = newest && *newest > ros_ && knowledge_.isLiedAbout(link);
+    are_certain = are_certain && newest && !may_be_lie && !isAnyOpen(setup_.pathTo(link));
     expected = std::min(expected, newest.value_or(NEVER));
   }
   for (const SceneBody& body : scene.bodies()) {
@@ -284,7 +291,7 @@ void SimulatedNode::judgeAgreement(const Snapshot& snapshot) {
     const Verdict of_request = detector_->detect(asked.poses, {}).verdict;
     if (doubts.empty() && of_request != verdict) fail("a request and the cycle do not agree");
     // A lie may lead past a link that is in no pair, so the cycle does not need it.
-    bool is_nowhere = isRootNowhere(setup_, knowledge_, snapshot);
+    bool is_nowhere = isRootNowhere(snapshot);
     for (int i = 0; i < static_cast<int>(setup_.links.size()); ++i) {
       const bool is_checked = snapshot.scene->scene->findModel(linkName(i)) >= 0;
       const Ns stamp = static_cast<Ns>(snapshot.stamp.toNSec());
@@ -294,7 +301,7 @@ void SimulatedNode::judgeAgreement(const Snapshot& snapshot) {
       fail("the cycle is FREE, a request is in doubt: " + doubts.front());
     }
   } catch (const InputError& error) {
-    const bool is_needed = verdict == Verdict::FREE && !isRootNowhere(setup_, knowledge_, snapshot);
+    const bool is_needed = verdict == Verdict::FREE && !isRootNowhere(snapshot);
     if (is_needed) fail(std::string("a request fails: ") + error.what());
   }
 }
@@ -302,13 +309,16 @@ void SimulatedNode::judgeAgreement(const Snapshot& snapshot) {
 /// What is in doubt whatever the instant of the poses.
 void SimulatedNode::requireSharedDoubts(const Snapshot& cycle, const Snapshot& other,
                                         const std::string& whose) {
+  // A joint that TF lacks at the request's stamp is at zero, which cannot age.
+  const bool is_at_zero =
+      other.joints->jointsFromTf().empty() && !other.joints->jointsAtZero().empty();
   for (const std::string& doubt : cycle.poses.doubts) {
     const bool is_of_cloud = doubt.rfind("cloud '", 0) == 0;
     const bool is_of_clock = doubt.rfind("use_sim_time", 0) == 0;
     const auto& others = other.poses.doubts;
     const bool is_shared = std::find(others.begin(), others.end(), doubt) != others.end();
-    const bool must_be =
-        is_of_cloud || (is_of_clock && (whose == "the limiter" || !cycle.is_static));
+    const bool can_age = whose == "the limiter" || (!cycle.is_static && !is_at_zero);
+    const bool must_be = is_of_cloud || (is_of_clock && can_age);
     if (must_be && !is_shared) fail(whose + " does not know that " + doubt);
   }
 }
@@ -322,26 +332,6 @@ void SimulatedNode::judgeMemory() {
       fail("samples pile up of " + buffer.frames()[static_cast<std::size_t>(frame)]);
     }
   }
-}
-
-bool SimulatedNode::areChecked(int i, int j) const {
-  return mayBeChecked(i, j) && bodyOf(i) != bodyOf(j) && !areAdjacent(i, j);
-}
-
-bool SimulatedNode::mayBeChecked(int i, int j) const {
-  const auto parentOf = [&](int link) {
-    return setup_.links[static_cast<std::size_t>(link)].parent;
-  };
-  return parentOf(i) != j && parentOf(j) != i &&
-         settings_.ignored.count(i) + settings_.ignored.count(j) == 0;
-}
-
-bool SimulatedNode::areAdjacent(int a, int b) const {
-  const auto parentBody = [&](int link) {
-    const int parent = setup_.links[static_cast<std::size_t>(bodyOf(link))].parent;
-    return parent < 0 ? -1 : bodyOf(parent);
-  };
-  return parentBody(a) == bodyOf(b) || parentBody(b) == bodyOf(a);
 }
 
 void SimulatedNode::recover(double duration) {

@@ -284,7 +284,7 @@ void SimulatedNode::happen(const Event& event) {
       last_[static_cast<std::size_t>(event.who)].first = 0;
       break;
     case Event::REHANG: {
-      if (joint == SimulatedLink::FIXED) break;
+      if (joint == SimulatedLink::FIXED && !stands_[static_cast<std::size_t>(event.who)]) break;
       const int parent = setup_.links[static_cast<std::size_t>(event.who)].parent;
       publish(linkName(parent), mountName(parent), 0, X_PM, "mount", true);
       last_[static_cast<std::size_t>(event.who)].first = 0;

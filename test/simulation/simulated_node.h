@@ -148,6 +148,7 @@ class SimulatedNode {
   bool isGeometryMissing() const;
   void judgeFree(const Snapshot& snapshot);
   void judgeBodies(const Snapshot& snapshot, bool is_newest = false);
+  bool isRootNowhere(const Snapshot& snapshot) const;
   void judgeCertain(const Snapshot& snapshot);
   void judgePairs(const Snapshot& snapshot);
   void judgeContacts(const PairReport& pair, const std::string& a, const std::string& b,

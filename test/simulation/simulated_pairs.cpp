@@ -174,4 +174,24 @@ void SimulatedNode::judgeSame(const Snapshot& snapshot) {
   if (stamped.poses.known != snapshot.poses.known) fail("the scene's message has other poses");
 }
 
+bool SimulatedNode::areChecked(int i, int j) const {
+  return mayBeChecked(i, j) && bodyOf(i) != bodyOf(j) && !areAdjacent(i, j);
+}
+
+bool SimulatedNode::mayBeChecked(int i, int j) const {
+  const auto parentOf = [&](int link) {
+    return setup_.links[static_cast<std::size_t>(link)].parent;
+  };
+  return parentOf(i) != j && parentOf(j) != i &&
+         settings_.ignored.count(i) + settings_.ignored.count(j) == 0;
+}
+
+bool SimulatedNode::areAdjacent(int a, int b) const {
+  const auto parentBody = [&](int link) {
+    const int parent = setup_.links[static_cast<std::size_t>(bodyOf(link))].parent;
+    return parent < 0 ? -1 : bodyOf(parent);
+  };
+  return parentBody(a) == bodyOf(b) || parentBody(b) == bodyOf(a);
+}
+
 }  // namespace simulation

@@ -110,6 +110,11 @@ void SimulatedNode::requestJoints(const Event& event, Ns at_stamp) {
         !knowledge_.isLiedAbout(-1)) {
       fail("only /tf_static places the root");
     }
+    requireRefusal({"joints are named, but there are"}, [&] {
+      std::vector<double> more = positions;
+      more.push_back(0.0);
+      asked.joints->posesAt(more, asked.poses);
+    });
     asked.joints->posesAt(positions, asked.poses);
     if (detector_->detect(asked.poses, {}).verdict == Verdict::FREE) judgeApart(at);
     for (std::size_t i = 0; i < scene->scene->bodies().size(); ++i) {

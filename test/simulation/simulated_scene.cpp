@@ -69,6 +69,9 @@ bool SimulatedNode::isAnswered(const PoseQuestion& question) const {
   if (question.link < 0) return true;
   if (ros_ == 0 || isStale(question)) return false;
   std::optional<Ns> stamp = question.stamp;
+  for (const int link : setup_.pathTo(question.link)) {  // what stands is asked for now
+    if (stamp == 0 && knowledge_.told(link).open_since) return false;
+  }
   if (stamp == 0) stamp = newestStampOf(question.link, knowledge_.latest());
   if (stamp == std::numeric_limits<Ns>::max()) stamp = knowledge_.latest();
   const bool is_old =
