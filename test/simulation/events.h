@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <random>
 #include <string>
@@ -207,8 +208,7 @@ class Generator {
     const int switching = integer(8) == 0 ? integer(static_cast<int>(setup.links.size())) : -1;
     if (switching >= 0) weights[Event::SWITCH] = 3;
     const double spread = integer(3) == 0 ? 8.0 : 3.0;
-    // From links it is not known yet what of a cycle may be known.
-    const bool has_cycles = integer(8) == 0 && setup.fixed_frame < 0;
+    const bool has_cycles = integer(8) == 0;
     if (has_cycles) weights[Event::LIE] *= 8;
     std::discrete_distribution<int> kinds(std::begin(weights), std::end(weights));
     std::vector<Event> events;
@@ -246,8 +246,10 @@ class Generator {
         Pose& walk = walks[static_cast<std::size_t>(event.who)];
         Pose step = anywhere(integer(50) == 0 ? 2.0 : 0.1);
         if (is_static && integer(20) != 0) step = {};
-        walk = {walk.x + step.x, walk.y + step.y, (is_static ? 1.0 : 0.9) * walk.z + step.z,
-                walk.yaw + 0.05 * step.yaw};
+        // Equal, or not nearly so: which of two static poses within 0.1 mm counts is open.
+        const auto rounded = [](double value) { return 1e-3 * std::round(1e3 * value); };
+        walk = {rounded(walk.x + step.x), walk.y + step.y,
+                (is_static ? 1.0 : 0.9) * walk.z + step.z, rounded(walk.yaw + 0.05 * step.yaw)};
         event.at = walk;
       }
       events.push_back(event);
