@@ -69,8 +69,13 @@ bool SimulatedNode::isAnswered(const PoseQuestion& question) const {
   if (question.link < 0) return true;
   if (ros_ == 0 || isStale(question)) return false;
   std::optional<Ns> stamp = question.stamp;
-  for (const int link : setup_.pathTo(question.link)) {  // what stands is asked for now
-    if (stamp == 0 && knowledge_.told(link).open_since) return false;
+  for (const int link : setup_.pathTo(question.link)) {
+    const Told& told = knowledge_.told(link);
+    if (question.stamp != 0) break;
+    if (told.open_since) return false;  // what stands is asked for now
+    // … and what moves at its own newest stamp first.
+    const Ns newest = told.samples.empty() ? 0 : told.samples.rbegin()->first;
+    if (!told.is_static && knowledge_.isDisturbed(told, newest, newest)) return false;
   }
   if (stamp == 0) stamp = newestStampOf(question.link, knowledge_.latest());
   if (stamp == std::numeric_limits<Ns>::max()) stamp = knowledge_.latest();
