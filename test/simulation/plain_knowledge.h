@@ -229,24 +229,8 @@ class Knowledge {
     return false;
   }
   /// Whether the rules forbid to use it at that stamp: the static pose of a frame that has begun to
-  /// move, or one that was sent once after it moved.
-  bool isForbidden(int link, Ns stamp) const {
-    for (const int i : setup_.pathTo(link)) {
-      const Told& told = this->told(i);
-      const bool has_begun = told.is_settled && told.was_static && !told.is_static;
-      if (told.is_lied_about) return false;  // the lie may lead past the rest
-      if (told.is_run_vague) continue;
-      const Ns alone =
-          told.stood == EVER ? stamp : told.stood;  // at least until max_pose_age later
-      const Ns end =
-          std::min(told.settled_since, alone + static_cast<Ns>(1e9 * setup_.max_pose_age));
-      if (has_begun && told.run_begin < stamp && stamp < end) return true;
-      const bool is_new = told.samples.empty() || told.samples.rbegin()->first < stamp;
-      const bool is_one = !told.is_settled && !told.is_static && told.is_run_static;
-      if (is_one && is_new && !told.is_static_again) return true;
-    }
-    return false;
-  }
+  /// move, or one that was sent once after it moved, or before that.
+  bool isForbidden(int link, Ns stamp) const;
   /// Whether it is open now, or was lately.
   bool isUnsettled(int link) const {
     for (const int i : setup_.pathTo(link)) {
