@@ -9,7 +9,6 @@
 #include <atomic>
 #include <cmath>
 #include <csignal>
-#include <optional>
 #include <string>
 #include <type_traits>
 #include <vector>
@@ -59,13 +58,14 @@ class Guard {
   Guard(const ros::NodeHandle& node, const ros::NodeHandle& private_node,
         const LimiterParameters& parameters)
       : parameters_(parameters), came_(ros::SteadyTime::now()), came_at_(ros::Time::now()) {
-    // Whatever a guard before this one, which has died, let pass.
-    Command blank;
-    if constexpr (!IS_ARRAY) blank.joint_names = parameters.joints;
-    last_ = blank;
+    if constexpr (!IS_ARRAY) last_.joint_names = parameters.joints;
     ros::NodeHandle own(node), own_private(private_node);
     const auto hints = ros::TransportHints().tcpNoDelay();
-    publisher_ = own_private.advertise<Command>("command", 1);
+    // To a controller that connects, or connects again, after the zeros nobody else sends them.
+    const auto greet = [this](const ros::SingleSubscriberPublisher& connected) {
+      if (!lacks_zeros_) connected.publish(zerosAs(last_));
+    };
+    publisher_ = own_private.advertise<Command>("command", 1, greet);
     refuseLoop(own.resolveName(parameters.command), publisher_.getTopic());
     commands_ = own_private.subscribe("limited_command", 1, &Guard::pass, this, hints);
     if (parameters_.is_trajectory) {
@@ -76,14 +76,14 @@ class Guard {
   void run() {
     while (ros::ok() && !is_asked_to_end) {
       double wait = LONGEST_WAIT;
-      if (last_) {
+      if (lacks_zeros_) {
         wait = std::clamp(parameters_.law.command_timeout - silentFor(), 0.0, wait);
         if (ros::Time::isSimTime()) wait = std::min(wait, SIMULATED_WAIT);
       }
       ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(wait));
-      if (last_ && silentFor() >= parameters_.law.command_timeout) stop();
+      if (lacks_zeros_ && silentFor() >= parameters_.law.command_timeout) stop();
     }
-    if (!last_) return;
+    if (!lacks_zeros_) return;
     stop();
     ros::WallDuration(TO_BE_SENT).sleep();
   }
@@ -92,12 +92,13 @@ class Guard {
   void pass(const Command& command) {
     publisher_.publish(command);
     last_ = command;
+    lacks_zeros_ = true;
     came_ = ros::SteadyTime::now();
     came_at_ = ros::Time::now();
   }
   void stop() {
-    publisher_.publish(zerosAs(*last_));
-    last_.reset();
+    publisher_.publish(zerosAs(last_));
+    lacks_zeros_ = false;
   }
   void take(const sensor_msgs::JointState& message) {
     positions_.take(message, ros::Time::now().toSec(), parameters_.law.max_joint_state_age);
@@ -139,7 +140,8 @@ class Guard {
 
   const LimiterParameters parameters_;
   JointPositions positions_;
-  std::optional<Command> last_;  // until zeros have followed
+  Command last_;
+  bool lacks_zeros_ = true;  // also what a guard before this one, which has died, let pass
   ros::SteadyTime came_;
   ros::Time came_at_;
   ros::Publisher publisher_;
