@@ -26,10 +26,11 @@ struct NewestStamps {
   StampNs common = NEVER, heard = NEVER;
 };
 
-/// Looks bodies up in a buffer; keeps no poses. A body is where TF places any of its links. Where
-/// TF lacks a transform between links that the URDF fixes to each other, the URDF provides it.
-/// Beyond a joint that is not fixed, but that static transforms hold, nothing is known, unless the
-/// joint is in static_joints. Look-ups from several threads need a lock.
+/// Looks bodies up in a buffer; keeps no poses. A body is where TF has the first of its links that
+/// is known, also the body of W. Where TF lacks a transform between links that the URDF fixes to
+/// each other, the URDF provides it. Beyond a joint that is not fixed, but that static transforms
+/// hold, nothing is known, unless the joint is in static_joints. Look-ups from several threads need
+/// a lock.
 class RobotPoses {
  public:
   /// The problem of a body of which TF has no frame.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <optional>
@@ -231,6 +232,11 @@ class Knowledge {
   /// Whether the rules forbid to use it at that stamp: the static pose of a frame that has begun to
   /// move, or one that was sent once after it moved, or before that.
   bool isForbidden(int link, Ns stamp) const;
+  /// Whether it is open now which of its static poses counts.
+  bool isPoseOpen(int link) const {
+    const Scenario::Path& path = setup_.pathTo(link);
+    return std::any_of(path.begin(), path.end(), [&](int i) { return told(i).open_since; });
+  }
   /// Whether it is open now, or was lately.
   bool isUnsettled(int link) const {
     for (const int i : setup_.pathTo(link)) {

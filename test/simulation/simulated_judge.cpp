@@ -145,18 +145,13 @@ void SimulatedNode::judgeCertain(const Snapshot& snapshot) {
   const Ns stamp = static_cast<Ns>(snapshot.stamp.toNSec());
   const bool may_be_known = ros_ > 0 && !knowledge_.isTooOld(stamp);
   Ns expected = NEVER;
-  bool are_certain = ros_ > 0;
-  const auto isOpen = [&](int link) { return knowledge_.told(link).open_since.has_value(); };
-  const auto isAnyOpen = [&](const Scenario::Path& path) {  // what stands is asked for now
-    return std::any_of(path.begin(), path.end(), isOpen);
-  };
-  are_certain = are_certain && !isAnyOpen(setup_.pathTo(-1));
+  bool are_certain = ros_ > 0 && !knowledge_.isPoseOpen(-1);  // what stands is asked for now
   for (const SceneBody& body : scene.bodies()) {
     const int link = body.link == "root" ? -1 : std::stoi(body.link.substr(1));
     const auto newest = newestStampOf(link, ros_);
     // Of what is ahead of the clock alone, a lie of before would be newer.
     const bool may_be_lie = newest && *newest > ros_ && knowledge_.isLiedAbout(link);
-    are_certain = are_certain && newest && !may_be_lie && !isAnyOpen(setup_.pathTo(link));
+    are_certain = are_certain && newest && !may_be_lie && !knowledge_.isPoseOpen(link);
     expected = std::min(expected, newest.value_or(NEVER));
   }
   for (const SceneBody& body : scene.bodies()) {

@@ -69,14 +69,15 @@ bool SimulatedNode::isAnswered(const PoseQuestion& question) const {
   if (question.link < 0) return true;
   if (ros_ == 0 || isStale(question)) return false;
   std::optional<Ns> stamp = question.stamp;
-  for (const int link : setup_.pathTo(question.link)) {
+  // At 0 what stands is asked for now, and what moves at its own newest stamp first.
+  const auto isDisturbedNow = [&](int link) {
     const Told& told = knowledge_.told(link);
-    if (question.stamp != 0) break;
-    if (told.open_since) return false;  // what stands is asked for now
-    // … and what moves at its own newest stamp first.
     const Ns newest = told.samples.empty() ? 0 : told.samples.rbegin()->first;
-    if (!told.is_static && knowledge_.isDisturbed(told, newest, newest)) return false;
-  }
+    return !told.is_static && knowledge_.isDisturbed(told, newest, newest);
+  };
+  const Scenario::Path& path = setup_.pathTo(question.link);
+  if (stamp == 0 && knowledge_.isPoseOpen(question.link)) return false;
+  if (stamp == 0 && std::any_of(path.begin(), path.end(), isDisturbedNow)) return false;
   if (stamp == 0) stamp = newestStampOf(question.link, knowledge_.latest());
   if (stamp == std::numeric_limits<Ns>::max()) stamp = knowledge_.latest();
   const bool is_old =
