@@ -19,9 +19,7 @@ bool isAmong(const std::vector<int>& frames, int frame) {
 }  // namespace
 
 LinkFrames::LinkFrames(const TransformBuffer& buffer, std::vector<Link> links)
-    : buffer_(&buffer), links_(std::move(links)) {
-  update();
-}
+    : buffer_(&buffer), links_(std::move(links)) {}
 
 void LinkFrames::update() {
   const std::size_t nb_named = buffer_->frames().size();
@@ -158,7 +156,12 @@ bool FrameWays::step(int frame, StampNs& stamp, int& parent) const {
   } else {
     stamp = gate.isStatic(frame) ? NEVER : at;
   }
-  if (!buffer_.gate().isKnown(frame, at)) return false;
+  if (!gate.isKnown(frame, at)) {
+    if (instant_.kind == Instant::NEWEST && stamp != NEVER) {
+      newest_unknown_ = std::max(newest_unknown_, stamp);
+    }
+    return false;
+  }
   parent = buffer_.parentAt(frame, at);
   return parent >= 0;
 }

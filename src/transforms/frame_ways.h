@@ -35,7 +35,8 @@ class LinkFrames {
     int body;
     Eigen::Isometry3d X_BL;
   };
-  /// Of each body its first link comes before the others. The buffer must outlive this object.
+  /// Of each body its first link comes before the others. The buffer must outlive this object; it
+  /// is not read yet, since scenes are built while transforms arrive.
   LinkFrames(const TransformBuffer& buffer, std::vector<Link> links);
   /// To be called before the others: finds links that transforms have named since.
   void update();
@@ -89,6 +90,9 @@ class FrameWays {
   bool isPlaced(int frame) const;
   bool isInCycle(int frame) const { return is_in_cycle_ || lastAncestor(frame) < 0; }
   int target() const { return target_; }
+  /// At NEWEST, of the frames asked about so far: the stamp of the newest transform that is not
+  /// known, up to now. Bodies may have been found by another way, which ends or was sent earlier.
+  StampNs newestUnknown() const { return newest_unknown_; }
 
  private:
   /// A frame that a fixed joint places at `via`, and from which transforms lead on.
@@ -125,6 +129,7 @@ class FrameWays {
   int target_;
   Instant instant_;
   bool is_in_cycle_ = false;  ///< the target
+  mutable StampNs newest_unknown_ = EVER_SINCE;
   mutable std::vector<Anchor> anchors_;
   // Of the frames that were asked about, not of all: a look-up costs the same among any number.
   mutable std::unordered_map<int, Way> noted_;

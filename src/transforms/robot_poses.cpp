@@ -165,7 +165,8 @@ RobotPoses::NewestLayout RobotPoses::layOutNewest(StampNs now,
     are_found = are_found && (!wanted[b] || isFound(b));
     if (isDated(b) && isFound(b)) newest = std::max(newest, layout.places[b].way.newest);
   }
-  StampNs heard = newest;  // also of what is in doubt now: others may be behind it
+  // Also of what is in doubt now: others may be behind it.
+  StampNs heard = std::max(newest, layout.ways.newestUnknown());
   if (!are_found) heard = std::max(heard, newestOfRobot(layout.ways.target(), now));
   if (heard != EVER_SINCE) found.stamps.heard = heard;
   found.problems.resize(wanted.size());

@@ -36,8 +36,8 @@ class RobotPoses {
   /// The problem of a body of which TF has no frame.
   static const char* const NO_FRAME;
 
-  /// W is `frame`; it need not be a link. The buffer must outlive this object. Throws InputError if
-  /// a static joint is not a joint of the robot.
+  /// W is `frame`; it need not be a link. The buffer must outlive this object; it is not read yet.
+  /// Throws InputError if a static joint is not a joint of the robot.
   RobotPoses(const TransformBuffer& buffer, const RobotModel& robot, std::string frame,
              const std::vector<std::string>& static_joints = {});
 

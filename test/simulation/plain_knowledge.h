@@ -358,11 +358,13 @@ class Knowledge {
   }
   void endure() { is_ambiguous_for_ever_ |= setup_.max_pose_age == 0.0; }
   Ns after(Ns stamp, double span) const { return stamp + static_cast<Ns>(1e9 * span + 1e3); }
-  /// By a sample that may contradict those around it, up to a gap away.
+  /// By a sample that may contradict those around it, up to a gap away. It lasts to the first of
+  /// the later samples that have arrived.
   void disturb(Told& told, Ns stamp) const {
     const double span = setup_.max_transform_age + lasting();
-    told.disturbed.emplace_back(std::min(after(stamp, -span), after(ros_, -lasting())) - 2000,
-                                after(stamp, span));
+    const auto later = told.samples.upper_bound(after(stamp, span));
+    const Ns end = later == told.samples.end() ? after(stamp, span) : later->first;
+    told.disturbed.emplace_back(std::min(after(stamp, -span), after(ros_, -lasting())) - 2000, end);
   }
 
   void hearOn(Told& told, bool is_static);

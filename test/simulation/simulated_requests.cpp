@@ -6,7 +6,8 @@
 namespace simulation {
 
 void SimulatedNode::request(const Event& event) {
-  const Ns stamp = ros_ + static_cast<Ns>(1.5e9 * event.number);
+  const double reach = event.other == 0 ? 5e9 : 1.5e9;
+  const Ns stamp = ros_ + static_cast<Ns>(reach * event.number);
   switch (event.what % 4) {
     case 0:
       if (stamp > 0 && stamp != ros_) requestAt(stamp);

@@ -160,7 +160,11 @@ void SimulatedNode::beginScene(const Event& event) {
         change.operation = SceneChange::REMOVE;
         is_known = known != work.objects.end();
         work.objects.erase(name);
-        for (auto& entry : work.objects) entry.second.touched_objects.erase(name);
+        for (auto& entry : work.objects) {
+          PlainObject& object = entry.second;
+          const bool is_named = object.touched_objects.erase(name) > 0;
+          work.may_show_more = work.may_show_more || (is_named && object.link >= 0);
+        }
         break;
       case ATTACH: {
         if (!is_certain) return;
