@@ -149,9 +149,12 @@ void SimulatedNode::judgeCertain(const Snapshot& snapshot) {
   for (const SceneBody& body : scene.bodies()) {
     const int link = body.link == "root" ? -1 : std::stoi(body.link.substr(1));
     const auto newest = newestStampOf(link, ros_);
-    // Of what is ahead of the clock alone, a lie of before would be newer.
-    const bool may_be_lie = newest && *newest > ros_ && knowledge_.isLiedAbout(link);
-    are_certain = are_certain && newest && !may_be_lie && !knowledge_.isPoseOpen(link);
+    // Of what is ahead of the clock alone, a lie of before would be newer; and what stands, which
+    // is asked for now, may be known from then on only.
+    const bool is_ahead = newest && *newest > ros_;
+    const bool may_differ = knowledge_.isLiedAbout(link) || knowledge_.isUnsettled(link);
+    are_certain = are_certain && newest && !knowledge_.isPoseOpen(link);
+    are_certain = are_certain && !(is_ahead && may_differ);
     expected = std::min(expected, newest.value_or(NEVER));
   }
   for (const SceneBody& body : scene.bodies()) {
