@@ -23,20 +23,20 @@ ros::Time toTime(StampNs stamp) {
 }
 
 void TransformInput::followClock(const Now& now) {
-  if (now.stamp != now_.stamp) last_step_ = now.steady;
-  now_ = now;
-  if (now.stamp < latest_) {
-    if (secondsBetween(now.stamp, latest_) <= SET_BACK) return;
-    buffer_.restart(toNs(now.stamp));
-    refusals_.clear();
-    ++nb_clock_jumps_;
-  }
-  latest_ = now.stamp;
+  now_.steady = now.steady;
+  const double back = secondsBetween(now.stamp, now_.stamp);
+  if (now.stamp == now_.stamp || (back > 0.0 && back <= SET_BACK)) return;
+  now_.stamp = now.stamp;
+  last_step_ = now.steady;
+  if (back <= 0.0) return;
+  buffer_.restart(toNs(now.stamp));
+  refusals_.clear();
+  ++nb_clock_jumps_;
 }
 
 std::string TransformInput::clockDoubt() const {
   if (settings_.allow_paused || limits().max_pose_age == 0.0 || !settings_.is_simulated) return "";
-  if (latest_.isZero()) return "";  // then there is no pose at all
+  if (now_.stamp.isZero()) return "";  // then there is no pose at all
   const double still = now_.steady - last_step_;
   if (still <= limits().max_pose_age) return "";
   return "use_sim_time is set, and /clock stands still since " + inWords(still) +
@@ -85,7 +85,7 @@ std::vector<std::string> TransformInput::refused() const {
 TransformInput::Found TransformInput::lookUp(const std::string& target, const std::string& source,
                                              const ros::Time& stamp,
                                              const RobotPoses* robot) const {
-  const Instant newest{Instant::NEWEST, toNs(latest_)};
+  const Instant newest{Instant::NEWEST, toNs(now_.stamp)};
   const Instant instant = stamp.isZero() ? newest : Instant{Instant::AT, toNs(stamp)};
   const auto found = robot != nullptr ? robot->between(target, source, instant)
                                       : poseBetween(buffer_, target, source, instant);

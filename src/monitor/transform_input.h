@@ -32,8 +32,7 @@ struct TransformSettings {
   bool allow_paused = false;  ///< … and may stand still for longer than max_pose_age of wall time
 };
 
-/// A TransformBuffer, and a watch on the clock. Time is what followClock() was told last. Not
-/// thread safe.
+/// A TransformBuffer, and a watch on the clock. Not thread safe.
 class TransformInput {
  public:
   TransformInput(const PoseLimits& limits = {}) : TransformInput(TransformSettings{limits}) {}
@@ -41,8 +40,8 @@ class TransformInput {
       : settings_(settings), buffer_(settings.limits) {}
 
   /// If the clock went back (a bag that loops, a simulation that restarts), all transforms except
-  /// static ones are discarded. Steps back of 0.1 s or less are ignored: the clock of a computer
-  /// that is being set.
+  /// static ones are discarded. At steps back of 0.1 s or less (the clock of a computer that is
+  /// being set), time stands still until the clock has caught up.
   void followClock(const Now& now);
   const Now& now() const { return now_; }
   unsigned nbClockJumps() const { return nb_clock_jumps_; }
@@ -90,8 +89,7 @@ class TransformInput {
   std::string first_refused_;
   std::map<std::string, Refusal> refusals_;  // by child frame
   Now now_ = Now(ros::Time(), 0.0);
-  ros::Time latest_;        // of the clock, but for a jump back
-  double last_step_ = 0.0;  // when it was seen to move, on the steady clock
+  double last_step_ = 0.0;  // when ROS time moved, on the steady clock
   unsigned nb_clock_jumps_ = 0;
 };
 

@@ -18,12 +18,11 @@ void Knowledge::hearOn(Told& told, bool is_static) {
     told.is_run_vague = !told.is_settled && may_be_over;
     told.is_plain = told.is_settled = told.has_run = told.is_static_again = false;
     told.is_run_static = is_static;
-    // A clock that is being set may be behind what was heard last.
-    told.run_begin = std::max({ros_, told.run_begin, is_static ? told.moved : told.stood});
+    told.run_begin = ros_;
   } else if (ros_ > last && ros_ < end) {
     told.has_run = told.has_run || ros_ > told.run_begin;
   } else if (setup_.max_pose_age > 0.0 && (!told.has_run || (ros_ == end && is_static))) {
-    told.run_begin = std::max(told.run_begin, ros_);
+    told.run_begin = ros_;
     told.has_run = false;
   } else if (setup_.max_pose_age > 0.0 && ros_ > last && is_static && !told.is_static_again) {
     told.is_run_vague = true;  // after silence, what moved has to be sent again

@@ -59,20 +59,20 @@ class Knowledge {
     for (std::size_t i = 0; i < told_.size(); ++i) told_[i].is_static = setup.links[i].is_static;
   }
 
-  void moveClock(Ns ros, double steady) {
-    if (ros != ros_) last_step_ = steady;
-    ros_ = ros;
+  void moveClock(Ns clock, double steady) {
     steady_ = steady;
-    if (ros < latest_ && seconds(latest_ - ros) <= 0.1) return;
-    if (ros < latest_) forget();
-    latest_ = ros;
+    if (clock == ros_ || (clock < ros_ && seconds(ros_ - clock) <= 0.1)) return;
+    const bool has_gone_back = clock < ros_;
+    ros_ = clock;
+    last_step_ = steady;
+    if (has_gone_back) forget();
   }
   /// The clock, but for steps back that do not count.
-  Ns latest() const { return latest_; }
+  Ns now() const { return ros_; }
   int pass() const { return pass_; }
   bool isClockInDoubt() const {
-    return setup_.is_simulated && !setup_.allow_paused && setup_.max_pose_age > 0.0 &&
-           latest_ > 0 && steady_ - last_step_ > setup_.max_pose_age;
+    return setup_.is_simulated && !setup_.allow_paused && setup_.max_pose_age > 0.0 && ros_ > 0 &&
+           steady_ - last_step_ > setup_.max_pose_age;
   }
 
   /// Whether a transform of that stamp is accepted now.
@@ -162,7 +162,7 @@ class Knowledge {
   /// these, or the two before, are from each other.
   bool isInDoubt(int link, Ns stamp) const {
     // When it was noticed, stamps of longer ago were too old.
-    if (seconds(latest_ - stamp) > 0.95 * lasting()) return false;
+    if (seconds(ros_ - stamp) > 0.95 * lasting()) return false;
     for (const int i : setup_.pathTo(link)) {
       const auto& truths = told(i).samples;
       if (isLedPast(i)) return false;
@@ -210,7 +210,7 @@ class Knowledge {
     const bool may_stand = told.is_static && !told.is_settled && !told.is_run_static;
     Ns last = std::min(told.moved, told.stood);
     if (may_stand && told.moved != EVER) last = std::max(last, told.run_begin);
-    const bool is_late = last == EVER || seconds(latest_ - last) > 0.95 * setup_.max_pose_age;
+    const bool is_late = last == EVER || seconds(ros_ - last) > 0.95 * setup_.max_pose_age;
     return last != EVER && (setup_.max_pose_age == 0.0 || !is_late);
   }
   /// Whether /tf_static alone places it although its joint, or one above, may move.
@@ -243,7 +243,7 @@ class Knowledge {
       const Told& told = this->told(i);
       if (!told.is_settled) return true;
       const bool has_changed = told.settled_since != EVER;
-      if (has_changed && seconds(latest_ - told.settled_since) < 3.0) return true;
+      if (has_changed && seconds(ros_ - told.settled_since) < 3.0) return true;
     }
     return false;
   }
@@ -383,7 +383,7 @@ class Knowledge {
   const Scenario& setup_;
   std::vector<Told> told_;
   std::set<Ns> root_lies_;
-  Ns ros_ = 0, latest_ = 0, newest_ = EVER;
+  Ns ros_ = 0, newest_ = EVER;
   double steady_ = 0.0, last_step_ = 0.0;
   int pass_ = 0;
   bool is_ambiguous_for_ever_ = false;

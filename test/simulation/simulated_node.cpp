@@ -136,14 +136,15 @@ std::string SimulatedNode::reasons() const {
 
 void SimulatedNode::advance(double dt) {
   steady_ += dt;
-  if (ros_ > 0) ros_ += static_cast<Ns>(std::llround(1e9 * dt * speed_));
-  if (ros_ == 0 && steady_ >= setup_.clock_begins) ros_ = BEGIN;
+  if (clock_ > 0) clock_ += static_cast<Ns>(std::llround(1e9 * dt * speed_));
+  if (clock_ == 0 && steady_ >= setup_.clock_begins) clock_ = BEGIN;
   ros::Time now;
-  now.fromNSec(static_cast<std::uint64_t>(ros_));
+  now.fromNSec(static_cast<std::uint64_t>(clock_));
   monitor_.advance({now, steady_});
   const int pass = knowledge_.pass();
-  knowledge_.moveClock(ros_, steady_);
-  if (limiter_) limiter_->advance(ros_, steady_, monitor_.transforms().nbClockJumps());
+  knowledge_.moveClock(clock_, steady_);
+  ros_ = knowledge_.now();
+  if (limiter_) limiter_->advance(clock_, steady_, monitor_.transforms().nbClockJumps());
   if (knowledge_.pass() == pass) return;
   for (auto& [link, refusal] : refusals_) refusal = {"", -1e9};
   seen_.reset();
@@ -151,7 +152,7 @@ void SimulatedNode::advance(double dt) {
 }
 
 Ns SimulatedNode::stampOf(double lag) const {
-  return std::max<Ns>(0, ros_ - static_cast<Ns>(std::llround(1e9 * lag)));
+  return std::max<Ns>(0, clock_ - static_cast<Ns>(std::llround(1e9 * lag)));
 }
 
 void SimulatedNode::take(const tf2_msgs::TFMessage& tf, bool is_static,
@@ -304,9 +305,9 @@ void SimulatedNode::happen(const Event& event) {
       if (setup_.has_cloud) publishCamera(setup_.X_LC);
       break;
     case Event::STEP_CLOCK:
-      if (ros_ > 0) {
+      if (clock_ > 0) {
         const double most = event.what < 3 ? 0.1 : event.what < 6 ? 0.5 : 3.0;
-        ros_ = std::max<Ns>(1, ros_ + static_cast<Ns>(1e9 * most * event.number));
+        clock_ = std::max<Ns>(1, clock_ + static_cast<Ns>(1e9 * most * event.number));
       }
       advance(0.0);
       break;

@@ -185,7 +185,7 @@ class SimulatedNode {
   Monitor monitor_;
   Knowledge knowledge_;
   std::optional<SimulatedLimiter> limiter_;  ///< if a joint slides or turns
-  Ns ros_ = 0;
+  Ns clock_ = 0, ros_ = 0;                   ///< what the clock says, and what counts
   double steady_ = 0.0, speed_ = 1.0;
   std::vector<std::pair<Ns, Said>> last_;  ///< of each link
   std::vector<char> stands_;               ///< of each link: it is published on /tf_static

@@ -48,9 +48,9 @@ std::optional<Ns> SimulatedNode::newestStampOf(int link, Ns now) const {
 
 /// As TF has it newest, at the latest time: a clock that is set back a little does not count.
 std::optional<Pose> SimulatedNode::newestPoseOf(int link) const {
-  std::optional<Ns> stamp = newestStampOf(link, knowledge_.latest());
-  if (stamp == std::numeric_limits<Ns>::max()) stamp = knowledge_.latest();
-  if (!stamp || knowledge_.isTooOld(*stamp, knowledge_.latest())) return std::nullopt;
+  std::optional<Ns> stamp = newestStampOf(link, ros_);
+  if (stamp == std::numeric_limits<Ns>::max()) stamp = ros_;
+  if (!stamp || knowledge_.isTooOld(*stamp, ros_)) return std::nullopt;
   return knowledge_.poseOf(link, *stamp);
 }
 
@@ -78,10 +78,9 @@ bool SimulatedNode::isAnswered(const PoseQuestion& question) const {
   const Scenario::Path& path = setup_.pathTo(question.link);
   if (stamp == 0 && knowledge_.isPoseOpen(question.link)) return false;
   if (stamp == 0 && std::any_of(path.begin(), path.end(), isDisturbedNow)) return false;
-  if (stamp == 0) stamp = newestStampOf(question.link, knowledge_.latest());
-  if (stamp == std::numeric_limits<Ns>::max()) stamp = knowledge_.latest();
-  const bool is_old =
-      question.stamp == 0 && stamp && knowledge_.isTooOld(*stamp, knowledge_.latest());
+  if (stamp == 0) stamp = newestStampOf(question.link, ros_);
+  if (stamp == std::numeric_limits<Ns>::max()) stamp = ros_;
+  const bool is_old = question.stamp == 0 && stamp && knowledge_.isTooOld(*stamp, ros_);
   return stamp && !is_old && knowledge_.isCertain(question.link, *stamp);
 }
 
