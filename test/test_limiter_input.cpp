@@ -267,11 +267,13 @@ class TrajectoryOfTwo : public testing::Test {
   std::string refused() const {
     return refusalBy([&] { velocitiesOf(command_, {"a", "b"}); });
   }
-  std::string limited() const {
-    return printed(limitedTrajectory(command_, {"a", "b"}, decision_, measured_));
+  trajectory_msgs::JointTrajectory passed() const {
+    return limitedTrajectory(command_, {"a", "b"}, decision_, measured_, now_, 0.1);
   }
+  std::string limited() const { return printed(passed()); }
   trajectory_msgs::JointTrajectory command_;
   JointPositions measured_;
+  double now_ = 1.05;
   LimiterDecision decision_;
 };
 
@@ -292,7 +294,7 @@ TEST_F(TrajectoryOfTwo, IsPassedWithAllThatItSays) {
   decision_.scale = 0.0;
   command_.points[0].positions[0] = std::nan("");
   EXPECT_EQ(limited(), begin + "positions[0] 12 positions[1] 10 " + velocities + end);
-  measured_.take(state(2.0, {"b"}, {std::nan("")}), 2.0, 0.1);
+  measured_.take(state(1.01, {"b"}, {std::nan("")}), 1.01, 0.1);
   EXPECT_EQ(limited(), begin + velocities + end) << "not from what nobody knows";
   command_.points[0].positions.pop_back();
   EXPECT_EQ(limited(), begin + velocities + end);
@@ -307,14 +309,13 @@ TEST_F(TrajectoryOfTwo, IsPassedWithAllThatItSays) {
 TEST_F(TrajectoryOfTwo, StopsNowAndWithinTheTimeThatTheDecelerationNeeds) {
   command_.header.stamp = ros::Time(17.0);
   decision_.command = {0.5, 1.0};
-  EXPECT_EQ(limitedTrajectory(command_, {"a", "b"}, decision_, measured_).header.stamp.toSec(),
-            17.0);
+  EXPECT_TRUE(passed().header.stamp.isZero()) << "later it is not certified";
   decision_ = {};
   decision_.command = {0.0, 0.0};
   const auto stop = [&](double seconds_to_rest, double given) {
     decision_.seconds_to_rest = seconds_to_rest;
     command_.points[0].time_from_start = ros::Duration(given);
-    const auto limited = limitedTrajectory(command_, {"a", "b"}, decision_, measured_);
+    const auto limited = passed();
     EXPECT_TRUE(limited.header.stamp.isZero()) << "at once";
     EXPECT_EQ(limited.header.frame_id, "base");
     EXPECT_THAT(limited.points[0].velocities, ElementsAre(0.0, 0.0));
@@ -327,8 +328,36 @@ TEST_F(TrajectoryOfTwo, StopsNowAndWithinTheTimeThatTheDecelerationNeeds) {
   EXPECT_DOUBLE_EQ(stop(0.0, 0.0), 0.01);
   EXPECT_DOUBLE_EQ(stop(0.25, -1.0), 0.25);
   command_.points.clear();
-  EXPECT_EQ(limitedTrajectory(command_, {"a", "b"}, decision_, measured_).points[0].time_from_start,
-            ros::Duration(0.25));
+  EXPECT_EQ(passed().points[0].time_from_start, ros::Duration(0.25));
+}
+
+// A controller would go there in the time of a stop, from wherever the robot is now.
+TEST_F(TrajectoryOfTwo, HasNoPositionsWhereTheRobotMayNoLongerBe) {
+  for (const double scale : {0.0, 0.5}) {
+    decision_.scale = scale;
+    const auto has = [&](double now) {
+      now_ = now;
+      const auto point = passed().points[0];
+      EXPECT_EQ(point.velocities.size(), 2u);
+      return !point.positions.empty();
+    };
+    EXPECT_TRUE(has(1.1));
+    EXPECT_FALSE(has(1.11)) << "nobody has reported for so long";
+    EXPECT_TRUE(has(0.91)) << "stamps may be a little ahead";
+    EXPECT_FALSE(has(0.5)) << "the clock went back";
+    measured_.take(state(1.3, {"a"}, {0.0}), 1.1, 0.1);
+    EXPECT_FALSE(has(1.1)) << "newer ones are refused, which are ahead of the clock";
+    measured_.clear();
+    measured_.take(state(1.0, {"a", "b"}, {10.0, 12.0}), 1.0, 0.1);
+  }
+}
+
+TEST_F(TrajectoryOfTwo, StopsInATimeThatAMessageCanSay) {
+  decision_ = {};
+  decision_.command = {0.0, 0.0};
+  decision_.seconds_to_rest = 1e11;
+  command_.points[0].time_from_start = ros::Duration();
+  EXPECT_EQ(passed().points[0].time_from_start, ros::Duration(1e6));
 }
 
 TEST_F(TrajectoryOfTwo, LeadsNowhereThatItsVelocitiesDoNot) {
@@ -339,7 +368,7 @@ TEST_F(TrajectoryOfTwo, LeadsNowhereThatItsVelocitiesDoNot) {
     command_.points[0].positions = {12.0 + random.uniform(-2.0, 2.0),
                                     10.0 + random.uniform(-2.0, 2.0)};
     command_.points[0].time_from_start = ros::Duration(random.uniform(-1.0, 2.0));
-    const auto limited = limitedTrajectory(command_, {"a", "b"}, decision_, measured_).points[0];
+    const auto limited = passed().points[0];
     const double seconds = limited.time_from_start.toSec();
     for (std::size_t joint : {0, 1}) {
       const double moved = limited.positions[joint] - (joint == 0 ? 12.0 : 10.0);

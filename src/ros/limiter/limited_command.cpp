@@ -13,6 +13,7 @@ namespace {
 
 constexpr std::size_t MOST_NAMES = 10000;  // of joints: names are external input
 constexpr double SHORTEST_STOP = 0.01;     // s: a trajectory controller drops a point at once
+constexpr double LONGEST_STOP = 1e6;       // s, which messages can say
 
 bool isNotZero(double velocity) { return velocity != 0.0; }
 // Splines and joysticks leave something of a zero.
@@ -69,6 +70,15 @@ double JointPositions::oldestOf(const std::vector<std::string>& joints, double n
   return oldest;
 }
 
+bool JointPositions::areYoung(const std::vector<std::string>& joints, double now,
+                              double most) const {
+  try {
+    return std::abs(now - oldestOf(joints, now, most)) <= most;  // after now: the clock went back
+  } catch (const InputError&) {
+    return false;
+  }
+}
+
 double JointPositions::newestStampOf(const std::vector<std::string>& joints) const {
   double newest = -std::numeric_limits<double>::infinity();
   for (const std::string& name : joints) {
@@ -98,23 +108,25 @@ void refuseLoop(const std::string& command, const std::string& limited) {
 trajectory_msgs::JointTrajectory limitedTrajectory(const trajectory_msgs::JointTrajectory& command,
                                                    const std::vector<std::string>& joints,
                                                    const LimiterDecision& decision,
-                                                   const JointPositions& measured) {
+                                                   const JointPositions& measured, double now,
+                                                   double max_age) {
   trajectory_msgs::JointTrajectory limited;
-  limited.header = command.header;
+  limited.header.frame_id = command.header.frame_id;
   limited.joint_names = command.joint_names;
   limited.points.resize(1);
   auto& point = limited.points.front();
   const bool has_point = command.points.size() == 1;
   if (has_point) point.time_from_start = command.points.front().time_from_start;
   if (std::none_of(decision.command.begin(), decision.command.end(), isNotZero)) {
-    limited.header.stamp = ros::Time();
-    const ros::Duration stop(std::max(SHORTEST_STOP, decision.seconds_to_rest));
+    const ros::Duration stop(
+        std::min(std::max(SHORTEST_STOP, decision.seconds_to_rest), LONGEST_STOP));
     if (point.time_from_start <= ros::Duration() || point.time_from_start > stop) {
       point.time_from_start = stop;
     }
   }
   const bool has_positions =
-      has_point && command.points.front().positions.size() == command.joint_names.size();
+      has_point && command.points.front().positions.size() == command.joint_names.size() &&
+      measured.areYoung(command.joint_names, now, max_age);
   for (std::size_t i = 0; i < command.joint_names.size(); ++i) {
     const auto joint = std::find(joints.begin(), joints.end(), command.joint_names[i]);
     const auto at = static_cast<std::size_t>(joint - joints.begin());
@@ -122,8 +134,7 @@ trajectory_msgs::JointTrajectory limitedTrajectory(const trajectory_msgs::JointT
     point.velocities.push_back(velocity);
     if (!has_positions) continue;
     const double given = command.points.front().positions[i];
-    const auto found = measured.all().find(command.joint_names[i]);
-    const double from = found == measured.all().end() ? NAN : found->second.value;
+    const double from = measured.all().at(command.joint_names[i]).value;
     // A joint that is given no velocity is certified where it is, and not where it should go.
     const bool moves = decision.scale > 0.0 && velocity != 0.0;
     point.positions.push_back(moves ? limitedPosition(from, given, decision.scale, velocity,

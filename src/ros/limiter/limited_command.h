@@ -35,6 +35,9 @@ class JointPositions {
   /// nobody has reported, whose position is not finite, or of which positions are refused: until
   /// the clock has gone on for `tolerance` without one.
   double oldestOf(const std::vector<std::string>& joints, double now, double tolerance) const;
+  /// Whether these joints are where they were measured, `most` seconds ago at the longest: false
+  /// where oldestOf() throws.
+  bool areYoung(const std::vector<std::string>& joints, double now, double most) const;
   /// The newest stamp of these joints; -infinity if there is none.
   double newestStampOf(const std::vector<std::string>& joints) const;
 
@@ -55,12 +58,15 @@ void refuseLoop(const std::string& command, const std::string& limited);
 
 /// The command with the velocities that the decision passes, in the command's order. Positions, if
 /// it has some, are on the way from the measured ones to the given ones, by the scale, and no
-/// further from them than these velocities lead in time_from_start. Of a command that
-/// velocitiesOf() refuses: zeros. Zeros are a stop of their own: now, whatever stamp the command
-/// has, and within the time that the robot's deceleration needs, if the command does not say less.
+/// further from them than these velocities lead in time_from_start; there are none if a measured
+/// one is older than `max_age` at `now`: they would lead there from wherever the robot is. Of a
+/// command that velocitiesOf() refuses: zeros. All begins now, whatever stamp the command has,
+/// since later it is not certified; zeros end within the time that the robot's deceleration needs,
+/// if the command does not say less.
 trajectory_msgs::JointTrajectory limitedTrajectory(const trajectory_msgs::JointTrajectory& command,
                                                    const std::vector<std::string>& joints,
                                                    const LimiterDecision& decision,
-                                                   const JointPositions& measured);
+                                                   const JointPositions& measured, double now,
+                                                   double max_age);
 
 }  // namespace collision_pairs

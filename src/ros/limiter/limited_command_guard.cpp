@@ -101,7 +101,10 @@ class Guard {
     lacks_zeros_ = false;
   }
   void take(const sensor_msgs::JointState& message) {
-    positions_.take(message, ros::Time::now().toSec(), parameters_.law.max_joint_state_age);
+    const double now = ros::Time::now().toSec();
+    if (now < taken_at_) positions_.clear();  // of another time
+    taken_at_ = now;
+    positions_.take(message, now, parameters_.law.max_joint_state_age);
   }
 
   double silentFor() const {
@@ -134,12 +137,14 @@ class Guard {
       sent.data = zeros.command;
       return sent;
     } else {
-      return limitedTrajectory(command, parameters_.joints, zeros, positions_);
+      return limitedTrajectory(command, parameters_.joints, zeros, positions_,
+                               ros::Time::now().toSec(), parameters_.law.max_joint_state_age);
     }
   }
 
   const LimiterParameters parameters_;
   JointPositions positions_;
+  double taken_at_ = 0.0;  // s
   Command last_;
   bool lacks_zeros_ = true;  // also what a guard before this one, which has died, let pass
   ros::SteadyTime came_;

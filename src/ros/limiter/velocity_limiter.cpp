@@ -275,7 +275,8 @@ void VelocityLimiter::send(const Command& layout, const LimiterDecision& decisio
   } else {
     std::unique_lock<std::mutex> lock(inputs_mutex_);
     const auto limited =
-        limitedTrajectory(*layout.trajectory, parameters_->joints, decision, inputs_->positions());
+        limitedTrajectory(*layout.trajectory, parameters_->joints, decision, inputs_->positions(),
+                          ros::Time::now().toSec(), parameters_->law.max_joint_state_age);
     lock.unlock();
     limited_.publish(limited);
   }
