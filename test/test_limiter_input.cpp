@@ -322,6 +322,7 @@ TEST_F(TrajectoryOfTwo, StopsNowAndWithinTheTimeThatTheDecelerationNeeds) {
     EXPECT_THAT(limited.points[0].positions, ElementsAre(12.0, 10.0));
     return limited.points[0].time_from_start.toSec();
   };
+  EXPECT_DOUBLE_EQ(stop(1e11, 0.0), 1e6) << "a message can say 68 years";
   EXPECT_DOUBLE_EQ(stop(0.25, 3.0), 0.25);
   EXPECT_DOUBLE_EQ(stop(0.25, 0.1), 0.1);
   EXPECT_DOUBLE_EQ(stop(0.0, 3.0), 0.01) << "a point of now is dropped";
@@ -341,7 +342,7 @@ TEST_F(TrajectoryOfTwo, HasNoPositionsWhereTheRobotMayNoLongerBe) {
       EXPECT_EQ(point.velocities.size(), 2u);
       return !point.positions.empty();
     };
-    EXPECT_TRUE(has(1.1));
+    EXPECT_TRUE(has(1.09));
     EXPECT_FALSE(has(1.11)) << "nobody has reported for so long";
     EXPECT_TRUE(has(0.91)) << "stamps may be a little ahead";
     EXPECT_FALSE(has(0.5)) << "the clock went back";
@@ -350,14 +351,6 @@ TEST_F(TrajectoryOfTwo, HasNoPositionsWhereTheRobotMayNoLongerBe) {
     measured_.clear();
     measured_.take(state(1.0, {"a", "b"}, {10.0, 12.0}), 1.0, 0.1);
   }
-}
-
-TEST_F(TrajectoryOfTwo, StopsInATimeThatAMessageCanSay) {
-  decision_ = {};
-  decision_.command = {0.0, 0.0};
-  decision_.seconds_to_rest = 1e11;
-  command_.points[0].time_from_start = ros::Duration();
-  EXPECT_EQ(passed().points[0].time_from_start, ros::Duration(1e6));
 }
 
 TEST_F(TrajectoryOfTwo, LeadsNowhereThatItsVelocitiesDoNot) {

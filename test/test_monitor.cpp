@@ -85,6 +85,27 @@ TEST_F(TheMonitor, ReportsWhatNeverMovesAsOfNow) {
   EXPECT_EQ(snapshot().stamp, now_);
 }
 
+// Only what the scene of the cycle checks is followed from cloud to cloud.
+TEST_F(TheMonitor, IsInDoubtOfCloudsBesideLinksThatTheCycleDoesNotCheck) {
+  SceneParameters parameters = parametersOf(urdf_);
+  parameters.sources.readSettings({"settings", "clouds: [{topic: points}]\nlinks: [b]"});
+  load(monitor_, std::move(parameters));
+  for (const auto& [link, is_followed] : {std::pair<std::string, bool>("a", false), {"b", true}}) {
+    Restriction restriction;
+    restriction.names = {link};
+    SceneJob job = monitor_.scenes().restrictedTo(restriction);
+    job.run();
+    ASSERT_TRUE(monitor_.scenes().take(job));
+    const auto names_a = HasSubstr("what clouds show beside a is not followed");
+    const auto doubts = monitor_.at(job.scene()).poses.doubts;
+    if (is_followed) {
+      EXPECT_THAT(doubts, testing::Not(Contains(names_a)));
+    } else {
+      EXPECT_THAT(doubts, Contains(names_a));
+    }
+  }
+}
+
 TEST_F(TheMonitor, TheClosingSpeedIsThatOfTheLastTenthOfASecond) {
   slide("b", 0.0, 0.0);
   publish("a", 999.5, -2.5);

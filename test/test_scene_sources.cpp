@@ -108,6 +108,9 @@ TEST(SceneSources, WhatANewObjectCanMeetIsReadThenAndOnlyOnce) {
   EXPECT_EQ(scene->findModel("c"), -1);
   describeScene(sources, {floorAt(1.0, {})}, {}, broken);
   EXPECT_EQ(loader.loaded.size(), 3u);
+  broken.clear();
+  describeScene(sources, {}, {}, broken);
+  EXPECT_TRUE(broken.empty()) << "link c meets nothing any more";
 }
 
 TEST(SceneSources, ARestrictionOfTheRequestStandsForTheConfiguredOne) {

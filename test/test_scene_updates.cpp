@@ -4,6 +4,7 @@
 
 #include "object_messages.h"
 #include "printed.h"
+#include "random_inputs.h"
 #include "scene_updates.h"
 
 namespace collision_pairs {
@@ -182,6 +183,53 @@ TEST_F(Changes, WhatIsRemovedIsInNobodysTouchLinks) {
   apply(SceneChange::ADD, boxObject("pot", poseAt(0, 0, 0)));
   apply(SceneChange::REMOVE, boxObject("pot", poseAt(0, 0, 0)));
   EXPECT_EQ(stored("lid").touch_links, (std::vector<std::string>{"hand"}));
+}
+
+TEST_F(Changes, OfOneRequestLeaveTheTouchLinksThatTheyLeaveOneByOne) {
+  RandomInputs random;
+  const std::vector<std::string> names = {"cup", "lid", "pot", "tray"};
+  for (int i = 0; i < 300; ++i) {
+    const SceneObjects before = objects_;
+    std::vector<SceneChange> changes;
+    for (int step = 0; step < 8; ++step) {
+      SceneChange change;
+      change.object =
+          boxObject(names[static_cast<std::size_t>(random.integer(0, 3))], poseAt(0, 0, 0));
+      const bool is_there = objects_.count(change.object.name) > 0;
+      change.operation = is_there && random.integer(0, 1) ? SceneChange::REMOVE : SceneChange::ADD;
+      for (const std::string& name : names) {
+        const bool names_some = change.operation == SceneChange::ADD && step % 3 == 0;
+        if (names_some && random.integer(0, 1)) change.object.touch_links.push_back(name);
+      }
+      apply(change.operation, change.object);
+      changes.push_back(change);
+    }
+    SceneObjects at_once = before;
+    collision_pairs::apply(
+        collision_pairs::editsBy(changes, readAdded(changes, noMeshLoader()), before, context_),
+        at_once);
+    ASSERT_EQ(at_once.size(), objects_.size());
+    for (const auto& [name, stored] : objects_) {
+      EXPECT_EQ(at_once.at(name).object.touch_links, stored.object.touch_links) << name;
+    }
+  }
+}
+
+// Where each looked at all objects, this took minutes.
+TEST_F(Changes, MayRemoveTwentyThousand) {
+  std::vector<SceneChange> changes(20000);
+  for (std::size_t i = 0; i < changes.size(); ++i) {
+    changes[i].object = boxObject("box" + std::to_string(i), poseAt(0, 0, 0));
+    changes[i].object.touch_links = {"box0"};
+  }
+  collision_pairs::apply(editsBy(changes), objects_);
+  EXPECT_EQ(objects_.size(), 20000u);
+  for (SceneChange& change : changes) {
+    change.operation = SceneChange::REMOVE;
+    change.object.touch_links.clear();
+  }
+  collision_pairs::apply(editsBy(changes), objects_);
+  EXPECT_TRUE(objects_.empty());
 }
 
 TEST_F(Changes, OfOneRequestSeeThoseBeforeThem) {

@@ -53,6 +53,10 @@ std::shared_ptr<FollowedRobot> CloudSource::follow(std::shared_ptr<FollowedRobot
   return std::exchange(robot_, std::move(robot));
 }
 
+void CloudSource::replace(const CloudSource& before) {
+  may_touch_ = before.latest_.may_touch.empty() ? before.may_touch_ : before.latest_.may_touch;
+}
+
 void CloudSource::take(const Cloud::ConstPtr& cloud) {
   ++health_.received;
   if (next_.cloud) ++health_.dropped;
@@ -161,6 +165,7 @@ void CloudSource::take(CloudJob& job) {
   if (!job.latest_.problem.empty()) return refuse(job.latest_.problem);
   last_stamp_ = job.cloud_->header.stamp;
   std::swap(latest_, job.latest_);  // what is replaced is freed with the job
+  if (latest_.may_touch.empty()) latest_.may_touch = may_touch_;
   latest_.stamp = measuredAt(latest_.stamp, job.arrived_.toSec());
   latest_robot_ = job.followed_->number;
   latest_clock_jumps_ = job.clock_jumps_;
@@ -218,6 +223,7 @@ void CloudSource::clear() {
   ++generation_;
   next_ = waiting_ = {};
   latest_ = {};
+  may_touch_.clear();
 }
 
 CloudHealth CloudSource::health() const {

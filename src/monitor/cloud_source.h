@@ -57,6 +57,7 @@ class CloudJob {
   unsigned generation_ = 0, clock_jumps_ = 0;
   // Results.
   LatestCloud latest_;
+  std::string may_touch_;  // by the clouds of the source that this one replaced
   std::size_t nb_points_ = 0, nb_kept_ = 0;
   double seconds_ = 0.0;
 };
@@ -83,6 +84,10 @@ class CloudSource {
   /// may keep points that the one before left out, there is a doubt until that cloud. Returns the
   /// one before.
   std::shared_ptr<FollowedRobot> follow(std::shared_ptr<FollowedRobot> robot, bool may_keep_more);
+
+  /// What may touch by the clouds of that source may do so until clear(), since this one has not
+  /// seen where it went.
+  void replace(const CloudSource& before);
 
   void take(const Cloud::ConstPtr& cloud);
   /// The next cloud, if there is one, all that it needs is known, and none is being processed.
@@ -133,6 +138,7 @@ class CloudSource {
   unsigned generation_ = 0;  // counts calls of clear()
   std::shared_ptr<FollowedRobot> robot_;
   LatestCloud latest_;
+  std::string may_touch_;       // by the clouds of the source that this one replaced
   unsigned latest_robot_ = 0;   // number of the robot that was filtered from it
   unsigned complete_from_ = 0;  // that of the first whose filter leaves out no more than today's
   unsigned latest_clock_jumps_ = 0;  // on arrival of the latest cloud

@@ -86,6 +86,10 @@ void Monitor::addClouds(const ros::Time& stamp, Snapshot& snapshot) const {
   for (CloudDoubt& doubt : addVoxels(views, scene, snapshot.poses)) {
     snapshot.doubtful_clouds.push_back(std::move(doubt.cloud));
   }
+  if (snapshot.scene->not_followed.empty()) return;
+  snapshot.poses.doubts.push_back("what clouds show beside " +
+                                  firstOf(snapshot.scene->not_followed) +
+                                  " is not followed, since ~links or ~group leaves it out");
 }
 
 void Monitor::addJoints(const std::vector<std::string>& names, const ros::Time& stamp,

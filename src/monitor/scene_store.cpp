@@ -86,6 +86,7 @@ std::shared_ptr<ActiveScene> SceneJob::build(const Progress& progress) {
   active->revision = revisionOfResult();
   if (kind_ == Kind::RESTRICT) {
     active->clouds = before_->clouds;
+    active->not_followed = onlyCheckedBy(scene, *before_->scene);
     return active;
   }
   const SceneConfig& config = parameters_->sources.config;
@@ -223,26 +224,27 @@ bool SceneStore::take(SceneJob& job) {
   return true;
 }
 
-/// The sources of the scene before, unless others are wanted.
+/// The sources of the scene before, but for those whose settings have changed.
 void SceneStore::follow(SceneJob& job) {
   const auto& configs = job.parameters_->sources.config.clouds;
+  const auto& topics = job.parameters_->cloud_topics;
   const std::string& frame = job.built_->frame;
-  auto& clouds = job.built_->clouds;
-  if (scene_) clouds = scene_->clouds;
-  const bool are_of = std::equal(clouds.begin(), clouds.end(), configs.begin(), configs.end(),
-                                 [&](const auto& source, const CloudConfig& config) {
-                                   return source->config() == config && source->frame() == frame;
-                                 });
-  if (!are_of) {
-    clouds.clear();
-    for (std::size_t i = 0; i < configs.size(); ++i) {
-      const auto& topics = job.parameters_->cloud_topics;
-      clouds.push_back(std::make_shared<CloudSource>(
-          configs[i], i < topics.size() ? topics[i] : configs[i].topic, frame, transforms_));
+  for (std::size_t i = 0; i < configs.size(); ++i) {
+    std::shared_ptr<CloudSource> before, source;
+    for (std::size_t j = 0; scene_ && j < scene_->clouds.size(); ++j) {
+      if (scene_->clouds[j]->config().name() == configs[i].name()) before = scene_->clouds[j];
     }
-  }
-  for (std::size_t i = 0; i < job.followed_.size(); ++i) {
-    job.followed_[i] = clouds[i]->follow(std::move(job.followed_[i]), job.may_keep_more_);
+    if (before && before->config() == configs[i] && before->frame() == frame) {
+      source = before;
+    } else {
+      const std::string& topic = i < topics.size() ? topics[i] : configs[i].topic;
+      source = std::make_shared<CloudSource>(configs[i], topic, frame, transforms_);
+      if (before) source->replace(*before);
+    }
+    if (i < job.followed_.size()) {
+      job.followed_[i] = source->follow(std::move(job.followed_[i]), job.may_keep_more_);
+    }
+    job.built_->clouds.push_back(std::move(source));
   }
 }
 

@@ -44,6 +44,9 @@ struct ActiveScene {
   std::shared_ptr<const TfPoses> tf_poses;  ///< of its bodies
   /// Sources of its clouds, in the order of the parameters; the next scene continues to use them.
   std::vector<std::shared_ptr<CloudSource>> clouds;
+  /// What it checks against clouds and the store's scene does not: what clouds show beside these is
+  /// not followed.
+  std::vector<std::string> not_followed;
   std::uint64_t revision = 0;  ///< of the store's scene, of which it is one
 };
 

@@ -1,6 +1,7 @@
 #include "scene_updates.h"
 
 #include <algorithm>
+#include <set>
 #include <utility>
 
 #include "collision_pairs/input_error.h"
@@ -43,10 +44,14 @@ class Updater {
   Updater(const SceneObjects& objects, const UpdateContext& context)
       : objects_(objects), context_(context) {}
 
-  ObjectEdits takeEdits() { return std::move(edits_); }
+  ObjectEdits takeEdits() {
+    forgetRemoved();
+    return std::move(edits_);
+  }
 
   /// `added`: the object that it adds.
   void apply(const SceneChange& change, const RigidObject* added) {
+    if (!change.object.touch_links.empty()) forgetRemoved();  // these may name what comes anew
     switch (change.operation) {
       case SceneChange::ADD:
         return add(change.object, *added);
@@ -109,22 +114,27 @@ class Updater {
     place(poseOf(message, parentFrame(stored.object)), stored);
   }
 
-  // Other objects' touch links must not apply to a new object of the same name.
   void remove(const std::string& name) {
     known(name);
     edits_[name].reset();
-    const auto touches = [&](const StoredObject& stored) {
-      const auto& links = stored.object.touch_links;
-      return std::find(links.begin(), links.end(), name) != links.end();
-    };
+    removed_.insert(name);
+  }
+
+  /// Other objects' touch links must not apply to a new object of the same name. For all at once:
+  /// the monitor waits, and a request may remove a hundred thousand.
+  void forgetRemoved() {
+    if (removed_.empty()) return;
+    const auto isRemoved = [&](const std::string& name) { return removed_.count(name) > 0; };
     for (const auto& [other, stored] : objects_) {
-      if (touches(stored)) edits_.try_emplace(other, stored);
+      const auto& links = stored.object.touch_links;
+      if (std::any_of(links.begin(), links.end(), isRemoved)) edits_.try_emplace(other, stored);
     }
     for (auto& [other, stored] : edits_) {
       if (!stored) continue;
       auto& links = stored->object.touch_links;
-      links.erase(std::remove(links.begin(), links.end(), name), links.end());
+      links.erase(std::remove_if(links.begin(), links.end(), isRemoved), links.end());
     }
+    removed_.clear();
   }
 
   void clear() {
@@ -174,6 +184,7 @@ class Updater {
   const SceneObjects& objects_;
   const UpdateContext& context_;
   ObjectEdits edits_;
+  std::set<std::string> removed_;  // that touch links may still name
 };
 
 /// Calls use(i); adds the change to errors.

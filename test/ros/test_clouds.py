@@ -99,6 +99,25 @@ class CloudsTest(unittest.TestCase):
             self.show([(0.05 - CAMERA_X, y, 0.05)])
         self.wait_for(FREE)
 
+    def test_what_may_touch_does_so_by_other_settings_too(self):
+        given = rospy.get_param("/node/clouds")
+        reset = rospy.ServiceProxy("/node/reset", Trigger)
+        for y in (0.9, 0.7, 0.58, 0.58, 0.52):
+            self.show([(0.05 - CAMERA_X, y, 0.05)])
+        words = NAMED + "something vanished 5 cm from a: it may touch"
+        self.wait_for(UNKNOWN, words)
+        try:
+            for settings in (dict(given[0], decay=0.7), dict(given[0], decay=0.8)):
+                rospy.set_param("/node/clouds", [settings])
+                self.assertTrue(reset().success)
+                self.show([(0.05 - CAMERA_X, 0.52, 0.05)])
+                self.wait_for(UNKNOWN, words)
+            self.forget()
+            self.wait_for(FREE)
+        finally:
+            rospy.set_param("/node/clouds", given)
+            self.assertTrue(reset().success)
+
     def test_a_source_that_stops_is_unknown_by_name_until_it_comes_again(self):
         self.camera.points = BESIDE_A
         self.wait_for(COLLISION)

@@ -109,6 +109,18 @@ RobotFilter::RobotFilter(const SceneDescription& description, const CollisionSce
       near(nearFilter(description, scene, cloud, cache)),
       attached(attachedFilter(description, cloud, cache)) {}
 
+std::vector<std::string> onlyCheckedBy(const CollisionScene& scene, const CollisionScene& other) {
+  std::set<std::string> names;
+  for (const SceneCloud& cloud : scene.clouds()) {
+    const std::string& name = scene.models()[cloud.model].name;
+    const std::set<std::string> by_other = checkedAgainst(name, other);
+    for (const std::string& checked : checkedAgainst(name, scene)) {
+      if (by_other.count(checked) == 0) names.insert(checked);
+    }
+  }
+  return {names.begin(), names.end()};
+}
+
 CloudProcessor::CloudProcessor(const CloudConfig& config)
     : config_(config),
       grid_(settingsOf(config)),

@@ -28,6 +28,9 @@ struct RobotFilter {
   bool keeps_more = false;
 };
 
+/// What the first of two scenes checks against a cloud, and the second does not.
+std::vector<std::string> onlyCheckedBy(const CollisionScene& scene, const CollisionScene& other);
+
 /// Crops, filters and collects points, and follows what it saw near the robot. Not thread safe.
 class CloudProcessor {
  public:

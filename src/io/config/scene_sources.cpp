@@ -15,8 +15,9 @@ std::shared_ptr<const RobotModel> loadGeometry(RobotSource& source, const std::s
                                                std::vector<BrokenElement>& broken) {
   const auto model = source.withGeometryOf(
       [&](const std::string& link) { return needed.count(withPrefix(prefix, link)) > 0; });
-  for (const BrokenElement& element : source.broken()) {
-    broken.push_back({withPrefix(prefix, element.link), element.reason});
+  for (const BrokenElement& element : source.broken()) {  // also those that were needed before
+    const std::string link = withPrefix(prefix, element.link);
+    if (needed.count(link) > 0) broken.push_back({link, element.reason});
   }
   return model;
 }
