@@ -131,6 +131,22 @@ void atEveryPlace(const std::function<std::string(tinyxml2::XMLDocument&, XMLEle
   }
 }
 
+/// Said otherwise, a pose or a shape would be another one.
+TEST(XmlNames, AnAttributeOfAPoseOrAShapeThatNobodyReadsIsRefused) {
+  for (const char* element : {"origin", "box", "sphere", "cylinder", "capsule", "mesh", "mimic"}) {
+    const std::string begin = std::string("<") + element + ' ';
+    const std::size_t at = URDF.find(begin, URDF.find("<collision>"));
+    ASSERT_NE(at, std::string::npos);
+    std::string changed = URDF;
+    changed.insert(at + begin.size(), "quat_xyzw='0 0 0.7 0.7' ");
+    const std::string said = saidOf(changed, false);
+    EXPECT_EQ(said.rfind("refused: ", 0), 0u) << element << ": " << said;
+    EXPECT_NE(said.find(std::string("attribute 'quat_xyzw' of <") + element + "> is unknown"),
+              std::string::npos)
+        << said;
+  }
+}
+
 TEST(XmlNames, WhatIsKnownIsQuiet) {
   EXPECT_THAT(saidOf(URDF, false), IsEmpty());
   EXPECT_THAT(saidOf(SRDF, true), IsEmpty());

@@ -79,8 +79,15 @@ class NameCheck {
           contains(names.unread_attributes, name)) {
         continue;
       }
-      unknown(element, "attribute '" + name + "' of <" + element.Name() + ">", name,
-              names.read_attributes, names.unread_attributes, "'", "'");
+      const std::string subject = "attribute '" + name + "' of <" + element.Name() + ">";
+      unknown(element, subject, name, names.read_attributes, names.unread_attributes, "'", "'");
+      // Of a pose or a shape, an attribute that is not read leaves another one.
+      const bool says_all =
+          names.read.empty() && names.unread.empty() && names.unread_attributes.empty();
+      if (says_all) {
+        failAt(element, what_,
+               subject + " is unknown; it has " + listOf(names.read_attributes) + " only");
+      }
     }
     for (const auto* child = element.FirstChildElement(); child;
          child = child->NextSiblingElement()) {
@@ -99,6 +106,12 @@ class NameCheck {
       unknown(*child, "<" + name + "> in <" + element.Name() + ">", name, names.read, names.unread,
               "<", ">");
     }
+  }
+
+  static std::string listOf(const Words& words) {
+    std::string list;
+    for (const std::string& word : words) list += (list.empty() ? "'" : ", '") + word + "'";
+    return list;
   }
 
   std::string parentOf(const std::string& name) const {
