@@ -47,7 +47,7 @@ void Knowledge::forget() {
     fresh.is_static_again = told.is_static_again;
     // Else it begins with what is heard next, or has begun if nothing else was heard meanwhile.
     const bool goes_on = isOnBoth(told);
-    fresh.is_run_vague = !told.is_settled && !goes_on;
+    fresh.is_run_vague = !told.is_settled && (told.is_run_vague || !goes_on);
     if (!told.is_settled && goes_on) fresh.run_begin = fresh.moved = fresh.stood = ros_;
     fresh.statics = told.statics;
     if (!told.static_poses.empty()) fresh.static_poses = {{EVER, told.static_poses.back().second}};
