@@ -109,10 +109,12 @@ class Indexer {
     return true;
   }
 
-  static bool takeText(const RawMessage& raw, std::map<std::string, std::string>& texts) {
+  bool takeText(const RawMessage& raw, std::map<std::string, std::string>& texts) {
     auto message = readMessage<std_msgs::String>(raw.data, raw.size);
-    if (message) texts[raw.topic] = std::move(message->data);
-    return message.has_value();
+    if (!message) return false;
+    const auto [known, is_new] = texts.emplace(raw.topic, message->data);
+    if (!is_new && known->second != message->data) index_.changing.insert(raw.topic);
+    return true;
   }
 
   const RawMessageFilter& wants_;

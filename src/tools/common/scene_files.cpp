@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 #include <map>
+#include <set>
 
 #include "collision_pairs/input_error.h"
 #include "collision_pairs/mesh_loader.h"
@@ -80,14 +81,19 @@ SceneSources readSources(const TextFrom& urdf, const TextFrom& srdf, const Scene
 
 /// From a file, or else the bag's only one; empty if there is neither.
 TextFrom chooseText(const std::string& path, const std::map<std::string, std::string>& in_bag,
-                    const std::string& option) {
+                    const std::set<std::string>& changing, const std::string& option) {
   if (!path.empty()) return textFromFile(path);
   if (in_bag.empty()) return {};
   if (in_bag.size() > 1) {
     throw InputError("several robots in it (" + in_bag.begin()->first + ", " +
                      std::next(in_bag.begin())->first + "); choose one with " + option);
   }
-  return {"topic " + in_bag.begin()->first, in_bag.begin()->second};
+  const auto& [topic, text] = *in_bag.begin();
+  if (changing.count(topic) > 0) {
+    throw InputError("the text on " + topic + " changes within it; give " + option +
+                     ", or split the bag");
+  }
+  return {"topic " + topic, text};
 }
 
 /// The rest of the sentence that CollisionScene::unchecked() begins.
@@ -235,8 +241,8 @@ void declareBatch(CommandLine& command_line, unsigned& threads, std::string& out
 }
 
 BagRobot robotOf(const BagIndex& bag, const SceneOptions& options) {
-  BagRobot robot{chooseText(options.urdf, bag.urdfs, "--urdf"),
-                 chooseText(options.srdf, bag.srdfs, "--srdf")};
+  BagRobot robot{chooseText(options.urdf, bag.urdfs, bag.changing, "--urdf"),
+                 chooseText(options.srdf, bag.srdfs, bag.changing, "--srdf")};
   if (robot.urdf.origin.empty()) {
     throw InputError("there is no robot_description in it; give --urdf");
   }
