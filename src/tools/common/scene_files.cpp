@@ -121,9 +121,9 @@ std::shared_ptr<const RobotModel> readRobot(const std::string& path) {
 }
 
 void declareScene(CommandLine& command_line, SceneOptions& options) {
-  command_line.option("world", options.world, "WORLD.urdf",
-                      "URDF of static obstacles; its root coincides with the robot's root");
-  command_line.option(
+  command_line.input("world", options.world, "WORLD.urdf",
+                     "URDF of static obstacles; its root coincides with the robot's root");
+  command_line.input(
       "settings", options.settings, "SETTINGS.yaml",
       "scene settings (rules, paddings, ...), in the format of the node's parameter file");
   command_line.option("narrow-phase", options.narrow_phase, "NAME",
@@ -146,11 +146,11 @@ void declareBroadPhase(CommandLine& command_line, SceneOptions& options) {
 
 void declareRobot(CommandLine& command_line, SceneOptions& options) {
   command_line.operand(options.urdf, "ROBOT.urdf", "the robot's URDF");
-  command_line.option("srdf", options.srdf, "ROBOT.srdf", "pairs that it disables are not checked");
+  command_line.input("srdf", options.srdf, "ROBOT.srdf", "pairs that it disables are not checked");
   declareScene(command_line, options);
-  command_line.option("cloud", options.cloud, "CLOUD.pcd",
-                      "points in the frame of the robot's root link, without points of the robot "
-                      "itself; one obstacle of voxels, named 'cloud'");
+  command_line.input("cloud", options.cloud, "CLOUD.pcd",
+                     "points in the frame of the robot's root link, without points of the robot "
+                     "itself; one obstacle of voxels, named 'cloud'");
   command_line.option("voxel-size", options.voxel_size, "METRES",
                       "edge length of a voxel; required by --cloud");
   command_line.together("cloud", "voxel-size");
