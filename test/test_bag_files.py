@@ -6,7 +6,7 @@ import re
 import pytest
 import rosbag
 import rospy
-from conftest import DEMO_BAG, DEMO_ROBOT, without_name
+from conftest import DEMO_BAG, DEMO_ROBOT, rows_of, without_name
 from seed import given_seed
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Header, String
@@ -226,10 +226,35 @@ def test_what_is_not_used_is_counted_and_the_first_of_it_is_said(run_bag):
         at(100.0), at(100.5), at(101.0, b=float("nan")), (101.5, at(100.375)), at(102.0, names=odd), (102.5, at(101.25)), at(102.5))
     done, said = run_bag(messages)
     assert done.returncode == 0 and said == [
-        "1 transforms and joint positions that are not finite, or not a rotation",
+        "3 transforms and joint positions that are not finite, not a rotation, or not one for each name",
         "4 transforms are not used, or are in doubt; the first: transform of 'a': it was 1.12 s old when it "
         "arrived, and max_pose_age is 1.00 s"]
     assert run_bag(messages[:3])[1] == []
+
+
+def test_joint_states_are_read_as_robot_state_publisher_reads_them(run_tool, tmp_path, run_bag):
+    """Not if positions and names differ in number, and the first of a name that comes twice."""
+    again, without = at(101.0, names=("slide_a", "slide_b", "slide_a")), at(101.5)
+    again.position += [3.0]
+    without.position = []
+    done, said = run_bag([described(BOXES)] + states(
+        at(100.0), at(100.5, b=0.0, names=("slide_a", "slide_b", "of_no_position")), again, without))
+    assert done.returncode == 0 and said == [
+        "3 transforms and joint positions that are not finite, not a rotation, or not one for each name"]
+    assert [row["pairs"] for row in rows_of(tmp_path / "out.csv")] == ["", ""]
+
+
+@pytest.mark.parametrize("topic, option", [("/robot_description", "--urdf"), ("/robot_description_semantic", "--srdf")])
+def test_a_description_that_changes_within_a_bag_is_refused_unless_one_is_given(run_bag, tmp_path, topic, option):
+    srdf = "<robot name='boxes'/>"
+    texts = {"/robot_description": BOXES, "/robot_description_semantic": srdf}
+    messages = states(at(100.0), at(101.0)) + [(name, 99.0, String(data=text)) for name, text in texts.items()]
+    assert run_bag(messages + [(topic, 102.0, String(data=texts[topic]))])[0].returncode == 0, "the same again"
+    messages += [(topic, 102.0, String(data=texts[topic] + "<!-- another -->"))]
+    done, said = run_bag(messages)
+    assert done.returncode == 2 and "the text on %s changes within it; give %s, or split the bag" % (topic, option) in said[0]
+    (tmp_path / "given").write_text(texts[topic])
+    assert run_bag(messages, option, tmp_path / "given")[0].returncode == 0
 
 
 @pytest.mark.parametrize("nanoseconds, count", [(0, 0), (1, 2)])
@@ -254,9 +279,8 @@ def test_topics_are_known_by_the_end_of_their_name_and_their_type(run_bag):
     assert done.stdout.split(":")[1].startswith(" 2 stamps")
 
 
-def test_of_robots_in_the_bag_the_last_of_a_topic_counts_and_two_topics_are_too_many(run_bag):
+def test_of_robots_in_the_bag_two_topics_are_too_many(run_bag):
     of = states(at(100.0), at(100.5))
-    assert run_bag([described("broken"), described(BOXES)] + of)[0].returncode == 0
     off = "<robot name='boxes'><disable_collisions link1='a' link2='b'/><disable_collisions link1='a' link2='x'/></robot>"
     semantic = "/robot_description_semantic"
     done, said = run_bag([described(BOXES), described(off, semantic)] + of)

@@ -247,7 +247,7 @@ def test_transforms_that_are_no_rotations_are_counted_and_said(check_bag, tmp_pa
         bent.header.stamp, bent.header.frame_id, bent.child_frame_id = rospy.Time(1001), "world", "bent"
         bent.transform.rotation.w = 2.0
         target.write("/tf", TFMessage([bent, bent]), bent.header.stamp)
-    assert "2 transforms and joint positions that are not finite, or not a rotation" in check_bag(bag)[1]
+    assert "2 transforms and joint positions that are not finite, not a rotation, or not one for each name" in check_bag(bag)[1]
 
 
 def test_time_in_contact_is_counted_from_stamp_to_stamp(check_bag, tmp_path):

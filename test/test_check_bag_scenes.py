@@ -87,6 +87,15 @@ def test_where_scenes_are_missing_nothing_is_free_and_it_is_said(check_bag, bag_
     assert any(row["verdict"] == "free" for row in rows if seconds_of(row) > 5.05), "a node that was started anew"
 
 
+def test_a_node_that_was_started_anew_counts_from_1_and_what_is_missing_of_it_is_said(check_bag, bag_with):
+    rows, _ = check_bag(bag_with(scene_at(0, 5), scene_at(3, 4)))
+    for row in rows:
+        if seconds_of(row) < 2.95:
+            assert row["verdict"] != "free"
+            assert "3 scenes before revision 4 on %s are not in the bag" % TOPIC in row["unknown_because"] or row["pairs"]
+    assert any(row["verdict"] == "free" for row in rows if seconds_of(row) > 3.05)
+
+
 @pytest.mark.parametrize("since, is_known", [(-100, True), (2, False)])
 def test_before_the_first_scene_arrived_it_counts_if_it_was_checked_already(check_bag, bag_with, since, is_known):
     rows, _ = check_bag(bag_with(scene_at(2, 7, since=since)))

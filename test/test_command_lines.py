@@ -65,6 +65,14 @@ OVERWRITING = [
     ("check_states", ["other", "--states", "IN", "--out", "IN"], "--out IN: would overwrite --states (IN)"),
     ("check_motion", ["IN", "--waypoints", "other", "--out", "IN"], "--out IN: would overwrite ROBOT.urdf (IN)"),
     ("generate_srdf", ["other", "--out", "new", "--report", "./new"], "--report ./new: would overwrite --out (new)"),
+    *((tool, ["other", *needs, "--out", "IN", option, "IN"], "--out IN: would overwrite %s (IN)" % option)
+      for tool, needs, options in (
+          ("check_states", ["--states", "other"], ["--srdf", "--world", "--settings"]),
+          ("check_motion", ["--waypoints", "other"], ["--srdf", "--world", "--settings"]),
+          ("check_bag", [], ["--urdf", "--srdf", "--world", "--settings"])) for option in options),
+    ("check_states", ["other", "--states", "other", "--out", "IN", "--voxel-size", "1", "--cloud", "IN"],
+     "--out IN: would overwrite --cloud (IN)"),
+    ("generate_srdf", ["other", "--srdf", "IN", "--report", "IN"], "--report IN: would overwrite --srdf (IN)"),
     ("measure_stopping", ["IN", "--plot", "IN"], "--plot IN: would overwrite BAG (IN)")]
 
 

@@ -67,6 +67,21 @@ TEST(JointTransforms, AreOfTheBodiesBelowTheJointsThatAMessageNamesAndOfThoseTha
   EXPECT_TRUE(made.take(stateOf({"spin"}, {})).transforms.empty());
 }
 
+TEST(JointTransforms, ReadAMessageAsRobotStatePublisherDoes) {
+  const auto robot = armAndWheel();
+  JointTransforms made({{"/joint_states", {"slide", "spin"}}}, *robot, "");
+  EXPECT_TRUE(made.take(stateOf({"slide", "spin"}, {1.0})).transforms.empty());
+  EXPECT_TRUE(made.take(stateOf({"slide"}, {1.0, 2.0})).transforms.empty());
+  for (const char* again : {"slide", "/slide"}) {
+    const auto arm = made.take(stateOf({"slide", again}, {1.5, 2.5})).transforms;
+    ASSERT_EQ(arm.size(), 2u) << "and the finger";
+    for (const auto& t : arm) {
+      EXPECT_EQ(t.transform.translation.x, t.child_frame_id == "arm" ? 1.5 : 3.5);
+    }
+  }
+  EXPECT_TRUE(made.take(stateOf({"slide", "slide"}, {std::nan(""), 2.5})).transforms.empty());
+}
+
 TEST(JointTransforms, WhatIsNotNamedIsAtZeroAndCountsAsUnnamed) {
   const auto robot = armAndWheel();
   const JointTransforms made({{"/joint_states", {"spin"}}}, *robot, "");

@@ -110,8 +110,7 @@ TEST(LinksMovedBy, LinksChainsAndSubgroupsAreThoseOnOrBelowThem) {
     srdf.groups.resize(3);
     for (int g = 0; g < 3; ++g) srdf.groups[g].name = std::to_string(g);
     const std::string link = robot->links()[anyLink()].name;
-    srdf.groups[0].links = {link, "not of this robot"};
-    srdf.groups[0].joints = {"neither is this"};
+    srdf.groups[0].links = {link};
     srdf.groups[0].subgroups = {"1"};
     srdf.groups[1].subgroups = {"2", "0"};  // a cycle
     const std::vector<std::string> path = pathToRoot(*robot, anyLink());
@@ -171,15 +170,51 @@ TEST(LinksMovedBy, AGroupThatIsMissingAmbiguousOrEmptyIsRefused) {
   srdf.groups[0] = {"arm", {"link_1"}, {}, {}, {}};
   srdf.groups[1] = {"hand", {"link_2"}, {}, {}, {}};
   srdf.groups[2] = {"arm", {"link_3"}, {}, {"both"}, {}};
-  srdf.groups[3] = {"both", {"link_11"}, {}, {"hand", "arm"}, {}};
+  srdf.groups[3] = {"both", {}, {}, {"hand", "arm"}, {}};
   const std::string two = "the SRDF of robot 'tree' has two groups 'arm'; rename one of them";
   EXPECT_EQ(refused("arm"), two);
   EXPECT_EQ(refused("both"), two);
   EXPECT_EQ(refused("hand"), "accepted");
   EXPECT_EQ(refused("hnad"),
             "there is no group 'hnad' in the SRDF of robot 'tree'; did you mean 'hand'?");
-  srdf.groups[1].links = {"link_11"};
+  srdf.groups[1].links.clear();
   EXPECT_EQ(refused("hand"), "group 'hand' moves no link of robot 'tree'");
+}
+
+// Pairs of what they should have named would not be checked.
+TEST(LinksMovedBy, ANameInTheGroupThatTheRobotDoesNotHaveIsRefused) {
+  RandomInputs random;
+  const auto robot = randomTree(random);
+  Srdf srdf;
+  srdf.groups.resize(3);
+  srdf.groups[0] = {"whole", {"link_1"}, {}, {"part"}, {}};
+  srdf.groups[2] = {"another", {"lonk_1"}, {}, {}, {}};  // not asked for
+  srdf.virtual_joints = {{"world_joint", "link_0"}, {"stray_joint", "link_x"}};
+  const auto refused = [&](const Srdf::Group& part) {
+    srdf.groups[1] = part;
+    return refusal([&] { linksMovedBy(srdf, *robot, "whole"); });
+  };
+  EXPECT_EQ(refused({"part", {"link_2"}, {"joint_3", "world_joint"}, {}, {{"link_0", "link_1"}}}),
+            "accepted");
+  EXPECT_EQ(refused({"part", {"lnk_2"}, {}, {}, {}}),
+            "group 'part' names link 'lnk_2', which robot 'tree' does not have; did you mean "
+            "'link_2'?");
+  EXPECT_EQ(refused({"part", {}, {"joit_3"}, {}, {}}),
+            "group 'part' names joint 'joit_3', which robot 'tree' does not have; did you mean "
+            "'joint_3'?");
+  EXPECT_EQ(refused({"part", {}, {"wold_joint"}, {}, {}}),
+            "group 'part' names joint 'wold_joint', which robot 'tree' does not have; did you mean "
+            "'world_joint'?");
+  EXPECT_EQ(refused({"part", {}, {"stray_joint"}, {}, {}}),
+            "virtual_joint 'stray_joint' names link 'link_x', which robot 'tree' does not have; "
+            "did you mean "
+            "'link_0'?");
+  EXPECT_EQ(refused({"part", {}, {}, {}, {{"link_0", "link4"}}}),
+            "group 'part' names link 'link4', which robot 'tree' does not have; did you mean "
+            "'link_4'?");
+  EXPECT_EQ(refused({"part", {}, {}, {}, {{"lnk_1", "link_4"}}}),
+            "group 'part' names link 'lnk_1', which robot 'tree' does not have; did you mean "
+            "'link_1'?");
 }
 
 }  // namespace test_link_group

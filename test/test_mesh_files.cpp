@@ -248,6 +248,38 @@ TEST(MeshFiles, ABinaryStlIsToldByItsLengthAndElseByItsFirstWords) {
   EXPECT_THAT(stlRefusal(named(1025)), HasSubstr("truncated?"));
 }
 
+TEST(MeshFiles, WhatFollowsTheTrianglesThatABinaryStlCountsIsPadding) {
+  const auto expected = sortedTriangles(readStl(binaryStl()));
+  const std::string cut = "it counts 4 triangles, but is long enough for ";
+  for (const char* header : {"", "solid by an exporter"}) {
+    const std::string stl = binaryStl(header);
+    EXPECT_EQ(sortedTriangles(readStl(stl + std::string(49, 'x'))), expected);
+    EXPECT_EQ(sortedTriangles(readStl(stl + std::string(500, '\0'))), expected);
+    EXPECT_EQ(stlRefusal(stl + std::string(50, 'x')), cut + "5");
+    EXPECT_EQ(stlRefusal(stl + std::string(99, '\0') + 'x'), cut + "6");
+  }
+  std::string none = binaryStl();
+  none[80] = 0;
+  EXPECT_EQ(stlRefusal(none), "it counts 0 triangles, but is long enough for 4");
+}
+
+TEST(MeshFiles, OfAnObjOnlyWhatMakesNoSurfaceIsSkipped) {
+  const std::string three = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+  for (const char* harmless :
+       {"vt 0 0", "vn 0 0 1",         "vp 0 0",          "o a",      "g a b",       "s 1",
+        "mg 0",   "usemtl a",         "mtllib a.mtl",    "usemap a", "maplib a",    "l 1 2",
+        "p 1",    "# f 1 2",          "#f 1 2",          "bevel on", "c_interp on", "d_interp on",
+        "lod 1",  "shadow_obj a.obj", "trace_obj a.obj", ""}) {
+    EXPECT_EQ(objRefusal(three + harmless + '\n'), "accepted") << harmless;
+  }
+  for (const std::string other : {"fo", "F", "V", "curv", "surf", "call", "face", "cstype"}) {
+    EXPECT_EQ(objRefusal(three + other + " 1 2 3\n"),
+              "line 5: '" + other + "' is not read, and may be a surface");
+  }
+  EXPECT_EQ(sortedTriangles(readObj("\xEF\xBB\xBF" + three).value()),
+            sortedTriangles(readObj(three).value()));
+}
+
 TEST(MeshFiles, NoBytesDoMoreThanBeRefused) {
   constexpr int NB_MUTANTS = 20000;
   std::mt19937 random(givenSeed());

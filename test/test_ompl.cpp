@@ -14,6 +14,7 @@
 #include "collision_pairs/ompl.h"
 #include "motion_fixtures.h"
 #include "random_inputs.h"
+#include "refusal.h"
 
 namespace collision_pairs {
 namespace test_ompl {
@@ -321,6 +322,13 @@ TEST(OmplJoints, ThatMimicOneThatIsNotNamedStandWhereItTakesThem) {
                       "<axis xyz='0 0 1'/><mimic joint='lead' multiplier='0.5' offset='0.1'/>"));
   const auto scene = sceneOf(robot, {boxAt("post", {0.6, 0.3, 0.0}, {0.2, 0.2, 1.0})});
   const auto space = spaceOf(1);
+  const OmplJoints both{{"lead", "follow"}, {}, {}};  // in no state drawn does it follow
+  EXPECT_EQ(refusal([&] { OmplMotionValidator(spaceOf(2), scene, both); }),
+            "joint 'follow' mimics 'lead'; name that joint alone");
+  OmplJoints nowhere{{"own"}, robot->zeroPositions(), {}};
+  nowhere.positions[robot->findJoint("lead")] = std::nan("");
+  EXPECT_EQ(refusal([&] { OmplMotionValidator(space, scene, nowhere); }),
+            "joint 'lead' is not named, and its position is not finite");
   ob::ScopedState<ob::RealVectorStateSpace> from(space), to(space);
   from[0] = 0.0;
   to[0] = 0.1;
@@ -368,18 +376,11 @@ TEST_F(Ompl, SettingsForWhichNoStateIsValidAreRefused) {
 
 TEST_F(Ompl, ASpaceThatDoesNotFitIsRefused) {
   const auto turns = std::make_shared<ob::SpaceInformation>(std::make_shared<ob::SE2StateSpace>());
-  try {
-    OmplStateValidityChecker(turns, scene_, joints_);
-    ADD_FAILURE();
-  } catch (const InputError& error) {
-    EXPECT_STREQ(error.what(), "the state space is not a RealVectorStateSpace");
-  }
-  try {
-    OmplStateValidityChecker(spaceOf(3), scene_, joints_);
-    ADD_FAILURE();
-  } catch (const InputError& error) {
-    EXPECT_STREQ(error.what(), "the state space has 3 dimensions, but 2 joints are named");
-  }
+  const auto refused = [&](const ob::SpaceInformationPtr& space) {
+    return refusal([&] { OmplStateValidityChecker(space, scene_, joints_); });
+  };
+  EXPECT_EQ(refused(turns), "the state space is not a RealVectorStateSpace");
+  EXPECT_EQ(refused(spaceOf(3)), "the state space has 3 dimensions, but 2 joints are named");
   EXPECT_THROW(OmplMotionValidator(space_, scene_, {{"turn", "lft"}, {}, {}}), InputError);
   EXPECT_THROW(OmplMotionValidator(space_, scene_, {{"turn", "lift"}, {0.0}, {}}), InputError);
 }

@@ -5,6 +5,7 @@
 
 #include "collision_pairs/collision_detector.h"
 #include "demo_scene.h"
+#include "pair_class.h"
 #include "pair_probe.h"
 #include "pair_statistics.h"
 #include "random_robot.h"
@@ -109,6 +110,31 @@ TEST_F(Counting, TouchingAtZeroIsToldApartFromTouchingInRandomStates) {
   const auto pairs = count(1, 1);
   EXPECT_TRUE(find(pairs, *scene_, "a", "b").touches_at_zero);
   EXPECT_FALSE(find(pairs, *scene_, "b", "lid").touches_at_zero);
+}
+
+// In reality the kite, and what the guide carries, are anywhere.
+TEST(Counted, APairWithAJointThatWasNotMovedIsNeitherNeverNorAlways) {
+  const auto robot =
+      robotFrom(railsAndLid() + boxLink("kite", 0.1) + boxLink("tail", 0.1) + boxLink("far", 1.0) +
+                joint("string", "floating", "root", "kite", "0 0 9", "") +
+                joint("knot", "fixed", "kite", "tail", "0 0 1", "") + boxLink("fin", 0.1) +
+                joint("seam", "fixed", "kite", "fin", "0 0 2", "") +
+                joint("guide", "prismatic", "a", "far", "0 0 0.6",
+                      "<axis xyz='1 0 0'/><limit lower='0' upper='0'/>"));
+  const auto scene = everyPairOf(robot);
+  const ClassRules rules{0.9, 0.1, 0.0};
+  const auto evidence = countContacts(scene, JointSampler(robot, 3), {100, 1, {}});
+  const auto classOf = [&](const std::string& first, const std::string& second) {
+    return std::string(className(classify(find(evidence, *scene, first, second), rules)));
+  };
+  EXPECT_EQ(classOf("a", "kite"), "Unproven") << "apart in all states";
+  EXPECT_EQ(classOf("far", "kite"), "Unproven");
+  EXPECT_EQ(classOf("far", "shelf"), "Unproven") << "in contact in all states";
+  EXPECT_EQ(classOf("a", "far"), "Adjacent");
+  EXPECT_EQ(classOf("fin", "tail"), "Never") << "rigid";
+  const PairEvidence pair = find(evidence, *scene, "far", "kite");
+  EXPECT_EQ(lowerBound(pair, 0.9), 0.0);
+  EXPECT_EQ(upperBound(pair, 0.9), 1.0);
 }
 
 TEST_F(Counting, NearestIsAtMostAHundredthTooLarge) {

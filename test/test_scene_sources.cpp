@@ -135,5 +135,22 @@ TEST(SceneSources, ARestrictionOfTheRequestStandsForTheConfiguredOne) {
   EXPECT_EQ(pairsWith({"", {"d"}}), (std::set<std::string>{"ad", "bd"}));
 }
 
+TEST(SceneSources, AnSrdfOfAnotherRobotIsSaid) {
+  std::vector<std::string> said;
+  const auto warn = [&](const std::string& what) { said.push_back(what); };
+  CountingLoader loader;
+  SceneSources sources = sourcesWith(loader, "");
+  const auto read = [&](const std::string& srdf) {
+    srdfFrom({"a.srdf", srdf}, *sources.robots[0].source->skeleton(), warn);
+    sources.robots[0].readSrdf({"b.srdf", srdf}, warn);
+  };
+  read("<robot name='r'/>");
+  read("<robot/>");
+  EXPECT_TRUE(said.empty());
+  read("<robot name='s'/>");
+  const std::string what = ": it is of robot 's', but the URDF is of robot 'r'";
+  EXPECT_EQ(said, (std::vector<std::string>{"a.srdf" + what, "b.srdf" + what}));
+}
+
 }  // namespace test_scene_sources
 }  // namespace collision_pairs

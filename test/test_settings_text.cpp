@@ -136,5 +136,32 @@ TEST(SettingsText, WithANumberThatIsNotFiniteIsRefused) {
   }
 }
 
+// Aliases make a document of a few lines endless, or larger than any memory.
+TEST(SettingsText, AliasesMakeItNeitherEndlessNorHuge) {
+  const auto refused = [](const std::string& text) { return refusal([&] { loadYaml(text); }); };
+  const std::string deep = "more than 100 values are nested in each other";
+  EXPECT_EQ(refused("pair_rules: &a [*a]\n"), deep);
+  EXPECT_EQ(refused("link_padding: &a {tip: 0.1, x: *a}\n"), deep);
+  EXPECT_EQ(refused("a: " + std::string(101, '[') + std::string(101, ']')), deep);
+  EXPECT_EQ(refused("a: " + std::string(98, '[') + std::string(98, ']')), "accepted");
+  std::string bomb = "a0: &a0 [1]\n";
+  for (int i = 1; i < 12; ++i) {
+    const std::string before = "*a" + std::to_string(i - 1);
+    bomb += "a" + std::to_string(i) + ": &a" + std::to_string(i) + " [" + before;
+    for (int k = 0; k < 9; ++k) bomb += ", " + before;
+    bomb += "]\n";
+  }
+  EXPECT_EQ(refused(bomb), "it has more than a million values");
+  EXPECT_EQ(refused("padding: &a 0.5\nlink_padding: {x: *a, y: *a}\n"), "accepted");
+}
+
+TEST(SettingsText, AKeyIsOneWord) {
+  for (const char* key : {"? [a, b]", "? {a: b}", "? &a [*a]", "? ~"}) {
+    EXPECT_EQ(refusal([&] { loadYaml("a: 1\n" + std::string(key) + "\n: 1\n"); }),
+              "line 2: a key must be a name")
+        << key;
+  }
+}
+
 }  // namespace test_settings_text
 }  // namespace collision_pairs

@@ -24,7 +24,7 @@ namespace collision_pairs {
 
 /// What a state of a RealVectorStateSpace says about the robot of a scene.
 struct OmplJoints {
-  /// One joint per dimension, in its order; rad or m.
+  /// One joint per dimension, in its order; rad or m. None that mimics another.
   std::vector<std::string> names;
   /// Positions of all joints of the robot, for those that are not named: one entry per
   /// RobotModel::joints(). Entries of joints that mimic another are ignored. Empty:
@@ -71,6 +71,7 @@ class OmplWorkers {
     }
     if (joints_.positions.empty()) joints_.positions = scene_->robot().unnamedPositions();
     scene_->robot().requireOneEntryPerJoint(joints_.positions);
+    refuseWhatIsNeverValid();
     scene_->robot().applyMimics(joints_.positions);  // columns_ sets those of named joints only
   }
 
@@ -114,6 +115,22 @@ class OmplWorkers {
   }
 
  private:
+  // A planner would look for a valid state until its time is over.
+  void refuseWhatIsNeverValid() const {
+    const RobotModel& robot = scene_->robot();
+    for (const std::string& name : joints_.names) {
+      for (const Joint& joint : robot.joints()) {
+        if (!joint.mimic || (name != joint.name && name != "/" + joint.name)) continue;
+        throw InputError("joint '" + joint.name + "' mimics '" +
+                         robot.joints()[joint.mimic->joint].name + "'; name that joint alone");
+      }
+    }
+    for (const std::string& name : columns_.notNamed()) {
+      if (std::isfinite(joints_.positions[robot.findJoint(name)])) continue;
+      throw InputError("joint '" + name + "' is not named, and its position is not finite");
+    }
+  }
+
   const std::shared_ptr<const CollisionScene> scene_;
   OmplJoints joints_;
   const JointColumns columns_;
@@ -126,7 +143,8 @@ class OmplWorkers {
 class OmplStateValidityChecker : public ompl::base::StateValidityChecker {
  public:
   /// Throws InputError if the space is no RealVectorStateSpace with one dimension per joint, or for
-  /// an unknown joint, or settings or voxels that do not fit the scene. Of the settings, fidelity,
+  /// an unknown joint or one that mimics another, a joint that is not named and has no finite
+  /// position, or settings or voxels that do not fit the scene. Of the settings, fidelity,
   /// tolerance, selection, may_ignore and ignore_revision count; the predicate is asked from all
   /// threads of the planner.
   OmplStateValidityChecker(const ompl::base::SpaceInformationPtr& space,

@@ -11,6 +11,7 @@ namespace collision_pairs {
 struct Srdf {
   using LinkPair = std::pair<std::string, std::string>;  ///< first < second
 
+  std::string robot;                        ///< its name; empty: not said
   std::vector<std::string> disabled_links;  ///< disable_default_collisions
   std::vector<LinkPair> enabled_pairs;      ///< enable_collisions
   std::vector<LinkPair> disabled_pairs;     ///< disable_collisions

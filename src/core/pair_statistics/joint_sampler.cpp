@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <iterator>
-#include <set>
 
 namespace collision_pairs {
 namespace {
@@ -48,24 +47,42 @@ void JointSampler::draw(std::uint64_t index, std::vector<double>& positions) con
   robot_->applyMimics(positions);
 }
 
-std::vector<int> JointSampler::jointsBetween(int body_a, int body_b) const {
-  std::set<int> moving;
+template <class Take>
+void JointSampler::visitJoints(int body_a, int body_b, const Take& take) const {
   robot_->visitBetween(body_a, body_b, [&](int body, bool) {
     int joint = robot_->bodies()[body].joint;
     if (joint < 0) return;  // a root
     while (robot_->joints()[joint].mimic) joint = robot_->joints()[joint].mimic->joint;
+    take(joint);
+  });
+}
+
+bool JointSampler::stands(int joint) const {
+  const bool moves = robot_->joints()[joint].type != JointType::FIXED;
+  const bool has_range = ranges_[joint].lower != 0.0 || ranges_[joint].upper != 0.0;
+  return moves && !robot_->joints()[joint].mimic && !has_range;
+}
+
+std::vector<int> JointSampler::jointsBetween(int body_a, int body_b) const {
+  std::set<int> moving;
+  visitJoints(body_a, body_b, [&](int joint) {
     if (ranges_[joint].lower < ranges_[joint].upper) moving.insert(joint);
   });
   return {moving.begin(), moving.end()};
 }
 
+std::set<std::string> JointSampler::standingBetween(int body_a, int body_b) const {
+  std::set<std::string> names;
+  visitJoints(body_a, body_b, [&](int joint) {
+    if (stands(joint)) names.insert(robot_->joints()[joint].name);
+  });
+  return names;
+}
+
 std::vector<std::string> JointSampler::standingJoints() const {
   std::vector<std::string> names;
   for (std::size_t i = 0; i < ranges_.size(); ++i) {
-    const Joint& joint = robot_->joints()[i];
-    const bool moves = joint.type != JointType::FIXED && !joint.mimic;
-    const bool has_range = ranges_[i].lower != 0.0 || ranges_[i].upper != 0.0;
-    if (moves && !has_range) names.push_back(joint.name);
+    if (stands(static_cast<int>(i))) names.push_back(robot_->joints()[i].name);
   }
   return names;
 }

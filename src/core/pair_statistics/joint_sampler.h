@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -52,10 +53,17 @@ class JointSampler {
   /// The joints with a range that change the relative pose of the two bodies of the robot,
   /// ascending.
   std::vector<int> jointsBetween(int body_a, int body_b) const;
+  /// Names of those of standingJoints() that would.
+  std::set<std::string> standingBetween(int body_a, int body_b) const;
   /// Names of the movable joints that stay at zero here, for a warning.
   std::vector<std::string> standingJoints() const;
 
  private:
+  /// The joints that, or whose mimics, change the relative pose of the two bodies.
+  template <class Take>
+  void visitJoints(int body_a, int body_b, const Take& take) const;
+  bool stands(int joint) const;
+
   std::shared_ptr<const RobotModel> robot_;
   std::uint64_t seed_;
   std::vector<Range> ranges_;

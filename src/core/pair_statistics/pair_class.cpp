@@ -37,11 +37,13 @@ const char* className(PairClass pair_class) {
 
 double upperBound(const PairEvidence& e, double confidence) {
   if (e.rigid) return e.contacts > 0 ? 1.0 : 0.0;
+  if (!e.not_moved.empty()) return 1.0;
   return upperContactProbability(e.contacts, e.trials, confidence);
 }
 
 double lowerBound(const PairEvidence& e, double confidence) {
   if (e.rigid) return upperBound(e, confidence);
+  if (!e.not_moved.empty()) return 0.0;
   return lowerContactProbability(e.contacts, e.trials, confidence);
 }
 
@@ -51,7 +53,8 @@ PairClass classify(const PairEvidence& e, const ClassRules& rules) {
   const bool never = e.contacts == 0 && e.found_state.empty() && !e.touches_at_zero;
   if (!always && !never) return PairClass::SOMETIMES;
   // Of the outcome that was never observed: contact, or no contact.
-  const double doubt = e.rigid ? 0.0 : upperContactProbability(0, e.trials, rules.confidence);
+  const double of_moved = upperContactProbability(0, e.trials, rules.confidence);
+  const double doubt = e.rigid ? 0.0 : e.not_moved.empty() ? of_moved : 1.0;
   if (doubt > rules.max_probability) return PairClass::UNPROVEN;
   if (always) return PairClass::ALWAYS;
   return e.rigid || e.nearest > rules.clearance ? PairClass::NEVER : PairClass::NEAR;

@@ -18,7 +18,7 @@ constexpr std::uint64_t BLOCK = 256;
 // have nearly the same distance in every state.
 constexpr double WORTHWHILE = 0.99;
 
-std::vector<PairEvidence> allowedPairs(const CollisionScene& scene) {
+std::vector<PairEvidence> allowedPairs(const CollisionScene& scene, const JointSampler& sampler) {
   const auto& links = scene.robot().links();
   std::set<std::pair<int, int>> adjacent;
   for (const auto& [a, b] : scene.robot().adjacentLinks()) {
@@ -34,6 +34,8 @@ std::vector<PairEvidence> allowedPairs(const CollisionScene& scene) {
       pair.second = b;
       pair.adjacent = adjacent.count({static_cast<int>(a), static_cast<int>(b)}) > 0;
       pair.rigid = models[a].body == models[b].body;
+      pair.not_moved =
+          sampler.standingBetween(scene.robotBody(models[a]), scene.robotBody(models[b]));
       pairs.push_back(pair);
     }
   }
@@ -92,7 +94,7 @@ void merge(const std::vector<PairEvidence>& block, std::vector<PairEvidence>& al
 std::vector<PairEvidence> countContacts(const std::shared_ptr<const CollisionScene>& scene,
                                         const JointSampler& sampler,
                                         const SamplingSettings& settings) {
-  const std::vector<PairEvidence> start = allowedPairs(*scene);
+  const std::vector<PairEvidence> start = allowedPairs(*scene, sampler);
   std::vector<PairEvidence> all = start;
   PairProbe zero_probe(scene);
   zero_probe.place(scene->robot().zeroPositions());

@@ -5,6 +5,8 @@
 #include <functional>
 #include <limits>
 #include <memory>
+#include <set>
+#include <string>
 #include <vector>
 
 #include "collision_pairs/collision_scene.h"
@@ -19,8 +21,10 @@ struct PairEvidence {
   bool adjacent = false;         ///< adjacent links (RobotModel::adjacentLinks)
   bool rigid = false;            ///< of one body: all states are equal
   bool touches_at_zero = false;  ///< at RobotModel::zeroPositions()
-  std::uint64_t trials = 0;      ///< random states in which it was queried; 1 if rigid
-  std::uint64_t contacts = 0;    ///< those of them in which the two touch
+  /// Names of joints between the two that no state moves: what is seen says nothing of others.
+  std::set<std::string> not_moved;
+  std::uint64_t trials = 0;    ///< random states in which it was queried; 1 if rigid
+  std::uint64_t contacts = 0;  ///< those of them in which the two touch
   /// Metres: the smallest measured distance, at most 1 % above the true minimum of the measured
   /// states; 0 after a contact. Infinite for adjacent pairs without contact.
   double nearest = std::numeric_limits<double>::infinity();

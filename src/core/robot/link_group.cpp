@@ -17,9 +17,10 @@ class GroupReader {
   void add(const std::string& name) {
     if (!seen_.insert(name).second) return;
     const Srdf::Group& group = find(name);
-    for (const std::string& link : group.links) addLink(link);
-    for (const std::string& joint : group.joints) addJoint(joint);
-    for (const auto& [base, tip] : group.chains) addChain(base, tip);
+    const std::string by = "group '" + name + "'";
+    for (const std::string& link : group.links) moveAt(linkOf(link, by));
+    for (const std::string& joint : group.joints) addJoint(joint, by);
+    for (const auto& [base, tip] : group.chains) addChain(linkOf(base, by), linkOf(tip, by));
     for (const std::string& subgroup : group.subgroups) add(subgroup);
   }
 
@@ -68,26 +69,43 @@ class GroupReader {
     throw InputError(error);
   }
 
-  void addLink(const std::string& name) { moveAt(robot_.findLink(name)); }
+  /// What a misspelled name stands for would not be checked.
+  [[noreturn]] void refuse(const std::string& what, const std::string& by, const std::string& name,
+                           const std::vector<std::string>& known) const {
+    throw InputError(by + " names " + what + " '" + name + "', which robot '" + robot_.name() +
+                     "' does not have; did you mean '" + nearestName(name, known) + "'?");
+  }
+
+  int linkOf(const std::string& name, const std::string& by) const {
+    const int found = robot_.findLink(name);
+    if (found >= 0) return found;
+    std::vector<std::string> known;
+    for (const Link& link : robot_.links()) known.push_back(link.name);
+    refuse("link", by, name, known);
+  }
 
   void moveAt(int link) {
-    if (link < 0) return;
     const int joint = robot_.links()[link].parent_joint;
     (joint < 0 ? root_moves_ : moves_[joint]) = 1;
   }
 
-  void addJoint(const std::string& name) {
+  void addJoint(const std::string& name, const std::string& by) {
     const int joint = robot_.findJoint(name);
     if (joint >= 0) moves_[joint] = 1;
+    std::vector<std::string> known;
     for (const Srdf::VirtualJoint& virtual_joint : srdf_.virtual_joints) {
-      if (virtual_joint.name == name) addLink(virtual_joint.child_link);
+      known.push_back(virtual_joint.name);
+      if (virtual_joint.name != name) continue;
+      moveAt(linkOf(virtual_joint.child_link, "virtual_joint '" + name + "'"));
     }
+    if (joint >= 0 || contains(known, name)) return;
+    for (const Joint& other : robot_.joints()) known.push_back(other.name);
+    refuse("joint", by, name, known);
   }
 
   // The joints from the base to the tip, which do not move the base itself.
-  void addChain(const std::string& base, const std::string& tip) {
-    const int stop = robot_.findLink(base);
-    for (int link = robot_.findLink(tip); link >= 0 && link != stop;) {
+  void addChain(int base, int tip) {
+    for (int link = tip; link >= 0 && link != base;) {
       moveAt(link);
       const int joint = robot_.links()[link].parent_joint;
       link = joint < 0 ? -1 : robot_.joints()[joint].parent_link;

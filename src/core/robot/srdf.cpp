@@ -40,6 +40,7 @@ Srdf Srdf::fromXml(const std::string& xml) {
   if (link) failAt(*link, SRDF, "it has a <link>, so it is a URDF");
   Srdf srdf;
   srdf.warnings = checkNames(*robot, srdfGrammar(), SRDF);
+  if (const char* name = robot->Attribute("name")) srdf.robot = name;
   srdf.disabled_pairs = readPairs(*robot, "disable_collisions");
   srdf.enabled_pairs = readPairs(*robot, "enable_collisions");
   srdf.disabled_links = readNames(*robot, "disable_default_collisions", "link");

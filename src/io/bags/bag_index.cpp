@@ -1,7 +1,6 @@
 #include "bag_index.h"
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 
 #include <sensor_msgs/JointState.h>
@@ -11,6 +10,7 @@
 
 #include "collision_pairs/input_error.h"
 #include "frame_names.h"
+#include "joint_transforms.h"
 #include "message_layout.h"
 #include "transform_buffer.h"
 
@@ -56,7 +56,9 @@ class Indexer {
       if (count > 0) losses.push_back(std::to_string(count) + " " + what);
     };
     note(nb_garbled_, "messages that do not match their type");
-    note(nb_unusable_, "transforms and joint positions that are not finite, or not a rotation");
+    note(nb_unusable_,
+         "transforms and joint positions that are not finite, not a rotation, or not one for each "
+         "name");
     note(nb_jumps_,
          "times its clock goes back; what is then too old is not used, so split the bag there");
     if (nb_messages_ == 0) {
@@ -101,20 +103,18 @@ class Indexer {
     if (!message) return false;
     watchClock(message->header.stamp, raw);
     std::set<std::string>& names = index_.joints[raw.topic];
-    for (std::size_t i = 0; i < std::min(message->name.size(), message->position.size()); ++i) {
-      if (std::isfinite(message->position[i])) {
-        names.insert(withoutLeadingSlash(message->name[i]));
-      } else {
-        ++nb_unusable_;
-      }
-    }
+    const auto positions = positionsIn(*message);
+    for (const auto& entry : positions) names.insert(entry.first);
+    nb_unusable_ += message->position.size() - positions.size();
     return true;
   }
 
-  static bool takeText(const RawMessage& raw, std::map<std::string, std::string>& texts) {
+  bool takeText(const RawMessage& raw, std::map<std::string, std::string>& texts) {
     auto message = readMessage<std_msgs::String>(raw.data, raw.size);
-    if (message) texts[raw.topic] = std::move(message->data);
-    return message.has_value();
+    if (!message) return false;
+    const auto [known, is_new] = texts.emplace(raw.topic, message->data);
+    if (!is_new && known->second != message->data) index_.changing.insert(raw.topic);
+    return true;
   }
 
   const RawMessageFilter& wants_;

@@ -44,7 +44,8 @@ struct BagIndex {
 
   std::set<Edge> transforms;                            ///< that were named at least once
   std::map<std::string, std::set<std::string>> joints;  ///< names, by topic of joint states
-  std::map<std::string, std::string> urdfs, srdfs;      ///< the last, by topic
+  std::map<std::string, std::string> urdfs, srdfs;      ///< the first, by topic
+  std::set<std::string> changing;                       ///< topics of these with several texts
   std::set<std::string> topics, cloud_topics;
   std::vector<StampNs> times;       ///< of recording: those of the messages that will be replayed
   std::vector<std::string> losses;  ///< what could not be read, one sentence each

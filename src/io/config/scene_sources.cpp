@@ -22,9 +22,13 @@ std::shared_ptr<const RobotModel> loadGeometry(RobotSource& source, const std::s
   return model;
 }
 
-Srdf parsed(const TextFrom& xml, const Warn& warn) {
+Srdf parsed(const TextFrom& xml, const RobotModel& robot, const Warn& warn) {
   Srdf srdf = naming(xml.origin, [&] { return Srdf::fromXml(xml.content); });
   for (const std::string& warning : srdf.warnings) warn(xml.origin + ": " + warning);
+  if (!srdf.robot.empty() && srdf.robot != robot.name()) {
+    warn(xml.origin + ": it is of robot '" + srdf.robot + "', but the URDF is of robot '" +
+         robot.name() + "'");
+  }
   return srdf;
 }
 
@@ -45,7 +49,7 @@ std::shared_ptr<const RobotModel> robotFrom(const TextFrom& urdf, const Warn& wa
 }
 
 Srdf srdfFrom(const TextFrom& xml, const RobotModel& robot, const Warn& warn) {
-  Srdf srdf = parsed(xml, warn);
+  Srdf srdf = parsed(xml, robot, warn);
   const auto unknown = srdf.unknownLinks(linkNames(robot));
   if (!unknown.empty()) warn(xml.origin + ": not links of the robot, ignored: " + joined(unknown));
   return srdf;
@@ -113,7 +117,7 @@ std::unique_ptr<RobotSource> robotSource(const TextFrom& urdf, const MeshLoader&
 }
 
 void SceneSources::Robot::readSrdf(const TextFrom& xml, const Warn& warn) {
-  srdf = parsed(xml, warn);
+  srdf = parsed(xml, *source->skeleton(), warn);
   srdf_text = xml.content;
 }
 

@@ -20,7 +20,8 @@ std::vector<std::string> linkNames(const RobotModel& robot);
 /// With all meshes. Warns of ineffective content. Errors and warnings name the origin.
 std::shared_ptr<const RobotModel> robotFrom(const TextFrom& urdf, const Warn& warn);
 
-/// Warns of links that the robot does not have. Errors and warnings name the origin.
+/// Warns of links that the robot does not have, and of another robot's name. Errors and warnings
+/// name the origin.
 Srdf srdfFrom(const TextFrom& xml, const RobotModel& robot, const Warn& warn);
 
 /// A robot. Reads the URDF immediately, and each mesh when a link that has it is first requested.
@@ -75,7 +76,8 @@ struct SceneSources {
     std::string prefix;
     std::string srdf_text = {};  ///< of readSrdf()
 
-    /// Warns of ineffective content. Errors and warnings name the origin.
+    /// Of `source`. Warns of ineffective content, and of another robot's name. Errors and warnings
+    /// name the origin.
     void readSrdf(const TextFrom& xml, const Warn& warn);
   };
   std::vector<Robot> robots;

@@ -14,20 +14,36 @@ std::string shown(const YAML::Node& node) {
   return out.c_str();
 }
 
-void refuseRepeatedKeys(const YAML::Node& node) {
-  std::set<std::string> keys;
-  for (const auto& entry : node) {
-    if (!node.IsMap()) {
-      refuseRepeatedKeys(entry);
-      continue;
+/// Keys that a map has twice or that are no names, and what aliases make endless or huge: a value
+/// can contain itself, and a few lines can stand for more values than fit into any memory.
+class Visit {
+ public:
+  void take(const YAML::Node& node, int depth = 1) {
+    if (depth > MOST_DEPTH) {
+      throw InputError("more than " + std::to_string(MOST_DEPTH) +
+                       " values are nested in each other");
     }
-    if (!keys.insert(shown(entry.first)).second) {
-      throw InputError("line " + std::to_string(entry.first.Mark().line + 1) + ": '" +
-                       shown(entry.first) + "' is given twice");
+    if (++nb_values_ > MOST_VALUES) throw InputError("it has more than a million values");
+    std::set<std::string> keys;
+    for (const auto& entry : node) {
+      if (!node.IsMap()) {
+        take(entry, depth + 1);
+        continue;
+      }
+      const std::string line = "line " + std::to_string(entry.first.Mark().line + 1) + ": ";
+      if (!entry.first.IsScalar()) throw InputError(line + "a key must be a name");
+      if (!keys.insert(entry.first.Scalar()).second) {
+        throw InputError(line + "'" + entry.first.Scalar() + "' is given twice");
+      }
+      take(entry.second, depth + 1);
     }
-    refuseRepeatedKeys(entry.second);
   }
-}
+
+ private:
+  static constexpr int MOST_DEPTH = 100;
+  static constexpr std::size_t MOST_VALUES = 1000000;
+  std::size_t nb_values_ = 0;
+};
 
 }  // namespace
 
@@ -39,7 +55,7 @@ YAML::Node loadYaml(const std::string& text) {
                        " documents (after '---' or '...'), but must have one");
     }
     if (documents.empty()) return YAML::Node(YAML::NodeType::Null);
-    refuseRepeatedKeys(documents.front());
+    Visit().take(documents.front());
     return documents.front();
   } catch (const YAML::Exception& error) {
     throw InputError(error.what());

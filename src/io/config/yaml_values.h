@@ -13,8 +13,9 @@ namespace collision_pairs {
 [[noreturn]] void refuseValue(const std::string& key, const YAML::Node& value,
                               const std::string& rule);
 
-/// A text with one document. Throws InputError, with the line, for a key that a map has twice: of
-/// the two, rosparam takes the last and yaml-cpp the first.
+/// A text with one document. Throws InputError, with the line, for a key that is no scalar, or that
+/// a map has twice: of the two, rosparam takes the last and yaml-cpp the first. Also where values
+/// contain themselves by aliases, or stand for more than a million.
 YAML::Node loadYaml(const std::string& text);
 
 std::string textOf(const std::string& key, const YAML::Node& value, const std::string& rule);

@@ -1,4 +1,5 @@
 #include <cmath>
+#include <set>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -36,6 +37,15 @@ bool isConvex(const std::vector<Corner>& polygon) {
   return turned < 3.0 * M_PI;  // 2 pi, up to rounding
 }
 
+/// All others may be surfaces, or say where these are.
+bool makesNoSurface(const std::string& word) {
+  static const std::set<std::string> NAMES = {
+      "vt",       "vn",       "vp",     "o",          "g",        "s", "mg",
+      "usemtl",   "mtllib",   "usemap", "maplib",     "l",        "p", "bevel",
+      "c_interp", "d_interp", "lod",    "shadow_obj", "trace_obj"};
+  return word[0] == '#' || NAMES.count(word) > 0;
+}
+
 class Reader {
  public:
   explicit Reader(const std::string& text) : words_(text) {}
@@ -43,8 +53,13 @@ class Reader {
   /// Empty if the file contains something unsupported.
   std::optional<TriangleMesh> read() {
     while (words_.next()) {
-      const bool understood = words_.is("v") ? readVertex() : words_.is("f") ? readFace() : true;
-      if (!understood) return std::nullopt;
+      if (words_.is("v")) {
+        if (!readVertex()) return std::nullopt;
+      } else if (words_.is("f")) {
+        if (!readFace()) return std::nullopt;
+      } else if (!makesNoSurface(words_.word())) {
+        fail(words_.quoted() + " is not read, and may be a surface");
+      }
       while (words_.nextInLine()) {
         if (words_.is("\\")) return std::nullopt;
       }
@@ -105,6 +120,9 @@ class Reader {
 
 }  // namespace
 
-std::optional<TriangleMesh> readObj(const std::string& bytes) { return Reader(bytes).read(); }
+std::optional<TriangleMesh> readObj(const std::string& bytes) {
+  const std::string text = withoutByteOrderMark(bytes);
+  return Reader(text).read();
+}
 
 }  // namespace collision_pairs

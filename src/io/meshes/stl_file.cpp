@@ -15,6 +15,15 @@ constexpr std::size_t TRIANGLE = 50;           // bytes: normal, three corners, 
 constexpr std::size_t NORMAL = 12;
 
 TriangleMesh readBinary(const std::string& bytes, std::size_t nb_triangles) {
+  const std::size_t end = HEADER + COUNT + TRIANGLE * nb_triangles;
+  // Exporters pad at the end. What else follows are triangles, and the count is wrong.
+  const bool is_padding =
+      bytes.size() < end + TRIANGLE || bytes.find_first_not_of('\0', end) == std::string::npos;
+  if (!is_padding) {
+    throw InputError("it counts " + std::to_string(nb_triangles) +
+                     " triangles, but is long enough for " +
+                     std::to_string((bytes.size() - HEADER - COUNT) / TRIANGLE));
+  }
   MeshBuilder builder;
   const char* at = bytes.data() + HEADER + COUNT;
   for (std::size_t i = 0; i < nb_triangles; ++i, at += TRIANGLE) {
@@ -92,7 +101,7 @@ class AsciiReader {
 /// Without a byte order mark and leading blanks, and with line breaks where there are carriage
 /// returns alone.
 std::string plainText(const std::string& bytes) {
-  std::string text = bytes.compare(0, 3, "\xEF\xBB\xBF") == 0 ? bytes.substr(3) : bytes;
+  std::string text = withoutByteOrderMark(bytes);
   if (text.find('\n') == std::string::npos) std::replace(text.begin(), text.end(), '\r', '\n');
   return text;
 }
@@ -118,7 +127,7 @@ TriangleMesh readStl(const std::string& bytes) {
   const bool has_count = bytes.size() >= HEADER + COUNT;
   if (has_count) std::memcpy(&nb_triangles, bytes.data() + HEADER, COUNT);
   const std::size_t wanted = HEADER + COUNT + TRIANGLE * std::size_t{nb_triangles};
-  // The number of triangles is no text, and exporters pad at the end.
+  // The number of triangles is no text.
   const bool is_number =
       has_count && std::any_of(bytes.begin() + HEADER, bytes.begin() + HEADER + COUNT, isControl);
   if (has_count && (bytes.size() == wanted || (is_number && bytes.size() > wanted))) {
@@ -129,7 +138,7 @@ TriangleMesh readStl(const std::string& bytes) {
     return AsciiReader(text).read();
   }
   if (!has_count) throw InputError("it is too short for an STL file");
-  if (bytes.size() > wanted) return readBinary(bytes, nb_triangles);  // exporters pad at the end
+  if (bytes.size() > wanted) return readBinary(bytes, nb_triangles);
   throw InputError("it should have " + std::to_string(nb_triangles) +
                    " triangles, but ends after " +
                    std::to_string((bytes.size() - HEADER - COUNT) / TRIANGLE) + " (truncated?)");

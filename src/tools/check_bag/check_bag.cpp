@@ -21,11 +21,11 @@ struct Options {
 
 void declare(CommandLine& command_line, Options& options) {
   command_line.operands(options.check.bags, "BAG...", "the bags to check");
-  command_line.option("urdf", options.check.scene.urdf, "ROBOT.urdf",
-                      "the robot (default: the scenes of a node in the bag, or robot_description)");
-  command_line.option("srdf", options.check.scene.srdf, "ROBOT.srdf",
-                      "pairs that it disables are not checked (default: robot_description_semantic "
-                      "in the bag, if any)");
+  command_line.input("urdf", options.check.scene.urdf, "ROBOT.urdf",
+                     "the robot (default: the scenes of a node in the bag, or robot_description)");
+  command_line.input("srdf", options.check.scene.srdf, "ROBOT.srdf",
+                     "pairs that it disables are not checked (default: robot_description_semantic "
+                     "in the bag, if any)");
   declareScene(command_line, options.check.scene);
   command_line.option(
       "clouds", options.check.scene.cloud_topics, "TOPIC...",

@@ -63,9 +63,13 @@ std::string RecordedScenes::doubtAt(StampNs now) const {
   const std::optional<std::uint64_t>& last = std::prev(next)->second;
   if (!last) return "the last scene on " + topic_ + " cannot be read";
   if (next == track.revisions.end() || !next->second) return "";
-  if (*next->second <= *last + 1) return "";  // a node that was started anew counts from 1
-  return std::to_string(*next->second - *last - 1) + " scenes after revision " +
-         std::to_string(*last) + " on " + topic_ + " are not in the bag";
+  const bool is_new_node = *next->second < *last;  // which counts from 1
+  const std::uint64_t known = is_new_node ? 0 : *last;
+  if (*next->second <= known + 1) return "";
+  return std::to_string(*next->second - known - 1) + " scenes " +
+         (is_new_node ? "before revision " + std::to_string(*next->second)
+                      : "after revision " + std::to_string(*last)) +
+         " on " + topic_ + " are not in the bag";
 }
 
 }  // namespace collision_pairs

@@ -67,15 +67,22 @@ void CommandLine::operands(std::vector<std::string>& words, const std::string& v
 void CommandLine::requiredOption(const std::string& name, std::string& value,
                                  const std::string& value_name, const std::string& help) {
   required_ += " --" + name + ' ' + value_name;
-  required_files_.emplace_back("--" + name, &value);
+  inputs_.emplace_back("--" + name, &value);
   options_.add_options()(name.c_str(), po::value(&value)->value_name(value_name)->required(),
                          help.c_str());
 }
 
-void CommandLine::output(const std::string& name, std::string& path, const std::string& value_name,
-                         const std::string& help, const std::string& ending) {
+void CommandLine::input(const std::string& name, std::string& path, const std::string& value_name,
+                        const std::string& help) {
   option(name, path, value_name, help);
-  outputs_.push_back({"--" + name, &path, ending});
+  inputs_.emplace_back("--" + name, &path);
+}
+
+void CommandLine::output(const std::string& name, std::string& path, const std::string& value_name,
+                         const std::string& help, const std::string& ending,
+                         const std::string& replaced) {
+  option(name, path, value_name, help);
+  outputs_.push_back({"--" + name, &path, ending, "--" + replaced});
 }
 
 void CommandLine::flag(const std::string& name, bool& value, const std::string& help) {
@@ -163,12 +170,14 @@ void CommandLine::refuseOverwriting() const {
   if (operands_ != nullptr) {
     for (const std::string& word : *operands_) taken.emplace_back(operand_name_, word);
   }
-  for (const auto& [option, path] : required_files_) taken.emplace_back(option, *path);
+  for (const auto& [option, path] : inputs_) {
+    if (!path->empty()) taken.emplace_back(option, *path);
+  }
   for (const Output& output : outputs_) {
     if (output.path->empty() || *output.path == "-") continue;
     const std::string path = *output.path + output.ending;
     for (const auto& [what, other] : taken) {
-      if (!isSameFile(path, other)) continue;
+      if (what == output.replaced || !isSameFile(path, other)) continue;
       throw InputError(output.option + ' ' + *output.path + ": would overwrite " + what + " (" +
                        other + ")");
     }

@@ -29,13 +29,17 @@ class CommandLine {
   template <typename T>
   void option(const std::string& name, T& value, const std::string& value_name,
               const std::string& help);
-  /// A required option.
+  /// A required option that names a file to be read.
   void requiredOption(const std::string& name, std::string& value, const std::string& value_name,
                       const std::string& help);
+  /// A file to be read; empty: none.
+  void input(const std::string& name, std::string& path, const std::string& value_name,
+             const std::string& help);
   /// A file to be written, or with `ending` one in that folder; empty: none. Refused if it is an
-  /// operand, the file of a required option, or another output too.
+  /// operand, an input but `replaced`, or another output too.
   void output(const std::string& name, std::string& path, const std::string& value_name,
-              const std::string& help, const std::string& ending = "");
+              const std::string& help, const std::string& ending = "",
+              const std::string& replaced = "");
   /// A finite number, 0 or more.
   void metres(const std::string& name, double& value, const std::string& help);
   void flag(const std::string& name, bool& value, const std::string& help);
@@ -69,10 +73,10 @@ class CommandLine {
   struct Output {
     std::string option;
     const std::string* path;
-    std::string ending;
+    std::string ending, replaced;
   };
   std::vector<Output> outputs_;
-  std::vector<std::pair<std::string, const std::string*>> required_files_;
+  std::vector<std::pair<std::string, const std::string*>> inputs_;  ///< by option
 };
 
 template <typename T>

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 #include <map>
+#include <set>
 
 #include "collision_pairs/input_error.h"
 #include "collision_pairs/mesh_loader.h"
@@ -80,14 +81,19 @@ SceneSources readSources(const TextFrom& urdf, const TextFrom& srdf, const Scene
 
 /// From a file, or else the bag's only one; empty if there is neither.
 TextFrom chooseText(const std::string& path, const std::map<std::string, std::string>& in_bag,
-                    const std::string& option) {
+                    const std::set<std::string>& changing, const std::string& option) {
   if (!path.empty()) return textFromFile(path);
   if (in_bag.empty()) return {};
   if (in_bag.size() > 1) {
     throw InputError("several robots in it (" + in_bag.begin()->first + ", " +
                      std::next(in_bag.begin())->first + "); choose one with " + option);
   }
-  return {"topic " + in_bag.begin()->first, in_bag.begin()->second};
+  const auto& [topic, text] = *in_bag.begin();
+  if (changing.count(topic) > 0) {
+    throw InputError("the text on " + topic + " changes within it; give " + option +
+                     ", or split the bag");
+  }
+  return {"topic " + topic, text};
 }
 
 /// The rest of the sentence that CollisionScene::unchecked() begins.
@@ -115,9 +121,9 @@ std::shared_ptr<const RobotModel> readRobot(const std::string& path) {
 }
 
 void declareScene(CommandLine& command_line, SceneOptions& options) {
-  command_line.option("world", options.world, "WORLD.urdf",
-                      "URDF of static obstacles; its root coincides with the robot's root");
-  command_line.option(
+  command_line.input("world", options.world, "WORLD.urdf",
+                     "URDF of static obstacles; its root coincides with the robot's root");
+  command_line.input(
       "settings", options.settings, "SETTINGS.yaml",
       "scene settings (rules, paddings, ...), in the format of the node's parameter file");
   command_line.option("narrow-phase", options.narrow_phase, "NAME",
@@ -140,11 +146,11 @@ void declareBroadPhase(CommandLine& command_line, SceneOptions& options) {
 
 void declareRobot(CommandLine& command_line, SceneOptions& options) {
   command_line.operand(options.urdf, "ROBOT.urdf", "the robot's URDF");
-  command_line.option("srdf", options.srdf, "ROBOT.srdf", "pairs that it disables are not checked");
+  command_line.input("srdf", options.srdf, "ROBOT.srdf", "pairs that it disables are not checked");
   declareScene(command_line, options);
-  command_line.option("cloud", options.cloud, "CLOUD.pcd",
-                      "points in the frame of the robot's root link, without points of the robot "
-                      "itself; one obstacle of voxels, named 'cloud'");
+  command_line.input("cloud", options.cloud, "CLOUD.pcd",
+                     "points in the frame of the robot's root link, without points of the robot "
+                     "itself; one obstacle of voxels, named 'cloud'");
   command_line.option("voxel-size", options.voxel_size, "METRES",
                       "edge length of a voxel; required by --cloud");
   command_line.together("cloud", "voxel-size");
@@ -235,8 +241,8 @@ void declareBatch(CommandLine& command_line, unsigned& threads, std::string& out
 }
 
 BagRobot robotOf(const BagIndex& bag, const SceneOptions& options) {
-  BagRobot robot{chooseText(options.urdf, bag.urdfs, "--urdf"),
-                 chooseText(options.srdf, bag.srdfs, "--srdf")};
+  BagRobot robot{chooseText(options.urdf, bag.urdfs, bag.changing, "--urdf"),
+                 chooseText(options.srdf, bag.srdfs, bag.changing, "--srdf")};
   if (robot.urdf.origin.empty()) {
     throw InputError("there is no robot_description in it; give --urdf");
   }

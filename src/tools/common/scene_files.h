@@ -63,7 +63,8 @@ void declareBatch(CommandLine& command_line, unsigned& threads, std::string& out
 struct BagRobot {
   TextFrom urdf, srdf;
 };
-/// Throws InputError if there is no robot, or more than one to choose from.
+/// Throws InputError if there is no robot, or more than one to choose from, or if what is chosen
+/// changes within the bag.
 BagRobot robotOf(const BagIndex& bag, const SceneOptions& options);
 /// Throws InputError; tells what is ineffective.
 SceneSources sourcesOf(const BagRobot& robot, const SceneOptions& options, const Warn& tell);

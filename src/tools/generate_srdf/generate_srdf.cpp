@@ -26,8 +26,8 @@ struct Options {
 
 void declare(CommandLine& command_line, Options& options) {
   command_line.operand(options.robot, "ROBOT.urdf", "the robot's URDF");
-  command_line.option("srdf", options.srdf, "GIVEN.srdf",
-                      "existing SRDF, which is kept and completed");
+  command_line.input("srdf", options.srdf, "GIVEN.srdf",
+                     "existing SRDF, which is kept and completed");
   command_line.option("samples", options.samples, "COUNT", "number of random joint states");
   command_line.option("seed", options.seed, "SEED", "seed of the random joint states");
   declareThreads(command_line, options.threads);
@@ -44,7 +44,8 @@ void declare(CommandLine& command_line, Options& options) {
                     "disable pairs that touch with all joints at zero, even if not always");
   command_line.option("narrow-phase", options.narrow_phase, "NAME",
                       "method for pairs of shapes: native or fcl");
-  command_line.output("out", options.out, "OUT.srdf", "output file (default: standard output)");
+  command_line.output("out", options.out, "OUT.srdf", "output file (default: standard output)", "",
+                      "srdf");
   command_line.output("report", options.report, "PAIRS.csv", "write a table of all pairs");
 }
 

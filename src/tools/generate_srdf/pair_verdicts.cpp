@@ -40,8 +40,14 @@ std::string countOf(const PairEvidence& e) {
   return std::to_string(e.contacts) + " of " + std::to_string(e.trials);
 }
 
+std::string notMovedText(const PairEvidence& e) {
+  return "in contact in " + countOf(e) + " states, but joints between the two were not moved: " +
+         firstOf({e.not_moved.begin(), e.not_moved.end()});
+}
+
 std::string evidenceText(const PairEvidence& e, const ClassRules& rules) {
   if (e.rigid) return std::string("on one rigid body: ") + (e.contacts ? "in contact" : "apart");
+  if (!e.not_moved.empty()) return notMovedText(e);
   const std::string text = "in contact in " + countOf(e) + " states; probability ";
   if (e.contacts > 0 && e.contacts == e.trials) {
     const double apart = upperContactProbability(0, e.trials, rules.confidence);
@@ -58,6 +64,7 @@ std::string whyChecked(const PairVerdict& v, const ClassRules& rules) {
   const PairEvidence& e = v.evidence;
   const std::string seen = "in contact in " + countOf(e) + " states, ";
   if (v.pair_class == PairClass::UNPROVEN) {
+    if (!e.not_moved.empty()) return notMovedText(e);
     return seen + "which are too few; " +
            std::to_string(trialsNeeded(rules.max_probability, rules.confidence)) + " are needed";
   }
@@ -161,12 +168,25 @@ void warnOf(const std::vector<PairVerdict>& verdicts, const ClassRules& rules) {
   const auto isOpen = [](const PairVerdict& v) {
     return v.given == Given::NOTHING && v.reason.empty();
   };
+  const auto isUnproven = [&](const PairVerdict& v, bool all_moved) {
+    return isOpen(v) && v.pair_class == PairClass::UNPROVEN &&
+           v.evidence.not_moved.empty() == all_moved;
+  };
   warnOfPairs(
       verdicts,
       "stay checked because there are too few states to conclude never or always; --samples " +
           std::to_string(trialsNeeded(rules.max_probability, rules.confidence)) +
           " are needed for --max-probability " + roundedUp(rules.max_probability),
-      [&](const PairVerdict& v) { return isOpen(v) && v.pair_class == PairClass::UNPROVEN; });
+      [&](const PairVerdict& v) { return isUnproven(v, true); });
+  std::set<std::string> not_moved;
+  for (const PairVerdict& v : verdicts) {
+    const std::set<std::string>& joints = v.evidence.not_moved;
+    if (isUnproven(v, false)) not_moved.insert(joints.begin(), joints.end());
+  }
+  warnOfPairs(verdicts,
+              "stay checked because joints between the two were not moved (" +
+                  firstOf({not_moved.begin(), not_moved.end()}) + ")",
+              [&](const PairVerdict& v) { return isUnproven(v, false); });
   warnOfPairs(verdicts,
               "stay checked although they touch with all joints at zero, because in other states "
               "they do not (--disable-default disables them)",
