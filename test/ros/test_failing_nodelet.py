@@ -28,8 +28,7 @@ class FailingNodeletTest(unittest.TestCase):
     def start(self, name, failure):
         def path(package, file):
             return roslib.packages.find_node(package, file)[0]
-        first = os.environ.get("COLLISION_PAIRS_PRELOAD", "")  # a sanitizer's library
-        self.manager = Program("env", "LD_PRELOAD=%s:%s" % (first, path("collision_pairs", "failing_calls.so")), failure,
+        self.manager = Program("env", "LD_PRELOAD=" + path("collision_pairs", "failing_calls.so"), failure,
                                path("nodelet", "nodelet"), "manager", "__name:=" + name)
         return load("/cell/in_" + name, "/" + name)
 
