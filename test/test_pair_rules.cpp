@@ -104,9 +104,7 @@ INSTANTIATE_TEST_SUITE_P(
                                    std::set<std::string>{"head", "finger_1"}),
                     std::make_pair("<joint name='world_joint'/>",
                                    std::set<std::string>{"base", "shoulder", "elbow", "wrist",
-                                                         "finger_1", "finger_2", "head"}),
-                    std::make_pair("<joint name='nowhere'/><link name='head'/>",
-                                   std::set<std::string>{"head"})));
+                                                         "finger_1", "finger_2", "head"})));
 
 /// Of each link in the root.
 std::vector<Eigen::Isometry3d> linkPoses(const RobotModel& robot,
@@ -159,7 +157,10 @@ TEST(GroupsOfRandomRobots, MoveWhateverMovesWhenTheirJointsDoByMimicryToo) {
 TEST(Restriction, NamesAnUnknownGroupOrLinkWithTheNearest) {
   SceneDescription description = armScene(
       "<group name='arm'><link name='elbow'/></group>"
+      "<group name='wrong'><joint name='nowhere'/><link name='head'/></group>"
       "<group name='empty'/>");
+  description.restriction.group = "wrong";
+  EXPECT_THAT(refusal(description), HasSubstr("group 'wrong' names joint 'nowhere'"));
   description.restriction.group = "amr";
   EXPECT_THAT(refusal(description), HasSubstr("no group 'amr'"));
   EXPECT_THAT(refusal(description), HasSubstr("did you mean 'arm'?"));
