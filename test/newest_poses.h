@@ -23,6 +23,13 @@ class NewestPoses : public testing::Test {
     buffer_.take({parent, child, stamp, Eigen::Vector3d(1, 0, 0), Eigen::Quaterniond::Identity()},
                  is_static, "", 10 * SECOND);
   }
+  /// As soon as it was measured, at `x`.
+  static void send(TransformBuffer& buffer, const std::string& parent, const std::string& child,
+                   double seconds, double x, const std::string& publisher) {
+    const auto stamp = static_cast<StampNs>(seconds * 1e9);
+    buffer.take({parent, child, stamp, Eigen::Vector3d(x, 0, 0), Eigen::Quaterniond::Identity()},
+                false, publisher, stamp);
+  }
   FoundBodies found(const std::vector<std::string>& static_joints = {}) const {
     const RobotPoses poses(buffer_, *robot_, "base", static_joints);
     return poses.newest(10 * SECOND, std::vector<char>(poses.nbBodies(), 1));

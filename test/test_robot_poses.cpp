@@ -88,20 +88,14 @@ TEST_F(NewestPoses, BelowAFrameThatFellSilentAreLeftOutThoughAgesDoNotMatter) {
 
 TEST_F(NewestPoses, AreNotThoseOfBeforeTheFrameThatTheyAreInFellIntoDoubt) {
   TransformBuffer buffer(PoseLimits{0.0, 1.0, 0.5});
-  const auto send = [&](const std::string& parent, const std::string& child, double seconds,
-                        double x, const std::string& publisher) {
-    const auto stamp = static_cast<StampNs>(seconds * 1e9);
-    buffer.take({parent, child, stamp, Vector3d(x, 0, 0), Eigen::Quaterniond::Identity()}, false,
-                publisher, stamp);
-  };
   const RobotPoses poses(buffer, *robot_, "tool");
   const auto known = [&] { return poses.newest(20 * SECOND, {1, 1, 1}).known; };
-  send("base", "arm", 10.0, 1.0, "/one");
-  send("tool", "wheel", 10.0, 1.0, "/one");
+  send(buffer, "base", "arm", 10.0, 1.0, "/one");
+  send(buffer, "tool", "wheel", 10.0, 1.0, "/one");
   EXPECT_THAT(known(), ElementsAre(1, 1, 1));
   for (const double later : {18.0, 18.5, 19.0}) {
-    send("base", "arm", later, 1.0, "/one");
-    send("base", "arm", later - 0.25, 9.0, "/two");
+    send(buffer, "base", "arm", later, 1.0, "/one");
+    send(buffer, "base", "arm", later - 0.25, 9.0, "/two");
   }
   EXPECT_THAT(known(), ElementsAre(0, 1, 0)) << "the wheel was heard of eight seconds earlier";
 }
@@ -110,21 +104,15 @@ TEST_F(NewestPoses, AreNotThoseOfBeforeTheFrameThatTheyAreInFellIntoDoubt) {
 TEST_F(NewestPoses, AreNotThoseOfBeforeATransformInDoubtThatFixedJointsReplace) {
   for (const std::string frame : {"world", "tool"}) {
     TransformBuffer buffer(PoseLimits{0.0, 1.0, 0.5});
-    const auto send = [&](const std::string& parent, const std::string& child, double seconds,
-                          double x, const std::string& publisher) {
-      const auto stamp = static_cast<StampNs>(seconds * 1e9);
-      buffer.take({parent, child, stamp, Vector3d(x, 0, 0), Eigen::Quaterniond::Identity()}, false,
-                  publisher, stamp);
-    };
     const RobotPoses poses(buffer, *robot_, frame);
     const auto known = [&] { return poses.newest(20 * SECOND, {1, 1, 1}).known; };
-    send("world", "base", 10.0, 1.0, "/one");
-    send("world", "tool", 10.0, 1.0, "/one");
-    send("tool", "wheel", 10.0, 1.0, "/one");
+    send(buffer, "world", "base", 10.0, 1.0, "/one");
+    send(buffer, "world", "tool", 10.0, 1.0, "/one");
+    send(buffer, "tool", "wheel", 10.0, 1.0, "/one");
     EXPECT_THAT(known(), ElementsAre(1, 1, 1));
     for (const double later : {18.0, 18.5, 19.0}) {
-      send("base", "arm", later, 1.0, "/one");
-      send("base", "arm", later - 0.25, 9.0, "/two");
+      send(buffer, "base", "arm", later, 1.0, "/one");
+      send(buffer, "base", "arm", later - 0.25, 9.0, "/two");
     }
     const bool is_of_frame = frame == "tool";  // fixed to it
     EXPECT_THAT(known(), ElementsAre(0, is_of_frame, 0)) << "the arm was heard of 9 s later";
