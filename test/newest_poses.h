@@ -30,6 +30,13 @@ class NewestPoses : public testing::Test {
     buffer.take({parent, child, stamp, Eigen::Vector3d(x, 0, 0), Eigen::Quaterniond::Identity()},
                 false, publisher, stamp);
   }
+  /// The arm on the base from 18 s to 19 s, by two nodes that contradict each other.
+  static void putArmInDoubt(TransformBuffer& buffer) {
+    for (const double later : {18.0, 18.5, 19.0}) {
+      send(buffer, "base", "arm", later, 1.0, "/one");
+      send(buffer, "base", "arm", later - 0.25, 9.0, "/two");
+    }
+  }
   FoundBodies found(const std::vector<std::string>& static_joints = {}) const {
     const RobotPoses poses(buffer_, *robot_, "base", static_joints);
     return poses.newest(10 * SECOND, std::vector<char>(poses.nbBodies(), 1));

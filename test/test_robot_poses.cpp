@@ -93,10 +93,7 @@ TEST_F(NewestPoses, AreNotThoseOfBeforeTheFrameThatTheyAreInFellIntoDoubt) {
   send(buffer, "base", "arm", 10.0, 1.0, "/one");
   send(buffer, "tool", "wheel", 10.0, 1.0, "/one");
   EXPECT_THAT(known(), ElementsAre(1, 1, 1));
-  for (const double later : {18.0, 18.5, 19.0}) {
-    send(buffer, "base", "arm", later, 1.0, "/one");
-    send(buffer, "base", "arm", later - 0.25, 9.0, "/two");
-  }
+  putArmInDoubt(buffer);
   EXPECT_THAT(known(), ElementsAre(0, 1, 0)) << "the wheel was heard of eight seconds earlier";
 }
 
@@ -110,10 +107,7 @@ TEST_F(NewestPoses, AreNotThoseOfBeforeATransformInDoubtThatFixedJointsReplace) 
     send(buffer, "world", "tool", 10.0, 1.0, "/one");
     send(buffer, "tool", "wheel", 10.0, 1.0, "/one");
     EXPECT_THAT(known(), ElementsAre(1, 1, 1));
-    for (const double later : {18.0, 18.5, 19.0}) {
-      send(buffer, "base", "arm", later, 1.0, "/one");
-      send(buffer, "base", "arm", later - 0.25, 9.0, "/two");
-    }
+    putArmInDoubt(buffer);
     const bool is_of_frame = frame == "tool";  // fixed to it
     EXPECT_THAT(known(), ElementsAre(0, is_of_frame, 0)) << "the arm was heard of 9 s later";
   }

@@ -57,7 +57,6 @@ class CloudJob {
   unsigned generation_ = 0, clock_jumps_ = 0;
   // Results.
   LatestCloud latest_;
-  std::string may_touch_;  // by the clouds of the source that this one replaced
   std::size_t nb_points_ = 0, nb_kept_ = 0;
   double seconds_ = 0.0;
 };

@@ -52,9 +52,9 @@ PairClass classify(const PairEvidence& e, const ClassRules& rules) {
   const bool always = e.trials > 0 && e.contacts == e.trials && e.touches_at_zero;
   const bool never = e.contacts == 0 && e.found_state.empty() && !e.touches_at_zero;
   if (!always && !never) return PairClass::SOMETIMES;
+  if (!e.not_moved.empty()) return PairClass::UNPROVEN;
   // Of the outcome that was never observed: contact, or no contact.
-  const double of_moved = upperContactProbability(0, e.trials, rules.confidence);
-  const double doubt = e.rigid ? 0.0 : e.not_moved.empty() ? of_moved : 1.0;
+  const double doubt = e.rigid ? 0.0 : upperContactProbability(0, e.trials, rules.confidence);
   if (doubt > rules.max_probability) return PairClass::UNPROVEN;
   if (always) return PairClass::ALWAYS;
   return e.rigid || e.nearest > rules.clearance ? PairClass::NEVER : PairClass::NEAR;

@@ -81,7 +81,7 @@ class NameCheck {
       }
       const std::string subject = "attribute '" + name + "' of <" + element.Name() + ">";
       unknown(element, subject, name, names.read_attributes, names.unread_attributes, "'", "'");
-      // Of a pose or a shape, an attribute that is not read leaves another one.
+      // One that is not read leaves another pose, shape or relation.
       const bool says_all =
           names.read.empty() && names.unread.empty() && names.unread_attributes.empty();
       if (says_all) {
