@@ -302,5 +302,51 @@ TEST_F(MeshLoaderTest, TruncatedOrNanMeshesAreRefused) {
   EXPECT_NE(refusal(file("cut.dae", "<COLLADA><library_geometries>")), "accepted");
 }
 
+/// `text` with `what` before the first `place`.
+std::string before(const std::string& place, const std::string& what, std::string text) {
+  return text.insert(text.find(place), what);
+}
+
+TEST_F(MeshLoaderTest, ColladaOfWhichAPartWouldBeMissingIsRefused) {
+  const std::string whole = collada(""), in_node = "<instance_geometry";
+  const auto refusalOf = [&](const std::string& text) { return refusal(file("part.dae", text)); };
+  for (const std::string kind : {"geometry", "node", "controller"}) {
+    for (const std::string url : {"#h", "#s", "#", "g", ""}) {
+      const std::string added = "<instance_" + kind + " url='" + url + "'/>";
+      EXPECT_THAT(refusalOf(before(in_node, added, whole)), testing::Not("accepted")) << added;
+    }
+  }
+  EXPECT_THAT(
+      refusalOf(before(in_node, "<instance_geometry url='#h'/>", whole)),
+      testing::HasSubstr("line 1: <instance_geometry url='#h'>: there is not one <geometry>"));
+  const std::string triangles =
+      "<triangles count='1'><input semantic='VERTEX' source='#v' "
+      "offset='0'/><p>0 1 2</p></triangles>";
+  const std::pair<std::string, std::string> others[] = {
+      {"<geometry ", "<geometry id='g'><mesh/></geometry>"},
+      {"<geometry ", "<geometry id='h'><convex_mesh convex_hull_of='#g'/></geometry>"},
+      {"<triangles", "<triangels count='1'/>"},
+      {"<triangles",
+       "<triangles><input semantic='VERTEX' source='#v' offset='0'/><p>0 1 2</p></triangles>"},
+      {in_node, "<translat>5 0 0</translat>"},
+      {in_node, "<transform>5 0 0</transform>"},
+      {in_node, "<instance_geometri url='#g'/>"},
+      {"</visual_scene>", "<nod><instance_geometry url='#g'/></nod>"},
+      {"<scene>", "<library_visual_scenez/>"}};
+  for (const auto& [place, added] : others) {
+    EXPECT_THAT(refusalOf(before(place, added, whole)), testing::Not("accepted")) << added;
+  }
+  const std::pair<std::string, std::string> harmless[] = {
+      {in_node, "<translate>1 0 0</translate>"},
+      {in_node, "<instance_geometry url='#g'><bind_material/></instance_geometry>"},
+      {"<geometry ", "<geometry id='unused'><mesh/></geometry>"},
+      {"<triangles", triangles},
+      {"<scene>", "<library_lights><light id='g'/></library_lights>"},
+      {"</visual_scene>", "<extra><nod/></extra>"}};
+  for (const auto& [place, added] : harmless) {
+    EXPECT_EQ(refusalOf(before(place, added, whole)), "accepted") << added;
+  }
+}
+
 }  // namespace test_mesh_loader
 }  // namespace collision_pairs

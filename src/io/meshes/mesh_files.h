@@ -1,4 +1,5 @@
-// Readers for the two most common mesh formats. All others: mesh_process.h.
+// Readers for the two most common mesh formats, and for what assimp does not tell of COLLADA. All
+// others: mesh_process.h.
 #pragma once
 
 #include <optional>
@@ -21,5 +22,10 @@ TriangleMesh readStl(const std::string& bytes);
 /// points are ignored. Not supported (returns nothing): polygons that are not convex, weights of
 /// vertices, continued lines.
 std::optional<TriangleMesh> readObj(const std::string& bytes);
+
+/// Metres per unit of a COLLADA file. Throws InputError for what assimp would read without a word in
+/// part only: elements that the schema does not have where surfaces are placed and described, and
+/// references to what is not in the file.
+double readColladaUnit(const std::string& text);
 
 }  // namespace collision_pairs

@@ -7,7 +7,6 @@
 #include <tuple>
 
 #include <rospack/rospack.h>
-#include <tinyxml2.h>
 
 #include "collision_pairs/input_error.h"
 #include "mesh_files.h"
@@ -121,20 +120,7 @@ class Loader {
 
   /// COLLADA's unit, as rviz has it, which assimp and geometric_shapes leave out.
   void toMetres(const fs::path& path, TriangleMesh& mesh) {
-    tinyxml2::XMLDocument document;
-    const std::string text = readBinaryFile(path);
-    if (document.Parse(text.c_str(), text.size()) != tinyxml2::XML_SUCCESS) {
-      throw InputError("its <unit> cannot be read: it is not well-formed XML");
-    }
-    const auto* collada = document.FirstChildElement("COLLADA");
-    const auto* asset = collada ? collada->FirstChildElement("asset") : nullptr;
-    const auto* unit = asset ? asset->FirstChildElement("unit") : nullptr;
-    const char* meter = unit ? unit->Attribute("meter") : nullptr;
-    double metres = 1.0;
-    if (meter == nullptr) return;
-    if (!parseNumber(meter, metres) || !(metres > 0.0)) {
-      throw InputError("its <unit meter=\"" + std::string(meter) + "\"> is no length");
-    }
+    const double metres = readColladaUnit(readBinaryFile(path));
     for (Eigen::Vector3d& vertex : mesh.vertices) vertex *= metres;
     if (metres == 1.0 || !warn_) return;
     warn_("mesh '" + path.string() + "' is in units of " + formatted("%g m", metres) +

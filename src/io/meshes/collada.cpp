@@ -1,0 +1,145 @@
+// What assimp does not tell of a COLLADA file: its unit, and parts that it leaves out.
+#include <iterator>
+#include <map>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <tinyxml2.h>
+
+#include "collision_pairs/input_error.h"
+#include "mesh_files.h"
+#include "user_text.h"
+#include "xml_file.h"
+#include "xml_names.h"
+
+namespace collision_pairs {
+namespace {
+
+using tinyxml2::XMLElement;
+
+const std::string COLLADA = "COLLADA";
+
+const std::set<std::string> PRIMITIVES = {"triangles", "polylist", "polygons", "tristrips",
+                                          "trifans"};
+
+/// What an element with a URL places.
+const std::map<std::string, std::string> PLACED = {{"instance_visual_scene", "visual_scene"},
+                                                   {"instance_node", "node"},
+                                                   {"instance_geometry", "geometry"},
+                                                   {"instance_controller", "controller"}};
+
+/// From the schema of COLLADA 1.4 and 1.5: what places surfaces, and what they consist of.
+const XmlGrammar& colladaGrammar() {
+  static const XmlNames PRIMITIVE = {
+      {}, {"input", "p", "vcount", "ph", "extra"}, {"count"}, {"name", "material"}};
+  static const XmlNames INSTANCE = {
+      {}, {"bind_material", "skeleton", "extra"}, {"url"}, {"sid", "name", "proxy"}};
+  static const std::vector<std::string> NAMES = {"id", "sid", "name", "type", "layer"};
+  static const XmlGrammar GRAMMAR = {
+      {COLLADA,
+       {{"library_geometries", "library_controllers", "library_nodes", "library_visual_scenes",
+         "scene"},
+        {"asset", "extra", "library_animations", "library_animation_clips",
+         "library_articulated_systems", "library_cameras", "library_effects",
+         "library_force_fields", "library_formulas", "library_images", "library_joints",
+         "library_kinematics_models", "library_kinematics_scenes", "library_lights",
+         "library_materials", "library_physics_materials", "library_physics_models",
+         "library_physics_scenes"},
+        {},
+        {"version", "base"}}},
+      {"library_geometries", {{"geometry"}, {"asset", "extra"}, {}, NAMES}},
+      {"geometry", {{"mesh"}, {"asset", "spline", "extra"}, {}, NAMES}},
+      {"mesh",
+       {{"triangles", "polylist", "polygons", "tristrips", "trifans"},
+        {"source", "vertices", "lines", "linestrips", "extra"},
+        {},
+        NAMES}},
+      {"triangles", PRIMITIVE},
+      {"polylist", PRIMITIVE},
+      {"polygons", PRIMITIVE},
+      {"tristrips", PRIMITIVE},
+      {"trifans", PRIMITIVE},
+      {"library_nodes", {{"node"}, {"asset", "extra"}, {}, NAMES}},
+      {"library_visual_scenes", {{"visual_scene"}, {"asset", "extra"}, {}, NAMES}},
+      {"visual_scene", {{"node"}, {"asset", "evaluate_scene", "extra"}, {}, NAMES}},
+      {"node",
+       {{"node", "matrix", "translate", "rotate", "scale", "lookat", "skew", "instance_node",
+         "instance_geometry", "instance_controller"},
+        {"asset", "instance_camera", "instance_light", "extra"},
+        {},
+        NAMES}},
+      {"instance_node", INSTANCE},
+      {"instance_geometry", INSTANCE},
+      {"instance_controller", INSTANCE},
+      {"scene",
+       {{"instance_visual_scene"},
+        {"instance_physics_scene", "instance_kinematics_scene", "extra"},
+        {},
+        NAMES}},
+      {"instance_visual_scene", INSTANCE}};
+  return GRAMMAR;
+}
+
+/// assimp skips what a URL does not find.
+class Parts {
+ public:
+  explicit Parts(const XMLElement& root) {
+    for (const auto* library = root.FirstChildElement(); library;
+         library = library->NextSiblingElement()) {
+      gather(*library);
+    }
+  }
+
+  void require(const XMLElement& element) const {
+    const std::string name = element.Name();
+    if (const auto placed = PLACED.find(name); placed != PLACED.end()) {
+      const std::string url = requiredAttribute(element, "url", COLLADA);
+      const auto [first, end] = elements_.equal_range({placed->second, url.substr(1)});
+      const bool is_one = url[0] == '#' && first != end && std::next(first) == end;
+      if (!is_one) {
+        failAt(element, COLLADA,
+               "<" + name + " url='" + url + "'>: there is not one <" + placed->second +
+                   "> of that id in the file, and that part would be missing");
+      }
+    }
+    if (PRIMITIVES.count(name) > 0) requiredAttribute(element, "count", COLLADA);
+    for (const auto* child = element.FirstChildElement(); child;
+         child = child->NextSiblingElement()) {
+      if (colladaGrammar().count(child->Name()) > 0) require(*child);
+    }
+  }
+
+ private:
+  void gather(const XMLElement& element) {
+    if (const char* id = element.Attribute("id"))
+      elements_.emplace(std::pair(element.Name(), id), &element);
+    for (const auto* child = element.FirstChildElement(); child;
+         child = child->NextSiblingElement()) {
+      gather(*child);
+    }
+  }
+
+  std::multimap<std::pair<std::string, std::string>, const XMLElement*> elements_;
+};
+
+}  // namespace
+
+double readColladaUnit(const std::string& text) {
+  tinyxml2::XMLDocument document;
+  const XMLElement& root = *parseXml(document, text, COLLADA, COLLADA);
+  const std::vector<std::string> unknown = checkNames(root, colladaGrammar(), COLLADA);
+  if (!unknown.empty()) throw InputError(unknown.front());
+  Parts(root).require(root);
+  const XMLElement* asset = root.FirstChildElement("asset");
+  const XMLElement* unit = asset ? asset->FirstChildElement("unit") : nullptr;
+  const char* meter = unit ? unit->Attribute("meter") : nullptr;
+  double metres = 1.0;
+  if (meter && (!parseNumber(meter, metres) || !(metres > 0.0))) {
+    throw InputError("its <unit meter=\"" + std::string(meter) + "\"> is no length");
+  }
+  return metres;
+}
+
+}  // namespace collision_pairs
