@@ -1,6 +1,5 @@
 #include "recorded_scenes.h"
 
-#include <algorithm>
 #include <iterator>
 
 #include "collision_pairs/input_error.h"
@@ -8,6 +7,11 @@
 #include "user_text.h"
 
 namespace collision_pairs {
+namespace {
+
+StampNs sinceOf(const Scene& scene) { return static_cast<StampNs>(scene.header.stamp.toNSec()); }
+
+}  // namespace
 
 bool RecordedScenes::isScene(const RawMessage& raw) {
   return raw.md5sum == ros::message_traits::MD5Sum<Scene>::value();
@@ -21,7 +25,9 @@ void RecordedScenes::take(const RawMessage& raw) {
   Track& track = tracks_[raw.topic];
   auto& revision = track.revisions[raw.received];
   if (!scene) return;
-  revision = std::max(revision, std::optional(scene->revision));
+  if (!revision || revision->number <= scene->revision) {
+    revision = {scene->revision, sinceOf(*scene)};
+  }
   if (raw.received >= track.first_arrival) return;
   track.first_arrival = raw.received;
   track.first = std::move(*scene);
@@ -57,18 +63,20 @@ std::string RecordedScenes::doubtAt(StampNs now) const {
     }
   }
   if (now < track.first_arrival) {
-    const auto since = static_cast<StampNs>(track.first.header.stamp.toNSec());
-    return since <= now ? "" : "the first scene on " + topic_ + " is of a later time";
+    return sinceOf(track.first) <= now ? ""
+                                       : "the first scene on " + topic_ + " is of a later time";
   }
-  const std::optional<std::uint64_t>& last = std::prev(next)->second;
+  const auto& last = std::prev(next)->second;
   if (!last) return "the last scene on " + topic_ + " cannot be read";
   if (next == track.revisions.end() || !next->second) return "";
-  const bool is_new_node = *next->second < *last;  // which counts from 1
-  const std::uint64_t known = is_new_node ? 0 : *last;
-  if (*next->second <= known + 1) return "";
-  return std::to_string(*next->second - known - 1) + " scenes " +
-         (is_new_node ? "before revision " + std::to_string(*next->second)
-                      : "after revision " + std::to_string(*last)) +
+  const auto& [number, since] = *next->second;
+  const bool is_new_node =  // which counts from 1
+      number < last->number || (number == last->number && since != last->since);
+  const std::uint64_t known = is_new_node ? 0 : last->number;
+  if (number <= known + 1) return "";
+  return std::to_string(number - known - 1) + " scenes " +
+         (is_new_node ? "before revision " + std::to_string(number)
+                      : "after revision " + std::to_string(last->number)) +
          " on " + topic_ + " are not in the bag";
 }
 

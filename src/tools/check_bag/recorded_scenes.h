@@ -38,8 +38,12 @@ class RecordedScenes {
   struct Track {
     Scene first;
     StampNs first_arrival = NEVER;
+    struct Revision {
+      std::uint64_t number = 0;
+      StampNs since = 0;  ///< tells two nodes apart that have counted equally far
+    };
     /// By arrival, the highest; none: it cannot be read.
-    std::map<StampNs, std::optional<std::uint64_t>> revisions;
+    std::map<StampNs, std::optional<Revision>> revisions;
   };
   std::map<std::string, Track> tracks_;  ///< by topic
   std::size_t nb_losses_ = 0;
