@@ -266,6 +266,17 @@ def test_motions_are_certified_or_the_contact_between_their_ends_is_found():
     assert near.verdict.tolist() != [free]
 
 
+def test_what_numpy_takes_for_an_array_is_one_although_it_has_a_method_mask():
+    class Frame:  # as pandas' DataFrame
+        def __array__(self, dtype=None, copy=None):
+            return np.array([[0.0, 0.3]])
+
+        def mask(self):
+            pass
+
+    np.testing.assert_array_equal(detector().check(Frame()).verdict, detector().check([[0.0, 0.3]]).verdict)
+
+
 # What it refuses: the exception names the thing
 
 

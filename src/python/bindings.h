@@ -45,6 +45,11 @@ struct PythonScene {
 /// pybind11 before 2.7 takes bytes for a str.
 inline bool isStr(const pybind11::handle& value) { return PyUnicode_Check(value.ptr()) != 0; }
 
+/// pandas has a method of the name that tells numpy's arrays.
+inline bool isMasked(const pybind11::handle& value) {
+  return pybind11::isinstance(value, pybind11::module_::import("numpy.ma").attr("MaskedArray"));
+}
+
 /// Of a str. Raises UnicodeEncodeError for one that is no Unicode text (lone surrogates).
 inline std::string utf8From(const pybind11::handle& str) {
   return pybind11::bytes(str.attr("encode")());

@@ -33,7 +33,7 @@ std::string shapeOf(const py::array& array) {
 }
 
 py::array float64From(const py::object& states) {
-  if (py::hasattr(states, "mask")) {
+  if (isMasked(states)) {
     throw InputError("states are a masked array: masked entries have no position");
   }
   const py::array array = py::array::ensure(states);

@@ -44,7 +44,7 @@ using Numbers = py::array_t<double, py::array::c_style | py::array::forcecast>;
 /// A list counts as an array. Null if these are no real numbers, or some are masked.
 Numbers numbersFrom(const py::handle& value) {
   const py::array array = py::array::ensure(value);
-  if (!array || array.dtype().kind() == 'c' || py::hasattr(value, "mask"))
+  if (!array || array.dtype().kind() == 'c' || isMasked(value))
     return py::reinterpret_steal<Numbers>(nullptr);
   return Numbers::ensure(array);
 }
