@@ -112,6 +112,19 @@ TEST_F(TextFiles, ADeviceIsWrittenInPlace) {
   EXPECT_EQ(nbFiles(), 1u);
 }
 
+TEST_F(TextFiles, ALinkStaysAndWhatItLeadsToIsWritten) {
+  std::ofstream(path("old")) << "old";
+  fs::create_symlink("old", path("link"));
+  fs::create_symlink("none", path("nowhere"));
+  for (const char* link : {"link", "nowhere"}) {
+    writeTextFile(path(link), [](std::ostream& out) { out << "new"; });
+    EXPECT_TRUE(fs::is_symlink(path(link))) << link;
+    EXPECT_EQ(readTextFile(path(link)), "new");
+  }
+  EXPECT_EQ(readTextFile(path("old")), "new");
+  EXPECT_EQ(nbFiles(), 4u);
+}
+
 TEST_F(TextFiles, NoNameAndADashAreStandardOutput) {
   for (const char* name : {"", "-"}) {
     testing::internal::CaptureStdout();

@@ -24,6 +24,12 @@ inline std::string withoutLeadingSlash(const std::string& name) {
   return !name.empty() && name.front() == '/' ? name.substr(1) : name;
 }
 
+/// Without the UTF-8 byte order mark that some editors begin a file with.
+inline std::string withoutByteOrderMark(std::string text) {
+  if (text.compare(0, 3, "\xEF\xBB\xBF") == 0) text.erase(0, 3);
+  return text;
+}
+
 inline std::string quoted(const std::string& name) { return "'" + name + "'"; }
 
 /// "a, b, c"

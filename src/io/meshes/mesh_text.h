@@ -10,10 +10,6 @@
 
 namespace collision_pairs {
 
-inline std::string withoutByteOrderMark(const std::string& text) {
-  return text.compare(0, 3, "\xEF\xBB\xBF") == 0 ? text.substr(3) : text;
-}
-
 class MeshWords {
  public:
   /// `text` must outlive this.

@@ -5,10 +5,12 @@
 #include <filesystem>
 #include <fstream>
 #include <iostream>
+#include <utility>
 
 #include <unistd.h>
 
 #include "collision_pairs/input_error.h"
+#include "user_text.h"
 
 namespace collision_pairs {
 
@@ -59,8 +61,13 @@ std::string readTextFile(const std::string& path) {
     }
     text.append(block, size);
   });
-  if (text.compare(0, 3, "\xEF\xBB\xBF") == 0) text.erase(0, 3);
-  return text;
+  return withoutByteOrderMark(std::move(text));
+}
+
+std::string behindLinks(const std::string& path) {
+  std::error_code error;
+  const fs::path target = fs::is_symlink(path, error) ? fs::canonical(path, error) : fs::path(path);
+  return error ? path : target.string();
 }
 
 void writeTextFile(const std::string& path, const std::function<void(std::ostream&)>& write) {
@@ -71,15 +78,17 @@ void writeTextFile(const std::string& path, const std::function<void(std::ostrea
   }
   std::error_code error;
   // A device or pipe has no content to protect, and must not be replaced by a file.
-  const bool in_place = fs::exists(path, error) && !fs::is_regular_file(path, error);
-  const std::string target = in_place ? path : path + ".part" + std::to_string(::getpid());
+  const std::string end = behindLinks(path);
+  const bool in_place =
+      fs::is_symlink(end, error) || (fs::exists(end, error) && !fs::is_regular_file(end, error));
+  const std::string target = in_place ? path : end + ".part" + std::to_string(::getpid());
   std::ofstream file(target, std::ios::binary);
   if (!file) throw InputError(path + ": cannot be written: " + std::strerror(errno));
   try {
     write(file);
     file.close();
     if (!file) throw InputError(path + ": writing failed (disk full?)");
-    if (!in_place) fs::rename(target, path);
+    if (!in_place) fs::rename(target, end);
   } catch (...) {
     if (!in_place) fs::remove(target, error);
     throw;

@@ -34,6 +34,10 @@ TextFrom textFromFile(const std::string& path);
 /// The bytes of a regular file. Throws InputError that names it.
 std::string readBinaryFile(const std::string& path);
 
+/// The file that a symbolic link leads to, so that what is renamed to it does not replace the link;
+/// the path itself if it is none, or leads nowhere.
+std::string behindLinks(const std::string& path);
+
 /// Writes through a temporary file beside `path` that is renamed only after `write` has succeeded:
 /// on any error, no partial output has the final name. An empty path, or "-", is standard output.
 /// Throws InputError.

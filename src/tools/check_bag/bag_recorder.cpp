@@ -8,6 +8,7 @@
 #include "collision_pairs/input_error.h"
 #include "conversions.h"
 #include "markers.h"
+#include "text_files.h"
 
 namespace collision_pairs {
 namespace {
@@ -19,7 +20,9 @@ const std::string NODE = "/collision_pairs_node/";
 }  // namespace
 
 BagRecorder::BagRecorder(const std::string& path)
-    : path_(path), part_(path + ".part" + std::to_string(::getpid())), bag_(new rosbag::Bag) {
+    : path_(path),
+      part_(behindLinks(path) + ".part" + std::to_string(::getpid())),
+      bag_(new rosbag::Bag) {
   // Writing a bag seeks, and its file replaces the one of that name: not possible for a device.
   std::error_code error;
   if (fs::exists(path_, error) && !fs::is_regular_file(path_, error)) {
@@ -67,7 +70,7 @@ void BagRecorder::write(const CollisionReport& report, const CollisionScene& sce
 void BagRecorder::finish() {
   try {
     bag_->close();
-    fs::rename(part_, path_);
+    fs::rename(part_, behindLinks(path_));
   } catch (const std::exception& error) {
     throw InputError(path_ + ": cannot be written: " + error.what());
   }
