@@ -144,6 +144,11 @@ TEST_F(MeshLoaderTest, TheFirstMeshWhoseUnitIsNotTheMetreIsSaidAndNoOther) {
   EXPECT_THAT(said[0], testing::HasSubstr("one.dae' is in units of 0.01 m"));
 }
 
+/// `text` with `what` before the first `place`.
+std::string before(const std::string& place, const std::string& what, std::string text) {
+  return text.insert(text.find(place), what);
+}
+
 /// One triangle whose corners are in the file triangle.bin beside it.
 std::string gltf(const std::string& nodes) {
   return R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": )" +
@@ -302,14 +307,30 @@ TEST_F(MeshLoaderTest, TruncatedOrNanMeshesAreRefused) {
   EXPECT_NE(refusal(file("cut.dae", "<COLLADA><library_geometries>")), "accepted");
 }
 
-/// `text` with `what` before the first `place`.
-std::string before(const std::string& place, const std::string& what, std::string text) {
-  return text.insert(text.find(place), what);
+TEST_F(MeshLoaderTest, GltfThatRequiresAnExtensionIsRefusedUnlessThatIsOfLooks) {
+  file("triangle.bin", std::string(36, '\0').replace(12, 4, "\0\0\x80?", 4));
+  int number = 0;
+  const auto refusalOf = [&](const std::string& extensions) {
+    const std::string required = "\"extensionsRequired\": [" + extensions + "], ";
+    return refusal(file(std::to_string(number++) + ".gltf",
+                        before("\"asset\"", required, gltf(R"([{"mesh": 0}])"))));
+  };
+  for (const char* none :
+       {"", R"("KHR_materials_unlit")", R"("KHR_texture_transform" , "KHR_materials_ior")"}) {
+    EXPECT_EQ(refusalOf(none), "accepted") << none;
+  }
+  for (const char* some : {R"("KHR_mesh_quantization")", R"("EXT_meshopt_compression")",
+                           R"("KHR_materials_unlit", "KHR_draco_mesh_compression")"}) {
+    EXPECT_THAT(refusalOf(some), testing::HasSubstr("needs the glTF extension")) << some;
+  }
 }
 
 TEST_F(MeshLoaderTest, ColladaOfWhichAPartWouldBeMissingIsRefused) {
   const std::string whole = collada(""), in_node = "<instance_geometry";
-  const auto refusalOf = [&](const std::string& text) { return refusal(file("part.dae", text)); };
+  int number = 0;
+  const auto refusalOf = [&](const std::string& text) {
+    return refusal(file(std::to_string(number++) + ".dae", text));
+  };
   for (const std::string kind : {"geometry", "node", "controller"}) {
     for (const std::string url : {"#h", "#s", "#", "g", ""}) {
       const std::string added = "<instance_" + kind + " url='" + url + "'/>";

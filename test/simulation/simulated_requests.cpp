@@ -118,6 +118,13 @@ void SimulatedNode::requestJoints(const Event& event, Ns at_stamp) {
       more.push_back(0.0);
       asked.joints->posesAt(more, asked.poses);
     });
+    if (!positions.empty()) {
+      requireRefusal({"its position is not finite"}, [&] {
+        std::vector<double> none = positions;
+        none[static_cast<std::size_t>(event.other) % none.size()] = std::nan("");
+        asked.joints->posesAt(none, asked.poses);
+      });
+    }
     asked.joints->posesAt(positions, asked.poses);
     if (detector_->detect(asked.poses, {}).verdict == Verdict::FREE) judgeApart(at);
     for (std::size_t i = 0; i < scene->scene->bodies().size(); ++i) {

@@ -1,5 +1,5 @@
-// Readers for the two most common mesh formats, and for what assimp does not tell of COLLADA. All
-// others: mesh_process.h.
+// Readers for the two most common mesh formats, and for what assimp does not tell of COLLADA and
+// glTF. All others: mesh_process.h.
 #pragma once
 
 #include <optional>
@@ -27,5 +27,9 @@ std::optional<TriangleMesh> readObj(const std::string& bytes);
 /// part only: elements that the schema does not have where surfaces are placed and described, and
 /// references to what is not in the file.
 double readColladaUnit(const std::string& text);
+
+/// Throws InputError if a glTF file, text or binary, requires an extension that may change its
+/// surfaces: assimp reads it without, so that quantized vertices fall into one point.
+void refuseGltfExtensions(const std::string& bytes);
 
 }  // namespace collision_pairs

@@ -113,6 +113,7 @@ class Loader {
     if (ending == ".stl") return readStl(readBinaryFile(path));
     std::optional<TriangleMesh> mesh;
     if (ending == ".obj") mesh = readObj(readBinaryFile(path));
+    if (ending == ".gltf" || ending == ".glb") refuseGltfExtensions(readBinaryFile(path));
     if (!mesh) mesh = readMeshInProcess(path.string());
     if (ending == ".dae") toMetres(path, *mesh);
     return std::move(*mesh);
