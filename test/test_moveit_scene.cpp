@@ -53,6 +53,17 @@ TEST(AContinuousJoint, TurnsTheShorterWay) {
   EXPECT_EQ(endOfTurn(0.0, M_PI), M_PI);
 }
 
+TEST(AMimicJoint, EndsWhereItsLeaderPutsItOrNotAtAll) {
+  const double leader = endOfTurn(3.0, -3.0);  // passes pi
+  EXPECT_NEAR(*endOfMimic(leader, 1.0, 0.2, -2.8, true), leader + 0.2, 1e-12);
+  EXPECT_NEAR(*endOfMimic(leader, -2.0, 0.0, 6.0, true), -2.0 * leader, 1e-12) << "two turns";
+  EXPECT_FALSE(endOfMimic(leader, 0.5, 0.0, -1.5, true)) << "jumps by half a turn at pi";
+  EXPECT_FALSE(endOfMimic(leader, 1.0, 0.0, -3.0, false)) << "a slide jumps at pi";
+  EXPECT_NEAR(*endOfMimic(0.5, 0.5, 0.1, 0.35, false), 0.35, 1e-12);
+  EXPECT_FALSE(endOfMimic(0.5, 0.5, 0.1, 0.36, true)) << "not where its leader puts it";
+  EXPECT_FALSE(endOfMimic(0.5, 0.5, 0.1, std::numeric_limits<double>::quiet_NaN(), true));
+}
+
 TEST(Shapes, BecomeElementsInTheirPlaces) {
   MoveitShapes shapes;
   std::vector<Element> elements;
