@@ -21,8 +21,8 @@ constexpr char LINK[] = "link of the robot: ";
 
 constexpr double SAME_POSE = 1e-9;  // metres, and for entries of a rotation
 
-// Links and joints are called by MoveIt's index; mimic joints move as their leaders do in both
-// states, and so on the line between them.
+// Links and joints are called by MoveIt's index; mimic joints are joints like others, whose ends
+// turnAsMoveit() sets.
 std::shared_ptr<const RobotModel> modelOf(const moveit::core::RobotModel& robot,
                                           const std::vector<MovingBody>& moving) {
   std::vector<Link> links;

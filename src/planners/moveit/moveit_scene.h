@@ -55,9 +55,9 @@ inline double endOfTurn(double from, double to) {
 }
 
 /// Where the straight motion of a joint that mimics another ends: MoveIt interpolates the other,
-/// which ends at `leader` (as endOfTurn() has it), and then sets this one; rad or metres. Nothing if
-/// that is not the position `to`, or for a joint that turns one that differs by whole turns: it is
-/// elsewhere in that state, or jumps where MoveIt's interpolation passes pi.
+/// which ends at `leader` (as endOfTurn() has it), and then sets this one; rad or metres. Nothing
+/// if that is not the position `to`, or for a joint that turns one that differs by whole turns: it
+/// is elsewhere in that state, or jumps where MoveIt's interpolation passes pi.
 inline std::optional<double> endOfMimic(double leader, double factor, double offset, double to,
                                         bool turns) {
   constexpr double TURN = 2.0 * 3.14159265358979323846;
