@@ -117,6 +117,22 @@ TEST(AnOctree, IsItsOccupiedLeavesOfAnySize) {
   EXPECT_FALSE(occupiedLeaves(tree) == leaves);
 }
 
+TEST(OctreesAmongShapes, ShowTheirChangesInPlaceEachByItself) {
+  const auto first = std::make_shared<octomap::OcTree>(0.5);
+  const auto second = std::make_shared<octomap::OcTree>(0.5);
+  const octomap::point3d centre(0.25f, 0.25f, 0.25f);
+  first->updateNode(centre, true);
+  const std::vector<shapes::ShapeConstPtr> parts = {
+      std::make_shared<shapes::OcTree>(first), std::make_shared<shapes::Sphere>(1.0),
+      std::make_shared<shapes::OcTree>(second), std::make_shared<shapes::OcTree>()};
+  const LeavesOfOctrees leaves = leavesOfOctrees(parts);
+  EXPECT_THAT(leaves,
+              ElementsAre(ElementsAre(OctreeLeaf{0.25, 0.25, 0.25, 0.5}), IsEmpty(), IsEmpty()));
+  first->clear();
+  second->updateNode(centre, true);
+  EXPECT_THAT(leavesOfOctrees(parts), ElementsAre(IsEmpty(), leaves[0], IsEmpty()));
+}
+
 class AScene : public testing::Test {
  protected:
   AScene() {
