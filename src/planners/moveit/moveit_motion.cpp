@@ -177,7 +177,8 @@ bool MoveitMotions::turnAsMoveit(JointMotion& motion) const {
   }
   for (const auto& [joint, j] : positions) {
     const JointModel* leader = joint->getMimic();
-    if (!leader || !joints[j].hasPosition()) continue;
+    if (!leader || joints[j].type == JointType::FIXED) continue;
+    if (!joints[j].hasPosition()) return false;  // planar: of several variables MoveIt sets one
     const std::size_t l = positions.at(leader);
     for (std::vector<double>* end : {&motion.from, &motion.to}) {
       const std::optional<double> position =
@@ -210,7 +211,7 @@ void MoveitMotions::check(const RobotState& from, const RobotState& to, const Mo
     }
   }
   if (!turnAsMoveit(motion)) {
-    return refuse("a joint that mimics another is not where that puts it, or jumps between");
+    return refuse("a joint that mimics another is not where that puts it, jumps or is planar");
   }
   MotionCheck check(sceneFor(limits));
   const MotionReport& report = check.check(motion, MotionSettings(), placed);

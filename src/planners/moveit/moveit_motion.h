@@ -47,7 +47,8 @@ class MoveitMotions {
               PlacedBodies& placed) const;
 
   /// Ends joints that turn without limits, and those that mimic others, where MoveIt's
-  /// interpolation does. False: a joint that mimics another is elsewhere in a state, or jumps.
+  /// interpolation does. False: a joint that mimics another is elsewhere in a state, jumps, or is
+  /// planar or floating.
   bool turnAsMoveit(JointMotion& motion) const;
 
   std::shared_ptr<const MoveitScene> world_;
