@@ -53,6 +53,17 @@ TEST(AContinuousJoint, TurnsTheShorterWay) {
   EXPECT_EQ(endOfTurn(0.0, M_PI), M_PI);
 }
 
+TEST(AMimicJoint, EndsWhereItsLeaderPutsItOrNotAtAll) {
+  const double leader = endOfTurn(3.0, -3.0);  // passes pi
+  EXPECT_NEAR(*endOfMimic(leader, 1.0, 0.2, -2.8, true), leader + 0.2, 1e-12);
+  EXPECT_NEAR(*endOfMimic(leader, -2.0, 0.0, 6.0, true), -2.0 * leader, 1e-12) << "two turns";
+  EXPECT_FALSE(endOfMimic(leader, 0.5, 0.0, -1.5, true)) << "jumps by half a turn at pi";
+  EXPECT_FALSE(endOfMimic(leader, 1.0, 0.0, -3.0, false)) << "a slide jumps at pi";
+  EXPECT_NEAR(*endOfMimic(0.5, 0.5, 0.1, 0.35, false), 0.35, 1e-12);
+  EXPECT_FALSE(endOfMimic(0.5, 0.5, 0.1, 0.36, true)) << "not where its leader puts it";
+  EXPECT_FALSE(endOfMimic(0.5, 0.5, 0.1, std::numeric_limits<double>::quiet_NaN(), true));
+}
+
 TEST(Shapes, BecomeElementsInTheirPlaces) {
   MoveitShapes shapes;
   std::vector<Element> elements;
@@ -104,6 +115,22 @@ TEST(AnOctree, IsItsOccupiedLeavesOfAnySize) {
                                                     OctreeLeaf{5.25, 0.25, 0.25, 0.5}));
   tree.updateNode(octomap::point3d(0.25f, 0.25f, 0.25f), false);
   EXPECT_FALSE(occupiedLeaves(tree) == leaves);
+}
+
+TEST(OctreesAmongShapes, ShowTheirChangesInPlaceEachByItself) {
+  const auto first = std::make_shared<octomap::OcTree>(0.5);
+  const auto second = std::make_shared<octomap::OcTree>(0.5);
+  const octomap::point3d centre(0.25f, 0.25f, 0.25f);
+  first->updateNode(centre, true);
+  const std::vector<shapes::ShapeConstPtr> parts = {
+      std::make_shared<shapes::OcTree>(first), std::make_shared<shapes::Sphere>(1.0),
+      std::make_shared<shapes::OcTree>(second), std::make_shared<shapes::OcTree>()};
+  const LeavesOfOctrees leaves = leavesOfOctrees(parts);
+  EXPECT_THAT(leaves,
+              ElementsAre(ElementsAre(OctreeLeaf{0.25, 0.25, 0.25, 0.5}), IsEmpty(), IsEmpty()));
+  first->clear();
+  second->updateNode(centre, true);
+  EXPECT_THAT(leavesOfOctrees(parts), ElementsAre(IsEmpty(), leaves[0], IsEmpty()));
 }
 
 class AScene : public testing::Test {

@@ -103,21 +103,18 @@ void MoveitCollisionEnv::noteChange(const std::string& name) const {
   const auto object = getWorld()->getObject(name);
   if (!object) return;
   for (const auto& shape : object->shapes_) {
-    if (shape->type != shapes::OCTREE) continue;
-    octrees_[name].push_back({static_cast<const shapes::OcTree&>(*shape).octree, {}});
+    if (shape->type == shapes::OCTREE) octrees_[name] = {};  // read at the next check
   }
 }
 
 // Notes only: the scenes read the leaves again.
 void MoveitCollisionEnv::noteOctreesThatChanged() const {
-  for (auto& [name, octrees] : octrees_) {
-    for (SeenOctree& seen : octrees) {
-      if (!seen.tree) continue;
-      auto leaves = occupiedLeaves(*seen.tree);
-      if (leaves == seen.leaves) continue;
-      seen.leaves = std::move(leaves);
-      for (auto& scenes : scenes_) scenes->changed.insert(name);
-    }
+  for (auto& [name, seen] : octrees_) {
+    const auto object = getWorld()->getObject(name);
+    auto leaves = object ? leavesOfOctrees(object->shapes_) : LeavesOfOctrees();
+    if (leaves == seen) continue;
+    seen = std::move(leaves);
+    for (auto& scenes : scenes_) scenes->changed.insert(name);
   }
 }
 
@@ -148,6 +145,7 @@ void MoveitCollisionEnv::makeScenes(Scenes& scenes) const {
   scenes.world.reset();
   scenes.self_problem.clear();
   scenes.moving.clear();
+  for (Attached& attached : scenes.attached) attached.leaves = leavesOfOctrees(attached.shapes);
   try {
     for (const auto* link : getRobotModel()->getLinkModelsWithCollisionGeometry()) {
       scenes.moving.push_back(movingLink(*link));
@@ -218,6 +216,10 @@ MoveitCollisionEnv::Scenes& MoveitCollisionEnv::scenesOf(const State& state) con
                    [](const Attached& a, const moveit::core::AttachedBody* b) { return a.is(*b); });
     if (!is_it) continue;
     scenes->last_used = nb_uses_;
+    const bool is_as_was = std::all_of(known.begin(), known.end(), [](const Attached& attached) {
+      return attached.leaves == leavesOfOctrees(attached.shapes);
+    });
+    if (!is_as_was) makeScenes(*scenes);
     return *scenes;
   }
   if (scenes_.size() == MAX_SCENES) {  // the first, without attached bodies, stays
@@ -232,7 +234,8 @@ MoveitCollisionEnv::Scenes& MoveitCollisionEnv::scenesOf(const State& state) con
                                 body->getAttachedLink(),
                                 body->getShapes(),
                                 {poses.begin(), poses.end()},
-                                body->getTouchLinks()});
+                                body->getTouchLinks(),
+                                {}});
   }
   makeScenes(*scenes);
   scenes->last_used = nb_uses_;

@@ -28,7 +28,8 @@ class MoveitMotions;
 /// Changes of the world are taken over at the next check: O(change), about 0.1 µs for each object
 /// that stays. Each set of attached bodies has scenes of its own, the last four are kept; the first
 /// check with a new set costs a build. Octomaps may change in place, of which MoveIt tells nobody:
-/// their leaves are read and compared at every check of the world, O(nodes).
+/// their leaves are read and compared at every check of the world, O(nodes); those of attached
+/// bodies at every check, and a change costs a build.
 ///
 /// As MoveIt asks for: constant functions may run in several threads, the others in none beside.
 class MoveitCollisionEnv : public collision_detection::CollisionEnv {
@@ -99,6 +100,7 @@ class MoveitCollisionEnv : public collision_detection::CollisionEnv {
     std::vector<shapes::ShapeConstPtr> shapes;
     std::vector<Eigen::Isometry3d> X_OE;  ///< poses of the shapes in the frame of the body
     std::set<std::string> touch_links;
+    LeavesOfOctrees leaves;  ///< as the scenes have them
     bool is(const moveit::core::AttachedBody& body) const;
   };
   /// The scenes for one set of attached bodies. A text that is not empty: why there is no scene.
@@ -110,10 +112,6 @@ class MoveitCollisionEnv : public collision_detection::CollisionEnv {
     std::set<std::string> changed;  ///< objects that `world` does not have as they are
     std::shared_ptr<const MoveitMotions> motions;  ///< of some world before, or null
     std::uint64_t last_used = 0;
-  };
-  struct SeenOctree {
-    std::shared_ptr<const octomap::OcTree> tree;
-    std::vector<OctreeLeaf> leaves;
   };
 
   enum class Among { SELF, WORLD };
@@ -142,7 +140,7 @@ class MoveitCollisionEnv : public collision_detection::CollisionEnv {
   mutable std::mutex mutex_;  // of all below
   mutable std::vector<std::unique_ptr<Scenes>> scenes_;
   mutable std::uint64_t nb_uses_ = 0;
-  mutable std::map<std::string, std::vector<SeenOctree>> octrees_;  // by object
+  mutable std::map<std::string, LeavesOfOctrees> octrees_;  // by object that has any
 };
 
 }  // namespace collision_pairs

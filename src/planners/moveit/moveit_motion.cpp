@@ -1,6 +1,7 @@
 #include "moveit_motion.h"
 
 #include <algorithm>
+#include <map>
 
 #include <moveit/robot_model/prismatic_joint_model.h>
 #include <moveit/robot_model/revolute_joint_model.h>
@@ -20,8 +21,8 @@ constexpr char LINK[] = "link of the robot: ";
 
 constexpr double SAME_POSE = 1e-9;  // metres, and for entries of a rotation
 
-// Links and joints are called by MoveIt's index; mimic joints move as their leaders do in both
-// states, and so on the line between them.
+// Links and joints are called by MoveIt's index; mimic joints are joints like others, whose ends
+// turnAsMoveit() sets.
 std::shared_ptr<const RobotModel> modelOf(const moveit::core::RobotModel& robot,
                                           const std::vector<MovingBody>& moving) {
   std::vector<Link> links;
@@ -161,6 +162,35 @@ bool MoveitMotions::follow(const RobotState& state, std::vector<double>& positio
   return true;
 }
 
+// Sets the ends of continuous joints and of those that mimic others to where MoveIt's interpolation
+// leads them.
+bool MoveitMotions::turnAsMoveit(JointMotion& motion) const {
+  const auto& joints = description_.robots[0].model->joints();
+  std::map<const JointModel*, std::size_t> positions;
+  for (std::size_t j = 0; j < joints.size(); ++j) {
+    const LinkModel* child = links_[static_cast<std::size_t>(joints[j].child_link)];
+    const JointModel* joint = child->getParentJointModel();
+    positions[joint] = j;
+    if (joint->getMimic() || joint->getType() != JointModel::REVOLUTE) continue;
+    const auto* revolute = static_cast<const moveit::core::RevoluteJointModel*>(joint);
+    if (revolute->isContinuous()) motion.to[j] = endOfTurn(motion.from[j], motion.to[j]);
+  }
+  for (const auto& [joint, j] : positions) {
+    const JointModel* leader = joint->getMimic();
+    if (!leader || joints[j].type == JointType::FIXED) continue;
+    if (!joints[j].hasPosition()) return false;  // planar: of several variables MoveIt sets one
+    const std::size_t l = positions.at(leader);
+    for (std::vector<double>* end : {&motion.from, &motion.to}) {
+      const std::optional<double> position =
+          endOfMimic((*end)[l], joint->getMimicFactor(), joint->getMimicOffset(), (*end)[j],
+                     joint->getType() == JointModel::REVOLUTE);
+      if (!position) return false;
+      (*end)[j] = *position;
+    }
+  }
+  return true;
+}
+
 void MoveitMotions::check(const RobotState& from, const RobotState& to, const MoveitLimits& limits,
                           const collision_detection::CollisionRequest& request,
                           collision_detection::CollisionResult& result) const {
@@ -180,14 +210,8 @@ void MoveitMotions::check(const RobotState& from, const RobotState& to, const Mo
       return refuse("a floating or planar joint moves");
     }
   }
-  const auto& joints = description_.robots[0].model->joints();
-  for (std::size_t j = 0; j < joints.size(); ++j) {
-    const LinkModel* child = links_[static_cast<std::size_t>(joints[j].child_link)];
-    const JointModel* joint = child->getParentJointModel();
-    const bool is_continuous =
-        joint->getType() == JointModel::REVOLUTE &&
-        static_cast<const moveit::core::RevoluteJointModel*>(joint)->isContinuous();
-    if (is_continuous) motion.to[j] = endOfTurn(motion.from[j], motion.to[j]);
+  if (!turnAsMoveit(motion)) {
+    return refuse("a joint that mimics another is not where that puts it, jumps or is planar");
   }
   MotionCheck check(sceneFor(limits));
   const MotionReport& report = check.check(motion, MotionSettings(), placed);

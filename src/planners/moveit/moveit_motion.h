@@ -30,8 +30,9 @@ class MoveitMotions {
   /// Adds to `result` whether the robot meets the world between the two states, which are
   /// interpolated as RobotState does; the contacts are those of the state at which one was found,
   /// and percent_interpolation its place. Not certain, and so a collision: floating and planar
-  /// joints that move, links that are not where their joints put them, and what stays open at steps
-  /// of a millimetre. A pair that may touch on a condition may not. Throws InputError. Cost: a look-up
+  /// joints that move, links that are not where their joints put them, a joint whose leader passes
+  /// pi (MoveIt then lets it jump, unless by whole turns), and what stays open at steps of a
+  /// millimetre. A pair that may touch on a condition may not. Throws InputError. Cost: a look-up
   /// in the matrix for each pair of a body and an object; a build if others may touch than before.
   void check(const moveit::core::RobotState& from, const moveit::core::RobotState& to,
              const MoveitLimits& limits, const collision_detection::CollisionRequest& request,
@@ -44,6 +45,11 @@ class MoveitMotions {
   /// elsewhere.
   bool follow(const moveit::core::RobotState& state, std::vector<double>& positions,
               PlacedBodies& placed) const;
+
+  /// Ends joints that turn without limits, and those that mimic others, where MoveIt's
+  /// interpolation does. False: a joint that mimics another is elsewhere in a state, jumps, or is
+  /// planar or floating.
+  bool turnAsMoveit(JointMotion& motion) const;
 
   std::shared_ptr<const MoveitScene> world_;
   std::vector<Eigen::Isometry3d> X_LO_;

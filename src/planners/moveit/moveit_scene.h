@@ -7,6 +7,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <set>
 #include <string>
 #include <utility>
@@ -51,6 +52,20 @@ inline double endOfTurn(double from, double to) {
   constexpr double PI = 3.14159265358979323846;
   if (std::abs(to - from) <= PI) return to;
   return to > from ? to - 2.0 * PI : to + 2.0 * PI;
+}
+
+/// Where the straight motion of a joint that mimics another ends: MoveIt interpolates the other,
+/// which ends at `leader` (as endOfTurn() has it), and then sets this one; rad or metres. Nothing
+/// if that is not the position `to`, or for a joint that turns one that differs by whole turns: it
+/// is elsewhere in that state, or jumps where MoveIt's interpolation passes pi.
+inline std::optional<double> endOfMimic(double leader, double factor, double offset, double to,
+                                        bool turns) {
+  constexpr double TURN = 2.0 * 3.14159265358979323846;
+  constexpr double SAME = 1e-9;
+  const double end = factor * leader + offset;
+  const double apart = turns ? std::remainder(end - to, TURN) : end - to;
+  if (std::abs(apart) <= SAME) return end;  // false for NaN
+  return std::nullopt;
 }
 
 /// A body of a robot whose pose is an input: each link of MoveIt by itself, because it may place

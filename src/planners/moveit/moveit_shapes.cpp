@@ -10,10 +10,14 @@ namespace {
 
 using Eigen::Isometry3d;
 
-void appendLeaves(const shapes::OcTree& shape, const Isometry3d& X_ME,
+std::vector<OctreeLeaf> leavesOf(const shapes::Shape& shape) {
+  const auto& octree = static_cast<const shapes::OcTree&>(shape).octree;
+  return octree ? occupiedLeaves(*octree) : std::vector<OctreeLeaf>();
+}
+
+void appendLeaves(const shapes::Shape& shape, const Isometry3d& X_ME,
                   std::vector<Element>& elements) {
-  if (!shape.octree) return;
-  for (const OctreeLeaf& leaf : occupiedLeaves(*shape.octree)) {
+  for (const OctreeLeaf& leaf : leavesOf(shape)) {
     const Shape box = Box{Eigen::Vector3d::Constant(leaf.size)};
     elements.push_back({box, X_ME * Eigen::Translation3d(leaf.x, leaf.y, leaf.z)});
   }
@@ -26,6 +30,14 @@ std::vector<OctreeLeaf> occupiedLeaves(const octomap::OcTree& tree) {
   for (auto leaf = tree.begin_leafs(); leaf != tree.end_leafs(); ++leaf) {
     if (!tree.isNodeOccupied(*leaf)) continue;
     leaves.push_back({leaf.getX(), leaf.getY(), leaf.getZ(), leaf.getSize()});
+  }
+  return leaves;
+}
+
+LeavesOfOctrees leavesOfOctrees(const std::vector<shapes::ShapeConstPtr>& parts) {
+  LeavesOfOctrees leaves;
+  for (const auto& part : parts) {
+    if (part->type == shapes::OCTREE) leaves.push_back(leavesOf(*part));
   }
   return leaves;
 }
@@ -51,7 +63,7 @@ void MoveitShapes::append(const shapes::ShapeConstPtr& shape, double scale, cons
     case shapes::MESH:
       return add(Mesh{trianglesOf(shape, scale)});
     case shapes::OCTREE:
-      return appendLeaves(static_cast<const shapes::OcTree&>(*shape), X_ME, elements);
+      return appendLeaves(*shape, X_ME, elements);
     default:
       throw InputError("a shape of type " + std::to_string(shape->type) +
                        (shape->type == shapes::PLANE ? " (a plane)" : "") +

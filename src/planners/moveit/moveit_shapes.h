@@ -25,6 +25,10 @@ struct OctreeLeaf {
 /// The occupied leaves, in the order of the tree, pruned ones as they are. O(nodes).
 std::vector<OctreeLeaf> occupiedLeaves(const octomap::OcTree& tree);
 
+/// Those of each octree among the shapes. They may change in place, of which MoveIt tells nobody.
+using LeavesOfOctrees = std::vector<std::vector<OctreeLeaf>>;
+LeavesOfOctrees leavesOfOctrees(const std::vector<shapes::ShapeConstPtr>& parts);
+
 /// Turns shapes into elements. Keeps the triangles of meshes for as long as MoveIt keeps the shape,
 /// so that scenes share them. One serves all threads.
 class MoveitShapes {
