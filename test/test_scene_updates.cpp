@@ -74,10 +74,15 @@ TEST_F(Changes, AnObjectThatIsAddedTakesThePlaceOfTheOneOfItsName) {
   SceneObject grip = boxObject("crate", poseAt(0, 0, 0));
   grip.attached_link = "hand";
   apply(SceneChange::ATTACH, grip);
+  SceneObject lid = boxObject("lid", poseAt(0, 0, 1));
+  lid.attached_link = "hand";
+  lid.touch_links = {"crate"};
+  apply(SceneChange::ADD, lid);
   SceneObject other = boxObject("crate", poseAt(1, 2, 3));
   other.padding = 0.25;
   apply(SceneChange::ADD, other);
-  EXPECT_EQ(objects_.size(), 1u);
+  EXPECT_EQ(objects_.size(), 2u);
+  EXPECT_EQ(stored("lid").touch_links, lid.touch_links);
   EXPECT_EQ(stored("crate").attached_link, "");
   EXPECT_EQ(stored("crate").padding, 0.25);
   EXPECT_EQ(stored("crate").X_PO.translation(), Vector3d(1, 2, 3));
