@@ -228,6 +228,8 @@ void SimulatedNode::endCloud() {
   const double measured = std::min(seconds(sent_work_.stamp), sent_work_.arrival);
   noteUse(seconds(ros_) - measured);
   sent_points_ = sent_work_.points.size();
+  const bool is_first = !used_cloud_ || used_cloud_->pass != cloud_work_pass_;
+  most_voxels_ = (is_first ? 0 : most_voxels_) + sent_points_;
   used_cloud_ = {measured, cloud_work_pass_, cloud_work_revision_};
   if (cloud_work_pass_ != knowledge_.pass()) return;
   if (sent_work_.stamp <= last_cloud_) fail("a cloud is used after a later one");
@@ -262,6 +264,7 @@ void SimulatedNode::judgeHealth(const CloudHealth& health) {
   }
   const CloudView view = monitor_.scenes().active()->clouds.front()->view();
   if (view.voxels && view.voxels->size() != health.voxels) fail("other voxels are counted");
+  if (view.voxels && view.voxels->size() > most_voxels_) fail("voxels of before count");
 }
 
 /// Empty: there is none, but that something may have come too near to be seen.

@@ -210,6 +210,7 @@ class SimulatedNode {
   int nb_clouds_ = 0, nb_cleared_ = 0, nb_used_ = 0;
   double last_use_ = 0.0, rate_ = 0.0, latency_ = 0.0;  ///< of clouds that were used
   std::size_t sent_points_ = 0;
+  std::size_t most_voxels_ = 0;  ///< points of the clouds that count since they were cleared
   int cloud_generation_ = 0, cloud_work_generation_ = 0, cloud_work_pass_ = 0;
   std::uint64_t cloud_work_revision_ = 0, complete_revision_ = 0;
   Ns last_cloud_ = 0;  ///< stamp of the last that was used

@@ -47,13 +47,15 @@ void SimulatedNode::judgePairs(const Snapshot& snapshot) {
     is_all = is_all && !is_depth;
     if (!is_depth && std::abs(pair.distance - expected) > 1e-5)
       fail(a + " and " + b + ": distance");
+    if (!is_depth && pair.certainty != Certainty::EXACT) fail(a + " and " + b + ": certainty");
     smallest = std::min(smallest, expected);
     if (settings_.broken < 0) judgeContacts(pair, a, b, expected);
   }
-  if (is_all && report_.left_out.empty() && !reported.empty() &&
-      std::abs(report_.min_distance - smallest) > 1e-5) {
+  const bool is_smallest = is_all && report_.left_out.empty() && !reported.empty();
+  if (is_smallest && std::abs(report_.min_distance - smallest) > 1e-5) {
     fail("the smallest distance is another");
   }
+  if (is_smallest && report_.min_distance_is_bound) fail("the smallest distance is called a bound");
   const bool has_nearest = !report_.pairs.empty() && !report_.min_distance_is_bound;
   if (has_nearest != report_.nearest.has_value() ||
       (has_nearest && report_.nearest->depth != -report_.min_distance)) {
