@@ -70,7 +70,6 @@ TEST_F(Changed, WhatADescriptionNamesIsNotRemoved) {
   using Naming = std::function<void(SceneDescription&)>;
   const std::vector<std::pair<std::string, Naming>> by = {
       {"link_fidelity", [](auto& d) { d.settings.link_fidelity["far"] = Fidelity::AABB; }},
-      {"link_padding", [](auto& d) { d.settings.link_padding["far"] = 0.1; }},
       {"pair_rules",
        [](auto& d) {
          d.settings.pair_rules = {{PairRule::Verdict::DENY, "far", "near"}};
@@ -87,8 +86,6 @@ TEST_F(Changed, WhatADescriptionNamesIsNotRemoved) {
        [](auto& d) {
          d.settings.pair_padding = {{"near", "far", 0.1}};
        }},
-      {"ignored_links", [](auto& d) { d.settings.ignored_links = {"far"}; }},
-      {"cylinder_as_capsule", [](auto& d) { d.settings.cylinder_as_capsule = {"far"}; }},
       {"the restriction", [](auto& d) { d.restriction.names = {"far"}; }},
       {"object 'near', touch_links", [](auto& d) { d.objects[1].touch_links = {"far"}; }},
       {"cloud 'cloud', touch_links", [](auto& d) { d.clouds[0].touch_links = {"far"}; }},

@@ -168,6 +168,18 @@ TEST(EmptyScenes, OfARobotWithoutGeometryAreUnknownWhateverIsAroundIt) {
   EmptyScene(around.description, random).expect(Verdict::UNKNOWN, around.words);
 }
 
+TEST(EmptyScenes, AnEnvironmentWithoutGeometryIsNotFree) {
+  SceneDescription cell = sceneOf(slidingBoxes(2));
+  cell.world = robotFrom(emptyLink("cell"));
+  const auto scene = CollisionScene::build(cell);
+  EXPECT_EQ(scene->unchecked(), "the environment has no collision geometry");
+  CollisionDetector detector(scene);
+  BodyPoses poses;
+  poses.resize(scene->bodies().size());
+  poses.X_WB[1].translation().x() = 5.0;
+  EXPECT_EQ(detector.detect(poses, {}).verdict, Verdict::UNKNOWN);
+}
+
 TEST(EmptyScenes, ARobotWithoutGeometryBesideOneThatHasSomeIsNotFree) {
   SceneDescription two = sceneOf(slidingBoxes(2));
   two.robots[0].prefix = "left";

@@ -155,6 +155,9 @@ TEST_F(Report, AReasonIsBrokenBetweenWords) {
   EXPECT_EQ(drawn(x20 + ' ' + x48 + x20), x20 + '\n' + x48 + '\n' + x20);
   EXPECT_EQ(drawn('y' + std::string(130, 'x')).front(), 'y');
   EXPECT_EQ(drawn(' ' + x48), x48.substr(1).insert(0, " ") + "\nx") << "no empty line";
+  const std::string a_o = "\xC3\xB6", odd = std::string(47, 'x') + a_o;
+  EXPECT_EQ(drawn(odd), x48.substr(1) + '\n' + a_o) << "between characters";
+  EXPECT_EQ(drawn(std::string(119, 'x') + a_o + a_o).substr(119 + 2), "...");
   EXPECT_EQ(drawn(std::string(120, 'x')), x48 + '\n' + x48 + '\n' + std::string(24, 'x'));
   EXPECT_EQ(drawn(std::string(121, 'x')), x48 + '\n' + x48 + '\n' + std::string(24, 'x') + "...");
 }

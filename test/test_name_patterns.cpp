@@ -115,9 +115,9 @@ TEST(NamePatterns, ANameTakenLiterallyMustExist) {
   description.restriction.names = {literally("box[1]")};
   EXPECT_EQ(refusal(description), "the restriction names 'box[1]'" + why);
   description.restriction.names.clear();
-  description.settings.ignored_links = {literally("box?")};
-  EXPECT_EQ(refusal(description), "ignored_links names 'box?'" + why);
-  description.settings.ignored_links = {"box?"};
+  description.settings.pair_rules = {{PairRule::Verdict::DENY, literally("box?"), "*"}};
+  EXPECT_EQ(refusal(description), "pair_rules names 'box?'" + why);
+  description.settings.pair_rules = {{PairRule::Verdict::DENY, "box?", "*"}};
   EXPECT_EQ(refusal(description), "accepted");
 }
 

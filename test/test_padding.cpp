@@ -223,16 +223,17 @@ TEST_F(Padding, IsInVerdictsMinimaAndBoundsInTime) {
   }
 }
 
+std::string refusalOf(const SceneDescription& description) {
+  try {
+    CollisionScene::build(description);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
 TEST_F(Padding, BelowZeroOrNotANumberIsRefused) {
-  const auto refusalOf = [](const SceneDescription& description) -> std::string {
-    try {
-      CollisionScene::build(description);
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return "accepted";
-  };
-  const auto refusal = [&](const SceneSettings& settings) {
+  const auto refusal = [](const SceneSettings& settings) {
     SceneDescription description = mixedDescription();
     description.settings = settings;
     return refusalOf(description);
@@ -255,6 +256,22 @@ TEST_F(Padding, BelowZeroOrNotANumberIsRefused) {
   settings = {};
   settings.pair_padding = {{"a", "b", INFINITY}};
   EXPECT_THAT(refusal(settings), HasSubstr("pair_padding of 'a' and 'b'"));
+}
+
+TEST(SettingsOfLinks, RefuseNamesOfWhatTheyAreNotAppliedTo) {
+  for (const auto things : {&SceneDescription::objects, &SceneDescription::clouds}) {
+    SceneDescription plain = mixedDescription();
+    (plain.*things).push_back(cloudOf("thing", 0.1, {}));
+    SceneDescription padded = plain, ignored = plain, capsule = plain, pattern = plain;
+    padded.settings.link_padding["thing"] = 0.1;
+    ignored.settings.ignored_links = {"thing"};
+    capsule.settings.cylinder_as_capsule = {"thing"};
+    EXPECT_THAT(refusalOf(padded), HasSubstr("link_padding names 'thing', which is not a link"));
+    EXPECT_THAT(refusalOf(ignored), HasSubstr("ignored_links names 'thing', which is not a link"));
+    EXPECT_THAT(refusalOf(capsule), HasSubstr("cylinder_as_capsule names 'thing', which is not"));
+    pattern.settings.ignored_links = pattern.settings.cylinder_as_capsule = {"thin*"};
+    EXPECT_GE(CollisionScene::build(pattern)->findModel("thing"), 0);
+  }
 }
 
 TEST(CylinderAsCapsule, EnclosesTheCylinderAndIsForTheNamedLinksOnly) {

@@ -106,6 +106,32 @@ TEST_F(Counting, RigidAndAdjacentPairsAreKnownAsSuch) {
   EXPECT_FALSE(find(pairs, *scene_, "lid", "shelf").adjacent);
 }
 
+// At one turn of the motor the arm, geared down, has made half a turn, and the lift a hundredth.
+TEST(Counted, APairIsNotProvedWhereOneTurnOfAJointWithoutLimitsIsNotAllThatItsMimicsDo) {
+  const auto classWith = [](const std::string& type, const std::string& multiplier) {
+    const std::string follows =
+        "<axis xyz='0 0 1'/><limit lower='-9' upper='9'/>"
+        "<mimic joint='motor' multiplier='" +
+        multiplier + "'/>";
+    const auto robot = robotFrom(
+        emptyLink("root") + boxLink("rotor", 0.1) + boxLink("arm", 0.1) + boxLink("post", 0.1) +
+        joint("motor", "continuous", "root", "rotor", "0 0 5", "<axis xyz='0 0 1'/>") +
+        joint("gear", type, "root", "arm", "1 0 0", follows) + emptyLink("mid") +
+        joint("bolt", "fixed", "root", "mid", "0 0 0", "") +
+        joint("hinge", "revolute", "mid", "post", "-3 0 0",
+              "<axis xyz='0 0 1'/><limit lower='-0.1' upper='0.1'/>"));
+    const auto scene = everyPairOf(robot);
+    const auto evidence = countContacts(scene, JointSampler(robot, 3), {100, 1, {}});
+    return std::string(className(classify(find(evidence, *scene, "arm", "post"), {0.9, 0.1, 0.0})));
+  };
+  EXPECT_EQ(classWith("revolute", "0.5"), "Unproven");
+  EXPECT_EQ(classWith("continuous", "-1.5"), "Unproven");
+  EXPECT_EQ(classWith("prismatic", "0.01"), "Unproven");
+  EXPECT_EQ(classWith("prismatic", "1"), "Unproven");
+  EXPECT_EQ(classWith("revolute", "-2"), "Never") << "the same after each turn";
+  EXPECT_EQ(classWith("prismatic", "0"), "Never") << "stands";
+}
+
 TEST_F(Counting, TouchingAtZeroIsToldApartFromTouchingInRandomStates) {
   const auto pairs = count(1, 1);
   EXPECT_TRUE(find(pairs, *scene_, "a", "b").touches_at_zero);

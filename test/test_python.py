@@ -293,6 +293,8 @@ REFUSED_STATES = {
     r"dtype object": None,
     r"no array|dtype object": [[0, 1], [0]],
     r"masked": np.ma.masked_array([0, 1.0], mask=[True, False]),
+    r"maske[d]": [np.ma.masked_array([0, 1.0], mask=[True, False])],
+    r"mask[e]d": ([0.0, 1.0], [0.0, np.ma.masked]),
 }
 
 

@@ -77,7 +77,8 @@ struct SceneSettings {
   /// Permits the verdict FREE where nothing is checked, or a robot is not checked at all
   /// (CollisionScene::unchecked()).
   bool allow_empty_scene = false;
-  /// Links that are excluded from the scene.
+  /// Links that are excluded from the scene. Of objects and clouds, what has a pattern that matches
+  /// stays; their names are refused here, in link_padding and in cylinder_as_capsule.
   std::vector<NamePattern> ignored_links;
 
   /// Metres, >= 0: a distance that each link of a robot keeps to everything else. The distance of a

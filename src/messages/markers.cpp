@@ -39,12 +39,19 @@ Style styleOf(std::uint8_t verdict) {
 }
 
 /// Lines of at most `width` characters, broken at spaces if possible.
+/// The begin of the character (of UTF-8) that this byte is of.
+std::size_t characterAt(const std::string& text, std::size_t byte) {
+  while (byte > 0 && (static_cast<unsigned char>(text[byte]) & 0xC0) == 0x80) --byte;
+  return byte;
+}
+
 std::string wrapped(std::string text, std::size_t width) {
   for (std::size_t begin = 0; text.size() - begin > width;) {
     const std::size_t space = text.rfind(' ', begin + width);
     if (space == std::string::npos || space <= begin) {
-      text.insert(begin + width, "\n");
-      begin += width + 1;
+      const std::size_t end = characterAt(text, begin + width);
+      text.insert(end, "\n");
+      begin = end + 1;
     } else {
       text[space] = '\n';
       begin = space + 1;
@@ -64,7 +71,7 @@ std::string verdictDetail(const CollisionPairs& message) {
   }
   std::string why =
       message.unknown_because.empty() ? message.unchecked : message.unknown_because.front();
-  if (why.size() > LONGEST) why = why.substr(0, LONGEST) + "...";
+  if (why.size() > LONGEST) why = why.substr(0, characterAt(why, LONGEST)) + "...";
   return wrapped(why, WIDTH);
 }
 

@@ -2,6 +2,8 @@
 // classes hold, and values as Python programs give them.
 #pragma once
 
+#include <algorithm>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -45,9 +47,21 @@ struct PythonScene {
 /// pybind11 before 2.7 takes bytes for a str.
 inline bool isStr(const pybind11::handle& value) { return PyUnicode_Check(value.ptr()) != 0; }
 
-/// pandas has a method of the name that tells numpy's arrays.
+/// Whether numpy would drop a mask of it, or of something in a list: then numbers stand that are
+/// none. Not by the attribute mask: pandas has a method of that name.
 inline bool isMasked(const pybind11::handle& value) {
-  return pybind11::isinstance(value, pybind11::module_::import("numpy.ma").attr("MaskedArray"));
+  constexpr int DEEPEST = 3;  // numpy refuses lists that are deeper than what is read here
+  const pybind11::object masked = pybind11::module_::import("numpy.ma").attr("MaskedArray");
+  const std::function<bool(pybind11::handle, int)> isSo = [&](pybind11::handle item, int depth) {
+    if (PyFloat_CheckExact(item.ptr())) return false;
+    if (pybind11::isinstance(item, masked)) return true;
+    const bool has_items = PyList_Check(item.ptr()) || PyTuple_Check(item.ptr());
+    if (!has_items || depth == DEEPEST) return false;
+    const auto items = pybind11::reinterpret_borrow<pybind11::sequence>(item);
+    return std::any_of(items.begin(), items.end(),
+                       [&](const pybind11::handle& one) { return isSo(one, depth + 1); });
+  };
+  return isSo(value, 0);
 }
 
 /// Of a str. Raises UnicodeEncodeError for one that is no Unicode text (lone surrogates).

@@ -101,7 +101,7 @@ class PythonDetector {
   void run(const JointStatesArray& states, const NamedJoints& named, const CheckSettings& settings,
            CheckResult& result) {
     ResultCollector collector(*scene_, result.has_gradient ? &named.columns : nullptr, result);
-    SignalCheck signals;
+    SignalCheck signals(32);
     const auto read = [&](std::size_t i, std::vector<double>& positions) {
       Posture& posture = postureOfThisThread();
       states.read(i, posture.state);

@@ -58,9 +58,11 @@ struct Interrupted {};
 /// and which has not the GIL. Other threads' calls do nothing.
 class SignalCheck {
  public:
+  /// Every so many calls the time is read.
+  explicit SignalCheck(unsigned every) : every_(every) {}
   /// Throws Interrupted.
   void now() {
-    if (std::this_thread::get_id() != caller_ || ++nb_calls_ % EVERY != 0) return;
+    if (std::this_thread::get_id() != caller_ || ++nb_calls_ % every_ != 0) return;
     if (Clock::now() < next_) return;
     next_ = Clock::now() + PERIOD;
     const pybind11::gil_scoped_acquire python;
@@ -69,8 +71,8 @@ class SignalCheck {
 
  private:
   using Clock = std::chrono::steady_clock;
-  static constexpr unsigned EVERY = 32;
   static constexpr std::chrono::milliseconds PERIOD{50};
+  const unsigned every_;
   const std::thread::id caller_ = std::this_thread::get_id();
   unsigned nb_calls_ = 0;
   Clock::time_point next_ = Clock::now() + PERIOD;

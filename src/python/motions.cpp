@@ -63,7 +63,7 @@ class PythonMotionCheck {
         throw InputError("waypoint " + std::to_string(i) + ": " + error.what());
       }
     }
-    SignalCheck signals;
+    SignalCheck signals(1);  // a segment may take a second
     SegmentOptions options;
     options.threads = threads_;
     options.done = [&](std::size_t) { signals.now(); };

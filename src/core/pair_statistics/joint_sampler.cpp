@@ -1,6 +1,7 @@
 #include "joint_sampler.h"
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 
 namespace collision_pairs {
@@ -14,12 +15,19 @@ std::uint64_t mixed(std::uint64_t z) {
   return z ^ (z >> 31);
 }
 
+bool isLimited(const Joint& joint) {
+  return joint.hasLimits() && (joint.lower != 0.0 || joint.upper != 0.0);
+}
+
+bool turnsEndlessly(const Joint& joint) {
+  return joint.hasPosition() && joint.type != JointType::PRISMATIC && !isLimited(joint);
+}
+
 JointSampler::Range rangeOf(const Joint& joint) {
   if (!joint.hasPosition() || joint.mimic) return {};
-  const bool limited = joint.hasLimits() && (joint.lower != 0.0 || joint.upper != 0.0);
-  if (limited) return {joint.lower, joint.upper};
-  if (joint.type == JointType::PRISMATIC) return {};
-  return {-PI, PI};
+  if (isLimited(joint)) return {joint.lower, joint.upper};
+  if (turnsEndlessly(joint)) return {-PI, PI};
+  return {};
 }
 
 }  // namespace
@@ -52,8 +60,14 @@ void JointSampler::visitJoints(int body_a, int body_b, const Take& take) const {
   robot_->visitBetween(body_a, body_b, [&](int body, bool) {
     int joint = robot_->bodies()[body].joint;
     if (joint < 0) return;  // a root
-    while (robot_->joints()[joint].mimic) joint = robot_->joints()[joint].mimic->joint;
-    take(joint);
+    double ratio = 1.0;
+    const bool slides = robot_->joints()[joint].type == JointType::PRISMATIC;
+    while (robot_->joints()[joint].mimic) {
+      ratio *= robot_->joints()[joint].mimic->multiplier;
+      joint = robot_->joints()[joint].mimic->joint;
+    }
+    const bool is_whole = slides ? ratio == 0.0 : ratio == std::round(ratio);
+    take(joint, is_whole);
   });
 }
 
@@ -65,16 +79,17 @@ bool JointSampler::stands(int joint) const {
 
 std::vector<int> JointSampler::jointsBetween(int body_a, int body_b) const {
   std::set<int> moving;
-  visitJoints(body_a, body_b, [&](int joint) {
+  visitJoints(body_a, body_b, [&](int joint, bool) {
     if (ranges_[joint].lower < ranges_[joint].upper) moving.insert(joint);
   });
   return {moving.begin(), moving.end()};
 }
 
-std::set<std::string> JointSampler::standingBetween(int body_a, int body_b) const {
+std::set<std::string> JointSampler::drawnInPartBetween(int body_a, int body_b) const {
   std::set<std::string> names;
-  visitJoints(body_a, body_b, [&](int joint) {
-    if (stands(joint)) names.insert(robot_->joints()[joint].name);
+  visitJoints(body_a, body_b, [&](int joint, bool is_whole) {
+    const bool is_one_turn = turnsEndlessly(robot_->joints()[joint]);
+    if (stands(joint) || (is_one_turn && !is_whole)) names.insert(robot_->joints()[joint].name);
   });
   return names;
 }

@@ -53,13 +53,16 @@ class JointSampler {
   /// The joints with a range that change the relative pose of the two bodies of the robot,
   /// ascending.
   std::vector<int> jointsBetween(int body_a, int body_b) const;
-  /// Names of those of standingJoints() that would.
-  std::set<std::string> standingBetween(int body_a, int body_b) const;
+  /// Names of joints that would and of which not all positions are drawn: those of
+  /// standingJoints(), and those without limits, of which one turn is drawn, if what mimics them is
+  /// elsewhere in others (a slide, or one that turns by other than whole multiples).
+  std::set<std::string> drawnInPartBetween(int body_a, int body_b) const;
   /// Names of the movable joints that stay at zero here, for a warning.
   std::vector<std::string> standingJoints() const;
 
  private:
-  /// The joints that, or whose mimics, change the relative pose of the two bodies.
+  /// The joints that, or whose mimics, change the relative pose of the two bodies; and whether a
+  /// whole turn of them changes nothing there.
   template <class Take>
   void visitJoints(int body_a, int body_b, const Take& take) const;
   bool stands(int joint) const;

@@ -35,7 +35,7 @@ std::vector<PairEvidence> allowedPairs(const CollisionScene& scene, const JointS
       pair.adjacent = adjacent.count({static_cast<int>(a), static_cast<int>(b)}) > 0;
       pair.rigid = models[a].body == models[b].body;
       pair.not_moved =
-          sampler.standingBetween(scene.robotBody(models[a]), scene.robotBody(models[b]));
+          sampler.drawnInPartBetween(scene.robotBody(models[a]), scene.robotBody(models[b]));
       pairs.push_back(pair);
     }
   }

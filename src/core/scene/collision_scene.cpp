@@ -108,11 +108,15 @@ class SceneBuilder {
 
   std::string whatIsUnchecked() const {
     std::string bare;
+    const auto hasGeometry = [](const RobotModel& model) {
+      const auto& links = model.links();
+      return std::any_of(links.begin(), links.end(), [](const Link& l) { return l.has_geometry; });
+    };
+    if (description_.world && !hasGeometry(*description_.world)) {
+      bare = "the environment has no collision geometry";
+    }
     for (const SceneRobot& robot : description_.robots) {
-      const auto& links = robot.model->links();
-      if (std::any_of(links.begin(), links.end(), [](const Link& l) { return l.has_geometry; })) {
-        continue;
-      }
+      if (hasGeometry(*robot.model)) continue;
       if (description_.robots.size() == 1) return "the robot has no collision geometry";
       bare += (bare.empty() ? "" : "; ") + std::string("robot '") +
               withPrefix(robot.prefix, robot.model->name()) + "' has no collision geometry";

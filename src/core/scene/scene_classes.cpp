@@ -116,11 +116,8 @@ std::set<std::string> namesIn(const SceneDescription& description, const Objects
     }
   };
   for (const auto& entry : settings.link_fidelity) names.insert(entry.first);
-  for (const auto& entry : settings.link_padding) names.insert(entry.first);
   for (const PairRule& rule : settings.pair_rules) addAll({rule.first, rule.second});
   for (const PairPadding& pair : settings.pair_padding) addAll({pair.first, pair.second});
-  addAll(settings.ignored_links);
-  addAll(settings.cylinder_as_capsule);
   addAll(description.restriction.names);
   for (const ObjectPtr& object : objects) addAll(object->touch_links);
   for (const RigidObject& cloud : description.clouds) addAll(cloud.touch_links);

@@ -24,6 +24,7 @@ class NameCheck {
         link.has_geometry ? add(link.name) : void(names_.insert(link.name));
       }
     }
+    links_ = names_;
     for (const ObjectPtr& object : objects) add(object->name);
     for (const RigidObject& cloud : description.clouds) add(cloud.name);
   }
@@ -31,12 +32,12 @@ class NameCheck {
   void run() const {
     const SceneSettings& settings = description_.settings;
     for (const auto& entry : settings.link_fidelity) require(entry.first, "link_fidelity");
-    for (const auto& entry : settings.link_padding) require(entry.first, "link_padding");
+    for (const auto& entry : settings.link_padding) requireLink(entry.first, "link_padding");
     for (const PairRule& rule : settings.pair_rules) requireBoth(rule, "pair_rules");
     for (const PairPadding& padding : settings.pair_padding) requireBoth(padding, "pair_padding");
-    for (const auto& name : settings.ignored_links) requireIfNoPattern(name, "ignored_links");
+    for (const auto& name : settings.ignored_links) requireLinkIfNoPattern(name, "ignored_links");
     for (const auto& name : settings.cylinder_as_capsule) {
-      requireIfNoPattern(name, "cylinder_as_capsule");
+      requireLinkIfNoPattern(name, "cylinder_as_capsule");
     }
     for (const auto& name : description_.restriction.names) {
       requireIfNoPattern(name, "the restriction");
@@ -70,11 +71,28 @@ class NameCheck {
     if (!isPattern(name)) require(withoutMark(name), where);
   }
 
+  void requireLinkIfNoPattern(const std::string& name, const std::string& where) const {
+    if (!isPattern(name)) requireLink(withoutMark(name), where);
+  }
+
+  /// Of anything else the setting would be read, and not applied.
+  void requireLink(const std::string& name, const std::string& where) const {
+    if (links_.count(name) > 0) return;
+    if (names_.count(name) == 0) refuse(name, where, links_);
+    throw InputError(where + " names '" + name +
+                     "', which is not a link: what is an object or a cloud has a padding of its "
+                     "own, and pair_padding and pair_rules apply to it");
+  }
+
   void require(const std::string& name, const std::string& where) const {
-    if (names_.count(name) > 0) return;
+    if (names_.count(name) == 0) refuse(name, where, names_);
+  }
+
+  [[noreturn]] void refuse(const std::string& name, const std::string& where,
+                           const std::set<std::string>& known) const {
     throw InputError(where + " names '" + name + "', which is not a link of robot '" +
                      merged_.name() + "'; did you mean '" +
-                     nearestName(name, {names_.begin(), names_.end()}) + "'?");
+                     nearestName(name, {known.begin(), known.end()}) + "'?");
   }
 
   void checkObject(const RigidObject& object) const {
@@ -115,7 +133,7 @@ class NameCheck {
   const SceneDescription& description_;
   const Objects& objects_;
   const RobotModel& merged_;
-  std::set<std::string> names_;
+  std::set<std::string> names_, links_;  ///< of all, and of those of the robot and the world
 };
 
 void checkPadding(double metres, const std::string& where) {

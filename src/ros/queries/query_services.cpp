@@ -164,6 +164,10 @@ void QueryService::check(const CheckCollisions::Request& request,
   const auto& names = request.joint_state.name;
   const auto& positions = request.joint_state.position;
   const bool has_joints = !names.empty() || !positions.empty();
+  if (!has_joints &&
+      !(request.joint_state.velocity.empty() && request.joint_state.effort.empty())) {
+    throw InputError("joint_state has velocities or efforts, but no names and positions");
+  }
   ros::WallTime start;
   Snapshot snapshot = context_.scenes.snapshot(
       {request.group, request.links}, [&](const Monitor& monitor, const ActiveScenePtr& scene) {

@@ -41,7 +41,8 @@ std::string countOf(const PairEvidence& e) {
 }
 
 std::string notMovedText(const PairEvidence& e) {
-  return "in contact in " + countOf(e) + " states, but joints between the two were not moved: " +
+  return "in contact in " + countOf(e) +
+         " states, but joints between the two were not moved, or not in all that follows them: " +
          firstOf({e.not_moved.begin(), e.not_moved.end()});
 }
 
@@ -184,7 +185,8 @@ void warnOf(const std::vector<PairVerdict>& verdicts, const ClassRules& rules) {
     if (isUnproven(v, false)) not_moved.insert(joints.begin(), joints.end());
   }
   warnOfPairs(verdicts,
-              "stay checked because joints between the two were not moved (" +
+              "stay checked because joints between the two were not moved, or not in all that "
+              "follows them (" +
                   firstOf({not_moved.begin(), not_moved.end()}) + ")",
               [&](const PairVerdict& v) { return isUnproven(v, false); });
   warnOfPairs(verdicts,
