@@ -47,6 +47,15 @@ TEST(LimiterParameters, AreReadWithTheirDefaults) {
   EXPECT_THAT(one->law.deceleration, ElementsAre(3.0, 3.0));
 }
 
+TEST(LimiterParameters, NameJointsAsJointStatesDoWithoutTheirSlash) {
+  const auto read = LimiterParameters::read(
+      YAML::Load("{command: jog, joints: [/a, b], deceleration: {/b: 2, /a: 1.5}}"));
+  EXPECT_THAT(read->joints, ElementsAre("a", "b"));
+  EXPECT_THAT(read->law.deceleration, ElementsAre(1.5, 2.0));
+  EXPECT_THAT(refusal("{command: jog, joints: [a], deceleration: {a: 1, /a: 2}}"),
+              HasSubstr("two numbers for joint 'a'"));
+}
+
 TEST(LimiterParameters, HaveTheDefaultsThatThePageStates) {
   auto page = documentedDefaults("limiter.md");
   for (const auto& [name, number] : NUMBERS) {
