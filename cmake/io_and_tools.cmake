@@ -24,6 +24,7 @@ add_library(collision_pairs_io SHARED
   src/io/text/pcd_file.cpp
   src/io/text/text_files.cpp
   src/transforms/frame_ways.cpp
+  src/transforms/joint_state_positions.cpp
   src/transforms/robot_poses.cpp
   src/transforms/stamps.cpp
   src/transforms/standing_joints.cpp

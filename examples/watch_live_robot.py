@@ -23,7 +23,10 @@ class Watcher:
         self.subscriber = rospy.Subscriber("joint_states", JointState, self.take, queue_size=1)
 
     def take(self, message):
-        self.positions.update(zip(message.name, message.position))
+        if len(message.name) != len(message.position):  # nobody knows which position is whose
+            rospy.logwarn_throttle(5.0, "names and positions of a joint state differ in number: not used")
+            return
+        self.positions.update(reversed(list(zip(message.name, message.position))))  # the first of a name counts
         unknown = [joint for joint in self.detector.joints if joint not in self.positions]
         text = "UNKNOWN, nothing is known of " + ", ".join(unknown) if unknown else self.check()
         if text != self.text:

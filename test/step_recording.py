@@ -47,13 +47,14 @@ def as_trajectory(names, velocities):
 
 
 def write_steps(path, make=as_array, velocity=0.6, shares=SHARES, names=tuple(JOINTS), change=lambda lift, tilt: None,
-                topics=("/jog", "/joint_states"), period=1.0 / STATE_RATE, latency=0.01, ahead=0.0, couple=0.0):
-    """`latency`: s from a state to its arrival; `ahead`: of stamps; `couple`: s, of the second joint to the first."""
+                topics=("/jog", "/joint_states"), period=1.0 / STATE_RATE, latency=0.01, ahead=0.0, couple=0.0, uneven=0):
+    """`latency`: s from a state to its arrival; `ahead`: of stamps; `couple`: s, of the second joint to the first;
+    `uneven`: of so many states one more, whose names and positions differ in number, and of which all repeat a name."""
     noise = random.Random(given_seed())
     joints = [Joint(slope) for slope in SLOPES]
     change(*joints)
     commands = list(commands_of(velocity, shares))
-    end, at, now, next_state, wanted = commands[-1][0] + HOLD, 0, 0.0, 0.0, (0.0, 0.0)
+    end, at, nb_states, now, next_state, wanted = commands[-1][0] + HOLD, 0, 0, 0.0, 0.0, (0.0, 0.0)
     with rosbag.Bag(str(path), "w") as bag:
         for time, velocities in commands if topics[0] else []:
             bag.write(topics[0], make(list(names), velocities), rospy.Time.from_sec(BEGIN + time))
@@ -65,8 +66,13 @@ def write_steps(path, make=as_array, velocity=0.6, shares=SHARES, names=tuple(JO
                 position[1] += couple * joints[0].v
                 state = JointState(name=["other"] + list(names), position=[0.0] + position)
                 state.header.stamp = rospy.Time.from_sec(BEGIN + now + ahead)
+                if uneven:
+                    state.name, state.position = state.name + [names[0]], state.position + [7.0]
                 bag.write(topics[1], state, rospy.Time.from_sec(BEGIN + now + latency))
-                next_state += period
+                if uneven and nb_states % uneven == 0:
+                    state.name = ["gripper"] + state.name
+                    bag.write(topics[1], state, rospy.Time.from_sec(BEGIN + now + latency))
+                nb_states, next_state = nb_states + 1, next_state + period
             for joint, velocity_of in zip(joints, wanted):
                 joint.step(velocity_of, 0.001)
             now += 0.001

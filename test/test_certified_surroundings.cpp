@@ -86,6 +86,18 @@ TEST(CertifiedSurroundings, AnswerAtTheirFidelityAndNameTheNearestFirst) {
   }
 }
 
+TEST(CertifiedSurroundings, KnowAJointWhateverSlashItIsNamedWith) {
+  const auto scene = sceneOf(slidingBox(), {boxAt("box", {2.0, 0.0, 0.0}, {1, 1, 1})});
+  for (const char* name : {"slide_a", "/slide_a"}) {
+    CertifiedSurroundings surroundings(scene, {name}, Fidelity::MESH);
+    RobotState state;
+    state.positions = {0.0};
+    surroundings.setState(state);
+    EXPECT_TRUE(surroundings.certify({{0.0}, {0.5}, {0.0}, 0.0}, ONE_CM, {}).is_free) << name;
+    EXPECT_FALSE(surroundings.certify({{0.0}, {1.5}, {0.0}, 0.0}, ONE_CM, {}).is_free) << name;
+  }
+}
+
 TEST(CertifiedSurroundings, AreAskedOfARobotThatRespondsAsTheSettingsSay) {
   EXPECT_EQ(RobotResponse().reaction_time, LimiterSettings().reaction_time);
   EXPECT_EQ(RobotResponse().hold, LimiterSettings().command_timeout);

@@ -1,4 +1,4 @@
-// The limiter's parameter, joint states and trajectory commands.
+// The limiter's parameter, and joint states. Trajectory commands: test_limiter_trajectory.cpp.
 #include <cmath>
 #include <iomanip>
 #include <limits>
@@ -8,11 +8,9 @@
 
 #include "collision_pairs/input_error.h"
 #include "documented_defaults.h"
+#include "joint_states.h"
 #include "limited_command.h"
 #include "limiter_parameters.h"
-#include "printed.h"
-#include "random_inputs.h"
-#include "trajectory_command.h"
 
 namespace collision_pairs {
 namespace test_limiter_input {
@@ -32,12 +30,7 @@ const std::pair<const char*, double LimiterSettings::*> NUMBERS[] = {
     {"tracking_tolerance", &LimiterSettings::tracking_tolerance}};
 
 std::string refusal(const std::string& yaml) {
-  try {
-    LimiterParameters::read(YAML::Load(yaml));
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
+  return refusalBy([&] { LimiterParameters::read(YAML::Load(yaml)); });
 }
 
 TEST(LimiterParameters, AreReadWithTheirDefaults) {
@@ -52,6 +45,15 @@ TEST(LimiterParameters, AreReadWithTheirDefaults) {
   const auto one =
       LimiterParameters::read(YAML::Load("{command: c, joints: [a, b], deceleration: 3}"));
   EXPECT_THAT(one->law.deceleration, ElementsAre(3.0, 3.0));
+}
+
+TEST(LimiterParameters, NameJointsAsJointStatesDoWithoutTheirSlash) {
+  const auto read = LimiterParameters::read(
+      YAML::Load("{command: jog, joints: [/a, b], deceleration: {/b: 2, /a: 1.5}}"));
+  EXPECT_THAT(read->joints, ElementsAre("a", "b"));
+  EXPECT_THAT(read->law.deceleration, ElementsAre(1.5, 2.0));
+  EXPECT_THAT(refusal("{command: jog, joints: [a], deceleration: {a: 1, /a: 2}}"),
+              HasSubstr("two numbers for joint 'a'"));
 }
 
 TEST(LimiterParameters, HaveTheDefaultsThatThePageStates) {
@@ -159,49 +161,30 @@ TEST(LimiterParameters, ThatAreOutOfRangeAreToldTheirRange) {
               HasSubstr("'wrst' is not in joints; did you mean 'wrist'?"));
 }
 
-sensor_msgs::JointState state(double stamp, std::vector<std::string> names,
-                              std::vector<double> positions) {
-  sensor_msgs::JointState message;
-  message.header.stamp = ros::Time(stamp);
-  message.name = std::move(names);
-  message.position = std::move(positions);
-  return message;
-}
-
 TEST(JointPositions, OfEachJointTheNewestStampCountsInWhateverOrderTheyCome) {
   JointPositions positions;
-  positions.take(state(2.0, {"a", "b"}, {0.2, 0.4}), 2.0, 0.1);
-  positions.take(state(1.0, {"a"}, {0.1}), 2.0, 0.1);
-  positions.take(state(3.0, {"b"}, {0.6}), 3.0, 0.1);
-  positions.take(state(9.0, {"a", "b"}, {9.0, 9.0}), 3.0, 0.1);  // of the future
+  positions.take(jointState(2.0, {"a", "b"}, {0.2, 0.4}), 2.0, 0.1);
+  positions.take(jointState(1.0, {"a"}, {0.1}), 2.0, 0.1);
+  positions.take(jointState(3.0, {"b"}, {0.6}), 3.0, 0.1);
+  positions.take(jointState(9.0, {"a", "b"}, {9.0, 9.0}), 3.0, 0.1);  // of the future
   EXPECT_EQ(positions.all().at("a").value, 0.2);
   EXPECT_EQ(positions.all().at("b").value, 0.6);
   EXPECT_THROW(positions.oldestOf({"a", "b"}, 3.0, 0.1), InputError) << "ahead of the clock";
   EXPECT_EQ(positions.oldestOf({"a", "b"}, 3.2, 0.1), 2.0) << "the clock goes on without more";
   EXPECT_EQ(positions.newestStampOf({"a", "b", "c"}), 3.0);
   EXPECT_THROW(positions.oldestOf({"a", "c"}, 3.2, 0.1), InputError);
-  positions.take(state(4.0, {"a"}, {std::numeric_limits<double>::quiet_NaN()}), 4.0, 0.1);
+  positions.take(jointState(4.0, {"a"}, {std::numeric_limits<double>::quiet_NaN()}), 4.0, 0.1);
   EXPECT_THROW(positions.oldestOf({"a"}, 4.0, 0.1), InputError);
-}
-
-template <class Ask>
-std::string refusalBy(const Ask& ask) {
-  try {
-    ask();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
 }
 
 TEST(JointPositions, AheadOfTheClockAreTakenUpToTheToleranceAndAgainAtTheSameStamp) {
   JointPositions positions;
-  positions.take(state(2.5, {"a", "b"}, {0.2}), 2.0, 0.5);  // b has no position
-  EXPECT_EQ(positions.all().size(), 1u);
-  positions.take(state(2.5, {"a"}, {0.3}), 2.0, 0.5);
+  positions.take(jointState(2.5, {"a", "c"}, {0.2, 0.4}), 2.0, 0.5);
+  EXPECT_EQ(positions.all().size(), 2u);
+  positions.take(jointState(2.5, {"a"}, {0.3}), 2.0, 0.5);
   EXPECT_EQ(positions.all().at("a").value, 0.3);
   EXPECT_EQ(refusalBy([&] { positions.oldestOf({"b"}, 2.0, 0.5); }), "nobody reports joint 'b'");
-  positions.take(state(2.5, {"a"}, {HUGE_VAL}), 2.0, 0.5);
+  positions.take(jointState(2.5, {"a"}, {HUGE_VAL}), 2.0, 0.5);
   EXPECT_EQ(refusalBy([&] { positions.oldestOf({"a"}, 2.0, 0.5); }),
             "the position of joint 'a' is not finite");
 }
@@ -210,11 +193,14 @@ TEST(JointPositions, AheadOfTheClockAreTakenUpToTheToleranceAndAgainAtTheSameSta
 TEST(JointPositions, AreOfTenThousandNamesAtMost) {
   JointPositions positions;
   for (int i = 0; i < 30000; ++i) {
-    positions.take(state(i % 2 ? 1.0 : 9.0, {"joint" + std::to_string(i)}, {0.5}), 1.0, 0.1);
+    positions.take(jointState(i % 2 ? 1.0 : 9.0, {"joint" + std::to_string(i)}, {0.5}), 1.0, 0.1);
   }
   EXPECT_EQ(positions.all().size(), 5000u);
-  positions.take(state(1.0, {"joint1"}, {0.7}), 1.0, 0.1);
+  positions.take(jointState(1.0, {"joint1"}, {0.7}), 1.0, 0.1);
   EXPECT_EQ(positions.all().at("joint1").value, 0.7);
+  positions.take(jointState(1.0, {"uneven"}, {}), 1.0, 0.1);
+  EXPECT_EQ(refusalBy([&] { positions.oldestOf({"uneven"}, 1.0, 0.1); }),
+            "nobody reports joint 'uneven'");
   EXPECT_EQ(refusalBy([&] { positions.oldestOf({"joint29999"}, 1.0, 0.1); }),
             "nobody reports joint 'joint29999'");
 }
@@ -224,7 +210,7 @@ TEST(JointPositions, AreMeasuredNoLaterThanTheyArrive) {
   for (int i = 0; i < 1000; ++i) {
     JointPositions positions;
     const double arrived = random.uniform(1.0, 9.0), offset = random.uniform(-0.5, 0.1);
-    positions.take(state(arrived + offset, {"a"}, {0.2}), arrived, 0.1);
+    positions.take(jointState(arrived + offset, {"a"}, {0.2}), arrived, 0.1);
     EXPECT_LE(positions.oldestOf({"a"}, arrived, 0.1), arrived) << offset;
     EXPECT_NEAR(positions.oldestOf({"a"}, arrived, 0.1), arrived + std::min(offset, 0.0), 1e-6);
     EXPECT_NEAR(positions.newestStampOf({"a"}), arrived + offset, 1e-6);
@@ -234,161 +220,21 @@ TEST(JointPositions, AreMeasuredNoLaterThanTheyArrive) {
 // Of a clock that is late, or of a sender whose clock is ahead: nobody knows which.
 TEST(JointPositions, ThatAreRefusedLeaveNoOlderOnesInForce) {
   JointPositions positions;
-  positions.take(state(2.0, {"a", "b"}, {0.2, 0.3}), 2.0, 0.1);
-  positions.take(state(2.2, {"a"}, {0.4}), 2.0, 0.1);
+  positions.take(jointState(2.0, {"a", "b"}, {0.2, 0.3}), 2.0, 0.1);
+  positions.take(jointState(2.2, {"a"}, {0.4}), 2.0, 0.1);
   EXPECT_EQ(refusalBy([&] {
               positions.oldestOf({"a", "b"}, 2.0, 0.1);
             }),
             "the position of joint 'a' is stamped 0.20 s ahead of the clock: is /clock late, or "
             "the clock of a computer ahead?");
   EXPECT_EQ(positions.oldestOf({"b"}, 2.0, 0.1), 2.0) << "of other joints it says nothing";
-  positions.take(state(2.05, {"a"}, {0.3}), 2.0, 0.1);  // late, and not the newest
+  positions.take(jointState(2.05, {"a"}, {0.3}), 2.0, 0.1);  // late, and not the newest
   EXPECT_THROW(positions.oldestOf({"a"}, 2.05, 0.1), InputError);
-  positions.take(state(2.3, {"a"}, {0.5}), 2.3, 0.1);
+  positions.take(jointState(2.3, {"a"}, {0.5}), 2.3, 0.1);
   EXPECT_EQ(positions.oldestOf({"a"}, 2.3, 0.1), 2.3) << "the clock has caught up";
-  positions.take(state(9.0, {"a"}, {0.5}), 2.3, 0.1);
+  positions.take(jointState(9.0, {"a"}, {0.5}), 2.3, 0.1);
   positions.clear();
   EXPECT_EQ(refusalBy([&] { positions.oldestOf({"a"}, 2.3, 0.1); }), "nobody reports joint 'a'");
-}
-
-class TrajectoryOfTwo : public testing::Test {
- protected:
-  TrajectoryOfTwo() {
-    command_.header.frame_id = "base";
-    command_.joint_names = {"b", "a"};
-    command_.points.resize(1);
-    command_.points[0].velocities = {2.0, 1.0};
-    command_.points[0].positions = {20.0, 11.0};
-    command_.points[0].time_from_start = ros::Duration(3.0);
-    measured_.take(state(1.0, {"a", "b"}, {10.0, 12.0}), 1.0, 0.1);
-    decision_.scale = 0.5;
-    decision_.command = {0.5, 1.0};
-  }
-  std::string refused() const {
-    return refusalBy([&] { velocitiesOf(command_, {"a", "b"}); });
-  }
-  trajectory_msgs::JointTrajectory passed() const {
-    return limitedTrajectory(command_, {"a", "b"}, decision_, measured_, now_, 0.1);
-  }
-  std::string limited() const { return printed(passed()); }
-  trajectory_msgs::JointTrajectory command_;
-  JointPositions measured_;
-  double now_ = 1.05;
-  LimiterDecision decision_;
-};
-
-TEST_F(TrajectoryOfTwo, IsPassedWithAllThatItSays) {
-  const std::string begin = "header frame_id base joint_names[0] b joint_names[1] a points[0] ",
-                    end = " time_from_start 3.000000000";
-  const std::string velocities = "velocities[0] 1 velocities[1] 0.5";
-  EXPECT_EQ(limited(), begin + "positions[0] 15 positions[1] 10.5 " + velocities + end)
-      << "b, at 12 and on its way to 20, no further than 1.0 leads in 3 s";
-  decision_.scale = 0.0;
-  EXPECT_EQ(limited(), begin + "positions[0] 12 positions[1] 10 " + velocities + end);
-  decision_ = {};
-  decision_.scale = 1.0;
-  decision_.command = {0.5, 0.0};  // b stays, wherever it should go
-  EXPECT_EQ(limited(),
-            begin + "positions[0] 12 positions[1] 11 velocities[0] velocities[1] 0.5" + end);
-  decision_.command = {0.5, 1.0};
-  decision_.scale = 0.0;
-  command_.points[0].positions[0] = std::nan("");
-  EXPECT_EQ(limited(), begin + "positions[0] 12 positions[1] 10 " + velocities + end);
-  measured_.take(state(1.01, {"b"}, {std::nan("")}), 1.01, 0.1);
-  EXPECT_EQ(limited(), begin + velocities + end) << "not from what nobody knows";
-  command_.points[0].positions.pop_back();
-  EXPECT_EQ(limited(), begin + velocities + end);
-  command_.joint_names = {"b", "unknown"};
-  EXPECT_EQ(limited(),
-            "header frame_id base joint_names[0] b joint_names[1] unknown points[0] "
-            "velocities[0] 1 velocities[1]" +
-                end);
-}
-
-// A trajectory controller drops a point of the past, and takes all of its time for one that is far.
-TEST_F(TrajectoryOfTwo, StopsNowAndWithinTheTimeThatTheDecelerationNeeds) {
-  command_.header.stamp = ros::Time(17.0);
-  decision_.command = {0.5, 1.0};
-  EXPECT_TRUE(passed().header.stamp.isZero()) << "later it is not certified";
-  decision_ = {};
-  decision_.command = {0.0, 0.0};
-  const auto stop = [&](double seconds_to_rest, double given) {
-    decision_.seconds_to_rest = seconds_to_rest;
-    command_.points[0].time_from_start = ros::Duration(given);
-    const auto limited = passed();
-    EXPECT_TRUE(limited.header.stamp.isZero()) << "at once";
-    EXPECT_EQ(limited.header.frame_id, "base");
-    EXPECT_THAT(limited.points[0].velocities, ElementsAre(0.0, 0.0));
-    EXPECT_THAT(limited.points[0].positions, ElementsAre(12.0, 10.0));
-    return limited.points[0].time_from_start.toSec();
-  };
-  EXPECT_DOUBLE_EQ(stop(1e11, 0.0), 1e6) << "a message can say 68 years";
-  EXPECT_DOUBLE_EQ(stop(0.25, 3.0), 0.25);
-  EXPECT_DOUBLE_EQ(stop(0.25, 0.1), 0.1);
-  EXPECT_DOUBLE_EQ(stop(0.0, 3.0), 0.01) << "a point of now is dropped";
-  EXPECT_DOUBLE_EQ(stop(0.0, 0.0), 0.01);
-  EXPECT_DOUBLE_EQ(stop(0.25, -1.0), 0.25);
-  command_.points.clear();
-  EXPECT_EQ(passed().points[0].time_from_start, ros::Duration(0.25));
-}
-
-// A controller would go there in the time of a stop, from wherever the robot is now.
-TEST_F(TrajectoryOfTwo, HasNoPositionsWhereTheRobotMayNoLongerBe) {
-  for (const double scale : {0.0, 0.5}) {
-    decision_.scale = scale;
-    const auto has = [&](double now) {
-      now_ = now;
-      const auto point = passed().points[0];
-      EXPECT_EQ(point.velocities.size(), 2u);
-      return !point.positions.empty();
-    };
-    EXPECT_TRUE(has(1.09));
-    EXPECT_FALSE(has(1.11)) << "nobody has reported for so long";
-    EXPECT_TRUE(has(0.91)) << "stamps may be a little ahead";
-    EXPECT_FALSE(has(0.5)) << "the clock went back";
-    measured_.take(state(1.3, {"a"}, {0.0}), 1.1, 0.1);
-    EXPECT_FALSE(has(1.1)) << "newer ones are refused, which are ahead of the clock";
-    measured_.clear();
-    measured_.take(state(1.0, {"a", "b"}, {10.0, 12.0}), 1.0, 0.1);
-  }
-}
-
-TEST_F(TrajectoryOfTwo, LeadsNowhereThatItsVelocitiesDoNot) {
-  RandomInputs random;
-  for (int i = 0; i < 1000; ++i) {
-    decision_.scale = random.uniform(0.0, 1.0);
-    decision_.command = {random.uniform(-2.0, 2.0), random.uniform(-2.0, 2.0)};
-    command_.points[0].positions = {12.0 + random.uniform(-2.0, 2.0),
-                                    10.0 + random.uniform(-2.0, 2.0)};
-    command_.points[0].time_from_start = ros::Duration(random.uniform(-1.0, 2.0));
-    const auto limited = passed().points[0];
-    const double seconds = limited.time_from_start.toSec();
-    for (std::size_t joint : {0, 1}) {
-      const double moved = limited.positions[joint] - (joint == 0 ? 12.0 : 10.0);
-      EXPECT_GE(moved * limited.velocities[joint], 0.0) << "against its velocity";
-      const double reach = std::abs(limited.velocities[joint]) * std::max(0.0, seconds);
-      EXPECT_LE(std::abs(moved), reach + 1e-14);
-      EXPECT_LE(std::abs(moved), 2.0 * decision_.scale);
-    }
-  }
-}
-
-TEST_F(TrajectoryOfTwo, IsRefusedWithTheReason) {
-  EXPECT_EQ(refused(), "");
-  command_.joint_names = {"b", "c"};
-  EXPECT_EQ(refused(), "the command has no velocity for joint 'a'");
-  command_.joint_names = {"b", "a", "c"};
-  EXPECT_EQ(refused(), "the command has 2 velocities for 3 joints, but 2 joints are limited");
-  command_.joint_names = {"b", "a"};
-  command_.points[0].velocities.push_back(1.0);
-  EXPECT_EQ(refused(), "the command has 3 velocities for 2 joints, but 2 joints are limited");
-  command_.points.resize(2);
-  EXPECT_EQ(refused(), "the command has 2 points, but must have one");
-  command_.points.clear();
-  EXPECT_EQ(refused(), "the command has 0 points, but must have one");
-  EXPECT_EQ(limited(),
-            "header frame_id base joint_names[0] b joint_names[1] a points[0] "
-            "velocities[0] 1 velocities[1] 0.5");
 }
 
 }  // namespace test_limiter_input

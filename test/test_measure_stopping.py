@@ -73,6 +73,13 @@ def test_what_the_limiter_does_not_assume_is_said_and_written(record, measure, t
     assert "# warning: " in (tmp_path / "limiter.yaml").read_text()
 
 
+def test_joint_states_are_read_as_robot_state_publisher_does(record, measure, tmp_path):
+    found, said = measure(record(uneven=50), "--joints", *JOINTS)
+    assert_on_the_safe_side(found)
+    lost = [line for line in (tmp_path / "limiter.yaml").read_text().splitlines() if line.startswith("# warning: ")]
+    assert len(lost) == 1 and "positions" in lost[0] and lost[0][len("# warning: "):].strip('"') in said
+
+
 def test_too_few_steps_are_said(record, measure):
     _, said = measure(record(shares=(1.0, 0.0)), "--joints", *JOINTS)
     assert said.count("too few steps: it slows down 1 times, at least 4 are needed") == 2

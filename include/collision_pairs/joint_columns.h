@@ -25,6 +25,8 @@ class JointColumns {
   JointColumns(const std::vector<std::string>& names, const RobotModel& robot);
 
   std::size_t size() const { return joint_of_column_.size(); }
+  /// Index in RobotModel::joints() of the joint that is named for a column.
+  int jointOf(std::size_t column) const { return joint_of_column_[column]; }
   /// joint: index in RobotModel::joints().
   const Source& sourceOf(int joint) const { return source_of_joint_[joint]; }
 

@@ -31,4 +31,14 @@ std::vector<double> velocitiesOf(const trajectory_msgs::JointTrajectory& command
   return velocities;
 }
 
+bool isAccepted(const trajectory_msgs::JointTrajectory& command,
+                const std::vector<std::string>& joints) {
+  try {
+    velocitiesOf(command, joints);
+    return true;
+  } catch (const InputError&) {
+    return false;
+  }
+}
+
 }  // namespace collision_pairs

@@ -13,4 +13,8 @@ namespace collision_pairs {
 std::vector<double> velocitiesOf(const trajectory_msgs::JointTrajectory& command,
                                  const std::vector<std::string>& joints);
 
+/// Whether velocitiesOf() accepts the command.
+bool isAccepted(const trajectory_msgs::JointTrajectory& command,
+                const std::vector<std::string>& joints);
+
 }  // namespace collision_pairs

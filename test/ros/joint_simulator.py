@@ -21,6 +21,7 @@ class JointSimulator:
         self._last = rospy.get_time()
         self.is_silent = False
         self.is_broken = False  # publishes NaN
+        self.is_uneven = False  # names one more joint, first, without a position
         self._timer = rospy.Timer(rospy.Duration(PERIOD), self._step)
 
     def command(self, velocities):
@@ -55,5 +56,7 @@ class JointSimulator:
         message.header.stamp = rospy.Time.now()
         if self.is_broken:
             message.position[0] = float("nan")
+        if self.is_uneven:
+            message.name.insert(0, "gripper")
         if not self.is_silent:
             self._publisher.publish(message)

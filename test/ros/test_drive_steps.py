@@ -51,7 +51,7 @@ class DriveSteps(unittest.TestCase):
                 cls.bag.write("/joint_states", message, rospy.Time.now())
 
     def setUp(self):
-        self.simulator.is_silent = False
+        self.simulator.is_silent = self.simulator.is_uneven = False
         self.simulator.place(slide_a=0.0, slide_b=0.0)
         del self.commands[:]
 
@@ -112,11 +112,13 @@ class DriveSteps(unittest.TestCase):
         self.assert_ends_with_zeros(program, 1)
 
     def test_without_positions_it_sends_zeros(self):
-        program = self.drive()
-        self.wait_until_it_moves(program)
-        self.simulator.is_silent = True
-        self.assert_ends_with_zeros(program, 1)
-        self.assertIn("no position of joint 'slide_a' in the last 0.5 s", program.said())
+        for fault in ("is_silent", "is_uneven"):
+            self.setUp()
+            program = self.drive()
+            self.wait_until_it_moves(program)
+            setattr(self.simulator, fault, True)
+            self.assert_ends_with_zeros(program, 1)
+            self.assertIn("no position of joint 'slide_a' in the last 0.5 s", program.said())
 
     def test_what_would_pass_a_limit_is_refused_before_anything_moves(self):
         self.simulator.place(slide_a=8.99)

@@ -81,7 +81,7 @@ class LimiterTest(unittest.TestCase):
 
     def setUp(self):
         self.drive(None)
-        self.joints.is_silent = self.joints.is_broken = False
+        self.joints.is_silent = self.joints.is_broken = self.joints.is_uneven = False
         self.joints.place(slide_a=0.0, slide_b=4.0, slide_c=8.0)
 
     def drive(self, *velocities):
@@ -164,7 +164,7 @@ class LimiterTest(unittest.TestCase):
             self.assertEqual((limit.scale, limit.verdict), (0.0, SpeedLimit.UNKNOWN))
             self.assertTrue(newest(self.out.commands, lambda x: x.data == (0.0,)))
 
-    def test_joint_states_that_stop_or_are_not_finite_stop_it(self):
+    def test_joint_states_that_stop_or_cannot_be_used_stop_it(self):
         self.drive(0.2)
         self.limit_that(lambda x: x.scale > 0.0)
         self.joints.is_silent = True
@@ -172,7 +172,9 @@ class LimiterTest(unittest.TestCase):
         self.assertTrue(newest(self.out.commands, lambda x: x.data == (0.0,)))
         self.joints.is_silent, self.joints.is_broken = False, True
         self.limit_that(lambda x: x.scale == 0.0 and "is not finite" in x.reason)
-        self.joints.is_broken = False
+        self.joints.is_broken, self.joints.is_uneven = False, True
+        self.limit_that(lambda x: x.scale == 0.0 and "names and positions of its joint state differ in number" in x.reason)
+        self.joints.is_uneven = False
         self.limit_that(lambda x: x.scale > 0.0)
 
     def test_after_the_timeout_zeros_are_passed_once(self):

@@ -182,6 +182,29 @@ class LimiterGuardTest(unittest.TestCase):
         self.assertLessEqual(stop.points[0].time_from_start.to_sec(), SPEED / 2.0 + 1e-9)
         self.assertEqual(len(stop.points[0].positions), 1)
 
+    def test_zeros_are_of_the_limiters_joints_whatever_a_malformed_trajectory_names(self):
+        malformed = self.trajectory()
+        malformed.joint_names[0], malformed.points[0].positions = "slide_x", []
+        _, _, _, passed = self.start("malformed", self.trajectory())
+        self.timers.pop().shutdown()
+        wait_until(lambda: not passed.moves(), "zeros")
+        publisher = rospy.Publisher("/malformed/asked", JointTrajectory, queue_size=1, tcp_nodelay=True)
+        wait_until(publisher.get_num_connections, "a connection")
+        nb_passed = len(passed.messages)
+        publisher.publish(malformed)
+        wait_until(lambda: len(passed.messages) >= nb_passed + 2, "zeros of the limiter, and then of the guard")
+        self.assertEqual({tuple(message.joint_names) for message in passed.messages}, {("slide_a",)})
+        # A guard that hears someone else.
+        rospy.set_param("/alone/velocity_limiter", dict(LIMITER, command="/alone/asked", command_type=JointTrajectory._type))
+        heard = Heard("/alone/command", JointTrajectory)
+        self.programs.append(Program(GUARD, "__name:=alone"))
+        publisher = rospy.Publisher("/alone/limited_command", JointTrajectory, queue_size=1, tcp_nodelay=True)
+        wait_until(publisher.get_num_connections, "a connection")
+        publisher.publish(malformed)
+        wait_until(lambda: heard.moves() or heard.messages[-1:] and heard.messages[-1].joint_names == ["slide_x"], "it passes")
+        wait_until(lambda: heard.messages[-1].joint_names == ["slide_a"], "zeros of its own joints")
+        self.assertEqual(heard.velocities()[-1], [0.0])
+
     def test_without_real_time_scheduling_log_and_diagnostics_have_the_line_that_permits_it(self):
         refused = []
         if os.geteuid() == 0:

@@ -31,7 +31,7 @@ CertifiedSurroundings::CertifiedSurroundings(std::shared_ptr<const CollisionScen
       detector_(scene_),
       gradient_(*scene_, columns_),
       rates_(joints.size()) {
-  for (const std::string& name : joints) joint_ids_.push_back(scene_->robot().findJoint(name));
+  for (std::size_t i = 0; i < columns_.size(); ++i) joint_ids_.push_back(columns_.jointOf(i));
   RobotState any;
   any.positions = scene_->robot().zeroPositions();
   any.voxels.resize(scene_->clouds().size());

@@ -10,7 +10,7 @@
 
 #include "collision_pairs/input_error.h"
 #include "frame_names.h"
-#include "joint_transforms.h"
+#include "joint_state_positions.h"
 #include "message_layout.h"
 #include "transform_buffer.h"
 
@@ -103,7 +103,7 @@ class Indexer {
     if (!message) return false;
     watchClock(message->header.stamp, raw);
     std::set<std::string>& names = index_.joints[raw.topic];
-    const auto positions = positionsIn(*message);
+    const auto positions = finitePositionsIn(*message);
     for (const auto& entry : positions) names.insert(entry.first);
     nb_unusable_ += message->position.size() - positions.size();
     return true;

@@ -1,24 +1,11 @@
 #include "joint_transforms.h"
 
 #include <algorithm>
-#include <cmath>
-#include <iterator>
 
 #include "frame_names.h"
+#include "joint_state_positions.h"
 
 namespace collision_pairs {
-
-std::map<std::string, double> positionsIn(const sensor_msgs::JointState& state) {
-  std::map<std::string, double> positions;
-  if (state.name.size() != state.position.size()) return positions;
-  for (std::size_t i = 0; i < state.name.size(); ++i) {
-    positions.emplace(withoutLeadingSlash(state.name[i]), state.position[i]);  // the first stays
-  }
-  for (auto entry = positions.begin(); entry != positions.end();) {
-    entry = std::isfinite(entry->second) ? std::next(entry) : positions.erase(entry);
-  }
-  return positions;
-}
 
 JointTransforms::JointTransforms(const std::map<std::string, std::set<std::string>>& joints,
                                  const RobotModel& robot, const std::string& prefix)
@@ -115,7 +102,7 @@ geometry_msgs::TransformStamped JointTransforms::transformOf(
 
 tf2_msgs::TFMessage JointTransforms::take(const sensor_msgs::JointState& state) {
   std::vector<int> received;
-  for (const auto& [name, position] : positionsIn(state)) {
+  for (const auto& [name, position] : finitePositionsIn(state)) {
     const auto joint = joints_.find(name);
     if (joint == joints_.end()) continue;
     positions_[joint->second] = position;

@@ -13,10 +13,6 @@
 
 namespace collision_pairs {
 
-/// By joint, without leading slashes, as robot_state_publisher takes them: none if names and
-/// positions differ in number, and the first of a name that comes twice. Only finite ones.
-std::map<std::string, double> positionsIn(const sensor_msgs::JointState& state);
-
 class JointTransforms {
  public:
   /// `joints`: names by topic. With a prefix P, those of this robot are P/joint, Pjoint, or on the
@@ -33,7 +29,7 @@ class JointTransforms {
   std::vector<std::string> unnamedJoints(const std::vector<SceneBody>& bodies) const;
 
   /// Of the bodies below joints that are named in the message, with its stamp; between the first
-  /// links of two bodies. Takes positionsIn() it.
+  /// links of two bodies. Takes finitePositionsIn() it.
   tf2_msgs::TFMessage take(const sensor_msgs::JointState& state);
   /// Of the bodies below joints that are not named, at zero.
   tf2_msgs::TFMessage atZero() const;

@@ -5,7 +5,9 @@
 #include <limits>
 
 #include "collision_pairs/input_error.h"
+#include "joint_state_positions.h"
 #include "stamps.h"
+#include "trajectory_command.h"
 #include "user_text.h"
 
 namespace collision_pairs {
@@ -26,28 +28,46 @@ double limitedPosition(double from, double given, double scale, double velocity,
   return from + std::clamp(scale * (given - from), std::min(0.0, reach), std::max(0.0, reach));
 }
 
+// Of a command that is refused it is all the same how many: the zeros have the measured ones.
+bool asksForPositions(const trajectory_msgs::JointTrajectory& command, bool is_accepted) {
+  return std::any_of(command.points.begin(), command.points.end(), [&](const auto& point) {
+    const std::size_t nb_positions = point.positions.size();
+    return is_accepted ? nb_positions == command.joint_names.size() : nb_positions > 0;
+  });
+}
+
 }  // namespace
 
 void JointPositions::take(const sensor_msgs::JointState& message, double now, double tolerance) {
   const double stamp = message.header.stamp.toSec();
-  const std::size_t nb_joints = std::min(message.name.size(), message.position.size());
-  for (std::size_t i = 0; i < nb_joints; ++i) {
-    const std::string name = withoutLeadingSlash(message.name[i]);
-    const bool is_known = newest_.count(name) + refused_.count(name) > 0;
-    if (!is_known && newest_.size() + refused_.size() >= MOST_NAMES) continue;
+  if (differInNumber(message)) {
+    for (const std::string& given : message.name) {
+      const std::string name = withoutLeadingSlash(given);
+      if (isRoomFor(name)) uneven_[name] = now;
+    }
+    return;
+  }
+  for (const auto& [name, value] : positionsIn(message)) {
+    if (!isRoomFor(name)) continue;
     if (stamp > now + tolerance) {
       refused_[name] = {stamp - now, now};
       continue;
     }
     Position& position = newest_[name];
     if (stamp < position.stamp) continue;
-    position = {stamp, measuredAt(stamp, now), message.position[i]};
+    position = {stamp, measuredAt(stamp, now), value};
   }
 }
 
 void JointPositions::clear() {
   newest_.clear();
   refused_.clear();
+  uneven_.clear();
+}
+
+bool JointPositions::isRoomFor(const std::string& name) const {
+  return newest_.count(name) + refused_.count(name) + uneven_.count(name) > 0 ||
+         newest_.size() + refused_.size() + uneven_.size() < MOST_NAMES;
 }
 
 double JointPositions::oldestOf(const std::vector<std::string>& joints, double now,
@@ -61,6 +81,12 @@ double JointPositions::oldestOf(const std::vector<std::string>& joints, double n
                        " ahead of the clock: is /clock late, or the clock of a computer ahead?");
     }
     const auto found = newest_.find(name);
+    const auto uneven = uneven_.find(name);
+    const bool is_old = found == newest_.end() || now - found->second.measured > tolerance;
+    if (is_old && uneven != uneven_.end() && now - uneven->second <= tolerance) {
+      throw InputError("no position of joint '" + name +
+                       "': names and positions of its joint state differ in number");
+    }
     if (found == newest_.end()) throw InputError("nobody reports joint '" + name + "'");
     if (!std::isfinite(found->second.value)) {
       throw InputError("the position of joint '" + name + "' is not finite");
@@ -112,32 +138,31 @@ trajectory_msgs::JointTrajectory limitedTrajectory(const trajectory_msgs::JointT
                                                    double max_age) {
   trajectory_msgs::JointTrajectory limited;
   limited.header.frame_id = command.header.frame_id;
-  limited.joint_names = command.joint_names;
+  const bool is_accepted = isAccepted(command, joints);  // and has one point
+  limited.joint_names = is_accepted ? command.joint_names : joints;
   limited.points.resize(1);
   auto& point = limited.points.front();
-  const bool has_point = command.points.size() == 1;
-  if (has_point) point.time_from_start = command.points.front().time_from_start;
-  if (std::none_of(decision.command.begin(), decision.command.end(), isNotZero)) {
+  if (is_accepted) point.time_from_start = command.points.front().time_from_start;
+  if (!is_accepted || std::none_of(decision.command.begin(), decision.command.end(), isNotZero)) {
     const ros::Duration stop(
         std::min(std::max(SHORTEST_STOP, decision.seconds_to_rest), LONGEST_STOP));
     if (point.time_from_start <= ros::Duration() || point.time_from_start > stop) {
       point.time_from_start = stop;
     }
   }
-  const bool has_positions =
-      has_point && command.points.front().positions.size() == command.joint_names.size() &&
-      measured.areYoung(command.joint_names, now, max_age);
-  for (std::size_t i = 0; i < command.joint_names.size(); ++i) {
-    const auto joint = std::find(joints.begin(), joints.end(), command.joint_names[i]);
+  const bool has_positions = asksForPositions(command, is_accepted) &&
+                             measured.areYoung(limited.joint_names, now, max_age);
+  for (std::size_t i = 0; i < limited.joint_names.size(); ++i) {
+    const auto joint = std::find(joints.begin(), joints.end(), limited.joint_names[i]);
     const auto at = static_cast<std::size_t>(joint - joints.begin());
-    const double velocity = at < joints.size() ? decision.command[at] : 0.0;
+    const double velocity = is_accepted && at < joints.size() ? decision.command[at] : 0.0;
     point.velocities.push_back(velocity);
     if (!has_positions) continue;
-    const double given = command.points.front().positions[i];
-    const double from = measured.all().at(command.joint_names[i]).value;
+    const double from = measured.all().at(limited.joint_names[i]).value;
     // A joint that is given no velocity is certified where it is, and not where it should go.
     const bool moves = decision.scale > 0.0 && velocity != 0.0;
-    point.positions.push_back(moves ? limitedPosition(from, given, decision.scale, velocity,
+    point.positions.push_back(moves ? limitedPosition(from, command.points.front().positions[i],
+                                                      decision.scale, velocity,
                                                       point.time_from_start.toSec())
                                     : from);
   }

@@ -15,8 +15,8 @@
 namespace collision_pairs {
 
 /// The newest positions of joints. Messages may name some of the joints, and come late, twice or
-/// out of order: of each joint the position with the newest stamp counts. Times are those of the
-/// clock of stamps, in seconds.
+/// out of order: of each joint the position with the newest stamp counts, of what positionsIn() a
+/// message. Times are those of the clock of stamps, in seconds.
 class JointPositions {
  public:
   struct Position {
@@ -33,7 +33,8 @@ class JointPositions {
 
   /// When the oldest position of these joints was measured. Throws InputError for a joint that
   /// nobody has reported, whose position is not finite, or of which positions are refused: until
-  /// the clock has gone on for `tolerance` without one.
+  /// the clock has gone on for `tolerance` without one. Also for a joint whose position is older
+  /// than `tolerance`, if a message has come since that cannot be used.
   double oldestOf(const std::vector<std::string>& joints, double now, double tolerance) const;
   /// Whether these joints are where they were measured, `most` seconds ago at the longest: false
   /// where oldestOf() throws.
@@ -42,11 +43,14 @@ class JointPositions {
   double newestStampOf(const std::vector<std::string>& joints) const;
 
  private:
+  bool isRoomFor(const std::string& name) const;
+
   struct Refused {
     double ahead = 0.0, when = 0.0;
   };
   std::map<std::string, Position> newest_;
   std::map<std::string, Refused> refused_;
+  std::map<std::string, double> uneven_;  // when a message came with a name, but differInNumber()
 };
 
 /// Whether a velocity is more than 1e-6 rad/s or m/s, or not a number.
@@ -60,7 +64,8 @@ void refuseLoop(const std::string& command, const std::string& limited);
 /// it has some, are on the way from the measured ones to the given ones, by the scale, and no
 /// further from them than these velocities lead in time_from_start; there are none if a measured
 /// one is older than `max_age` at `now`: they would lead there from wherever the robot is. Of a
-/// command that velocitiesOf() refuses: zeros. All begins now, whatever stamp the command has,
+/// command that is not isAccepted(): zeros of the limiter's `joints`, whatever it names, with
+/// positions if it has some. All begins now, whatever stamp the command has,
 /// since later it is not certified; zeros end within the time that the robot's deceleration needs,
 /// if the command does not say less.
 trajectory_msgs::JointTrajectory limitedTrajectory(const trajectory_msgs::JointTrajectory& command,

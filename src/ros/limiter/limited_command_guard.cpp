@@ -23,6 +23,7 @@
 #include "limiter_parameters.h"
 #include "parameters.h"
 #include "real_time.h"
+#include "trajectory_command.h"
 
 namespace collision_pairs {
 namespace {
@@ -91,7 +92,7 @@ class Guard {
  private:
   void pass(const Command& command) {
     publisher_.publish(command);
-    last_ = command;
+    if (isOfAllJoints(command)) last_ = command;
     lacks_zeros_ = true;
     came_ = ros::SteadyTime::now();
     came_at_ = ros::Time::now();
@@ -112,6 +113,12 @@ class Guard {
                     ros::Time::now().toSec() - came_at_.toSec());
   }
 
+  bool isOfAllJoints(const std_msgs::Float64MultiArray& command) const {
+    return command.data.size() == parameters_.joints.size();
+  }
+  bool isOfAllJoints(const trajectory_msgs::JointTrajectory& command) const {
+    return isAccepted(command, parameters_.joints);
+  }
   static std::vector<double> velocities(const std_msgs::Float64MultiArray& command) {
     return command.data;
   }
@@ -144,8 +151,8 @@ class Guard {
 
   const LimiterParameters parameters_;
   JointPositions positions_;
-  double taken_at_ = 0.0;  // s
-  Command last_;
+  double taken_at_ = 0.0;    // s
+  Command last_;             // that is of all joints: zeros in its layout stop them all
   bool lacks_zeros_ = true;  // also what a guard before this one, which has died, let pass
   ros::SteadyTime came_;
   ros::Time came_at_;

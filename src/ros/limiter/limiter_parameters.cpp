@@ -60,15 +60,21 @@ void readDeceleration(const YAML::Node& value, LimiterParameters& parameters) {
     parameters.law.deceleration.assign(parameters.joints.size(), within(key, value, range));
     return;
   }
+  std::map<std::string, double> numbers;
   for (const auto& entry : value) {
-    const std::string name = entry.first.Scalar();
-    if (std::count(parameters.joints.begin(), parameters.joints.end(), name) == 1) continue;
-    throw InputError(key + ": '" + name + "' is not in joints; did you mean '" +
-                     nearestName(name, parameters.joints) + "'?");
+    const std::string name = withoutLeadingSlash(entry.first.Scalar());
+    if (std::count(parameters.joints.begin(), parameters.joints.end(), name) != 1) {
+      throw InputError(key + ": '" + name + "' is not in joints; did you mean '" +
+                       nearestName(name, parameters.joints) + "'?");
+    }
+    const double number = within(key + '/' + name, entry.second, range);
+    if (numbers.emplace(name, number).second) continue;
+    throw InputError(key + " has two numbers for joint '" + name + "'");
   }
   for (const std::string& joint : parameters.joints) {
-    if (!value[joint]) throw InputError(key + " has no number for joint '" + joint + "'");
-    parameters.law.deceleration.push_back(within(key + '/' + joint, value[joint], range));
+    const auto found = numbers.find(joint);
+    if (found == numbers.end()) throw InputError(key + " has no number for joint '" + joint + "'");
+    parameters.law.deceleration.push_back(found->second);
   }
 }
 
@@ -94,6 +100,7 @@ std::optional<LimiterParameters> LimiterParameters::read(const YAML::Node& value
       parameters.is_trajectory = isTrajectory(key, entry);
     } else if (name == "joints") {
       parameters.joints = namesOf(key, entry);
+      for (std::string& joint : parameters.joints) joint = withoutLeadingSlash(joint);
     } else if (name == "deceleration") {
       deceleration = entry;
     } else {

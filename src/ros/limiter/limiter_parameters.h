@@ -14,7 +14,8 @@ namespace collision_pairs {
 struct LimiterParameters {
   std::string command;         ///< topic
   bool is_trajectory = false;  ///< trajectory_msgs/JointTrajectory; else std_msgs/Float64MultiArray
-  /// Of the command, in the order of the array; as joint states and the URDF name them.
+  /// Of the command, in the order of the array; as joint states and the URDF name them, without
+  /// leading slashes.
   std::vector<std::string> joints;
   std::string joint_states = "joint_states";  ///< topic
   LimiterSettings law;                        ///< deceleration: one per joint

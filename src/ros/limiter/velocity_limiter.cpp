@@ -269,7 +269,9 @@ CommandOutlet::Send VelocityLimiter::sendAs(const CommandPtr& layout) {
 
 void VelocityLimiter::send(const Command& layout, const LimiterDecision& decision) {
   if (layout.array) {
-    std_msgs::Float64MultiArray limited = *layout.array;
+    std_msgs::Float64MultiArray limited;
+    const bool is_accepted = layout.array->data.size() == parameters_->joints.size();
+    if (is_accepted) limited.layout = layout.array->layout;
     limited.data = decision.command;
     limited_.publish(limited);
   } else {

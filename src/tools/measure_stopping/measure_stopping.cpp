@@ -1,6 +1,5 @@
 // measure_stopping: a recording of velocity commands and joint states in, the parameters of the
 // velocity limiter out. Needs no roscore.
-#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <fstream>
@@ -17,6 +16,7 @@
 #include "bag_index.h"
 #include "collision_pairs/input_error.h"
 #include "command_line.h"
+#include "joint_state_positions.h"
 #include "message_layout.h"
 #include "plot_script.h"
 #include "stopping_analysis.h"
@@ -76,6 +76,7 @@ std::string topicOf(const std::set<std::string>& topics, const std::string& aske
 struct Recording {
   std::string command, joint_states;  ///< topics
   bool is_trajectory = false;
+  std::vector<std::string> losses;  ///< what of the bag could not be used
   StoppingRecording content;
 };
 
@@ -101,10 +102,8 @@ using States = std::map<std::string, std::vector<StoppingRecording::State>>;
 void takeStates(const RawMessage& raw, double now, States& states) {
   const auto message = readMessage<sensor_msgs::JointState>(raw.data, raw.size);
   if (!message) return;  // indexBag() counts it
-  for (std::size_t i = 0; i < std::min(message->name.size(), message->position.size()); ++i) {
-    if (!std::isfinite(message->position[i])) continue;
-    states[withoutLeadingSlash(message->name[i])].push_back(
-        {message->header.stamp.toSec(), now, message->position[i]});
+  for (const auto& [name, position] : finitePositionsIn(*message)) {
+    states[name].push_back({message->header.stamp.toSec(), now, position});
   }
 }
 
@@ -153,8 +152,10 @@ Recording read(const Options& options) {
   };
   const BagIndex index = indexBag(options.bag, wants);
   for (const std::string& loss : index.losses) warn(options.bag + ": " + loss);
-  return naming(options.bag,
-                [&] { return readTopics(options, index, wants, commands, all_states); });
+  Recording recording =
+      naming(options.bag, [&] { return readTopics(options, index, wants, commands, all_states); });
+  recording.losses = index.losses;
+  return recording;
 }
 
 /// A text in double quotes, as YAML has it.
@@ -176,7 +177,9 @@ std::string lessThan(double number) {
 
 void writeYaml(const Recording& recording, const StoppingAnalysis& found, std::ostream& out) {
   out << "# Written by measure_stopping; docs/limiter.md says what the numbers mean.\n";
-  for (const std::string& warning : found.warnings) out << "# warning: " << inYaml(warning) << '\n';
+  for (const auto* warnings : {&recording.losses, &found.warnings}) {
+    for (const std::string& text : *warnings) out << "# warning: " << inYaml(text) << '\n';
+  }
   out << "velocity_limiter:\n"
       << "  # As recorded. The limiter must hear what is to be limited, not what the controller "
          "hears.\n"

@@ -1,0 +1,184 @@
+// The trajectory commands that the limiter passes, and the zeros in place of those it refuses.
+#include <cmath>
+
+#include <gmock/gmock.h>
+
+#include "joint_states.h"
+#include "limited_command.h"
+#include "printed.h"
+#include "random_inputs.h"
+#include "trajectory_command.h"
+
+namespace collision_pairs {
+namespace test_limiter_trajectory {
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+class TrajectoryOfTwo : public testing::Test {
+ protected:
+  TrajectoryOfTwo() {
+    command_.header.frame_id = "base";
+    command_.joint_names = {"b", "a"};
+    command_.points.resize(1);
+    command_.points[0].velocities = {2.0, 1.0};
+    command_.points[0].positions = {20.0, 11.0};
+    command_.points[0].time_from_start = ros::Duration(3.0);
+    measured_.take(jointState(1.0, {"a", "b"}, {10.0, 12.0}), 1.0, 0.1);
+    decision_.scale = 0.5;
+    decision_.command = {0.5, 1.0};
+  }
+  std::string refused() const {
+    return refusalBy([&] { velocitiesOf(command_, {"a", "b"}); });
+  }
+  trajectory_msgs::JointTrajectory passed() const {
+    return limitedTrajectory(command_, {"a", "b"}, decision_, measured_, now_, 0.1);
+  }
+  std::string limited() const { return printed(passed()); }
+  trajectory_msgs::JointTrajectory command_;
+  JointPositions measured_;
+  double now_ = 1.05;
+  LimiterDecision decision_;
+};
+
+TEST_F(TrajectoryOfTwo, IsPassedWithAllThatItSays) {
+  const std::string begin = "header frame_id base joint_names[0] b joint_names[1] a points[0] ",
+                    end = " time_from_start 3.000000000";
+  const std::string velocities = "velocities[0] 1 velocities[1] 0.5";
+  EXPECT_EQ(limited(), begin + "positions[0] 15 positions[1] 10.5 " + velocities + end)
+      << "b, at 12 and on its way to 20, no further than 1.0 leads in 3 s";
+  decision_.scale = 0.0;
+  EXPECT_EQ(limited(), begin + "positions[0] 12 positions[1] 10 " + velocities + end);
+  decision_ = {};
+  decision_.scale = 1.0;
+  decision_.command = {0.5, 0.0};  // b stays, wherever it should go
+  EXPECT_EQ(limited(),
+            begin + "positions[0] 12 positions[1] 11 velocities[0] velocities[1] 0.5" + end);
+  decision_.command = {0.5, 1.0};
+  decision_.scale = 0.0;
+  command_.points[0].positions[0] = std::nan("");
+  EXPECT_EQ(limited(), begin + "positions[0] 12 positions[1] 10 " + velocities + end);
+  measured_.take(jointState(1.01, {"b"}, {std::nan("")}), 1.01, 0.1);
+  EXPECT_EQ(limited(), begin + velocities + end) << "not from what nobody knows";
+  command_.points[0].positions.pop_back();
+  EXPECT_EQ(limited(), begin + velocities + end);
+}
+
+// A trajectory controller drops a point of the past, and takes all of its time for one that is far.
+TEST_F(TrajectoryOfTwo, StopsNowAndWithinTheTimeThatTheDecelerationNeeds) {
+  command_.header.stamp = ros::Time(17.0);
+  decision_.command = {0.5, 1.0};
+  EXPECT_TRUE(passed().header.stamp.isZero()) << "later it is not certified";
+  decision_ = {};
+  decision_.command = {0.0, 0.0};
+  const auto stop = [&](double seconds_to_rest, double given) {
+    decision_.seconds_to_rest = seconds_to_rest;
+    command_.points[0].time_from_start = ros::Duration(given);
+    const auto limited = passed();
+    EXPECT_TRUE(limited.header.stamp.isZero()) << "at once";
+    EXPECT_EQ(limited.header.frame_id, "base");
+    EXPECT_THAT(limited.points[0].velocities, ElementsAre(0.0, 0.0));
+    EXPECT_THAT(limited.points[0].positions, ElementsAre(12.0, 10.0));
+    return limited.points[0].time_from_start.toSec();
+  };
+  EXPECT_DOUBLE_EQ(stop(1e11, 0.0), 1e6) << "a message can say 68 years";
+  EXPECT_DOUBLE_EQ(stop(0.25, 3.0), 0.25);
+  EXPECT_DOUBLE_EQ(stop(0.25, 0.1), 0.1);
+  EXPECT_DOUBLE_EQ(stop(0.0, 3.0), 0.01) << "a point of now is dropped";
+  EXPECT_DOUBLE_EQ(stop(0.0, 0.0), 0.01);
+  EXPECT_DOUBLE_EQ(stop(0.25, -1.0), 0.25);
+  command_.points.clear();
+  EXPECT_EQ(passed().points[0].time_from_start, ros::Duration(0.25));
+}
+
+// A controller would go there in the time of a stop, from wherever the robot is now.
+TEST_F(TrajectoryOfTwo, HasNoPositionsWhereTheRobotMayNoLongerBe) {
+  for (const double scale : {0.0, 0.5}) {
+    decision_.scale = scale;
+    const auto has = [&](double now) {
+      now_ = now;
+      const auto point = passed().points[0];
+      EXPECT_EQ(point.velocities.size(), 2u);
+      return !point.positions.empty();
+    };
+    EXPECT_TRUE(has(1.09));
+    EXPECT_FALSE(has(1.11)) << "nobody has reported for so long";
+    EXPECT_TRUE(has(0.91)) << "stamps may be a little ahead";
+    EXPECT_FALSE(has(0.5)) << "the clock went back";
+    measured_.take(jointState(1.3, {"a"}, {0.0}), 1.1, 0.1);
+    EXPECT_FALSE(has(1.1)) << "newer ones are refused, which are ahead of the clock";
+    measured_.clear();
+    measured_.take(jointState(1.0, {"a", "b"}, {10.0, 12.0}), 1.0, 0.1);
+  }
+}
+
+TEST_F(TrajectoryOfTwo, LeadsNowhereThatItsVelocitiesDoNot) {
+  RandomInputs random;
+  for (int i = 0; i < 1000; ++i) {
+    decision_.scale = random.uniform(0.0, 1.0);
+    decision_.command = {random.uniform(-2.0, 2.0), random.uniform(-2.0, 2.0)};
+    command_.points[0].positions = {12.0 + random.uniform(-2.0, 2.0),
+                                    10.0 + random.uniform(-2.0, 2.0)};
+    command_.points[0].time_from_start = ros::Duration(random.uniform(-1.0, 2.0));
+    const auto limited = passed().points[0];
+    const double seconds = limited.time_from_start.toSec();
+    for (std::size_t joint : {0, 1}) {
+      const double moved = limited.positions[joint] - (joint == 0 ? 12.0 : 10.0);
+      EXPECT_GE(moved * limited.velocities[joint], 0.0) << "against its velocity";
+      const double reach = std::abs(limited.velocities[joint]) * std::max(0.0, seconds);
+      EXPECT_LE(std::abs(moved), reach + 1e-14);
+      EXPECT_LE(std::abs(moved), 2.0 * decision_.scale);
+    }
+  }
+}
+
+TEST_F(TrajectoryOfTwo, IsRefusedWithTheReason) {
+  EXPECT_EQ(refused(), "");
+  command_.joint_names = {"b", "c"};
+  EXPECT_EQ(refused(), "the command has no velocity for joint 'a'");
+  command_.joint_names = {"b", "a", "c"};
+  EXPECT_EQ(refused(), "the command has 2 velocities for 3 joints, but 2 joints are limited");
+  command_.joint_names = {"b", "a"};
+  command_.points[0].velocities.push_back(1.0);
+  EXPECT_EQ(refused(), "the command has 3 velocities for 2 joints, but 2 joints are limited");
+  command_.points.resize(2);
+  EXPECT_EQ(refused(), "the command has 2 points, but must have one");
+  command_.points.clear();
+  EXPECT_EQ(refused(), "the command has 0 points, but must have one");
+}
+
+// They stop all joints, whatever a command names that cannot be used.
+TEST_F(TrajectoryOfTwo, ThatIsRefusedIsAnsweredByZerosOfTheLimitersJoints) {
+  const auto refused_one = command_;
+  const auto expectZeros = [&](const std::vector<double>& positions) {
+    EXPECT_NE(refused(), "");
+    decision_.seconds_to_rest = 0.25;
+    const auto zeros = passed();
+    EXPECT_THAT(zeros.joint_names, ElementsAre("a", "b"));
+    ASSERT_EQ(zeros.points.size(), 1u);
+    EXPECT_THAT(zeros.points[0].velocities, ElementsAre(0.0, 0.0));
+    EXPECT_EQ(zeros.points[0].positions, positions);
+    EXPECT_EQ(zeros.points[0].time_from_start, ros::Duration(0.25));
+    command_ = refused_one;
+  };
+  const std::vector<double> measured = {10.0, 12.0};
+  const std::vector<std::vector<std::string>> others = {
+      {}, {"a"}, {"b", "c"}, {"a", "a"}, {"a", "b", "c"}};
+  for (const auto& names : others) {
+    command_.joint_names = names;
+    expectZeros(measured);
+  }
+  command_.points[0].velocities.pop_back();
+  expectZeros(measured);
+  command_.points.push_back(command_.points[0]);
+  expectZeros(measured);
+  command_.points[0].velocities.clear();
+  command_.points[0].positions.clear();
+  expectZeros({});
+  command_.points.clear();
+  expectZeros({});
+  command_ = {};
+  expectZeros({});
+}
+
+}  // namespace test_limiter_trajectory
+}  // namespace collision_pairs
