@@ -22,6 +22,8 @@ void Knowledge::hearOn(Told& told, bool is_static) {
   } else if (ros_ > last && ros_ < end) {
     told.has_run = told.has_run || ros_ > told.run_begin;
   } else if (setup_.max_pose_age > 0.0 && (!told.has_run || (ros_ == end && is_static))) {
+    // Sent twice at once, by a relay, its static pose may count since then.
+    told.is_run_vague = told.is_run_vague || (is_static && told.is_static_again);
     told.run_begin = ros_;
     told.has_run = false;
   } else if (setup_.max_pose_age > 0.0 && ros_ > last && is_static && !told.is_static_again) {
