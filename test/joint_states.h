@@ -1,4 +1,4 @@
-// Joint states as a robot's driver publishes them, and what is said of those that are refused.
+// Joint states as a robot's driver publishes them.
 #pragma once
 
 #include <string>
@@ -6,8 +6,6 @@
 #include <vector>
 
 #include <sensor_msgs/JointState.h>
-
-#include "collision_pairs/input_error.h"
 
 namespace collision_pairs {
 
@@ -18,17 +16,6 @@ inline sensor_msgs::JointState jointState(double stamp, std::vector<std::string>
   message.name = std::move(names);
   message.position = std::move(positions);
   return message;
-}
-
-/// Empty if nothing is refused.
-template <class Ask>
-std::string refusalBy(const Ask& ask) {
-  try {
-    ask();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
 }
 
 }  // namespace collision_pairs

@@ -7,6 +7,7 @@
 #include "limited_command.h"
 #include "printed.h"
 #include "random_inputs.h"
+#include "refusal.h"
 #include "trajectory_command.h"
 
 namespace collision_pairs {
@@ -28,7 +29,7 @@ class TrajectoryOfTwo : public testing::Test {
     decision_.command = {0.5, 1.0};
   }
   std::string refused() const {
-    return refusalBy([&] { velocitiesOf(command_, {"a", "b"}); });
+    return refusal([&] { velocitiesOf(command_, {"a", "b"}); });
   }
   trajectory_msgs::JointTrajectory passed() const {
     return limitedTrajectory(command_, {"a", "b"}, decision_, measured_, now_, 0.1);
@@ -132,7 +133,7 @@ TEST_F(TrajectoryOfTwo, LeadsNowhereThatItsVelocitiesDoNot) {
 }
 
 TEST_F(TrajectoryOfTwo, IsRefusedWithTheReason) {
-  EXPECT_EQ(refused(), "");
+  EXPECT_EQ(refused(), "accepted");
   command_.joint_names = {"b", "c"};
   EXPECT_EQ(refused(), "the command has no velocity for joint 'a'");
   command_.joint_names = {"b", "a", "c"};
@@ -150,7 +151,7 @@ TEST_F(TrajectoryOfTwo, IsRefusedWithTheReason) {
 TEST_F(TrajectoryOfTwo, ThatIsRefusedIsAnsweredByZerosOfTheLimitersJoints) {
   const auto refused_one = command_;
   const auto expectZeros = [&](const std::vector<double>& positions) {
-    EXPECT_NE(refused(), "");
+    EXPECT_NE(refused(), "accepted");
     decision_.seconds_to_rest = 0.25;
     const auto zeros = passed();
     EXPECT_THAT(zeros.joint_names, ElementsAre("a", "b"));

@@ -5,6 +5,7 @@
 #include "collision_pairs/collision_detector.h"
 #include "collision_pairs/input_error.h"
 #include "mixed_robot.h"
+#include "refusal.h"
 
 namespace collision_pairs {
 namespace test_padding {
@@ -224,12 +225,7 @@ TEST_F(Padding, IsInVerdictsMinimaAndBoundsInTime) {
 }
 
 std::string refusalOf(const SceneDescription& description) {
-  try {
-    CollisionScene::build(description);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "accepted";
+  return refusal([&] { CollisionScene::build(description); });
 }
 
 TEST_F(Padding, BelowZeroOrNotANumberIsRefused) {

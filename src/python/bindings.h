@@ -3,7 +3,6 @@
 #pragma once
 
 #include <algorithm>
-#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -48,20 +47,17 @@ struct PythonScene {
 inline bool isStr(const pybind11::handle& value) { return PyUnicode_Check(value.ptr()) != 0; }
 
 /// Whether numpy would drop a mask of it, or of something in a list: then numbers stand that are
-/// none. Not by the attribute mask: pandas has a method of that name.
-inline bool isMasked(const pybind11::handle& value) {
-  constexpr int DEEPEST = 3;  // numpy refuses lists that are deeper than what is read here
-  const pybind11::object masked = pybind11::module_::import("numpy.ma").attr("MaskedArray");
-  const std::function<bool(pybind11::handle, int)> isSo = [&](pybind11::handle item, int depth) {
-    if (PyFloat_CheckExact(item.ptr())) return false;
-    if (pybind11::isinstance(item, masked)) return true;
-    const bool has_items = PyList_Check(item.ptr()) || PyTuple_Check(item.ptr());
-    if (!has_items || depth == DEEPEST) return false;
-    const auto items = pybind11::reinterpret_borrow<pybind11::sequence>(item);
-    return std::any_of(items.begin(), items.end(),
-                       [&](const pybind11::handle& one) { return isSo(one, depth + 1); });
-  };
-  return isSo(value, 0);
+/// none. pandas has a method `mask`, which is not one. Deeper lists have a shape that is refused.
+inline bool isMasked(const pybind11::handle& value, int depth = 3) {
+  if (PyFloat_CheckExact(value.ptr())) return false;
+  if (pybind11::hasattr(value, "mask")) {
+    return pybind11::isinstance(value, pybind11::module_::import("numpy.ma").attr("MaskedArray"));
+  }
+  const bool has_items = PyList_Check(value.ptr()) || PyTuple_Check(value.ptr());
+  if (!has_items || depth == 0) return false;
+  const auto items = pybind11::reinterpret_borrow<pybind11::sequence>(value);
+  return std::any_of(items.begin(), items.end(),
+                     [&](const pybind11::handle& item) { return isMasked(item, depth - 1); });
 }
 
 /// Of a str. Raises UnicodeEncodeError for one that is no Unicode text (lone surrogates).

@@ -31,7 +31,6 @@ CertifiedSurroundings::CertifiedSurroundings(std::shared_ptr<const CollisionScen
       detector_(scene_),
       gradient_(*scene_, columns_),
       rates_(joints.size()) {
-  for (std::size_t i = 0; i < columns_.size(); ++i) joint_ids_.push_back(columns_.jointOf(i));
   RobotState any;
   any.positions = scene_->robot().zeroPositions();
   any.voxels.resize(scene_->clouds().size());
@@ -108,10 +107,10 @@ Surroundings::Certificate CertifiedSurroundings::certifyAtOnce(
   JointMotion motion;
   motion.from = motion.to = state_.positions;
   motion.deviation.assign(motion.from.size(), 0.0);
-  for (std::size_t i = 0; i < joint_ids_.size(); ++i) {
-    motion.from[joint_ids_[i]] += tube.from[i];
-    motion.to[joint_ids_[i]] += tube.to[i];
-    motion.deviation[joint_ids_[i]] = tube.deviation[i];
+  for (std::size_t i = 0; i < columns_.size(); ++i) {
+    motion.from[columns_.jointOf(i)] += tube.from[i];
+    motion.to[columns_.jointOf(i)] += tube.to[i];
+    motion.deviation[columns_.jointOf(i)] = tube.deviation[i];
   }
   MotionSettings settings;
   settings.fidelity = fidelity_;
@@ -148,8 +147,8 @@ Surroundings::Certificate CertifiedSurroundings::certifyAtOnce(
 double CertifiedSurroundings::travel(const StoppingTube& tube) {
   const RobotModel& robot = scene_->robot();
   std::vector<double> moved(robot.joints().size(), 0.0);
-  for (std::size_t i = 0; i < joint_ids_.size(); ++i) {
-    moved[joint_ids_[i]] =
+  for (std::size_t i = 0; i < columns_.size(); ++i) {
+    moved[columns_.jointOf(i)] =
         std::max(std::abs(tube.from[i]), std::abs(tube.to[i])) + tube.deviation[i];
   }
   std::vector<double> zeros(moved.size(), 0.0);
@@ -190,8 +189,8 @@ bool CertifiedSurroundings::leadsApart(const StoppingTube& tube, const NearPair&
   for (int i = 0; i <= PLACES && is_apart && secondsLeft() > 0.0; ++i) {
     const double share = static_cast<double>(i) / PLACES;
     std::vector<double> positions = state_.positions;
-    for (std::size_t j = 0; j < joint_ids_.size(); ++j) {
-      positions[joint_ids_[j]] += tube.from[j] + share * (tube.to[j] - tube.from[j]);
+    for (std::size_t j = 0; j < columns_.size(); ++j) {
+      positions[columns_.jointOf(j)] += tube.from[j] + share * (tube.to[j] - tube.from[j]);
     }
     scene_->robot().applyMimics(positions);
     place(positions);
@@ -231,7 +230,7 @@ bool CertifiedSurroundings::moves(const PairReport& pair,
 
 std::vector<std::string> CertifiedSurroundings::alwaysNear(const KeptDistances& kept) {
   const JointSampler sampler({scene_, &scene_->robot()}, 1);
-  const std::vector<double> all(joint_ids_.size(), 1.0);
+  const std::vector<double> all(columns_.size(), 1.0);
   CheckSettings settings;
   settings.alarm_distance = std::max(kept.links, kept.others) + RESOLUTION;
   settings.fidelity = fidelity_;

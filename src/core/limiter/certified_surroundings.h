@@ -65,7 +65,6 @@ class CertifiedSurroundings : public Surroundings {
 
   std::shared_ptr<const CollisionScene> scene_;
   JointColumns columns_;
-  std::vector<int> joint_ids_;
   Fidelity fidelity_;
   MotionCheck motions_;
   CollisionDetector detector_;

@@ -33,13 +33,13 @@ enum class PairClass {
   NEVER,      ///< in none, nor with joints at zero, nor in a search; enough trials
   SOMETIMES,  ///< in contact in some state, random or not
   NEAR,       ///< would be NEVER, but came too near
-  UNPROVEN    ///< would be ALWAYS or NEVER, but with too few trials, or a joint that was not moved
+  UNPROVEN    ///< would be ALWAYS or NEVER, but with too few trials, or a joint drawn in part
 };
 
 const char* className(PairClass pair_class);
 
 /// Bounds on the probability that the two touch in a random state, at that confidence. Exact for
-/// rigid pairs; 1 and 0 where a joint between them was not moved.
+/// rigid pairs; 1 and 0 where a joint between them is drawn in part.
 double upperBound(const PairEvidence& evidence, double confidence);
 double lowerBound(const PairEvidence& evidence, double confidence);
 

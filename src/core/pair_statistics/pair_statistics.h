@@ -21,7 +21,8 @@ struct PairEvidence {
   bool adjacent = false;         ///< adjacent links (RobotModel::adjacentLinks)
   bool rigid = false;            ///< of one body: all states are equal
   bool touches_at_zero = false;  ///< at RobotModel::zeroPositions()
-  /// Names of joints between the two that no state moves: what is seen says nothing of others.
+  /// JointSampler::drawnInPartBetween() the two: what is seen says nothing of their other
+  /// positions.
   std::set<std::string> not_moved;
   std::uint64_t trials = 0;    ///< random states in which it was queried; 1 if rigid
   std::uint64_t contacts = 0;  ///< those of them in which the two touch

@@ -1,5 +1,4 @@
 // What assimp does not tell of COLLADA and glTF: units, and parts that it leaves out or misreads.
-#include <iterator>
 #include <map>
 #include <set>
 #include <string>
@@ -21,16 +20,14 @@ using tinyxml2::XMLElement;
 
 const std::string COLLADA = "COLLADA";
 
-const std::set<std::string> PRIMITIVES = {"triangles", "polylist", "polygons", "tristrips",
-                                          "trifans"};
-
 /// What an element with a URL places.
 const std::map<std::string, std::string> PLACED = {{"instance_visual_scene", "visual_scene"},
                                                    {"instance_node", "node"},
                                                    {"instance_geometry", "geometry"},
                                                    {"instance_controller", "controller"}};
 
-/// From the schema of COLLADA 1.4 and 1.5: what places surfaces, and what they consist of.
+/// From the schema of COLLADA 1.4 and 1.5: what places surfaces, and what they consist of. The
+/// attributes that are read are required there.
 const XmlGrammar& colladaGrammar() {
   static const XmlNames PRIMITIVE = {
       {}, {"input", "p", "vcount", "ph", "extra"}, {"count"}, {"name", "material"}};
@@ -94,17 +91,17 @@ class Parts {
 
   void require(const XMLElement& element) const {
     const std::string name = element.Name();
+    for (const std::string& attribute : colladaGrammar().at(name).read_attributes) {
+      requiredAttribute(element, attribute.c_str(), COLLADA);
+    }
     if (const auto placed = PLACED.find(name); placed != PLACED.end()) {
-      const std::string url = requiredAttribute(element, "url", COLLADA);
-      const auto [first, end] = elements_.equal_range({placed->second, url.substr(1)});
-      const bool is_one = url[0] == '#' && first != end && std::next(first) == end;
-      if (!is_one) {
+      const std::string url = element.Attribute("url");
+      if (url[0] != '#' || ids_.count({placed->second, url.substr(1)}) != 1) {
         failAt(element, COLLADA,
                "<" + name + " url='" + url + "'>: there is not one <" + placed->second +
                    "> of that id in the file, and that part would be missing");
       }
     }
-    if (PRIMITIVES.count(name) > 0) requiredAttribute(element, "count", COLLADA);
     for (const auto* child = element.FirstChildElement(); child;
          child = child->NextSiblingElement()) {
       if (colladaGrammar().count(child->Name()) > 0) require(*child);
@@ -113,15 +110,14 @@ class Parts {
 
  private:
   void gather(const XMLElement& element) {
-    if (const char* id = element.Attribute("id"))
-      elements_.emplace(std::pair(element.Name(), id), &element);
+    if (const char* id = element.Attribute("id")) ids_.emplace(element.Name(), id);
     for (const auto* child = element.FirstChildElement(); child;
          child = child->NextSiblingElement()) {
       gather(*child);
     }
   }
 
-  std::multimap<std::pair<std::string, std::string>, const XMLElement*> elements_;
+  std::multiset<std::pair<std::string, std::string>> ids_;  ///< by the names of their elements
 };
 
 /// Extensions of glTF that change looks only.

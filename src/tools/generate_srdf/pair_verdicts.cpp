@@ -42,7 +42,7 @@ std::string countOf(const PairEvidence& e) {
 
 std::string notMovedText(const PairEvidence& e) {
   return "in contact in " + countOf(e) +
-         " states, but joints between the two were not moved, or not in all that follows them: " +
+         " states, but joints between the two were not moved in all of their range: " +
          firstOf({e.not_moved.begin(), e.not_moved.end()});
 }
 
@@ -185,8 +185,7 @@ void warnOf(const std::vector<PairVerdict>& verdicts, const ClassRules& rules) {
     if (isUnproven(v, false)) not_moved.insert(joints.begin(), joints.end());
   }
   warnOfPairs(verdicts,
-              "stay checked because joints between the two were not moved, or not in all that "
-              "follows them (" +
+              "stay checked because joints between the two were not moved in all of their range (" +
                   firstOf({not_moved.begin(), not_moved.end()}) + ")",
               [&](const PairVerdict& v) { return isUnproven(v, false); });
   warnOfPairs(verdicts,
