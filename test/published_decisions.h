@@ -1,6 +1,7 @@
 // Decisions of the limiter's law that are published in time, and surroundings without anything.
 #pragma once
 
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -28,6 +29,7 @@ struct FreeSurroundings : Surroundings {
   }
   double travel(const StoppingTube&) override { return 0.0; }
   bool leadsApart(const StoppingTube&, const NearPair&) override { return true; }
+  double distance(const std::string&, const std::string&, double) override { return HUGE_VAL; }
   bool nearPairs(double, const std::vector<double>&, std::vector<NearPair>&,
                  std::string&) override {
     return true;

@@ -9,9 +9,11 @@
 
 #include "certified_surroundings.h"
 #include "collision_pairs/input_error.h"
+#include "collision_pairs/motion_check.h"
 #include "collision_pairs/occupied_voxels.h"
 #include "motion_fixtures.h"
 #include "prepared_surroundings.h"
+#include "random_inputs.h"
 
 namespace collision_pairs {
 namespace test_certified_surroundings {
@@ -119,6 +121,97 @@ TEST(CertifiedSurroundings, OfASceneInWhichNothingIsCheckedNothingIsSaid) {
   const auto certificate = surroundings.certify({{0.0}, {0.01}, {0.0}, 0.0}, ONE_CM, {});
   EXPECT_FALSE(certificate.is_free);
   EXPECT_EQ(certificate.why, scene->unchecked());
+}
+
+// Gaps of 0.2 m: between two links of one carrier, the second and a wall, the first and another
+// robot.
+TEST(CertifiedSurroundings, OfEachKindOfPairKeepWhatItHasTo) {
+  const std::string along_x = "<axis xyz='1 0 0'/><limit lower='-9' upper='9'/>";
+  const auto robot = robotFrom(emptyLink("root") + emptyLink("torso") + boxLink("a", 1.0) +
+                               boxLink("b", 1.0) + boxLink("other", 1.0) +
+                               joint("lift", "prismatic", "root", "torso", "0 0 0", along_x) +
+                               joint("slide_a", "prismatic", "torso", "a", "0 0 0", along_x) +
+                               joint("slide_b", "prismatic", "torso", "b", "0 0 0", along_x) +
+                               joint("elsewhere", "prismatic", "root", "other", "0 0 0", along_x));
+  const auto scene = sceneOf(robot, {boxAt("wall", {3.4, 0.0, 0.0}, {1.0, 1.0, 1.0})});
+  CertifiedSurroundings surroundings(scene, {"lift", "slide_a", "slide_b"}, Fidelity::MESH);
+  RobotState state;
+  state.positions = robot->zeroPositions();
+  state.positions[robot->findJoint("slide_a")] = 1.0;
+  state.positions[robot->findJoint("slide_b")] = 2.2;
+  state.positions[robot->findJoint("elsewhere")] = -0.2;
+  surroundings.setState(state);
+  const StoppingTube still{{0.0, 0.0, 0.0}, {1e-6, 1e-6, 1e-6}, {0.0, 0.0, 0.0}, 0.0};
+  for (int combination = 0; combination < 16; ++combination) {
+    const auto kept = [&](int bit) { return combination >> bit & 1 ? 0.25 : 0.15; };
+    const KeptDistances all{kept(0), kept(1), combination & 4 ? 0.1 : 0.0};
+    std::vector<NearPair> nearer;
+    if (combination & 8) nearer = {{"wall", "b", 0.1, 1.0}, {"b", "a", -1.0, 1.0}};
+    const bool links_keep = nearer.empty() && all.links > 0.2;
+    const bool others_keep = all.others > 0.2;
+    const bool wall_keeps = nearer.empty() && all.others + all.coming > 0.2;
+    const auto found = surroundings.certify(still, all, nearer);
+    EXPECT_EQ(found.is_free, !links_keep && !others_keep && !wall_keeps) << combination;
+    EXPECT_TRUE(found.is_free || links_keep || !found.are_links) << combination;
+  }
+  const double exact = 1e-9;
+  EXPECT_NEAR(surroundings.distance("a", "b", 0.3), 0.2, exact);
+  EXPECT_NEAR(surroundings.distance("wall", "b", 0.3), 0.2, exact);
+  EXPECT_EQ(surroundings.distance("wall", "a", 0.3), HUGE_VAL);
+}
+
+// Pairs of links are tried again by halves of the tube, each for itself.
+TEST(CertifiedSurroundings, CertifyNoTubeInWhichTwoLinksComeNearer) {
+  RandomInputs random;
+  int nb_free = 0, nb_by_halves = 0;
+  const auto robot = robotFrom(
+      emptyLink("base") + bar("one", 0.5) + bar("two", 0.4) + bar("three", 0.3) +
+      hinge("turn", "base", "one", "0 0 0") +
+      joint("bend", "continuous", "one", "two", "0.5 0 0.1", "<axis xyz='0 1 0'/>") +
+      joint("nod", "continuous", "two", "three", "0.4 0 -0.1", "<axis xyz='0 0.6 0.8'/>"));
+  const std::vector<std::string> joints = {"turn", "bend", "nod"};
+  const auto scene = sceneOf(robot, {});
+  CertifiedSurroundings surroundings(scene, joints, Fidelity::MESH);
+  MotionCheck at_once(scene);
+  for (int round = 0; round < 3000; ++round) {
+    JointMotion motion;
+    RobotState state;
+    StoppingTube tube{{}, {}, {}, 0.0};
+    for (std::size_t i = 0; i < joints.size(); ++i) {
+      state.positions.push_back(random.uniform(-3.0, 3.0));
+      tube.from.push_back(random.uniform(-0.02, 0.0));
+      tube.to.push_back(random.uniform(0.0, 0.1));
+      tube.deviation.push_back(random.uniform(0.0, 0.1));
+      motion.from.push_back(state.positions[i] + tube.from[i]);
+      motion.to.push_back(state.positions[i] + tube.to[i]);
+    }
+    motion.deviation = tube.deviation;
+    surroundings.setState(state);
+    const KeptDistances kept{0.005, 0.01, 0.0};
+    if (!surroundings.certify(tube, kept, {}).is_free) continue;
+    ++nb_free;
+    MotionSettings settings;
+    settings.clearance = kept.links;
+    settings.only_free = settings.only_moved = true;
+    settings.resolution = 5e-4;
+    nb_by_halves += at_once.check(motion, settings).verdict != Verdict::FREE;
+    for (int sample = 0; sample < 20; ++sample) {
+      const double share = random.uniform(0.0, 1.0);
+      RobotState there = state;
+      for (std::size_t i = 0; i < joints.size(); ++i) {
+        const double side = random.integer(0, 1) ? 1.0 : random.uniform(-1.0, 1.0);
+        there.positions[i] += tube.from[i] + share * (tube.to[i] - tube.from[i]) +
+                              side * (random.integer(0, 1) ? 1.0 : -1.0) * tube.deviation[i];
+      }
+      surroundings.setState(there);
+      for (const auto& [first, second] :
+           {std::pair("one", "two"), {"one", "three"}, {"three", "two"}}) {
+        ASSERT_GE(surroundings.distance(first, second, 0.1), kept.links - 1e-9) << round;
+      }
+    }
+  }
+  EXPECT_GT(nb_free, 300);
+  EXPECT_GT(nb_by_halves, 10);
 }
 
 TEST(CertifiedSurroundings, SayNothingAfterTheirDeadline) {

@@ -192,7 +192,7 @@ TEST(AListOfPairs, OfAnotherSceneIsNotAskedForThisOne) {
   }
 }
 
-TEST(AListOfPairs, IsOfEveryPairOnlyIfNoAllowedOneIsMissing) {
+TEST(APair, IsLeftIfAnAllowedOneIsKept) {
   RandomInputs random;
   int nb_with_world = 0;
   for (int round = 0; round < 30; ++round) {
@@ -205,13 +205,18 @@ TEST(AListOfPairs, IsOfEveryPairOnlyIfNoAllowedOneIsMissing) {
         if (one_moves && scene->filter().allowed(a, b)) all.emplace_back(a, b);
       }
     }
-    EXPECT_FALSE(allowsMoreThan(all, *scene, scene->filter()));
-    for (std::size_t i = 0; i < all.size(); ++i) {
-      std::vector<ModelPair> others = all;
-      others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
-      EXPECT_TRUE(allowsMoreThan(others, *scene, scene->filter()));
-      nb_with_world += models[all[i].first].body < 0 || models[all[i].second].body < 0;
+    const auto isLeft = [&](const auto& is_kept) {
+      return hasPair(*scene, scene->filter(), is_kept);
+    };
+    EXPECT_FALSE(isLeft([](auto, auto) { return false; }));
+    for (const ModelPair& pair : all) {
+      EXPECT_TRUE(isLeft([&](auto a, auto b) { return ModelPair(a, b) == pair; }));
+      nb_with_world += models[pair.first].body < 0 || models[pair.second].body < 0;
     }
+    const auto isOther = [&](auto a, auto b) {
+      return std::find(all.begin(), all.end(), ModelPair(a, b)) == all.end();
+    };
+    EXPECT_FALSE(isLeft(isOther));
   }
   EXPECT_GT(nb_with_world, 30);
 }

@@ -154,6 +154,7 @@ class AskedSurroundings : public Surroundings {
   }
   double travel(const StoppingTube&) override { return 1e-4; }
   bool leadsApart(const StoppingTube&, const NearPair&) override { return true; }
+  double distance(const std::string&, const std::string&, double) override { return NAN; }
   bool nearPairs(double, const std::vector<double>&, std::vector<NearPair>& pairs,
                  std::string&) override {
     pairs = near_;

@@ -26,6 +26,9 @@ struct OnePair : Surroundings {
   }
   double travel(const StoppingTube&) override { return travelled; }
   bool leadsApart(const StoppingTube&, const NearPair&) override { return leads_apart; }
+  double distance(const std::string&, const std::string&, double) override {
+    return is_known ? pair.distance : NAN;
+  }
   bool nearPairs(double, const std::vector<double>&, std::vector<NearPair>& pairs,
                  std::string& why) override {
     pairs = {pair};

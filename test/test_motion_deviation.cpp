@@ -123,7 +123,7 @@ TEST(MotionDeviation, ThatIsNotANumberForEachJointIsRefused) {
     EXPECT_THROW(check.check({{0.0}, {0.1}, bad}, {}), InputError);
   }
   MotionSettings settings;
-  settings.beside_objects = -1.0;
+  settings.clearance = -1.0;
   EXPECT_THROW(check.check({{0.0}, {0.1}}, settings), InputError);
 }
 
@@ -191,62 +191,20 @@ TEST(OnlyMoved, APlacedPoseHasARotation) {
   }
 }
 
-TEST(Nearer, NamesModelsOfTheSceneAndAFiniteDistance) {
+TEST(ClearanceOf, IsANumberAndNoMoreThanTheClearance) {
   const auto scene = sceneOf(turningBar(), {boxAt("box", {0.9, 0.3, 0.0}, {0.1, 0.1, 0.1})});
-  for (const PairClearance& wrong :
-       {PairClearance{0, 2, 0.1}, PairClearance{2, 0, -1.0}, PairClearance{0, 1, std::nan("")},
-        PairClearance{0, 1, HUGE_VAL}}) {
+  for (const double wrong : {0.1001, std::nan(""), HUGE_VAL}) {
     MotionSettings settings;
-    settings.nearer = {wrong};
+    settings.clearance = 0.1;
+    settings.clearance_of = [wrong](auto, auto) { return wrong; };
     const std::string why = refusal([&] { checked(scene, {0.0}, {0.1}, settings); });
-    EXPECT_NE(why.find("they must be two of the scene's 2 models"), std::string::npos) << why;
+    EXPECT_EQ(why, "clearance_of says " + std::to_string(wrong) +
+                       " m of arm|box, but no pair keeps more than the clearance, 0.100000 m");
   }
-}
-
-TEST(BesideObjects, TheClearanceIsLargerThanBetweenLinks) {
-  const auto robot = robotFrom(slidingBoxes(2));
-  // Gaps of 0.2 m between the two, and to the wall.
-  const auto scene = sceneOf(robot, {boxAt("wall", {3.4, 0.0, 0.0}, {1.0, 1.0, 1.0})});
-  MotionSettings settings;
-  settings.clearance = 0.15;
-  EXPECT_EQ(checked(scene, {1.0, 2.2}, {1.0, 2.2}, settings).verdict, Verdict::FREE);
-  settings.beside_objects = 0.04;
-  EXPECT_EQ(checked(scene, {1.0, 2.2}, {1.0, 2.2}, settings).verdict, Verdict::FREE);
-  settings.beside_objects = 0.06;
-  const MotionReport report = checked(scene, {1.0, 2.2}, {1.0, 2.2}, settings);
-  EXPECT_EQ(report.verdict, Verdict::UNKNOWN);
-  ASSERT_EQ(report.pairs.size(), 1u);
-  EXPECT_EQ(scene->models()[report.pairs[0].second].name, "wall");
-}
-
-TEST(BetweenLinks, TheClearanceIsTheirOwn) {
-  const std::string along_x = "<axis xyz='1 0 0'/><limit lower='-9' upper='9'/>";
-  const auto robot =
-      robotFrom(emptyLink("root") + emptyLink("torso") + boxLink("a", 1.0) + boxLink("b", 1.0) +
-                joint("lift", "prismatic", "root", "torso", "0 0 0", along_x) +
-                joint("slide_a", "prismatic", "torso", "a", "0 0 0", along_x) +
-                joint("slide_b", "prismatic", "torso", "b", "0 0 0", along_x));
-  // Gaps of 0.2 m between the two, and to the wall.
-  const auto scene = sceneOf(robot, {boxAt("wall", {3.4, 0.0, 0.0}, {1.0, 1.0, 1.0})});
-  const std::vector<double> there = {0.0, 1.0, 2.2};
-  for (const double links : {0.15, 0.25}) {
-    for (const double others : {0.15, 0.25}) {
-      MotionSettings settings;
-      settings.between_links = links;
-      settings.clearance = others;
-      const auto pairs = checked(scene, there, there, settings).pairs;
-      EXPECT_EQ(pairs.size(), (links > 0.2 ? 1u : 0u) + (others > 0.2 ? 1u : 0u));
-      settings.nearer = {{0, 1, 0.15}};  // less is asked of it already, or not
-      EXPECT_LE(checked(scene, there, there, settings).pairs.size(), pairs.size());
-    }
-  }
-  MotionSettings settings;
-  settings.between_links = -0.1;
-  EXPECT_THROW(checked(scene, there, there, settings), InputError);
 }
 
 // The wall is static, so it is found by sweep and prune; the two boxes are a pair from the start.
-TEST(Nearer, APairOnlyKeepsItsOwnClearanceAndOthersThatOfTheSettings) {
+TEST(ClearanceOf, APairOnlyKeepsItsOwnClearanceAndOthersThatOfTheSettings) {
   const auto robot = robotFrom(slidingBoxes(2));
   const auto scene = sceneOf(robot, {boxAt("wall", {3.4, 0.0, 0.0}, {1.0, 1.0, 1.0})});
   const std::vector<double> at = {1.0, 2.2};  // gaps of 0.2 m
@@ -255,9 +213,12 @@ TEST(Nearer, APairOnlyKeepsItsOwnClearanceAndOthersThatOfTheSettings) {
   const auto models = checked(scene, at, at, settings).pairs;
   ASSERT_EQ(models.size(), 2u);
   for (const int last : {0, 1}) {
-    const auto [first, second] = models[1 - last];
+    const std::uint32_t first = models[1 - last].first, second = models[1 - last].second;
     for (const double kept : {-1.0, 0.15, 0.21}) {
-      settings.nearer = {{second, first, kept}};
+      settings.clearance_of = [=](auto a, auto b) {
+        EXPECT_LT(a, b);
+        return std::pair(a, b) == std::pair(first, second) ? kept : 0.25;
+      };
       const auto left = checked(scene, at, at, settings).pairs;
       ASSERT_EQ(left.size(), kept < 0.2 ? 1u : 2u);
       if (kept < 0.2) {
@@ -265,19 +226,18 @@ TEST(Nearer, APairOnlyKeepsItsOwnClearanceAndOthersThatOfTheSettings) {
       }
     }
   }
-  settings.nearer = {{models[0].first, models[0].second, 0.15},
-                     {models[1].first, models[1].second, 0.15}};
+  settings.clearance_of = [](auto, auto) { return 0.15; };
   EXPECT_EQ(checked(scene, at, at, settings).verdict, Verdict::FREE);
 }
 
-TEST(Nearer, APairThatIsLeftOutMayTouchAndIfNothingIsLeftNothingIsFree) {
+TEST(ClearanceOf, APairThatIsLeftOutMayTouchAndIfNothingIsLeftNothingIsFree) {
   const auto scene = sceneOf(robotFrom(slidingBoxes(2)), {});
   const std::vector<double> touching = {1.0, 1.5};
   MotionSettings settings;
   EXPECT_EQ(checked(scene, touching, touching, settings).verdict, Verdict::COLLISION);
-  settings.nearer = {PairClearance{1, 0}};  // may come as near as it likes, but not touch
+  settings.clearance_of = [](auto, auto) { return 0.0; };
   EXPECT_EQ(checked(scene, touching, touching, settings).verdict, Verdict::COLLISION);
-  settings.nearer = {{1, 0, -1.0}};
+  settings.clearance_of = [](auto, auto) { return -1.0; };
   for (const bool only_moved : {false, true}) {
     settings.only_moved = only_moved;
     const MotionReport report = checked(scene, touching, {1.0, 1.4}, settings);
@@ -289,10 +249,10 @@ TEST(Nearer, APairThatIsLeftOutMayTouchAndIfNothingIsLeftNothingIsFree) {
   // A third one, apart from both, is checked; then it is in the way.
   const auto with_third =
       sceneOf(robotFrom(slidingBoxes(2)), {boxAt("wall", {5.0, 0.0, 0.0}, {1.0, 1.0, 1.0})});
-  const auto id = [&](const char* name) {
-    return static_cast<std::uint32_t>(with_third->findModel(name));
+  const int wall = with_third->findModel("wall");
+  settings.clearance_of = [wall](auto a, auto b) {
+    return static_cast<int>(a) == wall || static_cast<int>(b) == wall ? 0.0 : -1.0;
   };
-  settings.nearer = {{id("b"), id("a"), -1.0}};
   EXPECT_EQ(checked(with_third, touching, {1.0, 1.4}, settings).verdict, Verdict::FREE);
   EXPECT_EQ(checked(with_third, touching, {1.0, 4.5}, settings).verdict, Verdict::COLLISION);
 }

@@ -1,5 +1,6 @@
 // What must not fool the bounds of a motion: each in a case where a simpler bound would be wrong.
 #include <cmath>
+#include <sstream>
 
 #include <gtest/gtest.h>
 
@@ -252,6 +253,36 @@ TEST(MotionPitfalls, AHalfSpaceThatTurnsIsNeverCertified) {
     EXPECT_NE(checked(scene, {-1.0}, {1.0}).verdict, Verdict::FREE);
   } catch (const InputError& error) {
     EXPECT_NE(std::string(error.what()).find("floor"), std::string::npos);
+  }
+}
+
+// As the contact points of a foot. Relative to their size every motion is large.
+TEST(MotionPitfalls, ElementsOfNoSizeAreCertifiedAtOnceWhateverWasAskedBefore) {
+  for (const double radius : {0.0, 1e-9, 1e-6, 1e-3}) {
+    std::ostringstream sphere;
+    sphere << "<sphere radius='" << radius << "'/>";
+    const auto robot = robotFrom(emptyLink("root") + linkWith("tip", sphere.str()) +
+                                 joint("x", "prismatic", "root", "tip", "0 0 0",
+                                       "<axis xyz='1 0 0'/><limit lower='-1' upper='1'/>"));
+    RigidObject pin = boxAt("pin", {0.0, 2.0 * radius + 4e-4, 0.0}, {1.0, 1.0, 1.0});
+    pin.elements[0].shape = Sphere{radius};
+    MotionCheck check(sceneOf(robot, {pin}));
+    MotionSettings settings;
+    settings.only_free = true;
+    const auto verdict = [&](double clearance) {
+      settings.clearance = clearance;
+      const MotionReport& report = check.check({{-0.3}, {0.12}}, settings);
+      EXPECT_LT(report.nb_checks, 300u) << radius;
+      return report.verdict;
+    };
+    EXPECT_EQ(verdict(0.0), Verdict::FREE);
+    EXPECT_EQ(verdict(0.001), Verdict::UNKNOWN);
+    RandomInputs random;
+    settings.clearance = 0.0;
+    for (int i = 0; i < 20000; ++i) {  // until the batch stage is made
+      check.check({{random.uniform(-1.0, 1.0)}, {random.uniform(-1.0, 1.0)}}, settings);
+    }
+    EXPECT_EQ(verdict(0.0), Verdict::FREE);
   }
 }
 

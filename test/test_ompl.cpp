@@ -189,8 +189,18 @@ TEST(OmplMotions, LeaveOutWhatTheMotionCannotChangeIfToldSo) {
   EXPECT_FALSE(motions.checkMotion(from.get(), in_post.get()));
   const auto post_alone = sceneOf(robot, {boxAt("post", {0.7, 0.7, 0.5}, {0.1, 0.1, 0.1})});
   settings.only_moved = false;
-  settings.nearer = {{std::uint32_t(post_alone->findModel("arm")),
-                      std::uint32_t(post_alone->findModel("post")), -1.0}};
+  settings.clearance_of = [](auto, auto) { return -1.0; };
+  EXPECT_FALSE(OmplMotionValidator(space, post_alone, {{"turn"}, {}, {}}, settings)
+                   .checkMotion(from.get(), free.get()))
+      << "nothing is left";
+  const auto arm = static_cast<std::uint32_t>(post_alone->findModel("arm"));
+  const auto post = static_cast<std::uint32_t>(post_alone->findModel("post"));
+  settings.clearance_of = [=](auto first, auto second) {
+    return std::pair(first, second) ==
+                   std::pair<std::uint32_t, std::uint32_t>(std::minmax(arm, post))
+               ? -1.0
+               : 0.0;
+  };
   EXPECT_TRUE(OmplMotionValidator(space, post_alone, {{"turn"}, {}, {}}, settings)
                   .checkMotion(from.get(), in_post.get()));
 }
@@ -365,7 +375,7 @@ TEST_F(Ompl, SettingsForWhichNoStateIsValidAreRefused) {
   MotionSettings of_motions[3];
   of_motions[0].clearance = -1.0;
   of_motions[1].resolution = 0.0;
-  of_motions[2].nearer.push_back({1000, 1001, 0.1});
+  of_motions[2].clearance_of = [](auto, auto) { return 0.1; };
   for (const MotionSettings& settings : of_motions) {
     EXPECT_THROW(OmplMotionValidator(space_, scene_, joints_, settings), InputError);
   }

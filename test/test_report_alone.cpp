@@ -142,10 +142,14 @@ TEST(AReportOfAMotion, DependsOnTheSceneTheMotionAndTheSettingsAlone) {
       settings.from_start = random.integer(0, 1);
       settings.only_free = random.integer(0, 3) == 0;
       settings.only_moved = random.integer(0, 1);
-      if (random.integer(0, 3) == 0) settings.beside_objects = 0.02;
       if (random.integer(0, 2) == 0) settings.fidelity = Fidelity::OBB;
-      if (random.integer(0, 2) == 0 && scene->models().size() > 1) {
-        settings.nearer = {{0, 1, random.integer(0, 1) ? -1.0 : 0.01}};
+      if (random.integer(0, 1) == 0) {
+        const double kept = random.integer(0, 1) ? -1.0 : 0.01, most = settings.clearance;
+        settings.clearance_of = [=](auto first, auto second) {
+          return first + second == 1         ? std::min(kept, most)
+                 : (first + second) % 2 == 0 ? most
+                                             : 0.0;
+        };
       }
       const CloudVoxels voxels = scene->clouds().empty() ? CloudVoxels() : its.voxels;
       MotionCheck fresh(scene);

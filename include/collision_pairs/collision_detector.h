@@ -45,7 +45,8 @@ class CollisionDetector {
   const CollisionReport& detect(const BodyPoses& poses, const CheckSettings& settings);
 
   void beginNarrowPhase(const BodyPoses& poses, const CheckSettings& settings);
-  /// By model id, in either order. Pairs that the scene's filter forbids are ignored.
+  /// By model id, in either order. Pairs that the scene's filter forbids are ignored. Throws
+  /// InputError for ids that the scene does not have.
   void addCollisionPair(std::uint32_t model_a, std::uint32_t model_b);
   /// Throws InputError without a beginNarrowPhase() since the last check.
   const CollisionReport& endNarrowPhase();
@@ -60,6 +61,7 @@ class CollisionDetector {
   void setClock(std::function<double()> clock);
 
  private:
+  void begin(const BodyPoses& poses, const CheckSettings& settings);
   const CollisionReport& run(const BodyPoses& poses);
   void rebuildBoxes(const BodyPoses& poses);
   void dropLooseAndIgnored();

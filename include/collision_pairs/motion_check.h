@@ -13,20 +13,19 @@
 
 namespace collision_pairs {
 
-/// What one pair of models keeps, metres, or less where the settings ask for less; negative: the
-/// pair is left out, also where it touches. FREE says nothing of it, and is not said if every pair
-/// is left out (but for SceneSettings::allow_empty_scene).
-struct PairClearance {
-  std::uint32_t first = 0, second = 0;
-  double clearance = 0.0;
-};
+/// What a pair of models (first < second) keeps: metres, no more than MotionSettings::clearance.
+/// Negative: the pair is left out, also where it touches; FREE says nothing of it, and is not said
+/// if every pair is left out (but for SceneSettings::allow_empty_scene).
+using ClearanceOf = std::function<double(std::uint32_t first, std::uint32_t second)>;
 
 struct MotionSettings {
   /// The geometry that decides.
   Fidelity fidelity = Fidelity::MESH;
   /// Metres, >= 0: FREE means that no pair comes closer than this; for 0, that none touches.
-  /// Of some pairs other distances can be asked for: see below.
   double clearance = 0.0;
+  /// Of pairs that may come nearer, or are left out; empty: none. It is asked several times about a
+  /// pair, by checkSegments() and planners from several threads, and may depend on the pair alone.
+  ClearanceOf clearance_of = {};
   /// Metres, > 0. A pair that is still open when its motion is split finer than this is given up,
   /// which makes the segment UNKNOWN unless a contact is found elsewhere. Pairs that stay further
   /// apart than clearance + resolution are certified. Finer values cost more near contacts.
@@ -43,15 +42,6 @@ struct MotionSettings {
   /// Leave out pairs whose relative pose the motion cannot change, for example a base that stands
   /// on its table. FREE then says nothing of them.
   bool only_moved = false;
-  /// Metres, >= 0, in addition to the clearance, between what the robot carries and all else:
-  /// world, static objects, clouds. FREE then means this, too; MotionReport::clearance is of all
-  /// pairs.
-  double beside_objects = 0.0;
-  /// Metres, >= 0, between two links that the same joints carry (CollisionScene::carrierOf()), in
-  /// place of the clearance.
-  std::optional<double> between_links = {};
-  /// Pairs that may come nearer than the settings above ask for, a few: it is searched for each.
-  std::vector<PairClearance> nearer = {};
   /// Seconds, >= 0, for the search; 0: no limit but one of about a second. When they are over, what
   /// is still open is given up as at the resolution; a query in progress is finished.
   double time_budget = 0.0;

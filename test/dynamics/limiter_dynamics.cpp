@@ -1,9 +1,5 @@
-// The velocity limiter on robots with mass, in MuJoCo, judged by the exact check. Prints CSV.
-//
-// usage: limiter_dynamics runs SECONDS [ROBOT [SERVO [LIMITER.yaml]]]
-//        limiter_dynamics steps BAG ROBOT SERVO
-//        limiter_dynamics broken NUMBER [ROBOT [SERVO [TOLERANCE]]]
-//        limiter_dynamics goals NUMBER [ROBOT [SERVO]]
+// The velocity limiter on robots with mass, in MuJoCo, judged by the exact check. Prints CSV, or
+// how it is used.
 //
 // Broken robots are driven towards an object that is near, or, fast, to and fro in empty space.
 // Goals are at the end of straight free ways, with and without limiter.
@@ -321,7 +317,11 @@ std::optional<Goal> driven(const DynamicRobot& robot, const SimulationOptions& t
   MotionCheck check(scene.seen());
   MotionSettings settings;
   settings.only_free = settings.only_moved = true;
-  settings.between_links = LINKS_KEEP;
+  settings.clearance_of = [&](auto first, auto second) {
+    const int carrier = scene.seen()->carrierOf(first);
+    return carrier >= 0 && carrier == scene.seen()->carrierOf(second) ? LINKS_KEEP
+                                                                      : settings.clearance;
+  };
   const auto keeps = [&](double clearance) {
     settings.clearance = clearance;
     const JointMotion way{scene.allPositions(from), scene.allPositions(to)};
@@ -383,10 +383,9 @@ int main(const std::vector<std::string>& arguments) {
   } else if (what == "goals" && number >= 1.0) {
     goals(static_cast<int>(number), argument(2), argument(3));
   } else {
-    std::cerr << "usage: limiter_dynamics runs SECONDS [ROBOT [SERVO [LIMITER.yaml]]]\n"
-                 "       limiter_dynamics steps BAG ROBOT SERVO\n"
-                 "       limiter_dynamics broken NUMBER [ROBOT [SERVO [TOLERANCE]]]\n"
-                 "       limiter_dynamics goals NUMBER [ROBOT [SERVO]]\n";
+    std::cerr << "usage: limiter_dynamics runs SECONDS [ROBOT [SERVO [LIMITER.yaml]]] | steps BAG "
+                 "ROBOT SERVO | broken NUMBER [ROBOT [SERVO [TOLERANCE]]] | goals NUMBER [ROBOT "
+                 "[SERVO]]\n";
     return 1;
   }
   return 0;

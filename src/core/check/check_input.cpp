@@ -30,8 +30,10 @@ void checkInput(const CollisionScene& scene, const BodyPoses& poses,
   }
   const std::size_t expected = scene.bodies().size();
   if (poses.X_WB.size() != expected || poses.known.size() != expected) {
-    throw InputError("poses of " + std::to_string(poses.X_WB.size()) +
-                     " bodies were given, but the scene has " + std::to_string(expected));
+    throw InputError("poses of " + std::to_string(poses.X_WB.size()) + " bodies were given, and " +
+                     std::to_string(poses.known.size()) +
+                     " of them are said to be known or not, but the scene has " +
+                     std::to_string(expected));
   }
   const auto& clouds = scene.clouds();
   if (poses.voxels.size() > clouds.size()) {

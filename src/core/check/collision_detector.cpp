@@ -76,23 +76,39 @@ void CollisionDetector::setClock(std::function<double()> clock) { clock_ = std::
 
 const CollisionReport& CollisionDetector::detect(const BodyPoses& poses,
                                                  const CheckSettings& settings) {
-  checkInput(*scene_, poses, settings);
-  settings_ = settings;
-  if (settings.verdict_only) settings_.alarm_distance = 0.0;
-  only_added_pairs_ = false;
+  begin(poses, settings);
   return run(poses);
 }
 
-void CollisionDetector::beginNarrowPhase(const BodyPoses& poses, const CheckSettings& settings) {
+// What is found stays that of a check that did not end, should anything throw.
+void CollisionDetector::begin(const BodyPoses& poses, const CheckSettings& settings) {
+  only_added_pairs_ = false;
+  report_.verdict = Verdict::UNKNOWN;
+  report_.in_collision = true;
+  report_.unknown_because = {CHECK_DID_NOT_END};
+  report_.pairs.clear();
+  report_.contacts.clear();
+  report_.nearest.reset();
+  report_.min_distance = 0.0;
+  report_.min_distance_is_bound = true;
   checkInput(*scene_, poses, settings);
   settings_ = settings;
   if (settings.verdict_only) settings_.alarm_distance = 0.0;
+}
+
+void CollisionDetector::beginNarrowPhase(const BodyPoses& poses, const CheckSettings& settings) {
+  begin(poses, settings);
   begun_poses_ = poses;
   added_pairs_.clear();
   only_added_pairs_ = true;
 }
 
 void CollisionDetector::addCollisionPair(std::uint32_t model_a, std::uint32_t model_b) {
+  const std::size_t nb_models = scene_->models().size();
+  if (std::max(model_a, model_b) >= nb_models) {
+    throw InputError("models " + std::to_string(model_a) + " and " + std::to_string(model_b) +
+                     " were added, but the scene has " + std::to_string(nb_models));
+  }
   added_pairs_.push_back(std::minmax(model_a, model_b));
 }
 
@@ -138,9 +154,6 @@ void CollisionDetector::beginPairs() {
   found_->clear();
   ignored_->begin(settings_.may_ignore, settings_.ignore_revision);
   report_.ignored.clear();
-  report_.verdict = Verdict::UNKNOWN;  // should the predicate throw
-  report_.in_collision = true;
-  report_.unknown_because = {CHECK_DID_NOT_END};
   report_.times = {};
   report_.nb_degraded = 0;
   report_.narrow_phase = scene_->narrowPhase();
@@ -149,8 +162,6 @@ void CollisionDetector::beginPairs() {
   report_.nb_settled = {};
   report_.budget_spent = false;
   report_.min_distance = settings_.alarm_distance;
-  report_.min_distance_is_bound = true;
-  report_.nearest.reset();
   report_.ended_early = false;
   nb_contacts_ = 0;
   if (settings_.fidelity == Fidelity::SPHERES && !std::exchange(has_spheres_, true)) {
@@ -198,9 +209,13 @@ bool CollisionDetector::noteUnchecked() {
   report_.unchecked = scene_->unchecked();
   if (scene_->models().empty()) return false;
   const char* why = nullptr;
+  const auto isKept = [this](std::uint32_t first, std::uint32_t second) {
+    const IgnoredPairs::Pair pair(first, second);
+    return !std::binary_search(report_.ignored.begin(), report_.ignored.end(), pair);
+  };
   if (settings_.selection && settings_.selection->empty()) {
     why = "the selection leaves no pair to check";
-  } else if (!report_.ignored.empty() && !allowsMoreThan(report_.ignored, *scene_, filter())) {
+  } else if (!report_.ignored.empty() && !hasPair(*scene_, filter(), isKept)) {
     why = "every pair is ignored";
   }
   if (why && report_.unchecked.empty()) report_.unchecked = why;

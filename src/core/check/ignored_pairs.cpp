@@ -62,18 +62,4 @@ const std::vector<IgnoredPairs::Pair>& IgnoredPairs::list() {
   return left_out_;
 }
 
-bool allowsMoreThan(const std::vector<IgnoredPairs::Pair>& ignored, const CollisionScene& scene,
-                    const PairFilter& filter) {
-  const auto& models = scene.models();
-  for (std::uint32_t a = 0; a < models.size(); ++a) {
-    if (models[a].body < 0) continue;  // one of two moves
-    for (std::uint32_t b = 0; b < models.size(); ++b) {
-      if (!filter.allowed(a, b)) continue;
-      const IgnoredPairs::Pair pair = std::minmax(a, b);
-      if (!std::binary_search(ignored.begin(), ignored.end(), pair)) return true;
-    }
-  }
-  return false;
-}
-
 }  // namespace collision_pairs

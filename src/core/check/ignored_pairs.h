@@ -1,6 +1,7 @@
 // What a check's predicate answered.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <utility>
 #include <vector>
@@ -14,8 +15,8 @@ class IgnoredPairs {
  public:
   using Pair = std::pair<std::uint32_t, std::uint32_t>;
 
-  /// `may_ignore` must outlive the check; it may be empty. Answers are kept if the revision is not 0
-  /// and that of the check before.
+  /// `may_ignore` must outlive the check; it may be empty. Answers are kept if the revision is not
+  /// 0 and that of the check before.
   void begin(const MayIgnore& may_ignore, std::uint64_t revision);
   bool isAsking() const { return may_ignore_ != nullptr; }
 
@@ -42,8 +43,18 @@ class IgnoredPairs {
   std::vector<Answer> answers_;  // a hash table, open addressing; its size is a power of two
 };
 
-/// Whether the filter allows a pair that is not in the sorted list. Ends at the first.
-bool allowsMoreThan(const std::vector<IgnoredPairs::Pair>& ignored, const CollisionScene& scene,
-                    const PairFilter& filter);
+/// Whether the filter allows a pair of models of which is_kept(first, second) is true. Ends at the
+/// first.
+template <class IsKept>
+bool hasPair(const CollisionScene& scene, const PairFilter& filter, const IsKept& is_kept) {
+  const auto& models = scene.models();
+  for (std::uint32_t a = 0; a < models.size(); ++a) {
+    if (models[a].body < 0) continue;  // one of two moves
+    for (std::uint32_t b = 0; b < models.size(); ++b) {
+      if (filter.allowed(a, b) && is_kept(std::min(a, b), std::max(a, b))) return true;
+    }
+  }
+  return false;
+}
 
 }  // namespace collision_pairs

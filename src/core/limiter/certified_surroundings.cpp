@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <utility>
 
@@ -14,6 +13,7 @@ namespace {
 constexpr double RESOLUTION = 5e-4;  // m: a pair that keeps this much more than asked is certified
 constexpr std::size_t MOST_HALVED = 2;  // deviations of joints, of which each doubles the cost
 constexpr double OVERLAP = 1.0 + 1e-9;  // of halves, for rounding
+constexpr double LEFT_OUT = -1.0;       // of a ClearanceOf
 constexpr double DEEPER = 1e-4;         // m, by which a contact's depth may be off
 constexpr int STATES = 200;             // random ones, of alwaysNear()
 constexpr int PLACES = 4;               // of a path that leads out of contact, after its first
@@ -50,6 +50,10 @@ double CertifiedSurroundings::secondsLeft() const {
 void CertifiedSurroundings::setState(RobotState state) {
   state_ = std::move(state);
   scene_->robot().applyMimics(state_.positions);
+  carriers_.resize(scene_->models().size());
+  for (std::uint32_t model = 0; model < carriers_.size(); ++model) {
+    carriers_[model] = scene_->carrierOf(model, state_.placed);
+  }
   place(state_.positions);
 }
 
@@ -72,21 +76,56 @@ void CertifiedSurroundings::place(const std::vector<double>& positions) {
 }
 
 bool CertifiedSurroundings::areLinks(std::uint32_t first, std::uint32_t second) const {
-  const int carrier = scene_->carrierOf(first, state_.placed);
-  return carrier >= 0 && carrier == scene_->carrierOf(second, state_.placed);
+  return carriers_[first] >= 0 && carriers_[first] == carriers_[second];
+}
+
+bool CertifiedSurroundings::areOfRobot(std::uint32_t first, std::uint32_t second) const {
+  return scene_->models()[first].body >= 0 && scene_->models()[second].body >= 0;
+}
+
+// What is refused for two links is tried again by halves, for these two alone.
+Surroundings::Certificate CertifiedSurroundings::certify(const StoppingTube& tube,
+                                                         const KeptDistances& kept,
+                                                         const std::vector<NearPair>& nearer) {
+  using Models = std::pair<std::uint32_t, std::uint32_t>;
+  std::vector<std::pair<Models, double>> own;
+  for (const NearPair& pair : nearer) {
+    own.push_back({std::minmax(idOf(pair.first), idOf(pair.second)), pair.distance});
+  }
+  const ClearanceOf clearanceOf = [&](std::uint32_t first, std::uint32_t second) {
+    double clearance = kept.of(areLinks(first, second), areOfRobot(first, second));
+    for (const auto& [models, distance] : own) {
+      if (models == Models(first, second)) clearance = std::min(clearance, distance);
+    }
+    return clearance;
+  };
+  const double most = std::max(kept.links, kept.others + kept.coming);
+  Certificate found = certifyAtOnce(tube, most, clearanceOf);
+  while (!found.is_free && found.are_links) {
+    const Certificate by_halves = certifyByHalves(tube, most, clearanceOf, found);
+    if (!by_halves.is_free) return by_halves;
+    own.push_back({std::minmax(idOf(found.first), idOf(found.second)), LEFT_OUT});
+    found = certifyAtOnce(tube, most, clearanceOf);
+  }
+  return found;
 }
 
 // A tube is the union of those of which the deviations are halves of its own, on either side. Their
 // certificates ask for less, because a deviation counts as far as its joint moves a link.
-Surroundings::Certificate CertifiedSurroundings::certify(const StoppingTube& tube,
-                                                         const KeptDistances& kept,
-                                                         const std::vector<NearPair>& nearer) {
-  Certificate found = certifyAtOnce(tube, kept, nearer);
-  if (found.is_free || !found.are_links) return found;
-  std::vector<int> halved = columnsBetween(idOf(found.first), idOf(found.second));
+Surroundings::Certificate CertifiedSurroundings::certifyByHalves(const StoppingTube& tube,
+                                                                 double clearance,
+                                                                 const ClearanceOf& of,
+                                                                 const Certificate& refused) {
+  const std::pair<std::uint32_t, std::uint32_t> models =
+      std::minmax(idOf(refused.first), idOf(refused.second));
+  const ClearanceOf of_these = [&](std::uint32_t first, std::uint32_t second) {
+    return std::pair(first, second) == models ? of(first, second) : LEFT_OUT;
+  };
+  std::vector<int> halved = columnsBetween(models.first, models.second);
   const auto isExact = [&tube](int column) { return tube.deviation[column] == 0.0; };
   halved.erase(std::remove_if(halved.begin(), halved.end(), isExact), halved.end());
-  if (halved.empty() || halved.size() > MOST_HALVED) return found;
+  if (halved.empty() || halved.size() > MOST_HALVED) return refused;
+  Certificate found;
   for (unsigned part = 0; part < 1U << halved.size(); ++part) {
     StoppingTube of_part = tube;
     for (std::size_t i = 0; i < halved.size(); ++i) {
@@ -96,14 +135,15 @@ Surroundings::Certificate CertifiedSurroundings::certify(const StoppingTube& tub
       of_part.to[column] += side;
       of_part.deviation[column] = half * OVERLAP;
     }
-    found = certifyAtOnce(of_part, kept, nearer);
+    found = certifyAtOnce(of_part, clearance, of_these);
     if (!found.is_free) return found;
   }
   return found;
 }
 
-Surroundings::Certificate CertifiedSurroundings::certifyAtOnce(
-    const StoppingTube& tube, const KeptDistances& kept, const std::vector<NearPair>& nearer) {
+Surroundings::Certificate CertifiedSurroundings::certifyAtOnce(const StoppingTube& tube,
+                                                               double clearance,
+                                                               const ClearanceOf& of) {
   JointMotion motion;
   motion.from = motion.to = state_.positions;
   motion.deviation.assign(motion.from.size(), 0.0);
@@ -114,17 +154,13 @@ Surroundings::Certificate CertifiedSurroundings::certifyAtOnce(
   }
   MotionSettings settings;
   settings.fidelity = fidelity_;
-  settings.between_links = kept.links;
-  settings.clearance = kept.others;
-  settings.beside_objects = kept.coming;
+  settings.clearance = clearance;
+  settings.clearance_of = of;
   settings.resolution = RESOLUTION;
   settings.only_free = settings.only_moved = true;
   const double left = secondsLeft();
   if (left <= 0.0) return {false, "", "", TIME_IS_OVER};
   if (deadline_ != std::chrono::steady_clock::time_point::max()) settings.time_budget = left;
-  for (const NearPair& pair : nearer) {
-    settings.nearer.push_back({idOf(pair.first), idOf(pair.second), pair.distance});
-  }
   const MotionReport& report = motions_.check(motion, settings, state_.placed, state_.voxels);
   Certificate certificate;
   // If all that there is to check is left out, it is the caller's to bound; but not what is
@@ -178,15 +214,29 @@ double CertifiedSurroundings::travel(const StoppingTube& tube) {
   return most;
 }
 
-bool CertifiedSurroundings::leadsApart(const StoppingTube& tube, const NearPair& pair) {
-  const std::pair<std::uint32_t, std::uint32_t> models =
-      std::minmax(idOf(pair.first), idOf(pair.second));
+double CertifiedSurroundings::distance(const std::string& first, const std::string& second,
+                                       double reach) {
+  return placedDistance(idOf(first), idOf(second), reach);
+}
+
+double CertifiedSurroundings::placedDistance(std::uint32_t first, std::uint32_t second,
+                                             double reach) {
   CheckSettings settings;
-  settings.alarm_distance = std::max(0.0, pair.distance);
+  settings.alarm_distance = reach;
   settings.fidelity = fidelity_;
-  settings.may_ignore = [models](auto a, auto b) { return std::pair(a, b) != models; };
+  settings.may_ignore = [models = std::minmax({first, second})](auto a, auto b) {
+    return std::pair(a, b) != models;
+  };
+  const CollisionReport* report = detect(settings);
+  if (report == nullptr || !report->left_out.empty()) return NAN;
+  return report->pairs.empty() ? HUGE_VAL : report->pairs.front().distance;
+}
+
+bool CertifiedSurroundings::leadsApart(const StoppingTube& tube, const NearPair& pair) {
+  const std::uint32_t first = idOf(pair.first), second = idOf(pair.second);
+  const double reach = std::max(0.0, pair.distance);
   bool is_apart = true;
-  for (int i = 0; i <= PLACES && is_apart && secondsLeft() > 0.0; ++i) {
+  for (int i = 0; i <= PLACES && is_apart; ++i) {
     const double share = static_cast<double>(i) / PLACES;
     std::vector<double> positions = state_.positions;
     for (std::size_t j = 0; j < columns_.size(); ++j) {
@@ -194,12 +244,10 @@ bool CertifiedSurroundings::leadsApart(const StoppingTube& tube, const NearPair&
     }
     scene_->robot().applyMimics(positions);
     place(positions);
-    for (const PairReport& found : detector_.detect(poses_, settings).pairs) {
-      is_apart = is_apart && found.distance >= pair.distance - DEEPER;
-    }
+    is_apart = placedDistance(first, second, reach) >= pair.distance - DEEPER;  // not if unknown
   }
   place(state_.positions);
-  return is_apart && secondsLeft() > 0.0;
+  return is_apart;
 }
 
 std::uint32_t CertifiedSurroundings::idOf(const std::string& name) const {
@@ -267,9 +315,17 @@ NearPair CertifiedSurroundings::nearPair(const PairReport& pair) const {
   return {first.name,
           second.name,
           pair.distance,
-          std::numeric_limits<double>::quiet_NaN(),
-          first.body >= 0 && second.body >= 0,
+          NAN,
+          areOfRobot(pair.first, pair.second),
           areLinks(pair.first, pair.second)};
+}
+
+const CollisionReport* CertifiedSurroundings::detect(CheckSettings& settings) {
+  const double left = secondsLeft();
+  if (left <= 0.0) return nullptr;
+  if (deadline_ != std::chrono::steady_clock::time_point::max()) settings.time_budget = left;
+  const CollisionReport& report = detector_.detect(poses_, settings);
+  return report.nb_unresolved > 0 ? nullptr : &report;
 }
 
 bool CertifiedSurroundings::nearPairs(double reach, const std::vector<double>& direction,
@@ -277,19 +333,14 @@ bool CertifiedSurroundings::nearPairs(double reach, const std::vector<double>& d
   CheckSettings settings;
   settings.alarm_distance = reach;
   settings.fidelity = fidelity_;
-  const double left = secondsLeft();
-  if (left > 0.0 && deadline_ != std::chrono::steady_clock::time_point::max()) {
-    settings.time_budget = left;
-  }
-  if (left > 0.0) detector_.detect(poses_, settings);
-  const CollisionReport& report = detector_.report();
-  const auto& models = scene_->models();
-  if (left <= 0.0 || report.nb_unresolved > 0) {
+  const CollisionReport* const found = detect(settings);
+  if (found == nullptr) {
     why = TIME_IS_OVER;
     return false;
   }
+  const CollisionReport& report = *found;
   if (!report.left_out.empty()) {
-    why = models[report.left_out.front()].name + " is not known";
+    why = scene_->models()[report.left_out.front()].name + " is not known";
     return false;
   }
   if (!report.unchecked.empty()) {
@@ -299,12 +350,12 @@ bool CertifiedSurroundings::nearPairs(double reach, const std::vector<double>& d
   pairs.clear();
   for (const PairReport& pair : report.pairs) {
     if (!moves(pair, direction)) continue;
-    NearPair found = nearPair(pair);
+    NearPair near = nearPair(pair);
     if (gradient_.compute(pair, report, X_WB_, rates_.data())) {
-      found.derivative = 0.0;
-      for (std::size_t i = 0; i < rates_.size(); ++i) found.derivative += rates_[i] * direction[i];
+      near.derivative = 0.0;
+      for (std::size_t i = 0; i < rates_.size(); ++i) near.derivative += rates_[i] * direction[i];
     }
-    pairs.push_back(std::move(found));
+    pairs.push_back(std::move(near));
   }
   std::sort(pairs.begin(), pairs.end(),
             [](const NearPair& a, const NearPair& b) { return a.distance < b.distance; });

@@ -38,6 +38,7 @@ class CertifiedSurroundings : public Surroundings {
                       const std::vector<NearPair>& nearer) override;
   double travel(const StoppingTube& tube) override;
   bool leadsApart(const StoppingTube& tube, const NearPair& pair) override;
+  double distance(const std::string& first, const std::string& second, double reach) override;
   bool nearPairs(double reach, const std::vector<double>& direction, std::vector<NearPair>& pairs,
                  std::string& why) override;  // pairs that the direction moves
 
@@ -55,9 +56,15 @@ class CertifiedSurroundings : public Surroundings {
   /// Without its derivative.
   NearPair nearPair(const PairReport& pair) const;
   bool areLinks(std::uint32_t first, std::uint32_t second) const;
+  bool areOfRobot(std::uint32_t first, std::uint32_t second) const;
   void place(const std::vector<double>& positions);
-  Certificate certifyAtOnce(const StoppingTube& tube, const KeptDistances& kept,
-                            const std::vector<NearPair>& nearer);
+  /// Where the bodies are placed now; null if the time is over before all is found.
+  const CollisionReport* detect(CheckSettings& settings);
+  /// Of two models, as distance().
+  double placedDistance(std::uint32_t first, std::uint32_t second, double reach);
+  Certificate certifyAtOnce(const StoppingTube& tube, double clearance, const ClearanceOf& of);
+  Certificate certifyByHalves(const StoppingTube& tube, double clearance, const ClearanceOf& of,
+                              const Certificate& refused);
   std::uint32_t idOf(const std::string& name) const;
   /// Of the command: those that move the two relative to each other.
   std::vector<int> columnsBetween(std::uint32_t first_model, std::uint32_t second_model) const;
@@ -70,6 +77,7 @@ class CertifiedSurroundings : public Surroundings {
   CollisionDetector detector_;
   DistanceGradient gradient_;
   RobotState state_;
+  std::vector<int> carriers_;  // by model: CollisionScene::carrierOf()
   std::chrono::steady_clock::time_point deadline_ = std::chrono::steady_clock::time_point::max();
   std::vector<Eigen::Isometry3d> X_WB_;
   BodyPoses poses_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <utility>
 
@@ -157,15 +158,11 @@ LimiterDecision LimiterLaw::decide(const LimiterInput& input, Surroundings& surr
     } else if (decision.scale < 1.0) {
       decision.reason = "the scale is rising";
     }
-    std::vector<NearPair> pairs;
-    std::string why;
-    if (!decision.first.empty() &&
-        surroundings.nearPairs(settings_.stop_distance + SHOWN, input.command, pairs, why)) {
-      for (const NearPair& pair : pairs) {
-        if (pair.first != decision.first || pair.second != decision.second) continue;
-        decision.distance = pair.distance;
-        decision.has_distance = true;
-      }
+    if (!decision.first.empty()) {
+      const double reach = settings_.stop_distance + SHOWN;
+      const double distance = surroundings.distance(decision.first, decision.second, reach);
+      decision.has_distance = std::isfinite(distance);
+      if (decision.has_distance) decision.distance = distance;
     }
     if (decision.scale == 0.0 && !decision.first.empty()) decision.stopped = input.command;
   }
@@ -212,22 +209,27 @@ double LimiterLaw::largestScale(Question& question, double most) const {
   return lowest;
 }
 
-// All pairs that could come too near are looked at.
+// All pairs that could come too near are looked at: those of the largest scale are those of all.
 double LimiterLaw::retreatScale(Question& question, double most) const {
   const LimiterInput& input = question.input;
+  std::vector<NearPair> near;
+  double near_until = -1.0;
   for (const double share : RETREATS) {
     const double scale = share * std::min(settings_.retreat_scale, most);
     const StoppingTube tube = tubeAt(input, scale);
     const KeptDistances all = kept(ROOM_TO_RETREAT, growth(input, tube));
     const double travel = question.surroundings.travel(tube);
     const double reach = std::max(all.links, all.others + all.coming) + 2.0 * travel;
-    std::vector<NearPair> pairs;
-    if (!question.surroundings.nearPairs(reach, input.command, pairs, question.no_retreat))
-      continue;
-    const auto isFarEnough = [&](const NearPair& pair) {  // of a robot's pair both may move
-      return pair.distance > all.of(pair) + (pair.is_robot ? 2.0 : 1.0) * travel;
+    if (reach > near_until) {
+      auto& surroundings = question.surroundings;
+      if (!surroundings.nearPairs(reach, input.command, near, question.no_retreat)) return 0.0;
+      near_until = reach;
+    }
+    const auto mayComeTooNear = [&](const NearPair& pair) {  // of a robot's pair both may move
+      return !(pair.distance > all.of(pair) + (pair.is_robot ? 2.0 : 1.0) * travel);
     };
-    pairs.erase(std::remove_if(pairs.begin(), pairs.end(), isFarEnough), pairs.end());
+    std::vector<NearPair> pairs;
+    std::copy_if(near.begin(), near.end(), std::back_inserter(pairs), mayComeTooNear);
     if (mayRetreat(question, scale, pairs)) return scale;
   }
   return 0.0;

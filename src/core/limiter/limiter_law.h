@@ -45,9 +45,10 @@ struct KeptDistances {
   double links = 0.0;   ///< NearPair::are_links
   double others = 0.0;  ///< all others
   double coming = 0.0;  ///< in addition, with anything that the robot does not carry
-  double of(const NearPair& pair) const {
-    return pair.are_links ? links : others + (pair.is_robot ? 0.0 : coming);
+  double of(bool are_links, bool is_robot) const {
+    return are_links ? links : others + (is_robot ? 0.0 : coming);
   }
+  double of(const NearPair& pair) const { return of(pair.are_links, pair.is_robot); }
 };
 
 /// What the law asks about the robot's surroundings, for one state of the robot and the scene.
@@ -75,9 +76,11 @@ class Surroundings {
   /// along the tube.
   virtual bool leadsApart(const StoppingTube& tube, const NearPair& pair) = 0;
 
+  /// Of two models, metres, signed. Infinite: more than `reach`; NaN: unknown.
+  virtual double distance(const std::string& first, const std::string& second, double reach) = 0;
+
   /// All pairs that the direction moves relative to each other and that are no further apart than
-  /// `reach`, nearest first. False, with the reason, if
-  /// something is not known.
+  /// `reach`, nearest first. False, with the reason, if something is not known.
   virtual bool nearPairs(double reach, const std::vector<double>& direction,
                          std::vector<NearPair>& pairs, std::string& why) = 0;
 };

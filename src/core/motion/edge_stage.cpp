@@ -33,8 +33,7 @@ bool EdgeStage::maySettle(const MotionSettings& settings, const JointMotion& mot
   const auto isZero = [](double x) { return x == 0.0; };
   return settings.only_free && !settings.from_start && !settings.only_moved &&
          settings.fidelity == Fidelity::MESH && isZero(settings.clearance) &&
-         isZero(settings.beside_objects) && isZero(settings.between_links.value_or(0.0)) &&
-         settings.nearer.empty() && isZero(settings.time_budget) &&
+         !settings.clearance_of && isZero(settings.time_budget) &&
          settings.resolution <= PairTable::APART && placed.empty() &&
          std::all_of(motion.deviation.begin(), motion.deviation.end(), isZero);
 }

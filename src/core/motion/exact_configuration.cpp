@@ -25,9 +25,9 @@ bool ExactConfiguration::meets(bool verdict_only) {
   exact.alarm_distance = 0.0;
   exact.fidelity = settings_->fidelity;
   exact.verdict_only = verdict_only;
-  if (clearances_.leavesOutSome() || settings_->only_moved) {
+  if (clearances_.mayLeaveOut() || settings_->only_moved) {
     exact.may_ignore = [this](auto first, auto second) {
-      return clearances_.leavesOut(first, second) ||
+      return clearances_.of(first, second) < 0.0 ||
              (settings_->only_moved && !state_.movesModels(first, second));
     };
   }

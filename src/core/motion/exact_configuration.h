@@ -16,7 +16,7 @@ class ExactConfiguration {
  public:
   /// State and clearances must outlive this.
   ExactConfiguration(const std::shared_ptr<const CollisionScene>& scene, MotionState& state,
-                     const PairClearances& clearances)
+                     PairClearances& clearances)
       : scene_(*scene), state_(state), clearances_(clearances), detector_(scene) {}
 
   /// The settings must outlive the checks.
@@ -34,7 +34,7 @@ class ExactConfiguration {
  private:
   const CollisionScene& scene_;
   MotionState& state_;
-  const PairClearances& clearances_;
+  PairClearances& clearances_;
   const MotionSettings* settings_ = nullptr;
   CollisionDetector detector_;
   BodyPoses poses_;

@@ -53,10 +53,7 @@ class MotionCheck::Search {
     settings_ = settings;
     report_ = {};
     report_.unchecked = scene_.unchecked();
-    clearances_.begin(settings_, placed);
-    if (clearances_.leavesOutAll() && report_.unchecked.empty()) {
-      report_.unchecked = "every pair is left out";
-    }
+    clearances_.begin(settings_);
     clearance_ = INF;
     free_until_ = scene_.mayBeFree(report_.unchecked) ? 1.0 : 0.0;
     uncertified_.clear();
@@ -115,10 +112,11 @@ class MotionCheck::Search {
   }
 
   void lookAtOpen() {
+    const std::uint32_t most_checks = report_.nb_checks + MOST_CHECKS;
     bool is_open = true;
     while (is_open && !intervals_.isEmpty()) {
       Interval interval = intervals_.pop();
-      const bool goes_on = report_.nb_checks < MOST_CHECKS &&
+      const bool goes_on = report_.nb_checks < most_checks &&
                            intervals_.nbPairs() < MOST_OPEN_PAIRS &&
                            interval.begin < relevantUntil() && !isTimeOver();
       is_open = goes_on ? look(interval) : giveUp(interval);
@@ -142,7 +140,7 @@ class MotionCheck::Search {
     if (looks && exact_.meets(true) && confirmContact() && !settings_.from_start) return false;
     Interval before, after;
     OpenPair open;
-    open.clearance = settings_.clearance + settings_.beside_objects;
+    open.clearance = settings_.clearance;
     for (const std::uint32_t element : pairs_.beside_static) {
       if (settings_.only_moved && !state_.moves(element)) continue;
       open.pair = {element, ALL_STATIC};
@@ -155,7 +153,7 @@ class MotionCheck::Search {
       if (settings_.only_moved && !state_.moves(pair)) continue;
       using Voxels = PairCertifier::Voxels;
       const Voxels known = certifier_.voxelsOf(open.pair);
-      open.clearance = clearances_.of(open.pair, known != Voxels::NO_CLOUD);
+      open.clearance = clearances_.ofElements(open.pair);
       if (known == Voxels::UNKNOWN || known == Voxels::IN_PART) noteUncertified(open.pair, 0.0);
       if (known == Voxels::UNKNOWN || known == Voxels::NONE || open.clearance < 0.0) continue;
       OpenPair one = open;
@@ -163,7 +161,6 @@ class MotionCheck::Search {
     }
     return goesOn() && pushIntervals(before, after);
   }
-
   bool look(Interval& interval) {
     moveTo(interval.begin, std::min(interval.end, relevantUntil()));
     Interval before, after;
@@ -230,7 +227,6 @@ class MotionCheck::Search {
     intervals_.push(after);
     return true;
   }
-
   /// Adds the open parts on either side of the certified one.
   void cut(const OpenPair& open, const CertifiedInterval& certified, double clearance_after,
            Interval& before, Interval& after) {
@@ -312,7 +308,7 @@ class MotionCheck::Search {
   bool sweep(Interval& before, Interval& after) {
     double most = 0.0;
     for (const Swept& swept : swept_) most = std::max(most, swept.growth);
-    const double reach = settings_.clearance + settings_.beside_objects + beyond_ +
+    const double reach = settings_.clearance + beyond_ +
                          std::max(SWEEP_BEYOND_MOTION * most, SWEEP_BEYOND_SIZE * size_);
     clearance_ = std::min(clearance_, reach);
     sweep_.begin(reach, &scene_.staticBoxes(), &pairs_.static_pairs);
@@ -332,7 +328,7 @@ class MotionCheck::Search {
       const auto& elements = scene_.elements();
       const bool in_order = elements[fixed].model < elements[open.pair.first].model;
       open.pair = in_order ? BoxPair{fixed, open.pair.first} : BoxPair{open.pair.first, fixed};
-      open.clearance = clearances_.of(open.pair, true);
+      open.clearance = clearances_.ofElements(open.pair);
       if (open.clearance < 0.0) continue;
       open.clearance += beyond_;
       if (!settle(open, before, after)) return false;
@@ -346,6 +342,10 @@ class MotionCheck::Search {
 
   void finishReport(const std::vector<std::string>& doubts) {
     report_.nb_queries = certifier_.nbQueries();
+    if (report_.unchecked.empty() && clearances_.leavesOutAll()) {
+      report_.unchecked = "every pair is left out";
+      if (!scene_.mayBeFree(report_.unchecked)) free_until_ = 0.0;
+    }
     const bool has_ended = !goesOn();  // and other pairs may be in contact before the one found
     const bool is_known = !has_ended && doubts.empty();
     report_.free_until = is_known ? std::min(free_until_, std::nextafter(1.0, 0.0)) : 0.0;

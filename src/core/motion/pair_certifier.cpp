@@ -189,9 +189,10 @@ PairCertifier::Outcome PairCertifier::measure(double at, OpenPair& open,
   moving.twist_b = state_.twist(b, open.frame);
   byBoxes(query);
   if (query.isCertified()) return Outcome::CERTIFIED;
-  const double motion = query.motion() / query.size();
+  const double size = std::max(query.size(), resolution_);  // two points have none
+  const double motion = query.motion() / size;
   const bool is_finest = query.motion() <= 0.5 * resolution_;
-  if (motion > MOTION_FOR_HULLS && query.box_gap > GAP_FOR_HULLS * query.size()) {
+  if (!is_finest && motion > MOTION_FOR_HULLS && query.box_gap > GAP_FOR_HULLS * size) {
     return Outcome::OPEN;
   }
   ++nb_queries_;

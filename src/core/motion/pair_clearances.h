@@ -1,9 +1,6 @@
 // What each pair of a motion has to keep.
 #pragma once
 
-#include <utility>
-#include <vector>
-
 #include "collision_pairs/motion_check.h"
 
 namespace collision_pairs {
@@ -13,21 +10,23 @@ class PairClearances {
   /// Both must outlive this; begin() with the settings of each check: throws InputError for those
   /// out of range.
   explicit PairClearances(const CollisionScene& scene) : scene_(scene) {}
-  void begin(const MotionSettings& settings, const PlacedBodies& placed);
+  void begin(const MotionSettings& settings);
 
-  /// Metres, for a pair of elements; `is_beside`: the robot does not carry both. Negative: left
-  /// out.
-  double of(const BoxPair& elements, bool is_beside) const;
-  bool leavesOutSome() const { return !left_out_.empty(); }
-  /// Models, first < second.
-  bool leavesOut(std::uint32_t first, std::uint32_t second) const;
-  bool leavesOutAll() const;
+  /// Metres, for two models; negative: left out. Throws InputError if the settings say more than
+  /// their clearance.
+  double of(std::uint32_t model_a, std::uint32_t model_b);
+  double ofElements(const BoxPair& pair) {
+    const auto& elements = scene_.elements();
+    return of(elements[pair.first].model, elements[pair.second].model);
+  }
+  bool mayLeaveOut() const { return settings_->clearance_of != nullptr; }
+  /// Of all pairs of the scene, if of() has said so of all that it was asked about.
+  bool leavesOutAll();
 
  private:
   const CollisionScene& scene_;
-  std::vector<int> carriers_;  // by model, if links keep a distance of their own
   const MotionSettings* settings_ = nullptr;
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> left_out_;  // sorted
+  bool keeps_some_ = false;  // as far as it was asked
 };
 
 }  // namespace collision_pairs

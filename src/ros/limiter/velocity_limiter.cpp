@@ -215,10 +215,13 @@ void VelocityLimiter::answer(const CommandPtr& command) {
     }
     result = outlet_->pass(decision, began + TIME_TO_DECIDE, command->arrived, send);
   }
-  const double took = ros::SteadyTime::now().toSec() - command->arrived.steady;
+  const CommandOutlet::Time ended = now();
+  const double took = ended.steady - command->arrived.steady;
   using Result = CommandOutlet::Result;
   if (result != Result::PUBLISHED) {
-    decision = law_->stop(result == Result::LATE    ? "overrun: the decision took " + inWords(took)
+    const double of_clock = ended.latest - command->arrived.latest;  // simulated, it may be faster
+    decision = law_->stop(result == Result::LATE
+                              ? "overrun: the decision took " + inWords(std::max(took, of_clock))
                           : result == Result::FAULT ? outlet_->fault()
                                                     : "zeros were published while it was decided");
     outlet_->stop(decision, send);
