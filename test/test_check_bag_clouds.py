@@ -177,6 +177,28 @@ def test_before_the_first_cloud_and_after_the_timeout_nothing_is_free(check, wit
     assert any(row["verdict"] == "free" for row in rows) and any(row["verdict"] == "unknown" for row in rows)
 
 
+def test_of_two_cameras_on_one_topic_nothing_is_free_until_one_is_silent(check, with_clouds):
+    clouds = [cloud_of(FAR_SEEN, START + 0.1 * i, ("camera", "/beside")[i % 2]) for i in range(60)]
+    last = 3.5  # of the second: from then on every message is of the first, or of none
+    left = [cloud for i, cloud in enumerate(clouds) if i % 2 == 0 or 0.1 * i < last]
+    rows, said = check(with_clouds(left))
+    assert "each camera needs a topic of its own" in said, said
+    assert not any(row["verdict"] == "free" and 0.2 < seconds_of(row) < last for row in rows)
+    assert any(row["verdict"] == "free" and seconds_of(row) < 0.1 for row in rows)
+
+
+def test_points_of_no_return_do_not_show_that_what_touches_is_gone(check, make_bag, with_clouds, write):
+    """Beside the palm is a camera, and an obstacle that it sees no more; drivers write nothing seen as NaN, or as (0, 0, 0)."""
+    with rosbag.Bag(str(make_bag("demo.bag"))) as bag:
+        palm = palm_at(bag, START)
+    seen = tuple(p - c + d for p, c, d in zip(palm, CAMERA, (0.0, 0.0, 0.0)))
+    def run(nothing):
+        clouds = [cloud_of([seen] if i < 3 else [nothing] + FAR_SEEN, START + 0.1 * i) for i in range(30)]
+        settings = write("{topic: camera/points, self_filter_padding: 0, decay: 0.3}")
+        return [(row["verdict"], row["pairs"], row["left_out"]) for row in check(with_clouds(clouds), "--settings", settings)[0]]
+    assert run((0.0, 0.0, 0.0)) == run(3 * (float("nan"),))
+
+
 def test_the_robots_own_points_are_no_obstacles(check, make_bag, with_clouds, write):
     with rosbag.Bag(str(make_bag("demo.bag"))) as bag:
         stamps = [START + 0.2 * i for i in range(20)]
@@ -214,9 +236,9 @@ def test_a_camera_on_a_link_is_placed_where_that_link_was(check, with_clouds, wr
     (lambda c: setattr(c.header, "stamp", rospy.Time.from_sec(START + 0.5)), "not later"),
     (lambda c: setattr(c, "height", 0), "its height 0"),
     (lambda c: setattr(c, "width", 0), "its width is 0"),
-    (lambda c: setattr(c, "data", struct.pack("<3f", 0, 0, 1500)), "within max_range (5 m) and not (0, 0, 0), and min_valid_points is 1"),
-    (lambda c: setattr(c, "data", bytes(12)), "only 0 of its 1 finite points are within"),
-    (lambda c: setattr(c, "data", b"\xff" * 12), "it has no finite point, and min_valid_points is 1"),
+    (lambda c: setattr(c, "data", struct.pack("<3f", 0, 0, 1500)), "within max_range (5 m), and min_valid_points is 1"),
+    (lambda c: setattr(c, "data", bytes(12)), "nothing returned"),
+    (lambda c: setattr(c, "data", b"\xff" * 12), "nothing returned: it has no point that is finite and not (0, 0, 0), and min_valid_points is 1"),
 ])
 def test_a_cloud_that_cannot_be_used_is_said_and_nothing_is_free_until_the_next(check, with_clouds, spoil, says):
     clouds = every(0.5, 3, FAR_SEEN)
@@ -235,7 +257,7 @@ def test_clouds_that_show_nothing_are_free_with_a_warning_where_they_are_allowed
     clouds[2] = cloud_of([], START + 1.0)
     settings = write("{topic: camera/points, min_valid_points: 0}")
     rows, said = check(with_clouds(clouds), "--settings", settings)
-    assert "1 of 6 messages show nothing; the first: it has no finite point" in said, said
+    assert "1 of 6 messages show nothing; the first: nothing returned" in said, said
     assert any(row["verdict"] == "free" for row in rows if 1.01 < seconds_of(row) < 1.49)
 
 

@@ -138,6 +138,11 @@ TEST_F(Report, OfPairsEquallyDeepTheFirstIsNamedAndOfAFreeReportNone) {
       toMessage(detector_.report(), *scene_, settings_, "world", ros::Time(7), {});
   message.pairs[1].distance = message.pairs[0].distance;
   EXPECT_EQ(toMarkers(message, nullptr, false).markers.at(2).text, "a | b");
+  message.pairs[0].state = CollisionPair::UNRESOLVED;  // a bound
+  message.pairs[0].distance -= 9.0;
+  message.pairs[1].state = CollisionPair::CONTACT;
+  EXPECT_EQ(toMarkers(message, nullptr, false).markers.at(2).text,
+            message.pairs[1].first_link + " | " + message.pairs[1].second_link);
   message.verdict = CollisionPairs::FREE;
   EXPECT_EQ(toMarkers(message, nullptr, false).markers.size(), 2u);
 }

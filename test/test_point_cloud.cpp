@@ -92,7 +92,7 @@ void expectRefused(const PointCloud2& cloud, const std::string& words) {
 }
 
 const std::vector<Vector3d> SIX = {{1, 2, 3}, {-4, 5, 6},           {7, -8, 9},
-                                   {0, 0, 0}, {1.0 / 1024, 2e5, 3}, {4, 5, -6}};
+                                   {0, 0, 1}, {1.0 / 1024, 2e5, 3}, {4, 5, -6}};
 
 TEST(PointCloud, OfRandomLayoutsGivesItsPoints) {
   std::mt19937 random(givenSeed());
@@ -161,7 +161,7 @@ TEST(PointCloud, OfTheUsualLayoutGivesItsPointsWithAndWithoutRowPadding) {
   EXPECT_EQ(read(cloud), SIX);
 }
 
-TEST(PointCloud, LeavesOutPointsThatAreNotFinite) {
+TEST(PointCloud, LeavesOutPointsThatAreNotFiniteOrZero) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   const float infinity = std::numeric_limits<float>::infinity();
   for (const bool big_endian : {false, true}) {
@@ -169,9 +169,16 @@ TEST(PointCloud, LeavesOutPointsThatAreNotFinite) {
     points[0].x() = nan;
     points[2].y() = -infinity;
     points[5] = Vector3d::Constant(nan);
-    Layout layout = packed(6);
+    points.push_back(Vector3d::Zero());
+    points.push_back({-0.0, 0.0, -0.0});
+    points.push_back({0.0, -1e-30, 0.0});
+    Layout layout = packed(9);
     layout.big_endian = big_endian;
-    EXPECT_EQ(read(cloudOf(points, layout)), (std::vector<Vector3d>{SIX[1], SIX[3], SIX[4]}));
+    const auto found = read(cloudOf(points, layout));
+    ASSERT_EQ(found.size(), 4u);
+    EXPECT_EQ((std::vector<Vector3d>{found[0], found[1], found[2]}),
+              (std::vector<Vector3d>{SIX[1], SIX[3], SIX[4]}));
+    EXPECT_LT(found[3].y(), 0.0);
   }
 }
 

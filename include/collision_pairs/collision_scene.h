@@ -168,8 +168,8 @@ class CollisionScene {
     return element < first ? -1 : static_cast<int>(element - first);
   }
   const PairFilter& filter() const { return filter_; }
-  /// Reason why no check of this scene is conclusive: there is no pair to check, or a robot has no
-  /// collision geometry. Empty if checks are.
+  /// Reason why no check of this scene is conclusive: there is no pair to check, or a robot or the
+  /// environment has no collision geometry. Empty if checks are.
   const std::string& unchecked() const { return unchecked_; }
   /// A warning for each mesh with open sheets of which more than 1 % of the surface is missing,
   /// with the models that have it: open sheets enclose nothing, so a body wholly inside is not

@@ -74,8 +74,8 @@ struct SceneSettings {
   /// move relative to each other (both static, a link and an object attached to it) are not
   /// checked, whatever the rules say.
   std::vector<PairRule> pair_rules;
-  /// Permits the verdict FREE where nothing is checked, or a robot is not checked at all
-  /// (CollisionScene::unchecked()).
+  /// Permits the verdict FREE where nothing is checked, or a robot or the environment is not
+  /// checked at all (CollisionScene::unchecked()).
   bool allow_empty_scene = false;
   /// Links that are excluded from the scene. Of objects and clouds, what has a pattern that matches
   /// stays; their names are refused here, in link_padding and in cylinder_as_capsule.

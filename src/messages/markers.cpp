@@ -60,13 +60,17 @@ std::string wrapped(std::string text, std::size_t width) {
   return text;
 }
 
-/// The deepest pair, or the first reason.
+/// The deepest pair in contact, or the first reason.
 std::string verdictDetail(const CollisionPairs& message) {
   constexpr std::size_t LONGEST = 120, WIDTH = 48;  // characters; the message has the full text
   if (message.verdict == CollisionPairs::COLLISION && !message.pairs.empty()) {
     const auto deepest = std::min_element(
         message.pairs.begin(), message.pairs.end(),
-        [](const CollisionPair& a, const CollisionPair& b) { return a.distance < b.distance; });
+        [](const CollisionPair& a, const CollisionPair& b) {
+          const bool touches = a.state == CollisionPair::CONTACT;
+          const bool other = b.state == CollisionPair::CONTACT;  // an unresolved one has a bound
+          return touches != other ? touches : a.distance < b.distance;
+        });
     return deepest->first_link + " | " + deepest->second_link;
   }
   std::string why =

@@ -131,7 +131,7 @@ struct PackedFloats {
   }
 };
 
-/// Writes each point, but advances only if it is finite: no branch to be mispredicted.
+/// Writes each point, but advances only if something returned: no branch to be mispredicted.
 template <class Layout>
 void readRows(const PointCloud2& cloud, const Layout& layout,
               std::vector<Eigen::Vector3d>& points) {
@@ -141,8 +141,8 @@ void readRows(const PointCloud2& cloud, const Layout& layout,
     const std::uint8_t* point = cloud.data.data() + std::size_t{row} * cloud.row_step;
     for (std::uint32_t i = 0; i < cloud.width; ++i, point += cloud.point_step) {
       *out = layout(point);
-      const double zero = (out->x() - out->x()) + (out->y() - out->y()) + (out->z() - out->z());
-      out += zero == 0.0;  // NaN if one is infinite or NaN
+      const double size = std::abs(out->x()) + std::abs(out->y()) + std::abs(out->z());
+      out += (size > 0.0) & (size - size == 0.0);  // NaN if one is infinite or NaN
     }
   }
   points.resize(out - points.data());

@@ -8,8 +8,8 @@
 
 namespace collision_pairs {
 
-/// The points of the cloud in its own frame, in their order, metres; those with a coordinate that
-/// is not finite (no return) are left out. Coordinates x, y and z may be float32 or float64, at any
+/// The points of the cloud in its own frame, in their order, metres; without those of no return,
+/// which have a coordinate that is not finite or are (0, 0, 0). Coordinates x, y and z may be float32 or float64, at any
 /// offset, of either endianness, in rows with any padding. The contents of `points` are replaced;
 /// its memory is reused.
 ///

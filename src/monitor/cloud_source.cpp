@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "collision_pairs/input_error.h"
+#include "frame_names.h"
 #include "point_cloud.h"
 #include "user_text.h"
 
@@ -55,12 +56,38 @@ std::shared_ptr<FollowedRobot> CloudSource::follow(std::shared_ptr<FollowedRobot
 
 void CloudSource::replace(const CloudSource& before) {
   may_touch_ = before.latest_.may_touch.empty() ? before.may_touch_ : before.latest_.may_touch;
+  if (topic_ != before.topic_) return;
+  camera_ = before.camera_;
+  other_camera_ = before.other_camera_;
+  other_at_ = before.other_at_;
+  last_use_ = before.last_use_;
 }
 
-void CloudSource::take(const Cloud::ConstPtr& cloud) {
+void CloudSource::take(const Cloud::ConstPtr& cloud, const std::string& publisher) {
   ++health_.received;
+  const Now& now = transforms_.now();
+  Arrived arrived{cloud, publisher, now.stamp, now.steady, transforms_.nbClockJumps()};
+  try {
+    requireSameCamera(arrived);
+  } catch (const InputError& error) {
+    return refuse(error.what());
+  }
   if (next_.cloud) ++health_.dropped;
-  next_ = {cloud, transforms_.now().stamp, transforms_.now().steady, transforms_.nbClockJumps()};
+  next_ = std::move(arrived);
+}
+
+void CloudSource::requireSameCamera(const Arrived& arrived) {
+  if (!camera_ || arrived.clock_jumps != gathered_clock_jumps_) return;
+  const double steady = transforms_.now().steady;
+  const std::string frame = withoutSlashes(arrived.cloud->header.frame_id);
+  const bool is_recent = steady - last_use_ < config_.source_timeout;
+  if (frame == camera_->frame && (arrived.publisher == camera_->publisher || !is_recent)) return;
+  other_at_ = steady;
+  other_camera_ = "it is of frame '" + frame + "' and node '" + arrived.publisher +
+                  "', and those before were of '" + camera_->frame + "' and '" +
+                  camera_->publisher + "': each camera needs a topic of its own; ~clear_clouds " +
+                  "starts anew";
+  throw InputError(other_camera_);
 }
 
 std::shared_ptr<CloudJob> CloudSource::next() {
@@ -114,12 +141,15 @@ std::shared_ptr<CloudJob> CloudSource::begin(Arrived& arrived) {
     gathered_clock_jumps_ = transforms_.nbClockJumps();
     processor_ = std::make_shared<CloudProcessor>(config_);
     last_stamp_ = ros::Time();
+    camera_.reset();
+    other_camera_.clear();
   }
   if (is_new) {
     requireUsableStamp(header.stamp);
     requireReadable(*arrived.cloud);
   }
   // Another may have been used since it was looked at.
+  requireSameCamera(arrived);
   if (!last_stamp_.isZero() && header.stamp <= last_stamp_) {
     throw InputError(
         "its stamp is not later than that of the previous cloud: are there two publishers?");
@@ -138,6 +168,7 @@ std::shared_ptr<CloudJob> CloudSource::begin(Arrived& arrived) {
   robot_->filter.keeps_more = latest_robot_ < complete_from_;
   job->cloud_ = arrived.cloud;
   job->arrived_ = arrived.when;
+  job->publisher_ = arrived.publisher;
   job->followed_ = robot_;
   job->processor_ = processor_;
   job->generation_ = generation_;
@@ -164,6 +195,7 @@ void CloudSource::take(CloudJob& job) {
   if (job.generation_ != generation_) return;  // cleared meanwhile
   if (!job.latest_.problem.empty()) return refuse(job.latest_.problem);
   last_stamp_ = job.cloud_->header.stamp;
+  camera_ = {withoutSlashes(job.cloud_->header.frame_id), job.publisher_};
   std::swap(latest_, job.latest_);  // what is replaced is freed with the job
   if (latest_.may_touch.empty()) latest_.may_touch = may_touch_;
   latest_.stamp = measuredAt(latest_.stamp, job.arrived_.toSec());
@@ -213,6 +245,11 @@ CloudView CloudSource::view() const {
     return view;
   }
   view = viewOf(config_, latest_, transforms_.now().stamp.toSec(), topic_);
+  const double since_other = transforms_.now().steady - other_at_;
+  const bool is_other_silent = config_.source_timeout > 0.0 && since_other > config_.source_timeout;
+  if (view.doubt.empty() && !other_camera_.empty() && !is_other_silent) {
+    view.doubt = "cloud '" + config_.name() + "': one was refused: " + other_camera_;
+  }
   if (view.voxels && view.doubt.empty() && latest_robot_ < complete_from_) {
     view.doubt = doubtSince("the robot, or what is attached to it, changed");
   }
@@ -224,6 +261,8 @@ void CloudSource::clear() {
   next_ = waiting_ = {};
   latest_ = {};
   may_touch_.clear();
+  camera_.reset();
+  other_camera_.clear();
 }
 
 CloudHealth CloudSource::health() const {

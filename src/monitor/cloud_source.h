@@ -54,6 +54,7 @@ class CloudJob {
   BodyPoses robot_;  ///< at its stamp
   std::shared_ptr<FollowedRobot> followed_;
   std::shared_ptr<CloudProcessor> processor_;
+  std::string publisher_;
   unsigned generation_ = 0, clock_jumps_ = 0;
   // Results.
   LatestCloud latest_;
@@ -88,7 +89,10 @@ class CloudSource {
   /// seen where it went.
   void replace(const CloudSource& before);
 
-  void take(const Cloud::ConstPtr& cloud);
+  /// `publisher`: the node that sent it. A cloud of another frame than those that were used, or of
+  /// another node while clouds of the one before are not too old, is refused, with a doubt for
+  /// source_timeout: of two cameras on one topic nothing would tell that one is silent.
+  void take(const Cloud::ConstPtr& cloud, const std::string& publisher);
   /// The next cloud, if there is one, all that it needs is known, and none is being processed.
   std::shared_ptr<CloudJob> next();
   /// True while a cloud waits for what next() needs.
@@ -108,12 +112,17 @@ class CloudSource {
  private:
   struct Arrived {
     Cloud::ConstPtr cloud;  ///< null: none
+    std::string publisher;
     ros::Time when;
     double steady = 0.0;
     unsigned clock_jumps = 0;
     std::optional<std::uint64_t> nb_taken = {};  ///< messages of transforms when last looked
   };
 
+  struct Camera {
+    std::string frame, publisher;
+  };
+  void requireSameCamera(const Arrived& arrived);
   void requireUsableStamp(const ros::Time& stamp) const;
   /// Why the poses are not known yet; empty: they are.
   struct Missing {
@@ -134,7 +143,10 @@ class CloudSource {
   std::shared_ptr<CloudProcessor> processor_;
   unsigned gathered_clock_jumps_ = 0, gathered_generation_ = 0;  // of the processor
   ros::Time last_stamp_;
-  unsigned generation_ = 0;  // counts calls of clear()
+  std::optional<Camera> camera_;  // of the clouds that were used
+  std::string other_camera_;      // what is wrong with clouds of another
+  double other_at_ = 0.0;         // s, steady: when the last of them arrived
+  unsigned generation_ = 0;       // counts calls of clear()
   std::shared_ptr<FollowedRobot> robot_;
   LatestCloud latest_;
   std::string may_touch_;       // by the clouds of the source that this one replaced

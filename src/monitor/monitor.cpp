@@ -23,6 +23,11 @@ Snapshot Monitor::begin(const ActiveScenePtr& scene) const {
   if (!scenes_.isCurrent(*scene)) {
     snapshot.poses.doubts.push_back("the scene was replaced meanwhile");
   }
+  if (scenes_.areObjectsLost()) {
+    snapshot.poses.doubts.push_back(
+        "the node was started anew, and the objects that ~update_scene had added are lost: send "
+        "CLEAR, and add them again");
+  }
   if (!scene->broken_links.empty()) {
     snapshot.poses.doubts.push_back("geometry that could not be read: " +
                                     firstOf(scene->broken_links));

@@ -32,6 +32,7 @@ Scene toMessage(const StoredScene& scene) {
   message.settings = parameters.sources.settings_text;
   message.cloud_topics = parameters.cloud_topics;
   message.objects = listed(*scene.objects, scene.frame);
+  message.objects_are_lost = scene.are_objects_lost;
   return message;
 }
 

@@ -130,7 +130,8 @@ SceneJob SceneStore::job(SceneJob::Kind kind) const {
 }
 
 StoredScene SceneStore::stored() const {
-  return {parameters_, objects_, scene_ ? scene_->frame : std::string(), revision_, since_};
+  return {parameters_, objects_, scene_ ? scene_->frame : std::string(),
+          revision_,   since_,   are_objects_lost_};
 }
 
 SceneJob SceneStore::load(SceneParameters parameters, std::optional<SceneObjects> objects) const {
@@ -154,6 +155,9 @@ SceneJob SceneStore::update(const std::vector<SceneChange>& changes,
   };
   SceneJob made = change(editsBy(changes, added, *objects_, context));
   if (changes.empty()) made.built_ = scene_;
+  made.clears_objects_ = std::any_of(changes.begin(), changes.end(), [](const auto& change) {
+    return change.operation == SceneChange::CLEAR;
+  });
   return made;
 }
 
@@ -214,6 +218,7 @@ bool SceneStore::take(SceneJob& job) {
     return true;
   }
   if (job.built_ == scene_) return true;  // without changes
+  if (job.clears_objects_) are_objects_lost_ = false;
   ++revision_;
   since_ = transforms_.now().stamp;
   std::swap(job.replaced_, restricted_);

@@ -56,9 +56,10 @@ using ActiveScenePtr = std::shared_ptr<const ActiveScene>;
 struct StoredScene {
   std::shared_ptr<const SceneParameters> parameters;  ///< null: there is none
   std::shared_ptr<const SceneObjects> objects;
-  std::string frame;           ///< of the reports
-  std::uint64_t revision = 0;  ///< number of scenes so far
-  ros::Time since;             ///< when it was taken
+  std::string frame;              ///< of the reports
+  std::uint64_t revision = 0;     ///< number of scenes so far
+  ros::Time since;                ///< when it was taken
+  bool are_objects_lost = false;  ///< see SceneStore::setObjectsLost()
 };
 
 /// A scene that is being built. The store hands it out, anyone runs it on any thread, one at a
@@ -95,6 +96,7 @@ class SceneJob {
   ObjectEdits edits_;
   Restriction restriction_;
   bool replaces_objects_ = false;
+  bool clears_objects_ = false;
   bool may_keep_more_ = true;  ///< filters of clouds, of the points: see CloudSource::follow()
   std::shared_ptr<ActiveScene> built_;
   std::vector<std::shared_ptr<FollowedRobot>> followed_;  ///< of each cloud
@@ -117,6 +119,11 @@ class SceneStore {
   bool isCurrent(const ActiveScene& scene) const { return scene.revision == revision_; }
 
   StoredScene stored() const;
+
+  /// Objects that only a node before this one knew are lost: nothing is FREE until an update with
+  /// CLEAR is taken.
+  void setObjectsLost(bool are_lost) { are_objects_lost_ = are_lost; }
+  bool areObjectsLost() const { return are_objects_lost_; }
 
   /// With new parameters. The objects are replaced by those given, or kept: then its run() throws
   /// InputError also if there are static ones and the frame of the reports would change.
@@ -143,6 +150,7 @@ class SceneStore {
   std::shared_ptr<ActiveScene> scene_;
   std::uint64_t revision_ = 0;
   ros::Time since_;
+  bool are_objects_lost_ = false;
   std::shared_ptr<SceneParameters> parameters_;
   std::shared_ptr<SceneCache> cache_;
   std::shared_ptr<const SceneObjects> objects_ = std::make_shared<const SceneObjects>();

@@ -240,8 +240,9 @@ void bindCheckResult(py::module& module) {
                     "Moving joints that were not named: taken as zero, or their nearest limit.")
       .def_readonly(
           "unchecked", &CheckResult::unchecked,
-          "Usually empty: why there is nothing to check, or the robot is not checked at all. The "
-          "verdict is then never FREE, unless the setting allow_empty_scene permits it.")
+          "Usually empty: why there is nothing to check, or the robot or the environment is not "
+          "checked at all. The verdict is then never FREE, unless the setting allow_empty_scene "
+          "permits it.")
       .def("__bool__",
            [](const CheckResult&) -> bool {
              throw py::type_error("a CheckResult is neither true nor false: use its in_collision");

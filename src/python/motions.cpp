@@ -130,8 +130,9 @@ void bindMotions(py::module& module) {
                     "Moving joints that were not named: taken as zero, or their nearest limit.")
       .def_readonly(
           "unchecked", &MotionResult::unchecked,
-          "Usually empty: why there is nothing to check, or the robot is not checked at all. The "
-          "verdict is then never FREE, unless the setting allow_empty_scene permits it.");
+          "Usually empty: why there is nothing to check, or the robot or the environment is not "
+          "checked at all. The verdict is then never FREE, unless the setting allow_empty_scene "
+          "permits it.");
   const MotionSettings defaults;
   py::class_<PythonMotionCheck>(module, "MotionCheck",
                                 "Certifies straight motions in joint space between waypoints. "

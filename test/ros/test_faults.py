@@ -18,7 +18,7 @@ from collision_pairs.srv import UpdateScene
 from collision_pairs.watchdog import Watchdog
 from node_client import PATIENCE, JointPublisher, NodeClient
 from program import NODE, Program, wait_until
-from scene_client import add, add_box
+from scene_client import add, add_box, clear
 
 PLY = """ply
 format ascii 1.0
@@ -121,6 +121,29 @@ class FaultsTest(unittest.TestCase):
         os.kill(pid, signal.SIGKILL)
         wait_until(lambda: "restarting process" in launched.said(), "roslaunch to start it again")
         self.assertIsNotNone(client.next(client.reports), "reports of the node that was started again")
+
+    def test_what_was_added_to_a_node_that_was_killed_is_unknown_until_clear(self):
+        JointPublisher(["slide_a", "slide_b", "slide_c"]).hold([0.0, 3.0, 6.0])
+        node = self.start(NODE, "__name:=forgetful")
+        client = NodeClient("/forgetful")
+        update = rospy.ServiceProxy("/forgetful/update_scene", UpdateScene)
+        update.wait_for_service(PATIENCE)
+        self.assertIsNotNone(client.next(client.reports, lambda report: report.verdict == report.FREE))
+        self.assertTrue(update([add_box("crate", (0, 0, 9))], False).success)
+        node.process.kill()
+        node.process.wait()
+        killed = rospy.Time.now()
+        self.start(NODE, "__name:=forgetful")
+        def is_told(report):
+            self.assertNotEqual(report.verdict, report.FREE)
+            return any("objects that ~update_scene had added are lost" in why for why in report.unknown_because)
+        self.assertIsNotNone(client.report_since(killed, is_told))
+        update.wait_for_service(PATIENCE)
+        self.assertTrue(update([add_box("crate", (0, 0, 9))], False).success)
+        self.assertIsNotNone(client.report_since(rospy.Time.now(), is_told))
+        self.assertTrue(update([clear(), add_box("crate", (0, 0, 9))], False).success)
+        now = rospy.Time.now()
+        self.assertIsNotNone(client.report_since(now, lambda report: report.verdict == report.FREE))
 
     @unittest.skipIf("UBSAN_OPTIONS" in os.environ, "the sanitizer needs a descriptor to look at the type of an object")
     def test_without_file_descriptors_the_cycle_goes_on_and_what_cannot_be_read_is_refused(self):

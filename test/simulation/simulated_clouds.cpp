@@ -26,7 +26,7 @@ enum {
 void SimulatedNode::sendCloud(const Event& event) {
   if (!setup_.has_cloud) return;
   if (event.what == REPEATED && sent_) {
-    for (const auto& source : monitor_.scenes().active()->clouds) source->take(sent_);
+    for (const auto& source : monitor_.scenes().active()->clouds) source->take(sent_, "/camera");
     next_cloud_ = SentCloud{sent_cloud_.stamp, sent_cloud_.what, sent_cloud_.points, seconds(ros_),
                             knowledge_.pass()};
     ++nb_clouds_;
@@ -53,7 +53,7 @@ void SimulatedNode::sendCloud(const Event& event) {
   header.stamp.fromNSec(static_cast<std::uint64_t>(std::max<Ns>(0, stamp)));
   const auto cloud = boost::make_shared<sensor_msgs::PointCloud2>(toPointCloud2(sent, header));
   if (what == MALFORMED) cloud->width -= 4;
-  for (const auto& source : monitor_.scenes().active()->clouds) source->take(cloud);
+  for (const auto& source : monitor_.scenes().active()->clouds) source->take(cloud, "/camera");
   next_cloud_ = SentCloud{stamp, what, points, seconds(ros_), knowledge_.pass()};
   sent_ = cloud;
   sent_cloud_ = *next_cloud_;

@@ -125,7 +125,7 @@ class Indexer {
 
 /// A message that others of earlier times follow in the file.
 struct Waiting {
-  std::string topic, md5sum, publisher;
+  std::string topic, type, md5sum, publisher;
   std::vector<std::uint8_t> data;
 };
 
@@ -150,14 +150,16 @@ class Sorter {
         throw InputError("more than 1 GB is recorded before messages of earlier times; sort it");
       }
       waiting_.insert(
-          {raw.received, {raw.topic, raw.md5sum, raw.publisher, {raw.data, raw.data + raw.size}}});
+          {raw.received,
+           {raw.topic, raw.type, raw.md5sum, raw.publisher, {raw.data, raw.data + raw.size}}});
     }
     while (!waiting_.empty() && waiting_.begin()->first <= earliest_later) {
       auto node = waiting_.extract(waiting_.begin());
       Waiting& next = node.mapped();
       const auto size = static_cast<std::uint32_t>(next.data.size());
       nb_bytes_ -= size;
-      visit_({next.topic, next.md5sum, next.publisher, node.key(), next.data.data(), size});
+      visit_(
+          {next.topic, next.type, next.md5sum, next.publisher, node.key(), next.data.data(), size});
     }
   }
 

@@ -115,7 +115,7 @@ bool decompressChunk(const std::string& compression, const std::string& data, st
 }
 
 struct Connection {
-  std::string topic, md5sum, publisher;
+  std::string topic, type, md5sum, publisher;
 };
 
 class RecordReader {
@@ -219,13 +219,15 @@ class RecordReader {
     Fields header = parseFields(data, size);
     const auto topic = fields.find("topic");
     if (topic == fields.end()) return;
-    connections_[numberIn(fields, "conn")] = {topic->second, header["md5sum"], header["callerid"]};
+    connections_[numberIn(fields, "conn")] = {topic->second, header["type"], header["md5sum"],
+                                              header["callerid"]};
   }
 
   void takeMessage(const Fields& fields, char* data, std::uint32_t size) {
-    const auto connection = connections_.find(numberIn(fields, "conn"));
-    if (connection == connections_.end()) return;
-    visit_({connection->second.topic, connection->second.md5sum, connection->second.publisher,
+    const auto found = connections_.find(numberIn(fields, "conn"));
+    if (found == connections_.end()) return;
+    const Connection& from = found->second;
+    visit_({from.topic, from.type, from.md5sum, from.publisher,
             std::int64_t{numberIn(fields, "time")} * 1000000000 + numberIn(fields, "time", 4),
             reinterpret_cast<std::uint8_t*>(data), size, losses_.size()});
   }

@@ -11,6 +11,7 @@ namespace collision_pairs {
 /// A recorded message before deserialisation. Valid during the call that passes it.
 struct RawMessage {
   const std::string& topic;
+  const std::string& type;  ///< as package/Name
   const std::string& md5sum;
   const std::string& publisher;  ///< its node's name; may be empty
   std::int64_t received;         ///< nanoseconds since the epoch

@@ -155,18 +155,16 @@ void CloudProcessor::requireValid(const Points& points) {
   const double squared_range = config_.max_range * config_.max_range;
   std::size_t nb_valid = 0;
   for (std::size_t i = 0; i < points.size() && nb_valid < enough; ++i) {
-    const double squared = points[i].squaredNorm();
-    nb_valid += squared > 0.0 && squared <= squared_range;  // drivers write 0 for no return
+    nb_valid += points[i].squaredNorm() <= squared_range;
   }
   warning_.clear();
   if (nb_valid == enough) return;
   std::ostringstream found;
   if (points.empty()) {
-    found << "it has no finite point";
+    found << "nothing returned: it has no point that is finite and not (0, 0, 0)";
   } else {
-    found << "only " << nb_valid << " of its " << points.size()
-          << " finite points are within max_range (" << config_.max_range
-          << " m) and not (0, 0, 0)";
+    found << "only " << nb_valid << " of its " << points.size() << " points are within max_range ("
+          << config_.max_range << " m)";
   }
   if (nb_valid < needed) {
     found << ", and min_valid_points is " << needed;

@@ -23,11 +23,21 @@ double secondsOf(const std::string& key, const YAML::Node& value) {
   return numberOf(key, value, "0 or more seconds", 0.0);
 }
 
-int countOf(const std::string& key, const YAML::Node& value, int least = 1) {
-  const std::string rule = "a whole number from " + std::to_string(least) + " to 100000000";
+int countOf(const std::string& key, const YAML::Node& value, int least = 1,
+            int most = 100'000'000) {
+  const std::string rule =
+      "a whole number from " + std::to_string(least) + " to " + std::to_string(most);
   const double found = numberOf(key, value, rule, least);
-  if (found > 1e8 || found != std::floor(found)) refuseValue(key, value, rule);
+  if (found > most || found != std::floor(found)) refuseValue(key, value, rule);
   return static_cast<int>(found);
+}
+
+/// Of a larger one no obstacle would be left: these are millimetres.
+double paddingOf(const std::string& key, const YAML::Node& value) {
+  const std::string rule = "0 to 0.5 metres";
+  const double found = numberOf(key, value, rule, 0.0);
+  if (found > 0.5) refuseValue(key, value, rule);
+  return found;
 }
 
 std::string topicOf(const std::string& key, const YAML::Node& value) {
@@ -59,7 +69,8 @@ const std::map<std::string, CloudReader>& cloudReaders() {
       {"topic", [](const auto& k, const auto& v, auto& c) { c.topic = topicOf(k, v); }},
       {"voxel_size", [](const auto& k, const auto& v, auto& c) { c.voxel_size = above0(k, v); }},
       {"max_range", [](const auto& k, const auto& v, auto& c) { c.max_range = above0(k, v); }},
-      {"min_points", [](const auto& k, const auto& v, auto& c) { c.min_points = countOf(k, v); }},
+      {"min_points",
+       [](const auto& k, const auto& v, auto& c) { c.min_points = countOf(k, v, 1, 1000); }},
       {"min_valid_points",
        [](const auto& k, const auto& v, auto& c) { c.min_valid_points = countOf(k, v, 0); }},
       {"decay", [](const auto& k, const auto& v, auto& c) { c.decay = secondsOf(k, v); }},
@@ -69,7 +80,7 @@ const std::map<std::string, CloudReader>& cloudReaders() {
       {"source_timeout",
        [](const auto& k, const auto& v, auto& c) { c.source_timeout = secondsOf(k, v); }},
       {"self_filter_padding",
-       [](const auto& k, const auto& v, auto& c) { c.self_filter_padding = metresOf(k, v); }},
+       [](const auto& k, const auto& v, auto& c) { c.self_filter_padding = paddingOf(k, v); }},
       {"touch_links", [](const auto& k, const auto& v, auto& c) { c.touch_links = namesOf(k, v); }},
   };
   return ALL;

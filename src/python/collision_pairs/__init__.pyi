@@ -180,8 +180,8 @@ class CheckResult:
         """Moving joints that were not named: taken as zero, or their nearest limit."""
     @property
     def unchecked(self) -> str:
-        """Usually empty: why there is nothing to check, or the robot is not checked at all. The verdict is then never
-        FREE, unless the setting allow_empty_scene permits it."""
+        """Usually empty: why there is nothing to check, or the robot or the environment is not checked at all. The
+        verdict is then never FREE, unless the setting allow_empty_scene permits it."""
 
 class Detector:
     """Checks joint states of a scene. A second thread waits for the first: use one detector per thread."""

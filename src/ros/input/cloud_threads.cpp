@@ -12,9 +12,9 @@
 namespace collision_pairs {
 namespace {
 
-constexpr std::uint32_t CLOUDS_WAITING = 2;    // messages waiting for the callback
-const std::chrono::milliseconds PAUSE(1);  // between two looks whether its transforms are there
-const ros::WallDuration TELL_PERIOD(5.0);  // between two warnings in the log
+constexpr std::uint32_t CLOUDS_WAITING = 2;  // messages waiting for the callback
+const std::chrono::milliseconds PAUSE(1);    // between two looks whether its transforms are there
+const ros::WallDuration TELL_PERIOD(5.0);    // between two warnings in the log
 
 }  // namespace
 
@@ -27,16 +27,17 @@ CloudThread::CloudThread(const ros::NodeHandle& node, std::shared_ptr<CloudSourc
       spinner_(1, &queue_) {
   ros::NodeHandle own_queue(node);
   own_queue.setCallbackQueue(&queue_);
-  const boost::function<void(const CloudSource::Cloud::ConstPtr&)> callback =
-      [this](const CloudSource::Cloud::ConstPtr& cloud) {
-        monitor_.with([&](Monitor&) { source_->take(cloud); });
-        const std::lock_guard<std::mutex> lock(mutex_);
-        has_arrived_ = true;
-        wakes_worker_.notify_all();
-      };
+  using Event = ros::MessageEvent<const CloudSource::Cloud>;
+  const boost::function<void(const Event&)> callback = [this](const Event& event) {
+    monitor_.with(
+        [&](Monitor&) { source_->take(event.getConstMessage(), event.getPublisherName()); });
+    const std::lock_guard<std::mutex> lock(mutex_);
+    has_arrived_ = true;
+    wakes_worker_.notify_all();
+  };
   try {
-    subscriber_ = own_queue.subscribe<CloudSource::Cloud>(topic_, CLOUDS_WAITING, callback, nullptr,
-                                                          ros::TransportHints().tcpNoDelay());
+    subscriber_ = own_queue.subscribe<CloudSource::Cloud, const Event&>(
+        topic_, CLOUDS_WAITING, callback, nullptr, ros::TransportHints().tcpNoDelay());
   } catch (const ros::Exception& error) {  // this process knows the topic by another type
     monitor_.with([&](Monitor&) {
       source_->refuse("its topic cannot be subscribed to: " + std::string(error.what()));

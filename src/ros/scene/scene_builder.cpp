@@ -4,6 +4,8 @@
 #include <utility>
 
 #include <ros/console.h>
+#include <ros/master.h>
+#include <ros/this_node.h>
 
 #include "collision_pairs/input_error.h"
 #include "collision_pairs/mesh_loader.h"
@@ -16,6 +18,7 @@ namespace {
 
 constexpr std::uint32_t SCENES_IN_QUEUE = 100;  // none is to be missing in a recording
 constexpr int MOST_BUILDS = 20;                 // of one restriction, while others change the scene
+const char* const HAS_OBJECTS = "has_objects";  // parameter, for the next node of this name
 
 }  // namespace
 
@@ -25,7 +28,10 @@ SceneBuilder::SceneBuilder(const ros::NodeHandle& node, const ros::NodeHandle& p
       private_node_(private_node),
       monitor_(monitor),
       clouds_(clouds),
-      publisher_(private_node_.advertise<Scene>("scene", SCENES_IN_QUEUE, true)) {}
+      publisher_(private_node_.advertise<Scene>("scene", SCENES_IN_QUEUE, true)) {
+  private_node_.getParam(HAS_OBJECTS, are_objects_noted_);
+  monitor_.with([this](Monitor& of) { of.scenes().setObjectsLost(are_objects_noted_); });
+}
 
 template <class HandOut>
 ActiveScenePtr SceneBuilder::build(const HandOut& hand_out) {
@@ -51,11 +57,25 @@ void SceneBuilder::publishScene() {
       monitor_.with([](const Monitor& monitor) { return monitor.scenes().stored(); });
   if (scene.revision == published_revision_) return;  // nothing was changed
   published_revision_ = scene.revision;
+  noteObjects(!scene.objects->empty() || scene.are_objects_lost);
   try {
     publisher_.publish(toMessage(scene));
   } catch (const std::exception& error) {  // the scene is checked nevertheless
     ROS_ERROR_STREAM("revision " << scene.revision << " of the scene is not on "
                                  << publisher_.getTopic() << ": " << error.what());
+  }
+}
+
+/// On the parameter server, where the node is found to have had some when it is started anew.
+void SceneBuilder::noteObjects(bool are_some) {
+  if (are_some == are_objects_noted_) return;
+  XmlRpc::XmlRpcValue request, response, payload;
+  request[0] = ros::this_node::getName();
+  request[1] = private_node_.resolveName(HAS_OBJECTS);
+  request[2] = XmlRpc::XmlRpcValue(are_some);
+  const bool waits_for_master = false;  // unlike NodeHandle::setParam()
+  if (ros::master::execute("setParam", request, response, payload, waits_for_master)) {
+    are_objects_noted_ = are_some;
   }
 }
 

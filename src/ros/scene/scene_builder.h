@@ -45,6 +45,7 @@ class SceneBuilder {
   template <class HandOut>
   ActiveScenePtr build(const HandOut& hand_out);
   void publishScene();
+  void noteObjects(bool are_some);
 
   ros::NodeHandle node_, private_node_;
   LiveMonitor& monitor_;
@@ -54,6 +55,7 @@ class SceneBuilder {
   bool is_loaded_ = false;
   ros::Publisher publisher_;
   std::uint64_t published_revision_ = 0;
+  bool are_objects_noted_ = false;
 };
 
 }  // namespace collision_pairs

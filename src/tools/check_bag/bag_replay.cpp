@@ -233,7 +233,7 @@ void BagReplay::takeCloud(const RawMessage& raw) {
     auto cloud = readMessage<sensor_msgs::PointCloud2>(raw.data, raw.size);
     if (!cloud) return source->refuse("it is truncated");
     cloud->header.frame_id = frames_.ofRobot(cloud->header.frame_id);
-    source->take(boost::make_shared<sensor_msgs::PointCloud2>(std::move(*cloud)));
+    source->take(boost::make_shared<sensor_msgs::PointCloud2>(std::move(*cloud)), raw.publisher);
   }
 }
 
@@ -241,6 +241,7 @@ void BagReplay::takeScene(const RawMessage& raw) {
   auto message = readMessage<Scene>(raw.data, raw.size);
   if (!message) return;
   Scene old = std::exchange(shown_, std::move(*message));
+  monitor_.scenes().setObjectsLost(shown_.objects_are_lost);
   const auto differing = [](const Scene& scene, const Scene& other) {
     std::map<std::string, const SceneObject*> objects;
     for (const SceneObject& object : other.objects) objects[object.name] = &object;

@@ -14,7 +14,12 @@ StampNs sinceOf(const Scene& scene) { return static_cast<StampNs>(scene.header.s
 }  // namespace
 
 bool RecordedScenes::isScene(const RawMessage& raw) {
-  return raw.md5sum == ros::message_traits::MD5Sum<Scene>::value();
+  if (raw.type != ros::message_traits::DataType<Scene>::value()) return false;
+  if (raw.md5sum == ros::message_traits::MD5Sum<Scene>::value()) return true;
+  throw InputError(
+      "the scenes on topic '" + raw.topic +
+      "' are of another version of collision_pairs: check it with that one, or copy it "
+      "without them (rosbag filter) and pass the robot and what else was there");
 }
 
 void RecordedScenes::take(const RawMessage& raw) {
