@@ -52,6 +52,15 @@ class FaultsTest(unittest.TestCase):
         self.programs.append(Program(*command, master=master))
         return self.programs[-1]
 
+    def launch(self, name, parameters, master=None):
+        """collision_pairs.launch with this text of parameters."""
+        overlay = tempfile.NamedTemporaryFile("w", suffix=".yaml")
+        self.addCleanup(overlay.close)
+        overlay.write(parameters)
+        overlay.flush()
+        return self.start("roslaunch", "collision_pairs", "collision_pairs.launch", "name:=" + name, "overlay:=" + overlay.name,
+                          master=master)
+
     def start_master(self, port):
         started = self.start("rosmaster", "--core", "-p", str(port))
         master = xmlrpc.client.ServerProxy("http://localhost:%d" % port)
@@ -121,6 +130,15 @@ class FaultsTest(unittest.TestCase):
         os.kill(pid, signal.SIGKILL)
         wait_until(lambda: "restarting process" in launched.said(), "roslaunch to start it again")
         self.assertIsNotNone(client.next(client.reports), "reports of the node that was started again")
+
+    def test_nothing_of_an_earlier_launch_file_is_left(self):
+        first = self.launch("cleared", "link_padding: {a: 0.5}\nfloor: {height: -9.0, touch_links: [a]}\n")
+        first.wait_for("started with pid")
+        self.assertEqual(rospy.get_param("/cleared/floor"), {"height": -9.0, "touch_links": ["a"]})
+        first.end()
+        self.launch("cleared", "floor: {height: -8.0}\n").wait_for("started with pid")
+        self.assertEqual(rospy.get_param("/cleared/floor"), {"height": -8.0})
+        self.assertEqual(rospy.get_param("/cleared/link_padding", {}), {})
 
     @unittest.skipIf("UBSAN_OPTIONS" in os.environ, "the sanitizer needs a descriptor to look at the type of an object")
     def test_without_file_descriptors_the_cycle_goes_on_and_what_cannot_be_read_is_refused(self):
