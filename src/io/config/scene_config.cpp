@@ -183,7 +183,7 @@ const std::vector<std::string>& nodeParameterKeys() {
          {"alarm_distance", "broad_phase", "fidelity", "tolerance", "time_budget", "rate", "robots",
           "show_only_investigated_boxes", "verdict_only", "min_distance", "max_pose_age",
           "max_transform_age", "clock_tolerance", "allow_paused", "fixed_frame", "velocity_limiter",
-          "reload", "trigger"}) {
+          "reload", "trigger", "configured"}) {
       keys.push_back(key);
     }
     return keys;
