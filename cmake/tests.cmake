@@ -301,6 +301,7 @@ collision_pairs_pytest(docs)
 collision_pairs_pytest(dependencies)
 collision_pairs_pytest(generate_srdf)
 collision_pairs_module_pytest(incomplete_robots)
+collision_pairs_pytest(launch_files)
 collision_pairs_pytest(limiter_dynamics)
 if(NOT COLLISION_PAIRS_SANITIZE)  # what it builds against the package is built without
 collision_pairs_pytest(install)

@@ -11,8 +11,10 @@ import xmlrpc.client
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 
+import roslib.packages
 import rospy
 import rostest
+from std_srvs.srv import Trigger
 
 from collision_pairs.srv import UpdateScene
 from collision_pairs.watchdog import Watchdog
@@ -20,6 +22,7 @@ from node_client import PATIENCE, JointPublisher, NodeClient
 from program import NODE, Program, wait_until
 from scene_client import add, add_box, clear
 
+GUARD = roslib.packages.find_node("collision_pairs", "limited_command_guard")[0]
 PLY = """ply
 format ascii 1.0
 element vertex 4
@@ -40,6 +43,18 @@ end_header
 """
 
 
+def uri_of(node):
+    return xmlrpc.client.ServerProxy(os.environ["ROS_MASTER_URI"]).lookupNode("/test", node)[2]
+
+
+def pid_of(node):
+    """As the master knows it; None if it does not, or if that one is dead."""
+    try:
+        return xmlrpc.client.ServerProxy(uri_of(node)).getPid("/test")[2]
+    except OSError:
+        return None
+
+
 class FaultsTest(unittest.TestCase):
     def setUp(self):
         self.programs = []
@@ -51,6 +66,23 @@ class FaultsTest(unittest.TestCase):
     def start(self, *command, master=None):
         self.programs.append(Program(*command, master=master))
         return self.programs[-1]
+
+    def launch(self, name, parameters, master=None):
+        """collision_pairs.launch with this text of parameters."""
+        overlay = tempfile.NamedTemporaryFile("w", suffix=".yaml")
+        self.addCleanup(overlay.close)
+        overlay.write(parameters)
+        overlay.flush()
+        return self.start("roslaunch", "collision_pairs", "collision_pairs.launch", "name:=" + name, "overlay:=" + overlay.name,
+                          master=master)
+
+    @staticmethod
+    def free_master():
+        """The URI and the port of a master that may be started."""
+        with socket.socket() as probe:
+            probe.bind(("", 0))
+            port = probe.getsockname()[1]
+        return "http://localhost:%d" % port, port
 
     def start_master(self, port):
         started = self.start("rosmaster", "--core", "-p", str(port))
@@ -65,10 +97,7 @@ class FaultsTest(unittest.TestCase):
         return started, master
 
     def test_a_node_that_a_restarted_master_does_not_know_ends_and_says_so(self):
-        with socket.socket() as probe:
-            probe.bind(("", 0))
-            port = probe.getsockname()[1]
-        uri = "http://localhost:%d" % port
+        uri, port = self.free_master()
         first, master = self.start_master(port)
         node = self.start(NODE, "__name:=node", master=uri)
         wait_until(lambda: "robot_description" in node.said(), "the node that looks for its robot")
@@ -80,17 +109,56 @@ class FaultsTest(unittest.TestCase):
         self.assertEqual(node.process.wait(PATIENCE), 1)
         self.assertIn("was restarted", node.said())
 
-    def test_of_two_nodes_with_one_name_the_newer_stays(self):
-        older = self.start(NODE, "__name:=twin")
-        of_older = NodeClient("/twin")
-        # It has registered everything: what it registers later would make it the newer one.
-        self.assertIsNotNone(of_older.next(of_older.reports))
-        newer = self.start(NODE, "__name:=twin")
-        older.process.wait(PATIENCE)
-        self.assertIn("new node registered with same name", older.said())
-        reports = NodeClient("/twin")
-        self.assertIsNotNone(reports.next(reports.reports))
-        self.assertIsNone(newer.process.poll())
+    def test_a_launch_files_node_does_not_start_on_a_restarted_master_that_lacks_its_parameters(self):
+        uri, port = self.free_master()
+        first, master = self.start_master(port)
+        launched = self.launch("node", "floor: {height: 0.1}\n", master=uri)
+        launched.wait_for("robot_description")
+        first.end()
+        _, master = self.start_master(port)
+        launched.wait_for("cannot start: the parameter /node/configured is gone")
+        wait_until(lambda: launched.said().count("cannot start") > 1, "the second time, by respawn")
+        self.assertIn("exit code 1", launched.said())
+        self.assertEqual(master.lookupService("/test", "/node/update_scene")[0], -1)
+        launched.end()
+        again = self.launch("node", "floor: {height: 0.1}\n", master=uri)
+        again.wait_for("there is no parameter robot_description")
+        self.assertEqual(master.lookupService("/test", "/node/update_scene")[0], 1)
+
+    def test_a_scene_is_not_read_again_from_parameters_that_are_gone(self):
+        rospy.set_param("/gone/floor", {"height": -0.5, "touch_links": ["a", "b", "c"]})
+        node = self.start(NODE, "__name:=gone")
+        node.wait_for("ready after")
+        settings = rospy.get_param("/gone")
+        rospy.delete_param("/gone")
+        reset = rospy.ServiceProxy("/gone/reset", Trigger)
+        reply = reset()
+        self.assertFalse(reply.success)
+        self.assertIn("the old scene is kept: the parameter /gone/configured is gone", reply.message)
+        rospy.set_param("/gone", settings)
+        self.assertTrue(reset().success)
+
+    def test_of_two_nodes_with_one_name_the_first_stays_unless_it_is_dead_or_hangs(self):
+        rospy.set_param("/twin/velocity_limiter", {"command": "/jog", "joints": ["slide_a"], "deceleration": 1.0})
+        for program in (NODE, GUARD):
+            first = self.start(program, "__name:=twin")
+            wait_until(lambda: pid_of("/twin") == first.process.pid, "the first node")
+            second = self.start(program, "__name:=twin")
+            self.assertEqual(second.process.wait(PATIENCE), 1)
+            self.assertIn("cannot start: there is a node /twin already, at http://", second.said())
+            self.assertIsNone(first.process.poll())
+            first.process.kill()
+            first.process.wait(PATIENCE)
+            third = self.start(program, "__name:=twin")
+            wait_until(lambda: pid_of("/twin") == third.process.pid, "the node after one that was killed")
+            third.process.send_signal(signal.SIGSTOP)
+            hangs = uri_of("/twin")
+            fourth = self.start(program, "__name:=twin")
+            wait_until(lambda: uri_of("/twin") != hangs, "the node after one that hangs")
+            self.assertEqual(pid_of("/twin"), fourth.process.pid)
+            third.process.send_signal(signal.SIGCONT)
+            third.process.wait(PATIENCE)
+            fourth.end()
 
     def test_whoever_asks_the_watchdog_stops_when_the_node_is_killed_or_hangs(self):
         robot = JointPublisher(["slide_a", "slide_b", "slide_c"])
@@ -116,9 +184,7 @@ class FaultsTest(unittest.TestCase):
         launched = self.start("roslaunch", "collision_pairs", "collision_pairs.launch", "name:=again")
         client = NodeClient("/again")
         self.assertIsNotNone(client.next(client.reports))
-        uri = xmlrpc.client.ServerProxy(os.environ["ROS_MASTER_URI"]).lookupNode("/test", "/again")[2]
-        pid = xmlrpc.client.ServerProxy(uri).getPid("/test")[2]
-        os.kill(pid, signal.SIGKILL)
+        os.kill(pid_of("/again"), signal.SIGKILL)
         wait_until(lambda: "restarting process" in launched.said(), "roslaunch to start it again")
         self.assertIsNotNone(client.next(client.reports), "reports of the node that was started again")
 
@@ -144,6 +210,15 @@ class FaultsTest(unittest.TestCase):
         self.assertTrue(update([clear(), add_box("crate", (0, 0, 9))], False).success)
         now = rospy.Time.now()
         self.assertIsNotNone(client.report_since(now, lambda report: report.verdict == report.FREE))
+
+    def test_nothing_of_an_earlier_launch_file_is_left(self):
+        first = self.launch("cleared", "link_padding: {a: 0.5}\nfloor: {height: -9.0, touch_links: [a]}\n")
+        first.wait_for("started with pid")
+        self.assertEqual(rospy.get_param("/cleared/floor"), {"height": -9.0, "touch_links": ["a"]})
+        first.end()
+        self.launch("cleared", "floor: {height: -8.0}\n").wait_for("started with pid")
+        self.assertEqual(rospy.get_param("/cleared/floor"), {"height": -8.0})
+        self.assertEqual(rospy.get_param("/cleared/link_padding", {}), {})
 
     @unittest.skipIf("UBSAN_OPTIONS" in os.environ, "the sanitizer needs a descriptor to look at the type of an object")
     def test_without_file_descriptors_the_cycle_goes_on_and_what_cannot_be_read_is_refused(self):

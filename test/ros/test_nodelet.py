@@ -90,6 +90,15 @@ class NodeletTest(unittest.TestCase):
             self.assertTrue(unload("/cell/again"))
             self.assertEqual(topics_of("/cell/again"), [])
 
+    def test_with_its_argument_it_is_not_loaded_where_its_launch_files_parameters_are_missing(self):
+        def load_with_argument():
+            return call("load_nodelet", NodeletLoad, "/cell/configured", TYPE, ["/tf"], ["/cell/tf"], ["--configured"], "")
+        self.assertRaises(rospy.ServiceException, load_with_argument)
+        self.assertEqual(topics_of("/cell/configured"), [])
+        rospy.set_param("/cell/configured/configured", True)
+        self.assertTrue(load_with_argument())
+        self.assertTrue(unload("/cell/configured"))
+
     def test_two_in_a_manager_have_their_own_settings_and_one_outlives_the_other(self):
         names = ["/cell/first", "/cell/second"]
         for name, distance in zip(names, (0.125, 4.0)):

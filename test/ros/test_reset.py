@@ -229,22 +229,60 @@ class ResetTest(unittest.TestCase):
             self.assertEqual(self.distances(self.check())[("a", "b")], 1.5)
         finally:
             rospy.delete_param("/cell/robot_description_semantic")
+        self.diagnosis("robot_description_semantic has changed")
+        self.reset()
         self.diagnosis("changed", is_said=False)
+
+    def test_a_description_that_is_deleted_or_emptied_is_named_as_one_that_is_replaced(self):
+        texts = {"robot_description_semantic": '<robot name="r"><disable_collisions link1="a" link2="b"/></robot>',
+                 "environment_description": '<robot name="w">%s</robot>' % link("post", '<sphere radius="0.5"/>')}
+        for name, text in texts.items():
+            for delete in (rospy.delete_param, lambda key: rospy.set_param(key, "")):
+                rospy.set_param("/cell/" + name, text)
+                self.reset()
+                checked = self.distances(self.check())
+                self.assertNotEqual(checked, self.distances(self.before))
+                delete("/cell/" + name)
+                self.diagnosis(name + " has changed")
+                self.assertEqual(self.distances(self.check()), checked)
+                self.reset()
+                self.diagnosis("changed", is_said=False)
+                self.assertEqual(self.distances(self.check()), self.distances(self.before))
+        rospy.delete_param("/cell/robot_description")
+        self.diagnosis("robot_description has changed")
+        self.assertFalse(self.call_reset().success)
+        self.assertEqual(self.distances(self.check()), self.distances(self.before))
 
     def test_with_reload_auto_it_is_read_again_and_one_that_is_wrong_is_not(self):
         rospy.set_param("/auto/robot_description", robot(self.mesh))
         node = NodeClient("/auto/node")
         self.assertIsNotNone(node.next(node.reports, lambda r: r.left_out))
 
-        def expect_distance(expected):
+        def distances():
             state = JointState(name=JOINTS, position=PLACES)
+            return self.distances(node.check(joint_state=state, alarm_distance=20.0).result)
+
+        def expect_distance(expected):
             end = time.monotonic() + PATIENCE
             found = None
             while time.monotonic() < end and found != expected:
-                found = self.distances(node.check(joint_state=state, alarm_distance=20.0).result)[("a", "b")]
+                found = distances()[("a", "b")]
             self.assertEqual(found, expected)
         expect_distance(2.0)
         rospy.set_param("/auto/robot_description", robot(self.mesh, "2 1 1"))
+        expect_distance(1.5)
+        srdf = '<robot name="r"><disable_collisions link1="a" link2="c"/></robot>'
+        for text, has_pair in ((srdf, False), ("", True), (srdf, False), (None, True)):
+            if text is None:
+                rospy.delete_param("/auto/robot_description_semantic")
+            else:
+                rospy.set_param("/auto/robot_description_semantic", text)
+            end = time.monotonic() + PATIENCE
+            while time.monotonic() < end and (("a", "c") in distances()) != has_pair:
+                time.sleep(0.1)
+            self.assertEqual(("a", "c") in distances(), has_pair)
+        rospy.delete_param("/auto/robot_description")
+        self.diagnosis("it cannot be reloaded: there is no parameter robot_description", "auto/node")
         expect_distance(1.5)
         rospy.set_param("/auto/robot_description", "<robot name='r'>")
         self.diagnosis("cannot be reloaded", "auto/node")

@@ -32,6 +32,8 @@ REFUSED = (
     ("node/robots", 5, ("/ignored/node/robots", "is not a list")),
     ("node/robots", [{"urdf": "robot_description"}], ("/ignored/node/robots", "is not a list of {description")),
     ("node/robots", [{"description": "nowhere", "prefix": "left"}], ("no parameter nowhere",)),
+    ("node/robots", [{"description": "robot_description", "semantic": "nowhere"}],
+     ("no parameter nowhere", "/ignored/node/robots names it as the SRDF")),
     ("node/robots", [{"description": "robot_description"}] * 2, ("same name", "different prefix")),
     ("environment_description", "<robot name='world'>", ("/ignored/environment_description",)),
     ("environment_description", 5, ("/ignored/environment_description is not text",)),

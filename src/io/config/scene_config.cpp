@@ -180,10 +180,11 @@ const std::vector<std::string>& nodeParameterKeys() {
   static const std::vector<std::string> KEYS = [] {
     std::vector<std::string> keys = sceneConfigKeys();
     for (const char* key :
-         {"alarm_distance", "broad_phase", "fidelity", "tolerance", "time_budget", "rate", "robots",
-          "show_only_investigated_boxes", "verdict_only", "min_distance", "max_pose_age",
-          "max_transform_age", "clock_tolerance", "allow_paused", "fixed_frame", "velocity_limiter",
-          "reload", "trigger", "has_objects"}) {
+         {"alarm_distance",  "broad_phase",  "fidelity",     "tolerance",
+          "time_budget",     "rate",         "robots",       "show_only_investigated_boxes",
+          "verdict_only",    "min_distance", "max_pose_age", "max_transform_age",
+          "clock_tolerance", "allow_paused", "fixed_frame",  "velocity_limiter",
+          "reload",          "trigger",      "has_objects",  "configured"}) {
       keys.push_back(key);
     }
     return keys;

@@ -23,6 +23,7 @@
 #include "limiter_parameters.h"
 #include "parameters.h"
 #include "real_time.h"
+#include "second_node.h"
 #include "trajectory_command.h"
 
 namespace collision_pairs {
@@ -183,6 +184,7 @@ int main(int argc, char** argv) {
   // Before roscpp starts its threads, which inherit it: they receive and send.
   const std::string no_real_time = collision_pairs::askForRealTime(collision_pairs::PRIORITY);
   ros::init(argc, argv, "limited_command_guard", ros::init_options::NoSigintHandler);
+  if (collision_pairs::isSecondNode()) return 1;
   const ros::NodeHandle keeps_log;
   if (!no_real_time.empty()) ROS_WARN_STREAM("limited_command_guard: " << no_real_time);
   try {

@@ -25,6 +25,7 @@ class CollisionPairsNodelet : public nodelet::Nodelet {
     ros::NodeHandle node = getNodeHandle(), private_node = getPrivateNodeHandle();
     node.setCallbackQueue(&queue_);
     private_node.setCallbackQueue(&queue_);
+    beginConfigured(private_node, getMyArgv());
     node_ = std::make_unique<CollisionPairsNode>(node, private_node, queue_);
     thread_ = std::thread([this] { run(); });
   }

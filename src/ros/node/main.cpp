@@ -9,6 +9,7 @@
 #include <ros/ros.h>
 
 #include "collision_pairs_node.h"
+#include "second_node.h"
 
 namespace {
 
@@ -67,8 +68,7 @@ class MasterWatch {
       if (answer == Answer::NOT_KNOWN && ros::ok() && !ros::isShuttingDown()) {
         ROS_FATAL(
             "the ROS master was restarted and does not know this node. A ROS 1 node registers only "
-            "once, so this one exits; restart it (respawn:=true of collision_pairs.launch does "
-            "so)");
+            "once, so this one exits. Start its launch file again: the parameters are gone, too");
         is_forgotten_ = true;
         ros::requestShutdown();
         return;
@@ -96,8 +96,10 @@ void endSoon(int status) {
 
 int main(int argc, char** argv) {
   ros::init(argc, argv, "collision_pairs_node");
+  if (collision_pairs::isSecondNode()) return 1;
   const ros::NodeHandle keeps_log;  // the last one to go ends the log, and what follows is not said
   try {
+    collision_pairs::beginConfigured(ros::NodeHandle("~"), {argv, argv + argc});
     collision_pairs::CollisionPairsNode node{ros::NodeHandle(), ros::NodeHandle("~"),
                                              *ros::getGlobalCallbackQueue()};
     const MasterWatch master;

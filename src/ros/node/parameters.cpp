@@ -1,5 +1,6 @@
 #include "parameters.h"
 
+#include <algorithm>
 #include <array>
 
 #include <collision_pairs/CollisionPairsConfig.h>
@@ -10,6 +11,8 @@
 
 namespace collision_pairs {
 namespace {
+
+const std::string CONFIGURED = "configured";
 
 YAML::Node toYaml(XmlRpc::XmlRpcValue& value) {
   using XmlRpc::XmlRpcValue;
@@ -100,6 +103,22 @@ class Reader {
 
 }  // namespace
 
+void requireConfigured(const ros::NodeHandle& private_node) {
+  if (private_node.hasParam(CONFIGURED)) return;
+  throw InputError("the parameter " + private_node.resolveName(CONFIGURED) +
+                   " is gone, and so are the others: the ROS master was restarted, or they were "
+                   "deleted. Start the launch file again, which loads them");
+}
+
+void beginConfigured(const ros::NodeHandle& private_node,
+                     const std::vector<std::string>& arguments) {
+  if (std::count(arguments.begin(), arguments.end(), "--" + CONFIGURED) > 0) {
+    requireConfigured(private_node);
+  } else {
+    private_node.setParam(CONFIGURED, true);
+  }
+}
+
 YAML::Node yamlParameters(const ros::NodeHandle& node, const std::vector<std::string>& keys) {
   YAML::Node map(YAML::NodeType::Map);
   for (const std::string& key : keys) {
@@ -131,6 +150,7 @@ std::vector<RobotParameters> readRobots(const ros::NodeHandle& private_node) {
       if (!value || !field.second.IsScalar()) throw InputError("parameter " + key + rule);
       *value = field.second.Scalar();
     }
+    robot.needs_semantic = !robot.semantic.empty();
     while (!robot.prefix.empty() && robot.prefix.back() == '/') robot.prefix.pop_back();
     robot.prefix = withoutLeadingSlash(robot.prefix);
     robots.push_back(robot);

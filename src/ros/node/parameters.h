@@ -12,6 +12,15 @@
 
 namespace collision_pairs {
 
+/// The parameter ~configured says that the others are those that the node was started with: on a
+/// master that was restarted they are gone, since roslaunch does not load them again, and absent
+/// ones are not defaults. Throws InputError without it.
+void requireConfigured(const ros::NodeHandle& private_node);
+/// Before anything else of a node. With --configured among its arguments its launch file has set
+/// the parameter: throws InputError where it is missing. Otherwise sets it.
+void beginConfigured(const ros::NodeHandle& private_node,
+                     const std::vector<std::string>& arguments);
+
 /// A map with those of `keys` that are set below the node's namespace, so that one reader serves
 /// parameters and files.
 YAML::Node yamlParameters(const ros::NodeHandle& node, const std::vector<std::string>& keys);
@@ -21,6 +30,7 @@ struct RobotParameters {
   std::string description = "robot_description";
   std::string semantic = "robot_description_semantic";
   std::string prefix;
+  bool needs_semantic = false;  // it is named in ~robots
 };
 
 /// ~robots, or the one robot whose parameters have the usual names. Throws InputError.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <functional>
 
+#include <ros/master.h>
 #include <ros/names.h>
 #include <ros/param.h>
 
@@ -39,10 +40,17 @@ TextFrom textOf(const std::string& key, const std::string& text) {
   return {"parameter " + key, text};
 }
 
-void loadSrdf(const ros::NodeHandle& node, const std::string& name, Descriptions& found,
+void loadSrdf(const ros::NodeHandle& node, const RobotParameters& parameters, Descriptions& found,
               const Warn& warn, const Warn& log, SceneSources::Robot& robot) {
+  const std::string& name = parameters.semantic;
   std::string key, xml;
-  if (name.empty() || !findText(node, name, key, xml, found)) return;
+  if (name.empty()) return;
+  if (!findText(node, name, key, xml, found)) {
+    if (!parameters.needs_semantic) return;
+    throw InputError("there is no parameter " + name + ", or it is empty; " +
+                     node.resolveName("robots") + " names it as the SRDF (semantic) of " +
+                     parameters.description);
+  }
   robot.readSrdf(textOf(key, xml), warn);
   for (const std::string& link : robot.srdf->unknownLinks(linkNames(*robot.source->skeleton()))) {
     log("parameter " + key + ": '" + link + "' is not a link of the robot");
@@ -60,7 +68,7 @@ SceneSources::Robot loadRobot(const ros::NodeHandle& node, const RobotParameters
   }
   SceneSources::Robot robot;
   robot.source = robotSource(textOf(key, xml), load_mesh, warn);
-  loadSrdf(node, parameters.semantic, found, warn, log, robot);
+  loadSrdf(node, parameters, found, warn, log, robot);
   robot.prefix = parameters.prefix;
   return robot;
 }
@@ -126,6 +134,7 @@ SceneParameters readSceneParameters(const ros::NodeHandle& node,
     }
     all.cloud_topics.push_back(node.resolveName(cloud.topic));
   }
+  requireConfigured(private_node);  // at the end: meanwhile, too, none has gone
   return all;
 }
 
@@ -135,10 +144,11 @@ std::vector<std::string> changedDescriptions(const ros::NodeHandle& private_node
   Descriptions found;
   for (const auto& [name, hash] : read) {
     std::string key, text;
-    if (findText(private_node, name, key, text, found) && found[name] != hash) {
-      changed.push_back(key);
-    }
+    findText(private_node, name, key, text, found);
+    if (found[name] != hash) changed.push_back(key.empty() ? name : key);
   }
+  // If it does not answer, that is no reason to believe that they were deleted.
+  if (!ros::master::check()) changed.clear();
   return changed;
 }
 
