@@ -190,6 +190,20 @@ TEST_F(MeshLoaderTest, EndingsMayBeInCapitals) {
   }
 }
 
+/// assimp would take them by their content: COLLADA in metres, whatever its unit and its gaps.
+TEST_F(MeshLoaderTest, AnEndingThatIsNotKnownIsRefusedWhateverTheContent) {
+  const std::string text = collada("<unit meter='0.01'/>");
+  const std::string known = "; read are .3ds .dae .fbx .glb .gltf .obj .off .ply .stl .x .x3d";
+  for (const std::string name : {"a.xml", "a.zae", "a.dae1", "a.DAE.txt", "a.Mesh"}) {
+    const std::string uri = file(name, text);
+    EXPECT_THAT(refusal(uri), testing::EndsWith("is not known" + known)) << name;
+  }
+  for (const std::string name : {"a", "dae", ".dae"}) {
+    EXPECT_THAT(refusal(file(name, text)), testing::EndsWith("has no ending" + known)) << name;
+  }
+  EXPECT_EQ(refusal(file("a.Dae", text)), "accepted");
+}
+
 TEST_F(MeshLoaderTest, WhatIsNoMeshIsRefusedByUriInTheseWords) {
   const std::string demo = std::string(PROJECT_SOURCE_DIR) + "/none.stl";
   const std::vector<std::pair<std::string, std::string>> cases = {
