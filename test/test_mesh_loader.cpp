@@ -1,45 +1,19 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
-#include <filesystem>
 #include <fstream>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include "collision_pairs/aabb.h"
 #include "collision_pairs/input_error.h"
-#include "collision_pairs/mesh_loader.h"
+#include "mesh_folder.h"
 
 namespace collision_pairs {
 namespace test_mesh_loader {
 
-namespace fs = std::filesystem;
-
-const Eigen::Vector3d ONE = Eigen::Vector3d::Ones();
-
-class MeshLoaderTest : public testing::Test {
- protected:
-  void SetUp() override { fs::create_directories(folder_); }
-  void TearDown() override { fs::remove_all(folder_); }
-
-  std::string file(const std::string& name, const std::string& content) const {
-    std::ofstream(folder_ / name, std::ios::binary) << content;
-    return "file://" + (folder_ / name).string();
-  }
-  std::string refusal(const std::string& uri) {
-    try {
-      validateShape(Mesh{load_(uri, ONE)});
-    } catch (const std::exception& error) {
-      return error.what();
-    }
-    return "accepted";
-  }
-
-  fs::path folder_ = fs::temp_directory_path() / ("mesh_loader_" + std::to_string(::getpid()));
-  MeshLoader load_ = makeMeshLoader();
-};
+class MeshLoaderTest : public MeshFolder {};
 
 std::string binaryStl(const std::vector<std::array<float, 9>>& triangles) {
   std::string stl(80, ' ');
@@ -83,72 +57,6 @@ TEST_F(MeshLoaderTest, ReadsPackageUrisAndObj) {
   EXPECT_TRUE(box.max.isApprox(Eigen::Vector3d(0.18, 0.03, 0.34), 1e-6));
 }
 
-/// A triangle with the corners 0, (1, 0, 0) and (0, 0, 3). `asset`: what <asset> holds.
-std::string collada(const std::string& asset) {
-  return "<?xml version='1.0'?><COLLADA xmlns='http://www.collada.org/2005/11/COLLADASchema' "
-         "version='1.4.1'><asset>" +
-         asset +
-         "</asset><library_geometries>"
-         "<geometry id='g'><mesh><source id='p'><float_array id='a' count='9'>0 0 0 1 0 0 0 0 3"
-         "</float_array><technique_common><accessor source='#a' count='3' stride='3'>"
-         "<param name='X' type='float'/><param name='Y' type='float'/><param name='Z' "
-         "type='float'/></accessor></technique_common></source><vertices id='v'><input "
-         "semantic='POSITION' source='#p'/></vertices><triangles count='1'><input "
-         "semantic='VERTEX' source='#v' offset='0'/><p>0 1 2</p></triangles></mesh></geometry>"
-         "</library_geometries><library_visual_scenes><visual_scene id='s'><node id='n'>"
-         "<instance_geometry url='#g'/></node></visual_scene></library_visual_scenes>"
-         "<scene><instance_visual_scene url='#s'/></scene></COLLADA>";
-}
-
-Eigen::Vector3d mostOf(const TriangleMesh& mesh) {
-  Eigen::Vector3d most = mesh.vertices.front();
-  for (const Eigen::Vector3d& vertex : mesh.vertices) most = most.cwiseMax(vertex);
-  return most;
-}
-
-TEST_F(MeshLoaderTest, ColladaIsTakenAsItIsWhateverItsUpAxis) {
-  for (const std::string up : {"Y_UP", "Z_UP"}) {
-    const auto mesh = load_(file(up + ".dae", collada("<up_axis>" + up + "</up_axis>")), ONE);
-    EXPECT_TRUE(mostOf(*mesh).isApprox(Eigen::Vector3d(1, 0, 3), 1e-6)) << up;
-  }
-}
-
-TEST_F(MeshLoaderTest, ColladaIsInItsUnit) {
-  const std::vector<std::pair<std::string, double>> units = {
-      {"", 1.0},
-      {"<unit name='meter' meter='1'/>", 1.0},
-      {"<unit name='centimeter' meter='0.01'/>", 0.01},
-      {"<unit meter='2.5'/><up_axis>Y_UP</up_axis>", 2.5}};
-  int number = 0;
-  for (const auto& [asset, metres] : units) {
-    const auto mesh = load_(file(std::to_string(number++) + ".dae", collada(asset)), ONE);
-    EXPECT_TRUE(mostOf(*mesh).isApprox(metres * Eigen::Vector3d(1, 0, 3), 1e-6)) << asset;
-  }
-  for (const char* none : {"0", "-1", "nan", "inch"}) {
-    EXPECT_THAT(refusal(file("none.dae", collada("<unit meter='" + std::string(none) + "'/>"))),
-                testing::HasSubstr("is no length"));
-  }
-}
-
-TEST_F(MeshLoaderTest, TheFirstMeshWhoseUnitIsNotTheMetreIsSaidAndNoOther) {
-  std::vector<std::string> said;
-  const MeshLoader load = makeMeshLoader([&](const std::string& what) { said.push_back(what); });
-  load(file("metres.dae", collada("<unit meter='1'/>")), ONE);
-  EXPECT_TRUE(said.empty());
-  for (const std::string name : {"one.dae", "other.dae"}) {
-    for (const double scale : {1.0, 2.0}) {
-      load(file(name, collada("<unit meter='0.01'/>")), scale * ONE);
-    }
-  }
-  ASSERT_EQ(said.size(), 1u);
-  EXPECT_THAT(said[0], testing::HasSubstr("one.dae' is in units of 0.01 m"));
-}
-
-/// `text` with `what` before the first `place`.
-std::string before(const std::string& place, const std::string& what, std::string text) {
-  return text.insert(text.find(place), what);
-}
-
 /// One triangle whose corners are in the file triangle.bin beside it.
 std::string gltf(const std::string& nodes) {
   return R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": )" +
@@ -176,6 +84,18 @@ TEST_F(MeshLoaderTest, ANodeOfGltfPlacesItsMeshAsInRviz) {
   EXPECT_EQ(most(R"([{"mesh": 0, "translation": [0, 0, 7], "children": [1]},
                      {"mesh": 0, "translation": [10, 20, 3]}])"),
             Eigen::Vector3d(11, 22, 7));
+}
+
+TEST_F(MeshLoaderTest, ANodeOfGltfThatFlattensItsMeshIsRefused) {
+  const std::array<float, 9> corners = {0, 0, 0, 1, 0, 0, 0, 2, 0};
+  file("triangle.bin", {reinterpret_cast<const char*>(corners.data()), sizeof corners});
+  const auto refusalOf = [&](const std::string& root, const std::string& node) {
+    return refusal(file("t.gltf", gltf("[{\"children\": [1]" + root + "}, {\"mesh\": 0" + node +
+                                       "}, {\"scale\": [0, 0, 0]}]")));
+  };
+  EXPECT_THAT(refusalOf("", R"(, "scale": [1, 0, 1])"), testing::HasSubstr("flattens"));
+  EXPECT_EQ(refusalOf("", R"(, "scale": [1, 1e-3, -1])"), "accepted");
+  EXPECT_EQ(refusalOf(R"(, "scale": [0, 0, 0])", ""), "accepted") << "as rviz: it is not applied";
 }
 
 TEST_F(MeshLoaderTest, AnyFormatIsReadFromAFolderOfAnyName) {
@@ -270,6 +190,20 @@ TEST_F(MeshLoaderTest, EndingsMayBeInCapitals) {
   }
 }
 
+/// assimp would take them by their content: COLLADA in metres, whatever its unit and its gaps.
+TEST_F(MeshLoaderTest, AnEndingThatIsNotKnownIsRefusedWhateverTheContent) {
+  const std::string text = collada("<unit meter='0.01'/>");
+  const std::string known = "; read are .3ds .dae .fbx .glb .gltf .obj .off .ply .stl .x .x3d";
+  for (const std::string name : {"a.xml", "a.zae", "a.dae1", "a.DAE.txt", "a.Mesh"}) {
+    const std::string uri = file(name, text);
+    EXPECT_THAT(refusal(uri), testing::EndsWith("is not known" + known)) << name;
+  }
+  for (const std::string name : {"a", "dae", ".dae"}) {
+    EXPECT_THAT(refusal(file(name, text)), testing::EndsWith("has no ending" + known)) << name;
+  }
+  EXPECT_EQ(refusal(file("a.Dae", text)), "accepted");
+}
+
 TEST_F(MeshLoaderTest, WhatIsNoMeshIsRefusedByUriInTheseWords) {
   const std::string demo = std::string(PROJECT_SOURCE_DIR) + "/none.stl";
   const std::vector<std::pair<std::string, std::string>> cases = {
@@ -322,50 +256,6 @@ TEST_F(MeshLoaderTest, GltfThatRequiresAnExtensionIsRefusedUnlessThatIsOfLooks) 
   for (const char* some : {R"("KHR_mesh_quantization")", R"("EXT_meshopt_compression")",
                            R"("KHR_materials_unlit", "KHR_draco_mesh_compression")"}) {
     EXPECT_THAT(refusalOf(some), testing::HasSubstr("needs the glTF extension")) << some;
-  }
-}
-
-TEST_F(MeshLoaderTest, ColladaOfWhichAPartWouldBeMissingIsRefused) {
-  const std::string whole = collada(""), in_node = "<instance_geometry";
-  int number = 0;
-  const auto refusalOf = [&](const std::string& text) {
-    return refusal(file(std::to_string(number++) + ".dae", text));
-  };
-  for (const std::string kind : {"geometry", "node", "controller"}) {
-    for (const std::string url : {"#h", "#s", "#", "g", ""}) {
-      const std::string added = "<instance_" + kind + " url='" + url + "'/>";
-      EXPECT_THAT(refusalOf(before(in_node, added, whole)), testing::Not("accepted")) << added;
-    }
-  }
-  EXPECT_THAT(
-      refusalOf(before(in_node, "<instance_geometry url='#h'/>", whole)),
-      testing::HasSubstr("line 1: <instance_geometry url='#h'>: there is not one <geometry>"));
-  const std::string triangles =
-      "<triangles count='1'><input semantic='VERTEX' source='#v' "
-      "offset='0'/><p>0 1 2</p></triangles>";
-  const std::pair<std::string, std::string> others[] = {
-      {"<geometry ", "<geometry id='g'><mesh/></geometry>"},
-      {"<geometry ", "<geometry id='h'><convex_mesh convex_hull_of='#g'/></geometry>"},
-      {"<triangles", "<triangels count='1'/>"},
-      {"<triangles",
-       "<triangles><input semantic='VERTEX' source='#v' offset='0'/><p>0 1 2</p></triangles>"},
-      {in_node, "<translat>5 0 0</translat>"},
-      {in_node, "<transform>5 0 0</transform>"},
-      {in_node, "<instance_geometri url='#g'/>"},
-      {"</visual_scene>", "<nod><instance_geometry url='#g'/></nod>"},
-      {"<scene>", "<library_visual_scenez/>"}};
-  for (const auto& [place, added] : others) {
-    EXPECT_THAT(refusalOf(before(place, added, whole)), testing::Not("accepted")) << added;
-  }
-  const std::pair<std::string, std::string> harmless[] = {
-      {in_node, "<translate>1 0 0</translate>"},
-      {in_node, "<instance_geometry url='#g'><bind_material/></instance_geometry>"},
-      {"<geometry ", "<geometry id='unused'><mesh/></geometry>"},
-      {"<triangles", triangles},
-      {"<scene>", "<library_lights><light id='g'/></library_lights>"},
-      {"</visual_scene>", "<extra><nod/></extra>"}};
-  for (const auto& [place, added] : harmless) {
-    EXPECT_EQ(refusalOf(before(place, added, whole)), "accepted") << added;
   }
 }
 

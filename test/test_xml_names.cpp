@@ -7,12 +7,15 @@
 
 #include "demo_scene.h"
 #include "random_inputs.h"
+#include "xml_names.h"
 
 namespace collision_pairs {
 namespace test_xml_names {
 
+using testing::AllOf;
 using testing::HasSubstr;
 using testing::IsEmpty;
+using testing::StartsWith;
 using tinyxml2::XMLElement;
 
 const std::string URDF = R"xml(<robot name="cell">
@@ -238,6 +241,97 @@ TEST(XmlNames, GeometryInAWrongPlaceIsRefused) {
               HasSubstr("belongs in <geometry>"));
   EXPECT_THAT(saidOf(inLink("<collision>" + box + box + "</collision>"), false),
               HasSubstr("a second <geometry>"));
+}
+
+/// In each element that is known and not read, where it may stand: what would be read elsewhere.
+TEST(XmlNames, WhatStandsInAnElementThatIsNotReadIsRefused) {
+  const std::vector<std::string> urdf = {
+      "<link name='hidden'><collision><geometry><sphere radius='1'/></geometry></collision></link>",
+      "<collision><geometry><sphere radius='1'/></geometry></collision>",
+      "<geometry><sphere radius='1'/></geometry>",
+      "<joint name='hidden' type='fixed'><parent link='base'/><child link='arm'/></joint>"};
+  const std::vector<std::string> srdf = {"<group name='hidden'><link name='arm'/></group>",
+                                         "<disable_collisions link1='arm' link2='base'/>",
+                                         "<enable_collisions link1='arm' link2='base'/>",
+                                         "<disable_default_collisions link='arm'/>"};
+  for (const bool is_srdf : {false, true}) {
+    const XmlGrammar& grammar = is_srdf ? srdfGrammar() : urdfGrammar();
+    int nb_places = 0;
+    for (const std::string& hidden : is_srdf ? srdf : urdf) {
+      const std::string name = hidden.substr(1, hidden.find_first_of(" >") - 1);
+      for (const bool is_deeper : {false, true}) {
+        for (std::size_t place = 0;; ++place) {
+          tinyxml2::XMLDocument document, inside;
+          document.Parse((is_srdf ? SRDF : URDF).c_str());
+          inside.Parse(hidden.c_str());
+          std::vector<XMLElement*> all;
+          collect(document.RootElement(), all);
+          if (place == all.size()) break;
+          const XmlNames& names = grammar.at(all[place]->Name());
+          std::vector<std::string> unread = names.unread;
+          unread.push_back("frobnicate");
+          for (const std::string& other : unread) {
+            const bool is_of_others = other == "gazebo" || other == "transmission" ||
+                                      other == "self_filter" || other == "self_collision_checking";
+            const bool is_drawn = other == "visual" && name == "geometry";
+            if (is_of_others || (is_drawn && !is_deeper)) continue;
+            XMLElement* added = document.NewElement(other.c_str());
+            all[place]->InsertEndChild(added);
+            XMLElement* holder = added;
+            if (is_deeper) {
+              holder = document.NewElement("deeper");
+              added->InsertEndChild(holder);
+            }
+            holder->InsertEndChild(inside.RootElement()->DeepClone(&document));
+            EXPECT_THAT(saidOf(text(document), is_srdf),
+                        AllOf(StartsWith("refused: "), HasSubstr("<" + name + "> in <"),
+                              HasSubstr("is not read; it belongs in <")))
+                << text(document);
+            all[place]->DeleteChild(added);
+            ++nb_places;
+          }
+        }
+      }
+    }
+    EXPECT_GT(nb_places, 50);
+  }
+}
+
+TEST(XmlNames, WhatOthersReadAndWhatIsNamedOnlyStaysQuiet) {
+  const auto inLink = [](const std::string& inside) {
+    return saidOf("<robot name='r'><link name='a'>" + inside + "</link></robot>", false);
+  };
+  const std::string body = "<origin xyz='1 0 0'/><geometry><box size='1 1 1'/></geometry>";
+  for (const char* other :
+       {"gazebo", "self_filter", "self_collision_checking", "drake:proximity"}) {
+    EXPECT_EQ(inLink("<" + std::string(other) + "><collision>" + body + "</collision>" + body +
+                     "</" + other + ">"),
+              "")
+        << other;
+  }
+  EXPECT_EQ(inLink("<inertial><origin xyz='0 0 1'/><mass value='1'/></inertial>"), "");
+  EXPECT_EQ(inLink("<sensor><parent link='a'/><origin xyz='0 0 1'/><contact><collision>a_0"
+                   "</collision></contact></sensor>"),
+            "");
+}
+
+TEST(XmlNames, APoseOrALimitThatWouldBeLostIsRefused) {
+  const auto inCollision = [](const std::string& inside) {
+    return saidOf(
+        "<robot name='r'><link name='a'><collision><geometry><box size='1 1 1'/>"
+        "</geometry>" +
+            inside + "</collision></link></robot>",
+        false);
+  };
+  EXPECT_THAT(inCollision("<surface><origin xyz='5 0 0'/></surface>"),
+              HasSubstr("<origin> in <surface> is not read; it belongs in <collision>"));
+  EXPECT_THAT(saidOf("<robot name='r'><link name='a'><origin xyz='5 0 0'/></link></robot>", false),
+              HasSubstr("<origin> in <link> is not read; it belongs in <collision>"));
+  EXPECT_THAT(saidOf("<robot name='r'><link name='a'/><link name='b'/><joint name='j' "
+                     "type='fixed'><parent link='a'/><child link='b'/><dynamics><origin "
+                     "xyz='5 0 0'/></dynamics></joint></robot>",
+                     false),
+              HasSubstr("<origin> in <dynamics> is not read"));
 }
 
 TEST(XmlNames, LinksThatAreDrawnButNotCheckedAreSaidInOneLine) {

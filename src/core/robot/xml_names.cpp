@@ -24,6 +24,12 @@ bool isLeftover(const std::string& text) {
   return false;
 }
 
+/// What others read: their words may be ours, and say something else.
+bool isOfOthers(const std::string& name) {
+  return hasNamespace(name) || name == "gazebo" || name == "transmission" ||
+         name == "self_filter" || name == "self_collision_checking";
+}
+
 class NameCheck {
  public:
   NameCheck(const XmlGrammar& grammar, const std::string& what) : grammar_(grammar), what_(what) {
@@ -62,9 +68,9 @@ class NameCheck {
       const std::string name = child->Name();
       if (name.rfind("xacro:", 0) == 0) refuse(*child, "<" + name + ">");
       const auto known = grammar_.find(element.Name());
-      const bool is_others = hasNamespace(name) || name == "gazebo" || name == "transmission" ||
-                             (known != grammar_.end() && contains(known->second.unread, name) &&
-                              grammar_.count(name) == 0);
+      const bool is_others =
+          isOfOthers(name) || (known != grammar_.end() && contains(known->second.unread, name) &&
+                               grammar_.count(name) == 0);
       if (!is_others) refuseLeftovers(*child);
     }
   }
@@ -93,19 +99,61 @@ class NameCheck {
          child = child->NextSiblingElement()) {
       const std::string name = child->Name();
       if (hasNamespace(name)) continue;
-      const bool is_read = contains(names.read, name);
-      if (is_read || contains(names.unread, name)) {
-        if (is_read || !contains(anywhere_, name)) checkElement(*child);
+      if (contains(names.read, name)) {
+        checkElement(*child);
         continue;
       }
-      if (contains(anywhere_, name) && grammar_.count(name) > 0) {
-        failAt(*child, what_,
-               "<" + name + "> in <" + element.Name() + "> is not read; it belongs in <" +
-                   parentOf(name) + ">");
+      if (contains(names.unread, name)) {
+        refuseHidden(*child, element);
+        if (!contains(anywhere_, name)) checkElement(*child);
+        continue;
       }
+      if (contains(anywhere_, name) && grammar_.count(name) > 0) refuseThere(*child);
       unknown(*child, "<" + name + "> in <" + element.Name() + ">", name, names.read, names.unread,
               "<", ">");
+      refuseHidden(*child, element);
     }
+  }
+
+  /// In what is not read may not stand what would be read elsewhere: what the elements around it
+  /// read, and what holds such a part as it holds where it is read. A name alone may mean another
+  /// thing.
+  void refuseHidden(const XMLElement& unread, const XMLElement& around) const {
+    if (isOfOthers(unread.Name())) return;
+    const auto own = grammar_.find(unread.Name());
+    for (const auto* child = unread.FirstChildElement(); child;
+         child = child->NextSiblingElement()) {
+      const std::string name = child->Name();
+      const bool is_known = own != grammar_.end() && contains(own->second.unread, name);
+      if (!is_known && contains(anywhere_, name) && isHidden(*child, around)) refuseThere(*child);
+      refuseHidden(*child, around);
+    }
+  }
+
+  bool reads(const char* element, const char* name) const {
+    const auto found = grammar_.find(element);
+    return found != grammar_.end() && contains(found->second.read, name);
+  }
+
+  bool isHidden(const XMLElement& element, const XMLElement& around) const {
+    for (const auto* child = element.FirstChildElement(); child;
+         child = child->NextSiblingElement()) {
+      if (reads(element.Name(), child->Name())) return true;
+    }
+    const auto found = grammar_.find(element.Name());
+    const bool has_parts = found != grammar_.end() && !found->second.read.empty();
+    if (has_parts || !element.FirstAttribute()) return false;
+    for (const auto* above = &around; above; above = above->Parent()->ToElement()) {
+      if (reads(above->Name(), element.Name())) return true;
+    }
+    return false;
+  }
+
+  void refuseThere(const XMLElement& element) const {
+    const std::string name = element.Name();
+    failAt(element, what_,
+           "<" + name + "> in <" + element.Parent()->Value() + "> is not read; it belongs in <" +
+               parentOf(name) + ">");
   }
 
   static std::string listOf(const Words& words) {
@@ -169,7 +217,7 @@ const XmlGrammar& urdfGrammar() {
         {"version", "type"}}},
       {"link",
        {{"collision"},
-        {"visual", "inertial", "contact", "sensor", "gazebo", "material", "verbose", "origin",
+        {"visual", "inertial", "contact", "sensor", "gazebo", "material", "verbose",
          "self_collision_checking", "self_filter", "velocity_decay", "audio_source", "audio_sink"},
         {"name"},
         {"type", "id"}}},

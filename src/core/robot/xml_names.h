@@ -17,7 +17,7 @@ struct XmlNames {
   std::vector<std::string> read_attributes, unread_attributes;
 };
 
-/// By element. Those without an entry are not looked into.
+/// By element. In those without an entry only what would be read elsewhere is looked for.
 using XmlGrammar = std::map<std::string, XmlNames>;
 
 const XmlGrammar& urdfGrammar();

@@ -79,6 +79,32 @@ const XmlGrammar& colladaGrammar() {
   return GRAMMAR;
 }
 
+bool hasText(const XMLElement& element) { return element.GetText() != nullptr; }
+
+/// Exporters write objects without a vertex, and edges alone. All else that assimp leaves out may
+/// have been a surface.
+void requireSurface(const XMLElement& geometry) {
+  bool has_positions = false, has_indices = false;
+  for (const XMLElement* mesh : childrenOf(geometry, "mesh")) {
+    for (const XMLElement* source : childrenOf(*mesh, "source")) {
+      for (const XMLElement* array : childrenOf(*source, "float_array")) {
+        has_positions = has_positions || hasText(*array);
+      }
+    }
+    for (const char* primitive :
+         {"triangles", "polylist", "polygons", "tristrips", "trifans", "lines", "linestrips"}) {
+      for (const XMLElement* found : childrenOf(*mesh, primitive)) {
+        const XMLElement* indices = found->FirstChildElement("p");
+        has_indices = has_indices || (indices && hasText(*indices));
+      }
+    }
+  }
+  if (!has_positions || has_indices) return;
+  const char* id = geometry.Attribute("id");
+  failAt(geometry, COLLADA,
+         "<geometry id='" + std::string(id ? id : "") + "'> has positions, but no surface");
+}
+
 /// assimp skips what a URL does not find.
 class Parts {
  public:
@@ -102,6 +128,7 @@ class Parts {
                    "> of that id in the file, and that part would be missing");
       }
     }
+    if (name == "geometry") requireSurface(element);
     for (const auto* child = element.FirstChildElement(); child;
          child = child->NextSiblingElement()) {
       if (colladaGrammar().count(child->Name()) > 0) require(*child);

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <map>
 #include <new>
+#include <set>
 #include <tuple>
 
 #include <rospack/rospack.h>
@@ -110,6 +111,7 @@ class Loader {
   TriangleMesh read(const fs::path& path) {
     std::string ending = path.extension().string();
     for (char& letter : ending) letter = static_cast<char>(std::tolower(letter));
+    requireKnown(ending);
     if (ending == ".stl") return readStl(readBinaryFile(path));
     std::optional<TriangleMesh> mesh;
     if (ending == ".obj") mesh = readObj(readBinaryFile(path));
@@ -117,6 +119,19 @@ class Loader {
     if (!mesh) mesh = readMeshInProcess(path.string());
     if (ending == ".dae") toMetres(path, *mesh);
     return std::move(*mesh);
+  }
+
+  /// What assimp does not know by its ending it takes by its content, without the checks that its
+  /// format needs here.
+  static void requireKnown(const std::string& ending) {
+    static const std::set<std::string> KNOWN = {".3ds", ".dae", ".fbx", ".glb", ".gltf", ".obj",
+                                                ".off", ".ply", ".stl", ".x",   ".x3d"};
+    if (KNOWN.count(ending) > 0) return;
+    std::string list;
+    for (const std::string& known : KNOWN) list += (list.empty() ? "" : " ") + known;
+    throw InputError(
+        (ending.empty() ? "its name has no ending" : "its ending '" + ending + "' is not known") +
+        std::string("; read are ") + list);
   }
 
   /// COLLADA's unit, as rviz has it, which assimp and geometric_shapes leave out.

@@ -1,10 +1,12 @@
 // read_mesh_file FILE: writes the mesh, or the reason why there is none, in the format of
 // mesh_process.h.
+#include <cmath>
 #include <csignal>
 #include <filesystem>
 #include <iostream>
 #include <memory>
 #include <new>
+#include <stdexcept>
 #include <vector>
 
 #include <assimp/Importer.hpp>
@@ -100,6 +102,21 @@ void clearRootAsRvizDoes(aiScene& scene) {
   root.mTransformation = aiMatrix4x4();
 }
 
+/// As in a URDF, a scale of 0 makes a sheet or a speck of a body.
+void refuseFlattened(const aiNode& node, const aiMatrix4x4& X_WP) {
+  constexpr float FLAT = 1e-6f;  // the volume of a unit cube there, by that of its edges
+  const aiMatrix4x4 X_WN = X_WP * node.mTransformation;
+  const float edges = aiVector3D(X_WN.a1, X_WN.b1, X_WN.c1).Length() *
+                      aiVector3D(X_WN.a2, X_WN.b2, X_WN.c2).Length() *
+                      aiVector3D(X_WN.a3, X_WN.b3, X_WN.c3).Length();
+  const float volume = std::abs(aiMatrix3x3(X_WN).Determinant());
+  if (node.mNumMeshes > 0 && !(volume > FLAT * edges)) {
+    throw std::runtime_error("its node '" + std::string(node.mName.C_Str()) +
+                             "' flattens what it places: a scale of 0?");
+  }
+  for (unsigned i = 0; i < node.mNumChildren; ++i) refuseFlattened(*node.mChildren[i], X_WN);
+}
+
 /// Positions and triangles of the file, read as geometric_shapes reads them from memory. By its
 /// path, since glTF may keep its numbers in a file beside it.
 std::unique_ptr<shapes::Mesh> read(const std::string& path, Assimp::Importer& importer) {
@@ -108,11 +125,17 @@ std::unique_ptr<shapes::Mesh> read(const std::string& path, Assimp::Importer& im
                            aiComponent_ANIMATIONS | aiComponent_TEXTURES | aiComponent_LIGHTS |
                            aiComponent_CAMERAS | aiComponent_MATERIALS;
   importer.SetPropertyInteger(AI_CONFIG_PP_RVC_FLAGS, NOT_USED);
+  // Else it makes a mesh of the nodes where there is no surface.
+  importer.SetPropertyBool(AI_CONFIG_IMPORT_NO_SKELETON_MESHES, true);
   const aiScene* scene =
       importer.ReadFile(path, aiProcess_Triangulate | aiProcess_JoinIdenticalVertices |
                                   aiProcess_SortByPType | aiProcess_RemoveComponent);
   if (!scene || !scene->mRootNode) return nullptr;
+  if (scene->mFlags & AI_SCENE_FLAGS_INCOMPLETE) {
+    throw std::runtime_error("it has no surface, or assimp does not read all of it");
+  }
   clearRootAsRvizDoes(const_cast<aiScene&>(*scene));  // the importer's
+  refuseFlattened(*scene->mRootNode, aiMatrix4x4());
   scene = importer.ApplyPostProcessing(aiProcess_OptimizeMeshes | aiProcess_OptimizeGraph);
   if (!scene) return nullptr;
   return std::unique_ptr<shapes::Mesh>(shapes::createMeshFromAsset(scene));
