@@ -15,6 +15,7 @@ add_library(collision_pairs_io SHARED
   src/io/config/scene_sources.cpp
   src/io/config/yaml_values.cpp
   src/io/meshes/assimp_gaps.cpp
+  src/io/meshes/collada_numbers.cpp
   src/io/meshes/mesh_loader.cpp
   src/io/meshes/mesh_process.cpp
   src/io/meshes/obj_file.cpp

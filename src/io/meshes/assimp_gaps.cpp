@@ -7,6 +7,7 @@
 
 #include <tinyxml2.h>
 
+#include "collada_numbers.h"
 #include "collision_pairs/input_error.h"
 #include "mesh_files.h"
 #include "user_text.h"
@@ -17,8 +18,6 @@ namespace collision_pairs {
 namespace {
 
 using tinyxml2::XMLElement;
-
-const std::string COLLADA = "COLLADA";
 
 /// What an element with a URL places.
 const std::map<std::string, std::string> PLACED = {{"instance_visual_scene", "visual_scene"},
@@ -163,6 +162,7 @@ double readColladaUnit(const std::string& text) {
   const std::vector<std::string> unknown = checkNames(root, colladaGrammar(), COLLADA);
   if (!unknown.empty()) throw InputError(unknown.front());
   Parts(root).require(root);
+  requireColladaNumbers(root);
   const XMLElement* asset = root.FirstChildElement("asset");
   const XMLElement* unit = asset ? asset->FirstChildElement("unit") : nullptr;
   const char* meter = unit ? unit->Attribute("meter") : nullptr;

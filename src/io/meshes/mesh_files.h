@@ -23,9 +23,10 @@ TriangleMesh readStl(const std::string& bytes);
 /// vertices, continued lines.
 std::optional<TriangleMesh> readObj(const std::string& bytes);
 
-/// Metres per unit of a COLLADA file. Throws InputError for what assimp would read without a word in
-/// part only: elements that the schema does not have where surfaces are placed and described, and
-/// references to what is not in the file.
+/// Metres per unit of a COLLADA file. Throws InputError for what assimp would read in part only, or
+/// otherwise than it is written, without a word: elements that the schema does not have where
+/// surfaces are placed and described, references to what is not in the file, and numbers that are
+/// not what it says of them.
 double readColladaUnit(const std::string& text);
 
 /// Throws InputError if a glTF file, text or binary, requires an extension that may change its

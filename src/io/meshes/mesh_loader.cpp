@@ -116,8 +116,9 @@ class Loader {
     std::optional<TriangleMesh> mesh;
     if (ending == ".obj") mesh = readObj(readBinaryFile(path));
     if (ending == ".gltf" || ending == ".glb") refuseGltfExtensions(readBinaryFile(path));
+    const double metres = ending == ".dae" ? readColladaUnit(readBinaryFile(path)) : 1.0;
     if (!mesh) mesh = readMeshInProcess(path.string());
-    if (ending == ".dae") toMetres(path, *mesh);
+    if (metres != 1.0) toMetres(path, metres, *mesh);
     return std::move(*mesh);
   }
 
@@ -135,10 +136,9 @@ class Loader {
   }
 
   /// COLLADA's unit, as rviz has it, which assimp and geometric_shapes leave out.
-  void toMetres(const fs::path& path, TriangleMesh& mesh) {
-    const double metres = readColladaUnit(readBinaryFile(path));
+  void toMetres(const fs::path& path, double metres, TriangleMesh& mesh) {
     for (Eigen::Vector3d& vertex : mesh.vertices) vertex *= metres;
-    if (metres == 1.0 || !warn_) return;
+    if (!warn_) return;
     warn_("mesh '" + path.string() + "' is in units of " + formatted("%g m", metres) +
           " (COLLADA's <unit>), and drawn so by rviz; MoveIt takes its numbers for metres. Further "
           "ones are not named");
