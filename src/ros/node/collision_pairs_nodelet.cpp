@@ -1,5 +1,6 @@
 // The node in a nodelet manager: point clouds of a camera driver in the same process arrive without
 // a copy.
+#include <exception>
 #include <memory>
 #include <thread>
 
@@ -20,8 +21,17 @@ class CollisionPairsNodelet : public nodelet::Nodelet {
   }
 
  private:
-  /// What it throws becomes the error message of the manager.
+  /// Of what it throws the manager says that it failed, and not why.
   void onInit() override {
+    try {
+      begin();
+    } catch (const std::exception& error) {
+      ROS_FATAL_STREAM("cannot start " << getName() << ": " << error.what());
+      throw;
+    }
+  }
+
+  void begin() {
     ros::NodeHandle node = getNodeHandle(), private_node = getPrivateNodeHandle();
     node.setCallbackQueue(&queue_);
     private_node.setCallbackQueue(&queue_);
