@@ -64,7 +64,8 @@ def test_a_bag_is_found_from_the_folder_where_roslaunch_is_called(monkeypatch):
     for bag in ("demo.bag", os.path.join(folder, "demo.bag")):
         nodes = {node.name: node for node in loaded("replay.launch", "bag:=" + bag).nodes}
         for name in ("replay_transforms", "rosbag_play"):
-            assert "'%s/demo.bag'" % folder in nodes[name].args
+            assert "'%s'" % bag in nodes[name].args
+            assert nodes[name].launch_prefix == "env -C '%s'" % folder
         assert nodes["rosbag_play"].required
 
 

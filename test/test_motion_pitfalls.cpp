@@ -261,9 +261,11 @@ TEST(MotionPitfalls, ElementsOfNoSizeAreCertifiedAtOnceWhateverWasAskedBefore) {
   for (const double radius : {0.0, 1e-9, 1e-6, 1e-3}) {
     std::ostringstream sphere;
     sphere << "<sphere radius='" << radius << "'/>";
-    const auto robot = robotFrom(emptyLink("root") + linkWith("tip", sphere.str()) +
-                                 joint("x", "prismatic", "root", "tip", "0 0 0",
-                                       "<axis xyz='1 0 0'/><limit lower='-1' upper='1'/>"));
+    const auto robot =
+        robotFrom(emptyLink("root") + linkWith("tip", sphere.str()) + boxLink("foot", 0.1) +
+                  joint("x", "prismatic", "root", "tip", "0 0 0",
+                        "<axis xyz='1 0 0'/><limit lower='-1' upper='1'/>") +
+                  joint("fixed", "fixed", "tip", "foot", "0 0 0.2"));
     RigidObject pin = boxAt("pin", {0.0, 2.0 * radius + 4e-4, 0.0}, {1.0, 1.0, 1.0});
     pin.elements[0].shape = Sphere{radius};
     MotionCheck check(sceneOf(robot, {pin}));
@@ -271,7 +273,7 @@ TEST(MotionPitfalls, ElementsOfNoSizeAreCertifiedAtOnceWhateverWasAskedBefore) {
     settings.only_free = true;
     const auto verdict = [&](double clearance) {
       settings.clearance = clearance;
-      const MotionReport& report = check.check({{-0.3}, {0.12}}, settings);
+      const MotionReport& report = check.check({{-0.3, 0.0}, {0.12, 0.0}}, settings);
       EXPECT_LT(report.nb_checks, 300u) << radius;
       return report.verdict;
     };
@@ -280,7 +282,7 @@ TEST(MotionPitfalls, ElementsOfNoSizeAreCertifiedAtOnceWhateverWasAskedBefore) {
     RandomInputs random;
     settings.clearance = 0.0;
     for (int i = 0; i < 20000; ++i) {  // until the batch stage is made
-      check.check({{random.uniform(-1.0, 1.0)}, {random.uniform(-1.0, 1.0)}}, settings);
+      check.check({{random.uniform(-1.0, 1.0), 0.0}, {random.uniform(-1.0, 1.0), 0.0}}, settings);
     }
     EXPECT_EQ(verdict(0.0), Verdict::FREE);
   }

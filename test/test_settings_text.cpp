@@ -106,10 +106,10 @@ TEST(SettingsText, ReadsBackAsTheSameWhateverItsNamesAndNumbers) {
     YAML::Node cloud;
     cloud["topic"] = "t" + name();
     cloud["touch_links"] = names();
-    for (const char* key :
-         {"voxel_size", "max_range", "decay", "source_timeout", "self_filter_padding"}) {
+    for (const char* key : {"voxel_size", "max_range", "decay", "source_timeout"}) {
       cloud[key] = number();
     }
+    cloud["self_filter_padding"] = random.uniform(0.0, 0.5);
     cloud["min_points"] = random.integer(1, 9);
     cloud["replace"] = random.integer(0, 1) == 1;
     for (int k = 0; k < 6; ++k) cloud["box"].push_back(k < 3 ? -number() : number());

@@ -56,7 +56,7 @@ std::shared_ptr<FollowedRobot> CloudSource::follow(std::shared_ptr<FollowedRobot
 
 void CloudSource::replace(const CloudSource& before) {
   may_touch_ = before.latest_.may_touch.empty() ? before.may_touch_ : before.latest_.may_touch;
-  if (topic_ != before.topic_) return;
+  if (topic_ != before.topic_ || gathered_clock_jumps_ != before.gathered_clock_jumps_) return;
   camera_ = before.camera_;
   other_camera_ = before.other_camera_;
   other_at_ = before.other_at_;
@@ -149,7 +149,6 @@ std::shared_ptr<CloudJob> CloudSource::begin(Arrived& arrived) {
     requireReadable(*arrived.cloud);
   }
   // Another may have been used since it was looked at.
-  requireSameCamera(arrived);
   if (!last_stamp_.isZero() && header.stamp <= last_stamp_) {
     throw InputError(
         "its stamp is not later than that of the previous cloud: are there two publishers?");

@@ -130,6 +130,8 @@ class CloudsTest(unittest.TestCase):
 
     def test_without_a_transform_of_the_sensor_the_cloud_is_not_used(self):
         self.camera.frame = "nowhere"
+        self.wait_for(UNKNOWN, NAMED, "each camera needs a topic of its own")
+        self.assertTrue(rospy.ServiceProxy("/node/clear_clouds", Trigger)().success)
         self.wait_for(UNKNOWN, "TF has no poses of the sensor ('nowhere')")
         self.assertIsNotNone(cloud_diagnosis(lambda d: "nowhere" in d["message"]))
 

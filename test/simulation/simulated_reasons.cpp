@@ -43,7 +43,7 @@ void SimulatedNode::noteTransform(int link, const std::optional<std::string>& re
   }
 }
 
-void SimulatedNode::noteHeard(int link, Ns stamp, bool is_new) {
+void SimulatedNode::noteHeard(int link, Ns stamp) {
   const Told& told = knowledge_.told(link);
   const bool stands = stands_[static_cast<std::size_t>(link)];
   if (!stands && !knowledge_.isUsable(stamp)) {
@@ -55,11 +55,7 @@ void SimulatedNode::noteHeard(int link, Ns stamp, bool is_new) {
   }
   const bool is_alone =
       stands ? told.statics.size() == 1 : !knowledge_.isDisturbed(told, stamp, stamp);
-  const bool is_certain = !told.is_lied_about && is_alone;
-  if (is_certain && told.is_settled) return noteTransform(link, std::nullopt);
-  if (is_certain && is_new && !told.is_run_vague) {
-    return noteTransform(link, "both on /tf and on /tf_static");
-  }
+  if (told.is_settled && !told.is_lied_about && is_alone) return noteTransform(link, std::nullopt);
   refusals_.erase(link);
 }
 
