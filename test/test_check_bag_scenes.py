@@ -106,6 +106,28 @@ def test_before_the_first_scene_arrived_it_counts_if_it_was_checked_already(chec
         assert all("the first scene on %s is of a later time" % TOPIC in row["unknown_because"] for row in before)
 
 
+def test_where_a_node_has_lost_its_objects_nothing_is_free_until_they_are_cleared(check_bag, bag_with):
+    lost, cleared = scene_at(2, 1, since=-100), scene_at(5, 2)
+    lost[1].objects_are_lost = True
+    rows, _ = check_bag(bag_with(lost, cleared))
+    for row in rows:
+        if seconds_of(row) < 4.95:  # also before it arrived: it was checked already
+            assert row["verdict"] != "free"
+            assert "are lost: send CLEAR" in row["unknown_because"] or row["pairs"]
+    assert any(row["verdict"] == "free" for row in rows if seconds_of(row) > 5.05)
+
+
+def test_scenes_of_another_version_are_refused(run_tool, tmp_path):
+    bag, (_, scene) = tmp_path / "other.bag", scene_at(0, 1)
+    header = {"topic": TOPIC, "type": scene._type, "md5sum": 32 * "0", "message_definition": scene._full_text}
+    with rosbag.Bag(DEMO_BAG) as source, rosbag.Bag(str(bag), "w") as target:
+        target.write(TOPIC, scene, rospy.Time.from_sec(START), connection_header=header)
+        for topic, message, stamp in source.read_messages():
+            target.write(topic, message, stamp)
+    done = run_tool("check_bag", bag)
+    assert done.returncode == 2 and "the scenes on topic '%s' are of another version" % TOPIC in done.stderr, done.stderr
+
+
 def test_of_several_topics_one_is_to_be_chosen(run_tool, check_bag, bag_with):
     bag = bag_with(scene_at(0, 1), topics=("/left/scene", "/right/scene"))
     done = run_tool("check_bag", bag)

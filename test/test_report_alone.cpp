@@ -4,7 +4,9 @@
 #include <gtest/gtest.h>
 
 #include "collision_pairs/collision_detector.h"
+#include "collision_pairs/input_error.h"
 #include "collision_pairs/motion_check.h"
+#include "motion_fixtures.h"
 #include "random_case.h"
 
 namespace collision_pairs {
@@ -189,6 +191,28 @@ TEST(AReport, IsEmptyBeforeTheFirstCheck) {
   isEmpty(CollisionReport());
   EXPECT_EQ(everythingIn(MotionReport()), "2 0x0p+0 0x0p+0 0x0p+0  0 0");
   EXPECT_EQ(MotionReport().seconds, 0.0);
+}
+
+TEST(AReport, OfACheckThatWasRefusedIsUnknownAndNotTheOneBefore) {
+  const auto scene = sceneOf(robotFrom(slidingBoxes(2)), {});
+  CollisionDetector detector(scene);
+  BodyPoses poses;
+  poses.resize(scene->bodies().size());
+  for (const double x : {0.5, 3.0}) {  // in contact, then free
+    poses.X_WB[0].translation().x() = x;
+    ASSERT_NE(detector.detect(poses, {}).verdict, Verdict::UNKNOWN);
+    CheckSettings wrong;
+    wrong.alarm_distance = -1.0;
+    EXPECT_THROW(detector.detect(poses, wrong), InputError);
+    EXPECT_EQ(detector.report().verdict, Verdict::UNKNOWN);
+    EXPECT_TRUE(detector.report().in_collision);
+    EXPECT_TRUE(detector.report().pairs.empty() && detector.report().contacts.empty());
+    detector.beginNarrowPhase(poses, {});
+    EXPECT_EQ(detector.report().verdict, Verdict::UNKNOWN);
+    EXPECT_THROW(detector.addCollisionPair(0, 2), InputError);
+    detector.addCollisionPair(0, 1);
+    EXPECT_EQ(detector.endNarrowPhase().verdict, x < 1.0 ? Verdict::COLLISION : Verdict::FREE);
+  }
 }
 
 }  // namespace test_report_alone

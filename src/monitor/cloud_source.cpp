@@ -66,28 +66,23 @@ void CloudSource::replace(const CloudSource& before) {
 void CloudSource::take(const Cloud::ConstPtr& cloud, const std::string& publisher) {
   ++health_.received;
   const Now& now = transforms_.now();
-  Arrived arrived{cloud, publisher, now.stamp, now.steady, transforms_.nbClockJumps()};
-  try {
-    requireSameCamera(arrived);
-  } catch (const InputError& error) {
-    return refuse(error.what());
+  const std::string other = otherCamera(withoutSlashes(cloud->header.frame_id), publisher);
+  if (!other.empty()) {
+    other_camera_ = other;
+    other_at_ = now.steady;
+    return refuse(other);
   }
   if (next_.cloud) ++health_.dropped;
-  next_ = std::move(arrived);
+  next_ = {cloud, publisher, now.stamp, now.steady, transforms_.nbClockJumps()};
 }
 
-void CloudSource::requireSameCamera(const Arrived& arrived) {
-  if (!camera_ || arrived.clock_jumps != gathered_clock_jumps_) return;
-  const double steady = transforms_.now().steady;
-  const std::string frame = withoutSlashes(arrived.cloud->header.frame_id);
-  const bool is_recent = steady - last_use_ < config_.source_timeout;
-  if (frame == camera_->frame && (arrived.publisher == camera_->publisher || !is_recent)) return;
-  other_at_ = steady;
-  other_camera_ = "it is of frame '" + frame + "' and node '" + arrived.publisher +
-                  "', and those before were of '" + camera_->frame + "' and '" +
-                  camera_->publisher + "': each camera needs a topic of its own; ~clear_clouds " +
-                  "starts anew";
-  throw InputError(other_camera_);
+std::string CloudSource::otherCamera(const std::string& frame, const std::string& publisher) const {
+  if (!camera_ || transforms_.nbClockJumps() != gathered_clock_jumps_) return "";
+  const bool is_recent = transforms_.now().steady - last_use_ < config_.source_timeout;
+  if (frame == camera_->frame && (publisher == camera_->publisher || !is_recent)) return "";
+  return "it is of frame '" + frame + "' and node '" + publisher + "', and those before were of '" +
+         camera_->frame + "' and '" + camera_->publisher +
+         "': each camera needs a topic of its own; ~clear_clouds starts anew";
 }
 
 std::shared_ptr<CloudJob> CloudSource::next() {

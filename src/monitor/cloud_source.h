@@ -122,7 +122,8 @@ class CloudSource {
   struct Camera {
     std::string frame, publisher;
   };
-  void requireSameCamera(const Arrived& arrived);
+  /// What is wrong with a cloud of it; empty: it is the one that clouds were used of, or the first.
+  std::string otherCamera(const std::string& frame, const std::string& publisher) const;
   void requireUsableStamp(const ros::Time& stamp) const;
   /// Why the poses are not known yet; empty: they are.
   struct Missing {

@@ -65,6 +65,7 @@ BagReplay::BagReplay(std::string path, const BagIndex& index, const RawMessageFi
   std::optional<SceneObjects> objects;
   if (scenes_.recorded) {
     shown_ = scenes_.recorded->first();
+    monitor_.scenes().setObjectsLost(shown_.objects_are_lost);
     objects = scenes_.objects_of(shown_);
   }
   load(std::move(parameters), std::move(objects));
