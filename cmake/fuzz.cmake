@@ -13,7 +13,7 @@ function(collision_pairs_fuzz name source)
 endfunction()
 
 collision_pairs_fuzz(sweep_and_prune fuzz_sweep_and_prune collision_pairs)
-foreach(parser bag obj pcd settings srdf states stl update_scene urdf)
+foreach(parser bag obj pcd ply settings srdf states stl update_scene urdf)
   collision_pairs_fuzz(${parser} fuzz_parsers collision_pairs_ros)
   target_compile_definitions(fuzz_${parser} PRIVATE PARSER=${parser})
 endforeach()

@@ -14,11 +14,12 @@ add_library(collision_pairs_io SHARED
   src/io/config/scene_config.cpp
   src/io/config/scene_sources.cpp
   src/io/config/yaml_values.cpp
-  src/io/meshes/assimp_gaps.cpp
+  src/io/meshes/collada_names.cpp
   src/io/meshes/collada_numbers.cpp
   src/io/meshes/mesh_loader.cpp
   src/io/meshes/mesh_process.cpp
   src/io/meshes/obj_file.cpp
+  src/io/meshes/ply_file.cpp
   src/io/meshes/stl_file.cpp
   src/io/text/csv.cpp
   src/io/text/joint_states_csv.cpp
@@ -46,8 +47,8 @@ collision_pairs_together(collision_pairs_io)
 collision_pairs_warnings(collision_pairs_io)
 collision_pairs_checked_indices(collision_pairs_io)
 
-# Meshes that are neither STL nor OBJ: src/io/meshes/mesh_process.h.
-add_executable(read_mesh_file src/io/meshes/read_mesh_file.cpp)
+# Meshes that are neither STL, OBJ nor PLY: src/io/meshes/mesh_process.h.
+add_executable(read_mesh_file src/io/meshes/gltf_names.cpp src/io/meshes/read_mesh_file.cpp)
 target_include_directories(read_mesh_file PRIVATE include)
 target_include_directories(read_mesh_file SYSTEM PRIVATE ${catkin_INCLUDE_DIRS})
 target_link_libraries(read_mesh_file PRIVATE ${catkin_LIBRARIES} assimp ${CONSOLE_BRIDGE_LIBRARY} Eigen3::Eigen)

@@ -336,7 +336,7 @@ CONSTANTS = [  # what a page says, the file, and what must stand there
     ("faults", "| 2 s, or three periods |", "src/ros/node/report_publisher.cpp", "SHORTEST_LIFE = 2.0;"),
     ("faults", "more than 10000 frames", "src/transforms/transform_gate.cpp", "MOST_NAMES = 10000;"),
     ("faults", "more than 1 % of its surface", "src/core/scene/collision_scene.cpp", "TOLD_ABOVE = 0.01;"),
-    ("faults", "or use up memory (it reads all formats except STL and OBJ) | 30 s |", "src/io/meshes/read_mesh_file.cpp", "TIME_LIMIT = 60;"),
+    ("faults", "or use up memory (it reads COLLADA and glTF) | 30 s |", "src/io/meshes/read_mesh_file.cpp", "TIME_LIMIT = 60;"),
     ("node", "(beyond 0.1 mm and 0.1 mrad)", "src/transforms/transform_gate.h", "SAME_PLACE = 1e-4;"),
     ("node", "more than a tenth of the cycles", "src/ros/node/node_health.cpp", "FREQUENT = 0.1;"),
 ]

@@ -129,7 +129,7 @@ def test_whatever_the_program_that_reads_meshes_answers_is_a_mesh_or_refused(tmp
     library, fake = tmp_path / "lib/libcollision_pairs_io.so", tmp_path / "lib/collision_pairs/read_mesh_file"
     fake.parent.mkdir(parents=True)
     shutil.copy(os.path.join(TOOLS, "..", library.name), library)
-    mesh, urdf, states = tmp_path / "mesh.ply", tmp_path / "robot.urdf", tmp_path / "states.csv"
+    mesh, urdf, states = tmp_path / "mesh.gltf", tmp_path / "robot.urdf", tmp_path / "states.csv"
     mesh.write_text("not read")
     states.write_text("turn\n0\n")
     urdf.write_text('<robot name="r"><link name="base"><collision><geometry><mesh filename="file://%s"/></geometry></collision></link>'

@@ -9,6 +9,7 @@
 #include "collision_pairs/aabb.h"
 #include "collision_pairs/input_error.h"
 #include "mesh_folder.h"
+#include "random_inputs.h"
 
 namespace collision_pairs {
 namespace test_mesh_loader {
@@ -193,10 +194,12 @@ TEST_F(MeshLoaderTest, EndingsMayBeInCapitals) {
 /// assimp would take them by their content: COLLADA in metres, whatever its unit and its gaps.
 TEST_F(MeshLoaderTest, AnEndingThatIsNotKnownIsRefusedWhateverTheContent) {
   const std::string text = collada("<unit meter='0.01'/>");
-  const std::string known = "; read are .3ds .dae .fbx .glb .gltf .obj .off .ply .stl .x .x3d";
-  for (const std::string name : {"a.xml", "a.zae", "a.dae1", "a.DAE.txt", "a.Mesh"}) {
+  const std::string known =
+      "; convert it to one of .dae .glb .gltf .obj .ply .stl, for example by `assimp export`";
+  for (const std::string name :
+       {"a.xml", "a.zae", "a.x3d", "a.3ds", "a.off", "a.dae1", "a.DAE.txt", "a.Mesh"}) {
     const std::string uri = file(name, text);
-    EXPECT_THAT(refusal(uri), testing::EndsWith("is not known" + known)) << name;
+    EXPECT_THAT(refusal(uri), testing::EndsWith("is not read" + known)) << name;
   }
   for (const std::string name : {"a", "dae", ".dae"}) {
     EXPECT_THAT(refusal(file(name, text)), testing::EndsWith("has no ending" + known)) << name;
@@ -257,6 +260,30 @@ TEST_F(MeshLoaderTest, GltfThatRequiresAnExtensionIsRefusedUnlessThatIsOfLooks) 
                            R"("KHR_materials_unlit", "KHR_draco_mesh_compression")"}) {
     EXPECT_THAT(refusalOf(some), testing::HasSubstr("needs the glTF extension")) << some;
   }
+}
+
+/// assimp skips the names that it does not know.
+TEST_F(MeshLoaderTest, NoNameInAGltfCanBeMisspelt) {
+  file("triangle.bin", std::string(36, '\0').replace(12, 4, "\0\0\x80?", 4));
+  RandomInputs random;
+  const std::string text = gltf(R"([{"mesh": 0, "translation": [1, 2, 3]}])");
+  int number = 0;
+  for (std::size_t end = text.find("\":"); end != std::string::npos;
+       end = text.find("\":", end + 1)) {
+    const std::size_t begin = text.rfind('"', end - 1) + 1;
+    std::string changed = text;
+    const int at = random.integer(static_cast<int>(begin), static_cast<int>(end) - 1);
+    changed[at] = changed[at] == 'a' ? 'e' : 'a';
+    EXPECT_NE(refusal(file("n" + std::to_string(number++) + ".gltf", changed)), "accepted")
+        << changed;
+  }
+  EXPECT_GE(number, 20);
+  EXPECT_THAT(
+      refusal(file("one.gltf", before("2.0", "1.0", text).replace(text.find("2.0") + 3, 3, ""))),
+      testing::HasSubstr("it is of glTF version '1.0', and 2.0 is read"));
+  EXPECT_THAT(
+      refusal(file("two.GLTF", before("mesh\"", "xyz_", text))),
+      testing::HasSubstr("'xyz_mesh' in nodes[0] is not known, and may be part of a surface"));
 }
 
 }  // namespace test_mesh_loader

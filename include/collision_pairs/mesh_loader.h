@@ -10,8 +10,8 @@ namespace collision_pairs {
 
 using Warn = std::function<void(const std::string& warning)>;
 
-/// A loader for package:// and file:// URIs. STL and OBJ are read by this package; COLLADA and
-/// other formats with known endings by assimp and geometric_shapes in a separate process. Vertices
+/// A loader for package:// and file:// URIs. STL, OBJ and PLY are read by this package; COLLADA and
+/// glTF by assimp and geometric_shapes in a separate process; other endings are refused. Vertices
 /// are in metres in the frame that rviz uses: coordinates as stored in the file, times the scale;
 /// COLLADA's <unit> counts, its up_axis is ignored; meshes of a glTF's root node are placed by
 /// that. What does not exist as written is looked for with %20 and the like decoded. A loader reads

@@ -74,6 +74,7 @@ void check(const SceneDescription& description) {
 
 [[maybe_unused]] void stl(const std::string& bytes) { readStl(bytes); }
 [[maybe_unused]] void obj(const std::string& bytes) { readObj(bytes); }
+[[maybe_unused]] void ply(const std::string& bytes) { readPly(bytes); }
 [[maybe_unused]] void pcd(const std::string& bytes) { readPcd(bytes); }
 
 [[maybe_unused]] void bag(const std::string& bytes) {

@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 """What is wrong is named, what is right is still checked, and no node ends."""
 import fcntl
+import json
 import os
 import re
 import signal
@@ -139,11 +140,15 @@ class BadInputTest(unittest.TestCase):
         self.assertEqual((report.time_to_contact, report.time_to_contact_is_known), (0.0, True))  # in contact
 
     def test_a_mesh_that_is_never_read_is_unknown_and_does_not_keep_the_node_from_ending(self):
-        with tempfile.NamedTemporaryFile("w", suffix=".ply") as mesh:
-            mesh.write("ply")
+        with tempfile.NamedTemporaryFile(suffix=".bin") as numbers, tempfile.NamedTemporaryFile("w", suffix=".gltf") as mesh:
+            json.dump({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+                       "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+                       "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}],
+                       "bufferViews": [{"buffer": 0, "byteLength": 36}],
+                       "buffers": [{"byteLength": 36, "uri": os.path.basename(numbers.name)}]}, mesh)
             mesh.flush()
             signal.signal(signal.SIGIO, signal.SIG_IGN)  # comes when somebody else wants to open it
-            fcntl.fcntl(mesh, fcntl.F_SETLEASE, fcntl.F_WRLCK)  # and waits for 45 s (lease-break-time)
+            fcntl.fcntl(numbers, fcntl.F_SETLEASE, fcntl.F_WRLCK)  # and waits for 45 s (lease-break-time)
             with open(os.path.join(os.path.dirname(os.path.abspath(__file__)), "broken_mesh.urdf")) as urdf:
                 description = re.sub('filename="[^"]*"', 'filename="file://%s"' % mesh.name, urdf.read())
             rospy.set_param("/endless/robot_description", description)

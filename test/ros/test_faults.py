@@ -234,8 +234,9 @@ class FaultsTest(unittest.TestCase):
             mesh.flush()
             with_mesh = [add("read", (0, 0, 12), mesh_resources=["file://" + mesh.name])]
             enough = resource.prlimit(node.process.pid, resource.RLIMIT_NOFILE)
-            in_use = len(os.listdir("/proc/%d/fd" % node.process.pid))
-            resource.prlimit(node.process.pid, resource.RLIMIT_NOFILE, (in_use, enough[1]))
+            in_use = set(map(int, os.listdir("/proc/%d/fd" % node.process.pid)))
+            next_free = min(set(range(len(in_use) + 1)) - in_use)
+            resource.prlimit(node.process.pid, resource.RLIMIT_NOFILE, (next_free, enough[1]))
             reply = update(with_mesh, False)
             self.assertFalse(reply.success)
             self.assertIn("Too many open files", reply.message)

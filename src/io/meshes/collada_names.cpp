@@ -1,4 +1,4 @@
-// What assimp does not tell of COLLADA and glTF: units, and parts that it leaves out or misreads.
+// What assimp does not tell of COLLADA: its unit, and parts that it leaves out or misreads.
 #include <map>
 #include <set>
 #include <string>
@@ -146,14 +146,6 @@ class Parts {
   std::multiset<std::pair<std::string, std::string>> ids_;  ///< by the names of their elements
 };
 
-/// Extensions of glTF that change looks only.
-bool isOfLooks(const std::string& extension) {
-  for (const char* kind : {"KHR_materials_", "KHR_texture_", "EXT_texture_", "KHR_lights_"}) {
-    if (extension.rfind(kind, 0) == 0) return true;
-  }
-  return false;
-}
-
 }  // namespace
 
 double readColladaUnit(const std::string& text) {
@@ -171,22 +163,6 @@ double readColladaUnit(const std::string& text) {
     throw InputError("its <unit meter=\"" + std::string(meter) + "\"> is no length");
   }
   return metres;
-}
-
-void refuseGltfExtensions(const std::string& bytes) {
-  const std::size_t at = bytes.find("\"extensionsRequired\"");
-  if (at == std::string::npos) return;
-  const std::size_t list = bytes.find('[', at), end = bytes.find(']', at);
-  for (std::size_t begin = bytes.find('"', list); begin < end;) {
-    const std::size_t close = bytes.find('"', begin + 1);
-    if (close > end) break;  // assimp refuses what is no JSON
-    const std::string extension = bytes.substr(begin + 1, close - begin - 1);
-    if (!isOfLooks(extension)) {
-      throw InputError("it needs the glTF extension " + extension +
-                       ", which is not read: export it without compression and quantization");
-    }
-    begin = bytes.find('"', close + 1);
-  }
 }
 
 }  // namespace collision_pairs

@@ -1,5 +1,5 @@
-// Readers for the two most common mesh formats, and for what assimp does not tell of COLLADA and
-// glTF. All others: mesh_process.h.
+// Readers for three mesh formats, and for what assimp does not tell of COLLADA. That and
+// glTF: mesh_process.h.
 #pragma once
 
 #include <optional>
@@ -9,7 +9,7 @@
 
 namespace collision_pairs {
 
-/// Both accept arbitrary bytes: time and memory grow with their number, not with the counts in the
+/// All accept arbitrary bytes: time and memory grow with their number, not with the counts in the
 /// file. Coordinates are rounded to single precision, as by all readers of ROS (rviz, MoveIt);
 /// equal vertices are merged; vertices without a triangle are dropped, since they are not part of
 /// the surface. Throw InputError that names the problem and its place, but not the file.
@@ -23,14 +23,15 @@ TriangleMesh readStl(const std::string& bytes);
 /// vertices, continued lines.
 std::optional<TriangleMesh> readObj(const std::string& bytes);
 
+/// Text or binary. Reads `vertex` (x, y, z) and `face` (vertex_indices or vertex_index); skips
+/// edges, materials and other properties; refuses other elements, truncated files, and what the
+/// header does not count. Polygons as in readObj.
+std::optional<TriangleMesh> readPly(const std::string& bytes);
+
 /// Metres per unit of a COLLADA file. Throws InputError for what assimp would read in part only, or
 /// otherwise than it is written, without a word: elements that the schema does not have where
 /// surfaces are placed and described, references to what is not in the file, and numbers that are
 /// not what it says of them.
 double readColladaUnit(const std::string& text);
-
-/// Throws InputError if a glTF file, text or binary, requires an extension that may change its
-/// surfaces: assimp reads it without, so that quantized vertices fall into one point.
-void refuseGltfExtensions(const std::string& bytes);
 
 }  // namespace collision_pairs

@@ -4,8 +4,8 @@
 #include <filesystem>
 #include <map>
 #include <new>
-#include <set>
 #include <tuple>
+#include <vector>
 
 #include <rospack/rospack.h>
 
@@ -115,24 +115,22 @@ class Loader {
     if (ending == ".stl") return readStl(readBinaryFile(path));
     std::optional<TriangleMesh> mesh;
     if (ending == ".obj") mesh = readObj(readBinaryFile(path));
-    if (ending == ".gltf" || ending == ".glb") refuseGltfExtensions(readBinaryFile(path));
+    if (ending == ".ply") mesh = readPly(readBinaryFile(path));
     const double metres = ending == ".dae" ? readColladaUnit(readBinaryFile(path)) : 1.0;
     if (!mesh) mesh = readMeshInProcess(path.string());
     if (metres != 1.0) toMetres(path, metres, *mesh);
     return std::move(*mesh);
   }
 
-  /// What assimp does not know by its ending it takes by its content, without the checks that its
-  /// format needs here.
+  /// Formats of which what is missing can be told. Of others assimp leaves parts out without a
+  /// word; and what it does not know by its ending it takes by its content, without the checks
+  /// here.
   static void requireKnown(const std::string& ending) {
-    static const std::set<std::string> KNOWN = {".3ds", ".dae", ".fbx", ".glb", ".gltf", ".obj",
-                                                ".off", ".ply", ".stl", ".x",   ".x3d"};
-    if (KNOWN.count(ending) > 0) return;
-    std::string list;
-    for (const std::string& known : KNOWN) list += (list.empty() ? "" : " ") + known;
-    throw InputError(
-        (ending.empty() ? "its name has no ending" : "its ending '" + ending + "' is not known") +
-        std::string("; read are ") + list);
+    static const std::vector<std::string> KNOWN = {".dae", ".glb", ".gltf", ".obj", ".ply", ".stl"};
+    if (contains(KNOWN, ending)) return;
+    throw InputError((ending.empty() ? "its name has no ending" : "'" + ending + "' is not read") +
+                     "; convert it to one of " + joined(KNOWN, " ") +
+                     ", for example by `assimp export`");
   }
 
   /// COLLADA's unit, as rviz has it, which assimp and geometric_shapes leave out.

@@ -1,4 +1,5 @@
-// Reads meshes of all other formats with geometric_shapes, in a separate process.
+// Reads COLLADA, glTF, and what readObj and readPly leave to it with geometric_shapes, in a process
+// of its own.
 #pragma once
 
 #include <chrono>

@@ -61,6 +61,8 @@ class MeshWords {
     return std::isfinite(value);
   }
   std::size_t line() const { return line_; }
+  /// Of the first byte after the word.
+  std::size_t position() const { return end_; }
 
  private:
   static bool isBlank(char c) {

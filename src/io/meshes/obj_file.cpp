@@ -2,8 +2,6 @@
 #include <set>
 #include <vector>
 
-#include <Eigen/Geometry>
-
 #include "collision_pairs/input_error.h"
 #include "mesh_builder.h"
 #include "mesh_files.h"
@@ -13,29 +11,6 @@ namespace collision_pairs {
 namespace {
 
 using Corner = MeshBuilder::Corner;
-
-Eigen::Vector3d toVector(const Corner& corner) { return {corner[0], corner[1], corner[2]}; }
-
-/// True if all corners turn the same way about the polygon's normal, once around in total. False if
-/// it has no area.
-bool isConvex(const std::vector<Corner>& polygon) {
-  if (polygon.size() <= 3) return true;
-  const Eigen::Vector3d origin = toVector(polygon[0]);
-  const auto at = [&](std::size_t i) -> Eigen::Vector3d {
-    return toVector(polygon[i % polygon.size()]) - origin;
-  };
-  Eigen::Vector3d normal = Eigen::Vector3d::Zero();  // Newell's
-  for (std::size_t i = 0; i < polygon.size(); ++i) normal += at(i).cross(at(i + 1));
-  if (normal.isZero(0.0)) return false;
-  double turned = 0.0;
-  for (std::size_t i = 0; i < polygon.size(); ++i) {
-    const Eigen::Vector3d before = at(i + 1) - at(i), after = at(i + 2) - at(i + 1);
-    const double sine = before.cross(after).dot(normal), cosine = before.dot(after) * normal.norm();
-    if (sine < 0.0) return false;
-    turned += std::atan2(sine, cosine);
-  }
-  return turned < 3.0 * M_PI;  // 2 pi, up to rounding
-}
 
 /// All others may be surfaces, or say where these are.
 bool makesNoSurface(const std::string& word) {
@@ -92,11 +67,7 @@ class Reader {
       polygon.push_back(vertices_[readIndex()]);
     }
     if (polygon.size() < 3) fail("a face of " + std::to_string(polygon.size()) + " corners");
-    if (!isConvex(polygon)) return false;
-    for (std::size_t i = 2; i < polygon.size(); ++i) {
-      builder_.addTriangle(polygon[0], polygon[i - 1], polygon[i]);
-    }
-    return true;
+    return builder_.addPolygon(polygon);
   }
 
   /// "vertex", "vertex/texture", "vertex//normal": from 1 on, or from -1 backwards.

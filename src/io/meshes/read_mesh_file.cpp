@@ -15,10 +15,12 @@
 #include <assimp/scene.h>
 #include <console_bridge/console.h>
 #include <geometric_shapes/mesh_operations.h>
+#include <strings.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include "gltf_names.h"
 #include "mesh_process.h"
 
 namespace {
@@ -143,6 +145,8 @@ std::unique_ptr<shapes::Mesh> read(const std::string& path, Assimp::Importer& im
 
 void answer(const std::string& path) {
   const Silence silence;
+  const std::string ending = std::filesystem::path(path).extension();
+  if (::strncasecmp(ending.c_str(), ".gl", 3) == 0) requireKnownGltf(path);  // .gltf, .glb
   Assimp::Importer importer;
   const std::unique_ptr<shapes::Mesh> mesh = read(path, importer);
   if (memory_ran_out) throw std::bad_alloc();
