@@ -48,7 +48,7 @@ collision_pairs_warnings(collision_pairs_io)
 collision_pairs_checked_indices(collision_pairs_io)
 
 # Meshes that are neither STL, OBJ nor PLY: src/io/meshes/mesh_process.h.
-add_executable(read_mesh_file src/io/meshes/gltf_names.cpp src/io/meshes/read_mesh_file.cpp)
+add_executable(read_mesh_file src/io/meshes/gltf_triangles.cpp src/io/meshes/read_mesh_file.cpp)
 target_include_directories(read_mesh_file PRIVATE include)
 target_include_directories(read_mesh_file SYSTEM PRIVATE ${catkin_INCLUDE_DIRS})
 target_link_libraries(read_mesh_file PRIVATE ${catkin_LIBRARIES} assimp ${CONSOLE_BRIDGE_LIBRARY} Eigen3::Eigen)

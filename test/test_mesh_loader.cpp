@@ -286,5 +286,46 @@ TEST_F(MeshLoaderTest, NoNameInAGltfCanBeMisspelt) {
       testing::HasSubstr("'xyz_mesh' in nodes[0] is not known, and may be part of a surface"));
 }
 
+/// assimp leaves out the triangles that it cannot use, and takes what is of another type for
+/// absent.
+TEST_F(MeshLoaderTest, EachTriangleOfAGltfIsReadOrItIsRefused) {
+  std::string numbers;
+  const auto append = [&](const auto& number) {
+    numbers.append(reinterpret_cast<const char*>(&number), sizeof number);
+  };
+  for (const float coordinate : {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1}) append(coordinate);
+  for (const std::uint16_t index : {0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3}) append(index);
+  file("solid.bin", numbers);
+  const std::string solid = R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}],
+    "nodes": [{"children": [1], "scale": [1, 1, 1]}, {"mesh": 0}],
+    "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
+    "accessors": [{"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3",
+                   "min": [0, 0, 0], "max": [1, 1, 1]},
+                  {"bufferView": 1, "componentType": 5123, "count": 12, "type": "SCALAR"}],
+    "bufferViews": [{"buffer": 0, "byteLength": 48},
+                    {"buffer": 0, "byteOffset": 48, "byteLength": 24}],
+    "buffers": [{"byteLength": 72, "uri": "solid.bin"}]})";
+  EXPECT_EQ(load_(file("whole.gltf", solid), ONE)->triangles.size(), 4u);
+  const std::vector<std::array<std::string, 3>> cases = {
+      {"\"count\": 4", "\"count\": 3", "it places 4 triangles, of which assimp reads 1"},
+      {"Offset\": 48", "Offset\": \"48\"", "it places 4 triangles, of which assimp reads 3"},
+      {"[1], \"scale\"", "[\"1\"], \"scale\"", ""},
+      {"[1], \"scale\"", "[2], \"scale\"", "there is no node '2'"},
+      {"[1], \"scale\"", "[0], \"scale\"", "a node is placed twice"},
+      {"[1, 1, 1]}, {\"mesh", "[1, 1]}, {\"mesh", "scale of a node is not 3 numbers"},
+      {"12, \"type\"", "11, \"type\"", "a primitive of mode 4 has 11 corners"},
+      {"VEC3", "vec3", "accessor 0 is not of the type of positions, or of indices"},
+      {"5123", "5122", "accessor 1 is not of the type of positions, or of indices"}};
+  int number = 0;
+  for (const auto& [before, after, why] : cases) {
+    std::string changed = solid;
+    ASSERT_NE(changed.find(before), std::string::npos) << before;
+    changed.replace(changed.find(before), before.size(), after);
+    const std::string said = refusal(file("s" + std::to_string(number++) + ".gltf", changed));
+    EXPECT_THAT(said, testing::EndsWith(why)) << after;
+    EXPECT_NE(said, "accepted") << after;
+  }
+}
+
 }  // namespace test_mesh_loader
 }  // namespace collision_pairs

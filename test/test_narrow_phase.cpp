@@ -4,6 +4,7 @@
 #include "every_shape.h"
 #include "pose_repair.h"
 #include "random_inputs.h"
+#include "test_shapes.h"
 
 namespace collision_pairs {
 namespace test_narrow_phase {

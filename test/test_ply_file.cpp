@@ -177,6 +177,27 @@ TEST(PlyFile, NoLetterOfTheHeaderChangesOrLeavesOutTriangles) {
   EXPECT_GT(nb_read, 300 * 30);
 }
 
+TEST(PlyFile, NoBytesDoMoreThanBeRefused) {
+  RandomInputs random;
+  int nb_read = 0;
+  for (int i = 0; i < 20000; ++i) {
+    std::string bytes = RandomPly(random, FORMATS[i % 3]).bytes;
+    const int size = static_cast<int>(bytes.size());
+    for (int k = random.integer(0, 2); k >= 0; --k) {
+      bytes[random.integer(0, size - 1)] = static_cast<char>(random.integer(0, 255));
+    }
+    std::optional<TriangleMesh> mesh;
+    refusal([&] { mesh = readPly(bytes); });
+    if (!mesh) continue;
+    ++nb_read;
+    ASSERT_LE(mesh->triangles.size(), bytes.size()) << "file " << i;
+    for (const auto& triangle : mesh->triangles) {
+      for (const auto index : triangle) ASSERT_LT(index, mesh->vertices.size()) << "file " << i;
+    }
+  }
+  EXPECT_GT(nb_read, 2000) << "the files are too broken to try anything";
+}
+
 std::string ply(const std::string& body, const std::string& before = "",
                 const std::string& after = "") {
   const std::string header =

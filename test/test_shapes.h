@@ -1,4 +1,4 @@
-// Small meshes for tests.
+// Names of shapes and small meshes for tests.
 #pragma once
 
 #include <algorithm>
@@ -7,6 +7,12 @@
 #include "collision_pairs/shape.h"
 
 namespace collision_pairs {
+
+inline const char* shapeName(const Shape& shape) {
+  constexpr const char* NAMES[] = {"box",        "sphere", "cylinder", "capsule",
+                                   "half-space", "convex", "mesh"};
+  return NAMES[shape.index()];
+}
 
 /// A box from -half to half, 12 triangles facing outwards.
 inline TriangleMesh boxMesh(const Eigen::Vector3d& half) {

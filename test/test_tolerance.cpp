@@ -10,6 +10,7 @@
 #include "collision_pairs/input_error.h"
 #include "mixed_robot.h"
 #include "prepared_shape.h"
+#include "test_shapes.h"
 #include "triangle_distance.h"
 
 namespace collision_pairs {

@@ -17,14 +17,7 @@ namespace collision_pairs {
 /// like a pattern, such as "box[1]", also matches itself.
 using NamePattern = std::string;
 
-/// A pattern that matches this name and no other, even "box[1]" or "*": for names that come from
-/// elsewhere, such as those of a planning scene. It begins with a NUL if it has to differ from the
-/// name.
-NamePattern literally(const std::string& name);
-/// The name that literally() was given; other patterns unchanged.
-std::string withoutMark(const NamePattern& pattern);
-
-/// False for what literally() returns: such a name must exist, as one without `*`, `?` and `[`.
+/// Names without `*`, `?` and `[` are not: where a rule or a restriction has one, it must exist.
 bool isPattern(const NamePattern& pattern);
 bool matches(const NamePattern& pattern, const std::string& name);
 

@@ -64,9 +64,6 @@ struct Mesh {
 
 using Shape = std::variant<Box, Sphere, Cylinder, Capsule, HalfSpace, Convex, Mesh>;
 
-/// "box", "sphere", …: the name used in messages and tables.
-const char* shapeName(const Shape& shape);
-
 /// Throws std::invalid_argument that names the defect if a size is negative or not finite, a
 /// vertex is not finite, a triangle refers to a missing vertex, or a mesh has no triangle (a
 /// convex: no vertex).

@@ -171,12 +171,6 @@ class SweepAndPrune {
   /// Ids of this cycle's boxes that were not finite or inverted, ascending.
   const std::vector<std::uint32_t>& refused() const { return refused_; }
 
-  /// The axis of the last sweep (0, 1 or 2): the one along which the centres of the moving boxes
-  /// vary most, in a sample of up to 1,000, unless they are so long on it that another prunes far
-  /// better (parallel rods). If few boxes were tested each against each, the axis that a sweep
-  /// would have used.
-  int axis() const;
-
  private:
   struct Engine;
 

@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "collision_pairs/input_error.h"
-#include "frame_names.h"
 #include "point_cloud.h"
 #include "user_text.h"
 

@@ -15,10 +15,8 @@ const char* const NO_ROBOT = "there is no robot yet; see the node's log and diag
 /// TF may have frames that are not links, and gives no hint for a misspelt one.
 void requireLink(const RobotModel& robot, const std::string& name) {
   if (robot.findLink(name) >= 0) return;
-  std::vector<std::string> links;
-  for (const Link& link : robot.links()) links.push_back(link.name);
-  throw InputError("'" + name + "' is not a link to attach it to; did you mean '" +
-                   nearestName(name, links) + "'?");
+  throw InputError("'" + name + "' is not a link to attach it to" +
+                   didYouMean(name, namesOf(robot.links())));
 }
 
 void noteBroken(const std::vector<BrokenElement>& broken, ActiveScene& active) {

@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "collision_pairs/input_error.h"
-#include "frame_names.h"
 #include "geometry_conversions.h"
 #include "object_conversions.h"
 #include "user_text.h"
@@ -98,8 +97,7 @@ class Updater {
     }
     const std::vector<std::string> names = this->names();
     throw InputError("there is no such object" +
-                     (names.empty() ? std::string("; the scene has none")
-                                    : "; did you mean '" + nearestName(name, names) + "'?"));
+                     (names.empty() ? "; the scene has none" : didYouMean(name, names)));
   }
 
   void add(const SceneObject& message, const RigidObject& object) {

@@ -8,6 +8,7 @@
 #include "bindings.h"
 #include "collision_pairs/input_error.h"
 #include "scene_sources.h"
+#include "user_text.h"
 
 namespace py = pybind11;
 
@@ -142,7 +143,7 @@ void bindRobot(py::module& module) {
                              "float64 (len(joints), 2): lower and upper limit, rad or m; infinite "
                              "without a limit.")
       .def_property_readonly(
-          "links", [](const PythonRobot& robot) { return linkNames(*robot.model); },
+          "links", [](const PythonRobot& robot) { return namesOf(robot.model->links()); },
           "Names of all links.")
       .def("__repr__", [](const PythonRobot& robot) {
         return "<Robot '" + robot.model->name() + "', " +

@@ -4,7 +4,6 @@
 #include <optional>
 #include <utility>
 
-#include "frame_names.h"
 #include "user_text.h"
 
 namespace collision_pairs {

@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "collision_pairs/input_error.h"
-#include "frame_names.h"
 #include "user_text.h"
 
 namespace collision_pairs {
@@ -32,10 +31,8 @@ RobotPoses::RobotPoses(const TransformBuffer& buffer, const RobotModel& robot, s
       frame_(std::move(frame)) {
   for (const std::string& name : static_joints) {
     if (robot.findJoint(name) >= 0) continue;
-    std::vector<std::string> joints;
-    for (const Joint& joint : robot.joints()) joints.push_back(joint.name);
-    throw InputError("static_joints: '" + name + "' is not a joint of the robot; did you mean '" +
-                     nearestName(name, joints) + "'?");
+    throw InputError("static_joints: '" + name + "' is not a joint of the robot" +
+                     didYouMean(name, namesOf(robot.joints())));
   }
   for (const Body& body : robot.bodies()) {
     const bool is_root = body.parent < 0;

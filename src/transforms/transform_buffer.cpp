@@ -8,7 +8,6 @@
 #include <tf2/exceptions.h>
 
 #include "collision_pairs/input_error.h"
-#include "frame_names.h"
 #include "user_text.h"
 
 namespace collision_pairs {

@@ -55,6 +55,12 @@ std::string nearestName(const std::string& given, const std::vector<std::string>
   return nearest;
 }
 
+std::string didYouMean(const std::string& given, const std::vector<std::string>& names,
+                       std::size_t most_edits) {
+  const std::string nearest = nearestName(given, names, most_edits);
+  return nearest.empty() ? "" : "; did you mean '" + nearest + "'?";
+}
+
 std::string joined(const std::vector<std::string>& words, const std::string& separator) {
   std::string text;
   for (const std::string& word : words) text += (text.empty() ? "" : separator) + word;

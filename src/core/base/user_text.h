@@ -19,9 +19,28 @@ bool parseNumber(const std::string& text, double& value);
 std::string nearestName(const std::string& given, const std::vector<std::string>& names,
                         std::size_t most_edits = std::numeric_limits<std::size_t>::max() - 1);
 
+/// "; did you mean 'NAME'?" with the nearest name; empty if there is none.
+std::string didYouMean(const std::string& given, const std::vector<std::string>& names,
+                       std::size_t most_edits = std::numeric_limits<std::size_t>::max() - 1);
+
+/// Of things with a name: joints, links, models.
+template <class Named>
+std::vector<std::string> namesOf(const std::vector<Named>& things) {
+  std::vector<std::string> names;
+  for (const Named& thing : things) names.push_back(thing.name);
+  return names;
+}
+
 /// Without the leading slash that tf used ("/base"), and some drivers do for joints.
 inline std::string withoutLeadingSlash(const std::string& name) {
   return !name.empty() && name.front() == '/' ? name.substr(1) : name;
+}
+
+/// Without leading and trailing slashes.
+inline std::string withoutSlashes(std::string name) {
+  while (!name.empty() && name.front() == '/') name.erase(0, 1);
+  while (!name.empty() && name.back() == '/') name.pop_back();
+  return name;
 }
 
 /// Without the UTF-8 byte order mark that some editors begin a file with.

@@ -32,7 +32,6 @@ struct SweepAndPrune::Engine {
                     std::vector<BoxPair>* pairs);
   void narrow(const std::vector<Aabb>& boxes, const NarrowMap& map);
   void pack(const std::vector<Aabb>& boxes, const NarrowMap& map);
-  Spread spreadOf(const std::vector<Aabb>& boxes) const;
 
   SweepTuning tuning;
   bool always_sweeps = false;
@@ -44,7 +43,6 @@ struct SweepAndPrune::Engine {
   // Without an alarm distance, strict overlap in float is proof; with one the Euclidean gap
   // decides, and each candidate is tested in double.
   std::uint32_t unsure = 0;
-  int axis = -1;  // not determined yet
 
   std::vector<Record> records;
   PackedStorage packed;
@@ -104,7 +102,6 @@ void SweepAndPrune::begin(double alarm_distance, const StaticBoxes* static_boxes
   engine_->fixed = static_boxes;
   engine_->moving = moving;
   engine_->test.filter = filter;
-  engine_->axis = -1;
 }
 
 void SweepAndPrune::refuse(std::uint32_t id) {
@@ -151,13 +148,6 @@ const std::vector<BoxPair>& SweepAndPrune::end() {
     engine.sorter.sort(*engine.kernel, nb_ids, &pairs_);
   }
   return pairs_;
-}
-
-int SweepAndPrune::axis() const {
-  if (engine_->axis < 0) {
-    engine_->axis = sweepAxis(engine_->spreadOf(boxes_));
-  }
-  return engine_->axis;
 }
 
 // Very few boxes: any preparation would take longer. The pairs are found in sorted order.
@@ -263,7 +253,7 @@ void SweepAndPrune::Engine::sweepColumns(const std::vector<Aabb>& boxes,
   sweeper.begin(tuning, test, unsure);
 
   const Spread spread = sampleSpread(records.data(), count, SAMPLE);
-  axis = sweepAxis(spread);
+  const int axis = sweepAxis(spread);
   const double tests_per_box = static_cast<double>(count) * spread.crowd(axis);
   const SweepGrid grid = chooseGrid(spread, axis, count, tests_per_box, tuning.column_size);
   const bool long_sweep = count > tuning.column_size || tests_per_box > tuning.tests_per_box;
@@ -279,21 +269,6 @@ void SweepAndPrune::Engine::sweepColumns(const std::vector<Aabb>& boxes,
   } else {
     pairs->insert(pairs->end(), sweeper.pairs().begin(), sweeper.pairs().end());
   }
-}
-
-Spread SweepAndPrune::Engine::spreadOf(const std::vector<Aabb>& boxes) const {
-  const NarrowMap map = makeNarrowMap(sceneOrigin(boxes), 0.0);
-  const std::size_t used = std::min(boxes.size(), SAMPLE);
-  return measureSpread(
-      [&](std::size_t i) {
-        double padded[8] = {};
-        std::memcpy(padded, &boxes[i * boxes.size() / used], sizeof(Aabb));
-        const std::uint32_t model = 0;
-        Record record;
-        kernel->narrow(map, padded, &model, 0, 1, &record);
-        return record;
-      },
-      used);
 }
 
 }  // namespace collision_pairs

@@ -62,19 +62,7 @@ struct Validator {
   }
 };
 
-struct Namer {
-  const char* operator()(const Box&) const { return "box"; }
-  const char* operator()(const Sphere&) const { return "sphere"; }
-  const char* operator()(const Cylinder&) const { return "cylinder"; }
-  const char* operator()(const Capsule&) const { return "capsule"; }
-  const char* operator()(const HalfSpace&) const { return "half-space"; }
-  const char* operator()(const Convex&) const { return "convex"; }
-  const char* operator()(const Mesh&) const { return "mesh"; }
-};
-
 }  // namespace
-
-const char* shapeName(const Shape& shape) { return std::visit(Namer{}, shape); }
 
 void validateShape(const Shape& shape) { std::visit(Validator{}, shape); }
 

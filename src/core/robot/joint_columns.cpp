@@ -16,7 +16,7 @@ constexpr double MIMIC_TOLERANCE = 1e-6;  // rad or m: precision of output with 
     if (joint.hasPosition()) known.push_back(joint.name);
   }
   throw InputError("joint '" + name + "' is not in robot '" + robot.name() + "'" +
-                   (known.empty() ? "" : "; did you mean '" + nearestName(name, known) + "'?"));
+                   didYouMean(name, known));
 }
 
 }  // namespace

@@ -51,10 +51,8 @@ class GroupReader {
   }
 
   const Srdf::Group& find(const std::string& name) const {
-    std::vector<std::string> names;
     const Srdf::Group* found = nullptr;
     for (const Srdf::Group& group : srdf_.groups) {
-      names.push_back(group.name);
       if (group.name != name) continue;
       if (found) {
         throw InputError("the SRDF of robot '" + robot_.name() + "' has two groups '" + name +
@@ -63,25 +61,22 @@ class GroupReader {
       found = &group;
     }
     if (found) return *found;
-    std::string error = "there is no group '" + name + "' in the SRDF of robot '" + robot_.name();
-    error += names.empty() ? "', which has no groups"
-                           : "'; did you mean '" + nearestName(name, names) + "'?";
-    throw InputError(error);
+    throw InputError(
+        "there is no group '" + name + "' in the SRDF of robot '" + robot_.name() + "'" +
+        (srdf_.groups.empty() ? ", which has no groups" : didYouMean(name, namesOf(srdf_.groups))));
   }
 
   /// What a misspelled name stands for would not be checked.
   [[noreturn]] void refuse(const std::string& what, const std::string& by, const std::string& name,
                            const std::vector<std::string>& known) const {
     throw InputError(by + " names " + what + " '" + name + "', which robot '" + robot_.name() +
-                     "' does not have; did you mean '" + nearestName(name, known) + "'?");
+                     "' does not have" + didYouMean(name, known));
   }
 
   int linkOf(const std::string& name, const std::string& by) const {
     const int found = robot_.findLink(name);
     if (found >= 0) return found;
-    std::vector<std::string> known;
-    for (const Link& link : robot_.links()) known.push_back(link.name);
-    refuse("link", by, name, known);
+    refuse("link", by, name, namesOf(robot_.links()));
   }
 
   void moveAt(int link) {
@@ -92,14 +87,13 @@ class GroupReader {
   void addJoint(const std::string& name, const std::string& by) {
     const int joint = robot_.findJoint(name);
     if (joint >= 0) moves_[joint] = 1;
-    std::vector<std::string> known;
+    std::vector<std::string> known = namesOf(srdf_.virtual_joints);
     for (const Srdf::VirtualJoint& virtual_joint : srdf_.virtual_joints) {
-      known.push_back(virtual_joint.name);
       if (virtual_joint.name != name) continue;
       moveAt(linkOf(virtual_joint.child_link, "virtual_joint '" + name + "'"));
     }
     if (joint >= 0 || contains(known, name)) return;
-    for (const Joint& other : robot_.joints()) known.push_back(other.name);
+    for (const std::string& other : namesOf(robot_.joints())) known.push_back(other);
     refuse("joint", by, name, known);
   }
 

@@ -10,16 +10,12 @@ namespace collision_pairs {
 namespace {
 
 void requireNames(const CollisionScene& scene, const std::vector<NamePattern>& names) {
-  for (const NamePattern& pattern : names) {
-    const std::string name = withoutMark(pattern);
-    if (isPattern(pattern) || scene.findModel(name) >= 0 || scene.robot().findLink(name) >= 0) {
+  for (const NamePattern& name : names) {
+    if (isPattern(name) || scene.findModel(name) >= 0 || scene.robot().findLink(name) >= 0) {
       continue;
     }
-    std::vector<std::string> known;
-    for (const CollisionModel& model : scene.models()) known.push_back(model.name);
-    throw InputError("the selection names '" + name +
-                     "', which is not in the scene; did you mean '" + nearestName(name, known) +
-                     "'?");
+    throw InputError("the selection names '" + name + "', which is not in the scene" +
+                     didYouMean(name, namesOf(scene.models())));
   }
 }
 

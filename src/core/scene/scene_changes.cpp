@@ -31,8 +31,7 @@ Edits editsOf(const SceneChanges& changes, const Objects& objects) {
       std::vector<std::string> names;
       for (const ObjectPtr& object : objects) names.push_back(object->name);
       throw InputError("there is no object '" + name + "' to remove" +
-                       (names.empty() ? "; the scene has none"
-                                      : "; did you mean '" + nearestName(name, names) + "'?"));
+                       (names.empty() ? "; the scene has none" : didYouMean(name, names)));
     }
     edits[name] = nullptr;
   }

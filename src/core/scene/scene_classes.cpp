@@ -4,6 +4,7 @@
 
 #include "collision_pairs/input_error.h"
 #include "link_group.h"
+#include "user_text.h"
 
 namespace collision_pairs {
 
@@ -87,13 +88,9 @@ SwitchedOff switchedOffLinks(const std::vector<SceneRobot>& robots) {
       others[first + b].push_back(static_cast<std::uint32_t>(first + a));
     };
     if (robot.srdf) {
-      std::vector<std::string> names;
       std::unordered_map<std::string, std::size_t> index;
-      for (const Link& link : links) {
-        index.emplace(link.name, names.size());
-        names.push_back(link.name);
-      }
-      for (const auto& [a, b] : robot.srdf->switchedOff(names)) {
+      for (const Link& link : links) index.emplace(link.name, index.size());
+      for (const auto& [a, b] : robot.srdf->switchedOff(namesOf(links))) {
         const auto of_a = index.find(a), of_b = index.find(b);
         if (of_a != index.end() && of_b != index.end()) add(of_a->second, of_b->second);
       }
@@ -112,7 +109,7 @@ std::set<std::string> namesIn(const SceneDescription& description, const Objects
   std::set<std::string> names;
   const auto addAll = [&](const std::vector<std::string>& all) {
     for (const std::string& name : all) {
-      if (!isPattern(name)) names.insert(withoutMark(name));
+      if (!isPattern(name)) names.insert(name);
     }
   };
   for (const auto& entry : settings.link_fidelity) names.insert(entry.first);

@@ -68,11 +68,11 @@ class NameCheck {
   }
 
   void requireIfNoPattern(const std::string& name, const std::string& where) const {
-    if (!isPattern(name)) require(withoutMark(name), where);
+    if (!isPattern(name)) require(name, where);
   }
 
   void requireLinkIfNoPattern(const std::string& name, const std::string& where) const {
-    if (!isPattern(name)) requireLink(withoutMark(name), where);
+    if (!isPattern(name)) requireLink(name, where);
   }
 
   /// Of anything else the setting would be read, and not applied.
@@ -91,8 +91,7 @@ class NameCheck {
   [[noreturn]] void refuse(const std::string& name, const std::string& where,
                            const std::set<std::string>& known) const {
     throw InputError(where + " names '" + name + "', which is not a link of robot '" +
-                     merged_.name() + "'; did you mean '" +
-                     nearestName(name, {known.begin(), known.end()}) + "'?");
+                     merged_.name() + "'" + didYouMean(name, {known.begin(), known.end()}));
   }
 
   void checkObject(const RigidObject& object) const {
@@ -100,11 +99,9 @@ class NameCheck {
     if (object.name.empty()) throw InputError("an object has no name");
     if (object.elements.empty()) throw InputError(where + " has no shape");
     if (!object.attached_link.empty() && merged_.findLink(object.attached_link) < 0) {
-      std::vector<std::string> links;
-      for (const Link& link : merged_.links()) links.push_back(link.name);
       throw InputError(where + " is attached to '" + object.attached_link +
-                       "', which is not a link of robot '" + merged_.name() + "'; did you mean '" +
-                       nearestName(object.attached_link, links) + "'?");
+                       "', which is not a link of robot '" + merged_.name() + "'" +
+                       didYouMean(object.attached_link, namesOf(merged_.links())));
     }
     for (const std::string& name : object.touch_links) require(name, where + ", touch_links");
     if (!areRotations(object)) {

@@ -11,10 +11,6 @@ namespace {
 
 constexpr std::array<const char*, 5> FIDELITY_NAMES = {"aabb", "spheres", "obb", "convex", "mesh"};
 
-constexpr char LITERAL = '\0';  // no text has it, and so no rule of a file or a request
-
-bool isMarked(const NamePattern& pattern) { return !pattern.empty() && pattern[0] == LITERAL; }
-
 }  // namespace
 
 const char* fidelityName(Fidelity fidelity) { return FIDELITY_NAMES[static_cast<int>(fidelity)]; }
@@ -27,21 +23,9 @@ Fidelity parseFidelity(const std::string& name) {
                    "'; known are aabb, spheres, obb, convex and mesh");
 }
 
-NamePattern literally(const std::string& name) {
-  const bool is_plain = !isPattern(name) && !isMarked(name);
-  return is_plain ? name : LITERAL + name;
-}
-
-std::string withoutMark(const NamePattern& pattern) {
-  return isMarked(pattern) ? pattern.substr(1) : pattern;
-}
-
-bool isPattern(const NamePattern& pattern) {
-  return !isMarked(pattern) && pattern.find_first_of("*?[") != pattern.npos;
-}
+bool isPattern(const NamePattern& pattern) { return pattern.find_first_of("*?[") != pattern.npos; }
 
 bool matches(const NamePattern& pattern, const std::string& name) {
-  if (isMarked(pattern)) return pattern.compare(1, pattern.npos, name) == 0;
   if (pattern == name) return true;  // also "box[1]", which as a pattern matches "box1"
   return isPattern(pattern) && fnmatch(pattern.c_str(), name.c_str(), FNM_NOESCAPE) == 0;
 }

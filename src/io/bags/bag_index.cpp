@@ -9,10 +9,10 @@
 #include <tf2_msgs/TFMessage.h>
 
 #include "collision_pairs/input_error.h"
-#include "frame_names.h"
 #include "joint_state_positions.h"
 #include "message_layout.h"
 #include "transform_buffer.h"
+#include "user_text.h"
 
 namespace collision_pairs {
 namespace {

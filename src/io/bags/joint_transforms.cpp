@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "frame_names.h"
 #include "joint_state_positions.h"
+#include "user_text.h"
 
 namespace collision_pairs {
 

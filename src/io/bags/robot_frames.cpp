@@ -1,7 +1,7 @@
 #include "robot_frames.h"
 
 #include "collision_pairs/robot_model.h"
-#include "frame_names.h"
+#include "user_text.h"
 
 namespace collision_pairs {
 namespace {

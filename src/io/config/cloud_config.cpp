@@ -98,8 +98,8 @@ CloudConfig readCloud(const std::string& origin, const YAML::Node& value) {
   forEntries(origin, value, rule, [&](const std::string& key, const YAML::Node& entry) {
     const auto reader = cloudReaders().find(key);
     if (reader == cloudReaders().end()) {
-      throw InputError(origin + ": '" + key + "' is not a setting of a cloud; did you mean '" +
-                       nearestName(key, knownKeys()) + "'?");
+      throw InputError(origin + ": '" + key + "' is not a setting of a cloud" +
+                       didYouMean(key, knownKeys()));
     }
     reader->second(origin + '/' + key, entry, cloud);
   });

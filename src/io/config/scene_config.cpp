@@ -47,10 +47,8 @@ void readLinkFidelity(const YAML::Node& value, SceneConfig& config) {
              const std::string key = "link_fidelity/" + link;
              const std::string rule = "aabb, spheres, obb, convex or mesh";
              const std::string given = textOf(key, word, rule);
-             const std::string nearest =
-                 nearestName(given, {"aabb", "spheres", "obb", "convex", "mesh"});
-             if (given != nearest)
-               refuseValue(key, word, rule + "; did you mean '" + nearest + "'?");
+             const std::vector<std::string> known = {"aabb", "spheres", "obb", "convex", "mesh"};
+             if (!contains(known, given)) refuseValue(key, word, rule + didYouMean(given, known));
              config.settings.link_fidelity[link] = parseFidelity(given);
            });
 }
@@ -216,8 +214,7 @@ SceneConfig readSceneSettings(const YAML::Node& map, const std::string& origin) 
   for (const auto& entry : map) {
     const std::string key = entry.first.Scalar();
     if (std::find(known.begin(), known.end(), key) != known.end()) continue;
-    throw InputError(origin + ": '" + key + "' is not a setting; did you mean '" +
-                     nearestName(key, known) + "'?");
+    throw InputError(origin + ": '" + key + "' is not a setting" + didYouMean(key, known));
   }
   return naming(origin, [&] {
     SceneConfig config = readSceneConfig(map);

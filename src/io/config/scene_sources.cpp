@@ -34,12 +34,6 @@ Srdf parsed(const TextFrom& xml, const RobotModel& robot, const Warn& warn) {
 
 }  // namespace
 
-std::vector<std::string> linkNames(const RobotModel& robot) {
-  std::vector<std::string> names;
-  for (const Link& link : robot.links()) names.push_back(link.name);
-  return names;
-}
-
 std::shared_ptr<const RobotModel> robotFrom(const TextFrom& urdf, const Warn& warn) {
   const auto robot = naming(urdf.origin, [&] {
     return RobotModel::fromUrdf(urdf.content, relativeTo(urdf.folder, makeMeshLoader(warn)));
@@ -50,7 +44,7 @@ std::shared_ptr<const RobotModel> robotFrom(const TextFrom& urdf, const Warn& wa
 
 Srdf srdfFrom(const TextFrom& xml, const RobotModel& robot, const Warn& warn) {
   Srdf srdf = parsed(xml, robot, warn);
-  const auto unknown = srdf.unknownLinks(linkNames(robot));
+  const auto unknown = srdf.unknownLinks(namesOf(robot.links()));
   if (!unknown.empty()) warn(xml.origin + ": not links of the robot, ignored: " + joined(unknown));
   return srdf;
 }

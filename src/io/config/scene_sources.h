@@ -15,8 +15,6 @@
 
 namespace collision_pairs {
 
-std::vector<std::string> linkNames(const RobotModel& robot);
-
 /// With all meshes. Warns of ineffective content. Errors and warnings name the origin.
 std::shared_ptr<const RobotModel> robotFrom(const TextFrom& urdf, const Warn& warn);
 

@@ -106,7 +106,7 @@ class PlyReader {
   void readElement() {
     words_.nextInLine();
     const std::string name = words_.word();
-    if (!contains({"vertex", "face", "edge", "material"}, name)) {
+    if (!contains({"vertex", "face", "edge", "material", "camera"}, name)) {
       fail("element " + words_.quoted() + " is not read, and may be a surface");
     }
     if (elementNamed(name)) fail("element '" + name + "' is there twice");

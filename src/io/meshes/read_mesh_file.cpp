@@ -20,7 +20,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-#include "gltf_names.h"
+#include "gltf_triangles.h"
 #include "mesh_process.h"
 
 namespace {
@@ -146,13 +146,18 @@ std::unique_ptr<shapes::Mesh> read(const std::string& path, Assimp::Importer& im
 void answer(const std::string& path) {
   const Silence silence;
   const std::string ending = std::filesystem::path(path).extension();
-  if (::strncasecmp(ending.c_str(), ".gl", 3) == 0) requireKnownGltf(path);  // .gltf, .glb
+  const bool is_gltf = ::strncasecmp(ending.c_str(), ".gl", 3) == 0;  // .gltf, .glb
+  const std::size_t nb_triangles = is_gltf ? nbTrianglesOfGltf(path) : 0;
   Assimp::Importer importer;
   const std::unique_ptr<shapes::Mesh> mesh = read(path, importer);
   if (memory_ran_out) throw std::bad_alloc();
   if (!mesh) {
     const std::string why = importer.GetErrorString();
     return refuse(why.empty() ? "it is not a mesh that can be read (truncated?)" : why);
+  }
+  if (is_gltf && mesh->triangle_count != nb_triangles) {
+    return refuse("it places " + std::to_string(nb_triangles) +
+                  " triangles, of which assimp reads " + std::to_string(mesh->triangle_count));
   }
   const std::uint64_t counts[] = {mesh->vertex_count, mesh->triangle_count};
   std::cout << MESH;

@@ -64,8 +64,8 @@ void readDeceleration(const YAML::Node& value, LimiterParameters& parameters) {
   for (const auto& entry : value) {
     const std::string name = withoutLeadingSlash(entry.first.Scalar());
     if (std::count(parameters.joints.begin(), parameters.joints.end(), name) != 1) {
-      throw InputError(key + ": '" + name + "' is not in joints; did you mean '" +
-                       nearestName(name, parameters.joints) + "'?");
+      throw InputError(key + ": '" + name + "' is not in joints" +
+                       didYouMean(name, parameters.joints));
     }
     const double number = within(key + '/' + name, entry.second, range);
     if (numbers.emplace(name, number).second) continue;
@@ -106,8 +106,8 @@ std::optional<LimiterParameters> LimiterParameters::read(const YAML::Node& value
     } else {
       std::vector<std::string> known = WORDS;
       for (const auto& other : NUMBERS) known.push_back(other.first);
-      throw InputError(KEY + ": '" + name + "' is not a setting of the limiter; did you mean '" +
-                       nearestName(name, known) + "'?");
+      throw InputError(KEY + ": '" + name + "' is not a setting of the limiter" +
+                       didYouMean(name, known));
     }
   });
   if (parameters.command.empty()) throw InputError(KEY + " has no command: the topic to limit");

@@ -7,7 +7,7 @@
 #include <ros/console.h>
 
 #include "collision_pairs/input_error.h"
-#include "frame_names.h"
+#include "user_text.h"
 
 namespace collision_pairs {
 namespace {

@@ -52,7 +52,8 @@ void loadSrdf(const ros::NodeHandle& node, const RobotParameters& parameters, De
                      parameters.description);
   }
   robot.readSrdf(textOf(key, xml), warn);
-  for (const std::string& link : robot.srdf->unknownLinks(linkNames(*robot.source->skeleton()))) {
+  for (const std::string& link :
+       robot.srdf->unknownLinks(namesOf(robot.source->skeleton()->links()))) {
     log("parameter " + key + ": '" + link + "' is not a link of the robot");
   }
 }

@@ -59,7 +59,7 @@ BagReplay::BagReplay(std::string path, const BagIndex& index, const RawMessageFi
       options_(options),
       scenes_(scenes),
       monitor_({options.limits}, std::move(cache)),
-      frames_(index, linkNames(*parameters.sources.robots.front().source->skeleton()),
+      frames_(index, namesOf(parameters.sources.robots.front().source->skeleton()->links()),
               options.prefix) {
   static_joints_ = parameters.sources.config.static_joints;
   std::optional<SceneObjects> objects;
@@ -127,7 +127,7 @@ void BagReplay::choosePoses() {
   for (const std::string& joint : unnamed) {
     doubts_.push_back("joint '" + joint + "' is not in the bag: it was taken as zero");
   }
-  for (const Joint& joint : robot.joints()) at_zero_.push_back(joint.name);
+  at_zero_ = namesOf(robot.joints());
   load(std::move(parameters));
 }
 
@@ -146,7 +146,7 @@ void BagReplay::refuse(const std::vector<std::string>& problems) const {
                      "move them; " +
                      problems.front());
   }
-  const std::set<std::string> prefixes = possiblePrefixes(index_, linkNames(robot));
+  const std::set<std::string> prefixes = possiblePrefixes(index_, namesOf(robot.links()));
   const std::string hint =
       prefixes.empty() ? ""
                        : "; try --prefix " + joined({prefixes.begin(), prefixes.end()}, " or ");

@@ -26,8 +26,7 @@ constexpr std::size_t MOST_EDITS = 2;                                 // of a mi
 std::string suggestion(const std::string& given, const po::options_description& options) {
   std::vector<std::string> names;
   for (const auto& option : options.options()) names.push_back("--" + option->long_name());
-  const std::string nearest = nearestName(given, names, MOST_EDITS);
-  return nearest.empty() ? "" : "; did you mean '" + nearest + "'?";
+  return didYouMean(given, names, MOST_EDITS);
 }
 
 bool isSameFile(const std::string& a, const std::string& b) {

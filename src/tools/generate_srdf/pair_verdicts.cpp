@@ -133,8 +133,7 @@ std::string contactState(const PairEvidence& e, const CollisionScene& scene,
 std::vector<PairVerdict> decide(const std::vector<PairEvidence>& evidence,
                                 const CollisionScene& scene, const std::optional<Srdf>& given,
                                 const ClassRules& rules, bool disable_default) {
-  std::vector<std::string> links;
-  for (const CollisionModel& model : scene.models()) links.push_back(model.name);
+  const std::vector<std::string> links = namesOf(scene.models());
   std::set<Srdf::LinkPair> off, on;
   if (given) {
     off = given->switchedOff(links);

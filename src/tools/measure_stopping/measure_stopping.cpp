@@ -135,8 +135,8 @@ Recording readTopics(const Options& options, const BagIndex& index, const RawMes
   for (const auto& joint : states) known.push_back(joint.first);
   for (const std::string& name : recording.content.joints) {
     if (states.count(name) == 0) {
-      throw InputError(recording.joint_states + " has no joint '" + name + "'; did you mean '" +
-                       nearestName(name, known) + "'?");
+      throw InputError(recording.joint_states + " has no joint '" + name + "'" +
+                       didYouMean(name, known));
     }
     recording.content.states.push_back(states[name]);
   }
