@@ -20,6 +20,7 @@ add_library(collision_pairs_io SHARED
   src/io/meshes/mesh_process.cpp
   src/io/meshes/obj_file.cpp
   src/io/meshes/ply_file.cpp
+  src/io/meshes/polygon.cpp
   src/io/meshes/stl_file.cpp
   src/io/text/csv.cpp
   src/io/text/joint_states_csv.cpp

@@ -14,6 +14,7 @@
 #include "motion_fixtures.h"
 #include "prepared_surroundings.h"
 #include "random_inputs.h"
+#include "refusal.h"
 
 namespace collision_pairs {
 namespace test_certified_surroundings {
@@ -97,6 +98,22 @@ TEST(CertifiedSurroundings, KnowAJointWhateverSlashItIsNamedWith) {
     surroundings.setState(state);
     EXPECT_TRUE(surroundings.certify({{0.0}, {0.5}, {0.0}, 0.0}, ONE_CM, {}).is_free) << name;
     EXPECT_FALSE(surroundings.certify({{0.0}, {1.5}, {0.0}, 0.0}, ONE_CM, {}).is_free) << name;
+  }
+}
+
+// What it is commanded, its leader's motion would overwrite.
+TEST(CertifiedSurroundings, AreNotAskedOfAJointThatFollowsAnother) {
+  SceneDescription description;
+  const auto robot = robotFrom(
+      boxLink("base", 0.1) + boxLink("a", 0.1) + boxLink("b", 0.1) +
+      joint("f1", "continuous", "base", "a", "1 0 0", "<axis xyz='0 0 1'/>") +
+      joint("f2", "continuous", "base", "b", "2 0 0", "<axis xyz='0 0 1'/><mimic joint='f1'/>"));
+  description.robots.push_back({robot, Srdf(), ""});
+  const auto scene = CollisionScene::build(description);
+  EXPECT_NO_THROW(CertifiedSurroundings(scene, {"f1"}, Fidelity::MESH));
+  for (const std::vector<std::string>& joints : {std::vector<std::string>{"f1", "f2"}, {"/f2"}}) {
+    const std::string why = refusal([&] { CertifiedSurroundings(scene, joints, Fidelity::MESH); });
+    EXPECT_NE(why.find("joint 'f2' mimics 'f1'"), why.npos) << why;
   }
 }
 

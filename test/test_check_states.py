@@ -109,6 +109,14 @@ def test_a_world_stands_at_the_robots_root(run_tool, states, tmp_path):
     assert done.returncode == 2 and "table" in done.stderr
 
 
+def test_a_world_of_which_nobody_knows_a_position_is_refused(run_tool, states, tmp_path):
+    world = tmp_path / "world.urdf"
+    world.write_text("<robot name='w'><link name='o'/><link name='p'><collision><geometry><sphere radius='1'/></geometry></collision>"
+                     "</link><joint name='j' type='continuous'><parent link='o'/><child link='p'/><mimic joint='none'/></joint></robot>")
+    done = run_tool("check_states", URDF, "--srdf", SRDF, "--states", states, "--world", world)
+    assert done.returncode == 2 and "joint 'j' follows one that is not there" in done.stderr
+
+
 def test_any_number_of_threads_gives_the_same_output(run_tool, tmp_path):
     states = tmp_path / "many.csv"
     states.write_text("shoulder_pan,shoulder_lift\n" + "".join("%.3f,%.3f\n" % (i * 0.01 - 2, i * 0.003) for i in range(400)))
@@ -140,6 +148,7 @@ def broken_inputs():
         "states_short": ("states", b"shoulder_pan,elbow_flex\n1\n", "line 2"),
         "states_late": ("states", b"shoulder_pan\n" + b"1\n" * 1000 + b"x\n", "line 1002"),
         "states_empty": ("states", b"", "no header"),
+        "states_none": ("states", b"shoulder_pan\n", "it has no states"),
         "world_broken": ("world", b"<robot name='w'><link/></robot>", "world"),
     }
 
@@ -261,6 +270,8 @@ def test_points_that_are_not_finite_are_said_to_be_passed_over(run_tool, states,
      "more than 2^20 voxels"),
     ("FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nPOINTS 1\nDATA ascii\n0 0 0\n", ["--voxel-size", "0"], "voxel size"),
     ("FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nPOINTS 1\nDATA ascii\n0 0 0\n", [], "--voxel-size"),
+    ("FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nPOINTS 0\nDATA ascii\n", ["--voxel-size", "0.05"], "it has no finite point"),
+    ("FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nPOINTS 1\nDATA ascii\nnan 0 0\n", ["--voxel-size", "0.05"], "it has no finite point"),
     (None, ["--voxel-size", "0.05"], "cannot be opened"),
 ])
 def test_a_cloud_that_cannot_be_used_is_refused_by_name(run_tool, states, tmp_path, cloud, options, why):

@@ -58,7 +58,7 @@ TEST(JointTransforms, AreOfTheBodiesBelowTheJointsThatAMessageNamesAndOfThoseTha
     EXPECT_EQ(transform.header.stamp, ros::Time(7, 5));
     EXPECT_EQ(transform.header.frame_id, "base");
     const bool is_arm = transform.child_frame_id == "arm";
-    EXPECT_EQ(transform.transform.translation.x, is_arm ? 1.5 : 3.5) << "not the mimic's own 7";
+    EXPECT_EQ(transform.transform.translation.x, is_arm ? 1.5 : 7.0) << "what is named counts";
     EXPECT_EQ(transform.transform.translation.y, is_arm ? 2.0 : 5.0);
   }
   const auto wheel = made.take(stateOf({"spin", "slide"}, {0.5, std::nan("")}));
@@ -80,6 +80,28 @@ TEST(JointTransforms, ReadAMessageAsRobotStatePublisherDoes) {
     }
   }
   EXPECT_TRUE(made.take(stateOf({"slide", "slide"}, {std::nan(""), 2.5})).transforms.empty());
+}
+
+// robot_state_publisher takes followers in the order of their names, one after the other.
+TEST(JointTransforms, OfAJointThatFollowsAFollowerAreThoseOfRobotStatePublisher) {
+  const auto chain = [](const std::string& last) {
+    const auto slide = [](const std::string& joint, const std::string& leader) {
+      return "<link name='of_" + joint + "'/><joint name='" + joint + "' type='prismatic'>" +
+             "<limit lower='0' upper='9' effort='1' velocity='1'/><axis xyz='1 0 0'/>" +
+             "<parent link='base'/><child link='of_" + joint + "'/>" +
+             (leader.empty() ? "" : "<mimic joint='" + leader + "'/>") + "</joint>";
+    };
+    return robotFrom("<link name='base'/>" + slide("first", "") + slide("m", "first") +
+                     slide(last, "m"));
+  };
+  for (const std::string last : {"a", "z"}) {
+    const auto robot = chain(last);
+    JointTransforms made({{"/joint_states", {"first"}}}, *robot, "");
+    const auto message = made.take(stateOf({"first"}, {2.0}));
+    EXPECT_EQ(message.transforms.size(), last == "a" ? 2u : 3u);
+    const std::vector<std::string> unnamed = made.unnamedJoints(allBodies(*robot));
+    EXPECT_EQ(unnamed, last == "a" ? std::vector<std::string>{"a"} : std::vector<std::string>());
+  }
 }
 
 TEST(JointTransforms, WhatIsNotNamedIsAtZeroAndCountsAsUnnamed) {

@@ -9,6 +9,7 @@
 #include "benchmark/simulated_joints.h"
 #include "joint_states.h"
 #include "limiter_inputs.h"
+#include "monitored_robot.h"
 #include "published_decisions.h"
 
 namespace collision_pairs {
@@ -59,6 +60,76 @@ TEST(LimiterInputs, WithAClockOf10HertzASimulatedRobotStaysWithinTheTube) {
     ASSERT_LE(robot.positions()[0], furthest + 1e-6) << slower_at;
     ASSERT_GT(robot.positions()[0], 1.0);
   }
+}
+
+TEST(LimiterInputs, EachJointsPositionIsOfItsOwnTime) {
+  LimiterInputs inputs({{"a", "b"}, 0.1, 0.2, false, false});
+  inputs.take(jointState(100.0, {"a"}, {0.5}), {100.0, 7.0, 0});
+  inputs.take(jointState(100.06, {"b"}, {0.5}), {100.06, 7.06, 0});
+  const LimiterInput input = inputs.at({100.07, 7.07, 0}, 0.02).input;
+  EXPECT_NEAR(input.now - input.stamp, 0.09, 1e-9);
+  ASSERT_EQ(input.later.size(), 2u);
+  EXPECT_EQ(input.later[0], 0.0);
+  EXPECT_NEAR(input.later[1], 0.06, 1e-9);
+}
+
+/// Two fingers, the second of which follows the first, and a lid that is not commanded.
+class Hand {
+ public:
+  Hand() {
+    load(monitor_, parametersOf(boxLink("palm", 0.1) + boxLink("one", 0.1) + boxLink("two", 0.1) +
+                                boxLink("lid", 0.1) +
+                                joint("first", "continuous", "palm", "one", "1 0 0", "") +
+                                joint("second", "continuous", "palm", "two", "2 0 0",
+                                      "<mimic joint='first' multiplier='2'/>") +
+                                joint("hinge", "continuous", "palm", "lid", "3 0 0", "")));
+  }
+  void measure(double at, const std::vector<std::string>& joints,
+               const std::vector<double>& positions) {
+    inputs_.take(jointState(at, joints, positions), {at, at, 0});
+  }
+  Snapshot snapshot(double at) {
+    monitor_.advance(ros::Time(at));
+    return snapshotAt(inputs_.at({at, at, 0}, 0.02), monitor_, input_, state_);
+  }
+  const RobotState& state() const { return state_; }
+
+ private:
+  Monitor monitor_{TransformSettings()};
+  LimiterInputs inputs_{{{"first"}, 0.1, 0.2, false, false, 0.01, 1.0}};
+  LimiterInput input_;
+  RobotState state_;
+};
+
+TEST(LimiterInputs, AJointThatFollowsAnotherHasToBeWhereThatHasIt) {
+  for (const double off : {0.0, 0.009, -0.009, 0.011, -0.5, double(NAN)}) {
+    Hand hand;
+    hand.measure(100.0, {"first", "second", "hinge"}, {0.3, 0.6 + off, 0.0});
+    const auto doubts = hand.snapshot(100.0).poses.doubts;
+    if (std::abs(off) < 0.01) {
+      EXPECT_THAT(doubts, IsEmpty()) << off;
+    } else {
+      EXPECT_THAT(doubts, ElementsAre(testing::HasSubstr("joint 'second' is "))) << off;
+    }
+  }
+  Hand hand;
+  hand.measure(100.0, {"second"}, {5.0});
+  hand.measure(100.2, {"first", "hinge"}, {0.3, 0.0});
+  EXPECT_THAT(hand.snapshot(100.2).poses.doubts, IsEmpty()) << "an old one says nothing";
+}
+
+TEST(LimiterInputs, AJointThatIsNotCommandedStandsWhereItWasReportedWithinThePoseAge) {
+  Hand hand;
+  hand.measure(100.0, {"hinge"}, {0.7});
+  for (const double later : {0.05, 0.5, 0.9}) {
+    hand.measure(100.0 + later, {"first"}, {0.3});
+    const Snapshot snapshot = hand.snapshot(100.0 + later);
+    const RobotModel& robot = snapshot.scene->scene->robot();
+    EXPECT_EQ(hand.state().positions[robot.findJoint("hinge")], 0.7) << later;
+    EXPECT_FALSE(hand.state().placed[robot.links()[robot.findLink("lid")].body]) << later;
+  }
+  hand.measure(101.2, {"first"}, {0.3});
+  EXPECT_NE(hand.snapshot(101.2).poses.doubts.size(), 0u) << "TF does not know it either";
 }
 
 TEST(LimiterInputs, HandOnWhatIsNewOfAJointOnce) {

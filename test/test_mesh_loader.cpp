@@ -283,7 +283,7 @@ TEST_F(MeshLoaderTest, NoNameInAGltfCanBeMisspelt) {
       testing::HasSubstr("it is of glTF version '1.0', and 2.0 is read"));
   EXPECT_THAT(
       refusal(file("two.GLTF", before("mesh\"", "xyz_", text))),
-      testing::HasSubstr("'xyz_mesh' in nodes[0] is not known, and may be part of a surface"));
+      testing::HasSubstr("'xyz_mesh' in nodes[0] is not read, and may be part of a surface"));
 }
 
 /// assimp leaves out the triangles that it cannot use, and takes what is of another type for
@@ -313,6 +313,10 @@ TEST_F(MeshLoaderTest, EachTriangleOfAGltfIsReadOrItIsRefused) {
       {"[1], \"scale\"", "[2], \"scale\"", "there is no node '2'"},
       {"[1], \"scale\"", "[0], \"scale\"", "a node is placed twice"},
       {"[1, 1, 1]}, {\"mesh", "[1, 1]}, {\"mesh", "scale of a node is not 3 numbers"},
+      {"[1, 1, 1]}, {\"mesh", "[\"1\", \"1\", \"1\"]}, {\"mesh", "is not 3 numbers"},
+      {"\"mesh\": 0", "\"mesh\": 0, \"mesh\": 0", "'mesh' is in nodes[1] twice"},
+      {"\"mesh\": 0", "\"mesh\": 0, \"skin\": 0", "may be part of a surface"},
+      {"\"children\": [1]", "\"children\": [1.0]", "there is no node '1.0'"},
       {"12, \"type\"", "11, \"type\"", "a primitive of mode 4 has 11 corners"},
       {"VEC3", "vec3", "accessor 0 is not of the type of positions, or of indices"},
       {"5123", "5122", "accessor 1 is not of the type of positions, or of indices"}};

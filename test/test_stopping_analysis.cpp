@@ -348,6 +348,22 @@ TEST(StoppingAnalysis, HowFarOtherJointsPushOneIsSaidAndDoesNotLowerItsDecelerat
   EXPECT_LE(never_alone.joints[0].deceleration, 0.7 * Servo().slope);
 }
 
+TEST(StoppingAnalysis, AJointThatIsReportedWithinATurnIsTheSame) {
+  RandomInputs random;
+  const Truth truth = drive(random, Servo(), stepsAt({1.0, 0.5, 1.0}), 1.0, 2.5, 53.0);
+  std::vector<StoppingRecording::State> states;
+  record(random, truth, Recorder(), states);
+  const auto expected = analyseStopping(recordingOf(truth, states));
+  for (const double shift : {3.0, M_PI, -1.0}) {
+    std::vector<StoppingRecording::State> wrapped = states;
+    for (auto& state : wrapped) state.position = std::remainder(state.position + shift, 2.0 * M_PI);
+    const auto found = analyseStopping(recordingOf(truth, std::move(wrapped)));
+    EXPECT_NEAR(found.reaction_time, expected.reaction_time, 1e-9) << shift;
+    EXPECT_NEAR(found.joints[0].deceleration, expected.joints[0].deceleration, 1e-6) << shift;
+    EXPECT_EQ(found.warnings.size(), expected.warnings.size()) << shift;
+  }
+}
+
 TEST(StoppingAnalysis, OfTwoDirectionsTheSlowerCounts) {
   RandomInputs random;
   Case its;

@@ -1,4 +1,6 @@
 // A robot that follows commands as said stays within the tube until it stands.
+#include <algorithm>
+
 #include <gtest/gtest.h>
 
 #include "benchmark/simulated_joints.h"
@@ -78,10 +80,13 @@ TEST(StoppingTube, ContainsWhatARobotDoesWhateverItsDeadTimesAndAccelerations) {
     SimulatedJoints robot(std::vector<double>(nb_joints, 0.0), acceleration);
     const double period = random.uniform(0.004, is_steady ? 2.0 : 0.05);
     std::vector<double> command = randomCommand(random, nb_joints);
-    double next = 0.0, stamp = 0.0, now = 0.0;
-    std::vector<double> measured = robot.positions();
+    double next = 0.0, now = 0.0;
+    std::vector<double> measured = robot.positions(), stamps(measured.size(), 0.0);
     const double decided = random.uniform(0.0, is_steady ? 5.0 : 1.0);
-    const double age = random.uniform(0.0, 0.05);
+    std::vector<double> ages(measured.size(), random.uniform(0.0, 0.05));
+    if (round % 4 > 1) {  // each joint is measured by its own drive
+      for (double& age : ages) age = random.uniform(0.0, 0.3);
+    }
     for (; now < decided; now += STEP) {
       if (now >= next) {
         next = now + period;
@@ -90,18 +95,22 @@ TEST(StoppingTube, ContainsWhatARobotDoesWhateverItsDeadTimesAndAccelerations) {
         command = nextCommand(random, command, is_steady);
       }
       robot.step(now, STEP);
-      if (now + STEP <= decided - age) {
-        stamp = now + STEP;
-        measured = robot.positions();
+      for (std::size_t j = 0; j < measured.size(); ++j) {
+        if (now + STEP > decided - ages[j]) continue;
+        stamps[j] = now + STEP;
+        measured[j] = robot.positions()[j];
       }
     }
+    const double stamp = *std::min_element(stamps.begin(), stamps.end());
+    std::vector<double> later;
+    for (const double of_joint : stamps) later.push_back(of_joint - stamp);
     bool is_zero = true;
     for (const double x : command) is_zero &= x == 0.0;
     if (is_zero) continue;
     std::vector<double> scaled = command;
     const double scale = std::min(1.0, std::max(0.0, random.uniform(-0.2, 2.0)));
     for (double& x : scaled) x *= scale;
-    const StoppingTube tube = passed.tube(stamp, now, command, scaled);
+    const StoppingTube tube = passed.tube(stamp, now, command, scaled, later);
     std::vector<double> displacement(measured.size());
     const auto expectInside = [&] {
       for (std::size_t j = 0; j < measured.size(); ++j) {

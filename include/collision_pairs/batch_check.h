@@ -28,7 +28,7 @@ class BatchCheck {
   void run(std::size_t count, const CheckSettings& settings, const Pose& pose, const Take& take);
 
   /// The same for joint states: positions(i, q) fills in one entry per joint of the robot (rad or
-  /// m), with mimic joints applied; poses are RobotModel::forwardKinematics() of these. Up to 16
+  /// m), with mimic joints applied; poses are forwardKinematics() of the robot of scene(). Up to 16
   /// states are requested before the first of them is taken.
   ///
   /// With verdict_only, several states are processed together, and few of them need the exact

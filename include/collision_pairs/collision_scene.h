@@ -198,8 +198,8 @@ class CollisionScene {
   std::uint32_t endOfMovingElements() const {
     return static_cast<std::uint32_t>(elements_.size() - clouds_.size());
   }
-  /// Converts the poses of all bodies in the root link's frame, as forwardKinematics() returns
-  /// them, into poses of bodies(), all known. W is the root link's frame.
+  /// Converts the poses in W of all bodies of robot(), as its forwardKinematics() returns them,
+  /// into poses of bodies(), all known. W: the root link's frame, or that of SceneRobot::X_WR.
   void gatherPoses(const std::vector<Eigen::Isometry3d>& X_RB, BodyPoses& poses) const;
 
   /// Index of the element within its model.

@@ -112,6 +112,7 @@ void checkAll(Options& options) {
   const auto scene = buildScene(options.scene, settings.fidelity);
   const JointStates states =
       readJointStates(readTextFile(options.states), scene->robot(), options.states);
+  if (states.positions.empty()) throw InputError(options.states + ": it has no states");
   warnOf(states, scene->robot(), "state");
   const CloudVoxels voxels = readCloud(options.scene, *scene);
   const std::vector<std::string> rows = check(states, scene, settings, voxels, options.threads);

@@ -228,11 +228,15 @@ class LimiterGuardTest(unittest.TestCase):
         for node, topic in (("loop", "/loop/limited_command"), ("loop_guard", "/loop_guard/command")):
             rospy.set_param("/%s/velocity_limiter" % node, dict(LIMITER, command=topic))
         guard = Program(GUARD, "__name:=loop_guard")
-        guard.wait_for("velocity_limiter/command is the topic of the limited commands, /loop_guard/command")
+        guard.wait_for("commands are read from /loop_guard/command and passed on there")
+        self.assertEqual(guard.process.wait(60), 1)
+        rospy.set_param("/self_guard/velocity_limiter", dict(LIMITER, command="/other"))
+        guard = Program(GUARD, "__name:=self_guard", "~command:=/self_guard/limited_command")
+        guard.wait_for("commands are read from /self_guard/limited_command and passed on there")
         self.assertEqual(guard.process.wait(60), 1)
         self.programs.append(Program(NODE, "__name:=loop"))
-        self.programs[-1].wait_for("the topic of the limited commands, /loop/limited_command: the limiter would hear itself")
-        self.assertRegex(diagnosis_of("loop: velocity limiter").message, "would hear itself")
+        self.programs[-1].wait_for("commands are read from /loop/limited_command and passed on there")
+        self.assertRegex(diagnosis_of("loop: velocity limiter").message, "would be heard again")
 
     def test_without_the_limiters_settings_a_guard_says_so(self):
         guard = Program(GUARD, "__name:=no_settings")

@@ -94,6 +94,13 @@ class RestrictedRequestsTest(unittest.TestCase):
         self.assertFalse(reply.success)
         self.assertIn("no points", reply.message)
 
+    def test_a_trajectory_of_velocities_alone_is_refused(self):
+        for fields in (dict(velocities=[0.5]), dict(accelerations=[0.5]), dict(effort=[0.5])):
+            points = [JointTrajectoryPoint(), JointTrajectoryPoint(**fields)]
+            reply = self.check_trajectory(trajectory=JointTrajectory(points=points), between=True)
+            self.assertEqual((reply.success, list(reply.verdict)), (False, []))
+            self.assertIn("but no names and positions", reply.message)
+
     def test_trajectories_are_restricted_like_single_states(self):
         points = [JointTrajectoryPoint(positions=[x]) for x in (0.0, 5.0)]
         trajectory = JointTrajectory(joint_names=["slide_a"], points=points)

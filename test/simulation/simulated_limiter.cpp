@@ -161,11 +161,15 @@ std::string SimulatedLimiter::violation(const Monitor& monitor) {
       doubt_ = doubts.front();
       return "";
     }
-    for (const auto& [name, value] : moment.positions) {
-      const Reported& reported = newest_.at(std::stoi(name.substr(1)));
-      if (upper() + LATER - reported.measured > MAX_AGE + ROUNDING) {
+    for (const auto& [name, value, told_age] : moment.positions) {
+      const int link = std::stoi(name.substr(1));
+      const Reported& reported = newest_.at(link);
+      const bool is_limited = std::find(joints_.begin(), joints_.end(), link) != joints_.end();
+      const double since = upper() + LATER - reported.measured;
+      if (is_limited && since > MAX_AGE + ROUNDING) {
         return "the limiter uses an old position of " + name;
       }
+      if (std::abs(told_age - since) > ROUNDING) return "the age of " + name + " is another";
       if (value != reported.value && std::isfinite(reported.value)) {
         return "the limiter decides on another position of " + name;
       }
@@ -173,7 +177,7 @@ std::string SimulatedLimiter::violation(const Monitor& monitor) {
     const RobotModel& robot = snapshot.scene->scene->robot();
     std::vector<Eigen::Isometry3d> X_WB;
     std::vector<double> values;
-    for (const auto& [name, value] : moment.positions) values.push_back(value);
+    for (const auto& measured : moment.positions) values.push_back(measured.value);
     snapshot.joints->bodyPosesAt(values, X_WB);
     for (const int link : joints_) {
       const int joint = robot.findJoint(jointName(link));

@@ -5,6 +5,7 @@
 #include <map>
 #include <utility>
 
+#include "collision_pairs/input_error.h"
 #include "joint_sampler.h"
 
 namespace collision_pairs {
@@ -31,6 +32,14 @@ CertifiedSurroundings::CertifiedSurroundings(std::shared_ptr<const CollisionScen
       detector_(scene_),
       gradient_(*scene_, columns_),
       rates_(joints.size()) {
+  const auto& all = scene_->robot().joints();
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    const Joint& joint = all[columns_.jointOf(i)];
+    if (!joint.mimic) continue;
+    throw InputError(
+        "joint '" + joint.name + "' mimics '" + all[joint.mimic->joint].name +
+        "', so it has no velocity of its own: leave it out of the joints, or its <mimic>");
+  }
   RobotState any;
   any.positions = scene_->robot().zeroPositions();
   any.voxels.resize(scene_->clouds().size());

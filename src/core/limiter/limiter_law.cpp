@@ -107,7 +107,8 @@ KeptDistances LimiterLaw::kept(double room, double coming) const {
 KeptDistances LimiterLaw::needed() const { return kept(ROOM_TO_RETREAT, 0.0); }
 
 StoppingTube LimiterLaw::tubeAt(const LimiterInput& input, double scale) const {
-  return passed_.tube(input.stamp, input.now, input.command, scaled(input.command, scale));
+  return passed_.tube(input.stamp, input.now, input.command, scaled(input.command, scale),
+                      input.later);
 }
 
 // What comes towards the robot until it stands.
@@ -219,6 +220,10 @@ double LimiterLaw::retreatScale(Question& question, double most) const {
     const StoppingTube tube = tubeAt(input, scale);
     const KeptDistances all = kept(ROOM_TO_RETREAT, growth(input, tube));
     const double travel = question.surroundings.travel(tube);
+    if (!std::isfinite(travel)) {
+      question.no_retreat = "the robot carries a plane, which has no end";
+      return 0.0;
+    }
     const double reach = std::max(all.links, all.others + all.coming) + 2.0 * travel;
     if (reach > near_until) {
       auto& surroundings = question.surroundings;

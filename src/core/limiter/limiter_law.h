@@ -89,9 +89,11 @@ struct LimiterInput {
   /// Seconds, as all times: when the command is published, at the latest; not before the last
   /// publication.
   double now = 0.0;
-  double stamp = 0.0;          ///< of the joint positions; <= now
+  double stamp = 0.0;          ///< of the oldest of the joint positions; <= now
   double obstacles_age = 0.0;  ///< seconds, >= 0: of the oldest information on what moves
   std::vector<double> command;
+  /// Seconds, >= 0, by which each joint's position was measured after `stamp`; empty: all at once.
+  std::vector<double> later = {};
 };
 
 struct LimiterDecision {

@@ -5,12 +5,12 @@
 #include <limits>
 #include <utility>
 
+#include "turns.h"
 #include "user_text.h"
 
 namespace collision_pairs {
 namespace {
 
-constexpr double PI = 3.14159265358979323846;
 constexpr double LONGEST_GAP = 1.0;    // s between compared states: commands are kept as long
 constexpr double REST = 1.0;           // s without fault or command, after which commands pass
 constexpr double LATELY = 0.5;         // s of which the words speak
@@ -59,9 +59,7 @@ void ResponseWatch::measured(const Position& position, double now) {
   }
   const double missed = SPEED_ERROR * way.fastest * (position.stamp - predicted->stamp);
   double low = predicted->low + way.low - missed, high = predicted->high + way.high + missed;
-  // A joint without limits may be reported within a turn.
-  const double jump = position.value - 0.5 * (low + high);
-  const double turns = std::abs(jump) > PI ? 2.0 * PI * std::round(jump / (2.0 * PI)) : 0.0;
+  const double turns = wholeTurns(position.value - 0.5 * (low + high));
   low = std::max(low + turns, alone.low);
   high = std::min(high + turns, alone.high);
   if (low <= high) {

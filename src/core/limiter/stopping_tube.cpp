@@ -147,7 +147,8 @@ bool PassedCommands::areAlong(const std::vector<double>& direction, double stamp
 }
 
 StoppingTube PassedCommands::tube(double stamp, double now, const std::vector<double>& direction,
-                                  const std::vector<double>& next) const {
+                                  const std::vector<double>& next,
+                                  const std::vector<double>& later) const {
   const std::size_t first = firstInEffect(stamp, now), nb_joints = direction.size();
   const double end = now + response_.hold + response_.reaction_time, moving = end - stamp;
   Sequence sequence;
@@ -204,7 +205,13 @@ StoppingTube PassedCommands::tube(double stamp, double now, const std::vector<do
     const double behind =
         std::min(square(risen) / (2.0 * rate),
                  (highest - slowest) * moving + square(std::min(slowest, 0.0)) / (2.0 * rate));
-    const double low = across.low - behind, high = across.high + ahead;
+    double low = across.low - behind, high = across.high + ahead;
+    // A position that was measured later has what the joint moved until then in it.
+    if (j < later.size() && later[j] > 0.0) {
+      const Way until = way(j, stamp, stamp + later[j], 0.0, false);
+      low -= until.high;
+      high -= until.low;
+    }
     const double middle = 0.5 * (low + high);
     tube.from.push_back(along.low * direction[j] + middle);
     tube.to.push_back(along.high * direction[j] + middle);

@@ -46,9 +46,10 @@ class PassedCommands {
   void add(double now, const std::vector<double>& command) { add(now, command, now); }
 
   /// `next`, which is to be passed `now` or before, is a multiple of `direction`, which is not
-  /// zero; the positions were measured at `stamp` <= now.
+  /// zero; the positions were measured at `stamp` <= now, each joint's so many seconds `later`, >=
+  /// 0 (empty: all at once).
   StoppingTube tube(double stamp, double now, const std::vector<double>& direction,
-                    const std::vector<double>& next) const;
+                    const std::vector<double>& next, const std::vector<double>& later = {}) const;
 
   /// Bounds of what a joint moved between two instants of the past, of which the first is at most a
   /// second old: rad or m. Commands may have had an effect `early`, seconds >= 0: where instants

@@ -69,6 +69,11 @@ class MemberCollector {
   }
 
   void addWorld(const RobotModel& world) {
+    for (const Joint& joint : world.joints()) {
+      if (!joint.leader_missing) continue;
+      throw InputError("environment: joint '" + joint.name +
+                       "' follows one that is not there (<mimic>): nobody knows its position");
+    }
     std::vector<Isometry3d> X_WB;
     world.forwardKinematics(world.zeroPositions(), X_WB);
     for (const Link& link : world.links()) {

@@ -34,21 +34,24 @@ JointTransforms::JointTransforms(const std::map<std::string, std::set<std::strin
     offer(withPrefix(prefix, ""));
     offer(prefix);
   }
+  for (std::size_t i = 0; i < robot.joints().size(); ++i) {
+    if (robot.joints()[i].mimic) followers_.push_back(static_cast<int>(i));
+  }
+  std::sort(followers_.begin(), followers_.end(),
+            [&robot](int a, int b) { return robot.joints()[a].name < robot.joints()[b].name; });
   for (const auto& entry : joints_) is_named_[entry.second] = 1;
+  for (const int follower : followers_) {
+    is_named_[follower] |= is_named_[robot.joints()[follower].mimic->joint];
+  }
   for (std::size_t b = 0; b < robot.bodies().size(); ++b) {
     const int joint = robot.bodies()[b].joint;
-    if (joint >= 0) moved_[driverOf(joint)].push_back(b);
+    if (joint >= 0) moved_[joint].push_back(b);
   }
 }
 
-int JointTransforms::driverOf(int joint) const {
-  while (robot_.joints()[joint].mimic) joint = robot_.joints()[joint].mimic->joint;
-  return joint;
-}
-
 bool JointTransforms::isNamed(std::size_t body) const {
-  const int driver = driverOf(robot_.bodies()[body].joint);
-  return is_named_[driver] && robot_.joints()[driver].hasPosition();
+  const int joint = robot_.bodies()[body].joint;
+  return is_named_[joint] && robot_.joints()[joint].hasPosition();
 }
 
 const std::string& JointTransforms::frameOf(int body) const {
@@ -61,8 +64,7 @@ std::size_t JointTransforms::nbMoved(const std::vector<SceneBody>& bodies) const
         const auto& all = robot_.bodies();
         int body = scene_body.body;
         while (all[body].joint >= 0) {
-          const bool moves = isNamed(body) && !robot_.joints()[all[body].joint].mimic;
-          if (moves) return true;
+          if (isNamed(body)) return true;
           body = all[body].parent;
         }
         return false;
@@ -75,7 +77,12 @@ std::vector<std::string> JointTransforms::unnamedJoints(
   for (const SceneBody& scene_body : bodies) {
     const auto& all = robot_.bodies();
     for (int body = scene_body.body; all[body].joint >= 0; body = all[body].parent) {
-      if (!isNamed(body)) names.insert(robot_.joints()[driverOf(all[body].joint)].name);
+      if (isNamed(body)) continue;
+      const auto* joint = &robot_.joints()[all[body].joint];
+      while (joint->mimic && !is_named_[joint->mimic->joint]) {
+        joint = &robot_.joints()[joint->mimic->joint];
+      }
+      names.insert(joint->name);
     }
   }
   return {names.begin(), names.end()};
@@ -101,16 +108,21 @@ geometry_msgs::TransformStamped JointTransforms::transformOf(
 }
 
 tf2_msgs::TFMessage JointTransforms::take(const sensor_msgs::JointState& state) {
-  std::vector<int> received;
+  std::map<int, double> received;
   for (const auto& [name, position] : finitePositionsIn(state)) {
     const auto joint = joints_.find(name);
-    if (joint == joints_.end()) continue;
-    positions_[joint->second] = position;
-    received.push_back(joint->second);
+    if (joint != joints_.end()) received.emplace(joint->second, position);
   }
-  robot_.applyMimics(positions_);
+  // As robot_state_publisher: in the order of their names, and what is named counts.
+  for (const int follower : followers_) {
+    const Joint::Mimic& mimic = *robot_.joints()[follower].mimic;
+    const auto leader = received.find(mimic.joint);
+    if (leader == received.end()) continue;
+    received.emplace(follower, mimic.multiplier * leader->second + mimic.offset);
+  }
   tf2_msgs::TFMessage message;
-  for (const int joint : received) {
+  for (const auto& [joint, position] : received) {
+    positions_[joint] = position;
     if (!robot_.joints()[joint].hasPosition()) continue;
     for (const std::size_t body : moved_[joint]) {
       message.transforms.push_back(transformOf(body, positions_));

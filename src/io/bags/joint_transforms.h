@@ -37,7 +37,6 @@ class JointTransforms {
   std::set<std::string> frames() const;
 
  private:
-  int driverOf(int joint) const;
   /// The joint above the body has its position from joint states.
   bool isNamed(std::size_t body) const;
   const std::string& frameOf(int body) const;
@@ -47,9 +46,10 @@ class JointTransforms {
   const RobotModel& robot_;
   std::string topic_;
   std::map<std::string, int> joints_;            ///< by name in the messages
-  std::vector<char> is_named_;                   ///< by joint, of those in joints_
+  std::vector<int> followers_;                   ///< joints with <mimic>, by name
+  std::vector<char> is_named_;                   ///< by joint: in joints_, or follows one that is
   std::vector<double> positions_;                ///< by joint
-  std::vector<std::vector<std::size_t>> moved_;  ///< by joint: bodies right below it or its mimics
+  std::vector<std::vector<std::size_t>> moved_;  ///< by joint: bodies right below it
 };
 
 }  // namespace collision_pairs

@@ -21,18 +21,17 @@ using Json = boost::property_tree::ptree;
 
 [[noreturn]] void refuse(const std::string& why) { throw std::runtime_error(why); }
 
-/// From the schema of glTF 2.0: what places surfaces, and what they consist of. "": the file.
+/// From the schema of glTF 2.0: what places surfaces, and what they consist of. "": the file. Skins
+/// and weights, which move a surface and are not applied, are not among them.
 const std::map<std::string, std::set<std::string>> GLTF_NAMES = {
     {"",
      {"accessors", "animations", "asset", "bufferViews", "buffers", "cameras", "extensionsRequired",
       "extensionsUsed", "images", "materials", "meshes", "nodes", "samplers", "scene", "scenes",
       "skins", "textures"}},
     {"scenes", {"nodes"}},
-    {"nodes",
-     {"camera", "children", "matrix", "mesh", "rotation", "scale", "skin", "translation",
-      "weights"}},
-    {"meshes", {"primitives", "weights"}},
-    {"primitives", {"attributes", "indices", "material", "mode", "targets"}},
+    {"nodes", {"camera", "children", "matrix", "mesh", "rotation", "scale", "translation"}},
+    {"meshes", {"primitives"}},
+    {"primitives", {"attributes", "indices", "material", "mode"}},
     {"accessors",
      {"bufferView", "byteOffset", "componentType", "count", "max", "min", "normalized", "sparse",
       "type"}},
@@ -47,8 +46,10 @@ const std::map<const char*, std::size_t> TRANSFORMS = {
 void requireNames(const Json& object, const std::string& kind, const std::string& place) {
   for (const auto& [name, value] : object) {
     if (name == "name" || name == "extensions" || name == "extras") continue;
-    if (GLTF_NAMES.at(kind).count(name) > 0) continue;
-    refuse("'" + name + "' in " + place + " is not known, and may be part of a surface");
+    if (GLTF_NAMES.at(kind).count(name) == 0) {
+      refuse("'" + name + "' in " + place + " is not read, and may be part of a surface");
+    }
+    if (object.count(name) > 1) refuse("'" + name + "' is in " + place + " twice");
   }
 }
 
@@ -66,6 +67,19 @@ std::string gltfText(const std::string& bytes) {
   std::uint32_t length;
   std::memcpy(&length, bytes.data() + HEADER, sizeof length);
   return bytes.substr(HEADER + CHUNK, length);
+}
+
+/// The parser takes "1" for 1, and assimp for nothing: in lists, such a text is made another.
+std::string withoutQuotedNumbers(std::string text) {
+  for (std::size_t at = text.find('"'); at != std::string::npos;) {
+    const std::size_t end = text.find('"', at + 1);
+    const std::size_t before = at == 0 ? at : text.find_last_not_of(" \t\r\n", at - 1);
+    const bool is_number = text.find_first_not_of("+-.0123456789eE", at + 1) == end;
+    if (is_number && before < at && (text[before] == '[' || text[before] == ','))
+      text[at + 1] = '?';
+    at = end == std::string::npos ? end : text.find('"', end + 1);
+  }
+  return text;
 }
 
 /// Extensions of glTF that change looks only.
@@ -166,7 +180,7 @@ std::size_t nbTrianglesOfGltf(const std::string& path) {
   const std::string bytes{std::istreambuf_iterator<char>(file), {}};
   Json root;
   try {
-    std::istringstream text(gltfText(bytes));
+    std::istringstream text(withoutQuotedNumbers(gltfText(bytes)));
     read_json(text, root);
   } catch (const boost::property_tree::json_parser_error& error) {
     refuse("line " + std::to_string(error.line()) + ": " + error.message());

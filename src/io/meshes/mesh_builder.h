@@ -2,14 +2,13 @@
 #pragma once
 
 #include <array>
-#include <cmath>
 #include <cstring>
+#include <optional>
 #include <unordered_map>
 #include <vector>
 
-#include <Eigen/Geometry>
-
 #include "collision_pairs/shape.h"
+#include "polygon.h"
 
 namespace collision_pairs {
 
@@ -20,12 +19,11 @@ class MeshBuilder {
   void addTriangle(const Corner& a, const Corner& b, const Corner& c) {
     mesh_.triangles.push_back({indexOf(a), indexOf(b), indexOf(c)});
   }
-  /// Splits it into a fan. False, and nothing is added, if it is not convex.
+  /// Splits it into triangles. False, and nothing is added, if it crosses itself.
   bool addPolygon(const std::vector<Corner>& polygon) {
-    if (!isConvex(polygon)) return false;
-    for (std::size_t i = 2; i < polygon.size(); ++i) {
-      addTriangle(polygon[0], polygon[i - 1], polygon[i]);
-    }
+    const std::optional<PolygonTriangles> triangles = triangulated(polygon);
+    if (!triangles) return false;
+    for (const auto& [a, b, c] : *triangles) addTriangle(polygon[a], polygon[b], polygon[c]);
     return true;
   }
   TriangleMesh finish() { return std::move(mesh_); }
@@ -50,31 +48,6 @@ class MeshBuilder {
       return std::memcmp(&a, &b, sizeof a) == 0;
     }
   };
-
-  /// True if all corners turn the same way about the polygon's normal, once around in total. False
-  /// if it has no area.
-  static bool isConvex(const std::vector<Corner>& polygon) {
-    if (polygon.size() <= 3) return true;
-    const auto toVector = [](const Corner& corner) {
-      return Eigen::Vector3d(corner[0], corner[1], corner[2]);
-    };
-    const Eigen::Vector3d origin = toVector(polygon[0]);
-    const auto at = [&](std::size_t i) -> Eigen::Vector3d {
-      return toVector(polygon[i % polygon.size()]) - origin;
-    };
-    Eigen::Vector3d normal = Eigen::Vector3d::Zero();  // Newell's
-    for (std::size_t i = 0; i < polygon.size(); ++i) normal += at(i).cross(at(i + 1));
-    if (normal.isZero(0.0)) return false;
-    double turned = 0.0;
-    for (std::size_t i = 0; i < polygon.size(); ++i) {
-      const Eigen::Vector3d before = at(i + 1) - at(i), after = at(i + 2) - at(i + 1);
-      const double sine = before.cross(after).dot(normal);
-      const double cosine = before.dot(after) * normal.norm();
-      if (sine < 0.0) return false;
-      turned += std::atan2(sine, cosine);
-    }
-    return turned < 3.0 * M_PI;  // 2 pi, up to rounding
-  }
 
   std::uint32_t indexOf(Corner corner) {
     for (float& coordinate : corner) coordinate += 0.0f;  // -0 is 0

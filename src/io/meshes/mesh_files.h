@@ -2,7 +2,6 @@
 // glTF: mesh_process.h.
 #pragma once
 
-#include <optional>
 #include <string>
 
 #include "collision_pairs/shape.h"
@@ -18,15 +17,15 @@ namespace collision_pairs {
 /// begins with "solid". A truncated file is refused: a robot could pass through the missing part.
 TriangleMesh readStl(const std::string& bytes);
 
-/// Reads the lines `v` and `f`; polygons are split into fans. Groups, normals, colours, lines and
-/// points are ignored. Not supported (returns nothing): polygons that are not convex, weights of
-/// vertices, continued lines.
-std::optional<TriangleMesh> readObj(const std::string& bytes);
+/// Reads the lines `v` and `f`; polygons are split into triangles. Groups, normals, colours, lines
+/// and points are ignored; all else, weights of vertices, and polygons that cross themselves are
+/// refused.
+TriangleMesh readObj(const std::string& bytes);
 
 /// Text or binary. Reads `vertex` (x, y, z) and `face` (vertex_indices or vertex_index); skips
-/// edges, materials and other properties; refuses other elements, truncated files, and what the
-/// header does not count. Polygons as in readObj.
-std::optional<TriangleMesh> readPly(const std::string& bytes);
+/// edges, materials, cameras and other properties; refuses other elements, truncated files, and
+/// what the header does not count. Polygons as in readObj.
+TriangleMesh readPly(const std::string& bytes);
 
 /// Metres per unit of a COLLADA file. Throws InputError for what assimp would read in part only, or
 /// otherwise than it is written, without a word: elements that the schema does not have where

@@ -113,13 +113,12 @@ class Loader {
     for (char& letter : ending) letter = static_cast<char>(std::tolower(letter));
     requireKnown(ending);
     if (ending == ".stl") return readStl(readBinaryFile(path));
-    std::optional<TriangleMesh> mesh;
-    if (ending == ".obj") mesh = readObj(readBinaryFile(path));
-    if (ending == ".ply") mesh = readPly(readBinaryFile(path));
+    if (ending == ".obj") return readObj(readBinaryFile(path));
+    if (ending == ".ply") return readPly(readBinaryFile(path));
     const double metres = ending == ".dae" ? readColladaUnit(readBinaryFile(path)) : 1.0;
-    if (!mesh) mesh = readMeshInProcess(path.string());
-    if (metres != 1.0) toMetres(path, metres, *mesh);
-    return std::move(*mesh);
+    TriangleMesh mesh = readMeshInProcess(path.string());
+    if (metres != 1.0) toMetres(path, metres, mesh);
+    return mesh;
   }
 
   /// Formats of which what is missing can be told. Of others assimp leaves parts out without a

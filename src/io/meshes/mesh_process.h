@@ -1,5 +1,4 @@
-// Reads COLLADA, glTF, and what readObj and readPly leave to it with geometric_shapes, in a process
-// of its own.
+// Reads COLLADA and glTF with geometric_shapes, in a process of its own.
 #pragma once
 
 #include <chrono>

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <set>
 #include <vector>
@@ -21,23 +22,37 @@ bool makesNoSurface(const std::string& word) {
   return word[0] == '#' || NAMES.count(word) > 0;
 }
 
+/// A line that ends with a backslash goes on, unless it is a comment.
+void joinContinuedLines(std::string& text) {
+  bool is_new = true, is_comment = false;
+  for (std::size_t begin = 0, end; (end = text.find('\n', begin)) != std::string::npos;) {
+    const std::size_t first = text.find_first_not_of(" \t\r", begin);
+    if (is_new) is_comment = text[first] == '#';
+    const std::size_t last = text.find_last_not_of('\r', end - (end > 0 ? 1 : 0));
+    const bool goes_on =
+        last != std::string::npos && last >= begin && text[last] == '\\' && !is_comment;
+    if (goes_on)
+      std::fill(text.begin() + static_cast<std::ptrdiff_t>(last),
+                text.begin() + static_cast<std::ptrdiff_t>(end) + 1, ' ');
+    is_new = !goes_on;
+    begin = end + 1;
+  }
+}
+
 class Reader {
  public:
   explicit Reader(const std::string& text) : words_(text) {}
 
-  /// Empty if the file contains something unsupported.
-  std::optional<TriangleMesh> read() {
+  TriangleMesh read() {
     while (words_.next()) {
       if (words_.is("v")) {
-        if (!readVertex()) return std::nullopt;
+        readVertex();
       } else if (words_.is("f")) {
-        if (!readFace()) return std::nullopt;
+        readFace();
       } else if (!makesNoSurface(words_.word())) {
         fail(words_.quoted() + " is not read, and may be a surface");
       }
-      while (words_.nextInLine()) {
-        if (words_.is("\\")) return std::nullopt;
-      }
+      words_.skipLine();
     }
     return builder_.finish();
   }
@@ -47,7 +62,9 @@ class Reader {
     throw InputError("line " + std::to_string(words_.line()) + ": " + why);
   }
 
-  bool readVertex() {
+  bool nextOfStatement() { return words_.nextInLine() && words_.word()[0] != '#'; }
+
+  void readVertex() {
     Corner corner;
     for (float& coordinate : corner) {
       if (!words_.nextInLine() || !words_.number(coordinate)) {
@@ -55,19 +72,20 @@ class Reader {
       }
     }
     vertices_.push_back(corner);
-    std::size_t nb_more = 0;  // three of a colour, or one weight
-    while (words_.nextInLine() && !words_.is("\\")) ++nb_more;
-    return nb_more != 1 && !words_.is("\\");
+    float weight = 1.0f;  // or the first of three or four numbers of a colour
+    std::size_t nb_more = 0;
+    while (nextOfStatement()) {
+      if (nb_more++ == 0 && !words_.number(weight)) fail("a vertex has " + words_.quoted());
+    }
+    if (nb_more == 1 && weight != 1.0f) fail("weights of vertices are not read");
   }
 
-  bool readFace() {
+  void readFace() {
     std::vector<Corner> polygon;
-    while (words_.nextInLine()) {
-      if (words_.is("\\")) return false;
-      polygon.push_back(vertices_[readIndex()]);
-    }
+    while (nextOfStatement()) polygon.push_back(vertices_[readIndex()]);
     if (polygon.size() < 3) fail("a face of " + std::to_string(polygon.size()) + " corners");
-    return builder_.addPolygon(polygon);
+    if (!builder_.addPolygon(polygon))
+      fail("a face that crosses itself, or of more than 500 corners and not convex");
   }
 
   /// "vertex", "vertex/texture", "vertex//normal": from 1 on, or from -1 backwards.
@@ -91,8 +109,9 @@ class Reader {
 
 }  // namespace
 
-std::optional<TriangleMesh> readObj(const std::string& bytes) {
-  const std::string text = withoutByteOrderMark(bytes);
+TriangleMesh readObj(const std::string& bytes) {
+  std::string text = withoutByteOrderMark(bytes);
+  joinContinuedLines(text);
   return Reader(text).read();
 }
 

@@ -47,19 +47,16 @@ class PlyReader {
  public:
   explicit PlyReader(const std::string& bytes) : bytes_(bytes), words_(bytes) {}
 
-  /// Empty if a polygon is not convex.
-  std::optional<TriangleMesh> read() {
+  TriangleMesh read() {
     readHeader();
-    bool is_convex = true;
     for (const PlyElement& element : elements_) {
       for (std::size_t i = 0; i < element.count; ++i) {
         place_ = {&element, i};
-        is_convex = readEntry(element) && is_convex;
+        readEntry(element);
         if (is_text_ && words_.nextInLine()) fail("has more numbers than properties");
       }
     }
     requireEnd();
-    if (!is_convex) return std::nullopt;
     return builder_.finish();
   }
 
@@ -187,8 +184,7 @@ class PlyReader {
     return property == "vertex_indices" || property == "vertex_index";
   }
 
-  /// False if it is a polygon that is not convex.
-  bool readEntry(const PlyElement& element) {
+  void readEntry(const PlyElement& element) {
     is_first_ = true;
     MeshBuilder::Corner corner{};
     std::vector<MeshBuilder::Corner> polygon;
@@ -206,7 +202,7 @@ class PlyReader {
       }
     }
     if (element.name == "vertex") addVertex(corner);
-    return element.name != "face" || addFace(polygon);
+    if (element.name == "face") addFace(polygon);
   }
 
   double readCount(const PlyProperty& list) {
@@ -230,9 +226,10 @@ class PlyReader {
     return vertices_[static_cast<std::size_t>(index)];
   }
 
-  bool addFace(const std::vector<MeshBuilder::Corner>& polygon) {
+  void addFace(const std::vector<MeshBuilder::Corner>& polygon) {
     if (polygon.size() < 3) fail("has " + std::to_string(polygon.size()) + " corners");
-    return builder_.addPolygon(polygon);
+    if (!builder_.addPolygon(polygon))
+      fail("crosses itself, or has more than 500 corners and is not convex");
   }
 
   /// NaN for a word that is no number: exporters write what they like where there is no normal.
@@ -273,6 +270,6 @@ class PlyReader {
 
 }  // namespace
 
-std::optional<TriangleMesh> readPly(const std::string& bytes) { return PlyReader(bytes).read(); }
+TriangleMesh readPly(const std::string& bytes) { return PlyReader(bytes).read(); }
 
 }  // namespace collision_pairs

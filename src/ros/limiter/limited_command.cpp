@@ -124,11 +124,11 @@ bool asksToMove(const trajectory_msgs::JointTrajectory& command) {
   });
 }
 
-void refuseLoop(const std::string& command, const std::string& limited) {
-  if (command != limited) return;
-  throw InputError("velocity_limiter/command is the topic of the limited commands, " + limited +
-                   ": the limiter would hear itself; who commands and the controller need a topic "
-                   "each");
+void refuseLoop(const std::string& read, const std::string& passed_on) {
+  if (read != passed_on) return;
+  throw InputError("commands are read from " + read +
+                   " and passed on there, so what is passed would be heard again; who commands, "
+                   "the limiter and the controller need a topic each");
 }
 
 trajectory_msgs::JointTrajectory limitedTrajectory(const trajectory_msgs::JointTrajectory& command,

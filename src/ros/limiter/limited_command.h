@@ -57,8 +57,9 @@ class JointPositions {
 bool asksToMove(const std_msgs::Float64MultiArray& command);
 bool asksToMove(const trajectory_msgs::JointTrajectory& command);
 
-/// Throws InputError if the limiter would hear what it has passed, in the end: topics, resolved.
-void refuseLoop(const std::string& command, const std::string& limited);
+/// Throws InputError if who reads commands from one topic and passes them on to the other would
+/// hear itself: topics, resolved.
+void refuseLoop(const std::string& read, const std::string& passed_on);
 
 /// The command with the velocities that the decision passes, in the command's order. Positions, if
 /// it has some, are on the way from the measured ones to the given ones, by the scale, and no

@@ -70,6 +70,7 @@ class Guard {
     publisher_ = own_private.advertise<Command>("command", 1, greet);
     refuseLoop(own.resolveName(parameters.command), publisher_.getTopic());
     commands_ = own_private.subscribe("limited_command", 1, &Guard::pass, this, hints);
+    refuseLoop(commands_.getTopic(), publisher_.getTopic());
     if (parameters_.is_trajectory) {
       states_ = own.subscribe(parameters_.joint_states, 10, &Guard::take, this, hints);
     }

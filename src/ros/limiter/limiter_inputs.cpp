@@ -12,6 +12,24 @@ namespace {
 
 constexpr double CLOCK_SET = 0.003;  // s, by which the computer's clock was set, at least
 
+/// A joint that follows another is placed by that, so it has to be there.
+void requireFollowers(const LimiterInputs::Moment& moment, const RobotModel& robot,
+                      std::vector<double> positions, const std::vector<char>& is_measured,
+                      std::vector<std::string>& doubts) {
+  robot.applyMimics(positions);
+  for (const auto& measured : moment.positions) {
+    int leader = robot.findJoint(measured.joint);
+    const auto id = static_cast<std::size_t>(leader);
+    if (leader < 0 || !robot.joints()[leader].mimic || measured.age > moment.young) continue;
+    while (robot.joints()[leader].mimic) leader = robot.joints()[leader].mimic->joint;
+    const double off = std::abs(measured.value - positions[id]);
+    if (!is_measured[static_cast<std::size_t>(leader)] || off <= moment.tolerance) continue;
+    doubts.push_back("joint '" + measured.joint + "' is " + formatted("%.3f", off) +
+                     " (rad or m) off where joint '" + robot.joints()[leader].name +
+                     "' has it, which it follows (<mimic>)");
+  }
+}
+
 }  // namespace
 
 LimiterInputs::LimiterInputs(Settings settings)
@@ -65,14 +83,21 @@ LimiterInputs::Moment LimiterInputs::at(const Clocks& clocks, double later) {
   try {
     const double oldest = positions_.oldestOf(settings_.joints, clock_.clock(), most_age);
     moment.input.stamp = moment.input.now - (moment.now - oldest);
+    for (const std::string& joint : settings_.joints) {
+      moment.input.later.push_back(positions_.all().at(joint).measured - oldest);
+    }
   } catch (const InputError& error) {
     moment.doubts.push_back(error.what());
   }
+  // Of the command's joints none may be older than `most_age`; the others stand.
+  const double of_others = settings_.max_pose_age;
+  const double oldest = of_others > 0.0 ? std::max(most_age, of_others) : HUGE_VAL;
   for (const auto& [name, position] : positions_.all()) {
-    if (moment.now - position.measured <= most_age) {
-      moment.positions.emplace_back(name, position.value);
-    }
+    const double age = moment.now - position.measured;
+    if (age <= oldest) moment.positions.push_back({name, position.value, age});
   }
+  moment.young = most_age;
+  moment.tolerance = settings_.tracking_tolerance;
   return moment;
 }
 
@@ -94,11 +119,13 @@ Snapshot snapshotAt(const LimiterInputs::Moment& moment, const Monitor& monitor,
   const RobotModel& robot = active->scene->robot();
   std::vector<std::string> names;
   std::vector<double> values;
-  for (const auto& [name, value] : moment.positions) {
-    const int id = robot.findJoint(name);
+  std::vector<char> is_measured(robot.joints().size(), 0);
+  for (const auto& measured : moment.positions) {
+    const int id = robot.findJoint(measured.joint);
     if (id < 0 || !robot.joints()[id].hasPosition() || robot.joints()[id].mimic) continue;
-    names.push_back(name);
-    values.push_back(value);
+    names.push_back(measured.joint);
+    values.push_back(measured.value);
+    is_measured[static_cast<std::size_t>(id)] = 1;
   }
   Snapshot snapshot = monitor.withMeasured(active, names);
   if (transforms.nbClockJumps() != moment.nb_jumps) {
@@ -106,7 +133,9 @@ Snapshot snapshotAt(const LimiterInputs::Moment& moment, const Monitor& monitor,
   }
   input.now = moment.input.now;
   input.stamp = moment.input.stamp;
+  input.later = moment.input.later;
   state.positions = snapshot.joints->jointPositionsAt(values);
+  requireFollowers(moment, robot, state.positions, is_measured, snapshot.poses.doubts);
   state.placed = snapshot.joints->placedBodies();
   state.voxels = snapshot.poses.voxels;
   if (!active->scene->clouds().empty()) {

@@ -24,6 +24,8 @@ class LimiterInputs {
     double command_timeout = 0.2;
     bool is_simulated = false;  ///< ROS time is what /clock says
     bool allow_paused = false;  ///< … and may stand still
+    double tracking_tolerance = 0.01;
+    double max_pose_age = 1.0;  ///< 0: no limit; of joints that are not of the command
   };
   /// Seconds of ROS time and of a clock that never jumps, and how often the monitor has seen the
   /// former jump.
@@ -51,9 +53,15 @@ class LimiterInputs {
   /// What is known of the time and of joints for a command that is passed a little later.
   struct Moment {
     double now = 0.0;    ///< s of ROS time, when it is passed
-    LimiterInput input;  ///< `now` and `stamp`, on the law's time
+    LimiterInput input;  ///< `now`, `stamp` and `later`, on the law's time
     unsigned nb_jumps = 0;
-    std::vector<std::pair<std::string, double>> positions;  ///< of joints, young enough
+    struct Measured {
+      std::string joint;
+      double value, age;  ///< rad or m, s
+    };
+    std::vector<Measured> positions;  ///< those that are not too old
+    double young = 0.0;      ///< s: max_joint_state_age, up to which joints of the command are used
+    double tolerance = 0.0;  ///< rad or m: tracking_tolerance
     std::vector<std::string> doubts;
   };
   Moment at(const Clocks& clocks, double later);

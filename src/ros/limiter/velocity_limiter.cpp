@@ -76,7 +76,10 @@ void VelocityLimiter::start(const ros::NodeHandle& node, const ros::NodeHandle& 
   const LimiterSettings& settings = parameters_->law;
   inputs_.emplace(LimiterInputs::Settings{parameters_->joints, settings.max_joint_state_age,
                                           settings.command_timeout, ros::Time::isSimTime(),
-                                          allow_paused});
+                                          allow_paused, settings.tracking_tolerance,
+                                          context_.monitor.with([](const Monitor& monitor) {
+                                            return monitor.transforms().limits().max_pose_age;
+                                          })});
   law_ = std::make_unique<LimiterLaw>(parameters_->law);
   ros::NodeHandle own(node), own_private(private_node);
   own.setCallbackQueue(&queue_);

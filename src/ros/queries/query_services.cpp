@@ -234,6 +234,14 @@ void TrajectoryService::check(const CheckTrajectory::Request& request,
   const auto& scene = snapshot.scene->scene;
   if (!batch_ || &batch_->scene() != scene.get()) batch_ = std::make_unique<BatchCheck>(scene);
   if (request.trajectory.points.empty()) throw InputError("the trajectory has no points");
+  for (const auto& point : request.trajectory.points) {
+    const bool is_empty =
+        point.velocities.empty() && point.accelerations.empty() && point.effort.empty();
+    if (request.trajectory.joint_names.empty() && point.positions.empty() && !is_empty) {
+      throw InputError(
+          "the trajectory has velocities, accelerations or efforts, but no names and positions");
+    }
+  }
   response.joints_from_tf = snapshot.joints->jointsFromTf();
   response.joints_at_zero = snapshot.joints->jointsAtZero();
   const Asked asked{request, snapshot, settings};

@@ -174,7 +174,6 @@ void BagReplay::take(const RawMessage& raw) {
   } else if (kind == BagTopic::JOINT_STATES && joints_ && raw.topic == joints_->topic()) {
     auto state = readMessage<sensor_msgs::JointState>(raw.data, raw.size);
     if (!state) return;
-    if (state->header.stamp.isZero()) state->header.stamp = toTime(raw.received);
     const tf2_msgs::TFMessage made = joints_->take(*state);
     if (made.transforms.empty()) return;
     take(made, false, raw.publisher);

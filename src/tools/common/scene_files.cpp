@@ -184,6 +184,11 @@ CloudVoxels readCloud(const SceneOptions& options, const CollisionScene& scene) 
                      " points are more than 2^20 voxels of " + std::to_string(options.voxel_size) +
                      " m from the robot's root; increase --voxel-size or remove them");
   }
+  if (counts.not_finite == points.size()) {
+    throw InputError(options.cloud +
+                     ": it has no finite point: a camera that sees nothing is "
+                     "probably broken");
+  }
   if (counts.not_finite > 0) {
     warn(options.cloud + ": " + std::to_string(counts.not_finite) + " of " +
          std::to_string(points.size()) + " points are not finite and were ignored");

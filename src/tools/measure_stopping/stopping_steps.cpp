@@ -6,6 +6,7 @@
 
 #include "collision_pairs/input_error.h"
 #include "stamps.h"
+#include "turns.h"
 #include "user_text.h"
 
 namespace collision_pairs {
@@ -114,6 +115,9 @@ void RecordedJoint::takeStates(std::vector<StoppingRecording::State> states) {
       periods.push_back(state.stamp - states_.back().stamp);
     }
     states_.push_back(state);
+    if (states_.size() < 2) continue;
+    double& position = states_.back().position;
+    position -= wholeTurns(position - states_[states_.size() - 2].position);
   }
   if (periods.empty()) throw InputError("no joint state has a position of joint '" + name + "'");
   const auto middle = periods.begin() + static_cast<std::ptrdiff_t>(periods.size() / 2);
