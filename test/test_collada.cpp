@@ -53,7 +53,9 @@ TEST_F(Collada, ColladaOfWhichAPartWouldBeMissingIsRefused) {
   const auto refusalOf = [&](const std::string& text) {
     return refusal(file(std::to_string(number++) + ".dae", text));
   };
-  for (const std::string kind : {"geometry", "node", "controller"}) {
+  EXPECT_THAT(refusalOf(before(in_node, "<instance_controller url='#g'/>", whole)),
+              testing::HasSubstr("<instance_controller>: what it does to a surface is not read"));
+  for (const std::string kind : {"geometry", "node"}) {
     for (const std::string url : {"#h", "#s", "#", "g", ""}) {
       const std::string added = "<instance_" + kind + " url='" + url + "'/>";
       EXPECT_THAT(refusalOf(before(in_node, added, whole)), testing::Not("accepted")) << added;

@@ -22,8 +22,7 @@ using tinyxml2::XMLElement;
 /// What an element with a URL places.
 const std::map<std::string, std::string> PLACED = {{"instance_visual_scene", "visual_scene"},
                                                    {"instance_node", "node"},
-                                                   {"instance_geometry", "geometry"},
-                                                   {"instance_controller", "controller"}};
+                                                   {"instance_geometry", "geometry"}};
 
 /// From the schema of COLLADA 1.4 and 1.5: what places surfaces, and what they consist of. The
 /// attributes that are read are required there.
@@ -128,6 +127,9 @@ class Parts {
       }
     }
     if (name == "geometry") requireSurface(element);
+    if (name == "instance_controller") {
+      failAt(element, COLLADA, "<instance_controller>: what it does to a surface is not read");
+    }
     for (const auto* child = element.FirstChildElement(); child;
          child = child->NextSiblingElement()) {
       if (colladaGrammar().count(child->Name()) > 0) require(*child);

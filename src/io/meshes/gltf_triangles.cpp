@@ -21,8 +21,9 @@ using Json = boost::property_tree::ptree;
 
 [[noreturn]] void refuse(const std::string& why) { throw std::runtime_error(why); }
 
-/// From the schema of glTF 2.0: what places surfaces, and what they consist of. "": the file. Skins
-/// and weights, which move a surface and are not applied, are not among them.
+/// From the schema of glTF 2.0: what places surfaces, and what they consist of. "": the file.
+/// Skins, weights and sparse accessors, which move a surface and which not every assimp applies,
+/// are not among them.
 const std::map<std::string, std::set<std::string>> GLTF_NAMES = {
     {"",
      {"accessors", "animations", "asset", "bufferViews", "buffers", "cameras", "extensionsRequired",
@@ -33,8 +34,7 @@ const std::map<std::string, std::set<std::string>> GLTF_NAMES = {
     {"meshes", {"primitives"}},
     {"primitives", {"attributes", "indices", "material", "mode"}},
     {"accessors",
-     {"bufferView", "byteOffset", "componentType", "count", "max", "min", "normalized", "sparse",
-      "type"}},
+     {"bufferView", "byteOffset", "componentType", "count", "max", "min", "normalized", "type"}},
     {"bufferViews", {"buffer", "byteLength", "byteOffset", "byteStride", "target"}},
     {"buffers", {"byteLength", "uri"}}};
 const Json NONE;
