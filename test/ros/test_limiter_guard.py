@@ -228,10 +228,12 @@ class LimiterGuardTest(unittest.TestCase):
         for node, topic in (("loop", "/loop/limited_command"), ("loop_guard", "/loop_guard/command")):
             rospy.set_param("/%s/velocity_limiter" % node, dict(LIMITER, command=topic))
         guard = Program(GUARD, "__name:=loop_guard")
+        self.programs.append(guard)
         guard.wait_for("commands are read from /loop_guard/command and passed on there")
         self.assertEqual(guard.process.wait(60), 1)
         rospy.set_param("/self_guard/velocity_limiter", dict(LIMITER, command="/other"))
         guard = Program(GUARD, "__name:=self_guard", "~command:=/self_guard/limited_command")
+        self.programs.append(guard)
         guard.wait_for("commands are read from /self_guard/limited_command and passed on there")
         self.assertEqual(guard.process.wait(60), 1)
         self.programs.append(Program(NODE, "__name:=loop"))

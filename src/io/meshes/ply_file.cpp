@@ -106,7 +106,7 @@ class PlyReader {
     if (!contains({"vertex", "face", "edge", "material", "camera"}, name)) {
       fail("element " + words_.quoted() + " is not read, and may be a surface");
     }
-    if (elementNamed(name)) fail("element '" + name + "' is there twice");
+    if (find(elements_, name)) fail("element '" + name + "' is there twice");
     double count = 0.0;
     words_.nextInLine();
     if (!parseNumber(words_.word(), count) || !(count >= 0.0 && count <= 1e15) ||
@@ -128,7 +128,7 @@ class PlyReader {
     const PlyType type = readType();
     words_.nextInLine();
     const std::string name = words_.word();
-    if (propertyNamed(elements_.back(), name)) fail("property '" + name + "' is there twice");
+    if (find(elements_.back().properties, name)) fail("property '" + name + "' is there twice");
     elements_.back().properties.push_back({name, count, type});
   }
 
@@ -147,17 +147,12 @@ class PlyReader {
     return found->second;
   }
 
-  const PlyElement* elementNamed(const std::string& name) const {
-    for (const PlyElement& element : elements_) {
-      if (element.name == name) return &element;
-    }
-    return nullptr;
-  }
-  static const PlyProperty* propertyNamed(const PlyElement& element, const std::string& name) {
-    for (const PlyProperty& property : element.properties) {
-      if (property.name == name) return &property;
-    }
-    return nullptr;
+  /// Null: there is none.
+  template <class Named>
+  static const Named* find(const std::vector<Named>& things, const std::string& name) {
+    const auto isIt = [&](const Named& thing) { return thing.name == name; };
+    const auto found = std::find_if(things.begin(), things.end(), isIt);
+    return found == things.end() ? nullptr : &*found;
   }
 
   void requireSurface() const {
@@ -165,10 +160,10 @@ class PlyReader {
     for (const PlyElement& element : elements_) {  // would take no place, however many there are
       if (element.properties.empty()) fail("element '" + element.name + "' has no properties");
     }
-    const PlyElement *vertex = elementNamed("vertex"), *face = elementNamed("face");
+    const PlyElement *vertex = find(elements_, "vertex"), *face = find(elements_, "face");
     if (!vertex || !face) throw InputError("it has no elements 'vertex' and 'face'");
     for (const char* axis : {"x", "y", "z"}) {
-      const PlyProperty* coordinate = propertyNamed(*vertex, axis);
+      const PlyProperty* coordinate = find(vertex->properties, axis);
       if (!coordinate || coordinate->count) {
         throw InputError("its vertices have no property '" + std::string(axis) + "'");
       }

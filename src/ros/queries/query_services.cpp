@@ -53,6 +53,16 @@ struct Asked {
   const CheckSettings& settings;
 };
 
+/// Who names no joint and gives no position, but another number, does not mean the present state.
+void requirePositions(const std::vector<std::string>& names, const std::vector<double>& positions,
+                      const std::vector<const std::vector<double>*>& others,
+                      const std::string& what) {
+  const auto isEmpty = [](const std::vector<double>* numbers) { return numbers->empty(); };
+  if (!names.empty() || !positions.empty()) return;
+  if (std::all_of(others.begin(), others.end(), isEmpty)) return;
+  throw InputError(what + ", but no names and positions");
+}
+
 /// Calls ask(positions) of a point; adds the point to errors.
 template <class Ask>
 auto ofPoint(std::size_t i, const Asked& asked, const Ask& ask) {
@@ -164,10 +174,8 @@ void QueryService::check(const CheckCollisions::Request& request,
   const auto& names = request.joint_state.name;
   const auto& positions = request.joint_state.position;
   const bool has_joints = !names.empty() || !positions.empty();
-  if (!has_joints &&
-      !(request.joint_state.velocity.empty() && request.joint_state.effort.empty())) {
-    throw InputError("joint_state has velocities or efforts, but no names and positions");
-  }
+  requirePositions(names, positions, {&request.joint_state.velocity, &request.joint_state.effort},
+                   "joint_state has velocities or efforts");
   ros::WallTime start;
   Snapshot snapshot = context_.scenes.snapshot(
       {request.group, request.links}, [&](const Monitor& monitor, const ActiveScenePtr& scene) {
@@ -235,12 +243,9 @@ void TrajectoryService::check(const CheckTrajectory::Request& request,
   if (!batch_ || &batch_->scene() != scene.get()) batch_ = std::make_unique<BatchCheck>(scene);
   if (request.trajectory.points.empty()) throw InputError("the trajectory has no points");
   for (const auto& point : request.trajectory.points) {
-    const bool is_empty =
-        point.velocities.empty() && point.accelerations.empty() && point.effort.empty();
-    if (request.trajectory.joint_names.empty() && point.positions.empty() && !is_empty) {
-      throw InputError(
-          "the trajectory has velocities, accelerations or efforts, but no names and positions");
-    }
+    requirePositions(request.trajectory.joint_names, point.positions,
+                     {&point.velocities, &point.accelerations, &point.effort},
+                     "the trajectory has velocities, accelerations or efforts");
   }
   response.joints_from_tf = snapshot.joints->jointsFromTf();
   response.joints_at_zero = snapshot.joints->jointsAtZero();
