@@ -31,7 +31,7 @@ class NewestPoses : public testing::Test {
                 false, publisher, stamp);
   }
   /// The arm on the base from 18 s to 19 s, by two nodes that contradict each other.
-  static void putArmInDoubt(TransformBuffer& buffer) {
+  static void makeArmSuspect(TransformBuffer& buffer) {
     for (const double later : {18.0, 18.5, 19.0}) {
       send(buffer, "base", "arm", later, 1.0, "/one");
       send(buffer, "base", "arm", later - 0.25, 9.0, "/two");

@@ -65,11 +65,11 @@ class Cameras {
                                                  one_[i].latest.stamp, setting_.configs[i].topic);
     }
     BodyPoses poses = setting_.posesOf(setting_.scene->bodies(), X_WB);
-    const auto doubts = addVoxels(views, *setting_.scene, poses);
+    const auto reasons = addVoxels(views, *setting_.scene, poses);
     const Verdict verdict = detector_.detect(poses, CheckSettings()).verdict;
-    seen.free = verdict == Verdict::FREE && doubts.empty();
+    seen.free = verdict == Verdict::FREE && reasons.empty();
     seen.collides = verdict == Verdict::COLLISION;
-    for (const CloudDoubt& doubt : doubts) seen.why += doubt.why + "; ";
+    for (const SuspectCloud& problem : reasons) seen.why += problem.why + "; ";
     if (!compares_) return seen;
     poses.voxels.clear();
     for (One& one : one_) poses.voxels.push_back(one.plain.end());

@@ -227,7 +227,7 @@ def test_what_is_not_used_is_counted_and_the_first_of_it_is_said(run_bag):
     done, said = run_bag(messages)
     assert done.returncode == 0 and said == [
         "3 transforms and joint positions that are not finite, not a rotation, or not one for each name",
-        "4 transforms are not used, or are in doubt; the first: transform of 'a': it was 1.12 s old when it "
+        "4 transforms are not used, or are suspect; the first: transform of 'a': it was 1.12 s old when it "
         "arrived, and max_pose_age is 1.00 s"]
     assert run_bag(messages[:3])[1] == []
 

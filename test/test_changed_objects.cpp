@@ -1,8 +1,13 @@
 // What a change of objects refuses, leaves to a build, or does without one.
+#include <mutex>
+#include <set>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "collision_pairs/batch_check.h"
 #include "collision_pairs/collision_detector.h"
+#include "collision_pairs/motion_check.h"
 #include "demo_scene.h"
 #include "refusal.h"
 #include "scene_inputs.h"
@@ -64,6 +69,8 @@ TEST_F(Changed, WhatIsWrongIsNamedAsByABuild) {
   EXPECT_THAT(refusal({{bad}, {}}), HasSubstr("'bad' is too large or too far away"));
   bad.elements[0].shape = Sphere{-1.0};
   EXPECT_THAT(refusal({{bad}, {}}), HasSubstr("a shape of the scene"));
+  bad.elements[0].shape = Mesh{nullptr};
+  EXPECT_THAT(refusal({{bad}, {}}), HasSubstr("object 'bad' has a mesh without data"));
 }
 
 TEST_F(Changed, WhatADescriptionNamesIsNotRemoved) {
@@ -135,9 +142,51 @@ TEST_F(Changed, ALinkWhoseGeometryCouldNotBeReadStaysLeftOut) {
       [](const Link& link) { return link.name == "b" ? std::vector<Element>{} : link.elements; });
   const auto alike = CollisionScene::build(description_)->withAlike({{box("new", 5)}, {}});
   ASSERT_NE(alike, nullptr);
+  EXPECT_EQ(alike->missing(), std::set<std::string>{"b"});
   const SceneChanges all_gone{{}, {"far", "near", "new"}};
   EXPECT_EQ(alike->withAlike(all_gone), nullptr);
   EXPECT_EQ(collision_pairs::refusal([&] { alike->with(all_gone); }), "accepted");
+}
+
+// By one check, a motion, and so many states that the batch stage could answer.
+TEST_F(Changed, WithoutTheGeometryOfALinkInAPairNothingIsFree) {
+  description_.robots[0].model = description_.robots[0].model->withElements(
+      [](const Link& link) { return link.name == "b" ? std::vector<Element>{} : link.elements; });
+  const std::vector<std::string> why = {"geometry that could not be read: b"};
+  for (const bool may_be_empty : {false, true}) {
+    description_.settings.allow_empty_scene = may_be_empty;
+    const auto scene = CollisionScene::build(description_);
+    EXPECT_FALSE(scene->mayBeFree());
+    const std::vector<double> apart = {10.0, 10.0}, touching = {3.0, 10.0};
+    const auto verdicts = [&](std::size_t count, const std::vector<double>& positions) {
+      CheckSettings settings;
+      settings.verdict_only = true;
+      std::set<Verdict> found;
+      std::mutex mutex;
+      BatchCheck(scene).runJoints(
+          count, settings, [&](std::size_t, std::vector<double>& q) { q = positions; }, {},
+          [&](std::size_t, const CollisionReport& report) {
+            const std::lock_guard<std::mutex> lock(mutex);
+            found.insert(report.verdict);
+            if (report.verdict == Verdict::UNKNOWN) {
+              EXPECT_EQ(report.unknown_because, why);
+            }
+          });
+      return found;
+    };
+    for (const std::size_t count : {1, 40000}) {
+      EXPECT_EQ(verdicts(count, apart), std::set<Verdict>{Verdict::UNKNOWN});
+      EXPECT_EQ(verdicts(count, touching), std::set<Verdict>{Verdict::COLLISION});
+    }
+    for (const bool only_free : {false, true}) {
+      MotionSettings settings;
+      settings.only_free = only_free;
+      const MotionReport report = MotionCheck(scene).check({apart, {12.0, 10.0}}, settings);
+      EXPECT_EQ(report.verdict, Verdict::UNKNOWN);
+      EXPECT_EQ(report.unknown_because, why);
+      EXPECT_EQ(report.free_until, 0.0);
+    }
+  }
 }
 
 TEST_F(Changed, TheLastObjectTakesItsPairsWithIt) {

@@ -246,9 +246,9 @@ def test_a_cloud_that_cannot_be_used_is_said_and_nothing_is_free_until_the_next(
     spoil(bad)
     rows, said = check(with_clouds(clouds))
     assert "1 of 6" in said, said
-    doubted = [row for row in rows if 1.01 < seconds_of(row) < 1.49]
-    assert doubted and all(row["verdict"] != "free" and "camera/points" in row["left_out"] for row in doubted)
-    assert any(says in row["unknown_because"] for row in doubted)
+    suspect = [row for row in rows if 1.01 < seconds_of(row) < 1.49]
+    assert suspect and all(row["verdict"] != "free" and "camera/points" in row["left_out"] for row in suspect)
+    assert any(says in row["unknown_because"] for row in suspect)
     assert any(row["verdict"] == "free" for row in rows if 1.5 <= seconds_of(row) < 3)
 
 

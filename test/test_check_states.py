@@ -313,6 +313,9 @@ def test_every_column_is_that_of_its_state_and_its_option(check_boxes):
     assert told() == [pairs, [""] * 4, ["0", "1", "2", "0"]]
     assert told("--alarm-distance", "0.3") == [pairs, [""] * 4, ["1", "1", "2", "0"]]
     assert told("--verdict-only")[1:] == [[""] * 4] * 2
+    _, found, _ = told("--verdict-only", "--min-distance")  # of a contact only the verdict is known
+    assert [distance == "" for distance in found] == [False, True, True, False]
+    assert [float(found[i]) for i in (0, 3)] == pytest.approx([distances[i] for i in (0, 3)], abs=1e-12)
     listed, found, _ = told("--min-distance")
     assert listed == pairs and [float(distance) for distance in found] == pytest.approx(distances, abs=1e-12)
     assert told("--tolerance", "0.1")[0] == pairs and told("--threads", "2")[0] == pairs

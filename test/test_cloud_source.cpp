@@ -11,7 +11,7 @@ namespace test_cloud_source {
 
 using testing::HasSubstr;
 
-TEST(ACloudSource, TakesCloudsOfOneCameraAndIsInDoubtWhileThereIsAnother) {
+TEST(ACloudSource, TakesCloudsOfOneCameraAndIsSuspectWhileThereIsAnother) {
   Monitor monitor{TransformSettings()};
   SceneParameters parameters =
       parametersOf(emptyLink("root") + linkWith("a", "<sphere radius='0.5'/>") +
@@ -19,7 +19,7 @@ TEST(ACloudSource, TakesCloudsOfOneCameraAndIsInDoubtWhileThereIsAnother) {
   parameters.sources.readSettings({"settings", "clouds: [{topic: points, source_timeout: 0.5}]"});
   load(monitor, std::move(parameters));
   const auto source = monitor.scenes().active()->clouds.front();
-  const auto doubtAfter = [&](double seconds, const std::string& frame, const std::string& node) {
+  const auto problemAfter = [&](double seconds, const std::string& frame, const std::string& node) {
     std_msgs::Header header;
     header.stamp = ros::Time(1000.0 + seconds);
     monitor.advance(header.stamp);
@@ -31,21 +31,21 @@ TEST(ACloudSource, TakesCloudsOfOneCameraAndIsInDoubtWhileThereIsAnother) {
       job->run();
       source->take(*job);
     }
-    return source->view().doubt;
+    return source->view().problem;
   };
   const auto is_another = HasSubstr("each camera needs a topic of its own");
-  EXPECT_EQ(doubtAfter(0.0, "root", "/one"), "");
-  EXPECT_THAT(doubtAfter(0.1, "root", "/two"), is_another);
-  EXPECT_THAT(doubtAfter(0.2, "/root", "/one"), is_another) << "the other was heard lately";
-  EXPECT_THAT(doubtAfter(0.55, "root", "/one"), is_another);
-  EXPECT_EQ(doubtAfter(0.65, "root", "/one"), "");
-  EXPECT_EQ(doubtAfter(1.3, "root", "/two"), "") << "the other was started anew";
-  EXPECT_THAT(doubtAfter(1.4, "a", "/two"), is_another);
-  EXPECT_EQ(doubtAfter(2.0, "root", "/two"), "");
-  EXPECT_THAT(doubtAfter(3.0, "a", "/two"), is_another) << "however old";
-  EXPECT_THAT(doubtAfter(9.0, "a", "/two"), testing::Not(""));
+  EXPECT_EQ(problemAfter(0.0, "root", "/one"), "");
+  EXPECT_THAT(problemAfter(0.1, "root", "/two"), is_another);
+  EXPECT_THAT(problemAfter(0.2, "/root", "/one"), is_another) << "the other was heard lately";
+  EXPECT_THAT(problemAfter(0.55, "root", "/one"), is_another);
+  EXPECT_EQ(problemAfter(0.65, "root", "/one"), "");
+  EXPECT_EQ(problemAfter(1.3, "root", "/two"), "") << "the other was started anew";
+  EXPECT_THAT(problemAfter(1.4, "a", "/two"), is_another);
+  EXPECT_EQ(problemAfter(2.0, "root", "/two"), "");
+  EXPECT_THAT(problemAfter(3.0, "a", "/two"), is_another) << "however old";
+  EXPECT_THAT(problemAfter(9.0, "a", "/two"), testing::Not(""));
   monitor.clearClouds();
-  EXPECT_EQ(doubtAfter(9.1, "a", "/two"), "");
+  EXPECT_EQ(problemAfter(9.1, "a", "/two"), "");
 }
 
 }  // namespace test_cloud_source

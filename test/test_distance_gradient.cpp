@@ -163,12 +163,12 @@ Tally compare(Probe& probe, int nb_states, Kind kind, RandomInputs& random) {
     for (std::size_t i = 0; i < pairs.size(); ++i) {
       if (!kind(pairs[i]) || !given[i]) continue;
       const Eigen::VectorXd slopes = differences(probe, pairs[i], q, 2e-5);
-      double doubt = 0.0;  // where the nearest features change, the steps disagree
+      double difference = 0.0;  // where the nearest features change, the steps disagree
       for (const double step : {1e-5, 5e-5}) {
         const Eigen::VectorXd other = differences(probe, pairs[i], q, step);
-        doubt = std::max(doubt, (slopes - other).cwiseAbs().maxCoeff());
+        difference = std::max(difference, (slopes - other).cwiseAbs().maxCoeff());
       }
-      if (!(doubt < 3e-7)) {
+      if (!(difference < 3e-7)) {
         ++tally.without_derivative;
         continue;
       }

@@ -136,7 +136,7 @@ TEST_F(Follower, DoesNotMissWhatWasAttachedToALink) {
 // Random clouds about box a, and what it holds; what is attached meanwhile stands 10 m away.
 TEST_F(Follower, IsNotDisturbedByWhatIsAttachedElsewhere) {
   RandomInputs random;
-  int nb_doubts = 0, nb_hidden = 0;
+  int nb_suspect = 0, nb_hidden = 0;
   for (int series = 0; series < 100; ++series) {
     CloudProcessor alone(config_), disturbed(config_);
     std::vector<RigidObject> held, tools;
@@ -157,11 +157,11 @@ TEST_F(Follower, IsNotDisturbedByWhatIsAttachedElsewhere) {
       SCOPED_TRACE("series " + std::to_string(series) + ", cloud " + std::to_string(cloud));
       ASSERT_EQ(disturbed.mayTouch(), alone.mayTouch());
       ASSERT_EQ(found->size(), expected->size());
-      nb_doubts += alone.mayTouch() != "";
+      nb_suspect += alone.mayTouch() != "";
       nb_hidden += expected->size() != 0 && points.size() > 2;
     }
   }
-  EXPECT_GT(nb_doubts, 100);
+  EXPECT_GT(nb_suspect, 100);
   EXPECT_GT(nb_hidden, 100);
 }
 
@@ -175,12 +175,12 @@ TEST_F(Follower, DoesNotTakeWhatWasHeldForWhatVanished) {
     };
     description_.objects = {heldBy("a", "tool", held)};
     for (const double x : {0.95, 0.85, 0.65, 0.52}) add(processor, {{x, 0.01, 0.01}});
-    const std::string doubt = "vanished 12 cm from tool: it may touch";
-    EXPECT_EQ(show({-3, 0, 0}), doubt);
+    const std::string problem = "vanished 12 cm from tool: it may touch";
+    EXPECT_EQ(show({-3, 0, 0}), problem);
     description_.objects.clear();
     if (is_moved) description_.objects = {heldBy("a", "tool", elsewhere)};
     keeps_more_ = true;
-    EXPECT_EQ(show({-3, 0, 0}), doubt);
+    EXPECT_EQ(show({-3, 0, 0}), problem);
     EXPECT_EQ(show({0.75, -0.15, 0.01}), "");
   }
 }
@@ -235,7 +235,7 @@ TEST_F(Follower, DoesNotTakeWhatStandsNearByForWhatTheRobotHid) {
   }
 }
 
-TEST_F(Follower, DoubtsWhatIsHiddenInPart) {
+TEST_F(Follower, SuspectsWhatIsHiddenInPart) {
   const Vector3d nearest(-0.65, -0.05, 0.05);
   const std::vector<Vector3d> obstacle = {nearest, {-0.75, 0.05, 0.05}, {-0.75, 0.15, 0.05}};
   for (int i = 0; i < 2; ++i) add(processor_, obstacle);
@@ -254,7 +254,7 @@ TEST_F(Follower, DoubtsWhatIsHiddenInPart) {
 }
 
 /// Before it was hidden it may have moved on as far as it can from one cloud to the next.
-TEST_F(Follower, DoubtsWhatIsHiddenAndNotWithinThePaddingOfALink) {
+TEST_F(Follower, SuspectsWhatIsHiddenAndNotWithinThePaddingOfALink) {
   const auto hide = [&](double x_of_a) {
     x_of_a_ = x_of_a;
     add(processor_, wallAt(x_of_a + 0.5));

@@ -65,7 +65,7 @@ class JointQueryTest : public testing::Test {
 TEST_F(JointQueryTest, MovesWhatIsNamedAndWhatFollowsIt) {
   const JointQuery both = query({"lift", "lead"});
   int nb_placed = 0;
-  EXPECT_THAT(both.doubts(), IsEmpty());
+  EXPECT_THAT(both.unknownBecause(), IsEmpty());
   EXPECT_EQ(at("a", both, {7.0, 4.0}), Vector3d(4, 0, 0));
   EXPECT_EQ(at("b", both, {7.0, 4.0}), Vector3d(3, 5, 0));  // 0.5 * 4 + 1
   EXPECT_EQ(at("c", both, {7.0, 4.0}), Vector3d(4, 0, 7));
@@ -76,7 +76,7 @@ TEST_F(JointQueryTest, MovesWhatIsNamedAndWhatFollowsIt) {
 TEST_F(JointQueryTest, LeavesWhatIsNotNamedWhereTfHasIt) {
   publishLift(999.5, 0.25);
   const JointQuery lead = query({"lead"});
-  EXPECT_THAT(lead.doubts(), IsEmpty());
+  EXPECT_THAT(lead.unknownBecause(), IsEmpty());
   EXPECT_THAT(lead.jointsFromTf(), ElementsAre("lift"));
   EXPECT_EQ(at("c", lead, {2.0}), Vector3d(2, 0, 0.25));
 }
@@ -93,10 +93,10 @@ TEST_F(JointQueryTest, TakesWhatIsNewestAtOneInstantOrTheNewestOfEach) {
   EXPECT_EQ(ask(true).stamp(), ros::Time(999.5));
   EXPECT_EQ(at("c", ask(false), {2.0}), Vector3d(2, 0, 1.5));
   for (const bool is_of_one_instant : {true, false}) {
-    EXPECT_THAT(ask(is_of_one_instant, 1000.5).doubts(), IsEmpty());
-    EXPECT_THAT(ask(is_of_one_instant, 1000.625).doubts(),
+    EXPECT_THAT(ask(is_of_one_instant, 1000.5).unknownBecause(), IsEmpty());
+    EXPECT_THAT(ask(is_of_one_instant, 1000.625).unknownBecause(),
                 ElementsAre(HasSubstr("link 'root': its newest transform is ")));
-    EXPECT_EQ(ask(is_of_one_instant, 1001.0).doubts().size(), 2u) << "nothing may be used";
+    EXPECT_EQ(ask(is_of_one_instant, 1001.0).unknownBecause().size(), 2u) << "nothing may be used";
   }
 }
 
@@ -113,7 +113,7 @@ TEST_F(JointQueryTest, FindsLinksThatOnlyFixedJointsConnectWithWhatTfPlaces) {
   publish("hand", "c", 999.5, 0.25);
   const TfPoses poses(transforms_, scene_->robot(), scene_->bodies(), "pedestal");
   const JointQuery from_tf({}, *scene_, {transforms_, "pedestal", {}, now_, &poses});
-  EXPECT_THAT(from_tf.doubts(), IsEmpty());
+  EXPECT_THAT(from_tf.unknownBecause(), IsEmpty());
   EXPECT_THAT(from_tf.jointsFromTf(), ElementsAre("lead", "lift"));
   EXPECT_DOUBLE_EQ(at("a", from_tf, {}).z(), 2.0);
   EXPECT_DOUBLE_EQ(at("c", from_tf, {}).z(), 4.25);
@@ -149,31 +149,31 @@ TEST_F(JointQueryTest, TakesTheBodyOfItsFrameFromWhereTheCycleTakesIt) {
   requireBoth(999.9, {0, 0, 5});  // as TF has it
 }
 
-TEST_F(JointQueryTest, DoubtsAJointThatIsNotNamedAndThatOnlyStaticTransformsPlace) {
+TEST_F(JointQueryTest, SuspectsAJointThatIsNotNamedAndThatOnlyStaticTransformsPlace) {
   publish("a", "c", 999.5, 0.25, true);
   const TfPoses poses(transforms_, scene_->robot(), scene_->bodies(), "root");
   const auto ask = [&](const std::vector<std::string>& names) {
     return JointQuery(names, *scene_, {transforms_, "root", ros::Time(0), now_, &poses});
   };
-  EXPECT_THAT(ask({"lead"}).doubts(),
+  EXPECT_THAT(ask({"lead"}).unknownBecause(),
               ElementsAre(HasSubstr("link 'c': only /tf_static places it, but joint 'lift'")));
   EXPECT_EQ(at("c", ask({"lead"}), {2.0}), Vector3d(2, 0, 0.25)) << "where it is said to be";
-  EXPECT_THAT(ask({"lead", "lift"}).doubts(), IsEmpty());
+  EXPECT_THAT(ask({"lead", "lift"}).unknownBecause(), IsEmpty());
 }
 
-TEST_F(JointQueryTest, DoubtsTheRootWhereOnlyStaticTransformsLeadToItFromALinkOfTheRobot) {
+TEST_F(JointQueryTest, SuspectsTheRootWhereOnlyStaticTransformsLeadToItFromALinkOfTheRobot) {
   publish("a", "c", 999.5, 0.25, true);
   publish("root", "a", 999.5, 0.0);
   const TfPoses poses(transforms_, scene_->robot(), scene_->bodies(), "c");
   const JointQuery lead({"lead"}, *scene_, {transforms_, "c", ros::Time(999.5), now_, &poses});
   EXPECT_THAT(
-      lead.doubts(),
+      lead.unknownBecause(),
       testing::Contains(HasSubstr("link 'root': only /tf_static places it, but joint 'lift'")));
 }
 
 // Also where all joints are named: transforms and clouds cannot be seen to age.
-TEST_F(JointQueryTest, DoubtsARootAndCloudsWhileASimulatedClockStandsStill) {
-  const auto doubts = [&](const std::string& frame, bool is_static) {
+TEST_F(JointQueryTest, SuspectsARootAndCloudsWhileASimulatedClockStandsStill) {
+  const auto reasons = [&](const std::string& frame, bool is_static) {
     TransformInput input(TransformSettings{PoseLimits{0.03, 1.0, 0.5}, true});
     tf2_msgs::TFMessage message;
     message.transforms.resize(1);
@@ -183,11 +183,11 @@ TEST_F(JointQueryTest, DoubtsARootAndCloudsWhileASimulatedClockStandsStill) {
     message.transforms[0].transform.rotation.w = 1.0;
     input.take(message, is_static, {now_, 0.0});
     input.followClock({now_, 0.06});
-    return JointQuery({"lead", "lift"}, *scene_, {input, frame, {}, now_}).doubts();
+    return JointQuery({"lead", "lift"}, *scene_, {input, frame, {}, now_}).unknownBecause();
   };
-  EXPECT_THAT(doubts("map", false), ElementsAre(HasSubstr("/clock stands still")));
-  EXPECT_THAT(doubts("map", true), IsEmpty()) << "what is static does not age";
-  EXPECT_THAT(doubts("root", false), IsEmpty()) << "TF is not asked";
+  EXPECT_THAT(reasons("map", false), ElementsAre(HasSubstr("/clock stands still")));
+  EXPECT_THAT(reasons("map", true), IsEmpty()) << "what is static does not age";
+  EXPECT_THAT(reasons("root", false), IsEmpty()) << "TF is not asked";
   SceneDescription seen;
   seen.robots.push_back(
       {robotFrom(emptyLink("root") + boxLink("a", 0.1) +
@@ -197,40 +197,40 @@ TEST_F(JointQueryTest, DoubtsARootAndCloudsWhileASimulatedClockStandsStill) {
        std::nullopt, ""});
   seen.clouds.push_back(cloudOf("cloud", 0.1, {}));
   scene_ = CollisionScene::build(seen);
-  EXPECT_THAT(doubts("root", false), ElementsAre(HasSubstr("/clock stands still")));
+  EXPECT_THAT(reasons("root", false), ElementsAre(HasSubstr("/clock stands still")));
 }
 
-TEST_F(JointQueryTest, DoubtsWhatTfLastSaidTooLongAgo) {
+TEST_F(JointQueryTest, SuspectsWhatTfLastSaidTooLongAgo) {
   publishLift(998.0, 0.25);
   transforms_.followClock(now_ = ros::Time(1000.0));
-  EXPECT_THAT(query({"lead"}).doubts(),
+  EXPECT_THAT(query({"lead"}).unknownBecause(),
               ElementsAre(HasSubstr("link 'c': its newest transform is 2.00 s old")));
   EXPECT_DOUBLE_EQ(at("c", query({"lead"}), {0.0}).z(), 0.25) << "where it was last";
-  EXPECT_THAT(query({"lead", "lift"}).doubts(), IsEmpty());
+  EXPECT_THAT(query({"lead", "lift"}).unknownBecause(), IsEmpty());
 }
 
-TEST_F(JointQueryTest, DoubtsARootThatStandsInAnotherFrameAndWasPlacedTooLongAgo) {
+TEST_F(JointQueryTest, SuspectsARootThatStandsInAnotherFrameAndWasPlacedTooLongAgo) {
   publish("map", "root", 998.0, 0.5);
   transforms_.followClock(now_ = ros::Time(1000.0));
   const std::vector<std::string> all = {"lead", "lift"};
   const JointQuery in_map(all, *scene_, {transforms_, "map", ros::Time(0), now_});
-  EXPECT_THAT(in_map.doubts(), ElementsAre(HasSubstr("link 'root': its newest transform")));
+  EXPECT_THAT(in_map.unknownBecause(), ElementsAre(HasSubstr("link 'root': its newest transform")));
   EXPECT_DOUBLE_EQ(at("a", in_map, {0.0, 0.0}).z(), 0.5);
-  EXPECT_THAT(query(all).doubts(), IsEmpty());
+  EXPECT_THAT(query(all).unknownBecause(), IsEmpty());
 }
 
 TEST_F(JointQueryTest, AStampThatTheRequestNamesMayBeLongAgo) {
   publishLift(997.0, 0.25);
   publishLift(998.0, 0.75);
   const JointQuery lead = query({"lead"}, ros::Time(997.5));
-  EXPECT_THAT(lead.doubts(), IsEmpty());
+  EXPECT_THAT(lead.unknownBecause(), IsEmpty());
   EXPECT_NEAR(at("c", lead, {2.0}).z(), 0.5, 1e-12);
 }
 
-TEST_F(JointQueryTest, TakesWhatNobodyKnowsAtZeroAndDoubtsIt) {
+TEST_F(JointQueryTest, TakesWhatNobodyKnowsAtZeroAndSuspectsIt) {
   const JointQuery lead = query({"lead"});
   EXPECT_THAT(lead.jointsAtZero(), ElementsAre("lift"));
-  EXPECT_THAT(lead.doubts(), ElementsAre(HasSubstr("joint 'lift'")));
+  EXPECT_THAT(lead.unknownBecause(), ElementsAre(HasSubstr("joint 'lift'")));
 }
 
 TEST_F(JointQueryTest, RefusesPositionsThatAreNotOneForEachNameOrNotFinite) {
@@ -256,7 +256,7 @@ TEST_F(JointQueryTest, GivesThePositionsOfAllJoints) {
   EXPECT_EQ(positions[robot.findJoint("follower")], 3.0);
 }
 
-TEST_F(JointQueryTest, DoubtsOnlyWhatAnythingThatIsCheckedHangsOn) {
+TEST_F(JointQueryTest, SuspectsOnlyWhatAnythingThatIsCheckedHangsOn) {
   scene_ = CollisionScene::build(
       robotFrom(emptyLink("root") + emptyLink("carrier") + boxLink("a", 0.1) + boxLink("b", 0.1) +
                 emptyLink("sensor") + joint("carry", "prismatic", "root", "carrier") +
@@ -266,8 +266,8 @@ TEST_F(JointQueryTest, DoubtsOnlyWhatAnythingThatIsCheckedHangsOn) {
       Srdf{}, nullptr);
   const JointQuery some = query({"lift", "lower"});
   EXPECT_THAT(some.jointsAtZero(), testing::UnorderedElementsAre("carry", "look"));
-  EXPECT_THAT(some.doubts(), ElementsAre(HasSubstr("joint 'carry'")));
-  EXPECT_THAT(query({"lift", "lower", "carry"}).doubts(), IsEmpty());
+  EXPECT_THAT(some.unknownBecause(), ElementsAre(HasSubstr("joint 'carry'")));
+  EXPECT_THAT(query({"lift", "lower", "carry"}).unknownBecause(), IsEmpty());
 }
 
 TEST_F(JointQueryTest, DoesNotAskWhereARobotIsOfWhichNothingIsChecked) {
@@ -282,7 +282,7 @@ TEST_F(JointQueryTest, DoesNotAskWhereARobotIsOfWhichNothingIsChecked) {
                InputError);
   description.settings.ignored_links = {{"other"}};
   scene_ = CollisionScene::build(description);
-  EXPECT_THAT(query({"lift", "lower"}).doubts(), IsEmpty());
+  EXPECT_THAT(query({"lift", "lower"}).unknownBecause(), IsEmpty());
 }
 
 }  // namespace test_joint_query

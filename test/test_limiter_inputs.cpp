@@ -105,17 +105,17 @@ TEST(LimiterInputs, AJointThatFollowsAnotherHasToBeWhereThatHasIt) {
   for (const double off : {0.0, 0.009, -0.009, 0.011, -0.5, double(NAN)}) {
     Hand hand;
     hand.measure(100.0, {"first", "second", "hinge"}, {0.3, 0.6 + off, 0.0});
-    const auto doubts = hand.snapshot(100.0).poses.doubts;
+    const auto reasons = hand.snapshot(100.0).poses.unknown_because;
     if (std::abs(off) < 0.01) {
-      EXPECT_THAT(doubts, IsEmpty()) << off;
+      EXPECT_THAT(reasons, IsEmpty()) << off;
     } else {
-      EXPECT_THAT(doubts, ElementsAre(testing::HasSubstr("joint 'second' is "))) << off;
+      EXPECT_THAT(reasons, ElementsAre(testing::HasSubstr("joint 'second' is "))) << off;
     }
   }
   Hand hand;
   hand.measure(100.0, {"second"}, {5.0});
   hand.measure(100.2, {"first", "hinge"}, {0.3, 0.0});
-  EXPECT_THAT(hand.snapshot(100.2).poses.doubts, IsEmpty()) << "an old one says nothing";
+  EXPECT_THAT(hand.snapshot(100.2).poses.unknown_because, IsEmpty()) << "an old one says nothing";
 }
 
 TEST(LimiterInputs, AJointThatIsNotCommandedStandsWhereItWasReportedWithinThePoseAge) {
@@ -129,7 +129,7 @@ TEST(LimiterInputs, AJointThatIsNotCommandedStandsWhereItWasReportedWithinThePos
     EXPECT_FALSE(hand.state().placed[robot.links()[robot.findLink("lid")].body]) << later;
   }
   hand.measure(101.2, {"first"}, {0.3});
-  EXPECT_NE(hand.snapshot(101.2).poses.doubts.size(), 0u) << "TF does not know it either";
+  EXPECT_NE(hand.snapshot(101.2).poses.unknown_because.size(), 0u) << "TF does not know it either";
 }
 
 TEST(LimiterInputs, HandOnWhatIsNewOfAJointOnce) {
@@ -167,18 +167,19 @@ TEST(LimiterInputs, OfAMessageWhoseNamesAndPositionsDifferInNumberNothingIsUsed)
     LimiterInputs inputs({{"a", "b"}, 0.1, 0.2, false, false});
     EXPECT_THAT(inputs.take(jointState(100.0, {"/a", "b"}, positions), {100.0, 7.0, 0}).positions,
                 IsEmpty());
-    EXPECT_THAT(inputs.at({100.0, 7.0, 0}, 0.02).doubts, ElementsAre(why));
+    EXPECT_THAT(inputs.at({100.0, 7.0, 0}, 0.02).unknown_because, ElementsAre(why));
     EXPECT_EQ(
         inputs.take(jointState(100.01, {"a", "b"}, {0.5, 0.6}), {100.01, 7.01, 0}).positions.size(),
         2u);
     inputs.take(jointState(100.1, {"a", "b"}, positions), {100.1, 7.1, 0});
-    EXPECT_THAT(inputs.at({100.1, 7.1, 0}, 0.02).doubts, IsEmpty()) << "what came before is young";
+    EXPECT_THAT(inputs.at({100.1, 7.1, 0}, 0.02).unknown_because, IsEmpty())
+        << "what came before is young";
     EXPECT_EQ(inputs.positions().all().at("a").value, 0.5);
     inputs.take(jointState(100.12, {"a", "b"}, positions), {100.12, 7.12, 0});
-    EXPECT_THAT(inputs.at({100.12, 7.12, 0}, 0.02).doubts, ElementsAre(why));
+    EXPECT_THAT(inputs.at({100.12, 7.12, 0}, 0.02).unknown_because, ElementsAre(why));
     inputs.take(jointState(100.13, {"a"}, {0.7}), {100.13, 7.13, 0});
     inputs.take(jointState(100.13, {"b"}, {0.7}), {100.13, 7.13, 0});
-    EXPECT_THAT(inputs.at({100.13, 7.13, 0}, 0.02).doubts, IsEmpty());
+    EXPECT_THAT(inputs.at({100.13, 7.13, 0}, 0.02).unknown_because, IsEmpty());
   }
 }
 

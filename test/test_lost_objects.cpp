@@ -12,7 +12,7 @@ namespace test_lost_objects {
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-TEST(LostObjects, AreADoubtUntilTheyAreCleared) {
+TEST(LostObjects, AreAReasonUntilTheyAreCleared) {
   Monitor monitor{TransformSettings()};
   load(monitor, parametersOf(emptyLink("root") + boxLink("post", 1.0) + boxLink("a", 1.0) +
                              joint("stands", "fixed", "root", "post") +

@@ -161,8 +161,8 @@ TEST_F(Report, OfBoxesApartIsFreeAndWithAnythingLeftOutUnknown) {
     poses.X_WB[scene_->models()[i].body].translation().x() = 3.0 * i;
   }
   const auto messageOf = [&](const std::vector<std::string>& broken) {
-    poses.doubts.clear();
-    if (!broken.empty()) poses.doubts = {"geometry that could not be read: tool"};
+    poses.unknown_because.clear();
+    if (!broken.empty()) poses.unknown_because = {"geometry that could not be read: tool"};
     return toMessage(detector_.detect(poses, settings_), *scene_, settings_, "world", ros::Time(7),
                      broken);
   };

@@ -86,7 +86,7 @@ TEST_F(TheMonitor, ReportsWhatNeverMovesAsOfNow) {
 }
 
 // Only what the scene of the cycle checks is followed from cloud to cloud.
-TEST_F(TheMonitor, IsInDoubtOfCloudsBesideLinksThatTheCycleDoesNotCheck) {
+TEST_F(TheMonitor, IsSuspectOfCloudsBesideLinksThatTheCycleDoesNotCheck) {
   SceneParameters parameters = parametersOf(urdf_);
   parameters.sources.readSettings({"settings", "clouds: [{topic: points}]\nlinks: [b]"});
   load(monitor_, std::move(parameters));
@@ -97,11 +97,11 @@ TEST_F(TheMonitor, IsInDoubtOfCloudsBesideLinksThatTheCycleDoesNotCheck) {
     job.run();
     ASSERT_TRUE(monitor_.scenes().take(job));
     const auto names_a = HasSubstr("what clouds show beside a is not followed");
-    const auto doubts = monitor_.at(job.scene()).poses.doubts;
+    const auto reasons = monitor_.at(job.scene()).poses.unknown_because;
     if (is_followed) {
-      EXPECT_THAT(doubts, testing::Not(Contains(names_a)));
+      EXPECT_THAT(reasons, testing::Not(Contains(names_a)));
     } else {
-      EXPECT_THAT(doubts, Contains(names_a));
+      EXPECT_THAT(reasons, Contains(names_a));
     }
   }
 }
@@ -130,7 +130,7 @@ TEST_F(TheMonitor, TheClosingSpeedIsNotKnownBeforeTheFirstTenthOfASecondOfTheClo
   }
 }
 
-TEST_F(TheMonitor, HasADoubtOfEveryReportWhereThereIsOneOfTheScene) {
+TEST_F(TheMonitor, HasAReasonOfEveryReportWhereThereIsOneOfTheScene) {
   double x = 0.0;
   for (const char* link : {"a", "b", "c"}) slide(link, x += 5.0, 0.0);
   EXPECT_EQ(check().report.verdict, Verdict::FREE);
@@ -189,19 +189,20 @@ class MonitorInAToolFrame : public testing::Test {
   }()};
 };
 
-TEST_F(MonitorInAToolFrame, ARequestIsInDoubtWhereTheReportIsForATransformThatLags) {
+TEST_F(MonitorInAToolFrame, ARequestIsSuspectWhereTheReportIsForATransformThatLags) {
   publishAll(0.75);
   const ActiveScenePtr scene = monitor_.scenes().active();
-  EXPECT_THAT(monitor_.at(scene).poses.doubts, Contains(HasSubstr("older than the newest of all")));
+  EXPECT_THAT(monitor_.at(scene).poses.unknown_because,
+              Contains(HasSubstr("older than the newest of all")));
   const auto lags = Contains(HasSubstr("its newest transform is 0.75 s older"));
-  EXPECT_THAT(asked().poses.doubts, lags);
-  EXPECT_THAT(monitor_.withMeasured(scene, {}).poses.doubts, lags);
+  EXPECT_THAT(asked().poses.unknown_because, lags);
+  EXPECT_THAT(monitor_.withMeasured(scene, {}).poses.unknown_because, lags);
 }
 
 TEST_F(MonitorInAToolFrame, ARequestHasAllPosesAtOneInstantAsTheReport) {
   publishAll(0.25);
   const Snapshot report = monitor_.at(monitor_.scenes().active()), request = asked();
-  EXPECT_THAT(request.poses.doubts, testing::IsEmpty());
+  EXPECT_THAT(request.poses.unknown_because, testing::IsEmpty());
   EXPECT_EQ(request.stamp, ros::Time(999.75));
   BodyPoses poses;
   poses.resize(report.poses.known.size());
@@ -211,7 +212,7 @@ TEST_F(MonitorInAToolFrame, ARequestHasAllPosesAtOneInstantAsTheReport) {
   }
 }
 
-TEST_F(TheMonitor, NamesTenDoubtfulLinksCountsTheRestAndSaysWhatIsRefused) {
+TEST_F(TheMonitor, NamesTenSuspectLinksCountsTheRestAndSaysWhatIsRefused) {
   std::string urdf = emptyLink("root");
   for (char link = 'a'; link < 'm'; ++link) {
     urdf += linkWith({link}, "<sphere radius='0.5'/>") +
@@ -219,13 +220,13 @@ TEST_F(TheMonitor, NamesTenDoubtfulLinksCountsTheRestAndSaysWhatIsRefused) {
   }
   load(monitor_, parametersOf(urdf));
   for (int i = 0; i < 12; ++i) publish(std::string("f") + static_cast<char>('a' + i), 0.0, 1.0);
-  const std::vector<std::string> doubts = snapshot().poses.doubts;
-  ASSERT_EQ(doubts.size(), 10u + 1u + 10u);
+  const std::vector<std::string> reasons = snapshot().poses.unknown_because;
+  ASSERT_EQ(reasons.size(), 10u + 1u + 10u);
   for (int i = 0; i < 10; ++i) {
-    EXPECT_THAT(doubts[i], HasSubstr(std::string("link '") + static_cast<char>('a' + i)));
+    EXPECT_THAT(reasons[i], HasSubstr(std::string("link '") + static_cast<char>('a' + i)));
   }
-  EXPECT_EQ(doubts[10], "and 2 more links");
-  EXPECT_EQ(doubts[11], "refused " + monitor_.transforms().refused()[0]);
+  EXPECT_EQ(reasons[10], "and 2 more links");
+  EXPECT_EQ(reasons[11], "refused " + monitor_.transforms().refused()[0]);
 }
 
 TEST_F(TheMonitor, NamesTenLinksWithoutGeometryAndCountsTheRest) {
@@ -237,7 +238,7 @@ TEST_F(TheMonitor, NamesTenLinksWithoutGeometryAndCountsTheRest) {
               joint("to_" + name, "fixed", "root", name, "0 0 0", "");
     }
     load(monitor_, parametersOf(urdf));
-    return snapshot().poses.doubts.front();
+    return snapshot().poses.unknown_because.front();
   };
   EXPECT_EQ(reasonFor(10),
             "geometry that could not be read: l100, l101, l102, l103, l104, l105, l106, l107, "
@@ -250,17 +251,18 @@ TEST_F(TheMonitor, DoesNotMindWhatIsRefusedOfOthers) {
   for (const char* link : {"a", "b", "c"}) slide(link, x += 5.0, 0.0);
   publish("of_nobody", 0.0, 1.0);
   ASSERT_EQ(monitor_.transforms().refused().size(), 1u);
-  EXPECT_THAT(snapshot().poses.doubts, testing::IsEmpty());
+  EXPECT_THAT(snapshot().poses.unknown_because, testing::IsEmpty());
 }
 
-TEST_F(TheMonitor, DoubtsASceneThatWasReplacedMeanwhile) {
+TEST_F(TheMonitor, SuspectsASceneThatWasReplacedMeanwhile) {
   double x = 0.0;
   for (const char* link : {"a", "b", "c"}) slide(link, x += 5.0, 0.0);
   const ActiveScenePtr old = monitor_.scenes().active();
-  EXPECT_THAT(monitor_.at(old).poses.doubts, testing::IsEmpty());
+  EXPECT_THAT(monitor_.at(old).poses.unknown_because, testing::IsEmpty());
   load(monitor_, parametersOf(urdf_));
-  EXPECT_THAT(monitor_.at(old).poses.doubts, ElementsAre("the scene was replaced meanwhile"));
-  EXPECT_THAT(snapshot().poses.doubts, testing::IsEmpty());
+  EXPECT_THAT(monitor_.at(old).poses.unknown_because,
+              ElementsAre("the scene was replaced meanwhile"));
+  EXPECT_THAT(snapshot().poses.unknown_because, testing::IsEmpty());
 }
 
 TEST_F(TheMonitor, TakesNoSceneThatWasNotBuiltOrIsOfAnOldOne) {
@@ -273,8 +275,8 @@ TEST_F(TheMonitor, TakesNoSceneThatWasNotBuiltOrIsOfAnOldOne) {
   EXPECT_EQ(monitor_.scenes().active(), first.scene());
 }
 
-// Before the doubt begins b is known, at an instant that a was heard of last.
-TEST_F(TheMonitor, DoubtsALinkThatIsBehindOneThatIsInDoubt) {
+// before the suspect span begins b is known, at an instant that a was heard of last.
+TEST_F(TheMonitor, SuspectsALinkThatIsBehindOneThatIsSuspect) {
   for (const bool are_two : {false, true}) {
     Monitor monitor({{0.0, 1.0, 0.5}, false, false});
     std::string urdf = emptyLink("root");
@@ -295,7 +297,8 @@ TEST_F(TheMonitor, DoubtsALinkThatIsBehindOneThatIsInDoubt) {
     }
     monitor.advance(ros::Time(1001.3));
     const Snapshot snapshot = monitor.at(monitor.scenes().active());
-    EXPECT_THAT(snapshot.poses.doubts, testing::Contains(HasSubstr("link 'a'"))) << are_two;
+    EXPECT_THAT(snapshot.poses.unknown_because, testing::Contains(HasSubstr("link 'a'")))
+        << are_two;
   }
 }
 
@@ -308,7 +311,7 @@ TEST_F(TheMonitor, KnowsNoLinkOfACycleWhereAllThatIsKnownStands) {
   EXPECT_THAT(check().report.unknown_because, Contains(HasSubstr("form a cycle")));
 }
 
-TEST_F(TheMonitor, PlacesNoLinkInDoubtByTheRootThatHangsOnIt) {
+TEST_F(TheMonitor, PlacesNoSuspectLinkByTheRootThatHangsOnIt) {
   slide("b", 2.0, 0.0);
   slide("c", 4.0, 0.0);
   for (const double stamp : {999.7, 999.8, 1000.0}) publish("a", stamp, 0.0);
@@ -322,7 +325,7 @@ TEST_F(TheMonitor, PlacesNoLinkInDoubtByTheRootThatHangsOnIt) {
 
 TEST_F(TheMonitor, SaysThatNothingIsKnownBeforeTheFirstClock) {
   now_ = ros::Time();
-  EXPECT_EQ(snapshot().poses.doubts.front(), NO_CLOCK);
+  EXPECT_EQ(snapshot().poses.unknown_because.front(), NO_CLOCK);
 }
 
 TEST(Request, IsRefusedForANumberThatIsNotFinite) {

@@ -211,14 +211,14 @@ TEST(MotionCheck, WithoutPairsNothingIsCertifiedUnlessThatIsPermitted) {
   EXPECT_EQ(report.free_until, 1.0);
 }
 
-TEST(MotionCheck, WhatIsInDoubtIsNotFreeAndAContactIsCertainAllTheSame) {
+TEST(MotionCheck, WhatIsSuspectIsNotFreeAndAContactIsCertainAllTheSame) {
   const auto scene = sceneOf(turningBar(), {boxAt("plate", {1.15, 0.0, 0.0}, {0.2, 0.002, 0.2})});
   MotionCheck check(scene);
-  const MotionReport doubtful = check.check({{-1.0}, {1.3}}, {}, {}, {}, {"the clock stands"});
-  EXPECT_EQ(doubtful.verdict, Verdict::UNKNOWN);
-  EXPECT_EQ(doubtful.unknown_because, std::vector<std::string>{"the clock stands"});
-  EXPECT_EQ(doubtful.free_until, 0.0);
-  EXPECT_EQ(doubtful.clearance, 0.0);
+  const MotionReport suspect = check.check({{-1.0}, {1.3}}, {}, {}, {}, {"the clock stands"});
+  EXPECT_EQ(suspect.verdict, Verdict::UNKNOWN);
+  EXPECT_EQ(suspect.unknown_because, std::vector<std::string>{"the clock stands"});
+  EXPECT_EQ(suspect.free_until, 0.0);
+  EXPECT_EQ(suspect.clearance, 0.0);
   EXPECT_EQ(check.check({{-1.0}, {1.3}}, {}).verdict, Verdict::FREE);
   MotionCheck touching(sceneOf(turningBar(), {boxAt("plate", {0.8, 0.0, 0.0}, {0.2, 0.002, 0.2})}));
   const MotionReport& hit = touching.check({{-1.0}, {1.3}}, {}, {}, {}, {"the clock stands"});

@@ -3,6 +3,7 @@
 
 #include "collision_pairs/collision_detector.h"
 #include "collision_pairs/input_error.h"
+#include "collision_pairs/occupied_voxels.h"
 #include "motion_fixtures.h"
 #include "random_inputs.h"
 #include "random_robot.h"
@@ -255,6 +256,51 @@ TEST(ClearanceOf, APairThatIsLeftOutMayTouchAndIfNothingIsLeftNothingIsFree) {
   };
   EXPECT_EQ(checked(with_third, touching, {1.0, 1.4}, settings).verdict, Verdict::FREE);
   EXPECT_EQ(checked(with_third, touching, {1.0, 4.5}, settings).verdict, Verdict::COLLISION);
+}
+
+TEST(OnlyMoved, AMotionThatMovesNothingIsNotFree) {
+  const auto scene = sceneOf(robotFrom(slidingBoxes(2)), {});
+  MotionSettings settings;
+  settings.only_moved = true;
+  for (const bool only_free : {false, true}) {
+    settings.only_free = only_free;
+    const MotionReport report = checked(scene, {1.0, 4.0}, {1.0, 4.0}, settings);
+    EXPECT_EQ(report.verdict, Verdict::UNKNOWN);
+    EXPECT_EQ(report.unchecked, "every pair is left out");
+    EXPECT_EQ(report.clearance, 0.0);
+    EXPECT_EQ(report.free_until, 0.0);
+    EXPECT_EQ(checked(scene, {1.0, 4.0}, {1.0, 3.0}, settings).verdict, Verdict::FREE);
+    // Beside something that stands still and is out of reach.
+    const auto beside = sceneOf(robotFrom(slidingBoxes(1)), {boxAt("far", {0, 90, 0}, {1, 1, 1})});
+    EXPECT_EQ(checked(beside, {1.0}, {2.0}, settings).verdict, Verdict::FREE);
+    EXPECT_EQ(checked(beside, {1.0}, {1.0}, settings).verdict, Verdict::UNKNOWN);
+  }
+}
+
+TEST(ClearanceOf, TheReportedClearanceIsKeptByEveryPair) {
+  const auto scene = sceneOf(robotFrom(slidingBoxes(2)), {});  // 0.05 m apart
+  MotionSettings settings;
+  settings.clearance = 0.2;
+  settings.clearance_of = [](auto, auto) { return 0.01; };
+  for (const bool only_free : {false, true}) {
+    settings.only_free = only_free;
+    const MotionReport report = checked(scene, {1.0, 2.05}, {1.01, 2.06}, settings);
+    EXPECT_EQ(report.verdict, Verdict::FREE);
+    EXPECT_LE(report.clearance, 0.05);
+  }
+}
+
+TEST(OnlyMoved, VoxelsOfAnotherSizeThanTheCloudsAreRefused) {
+  const std::vector<VoxelCell> no_cells;
+  SceneDescription description = described(robotFrom(slidingBoxes(2)), {});
+  description.clouds.push_back(boxAt("camera", {0, 0, 0}, {0.02, 0.02, 0.02}));
+  MotionCheck check(CollisionScene::build(description));
+  for (const bool only_moved : {false, true}) {
+    MotionSettings settings;
+    settings.only_moved = only_moved;
+    const CloudVoxels voxels = {std::make_shared<const OccupiedVoxels>(0.01, no_cells)};
+    EXPECT_THROW(check.check({{1.0, 4.0}, {1.0, 4.5}}, settings, {}, voxels), InputError);
+  }
 }
 
 }  // namespace test_motion_deviation

@@ -183,6 +183,47 @@ TEST_F(Counting, NearestIsAtMostAHundredthTooLarge) {
   EXPECT_EQ(b_lid.contacts, 0u);
 }
 
+// The state may come after those of which distances are measured otherwise.
+TEST_F(Counting, AStateWithinTheClearanceIsNoticedWhicheverItIs) {
+  const std::uint64_t samples = 3000;
+  const JointSampler sampler(robot_, 3);
+  double least = std::numeric_limits<double>::infinity();
+  PairProbe probe(scene_);
+  const PairEvidence pair = find(count(1, 1), *scene_, "b", "lid");
+  std::vector<double> positions;
+  for (std::uint64_t state = 0; state < samples; ++state) {
+    sampler.draw(state, positions);
+    probe.place(positions);
+    least = std::min(least, probe.distance(pair.first, pair.second, 99.0));
+  }
+  for (const double clearance : {least, 0.99999 * least}) {
+    for (const unsigned threads : {1, 2}) {
+      const auto found = countContacts(scene_, sampler, {samples, threads, {}, clearance});
+      const PairClass is = classify(find(found, *scene_, "b", "lid"), {0.9, 0.1, clearance});
+      EXPECT_STREQ(className(is), clearance == least ? "Near" : "Never") << clearance;
+    }
+  }
+}
+
+TEST(Counted, AtZeroAPairMayComeNearerThanAtRandom) {
+  const auto robot = robotFrom(
+      emptyLink("root") + boxLink("hub", 0.1) + boxLink("tip", 0.1) + boxLink("post", 0.1) +
+      joint("hinge", "continuous", "root", "hub", "0 0 0", "<axis xyz='0 0 1'/>") +
+      joint("bolt", "fixed", "hub", "tip", "1 0 0", "") + emptyLink("mid") +
+      joint("screw", "fixed", "root", "mid", "0 0 0", "") +
+      joint("rail", "prismatic", "mid", "post", "2 0 0",
+            "<axis xyz='1 0 0'/><limit lower='0' upper='1'/>"));
+  const auto scene = everyPairOf(robot);
+  const auto classWith = [&](double clearance) {
+    const auto found = countContacts(scene, JointSampler(robot, 3), {100, 1, {}, clearance});
+    const PairEvidence pair = find(found, *scene, "post", "tip");
+    EXPECT_GT(pair.nearest, 0.9 + 1e-6);
+    return std::string(className(classify(pair, {0.9, 0.1, clearance})));
+  };
+  EXPECT_EQ(classWith(0.9 + 1e-9), "Near");
+  EXPECT_EQ(classWith(0.9 - 1e-9), "Never");
+}
+
 TEST(PairProbe, OfSeveralElementsTheNearestCounts) {
   const auto boxAlong = [](const char* x) {
     return "<collision><origin xyz='" + std::string(x) +

@@ -86,19 +86,19 @@ TEST_F(NewestPoses, BelowAFrameThatFellSilentAreLeftOutThoughAgesDoNotMatter) {
   }
 }
 
-TEST_F(NewestPoses, AreNotThoseOfBeforeTheFrameThatTheyAreInFellIntoDoubt) {
+TEST_F(NewestPoses, AreNotThoseOfBeforeTheFrameThatTheyAreInBecameSuspect) {
   TransformBuffer buffer(PoseLimits{0.0, 1.0, 0.5});
   const RobotPoses poses(buffer, *robot_, "tool");
   const auto known = [&] { return poses.newest(20 * SECOND, {1, 1, 1}).known; };
   send(buffer, "base", "arm", 10.0, 1.0, "/one");
   send(buffer, "tool", "wheel", 10.0, 1.0, "/one");
   EXPECT_THAT(known(), ElementsAre(1, 1, 1));
-  putArmInDoubt(buffer);
+  makeArmSuspect(buffer);
   EXPECT_THAT(known(), ElementsAre(0, 1, 0)) << "the wheel was heard of eight seconds earlier";
 }
 
 // The tool's own transform places the arm, or the one of W places what W hangs on.
-TEST_F(NewestPoses, AreNotThoseOfBeforeATransformInDoubtThatFixedJointsReplace) {
+TEST_F(NewestPoses, AreNotThoseOfBeforeASuspectTransformThatFixedJointsReplace) {
   for (const std::string frame : {"world", "tool"}) {
     TransformBuffer buffer(PoseLimits{0.0, 1.0, 0.5});
     const RobotPoses poses(buffer, *robot_, frame);
@@ -107,7 +107,7 @@ TEST_F(NewestPoses, AreNotThoseOfBeforeATransformInDoubtThatFixedJointsReplace) 
     send(buffer, "world", "tool", 10.0, 1.0, "/one");
     send(buffer, "tool", "wheel", 10.0, 1.0, "/one");
     EXPECT_THAT(known(), ElementsAre(1, 1, 1));
-    putArmInDoubt(buffer);
+    makeArmSuspect(buffer);
     const bool is_of_frame = frame == "tool";  // fixed to it
     EXPECT_THAT(known(), ElementsAre(0, is_of_frame, 0)) << "the arm was heard of 9 s later";
   }
@@ -274,7 +274,7 @@ TEST_F(NewestPoses, AreThoseOfTheFirstLinkOfTheirBodyThatIsKnown) {
   EXPECT_EQ(found().X_WB[1].translation().x(), 1.0) << "where TF has the tool is not asked";
   say("arm", 2.0, "other");
   EXPECT_EQ(found().known[1], 1);
-  EXPECT_EQ(found().X_WB[1].translation().x(), 3.0) << "the arm is in doubt, the tool is not";
+  EXPECT_EQ(found().X_WB[1].translation().x(), 3.0) << "the arm is suspect, the tool is not";
 }
 
 TEST_F(NewestPoses, FurtherFromEachOtherThanTf2WalksAreUnknown) {

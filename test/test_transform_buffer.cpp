@@ -172,7 +172,7 @@ TEST_F(OneTrack, AFrameThatIsStaticAndMovesIsUnknownForeverWithoutALimitOfAge) {
   EXPECT_FALSE(known(6 * SECOND, x_));
 }
 
-TEST_F(OneTrack, OfEqualStampsTheFirstStaysIfTheyAgreeAndElseItIsInDoubt) {
+TEST_F(OneTrack, OfEqualStampsTheFirstStaysIfTheyAgreeAndElseItIsSuspect) {
   add(1, 7);
   add(1, 7.00001);
   ASSERT_TRUE(known(SECOND, x_));

@@ -79,19 +79,19 @@ TEST_F(Gate, Rule2BetweenSamplesOfTwoPublishersAPoseIsKnownWhereOneOfThemSpansIt
   EXPECT_DOUBLE_EQ(xAt(10.375), 0.375);
 }
 
-TEST_F(Gate, Rule3AndRule4PublishersThatContradictEachOtherAreInDoubtForAnAgeBeforeAndAfter) {
+TEST_F(Gate, Rule3AndRule4PublishersThatContradictEachOtherAreSuspectForAnAgeBeforeAndAfter) {
   for (double t = 10.0; t < 13.0; t += 0.125) send(t, t - 10.0, "/one");
   now_ = 12.9375;
   EXPECT_THAT(send(12.0625, 7.0, "/two"), HasSubstr("'/one' and '/two' both publish it"));
   EXPECT_DOUBLE_EQ(xAt(11.875), 1.875) << "more than an age before it was noticed";
-  for (const double doubtful : {12.0, 12.5, 12.875}) EXPECT_TRUE(std::isnan(xAt(doubtful)));
+  for (const double suspect : {12.0, 12.5, 12.875}) EXPECT_TRUE(std::isnan(xAt(suspect)));
   now_ = -1.0;
   for (double t = 13.0; t < 15.0; t += 0.125) send(t, t - 10.0, "/one");
   EXPECT_TRUE(std::isnan(xAt(13.0)));
   EXPECT_DOUBLE_EQ(xAt(13.25), 3.25) << "more than an age after it";
 }
 
-TEST_F(Gate, Rule4FromASampleInDoubtNothingIsInterpolatedBeyondTheDoubtThatCameLater) {
+TEST_F(Gate, Rule4FromASuspectSampleNothingIsInterpolatedBeyondTheSuspectSpanThatCameLater) {
   for (int i = 0; i < 10; ++i) send(100.0 + 0.1 * i, 0.0);
   now_ = 101.0;
   send(101.2, 0.0);
@@ -109,7 +109,7 @@ TEST_F(Gate, Rule3OnePublisherInTwoSequencesContradictsItself) {
   EXPECT_TRUE(std::isnan(xAt(11.5)));
 }
 
-TEST_F(Gate, Rule5AFrameOfBothKindsIsInDoubtUntilOneIsSilentForAnAge) {
+TEST_F(Gate, Rule5AFrameOfBothKindsIsSuspectUntilOneIsSilentForAnAge) {
   for (double t = 10.0; t < 12.0; t += 0.125) send(t, t);
   EXPECT_THAT(sendStatic(12.0, 5.0), HasSubstr(BOTH));
   for (double t = 12.0; t < 13.0; t += 0.125) {
@@ -198,17 +198,17 @@ TEST_F(Gate, Rule7ANodeThatSendsAnotherStaticPoseIsNotSaidToContradictItself) {
   EXPECT_THAT(sendStatic(13.0, 3.0, "/two"), HasSubstr("'/one' and '/two' contradict each other"));
 }
 
-TEST_F(Gate, Rule8ADoubtOfWhenAFrameWasStaticBeforeIsOverIfItsPoseIsSentTwiceMeanwhile) {
+TEST_F(Gate, Rule8ASuspicionOfWhenAFrameWasStaticBeforeIsOverIfItsPoseIsSentTwiceMeanwhile) {
   sendStatic(10.0, 1.0);
   sendStatic(11.0, 1.0, "/two");
-  sendStatic(12.0, 2.0);  // once: in doubt
+  sendStatic(12.0, 2.0);  // once: suspect
   for (double t = 20.0; t < 21.5; t += 0.125) send(t, t);
   sendStatic(21.5, 3.0);
   for (double t = 21.5; t < 22.75; t += 0.125) sendStatic(t, 3.0);
   EXPECT_DOUBLE_EQ(newestX(22.75), 3.0);
 }
 
-TEST_F(Gate, Rule9StampsBeforeAStaticPoseChangesAreInDoubtHoweverLongAgo) {
+TEST_F(Gate, Rule9StampsBeforeAStaticPoseChangesAreSuspectHoweverLongAgo) {
   sendStatic(10.0, 1.0);
   EXPECT_EQ(xAt(5.0), 1.0);
   sendStatic(20.0, 2.0);

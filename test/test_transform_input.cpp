@@ -183,34 +183,34 @@ TEST_F(Transforms, ThatAreRefusedAreNamedForTwoSecondsAfterTheLast) {
   EXPECT_THAT(input_.refused(), IsEmpty());
 }
 
-TEST_F(Transforms, AreInDoubtAlsoWhereTheClockStandsStillAfterALittleStepBack) {
+TEST_F(Transforms, AreSuspectAlsoWhereTheClockStandsStillAfterALittleStepBack) {
   TransformInput input(TransformSettings{PoseLimits{0.03, 1.0, TOLERANCE}, true});
   input.followClock({now_, 0.0});
   for (int i = 0; i < 5; ++i) input.followClock({now_ - ros::Duration(0.05), 0.02 * i});
-  EXPECT_THAT(input.clockDoubt(), HasSubstr("/clock stands still"));
+  EXPECT_THAT(input.clockProblem(), HasSubstr("/clock stands still"));
   EXPECT_EQ(input.nbClockJumps(), 0u);
   EXPECT_EQ(input.now().stamp, now_) << "until the clock has caught up";
 }
 
-TEST_F(Transforms, AreInDoubtWhileASimulatedClockStandsStill) {
-  const auto doubtOf = [&](double max_pose_age, bool is_simulated, bool allow_paused,
-                           const ros::Time& now) {
+TEST_F(Transforms, AreSuspectWhileASimulatedClockStandsStill) {
+  const auto problemOf = [&](double max_pose_age, bool is_simulated, bool allow_paused,
+                             const ros::Time& now) {
     TransformInput input(
         TransformSettings{PoseLimits{max_pose_age, 1.0, TOLERANCE}, is_simulated, allow_paused});
     input.followClock({now, 7.0});
-    EXPECT_EQ(input.clockDoubt(), "");
+    EXPECT_EQ(input.clockProblem(), "");
     input.followClock({now, 7.25});
-    const std::string doubt = input.clockDoubt();
+    const std::string problem = input.clockProblem();
     if (!now.isZero()) input.followClock({now + ros::Duration(0.01), 7.5});
-    EXPECT_EQ(input.clockDoubt(), "") << "it goes on";
-    return doubt;
+    EXPECT_EQ(input.clockProblem(), "") << "it goes on";
+    return problem;
   };
-  EXPECT_THAT(doubtOf(0.03, true, false, now_), HasSubstr("/clock stands still since 0.25 s"));
-  EXPECT_EQ(doubtOf(0.03, true, true, now_), "");
-  EXPECT_EQ(doubtOf(0.0, true, false, now_), "") << "no age matters";
-  EXPECT_EQ(doubtOf(0.03, true, false, ros::Time(0)), "") << "it has not begun";
-  EXPECT_EQ(doubtOf(9.0, true, false, now_), "") << "not yet";
-  EXPECT_EQ(doubtOf(0.03, false, false, now_), "") << "a real clock";
+  EXPECT_THAT(problemOf(0.03, true, false, now_), HasSubstr("/clock stands still since 0.25 s"));
+  EXPECT_EQ(problemOf(0.03, true, true, now_), "");
+  EXPECT_EQ(problemOf(0.0, true, false, now_), "") << "no age matters";
+  EXPECT_EQ(problemOf(0.03, true, false, ros::Time(0)), "") << "it has not begun";
+  EXPECT_EQ(problemOf(9.0, true, false, now_), "") << "not yet";
+  EXPECT_EQ(problemOf(0.03, false, false, now_), "") << "a real clock";
 }
 
 /// A sphere on a joint for each of "a" and "b", and one fixed to the root.

@@ -26,7 +26,7 @@ struct BodyPoses {
   CloudVoxels voxels;
   /// Why poses or voxels may not be what they seem, one sentence each: no verdict on them is FREE,
   /// and they are among CollisionReport::unknown_because.
-  std::vector<std::string> doubts = {};
+  std::vector<std::string> unknown_because = {};
 
   /// Marks all poses as known, and sets new ones to identity; the caller overwrites them.
   void resize(std::size_t nb_bodies) {

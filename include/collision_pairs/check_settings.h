@@ -64,9 +64,10 @@ struct CheckSettings {
   /// Leaves out pairs for which it returns true, and lists them in CollisionReport::ignored: an
   /// allowed collision matrix that changes from check to check. Asked only about pairs whose boxes,
   /// with verdict_only looser ones, are within the alarm distance, or the smallest distance found
-  /// so far if that is searched for; once per check. The time budget does not limit its time. What
-  /// it throws ends the check, whose report is then UNKNOWN. A BatchCheck asks from several threads
-  /// at a time. Cost: 10 ns a pair, and what it takes itself; none if it is empty.
+  /// so far if that is searched for, and where none of them is kept, about others until one is;
+  /// once per check. The time budget does not limit its time. What it throws ends the check, whose
+  /// report is then UNKNOWN. A BatchCheck asks from several threads at a time. Cost: 10 ns a pair,
+  /// and what it takes itself; none if it is empty.
   MayIgnore may_ignore;
   /// Which list of pairs may_ignore answers from: the caller's number for what is in it, since the
   /// detector looks at no address. With the number of the check before, not 0, answers are kept and

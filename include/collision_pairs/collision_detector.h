@@ -27,7 +27,9 @@ class VoxelSearch;
 /// not allocate once warm.
 ///
 /// detect() checks every allowed pair. The three steps of SOFA's narrow-phase component do the same
-/// pair by pair, for a caller that has a broad phase of its own over models:
+/// pair by pair, for a caller that has a broad phase of its own over models. The report is then of
+/// the pairs that were added alone, and FREE without any: that all others are further apart than
+/// the alarm distance is what the caller's broad phase says.
 ///
 ///   detector.beginNarrowPhase(poses, settings);
 ///   for (…) detector.addCollisionPair(first_model, second_model);

@@ -171,15 +171,19 @@ class CollisionScene {
   /// Reason why no check of this scene is conclusive: there is no pair to check, or a robot or the
   /// environment has no collision geometry. Empty if checks are.
   const std::string& unchecked() const { return unchecked_; }
+  /// Links in a pair of which there is a <collision> (Link::has_geometry), but no element: no check
+  /// of the scene is FREE.
+  const std::set<std::string>& missing() const { return missing_; }
   /// A warning for each mesh with open sheets of which more than 1 % of the surface is missing,
   /// with the models that have it: open sheets enclose nothing, so a body wholly inside is not
   /// found. Only meshes whose triangles the scene's fidelities need.
   std::vector<std::string> openMeshes() const;
-  /// Whether a check can end FREE: something is checked, or settings.allow_empty_scene.
+  /// Whether a check can end FREE: no geometry is missing(), and something is checked, or
+  /// settings.allow_empty_scene.
   bool mayBeFree() const { return mayBeFree(unchecked_); }
   /// The same for one check, whose CollisionReport::unchecked it is.
   bool mayBeFree(const std::string& unchecked) const {
-    return unchecked.empty() || description_->settings.allow_empty_scene;
+    return missing_.empty() && (unchecked.empty() || description_->settings.allow_empty_scene);
   }
   /// The library that answers its pairs of shapes.
   NarrowPhaseMethod narrowPhase() const { return narrow_phase_; }
@@ -243,7 +247,7 @@ class CollisionScene {
   std::vector<SceneCloud> clouds_;
   PairFilter filter_;
   std::string unchecked_;
-  std::set<std::string> missing_;  ///< links in a pair whose geometry was left out
+  std::set<std::string> missing_;
   NarrowPhaseMethod narrow_phase_ = NarrowPhaseMethod::NATIVE;
   /// By classes of the filter, the smaller first: paddings that are not the sum of the two.
   std::map<std::pair<std::uint32_t, std::uint32_t>, double> pair_padding_;

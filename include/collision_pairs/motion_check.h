@@ -36,11 +36,11 @@ struct MotionSettings {
   bool from_start = false;
   /// Only FREE is of interest: the search ends at the first pair that cannot be certified. The
   /// verdict is then UNKNOWN although a contact might have been found, free_until is 0, and
-  /// MotionReport::clearance is that of these settings. Many such motions are settled by the batch
-  /// stage: see MotionCheck.
+  /// MotionReport::clearance is that of these settings, 0 with clearance_of. Many such motions are
+  /// settled by the batch stage: see MotionCheck.
   bool only_free = false;
   /// Leave out pairs whose relative pose the motion cannot change, for example a base that stands
-  /// on its table. FREE then says nothing of them.
+  /// on its table: as clearance_of does.
   bool only_moved = false;
   /// Seconds, >= 0, for the search; 0: no limit but one of about a second. When they are over, what
   /// is still open is given up as at the resolution; a query in progress is finished.
@@ -86,7 +86,7 @@ struct MotionReport {
   /// Ids of models, first < second, sorted. COLLISION: pairs in contact at contact_at; with
   /// only_free one of them. UNKNOWN: pairs that could not be certified.
   std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;
-  std::string unchecked;  ///< CollisionScene::unchecked()
+  std::string unchecked;  ///< CollisionScene::unchecked(), or that every pair is left out
   /// UNKNOWN: all reasons, one sentence each.
   std::vector<std::string> unknown_because;
   std::uint32_t nb_checks = 0;   ///< configurations that were checked
@@ -129,12 +129,13 @@ class MotionCheck {
 
   /// The result is valid until the next call. Throws InputError for settings out of range, for
   /// positions or deviations that are not finite or not one per joint, for poses without a
-  /// rotation, and if a link is too far away for a finite box. `voxels`: the occupied voxels of the
-  /// scene's clouds. No pair with a cloud whose voxels are unknown or truncated is certified.
-  /// `doubts`: as BodyPoses::doubts; with one nothing is FREE, and free_until is 0.
+  /// rotation, for voxels that do not match their cloud, and if a link is too far away for a finite
+  /// box. `voxels`: the occupied voxels of the scene's clouds. No pair with a cloud whose voxels
+  /// are unknown or truncated is certified. `unknown_because`: as BodyPoses::unknown_because; with
+  /// one nothing is FREE, and free_until is 0.
   const MotionReport& check(const JointMotion& motion, const MotionSettings& settings,
                             const PlacedBodies& placed = {}, const CloudVoxels& voxels = {},
-                            const std::vector<std::string>& doubts = {});
+                            const std::vector<std::string>& unknown_because = {});
 
   const CollisionScene& scene() const { return *scene_; }
 
@@ -148,7 +149,7 @@ struct SegmentOptions {
   unsigned threads = 0;  ///< 0: one per core; the reports do not depend on it
   PlacedBodies placed;
   CloudVoxels voxels;
-  std::vector<std::string> doubts;
+  std::vector<std::string> unknown_because;
   /// Called after each segment, by one thread at a time. May be empty.
   std::function<void(std::size_t nb_done)> done;
 };

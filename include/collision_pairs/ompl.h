@@ -157,7 +157,9 @@ class OmplStateValidityChecker : public ompl::base::StateValidityChecker {
     settings_.selection = settings.selection;
     settings_.may_ignore = settings.may_ignore;
     settings_.ignore_revision = settings.ignore_revision;
-    specs_.clearanceComputationType = ompl::base::StateValidityCheckerSpecs::EXACT;
+    using Specs = ompl::base::StateValidityCheckerSpecs;
+    const bool is_exact = settings.tolerance == 0.0;
+    specs_.clearanceComputationType = is_exact ? Specs::EXACT : Specs::BOUNDED_APPROXIMATE;
     workers_.requireAnswer([&](OmplDetector& worker, const std::vector<double>& positions) {
       worker.positions = positions;
       worker.check(settings_, workers_.voxels());

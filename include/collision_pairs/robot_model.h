@@ -34,7 +34,8 @@ struct Link {
   std::string name;
   int parent_joint = -1;  ///< -1 for the root
   std::vector<Element> elements;
-  bool has_geometry = false;  ///< has a <collision>, even if it could not be used
+  bool has_geometry = false;  ///< has a <collision>, even if it could not be used; see
+                              ///< CollisionScene::missing()
   int body = -1;              ///< the rigid body it belongs to
   Eigen::Isometry3d X_BL;     ///< pose of the link in that body's frame
 };

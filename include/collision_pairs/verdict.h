@@ -11,14 +11,14 @@ enum class Verdict : std::uint8_t {
                   ///< except pairs left out by CheckSettings::selection or may_ignore
   COLLISION = 1,  ///< some pair is certainly in contact, at the requested fidelity
   UNKNOWN = 2     ///< neither: a model has no pose, a pair that may be in contact is unresolved,
-                  ///< nothing is checked, or the input is in doubt (BodyPoses::doubts)
+                  ///< nothing is checked, or the input is suspect (BodyPoses::unknown_because)
 };
 
-/// The rule that every verdict follows: a contact is certain whatever else is in doubt, and only
-/// what is not in doubt is free.
-constexpr Verdict verdictOf(bool is_in_contact, bool is_in_doubt) {
+/// The rule that every verdict follows: a contact is certain whatever else is suspect, and only
+/// what is not suspect is free.
+constexpr Verdict verdictOf(bool is_in_contact, bool is_suspect) {
   if (is_in_contact) return Verdict::COLLISION;
-  return is_in_doubt ? Verdict::UNKNOWN : Verdict::FREE;
+  return is_suspect ? Verdict::UNKNOWN : Verdict::FREE;
 }
 
 }  // namespace collision_pairs

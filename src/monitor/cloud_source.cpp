@@ -105,7 +105,7 @@ std::shared_ptr<CloudJob> CloudSource::next() {
   return job;
 }
 
-/// What the waiting cloud lacks may never come, since a doubt about its stamp stays. A newer one
+/// What the waiting cloud lacks may never come, since a suspect stamp stays so. A newer one
 /// that lacks nothing need not wait for it. If something is wrong with that one, it is said when
 /// its turn comes.
 std::shared_ptr<CloudJob> CloudSource::beginNewer() {
@@ -229,22 +229,22 @@ void CloudSource::requireUsableStamp(const ros::Time& stamp) const {
 }
 
 CloudView CloudSource::view() const {
-  const auto doubtSince = [&](const std::string& event) {
+  const auto problemSince = [&](const std::string& event) {
     return "cloud '" + config_.name() + "': none has arrived since " + event + refusalOf(latest_);
   };
   CloudView view;
   if (latest_.voxels && latest_clock_jumps_ != transforms_.nbClockJumps()) {
-    view.doubt = doubtSince("the clock went back");
+    view.problem = problemSince("the clock went back");
     return view;
   }
   view = viewOf(config_, latest_, transforms_.now().stamp.toSec(), topic_);
   const double since_other = transforms_.now().steady - other_at_;
   const bool is_other_silent = config_.source_timeout > 0.0 && since_other > config_.source_timeout;
-  if (view.doubt.empty() && !other_camera_.empty() && !is_other_silent) {
-    view.doubt = "cloud '" + config_.name() + "': one was refused: " + other_camera_;
+  if (view.problem.empty() && !other_camera_.empty() && !is_other_silent) {
+    view.problem = "cloud '" + config_.name() + "': one was refused: " + other_camera_;
   }
-  if (view.voxels && view.doubt.empty() && latest_robot_ < complete_from_) {
-    view.doubt = doubtSince("the robot, or what is attached to it, changed");
+  if (view.voxels && view.problem.empty() && latest_robot_ < complete_from_) {
+    view.problem = problemSince("the robot, or what is attached to it, changed");
   }
   return view;
 }

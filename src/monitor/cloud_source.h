@@ -64,9 +64,9 @@ class CloudJob {
 
 /// A cloud waits for the transforms at its own stamp, for a second at most, or until a newer one
 /// has all of its own; of those that arrive meanwhile the newest is kept. The others are dropped
-/// and counted. A cloud that cannot be used is refused: it changes only the doubt, until a usable
-/// one arrives. The doubt begins when no transform connects the cloud's frame, even if one may
-/// still arrive. Time is that of the transforms. Not thread safe.
+/// and counted. A cloud that cannot be used is refused: it changes only the reason why the view is
+/// not usable, until a usable one arrives. That begins when no transform connects the cloud's
+/// frame, even if one may still arrive. Time is that of the transforms. Not thread safe.
 class CloudSource {
  public:
   using Cloud = sensor_msgs::PointCloud2;
@@ -81,8 +81,8 @@ class CloudSource {
   const std::string& frame() const { return frame_; }
 
   /// Applies from the next cloud on; clouds are not processed before the first call. If the filter
-  /// may keep points that the one before left out, there is a doubt until that cloud. Returns the
-  /// one before.
+  /// may keep points that the one before left out, the view has a problem until that cloud. Returns
+  /// the one before.
   std::shared_ptr<FollowedRobot> follow(std::shared_ptr<FollowedRobot> robot, bool may_keep_more);
 
   /// What may touch by the clouds of that source may do so until clear(), since this one has not
@@ -90,15 +90,15 @@ class CloudSource {
   void replace(const CloudSource& before);
 
   /// `publisher`: the node that sent it. A cloud of another frame than those that were used, or of
-  /// another node while clouds of the one before are not too old, is refused, with a doubt for
-  /// source_timeout: of two cameras on one topic nothing would tell that one is silent.
+  /// another node while clouds of the one before are not too old, is refused, and the view has a
+  /// problem for source_timeout: of two cameras on one topic nothing would tell that one is silent.
   void take(const Cloud::ConstPtr& cloud, const std::string& publisher);
   /// The next cloud, if there is one, all that it needs is known, and none is being processed.
   std::shared_ptr<CloudJob> next();
   /// True while a cloud waits for what next() needs.
   bool isWaiting() const { return waiting_.cloud || next_.cloud; }
   void take(CloudJob& job);
-  /// There is a doubt until a cloud is used.
+  /// The view has a problem until a cloud is used.
   void refuse(const std::string& why);
 
   CloudView view() const;

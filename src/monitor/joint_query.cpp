@@ -21,10 +21,10 @@ std::vector<char> bodiesNeeded(const CollisionScene& scene) {
   return is_needed;
 }
 
-/// Pose of the child in the parent from TF; as it was last, if TF does not have it (`doubt`); false
-/// if it was never known. `stamp`: set if it is not static.
+/// Pose of the child in the parent from TF; as it was last, if TF does not have it (`problem`);
+/// false if it was never known. `stamp`: set if it is not static.
 bool askTf(const JointQueryTf& tf, const std::string& parent, const std::string& child,
-           Isometry3d& X_PC, std::string& doubt, ros::Time& stamp) {
+           Isometry3d& X_PC, std::string& problem, ros::Time& stamp) {
   try {
     const auto found = tf.poses != nullptr ? tf.poses->lookUp(parent, child, tf.stamp)
                                            : tf.transforms.lookUp(parent, child, tf.stamp);
@@ -32,7 +32,7 @@ bool askTf(const JointQueryTf& tf, const std::string& parent, const std::string&
     stamp = found.stamp;
     return true;
   } catch (const InputError& error) {
-    doubt = "link '" + child + "': " + error.what();
+    problem = "link '" + child + "': " + error.what();
   }
   try {
     const TransformBuffer& buffer = tf.transforms.buffer();
@@ -65,29 +65,29 @@ ros::Time JointQuery::place(const JointQueryTf& tf) {
   placed_.clear();
   joints_from_tf_.clear();
   joints_at_zero_.clear();
-  doubts_.clear();
+  unknown_because_.clear();
   const std::vector<char> are_needed = bodiesNeeded(scene_);
   std::vector<std::pair<std::string, ros::Time>> newest;  // by link
   bool can_age = !scene_.clouds().empty();
   for (const Body& body : scene_.robot().bodies()) {
-    std::string doubt;
+    std::string problem;
     ros::Time stamp;
     const bool is_needed = are_needed[placed_.size()];
-    placed_.push_back(poseOf(body, is_needed, tf, doubt, stamp));
-    if (!doubt.empty() && is_needed) doubts_.push_back(std::move(doubt));
+    placed_.push_back(poseOf(body, is_needed, tf, problem, stamp));
+    if (!problem.empty() && is_needed) unknown_because_.push_back(std::move(problem));
     if (stamp.isZero()) continue;
     can_age = can_age || body.joint < 0;
     if (is_needed) newest.emplace_back(scene_.robot().links()[body.link].name, stamp);
   }
-  const std::string clock = tf.transforms.clockDoubt();
-  if ((can_age || !joints_from_tf_.empty()) && !clock.empty()) doubts_.push_back(clock);
+  const std::string clock = tf.transforms.clockProblem();
+  if ((can_age || !joints_from_tf_.empty()) && !clock.empty()) unknown_because_.push_back(clock);
   if (!tf.stamp.isZero()) return ros::Time();
   ros::Time heard = tf.heard, common;
   for (const auto& [link, stamp] : newest) heard = std::max(heard, stamp);
   for (const auto& [link, stamp] : newest) {
     const std::string why = whyBehind(toNs(heard) - toNs(stamp), tf.transforms.buffer().limits());
     if (!why.empty()) {
-      doubts_.push_back("link '" + link + "': " + why);
+      unknown_because_.push_back("link '" + link + "': " + why);
     } else {
       common = common.isZero() ? stamp : std::min(common, stamp);
     }
@@ -96,13 +96,13 @@ ros::Time JointQuery::place(const JointQueryTf& tf) {
 }
 
 std::optional<Isometry3d> JointQuery::poseOf(const Body& body, bool is_needed,
-                                             const JointQueryTf& tf, std::string& doubt,
+                                             const JointQueryTf& tf, std::string& problem,
                                              ros::Time& stamp) {
   const RobotModel& robot = scene_.robot();
   const std::string& link = robot.links()[body.link].name;
   Isometry3d X_PB = Isometry3d::Identity();
   if (body.joint < 0) {
-    if (tf.frame == link || askTf(tf, tf.frame, link, X_PB, doubt, stamp)) return X_PB;
+    if (tf.frame == link || askTf(tf, tf.frame, link, X_PB, problem, stamp)) return X_PB;
     if (!is_needed) return X_PB;  // the scene has none of its bodies
     throw InputError("TF does not know root link '" + link + "' in frame '" + tf.frame +
                      "' at stamp " + std::to_string(tf.stamp.toSec()) +
@@ -111,13 +111,13 @@ std::optional<Isometry3d> JointQuery::poseOf(const Body& body, bool is_needed,
   if (columns_.sourceOf(body.joint).column >= 0) return std::nullopt;
   const Joint& joint = robot.joints()[body.joint];
   const std::string& parent = robot.links()[robot.bodies()[body.parent].link].name;
-  if (askTf(tf, parent, link, X_PB, doubt, stamp)) {
+  if (askTf(tf, parent, link, X_PB, problem, stamp)) {
     joints_from_tf_.push_back(joint.name);
     return X_PB;
   }
   joints_at_zero_.push_back(joint.name);
-  doubt = "joint '" + joint.name + "' is neither named nor known to TF: it was taken as zero; " +
-          (tf.now.isZero() ? NO_CLOCK : doubt);
+  problem = "joint '" + joint.name + "' is neither named nor known to TF: it was taken as zero; " +
+            (tf.now.isZero() ? NO_CLOCK : problem);
   return body.X_PJ * joint.motion(robot.zeroPositions()[body.joint]);
 }
 

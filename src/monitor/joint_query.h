@@ -23,7 +23,7 @@ struct JointQueryTf {
   ros::Time now;      ///< for messages
   /// Of the scene's robot: for links that TF does not place. Null: none.
   const TfPoses* poses = nullptr;
-  /// At stamp 0, what is older than this by more than max_transform_age is in doubt.
+  /// At stamp 0, what is older than this by more than max_transform_age is suspect.
   ros::Time heard = {};
   /// At stamp 0: the newest instant that all transforms have reached, or else the newest of each.
   bool is_of_one_instant = true;
@@ -60,17 +60,17 @@ class JointQuery {
   const std::vector<std::string>& jointsAtZero() const { return joints_at_zero_; }
   /// Reasons why the checked state may differ from the requested one: joints at zero because their
   /// positions are unknown, poses from TF that are too old. With any of these, no verdict is FREE.
-  const std::vector<std::string>& doubts() const { return doubts_; }
+  const std::vector<std::string>& unknownBecause() const { return unknown_because_; }
   /// Of what came from TF; 0: nothing but static transforms did, or all that is newest.
   const ros::Time& stamp() const { return stamp_; }
 
  private:
-  /// Notes placed bodies and doubts. At stamp 0 returns the newest instant that all transforms have
-  /// reached which may be used; 0: there is none.
+  /// Notes placed bodies and reasons. At stamp 0 returns the newest instant that all transforms
+  /// have reached which may be used; 0: there is none.
   ros::Time place(const JointQueryTf& tf);
   /// Its pose in its parent's frame (of a root: in the frame); none: its joint has a column.
   std::optional<Eigen::Isometry3d> poseOf(const Body& body, bool is_needed, const JointQueryTf& tf,
-                                          std::string& doubt, ros::Time& stamp);
+                                          std::string& problem, ros::Time& stamp);
   void refuseOtherCount(const std::vector<double>& positions) const;
 
   const CollisionScene& scene_;
@@ -78,7 +78,7 @@ class JointQuery {
   PlacedBodies placed_;
   std::vector<std::string> joints_from_tf_;
   std::vector<std::string> joints_at_zero_;
-  std::vector<std::string> doubts_;
+  std::vector<std::string> unknown_because_;
   ros::Time stamp_;
 };
 

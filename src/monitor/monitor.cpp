@@ -4,6 +4,7 @@
 #include <map>
 
 #include "cloud_view.h"
+#include "unknown_because.h"
 #include "user_text.h"
 
 namespace collision_pairs {
@@ -21,16 +22,15 @@ Snapshot Monitor::begin(const ActiveScenePtr& scene) const {
   snapshot.scene = scene;
   snapshot.stamp = transforms_.now().stamp;
   if (!scenes_.isCurrent(*scene)) {
-    snapshot.poses.doubts.push_back("the scene was replaced meanwhile");
+    snapshot.poses.unknown_because.push_back("the scene was replaced meanwhile");
   }
   if (scenes_.areObjectsLost()) {
-    snapshot.poses.doubts.push_back(
+    snapshot.poses.unknown_because.push_back(
         "the node was started anew, and the objects that ~update_scene had added are lost: send "
         "CLEAR, and add them again");
   }
   if (!scene->broken_links.empty()) {
-    snapshot.poses.doubts.push_back("geometry that could not be read: " +
-                                    firstOf(scene->broken_links));
+    snapshot.poses.unknown_because.push_back(unreadGeometry(scene->broken_links));
   }
   return snapshot;
 }
@@ -52,24 +52,24 @@ Snapshot Monitor::at(const ActiveScenePtr& scene, const ros::Time& stamp) const 
 }
 
 void Monitor::addClock(Snapshot& snapshot) const {
-  auto& doubts = snapshot.poses.doubts;
-  if (transforms_.now().stamp.isZero()) doubts.push_back(NO_CLOCK);
-  const std::string clock = transforms_.clockDoubt();
-  if (!clock.empty() && !contains(doubts, clock)) doubts.push_back(clock);
+  auto& reasons = snapshot.poses.unknown_because;
+  if (transforms_.now().stamp.isZero()) reasons.push_back(NO_CLOCK);
+  const std::string clock = transforms_.clockProblem();
+  if (!clock.empty() && !contains(reasons, clock)) reasons.push_back(clock);
 }
 
 void Monitor::addProblems(const std::vector<std::string>& problems, Snapshot& snapshot) const {
   if (problems.empty()) return;
-  auto& doubts = snapshot.poses.doubts;
+  auto& reasons = snapshot.poses.unknown_because;
   snapshot.first_left_out = problems.front();
   const std::size_t nb_named = std::min(problems.size(), MOST_NAMED);
-  doubts.insert(doubts.end(), problems.begin(), problems.begin() + nb_named);
+  reasons.insert(reasons.end(), problems.begin(), problems.begin() + nb_named);
   if (problems.size() > nb_named) {
-    doubts.push_back("and " + std::to_string(problems.size() - nb_named) + " more links");
+    reasons.push_back("and " + std::to_string(problems.size() - nb_named) + " more links");
   }
   const std::vector<std::string> refused = transforms_.refused();
   for (std::size_t i = 0; i < std::min(refused.size(), MOST_NAMED); ++i) {
-    doubts.push_back("refused " + refused[i]);
+    reasons.push_back("refused " + refused[i]);
   }
 }
 
@@ -78,7 +78,7 @@ void Monitor::addClouds(const ros::Time& stamp, Snapshot& snapshot) const {
   snapshot.oldest_cloud = snapshot.stamp.toSec();
   if (scene.clouds().empty()) return;
   if (!stamp.isZero()) {
-    snapshot.poses.doubts.push_back(
+    snapshot.poses.unknown_because.push_back(
         "the request has a stamp, and only the newest clouds are kept: leave stamp at 0");
     return;
   }
@@ -88,13 +88,13 @@ void Monitor::addClouds(const ros::Time& stamp, Snapshot& snapshot) const {
     views[source->config().name()] = view;
     if (view.voxels) snapshot.oldest_cloud = std::min(snapshot.oldest_cloud, view.stamp);
   }
-  for (CloudDoubt& doubt : addVoxels(views, scene, snapshot.poses)) {
-    snapshot.doubtful_clouds.push_back(std::move(doubt.cloud));
+  for (SuspectCloud& suspect : addVoxels(views, scene, snapshot.poses)) {
+    snapshot.suspect_clouds.push_back(std::move(suspect.cloud));
   }
   if (snapshot.scene->not_followed.empty()) return;
-  snapshot.poses.doubts.push_back("what clouds show beside " +
-                                  firstOf(snapshot.scene->not_followed) +
-                                  " is not followed, since ~links or ~group leaves it out");
+  snapshot.poses.unknown_because.push_back(
+      "what clouds show beside " + firstOf(snapshot.scene->not_followed) +
+      " is not followed, since ~links or ~group leaves it out");
 }
 
 void Monitor::addJoints(const std::vector<std::string>& names, const ros::Time& stamp,
@@ -108,8 +108,9 @@ void Monitor::addJoints(const std::vector<std::string>& names, const ros::Time& 
     if (are_of_one_instant) tf.stamp = toTime(newest.common);
   }
   snapshot.joints.emplace(names, *active.scene, tf);
-  const auto& of_joints = snapshot.joints->doubts();
-  snapshot.poses.doubts.insert(snapshot.poses.doubts.end(), of_joints.begin(), of_joints.end());
+  const auto& of_joints = snapshot.joints->unknownBecause();
+  snapshot.poses.unknown_because.insert(snapshot.poses.unknown_because.end(), of_joints.begin(),
+                                        of_joints.end());
 }
 
 Snapshot Monitor::withJoints(const ActiveScenePtr& scene, const std::vector<std::string>& names,

@@ -39,10 +39,10 @@ class Monitor {
     for (const auto& cloud : scenes_.active()->clouds) cloud->clear();
   }
 
-  /// Of `scene`, which is the active one or a restricted one; if it was replaced since, that is a
-  /// doubt: what is attached may have changed, and the clouds know. At the newest instant for which
-  /// all poses are known, leaving out those that are too old; with a stamp other than 0, at that
-  /// one.
+  /// Of `scene`, which is the active one or a restricted one; if it was replaced since, the
+  /// answer is UNKNOWN: what is attached may have changed, and the clouds know. At the newest
+  /// instant for which all poses are known, leaving out those that are too old; with a stamp other
+  /// than 0, at that one.
   Snapshot at(const ActiveScenePtr& scene, const ros::Time& stamp = ros::Time()) const;
   /// The same for positions of named joints; joints that are not named are where TF has them.
   /// Throws InputError as JointQuery does.

@@ -182,7 +182,7 @@ Eigen::Isometry3d SceneStore::lookUp(const std::string& target, const std::strin
   } catch (const InputError& error) {
     fail(error.what());
   }
-  const std::string still = transforms_.clockDoubt();
+  const std::string still = transforms_.clockProblem();
   if (stamp.isZero() && !found.stamp.isZero() && !still.empty()) fail(still);
   return found.X_TS;
 }

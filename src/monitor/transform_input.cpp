@@ -34,7 +34,7 @@ void TransformInput::followClock(const Now& now) {
   ++nb_clock_jumps_;
 }
 
-std::string TransformInput::clockDoubt() const {
+std::string TransformInput::clockProblem() const {
   if (settings_.allow_paused || limits().max_pose_age == 0.0 || !settings_.is_simulated) return "";
   if (now_.stamp.isZero()) return "";  // then there is no pose at all
   const double still = now_.steady - last_step_;

@@ -47,18 +47,18 @@ class TransformInput {
   unsigned nbClockJumps() const { return nb_clock_jumps_; }
   /// Why the current poses may be of another time than it seems: a simulated clock stands still.
   /// Empty if it runs, or may pause.
-  std::string clockDoubt() const;
+  std::string clockProblem() const;
 
   /// Adds the valid transforms to the buffer. Stamps of static transforms are ignored.
   void take(const tf2_msgs::TFMessage& message, bool is_static, const Now& now,
             const std::string& publisher = "");
   /// Number of messages received. If it changes, a look-up that failed may succeed.
   std::uint64_t nbTaken() const { return nb_taken_; }
-  /// The frames whose transforms are being refused or are in doubt, with the reasons, sorted. A
+  /// The frames whose transforms are being refused or are suspect, with the reasons, sorted. A
   /// frame leaves the list with its next valid transform, or when nothing was wrong for 2 s.
   std::vector<std::string> refused() const;
 
-  /// Of all that were received: how many were refused or in doubt, and the first of them.
+  /// Of all that were received: how many were refused or suspect, and the first of them.
   std::uint64_t nbRefused() const { return nb_refused_; }
   const std::string& firstRefused() const { return first_refused_; }
 

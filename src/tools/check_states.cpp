@@ -60,7 +60,9 @@ std::string contactPairs(const CollisionReport& report, const CollisionScene& sc
 
 std::string rowOf(std::size_t state, const CollisionReport& report, const CollisionScene& scene,
                   const CheckSettings& settings) {
-  const bool has_distance = settings.min_distance && !report.min_distance_is_bound;
+  const bool is_bound =
+      report.min_distance_is_bound || (settings.verdict_only && report.in_collision);
+  const bool has_distance = settings.min_distance && !is_bound;
   const std::string nb_pairs =
       settings.verdict_only ? "" : std::to_string(report.candidates.size());  // not counted
   return std::to_string(state) + (report.in_collision ? ",1," : ",0,") +

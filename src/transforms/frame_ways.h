@@ -107,9 +107,9 @@ class FrameWays {
   Eigen::Isometry3d poseOf(int source, int anchor, int top, StampNs stamp) const;
   void pass(int frame, StampNs stamp, Way& way) const;
   void passFixedJoint(int from, int to, Way& way) const;
-  /// On what a frame hung, known or in doubt, when it was last heard of; -1: that is too long ago.
+  /// On what a frame hung, known or suspect, when it was last heard of; -1: that is too long ago.
   int lastParent(int frame) const;
-  /// The first of some frames on the way of transforms up from one, known or in doubt; -1: none.
+  /// The first of some frames on the way of transforms up from one, known or suspect; -1: none.
   int firstAbove(int frame, const std::vector<int>& frames) const;
   const std::vector<int>& linksFixedTo(int frame) const;
   /// All ways up from a frame, noted as far as they are known. False: one leads back to itself.

@@ -162,7 +162,7 @@ RobotPoses::NewestLayout RobotPoses::layOutNewest(StampNs now,
     are_found = are_found && (!wanted[b] || isFound(b));
     if (isDated(b) && isFound(b)) newest = std::max(newest, layout.places[b].way.newest);
   }
-  // Also of what is in doubt now: others may be behind it.
+  // Also of what is suspect now: others may be behind it.
   StampNs heard = std::max(newest, layout.ways.newestUnknown());
   if (!are_found) heard = std::max(heard, newestOfRobot(layout.ways.target(), now));
   if (heard != EVER_SINCE) found.stamps.heard = heard;

@@ -20,8 +20,8 @@ struct FoundBodies {
   StampNs stamp = NEVER;              ///< of all of them, by newest() only; NEVER: all static
 };
 
-/// The newest instant for which bodies are known, and their newest transform, also of one in doubt.
-/// NEVER: there is none.
+/// The newest instant for which bodies are known, and their newest transform, also of a suspect
+/// one. NEVER: there is none.
 struct NewestStamps {
   StampNs common = NEVER, heard = NEVER;
 };
@@ -88,7 +88,7 @@ class RobotPoses {
   /// Whether a layout of the newest transforms is that of the stamp, too.
   bool holdsAt(StampNs stamp, const Layout& layout, const std::vector<char>& wanted) const;
   std::string whyNot(int body, const Layout& layout) const;
-  /// The newest stamp, up to now, of the frame and those above it, in doubt or not.
+  /// The newest stamp, up to now, of the frame and those above it, suspect or not.
   StampNs newestAbove(int frame, StampNs now) const;
   /// Of that frame and all links, and those above them.
   StampNs newestOfRobot(int frame, StampNs now) const;

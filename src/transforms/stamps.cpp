@@ -31,12 +31,12 @@ std::string whyBehind(StampNs lag, const StampLimits& limits) {
          inWords(inSeconds(limits.max_gap));
 }
 
-std::vector<DoubtfulSpans::Doubt>::iterator DoubtfulSpans::firstEndingAfter(StampNs stamp) {
+std::vector<SuspectSpans::Suspect>::iterator SuspectSpans::firstEndingAfter(StampNs stamp) {
   return std::upper_bound(spans_.begin(), spans_.end(), stamp,
-                          [](StampNs s, const Doubt& doubt) { return s < doubt.span.end; });
+                          [](StampNs s, const Suspect& suspect) { return s < suspect.span.end; });
 }
 
-void DoubtfulSpans::add(Span span, std::string why) {
+void SuspectSpans::add(Span span, std::string why) {
   if (span.begin >= span.end) return;
   const auto first = firstEndingAfter(span.begin);
   auto last = first;
@@ -54,15 +54,15 @@ void DoubtfulSpans::add(Span span, std::string why) {
   spans_.erase(spans_.begin());
 }
 
-const std::string* DoubtfulSpans::at(StampNs stamp) const {
-  const auto found = const_cast<DoubtfulSpans*>(this)->firstEndingAfter(stamp);
+const std::string* SuspectSpans::at(StampNs stamp) const {
+  const auto found = const_cast<SuspectSpans*>(this)->firstEndingAfter(stamp);
   return found != spans_.end() && found->span.begin < stamp ? &found->why : nullptr;
 }
 
-void DoubtfulSpans::remove(StampNs begin, StampNs end) {
+void SuspectSpans::remove(StampNs begin, StampNs end) {
   const auto first = firstEndingAfter(begin);
   auto last = first;
-  std::vector<Doubt> rest;
+  std::vector<Suspect> rest;
   for (; last != spans_.end() && last->span.begin < end; ++last) {
     const Span span = last->span;
     if (span.begin < begin) rest.push_back({{span.begin, begin}, last->why});
@@ -71,13 +71,13 @@ void DoubtfulSpans::remove(StampNs begin, StampNs end) {
   spans_.insert(spans_.erase(first, last), rest.begin(), rest.end());
 }
 
-void DoubtfulSpans::endBy(StampNs end) {
+void SuspectSpans::endBy(StampNs end) {
   if (spans_.empty()) return;
   spans_.back().span.end = std::min(spans_.back().span.end, end);
   if (spans_.back().span.begin >= spans_.back().span.end) spans_.pop_back();
 }
 
-void DoubtfulSpans::forgetBefore(StampNs stamp) {
+void SuspectSpans::forgetBefore(StampNs stamp) {
   spans_.erase(spans_.begin(), firstEndingAfter(stamp));
 }
 

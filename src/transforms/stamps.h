@@ -1,4 +1,4 @@
-// Stamps, ages, and spans of stamps at which a pose is in doubt.
+// Stamps, ages, and spans of stamps at which a pose is suspect.
 #pragma once
 
 #include <algorithm>
@@ -50,7 +50,7 @@ struct StampLimits {
   StampNs max_age;  ///< NEVER: no limit
   StampNs max_gap, tolerance;
   StampNs kept;     ///< history before the newest stamp
-  StampNs lasting;  ///< of a doubt: max_age, or max_gap if ages do not matter
+  StampNs lasting;  ///< of a suspicion: max_age, or max_gap if ages do not matter
 };
 
 /// Why a pose that lags behind the newest transform of a robot is not used; empty: it may be.
@@ -61,12 +61,12 @@ struct Span {
   StampNs begin, end;
 };
 
-/// Stamps at which something is in doubt, for one kind of reason: disjoint spans, sorted. Spans
+/// Stamps at which something is suspect, for one kind of reason: disjoint spans, sorted. Spans
 /// that overlap become one with the later reason. Bounded: of too many, the two oldest become one.
-class DoubtfulSpans {
+class SuspectSpans {
  public:
   void add(Span span, std::string why);
-  /// Why that stamp is in doubt; null: it is not. O(log spans).
+  /// Why that stamp is suspect; null: it is not. O(log spans).
   const std::string* at(StampNs stamp) const;
   /// Takes out all stamps from `begin` to `end`, both included.
   void remove(StampNs begin, StampNs end);
@@ -78,13 +78,13 @@ class DoubtfulSpans {
   std::size_t size() const { return spans_.size(); }
 
  private:
-  struct Doubt {
+  struct Suspect {
     Span span;
     std::string why;
   };
-  std::vector<Doubt>::iterator firstEndingAfter(StampNs stamp);
+  std::vector<Suspect>::iterator firstEndingAfter(StampNs stamp);
 
-  std::vector<Doubt> spans_;
+  std::vector<Suspect> spans_;
 };
 
 }  // namespace collision_pairs

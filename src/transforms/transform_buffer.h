@@ -1,4 +1,4 @@
-// tf2's buffer behind a gate: poses of frames that are known beyond doubt.
+// tf2's buffer behind a gate: poses of frames that are known and not suspect.
 #pragma once
 
 #include <memory>
@@ -26,7 +26,7 @@ struct ReceivedTransform {
 
 /// A tf2::BufferCore stores the transforms that the gate admits, interpolates between two samples
 /// (straight line, and slerp) and walks from frame to frame. A pose is known if tf2 knows it, and
-/// no frame on the way is in doubt at that stamp.
+/// no frame on the way is suspect at that stamp.
 ///
 /// tf2 keeps a frame static or moving for ever: where that changes, a new BufferCore takes over.
 ///
@@ -39,7 +39,7 @@ class TransformBuffer {
   TransformBuffer(TransformBuffer&&) noexcept;
   ~TransformBuffer();
 
-  /// Returns why it was refused, or why the frame's poses are in doubt; empty if all is well.
+  /// Returns why it was refused, or why the frame's poses are suspect; empty if all is well.
   /// `publisher`: any name that tells one from the other.
   std::string take(const ReceivedTransform& transform, bool is_static, const std::string& publisher,
                    StampNs now);
@@ -57,7 +57,7 @@ class TransformBuffer {
   int parentAt(int frame, StampNs stamp) const;
   /// Pose of a frame in one above it, at a stamp; of a frame in itself even if no transform names
   /// it. In any other frame tf2 would look for it above the first one too, by transforms that are
-  /// in doubt. Throws InputError if tf2 does not know it.
+  /// suspect. Throws InputError if tf2 does not know it.
   Eigen::Isometry3d poseBelow(int top, int frame, StampNs stamp) const;
 
  private:

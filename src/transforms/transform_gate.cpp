@@ -91,12 +91,12 @@ void TransformGate::noteKind(Frame& frame, bool is_static, StampNs now) {
   };
   if (frame.both_since != NEVER && endOfBoth(frame) <= now && limits_.max_age != NEVER) {
     const bool has_changed = isNewerStatic() != frame.is_static;
-    frame.doubts[BOTH_KINDS].endBy(has_changed ? now : endOfBoth(frame));
+    frame.suspect[BOTH_KINDS].endBy(has_changed ? now : endOfBoth(frame));
     frame.is_static = frame.is_static != has_changed;
     if (has_changed && frame.is_static) {
       frame.static_pose = frame.newest_static;
       if (!frame.newest_counts) {
-        frame.doubts[STATIC_POSE].add({before(now, limits_.lasting), NEVER}, SENT_ONCE);
+        frame.suspect[STATIC_POSE].add({before(now, limits_.lasting), NEVER}, SENT_ONCE);
       }
     }
     frame.both_since = NEVER;
@@ -110,9 +110,9 @@ void TransformGate::noteKind(Frame& frame, bool is_static, StampNs now) {
   const bool begins = is_other_heard || (was_static != is_static && is_lasting);
   if (frame.both_since == NEVER && begins) frame.both_since = now;
   if (frame.both_since == NEVER) return;
-  DoubtfulSpans& doubts = frame.doubts[BOTH_KINDS];
-  doubts.add({before(frame.both_since, limits_.max_age), NEVER}, IS_ON_BOTH);
-  if (isNewerStatic() == frame.is_static) doubts.endBy(endOfBoth(frame));
+  SuspectSpans& spans = frame.suspect[BOTH_KINDS];
+  spans.add({before(frame.both_since, limits_.max_age), NEVER}, IS_ON_BOTH);
+  if (isNewerStatic() == frame.is_static) spans.endBy(endOfBoth(frame));
 }
 
 TransformGate::Answer TransformGate::admitStatic(Frame& frame, const FramePose& pose, int by,
@@ -143,8 +143,8 @@ TransformGate::Answer TransformGate::admitStatic(Frame& frame, const FramePose& 
   const bool was_static = frame.is_static;
   noteKind(frame, true, now);
   note();
-  DoubtfulSpans& doubts = frame.doubts[STATIC_POSE];  // also of when it was static before
-  if (counts && doubts.isOpen()) doubts.endBy(after(now, limits_.lasting));
+  SuspectSpans& spans = frame.suspect[STATIC_POSE];  // also of when it was static before
+  if (counts && spans.isOpen()) spans.endBy(after(now, limits_.lasting));
   if (!frame.is_static) {
     if (frame.both_since != NEVER) return {Store::NOTHING, IS_ON_BOTH};
     if (!is_again) {
@@ -166,7 +166,7 @@ TransformGate::Answer TransformGate::admitStatic(Frame& frame, const FramePose& 
                     : "'" + publishers_.all()[other] + "' and '" + publishers_.all()[by] +
                           "' contradict each other on /tf_static; stop one of them, and start "
                           "the other again";
-  doubts.add({before(now, limits_.lasting), NEVER}, why);
+  spans.add({before(now, limits_.lasting), NEVER}, why);
   return {Store::NOTHING, why};
 }
 
@@ -187,14 +187,14 @@ void TransformGate::forget(Frame& frame, StampNs now) const {
   if (frame.newest != EVER_SINCE) {
     frame.oldest = std::max(frame.oldest, frame.newest - limits_.kept);
   }
-  for (DoubtfulSpans& spans : frame.doubts) spans.forgetBefore(before(now, limits_.kept));
+  for (SuspectSpans& spans : frame.suspect) spans.forgetBefore(before(now, limits_.kept));
 }
 
 void TransformGate::restart(StampNs now) {
   for (Frame& frame : frames_) {
     const bool is_both = frame.both_since != NEVER && last_now_ < endOfBoth(frame);
-    const bool is_open = frame.doubts[STATIC_POSE].isOpen();
-    const std::string why = is_open ? *frame.doubts[STATIC_POSE].at(last_now_) : "";
+    const bool is_open = frame.suspect[STATIC_POSE].isOpen();
+    const std::string why = is_open ? *frame.suspect[STATIC_POSE].at(last_now_) : "";
     Frame fresh;
     fresh.is_heard = frame.is_heard;
     fresh.is_static = frame.is_static;
@@ -202,10 +202,10 @@ void TransformGate::restart(StampNs now) {
     fresh.static_pose = frame.static_pose;  // of tf2's new buffer the only one
     fresh.newest_static = frame.newest_static;
     fresh.newest_counts = frame.newest_counts;
-    if (is_open) fresh.doubts[STATIC_POSE].add({EVER_SINCE, NEVER}, why);
+    if (is_open) fresh.suspect[STATIC_POSE].add({EVER_SINCE, NEVER}, why);
     if (is_both) {
       fresh.last_moving = fresh.last_static = fresh.both_since = now;
-      fresh.doubts[BOTH_KINDS].add({before(now, limits_.max_age), endOfBoth(fresh)}, IS_ON_BOTH);
+      fresh.suspect[BOTH_KINDS].add({before(now, limits_.max_age), endOfBoth(fresh)}, IS_ON_BOTH);
     }
     frame = std::move(fresh);
   }
@@ -237,9 +237,9 @@ StampNs TransformGate::newestAt(int number, StampNs now) const {
   return isStatic(number) ? NEVER : newestAt(frames_[number], now);
 }
 
-const std::string* TransformGate::doubtAt(const Frame& frame, StampNs stamp) {
+const std::string* TransformGate::whySuspectAt(const Frame& frame, StampNs stamp) {
   for (const Reason reason : {BOTH_KINDS, PUBLISHERS, GAP}) {
-    if (const std::string* why = frame.doubts[reason].at(stamp)) return why;
+    if (const std::string* why = frame.suspect[reason].at(stamp)) return why;
   }
   return nullptr;
 }
@@ -248,16 +248,16 @@ bool TransformGate::isKnown(int number, StampNs stamp) const {
   if (!isHeard(number)) return false;
   const Frame& frame = frames_[number];
   if (!frame.is_static) {
-    return frame.oldest <= stamp && stamp <= frame.newest && !doubtAt(frame, stamp);
+    return frame.oldest <= stamp && stamp <= frame.newest && !whySuspectAt(frame, stamp);
   }
-  return stamp >= frame.since && !frame.doubts[BOTH_KINDS].at(stamp) &&
-         !frame.doubts[STATIC_POSE].at(stamp);
+  return stamp >= frame.since && !frame.suspect[BOTH_KINDS].at(stamp) &&
+         !frame.suspect[STATIC_POSE].at(stamp);
 }
 
 bool TransformGate::isSettled(int number) const {
   const Frame& frame = frames_[number];
-  return frame.since == EVER_SINCE && frame.doubts[BOTH_KINDS].size() == 0 &&
-         frame.doubts[STATIC_POSE].size() == 0;
+  return frame.since == EVER_SINCE && frame.suspect[BOTH_KINDS].size() == 0 &&
+         frame.suspect[STATIC_POSE].size() == 0;
 }
 
 std::string TransformGate::whyUnknown(int number, StampNs stamp) const {
@@ -265,12 +265,12 @@ std::string TransformGate::whyUnknown(int number, StampNs stamp) const {
     return "TF does not say where it is";
   }
   const Frame& frame = frames_[number];
-  if (const std::string* both = frame.doubts[BOTH_KINDS].at(stamp)) return *both;
+  if (const std::string* both = frame.suspect[BOTH_KINDS].at(stamp)) return *both;
   if (frame.is_static) {
-    const std::string* doubt = frame.doubts[STATIC_POSE].at(stamp);
-    return doubt ? *doubt : CHANGED;
+    const std::string* why = frame.suspect[STATIC_POSE].at(stamp);
+    return why ? *why : CHANGED;
   }
-  if (const std::string* doubt = doubtAt(frame, stamp)) return *doubt;
+  if (const std::string* why = whySuspectAt(frame, stamp)) return *why;
   if (frame.newest == EVER_SINCE) {
     return "no transform of it was received since the clock went back";
   }
@@ -289,7 +289,7 @@ int TransformGate::parentAt(int number, StampNs stamp) const {
 std::size_t TransformGate::nbKept(int number) const {
   std::size_t count = frames_[number].statics.size();
   for (const Source& source : frames_[number].sources) count += source.samples.size();
-  for (const DoubtfulSpans& spans : frames_[number].doubts) count += spans.size();
+  for (const SuspectSpans& spans : frames_[number].suspect) count += spans.size();
   return count;
 }
 

@@ -1,4 +1,4 @@
-// Which transforms are admitted to tf2's buffer, and at which stamps a frame's pose is in doubt.
+// Which transforms are admitted to tf2's buffer, and at which stamps a frame's pose is suspect.
 #pragma once
 
 #include <algorithm>
@@ -50,25 +50,25 @@ class Names {
 ///  1. A stamp that is zero, further ahead of the clock than clock_tolerance, or older than
 ///     max_pose_age on arrival is refused.
 ///  2. Between samples a pose is known where two of one publisher, in one parent, are at most
-///     max_transform_age apart, the first of which is not in doubt.
+///     max_transform_age apart, the first of which is not suspect.
 ///  3. Two publishers of one frame, or one that publishes it in two sequences, contradict each
 ///     other where a sample of one is further from both neighbours in time of the other than these,
 ///     or the two before, are from each other (0.1 mm, 0.1 mrad), or names another parent than
 ///     both.
 ///  4. Then stamps from max_pose_age before to the first sample that is max_pose_age after it are
-///     in doubt.
+///     suspect.
 ///  5. A frame is static or moves, as it was heard first. While the other kind is heard too, it is
-///     in doubt, until one of them has been silent for max_pose_age.
+///     suspect, until one of them has been silent for max_pose_age.
 ///  6. Then it moves if that was heard last, for at least max_pose_age; it becomes static if its
 ///     static pose was sent twice.
 ///  7. Of static poses the newest counts that one node alone has sent, or that was sent twice.
-///  8. Until there is one again, a frame whose static publishers contradict each other is in doubt.
-///  9. Where a static pose changes, or a frame becomes static, earlier stamps are in doubt.
+///  8. Until there is one again, a frame whose static publishers contradict each other is suspect.
+///  9. Where a static pose changes, or a frame becomes static, earlier stamps are suspect.
 /// 10. When the clock goes back, all but static poses is forgotten.
 ///
 /// Without a limit of the age, max_transform_age stands for max_pose_age in rule 4. Of a frame are
-/// kept its static pose of each publisher, their samples of the last few seconds, and the spans in
-/// doubt. Cost of a sample in order: O(publishers of the frame * log samples).
+/// kept its static pose of each publisher, their samples of the last few seconds, and the suspect
+/// spans. Cost of a sample in order: O(publishers of the frame * log samples).
 class TransformGate {
  public:
   explicit TransformGate(const PoseLimits& limits);
@@ -81,7 +81,7 @@ class TransformGate {
   };
   struct Answer {
     Store store;
-    std::string why;  ///< it was refused, or the frame is in doubt; empty: all is well
+    std::string why;  ///< it was refused, or the frame is suspect; empty: all is well
   };
   Answer admit(int frame, const FramePose& pose, bool is_static, const std::string& publisher,
                StampNs stamp, StampNs now);
@@ -115,7 +115,7 @@ class TransformGate {
   StampNs newestAt(int frame, StampNs now) const;
   /// Whether its pose in its parent is known at that stamp.
   bool isKnown(int frame, StampNs stamp) const;
-  /// Whether a frame that is static has been so for all stamps, with one pose and without doubt.
+  /// Whether a frame that is static has been so for all stamps, with one pose and never suspect.
   bool isSettled(int frame) const;
   /// Why isKnown() is false, in words.
   std::string whyUnknown(int frame, StampNs stamp) const;
@@ -159,7 +159,7 @@ class TransformGate {
     StampNs oldest = NEVER, newest = EVER_SINCE;  ///< samples
     StampNs parent_since = EVER_SINCE;            ///< stamp from which on the parent is `parent`
     int parent = -1;
-    std::array<DoubtfulSpans, NB_REASONS> doubts;
+    std::array<SuspectSpans, NB_REASONS> suspect;
   };
 
   Answer admitStatic(Frame& frame, const FramePose& pose, int by, StampNs now);
@@ -175,7 +175,7 @@ class TransformGate {
                    const std::string& how);
   void forget(Frame& frame, StampNs now) const;
   StampNs newestAt(const Frame& frame, StampNs now) const;
-  static const std::string* doubtAt(const Frame& frame, StampNs stamp);
+  static const std::string* whySuspectAt(const Frame& frame, StampNs stamp);
   /// `now`, or beyond the newest stamp of all frames: no look-up so far was as late.
   StampNs reached(StampNs now) const { return newest_ > now ? newest_ + 1 : now; }
 

@@ -96,18 +96,18 @@ TransformGate::Source* TransformGate::sourceOf(Frame& frame, int publisher) cons
 /// Rule 2. Known are the stamps of samples, and those between two of one publisher.
 void TransformGate::noteSample(Frame& frame, const Samples& samples, Place added) {
   const StampNs stamp = added->stamp;
-  DoubtfulSpans& gaps = frame.doubts[GAP];
+  SuspectSpans& gaps = frame.suspect[GAP];
   if (frame.newest == EVER_SINCE) {
     frame.oldest = frame.newest = stamp;
   } else if (stamp > frame.newest) {
     const bool is_bridged = added != samples.begin() && isBridge(frame, *std::prev(added), *added);
     const StampNs from = is_bridged ? std::max(frame.newest, std::prev(added)->stamp) : stamp;
     if (from > frame.newest) {
-      const std::string* doubt = doubtAt(frame, frame.newest);
+      const std::string* why = whySuspectAt(frame, frame.newest);
       const bool is_rehung = added != samples.begin() &&
                              stamp - std::prev(added)->stamp <= limits_.max_gap &&
                              added->pose.parent != std::prev(added)->pose.parent;
-      gaps.add({frame.newest, from}, doubt ? *doubt : is_rehung ? PARENT_CHANGES : too_far_apart_);
+      gaps.add({frame.newest, from}, why ? *why : is_rehung ? PARENT_CHANGES : too_far_apart_);
     }
     frame.newest = stamp;
   } else if (stamp < frame.oldest) {
@@ -126,7 +126,7 @@ void TransformGate::noteSample(Frame& frame, const Samples& samples, Place added
 bool TransformGate::isBridge(const Frame& frame, const Sample& from, const Sample& to) const {
   // tf2 does not interpolate between parents: it would hold the earlier pose.
   return to.stamp - from.stamp <= limits_.max_gap && to.pose.parent == from.pose.parent &&
-         !doubtAt(frame, from.stamp);
+         !whySuspectAt(frame, from.stamp);
 }
 
 void TransformGate::noteParent(Frame& frame, int parent, StampNs stamp) {
@@ -173,14 +173,14 @@ std::string TransformGate::note(Frame& frame, const Source& source, Place sample
   const std::string why = by + ", and contradict each other: " + how;
   const bool is_first = sample == source.samples.begin();
   const StampNs since = is_first ? sample->stamp - 1 : std::prev(sample)->stamp;
-  // Before the next sample of all it would be interpolated from one in doubt.
+  // Before the next sample of all it would be interpolated from a suspect one.
   const StampNs end = after(sample->stamp, limits_.lasting);
   StampNs next = NEVER;
   for (const Source& of : frame.sources) {
     const Place from = placeOf(of.samples, end);
     if (from != of.samples.end()) next = std::min(next, from->stamp);
   }
-  frame.doubts[PUBLISHERS].add(
+  frame.suspect[PUBLISHERS].add(
       {std::min(since, before(now, limits_.lasting)), next == NEVER ? end : next}, why);
   return why;
 }

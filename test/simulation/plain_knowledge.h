@@ -38,7 +38,7 @@ struct Told {
   bool is_static_lie = false;  ///< … on /tf_static, or both topics have it: also before
   bool is_plain = true;        ///< by one node, in order, and no static pose that changes
   bool is_of_others = false;   ///< some samples are of a second node alone
-  std::vector<std::pair<Ns, Ns>> disturbed;   ///< spans where what was said may be in doubt
+  std::vector<std::pair<Ns, Ns>> disturbed;   ///< spans where what was said may be suspect
   bool is_heard = false;                      ///< ever
   bool is_static = false, is_settled = true;  ///< by which topic; if it is settled, since when
   Ns settled_since = EVER;
@@ -70,7 +70,7 @@ class Knowledge {
   /// The clock, but for steps back that do not count.
   Ns now() const { return ros_; }
   int pass() const { return pass_; }
-  bool isClockInDoubt() const {
+  bool isClockSuspect() const {
     return setup_.is_simulated && !setup_.allow_paused && setup_.max_pose_age > 0.0 && ros_ > 0 &&
            steady_ - last_step_ > setup_.max_pose_age;
   }
@@ -158,9 +158,9 @@ class Knowledge {
     }
     return false;
   }
-  /// A lie among truths puts stamps around it in doubt if it is further from its neighbours than
+  /// A lie among truths puts stamps around it suspect if it is further from its neighbours than
   /// these, or the two before, are from each other.
-  bool isInDoubt(int link, Ns stamp) const {
+  bool isSuspect(int link, Ns stamp) const {
     // When it was noticed, stamps of longer ago were too old.
     if (seconds(ros_ - stamp) > 0.95 * lasting()) return false;
     for (const int i : setup_.pathTo(link)) {
@@ -247,7 +247,7 @@ class Knowledge {
     }
     return false;
   }
-  /// Whether the rules leave no doubt about where it is at that stamp.
+  /// Whether the rules leave no question where it is at that stamp.
   bool isCertain(int link, Ns stamp) const {
     const Ns earliest = std::min(stamp, ros_);
     const double lasts = seconds(earliest - (root_lies_.empty() ? EVER / 2 : *root_lies_.rbegin()));

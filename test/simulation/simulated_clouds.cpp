@@ -272,7 +272,7 @@ void SimulatedNode::judgeHealth(const CloudHealth& health) {
 }
 
 /// Empty: there is none, but that something may have come too near to be seen.
-std::string SimulatedNode::expectedCloudDoubt(bool is_refused) const {
+std::string SimulatedNode::expectedCloudProblem(bool is_refused) const {
   if (!used_cloud_) return is_refused ? "none is usable" : "none has arrived yet on /points";
   if (used_cloud_->pass != knowledge_.pass()) return "none has arrived since the clock went back";
   if (seconds(ros_) - used_cloud_->measured > timeout()) return "the newest is ";
@@ -292,11 +292,11 @@ void SimulatedNode::judgeClouds(const Snapshot& snapshot) {
   if (!setup_.has_cloud) return;
   const double age = used_cloud_ ? seconds(ros_) - used_cloud_->measured : 0.0;
   std::string said;
-  for (const std::string& doubt : snapshot.poses.doubts) {
-    if (doubt.rfind("cloud '", 0) == 0) said = doubt;
+  for (const std::string& reason : snapshot.poses.unknown_because) {
+    if (reason.rfind("cloud '", 0) == 0) said = reason;
   }
   const auto isSaid = [&](bool is_refused) {
-    const std::string expected = expectedCloudDoubt(is_refused), begin = "cloud 'points': ";
+    const std::string expected = expectedCloudProblem(is_refused), begin = "cloud 'points': ";
     const bool is_filter = used_cloud_ && used_cloud_->revision < complete_revision_;
     const bool may_touch = said.rfind(begin + "something ", 0) == 0;
     if (expected.empty() || (is_filter && !is_refused && may_touch))
@@ -305,7 +305,7 @@ void SimulatedNode::judgeClouds(const Snapshot& snapshot) {
   };
   const bool is_edge = std::abs(age - timeout()) < 1e-6;
   if (!isSaid(is_cloud_refused_) && !(may_cloud_be_refused_ && isSaid(true)) && !is_edge) {
-    fail("of clouds is said: '" + said + "', not: " + expectedCloudDoubt(is_cloud_refused_));
+    fail("of clouds is said: '" + said + "', not: " + expectedCloudProblem(is_cloud_refused_));
   }
   const CloudHealth health = monitor_.scenes().active()->clouds.front()->health();
   const auto nb_gone = health.used + health.refused + health.dropped;

@@ -49,8 +49,9 @@ void SimulatedNode::report() {
 void SimulatedNode::judge(const Snapshot& snapshot) {
   const bool is_unknown = report_.verdict == Verdict::UNKNOWN;
   if (is_unknown == report_.unknown_because.empty()) fail("UNKNOWN and its reasons do not agree");
-  if (report_.verdict != Verdict::COLLISION && !snapshot.poses.doubts.empty() && !is_unknown) {
-    fail("FREE in spite of doubts");
+  if (report_.verdict != Verdict::COLLISION && !snapshot.poses.unknown_because.empty() &&
+      !is_unknown) {
+    fail("FREE in spite of reasons");
   }
   bool can_move = false;
   for (int i = 0; i < static_cast<int>(setup_.links.size()); ++i) {
@@ -74,7 +75,7 @@ void SimulatedNode::judge(const Snapshot& snapshot) {
   if (limiter_) {
     const std::string wrong = limiter_->violation(monitor_);
     if (!wrong.empty()) fail(wrong);
-    nb_limited += limiter_->doubt().empty() ? 1 : 0;
+    nb_limited += limiter_->problem().empty() ? 1 : 0;
   }
   judgeMemory();
 }
@@ -112,7 +113,7 @@ void SimulatedNode::judgeBodies(const Snapshot& snapshot, bool is_newest) {
     }
     if (!is_known || knowledge_.isLiedAbout(link, stamp)) continue;
     if (knowledge_.isHeld(link)) fail("only /tf_static places " + linkName(link));
-    if (knowledge_.isInDoubt(link, stamp)) fail(linkName(link) + " is known, but in doubt");
+    if (knowledge_.isSuspect(link, stamp)) fail(linkName(link) + " is known, but suspect");
     const bool are_all_wanted = settings_.ignored.empty() && setup_.fixed_frame < 0;
     if (are_all_wanted && is_newest && !snapshot.is_static && knowledge_.isBehind(stamp)) {
       fail(linkName(link) + " lags behind");
@@ -138,12 +139,13 @@ void SimulatedNode::judgeBodies(const Snapshot& snapshot, bool is_newest) {
   }
 }
 
-/// What was said beyond doubt is known, at the newest stamp that all have reached, unless it is too
+/// What was said certainly is known, at the newest stamp that all have reached, unless it is too
 /// old, or older than others.
 void SimulatedNode::judgeCertain(const Snapshot& snapshot) {
   const CollisionScene& scene = *snapshot.scene->scene;
   const Ns stamp = static_cast<Ns>(snapshot.stamp.toNSec());
   const bool may_be_known = ros_ > 0 && !knowledge_.isTooOld(stamp);
+  const Ns heard = std::max(knowledge_.newest(), EVER / 2);
   Ns expected = NEVER;
   bool are_certain = ros_ > 0 && !knowledge_.isPoseOpen(-1);  // what stands is asked for now
   for (const SceneBody& body : scene.bodies()) {
@@ -167,14 +169,14 @@ void SimulatedNode::judgeCertain(const Snapshot& snapshot) {
     are_certain = are_certain && (expected == NEVER || knowledge_.isCertain(link, expected));
     if (snapshot.poses.known[i] || !may_be_known) continue;
     const Ns newest = std::min(stamp, newestStampOf(link, ros_).value_or(EVER / 2));
-    const double lag = seconds(knowledge_.newest() - newest);
+    const double lag = seconds(heard - newest);
     if (lag < setup_.max_transform_age - 1e-6 && knowledge_.isCertain(link, stamp)) {
-      fail(body.link + " is not known, but beyond doubt: " + reasons());
+      fail(body.link + " is not known, but certainly: " + reasons());
     }
   }
-  const bool is_sound = are_certain && !knowledge_.isTooOld(expected) &&
-                        seconds(knowledge_.newest() - expected) < setup_.max_transform_age - 1e-6;
-  if (is_sound && expected != NEVER && stamp != expected) {
+  const bool is_sound = are_certain && expected != NEVER && !knowledge_.isTooOld(expected) &&
+                        seconds(heard - expected) < setup_.max_transform_age - 1e-6;
+  if (is_sound && stamp != expected) {
     fail("the poses are of " + std::to_string(seconds(stamp - expected)) + " s after the newest");
   }
 }
@@ -194,7 +196,7 @@ void SimulatedNode::judgeFree(const Snapshot& snapshot) {
   if (ros_ == 0) fail("FREE without a clock");
   if (isGeometryMissing()) fail("FREE although geometry is missing");
   if (!isAnyChecked({})) fail("FREE although nothing is checked");
-  if (knowledge_.isClockInDoubt()) fail("FREE although the clock stands still");
+  if (knowledge_.isClockSuspect()) fail("FREE although the clock stands still");
   if (knowledge_.isTooOld(stamp) && !snapshot.is_static) fail("FREE although poses are too old");
   const bool are_all_wanted = settings_.ignored.empty() && !knowledge_.isRootHung(stamp);
   if (are_all_wanted && knowledge_.isBehind(stamp)) fail("FREE although a link lags behind");
@@ -208,7 +210,7 @@ void SimulatedNode::judgeFree(const Snapshot& snapshot) {
     if (!is_known) return fail("FREE although a link is nowhere");
     // Who hangs the frame of the reports on a link places that link, whatever it hangs on itself.
     if (knowledge_.isRootHung(stamp)) continue;
-    if (knowledge_.isInDoubt(link, stamp)) fail("FREE although two nodes contradict each other");
+    if (knowledge_.isSuspect(link, stamp)) fail("FREE although two nodes contradict each other");
     if (knowledge_.isLiedAbout(link, stamp)) continue;
     if (knowledge_.isOnBoth(link)) fail("FREE although a frame is on /tf and on /tf_static");
   }
@@ -271,23 +273,23 @@ void SimulatedNode::judgeAgreement(const Snapshot& snapshot) {
   if (verdict == Verdict::UNKNOWN && digest_ % 4 != 0) return;  // takes longest, and says least
   try {
     Snapshot asked = monitor_.withJoints(snapshot.scene, {}, ros::Time());
-    requireSharedDoubts(snapshot, asked, "a request");
+    requireSharedReasons(snapshot, asked, "a request");
     // What the cycle cannot place at any instant, a request may not have to ask about.
     if (!snapshot.is_static && (asked.stamp != snapshot.stamp || asked.is_static)) {
       fail("a request is of another instant");
     }
-    // Of joints it takes what is newest of each: that may be in doubt where older poses are not.
+    // Of joints it takes what is newest of each: that may be suspect where older poses are not.
     try {
-      requireSharedDoubts(snapshot, monitor_.withMeasured(snapshot.scene, {}), "the limiter");
+      requireSharedReasons(snapshot, monitor_.withMeasured(snapshot.scene, {}), "the limiter");
     } catch (const InputError&) {
     }
     if (verdict == Verdict::UNKNOWN) return;
     std::vector<Eigen::Isometry3d> X_WB;
     asked.joints->bodyPosesAt({}, X_WB);
     snapshot.scene->scene->gatherPoses(X_WB, asked.poses);
-    const std::vector<std::string>& doubts = asked.poses.doubts;
+    const std::vector<std::string>& reasons = asked.poses.unknown_because;
     const Verdict of_request = detector_->detect(asked.poses, {}).verdict;
-    if (doubts.empty() && of_request != verdict) fail("a request and the cycle do not agree");
+    if (reasons.empty() && of_request != verdict) fail("a request and the cycle do not agree");
     // A lie may lead past a link that is in no pair, so the cycle does not need it.
     // … nor the root, which a request does, and which moves where all else stands.
     bool is_nowhere = isRootNowhere(snapshot) || (snapshot.is_static && !asked.is_static);
@@ -296,8 +298,8 @@ void SimulatedNode::judgeAgreement(const Snapshot& snapshot) {
       const Ns stamp = static_cast<Ns>(snapshot.stamp.toNSec());
       is_nowhere = is_nowhere || (!is_checked && !knowledge_.poseOf(i, stamp));
     }
-    if (verdict == Verdict::FREE && !doubts.empty() && !is_nowhere) {
-      fail("the cycle is FREE, a request is in doubt: " + doubts.front());
+    if (verdict == Verdict::FREE && !reasons.empty() && !is_nowhere) {
+      fail("the cycle is FREE, a request is suspect: " + reasons.front());
     }
   } catch (const InputError& error) {
     const bool is_needed = verdict == Verdict::FREE && !isRootNowhere(snapshot);
@@ -305,20 +307,20 @@ void SimulatedNode::judgeAgreement(const Snapshot& snapshot) {
   }
 }
 
-/// What is in doubt whatever the instant of the poses.
-void SimulatedNode::requireSharedDoubts(const Snapshot& cycle, const Snapshot& other,
-                                        const std::string& whose) {
+/// What is suspect whatever the instant of the poses.
+void SimulatedNode::requireSharedReasons(const Snapshot& cycle, const Snapshot& other,
+                                         const std::string& whose) {
   // A joint that TF lacks at the request's stamp is at zero, which cannot age.
   const bool is_at_zero =
       other.joints->jointsFromTf().empty() && !other.joints->jointsAtZero().empty();
-  for (const std::string& doubt : cycle.poses.doubts) {
-    const bool is_of_cloud = doubt.rfind("cloud '", 0) == 0;
-    const bool is_of_clock = doubt.rfind("use_sim_time", 0) == 0;
-    const auto& others = other.poses.doubts;
-    const bool is_shared = std::find(others.begin(), others.end(), doubt) != others.end();
+  for (const std::string& reason : cycle.poses.unknown_because) {
+    const bool is_of_cloud = reason.rfind("cloud '", 0) == 0;
+    const bool is_of_clock = reason.rfind("use_sim_time", 0) == 0;
+    const auto& others = other.poses.unknown_because;
+    const bool is_shared = std::find(others.begin(), others.end(), reason) != others.end();
     const bool can_age = whose == "the limiter" || (!cycle.is_static && !is_at_zero);
     const bool must_be = is_of_cloud || (is_of_clock && can_age);
-    if (must_be && !is_shared) fail(whose + " does not know that " + doubt);
+    if (must_be && !is_shared) fail(whose + " does not know that " + reason);
   }
 }
 
@@ -381,8 +383,8 @@ void SimulatedNode::recover(double duration) {
   }
   if (checks && report_.verdict != Verdict::FREE)
     fail("everything is sound, but not FREE: " + reasons());
-  if (checks && limiter_ && !limiter_->doubt().empty()) {
-    fail("everything is sound, but the limiter stands: " + limiter_->doubt());
+  if (checks && limiter_ && !limiter_->problem().empty()) {
+    fail("everything is sound, but the limiter stands: " + limiter_->problem());
   }
 }
 

@@ -107,8 +107,8 @@ void SimulatedLimiter::hear(const Event& event) {
 }
 
 /// By the rules of docs/limiter.md.
-std::string SimulatedLimiter::whyInDoubt() const {
-  if (knowledge_.isClockInDoubt()) return "the clock stands still";
+std::string SimulatedLimiter::whySuspect() const {
+  if (knowledge_.isClockSuspect()) return "the clock stands still";
   const bool stands = clocks_.steady - last_step_ > COMMAND_TIMEOUT;
   if (setup_.is_simulated && !setup_.allow_paused && stands) return "nothing later was heard";
   for (const int link : joints_) {
@@ -142,23 +142,23 @@ std::string SimulatedLimiter::violation(const Monitor& monitor) {
   const LimiterInputs::Moment moment = inputs_.at(clocks_, LATER);
   LimiterInput input;
   RobotState state;
-  doubt_ = whyInDoubt();
+  problem_ = whySuspect();
   try {
     const Snapshot snapshot = snapshotAt(moment, monitor, input, state);
-    const auto& doubts = snapshot.poses.doubts;
-    if (!doubt_.empty()) return doubts.empty() ? "the limiter does not know: " + doubt_ : "";
+    const auto& reasons = snapshot.poses.unknown_because;
+    if (!problem_.empty()) return reasons.empty() ? "the limiter does not know: " + problem_ : "";
     double oldest = upper() + LATER;
     for (const int link : joints_) oldest = std::min(oldest, newest_.at(link).measured);
     const double age = upper() + LATER - oldest;
-    if (doubts.empty() && std::abs(input.now - input.stamp - age) > ROUNDING) {
+    if (reasons.empty() && std::abs(input.now - input.stamp - age) > ROUNDING) {
       return "the limiter takes the positions for younger or older than they are";
     }
     if (age > MAX_AGE) {
-      doubt_ = "positions are too old";  // by input.stamp, the law stops
+      problem_ = "positions are too old";  // by input.stamp, the law stops
       return "";
     }
-    if (!doubts.empty()) {
-      doubt_ = doubts.front();
+    if (!reasons.empty()) {
+      problem_ = reasons.front();
       return "";
     }
     for (const auto& [name, value, told_age] : moment.positions) {
@@ -194,7 +194,7 @@ std::string SimulatedLimiter::violation(const Monitor& monitor) {
     }
     if (input.obstacles_age < 0.0) return "a cloud of the future";
   } catch (const InputError& error) {
-    doubt_ = error.what();
+    problem_ = error.what();
   }
   return "";
 }

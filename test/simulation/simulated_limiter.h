@@ -27,7 +27,7 @@ class SimulatedLimiter {
   /// What a decision would be made of now: empty, or what is wrong with it.
   std::string violation(const collision_pairs::Monitor& monitor);
   /// What keeps it from deciding; empty: nothing.
-  const std::string& doubt() const { return doubt_; }
+  const std::string& problem() const { return problem_; }
 
  private:
   struct Reported {
@@ -37,7 +37,7 @@ class SimulatedLimiter {
   double latest() const;
   /// What the clock may have been behind.
   double upper() const;
-  std::string whyInDoubt() const;
+  std::string whySuspect() const;
   std::optional<Pose> poseOf(int link) const;
 
   const Scenario& setup_;
@@ -51,7 +51,7 @@ class SimulatedLimiter {
   bool is_clock_known_ = false;
   std::vector<std::pair<double, double>> lags_;  ///< when, and by how much it was seen to be behind
   double last_latest_ = 0.0, last_step_ = 0.0;
-  std::string doubt_;
+  std::string problem_;
 };
 
 }  // namespace simulation

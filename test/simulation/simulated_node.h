@@ -114,7 +114,7 @@ class SimulatedNode {
   bool isSound(const SentCloud& cloud) const;
   void requireRefusable(const SentCloud& cloud);
   void requireUsable(const SentCloud& cloud);
-  std::string expectedCloudDoubt(bool is_refused) const;
+  std::string expectedCloudProblem(bool is_refused) const;
   void judgeClouds(const Snapshot& snapshot);
   int nbCloudsHere() const;
   void noteUse(double latency);
@@ -169,7 +169,7 @@ class SimulatedNode {
   }
   bool isBody(int link, const Eigen::Isometry3d& X_WB, Ns stamp) const;
   void judgeAgreement(const Snapshot& snapshot);
-  void requireSharedDoubts(const Snapshot& cycle, const Snapshot& other, const std::string& whose);
+  void requireSharedReasons(const Snapshot& cycle, const Snapshot& other, const std::string& whose);
   void judgeMemory();
   bool isCheckedAgainst(int link, const PlainObject& object) const;
   bool areChecked(int i, int j) const;

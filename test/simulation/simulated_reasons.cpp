@@ -77,9 +77,9 @@ void SimulatedNode::judgeRefusals(const Snapshot& snapshot) {
       fail("it is refused, but because '" + refusal.first + "': " + *line);
     }
   }
-  const auto& doubts = snapshot.poses.doubts;
+  const auto& reasons = snapshot.poses.unknown_because;
   for (std::size_t i = 0; i < refused.size() && !snapshot.first_left_out.empty(); ++i) {
-    if (std::find(doubts.begin(), doubts.end(), "refused " + refused[i]) == doubts.end()) {
+    if (std::find(reasons.begin(), reasons.end(), "refused " + refused[i]) == reasons.end()) {
       fail("a reason is missing: " + refused[i]);
     }
   }
@@ -89,47 +89,48 @@ void SimulatedNode::judgeRefusals(const Snapshot& snapshot) {
 void SimulatedNode::judgeReasons(const Snapshot& snapshot) {
   const double rounding = 0.02;  // s: ages are said with two digits
   bool is_of_cloud = false, is_clock_named = false, is_no_clock_named = false;
-  for (const std::string& doubt : snapshot.poses.doubts) {
-    const auto says = [&](const char* words) { return doubt.find(words) != std::string::npos; };
-    const auto begins = [&](const char* words) { return doubt.rfind(words, 0) == 0; };
+  for (const std::string& reason : snapshot.poses.unknown_because) {
+    const auto says = [&](const char* words) { return reason.find(words) != std::string::npos; };
+    const auto begins = [&](const char* words) { return reason.rfind(words, 0) == 0; };
     is_clock_named = is_clock_named || says("/clock stands still");
-    is_no_clock_named = is_no_clock_named || doubt == NO_CLOCK;
-    if (says("/clock stands still") && !knowledge_.isClockInDoubt()) fail("it runs: " + doubt);
-    if (doubt == NO_CLOCK && ros_ > 0) fail("it was received: " + doubt);
-    if (says("the scene was replaced")) fail("it was not: " + doubt);
-    if (says("geometry that could not be read") && settings_.broken < 0) fail("it could: " + doubt);
+    is_no_clock_named = is_no_clock_named || reason == NO_CLOCK;
+    if (says("/clock stands still") && !knowledge_.isClockSuspect()) fail("it runs: " + reason);
+    if (reason == NO_CLOCK && ros_ > 0) fail("it was received: " + reason);
+    if (says("the scene was replaced")) fail("it was not: " + reason);
+    if (says("geometry that could not be read") && settings_.broken < 0)
+      fail("it could: " + reason);
     is_of_cloud = is_of_cloud || begins("cloud '");
-    if (doubt.empty() || doubt.back() == ' ') fail("a reason has no end: " + doubt);
-    if (begins("refused ") && snapshot.first_left_out.empty()) fail("it matters not: " + doubt);
+    if (reason.empty() || reason.back() == ' ') fail("a reason has no end: " + reason);
+    if (begins("refused ") && snapshot.first_left_out.empty()) fail("it matters not: " + reason);
     const bool is_of_frame = begins("link '") || begins("refused ");
     const bool is_of_rest = begins("use_sim_time") || begins("geometry") || begins("cloud '");
-    if (!is_of_frame && !is_of_rest && doubt != NO_CLOCK) fail("a strange doubt: " + doubt);
+    if (!is_of_frame && !is_of_rest && reason != NO_CLOCK) fail("a strange reason: " + reason);
     if (is_of_frame && knowledge_.isPlain() &&
         (says("contradict") || says("ambiguous") || says("several nodes") ||
          says("form a cycle"))) {
-      fail("nobody contradicts: " + doubt);
+      fail("nobody contradicts: " + reason);
     }
     for (int link = 0; link < static_cast<int>(setup_.links.size()); ++link) {
-      if (doubt.rfind("link '" + linkName(link) + "'", 0) != 0) continue;
+      if (reason.rfind("link '" + linkName(link) + "'", 0) != 0) continue;
       const bool is_uncertain = knowledge_.isLiedAbout(link) || knowledge_.isUnsettled(link);
       if (says("only /tf_static places it") && !knowledge_.isHeld(link) && !is_uncertain) {
-        fail("it moves: " + doubt);
+        fail("it moves: " + reason);
       }
       // Seen from a link, it may be the transform of another one that is said to be old.
       if (says("and max_pose_age is") && !is_uncertain && setup_.fixed_frame < 0 &&
           !knowledge_.hasOldOn(link, setup_.max_pose_age - rounding)) {
-        fail("it is young: " + doubt);
+        fail("it is young: " + reason);
       }
       const auto newest = newestStampOf(link, ros_);
       if (says("and max_transform_age is") && !is_uncertain &&
           !(newest &&
             seconds(knowledge_.newest() - *newest) > setup_.max_transform_age - rounding)) {
-        fail("it is as new as others: " + doubt);
+        fail("it is as new as others: " + reason);
       }
     }
   }
-  if (is_of_cloud && snapshot.doubtful_clouds.empty()) fail("a doubtful cloud is not named");
-  if (knowledge_.isClockInDoubt() && !is_clock_named) fail("nothing is said of /clock");
+  if (is_of_cloud && snapshot.suspect_clouds.empty()) fail("a suspect cloud is not named");
+  if (knowledge_.isClockSuspect() && !is_clock_named) fail("nothing is said of /clock");
   if (ros_ == 0 && !is_no_clock_named) fail("nothing is said of no /clock");
   judgeLeftOut(snapshot);
   if (report_.verdict != Verdict::COLLISION) {
@@ -144,18 +145,18 @@ void SimulatedNode::judgeLeftOut(const Snapshot& snapshot) {
   const auto& bodies = snapshot.scene->scene->bodies();
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const std::string begin = "link '" + bodies[i].link + "': ";
-    const auto& doubts = snapshot.poses.doubts;
-    const auto line = std::find_if(doubts.begin(), doubts.end(), [&](const std::string& doubt) {
-      return doubt.rfind(begin, 0) == 0 && doubt.size() > begin.size();
+    const auto& reasons = snapshot.poses.unknown_because;
+    const auto line = std::find_if(reasons.begin(), reasons.end(), [&](const std::string& reason) {
+      return reason.rfind(begin, 0) == 0 && reason.size() > begin.size();
     });
-    if ((line == doubts.end()) != static_cast<bool>(snapshot.poses.known[i])) {
+    if ((line == reasons.end()) != static_cast<bool>(snapshot.poses.known[i])) {
       fail(begin + "its pose and the reasons do not agree");
     }
   }
   if (!isGeometryMissing()) return;
   const std::string broken = "geometry that could not be read: " + linkName(settings_.broken);
-  const auto& doubts = snapshot.poses.doubts;
-  if (std::find(doubts.begin(), doubts.end(), broken) == doubts.end()) {
+  const auto& reasons = snapshot.poses.unknown_because;
+  if (std::find(reasons.begin(), reasons.end(), broken) == reasons.end()) {
     fail("a reason is missing: " + broken);
   }
 }

@@ -38,10 +38,11 @@ void SimulatedNode::requestAt(Ns stamp) {
     if (snapshot.poses.known[i] || is_long_ago || !knowledge_.isCertain(link, stamp)) continue;
     fail(linkName(link) + " was known then");
   }
-  if (setup_.has_cloud && snapshot.poses.doubts.empty()) fail("clouds of now count for then");
+  if (setup_.has_cloud && snapshot.poses.unknown_because.empty())
+    fail("clouds of now count for then");
   const Verdict verdict = detector_->detect(snapshot.poses, {}).verdict;
   if (verdict != Verdict::FREE) return;
-  if (ros_ == 0 || knowledge_.isClockInDoubt()) fail("FREE then although the clock is in doubt");
+  if (ros_ == 0 || knowledge_.isClockSuspect()) fail("FREE then although the clock is suspect");
   judgeApart(posesAt(stamp));
 }
 
@@ -62,7 +63,7 @@ void SimulatedNode::requestJoints(const Event& event, Ns at_stamp) {
     const Ns stamp = static_cast<Ns>(asked.stamp.toNSec());
     if (at_stamp > 0 && stamp != at_stamp) fail("a request is of another stamp");
     Poses at;
-    bool are_certain = ros_ > 0 && !knowledge_.isClockInDoubt() && !setup_.has_cloud &&
+    bool are_certain = ros_ > 0 && !knowledge_.isClockSuspect() && !setup_.has_cloud &&
                        knowledge_.isCertain(-1, stamp);
     // Where TF has it, whatever is named.
     std::optional<Pose> X_WR = knowledge_.poseOf(-1, stamp);
@@ -102,13 +103,13 @@ void SimulatedNode::requestJoints(const Event& event, Ns at_stamp) {
       }
       at.push_back(is_placed ? std::optional<Pose>(X_PB) : std::nullopt);
     }
-    if (can_age && knowledge_.isClockInDoubt() && asked.poses.doubts.empty()) {
+    if (can_age && knowledge_.isClockSuspect() && asked.poses.unknown_because.empty()) {
       fail("a request does not know that the clock stands still");
     }
-    if (are_certain && settings_.broken < 0 && !asked.poses.doubts.empty()) {
-      fail("a request is in doubt without a reason: " + asked.poses.doubts.front());
+    if (are_certain && settings_.broken < 0 && !asked.poses.unknown_because.empty()) {
+      fail("a request is suspect without a reason: " + asked.poses.unknown_because.front());
     }
-    if (!asked.poses.doubts.empty()) return;
+    if (!asked.poses.unknown_because.empty()) return;
     if (!setup_.is_apart && !scene->scene->bodies().empty() && knowledge_.isHeld(-1) &&
         !knowledge_.isLiedAbout(-1)) {
       fail("only /tf_static places the root");
@@ -178,7 +179,8 @@ void SimulatedNode::requestReplaced() {
   if (!replaced_) return;
   const Snapshot snapshot = monitor_.at(replaced_);
   const bool is_replaced = replaced_->revision != revision_;
-  if (is_replaced && snapshot.poses.doubts.empty()) fail("a scene counts that was replaced");
+  if (is_replaced && snapshot.poses.unknown_because.empty())
+    fail("a scene counts that was replaced");
 }
 
 }  // namespace simulation

@@ -62,7 +62,7 @@ bool SimulatedNode::isStale(const PoseQuestion& question) const {
     const bool is_fixed = setup_.links[static_cast<std::size_t>(i)].joint == SimulatedLink::FIXED;
     moves = moves || !(is_fixed || knowledge_.told(i).is_static);
   }
-  return moves && question.stamp == 0 && knowledge_.isClockInDoubt();
+  return moves && question.stamp == 0 && knowledge_.isClockSuspect();
 }
 
 bool SimulatedNode::isAnswered(const PoseQuestion& question) const {

@@ -22,7 +22,7 @@ OpenPairs::Outcome OpenPairs::check(const std::vector<double>& positions,
                                     const std::vector<BoxPair>& pairs,
                                     const std::vector<std::uint32_t>& beside_static) {
   ++state_;
-  is_doubtful_ = false;
+  is_uncertain_ = false;
   open_.clear();
   ladder_.begin(*scene_, X_WE_, boxes_);
   for (const BoxPair& pair : pairs) {
@@ -54,7 +54,7 @@ OpenPairs::Outcome OpenPairs::check(const std::vector<double>& positions,
       if (touches({boxes.first, beside_static[boxes.second - nb_static]})) return Outcome::CONTACT;
     }
   }
-  return is_doubtful_ ? Outcome::NOT_SETTLED : Outcome::FREE;
+  return is_uncertain_ ? Outcome::NOT_SETTLED : Outcome::FREE;
 }
 
 bool OpenPairs::place(std::uint32_t id, const std::vector<double>& positions) {
@@ -81,7 +81,7 @@ const Eigen::Isometry3d& OpenPairs::placeBody(int id, const std::vector<double>&
 bool OpenPairs::touches(const BoxPair& pair) {
   contact_ = ladder_.byModel(pair);
   const PairDistance found = ladder_.touches(contact_, fidelity_).found;
-  is_doubtful_ |= found.certainty == Certainty::DEGRADED;
+  is_uncertain_ |= found.certainty == Certainty::DEGRADED;
   return found.certainty == Certainty::BOUND;
 }
 

@@ -49,7 +49,7 @@ class OpenPairs {
   std::uint64_t state_ = 0;
   std::vector<BoxPair> open_;
   BoxPair contact_{};
-  bool is_doubtful_ = false;
+  bool is_uncertain_ = false;
 };
 
 }  // namespace collision_pairs

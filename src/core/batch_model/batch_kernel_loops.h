@@ -188,7 +188,7 @@ class BatchLoops {
     }
   }
 
-  /// True if inner spheres overlap in the given lane. Few lanes are in doubt at once: the lanes of
+  /// True if inner spheres overlap in the given lane. Few lanes are open at once: the lanes of
   /// this loop are the spheres of the second tree.
   static bool innerMeet(const BatchTables& tables, const BatchLanes& group, const BatchPair& pair,
                         int lane) {

@@ -246,6 +246,7 @@ class ModelMaker {
 
 std::string BatchModel::whyNot(const CollisionScene& scene, Fidelity fidelity) {
   if (!scene.clouds().empty()) return "it has clouds";
+  if (!scene.missing().empty()) return "geometry is missing";
   if (scene.narrowPhase() != NarrowPhaseMethod::NATIVE) return "FCL answers its pairs";
   for (std::uint32_t i = 0; i < scene.elements().size(); ++i) {
     const SceneElement& element = scene.elements()[i];

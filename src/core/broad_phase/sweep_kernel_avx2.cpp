@@ -51,8 +51,8 @@ struct Avx2Lanes {
                             std::uint32_t unsure, std::uint32_t* first, std::uint32_t* second) {
     const std::uint32_t set = bits(closed);
     const Ints ids = _mm256_and_si256(loadInts(tags), setInt(ID_MASK));
-    const Ints doubt = _mm256_andnot_si256(_mm256_castps_si256(open), setInt(UNSURE));
-    const Ints all = _mm256_or_si256(_mm256_or_si256(ids, doubt), setInt(unsure));
+    const Ints mark = _mm256_andnot_si256(_mm256_castps_si256(open), setInt(UNSURE));
+    const Ints all = _mm256_or_si256(_mm256_or_si256(ids, mark), setInt(unsure));
     const Ints lanes = _mm256_cvtepu8_epi32(
         _mm_loadl_epi64(reinterpret_cast<const __m128i*>(COMPRESSIONS.lane[set])));
     _mm256_storeu_si256(reinterpret_cast<__m256i*>(first), setInt(id));

@@ -34,9 +34,9 @@ struct Avx512Lanes {
                             std::uint32_t unsure, std::uint32_t* first, std::uint32_t* second) {
     const Ints ids = _mm512_and_si512(_mm512_loadu_si512(tags), setInt(ID_MASK));
     const Mask not_sure = static_cast<Mask>(~open);
-    const Ints doubt = _mm512_mask_mov_epi32(setInt(unsure), not_sure, setInt(UNSURE));
+    const Ints mark = _mm512_mask_mov_epi32(setInt(unsure), not_sure, setInt(UNSURE));
     _mm512_storeu_si512(first, setInt(id));
-    _mm512_storeu_si512(second, _mm512_maskz_compress_epi32(closed, _mm512_or_si512(ids, doubt)));
+    _mm512_storeu_si512(second, _mm512_maskz_compress_epi32(closed, _mm512_or_si512(ids, mark)));
     return static_cast<std::size_t>(__builtin_popcount(closed));
   }
 };

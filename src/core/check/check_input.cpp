@@ -22,6 +22,21 @@ void checkSettings(const CheckSettings& settings) {
   }
 }
 
+void checkVoxels(const CollisionScene& scene, const CloudVoxels& voxels) {
+  const auto& clouds = scene.clouds();
+  if (voxels.size() > clouds.size()) {
+    throw InputError("voxels of " + std::to_string(voxels.size()) +
+                     " clouds were given, but the scene has " + std::to_string(clouds.size()));
+  }
+  for (std::size_t i = 0; i < voxels.size(); ++i) {
+    const double wanted = clouds[i].voxel_size;
+    if (!voxels[i] || voxels[i]->voxelSize() == wanted) continue;
+    throw InputError("cloud '" + scene.models()[clouds[i].model].name + "' has voxels of " +
+                     std::to_string(wanted) + " m, but those given are of " +
+                     std::to_string(voxels[i]->voxelSize()) + " m");
+  }
+}
+
 void checkInput(const CollisionScene& scene, const BodyPoses& poses,
                 const CheckSettings& settings) {
   checkSettings(settings);
@@ -35,18 +50,7 @@ void checkInput(const CollisionScene& scene, const BodyPoses& poses,
                      " of them are said to be known or not, but the scene has " +
                      std::to_string(expected));
   }
-  const auto& clouds = scene.clouds();
-  if (poses.voxels.size() > clouds.size()) {
-    throw InputError("voxels of " + std::to_string(poses.voxels.size()) +
-                     " clouds were given, but the scene has " + std::to_string(clouds.size()));
-  }
-  for (std::size_t i = 0; i < poses.voxels.size(); ++i) {
-    const double wanted = clouds[i].voxel_size;
-    if (!poses.voxels[i] || poses.voxels[i]->voxelSize() == wanted) continue;
-    throw InputError("cloud '" + scene.models()[clouds[i].model].name + "' has voxels of " +
-                     std::to_string(wanted) + " m, but those given are of " +
-                     std::to_string(poses.voxels[i]->voxelSize()) + " m");
-  }
+  checkVoxels(scene, poses.voxels);
 }
 
 }  // namespace collision_pairs

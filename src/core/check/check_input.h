@@ -10,7 +10,10 @@ constexpr double MAX_REACH = 1e150;  // metres: squares of coordinates must be f
 /// Throws InputError for settings that are out of range or not a number.
 void checkSettings(const CheckSettings& settings);
 
-/// The same, and for poses and voxels that do not match the scene.
+/// Throws InputError for voxels that do not match the scene's clouds.
+void checkVoxels(const CollisionScene& scene, const CloudVoxels& voxels);
+
+/// Both, and for poses that do not match the scene.
 void checkInput(const CollisionScene& scene, const BodyPoses& poses, const CheckSettings& settings);
 
 }  // namespace collision_pairs

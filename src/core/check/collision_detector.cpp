@@ -145,7 +145,7 @@ const CollisionReport& CollisionDetector::run(const BodyPoses& poses) {
   if (ignored_->isAsking()) report_.ignored = ignored_->list();
   const bool has_pairs = noteUnchecked();
   // One per pair of models.
-  found_->assemble(*scene_, has_pairs, !settings_.verdict_only, poses.doubts, report_);
+  found_->assemble(*scene_, has_pairs, !settings_.verdict_only, poses.unknown_because, report_);
   whole.split(report_.times.total);
   return report_;
 }
@@ -210,12 +210,12 @@ bool CollisionDetector::noteUnchecked() {
   if (scene_->models().empty()) return false;
   const char* why = nullptr;
   const auto isKept = [this](std::uint32_t first, std::uint32_t second) {
-    const IgnoredPairs::Pair pair(first, second);
-    return !std::binary_search(report_.ignored.begin(), report_.ignored.end(), pair);
+    return !ignored_->wouldHave(first, second);
   };
   if (settings_.selection && settings_.selection->empty()) {
     why = "the selection leaves no pair to check";
-  } else if (!report_.ignored.empty() && !hasPair(*scene_, filter(), isKept)) {
+  } else if (ignored_->isAsking() && !ignored_->keepsSome() &&
+             !hasPair(*scene_, filter(), isKept)) {
     why = "every pair is ignored";
   }
   if (why && report_.unchecked.empty()) report_.unchecked = why;

@@ -30,7 +30,7 @@ void mergeInto(PairReport& pair, const PairReport& other) {
 
 /// Why the report cannot be FREE, given that no pair is in contact.
 std::vector<std::string> whyUnknown(const CollisionScene& scene, const CollisionReport& report,
-                                    const std::vector<std::string>& doubts) {
+                                    const std::vector<std::string>& reasons) {
   const auto& models = scene.models();
   std::vector<std::string> bodies, clouds, pairs;
   for (const std::uint32_t id : report.left_out) {
@@ -45,7 +45,7 @@ std::vector<std::string> whyUnknown(const CollisionScene& scene, const Collision
                         {{"no usable pose", bodies},
                          {"clouds that are unknown or incomplete", clouds},
                          {"unresolved pairs that may be in contact", pairs}},
-                        doubts);
+                        reasons);
 }
 
 }  // namespace
@@ -89,7 +89,7 @@ void FoundPairs::sortByModels() {
 }
 
 void FoundPairs::assemble(const CollisionScene& scene, bool has_pairs, bool with_contacts,
-                          const std::vector<std::string>& doubts, CollisionReport& report) {
+                          const std::vector<std::string>& reasons, CollisionReport& report) {
   sortByModels();
   auto& pairs = report.pairs;
   pairs.clear();
@@ -108,7 +108,7 @@ void FoundPairs::assemble(const CollisionScene& scene, bool has_pairs, bool with
     return pair.state == PairState::CONTACT;
   });
   report.unknown_because.clear();
-  if (!is_in_contact) report.unknown_because = whyUnknown(scene, report, doubts);
+  if (!is_in_contact) report.unknown_because = whyUnknown(scene, report, reasons);
   report.verdict = verdictOf(is_in_contact, !report.unknown_because.empty());
   report.in_collision = report.verdict != Verdict::FREE;
   SmallestDistance smallest{report.min_distance, report.min_distance_is_bound};

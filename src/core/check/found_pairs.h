@@ -58,7 +58,7 @@ class FoundPairs {
   /// unchecked and ended_early must be set before. `has_pairs`: there was a pair to check.
   /// O(n log n).
   void assemble(const CollisionScene& scene, bool has_pairs, bool with_contacts,
-                const std::vector<std::string>& doubts, CollisionReport& report);
+                const std::vector<std::string>& reasons, CollisionReport& report);
 
  private:
   void sortByModels();

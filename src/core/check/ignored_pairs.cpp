@@ -17,6 +17,7 @@ std::size_t hashOf(const IgnoredPairs::Pair& pair) {
 void IgnoredPairs::begin(const MayIgnore& may_ignore, std::uint64_t revision) {
   may_ignore_ = may_ignore ? &may_ignore : nullptr;
   ++check_;
+  keeps_some_ = false;
   left_out_.clear();
   const bool is_same = revision == std::exchange(revision_, revision);
   if (revision != 0 && is_same) return;
@@ -27,6 +28,18 @@ void IgnoredPairs::begin(const MayIgnore& may_ignore, std::uint64_t revision) {
 bool IgnoredPairs::has(std::uint32_t model_a, std::uint32_t model_b) {
   if (!may_ignore_) return false;
   const Pair pair = std::minmax(model_a, model_b);
+  Answer& known = answerOf(pair);
+  if (known.is_ignored && known.met_in != check_) left_out_.push_back(pair);
+  known.met_in = check_;
+  keeps_some_ = keeps_some_ || !known.is_ignored;
+  return known.is_ignored;
+}
+
+bool IgnoredPairs::wouldHave(std::uint32_t first, std::uint32_t second) {
+  return may_ignore_ && answerOf({first, second}).is_ignored;
+}
+
+IgnoredPairs::Answer& IgnoredPairs::answerOf(const Pair& pair) {
   if (answers_.size() < 2 * (nb_answers_ + 1)) grow();
   Answer& known = find(pair);
   if (known.asked_in != asking_) {
@@ -34,9 +47,7 @@ bool IgnoredPairs::has(std::uint32_t model_a, std::uint32_t model_b) {
     known = {pair, asking_, 0, is_ignored};
     ++nb_answers_;
   }
-  if (known.is_ignored && known.met_in != check_) left_out_.push_back(pair);
-  known.met_in = check_;
-  return known.is_ignored;
+  return known;
 }
 
 IgnoredPairs::Answer& IgnoredPairs::find(const Pair& pair) {

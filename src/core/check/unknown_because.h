@@ -17,17 +17,26 @@ struct NamedReason {
   const std::vector<std::string>& names;
 };
 
+inline std::string unreadGeometry(const std::vector<std::string>& links) {
+  return "geometry that could not be read: " + firstOf(links);
+}
+
 /// All that speaks against FREE, one sentence each. `unchecked`: of the report.
 inline std::vector<std::string> unknownBecause(const CollisionScene& scene,
                                                const std::string& unchecked,
                                                std::initializer_list<NamedReason> named,
-                                               const std::vector<std::string>& doubts) {
+                                               const std::vector<std::string>& of_input) {
   std::vector<std::string> reasons;
-  if (!scene.mayBeFree(unchecked)) reasons.push_back(unchecked);
+  const bool may_be_empty = scene.description().settings.allow_empty_scene;
+  if (!unchecked.empty() && !may_be_empty) reasons.push_back(unchecked);
+  if (!scene.missing().empty()) {
+    const std::string missing = unreadGeometry({scene.missing().begin(), scene.missing().end()});
+    if (!contains(of_input, missing)) reasons.push_back(missing);
+  }
   for (const auto& [what, names] : named) {
     if (!names.empty()) reasons.push_back(std::string(what) + ": " + firstOf(names));
   }
-  reasons.insert(reasons.end(), doubts.begin(), doubts.end());
+  reasons.insert(reasons.end(), of_input.begin(), of_input.end());
   return reasons;
 }
 

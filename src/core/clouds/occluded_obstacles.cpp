@@ -10,7 +10,7 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double BESIDE = 2.0;            // voxels between those of one obstacle
-constexpr double HALF = 0.499;            // voxels, rounded to the side of doubt
+constexpr double HALF = 0.499;            // voxels, rounded to the side of UNKNOWN
 constexpr std::size_t MOST_PLACES = 200;  // of one kind; more say nothing new
 
 Vector3d centerOf(const OccupiedVoxels& voxels, const VoxelCell& cell) {

@@ -18,12 +18,12 @@ namespace collision_pairs {
 /// Follows the voxels of one sensor near the robot from cloud to cloud. Those that a cloud does not
 /// show again are
 ///  - remembered, if something hides them, for as long as it does. An obstacle of which nothing
-///    else is seen may have moved on before it was hidden, or be carried: it is a doubt where no
+///    else is seen may have moved on before it was hidden, or be carried: it is suspect where no
 ///    link is within `padding` of its place, and has vanished where the robot moves away from it;
 ///  - explained, if the cloud shows anything within `reach` of them: a part of the same obstacle,
 ///    which is there or has moved;
 ///  - otherwise vanished: the obstacle may be where its points cannot be told from the robot's.
-/// What vanished, or is hidden and in doubt, is found again when something appears within
+/// What vanished, or is hidden and suspect, is found again when something appears within
 /// FOUND_AGAIN of where it was, in the world or on its link, and stays for two clouds. Something
 /// appears where nothing was seen within `reach` when the obstacle was lost; where the link has
 /// carried it further than that, in the cloud before.

@@ -174,10 +174,15 @@ Surroundings::Certificate CertifiedSurroundings::certifyAtOnce(const StoppingTub
   Certificate certificate;
   // If all that there is to check is left out, it is the caller's to bound; but not what is
   // unknown.
-  const bool is_all_left_out = report.unchecked != scene_->unchecked() && report.pairs.empty();
+  const bool is_all_left_out =
+      report.unchecked != scene_->unchecked() && report.pairs.empty() && scene_->missing().empty();
   certificate.is_free = report.verdict == Verdict::FREE || is_all_left_out;
   if (certificate.is_free) return certificate;
-  certificate.why = secondsLeft() > 0.0 ? report.unchecked : TIME_IS_OVER;
+  if (secondsLeft() <= 0.0) {
+    certificate.why = TIME_IS_OVER;
+  } else if (report.pairs.empty()) {
+    certificate.why = report.unknown_because.front();
+  }
   if (!report.pairs.empty()) {
     const auto [first, second] = report.pairs.front();
     certificate.first = scene_->models()[first].name;

@@ -20,7 +20,7 @@ std::vector<MotionReport> checkSegments(const std::shared_ptr<const CollisionSce
   inParallel(threads, reports.size(), [&](std::size_t thread, std::size_t i) {
     try {
       reports[i] = checks[thread].check({waypoints[i], waypoints[i + 1]}, settings, options.placed,
-                                        options.voxels, options.doubts);
+                                        options.voxels, options.unknown_because);
     } catch (const InputError& error) {
       throw InputError("segment " + std::to_string(i) + ": " + error.what());
     }

@@ -1,5 +1,6 @@
 #include "exact_configuration.h"
 
+#include "check_input.h"
 #include "collision_pairs/input_error.h"
 #include "pair_certifier.h"
 
@@ -15,6 +16,7 @@ constexpr double LONGEST_SAMPLED = 100.0;  // rad or m
 }  // namespace
 
 void ExactConfiguration::begin(const MotionSettings& settings, const CloudVoxels& voxels) {
+  checkVoxels(scene_, voxels);
   settings_ = &settings;
   poses_.voxels = voxels;
 }
@@ -25,10 +27,9 @@ bool ExactConfiguration::meets(bool verdict_only) {
   exact.alarm_distance = 0.0;
   exact.fidelity = settings_->fidelity;
   exact.verdict_only = verdict_only;
-  if (clearances_.mayLeaveOut() || settings_->only_moved) {
+  if (clearances_.mayLeaveOut()) {
     exact.may_ignore = [this](auto first, auto second) {
-      return clearances_.of(first, second) < 0.0 ||
-             (settings_->only_moved && !state_.movesModels(first, second));
+      return clearances_.leaveOut(first, second);
     };
   }
   const CollisionReport& found = detector_.detect(poses_, exact);

@@ -41,14 +41,14 @@ class MotionCheck::Search {
         pairs_(*scene),
         state_(*scene, pairs_),
         certifier_(*scene, state_),
-        clearances_(*scene),
+        clearances_(*scene, state_),
         exact_(scene, state_, clearances_),
         stage_(EdgeStage::of(scene)),
         uncertified_(*scene, pairs_) {}
 
   const MotionReport& run(const JointMotion& motion, const MotionSettings& settings,
                           const PlacedBodies& placed, const CloudVoxels& voxels,
-                          const std::vector<std::string>& doubts) {
+                          const std::vector<std::string>& reasons) {
     start_ = std::chrono::steady_clock::now();
     settings_ = settings;
     report_ = {};
@@ -68,7 +68,7 @@ class MotionCheck::Search {
     const bool uses_stage = may_use_stage && edge_;
     const bool is_settled = uses_stage && settleByStage();
     if (!is_settled && lookAtAll(uses_stage)) lookAtOpen();
-    finishReport(doubts);
+    finishReport(reasons);
     if (may_use_stage && !edge_) stage_->count(report_);
     report_.seconds = secondsSpent();
     return report_;
@@ -104,7 +104,6 @@ class MotionCheck::Search {
     }
     beyond_ = PairTable::APART;
     lookAtOpen();
-    beyond_ = 0.0;
     if (report_.verdict == Verdict::COLLISION || uncertified_.models().empty()) return true;
     intervals_.clear();
     uncertified_.clear();
@@ -133,6 +132,7 @@ class MotionCheck::Search {
 
   /// At the middle of the segment; the cheapest check first. `was_sampled`: not meetsAtSteps().
   bool lookAtAll(bool was_sampled) {
+    beyond_ = 0.0;
     const bool samples = settings_.only_free && !settings_.only_moved && !settings_.from_start;
     if (samples && !was_sampled && meetsAtSteps()) return false;
     moveTo(0.0, 1.0);
@@ -340,26 +340,26 @@ class MotionCheck::Search {
     return swept_[box - scene_.nbStaticElements()].open;
   }
 
-  void finishReport(const std::vector<std::string>& doubts) {
+  void finishReport(const std::vector<std::string>& reasons) {
     report_.nb_queries = certifier_.nbQueries();
-    if (report_.unchecked.empty() && clearances_.leavesOutAll()) {
+    if (report_.unchecked.empty() && clearances_.leaveOutAll()) {
       report_.unchecked = "every pair is left out";
       if (!scene_.mayBeFree(report_.unchecked)) free_until_ = 0.0;
     }
     const bool has_ended = !goesOn();  // and other pairs may be in contact before the one found
-    const bool is_known = !has_ended && doubts.empty();
+    const bool is_known = !has_ended && reasons.empty();
     report_.free_until = is_known ? std::min(free_until_, std::nextafter(1.0, 0.0)) : 0.0;
     const bool is_in_contact = report_.verdict == Verdict::COLLISION;
     if (!is_in_contact) {
       report_.pairs.assign(uncertified_.models().begin(), uncertified_.models().end());
       const std::vector<std::string> names = uncertified_.names();
       report_.unknown_because = unknownBecause(
-          scene_, report_.unchecked, {{"motions that could not be certified", names}}, doubts);
+          scene_, report_.unchecked, {{"motions that could not be certified", names}}, reasons);
     }
     report_.verdict = verdictOf(is_in_contact, !report_.unknown_because.empty());
     if (report_.verdict != Verdict::FREE) return;
     report_.free_until = 1.0;
-    report_.clearance = settings_.only_free ? settings_.clearance : clearance_;
+    report_.clearance = settings_.only_free ? clearances_.least() : clearance_;
   }
 
   const CollisionScene& scene_;
@@ -393,8 +393,8 @@ MotionCheck& MotionCheck::operator=(MotionCheck&&) noexcept = default;
 
 const MotionReport& MotionCheck::check(const JointMotion& motion, const MotionSettings& settings,
                                        const PlacedBodies& placed, const CloudVoxels& voxels,
-                                       const std::vector<std::string>& doubts) {
-  return search_->run(motion, settings, placed, voxels, doubts);
+                                       const std::vector<std::string>& reasons) {
+  return search_->run(motion, settings, placed, voxels, reasons);
 }
 
 }  // namespace collision_pairs

@@ -34,21 +34,24 @@ void PairClearances::begin(const MotionSettings& settings) {
 }
 
 double PairClearances::of(std::uint32_t model_a, std::uint32_t model_b) {
-  if (!mayLeaveOut()) return settings_->clearance;
   const auto [first, second] = std::minmax(model_a, model_b);
-  const double clearance = settings_->clearance_of(first, second);
+  const double most = settings_->clearance;
+  const double clearance = settings_->clearance_of ? settings_->clearance_of(first, second) : most;
   keeps_some_ = keeps_some_ || clearance >= 0.0;
-  if (clearance <= settings_->clearance) return clearance;
+  if (clearance <= most) return clearance;
   throw InputError("clearance_of says " + std::to_string(clearance) + " m of " +
                    pairName(scene_, first, second) +
-                   ", but no pair keeps more than the clearance, " +
-                   std::to_string(settings_->clearance) + " m");
+                   ", but no pair keeps more than the clearance, " + std::to_string(most) + " m");
 }
 
-bool PairClearances::leavesOutAll() {
-  return mayLeaveOut() && !keeps_some_ &&
-         !hasPair(scene_, scene_.filter(),
-                  [this](auto first, auto second) { return of(first, second) >= 0.0; });
+bool PairClearances::leaveOut(std::uint32_t model_a, std::uint32_t model_b) {
+  if (settings_->only_moved && !state_.movesModels(model_a, model_b)) return true;
+  return of(model_a, model_b) < 0.0;
+}
+
+bool PairClearances::leaveOutAll() {
+  const auto isKept = [this](auto first, auto second) { return !leaveOut(first, second); };
+  return mayLeaveOut() && !keeps_some_ && !hasPair(scene_, scene_.filter(), isKept);
 }
 
 }  // namespace collision_pairs

@@ -35,7 +35,7 @@ using Eigen::Isometry3d;
 using Eigen::Vector3d;
 
 constexpr double NORMAL_FROM_TRIANGLES_BELOW = 1e-4;  // of the triangles' size
-constexpr double DOUBT = 1e-9;  // of the two bodies' size: the largest error of a native distance
+constexpr double LARGEST_ERROR = 1e-9;  // of a native distance, of the two bodies' size
 
 double justAbove(double metres) { return std::nextafter(metres, INF); }
 
@@ -65,7 +65,7 @@ struct NarrowPhase::Scratch {
   bool areApartAlong(const Vector3d& n, const Prepared& A, const Prepared& B,
                      const Isometry3d& X_AB, double margin) const {
     if (n.isZero(0.0) || asksFcl(A, B) || A.isHalfSpace() || B.isHalfSpace()) return false;
-    return gapAlong(n, A.core, B.core, X_AB) > margin + band + doubtOf(A, B);
+    return gapAlong(n, A.core, B.core, X_AB) > margin + band + errorOf(A, B);
   }
 
   // Whether the two are within contact_distance is what touches() says.
@@ -75,12 +75,12 @@ struct NarrowPhase::Scratch {
     const std::uint64_t natively_before = nb_answered_natively;
     PairDistance found = search(A, B, X_AB, max_distance, accuracy);
     const double within = accuracy.contact_distance;
-    const bool is_doubtful = found.certainty == Certainty::DEGRADED ||
-                             std::abs(found.distance - within) <= doubtOf(A, B);
+    const bool is_uncertain = found.certainty == Certainty::DEGRADED ||
+                              std::abs(found.distance - within) <= errorOf(A, B);
     // touches() would do just the same.
     const bool is_same = (within == 0.0 || (within == max_distance && accuracy.isExact())) &&
                          (A.mesh || B.mesh || asks_fcl);
-    if (is_doubtful && !is_same) decide(A, B, X_AB, within, found);
+    if (is_uncertain && !is_same) decide(A, B, X_AB, within, found);
     nb_answered_natively = std::min(nb_answered_natively, natively_before + 1);
     if (found.certainty == Certainty::BEYOND) {
       found.distance = std::max(found.distance, justAbove(max_distance));
@@ -102,8 +102,8 @@ struct NarrowPhase::Scratch {
   }
 
   // Rounding may put a distance on the wrong side of one that differs from it by less, in metres.
-  static double doubtOf(const Prepared& A, const Prepared& B) {
-    return (asksFcl(A, B) ? FCL_CONFIRMED : DOUBT) * (scaleOf(A) + scaleOf(B));
+  static double errorOf(const Prepared& A, const Prepared& B) {
+    return (asksFcl(A, B) ? FCL_CONFIRMED : LARGEST_ERROR) * (scaleOf(A) + scaleOf(B));
   }
 
   // For a distance that rounding may have put on the wrong side of contact_distance.
@@ -117,7 +117,7 @@ struct NarrowPhase::Scratch {
     } else if (is_contact && found.certainty == Certainty::DEGRADED) {
       found.certainty = Certainty::BOUND;
     }
-    if (!is_contact && found.distance < -doubtOf(A, B)) found.certainty = Certainty::DEGRADED;
+    if (!is_contact && found.distance < -errorOf(A, B)) found.certainty = Certainty::DEGRADED;
     found.distance = is_contact ? std::min(found.distance, contact_distance)
                                 : std::max(found.distance, justAbove(contact_distance));
   }
@@ -149,14 +149,14 @@ struct NarrowPhase::Scratch {
     using Outcome = FclAnswer::Outcome;
     // FCL's normal of two whose axes meet may lie along them.
     const auto isAlongNormal = [&](const PairDistance& depth) {
-      return gapAlong(depth.nhat_AB_A, A.core, B.core, X_AB) >= depth.distance - doubtOf(A, B);
+      return gapAlong(depth.nhat_AB_A, A.core, B.core, X_AB) >= depth.distance - errorOf(A, B);
     };
-    const bool is_shallow = fcl.outcome == Outcome::DEPTH && fcl.found.distance >= -doubtOf(A, B);
+    const bool is_shallow = fcl.outcome == Outcome::DEPTH && fcl.found.distance >= -errorOf(A, B);
     if ((fcl.outcome == Outcome::TOUCHING || is_shallow) && isHairApart(A, B, X_AB)) {
       return nativeDistance(A, B, X_AB, max_distance, accuracy);
     }
     if (fcl.outcome == Outcome::DEPTH && isAlongNormal(fcl.found)) return fcl.found;
-    const bool is_clear = fcl.found.distance > doubtOf(A, B) + band;
+    const bool is_clear = fcl.found.distance > errorOf(A, B) + band;
     if (fcl.outcome == Outcome::APART && !oneHoldsTheOther(A, B, X_AB) &&
         (is_clear || !abut(A, B, X_AB))) {
       return fcl.found;
@@ -178,7 +178,7 @@ struct NarrowPhase::Scratch {
   bool abut(const Prepared& A, const Prepared& B, const Isometry3d& X_AB) {
     PairDistance detail;
     if (!nativeTouches(A, B, X_AB, 0.0, detail)) return false;
-    const double error = doubtOf(A, B) + band;
+    const double error = errorOf(A, B) + band;
     const FclAnswer asked = askFcl(*A.fcl, *B.fcl, X_AB, error);
     return asked.outcome != FclAnswer::Outcome::APART || asked.found.distance <= error;
   }
@@ -187,7 +187,7 @@ struct NarrowPhase::Scratch {
   bool isHairApart(const Prepared& A, const Prepared& B, const Isometry3d& X_AB) {
     PairDistance detail;
     if (nativeTouches(A, B, X_AB, 0.0, detail)) return false;
-    const double error = doubtOf(A, B) + band;
+    const double error = errorOf(A, B) + band;
     const bool is_apart = isWithin(nativeDistance(A, B, X_AB, error), error);
     nb_answered_natively += is_apart;
     return is_apart;

@@ -54,10 +54,11 @@ PairClass classify(const PairEvidence& e, const ClassRules& rules) {
   if (!always && !never) return PairClass::SOMETIMES;
   if (!e.not_moved.empty()) return PairClass::UNPROVEN;
   // Of the outcome that was never observed: contact, or no contact.
-  const double doubt = e.rigid ? 0.0 : upperContactProbability(0, e.trials, rules.confidence);
-  if (doubt > rules.max_probability) return PairClass::UNPROVEN;
+  const double probability = e.rigid ? 0.0 : upperContactProbability(0, e.trials, rules.confidence);
+  if (probability > rules.max_probability) return PairClass::UNPROVEN;
   if (always) return PairClass::ALWAYS;
-  return e.rigid || e.nearest > rules.clearance ? PairClass::NEVER : PairClass::NEAR;
+  const bool comes_near = e.nearest <= rules.clearance || e.is_near_at_zero;
+  return comes_near && !e.rigid ? PairClass::NEAR : PairClass::NEVER;
 }
 
 }  // namespace collision_pairs

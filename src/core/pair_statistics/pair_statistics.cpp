@@ -1,6 +1,7 @@
 #include "pair_statistics.h"
 
 #include <algorithm>
+#include <cmath>
 #include <mutex>
 #include <optional>
 #include <set>
@@ -42,15 +43,23 @@ std::vector<PairEvidence> allowedPairs(const CollisionScene& scene, const JointS
   return pairs;
 }
 
-void askPair(std::uint64_t state, PairProbe& probe, PairEvidence& pair) {
+/// The least distance that is above it; none is for 0, since what touches has been asked for.
+double above(double clearance) {
+  return clearance > 0.0 ? std::nextafter(clearance, std::numeric_limits<double>::infinity()) : 0.0;
+}
+
+void askPair(std::uint64_t state, double clearance, PairProbe& probe, PairEvidence& pair) {
   ++pair.trials;
   double distance = pair.nearest;
   if (probe.touches(pair.first, pair.second)) {
     ++pair.contacts;
     distance = 0.0;
-  } else if (state < MEASURED_STATES && !pair.adjacent && pair.nearest > 0.0) {
-    distance = probe.distance(pair.first, pair.second, WORTHWHILE * pair.nearest);
-    if (distance >= WORTHWHILE * pair.nearest) return;
+  } else if (!pair.adjacent && pair.nearest > 0.0) {
+    // Beyond `limit` nothing is of interest.
+    double limit = state < MEASURED_STATES ? WORTHWHILE * pair.nearest : 0.0;
+    if (pair.nearest > clearance) limit = std::max(limit, above(clearance));
+    if (limit > 0.0) distance = probe.distance(pair.first, pair.second, limit);
+    if (distance >= limit) return;
   }
   if (distance >= pair.nearest) return;
   pair.nearest = distance;
@@ -64,13 +73,13 @@ bool isAsked(const PairEvidence& pair, std::uint64_t state) {
 
 /// Adds the states begin … end - 1 to `pairs`.
 void countBlock(std::uint64_t begin, std::uint64_t end, const JointSampler& sampler,
-                PairProbe& probe, std::vector<PairEvidence>& pairs) {
+                double clearance, PairProbe& probe, std::vector<PairEvidence>& pairs) {
   std::vector<double> positions;
   for (std::uint64_t state = begin; state < end; ++state) {
     sampler.draw(state, positions);
     probe.place(positions);
     for (PairEvidence& pair : pairs) {
-      if (isAsked(pair, state)) askPair(state, probe, pair);
+      if (isAsked(pair, state)) askPair(state, clearance, probe, pair);
     }
   }
 }
@@ -98,7 +107,12 @@ std::vector<PairEvidence> countContacts(const std::shared_ptr<const CollisionSce
   std::vector<PairEvidence> all = start;
   PairProbe zero_probe(scene);
   zero_probe.place(scene->robot().zeroPositions());
-  for (PairEvidence& pair : all) pair.touches_at_zero = zero_probe.touches(pair.first, pair.second);
+  const double beyond = above(settings.clearance);
+  for (PairEvidence& pair : all) {
+    pair.touches_at_zero = zero_probe.touches(pair.first, pair.second);
+    pair.is_near_at_zero = !pair.touches_at_zero && beyond > 0.0 &&
+                           zero_probe.distance(pair.first, pair.second, beyond) < beyond;
+  }
   const std::uint64_t nb_blocks = settings.samples / BLOCK + (settings.samples % BLOCK > 0);
   std::uint64_t done = 0;
   std::mutex mutex;
@@ -108,7 +122,7 @@ std::vector<PairEvidence> countContacts(const std::shared_ptr<const CollisionSce
     const std::uint64_t begin = number * BLOCK;
     const std::uint64_t end = begin + std::min(BLOCK, settings.samples - begin);
     std::vector<PairEvidence> block = start;
-    countBlock(begin, end, sampler, *probes[thread], block);
+    countBlock(begin, end, sampler, settings.clearance, *probes[thread], block);
     const std::lock_guard<std::mutex> lock(mutex);
     merge(block, all);
     done += end - begin;

@@ -21,13 +21,15 @@ struct PairEvidence {
   bool adjacent = false;         ///< adjacent links (RobotModel::adjacentLinks)
   bool rigid = false;            ///< of one body: all states are equal
   bool touches_at_zero = false;  ///< at RobotModel::zeroPositions()
+  bool is_near_at_zero = false;  ///< there within SamplingSettings::clearance
   /// JointSampler::drawnInPartBetween() the two: what is seen says nothing of their other
   /// positions.
   std::set<std::string> not_moved;
   std::uint64_t trials = 0;    ///< random states in which it was queried; 1 if rigid
   std::uint64_t contacts = 0;  ///< those of them in which the two touch
   /// Metres: the smallest measured distance, at most 1 % above the true minimum of the measured
-  /// states; 0 after a contact. Infinite for adjacent pairs without contact.
+  /// states, and within SamplingSettings::clearance if that of any random state is; 0 after a
+  /// contact. Infinite for adjacent pairs without contact.
   double nearest = std::numeric_limits<double>::infinity();
   std::uint64_t nearest_state = 0;
   /// Positions of all joints in a contact found by a search but not by random states; empty if
@@ -40,6 +42,8 @@ struct SamplingSettings {
   unsigned threads = 0;       ///< 0: one per core
   /// Called occasionally, by one thread at a time; may be empty.
   std::function<void(std::uint64_t done)> progress;
+  /// Metres: whether a pair comes this near is looked at in all states.
+  double clearance = 0.0;
 };
 
 /// Distances are measured, and adjacent pairs queried, only in this many states at the beginning: a

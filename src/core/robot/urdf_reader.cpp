@@ -164,7 +164,7 @@ class UrdfReader {
     return joint;
   }
 
-  /// A joint whose leader is missing becomes a joint of its own: one link in doubt is no reason to
+  /// A joint whose leader is missing becomes a joint of its own: one suspect link is no reason to
   /// check none.
   void readMimic(Joint& joint) {
     const auto& read = urdf_->joints_.at(joint.name)->mimic;

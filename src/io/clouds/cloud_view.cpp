@@ -10,46 +10,46 @@ CloudView viewOf(const CloudConfig& config, const LatestCloud& latest, double no
   const std::string name = "cloud '" + config.name() + "': ";
   const std::string refusal = refusalOf(latest);
   if (!latest.voxels) {
-    view.doubt =
+    view.problem =
         name + (refusal.empty() ? "none has arrived yet on " + topic : "none is usable" + refusal);
     return view;
   }
   const double age = now - latest.stamp;
   if (config.source_timeout > 0.0 && age > config.source_timeout) {
-    view.doubt = name + "the newest is " + inWords(age) + " old, and source_timeout is " +
-                 inWords(config.source_timeout) + refusal;
+    view.problem = name + "the newest is " + inWords(age) + " old, and source_timeout is " +
+                   inWords(config.source_timeout) + refusal;
     return view;
   }
   view.voxels = latest.voxels;
   view.stamp = latest.stamp;
   if (!latest.warning.empty()) view.warning = name + latest.warning;
   if (!latest.problem.empty()) {
-    view.doubt = name + "the last was refused: " + latest.problem;
+    view.problem = name + "the last was refused: " + latest.problem;
   } else if (latest.voxels->isTruncated()) {
-    view.doubt = name + "more than max_voxels (" + std::to_string(config.max_voxels) +
-                 ") voxels are occupied, or some are out of range: the farthest are left out";
+    view.problem = name + "more than max_voxels (" + std::to_string(config.max_voxels) +
+                   ") voxels are occupied, or some are out of range: the farthest are left out";
   } else if (!latest.may_touch.empty()) {
-    view.doubt =
+    view.problem =
         name + "something " + latest.may_touch + "; if it is gone, ~clear_clouds starts anew";
   }
   return view;
 }
 
-std::vector<CloudDoubt> addVoxels(const std::map<std::string, CloudView>& views,
-                                  const CollisionScene& scene, BodyPoses& poses) {
-  std::vector<CloudDoubt> doubts;
+std::vector<SuspectCloud> addVoxels(const std::map<std::string, CloudView>& views,
+                                    const CollisionScene& scene, BodyPoses& poses) {
+  std::vector<SuspectCloud> suspect;
   poses.voxels.clear();
   for (const SceneCloud& cloud : scene.clouds()) {
     const std::string& name = scene.models()[cloud.model].name;
     const auto view = views.find(name);
     const bool has_view = view != views.end();
     poses.voxels.push_back(has_view ? view->second.voxels : nullptr);
-    const std::string why = has_view ? view->second.doubt : "cloud '" + name + "' has no source";
+    const std::string why = has_view ? view->second.problem : "cloud '" + name + "' has no source";
     if (why.empty()) continue;
-    doubts.push_back({name, why});
-    poses.doubts.push_back(why);
+    suspect.push_back({name, why});
+    poses.unknown_because.push_back(why);
   }
-  return doubts;
+  return suspect;
 }
 
 std::string refusalOf(const LatestCloud& latest) {

@@ -26,7 +26,7 @@ struct CloudView {
   std::shared_ptr<const OccupiedVoxels> voxels;
   double stamp = 0.0;  ///< of the cloud that they are of, in seconds
   /// Why the verdict cannot be FREE; empty if the source is up to date and complete.
-  std::string doubt;
+  std::string problem;
   /// For people; it does not affect the verdict.
   std::string warning;
 };
@@ -35,14 +35,14 @@ struct CloudView {
 CloudView viewOf(const CloudConfig& config, const LatestCloud& latest, double now,
                  const std::string& topic);
 
-struct CloudDoubt {
+struct SuspectCloud {
   std::string cloud, why;
 };
 
 /// Fills in the voxels of the scene's clouds, in its order, from views by name, and adds to the
-/// doubts, which it returns, too. A cloud without a view is unknown.
-std::vector<CloudDoubt> addVoxels(const std::map<std::string, CloudView>& views,
-                                  const CollisionScene& scene, BodyPoses& poses);
+/// reasons of `poses`, which it returns, too. A cloud without a view is unknown.
+std::vector<SuspectCloud> addVoxels(const std::map<std::string, CloudView>& views,
+                                    const CollisionScene& scene, BodyPoses& poses);
 
 /// "; the last was refused: …", or empty.
 std::string refusalOf(const LatestCloud& latest);

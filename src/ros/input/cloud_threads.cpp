@@ -142,10 +142,10 @@ void CloudThreads::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status)
       const CloudSource& source = *thread->source();
       return std::tuple(source.config().name() + " ", source.view(), source.health());
     });
-    for (const std::string* words : {&view.doubt, &view.warning}) {
+    for (const std::string* words : {&view.problem, &view.warning}) {
       if (!words->empty()) status.mergeSummary(DiagnosticStatus::WARN, *words);
     }
-    status.add(name + "problem", view.doubt.empty() ? view.warning : view.doubt);
+    status.add(name + "problem", view.problem.empty() ? view.warning : view.problem);
     status.add(name + "rate [Hz]", health.rate);
     status.add(name + "latency [s]", health.latency);
     status.add(name + "processing [s]", health.processing);

@@ -15,7 +15,7 @@ constexpr double CLOCK_SET = 0.003;  // s, by which the computer's clock was set
 /// A joint that follows another is placed by that, so it has to be there.
 void requireFollowers(const LimiterInputs::Moment& moment, const RobotModel& robot,
                       std::vector<double> positions, const std::vector<char>& is_measured,
-                      std::vector<std::string>& doubts) {
+                      std::vector<std::string>& reasons) {
   robot.applyMimics(positions);
   for (const auto& measured : moment.positions) {
     int leader = robot.findJoint(measured.joint);
@@ -24,9 +24,9 @@ void requireFollowers(const LimiterInputs::Moment& moment, const RobotModel& rob
     while (robot.joints()[leader].mimic) leader = robot.joints()[leader].mimic->joint;
     const double off = std::abs(measured.value - positions[id]);
     if (!is_measured[static_cast<std::size_t>(leader)] || off <= moment.tolerance) continue;
-    doubts.push_back("joint '" + measured.joint + "' is " + formatted("%.3f", off) +
-                     " (rad or m) off where joint '" + robot.joints()[leader].name +
-                     "' has it, which it follows (<mimic>)");
+    reasons.push_back("joint '" + measured.joint + "' is " + formatted("%.3f", off) +
+                      " (rad or m) off where joint '" + robot.joints()[leader].name +
+                      "' has it, which it follows (<mimic>)");
   }
 }
 
@@ -75,9 +75,10 @@ LimiterInputs::Moment LimiterInputs::at(const Clocks& clocks, double later) {
   moment.input.now = time.latest + later;
   const double stands = clock_.standsFor(time.steady);
   if (!settings_.allow_paused && stands > settings_.command_timeout) {
-    moment.doubts.push_back("/clock stands still since " + inWords(stands) +
-                            " of wall time, and no joint state is later; if it may pause, set "
-                            "allow_paused");
+    moment.unknown_because.push_back(
+        "/clock stands still since " + inWords(stands) +
+        " of wall time, and no joint state is later; if it may pause, set "
+        "allow_paused");
   }
   const double most_age = settings_.max_joint_state_age;
   try {
@@ -87,7 +88,7 @@ LimiterInputs::Moment LimiterInputs::at(const Clocks& clocks, double later) {
       moment.input.later.push_back(positions_.all().at(joint).measured - oldest);
     }
   } catch (const InputError& error) {
-    moment.doubts.push_back(error.what());
+    moment.unknown_because.push_back(error.what());
   }
   // Of the command's joints none may be older than `most_age`; the others stand.
   const double of_others = settings_.max_pose_age;
@@ -104,14 +105,14 @@ LimiterInputs::Moment LimiterInputs::at(const Clocks& clocks, double later) {
 Snapshot snapshotAt(const LimiterInputs::Moment& moment, const Monitor& monitor,
                     LimiterInput& input, RobotState& state) {
   const TransformInput& transforms = monitor.transforms();
-  std::vector<std::string> doubts;
-  const std::string still = transforms.clockDoubt();  // nothing is seen to age
-  if (transforms.now().stamp.isZero()) doubts.push_back(NO_CLOCK);
-  if (!still.empty()) doubts.push_back(still);
-  doubts.insert(doubts.end(), moment.doubts.begin(), moment.doubts.end());
-  if (!doubts.empty()) {
+  std::vector<std::string> reasons;
+  const std::string still = transforms.clockProblem();  // nothing is seen to age
+  if (transforms.now().stamp.isZero()) reasons.push_back(NO_CLOCK);
+  if (!still.empty()) reasons.push_back(still);
+  reasons.insert(reasons.end(), moment.unknown_because.begin(), moment.unknown_because.end());
+  if (!reasons.empty()) {
     Snapshot unusable;
-    unusable.poses.doubts = std::move(doubts);
+    unusable.poses.unknown_because = std::move(reasons);
     return unusable;
   }
   const ActiveScenePtr active = monitor.scenes().active();
@@ -129,13 +130,13 @@ Snapshot snapshotAt(const LimiterInputs::Moment& moment, const Monitor& monitor,
   }
   Snapshot snapshot = monitor.withMeasured(active, names);
   if (transforms.nbClockJumps() != moment.nb_jumps) {
-    snapshot.poses.doubts.push_back("the clock went back meanwhile");
+    snapshot.poses.unknown_because.push_back("the clock went back meanwhile");
   }
   input.now = moment.input.now;
   input.stamp = moment.input.stamp;
   input.later = moment.input.later;
   state.positions = snapshot.joints->jointPositionsAt(values);
-  requireFollowers(moment, robot, state.positions, is_measured, snapshot.poses.doubts);
+  requireFollowers(moment, robot, state.positions, is_measured, snapshot.poses.unknown_because);
   state.placed = snapshot.joints->placedBodies();
   state.voxels = snapshot.poses.voxels;
   if (!active->scene->clouds().empty()) {

@@ -62,7 +62,7 @@ class LimiterInputs {
     std::vector<Measured> positions;  ///< those that are not too old
     double young = 0.0;      ///< s: max_joint_state_age, up to which joints of the command are used
     double tolerance = 0.0;  ///< rad or m: tracking_tolerance
-    std::vector<std::string> doubts;
+    std::vector<std::string> unknown_because;
   };
   Moment at(const Clocks& clocks, double later);
 
@@ -76,7 +76,7 @@ class LimiterInputs {
 };
 
 /// All that is known for the decision: the monitor's snapshot for the measured positions, with the
-/// doubts of the moment. Of one without doubts `state` is set, and the rest of `input` but for the
+/// reasons of the moment. Of one without any `state` is set, and the rest of `input` but for the
 /// command. Throws InputError if there is no robot, or as Monitor::withMeasured() does.
 Snapshot snapshotAt(const LimiterInputs::Moment& moment, const Monitor& monitor,
                     LimiterInput& input, RobotState& state);

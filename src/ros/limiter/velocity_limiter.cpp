@@ -251,7 +251,8 @@ LimiterDecision VelocityLimiter::decide(const Command& command,
   prepared(context_.monitor.activeScene());  // may take long: before the states are looked at
   RobotState state;
   const Snapshot snapshot = takeSnapshot(input, state);
-  if (!snapshot.poses.doubts.empty()) return law_->stop(snapshot.poses.doubts.front());
+  if (!snapshot.poses.unknown_because.empty())
+    return law_->stop(snapshot.poses.unknown_because.front());
   const auto surroundings = prepared(snapshot.scene);
   surroundings->setDeadline(start + after(TIME_TO_SEARCH));
   surroundings->setState(std::move(state));

@@ -162,11 +162,11 @@ void CollisionPairsNode::check(const Snapshot& snapshot, const ros::Time& now,
   if (snapshot.scene != checked_scene_) takeScene(snapshot.scene);
   const CheckSettings settings = this->settings();
   const bool is_left_out = !snapshot.first_left_out.empty();
-  if (is_left_out || !snapshot.poses.doubts.empty()) {
+  if (is_left_out || !snapshot.poses.unknown_because.empty()) {
     ROS_WARN_STREAM_THROTTLE(
         WARN_PERIOD,
         (is_left_out ? "left out, no usable transform: " : "not known to be free: ")
-            << (is_left_out ? snapshot.first_left_out : snapshot.poses.doubts.front()));
+            << (is_left_out ? snapshot.first_left_out : snapshot.poses.unknown_because.front()));
   }
   const CollisionPairs message =
       checkedMessage(monitor_, snapshot, settings, transform_time, *detector_);

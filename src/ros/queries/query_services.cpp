@@ -88,7 +88,7 @@ void checkPoints(BatchCheck& batch, const Asked& asked, CheckTrajectory::Respons
         ofPoint(i, asked,
                 [&](const auto& positions) { snapshot.joints->posesAt(positions, poses); });
         poses.voxels = snapshot.poses.voxels;
-        poses.doubts = snapshot.poses.doubts;
+        poses.unknown_because = snapshot.poses.unknown_because;
       },
       [&](std::size_t i, const CollisionReport& report) {
         response.verdict[i] = static_cast<std::uint8_t>(report.verdict);
@@ -121,7 +121,7 @@ void checkBetween(const Asked& asked, const std::vector<std::vector<double>>& wa
   SegmentOptions options;
   options.placed = asked.snapshot.joints->placedBodies();
   options.voxels = asked.snapshot.poses.voxels;
-  options.doubts = asked.snapshot.poses.doubts;
+  options.unknown_because = asked.snapshot.poses.unknown_because;
   const auto& scene = asked.snapshot.scene->scene;
   for (const MotionReport& report : checkSegments(scene, waypoints, settings, options)) {
     response.segment_verdict.push_back(static_cast<std::uint8_t>(report.verdict));
@@ -194,7 +194,7 @@ void QueryService::check(const CheckCollisions::Request& request,
     response.joints_from_tf = joints.jointsFromTf();
     response.joints_at_zero = joints.jointsAtZero();
   } else if (!snapshot.isKnown()) {
-    const bool has_clock = !contains(snapshot.poses.doubts, NO_CLOCK);
+    const bool has_clock = !contains(snapshot.poses.unknown_because, NO_CLOCK);
     throw InputError("no transform is known: " + (has_clock ? snapshot.first_left_out : NO_CLOCK));
   }
   const double transform_time = (ros::WallTime::now() - start).toSec();
@@ -203,9 +203,9 @@ void QueryService::check(const CheckCollisions::Request& request,
   if (request.gradient) {
     addGradients(detector.report(), scene, snapshot.joints->columns(), X_WB, response.result);
   }
-  const auto& doubts = snapshot.poses.doubts;
-  const bool is_first_told = scene.unchecked().empty() && !doubts.empty();
-  sentences.insert(sentences.begin(), is_first_told ? doubts.front() : scene.unchecked());
+  const auto& reasons = snapshot.poses.unknown_because;
+  const bool is_first_told = scene.unchecked().empty() && !reasons.empty();
+  sentences.insert(sentences.begin(), is_first_told ? reasons.front() : scene.unchecked());
   response.message = joinedSentences(sentences);
 }
 

@@ -204,7 +204,7 @@ void BagChecker::write(std::size_t number, std::size_t state, const Snapshot& sn
                        const BagReplay& replay) {
   const CollisionReport& report = detector_->detect(snapshot.poses, options_.settings);
   BagRow row = toRow(report, *snapshot.scene->scene);
-  for (const std::string& cloud : snapshot.doubtful_clouds) {
+  for (const std::string& cloud : snapshot.suspect_clouds) {
     const std::string name = listedName(cloud);
     if (!contains(row.left_out, name)) row.left_out.push_back(name);
   }

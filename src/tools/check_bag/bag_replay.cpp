@@ -125,7 +125,7 @@ void BagReplay::choosePoses() {
   if (unnamed.empty()) return;
   notes_.push_back("joints that it does not name are taken as zero: " + joined(unnamed));
   for (const std::string& joint : unnamed) {
-    doubts_.push_back("joint '" + joint + "' is not in the bag: it was taken as zero");
+    unknown_because_.push_back("joint '" + joint + "' is not in the bag: it was taken as zero");
   }
   at_zero_ = namesOf(robot.joints());
   load(std::move(parameters));
@@ -291,11 +291,12 @@ void BagReplay::filterClouds() {
 
 void BagReplay::report() {
   Snapshot report = monitor_.at(scene_);
-  auto& doubts = report.poses.doubts;
-  doubts.insert(doubts.end(), doubts_.begin(), doubts_.end());
+  auto& reasons = report.poses.unknown_because;
+  reasons.insert(reasons.end(), unknown_because_.begin(), unknown_because_.end());
   if (scenes_.recorded) {
-    const std::string doubt = scenes_.recorded->doubtAt(toNs(monitor_.transforms().now().stamp));
-    if (!doubt.empty()) doubts.push_back(doubt);
+    const std::string problem =
+        scenes_.recorded->whySuspectAt(toNs(monitor_.transforms().now().stamp));
+    if (!problem.empty()) reasons.push_back(problem);
   }
   if (latest_ && latest_->stamp != report.stamp) flush();
   latest_.emplace(std::move(report));
@@ -312,7 +313,7 @@ std::vector<std::string> BagReplay::notes() const {
   if (transforms.nbRefused() > 0) {
     notes.push_back(
         std::to_string(transforms.nbRefused()) +
-        " transforms are not used, or are in doubt; the first: " + transforms.firstRefused());
+        " transforms are not used, or are suspect; the first: " + transforms.firstRefused());
   }
   for (const auto& [name, cloud] : clouds_) {
     const auto add = [&, &name = name, &cloud = cloud](std::size_t count, const std::string& what) {

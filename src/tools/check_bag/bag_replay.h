@@ -88,10 +88,10 @@ class BagReplay {
   std::vector<std::string> static_joints_;  ///< as given
   std::vector<std::string> at_zero_;        ///< joints, all of them if some are at zero
   RobotFrames frames_;
-  ActiveScenePtr scene_of_joints_;         ///< whose robot they refer to
-  std::optional<JointTransforms> joints_;  ///< none: TF places the robot
-  std::set<std::string> made_frames_;      ///< by joints_
-  std::vector<std::string> doubts_;        ///< of every report
+  ActiveScenePtr scene_of_joints_;            ///< whose robot they refer to
+  std::optional<JointTransforms> joints_;     ///< none: TF places the robot
+  std::set<std::string> made_frames_;         ///< by joints_
+  std::vector<std::string> unknown_because_;  ///< of every report
   std::vector<std::string> notes_;
   std::map<std::string, CloudNotes> clouds_;  ///< by name
   std::optional<Snapshot> latest_;

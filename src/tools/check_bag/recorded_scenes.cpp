@@ -57,7 +57,7 @@ bool RecordedScenes::choose(const std::string& topic) {
   return true;
 }
 
-std::string RecordedScenes::doubtAt(StampNs now) const {
+std::string RecordedScenes::whySuspectAt(StampNs now) const {
   const Track& track = tracks_.at(topic_);
   const auto next = track.revisions.upper_bound(now);
   const bool is_before = next == track.revisions.begin();

@@ -32,7 +32,7 @@ class RecordedScenes {
   bool isChosen(const RawMessage& raw) const { return isScene(raw) && raw.topic == topic_; }
   /// Why the scene may have been another one at that time; empty: it was the last that had arrived,
   /// or the first if it was published before.
-  std::string doubtAt(StampNs now) const;
+  std::string whySuspectAt(StampNs now) const;
 
  private:
   struct Track {

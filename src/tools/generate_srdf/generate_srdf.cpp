@@ -37,7 +37,7 @@ void declare(CommandLine& command_line, Options& options) {
       "max-probability", options.rules.max_probability, "SHARE",
       "'never' requires that the bound on the probability of contact is at most this");
   command_line.metres("clearance", options.rules.clearance,
-                      "pairs that come this near are still checked");
+                      "pairs that come this near are still checked, but those that nothing moves");
   command_line.option("searches", options.searches, "COUNT",
                       "searches for a contact, per pair without contact in random states");
   command_line.flag("disable-default", options.disable_default,
@@ -67,7 +67,8 @@ std::vector<PairEvidence> gather(const Options& options,
   {
     ProgressBar bar("random states", options.samples);
     const auto show = [&](std::uint64_t done) { bar.show(done); };
-    evidence = countContacts(scene, sampler, {options.samples, options.threads, show});
+    evidence = countContacts(scene, sampler,
+                             {options.samples, options.threads, show, options.rules.clearance});
   }
   ProgressBar bar("search", evidence.size());
   const auto show = [&](std::uint64_t done) { bar.show(done); };

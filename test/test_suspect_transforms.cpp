@@ -9,7 +9,7 @@
 #include "transform_test.h"
 
 namespace collision_pairs {
-namespace test_transform_doubts {
+namespace test_suspect_transforms {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -89,7 +89,7 @@ TEST_F(Transforms, AheadOfTheClockAreNoNewerThanPresentOnes) {
   EXPECT_THAT(whyNot("a"), HasSubstr("'/ahead' and '/present'"));
 }
 
-TEST_F(Transforms, OfASingleMistakenStaticMessageAreInDoubtUntilItIsSilent) {
+TEST_F(Transforms, OfASingleMistakenStaticMessageAreSuspectUntilItIsSilent) {
   play(1000.0, 1000.5, [&] { receive("a", now_.toSec(), 1.0); });
   receiveBy("/mistaken", "a", 0.0, 5.0, true);
   EXPECT_THAT(whyNot("a"), HasSubstr("both on /tf and on /tf_static"));
@@ -115,10 +115,10 @@ TEST_F(Transforms, OfASingleMistakenStaticMessageAreNotBelievedWhereTheOtherPubl
   }
 }
 
-TEST_F(Transforms, AreNotInterpolatedFromOneThatIsInDoubt) {
+TEST_F(Transforms, AreNotInterpolatedFromOneThatIsSuspect) {
   receive("a", 999.9, 1.0);
   receiveBy("/mistaken", "a", 0.0, 5.0, true);
-  for (const double stamp : {1000.75, 1001.25}) {  // in doubt until 1001.0
+  for (const double stamp : {1000.75, 1001.25}) {  // suspect until 1001.0
     now_ = ros::Time(stamp);
     receive("a", stamp, 1.0);
   }
@@ -149,7 +149,7 @@ TEST_F(Transforms, OfAStaticFrameThatIsPublishedOnceAsMovingRecover) {
   EXPECT_EQ(newestOf("a"), 5.0);
 }
 
-TEST_F(Transforms, OfTwoStaticPublishersThatContradictEachOtherAreInDoubtUntilOneSendsAgain) {
+TEST_F(Transforms, OfTwoStaticPublishersThatContradictEachOtherAreSuspectUntilOneSendsAgain) {
   receiveBy("/first", "a", 0.0, 1.0, true);
   receiveBy("/second", "a", 0.0, 2.0, true);
   now_ = ros::Time(2000.0);
@@ -200,7 +200,7 @@ TEST_F(Transforms, OfAFrameThatChangesItsKindAreThoseOfTheKindThatIsHeard) {
   EXPECT_GT(nb_moving, 1000);
 }
 
-TEST_F(Transforms, ThatContradictEachOtherWhileTheFrameStillCountsAsStaticAreInDoubtOnceItMoves) {
+TEST_F(Transforms, ThatContradictEachOtherWhileTheFrameStillCountsAsStaticAreSuspectOnceItMoves) {
   receiveBy("other", "hand", 0.0, 5.0, true);
   play(1001.5, 1002.3, [&] { receiveBy("one", "hand", now_.toSec(), 1.0); });
   receiveBy("other", "hand", 1002.29, 9.0);
@@ -211,7 +211,7 @@ TEST_F(Transforms, ThatContradictEachOtherWhileTheFrameStillCountsAsStaticAreInD
 }
 
 // By a sample it is found to be static, and its newest pose was sent by one of two nodes, once.
-TEST_F(Transforms, OfAFrameThatBecomesStaticAreInDoubtUntilAnAmbiguousPoseIsSentAgain) {
+TEST_F(Transforms, OfAFrameThatBecomesStaticAreSuspectUntilAnAmbiguousPoseIsSentAgain) {
   receive("hand", 1000.0, 1.0);
   now_ = ros::Time(1000.5);
   receiveBy("one", "hand", 0.0, 5.0, true);
@@ -267,5 +267,5 @@ TEST_F(Transforms, ThatAGapPrecedesAreNeverInterpolatedOverItByAnotherThread) {
   EXPECT_FALSE(knows("a", ros::Time(1001.0)));
 }
 
-}  // namespace test_transform_doubts
+}  // namespace test_suspect_transforms
 }  // namespace collision_pairs
