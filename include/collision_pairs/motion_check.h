@@ -40,7 +40,7 @@ struct MotionSettings {
   /// settled by the batch stage: see MotionCheck.
   bool only_free = false;
   /// Leave out pairs whose relative pose the motion cannot change, for example a base that stands
-  /// on its table: as clearance_of does.
+  /// on its table. FREE then says nothing of them, and is not said if no other pair is left.
   bool only_moved = false;
   /// Seconds, >= 0, for the search; 0: no limit but one of about a second. When they are over, what
   /// is still open is given up as at the resolution; a query in progress is finished.
