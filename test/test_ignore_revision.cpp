@@ -9,12 +9,11 @@
 
 #include "collision_pairs/collision_detector.h"
 #include "ignored_pairs.h"
+#include "pairs_kept.h"
 #include "random_case.h"
 
 namespace collision_pairs {
 namespace test_ignore_revision {
-
-using ModelPair = std::pair<std::uint32_t, std::uint32_t>;
 
 /// What of a report depends on the pairs that are left out.
 void expectSame(const CollisionReport& found, const CollisionReport& wanted) {

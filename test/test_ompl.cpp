@@ -239,6 +239,11 @@ TEST(OmplStates, AreValidAndClearAsADirectCheckSaysThem) {
     with_others.is_enough = [](const Contact&) -> bool { throw std::logic_error("is not asked"); };
     const OmplStateValidityChecker states(space, scene, {{"x"}, {}, {}}, with_others);
     EXPECT_EQ(states.getSpecs().clearanceComputationType, ob::StateValidityCheckerSpecs::EXACT);
+    with_others.tolerance = 0.01;
+    EXPECT_EQ(OmplStateValidityChecker(space, scene, {{"x"}, {}, {}}, with_others)
+                  .getSpecs()
+                  .clearanceComputationType,
+              ob::StateValidityCheckerSpecs::BOUNDED_APPROXIMATE);
     settings.alarm_distance = 0.0;
     settings.min_distance = true;
     for (double x = -8.0; x < 3.0; x += 0.05) {

@@ -28,8 +28,8 @@ struct Snapshot {
   /// Bodies looked up in TF, and those of them that are known.
   std::size_t nb_asked = 0, nb_found = 0;
   std::vector<std::string> suspect_clouds;  ///< names of those that poses.unknown_because are about
-  std::string
-      first_left_out;  ///< of poses.unknown_because: why a link has no pose; empty: all have one
+  /// Of poses.unknown_because: why a link has no pose; empty: all have one.
+  std::string first_left_out;
   /// Seconds, of the oldest cloud; the stamp's own if there is none.
   double oldest_cloud = 0.0;
 

@@ -139,7 +139,7 @@ void SimulatedNode::judgeBodies(const Snapshot& snapshot, bool is_newest) {
   }
 }
 
-/// What was said certainly is known, at the newest stamp that all have reached, unless it is too
+/// What is certain is known, at the newest stamp that all have reached, unless it is too
 /// old, or older than others.
 void SimulatedNode::judgeCertain(const Snapshot& snapshot) {
   const CollisionScene& scene = *snapshot.scene->scene;
@@ -171,7 +171,7 @@ void SimulatedNode::judgeCertain(const Snapshot& snapshot) {
     const Ns newest = std::min(stamp, newestStampOf(link, ros_).value_or(EVER / 2));
     const double lag = seconds(heard - newest);
     if (lag < setup_.max_transform_age - 1e-6 && knowledge_.isCertain(link, stamp)) {
-      fail(body.link + " is not known, but certainly: " + reasons());
+      fail(body.link + " is not known, but certain: " + reasons());
     }
   }
   const bool is_sound = are_certain && expected != NEVER && !knowledge_.isTooOld(expected) &&

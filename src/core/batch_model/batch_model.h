@@ -25,8 +25,8 @@ struct PoseError {
 /// Owns what BatchTables points to, and maps its entries to the scene.
 struct BatchModel {
   /// Why the batch stage cannot be used for a scene; empty if it can. Not supported: clouds, FCL,
-  /// missing geometry, or one coarser than meshes, half-spaces that move, and anything further than a kilometre
-  /// away.
+  /// geometry that is missing or coarser than meshes, half-spaces that move, and anything further
+  /// than a kilometre away.
   static std::string whyNot(const CollisionScene& scene, Fidelity fidelity);
   /// For a scene without such a reason. Cost: coverBySpheres() for each element, on all cores.
   BatchModel(const CollisionScene& scene, bool with_tables);

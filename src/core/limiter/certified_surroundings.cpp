@@ -180,8 +180,8 @@ Surroundings::Certificate CertifiedSurroundings::certifyAtOnce(const StoppingTub
   if (certificate.is_free) return certificate;
   if (secondsLeft() <= 0.0) {
     certificate.why = TIME_IS_OVER;
-  } else if (report.pairs.empty()) {
-    certificate.why = report.unknown_because.front();
+  } else {
+    certificate.why = report.pairs.empty() ? report.unknown_because.front() : report.unchecked;
   }
   if (!report.pairs.empty()) {
     const auto [first, second] = report.pairs.front();

@@ -43,7 +43,7 @@ PreparedElements ElementMaker::prepare(const std::vector<std::pair<const Shape*,
     const std::lock_guard<std::mutex> lock(mutex_);
     for (const auto& [shape, needed] : wanted) {
       const auto* mesh = std::get_if<Mesh>(shape);
-      if (mesh == nullptr || !mesh->mesh) continue;  // it is refused
+      if (mesh == nullptr) continue;
       auto& of_scene = all.meshes_[{mesh->mesh.get(), needed}];
       if (of_scene) continue;
       if (jobs.empty()) ++round_;

@@ -127,7 +127,7 @@ class SceneEditor {
       return classes_->rules->named.count(link) > 0 || before_.robot_->findLink(link) >= 0;
     };
     const bool is_sound = !name.empty() && !object->elements.empty() && object->padding >= 0.0 &&
-                          std::isfinite(object->padding);
+                          std::isfinite(object->padding) && hasItsMeshes(*object);
     if (!is_sound || !areRotations(*object) ||
         !std::all_of(object->touch_links.begin(), object->touch_links.end(), isKnown)) {
       return false;

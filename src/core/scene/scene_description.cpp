@@ -98,12 +98,7 @@ class NameCheck {
     const std::string where = "object '" + object.name + "'";
     if (object.name.empty()) throw InputError("an object has no name");
     if (object.elements.empty()) throw InputError(where + " has no shape");
-    for (const Element& element : object.elements) {
-      const auto* mesh = std::get_if<Mesh>(&element.shape);
-      const auto* convex = std::get_if<Convex>(&element.shape);
-      const bool lacks_data = (mesh && !mesh->mesh) || (convex && !convex->mesh);
-      if (lacks_data) throw InputError(where + " has a mesh without data");
-    }
+    if (!hasItsMeshes(object)) throw InputError(where + " has a mesh without data");
     if (!object.attached_link.empty() && merged_.findLink(object.attached_link) < 0) {
       throw InputError(where + " is attached to '" + object.attached_link +
                        "', which is not a link of robot '" + merged_.name() + "'" +

@@ -129,6 +129,14 @@ bool areRotations(const RigidObject& object) {
                      [&](const Element& element) { return passes(element.X_LE); });
 }
 
+bool hasItsMeshes(const RigidObject& object) {
+  return std::none_of(object.elements.begin(), object.elements.end(), [](const Element& element) {
+    const auto* mesh = std::get_if<Mesh>(&element.shape);
+    const auto* convex = std::get_if<Convex>(&element.shape);
+    return (mesh && !mesh->mesh) || (convex && !convex->mesh);
+  });
+}
+
 SceneMember objectMember(const ObjectPtr& object, const SceneSettings& settings,
                          const RobotModel& merged) {
   SceneMember member = memberWith(object->name, object->elements, settings);

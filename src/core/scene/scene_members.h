@@ -55,6 +55,9 @@ void setPlace(const SceneMember& member, const Element& element, double half_pad
 /// rounding. Numbers that are not finite pass: the object has no box then, which is refused.
 bool areRotations(const RigidObject& object);
 
+/// False for a mesh, or vertices of a convex shape, that is null.
+bool hasItsMeshes(const RigidObject& object);
+
 /// The object is not checked, but that the link it is attached to must exist.
 SceneMember objectMember(const ObjectPtr& object, const SceneSettings& settings,
                          const RobotModel& merged);
