@@ -209,8 +209,9 @@ bool CollisionDetector::noteUnchecked() {
   report_.unchecked = scene_->unchecked();
   if (scene_->models().empty()) return false;
   const char* why = nullptr;
+  // Of pairs out of reach, which are not listed: report_.ignored has been taken.
   const auto isKept = [this](std::uint32_t first, std::uint32_t second) {
-    return !ignored_->wouldHave(first, second);
+    return !ignored_->has(first, second);
   };
   if (settings_.selection && settings_.selection->empty()) {
     why = "the selection leaves no pair to check";

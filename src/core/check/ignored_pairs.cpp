@@ -28,18 +28,6 @@ void IgnoredPairs::begin(const MayIgnore& may_ignore, std::uint64_t revision) {
 bool IgnoredPairs::has(std::uint32_t model_a, std::uint32_t model_b) {
   if (!may_ignore_) return false;
   const Pair pair = std::minmax(model_a, model_b);
-  Answer& known = answerOf(pair);
-  if (known.is_ignored && known.met_in != check_) left_out_.push_back(pair);
-  known.met_in = check_;
-  keeps_some_ = keeps_some_ || !known.is_ignored;
-  return known.is_ignored;
-}
-
-bool IgnoredPairs::wouldHave(std::uint32_t first, std::uint32_t second) {
-  return may_ignore_ && answerOf({first, second}).is_ignored;
-}
-
-IgnoredPairs::Answer& IgnoredPairs::answerOf(const Pair& pair) {
   if (answers_.size() < 2 * (nb_answers_ + 1)) grow();
   Answer& known = find(pair);
   if (known.asked_in != asking_) {
@@ -47,7 +35,10 @@ IgnoredPairs::Answer& IgnoredPairs::answerOf(const Pair& pair) {
     known = {pair, asking_, 0, is_ignored};
     ++nb_answers_;
   }
-  return known;
+  if (known.is_ignored && known.met_in != check_) left_out_.push_back(pair);
+  known.met_in = check_;
+  keeps_some_ = keeps_some_ || !known.is_ignored;
+  return known.is_ignored;
 }
 
 IgnoredPairs::Answer& IgnoredPairs::find(const Pair& pair) {

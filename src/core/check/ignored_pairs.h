@@ -20,12 +20,10 @@ class IgnoredPairs {
   void begin(const MayIgnore& may_ignore, std::uint64_t revision);
   bool isAsking() const { return may_ignore_ != nullptr; }
 
-  /// Whether the two models, in either order, are left out; then they are listed.
+  /// Whether the two models, in either order, are left out.
   bool has(std::uint32_t model_a, std::uint32_t model_b);
   /// Whether has() has said no of any pair of this check.
   bool keepsSome() const { return keeps_some_; }
-  /// As has(), of two models that this check has no reason to list, first < second.
-  bool wouldHave(std::uint32_t first, std::uint32_t second);
 
   /// Those left out of this check so far, sorted.
   const std::vector<Pair>& list();
@@ -37,7 +35,6 @@ class IgnoredPairs {
     std::uint64_t met_in = 0;    ///< the last check that asked
     bool is_ignored = false;
   };
-  Answer& answerOf(const Pair& pair);
   Answer& find(const Pair& pair);
   void grow();
 
