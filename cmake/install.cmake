@@ -22,5 +22,5 @@ install(DIRECTORY launch config DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION}
   PATTERN "make_*" EXCLUDE)  # programs that made the files beside them
 catkin_install_python(PROGRAMS scripts/drive_demo_robot scripts/drive_steps scripts/move_demo_robot
                       scripts/plot_bag_report scripts/plot_stopping scripts/print_bag_robot
-                      scripts/print_collision_pairs scripts/replay_transforms
+                      scripts/print_collision_pairs scripts/replay_bag
   DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})

@@ -294,6 +294,16 @@ def test_of_robots_in_the_bag_two_topics_are_too_many(run_bag):
     assert done.returncode == 2 and "boxes.bag: topic /robot_description: " in said[0]
 
 
+def test_an_srdf_further_up_than_the_urdf_is_not_used(run_bag):
+    of = states(at(100.0), at(100.5), topic="/left/joint_states")
+    off = "<robot name='boxes'><disable_collisions link1='a' link2='x'/></robot>"
+    for namespace, is_used in (("/left", True), ("", False), ("/right", False)):
+        messages = [described(BOXES, "/left/robot_description"), described(off, namespace + "/robot_description_semantic")] + of
+        _, said = run_bag(messages, "--prefix", "left")
+        assert any("not links of the robot" in line for line in said) == is_used, said
+        assert any("may be of another robot than /left/robot_description" in line for line in said) != is_used, said
+
+
 def test_a_path_that_is_no_bag_is_said_to_be_none(run_tool, tmp_path):
     for path, why in ((tmp_path / "none.bag", "there is no such file"), (tmp_path, "is not a file")):
         done = run_tool("check_bag", path, "--urdf", DEMO_ROBOT[1])

@@ -8,7 +8,7 @@ from geometry_msgs.msg import TransformStamped
 from tf2_msgs.msg import TFMessage
 
 START = 1000.0
-NODES = {"/tf": "/honest", "tf": "/liar", "/tf_static": "/static", "/two/tf": "/honest"}  # by topic: a connection each
+NODES = {"/tf": "/honest", "tf": "/liar", "/tf_static": "/static"}  # by topic: a connection each
 BOX = "<link name='%s'><collision><geometry><box size='1 1 1'/></geometry></collision></link>"
 SLIDE = ("<joint name='slide_%s' type='prismatic'><parent link='root'/><child link='%s'/><axis xyz='1 0 0'/>"
          "<limit lower='-9' upper='9' effort='1' velocity='1'/></joint>")
@@ -65,13 +65,24 @@ def test_what_is_well_is_free(check):
 
 @pytest.mark.parametrize("ahead", (0.0, 0.01, 0.45))
 @pytest.mark.parametrize("topic, says", (("tf", "'/honest' and '/liar' both publish it, and contradict each other"),
-                                         ("/two/tf", "'/honest' publishes it in two sequences")))
+                                         ("/tf", "'/honest' publishes it in two sequences")))
 def test_a_frame_with_two_values_is_unknown_and_the_publishers_are_named(check, topic, says, ahead):
-    if topic == "/two/tf" and ahead == 0.01:
+    if topic == "/tf" and ahead == 0.01:
         pytest.skip("one publisher that jumps to and fro is not found, unless its stamps do, too")
     done, rows = check(stream("a", 0.0) + stream("b", 0.9) + stream("b", 5.0, topic=topic, ahead=ahead))
     assert verdicts(rows, START + 0.5, START + 2.9) == {"unknown"}
     assert says in rows[30][10]
+
+
+def test_transforms_of_other_namespaces_are_not_used_beside_those_that_a_node_hears(check):
+    NODES.update({"/one/tf": "/one", "/two/tf": "/two"})
+    touching, apart = stream("a", 0.0) + stream("b", 0.9), stream("b", 5.0, topic="/two/tf")
+    done, rows = check(touching + apart)
+    assert verdicts(rows) == {"collision"} and "transforms on /two/tf are not used" in done.stderr
+    done, rows = check(stream("a", 0.0, topic="/two/tf") + stream("b", 3.0, topic="/two/tf"))
+    assert verdicts(rows) == {"free"}, "of one namespace alone"
+    done, _ = check(stream("a", 0.0, topic="/one/tf") + stream("b", 3.0, topic="/two/tf"))
+    assert done.returncode == 2 and "transforms on several topics (/one/tf, /two/tf), and none on /tf" in done.stderr
 
 
 def test_two_publishers_that_agree_are_believed(check):

@@ -95,11 +95,20 @@ TEST_F(CloudProcessing, RefusesCloudsThatShowNothingAndRemembersWhatItKnew) {
   EXPECT_EQ(refusalOf([&] { add(processor, beyond); }),
             "only 0 of its 3 points are within max_range (3 m), and "
             "min_valid_points is 1");
-  EXPECT_EQ(refusalOf([&] { add(processor, {}); }),
-            "nothing returned: it has no point that is finite and not (0, 0, 0), and "
-            "min_valid_points is 1");
+  EXPECT_EQ(
+      refusalOf([&] { add(processor, {}); }),
+      "nothing returned: it has no point that is finite and further than 1 mm from the sensor, and "
+      "min_valid_points is 1");
   stamp_ = 100.2;
   EXPECT_EQ(add(processor, {{5, 2.5, 0}})->size(), 2u);
+}
+
+TEST_F(CloudProcessing, RefusesCloudsOfWhichAllPointsAreAtOnePlace) {
+  CloudProcessor processor(config_);
+  const Vector3d zero = X_WS_.translation() + Vector3d(0.02, 0, 0);  // of a sensor in another frame
+  EXPECT_EQ(refusalOf([&] { add(processor, {zero, zero, zero + Vector3d(1e-5, 0, 0)}); }),
+            "nothing returned: its 3 points are at one place, and min_valid_points is 1");
+  EXPECT_EQ(add(processor, {zero, zero, {5, 2, 0}})->size(), 2u);
 }
 
 TEST_F(CloudProcessing, CountsValidPointsOnTheRobotAndOutsideOfTheBox) {
@@ -121,8 +130,9 @@ TEST_F(CloudProcessing, WarnsOfCloudsThatShowNothingWhereTheyAreAllowed) {
   config_.max_range = 3.0;
   CloudProcessor processor(config_);
   EXPECT_EQ(add(processor, {})->size(), 0u);
-  EXPECT_EQ(processor.warning(),
-            "nothing returned: it has no point that is finite and not (0, 0, 0)");
+  EXPECT_EQ(
+      processor.warning(),
+      "nothing returned: it has no point that is finite and further than 1 mm from the sensor");
   add(processor, {{5, 3.1, 0}});
   EXPECT_EQ(processor.warning(), "only 0 of its 1 points are within max_range (3 m)");
   add(processor, {{5, 3.1, 0}, {5, 2, 0}});

@@ -185,6 +185,19 @@ TEST_F(Follower, DoesNotTakeWhatWasHeldForWhatVanished) {
   }
 }
 
+TEST_F(Follower, WhatIsAttachedIsNoObstacleFromTheNextCloudOnHoweverLongVoxelsStay) {
+  config_.decay = 10.0;
+  config_.replace = false;
+  CloudProcessor processor(config_);
+  const Vector3d held(2.0, 0.2, 0.01), other(2.0, 3.2, 0.01);
+  EXPECT_EQ(add(processor, {held, other})->size(), 2u);
+  description_.objects = {heldBy("a", "tool", held)};
+  const auto voxels = add(processor, {{-3, 0, 0}});
+  EXPECT_FALSE(voxels->anyWithin({held, held}, 0.1));
+  EXPECT_TRUE(voxels->anyWithin({other, other}, 0.1));
+  EXPECT_EQ(voxels->size(), 2u);
+}
+
 TEST_F(Follower, RemembersWhatTheRobotHidesForAsLongAsItDoes) {
   for (int i = 0; i < 2; ++i) add(processor_, {{-0.65, 0.01, 0.01}});
   for (int i = 0; i < 5; ++i) {

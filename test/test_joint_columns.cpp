@@ -92,6 +92,19 @@ TEST_F(JointColumnsTest, TakeAMimicThatAgreesWithItsLeaderAndNoOther) {
               HasSubstr("'quarter' mimics 'half'; name that joint instead"));
 }
 
+TEST_F(JointColumnsTest, RefuseAnglesOfWhichTheDigitsDoNotSayWhereInATurnTheyAre) {
+  const std::string urdf =
+      "<robot name='r'><link name='a'/><link name='b'/><link name='c'/>"
+      "<joint name='turn' type='continuous'><parent link='a'/><child link='b'/></joint>"
+      "<joint name='slide' type='prismatic'><parent link='b'/><child link='c'/>"
+      "<limit lower='-1' upper='1' effort='1' velocity='1'/></joint></robot>";
+  const auto robot = RobotModel::fromUrdf(urdf, nullptr);
+  const JointColumns columns({"turn", "slide"}, *robot);
+  const double near[] = {1e6, 1e7}, far[] = {-1.001e6, 0.0};
+  columns.check(near);
+  EXPECT_THROW(columns.check(far), InputError);
+}
+
 TEST_F(JointColumnsTest, NameTheJointThatIsWrong) {
   EXPECT_THAT(refusal({"slyde"}, {0.0}),
               HasSubstr("joint 'slyde' is not in robot 'test'; did you mean 'slide'?"));

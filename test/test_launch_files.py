@@ -4,9 +4,14 @@ import os
 import xml.etree.ElementTree as ElementTree
 
 import pytest
+import rosbag
+import rospy
+from collision_pairs.msg import Scene, SceneObject
 from conftest import PROJECT
+from std_msgs.msg import String
 
 roslaunch = pytest.importorskip("roslaunch.config")
+RLException = pytest.importorskip("roslaunch").RLException
 
 LAUNCH = os.path.join(PROJECT, "launch")
 ARGUMENTS = {"limiter.launch": ["limiter:=%s/config/demo/node_limit.yaml" % PROJECT],
@@ -63,10 +68,43 @@ def test_a_bag_is_found_from_the_folder_where_roslaunch_is_called(monkeypatch):
     monkeypatch.setenv("PWD", folder)
     for bag in ("demo.bag", os.path.join(folder, "demo.bag")):
         nodes = {node.name: node for node in loaded("replay.launch", "bag:=" + bag).nodes}
-        for name in ("replay_transforms", "rosbag_play"):
-            assert "'%s'" % bag in nodes[name].args
-            assert nodes[name].launch_prefix == "env -C '%s'" % folder
-        assert nodes["rosbag_play"].required
+        assert "'%s'" % bag in nodes["replay_bag"].args
+        assert nodes["replay_bag"].launch_prefix == "env -C '%s'" % folder
+        assert nodes["replay_bag"].required
+
+
+def replayed(tmp_path, messages, *arguments):
+    """The parameters that replay.launch sets for a bag with these (topic, message)."""
+    path = tmp_path / "some.bag"
+    with rosbag.Bag(str(path), "w") as bag:
+        for topic, message in messages:
+            bag.write(topic, message, rospy.Time(10))
+    config = roslaunch.load_config_default([(os.path.join(LAUNCH, "replay.launch"), ["bag:=%s" % path, *arguments])], None,
+                                           verbose=False, assign_machines=False)
+    return {name: parameter.value for name, parameter in config.params.items()}
+
+
+def test_a_replay_takes_the_robot_as_check_bag_does_and_leaves_nothing_of_an_earlier_one(tmp_path):
+    urdf, srdf = String(data="<robot name='r'><link name='a'/></robot>"), String(data="<robot name='r'/>")
+    semantic = "/robot_description_semantic"
+    found = replayed(tmp_path, [("/robot_description", urdf)])
+    assert found["/robot_description"] == urdf.data and found[semantic] == ""
+    assert replayed(tmp_path, [("/robot_description", urdf), (semantic, srdf)])[semantic] == srdf.data
+    assert replayed(tmp_path, [("/left/robot_description", urdf), (semantic, srdf)])[semantic] == "", "of another robot"
+    given = tmp_path / "given.urdf"
+    given.write_text(urdf.data)
+    assert replayed(tmp_path, [(semantic, srdf)], "urdf:=%s" % given)[semantic] == srdf.data
+    assert replayed(tmp_path, [("/joint_states", srdf)], "urdf:=%s" % given)[semantic] == ""
+    with pytest.raises(RLException):
+        replayed(tmp_path, [("/left/robot_description", urdf), ("/right/robot_description", urdf)])
+
+
+def test_where_the_recorded_node_had_objects_the_one_of_a_replay_knows_that_it_lacks_them(tmp_path):
+    urdf = ("/robot_description", String(data="<robot name='r'><link name='a'/></robot>"))
+    for scenes, expected in (([], False), ([Scene()], False), ([Scene(), Scene(objects=[SceneObject(name="box")])], True),
+                             ([Scene(objects_are_lost=True)], True)):
+        found = replayed(tmp_path, [urdf] + [("/node/scene", scene) for scene in scenes])
+        assert found["/collision_pairs_node/has_objects"] is expected
 
 
 @pytest.mark.parametrize("name", NAMES)

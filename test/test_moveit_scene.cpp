@@ -10,6 +10,7 @@
 #include "collision_pairs/input_error.h"
 #include "moveit_scene.h"
 #include "moveit_shapes.h"
+#include "random_inputs.h"
 
 namespace collision_pairs {
 namespace test_moveit_scene {
@@ -100,6 +101,41 @@ TEST(Shapes, ShareTheTrianglesOfAMeshUnlessItIsScaled) {
               3.0 * (triangles(0)->vertices[1] - triangles(0)->vertices[0]).norm(), 1e-9);
 }
 
+TEST(Shapes, AreAlikeIfTheirNumbersAre) {
+  const auto tree = std::make_shared<octomap::OcTree>(0.5);
+  const auto mesh = [](double x, unsigned last) {
+    auto made = std::make_shared<shapes::Mesh>(4, 1);
+    std::fill(made->vertices, made->vertices + 12, 1.0);
+    made->vertices[0] = x;
+    for (unsigned i = 0; i < 3; ++i) made->triangles[i] = i;
+    made->triangles[2] = last;
+    return made;
+  };
+  const auto make = [&] {  // none like another
+    return std::vector<shapes::ShapeConstPtr>{std::make_shared<shapes::Sphere>(1.0),
+                                              std::make_shared<shapes::Sphere>(2.0),
+                                              std::make_shared<shapes::Cylinder>(1.0, 2.0),
+                                              std::make_shared<shapes::Cylinder>(1.0, 3.0),
+                                              std::make_shared<shapes::Cylinder>(2.0, 2.0),
+                                              std::make_shared<shapes::Cone>(1.0, 2.0),
+                                              std::make_shared<shapes::Cone>(1.0, 3.0),
+                                              std::make_shared<shapes::Cone>(2.0, 2.0),
+                                              std::make_shared<shapes::Box>(1.0, 2.0, 3.0),
+                                              std::make_shared<shapes::Box>(1.0, 2.0, 4.0),
+                                              mesh(0.0, 2),
+                                              mesh(1.0, 2),
+                                              mesh(0.0, 3),
+                                              std::make_shared<shapes::OcTree>(tree),
+                                              std::make_shared<shapes::OcTree>()};
+  };
+  const auto some = make(), others = make();
+  for (std::size_t i = 0; i < some.size(); ++i) {
+    for (std::size_t j = 0; j < some.size(); ++j) {
+      EXPECT_EQ(areAlike(some[i], others[j]), i == j) << i << ' ' << j;
+    }
+  }
+}
+
 TEST(AnOctree, IsItsOccupiedLeavesOfAnySize) {
   octomap::OcTree tree(0.5);
   for (double x : {0.25, 0.75}) {
@@ -125,12 +161,39 @@ TEST(OctreesAmongShapes, ShowTheirChangesInPlaceEachByItself) {
   const std::vector<shapes::ShapeConstPtr> parts = {
       std::make_shared<shapes::OcTree>(first), std::make_shared<shapes::Sphere>(1.0),
       std::make_shared<shapes::OcTree>(second), std::make_shared<shapes::OcTree>()};
-  const LeavesOfOctrees leaves = leavesOfOctrees(parts);
-  EXPECT_THAT(leaves,
-              ElementsAre(ElementsAre(OctreeLeaf{0.25, 0.25, 0.25, 0.5}), IsEmpty(), IsEmpty()));
-  first->clear();
+  const LeavesOfOctrees none, leaves(parts);
+  EXPECT_FALSE(none.areOf(parts));
+  EXPECT_TRUE(none.areOf({parts[1]}));
+  EXPECT_TRUE(leaves.areOf(parts));
+  EXPECT_FALSE(leaves.areOf({parts[0], parts[2]})) << "there was a third";
+  EXPECT_FALSE(leaves.areOf({parts[2], parts[0], parts[3]})) << "the other one has the leaf";
   second->updateNode(centre, true);
-  EXPECT_THAT(leavesOfOctrees(parts), ElementsAre(IsEmpty(), leaves[0], IsEmpty()));
+  EXPECT_FALSE(leaves.areOf(parts));
+  second->clear();
+  EXPECT_TRUE(leaves.areOf(parts));
+  first->setResolution(0.25);
+  EXPECT_FALSE(leaves.areOf(parts));
+}
+
+TEST(OctreesAmongShapes, ShowTheirChangesIfAndOnlyIfALeafDoes) {
+  RandomInputs random;
+  const auto tree = std::make_shared<octomap::OcTree>(0.5);
+  const std::vector<shapes::ShapeConstPtr> parts = {std::make_shared<shapes::OcTree>(tree)};
+  int nb_changes = 0, nb_same = 0;
+  for (int round = 0; round < 500; ++round) {
+    const LeavesOfOctrees seen(parts);
+    const std::vector<OctreeLeaf> before = occupiedLeaves(*tree);
+    for (int i = random.integer(0, 3); i > 0; --i) {
+      const auto at = [&] { return 0.25f + 0.5f * static_cast<float>(random.integer(-2, 1)); };
+      tree->updateNode(octomap::point3d(at(), at(), at()), random.integer(0, 1) == 1);
+    }
+    if (random.integer(0, 3) == 0) tree->prune();
+    const bool is_same = occupiedLeaves(*tree) == before;
+    ASSERT_EQ(seen.areOf(parts), is_same) << "round " << round;
+    ++(is_same ? nb_same : nb_changes);
+  }
+  EXPECT_GT(nb_changes, 50);
+  EXPECT_GT(nb_same, 50);
 }
 
 class AScene : public testing::Test {
@@ -211,6 +274,17 @@ TEST_F(AScene, OfAWorldChangesWithTheFirstAndLastObject) {
   EXPECT_EQ(check(*moved, 10.0), Verdict::FREE);  // links are not checked against each other
   EXPECT_FALSE(moved->with({{}, {"box[1]"}}, cache_)->hasPairs());
   EXPECT_EQ(&moved->scene().robot(), &empty->scene().robot());
+}
+
+TEST_F(AScene, RefusesAnObjectWithTheNameThatItUsesItself) {
+  const auto world = MoveitScene::ofWorld(moving_, {objectAt("box", 30.0)}, cache_);
+  std::string taken;
+  for (const CollisionModel& model : world->scene().models()) {
+    if (MoveitScene::isPlaceholder(model.name)) taken = model.name;
+  }
+  ASSERT_NE(taken, "");
+  EXPECT_THROW(world->with({{objectAt(taken, 10.0)}, {}}, cache_), InputError);
+  EXPECT_THROW(MoveitScene::ofWorld(moving_, {objectAt(taken, 10.0)}, cache_), InputError);
 }
 
 TEST_F(AScene, CallsItsModelsAsMoveItDoes) {

@@ -127,6 +127,19 @@ class OneTrack : public testing::Test {
   double x_ = 0.0;
 };
 
+TEST_F(OneTrack, OneWayHasItsPoseAtEachStamp) {
+  add(10, 1);
+  add(10.5, 2);
+  const int base = tracks_.findFrame("base"), arm = tracks_.findFrame("arm");
+  const FrameWays ways(tracks_, base, {Instant::NEWEST, 11 * SECOND});
+  const auto at = [&](double seconds) {
+    return ways.poseOf(arm, ways.to(arm), static_cast<StampNs>(seconds * 1e9)).translation().x();
+  };
+  EXPECT_DOUBLE_EQ(at(10), 1.0);
+  EXPECT_DOUBLE_EQ(at(10.5), 2.0);
+  EXPECT_DOUBLE_EQ(at(10.25), 1.5);
+}
+
 TEST_F(OneTrack, NothingIsKnownBeforeTheFirstAndAfterTheLastSample) {
   add(1, 1);
   add(2, 2);

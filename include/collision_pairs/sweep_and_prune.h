@@ -177,8 +177,9 @@ class SweepAndPrune {
   static bool isSound(const Aabb& box) {
     constexpr double LARGEST = std::numeric_limits<double>::max();
     const Eigen::Vector3d size = box.max - box.min;
-    const bool is_ordered = (size[0] >= 0.0) & (size[1] >= 0.0) & (size[2] >= 0.0);
-    if (is_ordered & (size[0] + size[1] + size[2] <= LARGEST)) return true;  // nearly always
+    const double sum = size[0] + size[1] + size[2];
+    const int is_ordered = int(size[0] >= 0.0) & int(size[1] >= 0.0) & int(size[2] >= 0.0);
+    if ((is_ordered & int(sum <= LARGEST)) != 0) return true;  // nearly always; without branches
     int sound = 1;
     for (int k = 0; k < 3; ++k) {
       sound &= box.min[k] >= -LARGEST;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -63,6 +64,8 @@ class VoxelGrid {
   std::vector<VoxelCell> unseen(const Aabb& box);
   /// Occupies a voxel until the next cloud, as if it were remembered. Before end().
   void keep(const VoxelCell& cell);
+  /// Drops those of earlier clouds whose centre (metres, in W) is such. Before end().
+  void drop(const std::function<bool(const Eigen::Vector3d& center)>& is_such);
 
   /// The voxels at `stamp` without a new cloud; expired ones are dropped. The next cloud may be
   /// older than that: clouds arrive late.

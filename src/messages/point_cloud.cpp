@@ -131,6 +131,8 @@ struct PackedFloats {
   }
 };
 
+constexpr double NO_RETURN = 1e-3;  // m: drivers write zeros, which may be rounded on the way
+
 /// Writes each point, but advances only if something returned: no branch to be mispredicted.
 template <class Layout>
 void readRows(const PointCloud2& cloud, const Layout& layout,
@@ -142,7 +144,7 @@ void readRows(const PointCloud2& cloud, const Layout& layout,
     for (std::uint32_t i = 0; i < cloud.width; ++i, point += cloud.point_step) {
       *out = layout(point);
       const double size = std::abs(out->x()) + std::abs(out->y()) + std::abs(out->z());
-      out += (size > 0.0) & (size - size == 0.0);  // NaN if one is infinite or NaN
+      out += (size > NO_RETURN) & (size - size == 0.0);  // NaN if one is infinite or NaN
     }
   }
   points.resize(out - points.data());

@@ -9,9 +9,9 @@
 namespace collision_pairs {
 
 /// The points of the cloud in its own frame, in their order, metres; without those of no return,
-/// which have a coordinate that is not finite or are (0, 0, 0). Coordinates x, y and z may be
-/// float32 or float64, at any offset, of either endianness, in rows with any padding. The contents
-/// of `points` are replaced; its memory is reused.
+/// which have a coordinate that is not finite or are within 1 mm of the sensor. Coordinates x, y
+/// and z may be float32 or float64, at any offset, of either endianness, in rows with any padding.
+/// The contents of `points` are replaced; its memory is reused.
 ///
 /// Throws InputError that names the error of the layout: a coordinate that is missing, repeated or
 /// of another type, inconsistent sizes, or data too short for its points, or with room for more.

@@ -53,6 +53,13 @@ std::shared_ptr<FollowedRobot> CloudSource::follow(std::shared_ptr<FollowedRobot
   return std::exchange(robot_, std::move(robot));
 }
 
+/// Of the memory of the processor, which is about to go.
+void CloudSource::rememberWhatMayTouch() {
+  if (!latest_.may_touch.empty()) may_touch_ = latest_.may_touch;
+  const bool is_hidden = may_touch_.empty() && processor_->hidesAny();
+  if (is_hidden) may_touch_ = "was hidden when the clock went back: it may touch";
+}
+
 void CloudSource::replace(const CloudSource& before) {
   may_touch_ = before.latest_.may_touch.empty() ? before.may_touch_ : before.latest_.may_touch;
   if (topic_ != before.topic_ || gathered_clock_jumps_ != before.gathered_clock_jumps_) return;
@@ -129,8 +136,8 @@ std::shared_ptr<CloudJob> CloudSource::begin(Arrived& arrived) {
   const bool is_over = transforms_.now().steady - arrived.steady >= LONGEST_WAIT;
   // Nothing was received since.
   if (!is_over && !is_new && *arrived.nb_taken == transforms_.nbTaken()) return nullptr;
-  if (gathered_generation_ != generation_ ||
-      gathered_clock_jumps_ != transforms_.nbClockJumps()) {  // the bag was restarted
+  if (gathered_generation_ != generation_ || gathered_clock_jumps_ != transforms_.nbClockJumps()) {
+    if (gathered_generation_ == generation_ && !transforms_.isNewRun()) rememberWhatMayTouch();
     gathered_generation_ = generation_;
     gathered_clock_jumps_ = transforms_.nbClockJumps();
     processor_ = std::make_shared<CloudProcessor>(config_);

@@ -134,6 +134,7 @@ class CloudSource {
   /// Throws InputError if the cloud is to be refused; null: something is missing that may come.
   std::shared_ptr<CloudJob> begin(Arrived& arrived);
   std::shared_ptr<CloudJob> beginNewer();
+  void rememberWhatMayTouch();
 
   const CloudConfig config_;
   const std::string topic_, frame_;

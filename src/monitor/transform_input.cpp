@@ -9,6 +9,7 @@ namespace {
 constexpr double REFUSAL_SHOWN = 2.0;       // s
 constexpr std::size_t MAX_REFUSALS = 1000;  // frames: a limit, since names are external input
 constexpr double SET_BACK = 0.1;            // s
+constexpr double NEW_RUN = 5.0;             // s
 
 }  // namespace
 
@@ -32,6 +33,7 @@ void TransformInput::followClock(const Now& now) {
   buffer_.restart(toNs(now.stamp));
   refusals_.clear();
   ++nb_clock_jumps_;
+  is_new_run_ = settings_.is_simulated && back > NEW_RUN;
 }
 
 std::string TransformInput::clockProblem() const {

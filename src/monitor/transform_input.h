@@ -45,6 +45,9 @@ class TransformInput {
   void followClock(const Now& now);
   const Now& now() const { return now_; }
   unsigned nbClockJumps() const { return nb_clock_jumps_; }
+  /// Whether the last time the clock went back, a simulation or a bag began anew: /clock by more
+  /// than 5 s. Otherwise the world is the same, and the clock was set.
+  bool isNewRun() const { return is_new_run_; }
   /// Why the current poses may be of another time than it seems: a simulated clock stands still.
   /// Empty if it runs, or may pause.
   std::string clockProblem() const;
@@ -91,6 +94,7 @@ class TransformInput {
   Now now_ = Now(ros::Time(), 0.0);
   double last_step_ = 0.0;  // when ROS time moved, on the steady clock
   unsigned nb_clock_jumps_ = 0;
+  bool is_new_run_ = false;
 };
 
 }  // namespace collision_pairs

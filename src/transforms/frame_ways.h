@@ -102,9 +102,15 @@ class FrameWays {
     int top;     ///< … up to here, and from here down to `via`
   };
 
+  struct Placed {
+    int top;
+    Eigen::Isometry3d X_TF;  ///< T: the top
+  };
+
   /// False: it is not known.
   bool step(int frame, StampNs& stamp, int& parent) const;
   Eigen::Isometry3d poseOf(int source, int anchor, int top, StampNs stamp) const;
+  Eigen::Isometry3d poseBelow(int top, int frame, StampNs stamp) const;
   void pass(int frame, StampNs stamp, Way& way) const;
   void passFixedJoint(int from, int to, Way& way) const;
   /// On what a frame hung, known or suspect, when it was last heard of; -1: that is too long ago.
@@ -133,6 +139,8 @@ class FrameWays {
   mutable std::vector<Anchor> anchors_;
   // Of the frames that were asked about, not of all: a look-up costs the same among any number.
   mutable std::unordered_map<int, Way> noted_;
+  mutable StampNs placed_at_ = NEVER;
+  mutable std::unordered_map<int, Placed> placed_;  ///< by frame
 };
 
 struct FoundPose {

@@ -282,6 +282,7 @@ std::string TransformGate::whyUnknown(int number, StampNs stamp) const {
 }
 
 int TransformGate::parentAt(int number, StampNs stamp) const {
+  if (number >= static_cast<int>(frames_.size())) return -1;  // named by what was refused only
   if (frames_[number].is_static) return frames_[number].static_pose.pose.parent;
   return stamp >= frames_[number].parent_since ? frames_[number].parent : -1;
 }

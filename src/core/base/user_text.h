@@ -36,6 +36,11 @@ inline std::string withoutLeadingSlash(const std::string& name) {
   return !name.empty() && name.front() == '/' ? name.substr(1) : name;
 }
 
+/// The namespace of a name, with a slash at its end; of one without: empty.
+inline std::string namespaceOf(const std::string& name) {
+  return name.substr(0, name.rfind('/') + 1);
+}
+
 /// Without leading and trailing slashes.
 inline std::string withoutSlashes(std::string name) {
   while (!name.empty() && name.front() == '/') name.erase(0, 1);

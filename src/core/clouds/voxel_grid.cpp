@@ -104,9 +104,11 @@ struct VoxelGrid::Store {
     return true;
   }
 
+  Vector3d centerOf(const VoxelCell& corner, double edge) const {
+    return settings.voxel_size * (corner.cast<double>().array() + 0.5 * edge);
+  }
   double squaredDistance(const VoxelCell& corner, double edge) const {
-    const Vector3d center = settings.voxel_size * (corner.cast<double>().array() + 0.5 * edge);
-    return (center - p_WS).squaredNorm();
+    return (centerOf(corner, edge) - p_WS).squaredNorm();
   }
 
   /// Index of the block, or NONE if there is no room for it.
@@ -143,12 +145,9 @@ struct VoxelGrid::Store {
   void add(const Vector3d& p) {
     VoxelCell cell;
     if (!cellOf(p, cell)) {
-      if (!p.allFinite()) {
-        ++counts.not_finite;
-        return;
-      }
-      ++counts.out_of_range;
-      truncated_in = number;
+      const bool is_finite = p.allFinite();
+      ++(is_finite ? counts.out_of_range : counts.not_finite);
+      if (is_finite) truncated_in = number;
       return;
     }
     ++counts.added;
@@ -164,13 +163,23 @@ struct VoxelGrid::Store {
   bool occupy(const VoxelCell& cell) {
     unsigned bit;
     const std::uint32_t id = placeOf(cell, bit);
-    if (id == NONE) return false;
-    blocks[id].occupied |= std::uint64_t{1} << bit;
-    return true;
+    if (id != NONE) blocks[id].occupied |= std::uint64_t{1} << bit;
+    return id != NONE;
   }
 
   void keep(const VoxelCell& cell) {
     if (occupy(cell)) remembered.push_back(cell);
+  }
+
+  template <class IsSuch>
+  void drop(const IsSuch& is_such) {
+    for (std::size_t i = 0; i < blocks.size(); ++i) {
+      for (std::uint64_t left = blocks[i].occupied & ~seen[i]; left != 0; left &= left - 1) {
+        const VoxelCell cell =
+            blocks[i].corner + OccupiedVoxels::childOffset(__builtin_ctzll(left));
+        if (is_such(centerOf(cell, 1.0))) blocks[i].occupied &= ~(left & -left);
+      }
+    }
   }
 
   void dropRemembered() {
@@ -376,6 +385,7 @@ std::shared_ptr<const OccupiedVoxels> VoxelGrid::seen(const Aabb& box) const {
 }
 std::vector<VoxelCell> VoxelGrid::unseen(const Aabb& box) { return store_->unseen(box); }
 void VoxelGrid::keep(const VoxelCell& cell) { store_->keep(cell); }
+void VoxelGrid::drop(const std::function<bool(const Vector3d&)>& is_such) { store_->drop(is_such); }
 
 std::shared_ptr<const OccupiedVoxels> VoxelGrid::at(double stamp) {
   store_->forget(stamp);

@@ -8,6 +8,7 @@
 namespace collision_pairs {
 namespace {
 
+constexpr double LARGEST_ANGLE = 1e6;     // rad; a digit is 1e-10 there
 constexpr double MIMIC_TOLERANCE = 1e-6;  // rad or m: precision of output with six decimals
 
 [[noreturn]] void refuseUnknown(const std::string& name, const RobotModel& robot) {
@@ -64,6 +65,11 @@ void JointColumns::check(const double* state) const {
     const Joint& joint = robot_.joints()[joint_of_column_[i]];
     if (!std::isfinite(state[i])) {
       throw InputError("joint '" + joint.name + "': its position is not finite");
+    }
+    const bool is_angle = joint.type == JointType::REVOLUTE || joint.type == JointType::CONTINUOUS;
+    if (is_angle && std::abs(state[i]) > LARGEST_ANGLE) {
+      throw InputError("joint '" + joint.name + "' is at " + std::to_string(state[i]) +
+                       " rad: beyond 1e6 its digits do not say where in a turn it is");
     }
     if (!joint.mimic) continue;
     const Source& leader = source_of_joint_[joint_of_column_[i]];

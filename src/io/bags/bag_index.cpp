@@ -20,6 +20,9 @@ namespace {
 constexpr StampNs CLOCK_WENT_BACK = 5000000000;  // 5 s: publishers differ by less
 constexpr std::size_t MOST_WAITING = 1 << 30;    // bytes
 
+/// The last part of a topic's name.
+std::string nameIn(const std::string& topic) { return topic.substr(topic.rfind('/') + 1); }
+
 template <class Message>
 bool isType(const RawMessage& raw) {
   return raw.md5sum == ros::message_traits::MD5Sum<Message>::value();
@@ -51,9 +54,10 @@ class Indexer {
     }
   }
 
-  BagIndex finish(const std::string& path, std::vector<std::string> losses) {
+  BagIndex finish(const std::string& path, BagRecords records) {
+    std::vector<BagLoss>& losses = records.losses;
     const auto note = [&](std::size_t count, const std::string& what) {
-      if (count > 0) losses.push_back(std::to_string(count) + " " + what);
+      if (count > 0) losses.push_back({std::to_string(count) + " " + what, NEVER});
     };
     note(nb_garbled_, "messages that do not match their type");
     note(nb_unusable_,
@@ -63,9 +67,9 @@ class Indexer {
          "times its clock goes back; what is then too old is not used, so split the bag there");
     if (nb_messages_ == 0) {
       throw InputError(path + ": no transforms and no joint states in " +
-                       (losses.empty() ? "it" : "what could be read: " + losses.back()));
+                       (losses.empty() ? "it" : "what could be read: " + losses.back().what));
     }
-    index_.losses = std::move(losses);
+    index_.records = std::move(records);
     return std::move(index_);
   }
 
@@ -89,8 +93,9 @@ class Indexer {
       const auto& p = transform.transform.translation;
       const auto& q = transform.transform.rotation;
       if (isPose({p.x, p.y, p.z}, {q.w, q.x, q.y, q.z})) {
-        index_.transforms.insert({withoutLeadingSlash(transform.header.frame_id),
-                                  withoutLeadingSlash(transform.child_frame_id), is_static});
+        index_.by_topic[withoutLeadingSlash(raw.topic)].insert(
+            {withoutLeadingSlash(transform.header.frame_id),
+             withoutLeadingSlash(transform.child_frame_id), is_static});
       } else {
         ++nb_unusable_;
       }
@@ -185,7 +190,7 @@ void requireFile(const std::string& path) {
 }  // namespace
 
 BagTopic kindOf(const RawMessage& raw) {
-  const std::string name = raw.topic.substr(raw.topic.rfind('/') + 1);
+  const std::string name = nameIn(raw.topic);
   if (isType<sensor_msgs::PointCloud2>(raw)) return BagTopic::CLOUDS;
   if (name == "tf" || name == "tf_static") {
     if (!isType<tf2_msgs::TFMessage>(raw)) return BagTopic::OTHER;
@@ -197,12 +202,44 @@ BagTopic kindOf(const RawMessage& raw) {
   return name == "robot_description_semantic" ? BagTopic::SEMANTICS : BagTopic::OTHER;
 }
 
+bool BagIndex::isChosen(const RawMessage& raw) const {
+  const std::string topic = withoutLeadingSlash(raw.topic);
+  return topic == tf || topic == tf_static;
+}
+
+std::vector<std::string> BagIndex::chooseTransforms(bool only_as_node) {
+  std::vector<std::string> moving, fixed, others;
+  for (const auto& [topic, edges] : by_topic) {
+    (nameIn(topic) == "tf" ? moving : fixed).push_back(topic);
+  }
+  tf = "tf";
+  tf_static = "tf_static";
+  if (by_topic.count(tf) == 0 && !only_as_node) {
+    if (moving.size() > 1) {
+      throw InputError("transforms on several topics (/" + joined(moving, ", /") +
+                       "), and none on /tf: leave one of them (rosbag filter)");
+    }
+    if (!moving.empty()) tf = moving.front();
+    const std::string beside = namespaceOf(tf) + "tf_static";
+    if (by_topic.count(beside) > 0) tf_static = beside;
+    if (moving.empty() && fixed.size() == 1) tf_static = fixed.front();
+  }
+  transforms.clear();
+  for (const auto& [topic, edges] : by_topic) {
+    if (topic == tf || topic == tf_static) {
+      transforms.insert(edges.begin(), edges.end());
+    } else {
+      others.push_back("/" + topic);
+    }
+  }
+  return others;
+}
+
 BagIndex indexBag(const std::string& path, const RawMessageFilter& wants) {
   requireFile(path);
   Indexer indexer(wants);
-  std::vector<std::string> losses =
-      readBagRecords(path, [&](const RawMessage& raw) { indexer.take(raw); });
-  return indexer.finish(path, std::move(losses));
+  BagRecords records = readBagRecords(path, [&](const RawMessage& raw) { indexer.take(raw); });
+  return indexer.finish(path, std::move(records));
 }
 
 void replayBag(const std::string& path, const BagIndex& index, const RawMessageFilter& wants,

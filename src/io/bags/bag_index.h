@@ -42,13 +42,21 @@ struct BagIndex {
     }
   };
 
-  std::set<Edge> transforms;                            ///< that were named at least once
+  /// Chooses the topics of transforms: /tf and /tf_static, as a node hears them; else the only ones
+  /// of another namespace, unless `only_as_node`. Returns the others. Throws InputError if there
+  /// are several to choose from.
+  std::vector<std::string> chooseTransforms(bool only_as_node);
+  bool isChosen(const RawMessage& raw) const;
+
+  std::map<std::string, std::set<Edge>> by_topic;       ///< transforms; topics without the slash
+  std::string tf, tf_static;                            ///< the topics that were chosen
+  std::set<Edge> transforms;                            ///< on these
   std::map<std::string, std::set<std::string>> joints;  ///< names, by topic of joint states
   std::map<std::string, std::string> urdfs, srdfs;      ///< the first, by topic
   std::set<std::string> changing;                       ///< topics of these with several texts
   std::set<std::string> topics, cloud_topics;
-  std::vector<StampNs> times;       ///< of recording: those of the messages that will be replayed
-  std::vector<std::string> losses;  ///< what could not be read, one sentence each
+  std::vector<StampNs> times;  ///< of recording: those of the messages that will be replayed
+  BagRecords records;          ///< what could not be read, and the connections
 };
 
 /// A bag without an index, truncated or with damaged chunks is read as far as possible

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <map>
 #include <optional>
+#include <set>
 
 #include <bzlib.h>
 #include <roslz4/lz4s.h>
@@ -18,7 +19,7 @@ const std::string ANY_MAGIC = "#ROS";  // formats before 2.0 begin with #ROSLOG 
 const std::string MAGIC = "#ROSBAG V2.0\n";
 constexpr std::uint32_t LONGEST_HEADER = 1 << 20;  // bytes; rosbag writes some hundred
 
-enum Op { MESSAGE = 2, BAG_HEADER = 3, CHUNK = 5, CONNECTION = 7 };
+enum Op { MESSAGE = 2, BAG_HEADER = 3, INDEX = 4, CHUNK = 5, CHUNK_INFO = 6, CONNECTION = 7 };
 
 using Fields = std::map<std::string, std::string>;
 
@@ -44,6 +45,11 @@ Fields parseFields(const char* at, std::size_t size) {
   return fields;
 }
 
+/// Nanoseconds.
+std::int64_t toTime(const char* bytes) {
+  return std::int64_t{toNumber(bytes)} * 1000000000 + toNumber(bytes + 4);
+}
+
 std::uint32_t numberIn(const Fields& fields, const std::string& name, std::size_t offset = 0) {
   const auto found = fields.find(name);
   return found == fields.end() || found->second.size() < offset + 4
@@ -51,9 +57,31 @@ std::uint32_t numberIn(const Fields& fields, const std::string& name, std::size_
              : toNumber(found->second.data() + offset);
 }
 
+/// Its op; -1 if that is unknown, or a field that belongs to it is missing.
 int opOf(const Fields& fields) {
+  struct Field {
+    const char* name;
+    std::size_t least, most;  // bytes
+  };
+  constexpr std::size_t ANY = LONGEST_HEADER;
+  static const std::map<int, std::vector<Field>> OPS = {
+      {MESSAGE, {{"conn", 4, 4}, {"time", 8, 8}}},
+      {BAG_HEADER, {{"index_pos", 8, 8}}},
+      {INDEX, {{"conn", 4, 4}, {"count", 4, 4}}},
+      {CHUNK, {{"compression", 1, ANY}, {"size", 4, 4}}},
+      {CHUNK_INFO, {{"chunk_pos", 8, 8}}},
+      {CONNECTION, {{"conn", 4, 4}, {"topic", 1, ANY}}},
+  };
   const auto op = fields.find("op");
-  return op == fields.end() || op->second.size() != 1 ? -1 : op->second[0];
+  const auto known =
+      op == fields.end() || op->second.size() != 1 ? OPS.end() : OPS.find(op->second[0]);
+  if (known == OPS.end()) return -1;
+  for (const Field& field : known->second) {
+    const auto found = fields.find(field.name);
+    if (found == fields.end()) return -1;
+    if (found->second.size() < field.least || found->second.size() > field.most) return -1;
+  }
+  return known->first;
 }
 
 constexpr std::uint32_t LARGEST_CHUNK = 1u << 30;  // bytes; only a damaged size exceeds it
@@ -114,16 +142,12 @@ bool decompressChunk(const std::string& compression, const std::string& data, st
   return sound && content.size() == size;
 }
 
-struct Connection {
-  std::string topic, type, md5sum, publisher;
-};
-
 class RecordReader {
  public:
   RecordReader(const std::string& path, const RawMessageVisitor& visit)
       : path_(path), file_(path, std::ios::binary), visit_(visit) {}
 
-  std::vector<std::string> run() {
+  BagRecords run() {
     std::string magic(MAGIC.size(), ' ');
     file_.read(magic.data(), static_cast<std::streamsize>(magic.size()));
     if (magic.compare(0, ANY_MAGIC.size(), ANY_MAGIC) != 0) {
@@ -141,7 +165,10 @@ class RecordReader {
     }
     while (file_.peek() != std::char_traits<char>::eof() && readRecord()) {
     }
-    return std::move(losses_);
+    losses_.insert(losses_.end(), anywhere_.begin(), anywhere_.end());
+    BagRecords records{std::move(losses_), {}};
+    for (const auto& [number, connection] : connections_) records.connections.push_back(connection);
+    return records;
   }
 
  private:
@@ -153,28 +180,34 @@ class RecordReader {
     std::uint32_t size = 0;
     std::string data;
     const bool whole = readSize(size) && readData(size, data);
-    take(fields, data, place);
+    if (!take(fields, data, place))
+      lose("the record at byte " + std::to_string(place) + " is not understood");
     if (!whole)
       lose("the file is truncated within the record that begins at byte " + std::to_string(place));
     return whole;
   }
 
-  void take(const Fields& fields, std::string& data, std::uint64_t place) {
+  bool take(const Fields& fields, std::string& data, std::uint64_t place) {
     switch (opOf(fields)) {
       case CHUNK:
         takeChunk(fields, data, place);
-        break;
+        return true;
       case CONNECTION:
-        takeConnection(fields, data.data(), data.size());
-        break;
+        return takeConnection(fields, data.data(), data.size());
+      case MESSAGE:
+        return takeMessage(fields, data.data(), static_cast<std::uint32_t>(data.size()));
+      case INDEX:
+        return compareWithIndex(fields, data);
       case BAG_HEADER:
         refuseEncrypted(fields);
         if (numberIn(fields, "index_pos") == 0 && numberIn(fields, "index_pos", 4) == 0) {
           lose("it has no index: its recording was not closed");
         }
-        break;
-      default:  // indices, which are not needed
-        break;
+        return true;
+      case CHUNK_INFO:
+        return true;
+      default:
+        return false;
     }
   }
 
@@ -186,12 +219,12 @@ class RecordReader {
   }
 
   void takeChunk(const Fields& fields, const std::string& data, std::uint64_t place) {
-    const auto compression = fields.find("compression");
+    chunk_ = {place, false, {}};
     std::string content;
-    const bool whole = decompressChunk(compression == fields.end() ? "none" : compression->second,
-                                       data, numberIn(fields, "size"), content);
-    const bool understood = readRecordsIn(content);
-    if (whole && understood) return;
+    const bool whole =
+        decompressChunk(fields.at("compression"), data, numberIn(fields, "size"), content);
+    chunk_.is_whole = readRecordsIn(content) && whole;
+    if (chunk_.is_whole) return;
     lose("the end of the chunk at byte " + std::to_string(place) + " (of its " +
          std::to_string(numberIn(fields, "size")) + " bytes " + std::to_string(content.size()) +
          " were read)");
@@ -208,28 +241,63 @@ class RecordReader {
       if (left() < 4 || toNumber(&content[at]) > left() - 4) return false;
       const std::uint32_t size = toNumber(&content[at]);
       at += 4;
-      if (opOf(fields) == CONNECTION) takeConnection(fields, &content[at], size);
-      if (opOf(fields) == MESSAGE) takeMessage(fields, &content[at], size);
+      const int op = opOf(fields);
+      const bool is_known = op == CONNECTION
+                                ? takeConnection(fields, &content[at], size)
+                                : op == MESSAGE && takeMessage(fields, &content[at], size);
+      if (!is_known)
+        lose("a record in the chunk at byte " + std::to_string(chunk_.place) +
+             " is not understood");
       at += size;
     }
     return true;
   }
 
-  void takeConnection(const Fields& fields, const char* data, std::size_t size) {
+  bool takeConnection(const Fields& fields, const char* data, std::size_t size) {
     Fields header = parseFields(data, size);
-    const auto topic = fields.find("topic");
-    if (topic == fields.end()) return;
-    connections_[numberIn(fields, "conn")] = {topic->second, header["type"], header["md5sum"],
-                                              header["callerid"]};
+    if (header["type"].empty()) return false;
+    const BagConnection made{fields.at("topic"), header["type"], header["md5sum"],
+                             header["callerid"]};
+    const auto& known = connections_.emplace(numberIn(fields, "conn"), made).first->second;
+    // Each chunk has it, and the index: one of them is damaged.
+    if (!(known == made)) {
+      loseAnywhere("connection " + std::to_string(numberIn(fields, "conn")) +
+                   " is described in two ways");
+    }
+    return true;
   }
 
-  void takeMessage(const Fields& fields, char* data, std::uint32_t size) {
+  bool takeMessage(const Fields& fields, char* data, std::uint32_t size) {
     const auto found = connections_.find(numberIn(fields, "conn"));
-    if (found == connections_.end()) return;
-    const Connection& from = found->second;
-    visit_({from.topic, from.type, from.md5sum, from.publisher,
-            std::int64_t{numberIn(fields, "time")} * 1000000000 + numberIn(fields, "time", 4),
-            reinterpret_cast<std::uint8_t*>(data), size, losses_.size()});
+    if (found == connections_.end()) return false;
+    const BagConnection& from = found->second;
+    last_ = toTime(fields.at("time").data());
+    for (; nb_ended_ < losses_.size(); ++nb_ended_) losses_[nb_ended_].before = last_;
+    chunk_.times[found->first].insert(last_);
+    visit_({from.topic, from.type, from.md5sum, from.publisher, last_,
+            reinterpret_cast<std::uint8_t*>(data), size});
+    return true;
+  }
+
+  /// It follows its chunk: the times of the messages of one connection.
+  bool compareWithIndex(const Fields& fields, const std::string& data) {
+    constexpr std::size_t ENTRY = 12;  // bytes: time and place
+    if (data.size() != ENTRY * numberIn(fields, "count")) return false;
+    std::multiset<std::int64_t>& found = chunk_.times[numberIn(fields, "conn")];
+    std::size_t nb_missing = 0;
+    for (std::size_t at = 0; at < data.size(); at += ENTRY) {
+      const auto message = found.find(toTime(&data[at]));
+      if (message == found.end()) {
+        ++nb_missing;
+      } else {
+        found.erase(message);
+      }
+    }
+    if (nb_missing > 0 && chunk_.is_whole) {
+      loseAnywhere(std::to_string(nb_missing) + " messages that the index of the chunk at byte " +
+                   std::to_string(chunk_.place) + " lists are not in it");
+    }
+    return true;
   }
 
   bool readSize(std::uint32_t& size) {
@@ -260,20 +328,34 @@ class RecordReader {
   }
 
   bool lose(const std::string& what) {
-    losses_.push_back(what);
+    losses_.push_back({what, last_});
     return false;
   }
+  /// Messages may have a wrong time or connection.
+  void loseAnywhere(const std::string& what) { anywhere_.push_back({what}); }
 
   const std::string& path_;
   std::ifstream file_;
   const RawMessageVisitor& visit_;
-  std::map<std::uint32_t, Connection> connections_;
-  std::vector<std::string> losses_;
+  std::map<std::uint32_t, BagConnection> connections_;
+  std::vector<BagLoss> losses_, anywhere_;
+  std::size_t nb_ended_ = 0;  ///< losses that a message has followed
+  std::int64_t last_ = std::numeric_limits<std::int64_t>::min();  ///< message that was read
+  struct {
+    std::uint64_t place = 0;
+    bool is_whole = false;
+    std::map<std::uint32_t, std::multiset<std::int64_t>> times;  ///< of messages, by connection
+  } chunk_;                                                      ///< the last
 };
 
 }  // namespace
 
-std::vector<std::string> readBagRecords(const std::string& path, const RawMessageVisitor& visit) {
+bool BagConnection::operator==(const BagConnection& other) const {
+  return topic == other.topic && type == other.type && md5sum == other.md5sum &&
+         publisher == other.publisher;
+}
+
+BagRecords readBagRecords(const std::string& path, const RawMessageVisitor& visit) {
   return RecordReader(path, visit).run();
 }
 

@@ -154,14 +154,21 @@ void CloudProcessor::requireValid(const Points& points) {
   const std::size_t enough = std::max<std::size_t>(needed, 1);
   const double squared_range = config_.max_range * config_.max_range;
   std::size_t nb_valid = 0;
-  for (std::size_t i = 0; i < points.size() && nb_valid < enough; ++i) {
+  bool are_at_one_place =
+      points.size() > 1;  // what no return is in a frame that is not the camera's
+  for (std::size_t i = 0; i < points.size() && (nb_valid < enough || are_at_one_place); ++i) {
     nb_valid += points[i].squaredNorm() <= squared_range;
+    are_at_one_place = are_at_one_place && (points[i] - points[0]).squaredNorm() < 1e-6;
   }
+  if (are_at_one_place) nb_valid = 0;
   warning_.clear();
-  if (nb_valid == enough) return;
+  if (nb_valid >= enough) return;
   std::ostringstream found;
   if (points.empty()) {
-    found << "nothing returned: it has no point that is finite and not (0, 0, 0)";
+    found
+        << "nothing returned: it has no point that is finite and further than 1 mm from the sensor";
+  } else if (are_at_one_place) {
+    found << "nothing returned: its " << points.size() << " points are at one place";
   } else {
     found << "only " << nb_valid << " of its " << points.size() << " points are within max_range ("
           << config_.max_range << " m)";
@@ -228,6 +235,7 @@ void CloudProcessor::remember(const Points& points, const Eigen::Isometry3d& X_W
   const auto isTakenUp = [&](const Vector3d& p_W) {
     return !added.empty() && !filter.attached.nearest(p_W, &added).name.empty();
   };
+  if (!added.empty()) grid_.drop(isTakenUp);
   memory_->update({grid_.seen(box), grid_.unseen(near.bounds()), robot, near, isHidden, isLeftOut,
                    isTakenUp, filter.keeps_more});
   for (const VoxelCell& cell : memory_->hidden()) grid_.keep(cell);
@@ -245,6 +253,7 @@ void CloudProcessor::drawDepths(const Points& points) {
 }
 
 std::string CloudProcessor::mayTouch() const { return memory_->mayTouch(); }
+bool CloudProcessor::hidesAny() const { return !memory_->hidden().empty(); }
 
 void CloudProcessor::clear() {
   grid_.clear();

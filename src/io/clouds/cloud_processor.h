@@ -47,6 +47,8 @@ class CloudProcessor {
 
   /// "vanished 2 cm from panda_link3: it may touch": an obstacle of an earlier cloud. Or empty.
   std::string mayTouch() const;
+  /// Whether obstacles of earlier clouds are kept that the last one could not see.
+  bool hidesAny() const;
   /// The points of the last cloud that are obstacles, in S.
   const std::vector<Eigen::Vector3d>& kept() const { return kept_; }
   /// A warning if the last cloud showed nothing: no valid point, which min_valid_points permits.

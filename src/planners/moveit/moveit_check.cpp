@@ -319,7 +319,9 @@ void addDistances(const MoveitScene& scene, const moveit::core::RobotState& stat
   const bool is_global = request.type == DistanceRequestType::GLOBAL;
   settings.min_distance = is_global;
   if (!is_global) {
-    settings.alarm_distance = std::clamp(request.distance_threshold, 0.0, FARTHEST);
+    const double threshold = request.distance_threshold;
+    settings.alarm_distance =
+        std::isnan(threshold) ? FARTHEST : std::clamp(threshold, 0.0, FARTHEST);
   }
   bool is_unknown = !setPoses(scene, state, worker->poses);
   if (!is_unknown) {

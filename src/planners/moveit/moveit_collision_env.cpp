@@ -10,7 +10,7 @@
 namespace collision_pairs {
 namespace {
 
-constexpr std::size_t MAX_SCENES = 4;
+constexpr std::size_t MAX_SCENES = 16;
 
 /// What all environments of a process share, so that each mesh is prepared once. Never destroyed:
 /// environments may outlive what is static.
@@ -36,14 +36,28 @@ void warnOfProblem(const std::string& problem) {
   warnRarely("cannot be checked, and so taken for a collision: " + problem);
 }
 
+/// False if it throws, which MoveIt does not expect of a detector: a warning says why.
+template <class Do>
+bool isDone(const Do& act) {
+  try {
+    act();
+    return true;
+  } catch (const std::exception& problem) {
+    warnOfProblem(problem.what());
+    return false;
+  }
+}
+
 }  // namespace
 
 bool MoveitCollisionEnv::Attached::is(const moveit::core::AttachedBody& body) const {
   const auto& poses = body.getShapePoses();
-  return name == body.getName() && link == body.getAttachedLink() && shapes == body.getShapes() &&
-         touch_links == body.getTouchLinks() && X_OE.size() == poses.size() &&
-         std::equal(X_OE.begin(), X_OE.end(), poses.begin(),
-                    [](const auto& a, const auto& b) { return a.matrix() == b.matrix(); });
+  const auto& parts = body.getShapes();
+  return name == body.getName() && link == body.getAttachedLink() &&
+         touch_links == body.getTouchLinks() &&
+         std::equal(X_OE.begin(), X_OE.end(), poses.begin(), poses.end(),
+                    [](const auto& a, const auto& b) { return a.matrix() == b.matrix(); }) &&
+         std::equal(shapes.begin(), shapes.end(), parts.begin(), parts.end(), areAlike);
 }
 
 MoveitCollisionEnv::MoveitCollisionEnv(const moveit::core::RobotModelConstPtr& model,
@@ -111,9 +125,9 @@ void MoveitCollisionEnv::noteChange(const std::string& name) const {
 void MoveitCollisionEnv::noteOctreesThatChanged() const {
   for (auto& [name, seen] : octrees_) {
     const auto object = getWorld()->getObject(name);
-    auto leaves = object ? leavesOfOctrees(object->shapes_) : LeavesOfOctrees();
-    if (leaves == seen) continue;
-    seen = std::move(leaves);
+    const auto& parts = object ? object->shapes_ : std::vector<shapes::ShapeConstPtr>();
+    if (seen.areOf(parts)) continue;
+    seen = LeavesOfOctrees(parts);
     for (auto& scenes : scenes_) scenes->changed.insert(name);
   }
 }
@@ -145,13 +159,15 @@ void MoveitCollisionEnv::makeScenes(Scenes& scenes) const {
   scenes.world.reset();
   scenes.self_problem.clear();
   scenes.moving.clear();
-  for (Attached& attached : scenes.attached) attached.leaves = leavesOfOctrees(attached.shapes);
+  for (Attached& attached : scenes.attached) attached.leaves = LeavesOfOctrees(attached.shapes);
   try {
     for (const auto* link : getRobotModel()->getLinkModelsWithCollisionGeometry()) {
       scenes.moving.push_back(movingLink(*link));
     }
     for (const Attached& attached : scenes.attached) {
-      if (!attached.shapes.empty()) scenes.moving.push_back(movingBody(attached));
+      MovingBody body = movingBody(attached);
+      if (!body.elements.empty())
+        scenes.moving.push_back(std::move(body));  // an octree may be empty
     }
     const Scenes& of_links = *scenes_.front();
     if (!scenes.attached.empty() && of_links.self) {
@@ -217,7 +233,7 @@ MoveitCollisionEnv::Scenes& MoveitCollisionEnv::scenesOf(const State& state) con
     if (!is_it) continue;
     scenes->last_used = nb_uses_;
     const bool is_as_was = std::all_of(known.begin(), known.end(), [](const Attached& attached) {
-      return attached.leaves == leavesOfOctrees(attached.shapes);
+      return attached.leaves.areOf(attached.shapes);
     });
     if (!is_as_was) makeScenes(*scenes);
     return *scenes;
@@ -286,18 +302,16 @@ std::shared_ptr<const MoveitMotions> MoveitCollisionEnv::motionsFor(const State&
 void MoveitCollisionEnv::checkMotion(const CollisionRequest& req, CollisionResult& res,
                                      const State& state1, const State& state2,
                                      const Matrix* acm) const {
+  if (req.distance) warnOfProblem("distances between two states are not computed");
   const auto motions = motionsFor(state1);
-  if (motions && motions == motionsFor(state2)) {
-    try {
-      return motions->check(state1, state2, limitsOf(req, acm), req, res);
-    } catch (const std::exception& problem) {
-      warnOfProblem(problem.what());
-      res.collision = true;
-      return;
-    }
+  const bool are_alike = motions && motions == motionsFor(state2);
+  if (motions && !are_alike) {
+    warnOfProblem("the two states of a motion differ in what is attached");
   }
-  if (motions) warnOfProblem("the two states of a motion differ in what is attached");
-  res.collision = true;
+  const bool is_checked =
+      are_alike && isDone([&] { motions->check(state1, state2, limitsOf(req, acm), req, res); });
+  if (!is_checked) res.collision = true;
+  if (req.distance && res.collision) res.distance = std::min(res.distance, 0.0);
 }
 
 MoveitLimits MoveitCollisionEnv::limitsOf(const CollisionRequest& req, const Matrix* acm) const {
@@ -309,11 +323,10 @@ MoveitLimits MoveitCollisionEnv::limitsOf(const CollisionRequest& req, const Mat
 
 void MoveitCollisionEnv::check(const CollisionRequest& req, CollisionResult& res,
                                const State& state, const Matrix* acm, Among among) const {
-  if (const auto scene = sceneFor(state, among)) {
-    addCollisions(*scene, state, limitsOf(req, acm), req, res);
-  } else {
-    res.collision = true;
-  }
+  const auto scene = sceneFor(state, among);
+  const bool is_checked =
+      scene && isDone([&] { addCollisions(*scene, state, limitsOf(req, acm), req, res); });
+  if (!is_checked) res.collision = true;
   if (!req.distance) return;
   DistanceRequest distance;
   distance.group_name = req.group_name;
@@ -329,11 +342,13 @@ void MoveitCollisionEnv::check(const CollisionRequest& req, CollisionResult& res
 
 void MoveitCollisionEnv::measure(const DistanceRequest& req, DistanceResult& res,
                                  const State& state, Among among) const {
-  if (const auto scene = sceneFor(state, among)) {
-    const MoveitLimits limits{req.acm, activeLinks(*getRobotModel(), req.active_components_only)};
-    addDistances(*scene, state, limits, req, res);
-    return;
-  }
+  const auto scene = sceneFor(state, among);
+  const bool is_checked = scene && isDone([&] {
+                            const auto links =
+                                activeLinks(*getRobotModel(), req.active_components_only);
+                            addDistances(*scene, state, {req.acm, links}, req, res);
+                          });
+  if (is_checked) return;
   res.collision = true;
   res.minimum_distance.distance = std::min(res.minimum_distance.distance, 0.0);
 }

@@ -26,10 +26,11 @@ class MoveitMotions;
 /// that it concerns, and ROS's log says why.
 ///
 /// Changes of the world are taken over at the next check: O(change), about 0.1 µs for each object
-/// that stays. Each set of attached bodies has scenes of its own, the last four are kept; the first
-/// check with a new set costs a build. Octomaps may change in place, of which MoveIt tells nobody:
-/// their leaves are read and compared at every check of the world, O(nodes); those of attached
-/// bodies at every check, and a change costs a build.
+/// that stays. Each set of attached bodies has scenes of its own, the last 15 are kept; the first
+/// check with a new set costs a build. States that have copies of the same shapes share them.
+/// Octomaps may change in place, of which MoveIt tells nobody: their leaves are read and compared
+/// at every check of the world, O(nodes); those of attached bodies at every check, and a change
+/// costs a build.
 ///
 /// As MoveIt asks for: constant functions may run in several threads, the others in none beside.
 class MoveitCollisionEnv : public collision_detection::CollisionEnv {

@@ -56,7 +56,7 @@ SceneDescription descriptionOf(const std::vector<MovingBody>& moving) {
 }
 
 std::string whyRefused(const std::string& object) {
-  return "an object may not be called '" + object + "' while a body of that name is attached";
+  return "an object may not be called '" + object + "': the name is taken, as by an attached body";
 }
 
 RigidObject placeholder() {
@@ -93,7 +93,7 @@ std::shared_ptr<const MoveitScene> MoveitScene::ofWorld(const std::vector<Moving
 
 std::shared_ptr<const MoveitScene> MoveitScene::with(const SceneChanges& changes,
                                                      SceneCache& cache) const {
-  for (const RigidObject& object : changes.objects) refuseNameOfAttached(object.name);
+  for (const RigidObject& object : changes.objects) refuseTakenName(object.name);
   auto scene = scene_->with(changes, &cache);
   const std::size_t nb_objects = nb_objects_ + scene->objects().size() - scene_->objects().size();
   std::shared_ptr<MoveitScene> made(new MoveitScene(std::move(scene), nb_objects, true));
@@ -152,9 +152,9 @@ bool MoveitScene::hasObject(const std::string& name) const {
   return object && isOfWorld(*object);
 }
 
-void MoveitScene::refuseNameOfAttached(const std::string& name) const {
+void MoveitScene::refuseTakenName(const std::string& name) const {
   const RigidObject* object = findObject(name);
-  if (object && !object->attached_link.empty()) throw InputError(whyRefused(name));
+  if (object && !isOfWorld(*object)) throw InputError(whyRefused(name));
 }
 
 bool MoveitScene::isOfWorld(const RigidObject& object) {

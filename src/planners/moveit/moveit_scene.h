@@ -137,7 +137,7 @@ class MoveitScene {
   MoveitScene(std::shared_ptr<const CollisionScene> scene, std::size_t nb_objects, bool is_world)
       : scene_(std::move(scene)), nb_objects_(nb_objects), is_world_(is_world) {}
   const RigidObject* findObject(const std::string& name) const;
-  void refuseNameOfAttached(const std::string& name) const;
+  void refuseTakenName(const std::string& name) const;
   void setMoving(const std::vector<MovingBody>& moving);
 
   std::shared_ptr<const CollisionScene> scene_;

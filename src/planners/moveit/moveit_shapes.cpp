@@ -1,5 +1,7 @@
 #include "moveit_shapes.h"
 
+#include <algorithm>
+
 #include <octomap/OcTree.h>
 
 #include "collision_pairs/input_error.h"
@@ -10,20 +12,83 @@ namespace {
 
 using Eigen::Isometry3d;
 
-std::vector<OctreeLeaf> leavesOf(const shapes::Shape& shape) {
-  const auto& octree = static_cast<const shapes::OcTree&>(shape).octree;
-  return octree ? occupiedLeaves(*octree) : std::vector<OctreeLeaf>();
+/// Null: none was given.
+const octomap::OcTree* treeOf(const shapes::Shape& shape) {
+  return static_cast<const shapes::OcTree&>(shape).octree.get();
+}
+
+/// `take(path)` of each occupied leaf below the node, until it returns false.
+template <class Take>
+bool walk(const octomap::OcTree& tree, const octomap::OcTreeNode& node, std::uint64_t path,
+          const Take& take) {
+  if (!tree.nodeHasChildren(&node)) return !tree.isNodeOccupied(node) || take(path);
+  for (unsigned child = 0; child < 8; ++child) {
+    if (tree.nodeChildExists(&node, child) &&
+        !walk(tree, *tree.getNodeChild(&node, child), path << 3 | child, take)) {
+      return false;
+    }
+  }
+  return true;
+}
+
+template <class Take>
+bool walk(const octomap::OcTree& tree, const Take& take) {
+  return !tree.getRoot() || walk(tree, *tree.getRoot(), 1, take);
 }
 
 void appendLeaves(const shapes::Shape& shape, const Isometry3d& X_ME,
                   std::vector<Element>& elements) {
-  for (const OctreeLeaf& leaf : leavesOf(shape)) {
+  if (!treeOf(shape)) return;
+  for (const OctreeLeaf& leaf : occupiedLeaves(*treeOf(shape))) {
     const Shape box = Box{Eigen::Vector3d::Constant(leaf.size)};
     elements.push_back({box, X_ME * Eigen::Translation3d(leaf.x, leaf.y, leaf.z)});
   }
 }
 
+bool isSame(const shapes::Sphere& a, const shapes::Sphere& b) { return a.radius == b.radius; }
+bool isSame(const shapes::Cylinder& a, const shapes::Cylinder& b) {
+  return a.radius == b.radius && a.length == b.length;
+}
+bool isSame(const shapes::Cone& a, const shapes::Cone& b) {
+  return a.radius == b.radius && a.length == b.length;
+}
+bool isSame(const shapes::Box& a, const shapes::Box& b) {
+  return std::equal(a.size, a.size + 3, b.size);
+}
+bool isSame(const shapes::Mesh& a, const shapes::Mesh& b) {
+  return a.vertex_count == b.vertex_count && a.triangle_count == b.triangle_count &&
+         std::equal(a.vertices, a.vertices + 3 * a.vertex_count, b.vertices) &&
+         std::equal(a.triangles, a.triangles + 3 * a.triangle_count, b.triangles);
+}
+bool isSame(const shapes::OcTree& a, const shapes::OcTree& b) { return a.octree == b.octree; }
+
+template <class Type>
+bool areSame(const shapes::Shape& a, const shapes::Shape& b) {
+  return isSame(static_cast<const Type&>(a), static_cast<const Type&>(b));
+}
+
 }  // namespace
+
+bool areAlike(const shapes::ShapeConstPtr& a, const shapes::ShapeConstPtr& b) {
+  if (a == b) return true;
+  if (a->type != b->type) return false;
+  switch (a->type) {
+    case shapes::SPHERE:
+      return areSame<shapes::Sphere>(*a, *b);
+    case shapes::CYLINDER:
+      return areSame<shapes::Cylinder>(*a, *b);
+    case shapes::CONE:
+      return areSame<shapes::Cone>(*a, *b);
+    case shapes::BOX:
+      return areSame<shapes::Box>(*a, *b);
+    case shapes::MESH:
+      return areSame<shapes::Mesh>(*a, *b);
+    case shapes::OCTREE:
+      return areSame<shapes::OcTree>(*a, *b);
+    default:
+      return false;
+  }
+}
 
 std::vector<OctreeLeaf> occupiedLeaves(const octomap::OcTree& tree) {
   std::vector<OctreeLeaf> leaves;
@@ -34,12 +99,35 @@ std::vector<OctreeLeaf> occupiedLeaves(const octomap::OcTree& tree) {
   return leaves;
 }
 
-LeavesOfOctrees leavesOfOctrees(const std::vector<shapes::ShapeConstPtr>& parts) {
-  LeavesOfOctrees leaves;
+LeavesOfOctrees::LeavesOfOctrees(const std::vector<shapes::ShapeConstPtr>& parts) {
   for (const auto& part : parts) {
-    if (part->type == shapes::OCTREE) leaves.push_back(leavesOf(*part));
+    if (part->type != shapes::OCTREE) continue;
+    const octomap::OcTree* tree = treeOf(*part);
+    trees_.push_back({tree ? tree->getResolution() : 0.0, {}});
+    const auto add = [this](std::uint64_t path) {
+      trees_.back().paths.push_back(path);
+      return true;
+    };
+    if (tree) walk(*tree, add);
   }
-  return leaves;
+}
+
+bool LeavesOfOctrees::areOf(const std::vector<shapes::ShapeConstPtr>& parts) const {
+  auto seen = trees_.begin();
+  for (const auto& part : parts) {
+    if (part->type != shapes::OCTREE) continue;
+    const octomap::OcTree* tree = treeOf(*part);
+    if (seen == trees_.end()) return false;
+    if (seen->resolution != (tree ? tree->getResolution() : 0.0)) return false;
+    auto next = seen->paths.begin();
+    const auto isNext = [&](std::uint64_t path) {
+      return next != seen->paths.end() && *next++ == path;
+    };
+    if (tree && !walk(*tree, isNext)) return false;
+    if (next != seen->paths.end()) return false;
+    ++seen;
+  }
+  return seen == trees_.end();
 }
 
 void MoveitShapes::append(const shapes::ShapeConstPtr& shape, double scale, const Isometry3d& X_ME,

@@ -8,7 +8,9 @@
 
 #include <ros/ros.h>
 
+#include "collision_pairs/input_error.h"
 #include "collision_pairs_node.h"
+#include "ros_master.h"
 #include "second_node.h"
 
 namespace {
@@ -18,18 +20,16 @@ constexpr std::chrono::seconds PERIOD{2};
 enum class Answer { KNOWN, NOT_KNOWN, NONE };
 
 // The service is registered early, so a restart of the master during the start of the node is
-// noticed too. http://wiki.ros.org/ROS/Master_API: for an unknown service lookupService returns
-// [-1, message, value].
-Answer askMaster() {
-  XmlRpc::XmlRpcValue question, answer, payload;
-  question[0] = ros::this_node::getName();
-  question[1] = ros::names::resolve("~update_scene");
-  const bool wait_for_master = false;
-  if (ros::master::execute("lookupService", question, answer, payload, wait_for_master)) {
-    return Answer::KNOWN;
+// noticed too.
+Answer askForThisNode() {
+  XmlRpc::XmlRpcValue uri;
+  try {
+    const bool is_known = collision_pairs::askMaster("lookupService", ros::this_node::getName(),
+                                                     ros::names::resolve("~update_scene"), uri);
+    return is_known ? Answer::KNOWN : Answer::NOT_KNOWN;
+  } catch (const collision_pairs::InputError&) {
+    return Answer::NONE;
   }
-  return answer.valid() && answer.getType() == XmlRpc::XmlRpcValue::TypeArray ? Answer::NOT_KNOWN
-                                                                              : Answer::NONE;
 }
 
 /// roscpp registers a node once. A restarted master does not know it, so no new client can
@@ -58,7 +58,7 @@ class MasterWatch {
     bool answers = true;
     while (!ending_.wait_for(lock, PERIOD, [this] { return ends_; })) {
       lock.unlock();
-      const Answer answer = askMaster();
+      const Answer answer = askForThisNode();
       lock.lock();
       if (answers && answer == Answer::NONE) {
         ROS_WARN("the ROS master does not answer; existing connections continue");

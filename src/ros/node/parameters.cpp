@@ -5,14 +5,40 @@
 
 #include <collision_pairs/CollisionPairsConfig.h>
 #include <ros/console.h>
+#include <ros/names.h>
+#include <ros/this_node.h>
 
 #include "collision_pairs/input_error.h"
+#include "ros_master.h"
 #include "user_text.h"
 
 namespace collision_pairs {
 namespace {
 
 const std::string CONFIGURED = "configured";
+
+// As NodeHandle::getParam() converts.
+bool convert(XmlRpc::XmlRpcValue& from, double& to) {
+  if (from.getType() == XmlRpc::XmlRpcValue::TypeInt) {
+    to = static_cast<int&>(from);
+    return true;
+  }
+  if (from.getType() != XmlRpc::XmlRpcValue::TypeDouble) return false;
+  to = static_cast<double&>(from);
+  return true;
+}
+
+bool convert(XmlRpc::XmlRpcValue& from, bool& to) {
+  if (from.getType() != XmlRpc::XmlRpcValue::TypeBoolean) return false;
+  to = static_cast<bool&>(from);
+  return true;
+}
+
+bool convert(XmlRpc::XmlRpcValue& from, std::string& to) {
+  if (from.getType() != XmlRpc::XmlRpcValue::TypeString) return false;
+  to = static_cast<std::string&>(from);
+  return true;
+}
 
 YAML::Node toYaml(XmlRpc::XmlRpcValue& value) {
   using XmlRpc::XmlRpcValue;
@@ -89,9 +115,9 @@ class Reader {
   void read(const std::string& name, const std::string& rule, T& value,
             const IsValid& is_valid) const {
     XmlRpc::XmlRpcValue given;
-    if (!node_.getParam(name, given)) return;
+    if (!readParameter(node_, name, given)) return;
     T found = value;
-    if (node_.getParam(name, found) && is_valid(found)) {  // it has the type
+    if (convert(given, found) && is_valid(found)) {  // it has the type
       value = found;
     } else {
       replace(name, asWritten(given), rule, value);
@@ -102,6 +128,20 @@ class Reader {
 };
 
 }  // namespace
+
+bool readParameter(const ros::NodeHandle& node, const std::string& name,
+                   XmlRpc::XmlRpcValue& value) {
+  return askMaster("getParam", ros::this_node::getName(), node.resolveName(name), value);
+}
+
+std::string findParameter(const ros::NodeHandle& node, const std::string& name) {
+  const auto& remappings = ros::names::getUnresolvedRemappings();
+  const auto remapped = remappings.find(name);
+  XmlRpc::XmlRpcValue key;
+  const bool is_found = askMaster("searchParam", node.getNamespace(),
+                                  remapped == remappings.end() ? name : remapped->second, key);
+  return is_found ? static_cast<std::string&>(key) : "";
+}
 
 void requireConfigured(const ros::NodeHandle& private_node) {
   if (private_node.hasParam(CONFIGURED)) return;
@@ -123,7 +163,7 @@ YAML::Node yamlParameters(const ros::NodeHandle& node, const std::vector<std::st
   YAML::Node map(YAML::NodeType::Map);
   for (const std::string& key : keys) {
     XmlRpc::XmlRpcValue value;
-    if (node.getParam(key, value)) map[key] = toYaml(value);
+    if (readParameter(node, key, value)) map[key] = toYaml(value);
   }
   return map;
 }

@@ -21,8 +21,17 @@ void requireConfigured(const ros::NodeHandle& private_node);
 void beginConfigured(const ros::NodeHandle& private_node,
                      const std::vector<std::string>& arguments);
 
+/// The value of a parameter; false if it is not set. Throws InputError if the ROS master does not
+/// answer, unlike NodeHandle::getParam(): what is not known is not a default.
+bool readParameter(const ros::NodeHandle& node, const std::string& name,
+                   XmlRpc::XmlRpcValue& value);
+/// The nearest parameter of that name, from the node's namespace upwards, as
+/// NodeHandle::searchParam() finds it; empty: there is none. Throws InputError like
+/// readParameter().
+std::string findParameter(const ros::NodeHandle& node, const std::string& name);
+
 /// A map with those of `keys` that are set below the node's namespace, so that one reader serves
-/// parameters and files.
+/// parameters and files. Throws InputError like readParameter().
 YAML::Node yamlParameters(const ros::NodeHandle& node, const std::vector<std::string>& keys);
 
 /// One of ~robots: the names of the parameters with its URDF and SRDF, and its TF prefix.

@@ -9,6 +9,7 @@
 
 #include "collision_pairs/input_error.h"
 #include "collision_pairs/mesh_loader.h"
+#include "parameters.h"
 #include "scene_loader.h"
 #include "scene_message.h"
 #include "user_text.h"
@@ -29,7 +30,9 @@ SceneBuilder::SceneBuilder(const ros::NodeHandle& node, const ros::NodeHandle& p
       monitor_(monitor),
       clouds_(clouds),
       publisher_(private_node_.advertise<Scene>("scene", SCENES_IN_QUEUE, true)) {
-  private_node_.getParam(HAS_OBJECTS, are_objects_noted_);
+  XmlRpc::XmlRpcValue noted;
+  are_objects_noted_ =
+      readParameter(private_node_, HAS_OBJECTS, noted) && !(noted == XmlRpc::XmlRpcValue(false));
   monitor_.with([this](Monitor& of) { of.scenes().setObjectsLost(are_objects_noted_); });
 }
 
@@ -66,17 +69,18 @@ void SceneBuilder::publishScene() {
   }
 }
 
-/// On the parameter server, where the node is found to have had some when it is started anew.
-void SceneBuilder::noteObjects(bool are_some) {
-  if (are_some == are_objects_noted_) return;
+/// On the parameter server, where the node is found to have had some when it is started anew. False
+/// if the master does not answer.
+bool SceneBuilder::noteObjects(bool are_some) {
+  if (are_some == are_objects_noted_) return true;
   XmlRpc::XmlRpcValue request, response, payload;
   request[0] = ros::this_node::getName();
   request[1] = private_node_.resolveName(HAS_OBJECTS);
   request[2] = XmlRpc::XmlRpcValue(are_some);
   const bool waits_for_master = false;  // unlike NodeHandle::setParam()
-  if (ros::master::execute("setParam", request, response, payload, waits_for_master)) {
-    are_objects_noted_ = are_some;
-  }
+  if (!ros::master::execute("setParam", request, response, payload, waits_for_master)) return false;
+  are_objects_noted_ = are_some;
+  return true;
 }
 
 void SceneBuilder::load() {
@@ -110,7 +114,20 @@ void SceneBuilder::load() {
 void SceneBuilder::update(const std::vector<SceneChange>& changes) {
   const AddedObjects added = readAdded(changes, makeMeshLoader());
   const std::lock_guard<std::mutex> lock(building_);
-  build([&](const SceneStore& scenes) { return scenes.update(changes, added); });
+  // Before the node has them: it may be killed at once.
+  const bool had_some = are_objects_noted_;
+  if (!added.empty() && !noteObjects(true)) {
+    throw InputError(
+        "the ROS master does not answer, so " + private_node_.resolveName(HAS_OBJECTS) +
+        " cannot be set, without which a node that is started anew would check without "
+        "these objects; try again");
+  }
+  try {
+    build([&](const SceneStore& scenes) { return scenes.update(changes, added); });
+  } catch (...) {
+    noteObjects(had_some);
+    throw;
+  }
   clouds_.follow();
 }
 

@@ -45,7 +45,7 @@ class SceneBuilder {
   template <class HandOut>
   ActiveScenePtr build(const HandOut& hand_out);
   void publishScene();
-  void noteObjects(bool are_some);
+  bool noteObjects(bool are_some);
 
   ros::NodeHandle node_, private_node_;
   LiveMonitor& monitor_;

@@ -1,11 +1,11 @@
 #include "scene_loader.h"
 
 #include <algorithm>
+#include <cctype>
 #include <functional>
 
 #include <ros/master.h>
 #include <ros/names.h>
-#include <ros/param.h>
 
 #include "collision_pairs/input_error.h"
 #include "collision_pairs/mesh_loader.h"
@@ -25,7 +25,8 @@ using Descriptions = std::map<std::string, std::size_t>;
 bool findText(const ros::NodeHandle& node, const std::string& name, std::string& key,
               std::string& text, Descriptions& found) {
   XmlRpc::XmlRpcValue value;
-  if (node.searchParam(name, key) && node.getParam(key, value)) {
+  key = findParameter(node, name);
+  if (!key.empty() && readParameter(node, key, value)) {
     if (value.getType() != XmlRpc::XmlRpcValue::TypeString) {
       throw InputError("parameter " + key +
                        " is not text; load an XML file into it with textfile=");
@@ -40,8 +41,10 @@ TextFrom textOf(const std::string& key, const std::string& text) {
   return {"parameter " + key, text};
 }
 
-void loadSrdf(const ros::NodeHandle& node, const RobotParameters& parameters, Descriptions& found,
-              const Warn& warn, const Warn& log, SceneSources::Robot& robot) {
+/// `urdf`: the resolved name of the parameter that has it.
+void loadSrdf(const ros::NodeHandle& node, const RobotParameters& parameters,
+              const std::string& urdf, Descriptions& found, const Warn& warn, const Warn& log,
+              SceneSources::Robot& robot) {
   const std::string& name = parameters.semantic;
   std::string key, xml;
   if (name.empty()) return;
@@ -50,6 +53,11 @@ void loadSrdf(const ros::NodeHandle& node, const RobotParameters& parameters, De
     throw InputError("there is no parameter " + name + ", or it is empty; " +
                      node.resolveName("robots") + " names it as the SRDF (semantic) of " +
                      parameters.description);
+  }
+  const bool is_further_up = key.rfind(namespaceOf(urdf), 0) != 0;
+  if (!parameters.needs_semantic && is_further_up) {
+    return warn("parameter " + key + " is not used: it may be of another robot than " + urdf +
+                "; put it beside that, or name both in " + node.resolveName("robots"));
   }
   robot.readSrdf(textOf(key, xml), warn);
   for (const std::string& link :
@@ -69,18 +77,30 @@ SceneSources::Robot loadRobot(const ros::NodeHandle& node, const RobotParameters
   }
   SceneSources::Robot robot;
   robot.source = robotSource(textOf(key, xml), load_mesh, warn);
-  loadSrdf(node, parameters, found, warn, log, robot);
+  loadSrdf(node, parameters, key, found, warn, log, robot);
   robot.prefix = parameters.prefix;
   return robot;
 }
 
-/// Refuses a misspelt rule about pairs, which would otherwise silently not apply. Warns of each
-/// other parameter that is none.
+/// A parameter of the scene below `value`, at any depth; empty: none.
+std::string settingWithin(XmlRpc::XmlRpcValue& value) {
+  if (value.getType() != XmlRpc::XmlRpcValue::TypeStruct) return "";
+  const auto& of_scene = sceneConfigKeys();
+  for (auto& [name, below] : value) {
+    if (name == "robots" || std::count(of_scene.begin(), of_scene.end(), name) > 0) return name;
+    const std::string found = settingWithin(below);
+    if (!found.empty()) return name + "/" + found;
+  }
+  return "";
+}
+
+/// Refuses a misspelt rule about pairs, which would otherwise silently not apply, and settings of a
+/// file that has the node's name on top. Warns of each other parameter that is none.
 void refuseMisspelt(const ros::NodeHandle& node, const std::vector<RobotParameters>& robots,
                     const Warn& warn) {
   XmlRpc::XmlRpcValue given;
-  ros::param::get(node.getNamespace(), given);
-  if (given.getType() != XmlRpc::XmlRpcValue::TypeStruct) return;
+  const bool is_any = readParameter(node, node.getNamespace(), given);
+  if (!is_any || given.getType() != XmlRpc::XmlRpcValue::TypeStruct) return;
   std::vector<std::string> known = nodeParameterKeys();
   known.push_back(ENVIRONMENT);
   for (const RobotParameters& robot : robots) {
@@ -88,9 +108,17 @@ void refuseMisspelt(const ros::NodeHandle& node, const std::vector<RobotParamete
     known.push_back(robot.semantic);
   }
   const auto& of_scene = sceneConfigKeys();
-  for (const auto& [name, value] : given) {
+  for (auto& [name, value] : given) {
     if (std::count(known.begin(), known.end(), name) > 0) continue;
-    const std::string nearest = nearestName(name, known, 1 + name.size() / 6);
+    const std::string within = settingWithin(value);
+    if (!within.empty()) {
+      throw InputError("parameter " + node.resolveName(name) + "/" + within +
+                       " is not read: load a file of parameters without '" + name +
+                       "' on top, or in the namespace above");
+    }
+    std::string lower = name;
+    std::transform(lower.begin(), lower.end(), lower.begin(), ::tolower);
+    const std::string nearest = nearestName(lower, known, 1 + name.size() / 6);
     const std::string what =
         "parameter " + node.resolveName(name) + " is not a parameter of this node" +
         (nearest.empty() ? std::string() : "; did you mean '" + nearest + "'?");
@@ -141,6 +169,7 @@ SceneParameters readSceneParameters(const ros::NodeHandle& node,
 
 std::vector<std::string> changedDescriptions(const ros::NodeHandle& private_node,
                                              const Descriptions& read) {
+  if (!ros::master::check()) return {};  // that is no reason to believe that they were deleted
   std::vector<std::string> changed;
   Descriptions found;
   for (const auto& [name, hash] : read) {
@@ -148,8 +177,6 @@ std::vector<std::string> changedDescriptions(const ros::NodeHandle& private_node
     findText(private_node, name, key, text, found);
     if (found[name] != hash) changed.push_back(key.empty() ? name : key);
   }
-  // If it does not answer, that is no reason to believe that they were deleted.
-  if (!ros::master::check()) changed.clear();
   return changed;
 }
 

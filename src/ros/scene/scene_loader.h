@@ -12,11 +12,12 @@
 
 namespace collision_pairs {
 
-/// Reads ~fixed_frame, ~robots, or else robot_description and robot_description_semantic (both
-/// searched for from the node's private namespace upwards), environment_description (searched for,
-/// too) and what sceneConfigKeys() lists. `log` is told of unknown links of an SRDF, ineffective
-/// content of a URDF and misspelt parameters. Topics of clouds are names relative to `node`;
-/// `limits` are those in use. Throws InputError that names the parameter; also without ~configured.
+/// Reads ~fixed_frame, ~robots, or else robot_description (searched for from the node's private
+/// namespace upwards) and robot_description_semantic (the same, in no namespace further up than
+/// the first, or it may be of another robot), environment_description (searched for, too) and what
+/// sceneConfigKeys() lists. `log` is told of unknown links of an SRDF, ineffective content of a
+/// URDF and misspelt parameters. Topics of clouds are names relative to `node`; `limits` are those
+/// in use. Throws InputError that names the parameter; also without ~configured.
 SceneParameters readSceneParameters(const ros::NodeHandle& node,
                                     const ros::NodeHandle& private_node, const PoseLimits& limits,
                                     const Warn& log);

@@ -105,15 +105,22 @@ void BagChecker::check(std::size_t number) {
            kind == BagTopic::JOINT_STATES || kind == BagTopic::CLOUDS ||
            RecordedScenes::isScene(raw);
   };
-  const BagIndex index = indexBag(path, [&](const RawMessage& raw) {
+  BagIndex index = indexBag(path, [&](const RawMessage& raw) {
     scenes.take(raw);
     return wants(raw);
   });
-  for (const std::string& loss : index.losses) warn(path + ": " + loss);
+  scenes.finish(index.records);
+  for (const BagLoss& loss : index.records.losses) warn(path + ": " + loss.what);
   naming(path, [&] {
     requireClouds(options_.scene.cloud_topics, index);
     const bool has_scenes = scenes.choose(options_.scene_topic);
-    if (has_scenes && !givesScene(options_.scene)) {
+    const bool are_checked = has_scenes && !givesScene(options_.scene);
+    const std::vector<std::string> unused = index.chooseTransforms(are_checked);
+    if (!unused.empty()) {
+      warn(path + ": transforms on " + joined(unused) + " are not used" +
+           (are_checked ? "; the node of the scenes heard /tf" : ""));
+    }
+    if (are_checked) {
       checkRecordedScenes(number, index, wants, scenes);
     } else {
       if (has_scenes) {

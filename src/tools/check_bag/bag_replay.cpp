@@ -168,6 +168,7 @@ void BagReplay::take(const RawMessage& raw) {
   advance(toTime(raw.received));
   const BagTopic kind = kindOf(raw);
   if (kind == BagTopic::TRANSFORMS || kind == BagTopic::STATIC_TRANSFORMS) {
+    if (!index_.isChosen(raw)) return;
     auto message = readMessage<tf2_msgs::TFMessage>(raw.data, raw.size);
     if (!message) return;
     takeTransforms(std::move(*message), kind == BagTopic::STATIC_TRANSFORMS, raw.publisher);

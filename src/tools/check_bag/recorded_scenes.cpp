@@ -23,8 +23,6 @@ bool RecordedScenes::isScene(const RawMessage& raw) {
 }
 
 void RecordedScenes::take(const RawMessage& raw) {
-  if (raw.nb_losses > nb_losses_) after_losses_.push_back(raw.received);
-  nb_losses_ = raw.nb_losses;
   if (!isScene(raw)) return;
   auto scene = readMessage<Scene>(raw.data, raw.size);
   Track& track = tracks_[raw.topic];
@@ -36,6 +34,21 @@ void RecordedScenes::take(const RawMessage& raw) {
   if (raw.received >= track.first_arrival) return;
   track.first_arrival = raw.received;
   track.first = std::move(*scene);
+}
+
+void RecordedScenes::finish(const BagRecords& records) {
+  losses_ = records.losses;
+  for (const BagConnection& connection : records.connections) {
+    const bool is_of_scenes = connection.type == ros::message_traits::DataType<Scene>::value();
+    if (is_of_scenes) tracks_.try_emplace(connection.topic);
+  }
+}
+
+const Scene& RecordedScenes::first() const {
+  const Track& track = tracks_.at(topic_);
+  if (track.first_arrival != NEVER) return track.first;
+  throw InputError("none of the scenes on " + topic_ +
+                   " can be read; what was checked then is not known: --urdf gives a robot");
 }
 
 bool RecordedScenes::choose(const std::string& topic) {
@@ -51,9 +64,6 @@ bool RecordedScenes::choose(const std::string& topic) {
     throw InputError("--scene: it has no scenes on topic '" + topic_ +
                      "'; topics with scenes: " + (topics.empty() ? "none" : joined(topics)));
   }
-  if (tracks_[topic_].first_arrival == NEVER) {
-    throw InputError("none of the scenes on " + topic_ + " can be read");
-  }
   return true;
 }
 
@@ -62,8 +72,8 @@ std::string RecordedScenes::whySuspectAt(StampNs now) const {
   const auto next = track.revisions.upper_bound(now);
   const bool is_before = next == track.revisions.begin();
   const StampNs arrival = is_before ? EVER_SINCE : std::prev(next)->first;
-  for (const StampNs after : after_losses_) {
-    if (arrival < after && after <= now) {
+  for (const BagLoss& loss : losses_) {
+    if (arrival < loss.before && loss.after < now) {
       return "parts of the bag could not be read, and there may have been scenes on " + topic_;
     }
   }

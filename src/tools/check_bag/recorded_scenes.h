@@ -18,17 +18,19 @@ class RecordedScenes {
  public:
   static bool isScene(const RawMessage& raw);
 
-  /// Adds a message of the bag, whatever it is; in the order of the file.
+  /// Adds a message of the bag, if it is a scene.
   void take(const RawMessage& raw);
+  /// After all messages.
+  void finish(const BagRecords& records);
 
-  /// Chooses a topic; empty: the only one. Throws InputError if the bag has no scenes on it, none
-  /// that can be read, or several topics to choose from. False: there is none.
+  /// Chooses a topic; empty: the only one. Throws InputError if the bag has no scenes on it, or
+  /// several topics to choose from. False: there is none.
   bool choose(const std::string& topic);
 
   /// Of the chosen topic.
   const std::string& topic() const { return topic_; }
-  /// The one with the earliest arrival.
-  const Scene& first() const { return tracks_.at(topic_).first; }
+  /// The one with the earliest arrival. Throws InputError if none can be read.
+  const Scene& first() const;
   bool isChosen(const RawMessage& raw) const { return isScene(raw) && raw.topic == topic_; }
   /// Why the scene may have been another one at that time; empty: it was the last that had arrived,
   /// or the first if it was published before.
@@ -46,8 +48,7 @@ class RecordedScenes {
     std::map<StampNs, std::optional<Revision>> revisions;
   };
   std::map<std::string, Track> tracks_;  ///< by topic
-  std::size_t nb_losses_ = 0;
-  std::vector<StampNs> after_losses_;  ///< arrivals of the first messages after parts that are lost
+  std::vector<BagLoss> losses_;
   std::string topic_;
 };
 

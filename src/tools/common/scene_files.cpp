@@ -246,11 +246,23 @@ void declareBatch(CommandLine& command_line, unsigned& threads, std::string& out
 }
 
 BagRobot robotOf(const BagIndex& bag, const SceneOptions& options) {
-  BagRobot robot{chooseText(options.urdf, bag.urdfs, bag.changing, "--urdf"),
-                 chooseText(options.srdf, bag.srdfs, bag.changing, "--srdf")};
+  BagRobot robot{chooseText(options.urdf, bag.urdfs, bag.changing, "--urdf"), {}};
   if (robot.urdf.origin.empty()) {
     throw InputError("there is no robot_description in it; give --urdf");
   }
+  std::map<std::string, std::string> srdfs = bag.srdfs;
+  if (options.urdf.empty()) {  // as the node does: one further up may be of another robot
+    const std::string space = namespaceOf(bag.urdfs.begin()->first);
+    for (auto srdf = srdfs.begin(); srdf != srdfs.end();) {
+      const bool is_further_up = srdf->first.rfind(space, 0) != 0;
+      if (is_further_up && options.srdf.empty()) {
+        warn("topic " + srdf->first + " is not used: it may be of another robot than " +
+             bag.urdfs.begin()->first + "; --srdf gives one");
+      }
+      srdf = is_further_up ? srdfs.erase(srdf) : std::next(srdf);
+    }
+  }
+  robot.srdf = chooseText(options.srdf, srdfs, bag.changing, "--srdf");
   return robot;
 }
 

@@ -151,10 +151,10 @@ Recording read(const Options& options) {
     return isCommand(raw) || isType<sensor_msgs::JointState>(raw);
   };
   const BagIndex index = indexBag(options.bag, wants);
-  for (const std::string& loss : index.losses) warn(options.bag + ": " + loss);
+  for (const BagLoss& loss : index.records.losses) warn(options.bag + ": " + loss.what);
   Recording recording =
       naming(options.bag, [&] { return readTopics(options, index, wants, commands, all_states); });
-  recording.losses = index.losses;
+  for (const BagLoss& loss : index.records.losses) recording.losses.push_back(loss.what);
   return recording;
 }
 
