@@ -238,7 +238,7 @@ def test_a_camera_on_a_link_is_placed_where_that_link_was(check, with_clouds, wr
     (lambda c: setattr(c, "width", 0), "its width is 0"),
     (lambda c: setattr(c, "data", struct.pack("<3f", 0, 0, 1500)), "within max_range (5 m), and min_valid_points is 1"),
     (lambda c: setattr(c, "data", bytes(12)), "nothing returned"),
-    (lambda c: setattr(c, "data", b"\xff" * 12), "nothing returned: it has no point that is finite and not (0, 0, 0), and min_valid_points is 1"),
+    (lambda c: setattr(c, "data", b"\xff" * 12), "nothing returned: it has no point that is finite and further than 1 mm from the sensor, and min_valid_points is 1"),
 ])
 def test_a_cloud_that_cannot_be_used_is_said_and_nothing_is_free_until_the_next(check, with_clouds, spoil, says):
     clouds = every(0.5, 3, FAR_SEEN)

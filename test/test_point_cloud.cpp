@@ -161,7 +161,7 @@ TEST(PointCloud, OfTheUsualLayoutGivesItsPointsWithAndWithoutRowPadding) {
   EXPECT_EQ(read(cloud), SIX);
 }
 
-TEST(PointCloud, LeavesOutPointsThatAreNotFiniteOrZero) {
+TEST(PointCloud, LeavesOutPointsThatAreNotFiniteOrAtTheSensor) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   const float infinity = std::numeric_limits<float>::infinity();
   for (const bool big_endian : {false, true}) {
@@ -172,7 +172,9 @@ TEST(PointCloud, LeavesOutPointsThatAreNotFiniteOrZero) {
     points.push_back(Vector3d::Zero());
     points.push_back({-0.0, 0.0, -0.0});
     points.push_back({0.0, -1e-30, 0.0});
-    Layout layout = packed(9);
+    points.push_back({0.0005, 0.0, -0.0004});
+    points.push_back({0.0, -0.0011, 0.0});
+    Layout layout = packed(11);
     layout.big_endian = big_endian;
     const auto found = read(cloudOf(points, layout));
     ASSERT_EQ(found.size(), 4u);

@@ -100,7 +100,8 @@ class FailingMasterTest(unittest.TestCase):
         self.assertFalse(answer.success)
         self.assertIn("does not answer, so /asked/has_objects cannot be set", answer.message)
         self.master.fails_at = None
-        self.assertTrue(self.call("/asked/update_scene", UpdateScene, [add_box("box")], False).success)
+        answer = self.call("/asked/update_scene", UpdateScene, [add_box("box")], False)
+        self.assertTrue(answer.success, answer.message)
         self.assertTrue(rospy.get_param("/asked/has_objects"))
         self.assertTrue(self.call("/asked/update_scene", UpdateScene, [clear()], False).success)
         self.assertFalse(rospy.get_param("/asked/has_objects"))

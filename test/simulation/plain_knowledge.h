@@ -342,9 +342,6 @@ class Knowledge {
   bool isTooOld(Ns stamp, Ns now) const {
     return setup_.max_pose_age > 0.0 && seconds(now - stamp) > setup_.max_pose_age + 1e-6;
   }
-  static bool isSame(const Said& a, const Said& b) {
-    return distanceOf(a, b) < 1e-4 && a.is_rehung == b.is_rehung;
-  }
 
  private:
   const SimulatedLink& of(int link) const { return setup_.links[static_cast<std::size_t>(link)]; }
@@ -372,6 +369,9 @@ class Knowledge {
 
   void hearOn(Told& told, bool is_static);
   void forget();
+  static bool isSame(const Said& a, const Said& b) {
+    return distanceOf(a, b) < 1e-4 && a.is_rehung == b.is_rehung;
+  }
   static bool wasSent(const Told& told, const Said& X_PB) {
     return std::any_of(told.statics.begin(), told.statics.end(),
                        [&](const auto& sent) { return isSame(sent.second, X_PB); });
