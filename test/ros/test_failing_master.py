@@ -93,8 +93,7 @@ class FailingMasterTest(unittest.TestCase):
         self.assertTrue(self.call("/asked/reset", Trigger).success)
 
     def test_objects_that_could_not_be_noted_for_the_next_node_are_refused(self):
-        self.start("__name:=asked")
-        rospy.wait_for_service("/asked/update_scene", PATIENCE)
+        self.start("__name:=asked").wait_for("ready after")
         self.master.fails_at = ("setParam", "/asked/has_objects")
         answer = self.call("/asked/update_scene", UpdateScene, [add_box("box")], False)
         self.assertFalse(answer.success)
