@@ -52,6 +52,18 @@ def rows_of(path):
         return list(csv.DictReader(lines))
 
 
+def records_of(content):
+    """Of a bag behind its first line, or of a chunk: each with its header's size, header, and size of its data; then its data."""
+    place = 0
+    while place < len(content):
+        begin = place
+        place += 4 + int.from_bytes(content[place:place + 4], "little")
+        size = int.from_bytes(content[place:place + 4], "little")
+        place += 4
+        yield content[begin:place], content[place:place + size]
+        place += size
+
+
 def without_name(rows):
     """Rows of check_bag but for the path of the bag."""
     return [{key: value for key, value in row.items() if key != "bag"} for row in rows]

@@ -6,7 +6,7 @@ import re
 import pytest
 import rosbag
 import rospy
-from conftest import DEMO_BAG, DEMO_ROBOT, rows_of, without_name
+from conftest import DEMO_BAG, DEMO_ROBOT, records_of, rows_of, without_name
 from seed import given_seed
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Header, String
@@ -82,16 +82,18 @@ def test_a_damaged_chunk_loses_its_own_messages_only(check_bag, make_bag):
     assert rows[0] == whole[0] and rows[-1]["stamp"] == whole[-1]["stamp"]
 
 
-def records_of(content):
-    """Each with its header's size, header, and size of its data; then its data."""
-    place = 0
-    while place < len(content):
-        begin = place
-        place += 4 + int.from_bytes(content[place:place + 4], "little")
-        size = int.from_bytes(content[place:place + 4], "little")
-        place += 4
-        yield content[begin:place], content[place:place + size]
-        place += size
+def test_where_a_record_is_not_known_as_a_chunk_only_its_messages_are_lost(check_bag, make_bag):
+    bag = make_bag("o.bag", "--compression", "bz2", "--rate", "800")
+    whole, _ = check_bag(bag)
+    content = bytearray(bag.read_bytes())
+    chunk = content.index(b"op=\x05", content.index(b"op=\x05") + 1)  # the second chunk
+    for op in (b"\x09", b"\x04", b"\x06"):  # unknown, an index, what is known of a chunk
+        content[chunk + 3:chunk + 4] = op
+        bag.write_bytes(content)
+        rows, said = check_bag(bag)
+        assert said.count("is not understood") == 1 and "are not in it" not in said, said
+        assert len(whole) // 4 < len(rows) < len(whole)
+        assert rows[0] == whole[0] and rows[-1]["stamp"] == whole[-1]["stamp"]
 
 
 def test_a_chunk_that_ends_between_two_records_too_early_is_a_loss(check_bag, make_bag):

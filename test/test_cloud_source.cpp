@@ -11,27 +11,41 @@ namespace test_cloud_source {
 
 using testing::HasSubstr;
 
-TEST(ACloudSource, TakesCloudsOfOneCameraAndIsSuspectWhileThereIsAnother) {
-  Monitor monitor{TransformSettings()};
-  SceneParameters parameters =
-      parametersOf(emptyLink("root") + linkWith("a", "<sphere radius='0.5'/>") +
-                   joint("to_a", "floating", "root", "a", "0 0 0", ""));
-  parameters.sources.readSettings({"settings", "clouds: [{topic: points, source_timeout: 0.5}]"});
-  load(monitor, std::move(parameters));
-  const auto source = monitor.scenes().active()->clouds.front();
-  const auto problemAfter = [&](double seconds, const std::string& frame, const std::string& node) {
+/// Ball a, and clouds of the topic "points".
+struct Clouds {
+  explicit Clouds(bool is_simulated) : monitor({{}, is_simulated}) {
+    SceneParameters parameters =
+        parametersOf(emptyLink("root") + linkWith("a", "<sphere radius='0.5'/>") +
+                     joint("to_a", "floating", "root", "a", "0 0 0", ""));
+    parameters.sources.readSettings({"settings", "clouds: [{topic: points, source_timeout: 0.5}]"});
+    load(monitor, std::move(parameters));
+  }
+
+  /// What is wrong after a cloud of now, with the ball there.
+  std::string problemWith(const Now& now, double x_of_ball,
+                          const std::vector<Eigen::Vector3d>& points, const std::string& frame,
+                          const std::string& node) {
     std_msgs::Header header;
-    header.stamp = ros::Time(1000.0 + seconds);
-    monitor.advance(header.stamp);
-    monitor.take(transformOf("root", "a", header.stamp, 20.0), false, "");
+    header.stamp = now.stamp;
     header.frame_id = frame;
-    const auto cloud = toPointCloud2({{4.0, 0.0, 0.0}}, header);
-    source->take(boost::make_shared<sensor_msgs::PointCloud2>(cloud), node);
+    monitor.advance(now);
+    monitor.take(transformOf("root", "a", header.stamp, x_of_ball), false, "");
+    const auto source = monitor.scenes().active()->clouds.front();
+    source->take(boost::make_shared<sensor_msgs::PointCloud2>(toPointCloud2(points, header)), node);
     while (const auto job = source->next()) {
       job->run();
       source->take(*job);
     }
     return source->view().problem;
+  }
+
+  Monitor monitor;
+};
+
+TEST(ACloudSource, TakesCloudsOfOneCameraAndIsSuspectWhileThereIsAnother) {
+  Clouds clouds(false);
+  const auto problemAfter = [&](double seconds, const std::string& frame, const std::string& node) {
+    return clouds.problemWith(ros::Time(1000.0 + seconds), 20.0, {{4.0, 0.0, 0.0}}, frame, node);
   };
   const auto is_another = HasSubstr("each camera needs a topic of its own");
   EXPECT_EQ(problemAfter(0.0, "root", "/one"), "");
@@ -44,35 +58,17 @@ TEST(ACloudSource, TakesCloudsOfOneCameraAndIsSuspectWhileThereIsAnother) {
   EXPECT_EQ(problemAfter(2.0, "root", "/two"), "");
   EXPECT_THAT(problemAfter(3.0, "a", "/two"), is_another) << "however old";
   EXPECT_THAT(problemAfter(9.0, "a", "/two"), testing::Not(""));
-  monitor.clearClouds();
+  clouds.monitor.clearClouds();
   EXPECT_EQ(problemAfter(9.1, "a", "/two"), "");
 }
 
 /// Something comes to a link and is gone; then the clock goes back, and a cloud shows nothing near.
 std::string problemAfterTheClockWentBack(bool is_simulated, double back) {
-  TransformSettings settings;
-  settings.is_simulated = is_simulated;
-  Monitor monitor{settings};
-  SceneParameters parameters =
-      parametersOf(emptyLink("root") + linkWith("a", "<sphere radius='0.5'/>") +
-                   joint("to_a", "floating", "root", "a", "0 0 0", ""));
-  parameters.sources.readSettings({"settings", "clouds: [{topic: points, source_timeout: 0.5}]"});
-  load(monitor, std::move(parameters));
-  const auto source = monitor.scenes().active()->clouds.front();
+  Clouds clouds(is_simulated);
   double steady = 0.0;
   const auto problemWith = [&](double seconds, double x) {
-    std_msgs::Header header;
-    header.stamp = ros::Time(1000.0 + seconds);
-    header.frame_id = "root";
-    monitor.advance({header.stamp, steady += 0.1});
-    monitor.take(transformOf("root", "a", header.stamp, 0.0), false, "");
-    const auto cloud = toPointCloud2({{x, 0.0, 0.0}, {3.0, 3.0, 0.0}}, header);
-    source->take(boost::make_shared<sensor_msgs::PointCloud2>(cloud), "/one");
-    while (const auto job = source->next()) {
-      job->run();
-      source->take(*job);
-    }
-    return source->view().problem;
+    return clouds.problemWith({ros::Time(1000.0 + seconds), steady += 0.1}, 0.0,
+                              {{x, 0.0, 0.0}, {3.0, 3.0, 0.0}}, "root", "/one");
   };
   double now = 0.0;
   for (const double x : {0.7, 0.64, 0.6, 0.58, 0.56}) problemWith(now += 0.1, x);

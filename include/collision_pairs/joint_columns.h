@@ -31,7 +31,8 @@ class JointColumns {
   const Source& sourceOf(int joint) const { return source_of_joint_[joint]; }
 
   /// `state`: size() numbers, rad or m. Throws InputError, with the joint's name, for a number that
-  /// is not finite, or that differs by more than 1e-6 from the value that its mimic leader implies.
+  /// is not finite, an angle beyond 1e6 rad, or one that differs by more than 1e-6 from the value
+  /// that its mimic leader implies.
   void check(const double* state) const;
   /// Overwrites the entries of `positions` (one per joint of the robot) that the state determines,
   /// including mimic joints, and keeps the others. Throws as check() does.

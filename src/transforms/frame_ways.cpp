@@ -220,7 +220,7 @@ FrameWays::Way FrameWays::stepUp(int frame, std::size_t nb_steps) const {
 Isometry3d FrameWays::poseOf(int source, int number, int top, StampNs stamp) const {
   const Anchor& anchor = anchors_[static_cast<std::size_t>(number)];
   Isometry3d X_AS = poseBelow(top, source, stamp);
-  if (anchor.frame != top) X_AS = buffer_.poseBelow(top, anchor.frame, stamp).inverse() * X_AS;
+  if (anchor.frame != top) X_AS = poseBelow(top, anchor.frame, stamp).inverse() * X_AS;
   if (anchor.before < 0) return X_AS;
   return poseOf(anchor.via, anchor.before, anchor.top, stamp) * links_->X_BL(anchor.via).inverse() *
          links_->X_BL(anchor.frame) * X_AS;
@@ -230,18 +230,17 @@ Isometry3d FrameWays::poseOf(int source, int number, int top, StampNs stamp) con
 Isometry3d FrameWays::poseBelow(int top, int frame, StampNs stamp) const {
   if (stamp != placed_at_) placed_.clear();
   placed_at_ = stamp;
-  const auto isPlaced = [&](int above) {
-    const auto placed = placed_.find(above);
-    return placed != placed_.end() && placed->second.top == top;
-  };
+  const Isometry3d* X_TA = nullptr;
   int above = frame;
   for (std::size_t i = 0; i < TransformBuffer::DEEPEST_TREE && above >= 0 && above != top; ++i) {
     above = buffer_.parentAt(above, stamp);
-    if (isPlaced(above)) break;
+    const auto placed = placed_.find(above);
+    if (placed == placed_.end() || placed->second.top != top) continue;
+    X_TA = &placed->second.X_TF;
+    break;
   }
-  const Isometry3d X_TF = isPlaced(above)
-                              ? placed_.at(above).X_TF * buffer_.poseBelow(above, frame, stamp)
-                              : buffer_.poseBelow(top, frame, stamp);
+  const Isometry3d X_TF =
+      X_TA ? *X_TA * buffer_.poseBelow(above, frame, stamp) : buffer_.poseBelow(top, frame, stamp);
   placed_.insert_or_assign(frame, Placed{top, X_TF});
   return X_TF;
 }

@@ -41,6 +41,12 @@ inline std::string namespaceOf(const std::string& name) {
   return name.substr(0, name.rfind('/') + 1);
 }
 
+/// Whether a name is in a namespace that does not contain the other: an SRDF there may be of
+/// another robot than the URDF `other`.
+inline bool isOutsideNamespaceOf(const std::string& other, const std::string& name) {
+  return name.rfind(namespaceOf(other), 0) != 0;
+}
+
 /// Without leading and trailing slashes.
 inline std::string withoutSlashes(std::string name) {
   while (!name.empty() && name.front() == '/') name.erase(0, 1);

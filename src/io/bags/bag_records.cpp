@@ -180,8 +180,10 @@ class RecordReader {
     std::uint32_t size = 0;
     std::string data;
     const bool whole = readSize(size) && readData(size, data);
-    if (!take(fields, data, place))
+    if (!take(fields, data, place)) {
       lose("the record at byte " + std::to_string(place) + " is not understood");
+      chunk_.is_whole = false;  // it may have been the chunk of the indices that follow
+    }
     if (!whole)
       lose("the file is truncated within the record that begins at byte " + std::to_string(place));
     return whole;

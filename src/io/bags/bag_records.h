@@ -43,9 +43,8 @@ struct BagRecords {
 /// Reads a bag of format 2.0 from the front, without its index: a bag that was never closed, is
 /// truncated or has damaged chunks is read as far as possible, including the part of a damaged
 /// chunk that can be decompressed. Messages come in the order of the file. Memory: one chunk. A
-/// record that is not understood is a loss, and so is a message that the index of its chunk counts
-/// and that was not found. Throws InputError if the file is not such a bag, or is
-/// encrypted.
+/// record that is not understood is a loss, and so is a message that the index of its chunk lists
+/// and that is not in it. Throws InputError if the file is not such a bag, or is encrypted.
 ///
 /// rosbag_storage is not used, not even for intact bags: it refuses a bag without an index,
 /// and where one bit is wrong it may read beyond its buffers (1.15.15: of 1,500 bags with one bit

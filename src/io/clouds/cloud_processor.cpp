@@ -154,8 +154,8 @@ void CloudProcessor::requireValid(const Points& points) {
   const std::size_t enough = std::max<std::size_t>(needed, 1);
   const double squared_range = config_.max_range * config_.max_range;
   std::size_t nb_valid = 0;
-  bool are_at_one_place =
-      points.size() > 1;  // what no return is in a frame that is not the camera's
+  // That is where a frame other than the camera's has points of no return.
+  bool are_at_one_place = points.size() > 1;
   for (std::size_t i = 0; i < points.size() && (nb_valid < enough || are_at_one_place); ++i) {
     nb_valid += points[i].squaredNorm() <= squared_range;
     are_at_one_place = are_at_one_place && (points[i] - points[0]).squaredNorm() < 1e-6;
@@ -165,8 +165,8 @@ void CloudProcessor::requireValid(const Points& points) {
   if (nb_valid >= enough) return;
   std::ostringstream found;
   if (points.empty()) {
-    found
-        << "nothing returned: it has no point that is finite and further than 1 mm from the sensor";
+    found << "nothing returned: it has no point that is finite and further than 1 mm from the "
+             "sensor";
   } else if (are_at_one_place) {
     found << "nothing returned: its " << points.size() << " points are at one place";
   } else {

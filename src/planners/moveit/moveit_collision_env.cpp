@@ -166,8 +166,8 @@ void MoveitCollisionEnv::makeScenes(Scenes& scenes) const {
     }
     for (const Attached& attached : scenes.attached) {
       MovingBody body = movingBody(attached);
-      if (!body.elements.empty())
-        scenes.moving.push_back(std::move(body));  // an octree may be empty
+      const bool has_any = !body.elements.empty();  // an octree may be empty
+      if (has_any) scenes.moving.push_back(std::move(body));
     }
     const Scenes& of_links = *scenes_.front();
     if (!scenes.attached.empty() && of_links.self) {
@@ -302,7 +302,7 @@ std::shared_ptr<const MoveitMotions> MoveitCollisionEnv::motionsFor(const State&
 void MoveitCollisionEnv::checkMotion(const CollisionRequest& req, CollisionResult& res,
                                      const State& state1, const State& state2,
                                      const Matrix* acm) const {
-  if (req.distance) warnOfProblem("distances between two states are not computed");
+  if (req.distance) warnRarely("distances between two states are not computed");
   const auto motions = motionsFor(state1);
   const bool are_alike = motions && motions == motionsFor(state2);
   if (motions && !are_alike) {

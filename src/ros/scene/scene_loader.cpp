@@ -54,8 +54,7 @@ void loadSrdf(const ros::NodeHandle& node, const RobotParameters& parameters,
                      node.resolveName("robots") + " names it as the SRDF (semantic) of " +
                      parameters.description);
   }
-  const bool is_further_up = key.rfind(namespaceOf(urdf), 0) != 0;
-  if (!parameters.needs_semantic && is_further_up) {
+  if (!parameters.needs_semantic && isOutsideNamespaceOf(urdf, key)) {
     return warn("parameter " + key + " is not used: it may be of another robot than " + urdf +
                 "; put it beside that, or name both in " + node.resolveName("robots"));
   }

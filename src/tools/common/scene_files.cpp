@@ -251,15 +251,13 @@ BagRobot robotOf(const BagIndex& bag, const SceneOptions& options) {
     throw InputError("there is no robot_description in it; give --urdf");
   }
   std::map<std::string, std::string> srdfs = bag.srdfs;
-  if (options.urdf.empty()) {  // as the node does: one further up may be of another robot
-    const std::string space = namespaceOf(bag.urdfs.begin()->first);
-    for (auto srdf = srdfs.begin(); srdf != srdfs.end();) {
-      const bool is_further_up = srdf->first.rfind(space, 0) != 0;
-      if (is_further_up && options.srdf.empty()) {
-        warn("topic " + srdf->first + " is not used: it may be of another robot than " +
-             bag.urdfs.begin()->first + "; --srdf gives one");
-      }
-      srdf = is_further_up ? srdfs.erase(srdf) : std::next(srdf);
+  if (options.urdf.empty() && options.srdf.empty()) {  // as the node does
+    const std::string& urdf = bag.urdfs.begin()->first;
+    for (const auto& [topic, text] : bag.srdfs) {
+      if (!isOutsideNamespaceOf(urdf, topic)) continue;
+      warn("topic " + topic + " is not used: it may be of another robot than " + urdf +
+           "; --srdf gives one");
+      srdfs.erase(topic);
     }
   }
   robot.srdf = chooseText(options.srdf, srdfs, bag.changing, "--srdf");
