@@ -173,6 +173,9 @@ TEST(OctreesAmongShapes, ShowTheirChangesInPlaceEachByItself) {
   EXPECT_TRUE(leaves.areOf(parts));
   first->setResolution(0.25);
   EXPECT_FALSE(leaves.areOf(parts));
+  first->setResolution(0.5);
+  first->clear();
+  EXPECT_FALSE(leaves.areOf(parts));
 }
 
 TEST(OctreesAmongShapes, ShowTheirChangesIfAndOnlyIfALeafDoes) {
@@ -185,7 +188,7 @@ TEST(OctreesAmongShapes, ShowTheirChangesIfAndOnlyIfALeafDoes) {
     const std::vector<OctreeLeaf> before = occupiedLeaves(*tree);
     for (int i = random.integer(0, 3); i > 0; --i) {
       const auto at = [&] { return 0.25f + 0.5f * static_cast<float>(random.integer(-2, 1)); };
-      tree->updateNode(octomap::point3d(at(), at(), at()), random.integer(0, 1) == 1);
+      tree->setNodeValue(octomap::point3d(at(), at(), at()), random.integer(0, 1) ? 1.0f : -1.0f);
     }
     if (random.integer(0, 3) == 0) tree->prune();
     const bool is_same = occupiedLeaves(*tree) == before;

@@ -127,17 +127,24 @@ class OneTrack : public testing::Test {
   double x_ = 0.0;
 };
 
-TEST_F(OneTrack, OneWayHasItsPoseAtEachStamp) {
-  add(10, 1);
-  add(10.5, 2);
-  const int base = tracks_.findFrame("base"), arm = tracks_.findFrame("arm");
+TEST_F(OneTrack, OneWayHasItsPoseAtEachStampWhateverWasAskedBefore) {
+  for (const double seconds : {10.0, 10.5}) {
+    add(seconds, seconds - 9.0);
+    take("arm", "hand", seconds, Vector3d(4, 0, 0));
+  }
+  const int base = tracks_.findFrame("base");
   const FrameWays ways(tracks_, base, {Instant::NEWEST, 11 * SECOND});
-  const auto at = [&](double seconds) {
-    return ways.poseOf(arm, ways.to(arm), static_cast<StampNs>(seconds * 1e9)).translation().x();
+  const auto at = [&](double seconds, const char* name) {
+    const int frame = tracks_.findFrame(name);
+    return ways.poseOf(frame, ways.to(frame), static_cast<StampNs>(seconds * 1e9))
+        .translation()
+        .x();
   };
-  EXPECT_DOUBLE_EQ(at(10), 1.0);
-  EXPECT_DOUBLE_EQ(at(10.5), 2.0);
-  EXPECT_DOUBLE_EQ(at(10.25), 1.5);
+  EXPECT_DOUBLE_EQ(at(10, "arm"), 1.0);
+  EXPECT_DOUBLE_EQ(at(10, "hand"), 5.0);
+  EXPECT_DOUBLE_EQ(at(10.5, "hand"), 5.5);
+  EXPECT_DOUBLE_EQ(at(10.25, "arm"), 1.25);
+  EXPECT_DOUBLE_EQ(at(10.25, "hand"), 5.25);
 }
 
 TEST_F(OneTrack, NothingIsKnownBeforeTheFirstAndAfterTheLastSample) {
