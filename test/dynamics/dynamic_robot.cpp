@@ -48,8 +48,10 @@ constexpr double REST = 0.5;             // s before commands
 constexpr double START = 1000.0;         // s of simulated time
 constexpr int PRIORITY = 60;             // above the limiter's
 constexpr int LONGEST_START = 600;       // 0.1 s
-// Of /clock, in s of simulated time: how often it pauses and steps back, and for how long or far.
-constexpr double PAUSE_EVERY = 7.0, PAUSE = 0.7, STEP_EVERY = 11.0, STEP_BACK = 0.5;
+// Of /clock, in s of simulated time: how often it is told, pauses and steps back, and for how long
+// or far. Told at each step, at factor 3 it would take a core to send.
+constexpr double CLOCK_EVERY = 0.004, PAUSE_EVERY = 7.0, PAUSE = 0.7, STEP_EVERY = 11.0,
+                 STEP_BACK = 0.5;
 
 double lengthOf(const std::vector<double>& v) {
   double sum = 0.0;
@@ -264,10 +266,10 @@ class RealTimeRobot {
     std::this_thread::sleep_until(begin_ + std::chrono::duration_cast<Clock::duration>(
                                                std::chrono::duration<double>(now / wallFactor())));
     latest_ = std::max(latest_, elapsed() - now);
-    const bool is_past = std::fmod(now + 0.5 * STEP, STEP_EVERY) < STEP;
-    if (private_steps_ && is_past && now > STEP) back_ += STEP_BACK;
+    const auto isDue = [&](double period) { return std::fmod(now + 0.5 * STEP, period) < STEP; };
+    if (private_steps_ && isDue(STEP_EVERY) && now > STEP) back_ += STEP_BACK;
     const bool pauses = private_pauses_ && std::fmod(now, PAUSE_EVERY) > PAUSE_EVERY - PAUSE;
-    if (factor_ > 0.0 && !pauses) tellTime(now);
+    if (factor_ > 0.0 && !pauses && isDue(CLOCK_EVERY)) tellTime(now);
   }
 
   void publish(const DynamicRobot& robot, const LimiterScene& scene, double stamp,

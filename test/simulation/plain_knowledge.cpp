@@ -36,8 +36,8 @@ void Knowledge::hearOn(Told& told, bool is_static) {
   }
 }
 
-/// All but static poses.
-void Knowledge::forget() {
+/// All but static poses: the clock went back to `clock`.
+void Knowledge::forget(Ns clock) {
   for (Told& told : told_) {
     Told fresh;
     fresh.is_lied_about = fresh.is_static_lie = told.is_static_lie;
@@ -50,12 +50,13 @@ void Knowledge::forget() {
     // Else it begins with what is heard next, or has begun if nothing else was heard meanwhile.
     const bool goes_on = isOnBoth(told);
     fresh.is_run_vague = !told.is_settled && (told.is_run_vague || !goes_on);
-    if (!told.is_settled && goes_on) fresh.run_begin = fresh.moved = fresh.stood = ros_;
+    if (!told.is_settled && goes_on) fresh.run_begin = fresh.moved = fresh.stood = clock;
     fresh.statics = told.statics;
     if (!told.static_poses.empty()) fresh.static_poses = {{EVER, told.static_poses.back().second}};
     if (told.open_since) fresh.open_since = EVER;
     told = fresh;
   }
+  ros_ = clock;
   root_lies_.clear();
   newest_ = EVER;
   ++pass_;

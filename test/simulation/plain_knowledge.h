@@ -62,10 +62,9 @@ class Knowledge {
   void moveClock(Ns clock, double steady) {
     steady_ = steady;
     if (clock == ros_ || (clock < ros_ && seconds(ros_ - clock) <= 0.1)) return;
-    const bool has_gone_back = clock < ros_;
-    ros_ = clock;
     last_step_ = steady;
-    if (has_gone_back) forget();
+    if (clock < ros_) return forget(clock);
+    ros_ = clock;
   }
   /// The clock, but for steps back that do not count.
   Ns now() const { return ros_; }
@@ -210,9 +209,10 @@ class Knowledge {
     const bool may_stand = told.is_static && !told.is_settled && !told.is_run_static;
     Ns last = std::min(told.moved, told.stood);
     if (may_stand && told.moved != EVER) last = std::max(last, told.run_begin);
-    const bool is_late = last == EVER || seconds(ros_ - last) > 0.95 * setup_.max_pose_age;
-    return last != EVER && (setup_.max_pose_age == 0.0 || !is_late);
+    return isLately(last);
   }
+  /// Whether both topics had it lately, whatever it was before.
+  bool wasOnBoth(const Told& told) const { return isLately(std::min(told.moved, told.stood)); }
   /// Whether /tf_static alone places it although its joint, or one above, may move.
   bool isHeld(int link) const {
     for (const int i : setup_.pathTo(link)) {
@@ -342,11 +342,19 @@ class Knowledge {
   bool isTooOld(Ns stamp, Ns now) const {
     return setup_.max_pose_age > 0.0 && seconds(now - stamp) > setup_.max_pose_age + 1e-6;
   }
+  static bool isSame(const Said& a, const Said& b) {
+    return distanceOf(a, b) < 1e-4 && a.is_rehung == b.is_rehung;
+  }
 
  private:
   const SimulatedLink& of(int link) const { return setup_.links[static_cast<std::size_t>(link)]; }
   double lasting() const {
     return setup_.max_pose_age > 0.0 ? setup_.max_pose_age : setup_.max_transform_age;
+  }
+  /// Whether what arrived then is not older than is allowed.
+  bool isLately(Ns arrival) const {
+    if (arrival == EVER || setup_.max_pose_age == 0.0) return arrival != EVER;
+    return seconds(ros_ - arrival) <= 0.95 * setup_.max_pose_age;
   }
   /// At EVER: of any stamp.
   bool isLieOf(const Told& told, Ns stamp) const {
@@ -368,10 +376,7 @@ class Knowledge {
   }
 
   void hearOn(Told& told, bool is_static);
-  void forget();
-  static bool isSame(const Said& a, const Said& b) {
-    return distanceOf(a, b) < 1e-4 && a.is_rehung == b.is_rehung;
-  }
+  void forget(Ns clock);
   static bool wasSent(const Told& told, const Said& X_PB) {
     return std::any_of(told.statics.begin(), told.statics.end(),
                        [&](const auto& sent) { return isSame(sent.second, X_PB); });

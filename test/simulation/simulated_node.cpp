@@ -186,8 +186,9 @@ void SimulatedNode::publish(int link, const std::string& publisher) {
   const bool is_rehung = X_PB.is_rehung;
   publish(is_rehung ? mountName(of.parent) : linkName(of.parent), linkName(link), stamp,
           (is_rehung ? inverse(X_PM) : Pose()) * X_PB, publisher, stands);
+  const bool is_new = knowledge_.told(link).samples.count(stamp) == 0;
   knowledge_.hear(link, stamp, X_PB, stands, publisher);
-  noteHeard(link, stamp);
+  noteHeard(link, stamp, is_new);
 }
 
 void SimulatedNode::lie(const Event& event) {

@@ -141,7 +141,7 @@ class SimulatedNode {
 
   void judge(const Snapshot& snapshot);
   void noteTransform(int link, const std::optional<std::string>& refusal);
-  void noteHeard(int link, Ns stamp);
+  void noteHeard(int link, Ns stamp, bool is_new);
   void judgeRefusals(const Snapshot& snapshot);
   void judgeReasons(const Snapshot& snapshot);
   void judgeLeftOut(const Snapshot& snapshot);

@@ -43,7 +43,8 @@ void SimulatedNode::noteTransform(int link, const std::optional<std::string>& re
   }
 }
 
-void SimulatedNode::noteHeard(int link, Ns stamp) {
+/// `is_new`: the first of its stamp.
+void SimulatedNode::noteHeard(int link, Ns stamp, bool is_new) {
   const Told& told = knowledge_.told(link);
   const bool stands = stands_[static_cast<std::size_t>(link)];
   if (!stands && !knowledge_.isUsable(stamp)) {
@@ -53,9 +54,17 @@ void SimulatedNode::noteHeard(int link, Ns stamp) {
                                : is_ahead  ? "ahead of the clock"
                                            : "old when it arrived");
   }
+  if (told.is_lied_about) return void(refusals_.erase(link));
   const bool is_alone =
       stands ? told.statics.size() == 1 : !knowledge_.isDisturbed(told, stamp, stamp);
-  if (told.is_settled && !told.is_lied_about && is_alone) return noteTransform(link, std::nullopt);
+  if (told.is_settled && is_alone) return noteTransform(link, std::nullopt);
+  const bool is_open = stands && told.open_since && told.is_settled &&
+                       !Knowledge::isSame(told.static_poses.back().second,
+                                          last_[static_cast<std::size_t>(link)].second);
+  if (is_open) return noteTransform(link, "on /tf_static");
+  if (!told.is_settled && knowledge_.wasOnBoth(told) && (stands ? is_alone : is_new)) {
+    return noteTransform(link, "both on /tf and on /tf_static");
+  }
   refusals_.erase(link);
 }
 
