@@ -2,6 +2,7 @@
 """The velocity limiter of a running node, in closed loop with simulated joints."""
 import math
 import os
+import subprocess
 import sys
 import unittest
 
@@ -163,6 +164,20 @@ class LimiterTest(unittest.TestCase):
             limit = self.limit_that(lambda x: reason in x.reason)
             self.assertEqual((limit.scale, limit.verdict), (0.0, SpeedLimit.UNKNOWN))
             self.assertTrue(newest(self.out.commands, lambda x: x.data == (0.0,)))
+
+    def test_what_a_latching_publisher_has_left_is_not_passed_before_it_publishes_again(self):
+        # A node of its own: in this one, the driver's publisher is connected already.
+        program = ("import rospy; from std_msgs.msg import Float64MultiArray; rospy.init_node('latching');"
+                   "publisher = rospy.Publisher('/array_command', Float64MultiArray, queue_size=1, latch=True);"
+                   "publisher.publish(data=[0.3]);"
+                   "input(); publisher.publish(data=[0.2]); input()")
+        with subprocess.Popen([sys.executable, "-c", program], stdin=subprocess.PIPE, text=True) as latching:
+            rospy.sleep(3.0)
+            self.assertEqual(self.joints.position("slide_a"), 0.0)
+            latching.stdin.write("\n")
+            latching.stdin.flush()
+            self.assertTrue(wait_until(lambda: self.joints.position("slide_a") > 0.0))
+            latching.communicate("\n")
 
     def test_joint_states_that_stop_or_cannot_be_used_stop_it(self):
         self.drive(0.2)

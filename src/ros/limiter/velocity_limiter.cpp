@@ -27,13 +27,33 @@ constexpr double SIMULATED_WAIT = 0.001;  // s: a simulated clock may be faster
 constexpr double SHOWN_FOR = 1.0;         // s
 constexpr double WARN_PERIOD = 5.0;       // s between repeated warnings in the log
 
+/// What a latching publisher sends to whoever connects may be of long ago, as a command that
+/// `rostopic pub` left behind: it is not taken, and what comes after it is.
 template <class Message, class Take>
-ros::Subscriber subscribed(ros::NodeHandle& node, const std::string& topic,
-                           std::uint32_t queue_size, const Take& take) {
-  const boost::function<void(const boost::shared_ptr<const Message>&)> callback =
-      [take](const auto& message) { take(*message); };
-  return node.subscribe<Message>(topic, queue_size, callback, nullptr,
-                                 ros::TransportHints().tcpNoDelay());
+ros::Subscriber subscribedToCommands(ros::NodeHandle& node, const std::string& topic,
+                                     const Take& take) {
+  const auto connections = std::make_shared<std::vector<boost::weak_ptr<ros::M_string>>>();
+  const boost::function<void(const ros::MessageEvent<const Message>&)> callback =
+      [take, connections](const ros::MessageEvent<const Message>& event) {
+        const boost::shared_ptr<ros::M_string> header = event.getConnectionHeaderPtr();
+        const auto latching = header->find("latching");
+        if (latching != header->end() && latching->second == "1") {
+          const auto isThis = [&](const auto& other) { return other.lock() == header; };
+          const auto isOver = [](const auto& other) { return other.expired(); };
+          connections->erase(std::remove_if(connections->begin(), connections->end(), isOver),
+                             connections->end());
+          if (std::none_of(connections->begin(), connections->end(), isThis)) {
+            connections->push_back(header);
+            ROS_WARN_STREAM("a command of '" << event.getPublisherName()
+                                             << "' is not passed: its publisher latches, so it "
+                                                "may be of long ago; publish it again");
+            return;
+          }
+        }
+        take(*event.getConstMessage());
+      };
+  // Only the newest command counts: one that waited is replaced.
+  return node.subscribe<Message>(topic, 1, callback, nullptr, ros::TransportHints().tcpNoDelay());
 }
 
 std::chrono::steady_clock::duration after(double seconds) {
@@ -85,23 +105,24 @@ void VelocityLimiter::start(const ros::NodeHandle& node, const ros::NodeHandle& 
   own.setCallbackQueue(&queue_);
   scale_ = own_private.advertise<std_msgs::Float64>("speed_scale", 1);
   limit_ = own_private.advertise<SpeedLimit>("speed_limit", 1);
-  subscribers_.push_back(subscribed<sensor_msgs::JointState>(
-      own, parameters_->joint_states, 10, [this](const auto& message) { take(message); }));
-  // Only the newest command counts: one that waited is replaced.
+  const boost::function<void(const sensor_msgs::JointState::ConstPtr&)> take_state =
+      [this](const auto& message) { take(*message); };
+  subscribers_.push_back(own.subscribe<sensor_msgs::JointState>(
+      parameters_->joint_states, 10, take_state, nullptr, ros::TransportHints().tcpNoDelay()));
   if (parameters_->is_trajectory) {
     using trajectory_msgs::JointTrajectory;
     limited_ = own_private.advertise<JointTrajectory>("limited_command", 1);
-    subscribers_.push_back(
-        subscribed<JointTrajectory>(own, parameters_->command, 1, [this](const auto& message) {
-          take({{}, message, {}});
-        }));
+    subscribers_.push_back(subscribedToCommands<JointTrajectory>(own, parameters_->command,
+                                                                 [this](const auto& message) {
+                                                                   take({{}, message, {}});
+                                                                 }));
   } else {
     using std_msgs::Float64MultiArray;
     limited_ = own_private.advertise<Float64MultiArray>("limited_command", 1);
-    subscribers_.push_back(
-        subscribed<Float64MultiArray>(own, parameters_->command, 1, [this](const auto& message) {
-          take({message, {}, {}});
-        }));
+    subscribers_.push_back(subscribedToCommands<Float64MultiArray>(own, parameters_->command,
+                                                                   [this](const auto& message) {
+                                                                     take({message, {}, {}});
+                                                                   }));
   }
   refuseLoop(subscribers_.back().getTopic(), limited_.getTopic());
   const auto wanted = [this] {
