@@ -4,6 +4,7 @@
 #include <limits>
 #include <utility>
 
+#include <boost/weak_ptr.hpp>
 #include <pthread.h>
 #include <std_msgs/Float64.h>
 
