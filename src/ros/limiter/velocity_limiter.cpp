@@ -45,9 +45,10 @@ ros::Subscriber subscribedToCommands(ros::NodeHandle& node, const std::string& t
                              connections->end());
           if (std::none_of(connections->begin(), connections->end(), isThis)) {
             connections->push_back(header);
-            ROS_WARN_STREAM("a command of '" << event.getPublisherName()
-                                             << "' is not passed: its publisher latches, so it "
-                                                "may be of long ago; publish it again");
+            ROS_WARN_STREAM("a command of '"
+                            << event.getPublisherName()
+                            << "' is not passed: its publisher latches, so it "
+                               "may be of long ago; publish at a rate (rostopic pub -r 20)");
             return;
           }
         }
